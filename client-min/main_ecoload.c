@@ -17,25 +17,37 @@ static void on_signal(int number)
 	interrupted = 1;
 }
 
-struct options { struct view_load_options load; const char *camera; uint64_t clients; uint32_t size[2]; bool json; };
+struct options { struct view_load_options load; const char *camera; uint64_t clients; uint32_t size[2];
+	bool json; };
 
-static struct options given = { .load = { .vertices = 1000000, .bytes = ECO_BYTES_UNBOUNDED }, .size = { 800, 600 } };
+static struct options given = { .load = { .vertices = 1000000, .bytes = ECO_BYTES_UNBOUNDED },
+	.size = { 800, 600 } };
 
 static const struct eco_option option_table[] = {
-	{ "the scene's URL", 0, ECO_OPTION_INPUT, "URL", &given.load.url, .help = "of a scene: http://host:port/v1/scenes/NAME",
+	{ "the scene's URL", 0, ECO_OPTION_INPUT, "URL", &given.load.url,
+		.help = "of a scene: http://host:port/v1/scenes/NAME",
 		.is_required = true },
-	{ "camera", 0, ECO_OPTION_TEXT, "CAMERA.json", &given.camera, .help = "camera script", .is_required = true },
-	{ "clients", 0, ECO_OPTION_COUNT, "N", &given.clients, 1, 1000, .help = "1 to 1000", .is_required = true },
-	{ "seconds", 0, ECO_OPTION_NUMBER, "S", &given.load.seconds, 0.001, 1e6, .help = "how long", .is_required = true },
-	{ "vertices", 0, ECO_OPTION_COUNT, "N", &given.load.vertices, 0, ECO_VERTICES_MAX, .help = "budget a frame; 1000000 if not given" },
-	{ "bytes", 0, ECO_OPTION_COUNT, "M", &given.load.bytes, 0, INT64_MAX, .help = "budget of each response; none if not given" },
-	{ "size", 0, ECO_OPTION_SIZE, "WxH", given.size, 1, ECO_IMAGE_MAX, .help = "of the views; 800x600 if not given" },
+	{ "camera", 0, ECO_OPTION_TEXT, "CAMERA.json", &given.camera, .help = "camera script",
+	.is_required = true },
+	{ "clients", 0, ECO_OPTION_COUNT, "N", &given.clients, 1, 1000, .help = "1 to 1000",
+	.is_required = true },
+	{ "seconds", 0, ECO_OPTION_NUMBER, "S", &given.load.seconds, 0.001, 1e6, .help = "how long",
+	.is_required = true },
+	{ "vertices", 0, ECO_OPTION_COUNT, "N", &given.load.vertices, 0, ECO_VERTICES_MAX,
+	.help = "budget a frame; 1000000 if not given" },
+	{ "bytes", 0, ECO_OPTION_COUNT, "M", &given.load.bytes, 0, INT64_MAX,
+	.help = "budget of each response; none if not given" },
+	{ "size", 0, ECO_OPTION_SIZE, "WxH", given.size, 1, ECO_IMAGE_MAX,
+	.help = "of the views; 800x600 if not given" },
 	{ "json", 0, ECO_OPTION_FLAG, NULL, &given.json, .help = "figures as JSON" }, { 0 } };
 
 static const struct eco_command command = { .name = "ecoload", .options = option_table,
-	.synopsis = "URL --camera CAMERA.json --clients N --seconds S [--vertices N] [--bytes M] [--size WxH] [--json]",
-	.says = "N clients walk a camera script, each from its own place in it, asking for the next frame as soon as the last is decoded. "
-		"Every answer is decoded and its vertices are counted anew from what was decoded. A client that is refused because the server "
+	.synopsis = "URL --camera CAMERA.json --clients N --seconds S [--vertices N] [--bytes M] [--size "
+	"WxH] [--json]",
+	.says = "N clients walk a camera script, each from its own place in it, asking for the next frame "
+	"as soon as the last is decoded. "
+		"Every answer is decoded and its vertices are counted anew from what was decoded. A client "
+		"that is refused because the server "
 		"has too much to do waits as long as it asks for.",
 	.notes = "Failures and violations of budgets are failures of ecoload, too.\n" };
 
@@ -49,7 +61,8 @@ static void on_tick(void *ctx, double gone)
 
 /* ---- Figures ---- */
 
-static const struct { const char *name; double share; } quantiles[] = { { "p50", 0.5 }, { "p90", 0.9 }, { "p99", 0.99 }, { "max", 1 } };
+static const struct { const char *name; double share; } quantiles[] = { { "p50", 0.5 }, { "p90", 0.9 },
+	{ "p99", 0.99 }, { "max", 1 } };
 #define QUANTILES (sizeof quantiles / sizeof quantiles[0])
 
 static void print_times(const char *name, const struct view_times *times)
@@ -57,24 +70,27 @@ static void print_times(const char *name, const struct view_times *times)
 	printf("%-14s", name);
 	for (size_t i = 0; i < QUANTILES; i++) {
 		double ms = view_times_quantile(times, quantiles[i].share);
-		isfinite(ms) ? printf("  %s %.1f", quantiles[i].name, ms) : printf("  %s -", quantiles[i].name);
+		isfinite(ms) ? printf("  %s %.1f", quantiles[i].name, ms)
+			: printf("  %s -", quantiles[i].name);
 	}
 	puts(" ms");
 }
 
 static void print_text(const struct view_load_report *r)
 {
-	printf("requests        %llu in %.1f s: %.1f /s, %.2f MB/s\n", (unsigned long long)r->requests, r->seconds,
-		(double)r->requests / r->seconds, (double)r->bytes / r->seconds / 1e6);
+	printf("requests        %llu in %.1f s: %.1f /s, %.2f MB/s\n", (unsigned long long)r->requests,
+		r->seconds, (double)r->requests / r->seconds, (double)r->bytes / r->seconds / 1e6);
 	print_times("latency", &r->latency);
 	print_times("first byte", &r->first_byte);
-	printf("chunks          %llu decoded, %llu sent twice; %llu answers without a picture\n", (unsigned long long)r->chunks,
-		(unsigned long long)r->chunks_twice, (unsigned long long)r->nothing);
+	printf("chunks          %llu decoded, %llu sent twice; %llu answers without a picture\n",
+		(unsigned long long)r->chunks, (unsigned long long)r->chunks_twice,
+		(unsigned long long)r->nothing);
 	printf("violations      vertices %llu, bytes %llu\n", (unsigned long long)r->vertex_violations,
 		(unsigned long long)r->byte_violations);
 	printf("failures       ");
 	for (int i = 0; i < VIEW_LOAD_FAILURES; i++)
-		printf(" %s %llu%s", view_load_failure_names[i], (unsigned long long)r->failures[i], i + 1 < VIEW_LOAD_FAILURES ? "," : "\n");
+		printf(" %s %llu%s", view_load_failure_names[i], (unsigned long long)r->failures[i],
+			i + 1 < VIEW_LOAD_FAILURES ? "," : "\n");
 	if (r->first_failure[0])
 		printf("the first       %s\n", r->first_failure);
 }
@@ -114,7 +130,8 @@ static void print_json(const struct view_load_report *r, const struct options *o
 	for (int i = 0; i < VIEW_LOAD_FAILURES; i++)
 		json_object_set_new(failures, view_load_failure_names[i], count_json(r->failures[i]));
 	json_object_set_new(o, "failures", failures);
-	json_object_set_new(o, "first_failure", r->first_failure[0] ? json_string(r->first_failure) : json_null());
+	json_object_set_new(o, "first_failure", r->first_failure[0] ? json_string(r->first_failure)
+		: json_null());
 	json_dumpf(o, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
 	putchar('\n');
 	json_decref(o);
@@ -141,7 +158,8 @@ static enum eco_code run(struct options *o, struct eco_error *error)
 		else
 			print_text(&report);
 		if (!view_load_clean(&report))
-			code = eco_fail(error, ECO_DAMAGED, "there were failures or violations, or no answer at all");
+			code = eco_fail(error, ECO_DAMAGED, "there were failures or violations, or no "
+				"answer at all");
 		view_load_free(&report);
 	}
 	eco_camera_free(camera);

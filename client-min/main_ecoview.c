@@ -1,4 +1,5 @@
-/* ecoview: streams the frames of a camera script, draws them, and scores them against the full-detail reference. */
+/* ecoview: streams the frames of a camera script, draws them, and scores them against the full-detail
+ * reference. */
 #include <errno.h>
 #include <math.h>
 #include <signal.h>
@@ -39,14 +40,16 @@ struct viewer {                          /* everything that lives as long as the
 	struct options options;
 	struct eco_camera *camera;
 	struct view_fetch *fetch;
-	struct view_store *store, *full;         /* the reference has a store of its own: it must not count as held by the frames */
+	/* the reference has a store of its own: it must not count as held by the frames */
+	struct view_store *store, *full;
 	struct view_gl *gl;                      /* NULL: no OpenGL; pictures are then flat */
 	struct view_picture picture, reference;
 	struct view_report report;
 	struct view_explain explain;
 	struct view_progress progress;
 	double parts, part;
-	double under_m;                          /* how far the last eye was below the ground that was drawn; else 0 or less */
+	/* how far the last eye was below the ground that was drawn; else 0 or less */
+	double under_m;
 };
 
 static volatile sig_atomic_t interrupted;
@@ -77,40 +80,53 @@ static enum eco_code read_frames(const char *text, void *value, struct eco_error
 static enum eco_code read_reference(const char *text, void *value, struct eco_error *error)
 {
 	enum engine *engine = value;
-	*engine = !text ? ENGINE_AUTO : !strcmp(text, "cpu") ? ENGINE_CPU : !strcmp(text, "egl") ? ENGINE_EGL : ENGINE_NONE;
-	return *engine ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "--reference=%.100s: must be one of cpu, egl", text);
+	*engine = !text ? ENGINE_AUTO : !strcmp(text, "cpu") ? ENGINE_CPU : !strcmp(text, "egl") ? ENGINE_EGL
+		: ENGINE_NONE;
+	return *engine ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "--reference=%.100s: must be one of cpu, "
+		"egl", text);
 }
 
 static const char *const rules[] = { "optimal", "deussen", NULL };
 static const char *const tints[] = { [VIEW_TINT_NONE] = "none", [VIEW_TINT_KIND] = "kind", NULL };
 
 static const struct eco_option option_table[] = {
-	{ "the scene's URL", 0, ECO_OPTION_INPUT, "URL", &given.url, .help = "of a scene: http://host:port/v1/scenes/NAME", .is_required = true },
-	{ "camera", 0, ECO_OPTION_TEXT, "CAMERA.json", &given.camera, .help = "camera script", .is_required = true },
+	{ "the scene's URL", 0, ECO_OPTION_INPUT, "URL", &given.url,
+		.help = "of a scene: http://host:port/v1/scenes/NAME", .is_required = true },
+	{ "camera", 0, ECO_OPTION_TEXT, "CAMERA.json", &given.camera, .help = "camera script",
+	.is_required = true },
 	{ "size", 0, ECO_OPTION_SIZE, "WxH", given.size, 1, ECO_IMAGE_MAX, .is_required = true,
 		.help = "of the pictures, in pixels; at most 16384 either way and 2^26 in all" },
 	{ "vertices", 0, ECO_OPTION_COUNT, "N", &given.vertices, 0, ECO_VERTICES_MAX, .is_required = true,
 		.help = "budget a frame: points + 2 lines + 3 triangles drawn, instances counted" },
 	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &given.dir, .is_required = true,
 		.help = "where pictures and report.json go; made if missing" },
-	{ "bytes", 0, ECO_OPTION_COUNT, "M", &given.bytes, 0, INT64_MAX, .help = "budget of each response; none if not given" },
+	{ "bytes", 0, ECO_OPTION_COUNT, "M", &given.bytes, 0, INT64_MAX,
+	.help = "budget of each response; none if not given" },
 	{ "ground-px", 0, ECO_OPTION_NUMBER, "X", &given.ground_px, ECO_GROUND_PX_MIN, ECO_GROUND_PX_MAX,
 		.help = "how far the ground may be from where it is, 0.01 to 65536 pixels; 1 if not given" },
 	{ "rule", 0, ECO_OPTION_CHOICE, "NAME", &given.rule, .choices = rules,
-		.help = "how the server spends the budget: optimal (the default), or deussen (Deussen 2002), to compare with" },
-	{ "reference", 0, ECO_OPTION_READ, "cpu|egl", &given.reference, .read = read_reference, .has_optional_value = true,
-		.help = "also draw everything at full detail, and score; by default with OpenGL on hardware, else in software" },
+		.help = "how the server spends the budget: optimal (the default), or deussen (Deussen "
+		"2002), to compare with" },
+	{ "reference", 0, ECO_OPTION_READ, "cpu|egl", &given.reference, .read = read_reference,
+	.has_optional_value = true,
+		.help = "also draw everything at full detail, and score; by default with OpenGL on "
+		"hardware, else in software" },
 	{ "tint", 0, ECO_OPTION_CHOICE, "kind", &given.tint, .choices = tints,
-		.help = "colour by representation: green triangles, red lines, blue points, yellow and orange blends" },
+		.help = "colour by representation: green triangles, red lines, blue points, yellow and "
+		"orange blends" },
 	{ "explain", 0, ECO_OPTION_TEXT, "FILE.csv", &given.explain,
-		.help = "a table of why each cut of each frame is what it is; the server plans twice for it" },
-	{ "frames", 0, ECO_OPTION_READ, "A..B", &given, .read = read_frames, .help = "only these frames of the script (inclusive)" }, { 0 } };
+		.help = "a table of why each cut of each frame is what it is; the server plans twice for "
+		"it" },
+	{ "frames", 0, ECO_OPTION_READ, "A..B", &given, .read = read_frames,
+	.help = "only these frames of the script (inclusive)" }, { 0 } };
 
 static const struct eco_command command = { .name = "ecoview", .options = option_table,
-	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--ground-px X] [--rule NAME] [--reference[=cpu|egl]] [--tint kind] "
+	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--ground-px X] "
+	"[--rule NAME] [--reference[=cpu|egl]] [--tint kind] "
 		"[--frames A..B] [--explain FILE.csv]",
 	.says = "Streams a scene along a camera script and draws every frame as a PNG.",
-	.notes = "Writes frame-0000.png, ...; with --reference also reference-0000.png, frame-0000.mask.png, reference-0000.mask.png and "
+	.notes = "Writes frame-0000.png, ...; with --reference also reference-0000.png, "
+	"frame-0000.mask.png, reference-0000.mask.png and "
 		"pr-0000.png (light: right, orange: too much, blue: missing).\n" };
 
 static enum eco_code read_line(int argc, char **argv, struct options *o, struct eco_error *error)
@@ -120,14 +136,15 @@ static enum eco_code read_line(int argc, char **argv, struct options *o, struct 
 	o->width = given.size[0];
 	o->height = given.size[1];
 	if (!code && (uint64_t)o->width * o->height > ECO_PIXELS_MAX)
-		code = eco_fail(error, ECO_BAD_USAGE, "--size %ux%u: a picture has at most %u pixels", o->width, o->height, ECO_PIXELS_MAX);
+		code = eco_fail(error, ECO_BAD_USAGE, "--size %ux%u: a picture has at most %u pixels",
+			o->width, o->height, ECO_PIXELS_MAX);
 	return code;
 }
 
 /* ---- Files ---- */
 
-static enum eco_code save(const struct viewer *v, const char *format, uint32_t frame, const uint8_t *bytes, uint32_t channels,
-	struct eco_error *error)
+static enum eco_code save(const struct viewer *v, const char *format, uint32_t frame, const uint8_t *bytes,
+	uint32_t channels, struct eco_error *error)
 {
 	char name[64], path[4096];
 	snprintf(name, sizeof name, format, frame);
@@ -159,7 +176,8 @@ static enum eco_code make_dir(const char *dir, struct eco_error *error)
 {
 	char path[4096];
 	if (!*dir || snprintf(path, sizeof path, "%s", dir) >= (int)sizeof path)
-		return eco_fail(error, ECO_BAD_USAGE, "-o takes a folder's name of at most %zu characters", sizeof path - 1);
+		return eco_fail(error, ECO_BAD_USAGE, "-o takes a folder's name of at most %zu characters",
+			sizeof path - 1);
 	for (char *at = path + 1;; at++) {
 		char kept = *at;
 		if (kept && kept != '/')
@@ -186,10 +204,10 @@ static void step(struct viewer *v, uint32_t frame, const char *what)
 	view_progress_show(&v->progress, v->part++, v->parts, text);
 }
 
-/* Draws a store's plan into `picture`: with OpenGL (colours, mask, owners), in software, or mask in software and colours with OpenGL
- * where that is affordable. */
-static enum eco_code draw(struct viewer *v, const struct view_store *store, const struct lod_eye *eye, bool software,
-	struct view_picture *picture, struct eco_error *error)
+/* Draws a store's plan into `picture`: with OpenGL (colours, mask, owners), in software, or mask in software
+ * and colours with OpenGL where that is affordable. */
+static enum eco_code draw(struct viewer *v, const struct view_store *store, const struct lod_eye *eye,
+	bool software, struct view_picture *picture, struct eco_error *error)
 {
 	struct view_selection selection;
 	enum eco_code code = view_select_make(&selection, store, eye, error);
@@ -221,35 +239,37 @@ static enum eco_code draw(struct viewer *v, const struct view_store *store, cons
 		}
 	}
 	double ground_m;
-	v->under_m = view_ground_height(&selection.ground, eye->at[0], eye->at[1], &ground_m) ? ground_m - eye->at[2] : 0;
+	v->under_m = view_ground_height(&selection.ground, eye->at[0], eye->at[1], &ground_m)
+		? ground_m - eye->at[2] : 0;
 	view_select_free(&selection);
 	return code;
 }
 
-/* From there the ground hides what should be seen, in a plan that does not expect it: almost always a script whose heights count from the
- * ground, not from the scene's origin. */
+/* From there the ground hides what should be seen, in a plan that does not expect it: almost always a script
+ * whose heights count from the ground, not from the scene's origin. */
 static void note_under_ground(struct viewer *v, uint32_t frame)
 {
 	if (!(v->under_m > 0))
 		return;
 	view_progress_clear(&v->progress);
-	fprintf(stderr, "ecoview: frame %u: the eye is %.2f m below the ground; heights in the script count from the scene's origin\n", frame,
-		v->under_m);
+	fprintf(stderr, "ecoview: frame %u: the eye is %.2f m below the ground; heights in the script count "
+		"from the scene's origin\n", frame, v->under_m);
 }
 
 static enum eco_code check_budgets(const struct view_frame *f, struct eco_error *error)
 {
 	if (f->vertices > f->budget_vertices)
-		return eco_fail(error, ECO_DAMAGED, "frame %u: %llu vertices were drawn, %llu were allowed", f->frame,
-			(unsigned long long)f->vertices, (unsigned long long)f->budget_vertices);
+		return eco_fail(error, ECO_DAMAGED, "frame %u: %llu vertices were drawn, %llu were allowed",
+			f->frame, (unsigned long long)f->vertices, (unsigned long long)f->budget_vertices);
 	if (f->bytes > f->budget_bytes)
-		return eco_fail(error, ECO_DAMAGED, "frame %u: the response took %llu bytes, %llu were allowed", f->frame,
-			(unsigned long long)f->bytes, (unsigned long long)f->budget_bytes);
+		return eco_fail(error, ECO_DAMAGED, "frame %u: the response took %llu bytes, %llu were "
+			"allowed", f->frame, (unsigned long long)f->bytes,
+			(unsigned long long)f->budget_bytes);
 	return ECO_OK;
 }
 
-static enum eco_code stream_frame(struct viewer *v, const struct eco_request *request, const struct lod_eye *eye,
-	struct view_frame *f, struct eco_error *error)
+static enum eco_code stream_frame(struct viewer *v, const struct eco_request *request,
+	const struct lod_eye *eye, struct view_frame *f, struct eco_error *error)
 {
 	struct view_fetch_result result;
 	step(v, f->frame, "stream");
@@ -263,7 +283,8 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	f->decode_ms = view_store_stats(v->store)->decode_ms;
 	if (result.nothing) {
 		view_progress_clear(&v->progress);
-		fprintf(stderr, "ecoview: frame %u: no picture fits in --bytes, nothing is drawn; allow more\n", f->frame);
+		fprintf(stderr, "ecoview: frame %u: no picture fits in --bytes, nothing is drawn; allow "
+			"more\n", f->frame);
 	} else {
 		f->predicted_q = eco_predicted_q(&view_store_plan(v->store)->prediction);
 	}
@@ -277,21 +298,24 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	return check_budgets(f, error);
 }
 
-/* Where more plants are in view than a plan looks at, the best that can be asked for is not all there is: then the score is against that. */
+/* Where more plants are in view than a plan looks at, the best that can be asked for is not all there is:
+ * then the score is against that. */
 static void note_summaries(struct viewer *v, struct view_frame *f)
 {
 	f->reference_summaries = view_store_summaries(v->full);
 	if (f->reference_summaries > 0) {
 		view_progress_clear(&v->progress);
-		fprintf(stderr, "ecoview: frame %u: the reference is not full detail: more plants are in view than can be drawn one by one, %.0f tiles "
+		fprintf(stderr, "ecoview: frame %u: the reference is not full detail: more plants are in "
+			"view than can be drawn one by one, %.0f tiles "
 			"are points there, too\n", f->frame, f->reference_summaries);
 	}
 }
 
-static enum eco_code score_frame(struct viewer *v, const struct eco_request *request, const struct lod_eye *eye, struct view_frame *f,
-	struct eco_error *error)
+static enum eco_code score_frame(struct viewer *v, const struct eco_request *request,
+	const struct lod_eye *eye, struct view_frame *f, struct eco_error *error)
 {
-	struct eco_request everything = { request->view, ECO_VERTICES_MAX, ECO_BYTES_UNBOUNDED, ECO_GROUND_PX_MIN };
+	struct eco_request everything = { request->view, ECO_VERTICES_MAX, ECO_BYTES_UNBOUNDED,
+		ECO_GROUND_PX_MIN };
 	struct view_fetch_result result;
 	double start = view_clock_ms();
 	step(v, f->frame, "fetch the reference");
@@ -303,8 +327,8 @@ static enum eco_code score_frame(struct viewer *v, const struct eco_request *req
 	if (code)
 		return code;
 	struct lod_score score;
-	struct lod_score_input input = { v->options.width, v->options.height, v->picture.cover, v->reference.cover, v->picture.owner,
-		v->reference.owner };
+	struct lod_score_input input = { v->options.width, v->options.height, v->picture.cover,
+		v->reference.cover, v->picture.owner, v->reference.owner };
 	lod_score(&score, &input);
 	view_frame_score(f, &score);
 	note_summaries(v, f);
@@ -314,7 +338,8 @@ static enum eco_code score_frame(struct viewer *v, const struct eco_request *req
 
 static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_error *error)
 {
-	struct eco_request request = { .vertices = v->options.vertices, .bytes = v->options.bytes, .ground_px = v->options.ground_px };
+	struct eco_request request = { .vertices = v->options.vertices, .bytes = v->options.bytes,
+		.ground_px = v->options.ground_px };
 	request.view.width = v->options.width;
 	request.view.height = v->options.height;
 	double time_s = eco_camera_frame(v->camera, number, &request.view);
@@ -347,11 +372,13 @@ static enum eco_code all_frames(struct viewer *v, struct eco_error *error)
 	if (!o->has_frames)
 		o->frame_last = count - 1;
 	if (o->frame_last >= count)
-		return eco_fail(error, ECO_BAD_USAGE, "--frames: the camera script has frames 0..%u", count - 1);
+		return eco_fail(error, ECO_BAD_USAGE, "--frames: the camera script has frames 0..%u",
+			count - 1);
 	v->parts = (double)(o->frame_last - o->frame_first + 1) * (o->reference ? 4 : 2);
 	enum eco_code code = ECO_OK;
 	for (uint64_t i = o->frame_first; i <= o->frame_last && !code; i++)
-		code = interrupted ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : one_frame(v, (uint32_t)i, error);
+		code = interrupted ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
+			: one_frame(v, (uint32_t)i, error);
 	v->report.complete = code == ECO_OK;
 	view_progress_clear(&v->progress);
 	v->report.scene = view_store_scene_name(v->store);
@@ -360,8 +387,8 @@ static enum eco_code all_frames(struct viewer *v, struct eco_error *error)
 	if (!written)
 		written = view_explain_close(&v->explain, v->report.count > 0, error);
 	if (code == ECO_INTERRUPTED)
-		fprintf(stderr, "ecoview: interrupted after %u of %llu frames; %s/report.json holds them\n", v->report.count,
-			(unsigned long long)(o->frame_last - o->frame_first + 1), o->dir);
+		fprintf(stderr, "ecoview: interrupted after %u of %llu frames; %s/report.json holds them\n",
+			v->report.count, (unsigned long long)(o->frame_last - o->frame_first + 1), o->dir);
 	return code ? code : written;
 }
 
@@ -379,7 +406,8 @@ static enum eco_code open_gl(struct viewer *v, struct eco_error *error)
 	if (v->options.reference == ENGINE_AUTO)
 		v->options.reference = v->gl && view_gl_hardware(v->gl) ? ENGINE_EGL : ENGINE_CPU;
 	v->report.renderer = v->gl ? view_gl_renderer(v->gl) : "software";
-	v->report.reference = v->options.reference == ENGINE_NONE ? NULL : v->options.reference == ENGINE_CPU ? "cpu" : "egl";
+	v->report.reference = v->options.reference == ENGINE_NONE ? NULL : v->options.reference == ENGINE_CPU
+		? "cpu" : "egl";
 	v->report.width = v->options.width;
 	v->report.height = v->options.height;
 	return ECO_OK;
@@ -388,7 +416,8 @@ static enum eco_code open_gl(struct viewer *v, struct eco_error *error)
 static enum eco_code start(struct viewer *v, struct eco_error *error)
 {
 	const struct options *o = &v->options;
-	struct view_fetch_options fetch = { .url = o->url, .rule = o->rule ? rules[o->rule] : NULL, .patience_ms = PATIENCE_MS, .stop = &interrupted };
+	struct view_fetch_options fetch = { .url = o->url, .rule = o->rule ? rules[o->rule] : NULL,
+		.patience_ms = PATIENCE_MS, .stop = &interrupted };
 	struct view_store_options store = { .images = true };
 	enum eco_code code = eco_camera_load(&v->camera, o->camera, error);
 	if (!code)

@@ -11,10 +11,11 @@ static bool create(struct view_egl *egl, EGLDisplay display, bool es)
 {
 	if (!eglBindAPI(es ? EGL_OPENGL_ES_API : EGL_OPENGL_API))
 		return false;
-	const EGLint core[] = { EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5, EGL_CONTEXT_OPENGL_PROFILE_MASK,
-		EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE };
+	const EGLint core[] = { EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5,
+		EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE };
 	const EGLint embedded[] = { EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 2, EGL_NONE };
-	EGLContext context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, es ? embedded : core);
+	EGLContext context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT,
+		es ? embedded : core);
 	if (context == EGL_NO_CONTEXT)
 		return false;
 	if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context)) {
@@ -57,7 +58,8 @@ static bool open_device(struct view_egl *egl, bool software)
 		return false;
 	for (EGLint i = 0; i < count; i++)
 		if (is_software(devices[i]) == software &&
-			open_display(egl, eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[i], NULL)))
+			open_display(egl,
+			eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[i], NULL)))
 			return true;
 	return false;
 }
@@ -65,7 +67,8 @@ static bool open_device(struct view_egl *egl, bool software)
 static bool open_surfaceless(struct view_egl *egl)
 {
 	return epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless") &&
-		open_display(egl, eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL));
+		open_display(egl, eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY,
+		NULL));
 }
 
 enum eco_code view_egl_open(struct view_egl *egl, struct eco_error *error)
@@ -73,12 +76,15 @@ enum eco_code view_egl_open(struct view_egl *egl, struct eco_error *error)
 	*egl = (struct view_egl){ 0 };
 	if (!epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_base") ||
 		!(open_device(egl, false) || open_surfaceless(egl) || open_device(egl, true)))
-		return eco_fail(error, ECO_UNSUPPORTED, "no OpenGL 4.5 or OpenGL ES 3.2 without a window: tried EGL devices and Mesa's surfaceless "
+		return eco_fail(error, ECO_UNSUPPORTED, "no OpenGL 4.5 or OpenGL ES 3.2 without a window: "
+			"tried EGL devices and Mesa's surfaceless "
 			"platform (Debian: libegl1, libgl1-mesa-dri)");
 	const char *name = (const char *)glGetString(GL_RENDERER);
 	snprintf(egl->renderer, sizeof egl->renderer, "%s", name ? name : "unknown");
-	egl->hardware = !strstr(egl->renderer, "llvmpipe") && !strstr(egl->renderer, "softpipe") && !strstr(egl->renderer, "SwiftShader");
-	egl->dialect.depth_zero_to_one = egl->dialect.es ? epoxy_has_gl_extension("GL_EXT_clip_control") : true;
+	egl->hardware = !strstr(egl->renderer, "llvmpipe") && !strstr(egl->renderer, "softpipe")
+		&& !strstr(egl->renderer, "SwiftShader");
+	egl->dialect.depth_zero_to_one = egl->dialect.es ? epoxy_has_gl_extension("GL_EXT_clip_control")
+		: true;
 	return ECO_OK;
 }
 

@@ -6,7 +6,8 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char *const columns[] = { "list", "first", "end", "tile", "plant", "band", "distance_m", "share_first", "share_end", "plants",
+static const char *const columns[] = { "list", "first", "end", "tile", "plant", "band", "distance_m",
+	"share_first", "share_end", "plants",
 	"vertices", "gain_px", "next_lambda", "why", "reason" };
 #define COLUMNS (sizeof columns / sizeof *columns)
 
@@ -51,7 +52,8 @@ static void write_value(FILE *out, const json_t *value)
 enum eco_code view_explain_write(FILE *out, uint32_t frame, const char *json, struct eco_error *error)
 {
 	json_error_t where;
-	json_t *root = json_loads(json, 0, &where), *why = json_object_get(root, "explanation"), *rows = json_object_get(why, "rows"), *row;
+	json_t *root = json_loads(json, 0, &where), *why = json_object_get(root, "explanation"),
+		*rows = json_object_get(why, "rows"), *row;
 	size_t i;
 	bool good = json_is_array(rows);
 	json_array_foreach(rows, i, row) {
@@ -64,11 +66,12 @@ enum eco_code view_explain_write(FILE *out, uint32_t frame, const char *json, st
 		fputc('\n', out);
 	}
 	json_decref(root);
-	return good ? ECO_OK : eco_fail(error, ECO_UNSUPPORTED, "frame %u: the server does not explain its plans; it is older than this program", frame);
+	return good ? ECO_OK : eco_fail(error, ECO_UNSUPPORTED, "frame %u: the server does not explain its "
+		"plans; it is older than this program", frame);
 }
 
-enum eco_code view_explain_frame(struct view_explain *explain, struct view_fetch *fetch, uint32_t frame, const struct eco_request *request,
-	struct eco_error *error)
+enum eco_code view_explain_frame(struct view_explain *explain, struct view_fetch *fetch, uint32_t frame,
+	const struct eco_request *request, struct eco_error *error)
 {
 	char *text;
 	if (!explain->out)

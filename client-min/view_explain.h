@@ -1,4 +1,5 @@
-/* Why each cut of each frame's plan is what it is, as a table for a spreadsheet: what the server's plan?explain=1 says (server/openapi.yaml).
+/* Why each cut of each frame's plan is what it is, as a table for a spreadsheet: what the server's
+ * plan?explain=1 says (server/openapi.yaml).
  *
  *   view_explain_open(&explain, "why.csv", &error);
  *   view_explain_frame(&explain, fetch, frame, &request, &error);
@@ -17,8 +18,8 @@ struct view_explain {
 };
 
 enum eco_code view_explain_open(struct view_explain *explain, const char *path, struct eco_error *error);
-enum eco_code view_explain_frame(struct view_explain *explain, struct view_fetch *fetch, uint32_t frame, const struct eco_request *request,
-	struct eco_error *error);
+enum eco_code view_explain_frame(struct view_explain *explain, struct view_fetch *fetch, uint32_t frame,
+	const struct eco_request *request, struct eco_error *error);
 enum eco_code view_explain_close(struct view_explain *explain, bool keep, struct eco_error *error);
 
 /* The rows of a plan's JSON, as lines. */

@@ -32,7 +32,8 @@ struct view_fetch {
 
 enum eco_code view_fetch_setup(struct eco_error *error)
 {
-	return curl_global_init(CURL_GLOBAL_DEFAULT) ? eco_fail(error, ECO_IO, "libcurl does not start") : ECO_OK;
+	return curl_global_init(CURL_GLOBAL_DEFAULT) ? eco_fail(error, ECO_IO, "libcurl does not start")
+		: ECO_OK;
 }
 
 void view_fetch_teardown(void)
@@ -55,10 +56,11 @@ size_t view_fetch_query(const struct eco_request *request, char *out, size_t roo
 	at = append_numbers(out, room, at, "&up", v->up, 3);
 	at = append_numbers(out, room, at, "&fov_y_deg", &v->fov_y_deg, 1);
 	if (at < room)
-		at += (size_t)snprintf(out + at, room - at, "&width=%u&height=%u&vertices=%llu", v->width, v->height,
-			(unsigned long long)request->vertices);
+		at += (size_t)snprintf(out + at, room - at, "&width=%u&height=%u&vertices=%llu", v->width,
+			v->height, (unsigned long long)request->vertices);
 	if (at < room && request->bytes != ECO_BYTES_UNBOUNDED)
-		at += (size_t)snprintf(out + at, room - at, "&bytes=%llu", (unsigned long long)request->bytes);
+		at += (size_t)snprintf(out + at, room - at, "&bytes=%llu",
+			(unsigned long long)request->bytes);
 	if (at < room && request->ground_px > 0)
 		at = append_numbers(out, room, at, "&ground_px", &request->ground_px, 1);
 	return at;
@@ -171,13 +173,16 @@ static void set_options(struct view_fetch *fetch)
 static enum eco_code check_url(const char *url, struct eco_error *error)
 {
 	if (strncmp(url, "http://", 7) != 0 && strncmp(url, "https://", 8) != 0)
-		return eco_fail(error, ECO_BAD_USAGE, "'%s' is not a scene's URL: it should look like http://host:port/v1/scenes/NAME", url);
+		return eco_fail(error, ECO_BAD_USAGE, "'%s' is not a scene's URL: it should look like "
+			"http://host:port/v1/scenes/NAME", url);
 	if (strpbrk(url, "?# ") || strlen(url) > 2000)
-		return eco_fail(error, ECO_BAD_USAGE, "a scene's URL has no query, fragment or space and at most 2000 characters");
+		return eco_fail(error, ECO_BAD_USAGE, "a scene's URL has no query, fragment or space and at "
+			"most 2000 characters");
 	return ECO_OK;
 }
 
-enum eco_code view_fetch_new(struct view_fetch **out, const struct view_fetch_options *options, struct eco_error *error)
+enum eco_code view_fetch_new(struct view_fetch **out, const struct view_fetch_options *options,
+	struct eco_error *error)
 {
 	*out = NULL;
 	enum eco_code code = check_url(options->url, error);
@@ -221,10 +226,12 @@ void view_fetch_free(struct view_fetch *fetch)
 /* ---- One request ---- */
 
 /* What is neither a stream nor a problem comes from some other server, or from one in between. */
-static enum eco_code stranger(const struct view_fetch *fetch, enum eco_code code, const char *type, struct eco_error *error)
+static enum eco_code stranger(const struct view_fetch *fetch, enum eco_code code, const char *type,
+	struct eco_error *error)
 {
-	return eco_fail(error, code, "%s: the server answered %ld%s%.60s, as no ecoserve does; a scene's URL is http://host:port/v1/scenes/NAME",
-		fetch->options.url, fetch->result->status, type ? " with " : "", type ? type : "");
+	return eco_fail(error, code, "%s: the server answered %ld%s%.60s, as no ecoserve does; a scene's "
+		"URL is http://host:port/v1/scenes/NAME", fetch->options.url, fetch->result->status,
+		type ? " with " : "", type ? type : "");
 }
 
 static enum eco_code problem(struct view_fetch *fetch, struct eco_error *error)
@@ -235,8 +242,10 @@ static enum eco_code problem(struct view_fetch *fetch, struct eco_error *error)
 	const char *detail = json_string_value(json_object_get(root, "detail"));
 	enum eco_code code = status == 404 ? ECO_NOT_FOUND : status >= 500 ? ECO_IO : ECO_BAD_INPUT;
 	if (title)
-		eco_fail(error, code, "%s: the server answered %ld: %s%s%s%s", fetch->options.url, status, title, detail ? ": " : "", detail ? detail : "",
-			strstr(fetch->options.url, "/v1/scenes/") ? "" : "; a scene's URL is http://host:port/v1/scenes/NAME");
+		eco_fail(error, code, "%s: the server answered %ld: %s%s%s%s", fetch->options.url, status,
+			title, detail ? ": " : "", detail ? detail : "",
+			strstr(fetch->options.url, "/v1/scenes/") ? ""
+			: "; a scene's URL is http://host:port/v1/scenes/NAME");
 	else
 		stranger(fetch, code, NULL, error);
 	json_decref(root);
@@ -248,17 +257,21 @@ static enum eco_code outcome(struct view_fetch *fetch, CURLcode rc, struct eco_e
 	if (fetch->stopped)
 		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	if (fetch->stalled)
-		return eco_fail(error, ECO_IO, "%s: nothing came for %ld s", fetch->options.url, fetch->options.stall_ms / 1000);
+		return eco_fail(error, ECO_IO, "%s: nothing came for %ld s", fetch->options.url,
+			fetch->options.stall_ms / 1000);
 	const char *type = NULL;
 	curl_easy_getinfo(fetch->curl, CURLINFO_CONTENT_TYPE, &type);
 	const char *wanted = fetch->text ? "application/json" : "application/octet-stream";
 	if (fetch->result->status == 200 && type && strncasecmp(type, wanted, strlen(wanted)) != 0)
 		return stranger(fetch, ECO_BAD_INPUT, type, error);
 	if (fetch->stream_error.code)
-		return eco_fail(error, fetch->stream_error.code, "%s: %s", fetch->options.url, fetch->stream_error.text);
+		return eco_fail(error, fetch->stream_error.code, "%s: %s", fetch->options.url,
+			fetch->stream_error.text);
 	if (rc && !(rc == CURLE_WRITE_ERROR && fetch->result->status >= 400))
-		return eco_fail(error, ECO_IO, "%s: %s%s", fetch->options.url, fetch->curl_text[0] ? fetch->curl_text : curl_easy_strerror(rc),
-			rc == CURLE_COULDNT_CONNECT ? "; start ecoserve there, or take the URL that it printed" : "");
+		return eco_fail(error, ECO_IO, "%s: %s%s", fetch->options.url,
+			fetch->curl_text[0] ? fetch->curl_text : curl_easy_strerror(rc),
+			rc == CURLE_COULDNT_CONNECT ? "; start ecoserve there, or take the URL that it "
+			"printed" : "");
 	if (fetch->result->status == 204) {
 		fetch->result->nothing = true;
 		return ECO_OK;
@@ -269,18 +282,20 @@ static enum eco_code outcome(struct view_fetch *fetch, CURLcode rc, struct eco_e
 }
 
 /* A stream if there is a body to post, else an explanation. */
-static enum eco_code perform(struct view_fetch *fetch, const struct eco_request *request, const struct eco_writer *body,
-	struct eco_error *error)
+static enum eco_code perform(struct view_fetch *fetch, const struct eco_request *request,
+	const struct eco_writer *body, struct eco_error *error)
 {
 	char query[VIEW_QUERY_BYTES], *url;
 	const char *rule = fetch->options.rule;
 	if (view_fetch_query(request, query, sizeof query) >= sizeof query
-			|| asprintf(&url, "%s/%s?%s%s%s%s", fetch->url, body ? "stream" : "plan", query, rule ? "&rule=" : "", rule ? rule : "",
+			|| asprintf(&url, "%s/%s?%s%s%s%s", fetch->url, body ? "stream" : "plan", query,
+			rule ? "&rule=" : "", rule ? rule : "",
 				body ? "" : "&explain=1") < 0)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for a request");
 	curl_easy_setopt(fetch->curl, CURLOPT_URL, url);
 	if (body) {
-		curl_easy_setopt(fetch->curl, CURLOPT_POSTFIELDS, body->bytes ? (const char *)body->bytes : "");
+		curl_easy_setopt(fetch->curl, CURLOPT_POSTFIELDS, body->bytes ? (const char *)body->bytes
+			: "");
 		curl_easy_setopt(fetch->curl, CURLOPT_POSTFIELDSIZE_LARGE, (curl_off_t)body->size);
 	} else {
 		curl_easy_setopt(fetch->curl, CURLOPT_HTTPGET, 1L);
@@ -305,8 +320,8 @@ static void begin(struct view_fetch *fetch)
 	fetch->curl_text[0] = '\0';
 }
 
-static enum eco_code attempt(struct view_fetch *fetch, struct view_store *store, const struct eco_request *request,
-	struct eco_error *error)
+static enum eco_code attempt(struct view_fetch *fetch, struct view_store *store,
+	const struct eco_request *request, struct eco_error *error)
 {
 	begin(fetch);
 	view_store_begin(store);
@@ -338,8 +353,8 @@ static bool wait_for_retry(const struct view_fetch *fetch, double until_ms)
 	return true;
 }
 
-enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *store, const struct eco_request *request,
-	struct view_fetch_result *result, struct eco_error *error)
+enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *store,
+	const struct eco_request *request, struct view_fetch_result *result, struct eco_error *error)
 {
 	double until_ms = view_clock_ms() + (double)fetch->options.patience_ms;
 	fetch->result = result;
@@ -352,7 +367,8 @@ enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *sto
 	}
 }
 
-enum eco_code view_fetch_explanation(struct view_fetch *fetch, const struct eco_request *request, char **text, struct eco_error *error)
+enum eco_code view_fetch_explanation(struct view_fetch *fetch, const struct eco_request *request, char **text,
+	struct eco_error *error)
 {
 	double until_ms = view_clock_ms() + (double)fetch->options.patience_ms;
 	struct view_fetch_result result;
@@ -370,7 +386,8 @@ enum eco_code view_fetch_explanation(struct view_fetch *fetch, const struct eco_
 	fetch->text = NULL;
 	eco_write_u8(&body, 0);
 	if (!code && body.failed)
-		code = eco_fail(&one, ECO_NO_MEMORY, "no memory for an explanation of %llu bytes", (unsigned long long)result.bytes);
+		code = eco_fail(&one, ECO_NO_MEMORY, "no memory for an explanation of %llu bytes",
+			(unsigned long long)result.bytes);
 	*text = code ? NULL : (char *)body.bytes;
 	if (code)
 		eco_writer_free(&body);

@@ -4,8 +4,9 @@
  *   view_fetch_stream(fetch, store, &request, &result, &error);
  *   view_fetch_free(fetch);
  *
- * POST url/stream?eye=..&target=..&up=..&fov_y_deg=..&width=..&height=..&vertices=..[&bytes=..][&rule=..] with the store's holdings as body.
- * Problem documents (RFC 9457) become errors with their title and detail. Everything is bounded: the body, its rate, the time. */
+ * POST url/stream?eye=..&target=..&up=..&fov_y_deg=..&width=..&height=..&vertices=..[&bytes=..][&rule=..]
+ * with the store's holdings as body. Problem documents (RFC 9457) become errors with their title and detail.
+ * Everything is bounded: the body, its rate, the time. */
 #ifndef VIEW_FETCH_H
 #define VIEW_FETCH_H
 
@@ -16,40 +17,49 @@
 struct view_fetch;
 
 struct view_fetch_options {
-	const char *url;                         /* of a scene, http://host:port/v1/scenes/NAME; a final slash is ignored */
-	const char *rule;                        /* how the server is to spend the budget: optimal or deussen; NULL: as it likes */
+	/* of a scene, http://host:port/v1/scenes/NAME; a final slash is ignored */
+	const char *url;
+	/* how the server is to spend the budget: optimal or deussen; NULL: as it likes */
+	const char *rule;
 	uint64_t body_max;                       /* 0: 16 GiB */
-	long connect_ms, stall_ms;               /* give up when connecting takes longer, or nothing comes for so long; 0: 10 s, 120 s */
-	long patience_ms;                        /* a server that is busy (503 with Retry-After) is asked again for so long; 0: it is an error */
+	/* give up when connecting takes longer, or nothing comes for so long; 0: 10 s, 120 s */
+	long connect_ms, stall_ms;
+	/* a server that is busy (503 with Retry-After) is asked again for so long; 0: it is an error */
+	long patience_ms;
 	const volatile sig_atomic_t *stop;       /* not 0: end with ECO_INTERRUPTED; may be NULL */
 };
 
 struct view_fetch_result {
 	long status;                             /* HTTP; 0 if there was none */
-	bool nothing;                            /* 204: no valid stream fits the budget; the store holds no plan */
+	/* 204: no valid stream fits the budget; the store holds no plan */
+	bool nothing;
 	uint64_t bytes;                          /* of the response body */
-	double retry_ms;                         /* when a server that is busy wants to be asked again; 0 if it did not say */
+	/* when a server that is busy wants to be asked again; 0 if it did not say */
+	double retry_ms;
 	double plan_ms;                          /* from Server-Timing; NaN if the server did not say */
-	double first_byte_ms, stream_ms;         /* from asking to the first byte and to the last, decoding included */
+	/* from asking to the first byte and to the last, decoding included */
+	double first_byte_ms, stream_ms;
 };
 
 /* Once per process, before any thread fetches. */
 enum eco_code view_fetch_setup(struct eco_error *error);
 void view_fetch_teardown(void);
 
-enum eco_code view_fetch_new(struct view_fetch **fetch, const struct view_fetch_options *options, struct eco_error *error);
+enum eco_code view_fetch_new(struct view_fetch **fetch, const struct view_fetch_options *options,
+	struct eco_error *error);
 void view_fetch_free(struct view_fetch *fetch);                  /* NULL is fine */
 
 /* Begins a frame of the store and fetches it. *result is filled also on failure, as far as things went. */
-enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *store, const struct eco_request *request,
-	struct view_fetch_result *result, struct eco_error *error);
+enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *store,
+	const struct eco_request *request, struct view_fetch_result *result, struct eco_error *error);
 
-/* GET url/plan?..&explain=1: the plan as JSON, with why each cut is what it is, for a client that holds nothing. *text ends with 0; the
- * caller frees it. */
-enum eco_code view_fetch_explanation(struct view_fetch *fetch, const struct eco_request *request, char **text, struct eco_error *error);
+/* GET url/plan?..&explain=1: the plan as JSON, with why each cut is what it is, for a client that holds
+ * nothing. *text ends with 0; the caller frees it. */
+enum eco_code view_fetch_explanation(struct view_fetch *fetch, const struct eco_request *request, char **text,
+	struct eco_error *error);
 
-/* The query string of a request, without '?': numbers with 17 digits, so that the server sees the same doubles. Returns its length;
- * nothing is written beyond `room`. */
+/* The query string of a request, without '?': numbers with 17 digits, so that the server sees the same
+ * doubles. Returns its length; nothing is written beyond `room`. */
 #define VIEW_QUERY_BYTES 640
 size_t view_fetch_query(const struct eco_request *request, char *out, size_t room);
 

@@ -50,8 +50,8 @@ static enum eco_code make_target(struct view_gl *gl, struct eco_error *error)
 	GLint most = 0;
 	glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
 	if (gl->width > (uint32_t)most || gl->height > (uint32_t)most)
-		return eco_fail(error, ECO_UNSUPPORTED, "a picture of %u x %u pixels: the graphics driver draws at most %d x %d", gl->width,
-			gl->height, most, most);
+		return eco_fail(error, ECO_UNSUPPORTED, "a picture of %u x %u pixels: the graphics driver "
+			"draws at most %d x %d", gl->width, gl->height, most, most);
 	glGenFramebuffers(1, &gl->framebuffer);
 	glBindFramebuffer(GL_FRAMEBUFFER, gl->framebuffer);
 	gl->color = texture_target(GL_RGBA8, gl->width, gl->height, GL_COLOR_ATTACHMENT0);
@@ -59,7 +59,8 @@ static enum eco_code make_target(struct view_gl *gl, struct eco_error *error)
 	gl->depth = texture_target(GL_DEPTH_COMPONENT32F, gl->width, gl->height, GL_DEPTH_ATTACHMENT);
 	glDrawBuffers(2, (const GLenum[]){ GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1 });
 	if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-		return eco_fail(error, ECO_UNSUPPORTED, "the graphics driver cannot draw colours and owners at once");
+		return eco_fail(error, ECO_UNSUPPORTED, "the graphics driver cannot draw colours and owners "
+			"at once");
 	glGenVertexArrays(1, &gl->vertex_array);
 	glBindVertexArray(gl->vertex_array);
 	glViewport(0, 0, (GLsizei)gl->width, (GLsizei)gl->height);
@@ -86,7 +87,8 @@ static enum eco_code make_quads(struct view_gl *gl, struct eco_error *error)
 	return ECO_OK;
 }
 
-enum eco_code view_gl_open(struct view_gl **out, const struct view_gl_options *options, struct eco_error *error)
+enum eco_code view_gl_open(struct view_gl **out, const struct view_gl_options *options,
+	struct eco_error *error)
 {
 	*out = NULL;
 	struct view_gl *gl = calloc(1, sizeof *gl);
@@ -113,7 +115,8 @@ void view_gl_close(struct view_gl *gl)
 	if (!gl)
 		return;
 	if (gl->egl.display) {
-		const unsigned textures[] = { gl->color, gl->owner, gl->depth, gl->shade, gl->instances.texture, gl->members.texture };
+		const unsigned textures[] = { gl->color, gl->owner, gl->depth, gl->shade,
+			gl->instances.texture, gl->members.texture };
 		const unsigned buffers[] = { gl->instances.buffer, gl->members.buffer, gl->quads };
 		view_egl_use(&gl->egl);
 		view_gpu_free(&gl->gpu);
@@ -155,11 +158,13 @@ static void put_float(uint32_t *at, double v)
 }
 
 /* The rows of object -> view, as lod/raster/raster.c makes them: differences in double, then rounded once. */
-static void put_instance(uint32_t *words, const struct lod_eye *eye, const struct view_instance *p, const struct view_plant *plant)
+static void put_instance(uint32_t *words, const struct lod_eye *eye, const struct view_instance *p,
+	const struct view_plant *plant)
 {
 	const struct lod_place *place = &p->place;
 	const double *axes[3] = { eye->right, eye->up, eye->forward };
-	double offset[3] = { place->at[0] - eye->at[0], place->at[1] - eye->at[1], place->at[2] - eye->at[2] };
+	double offset[3] = { place->at[0] - eye->at[0], place->at[1] - eye->at[1],
+		place->at[2] - eye->at[2] };
 	double sine = place->sine * place->scale, cosine = place->cosine * place->scale;
 	for (int i = 0; i < 3; i++) {
 		const double *a = axes[i];
@@ -195,7 +200,8 @@ static enum eco_code upload_selection(struct frame *f)
 		(uint64_t)s->instance_count * INSTANCE_TEXELS, f->error);
 	free(words);
 	uint32_t pairs = s->cut_count ? s->member_first[s->cut_count] : 0;
-	return code ? code : view_gpu_stream(&f->gl->gpu, &f->gl->members, GL_R32UI, s->members, (size_t)pairs * 4, pairs, f->error);
+	return code ? code : view_gpu_stream(&f->gl->gpu, &f->gl->members, GL_R32UI, s->members,
+		(size_t)pairs * 4, pairs, f->error);
 }
 
 /* ---- Programs ---- */
@@ -207,15 +213,16 @@ static void set_camera(const struct frame *f, const struct view_shader *s)
 	const double *axes[3] = { eye->right, eye->up, eye->forward };
 	for (int i = 0; i < 3; i++)
 		glUniform3f(s->uniform[names[i]], (float)axes[i][0], (float)axes[i][1], (float)axes[i][2]);
-	glUniform4f(s->uniform[VIEW_U_LENS], (float)(1 / eye->tan_x), (float)(1 / eye->tan_y), (float)f->job->near_m,
-		(float)view_shade_haze_m(HAZE_M, eye->at[2]));
+	glUniform4f(s->uniform[VIEW_U_LENS], (float)(1 / eye->tan_x), (float)(1 / eye->tan_y),
+		(float)f->job->near_m, (float)view_shade_haze_m(HAZE_M, eye->at[2]));
 	glUniform1i(s->uniform[VIEW_U_RECORDS], 0);
 	glUniform1i(s->uniform[VIEW_U_INSTANCES], 1);
 	glUniform1i(s->uniform[VIEW_U_MEMBERS], 2);
 	glUniform1i(s->uniform[VIEW_U_TEXTURE], 3);
 	glUniform1i(s->uniform[VIEW_U_ALPHA], 4);
 	glUniform1i(s->uniform[VIEW_U_SHADE], 5);
-	glUniform4f(s->uniform[VIEW_U_TINT], f->job->tint == VIEW_TINT_UNSHADED, 0, 0, f->job->tint == VIEW_TINT_KIND);
+	glUniform4f(s->uniform[VIEW_U_TINT], f->job->tint == VIEW_TINT_UNSHADED, 0, 0,
+		f->job->tint == VIEW_TINT_KIND);
 	float sides[ECO_SIZES];
 	for (uint32_t code = 0; code < ECO_SIZES; code++)
 		sides[code] = sqrtf(eco_size(code));
@@ -228,7 +235,8 @@ static enum eco_code use(struct frame *f, enum view_program which, const struct 
 	*out = s;
 	if (f->any_bound && f->bound == which)
 		return ECO_OK;
-	enum eco_code code = s->program ? ECO_OK : view_shader_compile(s, which, &f->gl->egl.dialect, f->error);
+	enum eco_code code = s->program ? ECO_OK : view_shader_compile(s, which, &f->gl->egl.dialect,
+		f->error);
 	if (code)
 		return code;
 	glUseProgram(s->program);
@@ -273,7 +281,8 @@ static enum eco_code upload_shade(struct frame *f, struct view_shade *shade)
 	}
 	glBindTexture(GL_TEXTURE_2D, f->gl->shade);
 	glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-	glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, VIEW_SHADE_PIXELS, VIEW_SHADE_PIXELS, GL_RG, GL_UNSIGNED_BYTE, shade->texels);
+	glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, VIEW_SHADE_PIXELS, VIEW_SHADE_PIXELS, GL_RG, GL_UNSIGNED_BYTE,
+		shade->texels);
 	bind(5, GL_TEXTURE_2D, f->gl->shade);
 	return ECO_OK;
 }
@@ -285,15 +294,18 @@ static void set_ground(const struct frame *f, const struct view_shader *s, const
 	const double *o = ground->at, *axes[3] = { eye->right, eye->up, eye->forward };
 	float origin[3];
 	for (int i = 0; i < 3; i++)
-		origin[i] = (float)(axes[i][0] * (o[0] - eye->at[0]) + axes[i][1] * (o[1] - eye->at[1]) + axes[i][2] * (o[2] - eye->at[2]));
+		origin[i] = (float)(axes[i][0] * (o[0] - eye->at[0]) + axes[i][1] * (o[1] - eye->at[1])
+			+ axes[i][2] * (o[2] - eye->at[2]));
 	glUniform3fv(s->uniform[VIEW_U_ORIGIN], 1, origin);
 	glUniform3iv(s->uniform[VIEW_U_ANCHOR], 1, ground->anchor);
 	glUniform3fv(s->uniform[VIEW_U_STEP], 1, ground->step);
-	glUniform4f(s->uniform[VIEW_U_SHADE_BOX], (float)(shade->low[0] - ground->origin[0]), (float)(shade->low[1] - ground->origin[1]),
-		(float)(1 / shade->size_m), (float)(1 / shade->size_m));
+	glUniform4f(s->uniform[VIEW_U_SHADE_BOX], (float)(shade->low[0] - ground->origin[0]),
+		(float)(shade->low[1] - ground->origin[1]), (float)(1 / shade->size_m),
+		(float)(1 / shade->size_m));
 }
 
-static enum eco_code draw_tile(struct frame *f, const struct view_shader *s, const struct view_ground_tile *tile)
+static enum eco_code draw_tile(struct frame *f, const struct view_shader *s,
+	const struct view_ground_tile *tile)
 {
 	const struct view_gpu_list *g;
 	enum eco_code code = view_gpu_list(&f->gl->gpu, tile->list, &g, f->error);
@@ -303,8 +315,8 @@ static enum eco_code draw_tile(struct frame *f, const struct view_shader *s, con
 	bind(0, GL_TEXTURE_BUFFER, g->texture);
 	glUniform3i(s->uniform[VIEW_U_COLUMNS], (int)tile->x.count, (int)tile->x.before, (int)tile->y.before);
 	glUniform2i(s->uniform[VIEW_U_INNER], (int)tile->x.inner, (int)tile->y.inner);
-	glUniform4i(s->uniform[VIEW_U_SEAM], coarser[LOD_GROUND_WEST], coarser[LOD_GROUND_EAST], coarser[LOD_GROUND_SOUTH],
-		coarser[LOD_GROUND_NORTH]);
+	glUniform4i(s->uniform[VIEW_U_SEAM], coarser[LOD_GROUND_WEST], coarser[LOD_GROUND_EAST],
+		coarser[LOD_GROUND_SOUTH], coarser[LOD_GROUND_NORTH]);
 	glDrawArrays(GL_TRIANGLES, 0, (GLsizei)((tile->x.inner - 1) * (tile->y.inner - 1) * 6));
 	return ECO_OK;
 }
@@ -343,27 +355,32 @@ static void set_tint(const struct view_shader *s, enum view_role role)
 	static const float colors[VIEW_ROLE_COUNT][3] = {
 		[VIEW_ROLE_TRIANGLES] = { 0.10f, 0.62f, 0.16f }, [VIEW_ROLE_LINES] = { 0.86f, 0.10f, 0.10f },
 		[VIEW_ROLE_SIMPLE] = { 0.42f, 0.80f, 0.10f }, [VIEW_ROLE_POINTS] = { 0.12f, 0.28f, 0.95f },
-		[VIEW_ROLE_BLEND_TRIANGLES] = { 1.0f, 0.86f, 0.10f }, [VIEW_ROLE_BLEND_SIMPLE] = { 1.0f, 0.68f, 0.08f },
-		[VIEW_ROLE_BLEND_LINES] = { 0.95f, 0.32f, 0.10f }, [VIEW_ROLE_BLEND_POINTS] = { 1.0f, 0.50f, 0.05f },
+		[VIEW_ROLE_BLEND_TRIANGLES] = { 1.0f, 0.86f, 0.10f },
+		[VIEW_ROLE_BLEND_SIMPLE] = { 1.0f, 0.68f, 0.08f },
+		[VIEW_ROLE_BLEND_LINES] = { 0.95f, 0.32f, 0.10f },
+		[VIEW_ROLE_BLEND_POINTS] = { 1.0f, 0.50f, 0.05f },
 		[VIEW_ROLE_SUMMARY] = { 0.45f, 0.62f, 1.0f },
 	};
 	glUniform4f(s->uniform[VIEW_U_TINT], colors[role][0], colors[role][1], colors[role][2], 1);
 }
 
-/* Scale as the vertex shader wants it: of edges, by growth code or of a line, or half the side of a point's square. */
+/* Scale as the vertex shader wants it: of edges, by growth code or of a line, or half the side of a point's
+ * square. */
 static void set_scale(const struct view_shader *s, const struct eco_list *list, float scale)
 {
 	float edges[ECO_GROWTHS];
 	for (uint32_t code = 0; code < ECO_GROWTHS; code++)
 		edges[code] = sqrtf(eco_growth(code, scale));
 	glUniform1fv(s->uniform[VIEW_U_EDGES], ECO_GROWTHS, edges);
-	glUniform1f(s->uniform[VIEW_U_SCALE], list->kind == ECO_LIST_POINTS ? (float)(0.5 * sqrt((double)list->unit_area * scale)) : sqrtf(scale));
+	glUniform1f(s->uniform[VIEW_U_SCALE], list->kind == ECO_LIST_POINTS
+		? (float)(0.5 * sqrt((double)list->unit_area * scale)) : sqrtf(scale));
 }
 
 static enum eco_code bind_images(struct frame *f, const struct view_list *list)
 {
 	const struct view_gpu_list *image;
-	enum eco_code code = view_gpu_list(&f->gl->gpu, view_store_list(f->job->store, list->list.image), &image, f->error);
+	enum eco_code code = view_gpu_list(&f->gl->gpu, view_store_list(f->job->store, list->list.image),
+		&image, f->error);
 	if (!code) {
 		bind(3, GL_TEXTURE_2D, image->color);
 		bind(4, GL_TEXTURE_2D, image->alpha);
@@ -376,7 +393,8 @@ static void draw_quads(uint32_t first, uint32_t end, uint32_t members)
 {
 	for (uint32_t at = first; at < end; at += QUADS) {
 		uint32_t count = end - at < QUADS ? end - at : QUADS;
-		glDrawElementsInstancedBaseVertex(GL_TRIANGLES, (GLsizei)(count * 6), GL_UNSIGNED_SHORT, NULL, (GLsizei)members, (GLint)(at * 4));
+		glDrawElementsInstancedBaseVertex(GL_TRIANGLES, (GLsizei)(count * 6), GL_UNSIGNED_SHORT, NULL,
+			(GLsizei)members, (GLint)(at * 4));
 	}
 }
 
@@ -385,7 +403,8 @@ static enum eco_code draw_cut(struct frame *f, uint32_t index)
 	const struct view_selection *selection = f->job->selection;
 	const struct eco_cut *cut = &view_store_plan(f->job->store)->cuts[index];
 	const struct view_list *list = view_store_list(f->job->store, cut->list);
-	uint32_t members = selection->member_first[index + 1] - selection->member_first[index], first_member = selection->member_first[index];
+	uint32_t members = selection->member_first[index + 1] - selection->member_first[index],
+		first_member = selection->member_first[index];
 	if (!members || cut->first == cut->end)
 		return ECO_OK;
 	enum view_program which = program_of(&list->list);
@@ -405,13 +424,16 @@ static enum eco_code draw_cut(struct frame *f, uint32_t index)
 	if (list->list.kind == ECO_LIST_POINTS)
 		glUniform1f(s->uniform[VIEW_U_LEVEL], (float)eco_level_share(list->list.level));
 	if (which == VIEW_PROGRAM_SUMMARY)
-		glUniform1ui(s->uniform[VIEW_U_PATH], view_record_path(selection->instances[selection->members[first_member]].path));
+		glUniform1ui(s->uniform[VIEW_U_PATH],
+			view_record_path(selection->instances[selection->members[first_member]].path));
 	if (f->job->tint == VIEW_TINT_KIND)
 		set_tint(s, selection->roles[index]);
 	if ((uint64_t)cut->end * 4 > INT32_MAX)
-		return eco_fail(f->error, ECO_TOO_LARGE, "list %u is too long for the graphics driver: use --reference=cpu", list->id);
+		return eco_fail(f->error, ECO_TOO_LARGE, "list %u is too long for the graphics driver: use "
+			"--reference=cpu", list->id);
 	if (list->list.kind == ECO_LIST_TRIANGLES)
-		glDrawArraysInstanced(GL_TRIANGLES, (GLint)(cut->first * 3), (GLsizei)((cut->end - cut->first) * 3), (GLsizei)members);
+		glDrawArraysInstanced(GL_TRIANGLES, (GLint)(cut->first * 3),
+			(GLsizei)((cut->end - cut->first) * 3), (GLsizei)members);
 	else
 		draw_quads(cut->first, cut->end, members);
 	f->picture->vertices += (uint64_t)(cut->end - cut->first) * eco_list_vertices(&list->list) * members;
@@ -427,11 +449,13 @@ static enum eco_code read_back(struct frame *f)
 		return eco_fail(f->error, ECO_NO_MEMORY, "no memory for a picture");
 	glPixelStorei(GL_PACK_ALIGNMENT, 1);
 	glReadBuffer(GL_COLOR_ATTACHMENT0);
-	glReadPixels(0, 0, (GLsizei)picture->width, (GLsizei)picture->height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+	glReadPixels(0, 0, (GLsizei)picture->width, (GLsizei)picture->height, GL_RGBA, GL_UNSIGNED_BYTE,
+		rgba);
 	for (size_t i = 0; i < pixels; i++)
 		memcpy(picture->rgb + 3 * i, rgba + 4 * i, 3);
 	glReadBuffer(GL_COLOR_ATTACHMENT1);
-	glReadPixels(0, 0, (GLsizei)picture->width, (GLsizei)picture->height, GL_RG_INTEGER, GL_UNSIGNED_INT, rgba);
+	glReadPixels(0, 0, (GLsizei)picture->width, (GLsizei)picture->height, GL_RG_INTEGER, GL_UNSIGNED_INT,
+		rgba);
 	for (size_t i = 0; i < pixels; i++) {
 		uint32_t words[2];
 		memcpy(words, rgba + 8 * i, sizeof words);
@@ -453,13 +477,14 @@ static void clear(void)
 	glDisable(GL_CULL_FACE);
 }
 
-enum eco_code view_gl_draw(struct view_gl *gl, const struct view_gl_job *job, struct view_picture *picture, struct eco_error *error)
+enum eco_code view_gl_draw(struct view_gl *gl, const struct view_gl_job *job, struct view_picture *picture,
+	struct eco_error *error)
 {
 	struct frame f = { .gl = gl, .job = job, .picture = picture, .error = error };
 	double start = view_clock_ms();
 	if (picture->width != gl->width || picture->height != gl->height)
-		return eco_fail(error, ECO_BAD_USAGE, "the picture is %u x %u, the target %u x %u", picture->width, picture->height, gl->width,
-			gl->height);
+		return eco_fail(error, ECO_BAD_USAGE, "the picture is %u x %u, the target %u x %u",
+			picture->width, picture->height, gl->width, gl->height);
 	picture->vertices = 0;
 	view_egl_use(&gl->egl);
 	clear();

@@ -1,11 +1,13 @@
 /* Drawing a selection with OpenGL, without a window system.
  *
  *   view_gl_open(&gl, &options, &error);            first hardware device, else Mesa's surfaceless platform
- *   view_gl_draw(gl, &job, &picture, &error);       as often as wanted; what is on the GPU stays there and is only extended
+ *   view_gl_draw(gl, &job, &picture, &error);       as often as wanted; what is on the GPU stays there and is
+ *                                                   only extended
  *   view_gl_close(gl);
  *
- * One pass writes colour and owner; the mask is "owner is not 0", so it cannot depend on shading. No multisampling, depth is
- * near / distance (reversed, infinite far plane), formulas are those of lod/raster/raster.h. One thread. */
+ * One pass writes colour and owner; the mask is "owner is not 0", so it cannot depend on shading. No
+ * multisampling, depth is near / distance (reversed, infinite far plane), formulas are those of
+ * lod/raster/raster.h. One thread. */
 #ifndef VIEW_GL_H
 #define VIEW_GL_H
 
@@ -17,11 +19,13 @@ struct view_gl;
 struct view_gl_options { uint32_t width, height; };
 
 /* ECO_UNSUPPORTED, with what was tried, if there is no usable OpenGL 4.5 or OpenGL ES 3.2. */
-enum eco_code view_gl_open(struct view_gl **gl, const struct view_gl_options *options, struct eco_error *error);
+enum eco_code view_gl_open(struct view_gl **gl, const struct view_gl_options *options,
+	struct eco_error *error);
 void view_gl_close(struct view_gl *gl);                          /* NULL is fine */
 const char *view_gl_renderer(const struct view_gl *gl);
 bool view_gl_hardware(const struct view_gl *gl);
-uint32_t view_gl_programs(const struct view_gl *gl);             /* bit i: enum view_program i was needed, and compiled */
+/* bit i: enum view_program i was needed, and compiled */
+uint32_t view_gl_programs(const struct view_gl *gl);
 
 /* By representation; or in their own colours, every leaf lit as if it were alone. */
 enum view_tint { VIEW_TINT_NONE, VIEW_TINT_KIND, VIEW_TINT_UNSHADED };
@@ -34,6 +38,7 @@ struct view_gl_job {
 	enum view_tint tint;
 };
 /* `picture` has the size of the target. picture->vertices is summed at the draw calls. */
-enum eco_code view_gl_draw(struct view_gl *gl, const struct view_gl_job *job, struct view_picture *picture, struct eco_error *error);
+enum eco_code view_gl_draw(struct view_gl *gl, const struct view_gl_job *job, struct view_picture *picture,
+	struct eco_error *error);
 
 #endif

@@ -46,15 +46,18 @@ static void attach(struct view_gpu_list *g)
 	glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32UI, g->buffer);
 }
 
-static enum eco_code reserve(struct view_gpu *gpu, struct view_gpu_list *g, const struct view_list *list, uint64_t texels,
-	struct eco_error *error)
+static enum eco_code reserve(struct view_gpu *gpu, struct view_gpu_list *g, const struct view_list *list,
+	uint64_t texels, struct eco_error *error)
 {
 	if (texels <= g->room)
 		return ECO_OK;
 	if (texels > gpu->texels_max)
-		return eco_fail(error, ECO_TOO_LARGE, "list %u needs %llu texels, the graphics driver allows %llu: use --reference=cpu or fewer "
-			"vertices", list->id, (unsigned long long)texels, (unsigned long long)gpu->texels_max);
-	uint64_t whole = (uint64_t)list->list.primitive_count * view_record_texels(&list->list), room = texels + texels / 2;
+		return eco_fail(error, ECO_TOO_LARGE, "list %u needs %llu texels, the graphics driver "
+			"allows %llu: use --reference=cpu or fewer "
+			"vertices", list->id, (unsigned long long)texels,
+			(unsigned long long)gpu->texels_max);
+	uint64_t whole = (uint64_t)list->list.primitive_count * view_record_texels(&list->list),
+		room = texels + texels / 2;
 	room = room < whole ? room : whole;
 	room = room > gpu->texels_max ? gpu->texels_max : room < texels ? texels : room;
 	unsigned bigger;
@@ -69,7 +72,8 @@ static enum eco_code reserve(struct view_gpu *gpu, struct view_gpu_list *g, cons
 	}
 	if (g->texels) {
 		glBindBuffer(GL_COPY_READ_BUFFER, g->buffer);
-		glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, (GLsizeiptr)(g->texels * VIEW_TEXEL_BYTES));
+		glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0,
+			(GLsizeiptr)(g->texels * VIEW_TEXEL_BYTES));
 	}
 	glDeleteBuffers(1, &g->buffer);
 	gpu->bytes += (room - g->room) * VIEW_TEXEL_BYTES;
@@ -79,16 +83,18 @@ static enum eco_code reserve(struct view_gpu *gpu, struct view_gpu_list *g, cons
 	return ECO_OK;
 }
 
-static enum eco_code upload_chunks(struct view_gpu_list *g, const struct view_list *list, uint32_t first, uint32_t end,
-	struct eco_error *error)
+static enum eco_code upload_chunks(struct view_gpu_list *g, const struct view_list *list, uint32_t first,
+	uint32_t end, struct eco_error *error)
 {
 	struct eco_elements e = view_list_chunks(list, first, end);
 	uint64_t texels = (uint64_t)e.primitive_count * view_record_texels(&list->list);
 	uint32_t *words = malloc(texels * VIEW_TEXEL_BYTES + 1);
-	enum eco_code code = words ? view_record_write(list, first, end, words, error) : out_of_memory(list, error);
+	enum eco_code code = words ? view_record_write(list, first, end, words, error)
+		: out_of_memory(list, error);
 	if (!code) {
 		glBindBuffer(GL_COPY_WRITE_BUFFER, g->buffer);
-		glBufferSubData(GL_COPY_WRITE_BUFFER, (GLintptr)(g->texels * VIEW_TEXEL_BYTES), (GLsizeiptr)(texels * VIEW_TEXEL_BYTES), words);
+		glBufferSubData(GL_COPY_WRITE_BUFFER, (GLintptr)(g->texels * VIEW_TEXEL_BYTES),
+			(GLsizeiptr)(texels * VIEW_TEXEL_BYTES), words);
 		g->texels += texels;
 		g->chunks = end;
 	}
@@ -96,13 +102,16 @@ static enum eco_code upload_chunks(struct view_gpu_list *g, const struct view_li
 	return code;
 }
 
-static enum eco_code extend(struct view_gpu *gpu, struct view_gpu_list *g, const struct view_list *list, struct eco_error *error)
+static enum eco_code extend(struct view_gpu *gpu, struct view_gpu_list *g, const struct view_list *list,
+	struct eco_error *error)
 {
 	uint32_t per = view_record_texels(&list->list);
 	enum eco_code code = reserve(gpu, g, list, (uint64_t)list->elements.primitive_count * per, error);
 	while (!code && g->chunks < list->chunk_count) {
 		uint32_t end = g->chunks + 1, start = g->chunks ? list->marks[g->chunks - 1].primitives : 0;
-		while (end < list->chunk_count && (uint64_t)(list->marks[end].primitives - start) * per * VIEW_TEXEL_BYTES < UPLOAD_BYTES)
+		while (end < list->chunk_count
+				&& (uint64_t)(list->marks[end].primitives - start) * per * VIEW_TEXEL_BYTES
+				< UPLOAD_BYTES)
 			end++;
 		code = upload_chunks(g, list, g->chunks, end, error);
 	}
@@ -111,14 +120,15 @@ static enum eco_code extend(struct view_gpu *gpu, struct view_gpu_list *g, const
 
 /* ---- Images ---- */
 
-static enum eco_code upload_image(struct view_gpu_list *g, const struct view_list *list, struct eco_error *error)
+static enum eco_code upload_image(struct view_gpu_list *g, const struct view_list *list,
+	struct eco_error *error)
 {
 	const struct eco_image *image = &list->image;
 	GLint most = 0;
 	glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
 	if (!image->rgba || image->width > (uint32_t)most || image->height > (uint32_t)most)
-		return eco_fail(error, ECO_UNSUPPORTED, "image %u (%u x %u) is not there or larger than the graphics driver's %d", list->id,
-			image->width, image->height, most);
+		return eco_fail(error, ECO_UNSUPPORTED, "image %u (%u x %u) is not there or larger than the "
+			"graphics driver's %d", list->id, image->width, image->height, most);
 	size_t count = (size_t)image->width * image->height;
 	uint8_t *color = view_texture_fill(image), *alpha = malloc(count);
 	if (!color || !alpha) {
@@ -131,12 +141,14 @@ static enum eco_code upload_image(struct view_gpu_list *g, const struct view_lis
 	glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
 	glGenTextures(1, &g->color);
 	glBindTexture(GL_TEXTURE_2D, g->color);
-	glTexImage2D(GL_TEXTURE_2D, 0, GL_SRGB8_ALPHA8, (GLsizei)image->width, (GLsizei)image->height, 0, GL_RGBA, GL_UNSIGNED_BYTE, color);
+	glTexImage2D(GL_TEXTURE_2D, 0, GL_SRGB8_ALPHA8, (GLsizei)image->width, (GLsizei)image->height, 0,
+		GL_RGBA, GL_UNSIGNED_BYTE, color);
 	glGenerateMipmap(GL_TEXTURE_2D);
 	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
 	glGenTextures(1, &g->alpha);
 	glBindTexture(GL_TEXTURE_2D, g->alpha);
-	glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, (GLsizei)image->width, (GLsizei)image->height, 0, GL_RED, GL_UNSIGNED_BYTE, alpha);
+	glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, (GLsizei)image->width, (GLsizei)image->height, 0, GL_RED,
+		GL_UNSIGNED_BYTE, alpha);
 	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
 	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
 	free(color);
@@ -144,8 +156,8 @@ static enum eco_code upload_image(struct view_gpu_list *g, const struct view_lis
 	return ECO_OK;
 }
 
-enum eco_code view_gpu_list(struct view_gpu *gpu, const struct view_list *list, const struct view_gpu_list **out,
-	struct eco_error *error)
+enum eco_code view_gpu_list(struct view_gpu *gpu, const struct view_list *list,
+	const struct view_gpu_list **out, struct eco_error *error)
 {
 	uint32_t index = view_table_get(&gpu->table, list->id);
 	if (index == UINT32_MAX) {
@@ -163,12 +175,13 @@ enum eco_code view_gpu_list(struct view_gpu *gpu, const struct view_list *list, 
 	return extend(gpu, g, list, error);
 }
 
-enum eco_code view_gpu_stream(struct view_gpu *gpu, struct view_gpu_stream *stream, unsigned format, const void *bytes,
-	size_t size, uint64_t texels, struct eco_error *error)
+enum eco_code view_gpu_stream(struct view_gpu *gpu, struct view_gpu_stream *stream, unsigned format,
+	const void *bytes, size_t size, uint64_t texels, struct eco_error *error)
 {
 	if (texels > gpu->texels_max)
-		return eco_fail(error, ECO_TOO_LARGE, "the plants in view need %llu texels, the graphics driver allows %llu",
-			(unsigned long long)texels, (unsigned long long)gpu->texels_max);
+		return eco_fail(error, ECO_TOO_LARGE, "the plants in view need %llu texels, the graphics "
+			"driver allows %llu", (unsigned long long)texels,
+			(unsigned long long)gpu->texels_max);
 	if (!stream->buffer) {
 		glGenBuffers(1, &stream->buffer);
 		glGenTextures(1, &stream->texture);
@@ -179,5 +192,6 @@ enum eco_code view_gpu_stream(struct view_gpu *gpu, struct view_gpu_stream *stre
 	glBufferData(GL_TEXTURE_BUFFER, (GLsizeiptr)(size ? size : 16), size ? bytes : NULL, GL_STREAM_DRAW);
 	glBindTexture(GL_TEXTURE_BUFFER, stream->texture);
 	glTexBuffer(GL_TEXTURE_BUFFER, format, stream->buffer);
-	return glGetError() ? eco_fail(error, ECO_NO_MEMORY, "the graphics driver has no memory for the plants in view") : ECO_OK;
+	return glGetError() ? eco_fail(error, ECO_NO_MEMORY, "the graphics driver has no memory for the "
+		"plants in view") : ECO_OK;
 }

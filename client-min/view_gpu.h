@@ -1,4 +1,5 @@
-/* What of a store lies on the GPU: a buffer texture of records per list, extended as chunks arrive, and images as textures. */
+/* What of a store lies on the GPU: a buffer texture of records per list, extended as chunks arrive, and
+ * images as textures. */
 #ifndef VIEW_GPU_H
 #define VIEW_GPU_H
 
@@ -9,7 +10,8 @@ struct view_gpu_list {
 	unsigned buffer, texture;        /* records (view_record.h) as a usamplerBuffer */
 	uint32_t chunks;                 /* uploaded */
 	uint64_t texels, room;
-	unsigned color, alpha;           /* IMAGE: filtered colour with mip levels, and nearest alpha; else 0 */
+	/* IMAGE: filtered colour with mip levels, and nearest alpha; else 0 */
+	unsigned color, alpha;
 };
 
 struct view_gpu {                        /* zero is empty */
@@ -22,12 +24,13 @@ struct view_gpu {                        /* zero is empty */
 void view_gpu_init(struct view_gpu *gpu);
 void view_gpu_free(struct view_gpu *gpu);
 /* The list with all chunks that the store holds uploaded. The pointer is valid until the next call. */
-enum eco_code view_gpu_list(struct view_gpu *gpu, const struct view_list *list, const struct view_gpu_list **out,
-	struct eco_error *error);
+enum eco_code view_gpu_list(struct view_gpu *gpu, const struct view_list *list,
+	const struct view_gpu_list **out, struct eco_error *error);
 
-/* A buffer texture whose content is replaced as a whole, for what changes every frame. `format` is a GL format of 4-byte words. */
+/* A buffer texture whose content is replaced as a whole, for what changes every frame. `format` is a GL
+ * format of 4-byte words. */
 struct view_gpu_stream { unsigned buffer, texture; };
-enum eco_code view_gpu_stream(struct view_gpu *gpu, struct view_gpu_stream *stream, unsigned format, const void *bytes,
-	size_t size, uint64_t texels, struct eco_error *error);
+enum eco_code view_gpu_stream(struct view_gpu *gpu, struct view_gpu_stream *stream, unsigned format,
+	const void *bytes, size_t size, uint64_t texels, struct eco_error *error);
 
 #endif

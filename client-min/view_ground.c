@@ -9,16 +9,19 @@
 static enum eco_code same_grid(const struct view_ground *g, uint32_t i, struct eco_error *error)
 {
 	const struct eco_list *a = &g->tiles[0].list->list, *b = &g->tiles[i].list->list;
-	if (memcmp(a->grid_origin, b->grid_origin, sizeof a->grid_origin) == 0 && memcmp(a->grid_step, b->grid_step, sizeof a->grid_step) == 0)
+	if (memcmp(a->grid_origin, b->grid_origin, sizeof a->grid_origin) == 0
+			&& memcmp(a->grid_step, b->grid_step, sizeof a->grid_step) == 0)
 		return ECO_OK;
-	return eco_fail(error, ECO_DAMAGED, "lists %u and %u are ground on different grids", g->tiles[0].list->id, g->tiles[i].list->id);
+	return eco_fail(error, ECO_DAMAGED, "lists %u and %u are ground on different grids",
+		g->tiles[0].list->id, g->tiles[i].list->id);
 }
 
 static void find_anchor(struct view_ground *g, const struct lod_eye *eye)
 {
 	const struct eco_list *list = &g->tiles[0].list->list;
 	for (int i = 0; i < 3; i++) {
-		double step = list->grid_step[i], at = step > 0 ? floor((eye->at[i] - list->grid_origin[i]) / step + 0.5) : 0;
+		double step = list->grid_step[i],
+			at = step > 0 ? floor((eye->at[i] - list->grid_origin[i]) / step + 0.5) : 0;
 		at = at > ANCHOR_MAX ? ANCHOR_MAX : at < -ANCHOR_MAX ? -ANCHOR_MAX : at;
 		g->anchor[i] = (int32_t)at;
 		g->at[i] = list->grid_origin[i] + at * step;
@@ -27,7 +30,8 @@ static void find_anchor(struct view_ground *g, const struct lod_eye *eye)
 	}
 }
 
-enum eco_code view_ground_make(struct view_ground *g, const struct view_store *store, const struct lod_eye *eye, struct eco_error *error)
+enum eco_code view_ground_make(struct view_ground *g, const struct view_store *store,
+	const struct lod_eye *eye, struct eco_error *error)
 {
 	const struct eco_plan *plan = view_store_plan(store);
 	uint32_t columns, rows, most = 0;
@@ -76,7 +80,8 @@ uint32_t view_ground_sample(const struct view_ground_tile *tile, uint32_t column
 	return (row + tile->y.before) * tile->x.count + column + tile->x.before;
 }
 
-/* The sample of the span's inner ones at or before `at`, but for the last, and how far `at` is on the way to the next; false outside. */
+/* The sample of the span's inner ones at or before `at`, but for the last, and how far `at` is on the way to
+ * the next; false outside. */
 static bool find_cell(const struct eco_ground_span *span, double at, uint32_t *sample, double *share)
 {
 	if (!(at >= span->low && at <= span->high))
@@ -98,9 +103,11 @@ bool view_ground_height(const struct view_ground *g, double x, double y, double 
 		if (!find_cell(&tile->x, (x - list->grid_origin[0]) / list->grid_step[0], &column, &u)
 			|| !find_cell(&tile->y, (y - list->grid_origin[1]) / list->grid_step[1], &row, &v))
 			continue;
-		const int32_t *south = tile->list->elements.position + 3 * ((size_t)row * tile->x.count + column) + 2;
+		const int32_t *south = tile->list->elements.position
+			+ 3 * ((size_t)row * tile->x.count + column) + 2;
 		const int32_t *north = south + 3 * (size_t)tile->x.count;
-		double z = u >= v ? south[0] + u * (south[3] - (double)south[0]) + v * (north[3] - (double)south[3])
+		double z = u >= v ? south[0] + u * (south[3] - (double)south[0])
+			+ v * (north[3] - (double)south[3])
 			: south[0] + v * (north[0] - (double)south[0]) + u * (north[3] - (double)north[0]);
 		*height_m = list->grid_origin[2] + z * list->grid_step[2];
 		return true;

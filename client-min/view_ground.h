@@ -1,8 +1,9 @@
-/* The ground of a plan: its tiles, who their neighbours are, and how their samples become places near the eye.
+/* The ground of a plan: its tiles, who their neighbours are, and how their samples become places near the
+ * eye.
  *
- * All tiles share one grid of samples. A sample is drawn at (whole number - `anchor`) * `step` from the world position `at`, the sample
- * nearest to the eye: exact where it matters, and the same floats for a sample that two tiles share, so that between them there is
- * no gap of even one pixel. */
+ * All tiles share one grid of samples. A sample is drawn at (whole number - `anchor`) * `step` from the world
+ * position `at`, the sample nearest to the eye: exact where it matters, and the same floats for a sample that
+ * two tiles share, so that between them there is no gap of even one pixel. */
 #ifndef VIEW_GROUND_H
 #define VIEW_GROUND_H
 
@@ -24,15 +25,15 @@ struct view_ground {                     /* zero is none */
 };
 
 /* The tiles that the store's plan draws. ECO_DAMAGED where their grids differ. */
-enum eco_code view_ground_make(struct view_ground *ground, const struct view_store *store, const struct lod_eye *eye,
-	struct eco_error *error);
+enum eco_code view_ground_make(struct view_ground *ground, const struct view_store *store,
+	const struct lod_eye *eye, struct eco_error *error);
 void view_ground_free(struct view_ground *ground);
 
 /* Index, in its list, of the sample drawn at a corner: column < x.inner, row < y.inner. */
 uint32_t view_ground_sample(const struct view_ground_tile *tile, uint32_t column, uint32_t row);
 
-/* Height of the ground that is drawn at a place, metres; false where none is drawn. Beside a coarser tile it may be off by what the two
- * differ. */
+/* Height of the ground that is drawn at a place, metres; false where none is drawn. Beside a coarser tile it
+ * may be off by what the two differ. */
 bool view_ground_height(const struct view_ground *ground, double x, double y, double *height_m);
 
 #endif

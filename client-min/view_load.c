@@ -11,7 +11,8 @@
 #include "client-min/view_select.h"
 #include "ecofiles/base/room.h"
 
-const char *const view_load_failure_names[VIEW_LOAD_FAILURES] = { "connection", "refused", "damaged", "other" };
+const char *const view_load_failure_names[VIEW_LOAD_FAILURES] = { "connection", "refused", "damaged",
+	"other" };
 
 struct client {                                  /* one thread; the report is its own until it has ended */
 	const struct view_load_options *options;
@@ -65,7 +66,8 @@ static enum view_load_failure kind_of(enum eco_code code, long status)
 	return code == ECO_IO ? VIEW_LOAD_CONNECTION : VIEW_LOAD_OTHER;
 }
 
-static void check_answer(struct client *c, const struct eco_request *request, const struct view_fetch_result *result)
+static void check_answer(struct client *c, const struct eco_request *request,
+	const struct view_fetch_result *result)
 {
 	struct view_load_report *report = &c->report;
 	struct view_selection selection;
@@ -89,8 +91,9 @@ static void check_answer(struct client *c, const struct eco_request *request, co
 	view_select_free(&selection);
 }
 
-/* After a failure the store may hold less than the server believes it sent: what is held is stated with each request, so going on
- * is safe; but a store that refused a stream is begun anew, so that one fault is counted once. */
+/* After a failure the store may hold less than the server believes it sent: what is held is stated with each
+ * request, so going on is safe; but a store that refused a stream is begun anew, so that one fault is counted
+ * once. */
 static enum eco_code restart(struct client *c, struct eco_error *error)
 {
 	struct view_store_options options = { 0 };
@@ -196,7 +199,8 @@ static void wait_for(const struct view_load_options *o, double start)
 	}
 }
 
-enum eco_code view_load_run(struct view_load_report *report, const struct view_load_options *options, struct eco_error *error)
+enum eco_code view_load_run(struct view_load_report *report, const struct view_load_options *options,
+	struct eco_error *error)
 {
 	atomic_bool over = false;
 	*report = (struct view_load_report){ 0 };
@@ -249,5 +253,6 @@ bool view_load_clean(const struct view_load_report *report)
 	uint64_t failures = 0;
 	for (int i = 0; i < VIEW_LOAD_FAILURES; i++)
 		failures += report->failures[i];
-	return report->requests && !failures && !report->vertex_violations && !report->byte_violations && !report->chunks_twice;
+	return report->requests && !failures && !report->vertex_violations && !report->byte_violations
+		&& !report->chunks_twice;
 }

@@ -1,9 +1,9 @@
-/* Load on a server: clients in threads, each in a closed loop along a camera script from its own place in it, keeping what it was
- * sent, decoding everything and recounting every plan.
+/* Load on a server: clients in threads, each in a closed loop along a camera script from its own place in it,
+ * keeping what it was sent, decoding everything and recounting every plan.
  *
  *   view_load_run(&report, &options, &error);    returns after `seconds`, or when *stop is set
  *   view_load_free(&report);
- */
+ * */
 #ifndef VIEW_LOAD_H
 #define VIEW_LOAD_H
 
@@ -23,7 +23,8 @@ struct view_load_options {
 	void *ctx;
 };
 
-enum view_load_failure { VIEW_LOAD_CONNECTION, VIEW_LOAD_REFUSED, VIEW_LOAD_DAMAGED, VIEW_LOAD_OTHER, VIEW_LOAD_FAILURES };
+enum view_load_failure { VIEW_LOAD_CONNECTION, VIEW_LOAD_REFUSED, VIEW_LOAD_DAMAGED, VIEW_LOAD_OTHER,
+	VIEW_LOAD_FAILURES };
 extern const char *const view_load_failure_names[VIEW_LOAD_FAILURES];
 
 struct view_times { float *ms; uint32_t count, room; };          /* sorted once the run is over */
@@ -38,9 +39,11 @@ struct view_load_report {
 };
 
 /* Fails only if it could not start at all; what servers do wrong is counted. */
-enum eco_code view_load_run(struct view_load_report *report, const struct view_load_options *options, struct eco_error *error);
+enum eco_code view_load_run(struct view_load_report *report, const struct view_load_options *options,
+	struct eco_error *error);
 void view_load_free(struct view_load_report *report);
-bool view_load_clean(const struct view_load_report *report);     /* no failure, no violation, nothing twice, at least one answer */
+/* no failure, no violation, nothing twice, at least one answer */
+bool view_load_clean(const struct view_load_report *report);
 
 /* The value that a share of the sorted times does not exceed; NaN without times. */
 double view_times_quantile(const struct view_times *times, double share);

@@ -3,7 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum eco_code view_picture_init(struct view_picture *picture, uint32_t width, uint32_t height, struct eco_error *error)
+enum eco_code view_picture_init(struct view_picture *picture, uint32_t width, uint32_t height,
+	struct eco_error *error)
 {
 	size_t pixels = (size_t)width * height;
 	*picture = (struct view_picture){ .width = width, .height = height };
@@ -27,7 +28,8 @@ void view_picture_free(struct view_picture *picture)
 void view_picture_compare(const uint8_t *cover, const uint8_t *reference, uint32_t pixels, uint8_t *rgb)
 {
 	/* legible to most colour-blind people: light for right, orange for too much, blue for missing */
-	static const uint8_t colors[4][3] = { { 0, 0, 0 }, { 245, 130, 32 }, { 40, 110, 255 }, { 235, 240, 225 } };
+	static const uint8_t colors[4][3] = { { 0, 0, 0 }, { 245, 130, 32 }, { 40, 110, 255 },
+		{ 235, 240, 225 } };
 	for (uint32_t i = 0; i < pixels; i++)
 		memcpy(rgb + 3 * (size_t)i, colors[(cover[i] != 0) + 2 * (reference[i] != 0)], 3);
 }

@@ -1,4 +1,5 @@
-/* A drawn frame in memory, whoever drew it: colours, the mask of covered pixels, and whose they are. Row 0 is the top. */
+/* A drawn frame in memory, whoever drew it: colours, the mask of covered pixels, and whose they are. Row 0 is
+ * the top. */
 #ifndef VIEW_PICTURE_H
 #define VIEW_PICTURE_H
 
@@ -16,10 +17,12 @@ struct view_picture {                    /* owns its arrays */
 	double draw_ms;
 };
 
-enum eco_code view_picture_init(struct view_picture *picture, uint32_t width, uint32_t height, struct eco_error *error);
+enum eco_code view_picture_init(struct view_picture *picture, uint32_t width, uint32_t height,
+	struct eco_error *error);
 void view_picture_free(struct view_picture *picture);
 
-/* True and false positives and negatives in three colours over black (neither) : 3 bytes a pixel into `rgb`. */
+/* True and false positives and negatives in three colours over black (neither) : 3 bytes a pixel into `rgb`.
+ */
 void view_picture_compare(const uint8_t *cover, const uint8_t *reference, uint32_t pixels, uint8_t *rgb);
 
 #endif

@@ -10,7 +10,8 @@
 
 void view_progress_begin(struct view_progress *progress, const char *program)
 {
-	*progress = (struct view_progress){ .program = program, .terminal = isatty(STDERR_FILENO), .last_ms = view_clock_ms() };
+	*progress = (struct view_progress){ .program = program, .terminal = isatty(STDERR_FILENO),
+		.last_ms = view_clock_ms() };
 }
 
 void view_progress_show(struct view_progress *progress, double done, double total, const char *what)

@@ -1,5 +1,5 @@
-/* The centre that elements are scaled about belongs to lod/: it is found here by asking for the geometry at factor 1 and at factor 4,
- * where every edge is twice as long: p4 = c + 2 (p1 - c). */
+/* The centre that elements are scaled about belongs to lod/: it is found here by asking for the geometry at
+ * factor 1 and at factor 4, where every edge is twice as long: p4 = c + 2 (p1 - c). */
 #include "client-min/view_record.h"
 
 #include <assert.h>
@@ -82,9 +82,10 @@ static void scratch_free(struct scratch *s)
 
 static bool scratch_make(struct scratch *s, uint32_t count)
 {
-	*s = (struct scratch){ { .position = malloc(36u * (size_t)count + 1), .uv = malloc(24u * (size_t)count + 1),
-		.width = malloc(4u * (size_t)count + 1), .color = malloc(4u * (size_t)count + 1) }, malloc(36u * (size_t)count + 1),
-		malloc((size_t)count + 1) };
+	*s = (struct scratch){ { .position = malloc(36u * (size_t)count + 1),
+		.uv = malloc(24u * (size_t)count + 1),
+		.width = malloc(4u * (size_t)count + 1), .color = malloc(4u * (size_t)count + 1) },
+		malloc(36u * (size_t)count + 1), malloc((size_t)count + 1) };
 	if (s->g.position && s->g.uv && s->g.width && s->g.color && s->twice && s->code)
 		return true;
 	scratch_free(s);
@@ -94,11 +95,13 @@ static bool scratch_make(struct scratch *s, uint32_t count)
 /* Codes of elements, one a primitive. */
 static void find_codes(const struct eco_list *list, const struct eco_elements *e, uint8_t *code)
 {
-	bool point = list->kind == ECO_LIST_POINTS, has = list->attributes & (point ? ECO_ATTR_SIZE : ECO_ATTR_GROWTH);
+	bool point = list->kind == ECO_LIST_POINTS,
+		has = list->attributes & (point ? ECO_ATTR_SIZE : ECO_ATTR_GROWTH);
 	uint32_t at = has ? eco_list_extra_at(list, point ? ECO_ATTR_SIZE : ECO_ATTR_GROWTH) : 0;
 	for (uint32_t i = 0; i < e->element_count; i++) {
 		uint32_t count = e->corners[i] < 3 ? 1 : e->corners[i] - 2u;
-		memset(code, has ? e->extra[(size_t)e->extra_count * i + at] : (int)(point ? ECO_SIZE_ONE : ECO_GROWTH_PLAIN), count);
+		memset(code, has ? e->extra[(size_t)e->extra_count * i + at]
+			: (int)(point ? ECO_SIZE_ONE : ECO_GROWTH_PLAIN), count);
 		code += count;
 	}
 }
@@ -108,9 +111,11 @@ static uint32_t color_word(const struct view_list *list, const struct scratch *s
 	return packed_color(list, s->g.color[i]) | (uint32_t)s->code[i] << 24;
 }
 
-static void write_triangle(const struct view_list *list, const struct scratch *s, uint32_t i, uint32_t texels, uint32_t **out)
+static void write_triangle(const struct view_list *list, const struct scratch *s, uint32_t i, uint32_t texels,
+	uint32_t **out)
 {
-	const float *p = s->g.position + 9 * (size_t)i, *twice = s->twice + 9 * (size_t)i, *uv = s->g.uv + 6 * (size_t)i;
+	const float *p = s->g.position + 9 * (size_t)i, *twice = s->twice + 9 * (size_t)i,
+		*uv = s->g.uv + 6 * (size_t)i;
 	float center[3];
 	for (int k = 0; k < 3; k++)
 		center[k] = 2 * p[k] - twice[k];
@@ -147,13 +152,15 @@ static void write_ground(const struct view_list *list, const struct eco_elements
 		for (uint32_t c = 0; c < columns; c++, i++) {
 			const int32_t *p = e->position + 3 * (size_t)i;
 			const int32_t *west = c > 0 ? p - 3 : p, *east = c + 1 < columns ? p + 3 : p;
-			const int32_t *south = r > 0 ? p - 3 * (size_t)columns : p, *north = r + 1 < rows ? p + 3 * (size_t)columns : p;
-			put(&out, (uint32_t)p[0], (uint32_t)p[1], (uint32_t)p[2], packed_normal(-slope(list, west, east, 0), -slope(list, south, north, 1)));
+			const int32_t *south = r > 0 ? p - 3 * (size_t)columns : p, *north = r + 1 < rows
+				? p + 3 * (size_t)columns : p;
+			put(&out, (uint32_t)p[0], (uint32_t)p[1], (uint32_t)p[2],
+				packed_normal(-slope(list, west, east, 0), -slope(list, south, north, 1)));
 		}
 }
 
-enum eco_code view_record_write(const struct view_list *list, uint32_t first_chunk, uint32_t end_chunk, uint32_t *words,
-	struct eco_error *error)
+enum eco_code view_record_write(const struct view_list *list, uint32_t first_chunk, uint32_t end_chunk,
+	uint32_t *words, struct eco_error *error)
 {
 	struct eco_elements e = view_list_chunks(list, first_chunk, end_chunk);
 	uint32_t count = e.primitive_count, texels = view_record_texels(&list->list);

@@ -1,6 +1,7 @@
-/* What costs is triangles, and most of a forest is hidden behind the rest of it. So plants are taken in order of distance, dealt to
- * the threads in turn, and each thread asks its own coarse depth before it touches a plant, and again before it touches a cell.
- * Geometry is made once per cut and shared by all plants that draw it. */
+/* What costs is triangles, and most of a forest is hidden behind the rest of it. So plants are taken in order
+ * of distance, dealt to the threads in turn, and each thread asks its own coarse depth before it touches a
+ * plant, and again before it touches a cell. Geometry is made once per cut and shared by all plants that draw
+ * it. */
 #include "client-min/view_reference.h"
 
 #include <assert.h>
@@ -77,7 +78,8 @@ static void bound_sphere(struct mesh *mesh, uint32_t vertices)
 		mesh->radius = fmaxf(mesh->radius, (float)(sqrt(square) * 1.0001) + mesh->geometry.width[i]);
 }
 
-#define TEXEL_STEPS 5                    /* a side of the lattice of texels that a triangle's colour is the mean of */
+/* a side of the lattice of texels that a triangle's colour is the mean of */
+#define TEXEL_STEPS 5
 
 static void add_texel(struct lod_light *light, const struct eco_image *image, double u, double v)
 {
@@ -92,8 +94,10 @@ static void texture_color(const struct eco_image *image, const float *uv, uint8_
 	struct lod_light light = { .weight = 0 };
 	for (int i = 0; i < TEXEL_STEPS; i++)
 		for (int j = 0; i + j < TEXEL_STEPS; j++) {
-			double a = (i + 1.0 / 3) / TEXEL_STEPS, b = (j + 1.0 / 3) / TEXEL_STEPS, c = 1 - a - b;
-			add_texel(&light, image, a * uv[0] + b * uv[2] + c * uv[4], a * uv[1] + b * uv[3] + c * uv[5]);
+			double a = (i + 1.0 / 3) / TEXEL_STEPS, b = (j + 1.0 / 3) / TEXEL_STEPS,
+				c = 1 - a - b;
+			add_texel(&light, image, a * uv[0] + b * uv[2] + c * uv[4],
+				a * uv[1] + b * uv[3] + c * uv[5]);
 		}
 	lod_light_mean(&light, rgb);
 }
@@ -110,19 +114,24 @@ static void color_mesh(struct mesh *mesh, const struct view_list *list, const st
 	lod_light_mean(&all, mean);
 	for (uint32_t i = 0; i < mesh->batch.count; i++) {
 		int32_t c = mesh->geometry.color[i];
-		const uint8_t *rgb = c >= 0 && (uint32_t)c < list->list.palette_count ? list->palette[c] : image ? mean : plain;
+		const uint8_t *rgb = c >= 0 && (uint32_t)c < list->list.palette_count ? list->palette[c]
+			: image ? mean : plain;
 		memcpy(mesh->rgb + 3 * (size_t)i, rgb, 3);
 		if (mesh->geometry.uv)
-			texture_color(&image->image, mesh->geometry.uv + 6 * (size_t)i, mesh->rgb + 3 * (size_t)i);
+			texture_color(&image->image, mesh->geometry.uv + 6 * (size_t)i,
+				mesh->rgb + 3 * (size_t)i);
 	}
 }
 
-static enum eco_code make_mesh(struct mesh *mesh, const struct view_reference_job *job, const struct eco_cut *cut, struct eco_error *error)
+static enum eco_code make_mesh(struct mesh *mesh, const struct view_reference_job *job,
+	const struct eco_cut *cut, struct eco_error *error)
 {
 	const struct view_list *list = view_store_list(job->store, cut->list);
 	uint32_t count = cut->end - cut->first, corners = eco_list_vertices(&list->list);
-	const struct view_list *image = list->list.image == ECO_NONE ? NULL : view_store_list(job->store, list->list.image);
-	bool textured = image && image->image.rgba && list->list.attributes & ECO_ATTR_UV, cutout = textured && image->cutout;
+	const struct view_list *image = list->list.image == ECO_NONE ? NULL
+		: view_store_list(job->store, list->list.image);
+	bool textured = image && image->image.rgba && list->list.attributes & ECO_ATTR_UV, cutout = textured
+		&& image->cutout;
 	mesh->kind = list->list.kind;
 	mesh->geometry.position = malloc(12u * (size_t)count * corners + 1);
 	mesh->geometry.uv = textured ? malloc(24u * (size_t)count + 1) : NULL;
@@ -131,13 +140,17 @@ static enum eco_code make_mesh(struct mesh *mesh, const struct view_reference_jo
 	bool sized = list->list.attributes & ECO_ATTR_SIZE;
 	mesh->geometry.size = sized ? malloc(4u * (size_t)count + 1) : NULL;
 	mesh->rgb = malloc(3u * (size_t)count + 1);
-	if (!mesh->geometry.position || !mesh->geometry.color || !mesh->rgb || (textured && !mesh->geometry.uv) || (sized && !mesh->geometry.size) ||
+	if (!mesh->geometry.position || !mesh->geometry.color || !mesh->rgb
+			|| (textured && !mesh->geometry.uv) || (sized && !mesh->geometry.size) ||
 		(mesh->kind == ECO_LIST_LINES && !mesh->geometry.width))
 		return no_memory(error);
-	uint32_t written = lod_list_geometry(&list->list, &list->elements, cut->first, cut->end, cut->scale, &mesh->geometry);
+	uint32_t written = lod_list_geometry(&list->list, &list->elements, cut->first, cut->end, cut->scale,
+		&mesh->geometry);
 	assert(written == count);
-	mesh->batch = (struct lod_raster_batch){ .count = count, .position = mesh->geometry.position, .uv = cutout ? mesh->geometry.uv : NULL,
-		.cutout = cutout ? &image->image : NULL, .width = mesh->geometry.width, .area = list->list.unit_area * cut->scale,
+	mesh->batch = (struct lod_raster_batch){ .count = count, .position = mesh->geometry.position,
+		.uv = cutout ? mesh->geometry.uv : NULL,
+		.cutout = cutout ? &image->image : NULL, .width = mesh->geometry.width,
+		.area = list->list.unit_area * cut->scale,
 		.size = mesh->geometry.size, .rgb = mesh->rgb };
 	mesh->by_point = mesh->kind == ECO_LIST_POINTS && list->list.attributes & ECO_ATTR_PLANT;
 	color_mesh(mesh, list, image);
@@ -152,14 +165,18 @@ static bool stopped(const struct view_reference_job *job)
 	return job->stop && *job->stop;
 }
 
-/* Two triangles a cell, their diagonal from south-west to north-east; in single floats, as OpenGL has them. */
-static uint32_t tile_triangles(const struct view_ground *ground, const struct view_ground_tile *tile, float *out)
+/* Two triangles a cell, their diagonal from south-west to north-east; in single floats, as OpenGL has them.
+ */
+static uint32_t tile_triangles(const struct view_ground *ground, const struct view_ground_tile *tile,
+	float *out)
 {
 	static const uint32_t corner[6][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 0 }, { 1, 1 }, { 0, 1 } };
 	for (uint32_t y = 0; y + 1 < tile->y.inner; y++)
 		for (uint32_t x = 0; x + 1 < tile->x.inner; x++)
 			for (int c = 0; c < 6; c++) {
-				const int32_t *at = tile->list->elements.position + 3 * (size_t)view_ground_sample(tile, x + corner[c][0], y + corner[c][1]);
+				const int32_t *at = tile->list->elements.position
+					+ 3 * (size_t)view_ground_sample(tile, x + corner[c][0],
+					y + corner[c][1]);
 				for (int k = 0; k < 3; k++)
 					*out++ = (float)(at[k] - ground->anchor[k]) * ground->step[k];
 			}
@@ -280,7 +297,8 @@ static void scene_free(struct scene *scene)
 	free(scene->order);
 }
 
-/* Flat colours made legible: each plant a little lighter or darker than the next, haze with distance, sky where nothing is. */
+/* Flat colours made legible: each plant a little lighter or darker than the next, haze with distance, sky
+ * where nothing is. */
 static void tell_apart(const struct lod_raster *raster, struct view_picture *picture, float haze_m)
 {
 	static const float air[3] = { 186, 204, 222 };
@@ -290,13 +308,17 @@ static void tell_apart(const struct lod_raster *raster, struct view_picture *pic
 		uint32_t hash = (uint32_t)(picture->owner[i] * 0x9E3779B97F4A7C15u >> 56);
 		float tone = clear * (picture->owner[i] ? 0.8f + 0.35f * (float)hash / 255 : 1);
 		for (int k = 0; k < 3; k++)
-			picture->rgb[3 * i + (size_t)k] = (uint8_t)fminf(255, raster->rgb[3 * i + (size_t)k] * tone + air[k] * (1 - clear));
+			picture->rgb[3 * i + (size_t)k] =
+				(uint8_t)fminf(255,
+				raster->rgb[3 * i + (size_t)k] * tone + air[k] * (1 - clear));
 	}
 }
 
-static enum eco_code run(struct worker *workers, uint32_t count, struct view_picture *picture, struct eco_error *error)
+static enum eco_code run(struct worker *workers, uint32_t count, struct view_picture *picture,
+	struct eco_error *error)
 {
-	struct lod_raster_options options = { .width = picture->width, .height = picture->height, .owner = true, .rgb = true };
+	struct lod_raster_options options = { .width = picture->width, .height = picture->height,
+		.owner = true, .rgb = true };
 	for (uint32_t i = 0; i < count; i++) {
 		enum eco_code code = lod_raster_init(&workers[i].raster, &options, error);
 		if (code)
@@ -315,11 +337,13 @@ static enum eco_code run(struct worker *workers, uint32_t count, struct view_pic
 	size_t pixels = (size_t)picture->width * picture->height;
 	memcpy(picture->cover, workers[0].raster.cover, pixels);
 	memcpy(picture->owner, workers[0].raster.owner, pixels * sizeof *picture->owner);
-	tell_apart(&workers[0].raster, picture, (float)view_shade_haze_m(HAZE_M, workers[0].scene->job->eye->at[2]));
+	tell_apart(&workers[0].raster, picture,
+		(float)view_shade_haze_m(HAZE_M, workers[0].scene->job->eye->at[2]));
 	return ECO_OK;
 }
 
-enum eco_code view_reference_draw(const struct view_reference_job *job, struct view_picture *picture, struct eco_error *error)
+enum eco_code view_reference_draw(const struct view_reference_job *job, struct view_picture *picture,
+	struct eco_error *error)
 {
 	static const struct eco_plan nothing;
 	struct scene scene = { .job = job, .plan = view_store_plan(job->store) };

@@ -1,5 +1,6 @@
-/* Drawing a selection in software: the reference that pictures are scored against, and what draws where there is no OpenGL. Plants
- * front to back, hidden ones skipped, by `threads` rasterisers whose pictures are merged: the same pixels whatever the number. */
+/* Drawing a selection in software: the reference that pictures are scored against, and what draws where there
+ * is no OpenGL. Plants front to back, hidden ones skipped, by `threads` rasterisers whose pictures are
+ * merged: the same pixels whatever the number. */
 #ifndef VIEW_REFERENCE_H
 #define VIEW_REFERENCE_H
 
@@ -17,7 +18,9 @@ struct view_reference_job {
 	const volatile sig_atomic_t *stop;       /* not 0: end with ECO_INTERRUPTED; may be NULL */
 };
 
-/* Fills cover, owner, flat colours in rgb, vertices (those of the selection: hidden ones count as drawn) and draw_ms. */
-enum eco_code view_reference_draw(const struct view_reference_job *job, struct view_picture *picture, struct eco_error *error);
+/* Fills cover, owner, flat colours in rgb, vertices (those of the selection: hidden ones count as drawn) and
+ * draw_ms. */
+enum eco_code view_reference_draw(const struct view_reference_job *job, struct view_picture *picture,
+	struct eco_error *error);
 
 #endif

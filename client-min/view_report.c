@@ -37,7 +37,8 @@ static double measure(const struct view_frame *frame, size_t i)
 
 struct view_frame view_frame_empty(uint32_t frame, double time_s, const struct eco_request *request)
 {
-	struct view_frame f = { .frame = frame, .time_s = time_s, .budget_vertices = request->vertices, .budget_bytes = request->bytes };
+	struct view_frame f = { .frame = frame, .time_s = time_s, .budget_vertices = request->vertices,
+		.budget_bytes = request->bytes };
 	for (size_t i = 0; i < MEASURES; i++)
 		memcpy((char *)&f + measures[i].offset, &(double){ NAN }, sizeof(double));
 	return f;
@@ -52,7 +53,8 @@ void view_frame_score(struct view_frame *frame, const struct lod_score *score)
 	frame->owner_q = score->owner_q;
 }
 
-enum eco_code view_report_add(struct view_report *report, const struct view_frame *frame, struct eco_error *error)
+enum eco_code view_report_add(struct view_report *report, const struct view_frame *frame,
+	struct eco_error *error)
 {
 	if (!eco_room(&report->frames, &report->room, report->count, sizeof *report->frames))
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for the report");
@@ -70,8 +72,9 @@ static void print_score(FILE *out, const char *name, double v)
 
 void view_report_line(const struct view_frame *f, FILE *out)
 {
-	fprintf(out, "frame %04u  vertices %llu of %llu  bytes %llu", f->frame, (unsigned long long)f->vertices,
-		(unsigned long long)f->budget_vertices, (unsigned long long)f->bytes);
+	fprintf(out, "frame %04u  vertices %llu of %llu  bytes %llu", f->frame,
+		(unsigned long long)f->vertices, (unsigned long long)f->budget_vertices,
+		(unsigned long long)f->bytes);
 	print_score(out, "P", f->precision);
 	print_score(out, "R", f->recall);
 	print_score(out, "Q", f->q);
@@ -112,7 +115,8 @@ static json_t *summary_json(const struct view_report *report)
 		bytes += report->frames[i].bytes;
 	}
 	json_object_set_new(o, "frames", json_integer(report->count));
-	json_object_set_new(o, "mean_vertices", number(report->count ? (double)vertices / report->count : NAN));
+	json_object_set_new(o, "mean_vertices",
+		number(report->count ? (double)vertices / report->count : NAN));
 	json_object_set_new(o, "total_bytes", json_integer((json_int_t)bytes));
 	for (size_t m = 0; m < MEASURES; m++) {
 		double sum = 0;

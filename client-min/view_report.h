@@ -1,4 +1,5 @@
-/* What a frame came to, as a line for people and as report.json for scripts. NaN is null: not applicable, or not measured. */
+/* What a frame came to, as a line for people and as report.json for scripts. NaN is null: not applicable, or
+ * not measured. */
 #ifndef VIEW_REPORT_H
 #define VIEW_REPORT_H
 
@@ -14,14 +15,16 @@ struct view_frame {
 	uint64_t budget_bytes, bytes;            /* ECO_BYTES_UNBOUNDED: null */
 	double precision, recall, q, skill, owner_q, predicted_q;
 	double plan_ms, first_byte_ms, stream_ms, decode_ms, draw_ms, reference_ms;
-	double reference_summaries;              /* tiles that even the reference shows as points: 0 where it is full detail */
+	/* tiles that even the reference shows as points: 0 where it is full detail */
+	double reference_summaries;
 };
 
 struct view_report {                             /* owns `frames` */
 	struct view_frame *frames;
 	uint32_t count, room;
 	const char *scene, *renderer, *reference;    /* reference: "cpu", "egl" or NULL */
-	uint32_t programs;                           /* of OpenGL, that were compiled: bits of enum view_program */
+	/* of OpenGL, that were compiled: bits of enum view_program */
+	uint32_t programs;
 	uint32_t width, height;
 	bool complete;                           /* every frame that was asked for is here */
 };
@@ -30,7 +33,8 @@ struct view_report {                             /* owns `frames` */
 struct view_frame view_frame_empty(uint32_t frame, double time_s, const struct eco_request *request);
 void view_frame_score(struct view_frame *frame, const struct lod_score *score);
 
-enum eco_code view_report_add(struct view_report *report, const struct view_frame *frame, struct eco_error *error);
+enum eco_code view_report_add(struct view_report *report, const struct view_frame *frame,
+	struct eco_error *error);
 void view_report_line(const struct view_frame *frame, FILE *out);
 /* Writes DIR/report.json beside and renames it. */
 enum eco_code view_report_write(const struct view_report *report, const char *dir, struct eco_error *error);

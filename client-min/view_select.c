@@ -1,6 +1,6 @@
-/* The walk is the server's, repeated: every instance of every run, its anchors and bands in the shared arithmetic of lod/eye.h,
- * and for each the cuts that name the anchor, the band and the share. Cuts are indexed by anchor and sorted by band, so that
- * an instance costs the cuts that it draws and little else. */
+/* The walk is the server's, repeated: every instance of every run, its anchors and bands in the shared
+ * arithmetic of lod/eye.h, and for each the cuts that name the anchor, the band and the share. Cuts are
+ * indexed by anchor and sorted by band, so that an instance costs the cuts that it draws and little else. */
 #include "client-min/view_select.h"
 
 #include <assert.h>
@@ -70,7 +70,8 @@ static enum eco_code index_cuts(struct walk *w)
 	qsort_r(w->sorted, plan->cut_count, sizeof *w->sorted, by_anchor, plan->cuts);
 	for (uint32_t i = 0; i < plan->cut_count; i++) {
 		uint32_t anchor = plan->cuts[w->sorted[i]].anchor;
-		if ((i == 0 || plan->cuts[w->sorted[i - 1]].anchor != anchor) && !view_table_put(&w->anchors, anchor, i))
+		if ((i == 0 || plan->cuts[w->sorted[i - 1]].anchor != anchor)
+				&& !view_table_put(&w->anchors, anchor, i))
 			return no_memory(w);
 	}
 	for (uint32_t i = 0; i < plan->gate_count; i++)
@@ -99,7 +100,8 @@ static enum view_role plain_role(const struct walk *w, const struct eco_cut *cut
 static uint8_t blend_role(uint8_t role)
 {
 	static const uint8_t blend[VIEW_ROLE_COUNT] = { [VIEW_ROLE_TRIANGLES] = VIEW_ROLE_BLEND_TRIANGLES,
-		[VIEW_ROLE_SIMPLE] = VIEW_ROLE_BLEND_SIMPLE, [VIEW_ROLE_LINES] = VIEW_ROLE_BLEND_LINES, [VIEW_ROLE_POINTS] = VIEW_ROLE_BLEND_POINTS };
+		[VIEW_ROLE_SIMPLE] = VIEW_ROLE_BLEND_SIMPLE, [VIEW_ROLE_LINES] = VIEW_ROLE_BLEND_LINES,
+		[VIEW_ROLE_POINTS] = VIEW_ROLE_BLEND_POINTS };
 	return blend[role] ? blend[role] : role;
 }
 
@@ -112,11 +114,12 @@ static uint32_t elements_of(const struct walk *w, const struct eco_cut *cut)
 
 static bool same_plants(const struct eco_cut *a, const struct eco_cut *b)
 {
-	return a->anchor == b->anchor && a->band_first == b->band_first && a->band_end == b->band_end && a->share_first == b->share_first
-		&& a->share_end == b->share_end;
+	return a->anchor == b->anchor && a->band_first == b->band_first && a->band_end == b->band_end
+		&& a->share_first == b->share_first && a->share_end == b->share_end;
 }
 
-/* Two cuts are a blend if one draws the first elements of a list and the other, in another form, those from some element on. */
+/* Two cuts are a blend if one draws the first elements of a list and the other, in another form, those from
+ * some element on. */
 static void find_roles(struct walk *w)
 {
 	const struct eco_cut *cuts = w->plan->cuts;
@@ -130,7 +133,8 @@ static void find_roles(struct walk *w)
 		uint32_t from = view_table_get(&w->anchors, rest->anchor);
 		for (uint32_t j = from; j < n && cuts[w->sorted[j]].anchor == rest->anchor; j++) {
 			const struct eco_cut *front = &cuts[w->sorted[j]];
-			if (front->first || front->list == rest->list || !same_plants(front, rest) || elements_of(w, front) != elements_of(w, rest))
+			if (front->first || front->list == rest->list || !same_plants(front, rest)
+					|| elements_of(w, front) != elements_of(w, rest))
 				continue;
 			w->out->roles[w->sorted[i]] = blend_role(w->out->roles[w->sorted[i]]);
 			w->out->roles[w->sorted[j]] = blend_role(w->out->roles[w->sorted[j]]);
@@ -143,8 +147,10 @@ static void find_roles(struct walk *w)
 static enum eco_code add_instance(struct walk *w, const struct view_instance *instance)
 {
 	struct view_selection *out = w->out;
-	if (!reserve(&out->instances, &w->instance_room, (uint64_t)out->instance_count + 1, sizeof *out->instances) ||
-		!reserve(&out->cut_first, &w->first_room, (uint64_t)out->instance_count + 2, sizeof *out->cut_first))
+	if (!reserve(&out->instances, &w->instance_room, (uint64_t)out->instance_count + 1,
+			sizeof *out->instances) ||
+		!reserve(&out->cut_first, &w->first_room, (uint64_t)out->instance_count + 2,
+		sizeof *out->cut_first))
 		return no_memory(w);
 	out->cut_first[out->instance_count] = w->pair_count;
 	out->instances[out->instance_count++] = *instance;
@@ -154,10 +160,12 @@ static enum eco_code add_instance(struct walk *w, const struct view_instance *in
 static enum eco_code add_pair(struct walk *w, uint32_t cut)
 {
 	const struct eco_cut *c = &w->plan->cuts[cut];
-	if (w->pair_count >= PAIRS_MAX || !reserve(&w->out->cuts, &w->pair_room, (uint64_t)w->pair_count + 1, sizeof *w->out->cuts))
+	if (w->pair_count >= PAIRS_MAX || !reserve(&w->out->cuts, &w->pair_room, (uint64_t)w->pair_count + 1,
+			sizeof *w->out->cuts))
 		return no_memory(w);
 	w->out->cuts[w->pair_count++] = cut;
-	w->out->vertices += (uint64_t)(c->end - c->first) * eco_list_vertices(&view_store_list(w->store, c->list)->list);
+	w->out->vertices +=
+		(uint64_t)(c->end - c->first) * eco_list_vertices(&view_store_list(w->store, c->list)->list);
 	w->out->member_first[cut + 1]++;
 	return ECO_OK;
 }
@@ -185,15 +193,19 @@ static double distance_m(const struct lod_eye *eye, const double p[3])
 	return sqrt(x * x + y * y + z * z);
 }
 
-static enum eco_code walk_list(struct walk *w, const struct eco_placement *placement, uint32_t left, const struct view_list *list)
+static enum eco_code walk_list(struct walk *w, const struct eco_placement *placement, uint32_t left,
+	const struct view_list *list)
 {
 	const struct view_plant *plant = view_store_plant(w->store, list->list.plant);
 	uint32_t count = list->elements.primitive_count;
 	if (!plant || count != list->list.primitive_count || list->list.kind != ECO_LIST_INSTANCES)
-		return eco_fail(w->error, ECO_DAMAGED, "the plan draws the plants of list %u, which were not all sent", list->id);
+		return eco_fail(w->error, ECO_DAMAGED, "the plan draws the plants of list %u, which were "
+			"not all sent", list->id);
 	w->looked += count;
-	if (w->looked > INSTANCES_MAX || !reserve(&w->seen, &w->seen_room, plant->plant.anchor_count, sizeof *w->seen))
-		return eco_fail(w->error, ECO_TOO_LARGE, "the plan looks at more than %u plants", INSTANCES_MAX);
+	if (w->looked > INSTANCES_MAX || !reserve(&w->seen, &w->seen_room, plant->plant.anchor_count,
+			sizeof *w->seen))
+		return eco_fail(w->error, ECO_TOO_LARGE, "the plan looks at more than %u plants",
+			INSTANCES_MAX);
 	uint32_t gate = view_table_get(&w->gates, list->list.plant);
 	uint32_t key = eco_owner_leaf(list->list.owner) + placement->path;
 	for (uint32_t i = 0; i < count; i++) {
@@ -203,8 +215,9 @@ static enum eco_code walk_list(struct walk *w, const struct eco_placement *place
 		instance.hash = lod_share_hash(placement->path, list->id, i);
 		if (lod_open_hash(instance.hash) < left)
 			continue;
-		uint32_t seen = lod_instance_anchors(w->eye, &instance.place, plant->anchors, plant->plant.anchor_first,
-			plant->plant.anchor_count, gate == UINT32_MAX ? 0 : gate, instance.hash, w->seen);
+		uint32_t seen = lod_instance_anchors(w->eye, &instance.place, plant->anchors,
+			plant->plant.anchor_first, plant->plant.anchor_count, gate == UINT32_MAX ? 0 : gate,
+			instance.hash, w->seen);
 		if (!seen)
 			continue;
 		double center[3];
@@ -232,11 +245,13 @@ static enum eco_code walk_once(struct walk *w, uint32_t cut)
 	return code ? code : add_pair(w, cut);
 }
 
-/* member_first counts so far, one place to the right; sums make it the table of contents, and a pass over the pairs fills it. */
+/* member_first counts so far, one place to the right; sums make it the table of contents, and a pass over the
+ * pairs fills it. */
 static enum eco_code finish(struct walk *w)
 {
 	struct view_selection *out = w->out;
-	if (!reserve(&out->cut_first, &w->first_room, (uint64_t)out->instance_count + 1, sizeof *out->cut_first))
+	if (!reserve(&out->cut_first, &w->first_room, (uint64_t)out->instance_count + 1,
+			sizeof *out->cut_first))
 		return no_memory(w);
 	out->cut_first[out->instance_count] = w->pair_count;
 	for (uint32_t c = 0; c < out->cut_count; c++)
@@ -253,8 +268,9 @@ static enum eco_code finish(struct walk *w)
 			out->members[next[out->cuts[p]]++] = i;
 	free(next);
 	if (out->vertices != w->plan->vertices)
-		return eco_fail(w->error, ECO_DAMAGED, "the plan promises %llu vertices, drawing it comes to %llu: server and client disagree",
-			(unsigned long long)w->plan->vertices, (unsigned long long)out->vertices);
+		return eco_fail(w->error, ECO_DAMAGED, "the plan promises %llu vertices, drawing it comes "
+			"to %llu: server and client disagree", (unsigned long long)w->plan->vertices,
+			(unsigned long long)out->vertices);
 	return ECO_OK;
 }
 
@@ -265,20 +281,23 @@ static enum eco_code walk_runs(struct walk *w)
 		for (uint32_t id = plan->runs[r].list_first; id < plan->runs[r].list_end; id++) {
 			const struct view_list *list = view_store_list(w->store, id);
 			if (!list)
-				return eco_fail(w->error, ECO_DAMAGED, "the plan draws the plants of list %u, which was not sent", id);
-			enum eco_code code = walk_list(w, &plan->placements[plan->runs[r].placement], plan->runs[r].left, list);
+				return eco_fail(w->error, ECO_DAMAGED,
+					"the plan draws the plants of list %u, which was not sent", id);
+			enum eco_code code = walk_list(w, &plan->placements[plan->runs[r].placement],
+				plan->runs[r].left, list);
 			if (code)
 				return code;
 		}
 	return ECO_OK;
 }
 
-enum eco_code view_select_make(struct view_selection *selection, const struct view_store *store, const struct lod_eye *eye,
-	struct eco_error *error)
+enum eco_code view_select_make(struct view_selection *selection, const struct view_store *store,
+	const struct lod_eye *eye, struct eco_error *error)
 {
 	static const struct eco_plan nothing;
 	*selection = (struct view_selection){ 0 };
-	struct walk w = { .out = selection, .store = store, .plan = view_store_plan(store), .eye = eye, .error = error };
+	struct walk w = { .out = selection, .store = store, .plan = view_store_plan(store), .eye = eye,
+		.error = error };
 	if (!w.plan)
 		w.plan = &nothing;
 	selection->cut_count = w.plan->cut_count;
@@ -290,7 +309,8 @@ enum eco_code view_select_make(struct view_selection *selection, const struct vi
 		code = walk_runs(&w);
 	}
 	for (uint32_t c = 0; c < w.plan->cut_count && !code; c++)
-		if (w.plan->cuts[c].anchor == ECO_NONE && view_store_list(store, w.plan->cuts[c].list)->list.kind != ECO_LIST_GROUND)
+		if (w.plan->cuts[c].anchor == ECO_NONE
+				&& view_store_list(store, w.plan->cuts[c].list)->list.kind != ECO_LIST_GROUND)
 			code = walk_once(&w, c);
 	if (!code)
 		code = view_ground_make(&selection->ground, store, eye, error);
@@ -321,5 +341,6 @@ uint64_t view_summary_owner(const struct view_list *list, uint32_t index, uint32
 {
 	const int32_t *extra = list->elements.extra + (size_t)index * list->elements.extra_count
 		+ eco_list_extra_at(&list->list, ECO_ATTR_PLANT);
-	return eco_owner_summary((uint32_t)extra[1] + eco_owner_leaf(list->list.owner) + path, (uint32_t)extra[0]);
+	return eco_owner_summary((uint32_t)extra[1] + eco_owner_leaf(list->list.owner) + path,
+		(uint32_t)extra[0]);
 }

@@ -1,11 +1,15 @@
 /* Which instances each cut of a plan draws: the client's half of the rule in ecofiles/format/plan.h.
  *
- *   view_select_make(&selection, store, &eye, &error);   instances in sight, and for each the cuts that apply to it
- *   ... members of cut c: selection.members[member_first[c] .. member_first[c+1])      (to draw cut by cut, instanced)
- *   ... cuts of instance i: selection.cuts[cut_first[i] .. cut_first[i+1])             (to draw plant by plant)
+ *   view_select_make(&selection, store, &eye, &error);   instances in sight, and for each the cuts that apply
+ *                                                        to it
+ *   ... members of cut c: selection.members[member_first[c] .. member_first[c+1])
+ *         (to draw cut by cut, instanced)
+ *   ... cuts of instance i: selection.cuts[cut_first[i] .. cut_first[i+1])
+ *         (to draw plant by plant)
  *   view_select_free(&selection);
  *
- * The same pairs in both orders: the GPU wants few batches, the software rasteriser wants plants front to back. */
+ * The same pairs in both orders: the GPU wants few batches, the software rasteriser wants plants front to
+ * back. */
 #ifndef VIEW_SELECT_H
 #define VIEW_SELECT_H
 
@@ -15,7 +19,8 @@
 
 struct view_instance {
 	struct lod_place place;
-	uint64_t owner;                  /* eco_owner_instance; 0: a list drawn once, whose points carry their own owners */
+	/* eco_owner_instance; 0: a list drawn once, whose points carry their own owners */
+	uint64_t owner;
 	uint32_t plant;                  /* ECO_NONE: a list drawn once */
 	uint32_t hash;                   /* share hash; varies colours too */
 	uint32_t path;                   /* of the placement, for the owners of summary points */
@@ -24,9 +29,11 @@ struct view_instance {
 
 /* What a cut shows, for pictures that tell representations apart. */
 enum view_role {
-	VIEW_ROLE_TRIANGLES, VIEW_ROLE_SIMPLE, VIEW_ROLE_LINES, VIEW_ROLE_POINTS,        /* simple: triangles that are forms of others */
+	/* simple: triangles that are forms of others */
+	VIEW_ROLE_TRIANGLES, VIEW_ROLE_SIMPLE, VIEW_ROLE_LINES, VIEW_ROLE_POINTS,
 	VIEW_ROLE_BLEND_TRIANGLES, VIEW_ROLE_BLEND_SIMPLE, VIEW_ROLE_BLEND_LINES, VIEW_ROLE_BLEND_POINTS,
-	                                                          /* the first elements of a list in one form, those after them in another */
+	                                                          /* the first elements of a list in one form,
+	                                                           * those after them in another */
 	VIEW_ROLE_SUMMARY, VIEW_ROLE_COUNT
 };
 
@@ -42,10 +49,10 @@ struct view_selection {                  /* owns its arrays */
 	uint64_t vertices;               /* what drawing it draws */
 };
 
-/* Evaluates the store's plan for this eye. A sum of vertices that differs from the plan's is ECO_DAMAGED, as is a plan that names
- * what is not held. Without a plan the selection is empty. */
-enum eco_code view_select_make(struct view_selection *selection, const struct view_store *store, const struct lod_eye *eye,
-	struct eco_error *error);
+/* Evaluates the store's plan for this eye. A sum of vertices that differs from the plan's is ECO_DAMAGED, as
+ * is a plan that names what is not held. Without a plan the selection is empty. */
+enum eco_code view_select_make(struct view_selection *selection, const struct view_store *store,
+	const struct lod_eye *eye, struct eco_error *error);
 void view_select_free(struct view_selection *selection);
 
 /* Owner of summary point `index` (an element of a list with ECO_ATTR_PLANT) in a placement. */

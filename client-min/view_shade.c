@@ -11,11 +11,13 @@
 struct view_shape view_shape_of(const struct view_plant *plant)
 {
 	const struct eco_anchor *whole = &plant->anchors[0];
-	double half = 0.5 * plant->plant.height_m, square = (double)whole->radius * whole->radius - half * half;
+	double half = 0.5 * plant->plant.height_m, square = (double)whole->radius * whole->radius
+		- half * half;
 	double least = 0.12 * whole->radius;
 	if (!(half > 0))
 		half = whole->radius;
-	return (struct view_shape){ (float)half, (float)(square > least * least ? sqrt(square) : least), (float)half };
+	return (struct view_shape){ (float)half, (float)(square > least * least ? sqrt(square) : least),
+		(float)half };
 }
 
 /* The mean over the way down of a density that falls to 1/e every AIR_M. */
@@ -39,7 +41,8 @@ static void splat(struct view_shade *shade, int channel, double x, double y, dou
 		share *= radius * radius / 0.36;
 		radius = 0.6;
 	}
-	if (!(cx + radius >= 0 && cy + radius >= 0 && cx - radius < VIEW_SHADE_PIXELS && cy - radius < VIEW_SHADE_PIXELS) || share < 0.01)
+	if (!(cx + radius >= 0 && cy + radius >= 0 && cx - radius < VIEW_SHADE_PIXELS
+			&& cy - radius < VIEW_SHADE_PIXELS) || share < 0.01)
 		return;
 	int x0 = (int)fmax(ceil(cx - radius), 0), x1 = (int)fmin(floor(cx + radius), VIEW_SHADE_PIXELS - 1);
 	int y0 = (int)fmax(ceil(cy - radius), 0), y1 = (int)fmin(floor(cy + radius), VIEW_SHADE_PIXELS - 1);
@@ -47,19 +50,23 @@ static void splat(struct view_shade *shade, int channel, double x, double y, dou
 		for (int i = x0; i <= x1; i++) {
 			double d2 = ((i - cx) * (i - cx) + (j - cy) * (j - cy)) / (radius * radius);
 			if (d2 < 1)
-				dim(&shade->texels[2 * ((size_t)j * VIEW_SHADE_PIXELS + (size_t)i) + (size_t)channel], share * (1 - d2 * d2));
+				dim(&shade->texels[2 * ((size_t)j * VIEW_SHADE_PIXELS + (size_t)i)
+					+ (size_t)channel], share * (1 - d2 * d2));
 		}
 }
 
 /* A plant as seen by the sun: a foot, a stem, and a crown that is widest above its middle. */
-static const struct { double height, width, share; } disc[] = { { 0, 0.12, 0.7 }, { 0.1, 0.12, 0.6 }, { 0.2, 0.15, 0.6 }, { 0.35, 0.6, 0.4 },
+static const struct { double height, width, share; } disc[] = { { 0, 0.12, 0.7 }, { 0.1, 0.12, 0.6 },
+	{ 0.2, 0.15, 0.6 }, { 0.35, 0.6, 0.4 },
 	{ 0.5, 0.95, 0.55 }, { 0.65, 1.0, 0.55 }, { 0.8, 0.8, 0.5 }, { 0.92, 0.5, 0.4 } };
 #define DISCS (int)(sizeof disc / sizeof disc[0])
 
-static void cast(struct view_shade *shade, const struct view_instance *instance, const struct view_plant *plant)
+static void cast(struct view_shade *shade, const struct view_instance *instance,
+	const struct view_plant *plant)
 {
 	struct view_shape shape = view_shape_of(plant);
-	double scale = instance->place.scale, height = 2 * shape.half_height * scale, width = shape.half_width * scale;
+	double scale = instance->place.scale, height = 2 * shape.half_height * scale,
+		width = shape.half_width * scale;
 	const double *at = instance->place.at;
 	splat(shade, 1, at[0], at[1], width * 0.9, 0.55);
 	splat(shade, 1, at[0], at[1], width * 0.3, 0.35);
@@ -88,8 +95,8 @@ static void find_square(struct view_shade *shade, const struct view_selection *s
 		shade->low[k] = isfinite(low[k]) ? low[k] - margin : 0;
 }
 
-enum eco_code view_shade_make(struct view_shade *shade, const struct view_store *store, const struct view_selection *selection,
-	struct eco_error *error)
+enum eco_code view_shade_make(struct view_shade *shade, const struct view_store *store,
+	const struct view_selection *selection, struct eco_error *error)
 {
 	shade->texels = calloc((size_t)VIEW_SHADE_PIXELS * VIEW_SHADE_PIXELS, 2);
 	if (!shade->texels)

@@ -6,21 +6,22 @@
 
 #include "ecofiles/base/status.h"
 
-enum view_program { VIEW_PROGRAM_TRIANGLES, VIEW_PROGRAM_TEXTURED, VIEW_PROGRAM_LINES, VIEW_PROGRAM_POINTS, VIEW_PROGRAM_SUMMARY,
-	VIEW_PROGRAM_GROUND, VIEW_PROGRAM_SKY, VIEW_PROGRAM_COUNT };
+enum view_program { VIEW_PROGRAM_TRIANGLES, VIEW_PROGRAM_TEXTURED, VIEW_PROGRAM_LINES, VIEW_PROGRAM_POINTS,
+	VIEW_PROGRAM_SUMMARY, VIEW_PROGRAM_GROUND, VIEW_PROGRAM_SKY, VIEW_PROGRAM_COUNT };
 
-enum view_uniform { VIEW_U_RIGHT, VIEW_U_UP, VIEW_U_FORWARD, VIEW_U_LENS, VIEW_U_ORIGIN, VIEW_U_FIRST_MEMBER, VIEW_U_SCALE,
-	VIEW_U_TINT, VIEW_U_COLUMNS, VIEW_U_RECORDS, VIEW_U_INSTANCES, VIEW_U_MEMBERS, VIEW_U_ALPHA, VIEW_U_TEXTURE, VIEW_U_SHADE,
-	VIEW_U_SHADE_BOX, VIEW_U_PATH, VIEW_U_ANCHOR, VIEW_U_STEP, VIEW_U_INNER, VIEW_U_SEAM, VIEW_U_EDGES, VIEW_U_SIDES,
-	VIEW_U_LEVEL, VIEW_UNIFORM_COUNT };
+enum view_uniform { VIEW_U_RIGHT, VIEW_U_UP, VIEW_U_FORWARD, VIEW_U_LENS, VIEW_U_ORIGIN, VIEW_U_FIRST_MEMBER,
+	VIEW_U_SCALE, VIEW_U_TINT, VIEW_U_COLUMNS, VIEW_U_RECORDS, VIEW_U_INSTANCES, VIEW_U_MEMBERS,
+	VIEW_U_ALPHA, VIEW_U_TEXTURE, VIEW_U_SHADE, VIEW_U_SHADE_BOX, VIEW_U_PATH, VIEW_U_ANCHOR, VIEW_U_STEP,
+	VIEW_U_INNER, VIEW_U_SEAM, VIEW_U_EDGES, VIEW_U_SIDES, VIEW_U_LEVEL, VIEW_UNIFORM_COUNT };
 
-struct view_shader { unsigned program; int uniform[VIEW_UNIFORM_COUNT]; };       /* program 0: not compiled yet; uniform -1: unused */
+/* program 0: not compiled yet; uniform -1: unused */
+struct view_shader { unsigned program; int uniform[VIEW_UNIFORM_COUNT]; };
 
 extern const char *const view_program_names[VIEW_PROGRAM_COUNT];
 
 struct view_dialect { bool es; bool depth_zero_to_one; };
 
-enum eco_code view_shader_compile(struct view_shader *shader, enum view_program which, const struct view_dialect *dialect,
-	struct eco_error *error);
+enum eco_code view_shader_compile(struct view_shader *shader, enum view_program which,
+	const struct view_dialect *dialect, struct eco_error *error);
 
 #endif

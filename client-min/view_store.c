@@ -1,6 +1,6 @@
-/* Decoded lists grow by whole chunks at their end and never move their meaning: primitive i stays primitive i. So a plan of any
- * later frame is a set of ranges over what is here, GPU copies are extended and never rewritten, and what the client holds is one
- * number per list. */
+/* Decoded lists grow by whole chunks at their end and never move their meaning: primitive i stays primitive
+ * i. So a plan of any later frame is a set of ranges over what is here, GPU copies are extended and never
+ * rewritten, and what the client holds is one number per list. */
 #include "client-min/view_store.h"
 
 #include <assert.h>
@@ -28,7 +28,8 @@ struct view_store {
 	struct view_list **lists;        uint32_t list_count, list_room;
 	struct view_plant **plants;      uint32_t plant_count, plant_room;
 	struct view_table list_table, plant_table;
-	struct view_table form_table;    /* list with other forms -> index of one of them; the others by view_list.next_form */
+	/* list with other forms -> index of one of them; the others by view_list.next_form */
+	struct view_table form_table;
 	struct eco_plan plan;
 };
 
@@ -39,7 +40,8 @@ double view_clock_ms(void)
 	return (double)now.tv_sec * 1e3 + (double)now.tv_nsec / 1e6;
 }
 
-enum eco_code view_store_new(struct view_store **out, const struct view_store_options *options, struct eco_error *error)
+enum eco_code view_store_new(struct view_store **out, const struct view_store_options *options,
+	struct eco_error *error)
 {
 	struct view_store *store = calloc(1, sizeof *store);
 	*out = store;
@@ -96,7 +98,8 @@ static enum eco_code no_memory(struct eco_error *error, const char *what)
 static enum eco_code account(struct view_store *store, uint64_t bytes, struct eco_error *error)
 {
 	if (bytes > store->options.memory_max - store->stats.memory_bytes)
-		return eco_fail(error, ECO_TOO_LARGE, "what the scene's view needs exceeds %.1f GiB of decoded data: ask for fewer vertices",
+		return eco_fail(error, ECO_TOO_LARGE, "what the scene's view needs exceeds %.1f GiB of "
+			"decoded data: ask for fewer vertices",
 			(double)store->options.memory_max / (1 << 30));
 	store->stats.memory_bytes += bytes;
 	return ECO_OK;
@@ -104,11 +107,13 @@ static enum eco_code account(struct view_store *store, uint64_t bytes, struct ec
 
 /* ---- Events ---- */
 
-static enum eco_code on_scene(void *ctx, const struct eco_scene *scene, const struct eco_chunk_id *pack, struct eco_error *error)
+static enum eco_code on_scene(void *ctx, const struct eco_scene *scene, const struct eco_chunk_id *pack,
+	struct eco_error *error)
 {
 	struct view_store *store = ctx;
 	if (store->has_scene && memcmp(&store->pack, pack, sizeof *pack) != 0)
-		return eco_fail(error, ECO_DAMAGED, "the scene changed on the server since the first frame: start again");
+		return eco_fail(error, ECO_DAMAGED, "the scene changed on the server since the first frame: "
+			"start again");
 	if (!(scene->near_m > 0))
 		return eco_fail(error, ECO_DAMAGED, "the scene's near plane is not positive");
 	store->has_scene = true;
@@ -121,15 +126,17 @@ static enum eco_code on_scene(void *ctx, const struct eco_scene *scene, const st
 	return ECO_OK;
 }
 
-static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *plant, const struct eco_anchor *anchors,
-	struct eco_error *error)
+static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *plant,
+	const struct eco_anchor *anchors, struct eco_error *error)
 {
 	struct view_store *store = ctx;
 	const struct view_plant *held = view_store_plant(store, id);
 	if (held) {
-		if (held->plant.anchor_first != plant->anchor_first || held->plant.anchor_count != plant->anchor_count ||
+		if (held->plant.anchor_first != plant->anchor_first || held->plant.anchor_count
+				!= plant->anchor_count ||
 			memcmp(held->anchors, anchors, plant->anchor_count * sizeof *anchors) != 0)
-			return eco_fail(error, ECO_DAMAGED, "plant %u was described twice, and differently", id);
+			return eco_fail(error, ECO_DAMAGED, "plant %u was described twice, and differently",
+				id);
 		return ECO_OK;
 	}
 	if (plant->anchor_count == 0 || plant->anchor_first > UINT32_MAX - plant->anchor_count)
@@ -143,7 +150,8 @@ static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *pl
 		return no_memory(error, "a plant");
 	copy->plant = *plant;
 	copy->anchors = malloc(anchor_bytes);
-	if (!copy->anchors || !eco_room(&store->plants, &store->plant_room, store->plant_count, sizeof *store->plants) ||
+	if (!copy->anchors || !eco_room(&store->plants, &store->plant_room, store->plant_count,
+			sizeof *store->plants) ||
 		!view_table_put(&store->plant_table, id, store->plant_count)) {
 		free(copy->anchors);
 		free(copy);
@@ -159,7 +167,8 @@ static bool same_record(const struct eco_list *a, const struct eco_list *b)
 	struct eco_writer wa = { 0 }, wb = { 0 };
 	eco_list_write(&wa, a);
 	eco_list_write(&wb, b);
-	bool same = !wa.failed && !wb.failed && wa.size == wb.size && memcmp(wa.bytes, wb.bytes, wa.size) == 0;
+	bool same = !wa.failed && !wb.failed && wa.size == wb.size && memcmp(wa.bytes, wb.bytes, wa.size)
+		== 0;
 	eco_writer_free(&wa);
 	eco_writer_free(&wb);
 	return same;
@@ -168,23 +177,28 @@ static bool same_record(const struct eco_list *a, const struct eco_list *b)
 /* ---- Forms: element i of one list is element i of the other, whichever comes first ---- */
 
 /* As both are described. */
-static enum eco_code check_form(const struct view_list *form, const struct view_list *of, struct eco_error *error)
+static enum eco_code check_form(const struct view_list *form, const struct view_list *of,
+	struct eco_error *error)
 {
 	if (of->list.kind != ECO_LIST_TRIANGLES || of->list.coder != ECO_CODER_ELEMENTS)
-		return eco_fail(error, ECO_DAMAGED, "list %u is a form of list %u, which is not one of fans", form->id, of->id);
-	if (form->list.chunk_count != of->list.chunk_count || form->list.element_count != of->list.element_count)
-		return eco_fail(error, ECO_DAMAGED, "list %u is a form of list %u: %u elements in %u chunks for %u in %u", form->id, of->id,
-			form->list.element_count, form->list.chunk_count, of->list.element_count, of->list.chunk_count);
+		return eco_fail(error, ECO_DAMAGED, "list %u is a form of list %u, which is not one of fans",
+			form->id, of->id);
+	if (form->list.chunk_count != of->list.chunk_count || form->list.element_count
+			!= of->list.element_count)
+		return eco_fail(error, ECO_DAMAGED, "list %u is a form of list %u: %u elements in %u chunks "
+			"for %u in %u", form->id, of->id, form->list.element_count, form->list.chunk_count,
+			of->list.element_count, of->list.chunk_count);
 	return ECO_OK;
 }
 
 /* Up to the end of a chunk, of which one is held and one (`list`) is about to be. */
-static enum eco_code check_form_chunk(const struct view_list *list, uint32_t ordinal, uint32_t elements, const struct view_list *other,
-	struct eco_error *error)
+static enum eco_code check_form_chunk(const struct view_list *list, uint32_t ordinal, uint32_t elements,
+	const struct view_list *other, struct eco_error *error)
 {
 	if (ordinal < other->chunk_count && elements != other->marks[ordinal].elements)
-		return eco_fail(error, ECO_DAMAGED, "chunk %u of list %u ends at element %u, that of list %u at %u: they are forms of the same", ordinal,
-			list->id, elements, other->id, other->marks[ordinal].elements);
+		return eco_fail(error, ECO_DAMAGED, "chunk %u of list %u ends at element %u, that of list "
+			"%u at %u: they are forms of the same", ordinal, list->id, elements, other->id,
+			other->marks[ordinal].elements);
 	return ECO_OK;
 }
 
@@ -193,23 +207,27 @@ static const struct view_list *form_of(const struct view_store *store, const str
 	return list->list.coder == ECO_CODER_FORM ? view_store_list(store, list->list.partner) : NULL;
 }
 
-static enum eco_code check_form_chunks(const struct view_store *store, const struct view_list *list, uint32_t ordinal, uint32_t elements,
-	struct eco_error *error)
+static enum eco_code check_form_chunks(const struct view_store *store, const struct view_list *list,
+	uint32_t ordinal, uint32_t elements, struct eco_error *error)
 {
 	const struct view_list *of = form_of(store, list);
 	enum eco_code code = of ? check_form_chunk(list, ordinal, elements, of, error) : ECO_OK;
-	for (uint32_t i = view_table_get(&store->form_table, list->id); i < store->list_count && !code; i = store->lists[i]->next_form)
+	for (uint32_t i = view_table_get(&store->form_table, list->id); i < store->list_count && !code;
+			i = store->lists[i]->next_form)
 		code = check_form_chunk(list, ordinal, elements, store->lists[i], error);
 	return code;
 }
 
-/* Checks a list that is about to be the `index`-th against those that it is a form of, or that are forms of it. */
-static enum eco_code bind_forms(struct view_store *store, struct view_list *list, uint32_t index, struct eco_error *error)
+/* Checks a list that is about to be the `index`-th against those that it is a form of, or that are forms of
+ * it. */
+static enum eco_code bind_forms(struct view_store *store, struct view_list *list, uint32_t index,
+	struct eco_error *error)
 {
 	const struct view_list *of = form_of(store, list);
 	enum eco_code code = of ? check_form(list, of, error) : ECO_OK;
 	uint32_t first = view_table_get(&store->form_table, list->list.partner), count = 0;
-	for (uint32_t i = view_table_get(&store->form_table, list->id); i < store->list_count && !code; i = store->lists[i]->next_form)
+	for (uint32_t i = view_table_get(&store->form_table, list->id); i < store->list_count && !code;
+			i = store->lists[i]->next_form)
 		code = check_form(store->lists[i], list, error);
 	list->next_form = UINT32_MAX;
 	if (code || list->list.coder != ECO_CODER_FORM)
@@ -217,9 +235,11 @@ static enum eco_code bind_forms(struct view_store *store, struct view_list *list
 	for (uint32_t i = first; i < store->list_count; i = store->lists[i]->next_form)
 		count++;
 	if (count == FORMS_MAX)
-		return eco_fail(error, ECO_DAMAGED, "list %u has more than %u forms", list->list.partner, FORMS_MAX);
+		return eco_fail(error, ECO_DAMAGED, "list %u has more than %u forms", list->list.partner,
+			FORMS_MAX);
 	list->next_form = first;
-	return view_table_put(&store->form_table, list->list.partner, index) ? ECO_OK : no_memory(error, "a list");
+	return view_table_put(&store->form_table, list->list.partner, index) ? ECO_OK
+		: no_memory(error, "a list");
 }
 
 static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3],
@@ -229,11 +249,15 @@ static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list
 	const struct view_list *held = view_store_list(store, id);
 	size_t palette_bytes = (size_t)list->palette_count * sizeof *palette;
 	if (held) {
-		if (!same_record(&held->list, list) || (palette_bytes && memcmp(held->palette, palette, palette_bytes) != 0))
-			return eco_fail(error, ECO_DAMAGED, "list %u was described twice, and differently", id);
+		if (!same_record(&held->list, list)
+				|| (palette_bytes && memcmp(held->palette, palette, palette_bytes) != 0))
+			return eco_fail(error, ECO_DAMAGED, "list %u was described twice, and differently",
+				id);
 		return ECO_OK;
 	}
-	enum eco_code code = account(store, sizeof *held + palette_bytes + (uint64_t)list->chunk_count * sizeof *held->marks, error);
+	enum eco_code code =
+		account(store,
+		sizeof *held + palette_bytes + (uint64_t)list->chunk_count * sizeof *held->marks, error);
 	if (code)
 		return code;
 	struct view_list *copy = calloc(1, sizeof *copy);
@@ -243,7 +267,8 @@ static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list
 	copy->list = *list;
 	copy->palette = malloc(palette_bytes ? palette_bytes : 1);
 	copy->marks = calloc(list->chunk_count ? list->chunk_count : 1, sizeof *copy->marks);
-	if (!copy->palette || !copy->marks || !eco_room(&store->lists, &store->list_room, store->list_count, sizeof *store->lists))
+	if (!copy->palette || !copy->marks || !eco_room(&store->lists, &store->list_room, store->list_count,
+			sizeof *store->lists))
 		code = no_memory(error, "a list");
 	if (!code)
 		code = bind_forms(store, copy, store->list_count, error);
@@ -268,17 +293,21 @@ static bool grow_array(void *array, size_t room, size_t item)
 	return moved;
 }
 
-/* Room for `elements` and `corners` in all: doubled, but never beyond what the list's record declares (three to six corners). */
-static enum eco_code list_reserve(struct view_store *store, struct view_list *list, const struct eco_elements *more,
-	struct eco_error *error)
+/* Room for `elements` and `corners` in all: doubled, but never beyond what the list's record declares (three
+ * to six corners). */
+static enum eco_code list_reserve(struct view_store *store, struct view_list *list,
+	const struct eco_elements *more, struct eco_error *error)
 {
 	struct eco_elements *e = &list->elements;
-	uint64_t elements = (uint64_t)e->element_count + more->element_count, corners = (uint64_t)e->corner_count + more->corner_count;
+	uint64_t elements = (uint64_t)e->element_count + more->element_count,
+		corners = (uint64_t)e->corner_count + more->corner_count;
 	if (corners > UINT32_MAX / 2)
-		return eco_fail(error, ECO_TOO_LARGE, "list %u has more than %u corners", list->id, UINT32_MAX / 2);
+		return eco_fail(error, ECO_TOO_LARGE, "list %u has more than %u corners", list->id,
+			UINT32_MAX / 2);
 	uint64_t element_room = list->element_room, corner_room = list->corner_room;
 	if (elements > element_room)
-		element_room = elements + elements / 2 < list->list.element_count ? elements + elements / 2 : list->list.element_count;
+		element_room = elements + elements / 2 < list->list.element_count ? elements + elements / 2
+			: list->list.element_count;
 	if (corners > corner_room) {
 		uint64_t most = (uint64_t)list->list.element_count * ECO_CORNERS_MAX;
 		corner_room = corners + corners / 2 < most ? corners + corners / 2 : most;
@@ -297,21 +326,25 @@ static enum eco_code list_reserve(struct view_store *store, struct view_list *li
 	return ECO_OK;
 }
 
-static enum eco_code check_codes(const struct view_list *list, const struct eco_elements *more, enum eco_attr attribute, uint32_t codes,
-	struct eco_error *error)
+static enum eco_code check_codes(const struct view_list *list, const struct eco_elements *more,
+	enum eco_attr attribute, uint32_t codes, struct eco_error *error)
 {
 	const int32_t *extra = more->extra;
 	if (!(list->list.attributes & attribute))
 		return ECO_OK;
-	for (uint32_t i = 0, at = eco_list_extra_at(&list->list, attribute); i < more->element_count; i++, extra += more->extra_count)
+	for (uint32_t i = 0, at = eco_list_extra_at(&list->list, attribute); i < more->element_count;
+			i++, extra += more->extra_count)
 		if (extra[at] < 0 || (uint32_t)extra[at] >= codes)
-			return eco_fail(error, ECO_DAMAGED, "list %u, chunk %u: %s code %d is not below %u", list->id, list->chunk_count,
-				attribute == ECO_ATTR_SIZE ? "size" : "growth", extra[at], codes);
+			return eco_fail(error, ECO_DAMAGED, "list %u, chunk %u: %s code %d is not below %u",
+				list->id, list->chunk_count, attribute == ECO_ATTR_SIZE ? "size" : "growth",
+				extra[at], codes);
 	return ECO_OK;
 }
 
-/* What every user of decoded elements relies on: colours lie in the palette, codes exist, widths are not negative. */
-static enum eco_code check_values(const struct view_list *list, const struct eco_elements *more, struct eco_error *error)
+/* What every user of decoded elements relies on: colours lie in the palette, codes exist, widths are not
+ * negative. */
+static enum eco_code check_values(const struct view_list *list, const struct eco_elements *more,
+	struct eco_error *error)
 {
 	enum eco_code code = check_codes(list, more, ECO_ATTR_GROWTH, ECO_GROWTHS, error);
 	if (!code)
@@ -322,10 +355,12 @@ static enum eco_code check_values(const struct view_list *list, const struct eco
 	for (uint32_t i = 0; (color || width) && i < more->element_count; i++) {
 		const int32_t *extra = more->extra + (size_t)i * more->extra_count;
 		if (color && (extra[0] < 0 || (uint32_t)extra[0] >= list->list.palette_count))
-			return eco_fail(error, ECO_DAMAGED, "list %u, chunk %u: colour %d is outside the palette of %u", list->id,
-				list->chunk_count, extra[0], list->list.palette_count);
+			return eco_fail(error, ECO_DAMAGED, "list %u, chunk %u: colour %d is outside the "
+				"palette of %u", list->id, list->chunk_count, extra[0],
+				list->list.palette_count);
 		if (width && extra[color] < 0)
-			return eco_fail(error, ECO_DAMAGED, "list %u, chunk %u: negative line width", list->id, list->chunk_count);
+			return eco_fail(error, ECO_DAMAGED, "list %u, chunk %u: negative line width",
+				list->id, list->chunk_count);
 	}
 	return ECO_OK;
 }
@@ -337,7 +372,8 @@ static enum eco_code append(struct view_store *store, struct view_list *list, co
 	bool uv = list->list.attributes & ECO_ATTR_UV;
 	uint32_t extra_count = eco_list_extra_count(&list->list);
 	if (more->extra_count != extra_count || (more->uv != NULL) != uv)
-		return eco_fail(error, ECO_DAMAGED, "list %u, chunk %u: attributes differ from the list's", list->id, list->chunk_count);
+		return eco_fail(error, ECO_DAMAGED, "list %u, chunk %u: attributes differ from the list's",
+			list->id, list->chunk_count);
 	enum eco_code code = check_values(list, more, error);
 	e->extra_count = extra_count;
 	if (!code)
@@ -349,15 +385,16 @@ static enum eco_code append(struct view_store *store, struct view_list *list, co
 	if (uv)
 		memcpy(e->uv + 2 * (size_t)e->corner_count, more->uv, 8 * (size_t)more->corner_count);
 	if (extra_count)
-		memcpy(e->extra + (size_t)e->element_count * extra_count, more->extra, (size_t)more->element_count * extra_count * 4);
+		memcpy(e->extra + (size_t)e->element_count * extra_count, more->extra,
+			(size_t)more->element_count * extra_count * 4);
 	e->element_count += more->element_count;
 	e->corner_count += more->corner_count;
 	e->primitive_count += more->primitive_count;
 	return ECO_OK;
 }
 
-static enum eco_code decode_image(struct view_store *store, struct view_list *list, const struct eco_chunk *chunk,
-	const uint8_t *payload, struct eco_error *error)
+static enum eco_code decode_image(struct view_store *store, struct view_list *list,
+	const struct eco_chunk *chunk, const uint8_t *payload, struct eco_error *error)
 {
 	if (!store->options.images)
 		return ECO_OK;
@@ -373,18 +410,21 @@ static enum eco_code decode_image(struct view_store *store, struct view_list *li
 }
 
 /* Ground is one chunk, every sample in its place: then whoever draws it needs no checks of its own. */
-static enum eco_code check_ground(const struct view_store *store, struct view_list *list, struct eco_error *error)
+static enum eco_code check_ground(const struct view_store *store, struct view_list *list,
+	struct eco_error *error)
 {
 	struct eco_error cause = { 0 };
-	enum eco_code code = eco_ground_tile_of(&list->tile, &list->list, &list->elements, store->ground_columns, store->ground_rows, &cause);
+	enum eco_code code = eco_ground_tile_of(&list->tile, &list->list, &list->elements,
+		store->ground_columns, store->ground_rows, &cause);
 	return code ? eco_fail(error, code, "list %u: %s", list->id, cause.text) : ECO_OK;
 }
 
-static enum eco_code decode_elements(struct view_store *store, struct view_list *list, const struct eco_chunk *chunk,
-	const uint8_t *payload, struct eco_error *error)
+static enum eco_code decode_elements(struct view_store *store, struct view_list *list,
+	const struct eco_chunk *chunk, const uint8_t *payload, struct eco_error *error)
 {
 	struct eco_elements more = { 0 };
-	enum eco_code code = eco_chunk_decode(&list->list, chunk, list->chunk_count, payload, chunk->size_bytes, &more, error);
+	enum eco_code code = eco_chunk_decode(&list->list, chunk, list->chunk_count, payload,
+		chunk->size_bytes, &more, error);
 	if (!code)
 		code = append(store, list, &more, error);
 	if (!code && list->list.kind == ECO_LIST_GROUND)
@@ -393,25 +433,28 @@ static enum eco_code decode_elements(struct view_store *store, struct view_list 
 	return code;
 }
 
-static enum eco_code on_chunk(void *ctx, uint32_t id, uint32_t ordinal, const struct eco_chunk *chunk, const uint8_t *payload,
-	struct eco_error *error)
+static enum eco_code on_chunk(void *ctx, uint32_t id, uint32_t ordinal, const struct eco_chunk *chunk,
+	const uint8_t *payload, struct eco_error *error)
 {
 	struct view_store *store = ctx;
 	uint32_t index = view_table_get(&store->list_table, id);
 	if (index == UINT32_MAX)
-		return eco_fail(error, ECO_DAMAGED, "chunk %u of list %u came before the list's description", ordinal, id);
+		return eco_fail(error, ECO_DAMAGED, "chunk %u of list %u came before the list's description",
+			ordinal, id);
 	struct view_list *list = store->lists[index];
 	if (ordinal < list->chunk_count) {
 		store->stats.chunks_twice++;
-		return eco_fail(error, ECO_DAMAGED, "chunk %u of list %u was sent again, though the client holds it", ordinal, id);
+		return eco_fail(error, ECO_DAMAGED, "chunk %u of list %u was sent again, though the client "
+			"holds it", ordinal, id);
 	}
 	if (ordinal != list->chunk_count || ordinal >= list->list.chunk_count)
-		return eco_fail(error, ECO_DAMAGED, "chunk %u of list %u came where chunk %u of %u was due", ordinal, id,
-			list->chunk_count, list->list.chunk_count);
+		return eco_fail(error, ECO_DAMAGED, "chunk %u of list %u came where chunk %u of %u was due",
+			ordinal, id, list->chunk_count, list->list.chunk_count);
 	struct view_mark before = ordinal ? list->marks[ordinal - 1] : (struct view_mark){ 0 };
 	if (chunk->primitive_count > list->list.primitive_count - before.primitives ||
 		chunk->element_count > list->list.element_count - before.elements)
-		return eco_fail(error, ECO_DAMAGED, "chunk %u of list %u holds more than the list declares", ordinal, id);
+		return eco_fail(error, ECO_DAMAGED, "chunk %u of list %u holds more than the list declares",
+			ordinal, id);
 	struct eco_error cause = { 0 };
 	enum eco_code code = eco_chunk_check(&list->list, chunk, &cause);
 	if (code)
@@ -434,30 +477,38 @@ static enum eco_code on_chunk(void *ctx, uint32_t id, uint32_t ordinal, const st
 }
 
 /* A plan may only name what is held: then whoever draws it needs no checks of its own. */
-static enum eco_code check_plan(const struct view_store *store, const struct eco_plan *plan, struct eco_error *error)
+static enum eco_code check_plan(const struct view_store *store, const struct eco_plan *plan,
+	struct eco_error *error)
 {
 	for (uint32_t i = 0; i < plan->cut_count; i++) {
 		const struct eco_cut *cut = &plan->cuts[i];
 		const struct view_list *list = view_store_list(store, cut->list);
 		bool ground = list && list->list.kind == ECO_LIST_GROUND;
 		if (!list || (!eco_list_vertices(&list->list) && !ground))
-			return eco_fail(error, ECO_DAMAGED, "cut %u of the plan draws list %u, which %s", i, cut->list,
-				list ? "is not drawable" : "was not sent");
+			return eco_fail(error, ECO_DAMAGED, "cut %u of the plan draws list %u, which %s", i,
+				cut->list, list ? "is not drawable" : "was not sent");
 		uint32_t held = list->chunk_count ? list->marks[list->chunk_count - 1].primitives : 0;
 		if (cut->first > cut->end || cut->end > held)
-			return eco_fail(error, ECO_DAMAGED, "cut %u of the plan draws [%u,%u) of list %u, of which %u are held", i, cut->first,
-				cut->end, cut->list, held);
-		if (ground && (cut->anchor != ECO_NONE || cut->first || cut->end != list->list.primitive_count))
-			return eco_fail(error, ECO_DAMAGED, "cut %u of the plan draws a part of list %u, a tile of ground", i, cut->list);
+			return eco_fail(error, ECO_DAMAGED, "cut %u of the plan draws [%u,%u) of list %u, "
+				"of which %u are held", i, cut->first, cut->end, cut->list, held);
+		if (ground
+				&& (cut->anchor != ECO_NONE || cut->first
+				|| cut->end != list->list.primitive_count))
+			return eco_fail(error, ECO_DAMAGED, "cut %u of the plan draws a part of list %u, a "
+				"tile of ground", i, cut->list);
 		if (cut->anchor == ECO_NONE && cut->placement >= plan->placement_count)
-			return eco_fail(error, ECO_DAMAGED, "cut %u of the plan lies in placement %u of %u", i, cut->placement,
-				plan->placement_count);
-		const struct view_list *image = list->list.image == ECO_NONE ? NULL : view_store_list(store, list->list.image);
-		if (list->list.image != ECO_NONE && (!image || image->list.kind != ECO_LIST_IMAGE || !image->chunk_count))
-			return eco_fail(error, ECO_DAMAGED, "list %u needs image %u, which was not sent", cut->list, list->list.image);
+			return eco_fail(error, ECO_DAMAGED, "cut %u of the plan lies in placement %u of %u",
+				i, cut->placement, plan->placement_count);
+		const struct view_list *image = list->list.image == ECO_NONE ? NULL
+			: view_store_list(store, list->list.image);
+		if (list->list.image != ECO_NONE
+				&& (!image || image->list.kind != ECO_LIST_IMAGE || !image->chunk_count))
+			return eco_fail(error, ECO_DAMAGED, "list %u needs image %u, which was not sent",
+				cut->list, list->list.image);
 	}
 	for (uint32_t i = 0; i < plan->run_count; i++)
-		if (plan->runs[i].placement >= plan->placement_count || plan->runs[i].list_first > plan->runs[i].list_end)
+		if (plan->runs[i].placement >= plan->placement_count || plan->runs[i].list_first
+				> plan->runs[i].list_end)
 			return eco_fail(error, ECO_DAMAGED, "run %u of the plan makes no sense", i);
 	return ECO_OK;
 }
@@ -482,8 +533,8 @@ static enum eco_code on_end(void *ctx, uint64_t vertices, struct eco_error *erro
 	struct view_store *store = ctx;
 	uint64_t planned = store->has_plan ? store->plan.vertices : 0;
 	if (vertices != planned)
-		return eco_fail(error, ECO_DAMAGED, "the stream ends with %llu vertices, its last plan has %llu",
-			(unsigned long long)vertices, (unsigned long long)planned);
+		return eco_fail(error, ECO_DAMAGED, "the stream ends with %llu vertices, its last plan has "
+			"%llu", (unsigned long long)vertices, (unsigned long long)planned);
 	store->complete = true;
 	return ECO_OK;
 }
@@ -558,14 +609,16 @@ static int by_list(const void *a, const void *b)
 	return x->list < y->list ? -1 : x->list > y->list;
 }
 
-enum eco_code view_store_holdings(const struct view_store *store, struct eco_holdings *holdings, struct eco_error *error)
+enum eco_code view_store_holdings(const struct view_store *store, struct eco_holdings *holdings,
+	struct eco_error *error)
 {
 	*holdings = (struct eco_holdings){ malloc((store->list_count + 1) * sizeof *holdings->items), 0 };
 	if (!holdings->items)
 		return no_memory(error, "the list of what is held");
 	for (uint32_t i = 0; i < store->list_count; i++)
 		if (store->lists[i]->chunk_count)
-			holdings->items[holdings->count++] = (struct eco_holding){ store->lists[i]->id, store->lists[i]->chunk_count };
+			holdings->items[holdings->count++] = (struct eco_holding){ store->lists[i]->id,
+				store->lists[i]->chunk_count };
 	if (holdings->count > ECO_HOLDINGS_MAX) {
 		free(holdings->items);
 		*holdings = (struct eco_holdings){ 0 };

@@ -1,4 +1,5 @@
-/* What the client holds of a scene: lists decoded chunk by chunk as a stream arrives, plants, and the plan to draw.
+/* What the client holds of a scene: lists decoded chunk by chunk as a stream arrives, plants, and the plan to
+ * draw.
  *
  *   view_store_new(&store, &options, &error);       once per scene
  *   view_store_begin(store);                        per frame: forget the old plan, keep everything else
@@ -7,8 +8,9 @@
  *   ... draw ...
  *   view_store_free(store);
  *
- * Everything a stream says is checked against what is already held: a chunk sent twice, a chunk out of order, a count that does
- * not fit (its own list's, or that of the list it is a form of) or a colour outside the palette is ECO_DAMAGED. One thread at a time. */
+ * Everything a stream says is checked against what is already held: a chunk sent twice, a chunk out of order,
+ * a count that does not fit (its own list's, or that of the list it is a form of) or a colour outside the
+ * palette is ECO_DAMAGED. One thread at a time. */
 #ifndef VIEW_STORE_H
 #define VIEW_STORE_H
 
@@ -16,7 +18,8 @@
 #include "ecofiles/format/model.h"
 #include "ecofiles/format/wire.h"
 
-/* Chunks end here; geometry of a chunk can be made without walking the list. All exclusive, running totals. */
+/* Chunks end here; geometry of a chunk can be made without walking the list. All exclusive, running totals.
+ */
 struct view_mark { uint32_t primitives, elements, corners; };
 
 struct view_list {                       /* owned by the store; address is stable until the store is freed */
@@ -30,7 +33,8 @@ struct view_list {                       /* owned by the store; address is stabl
 	uint32_t element_room, corner_room;      /* what the arrays have space for */
 	struct eco_image image;          /* lists of kind IMAGE, once their chunk is here */
 	bool cutout;                     /* the image has texels with alpha < 0.5 */
-	struct eco_ground_tile tile;     /* lists of kind GROUND, once their chunk is here: level, column and row */
+	/* lists of kind GROUND, once their chunk is here: level, column and row */
+	struct eco_ground_tile tile;
 };
 
 struct view_plant {
@@ -48,10 +52,13 @@ struct view_store_stats {
 struct view_store;
 
 struct view_store_options {
-	uint64_t memory_max;             /* of decoded data; 0: 8 GiB. Beyond it a stream fails with ECO_TOO_LARGE */
-	bool images;                     /* decode IMAGE lists (loads the image module); false: the payload is dropped */
+	/* of decoded data; 0: 8 GiB. Beyond it a stream fails with ECO_TOO_LARGE */
+	uint64_t memory_max;
+	/* decode IMAGE lists (loads the image module); false: the payload is dropped */
+	bool images;
 };
-enum eco_code view_store_new(struct view_store **store, const struct view_store_options *options, struct eco_error *error);
+enum eco_code view_store_new(struct view_store **store, const struct view_store_options *options,
+	struct eco_error *error);
 void view_store_free(struct view_store *store);                  /* NULL is fine */
 
 extern const struct eco_wire_events view_store_events;           /* ctx is the store */
@@ -59,22 +66,26 @@ extern const struct eco_wire_events view_store_events;           /* ctx is the s
 void view_store_begin(struct view_store *store);
 /* The last plan of the stream, or NULL (none came: nothing is drawn). */
 const struct eco_plan *view_store_plan(const struct view_store *store);
-/* Tiles that it shows as points; 0: plants are drawn one by one. More plants may be in view than a plan looks at, whatever the budget. */
+/* Tiles that it shows as points; 0: plants are drawn one by one. More plants may be in view than a plan looks
+ * at, whatever the budget. */
 uint32_t view_store_summaries(const struct view_store *store);
 /* True once END has come; its count of vertices equals the plan's. */
 bool view_store_complete(const struct view_store *store);
 double view_store_near_m(const struct view_store *store);        /* 0 before the first SCENE */
 const char *view_store_scene_name(const struct view_store *store);
 
-const struct view_list *view_store_list(const struct view_store *store, uint32_t id);      /* NULL if not held */
+/* NULL if not held */
+const struct view_list *view_store_list(const struct view_store *store, uint32_t id);
 const struct view_plant *view_store_plant(const struct view_store *store, uint32_t id);
 /* Samples of the ground at full detail; 0 if the scene has none. */
 void view_store_ground(const struct view_store *store, uint32_t *columns, uint32_t *rows);
 uint32_t view_store_list_count(const struct view_store *store);
-const struct view_list *view_store_list_at(const struct view_store *store, uint32_t index);   /* in order of arrival */
+/* in order of arrival */
+const struct view_list *view_store_list_at(const struct view_store *store, uint32_t index);
 
 /* What to tell the server. Sorted by list; the caller frees items. */
-enum eco_code view_store_holdings(const struct view_store *store, struct eco_holdings *holdings, struct eco_error *error);
+enum eco_code view_store_holdings(const struct view_store *store, struct eco_holdings *holdings,
+	struct eco_error *error);
 const struct view_store_stats *view_store_stats(const struct view_store *store);
 
 /* Elements of chunks [first, end) as a view into the list's arrays: nothing is copied, nothing to free. */

@@ -18,7 +18,8 @@ static void pull(const struct level *fine, const struct level *coarse)
 			uint32_t sum[3] = { 0 }, weight = 0, of = 0;
 			for (uint32_t v = 2 * y; v < 2 * y + 2 && v < fine->height; v++)
 				for (uint32_t u = 2 * x; u < 2 * x + 2 && u < fine->width; u++, of++) {
-					const uint8_t *texel = fine->texels + 4 * ((size_t)v * fine->width + u);
+					const uint8_t *texel = fine->texels
+						+ 4 * ((size_t)v * fine->width + u);
 					for (int k = 0; k < 3; k++)
 						sum[k] += texel[3] * texel[k];
 					weight += texel[3];
@@ -37,7 +38,8 @@ static void push(const struct level *coarse, const struct level *fine)
 		for (uint32_t x = 0; x < fine->width; x++) {
 			uint8_t *texel = fine->texels + 4 * ((size_t)y * fine->width + x);
 			if (texel[3] == 0)
-				memcpy(texel, coarse->texels + 4 * ((size_t)(y / 2) * coarse->width + x / 2), 3);
+				memcpy(texel, coarse->texels + 4 * ((size_t)(y / 2) * coarse->width + x / 2),
+					3);
 		}
 }
 
@@ -47,7 +49,8 @@ uint8_t *view_texture_fill(const struct eco_image *image)
 	size_t sum = count_of(&levels[0]);
 	int count = 1;
 	for (; levels[count - 1].width > 1 || levels[count - 1].height > 1; count++) {
-		levels[count] = (struct level){ (levels[count - 1].width + 1) / 2, (levels[count - 1].height + 1) / 2, NULL };
+		levels[count] = (struct level){ (levels[count - 1].width + 1) / 2,
+			(levels[count - 1].height + 1) / 2, NULL };
 		sum += count_of(&levels[count]);
 	}
 	uint8_t *texels = malloc(4 * sum), *at = texels;

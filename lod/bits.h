@@ -6,7 +6,8 @@
 
 /* Before a function: compiles it twice, once for processors with SSE 4.2 (instructions that count bits and
  * round). Results are the same. A function that it calls gains only if it is inlined. */
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) \
+	&& !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define LOD_CLONES __attribute__((target_clones("sse4.2", "default")))
 #define lod_bits_of(x) ((uint32_t)__builtin_popcountll(x))
 #else
@@ -16,7 +17,8 @@ static inline uint32_t lod_bits_of(uint64_t x)
 {
 	x -= x >> 1 & UINT64_C(0x5555555555555555);
 	x = (x & UINT64_C(0x3333333333333333)) + (x >> 2 & UINT64_C(0x3333333333333333));
-	return (uint32_t)(((x + (x >> 4)) & UINT64_C(0x0f0f0f0f0f0f0f0f)) * UINT64_C(0x0101010101010101) >> 56);
+	return (uint32_t)(((x + (x >> 4)) & UINT64_C(0x0f0f0f0f0f0f0f0f)) * UINT64_C(0x0101010101010101)
+		>> 56);
 }
 #endif
 

@@ -61,7 +61,8 @@ static double tangent_deg(double degrees)
 	return x * series_sinc(x) / series_cos(x);
 }
 
-static void side_plane(double out[3], const double forward[3], const double axis[3], double sign, double tangent)
+static void side_plane(double out[3], const double forward[3], const double axis[3], double sign,
+	double tangent)
 {
 	double length = sqrt(1.0 + tangent * tangent);
 	for (int i = 0; i < 3; i++)
@@ -99,8 +100,8 @@ void lod_eye_make(struct lod_eye *eye, const struct eco_view *view)
 	side_plane(eye->side[3], eye->forward, eye->up, -1, eye->tan_y);
 }
 
-void lod_place_instance(struct lod_place *out, const struct eco_placement *placement, const struct eco_list *list,
-	const struct eco_place *place)
+void lod_place_instance(struct lod_place *out, const struct eco_placement *placement,
+	const struct eco_list *list, const struct eco_place *place)
 {
 	double p[3], sine, cosine;
 	for (int i = 0; i < 3; i++)
@@ -154,13 +155,15 @@ uint8_t lod_eye_band(const struct lod_eye *eye, const double world[3], double sc
 
 double lod_band_distance_m(uint8_t band)
 {
-	static const double middle[4] = { 1.09050773266525765921, 1.29683955465100966593, 1.54221082540794082361,
+	static const double middle[4] = { 1.09050773266525765921, 1.29683955465100966593,
+		1.54221082540794082361,
 		1.83400808640934246349 };                            /* 2^(1/8), 2^(3/8), 2^(5/8), 2^(7/8) */
 	return ldexp(middle[band & 3], (band >> 2) - 20);
 }
 
-uint32_t lod_instance_anchors(const struct lod_eye *eye, const struct lod_place *place, const struct eco_anchor *anchors,
-	uint32_t anchor_first, uint32_t anchor_count, uint32_t gate, uint32_t hash, struct lod_anchor_band *out)
+uint32_t lod_instance_anchors(const struct lod_eye *eye, const struct lod_place *place,
+	const struct eco_anchor *anchors, uint32_t anchor_first, uint32_t anchor_count, uint32_t gate,
+	uint32_t hash, struct lod_anchor_band *out)
 {
 	double center[3];
 	lod_place_point(place, anchors[0].center, center);

@@ -14,7 +14,10 @@
 
 #include "ecofiles/format/plan.h"
 
-static inline double lod_dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+static inline double lod_dot(const double a[3], const double b[3])
+{
+	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 struct lod_eye {
 	double at[3];
@@ -26,8 +29,8 @@ struct lod_eye {
 void lod_eye_make(struct lod_eye *eye, const struct eco_view *view);   /* view must pass eco_view_check */
 
 struct lod_place { double at[3]; double sine, cosine, scale; };        /* world = at + scale * turn(p) */
-void lod_place_instance(struct lod_place *out, const struct eco_placement *placement, const struct eco_list *list,
-	const struct eco_place *place);
+void lod_place_instance(struct lod_place *out, const struct eco_placement *placement,
+	const struct eco_list *list, const struct eco_place *place);
 void lod_place_point(const struct lod_place *place, const float p[3], double world[3]);
 
 /* Whether a sphere (world, metres) reaches into the view pyramid. May say yes just outside its edges. */
@@ -55,8 +58,9 @@ static inline double lod_seen_above(double below, double distance)
  * in view if the plant's eco_gate_place is below `gate`. `hash` is the plant's lod_share_hash. `out` holds
  * anchor_count entries. */
 struct lod_anchor_band { uint32_t anchor; uint8_t band; };
-uint32_t lod_instance_anchors(const struct lod_eye *eye, const struct lod_place *place, const struct eco_anchor *anchors,
-	uint32_t anchor_first, uint32_t anchor_count, uint32_t gate, uint32_t hash, struct lod_anchor_band *out);
+uint32_t lod_instance_anchors(const struct lod_eye *eye, const struct lod_place *place,
+	const struct eco_anchor *anchors, uint32_t anchor_first, uint32_t anchor_count, uint32_t gate,
+	uint32_t hash, struct lod_anchor_band *out);
 
 /* Hash of an instance in [0, ECO_SHARE_ONE): decides the side of a cut's share that it is on, and blurs its
  * distance. */

@@ -10,8 +10,8 @@ static bool list_is_empty(const struct eco_scene *scene, uint32_t list)
 
 static bool is_form(const struct eco_scene *scene, uint32_t list, uint32_t of)
 {
-	return list != ECO_NONE && scene->lists[list].coder == ECO_CODER_FORM && scene->lists[list].partner == of
-		&& scene->lists[list].element_count == scene->lists[of].element_count;
+	return list != ECO_NONE && scene->lists[list].coder == ECO_CODER_FORM && scene->lists[list].partner
+		== of && scene->lists[list].element_count == scene->lists[of].element_count;
 }
 
 bool lod_forms_find(struct lod_forms *forms, const struct eco_scene *scene, const struct eco_ladder *ladder)
@@ -20,7 +20,8 @@ bool lod_forms_find(struct lod_forms *forms, const struct eco_scene *scene, cons
 		return false;
 	const struct eco_list *triangles = &scene->lists[ladder->triangles];
 	const uint32_t coarse[] = { ladder->points, ladder->lines, ladder->simple };
-	*forms = (struct lod_forms){ .scene = scene, .ladder = ladder, .triangles = triangles, .own = triangles->element_count,
+	*forms = (struct lod_forms){ .scene = scene, .ladder = ladder, .triangles = triangles,
+		.own = triangles->element_count,
 		.before = ladder->before };
 	for (int i = 0; i < 3; i++) {
 		if (list_is_empty(scene, coarse[i]))
@@ -28,11 +29,13 @@ bool lod_forms_find(struct lod_forms *forms, const struct eco_scene *scene, cons
 		if (!is_form(scene, coarse[i], ladder->triangles))
 			return false;
 		const struct eco_list *list = &scene->lists[coarse[i]];
-		forms->unit[forms->count] = eco_list_vertices(list) * (list->primitive_count / list->element_count);
+		forms->unit[forms->count] =
+			eco_list_vertices(list) * (list->primitive_count / list->element_count);
 		forms->list[forms->count++] = coarse[i];
 	}
 	forms->list[forms->count++] = ladder->triangles;
-	forms->each = triangles->primitive_count % triangles->element_count ? 0 : triangles->primitive_count / triangles->element_count;
+	forms->each = triangles->primitive_count % triangles->element_count ? 0
+		: triangles->primitive_count / triangles->element_count;
 	for (uint32_t c = 0; c < triangles->chunk_count && forms->each && scene->chunks; c++) {
 		const struct eco_chunk *chunk = &scene->chunks[triangles->chunk_first + c];
 		if (chunk->primitive_count != forms->each * chunk->element_count)
@@ -69,7 +72,8 @@ uint64_t lod_forms_range_end(const struct lod_forms *forms, uint32_t form, uint3
 
 static uint64_t cost_of(const struct lod_forms *forms, uint32_t form, uint32_t elements)
 {
-	return form + 1 == forms->count ? 3 * triangles_of(forms, elements) : (uint64_t)forms->unit[form] * elements;
+	return form + 1 == forms->count ? 3 * triangles_of(forms, elements)
+		: (uint64_t)forms->unit[form] * elements;
 }
 
 uint64_t lod_forms_vertices(const struct lod_forms *forms, const struct lod_forms_state *s)
@@ -99,7 +103,9 @@ static uint32_t triangles_afford(const struct lod_forms *forms, uint32_t unit, u
 			uint32_t low = 0, high = chunk->element_count;
 			while (high - low > 1) {
 				uint32_t middle = low + (high - low) / 2;
-				uint64_t cost = 3 * ((uint64_t)chunk->primitive_count * middle / chunk->element_count) - (uint64_t)unit * middle;
+				uint64_t cost =
+					3 * ((uint64_t)chunk->primitive_count * middle / chunk->element_count)
+					- (uint64_t)unit * middle;
 				*(cost <= vertices ? &low : &high) = middle;
 			}
 			return elements + low;
@@ -112,16 +118,19 @@ static uint32_t triangles_afford(const struct lod_forms *forms, uint32_t unit, u
 
 /* The most elements of the region, at most `most`, that turn from one form into another (`from` ECO_NONE:
  * from nothing) for at most `vertices` more. */
-static double region_afford(const struct lod_forms *forms, uint32_t from, uint32_t to, double vertices, double most)
+static double region_afford(const struct lod_forms *forms, uint32_t from, uint32_t to, double vertices,
+double most)
 {
 	if (forms->own != forms->total || forms->each) {
-		double gain = region_cost(forms, to, forms->own) - (from == ECO_NONE ? 0 : region_cost(forms, from, forms->own));
+		double gain = region_cost(forms, to, forms->own)
+			- (from == ECO_NONE ? 0 : region_cost(forms, from, forms->own));
 		double count = gain > 0 ? vertices * forms->own / gain : most;
 		count = count < most ? count : most;
 		return forms->own == forms->total ? (double)(uint32_t)count : count;
 	}
 	uint32_t unit = from == ECO_NONE ? 0 : forms->unit[from], count = to + 1 == forms->count
-		? triangles_afford(forms, unit, (uint64_t)vertices) : (uint32_t)(vertices / (forms->unit[to] - unit));
+		? triangles_afford(forms, unit, (uint64_t)vertices)
+		: (uint32_t)(vertices / (forms->unit[to] - unit));
 	return count < most ? count : most;
 }
 
@@ -170,7 +179,8 @@ static struct lod_forms_state along(const struct lod_forms_leg *leg, uint64_t k)
 	uint64_t e = leg->to.e - leg->from.e, f = leg->to.f - leg->from.f, steps = e + f;
 	if (steps == 0)
 		return leg->to;
-	return (struct lod_forms_state){ leg->from.stage, leg->from.e + (uint32_t)(k * e / steps), leg->from.f + (uint32_t)(k * f / steps) };
+	return (struct lod_forms_state){ leg->from.stage, leg->from.e + (uint32_t)(k * e / steps),
+		leg->from.f + (uint32_t)(k * f / steps) };
 }
 
 static uint64_t leg_steps(const struct lod_forms_leg *leg)
@@ -213,10 +223,12 @@ static void next_sample(struct walk *walk)
 	whole->share[0] = whole->share[1];
 	if (walk->sample < ladder->curve_count) {
 		const struct eco_curve *sample = &forms->scene->curves[ladder->curve_first + walk->sample];
-		whole->to = sample->share < 1 ? ascend(whole->from, state_at(forms, sample->share, sample->reach)) : whole->from;
+		whole->to = sample->share < 1
+			? ascend(whole->from, state_at(forms, sample->share, sample->reach)) : whole->from;
 		whole->share[1] = sample->share < 1 ? sample->share : whole->share[0];
 	} else {
-		whole->to = (struct lod_forms_state){ forms->count > 2 ? forms->count - 2 : 0, forms->own, forms->count > 1 ? forms->own : 0 };
+		whole->to = (struct lod_forms_state){ forms->count > 2 ? forms->count - 2 : 0, forms->own,
+			forms->count > 1 ? forms->own : 0 };
 		whole->share[1] = 1;
 	}
 	whole->vertices[1] = lod_forms_vertices(forms, &whole->to);
@@ -245,13 +257,17 @@ static bool step(struct walk *walk)
 		leg->from.f = 0;
 	}
 	if (leg->from.stage < whole->to.stage) {
-		struct lod_forms_leg rest = { leg->from, whole->to, { leg->vertices[0], whole->vertices[1] }, { 0, 0 } };
+		struct lod_forms_leg rest = { leg->from, whole->to, { leg->vertices[0], whole->vertices[1] },
+			{ 0, 0 } };
 		uint32_t all = crossing(forms, &rest);
 		leg->to = (struct lod_forms_state){ leg->from.stage, all, all };
 	}
 	leg->vertices[1] = lod_forms_vertices(forms, &leg->to);
 	uint64_t length = whole->vertices[1] - whole->vertices[0];
-	leg->share[1] = length ? whole->share[0] + (whole->share[1] - whole->share[0]) * (double)(leg->vertices[1] - whole->vertices[0]) / (double)length
+	leg->share[1] = length
+		? whole->share[0]
+		+ (whole->share[1] - whole->share[0]) * (double)(leg->vertices[1] - whole->vertices[0])
+		/ (double)length
 		: whole->share[1];
 	return true;
 }
@@ -273,7 +289,8 @@ void lod_forms_keep(struct lod_forms *forms, struct lod_forms_leg *legs)
 		assert(count < lod_forms_legs_bound(forms));
 		legs[count] = walk.leg;
 		if (count > 0)
-			ascends = ascends && walk.leg.vertices[1] >= legs[count - 1].vertices[1] && walk.leg.share[1] >= legs[count - 1].share[1];
+			ascends = ascends && walk.leg.vertices[1] >= legs[count - 1].vertices[1]
+				&& walk.leg.share[1] >= legs[count - 1].share[1];
 	}
 	if (ascends) {                       /* bisection needs ascending legs */
 		forms->legs = legs;
@@ -308,10 +325,17 @@ static struct lod_forms_leg leg_past(const struct lod_forms *forms, uint64_t ver
 	return walk.leg;
 }
 
-static struct lod_forms_leg leg_at(const struct lod_forms *forms, uint64_t vertices) { return leg_past(forms, vertices, INFINITY); }
-static struct lod_forms_leg leg_of_share(const struct lod_forms *forms, double share) { return leg_past(forms, UINT64_MAX, share); }
+static struct lod_forms_leg leg_at(const struct lod_forms *forms, uint64_t vertices)
+{
+	return leg_past(forms, vertices, INFINITY);
+}
+static struct lod_forms_leg leg_of_share(const struct lod_forms *forms, double share)
+{
+	return leg_past(forms, UINT64_MAX, share);
+}
 
-static bool draws_within(const struct lod_forms *forms, const struct lod_forms_leg *leg, uint64_t k, uint64_t vertices)
+static bool draws_within(const struct lod_forms *forms, const struct lod_forms_leg *leg, uint64_t k,
+	uint64_t vertices)
 {
 	struct lod_forms_state s = along(leg, k);
 	return lod_forms_vertices(forms, &s) <= vertices;
@@ -319,7 +343,8 @@ static bool draws_within(const struct lod_forms *forms, const struct lod_forms_l
 
 /* Steps along the leg that draw at most `vertices`. If all elements cost the same they are linear in
  * `vertices` but for rounding, so the search first brackets the expected place. */
-static uint64_t steps_within(const struct lod_forms *forms, const struct lod_forms_leg *leg, uint64_t vertices)
+static uint64_t steps_within(const struct lod_forms *forms, const struct lod_forms_leg *leg,
+	uint64_t vertices)
 {
 	uint64_t low = 0, high = leg_steps(leg) + 1, length = leg->vertices[1] - leg->vertices[0];
 	if (forms->each && length) {
@@ -409,7 +434,8 @@ uint64_t lod_forms_of_share(const struct lod_forms *forms, double share)
 {
 	struct lod_forms_leg leg = leg_of_share(forms, share);
 	double t = share < leg.share[1] ? (share - leg.share[0]) / (leg.share[1] - leg.share[0]) : 1;
-	uint64_t vertices = leg.vertices[0] + (t > 0 ? (uint64_t)(t * (double)(leg.vertices[1] - leg.vertices[0]) + 1e-6) : 0);
+	uint64_t vertices = leg.vertices[0]
+		+ (t > 0 ? (uint64_t)(t * (double)(leg.vertices[1] - leg.vertices[0]) + 1e-6) : 0);
 	struct lod_forms_state s = along(&leg, steps_within(forms, &leg, vertices));
 	vertices = lod_forms_vertices(forms, &s);
 	s = lod_forms_floor(forms, vertices);

@@ -4,7 +4,8 @@
 
 #include "lod/geometry.h"
 
-struct target { const struct eco_list *list; const struct eco_elements *elements; struct lod_geometry *out; double edge; };
+struct target { const struct eco_list *list; const struct eco_elements *elements; struct lod_geometry *out;
+	double edge; };
 
 static double edge_of(float area_factor)
 {
@@ -12,9 +13,11 @@ static double edge_of(float area_factor)
 }
 
 /* Value of an attribute that an element has at most once, or `without`. */
-static uint32_t extra_of(const struct eco_list *list, const int32_t *extra, enum eco_attr attribute, uint32_t without)
+static uint32_t extra_of(const struct eco_list *list, const int32_t *extra, enum eco_attr attribute,
+	uint32_t without)
 {
-	return list->attributes & attribute && extra ? (uint32_t)extra[eco_list_extra_at(list, attribute)] : without;
+	return list->attributes & attribute && extra ? (uint32_t)extra[eco_list_extra_at(list, attribute)]
+		: without;
 }
 
 static double metres(const struct eco_list *list, int axis, int32_t value)
@@ -41,18 +44,21 @@ static void find_center(const struct target *t, const int32_t *position, uint32_
 	}
 }
 
-static void put_triangle(const struct target *t, uint32_t written, const int32_t *position, const int32_t *uv, uint32_t triangle,
-	const double center[3])
+static void put_triangle(const struct target *t, uint32_t written, const int32_t *position, const int32_t *uv,
+	uint32_t triangle, const double center[3])
 {
 	const uint32_t corner[3] = { 0, triangle + 1, triangle + 2 };
 	for (uint32_t k = 0; k < 3; k++) {
-		put_corner(t, t->out->position + 9 * (size_t)written + 3 * k, position + 3 * corner[k], center);
+		put_corner(t, t->out->position + 9 * (size_t)written + 3 * k, position + 3 * corner[k],
+			center);
 		for (uint32_t a = 0; a < 2 && t->out->uv; a++)
-			t->out->uv[6 * (size_t)written + 2 * k + a] = uv ? (float)uv[2 * corner[k] + a] / ECO_UV_ONE : 0;
+			t->out->uv[6 * (size_t)written + 2 * k + a] = uv
+				? (float)uv[2 * corner[k] + a] / ECO_UV_ONE : 0;
 	}
 }
 
-static void put_line(const struct target *t, uint32_t written, const int32_t *position, const int32_t *extra, const double center[3])
+static void put_line(const struct target *t, uint32_t written, const int32_t *position, const int32_t *extra,
+	const double center[3])
 {
 	for (uint32_t k = 0; k < 2; k++)
 		put_corner(t, t->out->position + 6 * (size_t)written + 3 * k, position + 3 * k, center);
@@ -62,8 +68,8 @@ static void put_line(const struct target *t, uint32_t written, const int32_t *po
 	t->out->width[written] = (float)(width * t->edge);
 }
 
-uint32_t lod_list_geometry(const struct eco_list *list, const struct eco_elements *elements, uint32_t first, uint32_t end,
-	float scale, struct lod_geometry *out)
+uint32_t lod_list_geometry(const struct eco_list *list, const struct eco_elements *elements, uint32_t first,
+	uint32_t end, float scale, struct lod_geometry *out)
 {
 	struct target t = { list, elements, out, edge_of(scale) };
 	bool growth = list->attributes & ECO_ATTR_GROWTH;
@@ -72,26 +78,33 @@ uint32_t lod_list_geometry(const struct eco_list *list, const struct eco_element
 	assert(first <= end && end <= elements->primitive_count);
 	for (uint32_t e = 0; e < elements->element_count && primitive < end; e++) {
 		uint32_t corners = elements->corners[e], count = corners < 3 ? 1 : corners - 2;
-		const int32_t *position = elements->position + 3 * corner, *uv = elements->uv ? elements->uv + 2 * corner : NULL;
-		const int32_t *extra = elements->extra ? elements->extra + (size_t)elements->extra_count * e : NULL;
+		const int32_t *position = elements->position + 3 * corner,
+			*uv = elements->uv ? elements->uv + 2 * corner : NULL;
+		const int32_t *extra = elements->extra ? elements->extra + (size_t)elements->extra_count * e
+			: NULL;
 		double center[3] = { 0, 0, 0 };
 		if (growth)
-			t.edge = edge_of(eco_growth(extra_of(list, extra, ECO_ATTR_GROWTH, ECO_GROWTH_PLAIN), scale));
+			t.edge =
+				edge_of(eco_growth(extra_of(list, extra, ECO_ATTR_GROWTH, ECO_GROWTH_PLAIN),
+				scale));
 		if (primitive + count > first && corners > 1 && t.edge != 1)
 			find_center(&t, position, corners, center);
 		for (uint32_t i = 0; i < count; i++, primitive++) {
 			if (primitive < first || primitive >= end)
 				continue;
 			if (corners == 1)
-				put_corner(&(struct target){ list, elements, out, 1 }, out->position + 3 * (size_t)written, position, center);
+				put_corner(&(struct target){ list, elements, out, 1 },
+					out->position + 3 * (size_t)written, position, center);
 			else if (corners == 2)
 				put_line(&t, written, position, extra, center);
 			else
 				put_triangle(&t, written, position, uv, i, center);
 			if (out->size)
-				out->size[written] = eco_size(extra_of(list, extra, ECO_ATTR_SIZE, ECO_SIZE_ONE));
+				out->size[written] =
+					eco_size(extra_of(list, extra, ECO_ATTR_SIZE, ECO_SIZE_ONE));
 			if (out->color)
-				out->color[written] = list->attributes & ECO_ATTR_COLOR && extra ? extra[0] : -1;
+				out->color[written] = list->attributes & ECO_ATTR_COLOR && extra ? extra[0]
+					: -1;
 			written++;
 		}
 		corner += corners;

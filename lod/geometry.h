@@ -11,7 +11,7 @@
  * triangle), `size` (one eco_size a point, 1 without SIZE) and `color` (a palette index a primitive) may be
  * NULL. Returns the number of primitives written. */
 struct lod_geometry { float *position, *uv, *width; int32_t *color; float *size; };
-uint32_t lod_list_geometry(const struct eco_list *list, const struct eco_elements *elements, uint32_t first, uint32_t end,
-	float scale, struct lod_geometry *out);
+uint32_t lod_list_geometry(const struct eco_list *list, const struct eco_elements *elements, uint32_t first,
+	uint32_t end, float scale, struct lod_geometry *out);
 
 #endif

@@ -33,7 +33,8 @@ static void bounds(const struct search *s, const struct eco_ground_tile *tile, d
 }
 
 /* The largest and, below, the smallest value of dot(axis, p - eye) over the box. */
-static double farthest(const struct lod_eye *eye, const double axis[3], const double low[3], const double high[3])
+static double farthest(const struct lod_eye *eye, const double axis[3], const double low[3],
+	const double high[3])
 {
 	double sum = 0;
 	for (int i = 0; i < 3; i++)
@@ -41,7 +42,8 @@ static double farthest(const struct lod_eye *eye, const double axis[3], const do
 	return sum;
 }
 
-static double nearest(const struct lod_eye *eye, const double axis[3], const double low[3], const double high[3])
+static double nearest(const struct lod_eye *eye, const double axis[3], const double low[3],
+	const double high[3])
 {
 	double sum = 0;
 	for (int i = 0; i < 3; i++)
@@ -58,12 +60,14 @@ static bool sees(const struct lod_eye *eye, const double low[3], const double hi
 }
 
 /* The height of the error in pixels, at the least depth that a visible point of the box can have. */
-static double shown_px(const struct search *s, const struct eco_ground_tile *tile, const double low[3], const double high[3])
+static double shown_px(const struct search *s, const struct eco_ground_tile *tile, const double low[3],
+	const double high[3])
 {
 	const struct lod_eye *eye = s->eye;
 	double square = 0, depth, along;
 	for (int i = 0; i < 3; i++) {
-		double off = eye->at[i] < low[i] ? low[i] - eye->at[i] : eye->at[i] > high[i] ? eye->at[i] - high[i] : 0;
+		double off = eye->at[i] < low[i] ? low[i] - eye->at[i] : eye->at[i] > high[i]
+			? eye->at[i] - high[i] : 0;
 		square += off * off;
 	}
 	depth = sqrt(square) * s->border_cosine;
@@ -135,10 +139,11 @@ static int by_number(const void *a, const void *b)
 	return x < y ? -1 : x > y;
 }
 
-enum eco_code lod_ground_select(struct lod_ground_choice *choice, const struct eco_scene *scene, const struct lod_eye *eye,
-	const struct lod_ground_limits *limits, struct eco_error *error)
+enum eco_code lod_ground_select(struct lod_ground_choice *choice, const struct eco_scene *scene,
+	const struct lod_eye *eye, const struct lod_ground_limits *limits, struct eco_error *error)
 {
-	struct search s = { .scene = scene, .eye = eye, .most = limits->tiles_max > 0 ? limits->tiles_max : LOD_GROUND_TILES_MAX };
+	struct search s = { .scene = scene, .eye = eye, .most = limits->tiles_max > 0 ? limits->tiles_max
+		: LOD_GROUND_TILES_MAX };
 	const struct eco_list *list;
 	*choice = (struct lod_ground_choice){ .tiles = NULL };
 	if (scene->ground_count == 0)
@@ -207,7 +212,8 @@ bool lod_ground_seams(struct lod_ground_seam *seams, const struct eco_ground_til
 	for (uint32_t i = 0; i < count; i++)
 		for (int side = 0; side < 4; side++) {
 			const struct eco_ground_tile *t = &tiles[i];
-			int64_t column = (int64_t)t->column + beyond[side][0], row = (int64_t)t->row + beyond[side][1];
+			int64_t column = (int64_t)t->column + beyond[side][0],
+				row = (int64_t)t->row + beyond[side][1];
 			seams[i].coarser[side] = column < 0 || row < 0 ? 0
 				: coarser_at(keys, count, t->level, (uint32_t)column, (uint32_t)row);
 		}
@@ -222,8 +228,8 @@ static uint32_t snapped(uint32_t i, uint8_t levels, uint32_t inner)
 	return at < inner ? at : inner - 1;
 }
 
-void lod_ground_corner(uint32_t *c, uint32_t *r, const struct lod_ground_seam *seam, const struct eco_ground_span *x,
-	const struct eco_ground_span *y)
+void lod_ground_corner(uint32_t *c, uint32_t *r, const struct lod_ground_seam *seam,
+	const struct eco_ground_span *x, const struct eco_ground_span *y)
 {
 	uint32_t column = *c, row = *r;
 	if (column == 0)

@@ -37,8 +37,8 @@ struct lod_ground_choice {               /* free tiles */
 };
 
 /* Depends on nothing but scene, view and limits. */
-enum eco_code lod_ground_select(struct lod_ground_choice *choice, const struct eco_scene *scene, const struct lod_eye *eye,
-	const struct lod_ground_limits *limits, struct eco_error *error);
+enum eco_code lod_ground_select(struct lod_ground_choice *choice, const struct eco_scene *scene,
+	const struct lod_eye *eye, const struct lod_ground_limits *limits, struct eco_error *error);
 
 /* ---- Drawing ---- */
 
@@ -53,7 +53,7 @@ bool lod_ground_seams(struct lod_ground_seam *seams, const struct eco_ground_til
 
 /* Moves column c < x->inner and row r < y->inner (a tile without its ring) to the sample at which they are
  * drawn. */
-void lod_ground_corner(uint32_t *c, uint32_t *r, const struct lod_ground_seam *seam, const struct eco_ground_span *x,
-	const struct eco_ground_span *y);
+void lod_ground_corner(uint32_t *c, uint32_t *r, const struct lod_ground_seam *seam,
+	const struct eco_ground_span *x, const struct eco_ground_span *y);
 
 #endif

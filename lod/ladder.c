@@ -20,11 +20,12 @@ static uint32_t level_count(const struct eco_scene *scene, const struct eco_ladd
 	return primitives(scene, ladder->triangles) == 0 ? 0 : ladder->level_count ? ladder->level_count : 1;
 }
 
-static void level_range(const struct eco_scene *scene, const struct eco_ladder *ladder, uint32_t level, uint32_t *first,
-	uint32_t *end)
+static void level_range(const struct eco_scene *scene, const struct eco_ladder *ladder, uint32_t level,
+	uint32_t *first, uint32_t *end)
 {
 	*first = level ? ladder->level_end[level - 1] : 0;
-	*end = ladder->level_count ? ladder->level_end[level] : (uint32_t)primitives(scene, ladder->triangles);
+	*end = ladder->level_count ? ladder->level_end[level]
+		: (uint32_t)primitives(scene, ladder->triangles);
 }
 
 static uint64_t level_vertices(const struct eco_scene *scene, const struct eco_ladder *ladder, uint32_t level)
@@ -37,7 +38,8 @@ static uint64_t level_vertices(const struct eco_scene *scene, const struct eco_l
 /* The list that is drawn before the first level: lines, or points. */
 static uint32_t first_list(const struct eco_scene *scene, const struct eco_ladder *ladder)
 {
-	return primitives(scene, ladder->lines) ? ladder->lines : primitives(scene, ladder->points) ? ladder->points : ECO_NONE;
+	return primitives(scene, ladder->lines) ? ladder->lines : primitives(scene, ladder->points)
+		? ladder->points : ECO_NONE;
 }
 
 static uint64_t first_unit(const struct eco_scene *scene, const struct eco_ladder *ladder)
@@ -64,7 +66,8 @@ static uint64_t first_floor(const struct eco_scene *scene, const struct eco_ladd
 	return vertices < all ? vertices / unit * unit : all;
 }
 
-static uint64_t levels_floor(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices)
+static uint64_t levels_floor(const struct eco_scene *scene, const struct eco_ladder *ladder,
+	uint64_t vertices)
 {
 	for (uint32_t level = level_count(scene, ladder); level-- > 0;) {
 		uint64_t v = level_vertices(scene, ladder, level);
@@ -91,7 +94,8 @@ static uint64_t levels_next(const struct eco_scene *scene, const struct eco_ladd
 
 void lod_way_begin(struct lod_way *way, const struct eco_scene *scene, const struct eco_ladder *ladder)
 {
-	*way = (struct lod_way){ .scene = scene, .ladder = ladder, .full = full_of(scene, ladder), .stage_end = UINT64_MAX };
+	*way = (struct lod_way){ .scene = scene, .ladder = ladder, .full = full_of(scene, ladder),
+		.stage_end = UINT64_MAX };
 	way->has_forms = lod_forms_find(&way->forms, scene, ladder);
 }
 
@@ -121,10 +125,12 @@ uint64_t lod_way_next(const struct lod_way *way, uint64_t vertices)
 {
 	if (vertices >= way->full)
 		return UINT64_MAX;
-	return way->has_forms ? lod_forms_next(&way->forms, vertices) : levels_next(way->scene, way->ladder, vertices);
+	return way->has_forms ? lod_forms_next(&way->forms, vertices)
+		: levels_next(way->scene, way->ladder, vertices);
 }
 
-struct eco_curve lod_ladder_curve(const struct eco_scene *scene, const struct eco_ladder *ladder, double share)
+struct eco_curve lod_ladder_curve(const struct eco_scene *scene, const struct eco_ladder *ladder,
+	double share)
 {
 	const struct eco_curve *curve = scene->curves + ladder->curve_first;
 	uint32_t n = ladder->curve_count;
@@ -133,7 +139,8 @@ struct eco_curve lod_ladder_curve(const struct eco_scene *scene, const struct ec
 	if (share <= curve[0].share) {
 		/* below one element nothing is drawn: the error tends to "all of it is missing" */
 		double t = curve[0].share > 0 && share > 0 ? share / curve[0].share : 0;
-		return (struct eco_curve){ .share = (float)share, .scale = curve[0].scale, .reach = (float)(curve[0].reach * t),
+		return (struct eco_curve){ .share = (float)share, .scale = curve[0].scale,
+			.reach = (float)(curve[0].reach * t),
 			.fp = (float)(curve[0].fp * t), .fn = (float)(1 + (curve[0].fn - 1) * t) };
 	}
 	uint32_t low = 0, high = n - 1;
@@ -156,7 +163,8 @@ struct eco_curve lod_ladder_curve(const struct eco_scene *scene, const struct ec
 	};
 }
 
-struct eco_curve lod_ladder_curve_seen(const struct eco_scene *scene, const struct eco_ladder *ladder, double share, double above)
+struct eco_curve lod_ladder_curve_seen(const struct eco_scene *scene, const struct eco_ladder *ladder,
+	double share, double above)
 {
 	struct eco_curve curve = lod_ladder_curve(scene, ladder, share);
 	if (!(above > 0) || !(ladder->flags & ECO_LADDER_ABOVE))
@@ -183,11 +191,13 @@ uint64_t lod_way_stage_end(const struct lod_way *way)
 double lod_way_share(const struct lod_way *way, uint64_t vertices)
 {
 	const struct eco_ladder *ladder = way->ladder;
-	if (vertices >= way->full && ladder->before == 0 && !(way->has_forms && way->forms.own < way->forms.total))
+	if (vertices >= way->full && ladder->before == 0
+			&& !(way->has_forms && way->forms.own < way->forms.total))
 		return 1;
 	if (way->has_forms)
 		return lod_forms_share(&way->forms, vertices);
-	double share = (double)vertices / (double)way->full, all = (double)primitives(way->scene, first_list(way->scene, ladder));
+	double share = (double)vertices / (double)way->full,
+		all = (double)primitives(way->scene, first_list(way->scene, ladder));
 	if (level_count(way->scene, ladder) == 0 && ladder->total > all)     /* only the largest lines are
 	                                                                      * stored */
 		share *= all / ladder->total;
@@ -208,7 +218,8 @@ uint64_t lod_way_vertices(const struct lod_way *way, double share)
 double lod_way_density(const struct lod_way *way, uint64_t vertices)
 {
 	if (!way->has_forms) {
-		double shown = (double)vertices / (double)first_unit(way->scene, way->ladder), total = way->ladder->total;
+		double shown = (double)vertices / (double)first_unit(way->scene, way->ladder),
+			total = way->ladder->total;
 		return shown < total ? shown / total : 1;
 	}
 	return ((double)lod_forms_floor(&way->forms, vertices).e + way->forms.before) / way->forms.total;
@@ -235,10 +246,12 @@ static float scale_at(const struct lod_way *way, uint64_t vertices, double densi
 	if (ladder->organ == ECO_ORGAN_WOOD)
 		return 1;
 	density = density < 1 ? density : 1;
-	double share = way->has_forms && vertices < way->full ? lod_forms_first_share(&way->forms, vertices) : lod_way_share(way, vertices);
+	double share = way->has_forms && vertices < way->full ? lod_forms_first_share(&way->forms, vertices)
+		: lod_way_share(way, vertices);
 	if (density > lod_way_density(way, vertices)) {      /* the cells show more: this list is drawn at
 	                                                      * their scale */
-		double half = ladder->total ? 0.5 / ladder->total : 0, least = share_of_reach(way->scene, ladder, density - half);
+		double half = ladder->total ? 0.5 / ladder->total : 0,
+			least = share_of_reach(way->scene, ladder, density - half);
 		share = share > least ? share : least;
 	}
 	return (float)(lod_ladder_curve_seen(way->scene, ladder, share, above).scale / density);
@@ -248,22 +261,26 @@ static uint32_t put(struct eco_cut *cut, uint32_t list, uint64_t first, uint64_t
 {
 	if (first >= end)
 		return 0;
-	*cut = (struct eco_cut){ .list = list, .first = (uint32_t)first, .end = (uint32_t)end, .scale = scale };
+	*cut = (struct eco_cut){ .list = list, .first = (uint32_t)first, .end = (uint32_t)end,
+		.scale = scale };
 	return 1;
 }
 
-static uint32_t forms_cuts(const struct lod_forms *forms, uint64_t vertices, float scale, struct eco_cut cuts[LOD_LADDER_CUTS_MAX])
+static uint32_t forms_cuts(const struct lod_forms *forms, uint64_t vertices, float scale,
+	struct eco_cut cuts[LOD_LADDER_CUTS_MAX])
 {
 	struct lod_forms_state s = lod_forms_floor(forms, vertices);
 	uint32_t count = 0;
 	assert(lod_forms_vertices(forms, &s) == vertices);
 	if (s.f)
-		count = put(cuts, forms->list[s.stage + 1], 0, lod_forms_range_end(forms, s.stage + 1, s.f), scale);
+		count = put(cuts, forms->list[s.stage + 1], 0, lod_forms_range_end(forms, s.stage + 1, s.f),
+			scale);
 	return count + put(cuts + count, forms->list[s.stage], lod_forms_range_end(forms, s.stage, s.f),
 		lod_forms_range_end(forms, s.stage, s.e), scale);
 }
 
-uint32_t lod_way_cuts(const struct lod_way *way, uint64_t vertices, double density, double above, struct eco_cut cuts[LOD_LADDER_CUTS_MAX])
+uint32_t lod_way_cuts(const struct lod_way *way, uint64_t vertices, double density, double above,
+	struct eco_cut cuts[LOD_LADDER_CUTS_MAX])
 {
 	const struct eco_scene *scene = way->scene;
 	const struct eco_ladder *ladder = way->ladder;
@@ -273,7 +290,8 @@ uint32_t lod_way_cuts(const struct lod_way *way, uint64_t vertices, double densi
 	if (way->has_forms)
 		return forms_cuts(&way->forms, vertices, scale_at(way, vertices, density, above), cuts);
 	if (vertices <= first_floor(scene, ladder, UINT64_MAX))
-		return put(cuts, first_list(scene, ladder), 0, vertices / first_unit(scene, ladder), scale_at(way, vertices, density, above));
+		return put(cuts, first_list(scene, ladder), 0, vertices / first_unit(scene, ladder),
+			scale_at(way, vertices, density, above));
 	for (uint32_t level = 0; level < level_count(scene, ladder); level++)
 		if (level_vertices(scene, ladder, level) == vertices) {
 			uint32_t first, end;
@@ -305,8 +323,8 @@ uint64_t lod_ladder_next(const struct eco_scene *scene, const struct eco_ladder 
 	return lod_way_next(&way, vertices);
 }
 
-uint32_t lod_ladder_cuts(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices, double density,
-	struct eco_cut cuts[LOD_LADDER_CUTS_MAX])
+uint32_t lod_ladder_cuts(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices,
+	double density, struct eco_cut cuts[LOD_LADDER_CUTS_MAX])
 {
 	struct lod_way way;
 	lod_way_begin(&way, scene, ladder);

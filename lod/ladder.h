@@ -43,9 +43,10 @@ uint64_t lod_way_next(const struct lod_way *way, uint64_t vertices);
  * scaled to stand for 1 / density. It is lod_ladder_density, except for a whole-plant list beside cells that
  * show more: there it is theirs. `above` is that of lod_ladder_curve_seen; lod_ladder_cuts takes 0. */
 #define LOD_LADDER_CUTS_MAX 2
-uint32_t lod_ladder_cuts(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices, double density,
+uint32_t lod_ladder_cuts(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices,
+	double density, struct eco_cut cuts[LOD_LADDER_CUTS_MAX]);
+uint32_t lod_way_cuts(const struct lod_way *way, uint64_t vertices, double density, double above,
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX]);
-uint32_t lod_way_cuts(const struct lod_way *way, uint64_t vertices, double density, double above, struct eco_cut cuts[LOD_LADDER_CUTS_MAX]);
 double lod_ladder_density(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices);
 double lod_way_density(const struct lod_way *way, uint64_t vertices);
 
@@ -67,9 +68,11 @@ uint64_t lod_way_vertices(const struct lod_way *way, double share);
 
 /* The curve at `share`, interpolated linearly and clamped; a ladder without a curve has scale 1 and no
  * error. */
-struct eco_curve lod_ladder_curve(const struct eco_scene *scene, const struct eco_ladder *ladder, double share);
+struct eco_curve lod_ladder_curve(const struct eco_scene *scene, const struct eco_ladder *ladder,
+	double share);
 /* The same, seen from above by `above` (lod_seen_above): 0 takes the curve from all around, 1 the curve from
  * above if there is one. */
-struct eco_curve lod_ladder_curve_seen(const struct eco_scene *scene, const struct eco_ladder *ladder, double share, double above);
+struct eco_curve lod_ladder_curve_seen(const struct eco_scene *scene, const struct eco_ladder *ladder,
+	double share, double above);
 
 #endif

@@ -51,7 +51,8 @@ static inline unsigned lod_i4_bits(lod_i4 mask)
 #ifdef __SSE2__
 	return (unsigned)_mm_movemask_ps((__m128)mask);
 #else
-	return (uint32_t)mask[0] >> 31 | (uint32_t)mask[1] >> 31 << 1 | (uint32_t)mask[2] >> 31 << 2 | (uint32_t)mask[3] >> 31 << 3;
+	return (uint32_t)mask[0] >> 31 | (uint32_t)mask[1] >> 31 << 1 | (uint32_t)mask[2] >> 31 << 2
+		| (uint32_t)mask[3] >> 31 << 3;
 #endif
 }
 
@@ -59,7 +60,8 @@ static inline unsigned lod_i4_bits(lod_i4 mask)
  * leaves the integer in the low bits of the float. */
 static inline lod_i4 lod_f4_round(lod_f4 a, lod_i4 middle)
 {
-	return (lod_i4)((lod_u4)(a + lod_f4_all(12582912.0f)) + ((lod_u4)middle - (lod_u4)lod_i4_all(0x4b400000)));
+	return (lod_i4)((lod_u4)(a + lod_f4_all(12582912.0f))
+		+ ((lod_u4)middle - (lod_u4)lod_i4_all(0x4b400000)));
 }
 
 static inline lod_i4 lod_i4_add(lod_i4 a, int32_t b) { return (lod_i4)((lod_u4)a + (lod_u4)lod_i4_all(b)); }
@@ -67,8 +69,10 @@ static inline lod_i4 lod_i4_add(lod_i4 a, int32_t b) { return (lod_i4)((lod_u4)a
 /* Transposes in place. */
 static inline void lod_f4_transpose(lod_f4 r[4])
 {
-	lod_f4 ab_low = __builtin_shufflevector(r[0], r[1], 0, 4, 1, 5), ab_high = __builtin_shufflevector(r[0], r[1], 2, 6, 3, 7);
-	lod_f4 cd_low = __builtin_shufflevector(r[2], r[3], 0, 4, 1, 5), cd_high = __builtin_shufflevector(r[2], r[3], 2, 6, 3, 7);
+	lod_f4 ab_low = __builtin_shufflevector(r[0], r[1], 0, 4, 1, 5),
+		ab_high = __builtin_shufflevector(r[0], r[1], 2, 6, 3, 7);
+	lod_f4 cd_low = __builtin_shufflevector(r[2], r[3], 0, 4, 1, 5),
+		cd_high = __builtin_shufflevector(r[2], r[3], 2, 6, 3, 7);
 	r[0] = __builtin_shufflevector(ab_low, cd_low, 0, 1, 4, 5);
 	r[1] = __builtin_shufflevector(ab_low, cd_low, 2, 3, 6, 7);
 	r[2] = __builtin_shufflevector(ab_high, cd_high, 0, 1, 4, 5);

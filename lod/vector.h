@@ -9,19 +9,37 @@
 struct lod_v3 { double x, y, z; };
 
 static inline struct lod_v3 lod_v3_of(const float *p) { return (struct lod_v3){ p[0], p[1], p[2] }; }
-static inline struct lod_v3 lod_v3_add(struct lod_v3 a, struct lod_v3 b) { return (struct lod_v3){ a.x + b.x, a.y + b.y, a.z + b.z }; }
-static inline struct lod_v3 lod_v3_sub(struct lod_v3 a, struct lod_v3 b) { return (struct lod_v3){ a.x - b.x, a.y - b.y, a.z - b.z }; }
-static inline struct lod_v3 lod_v3_scale(struct lod_v3 a, double s) { return (struct lod_v3){ a.x * s, a.y * s, a.z * s }; }
+static inline struct lod_v3 lod_v3_add(struct lod_v3 a, struct lod_v3 b)
+{
+	return (struct lod_v3){ a.x + b.x, a.y + b.y, a.z + b.z };
+}
+static inline struct lod_v3 lod_v3_sub(struct lod_v3 a, struct lod_v3 b)
+{
+	return (struct lod_v3){ a.x - b.x, a.y - b.y, a.z - b.z };
+}
+static inline struct lod_v3 lod_v3_scale(struct lod_v3 a, double s)
+{
+	return (struct lod_v3){ a.x * s, a.y * s, a.z * s };
+}
 static inline struct lod_v3 lod_v3_mix(struct lod_v3 a, struct lod_v3 b, double t) {
 	return lod_v3_add(a, lod_v3_scale(lod_v3_sub(b, a), t));
 }
-static inline double lod_v3_dot(struct lod_v3 a, struct lod_v3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static inline double lod_v3_dot(struct lod_v3 a, struct lod_v3 b)
+{
+	return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 static inline struct lod_v3 lod_v3_cross(struct lod_v3 a, struct lod_v3 b) {
 	return (struct lod_v3){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
 }
 static inline double lod_v3_length(struct lod_v3 a) { return sqrt(lod_v3_dot(a, a)); }
-static inline double lod_v3_distance(struct lod_v3 a, struct lod_v3 b) { return lod_v3_length(lod_v3_sub(a, b)); }
-static inline double lod_v3_axis(struct lod_v3 a, int axis) { return axis == 0 ? a.x : axis == 1 ? a.y : a.z; }
+static inline double lod_v3_distance(struct lod_v3 a, struct lod_v3 b)
+{
+	return lod_v3_length(lod_v3_sub(a, b));
+}
+static inline double lod_v3_axis(struct lod_v3 a, int axis)
+{
+	return axis == 0 ? a.x : axis == 1 ? a.y : a.z;
+}
 static inline struct lod_v3 lod_v3_unit(struct lod_v3 a) {
 	double length = lod_v3_length(a);
 	return length > 0 ? lod_v3_scale(a, 1 / length) : (struct lod_v3){ 0, 0, 0 };

@@ -19,7 +19,8 @@
 static void add_header(struct srv_answer *answer, const char *name, const char *value)
 {
 	if (answer->response && value && MHD_add_response_header(answer->response, name, value) != MHD_YES)
-		srv_answer_free(answer);             /* an answer without a header it needs would be a wrong answer */
+		/* an answer without a header it needs would be a wrong answer */
+		srv_answer_free(answer);
 }
 
 static void add_validators(struct srv_answer *answer, const char *etag, const char *cache_control)
@@ -28,8 +29,8 @@ static void add_validators(struct srv_answer *answer, const char *etag, const ch
 	add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, cache_control);
 }
 
-/* A 304 is the 200 without its body: the library sends the head, with the length that the body would have, as RFC 9110 wants it (an
- * empty response would claim a length of 0). */
+/* A 304 is the 200 without its body: the library sends the head, with the length that the body would have, as
+ * RFC 9110 wants it (an empty response would claim a length of 0). */
 static void maybe_not_modified(struct srv_answer *answer, const char *etag, const char *if_none_match)
 {
 	if (!etag || !srv_etag_match(if_none_match, etag))
@@ -49,7 +50,8 @@ static void answer_text(struct srv_answer *answer, unsigned status, struct srv_j
 {
 	*answer = (struct srv_answer){ .status = status, .size_bytes = json->out.size };
 	if (!json->out.failed)
-		answer->response = MHD_create_response_from_buffer(json->out.size, json->out.bytes, MHD_RESPMEM_MUST_FREE);
+		answer->response = MHD_create_response_from_buffer(json->out.size, json->out.bytes,
+			MHD_RESPMEM_MUST_FREE);
 	if (answer->response)
 		json->out = (struct eco_writer){ 0 };
 	eco_writer_free(&json->out);
@@ -69,8 +71,8 @@ void srv_answer_problem(struct srv_answer *answer, const struct srv_problem_deta
 		add_header(answer, MHD_HTTP_HEADER_CONNECTION, "close");
 }
 
-void srv_answer_json(struct srv_answer *answer, struct srv_json *json, const char *etag, const char *if_none_match,
-	const char *timing)
+void srv_answer_json(struct srv_answer *answer, struct srv_json *json, const char *etag,
+	const char *if_none_match, const char *timing)
 {
 	answer_text(answer, MHD_HTTP_OK, json, "application/json");
 	add_validators(answer, etag, etag ? "no-cache" : "no-store");
@@ -116,17 +118,18 @@ static ssize_t read_body(void *ctx, uint64_t position, char *block, size_t room)
 	return size ? (ssize_t)size : MHD_CONTENT_READER_END_OF_STREAM;
 }
 
-/* By blocks and not by MHD_create_response_from_iovec: that copies its vector into the connection's 16 KiB, and where it does not fit
- * (500 chunks) libmicrohttpd 0.9.75 unlocks a mutex that is not locked and aborts later. One copy into a block costs little beside
- * the sending. */
-void srv_answer_stream(struct srv_answer *answer, struct srv_body *body, const char *etag, const char *if_none_match,
-	const char *timing)
+/* By blocks and not by MHD_create_response_from_iovec: that copies its vector into the connection's 16 KiB,
+ * and where it does not fit (500 chunks) libmicrohttpd 0.9.75 unlocks a mutex that is not locked and aborts
+ * later. One copy into a block costs little beside the sending. */
+void srv_answer_stream(struct srv_answer *answer, struct srv_body *body, const char *etag,
+	const char *if_none_match, const char *timing)
 {
 	*answer = (struct srv_answer){ .status = MHD_HTTP_OK, .size_bytes = body->size_bytes };
 	struct body_reader *reader = malloc(sizeof *reader);
 	if (reader) {
 		*reader = (struct body_reader){ .body = *body };
-		answer->response = MHD_create_response_from_callback(body->size_bytes, BLOCK_BYTES, read_body, reader, free_reader);
+		answer->response = MHD_create_response_from_callback(body->size_bytes, BLOCK_BYTES, read_body,
+			reader, free_reader);
 	}
 	if (answer->response) {
 		*body = (struct srv_body){ 0 };
@@ -178,15 +181,17 @@ static void chunk_headers(struct srv_answer *answer, const char *etag)
 	add_validators(answer, etag, IMMUTABLE);
 }
 
-/* The shared response. Two threads may make one each; the first that is stored wins, and the other is destroyed. */
-static void answer_whole(struct srv_answer *answer, struct srv_scene *scene, uint32_t chunk, const uint8_t *bytes, size_t size,
-	const char *etag)
+/* The shared response. Two threads may make one each; the first that is stored wins, and the other is
+ * destroyed. */
+static void answer_whole(struct srv_answer *answer, struct srv_scene *scene, uint32_t chunk,
+	const uint8_t *bytes, size_t size, const char *etag)
 {
 	_Atomic(struct MHD_Response *) *slot = &scene->responses[chunk];
 	struct MHD_Response *stored = atomic_load(slot);
 	*answer = (struct srv_answer){ .status = MHD_HTTP_OK, .size_bytes = size };
 	if (!stored) {
-		answer->response = MHD_create_response_from_buffer(size, (void *)bytes, MHD_RESPMEM_PERSISTENT);
+		answer->response = MHD_create_response_from_buffer(size, (void *)bytes,
+			MHD_RESPMEM_PERSISTENT);
 		chunk_headers(answer, etag);
 		if (!answer->response)
 			return;
@@ -194,21 +199,24 @@ static void answer_whole(struct srv_answer *answer, struct srv_scene *scene, uin
 			stored = answer->response;
 		else
 			MHD_destroy_response(answer->response);
-		srv_trace(SRV_TRACE_CACHE, "%s: response for chunk %u made, %zu bytes", scene->name, chunk, size);
+		srv_trace(SRV_TRACE_CACHE, "%s: response for chunk %u made, %zu bytes", scene->name, chunk,
+			size);
 	}
 	answer->response = stored;
 	answer->shared = true;
 }
 
-static void answer_part(struct srv_answer *answer, const struct srv_range *range, const uint8_t *bytes, size_t size,
-	const char *etag)
+static void answer_part(struct srv_answer *answer, const struct srv_range *range, const uint8_t *bytes,
+	size_t size, const char *etag)
 {
 	char text[80];
-	*answer = (struct srv_answer){ .status = MHD_HTTP_PARTIAL_CONTENT, .size_bytes = range->end - range->first };
-	answer->response = MHD_create_response_from_buffer(range->end - range->first, (void *)(bytes + range->first),
-		MHD_RESPMEM_PERSISTENT);
+	*answer = (struct srv_answer){ .status = MHD_HTTP_PARTIAL_CONTENT,
+		.size_bytes = range->end - range->first };
+	answer->response = MHD_create_response_from_buffer(range->end - range->first,
+		(void *)(bytes + range->first), MHD_RESPMEM_PERSISTENT);
 	chunk_headers(answer, etag);
-	snprintf(text, sizeof text, "bytes %llu-%llu/%zu", (unsigned long long)range->first, (unsigned long long)range->end - 1, size);
+	snprintf(text, sizeof text, "bytes %llu-%llu/%zu", (unsigned long long)range->first,
+		(unsigned long long)range->end - 1, size);
 	add_header(answer, MHD_HTTP_HEADER_CONTENT_RANGE, text);
 }
 
@@ -216,13 +224,15 @@ static void answer_outside(struct srv_answer *answer, size_t size, const char *i
 {
 	char text[80];
 	snprintf(text, sizeof text, "the chunk has %zu bytes", size);
-	srv_answer_problem(answer, &(struct srv_problem_details){ .problem = SRV_PROBLEM_RANGE, .detail = text, .instance = instance });
+	srv_answer_problem(answer,
+		&(struct srv_problem_details){ .problem = SRV_PROBLEM_RANGE, .detail = text,
+		.instance = instance });
 	snprintf(text, sizeof text, "bytes */%zu", size);
 	add_header(answer, MHD_HTTP_HEADER_CONTENT_RANGE, text);
 }
 
-void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32_t chunk, const struct srv_framing *framing,
-	bool get, const char *instance)
+void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32_t chunk,
+	const struct srv_framing *framing, bool get, const char *instance)
 {
 	char etag[SRV_ETAG_BYTES];
 	const uint8_t *bytes;
@@ -231,7 +241,8 @@ void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32
 	enum eco_code code = srv_scene_payload(scene, chunk, &bytes, &size, &error);
 	if (code) {
 		srv_trace(SRV_TRACE_CACHE, "%s: chunk %u refused: %s", scene->name, chunk, error.text);
-		srv_answer_problem(answer, &(struct srv_problem_details){ .problem = srv_problem_of(code), .detail = error.text,
+		srv_answer_problem(answer,
+			&(struct srv_problem_details){ .problem = srv_problem_of(code), .detail = error.text,
 			.instance = instance });
 		return;
 	}

@@ -1,8 +1,9 @@
 /* Wiring between the HTTP library's callbacks and exchanges, and the daemon's life.
  *
- * Order of stopping: quiesce (new requests get 503, also on new connections) -> work stopped (suspended connections are resumed with
- * an answer, since the library aborts on suspended ones) -> library stopped -> reaper, shared responses. MHD_quiesce_daemon is not
- * used: with epoll and a pool, 0.9.75 may take the listening socket out of a set twice, and aborts. */
+ * Order of stopping: quiesce (new requests get 503, also on new connections) -> work stopped (suspended
+ * connections are resumed with an answer, since the library aborts on suspended ones) -> library stopped ->
+ * reaper, shared responses. MHD_quiesce_daemon is not used: with epoll and a pool, 0.9.75 may take the
+ * listening socket out of a set twice, and aborts. */
 #include "server/daemon.h"
 
 #include <errno.h>
@@ -36,8 +37,8 @@ static void *on_request_line(void *ctx, const char *target, struct MHD_Connectio
 	return srv_exchange_new(&daemon->host, connection, target);
 }
 
-static enum MHD_Result on_request(void *ctx, struct MHD_Connection *connection, const char *url, const char *method,
-	const char *version, const char *bytes, size_t *size, void **exchange)
+static enum MHD_Result on_request(void *ctx, struct MHD_Connection *connection, const char *url,
+	const char *method, const char *version, const char *bytes, size_t *size, void **exchange)
 {
 	(void)ctx;
 	(void)connection;
@@ -46,7 +47,8 @@ static enum MHD_Result on_request(void *ctx, struct MHD_Connection *connection, 
 	return *exchange && srv_exchange_handle(*exchange, method, bytes, size) ? MHD_YES : MHD_NO;
 }
 
-static void on_completed(void *ctx, struct MHD_Connection *connection, void **exchange, enum MHD_RequestTerminationCode how)
+static void on_completed(void *ctx, struct MHD_Connection *connection, void **exchange,
+	enum MHD_RequestTerminationCode how)
 {
 	(void)ctx;
 	(void)connection;
@@ -56,12 +58,15 @@ static void on_completed(void *ctx, struct MHD_Connection *connection, void **ex
 	*exchange = NULL;
 }
 
-static void on_connection(void *ctx, struct MHD_Connection *connection, void **lease, enum MHD_ConnectionNotificationCode what)
+static void on_connection(void *ctx, struct MHD_Connection *connection, void **lease,
+	enum MHD_ConnectionNotificationCode what)
 {
 	struct srv_daemon *daemon = ctx;
 	if (what == MHD_CONNECTION_NOTIFY_STARTED) {
-		const union MHD_ConnectionInfo *info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
-		*lease = info ? srv_reaper_open(daemon->host.reaper, info->connect_fd, daemon->host.config.head_ms) : NULL;
+		const union MHD_ConnectionInfo *info = MHD_get_connection_info(connection,
+			MHD_CONNECTION_INFO_CONNECTION_FD);
+		*lease = info ? srv_reaper_open(daemon->host.reaper, info->connect_fd,
+			daemon->host.config.head_ms) : NULL;
 	} else {
 		srv_reaper_close(daemon->host.reaper, *lease);
 		*lease = NULL;
@@ -85,22 +90,25 @@ static void no_log(void *ctx, const char *format, va_list arguments)
 
 /* ---- Listening ---- */
 
-static enum eco_code split_listen(const char *listen_at, char host[NI_MAXHOST], char port[8], struct eco_error *error)
+static enum eco_code split_listen(const char *listen_at, char host[NI_MAXHOST], char port[8],
+	struct eco_error *error)
 {
 	const char *colon = strrchr(listen_at, ':');
 	size_t size = colon ? (size_t)(colon - listen_at) : 0;
 	bool brackets = size >= 2 && listen_at[0] == '[' && listen_at[size - 1] == ']';
 	uint64_t number;
-	if (!colon || size == 0 || size >= NI_MAXHOST || !srv_parse_count(colon + 1, &number) || number > 65535
+	if (!colon || size == 0 || size >= NI_MAXHOST || !srv_parse_count(colon + 1, &number)
+			|| number > 65535
 		|| (!brackets && memchr(listen_at, ':', size)))
-		return eco_fail(error, ECO_BAD_USAGE, "--listen: '%.80s' is not HOST:PORT, as 127.0.0.1:8080, [::1]:8080, or port 0 for any",
-			listen_at);
+		return eco_fail(error, ECO_BAD_USAGE, "--listen: '%.80s' is not HOST:PORT, as "
+			"127.0.0.1:8080, [::1]:8080, or port 0 for any", listen_at);
 	snprintf(host, NI_MAXHOST, "%.*s", (int)(size - 2 * brackets), listen_at + brackets);
 	snprintf(port, 8, "%u", (unsigned)number);
 	return ECO_OK;
 }
 
-static enum eco_code bind_to(int fd, const struct addrinfo *at, const char *listen_at, struct eco_error *error)
+static enum eco_code bind_to(int fd, const struct addrinfo *at, const char *listen_at,
+	struct eco_error *error)
 {
 	int on = 1;
 	setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
@@ -108,22 +116,26 @@ static enum eco_code bind_to(int fd, const struct addrinfo *at, const char *list
 		setsockopt(fd, IPPROTO_IPV6, IPV6_V6ONLY, &on, sizeof on);
 	if (bind(fd, at->ai_addr, at->ai_addrlen) == 0 && listen(fd, BACKLOG) == 0)
 		return ECO_OK;
-	return eco_fail(error, ECO_IO, "cannot listen on %s: %s%s", listen_at, strerror(errno), errno == EADDRINUSE
+	return eco_fail(error, ECO_IO, "cannot listen on %s: %s%s", listen_at, strerror(errno),
+		errno == EADDRINUSE
 		? "; stop what listens there, or choose another port with --listen HOST:PORT (port 0: any)"
-		: errno == EACCES ? "; ports below 1024 need privileges: choose a higher one with --listen" : "");
+		: errno == EACCES ? "; ports below 1024 need privileges: choose a higher one with --listen"
+		: "");
 }
 
 static enum eco_code open_listener(struct srv_daemon *daemon, struct eco_error *error)
 {
 	const char *listen_at = daemon->host.config.listen;
 	char host[NI_MAXHOST], port[8];
-	struct addrinfo hints = { .ai_socktype = SOCK_STREAM, .ai_flags = AI_PASSIVE | AI_NUMERICSERV }, *found;
+	struct addrinfo hints = { .ai_socktype = SOCK_STREAM, .ai_flags = AI_PASSIVE | AI_NUMERICSERV },
+		*found;
 	enum eco_code code = split_listen(listen_at, host, port, error);
 	if (code)
 		return code;
 	int failed = getaddrinfo(host, port, &hints, &found);
 	if (failed)
-		return eco_fail(error, ECO_IO, "--listen: '%s' names no address of this machine: %s", host, gai_strerror(failed));
+		return eco_fail(error, ECO_IO, "--listen: '%s' names no address of this machine: %s", host,
+			gai_strerror(failed));
 	daemon->listen_fd = socket(found->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
 	code = daemon->listen_fd < 0 ? eco_fail(error, ECO_IO, "cannot open a socket: %s", strerror(errno))
 		: bind_to(daemon->listen_fd, found, listen_at, error);
@@ -137,9 +149,11 @@ static void name_listener(struct srv_daemon *daemon)
 	socklen_t size = sizeof address;
 	char host[NI_MAXHOST] = "?", port[8] = "0";
 	getsockname(daemon->listen_fd, (struct sockaddr *)&address, &size);
-	getnameinfo((struct sockaddr *)&address, size, host, sizeof host, port, sizeof port, NI_NUMERICHOST | NI_NUMERICSERV);
+	getnameinfo((struct sockaddr *)&address, size, host, sizeof host, port, sizeof port,
+		NI_NUMERICHOST | NI_NUMERICSERV);
 	daemon->port = (uint16_t)atoi(port);
-	snprintf(daemon->url, sizeof daemon->url, address.ss_family == AF_INET6 ? "http://[%s]:%s" : "http://%s:%s", host, port);
+	snprintf(daemon->url, sizeof daemon->url, address.ss_family == AF_INET6 ? "http://[%s]:%s"
+		: "http://%s:%s", host, port);
 }
 
 /* ---- Life ---- */
@@ -169,8 +183,8 @@ static void fill_defaults(struct srv_config *config)
 
 static enum eco_code start_http(struct srv_daemon *daemon, struct eco_error *error)
 {
-	unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_USE_INTERNAL_POLLING_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC
-		| MHD_USE_ERROR_LOG;
+	unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_USE_INTERNAL_POLLING_THREAD
+		| MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC | MHD_USE_ERROR_LOG;
 	daemon->http = MHD_start_daemon(flags, 0, NULL, NULL, on_request, daemon,
 		MHD_OPTION_EXTERNAL_LOGGER, no_log, NULL,
 		MHD_OPTION_LISTEN_SOCKET, daemon->listen_fd,
@@ -185,12 +199,13 @@ static enum eco_code start_http(struct srv_daemon *daemon, struct eco_error *err
 		MHD_OPTION_END);
 	daemon->listen_fd = -1;
 	if (!daemon->http)
-		return eco_fail(error, ECO_IO, "cannot start the HTTP threads: %s", errno ? strerror(errno) : "not enough resources");
+		return eco_fail(error, ECO_IO, "cannot start the HTTP threads: %s", errno ? strerror(errno)
+			: "not enough resources");
 	return ECO_OK;
 }
 
-enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config *config, struct srv_store *store,
-	struct eco_error *error)
+enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config *config,
+	struct srv_store *store, struct eco_error *error)
 {
 	struct srv_daemon *daemon = calloc(1, sizeof *daemon);
 	*out = NULL;
@@ -204,7 +219,8 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 	if (!code)
 		code = srv_reaper_start(&daemon->host.reaper, error);
 	if (!code)
-		code = srv_work_start(&daemon->host.work, daemon->host.config.work_threads, daemon->host.config.queue_max, error);
+		code = srv_work_start(&daemon->host.work, daemon->host.config.work_threads,
+			daemon->host.config.queue_max, error);
 	if (!code) {
 		name_listener(daemon);
 		code = start_http(daemon, error);

@@ -8,8 +8,9 @@
  *   srv_daemon_stop(daemon);
  *   srv_store_free(&store);
  *
- * Threads: a pool of polling threads reads requests and sends answers and does nothing that takes long; work threads plan; one thread
- * watches deadlines. The library's parser is not trusted with anything but splitting the head into lines: see target.h and framing.h. */
+ * Threads: a pool of polling threads reads requests and sends answers and does nothing that takes long; work
+ * threads plan; one thread watches deadlines. The library's parser is not trusted with anything but splitting
+ * the head into lines: see target.h and framing.h. */
 #ifndef SRV_DAEMON_H
 #define SRV_DAEMON_H
 
@@ -19,7 +20,8 @@
 #include "server/store.h"
 
 struct srv_config {              /* 0 is the default */
-	const char *listen;          /* "HOST:PORT", host numeric, [IPv6] in brackets, port 0: any; NULL: 127.0.0.1:8080 */
+	/* "HOST:PORT", host numeric, [IPv6] in brackets, port 0: any; NULL: 127.0.0.1:8080 */
+	const char *listen;
 	uint32_t polling_threads;    /* 2 */
 	uint32_t work_threads;       /* one a processor, at most 8 */
 	uint32_t queue_max;          /* plans waiting: 64 */
@@ -39,13 +41,14 @@ struct srv_config {              /* 0 is the default */
 struct srv_daemon;
 
 /* Errors say what was wrong with the address, or who may hold the port. */
-enum eco_code srv_daemon_start(struct srv_daemon **daemon, const struct srv_config *config, struct srv_store *store,
-	struct eco_error *error);
+enum eco_code srv_daemon_start(struct srv_daemon **daemon, const struct srv_config *config,
+	struct srv_store *store, struct eco_error *error);
 uint16_t srv_daemon_port(const struct srv_daemon *daemon);
 /* "http://127.0.0.1:8080": with the port that was bound. Valid as long as the daemon. */
 const char *srv_daemon_url(const struct srv_daemon *daemon);
 void srv_daemon_quiesce(struct srv_daemon *daemon);
-uint32_t srv_daemon_busy(const struct srv_daemon *daemon);       /* requests that have begun and are not answered yet */
+/* requests that have begun and are not answered yet */
+uint32_t srv_daemon_busy(const struct srv_daemon *daemon);
 void srv_daemon_stop(struct srv_daemon *daemon);                 /* ends what still runs; NULL is fine */
 
 #endif

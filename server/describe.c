@@ -16,7 +16,8 @@ static const char *const kind_names[] = {
 static const struct { uint32_t bit; const char *name; } need_names[] = {
 	{ ECO_NEED_POINTS, "points" }, { ECO_NEED_LINES, "lines" }, { ECO_NEED_TRIANGLES, "triangles" },
 	{ ECO_NEED_TEXTURES, "textures" }, { ECO_NEED_CUTOUTS, "cutouts" }, { ECO_NEED_GROUND, "ground" },
-	{ ECO_NEED_CELLS, "cells" }, { ECO_NEED_SUMMARIES, "summaries" }, { ECO_NEED_PLACEMENTS, "placements" },
+	{ ECO_NEED_CELLS, "cells" }, { ECO_NEED_SUMMARIES, "summaries" },
+	{ ECO_NEED_PLACEMENTS, "placements" },
 };
 
 static void key_id(struct srv_json *json, const char *key, const struct eco_chunk_id *id)
@@ -85,8 +86,10 @@ static void describe_links(struct srv_json *json, const struct srv_scene *scene)
 	srv_json_key(json, "links");
 	srv_json_open(json, '{');
 	key_url(json, "self", scene, "");
-	key_url(json, "plan", scene, "/plan{?eye,target,up,fov_y_deg,width,height,vertices,bytes,ground_px,rule,pack}");
-	key_url(json, "stream", scene, "/stream{?eye,target,up,fov_y_deg,width,height,vertices,bytes,ground_px,rule,pack}");
+	key_url(json, "plan", scene, "/plan{?eye,target,up,fov_y_deg,width,height,vertices,bytes,ground_px,"
+		"rule,pack}");
+	key_url(json, "stream", scene, "/stream{?eye,target,up,fov_y_deg,width,height,vertices,bytes,"
+		"ground_px,rule,pack}");
 	key_url(json, "chunk", scene, "/chunks/{id}");
 	srv_json_close(json, '}');
 }
@@ -177,7 +180,8 @@ static void describe_ground(struct srv_json *json, const struct srv_stream *stre
 	srv_json_close(json, '}');
 }
 
-/* Whom a cut is for: nobody (ground), a tile's own list in its placement, or instances of a plant by distance and share. */
+/* Whom a cut is for: nobody (ground), a tile's own list in its placement, or instances of a plant by distance
+ * and share. */
 static void describe_who(struct srv_json *json, const struct eco_scene *scene, const struct eco_cut *cut)
 {
 	srv_json_key(json, "who");
@@ -190,12 +194,14 @@ static void describe_who(struct srv_json *json, const struct eco_scene *scene, c
 			srv_json_key_count(json, "level", scene->lists[cut->list].level);
 	} else {
 		uint32_t plant = scene->lists[cut->list].owner;
-		srv_json_key_text(json, "plant", plant < scene->plant_count ? scene->plants[plant].name : NULL);
+		srv_json_key_text(json, "plant", plant < scene->plant_count ? scene->plants[plant].name
+			: NULL);
 		srv_json_key_count(json, "anchor", cut->anchor);
 		srv_json_key_count(json, "band_first", cut->band_first);
 		srv_json_key_count(json, "band_end", cut->band_end);
 		srv_json_key_number(json, "distance_first_m", lod_band_distance_m(cut->band_first));
-		srv_json_key_number(json, "distance_last_m", lod_band_distance_m((uint8_t)(cut->band_end - 1)));
+		srv_json_key_number(json, "distance_last_m",
+			lod_band_distance_m((uint8_t)(cut->band_end - 1)));
 		srv_json_key_number(json, "share_first", (double)cut->share_first / ECO_SHARE_ONE);
 		srv_json_key_number(json, "share_end", (double)cut->share_end / ECO_SHARE_ONE);
 	}
@@ -211,7 +217,8 @@ static void describe_cuts(struct srv_json *json, const struct eco_scene *scene, 
 		uint8_t kind = scene->lists[cut->list].kind;
 		srv_json_open(json, '{');
 		srv_json_key_count(json, "list", cut->list);
-		srv_json_key_text(json, "kind", kind < sizeof kind_names / sizeof *kind_names ? kind_names[kind] : NULL);
+		srv_json_key_text(json, "kind", kind < sizeof kind_names / sizeof *kind_names
+			? kind_names[kind] : NULL);
 		srv_json_key_count(json, "first", cut->first);
 		srv_json_key_count(json, "end", cut->end);
 		srv_json_key_count(json, "of", scene->lists[cut->list].primitive_count);
@@ -262,7 +269,8 @@ static void describe_gates(struct srv_json *json, const struct eco_scene *scene,
 	for (uint32_t i = 0; i < plan->gate_count; i++) {
 		uint32_t plant = plan->gates[i].plant;
 		srv_json_open(json, '{');
-		srv_json_key_text(json, "plant", plant < scene->plant_count ? scene->plants[plant].name : NULL);
+		srv_json_key_text(json, "plant", plant < scene->plant_count ? scene->plants[plant].name
+			: NULL);
 		srv_json_key_count(json, "band", plan->gates[i].end / ECO_SHARE_ONE);
 		srv_json_key_count(json, "share", plan->gates[i].end % ECO_SHARE_ONE);
 		srv_json_close(json, '}');
@@ -270,8 +278,8 @@ static void describe_gates(struct srv_json *json, const struct eco_scene *scene,
 	srv_json_close(json, ']');
 }
 
-static void describe_row(struct srv_json *json, const struct eco_scene *scene, const struct lod_explanation *why,
-	const struct lod_explained *row)
+static void describe_row(struct srv_json *json, const struct eco_scene *scene,
+	const struct lod_explanation *why, const struct lod_explained *row)
 {
 	char reason[128];
 	lod_explain_text(reason, sizeof reason, why, row);
@@ -299,7 +307,8 @@ static void describe_row(struct srv_json *json, const struct eco_scene *scene, c
 	srv_json_close(json, '}');
 }
 
-static void describe_explanation(struct srv_json *json, const struct eco_scene *scene, const struct lod_explanation *why)
+static void describe_explanation(struct srv_json *json, const struct eco_scene *scene,
+	const struct lod_explanation *why)
 {
 	srv_json_key(json, "explanation");
 	srv_json_open(json, '{');
@@ -313,7 +322,8 @@ static void describe_explanation(struct srv_json *json, const struct eco_scene *
 	srv_json_close(json, '}');
 }
 
-void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream, const struct lod_explanation *explanation)
+void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream,
+	const struct lod_explanation *explanation)
 {
 	const struct eco_scene *scene = &stream->input.scene->pack->scene;
 	const struct eco_request *request = stream->input.request;

@@ -8,6 +8,8 @@
 void srv_describe_health(struct srv_json *json, const struct srv_store *store);
 void srv_describe_scenes(struct srv_json *json, const struct srv_store *store);
 void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene);
-void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream, const struct lod_explanation *explanation);      /* may be NULL */
+/* may be NULL */
+void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream,
+	const struct lod_explanation *explanation);
 
 #endif

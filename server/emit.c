@@ -9,8 +9,8 @@
 
 #include "ecofiles/base/room.h"
 
-enum eco_code srv_emit_init(struct srv_emit *emit, const struct srv_scene *scene, const struct eco_holdings *holdings, bool dry,
-	struct eco_error *error)
+enum eco_code srv_emit_init(struct srv_emit *emit, const struct srv_scene *scene,
+	const struct eco_holdings *holdings, bool dry, struct eco_error *error)
 {
 	const struct eco_scene *tables = &scene->pack->scene;
 	*emit = (struct srv_emit){ .scene = scene, .dry = dry };
@@ -103,8 +103,10 @@ static bool keep_payload(struct srv_emit *emit, const uint8_t *bytes, size_t siz
 	return true;
 }
 
-/* As eco_frame_end, for a frame whose payload continues in the mapped pack: what wire.h says of length and hash, over two parts. */
-static void end_with_payload(struct srv_emit *emit, struct eco_frame_mark mark, const uint8_t *bytes, size_t size)
+/* As eco_frame_end, for a frame whose payload continues in the mapped pack: what wire.h says of length and
+ * hash, over two parts. */
+static void end_with_payload(struct srv_emit *emit, struct eco_frame_mark mark, const uint8_t *bytes,
+	size_t size)
 {
 	struct eco_writer *w = &emit->frames;
 	if (w->failed)
@@ -127,7 +129,8 @@ static void end_with_payload(struct srv_emit *emit, struct eco_frame_mark mark, 
 	put(header + 8, XXH3_64bits_digest(&state), 8);
 }
 
-static enum eco_code emit_chunk(struct srv_emit *emit, uint32_t list, uint32_t ordinal, struct eco_error *error)
+static enum eco_code emit_chunk(struct srv_emit *emit, uint32_t list, uint32_t ordinal,
+	struct eco_error *error)
 {
 	const struct eco_scene *scene = &emit->scene->pack->scene;
 	uint32_t chunk = scene->lists[list].chunk_first + ordinal;
@@ -167,8 +170,8 @@ static enum eco_code emit_list(struct srv_emit *emit, uint32_t list, uint32_t ch
 	return code;
 }
 
-/* Ground, coarse to fine as lists are numbered; then what others refer to: where things stand, and the images that triangles are
- * textured with; then what stands there. */
+/* Ground, coarse to fine as lists are numbered; then what others refer to: where things stand, and the images
+ * that triangles are textured with; then what stands there. */
 static int turn_of(const struct eco_list *list)
 {
 	if (list->kind == ECO_LIST_GROUND)
@@ -176,8 +179,8 @@ static int turn_of(const struct eco_list *list)
 	return list->kind == ECO_LIST_INSTANCES || list->kind == ECO_LIST_IMAGE ? 1 : 2;
 }
 
-enum eco_code srv_emit_step(struct srv_emit *emit, const struct eco_plan *plan, const struct eco_holdings *needs,
-	struct eco_error *error)
+enum eco_code srv_emit_step(struct srv_emit *emit, const struct eco_plan *plan,
+	const struct eco_holdings *needs, struct eco_error *error)
 {
 	const struct eco_scene *scene = &emit->scene->pack->scene;
 	for (uint32_t i = 0; i < needs->count; i++) {
@@ -198,7 +201,8 @@ enum eco_code srv_emit_step(struct srv_emit *emit, const struct eco_plan *plan, 
 	eco_wire_write_plan(&emit->frames, plan);
 	end(emit, mark);
 	if (emit->frames.failed)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for the response's frames, or one of them beyond its limit");
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for the response's frames, or one of them "
+			"beyond its limit");
 	return ECO_OK;
 }
 
@@ -216,11 +220,13 @@ enum eco_code srv_emit_take(struct srv_emit *emit, struct srv_body *body, struct
 	size_t at = 0;
 	for (uint32_t i = 0; i < emit->payload_count; i++) {
 		const struct srv_payload *payload = &emit->payloads[i];
-		body->pieces[body->piece_count++] = (struct srv_piece){ body->frames.bytes + at, payload->at - at };
+		body->pieces[body->piece_count++] = (struct srv_piece){ body->frames.bytes + at,
+			payload->at - at };
 		body->pieces[body->piece_count++] = (struct srv_piece){ payload->bytes, payload->size };
 		at = payload->at;
 	}
-	body->pieces[body->piece_count++] = (struct srv_piece){ body->frames.bytes + at, body->frames.size - at };
+	body->pieces[body->piece_count++] = (struct srv_piece){ body->frames.bytes + at,
+		body->frames.size - at };
 	body->size_bytes = emit->bytes;
 	return ECO_OK;
 }

@@ -2,20 +2,23 @@
  *
  *   srv_emit_init(&emit, scene, holdings, dry, &error);
  *   srv_emit_scene(&emit);
- *   srv_emit_step(&emit, &plan, &needs, &error);    PLANT, LIST, CHUNK of what is missing by now, then PLAN; once per step
+ *   srv_emit_step(&emit, &plan, &needs, &error);    PLANT, LIST, CHUNK of what is missing by now, then PLAN;
+ *                                                   once per step
  *   srv_emit_end(&emit, vertices);
  *   ... emit.bytes is exact; srv_emit_take(&emit, &body) where it was not dry ...
  *   srv_emit_free(&emit);
  *
- * One code path for both, so that a size can never differ from what it is the size of. A dry run keeps no frame and looks at no
- * payload. A payload that is sent is a reference into the mapped pack; only its frame's hash is computed. */
+ * One code path for both, so that a size can never differ from what it is the size of. A dry run keeps no
+ * frame and looks at no payload. A payload that is sent is a reference into the mapped pack; only its frame's
+ * hash is computed. */
 #ifndef SRV_EMIT_H
 #define SRV_EMIT_H
 
 #include "ecofiles/format/wire.h"
 #include "server/stream.h"
 
-struct srv_payload { size_t at; const uint8_t *bytes; size_t size; };        /* stands behind the first `at` bytes of frames */
+/* stands behind the first `at` bytes of frames */
+struct srv_payload { size_t at; const uint8_t *bytes; size_t size; };
 
 struct srv_emit {
 	const struct srv_scene *scene;
@@ -29,12 +32,13 @@ struct srv_emit {
 	uint64_t chunk_count, chunk_bytes;
 };
 
-enum eco_code srv_emit_init(struct srv_emit *emit, const struct srv_scene *scene, const struct eco_holdings *holdings, bool dry,
-	struct eco_error *error);
-void srv_emit_restart(struct srv_emit *emit, const struct eco_holdings *holdings);       /* as after init, arrays reused */
+enum eco_code srv_emit_init(struct srv_emit *emit, const struct srv_scene *scene,
+	const struct eco_holdings *holdings, bool dry, struct eco_error *error);
+/* as after init, arrays reused */
+void srv_emit_restart(struct srv_emit *emit, const struct eco_holdings *holdings);
 void srv_emit_scene(struct srv_emit *emit);
-enum eco_code srv_emit_step(struct srv_emit *emit, const struct eco_plan *plan, const struct eco_holdings *needs,
-	struct eco_error *error);
+enum eco_code srv_emit_step(struct srv_emit *emit, const struct eco_plan *plan,
+	const struct eco_holdings *needs, struct eco_error *error);
 void srv_emit_end(struct srv_emit *emit, uint64_t vertices);
 /* Moves what was written into *body. ECO_NO_MEMORY if that, or any frame before, failed. */
 enum eco_code srv_emit_take(struct srv_emit *emit, struct srv_body *body, struct eco_error *error);

@@ -14,12 +14,15 @@
 #define SEND_GRACE_MS 30000u
 #define PLAN_TEXT_MAX (64u << 20)
 
-static const char known_resources[] = "known are /healthz, /v1/scenes, and below a scene plan, stream and chunks/{id}";
+static const char known_resources[] = "known are /healthz, /v1/scenes, and below a scene plan, stream and "
+	"chunks/{id}";
 
-struct srv_exchange *srv_exchange_new(struct srv_host *host, struct MHD_Connection *connection, const char *raw)
+struct srv_exchange *srv_exchange_new(struct srv_host *host, struct MHD_Connection *connection,
+	const char *raw)
 {
 	struct srv_exchange *exchange = calloc(1, sizeof *exchange);
-	const union MHD_ConnectionInfo *info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+	const union MHD_ConnectionInfo *info = MHD_get_connection_info(connection,
+		MHD_CONNECTION_INFO_SOCKET_CONTEXT);
 	if (!exchange)
 		return NULL;
 	exchange->host = host;
@@ -43,7 +46,8 @@ static bool queue_answer(struct srv_exchange *exchange)
 	if (!answer->response)
 		return false;
 	uint64_t bytes = exchange->method == SRV_METHOD_HEAD ? 0 : answer->size_bytes;
-	srv_reaper_arm(exchange->host->reaper, exchange->lease, SEND_GRACE_MS + bytes * 1000 / exchange->host->config.rate_bytes_s);
+	srv_reaper_arm(exchange->host->reaper, exchange->lease,
+		SEND_GRACE_MS + bytes * 1000 / exchange->host->config.rate_bytes_s);
 	bool queued = MHD_queue_response(exchange->connection, answer->status, answer->response) == MHD_YES;
 	exchange->phase = SRV_PHASE_DONE;
 	srv_answer_free(answer);
@@ -59,15 +63,18 @@ static const char *path_of(const struct srv_exchange *exchange, char path[SRV_TA
 	return path;
 }
 
-static void make_problem(struct srv_exchange *exchange, enum srv_problem problem, const char *detail, bool close)
+static void make_problem(struct srv_exchange *exchange, enum srv_problem problem, const char *detail,
+	bool close)
 {
 	char path[SRV_TARGET_BYTES_MAX];
-	srv_answer_problem(&exchange->answer, &(struct srv_problem_details){ .problem = problem, .detail = detail,
+	srv_answer_problem(&exchange->answer,
+		&(struct srv_problem_details){ .problem = problem, .detail = detail,
 		.instance = path_of(exchange, path), .close = close,
 		.allow = problem == SRV_PROBLEM_METHOD && exchange->route ? exchange->route->allow : NULL });
 }
 
-static bool queue_problem(struct srv_exchange *exchange, enum srv_problem problem, const char *detail, bool close)
+static bool queue_problem(struct srv_exchange *exchange, enum srv_problem problem, const char *detail,
+	bool close)
 {
 	make_problem(exchange, problem, detail, close);
 	return queue_answer(exchange);
@@ -81,8 +88,8 @@ static void timing_text(char *text, size_t size, uint64_t begun_us, uint64_t pla
 		(double)(srv_clock_us() - planned_us) / 1000.0);
 }
 
-static enum eco_code answer_planned(struct srv_exchange *exchange, struct srv_stream *stream, uint64_t begun_us,
-	struct eco_error *error)
+static enum eco_code answer_planned(struct srv_exchange *exchange, struct srv_stream *stream,
+	uint64_t begun_us, struct eco_error *error)
 {
 	const char *etag = exchange->etag[0] ? exchange->etag : NULL;
 	uint64_t planned_us = srv_clock_us();
@@ -99,7 +106,8 @@ static enum eco_code answer_planned(struct srv_exchange *exchange, struct srv_st
 			return code;
 		if (json.out.size > PLAN_TEXT_MAX) {
 			eco_writer_free(&json.out);
-			return eco_fail(error, ECO_TOO_LARGE, "the plan has %u cuts, too many to read; ask for fewer vertices, or for the stream",
+			return eco_fail(error, ECO_TOO_LARGE, "the plan has %u cuts, too many to read; ask "
+				"for fewer vertices, or for the stream",
 				stream->steps[stream->step_count - 1].plan.cut_count);
 		}
 		timing_text(timing, sizeof timing, begun_us, planned_us);
@@ -123,8 +131,10 @@ static void plan_job(void *argument)
 {
 	struct srv_exchange *exchange = argument;
 	struct srv_host *host = exchange->host;
-	struct srv_stream_input input = { .scene = exchange->scene, .request = &exchange->query.request, .rule = exchange->query.rule,
-		.holdings = &exchange->holdings, .body_max = host->config.response_max, .tiles_max = host->config.tiles_max,
+	struct srv_stream_input input = { .scene = exchange->scene, .request = &exchange->query.request,
+		.rule = exchange->query.rule,
+		.holdings = &exchange->holdings, .body_max = host->config.response_max,
+		.tiles_max = host->config.tiles_max,
 		.placements_max = host->config.placements_max, .cancelled = srv_work_cancelled(host->work) };
 	struct srv_stream stream;
 	struct eco_error error = { 0 };
@@ -146,7 +156,8 @@ static bool start_plan(struct srv_exchange *exchange)
 	MHD_suspend_connection(exchange->connection);    /* first: the job may end before submit returns */
 	if (srv_work_submit(exchange->host->work, plan_job, exchange))
 		return true;
-	make_problem(exchange, SRV_PROBLEM_BUSY, "all threads are planning and the queue is full; ask again in a second", false);
+	make_problem(exchange, SRV_PROBLEM_BUSY, "all threads are planning and the queue is full; ask again "
+		"in a second", false);
 	exchange->phase = SRV_PHASE_DONE;
 	MHD_resume_connection(exchange->connection);
 	return true;
@@ -161,13 +172,15 @@ static bool prepare_plan(struct srv_exchange *exchange)
 		return false;
 	}
 	if (exchange->query.explain && exchange->route != &srv_routes[SRV_PLAN]) {
-		make_problem(exchange, SRV_PROBLEM_PARAMETER, "parameter 'explain': a stream explains nothing; ask .../plan with the same parameters",
-			false);
+		make_problem(exchange, SRV_PROBLEM_PARAMETER, "parameter 'explain': a stream explains "
+			"nothing; ask .../plan with the same parameters", false);
 		return false;
 	}
 	const struct eco_chunk_id *pack = &exchange->scene->pack->id;
-	if (exchange->query.has_pack && memcmp(pack->bytes, exchange->query.pack.bytes, sizeof pack->bytes) != 0) {
-		make_problem(exchange, SRV_PROBLEM_PACK_CHANGED, "the pack is not the one that 'pack' names: forget what was held of it "
+	if (exchange->query.has_pack && memcmp(pack->bytes, exchange->query.pack.bytes, sizeof pack->bytes)
+			!= 0) {
+		make_problem(exchange, SRV_PROBLEM_PACK_CHANGED, "the pack is not the one that 'pack' "
+			"names: forget what was held of it "
 			"and ask again without holdings", false);
 		return false;
 	}
@@ -175,11 +188,13 @@ static bool prepare_plan(struct srv_exchange *exchange)
 		srv_etag_request(exchange->etag, exchange->scene, exchange->raw);
 		return true;
 	}
-	enum eco_code code = eco_wire_read_holdings(exchange->body, exchange->body_size, &exchange->holdings, &error);
+	enum eco_code code = eco_wire_read_holdings(exchange->body, exchange->body_size, &exchange->holdings,
+		&error);
 	if (!code)
 		code = srv_holdings_check(&exchange->scene->pack->scene, &exchange->holdings, &error);
 	if (code)
-		make_problem(exchange, code == ECO_NO_MEMORY ? SRV_PROBLEM_BUSY : SRV_PROBLEM_HOLDINGS, error.text, false);
+		make_problem(exchange, code == ECO_NO_MEMORY ? SRV_PROBLEM_BUSY : SRV_PROBLEM_HOLDINGS,
+			error.text, false);
 	return !code;
 }
 
@@ -192,21 +207,23 @@ static void answer_described(struct srv_exchange *exchange, bool validated, stru
 		struct eco_chunk_id id = eco_chunk_hash(json->out.bytes, json->out.size);
 		srv_etag_of(etag, &id);
 	}
-	srv_answer_json(&exchange->answer, json, validated ? etag : NULL, exchange->framing.if_none_match, NULL);
+	srv_answer_json(&exchange->answer, json, validated ? etag : NULL, exchange->framing.if_none_match,
+		NULL);
 }
 
 static void answer_chunk(struct srv_exchange *exchange)
 {
 	struct eco_chunk_id id;
 	char detail[256], path[SRV_TARGET_BYTES_MAX];
-	uint32_t chunk = srv_parse_id(exchange->variables[1], &id) ? srv_scene_chunk(exchange->scene, &id) : ECO_NONE;
+	uint32_t chunk = srv_parse_id(exchange->variables[1], &id) ? srv_scene_chunk(exchange->scene, &id)
+		: ECO_NONE;
 	if (chunk != ECO_NONE) {
-		srv_answer_chunk(&exchange->answer, exchange->scene, chunk, &exchange->framing, exchange->method == SRV_METHOD_GET,
-			path_of(exchange, path));
+		srv_answer_chunk(&exchange->answer, exchange->scene, chunk, &exchange->framing,
+			exchange->method == SRV_METHOD_GET, path_of(exchange, path));
 		return;
 	}
-	snprintf(detail, sizeof detail, "scene '%s' has no chunk '%.64s': ids are 32 lower-case hex digits, as CHUNK frames state them",
-		exchange->scene->name, exchange->variables[1]);
+	snprintf(detail, sizeof detail, "scene '%s' has no chunk '%.64s': ids are 32 lower-case hex digits, "
+		"as CHUNK frames state them", exchange->scene->name, exchange->variables[1]);
 	make_problem(exchange, SRV_PROBLEM_CHUNK, detail, false);
 }
 
@@ -249,7 +266,8 @@ static bool answer_request(struct srv_exchange *exchange)
 	if (exchange->variables[0]) {
 		exchange->scene = srv_store_find(exchange->host->store, exchange->variables[0]);
 		if (!exchange->scene) {
-			snprintf(detail, sizeof detail, "there is no scene '%.64s'; /v1/scenes lists what there is", exchange->variables[0]);
+			snprintf(detail, sizeof detail, "there is no scene '%.64s'; /v1/scenes lists what "
+				"there is", exchange->variables[0]);
 			return queue_problem(exchange, SRV_PROBLEM_SCENE, detail, false);
 		}
 	}
@@ -260,8 +278,8 @@ static bool answer_request(struct srv_exchange *exchange)
 
 /* ---- Receiving ---- */
 
-static enum MHD_Result take_header(void *framing, enum MHD_ValueKind kind, const char *name, size_t name_size, const char *value,
-	size_t value_size)
+static enum MHD_Result take_header(void *framing, enum MHD_ValueKind kind, const char *name, size_t name_size,
+	const char *value, size_t value_size)
 {
 	(void)kind;
 	srv_framing_header(framing, name, name_size, value, value_size);
@@ -272,11 +290,12 @@ static enum MHD_Result take_header(void *framing, enum MHD_ValueKind kind, const
 static bool is_octets(const char *type)
 {
 	static const char octets[] = "application/octet-stream";
-	return type && strncasecmp(type, octets, sizeof octets - 1) == 0 && strchr(" \t;", type[sizeof octets - 1]);
+	return type && strncasecmp(type, octets, sizeof octets - 1) == 0
+		&& strchr(" \t;", type[sizeof octets - 1]);
 }
 
-/* What is wrong with the head alone, worst first: where the request ends, then what it asks for. Without a body only the former is
- * judged here; the latter can wait for answer_request, which keeps the connection. */
+/* What is wrong with the head alone, worst first: where the request ends, then what it asks for. Without a
+ * body only the former is judged here; the latter can wait for answer_request, which keeps the connection. */
 static enum srv_problem judge_head(struct srv_exchange *exchange, bool takes_body, struct eco_error *error)
 {
 	enum srv_problem problem = srv_framing_check(&exchange->framing, error);
@@ -284,7 +303,8 @@ static enum srv_problem judge_head(struct srv_exchange *exchange, bool takes_bod
 		return problem;
 	if (exchange->target_code) {
 		eco_fail(error, exchange->target_code, "%s", exchange->error.text);
-		return exchange->target_code == ECO_TOO_LARGE ? SRV_PROBLEM_TARGET_TOO_LONG : SRV_PROBLEM_TARGET;
+		return exchange->target_code == ECO_TOO_LARGE ? SRV_PROBLEM_TARGET_TOO_LONG
+			: SRV_PROBLEM_TARGET;
 	}
 	if (exchange->framing.length > 0 && !takes_body && !exchange->route) {
 		eco_fail(error, ECO_NOT_FOUND, "%s; only .../stream takes a body", known_resources);
@@ -296,13 +316,15 @@ static enum srv_problem judge_head(struct srv_exchange *exchange, bool takes_bod
 	}
 	problem = srv_framing_body(&exchange->framing, takes_body, exchange->host->config.body_max, error);
 	if (!problem && takes_body && !is_octets(exchange->framing.content_type)) {
-		eco_fail(error, ECO_UNSUPPORTED, "send the holdings as Content-Type: application/octet-stream");
+		eco_fail(error, ECO_UNSUPPORTED, "send the holdings as Content-Type: "
+			"application/octet-stream");
 		problem = SRV_PROBLEM_MEDIA_TYPE;
 	}
 	return problem;
 }
 
-/* The head is complete: either the request goes on, or it is refused and the connection closed, since what follows may be a body. */
+/* The head is complete: either the request goes on, or it is refused and the connection closed, since what
+ * follows may be a body. */
 static bool handle_head(struct srv_exchange *exchange, const char *method)
 {
 	struct srv_host *host = exchange->host;
@@ -312,9 +334,12 @@ static bool handle_head(struct srv_exchange *exchange, const char *method)
 	exchange->method = srv_method_of(method);
 	MHD_get_connection_values_n(exchange->connection, MHD_HEADER_KIND, take_header, &exchange->framing);
 	if (atomic_load(&host->draining))
-		return queue_problem(exchange, SRV_PROBLEM_STOPPING, "the server is stopping; ask again in a moment", true);
-	exchange->route = exchange->target_code ? NULL : srv_route_find(&exchange->target, exchange->variables);
-	bool takes_body = exchange->method == SRV_METHOD_POST && exchange->route && (exchange->route->methods & SRV_METHOD_POST);
+		return queue_problem(exchange, SRV_PROBLEM_STOPPING,
+			"the server is stopping; ask again in a moment", true);
+	exchange->route = exchange->target_code ? NULL
+		: srv_route_find(&exchange->target, exchange->variables);
+	bool takes_body = exchange->method == SRV_METHOD_POST && exchange->route
+		&& (exchange->route->methods & SRV_METHOD_POST);
 	enum srv_problem problem = judge_head(exchange, takes_body, &error);
 	if (problem)
 		return queue_problem(exchange, problem, error.text, true);
@@ -322,8 +347,10 @@ static bool handle_head(struct srv_exchange *exchange, const char *method)
 	if (!takes_body)
 		return true;
 	exchange->reserved_bytes = exchange->framing.length;
-	if (atomic_fetch_add(&host->bodies_bytes, exchange->reserved_bytes) + exchange->reserved_bytes > host->config.bodies_max)
-		return queue_problem(exchange, SRV_PROBLEM_BUSY, "too many holdings are being received; ask again in a second", true);
+	if (atomic_fetch_add(&host->bodies_bytes, exchange->reserved_bytes) + exchange->reserved_bytes
+			> host->config.bodies_max)
+		return queue_problem(exchange, SRV_PROBLEM_BUSY, "too many holdings are being received; ask "
+			"again in a second", true);
 	exchange->body = malloc((size_t)exchange->framing.length + 1);
 	srv_reaper_arm(host->reaper, exchange->lease, host->config.body_ms);
 	return exchange->body;
@@ -358,18 +385,22 @@ bool srv_exchange_handle(struct srv_exchange *exchange, const char *method, cons
 
 static void log_line(const struct srv_exchange *exchange)
 {
-	static const char *const methods[] = { [SRV_METHOD_OTHER] = "?", [SRV_METHOD_GET] = "GET", [SRV_METHOD_HEAD] = "HEAD",
-		[SRV_METHOD_POST] = "POST" };
+	static const char *const methods[] = { [SRV_METHOD_OTHER] = "?", [SRV_METHOD_GET] = "GET",
+		[SRV_METHOD_HEAD] = "HEAD", [SRV_METHOD_POST] = "POST" };
 	char host[64] = "?", target[256];
 	size_t size = 0;
-	const union MHD_ConnectionInfo *info = MHD_get_connection_info(exchange->connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+	const union MHD_ConnectionInfo *info = MHD_get_connection_info(exchange->connection,
+		MHD_CONNECTION_INFO_CLIENT_ADDRESS);
 	if (info && info->client_addr)
-		getnameinfo(info->client_addr, info->client_addr->sa_family == AF_INET6 ? sizeof(struct sockaddr_in6)
+		getnameinfo(info->client_addr, info->client_addr->sa_family == AF_INET6
+			? sizeof(struct sockaddr_in6)
 			: sizeof(struct sockaddr_in), host, sizeof host, NULL, 0, NI_NUMERICHOST);
 	for (; exchange->raw[size] && size < sizeof target - 1; size++)
-		target[size] = exchange->raw[size] > 0x20 && exchange->raw[size] < 0x7f ? exchange->raw[size] : '?';
+		target[size] = exchange->raw[size] > 0x20 && exchange->raw[size] < 0x7f ? exchange->raw[size]
+			: '?';
 	target[size] = 0;
-	fprintf(stderr, "%s %s %s %u %llu %.3f ms\n", host, methods[exchange->method], target, exchange->answer.status,
+	fprintf(stderr, "%s %s %s %u %llu %.3f ms\n", host, methods[exchange->method], target,
+		exchange->answer.status,
 		(unsigned long long)(exchange->method == SRV_METHOD_HEAD ? 0 : exchange->answer.size_bytes),
 		(double)(srv_clock_us() - exchange->begun_us) / 1000.0);
 }

@@ -1,9 +1,12 @@
 /* One request and its answer, from the request line to the end of sending.
  *
- *   new (request line) -> head (checked; refused at once and closed if its framing is bad) -> body, where there is one
- *   -> answered directly, or handed to a work thread while the connection is suspended -> answered when resumed -> free
+ *   new (request line) -> head (checked; refused at once and closed if its framing is bad) -> body, where
+ *   there is one
+ *   -> answered directly, or handed to a work thread while the connection is suspended -> answered when
+ *   resumed -> free
  *
- * The polling thread owns an exchange, except between srv_work_submit and MHD_resume_connection, when the work thread does. */
+ * The polling thread owns an exchange, except between srv_work_submit and MHD_resume_connection, when the
+ * work thread does. */
 #ifndef SRV_EXCHANGE_H
 #define SRV_EXCHANGE_H
 
@@ -57,7 +60,8 @@ struct srv_exchange {
 };
 
 /* NULL if there is no memory. */
-struct srv_exchange *srv_exchange_new(struct srv_host *host, struct MHD_Connection *connection, const char *raw);
+struct srv_exchange *srv_exchange_new(struct srv_host *host, struct MHD_Connection *connection,
+	const char *raw);
 /* Takes part in the library's calls: true if all is well, false to drop the connection. */
 bool srv_exchange_handle(struct srv_exchange *exchange, const char *method, const char *bytes, size_t *size);
 /* Sent, or given up. Logs and frees. */

@@ -12,7 +12,8 @@ static bool is_token(const char *text, size_t size)
 {
 	for (size_t i = 0; i < size; i++) {
 		char c = text[i];
-		if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || (c && strchr("!#$%&'*+-.^_`|~", c))))
+		if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9')
+				|| (c && strchr("!#$%&'*+-.^_`|~", c))))
 			return false;
 	}
 	return size > 0;
@@ -33,7 +34,8 @@ static void take_once(struct srv_framing *framing, const char **field, const cha
 	*field = value;
 }
 
-void srv_framing_header(struct srv_framing *framing, const char *name, size_t name_size, const char *value, size_t value_size)
+void srv_framing_header(struct srv_framing *framing, const char *name, size_t name_size, const char *value,
+	size_t value_size)
 {
 	framing->header_count++;
 	if (!is_token(name, name_size)) {
@@ -44,8 +46,8 @@ void srv_framing_header(struct srv_framing *framing, const char *name, size_t na
 		framing->bad_value = true;
 		return;
 	}
-	/* By prefix: libmicrohttpd 0.9.75 appends what follows a folded line to the name, "Transfer-Encoding:\r\n chunked" arrives as
-	 * "Transfer-Encodingchunked". */
+	/* By prefix: libmicrohttpd 0.9.75 appends what follows a folded line to the name,
+	 * "Transfer-Encoding:\r\n chunked" arrives as "Transfer-Encodingchunked". */
 	if (strncasecmp(name, "content-length", 14) == 0) {
 		framing->lengths++;
 		if (name_size != 14 || !srv_parse_count(value, &framing->length))
@@ -61,7 +63,8 @@ void srv_framing_header(struct srv_framing *framing, const char *name, size_t na
 	} else if (strcasecmp(name, "host") == 0) {
 		take_once(framing, &framing->host, value);
 	} else if (strcasecmp(name, "if-none-match") == 0 && !framing->if_none_match) {
-		framing->if_none_match = value;  /* may be repeated; the first one alone can only cost a transfer */
+		/* may be repeated; the first one alone can only cost a transfer */
+		framing->if_none_match = value;
 	}
 }
 
@@ -78,11 +81,13 @@ enum srv_problem srv_framing_check(const struct srv_framing *framing, struct eco
 	if (framing->bad_value)
 		return fail(error, SRV_PROBLEM_FRAMING, "a header value contains control characters");
 	if (framing->repeated)
-		return fail(error, SRV_PROBLEM_FRAMING, "Host, Content-Type, Range and If-Range may be given once");
+		return fail(error, SRV_PROBLEM_FRAMING, "Host, Content-Type, Range and If-Range may be "
+			"given once");
 	if (framing->header_count > HEADERS_MAX)
 		return fail(error, SRV_PROBLEM_FRAMING, "too many headers");
 	if (framing->transfers)
-		return fail(error, SRV_PROBLEM_FRAMING, "Transfer-Encoding is not accepted: send the body with a Content-Length");
+		return fail(error, SRV_PROBLEM_FRAMING, "Transfer-Encoding is not accepted: send the body "
+			"with a Content-Length");
 	if (framing->lengths > 1)
 		return fail(error, SRV_PROBLEM_FRAMING, "Content-Length is given more than once");
 	if (framing->bad_length)
@@ -90,15 +95,17 @@ enum srv_problem srv_framing_check(const struct srv_framing *framing, struct eco
 	return SRV_PROBLEM_NONE;
 }
 
-enum srv_problem srv_framing_body(const struct srv_framing *framing, bool takes_body, uint64_t body_max, struct eco_error *error)
+enum srv_problem srv_framing_body(const struct srv_framing *framing, bool takes_body, uint64_t body_max,
+	struct eco_error *error)
 {
 	if (!takes_body && framing->length > 0)
 		return fail(error, SRV_PROBLEM_FRAMING, "this resource takes no body with this method");
 	if (takes_body && !framing->lengths)
-		return fail(error, SRV_PROBLEM_LENGTH_REQUIRED, "send the holdings as the body, with a Content-Length");
+		return fail(error, SRV_PROBLEM_LENGTH_REQUIRED, "send the holdings as the body, with a "
+			"Content-Length");
 	if (takes_body && framing->length > body_max) {
-		eco_fail(error, ECO_TOO_LARGE, "the body has %llu bytes; at most %llu are accepted", (unsigned long long)framing->length,
-			(unsigned long long)body_max);
+		eco_fail(error, ECO_TOO_LARGE, "the body has %llu bytes; at most %llu are accepted",
+			(unsigned long long)framing->length, (unsigned long long)body_max);
 		return SRV_PROBLEM_BODY_TOO_LARGE;
 	}
 	return SRV_PROBLEM_NONE;

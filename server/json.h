@@ -1,11 +1,12 @@
-/* Writes JSON into a growing buffer: commas, indentation-free nesting and escapes are taken care of; the caller says what.
+/* Writes JSON into a growing buffer: commas, indentation-free nesting and escapes are taken care of; the
+ * caller says what.
  *
  *   srv_json_open(&json, '{');
  *   srv_json_key(&json, "vertices");  srv_json_count(&json, plan->vertices);
  *   srv_json_close(&json, '}');
  *
- * A writer of our own, because counts go up to 2^63 and plans have ten thousands of cuts, which a tree of objects would hold twice.
- * Check json.out.failed once at the end. */
+ * A writer of our own, because counts go up to 2^63 and plans have ten thousands of cuts, which a tree of
+ * objects would hold twice. Check json.out.failed once at the end. */
 #ifndef SRV_JSON_H
 #define SRV_JSON_H
 
@@ -19,13 +20,15 @@ struct srv_json {
 void srv_json_open(struct srv_json *json, char bracket);         /* '{' or '[' */
 void srv_json_close(struct srv_json *json, char bracket);        /* '}' or ']' */
 void srv_json_key(struct srv_json *json, const char *key);
-void srv_json_text(struct srv_json *json, const char *text);     /* NULL: null; bytes that are not UTF-8 become U+FFFD */
+/* NULL: null; bytes that are not UTF-8 become U+FFFD */
+void srv_json_text(struct srv_json *json, const char *text);
 void srv_json_count(struct srv_json *json, uint64_t value);
 void srv_json_bool(struct srv_json *json, bool value);
 void srv_json_null(struct srv_json *json);
 void srv_json_point(struct srv_json *json, const double value[3]);
 
-/* "key": value in one call. Numbers are the shortest that read back the same; those that are not finite are null. */
+/* "key": value in one call. Numbers are the shortest that read back the same; those that are not finite are
+ * null. */
 void srv_json_key_text(struct srv_json *json, const char *key, const char *text);
 void srv_json_key_count(struct srv_json *json, const char *key, uint64_t value);
 void srv_json_key_number(struct srv_json *json, const char *key, double value);

@@ -1,4 +1,5 @@
-/* ecoserve: serves packs over HTTP until SIGTERM or SIGINT, then finishes what runs; a second signal ends at once. */
+/* ecoserve: serves packs over HTTP until SIGTERM or SIGINT, then finishes what runs; a second signal ends at
+ * once. */
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,17 +19,22 @@ static struct { struct srv_config config; struct eco_inputs scenes; } given;
 
 static const struct eco_option options[] = {
 	{ "a pack", 0, ECO_OPTION_INPUTS, "[NAME=]OUT.eco", &given.scenes, .is_required = true,
-		.help = "a scene under /v1/scenes/NAME; without NAME= it is the scene's own name where that is a word of a-z, 0-9, '_' and '-', else "
+		.help = "a scene under /v1/scenes/NAME; without NAME= it is the scene's own name where that "
+		"is a word of a-z, 0-9, '_' and '-', else "
 		"the file's, in small letters and with '-' for all else" },
 	{ "listen", 'l', ECO_OPTION_TEXT, "HOST:PORT", &given.config.listen,
 		.help = "where to listen; port 0 takes any free one; " SRV_LISTEN_DEFAULT " if not given" },
-	{ "log", 0, ECO_OPTION_FLAG, NULL, &given.config.log, .help = "one line a request on stderr" }, { 0 } };
+	{ "log", 0, ECO_OPTION_FLAG, NULL, &given.config.log, .help = "one line a request on stderr" },
+	{ 0 } };
 
-static const struct eco_command command = { .name = "ecoserve", .synopsis = "[--listen HOST:PORT] [--log] [NAME=]OUT.eco ...",
+static const struct eco_command command = { .name = "ecoserve", .synopsis = "[--listen HOST:PORT] [--log] "
+	"[NAME=]OUT.eco ...",
 	.says = "Serves packs made by ecopack over HTTP.", .options = options,
-	.notes = "Prints one line when ready, with the names. SIGTERM and SIGINT finish running answers (for at most 10 s) and end; a second one "
+	.notes = "Prints one line when ready, with the names. SIGTERM and SIGINT finish running answers "
+	"(for at most 10 s) and end; a second one "
 		"ends at once.\n"
-		"Put a new pack in place of one that is served by renaming it, as ecopack does, and start again.\n"
+		"Put a new pack in place of one that is served by renaming it, as ecopack does, and start "
+		"again.\n"
 		"ECO_TRACE=plan,cuts,cache,connection prints on stderr why things are as they are.\n" };
 
 /* "NAME=FILE" or "FILE"; a '=' behind a '/' belongs to the file. */
@@ -42,13 +48,16 @@ static enum eco_code add_scene(struct srv_store *store, const char *argument, st
 	return srv_store_add(store, name, equals + 1, error);
 }
 
-static enum eco_code announce(const struct srv_daemon *daemon, const struct srv_store *store, struct eco_error *error)
+static enum eco_code announce(const struct srv_daemon *daemon, const struct srv_store *store,
+	struct eco_error *error)
 {
-	bool bad = printf("ecoserve: ready on %s (%u scene%s", srv_daemon_url(daemon), store->count, store->count == 1 ? "" : "s") < 0;
+	bool bad = printf("ecoserve: ready on %s (%u scene%s", srv_daemon_url(daemon), store->count,
+		store->count == 1 ? "" : "s") < 0;
 	for (uint32_t i = 0; i < store->count && i < NAMES_SHOWN; i++)
 		bad |= printf("%s%s", i ? ", " : " named ", store->scenes[i].name) < 0;
 	if (printf("%s)\n", store->count > NAMES_SHOWN ? ", ..." : "") < 0 || fflush(stdout) || bad)
-		return eco_fail(error, ECO_IO, "cannot write to stdout: who started this does not want to know");
+		return eco_fail(error, ECO_IO, "cannot write to stdout: who started this does not want to "
+			"know");
 	return ECO_OK;
 }
 
@@ -65,10 +74,12 @@ static void serve(struct srv_daemon *daemon, const sigset_t *signals)
 	srv_daemon_stop(daemon);
 }
 
-/* Packs are mapped: one that is cut short, or a disk that fails, is met here, wherever that is. Nothing can be trusted then. */
+/* Packs are mapped: one that is cut short, or a disk that fails, is met here, wherever that is. Nothing can
+ * be trusted then. */
 static void pack_is_gone(int number)
 {
-	static const char text[] = "ecoserve: a pack was cut short while it was served, or its disk failed (SIGBUS): start ecoserve again. Put a new "
+	static const char text[] = "ecoserve: a pack was cut short while it was served, or its disk failed "
+		"(SIGBUS): start ecoserve again. Put a new "
 		"pack in place by renaming it (mv, or ecopack make), not by writing over the old one (cp)\n";
 	(void)number;
 	_exit(write(STDERR_FILENO, text, sizeof text - 1) < 0 ? 3 : 1);

@@ -5,10 +5,11 @@
 const struct srv_problem_row srv_problem_rows[SRV_PROBLEM_COUNT] = {
 	[SRV_PROBLEM_NONE] = { "about:blank", "No problem", 200 },
 	[SRV_PROBLEM_TARGET] = { URN "malformed-target", "The request target is malformed", 400 },
-	[SRV_PROBLEM_FRAMING] = { URN "ambiguous-framing", "The request's headers or body length are not acceptable", 400 },
-	[SRV_PROBLEM_PARAMETER] = { URN "bad-parameter", "A parameter is missing, unknown or impossible", 400 },
-	[SRV_PROBLEM_HOLDINGS] = { URN "bad-holdings", "The holdings in the body cannot be true of this scene", 400 },
-	[SRV_PROBLEM_ROUTE] = { URN "no-such-resource", "There is no such resource", 404 },
+	[SRV_PROBLEM_FRAMING] = { URN "ambiguous-framing", "The request's headers or body length are not "
+	"acceptable", 400 }, [SRV_PROBLEM_PARAMETER] = { URN "bad-parameter", "A parameter is missing, "
+	"unknown or impossible", 400 },
+	[SRV_PROBLEM_HOLDINGS] = { URN "bad-holdings", "The holdings in the body cannot be true of this "
+	"scene", 400 }, [SRV_PROBLEM_ROUTE] = { URN "no-such-resource", "There is no such resource", 404 },
 	[SRV_PROBLEM_SCENE] = { URN "no-such-scene", "There is no scene of this name", 404 },
 	[SRV_PROBLEM_CHUNK] = { URN "no-such-chunk", "The scene has no chunk of this id", 404 },
 	[SRV_PROBLEM_METHOD] = { URN "method-not-allowed", "The resource does not support this method", 405 },
@@ -16,7 +17,8 @@ const struct srv_problem_row srv_problem_rows[SRV_PROBLEM_COUNT] = {
 	[SRV_PROBLEM_LENGTH_REQUIRED] = { URN "length-required", "The body needs a Content-Length", 411 },
 	[SRV_PROBLEM_BODY_TOO_LARGE] = { URN "body-too-large", "The body is too large", 413 },
 	[SRV_PROBLEM_TARGET_TOO_LONG] = { URN "target-too-long", "The request target is too long", 414 },
-	[SRV_PROBLEM_MEDIA_TYPE] = { URN "unsupported-media-type", "The body is of a type that is not understood", 415 },
+	[SRV_PROBLEM_MEDIA_TYPE] = { URN "unsupported-media-type", "The body is of a type that is not "
+	"understood", 415 },
 	[SRV_PROBLEM_RANGE] = { URN "range-not-satisfiable", "The range lies outside the chunk", 416 },
 	[SRV_PROBLEM_LIMIT] = { URN "beyond-limit", "The answer would exceed a limit of this server", 422 },
 	[SRV_PROBLEM_BUSY] = { URN "busy", "Too many plans are being made", 503 },
@@ -45,7 +47,8 @@ enum srv_problem srv_problem_of(enum eco_code code)
 	}
 }
 
-void srv_problem_write(struct srv_json *json, enum srv_problem problem, const char *detail, const char *instance)
+void srv_problem_write(struct srv_json *json, enum srv_problem problem, const char *detail,
+	const char *instance)
 {
 	const struct srv_problem_row *row = &srv_problem_rows[problem];
 	srv_json_open(json, '{');

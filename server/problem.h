@@ -1,5 +1,5 @@
-/* What can go wrong with a request, as RFC 9457 problem documents. One table: type, status, title; the detail is written where the
- * problem is found and says what, which parameter and what to do. */
+/* What can go wrong with a request, as RFC 9457 problem documents. One table: type, status, title; the detail
+ * is written where the problem is found and says what, which parameter and what to do. */
 #ifndef SRV_PROBLEM_H
 #define SRV_PROBLEM_H
 
@@ -9,7 +9,8 @@
 enum srv_problem {
 	SRV_PROBLEM_NONE,
 	SRV_PROBLEM_TARGET,          /* path or query malformed */
-	SRV_PROBLEM_FRAMING,         /* lengths or headers that two parsers could read in two ways; the connection is closed */
+	/* lengths or headers that two parsers could read in two ways; the connection is closed */
+	SRV_PROBLEM_FRAMING,
 	SRV_PROBLEM_PARAMETER,
 	SRV_PROBLEM_HOLDINGS,
 	SRV_PROBLEM_ROUTE,
@@ -36,7 +37,9 @@ extern const struct srv_problem_row srv_problem_rows[SRV_PROBLEM_COUNT];
 /* The problem that a failed plan, stream or payload is for the client. */
 enum srv_problem srv_problem_of(enum eco_code code);
 
-/* Writes the document (application/problem+json): type, title, status, detail, instance (may be NULL: left out). */
-void srv_problem_write(struct srv_json *json, enum srv_problem problem, const char *detail, const char *instance);
+/* Writes the document (application/problem+json): type, title, status, detail, instance (may be NULL: left
+ * out). */
+void srv_problem_write(struct srv_json *json, enum srv_problem problem, const char *detail,
+	const char *instance);
 
 #endif

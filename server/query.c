@@ -1,5 +1,5 @@
-/* One table of parameters; what is parsed by hand is checked against a grammar before strtod sees it, so that "nan", "inf", "0x10",
- * leading blanks and whatever else strtod accepts stay out. */
+/* One table of parameters; what is parsed by hand is checked against a grammar before strtod sees it, so that
+ * "nan", "inf", "0x10", leading blanks and whatever else strtod accepts stay out. */
 #include "server/query.h"
 
 #include <math.h>
@@ -35,7 +35,8 @@ static const struct param_row {
 #undef AT
 #define PARAM_ROWS (sizeof param_rows / sizeof *param_rows)
 
-static const struct { const char *name; lod_rule *rule; } rules[] = { { "optimal", lod_rule_optimal }, { "deussen", lod_rule_deussen } };
+static const struct { const char *name; lod_rule *rule; } rules[] = { { "optimal", lod_rule_optimal },
+	{ "deussen", lod_rule_deussen } };
 
 static const char *skip_digits(const char *text)
 {
@@ -132,28 +133,33 @@ static enum eco_code parse_rule(lod_rule **rule, const char *text, struct eco_er
 			*rule = rules[i].rule;
 			return ECO_OK;
 		}
-	return eco_fail(error, ECO_BAD_INPUT, "parameter 'rule': '%.80s' is neither optimal nor deussen", text);
+	return eco_fail(error, ECO_BAD_INPUT, "parameter 'rule': '%.80s' is neither optimal nor deussen",
+		text);
 }
 
-static enum eco_code parse_row(struct srv_query *query, const struct param_row *row, const char *text, struct eco_error *error)
+static enum eco_code parse_row(struct srv_query *query, const struct param_row *row, const char *text,
+	struct eco_error *error)
 {
 	void *field = (char *)query + row->offset;
 	uint64_t count, least;
 	switch (row->kind) {
 	case PARAM_POINT:
 		if (!parse_point(text, field))
-			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is not three decimal numbers x,y,z", row->name, text);
+			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is not three decimal "
+				"numbers x,y,z", row->name, text);
 		return ECO_OK;
 	case PARAM_NUMBER:
 		if (!srv_parse_number(text, field))
-			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is not a decimal number", row->name, text);
+			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is not a decimal "
+				"number", row->name, text);
 		return ECO_OK;
 	case PARAM_SIZE:
 	case PARAM_COUNT:
 		least = row->kind == PARAM_SIZE;
 		if (!srv_parse_count(text, &count) || count < least || count > row->max)
-			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is not a whole number from %llu to %llu", row->name, text,
-				(unsigned long long)least, (unsigned long long)row->max);
+			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is not a whole "
+				"number from %llu to %llu", row->name, text, (unsigned long long)least,
+				(unsigned long long)row->max);
 		if (row->kind == PARAM_SIZE)
 			*(uint32_t *)field = (uint32_t)count;
 		else
@@ -163,12 +169,14 @@ static enum eco_code parse_row(struct srv_query *query, const struct param_row *
 		return parse_rule(&query->rule, text, error);
 	case PARAM_FLAG:
 		if (!srv_parse_count(text, &count) || count > 1)
-			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is neither 0 nor 1", row->name, text);
+			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is neither 0 nor 1",
+				row->name, text);
 		*(bool *)field = count;
 		return ECO_OK;
 	case PARAM_ID:
 		if (!srv_parse_id(text, field))
-			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is not an id of 32 lower-case hex digits", row->name, text);
+			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s': '%.80s' is not an id of 32 "
+				"lower-case hex digits", row->name, text);
 		query->has_pack = true;
 		return ECO_OK;
 	}
@@ -183,15 +191,19 @@ static const struct param_row *find_row(const char *name)
 	return NULL;
 }
 
-enum eco_code srv_query_parse(struct srv_query *query, const struct srv_target *target, struct eco_error *error)
+enum eco_code srv_query_parse(struct srv_query *query, const struct srv_target *target,
+	struct eco_error *error)
 {
-	*query = (struct srv_query){ .request = { .view = { .up = { 0, 0, 1 }, .fov_y_deg = 45 }, .bytes = ECO_BYTES_UNBOUNDED,
+	*query =
+		(struct srv_query){ .request = { .view = { .up = { 0, 0, 1 }, .fov_y_deg = 45 },
+		.bytes = ECO_BYTES_UNBOUNDED,
 		.ground_px = ECO_GROUND_PX } };
 	for (uint32_t i = 0; i < target->param_count; i++) {
 		const struct srv_param *param = &target->params[i];
 		const struct param_row *row = find_row(param->name);
 		if (!row)
-			return eco_fail(error, ECO_BAD_INPUT, "unknown parameter '%.40s'; known are eye, target, up, fov_y_deg, width, height, "
+			return eco_fail(error, ECO_BAD_INPUT, "unknown parameter '%.40s'; known are eye, "
+				"target, up, fov_y_deg, width, height, "
 				"vertices, bytes, ground_px, rule, pack and explain", param->name);
 		enum eco_code code = parse_row(query, row, param->value, error);
 		if (code)
@@ -199,10 +211,11 @@ enum eco_code srv_query_parse(struct srv_query *query, const struct srv_target *
 	}
 	for (size_t i = 0; i < PARAM_ROWS; i++)
 		if (param_rows[i].required && !srv_target_param(target, param_rows[i].name))
-			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s' is missing", param_rows[i].name);
+			return eco_fail(error, ECO_BAD_INPUT, "parameter '%s' is missing",
+				param_rows[i].name);
 	if (!(query->request.ground_px >= ECO_GROUND_PX_MIN && query->request.ground_px <= ECO_GROUND_PX_MAX))
-		return eco_fail(error, ECO_BAD_INPUT, "ground_px: %g; give a number of pixels from %g to %g", query->request.ground_px,
-			ECO_GROUND_PX_MIN, ECO_GROUND_PX_MAX);
+		return eco_fail(error, ECO_BAD_INPUT, "ground_px: %g; give a number of pixels from %g to %g",
+			query->request.ground_px, ECO_GROUND_PX_MIN, ECO_GROUND_PX_MAX);
 	return eco_view_check(&query->request.view, error);
 }
 
@@ -210,5 +223,6 @@ enum eco_code srv_query_none(const struct srv_target *target, struct eco_error *
 {
 	if (target->param_count == 0)
 		return ECO_OK;
-	return eco_fail(error, ECO_BAD_INPUT, "unknown parameter '%.40s': this resource takes none", target->params[0].name);
+	return eco_fail(error, ECO_BAD_INPUT, "unknown parameter '%.40s': this resource takes none",
+		target->params[0].name);
 }

@@ -4,10 +4,11 @@
  *   up=x,y,z (0,0,1)  fov_y_deg= (45)  bytes= (unbounded)  ground_px= (1)  rule=optimal|deussen (optimal)
  *   pack= (none)  explain= (0; 1 for plans alone)
  *
- * Numbers are plain decimals: [-]digits[.digits][e[+-]digits] for coordinates and angles, digits for counts. Unknown parameters are
- * refused, so that a misspelt budget is an error and not an unbounded answer. `pack` is the 32 hex digit id of the pack that the
- * holdings of the request refer to (the SCENE frame and /v1/scenes/{scene} state it): if the scene has been rebuilt since, the
- * server says so instead of mixing two packs. */
+ * Numbers are plain decimals: [-]digits[.digits][e[+-]digits] for coordinates and angles, digits for counts.
+ * Unknown parameters are refused, so that a misspelt budget is an error and not an unbounded answer. `pack`
+ * is the 32 hex digit id of the pack that the holdings of the request refer to (the SCENE frame and
+ * /v1/scenes/{scene} state it): if the scene has been rebuilt since, the server says so instead of mixing two
+ * packs. */
 #ifndef SRV_QUERY_H
 #define SRV_QUERY_H
 
@@ -25,8 +26,10 @@ struct srv_query {
 	struct eco_chunk_id pack;
 };
 
-/* Fills *query; the view passes eco_view_check. ECO_BAD_INPUT with a text that names the parameter and says what is wrong. */
-enum eco_code srv_query_parse(struct srv_query *query, const struct srv_target *target, struct eco_error *error);
+/* Fills *query; the view passes eco_view_check. ECO_BAD_INPUT with a text that names the parameter and says
+ * what is wrong. */
+enum eco_code srv_query_parse(struct srv_query *query, const struct srv_target *target,
+	struct eco_error *error);
 
 /* A route without parameters: ECO_BAD_INPUT if there are any. */
 enum eco_code srv_query_none(const struct srv_target *target, struct eco_error *error);

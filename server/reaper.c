@@ -9,7 +9,8 @@
 
 #include "server/trace.h"
 
-#define ROUND_MS 100u            /* between two looks at all leases: a few microseconds of work for a thousand of them */
+/* between two looks at all leases: a few microseconds of work for a thousand of them */
+#define ROUND_MS 100u
 
 struct srv_lease {
 	struct srv_lease *before, *next;
@@ -50,7 +51,8 @@ static void *run(void *argument)
 	pthread_mutex_lock(&reaper->mutex);
 	while (!reaper->stopping) {
 		uint64_t until = srv_clock_us() + ROUND_MS * 1000;
-		struct timespec at = { .tv_sec = (time_t)(until / 1000000), .tv_nsec = (long)(until % 1000000 * 1000) };
+		struct timespec at = { .tv_sec = (time_t)(until / 1000000),
+			.tv_nsec = (long)(until % 1000000 * 1000) };
 		pthread_cond_timedwait(&reaper->wake, &reaper->mutex, &at);
 		shut_overdue(reaper);
 	}

@@ -1,10 +1,11 @@
-/* Deadlines for connections. The HTTP library only times out silence, so that 700 clients that drip a byte a second hold 700
- * places for ever. Here every phase in which a client is waited for has a deadline, however busy it looks: the head of a request
- * (from connecting, or from the end of the request before), its body, and the taking of the response, at a stated least rate. While the
- * server itself works there is none. A thread shuts overdue sockets down; the library then closes them.
+/* Deadlines for connections. The HTTP library only times out silence, so that 700 clients that drip a byte a
+ * second hold 700 places for ever. Here every phase in which a client is waited for has a deadline, however
+ * busy it looks: the head of a request (from connecting, or from the end of the request before), its body,
+ * and the taking of the response, at a stated least rate. While the server itself works there is none. A
+ * thread shuts overdue sockets down; the library then closes them.
  *
- * Life of an entry: opened when the connection starts, closed before its socket is (so that a number that the system gave to another
- * socket is never shut down). All functions may be called from any thread. */
+ * Life of an entry: opened when the connection starts, closed before its socket is (so that a number that the
+ * system gave to another socket is never shut down). All functions may be called from any thread. */
 #ifndef SRV_REAPER_H
 #define SRV_REAPER_H
 
@@ -16,11 +17,14 @@ struct srv_reaper;
 struct srv_lease;
 
 enum eco_code srv_reaper_start(struct srv_reaper **reaper, struct eco_error *error);
-void srv_reaper_stop(struct srv_reaper *reaper);         /* frees it; NULL is fine; every lease must have been closed */
+/* frees it; NULL is fine; every lease must have been closed */
+void srv_reaper_stop(struct srv_reaper *reaper);
 
-/* Begins with a deadline `after_ms` from now. NULL if there is no memory: the connection then has no deadline. */
+/* Begins with a deadline `after_ms` from now. NULL if there is no memory: the connection then has no
+ * deadline. */
 struct srv_lease *srv_reaper_open(struct srv_reaper *reaper, int fd, uint64_t after_ms);
-void srv_reaper_arm(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t after_ms);      /* NULL lease: nothing */
+/* NULL lease: nothing */
+void srv_reaper_arm(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t after_ms);
 /* No deadline until it is armed again: the server works. */
 void srv_reaper_clear(struct srv_reaper *reaper, struct srv_lease *lease);
 void srv_reaper_close(struct srv_reaper *reaper, struct srv_lease *lease);

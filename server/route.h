@@ -16,7 +16,8 @@ extern const struct srv_route srv_routes[SRV_RESOURCE_COUNT];
 
 enum srv_method srv_method_of(const char *name);
 
-/* The route of a path, or NULL; variables[i] is the i-th variable's text, in the pattern's order (at most 2). */
+/* The route of a path, or NULL; variables[i] is the i-th variable's text, in the pattern's order (at most 2).
+ */
 const struct srv_route *srv_route_find(const struct srv_target *target, const char *variables[2]);
 
 #endif

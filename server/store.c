@@ -48,7 +48,8 @@ static enum eco_code scene_index(struct srv_scene *scene, struct eco_error *erro
 	scene->checked = calloc(count + 1, sizeof *scene->checked);
 	scene->responses = calloc(count + 1, sizeof *scene->responses);
 	if (!scene->by_id || !scene->checked || !scene->responses)
-		return eco_fail(error, ECO_NO_MEMORY, "scene '%s': no memory for an index of %u chunks", scene->name, count);
+		return eco_fail(error, ECO_NO_MEMORY, "scene '%s': no memory for an index of %u chunks",
+			scene->name, count);
 	for (uint32_t i = 0; i < count; i++)
 		scene->by_id[i] = i;
 	qsort_r(scene->by_id, count, sizeof *scene->by_id, by_id, (void *)scene->pack->scene.chunks);
@@ -58,17 +59,20 @@ static enum eco_code scene_index(struct srv_scene *scene, struct eco_error *erro
 static enum eco_code check_name(const struct srv_store *store, const char *name, struct eco_error *error)
 {
 	if (!srv_name_valid(name))
-		return eco_fail(error, ECO_BAD_USAGE, "'%.80s' cannot name a scene: use 1 to 63 of a-z, 0-9, '_' and '-', the first a letter "
+		return eco_fail(error, ECO_BAD_USAGE, "'%.80s' cannot name a scene: use 1 to 63 of a-z, "
+			"0-9, '_' and '-', the first a letter "
 			"or digit, as in NAME=OUT.eco", name);
 	if (srv_store_find(store, name))
-		return eco_fail(error, ECO_BAD_USAGE, "two scenes are named '%s': give one of them another name, as in NAME=OUT.eco", name);
+		return eco_fail(error, ECO_BAD_USAGE, "two scenes are named '%s': give one of them another "
+			"name, as in NAME=OUT.eco", name);
 	if (store->count == SRV_SCENES_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "more than %u scenes", SRV_SCENES_MAX);
 	return ECO_OK;
 }
 
 /* Owns the pack from then on, also on failure. */
-static enum eco_code add_pack(struct srv_store *store, const char *name, struct eco_pack *pack, struct eco_error *error)
+static enum eco_code add_pack(struct srv_store *store, const char *name, struct eco_pack *pack,
+	struct eco_error *error)
 {
 	struct srv_scene scene = { .pack = pack };
 	enum eco_code code = check_name(store, name, error);
@@ -89,7 +93,8 @@ static enum eco_code add_pack(struct srv_store *store, const char *name, struct 
 	return ECO_OK;
 }
 
-/* Small letters, and one dash for each run of what no name may have; all as it is where nothing would be left. */
+/* Small letters, and one dash for each run of what no name may have; all as it is where nothing would be
+ * left. */
 static void fold_name(char name[SRV_NAME_BYTES])
 {
 	char folded[SRV_NAME_BYTES];
@@ -116,12 +121,14 @@ void srv_name_of_file(char stem[SRV_NAME_BYTES], const char *path)
 	size_t size = strlen(base);
 	if (size > 4 && strcmp(base + size - 4, ".eco") == 0)
 		size -= 4;
-	snprintf(stem, SRV_NAME_BYTES, "%.*s", (int)(size < SRV_NAME_BYTES ? size : SRV_NAME_BYTES - 1), base);
+	snprintf(stem, SRV_NAME_BYTES, "%.*s", (int)(size < SRV_NAME_BYTES ? size : SRV_NAME_BYTES - 1),
+		base);
 	if (!srv_name_valid(stem))
 		fold_name(stem);
 }
 
-enum eco_code srv_store_add(struct srv_store *store, const char *name, const char *path, struct eco_error *error)
+enum eco_code srv_store_add(struct srv_store *store, const char *name, const char *path,
+	struct eco_error *error)
 {
 	char chosen[SRV_NAME_BYTES];
 	struct eco_pack *pack;
@@ -165,8 +172,8 @@ uint32_t srv_scene_chunk(const struct srv_scene *scene, const struct eco_chunk_i
 	return memcmp(chunks[chunk].id.bytes, id->bytes, sizeof id->bytes) == 0 ? chunk : ECO_NONE;
 }
 
-enum eco_code srv_scene_payload(const struct srv_scene *scene, uint32_t chunk, const uint8_t **bytes, size_t *size_bytes,
-	struct eco_error *error)
+enum eco_code srv_scene_payload(const struct srv_scene *scene, uint32_t chunk, const uint8_t **bytes,
+	size_t *size_bytes, struct eco_error *error)
 {
 	assert(chunk < scene->pack->scene.chunk_count);
 	if (!atomic_load_explicit(&scene->checked[chunk], memory_order_acquire)) {

@@ -1,13 +1,13 @@
-/* The scenes that are served. Filled before the daemon starts, never changed while it runs, so that any number of threads read it
- * without locks; only two per-chunk marks change, each once and atomically: "hash checked" and "response made"; and the planner's
- * tables fill themselves likewise (lod/plan/plan_tables.h).
+/* The scenes that are served. Filled before the daemon starts, never changed while it runs, so that any
+ * number of threads read it without locks; only two per-chunk marks change, each once and atomically: "hash
+ * checked" and "response made"; and the planner's tables fill themselves likewise (lod/plan/plan_tables.h).
  *
  *   srv_store_init(&store);
  *   srv_store_add(&store, NULL, "scbi.eco", &error);         opens and checks the pack, takes its name
  *   const struct srv_scene *s = srv_store_find(&store, "scbi");
  *   srv_scene_payload(s, chunk, &bytes, &size, &error);      a chunk's bytes, hash checked the first time
  *   srv_store_free(&store);                                  after the daemon has stopped
- */
+ * */
 #ifndef SRV_STORE_H
 #define SRV_STORE_H
 
@@ -28,28 +28,32 @@ struct srv_scene {
 	struct lod_plan_tables *tables;
 	uint32_t *by_id;                         /* chunk indices sorted by id */
 	_Atomic(uint8_t) *checked;               /* per chunk: the payload's hash has been found right */
-	_Atomic(struct MHD_Response *) *responses;   /* per chunk: the shared response, made when first asked for */
+	/* per chunk: the shared response, made when first asked for */
+	_Atomic(struct MHD_Response *) *responses;
 };
 
 struct srv_store { struct srv_scene *scenes; uint32_t count; };
 
 void srv_store_init(struct srv_store *store);
-void srv_store_free(struct srv_store *store);            /* responses must have been dropped (server/answer.h) */
+/* responses must have been dropped (server/answer.h) */
+void srv_store_free(struct srv_store *store);
 
-/* Adds the pack at `path` as `name`; NULL takes the scene's own name where it is a valid one, else srv_name_of_file. Names are
- * [a-z0-9][a-z0-9_-]{0,62}. Errors name the file and say what to do. */
-enum eco_code srv_store_add(struct srv_store *store, const char *name, const char *path, struct eco_error *error);
+/* Adds the pack at `path` as `name`; NULL takes the scene's own name where it is a valid one, else
+ * srv_name_of_file. Names are [a-z0-9][a-z0-9_-]{0,62}. Errors name the file and say what to do. */
+enum eco_code srv_store_add(struct srv_store *store, const char *name, const char *path,
+	struct eco_error *error);
 
 struct srv_scene *srv_store_find(const struct srv_store *store, const char *name);       /* or NULL */
 bool srv_name_valid(const char *name);
-/* "/data/Parque Eduardo VII.eco" -> "parque-eduardo-vii". Not a valid name where the file's has no letter or digit that one may have. */
+/* "/data/Parque Eduardo VII.eco" -> "parque-eduardo-vii". Not a valid name where the file's has no letter or
+ * digit that one may have. */
 void srv_name_of_file(char name[SRV_NAME_BYTES], const char *path);
 
 /* A chunk with this id, or ECO_NONE. Chunks of equal content share an id; any of them is returned. */
 uint32_t srv_scene_chunk(const struct srv_scene *scene, const struct eco_chunk_id *id);
 
 /* The payload in the mapped pack; valid as long as the store. ECO_DAMAGED names the chunk. Thread-safe. */
-enum eco_code srv_scene_payload(const struct srv_scene *scene, uint32_t chunk, const uint8_t **bytes, size_t *size_bytes,
-	struct eco_error *error);
+enum eco_code srv_scene_payload(const struct srv_scene *scene, uint32_t chunk, const uint8_t **bytes,
+	size_t *size_bytes, struct eco_error *error);
 
 #endif

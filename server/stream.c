@@ -9,13 +9,15 @@
 #include "server/trace.h"
 
 #define BODY_MAX_DEFAULT (1ull << 31)
-#define STEP_BYTES_LEAST (256u << 10)        /* missing payload bytes from which a coarse step is worth its over-send */
+/* missing payload bytes from which a coarse step is worth its over-send */
+#define STEP_BYTES_LEAST (256u << 10)
 #define SEARCH_PLANS_MAX 40u
 #define SEARCH_SLACK 256u                    /* the search ends within 1/256 of the budget */
 #define GROUND_STEP 4.0                      /* how much coarser the ground of each coarse step is */
 #define GROUND_PX_SCARCE 8.0                 /* up to here ground gives way before plants */
 #define GROUND_TRIES 8u                      /* halvings of the way from the tolerance asked for to that */
-#define GROUND_SHARE 4u                      /* ground takes at most this part of a byte budget that plants do not fit in */
+/* ground takes at most this part of a byte budget that plants do not fit in */
+#define GROUND_SHARE 4u
 
 static void step_free(struct srv_step *step)
 {
@@ -38,26 +40,32 @@ void srv_body_free(struct srv_body *body)
 	*body = (struct srv_body){ 0 };
 }
 
-enum eco_code srv_holdings_check(const struct eco_scene *scene, const struct eco_holdings *holdings, struct eco_error *error)
+enum eco_code srv_holdings_check(const struct eco_scene *scene, const struct eco_holdings *holdings,
+	struct eco_error *error)
 {
 	for (uint32_t i = 0; i < holdings->count; i++) {
 		const struct eco_holding *item = &holdings->items[i];
 		if (item->list >= scene->list_count)
-			return eco_fail(error, ECO_BAD_INPUT, "list %u does not exist: the scene has %u lists; send the holdings of this pack, or "
+			return eco_fail(error, ECO_BAD_INPUT, "list %u does not exist: the scene has %u "
+				"lists; send the holdings of this pack, or "
 				"none", item->list, scene->list_count);
 		if (item->chunks > scene->lists[item->list].chunk_count)
-			return eco_fail(error, ECO_BAD_INPUT, "%u chunks of list %u are said to be held, but it has %u; send the holdings of "
-				"this pack, or none", item->chunks, item->list, scene->lists[item->list].chunk_count);
+			return eco_fail(error, ECO_BAD_INPUT, "%u chunks of list %u are said to be held, "
+				"but it has %u; send the holdings of "
+				"this pack, or none", item->chunks, item->list,
+				scene->lists[item->list].chunk_count);
 	}
 	return ECO_OK;
 }
 
-static uint64_t missing_bytes(const struct eco_scene *scene, const struct eco_holdings *holdings, const struct eco_holdings *needs)
+static uint64_t missing_bytes(const struct eco_scene *scene, const struct eco_holdings *holdings,
+	const struct eco_holdings *needs)
 {
 	uint64_t sum = 0;
 	for (uint32_t i = 0; i < needs->count; i++) {
 		const struct eco_list *list = &scene->lists[needs->items[i].list];
-		for (uint32_t c = eco_holdings_chunks(holdings, needs->items[i].list); c < needs->items[i].chunks; c++)
+		for (uint32_t c = eco_holdings_chunks(holdings, needs->items[i].list);
+				c < needs->items[i].chunks; c++)
 			sum += scene->chunks[list->chunk_first + c].size_bytes;
 	}
 	return sum;
@@ -74,15 +82,18 @@ static enum eco_code needs_of(struct srv_stream *stream, struct srv_step *step, 
 	return code;
 }
 
-static struct lod_planner_input planner_input(const struct srv_stream_input *input, const struct eco_request *request)
+static struct lod_planner_input planner_input(const struct srv_stream_input *input,
+	const struct eco_request *request)
 {
-	return (struct lod_planner_input){ .scene = &input->scene->pack->scene, .tables = input->scene->tables, .request = request,
-		.holdings = input->holdings, .tiles_max = input->tiles_max, .placements_max = input->placements_max, .rule = input->rule,
+	return (struct lod_planner_input){ .scene = &input->scene->pack->scene,
+		.tables = input->scene->tables, .request = request,
+		.holdings = input->holdings, .tiles_max = input->tiles_max,
+		.placements_max = input->placements_max, .rule = input->rule,
 		.ignore_occlusion = input->ignore_occlusion };
 }
 
-static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, double ground_px, struct srv_step *step,
-	struct eco_error *error)
+static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, double ground_px,
+	struct srv_step *step, struct eco_error *error)
 {
 	const struct srv_stream_input *input = &stream->input;
 	struct eco_request request = *input->request;
@@ -96,8 +107,9 @@ static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, dou
 	request.ground_px = ground_px;
 	enum eco_code code = lod_plan(&step->plan, &planner, error);
 	if (!code)
-		srv_trace(SRV_TRACE_PLAN, "%llu of %llu vertices in %u cuts: the search %s", (unsigned long long)step->plan.vertices,
-			(unsigned long long)vertices, step->plan.cut_count, stats.converged ? "converged" : "ended at its bound of tries");
+		srv_trace(SRV_TRACE_PLAN, "%llu of %llu vertices in %u cuts: the search %s",
+			(unsigned long long)step->plan.vertices, (unsigned long long)vertices,
+			step->plan.cut_count, stats.converged ? "converged" : "ended at its bound of tries");
 	if (!code)
 		code = needs_of(stream, step, error);
 	if (code) {
@@ -109,16 +121,18 @@ static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, dou
 }
 
 /* The same plants on other ground. */
-static enum eco_code change_ground(struct srv_stream *stream, struct srv_step *step, double ground_px, struct eco_error *error)
+static enum eco_code change_ground(struct srv_stream *stream, struct srv_step *step, double ground_px,
+	struct eco_error *error)
 {
 	step->ground_px = ground_px;
-	enum eco_code code = lod_plan_ground(&step->plan, &stream->input.scene->pack->scene, &stream->input.request->view, ground_px, error);
+	enum eco_code code = lod_plan_ground(&step->plan, &stream->input.scene->pack->scene,
+		&stream->input.request->view, ground_px, error);
 	return code ? code : needs_of(stream, step, error);
 }
 
 /* Emits `count` steps as a whole body; *emit has been initialised or restarted. */
-static enum eco_code emit_steps(struct srv_emit *emit, const struct srv_step *const *steps, uint32_t count, uint64_t *ends,
-	struct eco_error *error)
+static enum eco_code emit_steps(struct srv_emit *emit, const struct srv_step *const *steps, uint32_t count,
+	uint64_t *ends, struct eco_error *error)
 {
 	srv_emit_scene(emit);
 	for (uint32_t i = 0; i < count; i++) {
@@ -132,8 +146,8 @@ static enum eco_code emit_steps(struct srv_emit *emit, const struct srv_step *co
 	return ECO_OK;
 }
 
-static enum eco_code size_of(struct srv_stream *stream, struct srv_emit *dry, const struct srv_step *step, uint64_t *bytes,
-	struct eco_error *error)
+static enum eco_code size_of(struct srv_stream *stream, struct srv_emit *dry, const struct srv_step *step,
+	uint64_t *bytes, struct eco_error *error)
 {
 	srv_emit_restart(dry, stream->input.holdings);
 	enum eco_code code = emit_steps(dry, &step, 1, NULL, error);
@@ -149,8 +163,9 @@ struct search {
 	uint32_t tries;
 };
 
-/* Bytes grow fast at first and slower later, so a straight line between the ends aims too low in vertices or too high in bytes; every
- * other try halves the interval, which bounds the number of tries whatever the curve. */
+/* Bytes grow fast at first and slower later, so a straight line between the ends aims too low in vertices or
+ * too high in bytes; every other try halves the interval, which bounds the number of tries whatever the
+ * curve. */
 static uint64_t next_try(const struct search *s, uint64_t budget_bytes)
 {
 	uint64_t span = s->high - s->low;
@@ -165,24 +180,26 @@ static uint64_t next_try(const struct search *s, uint64_t budget_bytes)
 static bool search_done(const struct search *s, uint64_t budget_bytes)
 {
 	uint64_t span = s->high - s->low;
-	return span <= 1 || span <= s->low / SEARCH_SLACK || budget_bytes - s->low_bytes <= budget_bytes / SEARCH_SLACK
-		|| s->tries >= SEARCH_PLANS_MAX;
+	return span <= 1 || span <= s->low / SEARCH_SLACK || budget_bytes - s->low_bytes
+		<= budget_bytes / SEARCH_SLACK || s->tries >= SEARCH_PLANS_MAX;
 }
 
-static enum eco_code size_on(struct srv_stream *stream, struct srv_emit *dry, struct srv_step *step, double ground_px, uint64_t *bytes,
-	struct eco_error *error)
+static enum eco_code size_on(struct srv_stream *stream, struct srv_emit *dry, struct srv_step *step,
+	double ground_px, uint64_t *bytes, struct eco_error *error)
 {
 	enum eco_code code = change_ground(stream, step, ground_px, error);
 	if (!code)
 		code = size_of(stream, dry, step, bytes, error);
 	srv_trace(SRV_TRACE_PLAN, "byte budget %llu: ground of %g pixels, %llu vertices take %llu bytes",
-		(unsigned long long)stream->input.request->bytes, ground_px, (unsigned long long)step->plan.vertices, (unsigned long long)*bytes);
+		(unsigned long long)stream->input.request->bytes, ground_px,
+		(unsigned long long)step->plan.vertices, (unsigned long long)*bytes);
 	return code;
 }
 
-/* All the plants that were asked for, on about the finest ground up to GROUND_PX_SCARCE with which they fit; else *fits is false. */
-static enum eco_code spare_ground(struct srv_stream *stream, struct srv_emit *dry, struct srv_step *step, uint64_t *bytes, bool *fits,
-	struct eco_error *error)
+/* All the plants that were asked for, on about the finest ground up to GROUND_PX_SCARCE with which they fit;
+ * else *fits is false. */
+static enum eco_code spare_ground(struct srv_stream *stream, struct srv_emit *dry, struct srv_step *step,
+	uint64_t *bytes, bool *fits, struct eco_error *error)
 {
 	double finer = step->ground_px, px = GROUND_PX_SCARCE;
 	*fits = false;
@@ -214,28 +231,31 @@ static uint64_t missing_ground_bytes(const struct srv_stream *stream, const stru
 	uint64_t sum = 0;
 	for (uint32_t i = 0; i < step->needs.count; i++) {
 		const struct eco_list *list = &scene->lists[step->needs.items[i].list];
-		if (list->kind == ECO_LIST_GROUND && !eco_holdings_chunks(stream->input.holdings, step->needs.items[i].list))
+		if (list->kind == ECO_LIST_GROUND
+				&& !eco_holdings_chunks(stream->input.holdings, step->needs.items[i].list))
 			sum += scene->chunks[list->chunk_first].size_bytes;
 	}
 	return sum;
 }
 
 /* How coarse the ground is when plants give way too. `step` is the plan for 0 vertices; *bytes its body. */
-static enum eco_code scarce_ground(struct srv_stream *stream, struct srv_emit *dry, struct srv_step *step, uint64_t *bytes,
-	struct eco_error *error)
+static enum eco_code scarce_ground(struct srv_stream *stream, struct srv_emit *dry, struct srv_step *step,
+	uint64_t *bytes, struct eco_error *error)
 {
 	enum eco_code code = size_of(stream, dry, step, bytes, error);
 	uint64_t most = stream->input.request->bytes;
-	while (!code && step->ground_px < ECO_GROUND_PX_MAX && (missing_ground_bytes(stream, step) > most / GROUND_SHARE
+	while (!code && step->ground_px < ECO_GROUND_PX_MAX
+			&& (missing_ground_bytes(stream, step) > most / GROUND_SHARE
 		|| (*bytes > most && stream->input.scene->pack->scene.ground_count)))
-		code = size_on(stream, dry, step, fmin(GROUND_STEP * step->ground_px, ECO_GROUND_PX_MAX), bytes, error);
+		code = size_on(stream, dry, step, fmin(GROUND_STEP * step->ground_px, ECO_GROUND_PX_MAX),
+			bytes, error);
 	return code;
 }
 
-/* `best` holds the plan for the whole vertex budget, whose body of `bytes` does not fit. Afterwards it holds the step to send, or
- * that for 0 vertices with *fits false. */
-static enum eco_code search_budget(struct srv_stream *stream, struct srv_emit *dry, struct srv_step *best, uint64_t *bytes,
-	bool *fits, struct eco_error *error)
+/* `best` holds the plan for the whole vertex budget, whose body of `bytes` does not fit. Afterwards it holds
+ * the step to send, or that for 0 vertices with *fits false. */
+static enum eco_code search_budget(struct srv_stream *stream, struct srv_emit *dry, struct srv_step *best,
+	uint64_t *bytes, bool *fits, struct eco_error *error)
 {
 	uint64_t budget_bytes = stream->input.request->bytes;
 	double ground_px = best->ground_px;
@@ -261,8 +281,9 @@ static enum eco_code search_budget(struct srv_stream *stream, struct srv_emit *d
 			step_free(&step);
 			break;
 		}
-		srv_trace(SRV_TRACE_PLAN, "byte budget %llu: %llu vertices take %llu bytes", (unsigned long long)budget_bytes,
-			(unsigned long long)vertices, (unsigned long long)size);
+		srv_trace(SRV_TRACE_PLAN, "byte budget %llu: %llu vertices take %llu bytes",
+			(unsigned long long)budget_bytes, (unsigned long long)vertices,
+			(unsigned long long)size);
 		if (size <= budget_bytes) {
 			step_free(best);
 			*best = step;
@@ -279,7 +300,8 @@ static enum eco_code search_budget(struct srv_stream *stream, struct srv_emit *d
 
 /* ---- Steps ---- */
 
-/* Puts coarse steps before steps[0], the answer, each for a quarter of the vertices of the one after it, on coarser ground. */
+/* Puts coarse steps before steps[0], the answer, each for a quarter of the vertices of the one after it, on
+ * coarser ground. */
 static enum eco_code add_coarse(struct srv_stream *stream, struct eco_error *error)
 {
 	uint64_t vertices = stream->steps[0].plan.vertices, next = stream->steps[0].missing_bytes;
@@ -294,8 +316,9 @@ static enum eco_code add_coarse(struct srv_stream *stream, struct eco_error *err
 		if (code)
 			return code;
 		bool clear = step.missing_bytes < next / 2;
-		srv_trace(SRV_TRACE_PLAN, "coarse step of %llu vertices: %llu missing bytes before %llu: %s", (unsigned long long)vertices,
-			(unsigned long long)step.missing_bytes, (unsigned long long)next, clear ? "taken" : "left out, not below half");
+		srv_trace(SRV_TRACE_PLAN, "coarse step of %llu vertices: %llu missing bytes before %llu: %s",
+			(unsigned long long)vertices, (unsigned long long)step.missing_bytes,
+			(unsigned long long)next, clear ? "taken" : "left out, not below half");
 		if (!clear) {
 			step_free(&step);
 			continue;
@@ -326,7 +349,8 @@ static enum eco_code size_all(struct srv_stream *stream, struct srv_emit *dry, s
 	return ECO_OK;
 }
 
-/* Coarse steps send a little that the answer does not use: they give way where the byte budget has no room for that. */
+/* Coarse steps send a little that the answer does not use: they give way where the byte budget has no room
+ * for that. */
 static enum eco_code fit_steps(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
 {
 	enum eco_code code = add_coarse(stream, error);
@@ -363,12 +387,14 @@ static enum eco_code plan_all(struct srv_stream *stream, struct srv_emit *dry, s
 	code = fit_steps(stream, dry, error);
 	uint64_t most = stream->input.body_max ? stream->input.body_max : BODY_MAX_DEFAULT;
 	if (!code && stream->body_bytes > most)
-		code = eco_fail(error, ECO_TOO_LARGE, "the response would have %llu bytes; at most %llu are sent: ask for fewer vertices, or "
+		code = eco_fail(error, ECO_TOO_LARGE, "the response would have %llu bytes; at most %llu are "
+			"sent: ask for fewer vertices, or "
 			"set 'bytes'", (unsigned long long)stream->body_bytes, (unsigned long long)most);
 	return code;
 }
 
-enum eco_code srv_stream_explain(const struct srv_stream *stream, struct lod_explanation *explanation, struct eco_error *error)
+enum eco_code srv_stream_explain(const struct srv_stream *stream, struct lod_explanation *explanation,
+	struct eco_error *error)
 {
 	const struct srv_step *last = &stream->steps[stream->step_count - 1];
 	struct eco_request request = *stream->input.request;
@@ -389,7 +415,8 @@ static void trace_cuts(const struct srv_stream *stream)
 	struct lod_explanation why = { 0 };
 	const struct srv_scene *scene = stream->input.scene;
 	if (!srv_stream_explain(stream, &why, NULL))
-		srv_trace(SRV_TRACE_CUTS, "%s: lambda %.4g, %u rows, %llu more", scene->name, why.lambda, why.count, (unsigned long long)why.omitted);
+		srv_trace(SRV_TRACE_CUTS, "%s: lambda %.4g, %u rows, %llu more", scene->name, why.lambda,
+			why.count, (unsigned long long)why.omitted);
 	for (uint32_t i = 0; i < why.count; i++) {
 		char line[320];
 		lod_explain_line(line, sizeof line, &scene->pack->scene, &why, &why.rows[i]);
@@ -398,7 +425,8 @@ static void trace_cuts(const struct srv_stream *stream)
 	lod_explanation_free(&why);
 }
 
-enum eco_code srv_stream_plan(struct srv_stream *stream, const struct srv_stream_input *input, struct eco_error *error)
+enum eco_code srv_stream_plan(struct srv_stream *stream, const struct srv_stream_input *input,
+	struct eco_error *error)
 {
 	struct srv_emit dry;
 	*stream = (struct srv_stream){ .input = *input };
@@ -414,7 +442,8 @@ enum eco_code srv_stream_plan(struct srv_stream *stream, const struct srv_stream
 	return code;
 }
 
-enum eco_code srv_stream_write(const struct srv_stream *stream, struct srv_body *body, struct eco_error *error)
+enum eco_code srv_stream_write(const struct srv_stream *stream, struct srv_body *body,
+	struct eco_error *error)
 {
 	const struct srv_step *steps[SRV_STEPS_MAX];
 	struct srv_emit emit;

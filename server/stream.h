@@ -1,20 +1,22 @@
 /* The answer to a view: which steps, which frames, exactly how many bytes, and then the bytes.
  *
- *   srv_stream_plan(&stream, &input, &error);       plans, steps and the exact size of the body; copies no payload
+ *   srv_stream_plan(&stream, &input, &error);       plans, steps and the exact size of the body; copies no
+ *                                                   payload
  *   if (stream.fits) srv_stream_write(&stream, &body, &error);
  *   ... body.pieces, in order ...                   payloads are pieces that point into the mapped pack
  *   srv_body_free(&body); srv_stream_free(&stream);
  *
- * Steps. The last step is the plan for the whole budget. Where it needs many bytes that the client lacks, plans for 1/4, 1/16 and
- * 1/64 of its vertices go before it, if each costs clearly fewer bytes than the next: a picture soon, at the price of the little
- * that the last plan does not use again. Their ground is four times as coarse from step to step; within a step ground goes first, coarse
- * to fine.
+ * Steps. The last step is the plan for the whole budget. Where it needs many bytes that the client lacks,
+ * plans for 1/4, 1/16 and 1/64 of its vertices go before it, if each costs clearly fewer bytes than the next:
+ * a picture soon, at the price of the little that the last plan does not use again. Their ground is four
+ * times as coarse from step to step; within a step ground goes first, coarse to fine.
  *
- * Byte budget. It bounds the whole body, END included. What gives way first is the ground's detail, up to an error of 8 pixels; then the
- * vertices, on ground that is coarser still where it would take more than a quarter of the bytes. Bytes are not quite monotone in
- * vertices, so the server searches the largest vertex budget whose body it has found to fit, within 1/256, and always by the exact
- * size, which a dry run of the same code that writes the body computes. If not even the plan for 0 vertices on the coarsest ground
- * fits, `fits` is false: 204.
+ * Byte budget. It bounds the whole body, END included. What gives way first is the ground's detail, up to an
+ * error of 8 pixels; then the vertices, on ground that is coarser still where it would take more than a
+ * quarter of the bytes. Bytes are not quite monotone in vertices, so the server searches the largest vertex
+ * budget whose body it has found to fit, within 1/256, and always by the exact size, which a dry run of the
+ * same code that writes the body computes. If not even the plan for 0 vertices on the coarsest ground fits,
+ * `fits` is false: 204.
  *
  * The same input gives the same bytes: no clock, no history, nothing shared. */
 #ifndef SRV_STREAM_H
@@ -38,7 +40,8 @@ struct srv_stream_input {
 	uint64_t tiles_max, placements_max;          /* as struct lod_planner_input */
 	lod_rule *rule;                              /* NULL: the optimiser */
 	bool ignore_occlusion;                       /* as struct lod_planner_input */
-	const atomic_bool *cancelled;                /* looked at between plans: ECO_INTERRUPTED; may be NULL */
+	/* looked at between plans: ECO_INTERRUPTED; may be NULL */
+	const atomic_bool *cancelled;
 };
 
 struct srv_step {
@@ -55,7 +58,8 @@ struct srv_stream {
 	struct srv_step steps[SRV_STEPS_MAX];        /* ascending; the last is the answer */
 	uint32_t step_count;
 	bool fits;
-	uint64_t body_bytes;                         /* exact; where it does not fit, that of the smallest body */
+	/* exact; where it does not fit, that of the smallest body */
+	uint64_t body_bytes;
 	uint64_t chunk_count, chunk_bytes;           /* payloads in the body */
 };
 
@@ -67,17 +71,22 @@ struct srv_body {
 	struct eco_writer frames;                    /* owns everything but the payloads */
 };
 
-enum eco_code srv_stream_plan(struct srv_stream *stream, const struct srv_stream_input *input, struct eco_error *error);
+enum eco_code srv_stream_plan(struct srv_stream *stream, const struct srv_stream_input *input,
+	struct eco_error *error);
 
-/* Why the last step's plan is what it is; plans it once more. The caller frees *explanation, which is empty. */
-enum eco_code srv_stream_explain(const struct srv_stream *stream, struct lod_explanation *explanation, struct eco_error *error);
+/* Why the last step's plan is what it is; plans it once more. The caller frees *explanation, which is empty.
+ */
+enum eco_code srv_stream_explain(const struct srv_stream *stream, struct lod_explanation *explanation,
+	struct eco_error *error);
 
 /* body->size_bytes == stream->body_bytes. ECO_DAMAGED if a payload is. */
-enum eco_code srv_stream_write(const struct srv_stream *stream, struct srv_body *body, struct eco_error *error);
+enum eco_code srv_stream_write(const struct srv_stream *stream, struct srv_body *body,
+	struct eco_error *error);
 void srv_stream_free(struct srv_stream *stream);
 void srv_body_free(struct srv_body *body);
 
 /* Lists that exist, and no more chunks than they have. */
-enum eco_code srv_holdings_check(const struct eco_scene *scene, const struct eco_holdings *holdings, struct eco_error *error);
+enum eco_code srv_holdings_check(const struct eco_scene *scene, const struct eco_holdings *holdings,
+	struct eco_error *error);
 
 #endif

@@ -1,5 +1,5 @@
-/* One pass over the bytes: the path is checked and split, then the query is split, decoded and checked in place of a copy. The
- * copy never grows, since decoding only shortens. */
+/* One pass over the bytes: the path is checked and split, then the query is split, decoded and checked in
+ * place of a copy. The copy never grows, since decoding only shortens. */
 #include "server/target.h"
 
 #include <stdbool.h>
@@ -7,7 +7,8 @@
 
 static bool is_segment_byte(char c)
 {
-	return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
+	return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_'
+		|| c == '-' || c == '.';
 }
 
 static int hex_digit(char c)
@@ -40,26 +41,32 @@ static void skip_authority(const char **raw, size_t *size)
 	*size -= at;
 }
 
-static enum eco_code parse_path(struct srv_target *target, const char *raw, size_t size, char **out, struct eco_error *error)
+static enum eco_code parse_path(struct srv_target *target, const char *raw, size_t size, char **out,
+	struct eco_error *error)
 {
 	if (size == 0 || raw[0] != '/')
 		return eco_fail(error, ECO_BAD_INPUT, "the path must begin with '/'");
 	size_t at = 1;
 	while (at < size) {
 		if (target->segment_count == SRV_SEGMENTS_MAX)
-			return eco_fail(error, ECO_BAD_INPUT, "the path has more than %u segments", SRV_SEGMENTS_MAX);
+			return eco_fail(error, ECO_BAD_INPUT, "the path has more than %u segments",
+				SRV_SEGMENTS_MAX);
 		target->segments[target->segment_count++] = *out;
 		if (raw[at] == '.')
 			return eco_fail(error, ECO_BAD_INPUT, "a path segment may not begin with '.'");
 		size_t first = at;
 		for (; at < size && raw[at] != '/'; at++) {
 			if (!is_segment_byte(raw[at]))
-				return eco_fail(error, ECO_BAD_INPUT, "'%c' at offset %zu is not allowed in a path: paths consist of letters, "
-					"digits, '.', '_', '-' and '/', without percent-encoding", printable(raw[at]), at);
+				return eco_fail(error, ECO_BAD_INPUT,
+					"'%c' at offset %zu is not allowed in a path: paths consist of "
+					"letters, "
+					"digits, '.', '_', '-' and '/', without percent-encoding",
+					printable(raw[at]), at);
 			*(*out)++ = raw[at];
 		}
 		if (at == first)
-			return eco_fail(error, ECO_BAD_INPUT, "the path has an empty segment at offset %zu", at);
+			return eco_fail(error, ECO_BAD_INPUT, "the path has an empty segment at offset %zu",
+				at);
 		*(*out)++ = 0;
 		if (at < size && ++at == size)
 			return eco_fail(error, ECO_BAD_INPUT, "the path ends with '/'");
@@ -67,25 +74,29 @@ static enum eco_code parse_path(struct srv_target *target, const char *raw, size
 	return ECO_OK;
 }
 
-static enum eco_code parse_value(const char *raw, size_t size, const char *name, char **out, struct eco_error *error)
+static enum eco_code parse_value(const char *raw, size_t size, const char *name, char **out,
+	struct eco_error *error)
 {
 	for (size_t at = 0; at < size; at++) {
 		char c = raw[at];
 		if (c == '%') {
 			if (size - at < 3 || hex_digit(raw[at + 1]) < 0 || hex_digit(raw[at + 2]) < 0)
-				return eco_fail(error, ECO_BAD_INPUT, "parameter '%.40s': '%%' must be followed by two hex digits", name);
+				return eco_fail(error, ECO_BAD_INPUT,
+					"parameter '%.40s': '%%' must be followed by two hex digits", name);
 			c = (char)(hex_digit(raw[at + 1]) * 16 + hex_digit(raw[at + 2]));
 			at += 2;
 		}
 		if (c <= 0x20 || c >= 0x7f)
-			return eco_fail(error, ECO_BAD_INPUT, "parameter '%.40s': only printable ASCII without spaces is allowed", name);
+			return eco_fail(error, ECO_BAD_INPUT, "parameter '%.40s': only printable ASCII "
+				"without spaces is allowed", name);
 		*(*out)++ = c;
 	}
 	*(*out)++ = 0;
 	return ECO_OK;
 }
 
-static enum eco_code parse_param(struct srv_target *target, const char *raw, size_t size, char **out, struct eco_error *error)
+static enum eco_code parse_param(struct srv_target *target, const char *raw, size_t size, char **out,
+	struct eco_error *error)
 {
 	if (target->param_count == SRV_PARAMS_MAX)
 		return eco_fail(error, ECO_BAD_INPUT, "more than %u parameters", SRV_PARAMS_MAX);
@@ -94,15 +105,16 @@ static enum eco_code parse_param(struct srv_target *target, const char *raw, siz
 	param->name = *out;
 	for (; at < size && raw[at] != '='; at++) {
 		if (!((raw[at] >= 'a' && raw[at] <= 'z') || raw[at] == '_'))
-			return eco_fail(error, ECO_BAD_INPUT, "'%c' is not allowed in a parameter's name: names consist of a-z and '_'",
-				printable(raw[at]));
+			return eco_fail(error, ECO_BAD_INPUT, "'%c' is not allowed in a parameter's name: "
+				"names consist of a-z and '_'", printable(raw[at]));
 		*(*out)++ = raw[at];
 	}
 	*(*out)++ = 0;
 	if (at == 0)
 		return eco_fail(error, ECO_BAD_INPUT, "a parameter without a name");
 	if (at + 1 >= size)
-		return eco_fail(error, ECO_BAD_INPUT, "parameter '%.40s' has no value: write %.40s=VALUE", param->name, param->name);
+		return eco_fail(error, ECO_BAD_INPUT, "parameter '%.40s' has no value: write %.40s=VALUE",
+			param->name, param->name);
 	if (srv_target_param(target, param->name))
 		return eco_fail(error, ECO_BAD_INPUT, "parameter '%.40s' is given twice", param->name);
 	param->value = *out;
@@ -112,13 +124,14 @@ static enum eco_code parse_param(struct srv_target *target, const char *raw, siz
 	return code;
 }
 
-enum eco_code srv_target_parse(struct srv_target *target, const char *raw, size_t size, struct eco_error *error)
+enum eco_code srv_target_parse(struct srv_target *target, const char *raw, size_t size,
+	struct eco_error *error)
 {
 	target->segment_count = target->param_count = 0;
 	/* Every part gains a 0 and loses a separator; the path's first '/' pays for the first part's. */
 	if (size >= SRV_TARGET_BYTES_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "the request target has %zu bytes; at most %u are accepted", size,
-			SRV_TARGET_BYTES_MAX - 1);
+		return eco_fail(error, ECO_TOO_LARGE, "the request target has %zu bytes; at most %u are "
+			"accepted", size, SRV_TARGET_BYTES_MAX - 1);
 	skip_authority(&raw, &size);
 	const char *query = memchr(raw, '?', size);
 	char *out = target->text;

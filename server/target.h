@@ -1,9 +1,10 @@
 /* A request target, taken apart strictly: path segments and query parameters.
  *
- * The HTTP library's own idea of a path is not used: it turns %00 into an end of string, keeps %zz, and hands /../.. through. Here
- * an allow-list decides. Paths consist of segments of [A-Za-z0-9_-][A-Za-z0-9._-]*, without any percent-encoding, since no path
- * of ours needs it. Parameters are name=value with a name of [a-z_]+; a value is printable ASCII after percent-decoding ("%2C" is
- * what browsers make of a comma). No parameter may be empty or occur twice. Everything else is refused with a text that says what. */
+ * The HTTP library's own idea of a path is not used: it turns %00 into an end of string, keeps %zz, and hands
+ * /../.. through. Here an allow-list decides. Paths consist of segments of [A-Za-z0-9_-][A-Za-z0-9._-]*,
+ * without any percent-encoding, since no path of ours needs it. Parameters are name=value with a name of
+ * [a-z_]+; a value is printable ASCII after percent-decoding ("%2C" is what browsers make of a comma). No
+ * parameter may be empty or occur twice. Everything else is refused with a text that says what. */
 #ifndef SRV_TARGET_H
 #define SRV_TARGET_H
 
@@ -25,9 +26,11 @@ struct srv_target {
 	char text[SRV_TARGET_BYTES_MAX + 1];            /* decoded parts, each ended by a 0 */
 };
 
-/* Parses `size` bytes of origin-form ("/v1/scenes?x=1") or absolute-form ("http://host/...") target. ECO_TOO_LARGE beyond the sizes
- * above, ECO_BAD_INPUT for anything malformed. Points into itself: do not copy. */
-enum eco_code srv_target_parse(struct srv_target *target, const char *raw, size_t size, struct eco_error *error);
+/* Parses `size` bytes of origin-form ("/v1/scenes?x=1") or absolute-form ("http://host/...") target.
+ * ECO_TOO_LARGE beyond the sizes above, ECO_BAD_INPUT for anything malformed. Points into itself: do not
+ * copy. */
+enum eco_code srv_target_parse(struct srv_target *target, const char *raw, size_t size,
+	struct eco_error *error);
 
 /* Value of a parameter, or NULL. */
 const char *srv_target_param(const struct srv_target *target, const char *name);

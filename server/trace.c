@@ -17,8 +17,10 @@ static enum eco_code unknown(const char *name, size_t size, struct eco_error *er
 {
 	char list[400] = "";
 	for (size_t i = 0, at = 0; i < SRV_TRACE_COUNT && at < sizeof list; i++)
-		at += (size_t)snprintf(list + at, sizeof list - at, "\n  %s: %s", trace_rows[i].name, trace_rows[i].text);
-	return eco_fail(error, ECO_BAD_USAGE, "ECO_TRACE: there is no '%.*s'; known are%s", (int)(size < 40 ? size : 40), name, list);
+		at += (size_t)snprintf(list + at, sizeof list - at, "\n  %s: %s", trace_rows[i].name,
+			trace_rows[i].text);
+	return eco_fail(error, ECO_BAD_USAGE, "ECO_TRACE: there is no '%.*s'; known are%s",
+		(int)(size < 40 ? size : 40), name, list);
 }
 
 enum eco_code srv_trace_set(const char *names, struct eco_error *error)
@@ -26,7 +28,9 @@ enum eco_code srv_trace_set(const char *names, struct eco_error *error)
 	trace_bits = 0;
 	for (const char *at = names; at && *at;) {
 		size_t size = strcspn(at, ","), i = 0;
-		while (i < SRV_TRACE_COUNT && (strlen(trace_rows[i].name) != size || memcmp(trace_rows[i].name, at, size) != 0))
+		while (i < SRV_TRACE_COUNT
+				&& (strlen(trace_rows[i].name) != size || memcmp(trace_rows[i].name, at, size)
+				!= 0))
 			i++;
 		if (i == SRV_TRACE_COUNT)
 			return unknown(at, size, error);

@@ -1,4 +1,5 @@
-/* ECO_TRACE=plan,cache prints on stderr why things are as they are. One table of bits; reading it costs one load when off. */
+/* ECO_TRACE=plan,cache prints on stderr why things are as they are. One table of bits; reading it costs one
+ * load when off. */
 #ifndef SRV_TRACE_H
 #define SRV_TRACE_H
 
@@ -19,7 +20,8 @@ enum srv_trace_bit {
 	SRV_TRACE_COUNT
 };
 
-/* Sets the bits from a comma-separated list of names (NULL: none), once, before threads start. ECO_BAD_USAGE lists the names. */
+/* Sets the bits from a comma-separated list of names (NULL: none), once, before threads start. ECO_BAD_USAGE
+ * lists the names. */
 enum eco_code srv_trace_set(const char *names, struct eco_error *error);
 bool srv_trace_on(enum srv_trace_bit bit);
 void srv_trace(enum srv_trace_bit bit, const char *format, ...) __attribute__((format(printf, 2, 3)));

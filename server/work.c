@@ -1,5 +1,5 @@
-/* Life: start -> submit* -> cancel? -> stop -> (submit refuses) -> free. The mutex guards the ring; `cancelled` is atomic because
- * jobs look at it often. */
+/* Life: start -> submit* -> cancel? -> stop -> (submit refuses) -> free. The mutex guards the ring;
+ * `cancelled` is atomic because jobs look at it often. */
 #include "server/work.h"
 
 #include <pthread.h>
@@ -39,7 +39,8 @@ static void *run(void *argument)
 	return NULL;
 }
 
-enum eco_code srv_work_start(struct srv_work **out, uint32_t threads, uint32_t queue_max, struct eco_error *error)
+enum eco_code srv_work_start(struct srv_work **out, uint32_t threads, uint32_t queue_max,
+	struct eco_error *error)
 {
 	struct srv_work *work = calloc(1, sizeof *work + threads * sizeof *work->threads);
 	struct job *ring = calloc(queue_max, sizeof *ring);

@@ -1,12 +1,14 @@
-/* limit CPU_S WALL_S FILE PROGRAM ARGUMENT...: runs a program and ends it, with all that it started, when these together have used CPU_S
- * seconds of processor time, or after WALL_S seconds. FILE gets the seconds of processor time, a number.
+/* limit CPU_S WALL_S FILE PROGRAM ARGUMENT...: runs a program and ends it, with all that it started, when
+ * these together have used CPU_S seconds of processor time, or after WALL_S seconds. FILE gets the seconds of
+ * processor time, a number.
  *
- * Exit status: the program's; 128 + N after signal N; 124 if it was ended, and if for a limit, a line on stderr says which; 127 if it cannot be started.
- * What it leaves behind is ended, too.
+ * Exit status: the program's; 128 + N after signal N; 124 if it was ended, and if for a limit, a line on
+ * stderr says which; 127 if it cannot be started. What it leaves behind is ended, too.
  *
- * A busy machine makes no test slower in processor time, so that a limit of it fails no test that is well. All descendants of this process
- * are found in /proc by who their parent is: those whose parent ended become children of this one (PR_SET_CHILD_SUBREAPER). Each counts
- * what it and the children that it waited for have used; those that this process waited for are in its own account. */
+ * A busy machine makes no test slower in processor time, so that a limit of it fails no test that is well.
+ * All descendants of this process are found in /proc by who their parent is: those whose parent ended become
+ * children of this one (PR_SET_CHILD_SUBREAPER). Each counts what it and the children that it waited for have
+ * used; those that this process waited for are in its own account. */
 #include <dirent.h>
 #include <signal.h>
 #include <stdbool.h>
@@ -47,11 +49,13 @@ static bool read_process(const char *pid, struct process *p)
 	text[fread(text, 1, sizeof text - 1, file)] = 0;
 	fclose(file);
 	const char *at = strrchr(text, ')');
-	if (!at || sscanf(at + 1, " %*c %d %*d %*d %*d %*d %*u %*u %*u %*u %*u %lu %lu %ld %ld", &parent, &user, &system, &waited_user,
+	if (!at || sscanf(at + 1, " %*c %d %*d %*d %*d %*d %*u %*u %*u %*u %*u %lu %lu %ld %ld", &parent,
+			&user, &system, &waited_user,
 		&waited_system) != 5)
 		return false;
 	*p = (struct process){ .pid = atoi(pid), .parent = parent };
-	p->cpu_s = (double)(user + system + (unsigned long)waited_user + (unsigned long)waited_system) / (double)sysconf(_SC_CLK_TCK);
+	p->cpu_s = (double)(user + system + (unsigned long)waited_user + (unsigned long)waited_system)
+		/ (double)sysconf(_SC_CLK_TCK);
 	return true;
 }
 
@@ -60,7 +64,8 @@ static void read_processes(void)
 	DIR *folder = opendir("/proc");
 	process_count = 0;
 	for (struct dirent *entry; folder && (entry = readdir(folder)) && process_count < PROCESSES_MAX;)
-		if (entry->d_name[0] >= '1' && entry->d_name[0] <= '9' && read_process(entry->d_name, &processes[process_count]))
+		if (entry->d_name[0] >= '1' && entry->d_name[0] <= '9'
+				&& read_process(entry->d_name, &processes[process_count]))
 			process_count++;
 	if (folder)
 		closedir(folder);
@@ -89,7 +94,8 @@ static double used_s(void)
 {
 	struct rusage usage;
 	getrusage(RUSAGE_CHILDREN, &usage);
-	double sum = (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) + 1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+	double sum = (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec)
+		+ 1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
 	find_descendants();
 	for (size_t i = 0; i < process_count; i++)
 		if (processes[i].is_ours)
@@ -187,8 +193,8 @@ int main(int argc, char **argv)
 		return perror(argv[4]), 127;
 	enum end end = watch(child, atof(argv[1]), atof(argv[2]), &signals, &status);
 	if (end == END_CPU || end == END_WALL)
-		fprintf(stderr, "limit: stopped after %s s of %s time: %s\n", argv[end == END_CPU ? 1 : 2], end == END_CPU ? "processor" : "wall",
-			argv[4]);
+		fprintf(stderr, "limit: stopped after %s s of %s time: %s\n", argv[end == END_CPU ? 1 : 2],
+			end == END_CPU ? "processor" : "wall", argv[4]);
 	end_all(end == END_ITSELF ? 0 : TERM_S);
 	write_used(argv[3]);
 	if (end != END_ITSELF)

@@ -96,7 +96,8 @@ struct eco_guard_limits eco_guard_limits_for(uint64_t bytes)
 {
 	uint64_t size = bytes < ECO_GUARD_MEMORY ? bytes : ECO_GUARD_MEMORY;
 	uint64_t cpu_s = 120 + size / (64u << 10);
-	return (struct eco_guard_limits){ .memory_bytes = 6 * GIB + 256 * size, .cpu_s = (uint32_t)cpu_s, .clock_s = (uint32_t)(2 * cpu_s) };
+	return (struct eco_guard_limits){ .memory_bytes = 6 * GIB + 256 * size, .cpu_s = (uint32_t)cpu_s,
+		.clock_s = (uint32_t)(2 * cpu_s) };
 }
 
 static double wish(const char *variable, double least, double most)
@@ -104,14 +105,16 @@ static double wish(const char *variable, double least, double most)
 	const char *text = getenv(variable);
 	char *end = NULL;
 	double value = text != NULL ? strtod(text, &end) : 0;
-	return text && end != text && *end == 0 && value > 0 ? value < least ? least : value > most ? most : value : 0;
+	return text && end != text && *end == 0 && value > 0 ? value < least ? least : value > most ? most
+		: value : 0;
 }
 
 static struct eco_guard_limits effective(const struct eco_guard_limits *asked)
 {
 	struct eco_guard_limits l = asked != NULL ? *asked : (struct eco_guard_limits){ 0 };
 	uint64_t machine = (uint64_t)sysconf(_SC_PHYS_PAGES) * (uint64_t)sysconf(_SC_PAGESIZE);
-	double memory_gb = wish(ECO_GUARD_MEMORY_VARIABLE, 0.1, 1e6), cpu_s = wish(ECO_GUARD_SECONDS_VARIABLE, 1, 1e9);
+	double memory_gb = wish(ECO_GUARD_MEMORY_VARIABLE, 0.1, 1e6),
+		cpu_s = wish(ECO_GUARD_SECONDS_VARIABLE, 1, 1e9);
 	l.memory_bytes = l.memory_bytes != 0 ? l.memory_bytes : ECO_GUARD_MEMORY;
 	if (l.memory_bytes > machine && machine >= GIB)
 		l.memory_bytes = machine;
@@ -234,9 +237,12 @@ static void volunteer(void)
  * holds. Needed where the kernel or the container allows no filter (guard_filter.h). */
 static void stay_offline(void)
 {
-	static const char *const settings[][2] = { { "CPL_VSIL_CURL_ALLOWED_EXTENSIONS", ".none" }, { "PROJ_NETWORK", "OFF" },
-		{ "GDAL_VRT_ENABLE_PYTHON", "NO" }, { "GDAL_SKIP", "WMS WCS WMTS HTTP OGCAPI EEDA EEDAI PLMOSAIC PLSCENES DAAS NGW STACTA STACIT WFS "
-		"OAPIF CSW Elastic Carto AmigoCloud PostgreSQL PostGISRaster MySQL MSSQLSpatial ODBC OCI MongoDBv3 HANA" } };
+	static const char *const settings[][2] = { { "CPL_VSIL_CURL_ALLOWED_EXTENSIONS", ".none" },
+		{ "PROJ_NETWORK", "OFF" },
+		{ "GDAL_VRT_ENABLE_PYTHON", "NO" }, { "GDAL_SKIP", "WMS WCS WMTS HTTP OGCAPI EEDA EEDAI "
+		"PLMOSAIC PLSCENES DAAS NGW STACTA STACIT WFS "
+		"OAPIF CSW Elastic Carto AmigoCloud PostgreSQL PostGISRaster MySQL MSSQLSpatial ODBC OCI "
+		"MongoDBv3 HANA" } };
 
 	for (size_t i = 0; i < sizeof settings / sizeof *settings; i++)
 		setenv(settings[i][0], settings[i][1], 1);
@@ -257,7 +263,8 @@ static void confine(const struct eco_guard *g, rlim_t file_bytes)
 	eco_guard_filter();
 }
 
-static _Noreturn void child(struct eco_guard *g, eco_guard_work *work, void *ctx, int to, int life, pid_t parent)
+static _Noreturn void child(struct eco_guard *g, eco_guard_work *work, void *ctx, int to, int life,
+	pid_t parent)
 {
 	struct eco_error error = { .code = ECO_OK };
 	enum eco_code code;
@@ -272,9 +279,11 @@ static _Noreturn void child(struct eco_guard *g, eco_guard_work *work, void *ctx
 	silence();
 	confine(g, g->stream == NULL ? g->limits.memory_bytes : 0);
 	out = fdopen(to, "wb");
-	code = out == NULL ? eco_fail(&error, ECO_NO_MEMORY, "%s: out of memory", g->what) : work(ctx, out, &error);
+	code = out == NULL ? eco_fail(&error, ECO_NO_MEMORY, "%s: out of memory", g->what)
+		: work(ctx, out, &error);
 	if (out && fflush(out) != 0 && !code)
-		code = eco_fail(&error, ECO_IO, "%s: the result could not be handed over: %s", g->what, strerror(errno));
+		code = eco_fail(&error, ECO_IO, "%s: the result could not be handed over: %s", g->what,
+			strerror(errno));
 	error.code = code;
 	g->shared->error = error;
 	_exit(0);
@@ -308,15 +317,17 @@ static void await(struct eco_guard *g, int descriptor)
 
 static enum eco_code no_memory(const struct eco_guard *g, struct eco_error *error)
 {
-	return eco_fail(error, ECO_TOO_LARGE, "%s: reading it takes more than the %.3g GB of memory it may have; if the file is to be trusted, "
-		"%s=%.0f allows more", g->what, (double)g->limits.memory_bytes / 1e9, ECO_GUARD_MEMORY_VARIABLE,
-		2 * (double)g->limits.memory_bytes / 1e9 + 1);
+	return eco_fail(error, ECO_TOO_LARGE, "%s: reading it takes more than the %.3g GB of memory it may "
+		"have; if the file is to be trusted, "
+		"%s=%.0f allows more", g->what, (double)g->limits.memory_bytes / 1e9,
+		ECO_GUARD_MEMORY_VARIABLE, 2 * (double)g->limits.memory_bytes / 1e9 + 1);
 }
 
 static enum eco_code no_time(const struct eco_guard *g, struct eco_error *error)
 {
-	return eco_fail(error, ECO_TOO_LARGE, "%s: not read within %u s%s; if the file is to be trusted, %s=%u allows more", g->what,
-		g->late ? g->limits.clock_s : g->limits.cpu_s, g->late ? "" : " of processor time", ECO_GUARD_SECONDS_VARIABLE, 4 * g->limits.cpu_s);
+	return eco_fail(error, ECO_TOO_LARGE, "%s: not read within %u s%s; if the file is to be trusted, "
+		"%s=%u allows more", g->what, g->late ? g->limits.clock_s : g->limits.cpu_s,
+		g->late ? "" : " of processor time", ECO_GUARD_SECONDS_VARIABLE, 4 * g->limits.cpu_s);
 }
 
 static enum eco_code returned(const struct eco_guard *g, struct eco_error *error)
@@ -336,24 +347,29 @@ static enum eco_code killed(const struct eco_guard *g, int number, double cpu_s,
 		return eco_fail(error, ECO_INTERRUPTED, "%s: interrupted", g->what);
 	if (number == SIGXCPU || (number == SIGKILL && cpu_s >= g->limits.cpu_s))
 		return no_time(g, error);
-	if (number == SIGXFSZ && getrlimit(RLIMIT_FSIZE, &files) == 0 && files.rlim_cur < g->limits.memory_bytes)
-		return eco_fail(error, ECO_IO, "%s: what is in it takes more than the %llu bytes that a file may have here (ulimit -f): allow more", g->what,
+	if (number == SIGXFSZ && getrlimit(RLIMIT_FSIZE, &files) == 0
+			&& files.rlim_cur < g->limits.memory_bytes)
+		return eco_fail(error, ECO_IO, "%s: what is in it takes more than the %llu bytes that a "
+			"file may have here (ulimit -f): allow more", g->what,
 			(unsigned long long)files.rlim_cur);
 	if (number == SIGXFSZ)
-		return eco_fail(error, ECO_TOO_LARGE, "%s: it unpacks to more than %.3g GB; if the file is to be trusted, %s=%.0f allows more", g->what,
-			(double)g->limits.memory_bytes / 1e9, ECO_GUARD_MEMORY_VARIABLE, 2 * (double)g->limits.memory_bytes / 1e9 + 1);
+		return eco_fail(error, ECO_TOO_LARGE, "%s: it unpacks to more than %.3g GB; if the file is "
+			"to be trusted, %s=%.0f allows more", g->what, (double)g->limits.memory_bytes / 1e9,
+			ECO_GUARD_MEMORY_VARIABLE, 2 * (double)g->limits.memory_bytes / 1e9 + 1);
 	if (number == SIGKILL)
-		return eco_fail(error, ECO_IO, "%s: the process that read it was killed from outside, perhaps because the machine ran out of memory",
-			g->what);
+		return eco_fail(error, ECO_IO, "%s: the process that read it was killed from outside, "
+			"perhaps because the machine ran out of memory", g->what);
 	if (g->shared->no_memory)
 		return no_memory(g, error);
-	return eco_fail(error, ECO_DAMAGED, "%s: reading it ended with signal %d (%s): it is damaged, or meets a bug in the library that reads it",
-		g->what, number, strsignal(number));
+	return eco_fail(error, ECO_DAMAGED, "%s: reading it ended with signal %d (%s): it is damaged, or "
+		"meets a bug in the library that reads it", g->what, number, strsignal(number));
 }
 
-static enum eco_code verdict(struct eco_guard *g, int status, const struct rusage *used, struct eco_error *error)
+static enum eco_code verdict(struct eco_guard *g, int status, const struct rusage *used,
+	struct eco_error *error)
 {
-	double cpu_s = (double)(used->ru_utime.tv_sec + used->ru_stime.tv_sec) + 1e-6 * (double)(used->ru_utime.tv_usec + used->ru_stime.tv_usec);
+	double cpu_s = (double)(used->ru_utime.tv_sec + used->ru_stime.tv_sec)
+		+ 1e-6 * (double)(used->ru_utime.tv_usec + used->ru_stime.tv_usec);
 	g->shared->error.text[sizeof g->shared->error.text - 1] = 0;
 	if (g->late)
 		return no_time(g, error);
@@ -361,7 +377,8 @@ static enum eco_code verdict(struct eco_guard *g, int status, const struct rusag
 		return returned(g, error);
 	if (WIFSIGNALED(status))
 		return killed(g, WTERMSIG(status), cpu_s, error);
-	return eco_fail(error, ECO_DAMAGED, "%s: reading it ended with exit status %d", g->what, WEXITSTATUS(status));
+	return eco_fail(error, ECO_DAMAGED, "%s: reading it ended with exit status %d", g->what,
+		WEXITSTATUS(status));
 }
 
 /* Waits for the child's end and gives the verdict. Frees the slot before another process can get the
@@ -406,12 +423,14 @@ static void free_guard(struct eco_guard *g)
 	free(g);
 }
 
-static struct eco_guard *new_guard(const char *what, const struct eco_guard_limits *limits, struct eco_error *error)
+static struct eco_guard *new_guard(const char *what, const struct eco_guard_limits *limits,
+	struct eco_error *error)
 {
 	struct eco_guard *g = malloc(sizeof *g);
 	if (g) {
 		*g = (struct eco_guard){ .limits = effective(limits), .slot = -1, .life = -1, .data = -1,
-			.shared = mmap(NULL, sizeof *g->shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0) };
+			.shared = mmap(NULL, sizeof *g->shared, PROT_READ | PROT_WRITE,
+			MAP_SHARED | MAP_ANONYMOUS, -1, 0) };
 		snprintf(g->what, sizeof g->what, "%.300s", what);
 	}
 	if (!g || g->shared == MAP_FAILED) {
@@ -424,12 +443,14 @@ static struct eco_guard *new_guard(const char *what, const struct eco_guard_limi
 }
 
 /* Forks, with all pipes open; the child writes to the descriptor `to`. */
-static enum eco_code launch(struct eco_guard *g, eco_guard_work *work, void *ctx, int to, struct eco_error *error)
+static enum eco_code launch(struct eco_guard *g, eco_guard_work *work, void *ctx, int to,
+	struct eco_error *error)
 {
 	int life[2] = { -1, -1 };
 	pid_t parent = getpid();
 	if (pipe2(life, O_CLOEXEC) != 0)
-		return eco_fail(error, ECO_IO, "%s: no pipe to read it through: %s", g->what, strerror(errno));
+		return eco_fail(error, ECO_IO, "%s: no pipe to read it through: %s", g->what,
+			strerror(errno));
 	fflush(NULL);
 	g->life = life[0];
 	g->pid = fork();
@@ -442,8 +463,8 @@ static enum eco_code launch(struct eco_guard *g, eco_guard_work *work, void *ctx
 	return ECO_OK;
 }
 
-enum eco_code eco_guard_run(eco_guard_work *work, void *ctx, const char *what, const struct eco_guard_limits *limits, FILE **result,
-	struct eco_error *error)
+enum eco_code eco_guard_run(eco_guard_work *work, void *ctx, const char *what,
+	const struct eco_guard_limits *limits, FILE **result, struct eco_error *error)
 {
 	struct eco_guard *g = new_guard(what, limits, error);
 	int memory = g != NULL ? memfd_create("eco-guard", MFD_CLOEXEC) : -1;
@@ -498,7 +519,8 @@ enum eco_code eco_guard_start(struct eco_guard **guard, eco_guard_work *work, vo
 	g->stream = fopencookie(g, "rb", (cookie_io_functions_t){ .read = read_pipe });
 	pthread_mutex_lock(&forking);
 	if (!g->stream || setvbuf(g->stream, NULL, _IOFBF, 1u << 16) != 0 || pipe2(data, O_CLOEXEC) != 0)
-		code = eco_fail(error, ECO_IO, "%s: no pipe to read it through: %s", g->what, strerror(errno));
+		code = eco_fail(error, ECO_IO, "%s: no pipe to read it through: %s", g->what,
+			strerror(errno));
 	else {
 		g->data = data[0];
 		code = launch(g, work, ctx, data[1], error);

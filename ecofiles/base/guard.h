@@ -14,7 +14,8 @@
 #include "ecofiles/base/status.h"
 
 struct eco_guard_limits {                /* a zero stands for the default */
-	uint64_t memory_bytes;               /* address space beyond the parent's; no limit under sanitizers */
+	/* address space beyond the parent's; no limit under sanitizers */
+	uint64_t memory_bytes;
 	uint32_t cpu_s;                      /* processor time */
 	uint32_t clock_s;                    /* time by the clock that the parent waits */
 };
@@ -40,8 +41,8 @@ typedef enum eco_code eco_guard_work(void *ctx, FILE *out, struct eco_error *err
  * need locks that other threads may hold, nor descriptors that are open in the parent. Errors: those of
  * work; ECO_TOO_LARGE beyond a limit on time or memory, with the variable that lifts it; ECO_DAMAGED after
  * a crash; ECO_IO if the child was killed from outside; ECO_INTERRUPTED. */
-enum eco_code eco_guard_run(eco_guard_work *work, void *ctx, const char *what, const struct eco_guard_limits *limits, FILE **result,
-	struct eco_error *error);
+enum eco_code eco_guard_run(eco_guard_work *work, void *ctx, const char *what,
+	const struct eco_guard_limits *limits, FILE **result, struct eco_error *error);
 
 /* As eco_guard_run, but *stream is a pipe from the running child, for results too large to hold whole.
  * Read it to its end or stop early; then eco_guard_finish closes it, ends the child if it still runs, and

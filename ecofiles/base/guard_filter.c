@@ -14,24 +14,29 @@
 
 static const int refused[] = {
 	/* network and messages */
-	CALL(socket), CALL(socketpair), CALL(connect), CALL(bind), CALL(listen), CALL(accept), CALL(accept4), CALL(sendto), CALL(sendmsg),
+	CALL(socket), CALL(socketpair), CALL(connect), CALL(bind), CALL(listen), CALL(accept), CALL(accept4),
+		CALL(sendto), CALL(sendmsg),
 	CALL(sendmmsg), CALL(mq_open), CALL(msgget), CALL(semget), CALL(shmget),
 	/* programs, processes, memory of others */
-	CALL(execve), CALL(execveat), CALL(fork), CALL(vfork), CALL(ptrace), CALL(process_vm_readv), CALL(process_vm_writev), CALL(pidfd_open),
-	CALL(pidfd_getfd), CALL(pidfd_send_signal), CALL(kcmp), CALL(rt_sigqueueinfo), CALL(rt_tgsigqueueinfo), CALL(tkill),
+	CALL(execve), CALL(execveat), CALL(fork), CALL(vfork), CALL(ptrace), CALL(process_vm_readv),
+	CALL(process_vm_writev), CALL(pidfd_open), CALL(pidfd_getfd), CALL(pidfd_send_signal), CALL(kcmp),
+	CALL(rt_sigqueueinfo), CALL(rt_tgsigqueueinfo), CALL(tkill),
 	/* changes to names of files */
-	CALL(creat), CALL(mkdir), CALL(mkdirat), CALL(mknod), CALL(mknodat), CALL(rmdir), CALL(unlink), CALL(unlinkat), CALL(rename),
-	CALL(renameat), CALL(renameat2), CALL(link), CALL(linkat), CALL(symlink), CALL(symlinkat), CALL(truncate), CALL(chmod),
-	CALL(fchmodat), CALL(chown), CALL(lchown), CALL(fchownat), CALL(utime), CALL(utimes), CALL(utimensat), CALL(futimesat),
-	CALL(setxattr), CALL(lsetxattr), CALL(removexattr), CALL(lremovexattr), CALL(open_by_handle_at), CALL(inotify_init1),
-	CALL(fanotify_init),
+	CALL(creat), CALL(mkdir), CALL(mkdirat), CALL(mknod), CALL(mknodat), CALL(rmdir), CALL(unlink),
+	CALL(unlinkat), CALL(rename), CALL(renameat), CALL(renameat2), CALL(link), CALL(linkat),
+	CALL(symlink), CALL(symlinkat), CALL(truncate), CALL(chmod), CALL(fchmodat), CALL(chown),
+	CALL(lchown), CALL(fchownat), CALL(utime), CALL(utimes), CALL(utimensat), CALL(futimesat),
+	CALL(setxattr), CALL(lsetxattr), CALL(removexattr), CALL(lremovexattr), CALL(open_by_handle_at),
+	CALL(inotify_init1), CALL(fanotify_init),
 	/* the system's state, and ways around this filter */
-	CALL(mount), CALL(umount2), CALL(pivot_root), CALL(chroot), CALL(setns), CALL(unshare), CALL(swapon), CALL(swapoff), CALL(reboot),
-	CALL(sethostname), CALL(setdomainname), CALL(settimeofday), CALL(clock_settime), CALL(adjtimex), CALL(init_module),
-	CALL(finit_module), CALL(delete_module), CALL(kexec_load), CALL(bpf), CALL(perf_event_open), CALL(userfaultfd), CALL(add_key),
-	CALL(request_key), CALL(keyctl), CALL(io_uring_setup), CALL(io_uring_enter), CALL(io_uring_register), CALL(quotactl), CALL(acct),
-	CALL(setuid), CALL(setgid), CALL(setreuid), CALL(setregid), CALL(setresuid), CALL(setresgid), CALL(setgroups), CALL(setfsuid),
-	CALL(setfsgid), CALL(setsid), CALL(setpgid), CALL(setrlimit), CALL(syslog), CALL(vhangup), CALL(iopl), CALL(ioperm),
+	CALL(mount), CALL(umount2), CALL(pivot_root), CALL(chroot), CALL(setns), CALL(unshare), CALL(swapon),
+	CALL(swapoff), CALL(reboot), CALL(sethostname), CALL(setdomainname), CALL(settimeofday),
+	CALL(clock_settime), CALL(adjtimex), CALL(init_module), CALL(finit_module), CALL(delete_module),
+	CALL(kexec_load), CALL(bpf), CALL(perf_event_open), CALL(userfaultfd), CALL(add_key),
+	CALL(request_key), CALL(keyctl), CALL(io_uring_setup), CALL(io_uring_enter), CALL(io_uring_register),
+	CALL(quotactl), CALL(acct), CALL(setuid), CALL(setgid), CALL(setreuid), CALL(setregid),
+	CALL(setresuid), CALL(setresgid), CALL(setgroups), CALL(setfsuid), CALL(setfsgid), CALL(setsid),
+	CALL(setpgid), CALL(setrlimit), CALL(syslog), CALL(vhangup), CALL(iopl), CALL(ioperm),
 };
 
 /* open and openat for anything but reading. */
@@ -41,8 +46,10 @@ static int refuse_writing(scmp_filter_ctx filter)
 	int failed = 0;
 	for (size_t i = 0; i < sizeof bits / sizeof *bits; i++) {
 		scmp_datum_t bit = (scmp_datum_t)bits[i];
-		failed |= seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(open), 1, SCMP_A1(SCMP_CMP_MASKED_EQ, bit, bit));
-		failed |= seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(openat), 1, SCMP_A2(SCMP_CMP_MASKED_EQ, bit, bit));
+		failed |= seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(open), 1,
+			SCMP_A1(SCMP_CMP_MASKED_EQ, bit, bit));
+		failed |= seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(openat), 1,
+			SCMP_A2(SCMP_CMP_MASKED_EQ, bit, bit));
 	}
 	return failed;
 }
@@ -59,10 +66,12 @@ static int refuse_unseen(scmp_filter_ctx filter)
 static int refuse_others(scmp_filter_ctx filter)
 {
 	scmp_datum_t self = (scmp_datum_t)getpid();
-	return seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(clone), 1, SCMP_A0(SCMP_CMP_MASKED_EQ, CLONE_THREAD, 0))
-		| seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(kill), 1, SCMP_A0(SCMP_CMP_NE, self, 0))
-		| seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(tgkill), 1, SCMP_A0(SCMP_CMP_NE, self, 0))
-		| seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(prlimit64), 1, SCMP_A2(SCMP_CMP_NE, 0, 0));
+	return seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(clone), 1,
+		SCMP_A0(SCMP_CMP_MASKED_EQ, CLONE_THREAD, 0)) | seccomp_rule_add(filter,
+		SCMP_ACT_ERRNO(EPERM), CALL(kill), 1, SCMP_A0(SCMP_CMP_NE, self, 0))
+		| seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(tgkill), 1,
+		SCMP_A0(SCMP_CMP_NE, self, 0)) | seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM),
+		CALL(prlimit64), 1, SCMP_A2(SCMP_CMP_NE, 0, 0));
 }
 
 bool eco_guard_filter(void)
@@ -72,7 +81,8 @@ bool eco_guard_filter(void)
 	if (failed)
 		return false;
 	for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
-		seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), refused[i], 0);       /* some calls do not exist on some machines */
+		/* some calls do not exist on some machines */
+		seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), refused[i], 0);
 	failed = refuse_writing(filter) | refuse_unseen(filter) | refuse_others(filter);
 	seccomp_attr_set(filter, SCMP_FLTATR_CTL_OPTIMIZE, 2);
 	failed = failed != 0 || seccomp_load(filter) != 0;

@@ -43,7 +43,8 @@ static const char *other_kind(const struct eco_json_file *file)
 	};
 
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
-		if (file->size >= strlen(kinds[i].start) && memcmp(file->text, kinds[i].start, strlen(kinds[i].start)) == 0)
+		if (file->size >= strlen(kinds[i].start)
+				&& memcmp(file->text, kinds[i].start, strlen(kinds[i].start)) == 0)
 			return kinds[i].says;
 	return NULL;
 }
@@ -59,8 +60,9 @@ static const char *hint(const struct eco_json_file *file, size_t end, const char
 		at--;
 	if ((token == '}' || token == ']') && at > 0 && file->text[at - 1] == ',')
 		return " (no comma stands before a closing bracket)";
-	return strstr(says, "' expected near") && !strstr(says, "end of file") && (strncmp(says, "'}'", 3) == 0
-		|| strncmp(says, "']'", 3) == 0) ? " (is a comma missing before it?)" : "";
+	return strstr(says, "' expected near") && !strstr(says, "end of file")
+		&& (strncmp(says, "'}'", 3) == 0 || strncmp(says, "']'", 3) == 0)
+		? " (is a comma missing before it?)" : "";
 }
 
 json_t *eco_json_open(const struct eco_json_file *file)
@@ -71,9 +73,10 @@ json_t *eco_json_open(const struct eco_json_file *file)
 	if (!root && other_kind(file))
 		eco_fail(file->error, ECO_BAD_INPUT, "%s:1:1: %s", file->name, other_kind(file));
 	else if (!root)
-		eco_fail(file->error, ECO_BAD_INPUT, "%s:%d:%d: %s%s", file->name, problem.line > 0 ? problem.line : 1,
-			problem.column > 0 ? problem.column : 1, problem.text,
-			hint(file, problem.position > 0 ? start + (size_t)problem.position : 0, problem.text));
+		eco_fail(file->error, ECO_BAD_INPUT, "%s:%d:%d: %s%s", file->name,
+			problem.line > 0 ? problem.line : 1, problem.column > 0 ? problem.column : 1,
+			problem.text, hint(file, problem.position > 0 ? start + (size_t)problem.position : 0,
+			problem.text));
 	return root;
 }
 
@@ -96,8 +99,10 @@ bool eco_json_next(const struct eco_json *object, struct eco_json *member)
 {
 	json_t *value = (json_t *)object->value;
 	bool first = member->parent == NULL;
-	void *at = first ? json_object_iter(value) : json_object_iter_next(value, json_object_key_to_iter(member->key));
-	*member = (struct eco_json){ object->file, object, json_object_iter_key(at), first ? 0 : member->index + 1, json_object_iter_value(at) };
+	void *at = first ? json_object_iter(value)
+		: json_object_iter_next(value, json_object_key_to_iter(member->key));
+	*member = (struct eco_json){ object->file, object, json_object_iter_key(at),
+		first ? 0 : member->index + 1, json_object_iter_value(at) };
 	return at;
 }
 
@@ -178,7 +183,9 @@ static size_t find(const struct eco_json *at, bool key)
 		bool object = json_is_object(path[depth]->parent->value);
 		offset = enter(text, size, offset, path[depth]->index, object);
 		if (object && !(key && depth == 0))
-			offset = skip_space(text, size, skip_space(text, size, skip_string(text, size, offset)) + 1);
+			offset =
+				skip_space(text, size, skip_space(text, size, skip_string(text, size, offset))
+				+ 1);
 	}
 	return offset < size ? offset : size;
 }
@@ -201,7 +208,8 @@ void eco_json_place(const struct eco_json *at, uint32_t *line, uint32_t *column)
 	line_column(at->file, find(at, false), line, column);
 }
 
-static void fail_at(const struct eco_json *at, bool key, enum eco_code code, const char *format, va_list arguments)
+static void fail_at(const struct eco_json *at, bool key, enum eco_code code, const char *format,
+	va_list arguments)
 {
 	char text[400];
 	uint32_t line, column;
@@ -230,7 +238,8 @@ static bool bad(const struct eco_json *at, const char *wanted)
 {
 	const char *what = at->key != NULL ? at->key : at->parent != NULL ? "this" : "the document";
 	const char *mark = at->key != NULL ? "\"" : "";
-	return eco_json_fail(at, ECO_BAD_INPUT, "%s%s%s must be %s, not %s", mark, what, mark, wanted, type_name(at->value));
+	return eco_json_fail(at, ECO_BAD_INPUT, "%s%s%s must be %s, not %s", mark, what, mark, wanted,
+		type_name(at->value));
 }
 
 static bool stranger(const struct eco_json *at, const char *format, ...)
@@ -270,12 +279,14 @@ static bool fits(const struct eco_json *at, size_t count, size_t count_max)
 
 bool eco_json_names(const struct eco_json *at, size_t count_max)
 {
-	return json_is_object(at->value) ? fits(at, json_object_size(at->value), count_max) : bad(at, "an object");
+	return json_is_object(at->value) ? fits(at, json_object_size(at->value), count_max)
+		: bad(at, "an object");
 }
 
 bool eco_json_array(const struct eco_json *at, size_t count_max)
 {
-	return json_is_array(at->value) ? fits(at, json_array_size(at->value), count_max) : bad(at, "an array");
+	return json_is_array(at->value) ? fits(at, json_array_size(at->value), count_max)
+		: bad(at, "an array");
 }
 
 bool eco_json_required(const struct eco_json *object, const char *key)
@@ -304,7 +315,8 @@ bool eco_json_number(const struct eco_json *object, const char *key, double low,
 	return !at.value || number_in(&at, low, high, out);
 }
 
-bool eco_json_whole(const struct eco_json *object, const char *key, uint64_t low, uint64_t high, uint64_t *out)
+bool eco_json_whole(const struct eco_json *object, const char *key, uint64_t low, uint64_t high,
+	uint64_t *out)
 {
 	struct eco_json at = eco_json_member(object, key);
 	if (!at.value)
@@ -314,13 +326,14 @@ bool eco_json_whole(const struct eco_json *object, const char *key, uint64_t low
 	if (json_integer_value(at.value) < 0 || (uint64_t)json_integer_value(at.value) < low
 		|| (uint64_t)json_integer_value(at.value) > high)
 		return eco_json_fail(&at, ECO_BAD_INPUT, "%s is %lld, it must be between %llu and %llu", key,
-			(long long)json_integer_value(at.value), (unsigned long long)low, (unsigned long long)high);
+			(long long)json_integer_value(at.value), (unsigned long long)low,
+			(unsigned long long)high);
 	*out = (uint64_t)json_integer_value(at.value);
 	return true;
 }
 
-bool eco_json_numbers(const struct eco_json *object, const char *key, size_t least, size_t most, double low, double high,
-	double *out)
+bool eco_json_numbers(const struct eco_json *object, const char *key, size_t least, size_t most, double low,
+	double high, double *out)
 {
 	struct eco_json at = eco_json_member(object, key);
 	if (!at.value)
@@ -328,8 +341,9 @@ bool eco_json_numbers(const struct eco_json *object, const char *key, size_t lea
 	if (!json_is_array(at.value))
 		return bad(&at, "an array of numbers");
 	if (json_array_size(at.value) < least || json_array_size(at.value) > most)
-		return eco_json_fail(&at, ECO_BAD_INPUT, "\"%s\" has %zu numbers, it must have %zu%s%.0zu", key, json_array_size(at.value),
-			least, least < most ? " or " : "", least < most ? most : 0);
+		return eco_json_fail(&at, ECO_BAD_INPUT, "\"%s\" has %zu numbers, it must have %zu%s%.0zu",
+			key, json_array_size(at.value), least, least < most ? " or " : "",
+			least < most ? most : 0);
 	for (size_t i = 0; i < json_array_size(at.value); i++) {
 		struct eco_json item = eco_json_item(&at, i);
 		if (!number_in(&item, low, high, &out[i]))
@@ -343,7 +357,8 @@ bool eco_json_is_text(const struct eco_json *at, size_t bytes_max)
 	if (!json_is_string(at->value))
 		return bad(at, "a text");
 	if (json_string_length(at->value) == 0 || json_string_length(at->value) > bytes_max)
-		return eco_json_fail(at, ECO_BAD_INPUT, "a text of %zu bytes, it must have 1 to %zu", json_string_length(at->value), bytes_max);
+		return eco_json_fail(at, ECO_BAD_INPUT, "a text of %zu bytes, it must have 1 to %zu",
+			json_string_length(at->value), bytes_max);
 	return true;
 }
 

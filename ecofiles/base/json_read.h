@@ -30,7 +30,8 @@ struct eco_json {
 	const struct eco_json_file *file;
 	const struct eco_json *parent;       /* must outlive this node */
 	const char *key;                     /* in an object, for messages; NULL in an array or at the root */
-	size_t index;                        /* among the parent's members or items, in the order of the text */
+	/* among the parent's members or items, in the order of the text */
+	size_t index;
 	const json_t *value;                 /* NULL: absent */
 };
 
@@ -61,10 +62,11 @@ bool eco_json_array(const struct eco_json *at, size_t count_max);
 bool eco_json_required(const struct eco_json *object, const char *key);
 /* A number in [low, high]. */
 bool eco_json_number(const struct eco_json *object, const char *key, double low, double high, double *out);
-bool eco_json_whole(const struct eco_json *object, const char *key, uint64_t low, uint64_t high, uint64_t *out);
+bool eco_json_whole(const struct eco_json *object, const char *key, uint64_t low, uint64_t high,
+	uint64_t *out);
 /* `least` to `most` numbers; those not given stay as they are. */
-bool eco_json_numbers(const struct eco_json *object, const char *key, size_t least, size_t most, double low, double high,
-	double *out);
+bool eco_json_numbers(const struct eco_json *object, const char *key, size_t least, size_t most, double low,
+	double high, double *out);
 /* A text of 1 to bytes_max bytes. */
 bool eco_json_text(const struct eco_json *object, const char *key, size_t bytes_max, const char **out);
 bool eco_json_is_text(const struct eco_json *at, size_t bytes_max);

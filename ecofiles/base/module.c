@@ -10,10 +10,12 @@
 #include <unistd.h>
 
 static const struct { const char *file, *symbol, *for_what, *package; } modules[ECO_MODULE_COUNT] = {
-	[ECO_MODULE_ASSIMP] = { "ecoassimp.so", "eco_assimp_module", "models other than OBJ and glTF", "libassimp5" },
+	[ECO_MODULE_ASSIMP] = { "ecoassimp.so", "eco_assimp_module", "models other than OBJ and glTF",
+		"libassimp5" },
 	[ECO_MODULE_CAIRO] = { "ecocairo.so", "eco_cairo_module", "maps, sheets and plots", "libcairo2" },
-	[ECO_MODULE_GDAL] = { "ecogdal.so", "eco_gdal_module", "rasters and tables with geometry", "libgdal32" },
-	[ECO_MODULE_IMAGE] = { "ecoimage.so", "eco_image_module", "pictures", "libopenimageio2.4" },
+	[ECO_MODULE_GDAL] = { "ecogdal.so", "eco_gdal_module", "rasters and tables with geometry",
+	"libgdal32" }, [ECO_MODULE_IMAGE] = { "ecoimage.so", "eco_image_module", "pictures",
+	"libopenimageio2.4" },
 	[ECO_MODULE_PROJ] = { "ecoproj.so", "eco_proj_module", "coordinate reference systems", "libproj25" },
 };
 
@@ -55,17 +57,19 @@ static enum eco_code load(enum eco_module module, struct eco_error *error)
 	const uint32_t *table;
 	void *handle;
 	if (!(chosen ? is_there(given, file, path) : find_beside(file, path)))
-		return eco_fail(error, ECO_NOT_FOUND, "%s, needed for %s, is not %s%.200s: make builds it; " ECO_MODULES_VARIABLE
-			" names the folder that holds it", file, modules[module].for_what, chosen ? "in " : "beside the program nor in the folder above",
-			chosen ? given : "");
+		return eco_fail(error, ECO_NOT_FOUND, "%s, needed for %s, is not %s%.200s: make builds it; "
+			"" ECO_MODULES_VARIABLE
+			" names the folder that holds it", file, modules[module].for_what,
+			chosen ? "in " : "beside the program nor in the folder above", chosen ? given : "");
 	handle = dlopen(path, RTLD_NOW | RTLD_LOCAL);
 	if (!handle)
-		return eco_fail(error, ECO_NOT_FOUND, "%s, needed for %s, cannot be loaded: %.250s (package %s installed?)", file,
-			modules[module].for_what, dlerror(), modules[module].package);
+		return eco_fail(error, ECO_NOT_FOUND, "%s, needed for %s, cannot be loaded: %.250s (package "
+			"%s installed?)", file, modules[module].for_what, dlerror(), modules[module].package);
 	table = dlsym(handle, modules[module].symbol);
 	/* the module stays mapped even so: libraries such as these do not survive unloading */
 	if (!table || *table != ECO_MODULE_VERSION)
-		return eco_fail(error, ECO_NOT_FOUND, "%.200s is not that of this version of the program: make builds it anew", path);
+		return eco_fail(error, ECO_NOT_FOUND, "%.200s is not that of this version of the program: "
+			"make builds it anew", path);
 	loaded[module] = table;
 	return ECO_OK;
 }

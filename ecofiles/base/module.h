@@ -27,7 +27,8 @@ extern "C" {
 
 #define ECO_MODULES_VARIABLE "ECO_MODULES"
 
-enum eco_module { ECO_MODULE_ASSIMP, ECO_MODULE_CAIRO, ECO_MODULE_GDAL, ECO_MODULE_IMAGE, ECO_MODULE_PROJ, ECO_MODULE_COUNT };
+enum eco_module { ECO_MODULE_ASSIMP, ECO_MODULE_CAIRO, ECO_MODULE_GDAL, ECO_MODULE_IMAGE, ECO_MODULE_PROJ,
+	ECO_MODULE_COUNT };
 
 /* The module's table, loaded at the first call and kept until the program ends (libraries keep state of
  * their own). NULL: it cannot be loaded; the error is ECO_NOT_FOUND and says what was looked for, where,
@@ -50,8 +51,9 @@ struct eco_assimp_module {               /* eco_assimp_module */
 	uint32_t version;
 	/* Positions, uv from the top left, materials, parts and images, not cleaned; triangles_in and
 	 * triangles that assimp could not make are counted. Only in a guarded child. */
-	enum eco_code (*read)(struct eco_model *model, struct eco_model_frame *frame, const struct eco_model_file *file, uint32_t triangles_max,
-		struct eco_notes *notes, struct eco_error *error);
+	enum eco_code (*read)(struct eco_model *model, struct eco_model_frame *frame,
+		const struct eco_model_file *file, uint32_t triangles_max, struct eco_notes *notes,
+		struct eco_error *error);
 };
 
 /* ---- ecocairo.so: pictures for people ---- */
@@ -64,20 +66,27 @@ struct eco_chart_file;
 
 struct eco_cairo_module {                /* eco_cairo_module: the functions of chart.h */
 	uint32_t version;
-	enum eco_code (*open)(struct eco_canvas **canvas, uint32_t width, uint32_t height, struct eco_error *error);
+	enum eco_code (*open)(struct eco_canvas **canvas, uint32_t width, uint32_t height,
+		struct eco_error *error);
 	void (*close)(struct eco_canvas *canvas);
-	void (*box)(struct eco_canvas *canvas, double x, double y, double width, double height, struct eco_color fill);
-	void (*frame)(struct eco_canvas *canvas, double x, double y, double width, double height, double line, struct eco_color color);
+	void (*box)(struct eco_canvas *canvas, double x, double y, double width, double height,
+		struct eco_color fill);
+	void (*frame)(struct eco_canvas *canvas, double x, double y, double width, double height, double line,
+		struct eco_color color);
 	void (*disc)(struct eco_canvas *canvas, double x, double y, double radius, struct eco_color fill);
 	void (*path)(struct eco_canvas *canvas, const struct eco_chart_path *path);
-	void (*lines)(struct eco_canvas *canvas, const double *ends, uint32_t count, double line, struct eco_color color);
-	void (*pixels)(struct eco_canvas *canvas, double x, double y, uint32_t width, uint32_t height, const uint8_t *pixels, bool alpha);
+	void (*lines)(struct eco_canvas *canvas, const double *ends, uint32_t count, double line,
+		struct eco_color color);
+	void (*pixels)(struct eco_canvas *canvas, double x, double y, uint32_t width, uint32_t height,
+		const uint8_t *pixels, bool alpha);
 	void (*clip)(struct eco_canvas *canvas, double x, double y, double width, double height);
 	void (*clip_off)(struct eco_canvas *canvas);
-	void (*text)(struct eco_canvas *canvas, double x, double y, const struct eco_chart_style *style, const char *text);
-	double (*text_width)(struct eco_canvas *canvas, const struct eco_chart_style *style, const char *text);
-	double (*paragraph)(struct eco_canvas *canvas, double x, double y, double leading, const struct eco_chart_style *style,
+	void (*text)(struct eco_canvas *canvas, double x, double y, const struct eco_chart_style *style,
 		const char *text);
+	double (*text_width)(struct eco_canvas *canvas, const struct eco_chart_style *style,
+		const char *text);
+	double (*paragraph)(struct eco_canvas *canvas, double x, double y, double leading,
+		const struct eco_chart_style *style, const char *text);
 	enum eco_code (*png)(struct eco_canvas *canvas, struct eco_chart_file *file, struct eco_error *error);
 };
 
@@ -94,8 +103,10 @@ struct eco_gdal_module {                 /* eco_gdal_module */
 	enum eco_code (*ground_read)(struct eco_ground_job *job, FILE *out, struct eco_error *error);
 	/* Whether a driver of OGR other than CSV's claims the file. Only in a guarded child, as rows_open. */
 	bool (*rows_knows)(const char *path);
-	enum eco_code (*rows_open)(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error);
-	enum eco_code (*raster_write)(const struct eco_raster *raster, const char *path, struct eco_error *error);
+	enum eco_code (*rows_open)(struct eco_rows **rows, const struct eco_rows_source *source,
+		struct eco_error *error);
+	enum eco_code (*raster_write)(const struct eco_raster *raster, const char *path,
+		struct eco_error *error);
 };
 
 /* A grid of heights, rows from the north; the first sample's centre is at (west, north). Written as
@@ -114,11 +125,11 @@ struct eco_image_module {                /* eco_image_module */
 	/* These return 0, or an error after writing a sentence to `text`. Results are malloc'ed.
 	 * Thread-safe. `name`: a file to open when bytes is NULL, else only its extension counts. More
 	 * than pixels_max pixels is an error. */
-	int (*decode)(const char *name, const void *bytes, size_t size, uint64_t pixels_max, uint32_t *width, uint32_t *height,
-		uint8_t **rgba, char *text, size_t text_size);
+	int (*decode)(const char *name, const void *bytes, size_t size, uint64_t pixels_max, uint32_t *width,
+		uint32_t *height, uint8_t **rgba, char *text, size_t text_size);
 	/* Counts pixels that a person would see to differ, as eco_pixels_compare does. */
-	int (*compare)(const uint8_t *a, const uint8_t *b, uint32_t width, uint32_t height, uint32_t channels, uint64_t *differing, char *text,
-		size_t text_size);
+	int (*compare)(const uint8_t *a, const uint8_t *b, uint32_t width, uint32_t height, uint32_t channels,
+		uint64_t *differing, char *text, size_t text_size);
 };
 
 /* ---- ecoproj.so: coordinate reference systems ---- */
@@ -132,11 +143,14 @@ struct eco_proj_module {                 /* eco_proj_module */
 	/* From an inventory's coordinates to the scene's CRS (positions_crs.h): open fails for a CRS that
 	 * PROJ does not know. convert writes coordinates in the scene's CRS, not yet relative to the
 	 * origin; *converted is false where PROJ knows no way, and *why says why. */
-	enum eco_code (*crs_open)(struct eco_crs_path **path, const struct eco_crs_request *request, struct eco_error *error);
-	enum eco_code (*crs_convert)(struct eco_crs_path *path, double xyz[3], bool *converted, const char **why, struct eco_error *error);
+	enum eco_code (*crs_open)(struct eco_crs_path **path, const struct eco_crs_request *request,
+		struct eco_error *error);
+	enum eco_code (*crs_convert)(struct eco_crs_path *path, double xyz[3], bool *converted,
+		const char **why, struct eco_error *error);
 	void (*crs_close)(struct eco_crs_path *path);
-	/* Decides crs->swapped of a crs with a code: where only one order puts the places into the CRS's area of use, it is that; else as
-	 * the form of the srsName says. What is odd is written into note ("" if nothing). */
+	/* Decides crs->swapped of a crs with a code: where only one order puts the places into the CRS's area
+	 * of use, it is that; else as the form of the srsName says. What is odd is written into note ("" if
+	 * nothing). */
 	void (*citygml_settle)(struct eco_citygml_crs *crs, char *note, size_t size);
 };
 

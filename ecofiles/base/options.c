@@ -28,23 +28,28 @@ static enum eco_code read_count(const struct eco_option *o, const char *text, st
 {
 	char *end;
 	errno = 0;
-	int64_t low = (int64_t)o->low, high = o->high < 0x1p63 ? (int64_t)o->high : INT64_MAX, value = strtoll(text, &end, 10);
+	int64_t low = (int64_t)o->low, high = o->high < 0x1p63 ? (int64_t)o->high : INT64_MAX,
+		value = strtoll(text, &end, 10);
 	if (text[0] < '0' || text[0] > '9' || *end || errno || value < low || value > high)
-		return eco_fail(error, ECO_BAD_USAGE, "--%s %.100s: must be a whole number from %" PRId64 " to %" PRId64, o->name, text, low, high);
+		return eco_fail(error, ECO_BAD_USAGE, "--%s %.100s: must be a whole number from %" PRId64
+			" to %" PRId64, o->name, text, low, high);
 	*(uint64_t *)o->value = (uint64_t)value;
 	return ECO_OK;
 }
 
-static enum eco_code read_numbers(const struct eco_option *o, const char *text, uint32_t count, struct eco_error *error)
+static enum eco_code read_numbers(const struct eco_option *o, const char *text, uint32_t count,
+	struct eco_error *error)
 {
 	double *to = o->value;
 	const char *rest = text;
 	for (uint32_t i = 0; i < count; i++) {
 		char *end;
 		double number = strtod(rest, &end);
-		if (end == rest || *end != (i + 1 < count ? ',' : 0) || !(number >= o->low && number <= o->high))
-			return eco_fail(error, ECO_BAD_USAGE, "--%s %.100s: must be %u number%s from %g to %g%s", o->name, text, count,
-				count == 1 ? "" : "s", o->low, o->high, count == 1 ? "" : ", separated by commas");
+		if (end == rest || *end != (i + 1 < count ? ',' : 0)
+				|| !(number >= o->low && number <= o->high))
+			return eco_fail(error, ECO_BAD_USAGE, "--%s %.100s: must be %u number%s from %g to "
+				"%g%s", o->name, text, count, count == 1 ? "" : "s", o->low, o->high,
+				count == 1 ? "" : ", separated by commas");
 		to[i] = number;
 		rest = end + 1;
 	}
@@ -55,9 +60,11 @@ static enum eco_code read_size(const struct eco_option *o, const char *text, str
 {
 	unsigned w = 0, h = 0;
 	int used = 0;
-	if (text[0] < '0' || text[0] > '9' || sscanf(text, "%9ux%9u%n", &w, &h, &used) != 2 || text[used] || w < o->low || h < o->low || w > o->high ||
+	if (text[0] < '0' || text[0] > '9' || sscanf(text, "%9ux%9u%n", &w, &h, &used) != 2 || text[used]
+			|| w < o->low || h < o->low || w > o->high ||
 		h > o->high)
-		return eco_fail(error, ECO_BAD_USAGE, "--%s %.100s: must be WIDTHxHEIGHT, each from %.0f to %.0f", o->name, text, o->low, o->high);
+		return eco_fail(error, ECO_BAD_USAGE, "--%s %.100s: must be WIDTHxHEIGHT, each from %.0f to "
+			"%.0f", o->name, text, o->low, o->high);
 	((uint32_t *)o->value)[0] = w;
 	((uint32_t *)o->value)[1] = h;
 	return ECO_OK;
@@ -128,7 +135,8 @@ static const struct eco_option *find(struct reading *r, const char *name, size_t
 		const struct eco_option *o = r->all[i];
 		if (o->kind == ECO_OPTION_HEADING || is_input(o))
 			continue;
-		if (length ? strlen(o->name) == length && strncmp(o->name, name, length) == 0 : o->letter && o->letter == *name) {
+		if (length ? strlen(o->name) == length && strncmp(o->name, name, length) == 0 : o->letter
+				&& o->letter == *name) {
 			r->given[i] = true;
 			return o;
 		}
@@ -153,7 +161,8 @@ static enum eco_code read_option(struct reading *r, int *at)
 	if (o->kind == ECO_OPTION_FLAG || o->has_optional_value)
 		return read_value(o, value, r->error);
 	if (!value && *at + 1 >= r->argc)
-		return eco_fail(r->error, ECO_BAD_USAGE, "%.100s: a value must follow it, %s", argument, o->word);
+		return eco_fail(r->error, ECO_BAD_USAGE, "%.100s: a value must follow it, %s", argument,
+			o->word);
 	return read_value(o, value ? value : r->argv[++*at], r->error);
 }
 
@@ -161,7 +170,8 @@ static enum eco_code read_input(struct reading *r, char *argument)
 {
 	for (uint32_t i = 0; i < r->count; i++) {
 		const struct eco_option *o = r->all[i];
-		if (!is_input(o) || (o->kind == ECO_OPTION_INPUT && r->given[i]) || (o->high > 0 && r->inputs >= o->high))
+		if (!is_input(o) || (o->kind == ECO_OPTION_INPUT && r->given[i])
+				|| (o->high > 0 && r->inputs >= o->high))
 			continue;
 		r->given[i] = true;
 		if (o->kind == ECO_OPTION_INPUT)
@@ -182,12 +192,14 @@ static enum eco_code check_required(const struct reading *r)
 		if (is_input(o))
 			return eco_fail(r->error, ECO_BAD_USAGE, "%s is missing: %s", o->name, o->word);
 		char letter[] = { '-', o->letter, 0 };
-		return eco_fail(r->error, ECO_BAD_USAGE, "%s%s %s is missing", o->letter ? letter : "--", o->letter ? "" : o->name, o->word);
+		return eco_fail(r->error, ECO_BAD_USAGE, "%s%s %s is missing", o->letter ? letter : "--",
+			o->letter ? "" : o->name, o->word);
 	}
 	return ECO_OK;
 }
 
-enum eco_code eco_command_read(const struct eco_command *command, int argc, char **argv, struct eco_error *error)
+enum eco_code eco_command_read(const struct eco_command *command, int argc, char **argv,
+	struct eco_error *error)
 {
 	struct reading r = { .command = command, .argc = argc, .argv = argv, .error = error };
 	bool only_inputs = false;
@@ -240,7 +252,7 @@ void eco_help_wrap(FILE *out, const char *text, unsigned at, unsigned indent)
 	fputc('\n', out);
 }
 
-/* Whether a row of the help is an option's or an input's, which is then "  -o, --output OUT.eco" or "  URL". */
+/* Whether a row of the help is an option's or an input's, which is then " -o, --output OUT.eco" or " URL". */
 static bool left_of(const struct eco_option *o, char left[64])
 {
 	char letter[] = { '-', o->letter, ',', 0 };
@@ -251,7 +263,8 @@ static bool left_of(const struct eco_option *o, char left[64])
 	else if (!o->word)
 		snprintf(left, 64, "  %-3s --%s", o->letter ? letter : "", o->name);
 	else
-		snprintf(left, 64, o->has_optional_value ? "  %-3s --%s[=%s]" : "  %-3s --%s %s", o->letter ? letter : "", o->name, o->word);
+		snprintf(left, 64, o->has_optional_value ? "  %-3s --%s[=%s]" : "  %-3s --%s %s",
+			o->letter ? letter : "", o->name, o->word);
 	return true;
 }
 
@@ -285,7 +298,8 @@ static void print_table(const struct eco_option *table, unsigned column, FILE *o
 
 void eco_command_help(const struct eco_command *command, FILE *out)
 {
-	static const struct eco_option always[] = { { "help", 'h', ECO_OPTION_FLAG, NULL, NULL, .help = "this text" },
+	static const struct eco_option always[] =
+		{ { "help", 'h', ECO_OPTION_FLAG, NULL, NULL, .help = "this text" },
 		{ "version", 'V', ECO_OPTION_FLAG, NULL, NULL, .help = "the version" }, { 0 } };
 	unsigned column = help_column(command->options ? command->options : always);
 	int at = fprintf(out, "usage: %s ", command->name);

@@ -34,7 +34,8 @@ static struct flat flatten(const double *corners, uint32_t n)
 static double turn(const struct flat *f, uint32_t a, uint32_t b, uint32_t c)
 {
 	const double *p = &f->corners[a * 3], *q = &f->corners[b * 3], *r = &f->corners[c * 3];
-	return f->sign * ((q[f->x] - p[f->x]) * (r[f->y] - p[f->y]) - (q[f->y] - p[f->y]) * (r[f->x] - p[f->x]));
+	return f->sign * ((q[f->x] - p[f->x]) * (r[f->y] - p[f->y])
+		- (q[f->y] - p[f->y]) * (r[f->x] - p[f->x]));
 }
 
 static bool same_place(const struct flat *f, uint32_t a, uint32_t b)
@@ -50,7 +51,8 @@ static bool is_ear(const struct flat *f, const uint32_t *ring, uint32_t n, uint3
 		return false;
 	for (uint32_t i = 0; i < n; i++) {
 		uint32_t p = ring[i];
-		if (p == a || p == b || p == c || same_place(f, p, a) || same_place(f, p, b) || same_place(f, p, c))
+		if (p == a || p == b || p == c || same_place(f, p, a) || same_place(f, p, b)
+				|| same_place(f, p, c))
 			continue;
 		if (turn(f, a, b, p) >= 0 && turn(f, b, c, p) >= 0 && turn(f, c, a, p) >= 0)
 			return false;

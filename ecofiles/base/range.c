@@ -12,7 +12,8 @@
 #define R(n) 65536 / ((n) + 2)
 #define R4(n) R(n), R((n) + 1), R((n) + 2), R((n) + 3)
 #define R16(n) R4(n), R4((n) + 4), R4((n) + 8), R4((n) + 12)
-static const uint16_t share[SEEN_MAX + 1] = { R16(0), R16(16), R16(32), R16(48), R16(64), R16(80), R16(96), R16(112) };
+static const uint16_t share[SEEN_MAX + 1] = { R16(0), R16(16), R16(32), R16(48), R16(64), R16(80), R16(96),
+	R16(112) };
 
 void eco_bits_start(struct eco_bit *models, size_t count)
 {
@@ -127,16 +128,20 @@ uint32_t eco_range_tree(struct eco_range *r, struct eco_bit *models, unsigned bi
 	return node;
 }
 
-uint32_t eco_range_field(struct eco_range *r, struct eco_bit *models, unsigned modelled, unsigned bits, uint32_t value)
+uint32_t eco_range_field(struct eco_range *r, struct eco_bit *models, unsigned modelled, unsigned bits,
+	uint32_t value)
 {
 	unsigned high = bits < modelled ? bits : modelled, low = bits - high;
-	uint32_t top = eco_range_tree(r, models, high, high ? (uint32_t)((uint64_t)value >> low) : 0) & ((1u << high) - 1);
-	return (uint32_t)((uint64_t)top << low | eco_range_raw(r, low, low < 32 ? value & (((uint64_t)1 << low) - 1) : value));
+	uint32_t top = eco_range_tree(r, models, high, high ? (uint32_t)((uint64_t)value >> low) : 0)
+		& ((1u << high) - 1);
+	return (uint32_t)((uint64_t)top << low
+		| eco_range_raw(r, low, low < 32 ? value & (((uint64_t)1 << low) - 1) : value));
 }
 
 int32_t eco_range_number(struct eco_range *r, struct eco_bit *models, int32_t value)
 {
-	uint32_t size = value < 0 ? 0u - (uint32_t)value : (uint32_t)value, bits = size ? 32u - (uint32_t)__builtin_clz(size) : 0;
+	uint32_t size = value < 0 ? 0u - (uint32_t)value : (uint32_t)value,
+		bits = size ? 32u - (uint32_t)__builtin_clz(size) : 0;
 	bits = eco_range_tree(r, models, 5, bits) & 31;
 	if (bits == 0)
 		return 0;
@@ -167,7 +172,8 @@ void eco_near_start(struct eco_near *near, struct eco_scale *kinds, size_t count
 }
 
 /* A count of at most `most` in unary, each step with a model of its own. */
-static uint32_t steps(struct eco_range *r, struct eco_bit models[ECO_NEAR_STEPS], uint32_t most, uint32_t value)
+static uint32_t steps(struct eco_range *r, struct eco_bit models[ECO_NEAR_STEPS], uint32_t most,
+	uint32_t value)
 {
 	uint32_t n = 0;
 	while (n < most && code_bit(r, &models[n < ECO_NEAR_STEPS ? n : ECO_NEAR_STEPS - 1], n < value))
@@ -177,23 +183,29 @@ static uint32_t steps(struct eco_range *r, struct eco_bit models[ECO_NEAR_STEPS]
 
 int32_t eco_range_near(struct eco_range *r, struct eco_near *near, struct eco_scale *kind, int32_t value)
 {
-	uint32_t level = kind->seen ? kind->level : near->level, usual = level >> 8, part = level >> 6 & (ECO_NEAR_PARTS - 1);
-	uint32_t size = value < 0 ? 0u - (uint32_t)value : (uint32_t)value, bits = size ? 32u - (uint32_t)__builtin_clz(size) : 0;
+	uint32_t level = kind->seen ? kind->level : near->level, usual = level >> 8,
+		part = level >> 6 & (ECO_NEAR_PARTS - 1);
+	uint32_t size = value < 0 ? 0u - (uint32_t)value : (uint32_t)value,
+		bits = size ? 32u - (uint32_t)__builtin_clz(size) : 0;
 	if (usual < NEAR_BITS_MAX && code_bit(r, &near->larger[part], bits > usual))
 		bits = usual + 1 + steps(r, near->more[part], NEAR_BITS_MAX - 1 - usual, bits - usual - 1);
 	else
 		bits = usual - steps(r, near->less[part], usual, usual - bits);
 	if (bits > 1) {
 		uint32_t from = bits + ECO_NEAR_STEPS / 2 > usual ? bits + ECO_NEAR_STEPS / 2 - usual : 0;
-		uint32_t half = code_bit(r, &near->half[part][from < ECO_NEAR_STEPS ? from : ECO_NEAR_STEPS - 1], size >> (bits - 2) & 1);
-		size = (2 | half) << (bits - 2) | (uint32_t)eco_range_raw(r, bits - 2, size & ((1u << (bits - 2)) - 1));
+		uint32_t half =
+			code_bit(r, &near->half[part][from < ECO_NEAR_STEPS ? from : ECO_NEAR_STEPS - 1],
+			size >> (bits - 2) & 1);
+		size = (2 | half) << (bits - 2) | (uint32_t)eco_range_raw(r, bits - 2,
+			size & ((1u << (bits - 2)) - 1));
 	} else {
 		size = bits;
 	}
 	int32_t now = bits ? (int32_t)(bits << 8 | ((uint64_t)size << 8 >> (bits - 1) & 255)) : 0;
 
 	kind->seen += kind->seen < SCALE_SEEN_MAX;
-	near->level = kind->level = (uint16_t)((int32_t)level + (now - (int32_t)level) / (int32_t)(kind->seen + 1));
+	near->level = kind->level =
+		(uint16_t)((int32_t)level + (now - (int32_t)level) / (int32_t)(kind->seen + 1));
 	return size && code_bit(r, &kind->sign, value < 0) ? -(int32_t)size : (int32_t)size;
 }
 
@@ -210,7 +222,8 @@ uint32_t eco_range_end(struct eco_range *r)
 	r->low = (r->low + mask) & ~mask;
 	for (int i = 0; i < 5; i++)
 		shift_low(r);
-	for (; zeros < 255 && r->writer->size > r->start && r->writer->bytes[r->writer->size - 1] == 0; zeros++)
+	for (; zeros < 255 && r->writer->size > r->start && r->writer->bytes[r->writer->size - 1] == 0;
+			zeros++)
 		r->writer->size--;
 	return zeros;
 }

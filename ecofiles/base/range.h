@@ -48,7 +48,8 @@ uint64_t eco_range_raw(struct eco_range *range, unsigned bits, uint64_t value);
 /* `bits` (0..16) bits from the high end, each with a model for the bits before it: 2^bits models. */
 uint32_t eco_range_tree(struct eco_range *range, struct eco_bit *models, unsigned bits, uint32_t value);
 /* The first `modelled` of `bits` (0..32) bits as eco_range_tree, the others raw. */
-uint32_t eco_range_field(struct eco_range *range, struct eco_bit *models, unsigned modelled, unsigned bits, uint32_t value);
+uint32_t eco_range_field(struct eco_range *range, struct eco_bit *models, unsigned modelled, unsigned bits,
+	uint32_t value);
 /* Any number of magnitude < 2^31: its number of bits, its sign, its bits below the highest.
  * ECO_RANGE_NUMBER models. */
 #define ECO_RANGE_NUMBER 32u
@@ -60,11 +61,12 @@ int32_t eco_range_number(struct eco_range *range, struct eco_bit *models, int32_
 #define ECO_NEAR_PARTS 4u        /* a usual size is known to 1/4 bit */
 #define ECO_NEAR_STEPS 16u
 struct eco_near {
-	struct eco_bit larger[ECO_NEAR_PARTS], more[ECO_NEAR_PARTS][ECO_NEAR_STEPS], less[ECO_NEAR_PARTS][ECO_NEAR_STEPS],
-		half[ECO_NEAR_PARTS][ECO_NEAR_STEPS];
+	struct eco_bit larger[ECO_NEAR_PARTS], more[ECO_NEAR_PARTS][ECO_NEAR_STEPS],
+		less[ECO_NEAR_PARTS][ECO_NEAR_STEPS], half[ECO_NEAR_PARTS][ECO_NEAR_STEPS];
 	uint32_t level;              /* of the number before: the first usual size of a new kind */
 };
-struct eco_scale { struct eco_bit sign; uint16_t level, seen; };         /* level: about log2 + 1 of the usual size, in 1/256; 0: size 0 */
+/* level: about log2 + 1 of the usual size, in 1/256; 0: size 0 */
+struct eco_scale { struct eco_bit sign; uint16_t level, seen; };
 void eco_near_start(struct eco_near *near, struct eco_scale *kinds, size_t count);
 /* Any number of magnitude < 2^31. */
 int32_t eco_range_near(struct eco_range *range, struct eco_near *near, struct eco_scale *kind, int32_t value);

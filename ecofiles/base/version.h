@@ -1,4 +1,5 @@
-/* What --version prints of every program; it also stands in packs (META) and in the validators of computed answers. */
+/* What --version prints of every program; it also stands in packs (META) and in the validators of computed
+ * answers. */
 #ifndef ECO_VERSION_H
 #define ECO_VERSION_H
 

@@ -40,7 +40,8 @@ void main_cache_open(struct main_cache *cache, const char *folder, uint64_t limi
 		strcpy(cache->folder, folder);
 }
 
-static void path_of(const struct main_cache *cache, const struct main_cache_key *key, char path[MAIN_CACHE_PATH])
+static void path_of(const struct main_cache *cache, const struct main_cache_key *key,
+	char path[MAIN_CACHE_PATH])
 {
 	char hex[33];
 	for (int i = 0; i < 16; i++)
@@ -62,7 +63,8 @@ static void count(struct main_cache *cache, int64_t hits, int64_t misses)
 static uint8_t *read_all(int file, uint64_t most, size_t *size)
 {
 	struct stat status;
-	if (fstat(file, &status) != 0 || !S_ISREG(status.st_mode) || status.st_size < 0 || (uint64_t)status.st_size > most)
+	if (fstat(file, &status) != 0 || !S_ISREG(status.st_mode) || status.st_size < 0
+			|| (uint64_t)status.st_size > most)
 		return NULL;
 	uint8_t *bytes = malloc((size_t)status.st_size + 1);
 	for (*size = 0; bytes && *size < (size_t)status.st_size;) {
@@ -102,7 +104,8 @@ bool main_cache_get(struct main_cache *cache, const struct main_cache_key *key, 
 	uint8_t *all = read_all(file, UINT64_MAX / 4, size);
 	const char *fault = all ? fault_of(all, *size, key) : NULL;
 	if (all && !fault)
-		futimens(file, NULL);        /* marks the entry as used; without permission it is dropped a little early */
+		/* marks the entry as used; without permission it is dropped a little early */
+		futimens(file, NULL);
 	close(file);
 	if (!all || fault) {
 		free(all);
@@ -166,7 +169,8 @@ static bool write_entry(int file, const struct main_cache_key *key, const uint8_
 	eco_write_bytes(&header, key->bytes, sizeof key->bytes);
 	eco_write_u64(&header, size);
 	eco_write_u64(&header, XXH3_64bits(bytes, size));
-	bool ok = !header.failed && write_all(file, header.bytes, header.size) && write_all(file, bytes, size);
+	bool ok = !header.failed && write_all(file, header.bytes, header.size)
+		&& write_all(file, bytes, size);
 	eco_writer_free(&header);
 	return ok;
 }
@@ -178,11 +182,13 @@ static void tell(struct main_cache *cache, const char *path, int reason)
 	cache->told = true;
 	pthread_mutex_unlock(&cache->lock);
 	if (first)
-		main_note("%s: cannot keep finished plants there (%s); they will be built again next time. --cache DIR names another folder, "
+		main_note("%s: cannot keep finished plants there (%s); they will be built again next time. "
+			"--cache DIR names another folder, "
 			"--no-cache none", path, strerror(reason));
 }
 
-void main_cache_put(struct main_cache *cache, const struct main_cache_key *key, const uint8_t *bytes, size_t size)
+void main_cache_put(struct main_cache *cache, const struct main_cache_key *key, const uint8_t *bytes,
+	size_t size)
 {
 	char path[MAIN_CACHE_PATH], beside[MAIN_CACHE_PATH + 16];
 	if (!cache->folder[0] || size > cache->limit_bytes)
@@ -233,7 +239,8 @@ static int by_use(const void *left, const void *right)
 static bool is_ours(const char *name, bool *unfinished)
 {
 	size_t length = strlen(name), whole = 32 + strlen(SUFFIX);
-	if (strspn(name, "0123456789abcdef") != 32 || (length != whole && length != whole + 7) || strncmp(name + 32, SUFFIX, strlen(SUFFIX)) != 0)
+	if (strspn(name, "0123456789abcdef") != 32 || (length != whole && length != whole + 7)
+			|| strncmp(name + 32, SUFFIX, strlen(SUFFIX)) != 0)
 		return false;
 	*unfinished = length > whole;
 	return !*unfinished || name[whole] == '.';
@@ -242,7 +249,8 @@ static bool is_ours(const char *name, bool *unfinished)
 static bool append(struct entry **entries, size_t *entry_count, const struct entry *entry)
 {
 	if ((*entry_count & (*entry_count - 1)) == 0) {
-		struct entry *bigger = realloc(*entries, (*entry_count ? 2 * *entry_count : 1) * sizeof *bigger);
+		struct entry *bigger =
+			realloc(*entries, (*entry_count ? 2 * *entry_count : 1) * sizeof *bigger);
 		if (!bigger)
 			return false;
 		*entries = bigger;
@@ -259,7 +267,8 @@ static uint64_t list_entries(DIR *folder, struct entry **entries, size_t *entry_
 		struct stat status;
 		struct entry entry = { .size = 0 };
 		bool unfinished;
-		if (!is_ours(d->d_name, &unfinished) || fstatat(dirfd(folder), d->d_name, &status, AT_SYMLINK_NOFOLLOW) != 0
+		if (!is_ours(d->d_name, &unfinished)
+				|| fstatat(dirfd(folder), d->d_name, &status, AT_SYMLINK_NOFOLLOW) != 0
 		    || !S_ISREG(status.st_mode))
 			continue;
 		if (unfinished && time(NULL) - status.st_mtime > LEFT_OVER_S)

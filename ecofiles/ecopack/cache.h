@@ -45,10 +45,12 @@ void main_cache_open(struct main_cache *cache, const char *folder, uint64_t limi
 void main_cache_close(struct main_cache *cache);
 
 /* True with malloc'ed bytes if there is an undamaged entry. */
-bool main_cache_get(struct main_cache *cache, const struct main_cache_key *key, uint8_t **bytes, size_t *size);
+bool main_cache_get(struct main_cache *cache, const struct main_cache_key *key, uint8_t **bytes,
+	size_t *size);
 /* The bytes of main_cache_get turned out wrong: names the entry, removes it, and counts a miss instead of
  * a hit. */
 void main_cache_reject(struct main_cache *cache, const struct main_cache_key *key, const char *why);
-void main_cache_put(struct main_cache *cache, const struct main_cache_key *key, const uint8_t *bytes, size_t size);
+void main_cache_put(struct main_cache *cache, const struct main_cache_key *key, const uint8_t *bytes,
+	size_t size);
 
 #endif

@@ -31,7 +31,8 @@ static void canvas_free(struct eco_canvas *canvas)
 	free(canvas);
 }
 
-static enum eco_code canvas_new(struct eco_canvas **canvas, uint32_t width, uint32_t height, struct eco_error *error)
+static enum eco_code canvas_new(struct eco_canvas **canvas, uint32_t width, uint32_t height,
+	struct eco_error *error)
 {
 	struct eco_canvas *c = calloc(1, sizeof *c);
 	*canvas = NULL;
@@ -41,7 +42,8 @@ static enum eco_code canvas_new(struct eco_canvas **canvas, uint32_t width, uint
 	c->cairo = cairo_create(c->surface);
 	if (cairo_surface_status(c->surface) || cairo_status(c->cairo)) {
 		canvas_free(c);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture of %u x %u pixels", width, height);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture of %u x %u pixels", width,
+			height);
 	}
 	cairo_font_options_t *options = cairo_font_options_create();
 	cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);
@@ -63,14 +65,16 @@ static void ink(struct eco_canvas *canvas, struct eco_color color)
 
 /* ---- Shapes ---- */
 
-static void draw_box(struct eco_canvas *canvas, double x, double y, double width, double height, struct eco_color fill)
+static void draw_box(struct eco_canvas *canvas, double x, double y, double width, double height,
+	struct eco_color fill)
 {
 	ink(canvas, fill);
 	cairo_rectangle(canvas->cairo, x, y, width, height);
 	cairo_fill(canvas->cairo);
 }
 
-static void draw_frame(struct eco_canvas *canvas, double x, double y, double width, double height, double line, struct eco_color color)
+static void draw_frame(struct eco_canvas *canvas, double x, double y, double width, double height,
+	double line, struct eco_color color)
 {
 	ink(canvas, color);
 	cairo_set_line_width(canvas->cairo, line);
@@ -102,7 +106,8 @@ static void draw_path(struct eco_canvas *canvas, const struct eco_chart_path *pa
 	cairo_new_path(canvas->cairo);
 }
 
-static void draw_lines(struct eco_canvas *canvas, const double *ends, uint32_t count, double line, struct eco_color color)
+static void draw_lines(struct eco_canvas *canvas, const double *ends, uint32_t count, double line,
+	struct eco_color color)
 {
 	ink(canvas, color);
 	cairo_set_line_width(canvas->cairo, line);
@@ -115,9 +120,11 @@ static void draw_lines(struct eco_canvas *canvas, const double *ends, uint32_t c
 	cairo_stroke(canvas->cairo);
 }
 
-static void draw_pixels(struct eco_canvas *canvas, double x, double y, uint32_t width, uint32_t height, const uint8_t *pixels, bool alpha)
+static void draw_pixels(struct eco_canvas *canvas, double x, double y, uint32_t width, uint32_t height,
+	const uint8_t *pixels, bool alpha)
 {
-	cairo_surface_t *picture = cairo_image_surface_create(alpha ? CAIRO_FORMAT_ARGB32 : CAIRO_FORMAT_RGB24, (int)width, (int)height);
+	cairo_surface_t *picture = cairo_image_surface_create(alpha ? CAIRO_FORMAT_ARGB32
+		: CAIRO_FORMAT_RGB24, (int)width, (int)height);
 	uint8_t *to = cairo_image_surface_get_data(picture);
 	if (to) {
 		size_t stride = (size_t)cairo_image_surface_get_stride(picture);
@@ -182,7 +189,8 @@ static pthread_once_t fonts_once = PTHREAD_ONCE_INIT;
 
 static void open_fonts(void)
 {
-	static const char *const files[2] = { FONT_FOLDER "DejaVuSans.ttf", FONT_FOLDER "DejaVuSans-Bold.ttf" };
+	static const char *const files[2] = { FONT_FOLDER "DejaVuSans.ttf", FONT_FOLDER
+		"DejaVuSans-Bold.ttf" };
 	static FT_Library library;
 	bool ready = FT_Init_FreeType(&library) == 0;
 	for (int i = 0; i < 2; i++) {
@@ -190,7 +198,8 @@ static void open_fonts(void)
 		if (ready && FT_New_Face(library, files[i], 0, &face) == 0)
 			fonts[i] = cairo_ft_font_face_create_for_ft_face(face, FT_LOAD_NO_HINTING);
 		else
-			fonts[i] = cairo_toy_font_face_create(FONT, CAIRO_FONT_SLANT_NORMAL, i ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+			fonts[i] = cairo_toy_font_face_create(FONT, CAIRO_FONT_SLANT_NORMAL,
+				i ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
 	}
 }
 
@@ -229,7 +238,8 @@ static void shorten(struct eco_canvas *canvas, char text[TEXT_BYTES], double roo
 	} while (length > 0 && advance(canvas, text) > room);
 }
 
-static void draw_text(struct eco_canvas *canvas, double x, double y, const struct eco_chart_style *style, const char *text)
+static void draw_text(struct eco_canvas *canvas, double x, double y, const struct eco_chart_style *style,
+	const char *text)
 {
 	char cleaned[TEXT_BYTES];
 	clean(text, cleaned);
@@ -240,7 +250,8 @@ static void draw_text(struct eco_canvas *canvas, double x, double y, const struc
 	cairo_translate(canvas->cairo, x, y);
 	cairo_rotate(canvas->cairo, -style->turn * M_PI / 2);
 	if (style->align != ECO_CHART_LEFT)
-		cairo_translate(canvas->cairo, -advance(canvas, cleaned) / (style->align == ECO_CHART_CENTER ? 2 : 1), 0);
+		cairo_translate(canvas->cairo,
+			-advance(canvas, cleaned) / (style->align == ECO_CHART_CENTER ? 2 : 1), 0);
 	cairo_move_to(canvas->cairo, 0, 0);
 	if (style->halo.a > 0) {
 		cairo_text_path(canvas->cairo, cleaned);
@@ -255,8 +266,8 @@ static void draw_text(struct eco_canvas *canvas, double x, double y, const struc
 	cairo_new_path(canvas->cairo);
 }
 
-static double draw_paragraph(struct eco_canvas *canvas, double x, double y, double leading, const struct eco_chart_style *style,
-	const char *text)
+static double draw_paragraph(struct eco_canvas *canvas, double x, double y, double leading,
+	const struct eco_chart_style *style, const char *text)
 {
 	char rest[TEXT_BYTES], *line = rest;
 	clean(text, rest);
@@ -291,21 +302,23 @@ static cairo_status_t append(void *ctx, const unsigned char *bytes, unsigned int
 	return fwrite(bytes, 1, size, ctx) == size ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_WRITE_ERROR;
 }
 
-static enum eco_code encode_png(struct eco_canvas *canvas, struct eco_chart_file *file, struct eco_error *error)
+static enum eco_code encode_png(struct eco_canvas *canvas, struct eco_chart_file *file,
+	struct eco_error *error)
 {
 	*file = (struct eco_chart_file){ NULL, 0 };
 	char *bytes = NULL;
 	FILE *memory = open_memstream(&bytes, &file->size);
 	cairo_status_t status = cairo_status(canvas->cairo);
 	if (!status)
-		status = memory ? cairo_surface_write_to_png_stream(canvas->surface, append, memory) : CAIRO_STATUS_NO_MEMORY;
+		status = memory ? cairo_surface_write_to_png_stream(canvas->surface, append, memory)
+			: CAIRO_STATUS_NO_MEMORY;
 	if (memory && fclose(memory) != 0)
 		status = CAIRO_STATUS_NO_MEMORY;
 	if (status) {
 		free(bytes);
 		file->size = 0;
-		return eco_fail(error, status == CAIRO_STATUS_NO_MEMORY ? ECO_NO_MEMORY : ECO_IO, "the picture cannot be made: %s",
-			cairo_status_to_string(status));
+		return eco_fail(error, status == CAIRO_STATUS_NO_MEMORY ? ECO_NO_MEMORY : ECO_IO,
+			"the picture cannot be made: %s", cairo_status_to_string(status));
 	}
 	file->bytes = (uint8_t *)bytes;
 	return ECO_OK;
@@ -313,7 +326,9 @@ static enum eco_code encode_png(struct eco_canvas *canvas, struct eco_chart_file
 
 extern const struct eco_cairo_module eco_cairo_module;
 ECO_MODULE_EXPORT const struct eco_cairo_module eco_cairo_module = {
-	.version = ECO_MODULE_VERSION, .open = canvas_new, .close = canvas_free, .box = draw_box, .frame = draw_frame, .disc = draw_disc,
-	.path = draw_path, .lines = draw_lines, .pixels = draw_pixels, .clip = draw_clip, .clip_off = draw_clip_off, .text = draw_text,
+	.version = ECO_MODULE_VERSION, .open = canvas_new, .close = canvas_free, .box = draw_box,
+		.frame = draw_frame, .disc = draw_disc,
+	.path = draw_path, .lines = draw_lines, .pixels = draw_pixels, .clip = draw_clip,
+	.clip_off = draw_clip_off, .text = draw_text,
 	.text_width = text_width, .paragraph = draw_paragraph, .png = encode_png,
 };

@@ -11,8 +11,9 @@ struct main_command {
 	enum eco_code (*run)(int argc, char **argv, struct eco_error *error);
 };
 
-extern const struct main_command main_command_make, main_command_info, main_command_verify, main_command_generate, main_command_model,
-	main_command_map, main_command_sheet, main_command_camera, main_command_link;
+extern const struct main_command main_command_make, main_command_info, main_command_verify,
+	main_command_generate, main_command_model, main_command_map, main_command_sheet, main_command_camera,
+	main_command_link;
 
 extern const struct eco_option main_common[];        /* --quiet, of all commands */
 

@@ -10,8 +10,10 @@
 #include "lod/build/grid.h"
 
 enum { KIND_SUMMARIES = ECO_LIST_IMAGE + 1, KIND_COUNT };
-static const char *const kind_names[KIND_COUNT] = { "", "triangles", "lines", "points", "instances", "ground", "images", "summaries" };
-static const char *const need_names[] = { "points", "lines", "triangles", "textures", "cutouts", "ground", "cells", "summaries", "placements" };
+static const char *const kind_names[KIND_COUNT] = { "", "triangles", "lines", "points", "instances", "ground",
+	"images", "summaries" };
+static const char *const need_names[] = { "points", "lines", "triangles", "textures", "cutouts", "ground",
+	"cells", "summaries", "placements" };
 
 struct kind_total { uint64_t lists, chunks, primitives, bytes; };
 
@@ -19,7 +21,8 @@ struct totals {
 	struct kind_total kind[KIND_COUNT];
 	uint64_t *plant_bytes;       /* per plant: chunks of its lists */
 	uint64_t leaves, placed;
-	uint64_t shape_chunks, shape_bytes;  /* chunks of triangles whose leaves are coded together (ECO_CODER_SHAPES) */
+	/* chunks of triangles whose leaves are coded together (ECO_CODER_SHAPES) */
+	uint64_t shape_chunks, shape_bytes;
 };
 
 static void count_shapes(const struct eco_pack *pack, const struct eco_list *list, struct totals *t)
@@ -57,10 +60,12 @@ static enum eco_code count_up(const struct eco_pack *pack, struct totals *t, str
 	t->leaves = s->tile_count;
 	for (uint32_t i = 0; i < s->tile_count; i++) {
 		uint64_t placed = 0;
-		for (uint32_t c = s->tiles[i].child_first; c < s->tiles[i].child_first + s->tiles[i].child_count; c++)
+		for (uint32_t c = s->tiles[i].child_first;
+				c < s->tiles[i].child_first + s->tiles[i].child_count; c++)
 			placed += s->children[c].placed;
 		t->placed += placed;
-		t->leaves -= placed < s->tiles[i].child_count;       /* a tile that only places other eco files is a leaf of its own */
+		/* a tile that only places other eco files is a leaf of its own */
+		t->leaves -= placed < s->tiles[i].child_count;
 	}
 	return ECO_OK;
 }
@@ -103,7 +108,9 @@ static json_t *curve_json(const struct eco_scene *s, const struct eco_ladder *l)
 	json_t *samples = json_array();
 	for (uint32_t i = 0; i < l->curve_count; i++) {
 		const struct eco_curve *c = &s->curves[l->curve_first + i];
-		json_array_append_new(samples, json_pack("[f,f,f,f]", (double)c->share, (double)c->scale, (double)c->fp, (double)c->fn));
+		json_array_append_new(samples,
+			json_pack("[f,f,f,f]", (double)c->share, (double)c->scale, (double)c->fp,
+			(double)c->fn));
 	}
 	return samples;
 }
@@ -115,7 +122,9 @@ static double nearest_m(const struct eco_scene *s, const json_t *meta, uint32_t 
 {
 	double most = json_number_value(json_object_get(meta_plant(meta, plant), "half_a_pixel_m"));
 	for (uint32_t i = 0; i < s->list_count; i++)
-		if (s->lists[i].owner == plant && (s->lists[i].kind == ECO_LIST_TRIANGLES || s->lists[i].kind == ECO_LIST_LINES))
+		if (s->lists[i].owner == plant
+				&& (s->lists[i].kind == ECO_LIST_TRIANGLES
+				|| s->lists[i].kind == ECO_LIST_LINES))
 			most = fmax(most, lod_grid_nearest_m(&s->lists[i], LOD_GRID_PIXEL_RAD));
 	return most;
 }
@@ -128,15 +137,19 @@ static json_t *plant_json(const struct eco_scene *s, const struct totals *t, con
 	for (uint32_t i = p->ladder_first; i < p->ladder_first + p->ladder_count; i++) {
 		const struct eco_ladder *l = &s->ladders[i];
 		if (l->anchor == p->anchor_first)
-			json_array_append_new(ladders, json_pack("{s:s, s:b, s:f, s:f, s:o}", "organ", eco_organ_names[l->organ], "far",
-				l->flags & ECO_LADDER_FAR ? 1 : 0, "importance", (double)l->importance, "area_m2", (double)l->area,
+			json_array_append_new(ladders,
+				json_pack("{s:s, s:b, s:f, s:f, s:o}", "organ", eco_organ_names[l->organ],
+				"far", l->flags & ECO_LADDER_FAR ? 1 : 0, "importance", (double)l->importance,
+				"area_m2", (double)l->area,
 				"curve_share_scale_fp_fn", curve_json(s, l)));
 	}
 	json_object_set_new(plant, "name", json_string(p->name));
 	json_object_set_new(plant, "triangles", json_integer(p->triangles));
 	json_object_set_new(plant, "area_m2", json_real((double)p->area));
 	const struct eco_anchor *whole = &s->anchors[p->anchor_first];
-	json_object_set_new(plant, "center_m", json_pack("[f,f,f]", (double)whole->center[0], (double)whole->center[1], (double)whole->center[2]));
+	json_object_set_new(plant, "center_m",
+		json_pack("[f,f,f]", (double)whole->center[0], (double)whole->center[1],
+		(double)whole->center[2]));
 	json_object_set_new(plant, "radius_m", json_real((double)whole->radius));
 	json_object_set_new(plant, "half_a_pixel_m", json_real(nearest_m(s, meta, id)));
 	json_object_set_new(plant, "cells", json_integer(p->anchor_count - 1));
@@ -158,27 +171,38 @@ static json_t *info_json(const struct eco_pack *pack, const struct totals *t, co
 		json_array_append_new(plants, plant_json(s, t, meta, i));
 	for (int i = 1; i < KIND_COUNT; i++)
 		if (t->kind[i].lists)
-			json_object_set_new(lists, kind_names[i], json_pack("{s:I, s:I, s:I, s:I}", "lists", (json_int_t)t->kind[i].lists, "chunks",
-				(json_int_t)t->kind[i].chunks, "primitives", (json_int_t)t->kind[i].primitives, "bytes", (json_int_t)t->kind[i].bytes));
+			json_object_set_new(lists, kind_names[i],
+				json_pack("{s:I, s:I, s:I, s:I}", "lists", (json_int_t)t->kind[i].lists,
+				"chunks", (json_int_t)t->kind[i].chunks, "primitives",
+				(json_int_t)t->kind[i].primitives, "bytes", (json_int_t)t->kind[i].bytes));
 	if (t->shape_chunks)
-		json_object_set_new(json_object_get(lists, kind_names[ECO_LIST_TRIANGLES]), "of_placed_shapes", json_pack("{s:I, s:I}", "chunks",
-			(json_int_t)t->shape_chunks, "bytes", (json_int_t)t->shape_bytes));
+		json_object_set_new(json_object_get(lists, kind_names[ECO_LIST_TRIANGLES]),
+			"of_placed_shapes",
+			json_pack("{s:I, s:I}", "chunks", (json_int_t)t->shape_chunks, "bytes",
+			(json_int_t)t->shape_bytes));
 	id_text(&pack->id, id);
-	json_t *info = json_pack("{s:s, s:s, s:I, s:f, s:o, s:I, s:I, s:I, s:I, s:f, s:[f,f,f], s:[f,f,f], s:I, s:o, s:o}", "name", s->name,
-		"id", id, "bytes", (json_int_t)pack->map_size, "near_m", s->near_m, "needs", needs_json(s->needs), "instances",
-		(json_int_t)root->instance_count, "tiles", (json_int_t)s->tile_count, "leaf_tiles", (json_int_t)t->leaves, "placements",
-		(json_int_t)t->placed, "area_m2", root->area, "low", root->low[0], root->low[1], root->low[2], "high", root->high[0], root->high[1],
-		root->high[2], "curve_samples", (json_int_t)s->curve_count, "lists", lists, "plants", plants);
+	json_t *info = json_pack("{s:s, s:s, s:I, s:f, s:o, s:I, s:I, s:I, s:I, s:f, s:[f,f,f], s:[f,f,f], "
+		"s:I, s:o, s:o}", "name", s->name,
+		"id", id, "bytes", (json_int_t)pack->map_size, "near_m", s->near_m, "needs",
+		needs_json(s->needs), "instances", (json_int_t)root->instance_count, "tiles",
+		(json_int_t)s->tile_count, "leaf_tiles", (json_int_t)t->leaves, "placements",
+		(json_int_t)t->placed, "area_m2", root->area, "low", root->low[0], root->low[1], root->low[2],
+		"high", root->high[0], root->high[1], root->high[2], "curve_samples",
+		(json_int_t)s->curve_count, "lists", lists, "plants", plants);
 	if (info && s->ground_count) {
 		const struct eco_ground_tile *top = &s->ground[0];
 		const struct eco_list *list = &s->lists[top->list];
-		json_object_set_new(info, "ground", json_pack("{s:I, s:I, s:[f,f], s:[f,f], s:[f,f], s:f, s:I, s:I}",
+		json_object_set_new(info, "ground", json_pack("{s:I, s:I, s:[f,f], s:[f,f], s:[f,f], s:f, "
+			"s:I, s:I}",
 			"columns", (json_int_t)s->ground_columns, "rows", (json_int_t)s->ground_rows,
-			"south_west_m", list->grid_origin[0], list->grid_origin[1], "step_m", list->grid_step[0], list->grid_step[1],
-			"heights_m", (double)top->low_m, (double)top->high_m, "height_step_m", list->grid_step[2],
+			"south_west_m", list->grid_origin[0], list->grid_origin[1], "step_m",
+			list->grid_step[0], list->grid_step[1],
+			"heights_m", (double)top->low_m, (double)top->high_m, "height_step_m",
+			list->grid_step[2],
 			"tiles", (json_int_t)s->ground_count, "levels", (json_int_t)top->level + 1));
 	}
-	static const char *const copied[] = { "generator", "order", "crs", "origin", "eco_files", "off_ground", "rows" };
+	static const char *const copied[] = { "generator", "order", "crs", "origin", "eco_files",
+		"off_ground", "rows" };
 	for (size_t i = 0; info && i < sizeof copied / sizeof *copied; i++)
 		if (json_object_get(meta, copied[i]))
 			json_object_set(info, copied[i], json_object_get(meta, copied[i]));
@@ -201,26 +225,31 @@ static const char *bytes_text(uint64_t bytes, char text[32])
 static void print_plants(const struct eco_scene *s, const struct totals *t, const json_t *meta, FILE *out)
 {
 	char text[32];
-	fprintf(out, "\n%-20s %8s %10s %10s %8s %6s %5s %8s %9s %9s  %s\n", "plant", "height", "triangles", "stored", "dropped", "cells", "bits",
+	fprintf(out, "\n%-20s %8s %10s %10s %8s %6s %5s %8s %9s %9s  %s\n", "plant", "height", "triangles",
+		"stored", "dropped", "cells", "bits",
 		"1/2 px", "area m2", "bytes", "organs (elements)");
 	for (uint32_t i = 0; i < s->plant_count; i++) {
 		const struct eco_plant *p = &s->plants[i];
 		const json_t *from = meta_plant(meta, i);
-		fprintf(out, "%-20.20s %6.2f m %10lld %10u %8lld %6u %5lld %6.2f m %9.2f %9s ", p->name, (double)p->height_m,
-			(long long)json_integer_value(json_object_get(from, "triangles_in")), p->triangles, (long long)dropped_sum(from),
-			p->anchor_count - 1, (long long)json_integer_value(json_object_get(from, "grid_bits")), nearest_m(s, meta, i), (double)p->area,
-			bytes_text(t->plant_bytes[i], text));
+		fprintf(out, "%-20.20s %6.2f m %10lld %10u %8lld %6u %5lld %6.2f m %9.2f %9s ", p->name,
+			(double)p->height_m,
+			(long long)json_integer_value(json_object_get(from, "triangles_in")), p->triangles,
+			(long long)dropped_sum(from), p->anchor_count - 1,
+			(long long)json_integer_value(json_object_get(from, "grid_bits")),
+			nearest_m(s, meta, i), (double)p->area, bytes_text(t->plant_bytes[i], text));
 		const char *organ;
 		json_t *stats;
 		json_object_foreach(json_object_get(from, "organs"), organ, stats)
-			fprintf(out, " %s %lld", organ, (long long)json_integer_value(json_object_get(stats, "elements")));
+			fprintf(out, " %s %lld", organ,
+				(long long)json_integer_value(json_object_get(stats, "elements")));
 		fputc('\n', out);
 	}
 	for (uint32_t i = 0; i < s->plant_count; i++) {
 		const char *reason;
 		json_t *count;
 		json_object_foreach(json_object_get(meta_plant(meta, i), "dropped"), reason, count)
-			fprintf(out, "%s: %lld triangles dropped: %s\n", s->plants[i].name, (long long)json_integer_value(count), reason);
+			fprintf(out, "%s: %lld triangles dropped: %s\n", s->plants[i].name,
+				(long long)json_integer_value(count), reason);
 	}
 }
 
@@ -231,10 +260,11 @@ static void print_ground(const struct eco_scene *s, FILE *out)
 		return;
 	const struct eco_ground_tile *root = &s->ground[0];
 	const struct eco_list *list = &s->lists[root->list];
-	fprintf(out, "ground %u x %u samples every %.4g x %.4g m from [%.2f, %.2f], heights %.2f to %.2f m in steps of %.4g m, %u tiles in %u levels\n",
-		s->ground_columns, s->ground_rows, list->grid_step[0], list->grid_step[1], list->grid_origin[0], list->grid_origin[1],
-		(double)root->low_m, (double)root->high_m,
-		list->grid_step[2], s->ground_count, root->level + 1u);
+	fprintf(out, "ground %u x %u samples every %.4g x %.4g m from [%.2f, %.2f], heights %.2f to %.2f m "
+		"in steps of %.4g m, %u tiles in %u levels\n", s->ground_columns, s->ground_rows,
+		list->grid_step[0], list->grid_step[1], list->grid_origin[0], list->grid_origin[1],
+		(double)root->low_m, (double)root->high_m, list->grid_step[2], s->ground_count,
+		root->level + 1u);
 }
 
 static const char *ending(uint64_t count) { return count == 1 ? "" : "s"; }
@@ -247,14 +277,17 @@ static void print_info(const struct eco_pack *pack, const struct totals *t, cons
 	const char *crs = json_string_value(json_object_get(meta, "crs"));
 	char text[32], id[33];
 	id_text(&pack->id, id);
-	fprintf(out, "%s: %" PRIu64 " plant%s of %u kind%s in %u tile%s (%" PRIu64 " undivided), %" PRIu64 " nested placement%s, %s\n", s->name,
-		root->instance_count, ending(root->instance_count), s->plant_count, ending(s->plant_count), s->tile_count, ending(s->tile_count),
-		t->leaves, t->placed, ending(t->placed), bytes_text(pack->map_size, text));
-	fprintf(out, "id %s\ncrs %s, origin [%.3f, %.3f, %.3f], near plane %g m\n", id, crs ? crs : "none (plain metres)",
-		json_number_value(json_array_get(origin, 0)), json_number_value(json_array_get(origin, 1)),
-		json_number_value(json_array_get(origin, 2)), s->near_m);
-	fprintf(out, "bounds [%.2f, %.2f, %.2f] to [%.2f, %.2f, %.2f], %.0f m2 of leaves and wood\nneeds", root->low[0], root->low[1], root->low[2],
-		root->high[0], root->high[1], root->high[2], root->area);
+	fprintf(out, "%s: %" PRIu64 " plant%s of %u kind%s in %u tile%s (%" PRIu64 " undivided), %" PRIu64
+		" nested placement%s, %s\n", s->name, root->instance_count, ending(root->instance_count),
+		s->plant_count, ending(s->plant_count), s->tile_count, ending(s->tile_count), t->leaves,
+		t->placed, ending(t->placed), bytes_text(pack->map_size, text));
+	fprintf(out, "id %s\ncrs %s, origin [%.3f, %.3f, %.3f], near plane %g m\n", id,
+		crs ? crs : "none (plain metres)", json_number_value(json_array_get(origin, 0)),
+		json_number_value(json_array_get(origin, 1)), json_number_value(json_array_get(origin, 2)),
+		s->near_m);
+	fprintf(out, "bounds [%.2f, %.2f, %.2f] to [%.2f, %.2f, %.2f], %.0f m2 of leaves and wood\nneeds",
+		root->low[0], root->low[1], root->low[2], root->high[0], root->high[1], root->high[2],
+		root->area);
 	for (size_t i = 0; i < sizeof need_names / sizeof *need_names; i++)
 		if (s->needs >> i & 1)
 			fprintf(out, " %s", need_names[i]);
@@ -264,20 +297,24 @@ static void print_info(const struct eco_pack *pack, const struct totals *t, cons
 	fprintf(out, "\n%-12s %8s %8s %12s %12s\n", "lists", "count", "chunks", "primitives", "bytes");
 	for (int i = 1; i < KIND_COUNT; i++)
 		if (t->kind[i].lists)
-			fprintf(out, "%-12s %8" PRIu64 " %8" PRIu64 " %12" PRIu64 " %12s\n", kind_names[i], t->kind[i].lists, t->kind[i].chunks,
-				t->kind[i].primitives, bytes_text(t->kind[i].bytes, text));
+			fprintf(out, "%-12s %8" PRIu64 " %8" PRIu64 " %12" PRIu64 " %12s\n", kind_names[i],
+				t->kind[i].lists, t->kind[i].chunks, t->kind[i].primitives,
+				bytes_text(t->kind[i].bytes, text));
 	if (t->shape_chunks)
-		fprintf(out, "in %" PRIu64 " chunks of triangles, %s, leaves of one shape are stored as placings of it, others by prediction\n", t->shape_chunks,
+		fprintf(out, "in %" PRIu64 " chunks of triangles, %s, leaves of one shape are stored as "
+			"placings of it, others by prediction\n", t->shape_chunks,
 			bytes_text(t->shape_bytes, text));
 	const char *order = json_string_value(json_object_get(meta, "order"));
-	fprintf(out, "%u ladders with %u curve samples%s%s\n", s->ladder_count, s->curve_count, order ? ", leaves in order " : "",
-		order ? order : "");
+	fprintf(out, "%u ladders with %u curve samples%s%s\n", s->ladder_count, s->curve_count,
+		order ? ", leaves in order " : "", order ? order : "");
 	if (json_integer_value(json_object_get(meta, "off_ground")))
-		fprintf(out, "%lld beyond the ground's border\n", (long long)json_integer_value(json_object_get(meta, "off_ground")));
+		fprintf(out, "%lld beyond the ground's border\n",
+			(long long)json_integer_value(json_object_get(meta, "off_ground")));
 	if (json_integer_value(json_object_get(rows, "read"))) {
 		const char *reason;
 		json_t *count;
-		fprintf(out, "%lld inventory rows read", (long long)json_integer_value(json_object_get(rows, "read")));
+		fprintf(out, "%lld inventory rows read",
+			(long long)json_integer_value(json_object_get(rows, "read")));
 		json_object_foreach(json_object_get(rows, "skipped"), reason, count)
 			fprintf(out, "; %s: %lld", reason, (long long)json_integer_value(count));
 		fputc('\n', out);

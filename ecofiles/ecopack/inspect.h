@@ -15,7 +15,8 @@ enum eco_code inspect_info(const char *path, bool json, FILE *out, struct eco_er
 /* Checks every hash, decodes every chunk, and compares counts, places with instance lists, and ladders
  * with their lists. Writes one line to `out` for each damage, and goes on. ECO_DAMAGED if there was any. */
 struct inspect_counts { uint64_t lists, chunks, primitives, damaged; };
-enum eco_code inspect_verify(const char *path, FILE *out, struct inspect_counts *counts, struct eco_error *error);
+enum eco_code inspect_verify(const char *path, FILE *out, struct inspect_counts *counts,
+	struct eco_error *error);
 
 /* Checks the ground of an open pack; calls `say` once for each fault. Skips chunks that cannot be read. */
 void inspect_verify_ground(const struct eco_pack *pack, void (*say)(void *ctx, const char *text), void *ctx);

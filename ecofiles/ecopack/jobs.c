@@ -57,7 +57,8 @@ static void do_round(struct round *r)
 	pthread_t helpers[THREADS_MAX];
 	uint32_t wanted = r->jobs->threads < THREADS_MAX ? r->jobs->threads : THREADS_MAX, started = 0;
 	atomic_store(&r->next, 0);
-	while (started + 1 < wanted && (started + 1) * RUN < r->count && pthread_create(&helpers[started], NULL, help, r) == 0)
+	while (started + 1 < wanted && (started + 1) * RUN < r->count
+			&& pthread_create(&helpers[started], NULL, help, r) == 0)
 		started++;
 	do_pieces(r);
 	for (uint32_t i = 0; i < started; i++)
@@ -72,7 +73,8 @@ static enum eco_code take_round(struct round *r, struct eco_error *error)
 		struct done *done = &r->done[k];
 		void *result = r->results + k * r->jobs->result_size;
 		if (!code && done->code)
-			code = eco_fail(error, done->code, "%s", done->error ? done->error->text : "out of memory");
+			code = eco_fail(error, done->code, "%s", done->error ? done->error->text
+				: "out of memory");
 		if (!code)
 			code = r->jobs->take(r->jobs->ctx, r->first + k, result, error);
 		r->jobs->drop(result);
@@ -85,7 +87,8 @@ enum eco_code main_jobs_run(const struct main_jobs *jobs, struct eco_error *erro
 {
 	enum eco_code code = ECO_OK;
 	for (uint64_t first = 0; first < jobs->count && !code; first += ROUND) {
-		struct round r = { .jobs = jobs, .first = first, .count = jobs->count - first < ROUND ? (uint32_t)(jobs->count - first) : ROUND,
+		struct round r = { .jobs = jobs, .first = first, .count = jobs->count - first < ROUND
+			? (uint32_t)(jobs->count - first) : ROUND,
 			.stage = main_times_now() };
 		r.done = calloc(r.count, sizeof *r.done);
 		r.results = calloc(r.count, jobs->result_size);

@@ -15,8 +15,10 @@ struct main_jobs {
 	uint64_t count;
 	uint32_t threads;            /* 0: one */
 	size_t result_size;          /* results start as zeros */
-	enum eco_code (*work)(void *ctx, uint64_t i, void *result, struct eco_error *error);       /* any thread, any order */
-	enum eco_code (*take)(void *ctx, uint64_t i, void *result, struct eco_error *error);       /* the caller's thread, ascending */
+	/* any thread, any order */
+	enum eco_code (*work)(void *ctx, uint64_t i, void *result, struct eco_error *error);
+	/* the caller's thread, ascending */
+	enum eco_code (*take)(void *ctx, uint64_t i, void *result, struct eco_error *error);
 	void (*drop)(void *result);  /* frees a result's content, after `take` or after a failure */
 	void *ctx;
 };

@@ -28,8 +28,8 @@
 
 static enum eco_code bad_meta(const struct link_part *part, struct eco_error *error)
 {
-	return eco_fail(error, ECO_BAD_INPUT, "%s: it does not say where it lies (META has no crs and origin); build it again with ecopack make",
-		part->path);
+	return eco_fail(error, ECO_BAD_INPUT, "%s: it does not say where it lies (META has no crs and "
+		"origin); build it again with ecopack make", part->path);
 }
 
 static enum eco_code open_part(struct link *l, struct link_part *part)
@@ -57,10 +57,11 @@ static enum eco_code open_part(struct link *l, struct link_part *part)
 
 static enum eco_code same_frame(struct link *l, struct link_part *part)
 {
-	const char *crs = json_string_value(json_object_get(part->meta, "crs")), *first = json_string_value(json_object_get(l->parts[0].meta, "crs"));
+	const char *crs = json_string_value(json_object_get(part->meta, "crs")),
+		*first = json_string_value(json_object_get(l->parts[0].meta, "crs"));
 	if ((!crs) != (!first) || (crs && strcmp(crs, first) != 0))
-		return eco_fail(l->m.error, ECO_BAD_INPUT, "%s is in %s, but %s in %s: build all parts with one \"crs\"", part->path,
-			crs ? crs : "plain metres",
+		return eco_fail(l->m.error, ECO_BAD_INPUT, "%s is in %s, but %s in %s: build all parts with "
+			"one \"crs\"", part->path, crs ? crs : "plain metres",
 			l->parts[0].path, first ? first : "plain metres");
 	return ECO_OK;
 }
@@ -84,7 +85,8 @@ static enum eco_code open_parts(struct link *l, const struct link_options *optio
 		const struct eco_scene *s = &l->parts[i].pack->scene;
 		l->plant_room += s->plant_count;
 		if (__builtin_add_overflow(plants, s->tiles[s->root].instance_count, &plants))
-			code = eco_fail(l->m.error, ECO_TOO_LARGE, "%s: with it there are more than 2^64 plants", l->parts[i].path);
+			code = eco_fail(l->m.error, ECO_TOO_LARGE,
+				"%s: with it there are more than 2^64 plants", l->parts[i].path);
 	}
 	if (code)
 		return code;
@@ -96,7 +98,8 @@ static enum eco_code open_parts(struct link *l, const struct link_options *optio
 	l->m.table = calloc(l->plant_room + 1u, sizeof *l->m.table);
 	l->m.plants = calloc(l->plant_room + 1u, sizeof *l->m.plants);
 	l->plants = json_array();
-	return l->known && l->m.table && l->m.plants && l->plants ? ECO_OK : eco_fail(l->m.error, ECO_NO_MEMORY, "no memory for plants");
+	return l->known && l->m.table && l->m.plants && l->plants ? ECO_OK
+		: eco_fail(l->m.error, ECO_NO_MEMORY, "no memory for plants");
 }
 
 /* ---- Lists ---- */
@@ -114,7 +117,8 @@ struct eco_list link_list(const struct link_part *part, uint32_t list)
 enum eco_code link_copy(struct link *l, struct link_part *part, uint32_t list, const struct eco_list *record)
 {
 	struct eco_error why = { 0 };
-	enum eco_code code = eco_pack_add_copied(l->m.writer, record, part->pack, list, &part->list_of[list], &why);
+	enum eco_code code = eco_pack_add_copied(l->m.writer, record, part->pack, list, &part->list_of[list],
+		&why);
 	if (code == ECO_DAMAGED)
 		return eco_fail(l->m.error, code, "%.200s: %s", part->path, why.text);
 	return code ? eco_fail(l->m.error, code, "%s", why.text) : make_keep_list(&l->m, part->list_of[list]);
@@ -134,7 +138,8 @@ static enum eco_code copy_ground(struct link *l)
 	struct link_part *part = &l->parts[which];
 	const struct eco_scene *s = &part->pack->scene;
 	if (part->at[0] != 0 || part->at[1] != 0 || part->at[2] != 0)
-		return eco_fail(m->error, ECO_UNSUPPORTED, "%s has ground but another origin than %s: give it first", part->path, l->parts[0].path);
+		return eco_fail(m->error, ECO_UNSUPPORTED, "%s has ground but another origin than %s: give "
+			"it first", part->path, l->parts[0].path);
 	m->ground_tiles = calloc(s->ground_count, sizeof *m->ground_tiles);
 	if (!m->ground_tiles)
 		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for the ground");
@@ -153,7 +158,8 @@ static enum eco_code copy_ground(struct link *l)
 	m->scene.ground_count = s->ground_count;
 	for (uint32_t i = which + 1; i < l->count; i++)
 		if (l->parts[i].pack->scene.ground_count)
-			main_note("%s: its ground is left out; that of %s is the ground of the whole", l->parts[i].path, part->path);
+			main_note("%s: its ground is left out; that of %s is the ground of the whole",
+				l->parts[i].path, part->path);
 	return code;
 }
 
@@ -162,9 +168,12 @@ static enum eco_code copy_ground(struct link *l)
 static void whole_item(const struct link_part *part, struct lod_tile_item *item)
 {
 	const struct eco_tile *root = &part->pack->scene.tiles[part->pack->scene.root];
-	double x = fmax(fabs(root->low[0]), fabs(root->high[0])), y = fmax(fabs(root->low[1]), fabs(root->high[1]));
-	*item = (struct lod_tile_item){ .at = { part->at[0], part->at[1], part->at[2] }, .reach = sqrt(x * x + y * y), .below = -root->low[2],
-		.above = root->high[2], .plant = ECO_NONE, .weight = make_nested_weight(root->instance_count) };
+	double x = fmax(fabs(root->low[0]), fabs(root->high[0])),
+		y = fmax(fabs(root->low[1]), fabs(root->high[1]));
+	*item = (struct lod_tile_item){ .at = { part->at[0], part->at[1], part->at[2] },
+		.reach = sqrt(x * x + y * y), .below = -root->low[2],
+		.above = root->high[2], .plant = ECO_NONE,
+		.weight = make_nested_weight(root->instance_count) };
 }
 
 /* Adds the tiles above the parts. */
@@ -181,12 +190,15 @@ static enum eco_code add_outer(struct link *l, const struct lod_tiles *tiles)
 		memcpy(tile->low, node->low, sizeof tile->low);
 		memcpy(tile->high, node->high, sizeof tile->high);
 		for (uint32_t c = 0; c < tile->child_count; c++) {
-			const struct link_part *part = node->child_count ? NULL : &l->parts[tiles->order[node->item_first + c]];
+			const struct link_part *part = node->child_count ? NULL
+				: &l->parts[tiles->order[node->item_first + c]];
 			struct eco_child *child = make_append(m, &m->children, sizeof *child);
 			if (!child)
 				return ECO_NO_MEMORY;
-			*child = part ? (struct eco_child){ .tile = part->tile_first + part->pack->scene.root, .placed = true,
-				.at = { part->at[0], part->at[1], part->at[2] }, .scale = 1 } : (struct eco_child){ .tile = node->child[c], .scale = 1 };
+			*child = part ? (struct eco_child){ .tile = part->tile_first + part->pack->scene.root,
+				.placed = true,
+				.at = { part->at[0], part->at[1], part->at[2] },
+				.scale = 1 } : (struct eco_child){ .tile = node->child[c], .scale = 1 };
 		}
 	}
 	return ECO_OK;
@@ -205,7 +217,8 @@ static enum eco_code add_groups(struct link *l, struct link_part *part, const st
 		if (!group || !make_append_bytes(m, s->places + from->place_first * ECO_PLACE_BYTES, size))
 			return eco_fail(m->error, ECO_NO_MEMORY, "%s: no memory for its plants", part->path);
 		record.owner += part->tile_first;
-		*group = (struct eco_group){ record.owner, record.plant, ECO_NONE, (m->places.count - size) / ECO_PLACE_BYTES };
+		*group = (struct eco_group){ record.owner, record.plant, ECO_NONE,
+			(m->places.count - size) / ECO_PLACE_BYTES };
 		code = link_copy(l, part, from->list, &record);
 		((struct eco_group *)m->groups.items)[m->groups.count - 1].list = part->list_of[from->list];
 	}
@@ -250,7 +263,8 @@ static enum eco_code add_tiles(struct link *l)
 		l->parts[i].tile_first = (uint32_t)total;
 		total += l->parts[i].pack->scene.tile_count;
 		if (total >= ECO_NONE / 4)
-			code = eco_fail(m->error, ECO_TOO_LARGE, "%llu tiles are too many for one pack", (unsigned long long)total);
+			code = eco_fail(m->error, ECO_TOO_LARGE, "%llu tiles are too many for one pack",
+				(unsigned long long)total);
 	}
 	if (!code)
 		code = add_outer(l, &tiles);
@@ -270,7 +284,8 @@ static enum eco_code add_tiles(struct link *l)
 
 /* ---- Summaries ---- */
 
-static enum eco_code add_renamed(struct link *l, struct link_part *part, uint32_t list, const struct eco_list *record)
+static enum eco_code add_renamed(struct link *l, struct link_part *part, uint32_t list,
+	const struct eco_list *record)
 {
 	const struct eco_scene *s = &part->pack->scene;
 	const struct eco_list *old = &s->lists[list];
@@ -287,8 +302,10 @@ static enum eco_code add_renamed(struct link *l, struct link_part *part, uint32_
 	for (uint32_t i = 0; i < points.element_count && !code; i++) {
 		int32_t *extra = points.extra + (size_t)points.extra_count * i;
 		uint32_t color = (uint32_t)extra[0] + old->palette_first;
-		if (extra[0] < 0 || color >= s->palette_count || extra[1] < 0 || (uint32_t)extra[1] >= s->plant_count)
-			code = eco_fail(l->m.error, ECO_DAMAGED, "%s: list %u names a plant or a colour that is not there", part->path, list);
+		if (extra[0] < 0 || color >= s->palette_count || extra[1] < 0
+				|| (uint32_t)extra[1] >= s->plant_count)
+			code = eco_fail(l->m.error, ECO_DAMAGED, "%s: list %u names a plant or a colour "
+				"that is not there", part->path, list);
 		else {
 			extra[0] = (int32_t)part->color_of[color];
 			extra[1] = (int32_t)part->plant_of[extra[1]];
@@ -305,7 +322,8 @@ static enum eco_code add_renamed(struct link *l, struct link_part *part, uint32_
 
 static bool is_ours(const struct eco_list *summary)
 {
-	return summary->kind == ECO_LIST_POINTS && summary->coder == ECO_CODER_KD && summary->attributes == (ECO_ATTR_COLOR | ECO_ATTR_PLANT);
+	return summary->kind == ECO_LIST_POINTS && summary->coder == ECO_CODER_KD && summary->attributes
+		== (ECO_ATTR_COLOR | ECO_ATTR_PLANT);
 }
 
 /* Adds the part's summaries, renumbered. */
@@ -317,7 +335,8 @@ static enum eco_code part_summaries(struct link *l, struct link_part *part)
 		if (!(s->lists[i].attributes & ECO_ATTR_PLANT))
 			continue;
 		if (!is_ours(&s->lists[i]))
-			return eco_fail(l->m.error, ECO_UNSUPPORTED, "%s: list %u is a summary that ecopack did not make", part->path, i);
+			return eco_fail(l->m.error, ECO_UNSUPPORTED,
+				"%s: list %u is a summary that ecopack did not make", part->path, i);
 		struct eco_list record = s->lists[i];
 		record.owner += part->tile_first;
 		record.palette_first = 0;
@@ -325,7 +344,8 @@ static enum eco_code part_summaries(struct link *l, struct link_part *part)
 		code = part->renamed ? add_renamed(l, part, i, &record) : link_copy(l, part, i, &record);
 		if (!code)
 			((struct eco_tile *)l->m.tiles.items)[record.owner].summary = part->list_of[i];
-		if (!code && i % 256 == 0 && !main_progress("copying summaries", part->path, (double)i / s->list_count))
+		if (!code && i % 256 == 0
+				&& !main_progress("copying summaries", part->path, (double)i / s->list_count))
 			code = eco_fail(l->m.error, ECO_INTERRUPTED, "interrupted");
 	}
 	return code;
@@ -339,7 +359,8 @@ static enum eco_code add_summaries(struct link *l)
 		code = part_summaries(l, &l->parts[i]);
 		make_refer(&l->m);
 		if (!code)
-			code = make_summing_keep(&summing, l->parts[i].tile_first + l->parts[i].pack->scene.root);
+			code = make_summing_keep(&summing,
+				l->parts[i].tile_first + l->parts[i].pack->scene.root);
 	}
 	uint32_t outer = l->parts[l->count - 1].tile_first;
 	if (!code && l->m.palette.count)
@@ -378,9 +399,12 @@ static json_t *rows_json(const struct link *l)
 static enum eco_code whole_meta(const struct link *l, char **json)
 {
 	json_t *first = l->parts[0].meta, *order = json_object_get(first, "order");
-	json_t *root = json_pack("{s:s, s:O*, s:s, s:O*, s:O*, s:I, s:I, s:I, s:I, s:o, s:O}", "generator", "ecopack " ECO_VERSION,
-		"order", order, "name", l->m.scene.name, "crs", json_object_get(first, "crs"), "origin", json_object_get(first, "origin"),
-		"eco_files", sum_of(l, NULL, NULL, "eco_files") + 1, "instances", (json_int_t)l->m.scene.tiles[0].instance_count,
+	json_t *root = json_pack("{s:s, s:O*, s:s, s:O*, s:O*, s:I, s:I, s:I, s:I, s:o, s:O}", "generator",
+		"ecopack " ECO_VERSION,
+		"order", order, "name", l->m.scene.name, "crs", json_object_get(first, "crs"), "origin",
+		json_object_get(first, "origin"),
+		"eco_files", sum_of(l, NULL, NULL, "eco_files") + 1, "instances",
+		(json_int_t)l->m.scene.tiles[0].instance_count,
 		"tiles", (json_int_t)l->m.scene.tile_count, "off_ground", sum_of(l, NULL, NULL, "off_ground"),
 		"rows", rows_json(l), "plants", l->plants);
 	*json = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
@@ -395,7 +419,8 @@ static void name_whole(struct link *l, const char *path)
 {
 	const char *slash = strrchr(path, '/'), *from = slash ? slash + 1 : path;
 	size_t size = eco_utf8_cut(from, strcspn(from, "."), sizeof l->m.scene.name - 1);
-	snprintf(l->m.scene.name, sizeof l->m.scene.name, "%.*s", size ? (int)size : 63, size ? from : "linked");
+	snprintf(l->m.scene.name, sizeof l->m.scene.name, "%.*s", size ? (int)size : 63,
+		size ? from : "linked");
 }
 
 static enum eco_code run(struct link *l, const struct link_options *options)
@@ -443,8 +468,8 @@ static void link_free(struct link *l)
 		free(l->parts[i].color_of);
 		free(l->parts[i].list_of);
 	}
-	struct make_array *arrays[] = { &l->m.anchors, &l->m.ladders, &l->m.curves, &l->m.tiles, &l->m.groups, &l->m.children, &l->m.lists, &l->m.places,
-		&l->m.palette };
+	struct make_array *arrays[] = { &l->m.anchors, &l->m.ladders, &l->m.curves, &l->m.tiles, &l->m.groups,
+		&l->m.children, &l->m.lists, &l->m.places, &l->m.palette };
 	for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
 		free(arrays[i]->items);
 	eco_pack_abort(l->m.writer);

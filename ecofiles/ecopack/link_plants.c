@@ -17,7 +17,8 @@ struct range { uint32_t first, end; };
 
 static bool of_plant(const struct eco_list *list, uint32_t plant)
 {
-	return list->owner == plant && list->kind != ECO_LIST_INSTANCES && list->kind != ECO_LIST_GROUND && !(list->attributes & ECO_ATTR_PLANT);
+	return list->owner == plant && list->kind != ECO_LIST_INSTANCES && list->kind != ECO_LIST_GROUND
+		&& !(list->attributes & ECO_ATTR_PLANT);
 }
 
 /* A plant's colours are adjacent. */
@@ -26,7 +27,8 @@ static struct range colors_of(const struct eco_scene *s, uint32_t plant)
 	struct range range = { s->palette_count, s->palette_count };
 	for (uint32_t i = 0; i < s->list_count; i++) {
 		const struct eco_list *list = &s->lists[i];
-		bool plants = list->owner != ECO_NONE && of_plant(list, list->owner) && list->palette_count > 0;
+		bool plants = list->owner != ECO_NONE && of_plant(list, list->owner) && list->palette_count
+			> 0;
 		if (plants && list->owner == plant && list->palette_first < range.first)
 			range.first = list->palette_first;
 		else if (plants && list->owner > plant && list->palette_first < range.end)
@@ -37,7 +39,8 @@ static struct range colors_of(const struct eco_scene *s, uint32_t plant)
 
 static uint32_t since(uint32_t index, uint32_t first) { return index == ECO_NONE ? ECO_NONE : index - first; }
 
-static void write_ladder(struct eco_writer *w, const struct eco_scene *s, uint32_t plant, const struct eco_ladder *ladder, uint32_t list_first)
+static void write_ladder(struct eco_writer *w, const struct eco_scene *s, uint32_t plant,
+	const struct eco_ladder *ladder, uint32_t list_first)
 {
 	struct eco_ladder l = *ladder;
 	l.plant = 0;
@@ -52,7 +55,8 @@ static void write_ladder(struct eco_writer *w, const struct eco_scene *s, uint32
 		eco_curve_write(w, &s->curves[ladder->curve_first + i]);
 }
 
-static void write_list(struct eco_writer *w, const struct eco_scene *s, const struct eco_list *list, uint32_t list_first, uint32_t color_first)
+static void write_list(struct eco_writer *w, const struct eco_scene *s, const struct eco_list *list,
+	uint32_t list_first, uint32_t color_first)
 {
 	struct eco_list l = *list;
 	l.owner = 0;
@@ -66,7 +70,8 @@ static void write_list(struct eco_writer *w, const struct eco_scene *s, const st
 }
 
 /* Hashes everything of a plant, with numbers relative to its own first ones. */
-static bool fingerprint(const struct eco_scene *s, uint32_t plant, const struct range *colors, struct eco_chunk_id *id)
+static bool fingerprint(const struct eco_scene *s, uint32_t plant, const struct range *colors,
+	struct eco_chunk_id *id)
 {
 	struct eco_writer w = { 0 };
 	struct eco_plant p = s->plants[plant];
@@ -99,7 +104,8 @@ static void name_plant(struct link *l, struct eco_plant *plant)
 	memcpy(name, plant->name, sizeof name);
 	for (uint32_t i = 0; i < l->m.plant_count; i++)
 		if (strcmp(l->m.table[i].name, name) == 0) {
-			snprintf(plant->name, sizeof plant->name, "%.*s#%u", (int)eco_utf8_cut(name, strlen(name), 52), name, l->m.plant_count);
+			snprintf(plant->name, sizeof plant->name, "%.*s#%u",
+				(int)eco_utf8_cut(name, strlen(name), 52), name, l->m.plant_count);
 			return;
 		}
 }
@@ -114,7 +120,8 @@ static enum eco_code copy_colors(struct link *l, struct link_part *part, const s
 		part->color_of[i] = (uint32_t)l->m.palette.count - 1;
 	}
 	if (l->m.palette.count > COLORS_MAX)
-		return eco_fail(l->m.error, ECO_TOO_LARGE, "%s: with it there are more than %u colours; let the parts share models", part->path, COLORS_MAX);
+		return eco_fail(l->m.error, ECO_TOO_LARGE, "%s: with it there are more than %u colours; let "
+			"the parts share models", part->path, COLORS_MAX);
 	return ECO_OK;
 }
 
@@ -177,13 +184,16 @@ static enum eco_code copy_tables(struct link *l, struct link_part *part, uint32_
 
 static enum eco_code keep_meta(struct link *l, struct link_part *part, uint32_t plant)
 {
-	json_t *old = json_array_get(json_object_get(part->meta, "plants"), plant), *copy = json_is_object(old) ? json_deep_copy(old) : json_object();
+	json_t *old = json_array_get(json_object_get(part->meta, "plants"), plant),
+		*copy = json_is_object(old) ? json_deep_copy(old) : json_object();
 	if (json_is_object(old))
 		json_object_set_new(copy, "name", json_string(l->m.table[l->m.plant_count].name));
-	return json_array_append_new(l->plants, copy) ? eco_fail(l->m.error, ECO_NO_MEMORY, "no memory for plants") : ECO_OK;
+	return json_array_append_new(l->plants, copy)
+		? eco_fail(l->m.error, ECO_NO_MEMORY, "no memory for plants") : ECO_OK;
 }
 
-static enum eco_code copy_plant(struct link *l, struct link_part *part, uint32_t plant, const struct range *colors)
+static enum eco_code copy_plant(struct link *l, struct link_part *part, uint32_t plant,
+	const struct range *colors)
 {
 	const struct eco_scene *s = &part->pack->scene;
 	enum eco_code code = copy_colors(l, part, colors);
@@ -224,7 +234,8 @@ enum eco_code link_plants(struct link *l, struct link_part *part)
 				part->color_of[i] = first + i - colors.first;
 		}
 		l->m.plants[same].palette_first = first;
-		part->renamed = part->renamed || same != plant || (colors.first < colors.end && first != colors.first);
+		part->renamed = part->renamed || same != plant
+			|| (colors.first < colors.end && first != colors.first);
 	}
 	return code;
 }

@@ -15,7 +15,8 @@
 
 /* ---- make ---- */
 
-static struct { struct make_options make; uint64_t jobs, cache_mb; int order; bool times, uncached; } make_given;
+static struct { struct make_options make; uint64_t jobs, cache_mb; int order; bool times, uncached;
+	} make_given;
 
 static void print_times(bool by_stage)
 {
@@ -36,7 +37,8 @@ static enum eco_code run_make(int argc, char **argv, struct eco_error *error)
 	make_given.cache_mb = MAIN_CACHE_LIMIT_MB;
 	enum eco_code code = main_read(&main_command_make, argc, argv, error);
 	if (!code && make->cache && (!make->cache[0] || strlen(make->cache) > sizeof folder / 2))
-		code = eco_fail(error, ECO_BAD_USAGE, "--cache %.40s: must be the name of a folder", make->cache);
+		code = eco_fail(error, ECO_BAD_USAGE, "--cache %.40s: must be the name of a folder",
+			make->cache);
 	make->order = (enum lod_order_method)make_given.order;
 	make->jobs = (uint32_t)make_given.jobs;
 	make->cache_bytes = make_given.cache_mb << 20;
@@ -60,20 +62,27 @@ static const struct eco_option make_options[] = {
 	{ "output", 'o', ECO_OPTION_TEXT, "OUT.eco", &make_given.make.pack, .is_required = true,
 		.help = "the pack, which appears complete or not at all and replaces nothing but a pack" },
 	{ "order", 0, ECO_OPTION_CHOICE, "NAME", &make_given.order, .choices = lod_order_names,
-		.help = "which leaves come first: greedy (the default: those that make most pixels right), or a method to compare with: "
+		.help = "which leaves come first: greedy (the default: those that make most pixels right), "
+		"or a method to compare with: "
 		"stochastic, density, orientation, combined" },
-	{ "jobs", 0, ECO_OPTION_COUNT, "N", &make_given.jobs, 1, 64, .help = "threads; as many as there are processors if not given" },
-	{ "times", 0, ECO_OPTION_FLAG, NULL, &make_given.times, .help = "where the time went, and the memory, by stage" },
+	{ "jobs", 0, ECO_OPTION_COUNT, "N", &make_given.jobs, 1, 64,
+	.help = "threads; as many as there are processors if not given" },
+	{ "times", 0, ECO_OPTION_FLAG, NULL, &make_given.times, .help = "where the time went, and the "
+	"memory, by stage" },
 	{ "cache", 0, ECO_OPTION_TEXT, "DIR", &make_given.make.cache,
-		.help = "finished plants are kept there for the next time; $XDG_CACHE_HOME/ecostream or ~/.cache/ecostream if not given" },
+		.help = "finished plants are kept there for the next time; $XDG_CACHE_HOME/ecostream or "
+		"~/.cache/ecostream if not given" },
 	{ "no-cache", 0, ECO_OPTION_FLAG, NULL, &make_given.uncached,
 		.help = "every plant is built, and nothing is taken from a pack that is there" },
 	{ "cache-mb", 0, ECO_OPTION_COUNT, "N", &make_given.cache_mb, 1, 1048576,
-		.help = "the plants used least recently leave the cache beyond this size; 2048 if not given" }, { 0 } };
+		.help = "the plants used least recently leave the cache beyond this size; 2048 if not "
+		"given" }, { 0 } };
 
 const struct main_command main_command_make = { {
-	"ecopack make", "SCENE.json -o OUT.eco [--order NAME] [--jobs N] [--times] [--cache DIR | --no-cache]",
-	"Builds a pack; every field of SCENE.json is described in ecofiles/README.md.", make_options, main_common, NULL, NULL }, run_make };
+	"ecopack make", "SCENE.json -o OUT.eco [--order NAME] [--jobs N] [--times] [--cache DIR | "
+		"--no-cache]",
+	"Builds a pack; every field of SCENE.json is described in ecofiles/README.md.", make_options,
+	main_common, NULL, NULL }, run_make };
 
 /* ---- link ---- */
 
@@ -83,7 +92,8 @@ static enum eco_code run_link(int argc, char **argv, struct eco_error *error)
 {
 	memset(&link_given, 0, sizeof link_given);
 	enum eco_code code = main_read(&main_command_link, argc, argv, error);
-	struct link_options link = { .pack = link_given.pack, .parts = (const char *const *)link_given.parts.names,
+	struct link_options link =
+		{ .pack = link_given.pack, .parts = (const char *const *)link_given.parts.names,
 		.count = link_given.parts.count, .jobs = (uint32_t)link_given.jobs };
 	if (!code)
 		code = link_packs(&link, error);
@@ -93,14 +103,18 @@ static enum eco_code run_link(int argc, char **argv, struct eco_error *error)
 }
 
 static const struct eco_option link_options[] = {
-	{ "a pack to be linked", 0, ECO_OPTION_INPUTS, "A.eco", &link_given.parts, .high = LINK_PARTS_MAX, .is_required = true },
-	{ "output", 'o', ECO_OPTION_TEXT, "OUT.eco", &link_given.pack, .help = "the pack to write", .is_required = true },
-	{ "jobs", 0, ECO_OPTION_COUNT, "N", &link_given.jobs, 1, 64, .help = "threads; as many as there are processors if not given" },
+	{ "a pack to be linked", 0, ECO_OPTION_INPUTS, "A.eco", &link_given.parts, .high = LINK_PARTS_MAX,
+		.is_required = true },
+	{ "output", 'o', ECO_OPTION_TEXT, "OUT.eco", &link_given.pack, .help = "the pack to write",
+	.is_required = true },
+	{ "jobs", 0, ECO_OPTION_COUNT, "N", &link_given.jobs, 1, 64,
+	.help = "threads; as many as there are processors if not given" },
 	{ 0 } };
 
 const struct main_command main_command_link = { { "ecopack link", "A.eco B.eco ... -o OUT.eco [--jobs N]",
 	"Makes one pack of packs that were built apart, each where its origin is.", link_options, main_common,
-	"All must have one crs. What is alike is stored once. Ground is taken from the first pack that has some.\n", NULL }, run_link };
+	"All must have one crs. What is alike is stored once. Ground is taken from the first pack that has "
+	"some.\n", NULL }, run_link };
 
 /* ---- info, verify ---- */
 
@@ -117,8 +131,9 @@ static const struct eco_option info_options[] = {
 	{ "the pack", 0, ECO_OPTION_INPUT, "OUT.eco", &look_given.pack, .is_required = true },
 	{ "json", 0, ECO_OPTION_FLAG, NULL, &look_given.json, .help = "for scripts" }, { 0 } };
 
-const struct main_command main_command_info = { { "ecopack info", "OUT.eco [--json]", "Says what is in a pack.", info_options, main_common,
-	NULL, NULL }, run_info };
+const struct main_command main_command_info =
+	{ { "ecopack info", "OUT.eco [--json]", "Says what is in a pack.", info_options, main_common, NULL,
+	NULL }, run_info };
 
 static enum eco_code run_verify(int argc, char **argv, struct eco_error *error)
 {
@@ -128,15 +143,16 @@ static enum eco_code run_verify(int argc, char **argv, struct eco_error *error)
 	if (!code)
 		code = inspect_verify(look_given.pack, stdout, &counts, error);
 	if (!code)
-		printf("%s: all is well: %" PRIu64 " lists, %" PRIu64 " chunks, %" PRIu64 " primitives\n", look_given.pack, counts.lists,
-			counts.chunks, counts.primitives);
+		printf("%s: all is well: %" PRIu64 " lists, %" PRIu64 " chunks, %" PRIu64 " primitives\n",
+			look_given.pack, counts.lists, counts.chunks, counts.primitives);
 	return code;
 }
 
 static const struct eco_option verify_options[] = {
 	{ "the pack", 0, ECO_OPTION_INPUT, "OUT.eco", &look_given.pack, .is_required = true }, { 0 } };
 
-const struct main_command main_command_verify = { { "ecopack verify", "OUT.eco", "Checks every byte of a pack and names what is damaged.",
+const struct main_command main_command_verify =
+	{ { "ecopack verify", "OUT.eco", "Checks every byte of a pack and names what is damaged.",
 	verify_options, main_common, NULL, NULL }, run_verify };
 
 /* ---- generate ---- */
@@ -160,28 +176,34 @@ static enum eco_code run_generate(int argc, char **argv, struct eco_error *error
 		code = eco_generate(generate, error);
 	main_progress_end();
 	if (!code && !main_is_quiet)
-		printf("%s/scene.json is ready: ecopack make %s/scene.json -o %s.eco\n", generate->folder, generate->folder, generate->name);
+		printf("%s/scene.json is ready: ecopack make %s/scene.json -o %s.eco\n", generate->folder,
+			generate->folder, generate->name);
 	return code;
 }
 
 static const struct eco_option generate_options[] = {
-	{ "the name of a scene", 0, ECO_OPTION_INPUT, "NAME", &generate_given.generate.name, .is_required = true,
+	{ "the name of a scene", 0, ECO_OPTION_INPUT, "NAME", &generate_given.generate.name,
+		.is_required = true,
 		.help = "one of those that ecopack --help lists" },
-	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &generate_given.generate.folder, .help = "the folder", .is_required = true },
-	{ "plants", 0, ECO_OPTION_COUNT, "N", &generate_given.plants, 1, ECO_GENERATE_PLANTS_MAX, .help = "about so many plants" },
+	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &generate_given.generate.folder, .help = "the folder",
+	.is_required = true },
+	{ "plants", 0, ECO_OPTION_COUNT, "N", &generate_given.plants, 1, ECO_GENERATE_PLANTS_MAX,
+	.help = "about so many plants" },
 	{ "detail", 0, ECO_OPTION_NUMBER, "D", &generate_given.generate.detail, 0.1, ECO_GENERATE_DETAIL_MAX,
 		.help = "woody plants have D times as many leaves, each as much smaller" },
 	{ "seed", 0, ECO_OPTION_COUNT, "S", &generate_given.generate.seed, 0, 9007199254740992.0,
 		.help = "another scene of the same kind; 1 if not given" }, { 0 } };
 
-const struct main_command main_command_generate = { { "ecopack generate", "NAME -o DIR [--plants N] [--detail D] [--seed S]",
-	"Writes an example scene with models of its own into a folder, where files of the same names are replaced.", generate_options,
-	main_common, NULL, NULL }, run_generate };
+const struct main_command main_command_generate = { { "ecopack generate", "NAME -o DIR [--plants N] "
+	"[--detail D] [--seed S]",
+	"Writes an example scene with models of its own into a folder, where files of the same names are "
+	"replaced.", generate_options, main_common, NULL, NULL }, run_generate };
 
 /* ---- The program ---- */
 
-static const struct main_command *const commands[] = { &main_command_make, &main_command_link, &main_command_info, &main_command_verify,
-	&main_command_generate, &main_command_model, &main_command_sheet, &main_command_map, &main_command_camera };
+static const struct main_command *const commands[] = { &main_command_make, &main_command_link,
+	&main_command_info, &main_command_verify, &main_command_generate, &main_command_model,
+	&main_command_sheet, &main_command_map, &main_command_camera };
 
 static void print_commands(FILE *out)
 {
@@ -202,7 +224,8 @@ static void print_commands(FILE *out)
 	fputs("\necopack COMMAND --help says more, --quiet leaves out progress and notes.\n\n", out);
 }
 
-static const struct eco_command program = { .name = "ecopack", .synopsis = "COMMAND ...", .print_more = print_commands,
+static const struct eco_command program = { .name = "ecopack", .synopsis = "COMMAND ...",
+	.print_more = print_commands,
 	.says = "Packs a scene (plants, positions, ground) into one file that ecoserve serves." };
 
 static const struct main_command *find_command(const char *name, struct eco_error *error)

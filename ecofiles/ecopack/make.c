@@ -20,9 +20,13 @@ static double smallest_m(const struct eco_scene *s)
 		least[id] = INFINITY;
 		for (uint32_t g = t->group_first; g < t->group_first + t->group_count; g++)
 			for (uint32_t i = 0; i < s->lists[s->groups[g].list].primitive_count; i++)
-				least[id] = fmin(least[id], eco_place_read(s, s->groups[g].place_first + i).scale / 65536.0 * s->plants[s->groups[g].plant].height_m);
+				least[id] =
+					fmin(least[id],
+					eco_place_read(s, s->groups[g].place_first + i).scale / 65536.0
+					* s->plants[s->groups[g].plant].height_m);
 		for (uint32_t c = t->child_first; c < t->child_first + t->child_count; c++)
-			least[id] = fmin(least[id], (double)s->children[c].scale * least[s->children[c].tile]);
+			least[id] =
+				fmin(least[id], (double)s->children[c].scale * least[s->children[c].tile]);
 	}
 	all = least[s->root];
 	free(least);
@@ -38,7 +42,8 @@ double make_near_m(const struct make *m)
 	for (int i = 0; i < 3; i++) {
 		double extent = root->high[i] - root->low[i];
 		if (m->has_ground && i < 2)
-			extent = fmax(extent, i ? m->ground.step_y_m * (m->ground.rows - 1) : m->ground.step_x_m * (m->ground.columns - 1));
+			extent = fmax(extent, i ? m->ground.step_y_m * (m->ground.rows - 1)
+				: m->ground.step_x_m * (m->ground.columns - 1));
 		square += extent * extent;
 	}
 	double near = fmin(ldexp(sqrt(square), -17), smallest_m(&m->scene) / 64);
@@ -97,7 +102,8 @@ enum eco_code make_pack(const struct make_options *options, struct eco_error *er
 	struct make m = { .options = options, .error = error ? error : &own };
 	if (options->cache && options->cache[0])
 		make_cache_begin();
-	main_cache_open(&m.cache, options->cache, options->cache_bytes ? options->cache_bytes : MAIN_CACHE_LIMIT_MB * (uint64_t)1048576);
+	main_cache_open(&m.cache, options->cache, options->cache_bytes ? options->cache_bytes
+		: MAIN_CACHE_LIMIT_MB * (uint64_t)1048576);
 	enum eco_code code = build(&m);
 	main_times_stage(MAIN_STAGE_NONE);
 	main_times_cache(m.cache.folder, m.cache.hits, m.cache.misses, make_kept_count(&m));
@@ -109,7 +115,8 @@ enum eco_code make_pack(const struct make_options *options, struct eco_error *er
 	make_plants_free(&m);
 	make_ground_free(&m);
 	eco_sources_free(&m.sources);
-	struct make_array *arrays[] = { &m.anchors, &m.ladders, &m.curves, &m.tiles, &m.groups, &m.children, &m.lists, &m.places, &m.palette, &m.stands };
+	struct make_array *arrays[] = { &m.anchors, &m.ladders, &m.curves, &m.tiles, &m.groups, &m.children,
+		&m.lists, &m.places, &m.palette, &m.stands };
 	for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
 		free(arrays[i]->items);
 	return code;

@@ -23,7 +23,8 @@ struct make_options {
 	const char *scene, *pack;
 	uint32_t jobs;               /* threads; 0: as many as there are processors */
 	enum lod_order_method order; /* of leaves */
-	const char *cache;           /* folder of finished plants; NULL or "": none. Does not change the pack */
+	/* folder of finished plants; NULL or "": none. Does not change the pack */
+	const char *cache;
 	uint64_t cache_bytes;        /* the cache's bound; 0: 2 GiB */
 };
 
@@ -78,7 +79,8 @@ struct make {
 	struct make_eco *ecos;       /* per source */
 	struct eco_pack_writer *writer;
 	struct make_kept *kept;      /* make_kept.c; NULL: build everything */
-	struct make_array stands;    /* make_tiles.c: plants of one kind in one leaf; each a group and a list */
+	/* make_tiles.c: plants of one kind in one leaf; each a group and a list */
+	struct make_array stands;
 	/* the scene's tables as they grow */
 	struct make_array anchors, ladders, curves, tiles, groups, children, lists, places, palette;
 	struct eco_plant *table;     /* per plant */
@@ -93,27 +95,33 @@ bool make_append_bytes(struct make *m, const uint8_t *bytes, size_t size);    /*
 /* Adds a list that the writer has to m->lists, and its requirements to the scene's needs. */
 enum eco_code make_keep_list(struct make *m, uint32_t list_id);
 /* Adds a list to the pack and to m->lists. */
-enum eco_code make_add_list(struct make *m, const struct eco_list *list, const struct eco_elements *elements, const uint32_t *ends,
-	uint32_t end_count, const struct eco_elements *partner, uint32_t *list_id);
+enum eco_code make_add_list(struct make *m, const struct eco_list *list, const struct eco_elements *elements,
+	const uint32_t *ends, uint32_t end_count, const struct eco_elements *partner, uint32_t *list_id);
 
 /* The same for a list encoded before. */
-enum eco_code make_add_encoded(struct make *m, const struct eco_list *list, const struct eco_encoded *encoded, uint32_t *list_id);
+enum eco_code make_add_encoded(struct make *m, const struct eco_list *list, const struct eco_encoded *encoded,
+	uint32_t *list_id);
 
 /* The same for a list of another pack. */
-enum eco_code make_add_copied(struct make *m, const struct eco_list *list, const struct eco_pack *from, uint32_t from_list, uint32_t *list_id);
+enum eco_code make_add_copied(struct make *m, const struct eco_list *list, const struct eco_pack *from,
+	uint32_t from_list, uint32_t *list_id);
 
 /* Lists of the pack to be replaced that can be taken unchanged. */
 void make_kept_open(struct make *m);
-uint32_t make_kept_stand(const struct make *m, const uint8_t *places, size_t size);  /* instance list of the old pack, or ECO_NONE */
+/* instance list of the old pack, or ECO_NONE */
+uint32_t make_kept_stand(const struct make *m, const uint8_t *places, size_t size);
 void make_kept_tiles(struct make *m);                /* once all tables but summaries are there */
-uint32_t make_kept_summary(const struct make *m, uint32_t tile);                     /* list of the old pack, or ECO_NONE */
+/* list of the old pack, or ECO_NONE */
+uint32_t make_kept_summary(const struct make *m, uint32_t tile);
 const struct eco_list *make_kept_list(const struct make *m, uint32_t old);
 enum eco_code make_kept_take(struct make *m, uint32_t old, struct eco_list *record, uint32_t *list_id);
 uint64_t make_kept_count(const struct make *m);      /* lists taken */
-void make_kept_note(struct make *m);                 /* notes that the next make may take lists from the new pack */
+/* notes that the next make may take lists from the new pack */
+void make_kept_note(struct make *m);
 void make_kept_close(struct make *m);
 
-uint32_t make_threads(const struct make *m);         /* as many as the options ask for, or the machine has processors */
+/* as many as the options ask for, or the machine has processors */
+uint32_t make_threads(const struct make *m);
 
 enum eco_code make_ground_read(struct make *m);      /* reports errors before plants are built */
 enum eco_code make_ground_pack(struct make *m);
@@ -124,22 +132,27 @@ void make_plants_free(struct make *m);
 /* Call it before any library is loaded on demand: it hashes the libraries that are loaded. */
 void make_cache_begin(void);
 /* False if the program's file cannot be read: then keep nothing. */
-bool make_cache_key(struct main_cache_key *key, const struct eco_model *model, const struct lod_plant_options *options);
+bool make_cache_key(struct main_cache_key *key, const struct eco_model *model,
+	const struct lod_plant_options *options);
 /* The key of the note that this program made a pack. */
 bool make_cache_pack_key(struct main_cache_key *key, const struct eco_chunk_id *pack);
 /* Fetches the plant, as lod_plant_measure left it, and gives it that name; false: not in the cache. */
-bool make_cache_get(struct main_cache *cache, const struct main_cache_key *key, const struct eco_model *model, const char *name,
-	struct lod_plant *plant);
-void make_cache_put(struct main_cache *cache, const struct main_cache_key *key, const struct lod_plant *plant);
+bool make_cache_get(struct main_cache *cache, const struct main_cache_key *key, const struct eco_model *model,
+	const char *name, struct lod_plant *plant);
+void make_cache_put(struct main_cache *cache, const struct main_cache_key *key,
+	const struct lod_plant *plant);
 
-enum eco_code make_places_check(struct make *m);     /* opens each inventory and takes its first plant; reads areas and masks */
+/* opens each inventory and takes its first plant; reads areas and masks */
+enum eco_code make_places_check(struct make *m);
 enum eco_code make_places(struct make *m);           /* fills m->ecos except the tiles */
 void make_places_drop(struct make *m);               /* frees the parts of m->ecos that only tiles need */
 void make_places_free(struct make *m);
-uint32_t make_nested_weight(uint64_t instances);     /* a nested eco file's weight when tiles are split (lod/build/tile.h) */
+/* a nested eco file's weight when tiles are split (lod/build/tile.h) */
+uint32_t make_nested_weight(uint64_t instances);
 enum eco_code make_tiles(struct make *m);            /* tables and lists of tiles */
 void make_refer(struct make *m);                     /* points m->scene to the tables as they are now */
-void make_add_up(struct make *m, uint32_t tiles_end);    /* sums areas and plants of tiles [0, tiles_end) from later tiles */
+/* sums areas and plants of tiles [0, tiles_end) from later tiles */
+void make_add_up(struct make *m, uint32_t tiles_end);
 double make_near_m(const struct make *m);            /* near plane of the finished scene */
 
 /* Summaries, a range of tiles at a time; nested eco files come before the files that nest them. */
@@ -154,7 +167,8 @@ struct make_summing {
 };
 enum eco_code make_summing_begin(struct make_summing *summing, struct make *m);
 enum eco_code make_summing_run(struct make_summing *summing, uint32_t first, uint32_t count);
-enum eco_code make_summing_keep(struct make_summing *summing, uint32_t tile);        /* keeps the root for files that nest it */
+/* keeps the root for files that nest it */
+enum eco_code make_summing_keep(struct make_summing *summing, uint32_t tile);
 void make_summing_end(struct make_summing *summing);
 enum eco_code make_summaries(struct make *m);        /* of all tiles */
 enum eco_code make_meta(const struct make *m, char **json, struct eco_error *error);

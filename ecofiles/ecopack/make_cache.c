@@ -26,7 +26,8 @@ static int add_library(struct dl_phdr_info *info, size_t size, void *ctx)
 		const ElfW(Phdr) *header = &info->dlpi_phdr[i];
 		if (header->p_type != PT_NOTE)
 			continue;
-		struct eco_reader r = { (const uint8_t *)info->dlpi_addr + header->p_vaddr, header->p_memsz, 0, false };
+		struct eco_reader r = { (const uint8_t *)info->dlpi_addr + header->p_vaddr, header->p_memsz,
+			0, false };
 		while (!r.failed && r.at < r.size) {
 			uint32_t name = eco_read_u32(&r), length = eco_read_u32(&r), type = eco_read_u32(&r);
 			eco_read_bytes(&r, (name + 3) & ~3u);
@@ -118,8 +119,8 @@ static void add_model(XXH3_state_t *hash, const struct eco_model *model)
 /* Hashes the options except the name, which the plant gets afterwards, and the progress callback. */
 static void add_options(XXH3_state_t *hash, const struct lod_plant_options *options)
 {
-	const uint32_t numbers[] = { options->seed, (uint32_t)options->order, options->cell_triangles, options->grid_bits, options->views,
-		options->pixels };
+	const uint32_t numbers[] = { options->seed, (uint32_t)options->order, options->cell_triangles,
+		options->grid_bits, options->views, options->pixels };
 	ADD(hash, numbers);
 	ADD(hash, options->importance);
 }
@@ -145,7 +146,8 @@ bool make_cache_pack_key(struct main_cache_key *key, const struct eco_chunk_id *
 
 /* ---- Plants ---- */
 
-bool make_cache_key(struct main_cache_key *key, const struct eco_model *model, const struct lod_plant_options *options)
+bool make_cache_key(struct main_cache_key *key, const struct eco_model *model,
+	const struct lod_plant_options *options)
 {
 	XXH3_state_t *hash = XXH3_createState();
 	make_cache_begin();
@@ -172,8 +174,8 @@ static bool names_images(const struct lod_plant *plant, const struct eco_model *
 	return true;
 }
 
-bool make_cache_get(struct main_cache *cache, const struct main_cache_key *key, const struct eco_model *model, const char *name,
-	struct lod_plant *plant)
+bool make_cache_get(struct main_cache *cache, const struct main_cache_key *key, const struct eco_model *model,
+	const char *name, struct lod_plant *plant)
 {
 	struct eco_error error = { 0 };
 	uint8_t *bytes;

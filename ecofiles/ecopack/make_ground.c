@@ -61,8 +61,10 @@ enum eco_code make_ground_read(struct make *m)
 		return ECO_OK;
 	if (!main_progress("reading ground", NULL, 0))
 		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
-	struct eco_ground_options options = { .source = &source->ground, .scene_crs = source->crs, .scene_vertical = source->vertical,
-		.origin = { source->origin[0], source->origin[1], source->origin[2] }, .warn = main_note_text };
+	struct eco_ground_options options = { .source = &source->ground, .scene_crs = source->crs,
+		.scene_vertical = source->vertical,
+		.origin = { source->origin[0], source->origin[1], source->origin[2] },
+		.warn = main_note_text };
 	enum eco_code code = eco_ground_import(&m->ground, &options, m->error);
 	if (code)
 		return code;
@@ -85,12 +87,16 @@ static enum eco_code encode_tile(void *ctx, uint64_t i, void *result, struct eco
 	struct eco_ground_span x, y;
 	struct eco_elements e;
 	eco_ground_spans(&x, &y, tile, g->columns, g->rows);
-	made->list = (struct eco_list){ .kind = ECO_LIST_GROUND, .coder = ECO_CODER_ROWS, .level = tile->level, .owner = ECO_NONE,
-		.plant = ECO_NONE, .image = ECO_NONE, .partner = ECO_NONE, .grid_origin = { g->x_m, g->y_m, m->ground_low_m },
+	made->list = (struct eco_list){ .kind = ECO_LIST_GROUND, .coder = ECO_CODER_ROWS,
+		.level = tile->level, .owner = ECO_NONE,
+		.plant = ECO_NONE, .image = ECO_NONE, .partner = ECO_NONE,
+		.grid_origin = { g->x_m, g->y_m, m->ground_low_m },
 		.grid_step = { g->step_x_m, g->step_y_m, m->ground_step_m }, .columns = x.count };
-	enum eco_code code = lod_ground_elements(&e, g, tile, m->ground_shifts[i], m->ground_low_m, m->ground_step_m, error);
+	enum eco_code code = lod_ground_elements(&e, g, tile, m->ground_shifts[i], m->ground_low_m,
+		m->ground_step_m, error);
 	if (!code)
-		code = eco_pack_encode(&made->encoded, &made->list, &e, (const uint32_t[]){ e.element_count }, 1, error);
+		code = eco_pack_encode(&made->encoded, &made->list, &e, (const uint32_t[]){ e.element_count },
+			1, error);
 	eco_elements_free(&e);
 	return code;
 }
@@ -118,7 +124,8 @@ enum eco_code make_ground_pack(struct make *m)
 		return ECO_OK;
 	if (!main_progress("measuring ground", NULL, 0))
 		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
-	enum eco_code code = lod_ground_build(&tree, &m->ground, m->ground_step_m, fmin(m->ground_step_m, HEIGHT_STEP_M), m->error);
+	enum eco_code code = lod_ground_build(&tree, &m->ground, m->ground_step_m,
+		fmin(m->ground_step_m, HEIGHT_STEP_M), m->error);
 	if (code)
 		return code;
 	m->scene.ground = m->ground_tiles = tree.tiles;
@@ -126,7 +133,8 @@ enum eco_code make_ground_pack(struct make *m)
 	m->scene.ground_count = tree.count;
 	m->scene.ground_columns = m->ground.columns;
 	m->scene.ground_rows = m->ground.rows;
-	return main_jobs_run(&(struct main_jobs){ .count = tree.count, .threads = make_threads(m), .result_size = sizeof(struct tile_list),
+	return main_jobs_run(&(struct main_jobs){ .count = tree.count, .threads = make_threads(m),
+		.result_size = sizeof(struct tile_list),
 		.work = encode_tile, .take = add_tile, .drop = drop_tile, .ctx = m }, m->error);
 }
 

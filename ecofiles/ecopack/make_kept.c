@@ -24,7 +24,8 @@ struct known_table { struct known *items; uint32_t count; };
 struct make_kept {
 	struct eco_pack *pack;
 	struct known_table stands, summaries;
-	uint32_t *summary_of;        /* per new tile: list of the old pack, or ECO_NONE; NULL: none is known */
+	/* per new tile: list of the old pack, or ECO_NONE; NULL: none is known */
+	uint32_t *summary_of;
 	uint64_t taken;
 };
 
@@ -45,14 +46,16 @@ static uint32_t find(const struct known_table *table, XXH128_hash_t hash)
 		else
 			high = middle;
 	}
-	return low < table->count && XXH128_isEqual(table->items[low].hash, hash) ? table->items[low].list : ECO_NONE;
+	return low < table->count && XXH128_isEqual(table->items[low].hash, hash) ? table->items[low].list
+		: ECO_NONE;
 }
 
 /* ---- Hashes ---- */
 
 static bool of_plant(const struct eco_list *list)
 {
-	return list->kind != ECO_LIST_INSTANCES && list->kind != ECO_LIST_GROUND && !(list->attributes & ECO_ATTR_PLANT);
+	return list->kind != ECO_LIST_INSTANCES && list->kind != ECO_LIST_GROUND
+		&& !(list->attributes & ECO_ATTR_PLANT);
 }
 
 /* Hashes everything that summaries take from plants: records, colours and chunks. Without memory sets
@@ -73,7 +76,8 @@ static XXH128_hash_t hash_plants(const struct eco_scene *s, const struct eco_chu
 		list.chunk_first = 0;
 		eco_list_write(&w, &list);
 		for (uint32_t c = 0; c < list.chunk_count; c++)
-			eco_write_bytes(&w, chunks[s->lists[i].chunk_first + c].id.bytes, sizeof chunks->id.bytes);
+			eco_write_bytes(&w, chunks[s->lists[i].chunk_first + c].id.bytes,
+				sizeof chunks->id.bytes);
 	}
 	eco_write_bytes(&w, s->palette, 3 * (size_t)s->palette_count);
 	XXH128_hash_t hash = w.failed ? (XXH128_hash_t){ 0 } : XXH3_128bits(w.bytes, w.size);
@@ -89,7 +93,8 @@ static void add_group(XXH3_state_t *state, const struct eco_scene *s, const stru
 	XXH3_128bits_update(state, numbers, sizeof numbers);
 	XXH3_128bits_update(state, list->grid_origin, sizeof list->grid_origin);
 	XXH3_128bits_update(state, list->grid_step, sizeof list->grid_step);
-	XXH3_128bits_update(state, s->places + group->place_first * ECO_PLACE_BYTES, (size_t)list->primitive_count * ECO_PLACE_BYTES);
+	XXH3_128bits_update(state, s->places + group->place_first * ECO_PLACE_BYTES,
+		(size_t)list->primitive_count * ECO_PLACE_BYTES);
 }
 
 /* Hashes each tile's content and its children. Tiles are named by their distance in the table, as in
@@ -101,7 +106,8 @@ static bool hash_tiles(const struct eco_scene *s, XXH128_hash_t *out)
 		return false;
 	for (uint32_t id = s->tile_count; id-- > 0;) {
 		const struct eco_tile *t = &s->tiles[id];
-		const uint64_t numbers[] = { t->instance_count, id == s->root, t->group_count, t->child_count };
+		const uint64_t numbers[] = { t->instance_count, id == s->root, t->group_count,
+			t->child_count };
 		XXH3_128bits_reset(state);
 		XXH3_128bits_update(state, numbers, sizeof numbers);
 		XXH3_128bits_update(state, &t->area, sizeof t->area);
@@ -132,12 +138,14 @@ static bool index_old(struct make_kept *kept)
 	bool good = tiles && kept->stands.items && kept->summaries.items && hash_tiles(s, tiles);
 	for (uint32_t i = 0; i < s->group_count && good; i++) {
 		const struct eco_group *g = &s->groups[i];
-		kept->stands.items[kept->stands.count++] = (struct known){ XXH3_128bits(s->places + g->place_first * ECO_PLACE_BYTES,
+		kept->stands.items[kept->stands.count++] =
+			(struct known){ XXH3_128bits(s->places + g->place_first * ECO_PLACE_BYTES,
 			(size_t)s->lists[g->list].primitive_count * ECO_PLACE_BYTES), g->list };
 	}
 	for (uint32_t i = 0; i < s->tile_count && good; i++)
 		if (s->tiles[i].summary != ECO_NONE)
-			kept->summaries.items[kept->summaries.count++] = (struct known){ tiles[i], s->tiles[i].summary };
+			kept->summaries.items[kept->summaries.count++] =
+				(struct known){ tiles[i], s->tiles[i].summary };
 	if (good && kept->stands.count)
 		qsort(kept->stands.items, kept->stands.count, sizeof *kept->stands.items, by_hash);
 	if (good && kept->summaries.count)
@@ -154,8 +162,10 @@ void make_kept_open(struct make *m)
 	size_t size;
 	if (!m->cache.folder[0] || !(m->kept = calloc(1, sizeof *m->kept)))
 		return;
-	bool ours = eco_pack_open(&m->kept->pack, m->options->pack, &unread) == ECO_OK && make_cache_pack_key(&key, &m->kept->pack->id)
-		&& main_cache_get(&m->cache, &key, &bytes, &size) && size == sizeof note && memcmp(bytes, note, sizeof note) == 0;
+	bool ours = eco_pack_open(&m->kept->pack, m->options->pack, &unread) == ECO_OK
+		&& make_cache_pack_key(&key, &m->kept->pack->id)
+		&& main_cache_get(&m->cache, &key, &bytes, &size) && size == sizeof note
+		&& memcmp(bytes, note, sizeof note) == 0;
 	free(bytes);
 	m->cache.hits = m->cache.misses = 0;         /* reports count plants only */
 	if (!ours || !index_old(m->kept))
@@ -226,7 +236,10 @@ enum eco_code make_kept_take(struct make *m, uint32_t old, struct eco_list *reco
 	return make_add_copied(m, record, m->kept->pack, old, list_id);
 }
 
-const struct eco_list *make_kept_list(const struct make *m, uint32_t old) { return &m->kept->pack->scene.lists[old]; }
+const struct eco_list *make_kept_list(const struct make *m, uint32_t old)
+{
+	return &m->kept->pack->scene.lists[old];
+}
 
 void make_kept_note(struct make *m)
 {

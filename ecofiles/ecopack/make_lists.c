@@ -10,7 +10,8 @@ void *make_append(struct make *m, struct make_array *array, size_t size)
 		uint64_t wanted = array->capacity ? 2 * array->capacity : 64;
 		void *bigger = wanted < ECO_NONE ? realloc(array->items, wanted * size) : NULL;
 		if (!bigger) {
-			eco_fail(m->error, ECO_NO_MEMORY, "no memory for %llu records", (unsigned long long)wanted);
+			eco_fail(m->error, ECO_NO_MEMORY, "no memory for %llu records",
+				(unsigned long long)wanted);
 			return NULL;
 		}
 		array->items = bigger;
@@ -21,8 +22,9 @@ void *make_append(struct make *m, struct make_array *array, size_t size)
 
 enum eco_code make_keep_list(struct make *m, uint32_t list_id)
 {
-	static const uint32_t needs[] = { [ECO_LIST_TRIANGLES] = ECO_NEED_TRIANGLES, [ECO_LIST_LINES] = ECO_NEED_LINES,
-		[ECO_LIST_POINTS] = ECO_NEED_POINTS, [ECO_LIST_GROUND] = ECO_NEED_GROUND, [ECO_LIST_IMAGE] = ECO_NEED_TEXTURES };
+	static const uint32_t needs[] = { [ECO_LIST_TRIANGLES] = ECO_NEED_TRIANGLES,
+		[ECO_LIST_LINES] = ECO_NEED_LINES, [ECO_LIST_POINTS] = ECO_NEED_POINTS,
+		[ECO_LIST_GROUND] = ECO_NEED_GROUND, [ECO_LIST_IMAGE] = ECO_NEED_TEXTURES };
 	struct eco_list *stored = make_append(m, &m->lists, sizeof *stored);
 	if (!stored)
 		return ECO_NO_MEMORY;
@@ -31,20 +33,23 @@ enum eco_code make_keep_list(struct make *m, uint32_t list_id)
 	return ECO_OK;
 }
 
-enum eco_code make_add_list(struct make *m, const struct eco_list *list, const struct eco_elements *elements, const uint32_t *ends,
-	uint32_t end_count, const struct eco_elements *partner, uint32_t *list_id)
+enum eco_code make_add_list(struct make *m, const struct eco_list *list, const struct eco_elements *elements,
+	const uint32_t *ends, uint32_t end_count, const struct eco_elements *partner, uint32_t *list_id)
 {
-	enum eco_code code = eco_pack_add_list(m->writer, list, elements, ends, end_count, partner, list_id, m->error);
+	enum eco_code code = eco_pack_add_list(m->writer, list, elements, ends, end_count, partner, list_id,
+		m->error);
 	return code ? code : make_keep_list(m, *list_id);
 }
 
-enum eco_code make_add_encoded(struct make *m, const struct eco_list *list, const struct eco_encoded *encoded, uint32_t *list_id)
+enum eco_code make_add_encoded(struct make *m, const struct eco_list *list, const struct eco_encoded *encoded,
+	uint32_t *list_id)
 {
 	enum eco_code code = eco_pack_add_encoded(m->writer, list, encoded, list_id, m->error);
 	return code ? code : make_keep_list(m, *list_id);
 }
 
-enum eco_code make_add_copied(struct make *m, const struct eco_list *list, const struct eco_pack *from, uint32_t from_list, uint32_t *list_id)
+enum eco_code make_add_copied(struct make *m, const struct eco_list *list, const struct eco_pack *from,
+	uint32_t from_list, uint32_t *list_id)
 {
 	enum eco_code code = eco_pack_add_copied(m->writer, list, from, from_list, list_id, m->error);
 	return code ? code : make_keep_list(m, *list_id);
@@ -53,5 +58,6 @@ enum eco_code make_add_copied(struct make *m, const struct eco_list *list, const
 uint32_t make_threads(const struct make *m)
 {
 	long processors = sysconf(_SC_NPROCESSORS_ONLN);
-	return m->options->jobs ? m->options->jobs : processors > 64 ? 64 : processors > 0 ? (uint32_t)processors : 1;
+	return m->options->jobs ? m->options->jobs : processors > 64 ? 64 : processors > 0
+		? (uint32_t)processors : 1;
 }

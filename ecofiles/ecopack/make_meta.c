@@ -15,7 +15,8 @@ static json_t *dropped_json(const struct make_plant *plant)
 	json_t *reasons = json_object();
 	for (int i = 0; i < ECO_DROP_COUNT; i++)
 		if (plant->built.dropped[i])
-			json_object_set_new(reasons, eco_drop_names[i], json_integer(plant->built.dropped[i]));
+			json_object_set_new(reasons, eco_drop_names[i],
+				json_integer(plant->built.dropped[i]));
 	return reasons;
 }
 
@@ -26,8 +27,10 @@ static json_t *organs_json(const struct make_plant *plant)
 		const struct lod_organ_stats *s = &plant->built.organ[i];
 		if (s->triangles == 0 && s->elements == 0)
 			continue;
-		json_object_set_new(organs, eco_organ_names[i], json_pack("{s:I, s:I, s:I, s:f}", "components", (json_int_t)s->components,
-			"elements", (json_int_t)s->elements, "triangles", (json_int_t)s->triangles, "area_m2", floor(s->area * 1e6 + 0.5) / 1e6));
+		json_object_set_new(organs, eco_organ_names[i],
+			json_pack("{s:I, s:I, s:I, s:f}", "components", (json_int_t)s->components,
+			"elements", (json_int_t)s->elements, "triangles", (json_int_t)s->triangles, "area_m2",
+			floor(s->area * 1e6 + 0.5) / 1e6));
 	}
 	return organs;
 }
@@ -50,7 +53,8 @@ static double half_a_pixel_m(const struct lod_plant *plant)
 {
 	double most = 0;
 	for (uint32_t i = 0; i < plant->list_count; i++)
-		if (plant->lists[i].list.kind == ECO_LIST_TRIANGLES || plant->lists[i].list.kind == ECO_LIST_LINES)
+		if (plant->lists[i].list.kind == ECO_LIST_TRIANGLES || plant->lists[i].list.kind
+				== ECO_LIST_LINES)
 			most = fmax(most, lod_grid_nearest_m(&plant->lists[i].list, LOD_GRID_PIXEL_RAD));
 	return most;
 }
@@ -61,8 +65,9 @@ static json_t *searches_json(const struct lod_plant *plant)
 	json_t *searches = json_object();
 	for (int i = 0; i < LOD_SOLVER_COUNT; i++)
 		if (plant->solved[i].runs)
-			json_object_set_new(searches, lod_solver_names[i], json_pack("{s:I, s:I}", "runs", (json_int_t)plant->solved[i].runs, "converged",
-				(json_int_t)plant->solved[i].converged));
+			json_object_set_new(searches, lod_solver_names[i],
+				json_pack("{s:I, s:I}", "runs", (json_int_t)plant->solved[i].runs,
+				"converged", (json_int_t)plant->solved[i].converged));
 	return searches;
 }
 
@@ -74,11 +79,16 @@ static const char *file_of(const char *path)
 
 static json_t *plant_json(const struct make_plant *plant)
 {
-	return json_pack("{s:s, s:s, s:f, s:I, s:I, s:o, s:o, s:I, s:f, s:o, s:[f,f,f], s:f}", "name", plant->name, "model", file_of(plant->path),
-		"height_m", floor((double)plant->built.plant.height_m * 1e4 + 0.5) / 1e4, "triangles_in", (json_int_t)plant->built.triangles_in,
-		"triangles_stored", (json_int_t)plant->built.triangles_stored, "dropped", dropped_json(plant), "organs", organs_json(plant),
-		"grid_bits", (json_int_t)grid_bits(plant), "half_a_pixel_m", floor(half_a_pixel_m(&plant->built) * 1e4 + 0.5) / 1e4,
-		"searches", searches_json(&plant->built), "foot", plant->foot[0], plant->foot[1], plant->foot[2], "scale", plant->scale);
+	return json_pack("{s:s, s:s, s:f, s:I, s:I, s:o, s:o, s:I, s:f, s:o, s:[f,f,f], s:f}", "name",
+		plant->name, "model", file_of(plant->path),
+		"height_m", floor((double)plant->built.plant.height_m * 1e4 + 0.5) / 1e4, "triangles_in",
+		(json_int_t)plant->built.triangles_in,
+		"triangles_stored", (json_int_t)plant->built.triangles_stored, "dropped", dropped_json(plant),
+		"organs", organs_json(plant),
+		"grid_bits", (json_int_t)grid_bits(plant), "half_a_pixel_m",
+		floor(half_a_pixel_m(&plant->built) * 1e4 + 0.5) / 1e4,
+		"searches", searches_json(&plant->built), "foot", plant->foot[0], plant->foot[1],
+		plant->foot[2], "scale", plant->scale);
 }
 
 static json_t *rows_json(const struct make *m)
@@ -103,10 +113,13 @@ enum eco_code make_meta(const struct make *m, char **json, struct eco_error *err
 	json_t *plants = json_array(), *root;
 	for (uint32_t i = 0; i < m->plant_count; i++)
 		json_array_append_new(plants, plant_json(&m->plants[i]));
-	root = json_pack("{s:s, s:s, s:s, s:o, s:[f,f,f], s:I, s:I, s:I, s:I, s:o, s:o}", "generator", "ecopack " ECO_VERSION,
+	root = json_pack("{s:s, s:s, s:s, s:o, s:[f,f,f], s:I, s:I, s:I, s:I, s:o, s:o}", "generator",
+		"ecopack " ECO_VERSION,
 		"order", lod_order_names[m->options->order], "name", outer->name,
-		"crs", outer->crs ? json_string(outer->crs) : json_null(), "origin", outer->origin[0], outer->origin[1], outer->origin[2],
-		"eco_files", (json_int_t)m->sources.count, "instances", (json_int_t)m->ecos[0].instances, "tiles", (json_int_t)m->scene.tile_count,
+		"crs", outer->crs ? json_string(outer->crs) : json_null(), "origin", outer->origin[0],
+		outer->origin[1], outer->origin[2],
+		"eco_files", (json_int_t)m->sources.count, "instances", (json_int_t)m->ecos[0].instances,
+		"tiles", (json_int_t)m->scene.tile_count,
 		"off_ground", (json_int_t)m->off_ground, "rows", rows_json(m), "plants", plants);
 	*json = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
 	json_decref(root);

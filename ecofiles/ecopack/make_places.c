@@ -13,18 +13,23 @@
 #define SCALE_LEAST (1.0 / 4096)
 #define SCALE_MOST 4000.0           /* a chunk's values must hold it in 1/65536 */
 #define PLACES_MAX 500000000u
-#define NESTED_PLANTS 16u        /* a nested eco file counts as one plant for each 16 when tiles are split, ... */
+/* a nested eco file counts as one plant for each 16 when tiles are split, ... */
+#define NESTED_PLANTS 16u
 #define NESTED_MOST 32u          /* ... up to 32: opening a tile opens everything that it places */
 
 static enum eco_code add_place(struct make *m, struct make_eco *eco, const struct make_place *place)
 {
 	if (!(place->scale >= SCALE_LEAST && place->scale <= SCALE_MOST))
-		return eco_fail(m->error, ECO_BAD_INPUT, "%s at [%g, %g]: it would be scaled by %g; heights must be within 1/4096 and 4000 times "
-			"the model's %g m (is the model's unit metres?)", m->plants[place->plant].name, place->at[0], place->at[1], place->scale,
+		return eco_fail(m->error, ECO_BAD_INPUT, "%s at [%g, %g]: it would be scaled by %g; heights "
+			"must be within 1/4096 and 4000 times "
+			"the model's %g m (is the model's unit metres?)", m->plants[place->plant].name,
+			place->at[0], place->at[1], place->scale,
 			(double)m->plants[place->plant].built.plant.height_m);
-	if (eco->place_count == PLACES_MAX || !eco_room(&eco->places, &eco->place_capacity, eco->place_count, sizeof *eco->places))
+	if (eco->place_count == PLACES_MAX || !eco_room(&eco->places, &eco->place_capacity, eco->place_count,
+			sizeof *eco->places))
 		return eco_fail(m->error, eco->place_count == PLACES_MAX ? ECO_TOO_LARGE : ECO_NO_MEMORY,
-			"no room for more than %u plants in one eco file; nest eco files instead", eco->place_count);
+			"no room for more than %u plants in one eco file; nest eco files instead",
+			eco->place_count);
 	eco->places[eco->place_count++] = *place;
 	return ECO_OK;
 }
@@ -49,8 +54,10 @@ static enum eco_code place_instances(struct make *m, uint32_t source)
 	for (uint32_t i = 0; i < s->instance_count; i++) {
 		const struct eco_source_instance *instance = &s->instances[i];
 		uint32_t plant = m->plant_of[source][instance->plant];
-		struct make_place place = { .at = { instance->at[0], instance->at[1], on_ground(m, source, instance->at) },
-			.scale = scale_for(m, plant, instance->scale, instance->height_m), .plant = plant, .turn = eco_turn_from_deg(instance->yaw_deg) };
+		struct make_place place =
+			{ .at = { instance->at[0], instance->at[1], on_ground(m, source, instance->at) },
+			.scale = scale_for(m, plant, instance->scale, instance->height_m), .plant = plant,
+			.turn = eco_turn_from_deg(instance->yaw_deg) };
 		enum eco_code code = add_place(m, &m->ecos[source], &place);
 		if (code)
 			return code;
@@ -69,7 +76,9 @@ static uint32_t fitting_variant(const struct make *m, uint32_t source, const str
 		return m->plant_of[source][row->plant];
 	for (uint32_t i = 0; i < row->variant_count; i++) {
 		const struct make_plant *plant = &m->plants[m->plant_of[source][row->variant_first + i]];
-		double ratio = row->height_m * plant->reach / (row->crown_radius_m * (double)plant->built.plant.height_m);
+		double ratio =
+			row->height_m * plant->reach
+			/ (row->crown_radius_m * (double)plant->built.plant.height_m);
 		double off = fmax(ratio, 1 / ratio);
 		/* among equals, the one that the hash took */
 		if (off < least || (off == least && row->variant_first + i == row->plant)) {
@@ -87,7 +96,8 @@ static double row_scale(const struct make *m, uint32_t plant, const struct eco_p
 	return scale_for(m, plant, row->scale, row->height_m);
 }
 
-static enum eco_code read_rows(struct make *m, uint32_t source, struct eco_positions *reader, const char *path)
+static enum eco_code read_rows(struct make *m, uint32_t source, struct eco_positions *reader,
+	const char *path)
 {
 	struct eco_position row;
 	for (uint64_t i = 0;; i++) {
@@ -97,8 +107,11 @@ static enum eco_code read_rows(struct make *m, uint32_t source, struct eco_posit
 		if (row.plant == ECO_NONE)
 			return ECO_OK;
 		uint32_t plant = fitting_variant(m, source, &row);
-		struct make_place place = { .at = { row.at[0], row.at[1], row.absolute ? row.at[2] : on_ground(m, source, row.at) },
-			.scale = row_scale(m, plant, &row), .plant = plant, .turn = eco_turn_from_deg(row.yaw_deg) };
+		struct make_place place =
+			{ .at = { row.at[0], row.at[1], row.absolute ? row.at[2]
+			: on_ground(m, source, row.at) },
+			.scale = row_scale(m, plant, &row), .plant = plant,
+			.turn = eco_turn_from_deg(row.yaw_deg) };
 		code = add_place(m, &m->ecos[source], &place);
 		if (code)
 			return code;
@@ -151,11 +164,15 @@ static enum eco_code place_scatters(struct make *m, uint32_t source)
 	for (uint32_t i = 0; i < s->scatter_count && !code; i++) {
 		struct eco_scatter *scatter = NULL;
 		struct eco_scatter_place row;
-		code = eco_scatter_open(&scatter, &s->scatters[i], &frame, scatter_progress, s->scatters[i].path, m->error);
+		code = eco_scatter_open(&scatter, &s->scatters[i], &frame, scatter_progress,
+			s->scatters[i].path, m->error);
 		while (!code && eco_scatter_next(scatter, &row)) {
 			uint32_t plant = m->plant_of[source][row.plant];
-			struct make_place place = { .at = { row.at[0], row.at[1], on_ground(m, source, (double[]){ row.at[0], row.at[1], 0 }) },
-				.scale = scale_for(m, plant, 1, row.height_m), .plant = plant, .turn = eco_turn_from_deg(row.yaw_deg) };
+			struct make_place place =
+				{ .at = { row.at[0], row.at[1],
+				on_ground(m, source, (double[]){ row.at[0], row.at[1], 0 }) },
+				.scale = scale_for(m, plant, 1, row.height_m), .plant = plant,
+				.turn = eco_turn_from_deg(row.yaw_deg) };
 			code = add_place(m, &m->ecos[source], &place);
 		}
 		if (!code)
@@ -179,14 +196,20 @@ static enum eco_code find_nested(struct make *m, uint32_t source, struct lod_til
 		const struct eco_source_child *child = &s->children[i];
 		const struct make_eco *inner = &m->ecos[child->source];
 		const struct lod_tile_node *root = &inner->tiles.nodes[0];
-		double x = fmax(fabs(root->low[0]), fabs(root->high[0])), y = fmax(fabs(root->low[1]), fabs(root->high[1]));
+		double x = fmax(fabs(root->low[0]), fabs(root->high[0])),
+			y = fmax(fabs(root->low[1]), fabs(root->high[1]));
 		struct make_nested *nested = &eco->nested[i];
-		*nested = (struct make_nested){ .at = { child->at[0], child->at[1], on_ground(m, source, child->at) }, .child = i };
-		items[i] = (struct lod_tile_item){ .reach = child->scale * sqrt(x * x + y * y), .below = -child->scale * root->low[2],
-			.above = child->scale * root->high[2], .plant = ECO_NONE, .weight = make_nested_weight(inner->instances) };
+		*nested =
+			(struct make_nested){
+			.at = { child->at[0], child->at[1], on_ground(m, source, child->at) }, .child = i };
+		items[i] = (struct lod_tile_item){ .reach = child->scale * sqrt(x * x + y * y),
+			.below = -child->scale * root->low[2],
+			.above = child->scale * root->high[2], .plant = ECO_NONE,
+			.weight = make_nested_weight(inner->instances) };
 		memcpy(items[i].at, nested->at, sizeof items[i].at);
 		if (__builtin_add_overflow(eco->instances, inner->instances, &eco->instances))
-			return eco_fail(m->error, ECO_TOO_LARGE, "%s: with the files it nests it has more than 2^64 plants", s->path);
+			return eco_fail(m->error, ECO_TOO_LARGE, "%s: with the files it nests it has more "
+				"than 2^64 plants", s->path);
 	}
 	return ECO_OK;
 }
@@ -202,11 +225,13 @@ static enum eco_code tile_places(struct make *m, uint32_t source)
 	eco->nested = calloc(s->child_count + 1u, sizeof *eco->nested);
 	eco->instances = eco->place_count;
 	if (!items || !eco->nested)
-		code = eco_fail(m->error, ECO_NO_MEMORY, "%s: no memory for %llu plants", s->path, (unsigned long long)count);
+		code = eco_fail(m->error, ECO_NO_MEMORY, "%s: no memory for %llu plants", s->path,
+			(unsigned long long)count);
 	for (uint32_t i = 0; i < eco->place_count && !code; i++) {
 		const struct make_place *p = &eco->places[i];
 		const struct make_plant *plant = &m->plants[p->plant];
-		items[i] = (struct lod_tile_item){ .reach = p->scale * plant->reach, .below = -p->scale * plant->low, .above = p->scale * plant->high,
+		items[i] = (struct lod_tile_item){ .reach = p->scale * plant->reach,
+			.below = -p->scale * plant->low, .above = p->scale * plant->high,
 			.plant = p->plant };
 		memcpy(items[i].at, p->at, sizeof items[i].at);
 	}
@@ -220,7 +245,8 @@ static enum eco_code tile_places(struct make *m, uint32_t source)
 
 /* Opens an inventory and takes its first plant, which shows errors of columns, CRS, PROJ grids and number
  * notation. */
-static enum eco_code check_rows(struct make *m, const struct eco_positions_spec *spec, const struct eco_frame *frame)
+static enum eco_code check_rows(struct make *m, const struct eco_positions_spec *spec,
+	const struct eco_frame *frame)
 {
 	struct eco_positions_spec plain = *spec;
 	struct eco_positions *reader = NULL;
@@ -270,12 +296,13 @@ enum eco_code make_places(struct make *m)
 			return code;
 	}
 	if (m->off_ground)
-		main_note("%s: %llu plant%s or nested scene%s stand%s beyond its border, at the height of the border's nearest point",
-			m->sources.items[0].ground.heights[0], (unsigned long long)m->off_ground, plural(m->off_ground), plural(m->off_ground),
+		main_note("%s: %llu plant%s or nested scene%s stand%s beyond its border, at the height of "
+			"the border's nearest point", m->sources.items[0].ground.heights[0],
+			(unsigned long long)m->off_ground, plural(m->off_ground), plural(m->off_ground),
 			m->off_ground == 1 ? "s" : "");
 	if (m->ecos[0].instances == 0)
-		return eco_fail(m->error, ECO_BAD_INPUT, "%s: there are no plants to pack; add \"instances\" or \"children\"",
-			m->sources.items[0].path);
+		return eco_fail(m->error, ECO_BAD_INPUT, "%s: there are no plants to pack; add "
+			"\"instances\" or \"children\"", m->sources.items[0].path);
 	return ECO_OK;
 }
 

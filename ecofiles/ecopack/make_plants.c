@@ -25,18 +25,22 @@ static bool same_rules(const struct eco_source_plant *a, const struct eco_source
 		return false;
 	for (uint32_t i = 0; i < a->part_count; i++) {
 		const struct eco_part_rule *p = &a->parts[i], *q = &b->parts[i];
-		if (p->kind != q->kind || p->component != q->component || p->size[0] != q->size[0] || p->size[1] != q->size[1] || p->is != q->is
+		if (p->kind != q->kind || p->component != q->component || p->size[0] != q->size[0]
+				|| p->size[1] != q->size[1] || p->is != q->is
 			|| (p->kind == ECO_PART_NAME && strcmp(p->name, q->name) != 0))
 			return false;
 	}
 	return true;
 }
 
-static bool same_plant(const struct make_plant *plant, const struct eco_source_plant *source, const char *path)
+static bool same_plant(const struct make_plant *plant, const struct eco_source_plant *source,
+	const char *path)
 {
 	const struct eco_source_plant *s = plant->source;
-	return strcmp(plant->path, path) == 0 && s->height_m == source->height_m && s->unit_m == source->unit_m && s->up == source->up
-		&& memcmp(s->importance, source->importance, sizeof source->importance) == 0 && same_rules(s, source);
+	return strcmp(plant->path, path) == 0 && s->height_m == source->height_m
+		&& s->unit_m == source->unit_m && s->up == source->up
+		&& memcmp(s->importance, source->importance, sizeof source->importance) == 0
+		&& same_rules(s, source);
 }
 
 /* The files of a plant as one text: canonical paths, separated by newlines. */
@@ -45,7 +49,8 @@ static char *paths_of(const struct eco_source_plant *source)
 	char *all = NULL;
 	for (uint32_t i = 0; i < source->model_count; i++) {
 		char *canonical = realpath(source->models[i], NULL), *longer = NULL;
-		if (asprintf(&longer, "%s%s%s", all ? all : "", all ? "\n" : "", canonical ? canonical : source->models[i]) < 0)
+		if (asprintf(&longer, "%s%s%s", all ? all : "", all ? "\n" : "", canonical ? canonical
+				: source->models[i]) < 0)
 			longer = NULL;
 		free(canonical);
 		free(all);
@@ -67,7 +72,8 @@ static void name_plant(struct make *m, struct make_plant *plant)
 		snprintf(name, sizeof name, "%s", s->name);
 	for (uint32_t i = 0; i < m->plant_count; i++) {
 		if (&m->plants[i] != plant && strcmp(m->plants[i].name, name) == 0) {
-			snprintf(plant->name, sizeof plant->name, "%.54s#%u", name, (unsigned)(plant - m->plants));
+			snprintf(plant->name, sizeof plant->name, "%.54s#%u", name,
+				(unsigned)(plant - m->plants));
 			return;
 		}
 	}
@@ -104,7 +110,8 @@ static enum eco_code find_plants(struct make *m)
 		const struct eco_source *source = &m->sources.items[s];
 		m->plant_of[s] = calloc(source->plant_count + 1u, sizeof **m->plant_of);
 		if (!m->plant_of[s])
-			return eco_fail(m->error, ECO_NO_MEMORY, "no memory for %u plants", source->plant_count);
+			return eco_fail(m->error, ECO_NO_MEMORY, "no memory for %u plants",
+				source->plant_count);
 		for (uint32_t i = 0; i < source->plant_count; i++) {
 			enum eco_code code = find_plant(m, &source->plants[i], &m->plant_of[s][i]);
 			if (code)
@@ -119,7 +126,8 @@ static enum eco_code find_plants(struct make *m)
 struct work {
 	struct make *m;
 	pthread_mutex_t lock;
-	pthread_mutex_t libraries;   /* held around importers and pictures: they fork, and the child must find their locks free */
+	/* held around importers and pictures: they fork, and the child must find their locks free */
+	pthread_mutex_t libraries;
 	uint32_t next, done;
 	uint32_t idle;               /* threads without a plant; they help others */
 	double *share;               /* per plant */
@@ -146,13 +154,15 @@ static bool tell(void *ctx, double share)
 		work->share[job->plant] = share;
 	for (uint32_t i = 0; i < work->m->plant_count; i++)
 		sum += work->share[i];
-	snprintf(detail, sizeof detail, "%s (%u of %u)", work->m->plants[job->plant].name, work->done + 1, work->m->plant_count);
+	snprintf(detail, sizeof detail, "%s (%u of %u)", work->m->plants[job->plant].name, work->done + 1,
+		work->m->plant_count);
 	bool go = !work->stop;
 	pthread_mutex_unlock(&work->lock);
 	return main_progress("building plants", detail, sum / work->m->plant_count) && go;
 }
 
-static enum eco_code keep_images(struct make_plant *plant, const struct eco_model *model, struct eco_error *error)
+static enum eco_code keep_images(struct make_plant *plant, const struct eco_model *model,
+	struct eco_error *error)
 {
 	plant->images = calloc(plant->built.image_count + 1u, sizeof *plant->images);
 	if (!plant->images)
@@ -160,12 +170,14 @@ static enum eco_code keep_images(struct make_plant *plant, const struct eco_mode
 	for (uint32_t i = 0; i < plant->built.image_count; i++) {
 		uint32_t id = plant->built.images[i];
 		const struct eco_image *image = &model->images[id];
-		enum eco_code code = eco_png_encode(&(struct eco_pixels){ image->width, image->height, 4, image->rgba },
+		enum eco_code code =
+			eco_png_encode(&(struct eco_pixels){ image->width, image->height, 4, image->rgba },
 			&plant->images[i].bytes, &plant->images[i].size, error);
 		if (code)
 			return code;
 		for (uint32_t k = 0; k < model->material_count; k++)
-			plant->cutout = plant->cutout || (model->materials[k].image == id && model->materials[k].cutout);
+			plant->cutout = plant->cutout
+				|| (model->materials[k].image == id && model->materials[k].cutout);
 	}
 	return ECO_OK;
 }
@@ -180,7 +192,8 @@ static void measure_body(struct make_plant *plant)
 		for (uint32_t c = 0; c < e->corner_count; c++) {
 			double p[3];
 			for (int axis = 0; axis < 3; axis++)
-				p[axis] = list->grid_origin[axis] + list->grid_step[axis] * e->position[3 * (size_t)c + (size_t)axis];
+				p[axis] = list->grid_origin[axis]
+					+ list->grid_step[axis] * e->position[3 * (size_t)c + (size_t)axis];
 			square = fmax(square, p[0] * p[0] + p[1] * p[1]);
 			low = fmin(low, p[2]);
 			high = fmax(high, p[2]);
@@ -196,15 +209,17 @@ static void warn(void *ctx, const char *text) { main_note("%s: %s", ((struct mak
 
 static void enter(void *ctx, enum lod_plant_stage stage)
 {
-	static const enum main_stage stages[] = { [LOD_STAGE_ELEMENTS] = MAIN_STAGE_ELEMENTS, [LOD_STAGE_ORDERS] = MAIN_STAGE_ORDERS,
-		[LOD_STAGE_LISTS] = MAIN_STAGE_LISTS, [LOD_STAGE_CURVES] = MAIN_STAGE_CURVES };
+	static const enum main_stage stages[] = { [LOD_STAGE_ELEMENTS] = MAIN_STAGE_ELEMENTS,
+		[LOD_STAGE_ORDERS] = MAIN_STAGE_ORDERS, [LOD_STAGE_LISTS] = MAIN_STAGE_LISTS,
+		[LOD_STAGE_CURVES] = MAIN_STAGE_CURVES };
 	(void)ctx;
 	main_times_stage(stages[stage]);
 }
 
 /* ---- Pieces of one plant's work, shared with idle threads ---- */
 
-struct shared { void (*piece)(void *pieces, uint32_t i); void *pieces; uint32_t count; enum main_stage stage; atomic_uint next; };
+struct shared { void (*piece)(void *pieces, uint32_t i); void *pieces; uint32_t count; enum main_stage stage;
+	atomic_uint next; };
 
 static void *take_pieces(void *ctx)
 {
@@ -225,7 +240,8 @@ static void *help(void *ctx)
 static void each(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces)
 {
 	struct work *work = ((struct job *)ctx)->work;
-	struct shared shared = { .piece = piece, .pieces = pieces, .count = count, .stage = main_times_now() };
+	struct shared shared = { .piece = piece, .pieces = pieces, .count = count,
+		.stage = main_times_now() };
 	pthread_t helpers[64];
 	uint32_t started = 0;
 	pthread_mutex_lock(&work->lock);
@@ -247,7 +263,8 @@ static enum eco_code build_or_recall(struct job *job, const struct eco_model *mo
 {
 	struct make *m = job->work->m;
 	struct make_plant *plant = &m->plants[job->plant];
-	struct lod_plant_options options = { .name = plant->name, .seed = 1, .order = m->options->order, .progress = tell, .stage = enter,
+	struct lod_plant_options options = { .name = plant->name, .seed = 1, .order = m->options->order,
+		.progress = tell, .stage = enter,
 		.each = each, .ctx = job };
 	struct main_cache_key key;
 	memcpy(options.importance, plant->source->importance, sizeof options.importance);
@@ -279,9 +296,12 @@ static enum eco_code build_plant(struct job *job, struct eco_error *error)
 	pthread_mutex_lock(&job->work->libraries);
 	main_times_stage(MAIN_STAGE_MODELS);
 	enum eco_code code = eco_model_import(&model,
-		&(struct eco_model_options){ .paths = (const char *const *)plant->source->models, .path_count = plant->source->model_count,
-			.height_m = plant->source->height_m, .unit_m = plant->source->unit_m, .up = plant->source->up,
-			.rules = plant->source->parts, .rule_count = plant->source->part_count, .warn = warn, .ctx = plant }, error);
+		&(struct eco_model_options){ .paths = (const char *const *)plant->source->models,
+		.path_count = plant->source->model_count,
+			.height_m = plant->source->height_m, .unit_m = plant->source->unit_m,
+			.up = plant->source->up,
+			.rules = plant->source->parts, .rule_count = plant->source->part_count, .warn = warn,
+			.ctx = plant }, error);
 	main_times_stage(MAIN_STAGE_NONE);
 	pthread_mutex_unlock(&job->work->libraries);
 	if (code)
@@ -321,7 +341,8 @@ static void *work_on(void *ctx)
 		pthread_mutex_lock(&work->lock);
 		work->done++;
 		work->share[job.plant] = 1;
-		if (code && !(code == ECO_INTERRUPTED && work->stop)) {      /* a thread stopped by another's failure has none of its own */
+		/* a thread stopped by another's failure has none of its own */
+		if (code && !(code == ECO_INTERRUPTED && work->stop)) {
 			work->stop = true;
 			if (job.plant < work->failed) {
 				work->failed = job.plant;
@@ -348,7 +369,8 @@ static enum eco_code build_plants(struct make *m)
 {
 	uint32_t all = thread_count(m), jobs = all < m->plant_count ? all : m->plant_count, started = 0;
 	struct work work = { .m = m, .idle = all - jobs, .lock = PTHREAD_MUTEX_INITIALIZER,
-		.libraries = PTHREAD_MUTEX_INITIALIZER, .failed = ECO_NONE, .share = calloc(m->plant_count + 1u, sizeof(double)) };
+		.libraries = PTHREAD_MUTEX_INITIALIZER, .failed = ECO_NONE,
+		.share = calloc(m->plant_count + 1u, sizeof(double)) };
 	pthread_t threads[64];
 	if (!work.share)
 		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for plants");
@@ -370,10 +392,11 @@ static enum eco_code pack_images(struct packing *p)
 {
 	struct make_plant *plant = &p->m->plants[p->id];
 	for (uint32_t i = 0; i < plant->built.image_count; i++) {
-		struct eco_list list = { .kind = ECO_LIST_IMAGE, .coder = ECO_CODER_BYTES, .owner = p->id, .plant = ECO_NONE, .image = ECO_NONE,
+		struct eco_list list = { .kind = ECO_LIST_IMAGE, .coder = ECO_CODER_BYTES, .owner = p->id,
+			.plant = ECO_NONE, .image = ECO_NONE,
 			.partner = ECO_NONE, .grid_step = { 1, 1, 1 } };
-		enum eco_code code = eco_pack_add_bytes(p->m->writer, &list, plant->images[i].bytes, plant->images[i].size, &p->images[i],
-			p->m->error);
+		enum eco_code code = eco_pack_add_bytes(p->m->writer, &list, plant->images[i].bytes,
+			plant->images[i].size, &p->images[i], p->m->error);
 		struct eco_list *stored = code ? NULL : make_append(p->m, &p->m->lists, sizeof *stored);
 		if (!stored)
 			return code ? code : ECO_NO_MEMORY;
@@ -392,11 +415,13 @@ static enum eco_code pack_list(struct packing *p, uint32_t i)
 	list.palette_first += list.palette_count ? plant->palette_first : 0;
 	list.image = list.image == ECO_NONE ? ECO_NONE : p->images[list.image];
 	if (list.partner == ECO_NONE)
-		return make_add_list(p->m, &list, &draft->elements, draft->ends, draft->end_count, NULL, &p->lists[i]);
+		return make_add_list(p->m, &list, &draft->elements, draft->ends, draft->end_count, NULL,
+			&p->lists[i]);
 	/* points end where their fans end */
 	const struct lod_list_draft *partner = &plant->built.lists[list.partner];
 	list.partner = p->lists[list.partner];
-	return make_add_list(p->m, &list, &draft->elements, partner->ends, partner->end_count, &partner->elements, &p->lists[i]);
+	return make_add_list(p->m, &list, &draft->elements, partner->ends, partner->end_count,
+		&partner->elements, &p->lists[i]);
 }
 
 /* Packs partners before their forms. */
@@ -415,7 +440,10 @@ static enum eco_code pack_lists(struct packing *p)
 	return ECO_OK;
 }
 
-static uint32_t moved(const uint32_t *ids, uint32_t index) { return index == ECO_NONE ? ECO_NONE : ids[index]; }
+static uint32_t moved(const uint32_t *ids, uint32_t index)
+{
+	return index == ECO_NONE ? ECO_NONE : ids[index];
+}
 
 static enum eco_code pack_tables(struct packing *p)
 {
@@ -459,8 +487,10 @@ static enum eco_code pack_plant(struct make *m, uint32_t id)
 {
 	struct make_plant *plant = &m->plants[id];
 	const struct lod_plant *built = &plant->built;
-	struct packing p = { m, id, calloc(built->list_count + 1u, sizeof *p.lists), calloc(built->image_count + 1u, sizeof *p.images) };
-	enum eco_code code = p.lists && p.images ? ECO_OK : eco_fail(m->error, ECO_NO_MEMORY, "%s: no memory", plant->name);
+	struct packing p = { m, id, calloc(built->list_count + 1u, sizeof *p.lists),
+		calloc(built->image_count + 1u, sizeof *p.images) };
+	enum eco_code code = p.lists && p.images ? ECO_OK : eco_fail(m->error, ECO_NO_MEMORY, "%s: no memory",
+		plant->name);
 	plant->palette_first = (uint32_t)m->palette.count;
 	for (uint32_t i = 0; i < built->palette_count && !code; i++) {
 		uint8_t (*color)[3] = make_append(m, &m->palette, sizeof *color);
@@ -470,8 +500,8 @@ static enum eco_code pack_plant(struct make *m, uint32_t id)
 			memcpy(*color, built->palette[i], sizeof *color);
 	}
 	if (!code && m->palette.count > COLORS_MAX)
-		code = eco_fail(m->error, ECO_TOO_LARGE, "%s: with it the scene has more than %u colours; use fewer models, or split the scene",
-			plant->name, COLORS_MAX);
+		code = eco_fail(m->error, ECO_TOO_LARGE, "%s: with it the scene has more than %u colours; "
+			"use fewer models, or split the scene", plant->name, COLORS_MAX);
 	if (!code)
 		code = pack_images(&p);
 	if (!code)

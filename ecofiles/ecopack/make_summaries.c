@@ -28,16 +28,20 @@ static enum eco_code encode_summary(void *ctx, uint64_t i, void *result, struct 
 		made->any = true;
 		return ECO_OK;
 	}
-	enum eco_code code = lod_summary_make(&summary, &(struct lod_summary_input){ .scene = scene, .pools = summing->pools, .tile = tile,
-		.count = lod_summary_count(&scene->tiles[tile]), .seed = 1, .roots = (const struct lod_summary_root *const *)summing->roots }, error);
+	enum eco_code code =
+		lod_summary_make(&summary,
+		&(struct lod_summary_input){ .scene = scene, .pools = summing->pools, .tile = tile,
+		.count = lod_summary_count(&scene->tiles[tile]), .seed = 1,
+		.roots = (const struct lod_summary_root *const *)summing->roots }, error);
 	made->any = !code && summary.count > 0;
 	if (made->any)
-		code = lod_summary_list(&summary, scene, tile, scene->palette_count, &made->list, &elements, error);
+		code = lod_summary_list(&summary, scene, tile, scene->palette_count, &made->list, &elements,
+			error);
 	free(summary.points);
 	if (code || !made->any)
 		return code;
-	code = eco_pack_encode(&made->encoded, &made->list, &elements, ends, eco_chunk_split(elements.element_count, SUMMARY_CHUNK, ends, 64),
-		error);
+	code = eco_pack_encode(&made->encoded, &made->list, &elements, ends,
+		eco_chunk_split(elements.element_count, SUMMARY_CHUNK, ends, 64), error);
 	eco_elements_free(&elements);
 	return code;
 }
@@ -48,15 +52,19 @@ static enum eco_code add_summary(void *ctx, uint64_t i, void *result, struct eco
 	struct make *m = summing->m;
 	struct summary_list *made = result;
 	enum eco_code code = ECO_OK;
-	if (summing->done++ % 64 == 0 && !main_progress("summing up tiles", NULL, (double)summing->done / (double)m->tiles.count))
+	if (summing->done++ % 64 == 0
+			&& !main_progress("summing up tiles", NULL,
+			(double)summing->done / (double)m->tiles.count))
 		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	if (made->any) {
-		uint32_t tile = summing->first + (uint32_t)i, *list = &((struct eco_tile *)m->tiles.items)[tile].summary;
+		uint32_t tile = summing->first + (uint32_t)i,
+			*list = &((struct eco_tile *)m->tiles.items)[tile].summary;
 		if (made->kept != ECO_NONE) {
 			made->list = *make_kept_list(m, made->kept);
 			made->list.owner = tile;
 		}
-		code = made->kept != ECO_NONE ? make_kept_take(m, made->kept, &made->list, list) : make_add_encoded(m, &made->list, &made->encoded, list);
+		code = made->kept != ECO_NONE ? make_kept_take(m, made->kept, &made->list, list)
+			: make_add_encoded(m, &made->list, &made->encoded, list);
 		m->scene.needs |= ECO_NEED_SUMMARIES;
 		make_refer(m);           /* the lists may have moved */
 	}
@@ -67,7 +75,8 @@ static void drop_summary(void *result) { eco_encoded_free(&((struct summary_list
 
 enum eco_code make_summing_begin(struct make_summing *summing, struct make *m)
 {
-	*summing = (struct make_summing){ .m = m, .roots = calloc(m->tiles.count + 1u, sizeof *summing->roots) };
+	*summing =
+		(struct make_summing){ .m = m, .roots = calloc(m->tiles.count + 1u, sizeof *summing->roots) };
 	return summing->roots ? ECO_OK : eco_fail(m->error, ECO_NO_MEMORY, "no memory for summaries");
 }
 
@@ -75,8 +84,8 @@ enum eco_code make_summing_run(struct make_summing *summing, uint32_t first, uin
 {
 	summing->first = first;
 	return main_jobs_run(&(struct main_jobs){ .count = count, .threads = make_threads(summing->m),
-		.result_size = sizeof(struct summary_list), .work = encode_summary, .take = add_summary, .drop = drop_summary, .ctx = summing },
-		summing->m->error);
+		.result_size = sizeof(struct summary_list), .work = encode_summary, .take = add_summary,
+		.drop = drop_summary, .ctx = summing }, summing->m->error);
 }
 
 enum eco_code make_summing_keep(struct make_summing *summing, uint32_t tile)
@@ -85,7 +94,8 @@ enum eco_code make_summing_keep(struct make_summing *summing, uint32_t tile)
 	uint32_t list = m->scene.tiles[tile].summary;
 	struct lod_summary_root *root = list == ECO_NONE ? NULL : calloc(1, sizeof *root);
 	if (!root)
-		return list == ECO_NONE ? ECO_OK : eco_fail(m->error, ECO_NO_MEMORY, "no memory for summaries");
+		return list == ECO_NONE ? ECO_OK
+			: eco_fail(m->error, ECO_NO_MEMORY, "no memory for summaries");
 	summing->roots[tile] = root;
 	root->list = m->scene.lists[list];
 	return eco_pack_read_points(m->writer, list, &root->elements, m->error);
@@ -111,8 +121,10 @@ enum eco_code make_summaries(struct make *m)
 	if (!code && !(summing.pools = calloc(m->plant_count + 1u, sizeof *summing.pools)))
 		code = eco_fail(m->error, ECO_NO_MEMORY, "no memory for summaries");
 	for (uint32_t i = 0; i < m->plant_count && !code; i++)
-		code = lod_pool_make(&summing.pools[i], &m->plants[i].built, m->plants[i].palette_first, POOL_POINTS, m->error);
-	for (uint32_t s = m->sources.count, end = (uint32_t)m->tiles.count; s-- > 0 && !code; end = m->ecos[s].tile_first) {
+		code = lod_pool_make(&summing.pools[i], &m->plants[i].built, m->plants[i].palette_first,
+			POOL_POINTS, m->error);
+	for (uint32_t s = m->sources.count, end = (uint32_t)m->tiles.count; s-- > 0 && !code;
+			end = m->ecos[s].tile_first) {
 		code = make_summing_run(&summing, m->ecos[s].tile_first, end - m->ecos[s].tile_first);
 		if (!code && s > 0)
 			code = make_summing_keep(&summing, m->ecos[s].tile_first);

@@ -19,7 +19,8 @@
 struct stand { const struct make_eco *eco; const uint32_t *items; uint32_t tile, count; };
 
 /* Their list, and the same as a range of the scene's places. */
-struct stand_list { struct eco_list list; struct eco_encoded encoded; struct eco_writer twin; uint32_t kept; };
+struct stand_list { struct eco_list list; struct eco_encoded encoded; struct eco_writer twin; uint32_t kept;
+	};
 
 /* A grid with steps of at most 1/8192 of the smallest plant's height. Its origin is a point of the scene's
  * grid of that step, so that a plant at [0, 0, 0] stands there exactly. */
@@ -75,23 +76,30 @@ static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct ec
 	const struct stand *stand = (const struct stand *)m->stands.items + i;
 	struct stand_list *made = result;
 	uint32_t count = stand->count, end_count = 0, ends[512];
-	struct eco_elements e = { .element_count = count, .corner_count = count, .primitive_count = count, .extra_count = 2,
-		.corners = malloc(count), .position = malloc(3 * sizeof(int32_t) * count), .extra = malloc(2 * sizeof(int32_t) * count) };
+	struct eco_elements e = { .element_count = count, .corner_count = count, .primitive_count = count,
+		.extra_count = 2,
+		.corners = malloc(count), .position = malloc(3 * sizeof(int32_t) * count),
+		.extra = malloc(2 * sizeof(int32_t) * count) };
 	enum eco_code code = e.corners && e.position && e.extra ? ECO_OK : ECO_NO_MEMORY;
-	made->list = (struct eco_list){ .kind = ECO_LIST_INSTANCES, .coder = ECO_CODER_ROWS, .attributes = ECO_ATTR_PLACE,
-		.owner = stand->tile, .plant = stand->eco->places[stand->items[0]].plant, .image = ECO_NONE, .partner = ECO_NONE };
+	made->list = (struct eco_list){ .kind = ECO_LIST_INSTANCES, .coder = ECO_CODER_ROWS,
+		.attributes = ECO_ATTR_PLACE,
+		.owner = stand->tile, .plant = stand->eco->places[stand->items[0]].plant, .image = ECO_NONE,
+		.partner = ECO_NONE };
 	instance_grid(m, stand, &made->list);
 	for (uint32_t k = 0; k < count && !code; k++) {
 		const struct make_place *p = &stand->eco->places[stand->items[k]];
 		e.corners[k] = 1;
 		for (size_t axis = 0; axis < 3; axis++)
-			e.position[3 * (size_t)k + axis] = (int32_t)floor((p->at[axis] - made->list.grid_origin[axis]) / made->list.grid_step[axis] + 0.5);
+			e.position[3 * (size_t)k + axis] =
+				(int32_t)floor((p->at[axis] - made->list.grid_origin[axis])
+				/ made->list.grid_step[axis] + 0.5);
 		e.extra[2 * (size_t)k] = p->turn;
 		e.extra[2 * (size_t)k + 1] = (int32_t)floor(p->scale * 65536 + 0.5);
 		write_place(&made->twin, e.position + 3 * (size_t)k, e.extra + 2 * (size_t)k);
 	}
 	for (uint32_t end = 0; end < count && end_count < 512;)
-		ends[end_count++] = end = count - end > ECO_CHUNK_ELEMENTS_MAX ? end + ECO_CHUNK_ELEMENTS_MAX : count;
+		ends[end_count++] = end = count - end > ECO_CHUNK_ELEMENTS_MAX ? end + ECO_CHUNK_ELEMENTS_MAX
+			: count;
 	if (code || made->twin.failed)
 		code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u instances", count);
 	else if ((made->kept = make_kept_stand(m, made->twin.bytes, made->twin.size)) == ECO_NONE)
@@ -107,7 +115,8 @@ static enum eco_code add_stand(void *ctx, uint64_t i, void *result, struct eco_e
 	struct eco_group *group = make_append(m, &m->groups, sizeof *group);
 	uint64_t place_first = m->places.count / ECO_PLACE_BYTES;
 	if (!group || made->twin.failed || !make_append_bytes(m, made->twin.bytes, made->twin.size))
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %llu plants", (unsigned long long)place_first);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %llu plants",
+			(unsigned long long)place_first);
 	*group = (struct eco_group){ made->list.owner, made->list.plant, ECO_NONE, place_first };
 	if (i % 1024 == 0 && !main_progress("packing instances", NULL, (double)i / (double)m->stands.count))
 		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
@@ -139,7 +148,8 @@ static enum eco_code add_nested(struct make *m, uint32_t source, const struct ma
 	const struct eco_source_child *child = &m->sources.items[source].children[item->child];
 	m->scene.needs |= ECO_NEED_PLACEMENTS;
 	return add_child(m, &(struct eco_child){ .tile = m->ecos[child->source].tile_first, .placed = true,
-		.at = { item->at[0], item->at[1], item->at[2] }, .turn = eco_turn_from_deg(child->yaw_deg), .scale = (float)child->scale });
+		.at = { item->at[0], item->at[1], item->at[2] }, .turn = eco_turn_from_deg(child->yaw_deg),
+		.scale = (float)child->scale });
 }
 
 static enum eco_code add_stand_of(struct make *m, const struct stand *stand)
@@ -163,7 +173,8 @@ static enum eco_code add_leaf(struct make *m, uint32_t source, const struct lod_
 			code = add_nested(m, source, &eco->nested[order[first] - eco->place_count]);
 			continue;
 		}
-		while (end < node->item_count && order[end] < eco->place_count && eco->places[order[end]].plant == eco->places[order[first]].plant)
+		while (end < node->item_count && order[end] < eco->place_count
+				&& eco->places[order[end]].plant == eco->places[order[first]].plant)
 			end++;
 		code = add_stand_of(m, &(struct stand){ eco, order + first, id, end - first });
 	}
@@ -179,11 +190,13 @@ static enum eco_code add_tile(struct make *m, uint32_t source, uint32_t index)
 	enum eco_code code = ECO_OK;
 	if (!tile)
 		return ECO_NO_MEMORY;
-	*tile = (struct eco_tile){ .summary = ECO_NONE, .group_first = (uint32_t)m->stands.count, .child_first = (uint32_t)m->children.count };
+	*tile = (struct eco_tile){ .summary = ECO_NONE, .group_first = (uint32_t)m->stands.count,
+		.child_first = (uint32_t)m->children.count };
 	memcpy(tile->low, node->low, sizeof tile->low);
 	memcpy(tile->high, node->high, sizeof tile->high);
 	for (uint32_t i = 0; i < node->child_count && !code; i++)
-		code = add_child(m, &(struct eco_child){ .tile = eco->tile_first + node->child[i], .scale = 1 });
+		code = add_child(m,
+			&(struct eco_child){ .tile = eco->tile_first + node->child[i], .scale = 1 });
 	if (!code && node->child_count == 0)
 		code = add_leaf(m, source, node, id);
 	tile = (struct eco_tile *)m->tiles.items + id;
@@ -200,7 +213,8 @@ static enum eco_code add_tiles(struct make *m)
 		total += m->ecos[s].tiles.node_count;
 	}
 	if (total >= ECO_NONE / 4)
-		return eco_fail(m->error, ECO_TOO_LARGE, "%llu tiles: allow more instances a tile, or nest eco files", (unsigned long long)total);
+		return eco_fail(m->error, ECO_TOO_LARGE, "%llu tiles: allow more instances a tile, or nest "
+			"eco files", (unsigned long long)total);
 	for (uint32_t s = 0; s < m->sources.count; s++) {
 		for (uint32_t i = 0; i < m->ecos[s].tiles.node_count; i++) {
 			enum eco_code code = add_tile(m, s, i);
@@ -209,7 +223,8 @@ static enum eco_code add_tiles(struct make *m)
 		}
 	}
 	return main_jobs_run(&(struct main_jobs){ .count = m->stands.count, .threads = make_threads(m),
-		.result_size = sizeof(struct stand_list), .work = encode_stand, .take = add_stand, .drop = drop_stand, .ctx = m }, m->error);
+		.result_size = sizeof(struct stand_list), .work = encode_stand, .take = add_stand,
+		.drop = drop_stand, .ctx = m }, m->error);
 }
 
 void make_refer(struct make *m)

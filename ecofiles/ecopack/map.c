@@ -20,7 +20,8 @@
 #define LINE 19.0
 #define LEFT_OUT_LINES 60u
 
-static const struct eco_color gray = { 0.42, 0.42, 0.42, 1 }, pale = { 0.3, 0.3, 0.3, 0.16 }, red = { 0.63, 0.19, 0.13, 1 };
+static const struct eco_color gray = { 0.42, 0.42, 0.42, 1 }, pale = { 0.3, 0.3, 0.3, 0.16 },
+	red = { 0.63, 0.19, 0.13, 1 };
 
 /* ---- The grid ---- */
 
@@ -40,7 +41,8 @@ static void draw_grid(struct map *m)
 	struct eco_chart_style style = { .size = 11, .color = gray, .align = ECO_CHART_CENTER };
 	char text[32];
 	for (int k = 0; k < 2; k++) {
-		double low = m->view.low[k] + origin[k], high = m->view.high[k] + origin[k], room = k ? m->height : m->width;
+		double low = m->view.low[k] + origin[k], high = m->view.high[k] + origin[k],
+			room = k ? m->height : m->width;
 		struct eco_chart_ticks ticks = eco_chart_ticks(low, high, (uint32_t)fmax(room / 130, 2));
 		for (uint32_t i = 0; i < ticks.count; i++) {
 			double value = ticks.first + i * ticks.step;
@@ -48,7 +50,8 @@ static void draw_grid(struct map *m)
 			if (k == 0) {
 				double x = map_x(m, value - origin[0]);
 				eco_chart_line(m->chart, x, m->y, x, m->y + m->height, 1, pale);
-				eco_chart_line(m->chart, x, m->y + m->height, x, m->y + m->height + 5, 1, gray);
+				eco_chart_line(m->chart, x, m->y + m->height, x, m->y + m->height + 5, 1,
+					gray);
 				eco_chart_text(m->chart, x, m->y + m->height + 18, &style, text);
 			} else {
 				double y = map_y(m, value - origin[1]);
@@ -77,9 +80,11 @@ static void write_heading(struct legend *l, const char *text)
 	write_line(l, &(struct eco_chart_style){ .size = 14, .bold = true }, text);
 }
 
-static void write_kind(struct legend *l, struct eco_color color, double height_m, const char *name, uint64_t count, const char *range)
+static void write_kind(struct legend *l, struct eco_color color, double height_m, const char *name,
+	uint64_t count, const char *range)
 {
-	struct eco_chart_style style = { .size = 13, .room = LEGEND - 190 }, right = { .size = 13, .align = ECO_CHART_RIGHT };
+	struct eco_chart_style style = { .size = 13, .room = LEGEND - 190 },
+		right = { .size = 13, .align = ECO_CHART_RIGHT };
 	struct eco_chart_style small = { .size = 11, .color = gray };
 	char text[32];
 	double radius = l->m->is_density ? 6 : fmin(fmax(map_radius(l->m, height_m), 3), 8);
@@ -117,7 +122,8 @@ static void write_others(struct legend *l)
 	if (m->other_count > 1)
 		snprintf(name, sizeof name, "%u other kinds", m->other_count);
 	if (m->other_count)
-		write_kind(l, eco_chart_other, (others.low_m + others.high_m) / 2, name, others.count, range_text(others.low_m, others.high_m, range));
+		write_kind(l, eco_chart_other, (others.low_m + others.high_m) / 2, name, others.count,
+			range_text(others.low_m, others.high_m, range));
 }
 
 /* Lists kinds without a plant: nothing refers to them, or only rows that are missing. */
@@ -130,7 +136,8 @@ static void write_unused(struct legend *l)
 	uint32_t unused = 0;
 	for (uint32_t i = 0; i < m->kind_count; i++)
 		if (!m->kinds[i].count && unused++ < 5)
-			used += (size_t)snprintf(text + used, sizeof text - used, "%s%.40s", used ? ", " : "nowhere: ", m->kinds[i].name);
+			used += (size_t)snprintf(text + used, sizeof text - used, "%s%.40s",
+				used ? ", " : "nowhere: ", m->kinds[i].name);
 	if (unused > 5)
 		snprintf(text + used, sizeof text - used, " and %u more", unused - 5);
 	if (unused)
@@ -145,7 +152,8 @@ static void write_kinds(struct legend *l)
 		for (uint32_t i = 0; i < m->kind_count; i++) {
 			const struct map_kind *kind = &m->kinds[i];
 			if (kind->count && kind->color == color)
-				write_kind(l, eco_chart_colors[color], (kind->low_m + kind->high_m) / 2, kind->name, kind->count,
+				write_kind(l, eco_chart_colors[color], (kind->low_m + kind->high_m) / 2,
+					kind->name, kind->count,
 					range_text(kind->low_m, kind->high_m, range));
 		}
 	write_others(l);
@@ -175,14 +183,16 @@ static void write_density(struct legend *l)
 	if (!m->points.count)
 		return;
 	if (!m->is_density) {
-		write_line(l, &style, m->typical_m > 0 ? "Dots are larger the taller the plant is." : "Heights are those of the models: not known here.");
+		write_line(l, &style, m->typical_m > 0 ? "Dots are larger the taller the plant is."
+			: "Heights are those of the models: not known here.");
 		return;
 	}
 	double ramp = 120, side = 1 / m->scale;
 	for (int i = 0; i < 24; i++)
 		eco_chart_box(m->chart, l->x + i * ramp / 24, l->y - 10, ramp / 24 + 0.5, 12,
 			(struct eco_color){ 0.07, 0.47, 0.2, 0.35 + 0.65 * (i + 0.5) / 24 });
-	snprintf(text, sizeof text, "1 to %s+ plants on %s × %s", eco_phrase_count((uint64_t)m->densest, a), eco_chart_length_text(side, b), b);
+	snprintf(text, sizeof text, "1 to %s+ plants on %s × %s", eco_phrase_count((uint64_t)m->densest, a),
+		eco_chart_length_text(side, b), b);
 	eco_chart_text(m->chart, l->x + ramp + 10, l->y, &style, text);
 	l->y += LINE;
 	write_line(l, &style, "Colours are the mean of what stands there.");
@@ -196,12 +206,17 @@ static void write_left_out(struct legend *l)
 		write_heading(l, "Read, and left out");
 	for (uint32_t i = 0; i < m->left_count && i < LEFT_OUT_LINES; i++) {
 		const struct map_left *left = &m->left[i];
-		double indent = left->kind == MAP_FILE ? 0 : left->kind == MAP_OF_THESE ? 30 : 14, number = l->x + LEGEND - (indent > 14 ? 16 : 0);
-		struct eco_chart_style style = { .size = indent > 14 ? 11 : 12, .room = (left->count && indent > 0 ? LEGEND - 80 : LEGEND) - indent,
+		double indent = left->kind == MAP_FILE ? 0 : left->kind == MAP_OF_THESE ? 30 : 14,
+			number = l->x + LEGEND - (indent > 14 ? 16 : 0);
+		struct eco_chart_style style =
+			{ .size = indent > 14 ? 11 : 12,
+			.room = (left->count && indent > 0 ? LEGEND - 80 : LEGEND) - indent,
 			.color = indent > 14 ? gray : (struct eco_color){ 0 } };
-		struct eco_chart_style right = { .size = style.size, .align = ECO_CHART_RIGHT, .color = style.color };
+		struct eco_chart_style right = { .size = style.size, .align = ECO_CHART_RIGHT,
+			.color = style.color };
 		bool is_said = strncmp(left->text, "kept", 4) == 0;
-		snprintf(text, sizeof text, "%s%s", left->kind == MAP_KEPT && !is_said ? "kept: " : "", left->text);
+		snprintf(text, sizeof text, "%s%s", left->kind == MAP_KEPT && !is_said ? "kept: " : "",
+			left->text);
 		if (left->count == 0) {
 			l->y = eco_chart_paragraph(m->chart, l->x + indent, l->y, 15, &style, text) + 3;
 			continue;
@@ -223,12 +238,15 @@ static void write_notes(struct legend *l)
 	const struct map *m = l->m;
 	struct eco_chart_style style = { .size = 12, .color = red, .room = LEGEND };
 	char text[200], count[32];
-	const struct { uint64_t count; const char *says; } notes[] = { { m->outside, "stand outside this picture, far from the rest" },
-		{ m->off_ground, "stand beyond the ground's border" }, { m->not_expanded, "in nested files, shown as outlines only" } };
+	const struct { uint64_t count; const char *says; } notes[] =
+		{ { m->outside, "stand outside this picture, far from the rest" },
+		{ m->off_ground, "stand beyond the ground's border" },
+		{ m->not_expanded, "in nested files, shown as outlines only" } };
 	for (size_t i = 0; i < sizeof notes / sizeof *notes; i++) {
 		if (!notes[i].count)
 			continue;
-		snprintf(text, sizeof text, "%s plant%s %s", eco_phrase_count(notes[i].count, count), notes[i].count == 1 ? "" : "s", notes[i].says);
+		snprintf(text, sizeof text, "%s plant%s %s", eco_phrase_count(notes[i].count, count),
+			notes[i].count == 1 ? "" : "s", notes[i].says);
 		l->y = eco_chart_paragraph(m->chart, l->x, l->y, 16, &style, text) + 3;
 	}
 }
@@ -242,18 +260,22 @@ static void write_place(struct legend *l)
 	write_heading(l, "Where");
 	snprintf(text, sizeof text, "CRS: %.200s", s->crs ? s->crs : "none, plain metres");
 	l->y = eco_chart_paragraph(m->chart, l->x, l->y, 16, &style, text) + 3;
-	snprintf(text, sizeof text, "origin of the scene: %.10g, %.10g, %.10g", s->origin[0], s->origin[1], s->origin[2]);
+	snprintf(text, sizeof text, "origin of the scene: %.10g, %.10g, %.10g", s->origin[0], s->origin[1],
+		s->origin[2]);
 	write_line(l, &style, text);
 	if (m->has_ground && m->high_m >= m->low_m) {
-		snprintf(text, sizeof text, "ground: %.1f to %.1f m", m->low_m + s->origin[2], m->high_m + s->origin[2]);
+		snprintf(text, sizeof text, "ground: %.1f to %.1f m", m->low_m + s->origin[2],
+			m->high_m + s->origin[2]);
 		if (m->contour_m > 0)
-			snprintf(text + strlen(text), sizeof text - strlen(text), ", a line every %g m", m->contour_m);
+			snprintf(text + strlen(text), sizeof text - strlen(text), ", a line every %g m",
+				m->contour_m);
 		write_line(l, &style, text);
 	}
 	if (m->placements) {
 		char a[32];
-		snprintf(text, sizeof text, "%u nested file%s, placed %s time%s", m->sources.count - 1, m->sources.count == 2 ? "" : "s",
-			eco_phrase_count(m->placements, a), m->placements == 1 ? "" : "s");
+		snprintf(text, sizeof text, "%u nested file%s, placed %s time%s", m->sources.count - 1,
+			m->sources.count == 2 ? "" : "s", eco_phrase_count(m->placements, a),
+			m->placements == 1 ? "" : "s");
 		write_line(l, &style, text);
 	}
 }
@@ -261,16 +283,20 @@ static void write_place(struct legend *l)
 static void draw_bar_and_arrow(struct legend *l)
 {
 	struct map *m = l->m;
-	struct eco_chart_style style = { .size = 12 }, north = { .size = 13, .bold = true, .align = ECO_CHART_CENTER };
-	double length = eco_chart_round_below(200 / m->scale), wide = length * m->scale, x = l->x, y = l->y + 34;
+	struct eco_chart_style style = { .size = 12 },
+		north = { .size = 13, .bold = true, .align = ECO_CHART_CENTER };
+	double length = eco_chart_round_below(200 / m->scale), wide = length * m->scale, x = l->x,
+		y = l->y + 34;
 	char text[32];
 	for (int i = 0; i < 4; i++)
-		eco_chart_box(m->chart, x + i * wide / 4, y - 6, wide / 4, 6, i % 2 ? ECO_COLOR(0xffffff) : ECO_COLOR(0x303030));
+		eco_chart_box(m->chart, x + i * wide / 4, y - 6, wide / 4, 6, i % 2 ? ECO_COLOR(0xffffff)
+			: ECO_COLOR(0x303030));
 	eco_chart_frame(m->chart, x, y - 6, wide, 6, 1, ECO_COLOR(0x303030));
 	eco_chart_text(m->chart, x + wide + 8, y, &style, eco_chart_length_text(length, text));
 	x = l->x + LEGEND - 60;
 	const double arrow[] = { x, y - 30, x + 8, y, x, y - 6, x - 8, y };
-	eco_chart_path(m->chart, &(struct eco_chart_path){ .points = arrow, .count = 4, .closed = true, .fill = ECO_COLOR(0x303030) });
+	eco_chart_path(m->chart, &(struct eco_chart_path){ .points = arrow, .count = 4, .closed = true,
+		.fill = ECO_COLOR(0x303030) });
 	eco_chart_text(m->chart, x, y + 15, &north, m->sources.items[0].crs ? "N" : "Y");
 	l->y += 62;
 }
@@ -284,8 +310,8 @@ static double draw_legend(struct map *m, double x, double y)
 	for (uint32_t i = 0; i < m->kind_count; i++)
 		kinds += m->kinds[i].count > 0;
 	draw_bar_and_arrow(&l);
-	snprintf(heading, sizeof heading, "%s plant%s of %u kind%s", eco_phrase_count(m->total, count), m->total == 1 ? "" : "s", kinds,
-		kinds == 1 ? "" : "s");
+	snprintf(heading, sizeof heading, "%s plant%s of %u kind%s", eco_phrase_count(m->total, count),
+		m->total == 1 ? "" : "s", kinds, kinds == 1 ? "" : "s");
 	write_heading(&l, heading);
 	write_kinds(&l);
 	write_density(&l);
@@ -338,7 +364,8 @@ static enum eco_code draw_map(struct map *m)
 		return code;
 	eco_chart_clip_off(m->chart);
 	eco_chart_frame(m->chart, m->x, m->y, m->width, m->height, 1.2, ECO_COLOR(0x505050));
-	eco_chart_text(m->chart, m->x, TITLE - 20, &(struct eco_chart_style){ .size = 24, .bold = true }, name);
+	eco_chart_text(m->chart, m->x, TITLE - 20, &(struct eco_chart_style){ .size = 24, .bold = true },
+		name);
 	draw_legend(m, m->x + m->width + MARGIN, TITLE);
 	return ECO_OK;
 }
@@ -349,7 +376,8 @@ static void print_map(const struct map *m, const char *path)
 	char range[32];
 	printf("%s: %" PRIu64 " plant%s\n", path, m->total, m->total == 1 ? "" : "s");
 	for (uint32_t i = 0; i < m->kind_count; i++)
-		printf("  %-24s %10" PRIu64 "  %s\n", m->kinds[i].name, m->kinds[i].count, range_text(m->kinds[i].low_m, m->kinds[i].high_m, range));
+		printf("  %-24s %10" PRIu64 "  %s\n", m->kinds[i].name, m->kinds[i].count,
+			range_text(m->kinds[i].low_m, m->kinds[i].high_m, range));
 	if (m->outside)
 		printf("%" PRIu64 " stand outside the picture, far from the rest\n", m->outside);
 	if (m->off_ground)
@@ -392,7 +420,9 @@ static const struct eco_option options[] = {
 	{ "output", 'o', ECO_OPTION_TEXT, "MAP.png", &given.output, .is_required = true,
 		.help = "a PNG, which appears complete or not at all" },
 	{ "size", 0, ECO_OPTION_COUNT, "PX", &given.pixels, 200, 8000,
-		.help = "longer side of the map without its legend, 200 to 8000; 1200 if not given" }, { 0 } };
+		.help = "longer side of the map without its legend, 200 to 8000; 1200 if not given" },
+		{ 0 } };
 
 const struct main_command main_command_map = { { "ecopack map", "SCENE.json -o MAP.png [--size PX]",
-	"Draws where everything stands, without building models, and says what was left out.", options, main_common, NULL, NULL }, run_map };
+	"Draws where everything stands, without building models, and says what was left out.", options,
+	main_common, NULL, NULL }, run_map };

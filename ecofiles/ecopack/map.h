@@ -22,7 +22,8 @@ struct map_kind {                /* plants of one name, in whatever file */
 	uint32_t color;              /* index into eco_chart_colors; ECO_CHART_COLORS: the common gray */
 };
 
-struct map_point { float x, y, height_m; uint32_t kind; };       /* metres from the origin; height 0: not known */
+/* metres from the origin; height 0: not known */
+struct map_point { float x, y, height_m; uint32_t kind; };
 struct map_points { struct map_point *items; uint64_t count, capacity; };
 
 struct map_bounds { double low[2], high[2]; };   /* low > high: empty */
@@ -31,7 +32,8 @@ struct map_bounds { double low[2], high[2]; };   /* low > high: empty */
 enum map_left_kind { MAP_FILE, MAP_LEFT_OUT, MAP_OF_THESE, MAP_KEPT };
 struct map_left { char text[160]; uint64_t count; enum map_left_kind kind; };
 
-struct map_outline { double corners[8]; char name[64]; };        /* bounds of a nested file, turned: x and y */
+/* bounds of a nested file, turned: x and y */
+struct map_outline { double corners[8]; char name[64]; };
 struct map_edges { double *ends; uint32_t count, capacity; };     /* x0, y0, x1, y1 each, metres */
 
 struct map {
@@ -47,7 +49,8 @@ struct map {
 	uint64_t not_expanded;       /* plants drawn only as outlines of their files */
 	struct map_left *left;       uint32_t left_count;
 	struct map_outline *outlines; uint32_t outline_count, outline_capacity;
-	struct map_edges areas, clear_of;        /* areas of scattered plants, and features they keep clear of */
+	/* areas of scattered plants, and features they keep clear of */
+	struct map_edges areas, clear_of;
 	uint64_t total, outside, off_ground, placements;
 	double typical_m;            /* median of the known heights */
 	/* the picture */
@@ -69,7 +72,10 @@ enum eco_code map_draw_ground(struct map *m);
 enum eco_code map_draw_contours(struct map *m);
 enum eco_code map_draw_places(struct map *m);
 
-static inline enum eco_code map_no_memory(struct map *m) { return eco_fail(m->error, ECO_NO_MEMORY, "no memory for the map"); }
+static inline enum eco_code map_no_memory(struct map *m)
+{
+	return eco_fail(m->error, ECO_NO_MEMORY, "no memory for the map");
+}
 
 double map_radius(const struct map *m, double height_m);         /* pixels; height 0: not known */
 

@@ -36,7 +36,8 @@ static enum eco_code leave_strays(struct map *m, struct map_bounds *b)
 		return map_no_memory(m);
 	for (int k = 0; k < 2; k++) {
 		for (uint64_t i = 0; i < count; i++)
-			sorted[i] = (double)(k ? m->points.items[i * stride].y : m->points.items[i * stride].x);
+			sorted[i] =
+				(double)(k ? m->points.items[i * stride].y : m->points.items[i * stride].x);
 		qsort(sorted, count, sizeof *sorted, by_double);
 		uint64_t few = (uint64_t)(STRAY_SHARE * (double)count + 0.999);
 		if (count < 20)
@@ -48,7 +49,8 @@ static enum eco_code leave_strays(struct map *m, struct map_bounds *b)
 		core.high[k] = fmin(core.high[k] + spare, b->high[k]);
 	}
 	free(sorted);
-	double whole = fmax(b->high[0] - b->low[0], b->high[1] - b->low[1]), inner = fmax(core.high[0] - core.low[0], core.high[1] - core.low[1]);
+	double whole = fmax(b->high[0] - b->low[0], b->high[1] - b->low[1]),
+		inner = fmax(core.high[0] - core.low[0], core.high[1] - core.low[1]);
 	if (inner > 0 && whole > STRAY_FACTOR * inner)
 		*b = core;
 	return ECO_OK;
@@ -80,11 +82,13 @@ enum eco_code map_frame(struct map *m, uint32_t pixels)
 	if (code)
 		return code;
 	if (map_is_empty(&b))
-		return eco_fail(m->error, ECO_BAD_INPUT, "%s: there is nothing to show: no plant has a usable place (what was left out: see "
+		return eco_fail(m->error, ECO_BAD_INPUT, "%s: there is nothing to show: no plant has a "
+			"usable place (what was left out: see "
 			"\"instances\")", m->sources.items[0].path);
 	double side = fmax(fmax(b.high[0] - b.low[0], b.high[1] - b.low[1]), 1), spare = 0.03 * side;
 	for (int k = 0; k < 2; k++) {            /* neither side is less than a third of the other */
-		double middle = (b.low[k] + b.high[k]) / 2, half = fmax((b.high[k] - b.low[k]) / 2, side / 6) + spare;
+		double middle = (b.low[k] + b.high[k]) / 2, half = fmax((b.high[k] - b.low[k]) / 2, side / 6)
+			+ spare;
 		m->view.low[k] = middle - half;
 		m->view.high[k] = middle + half;
 	}
@@ -106,7 +110,8 @@ static struct eco_color color_of(const struct map *m, uint32_t kind)
 
 static bool pixel_of(const struct map *m, const struct map_point *p, uint32_t *x, uint32_t *y)
 {
-	double px = ((double)p->x - m->view.low[0]) * m->scale, py = (m->view.high[1] - (double)p->y) * m->scale;
+	double px = ((double)p->x - m->view.low[0]) * m->scale,
+		py = (m->view.high[1] - (double)p->y) * m->scale;
 	if (!(px >= 0 && py >= 0 && px < m->width && py < m->height))
 		return false;
 	*x = (uint32_t)px;
@@ -179,7 +184,9 @@ static enum eco_code draw_density(struct map *m)
 			continue;
 		for (int k = 0; k < 3; k++)
 			rgba[4 * i + (size_t)k] = (uint8_t)(255 * tally[i].rgb[k] / tally[i].count + 0.5f);
-		rgba[4 * i + 3] = (uint8_t)(255 * (0.35 + 0.65 * fmin(log(1 + (double)tally[i].count) / log(1 + m->densest), 1)));
+		rgba[4 * i + 3] =
+			(uint8_t)(255
+			* (0.35 + 0.65 * fmin(log(1 + (double)tally[i].count) / log(1 + m->densest), 1)));
 	}
 	if (tally && rgba)
 		eco_chart_pixels(m->chart, m->x, m->y, width, height, rgba, true);
@@ -196,14 +203,18 @@ struct layer { float *rgba; uint32_t width, height; };   /* premultiplied */
 /* Draws a disc with a smooth rim over the layer. */
 static void stamp(struct layer *layer, double x, double y, double radius, struct eco_color color)
 {
-	int x0 = (int)fmax(floor(x - radius - 0.5), 0), x1 = (int)fmin(ceil(x + radius + 0.5), (double)layer->width);
-	int y0 = (int)fmax(floor(y - radius - 0.5), 0), y1 = (int)fmin(ceil(y + radius + 0.5), (double)layer->height);
+	int x0 = (int)fmax(floor(x - radius - 0.5), 0),
+		x1 = (int)fmin(ceil(x + radius + 0.5), (double)layer->width);
+	int y0 = (int)fmax(floor(y - radius - 0.5), 0),
+		y1 = (int)fmin(ceil(y + radius + 0.5), (double)layer->height);
 	for (int j = y0; j < y1; j++)
 		for (int i = x0; i < x1; i++) {
-			double dx = i + 0.5 - x, dy = j + 0.5 - y, cover = radius - sqrt(dx * dx + dy * dy) + 0.5;
+			double dx = i + 0.5 - x, dy = j + 0.5 - y, cover = radius - sqrt(dx * dx + dy * dy)
+				+ 0.5;
 			if (!(cover > 0))
 				continue;
-			float a = (float)(fmin(cover, 1) * color.a), *to = layer->rgba + 4 * ((size_t)j * layer->width + (size_t)i);
+			float a = (float)(fmin(cover, 1) * color.a),
+				*to = layer->rgba + 4 * ((size_t)j * layer->width + (size_t)i);
 			to[0] = to[0] * (1 - a) + a * (float)color.r;
 			to[1] = to[1] * (1 - a) + a * (float)color.g;
 			to[2] = to[2] * (1 - a) + a * (float)color.b;
@@ -253,7 +264,8 @@ static enum eco_code draw_dots(struct map *m)
 	qsort(m->points.items, m->points.count, sizeof *m->points.items, by_height);
 	for (uint64_t i = 0; i < m->points.count; i++) {
 		const struct map_point *p = &m->points.items[i];
-		double x = map_x(m, (double)p->x) - m->x, y = map_y(m, (double)p->y) - m->y, radius = map_radius(m, (double)p->height_m);
+		double x = map_x(m, (double)p->x) - m->x, y = map_y(m, (double)p->y) - m->y,
+			radius = map_radius(m, (double)p->height_m);
 		if (radius >= 2)
 			stamp(&layer, x, y, radius + 0.7, (struct eco_color){ 1, 1, 1, 0.75 });
 		stamp(&layer, x, y, radius, color_of(m, p->kind));
@@ -276,14 +288,17 @@ static void draw_outlines(struct map *m)
 			x += points[2 * k] = map_x(m, m->outlines[i].corners[2 * k]);
 			y += points[2 * k + 1] = map_y(m, m->outlines[i].corners[2 * k + 1]);
 		}
-		eco_chart_path(m->chart, &(struct eco_chart_path){ .points = points, .count = 4, .closed = true, .line = 1,
-			.color = ECO_COLOR(0x707070), .fill = { 0.5, 0.5, 0.5, m->not_expanded ? 0.15 : 0 } });
+		eco_chart_path(m->chart,
+			&(struct eco_chart_path){ .points = points, .count = 4, .closed = true, .line = 1,
+			.color = ECO_COLOR(0x707070),
+			.fill = { 0.5, 0.5, 0.5, m->not_expanded ? 0.15 : 0 } });
 		if (m->outline_count <= NAMED_MOST)
 			eco_chart_text(m->chart, x / 4, y / 4, &style, m->outlines[i].name);
 	}
 }
 
-static enum eco_code draw_edges(struct map *m, const struct map_edges *edges, double line, struct eco_color color)
+static enum eco_code draw_edges(struct map *m, const struct map_edges *edges, double line,
+	struct eco_color color)
 {
 	double *ends = malloc(4 * (size_t)edges->count * sizeof *ends + 1);
 	if (!ends)

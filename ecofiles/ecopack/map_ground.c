@@ -39,7 +39,8 @@ static bool sample(const struct map *m, struct grid *grid, double pixels)
 static uint8_t brightness(double east, double north)
 {
 	/* sun in the north-west, 45 degrees high */
-	double sun = (RELIEF * (east - north) * 0.5 + 0.7071067811865476) / sqrt(1 + RELIEF * RELIEF * (east * east + north * north));
+	double sun = (RELIEF * (east - north) * 0.5 + 0.7071067811865476)
+		/ sqrt(1 + RELIEF * RELIEF * (east * east + north * north));
 	double bright = FLAT + 0.55 * (sun - 0.7071067811865476);
 	return (uint8_t)(255 * fmin(fmax(bright, 0.45), 1) + 0.5);
 }
@@ -89,7 +90,8 @@ static bool add_line(struct lines *lines, const double ends[4])
 
 /* The points where a level crosses one triangle's sides: two points or none. A corner at the level counts
  * as above. */
-static bool cross_triangle(const double x[3], const double y[3], const double z[3], double level, double ends[4])
+static bool cross_triangle(const double x[3], const double y[3], const double z[3], double level,
+	double ends[4])
 {
 	int found = 0;
 	for (int i = 0; i < 3 && found < 2; i++) {
@@ -104,9 +106,11 @@ static bool cross_triangle(const double x[3], const double y[3], const double z[
 	return found == 2;
 }
 
-static bool cross_cell(const struct map *m, const struct grid *grid, uint32_t c, uint32_t r, struct lines kinds[2])
+static bool cross_cell(const struct map *m, const struct grid *grid, uint32_t c, uint32_t r,
+	struct lines kinds[2])
 {
-	static const uint32_t corner[2][3][2] = { { { 0, 0 }, { 1, 0 }, { 1, 1 } }, { { 0, 0 }, { 1, 1 }, { 0, 1 } } };
+	static const uint32_t corner[2][3][2] = { { { 0, 0 }, { 1, 0 }, { 1, 1 } },
+		{ { 0, 0 }, { 1, 1 }, { 0, 1 } } };
 	for (int half = 0; half < 2; half++) {
 		double x[3], y[3], z[3], ends[4];
 		for (int i = 0; i < 3; i++) {
@@ -119,7 +123,8 @@ static bool cross_cell(const struct map *m, const struct grid *grid, uint32_t c,
 		if (isnan(z[0] + z[1] + z[2]))
 			continue;
 		for (double n = ceil(low / m->contour_m); n * m->contour_m <= high; n++)
-			if (cross_triangle(x, y, z, n * m->contour_m, ends) && !add_line(&kinds[fmod(n, 5) == 0], ends))
+			if (cross_triangle(x, y, z, n * m->contour_m, ends)
+					&& !add_line(&kinds[fmod(n, 5) == 0], ends))
 				return false;
 	}
 	return true;
@@ -128,11 +133,13 @@ static bool cross_cell(const struct map *m, const struct grid *grid, uint32_t c,
 /* Labels the first thick lines along the middle of the map, not too close to each other. */
 static void name_lines(struct map *m, const struct grid *grid, double base)
 {
-	struct eco_chart_style style = { .size = 11, .align = ECO_CHART_CENTER, .color = ECO_COLOR(0x5c4524), .halo = { 0.97, 0.97, 0.94, 0.9 } };
+	struct eco_chart_style style = { .size = 11, .align = ECO_CHART_CENTER, .color = ECO_COLOR(0x5c4524),
+		.halo = { 0.97, 0.97, 0.94, 0.9 } };
 	uint32_t middle = grid->columns / 2;
 	double step = 5 * m->contour_m, last = -1e9;
 	for (uint32_t r = 1; r + 1 < grid->rows; r++) {
-		double a = grid->z[(size_t)(r - 1) * grid->columns + middle], b = grid->z[(size_t)r * grid->columns + middle];
+		double a = grid->z[(size_t)(r - 1) * grid->columns + middle],
+			b = grid->z[(size_t)r * grid->columns + middle];
 		double level = floor(fmax(a, b) / step) * step, y = m->y + CELL * (double)r;
 		if (isnan(a + b) || level < fmin(a, b) || y - last < 60 || y < m->y + 20)
 			continue;
@@ -159,8 +166,10 @@ static enum eco_code draw_contours(struct map *m)
 		for (uint32_t c = 0; c + 1 < grid.columns && good; c++)
 			good = cross_cell(m, &grid, c, r, kinds);
 	if (good) {
-		eco_chart_lines(m->chart, kinds[0].ends, kinds[0].count, 0.8, (struct eco_color){ 0.36, 0.27, 0.14, 0.55 });
-		eco_chart_lines(m->chart, kinds[1].ends, kinds[1].count, 1.5, (struct eco_color){ 0.36, 0.27, 0.14, 0.65 });
+		eco_chart_lines(m->chart, kinds[0].ends, kinds[0].count, 0.8,
+			(struct eco_color){ 0.36, 0.27, 0.14, 0.55 });
+		eco_chart_lines(m->chart, kinds[1].ends, kinds[1].count, 1.5,
+			(struct eco_color){ 0.36, 0.27, 0.14, 0.65 });
 		if (m->contour_m > 0)
 			name_lines(m, &grid, m->sources.items[0].origin[2]);
 	}

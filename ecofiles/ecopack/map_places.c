@@ -64,7 +64,10 @@ static enum eco_code add_point(struct map *m, struct map_points *points, const s
 
 struct named { const char *name; uint32_t source, plant; };
 
-static int by_name(const void *a, const void *b) { return strcmp(((const struct named *)a)->name, ((const struct named *)b)->name); }
+static int by_name(const void *a, const void *b)
+{
+	return strcmp(((const struct named *)a)->name, ((const struct named *)b)->name);
+}
 
 /* Variants, and plants of one name in several files, are one kind. */
 static enum eco_code find_kinds(struct map *m)
@@ -96,9 +99,11 @@ static enum eco_code find_kinds(struct map *m)
 	return good ? ECO_OK : map_no_memory(m);
 }
 
-static enum eco_code add_plant(struct map *m, uint32_t source, uint32_t plant, const double at[2], double height_m)
+static enum eco_code add_plant(struct map *m, uint32_t source, uint32_t plant, const double at[2],
+	double height_m)
 {
-	struct map_point point = { (float)at[0], (float)at[1], isnan(height_m) ? 0 : (float)height_m, m->kind_of[source][plant] };
+	struct map_point point = { (float)at[0], (float)at[1], isnan(height_m) ? 0 : (float)height_m,
+		m->kind_of[source][plant] };
 	if (source == 0 && m->has_ground) {
 		double z;
 		m->off_ground += !eco_ground_height(&m->ground, at[0], at[1], &z);
@@ -112,7 +117,8 @@ static enum eco_code add_instances(struct map *m, uint32_t source)
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < s->instance_count && !code; i++) {
 		const struct eco_source_instance *one = &s->instances[i];
-		double own = s->plants[one->plant].height_m, height = isnan(one->height_m) ? own : one->height_m;
+		double own = s->plants[one->plant].height_m, height = isnan(one->height_m) ? own
+			: one->height_m;
 		code = add_plant(m, source, one->plant, one->at, height > 0 ? height * one->scale : NAN);
 		if (i % 4096 == 0 && !main_progress("reading positions", s->path, 0))
 			code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
@@ -139,7 +145,8 @@ static int by_most(const void *a, const void *b)
 }
 
 /* Lists the species that the scene's map leaves out, the commonest first. */
-static enum eco_code say_left_out(struct map *m, const struct eco_positions_spec *spec, const struct eco_positions_counts *counts)
+static enum eco_code say_left_out(struct map *m, const struct eco_positions_spec *spec,
+	const struct eco_positions_counts *counts)
 {
 	const struct eco_skipped **order = calloc(spec->map_count + 1u, sizeof *order);
 	uint32_t found = 0;
@@ -150,7 +157,8 @@ static enum eco_code say_left_out(struct map *m, const struct eco_positions_spec
 	if (order)
 		qsort(order, found, sizeof *order, by_most);
 	for (uint32_t i = 0; i < found && i < DETAILS && !code; i++)
-		code = say(m, MAP_OF_THESE, order[i]->count, "%.80s", spec->map[order[i] - counts->keys].name);
+		code = say(m, MAP_OF_THESE, order[i]->count, "%.80s",
+			spec->map[order[i] - counts->keys].name);
 	if (found > DETAILS && !code)
 		code = say(m, MAP_OF_THESE, 0, "and %u more", found - DETAILS);
 	free(order);
@@ -167,18 +175,20 @@ static enum eco_code say_unknown(struct map *m, const struct eco_positions_count
 	return code;
 }
 
-static enum eco_code say_rows(struct map *m, const struct eco_positions *reader, const struct eco_positions_spec *spec)
+static enum eco_code say_rows(struct map *m, const struct eco_positions *reader,
+	const struct eco_positions_spec *spec)
 {
 	struct eco_positions_counts counts;
 	char rows[32], plants[32];
 	eco_positions_counted(reader, &counts);
 	enum eco_code code = say(m, MAP_FILE, counts.rows, "%.80s: %s row%s, %s plant%s", file_of(spec->path),
-		eco_phrase_count(counts.rows, rows), counts.rows == 1 ? "" : "s", eco_phrase_count(counts.plants, plants),
-		counts.plants == 1 ? "" : "s");
+		eco_phrase_count(counts.rows, rows), counts.rows == 1 ? "" : "s",
+		eco_phrase_count(counts.plants, plants), counts.plants == 1 ? "" : "s");
 	for (int k = 0; k < ECO_SKIP_COUNT && !code; k++) {
 		if (!counts.skipped[k].count)
 			continue;
-		code = say(m, k < ECO_SKIP_REASONS ? MAP_LEFT_OUT : MAP_KEPT, counts.skipped[k].count, "%s", eco_skip_names[k]);
+		code = say(m, k < ECO_SKIP_REASONS ? MAP_LEFT_OUT : MAP_KEPT, counts.skipped[k].count, "%s",
+			eco_skip_names[k]);
 		if (!code && k == ECO_SKIP_LEFT_OUT)
 			code = say_left_out(m, spec, &counts);
 		else if (!code && k == ECO_SKIP_UNKNOWN_SPECIES)
@@ -220,9 +230,11 @@ static enum eco_code add_edges(struct map *m, struct map_edges *edges, const str
 	uint64_t capacity = edges->capacity;
 	for (uint32_t i = 0; i < areas->edge_count && edges->count < EDGES_MAX; i++) {
 		const struct eco_edge *e = &areas->edges[i];
-		if (!reserve((void **)&edges->ends, edges->count, &capacity, UINT32_MAX, 4 * sizeof *edges->ends))
+		if (!reserve((void **)&edges->ends, edges->count, &capacity, UINT32_MAX,
+				4 * sizeof *edges->ends))
 			return map_no_memory(m);
-		memcpy(edges->ends + 4 * (size_t)edges->count++, (const double[]){ e->a[0], e->a[1], e->b[0], e->b[1] }, 4 * sizeof *edges->ends);
+		memcpy(edges->ends + 4 * (size_t)edges->count++,
+			(const double[]){ e->a[0], e->a[1], e->b[0], e->b[1] }, 4 * sizeof *edges->ends);
 	}
 	edges->capacity = (uint32_t)capacity;
 	return ECO_OK;
@@ -237,7 +249,10 @@ static void say_scatter(void *ctx, const char *text)
 	say(m, MAP_LEFT_OUT, 0, "%s", text);
 }
 
-static bool scatter_progress(void *ctx, double share) { return main_progress("scattering plants", ctx, share); }
+static bool scatter_progress(void *ctx, double share)
+{
+	return main_progress("scattering plants", ctx, share);
+}
 
 static enum eco_code add_scattered(struct map *m, uint32_t source, const struct eco_scatter_spec *spec)
 {
@@ -247,14 +262,16 @@ static enum eco_code add_scattered(struct map *m, uint32_t source, const struct 
 	struct eco_scatter_place place;
 	enum eco_code code = eco_scatter_open(&scatter, spec, &frame, scatter_progress, spec->path, m->error);
 	while (!code && eco_scatter_next(scatter, &place)) {
-		double own = s->plants[place.plant].height_m, height = isnan(place.height_m) ? own : place.height_m;
+		double own = s->plants[place.plant].height_m, height = isnan(place.height_m) ? own
+			: place.height_m;
 		code = add_plant(m, source, place.plant, place.at, height > 0 ? height : NAN);
 	}
 	if (!code)
 		code = say(m, MAP_FILE, 0, "%.80s, scattered", file_of(spec->path));
 	if (!code)
 		eco_scatter_report(scatter, say_scatter, m);
-	if (!code && source == 0)                /* nested files' areas would have to be turned; their plants show them */
+	/* nested files' areas would have to be turned; their plants show them */
+	if (!code && source == 0)
 		code = add_edges(m, &m->areas, eco_scatter_areas(scatter));
 	if (!code && source == 0)
 		code = add_edges(m, &m->clear_of, eco_scatter_clear_of(scatter));
@@ -269,9 +286,13 @@ struct turned { double at[2], sine, cosine, scale; };
 static struct turned turn_of(const struct turned *parent, const struct eco_source_child *child)
 {
 	double yaw = child->yaw_deg * (M_PI / 180), c = cos(yaw), s = sin(yaw);
-	return (struct turned){ { parent->at[0] + parent->scale * (parent->cosine * child->at[0] - parent->sine * child->at[1]),
-		parent->at[1] + parent->scale * (parent->sine * child->at[0] + parent->cosine * child->at[1]) },
-		parent->sine * c + parent->cosine * s, parent->cosine * c - parent->sine * s, parent->scale * child->scale };
+	return (struct turned){
+		{ parent->at[0]
+		+ parent->scale * (parent->cosine * child->at[0] - parent->sine * child->at[1]),
+		parent->at[1]
+		+ parent->scale * (parent->sine * child->at[0] + parent->cosine * child->at[1]) },
+		parent->sine * c + parent->cosine * s, parent->cosine * c - parent->sine * s,
+		parent->scale * child->scale };
 }
 
 static void put(const struct turned *t, double x, double y, double out[2])
@@ -285,7 +306,8 @@ static const struct turned as_is = { .cosine = 1, .scale = 1 };
 static void corners_of(const struct turned *t, const struct map_bounds *b, double corners[8])
 {
 	for (int i = 0; i < 4; i++)
-		put(t, i == 0 || i == 3 ? b->low[0] : b->high[0], i < 2 ? b->low[1] : b->high[1], corners + 2 * i);
+		put(t, i == 0 || i == 3 ? b->low[0] : b->high[0], i < 2 ? b->low[1] : b->high[1],
+			corners + 2 * i);
 }
 
 static void sum_up(struct map *m, uint32_t source)
@@ -303,7 +325,8 @@ static void sum_up(struct map *m, uint32_t source)
 		corners_of(&t, nested, corners);
 		for (int k = 0; k < 4 && !map_is_empty(nested); k++)
 			map_extend(b, corners[2 * k], corners[2 * k + 1]);
-		if (__builtin_add_overflow(m->totals[source], m->totals[s->children[i].source], &m->totals[source]))
+		if (__builtin_add_overflow(m->totals[source], m->totals[s->children[i].source],
+				&m->totals[source]))
 			m->totals[source] = UINT64_MAX;
 	}
 }
@@ -318,7 +341,8 @@ static enum eco_code count_kinds(struct map *m)
 	for (uint32_t s = 0; s < m->sources.count; s++) {
 		const struct eco_source *source = &m->sources.items[s];
 		for (uint32_t i = 0; i < source->child_count; i++)
-			if (__builtin_add_overflow(times[source->children[i].source], times[s], &times[source->children[i].source]))
+			if (__builtin_add_overflow(times[source->children[i].source], times[s],
+					&times[source->children[i].source]))
 				times[source->children[i].source] = UINT64_MAX;
 		for (uint64_t i = 0; i < m->own[s].count; i++) {
 			struct map_kind *kind = &m->kinds[m->own[s].items[i].kind];
@@ -348,7 +372,8 @@ static enum eco_code add_bounds(struct map *m, uint32_t source, const struct tur
 }
 
 /* Draws the files that `source` nests, and their plants if there is room for all. */
-static enum eco_code expand(struct map *m, uint32_t source, const struct turned *t, bool plants, uint32_t depth)
+static enum eco_code expand(struct map *m, uint32_t source, const struct turned *t, bool plants,
+	uint32_t depth)
 {
 	const struct eco_source *s = &m->sources.items[source];
 	enum eco_code code = ECO_OK;
@@ -426,8 +451,11 @@ static enum eco_code read_ground(struct map *m)
 	struct eco_source *s = &m->sources.items[0];
 	if (!s->ground.height_count)
 		return ECO_OK;
-	enum eco_code code = eco_ground_import(&m->ground, &(struct eco_ground_options){ .source = &s->ground, .scene_crs = s->crs,
-		.scene_vertical = s->vertical, .origin = { s->origin[0], s->origin[1], s->origin[2] }, .side_max = 2048, .warn = main_note_text }, m->error);
+	enum eco_code code =
+		eco_ground_import(&m->ground,
+		&(struct eco_ground_options){ .source = &s->ground, .scene_crs = s->crs,
+		.scene_vertical = s->vertical, .origin = { s->origin[0], s->origin[1], s->origin[2] },
+		.side_max = 2048, .warn = main_note_text }, m->error);
 	m->has_ground = !code;
 	return code;
 }

@@ -48,15 +48,19 @@ static void keep_note(void *ctx, const char *text)
 static enum eco_code find_components(struct seen *s, struct eco_error *error)
 {
 	uint32_t *place = malloc(((size_t)s->model.vertex_count + 1) * sizeof *place);
-	bool good = place && eco_model_places(&s->model, place) && eco_components_find(&s->components, &s->model, place, true);
+	bool good = place && eco_model_places(&s->model, place)
+		&& eco_components_find(&s->components, &s->model, place, true);
 	struct eco_component all = { 0 };
 	free(place);
 	if (!good)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for the components of %.300s", s->options.paths[0]);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for the components of %.300s",
+			s->options.paths[0]);
 	for (uint32_t i = 0; i < s->components.count; i++)
 		for (int k = 0; k < 3; k++) {
-			all.low[k] = i ? fmin(all.low[k], s->components.items[i].low[k]) : s->components.items[i].low[k];
-			all.high[k] = i ? fmax(all.high[k], s->components.items[i].high[k]) : s->components.items[i].high[k];
+			all.low[k] = i ? fmin(all.low[k], s->components.items[i].low[k])
+				: s->components.items[i].low[k];
+			all.high[k] = i ? fmax(all.high[k], s->components.items[i].high[k])
+				: s->components.items[i].high[k];
 		}
 	s->diagonal = eco_component_diagonal(&all);
 	return ECO_OK;
@@ -70,7 +74,8 @@ static enum eco_code find_organs(struct seen *s, struct eco_error *error)
 	s->organ = malloc(s->model.triangle_count + 1u);
 	if (!s->organ || setjmp(arena.failed)) {
 		lod_arena_free(&arena);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for the organs of %.300s", s->options.paths[0]);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for the organs of %.300s",
+			s->options.paths[0]);
 	}
 	memset(s->organ, ECO_ORGAN_FOUND, s->model.triangle_count + 1u);
 	lod_weld(&mesh, &s->model, WELD_BITS, &arena);
@@ -173,7 +178,8 @@ static json_t *plant_json(const struct seen *s)
 	if (s->options.height_m > 0)
 		json_object_set_new(plant, "height_m", json_real(s->options.height_m));
 	else if (source->unit_how == ECO_HOW_GUESSED)
-		json_object_set_new(plant, "height_m", json_real(round(eco_model_height(&s->model) * 1000) / 1000));
+		json_object_set_new(plant, "height_m",
+			json_real(round(eco_model_height(&s->model) * 1000) / 1000));
 	return plant;
 }
 
@@ -194,7 +200,8 @@ static void print_plant(const struct seen *s)
 
 static void print_counts(const struct eco_model *m)
 {
-	static const char *const why[ECO_DROP_COUNT] = { "name vertices that are not there", "are not finite", "have no area", "are duplicates",
+	static const char *const why[ECO_DROP_COUNT] = { "name vertices that are not there", "are not finite",
+		"have no area", "are duplicates",
 		"are transparent", "collapse on the grid", "are left out by rules" };
 	printf("  triangles   %u, %u kept", m->triangles_in, m->triangle_count);
 	for (int i = 0; i < ECO_DROP_COUNT; i++)
@@ -209,14 +216,15 @@ static void print_frame(const struct seen *s)
 	const struct eco_model_source *source = &m->source;
 	const double *size = source->size;
 	const char *unit = eco_unit_name(m->scale);
-	printf("  size        %.4g m wide, %.4g m deep, %.4g m high (%.5g x %.5g x %.5g units)\n", size[0] * m->scale, size[1] * m->scale,
-		eco_model_height(m), size[0], size[1], size[2]);
+	printf("  size        %.4g m wide, %.4g m deep, %.4g m high (%.5g x %.5g x %.5g units)\n",
+		size[0] * m->scale, size[1] * m->scale, eco_model_height(m), size[0], size[1], size[2]);
 	if (unit)
 		printf("  unit        %s, %s\n", unit, how_text(source->unit_how));
 	else
 		printf("  unit        %.4g m, %s\n", m->scale, how_text(source->unit_how));
 	printf("  up          %s, %s\n", eco_up_name(source->up), how_text(source->up_how));
-	printf("  foot        at %.6g, %.6g, %.6g of the file (turned to z up)", m->foot[0], m->foot[1], m->foot[2]);
+	printf("  foot        at %.6g, %.6g, %.6g of the file (turned to z up)", m->foot[0], m->foot[1],
+		m->foot[2]);
 	if (source->below > 0)
 		printf("; it reaches %.3g m below the ground", source->below * m->scale);
 	printf("\n");
@@ -231,11 +239,12 @@ static void print_materials(const struct seen *s)
 		const struct eco_material *material = &m->materials[i];
 		char texture[64] = "-";
 		if (material->image != ECO_NONE)
-			snprintf(texture, sizeof texture, "%u x %u, %s", m->images[material->image].width, m->images[material->image].height,
-				material->cutout ? "cut out" : "opaque");
+			snprintf(texture, sizeof texture, "%u x %u, %s", m->images[material->image].width,
+				m->images[material->image].height, material->cutout ? "cut out" : "opaque");
 		if (i < 2 * SHOWN)
-			printf("  %11u %11u %12.4g  #%02x%02x%02x  %-20s  %s\n", i + 1, use[i].triangles, use[i].area, material->rgb[0], material->rgb[1],
-				material->rgb[2], texture, material->name[0] ? material->name : "(no name)");
+			printf("  %11u %11u %12.4g  #%02x%02x%02x  %-20s  %s\n", i + 1, use[i].triangles,
+				use[i].area, material->rgb[0], material->rgb[1], material->rgb[2], texture,
+				material->name[0] ? material->name : "(no name)");
 	}
 	if (m->material_count > 2 * SHOWN)
 		printf("  ... and %u more\n", m->material_count - 2 * SHOWN);
@@ -248,8 +257,10 @@ static void print_parts(const struct seen *s)
 	struct use *use = m->part ? uses_of(s, m->part, m->part_count) : NULL;
 	if (m->part_count > 1 || (m->part_count == 1 && m->parts[0].name[0]))
 		printf("\n  parts       triangles      area m2  mesh, object or group\n");
-	for (uint32_t i = 0; use && i < m->part_count && i < 2 * SHOWN && (m->part_count > 1 || m->parts[0].name[0]); i++)
-		printf("  %11u %11u %12.4g  %s\n", i + 1, use[i].triangles, use[i].area, m->parts[i].name[0] ? m->parts[i].name : "(no name)");
+	for (uint32_t i = 0; use && i < m->part_count && i < 2 * SHOWN
+			&& (m->part_count > 1 || m->parts[0].name[0]); i++)
+		printf("  %11u %11u %12.4g  %s\n", i + 1, use[i].triangles, use[i].area,
+			m->parts[i].name[0] ? m->parts[i].name : "(no name)");
 	if (m->part_count > 2 * SHOWN)
 		printf("  ... and %u more\n", m->part_count - 2 * SHOWN);
 	free(use);
@@ -258,15 +269,20 @@ static void print_parts(const struct seen *s)
 static void print_components(const struct seen *s)
 {
 	double rest = 0, least = INFINITY, most = 0;
-	printf("\n  component   triangles      area m2  size     from z to z m     organ    material, part\n");
+	printf("\n  component   triangles      area m2  size     from z to z m     organ    material, "
+		"part\n");
 	for (uint32_t i = 0; i < s->components.count; i++) {
 		const struct eco_component *c = &s->components.items[i];
-		double size = s->diagonal > 0 ? eco_component_diagonal(c) / s->diagonal : 0, area[ECO_ORGAN_COUNT];
+		double size = s->diagonal > 0 ? eco_component_diagonal(c) / s->diagonal : 0,
+			area[ECO_ORGAN_COUNT];
 		if (i < SHOWN) {
 			organ_areas(s, i, area);
 			const char *part = part_of(s, c->first);
-			printf("  %11u %11u %12.4g  %.5f %8.3g %8.3g  %-8s %s%s%s\n", i + 1, c->triangle_count, c->area, size, c->low[2], c->high[2],
-				organ_name(largest_organ(area)), s->model.materials[s->model.material[c->first]].name, part[0] ? ", " : "", part);
+			printf("  %11u %11u %12.4g  %.5f %8.3g %8.3g  %-8s %s%s%s\n", i + 1,
+				c->triangle_count, c->area, size, c->low[2], c->high[2],
+				organ_name(largest_organ(area)),
+				s->model.materials[s->model.material[c->first]].name, part[0] ? ", " : "",
+				part);
 		} else {
 			rest += c->area;
 			least = fmin(least, size);
@@ -274,7 +290,8 @@ static void print_components(const struct seen *s)
 		}
 	}
 	if (s->components.count > SHOWN)
-		printf("  ... and %u more: %.4g m2, sizes %.5f to %.5f\n", s->components.count - SHOWN, rest, least, most);
+		printf("  ... and %u more: %.4g m2, sizes %.5f to %.5f\n", s->components.count - SHOWN, rest,
+			least, most);
 	printf("  (size: its diagonal as a share of the whole's)\n");
 }
 
@@ -303,9 +320,11 @@ static void print_text(const struct seen *s)
 		printf("%s  note: %s\n", i ? "" : "\n", s->notes[i]);
 	printf("\nIn SCENE.json:\n");
 	print_plant(s);
-	printf("and with rules about its parts, for example:\n  \"parts\": [{\"component\": 1, \"is\": \"left out\"}, {\"size\": "
+	printf("and with rules about its parts, for example:\n  \"parts\": [{\"component\": 1, \"is\": "
+		"\"left out\"}, {\"size\": "
 		"[0, 0.01], \"is\": \"foliage\"}, "
-		"{\"name\": \"%s\", \"is\": \"wood\"}]\n", s->model.materials[0].name[0] ? s->model.materials[0].name : "bark*");
+		"{\"name\": \"%s\", \"is\": \"wood\"}]\n", s->model.materials[0].name[0]
+		? s->model.materials[0].name : "bark*");
 }
 
 /* ---- For scripts ---- */
@@ -339,7 +358,8 @@ static json_t *materials_json(const struct seen *s)
 		json_object_set_new(one, "area_m2", json_real(use[i].area));
 		json_object_set_new(one, "organs_m2", organs_json(use[i].organ));
 		if (material->image != ECO_NONE) {
-			json_object_set_new(one, "texture", json_pack("[I,I]", (json_int_t)m->images[material->image].width,
+			json_object_set_new(one, "texture",
+				json_pack("[I,I]", (json_int_t)m->images[material->image].width,
 				(json_int_t)m->images[material->image].height));
 			json_object_set_new(one, "cutout", json_boolean(material->cutout));
 		}
@@ -377,10 +397,12 @@ static json_t *components_json(const struct seen *s)
 		json_object_set_new(one, "component", json_integer(i + 1));
 		json_object_set_new(one, "triangles", json_integer(c->triangle_count));
 		json_object_set_new(one, "area_m2", json_real(c->area));
-		json_object_set_new(one, "size", json_real(s->diagonal > 0 ? eco_component_diagonal(c) / s->diagonal : 0));
+		json_object_set_new(one, "size",
+			json_real(s->diagonal > 0 ? eco_component_diagonal(c) / s->diagonal : 0));
 		json_object_set_new(one, "z_m", json_pack("[f,f]", c->low[2], c->high[2]));
 		json_object_set_new(one, "organ", json_string(organ_name(largest_organ(area))));
-		json_object_set_new(one, "material", text_json(s->model.materials[s->model.material[c->first]].name));
+		json_object_set_new(one, "material",
+			text_json(s->model.materials[s->model.material[c->first]].name));
 		json_object_set_new(one, "part", text_json(part_of(s, c->first)));
 		json_array_append_new(all, one);
 	}
@@ -398,7 +420,8 @@ static void print_json(const struct seen *s)
 	for (uint32_t i = 0; i < s->note_count; i++)
 		json_array_append_new(notes, text_json(s->notes[i]));
 	json_object_set_new(top, "format", text_json(m->source.format));
-	json_object_set_new(top, "size_m", json_pack("[f,f,f]", m->source.size[0] * m->scale, m->source.size[1] * m->scale,
+	json_object_set_new(top, "size_m",
+		json_pack("[f,f,f]", m->source.size[0] * m->scale, m->source.size[1] * m->scale,
 		m->source.size[2] * m->scale));
 	json_object_set_new(top, "height_m", json_real(eco_model_height(m)));
 	json_object_set_new(top, "below_m", json_real(m->source.below * m->scale));
@@ -434,7 +457,8 @@ static enum eco_code read_options(struct seen *s, struct eco_error *error)
 	if (s->unit && !eco_unit_metres(s->unit, &s->options.unit_m))
 		return eco_fail(error, ECO_BAD_USAGE, "--unit %.20s: the units are " ECO_UNITS, s->unit);
 	if (s->up && !eco_up_of(s->up, &s->options.up))
-		return eco_fail(error, ECO_BAD_USAGE, "--up %.20s: x, y or z, the axis of the file that points up", s->up);
+		return eco_fail(error, ECO_BAD_USAGE, "--up %.20s: x, y or z, the axis of the file that "
+			"points up", s->up);
 	s->options.paths = (const char *const *)given.files.names;
 	s->options.path_count = given.files.count;
 	s->options.warn = keep_note;
@@ -488,14 +512,17 @@ static enum eco_code run_model(int argc, char **argv, struct eco_error *error)
 }
 
 static const struct eco_option options[] = {
-	{ "the model file", 0, ECO_OPTION_INPUTS, "FILE", &given.files, .high = FILES_MAX, .is_required = true },
+	{ "the model file", 0, ECO_OPTION_INPUTS, "FILE", &given.files, .high = FILES_MAX,
+		.is_required = true },
 	{ "unit", 0, ECO_OPTION_TEXT, "U", &given.unit, .help = "unit of the files: " ECO_UNITS },
 	{ "up", 0, ECO_OPTION_TEXT, "x|y|z", &given.up, .help = "axis of the files that points up" },
-	{ "height", 0, ECO_OPTION_NUMBER, "M", &given.height_m, 0.001, 1000, .help = "height in metres to which it is scaled" },
+	{ "height", 0, ECO_OPTION_NUMBER, "M", &given.height_m, 0.001, 1000,
+	.help = "height in metres to which it is scaled" },
 	{ "json", 0, ECO_OPTION_FLAG, NULL, &given.json, .help = "for scripts" },
-	{ "as-plant", 0, ECO_OPTION_FLAG, NULL, &given.as_plant, .help = "only the lines for SCENE.json" }, { 0 } };
+	{ "as-plant", 0, ECO_OPTION_FLAG, NULL, &given.as_plant, .help = "only the lines for SCENE.json" },
+	{ 0 } };
 
 const struct main_command main_command_model = { {
 	"ecopack model", "FILE... [--unit U] [--up x|y|z] [--height M] [--json] [--as-plant]",
-	"Says what import sees in a model (several files make one plant), as SCENE.json would name it.", options, main_common, NULL, NULL },
-	run_model };
+	"Says what import sees in a model (several files make one plant), as SCENE.json would name it.",
+	options, main_common, NULL, NULL }, run_model };

@@ -54,7 +54,8 @@ static void say(const char *stage, const char *detail, double share)
 {
 	static char last[256];
 	char text[sizeof last];
-	snprintf(text, sizeof text, "%s%s%.150s, %.0f %%", stage, detail ? ": " : "", detail ? detail : "", 100 * share);
+	snprintf(text, sizeof text, "%s%s%.150s, %.0f %%", stage, detail ? ": " : "", detail ? detail : "",
+		100 * share);
 	if (strcmp(text, last) != 0)
 		fprintf(stderr, "ecopack: %s\n", text);
 	memcpy(last, text, sizeof last);
@@ -75,7 +76,8 @@ bool main_progress(const char *stage, const char *detail, double share)
 			memset(bar, '.', BAR);
 			memset(bar, '#', (size_t)(share * BAR));
 			bar[BAR] = 0;
-			fprintf(stderr, "\r\033[K[%s] %3.0f %%  %s%s%s", bar, 100 * share, stage, detail ? ": " : "", detail ? detail : "");
+			fprintf(stderr, "\r\033[K[%s] %3.0f %%  %s%s%s", bar, 100 * share, stage,
+				detail ? ": " : "", detail ? detail : "");
 			fflush(stderr);
 			shown = true;
 		} else if (!first)

@@ -58,9 +58,11 @@ static enum eco_code parse_column(const char *text, struct column *column, struc
 		column->share = 0;
 		column->vertices = (uint64_t)number;
 		char digits[32];
-		snprintf(column->title, sizeof column->title, "%.20s vertices", eco_phrase_count(column->vertices, digits));
+		snprintf(column->title, sizeof column->title, "%.20s vertices",
+			eco_phrase_count(column->vertices, digits));
 	} else if (end == text || *end || is_count || !(column->share > 0 && column->share <= 1))
-		return eco_fail(error, ECO_BAD_USAGE, "--columns: %.40s is neither a share of all vertices such as 1/8 or 0.125, nor a number of "
+		return eco_fail(error, ECO_BAD_USAGE, "--columns: %.40s is neither a share of all vertices "
+			"such as 1/8 or 0.125, nor a number of "
 			"vertices such as 3000", text);
 	return ECO_OK;
 }
@@ -84,12 +86,14 @@ static enum eco_code parse_columns(struct sheet *s, const char *list, struct eco
 	return ECO_OK;
 }
 
-static enum eco_code unknown_plant(const struct eco_scene *scene, const char *name, int length, struct eco_error *error)
+static enum eco_code unknown_plant(const struct eco_scene *scene, const char *name, int length,
+	struct eco_error *error)
 {
 	char known[300] = "";
 	for (uint32_t i = 0; i < scene->plant_count; i++)
 		eco_phrase_add(known, sizeof known, scene->plants[i].name);
-	return eco_fail(error, ECO_NOT_FOUND, "--plants: the pack has no \"%.*s\"; it has: %s", length < 64 ? length : 64, name, known);
+	return eco_fail(error, ECO_NOT_FOUND, "--plants: the pack has no \"%.*s\"; it has: %s",
+		length < 64 ? length : 64, name, known);
 }
 
 /* Chooses all plants of each name (variants share one); without names, all plants. */
@@ -103,7 +107,8 @@ static enum eco_code choose_plants(struct sheet *s, const char *names, struct ec
 		bool any = false;
 		end = at + strcspn(at, ",");
 		for (uint32_t i = 0; i < scene->plant_count; i++)
-			if (strlen(scene->plants[i].name) == (size_t)(end - at) && !memcmp(scene->plants[i].name, at, (size_t)(end - at)))
+			if (strlen(scene->plants[i].name) == (size_t)(end - at)
+					&& !memcmp(scene->plants[i].name, at, (size_t)(end - at)))
 				any = chosen[i] = true;
 		if (!any)
 			code = unknown_plant(scene, at, (int)(end - at), error);
@@ -134,9 +139,13 @@ static struct facts find_facts(const struct sheet *s, uint32_t number)
 	json_object_foreach(json_object_get(facts.meta, "dropped"), key, value)
 		facts.dropped += json_integer_value(value);
 	for (int i = 0; i < ECO_ORGAN_COUNT; i++)
-		facts.area[i] = json_number_value(json_object_get(json_object_get(organs, eco_organ_names[i]), "area_m2"));
-	for (uint32_t i = plant->ladder_first; !facts.meta && i < plant->ladder_first + plant->ladder_count; i++)
-		if (scene->ladders[i].anchor == plant->anchor_first && !(scene->ladders[i].flags & ECO_LADDER_FAR))
+		facts.area[i] =
+			json_number_value(json_object_get(json_object_get(organs, eco_organ_names[i]),
+			"area_m2"));
+	for (uint32_t i = plant->ladder_first; !facts.meta && i < plant->ladder_first + plant->ladder_count;
+			i++)
+		if (scene->ladders[i].anchor == plant->anchor_first
+				&& !(scene->ladders[i].flags & ECO_LADDER_FAR))
 			facts.area[scene->ladders[i].organ] += scene->ladders[i].area;
 	return facts;
 }
@@ -166,7 +175,8 @@ static void print_facts(const struct sheet *s, uint32_t number)
 	const char *reason;
 	json_t *count;
 	json_object_foreach(json_object_get(facts.meta, "dropped"), reason, count)
-		printf("    %lld of %lld triangles dropped: %s\n", (long long)json_integer_value(count), (long long)facts.triangles_in, reason);
+		printf("    %lld of %lld triangles dropped: %s\n", (long long)json_integer_value(count),
+			(long long)facts.triangles_in, reason);
 }
 
 /* ---- Drawing ---- */
@@ -190,8 +200,10 @@ static double write_organs(struct sheet *s, const struct facts *facts, double y)
 		if (!(facts->area[i] > 0))
 			continue;
 		const uint8_t *rgb = sheet_organ_rgb[i];
-		eco_chart_box(s->chart, MARGIN, y - 10, 11, 11, ECO_COLOR(rgb[0] << 16 | rgb[1] << 8 | rgb[2]));
-		snprintf(text, sizeof text, "%s %s (%.0f %%)", eco_organ_names[i], area_text(facts->area[i], area), 100 * facts->area[i] / sum);
+		eco_chart_box(s->chart, MARGIN, y - 10, 11, 11,
+			ECO_COLOR(rgb[0] << 16 | rgb[1] << 8 | rgb[2]));
+		snprintf(text, sizeof text, "%s %s (%.0f %%)", eco_organ_names[i],
+			area_text(facts->area[i], area), 100 * facts->area[i] / sum);
 		eco_chart_text(s->chart, MARGIN + 17, y, &style, text);
 		y += 16;
 	}
@@ -202,7 +214,8 @@ static void write_facts(struct sheet *s, uint32_t number, uint64_t full, double 
 {
 	const struct eco_plant *plant = &s->pack->scene.plants[number];
 	struct facts facts = find_facts(s, number);
-	struct eco_chart_style style = { .size = 12, .room = FACTS - 8 }, name = { .size = 15, .bold = true, .room = FACTS - 8 };
+	struct eco_chart_style style = { .size = 12, .room = FACTS - 8 },
+		name = { .size = 15, .bold = true, .room = FACTS - 8 };
 	struct eco_chart_style small = { .size = 11, .room = FACTS - 8, .color = ECO_COLOR(0xa03020) };
 	double bottom = y + row_height(s) - GAP;
 	const char *model = json_string_value(json_object_get(facts.meta, "model")), *reason;
@@ -215,12 +228,14 @@ static void write_facts(struct sheet *s, uint32_t number, uint64_t full, double 
 	}
 	snprintf(text, sizeof text, "%s high", eco_chart_length_text((double)plant->height_m, a));
 	eco_chart_text(s->chart, MARGIN, y, &style, text);
-	snprintf(text, sizeof text, "%s triangles, %s vertices", eco_phrase_count(plant->triangles, a), eco_phrase_count(full, b));
+	snprintf(text, sizeof text, "%s triangles, %s vertices", eco_phrase_count(plant->triangles, a),
+		eco_phrase_count(full, b));
 	eco_chart_text(s->chart, MARGIN, y += 17, &style, text);
 	y = write_organs(s, &facts, y + 19);
 	json_t *count;
 	json_object_foreach(json_object_get(facts.meta, "dropped"), reason, count) {
-		snprintf(text, sizeof text, "%s dropped: %.80s", eco_phrase_count((uint64_t)json_integer_value(count), a), reason);
+		snprintf(text, sizeof text, "%s dropped: %.80s",
+			eco_phrase_count((uint64_t)json_integer_value(count), a), reason);
 		if (y < bottom)
 			y = eco_chart_paragraph(s->chart, MARGIN, y + 2, 14, &small, text);
 	}
@@ -231,18 +246,22 @@ static void scale_bar(struct sheet *s, const struct sheet_plant *plant, double x
 {
 	if (!(plant->metres_a_pixel > 0))
 		return;
-	double length = eco_chart_round_below(0.5 * s->pixels * plant->metres_a_pixel), wide = length / plant->metres_a_pixel;
+	double length = eco_chart_round_below(0.5 * s->pixels * plant->metres_a_pixel),
+		wide = length / plant->metres_a_pixel;
 	char text[32];
 	struct eco_chart_style style = { .size = 12 };
 	eco_chart_length_text(length, text);
-	double left = x + (s->pixels - wide - 6 - eco_chart_text_width(s->chart, &style, text)) / 2, bottom = y + s->pixels + 14;
-	const double shape[] = { left, bottom - 5, left, bottom, left + wide, bottom, left + wide, bottom - 5 };
-	eco_chart_path(s->chart, &(struct eco_chart_path){ .points = shape, .count = 4, .line = 1.5, .color = ECO_COLOR(0x303030) });
+	double left = x + (s->pixels - wide - 6 - eco_chart_text_width(s->chart, &style, text)) / 2,
+		bottom = y + s->pixels + 14;
+	const double shape[] = { left, bottom - 5, left, bottom, left + wide, bottom, left + wide,
+		bottom - 5 };
+	eco_chart_path(s->chart, &(struct eco_chart_path){ .points = shape, .count = 4, .line = 1.5,
+		.color = ECO_COLOR(0x303030) });
 	eco_chart_text(s->chart, left + wide + 6, y + s->pixels + 16, &style, text);
 }
 
-static enum eco_code draw_cell(struct sheet *s, struct sheet_plant *plant, uint32_t column, uint64_t vertices, enum sheet_colors colors,
-	double y, struct eco_error *error)
+static enum eco_code draw_cell(struct sheet *s, struct sheet_plant *plant, uint32_t column, uint64_t vertices,
+	enum sheet_colors colors, double y, struct eco_error *error)
 {
 	struct sheet_picture picture = { .rgb = s->rgb };
 	enum eco_code code = sheet_plant_draw(plant, vertices, colors, &picture, error);
@@ -279,7 +298,8 @@ static enum eco_code draw_row(struct sheet *s, uint32_t number, double y, struct
 		code = draw_cell(s, &plant, 0, ECO_VERTICES_MAX, SHEET_ORGANS, y, error);
 	for (uint32_t i = 0; i < s->column_count && !code; i++) {
 		const struct column *c = &s->columns[i];
-		uint64_t vertices = c->share > 0 ? (uint64_t)(c->share * (double)plant.full + 0.5) : c->vertices;
+		uint64_t vertices = c->share > 0 ? (uint64_t)(c->share * (double)plant.full + 0.5)
+			: c->vertices;
 		code = draw_cell(s, &plant, i + 2, vertices, SHEET_NATURAL, y, error);
 	}
 	sheet_plant_close(&plant);
@@ -289,15 +309,20 @@ static enum eco_code draw_row(struct sheet *s, uint32_t number, double y, struct
 static void draw_head(struct sheet *s, uint32_t page)
 {
 	const struct eco_scene *scene = &s->pack->scene;
-	struct eco_chart_style title = { .size = 22, .bold = true }, style = { .size = 12, .color = ECO_COLOR(0x606060) };
-	struct eco_chart_style head = { .size = 13, .bold = true, .align = ECO_CHART_CENTER, .room = s->pixels };
+	struct eco_chart_style title = { .size = 22, .bold = true },
+		style = { .size = 12, .color = ECO_COLOR(0x606060) };
+	struct eco_chart_style head = { .size = 13, .bold = true, .align = ECO_CHART_CENTER,
+		.room = s->pixels };
 	char text[160];
 	eco_chart_text(s->chart, MARGIN, MARGIN + 20, &title, scene->name);
-	snprintf(text, sizeof text, "%u kind%s of plants", scene->plant_count, scene->plant_count == 1 ? "" : "s");
+	snprintf(text, sizeof text, "%u kind%s of plants", scene->plant_count, scene->plant_count == 1 ? ""
+		: "s");
 	if (s->page_count > 1)
-		snprintf(text + strlen(text), sizeof text - strlen(text), ", page %u of %u", page + 1, s->page_count);
+		snprintf(text + strlen(text), sizeof text - strlen(text), ", page %u of %u", page + 1,
+			s->page_count);
 	eco_chart_text(s->chart, MARGIN, MARGIN + 40, &style, text);
-	eco_chart_text(s->chart, column_x(s, 0), MARGIN + 20, &style, "Shares are of the vertices of full detail. Q compares what is covered "
+	eco_chart_text(s->chart, column_x(s, 0), MARGIN + 20, &style,
+		"Shares are of the vertices of full detail. Q compares what is covered "
 		"with full detail: 1 is no wrong pixel.");
 	for (uint32_t i = 0; i < s->column_count + 2; i++)
 		eco_chart_text(s->chart, column_x(s, i) + s->pixels / 2.0, HEAD - 10, &head,
@@ -308,7 +333,8 @@ static enum eco_code draw_page(struct sheet *s, uint32_t page, struct eco_error 
 {
 	uint32_t first = page * s->rows_a_page, rows = s->plant_count - first;
 	rows = rows < s->rows_a_page ? rows : s->rows_a_page;
-	double width = column_x(s, s->column_count + 2) - GAP + MARGIN, height = HEAD + rows * row_height(s) + MARGIN - GAP;
+	double width = column_x(s, s->column_count + 2) - GAP + MARGIN,
+		height = HEAD + rows * row_height(s) + MARGIN - GAP;
 	enum eco_code code = eco_chart_new(&s->chart, (uint32_t)width, (uint32_t)height, error);
 	if (code)
 		return code;
@@ -332,7 +358,8 @@ static enum eco_code draw_page(struct sheet *s, uint32_t page, struct eco_error 
 /* sheet.png, or sheet-1.png, sheet-2.png, ... */
 static void page_path(const struct sheet *s, uint32_t page, char path[4096])
 {
-	size_t length = strlen(s->output), stem = length > 4 && strcmp(s->output + length - 4, ".png") == 0 ? length - 4 : length;
+	size_t length = strlen(s->output), stem = length > 4 && strcmp(s->output + length - 4, ".png") == 0
+		? length - 4 : length;
 	if (s->page_count == 1)
 		snprintf(path, 4096, "%s", s->output);
 	else
@@ -345,7 +372,8 @@ static enum eco_code make_pages(struct sheet *s, struct eco_error *error)
 	s->rows_a_page = (uint32_t)((PAGE_HEIGHT - HEAD - MARGIN) / row_height(s));
 	s->page_count = (s->plant_count + s->rows_a_page - 1) / s->rows_a_page;
 	if (s->page_count > PAGES_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "%u plants would be %u pages; choose some with --plants", s->plant_count, s->page_count);
+		return eco_fail(error, ECO_TOO_LARGE, "%u plants would be %u pages; choose some with "
+			"--plants", s->plant_count, s->page_count);
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < s->page_count && !code; i++) {
 		page_path(s, i, path);
@@ -410,12 +438,16 @@ static enum eco_code run_sheet(int argc, char **argv, struct eco_error *error)
 static const struct eco_option options[] = {
 	{ "the pack", 0, ECO_OPTION_INPUT, "OUT.eco", &given.pack, .is_required = true },
 	{ "output", 'o', ECO_OPTION_TEXT, "SHEET.png", &given.output, .is_required = true,
-		.help = "a PNG, which appears complete or not at all; with many plants SHEET-1.png, SHEET-2.png, ..." },
+		.help = "a PNG, which appears complete or not at all; with many plants SHEET-1.png, "
+		"SHEET-2.png, ..." },
 	{ "columns", 0, ECO_OPTION_TEXT, "LIST", &given.columns,
-		.help = "shares of all vertices, or numbers of them: 1/2,1/4,1/8,1/16,1/32,1/64 if not given" },
-	{ "size", 0, ECO_OPTION_COUNT, "PX", &given.pixels, 48, 800, .help = "side of each picture, 48 to 800; 200 if not given" },
+		.help = "shares of all vertices, or numbers of them: 1/2,1/4,1/8,1/16,1/32,1/64 if not "
+		"given" },
+	{ "size", 0, ECO_OPTION_COUNT, "PX", &given.pixels, 48, 800,
+	.help = "side of each picture, 48 to 800; 200 if not given" },
 	{ "plants", 0, ECO_OPTION_TEXT, "LIST", &given.plants, .help = "only these, by name" }, { 0 } };
 
 const struct main_command main_command_sheet = { {
 	"ecopack sheet", "OUT.eco -o SHEET.png [--columns LIST] [--size PX] [--plants NAME,...]",
-	"Draws every plant of a pack with less and less detail, and how good that is.", options, main_common, NULL, NULL }, run_sheet };
+	"Draws every plant of a pack with less and less detail, and how good that is.", options, main_common,
+	NULL, NULL }, run_sheet };

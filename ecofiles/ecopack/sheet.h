@@ -36,7 +36,8 @@ struct sheet_plant {
 	struct eco_group group;
 	struct eco_list *scene_lists;
 	uint8_t place[ECO_PLACE_BYTES];
-	struct sheet_list *lists; uint32_t list_count;           /* per list of the pack; list NULL: not this plant's */
+	/* per list of the pack; list NULL: not this plant's */
+	struct sheet_list *lists; uint32_t list_count;
 	struct eco_view view;
 	struct lod_eye eye, fine_eye;
 	double metres_a_pixel;       /* at the plant's middle */
@@ -54,11 +55,11 @@ struct sheet_picture {
 	double q;                    /* against full detail, in this view and size */
 };
 
-enum eco_code sheet_plant_open(struct sheet_plant *plant, const struct eco_pack *pack, uint32_t number, uint32_t pixels,
-	struct eco_error *error);
+enum eco_code sheet_plant_open(struct sheet_plant *plant, const struct eco_pack *pack, uint32_t number,
+	uint32_t pixels, struct eco_error *error);
 void sheet_plant_close(struct sheet_plant *plant);
-enum eco_code sheet_plant_draw(struct sheet_plant *plant, uint64_t vertices, enum sheet_colors colors, struct sheet_picture *picture,
-	struct eco_error *error);
+enum eco_code sheet_plant_draw(struct sheet_plant *plant, uint64_t vertices, enum sheet_colors colors,
+	struct sheet_picture *picture, struct eco_error *error);
 
 /* ---- Shared by its two files ---- */
 
@@ -71,8 +72,8 @@ struct sheet_batch {             /* one cut, as triangles, lines or points */
 struct sheet_drawing { struct sheet_batch *batches; uint32_t count, primitives; uint64_t vertices; };
 
 /* Plans and gathers the cuts for `vertices`. */
-enum eco_code sheet_drawing_make(struct sheet_drawing *drawing, const struct sheet_plant *plant, uint64_t vertices,
-	struct eco_error *error);
+enum eco_code sheet_drawing_make(struct sheet_drawing *drawing, const struct sheet_plant *plant,
+	uint64_t vertices, struct eco_error *error);
 void sheet_drawing_free(struct sheet_drawing *drawing);
 
 #endif

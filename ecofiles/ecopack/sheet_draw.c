@@ -26,14 +26,17 @@ struct light {
 
 /* ---- Rasterising ---- */
 
-static void raster_batch(struct lod_raster *raster, const struct sheet_plant *p, const struct sheet_batch *b, bool one_by_one)
+static void raster_batch(struct lod_raster *raster, const struct sheet_plant *p, const struct sheet_batch *b,
+	bool one_by_one)
 {
 	const struct sheet_list *image = b->geometry.uv ? &p->lists[b->list->image] : NULL;
 	uint32_t corners = eco_list_vertices(b->list->list), step = one_by_one ? 1 : b->count;
 	for (uint32_t i = 0; i < b->count; i += step) {
-		struct lod_raster_batch batch = { .count = step, .position = b->geometry.position + 3 * (size_t)corners * i,
+		struct lod_raster_batch batch =
+			{ .count = step, .position = b->geometry.position + 3 * (size_t)corners * i,
 			.width = b->geometry.width ? b->geometry.width + i : NULL, .area = b->area,
-			.size = b->geometry.size ? b->geometry.size + i : NULL, .owner = (uint64_t)b->first + i + 1 };
+			.size = b->geometry.size ? b->geometry.size + i : NULL,
+			.owner = (uint64_t)b->first + i + 1 };
 		if (image && image->cutout) {
 			batch.cutout = &image->picture;
 			batch.uv = b->geometry.uv + 6 * (size_t)i;
@@ -66,13 +69,15 @@ static void light_make(struct light *light, const struct sheet_plant *p)
 	light->eye = &p->fine_eye;
 	double away = 0;
 	for (int k = 0; k < 3; k++) {
-		light->sun[k] = from[0] * light->eye->right[k] + from[1] * light->eye->up[k] - from[2] * light->eye->forward[k];
+		light->sun[k] = from[0] * light->eye->right[k] + from[1] * light->eye->up[k]
+			- from[2] * light->eye->forward[k];
 		away += (whole->center[k] - light->eye->at[k]) * light->eye->forward[k];
 	}
 	light->front = away - whole->radius;
 	light->depth = 2.0 * whole->radius;
 	for (int i = 0; i < 256; i++)
-		light->linear[i] = i <= 10 ? (float)i / 3294.6f : powf(((float)i / 255 + 0.055f) / 1.055f, 2.4f);
+		light->linear[i] = i <= 10 ? (float)i / 3294.6f
+			: powf(((float)i / 255 + 0.055f) / 1.055f, 2.4f);
 }
 
 static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -91,7 +96,8 @@ static void cross(const double a[3], const double b[3], double out[3])
 
 /* Brightness of a triangle, both sides alike; and the point where the ray meets it, as weights of its
  * second and third corner. */
-static float light_triangle(const struct light *light, const float *corner, const double ray[3], double weight[2])
+static float light_triangle(const struct light *light, const float *corner, const double ray[3],
+	double weight[2])
 {
 	double u[3], v[3], n[3], from[3], q[3];
 	difference(corner + 3, corner, u);
@@ -123,7 +129,8 @@ static float light_line(const struct light *light, const float *ends)
 
 static void color_primitive(const struct sheet_batch *b, uint32_t i, enum sheet_colors colors, uint8_t rgb[3])
 {
-	static const uint8_t plain[ECO_ORGAN_COUNT][3] = { { 120, 96, 72 }, { 95, 127, 79 }, { 220, 190, 200 } };
+	static const uint8_t plain[ECO_ORGAN_COUNT][3] = { { 120, 96, 72 }, { 95, 127, 79 },
+		{ 220, 190, 200 } };
 	const uint8_t white[3] = { 255, 255, 255 }, *from = b->geometry.uv ? white : plain[b->list->organ];
 	int32_t color = b->geometry.color[i];
 	if (colors == SHEET_ORGANS)
@@ -133,8 +140,8 @@ static void color_primitive(const struct sheet_batch *b, uint32_t i, enum sheet_
 	memcpy(rgb, from, 3);
 }
 
-static void shade_sample(const struct light *light, const struct sheet_plant *p, const struct sheet_batch *b, uint32_t i,
-	const double ray[3], enum sheet_colors colors, float sum[3])
+static void shade_sample(const struct light *light, const struct sheet_plant *p, const struct sheet_batch *b,
+	uint32_t i, const double ray[3], enum sheet_colors colors, float sum[3])
 {
 	uint8_t rgb[3];
 	float lit = POINT_LIGHT;
@@ -148,7 +155,8 @@ static void shade_sample(const struct light *light, const struct sheet_plant *p,
 			const float *uv = b->geometry.uv + 6 * (size_t)i;
 			double rest = 1 - w[0] - w[1];
 			uint8_t tint[3] = { rgb[0], rgb[1], rgb[2] };
-			lod_texel_tint(lod_texel_at(&p->lists[b->list->image].picture, rest * uv[0] + w[0] * uv[2] + w[1] * uv[4],
+			lod_texel_tint(lod_texel_at(&p->lists[b->list->image].picture,
+				rest * uv[0] + w[0] * uv[2] + w[1] * uv[4],
 				rest * uv[1] + w[0] * uv[3] + w[1] * uv[5]), tint, rgb);
 		}
 	}
@@ -169,8 +177,8 @@ static const struct sheet_batch *batch_of(const struct sheet_drawing *d, uint32_
 	return &d->batches[low];
 }
 
-static void add_sample(const struct light *light, const struct sheet_plant *p, const struct sheet_drawing *d, size_t at,
-	enum sheet_colors colors, float sum[3])
+static void add_sample(const struct light *light, const struct sheet_plant *p, const struct sheet_drawing *d,
+	size_t at, enum sheet_colors colors, float sum[3])
 {
 	const struct lod_raster *r = &p->fine;
 	if (!r->owner[at]) {
@@ -197,7 +205,8 @@ static uint8_t encode(float linear)
 	return (uint8_t)(255 * fminf(fmaxf(v, 0), 1) + 0.5f);
 }
 
-static void shade(const struct sheet_plant *p, const struct sheet_drawing *d, enum sheet_colors colors, uint8_t *rgb)
+static void shade(const struct sheet_plant *p, const struct sheet_drawing *d, enum sheet_colors colors,
+	uint8_t *rgb)
 {
 	struct light light;
 	light_make(&light, p);
@@ -206,7 +215,9 @@ static void shade(const struct sheet_plant *p, const struct sheet_drawing *d, en
 			float sum[3] = { 0, 0, 0 };
 			for (uint32_t j = 0; j < SHEET_SAMPLES; j++)
 				for (uint32_t i = 0; i < SHEET_SAMPLES; i++)
-					add_sample(&light, p, d, (size_t)(SHEET_SAMPLES * y + j) * p->fine.width + SHEET_SAMPLES * x + i, colors, sum);
+					add_sample(&light, p, d,
+						(size_t)(SHEET_SAMPLES * y + j) * p->fine.width
+						+ SHEET_SAMPLES * x + i, colors, sum);
 			for (int k = 0; k < 3; k++)
 				rgb[k] = encode(sum[k] / (SHEET_SAMPLES * SHEET_SAMPLES));
 		}
@@ -214,8 +225,8 @@ static void shade(const struct sheet_plant *p, const struct sheet_drawing *d, en
 
 /* ---- A picture ---- */
 
-enum eco_code sheet_plant_draw(struct sheet_plant *plant, uint64_t vertices, enum sheet_colors colors, struct sheet_picture *picture,
-	struct eco_error *error)
+enum eco_code sheet_plant_draw(struct sheet_plant *plant, uint64_t vertices, enum sheet_colors colors,
+	struct sheet_picture *picture, struct eco_error *error)
 {
 	struct sheet_drawing drawing;
 	enum eco_code code = sheet_drawing_make(&drawing, plant, vertices, error);
@@ -226,7 +237,8 @@ enum eco_code sheet_plant_draw(struct sheet_plant *plant, uint64_t vertices, enu
 	if (vertices >= plant->full)
 		memcpy(plant->reference, plant->coarse.cover, pixels);
 	struct lod_score score;
-	lod_score(&score, &(struct lod_score_input){ .width = plant->coarse.width, .height = plant->coarse.height,
+	lod_score(&score,
+		&(struct lod_score_input){ .width = plant->coarse.width, .height = plant->coarse.height,
 		.cover = plant->coarse.cover, .reference = plant->reference });
 	raster_drawing(&plant->fine, plant, &plant->fine_eye, &drawing, true);
 	shade(plant, &drawing, colors, picture->rgb);

@@ -30,7 +30,8 @@ static enum eco_code decode_list(struct sheet_plant *p, uint32_t id, struct eco_
 	const struct eco_scene *s = &p->pack->scene;
 	const struct eco_list *list = &s->lists[id];
 	struct sheet_list *to = &p->lists[id];
-	*to = (struct sheet_list){ .list = list, .palette = s->palette + list->palette_first, .image = list->image,
+	*to = (struct sheet_list){ .list = list, .palette = s->palette + list->palette_first,
+		.image = list->image,
 		.chunks = calloc(list->chunk_count + 1u, sizeof *to->chunks) };
 	if (!to->chunks)
 		return no_memory(p, error);
@@ -74,7 +75,10 @@ static enum eco_code decode_lists(struct sheet_plant *p, struct eco_error *error
 
 /* ---- Textures: files of strangers, so all of a plant are decoded in one child process ---- */
 
-static bool is_picture(const struct sheet_list *list) { return list->list && list->list->kind == ECO_LIST_IMAGE && list->chunk_count; }
+static bool is_picture(const struct sheet_list *list)
+{
+	return list->list && list->list->kind == ECO_LIST_IMAGE && list->chunk_count;
+}
 
 static enum eco_code decode_in_child(void *ctx, FILE *out, struct eco_error *error)
 {
@@ -93,24 +97,30 @@ static enum eco_code decode_in_child(void *ctx, FILE *out, struct eco_error *err
 			code = eco_image_read_memory(&image, bytes, size, name, error);
 		const uint32_t sides[2] = { image.width, image.height };
 		size_t texels = (size_t)image.width * image.height;
-		if (!code && (fwrite(sides, sizeof sides, 1, out) != 1 || fwrite(image.rgba, 4, texels, out) != texels))
+		if (!code
+				&& (fwrite(sides, sizeof sides, 1, out) != 1
+				|| fwrite(image.rgba, 4, texels, out) != texels))
 			code = eco_fail(error, ECO_IO, "%s: its pixels cannot be handed on", name);
 		eco_image_free(&image);
 	}
 	return code;
 }
 
-static enum eco_code read_picture(struct sheet_plant *p, struct sheet_list *to, FILE *from, struct eco_error *error)
+static enum eco_code read_picture(struct sheet_plant *p, struct sheet_list *to, FILE *from,
+	struct eco_error *error)
 {
 	uint32_t sides[2];
-	if (fread(sides, sizeof sides, 1, from) != 1 || !sides[0] || !sides[1] || (uint64_t)sides[0] * sides[1] > ECO_PIXELS_MAX)
-		return eco_fail(error, ECO_DAMAGED, "%s: its textures cannot be read", p->scene.plants[p->number].name);
+	if (fread(sides, sizeof sides, 1, from) != 1 || !sides[0] || !sides[1]
+			|| (uint64_t)sides[0] * sides[1] > ECO_PIXELS_MAX)
+		return eco_fail(error, ECO_DAMAGED, "%s: its textures cannot be read",
+			p->scene.plants[p->number].name);
 	size_t texels = (size_t)sides[0] * sides[1];
 	to->picture = (struct eco_image){ sides[0], sides[1], malloc(4 * texels) };
 	if (!to->picture.rgba)
 		return no_memory(p, error);
 	if (fread(to->picture.rgba, 4, texels, from) != texels)
-		return eco_fail(error, ECO_DAMAGED, "%s: its textures cannot be read", p->scene.plants[p->number].name);
+		return eco_fail(error, ECO_DAMAGED, "%s: its textures cannot be read",
+			p->scene.plants[p->number].name);
 	for (size_t i = 0; i < texels && !to->cutout; i++)
 		to->cutout = to->picture.rgba[4 * i + 3] < 128;
 	return ECO_OK;
@@ -126,7 +136,8 @@ static enum eco_code decode_pictures(struct sheet_plant *p, struct eco_error *er
 	if (!bytes)
 		return ECO_OK;
 	struct eco_guard_limits limits = eco_guard_limits_for(bytes);
-	enum eco_code code = eco_guard_run(decode_in_child, p, p->scene.plants[p->number].name, &limits, &from, error);
+	enum eco_code code = eco_guard_run(decode_in_child, p, p->scene.plants[p->number].name, &limits,
+		&from, error);
 	for (uint32_t i = 0; i < p->list_count && !code; i++)
 		if (is_picture(&p->lists[i]))
 			code = read_picture(p, &p->lists[i], from, error);
@@ -146,15 +157,19 @@ static enum eco_code make_scene(struct sheet_plant *p, struct eco_error *error)
 	if (!p->scene_lists)
 		return no_memory(p, error);
 	memcpy(p->scene_lists, s->lists, s->list_count * sizeof *p->scene_lists);
-	p->scene_lists[s->list_count] = (struct eco_list){ .kind = ECO_LIST_INSTANCES, .coder = ECO_CODER_ROWS, .attributes = ECO_ATTR_PLACE,
-		.plant = p->number, .grid_step = { 1, 1, 1 }, .image = ECO_NONE, .partner = ECO_NONE, .primitive_count = 1, .element_count = 1 };
-	p->tile = (struct eco_tile){ .area = plant->area, .instance_count = 1, .summary = ECO_NONE, .group_count = 1 };
+	p->scene_lists[s->list_count] = (struct eco_list){ .kind = ECO_LIST_INSTANCES,
+		.coder = ECO_CODER_ROWS, .attributes = ECO_ATTR_PLACE,
+		.plant = p->number, .grid_step = { 1, 1, 1 }, .image = ECO_NONE, .partner = ECO_NONE,
+		.primitive_count = 1, .element_count = 1 };
+	p->tile = (struct eco_tile){ .area = plant->area, .instance_count = 1, .summary = ECO_NONE,
+		.group_count = 1 };
 	for (int k = 0; k < 3; k++) {
 		p->tile.low[k] = (double)whole->center[k] - whole->radius;
 		p->tile.high[k] = (double)whole->center[k] + whole->radius;
 	}
 	p->group = (struct eco_group){ .plant = p->number, .list = s->list_count };
-	memcpy(p->place + ECO_PLACE_BYTES - 4, (const uint8_t[4]){ 0, 0, 1, 0 }, 4);     /* scale 65536 / 65536, the rest 0 */
+	/* scale 65536 / 65536, the rest 0 */
+	memcpy(p->place + ECO_PLACE_BYTES - 4, (const uint8_t[4]){ 0, 0, 1, 0 }, 4);
 	p->scene = *s;
 	p->scene.root = 0;
 	p->scene.ground = NULL, p->scene.ground_count = p->scene.ground_columns = p->scene.ground_rows = 0;
@@ -197,8 +212,10 @@ static void see_batch(const struct lod_eye *eye, const struct sheet_batch *b, do
 static enum eco_code fit_view(struct sheet_plant *p, uint32_t pixels, struct eco_error *error)
 {
 	const struct eco_anchor *whole = &p->scene.anchors[p->scene.plants[p->number].anchor_first];
-	double target[3] = { whole->center[0], whole->center[1], whole->center[2] }, radius = whole->radius > 0 ? whole->radius : 1;
-	double away = AWAY_RADII * radius, low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY };
+	double target[3] = { whole->center[0], whole->center[1], whole->center[2] },
+		radius = whole->radius > 0 ? whole->radius : 1;
+	double away = AWAY_RADII * radius, low[2] = { INFINITY, INFINITY },
+		high[2] = { -INFINITY, -INFINITY };
 	p->view = (struct eco_view){ .eye = { target[0], target[1] - away, target[2] + DOWN * away } };
 	set_view(p, target, 1.2 / AWAY_RADII, pixels);
 	struct sheet_drawing all;
@@ -212,7 +229,8 @@ static enum eco_code fit_view(struct sheet_plant *p, uint32_t pixels, struct eco
 	if (!(high[0] >= low[0]))
 		return ECO_OK;
 	const struct lod_eye eye = p->eye;
-	double x = (low[0] + high[0]) / 2, y = (low[1] + high[1]) / 2, half = fmax(high[0] - low[0], high[1] - low[1]) / 2 * MARGIN;
+	double x = (low[0] + high[0]) / 2, y = (low[1] + high[1]) / 2,
+		half = fmax(high[0] - low[0], high[1] - low[1]) / 2 * MARGIN;
 	for (int k = 0; k < 3; k++)
 		target[k] = eye.at[k] + (eye.forward[k] + x * eye.right[k] + y * eye.up[k]) * away;
 	set_view(p, target, fmax(half, 1e-4), pixels);
@@ -222,12 +240,13 @@ static enum eco_code fit_view(struct sheet_plant *p, uint32_t pixels, struct eco
 
 /* ---- The planner's cuts ---- */
 
-static enum eco_code make_batch(const struct sheet_plant *p, const struct eco_cut *cut, struct sheet_batch *b, struct eco_error *error)
+static enum eco_code make_batch(const struct sheet_plant *p, const struct eco_cut *cut, struct sheet_batch *b,
+	struct eco_error *error)
 {
 	const struct sheet_list *list = b->list = &p->lists[cut->list];
 	uint32_t count = cut->end - cut->first, corners = eco_list_vertices(list->list), from = 0, end;
-	bool textured = list->list->kind == ECO_LIST_TRIANGLES && list->image != ECO_NONE && list->list->attributes & ECO_ATTR_UV
-		&& p->lists[list->image].picture.rgba;
+	bool textured = list->list->kind == ECO_LIST_TRIANGLES && list->image != ECO_NONE
+		&& list->list->attributes & ECO_ATTR_UV && p->lists[list->image].picture.rgba;
 	b->geometry.position = malloc(12 * (size_t)count * corners + 1);
 	b->geometry.uv = textured ? malloc(24 * (size_t)count + 1) : NULL;
 	b->geometry.width = list->list->kind == ECO_LIST_LINES ? malloc(4 * (size_t)count + 1) : NULL;
@@ -235,33 +254,39 @@ static enum eco_code make_batch(const struct sheet_plant *p, const struct eco_cu
 	bool sized = list->list->attributes & ECO_ATTR_SIZE;
 	b->geometry.size = sized ? malloc(4 * (size_t)count + 1) : NULL;
 	b->area = list->list->unit_area * cut->scale;
-	if (!b->geometry.position || !b->geometry.color || (textured && !b->geometry.uv) || (sized && !b->geometry.size) ||
+	if (!b->geometry.position || !b->geometry.color || (textured && !b->geometry.uv)
+			|| (sized && !b->geometry.size) ||
 		(list->list->kind == ECO_LIST_LINES && !b->geometry.width))
 		return no_memory(p, error);
 	for (uint32_t c = 0; c < list->chunk_count && b->count < count; c++, from = end) {
 		end = from + list->chunks[c].primitive_count;
-		uint32_t first = cut->first > from ? cut->first : from, last = cut->end < end ? cut->end : end;
+		uint32_t first = cut->first > from ? cut->first : from, last = cut->end < end ? cut->end
+			: end;
 		if (first >= last)
 			continue;
-		struct lod_geometry at = { b->geometry.position + 3 * (size_t)corners * b->count, textured ? b->geometry.uv + 6 * (size_t)b->count : NULL,
+		struct lod_geometry at = { b->geometry.position + 3 * (size_t)corners * b->count,
+			textured ? b->geometry.uv + 6 * (size_t)b->count : NULL,
 			b->geometry.width ? b->geometry.width + b->count : NULL, b->geometry.color + b->count,
 			b->geometry.size ? b->geometry.size + b->count : NULL };
-		b->count += lod_list_geometry(list->list, &list->chunks[c], first - from, last - from, cut->scale, &at);
+		b->count += lod_list_geometry(list->list, &list->chunks[c], first - from, last - from,
+			cut->scale, &at);
 	}
 	return ECO_OK;
 }
 
 /* Whether a cut's rule applies to the one instance. */
-static bool draws(const struct eco_cut *cut, const struct lod_anchor_band *seen, uint32_t seen_count, uint32_t hash)
+static bool draws(const struct eco_cut *cut, const struct lod_anchor_band *seen, uint32_t seen_count,
+	uint32_t hash)
 {
 	for (uint32_t i = 0; i < seen_count; i++)
 		if (cut->anchor == seen[i].anchor)
-			return cut->band_first <= seen[i].band && seen[i].band < cut->band_end && cut->share_first <= hash && hash < cut->share_end;
+			return cut->band_first <= seen[i].band && seen[i].band < cut->band_end
+				&& cut->share_first <= hash && hash < cut->share_end;
 	return false;
 }
 
-static enum eco_code add_cuts(struct sheet_drawing *d, const struct sheet_plant *p, const struct eco_plan *plan,
-	struct lod_anchor_band *seen, struct eco_error *error)
+static enum eco_code add_cuts(struct sheet_drawing *d, const struct sheet_plant *p,
+	const struct eco_plan *plan, struct lod_anchor_band *seen, struct eco_error *error)
 {
 	const struct eco_plant *plant = &p->scene.plants[p->number];
 	const struct eco_placement nowhere = { .scale = 1 };
@@ -271,10 +296,12 @@ static enum eco_code add_cuts(struct sheet_drawing *d, const struct sheet_plant 
 		if (plan->gates[i].plant == p->number)
 			gate = plan->gates[i].end;
 	struct lod_place place;
-	lod_place_instance(&place, plan->placement_count ? &plan->placements[0] : &nowhere, &p->scene.lists[p->group.list], &origin);
-	uint32_t hash = lod_share_hash(plan->placement_count ? plan->placements[0].path : 0, p->group.list, 0);
-	uint32_t count = lod_instance_anchors(&p->eye, &place, p->scene.anchors + plant->anchor_first, plant->anchor_first, plant->anchor_count,
-		gate, hash, seen);
+	lod_place_instance(&place, plan->placement_count ? &plan->placements[0] : &nowhere,
+		&p->scene.lists[p->group.list], &origin);
+	uint32_t hash = lod_share_hash(plan->placement_count ? plan->placements[0].path : 0, p->group.list,
+		0);
+	uint32_t count = lod_instance_anchors(&p->eye, &place, p->scene.anchors + plant->anchor_first,
+		plant->anchor_first, plant->anchor_count, gate, hash, seen);
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < plan->cut_count && !code; i++) {
 		const struct eco_cut *cut = &plan->cuts[i];
@@ -289,19 +316,22 @@ static enum eco_code add_cuts(struct sheet_drawing *d, const struct sheet_plant 
 	return code;
 }
 
-enum eco_code sheet_drawing_make(struct sheet_drawing *drawing, const struct sheet_plant *plant, uint64_t vertices,
-	struct eco_error *error)
+enum eco_code sheet_drawing_make(struct sheet_drawing *drawing, const struct sheet_plant *plant,
+	uint64_t vertices, struct eco_error *error)
 {
-	struct eco_request request = { .view = plant->view, .vertices = vertices, .bytes = ECO_BYTES_UNBOUNDED };
+	struct eco_request request = { .view = plant->view, .vertices = vertices,
+		.bytes = ECO_BYTES_UNBOUNDED };
 	struct lod_planner_input input = { .scene = &plant->scene, .request = &request };
 	struct eco_plan plan;
 	*drawing = (struct sheet_drawing){ 0 };
 	enum eco_code code = lod_plan(&plan, &input, error);
 	if (code)
 		return code;
-	struct lod_anchor_band *seen = calloc(plant->scene.plants[plant->number].anchor_count + 1u, sizeof *seen);
+	struct lod_anchor_band *seen = calloc(plant->scene.plants[plant->number].anchor_count + 1u,
+		sizeof *seen);
 	drawing->batches = calloc(plan.cut_count + 1u, sizeof *drawing->batches);
-	code = seen && drawing->batches ? add_cuts(drawing, plant, &plan, seen, error) : no_memory(plant, error);
+	code = seen && drawing->batches ? add_cuts(drawing, plant, &plan, seen, error)
+		: no_memory(plant, error);
 	free(seen);
 	eco_plan_free(&plan);
 	if (code)
@@ -324,18 +354,22 @@ void sheet_drawing_free(struct sheet_drawing *drawing)
 
 /* ---- The plant ---- */
 
-enum eco_code sheet_plant_open(struct sheet_plant *plant, const struct eco_pack *pack, uint32_t number, uint32_t pixels,
-	struct eco_error *error)
+enum eco_code sheet_plant_open(struct sheet_plant *plant, const struct eco_pack *pack, uint32_t number,
+	uint32_t pixels, struct eco_error *error)
 {
 	assert(number < pack->scene.plant_count);
-	*plant = (struct sheet_plant){ .pack = pack, .number = number, .scene = pack->scene, .list_count = pack->scene.list_count,
-		.lists = calloc(pack->scene.list_count + 1u, sizeof *plant->lists), .reference = calloc(pixels, pixels) };
+	*plant = (struct sheet_plant){ .pack = pack, .number = number, .scene = pack->scene,
+		.list_count = pack->scene.list_count,
+		.lists = calloc(pack->scene.list_count + 1u, sizeof *plant->lists),
+		.reference = calloc(pixels, pixels) };
 	uint32_t fine = pixels * SHEET_SAMPLES;
 	enum eco_code code = plant->lists && plant->reference ? ECO_OK : no_memory(plant, error);
 	if (!code)
-		code = lod_raster_init(&plant->fine, &(struct lod_raster_options){ .width = fine, .height = fine, .owner = true }, error);
+		code = lod_raster_init(&plant->fine,
+			&(struct lod_raster_options){ .width = fine, .height = fine, .owner = true }, error);
 	if (!code)
-		code = lod_raster_init(&plant->coarse, &(struct lod_raster_options){ .width = pixels, .height = pixels }, error);
+		code = lod_raster_init(&plant->coarse,
+			&(struct lod_raster_options){ .width = pixels, .height = pixels }, error);
 	if (!code)
 		code = decode_lists(plant, error);
 	if (!code)

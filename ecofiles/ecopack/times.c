@@ -8,11 +8,13 @@
 #include <sys/resource.h>
 #include <time.h>
 
-static const char *const names[MAIN_STAGE_COUNT] = { [MAIN_STAGE_SCENE] = "scene", [MAIN_STAGE_GROUND] = "ground",
+static const char *const names[MAIN_STAGE_COUNT] =
+	{ [MAIN_STAGE_SCENE] = "scene", [MAIN_STAGE_GROUND] = "ground",
 	[MAIN_STAGE_MODELS] = "reading models", [MAIN_STAGE_CACHE] = "cache",
 	[MAIN_STAGE_ELEMENTS] = "organs and elements", [MAIN_STAGE_ORDERS] = "orders",
-	[MAIN_STAGE_LISTS] = "levels lines points", [MAIN_STAGE_CURVES] = "curves and scales", [MAIN_STAGE_TEXTURES] = "textures",
-	[MAIN_STAGE_PACKING] = "packing plants", [MAIN_STAGE_POSITIONS] = "positions", [MAIN_STAGE_TILES] = "tiles",
+	[MAIN_STAGE_LISTS] = "levels lines points", [MAIN_STAGE_CURVES] = "curves and scales",
+	[MAIN_STAGE_TEXTURES] = "textures", [MAIN_STAGE_PACKING] = "packing plants",
+	[MAIN_STAGE_POSITIONS] = "positions", [MAIN_STAGE_TILES] = "tiles",
 	[MAIN_STAGE_SUMMARIES] = "summaries", [MAIN_STAGE_WRITING] = "writing" };
 
 static struct { double elapsed_s, cpu_s, peak_mb; uint32_t threads; } stages[MAIN_STAGE_COUNT];
@@ -84,7 +86,8 @@ void main_times_stage(enum main_stage stage)
 		stages[mine.stage].cpu_s += cpu - mine.cpu_s;
 		stages[mine.stage].threads--;
 	}
-	if (mine.stage == MAIN_STAGE_MODELS || mine.stage == MAIN_STAGE_GROUND || mine.stage == MAIN_STAGE_POSITIONS) {
+	if (mine.stage == MAIN_STAGE_MODELS || mine.stage == MAIN_STAGE_GROUND
+			|| mine.stage == MAIN_STAGE_POSITIONS) {
 		stages[mine.stage].cpu_s += readers_s - mine.readers_s;
 		if (readers_mb > mine.readers_mb)
 			stages[mine.stage].peak_mb = max(stages[mine.stage].peak_mb, readers_mb);
@@ -116,12 +119,14 @@ void main_times_print(FILE *out)
 	fprintf(out, "\n%-22s %9s %9s %9s\n", "stage", "elapsed", "processor", "memory");
 	for (int i = 1; i < MAIN_STAGE_COUNT; i++)
 		if (stages[i].elapsed_s > 0)
-			fprintf(out, "%-22s %7.2f s %7.2f s %6.0f MB\n", names[i], stages[i].elapsed_s, stages[i].cpu_s, stages[i].peak_mb);
+			fprintf(out, "%-22s %7.2f s %7.2f s %6.0f MB\n", names[i], stages[i].elapsed_s,
+				stages[i].cpu_s, stages[i].peak_mb);
 	if (cache.folder[0])
-		fprintf(out, "%" PRIu64 " of %" PRIu64 " plants were built before and came from %s\n", cache.hits, cache.hits + cache.misses,
-			cache.folder);
+		fprintf(out, "%" PRIu64 " of %" PRIu64 " plants were built before and came from %s\n",
+			cache.hits, cache.hits + cache.misses, cache.folder);
 	if (cache.lists)
-		fprintf(out, "%" PRIu64 " lists of instances and summaries came from the pack that was there\n", cache.lists);
+		fprintf(out, "%" PRIu64 " lists of instances and summaries came from the pack that was "
+			"there\n", cache.lists);
 }
 
 void main_times_total(double *elapsed_s, double *most_mb)

@@ -32,9 +32,11 @@ static void complain(struct verify *v, const char *format, ...)
 static bool in_range(int32_t value, uint64_t count) { return value >= 0 && (uint64_t)value < count; }
 
 /* Checks the colours, plants and sizes that decoded elements name. */
-static const char *bad_values(const struct eco_scene *s, const struct eco_list *list, const struct eco_elements *e)
+static const char *bad_values(const struct eco_scene *s, const struct eco_list *list,
+	const struct eco_elements *e)
 {
-	bool color = list->attributes & ECO_ATTR_COLOR, plant = list->attributes & ECO_ATTR_PLANT, place = list->attributes & ECO_ATTR_PLACE;
+	bool color = list->attributes & ECO_ATTR_COLOR, plant = list->attributes & ECO_ATTR_PLANT,
+		place = list->attributes & ECO_ATTR_PLACE;
 	if (e->extra_count != eco_list_extra_count(list))
 		return "has other attributes than its list says";
 	for (uint32_t i = 0; i < e->element_count && e->extra_count; i++) {
@@ -43,9 +45,11 @@ static const char *bad_values(const struct eco_scene *s, const struct eco_list *
 			return "names a colour outside its palette";
 		if (plant && !in_range(extra[eco_list_extra_at(list, ECO_ATTR_PLANT)], s->plant_count))
 			return "names a plant that is not there";
-		if (list->attributes & ECO_ATTR_GROWTH && !in_range(extra[eco_list_extra_at(list, ECO_ATTR_GROWTH)], ECO_GROWTHS))
+		if (list->attributes & ECO_ATTR_GROWTH
+				&& !in_range(extra[eco_list_extra_at(list, ECO_ATTR_GROWTH)], ECO_GROWTHS))
 			return "has a growth code that does not exist";
-		if (list->attributes & ECO_ATTR_SIZE && !in_range(extra[eco_list_extra_at(list, ECO_ATTR_SIZE)], ECO_SIZES))
+		if (list->attributes & ECO_ATTR_SIZE
+				&& !in_range(extra[eco_list_extra_at(list, ECO_ATTR_SIZE)], ECO_SIZES))
 			return "has a size code that does not exist";
 		if (place && (!in_range(extra[0], 65536) || extra[1] <= 0))
 			return "holds an impossible turn or scale";
@@ -55,7 +59,8 @@ static const char *bad_values(const struct eco_scene *s, const struct eco_list *
 
 /* Compares an instance list with the places that the planner reads; `first`: primitives of the list before
  * this chunk. */
-static void compare_places(struct verify *v, uint32_t list_id, uint32_t chunk, uint32_t first, const struct eco_elements *e)
+static void compare_places(struct verify *v, uint32_t list_id, uint32_t chunk, uint32_t first,
+	const struct eco_elements *e)
 {
 	const struct eco_scene *s = &v->pack->scene;
 	if (v->group_of[list_id] == ECO_NONE)
@@ -63,8 +68,10 @@ static void compare_places(struct verify *v, uint32_t list_id, uint32_t chunk, u
 	uint64_t at = s->groups[v->group_of[list_id]].place_first + first;
 	for (uint32_t i = 0; i < e->element_count; i++) {
 		struct eco_place a = eco_place_read(s, at + i), b = eco_place_of(e, i);
-		if (memcmp(a.position, b.position, sizeof a.position) || a.turn != b.turn || a.scale != b.scale) {
-			complain(v, "list %u, chunk %u: instance %u differs from place %" PRIu64, list_id, chunk, first + i, at + i);
+		if (memcmp(a.position, b.position, sizeof a.position) || a.turn != b.turn
+				|| a.scale != b.scale) {
+			complain(v, "list %u, chunk %u: instance %u differs from place %" PRIu64, list_id,
+				chunk, first + i, at + i);
 			return;
 		}
 	}
@@ -86,22 +93,27 @@ static void verify_chunk(struct verify *v, uint32_t list_id, uint32_t ordinal, u
 	const uint8_t *bytes;
 	size_t size;
 	if (eco_pack_payload(v->pack, id, &bytes, &size, &error)) {
-		complain(v, "list %u, chunk %u, offset %" PRIu64 ": %s", list_id, ordinal, chunk->offset, error.text);
+		complain(v, "list %u, chunk %u, offset %" PRIu64 ": %s", list_id, ordinal, chunk->offset,
+			error.text);
 		return;
 	}
 	if (list->coder == ECO_CODER_BYTES) {
 		if (size < 8 || memcmp(bytes, "\x89PNG\r\n\x1a\n", 8) != 0)
-			complain(v, "list %u, chunk %u, offset %" PRIu64 ": is not a PNG file", list_id, ordinal, chunk->offset);
+			complain(v, "list %u, chunk %u, offset %" PRIu64 ": is not a PNG file", list_id,
+				ordinal, chunk->offset);
 		return;
 	}
 	if (eco_chunk_decode(list, chunk, ordinal, bytes, size, &elements, &error)) {
-		complain(v, "list %u, chunk %u, offset %" PRIu64 ": %s", list_id, ordinal, chunk->offset, error.text);
+		complain(v, "list %u, chunk %u, offset %" PRIu64 ": %s", list_id, ordinal, chunk->offset,
+			error.text);
 		return;
 	}
-	const char *bad = elements.element_count != chunk->element_count || elements.primitive_count != chunk->primitive_count
+	const char *bad = elements.element_count != chunk->element_count || elements.primitive_count
+		!= chunk->primitive_count
 		? "decodes to other counts than its record says" : bad_values(s, list, &elements);
 	if (bad)
-		complain(v, "list %u, chunk %u, offset %" PRIu64 ": %s", list_id, ordinal, chunk->offset, bad);
+		complain(v, "list %u, chunk %u, offset %" PRIu64 ": %s", list_id, ordinal, chunk->offset,
+			bad);
 	else if (list->kind == ECO_LIST_INSTANCES)
 		compare_places(v, list_id, ordinal, first, &elements);
 	v->counts->primitives += elements.primitive_count;
@@ -136,11 +148,13 @@ static void verify_ladder(struct verify *v, uint32_t id)
 		for (uint32_t c = 0; c < list->chunk_count && end < l->level_end[k]; c++)
 			end += s->chunks[list->chunk_first + c].primitive_count;
 		if (end != l->level_end[k])
-			complain(v, "ladder %u: level %u ends inside a chunk of list %u", id, k, l->triangles);
+			complain(v, "ladder %u: level %u ends inside a chunk of list %u", id, k,
+				l->triangles);
 	}
 }
 
-enum eco_code inspect_verify(const char *path, FILE *out, struct inspect_counts *counts, struct eco_error *error)
+enum eco_code inspect_verify(const char *path, FILE *out, struct inspect_counts *counts,
+	struct eco_error *error)
 {
 	struct eco_pack *pack = NULL;
 	*counts = (struct inspect_counts){ 0 };
@@ -148,7 +162,8 @@ enum eco_code inspect_verify(const char *path, FILE *out, struct inspect_counts 
 	if (code)
 		return code;
 	const struct eco_scene *s = &pack->scene;
-	struct verify v = { .pack = pack, .out = out, .counts = counts, .group_of = malloc((s->list_count + 1u) * sizeof(uint32_t)) };
+	struct verify v = { .pack = pack, .out = out, .counts = counts,
+		.group_of = malloc((s->list_count + 1u) * sizeof(uint32_t)) };
 	if (!v.group_of) {
 		eco_pack_close(pack);
 		return eco_fail(error, ECO_NO_MEMORY, "%s: no memory", path);
@@ -168,7 +183,7 @@ enum eco_code inspect_verify(const char *path, FILE *out, struct inspect_counts 
 	free(v.group_of);
 	eco_pack_close(pack);
 	if (!code && counts->damaged)
-		code = eco_fail(error, ECO_DAMAGED, "%s: %" PRIu64 " things are damaged; build the pack again, or fetch it anew", path,
-			counts->damaged);
+		code = eco_fail(error, ECO_DAMAGED, "%s: %" PRIu64
+			" things are damaged; build the pack again, or fetch it anew", path, counts->damaged);
 	return code;
 }

@@ -40,7 +40,8 @@ static const char *check_samples(const struct decoded *d, const struct eco_scene
 {
 	struct eco_ground_tile found;
 	double slack = (double)d->tile->error_m + d->list->grid_step[2];
-	if (eco_ground_tile_of(&found, d->list, &d->samples, s->ground_columns, s->ground_rows, NULL) != ECO_OK || found.column != d->tile->column
+	if (eco_ground_tile_of(&found, d->list, &d->samples, s->ground_columns, s->ground_rows, NULL)
+			!= ECO_OK || found.column != d->tile->column
 		|| found.row != d->tile->row)
 		return "its samples are not those of its column and row";
 	for (uint32_t r = 0; r < d->y.inner; r++)
@@ -58,9 +59,12 @@ static double surface_m(const struct decoded *d, uint32_t x, uint32_t y)
 	uint32_t c = (x - d->x.low) / d->x.stride, r = (y - d->y.low) / d->y.stride;
 	c = c < d->x.inner - 1 ? c : d->x.inner - 2;
 	r = r < d->y.inner - 1 ? r : d->y.inner - 2;
-	double x0 = eco_ground_span_at(&d->x, c + d->x.before), x1 = eco_ground_span_at(&d->x, c + 1 + d->x.before);
-	double y0 = eco_ground_span_at(&d->y, r + d->y.before), y1 = eco_ground_span_at(&d->y, r + 1 + d->y.before);
-	double u = (x - x0) / (x1 - x0), v = (y - y0) / (y1 - y0), sw = height_m(d, c, r), ne = height_m(d, c + 1, r + 1);
+	double x0 = eco_ground_span_at(&d->x, c + d->x.before),
+		x1 = eco_ground_span_at(&d->x, c + 1 + d->x.before);
+	double y0 = eco_ground_span_at(&d->y, r + d->y.before),
+		y1 = eco_ground_span_at(&d->y, r + 1 + d->y.before);
+	double u = (x - x0) / (x1 - x0), v = (y - y0) / (y1 - y0), sw = height_m(d, c, r),
+		ne = height_m(d, c + 1, r + 1);
 
 	return u >= v ? sw + u * (height_m(d, c + 1, r) - sw) + v * (ne - height_m(d, c + 1, r))
 		: sw + v * (height_m(d, c, r + 1) - sw) + u * (ne - height_m(d, c, r + 1));
@@ -69,10 +73,12 @@ static double surface_m(const struct decoded *d, uint32_t x, uint32_t y)
 static const char *check_child(const struct decoded *d, const struct decoded *child)
 {
 	/* the child's own rounding (lod/ground_choice.h) */
-	double slack = (double)d->tile->error_m + (double)child->tile->error_m / 16 + 1e-6 * (1 + fabs((double)d->tile->high_m));
+	double slack = (double)d->tile->error_m + (double)child->tile->error_m / 16
+		+ 1e-6 * (1 + fabs((double)d->tile->high_m));
 	for (uint32_t r = 0; r < child->y.inner; r++)
 		for (uint32_t c = 0; c < child->x.inner; c++) {
-			uint32_t x = eco_ground_span_at(&child->x, c + child->x.before), y = eco_ground_span_at(&child->y, r + child->y.before);
+			uint32_t x = eco_ground_span_at(&child->x, c + child->x.before),
+				y = eco_ground_span_at(&child->y, r + child->y.before);
 			if (fabs(surface_m(d, x, y) - height_m(child, c, r)) > slack)
 				return "it is further from its children than its error says";
 		}
@@ -86,7 +92,8 @@ void inspect_verify_ground(const struct eco_pack *pack, void (*say)(void *ctx, c
 		struct decoded tile;
 		const char *bad = decode(&tile, pack, i) ? check_samples(&tile, s) : NULL;
 		char text[160];
-		for (uint32_t k = 0; !bad && tile.samples.element_count > 0 && k < tile.tile->child_count; k++) {
+		for (uint32_t k = 0; !bad && tile.samples.element_count > 0 && k < tile.tile->child_count;
+				k++) {
 			struct decoded child;
 			if (decode(&child, pack, tile.tile->child_first + k))
 				bad = check_child(&tile, &child);

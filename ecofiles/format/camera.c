@@ -48,14 +48,14 @@ static bool read_key(const struct eco_json *node, uint32_t index, struct key *ke
 	key->number[UP + 2] = 1;
 	if (!eco_json_number(node, "time_s", -TIME_MAX_S, TIME_MAX_S, &key->time_s) ||
 		!eco_json_numbers(node, "eye", 3, 3, -COORDINATE_MAX, COORDINATE_MAX, key->number + EYE) ||
-		!eco_json_numbers(node, "target", 3, 3, -COORDINATE_MAX, COORDINATE_MAX, key->number + TARGET) ||
-		!eco_json_numbers(node, "up", 3, 3, -COORDINATE_MAX, COORDINATE_MAX, key->number + UP) ||
-		!eco_json_number(node, "fov_y_deg", 0, 180, &key->number[FOV]))
+		!eco_json_numbers(node, "target", 3, 3, -COORDINATE_MAX, COORDINATE_MAX,
+		key->number + TARGET) || !eco_json_numbers(node, "up", 3, 3, -COORDINATE_MAX, COORDINATE_MAX,
+		key->number + UP) || !eco_json_number(node, "fov_y_deg", 0, 180, &key->number[FOV]))
 		return false;
 	if (index && !(key->time_s > key[-1].time_s)) {
 		struct eco_json time = eco_json_member(node, "time_s");
-		return eco_json_fail(&time, ECO_BAD_INPUT, "time_s is %g, but the keyframe before it is at %g: times must ascend", key->time_s,
-			key[-1].time_s);
+		return eco_json_fail(&time, ECO_BAD_INPUT, "time_s is %g, but the keyframe before it is at "
+			"%g: times must ascend", key->time_s, key[-1].time_s);
 	}
 	return true;
 }
@@ -67,7 +67,8 @@ static bool read_keys(const struct eco_json *array, struct eco_camera *camera)
 		return false;
 	size_t count = json_array_size(array->value);
 	if (count == 0)
-		return eco_json_fail(array, ECO_BAD_INPUT, "there are no keyframes: a script needs one or more");
+		return eco_json_fail(array, ECO_BAD_INPUT, "there are no keyframes: a script needs one or "
+			"more");
 	camera->keys = calloc(count, sizeof *camera->keys);
 	if (!camera->keys)
 		return eco_json_fail(array, ECO_NO_MEMORY, "no memory for %zu keyframes", count);
@@ -86,7 +87,8 @@ static void set_slopes(struct eco_camera *camera)
 {
 	uint32_t last = camera->key_count - 1;
 	for (uint32_t i = 0; i <= last && last; i++) {
-		const struct key *a = &camera->keys[i ? i - 1 : 0], *b = &camera->keys[i < last ? i + 1 : last];
+		const struct key *a = &camera->keys[i ? i - 1 : 0],
+			*b = &camera->keys[i < last ? i + 1 : last];
 		for (int n = 0; n < NUMBERS; n++)
 			camera->keys[i].slope[n] = (b->number[n] - a->number[n]) / (b->time_s - a->time_s);
 	}
@@ -151,8 +153,8 @@ static bool count_frames(const struct eco_json *root, struct eco_camera *camera)
 	/* 0.1 s * 30 is not quite 3: a last frame within a millionth of a frame of the end counts */
 	double frames = floor(length_s * camera->fps + 1e-6) + 1;
 	if (frames > FRAMES_MAX)
-		return eco_json_fail(root, ECO_TOO_LARGE, "%g s at %g frames a second are %.0f frames, at most %u are possible", length_s,
-			camera->fps, frames, FRAMES_MAX);
+		return eco_json_fail(root, ECO_TOO_LARGE, "%g s at %g frames a second are %.0f frames, at "
+			"most %u are possible", length_s, camera->fps, frames, FRAMES_MAX);
 	camera->frame_count = (uint32_t)frames;
 	return true;
 }
@@ -165,7 +167,8 @@ static bool check_frames(const struct eco_json *keyframes, const struct eco_came
 		double time_s = eco_camera_frame(camera, i, &view);
 		if (eco_view_check(&view, &cause)) {
 			struct eco_json node = eco_json_item(keyframes, segment(camera, time_s));
-			return eco_json_fail(&node, ECO_BAD_INPUT, "frame %u at %g s, from this keyframe on, cannot be drawn: %s", i, time_s,
+			return eco_json_fail(&node, ECO_BAD_INPUT,
+				"frame %u at %g s, from this keyframe on, cannot be drawn: %s", i, time_s,
 				cause.text);
 		}
 	}
@@ -175,17 +178,20 @@ static bool check_frames(const struct eco_json *keyframes, const struct eco_came
 static bool read_script(const struct eco_json *root, struct eco_camera *camera)
 {
 	static const char *const fields[] = { "fps", "keyframes", NULL };
-	if (!eco_json_object(root, fields) || !eco_json_required(root, "fps") || !eco_json_required(root, "keyframes"))
+	if (!eco_json_object(root, fields) || !eco_json_required(root, "fps")
+			|| !eco_json_required(root, "keyframes"))
 		return false;
 	struct eco_json keyframes = eco_json_member(root, "keyframes");
-	if (!eco_json_number(root, "fps", FPS_LEAST, FPS_MOST, &camera->fps) || !read_keys(&keyframes, camera) ||
+	if (!eco_json_number(root, "fps", FPS_LEAST, FPS_MOST, &camera->fps)
+			|| !read_keys(&keyframes, camera) ||
 		!count_frames(root, camera))
 		return false;
 	set_slopes(camera);
 	return check_frames(&keyframes, camera);
 }
 
-enum eco_code eco_camera_parse(struct eco_camera **camera, const char *json, size_t size, const char *name, struct eco_error *error)
+enum eco_code eco_camera_parse(struct eco_camera **camera, const char *json, size_t size, const char *name,
+	struct eco_error *error)
 {
 	struct eco_error cause = { 0 };
 	struct eco_json_file file = { .name = name, .text = json, .size = size, .error = &cause };
@@ -206,7 +212,8 @@ enum eco_code eco_camera_parse(struct eco_camera **camera, const char *json, siz
 	return eco_fail(error, cause.code, "%s", cause.text);
 }
 
-static enum eco_code read_file(FILE *file, const char *path, char **text, size_t *size, struct eco_error *error)
+static enum eco_code read_file(FILE *file, const char *path, char **text, size_t *size,
+	struct eco_error *error)
 {
 	size_t room = 0;
 	*size = 0;
@@ -218,7 +225,8 @@ static enum eco_code read_file(FILE *file, const char *path, char **text, size_t
 		*text = moved;
 		*size += fread(*text + *size, 1, room - *size, file);
 		if (*size > FILE_MAX_BYTES)
-			return eco_fail(error, ECO_TOO_LARGE, "%s: a camera script has at most %u bytes", path, FILE_MAX_BYTES);
+			return eco_fail(error, ECO_TOO_LARGE, "%s: a camera script has at most %u bytes",
+				path, FILE_MAX_BYTES);
 	} while (*size == room);
 	if (ferror(file))
 		return eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));

@@ -38,7 +38,8 @@ void eco_chunk_permutation(uint32_t ordinal, uint32_t count, uint32_t *order)
 }
 
 /* Counts the chunks; fills ends unless it is NULL. */
-static uint32_t split(uint64_t count, uint64_t smallest, uint64_t growth_percent, uint64_t largest, uint32_t *ends)
+static uint32_t split(uint64_t count, uint64_t smallest, uint64_t growth_percent, uint64_t largest,
+	uint32_t *ends)
 {
 	uint32_t n = 0;
 	for (uint64_t sent = 0; sent < count; n++) {
@@ -79,7 +80,9 @@ uint32_t eco_corners_primitives(uint8_t corners)
 bool eco_list_allows_corners(const struct eco_list *list, uint8_t corners)
 {
 	if (list->kind == ECO_LIST_TRIANGLES)
-		return corners >= 3 && corners <= (list->coder == ECO_CODER_MESH ? 3 : list->coder == ECO_CODER_FORM ? 4 : ECO_CORNERS_MAX);
+		return corners >= 3
+			&& corners <= (list->coder == ECO_CODER_MESH ? 3 : list->coder == ECO_CODER_FORM ? 4
+			: ECO_CORNERS_MAX);
 	return corners == (list->kind == ECO_LIST_LINES ? 2 : 1);
 }
 
@@ -89,7 +92,8 @@ enum eco_code eco_list_check_coding(const struct eco_list *list, struct eco_erro
 #define CODER(name) (1u << ECO_CODER_##name)
 		[ECO_LIST_TRIANGLES] = { CODER(ELEMENTS) | CODER(MESH) | CODER(FORM),
 			ECO_ATTR_COLOR | ECO_ATTR_UV | ECO_ATTR_GROWTH },
-		[ECO_LIST_LINES] = { CODER(ELEMENTS) | CODER(FORM), ECO_ATTR_COLOR | ECO_ATTR_UV | ECO_ATTR_WIDTH },
+		[ECO_LIST_LINES] =
+		{ CODER(ELEMENTS) | CODER(FORM), ECO_ATTR_COLOR | ECO_ATTR_UV | ECO_ATTR_WIDTH },
 		[ECO_LIST_POINTS] = { CODER(ELEMENTS) | CODER(KD) | CODER(ROWS) | CODER(FORM),
 			ECO_ATTR_COLOR | ECO_ATTR_UV | ECO_ATTR_PLANT | ECO_ATTR_SIZE },
 		[ECO_LIST_INSTANCES] = { CODER(ROWS), ECO_ATTR_COLOR | ECO_ATTR_PLACE },
@@ -100,16 +104,20 @@ enum eco_code eco_list_check_coding(const struct eco_list *list, struct eco_erro
 
 	if (list->kind < ECO_LIST_TRIANGLES || list->kind > ECO_LIST_IMAGE)
 		return eco_fail(error, ECO_DAMAGED, "list: kind %u is unknown", list->kind);
-	if (list->coder < ECO_CODER_ELEMENTS || list->coder > ECO_CODER_BYTES || !(allowed[list->kind].coders >> list->coder & 1))
-		return eco_fail(error, ECO_DAMAGED, "list: kind %u cannot have coder %u", list->kind, list->coder);
+	if (list->coder < ECO_CODER_ELEMENTS || list->coder > ECO_CODER_BYTES
+			|| !(allowed[list->kind].coders >> list->coder & 1))
+		return eco_fail(error, ECO_DAMAGED, "list: kind %u cannot have coder %u", list->kind,
+			list->coder);
 	if (list->attributes & ~allowed[list->kind].attributes)
-		return eco_fail(error, ECO_DAMAGED, "list: kind %u cannot have attributes %#x", list->kind, list->attributes);
+		return eco_fail(error, ECO_DAMAGED, "list: kind %u cannot have attributes %#x", list->kind,
+			list->attributes);
 	if (list->kind == ECO_LIST_INSTANCES && !(list->attributes & ECO_ATTR_PLACE))
 		return eco_fail(error, ECO_DAMAGED, "list: instances lack yaw and scale");
 	return ECO_OK;
 }
 
-struct eco_rows_shape eco_payload_shape(const struct eco_list *list, uint8_t coder, const struct eco_stream *stream)
+struct eco_rows_shape eco_payload_shape(const struct eco_list *list, uint8_t coder,
+	const struct eco_stream *stream)
 {
 	return (struct eco_rows_shape){
 		.order = coder == ECO_CODER_KD ? ECO_DRACO_KD : ECO_DRACO_SEQUENTIAL,
@@ -126,7 +134,8 @@ struct eco_rows_shape eco_payload_shape(const struct eco_list *list, uint8_t cod
 	};
 }
 
-enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes, size_t size, struct eco_error *error)
+enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes, size_t size,
+	struct eco_error *error)
 {
 	struct eco_reader r = { .bytes = bytes, .size = size };
 	uint8_t version = eco_read_u8(&r), last_corners = 0, reserved;
@@ -135,13 +144,16 @@ enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes
 	payload->stream_count = eco_read_u8(&r);
 	reserved = eco_read_u8(&r);
 	if (r.failed || version != PAYLOAD_VERSION || (reserved != 0 && payload->coder != ECO_CODER_SHAPES))
-		return eco_fail(error, ECO_DAMAGED, "chunk: version %u of a payload of %zu bytes is unknown", version, size);
+		return eco_fail(error, ECO_DAMAGED, "chunk: version %u of a payload of %zu bytes is unknown",
+			version, size);
 	if (payload->coder == ECO_CODER_SHAPES && payload->stream_count == 0 && size > r.at) {
 		payload->stream_count = 1;
-		payload->streams[0] = (struct eco_stream){ .zeros = reserved, .bytes = bytes + r.at, .size = size - r.at };
+		payload->streams[0] = (struct eco_stream){ .zeros = reserved, .bytes = bytes + r.at,
+			.size = size - r.at };
 		return ECO_OK;
 	}
-	if (payload->coder == ECO_CODER_SHAPES || payload->stream_count < 1 || payload->stream_count > ECO_PAYLOAD_STREAMS_MAX)
+	if (payload->coder == ECO_CODER_SHAPES || payload->stream_count < 1
+			|| payload->stream_count > ECO_PAYLOAD_STREAMS_MAX)
 		return eco_fail(error, ECO_DAMAGED, "chunk: %u streams", payload->stream_count);
 	for (uint32_t i = 0; i < payload->stream_count; i++) {
 		struct eco_stream *s = &payload->streams[i];
@@ -162,11 +174,13 @@ enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes
 	for (uint32_t i = 0; i < payload->stream_count; i++)
 		payload->streams[i].bytes = eco_read_bytes(&r, payload->streams[i].size);
 	if (r.failed || r.at != r.size)
-		return eco_fail(error, ECO_DAMAGED, "chunk: the streams do not fill the payload's %zu bytes", size);
+		return eco_fail(error, ECO_DAMAGED, "chunk: the streams do not fill the payload's %zu bytes",
+			size);
 	return ECO_OK;
 }
 
-enum eco_code eco_payload_write(const struct eco_payload *payload, uint8_t **bytes, size_t *size, struct eco_error *error)
+enum eco_code eco_payload_write(const struct eco_payload *payload, uint8_t **bytes, size_t *size,
+	struct eco_error *error)
 {
 	struct eco_writer w = { 0 };
 	assert(payload->stream_count >= 1 && payload->stream_count <= ECO_PAYLOAD_STREAMS_MAX);
@@ -186,8 +200,8 @@ enum eco_code eco_payload_write(const struct eco_payload *payload, uint8_t **byt
 		eco_write_bytes(&w, payload->streams[i].bytes, payload->streams[i].size);
 	if (w.failed || w.size > ECO_CHUNK_BYTES_MAX) {
 		eco_writer_free(&w);
-		return eco_fail(error, w.failed ? ECO_NO_MEMORY : ECO_TOO_LARGE, "chunk: no room for a payload of more than %u bytes",
-			ECO_CHUNK_BYTES_MAX);
+		return eco_fail(error, w.failed ? ECO_NO_MEMORY : ECO_TOO_LARGE,
+			"chunk: no room for a payload of more than %u bytes", ECO_CHUNK_BYTES_MAX);
 	}
 	*bytes = w.bytes;
 	*size = w.size;

@@ -54,8 +54,8 @@ struct eco_chunk_input {
 	const struct eco_elements *elements;
 	uint32_t first, end, ordinal;
 };
-enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **bytes, size_t *size_bytes, uint32_t *order,
-	struct eco_error *error);
+enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **bytes, size_t *size_bytes,
+	uint32_t *order, struct eco_error *error);
 
 /* Encodes another form of the partner's elements [first, end). `partner` is the input that the partner's
  * chunk was encoded from, `list` the form's list (coder FORM). Element i of `forms` is the form of the

@@ -69,15 +69,18 @@ void eco_corner_guess(const struct eco_frame *f, const int32_t *weight, int64_t 
 		sum[i] = sum[i] > SUM_MAX ? SUM_MAX : sum[i] < -SUM_MAX ? -SUM_MAX : sum[i];
 	}
 	for (int a = 0; a < 3; a++)
-		guess[a] = (sum[0] * f->axis[a][0] + sum[1] * f->axis[a][1] + sum[2] * f->axis[a][2]) >> ECO_AXIS_BITS;
+		guess[a] = (sum[0] * f->axis[a][0] + sum[1] * f->axis[a][1] + sum[2] * f->axis[a][2])
+			>> ECO_AXIS_BITS;
 }
 
-bool eco_corner_place(const struct eco_frame *f, const int64_t guess[3], const int32_t miss[3], const int32_t *from, int32_t *at)
+bool eco_corner_place(const struct eco_frame *f, const int64_t guess[3], const int32_t miss[3],
+	const int32_t *from, int32_t *at)
 {
 	int64_t along[3];
 	along[0] = guess[0] + (int64_t)ECO_LATTICE_STEP * miss[0];
 	for (int a = 1; a < 3; a++)
-		along[a] = guess[a] + 2 * (int64_t)ECO_LATTICE_STEP * miss[a] + ECO_LATTICE_STEP * (miss[0] & 1);
+		along[a] = guess[a] + 2 * (int64_t)ECO_LATTICE_STEP * miss[a]
+			+ ECO_LATTICE_STEP * (miss[0] & 1);
 	for (int i = 0; i < 3; i++) {
 		int64_t v = along[0] * f->axis[0][i] + along[1] * f->axis[1][i] + along[2] * f->axis[2][i];
 		v = from[i] + ((v + ((int64_t)1 << (ECO_AXIS_BITS - 1))) >> ECO_AXIS_BITS);

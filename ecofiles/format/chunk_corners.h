@@ -45,7 +45,8 @@ uint32_t eco_corner_bases(uint32_t k);
 /* The predicted place, along the axes, from corner 0. */
 void eco_corner_guess(const struct eco_frame *frame, const int32_t *weight, int64_t guess[3]);
 /* The place at `miss` steps from the guess. False: out of bounds. */
-bool eco_corner_place(const struct eco_frame *frame, const int64_t guess[3], const int32_t miss[3], const int32_t *from, int32_t *at);
+bool eco_corner_place(const struct eco_frame *frame, const int64_t guess[3], const int32_t miss[3],
+	const int32_t *from, int32_t *at);
 
 /* The lattice's step along the first axis. Along the other two it is twice that, offset by one where the
  * first axis has an odd number of steps. */

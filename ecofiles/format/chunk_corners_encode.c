@@ -33,21 +33,25 @@ static int64_t floor_div(int64_t v, int64_t by)
 
 /* Finds the lattice point nearest to `exact`: the best of those that are nearest for each number of steps
  * along the first axis. */
-static bool nearest_miss(const struct eco_frame *f, const int64_t guess[3], const int32_t *from, const int32_t *exact, int32_t *miss, int32_t *at)
+static bool nearest_miss(const struct eco_frame *f, const int64_t guess[3], const int32_t *from,
+	const int32_t *exact, int32_t *miss, int32_t *at)
 {
 	int64_t along[3], best = room + 1, off[3];
 	int32_t tried[3], there[3];
 	for (int i = 0; i < 3; i++)
 		off[i] = (int64_t)exact[i] - from[i];
 	for (int a = 0; a < 3; a++)
-		along[a] = ((off[0] * f->axis[a][0] + off[1] * f->axis[a][1] + off[2] * f->axis[a][2]) >> ECO_AXIS_BITS) - guess[a];
+		along[a] = ((off[0] * f->axis[a][0] + off[1] * f->axis[a][1] + off[2] * f->axis[a][2])
+			>> ECO_AXIS_BITS) - guess[a];
 	for (int32_t step = -1; step <= 2; step++) {
 		int64_t first = floor_div(along[0], ECO_LATTICE_STEP) + step;
 		if (first > INT32_MAX / 16 || first < -INT32_MAX / 16)
 			return false;
 		tried[0] = (int32_t)first;
 		for (int a = 1; a < 3; a++)
-			tried[a] = (int32_t)floor_div(along[a] - ECO_LATTICE_STEP * (tried[0] & 1) + ECO_LATTICE_STEP, 2 * ECO_LATTICE_STEP);
+			tried[a] =
+				(int32_t)floor_div(along[a] - ECO_LATTICE_STEP * (tried[0] & 1)
+				+ ECO_LATTICE_STEP, 2 * ECO_LATTICE_STEP);
 		if (!eco_corner_place(f, guess, tried, from, there) || distance2(there, exact) >= best)
 			continue;
 		best = distance2(there, exact);
@@ -92,7 +96,9 @@ static uint32_t plan_with(const struct eco_shapes_codec *c, struct eco_leaf *l, 
 			continue;
 		if (plain) {
 			for (int i = 0; i < 3; i++) {
-				miss[i] = (int32_t)floor_div((int64_t)l->exact[3 * k + (uint32_t)i] - at[i - 3] + (1 << ECO_EXACT_SHIFT >> 1), 1 << ECO_EXACT_SHIFT);
+				miss[i] =
+					(int32_t)floor_div((int64_t)l->exact[3 * k + (uint32_t)i] - at[i - 3]
+					+ (1 << ECO_EXACT_SHIFT >> 1), 1 << ECO_EXACT_SHIFT);
 				at[i] = at[i - 3] + miss[i] * (1 << ECO_EXACT_SHIFT);
 			}
 		} else {
@@ -176,7 +182,8 @@ static bool solve(double a[ECO_BASES_MAX][ECO_BASES_MAX], double b[ECO_BASES_MAX
 }
 
 /* The vector from the weighted guess to the corner. */
-static void miss_of(const struct eco_frame *f, const double *weight, const int32_t *at, uint32_t k, double miss[3])
+static void miss_of(const struct eco_frame *f, const double *weight, const int32_t *at, uint32_t k,
+	double miss[3])
 {
 	for (int i = 0; i < 3; i++) {
 		miss[i] = (double)at[3 * k + (uint32_t)i] - at[i];
@@ -191,7 +198,8 @@ static int32_t usual_weight(uint32_t k, uint32_t base)
 }
 
 /* Fixes the weight of base j at the default, so that it is no unknown. */
-static void pin(double a[ECO_BASES_MAX][ECO_BASES_MAX], double b[ECO_BASES_MAX], uint32_t n, uint32_t j, double weight)
+static void pin(double a[ECO_BASES_MAX][ECO_BASES_MAX], double b[ECO_BASES_MAX], uint32_t n, uint32_t j,
+	double weight)
 {
 	for (uint32_t l = 0; l < n; l++) {
 		b[l] -= a[l][j] * weight;
@@ -212,12 +220,14 @@ static void fit_corner(const struct fit *f, uint8_t trend, uint32_t k, uint32_t 
 			if (f->of[i] != trend)
 				continue;
 			miss_of(frame, x, f->at[i], k, miss);
-			double share = round == 0 ? 1 : 1 / (sqrt(miss[0] * miss[0] + miss[1] * miss[1] + miss[2] * miss[2]) + 8);
+			double share = round == 0 ? 1
+				: 1 / (sqrt(miss[0] * miss[0] + miss[1] * miss[1] + miss[2] * miss[2]) + 8);
 			for (int d = 0; d < 3; d++)
 				for (uint32_t j = 0; j < n; j++) {
 					for (uint32_t l = 0; l < n; l++)
 						a[j][l] += share * frame->base[j][d] * frame->base[l][d];
-					b[j] += share * frame->base[j][d] * ((double)f->at[i][3 * k + (uint32_t)d] - f->at[i][d]);
+					b[j] += share * frame->base[j][d]
+						* ((double)f->at[i][3 * k + (uint32_t)d] - f->at[i][d]);
 				}
 		}
 		for (uint32_t j = 0; j < n; j++)
@@ -230,7 +240,8 @@ static void fit_corner(const struct fit *f, uint8_t trend, uint32_t k, uint32_t 
 		memcpy(x, b, sizeof x);
 	}
 	for (uint32_t j = 0; j < n; j++)
-		weight[j] = fabs(x[j]) * (1 << ECO_WEIGHT_BITS) < ECO_WEIGHT_MAX ? (int32_t)floor(ldexp(x[j], ECO_WEIGHT_BITS) + 0.5) : 0;
+		weight[j] = fabs(x[j]) * (1 << ECO_WEIGHT_BITS) < ECO_WEIGHT_MAX
+			? (int32_t)floor(ldexp(x[j], ECO_WEIGHT_BITS) + 0.5) : 0;
 }
 
 static double corner_bits(const struct fit *f, const int32_t *weight, uint32_t i, uint32_t k)
@@ -241,7 +252,9 @@ static double corner_bits(const struct fit *f, const int32_t *weight, uint32_t i
 		x[j] = ldexp(weight[j], -(int)ECO_WEIGHT_BITS);
 	miss_of(frame, x, f->at[i], k, miss);
 	for (int a = 0; a < 3; a++)
-		bits += log2(1 + fabs(miss[0] * (double)frame->axis[a][0] + miss[1] * (double)frame->axis[a][1] + miss[2] * (double)frame->axis[a][2])
+		bits += log2(1
+			+ fabs(miss[0] * (double)frame->axis[a][0] + miss[1] * (double)frame->axis[a][1]
+			+ miss[2] * (double)frame->axis[a][2])
 			/ (double)((int64_t)1 << ECO_AXIS_BITS) / (1 << ECO_EXACT_SHIFT));
 	return bits;
 }
@@ -303,13 +316,15 @@ static double refine(struct fit *f)
 	return bits;
 }
 
-bool eco_corners_trends(struct eco_shapes_head *head, uint32_t corners, const int32_t *const *at, uint32_t count, double share)
+bool eco_corners_trends(struct eco_shapes_head *head, uint32_t corners, const int32_t *const *at,
+	uint32_t count, double share)
 {
 	struct fit *f = calloc(1, sizeof *f);
 	uint32_t weights = 0;
 	head->trends[corners - 3] = 0;
 	if (f)
-		*f = (struct fit){ .corners = corners, .count = count < LEAVES_MAX ? count : LEAVES_MAX, .at = at, .trends = 1, .share = share };
+		*f = (struct fit){ .corners = corners, .count = count < LEAVES_MAX ? count : LEAVES_MAX,
+			.at = at, .trends = 1, .share = share };
 	if (!f || !make_frames(f)) {
 		free(f);
 		return false;

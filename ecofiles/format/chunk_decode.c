@@ -9,7 +9,8 @@
 #include "ecofiles/format/chunk_payload.h"
 
 /* Checks the declared counts before anything is allocated from them. */
-static enum eco_code check_expected(const struct eco_list *list, const struct eco_chunk *chunk, size_t size_bytes,
+static enum eco_code check_expected(const struct eco_list *list, const struct eco_chunk *chunk,
+size_t size_bytes,
 	struct eco_error *error)
 {
 	enum eco_code code = eco_list_check_coding(list, error);
@@ -18,45 +19,56 @@ static enum eco_code check_expected(const struct eco_list *list, const struct ec
 	if (list->coder == ECO_CODER_BYTES)
 		return eco_fail(error, ECO_UNSUPPORTED, "chunk: a file has no elements to decode");
 	if (chunk->element_count < 1 || chunk->element_count > ECO_CHUNK_ELEMENTS_MAX)
-		return eco_fail(error, ECO_DAMAGED, "chunk: %u elements are not in 1..%u", chunk->element_count, ECO_CHUNK_ELEMENTS_MAX);
+		return eco_fail(error, ECO_DAMAGED, "chunk: %u elements are not in 1..%u",
+			chunk->element_count, ECO_CHUNK_ELEMENTS_MAX);
 	if (size_bytes != chunk->size_bytes || size_bytes > ECO_CHUNK_BYTES_MAX)
-		return eco_fail(error, ECO_DAMAGED, "chunk: %zu bytes instead of %u", size_bytes, chunk->size_bytes);
+		return eco_fail(error, ECO_DAMAGED, "chunk: %zu bytes instead of %u", size_bytes,
+			chunk->size_bytes);
 	return ECO_OK;
 }
 
 /* Bounds a SHAPES payload, which declares no counts, by the chunk's record. A fan of n corners has n - 2
  * primitives. */
-static enum eco_code check_shapes(const struct eco_chunk *chunk, const struct eco_payload *payload, uint32_t *corner_count, struct eco_error *error)
+static enum eco_code check_shapes(const struct eco_chunk *chunk, const struct eco_payload *payload,
+	uint32_t *corner_count, struct eco_error *error)
 {
 	const uint64_t elements = chunk->element_count, most = (ECO_CORNERS_MAX - 2) * elements;
-	if (payload->coder != ECO_CODER_SHAPES || chunk->primitive_count < elements || chunk->primitive_count > most)
-		return eco_fail(error, ECO_DAMAGED, "chunk: %u leaves cannot have %u triangles", chunk->element_count, chunk->primitive_count);
+	if (payload->coder != ECO_CODER_SHAPES || chunk->primitive_count < elements
+			|| chunk->primitive_count > most)
+		return eco_fail(error, ECO_DAMAGED, "chunk: %u leaves cannot have %u triangles",
+			chunk->element_count, chunk->primitive_count);
 	*corner_count = (uint32_t)(chunk->primitive_count + 2 * elements);
 	return ECO_OK;
 }
 
 /* Checks that the payload is of the list's kind and declares the chunk's counts; *corner_count receives
  * the corners of all elements. */
-static enum eco_code check_payload(const struct eco_list *list, const struct eco_chunk *chunk, const struct eco_payload *payload,
-	uint32_t *corner_count, struct eco_error *error)
+static enum eco_code check_payload(const struct eco_list *list, const struct eco_chunk *chunk,
+	const struct eco_payload *payload, uint32_t *corner_count, struct eco_error *error)
 {
 	bool plain_mesh = list->coder == ECO_CODER_MESH && payload->coder == ECO_CODER_ELEMENTS;
 	bool mesh = list->coder == ECO_CODER_MESH && !plain_mesh;
 	uint64_t elements = 0, corners = 0, primitives = 0;
-	if (payload->coder == ECO_CODER_SHAPES && list->coder == ECO_CODER_ELEMENTS && list->kind == ECO_LIST_TRIANGLES)
+	if (payload->coder == ECO_CODER_SHAPES && list->coder == ECO_CODER_ELEMENTS
+			&& list->kind == ECO_LIST_TRIANGLES)
 		return check_shapes(chunk, payload, corner_count, error);
 	if (payload->coder != list->coder && !plain_mesh)
-		return eco_fail(error, ECO_DAMAGED, "chunk: coder %u in a list of coder %u", payload->coder, list->coder);
+		return eco_fail(error, ECO_DAMAGED, "chunk: coder %u in a list of coder %u", payload->coder,
+			list->coder);
 	if (list->coder == ECO_CODER_FORM && payload->stream_count != 1)
-		return eco_fail(error, ECO_DAMAGED, "chunk: forms of %u corner counts, where all should have one", payload->stream_count);
+		return eco_fail(error, ECO_DAMAGED, "chunk: forms of %u corner counts, where all should "
+			"have one", payload->stream_count);
 	for (uint32_t i = 0; i < payload->stream_count; i++) {
 		const struct eco_stream *s = &payload->streams[i];
 		bool side = mesh && s->corners == 1;
 		bool allowed = side ? (list->attributes != 0) : eco_list_allows_corners(list, s->corners);
 		if (!allowed || ((mesh || list->coder == ECO_CODER_KD) && (s->wide || s->predictors != 0))
-		    || (s->shift != 0 && (mesh || payload->coder == ECO_CODER_KD || payload->coder == ECO_CODER_ROWS))
-		    || (s->uv_shift != 0 && (mesh || (!(list->attributes & ECO_ATTR_UV) && list->kind != ECO_LIST_GROUND))))
-			return eco_fail(error, ECO_DAMAGED, "chunk: stream %u of %u corners does not belong to the list", i, s->corners);
+		    || (s->shift != 0
+		&& (mesh || payload->coder == ECO_CODER_KD || payload->coder == ECO_CODER_ROWS))
+		|| (s->uv_shift != 0
+		&& (mesh || (!(list->attributes & ECO_ATTR_UV) && list->kind != ECO_LIST_GROUND))))
+			return eco_fail(error, ECO_DAMAGED, "chunk: stream %u of %u corners does not belong "
+				"to the list", i, s->corners);
 		if (side)
 			continue;
 		elements += s->elements;
@@ -64,8 +76,9 @@ static enum eco_code check_payload(const struct eco_list *list, const struct eco
 		primitives += (uint64_t)s->elements * eco_corners_primitives(s->corners);
 	}
 	if (elements != chunk->element_count || primitives != chunk->primitive_count)
-		return eco_fail(error, ECO_DAMAGED, "chunk: %llu elements and %llu primitives instead of %u and %u",
-			(unsigned long long)elements, (unsigned long long)primitives, chunk->element_count, chunk->primitive_count);
+		return eco_fail(error, ECO_DAMAGED, "chunk: %llu elements and %llu primitives instead of %u "
+			"and %u", (unsigned long long)elements, (unsigned long long)primitives,
+			chunk->element_count, chunk->primitive_count);
 	if (mesh && (payload->stream_count != (list->attributes != 0 ? 2u : 1u)
 	    || payload->streams[0].elements != payload->streams[payload->stream_count - 1].elements))
 		return eco_fail(error, ECO_DAMAGED, "chunk: attributes of the mesh are missing");
@@ -73,8 +86,8 @@ static enum eco_code check_payload(const struct eco_list *list, const struct eco
 	return ECO_OK;
 }
 
-static enum eco_code allocate(const struct eco_list *list, const struct eco_chunk *chunk, uint32_t corner_count,
-	struct eco_elements *elements, struct eco_error *error)
+static enum eco_code allocate(const struct eco_list *list, const struct eco_chunk *chunk,
+	uint32_t corner_count, struct eco_elements *elements, struct eco_error *error)
 {
 	elements->element_count = chunk->element_count;
 	elements->primitive_count = chunk->primitive_count;
@@ -114,8 +127,9 @@ static bool find_places(struct place *places, bool permuted, uint32_t ordinal, u
 	return true;
 }
 
-static enum eco_code decode_stream(const struct eco_list *list, const struct eco_payload *payload, const struct eco_stream *stream,
-	const struct place *places, struct eco_elements *elements, struct eco_error *error)
+static enum eco_code decode_stream(const struct eco_list *list, const struct eco_payload *payload,
+	const struct eco_stream *stream, const struct place *places, struct eco_elements *elements,
+	struct eco_error *error)
 {
 	struct eco_rows_shape shape = eco_payload_shape(list, payload->coder, stream);
 	struct eco_chunk_rows rows;
@@ -131,17 +145,19 @@ static enum eco_code decode_stream(const struct eco_list *list, const struct eco
 		};
 
 		if (!eco_rows_get(&rows, i, &row))
-			code = eco_fail(error, ECO_DAMAGED, "chunk: a value of stored row %u is out of bounds", i);
+			code = eco_fail(error, ECO_DAMAGED, "chunk: a value of stored row %u is out of "
+				"bounds", i);
 		elements->corners[element] = stream->corners;
 	}
 	eco_rows_free(&rows);
 	return code;
 }
 
-static enum eco_code decode_streams(const struct eco_list *list, const struct eco_payload *payload, uint32_t ordinal,
-	struct eco_elements *elements, struct eco_error *error)
+static enum eco_code decode_streams(const struct eco_list *list, const struct eco_payload *payload,
+	uint32_t ordinal, struct eco_elements *elements, struct eco_error *error)
 {
-	bool permuted = list->coder == ECO_CODER_ELEMENTS || list->coder == ECO_CODER_FORM || list->coder == ECO_CODER_KD;
+	bool permuted = list->coder == ECO_CODER_ELEMENTS || list->coder == ECO_CODER_FORM
+		|| list->coder == ECO_CODER_KD;
 	uint32_t row_count = elements->element_count, row = 0;
 	struct place *places = malloc(row_count * sizeof *places), *next = places;
 	enum eco_code code = ECO_OK;
@@ -149,7 +165,8 @@ static enum eco_code decode_streams(const struct eco_list *list, const struct ec
 		for (uint32_t k = 0; k < payload->streams[i].elements; k++)
 			places[row++].corner = payload->streams[i].corners;
 	if (!places || !find_places(places, permuted, ordinal, row_count))
-		code = eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for the order of %u elements", row_count);
+		code = eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for the order of %u elements",
+			row_count);
 	for (uint32_t i = 0; code == ECO_OK && i < payload->stream_count; i++) {
 		code = decode_stream(list, payload, &payload->streams[i], next, elements, error);
 		next += payload->streams[i].elements;
@@ -161,37 +178,44 @@ static enum eco_code decode_streams(const struct eco_list *list, const struct ec
 /* ---- Shapes ---- */
 
 /* Moves element i of `stored` to where places[i] says. */
-static void put_in_order(const struct eco_elements *stored, const struct place *places, struct eco_elements *elements)
+static void put_in_order(const struct eco_elements *stored, const struct place *places,
+	struct eco_elements *elements)
 {
 	size_t from = 0, extra = elements->extra_count;
 	for (uint32_t i = 0; i < stored->element_count; i++) {
 		size_t corners = stored->corners[i], corner = places[i].corner, element = places[i].element;
 		elements->corners[element] = stored->corners[i];
-		memcpy(elements->position + 3 * corner, stored->position + 3 * from, 3 * corners * sizeof *stored->position);
+		memcpy(elements->position + 3 * corner, stored->position + 3 * from,
+			3 * corners * sizeof *stored->position);
 		if (stored->uv)
-			memcpy(elements->uv + 2 * corner, stored->uv + 2 * from, 2 * corners * sizeof *stored->uv);
+			memcpy(elements->uv + 2 * corner, stored->uv + 2 * from,
+				2 * corners * sizeof *stored->uv);
 		if (extra)
-			memcpy(elements->extra + extra * element, stored->extra + extra * i, extra * sizeof *stored->extra);
+			memcpy(elements->extra + extra * element, stored->extra + extra * i,
+				extra * sizeof *stored->extra);
 		from += corners;
 	}
 }
 
 /* An element's number of corners is known when it is decoded, its place only when all are: so elements are
  * moved once. */
-static enum eco_code decode_shapes(const struct eco_list *list, const struct eco_chunk *chunk, const struct eco_payload *payload,
-	uint32_t ordinal, struct eco_elements *elements, struct eco_error *error)
+static enum eco_code decode_shapes(const struct eco_list *list, const struct eco_chunk *chunk,
+	const struct eco_payload *payload, uint32_t ordinal, struct eco_elements *elements,
+	struct eco_error *error)
 {
 	struct place *places = malloc(chunk->element_count * sizeof *places);
 	struct eco_elements stored = { 0 };
 	enum eco_code code = allocate(list, chunk, elements->corner_count, &stored, error);
 	if (code == ECO_OK && !places)
-		code = eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for the order of %u elements", chunk->element_count);
+		code = eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for the order of %u elements",
+			chunk->element_count);
 	if (!code)
 		code = eco_shapes_decode(list, &payload->streams[0], &stored, error);
 	for (uint32_t i = 0; code == ECO_OK && i < chunk->element_count; i++)
 		places[i].corner = stored.corners[i];
 	if (code == ECO_OK && !find_places(places, true, ordinal, chunk->element_count))
-		code = eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for the order of %u elements", chunk->element_count);
+		code = eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for the order of %u elements",
+			chunk->element_count);
 	if (!code)
 		put_in_order(&stored, places, elements);
 	eco_elements_free(&stored);
@@ -206,11 +230,13 @@ static enum eco_code check_streams(const struct eco_payload *payload, struct eco
 	enum eco_draco_order order = payload->coder == ECO_CODER_KD ? ECO_DRACO_KD : ECO_DRACO_SEQUENTIAL;
 	for (uint32_t i = 0; i < payload->stream_count && payload->coder != ECO_CODER_SHAPES; i++) {
 		const struct eco_stream *s = &payload->streams[i];
-		bool good = payload->coder == ECO_CODER_MESH && s->corners == 3 ? eco_draco_mesh_start(s->bytes, s->size, s->elements)
+		bool good = payload->coder == ECO_CODER_MESH && s->corners == 3
+			? eco_draco_mesh_start(s->bytes, s->size, s->elements)
 			: eco_draco_rows_start(s->bytes, s->size, order, s->elements);
 
 		if (!good)
-			return eco_fail(error, ECO_DAMAGED, "chunk: stream %u does not start as a stream of %u elements", i, s->elements);
+			return eco_fail(error, ECO_DAMAGED, "chunk: stream %u does not start as a stream of "
+				"%u elements", i, s->elements);
 	}
 	return ECO_OK;
 }
@@ -232,7 +258,8 @@ enum eco_code eco_chunk_decode(const struct eco_list *list, const struct eco_chu
 	if (!code)
 		code = allocate(list, chunk, corner_count, elements, error);
 	if (!code)
-		code = payload.coder == ECO_CODER_SHAPES ? decode_shapes(list, chunk, &payload, ordinal, elements, error)
+		code = payload.coder == ECO_CODER_SHAPES ? decode_shapes(list, chunk, &payload, ordinal,
+			elements, error)
 			: payload.coder == ECO_CODER_MESH ? eco_mesh_decode(list, &payload, elements, error)
 			: decode_streams(list, &payload, ordinal, elements, error);
 	if (code)

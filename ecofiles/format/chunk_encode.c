@@ -57,7 +57,8 @@ static int compare_input(const void *left, const void *right)
 
 /* Each row takes the next input element of its corner count, in the order in which the decoder draws the
  * rows. */
-static enum eco_code keep_order(struct stored *stored, uint32_t count, uint32_t ordinal, struct eco_error *error)
+static enum eco_code keep_order(struct stored *stored, uint32_t count, uint32_t ordinal,
+	struct eco_error *error)
 {
 	uint32_t *permutation = malloc(count * sizeof *permutation), next[256];
 	struct stored *sorted = malloc(count * sizeof *sorted);
@@ -78,7 +79,8 @@ static enum eco_code keep_order(struct stored *stored, uint32_t count, uint32_t 
 	return code;
 }
 
-static enum eco_code sort_elements(const struct eco_chunk_input *input, struct stored *stored, struct eco_error *error)
+static enum eco_code sort_elements(const struct eco_chunk_input *input, struct stored *stored,
+	struct eco_error *error)
 {
 	uint32_t count = input->end - input->first;
 	if (input->list->coder == ECO_CODER_ELEMENTS && input->first < KEPT_FIRST && count <= KEPT_MOST)
@@ -113,19 +115,21 @@ static enum eco_code check_input(const struct eco_chunk_input *input, struct eco
 	if (code)
 		return code;
 	if (input->first >= input->end || input->end > e->element_count)
-		return eco_fail(error, ECO_BAD_INPUT, "chunk %u: elements [%u, %u) of %u cannot be a chunk", input->ordinal, input->first,
-			input->end, e->element_count);
+		return eco_fail(error, ECO_BAD_INPUT, "chunk %u: elements [%u, %u) of %u cannot be a chunk",
+			input->ordinal, input->first, input->end, e->element_count);
 	if (input->end - input->first > ECO_CHUNK_ELEMENTS_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "chunk %u: %u elements, at most %u fit; end chunks earlier", input->ordinal,
-			input->end - input->first, ECO_CHUNK_ELEMENTS_MAX);
+		return eco_fail(error, ECO_TOO_LARGE, "chunk %u: %u elements, at most %u fit; end chunks "
+			"earlier", input->ordinal, input->end - input->first, ECO_CHUNK_ELEMENTS_MAX);
 	if (e->extra_count != eco_list_extra_count(list) || (e->extra_count > 0 && !e->extra)
 	    || ((list->attributes & ECO_ATTR_UV) && !e->uv))
-		return eco_fail(error, ECO_BAD_INPUT, "chunk %u: elements lack attributes that the list has", input->ordinal);
+		return eco_fail(error, ECO_BAD_INPUT, "chunk %u: elements lack attributes that the list has",
+			input->ordinal);
 	return ECO_OK;
 }
 
 /* Allocates `out`, fills it with elements [first, end) in input order, and checks their values. */
-static enum eco_code find_elements(const struct eco_chunk_input *input, struct stored **out, struct eco_error *error)
+static enum eco_code find_elements(const struct eco_chunk_input *input, struct stored **out,
+	struct eco_error *error)
 {
 	const struct eco_elements *e = input->elements;
 	uint32_t count = input->end - input->first;
@@ -134,20 +138,25 @@ static enum eco_code find_elements(const struct eco_chunk_input *input, struct s
 	int32_t low[3] = { 0 };
 	*out = stored;
 	if (!stored)
-		return eco_fail(error, ECO_NO_MEMORY, "chunk %u: out of memory for %u elements", input->ordinal, count);
+		return eco_fail(error, ECO_NO_MEMORY, "chunk %u: out of memory for %u elements",
+			input->ordinal, count);
 	for (uint32_t i = 0; i < input->first; i++)
 		corner_at += e->corners[i];
 	for (uint32_t i = 0; i < count; i++) {
 		uint8_t corners = e->corners[input->first + i];
 		const int32_t *position = e->position + 3 * corner_at;
 		if (!eco_list_allows_corners(input->list, corners))
-			return eco_fail(error, ECO_BAD_INPUT, "chunk %u: element %u has %u corners, which kind %u cannot have", input->ordinal,
-				input->first + i, corners, input->list->kind);
-		if (!values_fit(position, 3 * (size_t)corners) || (e->exact != NULL && !exact_fits(e, corner_at, corners))
+			return eco_fail(error, ECO_BAD_INPUT, "chunk %u: element %u has %u corners, which "
+				"kind %u cannot have", input->ordinal, input->first + i, corners,
+				input->list->kind);
+		if (!values_fit(position, 3 * (size_t)corners)
+				|| (e->exact != NULL && !exact_fits(e, corner_at, corners))
 		    || (e->uv != NULL && !values_fit(e->uv + 2 * corner_at, 2 * (size_t)corners))
-		    || (e->extra != NULL && !values_fit(e->extra + (size_t)e->extra_count * (input->first + i), e->extra_count)))
-			return eco_fail(error, ECO_TOO_LARGE, "chunk %u: a value of element %u exceeds %d; choose a coarser grid",
-				input->ordinal, input->first + i, ECO_ROWS_VALUE_MAX);
+		    || (e->extra != NULL
+		&& !values_fit(e->extra + (size_t)e->extra_count * (input->first + i), e->extra_count)))
+			return eco_fail(error, ECO_TOO_LARGE, "chunk %u: a value of element %u exceeds %d; "
+				"choose a coarser grid", input->ordinal, input->first + i,
+				ECO_ROWS_VALUE_MAX);
 		stored[i] = (struct stored){ .corners = corners, .element = i, .corner_at = corner_at };
 		for (int axis = 0; axis < 3; axis++)
 			low[axis] = i == 0 || position[axis] < low[axis] ? position[axis] : low[axis];
@@ -155,13 +164,14 @@ static enum eco_code find_elements(const struct eco_chunk_input *input, struct s
 	}
 	for (uint32_t i = 0; i < count; i++)
 		for (int axis = 0; axis < 3; axis++)
-			stored[i].key[axis] = (uint32_t)(e->position[3 * stored[i].corner_at + (size_t)axis] - low[axis]);
+			stored[i].key[axis] =
+				(uint32_t)(e->position[3 * stored[i].corner_at + (size_t)axis] - low[axis]);
 	return ECO_OK;
 }
 
 /* Encodes stored elements of one corner count as the payload's next stream. */
-static enum eco_code add_stream(struct eco_payload *payload, const struct eco_chunk_input *source, const struct stored *stored,
-	uint32_t count, struct eco_error *error)
+static enum eco_code add_stream(struct eco_payload *payload, const struct eco_chunk_input *source,
+	const struct stored *stored, uint32_t count, struct eco_error *error)
 {
 	const struct eco_elements *e = source->elements;
 	struct eco_stream *stream = &payload->streams[payload->stream_count];
@@ -169,7 +179,8 @@ static enum eco_code add_stream(struct eco_payload *payload, const struct eco_ch
 	struct eco_chunk_rows rows;
 	enum eco_code code;
 	uint8_t *bytes;
-	*stream = (struct eco_stream){ .corners = stored->corners, .elements = count, .shift = e->exact ? ECO_EXACT_SHIFT : 0 };
+	*stream = (struct eco_stream){ .corners = stored->corners, .elements = count,
+		.shift = e->exact ? ECO_EXACT_SHIFT : 0 };
 	shape = eco_payload_shape(source->list, payload->coder, stream);
 	code = eco_rows_make(&rows, &shape, error);
 	if (code)
@@ -197,8 +208,8 @@ static enum eco_code add_stream(struct eco_payload *payload, const struct eco_ch
 }
 
 /* One stream for each run of equal corner counts. */
-static enum eco_code add_streams(struct eco_payload *payload, const struct eco_chunk_input *source, const struct stored *stored,
-	uint32_t count, struct eco_error *error)
+static enum eco_code add_streams(struct eco_payload *payload, const struct eco_chunk_input *source,
+	const struct stored *stored, uint32_t count, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
 	for (uint32_t first = 0, end; code == ECO_OK && first < count; first = end) {
@@ -209,14 +220,15 @@ static enum eco_code add_streams(struct eco_payload *payload, const struct eco_c
 	return code;
 }
 
-static enum eco_code report_order(const struct eco_chunk_input *input, const struct stored *stored, uint32_t *order,
-	struct eco_error *error)
+static enum eco_code report_order(const struct eco_chunk_input *input, const struct stored *stored,
+	uint32_t *order, struct eco_error *error)
 {
 	uint32_t count = input->end - input->first;
 	bool permuted = input->list->coder == ECO_CODER_ELEMENTS;
 	uint32_t *permutation = permuted ? malloc(count * sizeof *permutation) : NULL;
 	if (permuted && !permutation)
-		return eco_fail(error, ECO_NO_MEMORY, "chunk %u: out of memory for %u elements", input->ordinal, count);
+		return eco_fail(error, ECO_NO_MEMORY, "chunk %u: out of memory for %u elements",
+			input->ordinal, count);
 	if (permuted)
 		eco_chunk_permutation(input->ordinal, count, permutation);
 	for (uint32_t i = 0; i < count; i++)
@@ -226,8 +238,8 @@ static enum eco_code report_order(const struct eco_chunk_input *input, const str
 }
 
 /* Encodes ELEMENTS as SHAPES and keeps that if it is smaller than `*bytes`. */
-static enum eco_code try_shapes(const struct eco_chunk_input *input, const struct stored *stored, uint8_t **bytes, size_t *size,
-	struct eco_error *error)
+static enum eco_code try_shapes(const struct eco_chunk_input *input, const struct stored *stored,
+	uint8_t **bytes, size_t *size, struct eco_error *error)
 {
 	uint32_t count = input->end - input->first;
 	struct eco_payload payload = { .coder = ECO_CODER_SHAPES };
@@ -235,12 +247,14 @@ static enum eco_code try_shapes(const struct eco_chunk_input *input, const struc
 	uint8_t *smaller = NULL;
 	size_t smaller_size = 0;
 	enum eco_code code = elements ? ECO_OK
-		: eco_fail(error, ECO_NO_MEMORY, "chunk %u: out of memory for the shapes of %u elements", input->ordinal, count);
+		: eco_fail(error, ECO_NO_MEMORY, "chunk %u: out of memory for the shapes of %u elements",
+		input->ordinal, count);
 
 	for (uint32_t i = 0; code == ECO_OK && i < count; i++)
 		elements[i] = (struct eco_placed_element){ stored[i].element, stored[i].corner_at };
 	if (!code)
-		code = eco_shapes_encode(input, elements, 8.0 * (double)*size / count, &payload.streams[0], error);
+		code = eco_shapes_encode(input, elements, 8.0 * (double)*size / count, &payload.streams[0],
+			error);
 	if (!code) {
 		payload.stream_count = 1;
 		code = eco_payload_write(&payload, &smaller, &smaller_size, error);
@@ -258,14 +272,15 @@ static enum eco_code try_shapes(const struct eco_chunk_input *input, const struc
 }
 
 /* MESH: edgebreaker or plain triangles, whichever loses nothing and is smaller. */
-static enum eco_code encode_mesh(const struct eco_chunk_input *input, const struct stored *stored, uint8_t **bytes, size_t *size,
-	struct eco_error *error)
+static enum eco_code encode_mesh(const struct eco_chunk_input *input, const struct stored *stored,
+	uint8_t **bytes, size_t *size, struct eco_error *error)
 {
 	struct eco_payload mesh = { .coder = ECO_CODER_MESH }, plain = { .coder = ECO_CODER_ELEMENTS };
 	uint8_t *plain_bytes = NULL;
 	size_t plain_size = 0;
 	bool fits;
-	enum eco_code code = eco_mesh_encode(input->list, input->elements, input->first, input->end, &mesh, &fits, error);
+	enum eco_code code = eco_mesh_encode(input->list, input->elements, input->first, input->end, &mesh,
+		&fits, error);
 	if (code == ECO_OK && fits)
 		code = eco_payload_write(&mesh, bytes, size, error);
 	if (!code)
@@ -284,8 +299,8 @@ static enum eco_code encode_mesh(const struct eco_chunk_input *input, const stru
 	return code;
 }
 
-enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **bytes, size_t *size_bytes, uint32_t *order,
-	struct eco_error *error)
+enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **bytes, size_t *size_bytes,
+	uint32_t *order, struct eco_error *error)
 {
 	struct eco_payload payload = { .coder = input->list->coder };
 	uint32_t count = input->end - input->first;
@@ -306,7 +321,8 @@ enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **by
 		code = add_streams(&payload, input, stored, count, error);
 		if (!code)
 			code = eco_payload_write(&payload, bytes, size_bytes, error);
-		if (code == ECO_OK && payload.coder == ECO_CODER_ELEMENTS && input->list->kind == ECO_LIST_TRIANGLES && input->elements->exact)
+		if (code == ECO_OK && payload.coder == ECO_CODER_ELEMENTS && input->list->kind
+				== ECO_LIST_TRIANGLES && input->elements->exact)
 			code = try_shapes(input, stored, bytes, size_bytes, error);
 	}
 	if (code == ECO_OK && order)
@@ -321,19 +337,21 @@ enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **by
 }
 
 /* Checks the form's own values; counts are those of the partner's input. */
-static enum eco_code check_forms(const struct eco_chunk_input *partner, const struct eco_list *list, const struct eco_elements *forms,
-	struct eco_error *error)
+static enum eco_code check_forms(const struct eco_chunk_input *partner, const struct eco_list *list,
+	const struct eco_elements *forms, struct eco_error *error)
 {
-	if (list->coder != ECO_CODER_FORM || partner->list->coder != ECO_CODER_ELEMENTS || partner->list->kind != ECO_LIST_TRIANGLES)
-		return eco_fail(error, ECO_BAD_INPUT, "chunk %u: only fans have other forms, and only lists of coder FORM are forms",
-			partner->ordinal);
+	if (list->coder != ECO_CODER_FORM || partner->list->coder != ECO_CODER_ELEMENTS
+			|| partner->list->kind != ECO_LIST_TRIANGLES)
+		return eco_fail(error, ECO_BAD_INPUT, "chunk %u: only fans have other forms, and only lists "
+			"of coder FORM are forms", partner->ordinal);
 	if (forms->element_count != partner->elements->element_count)
-		return eco_fail(error, ECO_BAD_INPUT, "chunk %u: %u forms for %u elements: one for each is needed", partner->ordinal,
-			forms->element_count, partner->elements->element_count);
+		return eco_fail(error, ECO_BAD_INPUT, "chunk %u: %u forms for %u elements: one for each is "
+			"needed", partner->ordinal, forms->element_count, partner->elements->element_count);
 	for (uint32_t i = 0; i < forms->element_count; i++)
 		if (forms->corners[i] != forms->corners[0])
-			return eco_fail(error, ECO_BAD_INPUT, "chunk %u: form %u has %u corners, the first has %u: all must have as many",
-				partner->ordinal, i, forms->corners[i], forms->corners[0]);
+			return eco_fail(error, ECO_BAD_INPUT, "chunk %u: form %u has %u corners, the first "
+				"has %u: all must have as many", partner->ordinal, i, forms->corners[i],
+				forms->corners[0]);
 	return ECO_OK;
 }
 

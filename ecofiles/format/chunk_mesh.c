@@ -56,7 +56,8 @@ static struct turned *turn_all(const int32_t *position, uint32_t triangles)
 struct match { uint32_t triangle; uint8_t corner; };
 
 /* NULL with *same = false: not the same triangles; NULL with *same = true: out of memory. */
-static struct match *match_triangles(const int32_t *input, const int32_t *decoded, uint32_t triangles, bool *same)
+static struct match *match_triangles(const int32_t *input, const int32_t *decoded, uint32_t triangles,
+	bool *same)
 {
 	struct turned *a = turn_all(input, triangles), *b = turn_all(decoded, triangles);
 	struct match *matches = malloc(triangles * sizeof *matches);
@@ -72,7 +73,8 @@ static struct match *match_triangles(const int32_t *input, const int32_t *decode
 			matches = NULL;
 			break;
 		}
-		matches[b[i].index] = (struct match){ a[i].index, (uint8_t)((a[i].first + 3 - b[i].first) % 3) };
+		matches[b[i].index] =
+			(struct match){ a[i].index, (uint8_t)((a[i].first + 3 - b[i].first) % 3) };
 	}
 	free(a);
 	free(b);
@@ -104,7 +106,8 @@ static enum eco_code weld(const int32_t *position, uint32_t corner_count, int32_
 	*vertex_count = 0;
 	for (uint32_t i = 0; i < corner_count; i++) {
 		if (i == 0 || compare_positions(corners[i].position, corners[i - 1].position, 3) != 0)
-			memcpy(vertices + 3 * (size_t)(*vertex_count)++, corners[i].position, sizeof corners[i].position);
+			memcpy(vertices + 3 * (size_t)(*vertex_count)++, corners[i].position,
+				sizeof corners[i].position);
 		index[corners[i].index] = *vertex_count - 1;
 	}
 	free(corners);
@@ -133,7 +136,8 @@ struct side {
 	int32_t *storage;
 };
 
-static enum eco_code side_make(struct side *side, const struct eco_list *list, uint32_t triangles, struct eco_error *error)
+static enum eco_code side_make(struct side *side, const struct eco_list *list, uint32_t triangles,
+	struct eco_error *error)
 {
 	uint32_t extra_count = eco_list_extra_count(list), per_row = 0;
 	int32_t *at;
@@ -143,12 +147,14 @@ static enum eco_code side_make(struct side *side, const struct eco_list *list, u
 			side->columns[side->column_count++] = (struct eco_draco_column){ .components = 2 };
 	side->extra_first = side->column_count;
 	for (uint32_t i = 0; i < extra_count; i++)
-		side->columns[side->column_count++] = (struct eco_draco_column){ .components = 1, .difference = true };
+		side->columns[side->column_count++] = (struct eco_draco_column){ .components = 1,
+			.difference = true };
 	for (uint32_t i = 0; i < side->column_count; i++)
 		per_row += side->columns[i].components;
 	at = side->storage = calloc((size_t)per_row * triangles, sizeof *at);
 	if (!at)
-		return eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for attributes of %u triangles", triangles);
+		return eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for attributes of %u triangles",
+			triangles);
 	for (uint32_t i = 0; i < side->column_count; i++) {
 		side->columns[i].values = at;
 		at += (size_t)side->columns[i].components * triangles;
@@ -165,9 +171,11 @@ struct uv_memory {
 
 static enum eco_code uv_memory_make(struct uv_memory *memory, uint32_t triangles, struct eco_error *error)
 {
-	*memory = (struct uv_memory){ calloc(3 * (size_t)triangles, sizeof *memory->uv), calloc(3 * (size_t)triangles, 1), { 0, 0 } };
+	*memory = (struct uv_memory){ calloc(3 * (size_t)triangles, sizeof *memory->uv),
+		calloc(3 * (size_t)triangles, 1), { 0, 0 } };
 	if (!memory->uv || !memory->seen)
-		return eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for texture coordinates of %u triangles", triangles);
+		return eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for texture coordinates of %u "
+			"triangles", triangles);
 	return ECO_OK;
 }
 
@@ -190,12 +198,14 @@ static void uv_memory_free(struct uv_memory *memory)
 }
 
 /* Encodes uv and extra values in decoded order. *fits = false: values are too far apart for Draco. */
-static enum eco_code encode_side(const struct eco_list *list, const struct eco_elements *e, uint32_t first, uint32_t triangles,
-	const struct match *matches, const uint32_t *vertex, struct eco_stream *stream, bool *fits, struct eco_error *error)
+static enum eco_code encode_side(const struct eco_list *list, const struct eco_elements *e, uint32_t first,
+	uint32_t triangles, const struct match *matches, const uint32_t *vertex, struct eco_stream *stream,
+	bool *fits, struct eco_error *error)
 {
 	struct uv_memory memory;
 	struct side side;
-	enum eco_code code = side_make(&side, list, triangles, error), memory_code = uv_memory_make(&memory, triangles, error);
+	enum eco_code code = side_make(&side, list, triangles, error),
+		memory_code = uv_memory_make(&memory, triangles, error);
 	uint8_t *bytes;
 	code = code != ECO_OK ? code : memory_code;
 	for (uint32_t i = 0; code == ECO_OK && i < triangles; i++) {
@@ -217,7 +227,8 @@ static enum eco_code encode_side(const struct eco_list *list, const struct eco_e
 		}
 	}
 	if (code == ECO_OK && *fits)
-		code = eco_draco_encode_rows(ECO_DRACO_SEQUENTIAL, side.columns, side.column_count, triangles, &bytes, &stream->size, error);
+		code = eco_draco_encode_rows(ECO_DRACO_SEQUENTIAL, side.columns, side.column_count, triangles,
+			&bytes, &stream->size, error);
 	if (code == ECO_OK && *fits)
 		stream->bytes = bytes;
 	uv_memory_free(&memory);
@@ -246,8 +257,8 @@ static void scratch_free(struct scratch *s)
 }
 
 /* Encodes the positions, decodes them again and matches: *fits says whether everything came back. */
-static enum eco_code encode_positions(const int32_t *position, uint32_t triangles, struct scratch *s, struct eco_stream *stream,
-	bool *fits, struct eco_error *error)
+static enum eco_code encode_positions(const int32_t *position, uint32_t triangles, struct scratch *s,
+	struct eco_stream *stream, bool *fits, struct eco_error *error)
 {
 	uint32_t vertex_count = 0, corner_count = 3 * triangles;
 	uint8_t *bytes;
@@ -261,16 +272,19 @@ static enum eco_code encode_positions(const int32_t *position, uint32_t triangle
 	code = weld(position, corner_count, s->vertices, s->index, &vertex_count, error);
 	for (uint32_t i = 0; code == ECO_OK && i < triangles; i++)
 		if (degenerate(s->index + 3 * (size_t)i))
-			return eco_fail(error, ECO_BAD_INPUT, "chunk: two corners of mesh triangle %u coincide; drop it before packing", i);
+			return eco_fail(error, ECO_BAD_INPUT, "chunk: two corners of mesh triangle %u "
+				"coincide; drop it before packing", i);
 	*fits = narrow(position, corner_count);
 	if (code != ECO_OK || !*fits)
 		return code;
 	/* A failure of Draco is not ours: the triangles can be coded otherwise. */
-	*fits = eco_draco_encode_mesh(s->vertices, vertex_count, s->index, triangles, &bytes, &stream->size, NULL) == ECO_OK;
+	*fits = eco_draco_encode_mesh(s->vertices, vertex_count, s->index, triangles, &bytes, &stream->size,
+		NULL) == ECO_OK;
 	if (!*fits)
 		return ECO_OK;
 	stream->bytes = bytes;
-	*fits = eco_draco_decode_mesh(stream->bytes, stream->size, triangles, s->decoded, s->vertex, NULL) == ECO_OK;
+	*fits = eco_draco_decode_mesh(stream->bytes, stream->size, triangles, s->decoded, s->vertex, NULL)
+		== ECO_OK;
 	if (!*fits)
 		return ECO_OK;
 	s->matches = match_triangles(position, s->decoded, triangles, fits);
@@ -279,8 +293,8 @@ static enum eco_code encode_positions(const int32_t *position, uint32_t triangle
 	return ECO_OK;
 }
 
-enum eco_code eco_mesh_encode(const struct eco_list *list, const struct eco_elements *elements, uint32_t first, uint32_t end,
-	struct eco_payload *payload, bool *fits, struct eco_error *error)
+enum eco_code eco_mesh_encode(const struct eco_list *list, const struct eco_elements *elements,
+	uint32_t first, uint32_t end, struct eco_payload *payload, bool *fits, struct eco_error *error)
 {
 	const int32_t *position = elements->position + 9 * (size_t)first;
 	struct eco_stream *side = payload->streams, *mesh = payload->streams + (list->attributes != 0);
@@ -292,14 +306,15 @@ enum eco_code eco_mesh_encode(const struct eco_list *list, const struct eco_elem
 	side->elements = mesh->elements = end - first;
 	code = encode_positions(position, end - first, &s, mesh, fits, error);
 	if (code == ECO_OK && *fits && list->attributes != 0)
-		code = encode_side(list, elements, first, end - first, s.matches, s.vertex, side, fits, error);
+		code = encode_side(list, elements, first, end - first, s.matches, s.vertex, side, fits,
+			error);
 	scratch_free(&s);
 	return code;
 }
 
 /* Undoes encode_side; the decoded values are bounded as those of other coders. */
-static enum eco_code decode_side(const struct eco_list *list, const struct eco_stream *stream, const uint32_t *vertex,
-	struct eco_elements *e, struct eco_error *error)
+static enum eco_code decode_side(const struct eco_list *list, const struct eco_stream *stream,
+	const uint32_t *vertex, struct eco_elements *e, struct eco_error *error)
 {
 	struct uv_memory memory;
 	struct side side;
@@ -308,8 +323,8 @@ static enum eco_code decode_side(const struct eco_list *list, const struct eco_s
 	bool good = true;
 	code = code != ECO_OK ? code : memory_code;
 	if (!code)
-		code = eco_draco_decode_rows(ECO_DRACO_SEQUENTIAL, stream->bytes, stream->size, side.columns, side.column_count,
-			e->element_count, error);
+		code = eco_draco_decode_rows(ECO_DRACO_SEQUENTIAL, stream->bytes, stream->size, side.columns,
+			side.column_count, e->element_count, error);
 	for (uint32_t i = 0; code == ECO_OK && good && i < e->element_count; i++) {
 		for (uint32_t c = 0; c < 3 && side.extra_first > 0; c++) {
 			int32_t *uv = e->uv + 2 * (3 * (size_t)i + c);
@@ -334,16 +349,18 @@ static enum eco_code decode_side(const struct eco_list *list, const struct eco_s
 	return code;
 }
 
-enum eco_code eco_mesh_decode(const struct eco_list *list, const struct eco_payload *payload, struct eco_elements *elements,
-	struct eco_error *error)
+enum eco_code eco_mesh_decode(const struct eco_list *list, const struct eco_payload *payload,
+	struct eco_elements *elements, struct eco_error *error)
 {
 	const struct eco_stream *mesh = &payload->streams[payload->stream_count - 1];
 	uint32_t *vertex = malloc(sizeof(uint32_t) * 3 * elements->element_count);
 	enum eco_code code;
 	if (!vertex)
-		return eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for %u triangles", elements->element_count);
+		return eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for %u triangles",
+			elements->element_count);
 	memset(elements->corners, 3, elements->element_count);
-	code = eco_draco_decode_mesh(mesh->bytes, mesh->size, mesh->elements, elements->position, vertex, error);
+	code = eco_draco_decode_mesh(mesh->bytes, mesh->size, mesh->elements, elements->position, vertex,
+		error);
 	for (size_t i = 0; code == ECO_OK && i < 9 * (size_t)elements->element_count; i++)
 		if (elements->position[i] < -ECO_ROWS_VALUE_MAX || elements->position[i] > ECO_ROWS_VALUE_MAX)
 			code = eco_fail(error, ECO_DAMAGED, "chunk: a position of the mesh is out of bounds");

@@ -27,9 +27,11 @@ struct eco_payload {
 };
 
 /* Parses and bounds everything except the streams' own bytes. */
-enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes, size_t size, struct eco_error *error);
+enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes, size_t size,
+	struct eco_error *error);
 /* Writes the whole payload; *bytes is malloc'ed. */
-enum eco_code eco_payload_write(const struct eco_payload *payload, uint8_t **bytes, size_t *size, struct eco_error *error);
+enum eco_code eco_payload_write(const struct eco_payload *payload, uint8_t **bytes, size_t *size,
+	struct eco_error *error);
 void eco_payload_free_streams(struct eco_payload *payload);
 
 /* Primitives of an element with so many corners. */
@@ -39,23 +41,25 @@ bool eco_list_allows_corners(const struct eco_list *list, uint8_t corners);
 /* Checks that kind, coder and attributes go together. */
 enum eco_code eco_list_check_coding(const struct eco_list *list, struct eco_error *error);
 
-struct eco_rows_shape eco_payload_shape(const struct eco_list *list, uint8_t coder, const struct eco_stream *stream);
+struct eco_rows_shape eco_payload_shape(const struct eco_list *list, uint8_t coder,
+	const struct eco_stream *stream);
 
 /* SHAPES, in chunk_shapes.c. `elements` are in stored order; soup_bits: bits of an element stored as
  * corners. The stream's bytes are malloc'ed. */
 struct eco_placed_element { uint32_t element; size_t corner_at; };
-enum eco_code eco_shapes_encode(const struct eco_chunk_input *input, const struct eco_placed_element *elements, double soup_bits,
-	struct eco_stream *stream, struct eco_error *error);
-/* Fills the elements in stored order. Their counts say what is expected; their arrays are allocated. */
-enum eco_code eco_shapes_decode(const struct eco_list *list, const struct eco_stream *stream, struct eco_elements *stored,
+enum eco_code eco_shapes_encode(const struct eco_chunk_input *input,
+	const struct eco_placed_element *elements, double soup_bits, struct eco_stream *stream,
 	struct eco_error *error);
+/* Fills the elements in stored order. Their counts say what is expected; their arrays are allocated. */
+enum eco_code eco_shapes_decode(const struct eco_list *list, const struct eco_stream *stream,
+	struct eco_elements *stored, struct eco_error *error);
 
 /* MESH, in chunk_mesh.c. Encoding sets *fits to false, with ECO_OK, where edgebreaker does not give back
  * every triangle. */
-enum eco_code eco_mesh_encode(const struct eco_list *list, const struct eco_elements *elements, uint32_t first, uint32_t end,
-	struct eco_payload *payload, bool *fits, struct eco_error *error);
+enum eco_code eco_mesh_encode(const struct eco_list *list, const struct eco_elements *elements,
+	uint32_t first, uint32_t end, struct eco_payload *payload, bool *fits, struct eco_error *error);
 /* Fills position and, if the list has them, uv and extra of `elements`, whose arrays are allocated. */
-enum eco_code eco_mesh_decode(const struct eco_list *list, const struct eco_payload *payload, struct eco_elements *elements,
-	struct eco_error *error);
+enum eco_code eco_mesh_decode(const struct eco_list *list, const struct eco_payload *payload,
+	struct eco_elements *elements, struct eco_error *error);
 
 #endif

@@ -61,11 +61,13 @@ static bool in_bounds(int32_t v)
 	return v >= -ECO_ROWS_VALUE_MAX && v <= ECO_ROWS_VALUE_MAX;
 }
 
-enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_rows_shape *shape, struct eco_error *error)
+enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_rows_shape *shape,
+	struct eco_error *error)
 {
 	uint32_t per_row = 0;
 	int32_t *at;
-	assert(shape->corners >= 1 && shape->corners <= ECO_ROWS_CORNERS_MAX && shape->extra_count <= ECO_ROWS_EXTRA_MAX);
+	assert(shape->corners >= 1 && shape->corners <= ECO_ROWS_CORNERS_MAX && shape->extra_count
+		<= ECO_ROWS_EXTRA_MAX);
 	memset(rows, 0, sizeof *rows);
 	rows->shape = *shape;
 	assert(!shape->split || shape->corners == 1);
@@ -136,7 +138,9 @@ bool eco_rows_get(const struct eco_chunk_rows *rows, uint32_t row, const struct 
 		for (unsigned axis = 0; axis < 3; axis++) {
 			int32_t v = column->values[3 * (size_t)row + axis];
 			if (k > 0)
-				v = plus(v, plus(element->position[axis], predict(predictor, element->position, k, axis)));
+				v = plus(v,
+					plus(element->position[axis],
+					predict(predictor, element->position, k, axis)));
 			element->position[3 * k + axis] = v;
 			good &= in_bounds(v);
 		}
@@ -148,7 +152,8 @@ bool eco_rows_get(const struct eco_chunk_rows *rows, uint32_t row, const struct 
 	}
 	for (unsigned k = 0; s->uv && k < s->corners; k++, column++)
 		for (unsigned axis = 0; axis < 2; axis++) {
-			int32_t v = (int32_t)((uint32_t)column->values[2 * (size_t)row + axis] << s->uv_shift);
+			int32_t v =
+				(int32_t)((uint32_t)column->values[2 * (size_t)row + axis] << s->uv_shift);
 			element->uv[2 * k + axis] = k == 0 ? v : plus(v, element->uv[2 * (k - 1) + axis]);
 			good &= in_bounds(element->uv[2 * k + axis]);
 		}
@@ -210,7 +215,8 @@ static void take_predictions(struct eco_chunk_rows *rows)
 			for (unsigned axis = 0; axis < 3; axis++) {
 				int32_t *v = &rows->columns[corner].values[3 * (size_t)row + axis];
 				for (unsigned k = 1; k < corner; k++)
-					position[3 * k + axis] = rows->columns[k].values[3 * (size_t)row + axis];
+					position[3 * k + axis] =
+						rows->columns[k].values[3 * (size_t)row + axis];
 				*v = minus(*v, predict(predictor, position, corner, axis));
 			}
 	}
@@ -219,8 +225,10 @@ static void take_predictions(struct eco_chunk_rows *rows)
 /* Finds uv_shift: texture coordinates of whole pictures and of atlases are multiples of a power of two. */
 static void take_uv_shift(struct eco_chunk_rows *rows)
 {
-	uint32_t first = rows->shape.split ? 3 : rows->shape.corners, count = rows->shape.uv ? rows->shape.corners : 0, all = 0;
-	int32_t *values = count > 0 ? rows->columns[first].values : NULL;      /* of all uv columns: adjacent */
+	uint32_t first = rows->shape.split ? 3 : rows->shape.corners, count = rows->shape.uv
+		? rows->shape.corners : 0, all = 0;
+	/* of all uv columns: adjacent */
+	int32_t *values = count > 0 ? rows->columns[first].values : NULL;
 	size_t total = 2 * (size_t)rows->shape.rows * count;
 	for (size_t i = 0; i < total; i++)
 		all |= (uint32_t)values[i];
@@ -292,21 +300,24 @@ static void take_ground(struct eco_chunk_rows *rows)
 		rows->columns[2].values[row] = minus(rows->columns[2].values[row], ground_height(rows, row));
 	for (uint32_t row = rows->shape.rows; rows->shape.ground_columns > 0 && row-- > 0;)
 		for (unsigned axis = 0; axis < 2; axis++)
-			rows->columns[axis].values[row] = minus(rows->columns[axis].values[row], ground_place(rows, row, axis));
+			rows->columns[axis].values[row] = minus(rows->columns[axis].values[row],
+				ground_place(rows, row, axis));
 }
 
 static void give_ground(struct eco_chunk_rows *rows)
 {
 	for (uint32_t row = 0; rows->shape.ground_columns > 0 && row < rows->shape.rows; row++)
 		for (unsigned axis = 0; axis < 2; axis++)
-			rows->columns[axis].values[row] = plus(rows->columns[axis].values[row], ground_place(rows, row, axis));
+			rows->columns[axis].values[row] = plus(rows->columns[axis].values[row],
+				ground_place(rows, row, axis));
 	for (uint32_t row = 0; rows->shape.ground_columns > 0 && row < rows->shape.rows; row++)
 		rows->columns[2].values[row] = plus(rows->columns[2].values[row], ground_height(rows, row));
 	give_low_bits(rows);
 }
 
 /* Whether Draco can code a column's values, or their differences, without allocating too much. */
-static void find_bounds(const struct eco_draco_column *column, uint32_t rows, bool *values_fit, bool *differences_fit)
+static void find_bounds(const struct eco_draco_column *column, uint32_t rows, bool *values_fit,
+	bool *differences_fit)
 {
 	size_t count = (size_t)column->components * rows;
 	int32_t low = column->values[0], high = column->values[0];
@@ -343,8 +354,8 @@ static enum eco_code choose_differences(struct eco_chunk_rows *rows, struct eco_
 }
 
 /* Splits the columns of a wide stream for Draco: high halves, then low halves. *storage is malloc'ed. */
-static enum eco_code wide_columns(const struct eco_chunk_rows *rows, struct eco_draco_column *columns, int32_t **storage,
-	struct eco_error *error)
+static enum eco_code wide_columns(const struct eco_chunk_rows *rows, struct eco_draco_column *columns,
+	int32_t **storage, struct eco_error *error)
 {
 	size_t total = 0;
 	int32_t *at;
@@ -352,7 +363,8 @@ static enum eco_code wide_columns(const struct eco_chunk_rows *rows, struct eco_
 		total += (size_t)rows->columns[i].components * rows->shape.rows;
 	at = *storage = calloc(2 * total, sizeof **storage);
 	if (!at)
-		return eco_fail(error, ECO_NO_MEMORY, "out of memory for %u rows of a chunk", rows->shape.rows);
+		return eco_fail(error, ECO_NO_MEMORY, "out of memory for %u rows of a chunk",
+			rows->shape.rows);
 	for (uint32_t half = 0; half < 2; half++)
 		for (uint32_t i = 0; i < rows->column_count; i++) {
 			struct eco_draco_column *c = &columns[half * rows->column_count + i];
@@ -363,7 +375,8 @@ static enum eco_code wide_columns(const struct eco_chunk_rows *rows, struct eco_
 	return ECO_OK;
 }
 
-enum eco_code eco_rows_encode(struct eco_chunk_rows *rows, uint8_t **bytes, size_t *size, struct eco_error *error)
+enum eco_code eco_rows_encode(struct eco_chunk_rows *rows, uint8_t **bytes, size_t *size,
+	struct eco_error *error)
 {
 	struct eco_draco_column wide[2 * ECO_ROWS_COLUMNS_MAX];
 	int32_t *storage = NULL;
@@ -374,7 +387,8 @@ enum eco_code eco_rows_encode(struct eco_chunk_rows *rows, uint8_t **bytes, size
 	take_ground(rows);
 	code = choose_differences(rows, error);
 	if (code == ECO_OK && !rows->shape.wide)
-		return eco_draco_encode_rows(rows->shape.order, rows->columns, rows->column_count, rows->shape.rows, bytes, size, error);
+		return eco_draco_encode_rows(rows->shape.order, rows->columns, rows->column_count,
+			rows->shape.rows, bytes, size, error);
 	if (!code)
 		code = wide_columns(rows, wide, &storage, error);
 	if (code)
@@ -386,18 +400,21 @@ enum eco_code eco_rows_encode(struct eco_chunk_rows *rows, uint8_t **bytes, size
 			wide[i].values[k] = high < 0x8000 ? (int32_t)high : (int32_t)high - 0x10000;
 			wide[rows->column_count + i].values[k] = (int32_t)(v & 0xffff);
 		}
-	code = eco_draco_encode_rows(rows->shape.order, wide, 2 * rows->column_count, rows->shape.rows, bytes, size, error);
+	code = eco_draco_encode_rows(rows->shape.order, wide, 2 * rows->column_count, rows->shape.rows, bytes,
+		size, error);
 	free(storage);
 	return code;
 }
 
-static enum eco_code decode_wide(struct eco_chunk_rows *rows, const uint8_t *bytes, size_t size, struct eco_error *error)
+static enum eco_code decode_wide(struct eco_chunk_rows *rows, const uint8_t *bytes, size_t size,
+	struct eco_error *error)
 {
 	struct eco_draco_column wide[2 * ECO_ROWS_COLUMNS_MAX];
 	int32_t *storage = NULL;
 	enum eco_code code = wide_columns(rows, wide, &storage, error);
 	if (!code)
-		code = eco_draco_decode_rows(rows->shape.order, bytes, size, wide, 2 * rows->column_count, rows->shape.rows, error);
+		code = eco_draco_decode_rows(rows->shape.order, bytes, size, wide, 2 * rows->column_count,
+			rows->shape.rows, error);
 	for (uint32_t i = 0; code == ECO_OK && i < rows->column_count; i++)
 		for (size_t k = 0; k < (size_t)wide[i].components * rows->shape.rows; k++)
 			rows->columns[i].values[k] = (int32_t)(((uint32_t)wide[i].values[k] << 16)
@@ -406,7 +423,8 @@ static enum eco_code decode_wide(struct eco_chunk_rows *rows, const uint8_t *byt
 	return code;
 }
 
-enum eco_code eco_rows_decode(struct eco_chunk_rows *rows, const uint8_t *bytes, size_t size, struct eco_error *error)
+enum eco_code eco_rows_decode(struct eco_chunk_rows *rows, const uint8_t *bytes, size_t size,
+	struct eco_error *error)
 {
 	enum eco_code code;
 	for (unsigned k = 2; k < 6; k++)
@@ -416,7 +434,8 @@ enum eco_code eco_rows_decode(struct eco_chunk_rows *rows, const uint8_t *bytes,
 	if (rows->shape.wide)
 		code = decode_wide(rows, bytes, size, error);
 	else
-		code = eco_draco_decode_rows(rows->shape.order, bytes, size, rows->columns, rows->column_count, rows->shape.rows, error);
+		code = eco_draco_decode_rows(rows->shape.order, bytes, size, rows->columns,
+			rows->column_count, rows->shape.rows, error);
 	if (!code)
 		give_ground(rows);
 	return code;

@@ -65,7 +65,8 @@ struct eco_rows_element { int32_t *position, *uv, *extra; };
 
 /* Columns for shape->rows rows, all 0. The shape is trusted: at most ECO_ROWS_CORNERS_MAX corners,
  * ECO_ROWS_EXTRA_MAX extra values; split rows have one corner. ECO_NO_MEMORY leaves nothing to free. */
-enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_rows_shape *shape, struct eco_error *error);
+enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_rows_shape *shape,
+	struct eco_error *error);
 void eco_rows_free(struct eco_chunk_rows *rows);
 
 /* `row` is below shape.rows. _get returns false where a value is beyond ECO_ROWS_VALUE_MAX. */
@@ -73,7 +74,9 @@ void eco_rows_put(struct eco_chunk_rows *rows, uint32_t row, const struct eco_ro
 bool eco_rows_get(const struct eco_chunk_rows *rows, uint32_t row, const struct eco_rows_element *element);
 
 /* Encoding sets shape.predictors, uv_shift and wide to the best; they must be stored with the stream. */
-enum eco_code eco_rows_encode(struct eco_chunk_rows *rows, uint8_t **bytes, size_t *size, struct eco_error *error);
-enum eco_code eco_rows_decode(struct eco_chunk_rows *rows, const uint8_t *bytes, size_t size, struct eco_error *error);
+enum eco_code eco_rows_encode(struct eco_chunk_rows *rows, uint8_t **bytes, size_t *size,
+	struct eco_error *error);
+enum eco_code eco_rows_decode(struct eco_chunk_rows *rows, const uint8_t *bytes, size_t size,
+	struct eco_error *error);
 
 #endif

@@ -52,7 +52,8 @@ void eco_shapes_start(struct eco_shapes_codec *c, uint32_t elements)
 /* ---- The chunk's common data ---- */
 
 /* A value that must be within [low, high]. */
-static int32_t code_number(struct eco_shapes_codec *c, struct eco_bit *models, int32_t value, int32_t low, int32_t high)
+static int32_t code_number(struct eco_shapes_codec *c, struct eco_bit *models, int32_t value, int32_t low,
+	int32_t high)
 {
 	int32_t v = eco_range_number(&c->range, models, value);
 	if (v < low || v > high) {
@@ -85,10 +86,12 @@ static void code_shape(struct eco_shapes_codec *c, struct eco_shape *s, uint32_t
 	const int32_t most = ECO_SHAPE_COORDINATE_MAX >> shift;
 	s->corners = (uint8_t)(3 + eco_range_raw(&c->range, 2, s->corners - 3u));
 	for (uint32_t k = 0; k < 3u * s->corners; k++)
-		s->position[k] = code_number(c, k % 3 == 2 ? c->flat : c->number, s->position[k] / (1 << shift), -most, most) * (1 << shift);
+		s->position[k] = code_number(c, k % 3 == 2 ? c->flat : c->number,
+			s->position[k] / (1 << shift), -most, most) * (1 << shift);
 	for (uint32_t k = 0; c->uv && k < 2u * s->corners; k++) {
 		int32_t before = k < 2 ? 0 : s->uv[k - 2];
-		s->uv[k] = before + code_number(c, c->texture[k & 1], s->uv[k] - before, -UV_MAX - before, UV_MAX - before);
+		s->uv[k] = before + code_number(c, c->texture[k & 1], s->uv[k] - before, -UV_MAX - before,
+			UV_MAX - before);
 	}
 }
 
@@ -129,8 +132,10 @@ static void code_trends(struct eco_shapes_codec *c, uint32_t m)
 	for (uint32_t t = 0; t < h->trends[m]; t++)
 		for (uint32_t k = 2; k < m + 3; k++)
 			for (uint32_t j = 0; j < eco_corner_bases(k); j++) {
-				int32_t usual = j + 1 < k ? 1 << ECO_WEIGHT_BITS : 0, *weight = &h->trend[m][t].weight[k][j];
-				*weight = usual + code_number(c, c->weight, *weight - usual, -ECO_WEIGHT_MAX - usual, ECO_WEIGHT_MAX - usual);
+				int32_t usual = j + 1 < k ? 1 << ECO_WEIGHT_BITS : 0,
+					*weight = &h->trend[m][t].weight[k][j];
+				*weight = usual + code_number(c, c->weight, *weight - usual,
+					-ECO_WEIGHT_MAX - usual, ECO_WEIGHT_MAX - usual);
 			}
 }
 
@@ -176,7 +181,9 @@ static uint32_t gather(uint64_t v)
 static uint32_t code_steps(struct eco_shapes_codec *c, struct eco_bit *models, uint32_t most, uint32_t value)
 {
 	uint32_t n = 0;
-	while (n < most && eco_range_bit(&c->range, &models[n < ECO_STEPS_MODELLED ? n : ECO_STEPS_MODELLED - 1], n < value))
+	while (n < most
+			&& eco_range_bit(&c->range,
+			&models[n < ECO_STEPS_MODELLED ? n : ECO_STEPS_MODELLED - 1], n < value))
 		n++;
 	return n;
 }
@@ -191,7 +198,8 @@ static uint64_t code_key(struct eco_shapes_codec *c, uint32_t bits, uint64_t key
 	uint64_t gap = back ? c->key - key : key - c->key;
 	uint32_t length = eco_bit_length(gap);
 	if (eco_range_bit(&c->range, &c->above, length > usual))
-		length = usual + 1 + code_steps(c, c->up, bits - (usual < bits ? usual + 1 : bits), length - usual - 1);
+		length = usual + 1 + code_steps(c, c->up, bits - (usual < bits ? usual + 1 : bits),
+			length - usual - 1);
 	else
 		length = usual - code_steps(c, c->down, usual, usual - length);
 	if (length > 62) {
@@ -199,7 +207,8 @@ static uint64_t code_key(struct eco_shapes_codec *c, uint32_t bits, uint64_t key
 		return 0;
 	}
 	if (length > 0)
-		gap = (uint64_t)1 << (length - 1) | eco_range_raw(&c->range, length - 1, gap & (((uint64_t)1 << (length - 1)) - 1));
+		gap = (uint64_t)1 << (length - 1) | eco_range_raw(&c->range, length - 1,
+			gap & (((uint64_t)1 << (length - 1)) - 1));
 	else
 		gap = 0;
 	if (back ? gap > c->key : gap >= end - c->key) {
@@ -213,7 +222,8 @@ static uint64_t code_key(struct eco_shapes_codec *c, uint32_t bits, uint64_t key
 /* The first corner on the coarse grid, relative to head.first. */
 static void code_first(struct eco_shapes_codec *c, uint8_t corners, uint32_t first[3])
 {
-	uint32_t width = c->head.first[0].bits, bits = width < KEY_BITS ? width : KEY_BITS, rest = width - bits;
+	uint32_t width = c->head.first[0].bits, bits = width < KEY_BITS ? width : KEY_BITS,
+		rest = width - bits;
 	if (corners != c->corners)
 		c->key = 0;
 	c->corners = corners;
@@ -222,10 +232,12 @@ static void code_first(struct eco_shapes_codec *c, uint8_t corners, uint32_t fir
 			first[i] = (uint32_t)eco_range_raw(&c->range, width, first[i]);
 		return;
 	}
-	uint64_t key = code_key(c, 3 * bits, spread(first[0] >> rest) << 2 | spread(first[1] >> rest) << 1 | spread(first[2] >> rest));
+	uint64_t key = code_key(c, 3 * bits, spread(first[0] >> rest) << 2 | spread(first[1] >> rest) << 1
+		| spread(first[2] >> rest));
 
 	for (uint32_t i = 0; i < 3; i++)
-		first[i] = gather(key >> (2 - i)) << rest | (uint32_t)eco_range_raw(&c->range, rest, first[i] & ((1u << rest) - 1));
+		first[i] = gather(key >> (2 - i)) << rest | (uint32_t)eco_range_raw(&c->range, rest,
+			first[i] & ((1u << rest) - 1));
 }
 
 /* ---- Elements ---- */
@@ -236,7 +248,8 @@ static int64_t lead_of(const struct eco_shapes *s, const int32_t *offset, uint32
 	return ((int64_t)offset[axis] + (1 << s->place_shift >> 1)) >> s->place_shift;
 }
 
-void eco_shapes_first(const struct eco_shapes *s, const struct eco_placing *placing, const int32_t *offset, int64_t first[3], uint32_t rest[3])
+void eco_shapes_first(const struct eco_shapes *s, const struct eco_placing *placing, const int32_t *offset,
+	int64_t first[3], uint32_t rest[3])
 {
 	uint32_t finer = ECO_EXACT_SHIFT - s->place_shift;
 	for (uint32_t i = 0; i < 3; i++) {
@@ -255,11 +268,13 @@ static void code_center(struct eco_shapes_codec *c, struct eco_leaf *l, const in
 	for (uint32_t i = 0; i < 3 && c->range.writer; i++)
 		first[i] = (uint32_t)(at[i] - c->head.first[i].low);
 	code_first(c, l->corners, first);
-	uint32_t all = (uint32_t)eco_range_raw(&c->range, 3 * finer, rest[0] | rest[1] << finer | rest[2] << 2 * finer);
+	uint32_t all = (uint32_t)eco_range_raw(&c->range, 3 * finer,
+		rest[0] | rest[1] << finer | rest[2] << 2 * finer);
 
 	for (uint32_t i = 0; i < 3; i++) {
 		int64_t from = (int64_t)first[i] + c->head.first[i].low;
-		from = from * (1 << finer) + (all >> i * finer & ((1u << finer) - 1)) - (1 << finer >> 1) - lead_of(&c->shapes, offset, i);
+		from = from * (1 << finer) + (all >> i * finer & ((1u << finer) - 1)) - (1 << finer >> 1)
+			- lead_of(&c->shapes, offset, i);
 		if (from > 2 * (int64_t)ECO_ROWS_VALUE_MAX || from < -2 * (int64_t)ECO_ROWS_VALUE_MAX) {
 			c->failed = true;
 			return;
@@ -268,21 +283,26 @@ static void code_center(struct eco_shapes_codec *c, struct eco_leaf *l, const in
 	}
 }
 
-static int32_t code_in_span(struct eco_shapes_codec *c, struct eco_bit *models, unsigned modelled, const struct eco_span *s, int32_t value)
+static int32_t code_in_span(struct eco_shapes_codec *c, struct eco_bit *models, unsigned modelled,
+	const struct eco_span *s, int32_t value)
 {
-	return s->low + (int32_t)eco_range_field(&c->range, models, modelled, s->bits, (uint32_t)(value - s->low));
+	return s->low + (int32_t)eco_range_field(&c->range, models, modelled, s->bits,
+		(uint32_t)(value - s->low));
 }
 
 static void code_placed(struct eco_shapes_codec *c, struct eco_leaf *l)
 {
 	const struct eco_shape *shape = &c->shapes.items[l->shape];
 	struct eco_placing *p = &l->placing;
-	uint32_t way = c->shapes.way_bits + 1u, sizes = c->shapes.stretch == ECO_STRETCH_NONE ? 1 : c->shapes.stretch == ECO_STRETCH_ALL ? 3 : 2;
+	uint32_t way = c->shapes.way_bits + 1u, sizes = c->shapes.stretch == ECO_STRETCH_NONE ? 1
+		: c->shapes.stretch == ECO_STRETCH_ALL ? 3 : 2;
 	int32_t offset[3 * ECO_CORNERS_MAX];
 	l->corners = shape->corners;
 	for (uint32_t i = 0; i < 2; i++)
-		p->way[i] = (int32_t)eco_range_field(&c->range, c->way[i], ECO_WAY_MODELLED, way, (uint32_t)p->way[i]);
-	p->roll = (int32_t)eco_range_field(&c->range, c->roll, ECO_FIELD_MODELLED, c->shapes.roll_bits + 2u, (uint32_t)p->roll);
+		p->way[i] = (int32_t)eco_range_field(&c->range, c->way[i], ECO_WAY_MODELLED, way,
+			(uint32_t)p->way[i]);
+	p->roll = (int32_t)eco_range_field(&c->range, c->roll, ECO_FIELD_MODELLED, c->shapes.roll_bits + 2u,
+		(uint32_t)p->roll);
 	for (uint32_t i = 0; i < sizes; i++)
 		p->size[i] = code_in_span(c, c->size[i], ECO_FIELD_MODELLED, &c->head.size[i], p->size[i]);
 	if (!eco_shape_turn(&c->shapes, shape, p, offset)) {
@@ -297,9 +317,12 @@ static void code_placed(struct eco_shapes_codec *c, struct eco_leaf *l)
 
 uint32_t eco_corners_slot(const struct eco_shapes_codec *c, const int32_t key[3])
 {
-	uint32_t slot = ((uint32_t)key[0] * 0x9e3779b1u ^ (uint32_t)key[1] * 0x85ebca6bu ^ (uint32_t)key[2] * 0xc2b2ae35u);
+	uint32_t slot =
+		((uint32_t)key[0] * 0x9e3779b1u ^ (uint32_t)key[1] * 0x85ebca6bu
+		^ (uint32_t)key[2] * 0xc2b2ae35u);
 	slot = (slot ^ slot >> 15) & c->slot_mask;
-	while (c->slots[slot] != UINT32_MAX && memcmp(c->keys + 3 * (size_t)c->slots[slot], key, 3 * sizeof *key) != 0)
+	while (c->slots[slot] != UINT32_MAX
+			&& memcmp(c->keys + 3 * (size_t)c->slots[slot], key, 3 * sizeof *key) != 0)
 		slot = (slot + 1) & c->slot_mask;
 	return slot;
 }
@@ -320,7 +343,8 @@ static bool code_again(struct eco_shapes_codec *c, struct eco_leaf *l, uint32_t 
 	if (!eco_range_bit(&c->range, &c->again[k], l->found[k] != UINT32_MAX))
 		return false;
 	bits = eco_range_tree(&c->range, c->back_bits, 5, bits) & 31;
-	ago = bits ? 1u << (bits - 1) | (uint32_t)eco_range_raw(&c->range, bits - 1, ago & ((1u << (bits - 1)) - 1)) : 0;
+	ago = bits ? 1u << (bits - 1) | (uint32_t)eco_range_raw(&c->range, bits - 1,
+		ago & ((1u << (bits - 1)) - 1)) : 0;
 	if (ago == 0 || ago > c->seen_count)
 		c->failed = true;
 	else
@@ -365,7 +389,8 @@ static void code_corners(struct eco_shapes_codec *c, struct eco_leaf *l)
 		return;
 	uint32_t trends = c->head.trends[l->corners - 3], bits = eco_bit_length(trends);
 
-	l->trend = (uint8_t)(eco_range_tree(&c->range, c->trend[l->corners - 3], bits, l->trend) & ((1u << bits) - 1));
+	l->trend = (uint8_t)(eco_range_tree(&c->range, c->trend[l->corners - 3], bits, l->trend)
+		& ((1u << bits) - 1));
 	if (l->trend > trends)
 		c->failed = true;
 	remember(c, l, 0);
@@ -381,8 +406,10 @@ static void code_corners(struct eco_shapes_codec *c, struct eco_leaf *l)
 static void code_texture(struct eco_shapes_codec *c, struct eco_leaf *l)
 {
 	for (uint32_t i = 0; i < 2u * l->corners; i++) {
-		int64_t guess = i < 2 ? c->uv_before[i] : (int64_t)l->uv[i - 2] + c->uv_before[i] - c->uv_before[i - 2];
-		int64_t v = guess + eco_range_number(&c->range, c->texture[i & 1], c->range.writer ? (int32_t)(l->uv[i] - guess) : 0);
+		int64_t guess = i < 2 ? c->uv_before[i] : (int64_t)l->uv[i - 2] + c->uv_before[i]
+			- c->uv_before[i - 2];
+		int64_t v = guess + eco_range_number(&c->range, c->texture[i & 1],
+			c->range.writer ? (int32_t)(l->uv[i] - guess) : 0);
 		if (v > UV_MAX || v < -UV_MAX) {
 			c->failed = true;
 			return;
@@ -408,7 +435,8 @@ void eco_shapes_code_leaf(struct eco_shapes_codec *c, struct eco_leaf *l)
 			code_texture(c, l);
 	}
 	for (uint32_t i = 0; i < c->extra_count && !c->failed; i++) {
-		l->extra[i] = code_in_span(c, c->extra[i], ECO_EXTRA_MODELLED, &c->head.extra[i], l->extra[i]);
+		l->extra[i] = code_in_span(c, c->extra[i], ECO_EXTRA_MODELLED, &c->head.extra[i],
+			l->extra[i]);
 		if (l->extra[i] > ECO_ROWS_VALUE_MAX)
 			c->failed = true;
 	}
@@ -417,7 +445,8 @@ void eco_shapes_code_leaf(struct eco_shapes_codec *c, struct eco_leaf *l)
 
 /* ---- Decoding ---- */
 
-enum eco_code eco_shapes_decode(const struct eco_list *list, const struct eco_stream *stream, struct eco_elements *stored, struct eco_error *error)
+enum eco_code eco_shapes_decode(const struct eco_list *list, const struct eco_stream *stream,
+	struct eco_elements *stored, struct eco_error *error)
 {
 	struct eco_shapes_codec *c = calloc(1, sizeof *c);
 	struct eco_shape *shapes = calloc(ECO_SHAPES_MAX, sizeof *shapes);
@@ -453,10 +482,12 @@ enum eco_code eco_shapes_decode(const struct eco_list *list, const struct eco_st
 		corner += l.corners;
 		primitives += l.corners - 2u;
 	}
-	bool good = !c->failed && eco_range_end(&c->range) == stream->zeros && primitives == stored->primitive_count;
+	bool good = !c->failed && eco_range_end(&c->range) == stream->zeros
+		&& primitives == stored->primitive_count;
 
 	eco_shapes_free(&c->shapes);
 	free(c->seen);
 	free(c);
-	return good ? ECO_OK : eco_fail(error, ECO_DAMAGED, "chunk: its placed shapes are cut short or hold impossible values");
+	return good ? ECO_OK : eco_fail(error, ECO_DAMAGED, "chunk: its placed shapes are cut short or hold "
+		"impossible values");
 }

@@ -50,9 +50,11 @@ struct eco_shapes_codec {
 	uint32_t *slots, slot_mask;  /* writing: hash table, key to last corner; empty: UINT32_MAX */
 	struct eco_near near;
 	struct eco_scale miss[ECO_CORNERS_MAX][3];       /* per corner and coordinate */
-	struct eco_bit number[ECO_RANGE_NUMBER], flat[ECO_RANGE_NUMBER], weight[ECO_RANGE_NUMBER], kind[128], corner_count[4];
+	struct eco_bit number[ECO_RANGE_NUMBER], flat[ECO_RANGE_NUMBER], weight[ECO_RANGE_NUMBER], kind[128],
+		corner_count[4];
 	struct eco_bit back, above, up[ECO_STEPS_MODELLED], down[ECO_STEPS_MODELLED];
-	struct eco_bit way[2][1 << ECO_WAY_MODELLED], roll[1 << ECO_FIELD_MODELLED], size[3][1 << ECO_FIELD_MODELLED];
+	struct eco_bit way[2][1 << ECO_WAY_MODELLED], roll[1 << ECO_FIELD_MODELLED],
+		size[3][1 << ECO_FIELD_MODELLED];
 	struct eco_bit extra[ECO_ROWS_EXTRA_MAX][1 << ECO_EXTRA_MODELLED], texture[2][ECO_RANGE_NUMBER];
 	struct eco_bit trend[ECO_CORNERS_MAX - 2][4], again[ECO_CORNERS_MAX], back_bits[32];
 };
@@ -86,13 +88,14 @@ void eco_shapes_code_leaf(struct eco_shapes_codec *codec, struct eco_leaf *leaf)
 void eco_corners_plan(const struct eco_shapes_codec *codec, struct eco_leaf *leaf);
 /* Writing: finds the trends of elements of `corners` corners. at[i] of `count` are their corners on the
  * fine grid; each stands for `share` elements. False: out of memory. */
-bool eco_corners_trends(struct eco_shapes_head *head, uint32_t corners, const int32_t *const *at, uint32_t count, double share);
+bool eco_corners_trends(struct eco_shapes_head *head, uint32_t corners, const int32_t *const *at,
+	uint32_t count, double share);
 /* The slot that a corner with this key has or would get. */
 uint32_t eco_corners_slot(const struct eco_shapes_codec *codec, const int32_t key[3]);
 
 /* A placed shape's first corner: on the coarse grid, and the remaining steps of 2^place_shift; `offset`
  * from eco_shape_turn. */
-void eco_shapes_first(const struct eco_shapes *shapes, const struct eco_placing *placing, const int32_t *offset, int64_t first[3],
-	uint32_t rest[3]);
+void eco_shapes_first(const struct eco_shapes *shapes, const struct eco_placing *placing,
+	const int32_t *offset, int64_t first[3], uint32_t rest[3]);
 
 #endif

@@ -44,7 +44,9 @@ static bool find_shapes(struct encoding *c)
 	bool good = at && by_element;
 	for (uint32_t i = 0; good && i < c->count; i++)
 		at[c->elements[i].element] = c->elements[i].corner_at;
-	good = good && eco_shapes_find(&c->codec.shapes, &(struct eco_shapes_input){ c->input->elements, c->input->first, c->input->end, at },
+	good = good
+		&& eco_shapes_find(&c->codec.shapes,
+		&(struct eco_shapes_input){ c->input->elements, c->input->first, c->input->end, at },
 		USES_LEAST, by_element);
 	for (uint32_t i = 0; good && i < c->count; i++)
 		c->of[i] = by_element[c->elements[i].element];
@@ -85,8 +87,10 @@ static double cost_of(const struct encoding *c, const struct eco_shapes *shapes,
 /* Makes one kind of step coarser; false where it is at its limit. */
 static bool coarsen(struct eco_shapes *s, int kind)
 {
-	if (kind == 0 ? s->way_bits == 0 : kind == 1 ? s->roll_bits == 0 : kind == 2 ? s->place_shift >= ECO_EXACT_SHIFT
-			: s->size_shift[kind - 3] >= ECO_SHAPE_SHIFT_MAX || (s->stretch == ECO_STRETCH_NONE && kind > 3)
+	if (kind == 0 ? s->way_bits == 0 : kind == 1 ? s->roll_bits == 0 : kind == 2 ? s->place_shift
+			>= ECO_EXACT_SHIFT
+			: s->size_shift[kind - 3] >= ECO_SHAPE_SHIFT_MAX
+			|| (s->stretch == ECO_STRETCH_NONE && kind > 3)
 			|| (s->stretch != ECO_STRETCH_ALL && kind > 4))
 		return false;
 	s->way_bits -= kind == 0;
@@ -136,7 +140,8 @@ static void measure_first(struct encoding *c)
 }
 
 /* Whether the placed shape's first corner stays within the range of first corners. */
-static bool in_spans(const struct eco_shapes_codec *c, const struct eco_placing *p, const struct eco_shape *shape)
+static bool in_spans(const struct eco_shapes_codec *c, const struct eco_placing *p,
+	const struct eco_shape *shape)
 {
 	int32_t offset[3 * ECO_CORNERS_MAX];
 	int64_t first[3];
@@ -145,7 +150,8 @@ static bool in_spans(const struct eco_shapes_codec *c, const struct eco_placing 
 		return false;
 	eco_shapes_first(&c->shapes, p, offset, first, rest);
 	for (uint32_t i = 0; i < 3; i++)
-		if (first[i] < c->head.first[i].low || (first[i] - c->head.first[i].low) >> c->head.first[0].bits)
+		if (first[i] < c->head.first[i].low || (first[i] - c->head.first[i].low)
+				>> c->head.first[0].bits)
 			return false;
 	return true;
 }
@@ -154,8 +160,10 @@ static void place_all(struct encoding *e)
 {
 	struct eco_shapes_codec *c = &e->codec;
 	for (uint32_t i = 0; i < e->count; i++) {
-		const struct eco_shape *shape = e->of[i] == ECO_SHAPE_NONE ? NULL : &c->shapes.items[e->of[i]];
-		if (shape && (!eco_shape_fit(&c->shapes, shape, exact_of(e, i), &e->placing[i]) || !in_spans(c, &e->placing[i], shape)))
+		const struct eco_shape *shape = e->of[i] == ECO_SHAPE_NONE ? NULL
+			: &c->shapes.items[e->of[i]];
+		if (shape && (!eco_shape_fit(&c->shapes, shape, exact_of(e, i), &e->placing[i])
+				|| !in_spans(c, &e->placing[i], shape)))
 			e->of[i] = ECO_SHAPE_NONE;
 	}
 }
@@ -166,8 +174,10 @@ static void measure_extra(struct encoding *e)
 	int32_t low[ECO_ROWS_EXTRA_MAX], high[ECO_ROWS_EXTRA_MAX];
 	for (uint32_t k = 0; k < from->extra_count; k++) {
 		for (uint32_t i = 0; i < e->count; i++)
-			widen(low, high, k, from->extra[(size_t)from->extra_count * (e->input->first + i) + k], i == 0);
-		e->codec.head.extra[k] = (struct eco_span){ low[k], (uint8_t)eco_bit_length((uint32_t)(high[k] - low[k])) };
+			widen(low, high, k,
+				from->extra[(size_t)from->extra_count * (e->input->first + i) + k], i == 0);
+		e->codec.head.extra[k] =
+			(struct eco_span){ low[k], (uint8_t)eco_bit_length((uint32_t)(high[k] - low[k])) };
 	}
 }
 
@@ -196,7 +206,8 @@ static struct eco_leaf leaf_of(const struct encoding *e, uint32_t i)
 {
 	const struct eco_elements *from = e->input->elements;
 	size_t element = e->input->first + e->elements[i].element;
-	struct eco_leaf l = { .shape = e->of[i] == ECO_SHAPE_NONE ? e->codec.shapes.count : e->of[i], .corners = corners_of(e, i),
+	struct eco_leaf l = { .shape = e->of[i] == ECO_SHAPE_NONE ? e->codec.shapes.count : e->of[i],
+		.corners = corners_of(e, i),
 		.placing = e->placing[i], .coarse = corner_of(e, i), .exact = exact_of(e, i) };
 
 	if (from->uv)
@@ -235,7 +246,8 @@ static void measure_sizes(struct encoding *e)
 		first &= e->of[i] == ECO_SHAPE_NONE;
 	}
 	for (uint32_t k = 0; k < 3; k++)
-		e->codec.head.size[k] = (struct eco_span){ low[k], (uint8_t)eco_bit_length((uint32_t)(high[k] - low[k])) };
+		e->codec.head.size[k] =
+			(struct eco_span){ low[k], (uint8_t)eco_bit_length((uint32_t)(high[k] - low[k])) };
 }
 
 /* Writes the chunk and keeps it in `stream` if it is the smallest so far. False: out of memory. */
@@ -288,8 +300,9 @@ static bool make_seen(struct encoding *e)
 	return c->seen && c->keys && c->slots;
 }
 
-enum eco_code eco_shapes_encode(const struct eco_chunk_input *input, const struct eco_placed_element *elements, double soup_bits,
-	struct eco_stream *stream, struct eco_error *error)
+enum eco_code eco_shapes_encode(const struct eco_chunk_input *input,
+	const struct eco_placed_element *elements, double soup_bits, struct eco_stream *stream,
+	struct eco_error *error)
 {
 	struct encoding *e = calloc(1, sizeof *e);
 	bool good = e != NULL;
@@ -319,6 +332,6 @@ enum eco_code eco_shapes_encode(const struct eco_chunk_input *input, const struc
 		free(e->placing);
 	}
 	free(e);
-	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "chunk %u: out of memory for the shapes of %u elements", input->ordinal,
-		input->end - input->first);
+	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "chunk %u: out of memory for the shapes of %u "
+		"elements", input->ordinal, input->end - input->first);
 }

@@ -68,14 +68,16 @@ class Guarded : public Base {
 	{
 		const draco::PointCloud *cloud = this->point_cloud();
 
-		if (this->num_attributes_decoders() != 1 || cloud->num_attributes() != static_cast<int32_t>(expected_.column_count))
+		if (this->num_attributes_decoders() != 1 || cloud->num_attributes()
+				!= static_cast<int32_t>(expected_.column_count))
 			return false;
 		if (expected_.rows != 0 && cloud->num_points() != expected_.rows)
 			return false;
 		for (uint32_t i = 0; i < expected_.column_count; i++) {
 			const draco::PointAttribute *a = cloud->attribute(i);
 
-			if (a->data_type() != draco::DT_INT32 || a->num_components() != expected_.columns[i].components)
+			if (a->data_type() != draco::DT_INT32
+					|| a->num_components() != expected_.columns[i].components)
 				return false;
 		}
 		return Base::DecodeAllAttributes();
@@ -85,8 +87,8 @@ class Guarded : public Base {
 	const Expected expected_;
 };
 
-int add_column(draco::PointCloud *cloud, draco::GeometryAttribute::Type type, const int32_t *values, uint8_t components,
-	uint32_t rows)
+int add_column(draco::PointCloud *cloud, draco::GeometryAttribute::Type type, const int32_t *values,
+	uint8_t components, uint32_t rows)
 {
 	draco::GeometryAttribute attribute;
 
@@ -109,16 +111,19 @@ enum eco_code give(const draco::EncoderBuffer &buffer, uint8_t **bytes, size_t *
 	return ECO_OK;
 }
 
-bool encode_cloud(const draco::PointCloud &cloud, enum eco_draco_order order, int speed, const struct eco_draco_column *columns,
-	uint32_t column_count, draco::EncoderBuffer *buffer, struct eco_error *error)
+bool encode_cloud(const draco::PointCloud &cloud, enum eco_draco_order order, int speed,
+	const struct eco_draco_column *columns, uint32_t column_count, draco::EncoderBuffer *buffer,
+	struct eco_error *error)
 {
 	draco::ExpertEncoder encoder(cloud);
 
 	encoder.SetSpeedOptions(speed, speed);
-	encoder.SetEncodingMethod(order == ECO_DRACO_KD ? draco::POINT_CLOUD_KD_TREE_ENCODING : draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
+	encoder.SetEncodingMethod(order == ECO_DRACO_KD ? draco::POINT_CLOUD_KD_TREE_ENCODING
+		: draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
 	if (order == ECO_DRACO_SEQUENTIAL)
 		for (uint32_t i = 0; i < column_count; i++)
-			encoder.SetAttributePredictionScheme(i, columns[i].difference ? draco::PREDICTION_DIFFERENCE : draco::PREDICTION_NONE);
+			encoder.SetAttributePredictionScheme(i, columns[i].difference
+				? draco::PREDICTION_DIFFERENCE : draco::PREDICTION_NONE);
 	const draco::Status status = encoder.EncodeToBuffer(buffer);
 	if (!status.ok())
 		refuse(error, ECO_BAD_INPUT, "cannot encode rows", status.error_msg());
@@ -126,7 +131,8 @@ bool encode_cloud(const draco::PointCloud &cloud, enum eco_draco_order order, in
 }
 
 template <class Decoder>
-enum eco_code decode_cloud(const uint8_t *bytes, size_t size, const Expected &expected, struct eco_error *error)
+enum eco_code decode_cloud(const uint8_t *bytes, size_t size, const Expected &expected,
+struct eco_error *error)
 {
 	draco::DecoderBuffer buffer;
 	draco::DecoderOptions options;
@@ -141,7 +147,8 @@ enum eco_code decode_cloud(const uint8_t *bytes, size_t size, const Expected &ex
 		return refuse(error, ECO_DAMAGED, "bytes follow the rows", "");
 	for (uint32_t i = 0; i < expected.column_count; i++) {
 		const draco::PointAttribute *a = cloud.attribute(i);
-		const size_t want = sizeof(int32_t) * expected.columns[i].components * static_cast<size_t>(expected.rows);
+		const size_t want = sizeof(int32_t) * expected.columns[i].components
+			* static_cast<size_t>(expected.rows);
 		if (!a->is_mapping_identity() || a->size() < expected.rows || a->buffer()->data_size() < want)
 			return refuse(error, ECO_DAMAGED, "rows are missing", "");
 		a->buffer()->Read(0, expected.columns[i].values, want);
@@ -151,7 +158,8 @@ enum eco_code decode_cloud(const uint8_t *bytes, size_t size, const Expected &ex
 
 // What a mesh stream holds after decoding, checked before it is used: Draco does not bound face indices
 // itself.
-enum eco_code read_faces(const draco::Mesh &mesh, uint32_t faces, int32_t *position, uint32_t *vertex, struct eco_error *error)
+enum eco_code read_faces(const draco::Mesh &mesh, uint32_t faces, int32_t *position, uint32_t *vertex,
+struct eco_error *error)
 {
 	const draco::PointAttribute *a = mesh.attribute(0);
 
@@ -162,12 +170,14 @@ enum eco_code read_faces(const draco::Mesh &mesh, uint32_t faces, int32_t *posit
 
 		for (int c = 0; c < 3; c++) {
 			if (face[c].value() >= mesh.num_points())
-				return refuse(error, ECO_DAMAGED, "a face names a point that is not there", "");
+				return refuse(error, ECO_DAMAGED, "a face names a point that is not there",
+					"");
 			const uint32_t value = a->mapped_index(face[c]).value();
 			const size_t at = static_cast<size_t>(value) * 12;
 
 			if (value >= a->size() || value >= 3 * faces || at + 12 > a->buffer()->data_size())
-				return refuse(error, ECO_DAMAGED, "a point names a position that is not there", "");
+				return refuse(error, ECO_DAMAGED,
+					"a point names a position that is not there", "");
 			std::memcpy(position, a->buffer()->data() + at, 12);
 			position += 3;
 			*vertex++ = value;
@@ -218,7 +228,8 @@ bool connectivity_fits(const draco::DecoderBuffer &buffer, bool edgebreaker, Bou
 		return !bounds->exceeded;
 	if (at >= size || bytes[at++] > kForeignAttributesMax)
 		return false;
-	return varint(bytes, size, &at, &symbols) && varint(bytes, size, &at, &splits) && symbols <= faces && splits <= symbols;
+	return varint(bytes, size, &at, &symbols) && varint(bytes, size, &at, &splits) && symbols <= faces
+		&& splits <= symbols;
 }
 
 // A decoder that stops where a count exceeds its bound, before allocating for it.
@@ -230,7 +241,8 @@ class Bounded : public Base {
  protected:
 	bool DecodeConnectivity() override
 	{
-		return connectivity_fits(*this->buffer(), kEdgebreaker, bounds_) && Base::DecodeConnectivity();
+		return connectivity_fits(*this->buffer(), kEdgebreaker, bounds_)
+			&& Base::DecodeConnectivity();
 	}
 
 	bool CreateAttributesDecoder(int32_t id) override
@@ -274,7 +286,8 @@ enum eco_code take_foreign_faces(const draco::Mesh &mesh, struct eco_draco_mesh 
 		for (int c = 0; c < 3; c++) {
 			const uint32_t point = mesh.face(draco::FaceIndex(f))[c].value();
 			if (point >= to->points)
-				return refuse(error, ECO_DAMAGED, "a face names a point that is not there", "");
+				return refuse(error, ECO_DAMAGED, "a face names a point that is not there",
+					"");
 			to->index[3 * static_cast<size_t>(f) + c] = point;
 		}
 	return ECO_OK;
@@ -292,19 +305,25 @@ enum eco_code take_foreign_values(draco::Mesh *mesh, struct eco_draco_attribute 
 	a->set_normalized(false);
 	to->values = array_of<float>(static_cast<size_t>(points) * to->components);
 	for (uint32_t i = 0; i < points; i++) {
-		const draco::AttributeValueIndex value = a->is_mapping_identity() ? draco::AttributeValueIndex(i)
-			: i < a->indices_map_size() ? a->mapped_index(draco::PointIndex(i)) : draco::AttributeValueIndex(UINT32_MAX);
+		const draco::AttributeValueIndex value = a->is_mapping_identity()
+			? draco::AttributeValueIndex(i)
+			: i < a->indices_map_size() ? a->mapped_index(draco::PointIndex(i))
+			: draco::AttributeValueIndex(UINT32_MAX);
 
-		if (value.value() >= a->size() || (static_cast<size_t>(value.value()) + 1) * static_cast<size_t>(a->byte_stride()) > stored)
+		if (value.value() >= a->size()
+				|| (static_cast<size_t>(value.value()) + 1)
+				* static_cast<size_t>(a->byte_stride()) > stored)
 			return refuse(error, ECO_DAMAGED, "a point names a value that is not there", "");
-		if (!a->ConvertValue<float>(value, static_cast<int8_t>(to->components), to->values + static_cast<size_t>(i) * to->components))
+		if (!a->ConvertValue<float>(value, static_cast<int8_t>(to->components),
+				to->values + static_cast<size_t>(i) * to->components))
 			return refuse(error, ECO_DAMAGED, "a value that is no number", "");
 	}
 	return ECO_OK;
 }
 
 template <class Decoder>
-enum eco_code decode_foreign(const uint8_t *bytes, size_t size, Bounds *bounds, struct eco_draco_attribute *attributes, uint32_t count,
+enum eco_code decode_foreign(const uint8_t *bytes, size_t size, Bounds *bounds,
+struct eco_draco_attribute *attributes, uint32_t count,
 	struct eco_draco_mesh *to, struct eco_error *error)
 {
 	draco::DecoderBuffer buffer;
@@ -315,7 +334,8 @@ enum eco_code decode_foreign(const uint8_t *bytes, size_t size, Bounds *bounds, 
 	buffer.Init(reinterpret_cast<const char *>(bytes), size);
 	const draco::Status status = decoder.Decode(options, &buffer, &mesh);
 	if (bounds->exceeded)
-		return refuse(error, ECO_DAMAGED, "more faces or points than the file says, or than are possible", "");
+		return refuse(error, ECO_DAMAGED, "more faces or points than the file says, or than are "
+			"possible", "");
 	if (!status.ok())
 		return refuse(error, ECO_DAMAGED, "cannot decode mesh", status.error_msg());
 	enum eco_code code = take_foreign_faces(mesh, to, error);
@@ -359,7 +379,8 @@ int64_t COMPUTE_SHANNON_ENTROPY(__wrap_)(const uint32_t *symbols, int count, int
 bool eco_draco_rows_start(const uint8_t *bytes, size_t size, enum eco_draco_order order, uint32_t rows)
 {
 	// magic, bitstream version 2.3, a point cloud, method, no flags, the count, one attribute decoder
-	const uint8_t head[16] = { 'D', 'R', 'A', 'C', 'O', 2, 3, 0, static_cast<uint8_t>(order == ECO_DRACO_KD ? 1 : 0), 0, 0,
+	const uint8_t head[16] = { 'D', 'R', 'A', 'C', 'O', 2, 3, 0,
+	static_cast<uint8_t>(order == ECO_DRACO_KD ? 1 : 0), 0, 0,
 		static_cast<uint8_t>(rows), static_cast<uint8_t>(rows >> 8), static_cast<uint8_t>(rows >> 16),
 		static_cast<uint8_t>(rows >> 24), 1 };
 
@@ -380,11 +401,12 @@ bool eco_draco_mesh_start(const uint8_t *bytes, size_t size, uint32_t faces)
 		return false;
 	if (at >= size || bytes[at++] != 0)    // connectivity of further attributes
 		return false;
-	return varint(bytes, size, &at, &symbols) && varint(bytes, size, &at, &splits) && symbols <= faces && splits <= symbols;
+	return varint(bytes, size, &at, &symbols) && varint(bytes, size, &at, &splits) && symbols <= faces
+		&& splits <= symbols;
 }
 
-enum eco_code eco_draco_encode_rows(enum eco_draco_order order, const struct eco_draco_column *columns, uint32_t column_count,
-	uint32_t rows, uint8_t **bytes, size_t *size, struct eco_error *error)
+enum eco_code eco_draco_encode_rows(enum eco_draco_order order, const struct eco_draco_column *columns,
+	uint32_t column_count, uint32_t rows, uint8_t **bytes, size_t *size, struct eco_error *error)
 {
 	*bytes = nullptr;
 	*size = 0;
@@ -396,8 +418,9 @@ enum eco_code eco_draco_encode_rows(enum eco_draco_order order, const struct eco
 
 		cloud.set_num_points(rows);
 		for (uint32_t i = 0; i < column_count; i++)
-			add_column(&cloud, i == 0 ? draco::GeometryAttribute::POSITION : draco::GeometryAttribute::GENERIC, columns[i].values,
-				columns[i].components, rows);
+			add_column(&cloud, i == 0 ? draco::GeometryAttribute::POSITION
+				: draco::GeometryAttribute::GENERIC, columns[i].values, columns[i].components,
+				rows);
 		if (!encode_cloud(cloud, order, 0, columns, column_count, &best, error))
 			return ECO_BAD_INPUT;
 		if (order == ECO_DRACO_KD) {
@@ -413,10 +436,12 @@ enum eco_code eco_draco_encode_rows(enum eco_draco_order order, const struct eco
 
 // Asks the coder of symbols alone which way is smaller: for a dozen values a whole encoder, with its options
 // and a copy of the values, takes several times as long.
-enum eco_code eco_draco_column_size(const struct eco_draco_column *column, uint32_t rows, size_t *size, struct eco_error *error)
+enum eco_code eco_draco_column_size(const struct eco_draco_column *column, uint32_t rows, size_t *size,
+struct eco_error *error)
 {
 	return contained(error, ECO_BAD_INPUT, [&]() -> enum eco_code {
-		draco::PredictionSchemeDeltaEncoder<int32_t, draco::PredictionSchemeWrapEncodingTransform<int32_t>> scheme(nullptr);
+		draco::PredictionSchemeDeltaEncoder<int32_t,
+			draco::PredictionSchemeWrapEncodingTransform<int32_t>> scheme(nullptr);
 		const int count = static_cast<int>(rows * column->components);
 		std::vector<int32_t> values(column->values, column->values + count);
 		std::vector<uint32_t> symbols(values.size());
@@ -424,7 +449,8 @@ enum eco_code eco_draco_column_size(const struct eco_draco_column *column, uint3
 		draco::Options options;
 
 		if (column->difference) {
-			scheme.ComputeCorrectionValues(column->values, values.data(), count, column->components, nullptr);
+			scheme.ComputeCorrectionValues(column->values, values.data(), count,
+				column->components, nullptr);
 			scheme.EncodePredictionData(&buffer);
 			buffer.Encode(static_cast<int8_t>(scheme.GetTransformType()));
 		}
@@ -465,8 +491,8 @@ enum eco_code eco_draco_decode_rows(enum eco_draco_order order, const uint8_t *b
 	});
 }
 
-enum eco_code eco_draco_encode_mesh(const int32_t *position, uint32_t vertices, const uint32_t *index, uint32_t faces,
-	uint8_t **bytes, size_t *size, struct eco_error *error)
+enum eco_code eco_draco_encode_mesh(const int32_t *position, uint32_t vertices, const uint32_t *index,
+	uint32_t faces, uint8_t **bytes, size_t *size, struct eco_error *error)
 {
 	*bytes = nullptr;
 	*size = 0;
@@ -497,8 +523,8 @@ enum eco_code eco_draco_encode_mesh(const int32_t *position, uint32_t vertices, 
 	});
 }
 
-enum eco_code eco_draco_decode_mesh(const uint8_t *bytes, size_t size, uint32_t faces, int32_t *position, uint32_t *vertex,
-	struct eco_error *error)
+enum eco_code eco_draco_decode_mesh(const uint8_t *bytes, size_t size, uint32_t faces, int32_t *position,
+	uint32_t *vertex, struct eco_error *error)
 {
 	const struct eco_draco_column column = { nullptr, 3, false };
 	const Expected expected = { &column, 1, 0 };
@@ -521,8 +547,9 @@ enum eco_code eco_draco_decode_mesh(const uint8_t *bytes, size_t size, uint32_t 
 	});
 }
 
-enum eco_code eco_draco_decode_gltf(const uint8_t *bytes, size_t size, uint32_t faces_max, uint32_t points_max,
-	struct eco_draco_attribute *attributes, uint32_t attribute_count, struct eco_draco_mesh *mesh, struct eco_error *error)
+enum eco_code eco_draco_decode_gltf(const uint8_t *bytes, size_t size, uint32_t faces_max,
+	uint32_t points_max, struct eco_draco_attribute *attributes, uint32_t attribute_count,
+	struct eco_draco_mesh *mesh, struct eco_error *error)
 {
 	Bounds bounds = { faces_max, points_max, false };
 
@@ -532,11 +559,14 @@ enum eco_code eco_draco_decode_gltf(const uint8_t *bytes, size_t size, uint32_t 
 	if (size < 11 || std::memcmp(bytes, "DRACO", 5) != 0)
 		return refuse(error, ECO_DAMAGED, "not a stream of it", "");
 	if (bytes[5] != 2 || bytes[6] != 2 || bytes[7] != 1 || bytes[8] > 1)
-		return refuse(error, ECO_UNSUPPORTED, "not a mesh of bitstream version 2.2, which glTF asks for", "");
+		return refuse(error, ECO_UNSUPPORTED, "not a mesh of bitstream version 2.2, which glTF asks "
+			"for", "");
 	const enum eco_code code = contained(error, ECO_DAMAGED, [&]() -> enum eco_code {
 		if (bytes[8] == 1)
-			return decode_foreign<Bounded<draco::MeshEdgebreakerDecoder, true>>(bytes, size, &bounds, attributes, attribute_count, mesh, error);
-		return decode_foreign<Bounded<draco::MeshSequentialDecoder, false>>(bytes, size, &bounds, attributes, attribute_count, mesh, error);
+			return decode_foreign<Bounded<draco::MeshEdgebreakerDecoder,
+				true>>(bytes, size, &bounds, attributes, attribute_count, mesh, error);
+		return decode_foreign<Bounded<draco::MeshSequentialDecoder,
+			false>>(bytes, size, &bounds, attributes, attribute_count, mesh, error);
 	});
 	if (code != ECO_OK) {
 		std::free(mesh->index);

@@ -25,7 +25,8 @@ struct eco_draco_column {
 
 enum eco_draco_order {
 	ECO_DRACO_SEQUENTIAL,        /* rows come back in their order */
-	ECO_DRACO_KD                 /* rows come back as a multiset, cheaper; columns of a row stay together */
+	/* rows come back as a multiset, cheaper; columns of a row stay together */
+	ECO_DRACO_KD
 };
 
 /* Checks the start of a stream as Draco 1.5 writes it; `rows` >= 1. False: our encoder could not have
@@ -37,32 +38,36 @@ bool eco_draco_mesh_start(const uint8_t *bytes, size_t size, uint32_t faces);
  * `difference`, be within ECO_DRACO_VALUE_MAX of each other: Draco allocates four bytes for each integer
  * up to the largest symbol. *bytes is malloc'ed. */
 #define ECO_DRACO_VALUE_MAX (1 << 20)
-enum eco_code eco_draco_encode_rows(enum eco_draco_order order, const struct eco_draco_column *columns, uint32_t column_count,
-	uint32_t rows, uint8_t **bytes, size_t *size, struct eco_error *error);
+enum eco_code eco_draco_encode_rows(enum eco_draco_order order, const struct eco_draco_column *columns,
+	uint32_t column_count, uint32_t rows, uint8_t **bytes, size_t *size, struct eco_error *error);
 
 /* Bytes of a column in a sequential stream, up to a constant. */
-enum eco_code eco_draco_column_size(const struct eco_draco_column *column, uint32_t rows, size_t *size, struct eco_error *error);
+enum eco_code eco_draco_column_size(const struct eco_draco_column *column, uint32_t rows, size_t *size,
+	struct eco_error *error);
 
 /* Decodes exactly those rows and columns into columns[].values, or fails with ECO_DAMAGED. */
 enum eco_code eco_draco_decode_rows(enum eco_draco_order order, const uint8_t *bytes, size_t size,
-	const struct eco_draco_column *columns, uint32_t column_count, uint32_t rows, struct eco_error *error);
+	const struct eco_draco_column *columns, uint32_t column_count, uint32_t rows,
+	struct eco_error *error);
 
 /* Edgebreaker at its slowest speed. `position` 3 per vertex, within ECO_DRACO_VALUE_MAX of each other;
  * `index` 3 per face. Draco reorders faces and vertices and may drop faces: decode to see what was kept. */
-enum eco_code eco_draco_encode_mesh(const int32_t *position, uint32_t vertices, const uint32_t *index, uint32_t faces,
+enum eco_code eco_draco_encode_mesh(const int32_t *position, uint32_t vertices, const uint32_t *index,
+uint32_t faces,
 	uint8_t **bytes, size_t *size, struct eco_error *error);
 
 /* Decodes exactly `faces` faces: position 9 per face, `vertex` 3 per face (in [0, 3 * faces)); the same
  * vertex number means the same position. ECO_DAMAGED otherwise. */
-enum eco_code eco_draco_decode_mesh(const uint8_t *bytes, size_t size, uint32_t faces, int32_t *position, uint32_t *vertex,
-	struct eco_error *error);
+enum eco_code eco_draco_decode_mesh(const uint8_t *bytes, size_t size, uint32_t faces, int32_t *position,
+	uint32_t *vertex, struct eco_error *error);
 
 /* A mesh that another program wrote (KHR_draco_mesh_compression), with the attributes asked for by unique
  * id. */
 struct eco_draco_attribute {
 	uint32_t id;
 	uint8_t components;          /* 1 to 16; components that the stream lacks are 0 */
-	float *values;               /* out: components per point, malloc'ed; integers as they are, not as fractions */
+	/* out: components per point, malloc'ed; integers as they are, not as fractions */
+	float *values;
 };
 struct eco_draco_mesh {
 	uint32_t faces, points;
@@ -71,8 +76,9 @@ struct eco_draco_mesh {
 /* Decodes bitstream version 2.2 with at most so many faces and points; counts are compared before anything
  * is allocated for them. Small streams may still take much memory and time: run it in the child of
  * guard.h. On failure mesh and values are empty. */
-enum eco_code eco_draco_decode_gltf(const uint8_t *bytes, size_t size, uint32_t faces_max, uint32_t points_max,
-	struct eco_draco_attribute *attributes, uint32_t attribute_count, struct eco_draco_mesh *mesh, struct eco_error *error);
+enum eco_code eco_draco_decode_gltf(const uint8_t *bytes, size_t size, uint32_t faces_max,
+	uint32_t points_max, struct eco_draco_attribute *attributes, uint32_t attribute_count,
+	struct eco_draco_mesh *mesh, struct eco_error *error);
 
 #ifdef __cplusplus
 }

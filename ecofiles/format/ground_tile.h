@@ -26,8 +26,8 @@ struct eco_ground_span {
 };
 
 /* Requires that the tile lies on the grid (eco_ground_on_grid). */
-void eco_ground_spans(struct eco_ground_span *x, struct eco_ground_span *y, const struct eco_ground_tile *tile, uint32_t columns,
-	uint32_t rows);
+void eco_ground_spans(struct eco_ground_span *x, struct eco_ground_span *y,
+	const struct eco_ground_tile *tile, uint32_t columns, uint32_t rows);
 uint32_t eco_ground_span_at(const struct eco_ground_span *span, uint32_t i);      /* i < count */
 
 /* Whether level, column and row name a tile that covers at least one cell. */
@@ -38,7 +38,7 @@ uint8_t eco_ground_root_level(uint32_t columns, uint32_t rows);
 
 /* Finds level, column and row of a whole decoded list; every sample must be in its place. `columns`,
  * `rows`: of the full grid. */
-enum eco_code eco_ground_tile_of(struct eco_ground_tile *tile, const struct eco_list *list, const struct eco_elements *elements,
-	uint32_t columns, uint32_t rows, struct eco_error *error);
+enum eco_code eco_ground_tile_of(struct eco_ground_tile *tile, const struct eco_list *list,
+	const struct eco_elements *elements, uint32_t columns, uint32_t rows, struct eco_error *error);
 
 #endif

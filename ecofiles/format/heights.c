@@ -24,7 +24,8 @@ bool eco_ground_height(const struct eco_ground *ground, double x, double y, doub
 	double u, v;
 	bool inside = locate(x, ground->x_m, ground->step_x_m, ground->columns, &column, &u);
 	inside &= locate(y, ground->y_m, ground->step_y_m, ground->rows, &row, &v);
-	const float *south = &ground->height_m[(size_t)row * ground->columns + column], *north = south + ground->columns;
+	const float *south = &ground->height_m[(size_t)row * ground->columns + column],
+		*north = south + ground->columns;
 	double sw = south[0], ne = north[1];
 
 	if (u >= v)                          /* below the diagonal: south-west, south-east, north-east */

@@ -13,7 +13,8 @@ struct eco_ground {
 	uint32_t columns, rows;      /* 2..ECO_GROUND_SIDE_MAX each */
 	double x_m, y_m;             /* the south-west sample, metres from the scene's origin */
 	double step_x_m, step_y_m;   /* > 0 */
-	float *height_m;             /* columns * rows, row by row from the south-west, minus the origin's z; owned */
+	/* columns * rows, row by row from the south-west, minus the origin's z; owned */
+	float *height_m;
 	uint64_t filled;             /* samples missing in the rasters, filled from neighbours */
 };
 

@@ -12,13 +12,15 @@
 #include "ecofiles/format/image_png.h"
 #include "ecofiles/base/module.h"
 
-static enum eco_code decode(struct eco_image *image, const char *name, const void *bytes, size_t size, struct eco_error *error)
+static enum eco_code decode(struct eco_image *image, const char *name, const void *bytes, size_t size,
+	struct eco_error *error)
 {
 	const struct eco_image_module *module = eco_module(ECO_MODULE_IMAGE, error);
 	char text[300];
 	if (!module)
 		return ECO_NOT_FOUND;
-	if (module->decode(name, bytes, size, ECO_PIXELS_MAX, &image->width, &image->height, &image->rgba, text, sizeof text) == 0)
+	if (module->decode(name, bytes, size, ECO_PIXELS_MAX, &image->width, &image->height, &image->rgba,
+			text, sizeof text) == 0)
 		return ECO_OK;
 	*image = (struct eco_image){ .rgba = NULL };
 	return eco_fail(error, ECO_BAD_INPUT, "%s: %s", name, text);
@@ -36,15 +38,16 @@ static const char *name_for(const uint8_t *bytes, size_t size)
 	};
 
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
-		if (size >= kinds[i].at + kinds[i].count && memcmp(bytes + kinds[i].at, kinds[i].magic, kinds[i].count) == 0)
+		if (size >= kinds[i].at + kinds[i].count
+				&& memcmp(bytes + kinds[i].at, kinds[i].magic, kinds[i].count) == 0)
 			return kinds[i].name;
 	return NULL;
 }
 
 /* ---- Reading ---- */
 
-enum eco_code eco_image_read_memory(struct eco_image *image, const void *bytes, size_t size_bytes, const char *name,
-	struct eco_error *error)
+enum eco_code eco_image_read_memory(struct eco_image *image, const void *bytes, size_t size_bytes,
+	const char *name, struct eco_error *error)
 {
 	struct eco_error inner = { .code = ECO_OK };
 	const char *kind = name_for(bytes, size_bytes);
@@ -53,7 +56,8 @@ enum eco_code eco_image_read_memory(struct eco_image *image, const void *bytes, 
 	if (size_bytes == 0)
 		return eco_fail(error, ECO_BAD_INPUT, "%s: an empty picture", name);
 	if (size_bytes > ECO_IMAGE_FILE_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "%s: %zu bytes, at most %u are possible", name, size_bytes, ECO_IMAGE_FILE_MAX);
+		return eco_fail(error, ECO_TOO_LARGE, "%s: %zu bytes, at most %u are possible", name,
+			size_bytes, ECO_IMAGE_FILE_MAX);
 	if (eco_png_is(bytes, size_bytes))
 		return eco_png_decode(image, bytes, size_bytes, name, error);
 	code = decode(image, kind != NULL ? kind : name, bytes, size_bytes, &inner);
@@ -69,8 +73,8 @@ static enum eco_code read_open(struct eco_image *image, FILE *file, const char *
 	if (fstat(fileno(file), &status) != 0 || !S_ISREG(status.st_mode))
 		return eco_fail(error, ECO_IO, "%s: not a regular file", path);
 	if (status.st_size > (off_t)ECO_IMAGE_FILE_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "%s: %lld bytes, at most %u are possible", path, (long long)status.st_size,
-			ECO_IMAGE_FILE_MAX);
+		return eco_fail(error, ECO_TOO_LARGE, "%s: %lld bytes, at most %u are possible", path,
+			(long long)status.st_size, ECO_IMAGE_FILE_MAX);
 	bytes = malloc((size_t)status.st_size + 1);
 	if (!bytes)
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
@@ -80,7 +84,8 @@ static enum eco_code read_open(struct eco_image *image, FILE *file, const char *
 	else if (eco_png_is(bytes, size) || name_for(bytes, size) || size == 0)
 		code = eco_image_read_memory(image, bytes, size, path, error);
 	else
-		code = decode(image, path, NULL, 0, error);      /* some rarer formats are read from files only */
+		/* some rarer formats are read from files only */
+		code = decode(image, path, NULL, 0, error);
 	free(bytes);
 	return code;
 }
@@ -91,7 +96,8 @@ enum eco_code eco_image_read(struct eco_image *image, const char *path, struct e
 	enum eco_code code;
 	*image = (struct eco_image){ .rgba = NULL };
 	if (!file)
-		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", path, strerror(errno));
+		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", path,
+			strerror(errno));
 	code = read_open(image, file, path, error);
 	fclose(file);
 	return code;
@@ -103,7 +109,8 @@ void eco_image_free(struct eco_image *image)
 	*image = (struct eco_image){ .rgba = NULL };
 }
 
-enum eco_code eco_pixels_compare(const struct eco_pixels *a, const struct eco_pixels *b, uint64_t *differing, struct eco_error *error)
+enum eco_code eco_pixels_compare(const struct eco_pixels *a, const struct eco_pixels *b, uint64_t *differing,
+	struct eco_error *error)
 {
 	const struct eco_image_module *module;
 	char text[300];
@@ -113,7 +120,8 @@ enum eco_code eco_pixels_compare(const struct eco_pixels *a, const struct eco_pi
 	module = eco_module(ECO_MODULE_IMAGE, error);
 	if (!module)
 		return ECO_NOT_FOUND;
-	if (module->compare(a->bytes, b->bytes, a->width, a->height, a->channels, differing, text, sizeof text) != 0)
+	if (module->compare(a->bytes, b->bytes, a->width, a->height, a->channels, differing, text,
+			sizeof text) != 0)
 		return eco_fail(error, ECO_NO_MEMORY, "comparing pictures: %s", text);
 	return ECO_OK;
 }

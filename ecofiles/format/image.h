@@ -22,8 +22,8 @@
 enum eco_code eco_image_read(struct eco_image *image, const char *path, struct eco_error *error);
 /* The same from memory; `name` is for messages and, by its extension, for formats that cannot be told from
  * their content. */
-enum eco_code eco_image_read_memory(struct eco_image *image, const void *bytes, size_t size_bytes, const char *name,
-	struct eco_error *error);
+enum eco_code eco_image_read_memory(struct eco_image *image, const void *bytes, size_t size_bytes,
+	const char *name, struct eco_error *error);
 void eco_image_free(struct eco_image *image);
 
 /* 8-bit pixels to be written, rows from the top without gaps: channels 1 (gray), 3 (RGB) or 4 (RGBA,
@@ -35,7 +35,8 @@ struct eco_pixels {
 
 /* Encodes a PNG file, as small as is possible without taking long; *bytes is malloc'ed. The same pixels
  * give the same bytes. */
-enum eco_code eco_png_encode(const struct eco_pixels *pixels, uint8_t **bytes, size_t *size_bytes, struct eco_error *error);
+enum eco_code eco_png_encode(const struct eco_pixels *pixels, uint8_t **bytes, size_t *size_bytes,
+	struct eco_error *error);
 /* Writes a PNG beside `path` (path.tmp-PID), then renames it: what is at `path` is always whole. */
 enum eco_code eco_png_write(const struct eco_pixels *pixels, const char *path, struct eco_error *error);
 
@@ -43,6 +44,7 @@ enum eco_code eco_png_write(const struct eco_pixels *pixels, const char *path, s
  * channels: Yee's measure for a display of 100 cd/m2 and a field of view of 45 degrees, as `idiff -p`.
  * OpenImageIO 2.4 misreads the brightness channel, so differences of hue count and those of brightness
  * alone do not. Both have 1 to ECO_PIXELS_MAX pixels. */
-enum eco_code eco_pixels_compare(const struct eco_pixels *a, const struct eco_pixels *b, uint64_t *differing, struct eco_error *error);
+enum eco_code eco_pixels_compare(const struct eco_pixels *a, const struct eco_pixels *b, uint64_t *differing,
+	struct eco_error *error);
 
 #endif

@@ -36,19 +36,22 @@ std::string last_error(ImageInput *input)
 }
 
 // Fetches rows of `channels` 8-bit samples and spreads gray and missing alpha over RGBA.
-int read_rgba(ImageInput &input, uint64_t pixels_max, uint32_t *width, uint32_t *height, uint8_t **rgba, char *text, size_t size)
+int read_rgba(ImageInput &input, uint64_t pixels_max, uint32_t *width, uint32_t *height, uint8_t **rgba,
+char *text, size_t size)
 {
 	const ImageSpec spec = input.spec();
 
 	if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1)
 		return fail(text, size, "it has no flat pixels");
 	if (uint64_t(spec.width) * uint64_t(spec.height) > pixels_max)
-		return fail(text, size, std::to_string(spec.width) + "x" + std::to_string(spec.height) + " pixels, at most "
+		return fail(text, size, std::to_string(spec.width) + "x" + std::to_string(spec.height)
+			+ " pixels, at most "
 			+ std::to_string(pixels_max) + " are possible");
 	const int channels = spec.nchannels > 4 ? 4 : spec.nchannels;
 	const size_t pixels = size_t(spec.width) * size_t(spec.height);
 	std::vector<uint8_t> row(pixels * size_t(channels));
-	std::unique_ptr<uint8_t, decltype(&std::free)> out(static_cast<uint8_t *>(std::malloc(pixels * 4)), &std::free);
+	std::unique_ptr<uint8_t, decltype(&std::free)> out(static_cast<uint8_t *>(std::malloc(pixels * 4)),
+		&std::free);
 
 	if (!out)
 		return fail(text, size, "out of memory");
@@ -56,7 +59,8 @@ int read_rgba(ImageInput &input, uint64_t pixels_max, uint32_t *width, uint32_t 
 		return fail(text, size, last_error(&input));
 	// Some readers (WebP) multiply colours by alpha whatever was asked, and omit the attribute.
 	const bool straight = spec.get_int_attribute("oiio:UnassociatedAlpha", 0) != 0;
-	const bool has_alpha = channels == 2 || (channels == 4 && (spec.alpha_channel == 3 || spec.alpha_channel < 0));
+	const bool has_alpha = channels == 2
+		|| (channels == 4 && (spec.alpha_channel == 3 || spec.alpha_channel < 0));
 	for (size_t i = 0; i < pixels; i++) {
 		const uint8_t *from = &row[i * size_t(channels)];
 		uint8_t *to = out.get() + i * 4;
@@ -72,8 +76,8 @@ int read_rgba(ImageInput &input, uint64_t pixels_max, uint32_t *width, uint32_t 
 	return 0;
 }
 
-int decode(const char *name, const void *bytes, size_t size, uint64_t pixels_max, uint32_t *width, uint32_t *height, uint8_t **rgba,
-	char *text, size_t text_size)
+int decode(const char *name, const void *bytes, size_t size, uint64_t pixels_max, uint32_t *width,
+	uint32_t *height, uint8_t **rgba, char *text, size_t text_size)
 {
 	try {
 		ImageSpec config;
@@ -97,7 +101,8 @@ int decode(const char *name, const void *bytes, size_t size, uint64_t pixels_max
 }
 
 // As `idiff -p`: bytes as they are, its luminance and its field of view.
-int compare(const uint8_t *a, const uint8_t *b, uint32_t width, uint32_t height, uint32_t channels, uint64_t *differing, char *text,
+int compare(const uint8_t *a, const uint8_t *b, uint32_t width, uint32_t height, uint32_t channels,
+uint64_t *differing, char *text,
 	size_t text_size)
 {
 	try {
@@ -107,7 +112,8 @@ int compare(const uint8_t *a, const uint8_t *b, uint32_t width, uint32_t height,
 		ImageBufAlgo::CompareResults results;
 
 		for (int i = 0; i < 2; i++)
-			if (!images[i].set_pixels(ROI(0, int(width), 0, int(height), 0, 1, 0, int(channels)), TypeDesc::UINT8, bytes[i]))
+			if (!images[i].set_pixels(ROI(0, int(width), 0, int(height), 0, 1, 0, int(channels)),
+					TypeDesc::UINT8, bytes[i]))
 				return fail(text, text_size, images[i].geterror());
 		*differing = uint64_t(ImageBufAlgo::compare_Yee(images[0], images[1], results));
 		return 0;
@@ -128,4 +134,5 @@ __attribute__((constructor)) static void start()
 	OIIO::attribute("exr_threads", -1);
 }
 
-extern "C" ECO_MODULE_EXPORT const struct eco_image_module eco_image_module = { ECO_MODULE_VERSION, decode, compare };
+extern "C" ECO_MODULE_EXPORT const struct eco_image_module eco_image_module =
+	{ ECO_MODULE_VERSION, decode, compare };

@@ -106,7 +106,8 @@ static bool try_read(struct coding *c, struct eco_image *image)
 	return true;
 }
 
-enum eco_code eco_png_decode(struct eco_image *image, const uint8_t *bytes, size_t size_bytes, const char *name, struct eco_error *error)
+enum eco_code eco_png_decode(struct eco_image *image, const uint8_t *bytes, size_t size_bytes,
+	const char *name, struct eco_error *error)
 {
 	struct coding c = { .from = bytes, .size = size_bytes };
 	enum eco_code code;
@@ -118,11 +119,13 @@ enum eco_code eco_png_decode(struct eco_image *image, const uint8_t *bytes, size
 	else if (try_read(&c, image))
 		code = ECO_OK;
 	else if (c.too_large)
-		code = eco_fail(error, ECO_TOO_LARGE, "%.300s: %ux%u pixels, at most %u are possible", name, image->width, image->height, ECO_PIXELS_MAX);
+		code = eco_fail(error, ECO_TOO_LARGE, "%.300s: %ux%u pixels, at most %u are possible", name,
+			image->width, image->height, ECO_PIXELS_MAX);
 	else if (c.no_memory)
 		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", name);
 	else
-		code = eco_fail(error, ECO_DAMAGED, "%.200s: a PNG that is cut off or damaged: %s", name, c.text);
+		code = eco_fail(error, ECO_DAMAGED, "%.200s: a PNG that is cut off or damaged: %s", name,
+			c.text);
 	if (code)
 		*image = (struct eco_image){ .rgba = NULL };
 	png_destroy_read_struct(&c.png, &c.info, NULL);
@@ -153,10 +156,11 @@ static void flush(png_structp png)
 
 static void write_pixels(struct coding *c, const struct eco_pixels *pixels, int filters)
 {
-	int kind = pixels->channels == 1 ? PNG_COLOR_TYPE_GRAY : pixels->channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGB_ALPHA;
+	int kind = pixels->channels == 1 ? PNG_COLOR_TYPE_GRAY : pixels->channels == 3 ? PNG_COLOR_TYPE_RGB
+		: PNG_COLOR_TYPE_RGB_ALPHA;
 	png_set_write_fn(c->png, c, append, flush);
-	png_set_IHDR(c->png, c->info, pixels->width, pixels->height, 8, kind, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-		PNG_FILTER_TYPE_DEFAULT);
+	png_set_IHDR(c->png, c->info, pixels->width, pixels->height, 8, kind, PNG_INTERLACE_NONE,
+		PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
 	png_set_filter(c->png, PNG_FILTER_TYPE_DEFAULT, filters);
 	png_write_info(c->png, c->info);
 	for (uint32_t y = 0; y < pixels->height; y++)
@@ -172,21 +176,23 @@ static bool try_write(struct coding *c, const struct eco_pixels *pixels, int fil
 	return true;
 }
 
-static enum eco_code encode(const struct eco_pixels *pixels, int filters, uint8_t **bytes, size_t *size_bytes, struct eco_error *error)
+static enum eco_code encode(const struct eco_pixels *pixels, int filters, uint8_t **bytes, size_t *size_bytes,
+	struct eco_error *error)
 {
 	struct coding c = { .bytes = NULL };
 	enum eco_code code = ECO_OK;
 	assert(pixels->channels == 1 || pixels->channels == 3 || pixels->channels == 4);
 	*bytes = NULL;
 	*size_bytes = 0;
-	if (pixels->width == 0 || pixels->height == 0 || (uint64_t)pixels->width * pixels->height > ECO_PIXELS_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "a picture of %u x %u pixels: 1 to %u are possible", pixels->width, pixels->height,
-			ECO_PIXELS_MAX);
+	if (pixels->width == 0 || pixels->height == 0 || (uint64_t)pixels->width * pixels->height
+			> ECO_PIXELS_MAX)
+		return eco_fail(error, ECO_TOO_LARGE, "a picture of %u x %u pixels: 1 to %u are possible",
+			pixels->width, pixels->height, ECO_PIXELS_MAX);
 	c.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &c, on_error, on_warning);
 	c.info = c.png != NULL ? png_create_info_struct(c.png) : NULL;
 	if (!c.info || !try_write(&c, pixels, filters)) {
-		code = eco_fail(error, ECO_NO_MEMORY, "a picture of %u x %u pixels cannot be written: %s", pixels->width, pixels->height,
-			c.info == NULL ? "out of memory" : c.text);
+		code = eco_fail(error, ECO_NO_MEMORY, "a picture of %u x %u pixels cannot be written: %s",
+			pixels->width, pixels->height, c.info == NULL ? "out of memory" : c.text);
 	} else {
 		*bytes = c.bytes;
 		*size_bytes = c.used;
@@ -199,7 +205,8 @@ static enum eco_code encode(const struct eco_pixels *pixels, int filters, uint8_
 
 /* Encodes without filters and with them, and keeps the smaller file: painted leaves are smaller without,
  * photographs with. libpng's own rule for a row is wrong half of the time. */
-enum eco_code eco_png_encode(const struct eco_pixels *pixels, uint8_t **bytes, size_t *size_bytes, struct eco_error *error)
+enum eco_code eco_png_encode(const struct eco_pixels *pixels, uint8_t **bytes, size_t *size_bytes,
+	struct eco_error *error)
 {
 	uint8_t *differences;
 	size_t size;
@@ -216,7 +223,8 @@ enum eco_code eco_png_encode(const struct eco_pixels *pixels, uint8_t **bytes, s
 	return ECO_OK;
 }
 
-enum eco_code eco_png_encode_fast(const struct eco_pixels *pixels, uint8_t **bytes, size_t *size_bytes, struct eco_error *error)
+enum eco_code eco_png_encode_fast(const struct eco_pixels *pixels, uint8_t **bytes, size_t *size_bytes,
+	struct eco_error *error)
 {
 	return encode(pixels, PNG_FILTER_NONE, bytes, size_bytes, error);
 }

@@ -29,8 +29,10 @@ void eco_elements_free(struct eco_elements *elements)
 uint32_t eco_list_extra_count(const struct eco_list *list)
 {
 	return (list->attributes & ECO_ATTR_COLOR ? 1u : 0u) + (list->attributes & ECO_ATTR_WIDTH ? 1u : 0u)
-		+ (list->attributes & ECO_ATTR_PLANT ? 2u : 0u) + (list->attributes & ECO_ATTR_PLACE ? 2u : 0u)
-		+ (list->attributes & ECO_ATTR_GROWTH ? 1u : 0u) + (list->attributes & ECO_ATTR_SIZE ? 1u : 0u);
+		+ (list->attributes & ECO_ATTR_PLANT ? 2u : 0u)
+		+ (list->attributes & ECO_ATTR_PLACE ? 2u : 0u)
+		+ (list->attributes & ECO_ATTR_GROWTH ? 1u : 0u)
+		+ (list->attributes & ECO_ATTR_SIZE ? 1u : 0u);
 }
 
 /* Attributes come in the order of their bits. */

@@ -19,11 +19,13 @@
 #define ECO_CORNERS_MAX 6
 
 enum eco_list_kind {
-	ECO_LIST_TRIANGLES = 1,  /* fans; or single triangles of connected wood when coder is ECO_CODER_MESH */
+	/* fans; or single triangles of connected wood when coder is ECO_CODER_MESH */
+	ECO_LIST_TRIANGLES = 1,
 	ECO_LIST_LINES,
 	ECO_LIST_POINTS,         /* a plant's points, or a tile's summary when ECO_ATTR_PLANT is set */
 	ECO_LIST_INSTANCES,      /* plants of one species in one tile */
-	ECO_LIST_GROUND,         /* one tile of the ground: samples row by row from the south-west, `columns` wide (ground_tile.h) */
+	/* one tile of the ground: samples row by row from the south-west, `columns` wide (ground_tile.h) */
+	ECO_LIST_GROUND,
 	ECO_LIST_IMAGE           /* one chunk: a PNG file */
 };
 
@@ -43,14 +45,17 @@ enum eco_list_kind {
  *   BYTES     the payload is a file (PNG).
  *   SHAPES    a coder of chunks, not of lists: in a chunk of an ELEMENTS list of triangles, elements of one
  *             shape are stored as placings of it (shape.h). */
-enum eco_coder { ECO_CODER_ELEMENTS = 1, ECO_CODER_FORM, ECO_CODER_KD, ECO_CODER_ROWS, ECO_CODER_MESH, ECO_CODER_BYTES, ECO_CODER_SHAPES };
+enum eco_coder { ECO_CODER_ELEMENTS = 1, ECO_CODER_FORM, ECO_CODER_KD, ECO_CODER_ROWS, ECO_CODER_MESH,
+	ECO_CODER_BYTES, ECO_CODER_SHAPES };
 
 /* Attributes per element beyond positions, in this order in `struct eco_elements.extra`. */
 enum eco_attr {
 	ECO_ATTR_COLOR = 1,      /* palette index, relative to the list's palette_first */
-	ECO_ATTR_UV = 2,         /* per corner: u, v on a grid of 1/ECO_UV_ONE, kept in `uv`, not in `extra` */
+	/* per corner: u, v on a grid of 1/ECO_UV_ONE, kept in `uv`, not in `extra` */
+	ECO_ATTR_UV = 2,
 	ECO_ATTR_WIDTH = 4,      /* lines: full width in units of grid_step[0] */
-	ECO_ATTR_PLANT = 8,      /* summary points: plant id, then the leaf tile key's low 16 bits less those of the list's tile */
+	/* summary points: plant id, then the leaf tile key's low 16 bits less those of the list's tile */
+	ECO_ATTR_PLANT = 8,
 	ECO_ATTR_PLACE = 16,     /* instances: yaw in 1/65536 turns, then scale in 1/65536 (two values) */
 	ECO_ATTR_GROWTH = 32,    /* triangles: how far it follows its cut's scale, a code for eco_growth */
 	ECO_ATTR_SIZE = 64       /* points: this point's area is unit_area * eco_size(code) */
@@ -76,7 +81,8 @@ struct eco_list {
 	uint32_t chunk_first, chunk_count;   /* in the pack's chunk table */
 };
 
-struct eco_chunk_id { uint8_t bytes[16]; };  /* XXH3-128 of the payload, canonical (big-endian) order; 32 hex digits in URLs */
+/* XXH3-128 of the payload, canonical (big-endian) order; 32 hex digits in URLs */
+struct eco_chunk_id { uint8_t bytes[16]; };
 
 struct eco_chunk {
 	struct eco_chunk_id id;

@@ -11,7 +11,8 @@
 
 #include "ecofiles/base/status.h"
 
-enum eco_drop {              /* why a triangle of the source is not stored; every triangle is stored or counted here */
+/* why a triangle of the source is not stored; every triangle is stored or counted here */
+enum eco_drop {
 	ECO_DROP_BAD_INDEX,      /* names a vertex that is not there */
 	ECO_DROP_NOT_FINITE,     /* a NaN or infinite coordinate */
 	ECO_DROP_DEGENERATE,     /* two corners coincide or the area is zero: it covers no pixel */
@@ -32,9 +33,11 @@ bool eco_image_has_holes(const struct eco_image *image);
 
 struct eco_material {
 	char name[64];
-	uint8_t rgb[3];          /* sRGB base colour; multiplies the image where there is one: white after an import */
+	/* sRGB base colour; multiplies the image where there is one: white after an import */
+	uint8_t rgb[3];
 	bool cutout;             /* alpha of the image matters: a sample is opaque where alpha >= 0.5 */
-	bool colourless;         /* the file says no colour: wood is drawn brown, all else green (lod/build/organ.h) */
+	/* the file says no colour: wood is drawn brown, all else green (lod/build/organ.h) */
+	bool colourless;
 	uint32_t image;          /* index into images or ECO_NONE */
 };
 
@@ -47,8 +50,12 @@ struct eco_part {            /* a mesh, object or group of the file, as it names
 /* The meaning taken for the file's numbers. Up: the file's axis that points up; FOUND: from the format, else
  * by shape, Y or Z. */
 enum eco_up { ECO_UP_FOUND, ECO_UP_Y, ECO_UP_Z, ECO_UP_X };
-static inline const char *eco_up_name(enum eco_up up) { return up == ECO_UP_Z ? "z" : up == ECO_UP_X ? "x" : "y"; }
-enum eco_how { ECO_HOW_UNKNOWN, ECO_HOW_GIVEN, ECO_HOW_FORMAT, ECO_HOW_SHAPE, ECO_HOW_CONVENTION, ECO_HOW_GUESSED, ECO_HOW_HEIGHT };
+static inline const char *eco_up_name(enum eco_up up)
+{
+	return up == ECO_UP_Z ? "z" : up == ECO_UP_X ? "x" : "y";
+}
+enum eco_how { ECO_HOW_UNKNOWN, ECO_HOW_GIVEN, ECO_HOW_FORMAT, ECO_HOW_SHAPE, ECO_HOW_CONVENTION,
+	ECO_HOW_GUESSED, ECO_HOW_HEIGHT };
 struct eco_model_source {
 	char format[64];         /* of the first file, for messages */
 	enum eco_up up;          /* not FOUND */

@@ -42,7 +42,8 @@
 /* ---- The scene's tables. All cross references are indices; ECO_NONE where absent. ---- */
 
 enum eco_need {                  /* what a scene uses; a reader skips what is not listed */
-	ECO_NEED_POINTS = 1, ECO_NEED_LINES = 2, ECO_NEED_TRIANGLES = 4, ECO_NEED_TEXTURES = 8, ECO_NEED_CUTOUTS = 16,
+	ECO_NEED_POINTS = 1, ECO_NEED_LINES = 2, ECO_NEED_TRIANGLES = 4, ECO_NEED_TEXTURES = 8,
+		ECO_NEED_CUTOUTS = 16,
 	ECO_NEED_GROUND = 32, ECO_NEED_CELLS = 64, ECO_NEED_SUMMARIES = 128, ECO_NEED_PLACEMENTS = 256
 };
 
@@ -58,9 +59,11 @@ struct eco_anchor {
 
 #define ECO_LEVELS_MAX 6
 enum eco_ladder_flag {
-	ECO_LADDER_FAR = 1,          /* drawn where the plant's cells are not (its band: at or beyond the gate) */
+	/* drawn where the plant's cells are not (its band: at or beyond the gate) */
+	ECO_LADDER_FAR = 1,
 	ECO_LADDER_NEAR = 2,         /* a cell: drawn only where the plant's band is below the gate */
-	ECO_LADDER_ABOVE = 4         /* a second curve, measured from above, has the same shares and reaches */
+	/* a second curve, measured from above, has the same shares and reaches */
+	ECO_LADDER_ABOVE = 4
 };
 
 /* A sequence of sets of cuts over the lists of one organ at one anchor, in ascending vertices:
@@ -100,12 +103,15 @@ static inline uint32_t eco_ladder_samples(const struct eco_ladder *ladder)
  * density). Samples run geometrically from one element up to everything; `share` strictly ascends in (0,
  * 1]. */
 struct eco_curve {
-	float share;                 /* Neubert's lambda: vertices drawn / vertices of the ladder at full detail */
+	/* Neubert's lambda: vertices drawn / vertices of the ladder at full detail */
+	float share;
 	float scale;                 /* s_opt * share of primitives drawn: 1 is Cook's area preservation. A
 	                              * cut's scale is this / (primitives drawn / primitives of the stage).
 	                              * Bounded where s_opt is singular, so it may be interpolated */
 	float reach;                 /* leaves: share of the region's elements that are drawn in any form */
-	float fp, fn;                /* wrong pixels over covered pixels of the reference, mean over views: from all around, or from above */
+	/* wrong pixels over covered pixels of the reference, mean over views: from all around, or from above
+	 * */
+	float fp, fn;
 };
 
 struct eco_plant {
@@ -182,7 +188,8 @@ struct eco_scene {
 	const struct eco_list *lists;        uint32_t list_count;
 	const struct eco_chunk *chunks;      uint32_t chunk_count;
 	const uint8_t (*palette)[3];         uint32_t palette_count;    /* sRGB */
-	const uint8_t *places;               uint64_t place_count;      /* ECO_PLACE_BYTES each, read with eco_place_read */
+	/* ECO_PLACE_BYTES each, read with eco_place_read */
+	const uint8_t *places;               uint64_t place_count;
 	const struct eco_ground_tile *ground; uint32_t ground_count;
 };
 
@@ -204,13 +211,14 @@ struct eco_pack {
 /* Opens and checks everything but the payloads; eco_pack_payload checks the hash of each. */
 enum eco_code eco_pack_open(struct eco_pack **pack, const char *path, struct eco_error *error);
 /* The same from memory that stays owned by the caller (fuzzing, tests). */
-enum eco_code eco_pack_open_memory(struct eco_pack **pack, const uint8_t *bytes, size_t size, struct eco_error *error);
+enum eco_code eco_pack_open_memory(struct eco_pack **pack, const uint8_t *bytes, size_t size,
+	struct eco_error *error);
 void eco_pack_close(struct eco_pack *pack);
 
 /* Payload of chunk `chunk` after checking its hash; ECO_DAMAGED names the chunk, list and offset.
  * Thread-safe. */
-enum eco_code eco_pack_payload(const struct eco_pack *pack, uint32_t chunk, const uint8_t **bytes, size_t *size_bytes,
-	struct eco_error *error);
+enum eco_code eco_pack_payload(const struct eco_pack *pack, uint32_t chunk, const uint8_t **bytes,
+	size_t *size_bytes, struct eco_error *error);
 
 /* Checks a scene's tables against each other (every index in range, counts add up, bounds finite, tree
  * acyclic, unused space zero). Called by open; public so that a client can check the scene that a stream
@@ -219,7 +227,8 @@ enum eco_code eco_scene_check(const struct eco_scene *scene, struct eco_error *e
 /* Checks one record alone: kind, coder and attributes go together, numbers are finite and in bounds. */
 enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *error);
 enum eco_code eco_anchor_check(const struct eco_anchor *anchor, struct eco_error *error);
-enum eco_code eco_chunk_check(const struct eco_list *list, const struct eco_chunk *chunk, struct eco_error *error);
+enum eco_code eco_chunk_check(const struct eco_list *list, const struct eco_chunk *chunk,
+	struct eco_error *error);
 
 /* Record coders, one pair a table, shared by pack and wire. */
 struct eco_reader;
@@ -228,7 +237,8 @@ void eco_list_write(struct eco_writer *w, const struct eco_list *list);
 void eco_list_read(struct eco_reader *r, struct eco_list *list);
 void eco_anchor_write(struct eco_writer *w, const struct eco_anchor *anchor);
 void eco_anchor_read(struct eco_reader *r, struct eco_anchor *anchor);
-void eco_place_write(struct eco_writer *w, const struct eco_place *place);     /* for the makers of section PLACES */
+/* for the makers of section PLACES */
+void eco_place_write(struct eco_writer *w, const struct eco_place *place);
 
 /* ---- Writing ---- */
 
@@ -242,28 +252,31 @@ enum eco_code eco_pack_create(struct eco_pack_writer **writer, const char *path,
  * 2^ECO_EXACT_SHIFT where elements have `exact`. For FORM, `partner_elements` are the partner's elements
  * as they were given, `elements` holds one form of each in the same order, and the ends are the same. A
  * partner may have several forms. Chunks with equal payload are stored once. */
-enum eco_code eco_pack_add_list(struct eco_pack_writer *writer, const struct eco_list *list, const struct eco_elements *elements,
-	const uint32_t *ends, uint32_t end_count, const struct eco_elements *partner_elements, uint32_t *list_id,
-	struct eco_error *error);
+enum eco_code eco_pack_add_list(struct eco_pack_writer *writer, const struct eco_list *list,
+	const struct eco_elements *elements, const uint32_t *ends, uint32_t end_count,
+	const struct eco_elements *partner_elements, uint32_t *list_id, struct eco_error *error);
 /* The same in two steps, for lists without a partner: encoding needs no writer and may run in many threads
  * at a time. The caller frees encoded chunks in any case. */
 struct eco_encoded { struct eco_encoded_chunk *chunks; uint32_t count; };
-enum eco_code eco_pack_encode(struct eco_encoded *encoded, const struct eco_list *list, const struct eco_elements *elements,
-	const uint32_t *ends, uint32_t end_count, struct eco_error *error);
-enum eco_code eco_pack_add_encoded(struct eco_pack_writer *writer, const struct eco_list *list, const struct eco_encoded *encoded,
-	uint32_t *list_id, struct eco_error *error);
+enum eco_code eco_pack_encode(struct eco_encoded *encoded, const struct eco_list *list,
+	const struct eco_elements *elements, const uint32_t *ends, uint32_t end_count,
+	struct eco_error *error);
+enum eco_code eco_pack_add_encoded(struct eco_pack_writer *writer, const struct eco_list *list,
+	const struct eco_encoded *encoded, uint32_t *list_id, struct eco_error *error);
 void eco_encoded_free(struct eco_encoded *encoded);
 /* Adds a list of one BYTES chunk. */
-enum eco_code eco_pack_add_bytes(struct eco_pack_writer *writer, const struct eco_list *list, const void *bytes, size_t size,
-	uint32_t *list_id, struct eco_error *error);
+enum eco_code eco_pack_add_bytes(struct eco_pack_writer *writer, const struct eco_list *list,
+	const void *bytes, size_t size, uint32_t *list_id, struct eco_error *error);
 /* Adds a list of another pack, with its payloads, after checking them. In `list` the references to other
  * lists, tiles, plants and colours are those of the new pack. */
-enum eco_code eco_pack_add_copied(struct eco_pack_writer *writer, const struct eco_list *list, const struct eco_pack *from,
-	uint32_t from_list, uint32_t *list_id, struct eco_error *error);
+enum eco_code eco_pack_add_copied(struct eco_pack_writer *writer, const struct eco_list *list,
+	const struct eco_pack *from, uint32_t from_list, uint32_t *list_id, struct eco_error *error);
 /* All elements of a list of points added before, decoded from the payloads written. */
-enum eco_code eco_pack_read_points(struct eco_pack_writer *writer, uint32_t list_id, struct eco_elements *points, struct eco_error *error);
+enum eco_code eco_pack_read_points(struct eco_pack_writer *writer, uint32_t list_id,
+	struct eco_elements *points, struct eco_error *error);
 /* The same for a list of an open pack. */
-enum eco_code eco_pack_points(const struct eco_pack *pack, uint32_t list_id, struct eco_elements *points, struct eco_error *error);
+enum eco_code eco_pack_points(const struct eco_pack *pack, uint32_t list_id, struct eco_elements *points,
+	struct eco_error *error);
 /* The chunks added so far, with offsets not yet final (valid until the next add). */
 const struct eco_chunk *eco_pack_chunks(const struct eco_pack_writer *writer);
 /* The list as stored so far (valid until the next add). */
@@ -271,8 +284,8 @@ const struct eco_list *eco_pack_list(const struct eco_pack_writer *writer, uint3
 
 /* Writes the tables (lists and chunks from the writer, the others from `scene`; the caller keeps its
  * arrays), syncs and renames. Frees the writer in any case; on failure the target is untouched. */
-enum eco_code eco_pack_commit(struct eco_pack_writer *writer, const struct eco_scene *scene, const char *meta_json,
-	struct eco_error *error);
+enum eco_code eco_pack_commit(struct eco_pack_writer *writer, const struct eco_scene *scene,
+	const char *meta_json, struct eco_error *error);
 void eco_pack_abort(struct eco_pack_writer *writer);   /* removes the unfinished file; NULL is fine */
 
 #endif

@@ -51,11 +51,14 @@ enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *erro
 	enum eco_code code = eco_list_check_coding(list, error);
 	if (code)
 		return code;
-	if (list->level != 0 && list->kind != ECO_LIST_POINTS && (list->kind != ECO_LIST_GROUND || list->level >= ECO_GROUND_LEVELS))
+	if (list->level != 0 && list->kind != ECO_LIST_POINTS
+			&& (list->kind != ECO_LIST_GROUND || list->level >= ECO_GROUND_LEVELS))
 		return BAD("list: level %u of kind %u", list->level, list->kind);
 	for (int i = 0; i < 3; i++)
-		if (!within(list->grid_origin[i], -METRES_MAX, METRES_MAX) || !within(list->grid_step[i], 1e-12, STEP_MAX))
-			return BAD("list: grid of axis %d, origin %g and step %g m, is impossible", i, list->grid_origin[i], list->grid_step[i]);
+		if (!within(list->grid_origin[i], -METRES_MAX, METRES_MAX)
+				|| !within(list->grid_step[i], 1e-12, STEP_MAX))
+			return BAD("list: grid of axis %d, origin %g and step %g m, is impossible", i,
+				list->grid_origin[i], list->grid_step[i]);
 	if (!within(list->unit_area, 0, AREA_MAX))
 		return BAD("list: unit area %g is impossible", (double)list->unit_area);
 	if ((list->attributes & ECO_ATTR_COLOR) && list->palette_count == 0)
@@ -63,7 +66,8 @@ enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *erro
 	if ((list->kind == ECO_LIST_GROUND) != (list->columns != 0))
 		return BAD("list: %u columns in kind %u", list->columns, list->kind);
 	if (list->columns != 0 && list->primitive_count % list->columns != 0)
-		return BAD("list: %u ground samples are not rows of %u", list->primitive_count, list->columns);
+		return BAD("list: %u ground samples are not rows of %u", list->primitive_count,
+			list->columns);
 	if ((list->coder == ECO_CODER_FORM) != (list->partner != ECO_NONE))
 		return BAD("list: coder %u with partner %#x", list->coder, list->partner);
 	if ((list->kind == ECO_LIST_INSTANCES) != (list->plant != ECO_NONE))
@@ -72,26 +76,31 @@ enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *erro
 		return BAD("list: owner %#x in kind %u", list->owner, list->kind);
 	if (list->element_count > list->primitive_count || list->chunk_count > list->element_count
 	    || (list->chunk_count == 0) != (list->primitive_count == 0))
-		return BAD("list: %u primitives of %u elements in %u chunks are impossible", list->primitive_count, list->element_count,
-			list->chunk_count);
+		return BAD("list: %u primitives of %u elements in %u chunks are impossible",
+			list->primitive_count, list->element_count, list->chunk_count);
 	if (list->coder == ECO_CODER_FORM && list->primitive_count != list->element_count
 	    && (list->kind != ECO_LIST_TRIANGLES || list->primitive_count != 2ull * list->element_count))
-		return BAD("list: %u forms cannot have %u primitives: all are points, lines, triangles or quads", list->element_count,
-			list->primitive_count);
+		return BAD("list: %u forms cannot have %u primitives: all are points, lines, triangles or "
+			"quads", list->element_count, list->primitive_count);
 	return ECO_OK;
 }
 
-enum eco_code eco_chunk_check(const struct eco_list *list, const struct eco_chunk *chunk, struct eco_error *error)
+enum eco_code eco_chunk_check(const struct eco_list *list, const struct eco_chunk *chunk,
+	struct eco_error *error)
 {
-	uint64_t most = (uint64_t)chunk->element_count * (list->kind == ECO_LIST_TRIANGLES && list->coder != ECO_CODER_MESH ? 4 : 1);
+	uint64_t most = (uint64_t)chunk->element_count * (list->kind == ECO_LIST_TRIANGLES
+		&& list->coder != ECO_CODER_MESH ? 4 : 1);
 	bool form = list->coder == ECO_CODER_FORM;
 	if (chunk->element_count < 1 || chunk->element_count > ECO_CHUNK_ELEMENTS_MAX)
-		return BAD("chunk: %u elements are not in 1..%u", chunk->element_count, ECO_CHUNK_ELEMENTS_MAX);
+		return BAD("chunk: %u elements are not in 1..%u", chunk->element_count,
+			ECO_CHUNK_ELEMENTS_MAX);
 	if (chunk->primitive_count < chunk->element_count || chunk->primitive_count > most)
-		return BAD("chunk: %u elements cannot have %u primitives", chunk->element_count, chunk->primitive_count);
-	if (form && (uint64_t)chunk->primitive_count * list->element_count != (uint64_t)list->primitive_count * chunk->element_count)
-		return BAD("chunk: %u forms of %u primitives in a list of %u of %u", chunk->element_count, chunk->primitive_count,
-			list->element_count, list->primitive_count);
+		return BAD("chunk: %u elements cannot have %u primitives", chunk->element_count,
+			chunk->primitive_count);
+	if (form && (uint64_t)chunk->primitive_count * list->element_count
+			!= (uint64_t)list->primitive_count * chunk->element_count)
+		return BAD("chunk: %u forms of %u primitives in a list of %u of %u", chunk->element_count,
+			chunk->primitive_count, list->element_count, list->primitive_count);
 	if (chunk->size_bytes < 1 || chunk->size_bytes > ECO_CHUNK_BYTES_MAX)
 		return BAD("chunk: %u bytes are not in 1..%u", chunk->size_bytes, ECO_CHUNK_BYTES_MAX);
 	if (list->coder == ECO_CODER_BYTES && chunk->element_count != 1)
@@ -110,27 +119,33 @@ static enum eco_code check_list_references(const struct eco_scene *s, uint32_t i
 	if (list->plant != ECO_NONE && list->plant >= s->plant_count)
 		return BAD("list %u: plant %u is not there", id, list->plant);
 	if (!range_fits(list->palette_first, list->palette_count, s->palette_count))
-		return BAD("list %u: palette [%u, +%u) of %u colours", id, list->palette_first, list->palette_count, s->palette_count);
-	if (list->image != ECO_NONE && (list->image >= s->list_count || s->lists[list->image].kind != ECO_LIST_IMAGE))
+		return BAD("list %u: palette [%u, +%u) of %u colours", id, list->palette_first,
+			list->palette_count, s->palette_count);
+	if (list->image != ECO_NONE
+			&& (list->image >= s->list_count || s->lists[list->image].kind != ECO_LIST_IMAGE))
 		return BAD("list %u: image %u is not an image list", id, list->image);
 	if (list->partner != ECO_NONE) {
-		const struct eco_list *partner = list->partner < s->list_count ? &s->lists[list->partner] : NULL;
+		const struct eco_list *partner = list->partner < s->list_count ? &s->lists[list->partner]
+			: NULL;
 		if (!partner || partner->kind != ECO_LIST_TRIANGLES || partner->coder != ECO_CODER_ELEMENTS)
 			return BAD("list %u: partner %u is not a list of fans", id, list->partner);
 		if (partner->chunk_count != list->chunk_count || partner->owner != list->owner)
-			return BAD("list %u: %u chunks of owner %u, its partner %u has %u of owner %u", id, list->chunk_count, list->owner,
-				list->partner, partner->chunk_count, partner->owner);
+			return BAD("list %u: %u chunks of owner %u, its partner %u has %u of owner %u", id,
+				list->chunk_count, list->owner, list->partner, partner->chunk_count,
+				partner->owner);
 	}
 	return ECO_OK;
 }
 
-static enum eco_code check_list_chunks(const struct eco_scene *s, uint32_t id, uint64_t *chunks_left, struct eco_error *error)
+static enum eco_code check_list_chunks(const struct eco_scene *s, uint32_t id, uint64_t *chunks_left,
+	struct eco_error *error)
 {
 	const struct eco_list *list = &s->lists[id];
 	uint64_t primitives = 0, elements = 0;
-	if (!range_fits(list->chunk_first, list->chunk_count, s->chunk_count) || list->chunk_count > *chunks_left)
-		return BAD("list %u: chunks [%u, +%u) of %u, or shared with another list", id, list->chunk_first, list->chunk_count,
-			s->chunk_count);
+	if (!range_fits(list->chunk_first, list->chunk_count, s->chunk_count)
+			|| list->chunk_count > *chunks_left)
+		return BAD("list %u: chunks [%u, +%u) of %u, or shared with another list", id,
+			list->chunk_first, list->chunk_count, s->chunk_count);
 	*chunks_left -= list->chunk_count;
 	for (uint32_t i = 0; i < list->chunk_count; i++) {
 		const struct eco_chunk *chunk = &s->chunks[list->chunk_first + i];
@@ -140,8 +155,9 @@ static enum eco_code check_list_chunks(const struct eco_scene *s, uint32_t id, u
 		elements += chunk->element_count;
 	}
 	if (primitives != list->primitive_count || elements != list->element_count)
-		return BAD("list %u: its chunks hold %llu primitives of %llu elements instead of %u of %u", id,
-			(unsigned long long)primitives, (unsigned long long)elements, list->primitive_count, list->element_count);
+		return BAD("list %u: its chunks hold %llu primitives of %llu elements instead of %u of %u",
+			id, (unsigned long long)primitives, (unsigned long long)elements,
+			list->primitive_count, list->element_count);
 	return ECO_OK;
 }
 
@@ -151,13 +167,15 @@ static enum eco_code check_forms(const struct eco_scene *s, uint32_t id, struct 
 {
 	const struct eco_list *list = &s->lists[id], *partner = &s->lists[list->partner];
 	for (uint32_t i = 0; i < list->chunk_count; i++) {
-		const struct eco_chunk *own = &s->chunks[list->chunk_first + i], *of = &s->chunks[partner->chunk_first + i];
+		const struct eco_chunk *own = &s->chunks[list->chunk_first + i],
+			*of = &s->chunks[partner->chunk_first + i];
 		if (own->element_count != of->element_count)
-			return BAD("list %u: chunk %u has %u forms for the %u elements of list %u", id, i, own->element_count, of->element_count,
-				list->partner);
+			return BAD("list %u: chunk %u has %u forms for the %u elements of list %u", id, i,
+				own->element_count, of->element_count, list->partner);
 		if ((uint64_t)eco_list_vertices(list) * own->primitive_count > 3ull * of->primitive_count)
-			return BAD("list %u: chunk %u has %u primitives where list %u has %u triangles: a form may not be dearer", id, i,
-				own->primitive_count, list->partner, of->primitive_count);
+			return BAD("list %u: chunk %u has %u primitives where list %u has %u triangles: a "
+				"form may not be dearer", id, i, own->primitive_count, list->partner,
+				of->primitive_count);
 	}
 	return ECO_OK;
 }
@@ -166,7 +184,8 @@ static enum eco_code check_lists(const struct eco_scene *s, struct eco_error *er
 {
 	uint64_t chunks_left = s->chunk_count;
 	for (uint32_t i = 0; i < s->list_count; i++) {
-		if (eco_list_check(&s->lists[i], error) != ECO_OK || check_list_references(s, i, error) != ECO_OK
+		if (eco_list_check(&s->lists[i], error) != ECO_OK || check_list_references(s, i, error)
+				!= ECO_OK
 		    || check_list_chunks(s, i, &chunks_left, error) != ECO_OK)
 			return ECO_DAMAGED;
 	}
@@ -180,14 +199,19 @@ static enum eco_code check_curve(const struct eco_scene *s, uint32_t ladder_id, 
 {
 	const struct eco_ladder *ladder = &s->ladders[ladder_id];
 	float last = 0;
-	if (ladder->curve_count > CURVE_SAMPLES_MAX || !range_fits(ladder->curve_first, eco_ladder_samples(ladder), s->curve_count))
-		return BAD("ladder %u: curve [%u, +%u) of %u samples; at most %u", ladder_id, ladder->curve_first, ladder->curve_count,
-			s->curve_count, CURVE_SAMPLES_MAX);
+	if (ladder->curve_count > CURVE_SAMPLES_MAX
+			|| !range_fits(ladder->curve_first, eco_ladder_samples(ladder), s->curve_count))
+		return BAD("ladder %u: curve [%u, +%u) of %u samples; at most %u", ladder_id,
+			ladder->curve_first, ladder->curve_count, s->curve_count, CURVE_SAMPLES_MAX);
 	for (uint32_t i = 0; i < eco_ladder_samples(ladder); i++) {
-		const struct eco_curve *c = &s->curves[ladder->curve_first + i], *around = i < ladder->curve_count ? NULL : c - ladder->curve_count;
-		if (around ? c->share != around->share || c->reach != around->reach : !(c->share > last && c->share <= 1))
-			return BAD("ladder %u: share %g of curve sample %u does not ascend in (0, 1]", ladder_id, (double)c->share, i);
-		if (!within(c->scale, 0, SCALE_MAX) || !within(c->reach, 0, 1) || !within(c->fp, 0, SCALE_MAX) || !within(c->fn, 0, SCALE_MAX))
+		const struct eco_curve *c = &s->curves[ladder->curve_first + i],
+			*around = i < ladder->curve_count ? NULL : c - ladder->curve_count;
+		if (around ? c->share != around->share || c->reach != around->reach
+				: !(c->share > last && c->share <= 1))
+			return BAD("ladder %u: share %g of curve sample %u does not ascend in (0, 1]",
+				ladder_id, (double)c->share, i);
+		if (!within(c->scale, 0, SCALE_MAX) || !within(c->reach, 0, 1) || !within(c->fp, 0, SCALE_MAX)
+				|| !within(c->fn, 0, SCALE_MAX))
 			return BAD("ladder %u: curve sample %u is not finite or negative", ladder_id, i);
 		last = c->share;
 	}
@@ -217,10 +241,13 @@ static enum eco_code check_ladder_levels(const struct eco_scene *s, uint32_t id,
 		return BAD("ladder %u: %u levels of list %#x", id, l->level_count, l->triangles);
 	for (uint32_t i = 0; i < ECO_LEVELS_MAX; i++) {
 		if (i >= l->level_count && l->level_end[i] != 0)
-			return BAD("ladder %u: level %u is not one of its %u but ends at %u", id, i, l->level_count, l->level_end[i]);
-		if (i < l->level_count && (l->level_end[i] <= last || l->level_end[i] > s->lists[l->triangles].primitive_count))
-			return BAD("ladder %u: level %u ends at %u of %u triangles, the level before at %u", id, i, l->level_end[i],
-				s->lists[l->triangles].primitive_count, last);
+			return BAD("ladder %u: level %u is not one of its %u but ends at %u", id, i,
+				l->level_count, l->level_end[i]);
+		if (i < l->level_count
+				&& (l->level_end[i] <= last
+				|| l->level_end[i] > s->lists[l->triangles].primitive_count))
+			return BAD("ladder %u: level %u ends at %u of %u triangles, the level before at %u",
+				id, i, l->level_end[i], s->lists[l->triangles].primitive_count, last);
 		last = l->level_end[i];
 	}
 	return ECO_OK;
@@ -235,23 +262,30 @@ static enum eco_code check_ladder(const struct eco_scene *s, uint32_t id, struct
 	plant = &s->plants[l->plant];
 	if (l->anchor < plant->anchor_first || l->anchor - plant->anchor_first >= plant->anchor_count)
 		return BAD("ladder %u: anchor %u is not one of plant %u", id, l->anchor, l->plant);
-	if (l->organ >= ECO_ORGAN_COUNT || (l->flags & ~(ECO_LADDER_FAR | ECO_LADDER_NEAR | ECO_LADDER_ABOVE)) || l->reserved != 0
+	if (l->organ >= ECO_ORGAN_COUNT || (l->flags & ~(ECO_LADDER_FAR | ECO_LADDER_NEAR | ECO_LADDER_ABOVE))
+			|| l->reserved != 0
 	    || ((l->flags & ECO_LADDER_FAR) && (l->flags & ECO_LADDER_NEAR)))
-		return BAD("ladder %u: organ %u, flags %#x, reserved %u", id, l->organ, l->flags, l->reserved);
-	if (!ladder_list_fits(s, l->points, ECO_LIST_POINTS, l->plant) || !ladder_list_fits(s, l->lines, ECO_LIST_LINES, l->plant)
-	    || !ladder_list_fits(s, l->simple, ECO_LIST_TRIANGLES, l->plant) || !ladder_list_fits(s, l->triangles, ECO_LIST_TRIANGLES, l->plant))
-		return BAD("ladder %u: lists %#x, %#x, %#x, %#x are not points, lines, triangles, triangles of plant %u", id, l->points,
-			l->lines, l->simple, l->triangles, l->plant);
+		return BAD("ladder %u: organ %u, flags %#x, reserved %u", id, l->organ, l->flags,
+			l->reserved);
+	if (!ladder_list_fits(s, l->points, ECO_LIST_POINTS, l->plant)
+			|| !ladder_list_fits(s, l->lines, ECO_LIST_LINES, l->plant)
+	    || !ladder_list_fits(s, l->simple, ECO_LIST_TRIANGLES, l->plant)
+	|| !ladder_list_fits(s, l->triangles, ECO_LIST_TRIANGLES, l->plant))
+		return BAD("ladder %u: lists %#x, %#x, %#x, %#x are not points, lines, triangles, triangles "
+			"of plant %u", id, l->points, l->lines, l->simple, l->triangles, l->plant);
 	if (l->points == ECO_NONE && l->lines == ECO_NONE && l->triangles == ECO_NONE)
 		return BAD("ladder %u: has no list", id);
 	if (!ladder_form_fits(s, l->points, l->triangles) || !ladder_form_fits(s, l->lines, l->triangles)
 	    || !ladder_form_fits(s, l->simple, l->triangles))
-		return BAD("ladder %u: of lists %#x, %#x and %#x not all are forms of list %#x", id, l->points, l->lines, l->simple, l->triangles);
+		return BAD("ladder %u: of lists %#x, %#x and %#x not all are forms of list %#x", id,
+			l->points, l->lines, l->simple, l->triangles);
 	if (l->simple != ECO_NONE && s->lists[l->simple].coder != ECO_CODER_FORM)
-		return BAD("ladder %u: list %u of simple forms has coder %u", id, l->simple, s->lists[l->simple].coder);
+		return BAD("ladder %u: list %u of simple forms has coder %u", id, l->simple,
+			s->lists[l->simple].coder);
 	if (l->before > l->total)
 		return BAD("ladder %u: %u of %u before it", id, l->before, l->total);
-	if (!within(l->importance, 0, SCALE_MAX) || !within(l->area, 0, AREA_MAX) || !within(l->length, 0, AREA_MAX)
+	if (!within(l->importance, 0, SCALE_MAX) || !within(l->area, 0, AREA_MAX)
+			|| !within(l->length, 0, AREA_MAX)
 	    || !within(l->epsilon, 0, RADIUS_MAX))
 		return BAD("ladder %u: importance, area, length or epsilon is not finite or negative", id);
 	if (check_ladder_levels(s, id, error) != ECO_OK)
@@ -267,24 +301,29 @@ static enum eco_code check_plants(const struct eco_scene *s, struct eco_error *e
 		if (!name_ends(p->name))
 			return BAD("plant %u: its name has no end", i);
 		if (!within(p->height_m, 0, RADIUS_MAX) || !within(p->area, 0, AREA_MAX))
-			return BAD("plant %u (%s): height %g m or area %g m^2 is impossible", i, p->name, (double)p->height_m, (double)p->area);
+			return BAD("plant %u (%s): height %g m or area %g m^2 is impossible", i, p->name,
+				(double)p->height_m, (double)p->area);
 		if (p->anchor_count < 1 || !range_fits(p->anchor_first, p->anchor_count, s->anchor_count))
-			return BAD("plant %u (%s): anchors [%u, +%u) of %u", i, p->name, p->anchor_first, p->anchor_count, s->anchor_count);
+			return BAD("plant %u (%s): anchors [%u, +%u) of %u", i, p->name, p->anchor_first,
+				p->anchor_count, s->anchor_count);
 		if (!range_fits(p->ladder_first, p->ladder_count, s->ladder_count))
-			return BAD("plant %u (%s): ladders [%u, +%u) of %u", i, p->name, p->ladder_first, p->ladder_count, s->ladder_count);
+			return BAD("plant %u (%s): ladders [%u, +%u) of %u", i, p->name, p->ladder_first,
+				p->ladder_count, s->ladder_count);
 		ladders += p->ladder_count;
 		anchors += p->anchor_count;
 	}
 	if (ladders != s->ladder_count || anchors > s->anchor_count)
-		return BAD("plants: %llu of %u ladders and %llu of %u anchors belong to one", (unsigned long long)ladders, s->ladder_count,
-			(unsigned long long)anchors, s->anchor_count);
+		return BAD("plants: %llu of %u ladders and %llu of %u anchors belong to one",
+			(unsigned long long)ladders, s->ladder_count, (unsigned long long)anchors,
+			s->anchor_count);
 	for (uint32_t i = 0; i < s->anchor_count; i++)
 		if (eco_anchor_check(&s->anchors[i], error) != ECO_OK)
 			return ECO_DAMAGED;
 	for (uint32_t i = 0; i < s->plant_count; i++)
 		for (uint32_t k = 0; k < s->plants[i].ladder_count; k++)
 			if (s->ladders[s->plants[i].ladder_first + k].plant != i)
-				return BAD("plant %u: ladder %u belongs to plant %u", i, s->plants[i].ladder_first + k,
+				return BAD("plant %u: ladder %u belongs to plant %u", i,
+					s->plants[i].ladder_first + k,
 					s->ladders[s->plants[i].ladder_first + k].plant);
 	for (uint32_t i = 0; i < s->ladder_count; i++)
 		if (check_ladder(s, i, error) != ECO_OK)
@@ -292,7 +331,8 @@ static enum eco_code check_plants(const struct eco_scene *s, struct eco_error *e
 	return ECO_OK;
 }
 
-static enum eco_code check_group(const struct eco_scene *s, uint32_t id, uint32_t tile, struct eco_error *error)
+static enum eco_code check_group(const struct eco_scene *s, uint32_t id, uint32_t tile,
+	struct eco_error *error)
 {
 	const struct eco_group *g = &s->groups[id];
 	const struct eco_list *list;
@@ -302,18 +342,21 @@ static enum eco_code check_group(const struct eco_scene *s, uint32_t id, uint32_
 		return BAD("group %u: plant %u or list %u is not there", id, g->plant, g->list);
 	list = &s->lists[g->list];
 	if (list->kind != ECO_LIST_INSTANCES || list->owner != tile || list->plant != g->plant)
-		return BAD("group %u: list %u does not hold the plants %u of tile %u", id, g->list, g->plant, tile);
+		return BAD("group %u: list %u does not hold the plants %u of tile %u", id, g->list, g->plant,
+			tile);
 	if (!range_fits(g->place_first, list->primitive_count, s->place_count))
-		return BAD("group %u: places [%llu, +%u) of %llu", id, (unsigned long long)g->place_first, list->primitive_count,
-			(unsigned long long)s->place_count);
+		return BAD("group %u: places [%llu, +%u) of %llu", id, (unsigned long long)g->place_first,
+			list->primitive_count, (unsigned long long)s->place_count);
 	return ECO_OK;
 }
 
-static enum eco_code check_child(const struct eco_scene *s, uint32_t id, uint32_t tile, struct eco_error *error)
+static enum eco_code check_child(const struct eco_scene *s, uint32_t id, uint32_t tile,
+	struct eco_error *error)
 {
 	const struct eco_child *c = &s->children[id];
 	if (c->tile >= s->tile_count || c->tile <= tile)
-		return BAD("child %u: tile %u is not after its parent %u of %u tiles", id, c->tile, tile, s->tile_count);
+		return BAD("child %u: tile %u is not after its parent %u of %u tiles", id, c->tile, tile,
+			s->tile_count);
 	for (int i = 0; i < 3; i++)
 		if (!within(c->at[i], -METRES_MAX, METRES_MAX))
 			return BAD("child %u: position %g is impossible", id, c->at[i]);
@@ -328,11 +371,14 @@ static enum eco_code check_tile(const struct eco_scene *s, uint32_t id, struct e
 	const struct eco_tile *t = &s->tiles[id];
 	uint64_t instances = 0;
 	for (int i = 0; i < 3; i++)
-		if (!within(t->low[i], -METRES_MAX, METRES_MAX) || !within(t->high[i], -METRES_MAX, METRES_MAX) || t->low[i] > t->high[i])
-			return BAD("tile %u: bounds of axis %d, %g to %g, are impossible", id, i, t->low[i], t->high[i]);
+		if (!within(t->low[i], -METRES_MAX, METRES_MAX)
+				|| !within(t->high[i], -METRES_MAX, METRES_MAX) || t->low[i] > t->high[i])
+			return BAD("tile %u: bounds of axis %d, %g to %g, are impossible", id, i, t->low[i],
+				t->high[i]);
 	if (!within(t->area, 0, AREA_MAX))
 		return BAD("tile %u: area %g is impossible", id, t->area);
-	if (t->summary != ECO_NONE && (t->summary >= s->list_count || s->lists[t->summary].kind != ECO_LIST_POINTS
+	if (t->summary != ECO_NONE
+			&& (t->summary >= s->list_count || s->lists[t->summary].kind != ECO_LIST_POINTS
 	    || !(s->lists[t->summary].attributes & ECO_ATTR_PLANT) || s->lists[t->summary].owner != id))
 		return BAD("tile %u: list %u is not its summary", id, t->summary);
 	for (uint32_t i = 0; i < t->group_count; i++) {
@@ -343,12 +389,13 @@ static enum eco_code check_tile(const struct eco_scene *s, uint32_t id, struct e
 	for (uint32_t i = 0; i < t->child_count; i++) {
 		if (check_child(s, t->child_first + i, id, error) != ECO_OK)
 			return ECO_DAMAGED;
-		if (__builtin_add_overflow(instances, s->tiles[s->children[t->child_first + i].tile].instance_count, &instances))
+		if (__builtin_add_overflow(instances,
+				s->tiles[s->children[t->child_first + i].tile].instance_count, &instances))
 			return BAD("tile %u: more than 2^64 instances", id);
 	}
 	if (instances != t->instance_count)
-		return BAD("tile %u: says %llu instances, its groups and children hold %llu", id, (unsigned long long)t->instance_count,
-			(unsigned long long)instances);
+		return BAD("tile %u: says %llu instances, its groups and children hold %llu", id,
+			(unsigned long long)t->instance_count, (unsigned long long)instances);
 	return ECO_OK;
 }
 
@@ -357,15 +404,18 @@ static enum eco_code check_tiles(const struct eco_scene *s, struct eco_error *er
 	uint64_t groups = 0, children = 0;
 	for (uint32_t i = 0; i < s->tile_count; i++) {
 		const struct eco_tile *t = &s->tiles[i];
-		if (!range_fits(t->group_first, t->group_count, s->group_count) || !range_fits(t->child_first, t->child_count, s->child_count))
-			return BAD("tile %u: groups [%u, +%u) of %u, children [%u, +%u) of %u", i, t->group_first, t->group_count, s->group_count,
-				t->child_first, t->child_count, s->child_count);
+		if (!range_fits(t->group_first, t->group_count, s->group_count)
+				|| !range_fits(t->child_first, t->child_count, s->child_count))
+			return BAD("tile %u: groups [%u, +%u) of %u, children [%u, +%u) of %u", i,
+				t->group_first, t->group_count, s->group_count, t->child_first,
+				t->child_count, s->child_count);
 		groups += t->group_count;
 		children += t->child_count;
 	}
 	if (groups != s->group_count || children != s->child_count)
-		return BAD("tiles: list %llu groups and %llu children, there are %u and %u", (unsigned long long)groups,
-			(unsigned long long)children, s->group_count, s->child_count);
+		return BAD("tiles: list %llu groups and %llu children, there are %u and %u",
+			(unsigned long long)groups, (unsigned long long)children, s->group_count,
+			s->child_count);
 	for (uint32_t i = s->tile_count; i-- > 0;)
 		if (check_tile(s, i, error) != ECO_OK)
 			return ECO_DAMAGED;
@@ -379,23 +429,27 @@ static enum eco_code check_ground_tile(const struct eco_scene *s, uint32_t id, s
 	const struct eco_ground_tile *t = &s->ground[id];
 	const struct eco_list *list, *first;
 	struct eco_ground_span x, y;
-	if (t->list >= s->list_count || s->lists[t->list].kind != ECO_LIST_GROUND || s->lists[t->list].chunk_count != 1)
+	if (t->list >= s->list_count || s->lists[t->list].kind != ECO_LIST_GROUND
+			|| s->lists[t->list].chunk_count != 1)
 		return BAD("ground tile %u: list %u is not ground of one chunk", id, t->list);
 	if (!eco_ground_on_grid(t, s->ground_columns, s->ground_rows))
-		return BAD("ground tile %u: tile %u, %u of level %u is not one of %u x %u samples", id, t->column, t->row, t->level,
-			s->ground_columns, s->ground_rows);
+		return BAD("ground tile %u: tile %u, %u of level %u is not one of %u x %u samples", id,
+			t->column, t->row, t->level, s->ground_columns, s->ground_rows);
 	list = &s->lists[t->list];
 	first = &s->lists[s->ground[0].list];
 	eco_ground_spans(&x, &y, t, s->ground_columns, s->ground_rows);
 	if (list->level != t->level || list->columns != x.count || list->primitive_count != x.count * y.count)
-		return BAD("ground tile %u: list %u has %u samples in rows of %u, it should have %u x %u at level %u", id, t->list,
-			list->primitive_count, list->columns, x.count, y.count, t->level);
+		return BAD("ground tile %u: list %u has %u samples in rows of %u, it should have %u x %u at "
+			"level %u", id, t->list, list->primitive_count, list->columns, x.count, y.count,
+			t->level);
 	if (memcmp(list->grid_origin, first->grid_origin, sizeof list->grid_origin) != 0
 	    || memcmp(list->grid_step, first->grid_step, sizeof list->grid_step) != 0)
 		return BAD("ground tile %u: the grid of list %u is not that of the others", id, t->list);
-	if (!within(t->error_m, 0, METRES_MAX) || !within(t->low_m, -METRES_MAX, METRES_MAX) || !within(t->high_m, -METRES_MAX, METRES_MAX)
+	if (!within(t->error_m, 0, METRES_MAX) || !within(t->low_m, -METRES_MAX, METRES_MAX)
+			|| !within(t->high_m, -METRES_MAX, METRES_MAX)
 	    || t->low_m > t->high_m)
-		return BAD("ground tile %u: error %g m, heights %g to %g m", id, (double)t->error_m, (double)t->low_m, (double)t->high_m);
+		return BAD("ground tile %u: error %g m, heights %g to %g m", id, (double)t->error_m,
+			(double)t->low_m, (double)t->high_m);
 	return ECO_OK;
 }
 
@@ -406,25 +460,31 @@ static enum eco_code check_ground_children(const struct eco_scene *s, uint32_t i
 	uint32_t found = 0;
 	for (uint32_t quarter = 0; quarter < 4 && t->level > 0; quarter++) {
 		const struct eco_ground_tile *c = &s->ground[t->child_first + found];
-		struct eco_ground_tile there = { .level = (uint8_t)(t->level - 1), .column = 2 * t->column + quarter % 2,
+		struct eco_ground_tile there = { .level = (uint8_t)(t->level - 1),
+			.column = 2 * t->column + quarter % 2,
 			.row = 2 * t->row + quarter / 2 };
 
 		if (!eco_ground_on_grid(&there, s->ground_columns, s->ground_rows))
 			continue;
-		if (found == t->child_count || c->level != there.level || c->column != there.column || c->row != there.row)
+		if (found == t->child_count || c->level != there.level || c->column != there.column
+				|| c->row != there.row)
 			return BAD("ground tile %u: its children do not cover it", id);
 		if (c->error_m > t->error_m || c->low_m < t->low_m || c->high_m > t->high_m)
-			return BAD("ground tile %u: its child %u has a larger error, or heights beyond its own", id, t->child_first + found);
+			return BAD("ground tile %u: its child %u has a larger error, or heights beyond its "
+				"own", id, t->child_first + found);
 		found++;
 	}
-	return found == t->child_count ? ECO_OK : BAD("ground tile %u: %u children at level %u", id, t->child_count, t->level);
+	return found == t->child_count ? ECO_OK : BAD("ground tile %u: %u children at level %u", id,
+		t->child_count, t->level);
 }
 
 static enum eco_code check_ground(const struct eco_scene *s, struct eco_error *error)
 {
 	uint32_t next = 1, lists = 0;
-	if ((s->ground_count == 0) != (s->ground_columns == 0) || (s->ground_count == 0) != (s->ground_rows == 0))
-		return BAD("scene: %u ground tiles of %u x %u samples", s->ground_count, s->ground_columns, s->ground_rows);
+	if ((s->ground_count == 0) != (s->ground_columns == 0)
+			|| (s->ground_count == 0) != (s->ground_rows == 0))
+		return BAD("scene: %u ground tiles of %u x %u samples", s->ground_count, s->ground_columns,
+			s->ground_rows);
 	for (uint32_t i = 0; i < s->list_count; i++)
 		lists += s->lists[i].kind == ECO_LIST_GROUND;
 	if (lists != s->ground_count)
@@ -432,41 +492,49 @@ static enum eco_code check_ground(const struct eco_scene *s, struct eco_error *e
 	for (uint32_t i = 0; i < s->ground_count; i++)
 		if (check_ground_tile(s, i, error) != ECO_OK)
 			return ECO_DAMAGED;
-	if (s->ground_count > 0 && s->ground[0].level != eco_ground_root_level(s->ground_columns, s->ground_rows))
-		return BAD("ground tile 0: level %u does not cover %u x %u samples", s->ground[0].level, s->ground_columns, s->ground_rows);
+	if (s->ground_count > 0 && s->ground[0].level != eco_ground_root_level(s->ground_columns,
+			s->ground_rows))
+		return BAD("ground tile 0: level %u does not cover %u x %u samples", s->ground[0].level,
+			s->ground_columns, s->ground_rows);
 	for (uint32_t i = 0; i < s->ground_count; i++) {
 		const struct eco_ground_tile *t = &s->ground[i];
-		if (t->child_first != (t->child_count > 0 ? next : 0) || t->child_count > s->ground_count - next)
-			return BAD("ground tile %u: children [%u, +%u) of %u tiles", i, t->child_first, t->child_count, s->ground_count);
+		if (t->child_first != (t->child_count > 0 ? next : 0) || t->child_count > s->ground_count
+				- next)
+			return BAD("ground tile %u: children [%u, +%u) of %u tiles", i, t->child_first,
+				t->child_count, s->ground_count);
 		next += t->child_count;
 		if (t->child_count > 0 && check_ground_children(s, i, error) != ECO_OK)
 			return ECO_DAMAGED;
 	}
-	return next == s->ground_count || s->ground_count == 0 ? ECO_OK : BAD("scene: %u of %u ground tiles have a parent", next,
-		s->ground_count);
+	return next == s->ground_count || s->ground_count == 0 ? ECO_OK
+		: BAD("scene: %u of %u ground tiles have a parent", next, s->ground_count);
 }
 
 /* Everything present must be among the needs: a reader skips what is not listed. */
 static enum eco_code check_needs(const struct eco_scene *s, struct eco_error *error)
 {
 	static const struct { uint32_t need; const char *name; } names[] = {
-		{ ECO_NEED_POINTS, "points" }, { ECO_NEED_LINES, "lines" }, { ECO_NEED_TRIANGLES, "triangles" },
+		{ ECO_NEED_POINTS, "points" }, { ECO_NEED_LINES, "lines" },
+			{ ECO_NEED_TRIANGLES, "triangles" },
 		{ ECO_NEED_TEXTURES, "textures" }, { ECO_NEED_GROUND, "ground" }, { ECO_NEED_CELLS, "cells" },
 		{ ECO_NEED_SUMMARIES, "summaries" }, { ECO_NEED_PLACEMENTS, "placements" },
 	};
-	static const uint32_t of_kind[] = { [ECO_LIST_TRIANGLES] = ECO_NEED_TRIANGLES, [ECO_LIST_LINES] = ECO_NEED_LINES,
-		[ECO_LIST_POINTS] = ECO_NEED_POINTS, [ECO_LIST_GROUND] = ECO_NEED_GROUND, [ECO_LIST_IMAGE] = ECO_NEED_TEXTURES };
+	static const uint32_t of_kind[] = { [ECO_LIST_TRIANGLES] = ECO_NEED_TRIANGLES,
+		[ECO_LIST_LINES] = ECO_NEED_LINES, [ECO_LIST_POINTS] = ECO_NEED_POINTS,
+		[ECO_LIST_GROUND] = ECO_NEED_GROUND, [ECO_LIST_IMAGE] = ECO_NEED_TEXTURES };
 	uint32_t used = 0;
 
 	for (uint32_t i = 0; i < s->list_count; i++)
-		used |= s->lists[i].attributes & ECO_ATTR_PLANT ? (uint32_t)ECO_NEED_SUMMARIES : of_kind[s->lists[i].kind];
+		used |= s->lists[i].attributes & ECO_ATTR_PLANT ? (uint32_t)ECO_NEED_SUMMARIES
+			: of_kind[s->lists[i].kind];
 	for (uint32_t i = 0; i < s->plant_count; i++)
 		used |= s->plants[i].anchor_count > 1 ? ECO_NEED_CELLS : 0;
 	for (uint32_t i = 0; i < s->child_count; i++)
 		used |= s->children[i].placed ? ECO_NEED_PLACEMENTS : 0;
 	for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
 		if (used & ~s->needs & names[i].need)
-			return BAD("scene: uses %s but does not list them among its needs (%#x)", names[i].name, s->needs);
+			return BAD("scene: uses %s but does not list them among its needs (%#x)",
+				names[i].name, s->needs);
 	return ECO_OK;
 }
 
@@ -475,12 +543,14 @@ enum eco_code eco_scene_check(const struct eco_scene *s, struct eco_error *error
 	if (!name_ends(s->name))
 		return BAD("scene: its name has no end");
 	if (s->needs >= 2 * ECO_NEED_PLACEMENTS)
-		return eco_fail(error, ECO_UNSUPPORTED, "scene: needs %#x that this program does not know", s->needs);
+		return eco_fail(error, ECO_UNSUPPORTED, "scene: needs %#x that this program does not know",
+			s->needs);
 	if (!within(s->near_m, 1e-9, METRES_MAX))
 		return BAD("scene: near plane at %g m is impossible", s->near_m);
 	if (s->root >= s->tile_count)
 		return BAD("scene: root tile %u of %u is not there", s->root, s->tile_count);
-	if (check_lists(s, error) != ECO_OK || check_plants(s, error) != ECO_OK || check_tiles(s, error) != ECO_OK)
+	if (check_lists(s, error) != ECO_OK || check_plants(s, error) != ECO_OK
+			|| check_tiles(s, error) != ECO_OK)
 		return ECO_DAMAGED;
 	if (check_ground(s, error) != ECO_OK)
 		return ECO_DAMAGED;

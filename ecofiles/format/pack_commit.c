@@ -20,7 +20,8 @@ struct body {
 	struct eco_writer owned;
 };
 
-static void add_body(struct body *bodies, uint32_t *count, enum eco_section_kind kind, uint64_t records, struct body body)
+static void add_body(struct body *bodies, uint32_t *count, enum eco_section_kind kind, uint64_t records,
+	struct body body)
 {
 	uint32_t record_bytes = eco_section_info[kind].record_bytes;
 	if (!body.bytes) {
@@ -41,7 +42,8 @@ static void add_body(struct body *bodies, uint32_t *count, enum eco_section_kind
 
 /* Makes all sections but CHUNK_DATA, without offsets. The chunk table holds file offsets, so it needs the
  * offset of CHUNK_DATA. */
-static uint32_t make_bodies(const struct eco_scene *s, const char *meta_json, uint64_t chunk_data, struct body *bodies)
+static uint32_t make_bodies(const struct eco_scene *s, const char *meta_json, uint64_t chunk_data,
+	struct body *bodies)
 {
 	uint32_t count = 0;
 	struct body body;
@@ -64,7 +66,8 @@ static uint32_t make_bodies(const struct eco_scene *s, const char *meta_json, ui
 		eco_chunk_write(&body.owned, &chunk);
 	}
 	add_body(bodies, &count, ECO_SECTION_CHUNKS, s->chunk_count, body);
-	add_body(bodies, &count, ECO_SECTION_PALETTE, s->palette_count, (struct body){ .bytes = (const uint8_t *)s->palette,
+	add_body(bodies, &count, ECO_SECTION_PALETTE, s->palette_count,
+		(struct body){ .bytes = (const uint8_t *)s->palette,
 		.section.size = 3 * (uint64_t)s->palette_count });
 	add_body(bodies, &count, ECO_SECTION_PLACES, s->place_count, (struct body){ .bytes = s->places,
 		.section.size = ECO_PLACE_BYTES * s->place_count });
@@ -97,7 +100,8 @@ static uint64_t place_bodies(struct body *bodies, uint32_t count, uint32_t secti
 	return at;
 }
 
-static enum eco_code write_padding(struct eco_pack_writer *w, uint64_t at, uint64_t offset, struct eco_error *error)
+static enum eco_code write_padding(struct eco_pack_writer *w, uint64_t at, uint64_t offset,
+	struct eco_error *error)
 {
 	static const uint8_t zeros[ECO_PACK_ALIGN];
 	return eco_pack_write_all(w->file, w->temporary, zeros, offset - at, error);
@@ -111,7 +115,8 @@ static enum eco_code copy_payloads(struct eco_pack_writer *w, struct eco_error *
 	if (!buffer)
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for copying", w->path);
 	for (uint64_t at = 0; code == ECO_OK && at < w->spooled;) {
-		ssize_t got = pread(w->spool, buffer, w->spooled - at < size ? w->spooled - at : size, (off_t)at);
+		ssize_t got = pread(w->spool, buffer, w->spooled - at < size ? w->spooled - at : size,
+			(off_t)at);
 		if (got < 0 && errno == EINTR)
 			continue;
 		if (got <= 0)
@@ -124,8 +129,8 @@ static enum eco_code copy_payloads(struct eco_pack_writer *w, struct eco_error *
 	return code;
 }
 
-static enum eco_code write_header(struct eco_pack_writer *w, const struct body *bodies, uint32_t count, uint64_t file_size,
-	struct eco_error *error)
+static enum eco_code write_header(struct eco_pack_writer *w, const struct body *bodies, uint32_t count,
+	uint64_t file_size, struct eco_error *error)
 {
 	struct eco_writer start = { 0 }, table = { 0 }, hashed = { 0 };
 	enum eco_code code;
@@ -149,11 +154,12 @@ static enum eco_code write_header(struct eco_pack_writer *w, const struct body *
 	return code;
 }
 
-static enum eco_code write_file(struct eco_pack_writer *w, const struct eco_scene *scene, const char *meta_json,
-	struct eco_error *error)
+static enum eco_code write_file(struct eco_pack_writer *w, const struct eco_scene *scene,
+	const char *meta_json, struct eco_error *error)
 {
 	struct body bodies[ECO_SECTION_KIND_END];
-	uint32_t count = make_bodies(scene, meta_json, 0, bodies), section_count = count + (w->spooled > 0 ? 1 : 0);
+	uint32_t count = make_bodies(scene, meta_json, 0, bodies),
+		section_count = count + (w->spooled > 0 ? 1 : 0);
 	uint64_t at, end = place_bodies(bodies, count, section_count), chunk_data = align(end), file_size;
 	enum eco_code code = ECO_OK;
 
@@ -168,7 +174,9 @@ static enum eco_code write_file(struct eco_pack_writer *w, const struct eco_scen
 			code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for section %s", w->path,
 				eco_section_info[bodies[i].section.kind].name);
 	if (w->spooled > 0) {
-		bodies[count] = (struct body){ .section = { .kind = ECO_SECTION_CHUNK_DATA, .offset = chunk_data, .size = w->spooled } };
+		bodies[count] =
+			(struct body){ .section = { .kind = ECO_SECTION_CHUNK_DATA, .offset = chunk_data,
+			.size = w->spooled } };
 		file_size = chunk_data + w->spooled;
 	}
 	if (!code)
@@ -177,7 +185,8 @@ static enum eco_code write_file(struct eco_pack_writer *w, const struct eco_scen
 	for (uint32_t i = 0; code == ECO_OK && i < count; i++) {
 		code = write_padding(w, at, bodies[i].section.offset, error);
 		if (!code)
-			code = eco_pack_write_all(w->file, w->temporary, bodies[i].bytes, bodies[i].section.size, error);
+			code = eco_pack_write_all(w->file, w->temporary, bodies[i].bytes,
+				bodies[i].section.size, error);
 		at = bodies[i].section.offset + bodies[i].section.size;
 	}
 	if (code == ECO_OK && w->spooled > 0)
@@ -208,8 +217,8 @@ static enum eco_code publish(struct eco_pack_writer *w, struct eco_error *error)
 	return code;
 }
 
-enum eco_code eco_pack_commit(struct eco_pack_writer *writer, const struct eco_scene *scene, const char *meta_json,
-	struct eco_error *error)
+enum eco_code eco_pack_commit(struct eco_pack_writer *writer, const struct eco_scene *scene,
+	const char *meta_json, struct eco_error *error)
 {
 	struct eco_scene whole = *scene;
 	enum eco_code code = ECO_OK;
@@ -218,8 +227,8 @@ enum eco_code eco_pack_commit(struct eco_pack_writer *writer, const struct eco_s
 	whole.chunks = writer->chunks;
 	whole.chunk_count = writer->chunk_count;
 	if (whole.place_count > UINT32_MAX)
-		code = eco_fail(error, ECO_TOO_LARGE, "%s: %llu places, at most %u fit in a pack", writer->path,
-			(unsigned long long)whole.place_count, UINT32_MAX);
+		code = eco_fail(error, ECO_TOO_LARGE, "%s: %llu places, at most %u fit in a pack",
+			writer->path, (unsigned long long)whole.place_count, UINT32_MAX);
 	if (!code)
 		code = eco_scene_check(&whole, error);
 	if (!code)

@@ -23,8 +23,8 @@ struct opened {
 	void *tables[ECO_SECTION_KIND_END];
 };
 
-static enum eco_code check_section(const struct eco_section *s, uint32_t last_kind, uint64_t at, uint64_t file_size,
-	struct eco_error *error)
+static enum eco_code check_section(const struct eco_section *s, uint32_t last_kind, uint64_t at,
+	uint64_t file_size, struct eco_error *error)
 {
 	uint32_t record_bytes;
 	if (s->kind <= last_kind || s->kind >= ECO_SECTION_KIND_END)
@@ -32,27 +32,31 @@ static enum eco_code check_section(const struct eco_section *s, uint32_t last_ki
 	record_bytes = eco_section_info[s->kind].record_bytes;
 	if (s->record_bytes != record_bytes || s->size == 0 || s->size > file_size
 	    || (record_bytes == 0 ? s->count != 0 : s->size != (uint64_t)s->count * record_bytes))
-		return eco_fail(error, ECO_DAMAGED, "section %s: %u records of %u bytes in %llu bytes", eco_section_info[s->kind].name, s->count,
-			s->record_bytes, (unsigned long long)s->size);
+		return eco_fail(error, ECO_DAMAGED, "section %s: %u records of %u bytes in %llu bytes",
+			eco_section_info[s->kind].name, s->count, s->record_bytes,
+			(unsigned long long)s->size);
 	if (s->offset != (at + ECO_PACK_ALIGN - 1) / ECO_PACK_ALIGN * ECO_PACK_ALIGN || s->offset > file_size
 	    || s->size > file_size - s->offset)
-		return eco_fail(error, ECO_DAMAGED, "section %s: bytes [%llu, +%llu) do not follow byte %llu of %llu",
-			eco_section_info[s->kind].name, (unsigned long long)s->offset, (unsigned long long)s->size, (unsigned long long)at,
-			(unsigned long long)file_size);
+		return eco_fail(error, ECO_DAMAGED, "section %s: bytes [%llu, +%llu) do not follow byte "
+			"%llu of %llu", eco_section_info[s->kind].name, (unsigned long long)s->offset,
+			(unsigned long long)s->size, (unsigned long long)at, (unsigned long long)file_size);
 	return ECO_OK;
 }
 
-static enum eco_code check_bytes(const uint8_t *map, const struct eco_section *s, uint64_t at, struct eco_error *error)
+static enum eco_code check_bytes(const uint8_t *map, const struct eco_section *s, uint64_t at,
+	struct eco_error *error)
 {
 	for (; at < s->offset; at++)
 		if (map[at] != 0)
-			return eco_fail(error, ECO_DAMAGED, "padding at byte %llu is not zero", (unsigned long long)at);
+			return eco_fail(error, ECO_DAMAGED, "padding at byte %llu is not zero",
+				(unsigned long long)at);
 	if (s->kind == ECO_SECTION_CHUNK_DATA) {
 		if (s->hash != 0)
 			return eco_fail(error, ECO_DAMAGED, "section CHUNK_DATA has a hash of its own");
 	} else if (XXH3_64bits(map + s->offset, s->size) != s->hash) {
-		return eco_fail(error, ECO_DAMAGED, "section %s, bytes [%llu, +%llu): its hash does not match",
-			eco_section_info[s->kind].name, (unsigned long long)s->offset, (unsigned long long)s->size);
+		return eco_fail(error, ECO_DAMAGED, "section %s, bytes [%llu, +%llu): its hash does not "
+			"match", eco_section_info[s->kind].name, (unsigned long long)s->offset,
+			(unsigned long long)s->size);
 	}
 	return ECO_OK;
 }
@@ -78,13 +82,17 @@ static enum eco_code read_frame(struct opened *o, struct eco_error *error)
 	if (r.failed || memcmp(magic, ECO_PACK_MAGIC, 8) != 0)
 		return eco_fail(error, ECO_DAMAGED, "not a pack: it does not begin with %s", ECO_PACK_MAGIC);
 	if (version != ECO_PACK_VERSION)
-		return eco_fail(error, ECO_UNSUPPORTED, "a pack of version %u; this program reads version %u: %s", version, ECO_PACK_VERSION,
-			version < ECO_PACK_VERSION ? "build it again from its scene, with ecopack make" : "it was built by a newer program");
+		return eco_fail(error, ECO_UNSUPPORTED, "a pack of version %u; this program reads version "
+			"%u: %s", version, ECO_PACK_VERSION, version < ECO_PACK_VERSION
+			? "build it again from its scene, with ecopack make"
+			: "it was built by a newer program");
 	if (file_size != o->pack.map_size)
-		return eco_fail(error, ECO_DAMAGED, "%zu bytes instead of %llu: truncated or extended; fetch it or build it again", o->pack.map_size,
+		return eco_fail(error, ECO_DAMAGED, "%zu bytes instead of %llu: truncated or extended; "
+			"fetch it or build it again", o->pack.map_size, (unsigned long long)file_size);
+	if (count < 1 || count >= ECO_SECTION_KIND_END
+			|| ECO_PACK_HEADER_BYTES + count * ECO_PACK_SECTION_BYTES > file_size)
+		return eco_fail(error, ECO_DAMAGED, "%u sections in %llu bytes", count,
 			(unsigned long long)file_size);
-	if (count < 1 || count >= ECO_SECTION_KIND_END || ECO_PACK_HEADER_BYTES + count * ECO_PACK_SECTION_BYTES > file_size)
-		return eco_fail(error, ECO_DAMAGED, "%u sections in %llu bytes", count, (unsigned long long)file_size);
 	if (header_hash(map, count * ECO_PACK_SECTION_BYTES) != hash)
 		return eco_fail(error, ECO_DAMAGED, "header: its hash does not match");
 	o->pack.id = eco_chunk_hash(map + ECO_PACK_HEADER_BYTES, count * ECO_PACK_SECTION_BYTES);
@@ -103,32 +111,36 @@ static enum eco_code read_frame(struct opened *o, struct eco_error *error)
 		}
 	}
 	if (code == ECO_OK && at != file_size)
-		return eco_fail(error, ECO_DAMAGED, "%llu bytes follow the last section", (unsigned long long)(file_size - at));
+		return eco_fail(error, ECO_DAMAGED, "%llu bytes follow the last section",
+			(unsigned long long)(file_size - at));
 	return code;
 }
 
 /* Parses the records of one section into an array of structs of `size` bytes. */
-static enum eco_code read_table(struct opened *o, enum eco_section_kind kind, size_t size, const void **table, uint32_t *count,
-	void (*read)(struct eco_reader *, void *), struct eco_error *error)
+static enum eco_code read_table(struct opened *o, enum eco_section_kind kind, size_t size, const void **table,
+	uint32_t *count, void (*read)(struct eco_reader *, void *), struct eco_error *error)
 {
 	const struct eco_section *s = &o->sections[kind];
 	struct eco_reader r = { .bytes = o->pack.map + s->offset, .size = s->size };
 	uint8_t *records = calloc(s->count > 0 ? s->count : 1, size);
 	if (!records)
-		return eco_fail(error, ECO_NO_MEMORY, "section %s: out of memory for %u records", eco_section_info[kind].name, s->count);
+		return eco_fail(error, ECO_NO_MEMORY, "section %s: out of memory for %u records",
+			eco_section_info[kind].name, s->count);
 	o->tables[kind] = records;
 	*table = records;
 	*count = s->count;
 	for (uint32_t i = 0; i < s->count; i++) {
 		read(&r, records + i * size);
 		if (r.failed)
-			return eco_fail(error, ECO_DAMAGED, "section %s: record %u has an impossible field", eco_section_info[kind].name, i);
+			return eco_fail(error, ECO_DAMAGED, "section %s: record %u has an impossible field",
+				eco_section_info[kind].name, i);
 	}
 	return ECO_OK;
 }
 
 /* A reader of records for each table, all of one type. */
-#define READER(kind, table, name) static void read_##name(struct eco_reader *r, void *out) { eco_##name##_read(r, out); }
+#define READER(kind, table, name) static void read_##name(struct eco_reader *r, \
+	void *out) { eco_##name##_read(r, out); }
 ECO_PACK_TABLES(READER)
 READER(CHUNKS, chunks, chunk)
 READER(GROUND, ground, ground_tile)
@@ -138,21 +150,25 @@ static enum eco_code read_tables(struct opened *o, struct eco_error *error)
 {
 	struct eco_scene *scene = &o->pack.scene;
 	const struct eco_section *s = o->sections;
-	struct eco_reader r = { .bytes = o->pack.map + s[ECO_SECTION_SCENE].offset, .size = s[ECO_SECTION_SCENE].size };
+	struct eco_reader r = { .bytes = o->pack.map + s[ECO_SECTION_SCENE].offset,
+		.size = s[ECO_SECTION_SCENE].size };
 	enum eco_code code = ECO_OK;
 	if (s[ECO_SECTION_SCENE].count != 1)
-		return eco_fail(error, ECO_DAMAGED, "section SCENE has %u records instead of 1", s[ECO_SECTION_SCENE].count);
+		return eco_fail(error, ECO_DAMAGED, "section SCENE has %u records instead of 1",
+			s[ECO_SECTION_SCENE].count);
 	eco_scene_read(&r, scene);
 	if (r.failed)
 		return eco_fail(error, ECO_DAMAGED, "section SCENE has an impossible field");
 #define TABLE(kind, field, name) \
 	if (!code) \
-		code = read_table(o, ECO_SECTION_##kind, sizeof *scene->field, (const void **)&scene->field, &scene->name##_count, \
+		code = read_table(o, ECO_SECTION_##kind, sizeof *scene->field, (const void **)&scene->field, \
+		&scene->name##_count, \
 			read_##name, error);
 	ECO_PACK_TABLES(TABLE)
 	TABLE(CHUNKS, chunks, chunk)
 	if (!code)
-		code = read_table(o, ECO_SECTION_GROUND, sizeof *scene->ground, (const void **)&scene->ground, &scene->ground_count,
+		code = read_table(o, ECO_SECTION_GROUND, sizeof *scene->ground, (const void **)&scene->ground,
+		&scene->ground_count,
 			read_ground_tile, error);
 #undef TABLE
 	scene->palette = (const uint8_t (*)[3])(o->pack.map + s[ECO_SECTION_PALETTE].offset);
@@ -172,10 +188,12 @@ static enum eco_code check_chunk_data(const struct opened *o, struct eco_error *
 	uint64_t end = data->offset;
 	for (uint32_t i = 0; i < scene->chunk_count; i++) {
 		const struct eco_chunk *c = &scene->chunks[i];
-		if (c->offset < data->offset || c->offset > end || c->size_bytes > data->offset + data->size - c->offset
+		if (c->offset < data->offset || c->offset > end || c->size_bytes > data->offset + data->size
+				- c->offset
 		    || (c->offset < end && c->size_bytes > end - c->offset))
-			return eco_fail(error, ECO_DAMAGED, "chunk %u: bytes [%llu, +%u) neither follow the payloads before nor are among them", i,
-				(unsigned long long)c->offset, c->size_bytes);
+			return eco_fail(error, ECO_DAMAGED, "chunk %u: bytes [%llu, +%u) neither follow the "
+				"payloads before nor are among them", i, (unsigned long long)c->offset,
+				c->size_bytes);
 		if (c->offset == end)
 			end += c->size_bytes;
 	}
@@ -185,7 +203,8 @@ static enum eco_code check_chunk_data(const struct opened *o, struct eco_error *
 	return ECO_OK;
 }
 
-static enum eco_code open_bytes(struct eco_pack **pack, const uint8_t *bytes, size_t size, bool mapped, struct eco_error *error)
+static enum eco_code open_bytes(struct eco_pack **pack, const uint8_t *bytes, size_t size, bool mapped,
+	struct eco_error *error)
 {
 	struct opened *o = calloc(1, sizeof *o);
 	enum eco_code code;
@@ -212,7 +231,8 @@ static enum eco_code open_bytes(struct eco_pack **pack, const uint8_t *bytes, si
 	return code;
 }
 
-enum eco_code eco_pack_open_memory(struct eco_pack **pack, const uint8_t *bytes, size_t size, struct eco_error *error)
+enum eco_code eco_pack_open_memory(struct eco_pack **pack, const uint8_t *bytes, size_t size,
+	struct eco_error *error)
 {
 	return open_bytes(pack, bytes, size, false, error);
 }
@@ -226,19 +246,22 @@ enum eco_code eco_pack_open(struct eco_pack **pack, const char *path, struct eco
 	int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
 	*pack = NULL;
 	if (file < 0)
-		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: cannot open: %s", path, strerror(errno));
+		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: cannot open: %s", path,
+			strerror(errno));
 	if (fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) {
 		close(file);
 		return eco_fail(error, ECO_BAD_INPUT, "%s: not a regular file", path);
 	}
 	if (status.st_size < (off_t)ECO_PACK_HEADER_BYTES) {
 		close(file);
-		return eco_fail(error, ECO_DAMAGED, "%s: %lld bytes are too few for a pack", path, (long long)status.st_size);
+		return eco_fail(error, ECO_DAMAGED, "%s: %lld bytes are too few for a pack", path,
+			(long long)status.st_size);
 	}
 	map = mmap(NULL, (size_t)status.st_size, PROT_READ, MAP_SHARED, file, 0);
 	close(file);
 	if (map == MAP_FAILED)
-		return eco_fail(error, ECO_IO, "%s: cannot map %lld bytes: %s", path, (long long)status.st_size, strerror(errno));
+		return eco_fail(error, ECO_IO, "%s: cannot map %lld bytes: %s", path,
+			(long long)status.st_size, strerror(errno));
 	code = open_bytes(pack, map, (size_t)status.st_size, true, &inner);
 	if (code)
 		return eco_fail(error, code, "%s: %s", path, inner.text);
@@ -261,13 +284,14 @@ void eco_pack_close(struct eco_pack *pack)
 static uint32_t list_of_chunk(const struct eco_scene *scene, uint32_t chunk)
 {
 	for (uint32_t i = 0; i < scene->list_count; i++)
-		if (chunk >= scene->lists[i].chunk_first && chunk - scene->lists[i].chunk_first < scene->lists[i].chunk_count)
+		if (chunk >= scene->lists[i].chunk_first && chunk - scene->lists[i].chunk_first
+				< scene->lists[i].chunk_count)
 			return i;
 	return ECO_NONE;
 }
 
-enum eco_code eco_pack_payload(const struct eco_pack *pack, uint32_t chunk, const uint8_t **bytes, size_t *size_bytes,
-	struct eco_error *error)
+enum eco_code eco_pack_payload(const struct eco_pack *pack, uint32_t chunk, const uint8_t **bytes,
+	size_t *size_bytes, struct eco_error *error)
 {
 	const struct eco_scene *scene = &pack->scene;
 	const struct eco_chunk *c;
@@ -275,12 +299,14 @@ enum eco_code eco_pack_payload(const struct eco_pack *pack, uint32_t chunk, cons
 	*bytes = NULL;
 	*size_bytes = 0;
 	if (chunk >= scene->chunk_count)
-		return eco_fail(error, ECO_NOT_FOUND, "chunk %u of %u is not there", chunk, scene->chunk_count);
+		return eco_fail(error, ECO_NOT_FOUND, "chunk %u of %u is not there", chunk,
+			scene->chunk_count);
 	c = &scene->chunks[chunk];
 	id = eco_chunk_hash(pack->map + c->offset, c->size_bytes);
 	if (memcmp(id.bytes, c->id.bytes, sizeof id.bytes) != 0)
-		return eco_fail(error, ECO_DAMAGED, "chunk %u of list %u, bytes [%llu, +%u): its hash does not match; restore the pack", chunk,
-			list_of_chunk(scene, chunk), (unsigned long long)c->offset, c->size_bytes);
+		return eco_fail(error, ECO_DAMAGED, "chunk %u of list %u, bytes [%llu, +%u): its hash does "
+			"not match; restore the pack", chunk, list_of_chunk(scene, chunk),
+			(unsigned long long)c->offset, c->size_bytes);
 	*bytes = pack->map + c->offset;
 	*size_bytes = c->size_bytes;
 	return ECO_OK;

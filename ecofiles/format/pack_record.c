@@ -407,7 +407,8 @@ struct eco_place eco_place_read(const struct eco_scene *scene, uint64_t index)
 	assert(index < scene->place_count);
 	p = scene->places + index * ECO_PLACE_BYTES;
 	for (unsigned i = 0; i < 5; i++)
-		word[i] = (uint32_t)p[4 * i] | (uint32_t)p[4 * i + 1] << 8 | (uint32_t)p[4 * i + 2] << 16 | (uint32_t)p[4 * i + 3] << 24;
+		word[i] = (uint32_t)p[4 * i] | (uint32_t)p[4 * i + 1] << 8 | (uint32_t)p[4 * i + 2] << 16
+			| (uint32_t)p[4 * i + 3] << 24;
 	return (struct eco_place){
 		.position = { (int32_t)word[0], (int32_t)word[1], (int32_t)word[2] },
 		.turn = (uint16_t)word[3],

@@ -13,9 +13,11 @@
 #define ECO_PACK_ALIGN 64u
 
 enum eco_section_kind {
-	ECO_SECTION_META = 1, ECO_SECTION_SCENE, ECO_SECTION_PLANTS, ECO_SECTION_ANCHORS, ECO_SECTION_LADDERS, ECO_SECTION_CURVES,
-	ECO_SECTION_TILES, ECO_SECTION_GROUPS, ECO_SECTION_CHILDREN, ECO_SECTION_LISTS, ECO_SECTION_CHUNKS, ECO_SECTION_PALETTE,
-	ECO_SECTION_PLACES, ECO_SECTION_GROUND, ECO_SECTION_CHUNK_DATA, ECO_SECTION_KIND_END
+	ECO_SECTION_META = 1, ECO_SECTION_SCENE, ECO_SECTION_PLANTS, ECO_SECTION_ANCHORS, ECO_SECTION_LADDERS,
+		ECO_SECTION_CURVES,
+	ECO_SECTION_TILES, ECO_SECTION_GROUPS, ECO_SECTION_CHILDREN, ECO_SECTION_LISTS, ECO_SECTION_CHUNKS,
+	ECO_SECTION_PALETTE, ECO_SECTION_PLACES, ECO_SECTION_GROUND, ECO_SECTION_CHUNK_DATA,
+	ECO_SECTION_KIND_END
 };
 
 /* By section kind: name for messages, and bytes of a record (0: META and CHUNK_DATA, which have none). */
@@ -35,7 +37,8 @@ bool eco_section_read(struct eco_reader *r, struct eco_section *section);
  * table, record). Not among them: chunks, whose offsets are known last, and the ground, whose table and
  * records have different names. */
 #define ECO_PACK_TABLES(X) \
-	X(PLANTS, plants, plant) X(ANCHORS, anchors, anchor) X(LADDERS, ladders, ladder) X(CURVES, curves, curve) \
+	X(PLANTS, plants, plant) X(ANCHORS, anchors, anchor) X(LADDERS, ladders, ladder) X(CURVES, curves, \
+	curve) \
 	X(TILES, tiles, tile) X(GROUPS, groups, group) X(CHILDREN, children, child) X(LISTS, lists, list)
 
 /* The SCENE record holds the scalars of struct eco_scene. Readers fail `r` where unused bytes are not

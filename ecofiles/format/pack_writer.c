@@ -20,10 +20,12 @@
 enum eco_code eco_pack_io_failed(const char *path, const char *what, struct eco_error *error)
 {
 	return eco_fail(error, ECO_IO, "%s: cannot %s: %s%s", path, what, strerror(errno),
-		errno == ENOSPC || errno == EDQUOT || errno == EFBIG ? "; free some space or write elsewhere" : "");
+		errno == ENOSPC || errno == EDQUOT || errno == EFBIG ? "; free some space or write elsewhere"
+		: "");
 }
 
-enum eco_code eco_pack_write_all(int file, const char *path, const void *bytes, size_t size, struct eco_error *error)
+enum eco_code eco_pack_write_all(int file, const char *path, const void *bytes, size_t size,
+	struct eco_error *error)
 {
 	const uint8_t *at = bytes;
 	while (size > 0) {
@@ -97,7 +99,8 @@ enum eco_code eco_pack_create(struct eco_pack_writer **writer, const char *path,
 	} else if (there && !S_ISREG(status.st_mode)) {
 		code = eco_fail(error, ECO_BAD_INPUT, "%s: exists and is not a regular file", path);
 	} else if (there && !may_replace(path)) {
-		code = eco_fail(error, ECO_BAD_INPUT, "%s: exists and is not a pack: it is kept; write elsewhere, or remove it first", path);
+		code = eco_fail(error, ECO_BAD_INPUT, "%s: exists and is not a pack: it is kept; write "
+			"elsewhere, or remove it first", path);
 	} else {
 		/* A file of this name is left over from a dead process that had our number. */
 		unlink(w->temporary);
@@ -144,7 +147,9 @@ static uint32_t id_slot(const struct eco_pack_writer *w, const struct eco_chunk 
 	memcpy(&slot, chunk->id.bytes, sizeof slot);
 	for (;; slot++) {
 		uint32_t found = w->ids.slots[slot & (w->ids.size - 1)];
-		if (found == 0 || (memcmp(w->chunks[found - 1].id.bytes, chunk->id.bytes, sizeof chunk->id.bytes) == 0
+		if (found == 0
+				|| (memcmp(w->chunks[found - 1].id.bytes, chunk->id.bytes,
+				sizeof chunk->id.bytes) == 0
 		    && w->chunks[found - 1].size_bytes == chunk->size_bytes))
 			return slot & (w->ids.size - 1);
 	}
@@ -195,14 +200,16 @@ static bool grow_lists(struct eco_pack_writer *w)
 	return true;
 }
 
-static enum eco_code add_chunk(struct eco_pack_writer *w, const uint8_t *bytes, size_t size, uint32_t elements,
-	uint32_t primitives, struct eco_error *error)
+static enum eco_code add_chunk(struct eco_pack_writer *w, const uint8_t *bytes, size_t size,
+	uint32_t elements, uint32_t primitives, struct eco_error *error)
 {
-	struct eco_chunk chunk = { .id = eco_chunk_hash(bytes, size), .offset = w->spooled, .size_bytes = (uint32_t)size,
+	struct eco_chunk chunk = { .id = eco_chunk_hash(bytes, size), .offset = w->spooled,
+		.size_bytes = (uint32_t)size,
 		.element_count = elements, .primitive_count = primitives };
 	uint32_t slot;
 	if (w->chunk_count >= ECO_NONE / 4 || !grow_chunks(w) || !grow_ids(w))
-		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for %u chunks", w->path, w->chunk_count);
+		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for %u chunks", w->path,
+			w->chunk_count);
 	slot = id_slot(w, &chunk);
 	if (w->ids.slots[slot] != 0) {
 		chunk.offset = w->chunks[w->ids.slots[slot] - 1].offset;
@@ -229,16 +236,19 @@ static uint32_t count_primitives(const struct eco_elements *elements, uint32_t f
 struct eco_encoded_chunk { uint8_t *bytes; size_t size; uint32_t elements, primitives; };
 
 /* Encodes elements [first, end) as chunk number `ordinal`. */
-static enum eco_code encode_plain(struct eco_encoded_chunk *chunk, const struct eco_list *list, const struct eco_elements *elements,
-	uint32_t ordinal, uint32_t first, uint32_t end, struct eco_error *error)
+static enum eco_code encode_plain(struct eco_encoded_chunk *chunk, const struct eco_list *list,
+	const struct eco_elements *elements, uint32_t ordinal, uint32_t first, uint32_t end,
+	struct eco_error *error)
 {
 	const struct eco_chunk_input input = { list, elements, first, end, ordinal };
-	*chunk = (struct eco_encoded_chunk){ .elements = end - first, .primitives = count_primitives(elements, first, end) };
+	*chunk = (struct eco_encoded_chunk){ .elements = end - first,
+		.primitives = count_primitives(elements, first, end) };
 	return eco_chunk_encode(&input, &chunk->bytes, &chunk->size, NULL, error);
 }
 
-static enum eco_code add_plain_chunks(struct eco_pack_writer *w, const struct eco_list *list, const struct eco_elements *elements,
-	const uint32_t *ends, uint32_t end_count, struct eco_error *error)
+static enum eco_code add_plain_chunks(struct eco_pack_writer *w, const struct eco_list *list,
+	const struct eco_elements *elements, const uint32_t *ends, uint32_t end_count,
+	struct eco_error *error)
 {
 	for (uint32_t i = 0, first = 0; i < end_count; first = ends[i++]) {
 		struct eco_encoded_chunk chunk;
@@ -252,8 +262,9 @@ static enum eco_code add_plain_chunks(struct eco_pack_writer *w, const struct ec
 	return ECO_OK;
 }
 
-static enum eco_code add_form_chunks(struct eco_pack_writer *w, const struct eco_list *list, const struct eco_elements *forms,
-	const struct eco_elements *partner, const uint32_t *ends, uint32_t end_count, struct eco_error *error)
+static enum eco_code add_form_chunks(struct eco_pack_writer *w, const struct eco_list *list,
+	const struct eco_elements *forms, const struct eco_elements *partner, const uint32_t *ends,
+	uint32_t end_count, struct eco_error *error)
 {
 	/* The partner's stored order follows from its elements: of its list only kind and coder matter. */
 	const struct eco_list fans = { .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS,
@@ -265,7 +276,8 @@ static enum eco_code add_form_chunks(struct eco_pack_writer *w, const struct eco
 		size_t size = 0;
 		enum eco_code code = eco_chunk_encode_form(&input, list, forms, &bytes, &size, error);
 		if (!code)
-			code = add_chunk(w, bytes, size, ends[i] - first, count_primitives(forms, first, ends[i]), error);
+			code = add_chunk(w, bytes, size, ends[i] - first,
+				count_primitives(forms, first, ends[i]), error);
 		free(bytes);
 		if (code)
 			return code;
@@ -274,12 +286,13 @@ static enum eco_code add_form_chunks(struct eco_pack_writer *w, const struct eco
 }
 
 /* Appends the list, with the chunks since `chunk_first` and their counts. */
-static enum eco_code add_list(struct eco_pack_writer *w, const struct eco_list *list, uint32_t chunk_first, uint32_t *list_id,
-	struct eco_error *error)
+static enum eco_code add_list(struct eco_pack_writer *w, const struct eco_list *list, uint32_t chunk_first,
+	uint32_t *list_id, struct eco_error *error)
 {
 	struct eco_list *stored;
 	if (!grow_lists(w))
-		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for %u lists", w->path, w->list_count);
+		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for %u lists", w->path,
+			w->list_count);
 	stored = &w->lists[w->list_count];
 	*stored = *list;
 	stored->chunk_first = chunk_first;
@@ -293,22 +306,23 @@ static enum eco_code add_list(struct eco_pack_writer *w, const struct eco_list *
 	return ECO_OK;
 }
 
-enum eco_code eco_pack_add_list(struct eco_pack_writer *writer, const struct eco_list *list, const struct eco_elements *elements,
-	const uint32_t *ends, uint32_t end_count, const struct eco_elements *partner_elements, uint32_t *list_id,
-	struct eco_error *error)
+enum eco_code eco_pack_add_list(struct eco_pack_writer *writer, const struct eco_list *list,
+	const struct eco_elements *elements, const uint32_t *ends, uint32_t end_count,
+	const struct eco_elements *partner_elements, uint32_t *list_id, struct eco_error *error)
 {
 	bool form = list->coder == ECO_CODER_FORM;
 	uint32_t chunk_first = writer->chunk_count, last = end_count > 0 ? ends[end_count - 1] : 0;
 	enum eco_code code;
 	*list_id = ECO_NONE;
 	if (list->coder == ECO_CODER_BYTES || form != (partner_elements != NULL))
-		return eco_fail(error, ECO_BAD_INPUT, "list %u: coder %u does not go with %s partner", writer->list_count, list->coder,
-			partner_elements != NULL ? "a" : "no");
+		return eco_fail(error, ECO_BAD_INPUT, "list %u: coder %u does not go with %s partner",
+			writer->list_count, list->coder, partner_elements != NULL ? "a" : "no");
 	if (form && list->partner >= writer->list_count)
-		return eco_fail(error, ECO_BAD_INPUT, "list %u: its partner %u must be added before it", writer->list_count, list->partner);
+		return eco_fail(error, ECO_BAD_INPUT, "list %u: its partner %u must be added before it",
+			writer->list_count, list->partner);
 	if (last != elements->element_count)
-		return eco_fail(error, ECO_BAD_INPUT, "list %u: chunks end at element %u of %u", writer->list_count, last,
-			elements->element_count);
+		return eco_fail(error, ECO_BAD_INPUT, "list %u: chunks end at element %u of %u",
+			writer->list_count, last, elements->element_count);
 	code = form ? add_form_chunks(writer, list, elements, partner_elements, ends, end_count, error)
 		: add_plain_chunks(writer, list, elements, ends, end_count, error);
 	if (!code)
@@ -318,8 +332,9 @@ enum eco_code eco_pack_add_list(struct eco_pack_writer *writer, const struct eco
 	return code;
 }
 
-enum eco_code eco_pack_encode(struct eco_encoded *encoded, const struct eco_list *list, const struct eco_elements *elements,
-	const uint32_t *ends, uint32_t end_count, struct eco_error *error)
+enum eco_code eco_pack_encode(struct eco_encoded *encoded, const struct eco_list *list,
+	const struct eco_elements *elements, const uint32_t *ends, uint32_t end_count,
+	struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
 	assert(list->coder != ECO_CODER_FORM && list->coder != ECO_CODER_BYTES);
@@ -328,7 +343,8 @@ enum eco_code eco_pack_encode(struct eco_encoded *encoded, const struct eco_list
 	if (!encoded->chunks)
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory for %u chunks", end_count);
 	for (uint32_t first = 0; code == ECO_OK && encoded->count < end_count; first = ends[encoded->count++])
-		code = encode_plain(&encoded->chunks[encoded->count], list, elements, encoded->count, first, ends[encoded->count], error);
+		code = encode_plain(&encoded->chunks[encoded->count], list, elements, encoded->count, first,
+			ends[encoded->count], error);
 	return code;
 }
 
@@ -340,36 +356,37 @@ void eco_encoded_free(struct eco_encoded *encoded)
 	*encoded = (struct eco_encoded){ .count = 0 };
 }
 
-enum eco_code eco_pack_add_encoded(struct eco_pack_writer *writer, const struct eco_list *list, const struct eco_encoded *encoded,
-	uint32_t *list_id, struct eco_error *error)
+enum eco_code eco_pack_add_encoded(struct eco_pack_writer *writer, const struct eco_list *list,
+	const struct eco_encoded *encoded, uint32_t *list_id, struct eco_error *error)
 {
 	uint32_t chunk_first = writer->chunk_count;
 	*list_id = ECO_NONE;
 	for (uint32_t i = 0; i < encoded->count; i++) {
 		const struct eco_encoded_chunk *chunk = &encoded->chunks[i];
-		enum eco_code code = add_chunk(writer, chunk->bytes, chunk->size, chunk->elements, chunk->primitives, error);
+		enum eco_code code = add_chunk(writer, chunk->bytes, chunk->size, chunk->elements,
+			chunk->primitives, error);
 		if (code)
 			return code;
 	}
 	return add_list(writer, list, chunk_first, list_id, error);
 }
 
-enum eco_code eco_pack_add_bytes(struct eco_pack_writer *writer, const struct eco_list *list, const void *bytes, size_t size,
-	uint32_t *list_id, struct eco_error *error)
+enum eco_code eco_pack_add_bytes(struct eco_pack_writer *writer, const struct eco_list *list,
+	const void *bytes, size_t size, uint32_t *list_id, struct eco_error *error)
 {
 	uint32_t chunk_first = writer->chunk_count;
 	enum eco_code code;
 	*list_id = ECO_NONE;
 	assert(list->coder == ECO_CODER_BYTES);
 	if (size == 0 || size > ECO_CHUNK_BYTES_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "list %u: a file of %zu bytes; 1 to %u fit", writer->list_count, size,
-			ECO_CHUNK_BYTES_MAX);
+		return eco_fail(error, ECO_TOO_LARGE, "list %u: a file of %zu bytes; 1 to %u fit",
+			writer->list_count, size, ECO_CHUNK_BYTES_MAX);
 	code = add_chunk(writer, bytes, size, 1, 1, error);
 	return code == ECO_OK ? add_list(writer, list, chunk_first, list_id, error) : code;
 }
 
-enum eco_code eco_pack_add_copied(struct eco_pack_writer *writer, const struct eco_list *list, const struct eco_pack *from,
-	uint32_t from_list, uint32_t *list_id, struct eco_error *error)
+enum eco_code eco_pack_add_copied(struct eco_pack_writer *writer, const struct eco_list *list,
+	const struct eco_pack *from, uint32_t from_list, uint32_t *list_id, struct eco_error *error)
 {
 	const struct eco_list *old = &from->scene.lists[from_list];
 	uint32_t chunk_first = writer->chunk_count;
@@ -380,17 +397,20 @@ enum eco_code eco_pack_add_copied(struct eco_pack_writer *writer, const struct e
 		size_t size;
 		enum eco_code code = eco_pack_payload(from, i, &bytes, &size, error);
 		if (!code)
-			code = add_chunk(writer, bytes, size, chunk->element_count, chunk->primitive_count, error);
+			code = add_chunk(writer, bytes, size, chunk->element_count, chunk->primitive_count,
+				error);
 		if (code)
 			return code;
 	}
 	return add_list(writer, list, chunk_first, list_id, error);
 }
 
-static enum eco_code read_spool(const struct eco_pack_writer *w, const struct eco_chunk *chunk, uint8_t *bytes, struct eco_error *error)
+static enum eco_code read_spool(const struct eco_pack_writer *w, const struct eco_chunk *chunk,
+	uint8_t *bytes, struct eco_error *error)
 {
 	for (size_t done = 0; done < chunk->size_bytes;) {
-		ssize_t got = pread(w->spool, bytes + done, chunk->size_bytes - done, (off_t)(chunk->offset + done));
+		ssize_t got = pread(w->spool, bytes + done, chunk->size_bytes - done,
+			(off_t)(chunk->offset + done));
 		if (got < 0 && errno == EINTR)
 			continue;
 		if (got <= 0)
@@ -422,8 +442,8 @@ static bool join(struct eco_elements *all, const struct eco_elements *part)
 }
 
 /* Decodes chunk number `ordinal` of a list of points and appends its points. */
-static enum eco_code join_chunk(struct eco_elements *points, const struct eco_list *list, const struct eco_chunk *chunk, uint32_t ordinal,
-	const uint8_t *bytes, struct eco_error *error)
+static enum eco_code join_chunk(struct eco_elements *points, const struct eco_list *list,
+	const struct eco_chunk *chunk, uint32_t ordinal, const uint8_t *bytes, struct eco_error *error)
 {
 	struct eco_elements part = { .element_count = 0 };
 	enum eco_code code = eco_chunk_decode(list, chunk, ordinal, bytes, chunk->size_bytes, &part, error);
@@ -433,7 +453,8 @@ static enum eco_code join_chunk(struct eco_elements *points, const struct eco_li
 	return code;
 }
 
-enum eco_code eco_pack_read_points(struct eco_pack_writer *writer, uint32_t list_id, struct eco_elements *points, struct eco_error *error)
+enum eco_code eco_pack_read_points(struct eco_pack_writer *writer, uint32_t list_id,
+	struct eco_elements *points, struct eco_error *error)
 {
 	const struct eco_list *list = &writer->lists[list_id];
 	enum eco_code code = ECO_OK;
@@ -442,7 +463,8 @@ enum eco_code eco_pack_read_points(struct eco_pack_writer *writer, uint32_t list
 	for (uint32_t i = 0; i < list->chunk_count && code == ECO_OK; i++) {
 		const struct eco_chunk *chunk = &writer->chunks[list->chunk_first + i];
 		uint8_t *bytes = malloc(chunk->size_bytes);
-		code = bytes == NULL ? eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", writer->path) : read_spool(writer, chunk, bytes, error);
+		code = bytes == NULL ? eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", writer->path)
+			: read_spool(writer, chunk, bytes, error);
 		if (!code)
 			code = join_chunk(points, list, chunk, i, bytes, error);
 		free(bytes);
@@ -452,7 +474,8 @@ enum eco_code eco_pack_read_points(struct eco_pack_writer *writer, uint32_t list
 	return code;
 }
 
-enum eco_code eco_pack_points(const struct eco_pack *pack, uint32_t list_id, struct eco_elements *points, struct eco_error *error)
+enum eco_code eco_pack_points(const struct eco_pack *pack, uint32_t list_id, struct eco_elements *points,
+	struct eco_error *error)
 {
 	const struct eco_list *list = &pack->scene.lists[list_id];
 	enum eco_code code = ECO_OK;
@@ -464,7 +487,8 @@ enum eco_code eco_pack_points(const struct eco_pack *pack, uint32_t list_id, str
 		size_t size;
 		code = eco_pack_payload(pack, list->chunk_first + i, &bytes, &size, error);
 		if (!code)
-			code = join_chunk(points, list, &pack->scene.chunks[list->chunk_first + i], i, bytes, error);
+			code = join_chunk(points, list, &pack->scene.chunks[list->chunk_first + i], i, bytes,
+				error);
 	}
 	if (code)
 		eco_elements_free(points);

@@ -25,6 +25,7 @@ struct eco_pack_writer {
 enum eco_code eco_pack_io_failed(const char *path, const char *what, struct eco_error *error);
 
 /* Writes all bytes, in as many calls as it takes. `path` is for errors. */
-enum eco_code eco_pack_write_all(int file, const char *path, const void *bytes, size_t size, struct eco_error *error);
+enum eco_code eco_pack_write_all(int file, const char *path, const void *bytes, size_t size,
+	struct eco_error *error);
 
 #endif

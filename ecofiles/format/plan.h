@@ -33,25 +33,30 @@ struct eco_cut {
 	uint32_t list, first, end;   /* primitives */
 	float scale;                 /* area factor; points: of the list's unit_area */
 	uint32_t placement;          /* for a tile's own list; rules: unused (0) */
-	uint32_t anchor;             /* rule: scene's anchor index; ECO_NONE: the list is drawn once, in its placement */
+	/* rule: scene's anchor index; ECO_NONE: the list is drawn once, in its placement */
+	uint32_t anchor;
 	uint8_t band_first, band_end;
 	uint32_t share_first, share_end;     /* of ECO_SHARE_ONE */
 };
 
-struct eco_placement {           /* how a nested eco file's coordinates become the scene's: world = at + scale * turn(p) */
+/* how a nested eco file's coordinates become the scene's: world = at + scale * turn(p) */
+struct eco_placement {
 	double at[3];
 	uint16_t turn;
 	double scale;
 	uint32_t path;               /* names this occurrence, see owners below */
 };
 
-struct eco_run {                 /* instance lists [list_first, list_end), whose visible plants are drawn by the rules */
+/* instance lists [list_first, list_end), whose visible plants are drawn by the rules */
+struct eco_run {
 	uint32_t placement, list_first, list_end;
-	uint32_t left;               /* of ECO_SHARE_ONE: plants whose lod_open_hash is below are left to their tile's summary; 0: all are
-	                              * drawn */
+	/* of ECO_SHARE_ONE: plants whose lod_open_hash is below are left to their tile's summary; 0: all are
+	 * drawn */
+	uint32_t left;
 };
 
-struct eco_gate {                /* a plant's cells are drawn where eco_gate_place is below `end`; no gate without cells */
+/* a plant's cells are drawn where eco_gate_place is below `end`; no gate without cells */
+struct eco_gate {
 	uint32_t plant, end;
 };
 /* An instance's rank at its plant's gate: lower bands first, and within a band lower hashes first. Ranks
@@ -69,12 +74,14 @@ double eco_predicted_q(const struct eco_prediction *prediction);
 struct eco_plan {                /* owns its arrays */
 	uint64_t vertices;           /* exactly the vertices drawn */
 	uint64_t visible_plants;     /* instances that pass the view test */
-	double sample_distance;      /* d' of Deussen 2002, radians (image plane at distance 1); 0: everything */
+	/* d' of Deussen 2002, radians (image plane at distance 1); 0: everything */
+	double sample_distance;
 	struct eco_prediction prediction;
 	struct eco_placement *placements; uint32_t placement_count;   /* [0] is the scene itself */
 	struct eco_run *runs;             uint32_t run_count;
 	struct eco_gate *gates;           uint32_t gate_count;
-	struct eco_cut *cuts;             uint32_t cut_count;         /* summaries and ground first; see eco_plan_sort */
+	/* summaries and ground first; see eco_plan_sort */
+	struct eco_cut *cuts;             uint32_t cut_count;
 };
 #define ECO_PLAN_ITEMS_MAX (1u << 22)   /* of each array */
 void eco_plan_free(struct eco_plan *plan);
@@ -93,7 +100,8 @@ enum eco_code eco_plan_check(const struct eco_plan *plan, struct eco_error *erro
 struct eco_holding { uint32_t list, chunks; };
 struct eco_holdings { struct eco_holding *items; uint32_t count; };
 #define ECO_HOLDINGS_MAX (1u << 20)
-uint32_t eco_holdings_chunks(const struct eco_holdings *holdings, uint32_t list);   /* 0 if none; NULL holdings allowed */
+/* 0 if none; NULL holdings allowed */
+uint32_t eco_holdings_chunks(const struct eco_holdings *holdings, uint32_t list);
 
 /* Owners, for owner_q: 64 bits that name a plant or a summary point, 0 is "nothing" (layout in plan.c). A
  * plant's owner has the key of its leaf tile, its species and its index in the instance list. A summary
@@ -110,7 +118,8 @@ uint32_t eco_owner_child(uint32_t number);
  * the child's index within its tile and of the distance, in the table, to the tile it places. */
 uint32_t eco_owner_step(const struct eco_scene *scene, uint32_t tile, uint32_t child);
 uint64_t eco_owner_instance(uint32_t key, uint32_t plant, uint32_t index);
-uint64_t eco_owner_summary(uint32_t key, uint32_t plant);                /* only the low 16 bits of the key count */
+/* only the low 16 bits of the key count */
+uint64_t eco_owner_summary(uint32_t key, uint32_t plant);
 bool eco_owner_match(uint64_t a, uint64_t b);
 
 #endif

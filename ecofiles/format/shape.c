@@ -21,8 +21,10 @@ static int64_t root_floor(int64_t v)
 static int64_t unit_of(const int64_t v[3], int64_t axis[3])
 {
 	int64_t length2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-	uint32_t shift = ((uint32_t)__builtin_clzll((unsigned long long)length2) - 2) / 2;      /* so that the root has 30 bits */
-	int64_t length = root_floor(length2 * ((int64_t)1 << 2 * shift)), inverse = ((int64_t)1 << 61) / length;
+	/* so that the root has 30 bits */
+	uint32_t shift = ((uint32_t)__builtin_clzll((unsigned long long)length2) - 2) / 2;
+	int64_t length = root_floor(length2 * ((int64_t)1 << 2 * shift)),
+		inverse = ((int64_t)1 << 61) / length;
 	for (int i = 0; i < 3; i++)
 		axis[i] = (v[i] * ((int64_t)1 << shift) * inverse) >> (61 - ECO_AXIS_BITS);
 	return length >> shift;
@@ -31,7 +33,8 @@ static int64_t unit_of(const int64_t v[3], int64_t axis[3])
 /* A direction on the unfolded octahedron: the middle square, turned by 45 degrees, is the upper half. */
 static void way_of(const int32_t way[2], uint32_t bits, int64_t axis[3])
 {
-	int64_t one = (int64_t)2 << bits, x = 2 * (int64_t)way[0] + 1 - one, y = 2 * (int64_t)way[1] + 1 - one;
+	int64_t one = (int64_t)2 << bits, x = 2 * (int64_t)way[0] + 1 - one,
+		y = 2 * (int64_t)way[1] + 1 - one;
 	int64_t ax = x < 0 ? -x : x, ay = y < 0 ? -y : y, z = one - ax - ay;
 	if (z < 0) {
 		x = x < 0 ? ay - one : one - ay;
@@ -71,7 +74,8 @@ void eco_axes_others(const int64_t *y, int64_t axis[3][3])
 	for (int i = 0; i < 3 && any; i++)
 		rest[i] = y[i] * ((int64_t)1 << (__builtin_clzll((unsigned long long)any) - 34));
 	for (int pass = 0; pass < 2; pass++) {
-		int64_t along = (rest[0] * axis[0][0] + rest[1] * axis[0][1] + rest[2] * axis[0][2]) >> ECO_AXIS_BITS;
+		int64_t along = (rest[0] * axis[0][0] + rest[1] * axis[0][1] + rest[2] * axis[0][2])
+			>> ECO_AXIS_BITS;
 		for (int i = 0; i < 3; i++)
 			rest[i] -= along * axis[0][i] >> ECO_AXIS_BITS;
 	}
@@ -106,10 +110,12 @@ static bool in_range(const struct eco_shapes *s, const struct eco_placing *p)
 	for (int i = 0; i < 3; i++)
 		if (p->size[i] > ECO_SHAPE_SIZE_MAX || p->size[i] < -ECO_SHAPE_SIZE_MAX)
 			return false;
-	return p->way[0] >= 0 && p->way[0] < ways && p->way[1] >= 0 && p->way[1] < ways && p->roll >= 0 && p->roll < rolls;
+	return p->way[0] >= 0 && p->way[0] < ways && p->way[1] >= 0 && p->way[1] < ways && p->roll >= 0
+		&& p->roll < rolls;
 }
 
-bool eco_shape_turn(const struct eco_shapes *s, const struct eco_shape *shape, const struct eco_placing *p, int32_t *offset)
+bool eco_shape_turn(const struct eco_shapes *s, const struct eco_shape *shape, const struct eco_placing *p,
+	int32_t *offset)
 {
 	int64_t axis[3][3], size[3];
 	if (!in_range(s, p))
@@ -126,7 +132,8 @@ bool eco_shape_turn(const struct eco_shapes *s, const struct eco_shape *shape, c
 	for (uint32_t k = 0; k < shape->corners; k++) {
 		int64_t along[3];
 		for (uint32_t j = 0; j < 3; j++)
-			along[j] = (shape->position[3 * k + j] * size[j]) >> 8;          /* below 2^33: sizes are below 2^28 */
+			/* below 2^33: sizes are below 2^28 */
+			along[j] = (shape->position[3 * k + j] * size[j]) >> 8;
 		for (uint32_t i = 0; i < 3; i++) {
 			int64_t v = along[0] * axis[0][i] + along[1] * axis[1][i] + along[2] * axis[2][i];
 			v = (v + ((int64_t)1 << (ECO_AXIS_BITS + 3))) >> (ECO_AXIS_BITS + 4);
@@ -138,7 +145,8 @@ bool eco_shape_turn(const struct eco_shapes *s, const struct eco_shape *shape, c
 	return true;
 }
 
-bool eco_shape_place(const struct eco_shapes *s, const struct eco_placing *p, const int32_t *offset, uint32_t corners, int32_t *position)
+bool eco_shape_place(const struct eco_shapes *s, const struct eco_placing *p, const int32_t *offset,
+	uint32_t corners, int32_t *position)
 {
 	for (uint32_t i = 0; i < 3 * corners; i++) {
 		int64_t v = offset[i] + (int64_t)p->center[i % 3] * ((int64_t)1 << s->place_shift);

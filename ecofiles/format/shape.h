@@ -45,7 +45,8 @@ struct eco_shapes {
 	struct eco_shape *items;
 	uint32_t count;
 	uint8_t stretch;
-	uint8_t place_shift;         /* 0..ECO_EXACT_SHIFT: centres are multiples of 2^place_shift of the grid */
+	/* 0..ECO_EXACT_SHIFT: centres are multiples of 2^place_shift of the grid */
+	uint8_t place_shift;
 	uint8_t size_shift[3];       /* and lengths of axes of 2^size_shift; 0..ECO_SHAPE_SHIFT_MAX */
 	uint8_t way_bits;            /* x: one of 2^(way_bits + 1) squared squares of the octahedron */
 	uint8_t roll_bits;           /* a whole turn has 2^(roll_bits + 2) steps */
@@ -60,11 +61,12 @@ struct eco_placing {
 
 /* The corners of the placed shape relative to its centre, on the grid. False, with offset unspecified: a
  * value of the placing is out of range. Shapes must be within their bounds. */
-bool eco_shape_turn(const struct eco_shapes *shapes, const struct eco_shape *shape, const struct eco_placing *placing, int32_t *offset);
+bool eco_shape_turn(const struct eco_shapes *shapes, const struct eco_shape *shape,
+	const struct eco_placing *placing, int32_t *offset);
 
 /* offset + center; false where that is beyond ECO_ROWS_VALUE_MAX. */
-bool eco_shape_place(const struct eco_shapes *shapes, const struct eco_placing *placing, const int32_t *offset, uint32_t corners,
-	int32_t *position);
+bool eco_shape_place(const struct eco_shapes *shapes, const struct eco_placing *placing,
+	const int32_t *offset, uint32_t corners, int32_t *position);
 
 /* Axes at right angles, of length 2^ECO_AXIS_BITS: the first along x (the world's x where x is 0); the
  * second as near to y as possible, or level where y is NULL or along x. Coordinates must be below 2^30.
@@ -83,7 +85,8 @@ struct eco_shapes_input {
 /* Fills shapes, and of[i] (end - first values) with the shape of element first + i, or ECO_SHAPE_NONE;
  * shapes of fewer than `uses` elements are dropped. Steps are set to the finest of use. False: out of
  * memory. */
-bool eco_shapes_find(struct eco_shapes *shapes, const struct eco_shapes_input *input, uint32_t uses, uint32_t *of);
+bool eco_shapes_find(struct eco_shapes *shapes, const struct eco_shapes_input *input, uint32_t uses,
+uint32_t *of);
 void eco_shapes_free(struct eco_shapes *shapes);
 /* Drops shapes of fewer than `uses` of the `count` elements and renumbers the others. Returns the elements
  * that have a shape. */
@@ -91,6 +94,7 @@ uint32_t eco_shapes_keep(struct eco_shapes *shapes, uint32_t *of, uint32_t count
 
 /* Finds a placing that moves no corner further from `exact` than rounding to the list's grid could. False:
  * there is none. */
-bool eco_shape_fit(const struct eco_shapes *shapes, const struct eco_shape *shape, const int32_t *exact, struct eco_placing *placing);
+bool eco_shape_fit(const struct eco_shapes *shapes, const struct eco_shape *shape, const int32_t *exact,
+struct eco_placing *placing);
 
 #endif

@@ -141,7 +141,8 @@ struct pose { vector axis[3], size; };
 
 /* About the nearest pose to the map: the axis that matters most keeps its direction. `misfit`: greatest
  * squared distance of a corner from its place. */
-static bool pose_of(const struct model *m, const struct body *b, uint8_t stretch, struct pose *p, double *misfit)
+static bool pose_of(const struct model *m, const struct body *b, uint8_t stretch, struct pose *p,
+	double *misfit)
 {
 	vector map[3];
 	map_to(m, b, map);
@@ -157,7 +158,8 @@ static bool pose_of(const struct model *m, const struct body *b, uint8_t stretch
 	cross(p->axis[0], p->axis[1], p->axis[2]);
 	for (int j = 0; j < 3; j++)
 		p->size[j] = dot(map[j], p->axis[j]);
-	double xx = m->span[0] * p->size[0], yy = m->span[1] * p->size[1], zz = m->flat ? 0 : m->span[2] * p->size[2];
+	double xx = m->span[0] * p->size[0], yy = m->span[1] * p->size[1],
+		zz = m->flat ? 0 : m->span[2] * p->size[2];
 	double z = m->flat ? 0 : m->span[2];
 	if (stretch == ECO_STRETCH_NONE)
 		p->size[0] = p->size[1] = p->size[2] = (xx + yy + zz) / (m->span[0] + m->span[1] + z);
@@ -228,7 +230,8 @@ static double miss_of(const struct trial *t, const struct eco_placing *p)
 {
 	int32_t offset[3 * ECO_CORNERS_MAX], at[3 * ECO_CORNERS_MAX];
 	double worst = 0;
-	if (!eco_shape_turn(t->shapes, t->shape, p, offset) || !eco_shape_place(t->shapes, p, offset, t->shape->corners, at))
+	if (!eco_shape_turn(t->shapes, t->shape, p, offset)
+			|| !eco_shape_place(t->shapes, p, offset, t->shape->corners, at))
 		return INFINITY;
 	for (uint32_t k = 0; k < t->shape->corners; k++) {
 		double d2 = 0;
@@ -244,9 +247,10 @@ static double miss_of(const struct trial *t, const struct eco_placing *p)
 /* While the worst corner is too far off, moves one value at a time by one step if that brings it nearer. */
 static double improve(const struct trial *t, struct eco_placing *p, double miss)
 {
-	int32_t *value[9] = { &p->center[0], &p->center[1], &p->center[2], &p->way[0], &p->way[1], &p->roll, &p->size[0], &p->size[1],
-		&p->size[2] };
-	const int count = t->shapes->stretch == ECO_STRETCH_NONE ? 7 : t->shapes->stretch == ECO_STRETCH_ALL ? 9 : 8;
+	int32_t *value[9] = { &p->center[0], &p->center[1], &p->center[2], &p->way[0], &p->way[1], &p->roll,
+		&p->size[0], &p->size[1], &p->size[2] };
+	const int count = t->shapes->stretch == ECO_STRETCH_NONE ? 7 : t->shapes->stretch == ECO_STRETCH_ALL
+		? 9 : 8;
 	for (int moves = 0; moves < MOVES_MAX && miss > room; moves++) {
 		int best = -1, by = 0;
 		for (int i = 0; i < count; i++)
@@ -267,13 +271,14 @@ static double improve(const struct trial *t, struct eco_placing *p, double miss)
 	return miss;
 }
 
-static bool fit_model(const struct eco_shapes *shapes, const struct eco_shape *shape, const struct model *m, const int32_t *exact,
-	struct eco_placing *p)
+static bool fit_model(const struct eco_shapes *shapes, const struct eco_shape *shape, const struct model *m,
+	const int32_t *exact, struct eco_placing *p)
 {
 	struct body b;
 	struct pose pose;
 	double misfit;
-	if (!body_of(&b, exact, m->corners) || !pose_of(m, &b, shapes->stretch, &pose, &misfit) || misfit > room)
+	if (!body_of(&b, exact, m->corners) || !pose_of(m, &b, shapes->stretch, &pose, &misfit)
+			|| misfit > room)
 		return false;
 	*p = (struct eco_placing){ .roll = 0 };
 	for (int i = 0; i < 3; i++) {
@@ -293,7 +298,8 @@ static bool fit_model(const struct eco_shapes *shapes, const struct eco_shape *s
 	return improve(&t, p, miss_of(&t, p)) <= room;
 }
 
-bool eco_shape_fit(const struct eco_shapes *shapes, const struct eco_shape *shape, const int32_t *exact, struct eco_placing *placing)
+bool eco_shape_fit(const struct eco_shapes *shapes, const struct eco_shape *shape, const int32_t *exact,
+	struct eco_placing *placing)
 {
 	struct model m;
 	return model_of(&m, shape) && fit_model(shapes, shape, &m, exact, placing);
@@ -307,7 +313,8 @@ static void rotate(double g[3][3], vector axis[3], int p, int q)
 {
 	if (g[p][q] == 0)
 		return;
-	double theta = (g[q][q] - g[p][p]) / (2 * g[p][q]), t = copysign(1, theta) / (fabs(theta) + sqrt(theta * theta + 1));
+	double theta = (g[q][q] - g[p][p]) / (2 * g[p][q]),
+		t = copysign(1, theta) / (fabs(theta) + sqrt(theta * theta + 1));
 	double c = 1 / sqrt(t * t + 1), s = t * c;
 	for (int i = 0; i < 3; i++) {
 		double a = g[i][p], b = g[i][q];
@@ -357,7 +364,8 @@ static void turn_model(struct model *m, vector axis[3])
 	vector z;
 	cross(axis[order[0]], axis[order[1]], z);
 	for (uint32_t k = 0; k < m->corners; k++) {
-		vector v = { dot(m->corner[k], axis[order[0]]), dot(m->corner[k], axis[order[1]]), dot(m->corner[k], z) };
+		vector v = { dot(m->corner[k], axis[order[0]]), dot(m->corner[k], axis[order[1]]),
+			dot(m->corner[k], z) };
 		memcpy(m->corner[k], v, sizeof v);
 	}
 }
@@ -403,7 +411,8 @@ static const int32_t *uv_of(const struct finder *f, uint32_t i)
 static bool same_skin(const struct finder *f, uint32_t a, uint32_t b)
 {
 	return corners_of(f, a) == corners_of(f, b)
-		&& (!uv_of(f, a) || memcmp(uv_of(f, a), uv_of(f, b), 2 * sizeof(int32_t) * corners_of(f, a)) == 0);
+		&& (!uv_of(f, a) || memcmp(uv_of(f, a), uv_of(f, b), 2 * sizeof(int32_t) * corners_of(f, a))
+		== 0);
 }
 
 static bool is_of(const struct finder *f, const struct model *m, uint8_t stretch, uint32_t i)
@@ -466,7 +475,8 @@ static void shape_from(struct eco_shape *s, const struct model *m, double radius
 	*s = (struct eco_shape){ .corners = (uint8_t)m->corners };
 	for (uint32_t k = 0; k < m->corners; k++)
 		for (uint32_t i = 0; i < 3; i++)
-			s->position[3 * k + i] = m->flat && i == 2 ? 0 : nearest(m->corner[k][i] * ldexp(ECO_SHAPE_ONE, -shift)) * (1 << shift);
+			s->position[3 * k + i] = m->flat && i == 2 ? 0
+				: nearest(m->corner[k][i] * ldexp(ECO_SHAPE_ONE, -shift)) * (1 << shift);
 	if (uv)
 		memcpy(s->uv, uv, 2 * sizeof *uv * m->corners);
 }
@@ -515,7 +525,8 @@ uint32_t eco_shapes_keep(struct eco_shapes *shapes, uint32_t *of, uint32_t count
 
 /* About the gain, in leaves that cost nothing: each stored length takes something, and a shape as much as
  * a leaf. */
-static double find_with(const struct finder *f, struct eco_shapes *shapes, uint8_t stretch, uint32_t uses, uint32_t *of)
+static double find_with(const struct finder *f, struct eco_shapes *shapes, uint8_t stretch, uint32_t uses,
+	uint32_t *of)
 {
 	static const double share[] = { 0.4, 0.36, 0.36, 0.3 };
 	uint32_t found = 0;
@@ -574,7 +585,8 @@ static bool find(struct finder *f, struct eco_shapes *shapes, uint32_t uses, uin
 	uint32_t *other_of = malloc(f->count * sizeof *other_of);
 	bool good = other.items && other_of;
 	double most = good ? find_with(f, shapes, ECO_STRETCH_NONE, uses, of) : 0;
-	for (uint8_t stretch = ECO_STRETCH_WIDTH; good && stretch <= ECO_STRETCH_ALL && most < 0.37 * f->sized; stretch++) {
+	for (uint8_t stretch = ECO_STRETCH_WIDTH; good && stretch <= ECO_STRETCH_ALL
+			&& most < 0.37 * f->sized; stretch++) {
 		double gain = find_with(f, &other, stretch, uses, other_of);
 		if (gain <= most)
 			continue;
@@ -589,14 +601,16 @@ static bool find(struct finder *f, struct eco_shapes *shapes, uint32_t uses, uin
 	return good;
 }
 
-bool eco_shapes_find(struct eco_shapes *shapes, const struct eco_shapes_input *in, uint32_t uses, uint32_t *of)
+bool eco_shapes_find(struct eco_shapes *shapes, const struct eco_shapes_input *in, uint32_t uses,
+	uint32_t *of)
 {
 	struct finder f = { .in = in, .count = in->end - in->first };
 	f.bodies = malloc(f.count * sizeof *f.bodies);
 	f.by_size = malloc(f.count * sizeof *f.by_size);
 	f.models = malloc(ECO_SHAPES_MAX * sizeof *f.models);
 	*shapes = (struct eco_shapes){ .items = calloc(ECO_SHAPES_MAX, sizeof *shapes->items) };
-	bool good = f.bodies && f.by_size && f.models && shapes->items && measure(&f) && find(&f, shapes, uses, of);
+	bool good = f.bodies && f.by_size && f.models && shapes->items && measure(&f)
+		&& find(&f, shapes, uses, of);
 	if (good)
 		finest_steps(&f, shapes);
 	free(f.bodies);

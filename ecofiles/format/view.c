@@ -9,8 +9,8 @@ static enum eco_code check_vector(const double v[3], const char *name, struct ec
 {
 	for (int i = 0; i < 3; i++)
 		if (!(fabs(v[i]) <= COORDINATE_MAX))     /* also NaN */
-			return eco_fail(error, ECO_BAD_INPUT, "%s: its %c is %g; give a number of metres within %g", name, "xyz"[i], v[i],
-				COORDINATE_MAX);
+			return eco_fail(error, ECO_BAD_INPUT, "%s: its %c is %g; give a number of metres "
+				"within %g", name, "xyz"[i], v[i], COORDINATE_MAX);
 	return ECO_OK;
 }
 
@@ -23,14 +23,18 @@ enum eco_code eco_view_check(const struct eco_view *view, struct eco_error *erro
 		code = check_vector(view->up, "up", error);
 	if (code)
 		return code;
-	if (view->eye[0] == view->target[0] && view->eye[1] == view->target[1] && view->eye[2] == view->target[2])
-		return eco_fail(error, ECO_BAD_INPUT, "target: it is the same point as eye (%g, %g, %g); move one of them", view->eye[0],
-			view->eye[1], view->eye[2]);
+	if (view->eye[0] == view->target[0] && view->eye[1] == view->target[1]
+			&& view->eye[2] == view->target[2])
+		return eco_fail(error, ECO_BAD_INPUT, "target: it is the same point as eye (%g, %g, %g); "
+			"move one of them", view->eye[0], view->eye[1], view->eye[2]);
 	if (!(view->fov_y_deg > 0 && view->fov_y_deg < 180))
-		return eco_fail(error, ECO_BAD_INPUT, "fov_y_deg: %g; give an angle between 0 and 180, both excluded", view->fov_y_deg);
+		return eco_fail(error, ECO_BAD_INPUT, "fov_y_deg: %g; give an angle between 0 and 180, both "
+			"excluded", view->fov_y_deg);
 	if (view->width < 1 || view->width > ECO_IMAGE_MAX)
-		return eco_fail(error, ECO_BAD_INPUT, "width: %u; give 1 to %u pixels", view->width, ECO_IMAGE_MAX);
+		return eco_fail(error, ECO_BAD_INPUT, "width: %u; give 1 to %u pixels", view->width,
+			ECO_IMAGE_MAX);
 	if (view->height < 1 || view->height > ECO_IMAGE_MAX)
-		return eco_fail(error, ECO_BAD_INPUT, "height: %u; give 1 to %u pixels", view->height, ECO_IMAGE_MAX);
+		return eco_fail(error, ECO_BAD_INPUT, "height: %u; give 1 to %u pixels", view->height,
+			ECO_IMAGE_MAX);
 	return ECO_OK;
 }

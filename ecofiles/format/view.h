@@ -45,7 +45,8 @@ enum eco_code eco_camera_load(struct eco_camera **camera, const char *path, stru
 enum eco_code eco_camera_parse(struct eco_camera **camera, const char *json, size_t size, const char *name,
 	struct eco_error *error);
 uint32_t eco_camera_frame_count(const struct eco_camera *camera);
-double eco_camera_frame(const struct eco_camera *camera, uint32_t frame, struct eco_view *view);   /* returns time_s; leaves size */
+/* returns time_s; leaves size */
+double eco_camera_frame(const struct eco_camera *camera, uint32_t frame, struct eco_view *view);
 void eco_camera_free(struct eco_camera *camera);
 
 #endif

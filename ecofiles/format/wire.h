@@ -66,7 +66,8 @@
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/format/plan.h"
 
-enum eco_frame_type { ECO_FRAME_SCENE = 1, ECO_FRAME_PLANT, ECO_FRAME_LIST, ECO_FRAME_CHUNK, ECO_FRAME_PLAN, ECO_FRAME_END };
+enum eco_frame_type { ECO_FRAME_SCENE = 1, ECO_FRAME_PLANT, ECO_FRAME_LIST, ECO_FRAME_CHUNK, ECO_FRAME_PLAN,
+ECO_FRAME_END };
 #define ECO_WIRE_VERSION 6u
 #define ECO_FRAME_HEADER_BYTES 16u
 #define ECO_FRAME_PAYLOAD_MAX (1u << 27)
@@ -84,11 +85,13 @@ struct eco_frame_mark { size_t at; uint32_t number; };
 struct eco_frame_mark eco_frame_begin(struct eco_writer *w, enum eco_frame_type type, uint32_t number);
 void eco_frame_end(struct eco_writer *w, struct eco_frame_mark mark);
 
-void eco_wire_write_scene(struct eco_writer *w, const struct eco_scene *scene, const struct eco_chunk_id *pack_id);
+void eco_wire_write_scene(struct eco_writer *w, const struct eco_scene *scene,
+	const struct eco_chunk_id *pack_id);
 void eco_wire_write_plant(struct eco_writer *w, const struct eco_scene *scene, uint32_t plant);
 void eco_wire_write_list(struct eco_writer *w, const struct eco_scene *scene, uint32_t list);
 /* Writes only the fields before the payload; the caller appends the payload. */
-void eco_wire_write_chunk(struct eco_writer *w, const struct eco_scene *scene, uint32_t list, uint32_t ordinal);
+void eco_wire_write_chunk(struct eco_writer *w, const struct eco_scene *scene, uint32_t list,
+	uint32_t ordinal);
 /* Writes a plan given in any order; reading gives it in the order of eco_plan_sort. Sets w->failed if
  * eco_plan_check refuses the plan. */
 void eco_wire_write_plan(struct eco_writer *w, const struct eco_plan *plan);
@@ -109,24 +112,27 @@ float eco_wire_scale_round(float scale);
 struct eco_wire_events {
 	/* set: name, needs, ground_columns and _rows, near_m, counts of plants and lists; root is
 	 * ECO_NONE; no arrays */
-	enum eco_code (*scene)(void *ctx, const struct eco_scene *scene, const struct eco_chunk_id *pack_id, struct eco_error *e);
+	enum eco_code (*scene)(void *ctx, const struct eco_scene *scene, const struct eco_chunk_id *pack_id,
+		struct eco_error *e);
 	/* set: name, height, anchor range; the rest is 0 */
-	enum eco_code (*plant)(void *ctx, uint32_t id, const struct eco_plant *plant, const struct eco_anchor *anchors,
-		struct eco_error *e);
-	enum eco_code (*list)(void *ctx, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3], struct eco_error *e);
+	enum eco_code (*plant)(void *ctx, uint32_t id, const struct eco_plant *plant,
+		const struct eco_anchor *anchors, struct eco_error *e);
+	enum eco_code (*list)(void *ctx, uint32_t id, const struct eco_list *list,
+		const uint8_t (*palette)[3], struct eco_error *e);
 	/* set: id, size and counts; offset is 0; the payload's hash has been checked against chunk->id */
-	enum eco_code (*chunk)(void *ctx, uint32_t list, uint32_t ordinal, const struct eco_chunk *chunk, const uint8_t *payload,
-		struct eco_error *e);
+	enum eco_code (*chunk)(void *ctx, uint32_t list, uint32_t ordinal, const struct eco_chunk *chunk,
+		const uint8_t *payload, struct eco_error *e);
 	/* owns the plan's arrays from here on, even if it fails */
 	enum eco_code (*plan)(void *ctx, struct eco_plan *plan, struct eco_error *e);
 	enum eco_code (*end)(void *ctx, uint64_t vertices, struct eco_error *e);
 };
 struct eco_wire_parser;
-enum eco_code eco_wire_parser_new(struct eco_wire_parser **parser, const struct eco_wire_events *events, void *ctx,
-	struct eco_error *error);
+enum eco_code eco_wire_parser_new(struct eco_wire_parser **parser, const struct eco_wire_events *events,
+	void *ctx, struct eco_error *error);
 /* Takes bytes in any portions, 0 included. An error names the frame's number, type and offset in the
  * stream. */
-enum eco_code eco_wire_feed(struct eco_wire_parser *parser, const uint8_t *bytes, size_t size, struct eco_error *error);
+enum eco_code eco_wire_feed(struct eco_wire_parser *parser, const uint8_t *bytes, size_t size,
+	struct eco_error *error);
 /* ECO_DAMAGED if END has not been seen or bytes follow it. */
 enum eco_code eco_wire_finish(struct eco_wire_parser *parser, struct eco_error *error);
 void eco_wire_parser_free(struct eco_wire_parser *parser);   /* NULL is fine */
@@ -139,6 +145,7 @@ enum eco_code eco_wire_read_plan(struct eco_reader *r, struct eco_plan *plan, st
  * ECO_HOLDINGS_MAX, with memory in proportion to `size`. The caller frees items; *holdings is empty on
  * failure. */
 void eco_wire_write_holdings(struct eco_writer *w, const struct eco_holdings *holdings);
-enum eco_code eco_wire_read_holdings(const uint8_t *bytes, size_t size, struct eco_holdings *holdings, struct eco_error *error);
+enum eco_code eco_wire_read_holdings(const uint8_t *bytes, size_t size, struct eco_holdings *holdings,
+	struct eco_error *error);
 
 #endif

@@ -60,7 +60,8 @@ static enum eco_code whole(const struct eco_reader *r, struct eco_error *e)
 	return ECO_OK;
 }
 
-static enum eco_code check_list_id(const struct eco_wire_parser *p, uint32_t list, const char *what, struct eco_error *e)
+static enum eco_code check_list_id(const struct eco_wire_parser *p, uint32_t list, const char *what,
+	struct eco_error *e)
 {
 	if (list >= p->list_count)
 		return eco_fail(e, ECO_DAMAGED, "%s is list %u of %u", what, list, p->list_count);
@@ -76,7 +77,8 @@ static enum eco_code read_scene(struct eco_wire_parser *p, struct eco_reader *r,
 	uint32_t version = eco_read_u32(r);
 	const uint8_t *id = eco_read_bytes(r, sizeof pack_id.bytes);
 	if (version != ECO_WIRE_VERSION)
-		return eco_fail(e, ECO_UNSUPPORTED, "it has version %u, this program reads version %u", version, ECO_WIRE_VERSION);
+		return eco_fail(e, ECO_UNSUPPORTED, "it has version %u, this program reads version %u",
+			version, ECO_WIRE_VERSION);
 	scene.near_m = eco_read_f64(r);
 	scene.needs = eco_read_u32(r);
 	scene.ground_columns = eco_read_u32(r);
@@ -91,11 +93,13 @@ static enum eco_code read_scene(struct eco_wire_parser *p, struct eco_reader *r,
 	if (!isfinite(scene.near_m) || scene.near_m <= 0)
 		return eco_fail(e, ECO_DAMAGED, "the near plane is not a positive number");
 	if (scene.needs & ~NEEDS_ALL)
-		return eco_fail(e, ECO_UNSUPPORTED, "the scene needs features 0x%x, which this program does not know",
-			scene.needs & ~NEEDS_ALL);
-	if ((scene.ground_columns == 0) != (scene.ground_rows == 0) || scene.ground_columns == 1 || scene.ground_rows == 1
+		return eco_fail(e, ECO_UNSUPPORTED, "the scene needs features 0x%x, which this program does "
+			"not know", scene.needs & ~NEEDS_ALL);
+	if ((scene.ground_columns == 0) != (scene.ground_rows == 0) || scene.ground_columns == 1
+			|| scene.ground_rows == 1
 		|| scene.ground_columns > ECO_GROUND_SIDE_MAX || scene.ground_rows > ECO_GROUND_SIDE_MAX)
-		return eco_fail(e, ECO_DAMAGED, "the ground has %u x %u samples", scene.ground_columns, scene.ground_rows);
+		return eco_fail(e, ECO_DAMAGED, "the ground has %u x %u samples", scene.ground_columns,
+			scene.ground_rows);
 	memcpy(pack_id.bytes, id, sizeof pack_id.bytes);
 	p->plant_count = scene.plant_count;
 	p->list_count = scene.list_count;
@@ -105,11 +109,12 @@ static enum eco_code read_scene(struct eco_wire_parser *p, struct eco_reader *r,
 
 static bool anchor_sound(const struct eco_anchor *a)
 {
-	return isfinite(a->center[0]) && isfinite(a->center[1]) && isfinite(a->center[2]) && isfinite(a->radius) && a->radius >= 0;
+	return isfinite(a->center[0]) && isfinite(a->center[1]) && isfinite(a->center[2])
+		&& isfinite(a->radius) && a->radius >= 0;
 }
 
-static enum eco_code read_anchors(struct eco_wire_parser *p, struct eco_reader *r, uint32_t id, const struct eco_plant *plant,
-	struct eco_error *e)
+static enum eco_code read_anchors(struct eco_wire_parser *p, struct eco_reader *r, uint32_t id,
+	const struct eco_plant *plant, struct eco_error *e)
 {
 	struct eco_anchor *anchors = malloc(plant->anchor_count * sizeof *anchors);
 	enum eco_code code = ECO_OK;
@@ -143,19 +148,21 @@ static enum eco_code read_plant(struct eco_wire_parser *p, struct eco_reader *r,
 	if (!named)
 		return eco_fail(e, ECO_DAMAGED, "the name of plant %u is too long or not UTF-8", id);
 	if (!isfinite(plant.height_m) || plant.height_m < 0)
-		return eco_fail(e, ECO_DAMAGED, "the height of plant %u is not a finite number from 0 on", id);
+		return eco_fail(e, ECO_DAMAGED, "the height of plant %u is not a finite number from 0 on",
+			id);
 	/* an anchor takes at least four floats: allocate no more than can be there */
 	if (plant.anchor_count == 0 || plant.anchor_count > (r->size - r->at) / 16 ||
 		plant.anchor_first > ECO_NONE - plant.anchor_count)
-		return eco_fail(e, ECO_DAMAGED, "plant %u has %u anchors from %u, in %zu bytes", id, plant.anchor_count,
-			plant.anchor_first, r->size - r->at);
+		return eco_fail(e, ECO_DAMAGED, "plant %u has %u anchors from %u, in %zu bytes", id,
+			plant.anchor_count, plant.anchor_first, r->size - r->at);
 	return read_anchors(p, r, id, &plant, e);
 }
 
 static bool grid_sound(const struct eco_list *list)
 {
 	for (int i = 0; i < 3; i++)
-		if (!isfinite(list->grid_origin[i]) || !isfinite(list->grid_step[i]) || list->grid_step[i] < 0)
+		if (!isfinite(list->grid_origin[i]) || !isfinite(list->grid_step[i])
+				|| list->grid_step[i] < 0)
 			return false;
 	return isfinite(list->unit_area) && list->unit_area >= 0;
 }
@@ -164,44 +171,56 @@ static bool grid_sound(const struct eco_list *list)
  * elements. */
 static enum eco_code check_form(uint32_t id, const struct eco_list *list, struct eco_error *e)
 {
-	bool triangles = list->kind == ECO_LIST_TRIANGLES, drawn = triangles || list->kind == ECO_LIST_LINES || list->kind == ECO_LIST_POINTS;
+	bool triangles = list->kind == ECO_LIST_TRIANGLES, drawn = triangles || list->kind == ECO_LIST_LINES
+		|| list->kind == ECO_LIST_POINTS;
 	if (list->partner == ECO_NONE || list->partner == id)
-		return eco_fail(e, ECO_DAMAGED, "list %u holds forms of the elements of list %#x, which is no other list", id, list->partner);
+		return eco_fail(e, ECO_DAMAGED, "list %u holds forms of the elements of list %#x, which is "
+			"no other list", id, list->partner);
 	if (!drawn || (list->primitive_count != list->element_count &&
 		(!triangles || list->primitive_count != 2 * (uint64_t)list->element_count)))
-		return eco_fail(e, ECO_DAMAGED, "list %u: %u forms of kind %u cannot have %u primitives", id, list->element_count, list->kind,
-			list->primitive_count);
+		return eco_fail(e, ECO_DAMAGED, "list %u: %u forms of kind %u cannot have %u primitives", id,
+			list->element_count, list->kind, list->primitive_count);
 	return ECO_OK;
 }
 
-static enum eco_code check_list(const struct eco_wire_parser *p, uint32_t id, const struct eco_list *list, struct eco_error *e)
+static enum eco_code check_list(const struct eco_wire_parser *p, uint32_t id, const struct eco_list *list,
+	struct eco_error *e)
 {
 	if (list->kind < ECO_LIST_TRIANGLES || list->kind > ECO_LIST_IMAGE)
-		return eco_fail(e, ECO_UNSUPPORTED, "list %u is of kind %u, which this program does not know", id, list->kind);
+		return eco_fail(e, ECO_UNSUPPORTED, "list %u is of kind %u, which this program does not know",
+			id, list->kind);
 	if (list->coder < ECO_CODER_ELEMENTS || list->coder > ECO_CODER_BYTES)
-		return eco_fail(e, ECO_UNSUPPORTED, "list %u has coder %u, which this program does not know", id, list->coder);
-	if ((list->attributes & ~ATTRIBUTES_ALL) || (list->level && list->kind != ECO_LIST_POINTS && (list->kind != ECO_LIST_GROUND
-			|| list->level >= ECO_GROUND_LEVELS)))
-		return eco_fail(e, ECO_UNSUPPORTED, "list %u has attributes 0x%x and level %u, which this program does not know", id,
-			list->attributes, list->level);
+		return eco_fail(e, ECO_UNSUPPORTED, "list %u has coder %u, which this program does not know",
+			id, list->coder);
+	if ((list->attributes & ~ATTRIBUTES_ALL)
+			|| (list->level && list->kind != ECO_LIST_POINTS
+			&& (list->kind != ECO_LIST_GROUND || list->level >= ECO_GROUND_LEVELS)))
+		return eco_fail(e, ECO_UNSUPPORTED, "list %u has attributes 0x%x and level %u, which this "
+			"program does not know", id, list->attributes, list->level);
 	if ((list->kind == ECO_LIST_IMAGE) != (list->coder == ECO_CODER_BYTES))
-		return eco_fail(e, ECO_DAMAGED, "list %u: kind %u cannot have coder %u", id, list->kind, list->coder);
+		return eco_fail(e, ECO_DAMAGED, "list %u: kind %u cannot have coder %u", id, list->kind,
+			list->coder);
 	if (!grid_sound(list))
-		return eco_fail(e, ECO_DAMAGED, "list %u: its grid or unit area is not finite or negative", id);
+		return eco_fail(e, ECO_DAMAGED, "list %u: its grid or unit area is not finite or negative",
+			id);
 	if (list->kind == ECO_LIST_GROUND && !p->ground)
 		return eco_fail(e, ECO_DAMAGED, "list %u is ground, but the scene has none", id);
 	if (list->kind == ECO_LIST_INSTANCES && list->plant >= p->plant_count)
-		return eco_fail(e, ECO_DAMAGED, "list %u plants plant %u of %u", id, list->plant, p->plant_count);
-	if ((list->image != ECO_NONE && list->image >= p->list_count) || (list->partner != ECO_NONE && list->partner >= p->list_count))
-		return eco_fail(e, ECO_DAMAGED, "list %u names image %u and partner %u of %u lists", id, list->image, list->partner,
-			p->list_count);
+		return eco_fail(e, ECO_DAMAGED, "list %u plants plant %u of %u", id, list->plant,
+			p->plant_count);
+	if ((list->image != ECO_NONE && list->image >= p->list_count)
+			|| (list->partner != ECO_NONE && list->partner >= p->list_count))
+		return eco_fail(e, ECO_DAMAGED, "list %u names image %u and partner %u of %u lists", id,
+			list->image, list->partner, p->list_count);
 	if (list->coder == ECO_CODER_FORM && check_form(id, list, e) != ECO_OK)
 		return ECO_DAMAGED;
 	if (list->element_count > list->primitive_count && list->kind != ECO_LIST_IMAGE)
-		return eco_fail(e, ECO_DAMAGED, "list %u: %u elements with %u primitives", id, list->element_count,
-			list->primitive_count);
-	if (list->chunk_count > ECO_HOLDINGS_MAX || (list->kind != ECO_LIST_IMAGE && list->chunk_count > list->element_count))
-		return eco_fail(e, ECO_DAMAGED, "list %u: %u chunks of %u elements", id, list->chunk_count, list->element_count);
+		return eco_fail(e, ECO_DAMAGED, "list %u: %u elements with %u primitives", id,
+			list->element_count, list->primitive_count);
+	if (list->chunk_count > ECO_HOLDINGS_MAX
+			|| (list->kind != ECO_LIST_IMAGE && list->chunk_count > list->element_count))
+		return eco_fail(e, ECO_DAMAGED, "list %u: %u chunks of %u elements", id, list->chunk_count,
+			list->element_count);
 	return ECO_OK;
 }
 
@@ -218,7 +237,8 @@ static enum eco_code read_list(struct eco_wire_parser *p, struct eco_reader *r, 
 	if (code)
 		return code;
 	if (list.palette_count > (r->size - r->at) / 3)
-		return eco_fail(e, ECO_DAMAGED, "list %u: a palette of %u colours in %zu bytes", id, list.palette_count, r->size - r->at);
+		return eco_fail(e, ECO_DAMAGED, "list %u: a palette of %u colours in %zu bytes", id,
+			list.palette_count, r->size - r->at);
 	const uint8_t *palette = eco_read_bytes(r, 3 * (size_t)list.palette_count);
 	code = whole(r, e);
 	if (code || !p->events.list)
@@ -226,17 +246,19 @@ static enum eco_code read_list(struct eco_wire_parser *p, struct eco_reader *r, 
 	return p->events.list(p->ctx, id, &list, (const uint8_t (*)[3])palette, e);
 }
 
-static enum eco_code check_chunk(const struct eco_wire_parser *p, uint32_t list, uint32_t ordinal, const struct eco_chunk *chunk,
-	struct eco_error *e)
+static enum eco_code check_chunk(const struct eco_wire_parser *p, uint32_t list, uint32_t ordinal,
+	const struct eco_chunk *chunk, struct eco_error *e)
 {
 	if (chunk->size_bytes == 0 || chunk->size_bytes > ECO_CHUNK_BYTES_MAX)
-		return eco_fail(e, ECO_DAMAGED, "chunk %u of list %u has %u bytes", ordinal, list, chunk->size_bytes);
+		return eco_fail(e, ECO_DAMAGED, "chunk %u of list %u has %u bytes", ordinal, list,
+			chunk->size_bytes);
 	if (chunk->element_count > ECO_CHUNK_ELEMENTS_MAX ||
 		chunk->primitive_count > (ECO_CORNERS_MAX - 2) * (uint64_t)chunk->element_count + 1)
-		return eco_fail(e, ECO_DAMAGED, "chunk %u of list %u has %u elements and %u primitives", ordinal, list,
-			chunk->element_count, chunk->primitive_count);
+		return eco_fail(e, ECO_DAMAGED, "chunk %u of list %u has %u elements and %u primitives",
+			ordinal, list, chunk->element_count, chunk->primitive_count);
 	if (ordinal >= ECO_HOLDINGS_MAX || (list == p->last_list && ordinal != p->last_ordinal + 1))
-		return eco_fail(e, ECO_DAMAGED, "chunk %u of list %u follows chunk %u", ordinal, list, p->last_ordinal);
+		return eco_fail(e, ECO_DAMAGED, "chunk %u of list %u follows chunk %u", ordinal, list,
+			p->last_ordinal);
 	return ECO_OK;
 }
 
@@ -260,23 +282,28 @@ static enum eco_code read_chunk(struct eco_wire_parser *p, struct eco_reader *r,
 	/* the frame's hash covers the way from the server; this hash covers what the server was given */
 	struct eco_chunk_id actual = eco_chunk_hash(payload, chunk.size_bytes);
 	if (memcmp(actual.bytes, chunk.id.bytes, sizeof actual.bytes) != 0)
-		return eco_fail(e, ECO_DAMAGED, "the payload of chunk %u of list %u does not match its id", ordinal, list);
+		return eco_fail(e, ECO_DAMAGED, "the payload of chunk %u of list %u does not match its id",
+			ordinal, list);
 	p->last_list = list;
 	p->last_ordinal = ordinal;
 	return p->events.chunk ? p->events.chunk(p->ctx, list, ordinal, &chunk, payload, e) : ECO_OK;
 }
 
-static enum eco_code check_plan_ids(const struct eco_wire_parser *p, const struct eco_plan *plan, struct eco_error *e)
+static enum eco_code check_plan_ids(const struct eco_wire_parser *p, const struct eco_plan *plan,
+	struct eco_error *e)
 {
 	for (uint32_t i = 0; i < plan->run_count; i++)
 		if (plan->runs[i].list_end > p->list_count)
-			return eco_fail(e, ECO_DAMAGED, "run %u of the plan ends at list %u of %u", i, plan->runs[i].list_end, p->list_count);
+			return eco_fail(e, ECO_DAMAGED, "run %u of the plan ends at list %u of %u", i,
+				plan->runs[i].list_end, p->list_count);
 	for (uint32_t i = 0; i < plan->gate_count; i++)
 		if (plan->gates[i].plant >= p->plant_count)
-			return eco_fail(e, ECO_DAMAGED, "gate %u of the plan is of plant %u of %u", i, plan->gates[i].plant, p->plant_count);
+			return eco_fail(e, ECO_DAMAGED, "gate %u of the plan is of plant %u of %u", i,
+				plan->gates[i].plant, p->plant_count);
 	for (uint32_t i = 0; i < plan->cut_count; i++)
 		if (plan->cuts[i].list >= p->list_count)
-			return eco_fail(e, ECO_DAMAGED, "cut %u of the plan draws list %u of %u", i, plan->cuts[i].list, p->list_count);
+			return eco_fail(e, ECO_DAMAGED, "cut %u of the plan draws list %u of %u", i,
+				plan->cuts[i].list, p->list_count);
 	return ECO_OK;
 }
 
@@ -303,10 +330,11 @@ static enum eco_code read_end(struct eco_wire_parser *p, struct eco_reader *r, s
 	if (code)
 		return code;
 	if (vertices != p->vertices)
-		return eco_fail(e, ECO_DAMAGED, "it states %llu vertices, the last plan has %llu", (unsigned long long)vertices,
-			(unsigned long long)p->vertices);
+		return eco_fail(e, ECO_DAMAGED, "it states %llu vertices, the last plan has %llu",
+			(unsigned long long)vertices, (unsigned long long)p->vertices);
 	if (bytes != came)
-		return eco_fail(e, ECO_DAMAGED, "it states %llu bytes, %llu came", (unsigned long long)bytes, (unsigned long long)came);
+		return eco_fail(e, ECO_DAMAGED, "it states %llu bytes, %llu came", (unsigned long long)bytes,
+			(unsigned long long)came);
 	return p->events.end ? p->events.end(p->ctx, vertices, e) : ECO_OK;
 }
 
@@ -335,12 +363,13 @@ static enum eco_code check_header(struct eco_wire_parser *p, struct eco_error *e
 	if (first > 0xFF || !eco_frame_name(type))
 		return eco_fail(e, ECO_DAMAGED, "it is of type 0x%x, which does not exist", first);
 	if (!may_follow(type, p->last_type))
-		return eco_fail(e, ECO_DAMAGED, "a %s frame cannot %s%s", eco_frame_name(type), p->last_type ? "follow a frame of type " :
+		return eco_fail(e, ECO_DAMAGED, "a %s frame cannot %s%s", eco_frame_name(type),
+			p->last_type ? "follow a frame of type " :
 			"be the first", p->last_type ? eco_frame_name(p->last_type) : "");
 	eco_frame_limits(type, &least, &most);
 	if (p->payload_size < least || p->payload_size > most)
-		return eco_fail(e, ECO_DAMAGED, "a %s frame of %u bytes: [%u, %u] is possible", eco_frame_name(type), p->payload_size,
-			least, most);
+		return eco_fail(e, ECO_DAMAGED, "a %s frame of %u bytes: [%u, %u] is possible",
+			eco_frame_name(type), p->payload_size, least, most);
 	return ECO_OK;
 }
 
@@ -350,7 +379,8 @@ static enum eco_code read_frame(struct eco_wire_parser *p, const uint8_t *payloa
 	struct eco_reader r = { .bytes = payload, .size = p->payload_size };
 	uint32_t type = p->header[0];
 	if (eco_frame_hash(p->header, p->number, payload, p->payload_size) != eco_read_u64(&header))
-		return eco_fail(e, ECO_DAMAGED, "its hash does not match: it was damaged, or a frame is missing before it");
+		return eco_fail(e, ECO_DAMAGED, "its hash does not match: it was damaged, or a frame is "
+			"missing before it");
 	enum eco_code code = readers[type](p, &r, e);
 	if (code)
 		return code;
@@ -381,7 +411,8 @@ static bool keep(struct eco_wire_parser *p, const uint8_t *bytes, size_t size)
 }
 
 /* Takes bytes for the current frame's header or payload and reads the frame once it is whole. */
-static enum eco_code feed_some(struct eco_wire_parser *p, const uint8_t *bytes, size_t size, size_t *used, struct eco_error *e)
+static enum eco_code feed_some(struct eco_wire_parser *p, const uint8_t *bytes, size_t size, size_t *used,
+	struct eco_error *e)
 {
 	if (p->last_type == ECO_FRAME_END)
 		return eco_fail(e, ECO_DAMAGED, "%zu bytes follow the end of the stream", size);
@@ -401,17 +432,19 @@ static enum eco_code feed_some(struct eco_wire_parser *p, const uint8_t *bytes, 
 	return p->payload_have < p->payload_size ? ECO_OK : read_frame(p, p->payload, e);
 }
 
-static enum eco_code fail_for_good(struct eco_wire_parser *p, enum eco_code code, const struct eco_error *cause,
-	struct eco_error *error)
+static enum eco_code fail_for_good(struct eco_wire_parser *p, enum eco_code code,
+	const struct eco_error *cause, struct eco_error *error)
 {
 	const char *name = p->header_have == ECO_FRAME_HEADER_BYTES ? eco_frame_name(p->header[0]) : NULL;
 	/* a callback may fail without a text */
-	eco_fail(&p->failure, code, "stream, frame %u%s%s%s at byte %llu: %s", p->number, name ? " (" : "", name ? name : "",
-		name ? ")" : "", (unsigned long long)p->offset, cause->code ? cause->text : eco_code_name(code));
+	eco_fail(&p->failure, code, "stream, frame %u%s%s%s at byte %llu: %s", p->number, name ? " (" : "",
+		name ? name : "", name ? ")" : "", (unsigned long long)p->offset, cause->code ? cause->text
+		: eco_code_name(code));
 	return eco_fail(error, code, "%s", p->failure.text);
 }
 
-enum eco_code eco_wire_feed(struct eco_wire_parser *p, const uint8_t *bytes, size_t size, struct eco_error *error)
+enum eco_code eco_wire_feed(struct eco_wire_parser *p, const uint8_t *bytes, size_t size,
+	struct eco_error *error)
 {
 	if (p->failure.code)
 		return eco_fail(error, p->failure.code, "%s", p->failure.text);
@@ -434,12 +467,13 @@ enum eco_code eco_wire_finish(struct eco_wire_parser *p, struct eco_error *error
 	if (p->last_type == ECO_FRAME_END)
 		return ECO_OK;
 	struct eco_error cause = { 0 };
-	enum eco_code code = eco_fail(&cause, ECO_DAMAGED, "the stream ends here, without an end frame: it was cut off");
+	enum eco_code code = eco_fail(&cause, ECO_DAMAGED, "the stream ends here, without an end frame: it "
+		"was cut off");
 	return fail_for_good(p, code, &cause, error);
 }
 
-enum eco_code eco_wire_parser_new(struct eco_wire_parser **parser, const struct eco_wire_events *events, void *ctx,
-	struct eco_error *error)
+enum eco_code eco_wire_parser_new(struct eco_wire_parser **parser, const struct eco_wire_events *events,
+	void *ctx, struct eco_error *error)
 {
 	struct eco_wire_parser *p = calloc(1, sizeof *p);
 	*parser = p;

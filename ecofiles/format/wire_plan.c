@@ -47,7 +47,8 @@ float eco_wire_scale_round(float scale)
 static bool short_code(float scale, uint16_t *code)
 {
 	uint32_t bits = float_bits(scale), shifted = bits >> SHORT_DROPPED_BITS;
-	if (shifted << SHORT_DROPPED_BITS != bits || shifted < SHORT_BASE || shifted - SHORT_BASE > UINT16_MAX)
+	if (shifted << SHORT_DROPPED_BITS != bits || shifted < SHORT_BASE
+			|| shifted - SHORT_BASE > UINT16_MAX)
 		return false;
 	*code = (uint16_t)(shifted - SHORT_BASE);
 	return true;
@@ -110,7 +111,8 @@ static uint8_t placement_head(const struct eco_placement *p)
 	head |= p->turn ? PLACE_TURN : 0;
 	head |= p->path ? PLACE_PATH : 0;
 	if (p->scale != 1)
-		head |= ((float)p->scale == p->scale ? PLACE_SCALE_F32 : PLACE_SCALE_F64) << PLACE_SCALE_SHIFT;
+		head |= ((float)p->scale == p->scale ? PLACE_SCALE_F32 : PLACE_SCALE_F64)
+			<< PLACE_SCALE_SHIFT;
 	return (uint8_t)head;
 }
 
@@ -146,7 +148,8 @@ static double read_axis(struct eco_reader *r, bool whole, int64_t *last)
 	if (!whole)
 		return eco_read_f64(r);
 	int64_t step = eco_read_zigzag(r);
-	if (step < -2 * MILLIMETRES_MAX || step > 2 * MILLIMETRES_MAX || llabs(*last + step) > MILLIMETRES_MAX)
+	if (step < -2 * MILLIMETRES_MAX || step > 2 * MILLIMETRES_MAX
+			|| llabs(*last + step) > MILLIMETRES_MAX)
 		r->failed = true;
 	else
 		*last += step;
@@ -163,7 +166,8 @@ static void read_placements(struct eco_reader *r, struct eco_plan *plan)
 			p->at[axis] = read_axis(r, head & 1u << axis, &last[axis]);
 		p->turn = head & PLACE_TURN ? eco_read_u16(r) : 0;
 		p->path = head & PLACE_PATH ? eco_read_u32(r) : 0;
-		p->scale = scale == PLACE_SCALE_F32 ? eco_read_f32(r) : scale == PLACE_SCALE_F64 ? eco_read_f64(r) : 1;
+		p->scale = scale == PLACE_SCALE_F32 ? eco_read_f32(r) : scale == PLACE_SCALE_F64
+			? eco_read_f64(r) : 1;
 	}
 }
 
@@ -230,7 +234,8 @@ static void read_runs(struct eco_reader *r, struct eco_plan *plan)
 		if (head & 1) {
 			run->list_first = step_from(r, first_of_placement, unzigzag(head >> 1));
 			uint64_t placement = eco_read_varint(r);
-			run->placement = i ? step_from(r, run[-1].placement, (int64_t)(placement & INT64_MAX)) + 1 : narrow(r, placement);
+			run->placement = i ? step_from(r, run[-1].placement, (int64_t)(placement & INT64_MAX))
+				+ 1 : narrow(r, placement);
 			first_of_placement = run->list_first;
 		} else if (i) {
 			run->placement = run[-1].placement;
@@ -250,7 +255,8 @@ static void write_gates(struct eco_writer *w, const struct eco_plan *plan)
 	for (uint32_t i = 0; i < plan->gate_count; i++) {
 		const struct eco_gate *gate = &plan->gates[i];
 		uint16_t share = (uint16_t)(gate->end % ECO_SHARE_ONE);
-		eco_write_varint(w, (uint64_t)(i ? gate->plant - gate[-1].plant - 1 : gate->plant) << 1 | (share > 0));
+		eco_write_varint(w, (uint64_t)(i ? gate->plant - gate[-1].plant - 1 : gate->plant) << 1
+			| (share > 0));
 		eco_write_u8(w, (uint8_t)(gate->end / ECO_SHARE_ONE));
 		if (share)
 			eco_write_u16(w, share);
@@ -271,7 +277,8 @@ static void read_gates(struct eco_reader *r, struct eco_plan *plan)
 
 /* ---- Cuts ---- */
 
-enum { CUT_ANCHOR = 1, CUT_LIST = 2, CUT_BANDS_SHIFT = 2, CUT_SCALE_SHIFT = 4, CUT_MORE = 64, CUT_END_AGAIN = 128 };
+enum { CUT_ANCHOR = 1, CUT_LIST = 2, CUT_BANDS_SHIFT = 2, CUT_SCALE_SHIFT = 4, CUT_MORE = 64,
+	CUT_END_AGAIN = 128 };
 enum bands_form { BANDS_AGAIN, BANDS_NEXT, BANDS_FROM_END, BANDS_BOTH };
 enum first_form { FIRST_ZERO, FIRST_AGAIN, FIRST_SENT };
 enum share_form { SHARE_ALL, SHARE_AGAIN, SHARE_REST, SHARE_BOTH };
@@ -286,7 +293,8 @@ struct cut_state {
  * anchor. */
 static struct cut_state cut_state(bool summaries)
 {
-	return (struct cut_state){ .before = { .anchor = ECO_NONE, .share_end = 0 }, .stated = 1, .summaries = summaries };
+	return (struct cut_state){ .before = { .anchor = ECO_NONE, .share_end = 0 }, .stated = 1,
+		.summaries = summaries };
 }
 
 static enum bands_form bands_form(const struct eco_cut *cut, const struct eco_cut *before)
@@ -309,7 +317,8 @@ static enum share_form share_form(const struct eco_cut *cut, const struct eco_cu
 		return SHARE_ALL;
 	if (cut->share_first == before->share_first && cut->share_end == before->share_end)
 		return SHARE_AGAIN;
-	return cut->share_first == before->share_end && cut->share_end == ECO_SHARE_ONE ? SHARE_REST : SHARE_BOTH;
+	return cut->share_first == before->share_end && cut->share_end == ECO_SHARE_ONE ? SHARE_REST
+		: SHARE_BOTH;
 }
 
 static void write_bands(struct eco_writer *w, enum bands_form form, const struct eco_cut *cut)
@@ -320,13 +329,17 @@ static void write_bands(struct eco_writer *w, enum bands_form form, const struct
 		eco_write_u8(w, cut->band_end);
 }
 
-static void read_bands(struct eco_reader *r, enum bands_form form, struct eco_cut *cut, const struct eco_cut *before)
+static void read_bands(struct eco_reader *r, enum bands_form form, struct eco_cut *cut,
+	const struct eco_cut *before)
 {
-	cut->band_first = form == BANDS_AGAIN ? before->band_first : form == BANDS_BOTH ? eco_read_u8(r) : before->band_end;
-	cut->band_end = form == BANDS_AGAIN ? before->band_end : form == BANDS_NEXT ? (uint8_t)(before->band_end + 1) : eco_read_u8(r);
+	cut->band_first = form == BANDS_AGAIN ? before->band_first : form == BANDS_BOTH ? eco_read_u8(r)
+		: before->band_end;
+	cut->band_end = form == BANDS_AGAIN ? before->band_end : form == BANDS_NEXT
+		? (uint8_t)(before->band_end + 1) : eco_read_u8(r);
 }
 
-static void write_more(struct eco_writer *w, const struct eco_cut *cut, enum first_form first, enum share_form share)
+static void write_more(struct eco_writer *w, const struct eco_cut *cut, enum first_form first,
+	enum share_form share)
 {
 	eco_write_u8(w, (uint8_t)(first | share << 2));
 	if (first == FIRST_SENT)
@@ -343,9 +356,11 @@ static void read_more(struct eco_reader *r, bool more, struct eco_cut *cut, cons
 	enum first_form first = forms & 3;
 	enum share_form share = forms >> 2 & 3;
 	cut->first = first == FIRST_SENT ? read_narrow(r) : first == FIRST_AGAIN ? before->first : 0;
-	cut->share_first = share == SHARE_BOTH ? eco_read_u16(r) : share == SHARE_AGAIN ? before->share_first :
+	cut->share_first = share == SHARE_BOTH ? eco_read_u16(r) : share == SHARE_AGAIN
+		? before->share_first :
 		share == SHARE_REST ? before->share_end : 0;
-	cut->share_end = share == SHARE_BOTH ? eco_read_u16(r) + 1u : share == SHARE_AGAIN ? before->share_end : ECO_SHARE_ONE;
+	cut->share_end = share == SHARE_BOTH ? eco_read_u16(r) + 1u : share == SHARE_AGAIN ? before->share_end
+		: ECO_SHARE_ONE;
 }
 
 static void write_cut(struct eco_writer *w, const struct eco_cut *cut, struct cut_state *state)
@@ -357,8 +372,10 @@ static void write_cut(struct eco_writer *w, const struct eco_cut *cut, struct cu
 	enum first_form first = first_form(cut, before);
 	enum scale_form scale = scale_form(cut->scale, state->stated);
 	bool more = first != FIRST_ZERO || share != SHARE_ALL;
-	eco_write_u8(w, (uint8_t)((moved ? CUT_ANCHOR : 0) | (cut->list != before->list ? CUT_LIST : 0) | bands << CUT_BANDS_SHIFT |
-		scale << CUT_SCALE_SHIFT | (more ? CUT_MORE : 0) | (cut->end == before->end ? CUT_END_AGAIN : 0)));
+	eco_write_u8(w,
+		(uint8_t)((moved ? CUT_ANCHOR : 0) | (cut->list != before->list ? CUT_LIST : 0) | bands
+		<< CUT_BANDS_SHIFT | scale << CUT_SCALE_SHIFT | (more ? CUT_MORE : 0)
+		| (cut->end == before->end ? CUT_END_AGAIN : 0)));
 	if (moved && state->summaries)
 		eco_write_zigzag(w, (int64_t)cut->placement - before->placement);
 	else if (moved)
@@ -524,7 +541,8 @@ static void read_fields(struct eco_reader *r, struct eco_plan *plan, bool *no_me
 	read_all_cuts(r, plan, no_memory);
 }
 
-static enum eco_code check_spelling(const uint8_t *bytes, size_t size, const struct eco_plan *plan, struct eco_error *error)
+static enum eco_code check_spelling(const uint8_t *bytes, size_t size, const struct eco_plan *plan,
+	struct eco_error *error)
 {
 	struct eco_writer again = { 0 };
 	write_sorted(&again, plan);
@@ -547,8 +565,8 @@ enum eco_code eco_wire_read_plan(struct eco_reader *r, struct eco_plan *plan, st
 	if (no_memory)
 		code = eco_fail(error, ECO_NO_MEMORY, "no memory for a plan of %zu bytes", r->size - start);
 	else if (r->failed)
-		code = eco_fail(error, ECO_DAMAGED, "the plan ends early, or a number in it is out of range, near its byte %zu",
-			r->at - start);
+		code = eco_fail(error, ECO_DAMAGED, "the plan ends early, or a number in it is out of "
+			"range, near its byte %zu", r->at - start);
 	else
 		code = eco_plan_check(plan, error);
 	if (!code)

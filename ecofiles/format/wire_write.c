@@ -16,7 +16,8 @@ static void write_string(struct eco_writer *w, const char *text, size_t room)
 		eco_write_u8(w, utf8 || (uint8_t)text[i] < 0x80 ? (uint8_t)text[i] : '?');
 }
 
-void eco_wire_write_scene(struct eco_writer *w, const struct eco_scene *scene, const struct eco_chunk_id *pack_id)
+void eco_wire_write_scene(struct eco_writer *w, const struct eco_scene *scene,
+	const struct eco_chunk_id *pack_id)
 {
 	eco_write_u32(w, ECO_WIRE_VERSION);
 	eco_write_bytes(w, pack_id->bytes, sizeof pack_id->bytes);
@@ -52,7 +53,8 @@ void eco_wire_write_list(struct eco_writer *w, const struct eco_scene *scene, ui
 		eco_write_bytes(w, scene->palette + l->palette_first, 3 * (size_t)l->palette_count);
 }
 
-void eco_wire_write_chunk(struct eco_writer *w, const struct eco_scene *scene, uint32_t list, uint32_t ordinal)
+void eco_wire_write_chunk(struct eco_writer *w, const struct eco_scene *scene, uint32_t list,
+	uint32_t ordinal)
 {
 	assert(list < scene->list_count && ordinal < scene->lists[list].chunk_count);
 	const struct eco_chunk *chunk = &scene->chunks[scene->lists[list].chunk_first + ordinal];

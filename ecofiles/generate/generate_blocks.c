@@ -25,11 +25,14 @@ struct share { const char *plant; double share, room_m, low, high; };
 /* Species that need most room come first. Every kind has every species, in other shares. */
 #define SPECIES 6
 static const struct share hectares[KINDS][SPECIES] = {
-	{ { "beech", 0.10, 5.2, 0.8, 1.1 }, { "spruce", 0.34, 3.4, 0.6, 1.1 }, { "pine", 0.06, 4.5, 0.8, 1.1 }, { "birch", 0.04, 3.4, 0.7, 1.0 },
+	{ { "beech", 0.10, 5.2, 0.8, 1.1 }, { "spruce", 0.34, 3.4, 0.6, 1.1 },
+		{ "pine", 0.06, 4.5, 0.8, 1.1 }, { "birch", 0.04, 3.4, 0.7, 1.0 },
 		{ "shrub", 0.10, 1.8, 0.5, 1.2 }, { "fern", 0.36, 0.9, 0.7, 1.3 } },
-	{ { "beech", 0.28, 4.6, 0.7, 1.1 }, { "spruce", 0.05, 3.8, 0.6, 1.0 }, { "pine", 0.02, 4.5, 0.8, 1.0 }, { "birch", 0.10, 3.6, 0.7, 1.0 },
+	{ { "beech", 0.28, 4.6, 0.7, 1.1 }, { "spruce", 0.05, 3.8, 0.6, 1.0 },
+	{ "pine", 0.02, 4.5, 0.8, 1.0 }, { "birch", 0.10, 3.6, 0.7, 1.0 },
 		{ "shrub", 0.25, 1.8, 0.5, 1.2 }, { "fern", 0.30, 0.9, 0.7, 1.3 } },
-	{ { "beech", 0.03, 6, 0.6, 0.9 }, { "spruce", 0.04, 4, 0.4, 0.8 }, { "pine", 0.13, 5, 0.7, 1.1 }, { "birch", 0.15, 4, 0.6, 1.0 },
+	{ { "beech", 0.03, 6, 0.6, 0.9 }, { "spruce", 0.04, 4, 0.4, 0.8 }, { "pine", 0.13, 5, 0.7, 1.1 },
+	{ "birch", 0.15, 4, 0.6, 1.0 },
 		{ "shrub", 0.40, 2, 0.6, 1.3 }, { "fern", 0.25, 0.9, 0.7, 1.3 } },
 };
 #define NAME_BYTES 40
@@ -52,24 +55,29 @@ static double side_m(uint32_t level)
 static const char *const species[] = { "beech", "spruce", "pine", "birch", "shrub", "fern", NULL };
 
 /* A species' share of the throws sets its number: where no room is found, a plant takes less room. */
-static void plant_kind(struct gen_layout *layout, const struct share *kind, uint32_t wanted, struct gen_stand *stand, FILE *out, bool *first)
+static void plant_kind(struct gen_layout *layout, const struct share *kind, uint32_t wanted,
+	struct gen_stand *stand, FILE *out, bool *first)
 {
 	double half_m = HECTARE_M / 2 - RIDE_M;
 	for (uint32_t i = 0; i < wanted; i++) {
 		double room = kind->room_m * gen_random_in(&layout->random, 0.85, 1.15);
 		for (uint32_t throw = 0; throw < 800; throw++, room *= throw > 60 ? 0.985 : 1) {
-			double x = gen_random_in(&layout->random, -half_m, half_m), y = gen_random_in(&layout->random, -half_m, half_m);
+			double x = gen_random_in(&layout->random, -half_m, half_m),
+				y = gen_random_in(&layout->random, -half_m, half_m);
 			if (!gen_stand_add(stand, x, y, room))
 				continue;
-			fprintf(out, "%s\n    {\"plant\": \"%s\", \"at\": [%.2f, %.2f, 0], \"yaw_deg\": %u, \"scale\": %.3f}", *first ? "" : ",", kind->plant,
-				x, y, (uint32_t)(gen_random_bits(&layout->random) % 360), gen_random_in(&layout->random, kind->low, kind->high));
+			fprintf(out, "%s\n    {\"plant\": \"%s\", \"at\": [%.2f, %.2f, 0], \"yaw_deg\": %u, "
+				"\"scale\": %.3f}", *first ? "" : ",", kind->plant, x, y,
+				(uint32_t)(gen_random_bits(&layout->random) % 360),
+				gen_random_in(&layout->random, kind->low, kind->high));
 			*first = false;
 			break;
 		}
 	}
 }
 
-static enum eco_code write_hectare(struct gen_layout *layout, uint32_t kind, uint32_t plants, struct eco_error *error)
+static enum eco_code write_hectare(struct gen_layout *layout, uint32_t kind, uint32_t plants,
+	struct eco_error *error)
 {
 	struct gen_stand stand;
 	struct gen_text text;
@@ -101,7 +109,8 @@ static enum eco_code write_hectare(struct gen_layout *layout, uint32_t kind, uin
 
 /* Children in rows from the south-west, around the origin: the first `count` of columns x columns. Noise
  * and the parent's kind choose each child's kind. */
-static void print_children(FILE *out, struct gen_layout *layout, uint32_t level, uint32_t kind, uint32_t columns, uint32_t count)
+static void print_children(FILE *out, struct gen_layout *layout, uint32_t level, uint32_t kind,
+	uint32_t columns, uint32_t count)
 {
 	uint32_t rows = (count + columns - 1) / columns;
 	double each_m = side_m(level - 1);
@@ -109,17 +118,21 @@ static void print_children(FILE *out, struct gen_layout *layout, uint32_t level,
 	fputs("  \"children\": [", out);
 	for (uint32_t i = 0; i < count; i++) {
 		uint32_t column = i % columns, row = i / columns;
-		double pick = gen_noise(seed, column / 3.1, row / 3.1) + gen_random_in(&layout->random, -0.1, 0.1);
+		double pick = gen_noise(seed, column / 3.1, row / 3.1) + gen_random_in(&layout->random, -0.1,
+			0.1);
 		uint32_t of = pick < 0.36 ? (kind + 1) % KINDS : pick > 0.64 ? (kind + 2) % KINDS : kind;
 		char eco[NAME_BYTES];
 		file_name(eco, level - 1, of);
-		fprintf(out, "%s\n    {\"eco\": \"%s\", \"at\": [%.0f, %.0f, 0], \"yaw_deg\": %u}", i ? "," : "", eco,
-			(column - 0.5 * columns + 0.5) * each_m, (row - 0.5 * rows + 0.5) * each_m, 90 * (uint32_t)(gen_random_bits(&layout->random) % 4));
+		fprintf(out, "%s\n    {\"eco\": \"%s\", \"at\": [%.0f, %.0f, 0], \"yaw_deg\": %u}",
+			i ? "," : "", eco, (column - 0.5 * columns + 0.5) * each_m,
+			(row - 0.5 * rows + 0.5) * each_m,
+			90 * (uint32_t)(gen_random_bits(&layout->random) % 4));
 	}
 	fputs("\n  ]\n}\n", out);
 }
 
-static enum eco_code write_block(struct gen_layout *layout, uint32_t level, uint32_t kind, struct eco_error *error)
+static enum eco_code write_block(struct gen_layout *layout, uint32_t level, uint32_t kind,
+	struct eco_error *error)
 {
 	struct gen_text text;
 	char name[NAME_BYTES];
@@ -136,7 +149,8 @@ static enum eco_code write_block(struct gen_layout *layout, uint32_t level, uint
 #define HEIGHTS 6
 #define EYE_M 1.7
 #define SECOND_M 16.0
-static enum eco_code write_heights(struct gen_layout *layout, const struct gen_terrain *flat, double half_m, struct eco_error *error)
+static enum eco_code write_heights(struct gen_layout *layout, const struct gen_terrain *flat, double half_m,
+	struct eco_error *error)
 {
 	struct gen_look looks[HEIGHTS] = { { 0, { 0.5, -40, EYE_M }, { 1.5, 0, 4 }, 55 } };
 	double times = pow(1.7 * half_m / SECOND_M, 1.0 / (HEIGHTS - 2)), h = SECOND_M;
@@ -148,7 +162,8 @@ static enum eco_code write_heights(struct gen_layout *layout, const struct gen_t
 enum eco_code gen_billion(struct gen_layout *layout, struct eco_error *error)
 {
 	const struct gen_terrain flat = { layout->options->seed, 0, 1000, 0, 100 };
-	uint64_t plants = layout->options->plants ? layout->options->plants : 1000000000u, count = (plants + HECTARE_PLANTS - 1) / HECTARE_PLANTS;
+	uint64_t plants = layout->options->plants ? layout->options->plants : 1000000000u,
+		count = (plants + HECTARE_PLANTS - 1) / HECTARE_PLANTS;
 	uint32_t plants_each = (uint32_t)((plants + count - 1) / count), level = 1;
 	while (count > SIDE * SIDE) {
 		count = (count + SIDE * SIDE - 1) / (SIDE * SIDE);
@@ -168,8 +183,10 @@ enum eco_code gen_billion(struct gen_layout *layout, struct eco_error *error)
 		for (uint32_t kind = 0; kind < KINDS && !code; kind++)
 			code = write_block(layout, l, kind, error);
 	if (!code && !(code = gen_text_open(&text, error))) {
-		fputs("{\n  \"name\": \"billion\", \"crs\": \"" GEN_CRS "\", \"ground\": {\"heights\": \"dem.tif\"},\n", text.out);
-		fprintf(text.out, "  \"origin\": [%.0f, %.0f, %.0f],\n", GEN_EASTING, GEN_NORTHING, GEN_ALTITUDE);
+		fputs("{\n  \"name\": \"billion\", \"crs\": \"" GEN_CRS
+			"\", \"ground\": {\"heights\": \"dem.tif\"},\n", text.out);
+		fprintf(text.out, "  \"origin\": [%.0f, %.0f, %.0f],\n", GEN_EASTING, GEN_NORTHING,
+			GEN_ALTITUDE);
 		print_children(text.out, layout, level, 0, columns, (uint32_t)count);
 		code = gen_text_write(&text, layout, "scene.json", error);
 	}

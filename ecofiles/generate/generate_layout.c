@@ -18,7 +18,8 @@ enum eco_code gen_text_open(struct gen_text *text, struct eco_error *error)
 	return text->out ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "generating: no memory");
 }
 
-enum eco_code gen_text_write(struct gen_text *text, const struct gen_layout *layout, const char *name, struct eco_error *error)
+enum eco_code gen_text_write(struct gen_text *text, const struct gen_layout *layout, const char *name,
+	struct eco_error *error)
 {
 	char path[4096];
 	enum eco_code code = ECO_OK;
@@ -32,10 +33,12 @@ enum eco_code gen_text_write(struct gen_text *text, const struct gen_layout *lay
 	return code;
 }
 
-enum eco_code gen_progress(const struct gen_layout *layout, const char *stage, double share, struct eco_error *error)
+enum eco_code gen_progress(const struct gen_layout *layout, const char *stage, double share,
+	struct eco_error *error)
 {
 	const struct eco_generate_options *o = layout->options;
-	return !o->progress || o->progress(o->ctx, stage, share) ? ECO_OK : eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	return !o->progress || o->progress(o->ctx, stage, share) ? ECO_OK
+		: eco_fail(error, ECO_INTERRUPTED, "interrupted");
 }
 
 /* ---- Shared parts of scenes ---- */
@@ -59,7 +62,8 @@ static enum eco_code write_model(const struct gen_layout *layout, const char *na
 	return code;
 }
 
-enum eco_code gen_write_models(const struct gen_layout *layout, const char *const names[], struct eco_error *error)
+enum eco_code gen_write_models(const struct gen_layout *layout, const char *const names[],
+	struct eco_error *error)
 {
 	uint32_t count = 0;
 	while (names[count])
@@ -76,28 +80,30 @@ enum eco_code gen_write_models(const struct gen_layout *layout, const char *cons
 
 void gen_print_head(FILE *out, const char *name, uint32_t tile_instances)
 {
-	fprintf(out, "{\n  \"name\": \"%s\", \"crs\": \"" GEN_CRS "\", \"origin\": [%.0f, %.0f, %.0f],\n", name, GEN_EASTING, GEN_NORTHING,
-		GEN_ALTITUDE);
-	fprintf(out, "  \"ground\": {\"heights\": \"dem.tif\"}, \"tile\": {\"instances\": %u},\n", tile_instances);
+	fprintf(out, "{\n  \"name\": \"%s\", \"crs\": \"" GEN_CRS "\", \"origin\": [%.0f, %.0f, %.0f],\n",
+		name, GEN_EASTING, GEN_NORTHING, GEN_ALTITUDE);
+	fprintf(out, "  \"ground\": {\"heights\": \"dem.tif\"}, \"tile\": {\"instances\": %u},\n",
+		tile_instances);
 }
 
 static bool has_flowers(const char *name)
 {
-	return !strcmp(name, "azalea") || !strcmp(name, "daisy") || !strcmp(name, "poppy") || !strcmp(name, "cornflower")
-		|| !strcmp(name, "sunflower");
+	return !strcmp(name, "azalea") || !strcmp(name, "daisy") || !strcmp(name, "poppy")
+		|| !strcmp(name, "cornflower") || !strcmp(name, "sunflower");
 }
 
 void gen_print_plants(FILE *out, const char *const names[])
 {
 	fputs("  \"plants\": {", out);
 	for (uint32_t i = 0; names[i]; i++)
-		fprintf(out, "%s\n    \"%s\": {\"model\": \"models/%s.obj\", \"unit\": \"m\"%s}", i ? "," : "", names[i], names[i],
-			has_flowers(names[i]) ? ", \"importance\": {\"flower\": 2}" : "");
+		fprintf(out, "%s\n    \"%s\": {\"model\": \"models/%s.obj\", \"unit\": \"m\"%s}",
+			i ? "," : "", names[i], names[i], has_flowers(names[i])
+			? ", \"importance\": {\"flower\": 2}" : "");
 	fputs("\n  },\n", out);
 }
 
-enum eco_code gen_write_camera(const struct gen_layout *layout, const struct gen_terrain *terrain, const struct gen_look *looks,
-	uint32_t count, struct eco_error *error)
+enum eco_code gen_write_camera(const struct gen_layout *layout, const struct gen_terrain *terrain,
+	const struct gen_look *looks, uint32_t count, struct eco_error *error)
 {
 	struct gen_text text;
 	enum eco_code code = gen_text_open(&text, error);
@@ -106,16 +112,19 @@ enum eco_code gen_write_camera(const struct gen_layout *layout, const struct gen
 	fputs("{\"fps\": 1, \"keyframes\": [", text.out);
 	for (uint32_t i = 0; i < count; i++) {
 		const struct gen_look *l = &looks[i];
-		fprintf(text.out, "%s\n  {\"time_s\": %.0f, \"eye\": [%.2f, %.2f, %.2f], \"target\": [%.2f, %.2f, %.2f], \"up\": [0, 0, 1], "
-			"\"fov_y_deg\": %.0f}", i ? "," : "", l->time_s, l->eye[0], l->eye[1], l->eye[2] + gen_terrain_height(terrain, l->eye[0], l->eye[1]),
-			l->target[0], l->target[1], l->target[2] + gen_terrain_height(terrain, l->target[0], l->target[1]), l->fov_deg);
+		fprintf(text.out, "%s\n  {\"time_s\": %.0f, \"eye\": [%.2f, %.2f, %.2f], \"target\": [%.2f, "
+			"%.2f, %.2f], \"up\": [0, 0, 1], "
+			"\"fov_y_deg\": %.0f}", i ? "," : "", l->time_s, l->eye[0], l->eye[1],
+			l->eye[2] + gen_terrain_height(terrain, l->eye[0], l->eye[1]), l->target[0],
+			l->target[1], l->target[2] + gen_terrain_height(terrain, l->target[0], l->target[1]),
+			l->fov_deg);
 	}
 	fputs("\n]}\n", text.out);
 	return gen_text_write(&text, layout, "camera.json", error);
 }
 
-enum eco_code gen_write_ground(const struct gen_layout *layout, const struct gen_terrain *terrain, double half_m, double step_m,
-	struct eco_error *error)
+enum eco_code gen_write_ground(const struct gen_layout *layout, const struct gen_terrain *terrain,
+	double half_m, double step_m, struct eco_error *error)
 {
 	char path[4096];
 	enum eco_code code = gen_progress(layout, "ground", 0.8, error);
@@ -129,7 +138,8 @@ enum eco_code gen_write_ground(const struct gen_layout *layout, const struct gen
 
 /* ---- Plants that keep their distance: a hash grid of the plants so far ---- */
 
-enum eco_code gen_stand_open(struct gen_stand *stand, uint32_t capacity, double half_m, double room_max, struct eco_error *error)
+enum eco_code gen_stand_open(struct gen_stand *stand, uint32_t capacity, double half_m, double room_max,
+	struct eco_error *error)
 {
 	*stand = (struct gen_stand){ .capacity = capacity, .half_m = half_m, .cell_m = room_max };
 	while (half_m * 2 / stand->cell_m > 4096)
@@ -162,8 +172,10 @@ bool gen_stand_add(struct gen_stand *stand, double x, double y, double room)
 	uint32_t column = stand_cell(stand, x), row = stand_cell(stand, y);
 	for (uint32_t r = row ? row - 1 : 0; r <= row + 1 && r < stand->side; r++) {
 		for (uint32_t c = column ? column - 1 : 0; c <= column + 1 && c < stand->side; c++) {
-			for (uint32_t i = stand->cells[(size_t)r * stand->side + c]; i != ECO_NONE; i = stand->plants[i].next) {
-				double dx = stand->plants[i].x - x, dy = stand->plants[i].y - y, far = 0.5 * (stand->plants[i].room + room);
+			for (uint32_t i = stand->cells[(size_t)r * stand->side + c]; i != ECO_NONE;
+					i = stand->plants[i].next) {
+				double dx = stand->plants[i].x - x, dy = stand->plants[i].y - y,
+					far = 0.5 * (stand->plants[i].room + room);
 				if (dx * dx + dy * dy < far * far)
 					return false;
 			}

@@ -61,7 +61,8 @@ struct gen_v3 gen_turned(struct gen_v3 v, struct gen_v3 axis, double degrees)
 {
 	double s, c;
 	eco_turn_sincos(eco_turn_from_deg(degrees), &s, &c);
-	return gen_add(gen_add(gen_mul(v, c), gen_mul(gen_cross(axis, v), s)), gen_mul(axis, dot(axis, v) * (1 - c)));
+	return gen_add(gen_add(gen_mul(v, c), gen_mul(gen_cross(axis, v), s)),
+		gen_mul(axis, dot(axis, v) * (1 - c)));
 }
 
 struct gen_v3 gen_heading(double azimuth_deg, double elevation_deg)
@@ -97,7 +98,8 @@ void gen_mesh_free(struct gen_mesh *mesh)
 	*mesh = (struct gen_mesh){ 0 };
 }
 
-uint8_t gen_material(struct gen_mesh *mesh, const char *name, uint8_t r, uint8_t g, uint8_t b, const char *texture)
+uint8_t gen_material(struct gen_mesh *mesh, const char *name, uint8_t r, uint8_t g, uint8_t b,
+	const char *texture)
 {
 	assert(mesh->material_count < GEN_MATERIALS_MAX);
 	struct gen_material *m = &mesh->materials[mesh->material_count];
@@ -109,14 +111,16 @@ uint8_t gen_material(struct gen_mesh *mesh, const char *name, uint8_t r, uint8_t
 	return (uint8_t)mesh->material_count++;
 }
 
-uint8_t gen_material_shades(struct gen_mesh *mesh, const char *name, const uint8_t dark[3], const uint8_t bright[3], uint32_t count)
+uint8_t gen_material_shades(struct gen_mesh *mesh, const char *name, const uint8_t dark[3],
+	const uint8_t bright[3], uint32_t count)
 {
 	uint8_t first = (uint8_t)mesh->material_count;
 	for (uint32_t i = 0; i < count; i++) {
 		char shade[40];
 		uint8_t c[3];
 		for (int k = 0; k < 3; k++)
-			c[k] = (uint8_t)((dark[k] * (count - 1 - i) + bright[k] * i + (count - 1) / 2) / (count - 1));
+			c[k] = (uint8_t)((dark[k] * (count - 1 - i) + bright[k] * i + (count - 1) / 2)
+				/ (count - 1));
 		snprintf(shade, sizeof shade, "%.24s-%u", name, i);
 		gen_material(mesh, shade, c[0], c[1], c[2], NULL);
 	}
@@ -147,7 +151,8 @@ static uint32_t add_vertex(struct gen_mesh *mesh, struct gen_v3 at, double u, do
 static void add_face(struct gen_mesh *mesh, uint8_t material, uint32_t corners, const uint32_t corner[])
 {
 	assert(corners == 3 || corners == 4);
-	mesh->failed = mesh->failed || !eco_room(&mesh->faces, &mesh->face_capacity, mesh->face_count, sizeof *mesh->faces);
+	mesh->failed = mesh->failed || !eco_room(&mesh->faces, &mesh->face_capacity, mesh->face_count,
+		sizeof *mesh->faces);
 	if (mesh->failed)
 		return;
 	struct gen_face *face = &mesh->faces[mesh->face_count++];
@@ -164,7 +169,8 @@ void gen_tube(struct gen_mesh *mesh, uint8_t material, const struct gen_tube *tu
 	struct gen_v3 side = gen_across(gen_sub(tube->points[1], tube->points[0]));
 	double along_m = 0;
 	for (uint32_t i = 0; i < n; i++) {
-		struct gen_v3 ahead = gen_sub(tube->points[i + 1 < n ? i + 1 : i], tube->points[i ? i - 1 : 0]);
+		struct gen_v3 ahead = gen_sub(tube->points[i + 1 < n ? i + 1 : i],
+			tube->points[i ? i - 1 : 0]);
 		struct gen_v3 way = gen_unit(ahead);
 		side = gen_unit(gen_mad(side, way, -dot(side, way)));
 		struct gen_v3 up = gen_cross(way, side);
@@ -176,14 +182,16 @@ void gen_tube(struct gen_mesh *mesh, uint8_t material, const struct gen_tube *tu
 			double s, c;
 			eco_turn_sincos((uint16_t)(65536u * k / sides), &s, &c);
 			struct gen_v3 out = gen_add(gen_mul(side, c), gen_mul(up, s));
-			add_vertex(mesh, gen_mad(tube->points[i], out, tube->radius[i]), (double)k / sides, along_m);
+			add_vertex(mesh, gen_mad(tube->points[i], out, tube->radius[i]), (double)k / sides,
+				along_m);
 		}
 		for (uint32_t k = 0; i && k < sides; k++) {
 			uint32_t next = (k + 1) % sides;
 			if (tip)
 				add_face(mesh, material, 3, (uint32_t[]){ before + k, before + next, first });
 			else
-				add_face(mesh, material, 4, (uint32_t[]){ before + k, before + next, first + next, first + k });
+				add_face(mesh, material, 4,
+					(uint32_t[]){ before + k, before + next, first + next, first + k });
 		}
 		before = first;
 	}
@@ -193,13 +201,15 @@ void gen_tube(struct gen_mesh *mesh, uint8_t material, const struct gen_tube *tu
 
 #define EDGE (1.0 / 256)         /* in texture units: margin of a card, so that neighbours do not bleed in */
 
-static void leaf_flat(struct gen_mesh *mesh, uint8_t material, const struct gen_leaf *leaf, struct gen_v3 side)
+static void leaf_flat(struct gen_mesh *mesh, uint8_t material, const struct gen_leaf *leaf,
+	struct gen_v3 side)
 {
 	bool card = leaf->shape == GEN_LEAF_CARD;
 	struct gen_v3 half = gen_mul(side, leaf->width / 2), along = gen_mul(leaf->along, leaf->length);
 	uint32_t corner[4];
 	if (card) {
-		double u0 = 0.5 * (leaf->cell % 2) + EDGE, v0 = 0.5 * (leaf->cell / 2) + EDGE, u1 = u0 + 0.5 - 2 * EDGE, v1 = v0 + 0.5 - 2 * EDGE;
+		double u0 = 0.5 * (leaf->cell % 2) + EDGE, v0 = 0.5 * (leaf->cell / 2) + EDGE,
+			u1 = u0 + 0.5 - 2 * EDGE, v1 = v0 + 0.5 - 2 * EDGE;
 		corner[0] = add_vertex(mesh, gen_sub(leaf->at, half), u0, v0);
 		corner[1] = add_vertex(mesh, gen_add(leaf->at, half), u1, v0);
 		corner[2] = add_vertex(mesh, gen_add(gen_add(leaf->at, along), half), u1, v1);
@@ -215,14 +225,16 @@ static void leaf_flat(struct gen_mesh *mesh, uint8_t material, const struct gen_
 }
 
 /* Six corners, four triangles around the stalk: a leaf arching to its tip. */
-static void leaf_hexagon(struct gen_mesh *mesh, uint8_t material, const struct gen_leaf *leaf, struct gen_v3 side)
+static void leaf_hexagon(struct gen_mesh *mesh, uint8_t material, const struct gen_leaf *leaf,
+	struct gen_v3 side)
 {
 	struct gen_v3 half = gen_mul(side, leaf->width / 2), along = gen_mul(leaf->along, leaf->length);
 	struct gen_v3 sink = gen_mul(leaf->face, -leaf->bend * leaf->length);
 	struct gen_v3 low = gen_mad(gen_mad(leaf->at, along, 0.3), sink, 0.1);
 	struct gen_v3 high = gen_mad(gen_mad(leaf->at, along, 0.68), sink, 0.45);
-	struct gen_v3 at[6] = { leaf->at, gen_mad(low, half, 0.95), gen_mad(high, half, 0.8), gen_add(gen_add(leaf->at, along), sink),
-		gen_mad(high, half, -0.8), gen_mad(low, half, -0.95) };
+	struct gen_v3 at[6] = { leaf->at, gen_mad(low, half, 0.95), gen_mad(high, half, 0.8),
+		gen_add(gen_add(leaf->at, along), sink), gen_mad(high, half, -0.8),
+		gen_mad(low, half, -0.95) };
 	uint32_t corner[6];
 	for (int i = 0; i < 6; i++)
 		corner[i] = add_vertex(mesh, at[i], 0, 0);
@@ -231,14 +243,17 @@ static void leaf_hexagon(struct gen_mesh *mesh, uint8_t material, const struct g
 }
 
 /* Five corners: a strip that narrows to a point, as a fan of three triangles around one corner. */
-static void leaf_blade(struct gen_mesh *mesh, uint8_t material, const struct gen_leaf *leaf, struct gen_v3 side)
+static void leaf_blade(struct gen_mesh *mesh, uint8_t material, const struct gen_leaf *leaf,
+	struct gen_v3 side)
 {
 	struct gen_v3 half = gen_mul(side, leaf->width / 2), along = gen_mul(leaf->along, leaf->length);
 	struct gen_v3 sink = gen_mul(leaf->face, -leaf->bend * leaf->length);
 	struct gen_v3 middle = gen_mad(gen_mad(leaf->at, along, 0.55), sink, 0.3);
 	uint32_t corner[5] = {
-		add_vertex(mesh, gen_mad(leaf->at, half, -1), 0, 0), add_vertex(mesh, gen_add(leaf->at, half), 1, 0),
-		add_vertex(mesh, gen_mad(middle, half, 0.8), 1, 0.5), add_vertex(mesh, gen_mad(middle, half, -0.8), 0, 0.5),
+		add_vertex(mesh, gen_mad(leaf->at, half, -1), 0, 0),
+			add_vertex(mesh, gen_add(leaf->at, half), 1, 0),
+		add_vertex(mesh, gen_mad(middle, half, 0.8), 1, 0.5),
+		add_vertex(mesh, gen_mad(middle, half, -0.8), 0, 0.5),
 		add_vertex(mesh, gen_add(gen_add(leaf->at, along), sink), 0.5, 1) };
 	add_face(mesh, material, 3, (uint32_t[]){ corner[3], corner[0], corner[1] });
 	add_face(mesh, material, 3, (uint32_t[]){ corner[3], corner[1], corner[2] });
@@ -298,7 +313,8 @@ static bool has_texture(const struct gen_mesh *mesh)
 static void print_obj(const struct gen_mesh *mesh, const char *name, FILE *out)
 {
 	bool uv = has_texture(mesh);
-	fprintf(out, "# %s: %u vertices, %u faces, metres, Y up\nmtllib %s.mtl\no %s\n", name, mesh->count, mesh->face_count, name, name);
+	fprintf(out, "# %s: %u vertices, %u faces, metres, Y up\nmtllib %s.mtl\no %s\n", name, mesh->count,
+		mesh->face_count, name, name);
 	for (uint32_t i = 0; i < mesh->count; i++) {
 		const struct gen_v3 *p = &mesh->position[i];
 		fprintf(out, "v %.4f %.4f %.4f\n", tidy(p->x), tidy(p->z), tidy(-p->y));
@@ -326,28 +342,31 @@ static void print_mtl(const struct gen_mesh *mesh, FILE *out)
 {
 	for (uint32_t m = 0; m < mesh->material_count; m++) {
 		const struct gen_material *material = &mesh->materials[m];
-		fprintf(out, "newmtl %s\nKd %.4f %.4f %.4f\nKs 0 0 0\nillum 1\n", material->name, material->rgb[0] / 255.0,
-			material->rgb[1] / 255.0, material->rgb[2] / 255.0);
+		fprintf(out, "newmtl %s\nKd %.4f %.4f %.4f\nKs 0 0 0\nillum 1\n", material->name,
+			material->rgb[0] / 255.0, material->rgb[1] / 255.0, material->rgb[2] / 255.0);
 		if (material->texture)
 			fprintf(out, "map_Kd %s\nmap_d %s\n", material->texture, material->texture);
 		fputs("\n", out);
 	}
 }
 
-enum eco_code gen_mesh_write(const struct gen_mesh *mesh, const char *folder, const char *name, struct eco_error *error)
+enum eco_code gen_mesh_write(const struct gen_mesh *mesh, const char *folder, const char *name,
+	struct eco_error *error)
 {
 	if (mesh->failed)
 		return eco_fail(error, ECO_NO_MEMORY, "generating %s: no memory", name);
 	for (int part = 0; part < 2; part++) {
 		char path[4096], *text = NULL;
 		size_t size = 0;
-		if (snprintf(path, sizeof path, "%s/%s.%s", folder, name, part ? "obj" : "mtl") >= (int)sizeof path)
+		if (snprintf(path, sizeof path, "%s/%s.%s", folder, name, part ? "obj" : "mtl")
+				>= (int)sizeof path)
 			return eco_fail(error, ECO_BAD_INPUT, "%s: path too long", folder);
 		FILE *out = open_memstream(&text, &size);
 		if (!out)
 			return eco_fail(error, ECO_NO_MEMORY, "generating %s: no memory", name);
 		part ? print_obj(mesh, name, out) : print_mtl(mesh, out);
-		enum eco_code code = fclose(out) ? eco_fail(error, ECO_NO_MEMORY, "generating %s: no memory", name)
+		enum eco_code code = fclose(out) ? eco_fail(error, ECO_NO_MEMORY, "generating %s: no memory",
+			name)
 			: gen_file_write(path, text, size, error);
 		free(text);
 		if (code)

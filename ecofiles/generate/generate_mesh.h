@@ -30,17 +30,21 @@ struct gen_v3 gen_mul(struct gen_v3 a, double s);
 struct gen_v3 gen_mad(struct gen_v3 a, struct gen_v3 b, double s);             /* a + s b */
 struct gen_v3 gen_cross(struct gen_v3 a, struct gen_v3 b);
 double gen_length(struct gen_v3 a);
-struct gen_v3 gen_unit(struct gen_v3 a);                                       /* +Z for a vector of length 0 */
-struct gen_v3 gen_across(struct gen_v3 a);                                     /* some unit vector at right angles */
+/* +Z for a vector of length 0 */
+struct gen_v3 gen_unit(struct gen_v3 a);
+/* some unit vector at right angles */
+struct gen_v3 gen_across(struct gen_v3 a);
 struct gen_v3 gen_turned(struct gen_v3 v, struct gen_v3 axis, double degrees); /* about a unit axis */
 struct gen_v3 gen_heading(double azimuth_deg, double elevation_deg);           /* unit vector */
-struct gen_v3 gen_random_way(struct gen_random *random);                       /* unit vector, any direction */
+/* unit vector, any direction */
+struct gen_v3 gen_random_way(struct gen_random *random);
 double gen_clamp(double v, double low, double high);
 double gen_smooth(double from, double to, double v);                           /* 0..1, cubic */
 
 /* ---- Meshes ---- */
 
-struct gen_material { char name[32]; uint8_t rgb[3]; const char *texture; };   /* texture: file name beside the OBJ, or NULL */
+/* texture: file name beside the OBJ, or NULL */
+struct gen_material { char name[32]; uint8_t rgb[3]; const char *texture; };
 struct gen_face { uint32_t corner[4]; uint8_t corners, material; };
 
 #define GEN_MATERIALS_MAX 24
@@ -55,9 +59,11 @@ struct gen_mesh {
 };
 void gen_mesh_free(struct gen_mesh *mesh);
 
-uint8_t gen_material(struct gen_mesh *mesh, const char *name, uint8_t r, uint8_t g, uint8_t b, const char *texture);
+uint8_t gen_material(struct gen_mesh *mesh, const char *name, uint8_t r, uint8_t g, uint8_t b,
+	const char *texture);
 /* `count` materials from the dark colour to the bright one, named NAME-0, ...; returns the first. */
-uint8_t gen_material_shades(struct gen_mesh *mesh, const char *name, const uint8_t dark[3], const uint8_t bright[3], uint32_t count);
+uint8_t gen_material_shades(struct gen_mesh *mesh, const char *name, const uint8_t dark[3],
+	const uint8_t bright[3], uint32_t count);
 
 /* A closed tube through points; radius 0 at the last point is a tip. */
 struct gen_tube { const struct gen_v3 *points; const double *radius; uint32_t count, sides; };
@@ -70,13 +76,15 @@ struct gen_leaf {
 	struct gen_v3 at, along, face;
 	double length, width;
 	double bend;                 /* how far the tip sinks, in lengths (hexagon, blade) */
-	uint32_t cell;               /* of a card: quarter of the texture, 0 to 3 from the bottom left, row by row */
+	/* of a card: quarter of the texture, 0 to 3 from the bottom left, row by row */
+	uint32_t cell;
 	enum gen_leaf_shape shape;
 };
 void gen_leaf(struct gen_mesh *mesh, uint8_t material, const struct gen_leaf *leaf);
 
 /* Writes NAME.obj and NAME.mtl into `folder`, each to a temporary file first. */
-enum eco_code gen_mesh_write(const struct gen_mesh *mesh, const char *folder, const char *name, struct eco_error *error);
+enum eco_code gen_mesh_write(const struct gen_mesh *mesh, const char *folder, const char *name,
+	struct eco_error *error);
 
 /* Writes a temporary file beside `path`, then renames it. */
 enum eco_code gen_file_write(const char *path, const void *bytes, size_t size, struct eco_error *error);

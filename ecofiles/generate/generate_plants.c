@@ -24,9 +24,12 @@ struct foliage {
 	enum gen_leaf_shape shape;
 };
 
-static void grow_twig(struct gen_mesh *mesh, const struct foliage *f, const struct gen_shoot *shoot, struct gen_random *random)
+static void grow_twig(struct gen_mesh *mesh, const struct foliage *f, const struct gen_shoot *shoot,
+	struct gen_random *random)
 {
-	struct gen_v3 way = gen_unit(gen_add(gen_mad(shoot->along, gen_random_way(random), f->spread), gen_v3(0, 0, 0.15)));
+	struct gen_v3 way =
+		gen_unit(gen_add(gen_mad(shoot->along, gen_random_way(random), f->spread),
+		gen_v3(0, 0, 0.15)));
 	double length = f->twig_m * gen_random_in(random, 0.7, 1.2);
 	struct gen_v3 points[2] = { shoot->at, gen_mad(shoot->at, way, length) };
 	double radius[2] = { 0.006, 0 };
@@ -37,16 +40,20 @@ static void grow_twig(struct gen_mesh *mesh, const struct foliage *f, const stru
 		struct gen_v3 side = gen_turned(across, way, 137.5 * i + gen_random_in(random, -30, 30));
 		struct gen_v3 along = i + 1 == f->leaves ? way : gen_add(side, gen_mul(way, 0.7));
 		along.z -= 0.25;
-		struct gen_v3 face = gen_add(gen_mad(gen_v3(0, 0, 1), shoot->along, 0.7), gen_mul(gen_random_way(random), 0.6));
+		struct gen_v3 face = gen_add(gen_mad(gen_v3(0, 0, 1), shoot->along, 0.7),
+			gen_mul(gen_random_way(random), 0.6));
 		double size = gen_random_in(random, 0.8, 1.15);
 		uint32_t shade = shade_of(shoot->light, f->shades, random);
-		gen_leaf(mesh, (uint8_t)(f->leaf + (f->shape == GEN_LEAF_CARD ? 0 : shade)), &(struct gen_leaf){ .cell = shade,
-			.at = gen_mad(shoot->at, way, length * t), .along = along, .face = face, .length = f->leaf_m * size,
+		gen_leaf(mesh, (uint8_t)(f->leaf + (f->shape == GEN_LEAF_CARD ? 0 : shade)),
+			&(struct gen_leaf){ .cell = shade,
+			.at = gen_mad(shoot->at, way, length * t), .along = along, .face = face,
+			.length = f->leaf_m * size,
 			.width = f->width_m * size, .bend = 0.18, .shape = f->shape });
 	}
 }
 
-static void grow_broad(struct gen_mesh *mesh, const struct gen_crown *crown, const struct foliage *f, struct gen_random *random)
+static void grow_broad(struct gen_mesh *mesh, const struct gen_crown *crown, const struct foliage *f,
+	struct gen_random *random)
 {
 	struct gen_shoot shoots[SHOOTS_MAX];
 	struct foliage fine = *f;
@@ -64,37 +71,51 @@ static void grow_broad(struct gen_mesh *mesh, const struct gen_crown *crown, con
 static void oak(struct gen_mesh *mesh, struct gen_random *random)
 {
 	uint8_t bark = gen_material(mesh, "bark", 88, 72, 56, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 34, 58, 22 }, (uint8_t[]){ 116, 148, 54 }, 6);
-	grow_broad(mesh, &(struct gen_crown){ .height = 14, .base = 3.0, .radius = 6.2, .trunk_radius = 0.38, .lean = 0.5, .lobes = 17,
-		.shoots = 260 }, &(struct foliage){ .leaf = leaf, .bark = bark, .shades = 6, .twigs = 5, .leaves = 5, .twig_m = 0.75,
+	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 34, 58, 22 },
+		(uint8_t[]){ 116, 148, 54 }, 6);
+	grow_broad(mesh, &(struct gen_crown){ .height = 14, .base = 3.0, .radius = 6.2, .trunk_radius = 0.38,
+		.lean = 0.5, .lobes = 17,
+		.shoots = 260 }, &(struct foliage){ .leaf = leaf, .bark = bark, .shades = 6, .twigs = 5,
+		.leaves = 5, .twig_m = 0.75,
 		.leaf_m = 0.38, .width_m = 0.27, .spread = 0.9, .shape = GEN_LEAF_HEXAGON }, random);
 }
 
 static void birch(struct gen_mesh *mesh, struct gen_random *random)
 {
 	uint8_t bark = gen_material(mesh, "bark", 205, 202, 192, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 66, 90, 30 }, (uint8_t[]){ 164, 182, 76 }, 5);
-	grow_broad(mesh, &(struct gen_crown){ .height = 13, .base = 2.8, .radius = 2.7, .trunk_radius = 0.14, .lean = 0.6, .lobes = 11,
-		.shoots = 170, .cone = 0.45 }, &(struct foliage){ .leaf = leaf, .bark = bark, .shades = 5, .twigs = 5, .leaves = 6,
-		.twig_m = 0.8, .leaf_m = 0.21, .width_m = 0.17, .spread = 0.8, .shape = GEN_LEAF_RHOMB }, random);
+	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 66, 90, 30 },
+		(uint8_t[]){ 164, 182, 76 }, 5);
+	grow_broad(mesh, &(struct gen_crown){ .height = 13, .base = 2.8, .radius = 2.7, .trunk_radius = 0.14,
+		.lean = 0.6, .lobes = 11,
+		.shoots = 170, .cone = 0.45 },
+		&(struct foliage){ .leaf = leaf, .bark = bark, .shades = 5, .twigs = 5, .leaves = 6,
+		.twig_m = 0.8, .leaf_m = 0.21, .width_m = 0.17, .spread = 0.8, .shape = GEN_LEAF_RHOMB },
+		random);
 }
 
 static void linden(struct gen_mesh *mesh, struct gen_random *random)
 {
 	uint8_t bark = gen_material(mesh, "bark", 96, 84, 70, NULL);
 	uint8_t leaf = gen_material(mesh, "leaf", 255, 255, 255, "spray.png");
-	grow_broad(mesh, &(struct gen_crown){ .height = 12, .base = 2.6, .radius = 3.9, .trunk_radius = 0.22, .lean = 0.25, .lobes = 13,
-		.shoots = 190, .cone = 0.3 }, &(struct foliage){ .leaf = leaf, .bark = bark, .shades = 4, .twigs = 4, .leaves = 3,
-		.twig_m = 0.55, .leaf_m = 0.62, .width_m = 0.52, .spread = 0.9, .shape = GEN_LEAF_CARD }, random);
+	grow_broad(mesh, &(struct gen_crown){ .height = 12, .base = 2.6, .radius = 3.9, .trunk_radius = 0.22,
+		.lean = 0.25, .lobes = 13,
+		.shoots = 190, .cone = 0.3 },
+		&(struct foliage){ .leaf = leaf, .bark = bark, .shades = 4, .twigs = 4, .leaves = 3,
+		.twig_m = 0.55, .leaf_m = 0.62, .width_m = 0.52, .spread = 0.9, .shape = GEN_LEAF_CARD },
+		random);
 }
 
 /* A beech grown in a stand: a long stem, and a narrow crown above its neighbours' shade. */
 static void beech(struct gen_mesh *mesh, struct gen_random *random)
 {
 	uint8_t bark = gen_material(mesh, "bark", 128, 124, 114, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 36, 64, 24 }, (uint8_t[]){ 124, 160, 58 }, 6);
-	grow_broad(mesh, &(struct gen_crown){ .height = 22, .base = 8.5, .radius = 3.6, .trunk_radius = 0.24, .lean = 0.8, .lobes = 13,
-		.shoots = 200, .cone = 0.2 }, &(struct foliage){ .leaf = leaf, .bark = bark, .shades = 6, .twigs = 5, .leaves = 5, .twig_m = 0.8,
+	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 36, 64, 24 },
+		(uint8_t[]){ 124, 160, 58 }, 6);
+	grow_broad(mesh, &(struct gen_crown){ .height = 22, .base = 8.5, .radius = 3.6, .trunk_radius = 0.24,
+		.lean = 0.8, .lobes = 13,
+		.shoots = 200, .cone = 0.2 },
+		&(struct foliage){ .leaf = leaf, .bark = bark, .shades = 6, .twigs = 5, .leaves = 5,
+		.twig_m = 0.8,
 		.leaf_m = 0.36, .width_m = 0.24, .spread = 0.9, .shape = GEN_LEAF_HEXAGON }, random);
 }
 
@@ -102,9 +123,12 @@ static void maple(struct gen_mesh *mesh, struct gen_random *random)
 {
 	uint8_t bark = gen_material(mesh, "bark", 104, 94, 80, NULL);
 	uint8_t leaf = gen_material(mesh, "leaf", 255, 255, 255, "spray.png");
-	grow_broad(mesh, &(struct gen_crown){ .height = 20, .base = 7, .radius = 3.2, .trunk_radius = 0.2, .lean = 0.6, .lobes = 12,
-		.shoots = 170, .cone = 0.35 }, &(struct foliage){ .leaf = leaf, .bark = bark, .shades = 4, .twigs = 4, .leaves = 3,
-		.twig_m = 0.6, .leaf_m = 0.66, .width_m = 0.55, .spread = 0.9, .shape = GEN_LEAF_CARD }, random);
+	grow_broad(mesh, &(struct gen_crown){ .height = 20, .base = 7, .radius = 3.2, .trunk_radius = 0.2,
+		.lean = 0.6, .lobes = 12,
+		.shoots = 170, .cone = 0.35 },
+		&(struct foliage){ .leaf = leaf, .bark = bark, .shades = 4, .twigs = 4, .leaves = 3,
+		.twig_m = 0.6, .leaf_m = 0.66, .width_m = 0.55, .spread = 0.9, .shape = GEN_LEAF_CARD },
+		random);
 }
 
 /* ---- Conifers ---- */
@@ -117,8 +141,8 @@ struct whorls {
 	uint8_t bark, leaf;
 };
 
-static void grow_bough(struct gen_mesh *mesh, const struct whorls *w, struct gen_v3 at, double azimuth, double elevation, double length,
-	struct gen_random *random)
+static void grow_bough(struct gen_mesh *mesh, const struct whorls *w, struct gen_v3 at, double azimuth,
+	double elevation, double length, struct gen_random *random)
 {
 	struct gen_v3 points[5];
 	double radius[5];
@@ -126,7 +150,9 @@ static void grow_bough(struct gen_mesh *mesh, const struct whorls *w, struct gen
 	for (int i = 0; i < 5; i++) {
 		double t = i / 4.0;
 		if (i)
-			points[i] = gen_mad(points[i - 1], gen_heading(azimuth, elevation - 14 * t + 26 * t * t), length / 4);
+			points[i] =
+				gen_mad(points[i - 1], gen_heading(azimuth, elevation - 14 * t + 26 * t * t),
+				length / 4);
 		radius[i] = i == 4 ? 0 : (0.006 + 0.007 * length) * (1 - t);
 	}
 	gen_tube(mesh, w->bark, &(struct gen_tube){ points, radius, 5, 3 });
@@ -135,13 +161,19 @@ static void grow_bough(struct gen_mesh *mesh, const struct whorls *w, struct gen
 	for (uint32_t i = 0; i < sprays; i++) {
 		double t = i + 1 == sprays ? 1 : 0.16 + 0.82 * (i / 2 * 2 + 1.0) / sprays, along = t * 4;
 		int k = along < 3.999 ? (int)along : 3;
-		struct gen_v3 way = gen_unit(gen_sub(points[k + 1], points[k])), foot = gen_mad(points[k], gen_sub(points[k + 1], points[k]), along - k);
+		struct gen_v3 way = gen_unit(gen_sub(points[k + 1], points[k])),
+			foot = gen_mad(points[k], gen_sub(points[k + 1], points[k]), along - k);
 		struct gen_v3 side = gen_unit(gen_cross(way, gen_v3(0, 0, 1)));
-		struct gen_v3 out = i + 1 == sprays ? way : gen_add(gen_mul(side, i % 2 ? 1 : -1), gen_mul(way, gen_random_in(random, 0.5, 0.9)));
+		struct gen_v3 out = i + 1 == sprays ? way
+			: gen_add(gen_mul(side, i % 2 ? 1 : -1),
+			gen_mul(way, gen_random_in(random, 0.5, 0.9)));
 		out.z += gen_random_in(random, -0.35, 0.10);
-		double size = w->needle_m * (1.15 - 0.55 * t) * gen_random_in(random, 0.8, 1.2) * (0.4 + 0.6 * gen_clamp(length, 0, 1));
-		gen_leaf(mesh, (uint8_t)(w->leaf + shade_of(0.25 + 0.55 * t, w->shades, random)), &(struct gen_leaf){ .at = foot, .along = out,
-			.face = gen_add(gen_v3(0, 0, 1), gen_mul(gen_random_way(random), 0.5)), .length = size / sqrt(detail),
+		double size = w->needle_m * (1.15 - 0.55 * t) * gen_random_in(random, 0.8,
+			1.2) * (0.4 + 0.6 * gen_clamp(length, 0, 1));
+		gen_leaf(mesh, (uint8_t)(w->leaf + shade_of(0.25 + 0.55 * t, w->shades, random)),
+			&(struct gen_leaf){ .at = foot, .along = out,
+			.face = gen_add(gen_v3(0, 0, 1), gen_mul(gen_random_way(random), 0.5)),
+			.length = size / sqrt(detail),
 			.width = w->needle_width / sqrt(detail), .bend = 0.2, .shape = GEN_LEAF_RHOMB });
 	}
 }
@@ -153,7 +185,8 @@ static void grow_conifer(struct gen_mesh *mesh, const struct whorls *w, struct g
 	double radius[RINGS], z = w->base;
 	for (int i = 0; i < RINGS; i++) {
 		double t = i / (RINGS - 1.0);
-		points[i] = gen_v3(gen_random_in(random, -0.01, 0.01) * (i > 0), gen_random_in(random, -0.01, 0.01) * (i > 0), t * w->height);
+		points[i] = gen_v3(gen_random_in(random, -0.01, 0.01) * (i > 0),
+			gen_random_in(random, -0.01, 0.01) * (i > 0), t * w->height);
 		radius[i] = i + 1 == RINGS ? 0 : w->trunk_radius * (1 - t) * (i ? 1 : 1.4);
 	}
 	gen_tube(mesh, w->bark, &(struct gen_tube){ points, radius, RINGS, 8 });
@@ -161,10 +194,12 @@ static void grow_conifer(struct gen_mesh *mesh, const struct whorls *w, struct g
 		double t = (z - w->base) / (w->height - w->base), left = 1 - t;
 		uint32_t n = (uint32_t)(w->branches * (0.55 + 0.45 * left) + gen_random_unit(random));
 		for (uint32_t i = 0; i < n; i++) {
-			double length = w->radius * (0.10 + 0.90 * left) * gen_smooth(-0.18, 0.14, t) * gen_random_in(random, 0.78, 1.06);
+			double length = w->radius * (0.10 + 0.90 * left) * gen_smooth(-0.18, 0.14,
+				t) * gen_random_in(random, 0.78, 1.06);
 			double azimuth = 137.5 * ring + 360.0 * i / n + gen_random_in(random, -12, 12);
 			grow_bough(mesh, w, gen_v3(0, 0, z + gen_random_in(random, -0.06, 0.06)), azimuth,
-				w->droop_deg + (w->rise_deg - w->droop_deg) * t * t + gen_random_in(random, -5, 5), length, random);
+				w->droop_deg + (w->rise_deg - w->droop_deg) * t * t
+				+ gen_random_in(random, -5, 5), length, random);
 		}
 		z += w->gap_m * (0.70 + 0.50 * left);
 	}
@@ -173,17 +208,23 @@ static void grow_conifer(struct gen_mesh *mesh, const struct whorls *w, struct g
 static void spruce(struct gen_mesh *mesh, struct gen_random *random)
 {
 	uint8_t bark = gen_material(mesh, "bark", 84, 66, 52, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "needles", (uint8_t[]){ 20, 44, 30 }, (uint8_t[]){ 72, 104, 66 }, 5);
-	grow_conifer(mesh, &(struct whorls){ .height = 16, .base = 0.9, .radius = 3.7, .trunk_radius = 0.22, .droop_deg = -14, .rise_deg = 48,
-		.gap_m = 0.5, .needle_m = 0.74, .needle_width = 0.12, .branches = 7, .shades = 5, .bark = bark, .leaf = leaf }, random);
+	uint8_t leaf = gen_material_shades(mesh, "needles", (uint8_t[]){ 20, 44, 30 },
+		(uint8_t[]){ 72, 104, 66 }, 5);
+	grow_conifer(mesh, &(struct whorls){ .height = 16, .base = 0.9, .radius = 3.7, .trunk_radius = 0.22,
+		.droop_deg = -14, .rise_deg = 48,
+		.gap_m = 0.5, .needle_m = 0.74, .needle_width = 0.12, .branches = 7, .shades = 5,
+		.bark = bark, .leaf = leaf }, random);
 }
 
 static void pine(struct gen_mesh *mesh, struct gen_random *random)
 {
 	uint8_t bark = gen_material(mesh, "bark", 136, 90, 60, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "needles", (uint8_t[]){ 38, 60, 40 }, (uint8_t[]){ 102, 128, 84 }, 5);
-	grow_conifer(mesh, &(struct whorls){ .height = 17, .base = 8.2, .radius = 3.6, .trunk_radius = 0.24, .droop_deg = 4, .rise_deg = 52,
-		.gap_m = 0.5, .needle_m = 0.72, .needle_width = 0.16, .branches = 6, .shades = 5, .bark = bark, .leaf = leaf }, random);
+	uint8_t leaf = gen_material_shades(mesh, "needles", (uint8_t[]){ 38, 60, 40 },
+		(uint8_t[]){ 102, 128, 84 }, 5);
+	grow_conifer(mesh, &(struct whorls){ .height = 17, .base = 8.2, .radius = 3.6, .trunk_radius = 0.24,
+		.droop_deg = 4, .rise_deg = 52,
+		.gap_m = 0.5, .needle_m = 0.72, .needle_width = 0.16, .branches = 6, .shades = 5,
+		.bark = bark, .leaf = leaf }, random);
 }
 
 /* ---- Palms, ferns ---- */
@@ -191,23 +232,31 @@ static void pine(struct gen_mesh *mesh, struct gen_random *random)
 static void palm(struct gen_mesh *mesh, struct gen_random *random)
 {
 	enum { RINGS = 22 };
-	uint8_t bark = gen_material(mesh, "bark", 124, 104, 80, NULL), rib = gen_material(mesh, "rib", 150, 150, 84, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaflet", (uint8_t[]){ 40, 70, 30 }, (uint8_t[]){ 138, 166, 70 }, 5);
-	uint8_t dry = gen_material_shades(mesh, "dry", (uint8_t[]){ 120, 98, 58 }, (uint8_t[]){ 158, 136, 84 }, 2);
+	uint8_t bark = gen_material(mesh, "bark", 124, 104, 80, NULL),
+		rib = gen_material(mesh, "rib", 150, 150, 84, NULL);
+	uint8_t leaf = gen_material_shades(mesh, "leaflet", (uint8_t[]){ 40, 70, 30 },
+		(uint8_t[]){ 138, 166, 70 }, 5);
+	uint8_t dry = gen_material_shades(mesh, "dry", (uint8_t[]){ 120, 98, 58 },
+		(uint8_t[]){ 158, 136, 84 }, 2);
 	struct gen_v3 points[RINGS], lean = gen_heading(gen_random_in(random, 0, 360), 0);
 	double radius[RINGS], height = 7.2;
 	for (int i = 0; i < RINGS; i++) {
 		double t = i / (RINGS - 1.0);
 		points[i] = gen_mad(gen_v3(0, 0, t * height), lean, 0.9 * t * t);
-		radius[i] = 0.15 * (1 - 0.35 * t) * (i % 2 ? 1.08 : 0.95) + 0.10 * (1 - gen_smooth(0, 0.1, t));
+		radius[i] = 0.15 * (1 - 0.35 * t) * (i % 2 ? 1.08 : 0.95)
+			+ 0.10 * (1 - gen_smooth(0, 0.1, t));
 	}
 	gen_tube(mesh, bark, &(struct gen_tube){ points, radius, RINGS, 9 });
 	for (uint32_t i = 0; i < 26; i++) {
 		double age = i / 25.0;
 		bool old = i >= 23;
-		gen_frond(mesh, &(struct gen_frond){ .at = gen_mad(points[RINGS - 1], gen_v3(0, 0, 1), 0.1 - 0.25 * age), .azimuth_deg = 137.5 * i,
-			.elevation_deg = old ? -35 : 78 - 82 * age, .sink_deg = old ? 50 : 70 + 20 * age, .length = gen_random_in(random, 2.5, 3.1),
-			.leaflet = 0.72, .width = 0.062 / detail_of(mesh), .pairs = (uint32_t)(34 * detail_of(mesh) + 0.5), .rib = rib,
+		gen_frond(mesh,
+			&(struct gen_frond){ .at = gen_mad(points[RINGS - 1], gen_v3(0, 0, 1),
+			0.1 - 0.25 * age), .azimuth_deg = 137.5 * i,
+			.elevation_deg = old ? -35 : 78 - 82 * age, .sink_deg = old ? 50 : 70 + 20 * age,
+			.length = gen_random_in(random, 2.5, 3.1),
+			.leaflet = 0.72, .width = 0.062 / detail_of(mesh),
+			.pairs = (uint32_t)(34 * detail_of(mesh) + 0.5), .rib = rib,
 			.leaf = old ? dry : leaf, .shades = old ? 2 : 5,
 			.rib_radius = 0.024, .shape = GEN_LEAF_BLADE }, random);
 	}
@@ -216,11 +265,16 @@ static void palm(struct gen_mesh *mesh, struct gen_random *random)
 static void fern(struct gen_mesh *mesh, struct gen_random *random)
 {
 	uint8_t rib = gen_material(mesh, "rib", 96, 92, 46, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaflet", (uint8_t[]){ 44, 74, 28 }, (uint8_t[]){ 126, 162, 62 }, 4);
+	uint8_t leaf = gen_material_shades(mesh, "leaflet", (uint8_t[]){ 44, 74, 28 },
+		(uint8_t[]){ 126, 162, 62 }, 4);
 	for (uint32_t i = 0; i < 11; i++)
-		gen_frond(mesh, &(struct gen_frond){ .azimuth_deg = 137.5 * i, .elevation_deg = gen_random_in(random, 52, 74),
-			.sink_deg = gen_random_in(random, 70, 100), .length = gen_random_in(random, 0.6, 0.9), .leaflet = 0.17, .width = 0.045,
-			.pairs = 15, .rib = rib, .leaf = leaf, .shades = 4, .rib_radius = 0.005, .shape = GEN_LEAF_RHOMB }, random);
+		gen_frond(mesh,
+			&(struct gen_frond){ .azimuth_deg = 137.5 * i,
+			.elevation_deg = gen_random_in(random, 52, 74),
+			.sink_deg = gen_random_in(random, 70, 100), .length = gen_random_in(random, 0.6, 0.9),
+			.leaflet = 0.17, .width = 0.045,
+			.pairs = 15, .rib = rib, .leaf = leaf, .shades = 4, .rib_radius = 0.005,
+			.shape = GEN_LEAF_RHOMB }, random);
 }
 
 /* ---- Shrubs ---- */
@@ -234,19 +288,24 @@ struct bush {
 	enum gen_leaf_shape shape;
 };
 
-static void grow_blossom(struct gen_mesh *mesh, const struct bush *b, struct gen_v3 at, struct gen_v3 out, struct gen_random *random)
+static void grow_blossom(struct gen_mesh *mesh, const struct bush *b, struct gen_v3 at, struct gen_v3 out,
+	struct gen_random *random)
 {
 	for (uint32_t i = 0; i < 7; i++) {
 		struct gen_v3 way = gen_unit(gen_add(gen_mul(out, 0.9), gen_random_way(random)));
-		gen_leaf(mesh, (uint8_t)(b->flower + shade_of(0.5, b->flower_shades, random)), &(struct gen_leaf){ .at = at, .along = way,
-			.face = gen_add(out, gen_random_way(random)), .length = 0.10, .width = 0.08, .shape = GEN_LEAF_RHOMB });
+		gen_leaf(mesh, (uint8_t)(b->flower + shade_of(0.5, b->flower_shades, random)),
+			&(struct gen_leaf){ .at = at, .along = way,
+			.face = gen_add(out, gen_random_way(random)), .length = 0.10, .width = 0.08,
+			.shape = GEN_LEAF_RHOMB });
 	}
 }
 
 static void grow_stem(struct gen_mesh *mesh, const struct bush *b, uint32_t stem, struct gen_random *random)
 {
-	struct gen_v3 points[6], foot = gen_mul(gen_heading(137.5 * stem, 0), 0.12 * b->radius * gen_random_unit(random));
-	double radius[6], reach = sqrt((stem + 0.5) / b->stems), azimuth = 137.5 * stem + gen_random_in(random, -20, 20);
+	struct gen_v3 points[6],
+		foot = gen_mul(gen_heading(137.5 * stem, 0), 0.12 * b->radius * gen_random_unit(random));
+	double radius[6], reach = sqrt((stem + 0.5) / b->stems),
+		azimuth = 137.5 * stem + gen_random_in(random, -20, 20);
 	double length = b->height * gen_random_in(random, 0.85, 1.08) * (1 - 0.18 * reach);
 	points[0] = foot;
 	for (int i = 0; i < 6; i++) {
@@ -260,15 +319,21 @@ static void grow_stem(struct gen_mesh *mesh, const struct bush *b, uint32_t stem
 		double t = 0.18 + 0.82 * sqrt((i + gen_random_unit(random)) / b->leaves), at = t * 4.999;
 		int k = (int)at;
 		struct gen_v3 way = gen_unit(gen_sub(points[k + 1], points[k])), out = gen_random_way(random);
-		struct gen_v3 spot = gen_add(gen_mad(points[k], gen_sub(points[k + 1], points[k]), at - k), gen_mul(out, 0.13 * b->radius));
-		double light = 0.15 + 0.5 * spot.z / b->height + 0.35 * gen_length(gen_v3(spot.x, spot.y, 0)) / b->radius;
+		struct gen_v3 spot = gen_add(gen_mad(points[k], gen_sub(points[k + 1], points[k]), at - k),
+			gen_mul(out, 0.13 * b->radius));
+		double light = 0.15 + 0.5 * spot.z / b->height + 0.35 * gen_length(gen_v3(spot.x, spot.y, 0))
+			/ b->radius;
 		uint32_t shade = shade_of(light, b->shades, random);
-		gen_leaf(mesh, (uint8_t)(b->leaf + (b->shape == GEN_LEAF_CARD ? 0 : shade)), &(struct gen_leaf){ .cell = shade, .at = spot,
-			.along = gen_add(gen_mad(out, way, 0.5), gen_v3(0, 0, -0.1)), .face = gen_add(gen_v3(0, 0, 1), gen_mul(gen_random_way(random), 0.8)),
-			.length = b->leaf_m * gen_random_in(random, 0.75, 1.15), .width = b->width_m, .bend = 0.15, .shape = b->shape });
+		gen_leaf(mesh, (uint8_t)(b->leaf + (b->shape == GEN_LEAF_CARD ? 0 : shade)),
+			&(struct gen_leaf){ .cell = shade, .at = spot,
+			.along = gen_add(gen_mad(out, way, 0.5), gen_v3(0, 0, -0.1)),
+			.face = gen_add(gen_v3(0, 0, 1), gen_mul(gen_random_way(random), 0.8)),
+			.length = b->leaf_m * gen_random_in(random, 0.75, 1.15), .width = b->width_m,
+			.bend = 0.15, .shape = b->shape });
 	}
 	if (b->flower_shades && stem % 3)
-		grow_blossom(mesh, b, points[5], gen_unit(gen_sub(points[5], gen_v3(0, 0, 0.4 * b->height))), random);
+		grow_blossom(mesh, b, points[5], gen_unit(gen_sub(points[5], gen_v3(0, 0, 0.4 * b->height))),
+			random);
 }
 
 static void grow_bush(struct gen_mesh *mesh, const struct bush *b, struct gen_random *random)
@@ -281,73 +346,98 @@ static void shrub(struct gen_mesh *mesh, struct gen_random *random)
 {
 	uint8_t bark = gen_material(mesh, "bark", 92, 74, 56, NULL);
 	uint8_t leaf = gen_material(mesh, "leaf", 255, 255, 255, "leaf.png");
-	grow_bush(mesh, &(struct bush){ .height = 2.1, .radius = 1.1, .stems = 34, .leaves = 40, .leaf_m = 0.15, .width_m = 0.1,
+	grow_bush(mesh, &(struct bush){ .height = 2.1, .radius = 1.1, .stems = 34, .leaves = 40,
+		.leaf_m = 0.15, .width_m = 0.1,
 		.bark = bark, .leaf = leaf, .shades = 4, .shape = GEN_LEAF_CARD }, random);
 }
 
 static void azalea(struct gen_mesh *mesh, struct gen_random *random)
 {
 	uint8_t bark = gen_material(mesh, "bark", 88, 66, 52, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 26, 52, 30 }, (uint8_t[]){ 80, 116, 60 }, 4);
-	uint8_t flower = gen_material_shades(mesh, "flower", (uint8_t[]){ 196, 58, 120 }, (uint8_t[]){ 242, 150, 190 }, 3);
-	grow_bush(mesh, &(struct bush){ .height = 1.4, .radius = 1.0, .stems = 48, .leaves = 26, .leaf_m = 0.11, .width_m = 0.045,
-		.bark = bark, .leaf = leaf, .shades = 4, .flower = flower, .flower_shades = 3, .shape = GEN_LEAF_HEXAGON }, random);
+	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 26, 52, 30 },
+		(uint8_t[]){ 80, 116, 60 }, 4);
+	uint8_t flower = gen_material_shades(mesh, "flower", (uint8_t[]){ 196, 58, 120 },
+		(uint8_t[]){ 242, 150, 190 }, 3);
+	grow_bush(mesh, &(struct bush){ .height = 1.4, .radius = 1.0, .stems = 48, .leaves = 26,
+		.leaf_m = 0.11, .width_m = 0.045,
+		.bark = bark, .leaf = leaf, .shades = 4, .flower = flower, .flower_shades = 3,
+		.shape = GEN_LEAF_HEXAGON }, random);
 }
 
 /* ---- Grass and flowers ---- */
 
-static void grow_blades(struct gen_mesh *mesh, uint8_t leaf, uint32_t shades, uint32_t count, double height, double spread,
-	double width, struct gen_random *random)
+static void grow_blades(struct gen_mesh *mesh, uint8_t leaf, uint32_t shades, uint32_t count, double height,
+	double spread, double width, struct gen_random *random)
 {
 	for (uint32_t i = 0; i < count; i++) {
 		double r = sqrt(gen_random_unit(random)), azimuth = 137.5 * i;
 		struct gen_v3 out = gen_heading(azimuth + gen_random_in(random, -40, 40), 0);
-		gen_leaf(mesh, (uint8_t)(leaf + shade_of(gen_random_unit(random), shades, random)), &(struct gen_leaf){
+		gen_leaf(mesh, (uint8_t)(leaf + shade_of(gen_random_unit(random), shades, random)),
+			&(struct gen_leaf){
 			.at = gen_mul(gen_heading(azimuth, 0), spread * r),
-			.along = gen_add(gen_v3(0, 0, 1), gen_mul(out, 0.10 + 0.45 * r * gen_random_unit(random))),
-			.face = gen_mul(out, -1), .length = height * gen_random_in(random, 0.55, 1.05), .width = width,
+			.along =
+			gen_add(gen_v3(0, 0, 1), gen_mul(out, 0.10 + 0.45 * r * gen_random_unit(random))),
+			.face = gen_mul(out, -1), .length = height * gen_random_in(random, 0.55, 1.05),
+			.width = width,
 			.bend = gen_random_in(random, 0.1, 0.55), .shape = GEN_LEAF_BLADE });
 	}
 }
 
 static void grass(struct gen_mesh *mesh, struct gen_random *random)
 {
-	uint8_t leaf = gen_material_shades(mesh, "blade", (uint8_t[]){ 74, 104, 36 }, (uint8_t[]){ 176, 186, 92 }, 5);
+	uint8_t leaf = gen_material_shades(mesh, "blade", (uint8_t[]){ 74, 104, 36 },
+		(uint8_t[]){ 176, 186, 92 }, 5);
 	grow_blades(mesh, leaf, 5, 110, 0.62, 0.22, 0.011, random);
 }
 
 static void turf(struct gen_mesh *mesh, struct gen_random *random)
 {
-	uint8_t leaf = gen_material_shades(mesh, "blade", (uint8_t[]){ 62, 98, 32 }, (uint8_t[]){ 140, 168, 70 }, 5);
+	uint8_t leaf = gen_material_shades(mesh, "blade", (uint8_t[]){ 62, 98, 32 },
+		(uint8_t[]){ 140, 168, 70 }, 5);
 	grow_blades(mesh, leaf, 5, 220, 0.26, 0.75, 0.010, random);
 }
 
 /* Several stems, each with a head of petals around a button. */
-static void grow_flower(struct gen_mesh *mesh, struct gen_random *random, uint8_t petal, uint32_t petal_shades, uint8_t button,
-	uint32_t petals, double petal_m, double petal_width, double cup)
+static void grow_flower(struct gen_mesh *mesh, struct gen_random *random, uint8_t petal,
+	uint32_t petal_shades, uint8_t button, uint32_t petals, double petal_m, double petal_width,
+	double cup)
 {
 	uint8_t stem = gen_material(mesh, "stem", 92, 124, 56, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 58, 92, 40 }, (uint8_t[]){ 112, 146, 66 }, 3);
+	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 58, 92, 40 },
+		(uint8_t[]){ 112, 146, 66 }, 3);
 	for (uint32_t i = 0; i < 9; i++) {
-		double azimuth = 137.5 * i, r = sqrt((i + 0.5) / 9), height = gen_random_in(random, 0.34, 0.56);
-		struct gen_v3 foot = gen_mul(gen_heading(azimuth, 0), 0.16 * r), out = gen_heading(azimuth, 0), points[4];
+		double azimuth = 137.5 * i, r = sqrt((i + 0.5) / 9),
+			height = gen_random_in(random, 0.34, 0.56);
+		struct gen_v3 foot = gen_mul(gen_heading(azimuth, 0), 0.16 * r),
+			out = gen_heading(azimuth, 0), points[4];
 		double radius[4] = { 0.004, 0.0035, 0.003, 0.0025 };
 		for (int k = 0; k < 4; k++)
-			points[k] = gen_mad(gen_mad(foot, gen_v3(0, 0, 1), height * k / 3), out, 0.10 * r * (k / 3.0) * (k / 3.0));
+			points[k] = gen_mad(gen_mad(foot, gen_v3(0, 0, 1), height * k / 3), out,
+				0.10 * r * (k / 3.0) * (k / 3.0));
 		gen_tube(mesh, stem, &(struct gen_tube){ points, radius, 4, 3 });
 		for (uint32_t k = 0; k < 4; k++)
-			gen_leaf(mesh, (uint8_t)(leaf + k % 3), &(struct gen_leaf){ .at = gen_mad(points[0], gen_sub(points[1], points[0]), 0.2 + 0.35 * k),
-				.along = gen_add(gen_heading(azimuth + 137.5 * k, 0), gen_v3(0, 0, 0.9)), .face = gen_mul(gen_heading(azimuth + 137.5 * k, 0), -1),
-				.length = 0.17 - 0.02 * k, .width = 0.026, .bend = 0.3, .shape = GEN_LEAF_HEXAGON });
-		struct gen_v3 up = gen_unit(gen_add(gen_v3(0, 0, 1), gen_add(gen_mul(out, 0.4 * r), gen_mul(gen_random_way(random), 0.25))));
+			gen_leaf(mesh, (uint8_t)(leaf + k % 3),
+				&(struct gen_leaf){ .at = gen_mad(points[0], gen_sub(points[1], points[0]),
+				0.2 + 0.35 * k),
+				.along = gen_add(gen_heading(azimuth + 137.5 * k, 0), gen_v3(0, 0, 0.9)),
+				.face = gen_mul(gen_heading(azimuth + 137.5 * k, 0), -1),
+				.length = 0.17 - 0.02 * k, .width = 0.026, .bend = 0.3,
+				.shape = GEN_LEAF_HEXAGON });
+		struct gen_v3 up =
+			gen_unit(gen_add(gen_v3(0, 0, 1),
+			gen_add(gen_mul(out, 0.4 * r), gen_mul(gen_random_way(random), 0.25))));
 		struct gen_v3 across = gen_across(up), head = points[3];
 		for (uint32_t k = 0; k < petals; k++) {
 			struct gen_v3 way = gen_turned(across, up, 360.0 * k / petals);
-			gen_leaf(mesh, (uint8_t)(petal + shade_of(0.5, petal_shades, random)), &(struct gen_leaf){ .at = gen_mad(head, way, 0.008),
-				.along = gen_add(way, gen_mul(up, cup)), .face = gen_sub(up, gen_mul(way, cup)), .length = petal_m * gen_random_in(random, 0.9, 1.1),
+			gen_leaf(mesh, (uint8_t)(petal + shade_of(0.5, petal_shades, random)),
+				&(struct gen_leaf){ .at = gen_mad(head, way, 0.008),
+				.along = gen_add(way, gen_mul(up, cup)),
+				.face = gen_sub(up, gen_mul(way, cup)),
+				.length = petal_m * gen_random_in(random, 0.9, 1.1),
 				.width = petal_width, .bend = 0.1, .shape = GEN_LEAF_HEXAGON });
 		}
-		struct gen_v3 cone[3] = { gen_mad(head, up, -0.006), gen_mad(head, up, 0.006), gen_mad(head, up, 0.014) };
+		struct gen_v3 cone[3] = { gen_mad(head, up, -0.006), gen_mad(head, up, 0.006),
+			gen_mad(head, up, 0.014) };
 		double cone_radius[3] = { 0.010, 0.013, 0 };
 		gen_tube(mesh, button, &(struct gen_tube){ cone, cone_radius, 3, 6 });
 	}
@@ -355,42 +445,50 @@ static void grow_flower(struct gen_mesh *mesh, struct gen_random *random, uint8_
 
 static void daisy(struct gen_mesh *mesh, struct gen_random *random)
 {
-	uint8_t petal = gen_material_shades(mesh, "petal", (uint8_t[]){ 214, 212, 206 }, (uint8_t[]){ 250, 249, 244 }, 3);
+	uint8_t petal = gen_material_shades(mesh, "petal", (uint8_t[]){ 214, 212, 206 },
+		(uint8_t[]){ 250, 249, 244 }, 3);
 	uint8_t button = gen_material(mesh, "button", 232, 184, 38, NULL);
 	grow_flower(mesh, random, petal, 3, button, 14, 0.046, 0.014, 0.12);
 }
 
 static void poppy(struct gen_mesh *mesh, struct gen_random *random)
 {
-	uint8_t petal = gen_material_shades(mesh, "petal", (uint8_t[]){ 172, 22, 18 }, (uint8_t[]){ 226, 60, 34 }, 3);
+	uint8_t petal = gen_material_shades(mesh, "petal", (uint8_t[]){ 172, 22, 18 },
+		(uint8_t[]){ 226, 60, 34 }, 3);
 	uint8_t button = gen_material(mesh, "button", 44, 40, 36, NULL);
 	grow_flower(mesh, random, petal, 3, button, 5, 0.062, 0.066, 0.55);
 }
 
 static void cornflower(struct gen_mesh *mesh, struct gen_random *random)
 {
-	uint8_t petal = gen_material_shades(mesh, "petal", (uint8_t[]){ 52, 66, 178 }, (uint8_t[]){ 104, 122, 226 }, 3);
+	uint8_t petal = gen_material_shades(mesh, "petal", (uint8_t[]){ 52, 66, 178 },
+		(uint8_t[]){ 104, 122, 226 }, 3);
 	uint8_t button = gen_material(mesh, "button", 72, 48, 120, NULL);
 	grow_flower(mesh, random, petal, 3, button, 9, 0.040, 0.020, 0.45);
 }
 
 /* A head on a tall stalk: rays around a disc of florets in a spiral, as in nature. */
-static void grow_head(struct gen_mesh *mesh, uint8_t ray, uint8_t floret, struct gen_v3 at, struct gen_v3 face, struct gen_random *random)
+static void grow_head(struct gen_mesh *mesh, uint8_t ray, uint8_t floret, struct gen_v3 at,
+	struct gen_v3 face, struct gen_random *random)
 {
 	enum { RAYS = 34, FLORETS = 1240 };
 	struct gen_v3 across = gen_across(face);
 	const double disc = 0.085;
 	for (uint32_t i = 0; i < RAYS; i++) {
 		struct gen_v3 way = gen_turned(across, face, 360.0 * i / RAYS + gen_random_in(random, -4, 4));
-		gen_leaf(mesh, (uint8_t)(ray + shade_of(0.55, 3, random)), &(struct gen_leaf){ .at = gen_mad(at, way, 0.92 * disc),
-			.along = gen_mad(way, face, gen_random_in(random, 0.02, 0.3)), .face = face, .length = gen_random_in(random, 0.08, 0.105),
+		gen_leaf(mesh, (uint8_t)(ray + shade_of(0.55, 3, random)),
+			&(struct gen_leaf){ .at = gen_mad(at, way, 0.92 * disc),
+			.along = gen_mad(way, face, gen_random_in(random, 0.02, 0.3)), .face = face,
+			.length = gen_random_in(random, 0.08, 0.105),
 			.width = 0.028, .bend = 0.1, .shape = GEN_LEAF_HEXAGON });
 	}
 	for (uint32_t i = 0; i < FLORETS; i++) {
 		double r = disc * sqrt((i + 0.5) / FLORETS);
 		struct gen_v3 way = gen_turned(across, face, 137.50776405 * i), spot = gen_mad(at, way, r);
-		gen_leaf(mesh, (uint8_t)(floret + (r > 0.6 * disc)), &(struct gen_leaf){ .at = gen_mad(spot, face, 0.012 * (1 - r / disc)),
-			.along = gen_mad(face, way, 0.7), .face = gen_mad(way, face, -0.7), .length = 0.011, .width = 0.007, .bend = 0.1,
+		gen_leaf(mesh, (uint8_t)(floret + (r > 0.6 * disc)),
+			&(struct gen_leaf){ .at = gen_mad(spot, face, 0.012 * (1 - r / disc)),
+			.along = gen_mad(face, way, 0.7), .face = gen_mad(way, face, -0.7), .length = 0.011,
+			.width = 0.007, .bend = 0.1,
 			.shape = GEN_LEAF_HEXAGON });
 	}
 }
@@ -399,25 +497,35 @@ static void sunflower(struct gen_mesh *mesh, struct gen_random *random)
 {
 	enum { RINGS = 7, LEAVES = 22 };
 	uint8_t stem = gen_material(mesh, "stem", 96, 124, 62, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 46, 82, 34 }, (uint8_t[]){ 116, 148, 70 }, 4);
-	uint8_t ray = gen_material_shades(mesh, "petal", (uint8_t[]){ 226, 150, 16 }, (uint8_t[]){ 252, 206, 44 }, 3);
-	uint8_t floret = gen_material_shades(mesh, "floret", (uint8_t[]){ 62, 42, 26 }, (uint8_t[]){ 132, 88, 34 }, 2);
+	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 46, 82, 34 },
+		(uint8_t[]){ 116, 148, 70 }, 4);
+	uint8_t ray = gen_material_shades(mesh, "petal", (uint8_t[]){ 226, 150, 16 },
+		(uint8_t[]){ 252, 206, 44 }, 3);
+	uint8_t floret = gen_material_shades(mesh, "floret", (uint8_t[]){ 62, 42, 26 },
+		(uint8_t[]){ 132, 88, 34 }, 2);
 	double azimuth = gen_random_in(random, 0, 360), radius[RINGS];
 	struct gen_v3 points[RINGS], south = gen_heading(azimuth, 0);
 	for (int i = 0; i < RINGS; i++) {
 		double t = i / (RINGS - 1.0);
-		points[i] = gen_mad(gen_v3(0, 0, 1.72 * t - 0.06 * gen_smooth(0.85, 1, t)), south, 0.16 * t * t * t);
+		points[i] = gen_mad(gen_v3(0, 0, 1.72 * t - 0.06 * gen_smooth(0.85, 1, t)), south,
+			0.16 * t * t * t);
 		radius[i] = 0.016 * (1 - 0.5 * t);
 	}
 	gen_tube(mesh, stem, &(struct gen_tube){ points, radius, RINGS, 6 });
 	for (uint32_t i = 0; i < LEAVES; i++) {
-		double t = 0.12 + 0.78 * (i + 0.5) / LEAVES, at = t * (RINGS - 1), size = 0.12 + 0.30 * t * (1.25 - t);
+		double t = 0.12 + 0.78 * (i + 0.5) / LEAVES, at = t * (RINGS - 1),
+			size = 0.12 + 0.30 * t * (1.25 - t);
 		int k = (int)at;
 		struct gen_v3 out = gen_heading(137.5 * i + gen_random_in(random, -15, 15), 0);
-		struct gen_v3 foot = gen_mad(points[k], gen_sub(points[k + 1], points[k]), at - k), tip = gen_mad(foot, out, 0.45 * size);
-		gen_tube(mesh, stem, &(struct gen_tube){ (struct gen_v3[]){ foot, gen_mad(tip, gen_v3(0, 0, 1), 0.04) }, (double[]){ 0.005, 0.003 }, 2, 3 });
-		gen_leaf(mesh, (uint8_t)(leaf + shade_of(0.25 + 0.6 * t, 4, random)), &(struct gen_leaf){ .at = gen_mad(tip, gen_v3(0, 0, 1), 0.04),
-			.along = gen_mad(out, gen_v3(0, 0, 1), gen_random_in(random, -0.5, 0.1)), .face = gen_mad(gen_v3(0, 0, 1), gen_random_way(random), 0.3),
+		struct gen_v3 foot = gen_mad(points[k], gen_sub(points[k + 1], points[k]), at - k),
+			tip = gen_mad(foot, out, 0.45 * size);
+		gen_tube(mesh, stem,
+			&(struct gen_tube){ (struct gen_v3[]){ foot, gen_mad(tip, gen_v3(0, 0, 1), 0.04) },
+			(double[]){ 0.005, 0.003 }, 2, 3 });
+		gen_leaf(mesh, (uint8_t)(leaf + shade_of(0.25 + 0.6 * t, 4, random)),
+			&(struct gen_leaf){ .at = gen_mad(tip, gen_v3(0, 0, 1), 0.04),
+			.along = gen_mad(out, gen_v3(0, 0, 1), gen_random_in(random, -0.5, 0.1)),
+			.face = gen_mad(gen_v3(0, 0, 1), gen_random_way(random), 0.3),
 			.length = size, .width = 0.75 * size, .bend = 0.3, .shape = GEN_LEAF_HEXAGON });
 	}
 	struct gen_v3 face = gen_unit(gen_add(gen_mul(south, 0.9), gen_v3(0, 0, 0.35)));
@@ -425,10 +533,13 @@ static void sunflower(struct gen_mesh *mesh, struct gen_random *random)
 }
 
 const struct gen_plant gen_plants[] = {
-	{ "oak", NULL, oak }, { "birch", NULL, birch }, { "linden", "spray.png", linden }, { "beech", NULL, beech },
+	{ "oak", NULL, oak }, { "birch", NULL, birch }, { "linden", "spray.png", linden },
+		{ "beech", NULL, beech },
 	{ "maple", "spray.png", maple }, { "spruce", NULL, spruce }, { "pine", NULL, pine },
-	{ "palm", NULL, palm }, { "fern", NULL, fern }, { "shrub", "leaf.png", shrub }, { "azalea", NULL, azalea }, { "grass", NULL, grass },
-	{ "turf", NULL, turf }, { "daisy", NULL, daisy }, { "poppy", NULL, poppy }, { "cornflower", NULL, cornflower },
+	{ "palm", NULL, palm }, { "fern", NULL, fern }, { "shrub", "leaf.png", shrub },
+	{ "azalea", NULL, azalea }, { "grass", NULL, grass },
+	{ "turf", NULL, turf }, { "daisy", NULL, daisy }, { "poppy", NULL, poppy },
+	{ "cornflower", NULL, cornflower },
 	{ "sunflower", NULL, sunflower },
 };
 const uint32_t gen_plant_count = sizeof gen_plants / sizeof *gen_plants;

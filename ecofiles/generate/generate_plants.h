@@ -24,7 +24,8 @@ struct gen_crown {
 	uint32_t lobes, shoots;
 	double cone;                         /* 0 round, 1 a cone */
 };
-struct gen_shoot { struct gen_v3 at, along; double light; };                   /* light: 0 deep inside, 1 outermost */
+/* light: 0 deep inside, 1 outermost */
+struct gen_shoot { struct gen_v3 at, along; double light; };
 /* Adds the wood to the mesh; writes the `shoots` ends of the shoots. */
 void gen_tree(struct gen_mesh *mesh, uint8_t bark, const struct gen_crown *crown, struct gen_random *random,
 	struct gen_shoot *shoots);

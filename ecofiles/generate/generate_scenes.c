@@ -23,8 +23,9 @@ struct gen_instance { const char *plant; double x, y, yaw_deg, scale; };
 static void print_instances(FILE *out, const struct gen_instance *instances, uint32_t count)
 {
 	for (uint32_t i = 0; i < count; i++)
-		fprintf(out, "%s\n    {\"plant\": \"%s\", \"at\": [%.2f, %.2f, 0], \"yaw_deg\": %.1f, \"scale\": %.3f}", i ? "," : "",
-			instances[i].plant, instances[i].x, instances[i].y, instances[i].yaw_deg, instances[i].scale);
+		fprintf(out, "%s\n    {\"plant\": \"%s\", \"at\": [%.2f, %.2f, 0], \"yaw_deg\": %.1f, "
+			"\"scale\": %.3f}", i ? "," : "", instances[i].plant, instances[i].x, instances[i].y,
+			instances[i].yaw_deg, instances[i].scale);
 }
 
 /* ---- Park ---- */
@@ -39,7 +40,8 @@ static const struct bed park_beds[] = {
 	{ "shrub", 10, 18, 7, 5, 2.4, 0.6, 1.2 }, { "azalea", -9, -20, 5, 4, 2.1, 0.8, 1.3 },
 	{ "grass", 2, -10, 5, 6, 0.8, 0.9, 1.6 }, { "grass", 12, -7, 3, 3, 0.9, 0.9, 1.5 },
 	{ "turf", 0, -13, 4, 5, 1.4, 0.9, 1.1 },
-	{ "daisy", 2, -14, 2, 4, 0.5, 0.9, 1.3 }, { "poppy", -3, -13, 2, 4, 0.5, 0.9, 1.3 }, { "cornflower", 4, -12, 2, 3, 0.5, 0.9, 1.3 },
+	{ "daisy", 2, -14, 2, 4, 0.5, 0.9, 1.3 }, { "poppy", -3, -13, 2, 4, 0.5, 0.9, 1.3 },
+	{ "cornflower", 4, -12, 2, 3, 0.5, 0.9, 1.3 },
 };
 #define PARK_PLANTS 60
 #define PARK_HALF_M 40.0         /* half the side of the planted square */
@@ -55,8 +57,8 @@ static bool on_path(double x, double y, double span)
 static double turn_anyhow(struct gen_random *random) { return floor(gen_random_in(random, 0, 3600)) / 10; }
 
 /* Plants `wanted` plants of a bed; a plant that finds no room within many throws is left out. */
-static uint32_t plant_bed(struct gen_layout *layout, const struct bed *bed, double stretch, uint32_t wanted, struct gen_stand *stand,
-	struct gen_instance *out)
+static uint32_t plant_bed(struct gen_layout *layout, const struct bed *bed, double stretch, uint32_t wanted,
+	struct gen_stand *stand, struct gen_instance *out)
 {
 	uint32_t count = 0;
 	for (uint32_t throw = 0; throw < 60 * wanted && count < wanted; throw++) {
@@ -71,25 +73,29 @@ static uint32_t plant_bed(struct gen_layout *layout, const struct bed *bed, doub
 	return count;
 }
 
-static uint32_t plant_avenue(struct gen_layout *layout, double stretch, uint32_t wanted, struct gen_stand *stand, struct gen_instance *out)
+static uint32_t plant_avenue(struct gen_layout *layout, double stretch, uint32_t wanted,
+	struct gen_stand *stand, struct gen_instance *out)
 {
 	double span = PARK_HALF_M * stretch;
 	uint32_t count = 0;
 	for (uint32_t i = 0; i < wanted; i++) {
 		double x = (2 * ((i / 2) + 0.5) / ((wanted + 1) / 2) - 1) * 0.8 * span, side = i % 2 ? 1 : -1;
 		x += gen_random_in(&layout->random, -0.8, 0.8);
-		double slope = (path_y(x + 0.5, span) - path_y(x - 0.5, span)), length = sqrt(1 + slope * slope);
+		double slope = (path_y(x + 0.5, span) - path_y(x - 0.5, span)),
+			length = sqrt(1 + slope * slope);
 		double y = path_y(x, span) + side * 4.6 / length;
 		x -= side * 4.6 * slope / length;
 		if (gen_stand_add(stand, x, y, 6))
-			out[count++] = (struct gen_instance){ "linden", x, y, turn_anyhow(&layout->random), gen_random_in(&layout->random, 0.85, 1.08) };
+			out[count++] = (struct gen_instance){ "linden", x, y, turn_anyhow(&layout->random),
+				gen_random_in(&layout->random, 0.85, 1.08) };
 	}
 	return count;
 }
 
 enum eco_code gen_park(struct gen_layout *layout, struct eco_error *error)
 {
-	static const char *const names[] = { "oak", "linden", "birch", "spruce", "palm", "shrub", "azalea", "grass", "turf", "daisy", "poppy",
+	static const char *const names[] = { "oak", "linden", "birch", "spruce", "palm", "shrub", "azalea",
+		"grass", "turf", "daisy", "poppy",
 		"cornflower", NULL };
 	double share = (double)layout->plants / PARK_PLANTS, stretch = share > 1 ? sqrt(share) : 1;
 	struct gen_terrain terrain = { layout->options->seed + 11, 9, 105, 0.5, 21 };
@@ -99,8 +105,10 @@ enum eco_code gen_park(struct gen_layout *layout, struct eco_error *error)
 	if (!code)
 		code = gen_write_ground(layout, &terrain, 220 + 60 * stretch, 4, error);
 	const struct gen_look looks[] = {
-		{ 0, { 36 * stretch, -46 * stretch, 24 * stretch }, { -1, 1, 0 }, 42 }, { 3, { 13, -36, 7 }, { -2, 0, 4 }, 45 },
-		{ 6, { 5, -22.5, 1.7 }, { -1, -6, 2.2 }, 50 }, { 7, { 2.5, -18.6, 1.2 }, { -0.4, -12, 0.6 }, 50 } };
+		{ 0, { 36 * stretch, -46 * stretch, 24 * stretch }, { -1, 1, 0 }, 42 },
+			{ 3, { 13, -36, 7 }, { -2, 0, 4 }, 45 },
+		{ 6, { 5, -22.5, 1.7 }, { -1, -6, 2.2 }, 50 },
+		{ 7, { 2.5, -18.6, 1.2 }, { -0.4, -12, 0.6 }, 50 } };
 	if (!code)
 		code = gen_write_camera(layout, &terrain, looks, 4, error);
 	if (!code)
@@ -112,8 +120,10 @@ enum eco_code gen_park(struct gen_layout *layout, struct eco_error *error)
 	if (instances) {
 		count = plant_avenue(layout, stretch, (uint32_t)(AVENUE * share + 0.5), &stand, instances);
 		for (size_t i = 0; i < sizeof park_beds / sizeof *park_beds && count < layout->plants; i++) {
-			uint32_t wanted = (uint32_t)(park_beds[i].count * share + 0.5), left = layout->plants - count;
-			count += plant_bed(layout, &park_beds[i], stretch, wanted < left ? wanted : left, &stand, instances + count);
+			uint32_t wanted = (uint32_t)(park_beds[i].count * share + 0.5),
+				left = layout->plants - count;
+			count += plant_bed(layout, &park_beds[i], stretch, wanted < left ? wanted : left,
+				&stand, instances + count);
 		}
 		code = gen_text_open(&text, error);
 	} else
@@ -134,14 +144,16 @@ enum eco_code gen_park(struct gen_layout *layout, struct eco_error *error)
 /* ---- Forest ---- */
 
 static const struct species { const char *code, *plant; double niche; } forest_species[] = {
-	{ "FASY", "beech", 0.15 }, { "ACPS", "maple", 0.35 }, { "BEPE", "birch", 0.55 }, { "PISY", "pine", 0.72 }, { "PIAB", "spruce", 0.9 },
+	{ "FASY", "beech", 0.15 }, { "ACPS", "maple", 0.35 }, { "BEPE", "birch", 0.55 },
+		{ "PISY", "pine", 0.72 }, { "PIAB", "spruce", 0.9 },
 };
 #define SPECIES (sizeof forest_species / sizeof *forest_species)
 
 /* Slow noise is the site. Each species prefers one value; chance decides among species near the site's. */
 static const struct species *species_at(uint64_t seed, double x, double y, struct gen_random *random)
 {
-	double site = gen_clamp(1.6 * (gen_noise(seed, x / 45, y / 45) - 0.5) + 0.5, 0, 1), weight[SPECIES], sum = 0;
+	double site = gen_clamp(1.6 * (gen_noise(seed, x / 45, y / 45) - 0.5) + 0.5, 0, 1), weight[SPECIES],
+		sum = 0;
 	for (size_t i = 0; i < SPECIES; i++) {
 		double d = (site - forest_species[i].niche) / 0.17;
 		sum += weight[i] = 1 / (0.03 + d * d * d * d + 0.2 * d * d);
@@ -160,7 +172,8 @@ static double stem_mm(double rank)
 	return 70 + 560 * thin * thin * (0.25 + 0.75 * thin);
 }
 
-static enum eco_code write_stems(struct gen_layout *layout, uint32_t trees, double half_m, struct gen_stand *stand, struct eco_error *error)
+static enum eco_code write_stems(struct gen_layout *layout, uint32_t trees, double half_m,
+	struct gen_stand *stand, struct eco_error *error)
 {
 	struct gen_text text;
 	uint64_t site_seed = layout->options->seed + 29;
@@ -169,17 +182,21 @@ static enum eco_code write_stems(struct gen_layout *layout, uint32_t trees, doub
 		return code;
 	fputs("tag,species,easting,northing,dbh_mm\n", text.out);
 	for (uint32_t i = 0, tag = 1; i < trees; i++) {
-		double dbh = stem_mm((i + 0.5) / trees) * gen_random_in(&layout->random, 0.92, 1.08), room = 1.3 + 0.0080 * dbh;
+		double dbh = stem_mm((i + 0.5) / trees) * gen_random_in(&layout->random, 0.92, 1.08),
+			room = 1.3 + 0.0080 * dbh;
 		/* plants every stem asked for: where no room is found, the stem takes less room */
 		for (int attempt = 0; attempt < 600; attempt++, room *= attempt > 24 ? 0.98 : 1) {
-			double x = gen_random_in(&layout->random, -half_m, half_m), y = gen_random_in(&layout->random, -half_m, half_m);
+			double x = gen_random_in(&layout->random, -half_m, half_m),
+				y = gen_random_in(&layout->random, -half_m, half_m);
 			if (!gen_stand_add(stand, x, y, room))
 				continue;
-			fprintf(text.out, "%u,%s,%.2f,%.2f,%.0f\n", tag++, species_at(site_seed, x, y, &layout->random)->code, GEN_EASTING + x,
+			fprintf(text.out, "%u,%s,%.2f,%.2f,%.0f\n", tag++,
+				species_at(site_seed, x, y, &layout->random)->code, GEN_EASTING + x,
 				GEN_NORTHING + y, dbh);
 			break;
 		}
-		if (i % 65536 == 65535 && (code = gen_progress(layout, "stems", 0.85 + 0.1 * i / trees, error)))
+		if (i % 65536 == 65535
+				&& (code = gen_progress(layout, "stems", 0.85 + 0.1 * i / trees, error)))
 			break;
 	}
 	if (code) {
@@ -191,8 +208,8 @@ static enum eco_code write_stems(struct gen_layout *layout, uint32_t trees, doub
 }
 
 /* Shrubs and ferns grow in patches where slow noise lets light in. */
-static enum eco_code write_understory(struct gen_layout *layout, uint32_t wanted, double half_m, struct gen_stand *stand,
-	struct eco_error *error)
+static enum eco_code write_understory(struct gen_layout *layout, uint32_t wanted, double half_m,
+	struct gen_stand *stand, struct eco_error *error)
 {
 	struct gen_text text;
 	uint64_t seed = layout->options->seed + 31;
@@ -201,14 +218,19 @@ static enum eco_code write_understory(struct gen_layout *layout, uint32_t wanted
 		return code;
 	fputs("plant,easting,northing,height_m\n", text.out);
 	for (uint64_t throw = 0, count = 0; throw < 2000ull * wanted && count < wanted; throw++) {
-		double crowding = throw / (8.0 * wanted), ease = crowding > 1 ? 1 / crowding : 1;      /* in the end also in the shade, and closer */
-		double x = gen_random_in(&layout->random, -half_m, half_m), y = gen_random_in(&layout->random, -half_m, half_m);
+		/* in the end also in the shade, and closer */
+		double crowding = throw / (8.0 * wanted), ease = crowding > 1 ? 1 / crowding : 1;
+		double x = gen_random_in(&layout->random, -half_m, half_m),
+			y = gen_random_in(&layout->random, -half_m, half_m);
 		double light = gen_noise(seed, x / 14, y / 14);
-		bool fern = gen_noise(seed + 1, x / 22, y / 22) + gen_random_in(&layout->random, -0.15, 0.15) > 0.45;
-		if (light + gen_random_in(&layout->random, -0.2, 0.2) < 0.5 * ease || !gen_stand_add(stand, x, y, (fern ? 0.8 : 1.7) * ease))
+		bool fern = gen_noise(seed + 1, x / 22, y / 22) + gen_random_in(&layout->random, -0.15, 0.15)
+			> 0.45;
+		if (light + gen_random_in(&layout->random, -0.2, 0.2) < 0.5 * ease
+				|| !gen_stand_add(stand, x, y, (fern ? 0.8 : 1.7) * ease))
 			continue;
-		fprintf(text.out, "%s,%.2f,%.2f,%.2f\n", fern ? "fern" : "shrub", GEN_EASTING + x, GEN_NORTHING + y,
-			fern ? gen_random_in(&layout->random, 0.4, 0.75) : gen_random_in(&layout->random, 1.0, 2.6));
+		fprintf(text.out, "%s,%.2f,%.2f,%.2f\n", fern ? "fern" : "shrub", GEN_EASTING + x,
+			GEN_NORTHING + y, fern ? gen_random_in(&layout->random, 0.4, 0.75)
+			: gen_random_in(&layout->random, 1.0, 2.6));
 		count++;
 	}
 	return gen_text_write(&text, layout, "understory.csv", error);
@@ -218,19 +240,25 @@ static void print_forest(FILE *out, const char *const names[])
 {
 	gen_print_head(out, "forest", 128);
 	gen_print_plants(out, names);
-	fputs("  \"instances\": [\n    {\"from\": \"stems.csv\", \"x\": \"easting\", \"y\": \"northing\", \"crs\": \"" GEN_CRS "\", "
+	fputs("  \"instances\": [\n    {\"from\": \"stems.csv\", \"x\": \"easting\", \"y\": \"northing\", "
+		"\"crs\": \"" GEN_CRS "\", "
 		"\"species\": \"species\",\n"
 		"     \"map\": {", out);
 	for (size_t i = 0; i < SPECIES; i++)
-		fprintf(out, "%s\"%s\": \"%s\"", i ? ", " : "", forest_species[i].code, forest_species[i].plant);
-	fputs("},\n     \"height_m\": {\"from_dbh_mm\": \"dbh_mm\", \"max\": 31, \"rate\": 0.0042, \"levels\": 8}, \"seed\": 1},\n", out);
-	fputs("    {\"from\": \"understory.csv\", \"x\": \"easting\", \"y\": \"northing\", \"crs\": \"" GEN_CRS "\", \"species\": \"plant\",\n"
-		"     \"map\": {\"shrub\": \"shrub\", \"fern\": \"fern\"}, \"height_m\": {\"column\": \"height_m\"}, \"seed\": 2}\n  ]\n}\n", out);
+		fprintf(out, "%s\"%s\": \"%s\"", i ? ", " : "", forest_species[i].code,
+			forest_species[i].plant);
+	fputs("},\n     \"height_m\": {\"from_dbh_mm\": \"dbh_mm\", \"max\": 31, \"rate\": 0.0042, "
+		"\"levels\": 8}, \"seed\": 1},\n", out);
+	fputs("    {\"from\": \"understory.csv\", \"x\": \"easting\", \"y\": \"northing\", \"crs\": "
+		"\"" GEN_CRS "\", \"species\": \"plant\",\n"
+		"     \"map\": {\"shrub\": \"shrub\", \"fern\": \"fern\"}, \"height_m\": {\"column\": "
+		"\"height_m\"}, \"seed\": 2}\n  ]\n}\n", out);
 }
 
 enum eco_code gen_forest(struct gen_layout *layout, struct eco_error *error)
 {
-	static const char *const names[] = { "beech", "maple", "birch", "pine", "spruce", "shrub", "fern", NULL };
+	static const char *const names[] = { "beech", "maple", "birch", "pine", "spruce", "shrub", "fern",
+		NULL };
 	uint32_t low = layout->plants / 3, trees = layout->plants - low;
 	double half_m = 0.5 * sqrt(trees / 0.060);           /* 600 stems a hectare */
 	half_m = half_m < 8 ? 8 : half_m;
@@ -269,8 +297,8 @@ enum eco_code gen_forest(struct gen_layout *layout, struct eco_error *error)
 #define PATCH_PLANTS 52
 
 /* An eco file around its origin: grasses of two kinds, and the flowers of the patch's kind. */
-static enum eco_code write_patch(struct gen_layout *layout, const char *name, const char *const plants[], const double shares[],
-	struct eco_error *error)
+static enum eco_code write_patch(struct gen_layout *layout, const char *name, const char *const plants[],
+	const double shares[], struct eco_error *error)
 {
 	struct gen_instance instances[PATCH_PLANTS];
 	struct gen_stand stand;
@@ -282,14 +310,16 @@ static enum eco_code write_patch(struct gen_layout *layout, const char *name, co
 	for (uint32_t throw = 0; throw < 4000 && stand.count < PATCH_PLANTS; throw++) {
 		/* a disc a little larger than the patch's share of the meadow, so that turned patches
 		 * leave no gaps */
-		double azimuth = gen_random_in(&layout->random, 0, 360), r = 0.66 * PATCH_M * sqrt(gen_random_unit(&layout->random));
+		double azimuth = gen_random_in(&layout->random, 0, 360),
+			r = 0.66 * PATCH_M * sqrt(gen_random_unit(&layout->random));
 		double x = r * gen_heading(azimuth, 0).x, y = r * gen_heading(azimuth, 0).y;
 		double pick = gen_random_unit(&layout->random);
 		uint32_t kind = 0, at = stand.count;
 		while (plants[kind + 1] && (pick -= shares[kind]) >= 0)
 			kind++;
 		if (gen_stand_add(&stand, x, y, throw < 2000 ? 0.62 : 0.4))
-			instances[at] = (struct gen_instance){ plants[kind], x, y, turn_anyhow(&layout->random), gen_random_in(&layout->random, 0.75, 1.25) };
+			instances[at] = (struct gen_instance){ plants[kind], x, y,
+				turn_anyhow(&layout->random), gen_random_in(&layout->random, 0.75, 1.25) };
 	}
 	uint32_t count = stand.count;
 	gen_stand_close(&stand);
@@ -312,11 +342,13 @@ static enum eco_code write_patches(struct gen_layout *layout, struct eco_error *
 	static const char *const grasses[] = { "grass", "turf", "cornflower", NULL };
 	static const char *const daisies[] = { "grass", "turf", "daisy", NULL };
 	static const char *const poppies[] = { "grass", "turf", "poppy", "cornflower", NULL };
-	enum eco_code code = write_patch(layout, patch_names[0], grasses, (double[]){ 0.48, 0.48, 0.04 }, error);
+	enum eco_code code = write_patch(layout, patch_names[0], grasses, (double[]){ 0.48, 0.48, 0.04 },
+		error);
 	if (!code)
 		code = write_patch(layout, patch_names[1], daisies, (double[]){ 0.3, 0.38, 0.32 }, error);
 	if (!code)
-		code = write_patch(layout, patch_names[2], poppies, (double[]){ 0.36, 0.32, 0.26, 0.06 }, error);
+		code = write_patch(layout, patch_names[2], poppies, (double[]){ 0.36, 0.32, 0.26, 0.06 },
+			error);
 	return code;
 }
 
@@ -326,11 +358,15 @@ static void print_patches(FILE *out, struct gen_layout *layout, double half_m)
 	bool first = true;
 	for (double y = -half_m + PATCH_M / 2; y < half_m; y += PATCH_M) {
 		for (double x = -half_m + PATCH_M / 2; x < half_m; x += PATCH_M) {
-			double color = gen_noise(seed, x / 17, y / 17) + gen_random_in(&layout->random, -0.12, 0.12);
+			double color = gen_noise(seed, x / 17, y / 17) + gen_random_in(&layout->random, -0.12,
+				0.12);
 			uint32_t kind = color > 0.64 ? 2 : color < 0.36 ? 1 : 0;
-			fprintf(out, "%s\n    {\"eco\": \"%s.json\", \"at\": [%.2f, %.2f, 0], \"yaw_deg\": %u, \"scale\": %.3f}", first ? "" : ",",
-				patch_names[kind], x + gen_random_in(&layout->random, -0.5, 0.5), y + gen_random_in(&layout->random, -0.5, 0.5),
-				(uint32_t)(gen_random_bits(&layout->random) % 360), gen_random_in(&layout->random, 0.92, 1.1));
+			fprintf(out, "%s\n    {\"eco\": \"%s.json\", \"at\": [%.2f, %.2f, 0], \"yaw_deg\": "
+				"%u, \"scale\": %.3f}", first ? "" : ",", patch_names[kind],
+				x + gen_random_in(&layout->random, -0.5, 0.5),
+				y + gen_random_in(&layout->random, -0.5, 0.5),
+				(uint32_t)(gen_random_bits(&layout->random) % 360),
+				gen_random_in(&layout->random, 0.92, 1.1));
 			first = false;
 		}
 	}
@@ -338,7 +374,8 @@ static void print_patches(FILE *out, struct gen_layout *layout, double half_m)
 
 enum eco_code gen_meadow(struct gen_layout *layout, struct eco_error *error)
 {
-	static const char *const names[] = { "oak", "birch", "shrub", "grass", "turf", "daisy", "poppy", "cornflower", NULL };
+	static const char *const names[] = { "oak", "birch", "shrub", "grass", "turf", "daisy", "poppy",
+		"cornflower", NULL };
 	static const char *const trees[] = { "oak", "birch", "shrub", NULL };
 	double half_m = 0.5 * PATCH_M * ceil(sqrt((double)layout->plants / PATCH_PLANTS));
 	struct gen_terrain terrain = { layout->options->seed + 17, 4, 95, 0.15, 25 };
@@ -350,7 +387,8 @@ enum eco_code gen_meadow(struct gen_layout *layout, struct eco_error *error)
 	if (!code)
 		code = gen_write_ground(layout, &terrain, half_m + 160, 4, error);
 	const struct gen_look looks[] = {
-		{ 0, { 0.7 * half_m, -1.5 * half_m - 8, 0.6 * half_m + 6 }, { 0, 0, 0 }, 45 }, { 3, { 0.2 * half_m, -half_m - 4, 4 }, { 0, 0, 1 }, 50 },
+		{ 0, { 0.7 * half_m, -1.5 * half_m - 8, 0.6 * half_m + 6 }, { 0, 0, 0 }, 45 },
+			{ 3, { 0.2 * half_m, -half_m - 4, 4 }, { 0, 0, 1 }, 50 },
 		{ 6, { 0, -0.6 * half_m, 1.2 }, { -1, -0.6 * half_m + 9, 0.5 }, 55 } };
 	if (!code)
 		code = gen_write_camera(layout, &terrain, looks, 3, error);
@@ -362,9 +400,11 @@ enum eco_code gen_meadow(struct gen_layout *layout, struct eco_error *error)
 		return code;
 	for (uint32_t throw = 0; throw < 4000 && count < wanted; throw++) {
 		const char *plant = trees[gen_random_bits(&layout->random) % 3];
-		double x = gen_random_in(&layout->random, -half_m, half_m), y = gen_random_in(&layout->random, 0.1 * half_m, half_m);
+		double x = gen_random_in(&layout->random, -half_m, half_m),
+			y = gen_random_in(&layout->random, 0.1 * half_m, half_m);
 		if (gen_stand_add(&stand, x, y, 9))
-			standing[count++] = (struct gen_instance){ plant, x, y, turn_anyhow(&layout->random), gen_random_in(&layout->random, 0.5, 0.95) };
+			standing[count++] = (struct gen_instance){ plant, x, y, turn_anyhow(&layout->random),
+				gen_random_in(&layout->random, 0.5, 0.95) };
 	}
 	gen_stand_close(&stand);
 	code = gen_text_open(&text, error);

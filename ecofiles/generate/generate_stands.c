@@ -39,37 +39,45 @@ static double ride_y(double x, double half_m)
 	return 0.3 * x * (1 - t * t) - 0.06 * half_m;
 }
 
-static bool on_ride(double x, double y, double half_m, double width_m) { return fabs(y - ride_y(x, half_m)) < width_m; }
+static bool on_ride(double x, double y, double half_m, double width_m)
+{
+	return fabs(y - ride_y(x, half_m)) < width_m;
+}
 
 static bool in_patch(const struct stock *s, uint64_t seed, double x, double y, struct gen_random *random)
 {
-	return s->patch_m <= 0 || gen_noise(seed, x / s->patch_m, y / s->patch_m) + gen_random_in(random, -0.15, 0.15) > 0.5;
+	return s->patch_m <= 0 || gen_noise(seed, x / s->patch_m, y / s->patch_m)
+		+ gen_random_in(random, -0.15, 0.15) > 0.5;
 }
 
 #define THROWS 800u
 #define THROWS_STRICT 40u        /* after so many throws the room asked for shrinks */
 
-static void plant_stock(struct gen_layout *layout, const struct stand_kind *kind, uint32_t which, uint32_t wanted, double half_m,
-	struct gen_stand *stand, FILE *out)
+static void plant_stock(struct gen_layout *layout, const struct stand_kind *kind, uint32_t which,
+	uint32_t wanted, double half_m, struct gen_stand *stand, FILE *out)
 {
 	const struct stock *s = &kind->stocks[which];
 	uint64_t seed = layout->options->seed + 41 + which;
 	for (uint32_t i = 0; i < wanted; i++) {
 		double room = s->room_m * gen_random_in(&layout->random, 0.85, 1.15);
 		for (uint32_t throw = 0; throw < THROWS; throw++, room *= throw > THROWS_STRICT ? 0.985 : 1) {
-			double x = gen_random_in(&layout->random, -half_m, half_m), y = gen_random_in(&layout->random, -half_m, half_m);
+			double x = gen_random_in(&layout->random, -half_m, half_m),
+				y = gen_random_in(&layout->random, -half_m, half_m);
 			double free_m = kind->ride_m + (s->room_m > 2 ? 0.3 * s->room_m : 0);
-			bool patch = throw > THROWS / 2 || in_patch(s, seed, x, y, &layout->random);     /* a small scene may have no patch */
+			/* a small scene may have no patch */
+			bool patch = throw > THROWS / 2 || in_patch(s, seed, x, y, &layout->random);
 			if (on_ride(x, y, half_m, free_m) || !patch || !gen_stand_add(stand, x, y, room))
 				continue;
-			fprintf(out, "%s,%.2f,%.2f,%.2f\n", s->plant, GEN_EASTING + x, GEN_NORTHING + y, gen_random_in(&layout->random, s->low_m, s->high_m));
+			fprintf(out, "%s,%.2f,%.2f,%.2f\n", s->plant, GEN_EASTING + x, GEN_NORTHING + y,
+				gen_random_in(&layout->random, s->low_m, s->high_m));
 			break;
 		}
 	}
 }
 
 /* Splits the number of plants by the shares, into whole numbers that add up. */
-static enum eco_code write_plants(struct gen_layout *layout, const struct stand_kind *kind, double half_m, struct eco_error *error)
+static enum eco_code write_plants(struct gen_layout *layout, const struct stand_kind *kind, double half_m,
+	struct eco_error *error)
 {
 	struct gen_stand stand;
 	struct gen_text text;
@@ -84,7 +92,8 @@ static enum eco_code write_plants(struct gen_layout *layout, const struct stand_
 	if (!code && kind->lone && left) {
 		double y = 0.3 * half_m;
 		gen_stand_add(&stand, 0, y, kind->lone_room_m);
-		fprintf(text.out, "%s,%.2f,%.2f,%.2f\n", kind->lone, GEN_EASTING, GEN_NORTHING + y, kind->lone_m);
+		fprintf(text.out, "%s,%.2f,%.2f,%.2f\n", kind->lone, GEN_EASTING, GEN_NORTHING + y,
+			kind->lone_m);
 		left--;
 	}
 	for (uint32_t i = 0; i < kind->count && !code; i++) {
@@ -110,14 +119,19 @@ static enum eco_code write_plants(struct gen_layout *layout, const struct stand_
 static void make_looks(double half_m, double tall_m, struct gen_look looks[FLIGHT + WALK])
 {
 	const struct gen_look flight[FLIGHT] = {
-		{ 0, { 0.85 * half_m, -1.25 * half_m - 20, 0.45 * half_m + 2.2 * tall_m }, { 0, -0.1 * half_m, 0.4 * tall_m }, 45 },
-		{ 3, { -0.5 * half_m, -1.15 * half_m - 15, 0.3 * half_m + 1.8 * tall_m }, { 0.1 * half_m, 0, 0.4 * tall_m }, 45 },
-		{ 6, { -1.1 * half_m - 10, -0.4 * half_m, 0.15 * half_m + 1.4 * tall_m }, { 0, 0, 0.4 * tall_m }, 50 },
-		{ 8, { -1.0 * half_m - 5, ride_y(-half_m, half_m), 0.5 * tall_m + 2 }, { -0.4 * half_m, ride_y(-0.4 * half_m, half_m), 0.3 * tall_m }, 55 } };
+		{ 0, { 0.85 * half_m, -1.25 * half_m - 20, 0.45 * half_m + 2.2 * tall_m },
+			{ 0, -0.1 * half_m, 0.4 * tall_m }, 45 },
+		{ 3, { -0.5 * half_m, -1.15 * half_m - 15, 0.3 * half_m + 1.8 * tall_m },
+		{ 0.1 * half_m, 0, 0.4 * tall_m }, 45 },
+		{ 6, { -1.1 * half_m - 10, -0.4 * half_m, 0.15 * half_m + 1.4 * tall_m },
+		{ 0, 0, 0.4 * tall_m }, 50 },
+		{ 8, { -1.0 * half_m - 5, ride_y(-half_m, half_m), 0.5 * tall_m + 2 },
+		{ -0.4 * half_m, ride_y(-0.4 * half_m, half_m), 0.3 * tall_m }, 55 } };
 	memcpy(looks, flight, sizeof flight);
 	for (uint32_t i = 0; i < WALK; i++) {
 		double x = half_m * (-0.9 + 1.5 * i / (WALK - 1.0)), ahead = x + fmax(0.25 * half_m, 6);
-		looks[FLIGHT + i] = (struct gen_look){ 10 + i, { x, ride_y(x, half_m), 1.7 }, { ahead, ride_y(ahead, half_m), 1.7 + 0.08 * tall_m }, 58 };
+		looks[FLIGHT + i] = (struct gen_look){ 10 + i, { x, ride_y(x, half_m), 1.7 },
+			{ ahead, ride_y(ahead, half_m), 1.7 + 0.08 * tall_m }, 58 };
 	}
 }
 
@@ -125,7 +139,8 @@ static void print_scene(FILE *out, const struct stand_kind *kind, const char *co
 {
 	gen_print_head(out, kind->name, kind->tile);
 	gen_print_plants(out, names);
-	fputs("  \"instances\": [\n    {\"from\": \"plants.csv\", \"x\": \"easting\", \"y\": \"northing\", \"crs\": \""
+	fputs("  \"instances\": [\n    {\"from\": \"plants.csv\", \"x\": \"easting\", \"y\": \"northing\", "
+		"\"crs\": \""
 		GEN_CRS "\", \"species\": \"plant\",\n"
 		"     \"map\": {", out);
 	for (uint32_t i = 0; names[i]; i++)
@@ -150,7 +165,8 @@ static void list_names(const struct stand_kind *kind, const char *names[NAMES_MA
 	names[count] = NULL;
 }
 
-static enum eco_code write_stand(struct gen_layout *layout, const struct stand_kind *kind, struct eco_error *error)
+static enum eco_code write_stand(struct gen_layout *layout, const struct stand_kind *kind,
+	struct eco_error *error)
 {
 	const char *names[NAMES_MAX];
 	struct gen_look looks[FLIGHT + WALK];
@@ -180,32 +196,43 @@ static enum eco_code write_stand(struct gen_layout *layout, const struct stand_k
 
 enum eco_code gen_grove(struct gen_layout *layout, struct eco_error *error)
 {
-	static const struct stock stocks[] = { { "oak", 0.08, 8.5, 11, 16, 0 }, { "linden", 0.22, 6, 9, 14, 60 }, { "beech", 0.12, 6, 16, 24, 80 },
-		{ "maple", 0.20, 5.5, 13, 21, 0 }, { "spruce", 0.20, 4.5, 10, 19, 50 }, { "birch", 0.18, 4, 9, 15, 40 } };
-	return write_stand(layout, &(struct stand_kind){ .name = "grove", .stocks = stocks, .count = 6, .plant_m2 = 52, .ride_m = 3,
+	static const struct stock stocks[] = { { "oak", 0.08, 8.5, 11, 16, 0 },
+		{ "linden", 0.22, 6, 9, 14, 60 }, { "beech", 0.12, 6, 16, 24, 80 },
+		{ "maple", 0.20, 5.5, 13, 21, 0 }, { "spruce", 0.20, 4.5, 10, 19, 50 },
+		{ "birch", 0.18, 4, 9, 15, 40 } };
+	return write_stand(layout, &(struct stand_kind){ .name = "grove", .stocks = stocks, .count = 6,
+		.plant_m2 = 52, .ride_m = 3,
 		.terrain = { 43, 9, 190, 0.3, 60 }, .tile = 64 }, error);
 }
 
 enum eco_code gen_palms(struct gen_layout *layout, struct eco_error *error)
 {
 	static const struct stock stocks[] = { { "palm", 1, 4.2, 5, 10, 0 } };
-	return write_stand(layout, &(struct stand_kind){ .name = "palms", .stocks = stocks, .count = 1, .plant_m2 = 27, .ride_m = 2,
+	return write_stand(layout, &(struct stand_kind){ .name = "palms", .stocks = stocks, .count = 1,
+		.plant_m2 = 27, .ride_m = 2,
 		.terrain = { 47, 4, 160, 0.4, 30 }, .tile = 64 }, error);
 }
 
 enum eco_code gen_sunflowers(struct gen_layout *layout, struct eco_error *error)
 {
 	static const struct stock stocks[] = { { "sunflower", 1, 0.42, 1.3, 2.1, 0 } };
-	return write_stand(layout, &(struct stand_kind){ .name = "sunflowers", .stocks = stocks, .count = 1, .plant_m2 = 0.42, .ride_m = 0.9,
-		.terrain = { 53, 3, 130, 0.1, 25 }, .lone = "maple", .lone_room_m = 9, .lone_m = 17, .tile = 128 }, error);
+	return write_stand(layout, &(struct stand_kind){ .name = "sunflowers", .stocks = stocks, .count = 1,
+		.plant_m2 = 0.42, .ride_m = 0.9,
+		.terrain = { 53, 3, 130, 0.1, 25 }, .lone = "maple", .lone_room_m = 9, .lone_m = 17,
+		.tile = 128 }, error);
 }
 
 enum eco_code gen_outdoor(struct gen_layout *layout, struct eco_error *error)
 {
-	static const struct stock stocks[] = { { "oak", 0.012, 9, 11, 16, 110 }, { "linden", 0.014, 6.5, 9, 14, 90 }, { "beech", 0.018, 6, 16, 24, 120 },
-		{ "spruce", 0.040, 4.2, 8, 19, 70 }, { "pine", 0.016, 5, 12, 19, 80 }, { "birch", 0.020, 4, 8, 15, 50 }, { "shrub", 0.06, 2.2, 1, 2.8, 25 },
-		{ "azalea", 0.02, 1.9, 0.9, 1.7, 20 }, { "fern", 0.10, 0.8, 0.4, 0.8, 18 }, { "grass", 0.30, 0.55, 0.4, 0.8, 14 },
-		{ "poppy", 0.14, 0.4, 0.35, 0.6, 10 }, { "daisy", 0.14, 0.4, 0.35, 0.6, 12 }, { "cornflower", 0.12, 0.4, 0.35, 0.6, 9 } };
-	return write_stand(layout, &(struct stand_kind){ .name = "outdoor", .stocks = stocks, .count = 13, .plant_m2 = 6, .ride_m = 1.8,
+	static const struct stock stocks[] = { { "oak", 0.012, 9, 11, 16, 110 },
+		{ "linden", 0.014, 6.5, 9, 14, 90 }, { "beech", 0.018, 6, 16, 24, 120 },
+		{ "spruce", 0.040, 4.2, 8, 19, 70 }, { "pine", 0.016, 5, 12, 19, 80 },
+		{ "birch", 0.020, 4, 8, 15, 50 }, { "shrub", 0.06, 2.2, 1, 2.8, 25 },
+		{ "azalea", 0.02, 1.9, 0.9, 1.7, 20 }, { "fern", 0.10, 0.8, 0.4, 0.8, 18 },
+		{ "grass", 0.30, 0.55, 0.4, 0.8, 14 },
+		{ "poppy", 0.14, 0.4, 0.35, 0.6, 10 }, { "daisy", 0.14, 0.4, 0.35, 0.6, 12 },
+		{ "cornflower", 0.12, 0.4, 0.35, 0.6, 9 } };
+	return write_stand(layout, &(struct stand_kind){ .name = "outdoor", .stocks = stocks, .count = 13,
+		.plant_m2 = 6, .ride_m = 1.8,
 		.terrain = { 59, 16, 240, 0.4, 40 }, .tile = 128 }, error);
 }

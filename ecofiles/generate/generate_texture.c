@@ -37,9 +37,11 @@ static double grain(uint32_t x, uint32_t y)
 	return (h & 0xFFFF) / 65536.0;
 }
 
-static void paint_pixel(struct canvas *canvas, uint32_t column, uint32_t row, const uint8_t rgb[3], double light)
+static void paint_pixel(struct canvas *canvas, uint32_t column, uint32_t row, const uint8_t rgb[3],
+	double light)
 {
-	uint8_t *p = canvas->rgba + 4 * ((size_t)(canvas->top + row) * 2 * canvas->size + canvas->left + column);
+	uint8_t *p = canvas->rgba + 4 * ((size_t)(canvas->top + row) * 2 * canvas->size + canvas->left
+		+ column);
 	for (int c = 0; c < 3; c++)
 		p[c] = (uint8_t)gen_clamp(rgb[c] * light + 0.5, 0, 255);
 	p[3] = 255;
@@ -49,12 +51,15 @@ static void paint_leaf(struct canvas *canvas, const struct stroke *s)
 {
 	for (uint32_t row = 0; row < canvas->size; row++) {
 		for (uint32_t column = 0; column < canvas->size; column++) {
-			double x = (column + 0.5) / canvas->size - s->x, y = 1 - (row + 0.5) / canvas->size - s->y;
-			double v = (x * s->way_x + y * s->way_y) / s->length, u = (x * s->way_y - y * s->way_x) / (0.5 * s->width);
+			double x = (column + 0.5) / canvas->size - s->x,
+				y = 1 - (row + 0.5) / canvas->size - s->y;
+			double v = (x * s->way_x + y * s->way_y) / s->length,
+				u = (x * s->way_y - y * s->way_x) / (0.5 * s->width);
 			double edge = outline(v) * (1 - s->teeth * fraction(v * 11 - 0.5 * fabs(u)));
 			if (!(fabs(u) <= edge))
 				continue;
-			double vein = fraction((v - 0.22 * fabs(u)) * 7.5), light = 0.94 + 0.10 * grain(column / 2, row / 2);
+			double vein = fraction((v - 0.22 * fabs(u)) * 7.5),
+				light = 0.94 + 0.10 * grain(column / 2, row / 2);
 			if (fabs(u) < 0.07 * (1.1 - v))
 				light *= 1.30;
 			else if (vein < 0.10)
@@ -72,8 +77,10 @@ static void paint_stalk(struct canvas *canvas, double x0, double y0, double x1, 
 	double dx = x1 - x0, dy = y1 - y0, square = dx * dx + dy * dy;
 	for (uint32_t row = 0; row < canvas->size; row++) {
 		for (uint32_t column = 0; column < canvas->size; column++) {
-			double x = (column + 0.5) / canvas->size - x0, y = 1 - (row + 0.5) / canvas->size - y0;
-			double t = gen_clamp((x * dx + y * dy) / square, 0, 1), ex = x - t * dx, ey = y - t * dy;
+			double x = (column + 0.5) / canvas->size - x0,
+				y = 1 - (row + 0.5) / canvas->size - y0;
+			double t = gen_clamp((x * dx + y * dy) / square, 0, 1), ex = x - t * dx,
+				ey = y - t * dy;
 			if (ex * ex + ey * ey < 0.25 * width * width)
 				paint_pixel(canvas, column, row, wood, 0.9 + 0.2 * grain(column, row));
 		}
@@ -96,9 +103,11 @@ static void paint_spray(struct canvas *canvas, uint32_t shade)
 {
 	paint_stalk(canvas, 0.5, 0, 0.5, 0.72, 0.022);
 	for (uint32_t i = 0; i < 9; i++) {
-		double t = i / 8.0, side = i == 8 ? 0 : i % 2 ? 1 : -1, light = 0.88 + 0.24 * grain(i, 7 + shade);
+		double t = i / 8.0, side = i == 8 ? 0 : i % 2 ? 1 : -1,
+			light = 0.88 + 0.24 * grain(i, 7 + shade);
 		struct gen_v3 way = gen_unit(gen_v3(side * (1.05 - 0.45 * t), 0.42 + 0.35 * t, 0));
-		struct stroke s = { .x = 0.5, .y = 0.08 + 0.60 * t, .way_x = way.x, .way_y = way.y, .length = i == 8 ? 0.33 : 0.44 - 0.06 * t,
+		struct stroke s = { .x = 0.5, .y = 0.08 + 0.60 * t, .way_x = way.x, .way_y = way.y,
+			.length = i == 8 ? 0.33 : 0.44 - 0.06 * t,
 			.width = 0.27, .teeth = 0.16 };
 		for (int c = 0; c < 3; c++)
 			s.rgb[c] = (uint8_t)gen_clamp(leaf_rgb[shade][c] * light, 0, 255);
@@ -106,7 +115,8 @@ static void paint_spray(struct canvas *canvas, uint32_t shade)
 	}
 }
 
-static const struct painting { const char *name; uint32_t size; void (*paint)(struct canvas *canvas, uint32_t shade); } paintings[] = {
+static const struct painting { const char *name; uint32_t size;
+	void (*paint)(struct canvas *canvas, uint32_t shade); } paintings[] = {
 	{ "leaf.png", 64, paint_single },
 	{ "spray.png", 128, paint_spray },
 };
@@ -131,7 +141,8 @@ enum eco_code gen_texture_write(const char *folder, const char *name, struct eco
 		canvas.top = (1 - shade / 2) * painting->size;
 		for (uint32_t i = 0; i < painting->size * painting->size; i++) {
 			paint_pixel(&canvas, i % painting->size, i / painting->size, leaf_rgb[shade], 1);
-			canvas.rgba[4 * ((size_t)(canvas.top + i / painting->size) * side + canvas.left + i % painting->size) + 3] = 0;
+			canvas.rgba[4 * ((size_t)(canvas.top + i / painting->size) * side + canvas.left
+				+ i % painting->size) + 3] = 0;
 		}
 		painting->paint(&canvas, shade);
 	}

@@ -42,7 +42,8 @@ static void grow_trunk(struct skeleton *s, const struct gen_crown *crown, struct
 	struct gen_v3 lean = gen_mul(gen_heading(azimuth, 0), crown->lean), sway = gen_v3(0, 0, 0);
 	for (uint32_t i = 0; i <= steps; i++) {
 		double t = (double)i / steps;
-		sway = gen_mad(sway, gen_heading(gen_random_in(random, 0, 360), 0), 0.003 * crown->height * (i > 1));
+		sway = gen_mad(sway, gen_heading(gen_random_in(random, 0, 360), 0),
+			0.003 * crown->height * (i > 1));
 		before = add_node(s, gen_add(gen_mad(gen_v3(0, 0, t * top), lean, t * t), sway), before);
 	}
 }
@@ -78,7 +79,8 @@ static uint32_t grow_shoot(struct skeleton *s, uint32_t from, struct gen_v3 to, 
 	uint32_t steps = (uint32_t)(length / STEP_M) + 1, before = from;
 	for (uint32_t i = 1; i <= steps; i++) {
 		double t = (double)i / steps, u = 1 - t;
-		struct gen_v3 p = gen_add(gen_add(gen_mul(a, u * u), gen_mul(control, 2 * u * t)), gen_mul(to, t * t));
+		struct gen_v3 p = gen_add(gen_add(gen_mul(a, u * u), gen_mul(control, 2 * u * t)),
+			gen_mul(to, t * t));
 		if (i < steps)
 			p = gen_mad(p, gen_random_way(random), 0.03);
 		before = add_node(s, p, before);
@@ -102,7 +104,8 @@ static void thicken(struct skeleton *s, const struct gen_crown *crown)
 	double unit = crown->trunk_radius / sqrt(s->nodes[0].tips);
 	for (uint32_t i = 0; i < s->count; i++) {
 		double z = s->nodes[i].at.z, flare = 1 + 0.5 * (1 - gen_smooth(0, 0.06 * crown->height, z));
-		s->nodes[i].radius = unit * sqrt(s->nodes[i].tips) * (s->nodes[i].parent == ECO_NONE || z < 1 ? flare : 1);
+		s->nodes[i].radius = unit * sqrt(s->nodes[i].tips) * (s->nodes[i].parent == ECO_NONE
+			|| z < 1 ? flare : 1);
 	}
 }
 
@@ -128,7 +131,9 @@ static void draw_wood(const struct skeleton *s, struct gen_mesh *mesh, uint8_t b
 			continue;
 		double r = radius[0];
 		radius[n - 1] = 0;
-		gen_tube(mesh, bark, &(struct gen_tube){ points, radius, n, r > 0.09 ? 10 : r > 0.04 ? 6 : r > 0.018 ? 4 : 3 });
+		gen_tube(mesh, bark,
+			&(struct gen_tube){ points, radius, n, r > 0.09 ? 10 : r > 0.04 ? 6 : r > 0.018 ? 4
+			: 3 });
 	}
 	free(points);
 	free(radius);
@@ -142,14 +147,17 @@ static double crown_width(const struct gen_crown *crown, double t)
 	return crown->radius * (round + (cone - round) * crown->cone);
 }
 
-static void scatter_lobes(const struct gen_crown *crown, struct gen_random *random, struct gen_v3 lobe[], double size[])
+static void scatter_lobes(const struct gen_crown *crown, struct gen_random *random, struct gen_v3 lobe[],
+	double size[])
 {
 	double span = crown->height - crown->base;
 	for (uint32_t i = 0; i < crown->lobes; i++) {
 		double t = 0.10 + 0.70 * (i + 0.5) / crown->lobes, width = crown_width(crown, t);
 		size[i] = width * gen_random_in(random, 0.42, 0.58);
 		double azimuth = 137.50776405 * i + gen_random_in(random, -25, 25);
-		lobe[i] = gen_mul(gen_heading(azimuth, 0), (width - size[i]) * gen_random_in(random, 0.8, 1.05));
+		lobe[i] =
+			gen_mul(gen_heading(azimuth, 0),
+			(width - size[i]) * gen_random_in(random, 0.8, 1.05));
 		lobe[i].z = crown->base + t * span;
 	}
 }
@@ -174,9 +182,12 @@ static void scatter_shoots(const struct gen_crown *crown, struct gen_random *ran
 			way.z = -way.z;
 		double depth = gen_random_in(random, 0.45, 1);
 		struct gen_v3 at = gen_mad(lobe[k], way, size[k] * depth);
-		at.z = gen_clamp(lobe[k].z + way.z * gen_clamp(size[k], 0, 0.21 * span) * depth, crown->base, crown->height);
+		at.z = gen_clamp(lobe[k].z + way.z * gen_clamp(size[k], 0, 0.21 * span) * depth, crown->base,
+			crown->height);
 		struct gen_v3 out = gen_sub(at, middle);
-		double reach = gen_length(gen_v3(out.x / crown->radius, out.y / crown->radius, out.z / (0.58 * span)));
+		double reach =
+			gen_length(gen_v3(out.x / crown->radius, out.y / crown->radius,
+			out.z / (0.58 * span)));
 		shoots[i] = (struct gen_shoot){ at, gen_unit(gen_add(gen_unit(out), gen_mul(way, 0.5))),
 			gen_clamp(0.55 * reach * reach + 0.45 * (at.z - crown->base) / span, 0, 1) };
 	}
@@ -215,19 +226,28 @@ void gen_frond(struct gen_mesh *mesh, const struct gen_frond *frond, struct gen_
 	radius[0] = frond->rib_radius;
 	for (int i = 1; i < RIB_POINTS; i++) {
 		double t = (double)i / (RIB_POINTS - 1);
-		rib[i] = gen_mad(rib[i - 1], gen_heading(frond->azimuth_deg, frond->elevation_deg - frond->sink_deg * t * (0.4 + 0.6 * t)), step);
+		rib[i] =
+			gen_mad(rib[i - 1],
+			gen_heading(frond->azimuth_deg,
+			frond->elevation_deg - frond->sink_deg * t * (0.4 + 0.6 * t)), step);
 		radius[i] = i + 1 == RIB_POINTS ? 0 : frond->rib_radius * (1 - 0.85 * t);
 	}
 	gen_tube(mesh, frond->rib, &(struct gen_tube){ rib, radius, RIB_POINTS, 3 });
 	for (uint32_t i = 0; i < 2 * frond->pairs; i++) {
 		double t = 0.10 + 0.88 * ((i / 2) + 0.5) / frond->pairs, at = t * (RIB_POINTS - 1);
 		int k = (int)at;
-		struct gen_v3 way = gen_unit(gen_sub(rib[k + 1], rib[k])), foot = gen_mad(rib[k], gen_sub(rib[k + 1], rib[k]), at - k);
+		struct gen_v3 way = gen_unit(gen_sub(rib[k + 1], rib[k])),
+			foot = gen_mad(rib[k], gen_sub(rib[k + 1], rib[k]), at - k);
 		struct gen_v3 side = gen_unit(gen_cross(way, gen_v3(0, 0, 1))), up = gen_cross(side, way);
-		double length = frond->leaflet * (0.35 + 0.65 * sqrt(gen_clamp(3.2 * t * (1.02 - t), 0, 1))) * gen_random_in(random, 0.9, 1.08);
-		struct gen_v3 along = gen_add(gen_mul(side, i % 2 ? 1 : -1), gen_mad(gen_mul(up, 0.18), way, 0.55 + 0.5 * t));
-		uint32_t shade = (uint32_t)gen_clamp((0.35 + 0.4 * up.z + gen_random_in(random, -0.3, 0.3)) * frond->shades, 0, frond->shades - 1);
-		gen_leaf(mesh, (uint8_t)(frond->leaf + shade), &(struct gen_leaf){ .at = foot, .along = along, .face = gen_mad(up, side, 0.25),
+		double length = frond->leaflet * (0.35 + 0.65 * sqrt(gen_clamp(3.2 * t * (1.02 - t), 0, 1)))
+			* gen_random_in(random, 0.9, 1.08);
+		struct gen_v3 along = gen_add(gen_mul(side, i % 2 ? 1 : -1),
+			gen_mad(gen_mul(up, 0.18), way, 0.55 + 0.5 * t));
+		uint32_t shade =
+			(uint32_t)gen_clamp((0.35 + 0.4 * up.z + gen_random_in(random, -0.3, 0.3))
+			* frond->shades, 0, frond->shades - 1);
+		gen_leaf(mesh, (uint8_t)(frond->leaf + shade),
+			&(struct gen_leaf){ .at = foot, .along = along, .face = gen_mad(up, side, 0.25),
 			.length = length, .width = frond->width, .bend = 0.22, .shape = frond->shape });
 	}
 }

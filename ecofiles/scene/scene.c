@@ -16,7 +16,8 @@
 #define SCALE_MAX 1000.0
 #define YAW_MAX 1e6
 
-static const char *const scene_fields[] = { "name", "crs", "vertical", "origin", "ground", "plants", "instances", "children", "tile", NULL };
+static const char *const scene_fields[] = { "name", "crs", "vertical", "origin", "ground", "plants",
+	"instances", "children", "tile", NULL };
 static const char *const instance_fields[] = { "plant", "at", "yaw_deg", "scale", "height_m", NULL };
 static const char *const child_fields[] = { "eco", "at", "yaw_deg", "scale", NULL };
 static const char *const tile_fields[] = { "instances", NULL };
@@ -28,14 +29,16 @@ static bool parse_instance(struct eco_source *source, const struct eco_json *at)
 	struct eco_source_instance *slot = &source->instances[source->instance_count];
 	struct eco_source_instance instance = { .scale = 1, .height_m = NAN };
 	struct eco_json plant = eco_json_member(at, "plant");
-	if (!eco_json_object(at, instance_fields) || !eco_json_required(at, "plant") || !eco_json_required(at, "at")
+	if (!eco_json_object(at, instance_fields) || !eco_json_required(at, "plant")
+			|| !eco_json_required(at, "at")
 		|| !eco_source_plant_of(source, &plant, &instance.plant)
 		|| !eco_json_numbers(at, "at", 2, 3, -ECO_METRES_MAX, ECO_METRES_MAX, instance.at)
 		|| !eco_json_number(at, "yaw_deg", -YAW_MAX, YAW_MAX, &instance.yaw_deg)
 		|| !eco_json_number(at, "scale", SCALE_MIN, SCALE_MAX, &instance.scale)
 		|| !eco_json_number(at, "height_m", 0.001, HEIGHT_MAX_M, &instance.height_m))
 		return false;
-	instance.plant += eco_mix_variant(0, source->instance_count, source->plants[instance.plant].variant_count);
+	instance.plant += eco_mix_variant(0, source->instance_count,
+		source->plants[instance.plant].variant_count);
 	*slot = instance;
 	source->instance_count++;
 	return true;
@@ -64,9 +67,11 @@ static bool parse_instances(struct eco_source *source, const struct eco_json *to
 		struct eco_json item = eco_json_item(&node, i);
 		bool good;
 		if (json_object_get(item.value, "from"))
-			good = eco_scene_parse_rows(source, &item, &source->positions[source->positions_count++]);
+			good = eco_scene_parse_rows(source, &item,
+				&source->positions[source->positions_count++]);
 		else if (json_object_get(item.value, "scatter"))
-			good = eco_scene_parse_scatter(source, &item, &source->scatters[source->scatter_count++]);
+			good = eco_scene_parse_scatter(source, &item,
+				&source->scatters[source->scatter_count++]);
 		else
 			good = parse_instance(source, &item);
 		if (!good)
@@ -81,7 +86,8 @@ static bool parse_child(struct eco_source *source, const struct eco_json *at)
 	struct eco_json node = eco_json_member(at, "eco");
 	child->source = ECO_NONE;
 	child->scale = 1;
-	if (!eco_json_object(at, child_fields) || !eco_json_required(at, "eco") || !eco_json_required(at, "at")
+	if (!eco_json_object(at, child_fields) || !eco_json_required(at, "eco")
+			|| !eco_json_required(at, "at")
 		|| !eco_json_numbers(at, "at", 2, 3, -ECO_METRES_MAX, ECO_METRES_MAX, child->at)
 		|| !eco_json_number(at, "yaw_deg", -YAW_MAX, YAW_MAX, &child->yaw_deg)
 		|| !eco_json_number(at, "scale", SCALE_MIN, SCALE_MAX, &child->scale))
@@ -115,7 +121,8 @@ static bool parse_name(struct eco_source *source, const struct eco_json *top)
 	struct eco_json node = eco_json_member(top, "name");
 	size_t bytes = strcspn(name, ".");
 	if (node.value) {
-		if (!eco_json_text(top, "name", 63, &name) || !eco_source_name_is_fine(&node, name, strlen(name)))
+		if (!eco_json_text(top, "name", 63, &name)
+				|| !eco_source_name_is_fine(&node, name, strlen(name)))
 			return false;
 		bytes = strlen(name);
 	}
@@ -128,7 +135,9 @@ static bool parse_tile(struct eco_source *source, const struct eco_json *top)
 {
 	struct eco_json node = eco_json_member(top, "tile");
 	uint64_t instances = ECO_TILE_INSTANCES;
-	if (node.value && (!eco_json_object(&node, tile_fields) || !eco_json_whole(&node, "instances", 1, 65536, &instances)))
+	if (node.value
+			&& (!eco_json_object(&node, tile_fields)
+			|| !eco_json_whole(&node, "instances", 1, 65536, &instances)))
 		return false;
 	source->tile_instances = (uint32_t)instances;
 	return true;
@@ -137,19 +146,22 @@ static bool parse_tile(struct eco_source *source, const struct eco_json *top)
 static bool parse_document(struct eco_source *source, const struct eco_json *top)
 {
 	struct eco_json origin = eco_json_member(top, "origin");
-	if (!eco_json_object(top, scene_fields) || !parse_name(source, top) || !eco_scene_copy_text(top, "crs", ECO_PATH_BYTES, &source->crs)
+	if (!eco_json_object(top, scene_fields) || !parse_name(source, top)
+			|| !eco_scene_copy_text(top, "crs", ECO_PATH_BYTES, &source->crs)
 		|| !eco_scene_copy_text(top, "vertical", ECO_PATH_BYTES, &source->vertical)
 		|| !eco_json_numbers(top, "origin", 2, 3, -1e9, 1e9, source->origin))
 		return false;
 	if (source->crs && !origin.value)
-		return eco_json_fail(top, ECO_BAD_INPUT, "\"origin\" is missing: a scene with a CRS needs the point that is its 0, 0, 0, such as "
+		return eco_json_fail(top, ECO_BAD_INPUT, "\"origin\" is missing: a scene with a CRS needs "
+			"the point that is its 0, 0, 0, such as "
 			"\"origin\": [747375, 4308510, 0]");
-	return parse_tile(source, top) && eco_scene_parse_ground(source, top) && eco_scene_parse_plants(source, top)
-		&& parse_instances(source, top) && parse_children(source, top);
+	return parse_tile(source, top) && eco_scene_parse_ground(source, top)
+		&& eco_scene_parse_plants(source, top) && parse_instances(source, top)
+		&& parse_children(source, top);
 }
 
-enum eco_code eco_source_parse_as(struct eco_source *source, const char *json, size_t size, const char *path, bool on_disk,
-	struct eco_error *error)
+enum eco_code eco_source_parse_as(struct eco_source *source, const char *json, size_t size, const char *path,
+	bool on_disk, struct eco_error *error)
 {
 	struct eco_error local = { .code = ECO_OK };
 	struct eco_json_file file = { path, json, size, error != NULL ? error : &local };
@@ -161,8 +173,8 @@ enum eco_code eco_source_parse_as(struct eco_source *source, const char *json, s
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
 	if (size > ECO_SOURCE_BYTES_MAX) {
 		eco_source_free(source);
-		return eco_fail(error, ECO_TOO_LARGE, "%s: %zu bytes, at most %u are possible; keep many plants in a CSV file (\"from\")", path,
-			size, ECO_SOURCE_BYTES_MAX);
+		return eco_fail(error, ECO_TOO_LARGE, "%s: %zu bytes, at most %u are possible; keep many "
+			"plants in a CSV file (\"from\")", path, size, ECO_SOURCE_BYTES_MAX);
 	}
 	root = eco_json_open(&file);
 	top = eco_json_root(&file, root);
@@ -182,7 +194,8 @@ enum eco_code eco_source_parse(struct eco_source *source, const char *json, size
 
 struct eco_frame eco_source_frame(const struct eco_source *s)
 {
-	return (struct eco_frame){ .crs = s->crs, .vertical = s->vertical, .origin = { s->origin[0], s->origin[1], s->origin[2] } };
+	return (struct eco_frame){ .crs = s->crs, .vertical = s->vertical,
+		.origin = { s->origin[0], s->origin[1], s->origin[2] } };
 }
 
 void eco_source_free(struct eco_source *source)

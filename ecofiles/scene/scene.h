@@ -33,7 +33,8 @@
  * instances handed out name the one taken. */
 struct eco_source_plant {
 	char name[64];
-	char **models; uint32_t model_count; /* paths of the files that make up one plant, resolved against the file that names them */
+	/* paths of the files that make up one plant, resolved against the file that names them */
+	char **models; uint32_t model_count;
 	double height_m;                     /* height to which the model is scaled; 0: by its unit */
 	double unit_m;                       /* metres per unit of the files; 0: theirs, else guessed */
 	enum eco_up up;
@@ -46,7 +47,8 @@ struct eco_source_instance {
 	uint32_t plant;
 	double at[3];                        /* metres from the file's origin, z above the ground */
 	double yaw_deg, scale;
-	double height_m;                     /* NaN: `scale` alone; else scale * height_m / the plant's height as imported */
+	/* NaN: `scale` alone; else scale * height_m / the plant's height as imported */
+	double height_m;
 };
 
 struct eco_source_child {

@@ -27,11 +27,12 @@ bool eco_scene_parse_path(const struct eco_source *source, const struct eco_json
 		return eco_json_no_memory(at);
 	if (!source->on_disk || access(*path, R_OK) == 0)
 		return true;
-	return eco_json_fail(at, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", *path, strerror(errno));
+	return eco_json_fail(at, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", *path,
+		strerror(errno));
 }
 
-bool eco_scene_parse_paths(const struct eco_source *source, const struct eco_json *at, const char *what, size_t most, char ***paths,
-	uint32_t *count)
+bool eco_scene_parse_paths(const struct eco_source *source, const struct eco_json *at, const char *what,
+	size_t most, char ***paths, uint32_t *count)
 {
 	bool several = json_is_array(at->value);
 	size_t size = several ? json_array_size(at->value) : 1;
@@ -50,14 +51,16 @@ bool eco_scene_parse_paths(const struct eco_source *source, const struct eco_jso
 	return true;
 }
 
-bool eco_scene_parse_crs(const struct eco_source *source, const struct eco_json *at, const char *key, char **crs)
+bool eco_scene_parse_crs(const struct eco_source *source, const struct eco_json *at, const char *key,
+	char **crs)
 {
 	struct eco_json node = eco_json_member(at, key);
 	if (!eco_scene_copy_text(at, key, ECO_PATH_BYTES, crs))
 		return false;
 	if (!*crs || source->crs)
 		return true;
-	return eco_json_fail(&node, ECO_BAD_INPUT, "the scene has no CRS to convert to: add \"crs\": \"%.80s\" and \"origin\" to the scene, or leave this "
+	return eco_json_fail(&node, ECO_BAD_INPUT, "the scene has no CRS to convert to: add \"crs\": "
+		"\"%.80s\" and \"origin\" to the scene, or leave this "
 		"one out", *crs);
 }
 
@@ -74,7 +77,8 @@ bool eco_scene_copy_text(const struct eco_json *at, const char *key, size_t byte
 
 bool eco_up_of(const char *name, enum eco_up *up)
 {
-	static const struct { const char *name; enum eco_up up; } axes[] = { { "x", ECO_UP_X }, { "y", ECO_UP_Y }, { "z", ECO_UP_Z } };
+	static const struct { const char *name; enum eco_up up; } axes[] =
+		{ { "x", ECO_UP_X }, { "y", ECO_UP_Y }, { "z", ECO_UP_Z } };
 
 	for (size_t i = 0; i < sizeof axes / sizeof *axes; i++)
 		if (strcmp(name, axes[i].name) == 0) {
@@ -86,7 +90,8 @@ bool eco_up_of(const char *name, enum eco_up *up)
 
 bool eco_unit_metres(const char *name, double *metres)
 {
-	static const struct { const char *name; double metres; } units[] = { { "m", 1 }, { "cm", 0.01 }, { "mm", 0.001 }, { "in", 0.0254 },
+	static const struct { const char *name; double metres; } units[] =
+		{ { "m", 1 }, { "cm", 0.01 }, { "mm", 0.001 }, { "in", 0.0254 },
 		{ "ft", 0.3048 }, { "US survey ft", 1200.0 / 3937 } };
 
 	for (size_t i = 0; i < sizeof units / sizeof *units; i++)

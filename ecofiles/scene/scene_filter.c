@@ -17,7 +17,8 @@ static bool parse_value(const struct eco_json *at, struct eco_value *value)
 		return true;
 	}
 	if (!json_is_string(at->value) || json_string_length(at->value) > VALUE_BYTES)
-		return eco_json_fail(at, ECO_BAD_INPUT, "a value is a text of up to %u bytes, with \"*\" for any text, or a number", VALUE_BYTES);
+		return eco_json_fail(at, ECO_BAD_INPUT, "a value is a text of up to %u bytes, with \"*\" "
+			"for any text, or a number", VALUE_BYTES);
 	eco_text_fold(json_string_value(at->value), folded, sizeof folded);
 	value->text = strdup(folded);
 	return value->text || eco_json_no_memory(at);
@@ -42,7 +43,8 @@ static bool parse_filter(const struct eco_json *at, struct eco_filter *filter)
 	return true;
 }
 
-static bool parse_columns(const struct eco_json *at, const char *name, struct eco_filter *filters, uint32_t *count)
+static bool parse_columns(const struct eco_json *at, const char *name, struct eco_filter *filters,
+	uint32_t *count)
 {
 	struct eco_json columns = eco_json_member(at, name), entry = { .file = NULL };
 	if (!columns.value)
@@ -61,5 +63,6 @@ static bool parse_columns(const struct eco_json *at, const char *name, struct ec
 bool eco_scene_parse_filters(const struct eco_json *at, struct eco_filter **filters, uint32_t *count)
 {
 	*filters = calloc(ECO_FILTERS_MAX, sizeof **filters);
-	return *filters ? parse_columns(at, "only", *filters, count) && parse_columns(at, "skip", *filters, count) : eco_json_no_memory(at);
+	return *filters ? parse_columns(at, "only", *filters, count)
+		&& parse_columns(at, "skip", *filters, count) : eco_json_no_memory(at);
 }

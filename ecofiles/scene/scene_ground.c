@@ -4,7 +4,8 @@
 
 #include <stdlib.h>
 
-static const char *const ground_fields[] = { "heights", "crs", "vertical", "band", "scale", "offset", "unit", "nodata", "north_west",
+static const char *const ground_fields[] = { "heights", "crs", "vertical", "band", "scale", "offset", "unit",
+	"nodata", "north_west",
 	"pixel", NULL };
 
 static bool parse_meaning(struct eco_ground_source *ground, const struct eco_json *at)
@@ -14,8 +15,10 @@ static bool parse_meaning(struct eco_ground_source *ground, const struct eco_jso
 	ground->no_holes = json_is_null(nodata.value);
 	ground->has_nodata = nodata.value != NULL && !ground->no_holes;
 	ground->has_offset = eco_json_member(at, "offset").value != NULL;
-	if (!eco_json_whole(at, "band", 1, 65535, &band) || !eco_json_number(at, "scale", -1e6, 1e6, &ground->scale)
-		|| !eco_json_number(at, "offset", -1e6, 1e6, &ground->offset) || !eco_scene_parse_unit(at, &ground->unit_m)
+	if (!eco_json_whole(at, "band", 1, 65535, &band)
+			|| !eco_json_number(at, "scale", -1e6, 1e6, &ground->scale)
+		|| !eco_json_number(at, "offset", -1e6, 1e6, &ground->offset)
+		|| !eco_scene_parse_unit(at, &ground->unit_m)
 		|| (ground->has_nodata && !eco_json_number(at, "nodata", -1e39, 1e39, &ground->nodata)))
 		return false;
 	ground->band = (uint32_t)band;
@@ -29,11 +32,13 @@ static bool parse_place(struct eco_ground_source *ground, const struct eco_json 
 {
 	struct eco_json corner = eco_json_member(at, "north_west"), pixel = eco_json_member(at, "pixel");
 	if ((!corner.value) != (!pixel.value))
-		return eco_json_fail(at, ECO_BAD_INPUT, "\"north_west\" (x and y of the raster's corner) and \"pixel\" (its pixels' size) go together");
+		return eco_json_fail(at, ECO_BAD_INPUT, "\"north_west\" (x and y of the raster's corner) "
+			"and \"pixel\" (its pixels' size) go together");
 	if (!corner.value)
 		return true;
 	if (ground->height_count > 1)
-		return eco_json_fail(&corner, ECO_BAD_INPUT, "several rasters cannot have one corner; give each a world file");
+		return eco_json_fail(&corner, ECO_BAD_INPUT, "several rasters cannot have one corner; give "
+			"each a world file");
 	ground->has_place = true;
 	if (json_is_array(pixel.value)) {
 		if (!eco_json_numbers(at, "pixel", 2, 2, 1e-9, 1e6, ground->pixel))
@@ -51,9 +56,10 @@ bool eco_scene_parse_ground(struct eco_source *source, const struct eco_json *to
 	struct eco_json node = eco_json_member(top, "ground"), heights = eco_json_member(&node, "heights");
 	struct eco_ground_source *ground = &source->ground;
 	return !node.value || (eco_json_object(&node, ground_fields) && eco_json_required(&node, "heights")
-		&& eco_scene_parse_paths(source, &heights, "raster", ECO_GROUND_FILES_MAX, &ground->heights, &ground->height_count)
-		&& eco_scene_copy_text(&node, "vertical", ECO_PATH_BYTES, &ground->vertical) && parse_meaning(ground, &node)
-		&& parse_place(ground, &node) && eco_scene_parse_crs(source, &node, "crs", &ground->crs));
+		&& eco_scene_parse_paths(source, &heights, "raster", ECO_GROUND_FILES_MAX, &ground->heights,
+		&ground->height_count) && eco_scene_copy_text(&node, "vertical", ECO_PATH_BYTES,
+		&ground->vertical) && parse_meaning(ground, &node) && parse_place(ground, &node)
+		&& eco_scene_parse_crs(source, &node, "crs", &ground->crs));
 }
 
 void eco_ground_source_free(struct eco_ground_source *ground)

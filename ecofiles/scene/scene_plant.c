@@ -13,7 +13,8 @@
 #define RULES_MAX 1024u
 #define HEIGHT_MAX_M 1000.0
 
-static const char *const plant_fields[] = { "model", "variants", "height_m", "unit", "up", "parts", "importance", NULL };
+static const char *const plant_fields[] = { "model", "variants", "height_m", "unit", "up", "parts",
+	"importance", NULL };
 static const char *const importance_fields[] = { "wood", "foliage", "flower", NULL };
 static const char *const rule_fields[] = { "name", "component", "size", "is", NULL };
 
@@ -29,7 +30,8 @@ static void sort_names(struct eco_source *source)
 {
 	for (uint32_t i = 0; i < source->plant_count; i += source->plants[i].variant_count)
 		source->plants_by_name[source->name_count++] = i;
-	qsort_r(source->plants_by_name, source->name_count, sizeof *source->plants_by_name, name_compare, source->plants);
+	qsort_r(source->plants_by_name, source->name_count, sizeof *source->plants_by_name, name_compare,
+		source->plants);
 }
 
 static uint32_t find_plant(const struct eco_source *source, const char *name)
@@ -48,7 +50,8 @@ static uint32_t find_plant(const struct eco_source *source, const char *name)
 	return ECO_NONE;
 }
 
-bool eco_source_plant_named(const struct eco_source *source, const struct eco_json *at, const char *name, uint32_t *plant)
+bool eco_source_plant_named(const struct eco_source *source, const struct eco_json *at, const char *name,
+	uint32_t *plant)
 {
 	char known[200] = "";
 	*plant = find_plant(source, name);
@@ -56,30 +59,36 @@ bool eco_source_plant_named(const struct eco_source *source, const struct eco_js
 		return true;
 	for (uint32_t i = 0; i < source->plant_count; i += source->plants[i].variant_count)
 		eco_phrase_add(known, sizeof known, source->plants[i].name);
-	return eco_json_fail(at, ECO_BAD_INPUT, "plant \"%.63s\" is not among \"plants\": %s", name, known[0] != 0 ? known : "there are none");
+	return eco_json_fail(at, ECO_BAD_INPUT, "plant \"%.63s\" is not among \"plants\": %s", name,
+		known[0] != 0 ? known : "there are none");
 }
 
 bool eco_source_plant_of(const struct eco_source *source, const struct eco_json *at, uint32_t *plant)
 {
-	return eco_json_is_text(at, sizeof source->plants->name - 1) && eco_source_plant_named(source, at, json_string_value(at->value), plant);
+	return eco_json_is_text(at, sizeof source->plants->name - 1)
+		&& eco_source_plant_named(source, at, json_string_value(at->value), plant);
 }
 
 /* ---- Files ---- */
 
 /* Adds a variant of `plant`, with the files of `files`, to the source's plants. */
-static bool add_variant(struct eco_source *source, const struct eco_json *files, const struct eco_source_plant *plant)
+static bool add_variant(struct eco_source *source, const struct eco_json *files,
+	const struct eco_source_plant *plant)
 {
 	struct eco_source_plant *slot = &source->plants[source->plant_count++];
 	*slot = *plant;
 	return eco_scene_parse_paths(source, files, "file", FILES_MAX, &slot->models, &slot->model_count);
 }
 
-static bool parse_variants(struct eco_source *source, const struct eco_json *at, struct eco_source_plant *plant)
+static bool parse_variants(struct eco_source *source, const struct eco_json *at,
+	struct eco_source_plant *plant)
 {
 	struct eco_json model = eco_json_member(at, "model"), variants = eco_json_member(at, "variants");
 	if ((model.value != NULL) == (variants.value != NULL))
-		return eco_json_fail(at, ECO_BAD_INPUT, "a plant has either \"model\": \"FILE\" (or several files that make it up: [\"wood.obj\", "
-			"\"leaves.obj\"]), or \"variants\": [\"FILE\", ...], of which each instance takes one");
+		return eco_json_fail(at, ECO_BAD_INPUT, "a plant has either \"model\": \"FILE\" (or several "
+			"files that make it up: [\"wood.obj\", "
+			"\"leaves.obj\"]), or \"variants\": [\"FILE\", ...], of which each instance takes "
+			"one");
 	if (model.value)
 		return add_variant(source, &model, plant);
 	if (!eco_json_array(&variants, VARIANTS_MAX))
@@ -107,7 +116,8 @@ static bool parse_up(const struct eco_json *at, enum eco_up *up)
 		return true;
 	if (eco_up_of(name, up))
 		return true;
-	return eco_json_fail(&node, ECO_BAD_INPUT, "\"up\" is \"x\", \"y\" or \"z\": the axis of the file that points up");
+	return eco_json_fail(&node, ECO_BAD_INPUT, "\"up\" is \"x\", \"y\" or \"z\": the axis of the file "
+		"that points up");
 }
 
 static bool parse_importance(const struct eco_json *at, float importance[ECO_ORGAN_COUNT])
@@ -145,7 +155,8 @@ static bool parse_is(const struct eco_json *at, uint8_t *is)
 			*is = i;
 			return true;
 		}
-	return eco_json_fail(&node, ECO_BAD_INPUT, "a part is \"wood\", \"foliage\", \"flower\" or \"left out\"");
+	return eco_json_fail(&node, ECO_BAD_INPUT, "a part is \"wood\", \"foliage\", \"flower\" or \"left "
+		"out\"");
 }
 
 static bool parse_rule(const struct eco_json *at, struct eco_part_rule *rule)
@@ -153,11 +164,14 @@ static bool parse_rule(const struct eco_json *at, struct eco_part_rule *rule)
 	struct eco_json size = eco_json_member(at, "size");
 	const char *name = NULL;
 	uint64_t component = 0;
-	if (!eco_json_object(at, rule_fields) || !parse_is(at, &rule->is) || !eco_json_text(at, "name", 255, &name)
-		|| !eco_json_whole(at, "component", 1, UINT32_MAX, &component) || !eco_json_numbers(at, "size", 2, 2, 0, 1e9, rule->size))
+	if (!eco_json_object(at, rule_fields) || !parse_is(at, &rule->is)
+			|| !eco_json_text(at, "name", 255, &name)
+		|| !eco_json_whole(at, "component", 1, UINT32_MAX, &component)
+		|| !eco_json_numbers(at, "size", 2, 2, 0, 1e9, rule->size))
 		return false;
 	if ((name != NULL) + (component > 0) + (size.value != NULL) != 1)
-		return eco_json_fail(at, ECO_BAD_INPUT, "a rule has exactly one of \"name\": \"pot*\", \"component\": 1, \"size\": [0, 0.1]");
+		return eco_json_fail(at, ECO_BAD_INPUT, "a rule has exactly one of \"name\": \"pot*\", "
+			"\"component\": 1, \"size\": [0, 0.1]");
 	rule->kind = name != NULL ? ECO_PART_NAME : component > 0 ? ECO_PART_COMPONENT : ECO_PART_SIZE;
 	rule->component = (uint32_t)component;
 	rule->name = name != NULL ? strdup(name) : NULL;
@@ -196,8 +210,9 @@ static bool parse_plant(struct eco_source *source, const struct eco_json *at)
 	struct eco_source_plant plant = { .variant_count = 1 };
 	uint32_t before = source->plant_count;
 	bool good = eco_source_name_is_fine(at, at->key, strlen(at->key)) && eco_json_object(at, plant_fields)
-		&& eco_json_number(at, "height_m", 0.001, HEIGHT_MAX_M, &plant.height_m) && eco_scene_parse_unit(at, &plant.unit_m)
-		&& parse_up(at, &plant.up) && parse_importance(at, plant.importance) && parse_rules(at, &plant);
+		&& eco_json_number(at, "height_m", 0.001, HEIGHT_MAX_M, &plant.height_m)
+		&& eco_scene_parse_unit(at, &plant.unit_m) && parse_up(at, &plant.up)
+		&& parse_importance(at, plant.importance) && parse_rules(at, &plant);
 
 	if (good) {
 		memcpy(plant.name, at->key, strlen(at->key) + 1);
@@ -231,7 +246,8 @@ bool eco_scene_parse_plants(struct eco_source *source, const struct eco_json *to
 		return eco_json_object(&node, plant_fields);
 	count = count_variants(node.value);
 	if (count > PLANTS_MAX)
-		return eco_json_fail(&node, ECO_TOO_LARGE, "%zu models, at most %u are possible", count, PLANTS_MAX);
+		return eco_json_fail(&node, ECO_TOO_LARGE, "%zu models, at most %u are possible", count,
+			PLANTS_MAX);
 	source->plants = calloc(count + 1, sizeof *source->plants);
 	source->plants_by_name = calloc(count + 1, sizeof *source->plants_by_name);
 	if (!source->plants || !source->plants_by_name)

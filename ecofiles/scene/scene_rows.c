@@ -11,16 +11,19 @@
 #define MAP_MAX (1u << 20)
 #define SOURCES_MAX 16u              /* of height */
 
-static const char *const row_fields[] = { "from", "layer", "x", "y", "z", "crs", "vertical", "separator", "decimal", "species", "map", "plant",
+static const char *const row_fields[] = { "from", "layer", "x", "y", "z", "crs", "vertical", "separator",
+	"decimal", "species", "map", "plant",
 	"only", "skip", "height_m", "crown_m", "levels", "scale", "yaw_deg", "duplicates", "seed", NULL };
-static const char *const height_fields[] = { "column", "unit", "value", "from_dbh", "from_girth", "from_dbh_mm", "from_dbh_cm", "from_dbh_in",
+static const char *const height_fields[] = { "column", "unit", "value", "from_dbh", "from_girth",
+	"from_dbh_mm", "from_dbh_cm", "from_dbh_in",
 	"max", "rate", "shape", "per_plant", "levels", NULL };
 static const char *const rule_fields[] = { "max", "rate", "shape", NULL };
 static const char *const crown_fields[] = { "column", "unit", "is", NULL };
 
 /* ---- Species ---- */
 
-static bool species_set(const struct eco_source *source, const struct eco_json *at, const char *name, struct eco_species *species)
+static bool species_set(const struct eco_source *source, const struct eco_json *at, const char *name,
+	struct eco_species *species)
 {
 	species->plant = ECO_NONE;
 	species->variant_count = 1;
@@ -59,8 +62,8 @@ static bool keys_differ(const struct eco_json *at, const struct eco_positions_sp
 		const struct eco_species *a = &spec->map[folded[i - 1].key], *b = &spec->map[folded[i].key];
 		if (strcmp(folded[i - 1].text, folded[i].text) != 0 || a->plant == b->plant)
 			continue;
-		eco_json_fail(at, ECO_BAD_INPUT, "\"%.60s\" and \"%.60s\" are one species (capitals and spaces do not count), with two plants", a->name,
-			b->name);
+		eco_json_fail(at, ECO_BAD_INPUT, "\"%.60s\" and \"%.60s\" are one species (capitals and "
+			"spaces do not count), with two plants", a->name, b->name);
 		good = false;
 	}
 	for (uint32_t i = 0; folded && i < spec->map_count; i++)
@@ -69,7 +72,8 @@ static bool keys_differ(const struct eco_json *at, const struct eco_positions_sp
 	return good;
 }
 
-static bool parse_map(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
+static bool parse_map(const struct eco_source *source, const struct eco_json *at,
+	struct eco_positions_spec *spec)
 {
 	struct eco_json entry = { .file = NULL };
 	if (!eco_json_names(at, MAP_MAX))
@@ -79,7 +83,8 @@ static bool parse_map(const struct eco_source *source, const struct eco_json *at
 		return eco_json_no_memory(at);
 	while (eco_json_next(at, &entry)) {
 		bool fallback = strcmp(entry.key, "*") == 0;
-		if (!species_set(source, &entry, entry.key, fallback ? &spec->fallback : &spec->map[spec->map_count]))
+		if (!species_set(source, &entry, entry.key, fallback ? &spec->fallback
+				: &spec->map[spec->map_count]))
 			return false;
 		spec->map_count += !fallback;
 	}
@@ -87,12 +92,14 @@ static bool parse_map(const struct eco_source *source, const struct eco_json *at
 }
 
 /* Without a map the species' names are the plants' names. */
-static bool map_of_plants(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
+static bool map_of_plants(const struct eco_source *source, const struct eco_json *at,
+	struct eco_positions_spec *spec)
 {
 	spec->map = calloc(source->plant_count + 1u, sizeof *spec->map);
 	for (uint32_t i = 0; spec->map && i < source->plant_count; i += source->plants[i].variant_count) {
 		struct eco_species *species = &spec->map[spec->map_count];
-		*species = (struct eco_species){ strdup(source->plants[i].name), i, source->plants[i].variant_count };
+		*species = (struct eco_species){ strdup(source->plants[i].name), i,
+			source->plants[i].variant_count };
 		if (!species->name)
 			break;
 		spec->map_count++;
@@ -102,7 +109,8 @@ static bool map_of_plants(const struct eco_source *source, const struct eco_json
 	return keys_differ(at, spec);
 }
 
-static bool parse_species(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
+static bool parse_species(const struct eco_source *source, const struct eco_json *at,
+	struct eco_positions_spec *spec)
 {
 	struct eco_json map = eco_json_member(at, "map"), plant = eco_json_member(at, "plant");
 	spec->fallback.plant = ECO_NONE;
@@ -110,11 +118,15 @@ static bool parse_species(const struct eco_source *source, const struct eco_json
 		return false;
 	if (plant.value) {
 		if (spec->species || map.value)
-			return eco_json_fail(&plant, ECO_BAD_INPUT, "\"plant\" makes every row this plant: leave out \"species\" and \"map\", or \"plant\"");
-		return eco_source_plant_of(source, &plant, &spec->fallback.plant) && species_set(source, &plant, "*", &spec->fallback);
+			return eco_json_fail(&plant, ECO_BAD_INPUT,
+				"\"plant\" makes every row this plant: leave out \"species\" and \"map\", "
+				"or \"plant\"");
+		return eco_source_plant_of(source, &plant, &spec->fallback.plant)
+			&& species_set(source, &plant, "*", &spec->fallback);
 	}
 	if (!spec->species)
-		return eco_json_fail(at, ECO_BAD_INPUT, "say what stands there: \"plant\": \"NAME\", or \"species\": \"COLUMN\" and a \"map\"");
+		return eco_json_fail(at, ECO_BAD_INPUT, "say what stands there: \"plant\": \"NAME\", or "
+			"\"species\": \"COLUMN\" and a \"map\"");
 	return map.value ? parse_map(source, &map, spec) : map_of_plants(source, at, spec);
 }
 
@@ -133,12 +145,15 @@ static bool parse_unit(const struct eco_json *at, double *unit_m)
 /* "max", "rate" and "shape"; *there is false, without an error, if neither "max" nor "rate" is given. */
 static bool parse_rule(const struct eco_json *at, struct eco_allometry *rule, bool *there)
 {
-	bool rate = json_object_get(at->value, "rate") != NULL, max = json_object_get(at->value, "max") != NULL;
+	bool rate = json_object_get(at->value, "rate") != NULL, max = json_object_get(at->value, "max")
+		!= NULL;
 	*there = rate || max;
 	rule->shape = 1;
 	if (*there && !(rate && max))
-		return eco_json_fail(at, ECO_BAD_INPUT, "a height from dbh needs \"max\" (m) and \"rate\" (per mm): h = 1.3 + (max - 1.3) (1 - exp(-rate * dbh))");
-	return eco_json_number(at, "max", 1.3, 1000, &rule->max_m) && eco_json_number(at, "rate", 1e-9, 1e3, &rule->rate)
+		return eco_json_fail(at, ECO_BAD_INPUT, "a height from dbh needs \"max\" (m) and \"rate\" "
+			"(per mm): h = 1.3 + (max - 1.3) (1 - exp(-rate * dbh))");
+	return eco_json_number(at, "max", 1.3, 1000, &rule->max_m)
+		&& eco_json_number(at, "rate", 1e-9, 1e3, &rule->rate)
 		&& eco_json_number(at, "shape", 0.01, 100, &rule->shape);
 }
 
@@ -156,7 +171,8 @@ static bool parse_per_plant(const struct eco_source *source, const struct eco_js
 	while (eco_json_next(at, &entry)) {
 		struct eco_allometry *rule = &size->rules[size->rule_count];
 		bool there;
-		if (!eco_source_plant_named(source, &entry, entry.key, &rule->plant) || !eco_json_object(&entry, rule_fields) || !parse_rule(&entry, rule, &there))
+		if (!eco_source_plant_named(source, &entry, entry.key, &rule->plant)
+				|| !eco_json_object(&entry, rule_fields) || !parse_rule(&entry, rule, &there))
 			return false;
 		if (!there)
 			return eco_json_required(&entry, "max");
@@ -181,16 +197,21 @@ static bool parse_allometry(const struct eco_source *source, const struct eco_js
 	qsort(size->rules, size->rule_count, sizeof *size->rules, compare_rules);
 	if (size->rule_count > 0)
 		return true;
-	return eco_json_fail(at, ECO_BAD_INPUT, "a height from dbh needs \"max\" (m) and \"rate\" (per mm), here or \"per_plant\": "
+	return eco_json_fail(at, ECO_BAD_INPUT, "a height from dbh needs \"max\" (m) and \"rate\" (per mm), "
+		"here or \"per_plant\": "
 		"h = 1.3 + (max - 1.3) (1 - exp(-rate * dbh))");
 }
 
 /* A height's object: one member names its source. */
-static bool parse_height_object(const struct eco_source *source, const struct eco_json *at, struct eco_size *size, uint32_t *levels)
+static bool parse_height_object(const struct eco_source *source, const struct eco_json *at,
+	struct eco_size *size, uint32_t *levels)
 {
-	static const struct { const char *key; double unit_m; enum eco_size_kind kind; double factor; } from[] = {
-		{ "column", 1, ECO_SIZE_COLUMN, 1 }, { "from_dbh", 0, ECO_SIZE_DBH, 1 }, { "from_girth", 0, ECO_SIZE_DBH, 1 / M_PI },
-		{ "from_dbh_mm", 0.001, ECO_SIZE_DBH, 1 }, { "from_dbh_cm", 0.01, ECO_SIZE_DBH, 1 }, { "from_dbh_in", 0.0254, ECO_SIZE_DBH, 1 } };
+	static const struct { const char *key; double unit_m; enum eco_size_kind kind; double factor;
+		} from[] = {
+		{ "column", 1, ECO_SIZE_COLUMN, 1 }, { "from_dbh", 0, ECO_SIZE_DBH, 1 },
+			{ "from_girth", 0, ECO_SIZE_DBH, 1 / M_PI },
+		{ "from_dbh_mm", 0.001, ECO_SIZE_DBH, 1 }, { "from_dbh_cm", 0.01, ECO_SIZE_DBH, 1 },
+		{ "from_dbh_in", 0.0254, ECO_SIZE_DBH, 1 } };
 	struct eco_json unit = eco_json_member(at, "unit");
 	uint64_t count = *levels;
 	unsigned kinds = 0, which = 0;
@@ -208,18 +229,22 @@ static bool parse_height_object(const struct eco_source *source, const struct ec
 			return eco_json_number(at, "value", 0.001, 1000, &size->value_m);
 	}
 	if (kinds != 1)
-		return eco_json_fail(at, ECO_BAD_INPUT, "a height comes from exactly one of column, value, from_dbh, from_girth, from_dbh_mm, from_dbh_cm, "
+		return eco_json_fail(at, ECO_BAD_INPUT, "a height comes from exactly one of column, value, "
+			"from_dbh, from_girth, from_dbh_mm, from_dbh_cm, "
 			"from_dbh_in");
 	if (from[which].kind == ECO_SIZE_DBH && from[which].unit_m > 0 && unit.value)
-		return eco_json_fail(&unit, ECO_BAD_INPUT, "\"%s\" says the unit: leave out \"unit\", or write \"from_dbh\"", from[which].key);
+		return eco_json_fail(&unit, ECO_BAD_INPUT, "\"%s\" says the unit: leave out \"unit\", or "
+			"write \"from_dbh\"", from[which].key);
 	size->kind = from[which].kind;
 	size->factor = from[which].factor;
 	size->unit_m = from[which].unit_m;
-	return eco_scene_copy_text(at, from[which].key, ECO_COLUMN_BYTES, &size->column) && parse_unit(at, &size->unit_m)
+	return eco_scene_copy_text(at, from[which].key, ECO_COLUMN_BYTES, &size->column)
+		&& parse_unit(at, &size->unit_m)
 		&& (size->kind != ECO_SIZE_DBH || parse_allometry(source, at, size));
 }
 
-static bool parse_height_source(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
+static bool parse_height_source(const struct eco_source *source, const struct eco_json *at,
+	struct eco_positions_spec *spec)
 {
 	struct eco_size *size = &spec->heights[spec->height_count++];
 	double number;
@@ -230,11 +255,13 @@ static bool parse_height_source(const struct eco_source *source, const struct ec
 	size->value_m = number;
 	if (number >= 0.001 && number <= 1000)
 		return true;
-	return eco_json_fail(at, ECO_BAD_INPUT, "a height is a number of metres between 0.001 and 1000, or an object such as {\"column\": \"Height\", "
+	return eco_json_fail(at, ECO_BAD_INPUT, "a height is a number of metres between 0.001 and 1000, or "
+		"an object such as {\"column\": \"Height\", "
 		"\"unit\": \"ft\"}");
 }
 
-static bool parse_height(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
+static bool parse_height(const struct eco_source *source, const struct eco_json *at,
+	struct eco_positions_spec *spec)
 {
 	struct eco_json height = eco_json_member(at, "height_m");
 	bool several = json_is_array(height.value);
@@ -265,8 +292,10 @@ static bool parse_crown(const struct eco_json *at, struct eco_positions_spec *sp
 	if (!crown.value)
 		return true;
 	spec->crown.unit_m = 1;
-	if (!eco_json_object(&crown, crown_fields) || !eco_json_required(&crown, "column") || !eco_json_required(&crown, "is")
-		|| !eco_json_text(&crown, "is", 16, &is) || !eco_scene_copy_text(&crown, "column", ECO_COLUMN_BYTES, &spec->crown.column)
+	if (!eco_json_object(&crown, crown_fields) || !eco_json_required(&crown, "column")
+			|| !eco_json_required(&crown, "is")
+		|| !eco_json_text(&crown, "is", 16, &is)
+		|| !eco_scene_copy_text(&crown, "column", ECO_COLUMN_BYTES, &spec->crown.column)
 		|| !eco_scene_parse_unit(&crown, &spec->crown.unit_m))
 		return false;
 	spec->crown.kind = ECO_SIZE_COLUMN;
@@ -279,7 +308,8 @@ static bool parse_crown(const struct eco_json *at, struct eco_positions_spec *sp
 
 /* ---- The entry ---- */
 
-static bool parse_sign(const struct eco_json *at, const char *key, const char *signs, const char *says, char *sign)
+static bool parse_sign(const struct eco_json *at, const char *key, const char *signs, const char *says,
+	char *sign)
 {
 	struct eco_json node = eco_json_member(at, key);
 	const char *text = NULL;
@@ -305,42 +335,53 @@ static bool parse_duplicates(const struct eco_json *at, struct eco_positions_spe
 	return eco_json_fail(&node, ECO_BAD_INPUT, "\"duplicates\" is \"keep\" or \"skip\"");
 }
 
-static bool parse_file(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
+static bool parse_file(const struct eco_source *source, const struct eco_json *at,
+	struct eco_positions_spec *spec)
 {
 	struct eco_json from = eco_json_member(at, "from");
 	if (!eco_json_object(at, row_fields))
 		return false;
 	eco_json_place(&from, &spec->line, &spec->column);
-	return eco_scene_parse_path(source, &from, &spec->path) && eco_scene_copy_text(at, "layer", ECO_COLUMN_BYTES, &spec->layer)
+	return eco_scene_parse_path(source, &from, &spec->path)
+		&& eco_scene_copy_text(at, "layer", ECO_COLUMN_BYTES, &spec->layer)
 		&& parse_sign(at, "separator", ",;\t|", "\",\" \";\" \"\\t\" \"|\"", &spec->separator)
 		&& parse_sign(at, "decimal", ".,", "\".\" \",\"", &spec->decimal);
 }
 
-static bool parse_place(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
+static bool parse_place(const struct eco_source *source, const struct eco_json *at,
+	struct eco_positions_spec *spec)
 {
 	if (json_object_get(at->value, "x") && !eco_json_required(at, "y"))
 		return false;
 	if (json_object_get(at->value, "y") && !eco_json_required(at, "x"))
 		return false;
-	if (!eco_scene_copy_text(at, "x", ECO_COLUMN_BYTES, &spec->x) || !eco_scene_copy_text(at, "y", ECO_COLUMN_BYTES, &spec->y)
+	if (!eco_scene_copy_text(at, "x", ECO_COLUMN_BYTES, &spec->x)
+			|| !eco_scene_copy_text(at, "y", ECO_COLUMN_BYTES, &spec->y)
 		|| !eco_scene_copy_text(at, "z", ECO_COLUMN_BYTES, &spec->z)
-		|| !eco_scene_copy_text(at, "vertical", ECO_PATH_BYTES, &spec->vertical) || !eco_scene_parse_crs(source, at, "crs", &spec->crs))
+		|| !eco_scene_copy_text(at, "vertical", ECO_PATH_BYTES, &spec->vertical)
+		|| !eco_scene_parse_crs(source, at, "crs", &spec->crs))
 		return false;
 	/* a file's own CRS is seen when it is opened; columns never have one */
 	if (!source->crs || spec->crs || !spec->x)
 		return true;
-	return eco_json_fail(at, ECO_BAD_INPUT, "\"crs\" is missing: the scene is in %.80s, so these rows need theirs, such as \"crs\": "
+	return eco_json_fail(at, ECO_BAD_INPUT, "\"crs\" is missing: the scene is in %.80s, so these rows "
+		"need theirs, such as \"crs\": "
 		"\"%.80s\", or \"EPSG:4326\" for degrees",
 		source->crs, source->crs);
 }
 
-bool eco_scene_parse_rows(const struct eco_source *source, const struct eco_json *at, struct eco_positions_spec *spec)
+bool eco_scene_parse_rows(const struct eco_source *source, const struct eco_json *at,
+	struct eco_positions_spec *spec)
 {
-	if (!parse_file(source, at, spec) || !eco_scene_copy_text(at, "yaw_deg", ECO_COLUMN_BYTES, &spec->yaw_deg)
-		|| !eco_scene_copy_text(at, "scale", ECO_COLUMN_BYTES, &spec->scale) || !eco_json_whole(at, "seed", 0, INT64_MAX, &spec->seed)
-		|| !parse_duplicates(at, spec) || !parse_species(source, at, spec) || !parse_height(source, at, spec) || !parse_crown(at, spec))
+	if (!parse_file(source, at, spec)
+			|| !eco_scene_copy_text(at, "yaw_deg", ECO_COLUMN_BYTES, &spec->yaw_deg)
+		|| !eco_scene_copy_text(at, "scale", ECO_COLUMN_BYTES, &spec->scale)
+		|| !eco_json_whole(at, "seed", 0, INT64_MAX, &spec->seed) || !parse_duplicates(at, spec)
+		|| !parse_species(source, at, spec) || !parse_height(source, at, spec)
+		|| !parse_crown(at, spec))
 		return false;
-	return eco_scene_parse_filters(at, &spec->filters, &spec->filter_count) && parse_place(source, at, spec);
+	return eco_scene_parse_filters(at, &spec->filters, &spec->filter_count)
+		&& parse_place(source, at, spec);
 }
 
 static void free_size(struct eco_size *size)
@@ -351,8 +392,8 @@ static void free_size(struct eco_size *size)
 
 void eco_positions_spec_free(struct eco_positions_spec *spec)
 {
-	char *texts[] = { spec->path, spec->layer, spec->x, spec->y, spec->z, spec->crs, spec->vertical, spec->species, spec->yaw_deg, spec->scale,
-		spec->fallback.name };
+	char *texts[] = { spec->path, spec->layer, spec->x, spec->y, spec->z, spec->crs, spec->vertical,
+		spec->species, spec->yaw_deg, spec->scale, spec->fallback.name };
 
 	for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
 		free(texts[i]);

@@ -34,7 +34,8 @@ static enum eco_code read_text(const char *path, char **text, size_t *size, stru
 }
 
 /* Reads the naming file once more to give the error the place of child number `child`. */
-static enum eco_code fail_at_child(struct walk *walk, uint32_t source, uint32_t child, enum eco_code code, const char *text)
+static enum eco_code fail_at_child(struct walk *walk, uint32_t source, uint32_t child, enum eco_code code,
+	const char *text)
 {
 	struct eco_error unread = { .code = ECO_OK };
 	struct eco_json_file file = { .name = walk->sources->items[source].path, .error = walk->error };
@@ -65,7 +66,8 @@ static void chain_text(const struct walk *walk, uint32_t again, char *text, size
 	while (walk->chain[i] != again)
 		i++;
 	for (; i < walk->depth && used < size; i++)
-		used += (size_t)snprintf(text + used, size - used, "%s -> ", walk->sources->items[walk->chain[i]].path);
+		used += (size_t)snprintf(text + used, size - used, "%s -> ",
+			walk->sources->items[walk->chain[i]].path);
 	if (used < size)
 		snprintf(text + used, size - used, "%s", walk->sources->items[again].path);
 }
@@ -112,7 +114,8 @@ static enum eco_code walk_child(struct walk *walk, uint32_t parent, uint32_t num
 	}
 	if (walk->depth >= DEPTH_MAX || sources->count >= ECO_SOURCES_MAX) {
 		free(real);
-		snprintf(text, sizeof text, "more than %u files, or nested more than %u deep", ECO_SOURCES_MAX, DEPTH_MAX);
+		snprintf(text, sizeof text, "more than %u files, or nested more than %u deep",
+			ECO_SOURCES_MAX, DEPTH_MAX);
 		return fail_at_child(walk, parent, number, ECO_TOO_LARGE, text);
 	}
 	code = add_source(walk, child->eco, real, &index);
@@ -120,7 +123,8 @@ static enum eco_code walk_child(struct walk *walk, uint32_t parent, uint32_t num
 		return code;
 	child->source = index;
 	if (sources->items[index].ground.height_count > 0) {
-		snprintf(text, sizeof text, "%.200s has ground, but only the outermost file can: a nested file stands where it is placed", child->eco);
+		snprintf(text, sizeof text, "%.200s has ground, but only the outermost file can: a nested "
+			"file stands where it is placed", child->eco);
 		return fail_at_child(walk, parent, number, ECO_UNSUPPORTED, text);
 	}
 	return walk_source(walk, index);
@@ -178,7 +182,8 @@ static enum eco_code load(struct walk *walk, const char *path)
 	uint32_t root;
 	enum eco_code code;
 	if (!real)
-		return eco_fail(walk->error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", path, strerror(errno));
+		return eco_fail(walk->error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", path,
+			strerror(errno));
 	code = add_source(walk, path, real, &root);
 	if (!code)
 		code = walk_source(walk, root);

@@ -25,7 +25,8 @@ static double bone_length(const struct lod_tube *tube, const struct lod_raw_bone
 
 /* Width from area and length: a tube's diameter, or a strip's width. Limited by the rings, since the area of
  * a swelling, a cap or a fork may have next to no length. */
-static double width_of(const struct lod_tube *tube, const uint32_t *chain, uint32_t bones, double area, double length, bool strip)
+static double width_of(const struct lod_tube *tube, const uint32_t *chain, uint32_t bones, double area,
+	double length, bool strip)
 {
 	double ring = 0;
 	for (uint32_t i = 0; i <= bones; i++)
@@ -36,14 +37,17 @@ static double width_of(const struct lod_tube *tube, const uint32_t *chain, uint3
 
 /* Whether one line may replace the joints of chain[0 .. bones]: each is within half its radius of the line,
  * widths are similar. */
-static bool straight(const struct lod_tube *tube, const uint32_t *chain, const uint32_t *bone, uint32_t bones, bool strip)
+static bool straight(const struct lod_tube *tube, const uint32_t *chain, const uint32_t *bone, uint32_t bones,
+	bool strip)
 {
 	struct lod_v3 a = tube->joints[chain[0]].place, b = tube->joints[chain[bones]].place;
 	double low = INFINITY, high = 0;
 	for (uint32_t i = 0; i < bones; i++) {
 		const struct lod_raw_bone *raw = &tube->bones[bone[i]];
-		double length = bone_length(tube, raw), width = width_of(tube, chain + i, 1, raw->area, length, strip);
-		double ring = fmax(tube->joints[chain[i]].ring, tube->joints[chain[i + 1]].ring) / (strip ? 1 : LOD_PI);
+		double length = bone_length(tube, raw),
+			width = width_of(tube, chain + i, 1, raw->area, length, strip);
+		double ring = fmax(tube->joints[chain[i]].ring, tube->joints[chain[i + 1]].ring) / (strip ? 1
+			: LOD_PI);
 		if (bones > 1 && lod_v3_distance(a, b) < 0.5 * length)
 			return false;
 		/* A bone shorter than wide has a length, and so a width, that the tilt of its rings
@@ -75,8 +79,8 @@ static struct lod_bone *add(struct lines *lines)
 	return &out->items[out->count++];
 }
 
-static void add_line(struct lines *lines, const struct lod_tube *tube, uint32_t component, const uint32_t *chain, const uint32_t *bone,
-	uint32_t bones, bool strip)
+static void add_line(struct lines *lines, const struct lod_tube *tube, uint32_t component,
+	const uint32_t *chain, const uint32_t *bone, uint32_t bones, bool strip)
 {
 	struct lod_v3 a = tube->joints[chain[0]].place, b = tube->joints[chain[bones]].place;
 	double area = 0, length = lod_v3_distance(a, b);
@@ -89,7 +93,8 @@ static void add_line(struct lines *lines, const struct lod_tube *tube, uint32_t 
 }
 
 /* Walks from joint `start` along bone `next` to the next end or fork, and lays lines as long as possible. */
-static void lay_chain(struct lod_tube *tube, struct lines *lines, uint32_t component, uint32_t start, uint32_t next, bool strip)
+static void lay_chain(struct lod_tube *tube, struct lines *lines, uint32_t component, uint32_t start,
+	uint32_t next, bool strip)
 {
 	uint32_t chain[CHAIN_MAX + 2] = { start }, bone[CHAIN_MAX + 1], n = 0;
 	for (;;) {
@@ -133,17 +138,20 @@ static void lay_lines(struct lod_tube *tube, struct lines *lines, uint32_t compo
 		for (uint32_t b = 0; b < tube->bone_count; b++)
 			for (int k = 0; k < 2; k++) {
 				const struct lod_raw_bone *bone = &tube->bones[b];
-				if (bone->merged == ECO_NONE && bone->line == ECO_NONE && (loops || tube->joints[bone->joint[k]].degree != 2))
+				if (bone->merged == ECO_NONE && bone->line == ECO_NONE
+						&& (loops || tube->joints[bone->joint[k]].degree != 2))
 					lay_chain(tube, lines, component, bone->joint[k], b, strip);
 			}
 }
 
 /* Error and colour: each vertex counts for the nearest line through its piece; lines from `own` on are this
  * component's. */
-static void measure(struct lod_tube *tube, struct lod_bones *bones, uint32_t own, const struct lod_organs *organs, struct lod_arena *arena)
+static void measure(struct lod_tube *tube, struct lod_bones *bones, uint32_t own,
+	const struct lod_organs *organs, struct lod_arena *arena)
 {
 	struct lod_light *light = lod_arena_take(arena, bones->count - own, sizeof *light);
-	uint32_t most = tube->offset[tube->triangle_count], *first = lod_arena_take(arena, (size_t)most + 2, sizeof *first);
+	uint32_t most = tube->offset[tube->triangle_count],
+		*first = lod_arena_take(arena, (size_t)most + 2, sizeof *first);
 	uint32_t *through = lod_arena_take(arena, tube->bone_count, sizeof *through);
 	for (uint32_t b = 0; b < tube->bone_count; b++)
 		first[tube->bones[b].piece + 2]++;
@@ -162,7 +170,8 @@ static void measure(struct lod_tube *tube, struct lod_bones *bones, uint32_t own
 			double best = INFINITY;
 			for (uint32_t i = first[piece]; i < first[piece + 1]; i++) {
 				struct lod_bone *line = &bones->items[through[i]];
-				double d = distance_to(lod_tube_place(tube, v), line->end[0], line->end[1]) - line->width / 2;
+				double d = distance_to(lod_tube_place(tube, v), line->end[0], line->end[1])
+					- line->width / 2;
 				if (d < best) {
 					best = d;
 					nearest = line;
@@ -171,7 +180,8 @@ static void measure(struct lod_tube *tube, struct lod_bones *bones, uint32_t own
 			if (!nearest)
 				continue;
 			nearest->error = fmax(nearest->error, best);
-			lod_light_add(&light[nearest - bones->items - own], organs->rgb[tube->member[t]], organs->area[tube->member[t]]);
+			lod_light_add(&light[nearest - bones->items - own], organs->rgb[tube->member[t]],
+				organs->area[tube->member[t]]);
 		}
 	for (uint32_t i = own; i < bones->count; i++) {
 		memcpy(bones->items[i].rgb, organs->components[bones->items[i].component].rgb, 3);
@@ -188,13 +198,16 @@ static double area_of(const struct lod_mesh *mesh, uint32_t t)
 }
 
 /* The least-squares line of a thing's middle along an axis, from end to end of its box: stems lean. */
-static void fit_line(struct lod_bone *line, const struct lod_mesh *mesh, const struct lod_component *c, int axis)
+static void fit_line(struct lod_bone *line, const struct lod_mesh *mesh, const struct lod_component *c,
+	int axis)
 {
 	double area = 0, along = 0, square = 0;
 	struct lod_v3 place = { 0, 0, 0 }, product = { 0, 0, 0 };
-	for (uint32_t i = mesh->member_first[line->component]; i < mesh->member_first[line->component + 1]; i++) {
+	for (uint32_t i = mesh->member_first[line->component]; i < mesh->member_first[line->component + 1];
+			i++) {
 		uint32_t t = mesh->member[i];
-		struct lod_v3 sum = lod_v3_add(lod_mesh_corner(mesh, t, 0), lod_v3_add(lod_mesh_corner(mesh, t, 1), lod_mesh_corner(mesh, t, 2)));
+		struct lod_v3 sum = lod_v3_add(lod_mesh_corner(mesh, t, 0),
+			lod_v3_add(lod_mesh_corner(mesh, t, 1), lod_mesh_corner(mesh, t, 2)));
 		struct lod_v3 weighed = lod_v3_scale(sum, area_of(mesh, t) / 3);
 		double at = lod_v3_axis(sum, axis) / 3;
 		area += area_of(mesh, t);
@@ -205,9 +218,11 @@ static void fit_line(struct lod_bone *line, const struct lod_mesh *mesh, const s
 	}
 	struct lod_v3 middle = lod_v3_scale(place, 1 / area);
 	double spread = square - along * along / area;
-	struct lod_v3 slope = lod_v3_scale(lod_v3_sub(product, lod_v3_scale(place, along / area)), spread > 0 ? 1 / spread : 0);
+	struct lod_v3 slope = lod_v3_scale(lod_v3_sub(product, lod_v3_scale(place, along / area)),
+		spread > 0 ? 1 / spread : 0);
 	for (int k = 0; k < 2; k++)
-		line->end[k] = lod_v3_add(middle, lod_v3_scale(slope, (k ? c->high : c->low)[axis] - along / area));
+		line->end[k] =
+			lod_v3_add(middle, lod_v3_scale(slope, (k ? c->high : c->low)[axis] - along / area));
 }
 
 static struct lod_v3 away(struct lod_v3 p, const struct lod_bone *line)
@@ -219,7 +234,8 @@ static struct lod_v3 away(struct lod_v3 p, const struct lod_bone *line)
 
 /* A thing without a skeleton: one line along the longest side of its box, as wide as a tube whose surface is
  * as far from it. */
-static void lay_thing(struct lines *lines, const struct lod_mesh *mesh, const struct lod_component *c, uint32_t component)
+static void lay_thing(struct lines *lines, const struct lod_mesh *mesh, const struct lod_component *c,
+	uint32_t component)
 {
 	int axis = 0;
 	double area = 0, square = 0;
@@ -231,20 +247,27 @@ static void lay_thing(struct lines *lines, const struct lod_mesh *mesh, const st
 	fit_line(line, mesh, c, axis);
 	for (uint32_t i = mesh->member_first[component]; i < mesh->member_first[component + 1]; i++) {
 		uint32_t t = mesh->member[i];
-		struct lod_v3 a = away(lod_mesh_corner(mesh, t, 0), line), b = away(lod_mesh_corner(mesh, t, 1), line), d = away(lod_mesh_corner(mesh, t, 2), line);
+		struct lod_v3 a = away(lod_mesh_corner(mesh, t, 0), line),
+			b = away(lod_mesh_corner(mesh, t, 1), line),
+			d = away(lod_mesh_corner(mesh, t, 2), line);
 		struct lod_v3 sum = lod_v3_add(a, lod_v3_add(b, d));
 		area += area_of(mesh, t);
-		square += area_of(mesh, t) * (lod_v3_dot(a, a) + lod_v3_dot(b, b) + lod_v3_dot(d, d) + lod_v3_dot(sum, sum)) / 12;
+		square += area_of(mesh, t) * (lod_v3_dot(a, a) + lod_v3_dot(b, b) + lod_v3_dot(d, d)
+			+ lod_v3_dot(sum, sum)) / 12;
 	}
 	line->width = 2 * sqrt(square / area);
 	for (uint32_t i = mesh->member_first[component]; i < mesh->member_first[component + 1]; i++)
 		for (uint32_t k = 0; k < 3; k++)
-			line->error = fmax(line->error, distance_to(lod_mesh_corner(mesh, mesh->member[i], k), line->end[0], line->end[1]) - line->width / 2);
+			line->error =
+				fmax(line->error,
+				distance_to(lod_mesh_corner(mesh, mesh->member[i], k), line->end[0],
+				line->end[1]) - line->width / 2);
 }
 
 /* ---- All ---- */
 
-static void make_guarded(struct lines *lines, const struct lod_mesh *mesh, const struct lod_organs *organs, struct lod_arena *scratch)
+static void make_guarded(struct lines *lines, const struct lod_mesh *mesh, const struct lod_organs *organs,
+	struct lod_arena *scratch)
 {
 	uint32_t *local = lod_arena_take(lines->arena, mesh->vertex_count, sizeof *local);
 	for (uint32_t c = 0; c < mesh->component_count; c++) {
@@ -265,7 +288,8 @@ static void make_guarded(struct lines *lines, const struct lod_mesh *mesh, const
 
 /* Lines accumulate in the caller's arena; each component's work is freed at once, so it has an arena of its
  * own. */
-void lod_bones_make(struct lod_bones *bones, const struct lod_mesh *mesh, const struct lod_organs *organs, struct lod_arena *arena)
+void lod_bones_make(struct lod_bones *bones, const struct lod_mesh *mesh, const struct lod_organs *organs,
+	struct lod_arena *arena)
 {
 	*bones = (struct lod_bones){ 0 };
 	struct lod_arena *scratch = lod_arena_take(arena, 1, sizeof *scratch);

@@ -29,7 +29,8 @@ struct lod_bones {
 };
 
 /* Lines of all wood, component by component. Array from `arena`. */
-void lod_bones_make(struct lod_bones *bones, const struct lod_mesh *mesh, const struct lod_organs *organs, struct lod_arena *arena);
+void lod_bones_make(struct lod_bones *bones, const struct lod_mesh *mesh, const struct lod_organs *organs,
+	struct lod_arena *arena);
 
 /* Sorts bones into drawing order: the largest (length times width) first, those of similar size (half
  * octaves) in random order, so that the first ones are spread over the plant. */

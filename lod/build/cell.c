@@ -10,7 +10,8 @@ static uint32_t octant(const struct lod_cells *cells, struct lod_v3 p)
 {
 	uint32_t index = 0;
 	for (int a = 2; a >= 0; a--) {
-		double size = lod_v3_axis(cells->size, a), at = size > 0 ? 4 * (lod_v3_axis(p, a) - lod_v3_axis(cells->low, a)) / size : 0;
+		double size = lod_v3_axis(cells->size, a),
+			at = size > 0 ? 4 * (lod_v3_axis(p, a) - lod_v3_axis(cells->low, a)) / size : 0;
 		index = 4 * index + (at >= 3 ? 3 : at >= 2 ? 2 : at >= 1 ? 1 : 0);
 	}
 	return index;
@@ -37,17 +38,20 @@ static bool join_smallest(struct lod_cells *cells, struct leaf leaves[LOD_CELLS_
 	for (uint32_t i = 0; i < LOD_CELLS_MAX; i++)
 		used[cells->map[i]] = true;
 	for (uint32_t i = 0; i < LOD_CELLS_MAX; i++)
-		if (used[i] && leaves[i].triangles < limit && (least == LOD_CELLS_MAX || leaves[i].triangles < leaves[least].triangles))
+		if (used[i] && leaves[i].triangles < limit
+				&& (least == LOD_CELLS_MAX || leaves[i].triangles < leaves[least].triangles))
 			least = i;
 	if (least == LOD_CELLS_MAX)
 		return false;
-	struct lod_v3 from = leaves[least].triangles ? lod_v3_scale(leaves[least].sum, 1.0 / (double)leaves[least].triangles)
+	struct lod_v3 from = leaves[least].triangles
+		? lod_v3_scale(leaves[least].sum, 1.0 / (double)leaves[least].triangles)
 		: (struct lod_v3){ (least & 3) + 0.5, (least >> 2 & 3) + 0.5, (least >> 4) + 0.5 };
 	double best = 0;
 	for (uint32_t i = 0; i < LOD_CELLS_MAX; i++) {
 		if (!used[i] || i == least || leaves[i].triangles == 0)
 			continue;
-		double d = lod_v3_distance(from, lod_v3_scale(leaves[i].sum, 1.0 / (double)leaves[i].triangles));
+		double d =
+			lod_v3_distance(from, lod_v3_scale(leaves[i].sum, 1.0 / (double)leaves[i].triangles));
 		if (nearest == LOD_CELLS_MAX || d < best) {
 			best = d;
 			nearest = i;

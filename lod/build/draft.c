@@ -19,7 +19,8 @@ struct eco_ladder *lod_draft_ladder(struct lod_draft *draft)
 	if (!eco_room(&plant->ladders, &draft->ladder_capacity, plant->ladder_count, sizeof *plant->ladders))
 		longjmp(draft->arena->failed, 1);
 	struct eco_ladder *ladder = &plant->ladders[plant->ladder_count++];
-	*ladder = (struct eco_ladder){ .points = ECO_NONE, .lines = ECO_NONE, .simple = ECO_NONE, .triangles = ECO_NONE, .importance = 1 };
+	*ladder = (struct eco_ladder){ .points = ECO_NONE, .lines = ECO_NONE, .simple = ECO_NONE,
+		.triangles = ECO_NONE, .importance = 1 };
 	return ladder;
 }
 
@@ -32,7 +33,8 @@ static struct lod_list_draft *add_list(struct lod_draft *draft, const struct sha
 	if (!eco_room(&plant->lists, &draft->list_capacity, plant->list_count, sizeof *plant->lists))
 		longjmp(draft->arena->failed, 1);
 	struct lod_list_draft *list = &plant->lists[plant->list_count++];
-	*list = (struct lod_list_draft){ .list = { .kind = shape->kind, .coder = shape->coder, .attributes = shape->attributes,
+	*list = (struct lod_list_draft){ .list = { .kind = shape->kind, .coder = shape->coder,
+		.attributes = shape->attributes,
 		.owner = 0, .plant = ECO_NONE, .image = shape->image, .partner = ECO_NONE,
 		.palette_count = shape->attributes & ECO_ATTR_COLOR ? draft->palette->count : 0 } };
 	for (int a = 0; a < 3; a++) {
@@ -48,7 +50,8 @@ static struct lod_list_draft *add_list(struct lod_draft *draft, const struct sha
 	if (shape->attributes & ECO_ATTR_UV)
 		e->uv = lod_arena_own(draft->arena, 2 * (size_t)shape->corners, sizeof *e->uv);
 	if (e->extra_count)
-		e->extra = lod_arena_own(draft->arena, (size_t)e->extra_count * shape->elements, sizeof *e->extra);
+		e->extra = lod_arena_own(draft->arena, (size_t)e->extra_count * shape->elements,
+			sizeof *e->extra);
 	return list;
 }
 
@@ -68,7 +71,8 @@ static void put_corner(struct eco_elements *e, const int32_t *position, const in
 	e->corner_count++;
 }
 
-static uint32_t finish(struct lod_draft *draft, struct lod_list_draft *list, const uint32_t *ends, uint32_t end_count)
+static uint32_t finish(struct lod_draft *draft, struct lod_list_draft *list, const uint32_t *ends,
+	uint32_t end_count)
 {
 	list->list.element_count = list->elements.element_count;
 	list->list.primitive_count = list->elements.primitive_count;
@@ -81,7 +85,8 @@ static uint32_t finish(struct lod_draft *draft, struct lod_list_draft *list, con
 static uint32_t finish_in_chunks(struct lod_draft *draft, struct lod_list_draft *list)
 {
 	uint32_t ends[ENDS_MAX];
-	return finish(draft, list, ends, eco_chunk_split(list->elements.element_count, SMALLEST_CHUNK, ends, ENDS_MAX));
+	return finish(draft, list, ends, eco_chunk_split(list->elements.element_count, SMALLEST_CHUNK, ends,
+		ENDS_MAX));
 }
 
 /* ---- Leaves ---- */
@@ -92,14 +97,15 @@ static void put_fine(const struct lod_mesh *mesh, struct eco_elements *e, uint32
 {
 	int32_t *exact = e->exact + 3 * (size_t)e->corner_count;
 	for (uint32_t a = 0; a < 3; a++) {
-		double v = ldexp((mesh->place[3 * (size_t)vertex + a] - mesh->origin[a]) / mesh->step, ECO_EXACT_SHIFT);
+		double v = ldexp((mesh->place[3 * (size_t)vertex + a] - mesh->origin[a]) / mesh->step,
+			ECO_EXACT_SHIFT);
 		exact[a] = (int32_t)floor(v + 0.5);
 	}
 	put_corner(e, mesh->grid + 3 * (size_t)vertex, uv);
 }
 
-uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *const *items, const uint8_t *growth, uint32_t count,
-	uint32_t image)
+uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *const *items,
+	const uint8_t *growth, uint32_t count, uint32_t image)
 {
 	uint32_t corners = 0;
 	if (count == 0)
@@ -107,7 +113,8 @@ uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *const
 	for (uint32_t i = 0; i < count; i++)
 		corners += items[i]->corners;
 	struct lod_list_draft *list = add_list(draft, &(struct shape){ ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS,
-		(image == ECO_NONE ? ECO_ATTR_COLOR : ECO_ATTR_UV) | (growth ? ECO_ATTR_GROWTH : 0), count, corners, image, true });
+		(image == ECO_NONE ? ECO_ATTR_COLOR : ECO_ATTR_UV) | (growth ? ECO_ATTR_GROWTH : 0), count,
+		corners, image, true });
 	for (uint32_t i = 0; i < count; i++) {
 		int32_t uv[2 * ECO_CORNERS_MAX], *extra = begin_element(&list->elements, items[i]->corners);
 		lod_element_uv(items[i], draft->mesh, uv);
@@ -126,10 +133,13 @@ uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *const
 
 /* ---- Other forms ---- */
 
-static struct lod_list_draft *add_form(struct lod_draft *draft, uint32_t partner, uint8_t kind, uint8_t attributes, uint32_t corners)
+static struct lod_list_draft *add_form(struct lod_draft *draft, uint32_t partner, uint8_t kind,
+	uint8_t attributes, uint32_t corners)
 {
 	uint32_t count = draft->plant->lists[partner].elements.element_count;
-	struct lod_list_draft *list = add_list(draft, &(struct shape){ kind, ECO_CODER_FORM, attributes, count, corners * count, ECO_NONE, false });
+	struct lod_list_draft *list =
+		add_list(draft, &(struct shape){ kind, ECO_CODER_FORM, attributes, count, corners * count,
+		ECO_NONE, false });
 	list->list.partner = partner;
 	return list;
 }
@@ -142,11 +152,13 @@ static uint32_t finish_form(struct lod_draft *draft, struct lod_list_draft *list
 	return finish(draft, list, of->ends, of->end_count);
 }
 
-uint32_t lod_draft_points(struct lod_draft *draft, uint32_t partner, const struct lod_point *const *points, float unit_area)
+uint32_t lod_draft_points(struct lod_draft *draft, uint32_t partner, const struct lod_point *const *points,
+	float unit_area)
 {
 	if (partner == ECO_NONE)
 		return ECO_NONE;
-	struct lod_list_draft *list = add_form(draft, partner, ECO_LIST_POINTS, ECO_ATTR_COLOR | ECO_ATTR_SIZE, 1);
+	struct lod_list_draft *list = add_form(draft, partner, ECO_LIST_POINTS,
+		ECO_ATTR_COLOR | ECO_ATTR_SIZE, 1);
 	uint32_t count = draft->plant->lists[partner].elements.element_count;
 	list->list.unit_area = unit_area;
 	for (uint32_t i = 0; i < count; i++) {
@@ -158,12 +170,13 @@ uint32_t lod_draft_points(struct lod_draft *draft, uint32_t partner, const struc
 	return finish_form(draft, list);
 }
 
-uint32_t lod_draft_facets(struct lod_draft *draft, uint32_t partner, const struct lod_facet *const *facets, uint32_t corners,
-	const uint8_t *growth)
+uint32_t lod_draft_facets(struct lod_draft *draft, uint32_t partner, const struct lod_facet *const *facets,
+	uint32_t corners, const uint8_t *growth)
 {
 	if (partner == ECO_NONE)
 		return ECO_NONE;
-	struct lod_list_draft *list = add_form(draft, partner, ECO_LIST_TRIANGLES, ECO_ATTR_COLOR | (growth ? ECO_ATTR_GROWTH : 0), corners);
+	struct lod_list_draft *list = add_form(draft, partner, ECO_LIST_TRIANGLES,
+		ECO_ATTR_COLOR | (growth ? ECO_ATTR_GROWTH : 0), corners);
 	uint32_t count = draft->plant->lists[partner].elements.element_count;
 	for (uint32_t i = 0; i < count; i++) {
 		int32_t *extra = begin_element(&list->elements, corners);
@@ -186,7 +199,8 @@ static void to_grid(const struct lod_mesh *mesh, struct lod_v3 p, int32_t grid[3
 
 /* `owed`: area that rounding has added to lines so far, in grid steps times metres. Twigs may be a fraction
  * of a step wide, so what rounding adds to one line is taken from the next. */
-static void put_line(struct lod_draft *draft, struct lod_list_draft *list, const struct lod_line *line, double *owed)
+static void put_line(struct lod_draft *draft, struct lod_list_draft *list, const struct lod_line *line,
+	double *owed)
 {
 	double length = lod_v3_distance(line->end[0], line->end[1]), width = line->width / draft->mesh->step;
 	double rounded = length > 0 ? floor(width - *owed / length + 0.5) : 1;
@@ -217,8 +231,10 @@ uint32_t lod_draft_lines(struct lod_draft *draft, const struct lod_line *lines, 
 		kept += has_length(draft->mesh, &lines[i]);
 	if (kept == 0)
 		return ECO_NONE;
-	struct lod_list_draft *list = add_list(draft, &(struct shape){ ECO_LIST_LINES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR | ECO_ATTR_WIDTH,
-		kept, 2 * kept, ECO_NONE, false });
+	struct lod_list_draft *list =
+		add_list(draft,
+		&(struct shape){ ECO_LIST_LINES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR | ECO_ATTR_WIDTH, kept,
+		2 * kept, ECO_NONE, false });
 	for (uint32_t i = 0; i < count; i++)
 		if (has_length(draft->mesh, &lines[i]))
 			put_line(draft, list, &lines[i], &owed);
@@ -230,7 +246,8 @@ uint32_t lod_draft_blades(struct lod_draft *draft, uint32_t partner, const struc
 	double owed = 0;
 	if (partner == ECO_NONE)
 		return ECO_NONE;
-	struct lod_list_draft *list = add_form(draft, partner, ECO_LIST_LINES, ECO_ATTR_COLOR | ECO_ATTR_WIDTH, 2);
+	struct lod_list_draft *list = add_form(draft, partner, ECO_LIST_LINES,
+		ECO_ATTR_COLOR | ECO_ATTR_WIDTH, 2);
 	for (uint32_t i = 0; i < draft->plant->lists[partner].elements.element_count; i++)
 		put_line(draft, list, lines[i], &owed);
 	return finish_form(draft, list);
@@ -247,7 +264,8 @@ static uint32_t end_level(uint32_t *ends, uint32_t count, uint32_t from, uint32_
 	return count;
 }
 
-static void put_wood(struct lod_draft *draft, struct eco_elements *e, const struct lod_corner corner[3], const uint8_t rgb[3])
+static void put_wood(struct lod_draft *draft, struct eco_elements *e, const struct lod_corner corner[3],
+	const uint8_t rgb[3])
 {
 	int32_t *extra = begin_element(e, 3), shift[2];
 	for (int a = 0; a < 2; a++) {        /* without whole turns, as for leaves */
@@ -274,11 +292,13 @@ void lod_draft_shade(struct lod_draft *draft)
 	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
 		uint32_t c = mesh->component[t];
 		bool wood = draft->organs->components[c].organ == ECO_ORGAN_WOOD;
-		draft->shaded[c] = draft->shaded[c] || (wood && memcmp(draft->organs->rgb[t], draft->organs->components[c].rgb, 3) != 0);
+		draft->shaded[c] = draft->shaded[c]
+			|| (wood && memcmp(draft->organs->rgb[t], draft->organs->components[c].rgb, 3) != 0);
 	}
 	for (uint32_t t = 0; t < mesh->triangle_count; t++)
 		for (uint32_t k = 0; k < 3 && draft->shaded[mesh->component[t]]; k++)
-			lod_light_add(&light[mesh->index[3 * (size_t)t + k]], draft->organs->rgb[t], draft->organs->area[t]);
+			lod_light_add(&light[mesh->index[3 * (size_t)t + k]], draft->organs->rgb[t],
+				draft->organs->area[t]);
 	for (uint32_t v = 0; v < mesh->vertex_count; v++)
 		lod_light_mean(&light[v], draft->shade[v]);
 	lod_arena_release(draft->arena, mark);
@@ -295,8 +315,8 @@ static void corner_colour(const struct lod_draft *draft, const struct lod_corner
 	lod_light_mean(&light, rgb);
 }
 
-uint32_t lod_draft_wood(struct lod_draft *draft, const struct lod_levels *levels, const uint32_t *triangles, uint32_t count,
-	uint32_t image, struct eco_ladder *ladder)
+uint32_t lod_draft_wood(struct lod_draft *draft, const struct lod_levels *levels, const uint32_t *triangles,
+	uint32_t count, uint32_t image, struct eco_ladder *ladder)
 {
 	const struct lod_mesh *mesh = draft->mesh;
 	uint32_t total = count, end_count = 0, at = 0;
@@ -306,7 +326,8 @@ uint32_t lod_draft_wood(struct lod_draft *draft, const struct lod_levels *levels
 		total += levels->triangle_count[l];
 	struct lod_list_draft *list = add_list(draft, &(struct shape){ ECO_LIST_TRIANGLES, ECO_CODER_MESH,
 		image == ECO_NONE ? ECO_ATTR_COLOR : ECO_ATTR_UV, total, 3 * total, image, false });
-	uint32_t *ends = lod_arena_take(draft->arena, total / WOOD_CHUNK + LOD_LEVELS_SIMPLE + 2, sizeof *ends);
+	uint32_t *ends = lod_arena_take(draft->arena, total / WOOD_CHUNK + LOD_LEVELS_SIMPLE + 2,
+		sizeof *ends);
 	for (uint32_t l = 0; l < levels->count; l++) {
 		for (uint32_t i = 0; i < levels->triangle_count[l]; i++) {
 			const struct lod_corner *corner = levels->corner[l] + 3 * (size_t)i;

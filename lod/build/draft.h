@@ -29,14 +29,16 @@ struct eco_ladder *lod_draft_ladder(struct lod_draft *draft);
 
 /* Elements items[0..count) as fans, with texture coordinates if there is an image, else with colours;
  * `growth`: a code each, or NULL. */
-uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *const *items, const uint8_t *growth, uint32_t count,
+uint32_t lod_draft_fans(struct lod_draft *draft, const struct lod_element *const *items,
+const uint8_t *growth, uint32_t count,
 	uint32_t image);
 
 /* Other forms of the elements of list `partner`, one each, in its order. */
 
 /* Points; their areas are codes for eco_size, times unit_area. */
 struct lod_point { int32_t position[3]; uint8_t rgb[3], size; };
-uint32_t lod_draft_points(struct lod_draft *draft, uint32_t partner, const struct lod_point *const *points, float unit_area);
+uint32_t lod_draft_points(struct lod_draft *draft, uint32_t partner, const struct lod_point *const *points,
+	float unit_area);
 
 /* Lines. */
 struct lod_line { struct lod_v3 end[2]; double width; uint8_t rgb[3]; };
@@ -44,8 +46,8 @@ uint32_t lod_draft_blades(struct lod_draft *draft, uint32_t partner, const struc
 
 /* Triangles or quads in one colour, all with 3 or all with 4 corners. */
 struct lod_facet { int32_t corner[4][3]; uint8_t rgb[3]; };
-uint32_t lod_draft_facets(struct lod_draft *draft, uint32_t partner, const struct lod_facet *const *facets, uint32_t corners,
-	const uint8_t *growth);
+uint32_t lod_draft_facets(struct lod_draft *draft, uint32_t partner, const struct lod_facet *const *facets,
+	uint32_t corners, const uint8_t *growth);
 
 /* Lines that are no form of other elements. Those without length on the grid are left out. */
 uint32_t lod_draft_lines(struct lod_draft *draft, const struct lod_line *lines, uint32_t count);
@@ -55,7 +57,7 @@ void lod_draft_shade(struct lod_draft *draft);
 
 /* Wood: simplified levels, then the triangles themselves. Sets level_count and level_end of `ladder` if there
  * are levels. */
-uint32_t lod_draft_wood(struct lod_draft *draft, const struct lod_levels *levels, const uint32_t *triangles, uint32_t count,
-	uint32_t image, struct eco_ladder *ladder);
+uint32_t lod_draft_wood(struct lod_draft *draft, const struct lod_levels *levels, const uint32_t *triangles,
+	uint32_t count, uint32_t image, struct eco_ladder *ladder);
 
 #endif

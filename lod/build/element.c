@@ -47,10 +47,12 @@ static bool planar_quad(struct lod_v3 a, struct lod_v3 b, struct lod_v3 c, struc
 static bool linear_texture(const struct lod_v3 p[4], const int32_t *uv[4])
 {
 	struct lod_v3 u = lod_v3_sub(p[1], p[0]), v = lod_v3_sub(p[3], p[0]), w = lod_v3_sub(p[2], p[0]);
-	double uu = lod_v3_dot(u, u), uv_ = lod_v3_dot(u, v), vv = lod_v3_dot(v, v), det = uu * vv - uv_ * uv_;
+	double uu = lod_v3_dot(u, u), uv_ = lod_v3_dot(u, v), vv = lod_v3_dot(v, v),
+		det = uu * vv - uv_ * uv_;
 	if (det <= 0)
 		return false;
-	double s = (lod_v3_dot(w, u) * vv - lod_v3_dot(w, v) * uv_) / det, t = (lod_v3_dot(w, v) * uu - lod_v3_dot(w, u) * uv_) / det;
+	double s = (lod_v3_dot(w, u) * vv - lod_v3_dot(w, v) * uv_) / det,
+		t = (lod_v3_dot(w, v) * uu - lod_v3_dot(w, u) * uv_) / det;
 	for (int a = 0; a < 2; a++)
 		if (fabs(uv[0][a] + s * (uv[1][a] - uv[0][a]) + t * (uv[3][a] - uv[0][a]) - uv[2][a]) > 2)
 			return false;
@@ -62,7 +64,8 @@ static bool zero_area(const struct lod_mesh *mesh, uint32_t a, uint32_t b, uint3
 	struct lod_v3 p[3];
 	uint32_t v[3] = { a, b, c };
 	for (int k = 0; k < 3; k++)
-		p[k] = (struct lod_v3){ mesh->grid[3 * (size_t)v[k]], mesh->grid[3 * (size_t)v[k] + 1], mesh->grid[3 * (size_t)v[k] + 2] };
+		p[k] = (struct lod_v3){ mesh->grid[3 * (size_t)v[k]], mesh->grid[3 * (size_t)v[k] + 1],
+			mesh->grid[3 * (size_t)v[k] + 2] };
 	struct lod_v3 n = lod_v3_cross(lod_v3_sub(p[1], p[0]), lod_v3_sub(p[2], p[0]));
 	return lod_v3_dot(n, n) == 0;
 }
@@ -71,7 +74,8 @@ static bool zero_area(const struct lod_mesh *mesh, uint32_t a, uint32_t b, uint3
 static bool turn(struct lod_mesh *mesh, uint32_t t, uint32_t k)
 {
 	uint32_t edge = mesh->across[3 * (size_t)t + k], u = edge / 3, j = edge % 3;
-	uint32_t a = vertex_at(mesh, t, k), c = vertex_at(mesh, t, k + 1), d = vertex_at(mesh, t, k + 2), b = vertex_at(mesh, u, j + 2);
+	uint32_t a = vertex_at(mesh, t, k), c = vertex_at(mesh, t, k + 1), d = vertex_at(mesh, t, k + 2),
+		b = vertex_at(mesh, u, j + 2);
 	bool alike = vertex_at(mesh, u, j) == c; /* wound as t is: its edge runs from c to a */
 	int32_t uv[4][2];                                        /* of a b c d */
 	memcpy(uv[0], mesh->uv + 6 * (size_t)t + 2 * k, sizeof uv[0]);
@@ -82,7 +86,8 @@ static bool turn(struct lod_mesh *mesh, uint32_t t, uint32_t k)
 	const int32_t *uc = mesh->uv + 6 * (size_t)u + 2 * (alike ? j : (j + 1) % 3);
 	struct lod_v3 p[4] = { place(mesh, a), place(mesh, b), place(mesh, c), place(mesh, d) };
 	const int32_t *corners[4] = { uv[0], uv[1], uv[2], uv[3] };
-	if (memcmp(ua, uv[0], sizeof uv[0]) || memcmp(uc, uv[2], sizeof uv[2]) || !planar_quad(p[0], p[1], p[2], p[3])
+	if (memcmp(ua, uv[0], sizeof uv[0]) || memcmp(uc, uv[2], sizeof uv[2])
+			|| !planar_quad(p[0], p[1], p[2], p[3])
 		|| !linear_texture(p, corners) || zero_area(mesh, a, b, d) || zero_area(mesh, b, c, d))
 		return false;
 	uint32_t first[3] = { 0, 1, 3 }, second[3] = { 1, 2, 3 }, all[4] = { a, b, c, d };
@@ -127,7 +132,8 @@ static bool as_strip(const struct lod_mesh *mesh, const uint32_t *member, uint32
 
 static bool has_vertex(const struct lod_mesh *mesh, uint32_t t, uint32_t vertex)
 {
-	return vertex_at(mesh, t, 0) == vertex || vertex_at(mesh, t, 1) == vertex || vertex_at(mesh, t, 2) == vertex;
+	return vertex_at(mesh, t, 0) == vertex || vertex_at(mesh, t, 1) == vertex
+		|| vertex_at(mesh, t, 2) == vertex;
 }
 
 void lod_elements_turn_diagonals(struct lod_mesh *mesh, struct lod_arena *arena)
@@ -141,7 +147,8 @@ void lod_elements_turn_diagonals(struct lod_mesh *mesh, struct lod_arena *arena)
 		bool fan = false;
 		for (uint32_t k = 0; k < 3 && !fan; k++) {
 			uint32_t v = vertex_at(mesh, strip[0], k);
-			fan = has_vertex(mesh, strip[1], v) && has_vertex(mesh, strip[2], v) && has_vertex(mesh, strip[3], v);
+			fan = has_vertex(mesh, strip[1], v) && has_vertex(mesh, strip[2], v)
+				&& has_vertex(mesh, strip[3], v);
 		}
 		/* A zigzag: the first three triangles turn about one end of the middle edge, the last three
 		 * about the other. Turning the diagonal at either end of the strip makes it one fan. */
@@ -215,7 +222,8 @@ static bool in_run(const struct run *run, uint32_t t)
 static void walk(const struct cutter *c, uint32_t t, uint32_t k, struct run *run)
 {
 	uint32_t center = vertex_at(c->mesh, t, k), next;
-	*run = (struct run){ .triangle = { t }, .rim = { vertex_at(c->mesh, t, k + 1), vertex_at(c->mesh, t, k + 2) }, .count = 1 };
+	*run = (struct run){ .triangle = { t },
+		.rim = { vertex_at(c->mesh, t, k + 1), vertex_at(c->mesh, t, k + 2) }, .count = 1 };
 	while (run->count < FAN) {
 		uint32_t rim = run->rim[run->count];
 		next = step(c, run->triangle[run->count - 1], center, rim);
@@ -245,7 +253,8 @@ static void best_fan(const struct cutter *c, uint32_t t, struct lod_element *ele
 		struct run run;
 		walk(c, t, k, &run);
 		uint32_t size = run.count < FAN ? run.count : FAN;
-		for (uint32_t first = run.at + 1 > size ? run.at + 1 - size : 0; first <= run.at && first + size <= run.count; first++) {
+		for (uint32_t first = run.at + 1 > size ? run.at + 1 - size : 0;
+				first <= run.at && first + size <= run.count; first++) {
 			int score = 64 * (int)size;
 			for (uint32_t i = first; i < first + size; i++)
 				score -= c->free_around[run.triangle[i]];
@@ -293,14 +302,16 @@ static void start(struct cutter *c, const struct lod_organs *organs)
 			continue;
 		for (uint32_t k = 0; k < 3; k++) {
 			uint32_t edge = lod_mesh_across(mesh, t, k);
-			c->free_around[t] = (uint8_t)(c->free_around[t] + (edge != ECO_NONE && c->free_around[edge / 3] != TAKEN));
+			c->free_around[t] =
+				(uint8_t)(c->free_around[t]
+				+ (edge != ECO_NONE && c->free_around[edge / 3] != TAKEN));
 		}
 		enqueue(c, t);
 	}
 }
 
-void lod_elements_make(struct lod_elements *elements, const struct lod_mesh *mesh, const struct lod_organs *organs,
-	struct lod_arena *arena)
+void lod_elements_make(struct lod_elements *elements, const struct lod_mesh *mesh,
+	const struct lod_organs *organs, struct lod_arena *arena)
 {
 	elements->count = 0;
 	elements->items = lod_arena_take(arena, mesh->triangle_count, sizeof *elements->items);
@@ -332,7 +343,8 @@ void lod_elements_make(struct lod_elements *elements, const struct lod_mesh *mes
 void lod_element_uv(const struct lod_element *element, const struct lod_mesh *mesh, int32_t *uv)
 {
 	for (uint32_t i = 0; i < element->corners; i++)
-		memcpy(uv + 2 * i, uv_of(mesh, element->triangle[i < 2 ? 0 : i - 2], element->vertex[i]), 2 * sizeof *uv);
+		memcpy(uv + 2 * i, uv_of(mesh, element->triangle[i < 2 ? 0 : i - 2], element->vertex[i]),
+			2 * sizeof *uv);
 	for (int a = 0; a < 2; a++) {
 		int32_t least = INT32_MAX;
 		for (uint32_t i = 0; i < element->corners; i++)
@@ -355,7 +367,8 @@ struct lod_v3 lod_element_normal(const struct lod_element *element, const struct
 {
 	struct lod_v3 sum = { 0, 0, 0 }, a = place(mesh, element->vertex[0]);
 	for (uint32_t i = 1; i + 1 < element->corners; i++) {
-		struct lod_v3 u = lod_v3_sub(place(mesh, element->vertex[i]), a), v = lod_v3_sub(place(mesh, element->vertex[i + 1]), a);
+		struct lod_v3 u = lod_v3_sub(place(mesh, element->vertex[i]), a),
+			v = lod_v3_sub(place(mesh, element->vertex[i + 1]), a);
 		sum = lod_v3_add(sum, lod_v3_cross(u, v));
 	}
 	return lod_v3_scale(sum, 0.5);
@@ -366,7 +379,8 @@ void lod_element_axis(const struct lod_element *element, const struct lod_mesh *
 	double most = -1;
 	for (uint32_t i = 0; i < element->corners; i++)
 		for (uint32_t j = i + 1; j < element->corners; j++) {
-			double d = lod_v3_distance(place(mesh, element->vertex[i]), place(mesh, element->vertex[j]));
+			double d = lod_v3_distance(place(mesh, element->vertex[i]),
+				place(mesh, element->vertex[j]));
 			if (d > most) {
 				most = d;
 				ends[0] = i;

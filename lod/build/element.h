@@ -26,8 +26,8 @@ void lod_elements_turn_diagonals(struct lod_mesh *mesh, struct lod_arena *arena)
 
 /* All triangles that are neither wood nor collapsed, each in exactly one element. Triangles of an element
  * belong to one component and continue each other's texture. Array from `arena`. */
-void lod_elements_make(struct lod_elements *elements, const struct lod_mesh *mesh, const struct lod_organs *organs,
-	struct lod_arena *arena);
+void lod_elements_make(struct lod_elements *elements, const struct lod_mesh *mesh,
+	const struct lod_organs *organs, struct lod_arena *arena);
 
 /* Texture coordinates of the element's corners in 1/ECO_UV_ONE, shifted by whole turns so that the least are
  * in [0, 1). */

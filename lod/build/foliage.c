@@ -15,7 +15,8 @@ static bool *find_holes(const struct eco_model *model, struct lod_arena *arena)
 	return holes;
 }
 
-static void take_arrays(struct lod_foliage *foliage, const struct lod_elements *elements, struct lod_arena *arena)
+static void take_arrays(struct lod_foliage *foliage, const struct lod_elements *elements,
+	struct lod_arena *arena)
 {
 	size_t corners = 0, n = elements->count;
 	for (uint32_t i = 0; i < elements->count; i++)
@@ -33,7 +34,8 @@ static void take_arrays(struct lod_foliage *foliage, const struct lod_elements *
 }
 
 /* Groups are numbered in the order of their first elements. */
-static uint32_t group_of(struct lod_foliage *foliage, uint32_t *number, uint32_t organ, uint32_t image, uint32_t images)
+static uint32_t group_of(struct lod_foliage *foliage, uint32_t *number, uint32_t organ, uint32_t image,
+	uint32_t images)
 {
 	uint32_t *known = &number[(size_t)organ * (images + 1) + (image == ECO_NONE ? images : image)];
 	if (*known == 0)
@@ -49,7 +51,8 @@ static void fill_element(struct lod_foliage *foliage, uint32_t i, const struct l
 	uint32_t at = foliage->first[i];
 	lod_element_uv(e, mesh, uv);
 	for (uint32_t k = 0; k < e->corners; k++) {
-		memcpy(foliage->corner[at + k], mesh->place + 3 * (size_t)e->vertex[k], sizeof foliage->corner[0]);
+		memcpy(foliage->corner[at + k], mesh->place + 3 * (size_t)e->vertex[k],
+			sizeof foliage->corner[0]);
 		for (int a = 0; a < 2; a++)
 			foliage->uv[at + k][a] = (float)uv[2 * k + (uint32_t)a] / ECO_UV_ONE;
 	}
@@ -61,16 +64,19 @@ static void fill_element(struct lod_foliage *foliage, uint32_t i, const struct l
 		foliage->area[i] += parts->organs->area[e->triangle[k]];
 }
 
-static void fill_wood(struct lod_foliage *foliage, const struct lod_foliage_parts *parts, struct lod_arena *arena)
+static void fill_wood(struct lod_foliage *foliage, const struct lod_foliage_parts *parts,
+	struct lod_arena *arena)
 {
 	const struct lod_mesh *mesh = parts->mesh;
 	for (int pass = 0; pass < 2; pass++) {
 		uint64_t count = 0;
 		for (uint32_t t = 0; t < mesh->triangle_count; t++) {
-			if (mesh->collapsed[t] || parts->organs->components[mesh->component[t]].organ != ECO_ORGAN_WOOD)
+			if (mesh->collapsed[t] || parts->organs->components[mesh->component[t]].organ
+					!= ECO_ORGAN_WOOD)
 				continue;
 			for (uint32_t k = 0; k < 3 && pass == 1; k++)
-				memcpy(foliage->wood + 9 * count + 3 * k, mesh->place + 3 * (size_t)mesh->index[3 * (size_t)t + k],
+				memcpy(foliage->wood + 9 * count + 3 * k,
+					mesh->place + 3 * (size_t)mesh->index[3 * (size_t)t + k],
 					3 * sizeof(float));
 			count++;
 		}
@@ -80,14 +86,16 @@ static void fill_wood(struct lod_foliage *foliage, const struct lod_foliage_part
 	}
 }
 
-void lod_foliage_from(struct lod_foliage *foliage, const struct lod_foliage_parts *parts, struct lod_arena *arena)
+void lod_foliage_from(struct lod_foliage *foliage, const struct lod_foliage_parts *parts,
+	struct lod_arena *arena)
 {
 	const struct lod_mesh *mesh = parts->mesh;
 	const struct eco_model *model = parts->model;
 	*foliage = (struct lod_foliage){ .low = lod_v3_of(mesh->low), .high = lod_v3_of(mesh->high) };
 	take_arrays(foliage, parts->elements, arena);
 	bool *holes = find_holes(model, arena);
-	uint32_t *number = lod_arena_take(arena, ECO_ORGAN_COUNT * ((size_t)model->image_count + 1), sizeof *number);
+	uint32_t *number = lod_arena_take(arena, ECO_ORGAN_COUNT * ((size_t)model->image_count + 1),
+		sizeof *number);
 	for (uint32_t i = 0; i < foliage->count; i++) {
 		uint32_t triangle = parts->elements->items[i].triangle[0];
 		const struct lod_component *c = &parts->organs->components[mesh->component[triangle]];

@@ -33,7 +33,8 @@ struct lod_foliage {                 /* arrays of an arena */
 	struct lod_v3 low, high;     /* of everything */
 };
 
-/* From the stages of a build (plant.c), which owns their arrays: element i is elements->items[i]. May be empty. */
+/* From the stages of a build (plant.c), which owns their arrays: element i is elements->items[i]. May be
+ * empty. */
 struct lod_mesh;
 struct lod_organs;
 struct lod_elements;
@@ -43,7 +44,8 @@ struct lod_foliage_parts {
 	const struct lod_organs *organs;
 	const struct lod_elements *elements;
 };
-void lod_foliage_from(struct lod_foliage *foliage, const struct lod_foliage_parts *parts, struct lod_arena *arena);
+void lod_foliage_from(struct lod_foliage *foliage, const struct lod_foliage_parts *parts,
+	struct lod_arena *arena);
 
 /* Unit vectors from the plant towards the eye, evenly spread over the upper part of the sphere (from slightly
  * below the horizon to steeply above). Different seeds share no direction: build with one, test with
@@ -60,8 +62,9 @@ struct lod_sights {
 	uint64_t **reference, **wood; /* masks per view: everything; wood alone (its pixels are in both) */
 	uint64_t *reference_pixels;          /* bits of `reference`, per view */
 };
-enum eco_code lod_sights_make(struct lod_sights *sights, const struct lod_foliage *foliage, const double (*directions)[3], uint32_t count,
-	uint32_t pixels, struct lod_arena *arena, struct eco_error *error);
+enum eco_code lod_sights_make(struct lod_sights *sights, const struct lod_foliage *foliage,
+	const double (*directions)[3], uint32_t count, uint32_t pixels, struct lod_arena *arena,
+	struct eco_error *error);
 
 /* Draws elements order[0..count) over the wood, each scaled by its area factor about the mean of its drawn
  * corners (`factor` NULL: `scale` for all). `shape`: an opaque triangle in place of an element; NULL, or
@@ -76,7 +79,7 @@ struct lod_sights_drawing {
 };
 /* ORs into mask[0..words). `raster`: the caller's scratch rasteriser (silhouette, pixels x pixels), one per
  * thread. */
-void lod_sights_draw(const struct lod_sights *sights, uint32_t view, const struct lod_sights_drawing *drawing, struct lod_raster *raster,
-	uint64_t *mask);
+void lod_sights_draw(const struct lod_sights *sights, uint32_t view, const struct lod_sights_drawing *drawing,
+	struct lod_raster *raster, uint64_t *mask);
 
 #endif

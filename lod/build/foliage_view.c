@@ -68,15 +68,19 @@ static double sphere(const struct lod_foliage *foliage, struct lod_v3 *center)
 	return far > 0 ? far : 1;
 }
 
-static void place_eye(struct lod_eye *eye, const double direction[3], struct lod_v3 center, double radius, uint32_t pixels)
+static void place_eye(struct lod_eye *eye, const double direction[3], struct lod_v3 center, double radius,
+	uint32_t pixels)
 {
 	double away = DISTANCE_RADII * radius, half = FRAME * radius / sqrt(away * away - radius * radius);
 	struct lod_v3 from = lod_v3_unit((struct lod_v3){ direction[0], direction[1], direction[2] });
 	double flat = sqrt(from.x * from.x + from.y * from.y);
-	struct lod_v3 right = flat > 1e-9 ? (struct lod_v3){ -from.y / flat, from.x / flat, 0 } : (struct lod_v3){ 1, 0, 0 };
+	struct lod_v3 right = flat > 1e-9 ? (struct lod_v3){ -from.y / flat, from.x / flat, 0 }
+		: (struct lod_v3){ 1, 0, 0 };
 	struct lod_v3 up = lod_v3_cross(from, right), at = lod_v3_add(center, lod_v3_scale(from, away));
-	*eye = (struct lod_eye){ .at = { at.x, at.y, at.z }, .right = { right.x, right.y, right.z }, .up = { up.x, up.y, up.z },
-		.forward = { -from.x, -from.y, -from.z }, .tan_x = half, .tan_y = half, .pixel_rad = 2 * half / pixels };
+	*eye = (struct lod_eye){ .at = { at.x, at.y, at.z }, .right = { right.x, right.y, right.z },
+		.up = { up.x, up.y, up.z },
+		.forward = { -from.x, -from.y, -from.z }, .tan_x = half, .tan_y = half,
+		.pixel_rad = 2 * half / pixels };
 }
 
 static void start_view(const struct lod_sights *sights, uint32_t view, struct lod_raster *raster)
@@ -101,8 +105,11 @@ static void draw_wood(const struct lod_sights *sights, uint32_t view, struct lod
 	const struct lod_foliage *foliage = sights->foliage;
 	start_view(sights, view, raster);
 	for (uint64_t first = 0; first < foliage->wood_count; first += 1u << 20) {
-		uint64_t count = foliage->wood_count - first < 1u << 20 ? foliage->wood_count - first : 1u << 20;
-		lod_raster_triangles(raster, &(struct lod_raster_batch){ .count = (uint32_t)count, .position = foliage->wood + 9 * first, .owner = 1 });
+		uint64_t count = foliage->wood_count - first < 1u << 20 ? foliage->wood_count - first
+			: 1u << 20;
+		lod_raster_triangles(raster,
+			&(struct lod_raster_batch){ .count = (uint32_t)count,
+			.position = foliage->wood + 9 * first, .owner = 1 });
 	}
 }
 
@@ -118,18 +125,21 @@ static void draw_reference(struct lod_sights *sights, uint32_t view, struct lod_
 {
 	draw_wood(sights, view, raster);
 	gather_bits(sights, raster, sights->wood[view]);
-	lod_sights_draw(sights, view, &(struct lod_sights_drawing){ .count = sights->foliage->count, .scale = 1 }, raster,
+	lod_sights_draw(sights, view,
+		&(struct lod_sights_drawing){ .count = sights->foliage->count, .scale = 1 }, raster,
 		sights->reference[view]);
 	sights->reference_pixels[view] = bits_of(sights->reference[view], sights->words);
 }
 
-enum eco_code lod_sights_make(struct lod_sights *sights, const struct lod_foliage *foliage, const double (*directions)[3], uint32_t count,
-	uint32_t pixels, struct lod_arena *arena, struct eco_error *error)
+enum eco_code lod_sights_make(struct lod_sights *sights, const struct lod_foliage *foliage,
+	const double (*directions)[3], uint32_t count, uint32_t pixels, struct lod_arena *arena,
+	struct eco_error *error)
 {
 	struct lod_raster raster;
 	struct lod_v3 center;
 	double radius = sphere(foliage, &center);
-	*sights = (struct lod_sights){ .foliage = foliage, .count = count, .pixels = pixels, .words = (pixels + 63) / 64 * pixels,
+	*sights = (struct lod_sights){ .foliage = foliage, .count = count, .pixels = pixels,
+		.words = (pixels + 63) / 64 * pixels,
 		.near_m = (DISTANCE_RADII - 4) * radius };
 	sights->eyes = lod_arena_take(arena, count, sizeof *sights->eyes);
 	sights->reference = lod_arena_take(arena, count, sizeof *sights->reference);
@@ -140,8 +150,9 @@ enum eco_code lod_sights_make(struct lod_sights *sights, const struct lod_foliag
 		sights->wood[i] = lod_arena_take(arena, sights->words, sizeof(uint64_t));
 		place_eye(&sights->eyes[i], directions[i], center, radius, pixels);
 	}
-	enum eco_code code = lod_raster_init(&raster, &(struct lod_raster_options){ .width = pixels, .height = pixels, .silhouette = true },
-		error);
+	enum eco_code code =
+		lod_raster_init(&raster,
+		&(struct lod_raster_options){ .width = pixels, .height = pixels, .silhouette = true }, error);
 	if (code)
 		return code;
 	for (uint32_t i = 0; i < count; i++)
@@ -162,14 +173,15 @@ struct soup {
 static void flush(struct soup *soup)
 {
 	if (soup->count)
-		lod_raster_triangles(soup->raster, &(struct lod_raster_batch){ .count = soup->count, .position = soup->position,
+		lod_raster_triangles(soup->raster,
+			&(struct lod_raster_batch){ .count = soup->count, .position = soup->position,
 			.uv = soup->cutout ? soup->uv : NULL, .cutout = soup->cutout, .owner = 1 });
 	soup->count = 0;
 }
 
 /* A fan, scaled about the mean of its corners by the factor of edges. */
-static void add_fan(struct soup *soup, const float (*corner)[3], const float (*uv)[2], uint32_t corners, const struct eco_image *cutout,
-	double edge)
+static void add_fan(struct soup *soup, const float (*corner)[3], const float (*uv)[2], uint32_t corners,
+	const struct eco_image *cutout, double edge)
 {
 	float at[ECO_CORNERS_MAX][3];
 	double center[3] = { 0, 0, 0 };
@@ -178,7 +190,8 @@ static void add_fan(struct soup *soup, const float (*corner)[3], const float (*u
 			center[a] += (double)corner[i][a] / corners;
 	for (uint32_t i = 0; i < corners; i++)
 		for (int a = 0; a < 3; a++)
-			at[i][a] = edge == 1 ? corner[i][a] : (float)(center[a] + edge * (corner[i][a] - center[a]));
+			at[i][a] = edge == 1 ? corner[i][a]
+				: (float)(center[a] + edge * (corner[i][a] - center[a]));
 	if (soup->cutout != cutout || soup->count + corners - 2 > SOUP)
 		flush(soup);
 	soup->cutout = cutout;
@@ -192,20 +205,23 @@ static void add_fan(struct soup *soup, const float (*corner)[3], const float (*u
 	}
 }
 
-void lod_sights_draw(const struct lod_sights *sights, uint32_t view, const struct lod_sights_drawing *drawing, struct lod_raster *raster,
-	uint64_t *mask)
+void lod_sights_draw(const struct lod_sights *sights, uint32_t view, const struct lod_sights_drawing *drawing,
+	struct lod_raster *raster, uint64_t *mask)
 {
 	const struct lod_foliage *foliage = sights->foliage;
 	struct soup soup = { .raster = raster };
 	start_view(sights, view, raster);
 	for (uint32_t k = 0; k < drawing->count; k++) {
 		uint32_t i = drawing->order ? drawing->order[k] : k, at = foliage->first[i];
-		double factor = drawing->factor ? drawing->factor[i] : drawing->scale, edge = factor == 1 ? 1 : sqrt(factor);
+		double factor = drawing->factor ? drawing->factor[i] : drawing->scale, edge = factor == 1 ? 1
+			: sqrt(factor);
 		if (drawing->shape && drawing->shape[i].corners)
-			add_fan(&soup, (const float (*)[3])drawing->shape[i].corner, NULL, drawing->shape[i].corners, NULL, edge);
+			add_fan(&soup, (const float (*)[3])drawing->shape[i].corner, NULL,
+				drawing->shape[i].corners, NULL, edge);
 		else
-			add_fan(&soup, (const float (*)[3])(foliage->corner + at), (const float (*)[2])(foliage->uv + at),
-				foliage->first[i + 1] - at, foliage->cutout[i], edge);
+			add_fan(&soup, (const float (*)[3])(foliage->corner + at),
+				(const float (*)[2])(foliage->uv + at), foliage->first[i + 1] - at,
+				foliage->cutout[i], edge);
 	}
 	flush(&soup);
 	gather_bits(sights, raster, mask);

@@ -41,7 +41,8 @@ uint32_t lod_grid_bits_least(const struct eco_model *model)
 		extent = fmax(extent, (double)high[a] - low[a]);
 	for (; bits < LOD_GRID_BITS_MAX; bits++) {
 		double step = ldexp(extent, -(int)bits);
-		if (lod_grid_nearest_m(&(struct eco_list){ .grid_step = { step, step, step } }, LOD_GRID_PIXEL_RAD) <= LOD_GRID_NEAR_M)
+		if (lod_grid_nearest_m(&(struct eco_list){ .grid_step = { step, step, step } },
+				LOD_GRID_PIXEL_RAD) <= LOD_GRID_NEAR_M)
 			break;
 	}
 	return bits;
@@ -50,7 +51,8 @@ uint32_t lod_grid_bits_least(const struct eco_model *model)
 /* Side of pictures in which the plant's height, seen from the side, is HIGH_PX. */
 static uint32_t picture_side(const struct lod_plant *plant, const struct lod_probe *probe)
 {
-	double height = plant->plant.height_m > 0 ? plant->plant.height_m : 2 * probe->radius, side = HIGH_PX * 2 * probe->radius / height;
+	double height = plant->plant.height_m > 0 ? plant->plant.height_m : 2 * probe->radius,
+		side = HIGH_PX * 2 * probe->radius / height;
 	return side < HIGH_PX ? (uint32_t)HIGH_PX : side > SIDE_MAX ? (uint32_t)SIDE_MAX : (uint32_t)side;
 }
 
@@ -61,7 +63,8 @@ static enum eco_code add_full_detail(struct lod_probe *probe, struct eco_error *
 		const struct eco_ladder *ladder = &probe->plant->ladders[i];
 		struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 		uint32_t count = ladder->flags & ECO_LADDER_FAR ? 0
-			: lod_ladder_cuts(&probe->scene, ladder, lod_ladder_full(&probe->scene, ladder), 1, cuts);
+			: lod_ladder_cuts(&probe->scene, ladder, lod_ladder_full(&probe->scene, ladder), 1,
+			cuts);
 		for (uint32_t k = 0; k < count && !code; k++)
 			code = lod_probe_add(probe, &cuts[k], error);
 	}
@@ -81,17 +84,19 @@ static enum eco_code compare_with_model(struct lod_probe *probe, double *loss, s
 	return ECO_OK;
 }
 
-enum eco_code lod_grid_loss(const struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
-	double *loss, struct eco_error *error)
+enum eco_code lod_grid_loss(const struct lod_plant *plant, const struct eco_model *model,
+	const struct lod_plant_options *options, double *loss, struct eco_error *error)
 {
 	struct lod_probe probe;
 	*loss = 0;
-	enum eco_code code = lod_probe_init(&probe, plant, model, &(struct lod_probe_options){ .views = 1, .pixels = 1 }, error);
+	enum eco_code code = lod_probe_init(&probe, plant, model,
+		&(struct lod_probe_options){ .views = 1, .pixels = 1 }, error);
 	if (code)
 		return code;
 	uint32_t side = picture_side(plant, &probe);
 	lod_probe_free(&probe);
-	code = lod_probe_init(&probe, plant, model, &(struct lod_probe_options){ VIEWS, side, options->each, options->ctx }, error);
+	code = lod_probe_init(&probe, plant, model,
+		&(struct lod_probe_options){ VIEWS, side, options->each, options->ctx }, error);
 	if (code)
 		return code;
 	code = compare_with_model(&probe, loss, error);
@@ -99,8 +104,8 @@ enum eco_code lod_grid_loss(const struct lod_plant *plant, const struct eco_mode
 	return code;
 }
 
-static enum eco_code rebuild(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
-	uint32_t bits, double *loss, struct eco_error *error)
+static enum eco_code rebuild(struct lod_plant *plant, const struct eco_model *model,
+	const struct lod_plant_options *options, uint32_t bits, double *loss, struct eco_error *error)
 {
 	struct lod_plant_options finer = *options;
 	if (finer.order == LOD_ORDER_GREEDY)         /* a draft: full detail decides the grid */
@@ -124,8 +129,8 @@ static uint32_t predict(uint32_t bits, double loss)
 }
 
 /* Sets *chosen to the bits of `plant`, and *found if they suffice or more do not help. */
-static enum eco_code choose(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
-	uint32_t *chosen, bool *found, struct eco_error *error)
+static enum eco_code choose(struct lod_plant *plant, const struct eco_model *model,
+	const struct lod_plant_options *options, uint32_t *chosen, bool *found, struct eco_error *error)
 {
 	uint32_t bits = *chosen, failed = bits - 1;
 	double loss;
@@ -169,8 +174,8 @@ static void each(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t
 	options->each(options->ctx, count, piece, pieces);
 }
 
-static enum eco_code rebuild_greedily(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
-	uint32_t bits, struct eco_error *error)
+static enum eco_code rebuild_greedily(struct lod_plant *plant, const struct eco_model *model,
+	const struct lod_plant_options *options, uint32_t bits, struct eco_error *error)
 {
 	struct lod_plant_options callers = *options, final = *options;
 	final.grid_bits = bits;
@@ -184,8 +189,8 @@ static enum eco_code rebuild_greedily(struct lod_plant *plant, const struct eco_
 	return code;
 }
 
-enum eco_code lod_grid_choose(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
-	struct eco_error *error)
+enum eco_code lod_grid_choose(struct lod_plant *plant, const struct eco_model *model,
+	const struct lod_plant_options *options, struct eco_error *error)
 {
 	uint32_t bits = lod_grid_bits_least(model);
 	bool found;

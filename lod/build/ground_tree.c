@@ -59,13 +59,15 @@ static double cell_error(const struct cell *c)
 		uint32_t split = (uint32_t)(((uint64_t)j * c->width + c->height - 1) / c->height);
 		double v = j / height;
 		double upper = row_error(row, 0, split, c->sw + v * (c->nw - c->sw), (c->ne - c->nw) / width);
-		double lower = row_error(row, split, c->width + 1, c->sw + v * (c->ne - c->se), (c->se - c->sw) / width);
+		double lower = row_error(row, split, c->width + 1, c->sw + v * (c->ne - c->se),
+			(c->se - c->sw) / width);
 
 		most = fmax(most, fmax(upper, lower));
 	}
 	if (c->width == c->height)
 		return most;
-	uint32_t parts[3] = { c->width, c->height, c->width > c->height ? c->width - c->height : c->height - c->width };
+	uint32_t parts[3] = { c->width, c->height, c->width > c->height ? c->width - c->height
+		: c->height - c->width };
 	for (int k = 0; k < 3; k++)
 		for (uint32_t i = 1; i < parts[k]; i++)
 			most = fmax(most, diagonal_error(c, i, parts[k]));
@@ -80,9 +82,12 @@ static double tile_error(const struct eco_ground *g, uint8_t level, uint32_t col
 	eco_ground_spans(&x, &y, &tile, g->columns, g->rows);
 	for (uint32_t j = 0; j + 1 < y.inner; j++)
 		for (uint32_t i = 0; i + 1 < x.inner; i++) {
-			uint32_t x0 = eco_ground_span_at(&x, x.before + i), x1 = eco_ground_span_at(&x, x.before + i + 1);
-			uint32_t y0 = eco_ground_span_at(&y, y.before + j), y1 = eco_ground_span_at(&y, y.before + j + 1);
-			struct cell cell = { g, x0, y0, x1 - x0, y1 - y0, height(g, x0, y0), height(g, x1, y0), height(g, x0, y1), height(g, x1, y1) };
+			uint32_t x0 = eco_ground_span_at(&x, x.before + i),
+				x1 = eco_ground_span_at(&x, x.before + i + 1);
+			uint32_t y0 = eco_ground_span_at(&y, y.before + j),
+				y1 = eco_ground_span_at(&y, y.before + j + 1);
+			struct cell cell = { g, x0, y0, x1 - x0, y1 - y0, height(g, x0, y0),
+				height(g, x1, y0), height(g, x0, y1), height(g, x1, y1) };
 			most = fmax(most, cell_error(&cell));
 		}
 	return most;
@@ -118,7 +123,8 @@ static uint8_t shift_for(double error, double step_m)
 	return shift;
 }
 
-static void measure_coarse(const struct eco_ground *g, double step_m, struct level *l, const struct level *finer, uint8_t level, uint32_t i)
+static void measure_coarse(const struct eco_ground *g, double step_m, struct level *l,
+	const struct level *finer, uint8_t level, uint32_t i)
 {
 	uint32_t column = i % l->columns, row = i / l->columns;
 	double error = tile_error(g, level, column, row);
@@ -186,7 +192,9 @@ static bool gather(struct lod_ground_tree *tree, const struct level *levels, uin
 			uint32_t column = 2 * t->column + quarter % 2, row = 2 * t->row + quarter / 2;
 			if (column >= finer->columns || row >= finer->rows)
 				continue;
-			tree->tiles[tree->count++] = (struct eco_ground_tile){ .level = (uint8_t)(t->level - 1), .column = column, .row = row };
+			tree->tiles[tree->count++] =
+				(struct eco_ground_tile){ .level = (uint8_t)(t->level - 1), .column = column,
+				.row = row };
 			t->child_count++;
 		}
 	}
@@ -200,8 +208,8 @@ void lod_ground_tree_free(struct lod_ground_tree *tree)
 	*tree = (struct lod_ground_tree){ .tiles = NULL };
 }
 
-enum eco_code lod_ground_build(struct lod_ground_tree *tree, const struct eco_ground *ground, double step_m, double least_m,
-	struct eco_error *error)
+enum eco_code lod_ground_build(struct lod_ground_tree *tree, const struct eco_ground *ground, double step_m,
+	double least_m, struct eco_error *error)
 {
 	struct level levels[ECO_GROUND_LEVELS] = { { .columns = 0 } };
 	uint8_t root = eco_ground_root_level(ground->columns, ground->rows);
@@ -209,8 +217,8 @@ enum eco_code lod_ground_build(struct lod_ground_tree *tree, const struct eco_gr
 	assert(ground->columns >= 2 && ground->rows >= 2);
 	*tree = (struct lod_ground_tree){ .tiles = NULL };
 	if (ground->columns > ECO_GROUND_SIDE_MAX || ground->rows > ECO_GROUND_SIDE_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "ground of %u x %u samples, at most %u a side are kept", ground->columns, ground->rows,
-			ECO_GROUND_SIDE_MAX);
+		return eco_fail(error, ECO_TOO_LARGE, "ground of %u x %u samples, at most %u a side are kept",
+			ground->columns, ground->rows, ECO_GROUND_SIDE_MAX);
 	good = measure(levels, (uint8_t)(root + 1), ground, step_m) && gather(tree, levels, root, least_m);
 	for (uint8_t n = 0; n <= root; n++) {
 		free(levels[n].error);
@@ -234,15 +242,17 @@ static int32_t rounded(int32_t z, uint8_t shift)
 	return (z + unit / 2) / unit * unit;     /* heights are counted from the lowest: z >= 0 */
 }
 
-enum eco_code lod_ground_elements(struct eco_elements *e, const struct eco_ground *ground, const struct eco_ground_tile *tile,
-	uint8_t shift, double low_m, double step_m, struct eco_error *error)
+enum eco_code lod_ground_elements(struct eco_elements *e, const struct eco_ground *ground,
+	const struct eco_ground_tile *tile, uint8_t shift, double low_m, double step_m,
+	struct eco_error *error)
 {
 	struct eco_ground_span x, y;
 	uint32_t count;
 	int32_t *out;
 	eco_ground_spans(&x, &y, tile, ground->columns, ground->rows);
 	count = x.count * y.count;
-	*e = (struct eco_elements){ .element_count = count, .corner_count = count, .primitive_count = count, .corners = malloc(count),
+	*e = (struct eco_elements){ .element_count = count, .corner_count = count, .primitive_count = count,
+		.corners = malloc(count),
 		.position = malloc(3 * sizeof(int32_t) * count) };
 	if (!e->corners || !e->position) {
 		eco_elements_free(e);

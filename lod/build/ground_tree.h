@@ -16,12 +16,13 @@ void lod_ground_tree_free(struct lod_ground_tree *tree);
 
 /* Heights are whole steps of step_m. A tile with an error of at most `least_m` gets no children. At most
  * ECO_GROUND_SIDE_MAX samples a side. */
-enum eco_code lod_ground_build(struct lod_ground_tree *tree, const struct eco_ground *ground, double step_m, double least_m,
-	struct eco_error *error);
+enum eco_code lod_ground_build(struct lod_ground_tree *tree, const struct eco_ground *ground, double step_m,
+	double least_m, struct eco_error *error);
 
 /* The tile's samples with heights as whole steps above low_m: exact at its border, inside without the low
  * `shift` bits. */
-enum eco_code lod_ground_elements(struct eco_elements *elements, const struct eco_ground *ground, const struct eco_ground_tile *tile,
-	uint8_t shift, double low_m, double step_m, struct eco_error *error);
+enum eco_code lod_ground_elements(struct eco_elements *elements, const struct eco_ground *ground,
+	const struct eco_ground_tile *tile, uint8_t shift, double low_m, double step_m,
+	struct eco_error *error);
 
 #endif

@@ -18,7 +18,8 @@ struct wedges {
 	uint32_t *index;
 };
 
-static void make_wedges(struct wedges *w, const struct lod_mesh *mesh, const uint32_t *triangles, uint32_t count, struct lod_arena *arena)
+static void make_wedges(struct wedges *w, const struct lod_mesh *mesh, const uint32_t *triangles,
+	uint32_t count, struct lod_arena *arena)
 {
 	uint32_t size = 16;
 	while (size < 6 * (uint64_t)count)
@@ -32,7 +33,8 @@ static void make_wedges(struct wedges *w, const struct lod_mesh *mesh, const uin
 	for (uint32_t i = 0; i < 3 * count; i++) {
 		uint32_t t = triangles[i / 3];
 		const int32_t *uv = mesh->uv + 6 * (size_t)t + 2 * (i % 3);
-		struct lod_corner c = { mesh->index[3 * (size_t)t + i % 3], mesh->component[t], { uv[0], uv[1] } };
+		struct lod_corner c = { mesh->index[3 * (size_t)t + i % 3], mesh->component[t],
+			{ uv[0], uv[1] } };
 		uint64_t hash = lod_mix((uint64_t)(uint32_t)c.uv[0] << 32 | (uint32_t)c.uv[1]);
 		uint32_t at = (uint32_t)lod_mix(c.vertex + lod_mix(c.component + hash)) & (size - 1);
 		while (table[at] != ECO_NONE && memcmp(&w->corner[table[at]], &c, sizeof c))
@@ -41,7 +43,8 @@ static void make_wedges(struct wedges *w, const struct lod_mesh *mesh, const uin
 			table[at] = w->count;
 			w->corner[w->count] = c;
 			for (int a = 0; a < 3; a++)
-				w->position[3 * (size_t)w->count + a] = (float)mesh->grid[3 * (size_t)c.vertex + a];
+				w->position[3 * (size_t)w->count + a] =
+					(float)mesh->grid[3 * (size_t)c.vertex + a];
 			w->count++;
 		}
 		w->index[i] = table[at];
@@ -60,8 +63,8 @@ static bool has_area(const struct lod_mesh *mesh, const struct lod_corner *c)
 }
 
 /* Simplifies to 1 / divisor of the triangles and appends those with area to `out`, which has room for all. */
-static uint32_t simplify(struct lod_corner *out, const struct lod_mesh *mesh, const uint32_t *triangles, uint32_t count, uint32_t divisor,
-	double reach, bool lock_border, struct lod_arena *arena)
+static uint32_t simplify(struct lod_corner *out, const struct lod_mesh *mesh, const uint32_t *triangles,
+	uint32_t count, uint32_t divisor, double reach, bool lock_border, struct lod_arena *arena)
 {
 	if (count == 0)
 		return 0;
@@ -72,10 +75,12 @@ static uint32_t simplify(struct lod_corner *out, const struct lod_mesh *mesh, co
 	unsigned int *simple = lod_arena_take(arena, 3 * (size_t)count, sizeof *simple);
 	float extent = meshopt_simplifyScale(w.position, w.count, 3 * sizeof(float));
 	float error = extent > 0 ? (float)(reach / mesh->step / extent) : 1;
-	size_t indices = meshopt_simplify(simple, w.index, 3 * (size_t)count, w.position, w.count, 3 * sizeof(float),
-		3 * (size_t)(count / divisor), error, lock_border ? meshopt_SimplifyLockBorder : 0, NULL);
+	size_t indices = meshopt_simplify(simple, w.index, 3 * (size_t)count, w.position, w.count,
+		3 * sizeof(float), 3 * (size_t)(count / divisor), error,
+		lock_border ? meshopt_SimplifyLockBorder : 0, NULL);
 	for (size_t i = 0; i + 2 < indices; i += 3) {
-		struct lod_corner c[3] = { w.corner[simple[i]], w.corner[simple[i + 1]], w.corner[simple[i + 2]] };
+		struct lod_corner c[3] = { w.corner[simple[i]], w.corner[simple[i + 1]],
+			w.corner[simple[i + 2]] };
 		if (!has_area(mesh, c))
 			continue;
 		memcpy(out + 3 * (size_t)kept, c, sizeof c);
@@ -85,7 +90,8 @@ static uint32_t simplify(struct lod_corner *out, const struct lod_mesh *mesh, co
 	return kept;
 }
 
-void lod_levels_make(struct lod_levels *levels, const struct lod_mesh *mesh, const struct lod_levels_input *in, struct lod_arena *arena)
+void lod_levels_make(struct lod_levels *levels, const struct lod_mesh *mesh,
+	const struct lod_levels_input *in, struct lod_arena *arena)
 {
 	static const uint32_t divisors[LOD_LEVELS_SIMPLE] = { 16, 4 };
 	uint32_t all = in->whole_count + in->cut_count, finer = all;
@@ -94,9 +100,10 @@ void lod_levels_make(struct lod_levels *levels, const struct lod_mesh *mesh, con
 	*levels = (struct lod_levels){ 0 };
 	for (uint32_t i = 0; i < LOD_LEVELS_SIMPLE; i++) {
 		made[i].corner = lod_arena_take(arena, 3 * (size_t)all, sizeof *made[i].corner);
-		made[i].count = simplify(made[i].corner, mesh, in->whole, in->whole_count, divisors[i], in->reach, false, arena);
-		made[i].count += simplify(made[i].corner + 3 * (size_t)made[i].count, mesh, in->cut, in->cut_count, divisors[i], in->reach,
-			true, arena);
+		made[i].count = simplify(made[i].corner, mesh, in->whole, in->whole_count, divisors[i],
+			in->reach, false, arena);
+		made[i].count += simplify(made[i].corner + 3 * (size_t)made[i].count, mesh, in->cut,
+			in->cut_count, divisors[i], in->reach, true, arena);
 	}
 	for (uint32_t i = LOD_LEVELS_SIMPLE; i-- > 0;) {
 		pays[i] = made[i].count >= LEAST && made[i].count <= PAYS * finer;

@@ -30,7 +30,7 @@ struct lod_levels_input {
 
 /* Vertex counts ascend strictly, and each level has at most 70 % of the next one's triangles. Arrays from
  * `arena`. */
-void lod_levels_make(struct lod_levels *levels, const struct lod_mesh *mesh, const struct lod_levels_input *input,
-	struct lod_arena *arena);
+void lod_levels_make(struct lod_levels *levels, const struct lod_mesh *mesh,
+	const struct lod_levels_input *input, struct lod_arena *arena);
 
 #endif

@@ -54,7 +54,8 @@ struct finder {
 static bool is_cutout(const struct finder *f, uint32_t i)
 {
 	uint32_t material = f->shape[i].material;
-	return lod_mesh_material(f->model, material)->cutout && lod_mesh_image(f->model, material) && f->shape[i].clear > CLEAR_LEAST;
+	return lod_mesh_material(f->model, material)->cutout && lod_mesh_image(f->model, material)
+		&& f->shape[i].clear > CLEAR_LEAST;
 }
 
 static enum verdict judge(const struct lod_shape *b, bool cutout)
@@ -63,7 +64,8 @@ static enum verdict judge(const struct lod_shape *b, bool cutout)
 	bool tube = b->length >= LENGTH_LEAST * d && b->turn <= BLADE_CLEAR;
 	if (cutout)
 		return CLEARLY_LEAF;
-	if (b->round >= FULL_LEAST && b->length >= SOLID_LENGTH * d && (thin > THIN_LIMIT || !tube) && b->open * (1 - b->glued) < OPEN_MOST)
+	if (b->round >= FULL_LEAST && b->length >= SOLID_LENGTH * d && (thin > THIN_LIMIT || !tube)
+			&& b->open * (1 - b->glued) < OPEN_MOST)
 		return SOLID;
 	if (!tube || thin > THICK_CLEAR)
 		return CLEARLY_LEAF;
@@ -132,9 +134,11 @@ static bool settle_doubt(const struct finder *f, uint32_t i, const double clear[
 		return false;
 	if (f->hint[i] != LOD_HINT_NONE)
 		return f->hint[i] == LOD_HINT_WOOD;
-	if (lod_colour_is_green(b->rgb) && (f->verdict[i] == RATHER_LEAF || b->diagonal < STEM_LEAST * f->diagonal))
+	if (lod_colour_is_green(b->rgb)
+			&& (f->verdict[i] == RATHER_LEAF || b->diagonal < STEM_LEAST * f->diagonal))
 		return false;
-	return f->verdict[i] == RATHER_WOOD || (f->verdict[i] == RATHER_LEAF && is_bark(b->rgb) && b->round >= FULL_LEAST);
+	return f->verdict[i] == RATHER_WOOD
+		|| (f->verdict[i] == RATHER_LEAF && is_bark(b->rgb) && b->round >= FULL_LEAST);
 }
 
 /* Components of clear shape are decided by it, except logs on the ground: they are stout and need their name.
@@ -185,7 +189,8 @@ static void settle_copies(struct finder *f, struct lod_arena *arena)
 	uint32_t n = f->count;
 	struct lod_keyed *by = lod_arena_take(arena, n, sizeof *by);
 	for (uint32_t i = 0; i < n; i++)
-		by[i] = (struct lod_keyed){ (uint64_t)f->shape[i].material << 32 | f->shape[i].triangle_count, i };
+		by[i] = (struct lod_keyed){ (uint64_t)f->shape[i].material << 32 | f->shape[i].triangle_count,
+			i };
 	lod_sort(arena, by, n);
 	for (uint32_t first = 0, end; first < n; first = end) {
 		double area[ECO_ORGAN_COUNT] = { 0 };
@@ -205,7 +210,8 @@ static void settle_inlays(struct finder *f)
 {
 	for (uint32_t i = 0; i < f->count; i++) {
 		const struct lod_shape *b = &f->shape[i], *host = &f->shape[b->glued_to];
-		if (b->open > 0.05 && b->glued > 0.75 && f->organ[b->glued_to] == ECO_ORGAN_WOOD && b->area < 0.25 * host->area)
+		if (b->open > 0.05 && b->glued > 0.75 && f->organ[b->glued_to] == ECO_ORGAN_WOOD
+				&& b->area < 0.25 * host->area)
 			f->organ[i] = ECO_ORGAN_WOOD;
 	}
 }
@@ -228,7 +234,9 @@ static void sort_heights(struct finder *f, struct lod_arena *arena)
 	f->middle = lod_arena_take(arena, n, sizeof *f->middle);
 	f->above = lod_arena_take(arena, (size_t)n + 1, sizeof *f->above);
 	for (uint32_t i = 0; i < n; i++)
-		by[i] = (struct lod_keyed){ lod_sort_key((double)f->shape[i].low[2] + f->shape[i].high[2] - 2 * f->mesh->low[2]), i };
+		by[i] = (struct lod_keyed){
+			lod_sort_key((double)f->shape[i].low[2] + f->shape[i].high[2] - 2 * f->mesh->low[2]),
+			i };
 	lod_sort(arena, by, n);
 	for (uint32_t i = n; i-- > 0;) {
 		const struct lod_shape *b = &f->shape[by[i].value];
@@ -254,8 +262,9 @@ static double area_above(const struct finder *f, double z)
 static bool is_below(const struct finder *f, uint32_t i)
 {
 	const struct lod_shape *b = &f->shape[i];
-	return !lod_colour_is_green(b->rgb) && b->diagonal > FRUIT * f->diagonal && b->high[2] - f->mesh->low[2] < THING_HEIGHT * f->height
-		&& !is_cutout(f, i) && area_above(f, ((double)b->low[2] + b->high[2]) / 2) > THING_ABOVE * f->area;
+	return !lod_colour_is_green(b->rgb) && b->diagonal > FRUIT * f->diagonal
+		&& b->high[2] - f->mesh->low[2] < THING_HEIGHT * f->height && !is_cutout(f, i)
+		&& area_above(f, ((double)b->low[2] + b->high[2]) / 2) > THING_ABOVE * f->area;
 }
 
 /* Whether a solid is a thing; `alone`: the plant is all solids. Brown ones are stones, logs and stumps, but a
@@ -281,7 +290,8 @@ static bool is_vessel(const struct finder *f, uint32_t i)
 	const struct lod_shape *b = &f->shape[i];
 	bool walls = has_walls(b) && on_ground(f, i);
 	bool soil = b->level > 0.85 && b->high[2] - b->low[2] < 0.2 * b->diagonal;
-	return (walls || soil) && is_below(f, i) && f->hint[i] != LOD_HINT_FOLIAGE && f->hint[i] != LOD_HINT_FLOWER;
+	return (walls || soil) && is_below(f, i) && f->hint[i] != LOD_HINT_FOLIAGE
+		&& f->hint[i] != LOD_HINT_FLOWER;
 }
 
 /* Solids of one material on top of each other, such as the rings of a palm's stem: together a tube from the
@@ -300,7 +310,8 @@ static void put_on_stack(struct stack *stack, const struct lod_shape *b)
 static bool is_stem(const struct finder *f, const struct stack *s)
 {
 	double wide = fmax(s->high[0] - s->low[0], s->high[1] - s->low[1]), high = s->high[2] - s->low[2];
-	return s->count >= STACK_LEAST && wide < STACK_WIDTH * high && s->low[2] - f->mesh->low[2] < FOOT * f->height;
+	return s->count >= STACK_LEAST && wide < STACK_WIDTH * high && s->low[2] - f->mesh->low[2]
+		< FOOT * f->height;
 }
 
 /* A component of the material of things that stands below the plant as they do is a thing, too: saucers,
@@ -321,9 +332,12 @@ static void settle_things(struct finder *f, struct lod_arena *arena)
 	}
 	for (uint32_t i = 0; i < f->count; i++) {
 		bool thing = f->verdict[i] == SOLID && is_thing(f, i, solid > 0.8 * f->area);
-		if (f->verdict[i] == SOLID && is_stem(f, &of[material_of(f, i)].stack) && !lod_colour_is_green(f->shape[i].rgb))
+		if (f->verdict[i] == SOLID && is_stem(f, &of[material_of(f, i)].stack)
+				&& !lod_colour_is_green(f->shape[i].rgb))
 			f->organ[i] = ECO_ORGAN_WOOD;
-		thing = thing || (of[material_of(f, i)].count <= FEW && f->organ[i] != ECO_ORGAN_WOOD && is_vessel(f, i));
+		thing = thing
+			|| (of[material_of(f, i)].count <= FEW && f->organ[i] != ECO_ORGAN_WOOD
+			&& is_vessel(f, i));
 		if (thing) {
 			f->organ[i] = ECO_ORGAN_WOOD;
 			f->thing[i] = f->verdict[i] != SOLID || f->shape[i].diagonal > FRUIT * f->diagonal;
@@ -331,7 +345,8 @@ static void settle_things(struct finder *f, struct lod_arena *arena)
 		}
 	}
 	for (uint32_t i = 0; i < f->count; i++)
-		if (2 * of[material_of(f, i)].things > of[material_of(f, i)].all && is_below(f, i) && f->organ[i] != ECO_ORGAN_WOOD) {
+		if (2 * of[material_of(f, i)].things > of[material_of(f, i)].all && is_below(f, i)
+				&& f->organ[i] != ECO_ORGAN_WOOD) {
 			f->organ[i] = ECO_ORGAN_WOOD;
 			f->thing[i] = true;
 		}
@@ -364,20 +379,23 @@ static void settle_herbs(struct finder *f)
 static double area_of(const struct lod_mesh *mesh, uint32_t t)
 {
 	const uint32_t *v = mesh->index + 3 * (size_t)t;
-	struct lod_v3 a = lod_v3_of(mesh->place + 3 * (size_t)v[0]), b = lod_v3_of(mesh->place + 3 * (size_t)v[1]);
-	return lod_v3_length(lod_v3_cross(lod_v3_sub(b, a), lod_v3_sub(lod_v3_of(mesh->place + 3 * (size_t)v[2]), a))) / 2;
+	struct lod_v3 a = lod_v3_of(mesh->place + 3 * (size_t)v[0]),
+		b = lod_v3_of(mesh->place + 3 * (size_t)v[1]);
+	return lod_v3_length(lod_v3_cross(lod_v3_sub(b, a),
+		lod_v3_sub(lod_v3_of(mesh->place + 3 * (size_t)v[2]), a))) / 2;
 }
 
 /* Triangles image by image, cut-outs separately, so that the sums of one image exist at a time. */
-static void colour_triangles(struct lod_organs *organs, const struct lod_mesh *mesh, const struct eco_model *model,
-	struct lod_arena *arena)
+static void colour_triangles(struct lod_organs *organs, const struct lod_mesh *mesh,
+	const struct eco_model *model, struct lod_arena *arena)
 {
 	struct lod_arena_piece *mark = arena->last;
 	struct lod_keyed *by = lod_arena_take(arena, mesh->triangle_count, sizeof *by);
 	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
 		const struct eco_image *image = lod_mesh_image(model, mesh->material[t]);
 		bool cutout = lod_mesh_material(model, mesh->material[t])->cutout;
-		by[t] = (struct lod_keyed){ image ? 2 * (uint64_t)(image - model->images) + 2 + cutout : 0, t };
+		by[t] = (struct lod_keyed){ image ? 2 * (uint64_t)(image - model->images) + 2 + cutout : 0,
+			t };
 	}
 	lod_sort(arena, by, mesh->triangle_count);
 	struct lod_arena_piece *sorted = arena->last;
@@ -388,10 +406,12 @@ static void colour_triangles(struct lod_organs *organs, const struct lod_mesh *m
 		double share = 1;
 		if (by[i].key > 0 && (i == 0 || by[i].key != by[i - 1].key)) {
 			lod_arena_release(arena, sorted);
-			lod_texels_open(&texels, lod_mesh_image(model, mesh->material[t]), material->cutout, arena);
+			lod_texels_open(&texels, lod_mesh_image(model, mesh->material[t]), material->cutout,
+				arena);
 		}
 		if (by[i].key > 0)
-			share = lod_texels_mean(&texels, material->rgb, mesh->uv + 6 * (size_t)t, organs->rgb[t]);
+			share = lod_texels_mean(&texels, material->rgb, mesh->uv + 6 * (size_t)t,
+				organs->rgb[t]);
 		else
 			memcpy(organs->rgb[t], material->rgb, 3);
 		/* A triangle without an opaque sample may still show something: a fraction of a sample's area
@@ -401,7 +421,8 @@ static void colour_triangles(struct lod_organs *organs, const struct lod_mesh *m
 	lod_arena_release(arena, mark);
 }
 
-void lod_organs_mean(const struct lod_organs *organs, const uint32_t *triangles, uint32_t count, uint8_t rgb[3])
+void lod_organs_mean(const struct lod_organs *organs, const uint32_t *triangles, uint32_t count,
+	uint8_t rgb[3])
 {
 	struct lod_light light = { { 0, 0, 0 }, 0 };
 	memcpy(rgb, organs->rgb[triangles[0]], 3);
@@ -441,7 +462,8 @@ static void describe_components(struct lod_organs *organs, const struct finder *
 	for (uint32_t i = 0; i < f->count; i++) {
 		const struct lod_shape *b = &f->shape[i];
 		struct lod_component *c = &organs->components[i];
-		*c = (struct lod_component){ .triangle_count = b->triangle_count, .material = b->material, .organ = f->organ[i], .area = b->area,
+		*c = (struct lod_component){ .triangle_count = b->triangle_count, .material = b->material,
+			.organ = f->organ[i], .area = b->area,
 			.radius = b->radius, .length = b->length, .turn = b->turn };
 		/* A tube open at both ends has little border; a sheet's border is a good part of all its
 		 * edges. */
@@ -455,10 +477,11 @@ static void describe_components(struct lod_organs *organs, const struct finder *
 }
 
 /* A component without colours in the file gets the usual colour of its organ. */
-static void colour_colourless(struct lod_organs *organs, const struct lod_mesh *mesh, const struct eco_model *model)
+static void colour_colourless(struct lod_organs *organs, const struct lod_mesh *mesh,
+	const struct eco_model *model)
 {
-	static const uint8_t usual[ECO_ORGAN_COUNT][3] = { [ECO_ORGAN_WOOD] = { 97, 79, 62 }, [ECO_ORGAN_FOLIAGE] = { 86, 116, 58 },
-		[ECO_ORGAN_FLOWER] = { 205, 190, 196 } };
+	static const uint8_t usual[ECO_ORGAN_COUNT][3] = { [ECO_ORGAN_WOOD] = { 97, 79, 62 },
+		[ECO_ORGAN_FOLIAGE] = { 86, 116, 58 }, [ECO_ORGAN_FLOWER] = { 205, 190, 196 } };
 	for (uint32_t i = 0; i < mesh->component_count; i++)
 		if (lod_mesh_material(model, organs->components[i].material)->colourless)
 			memcpy(organs->components[i].rgb, usual[organs->components[i].organ], 3);
@@ -467,7 +490,8 @@ static void colour_colourless(struct lod_organs *organs, const struct lod_mesh *
 			memcpy(organs->rgb[t], usual[organs->components[mesh->component[t]].organ], 3);
 }
 
-void lod_organs_find(struct lod_organs *organs, struct lod_mesh *mesh, const struct eco_model *model, struct lod_arena *arena)
+void lod_organs_find(struct lod_organs *organs, struct lod_mesh *mesh, const struct eco_model *model,
+	struct lod_arena *arena)
 {
 	organs->area = lod_arena_take(arena, mesh->triangle_count, sizeof *organs->area);
 	organs->rgb = lod_arena_take(arena, mesh->triangle_count, sizeof *organs->rgb);

@@ -52,9 +52,11 @@ struct lod_organs {
 };
 
 /* Arrays come from `arena`. Regroups the mesh's components (organ_split.h). */
-void lod_organs_find(struct lod_organs *organs, struct lod_mesh *mesh, const struct eco_model *model, struct lod_arena *arena);
+void lod_organs_find(struct lod_organs *organs, struct lod_mesh *mesh, const struct eco_model *model,
+	struct lod_arena *arena);
 
 /* Mean colour of one or more triangles, weighted by their opaque area. */
-void lod_organs_mean(const struct lod_organs *organs, const uint32_t *triangles, uint32_t count, uint8_t rgb[3]);
+void lod_organs_mean(const struct lod_organs *organs, const uint32_t *triangles, uint32_t count,
+	uint8_t rgb[3]);
 
 #endif

@@ -49,7 +49,8 @@ static uint32_t kind_of(const struct lod_shape *shape)
 	return shape->triangle_count < KINDS ? shape->triangle_count : 0;
 }
 
-static struct census take_census(const uint8_t *organ, const struct lod_shape *shapes, uint32_t count, double extent)
+static struct census take_census(const uint8_t *organ, const struct lod_shape *shapes, uint32_t count,
+	double extent)
 {
 	struct census c = { .reference = { 0, 0, 0 } };
 	double weight = 0;
@@ -86,7 +87,8 @@ static bool is_leaf_made(const struct census *c, uint32_t kind)
 {
 	if (c->green[kind].count == 0 || c->warm[kind].count == 0 || c->stems > c->other)
 		return false;
-	double green = c->green[kind].area / c->green[kind].count, warm = c->warm[kind].area / c->warm[kind].count;
+	double green = c->green[kind].area / c->green[kind].count,
+		warm = c->warm[kind].area / c->warm[kind].count;
 	return green < ALIKE * warm && warm < ALIKE * green;
 }
 
@@ -106,12 +108,14 @@ static bool is_flower(const struct census *c, const struct lod_shape *b, enum lo
 	case PALE: return differs && green_enough;
 	case WARM:
 		yellow = 10 * b->rgb[1] > 6 * b->rgb[0];
-		return differs && green_enough && !(is_leaf_made(c, kind_of(b)) && (yellow || c->area[WARM] > c->area[GREEN]));
+		return differs && green_enough
+			&& !(is_leaf_made(c, kind_of(b)) && (yellow || c->area[WARM] > c->area[GREEN]));
 	default: return false;
 	}
 }
 
-void lod_flowers_find(uint8_t *organ, const struct lod_shape *shapes, uint32_t count, const bool *fixed, const enum lod_hint *hint, double extent)
+void lod_flowers_find(uint8_t *organ, const struct lod_shape *shapes, uint32_t count, const bool *fixed,
+	const enum lod_hint *hint, double extent)
 {
 	struct census c = take_census(organ, shapes, count, extent);
 	for (uint32_t i = 0; i < count; i++) {

@@ -12,7 +12,7 @@
 
 /* Turns foliage into flowers in `organ`; arrays are per component, `fixed` ones stay. `extent`: the plant's
  * largest. */
-void lod_flowers_find(uint8_t *organ, const struct lod_shape *shapes, uint32_t count, const bool *fixed, const enum lod_hint *hint,
-	double extent);
+void lod_flowers_find(uint8_t *organ, const struct lod_shape *shapes, uint32_t count, const bool *fixed,
+	const enum lod_hint *hint, double extent);
 
 #endif

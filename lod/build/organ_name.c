@@ -11,26 +11,36 @@
 #define PREFIX_LEAST 4u          /* letters of a table word that matches beginnings and ends */
 
 static const char *const wood_words[] = {
-	"bark", "trunk", "wood", "stem", "stalk", "branch", "twig", "log", "stump", "root", "cane", "culm", "rachis", "limb",
-	"rinde", "borke", "stamm", "holz", "ast", "äste", "aeste", "zweig", "stiel", "stängel", "staengel", "stengel", "wurzel", "halm",
+	"bark", "trunk", "wood", "stem", "stalk", "branch", "twig", "log", "stump", "root", "cane", "culm",
+		"rachis", "limb",
+	"rinde", "borke", "stamm", "holz", "ast", "äste", "aeste", "zweig", "stiel", "stängel", "staengel",
+	"stengel", "wurzel", "halm",
 	"tronc", "écorce", "ecorce", "bois", "branche", "rameau", "tige", "racine", "souche",
-	"corteza", "tronco", "madera", "rama", "tallo", "raíz", "raiz", "corteccia", "legno", "ramo", "fusto", "casca", "madeira", "galho",
-	"caule", "schors", "stam", "tak", "hout", "takken", "kora", "kmen", "větev", "pień", "kmień", "gałąź", "drewno", "gren", "stamme",
+	"corteza", "tronco", "madera", "rama", "tallo", "raíz", "raiz", "corteccia", "legno", "ramo", "fusto",
+	"casca", "madeira", "galho",
+	"caule", "schors", "stam", "tak", "hout", "takken", "kora", "kmen", "větev", "pień", "kmień", "gałąź",
+	"drewno", "gren", "stamme",
 	"кора", "ствол", "ветка", "ветви", "дерево", "树干", "树皮", "树枝", "幹", "枝", "樹皮",
 	/* not of the plant, treated as wood */
-	"pot", "planter", "vase", "jar", "soil", "ground", "dirt", "earth", "rock", "stone", "gravel", "fence", "frame",
-	"topf", "kasten", "erde", "stein", "zaun", "terre", "pierre", "maceta", "tierra", "piedra", "vaso", "terra", "pietra", "bloempot",
+	"pot", "planter", "vase", "jar", "soil", "ground", "dirt", "earth", "rock", "stone", "gravel",
+	"fence", "frame",
+	"topf", "kasten", "erde", "stein", "zaun", "terre", "pierre", "maceta", "tierra", "piedra", "vaso",
+	"terra", "pietra", "bloempot",
 };
 static const char *const foliage_words[] = {
-	"leaf", "leaves", "leef", "foliage", "needle", "frond", "blade", "grass", "canopy", "crown", "fern", "moss", "ivy",
-	"blatt", "blätter", "blaetter", "laub", "nadel", "gras", "krone", "farn", "feuille", "feuillage", "aiguille", "herbe", "fougère",
-	"hoja", "follaje", "aguja", "hierba", "copa", "foglia", "foglie", "ago", "erba", "folha", "folhagem", "agulha", "grama",
+	"leaf", "leaves", "leef", "foliage", "needle", "frond", "blade", "grass", "canopy", "crown", "fern",
+		"moss", "ivy",
+	"blatt", "blätter", "blaetter", "laub", "nadel", "gras", "krone", "farn", "feuille", "feuillage",
+	"aiguille", "herbe", "fougère",
+	"hoja", "follaje", "aguja", "hierba", "copa", "foglia", "foglie", "ago", "erba", "folha", "folhagem",
+	"agulha", "grama",
 	"blad", "bladeren", "naald", "list", "listy", "liść", "liście", "igła", "trawa", "löv", "gräs",
 	"лист", "листья", "хвоя", "трава", "叶", "树叶", "草", "葉", "葉っぱ",
 };
 static const char *const flower_words[] = {
 	"flower", "petal", "blossom", "bloom", "sepal", "stamen", "pistil", "inflorescence",
-	"blüte", "bluete", "blume", "fleur", "pétale", "petale", "flor", "pétalo", "petalo", "flore", "fiore", "pétala", "bloem",
+	"blüte", "bluete", "blume", "fleur", "pétale", "petale", "flor", "pétalo", "petalo", "flore", "fiore",
+	"pétala", "bloem",
 	"květ", "kwiat", "płatek", "blomma", "цветок", "цветы", "лепесток", "花", "花瓣",
 };
 
@@ -69,7 +79,8 @@ static size_t match(const char *word, const char *known)
 	if (k > PREFIX_LEAST && strcmp(word + n - k, known) == 0)
 		return WORD_MOST + k;
 	bool begins = strncmp(word, known, k) == 0;
-	return begins && (k >= PREFIX_LEAST || !*rest || strcmp(rest, "s") == 0 || strcmp(rest, "es") == 0) ? k : 0;
+	return begins && (k >= PREFIX_LEAST || !*rest || strcmp(rest, "s") == 0 || strcmp(rest, "es") == 0)
+		? k : 0;
 }
 
 static enum lod_hint word_hint(const char *word)

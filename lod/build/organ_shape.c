@@ -59,7 +59,8 @@ static int8_t *orient(const struct lod_mesh *mesh, struct lod_arena *arena)
 					continue;
 				/* Two triangles of the same winding run along their common edge in opposite
 				 * directions. */
-				sign[edge / 3] = mesh->index[edge] == mesh->index[3 * (size_t)t + k] ? (int8_t)-sign[t] : sign[t];
+				sign[edge / 3] = mesh->index[edge] == mesh->index[3 * (size_t)t + k]
+					? (int8_t)-sign[t] : sign[t];
 				stack[depth++] = edge / 3;
 			}
 		}
@@ -75,11 +76,14 @@ static double volume_of(struct lod_v3 a, struct lod_v3 b, struct lod_v3 c)
 	return lod_v3_dot(a, lod_v3_cross(b, c)) / 6;
 }
 
-static void add_border(struct measure *m, struct lod_shape *shape, struct sums *sums, uint32_t t, uint32_t k, double length)
+static void add_border(struct measure *m, struct lod_shape *shape, struct sums *sums, uint32_t t, uint32_t k,
+	double length)
 {
 	const struct lod_mesh *mesh = m->mesh;
-	uint32_t other = mesh->across[3 * (size_t)t + k], from = mesh->index[3 * (size_t)t + k], to = mesh->index[3 * (size_t)t + (k + 1) % 3];
-	m->border[m->border_count++] = m->sign[t] > 0 ? (struct border){ from, to } : (struct border){ to, from };
+	uint32_t other = mesh->across[3 * (size_t)t + k], from = mesh->index[3 * (size_t)t + k],
+		to = mesh->index[3 * (size_t)t + (k + 1) % 3];
+	m->border[m->border_count++] = m->sign[t] > 0 ? (struct border){ from, to }
+		: (struct border){ to, from };
 	sums->border += length;
 	if (other != ECO_NONE) {
 		sums->glued += length;
@@ -101,7 +105,8 @@ static void add_edges(struct measure *m, struct lod_shape *shape, struct sums *s
 			continue;
 		struct lod_v3 other = lod_v3_scale(lod_v3_unit(lod_mesh_area_normal(mesh, u)), m->sign[u]);
 		double angle = lod_arc_cosine(lod_v3_dot(normal, other));
-		struct lod_v3 away = lod_v3_sub(lod_mesh_corner(mesh, u, edge % 3 + 2), lod_mesh_corner(mesh, t, k));
+		struct lod_v3 away = lod_v3_sub(lod_mesh_corner(mesh, u, edge % 3 + 2),
+			lod_mesh_corner(mesh, t, k));
 		sums->bend += (lod_v3_dot(normal, away) < 0 ? angle : -angle) * length;
 		sums->angle += angle * length;
 		sums->angle2 += angle * angle * length;
@@ -126,7 +131,8 @@ static void add_triangle(struct measure *m, struct lod_shape *shape, struct sums
 		}
 	shape->area += area;
 	sums->level += fabs(normal.z);
-	sums->volume += m->sign[t] * volume_of(lod_v3_sub(lod_mesh_corner(mesh, t, 0), m->origin), lod_v3_sub(lod_mesh_corner(mesh, t, 1), m->origin),
+	sums->volume += m->sign[t] * volume_of(lod_v3_sub(lod_mesh_corner(mesh, t, 0), m->origin),
+		lod_v3_sub(lod_mesh_corner(mesh, t, 1), m->origin),
 		lod_v3_sub(lod_mesh_corner(mesh, t, 2), m->origin));
 	lod_light_add(&sums->light, m->rgb[t], m->opaque[t]);
 	sums->opaque += m->opaque[t];
@@ -145,15 +151,20 @@ static double close_loops(struct measure *m)
 			m->middle[v] = (struct lod_v3){ 0, 0, 0 };
 		}
 	for (uint32_t i = 0; i < m->border_count; i++)
-		m->loop[eco_union_root(m->loop, m->border[i].from)] = eco_union_root(m->loop, m->border[i].to);
+		m->loop[eco_union_root(m->loop, m->border[i].from)] =
+			eco_union_root(m->loop, m->border[i].to);
 	for (uint32_t i = 0; i < m->border_count; i++) {
 		uint32_t v = m->border[i].from, root = eco_union_root(m->loop, v);
-		m->middle[root] = lod_v3_add(m->middle[root], lod_v3_sub(lod_v3_of(m->mesh->place + 3 * (size_t)v), m->origin));
+		m->middle[root] =
+			lod_v3_add(m->middle[root],
+			lod_v3_sub(lod_v3_of(m->mesh->place + 3 * (size_t)v), m->origin));
 		m->length[root]++;
 	}
 	for (uint32_t i = 0; i < m->border_count; i++) {
-		struct lod_v3 a = lod_v3_sub(lod_v3_of(m->mesh->place + 3 * (size_t)m->border[i].from), m->origin);
-		struct lod_v3 b = lod_v3_sub(lod_v3_of(m->mesh->place + 3 * (size_t)m->border[i].to), m->origin);
+		struct lod_v3 a = lod_v3_sub(lod_v3_of(m->mesh->place + 3 * (size_t)m->border[i].from),
+			m->origin);
+		struct lod_v3 b = lod_v3_sub(lod_v3_of(m->mesh->place + 3 * (size_t)m->border[i].to),
+			m->origin);
 		uint32_t root = eco_union_root(m->loop, m->border[i].from);
 		volume += volume_of(b, a, lod_v3_scale(m->middle[root], 1.0 / m->length[root]));
 	}
@@ -190,7 +201,8 @@ static void measure_component(struct measure *m, struct lod_shape *shape, uint32
 	finish(shape, &sums);
 }
 
-struct lod_shape *lod_shapes_find(const struct lod_mesh *mesh, const uint8_t (*rgb)[3], const double *opaque, struct lod_arena *arena)
+struct lod_shape *lod_shapes_find(const struct lod_mesh *mesh, const uint8_t (*rgb)[3], const double *opaque,
+	struct lod_arena *arena)
 {
 	struct lod_shape *shapes = lod_arena_take(arena, mesh->component_count, sizeof *shapes);
 	struct lod_arena_piece *mark = arena->last;

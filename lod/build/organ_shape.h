@@ -25,6 +25,7 @@ struct lod_shape {
 bool lod_colour_is_green(const uint8_t rgb[3]);
 
 /* One shape per component, from `arena`. `rgb` and `opaque` (m^2) are per triangle. */
-struct lod_shape *lod_shapes_find(const struct lod_mesh *mesh, const uint8_t (*rgb)[3], const double *opaque, struct lod_arena *arena);
+struct lod_shape *lod_shapes_find(const struct lod_mesh *mesh, const uint8_t (*rgb)[3], const double *opaque,
+	struct lod_arena *arena);
 
 #endif

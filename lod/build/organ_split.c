@@ -40,7 +40,8 @@ static double edge_length(const struct lod_mesh *mesh, uint32_t t, uint32_t k)
 
 static struct part empty(void)
 {
-	return (struct part){ .low = { INFINITY, INFINITY, INFINITY }, .high = { -INFINITY, -INFINITY, -INFINITY } };
+	return (struct part){ .low = { INFINITY, INFINITY, INFINITY },
+		.high = { -INFINITY, -INFINITY, -INFINITY } };
 }
 
 static void include(struct part *part, const struct lod_mesh *mesh, uint32_t t)
@@ -63,7 +64,8 @@ static double diagonal(const struct part *p)
 static bool kin(const struct splitter *s, uint32_t t, uint32_t u)
 {
 	uint32_t a = s->mesh->material[t], b = s->mesh->material[u];
-	if (a == b || a >= s->model->material_count || b >= s->model->material_count || s->mesh->rule[t] != s->mesh->rule[u])
+	if (a == b || a >= s->model->material_count || b >= s->model->material_count
+			|| s->mesh->rule[t] != s->mesh->rule[u])
 		return false;
 	const struct eco_material *m = &s->model->materials[a], *n = &s->model->materials[b];
 	return m->name[0] && strcmp(m->name, n->name) == 0 && m->image == n->image
@@ -104,7 +106,8 @@ static void part_colours(struct splitter *s, const uint32_t *member, uint32_t co
 		first[green] = first[green] == ECO_NONE ? t : first[green];
 	}
 	double size = lod_v3_distance(lod_v3_of(mesh->low), lod_v3_of(mesh->high));
-	if (fmin(area[0], area[1]) < CLASS_LEAST * (area[0] + area[1]) || diagonal(&whole) < COLOURED_SIZE * size)
+	if (fmin(area[0], area[1]) < CLASS_LEAST * (area[0] + area[1])
+			|| diagonal(&whole) < COLOURED_SIZE * size)
 		return;
 	for (uint32_t i = 0; i < count; i++)
 		for (uint32_t k = 0; k < 3; k++) {
@@ -153,7 +156,9 @@ static struct part measure(const struct splitter *s, uint32_t t)
 		p.edges += length;
 		p.border += border ? length : 0;
 		if (!border) {
-			double cosine = lod_v3_dot(lod_v3_unit(normal), lod_v3_unit(lod_mesh_area_normal(mesh, edge / 3)));
+			double cosine =
+				lod_v3_dot(lod_v3_unit(normal),
+				lod_v3_unit(lod_mesh_area_normal(mesh, edge / 3)));
 			bool alike = mesh->index[edge] != mesh->index[3 * (size_t)t + k];
 			p.bend += lod_arc_cosine(alike ? cosine : -cosine) * length / 2;
 		}
@@ -164,8 +169,8 @@ static struct part measure(const struct splitter *s, uint32_t t)
 
 static bool is_sheet(const struct part *p, double whole_area)
 {
-	return p->triangles <= SHEET_TRIANGLES && p->area < SHEET_AREA * whole_area && p->border > SHEET_BORDER * p->edges
-		&& p->bend / 2 / LOD_PI < SHEET_LENGTH * diagonal(p);
+	return p->triangles <= SHEET_TRIANGLES && p->area < SHEET_AREA * whole_area
+		&& p->border > SHEET_BORDER * p->edges && p->bend / 2 / LOD_PI < SHEET_LENGTH * diagonal(p);
 }
 
 static void part_sheets(struct splitter *s, const uint32_t *member, uint32_t count)
@@ -205,7 +210,8 @@ static void part_sheets(struct splitter *s, const uint32_t *member, uint32_t cou
 		}
 	}
 	double wide = diagonal(&tube), bend = tube.bend / 2;
-	if (sheets < SHEETS_LEAST || host == ECO_NONE || bend / LOD_PI < HOST_LENGTH * wide || tube.area > HOST_RADIUS * wide * 2 * bend)
+	if (sheets < SHEETS_LEAST || host == ECO_NONE || bend / LOD_PI < HOST_LENGTH * wide
+			|| tube.area > HOST_RADIUS * wide * 2 * bend)
 		return;
 	for (uint32_t i = 0; i < count; i++) {
 		uint32_t root = eco_union_root(s->parent, member[i]);
@@ -236,7 +242,8 @@ static void number_again(struct splitter *s, struct lod_arena *arena)
 	lod_mesh_number(mesh, s->parent);
 }
 
-void lod_organs_split(struct lod_mesh *mesh, const struct eco_model *model, const uint8_t (*rgb)[3], struct lod_arena *arena)
+void lod_organs_split(struct lod_mesh *mesh, const struct eco_model *model, const uint8_t (*rgb)[3],
+	struct lod_arena *arena)
 {
 	struct lod_arena_piece *mark = arena->last;
 	struct splitter s = { .mesh = mesh, .model = model, .rgb = rgb };
@@ -249,9 +256,11 @@ void lod_organs_split(struct lod_mesh *mesh, const struct eco_model *model, cons
 	}
 	join_kin(&s);
 	for (uint32_t c = 0; c < mesh->component_count; c++)
-		part_colours(&s, mesh->member + mesh->member_first[c], mesh->member_first[c + 1] - mesh->member_first[c]);
+		part_colours(&s, mesh->member + mesh->member_first[c],
+			mesh->member_first[c + 1] - mesh->member_first[c]);
 	for (uint32_t c = 0; c < mesh->component_count; c++)
-		part_sheets(&s, mesh->member + mesh->member_first[c], mesh->member_first[c + 1] - mesh->member_first[c]);
+		part_sheets(&s, mesh->member + mesh->member_first[c],
+			mesh->member_first[c + 1] - mesh->member_first[c]);
 	if (s.any)
 		number_again(&s, arena);
 	lod_arena_release(arena, mark);

@@ -16,6 +16,7 @@
 
 /* Regroups the mesh's triangles into components; those of different rules stay apart. `rgb` is per
  * triangle. */
-void lod_organs_split(struct lod_mesh *mesh, const struct eco_model *model, const uint8_t (*rgb)[3], struct lod_arena *arena);
+void lod_organs_split(struct lod_mesh *mesh, const struct eco_model *model, const uint8_t (*rgb)[3],
+	struct lod_arena *arena);
 
 #endif

@@ -70,7 +70,8 @@ static void sort_box(uint16_t *bins, const struct box *box, int axis, uint16_t *
 }
 
 /* Cuts the box at its median weight, never inside one value of the channel. */
-static void cut(uint16_t *bins, const struct tally *tally, struct box *box, struct box *rest, int axis, uint16_t *scratch)
+static void cut(uint16_t *bins, const struct tally *tally, struct box *box, struct box *rest, int axis,
+	uint16_t *scratch)
 {
 	uint64_t before = 0;
 	uint32_t at = box->first;
@@ -86,7 +87,8 @@ static void cut(uint16_t *bins, const struct tally *tally, struct box *box, stru
 	*box = (struct box){ box->first, at, before };
 }
 
-void lod_palette_make(struct lod_palette *p, const uint8_t (*rgb)[3], const uint32_t *weights, uint32_t count, struct lod_arena *arena)
+void lod_palette_make(struct lod_palette *p, const uint8_t (*rgb)[3], const uint32_t *weights, uint32_t count,
+	struct lod_arena *arena)
 {
 	memset(p, 0, sizeof *p);
 	p->exact = take_all(p, rgb, count);
@@ -94,7 +96,8 @@ void lod_palette_make(struct lod_palette *p, const uint8_t (*rgb)[3], const uint
 		return;
 	struct lod_arena_piece *mark = arena->last;
 	struct tally *tally = lod_arena_take(arena, BINS, sizeof *tally);
-	uint16_t *bins = lod_arena_take(arena, BINS, sizeof *bins), *scratch = lod_arena_take(arena, BINS, sizeof *scratch);
+	uint16_t *bins = lod_arena_take(arena, BINS, sizeof *bins),
+		*scratch = lod_arena_take(arena, BINS, sizeof *scratch);
 	struct box boxes[LOD_PALETTE_MAX] = { { 0 } };
 	for (uint32_t i = 0; i < count; i++) {
 		struct tally *t = &tally[bin_of(rgb[i])];

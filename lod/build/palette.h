@@ -19,8 +19,8 @@ struct lod_palette {
 };
 
 /* weights[i] is how often colour i is used (0 counts as 1). */
-void lod_palette_make(struct lod_palette *palette, const uint8_t (*rgb)[3], const uint32_t *weights, uint32_t count,
-	struct lod_arena *arena);
+void lod_palette_make(struct lod_palette *palette, const uint8_t (*rgb)[3], const uint32_t *weights,
+	uint32_t count, struct lod_arena *arena);
 /* The entry of a colour that the palette was made of; the nearest entry for any other. */
 uint32_t lod_palette_index(const struct lod_palette *palette, const uint8_t rgb[3]);
 

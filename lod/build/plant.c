@@ -24,7 +24,8 @@ uint32_t lod_build_cell(const struct lod_build *b, struct lod_v3 point)
 	return b->cells.count ? lod_cells_at(&b->cells, point) : 0;
 }
 
-struct eco_ladder *lod_build_ladder(struct lod_build *b, const struct lod_group *group, uint32_t anchor, uint8_t flags)
+struct eco_ladder *lod_build_ladder(struct lod_build *b, const struct lod_group *group, uint32_t anchor,
+	uint8_t flags)
 {
 	struct eco_ladder *ladder = lod_draft_ladder(&b->draft);
 	ladder->anchor = anchor;
@@ -113,15 +114,19 @@ static void find_importance(struct lod_build *b)
 static void find_groups(struct lod_build *b)
 {
 	const struct lod_mesh *mesh = &b->mesh;
-	b->groups = lod_arena_take(&b->arena, ECO_ORGAN_COUNT * ((size_t)b->model->image_count + 1), sizeof *b->groups);
-	b->group_of_component = lod_arena_take(&b->arena, mesh->component_count, sizeof *b->group_of_component);
+	b->groups = lod_arena_take(&b->arena, ECO_ORGAN_COUNT * ((size_t)b->model->image_count + 1),
+		sizeof *b->groups);
+	b->group_of_component = lod_arena_take(&b->arena, mesh->component_count,
+		sizeof *b->group_of_component);
 	for (uint32_t c = 0; c < mesh->component_count; c++)
 		if (b->organs.components[c].organ == ECO_ORGAN_WOOD) {
-			struct lod_group *group = find_group(b, ECO_ORGAN_WOOD, image_of(b, b->organs.components[c].material));
+			struct lod_group *group =
+				find_group(b, ECO_ORGAN_WOOD, image_of(b, b->organs.components[c].material));
 			b->group_of_component[c] = (uint32_t)(group - b->groups);
 		}
 	for (uint32_t i = 0; i < b->elements.count; i++) {
-		const struct lod_component *c = &b->organs.components[mesh->component[b->elements.items[b->order[i]].triangle[0]]];
+		const struct lod_component *c =
+			&b->organs.components[mesh->component[b->elements.items[b->order[i]].triangle[0]]];
 		struct lod_group *group = find_group(b, c->organ, image_of(b, c->material));
 		group->first = group->end == 0 ? i : group->first;
 		group->end = i + 1;
@@ -169,11 +174,13 @@ static void find_cells(struct lod_build *b)
 		center[count] = lod_build_whole(c) ? component_center(c) : triangle_center(mesh, t);
 		triangles[count++] = 1;
 	}
-	lod_cells_make(&b->cells, &(struct lod_cells_input){ lod_v3_of(mesh->low), lod_v3_of(mesh->high), count, center, triangles,
-		b->options->cell_triangles ? b->options->cell_triangles : CELL_TRIANGLES });
+	lod_cells_make(&b->cells, &(struct lod_cells_input){ lod_v3_of(mesh->low), lod_v3_of(mesh->high),
+		count, center, triangles, b->options->cell_triangles ? b->options->cell_triangles
+		: CELL_TRIANGLES });
 	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
 		const struct lod_component *c = &b->organs.components[mesh->component[t]];
-		b->cell_of_triangle[t] = lod_build_cell(b, lod_build_whole(c) ? component_center(c) : triangle_center(mesh, t));
+		b->cell_of_triangle[t] = lod_build_cell(b, lod_build_whole(c) ? component_center(c)
+			: triangle_center(mesh, t));
 	}
 	lod_arena_release(&b->arena, mark);
 }
@@ -183,7 +190,8 @@ static void find_cells(struct lod_build *b)
 /* A corner of a list in metres, as drawn. */
 static struct lod_v3 drawn(const struct eco_list *list, const int32_t *p)
 {
-	return (struct lod_v3){ list->grid_origin[0] + p[0] * list->grid_step[0], list->grid_origin[1] + p[1] * list->grid_step[1],
+	return (struct lod_v3){ list->grid_origin[0] + p[0] * list->grid_step[0],
+		list->grid_origin[1] + p[1] * list->grid_step[1],
 		list->grid_origin[2] + p[2] * list->grid_step[2] };
 }
 
@@ -195,14 +203,18 @@ static void include(struct bound *bound, const struct lod_list_draft *list, int 
 	for (uint32_t i = 0; i < list->elements.corner_count; i++) {
 		struct lod_v3 p = drawn(&list->list, list->elements.position + 3 * (size_t)i);
 		if (pass == 1) {
-			bound->radius = fmax(bound->radius, lod_v3_distance(p, lod_v3_mix(bound->low, bound->high, 0.5)));
+			bound->radius =
+				fmax(bound->radius,
+				lod_v3_distance(p, lod_v3_mix(bound->low, bound->high, 0.5)));
 			continue;
 		}
 		if (!bound->any)
 			bound->low = bound->high = p;
 		bound->any = true;
-		bound->low = (struct lod_v3){ fmin(bound->low.x, p.x), fmin(bound->low.y, p.y), fmin(bound->low.z, p.z) };
-		bound->high = (struct lod_v3){ fmax(bound->high.x, p.x), fmax(bound->high.y, p.y), fmax(bound->high.z, p.z) };
+		bound->low = (struct lod_v3){ fmin(bound->low.x, p.x), fmin(bound->low.y, p.y),
+			fmin(bound->low.z, p.z) };
+		bound->high = (struct lod_v3){ fmax(bound->high.x, p.x), fmax(bound->high.y, p.y),
+			fmax(bound->high.z, p.z) };
 	}
 }
 
@@ -217,7 +229,8 @@ static void bound_anchors(struct lod_build *b)
 	for (int pass = 0; pass < 2; pass++)
 		for (uint32_t l = 0; l < plant->ladder_count; l++) {
 			const struct eco_ladder *ladder = &plant->ladders[l];
-			const uint32_t lists[4] = { ladder->points, ladder->lines, ladder->simple, ladder->triangles };
+			const uint32_t lists[4] = { ladder->points, ladder->lines, ladder->simple,
+				ladder->triangles };
 			for (int i = 0; i < 4; i++) {
 				if (lists[i] == ECO_NONE)
 					continue;
@@ -228,7 +241,8 @@ static void bound_anchors(struct lod_build *b)
 		}
 	for (uint32_t a = 0; a < count; a++) {
 		struct lod_v3 middle = lod_v3_mix(bounds[a].low, bounds[a].high, 0.5);
-		plant->anchors[a] = (struct eco_anchor){ { (float)middle.x, (float)middle.y, (float)middle.z },
+		plant->anchors[a] =
+			(struct eco_anchor){ { (float)middle.x, (float)middle.y, (float)middle.z },
 			(float)(bounds[a].radius * 1.0001) };
 	}
 }
@@ -240,7 +254,8 @@ static void make_palette(struct lod_build *b)
 {
 	struct lod_arena_piece *mark = b->arena.last;
 	const struct lod_mesh *mesh = &b->mesh;
-	size_t most = (size_t)mesh->component_count + b->bones.count + b->elements.count + 3 * (size_t)mesh->triangle_count;
+	size_t most = (size_t)mesh->component_count + b->bones.count + b->elements.count
+		+ 3 * (size_t)mesh->triangle_count;
 	uint8_t (*rgb)[3] = lod_arena_take(&b->arena, most, sizeof *rgb);
 	uint32_t *weights = lod_arena_take(&b->arena, most, sizeof *weights), count = 0;
 	double unit = b->plant->plant.area > 0 ? 1e8 / b->plant->plant.area : 0;
@@ -252,7 +267,8 @@ static void make_palette(struct lod_build *b)
 	for (uint32_t i = 0; i < b->bones.count; i++) {
 		const struct lod_bone *bone = &b->bones.items[i];
 		memcpy(rgb[count], bone->rgb, 3);
-		weights[count++] = (uint32_t)(lod_v3_distance(bone->end[0], bone->end[1]) * bone->width * unit);
+		weights[count++] =
+			(uint32_t)(lod_v3_distance(bone->end[0], bone->end[1]) * bone->width * unit);
 	}
 	for (uint32_t t = 0; t < mesh->triangle_count; t++)
 		if (image_of(b, mesh->material[t]) == ECO_NONE) {
@@ -299,8 +315,10 @@ static void count_everything(struct lod_build *b)
 		total += b->organs.area[t];
 	}
 	plant->organ[ECO_ORGAN_WOOD].elements = plant->organ[ECO_ORGAN_WOOD].triangles;
-	for (uint32_t i = 0; i < b->elements.count; i++)
-		plant->organ[b->organs.components[mesh->component[b->elements.items[i].triangle[0]]].organ].elements++;
+	for (uint32_t i = 0; i < b->elements.count; i++) {
+		uint32_t component = mesh->component[b->elements.items[i].triangle[0]];
+		plant->organ[b->organs.components[component].organ].elements++;
+	}
 	plant->plant.triangles = plant->triangles_stored;
 	plant->plant.area = (float)total;
 	plant->plant.height_m = mesh->high[2] > 0 ? mesh->high[2] : 0;   /* above its foot, which is at 0 */
@@ -310,7 +328,8 @@ static void count_everything(struct lod_build *b)
 
 static void build_ladders(struct lod_build *b)
 {
-	b->draft = (struct lod_draft){ .arena = &b->arena, .plant = b->plant, .mesh = &b->mesh, .organs = &b->organs,
+	b->draft = (struct lod_draft){ .arena = &b->arena, .plant = b->plant, .mesh = &b->mesh,
+		.organs = &b->organs,
 		.palette = &b->palette };
 	lod_draft_shade(&b->draft);
 	for (int cells = 0; cells <= (b->cells.count > 0); cells++)
@@ -329,7 +348,8 @@ static void build(struct lod_build *b)
 	struct lod_arena *arena = &b->arena;
 	advance(b, 0);
 	enter(b, LOD_STAGE_ELEMENTS);
-	lod_weld(&b->mesh, b->model, b->options->grid_bits ? b->options->grid_bits : lod_grid_bits_least(b->model), arena);
+	lod_weld(&b->mesh, b->model, b->options->grid_bits ? b->options->grid_bits
+		: lod_grid_bits_least(b->model), arena);
 	lod_elements_turn_diagonals(&b->mesh, arena);
 	advance(b, 0.04);
 	lod_organs_find(&b->organs, &b->mesh, b->model, arena);
@@ -354,18 +374,21 @@ static void build(struct lod_build *b)
 	advance(b, 1);
 }
 
-static enum eco_code check(const struct eco_model *model, const struct lod_plant_options *options, struct eco_error *error)
+static enum eco_code check(const struct eco_model *model, const struct lod_plant_options *options,
+	struct eco_error *error)
 {
 	const char *name = options->name ? options->name : "plant";
 	if (model->triangle_count > TRIANGLES_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "%s: %u triangles, at most %u", name, model->triangle_count, TRIANGLES_MAX);
+		return eco_fail(error, ECO_TOO_LARGE, "%s: %u triangles, at most %u", name,
+			model->triangle_count, TRIANGLES_MAX);
 	if (options->grid_bits > LOD_WELD_BITS_MAX)
-		return eco_fail(error, ECO_BAD_USAGE, "%s: a grid of %u bits, at most %u", name, options->grid_bits, LOD_WELD_BITS_MAX);
+		return eco_fail(error, ECO_BAD_USAGE, "%s: a grid of %u bits, at most %u", name,
+			options->grid_bits, LOD_WELD_BITS_MAX);
 	return ECO_OK;
 }
 
-enum eco_code lod_plant_build(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
-	struct eco_error *error)
+enum eco_code lod_plant_build(struct lod_plant *plant, const struct eco_model *model,
+	const struct lod_plant_options *options, struct eco_error *error)
 {
 	*plant = (struct lod_plant){ 0 };
 	enum eco_code code = check(model, options, error);
@@ -383,17 +406,19 @@ enum eco_code lod_plant_build(struct lod_plant *plant, const struct eco_model *m
 	case 0:
 		build(b);
 		if (plant->triangles_stored == 0)
-			code = eco_fail(error, ECO_BAD_INPUT, "%s: no triangle of its %u is left to draw; is the model empty, or flat?",
-				plant->plant.name, plant->triangles_in);
+			code = eco_fail(error, ECO_BAD_INPUT, "%s: no triangle of its %u is left to draw; "
+				"is the model empty, or flat?", plant->plant.name, plant->triangles_in);
 		break;
 	case FAILED_INTERRUPTED:
-		code = eco_fail(error, ECO_INTERRUPTED, "%s: interrupted while it was built", plant->plant.name);
+		code = eco_fail(error, ECO_INTERRUPTED, "%s: interrupted while it was built",
+			plant->plant.name);
 		break;
 	case FAILED_REPORTED:
 		code = b->code;
 		break;
 	default:
-		code = eco_fail(error, ECO_NO_MEMORY, "%s: no memory for a model of %u triangles", plant->plant.name, model->triangle_count);
+		code = eco_fail(error, ECO_NO_MEMORY, "%s: no memory for a model of %u triangles",
+			plant->plant.name, model->triangle_count);
 	}
 	lod_arena_free(&b->arena);
 	free(b);

@@ -71,10 +71,10 @@ struct lod_plant_options {
 	void *ctx;
 };
 
-enum eco_code lod_plant_build(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
-	struct eco_error *error);
-enum eco_code lod_plant_measure(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
-	struct eco_error *error);
+enum eco_code lod_plant_build(struct lod_plant *plant, const struct eco_model *model,
+	const struct lod_plant_options *options, struct eco_error *error);
+enum eco_code lod_plant_measure(struct lod_plant *plant, const struct eco_model *model,
+	const struct lod_plant_options *options, struct eco_error *error);
 void lod_plant_free(struct lod_plant *plant);
 
 #endif

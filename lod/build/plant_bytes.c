@@ -29,7 +29,8 @@ static void write_exact(struct eco_writer *w, const struct eco_elements *e)
 static void write_list(struct eco_writer *w, const struct lod_list_draft *draft)
 {
 	const struct eco_elements *e = &draft->elements;
-	const uint32_t counts[] = { draft->end_count, e->element_count, e->corner_count, e->primitive_count, e->extra_count };
+	const uint32_t counts[] = { draft->end_count, e->element_count, e->corner_count, e->primitive_count,
+		e->extra_count };
 	eco_list_write(w, &draft->list);
 	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
 		eco_write_u32(w, counts[i]);
@@ -48,8 +49,8 @@ static void write_list(struct eco_writer *w, const struct lod_list_draft *draft)
 void lod_plant_write(struct eco_writer *w, const struct lod_plant *plant)
 {
 	struct eco_plant nameless = plant->plant;
-	const uint32_t counts[] = { plant->plant.anchor_count, plant->ladder_count, plant->curve_count, plant->list_count, plant->palette_count,
-		plant->image_count };
+	const uint32_t counts[] = { plant->plant.anchor_count, plant->ladder_count, plant->curve_count,
+		plant->list_count, plant->palette_count, plant->image_count };
 	memset(nameless.name, 0, sizeof nameless.name);
 	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
 		eco_write_u32(w, counts[i]);
@@ -110,7 +111,8 @@ static bool read_exact(struct eco_reader *r, struct eco_elements *e)
 	e->exact = room(r, 3ull * e->corner_count, 1, sizeof *e->exact);
 	for (uint64_t i = 0; e->exact && i < 3ull * e->corner_count; i++) {
 		int64_t value = eco_read_zigzag(r), most = 1 << ECO_EXACT_SHIFT;
-		if (r->failed || value < -most || value > most || e->position[i] > ECO_ROWS_VALUE_MAX >> ECO_EXACT_SHIFT
+		if (r->failed || value < -most || value > most || e->position[i] > ECO_ROWS_VALUE_MAX
+				>> ECO_EXACT_SHIFT
 		    || e->position[i] < -(ECO_ROWS_VALUE_MAX >> ECO_EXACT_SHIFT))
 			return false;
 		e->exact[i] = e->position[i] * (1 << ECO_EXACT_SHIFT) + (int32_t)value;
@@ -127,12 +129,15 @@ static enum eco_code read_ends(struct lod_list_draft *draft, struct eco_reader *
 	for (uint32_t i = 0; i < draft->end_count; i++) {
 		uint64_t step = eco_read_varint(r);
 		if (r->failed || step == 0 || step > draft->elements.element_count - last)
-			return BAD("end %u of %u does not ascend to %u", i, draft->end_count, draft->elements.element_count);
+			return BAD("end %u of %u does not ascend to %u", i, draft->end_count,
+				draft->elements.element_count);
 		draft->ends[i] = (uint32_t)(last += step);
 	}
 	/* paired lists end with their partners, and have no ends themselves */
-	if (draft->end_count > 0 ? last != draft->elements.element_count : draft->list.partner == ECO_NONE && draft->elements.element_count > 0)
-		return BAD("chunks end at %llu of %u elements", (unsigned long long)last, draft->elements.element_count);
+	if (draft->end_count > 0 ? last != draft->elements.element_count : draft->list.partner == ECO_NONE
+			&& draft->elements.element_count > 0)
+		return BAD("chunks end at %llu of %u elements", (unsigned long long)last,
+			draft->elements.element_count);
 	return ECO_OK;
 }
 
@@ -149,12 +154,14 @@ static enum eco_code read_corners(struct lod_list_draft *draft, struct eco_reade
 		primitives += eco_corners_primitives(from[i]);
 	}
 	if (!e->corners || corners != e->corner_count || primitives != e->primitive_count)
-		return BAD("elements have %llu corners and %llu primitives, not %u and %u", (unsigned long long)corners,
-			(unsigned long long)primitives, e->corner_count, e->primitive_count);
+		return BAD("elements have %llu corners and %llu primitives, not %u and %u",
+			(unsigned long long)corners, (unsigned long long)primitives, e->corner_count,
+			e->primitive_count);
 	return ECO_OK;
 }
 
-static enum eco_code read_values(struct lod_list_draft *draft, bool has_uv, bool has_exact, struct eco_reader *r, struct eco_error *error)
+static enum eco_code read_values(struct lod_list_draft *draft, bool has_uv, bool has_exact,
+	struct eco_reader *r, struct eco_error *error)
 {
 	struct eco_elements *e = &draft->elements;
 	uint64_t extras = (uint64_t)e->element_count * e->extra_count;
@@ -172,31 +179,39 @@ static enum eco_code read_values(struct lod_list_draft *draft, bool has_uv, bool
 	return ECO_OK;
 }
 
-static enum eco_code check_colors(const struct lod_plant *plant, const struct lod_list_draft *draft, struct eco_error *error)
+static enum eco_code check_colors(const struct lod_plant *plant, const struct lod_list_draft *draft,
+	struct eco_error *error)
 {
 	const struct eco_list *list = &draft->list;
 	const struct eco_elements *e = &draft->elements;
-	if (list->palette_first > plant->palette_count || list->palette_count > plant->palette_count - list->palette_first)
-		return BAD("colours [%u, +%u) of %u", list->palette_first, list->palette_count, plant->palette_count);
+	if (list->palette_first > plant->palette_count || list->palette_count > plant->palette_count
+			- list->palette_first)
+		return BAD("colours [%u, +%u) of %u", list->palette_first, list->palette_count,
+			plant->palette_count);
 	if (list->attributes & ECO_ATTR_COLOR)
 		for (uint32_t i = 0; i < e->element_count; i++)
 			if ((uint32_t)e->extra[(size_t)i * e->extra_count] >= list->palette_count)
-				return BAD("element %u has colour %d of %u", i, e->extra[(size_t)i * e->extra_count], list->palette_count);
+				return BAD("element %u has colour %d of %u", i,
+					e->extra[(size_t)i * e->extra_count], list->palette_count);
 	return ECO_OK;
 }
 
-static enum eco_code read_list(struct lod_plant *plant, struct lod_list_draft *draft, struct eco_reader *r, struct eco_error *error)
+static enum eco_code read_list(struct lod_plant *plant, struct lod_list_draft *draft, struct eco_reader *r,
+	struct eco_error *error)
 {
 	struct eco_elements *e = &draft->elements;
 	eco_list_read(r, &draft->list);
-	uint32_t *const counts[] = { &draft->end_count, &e->element_count, &e->corner_count, &e->primitive_count, &e->extra_count };
+	uint32_t *const counts[] = { &draft->end_count, &e->element_count, &e->corner_count,
+		&e->primitive_count, &e->extra_count };
 	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
 		*counts[i] = eco_read_u32(r);
 	uint8_t has = eco_read_u8(r), has_uv = has & 1, has_exact = has >> 1;
-	if (r->failed || has_exact > 1 || (has_exact && draft->list.kind != ECO_LIST_TRIANGLES) || e->extra_count != eco_list_extra_count(&draft->list)
+	if (r->failed || has_exact > 1 || (has_exact && draft->list.kind != ECO_LIST_TRIANGLES)
+			|| e->extra_count != eco_list_extra_count(&draft->list)
 	    || has_uv != ((draft->list.attributes & ECO_ATTR_UV) != 0))
 		return BAD("attributes do not fit the list");
-	if (draft->list.kind > ECO_LIST_POINTS || (draft->list.attributes & ECO_ATTR_PLANT) || eco_list_check_coding(&draft->list, error) != ECO_OK)
+	if (draft->list.kind > ECO_LIST_POINTS || (draft->list.attributes & ECO_ATTR_PLANT)
+			|| eco_list_check_coding(&draft->list, error) != ECO_OK)
 		return BAD("a list of kind %u", draft->list.kind);
 	if (draft->list.image != ECO_NONE && draft->list.image >= plant->image_count)
 		return BAD("image %u of %u", draft->list.image, plant->image_count);
@@ -213,8 +228,11 @@ static enum eco_code check_partners(const struct lod_plant *plant, struct eco_er
 {
 	for (uint32_t i = 0; i < plant->list_count; i++) {
 		uint32_t partner = plant->lists[i].list.partner;
-		if (partner != ECO_NONE && (partner >= plant->list_count || plant->lists[partner].list.partner != ECO_NONE))
-			return BAD("list %u: its partner %u of %u has a partner itself, or is not there", i, partner, plant->list_count);
+		if (partner != ECO_NONE
+				&& (partner >= plant->list_count || plant->lists[partner].list.partner
+				!= ECO_NONE))
+			return BAD("list %u: its partner %u of %u has a partner itself, or is not there", i,
+				partner, plant->list_count);
 	}
 	return ECO_OK;
 }
@@ -224,15 +242,21 @@ static bool names_list(const struct lod_plant *plant, uint32_t list, uint8_t kin
 	return list == ECO_NONE || (list < plant->list_count && plant->lists[list].list.kind == kind);
 }
 
-static enum eco_code check_ladder(const struct lod_plant *plant, const struct eco_ladder *l, struct eco_error *error)
+static enum eco_code check_ladder(const struct lod_plant *plant, const struct eco_ladder *l,
+	struct eco_error *error)
 {
 	uint32_t wood = l->triangles;
-	if (l->plant != 0 || l->anchor >= plant->plant.anchor_count || l->organ >= ECO_ORGAN_COUNT || l->level_count > ECO_LEVELS_MAX)
-		return BAD("a ladder of plant %u, anchor %u, organ %u with %u levels", l->plant, l->anchor, l->organ, l->level_count);
+	if (l->plant != 0 || l->anchor >= plant->plant.anchor_count || l->organ >= ECO_ORGAN_COUNT
+			|| l->level_count > ECO_LEVELS_MAX)
+		return BAD("a ladder of plant %u, anchor %u, organ %u with %u levels", l->plant, l->anchor,
+			l->organ, l->level_count);
 	if (!names_list(plant, l->points, ECO_LIST_POINTS) || !names_list(plant, l->lines, ECO_LIST_LINES)
-	    || !names_list(plant, l->simple, ECO_LIST_TRIANGLES) || !names_list(plant, l->triangles, ECO_LIST_TRIANGLES))
+	    || !names_list(plant, l->simple, ECO_LIST_TRIANGLES)
+	|| !names_list(plant, l->triangles, ECO_LIST_TRIANGLES))
 		return BAD("a ladder of lists that are not there or of another kind");
-	if (l->level_count > 0 && (wood == ECO_NONE || l->level_end[l->level_count - 1] > plant->lists[wood].elements.primitive_count))
+	if (l->level_count > 0
+			&& (wood == ECO_NONE || l->level_end[l->level_count - 1]
+			> plant->lists[wood].elements.primitive_count))
 		return BAD("a ladder's levels end beyond their list");
 	if (l->curve_first > plant->curve_count || l->curve_count > plant->curve_count
 	    || eco_ladder_samples(l) > plant->curve_count - l->curve_first)
@@ -240,12 +264,15 @@ static enum eco_code check_ladder(const struct lod_plant *plant, const struct ec
 	return ECO_OK;
 }
 
-static enum eco_code check_tables(const struct lod_plant *plant, const uint32_t counts[6], struct eco_error *error)
+static enum eco_code check_tables(const struct lod_plant *plant, const uint32_t counts[6],
+	struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
-	if (plant->plant.anchor_count != counts[0] || counts[0] == 0 || plant->plant.ladder_count != plant->ladder_count
+	if (plant->plant.anchor_count != counts[0] || counts[0] == 0 || plant->plant.ladder_count
+			!= plant->ladder_count
 	    || plant->plant.name[0] != 0)
-		return BAD("%u anchors and %u ladders are not those of its record", counts[0], plant->ladder_count);
+		return BAD("%u anchors and %u ladders are not those of its record", counts[0],
+			plant->ladder_count);
 	for (uint32_t i = 0; i < counts[0] && !code; i++)
 		code = eco_anchor_check(&plant->anchors[i], error);
 	for (uint32_t i = 0; i < plant->ladder_count && !code; i++)
@@ -257,14 +284,17 @@ static enum eco_code check_tables(const struct lod_plant *plant, const uint32_t 
 static bool read_tables(struct lod_plant *plant, struct eco_reader *r, const uint32_t counts[6])
 {
 	eco_plant_read(r, &plant->plant);
-	plant->anchors = room(r, counts[0], eco_section_info[ECO_SECTION_ANCHORS].record_bytes, sizeof *plant->anchors);
+	plant->anchors = room(r, counts[0], eco_section_info[ECO_SECTION_ANCHORS].record_bytes,
+		sizeof *plant->anchors);
 	for (uint32_t i = 0; plant->anchors && i < counts[0]; i++)
 		eco_anchor_read(r, &plant->anchors[i]);
-	plant->ladders = room(r, counts[1], eco_section_info[ECO_SECTION_LADDERS].record_bytes, sizeof *plant->ladders);
+	plant->ladders = room(r, counts[1], eco_section_info[ECO_SECTION_LADDERS].record_bytes,
+		sizeof *plant->ladders);
 	for (uint32_t i = 0; plant->ladders && i < counts[1]; i++)
 		eco_ladder_read(r, &plant->ladders[i]);
 	plant->ladder_count = plant->ladders ? counts[1] : 0;
-	plant->curves = room(r, counts[2], eco_section_info[ECO_SECTION_CURVES].record_bytes, sizeof *plant->curves);
+	plant->curves = room(r, counts[2], eco_section_info[ECO_SECTION_CURVES].record_bytes,
+		sizeof *plant->curves);
 	for (uint32_t i = 0; plant->curves && i < counts[2]; i++)
 		eco_curve_read(r, &plant->curves[i]);
 	plant->curve_count = plant->curves ? counts[2] : 0;
@@ -291,12 +321,15 @@ static bool read_tables(struct lod_plant *plant, struct eco_reader *r, const uin
 		plant->solved[i].runs = eco_read_u32(r);
 		plant->solved[i].converged = eco_read_u32(r);
 	}
-	plant->lists = room(r, counts[3], eco_section_info[ECO_SECTION_LISTS].record_bytes, sizeof *plant->lists);
+	plant->lists = room(r, counts[3], eco_section_info[ECO_SECTION_LISTS].record_bytes,
+		sizeof *plant->lists);
 	plant->list_count = plant->lists ? counts[3] : 0;
-	return plant->anchors && plant->ladders && plant->curves && plant->palette && plant->images && plant->lists && !r->failed;
+	return plant->anchors && plant->ladders && plant->curves && plant->palette && plant->images
+		&& plant->lists && !r->failed;
 }
 
-enum eco_code lod_plant_read(struct lod_plant *plant, const uint8_t *bytes, size_t size, struct eco_error *error)
+enum eco_code lod_plant_read(struct lod_plant *plant, const uint8_t *bytes, size_t size,
+	struct eco_error *error)
 {
 	struct eco_reader r = { bytes, size, 0, false };
 	uint32_t counts[6];

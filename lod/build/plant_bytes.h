@@ -30,6 +30,7 @@ void lod_plant_write(struct eco_writer *writer, const struct lod_plant *plant);
 /* Untrusted bytes: ECO_DAMAGED unless they are a plant (an index out of range, counts that do not add up,
  * bytes left over), so that the result may be measured and packed like a built plant. On failure *plant is
  * empty. Allocates at most a small multiple of `size`. */
-enum eco_code lod_plant_read(struct lod_plant *plant, const uint8_t *bytes, size_t size, struct eco_error *error);
+enum eco_code lod_plant_read(struct lod_plant *plant, const uint8_t *bytes, size_t size,
+	struct eco_error *error);
 
 #endif

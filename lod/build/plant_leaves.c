@@ -44,7 +44,8 @@ void lod_leaves_measure(struct lod_build *b)
 
 static uint64_t group_key(const struct lod_build *b, uint32_t element)
 {
-	const struct lod_component *c = &b->organs.components[b->mesh.component[b->elements.items[element].triangle[0]]];
+	const struct lod_component *c =
+		&b->organs.components[b->mesh.component[b->elements.items[element].triangle[0]]];
 	const struct eco_image *image = lod_mesh_image(b->model, c->material);
 	return (uint64_t)c->organ << 32 | (image ? (uint32_t)(image - b->model->images) + 1 : 0);
 }
@@ -69,7 +70,8 @@ static void order_by_survival(struct lod_build *b, enum lod_order_method method)
 	double *survival = lod_arena_take(&b->arena, n, sizeof *survival);
 	for (uint32_t i = 0; i < n; i++)
 		normal[i] = lod_element_normal(&b->elements.items[i], &b->mesh);
-	lod_order_survival_by(survival, method, &(struct lod_order_input){ n, b->center, normal, (double)b->mesh.high[2] - b->mesh.low[2],
+	lod_order_survival_by(survival, method,
+		&(struct lod_order_input){ n, b->center, normal, (double)b->mesh.high[2] - b->mesh.low[2],
 		b->options->seed }, &b->arena);
 	sort_by(b, survival);
 	lod_arena_release(&b->arena, mark);
@@ -100,8 +102,11 @@ static enum eco_code order_greedily(struct lod_build *b, struct eco_error *error
 	b->growth = lod_arena_take(&b->arena, n, sizeof *b->growth);
 	b->simple = lod_arena_take(&b->arena, n, sizeof *b->simple);
 	struct lod_arena_piece *mark = b->arena.last;
-	lod_foliage_from(&foliage, &(struct lod_foliage_parts){ b->model, &b->mesh, &b->organs, &b->elements }, &b->arena);
-	enum eco_code code = lod_rank_make(&rank, &foliage, &(struct lod_rank_options){ .seed = b->options->seed, .progress = rank_goes_on,
+	lod_foliage_from(&foliage,
+		&(struct lod_foliage_parts){ b->model, &b->mesh, &b->organs, &b->elements }, &b->arena);
+	enum eco_code code =
+		lod_rank_make(&rank, &foliage,
+		&(struct lod_rank_options){ .seed = b->options->seed, .progress = rank_goes_on,
 		.each = rank_each, .ctx = b }, &b->arena, error);
 	if (!code) {
 		memcpy(b->order, rank.order, n * sizeof *b->order);
@@ -157,7 +162,10 @@ static void make_blade(const struct lod_build *b, uint32_t number, struct lod_li
 		double at = lod_v3_dot(axis, lod_v3_sub(corner(b, e, i), b->center[number]));
 		low = fmin(low, at);
 		high = fmax(high, at);
-		*error = fmax(*error, lod_v3_distance(corner(b, e, i), lod_v3_add(b->center[number], lod_v3_scale(axis, at))));
+		*error =
+			fmax(*error,
+			lod_v3_distance(corner(b, e, i),
+			lod_v3_add(b->center[number], lod_v3_scale(axis, at))));
 	}
 	line->end[0] = lod_v3_add(b->center[number], lod_v3_scale(axis, low));
 	line->end[1] = lod_v3_add(b->center[number], lod_v3_scale(axis, high));
@@ -173,7 +181,8 @@ static bool is_blade(const struct lod_build *b, uint32_t number)
 	lod_element_axis(e, &b->mesh, ends);
 	double length = lod_v3_distance(corner(b, e, ends[0]), corner(b, e, ends[1])), area = 0;
 	for (uint32_t i = 0; i + 2 < e->corners; i++) {
-		struct lod_v3 u = lod_v3_sub(corner(b, e, i + 1), corner(b, e, 0)), v = lod_v3_sub(corner(b, e, i + 2), corner(b, e, 0));
+		struct lod_v3 u = lod_v3_sub(corner(b, e, i + 1), corner(b, e, 0)),
+			v = lod_v3_sub(corner(b, e, i + 2), corner(b, e, 0));
 		area += lod_v3_length(lod_v3_cross(u, v)) / 2;
 	}
 	return length * length > BLADE_RATIO * area;     /* width is area / length */
@@ -192,7 +201,8 @@ static uint8_t size_code(double ratio)
 
 /* `texels`: of the group's image, opaque and cut out, opened when first needed. `mean`: mean area of the
  * group's elements. */
-static void make_point(struct lod_build *b, uint32_t number, struct lod_texels texels[2], double mean, struct lod_point *point)
+static void make_point(struct lod_build *b, uint32_t number, struct lod_texels texels[2], double mean,
+	struct lod_point *point)
 {
 	const struct lod_element *e = &b->elements.items[number];
 	struct lod_light light = { { 0, 0, 0 }, 0 };
@@ -200,11 +210,14 @@ static void make_point(struct lod_build *b, uint32_t number, struct lod_texels t
 	for (uint32_t pass = 0; pass < 2 && light.weight <= 0; pass++) /* the second pass ignores opacity */
 		for (uint32_t i = 0; i + 2 < e->corners; i++) {
 			uint32_t t = e->triangle[i];
-			const struct eco_material *material = lod_mesh_material(b->model, b->mesh.material[t]);
+			const struct eco_material *material =
+				lod_mesh_material(b->model, b->mesh.material[t]);
 			const struct eco_image *image = lod_mesh_image(b->model, b->mesh.material[t]);
 			if (image && !texels[material->cutout].image)
-				lod_texels_open(&texels[material->cutout], image, material->cutout, &b->arena);
-			struct lod_sample_input in = { .uv = b->mesh.uv + 6 * (size_t)t, .texels = image ? &texels[material->cutout] : NULL,
+				lod_texels_open(&texels[material->cutout], image, material->cutout,
+					&b->arena);
+			struct lod_sample_input in = { .uv = b->mesh.uv + 6 * (size_t)t,
+				.texels = image ? &texels[material->cutout] : NULL,
 				.tint = image ? material->rgb : b->organs.rgb[t] };
 			struct lod_sample sample;
 			for (uint32_t k = 0; k < 3; k++)
@@ -269,7 +282,8 @@ void lod_leaves_represent(struct lod_build *b)
 		measure_group(b, group);
 		for (uint32_t i = group->first; i < group->end; i++) {
 			uint32_t number = b->order[i];
-			make_point(b, number, texels, group->area / (group->end - group->first), &b->point[number]);
+			make_point(b, number, texels, group->area / (group->end - group->first),
+				&b->point[number]);
 			if (group->blades)
 				make_blade(b, number, &b->blade[number], &b->blade_error[number]);
 		}
@@ -281,7 +295,8 @@ void lod_leaves_represent(struct lod_build *b)
 /* ---- Ladders ---- */
 
 /* ECO_NONE if that draws hardly fewer vertices than the elements themselves. */
-static uint32_t write_simple(struct lod_build *b, uint32_t triangles, const uint32_t *items, uint32_t count, const uint8_t *growth)
+static uint32_t write_simple(struct lod_build *b, uint32_t triangles, const uint32_t *items, uint32_t count,
+	const uint8_t *growth)
 {
 	uint64_t full = 0;
 	for (uint32_t i = 0; i < count; i++)
@@ -293,7 +308,9 @@ static uint32_t write_simple(struct lod_build *b, uint32_t triangles, const uint
 	for (uint32_t i = 0; i < count; i++) {
 		const struct lod_simple *simple = &b->simple[items[i]];
 		for (int k = 0; k < 9; k++)
-			facet[i].corner[k / 3][k % 3] = (int32_t)floor((simple->corner[k / 3][k % 3] - b->mesh.origin[k % 3]) / b->mesh.step + 0.5);
+			facet[i].corner[k / 3][k % 3] =
+				(int32_t)floor((simple->corner[k / 3][k % 3] - b->mesh.origin[k % 3])
+				/ b->mesh.step + 0.5);
 		memcpy(facet[i].rgb, b->point[items[i]].rgb, sizeof facet[i].rgb);
 		facets[i] = &facet[i];
 	}
@@ -313,8 +330,8 @@ static uint8_t level_of(const struct lod_build *b, const uint32_t *items, uint32
 }
 
 /* The lists of items[0..count) under `ladder`. */
-static void write_lists(struct lod_build *b, const struct lod_group *group, struct eco_ladder *ladder, const uint32_t *items,
-	uint32_t count)
+static void write_lists(struct lod_build *b, const struct lod_group *group, struct eco_ladder *ladder,
+	const uint32_t *items, uint32_t count)
 {
 	struct lod_arena_piece *mark = b->arena.last;
 	const struct lod_element **fans = lod_arena_take(&b->arena, count, sizeof *fans);
@@ -337,13 +354,15 @@ static void write_lists(struct lod_build *b, const struct lod_group *group, stru
 	const struct lod_point **points = lod_arena_take(&b->arena, count, sizeof *points);
 	for (uint32_t i = 0; i < count; i++)
 		points[i] = &b->point[items[i]];
-	ladder->points = lod_draft_points(&b->draft, ladder->triangles, points, (float)(group->area / 2 / (group->end - group->first)));
+	ladder->points = lod_draft_points(&b->draft, ladder->triangles, points,
+		(float)(group->area / 2 / (group->end - group->first)));
 	if (ladder->points != ECO_NONE)
 		b->draft.plant->lists[ladder->points].list.level = level_of(b, items, count);
 	lod_arena_release(&b->arena, mark);
 }
 
-static void count_in(const struct lod_build *b, const struct lod_group *group, uint32_t number, double *area, double *length)
+static void count_in(const struct lod_build *b, const struct lod_group *group, uint32_t number, double *area,
+	double *length)
 {
 	*area += b->area[number];
 	if (group->blades)
@@ -376,7 +395,8 @@ static void whole_ladder(struct lod_build *b, const struct lod_group *group)
 static uint32_t *sort_by_cell(struct lod_build *b, const struct lod_group *group, uint32_t **first)
 {
 	uint32_t n = group->end - group->first, cells = b->cells.count;
-	uint32_t *cell = lod_arena_take(&b->arena, n, sizeof *cell), *items = lod_arena_take(&b->arena, n, sizeof *items);
+	uint32_t *cell = lod_arena_take(&b->arena, n, sizeof *cell),
+		*items = lod_arena_take(&b->arena, n, sizeof *items);
 	uint32_t *start = *first = lod_arena_take(&b->arena, (size_t)cells + 2, sizeof *start);
 	memset(start, 0, ((size_t)cells + 2) * sizeof *start);
 	for (uint32_t i = 0; i < n; i++) {

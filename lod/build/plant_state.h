@@ -50,7 +50,8 @@ struct lod_build {
 bool lod_build_whole(const struct lod_component *component); /* whether wood goes to one cell as a whole */
 /* 0 without cells. */
 uint32_t lod_build_cell(const struct lod_build *build, struct lod_v3 point);
-struct eco_ladder *lod_build_ladder(struct lod_build *build, const struct lod_group *group, uint32_t anchor, uint8_t flags);
+struct eco_ladder *lod_build_ladder(struct lod_build *build, const struct lod_group *group, uint32_t anchor,
+	uint8_t flags);
 
 /* Centres, areas, blades' lines, points. Groups must be known. */
 void lod_leaves_measure(struct lod_build *build);

@@ -20,10 +20,12 @@ static uint32_t cell_of_bone(const struct lod_build *b, const struct lod_bone *b
 
 /* Lines of the group in `cell` (ECO_NONE: anywhere), in order, at most `most`; length, area and error are of
  * all of them. */
-static uint32_t take_lines(struct lod_build *b, const struct lod_group *group, uint32_t cell, uint32_t most, struct region *region)
+static uint32_t take_lines(struct lod_build *b, const struct lod_group *group, uint32_t cell, uint32_t most,
+	struct region *region)
 {
 	uint32_t found = 0;
-	*region = (struct region){ .lines = lod_arena_take(&b->arena, b->bones.count, sizeof *region->lines) };
+	*region =
+		(struct region){ .lines = lod_arena_take(&b->arena, b->bones.count, sizeof *region->lines) };
 	for (uint32_t i = 0; i < b->bones.count; i++) {
 		const struct lod_bone *bone = &b->bones.items[i];
 		if (&b->groups[b->group_of_component[bone->component]] != group)
@@ -44,7 +46,8 @@ static uint32_t take_lines(struct lod_build *b, const struct lod_group *group, u
 	return found;
 }
 
-static void add_lines(struct lod_build *b, const struct lod_group *group, uint32_t cell, uint32_t most, struct eco_ladder *ladder)
+static void add_lines(struct lod_build *b, const struct lod_group *group, uint32_t cell, uint32_t most,
+	struct eco_ladder *ladder)
 {
 	struct lod_arena_piece *mark = b->arena.last;
 	struct region region;
@@ -62,7 +65,8 @@ static void add_lines(struct lod_build *b, const struct lod_group *group, uint32
 
 /* Triangles of the group in the cell: first those of components that lie in it as a whole, then those of cut
  * components. */
-static void add_triangles(struct lod_build *b, const struct lod_group *group, uint32_t cell, struct eco_ladder *ladder)
+static void add_triangles(struct lod_build *b, const struct lod_group *group, uint32_t cell,
+	struct eco_ladder *ladder)
 {
 	struct lod_arena_piece *mark = b->arena.last;
 	const struct lod_mesh *mesh = &b->mesh;
@@ -72,11 +76,13 @@ static void add_triangles(struct lod_build *b, const struct lod_group *group, ui
 	for (uint32_t c = 0; c < mesh->component_count; c++) {
 		bool same = true;
 		uint32_t from = whole_count;
-		if (b->organs.components[c].organ != ECO_ORGAN_WOOD || &b->groups[b->group_of_component[c]] != group)
+		if (b->organs.components[c].organ != ECO_ORGAN_WOOD || &b->groups[b->group_of_component[c]]
+				!= group)
 			continue;
 		for (uint32_t i = mesh->member_first[c]; i < mesh->member_first[c + 1]; i++) {
 			uint32_t t = mesh->member[i];
-			same = same && b->cell_of_triangle[t] == b->cell_of_triangle[mesh->member[mesh->member_first[c]]];
+			same = same && b->cell_of_triangle[t]
+				== b->cell_of_triangle[mesh->member[mesh->member_first[c]]];
 			if (mesh->collapsed[t] || b->cell_of_triangle[t] != cell)
 				continue;
 			whole[whole_count++] = t;
@@ -98,7 +104,8 @@ static void add_triangles(struct lod_build *b, const struct lod_group *group, ui
 		lod_levels_make(&levels, mesh, &(struct lod_levels_input){ whole, cut, whole_count, cut_count,
 			length > 0 ? LEVEL_RADII * surface / (2 * LOD_PI * length) : 0 }, &b->arena);
 		memcpy(whole + whole_count, cut, cut_count * sizeof *cut);
-		ladder->triangles = lod_draft_wood(&b->draft, &levels, whole, whole_count + cut_count, group->image, ladder);
+		ladder->triangles = lod_draft_wood(&b->draft, &levels, whole, whole_count + cut_count,
+			group->image, ladder);
 	}
 	lod_arena_release(&b->arena, mark);
 }

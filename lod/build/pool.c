@@ -40,14 +40,17 @@ static bool organ_has(const struct lod_plant *plant, uint32_t organ, uint8_t fla
 
 /* The list that stands for a whole ladder and its primitives, or ECO_NONE if another ladder does. Wood at its
  * finest level. */
-static uint32_t list_of(const struct lod_plant *plant, const struct eco_ladder *l, uint32_t *first, uint32_t *end)
+static uint32_t list_of(const struct lod_plant *plant, const struct eco_ladder *l, uint32_t *first,
+	uint32_t *end)
 {
-	uint32_t list = l->points != ECO_NONE ? l->points : l->triangles != ECO_NONE ? l->triangles : l->lines;
+	uint32_t list = l->points != ECO_NONE ? l->points : l->triangles != ECO_NONE ? l->triangles
+		: l->lines;
 	if (list == ECO_NONE || ((l->flags & ECO_LADDER_FAR) && organ_has(plant, l->organ, ECO_LADDER_NEAR)))
 		return ECO_NONE;
 	uint32_t all = plant->lists[list].elements.primitive_count;
 	*first = list == l->triangles && l->level_count > 1 ? l->level_end[l->level_count - 2] : 0;
-	*end = list == l->triangles && l->level_count > 0 && l->level_end[l->level_count - 1] < all ? l->level_end[l->level_count - 1] : all;
+	*end = list == l->triangles && l->level_count > 0 && l->level_end[l->level_count - 1] < all
+		? l->level_end[l->level_count - 1] : all;
 	return *first < *end ? list : ECO_NONE;
 }
 
@@ -67,13 +70,16 @@ static double area_of(const struct part *part, uint32_t i)
 	return 0.5 * sqrt(x * x + y * y + z * z);
 }
 
-static bool add_part(struct patches *patches, const struct lod_list_draft *draft, uint8_t organ, uint32_t palette_first, uint32_t first,
-	uint32_t end)
+static bool add_part(struct patches *patches, const struct lod_list_draft *draft, uint8_t organ,
+	uint32_t palette_first, uint32_t first, uint32_t end)
 {
 	struct part *part = &patches->parts[patches->part_count++];
-	uint32_t corners = draft->list.kind == ECO_LIST_POINTS ? 1 : draft->list.kind == ECO_LIST_LINES ? 2 : 3, count = end - first;
-	*part = (struct part){ .corners = corners, .first = patches->count, .count = count, .unit_area = draft->list.unit_area,
-		.position = malloc(3 * (size_t)corners * count * sizeof(float)), .size = malloc(count * sizeof(float)),
+	uint32_t corners = draft->list.kind == ECO_LIST_POINTS ? 1 : draft->list.kind == ECO_LIST_LINES ? 2
+		: 3, count = end - first;
+	*part = (struct part){ .corners = corners, .first = patches->count, .count = count,
+		.unit_area = draft->list.unit_area,
+		.position = malloc(3 * (size_t)corners * count * sizeof(float)),
+		.size = malloc(count * sizeof(float)),
 		.width = malloc(count * sizeof(float)) };
 	struct patch *bigger = realloc(patches->items, ((size_t)patches->count + count) * sizeof *bigger);
 	int32_t *color = malloc(count * sizeof *color);
@@ -81,12 +87,14 @@ static bool add_part(struct patches *patches, const struct lod_list_draft *draft
 		patches->items = bigger;
 	bool good = part->position && part->size && part->width && bigger && color;
 	if (good) {
-		struct lod_geometry to = { .position = part->position, .width = part->width, .size = part->size, .color = color };
+		struct lod_geometry to = { .position = part->position, .width = part->width,
+			.size = part->size, .color = color };
 		lod_list_geometry(&draft->list, &draft->elements, first, end, 1, &to);
 	}
 	for (uint32_t i = 0; good && i < count; i++) {
 		uint32_t in_list = color[i] > 0 ? (uint32_t)color[i] : 0;
-		patches->items[patches->count++] = (struct patch){ area_of(part, i), (uint16_t)(palette_first + draft->list.palette_first + in_list), organ };
+		patches->items[patches->count++] = (struct patch){ area_of(part, i),
+			(uint16_t)(palette_first + draft->list.palette_first + in_list), organ };
 	}
 	free(color);
 	return good;
@@ -135,7 +143,8 @@ static double balance(struct patches *patches, const struct lod_plant *plant)
 
 static bool sphere_of(const struct patches *patches, double center[3], double *radius)
 {
-	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY }, square = 0;
+	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY },
+		square = 0;
 	for (uint32_t i = 0; i < patches->part_count; i++)
 		for (size_t c = 0; c < 3 * (size_t)patches->parts[i].corners * patches->parts[i].count; c++) {
 			low[c % 3] = fmin(low[c % 3], patches->parts[i].position[c]);
@@ -153,9 +162,11 @@ static void draw_parts(struct lod_raster *raster, const struct patches *patches,
 {
 	for (uint32_t i = 0; i < patches->part_count; i++) {
 		const struct part *part = &patches->parts[i];
-		struct lod_raster_batch batch = { .count = part->count, .position = part->position, .width = part->width, .area = part->unit_area,
+		struct lod_raster_batch batch = { .count = part->count, .position = part->position,
+			.width = part->width, .area = part->unit_area,
 			.size = part->size, .rgb = names[part->first], .owner = 1 };
-		(part->corners == 1 ? lod_raster_points : part->corners == 2 ? lod_raster_lines : lod_raster_triangles)(raster, &batch);
+		(part->corners == 1 ? lod_raster_points : part->corners == 2 ? lod_raster_lines
+			: lod_raster_triangles)(raster, &batch);
 	}
 }
 
@@ -168,7 +179,10 @@ static bool count_seen(const struct patches *patches, uint32_t *seen)
 	if (patches->count >= NAMES - 1 || !sphere_of(patches, center, &radius))
 		return false;
 	uint8_t (*names)[3] = malloc(patches->count * sizeof *names);
-	if (!names || lod_raster_init(&raster, &(struct lod_raster_options){ .width = LOD_TONE_PIXELS, .height = LOD_TONE_PIXELS, .rgb = true }, NULL)) {
+	if (!names
+			|| lod_raster_init(&raster,
+			&(struct lod_raster_options){ .width = LOD_TONE_PIXELS, .height = LOD_TONE_PIXELS,
+			.rgb = true }, NULL)) {
 		free(names);
 		return false;
 	}
@@ -185,7 +199,8 @@ static bool count_seen(const struct patches *patches, uint32_t *seen)
 		lod_raster_object(&raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
 		draw_parts(&raster, patches, (const uint8_t (*)[3])names);
 		for (size_t i = 0; i < (size_t)LOD_TONE_PIXELS * LOD_TONE_PIXELS; i++) {
-			uint32_t name = (uint32_t)raster.rgb[3 * i] | (uint32_t)raster.rgb[3 * i + 1] << 8 | (uint32_t)raster.rgb[3 * i + 2] << 16;
+			uint32_t name = (uint32_t)raster.rgb[3 * i] | (uint32_t)raster.rgb[3 * i + 1] << 8
+				| (uint32_t)raster.rgb[3 * i + 2] << 16;
 			if (!raster.cover[i] || !name)
 				continue;
 			seen[name - 1]++;
@@ -217,7 +232,8 @@ struct pooled { float at[3]; uint16_t color; };
 
 static void point_on(const struct patches *patches, uint32_t patch, uint32_t number, float out[3])
 {
-	double u = eco_mix_unit(eco_mix(SEED + 1, number)), v = eco_mix_unit(eco_mix(SEED + 2, number)), root = sqrt(u);
+	double u = eco_mix_unit(eco_mix(SEED + 1, number)), v = eco_mix_unit(eco_mix(SEED + 2, number)),
+		root = sqrt(u);
 	double w[3] = { 1, 0, 0 };
 	const struct part *part = patches->parts;
 	while (patch >= part->first + part->count)
@@ -277,12 +293,13 @@ static uint8_t level_of(const struct lod_plant *plant)
 	return area > 0 ? (uint8_t)(sum / area + 0.5) : 0;
 }
 
-enum eco_code lod_pool_make(struct lod_pool *pool, const struct lod_plant *plant, uint32_t palette_first, uint32_t count,
-	struct eco_error *error)
+enum eco_code lod_pool_make(struct lod_pool *pool, const struct lod_plant *plant, uint32_t palette_first,
+	uint32_t count, struct eco_error *error)
 {
 	struct patches patches = { 0 };
 	assert(count >= 1);
-	*pool = (struct lod_pool){ .position = malloc(count * sizeof *pool->position), .color = malloc(count * sizeof *pool->color) };
+	*pool = (struct lod_pool){ .position = malloc(count * sizeof *pool->position),
+		.color = malloc(count * sizeof *pool->color) };
 	struct pooled *points = calloc(count, sizeof *points);
 	bool good = pool->position && pool->color && points && collect(&patches, plant, palette_first);
 	if (good) {
@@ -292,8 +309,9 @@ enum eco_code lod_pool_make(struct lod_pool *pool, const struct lod_plant *plant
 		if (total > 0)
 			sample(&patches, total, points, count);
 		else                     /* nothing to take points from: the plant's middle */
-			points[0] = (struct pooled){ { plant->anchors[0].center[0], plant->anchors[0].center[1], plant->anchors[0].center[2] },
-				(uint16_t)palette_first };
+			points[0] =
+				(struct pooled){ { plant->anchors[0].center[0], plant->anchors[0].center[1],
+				plant->anchors[0].center[2] }, (uint16_t)palette_first };
 		for (uint32_t i = 0; i < pool->count; i++) {
 			memcpy(pool->position[i], points[i].at, sizeof points[i].at);
 			pool->color[i] = points[i].color;

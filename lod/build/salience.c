@@ -23,7 +23,8 @@ void lod_salience_add(struct lod_salience *plant, const uint8_t rgb[3], double a
 /* Brightness, and red and blue relative to it. */
 static void opponents(const struct lod_tone *tone, double out[3])
 {
-	const double r = tone->rgb[0] / tone->area, g = tone->rgb[1] / tone->area, b = tone->rgb[2] / tone->area;
+	const double r = tone->rgb[0] / tone->area, g = tone->rgb[1] / tone->area,
+		b = tone->rgb[2] / tone->area;
 	out[0] = (2 * r + 5 * g + b) / 8;
 	out[1] = r - out[0];
 	out[2] = b - out[0];

@@ -65,5 +65,6 @@ void lod_sample_triangle(const struct lod_sample_input *in, struct lod_sample *s
 		sample->area *= share > 0 ? share : found;
 	}
 	for (int k = 0; k < 3; k++)
-		sample->at[k] = middle[0] * in->corner[0][k] + middle[1] * in->corner[1][k] + middle[2] * in->corner[2][k];
+		sample->at[k] = middle[0] * in->corner[0][k] + middle[1] * in->corner[1][k]
+			+ middle[2] * in->corner[2][k];
 }

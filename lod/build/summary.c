@@ -46,8 +46,10 @@ struct drawing {
 
 uint32_t lod_summary_count(const struct eco_tile *tile)
 {
-	uint64_t wanted = tile->instance_count > LOD_SUMMARY_MOST ? LOD_SUMMARY_MOST : 4 * tile->instance_count;
-	return wanted < LOD_SUMMARY_LEAST ? LOD_SUMMARY_LEAST : wanted > LOD_SUMMARY_MOST ? LOD_SUMMARY_MOST : (uint32_t)wanted;
+	uint64_t wanted = tile->instance_count > LOD_SUMMARY_MOST ? LOD_SUMMARY_MOST
+		: 4 * tile->instance_count;
+	return wanted < LOD_SUMMARY_LEAST ? LOD_SUMMARY_LEAST : wanted > LOD_SUMMARY_MOST ? LOD_SUMMARY_MOST
+		: (uint32_t)wanted;
 }
 
 static bool push(struct drawing *d, const struct visit *visit)
@@ -112,14 +114,16 @@ static void count_level(struct drawing *d, uint8_t code)
 }
 
 /* The first `count` points of a tile's own sequence. */
-static void draw_points(struct drawing *d, const struct visit *visit, const struct eco_tile *tile, uint32_t places, uint32_t count)
+static void draw_points(struct drawing *d, const struct visit *visit, const struct eco_tile *tile,
+	uint32_t places, uint32_t count)
 {
 	const struct eco_scene *scene = d->input->scene;
 	uint64_t seed = eco_mix(d->input->seed, name_of(tile));
 	double start = eco_mix_unit(seed), total = d->reach[places - 1];
 	for (uint32_t k = 0; k < count; k++) {
 		double turn = start + k * GOLDEN;
-		uint32_t place = find_place(d->reach, places, (turn - floor(turn)) * total), g = tile->group_first;
+		uint32_t place = find_place(d->reach, places, (turn - floor(turn)) * total),
+			g = tile->group_first;
 		while (place >= scene->lists[scene->groups[g].list].primitive_count)
 			place -= scene->lists[scene->groups[g++].list].primitive_count;
 		const struct eco_group *group = &scene->groups[g];
@@ -137,7 +141,8 @@ static void draw_points(struct drawing *d, const struct visit *visit, const stru
 	}
 }
 
-static struct eco_placement placed_child(const struct eco_placement *outer, const struct eco_scene *scene, uint32_t tile, uint32_t child)
+static struct eco_placement placed_child(const struct eco_placement *outer, const struct eco_scene *scene,
+	uint32_t tile, uint32_t child)
 {
 	const struct eco_child *c = &scene->children[child];
 	/* an eco file's coordinates in its parent's: the arithmetic of an instance with a grid in metres */
@@ -145,7 +150,8 @@ static struct eco_placement placed_child(const struct eco_placement *outer, cons
 	const struct eco_list metres = { .grid_origin = { c->at[0], c->at[1], c->at[2] } };
 	const struct eco_place here = { .scale = 65536 };
 	lod_place_instance(&place, outer, &metres, &here);
-	return (struct eco_placement){ .at = { place.at[0], place.at[1], place.at[2] }, .turn = (uint16_t)(outer->turn + c->turn),
+	return (struct eco_placement){ .at = { place.at[0], place.at[1], place.at[2] },
+		.turn = (uint16_t)(outer->turn + c->turn),
 		.scale = outer->scale * c->scale, .path = outer->path + eco_owner_step(scene, tile, child) };
 }
 
@@ -154,11 +160,13 @@ static void take_points(struct drawing *d, const struct visit *visit, const stru
 {
 	const struct eco_list *list = &root->list, whole = { .grid_origin = { 0 } };
 	const struct eco_place here = { .scale = 65536 };
-	uint32_t count = visit->count < root->elements.element_count ? visit->count : root->elements.element_count;
+	uint32_t count = visit->count < root->elements.element_count ? visit->count
+		: root->elements.element_count;
 	struct lod_place stands;
 	lod_place_instance(&stands, &visit->placement, &whole, &here);
 	for (uint32_t k = 0; k < count; k++) {
-		const int32_t *at = root->elements.position + 3 * (size_t)k, *extra = root->elements.extra + (size_t)root->elements.extra_count * k;
+		const int32_t *at = root->elements.position + 3 * (size_t)k,
+			*extra = root->elements.extra + (size_t)root->elements.extra_count * k;
 		struct lod_summary_point *point = &d->out->points[d->out->count++];
 		float inside[3];
 		for (int i = 0; i < 3; i++)
@@ -166,7 +174,8 @@ static void take_points(struct drawing *d, const struct visit *visit, const stru
 		lod_place_point(&stands, inside, point->at);
 		point->color = (uint16_t)((uint32_t)extra[0] + list->palette_first);
 		point->plant = (uint32_t)extra[1];
-		point->key = (uint16_t)((uint32_t)extra[2] + eco_owner_leaf(visit->tile - d->input->tile) + visit->placement.path);
+		point->key = (uint16_t)((uint32_t)extra[2] + eco_owner_leaf(visit->tile - d->input->tile)
+			+ visit->placement.path);
 		count_level(d, list->level);
 	}
 }
@@ -189,7 +198,8 @@ static bool share_out(struct drawing *d, const struct visit *visit)
 	double own = places ? d->reach[places - 1] : 0, total = own, sum;
 	for (uint32_t i = 0; i < tile->child_count; i++) {
 		const struct eco_child *child = &scene->children[tile->child_first + i];
-		total += scene->tiles[child->tile].area * (child->placed ? (double)child->scale * child->scale : 1);
+		total += scene->tiles[child->tile].area * (child->placed ? (double)child->scale * child->scale
+			: 1);
 	}
 	if (!(total > 0))
 		return true;
@@ -202,14 +212,17 @@ static bool share_out(struct drawing *d, const struct visit *visit)
 	sum = own;
 	for (uint32_t i = 0; i < tile->child_count; i++) {
 		const struct eco_child *child = &scene->children[tile->child_first + i];
-		sum += scene->tiles[child->tile].area * (child->placed ? (double)child->scale * child->scale : 1);
+		sum += scene->tiles[child->tile].area * (child->placed ? (double)child->scale * child->scale
+			: 1);
 		uint32_t until = given_until(sum, total, visit->count, start);
-		struct visit next = { .tile = child->tile, .count = until - given, .placement = visit->placement };
+		struct visit next = { .tile = child->tile, .count = until - given,
+			.placement = visit->placement };
 		if (!next.count)
 			continue;
 		given = until;
 		if (child->placed)
-			next.placement = placed_child(&visit->placement, scene, visit->tile, tile->child_first + i);
+			next.placement = placed_child(&visit->placement, scene, visit->tile,
+				tile->child_first + i);
 		if (child->placed && d->input->roots && d->input->roots[child->tile])
 			take_points(d, &next, d->input->roots[child->tile]);
 		else if (child->placed && !d->input->pools)
@@ -220,9 +233,12 @@ static bool share_out(struct drawing *d, const struct visit *visit)
 	return true;
 }
 
-enum eco_code lod_summary_make(struct lod_summary *summary, const struct lod_summary_input *input, struct eco_error *error)
+enum eco_code lod_summary_make(struct lod_summary *summary, const struct lod_summary_input *input,
+	struct eco_error *error)
 {
-	*summary = (struct lod_summary){ .points = malloc(((size_t)input->count + 1) * sizeof *summary->points) };
+	*summary =
+		(struct lod_summary){
+		.points = malloc(((size_t)input->count + 1) * sizeof *summary->points) };
 	struct drawing d = { .input = input, .out = summary };
 	struct visit visit = { .tile = input->tile, .count = input->count, .placement = { .scale = 1 } };
 	bool good = summary->points && push(&d, &visit);
@@ -238,7 +254,8 @@ enum eco_code lod_summary_make(struct lod_summary *summary, const struct lod_sum
 		return eco_fail(error, ECO_NO_MEMORY, "summary of tile %u: no memory", input->tile);
 	}
 	summary->level = (uint8_t)(d.leveled ? (d.levels + d.leveled / 2) / d.leveled : 0);
-	shuffle(summary->points, summary->count, sizeof *summary->points, eco_mix(input->seed + 2, name_of(&input->scene->tiles[input->tile])));
+	shuffle(summary->points, summary->count, sizeof *summary->points,
+		eco_mix(input->seed + 2, name_of(&input->scene->tiles[input->tile])));
 	return ECO_OK;
 }
 
@@ -262,17 +279,22 @@ static void choose_grid(struct eco_list *list, const struct lod_summary *summary
 	}
 }
 
-enum eco_code lod_summary_list(const struct lod_summary *summary, const struct eco_scene *scene, uint32_t tile,
-	uint32_t palette_count, struct eco_list *list, struct eco_elements *elements, struct eco_error *error)
+enum eco_code lod_summary_list(const struct lod_summary *summary, const struct eco_scene *scene,
+	uint32_t tile, uint32_t palette_count, struct eco_list *list, struct eco_elements *elements,
+	struct eco_error *error)
 {
 	uint32_t n = summary->count;
 	assert(n > 0);
-	*list = (struct eco_list){ .kind = ECO_LIST_POINTS, .coder = ECO_CODER_KD, .attributes = ECO_ATTR_COLOR | ECO_ATTR_PLANT,
-		.level = summary->level, .owner = tile, .plant = ECO_NONE, .image = ECO_NONE, .partner = ECO_NONE, .palette_count = palette_count,
+	*list = (struct eco_list){ .kind = ECO_LIST_POINTS, .coder = ECO_CODER_KD,
+		.attributes = ECO_ATTR_COLOR | ECO_ATTR_PLANT,
+		.level = summary->level, .owner = tile, .plant = ECO_NONE, .image = ECO_NONE,
+		.partner = ECO_NONE, .palette_count = palette_count,
 		.unit_area = (float)(scene->tiles[tile].area / 2 / n) };
 	choose_grid(list, summary);
-	*elements = (struct eco_elements){ .element_count = n, .corner_count = n, .primitive_count = n, .extra_count = 3,
-		.corners = malloc(n), .position = malloc(3 * (size_t)n * sizeof(int32_t)), .extra = malloc(3 * (size_t)n * sizeof(int32_t)) };
+	*elements = (struct eco_elements){ .element_count = n, .corner_count = n, .primitive_count = n,
+		.extra_count = 3,
+		.corners = malloc(n), .position = malloc(3 * (size_t)n * sizeof(int32_t)),
+		.extra = malloc(3 * (size_t)n * sizeof(int32_t)) };
 	if (!elements->corners || !elements->position || !elements->extra) {
 		eco_elements_free(elements);
 		return eco_fail(error, ECO_NO_MEMORY, "summary of tile %u: no memory", tile);
@@ -281,7 +303,8 @@ enum eco_code lod_summary_list(const struct lod_summary *summary, const struct e
 		const struct lod_summary_point *p = &summary->points[k];
 		elements->corners[k] = 1;
 		for (int i = 0; i < 3; i++)
-			elements->position[3 * k + (uint32_t)i] = (int32_t)floor((p->at[i] - list->grid_origin[i]) / list->grid_step[i] + 0.5);
+			elements->position[3 * k + (uint32_t)i] =
+				(int32_t)floor((p->at[i] - list->grid_origin[i]) / list->grid_step[i] + 0.5);
 		elements->extra[3 * k] = p->color;
 		elements->extra[3 * k + 1] = (int32_t)p->plant;
 		elements->extra[3 * k + 2] = p->key;

@@ -43,12 +43,14 @@ struct lod_summary_input {
 uint32_t lod_summary_count(const struct eco_tile *tile);
 /* Exactly `count` points in random order; fewer if nested summaries have fewer, none if the tile's area is 0.
  * The caller frees points. */
-enum eco_code lod_summary_make(struct lod_summary *summary, const struct lod_summary_input *input, struct eco_error *error);
+enum eco_code lod_summary_make(struct lod_summary *summary, const struct lod_summary_input *input,
+	struct eco_error *error);
 
 /* The summary as a list with a grid step of at most 1/4096 of the tile; the writer sets counts and chunks.
  * `palette_count`: the scene's. */
-enum eco_code lod_summary_list(const struct lod_summary *summary, const struct eco_scene *scene, uint32_t tile,
-	uint32_t palette_count, struct eco_list *list, struct eco_elements *elements, struct eco_error *error);
+enum eco_code lod_summary_list(const struct lod_summary *summary, const struct eco_scene *scene,
+	uint32_t tile, uint32_t palette_count, struct eco_list *list, struct eco_elements *elements,
+	struct eco_error *error);
 
 /* The largest power of two not above v > 0. Exact. */
 double lod_power_below(double v);

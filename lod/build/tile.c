@@ -95,7 +95,8 @@ static void sort_leaf(struct build *b, uint32_t first, uint32_t count, const str
 	for (uint32_t i = 0; i < count; i++) {
 		const struct lod_tile_item *item = &b->items[order[i]];
 		sorting[i] = (struct sorting){ item->plant, order[i],
-			lod_morton(grid16(item->at[0], square->x, square->side), grid16(item->at[1], square->y, square->side)) };
+			lod_morton(grid16(item->at[0], square->x, square->side),
+			grid16(item->at[1], square->y, square->side)) };
 	}
 	if (count > 1)
 		qsort(sorting, count, sizeof *sorting, by_plant_and_place);
@@ -114,7 +115,8 @@ static void hold_items(struct build *b, struct lod_tile_node *node)
 		const struct lod_tile_item *item = &b->items[b->tiles->order[node->item_first + k]];
 		for (int i = 0; i < 3; i++) {
 			node->low[i] = fmin(node->low[i], item->at[i] - (i < 2 ? item->reach : item->below));
-			node->high[i] = fmax(node->high[i], item->at[i] + (i < 2 ? item->reach : item->above));
+			node->high[i] =
+				fmax(node->high[i], item->at[i] + (i < 2 ? item->reach : item->above));
 		}
 	}
 }
@@ -152,7 +154,8 @@ static uint32_t split(struct build *b, uint32_t first, uint32_t count, struct sq
 				only = q;
 		if (only < 0)
 			break;
-		square = (struct square){ square.x + (only & 1 ? half : 0), square.y + (only & 2 ? half : 0), half };
+		square = (struct square){ square.x + (only & 1 ? half : 0), square.y + (only & 2 ? half : 0),
+			half };
 	}
 	/* quarters instead of halves would be twice as many lists, half as long */
 	bool halves = few(b, first, ends[1] - first) && few(b, ends[1], first + count - ends[1]);
@@ -165,7 +168,8 @@ static uint32_t split(struct build *b, uint32_t first, uint32_t count, struct sq
 		if (ends[q] == begin)
 			continue;
 		double half = square.side / 2;
-		struct square quarter = { square.x + (q & 1 ? half : 0), square.y + (q & 2 ? half : 0), half };
+		struct square quarter = { square.x + (q & 1 ? half : 0), square.y + (q & 2 ? half : 0),
+			half };
 		uint32_t child = split(b, begin, ends[q] - begin, halves ? square : quarter, depth + 1);
 		struct lod_tile_node *n = &b->tiles->nodes[node], *c = &b->tiles->nodes[child];
 		for (int i = 0; i < 3; i++) {
@@ -190,12 +194,13 @@ static struct square square_around(const struct lod_tile_item *items, uint32_t c
 	return (struct square){ low[0], low[1], fmax(high[0] - low[0], high[1] - low[1]) };
 }
 
-enum eco_code lod_tiles_build(struct lod_tiles *tiles, const struct lod_tile_item *items, uint32_t count, uint32_t most,
-	struct eco_error *error)
+enum eco_code lod_tiles_build(struct lod_tiles *tiles, const struct lod_tile_item *items, uint32_t count,
+	uint32_t most, struct eco_error *error)
 {
 	assert(most >= 1);
 	*tiles = (struct lod_tiles){ .order = malloc(((size_t)count + 1) * sizeof *tiles->order) };
-	struct build b = { .tiles = tiles, .items = items, .most = most, .scratch = malloc(((size_t)count + 1) * sizeof *b.scratch) };
+	struct build b = { .tiles = tiles, .items = items, .most = most,
+		.scratch = malloc(((size_t)count + 1) * sizeof *b.scratch) };
 	b.failed = !tiles->order || !b.scratch;
 	if (!b.failed) {
 		for (uint32_t i = 0; i < count; i++)

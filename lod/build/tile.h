@@ -37,8 +37,8 @@ struct lod_tiles {               /* owns its arrays */
 
 /* `most` >= 1. A leaf holds items of total weight `most`, except a single item and items at one place.
  * Deterministic; positions must be finite. Without items there is one empty leaf at the origin. */
-enum eco_code lod_tiles_build(struct lod_tiles *tiles, const struct lod_tile_item *items, uint32_t count, uint32_t most,
-	struct eco_error *error);
+enum eco_code lod_tiles_build(struct lod_tiles *tiles, const struct lod_tile_item *items, uint32_t count,
+	uint32_t most, struct eco_error *error);
 void lod_tiles_free(struct lod_tiles *tiles);
 
 /* Interleaves the bits of two coordinates, x lowest. */

@@ -53,11 +53,14 @@ static void draw_named(struct lod_raster *raster, const struct lod_mesh *mesh, c
 		for (uint32_t c = 0; c < 3; c++)
 			for (uint32_t a = 0; a < 3; a++)
 				position[9 * n + 3 * c + a] = (float)(mesh->origin[a]
-					+ mesh->step * mesh->grid[3 * (size_t)mesh->index[3 * (size_t)t + c] + a]);
+					+ mesh->step * mesh->grid[3 * (size_t)mesh->index[3 * (size_t)t + c]
+					+ a]);
 		memcpy(rgb + 3 * n, names[t], 3);
 		if (++n < BATCH && t + 1 < mesh->triangle_count)
 			continue;
-		lod_raster_triangles(raster, &(struct lod_raster_batch){ .count = n, .position = position, .rgb = rgb, .owner = 1 });
+		lod_raster_triangles(raster,
+			&(struct lod_raster_batch){ .count = n, .position = position, .rgb = rgb,
+			.owner = 1 });
 		n = 0;
 	}
 }
@@ -65,7 +68,8 @@ static void draw_named(struct lod_raster *raster, const struct lod_mesh *mesh, c
 static void count_named(const struct lod_raster *raster, uint32_t *seen)
 {
 	for (size_t i = 0; i < (size_t)PIXELS * PIXELS; i++) {
-		uint32_t name = (uint32_t)raster->rgb[3 * i] | (uint32_t)raster->rgb[3 * i + 1] << 8 | (uint32_t)raster->rgb[3 * i + 2] << 16;
+		uint32_t name = (uint32_t)raster->rgb[3 * i] | (uint32_t)raster->rgb[3 * i + 1] << 8
+			| (uint32_t)raster->rgb[3 * i + 2] << 16;
 		if (raster->cover[i] && name)
 			seen[name - 1]++;
 	}
@@ -79,14 +83,17 @@ void lod_tone_seen(uint32_t *seen, const struct lod_tone_input *input, struct lo
 	double directions[VIEWS][3], center[3], radius = sphere(mesh, center);
 	for (uint32_t i = 0; i < count; i++)
 		seen[i] = 1;
-	if (count >= 1u << 24 || lod_raster_init(&raster, &(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .rgb = true }, NULL))
+	if (count >= 1u << 24
+			|| lod_raster_init(&raster,
+			&(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .rgb = true }, NULL))
 		return;
 	struct lod_arena_piece *mark = arena->last;
 	uint8_t (*names)[3] = lod_arena_take(arena, mesh->triangle_count, sizeof *names);
 	for (uint32_t i = 0; i < count; i++)
 		for (uint32_t k = 0; k + 2 < input->elements->items[i].corners; k++)
 			for (int byte = 0; byte < 3; byte++)
-				names[input->elements->items[i].triangle[k]][byte] = (uint8_t)((i + 1) >> 8 * byte);
+				names[input->elements->items[i].triangle[k]][byte] =
+					(uint8_t)((i + 1) >> 8 * byte);
 	memset(seen, 0, count * sizeof *seen);
 	lod_directions_spread(directions, VIEWS, 1);
 	for (uint32_t v = 0; v < VIEWS; v++) {
@@ -142,12 +149,14 @@ static const uint8_t *nearest(const struct colors *colors, const double light[3]
 struct change { double ratio[3], whole[3], own; };
 
 /* With given colours the nearest is taken, and the rest of the error carries over to the next element. */
-static void apply(const struct change *change, uint8_t (*rgb)[3], const double *area, uint32_t count, const struct colors *colors, double owed[3])
+static void apply(const struct change *change, uint8_t (*rgb)[3], const double *area, uint32_t count,
+	const struct colors *colors, double owed[3])
 {
 	for (uint32_t i = 0; i < count; i++) {
 		double light[3];
 		for (int k = 0; k < 3; k++)
-			light[k] = change->own * change->ratio[k] * lod_light_of[rgb[i][k]] + (1 - change->own) * change->whole[k];
+			light[k] = change->own * change->ratio[k] * lod_light_of[rgb[i][k]]
+				+ (1 - change->own) * change->whole[k];
 		if (colors->all && area[i] > 0) {
 			double wanted[3];
 			for (int k = 0; k < 3; k++)
@@ -155,7 +164,9 @@ static void apply(const struct change *change, uint8_t (*rgb)[3], const double *
 			memcpy(rgb[i], nearest(colors, wanted), 3);
 			for (int k = 0; k < 3; k++) {
 				double most = 65535 * area[i];
-				owed[k] = fmax(-most, fmin(most, owed[k] + area[i] * (light[k] - lod_light_of[rgb[i][k]])));
+				owed[k] =
+					fmax(-most,
+					fmin(most, owed[k] + area[i] * (light[k] - lod_light_of[rgb[i][k]])));
 			}
 		} else if (!colors->all) {
 			for (int k = 0; k < 3; k++)
@@ -185,7 +196,8 @@ void lod_tone_level(uint8_t (*rgb)[3], const double *area, const uint32_t *seen,
 		end = end < count && end >= first ? end : count;
 		double share = (double)end / count;
 		for (uint32_t i = first; i < end; i++)
-			lod_light_add(&block, rgb[i], (1 - share) * area[i] / area_sum + share * seen[i] / whole.weight);
+			lod_light_add(&block, rgb[i],
+				(1 - share) * area[i] / area_sum + share * seen[i] / whole.weight);
 		c.own = 1 - (double)FIRST_BLOCK / (end > FIRST_BLOCK ? end : FIRST_BLOCK);
 		for (int k = 0; k < 3; k++) {
 			c.whole[k] = whole.sum[k] / whole.weight;

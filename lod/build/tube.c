@@ -67,7 +67,8 @@ static void find_rings(struct lod_tube *tube, struct lod_arena *arena)
 	tube->ring_center = lod_arena_take(arena, n, sizeof *tube->ring_center);
 	struct lod_arena_piece *mark = arena->last;
 	uint32_t *size = lod_arena_take(arena, n, sizeof *size);
-	bool *wide = lod_arena_take(arena, n, sizeof *wide), *border = lod_arena_take(arena, n, sizeof *border);
+	bool *wide = lod_arena_take(arena, n, sizeof *wide),
+		*border = lod_arena_take(arena, n, sizeof *border);
 	for (uint32_t v = 0; v < n; v++)
 		tube->ring[v] = v;
 	for (uint32_t t = 0; t < tube->triangle_count; t++)
@@ -88,10 +89,12 @@ static void find_rings(struct lod_tube *tube, struct lod_arena *arena)
 			tube->ring_center[v] = lod_v3_scale(tube->ring_center[v], 1.0 / size[v]);
 	for (uint32_t v = 0; v < n; v++) {
 		uint32_t r = eco_union_root(tube->ring, v);
-		wide[r] = wide[r] || lod_v3_distance(tube->ring_center[r], lod_tube_place(tube, v)) > RING_RADII * tube->component->radius;
+		wide[r] = wide[r] || lod_v3_distance(tube->ring_center[r], lod_tube_place(tube, v))
+			> RING_RADII * tube->component->radius;
 	}
 	for (uint32_t v = 0; v < n; v++) /* flat: a root's own entry is read before it may become ECO_NONE */
-		size[v] = border[v] && !wide[eco_union_root(tube->ring, v)] ? eco_union_root(tube->ring, v) : ECO_NONE;
+		size[v] = border[v] && !wide[eco_union_root(tube->ring, v)] ? eco_union_root(tube->ring, v)
+			: ECO_NONE;
 	memcpy(tube->ring, size, n * sizeof *size);
 	lod_arena_release(arena, mark);
 }
@@ -103,7 +106,8 @@ static void start_spread(struct spread *s, const struct lod_tube *tube, struct l
 	uint32_t n = tube->vertex_count;
 	*s = (struct spread){ lod_arena_take(arena, (size_t)n + 2, sizeof *s->first),
 		lod_arena_take(arena, 3 * (size_t)tube->triangle_count, sizeof *s->around),
-		{ .item = lod_arena_take(arena, n, sizeof(uint32_t)), .at = lod_arena_take(arena, n, sizeof(uint32_t)),
+		{ .item = lod_arena_take(arena, n, sizeof(uint32_t)),
+		.at = lod_arena_take(arena, n, sizeof(uint32_t)),
 		.key = tube->level }, lod_arena_take(arena, n, sizeof *s->source) };
 	for (uint32_t i = 0; i < 3 * tube->triangle_count; i++)
 		s->first[tube->corner[i] + 2]++;
@@ -127,8 +131,10 @@ static void spread(struct lod_tube *tube, struct spread *s)
 		uint32_t v = heap_pop(&s->heap);
 		for (uint32_t i = s->first[v]; i < s->first[v + 1]; i++)
 			for (uint32_t k = 1; k < 3; k++) {
-				uint32_t t = s->around[i] / 3, u = tube->corner[3 * t + (s->around[i] % 3 + k) % 3];
-				double d = tube->level[v] + lod_v3_distance(lod_tube_place(tube, v), lod_tube_place(tube, u));
+				uint32_t t = s->around[i] / 3,
+					u = tube->corner[3 * t + (s->around[i] % 3 + k) % 3];
+				double d = tube->level[v] + lod_v3_distance(lod_tube_place(tube, v),
+					lod_tube_place(tube, u));
 				if (d < tube->level[u]) {
 					tube->level[u] = d;
 					heap_set(&s->heap, u);
@@ -146,15 +152,18 @@ static void set_sources(const struct lod_tube *tube, struct spread *s, uint32_t 
 	uint32_t *stack = s->heap.item, depth = 1;       /* the heap is empty */
 	memset(s->source, 0, tube->vertex_count * sizeof *s->source);
 	for (uint32_t v = 0; v < tube->vertex_count; v++)
-		s->source[v] = v == vertex || (tube->ring[vertex] != ECO_NONE && tube->ring[v] == tube->ring[vertex]);
+		s->source[v] = v == vertex
+			|| (tube->ring[vertex] != ECO_NONE && tube->ring[v] == tube->ring[vertex]);
 	stack[0] = vertex;
 	while (depth && tube->ring[vertex] == ECO_NONE) {
 		uint32_t v = stack[--depth];
 		for (uint32_t i = s->first[v]; i < s->first[v + 1]; i++)
 			for (uint32_t k = 1; k < 3; k++) {
-				uint32_t t = s->around[i] / 3, u = tube->corner[3 * t + (s->around[i] % 3 + k) % 3];
+				uint32_t t = s->around[i] / 3,
+					u = tube->corner[3 * t + (s->around[i] % 3 + k) % 3];
 				struct lod_v3 p = lod_tube_place(tube, u);
-				if (s->source[u] || p.z > foot.z + FOOT * height || lod_v3_distance(p, foot) > FOOT_WIDTH * height)
+				if (s->source[u] || p.z > foot.z + FOOT * height || lod_v3_distance(p, foot)
+						> FOOT_WIDTH * height)
 					continue;
 				s->source[u] = true;
 				stack[depth++] = u;
@@ -257,9 +266,11 @@ static void add_areas(struct lod_tube *tube, uint32_t t)
 			s[i % 2] = s[i % 2 + 1];
 			s[i % 2 + 1] = swap;
 		}
-	double area = lod_v3_length(lod_v3_cross(lod_v3_sub(p[1], p[0]), lod_v3_sub(p[2], p[0]))) / 2, below = 0;
+	double area = lod_v3_length(lod_v3_cross(lod_v3_sub(p[1], p[0]), lod_v3_sub(p[2], p[0]))) / 2,
+		below = 0;
 	for (uint32_t f = tube->offset[t]; f < tube->offset[t + 1]; f++) {
-		double to = f + 1 == tube->offset[t + 1] ? area : area_below(s, area, (double)((uint32_t)s[0] + f - tube->offset[t] + 1));
+		double to = f + 1 == tube->offset[t + 1] ? area
+			: area_below(s, area, (double)((uint32_t)s[0] + f - tube->offset[t] + 1));
 		tube->area[f] = to - below;
 		below = to;
 	}
@@ -285,11 +296,14 @@ static void cut_slabs(struct lod_tube *tube, struct lod_arena *arena)
 	for (uint32_t t = 0; t < tube->triangle_count; t++) {
 		add_areas(tube, t);
 		for (uint32_t k = 0; k < 3; k++) {
-			uint32_t a = tube->corner[3 * t + k], b = tube->corner[3 * t + (k + 1) % 3], f = fragment(tube, t, slab(tube, a));
+			uint32_t a = tube->corner[3 * t + k], b = tube->corner[3 * t + (k + 1) % 3],
+				f = fragment(tube, t, slab(tube, a));
 			if (at_vertex[a] == ECO_NONE)
 				at_vertex[a] = f;
 			tube->parent[piece_of(tube, f)] = piece_of(tube, at_vertex[a]);
-			by[3 * t + k] = (struct lod_keyed){ a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a, t };
+			by[3 * t + k] =
+				(struct lod_keyed){ a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a,
+				t };
 		}
 	}
 	/* Fragments of one slab that meet along an edge are one piece; an edge may have two or more
@@ -300,7 +314,8 @@ static void cut_slabs(struct lod_tube *tube, struct lod_arena *arena)
 			continue;
 		uint32_t p = slab(tube, (uint32_t)by[i].key), q = slab(tube, (uint32_t)(by[i].key >> 32));
 		for (uint32_t s = p < q ? p : q; s <= (p < q ? q : p); s++)
-			tube->parent[piece_of(tube, fragment(tube, by[i].value, s))] = piece_of(tube, fragment(tube, by[i - 1].value, s));
+			tube->parent[piece_of(tube, fragment(tube, by[i].value, s))] =
+				piece_of(tube, fragment(tube, by[i - 1].value, s));
 	}
 	for (uint32_t f = 0; f < total; f++) {
 		uint32_t root = piece_of(tube, f);
@@ -326,7 +341,8 @@ static bool cross_edge(const struct lod_tube *tube, uint32_t t, uint32_t k, uint
 		a = b;
 		b = swap;
 	}
-	*at = lod_v3_mix(lod_tube_place(tube, a), lod_tube_place(tube, b), (s - tube->level[a]) / (tube->level[b] - tube->level[a]));
+	*at = lod_v3_mix(lod_tube_place(tube, a), lod_tube_place(tube, b),
+		(s - tube->level[a]) / (tube->level[b] - tube->level[a]));
 	return true;
 }
 
@@ -344,14 +360,16 @@ static void find_joints(struct lod_tube *tube, struct lod_arena *arena)
 			struct crossing *c = &crossings[count];
 			for (uint32_t k = 0; k < 3; k++)
 				if (cross_edge(tube, t, k, s, &p[n])) {
-					c->open = c->open || lod_mesh_across(tube->mesh, tube->member[t], k) == ECO_NONE;
+					c->open = c->open || lod_mesh_across(tube->mesh, tube->member[t], k)
+						== ECO_NONE;
 					n++;
 				}
 			assert(n == 2);
 			c->middle = lod_v3_mix(p[0], p[1], 0.5);
 			c->length = lod_v3_distance(p[0], p[1]);
 			c->slab = s;
-			by[count] = (struct lod_keyed){ (uint64_t)piece_of(tube, fragment(tube, t, s - 1)) << 32
+			by[count] =
+				(struct lod_keyed){ (uint64_t)piece_of(tube, fragment(tube, t, s - 1)) << 32
 				| piece_of(tube, fragment(tube, t, s)), count };
 			count++;
 		}
@@ -361,7 +379,8 @@ static void find_joints(struct lod_tube *tube, struct lod_arena *arena)
 	tube->joints = lod_arena_take(arena, (size_t)count + 2 * (size_t)most, sizeof *tube->joints);
 	for (uint32_t i = 0, end; i < count; i = end) {
 		struct lod_joint *j = &tube->joints[tube->joint_count++];
-		*j = (struct lod_joint){ .piece = { (uint32_t)(by[i].key >> 32), (uint32_t)by[i].key }, .slab = crossings[by[i].value].slab };
+		*j = (struct lod_joint){ .piece = { (uint32_t)(by[i].key >> 32), (uint32_t)by[i].key },
+			.slab = crossings[by[i].value].slab };
 		double weight = 0;
 		for (end = i; end < count && by[end].key == by[i].key; end++) {
 			const struct crossing *c = &crossings[by[end].value];
@@ -418,7 +437,8 @@ static struct tip *find_tips(struct lod_tube *tube, int sign, struct lod_arena *
 
 static uint32_t add_end(struct lod_tube *tube, uint32_t piece, const struct tip *tip, bool top)
 {
-	tube->joints[tube->joint_count] = (struct lod_joint){ .place = lod_v3_scale(tip->sum, 1.0 / tip->count),
+	tube->joints[tube->joint_count] =
+		(struct lod_joint){ .place = lod_v3_scale(tip->sum, 1.0 / tip->count),
 		.piece = { top ? piece : ECO_NONE, top ? ECO_NONE : piece }, .fixed = tip->open };
 	return tube->joint_count++;
 }
@@ -426,7 +446,8 @@ static uint32_t add_end(struct lod_tube *tube, uint32_t piece, const struct tip 
 static void add_bone(struct lod_tube *tube, uint32_t a, uint32_t b, uint32_t piece)
 {
 	uint32_t number = tube->bone_count++;
-	tube->bones[number] = (struct lod_raw_bone){ .joint = { a, b }, .piece = piece, .line = ECO_NONE, .merged = ECO_NONE };
+	tube->bones[number] = (struct lod_raw_bone){ .joint = { a, b }, .piece = piece, .line = ECO_NONE,
+		.merged = ECO_NONE };
 	for (int k = 0; k < 2; k++) {
 		struct lod_joint *j = &tube->joints[k ? b : a];
 		if (j->degree < 2)
@@ -437,8 +458,8 @@ static void add_bone(struct lod_tube *tube, uint32_t a, uint32_t b, uint32_t pie
 
 /* The bones of one piece, whose joints are by[first .. end): from the widest ring below (else the bottom) to
  * all others. */
-static void join_piece(struct lod_tube *tube, uint32_t piece, const struct lod_keyed *by, uint32_t first, uint32_t end,
-	const struct tip *tops, const struct tip *bottoms)
+static void join_piece(struct lod_tube *tube, uint32_t piece, const struct lod_keyed *by, uint32_t first,
+	uint32_t end, const struct tip *tops, const struct tip *bottoms)
 {
 	uint32_t root = ECO_NONE, start = tube->bone_count;
 	bool above = false;
@@ -459,12 +480,17 @@ static void join_piece(struct lod_tube *tube, uint32_t piece, const struct lod_k
 	/* Bones share the area by their lengths and rings. */
 	for (int pass = 0; pass < 2; pass++)
 		for (uint32_t b = start; b < tube->bone_count; b++) {
-			const struct lod_joint *from = &tube->joints[tube->bones[b].joint[0]], *to = &tube->joints[tube->bones[b].joint[1]];
-			double share = lod_v3_distance(from->place, to->place) * (from->ring + 2 * to->ring + tube->component->radius);
+			const struct lod_joint *from = &tube->joints[tube->bones[b].joint[0]],
+				*to = &tube->joints[tube->bones[b].joint[1]];
+			double share =
+				lod_v3_distance(from->place,
+				to->place) * (from->ring + 2 * to->ring + tube->component->radius);
 			if (pass == 0)
 				total += share;
 			else
-				tube->bones[b].area = tube->area[piece] * (total > 0 ? share / total : 1.0 / (tube->bone_count - start));
+				tube->bones[b].area =
+					tube->area[piece] * (total > 0 ? share / total
+					: 1.0 / (tube->bone_count - start));
 		}
 }
 
@@ -513,9 +539,11 @@ static void link_joints(struct lod_tube *tube)
 static uint32_t spur_at(const struct lod_tube *tube, uint32_t b, int k)
 {
 	const struct lod_raw_bone *bone = &tube->bones[b];
-	const struct lod_joint *end = &tube->joints[bone->joint[k]], *inner = &tube->joints[bone->joint[1 - k]];
+	const struct lod_joint *end = &tube->joints[bone->joint[k]],
+		*inner = &tube->joints[bone->joint[1 - k]];
 	double wide = fmax(tube->component->radius, STUB / LOD_PI * fmax(inner->ring, end->ring));
-	return end->degree == 1 && inner->degree > 1 && bone_length(tube, bone) <= wide ? bone->joint[1 - k] : ECO_NONE;
+	return end->degree == 1 && inner->degree > 1 && bone_length(tube, bone) <= wide ? bone->joint[1 - k]
+		: ECO_NONE;
 }
 
 static void merge(struct lod_tube *tube, uint32_t spur, uint32_t into)
@@ -532,13 +560,15 @@ static void drop_bumps(struct lod_tube *tube)
 	for (uint32_t b = 0; b < tube->bone_count; b++)
 		for (int k = 0; k < 2 && tube->bones[b].merged == ECO_NONE; k++) {
 			struct lod_joint *j = &tube->joints[tube->bones[b].joint[k]];
-			if (j->longest == ECO_NONE || bone_length(tube, &tube->bones[b]) > bone_length(tube, &tube->bones[j->longest]))
+			if (j->longest == ECO_NONE || bone_length(tube, &tube->bones[b])
+					> bone_length(tube, &tube->bones[j->longest]))
 				j->longest = b;
 		}
 	for (uint32_t b = 0; b < tube->bone_count; b++)
 		for (int k = 0; k < 2 && tube->bones[b].merged == ECO_NONE; k++) {
 			uint32_t inner = spur_at(tube, b, k);
-			if (inner == ECO_NONE || tube->joints[inner].degree < 3 || tube->joints[inner].longest == b)
+			if (inner == ECO_NONE || tube->joints[inner].degree < 3 || tube->joints[inner].longest
+					== b)
 				continue;
 			merge(tube, b, tube->joints[inner].longest);
 			tube->joints[inner].degree--;
@@ -558,9 +588,13 @@ static void drop_ends(struct lod_tube *tube)
 			uint32_t other = j->bone[0] == b ? j->bone[1] : j->bone[0];
 			struct lod_raw_bone *before = &tube->bones[other];
 			struct lod_v3 far = tube->joints[before->joint[before->joint[0] == inner]].place;
-			struct lod_v3 axis = lod_v3_unit(lod_v3_sub(j->place, far)), *tip = &tube->joints[end].place;
-			if (!tube->joints[end].fixed && bone_length(tube, before) > bone_length(tube, &tube->bones[b]))
-				*tip = lod_v3_add(j->place, lod_v3_scale(axis, fmax(0, lod_v3_dot(axis, lod_v3_sub(*tip, j->place)))));
+			struct lod_v3 axis = lod_v3_unit(lod_v3_sub(j->place, far)),
+				*tip = &tube->joints[end].place;
+			if (!tube->joints[end].fixed && bone_length(tube, before)
+					> bone_length(tube, &tube->bones[b]))
+				*tip = lod_v3_add(j->place,
+					lod_v3_scale(axis,
+					fmax(0, lod_v3_dot(axis, lod_v3_sub(*tip, j->place)))));
 			tube->joints[end].ring = j->ring;
 			tube->joints[end].bone[0] = other;
 			before->joint[before->joint[0] == inner ? 0 : 1] = end;
@@ -581,10 +615,11 @@ static void drop_spurs(struct lod_tube *tube)
 
 /* ---- All ---- */
 
-static void open_tube(struct lod_tube *tube, const struct lod_mesh *mesh, const struct lod_organs *organs, uint32_t c, uint32_t *local,
-	struct lod_arena *arena)
+static void open_tube(struct lod_tube *tube, const struct lod_mesh *mesh, const struct lod_organs *organs,
+	uint32_t c, uint32_t *local, struct lod_arena *arena)
 {
-	*tube = (struct lod_tube){ .mesh = mesh, .component = &organs->components[c], .member = mesh->member + mesh->member_first[c],
+	*tube = (struct lod_tube){ .mesh = mesh, .component = &organs->components[c],
+		.member = mesh->member + mesh->member_first[c],
 		.triangle_count = mesh->member_first[c + 1] - mesh->member_first[c] };
 	tube->corner = lod_arena_take(arena, 3 * (size_t)tube->triangle_count, sizeof *tube->corner);
 	tube->global = lod_arena_take(arena, 3 * (size_t)tube->triangle_count, sizeof *tube->global);
@@ -598,8 +633,8 @@ static void open_tube(struct lod_tube *tube, const struct lod_mesh *mesh, const 
 	}
 }
 
-void lod_tube_make(struct lod_tube *tube, const struct lod_mesh *mesh, const struct lod_organs *organs, uint32_t c, uint32_t *local,
-	struct lod_arena *arena)
+void lod_tube_make(struct lod_tube *tube, const struct lod_mesh *mesh, const struct lod_organs *organs,
+	uint32_t c, uint32_t *local, struct lod_arena *arena)
 {
 	for (int from_farthest = 0; from_farthest < 2; from_farthest++) {
 		open_tube(tube, mesh, organs, c, local, arena);

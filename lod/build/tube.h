@@ -51,8 +51,8 @@ static inline struct lod_v3 lod_tube_place(const struct lod_tube *tube, uint32_t
 
 /* Component c as a graph of joints and bones. `local` has one entry per vertex of the mesh, of any value. All
  * arrays are from `arena`. */
-void lod_tube_make(struct lod_tube *tube, const struct lod_mesh *mesh, const struct lod_organs *organs, uint32_t c, uint32_t *local,
-	struct lod_arena *arena);
+void lod_tube_make(struct lod_tube *tube, const struct lod_mesh *mesh, const struct lod_organs *organs,
+	uint32_t c, uint32_t *local, struct lod_arena *arena);
 
 /* The piece of a slab that contains vertex k of triangle t: less than offset[triangle_count]. */
 uint32_t lod_tube_piece(struct lod_tube *tube, uint32_t t, uint32_t k);

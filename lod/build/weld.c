@@ -55,7 +55,8 @@ static double take_triangles(struct lod_mesh *mesh, const struct eco_model *mode
 			mesh->dropped[why]++;
 			continue;
 		}
-		mesh->material[kept] = model->material[t] < model->material_count ? model->material[t] : ECO_NONE;
+		mesh->material[kept] = model->material[t] < model->material_count ? model->material[t]
+			: ECO_NONE;
 		mesh->source[kept] = t;
 		bool textured = lod_mesh_image(model, mesh->material[kept]) != NULL;
 		for (int k = 0; k < 3; k++) {
@@ -67,7 +68,8 @@ static double take_triangles(struct lod_mesh *mesh, const struct eco_model *mode
 			}
 			for (int a = 0; a < 2 && textured; a++) {
 				double uv = (double)model->uv[2 * (size_t)v + a] * ECO_UV_ONE;
-				mesh->uv[6 * (size_t)kept + 2 * k + a] = fabs(uv) < UV_MOST ? (int32_t)floor(uv + 0.5) : 0;
+				mesh->uv[6 * (size_t)kept + 2 * k + a] = fabs(uv) < UV_MOST
+					? (int32_t)floor(uv + 0.5) : 0;
 			}
 		}
 		kept++;
@@ -93,7 +95,8 @@ struct welder {
 
 static uint32_t slot(const struct welder *w, const int64_t c[3])
 {
-	return (uint32_t)lod_mix((uint64_t)c[0] + lod_mix((uint64_t)c[1] + lod_mix((uint64_t)c[2]))) & w->mask;
+	return (uint32_t)lod_mix((uint64_t)c[0] + lod_mix((uint64_t)c[1] + lod_mix((uint64_t)c[2])))
+		& w->mask;
 }
 
 static uint32_t find_near(const struct welder *w, const struct lod_mesh *mesh, const float *p)
@@ -108,7 +111,10 @@ static uint32_t find_near(const struct welder *w, const struct lod_mesh *mesh, c
 		for (c[1] = low[1]; c[1] <= high[1]; c[1]++)
 			for (c[2] = low[2]; c[2] <= high[2]; c[2]++)
 				for (uint32_t v = w->table[slot(w, c)]; v != ECO_NONE; v = w->next[v])
-					if (v < best && lod_v3_distance(lod_v3_of(p), lod_v3_of(mesh->place + 3 * (size_t)v)) <= w->tolerance)
+					if (v < best
+							&& lod_v3_distance(lod_v3_of(p),
+							lod_v3_of(mesh->place + 3 * (size_t)v))
+							<= w->tolerance)
 						best = v;
 	return best;
 }
@@ -128,7 +134,8 @@ static uint32_t add_vertex(struct welder *w, struct lod_mesh *mesh, const float 
 	return v;
 }
 
-static void weld_vertices(struct lod_mesh *mesh, const struct eco_model *model, double extent, struct lod_arena *arena)
+static void weld_vertices(struct lod_mesh *mesh, const struct eco_model *model, double extent,
+	struct lod_arena *arena)
 {
 	uint32_t n = model->vertex_count, size = 16;
 	while (size < n && size < UINT32_C(1) << 31)
@@ -136,7 +143,8 @@ static void weld_vertices(struct lod_mesh *mesh, const struct eco_model *model, 
 	mesh->place = lod_arena_take(arena, 3 * (size_t)n, sizeof *mesh->place);
 	mesh->grid = lod_arena_take(arena, 3 * (size_t)n, sizeof *mesh->grid);
 	struct lod_arena_piece *mark = arena->last;
-	struct welder w = { .cell = 4 * TOLERANCE * extent, .tolerance = TOLERANCE * extent, .low = mesh->origin, .mask = size - 1 };
+	struct welder w = { .cell = 4 * TOLERANCE * extent, .tolerance = TOLERANCE * extent,
+		.low = mesh->origin, .mask = size - 1 };
 	uint32_t *welded = lod_arena_take(arena, n, sizeof *welded);
 	w.table = lod_arena_take(arena, size, sizeof *w.table);
 	w.next = lod_arena_take(arena, n, sizeof *w.next);
@@ -158,15 +166,16 @@ static void weld_vertices(struct lod_mesh *mesh, const struct eco_model *model, 
 
 static bool flat(const struct lod_mesh *mesh, const uint32_t *v)
 {
-	struct lod_v3 a = lod_v3_of(mesh->place + 3 * (size_t)v[0]), b = lod_v3_of(mesh->place + 3 * (size_t)v[1]),
-		c = lod_v3_of(mesh->place + 3 * (size_t)v[2]);
+	struct lod_v3 a = lod_v3_of(mesh->place + 3 * (size_t)v[0]),
+		b = lod_v3_of(mesh->place + 3 * (size_t)v[1]), c = lod_v3_of(mesh->place + 3 * (size_t)v[2]);
 	struct lod_v3 normal = lod_v3_cross(lod_v3_sub(b, a), lod_v3_sub(c, a));
 	return v[0] == v[1] || v[1] == v[2] || v[2] == v[0] || lod_v3_dot(normal, normal) == 0;
 }
 
 static bool no_area_on_grid(const struct lod_mesh *mesh, const uint32_t *v)
 {
-	const int32_t *a = mesh->grid + 3 * (size_t)v[0], *b = mesh->grid + 3 * (size_t)v[1], *c = mesh->grid + 3 * (size_t)v[2];
+	const int32_t *a = mesh->grid + 3 * (size_t)v[0], *b = mesh->grid + 3 * (size_t)v[1],
+		*c = mesh->grid + 3 * (size_t)v[2];
 	int64_t u[3], w[3];
 	for (int k = 0; k < 3; k++) {
 		u[k] = (int64_t)b[k] - a[k];
@@ -193,7 +202,8 @@ static bool same(const struct lod_mesh *mesh, uint32_t s, uint32_t t)
 	ascending(b, j);
 	for (int k = 0; k < 3; k++)
 		if (a[i[k]] != b[j[k]]
-			|| memcmp(mesh->uv + 6 * (size_t)s + 2 * i[k], mesh->uv + 6 * (size_t)t + 2 * j[k], 2 * sizeof(int32_t)))
+			|| memcmp(mesh->uv + 6 * (size_t)s + 2 * i[k], mesh->uv + 6 * (size_t)t + 2 * j[k],
+			2 * sizeof(int32_t)))
 			return false;
 	return mesh->material[s] == mesh->material[t];
 }
@@ -209,7 +219,8 @@ static void move_triangle(struct lod_mesh *mesh, uint32_t from, uint32_t to)
 /* Masks of a model's cut-outs, each made when first needed. */
 struct masks { struct lod_mask *mask; uint64_t work; };
 
-static bool hidden(struct masks *masks, const struct lod_mesh *mesh, const struct eco_model *model, uint32_t t, struct lod_arena *arena)
+static bool hidden(struct masks *masks, const struct lod_mesh *mesh, const struct eco_model *model,
+	uint32_t t, struct lod_arena *arena)
 {
 	const struct eco_image *image = lod_mesh_image(model, mesh->material[t]);
 	if (!image || !lod_mesh_material(model, mesh->material[t])->cutout)
@@ -222,7 +233,8 @@ static bool hidden(struct masks *masks, const struct lod_mesh *mesh, const struc
 
 static bool line_in_texture(const int32_t uv[6])
 {
-	return ((int64_t)uv[2] - uv[0]) * ((int64_t)uv[5] - uv[1]) == ((int64_t)uv[4] - uv[0]) * ((int64_t)uv[3] - uv[1]);
+	return ((int64_t)uv[2] - uv[0]) * ((int64_t)uv[5] - uv[1])
+		== ((int64_t)uv[4] - uv[0]) * ((int64_t)uv[3] - uv[1]);
 }
 
 static void drop_triangles(struct lod_mesh *mesh, const struct eco_model *model, struct lod_arena *arena)
@@ -243,7 +255,8 @@ static void drop_triangles(struct lod_mesh *mesh, const struct eco_model *model,
 			continue;
 		}
 		ascending(v, order);
-		uint32_t at = (uint32_t)lod_mix(v[order[0]] + lod_mix(v[order[1]] + lod_mix(v[order[2]]))) & (size - 1);
+		uint32_t at = (uint32_t)lod_mix(v[order[0]] + lod_mix(v[order[1]] + lod_mix(v[order[2]])))
+			& (size - 1);
 		while (table[at] != ECO_NONE && !same(mesh, table[at], t))
 			at = (at + 1) & (size - 1);
 		if (table[at] != ECO_NONE) {
@@ -324,7 +337,8 @@ static uint32_t *list_around(const struct lod_mesh *mesh, uint32_t **first, stru
 }
 
 /* Joins triangles of one material and rule that meet in a vertex. */
-static void join_all(const struct lod_mesh *mesh, uint32_t *parent, uint32_t material_count, struct lod_arena *arena)
+static void join_all(const struct lod_mesh *mesh, uint32_t *parent, uint32_t material_count,
+	struct lod_arena *arena)
 {
 	uint32_t *first, *around = list_around(mesh, &first, arena);
 	size_t kinds = ((size_t)material_count + 1) * KINDS_OF_RULE;
@@ -334,7 +348,8 @@ static void join_all(const struct lod_mesh *mesh, uint32_t *parent, uint32_t mat
 		parent[t] = t;
 	for (uint32_t v = 0; v < mesh->vertex_count; v++)
 		for (uint32_t i = first[v]; i < first[v + 1]; i++) {
-			uint32_t t = around[i], material = mesh->material[t] == ECO_NONE ? material_count : mesh->material[t];
+			uint32_t t = around[i], material = mesh->material[t] == ECO_NONE ? material_count
+				: mesh->material[t];
 			uint32_t rule = mesh->rule[t] == ECO_ORGAN_FOUND ? ECO_ORGAN_COUNT : mesh->rule[t];
 			size_t m = (size_t)material * KINDS_OF_RULE + rule;
 			if (seen[m] == v + 1)

@@ -51,7 +51,8 @@ static inline struct lod_v3 lod_mesh_corner(const struct lod_mesh *mesh, uint32_
 static inline struct lod_v3 lod_mesh_area_normal(const struct lod_mesh *mesh, uint32_t t)
 {
 	struct lod_v3 a = lod_mesh_corner(mesh, t, 0);
-	return lod_v3_scale(lod_v3_cross(lod_v3_sub(lod_mesh_corner(mesh, t, 1), a), lod_v3_sub(lod_mesh_corner(mesh, t, 2), a)), 0.5);
+	return lod_v3_scale(lod_v3_cross(lod_v3_sub(lod_mesh_corner(mesh, t, 1), a),
+		lod_v3_sub(lod_mesh_corner(mesh, t, 2), a)), 0.5);
 }
 
 /* Arrays come from `arena`. `bits`: of the grid over the largest extent (1 to LOD_WELD_BITS_MAX). Vertices

@@ -22,7 +22,8 @@ static void add_at(struct lod_cost *cost, const struct lod_hull *hull, double we
 	cost->vertices += (double)a->vertices + part * (double)(b->vertices - a->vertices);
 }
 
-static void add_cost(struct lod_cost *sum, const struct lod_cost *cost, double fp_weight, double times, double seen)
+static void add_cost(struct lod_cost *sum, const struct lod_cost *cost, double fp_weight, double times,
+	double seen)
 {
 	sum->fp += seen * fp_weight * cost->fp;
 	sum->fn += seen * cost->fn;
@@ -42,18 +43,25 @@ static void relax_slots(struct lod_allocation *m)
 		struct lod_slot_choice *slot_choice = &m->slot_choices[s];
 		slot_choice->cost[0] = slot_choice->cost[1] = slot_choice->cells = (struct lod_cost){ 0 };
 		slot_choice->cells_weight_px = 0;
-		for (uint32_t i = slot_choice->ladder_choice_first; i < slot_choice->ladder_choice_first + slot_choice->ladder_choice_count; i++) {
+		for (uint32_t i = slot_choice->ladder_choice_first;
+				i < slot_choice->ladder_choice_first + slot_choice->ladder_choice_count;
+				i++) {
 			struct lod_ladder_choice *ladder_choice = &m->ladder_choices[i];
-			ladder_choice->position = ladder_choice->weight_px > 0 ? lod_hull_position(&ladder_choice->hull, m->lambda / ladder_choice->weight_px, ladder_choice->position) : 0;
+			ladder_choice->position = ladder_choice->weight_px > 0
+				? lod_hull_position(&ladder_choice->hull,
+				m->lambda / ladder_choice->weight_px, ladder_choice->position) : 0;
 			if (ladder_choice->when != LOD_NEAR)
-				add_at(&slot_choice->cost[0], &ladder_choice->hull, ladder_choice->weight_px, ladder_choice->position);
+				add_at(&slot_choice->cost[0], &ladder_choice->hull, ladder_choice->weight_px,
+					ladder_choice->position);
 			if (ladder_choice->when != LOD_FAR)
-				add_at(&slot_choice->cost[1], &ladder_choice->hull, ladder_choice->weight_px, ladder_choice->position);
+				add_at(&slot_choice->cost[1], &ladder_choice->hull, ladder_choice->weight_px,
+					ladder_choice->position);
 		}
 	}
 }
 
-static void sum_cells(struct lod_allocation *m, const struct lod_tally *t, struct lod_slot_choice *cell, struct lod_slot_choice *whole)
+static void sum_cells(struct lod_allocation *m, const struct lod_tally *t, struct lod_slot_choice *cell,
+	struct lod_slot_choice *whole)
 {
 	(void)m;
 	add_cost(&whole->cells, &cell->cost[1], 1, t->count, t->count);
@@ -98,8 +106,12 @@ static double count_near(const struct lod_allocation *m, uint32_t plant)
 		if (s == ECO_NONE)
 			continue;
 		const struct lod_slot_choice *choice = &m->slot_choices[s];
-		double plants = (double)m->counts[s], fp_weight = choice->fp_weight, weight_px = plants * choice->weight_px[0];
-		bands[count++] = (struct bands){ plants, weight_px - plants * lagrangian(&choice->cost[1], fp_weight, m->lambda) - lagrangian(&choice->cells, fp_weight, m->lambda),
+		double plants = (double)m->counts[s], fp_weight = choice->fp_weight,
+			weight_px = plants * choice->weight_px[0];
+		bands[count++] =
+			(struct bands){ plants,
+			weight_px - plants * lagrangian(&choice->cost[1], fp_weight, m->lambda)
+			- lagrangian(&choice->cells, fp_weight, m->lambda),
 			weight_px - plants * lagrangian(&choice->cost[0], fp_weight, m->lambda) };
 		count = pool_bands(bands, count);
 	}
@@ -143,21 +155,25 @@ static struct lod_cost plants_cost(const struct lod_allocation *m, uint32_t n)
 		const struct lod_tally *t = &node->tallies[i];
 		const struct lod_slot *slot = &m->p->visible.slots[t->slot];
 		const struct lod_slot_choice *choice = &m->slot_choices[t->slot];
-		double near = lod_planner_near(m->p, slot->plant, slot->cell ? t->whole_band : slot->band) * t->count, fp_weight = choice->fp_weight;
+		double near = lod_planner_near(m->p, slot->plant, slot->cell ? t->whole_band : slot->band)
+			* t->count, fp_weight = choice->fp_weight;
 		if (near > 0)
 			add_cost(&sum, &choice->cost[1], fp_weight, near, near * factor);
 		if (!slot->cell && near < t->count)
-			add_cost(&sum, &choice->cost[0], fp_weight, t->count - near, (t->count - near) * factor);
+			add_cost(&sum, &choice->cost[0], fp_weight, t->count - near,
+				(t->count - near) * factor);
 	}
 	return sum;
 }
 
 /* How far a tile is open, given what its plants and children save, and what its summary saves. */
-static double open_share(const struct lod_allocation *m, const struct lod_tile_choice *choice, double plants, double summary)
+static double open_share(const struct lod_allocation *m, const struct lod_tile_choice *choice, double plants,
+	double summary)
 {
 	if (!choice->has_summary || m->lambda <= 0)
 		return 1;
-	double share = fine_share(m, plants, summary), least = m->few_plants || !(plants > 0) ? 0 : 1 - choice->closed_most;
+	double share = fine_share(m, plants, summary), least = m->few_plants || !(plants > 0) ? 0
+		: 1 - choice->closed_most;
 	return share < least ? least : share;
 }
 
@@ -182,7 +198,9 @@ static bool relax_summary(struct lod_allocation *m, struct lod_tile_choice *choi
 	double lambda = m->lambda / choice->weight_px;
 	m->p->looks++;
 	do {
-		if (choice->open && open_share(m, choice, plants, choice->weight_px * lod_summary_hull_gain_bound(summary, lambda)) >= 1)
+		if (choice->open
+				&& open_share(m, choice, plants,
+				choice->weight_px * lod_summary_hull_gain_bound(summary, lambda)) >= 1)
 			return false;
 	} while (lod_summary_hull_refine(summary, lambda));
 	choice->position = lod_hull_position(&summary->hull, lambda, 0);
@@ -205,7 +223,8 @@ static void relax_tiles(struct lod_allocation *m)
 {
 	for (uint32_t n = m->p->visible.node_count; n-- > 0;) {
 		struct lod_tile_choice *choice = &m->tile_choices[n];
-		struct lod_cost fine = choice->open ? fine_cost(m, n) : (struct lod_cost){ .fn = choice->weight_px };
+		struct lod_cost fine = choice->open ? fine_cost(m, n)
+			: (struct lod_cost){ .fn = choice->weight_px };
 		double plants = choice->weight_px - lagrangian(&fine, 1, m->lambda);
 		choice->cost = (struct lod_cost){ 0 };
 		choice->position = 0;
@@ -213,7 +232,9 @@ static void relax_tiles(struct lod_allocation *m)
 			choice->cost.fn = choice->weight_px;
 		choice->share = choice->open;
 		if (choice->has_summary && relax_summary(m, choice, plants) && choice->open)
-			choice->share = open_share(m, choice, plants, choice->weight_px - lagrangian(&choice->cost, 1, m->lambda));
+			choice->share =
+				open_share(m, choice, plants,
+				choice->weight_px - lagrangian(&choice->cost, 1, m->lambda));
 		choice->opened = choice->share >= 0.5;
 		if (choice->open)
 			blend(choice, &fine);
@@ -225,7 +246,8 @@ void lod_allocation_compare(const struct lod_allocation *m, uint32_t n, double *
 	const struct lod_tile_choice *choice = &m->tile_choices[n];
 	struct lod_cost fine = fine_cost(m, n);
 	*plants = choice->weight_px - lagrangian(&fine, 1, m->lambda);
-	*summary = choice->weight_px * lod_summary_hull_gain_bound(&choice->summary, m->lambda / choice->weight_px);
+	*summary = choice->weight_px * lod_summary_hull_gain_bound(&choice->summary,
+		m->lambda / choice->weight_px);
 }
 
 static void widen_range(const struct lod_hull *hull, double weight_px, double *high, double *low)
@@ -294,7 +316,8 @@ static struct lod_wrong wrong_of(void *ctx, const struct lod_visibility *visibil
 		add_at(&cost, &tile_choice->summary.hull, 1, tile_choice->position);
 		cost.fn = lod_summary_hull_missed(&tile_choice->summary, cost.fn);
 	}
-	return weight_px > 0 ? (struct lod_wrong){ cost.fp / weight_px, fmin(1, cost.fn / weight_px) } : (struct lod_wrong){ 0 };
+	return weight_px > 0 ? (struct lod_wrong){ cost.fp / weight_px, fmin(1, cost.fn / weight_px) }
+		: (struct lod_wrong){ 0 };
 }
 
 /* Sets for each tile the tile whose choice draws it: itself where all tiles above it are open. */
@@ -304,11 +327,13 @@ static void find_drawn_by(struct lod_allocation *m)
 	m->drawn_by[0] = 0;
 	for (uint32_t n = 0; n < visible->node_count; n++)
 		for (uint32_t c = 0; visible->nodes[n].expanded && c < visible->nodes[n].child_count; c++)
-			m->drawn_by[visible->nodes[n].child_first + c] = m->drawn_by[n] == n && m->tile_choices[n].opened
+			m->drawn_by[visible->nodes[n].child_first + c] = m->drawn_by[n] == n
+				&& m->tile_choices[n].opened
 				? visible->nodes[n].child_first + c : m->drawn_by[n];
 }
 
-enum eco_code lod_allocation_predict(struct lod_allocation *m, struct eco_prediction *prediction, struct eco_error *error)
+enum eco_code lod_allocation_predict(struct lod_allocation *m, struct eco_prediction *prediction,
+	struct eco_error *error)
 {
 	find_drawn_by(m);
 	return lod_screen_expect(&m->p->screen, wrong_of, m, prediction, error);
@@ -320,8 +345,10 @@ static void fix_summary(struct lod_tile_choice *choice, double points)
 {
 	uint32_t whole = (uint32_t)choice->position;
 	const struct lod_hull_point *a = &choice->summary.hull.points[whole];
-	double part = choice->position - whole, all = (double)a->vertices + (part > 0 ? part * (double)(a[1].vertices - a->vertices) : 0);
-	choice->partial[0] = (struct lod_hull_point){ .vertices = (uint64_t)(points * floor(all)), .fp = a->fp, .fn = a->fn };
+	double part = choice->position - whole,
+		all = (double)a->vertices + (part > 0 ? part * (double)(a[1].vertices - a->vertices) : 0);
+	choice->partial[0] = (struct lod_hull_point){ .vertices = (uint64_t)(points * floor(all)),
+		.fp = a->fp, .fn = a->fn };
 	if (part > 0) {
 		choice->partial[0].fp += part * (a[1].fp - a->fp);
 		choice->partial[0].fn += part * (a[1].fn - a->fn);
@@ -329,7 +356,9 @@ static void fix_summary(struct lod_tile_choice *choice, double points)
 	choice->partial[1] = choice->partial[0];
 	choice->partial[1].vertices = (uint64_t)all;
 	choice->partial[1].fn_slope = LAST_SLOPE;
-	choice->partial_hull = (struct lod_hull){ choice->partial, choice->partial[1].vertices > choice->partial[0].vertices ? 2 : 1, choice->summary.hull.fp_weight };
+	choice->partial_hull = (struct lod_hull){ choice->partial,
+		choice->partial[1].vertices > choice->partial[0].vertices ? 2 : 1,
+		choice->summary.hull.fp_weight };
 }
 
 void lod_allocation_fix(struct lod_allocation *m)
@@ -344,7 +373,8 @@ void lod_allocation_fix(struct lod_allocation *m)
 		double plants = choice->open ? choice->weight * choice->share : 0;
 		node->points = choice->has_summary ? choice->weight * points_share(choice->share) : 0;
 		node->left = (uint32_t)((1 - plants) * ECO_SHARE_ONE);
-		node->state = choice->open && node->left < ECO_SHARE_ONE ? LOD_OPEN : node->points > 0 ? LOD_SUMMARY : LOD_CLOSED;
+		node->state = choice->open && node->left < ECO_SHARE_ONE ? LOD_OPEN : node->points > 0
+			? LOD_SUMMARY : LOD_CLOSED;
 		if (node->state != LOD_OPEN)
 			node->left = 0;
 		/* the rest of the budget decides on its hull points */

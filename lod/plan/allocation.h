@@ -85,7 +85,8 @@ struct lod_tile_choice {
 struct lod_allocation {
 	struct lod_planner *p;
 	struct lod_slot_choice *slot_choices; /* per slot */
-	struct lod_ladder_choice *ladder_choices;            uint32_t ladder_choice_count, ladder_choice_capacity;
+	struct lod_ladder_choice *ladder_choices;            uint32_t ladder_choice_count,
+		ladder_choice_capacity;
 	struct lod_tile_choice *tile_choices; /* per node */
 	uint32_t *drawn_by;          /* per node: the tile whose choice draws it; set by predict and fix */
 	uint64_t *counts;            /* per slot: plants if all open tiles are drawn */
@@ -98,18 +99,21 @@ struct lod_allocation {
 	struct lod_cost cost;        /* at the last lambda */
 };
 
-enum eco_code lod_allocation_make(struct lod_allocation *allocation, struct lod_planner *p, struct eco_error *error);
+enum eco_code lod_allocation_make(struct lod_allocation *allocation, struct lod_planner *p,
+	struct eco_error *error);
 void lod_allocation_free(struct lod_allocation *allocation);
 
 /* The slot of whole plants in a band; ECO_NONE where there is none. */
-static inline uint32_t lod_allocation_slot(const struct lod_allocation *allocation, uint32_t plant, uint8_t band)
+static inline uint32_t lod_allocation_slot(const struct lod_allocation *allocation, uint32_t plant,
+	uint8_t band)
 {
 	return allocation->slot_of[plant * (size_t)ECO_BANDS + band] - 1;
 }
 
 /* Calls fn for each tally of cells in open tiles, with the slot choice of the cell and that of the whole
  * plants. */
-typedef void (*lod_allocation_cell_fn)(struct lod_allocation *allocation, const struct lod_tally *tally, struct lod_slot_choice *cell, struct lod_slot_choice *whole);
+typedef void (*lod_allocation_cell_fn)(struct lod_allocation *allocation, const struct lod_tally *tally,
+	struct lod_slot_choice *cell, struct lod_slot_choice *whole);
 void lod_allocation_cells(struct lod_allocation *allocation, lod_allocation_cell_fn fn);
 
 /* Nothing is chosen above `high`; nearly everything that gains is chosen below `low`. */
@@ -117,11 +121,13 @@ void lod_allocation_lambda_range(const struct lod_allocation *allocation, double
 
 /* Sets p->gates too. At lambda 0 every step is taken. */
 void lod_allocation_relax(struct lod_allocation *allocation, double lambda);
-enum eco_code lod_allocation_predict(struct lod_allocation *allocation, struct eco_prediction *prediction, struct eco_error *error);
+enum eco_code lod_allocation_predict(struct lod_allocation *allocation, struct eco_prediction *prediction,
+	struct eco_error *error);
 
 /* After relax: what a tile's plants and children save at lambda, vertices paid, and an upper bound of what
  * its summary saves. The tile is open and has a summary. */
-void lod_allocation_compare(const struct lod_allocation *allocation, uint32_t node, double *plants, double *summary);
+void lod_allocation_compare(const struct lod_allocation *allocation, uint32_t node, double *plants,
+	double *summary);
 
 /* Makes the gates and tiles of the last lambda those of p, and counts plants anew. */
 void lod_allocation_fix(struct lod_allocation *allocation);

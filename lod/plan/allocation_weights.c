@@ -39,7 +39,8 @@ static double fp_weight_of(double unoccluded, double seen)
 
 static bool add_ladder_choice(struct lod_allocation *m, const struct lod_ladder_choice *choice)
 {
-	if (!eco_room(&m->ladder_choices, &m->ladder_choice_capacity, m->ladder_choice_count, sizeof *m->ladder_choices))
+	if (!eco_room(&m->ladder_choices, &m->ladder_choice_capacity, m->ladder_choice_count,
+			sizeof *m->ladder_choices))
 		return false;
 	m->ladder_choices[m->ladder_choice_count++] = *choice;
 	m->p->candidates += choice->hull.count - 1;
@@ -56,13 +57,15 @@ static double organ_pixels(const struct lod_allocation *m, const struct eco_ladd
 	const struct lod_planner *p = m->p;
 	const struct eco_plant *plant = &p->scene->plants[ladder->plant];
 	const struct eco_anchor *anchor = &p->scene->anchors[ladder->anchor];
-	struct lod_proxy_shape proxy_shape = { .area = ladder->area, .crown_across = anchor->radius, .crown_up = anchor->radius };
+	struct lod_proxy_shape proxy_shape = { .area = ladder->area, .crown_across = anchor->radius,
+		.crown_up = anchor->radius };
 	if (ladder->anchor == plant->anchor_first) {
 		proxy_shape = lod_plan_tables_proxy_shapes(p->tables)[ladder->plant];
 		proxy_shape.area = ladder->area;
 	}
 	double r = lod_band_distance_m(band), px = 1 / (r * p->visible.eye.pixel_rad);
-	double pixels = lod_proxy_shape_opacity(&proxy_shape) * PI * proxy_shape.crown_across * proxy_shape.crown_up * px * px;
+	double pixels = lod_proxy_shape_opacity(&proxy_shape) * PI * proxy_shape.crown_across
+		* proxy_shape.crown_up * px * px;
 	if (ladder->organ != ECO_ORGAN_WOOD)
 		return pixels;
 	proxy_shape = lod_plan_tables_proxy_shapes(p->tables)[ladder->plant];
@@ -102,7 +105,8 @@ static bool add_ladder_choices(struct lod_allocation *m, uint32_t s, uint32_t id
 	const struct lod_plan_tables_ladder *table = lod_plan_tables_ladder(m->p->tables, id);
 	if (!table)
 		return false;
-	struct lod_ladder_choice choice = { .slot = s, .ladder = id, .weight_px = weight_px, .hull = table->hull[0] };
+	struct lod_ladder_choice choice = { .slot = s, .ladder = id, .weight_px = weight_px,
+		.hull = table->hull[0] };
 	choice.hull.fp_weight = m->slot_choices[s].fp_weight;
 	choice.when = slot->cell || scene->plants[slot->plant].anchor_count < 2 ? LOD_ALWAYS : LOD_FAR;
 	if (!add_ladder_choice(m, &choice))
@@ -140,10 +144,13 @@ static enum eco_code make_slot_choice(struct lod_allocation *m, uint32_t s, stru
 		const struct eco_ladder *ladder = &scene->ladders[ladder_choice->ladder];
 		slot_choice->weight_px[0] += ladder_choice->when == LOD_NEAR ? 0 : ladder_choice->weight_px;
 		slot_choice->weight_px[1] += ladder_choice->when == LOD_FAR ? 0 : ladder_choice->weight_px;
-		slot_choice->absent += ladder_choice->when == LOD_NEAR ? 0 : ladder_choice->weight_px * lod_hull_absent(ladder);
-		slot_choice->own += ladder_choice->when == LOD_NEAR ? ladder_choice->weight_px / importance_of(ladder) : 0;
+		slot_choice->absent += ladder_choice->when == LOD_NEAR ? 0
+			: ladder_choice->weight_px * lod_hull_absent(ladder);
+		slot_choice->own += ladder_choice->when == LOD_NEAR
+			? ladder_choice->weight_px / importance_of(ladder) : 0;
 	}
-	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u ladder choices", m->ladder_choice_count);
+	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u ladder choices",
+		m->ladder_choice_count);
 }
 
 /* ---- Pixels seen ---- */
@@ -167,13 +174,16 @@ static void smooth_plants(struct lod_allocation *m)
 	const struct lod_visible_tree *visible = &m->p->visible;
 	for (uint32_t s = 0; s < visible->slot_count; s++) {
 		const struct lod_slot *slot = &visible->slots[s];
-		double own = m->scratch[s], seen = 0, unoccluded = 0, sum = 0, nominal = lod_band_distance_m(slot->band);
+		double own = m->scratch[s], seen = 0, unoccluded = 0, sum = 0,
+			nominal = lod_band_distance_m(slot->band);
 		for (int k = -SMOOTH_BANDS; !slot->cell && k <= SMOOTH_BANDS; k++) {
 			int band = (int)slot->band + k;
-			uint32_t t = band < 0 || band >= (int)ECO_BANDS ? ECO_NONE : lod_allocation_slot(m, slot->plant, (uint8_t)band);
+			uint32_t t = band < 0 || band >= (int)ECO_BANDS ? ECO_NONE
+				: lod_allocation_slot(m, slot->plant, (uint8_t)band);
 			if (t == ECO_NONE || !(m->scratch[t] > 0))
 				continue;
-			double far = lod_band_distance_m((uint8_t)band) / nominal, weight = k == 0 ? 1 : fmin(1, SMOOTH_PLANTS / own) * ldexp(1, -abs(k));
+			double far = lod_band_distance_m((uint8_t)band) / nominal,
+				weight = k == 0 ? 1 : fmin(1, SMOOTH_PLANTS / own) * ldexp(1, -abs(k));
 			seen += weight * far * far * m->slot_choices[t].own;
 			unoccluded += weight * far * far * m->slot_choices[t].parts;
 			sum += weight * m->scratch[t];
@@ -215,18 +225,21 @@ void lod_allocation_cells(struct lod_allocation *m, lod_allocation_cell_fn fn)
 			const struct lod_tally *t = &node->tallies[i];
 			const struct lod_slot *slot = &visible->slots[t->slot];
 			if (slot->cell)
-				fn(m, t, &m->slot_choices[t->slot], &m->slot_choices[lod_allocation_slot(m, slot->plant, t->whole_band)]);
+				fn(m, t, &m->slot_choices[t->slot],
+					&m->slot_choices[lod_allocation_slot(m, slot->plant, t->whole_band)]);
 		}
 	}
 }
 
-static void sum_parts(struct lod_allocation *m, const struct lod_tally *t, struct lod_slot_choice *cell, struct lod_slot_choice *whole)
+static void sum_parts(struct lod_allocation *m, const struct lod_tally *t, struct lod_slot_choice *cell,
+	struct lod_slot_choice *whole)
 {
 	(void)m;
 	whole->parts += t->count * cell->parts;
 }
 
-static void add_cell(struct lod_allocation *m, const struct lod_tally *t, struct lod_slot_choice *cell, struct lod_slot_choice *whole)
+static void add_cell(struct lod_allocation *m, const struct lod_tally *t, struct lod_slot_choice *cell,
+	struct lod_slot_choice *whole)
 {
 	double rest = fmax(0, whole->seen - whole->own) * (double)m->counts[whole - m->slot_choices];
 	double part = whole->parts > 0 ? t->count * rest * cell->parts / whole->parts : 0;
@@ -257,11 +270,13 @@ static void measure_cells(struct lod_allocation *m)
 
 /* A tile whose plants were not counted is seen as one proxy shape, as dense as the scene's plants are in the
  * mean. */
-static void measure_closed(struct lod_allocation *m, const struct lod_visibility *visibility, struct lod_tile_choice *choice)
+static void measure_closed(struct lod_allocation *m, const struct lod_visibility *visibility,
+	struct lod_tile_choice *choice)
 {
 	const struct lod_planner *p = m->p;
 	const struct lod_node *node = &p->visible.nodes[visibility->node];
-	double ratio = lod_plan_tables_ellipse(p->tables), px = 1 / ((double)visibility->depth * p->visible.eye.pixel_rad);
+	double ratio = lod_plan_tables_ellipse(p->tables),
+		px = 1 / ((double)visibility->depth * p->visible.eye.pixel_rad);
 	choice->pixels = seen_pixels(visibility);
 	choice->weight_px = (1 + LOD_ABSENT_WEIGHT) * choice->pixels;
 	choice->unoccluded = unoccluded_pixels(visibility);
@@ -311,7 +326,8 @@ static bool measure_summary(struct lod_allocation *m, uint32_t n)
 	 * may be used from where the farthest plant is less than three times as far away as the nearest, and
 	 * without limit from twice that distance on: between the two it gives way gradually. */
 	double apart = node->distance / fmax(across, up) - 1;
-	choice->has_summary = list != ECO_NONE && p->scene->lists[list].primitive_count > 0 && choice->pixels > 0 && choice->plants > 0 && apart > 0;
+	choice->has_summary = list != ECO_NONE && p->scene->lists[list].primitive_count > 0
+		&& choice->pixels > 0 && choice->plants > 0 && apart > 0;
 	choice->closed_most = fmin(1, apart);
 	if (!choice->has_summary)
 		return true;
@@ -321,9 +337,12 @@ static bool measure_summary(struct lod_allocation *m, uint32_t n)
 	}
 	double r = fmax(node->distance, sqrt(square)), px = 1 / (r * p->visible.eye.pixel_rad);
 	/* the summary's points stand for all plants of the tile, in view or not */
-	double all = (double)p->scene->tiles[node->tile].instance_count, part = all > choice->plants ? choice->plants / all : 1;
-	struct lod_summary_view view = { .area = 0.5 * node->area * px * px * part, .covered = choice->view.covered, .box = choice->view.box,
-		.plants = choice->plants, .points = p->scene->lists[list].primitive_count, .weight_px = choice->weight_px };
+	double all = (double)p->scene->tiles[node->tile].instance_count, part = all > choice->plants
+		? choice->plants / all : 1;
+	struct lod_summary_view view = { .area = 0.5 * node->area * px * px * part,
+		.covered = choice->view.covered, .box = choice->view.box,
+		.plants = choice->plants, .points = p->scene->lists[list].primitive_count,
+		.weight_px = choice->weight_px };
 	struct lod_tilt tilt = lod_tilt_at(&p->visible.eye, from_eye, 0.25 * fmax(across, up));
 	view.wide = 2 * across * px;
 	view.high = 2 * lod_tilt_height(&tilt, across, up) * px;
@@ -333,7 +352,8 @@ static bool measure_summary(struct lod_allocation *m, uint32_t n)
 		return false;
 	m->block_used += 2 * count + 1;
 	p->candidates += count;
-	lod_summary_hull_begin(&choice->summary, &view, part, choice->pixels / choice->weight_px, fmin(1, choice->unoccluded / choice->pixels), room, &p->gains);
+	lod_summary_hull_begin(&choice->summary, &view, part, choice->pixels / choice->weight_px,
+		fmin(1, choice->unoccluded / choice->pixels), room, &p->gains);
 	return true;
 }
 
@@ -347,10 +367,12 @@ static enum eco_code make_tile_choices(struct lod_allocation *m, struct eco_erro
 		struct lod_tile_choice *tile_choice = &m->tile_choices[n];
 		if (node->state == LOD_CLOSED)
 			continue;
-		tile_choice->factor = tile_choice->mean_seen > 0 ? tile_choice->factor / tile_choice->mean_seen : 1;
+		tile_choice->factor = tile_choice->mean_seen > 0
+			? tile_choice->factor / tile_choice->mean_seen : 1;
 		for (uint32_t i = 0; tile_choice->open && i < node->tally_count; i++) {
 			const struct lod_slot_choice *slot_choice = &m->slot_choices[node->tallies[i].slot];
-			double seen = visible->slots[node->tallies[i].slot].cell ? 0 : tile_choice->factor * node->tallies[i].count;
+			double seen = visible->slots[node->tallies[i].slot].cell ? 0
+				: tile_choice->factor * node->tallies[i].count;
 			tile_choice->pixels += seen * slot_choice->weight_px[0];
 			tile_choice->weight_px += seen * (slot_choice->weight_px[0] + slot_choice->absent);
 		}
@@ -364,7 +386,8 @@ static enum eco_code make_tile_choices(struct lod_allocation *m, struct eco_erro
 			tile_choice->plants += child->plants;
 		}
 		if (!measure_summary(m, n))
-			return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u tiles", visible->node_count);
+			return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u tiles",
+				visible->node_count);
 	}
 	return ECO_OK;
 }
@@ -388,7 +411,8 @@ static enum eco_code add_tiles(struct lod_planner *p, struct eco_error *error)
 			visibility->node = n;
 			visibility->slot = ECO_NONE;
 		} else
-			return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u tiles in view", p->visible.node_count);
+			return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u tiles in view",
+				p->visible.node_count);
 	}
 	return ECO_OK;
 }
@@ -405,7 +429,8 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 	m->drawn_by = calloc(nodes + 1, sizeof *m->drawn_by);
 	m->slot_of = calloc((size_t)scene->plant_count * ECO_BANDS + 1, sizeof *m->slot_of);
 	m->gates_counted = malloc(scene->plant_count + 1u);
-	if (!m->slot_choices || !m->scratch || !m->counts || !m->tile_choices || !m->drawn_by || !m->slot_of || !m->gates_counted)
+	if (!m->slot_choices || !m->scratch || !m->counts || !m->tile_choices || !m->drawn_by || !m->slot_of
+			|| !m->gates_counted)
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u slots", slots);
 	for (uint32_t i = 0; i < scene->plant_count; i++)
 		m->gates_counted[i] = (uint8_t)(p->gates[i] / ECO_SHARE_ONE);

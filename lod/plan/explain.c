@@ -10,9 +10,11 @@
 #define ROUNDING 1e-9            /* slopes within this share are equal */
 
 const char *const lod_why_names[LOD_WHY_COUNT] = {
-	[LOD_WHY_STEP] = "next step", [LOD_WHY_ROOM] = "no room", [LOD_WHY_PART] = "within a step", [LOD_WHY_LEFT_OVER] = "left over",
-	[LOD_WHY_ALL] = "all", [LOD_WHY_DISTANCE] = "sample distance", [LOD_WHY_SUMMARY] = "summary", [LOD_WHY_FAR] = "far",
-	[LOD_WHY_GIVES_WAY] = "gives way", [LOD_WHY_PLANTS] = "plants", [LOD_WHY_GROUND] = "ground",
+	[LOD_WHY_STEP] = "next step", [LOD_WHY_ROOM] = "no room", [LOD_WHY_PART] = "within a step",
+		[LOD_WHY_LEFT_OVER] = "left over",
+	[LOD_WHY_ALL] = "all", [LOD_WHY_DISTANCE] = "sample distance", [LOD_WHY_SUMMARY] = "summary",
+	[LOD_WHY_FAR] = "far", [LOD_WHY_GIVES_WAY] = "gives way", [LOD_WHY_PLANTS] = "plants",
+	[LOD_WHY_GROUND] = "ground",
 };
 
 void lod_explanation_free(struct lod_explanation *explanation)
@@ -46,15 +48,19 @@ static void explain_summary(const struct lod_fill *fill, uint32_t n, struct lod_
 static bool beyond_lambda(const struct lod_fill *fill, const struct lod_candidate *candidate)
 {
 	const struct lod_hull_point *at = lod_candidate_point(candidate);
-	double last = candidate->step ? lod_hull_slope(candidate->hull, candidate->step) * candidate->weight_px : INFINITY;
-	return candidate->between || candidate->low != at->vertices || (candidate->ahead && candidate->high != at[1].vertices)
+	double last = candidate->step
+		? lod_hull_slope(candidate->hull, candidate->step) * candidate->weight_px : INFINITY;
+	return candidate->between || candidate->low != at->vertices
+		|| (candidate->ahead && candidate->high != at[1].vertices)
 		|| last * LOD_HULL_BLUR < fill->lambda * (1 - ROUNDING);
 }
 
 struct lod_reason lod_explain_candidate(const struct lod_fill *fill, const struct lod_candidate *candidate)
 {
-	struct lod_reason reason = { .next = lod_candidate_next(candidate), .ahead = candidate->ahead, .between = candidate->between };
-	reason.gain = candidate->seen * lod_hull_error(candidate->hull, candidate->hull->points) - lod_fill_wrong_of(fill, candidate);
+	struct lod_reason reason = { .next = lod_candidate_next(candidate), .ahead = candidate->ahead,
+		.between = candidate->between };
+	reason.gain = candidate->seen * lod_hull_error(candidate->hull, candidate->hull->points)
+		- lod_fill_wrong_of(fill, candidate);
 	if (candidate->ladder_choice == ECO_NONE)
 		explain_summary(fill, candidate->node, &reason);
 	else if (lod_candidate_ended(candidate))
@@ -76,7 +82,8 @@ struct lod_reason lod_explain_candidate(const struct lod_fill *fill, const struc
 static void add_row(struct lod_explanation *explanation, const struct lod_explained *row)
 {
 	if (explanation->count == LOD_EXPLAINED_MAX
-			|| !eco_room(&explanation->rows, &explanation->capacity, explanation->count, sizeof *explanation->rows))
+			|| !eco_room(&explanation->rows, &explanation->capacity, explanation->count,
+			sizeof *explanation->rows))
 		explanation->omitted++;
 	else
 		explanation->rows[explanation->count++] = *row;
@@ -93,31 +100,37 @@ void lod_explain_tiles(const struct lod_fill *fill)
 	explanation->omitted = 0;
 	for (uint32_t n = 0; n < m->p->visible.node_count; n++) {
 		const struct lod_node *node = &m->p->visible.nodes[n];
-		struct lod_explained row = { .cut = { .list = ECO_NONE, .anchor = ECO_NONE }, .tile = node->tile, .plant = ECO_NONE };
+		struct lod_explained row = { .cut = { .list = ECO_NONE, .anchor = ECO_NONE },
+			.tile = node->tile, .plant = ECO_NONE };
 		double plants, summary;
 		if (node->state != LOD_OPEN || node->points > 0 || !m->tile_choices[n].has_summary)
 			continue;
 		lod_allocation_compare(m, n, &plants, &summary);
 		row.plants = node->plants;
-		row.reason = (struct lod_reason){ .why = LOD_WHY_PLANTS, .gain = plants, .margin = fmax(0, more_by(plants, summary)) };
+		row.reason = (struct lod_reason){ .why = LOD_WHY_PLANTS, .gain = plants,
+			.margin = fmax(0, more_by(plants, summary)) };
 		add_row(explanation, &row);
 	}
 }
 
-void lod_explain_cut(const struct lod_planner *p, const struct lod_entry *entry, const struct eco_cut *cut, uint64_t plants)
+void lod_explain_cut(const struct lod_planner *p, const struct lod_entry *entry, const struct eco_cut *cut,
+	uint64_t plants)
 {
-	struct lod_explained row = { .cut = *cut, .tile = ECO_NONE, .plant = ECO_NONE, .plants = plants, .reason = entry->reason };
+	struct lod_explained row = { .cut = *cut, .tile = ECO_NONE, .plant = ECO_NONE, .plants = plants,
+		.reason = entry->reason };
 	if (!p->input->explanation)
 		return;
 	if (entry->slot == ECO_NONE)
 		row.tile = p->visible.nodes[entry->ladder].tile;
 	else
 		row.plant = p->visible.slots[entry->slot].plant;
-	row.vertices = (uint64_t)(cut->end - cut->first) * eco_list_vertices(&p->scene->lists[cut->list]) * plants;
+	row.vertices = (uint64_t)(cut->end - cut->first) * eco_list_vertices(&p->scene->lists[cut->list])
+		* plants;
 	add_row(p->input->explanation, &row);
 }
 
-void lod_explain_ground(struct lod_explanation *explanation, const struct eco_plan *plan, const struct eco_scene *scene, double error_px)
+void lod_explain_ground(struct lod_explanation *explanation, const struct eco_plan *plan,
+	const struct eco_scene *scene, double error_px)
 {
 	error_px = error_px > 0 ? error_px : ECO_GROUND_PX;
 	for (uint32_t i = 0; explanation && i < plan->cut_count; i++) {
@@ -138,7 +151,8 @@ static void say_margin(char *text, size_t size, const char *winner, const char *
 		snprintf(text, size, "%s are drawn: %s would save nothing here", winner, loser);
 }
 
-void lod_explain_text(char *text, size_t size, const struct lod_explanation *explanation, const struct lod_explained *row)
+void lod_explain_text(char *text, size_t size, const struct lod_explanation *explanation,
+	const struct lod_explained *row)
 {
 	const struct lod_reason *reason = &row->reason;
 	double costs = reason->next > 0 ? explanation->lambda / reason->next : 0;
@@ -150,10 +164,12 @@ void lod_explain_text(char *text, size_t size, const struct lod_explanation *exp
 			snprintf(text, size, "the next hull step saves nothing");
 		return;
 	case LOD_WHY_ROOM:
-		snprintf(text, size, "the next hull step would pay (%.2g times lambda), but the budget has no room for it", costs);
+		snprintf(text, size, "the next hull step would pay (%.2g times lambda), but the budget has "
+			"no room for it", costs);
 		return;
 	case LOD_WHY_PART:
-		snprintf(text, size, "lambda lies within a hull step: %.3g %% of the plants have taken it", 100 * reason->margin);
+		snprintf(text, size, "lambda lies within a hull step: %.3g %% of the plants have taken it",
+			100 * reason->margin);
 		return;
 	case LOD_WHY_LEFT_OVER:
 		snprintf(text, size, "left over: bought with the rest of the budget");
@@ -162,7 +178,8 @@ void lod_explain_text(char *text, size_t size, const struct lod_explanation *exp
 		snprintf(text, size, "all of it is drawn");
 		return;
 	case LOD_WHY_DISTANCE:
-		snprintf(text, size, "the sample distance of %.3g rad asks for it", explanation->sample_distance);
+		snprintf(text, size, "the sample distance of %.3g rad asks for it",
+			explanation->sample_distance);
 		return;
 	case LOD_WHY_SUMMARY:
 		say_margin(text, size, "summary points", "plants", reason->margin);
@@ -171,7 +188,8 @@ void lod_explain_text(char *text, size_t size, const struct lod_explanation *exp
 		snprintf(text, size, "the summary is fine enough from here: its plants are not looked at");
 		return;
 	case LOD_WHY_GIVES_WAY:
-		snprintf(text, size, "the summary gives way to plants: %.3g %% of them are drawn", 100 * reason->margin);
+		snprintf(text, size, "the summary gives way to plants: %.3g %% of them are drawn",
+			100 * reason->margin);
 		return;
 	case LOD_WHY_PLANTS:
 		say_margin(text, size, "plants", "the summary", reason->margin);
@@ -185,17 +203,18 @@ void lod_explain_text(char *text, size_t size, const struct lod_explanation *exp
 	snprintf(text, size, "?");
 }
 
-void lod_explain_line(char *text, size_t size, const struct eco_scene *scene, const struct lod_explanation *explanation,
-	const struct lod_explained *row)
+void lod_explain_line(char *text, size_t size, const struct eco_scene *scene,
+	const struct lod_explanation *explanation, const struct lod_explained *row)
 {
 	char who[80], why[128];
 	lod_explain_text(why, sizeof why, explanation, row);
 	if (row->plant != ECO_NONE)
-		snprintf(who, sizeof who, "%.40s, band %u, %llu plants", scene->plants[row->plant].name, row->cut.band_first,
-			(unsigned long long)row->plants);
+		snprintf(who, sizeof who, "%.40s, band %u, %llu plants", scene->plants[row->plant].name,
+			row->cut.band_first, (unsigned long long)row->plants);
 	else if (row->tile != ECO_NONE)
 		snprintf(who, sizeof who, "tile %u", row->tile);
 	else
 		snprintf(who, sizeof who, "ground");
-	snprintf(text, size, "%s: %llu vertices save %.4g pixels: %s", who, (unsigned long long)row->vertices, row->reason.gain, why);
+	snprintf(text, size, "%s: %llu vertices save %.4g pixels: %s", who, (unsigned long long)row->vertices,
+		row->reason.gain, why);
 }

@@ -65,11 +65,12 @@ void lod_explanation_free(struct lod_explanation *explanation);
 
 /* One sentence without a full stop, such as "the next hull step costs 2.1 times lambda"; at most 120
  * bytes. */
-void lod_explain_text(char *text, size_t size, const struct lod_explanation *explanation, const struct lod_explained *row);
+void lod_explain_text(char *text, size_t size, const struct lod_explanation *explanation,
+	const struct lod_explained *row);
 
 /* The row as a line of a table for people: tile or plant with its band, vertices, pixels saved and the
  * sentence. At most 300 bytes. */
-void lod_explain_line(char *text, size_t size, const struct eco_scene *scene, const struct lod_explanation *explanation,
-	const struct lod_explained *row);
+void lod_explain_line(char *text, size_t size, const struct eco_scene *scene,
+	const struct lod_explanation *explanation, const struct lod_explained *row);
 
 #endif

@@ -35,41 +35,55 @@ static void sum_seen(const struct lod_allocation *m, double *seen)
 	for (uint32_t n = 0; n < p->visible.node_count; n++) {
 		const struct lod_node *node = &p->visible.nodes[n];
 		for (uint32_t i = 0; node->state == LOD_OPEN && i < node->tally_count; i++)
-			seen[node->tallies[i].slot] += drawn_share(node) * shown(p, &node->tallies[i]) * m->tile_choices[n].factor;
+			seen[node->tallies[i].slot] += drawn_share(node) * shown(p, &node->tallies[i])
+				* m->tile_choices[n].factor;
 	}
 }
 
 /* A summary with no plants beside it is a candidate along its whole hull. */
-static bool summary_alone(const struct lod_node *node) { return node->state == LOD_SUMMARY && node->points >= 1; }
+static bool summary_alone(const struct lod_node *node)
+{
+	return node->state == LOD_SUMMARY && node->points >= 1;
+}
 
 /* Near plants are the first of the slot by hash, far plants the others. */
 static uint64_t plants_of(const struct lod_planner *p, const struct lod_ladder_choice *choice)
 {
 	const struct lod_slot *slot = &p->visible.slots[choice->slot];
-	return choice->when == LOD_NEAR ? slot->near : choice->when == LOD_FAR ? slot->count - slot->near : slot->count;
+	return choice->when == LOD_NEAR ? slot->near : choice->when == LOD_FAR ? slot->count - slot->near
+		: slot->count;
 }
 
 enum eco_code lod_fill_make(struct lod_fill *fill, struct lod_allocation *m, struct eco_error *error)
 {
 	const struct lod_planner *p = m->p;
-	*fill = (struct lod_fill){ .allocation = m, .candidates = malloc(((size_t)m->ladder_choice_count + p->visible.node_count + 1) * sizeof *fill->candidates) };
+	*fill = (struct lod_fill){ .allocation = m,
+		.candidates =
+		malloc(((size_t)m->ladder_choice_count + p->visible.node_count + 1)
+		* sizeof *fill->candidates) };
 	if (!fill->candidates)
-		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u ladder choices", m->ladder_choice_count);
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u ladder choices",
+			m->ladder_choice_count);
 	memset(m->scratch, 0, p->visible.slot_count * sizeof *m->scratch);
 	sum_seen(m, m->scratch);
 	for (uint32_t i = 0; i < m->ladder_choice_count; i++) {
 		const struct lod_ladder_choice *o = &m->ladder_choices[i];
 		uint64_t count = plants_of(p, o);
 		if (count)
-			fill->candidates[fill->candidate_count++] = (struct lod_candidate){ .ladder_choice = i, .node = ECO_NONE, .hull = &o->hull, .count = count, .weight_px = o->weight_px,
-				.seen = o->weight_px * m->scratch[o->slot] * ((double)count / (double)p->visible.slots[o->slot].count) };
+			fill->candidates[fill->candidate_count++] =
+				(struct lod_candidate){ .ladder_choice = i, .node = ECO_NONE,
+				.hull = &o->hull, .count = count, .weight_px = o->weight_px,
+				.seen = o->weight_px * m->scratch[o->slot]
+				* ((double)count / (double)p->visible.slots[o->slot].count) };
 	}
 	for (uint32_t n = 0; n < p->visible.node_count; n++) {
 		const struct lod_node *node = &p->visible.nodes[n];
 		const struct lod_tile_choice *choice = &m->tile_choices[n];
 		if (node->points > 0)
-			fill->candidates[fill->candidate_count++] = (struct lod_candidate){ .ladder_choice = ECO_NONE, .node = n,
-				.hull = summary_alone(node) ? &choice->summary.hull : &choice->partial_hull, .count = 1, .weight_px = choice->weight_px,
+			fill->candidates[fill->candidate_count++] =
+				(struct lod_candidate){ .ladder_choice = ECO_NONE, .node = n,
+				.hull = summary_alone(node) ? &choice->summary.hull : &choice->partial_hull,
+				.count = 1, .weight_px = choice->weight_px,
 				.seen = choice->weight * (1 - choice->share) * choice->weight_px };
 	}
 	return ECO_OK;
@@ -89,7 +103,8 @@ void lod_fill_free(struct lod_fill *fill)
 static void add_vertices(struct lod_fill *fill, uint64_t count, uint64_t each)
 {
 	uint64_t product;
-	if (__builtin_mul_overflow(count, each, &product) || __builtin_add_overflow(fill->vertices, product, &fill->vertices))
+	if (__builtin_mul_overflow(count, each, &product)
+			|| __builtin_add_overflow(fill->vertices, product, &fill->vertices))
 		fill->vertices = UINT64_MAX;
 }
 
@@ -100,7 +115,9 @@ static void fill_at(struct lod_fill *fill, double lambda)
 	fill->allocation->p->looks += fill->candidate_count;
 	for (uint32_t i = 0; i < fill->candidate_count; i++) {
 		struct lod_candidate *candidate = &fill->candidates[i];
-		double position = candidate->weight_px > 0 ? lod_hull_position(candidate->hull, lambda / candidate->weight_px, candidate->step) : lambda > 0 ? 0 : candidate->hull->count - 1;
+		double position = candidate->weight_px > 0
+			? lod_hull_position(candidate->hull, lambda / candidate->weight_px, candidate->step)
+			: lambda > 0 ? 0 : candidate->hull->count - 1;
 		lod_candidate_reach(candidate, (uint32_t)position);
 		double part = position - candidate->step;
 		if (candidate->ladder_choice == ECO_NONE) /* a summary can have any number of points */
@@ -117,9 +134,12 @@ static double candidate_wrong(const struct lod_candidate *candidate)
 	const struct lod_hull_point *a = lod_candidate_point(candidate);
 	double now = lod_hull_error(candidate->hull, a), part = 0;
 	if (!lod_candidate_ended(candidate))
-		part = ((double)(candidate->low - a->vertices) + (double)candidate->ahead / (double)candidate->count * (double)(candidate->high - candidate->low))
+		part = ((double)(candidate->low - a->vertices)
+			+ (double)candidate->ahead / (double)candidate->count * (double)(candidate->high
+			- candidate->low))
 			/ (double)(a[1].vertices - a->vertices);
-	return candidate->seen * (part > 0 ? now + part * (lod_hull_error(candidate->hull, a + 1) - now) : now);
+	return candidate->seen * (part > 0 ? now + part * (lod_hull_error(candidate->hull, a + 1) - now)
+		: now);
 }
 
 /* A tile that draws nothing, or only its plants, is no candidate: the caller adds what it leaves wrong. */
@@ -144,7 +164,8 @@ void lod_fill_search(struct lod_fill *fill, double lambda, uint64_t budget)
 		for (; fill_at(fill, low), fill->vertices <= budget && brackets < BRACKETS_MAX; brackets++) {
 			high = low;
 			low /= BRACKET_FACTOR;
-			if (brackets == BRACKETS_FEW && (fill_at(fill, high * NEGLIGIBLE), fill->vertices <= budget)) {
+			if (brackets == BRACKETS_FEW
+					&& (fill_at(fill, high * NEGLIGIBLE), fill->vertices <= budget)) {
 				low = high *= NEGLIGIBLE; /* the remaining steps gain nothing */
 				break;
 			}
@@ -163,12 +184,14 @@ void lod_fill_search(struct lod_fill *fill, double lambda, uint64_t budget)
 
 /* ---- Hashes: which plants are ahead ---- */
 
-static void collect_cell_hashes(void *ctx, const struct lod_anchor_band *anchors, uint32_t anchor_count, uint32_t plant, uint32_t hash)
+static void collect_cell_hashes(void *ctx, const struct lod_anchor_band *anchors, uint32_t anchor_count,
+	uint32_t plant, uint32_t hash)
 {
 	struct lod_fill *fill = ctx;
 	(void)plant;
 	for (uint32_t i = 1; i < anchor_count; i++) {
-		uint32_t slot = lod_visible_tree_slot(&fill->allocation->p->visible, anchors[i].anchor, anchors[i].band);
+		uint32_t slot = lod_visible_tree_slot(&fill->allocation->p->visible, anchors[i].anchor,
+			anchors[i].band);
 		if (slot != ECO_NONE)
 			fill->hashes[fill->hash_first[slot]++] = (uint16_t)hash;
 	}
@@ -198,7 +221,8 @@ static bool collect_hashes(struct lod_fill *fill)
 		return false;
 	for (uint32_t i = 0; i < p->screen.count; i++) {
 		const struct lod_visibility *visibility = &p->screen.visibilities[i];
-		if (visibility->slot != ECO_NONE && is_drawn(&p->visible.nodes[visibility->node], visibility->hash))
+		if (visibility->slot != ECO_NONE
+				&& is_drawn(&p->visible.nodes[visibility->node], visibility->hash))
 			fill->hashes[fill->hash_first[visibility->slot]++] = visibility->hash;
 	}
 	for (uint32_t plant = 0; plant < p->scene->plant_count; plant++)
@@ -251,7 +275,8 @@ uint64_t lod_fill_share_next(struct lod_fill *fill, const struct lod_candidate *
 
 static const struct lod_way *way_of(const struct lod_fill *fill, const struct lod_candidate *candidate)
 {
-	return lod_planner_way(fill->allocation->p, fill->allocation->ladder_choices[candidate->ladder_choice].ladder);
+	return lod_planner_way(fill->allocation->p,
+		fill->allocation->ladder_choices[candidate->ladder_choice].ladder);
 }
 
 /* All plants have `vertices`, at the next hull point or on the way to it. */
@@ -267,7 +292,8 @@ static void reach(struct lod_candidate *candidate, uint64_t vertices)
 /* As many plants as `left` allows take the whole step. */
 static uint64_t fill_plants(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
 {
-	uint64_t each = candidate->high - candidate->low, most = left / each, behind = candidate->count - candidate->ahead;
+	uint64_t each = candidate->high - candidate->low, most = left / each,
+		behind = candidate->count - candidate->ahead;
 	uint64_t plants = share_floor(fill, candidate, candidate->ahead + (most < behind ? most : behind));
 	uint64_t spent = plants > candidate->ahead ? (plants - candidate->ahead) * each : 0;
 	if (spent)
@@ -282,7 +308,9 @@ static uint64_t fill_plants(struct lod_fill *fill, struct lod_candidate *candida
 static uint64_t fill_evenly(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
 {
 	const struct lod_way *way = way_of(fill, candidate);
-	uint64_t each = left / candidate->count, spent = 0, to = lod_way_floor(way, each < candidate->high - candidate->low ? candidate->low + each : candidate->high);
+	uint64_t each = left / candidate->count, spent = 0,
+		to = lod_way_floor(way, each < candidate->high - candidate->low ? candidate->low + each
+		: candidate->high);
 	if (to > candidate->low) {
 		spent = (to - candidate->low) * candidate->count;
 		candidate->low = to;
@@ -303,7 +331,8 @@ static uint64_t fill_evenly(struct lod_fill *fill, struct lod_candidate *candida
  * picture to picture, and the difference must not be visible. */
 static uint64_t fill_one_part(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
 {
-	uint64_t plants = candidate->between ? 0 : lod_fill_share_next(fill, candidate, candidate->ahead) - candidate->ahead;
+	uint64_t plants = candidate->between ? 0 : lod_fill_share_next(fill, candidate, candidate->ahead)
+		- candidate->ahead;
 	uint64_t to = plants ? lod_way_floor(way_of(fill, candidate), candidate->low + left / plants) : 0;
 	if (to <= candidate->low)
 		return 0;
@@ -315,7 +344,8 @@ static uint64_t fill_one_part(struct lod_fill *fill, struct lod_candidate *candi
 /* Some plants are ahead, and one more does not fit: one more goes ahead, but all of them less far. */
 static uint64_t fill_thinly(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
 {
-	uint64_t had = candidate->ahead * (candidate->high - candidate->low), plants = lod_fill_share_next(fill, candidate, candidate->ahead);
+	uint64_t had = candidate->ahead * (candidate->high - candidate->low),
+		plants = lod_fill_share_next(fill, candidate, candidate->ahead);
 	uint64_t to = lod_way_floor(way_of(fill, candidate), candidate->low + (had + left) / plants);
 	if (to <= candidate->low || to >= candidate->high || plants * (to - candidate->low) <= had)
 		return 0;
@@ -343,7 +373,8 @@ static uint64_t fill_candidate(struct lod_fill *fill, struct lod_candidate *cand
 	if (spent == 0 && !fill->allocation->few_plants)
 		spent = fill_one_part(fill, candidate, left);
 	else if (spent == 0)
-		spent = candidate->ahead ? fill_thinly(fill, candidate, left) : fill_evenly(fill, candidate, left);
+		spent = candidate->ahead ? fill_thinly(fill, candidate, left)
+			: fill_evenly(fill, candidate, left);
 	return spent;
 }
 
@@ -385,7 +416,8 @@ bool lod_fill_rest(struct lod_fill *fill, uint64_t budget, uint32_t except)
 /* Vertices of one more primitive for the plants between, or of the first for plants that would be. */
 static uint64_t part_cost(struct lod_fill *fill, const struct lod_candidate *candidate)
 {
-	uint64_t plants = candidate->between ? candidate->between : lod_fill_share_next(fill, candidate, candidate->ahead) - candidate->ahead;
+	uint64_t plants = candidate->between ? candidate->between
+		: lod_fill_share_next(fill, candidate, candidate->ahead) - candidate->ahead;
 	uint64_t at = candidate->between ? candidate->middle : candidate->low;
 	return plants * (lod_way_next(way_of(fill, candidate), at) - at);
 }
@@ -402,9 +434,11 @@ static uint64_t cheapest_step(struct lod_fill *fill)
 		if (candidate->ladder_choice != ECO_NONE && !fill->allocation->few_plants)
 			cost = part_cost(fill, candidate);
 		else if (candidate->ladder_choice != ECO_NONE && candidate->ahead)
-			cost = (lod_fill_share_next(fill, candidate, candidate->ahead) - candidate->ahead) * (candidate->high - candidate->low);
+			cost = (lod_fill_share_next(fill, candidate, candidate->ahead) - candidate->ahead)
+				* (candidate->high - candidate->low);
 		else if (candidate->ladder_choice != ECO_NONE)
-			cost = lod_fill_share_next(fill, candidate, 0) * (lod_way_next(way_of(fill, candidate), candidate->low) - candidate->low);
+			cost = lod_fill_share_next(fill, candidate,
+				0) * (lod_way_next(way_of(fill, candidate), candidate->low) - candidate->low);
 		cheapest = cost < cheapest ? cost : cheapest;
 	}
 	return cheapest;
@@ -425,30 +459,36 @@ static double mean_density(const struct lod_fill *fill, const struct lod_candida
 {
 	const struct lod_way *way = way_of(fill, candidate);
 	if (fill->allocation->few_plants)
-		return between_densities(way, candidate->low, candidate->high, (double)candidate->ahead / (double)candidate->count);
+		return between_densities(way, candidate->low, candidate->high,
+			(double)candidate->ahead / (double)candidate->count);
 	double position = fill->allocation->ladder_choices[candidate->ladder_choice].position;
 	const struct lod_hull_point *a = &candidate->hull->points[(uint32_t)position];
 	bool last = (uint32_t)position + 1 == candidate->hull->count;
-	return between_densities(way, a->vertices, last ? a->vertices : a[1].vertices, position - floor(position));
+	return between_densities(way, a->vertices, last ? a->vertices : a[1].vertices,
+		position - floor(position));
 }
 
 /* Sums how much of each organ the plants of a slot show together with their cells: the coarse list is scaled
  * to that. */
-static void find_densities(const struct lod_fill *fill, double (*drawn)[ECO_ORGAN_COUNT], double (*all)[ECO_ORGAN_COUNT])
+static void find_densities(const struct lod_fill *fill, double (*drawn)[ECO_ORGAN_COUNT],
+	double (*all)[ECO_ORGAN_COUNT])
 {
 	const struct lod_allocation *m = fill->allocation;
 	const struct lod_planner *p = m->p;
 	for (uint32_t i = 0; i < fill->candidate_count; i++) {
 		const struct lod_candidate *candidate = &fill->candidates[i];
-		if (candidate->ladder_choice == ECO_NONE || !p->visible.slots[m->ladder_choices[candidate->ladder_choice].slot].cell)
+		if (candidate->ladder_choice == ECO_NONE
+				|| !p->visible.slots[m->ladder_choices[candidate->ladder_choice].slot].cell)
 			continue;
-		const struct eco_ladder *ladder = &p->scene->ladders[m->ladder_choices[candidate->ladder_choice].ladder];
+		const struct eco_ladder *ladder =
+			&p->scene->ladders[m->ladder_choices[candidate->ladder_choice].ladder];
 		uint32_t slot = m->ladder_choices[candidate->ladder_choice].slot;
 		drawn[slot][ladder->organ] += mean_density(fill, candidate) * ladder->area;
 		all[slot][ladder->organ] += ladder->area;
 	}
 	for (uint32_t n = 0; n < p->visible.node_count; n++)
-		for (uint32_t i = 0; p->visible.nodes[n].state == LOD_OPEN && i < p->visible.nodes[n].tally_count; i++) {
+		for (uint32_t i = 0; p->visible.nodes[n].state == LOD_OPEN
+				&& i < p->visible.nodes[n].tally_count; i++) {
 			const struct lod_tally *t = &p->visible.nodes[n].tallies[i];
 			const struct lod_slot *slot = &p->visible.slots[t->slot];
 			if (!slot->cell || eco_gate_place(t->whole_band, 0) >= p->gates[slot->plant])
@@ -463,7 +503,8 @@ static void find_densities(const struct lod_fill *fill, double (*drawn)[ECO_ORGA
 }
 
 /* In the band where the gate ends, the plants with the smallest hashes draw cells and the others do not. */
-static void find_hashes(const struct lod_planner *p, const struct lod_ladder_choice *choice, struct lod_entry *entry)
+static void find_hashes(const struct lod_planner *p, const struct lod_ladder_choice *choice,
+	struct lod_entry *entry)
 {
 	const struct lod_slot *slot = &p->visible.slots[choice->slot];
 	uint32_t place = eco_gate_place(slot->band, 0), gate = p->gates[slot->plant];
@@ -478,23 +519,28 @@ static enum eco_code add_entries(struct lod_fill *fill, struct eco_error *error)
 	struct lod_planner *p = m->p;
 	double (*drawn)[ECO_ORGAN_COUNT] = calloc(2 * (size_t)p->visible.slot_count + 1, sizeof *drawn);
 	double (*all)[ECO_ORGAN_COUNT] = drawn ? drawn + p->visible.slot_count : NULL;
-	enum eco_code code = drawn ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u slots", p->visible.slot_count);
+	enum eco_code code = drawn ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u "
+		"slots", p->visible.slot_count);
 	if (drawn)
 		find_densities(fill, drawn, all);
 	p->vertices = fill->vertices;
 	p->entry_count = 0;
 	for (uint32_t i = 0; !code && i < fill->candidate_count; i++) {
 		const struct lod_candidate *candidate = &fill->candidates[i];
-		struct lod_entry entry = { .slot = ECO_NONE, .ladder = candidate->node, .count = candidate->count, .vertices = candidate->low };
+		struct lod_entry entry = { .slot = ECO_NONE, .ladder = candidate->node,
+			.count = candidate->count, .vertices = candidate->low };
 		if (candidate->ladder_choice == ECO_NONE) {
 			const struct lod_node *node = &p->visible.nodes[candidate->node];
 			entry.full = lod_planner_count(p->scene, p->scene->tiles[node->tile].summary);
-			entry.wanted = summary_alone(node) ? 0 : (double)m->tile_choices[candidate->node].partial[1].vertices;
+			entry.wanted = summary_alone(node) ? 0
+				: (double)m->tile_choices[candidate->node].partial[1].vertices;
 		} else {
 			const struct lod_ladder_choice *o = &m->ladder_choices[candidate->ladder_choice];
 			const struct eco_ladder *ladder = &p->scene->ladders[o->ladder];
 			entry.slot = o->slot;
-			entry.among = 1 - (m->slot_choices[o->slot].seen > 0 ? m->slot_choices[o->slot].unoccluded / m->slot_choices[o->slot].seen : 1);
+			entry.among =
+				1 - (m->slot_choices[o->slot].seen > 0
+				? m->slot_choices[o->slot].unoccluded / m->slot_choices[o->slot].seen : 1);
 			entry.ladder = o->ladder;
 			entry.full = lod_planner_way(p, o->ladder)->full;
 			double organ = o->when == LOD_NEAR ? all[o->slot][ladder->organ] : 0;
@@ -507,7 +553,8 @@ static enum eco_code add_entries(struct lod_fill *fill, struct eco_error *error)
 			if (candidate->between) {
 				uint64_t end = candidate->ahead + candidate->between;
 				entry.middle = candidate->middle;
-				entry.between = end < candidate->count ? hashes_of(fill, candidate)[end] : entry.end;
+				entry.between = end < candidate->count ? hashes_of(fill, candidate)[end]
+					: entry.end;
 			}
 		}
 		if (p->input->explanation)
@@ -528,14 +575,18 @@ static double error_at(const struct lod_fill *fill, const struct lod_candidate *
 double lod_fill_wrong_of(const struct lod_fill *fill, const struct lod_candidate *candidate)
 {
 	const struct lod_hull_point *a = lod_candidate_point(candidate);
-	bool at_steps = lod_candidate_ended(candidate) || (!candidate->between && candidate->low == a->vertices && (!candidate->ahead || candidate->high == a[1].vertices));
+	bool at_steps = lod_candidate_ended(candidate)
+		|| (!candidate->between && candidate->low == a->vertices
+		&& (!candidate->ahead || candidate->high == a[1].vertices));
 	if (candidate->ladder_choice == ECO_NONE || at_steps)
 		return candidate_wrong(candidate);
 	double now = error_at(fill, candidate, candidate->low), wrong = now;
 	if (candidate->ahead)
-		wrong += (double)candidate->ahead / (double)candidate->count * (error_at(fill, candidate, candidate->high) - now);
+		wrong += (double)candidate->ahead / (double)candidate->count
+			* (error_at(fill, candidate, candidate->high) - now);
 	if (candidate->between)
-		wrong += (double)candidate->between / (double)candidate->count * (error_at(fill, candidate, candidate->middle) - now);
+		wrong += (double)candidate->between / (double)candidate->count
+			* (error_at(fill, candidate, candidate->middle) - now);
 	return candidate->seen * wrong;
 }
 
@@ -552,7 +603,8 @@ enum eco_code lod_fill_finish(struct lod_fill *fill, uint64_t budget, bool swaps
 	if (good)
 		lod_fill_sum(fill);
 	if (!good || (swaps && !lod_swap_steps(fill, budget)))
-		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u candidates", fill->candidate_count);
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u candidates",
+			fill->candidate_count);
 	fill->cheapest = cheapest_step(fill);
 	return add_entries(fill, error);
 }

@@ -45,7 +45,8 @@ struct lod_fill {
 };
 
 /* Makes the candidates of the tiles and gates that lod_allocation_fix has set. */
-enum eco_code lod_fill_make(struct lod_fill *fill, struct lod_allocation *allocation, struct eco_error *error);
+enum eco_code lod_fill_make(struct lod_fill *fill, struct lod_allocation *allocation,
+	struct eco_error *error);
 void lod_fill_free(struct lod_fill *fill);
 /* Sets the hull points of the lowest lambda that fits, searched from `lambda` > 0. Where not even the first
  * hull points fit, `vertices` stays above the budget. */
@@ -56,17 +57,25 @@ enum eco_code lod_fill_finish(struct lod_fill *fill, uint64_t budget, bool swaps
 
 /* ---- For lod/plan/swap_steps.h ---- */
 
-static inline const struct lod_hull_point *lod_candidate_point(const struct lod_candidate *candidate) { return &candidate->hull->points[candidate->step]; }
-static inline bool lod_candidate_ended(const struct lod_candidate *candidate) { return candidate->step + 1 == candidate->hull->count; }
+static inline const struct lod_hull_point *lod_candidate_point(const struct lod_candidate *candidate)
+{
+	return &candidate->hull->points[candidate->step];
+}
+static inline bool lod_candidate_ended(const struct lod_candidate *candidate)
+{
+	return candidate->step + 1 == candidate->hull->count;
+}
 static inline uint64_t lod_candidate_vertices(const struct lod_candidate *candidate)
 {
-	return candidate->count * candidate->low + candidate->ahead * (candidate->high - candidate->low) + candidate->between * (candidate->middle - candidate->low);
+	return candidate->count * candidate->low + candidate->ahead * (candidate->high - candidate->low)
+		+ candidate->between * (candidate->middle - candidate->low);
 }
 
 /* Wrong pixels that the next step of one plant saves per vertex; 0 at the end. */
 static inline double lod_candidate_next(const struct lod_candidate *candidate)
 {
-	return lod_candidate_ended(candidate) ? 0 : lod_hull_slope(candidate->hull, candidate->step + 1) * candidate->weight_px;
+	return lod_candidate_ended(candidate) ? 0
+		: lod_hull_slope(candidate->hull, candidate->step + 1) * candidate->weight_px;
 }
 
 /* Sets all plants of a candidate to a hull point, none of them ahead. */
@@ -75,7 +84,8 @@ static inline void lod_candidate_reach(struct lod_candidate *candidate, uint32_t
 	candidate->step = step;
 	candidate->ahead = candidate->between = 0;
 	candidate->low = lod_candidate_point(candidate)->vertices;
-	candidate->high = lod_candidate_ended(candidate) ? candidate->low : lod_candidate_point(candidate)[1].vertices;
+	candidate->high = lod_candidate_ended(candidate) ? candidate->low
+		: lod_candidate_point(candidate)[1].vertices;
 }
 
 /* Plants of one hash are treated alike. The least number of plants above `plants` that a range of hashes can

@@ -58,7 +58,8 @@ static double share_beside(const struct lod_way *way, uint64_t vertices)
 
 double lod_hull_absent(const struct eco_ladder *ladder)
 {
-	return ladder->organ != ECO_ORGAN_WOOD && !ladder->before && ladder->curve_count ? LOD_ABSENT_WEIGHT : 0;
+	return ladder->organ != ECO_ORGAN_WOOD && !ladder->before && ladder->curve_count ? LOD_ABSENT_WEIGHT
+		: 0;
 }
 
 struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vertices)
@@ -66,18 +67,24 @@ struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vert
 	const struct eco_scene *scene = way->scene;
 	const struct eco_ladder *ladder = way->ladder;
 	const struct eco_plant *plant = &scene->plants[ladder->plant];
-	bool coarse = plant->anchor_count > 1 && ladder->anchor == plant->anchor_first && !(ladder->flags & ECO_LADDER_FAR);
+	bool coarse = plant->anchor_count > 1 && ladder->anchor == plant->anchor_first
+		&& !(ladder->flags & ECO_LADDER_FAR);
 	bool alone = ladder->anchor == plant->anchor_first && vertices == lod_way_stage_end(way);
-	double share = alone ? share_alone(way, vertices) : coarse && way->full ? share_beside(way, vertices) : lod_way_share(way, vertices);
+	double share = alone ? share_alone(way, vertices) : coarse && way->full ? share_beside(way, vertices)
+		: lod_way_share(way, vertices);
 	if (ladder->curve_count == 0) /* not measured */
-		return (struct lod_hull_point){ .vertices = vertices, .fn = 1 - share, .above_fn = (float)(1 - share) };
-	struct eco_curve curve = lod_ladder_curve(scene, ladder, share), above = lod_ladder_curve_seen(scene, ladder, share, 1);
+		return (struct lod_hull_point){ .vertices = vertices, .fn = 1 - share,
+			.above_fn = (float)(1 - share) };
+	struct eco_curve curve = lod_ladder_curve(scene, ladder, share),
+		above = lod_ladder_curve_seen(scene, ladder, share, 1);
 	double absent = vertices == 0 ? lod_hull_absent(ladder) : 0;
-	return (struct lod_hull_point){ .vertices = vertices, .fp = curve.fp, .fn = curve.fn + absent, .above_fp = above.fp,
+	return (struct lod_hull_point){ .vertices = vertices, .fp = curve.fp, .fn = curve.fn + absent,
+		.above_fp = above.fp,
 		.above_fn = (float)(above.fn + absent) };
 }
 
-uint32_t lod_hull_sample(struct lod_hull_point points[LOD_HULL_POINTS_MAX], const struct lod_way *way, uint64_t from, uint64_t to)
+uint32_t lod_hull_sample(struct lod_hull_point points[LOD_HULL_POINTS_MAX], const struct lod_way *way,
+	uint64_t from, uint64_t to)
 {
 	uint64_t stage = lod_way_stage_end(way), at = from;
 	uint32_t count = 1;
@@ -99,7 +106,8 @@ void lod_hull_complete(struct lod_hull *hull, uint64_t to)
 {
 	const struct lod_hull_point *last = &hull->points[hull->count - 1];
 	if (last->vertices < to)
-		hull->points[hull->count++] = (struct lod_hull_point){ .vertices = to, .fp = last->fp, .fn = last->fn,
+		hull->points[hull->count++] = (struct lod_hull_point){ .vertices = to, .fp = last->fp,
+			.fn = last->fn,
 			.above_fp = last->above_fp, .above_fn = last->above_fn };
 }
 
@@ -115,6 +123,7 @@ double lod_hull_position(const struct lod_hull *hull, double lambda, double near
 	/* nearby steps overlap: their shares add up */
 	double position = low;
 	for (uint32_t i = low + 1; i < hull->count && lod_hull_slope(hull, i) * LOD_HULL_BLUR > lambda; i++)
-		position += (lod_hull_slope(hull, i) * LOD_HULL_BLUR / lambda - 1) / (LOD_HULL_BLUR * LOD_HULL_BLUR - 1);
+		position += (lod_hull_slope(hull, i) * LOD_HULL_BLUR / lambda - 1)
+			/ (LOD_HULL_BLUR * LOD_HULL_BLUR - 1);
 	return position;
 }

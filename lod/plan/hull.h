@@ -42,7 +42,8 @@ struct lod_hull {
 
 /* Samples a ladder from `from` to `to` vertices, both values that lod_way_floor returns. Returns the number
  * of points, at most LOD_HULL_POINTS_MAX - 1. */
-uint32_t lod_hull_sample(struct lod_hull_point points[LOD_HULL_POINTS_MAX], const struct lod_way *way, uint64_t from, uint64_t to);
+uint32_t lod_hull_sample(struct lod_hull_point points[LOD_HULL_POINTS_MAX], const struct lod_way *way,
+	uint64_t from, uint64_t to);
 
 /* Error added at 0 vertices: LOD_ABSENT_WEIGHT or 0. */
 double lod_hull_absent(const struct eco_ladder *ladder);

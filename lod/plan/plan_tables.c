@@ -51,7 +51,8 @@ static double anchor_area(const struct lod_plan_tables *tables, uint32_t anchor)
 }
 
 /* The ellipse that has the moments of the cells' areas, each spread over its sphere. */
-static void find_crown(const struct lod_plan_tables *tables, const struct eco_plant *plant, struct lod_proxy_shape *proxy_shape)
+static void find_crown(const struct lod_plan_tables *tables, const struct eco_plant *plant,
+	struct lod_proxy_shape *proxy_shape)
 {
 	const struct eco_anchor *all = &tables->scene->anchors[plant->anchor_first];
 	double sum = 0, mean = 0, up = 0, across = 0;
@@ -65,8 +66,10 @@ static void find_crown(const struct lod_plan_tables *tables, const struct eco_pl
 	mean /= sum;
 	for (uint32_t i = 1; i < plant->anchor_count; i++) {
 		const struct eco_anchor *cell = all + i;
-		double area = anchor_area(tables, plant->anchor_first + i), ball = (double)cell->radius * cell->radius / 5;
-		double x = (double)cell->center[0] - all->center[0], y = (double)cell->center[1] - all->center[1];
+		double area = anchor_area(tables, plant->anchor_first + i),
+			ball = (double)cell->radius * cell->radius / 5;
+		double x = (double)cell->center[0] - all->center[0],
+			y = (double)cell->center[1] - all->center[1];
 		double z = (double)cell->center[2] - all->center[2] - mean;
 		up += area * (z * z + ball);
 		across += area * ((x * x + y * y) / 2 + ball);
@@ -78,13 +81,16 @@ static void find_crown(const struct lod_plan_tables *tables, const struct eco_pl
 
 /* A plant's anchor is a sphere around it. Its cells say how wide it is and where its crown is; without cells
  * its height does. */
-static struct lod_proxy_shape proxy_shape_of(const struct lod_plan_tables *tables, const struct eco_plant *plant)
+static struct lod_proxy_shape proxy_shape_of(const struct lod_plan_tables *tables,
+	const struct eco_plant *plant)
 {
 	const struct eco_anchor *all = &tables->scene->anchors[plant->anchor_first];
-	double r = all->radius, up = plant->height_m > 0 ? fmin(r, 0.5 * (double)plant->height_m) : r, across = 0;
+	double r = all->radius, up = plant->height_m > 0 ? fmin(r, 0.5 * (double)plant->height_m) : r,
+		across = 0;
 	for (uint32_t i = 1; i < plant->anchor_count; i++) {
 		const struct eco_anchor *cell = all + i;
-		double x = (double)cell->center[0] - all->center[0], y = (double)cell->center[1] - all->center[1];
+		double x = (double)cell->center[0] - all->center[0],
+			y = (double)cell->center[1] - all->center[1];
 		across = fmax(across, sqrt(x * x + y * y) + 0.6 * cell->radius);
 	}
 	if (plant->anchor_count < 2)
@@ -102,11 +108,15 @@ static void make_proxy_shapes(struct lod_plan_tables *tables)
 	for (uint32_t i = 0; i < scene->plant_count; i++) {
 		struct lod_proxy_shape *proxy_shape = &tables->proxy_shapes[i];
 		*proxy_shape = proxy_shape_of(tables, &scene->plants[i]);
-		tables->ellipse += PI * proxy_shape->crown_across * proxy_shape->crown_up / proxy_shape->area / scene->plant_count;
+		tables->ellipse += PI * proxy_shape->crown_across * proxy_shape->crown_up / proxy_shape->area
+			/ scene->plant_count;
 	}
 }
 
-const struct lod_proxy_shape *lod_plan_tables_proxy_shapes(const struct lod_plan_tables *tables) { return tables->proxy_shapes; }
+const struct lod_proxy_shape *lod_plan_tables_proxy_shapes(const struct lod_plan_tables *tables)
+{
+	return tables->proxy_shapes;
+}
 double lod_plan_tables_ellipse(const struct lod_plan_tables *tables) { return tables->ellipse; }
 
 /* ---- Ladders ---- */
@@ -178,7 +188,8 @@ static struct lod_plan_tables_ladder *make_ladder(const struct eco_scene *scene,
 
 const struct lod_plan_tables_ladder *lod_plan_tables_ladder(struct lod_plan_tables *tables, uint32_t ladder)
 {
-	struct lod_plan_tables_ladder *found = atomic_load_explicit(&tables->ladders[ladder], memory_order_acquire), *none = NULL;
+	struct lod_plan_tables_ladder *found = atomic_load_explicit(&tables->ladders[ladder],
+		memory_order_acquire), *none = NULL;
 	size_t bytes = 0;
 	if (found || !(found = make_ladder(tables->scene, ladder, &bytes)))
 		return found;
@@ -192,23 +203,28 @@ const struct lod_plan_tables_ladder *lod_plan_tables_ladder(struct lod_plan_tabl
 
 /* ---- All ---- */
 
-enum eco_code lod_plan_tables_make(struct lod_plan_tables **made, const struct eco_scene *scene, struct eco_error *error)
+enum eco_code lod_plan_tables_make(struct lod_plan_tables **made, const struct eco_scene *scene,
+	struct eco_error *error)
 {
 	struct lod_plan_tables *tables = *made = calloc(1, sizeof *tables);
-	size_t anchors = (size_t)scene->anchor_count + 2, ladders = (size_t)scene->ladder_count + 1, plants = (size_t)scene->plant_count + 1;
+	size_t anchors = (size_t)scene->anchor_count + 2, ladders = (size_t)scene->ladder_count + 1,
+		plants = (size_t)scene->plant_count + 1;
 	if (tables) {
 		tables->scene = scene;
 		tables->ladder_first = calloc(anchors, sizeof *tables->ladder_first);
 		tables->ladder_order = calloc(ladders, sizeof *tables->ladder_order);
 		tables->proxy_shapes = calloc(plants, sizeof *tables->proxy_shapes);
 		tables->ladders = calloc(ladders, sizeof *tables->ladders);
-		tables->bytes = sizeof *tables + anchors * sizeof *tables->ladder_first + plants * sizeof *tables->proxy_shapes
+		tables->bytes = sizeof *tables + anchors * sizeof *tables->ladder_first
+			+ plants * sizeof *tables->proxy_shapes
 			+ ladders * (sizeof *tables->ladder_order + sizeof *tables->ladders);
 	}
-	if (!tables || !tables->ladder_first || !tables->ladder_order || !tables->proxy_shapes || !tables->ladders) {
+	if (!tables || !tables->ladder_first || !tables->ladder_order || !tables->proxy_shapes
+			|| !tables->ladders) {
 		lod_plan_tables_free(tables);
 		*made = NULL;
-		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for tables of %u ladders", scene->ladder_count);
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for tables of %u ladders",
+			scene->ladder_count);
 	}
 	sort_ladders(tables);
 	make_proxy_shapes(tables);

@@ -23,20 +23,23 @@ struct lod_plan_tables_ladder {
 
 struct lod_plan_tables;
 /* `scene` must outlive the tables. */
-enum eco_code lod_plan_tables_make(struct lod_plan_tables **tables, const struct eco_scene *scene, struct eco_error *error);
+enum eco_code lod_plan_tables_make(struct lod_plan_tables **tables, const struct eco_scene *scene,
+	struct eco_error *error);
 void lod_plan_tables_free(struct lod_plan_tables *tables); /* NULL is allowed */
 
 /* NULL without memory; a ladder once returned stays. */
 const struct lod_plan_tables_ladder *lod_plan_tables_ladder(struct lod_plan_tables *tables, uint32_t ladder);
 
 /* The ladders of an anchor, in the scene's order. */
-const uint32_t *lod_plan_tables_anchor(const struct lod_plan_tables *tables, uint32_t anchor, uint32_t *count);
+const uint32_t *lod_plan_tables_anchor(const struct lod_plan_tables *tables, uint32_t anchor,
+	uint32_t *count);
 /* Per plant, at scale 1; and the mean over plants of the crown's ellipse over the plant's area. */
 const struct lod_proxy_shape *lod_plan_tables_proxy_shapes(const struct lod_plan_tables *tables);
 double lod_plan_tables_ellipse(const struct lod_plan_tables *tables);
 
 /* Bytes of memory in use; a ladder's part takes at most LOD_PLAN_TABLES_LADDER_BYTES_MAX. */
-#define LOD_PLAN_TABLES_LADDER_BYTES_MAX (2 * LOD_HULL_POINTS_MAX * sizeof(struct lod_hull_point) + (1u << 15))
+#define LOD_PLAN_TABLES_LADDER_BYTES_MAX (2 * LOD_HULL_POINTS_MAX * sizeof(struct lod_hull_point) \
+	+ (1u << 15))
 size_t lod_plan_tables_bytes(const struct lod_plan_tables *tables);
 
 #endif

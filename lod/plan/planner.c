@@ -7,20 +7,23 @@
 
 #include "lod/plan/explain_state.h"
 
-enum eco_code lod_planner_begin(struct lod_planner *p, const struct lod_planner_input *input, struct eco_error *error)
+enum eco_code lod_planner_begin(struct lod_planner *p, const struct lod_planner_input *input,
+	struct eco_error *error)
 {
 	const struct eco_scene *scene = input->scene;
 	*p = (struct lod_planner){ .input = input, .scene = scene };
 	p->gates = calloc(scene->plant_count + 1, sizeof *p->gates);
 	p->tables = input->tables;
 	if (!p->gates)
-		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants", scene->plant_count);
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants",
+			scene->plant_count);
 	enum eco_code code = p->tables ? ECO_OK : lod_plan_tables_make(&p->own, scene, error);
 	if (code)
 		return code;
 	p->tables = p->tables ? p->tables : p->own;
-	return lod_visible_tree_init(&p->visible, scene, &input->request->view, input->tiles_max ? input->tiles_max : 1000000,
-		input->placements_max ? input->placements_max : 100000, error);
+	return lod_visible_tree_init(&p->visible, scene, &input->request->view,
+		input->tiles_max ? input->tiles_max : 1000000, input->placements_max ? input->placements_max
+		: 100000, error);
 }
 
 void lod_planner_end(struct lod_planner *p)
@@ -46,11 +49,13 @@ enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *in
 	if (!code && input->explanation)
 		input->explanation->sample_distance = p.sample_distance;
 	if (!code)
-		code = lod_plan_ground(plan, input->scene, &input->request->view, input->request->ground_px, error);
+		code = lod_plan_ground(plan, input->scene, &input->request->view, input->request->ground_px,
+			error);
 	if (!code && input->explanation)
 		lod_explain_ground(input->explanation, plan, input->scene, input->request->ground_px);
 	if (input->stats)
-		*input->stats = (struct lod_planner_stats){ p.candidates, p.gains, p.looks, p.visible.places, p.cheapest, p.level, p.converged, p.wrong };
+		*input->stats = (struct lod_planner_stats){ p.candidates, p.gains, p.looks, p.visible.places,
+			p.cheapest, p.level, p.converged, p.wrong };
 	lod_planner_end(&p);
 	if (code)
 		eco_plan_free(plan);

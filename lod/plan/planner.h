@@ -53,11 +53,11 @@ enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *in
 
 /* Replaces the ground of a plan by the tiles that `ground_px` asks for (0: ECO_GROUND_PX). lod_plan ends
  * with it. */
-enum eco_code lod_plan_ground(struct eco_plan *plan, const struct eco_scene *scene, const struct eco_view *view, double ground_px,
-	struct eco_error *error);
+enum eco_code lod_plan_ground(struct eco_plan *plan, const struct eco_scene *scene,
+	const struct eco_view *view, double ground_px, struct eco_error *error);
 
 /* Per list of the plan, sorted: the number of chunks that its largest cut needs. The caller frees items. */
-enum eco_code lod_plan_needs(const struct eco_scene *scene, const struct eco_plan *plan, struct eco_holdings *needs,
-	struct eco_error *error);
+enum eco_code lod_plan_needs(const struct eco_scene *scene, const struct eco_plan *plan,
+	struct eco_holdings *needs, struct eco_error *error);
 
 #endif

@@ -54,7 +54,8 @@ static uint64_t to_count(double x)
 
 /* Vertices that d' asks of a ladder at distance r, before rounding to what it can draw; *wanted: points or
  * lines of the region. */
-static uint64_t ladder_wants(const struct eco_scene *scene, const struct eco_ladder *ladder, double r, double d, double *wanted)
+static uint64_t ladder_wants(const struct eco_scene *scene, const struct eco_ladder *ladder, double r,
+	double d, double *wanted)
 {
 	double importance = ladder->importance > 0 ? ladder->importance : 1;
 	uint64_t full = lod_ladder_full(scene, ladder), points = lod_planner_count(scene, ladder->points);
@@ -99,8 +100,10 @@ static uint32_t gate_at(const struct lod_planner *p, uint32_t plant, double d)
 			const struct eco_ladder *ladder = &scene->ladders[pl->ladder_first + i];
 			if (ladder->anchor != pl->anchor_first)
 				continue;
-			uint64_t points = lod_planner_count(scene, ladder->points), limit = points ? points : 2 * lod_planner_count(scene, ladder->lines);
-			if (ladder_wants(scene, ladder, r, d, &wanted) > limit || (points && wanted > (double)points) || !(d > 0))
+			uint64_t points = lod_planner_count(scene, ladder->points), limit = points ? points
+				: 2 * lod_planner_count(scene, ladder->lines);
+			if (ladder_wants(scene, ladder, r, d, &wanted) > limit
+					|| (points && wanted > (double)points) || !(d > 0))
 				return (uint32_t)(band + 1) * ECO_SHARE_ONE;
 		}
 	}
@@ -126,12 +129,14 @@ static double organ_pixels(const struct lod_planner *p, const struct eco_ladder 
 enum eco_code lod_planner_add(struct lod_planner *p, const struct lod_entry *entry, struct eco_error *error)
 {
 	if (!eco_room(&p->entries, &p->entry_capacity, p->entry_count, sizeof *p->entries))
-		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for more than %u cuts", p->entry_count);
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for more than %u cuts",
+			p->entry_count);
 	p->entries[p->entry_count++] = *entry;
 	return ECO_OK;
 }
 
-static bool ladder_applies(const struct lod_planner *p, const struct eco_ladder *ladder, const struct lod_slot *slot)
+static bool ladder_applies(const struct lod_planner *p, const struct eco_ladder *ladder,
+	const struct lod_slot *slot)
 {
 	return !(ladder->flags & ECO_LADDER_FAR) || eco_gate_place(slot->band, 0) >= p->gates[slot->plant];
 }
@@ -139,7 +144,8 @@ static bool ladder_applies(const struct lod_planner *p, const struct eco_ladder 
 static bool add_vertices(struct lod_planner *p, uint64_t count, uint64_t vertices)
 {
 	uint64_t product;
-	if (__builtin_mul_overflow(count, vertices, &product) || __builtin_add_overflow(p->vertices, product, &p->vertices))
+	if (__builtin_mul_overflow(count, vertices, &product)
+			|| __builtin_add_overflow(p->vertices, product, &p->vertices))
 		p->vertices = UINT64_MAX;
 	return p->vertices != UINT64_MAX;
 }
@@ -151,8 +157,10 @@ static enum eco_code add_summaries(struct lod_planner *p, double d, struct eco_e
 		if (node->state != LOD_SUMMARY)
 			continue;
 		uint64_t full = lod_planner_count(p->scene, p->scene->tiles[node->tile].summary);
-		double wanted = d > 0 ? lod_summary_points(node, d) : INFINITY, pixel = node->distance * p->visible.eye.pixel_rad;
-		struct lod_entry entry = { .slot = ECO_NONE, .ladder = i, .count = 1, .full = full, .wanted = wanted };
+		double wanted = d > 0 ? lod_summary_points(node, d) : INFINITY,
+			pixel = node->distance * p->visible.eye.pixel_rad;
+		struct lod_entry entry = { .slot = ECO_NONE, .ladder = i, .count = 1, .full = full,
+			.wanted = wanted };
 		entry.vertices = to_count(wanted) < full ? to_count(wanted) : full;
 		entry.pixels = pixel > 0 ? 0.5 * node->area / (pixel * pixel) : 0;
 		if (lod_planner_add(p, &entry, error))
@@ -181,18 +189,24 @@ static enum eco_code count_vertices(struct lod_planner *p, int step, struct eco_
 			const struct eco_ladder *ladder = &p->scene->ladders[ladders[i]];
 			if (!ladder_applies(p, ladder, slot))
 				continue;
-			const struct lod_plan_tables_ladder *table = lod_plan_tables_ladder(p->tables, ladders[i]);
+			const struct lod_plan_tables_ladder *table = lod_plan_tables_ladder(p->tables,
+				ladders[i]);
 			if (!table)
-				return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for ladder %u", ladders[i]);
-			struct lod_entry entry = { .slot = s, .ladder = ladders[i], .count = slot->count, .end = ECO_SHARE_ONE,
+				return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for ladder %u",
+					ladders[i]);
+			struct lod_entry entry = { .slot = s, .ladder = ladders[i], .count = slot->count,
+				.end = ECO_SHARE_ONE,
 				.full = table->way.full, .pixels = organ_pixels(p, ladder, r) };
 			entry.vertices = ladder_wants(p->scene, ladder, r, d, &entry.wanted);
-			/* a whole-plant list alone, or beside cells that do not show all their points yet, stands for more than itself */
+			/* a whole-plant list alone, or beside cells that do not show all their points yet,
+			 * stands for more than itself */
 			bool coarse = !slot->cell && p->scene->plants[slot->plant].anchor_count > 1
-				&& (eco_gate_place(slot->band, 0) >= p->gates[slot->plant] || entry.wanted < ladder->total);
+				&& (eco_gate_place(slot->band, 0) >= p->gates[slot->plant]
+				|| entry.wanted < ladder->total);
 			if (coarse)
 				entry.full = lod_way_stage_end(&table->way);
-			entry.vertices = lod_way_floor(&table->way, entry.vertices < entry.full ? entry.vertices : entry.full);
+			entry.vertices = lod_way_floor(&table->way, entry.vertices < entry.full
+				? entry.vertices : entry.full);
 			p->ended = p->ended && entry.vertices == entry.full && !coarse;
 			if (lod_planner_add(p, &entry, error))
 				return ECO_NO_MEMORY;

@@ -19,7 +19,8 @@ static double entry_density(const struct lod_planner *p, const struct lod_entry 
 	const struct lod_slot *slot = &p->visible.slots[entry->slot];
 	double density = lod_way_density(lod_planner_way(p, entry->ladder), vertices);
 	/* where cells add to the coarse list, the plant as a whole is as dense as `wanted` says */
-	if (!slot->cell && eco_gate_place(slot->band, 0) < p->gates[slot->plant] && ladder->total && entry->wanted / ladder->total > density)
+	if (!slot->cell && eco_gate_place(slot->band, 0) < p->gates[slot->plant] && ladder->total
+			&& entry->wanted / ladder->total > density)
 		density = entry->wanted / ladder->total;
 	return density < 1 ? density : 1;
 }
@@ -29,7 +30,8 @@ static double entry_density(const struct lod_planner *p, const struct lod_entry 
  * they miss the more they do (lod/EXPERIMENTS.md, Larger leaves among other plants). */
 static double grown(const struct lod_planner *p, const struct lod_entry *entry, uint64_t vertices)
 {
-	double among = entry->among > 0 && p->scene->ladders[entry->ladder].organ != ECO_ORGAN_WOOD ? entry->among * entry->among : 0;
+	double among = entry->among > 0 && p->scene->ladders[entry->ladder].organ != ECO_ORGAN_WOOD
+		? entry->among * entry->among : 0;
 	double missed = among > 0 ? lod_planner_curve(p, entry, vertices).fn / MISSED : 0;
 	return 1 + GROWTH * among * among * fmin(1, missed);
 }
@@ -37,20 +39,22 @@ static double grown(const struct lod_planner *p, const struct lod_entry *entry, 
 /* How far from above the slot's plants are seen, the rounded mean. */
 static double above_of(const struct lod_slot *slot)
 {
-	return slot->above_count > 0 ? floor(ABOVE_STEPS * slot->above / slot->above_count + 0.5) / ABOVE_STEPS : 0;
+	return slot->above_count > 0 ? floor(ABOVE_STEPS * slot->above / slot->above_count + 0.5)
+		/ ABOVE_STEPS : 0;
 }
 
 /* Plants of an entry whose hash lies in [first, end), `count` of them, draw `vertices` each. */
 struct part { uint64_t vertices, count; uint32_t first, end; };
 
-static void add_cuts(const struct lod_planner *p, const struct lod_entry *entry, const struct part *part, struct eco_plan *plan)
+static void add_cuts(const struct lod_planner *p, const struct lod_entry *entry, const struct part *part,
+	struct eco_plan *plan)
 {
 	const struct lod_slot *slot = &p->visible.slots[entry->slot];
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 	if (part->vertices == 0 || part->first == part->end)
 		return;
-	uint32_t count = lod_way_cuts(lod_planner_way(p, entry->ladder), part->vertices, entry_density(p, entry, part->vertices), above_of(slot),
-		cuts);
+	uint32_t count = lod_way_cuts(lod_planner_way(p, entry->ladder), part->vertices,
+		entry_density(p, entry, part->vertices), above_of(slot), cuts);
 	double growth = grown(p, entry, part->vertices);
 	for (uint32_t i = 0; i < count; i++) {
 		cuts[i].scale = eco_wire_scale_round((float)(growth * (double)cuts[i].scale));
@@ -64,8 +68,8 @@ static void add_cuts(const struct lod_planner *p, const struct lod_entry *entry,
 	}
 }
 
-static void add_summary_cut(const struct lod_planner *p, const struct lod_entry *entry, const uint32_t *placement_in_plan,
-	struct eco_plan *plan)
+static void add_summary_cut(const struct lod_planner *p, const struct lod_entry *entry,
+	const uint32_t *placement_in_plan, struct eco_plan *plan)
 {
 	const struct lod_node *node = &p->visible.nodes[entry->ladder];
 	if (entry->vertices == 0)
@@ -73,16 +77,21 @@ static void add_summary_cut(const struct lod_planner *p, const struct lod_entry 
 	struct eco_cut *cut = &plan->cuts[plan->cut_count++];
 	*cut = (struct eco_cut){
 		.list = p->scene->tiles[node->tile].summary, .end = (uint32_t)entry->vertices,
-		.scale = eco_wire_scale_round((float)((double)entry->full / fmax(entry->wanted, (double)entry->vertices))),
-		.placement = placement_in_plan[node->placement], .anchor = ECO_NONE, .share_end = ECO_SHARE_ONE };
+		.scale =
+		eco_wire_scale_round((float)((double)entry->full / fmax(entry->wanted,
+		(double)entry->vertices))),
+		.placement = placement_in_plan[node->placement], .anchor = ECO_NONE,
+		.share_end = ECO_SHARE_ONE };
 	lod_explain_cut(p, entry, cut, 1);
 }
 
 static int by_anchor(const void *a, const void *b)
 {
 	const struct eco_cut *x = a, *y = b;
-	uint32_t kx[8] = { x->anchor + 1, x->placement, x->list, x->band_first, x->share_first, x->first, x->end, x->share_end };
-	uint32_t ky[8] = { y->anchor + 1, y->placement, y->list, y->band_first, y->share_first, y->first, y->end, y->share_end };
+	uint32_t kx[8] = { x->anchor + 1, x->placement, x->list, x->band_first, x->share_first, x->first,
+		x->end, x->share_end };
+	uint32_t ky[8] = { y->anchor + 1, y->placement, y->list, y->band_first, y->share_first, y->first,
+		y->end, y->share_end };
 	for (int i = 0; i < 8; i++)
 		if (kx[i] != ky[i])
 			return kx[i] < ky[i] ? -1 : 1;
@@ -96,8 +105,9 @@ static void merge_bands(struct eco_plan *plan)
 	qsort(plan->cuts, plan->cut_count, sizeof *plan->cuts, by_anchor);
 	for (uint32_t i = 0; i < plan->cut_count; i++) {
 		struct eco_cut *last = kept ? &plan->cuts[kept - 1] : NULL, *cut = &plan->cuts[i];
-		if (last && cut->anchor != ECO_NONE && last->anchor == cut->anchor && last->list == cut->list && last->first == cut->first
-				&& last->end == cut->end && last->scale == cut->scale && last->share_first == cut->share_first
+		if (last && cut->anchor != ECO_NONE && last->anchor == cut->anchor && last->list == cut->list
+				&& last->first == cut->first && last->end == cut->end
+				&& last->scale == cut->scale && last->share_first == cut->share_first
 				&& last->share_end == cut->share_end && last->band_end == cut->band_first)
 			last->band_end = cut->band_end;
 		else
@@ -123,14 +133,17 @@ static void add_runs(const struct lod_planner *p, const uint32_t *placement_in_p
 			continue;
 		for (uint32_t g = 0; g < tile->group_count; g++) {
 			uint32_t list = p->scene->groups[tile->group_first + g].list;
-			plan->runs[plan->run_count++] = (struct eco_run){ placement_in_plan[node->placement], list, list + 1, node->left };
+			plan->runs[plan->run_count++] = (struct eco_run){ placement_in_plan[node->placement],
+				list, list + 1, node->left };
 		}
 	}
 	qsort(plan->runs, plan->run_count, sizeof *plan->runs, by_list);
 	uint32_t kept = 0;
 	for (uint32_t i = 0; i < plan->run_count; i++) {
 		struct eco_run *last = kept ? &plan->runs[kept - 1] : NULL;
-		if (last && last->placement == plan->runs[i].placement && last->list_end == plan->runs[i].list_first && last->left == plan->runs[i].left)
+		if (last && last->placement == plan->runs[i].placement
+				&& last->list_end == plan->runs[i].list_first
+				&& last->left == plan->runs[i].left)
 			last->list_end = plan->runs[i].list_end;
 		else
 			plan->runs[kept++] = plan->runs[i];
@@ -147,7 +160,8 @@ static void add_placements(const struct lod_planner *p, uint32_t *placement_in_p
 	plan->placements[plan->placement_count++] = p->visible.placements[0];
 	for (uint32_t n = 0; n < p->visible.node_count; n++) {
 		const struct lod_node *node = &p->visible.nodes[n];
-		bool drawn = node->state == LOD_SUMMARY || (node->state == LOD_OPEN && (node->plants || node->points > 0));
+		bool drawn = node->state == LOD_SUMMARY
+			|| (node->state == LOD_OPEN && (node->plants || node->points > 0));
 		if (!drawn || placement_in_plan[node->placement] != ECO_NONE)
 			continue;
 		placement_in_plan[node->placement] = plan->placement_count;
@@ -168,7 +182,8 @@ enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *pla
 	uint32_t *placement_in_plan = malloc(p->visible.placement_count * sizeof *placement_in_plan);
 	if (!plan->cuts || !plan->runs || !plan->gates || !plan->placements || !placement_in_plan) {
 		free(placement_in_plan);
-		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for a plan of %u cuts", p->entry_count);
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for a plan of %u cuts",
+			p->entry_count);
 	}
 	add_placements(p, placement_in_plan, plan);
 	add_runs(p, placement_in_plan, plan);
@@ -178,12 +193,14 @@ enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *pla
 			add_summary_cut(p, entry, placement_in_plan, plan);
 			continue;
 		}
-		uint32_t from = entry->share ? entry->share : entry->first, between = entry->between ? entry->between : from;
+		uint32_t from = entry->share ? entry->share : entry->first, between = entry->between
+			? entry->between : from;
 		uint64_t ahead = entry->reason.ahead, on_the_way = entry->reason.between;
 		add_cuts(p, entry, &(struct part){ entry->more, ahead, entry->first, from }, plan);
 		if (entry->between)
 			add_cuts(p, entry, &(struct part){ entry->middle, on_the_way, from, between }, plan);
-		add_cuts(p, entry, &(struct part){ entry->vertices, entry->count - ahead - on_the_way, between, entry->end }, plan);
+		add_cuts(p, entry, &(struct part){ entry->vertices, entry->count - ahead - on_the_way,
+			between, entry->end }, plan);
 	}
 	free(placement_in_plan);
 	for (uint32_t i = 0; i < p->scene->plant_count; i++)
@@ -200,20 +217,22 @@ enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *pla
 /* ---- Ground ---- */
 
 /* Ground precedes the other cuts, with the summaries, sorted by list. */
-static void insert_ground(struct eco_plan *plan, const struct eco_scene *scene, const struct lod_ground_choice *choice)
+static void insert_ground(struct eco_plan *plan, const struct eco_scene *scene,
+	const struct lod_ground_choice *choice)
 {
 	memmove(plan->cuts + choice->count, plan->cuts, plan->cut_count * sizeof *plan->cuts);
 	plan->cut_count += choice->count;
 	for (uint32_t i = 0; i < choice->count; i++) {
 		uint32_t list = scene->ground[choice->tiles[i]].list;
-		plan->cuts[i] = (struct eco_cut){ .list = list, .end = scene->lists[list].primitive_count, .scale = 1, .anchor = ECO_NONE,
+		plan->cuts[i] = (struct eco_cut){ .list = list, .end = scene->lists[list].primitive_count,
+			.scale = 1, .anchor = ECO_NONE,
 			.share_end = ECO_SHARE_ONE };
 	}
 	qsort(plan->cuts, plan->cut_count, sizeof *plan->cuts, by_anchor);
 }
 
-enum eco_code lod_plan_ground(struct eco_plan *plan, const struct eco_scene *scene, const struct eco_view *view, double ground_px,
-	struct eco_error *error)
+enum eco_code lod_plan_ground(struct eco_plan *plan, const struct eco_scene *scene,
+	const struct eco_view *view, double ground_px, struct eco_error *error)
 {
 	struct lod_ground_limits limits = { .tolerance_px = ground_px > 0 ? ground_px : ECO_GROUND_PX };
 	struct lod_ground_choice choice;
@@ -234,7 +253,8 @@ enum eco_code lod_plan_ground(struct eco_plan *plan, const struct eco_scene *sce
 		plan->cuts = cuts;
 		insert_ground(plan, scene, &choice);
 	} else {
-		code = eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u tiles of ground", choice.count);
+		code = eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u tiles of ground",
+			choice.count);
 	}
 	free(choice.tiles);
 	return code;
@@ -260,8 +280,8 @@ static int by_holding(const void *a, const void *b)
 	return x->chunks < y->chunks ? -1 : x->chunks > y->chunks;
 }
 
-enum eco_code lod_plan_needs(const struct eco_scene *scene, const struct eco_plan *plan, struct eco_holdings *needs,
-	struct eco_error *error)
+enum eco_code lod_plan_needs(const struct eco_scene *scene, const struct eco_plan *plan,
+	struct eco_holdings *needs, struct eco_error *error)
 {
 	size_t most = 2 * (size_t)plan->cut_count + 1;
 	for (uint32_t i = 0; i < plan->run_count; i++)

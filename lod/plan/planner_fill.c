@@ -9,12 +9,14 @@
 #include "lod/heap.h"
 #include "lod/ladder.h"
 
-struct eco_curve lod_planner_curve(const struct lod_planner *p, const struct lod_entry *entry, uint64_t vertices)
+struct eco_curve lod_planner_curve(const struct lod_planner *p, const struct lod_entry *entry,
+	uint64_t vertices)
 {
 	const struct eco_ladder *ladder = &p->scene->ladders[entry->ladder];
 	if (entry->slot == ECO_NONE) { /* summaries are not measured: random points over random plants */
 		double share = entry->full ? (double)vertices / (double)entry->full : 1;
-		return (struct eco_curve){ .share = (float)share, .fp = (float)(0.3 * share), .fn = (float)(1 - 0.7 * share) };
+		return (struct eco_curve){ .share = (float)share, .fp = (float)(0.3 * share),
+			.fn = (float)(1 - 0.7 * share) };
 	}
 	return lod_ladder_curve(p->scene, ladder, lod_way_share(lod_planner_way(p, entry->ladder), vertices));
 }
@@ -22,14 +24,16 @@ struct eco_curve lod_planner_curve(const struct lod_planner *p, const struct lod
 static uint64_t entry_floor(const struct lod_planner *p, const struct lod_entry *entry, uint64_t vertices)
 {
 	vertices = vertices < entry->full ? vertices : entry->full;
-	return entry->slot == ECO_NONE ? vertices : lod_way_floor(lod_planner_way(p, entry->ladder), vertices);
+	return entry->slot == ECO_NONE ? vertices : lod_way_floor(lod_planner_way(p, entry->ladder),
+		vertices);
 }
 
 static uint64_t entry_next(const struct lod_planner *p, const struct lod_entry *entry, uint64_t vertices)
 {
 	if (vertices >= entry->full)
 		return UINT64_MAX;
-	return entry->slot == ECO_NONE ? vertices + 1 : lod_way_next(lod_planner_way(p, entry->ladder), vertices);
+	return entry->slot == ECO_NONE ? vertices + 1 : lod_way_next(lod_planner_way(p, entry->ladder),
+		vertices);
 }
 
 /* The next number of vertices to try: about an eighth more, so that a fill takes few steps. */
@@ -45,7 +49,8 @@ static uint64_t entry_target(const struct lod_planner *p, const struct lod_entry
 /* Wrong pixels saved per vertex by going to `target`. Never negative: a curve may rise by noise. */
 static double entry_gain(const struct lod_planner *p, const struct lod_entry *entry, uint64_t target)
 {
-	struct eco_curve now = lod_planner_curve(p, entry, entry->vertices), then = lod_planner_curve(p, entry, target);
+	struct eco_curve now = lod_planner_curve(p, entry, entry->vertices),
+		then = lod_planner_curve(p, entry, target);
 	double saved = ((double)now.fp + now.fn - then.fp - then.fn) * entry->pixels;
 	return (saved > 0 ? saved : 0) / (double)(target - entry->vertices);
 }
@@ -53,7 +58,8 @@ static double entry_gain(const struct lod_planner *p, const struct lod_entry *en
 /* Plants of one slot by hash. */
 struct hashes { uint32_t anchor; uint8_t band; uint32_t count[ECO_SHARE_ONE]; };
 
-static void collect_hash(void *ctx, const struct lod_anchor_band *anchors, uint32_t anchor_count, uint32_t plant, uint32_t hash)
+static void collect_hash(void *ctx, const struct lod_anchor_band *anchors, uint32_t anchor_count,
+	uint32_t plant, uint32_t hash)
 {
 	struct hashes *h = ctx;
 	(void)plant;
@@ -63,7 +69,8 @@ static void collect_hash(void *ctx, const struct lod_anchor_band *anchors, uint3
 }
 
 /* Gives the next number of vertices to as many plants of the slot as fit: those with the smallest hashes. */
-static uint64_t fill_share(struct lod_planner *p, struct lod_entry *entry, uint64_t left, struct hashes *hashes)
+static uint64_t fill_share(struct lod_planner *p, struct lod_entry *entry, uint64_t left,
+	struct hashes *hashes)
 {
 	const struct lod_slot *slot = &p->visible.slots[entry->slot];
 	uint64_t next = entry_next(p, entry, entry->vertices);
@@ -94,7 +101,8 @@ enum eco_code lod_planner_fill(struct lod_planner *p, struct eco_error *error)
 	if (!heap || !hashes) {
 		free(heap);
 		free(hashes);
-		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u candidates", p->entry_count);
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u candidates",
+			p->entry_count);
 	}
 	for (uint32_t i = 0; i < p->entry_count; i++) {
 		uint64_t target = entry_target(p, &p->entries[i]);

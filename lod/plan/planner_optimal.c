@@ -61,7 +61,8 @@ struct evaluation { int at; struct outcome outcome; struct eco_prediction predic
 
 struct lambda_search {
 	struct lod_allocation *allocation;
-	int first, last;             /* indices: where anything may be chosen, after which nothing more gains */
+	/* indices: where anything may be chosen, after which nothing more gains */
+	int first, last;
 	struct evaluation from, to;  /* the predicted lambdas around the budget */
 	int index;                   /* the last lambda whose vertices fit the budget */
 	struct outcome here, next;   /* there, and at the next lambda */
@@ -69,7 +70,10 @@ struct lambda_search {
 
 /* After the last lambda of the grid that chooses more comes lambda 0. */
 static int index_of(const struct lambda_search *s, int at) { return at <= s->last ? at : LAMBDA_COUNT; }
-static int index_after(const struct lambda_search *s, int index) { return index < s->last ? index + 1 : LAMBDA_COUNT; }
+static int index_after(const struct lambda_search *s, int index)
+{
+	return index < s->last ? index + 1 : LAMBDA_COUNT;
+}
 
 static void find_ends(struct lambda_search *s)
 {
@@ -83,7 +87,10 @@ static void find_ends(struct lambda_search *s)
 		s->last++;
 }
 
-static double within(double value, double least, double most) { return value < least ? least : value > most ? most : value; }
+static double within(double value, double least, double most)
+{
+	return value < least ? least : value > most ? most : value;
+}
 
 static double wrong_of(const struct eco_prediction *prediction) { return prediction->fp + prediction->fn; }
 
@@ -96,7 +103,8 @@ static enum eco_code evaluate(struct lambda_search *s, int at, const struct eval
 	enum eco_code code = ECO_OK;
 	*result = (struct evaluation){ .at = at, .prediction = before->prediction };
 	lod_allocation_relax(m, lambda_at(index_of(s, at)));
-	result->outcome.vertices = within(m->cost.vertices, before->outcome.vertices, after->outcome.vertices);
+	result->outcome.vertices = within(m->cost.vertices, before->outcome.vertices,
+		after->outcome.vertices);
 	result->outcome.wrong = within(m->cost.fp + m->cost.fn, after->outcome.wrong, before->outcome.wrong);
 	if (predicts)
 		code = lod_allocation_predict(m, &result->prediction, error);
@@ -109,7 +117,8 @@ static enum eco_code evaluate(struct lambda_search *s, int at, const struct eval
 
 /* The lambda to evaluate next, the middle. The highest lambda is only a bound, so as long as nothing is
  * chosen there the next one is much lower. */
-static int next_to_evaluate(const struct lambda_search *s, const struct evaluation *here, const struct evaluation *next)
+static int next_to_evaluate(const struct lambda_search *s, const struct evaluation *here,
+	const struct evaluation *next)
 {
 	int width = next->at - here->at;
 	bool bound = !(here->outcome.vertices > 0) && next->at <= s->last;
@@ -121,7 +130,8 @@ static int next_to_evaluate(const struct lambda_search *s, const struct evaluati
  * which take the longest. */
 static enum eco_code search_grid(struct lambda_search *s, uint64_t budget, struct eco_error *error)
 {
-	const struct evaluation nothing = { .outcome = { 0, s->allocation->tile_choices[0].weight_px }, .prediction = { .fp = INFINITY } };
+	const struct evaluation nothing = { .outcome = { 0, s->allocation->tile_choices[0].weight_px },
+		.prediction = { .fp = INFINITY } };
 	const struct evaluation everything = { .outcome = { INFINITY, 0 } };
 	struct evaluation here = nothing, next = everything, middle;
 	find_ends(s);
@@ -150,15 +160,18 @@ static enum eco_code search_grid(struct lambda_search *s, uint64_t budget, struc
 
 /* ---- The prediction ---- */
 
-static struct eco_prediction interpolate(const struct eco_prediction *a, const struct eco_prediction *b, double part)
+static struct eco_prediction interpolate(const struct eco_prediction *a, const struct eco_prediction *b,
+	double part)
 {
-	return (struct eco_prediction){ a->tp + part * (b->tp - a->tp), a->fp + part * (b->fp - a->fp), a->fn + part * (b->fn - a->fn) };
+	return (struct eco_prediction){ a->tp + part * (b->tp - a->tp), a->fp + part * (b->fp - a->fp),
+		a->fn + part * (b->fn - a->fn) };
 }
 
 /* Sets the prediction for the budget, unless that of a level before expects less to be wrong. */
 static void predict(const struct lambda_search *s, uint64_t budget)
 {
-	double room = s->next.vertices - s->here.vertices, part = room > 0 ? ((double)budget - s->here.vertices) / room : 0;
+	double room = s->next.vertices - s->here.vertices,
+		part = room > 0 ? ((double)budget - s->here.vertices) / room : 0;
 	double wrong = s->here.wrong + (part > 1 ? 1 : part) * (s->next.wrong - s->here.wrong);
 	room = s->from.outcome.wrong - s->to.outcome.wrong;
 	part = room > 0 ? (s->from.outcome.wrong - wrong) / room : 1;
@@ -182,8 +195,8 @@ static double closed_wrong(const struct lod_allocation *m)
 
 /* What the gates and tiles of a lambda leave wrong when filled to the budget: INFINITY where they do not
  * fit. */
-static enum eco_code fix_structure(const struct lambda_search *s, double lambda, uint64_t budget, struct lod_fill *fill, double *wrong,
-	struct eco_error *error)
+static enum eco_code fix_structure(const struct lambda_search *s, double lambda, uint64_t budget,
+	struct lod_fill *fill, double *wrong, struct eco_error *error)
 {
 	lod_allocation_relax(s->allocation, lambda);
 	lod_allocation_fix(s->allocation);
@@ -228,7 +241,8 @@ static enum eco_code fill_budget(const struct lambda_search *s, uint64_t budget,
 {
 	struct lod_allocation *m = s->allocation;
 	struct lod_fill fill = { 0 };
-	bool small = m->few_plants && m->ladder_choice_count < SMALL_SCENE && m->p->visible.node_count < SMALL_SCENE;
+	bool small = m->few_plants && m->ladder_choice_count < SMALL_SCENE && m->p->visible.node_count
+		< SMALL_SCENE;
 	double wrong, lambda = s->index == LAMBDA_COUNT ? lambda_at(s->index) : exact_lambda(s, budget);
 	enum eco_code code = fix_structure(s, lambda, budget, &fill, &wrong, error);
 	if (!code && !(wrong < INFINITY)) { /* hull points are whole, so a lambda that fits in the mean may
@@ -271,7 +285,8 @@ static enum eco_code plan_level(struct lod_planner *p, bool *predicts, struct ec
 /* Coarser levels begin with small steps: the work of a level is known only afterwards. */
 static int octaves(int level)
 {
-	return level >= 0 ? -FINER_OCTAVES * level : level >= -SMALL_STEPS ? -level : SMALL_STEPS + FINER_OCTAVES * (-level - SMALL_STEPS);
+	return level >= 0 ? -FINER_OCTAVES * level : level >= -SMALL_STEPS ? -level
+		: SMALL_STEPS + FINER_OCTAVES * (-level - SMALL_STEPS);
 }
 
 static enum eco_code open_level(struct lod_planner *p, int level, struct eco_error *error)

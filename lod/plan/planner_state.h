@@ -49,11 +49,13 @@ struct lod_planner {
 };
 
 /* `input` must outlive p. End p whatever begin returns. */
-enum eco_code lod_planner_begin(struct lod_planner *p, const struct lod_planner_input *input, struct eco_error *error);
+enum eco_code lod_planner_begin(struct lod_planner *p, const struct lod_planner_input *input,
+	struct eco_error *error);
 void lod_planner_end(struct lod_planner *p);
 
 /* Opens the tiles and cells that the sample distances d' need, and counts plants: sets gates and slots. */
-enum eco_code lod_planner_open(struct lod_planner *p, double tiles_distance, double cells_distance, struct eco_error *error);
+enum eco_code lod_planner_open(struct lod_planner *p, double tiles_distance, double cells_distance,
+	struct eco_error *error);
 
 enum eco_code lod_planner_add(struct lod_planner *p, const struct lod_entry *entry, struct eco_error *error);
 
@@ -68,7 +70,8 @@ enum eco_code lod_planner_fill(struct lod_planner *p, struct eco_error *error);
 enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *plan, struct eco_error *error);
 
 /* Expected error of an entry that draws `vertices` a plant. */
-struct eco_curve lod_planner_curve(const struct lod_planner *p, const struct lod_entry *entry, uint64_t vertices);
+struct eco_curve lod_planner_curve(const struct lod_planner *p, const struct lod_entry *entry,
+	uint64_t vertices);
 
 /* Share of a plant's instances in a band that are before its gate. */
 static inline double lod_planner_near(const struct lod_planner *p, uint32_t plant, uint8_t band)

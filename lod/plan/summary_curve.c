@@ -31,21 +31,24 @@ static double inside_box(double a, double wide, double high)
 static double filled(const struct lod_summary_view *view, double splat, double n)
 {
 	double region = view->wide * view->high;
-	return region > 0 ? hit_share(splat * inside_box(sqrt(splat), view->wide, view->high), region, FILLING * n) : 0;
+	return region > 0 ? hit_share(splat * inside_box(sqrt(splat), view->wide, view->high), region,
+		FILLING * n) : 0;
 }
 
 double lod_summary_outside(const struct lod_summary_view *view, double n)
 {
 	double region = view->wide * view->high, splat = view->area / n, side = sqrt(splat);
 	double ring = (view->wide + side) * (view->high + side) - region;
-	return region > 0 ? ring * hit_share(splat * (1 - inside_box(side, view->wide, view->high)), ring, n) / view->weight_px : 0;
+	return region > 0 ? ring * hit_share(splat * (1 - inside_box(side, view->wide, view->high)), ring,
+		n) / view->weight_px : 0;
 }
 
 /* A splat's centre is on a plant, and each plant has its share of the splats. The part of a splat inside the
  * plant's crown covers the plant and its gaps alike; the rest lies around the crown and hides others. */
 struct eco_curve lod_summary_curve(const struct lod_summary_view *view, double n)
 {
-	double box = view->box / view->plants > 1e-12 ? view->box / view->plants : 1e-12, covered = view->covered / view->plants;
+	double box = view->box / view->plants > 1e-12 ? view->box / view->plants : 1e-12,
+		covered = view->covered / view->plants;
 	covered = covered < box ? covered > 1e-3 * box ? covered : 1e-3 * box : box;
 	double splat = view->area / n, side = sqrt(splat), width = sqrt(box), each = n / view->plants;
 	double inside = inside_box(side, width, width), ring = (width + side) * (width + side) - box;
@@ -53,5 +56,6 @@ struct eco_curve lod_summary_curve(const struct lod_summary_view *view, double n
 	double fp = (box - covered) * hit + ring * hit_share(splat * (1 - inside), ring, each);
 	/* splats of other plants may hit what its own miss */
 	double missed = (1 - hit) * (1 - filled(view, splat, n));
-	return (struct eco_curve){ .share = (float)(n / view->points), .scale = 1, .fp = (float)(fp / covered), .fn = (float)missed };
+	return (struct eco_curve){ .share = (float)(n / view->points), .scale = 1,
+		.fp = (float)(fp / covered), .fn = (float)missed };
 }

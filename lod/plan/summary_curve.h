@@ -17,7 +17,8 @@ struct lod_summary_view {
 	double weight_px;            /* wrong pixels where nothing is drawn; above 0 where wide and high are
 	                              * known */
 };
-/* Error of the first n points, over covered pixels. Splats fall independently on what they stand for; n > 0 */
+/* Error of the first n points, over covered pixels. Splats fall independently on what they stand for; n > 0
+ */
 struct eco_curve lod_summary_curve(const struct lod_summary_view *view, double n);
 
 /* Pixels around the tile that the first n points cover, over weight_px. What hides the tile need not hide

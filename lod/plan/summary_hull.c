@@ -7,9 +7,15 @@
 
 #define LAST_STEP 64             /* the last step's slope is seldom less than the mean slope over this */
 
-static bool is_evaluated(const struct lod_summary_hull *summary, uint32_t i) { return summary->evaluated >> i & 1; }
+static bool is_evaluated(const struct lod_summary_hull *summary, uint32_t i)
+{
+	return summary->evaluated >> i & 1;
+}
 
-static double error_of(const struct lod_summary_hull *summary, uint32_t i) { return lod_hull_error(&summary->hull, &summary->samples[i]); }
+static double error_of(const struct lod_summary_hull *summary, uint32_t i)
+{
+	return lod_hull_error(&summary->hull, &summary->samples[i]);
+}
 
 double lod_summary_hull_missed(const struct lod_summary_hull *summary, double fn)
 {
@@ -47,11 +53,12 @@ static void make_hull(struct lod_summary_hull *summary)
 	lod_hull_reduce(hull, 1);
 }
 
-void lod_summary_hull_begin(struct lod_summary_hull *summary, const struct lod_summary_view *view, double part, double pixels, double fp_weight,
-	struct lod_hull_point *room, uint64_t *gains)
+void lod_summary_hull_begin(struct lod_summary_hull *summary, const struct lod_summary_view *view,
+	double part, double pixels, double fp_weight, struct lod_hull_point *room, uint64_t *gains)
 {
 	uint32_t count = lod_summary_hull_count(view->points);
-	*summary = (struct lod_summary_hull){ .view = *view, .part = part, .pixels = pixels, .samples = room, .count = count,
+	*summary = (struct lod_summary_hull){ .view = *view, .part = part, .pixels = pixels, .samples = room,
+		.count = count,
 		.hull = { room + count, 1, fp_weight }, .gains = gains };
 	for (uint32_t i = 0; i < count; i++)
 		room[i] = (struct lod_hull_point){ .vertices = (uint64_t)view->points >> (count - 1 - i) };
@@ -81,7 +88,8 @@ static struct gap best_gap(const struct lod_summary_hull *summary, double lambda
 		if (!is_evaluated(summary, end))
 			continue;
 		if (first < end) {
-			double least = error_of(summary, end) + lambda * (double)summary->samples[first].vertices;
+			double least = error_of(summary, end)
+				+ lambda * (double)summary->samples[first].vertices;
 			if (least < best.least)
 				best = (struct gap){ least, first, end };
 		}
@@ -109,7 +117,8 @@ static bool refine_at(struct lod_summary_hull *summary, double lambda)
 /* Steps around lambda are taken in part, so the hull must hold there too. */
 bool lod_summary_hull_refine(struct lod_summary_hull *summary, double lambda)
 {
-	return lambda > 0 && (refine_at(summary, lambda) || refine_at(summary, lambda * LOD_HULL_BLUR) || refine_at(summary, lambda / LOD_HULL_BLUR));
+	return lambda > 0 && (refine_at(summary, lambda) || refine_at(summary, lambda * LOD_HULL_BLUR)
+		|| refine_at(summary, lambda / LOD_HULL_BLUR));
 }
 
 void lod_summary_hull_complete(struct lod_summary_hull *summary)

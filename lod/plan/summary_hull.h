@@ -40,8 +40,8 @@ double lod_summary_hull_missed(const struct lod_summary_hull *summary, double fn
 /* Number of samples for a summary of so many points, at least 1. */
 uint32_t lod_summary_hull_count(double points);
 /* `room` holds 2 * lod_summary_hull_count(view->points) + 1 hull points; the caller's, like `gains`. */
-void lod_summary_hull_begin(struct lod_summary_hull *summary, const struct lod_summary_view *view, double part, double pixels, double fp_weight,
-	struct lod_hull_point *room, uint64_t *gains);
+void lod_summary_hull_begin(struct lod_summary_hull *summary, const struct lod_summary_view *view,
+	double part, double pixels, double fp_weight, struct lod_hull_point *room, uint64_t *gains);
 
 /* Upper bound of what the summary saves at lambda: error saved less lambda * vertices. */
 double lod_summary_hull_gain_bound(const struct lod_summary_hull *summary, double lambda);

@@ -24,8 +24,10 @@ static bool add_step(struct lod_fill *fill, struct lod_candidate *candidate, boo
 {
 	if (lod_candidate_ended(candidate))
 		return false;
-	uint64_t ahead = candidate->ladder_choice != ECO_NONE && candidate->high == lod_candidate_point(candidate)[1].vertices ? candidate->ahead : 0;
-	ahead = all || candidate->ladder_choice == ECO_NONE ? candidate->count : lod_fill_share_next(fill, candidate, ahead);
+	uint64_t ahead = candidate->ladder_choice != ECO_NONE
+		&& candidate->high == lod_candidate_point(candidate)[1].vertices ? candidate->ahead : 0;
+	ahead = all || candidate->ladder_choice == ECO_NONE ? candidate->count
+		: lod_fill_share_next(fill, candidate, ahead);
 	lod_candidate_reach(candidate, candidate->step + (ahead == candidate->count));
 	candidate->ahead = ahead == candidate->count ? 0 : ahead;
 	return true;
@@ -39,7 +41,8 @@ static struct release release_of(const struct lod_fill *fill, const struct lod_c
 	struct lod_candidate after = *candidate;
 	if (!release_step(&after, false))
 		return (struct release){ 0 };
-	return (struct release){ lod_fill_wrong_of(fill, &after) - lod_fill_wrong_of(fill, candidate), lod_candidate_vertices(candidate) - lod_candidate_vertices(&after) };
+	return (struct release){ lod_fill_wrong_of(fill, &after) - lod_fill_wrong_of(fill, candidate),
+		lod_candidate_vertices(candidate) - lod_candidate_vertices(&after) };
 }
 
 /* All candidates but `except` release steps until the budget holds, those first that lose least per vertex
@@ -56,7 +59,9 @@ static bool release_others(struct lod_fill *fill, uint64_t budget, uint32_t exce
 		uint32_t best = ECO_NONE;
 		double least = INFINITY;
 		for (uint32_t i = 0; i < fill->candidate_count; i++) {
-			double each = releases[i].freed ? releases[i].loss / (double)(releases[i].freed < needed ? releases[i].freed : needed) : INFINITY;
+			double each = releases[i].freed
+				? releases[i].loss / (double)(releases[i].freed < needed ? releases[i].freed
+				: needed) : INFINITY;
 			if (each < least) {
 				least = each;
 				best = i;
@@ -74,17 +79,19 @@ static bool release_others(struct lod_fill *fill, uint64_t budget, uint32_t exce
 /* The change of one candidate that the others make up for. */
 enum swap { RELEASE_STEP, RELEASE_ALL, ADD_ONE, ADD_STEP, SWAP_KINDS };
 
-static bool change(struct lod_fill *fill, uint64_t budget, uint32_t i, enum swap kind, struct release *releases)
+static bool change(struct lod_fill *fill, uint64_t budget, uint32_t i, enum swap kind,
+	struct release *releases)
 {
 	struct lod_candidate *candidate = &fill->candidates[i];
 	if (kind == RELEASE_STEP || kind == RELEASE_ALL)
 		return release_step(candidate, kind == RELEASE_ALL);
-	return (kind == ADD_STEP || candidate->count > 1) && add_step(fill, candidate, kind == ADD_STEP) && release_others(fill, budget, i, releases);
+	return (kind == ADD_STEP || candidate->count > 1) && add_step(fill, candidate, kind == ADD_STEP)
+		&& release_others(fill, budget, i, releases);
 }
 
 /* Makes the change and keeps it if less is wrong. False without memory. */
-static bool try_swap(struct lod_fill *fill, uint64_t budget, uint32_t i, enum swap kind, struct lod_candidate *spare, struct release *releases,
-	bool *better)
+static bool try_swap(struct lod_fill *fill, uint64_t budget, uint32_t i, enum swap kind,
+	struct lod_candidate *spare, struct release *releases, bool *better)
 {
 	double before = fill->wrong;
 	uint64_t vertices = fill->vertices;
@@ -112,7 +119,8 @@ bool lod_swap_steps(struct lod_fill *fill, uint64_t budget)
 	for (int pass = 0; good && better && pass < PASSES; pass++) {
 		better = false;
 		for (uint32_t i = 0; good && i < SWAP_KINDS * fill->candidate_count; i++)
-			good = try_swap(fill, budget, i / SWAP_KINDS, i % SWAP_KINDS, spare, releases, &better);
+			good = try_swap(fill, budget, i / SWAP_KINDS, i % SWAP_KINDS, spare, releases,
+				&better);
 	}
 	free(releases);
 	free(spare);

@@ -24,7 +24,8 @@ double lod_exp_minus(double x)
 {
 	if (!(x < 700))
 		return 0;
-	double turns = floor(x * 1.4426950408889634 + 0.5), rest = turns * 0.69314718055994531 - x, sum = 1, term = 1;
+	double turns = floor(x * 1.4426950408889634 + 0.5), rest = turns * 0.69314718055994531 - x, sum = 1,
+		term = 1;
 	for (int k = 1; k <= 9; k++) {
 		term *= rest / k;
 		sum += term;
@@ -50,12 +51,14 @@ double lod_log(double x)
 
 /* ---- Visibilities ---- */
 
-void lod_screen_init(struct lod_screen *screen, const struct lod_eye *eye, const struct eco_view *view, bool ground)
+void lod_screen_init(struct lod_screen *screen, const struct lod_eye *eye, const struct eco_view *view,
+	bool ground)
 {
 	uint32_t side = view->width > view->height ? view->width : view->height;
 	double cell = (double)side / LOD_SCREEN_COLUMNS;
 	cell = cell > 4 ? cell : 4;  /* small pictures have few cells */
-	*screen = (struct lod_screen){ .eye = eye, .ground = ground, .columns = (uint32_t)ceil(view->width / cell),
+	*screen = (struct lod_screen){ .eye = eye, .ground = ground,
+		.columns = (uint32_t)ceil(view->width / cell),
 		.rows = (uint32_t)ceil(view->height / cell) };
 	screen->cell_x = (double)view->width / screen->columns;
 	screen->cell_y = (double)view->height / screen->rows;
@@ -75,7 +78,8 @@ double lod_proxy_shape_opacity(const struct lod_proxy_shape *proxy_shape)
 
 struct lod_tilt lod_tilt_at(const struct lod_eye *eye, const double from_eye[3], double closest)
 {
-	double ahead = lod_dot(eye->forward, from_eye), slope = ahead > closest ? lod_dot(eye->up, from_eye) / ahead : 0;
+	double ahead = lod_dot(eye->forward, from_eye), slope = ahead > closest
+		? lod_dot(eye->up, from_eye) / ahead : 0;
 	double x = eye->up[0] - slope * eye->forward[0], y = eye->up[1] - slope * eye->forward[1];
 	return (struct lod_tilt){ eye->up[2] - slope * eye->forward[2], sqrt(x * x + y * y) };
 }
@@ -89,33 +93,47 @@ double lod_tilt_height(const struct lod_tilt *tilt, double across, double up)
 /* Squared distance of a proxy shape in its own radii: below 1 the eye is inside its ellipsoid. */
 static double apart(const double d[3], const struct lod_proxy_shape *proxy_shape)
 {
-	double across = proxy_shape->across > 0 ? proxy_shape->across : proxy_shape->up, up = proxy_shape->up > 0 ? proxy_shape->up : proxy_shape->across;
+	double across = proxy_shape->across > 0 ? proxy_shape->across : proxy_shape->up,
+		up = proxy_shape->up > 0 ? proxy_shape->up : proxy_shape->across;
 	return (d[0] * d[0] + d[1] * d[1]) / (across * across) + d[2] * d[2] / (up * up);
 }
 
-struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double center[3], const struct lod_proxy_shape *proxy_shape)
+struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double center[3],
+	const struct lod_proxy_shape *proxy_shape)
 {
 	if (!eco_room(&screen->visibilities, &screen->capacity, screen->count, sizeof *screen->visibilities))
 		return NULL;
 	const struct lod_eye *eye = screen->eye;
 	double d[3] = { center[0] - eye->at[0], center[1] - eye->at[1], center[2] - eye->at[2] };
-	double ahead = lod_dot(eye->forward, d), size = fmax(proxy_shape->across, proxy_shape->up), closest = 0.25 * size;
+	double ahead = lod_dot(eye->forward, d), size = fmax(proxy_shape->across, proxy_shape->up),
+		closest = 0.25 * size;
 	bool beside = ahead <= closest;
-	double before = size > 0 ? fmax(0, fmin(1, ahead / closest - 1)) : 1, within = size > 0 ? lod_exp_minus(apart(d, proxy_shape)) : 0;
-	within = !beside ? within + (1 - within) * before : size > 0 ? within * fmax(0, (ahead + size) / (closest + size)) : 0;
+	double before = size > 0 ? fmax(0, fmin(1, ahead / closest - 1)) : 1,
+		within = size > 0 ? lod_exp_minus(apart(d, proxy_shape)) : 0;
+	within = !beside ? within + (1 - within) * before : size > 0
+		? within * fmax(0, (ahead + size) / (closest + size)) : 0;
 	struct lod_tilt tilt = lod_tilt_at(eye, d, closest);
 	ahead = ahead > closest ? ahead : closest > 0 ? closest : 1e-9;
-	double tall = lod_tilt_height(&tilt, proxy_shape->across, proxy_shape->up), high = lod_tilt_height(&tilt, proxy_shape->crown_across, proxy_shape->crown_up);
+	double tall = lod_tilt_height(&tilt, proxy_shape->across, proxy_shape->up),
+		high = lod_tilt_height(&tilt, proxy_shape->crown_across, proxy_shape->crown_up);
 	double px = 1 / (ahead * eye->pixel_rad), columns = px / screen->cell_x, rows = px / screen->cell_y;
-	struct lod_proxy_shape seen = { .area = proxy_shape->area, .crown_across = proxy_shape->crown_across, .crown_up = high };
+	struct lod_proxy_shape seen = { .area = proxy_shape->area, .crown_across = proxy_shape->crown_across,
+		.crown_up = high };
 	struct lod_visibility *visibility = &screen->visibilities[screen->count++];
-	double y = 0.5 * screen->rows - lod_dot(eye->up, d) * rows, range = eye->right[0] * d[1] - eye->right[1] * d[0];
-	*visibility = (struct lod_visibility){ .x = (float)(0.5 * screen->columns + lod_dot(eye->right, d) * columns), .y = (float)y,
-		.reach_x = (float)(BOX * proxy_shape->across * columns), .reach_y = (float)(BOX * tall * rows),
-		.crown_y = (float)(y - proxy_shape->rise * tilt.upright * rows), .crown_reach_x = (float)(BOX * proxy_shape->crown_across * columns),
-		.crown_reach_y = (float)(BOX * high * rows), .depth = (float)ahead, .range = (float)(range > 0 ? range : 0),
+	double y = 0.5 * screen->rows - lod_dot(eye->up, d) * rows,
+		range = eye->right[0] * d[1] - eye->right[1] * d[0];
+	*visibility =
+		(struct lod_visibility){
+		.x = (float)(0.5 * screen->columns + lod_dot(eye->right, d) * columns), .y = (float)y,
+		.reach_x = (float)(BOX * proxy_shape->across * columns),
+		.reach_y = (float)(BOX * tall * rows),
+		.crown_y = (float)(y - proxy_shape->rise * tilt.upright * rows),
+		.crown_reach_x = (float)(BOX * proxy_shape->crown_across * columns),
+		.crown_reach_y = (float)(BOX * high * rows), .depth = (float)ahead,
+		.range = (float)(range > 0 ? range : 0),
 		.foot = (float)(y + proxy_shape->up * tilt.upright * rows),
-		.opacity = (float)lod_proxy_shape_opacity(&seen), .bottom = (float)screen->rows, .share = 1, .beside = beside,
+		.opacity = (float)lod_proxy_shape_opacity(&seen), .bottom = (float)screen->rows, .share = 1,
+		.beside = beside,
 		.within = (float)within, .before = (float)before };
 	visibility->ellipse = (float)(PI * proxy_shape->crown_across * high * px * px);
 	visibility->pixels = visibility->opacity * visibility->ellipse;
@@ -147,7 +165,8 @@ static struct span span_of(double middle, double reach, uint32_t count)
 /* Length of cell i inside the span. */
 static float inside(const struct span *s, int i)
 {
-	float low = s->low > (float)i ? s->low : (float)i, high = s->high < (float)(i + 1) ? s->high : (float)(i + 1);
+	float low = s->low > (float)i ? s->low : (float)i, high = s->high < (float)(i + 1) ? s->high
+		: (float)(i + 1);
 	return high - low;
 }
 
@@ -175,7 +194,8 @@ static void sort_visibilities(const struct lod_screen *screen, bool by_range, ui
 		for (int k = 0; k < 2047; k++)
 			start[k + 1] += start[k];
 		for (uint32_t i = 0; i < screen->count; i++)
-			spare[start[key_of(&screen->visibilities[order[i]], by_range) >> shift & 2047]++] = order[i];
+			spare[start[key_of(&screen->visibilities[order[i]], by_range) >> shift & 2047]++] =
+				order[i];
 		uint32_t *swap = order;
 		order = spare;
 		spare = swap;
@@ -204,9 +224,11 @@ static struct span crown_down(const struct lod_screen *screen, const struct lod_
 }
 
 /* Share of a visibility's box that is in the picture and lit. */
-static double visible_share(const struct lod_screen *screen, const struct lod_visibility *visibility, const float *clear)
+static double visible_share(const struct lod_screen *screen, const struct lod_visibility *visibility,
+	const float *clear)
 {
-	struct span across = span_of(visibility->x, visibility->reach_x, screen->columns), down = span_of(visibility->y, visibility->reach_y, screen->rows);
+	struct span across = span_of(visibility->x, visibility->reach_x, screen->columns),
+		down = span_of(visibility->y, visibility->reach_y, screen->rows);
 	double seen = 0;
 	down.high = fminf(down.high, visibility->bottom);
 	for (int r = down.first; r < down.end; r++) {
@@ -220,14 +242,17 @@ static double visible_share(const struct lod_screen *screen, const struct lod_vi
 	return (all > seen ? seen / all : 1) * (double)visibility->within;
 }
 
-static void attenuate(const struct lod_screen *screen, const struct lod_visibility *visibility, const struct light *light)
+static void attenuate(const struct lod_screen *screen, const struct lod_visibility *visibility,
+	const struct light *light)
 {
-	float opaque = visibility->opacity < 1 ? (float)(1 - lod_exp_minus(-CLUMPING * lod_log(1 - (double)visibility->opacity))) : 1;
+	float opaque = visibility->opacity < 1
+		? (float)(1 - lod_exp_minus(-CLUMPING * lod_log(1 - (double)visibility->opacity))) : 1;
 	float clear_of = visibility->opacity * visibility->before;
 	opaque *= visibility->before;
 	struct span across = crown_across(screen, visibility), down = crown_down(screen, visibility);
 	for (int r = down.first; r < down.end; r++) {
-		float *clear = light->clear + r * (int)screen->columns, *through = light->through + r * (int)screen->columns;
+		float *clear = light->clear + r * (int)screen->columns,
+			*through = light->through + r * (int)screen->columns;
 		float height = fmaxf(0, inside(&down, r));
 		for (int c = across.first; c < across.end; c++) {
 			float part = height * inside(&across, c);
@@ -239,7 +264,8 @@ static void attenuate(const struct lod_screen *screen, const struct lod_visibili
 
 /* Share of a visibility's surroundings, a box AROUND times as wide and high, that is in the picture and that
  * no other plant covers: light that comes through all crowns but its own. */
-static double unoccluded_share(const struct lod_screen *screen, const struct lod_visibility *visibility, const float *clear)
+static double unoccluded_share(const struct lod_screen *screen, const struct lod_visibility *visibility,
+	const float *clear)
 {
 	struct span across = span_of(visibility->x, AROUND * visibility->reach_x, screen->columns);
 	struct span down = span_of(visibility->y, AROUND * visibility->reach_y, screen->rows);
@@ -249,7 +275,8 @@ static double unoccluded_share(const struct lod_screen *screen, const struct lod
 	for (int r = down.first; r < down.end; r++) {
 		const float *row = clear + r * (int)screen->columns;
 		float height = fmaxf(0, inside(&down, r)), sum = 0;
-		float own = r >= high.first && r < high.end ? fmaxf(0, inside(&high, r)) * visibility->opacity * visibility->before : 0;
+		float own = r >= high.first && r < high.end
+			? fmaxf(0, inside(&high, r)) * visibility->opacity * visibility->before : 0;
 		for (int c = across.first; c < across.end; c++) {
 			float rest = 1 - (c >= crown.first && c < crown.end ? own * inside(&crown, c) : 0);
 			sum += inside(&across, c) * (rest > CLEAR_LEAST ? row[c] / rest : 0);
@@ -266,7 +293,8 @@ static double unoccluded_share(const struct lod_screen *screen, const struct lod
 static void lower_horizon(const struct lod_screen *screen, struct lod_visibility *visibility, float *horizon)
 {
 	int last = (int)screen->columns - 1, column = (int)floorf(visibility->x - 0.5f);
-	float rows = (float)screen->rows, part = visibility->x - 0.5f - (float)column, foot = fminf(visibility->foot + 1, rows);
+	float rows = (float)screen->rows, part = visibility->x - 0.5f - (float)column,
+		foot = fminf(visibility->foot + 1, rows);
 	if (column < -1 || column > last)
 		return;
 	int left = column < 0 ? 0 : column, right = column < last ? column + 1 : last;
@@ -275,7 +303,8 @@ static void lower_horizon(const struct lod_screen *screen, struct lod_visibility
 	for (int c = column - (int)HILL + 1; c <= column + (int)HILL; c++) {
 		float beside = fabsf(visibility->x - 0.5f - (float)c) / HILL;
 		if (c >= 0 && c <= last && beside < 1)
-			horizon[c] = fminf(horizon[c], rows + visibility->before * (1 - beside) * (foot - rows));
+			horizon[c] =
+				fminf(horizon[c], rows + visibility->before * (1 - beside) * (foot - rows));
 	}
 }
 
@@ -293,30 +322,37 @@ static void hide_by_ground(const struct lod_screen *screen, float *horizon, uint
 }
 
 /* From the nearest to the farthest: takes the light that is left, then hides what is behind. */
-static void occlude(const struct lod_screen *screen, struct lod_visibility *visibility, const struct light *light)
+static void occlude(const struct lod_screen *screen, struct lod_visibility *visibility,
+	const struct light *light)
 {
 	visibility->share = (float)visible_share(screen, visibility, light->through);
 	if (!visibility->beside)
 		attenuate(screen, visibility, light);
 }
 
-static void finish(const struct lod_screen *screen, struct lod_visibility *visibility, const struct light *light, bool hide)
+static void finish(const struct lod_screen *screen, struct lod_visibility *visibility,
+	const struct light *light, bool hide)
 {
 	visibility->shown = shown_of((double)visibility->opacity);
 	double seen = hide ? (double)visibility->share : visible_share(screen, visibility, light->clear);
 	double unoccluded = hide ? unoccluded_share(screen, visibility, light->clear) : seen;
 	/* not more of a plant than the picture holds: where the eye is inside it, SEEN_LEAST may be more than
 	 * all pixels */
-	double least = SEEN_LEAST * fmin(1, screen->columns * screen->rows / (1 + 4 * (double)visibility->reach_x * (double)visibility->reach_y));
+	double least =
+		SEEN_LEAST * fmin(1,
+		screen->columns * screen->rows
+		/ (1 + 4 * (double)visibility->reach_x * (double)visibility->reach_y));
 	visibility->share = (float)(seen > least ? seen : least);
 	unoccluded = LOD_OWNER_WEIGHT * (double)visibility->share + (1 - LOD_OWNER_WEIGHT) * unoccluded;
-	visibility->unoccluded = unoccluded < (double)visibility->share ? (float)unoccluded : visibility->share;
+	visibility->unoccluded = unoccluded < (double)visibility->share ? (float)unoccluded
+		: visibility->share;
 }
 
 enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco_error *error)
 {
 	uint32_t cells = screen->columns * screen->rows;
-	uint32_t *order = malloc(((size_t)screen->count + 1) * sizeof *order), *spare = malloc(((size_t)screen->count + 1) * sizeof *spare);
+	uint32_t *order = malloc(((size_t)screen->count + 1) * sizeof *order),
+		*spare = malloc(((size_t)screen->count + 1) * sizeof *spare);
 	struct light light = { malloc(cells * sizeof *light.through), malloc(cells * sizeof *light.clear),
 		malloc(screen->columns * sizeof *light.horizon) };
 	bool good = order && spare && light.through && light.clear && light.horizon;
@@ -336,7 +372,8 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 	free(light.through);
 	free(light.clear);
 	free(light.horizon);
-	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants in view", screen->count);
+	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants in view",
+		screen->count);
 }
 
 /* ---- Prediction ---- */
@@ -346,14 +383,16 @@ struct uncovered { float reference, drawn, either; };
 
 static struct uncovered uncovered_of(double shown, struct lod_wrong wrong)
 {
-	double reference = 1 - shown, drawn = 1 - shown * (1 - wrong.fn + wrong.fp), either = 1 - shown * (1 + wrong.fp);
+	double reference = 1 - shown, drawn = 1 - shown * (1 - wrong.fn + wrong.fp),
+		either = 1 - shown * (1 + wrong.fp);
 	/* a point uncovered in both is uncovered in each */
 	drawn = drawn > 0 ? drawn : 0;
 	either = either > 0 ? either : 0;
 	return (struct uncovered){ (float)reference, (float)drawn, (float)(either < drawn ? either : drawn) };
 }
 
-static void cover(const struct lod_screen *screen, const struct lod_visibility *visibility, struct lod_wrong wrong, struct uncovered *cells)
+static void cover(const struct lod_screen *screen, const struct lod_visibility *visibility,
+	struct lod_wrong wrong, struct uncovered *cells)
 {
 	struct lod_visibility wide = *visibility;
 	if (visibility->shown > DENSEST) {
@@ -372,8 +411,8 @@ static void cover(const struct lod_screen *screen, const struct lod_visibility *
 		}
 }
 
-enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_wrong_fn wrong, void *ctx, struct eco_prediction *prediction,
-	struct eco_error *error)
+enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_wrong_fn wrong, void *ctx,
+	struct eco_prediction *prediction, struct eco_error *error)
 {
 	uint32_t count = screen->columns * screen->rows;
 	struct uncovered *cells = malloc(count * sizeof *cells);

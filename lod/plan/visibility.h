@@ -74,7 +74,8 @@ struct lod_screen {
 };
 
 /* `ground`: feet stand on ground that hides. `eye` must outlive the screen. */
-void lod_screen_init(struct lod_screen *screen, const struct lod_eye *eye, const struct eco_view *view, bool ground);
+void lod_screen_init(struct lod_screen *screen, const struct lod_eye *eye, const struct eco_view *view,
+	bool ground);
 void lod_screen_free(struct lod_screen *screen);
 
 /* Metres up or down the picture, at the same depth, of a metre upwards, and of one along the ground towards
@@ -90,7 +91,8 @@ double lod_tilt_height(const struct lod_tilt *tilt, double across, double up);
  * in metres; and those of its crown, whose centre is `rise` above its own. */
 struct lod_proxy_shape { double across, up, area, crown_across, crown_up, rise; };
 /* Adds a proxy shape at `center` (world). The caller sets its own fields. NULL without memory. */
-struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double center[3], const struct lod_proxy_shape *proxy_shape);
+struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double center[3],
+	const struct lod_proxy_shape *proxy_shape);
 
 /* Share of its ellipse that a crown is expected to cover at full detail. */
 double lod_proxy_shape_opacity(const struct lod_proxy_shape *proxy_shape);
@@ -103,8 +105,8 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 struct lod_wrong { double fp, fn; };
 
 typedef struct lod_wrong (*lod_wrong_fn)(void *ctx, const struct lod_visibility *visibility);
-enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_wrong_fn wrong, void *ctx, struct eco_prediction *prediction,
-	struct eco_error *error);
+enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_wrong_fn wrong, void *ctx,
+	struct eco_prediction *prediction, struct eco_error *error);
 
 /* e^-x for x >= 0 and log x for x > 0, the same on every machine, to about nine digits. */
 double lod_exp_minus(double x);

@@ -21,7 +21,8 @@ static enum eco_code no_memory(struct eco_error *error)
 
 struct box { double center[3], half[3], axis[3][3]; }; /* world; half extents along the axes */
 
-static void tile_box(const struct lod_visible_tree *visible, uint32_t tile, uint32_t placement, struct box *box)
+static void tile_box(const struct lod_visible_tree *visible, uint32_t tile, uint32_t placement,
+	struct box *box)
 {
 	const struct eco_tile *t = &visible->scene->tiles[tile];
 	const struct eco_placement *p = &visible->placements[placement];
@@ -40,7 +41,8 @@ static void tile_box(const struct lod_visible_tree *visible, uint32_t tile, uint
 
 static bool box_seen(const struct lod_eye *eye, const struct box *box)
 {
-	double from_eye[3] = { box->center[0] - eye->at[0], box->center[1] - eye->at[1], box->center[2] - eye->at[2] };
+	double from_eye[3] = { box->center[0] - eye->at[0], box->center[1] - eye->at[1],
+		box->center[2] - eye->at[2] };
 	for (int plane = 0; plane < 5; plane++) {
 		const double *normal = plane < 4 ? eye->side[plane] : eye->forward;
 		double reach = 0;
@@ -54,7 +56,8 @@ static bool box_seen(const struct lod_eye *eye, const struct box *box)
 
 static double box_distance(const struct lod_eye *eye, const struct box *box)
 {
-	double from_center[3] = { eye->at[0] - box->center[0], eye->at[1] - box->center[1], eye->at[2] - box->center[2] };
+	double from_center[3] = { eye->at[0] - box->center[0], eye->at[1] - box->center[1],
+		eye->at[2] - box->center[2] };
 	double square = 0;
 	for (int i = 0; i < 3; i++) {
 		double outside = fabs(lod_dot(from_center, box->axis[i])) - box->half[i];
@@ -64,7 +67,8 @@ static double box_distance(const struct lod_eye *eye, const struct box *box)
 	return sqrt(square);
 }
 
-void lod_visible_tree_box(const struct lod_visible_tree *visible, const struct lod_node *node, double center[3], double *across, double *up)
+void lod_visible_tree_box(const struct lod_visible_tree *visible, const struct lod_node *node,
+	double center[3], double *across, double *up)
 {
 	struct box box;
 	tile_box(visible, node->tile, node->placement, &box);
@@ -75,11 +79,12 @@ void lod_visible_tree_box(const struct lod_visible_tree *visible, const struct l
 
 /* ---- Nodes and placements ---- */
 
-static enum eco_code add_node(struct lod_visible_tree *visible, uint32_t tile, uint32_t placement, struct eco_error *error)
+static enum eco_code add_node(struct lod_visible_tree *visible, uint32_t tile, uint32_t placement,
+	struct eco_error *error)
 {
 	if (visible->node_count >= visible->nodes_max)
-		return eco_fail(error, ECO_TOO_LARGE, "this view at this detail opens more than %llu tiles; ask for fewer vertices",
-			(unsigned long long)visible->nodes_max);
+		return eco_fail(error, ECO_TOO_LARGE, "this view at this detail opens more than %llu tiles; "
+			"ask for fewer vertices", (unsigned long long)visible->nodes_max);
 	if (!eco_room(&visible->nodes, &visible->node_capacity, visible->node_count, sizeof *visible->nodes))
 		return no_memory(error);
 	struct lod_node *node = &visible->nodes[visible->node_count++];
@@ -93,12 +98,15 @@ static enum eco_code add_node(struct lod_visible_tree *visible, uint32_t tile, u
 	return ECO_OK;
 }
 
-static enum eco_code add_placement(struct lod_visible_tree *visible, uint32_t outer, uint32_t tile, uint32_t child, struct eco_error *error)
+static enum eco_code add_placement(struct lod_visible_tree *visible, uint32_t outer, uint32_t tile,
+	uint32_t child, struct eco_error *error)
 {
 	if (visible->placement_count >= visible->placements_max)
-		return eco_fail(error, ECO_TOO_LARGE, "this view at this detail places more than %llu nested eco files; ask for fewer vertices",
+		return eco_fail(error, ECO_TOO_LARGE, "this view at this detail places more than %llu "
+			"nested eco files; ask for fewer vertices",
 			(unsigned long long)visible->placements_max);
-	if (!eco_room(&visible->placements, &visible->placement_capacity, visible->placement_count, sizeof *visible->placements))
+	if (!eco_room(&visible->placements, &visible->placement_capacity, visible->placement_count,
+			sizeof *visible->placements))
 		return no_memory(error);
 	const struct eco_placement *o = &visible->placements[outer];
 	const struct eco_child *c = &visible->scene->children[child];
@@ -106,7 +114,8 @@ static enum eco_code add_placement(struct lod_visible_tree *visible, uint32_t ou
 	eco_turn_sincos(o->turn, &sine, &cosine);
 	visible->placements[visible->placement_count++] = (struct eco_placement){
 		.at = { o->at[0] + o->scale * (cosine * c->at[0] - sine * c->at[1]),
-			o->at[1] + o->scale * (sine * c->at[0] + cosine * c->at[1]), o->at[2] + o->scale * c->at[2] },
+			o->at[1] + o->scale * (sine * c->at[0] + cosine * c->at[1]),
+			o->at[2] + o->scale * c->at[2] },
 		.turn = (uint16_t)(o->turn + c->turn),
 		.scale = o->scale * c->scale,
 		.path = o->path + eco_owner_step(visible->scene, tile, child),
@@ -122,7 +131,8 @@ static enum eco_code expand(struct lod_visible_tree *visible, uint32_t index, st
 		const struct eco_child *child = &visible->scene->children[tile->child_first + i];
 		uint32_t in = placement;
 		if (child->placed) {
-			if (add_placement(visible, placement, visible->nodes[index].tile, tile->child_first + i, error))
+			if (add_placement(visible, placement, visible->nodes[index].tile,
+					tile->child_first + i, error))
 				return error ? error->code : ECO_TOO_LARGE;
 			in = visible->placement_count - 1;
 		}
@@ -172,8 +182,8 @@ static enum eco_code grow_slot_table(struct lod_visible_tree *visible, struct ec
 	return ECO_OK;
 }
 
-static enum eco_code find_slot(struct lod_visible_tree *visible, uint32_t plant, struct lod_anchor_band at, uint32_t *slot,
-	struct eco_error *error)
+static enum eco_code find_slot(struct lod_visible_tree *visible, uint32_t plant, struct lod_anchor_band at,
+	uint32_t *slot, struct eco_error *error)
 {
 	uint32_t *entry = slot_entry(visible, at.anchor, at.band);
 	if (!*entry) {
@@ -183,9 +193,11 @@ static enum eco_code find_slot(struct lod_visible_tree *visible, uint32_t plant,
 				return code;
 			entry = slot_entry(visible, at.anchor, at.band);
 		}
-		if (!eco_room(&visible->slots, &visible->slot_capacity, visible->slot_count, sizeof *visible->slots))
+		if (!eco_room(&visible->slots, &visible->slot_capacity, visible->slot_count,
+				sizeof *visible->slots))
 			return no_memory(error);
-		visible->slots[visible->slot_count++] = (struct lod_slot){ .anchor = at.anchor, .plant = plant, .band = at.band,
+		visible->slots[visible->slot_count++] = (struct lod_slot){ .anchor = at.anchor,
+			.plant = plant, .band = at.band,
 			.cell = at.anchor != visible->scene->plants[plant].anchor_first };
 		*entry = visible->slot_count;
 	}
@@ -194,7 +206,8 @@ static enum eco_code find_slot(struct lod_visible_tree *visible, uint32_t plant,
 }
 
 static enum eco_code tally(struct lod_visible_tree *visible, struct lod_node *node, uint32_t plant,
-	struct lod_anchor_band at, uint8_t whole_band, double above, uint32_t *in_slot, struct eco_error *error)
+	struct lod_anchor_band at, uint8_t whole_band, double above, uint32_t *in_slot,
+	struct eco_error *error)
 {
 	uint32_t slot;
 	enum eco_code code = find_slot(visible, plant, at, &slot, error);
@@ -207,8 +220,8 @@ static enum eco_code tally(struct lod_visible_tree *visible, struct lod_node *no
 	s->above += above;
 	s->above_count += 1;
 	uint32_t index = (uint32_t)(node - visible->nodes);
-	if (s->last_node == index && s->last_tally < node->tally_count && node->tallies[s->last_tally].slot == slot
-			&& node->tallies[s->last_tally].whole_band == whole_band) {
+	if (s->last_node == index && s->last_tally < node->tally_count && node->tallies[s->last_tally].slot
+			== slot && node->tallies[s->last_tally].whole_band == whole_band) {
 		node->tallies[s->last_tally].count++;
 		return ECO_OK;
 	}
@@ -216,15 +229,18 @@ static enum eco_code tally(struct lod_visible_tree *visible, struct lod_node *no
 	s->last_tally = node->tally_count;
 	if (!eco_room(&node->tallies, &node->tally_capacity, node->tally_count, sizeof *node->tallies))
 		return no_memory(error);
-	node->tallies[node->tally_count++] = (struct lod_tally){ .slot = slot, .count = 1, .whole_band = whole_band };
+	node->tallies[node->tally_count++] = (struct lod_tally){ .slot = slot, .count = 1,
+		.whole_band = whole_band };
 	return ECO_OK;
 }
 
 /* How far from above a plant's middle is seen. */
-static double seen_above(const struct lod_visible_tree *visible, const struct lod_place *place, uint32_t plant)
+static double seen_above(const struct lod_visible_tree *visible, const struct lod_place *place,
+	uint32_t plant)
 {
 	double center[3], square = 0, d[3];
-	lod_place_point(place, visible->scene->anchors[visible->scene->plants[plant].anchor_first].center, center);
+	lod_place_point(place, visible->scene->anchors[visible->scene->plants[plant].anchor_first].center,
+		center);
 	for (int k = 0; k < 3; k++) {
 		d[k] = visible->eye.at[k] - center[k];
 		square += d[k] * d[k];
@@ -232,8 +248,8 @@ static double seen_above(const struct lod_visible_tree *visible, const struct lo
 	return lod_seen_above(d[2], sqrt(square));
 }
 
-static bool add_visibility(struct lod_visible_tree *visible, const struct lod_node *node, const struct lod_place *place, uint32_t plant, uint32_t slot,
-	uint32_t hash, double above)
+static bool add_visibility(struct lod_visible_tree *visible, const struct lod_node *node,
+	const struct lod_place *place, uint32_t plant, uint32_t slot, uint32_t hash, double above)
 {
 	const struct eco_plant *p = &visible->scene->plants[plant];
 	struct lod_proxy_shape proxy_shape = visible->proxy_shapes[plant];
@@ -257,8 +273,8 @@ static bool add_visibility(struct lod_visible_tree *visible, const struct lod_no
 
 #define NOTHING_DONE 0xFF        /* gate_done before the plants themselves are counted */
 
-static enum eco_code tally_group(struct lod_visible_tree *visible, struct lod_node *node, uint32_t group, uint8_t gate,
-	uint8_t *done, struct eco_error *error)
+static enum eco_code tally_group(struct lod_visible_tree *visible, struct lod_node *node, uint32_t group,
+	uint8_t gate, uint8_t *done, struct eco_error *error)
 {
 	const struct eco_scene *scene = visible->scene;
 	const struct eco_group *g = &scene->groups[group];
@@ -268,16 +284,17 @@ static enum eco_code tally_group(struct lod_visible_tree *visible, struct lod_no
 	visible->places += list->primitive_count;
 	visible->places_walked += first_time ? list->primitive_count : 0;
 	if (visible->places_max && visible->places_walked > visible->places_max)
-		return eco_fail(error, ECO_TOO_LARGE, "this view at this detail looks at more than %llu plants; ask for fewer vertices",
-			(unsigned long long)visible->places_max);
+		return eco_fail(error, ECO_TOO_LARGE, "this view at this detail looks at more than %llu "
+			"plants; ask for fewer vertices", (unsigned long long)visible->places_max);
 	uint8_t from = first_time ? 0 : *done;
 	for (uint32_t i = 0; i < list->primitive_count; i++) {
 		struct eco_place stored = eco_place_read(scene, g->place_first + i);
 		struct lod_place place;
 		uint32_t hash = lod_share_hash(visible->placements[node->placement].path, g->list, i);
 		lod_place_instance(&place, &visible->placements[node->placement], list, &stored);
-		uint32_t n = lod_instance_anchors(&visible->eye, &place, scene->anchors + plant->anchor_first, plant->anchor_first,
-			plant->anchor_count, eco_gate_place(gate, 0), hash, visible->scratch);
+		uint32_t n = lod_instance_anchors(&visible->eye, &place, scene->anchors + plant->anchor_first,
+			plant->anchor_first, plant->anchor_count, eco_gate_place(gate, 0), hash,
+			visible->scratch);
 		if (n == 0)
 			continue;
 		uint8_t whole = visible->scratch[0].band;
@@ -287,11 +304,15 @@ static enum eco_code tally_group(struct lod_visible_tree *visible, struct lod_no
 		for (uint32_t a = first_time ? 0 : 1; a < n; a++) {
 			if (a > 0 && whole < from)
 				break;
-			enum eco_code code = tally(visible, node, g->plant, visible->scratch[a], a ? whole : 0, above, &slot, error);
+			enum eco_code code = tally(visible, node, g->plant, visible->scratch[a],
+				a ? whole : 0, above, &slot, error);
 			if (code)
 				return code;
-			if (a == 0 && visible->screen && !add_visibility(visible, node, &place, g->plant, slot, hash, above))
-				return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for another plant in view");
+			if (a == 0 && visible->screen
+					&& !add_visibility(visible, node, &place, g->plant, slot, hash,
+					above))
+				return eco_fail(error, ECO_NO_MEMORY,
+					"planning: no memory for another plant in view");
 		}
 	}
 	*done = gate;
@@ -311,7 +332,8 @@ static void add_counts(struct lod_visible_tree *visible, const struct lod_node *
 }
 
 /* Must its plants be counted one by one: are some left to its summary, or does a gate end among them? */
-static bool is_split(const struct lod_visible_tree *visible, const struct lod_node *node, const uint32_t *gates)
+static bool is_split(const struct lod_visible_tree *visible, const struct lod_node *node,
+	const uint32_t *gates)
 {
 	bool split = node->left > 0;
 	for (uint32_t i = 0; i < node->tally_count && !split; i++) {
@@ -338,12 +360,16 @@ static void add_part(struct lod_visible_tree *visible, const struct lod_node *no
 			if (lod_open_hash(hash) < node->left)
 				continue;
 			lod_place_instance(&place, placement, &scene->lists[group->list], &stored);
-			uint32_t n = lod_instance_anchors(&visible->eye, &place, scene->anchors + plant->anchor_first, plant->anchor_first,
+			uint32_t n = lod_instance_anchors(&visible->eye, &place,
+				scene->anchors + plant->anchor_first, plant->anchor_first,
 				plant->anchor_count, gates[group->plant], hash, visible->scratch);
 			for (uint32_t a = 0; a < n; a++) {
-				struct lod_slot *slot = &visible->slots[lod_visible_tree_slot(visible, visible->scratch[a].anchor, visible->scratch[a].band)];
+				struct lod_slot *slot =
+					&visible->slots[lod_visible_tree_slot(visible,
+					visible->scratch[a].anchor, visible->scratch[a].band)];
 				slot->count++;
-				slot->near += a == 0 && eco_gate_place(slot->band, hash) < gates[group->plant];
+				slot->near += a == 0 && eco_gate_place(slot->band, hash)
+					< gates[group->plant];
 			}
 			visible->plants += n > 0;
 		}
@@ -362,25 +388,28 @@ void lod_visible_tree_recount(struct lod_visible_tree *visible, const uint32_t *
 	forget_counts(visible);
 	for (uint32_t i = 0; i < visible->node_count; i++)
 		if (visible->nodes[i].state == LOD_OPEN)
-			(is_split(visible, &visible->nodes[i], gates) ? add_part : add_counts)(visible, &visible->nodes[i], gates);
+			(is_split(visible, &visible->nodes[i], gates) ? add_part : add_counts)(visible,
+				&visible->nodes[i], gates);
 }
 
-static enum eco_code count_plants(struct lod_visible_tree *visible, struct lod_node *node, const uint32_t *gates,
-	struct eco_error *error)
+static enum eco_code count_plants(struct lod_visible_tree *visible, struct lod_node *node,
+	const uint32_t *gates, struct eco_error *error)
 {
 	const struct eco_scene *scene = visible->scene;
 	const struct eco_tile *tile = &scene->tiles[node->tile];
 	if (!node->gate_done && tile->group_count) {
 		node->gate_done = malloc(tile->group_count);
 		if (!node->gate_done)
-			return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for a tile of %u species", tile->group_count);
+			return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for a tile of %u species",
+				tile->group_count);
 		memset(node->gate_done, NOTHING_DONE, tile->group_count);
 	}
 	for (uint32_t i = 0; i < tile->group_count; i++) {
 		uint8_t gate = (uint8_t)(gates[scene->groups[tile->group_first + i].plant] / ECO_SHARE_ONE);
 		if (node->gate_done[i] != NOTHING_DONE && node->gate_done[i] >= gate)
 			continue;
-		enum eco_code code = tally_group(visible, node, tile->group_first + i, gate, &node->gate_done[i], error);
+		enum eco_code code = tally_group(visible, node, tile->group_first + i, gate,
+			&node->gate_done[i], error);
 		if (code)
 			return code;
 	}
@@ -398,14 +427,16 @@ double lod_summary_points(const struct lod_node *node, double sample_distance)
 	return SPLAT_FACTOR * node->area / (2.0 * extent * extent);
 }
 
-static bool summary_suffices(const struct lod_visible_tree *visible, const struct lod_node *node, double sample_distance)
+static bool summary_suffices(const struct lod_visible_tree *visible, const struct lod_node *node,
+	double sample_distance)
 {
 	uint32_t list = visible->scene->tiles[node->tile].summary;
-	return list != ECO_NONE && lod_summary_points(node, sample_distance) <= visible->scene->lists[list].primitive_count;
+	return list != ECO_NONE && lod_summary_points(node, sample_distance)
+		<= visible->scene->lists[list].primitive_count;
 }
 
-enum eco_code lod_visible_tree_count(struct lod_visible_tree *visible, double sample_distance, const uint32_t *gates,
-	struct eco_error *error)
+enum eco_code lod_visible_tree_count(struct lod_visible_tree *visible, double sample_distance,
+	const uint32_t *gates, struct eco_error *error)
 {
 	forget_counts(visible);
 	for (uint32_t i = 0; i < visible->node_count; i++) {
@@ -442,7 +473,8 @@ enum eco_code lod_visible_tree_count(struct lod_visible_tree *visible, double sa
 	return ECO_OK;
 }
 
-void lod_visible_tree_each(struct lod_visible_tree *visible, uint32_t plant, const uint32_t *gates, lod_visible_tree_fn fn, void *ctx)
+void lod_visible_tree_each(struct lod_visible_tree *visible, uint32_t plant, const uint32_t *gates,
+	lod_visible_tree_fn fn, void *ctx)
 {
 	const struct eco_scene *scene = visible->scene;
 	const struct eco_plant *p = &scene->plants[plant];
@@ -463,8 +495,9 @@ void lod_visible_tree_each(struct lod_visible_tree *visible, uint32_t plant, con
 				uint32_t hash = lod_share_hash(placement->path, group->list, i);
 				if (lod_open_hash(hash) < node->left)
 					continue;
-				uint32_t count = lod_instance_anchors(&visible->eye, &place, scene->anchors + p->anchor_first, p->anchor_first,
-					p->anchor_count, gates[plant], hash, visible->scratch);
+				uint32_t count = lod_instance_anchors(&visible->eye, &place,
+					scene->anchors + p->anchor_first, p->anchor_first, p->anchor_count,
+					gates[plant], hash, visible->scratch);
 				if (count)
 					fn(ctx, visible->scratch, count, plant, hash);
 			}
@@ -472,10 +505,11 @@ void lod_visible_tree_each(struct lod_visible_tree *visible, uint32_t plant, con
 	}
 }
 
-enum eco_code lod_visible_tree_init(struct lod_visible_tree *visible, const struct eco_scene *scene, const struct eco_view *view,
-	uint64_t nodes_max, uint64_t placements_max, struct eco_error *error)
+enum eco_code lod_visible_tree_init(struct lod_visible_tree *visible, const struct eco_scene *scene,
+	const struct eco_view *view, uint64_t nodes_max, uint64_t placements_max, struct eco_error *error)
 {
-	*visible = (struct lod_visible_tree){ .scene = scene, .nodes_max = nodes_max, .placements_max = placements_max };
+	*visible = (struct lod_visible_tree){ .scene = scene, .nodes_max = nodes_max,
+		.placements_max = placements_max };
 	lod_eye_make(&visible->eye, view);
 	uint32_t most = 1;
 	for (uint32_t i = 0; i < scene->plant_count; i++)

@@ -2,7 +2,8 @@
  * what was opened is kept for the next level.
  *
  *   lod_visible_tree_init(&v, scene, view, ...);
- *   lod_visible_tree_count(&v, d, gates, &error)    opens what a level needs, counts plants by anchor and band
+ *   lod_visible_tree_count(&v, d, gates, &error)    opens what a level needs, counts plants by anchor and
+ *                                                   band
  *   ... v.slots, v.nodes ...                        rules turn these into cuts
  *   lod_visible_tree_free(&v);
  *
@@ -67,8 +68,8 @@ struct lod_visible_tree {
 	const struct lod_proxy_shape *proxy_shapes; /* with screen: per plant, at scale 1 */
 };
 
-enum eco_code lod_visible_tree_init(struct lod_visible_tree *visible, const struct eco_scene *scene, const struct eco_view *view,
-	uint64_t nodes_max, uint64_t placements_max, struct eco_error *error);
+enum eco_code lod_visible_tree_init(struct lod_visible_tree *visible, const struct eco_scene *scene,
+	const struct eco_view *view, uint64_t nodes_max, uint64_t placements_max, struct eco_error *error);
 void lod_visible_tree_free(struct lod_visible_tree *visible);
 /* Forgets all but the root, so that a coarser walk can follow one that was too large. */
 enum eco_code lod_visible_tree_restart(struct lod_visible_tree *visible, struct eco_error *error);
@@ -80,8 +81,8 @@ double lod_summary_points(const struct lod_node *node, double sample_distance);
 /* Walks the tree. A tile whose summary has enough points for `sample_distance` (radians; 0: never) becomes
  * LOD_SUMMARY; other tiles are opened and their plants counted into slots, and cells of plants before
  * gates[plant], a multiple of ECO_SHARE_ONE. ECO_TOO_LARGE beyond the bounds. */
-enum eco_code lod_visible_tree_count(struct lod_visible_tree *visible, double sample_distance, const uint32_t *gates,
-	struct eco_error *error);
+enum eco_code lod_visible_tree_count(struct lod_visible_tree *visible, double sample_distance,
+	const uint32_t *gates, struct eco_error *error);
 
 /* Counts again after the caller changed nodes' states or lowered gates, to any place in a band. */
 void lod_visible_tree_recount(struct lod_visible_tree *visible, const uint32_t *gates);
@@ -90,11 +91,13 @@ void lod_visible_tree_recount(struct lod_visible_tree *visible, const uint32_t *
 uint32_t lod_visible_tree_slot(struct lod_visible_tree *visible, uint32_t anchor, uint8_t band);
 
 /* A tile's box in the world: its middle, half of it across (mean of both sides) and half of it upwards. */
-void lod_visible_tree_box(const struct lod_visible_tree *visible, const struct lod_node *node, double center[3], double *across, double *up);
+void lod_visible_tree_box(const struct lod_visible_tree *visible, const struct lod_node *node,
+	double center[3], double *across, double *up);
 
 /* Calls fn for every visible instance of `plant` in open tiles that is not left to a summary. */
-typedef void (*lod_visible_tree_fn)(void *ctx, const struct lod_anchor_band *anchors, uint32_t anchor_count, uint32_t plant,
-	uint32_t share_hash);
-void lod_visible_tree_each(struct lod_visible_tree *visible, uint32_t plant, const uint32_t *gates, lod_visible_tree_fn fn, void *ctx);
+typedef void (*lod_visible_tree_fn)(void *ctx, const struct lod_anchor_band *anchors, uint32_t anchor_count,
+	uint32_t plant, uint32_t share_hash);
+void lod_visible_tree_each(struct lod_visible_tree *visible, uint32_t plant, const uint32_t *gates,
+	lod_visible_tree_fn fn, void *ctx);
 
 #endif

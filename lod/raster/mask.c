@@ -66,7 +66,8 @@ static void meet(double p[3][2], const double y[2], double *low, double *high)
 			continue;
 		for (int i = 0; i < 2; i++) {
 			double clipped = fmin(fmax(i ? b[1] : a[1], y[0]), y[1]);
-			double x = a[1] == b[1] ? (i ? b[0] : a[0]) : a[0] + (clipped - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
+			double x = a[1] == b[1] ? (i ? b[0] : a[0])
+				: a[0] + (clipped - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
 			*low = fmin(*low, x);
 			*high = fmax(*high, x);
 		}

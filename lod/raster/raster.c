@@ -31,19 +31,22 @@ static bool allocate(struct lod_raster *raster, const struct lod_raster_options 
 	raster->rgb = options->rgb ? malloc(3 * pixels) : NULL;
 	state->block = malloc(blocks * sizeof *state->block);
 	state->stale = malloc(blocks);
-	return raster->depth && raster->cover && (raster->owner || !options->owner) && (raster->rgb || !options->rgb) && state->block
-		&& state->stale;
+	return raster->depth && raster->cover && (raster->owner || !options->owner)
+		&& (raster->rgb || !options->rgb) && state->block && state->stale;
 }
 
-enum eco_code lod_raster_init(struct lod_raster *raster, const struct lod_raster_options *options, struct eco_error *error)
+enum eco_code lod_raster_init(struct lod_raster *raster, const struct lod_raster_options *options,
+	struct eco_error *error)
 {
 	memset(raster, 0, sizeof *raster);
-	if (!options->width || !options->height || options->width > ECO_IMAGE_MAX || options->height > ECO_IMAGE_MAX)
-		return eco_fail(error, ECO_BAD_INPUT, "a picture of %u x %u pixels: sides must be 1 to %u", options->width,
-			options->height, ECO_IMAGE_MAX);
+	if (!options->width || !options->height || options->width > ECO_IMAGE_MAX
+			|| options->height > ECO_IMAGE_MAX)
+		return eco_fail(error, ECO_BAD_INPUT, "a picture of %u x %u pixels: sides must be 1 to %u",
+			options->width, options->height, ECO_IMAGE_MAX);
 	if (!allocate(raster, options)) {
 		lod_raster_free(raster);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture of %u x %u pixels", options->width, options->height);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture of %u x %u pixels",
+			options->width, options->height);
 	}
 	raster->width = options->width;
 	raster->height = options->height;
@@ -114,14 +117,16 @@ void lod_raster_object(struct lod_raster *raster, const struct lod_place *place)
 	struct lod_raster_state *state = raster->state;
 	const struct lod_eye *eye = &state->eye;
 	const double *axes[3] = { eye->right, eye->up, eye->forward };
-	double offset[3] = { place->at[0] - eye->at[0], place->at[1] - eye->at[1], place->at[2] - eye->at[2] };
+	double offset[3] = { place->at[0] - eye->at[0], place->at[1] - eye->at[1],
+		place->at[2] - eye->at[2] };
 	double sine = place->sine * place->scale, cosine = place->cosine * place->scale, scale[3];
 	plane_scale(raster, scale);
 	state->place = *place;
 	for (int i = 0; i < 3; i++) {
 		const double *axis = axes[i];
-		double row[4] = { axis[0] * cosine + axis[1] * sine, axis[1] * cosine - axis[0] * sine, axis[2] * place->scale,
-			axis[0] * offset[0] + axis[1] * offset[1] + axis[2] * offset[2] };
+		double row[4] = { axis[0] * cosine + axis[1] * sine, axis[1] * cosine - axis[0] * sine,
+			axis[2] * place->scale, axis[0] * offset[0] + axis[1] * offset[1]
+			+ axis[2] * offset[2] };
 		for (int k = 0; k < 4; k++) {
 			state->view[i][k] = (float)row[k];
 			state->clip[i][k] = (float)(row[k] * scale[i]);
@@ -210,8 +215,10 @@ bool lod_raster_hides(struct lod_raster *raster, const double center[3], double 
 	sphere_slopes(x, z, radius, across);
 	sphere_slopes(y, z, radius, upward);
 	uint32_t columns[2], rows[2];
-	if (!pixel_range(half_x + half_x * across[0] / eye->tan_x, half_x + half_x * across[1] / eye->tan_x, raster->width, columns)
-		|| !pixel_range(half_y - half_y * upward[1] / eye->tan_y, half_y - half_y * upward[0] / eye->tan_y, raster->height, rows))
+	if (!pixel_range(half_x + half_x * across[0] / eye->tan_x, half_x + half_x * across[1] / eye->tan_x,
+			raster->width, columns)
+		|| !pixel_range(half_y - half_y * upward[1] / eye->tan_y,
+		half_y - half_y * upward[0] / eye->tan_y, raster->height, rows))
 		return true;
 	return lod_blocks_hide(raster, columns, rows, (float)(1.000001 / (z - radius)));
 }
@@ -224,7 +231,8 @@ void lod_raster_merge(struct lod_raster *into, const struct lod_raster *from)
 	assert(!into->owner == !from->owner && !into->rgb == !from->rgb);
 	size_t pixels = (size_t)into->width * into->height;
 	for (size_t i = 0; i < pixels; i++) {
-		if (!(into->owner ? lod_sample_wins(from->depth[i], from->owner[i], into->depth[i], into->owner[i])
+		if (!(into->owner ? lod_sample_wins(from->depth[i], from->owner[i], into->depth[i],
+				into->owner[i])
 			: lod_sample_wins(from->depth[i], from->cover[i], into->depth[i], into->cover[i])))
 			continue;
 		into->depth[i] = from->depth[i];

@@ -48,7 +48,8 @@ struct lod_raster {
 /* silhouette: only `cover` of a picture without ground is wanted. Depth becomes infinite at covered pixels,
  * so they are not tested again; in a dense crown nearly all samples fall on such pixels. */
 struct lod_raster_options { uint32_t width, height; bool owner, rgb, silhouette; };
-enum eco_code lod_raster_init(struct lod_raster *raster, const struct lod_raster_options *options, struct eco_error *error);
+enum eco_code lod_raster_init(struct lod_raster *raster, const struct lod_raster_options *options,
+	struct eco_error *error);
 void lod_raster_free(struct lod_raster *raster);
 void lod_raster_clear(struct lod_raster *raster);
 void lod_raster_camera(struct lod_raster *raster, const struct lod_eye *eye, double near_m);

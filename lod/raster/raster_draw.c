@@ -95,7 +95,9 @@ static inline struct lanes project_four(const struct screen *screen, const lod_f
 		return lanes;
 	lod_i4 within = hit & (four->first_x >= 0) & (four->last_x < screen->width) & (four->first_y >= 0)
 		& (four->last_y < screen->height);
-	lanes.small = lod_i4_bits(within & (four->last_x - four->first_x < LOD_SMALL) & (four->last_y - four->first_y < LOD_SMALL));
+	lanes.small =
+		lod_i4_bits(within & (four->last_x - four->first_x < LOD_SMALL)
+		& (four->last_y - four->first_y < LOD_SMALL));
 	lanes.large &= ~lanes.small;
 	for (int i = 0; i < 3; i++) {
 		four->x[i] = lod_f4_round(x[i], screen->middle_x);
@@ -121,11 +123,12 @@ static double plane_distance(const struct vertex *p, int plane, double near_w)
 	}
 }
 
-static struct vertex cross_at(const struct vertex *in, const struct vertex *out, double in_distance, double out_distance)
+static struct vertex cross_at(const struct vertex *in, const struct vertex *out, double in_distance,
+	double out_distance)
 {
 	double t = in_distance / (in_distance - out_distance);
-	return (struct vertex){ in->x + t * (out->x - in->x), in->y + t * (out->y - in->y), in->w + t * (out->w - in->w),
-		in->u + t * (out->u - in->u), in->v + t * (out->v - in->v) };
+	return (struct vertex){ in->x + t * (out->x - in->x), in->y + t * (out->y - in->y),
+		in->w + t * (out->w - in->w), in->u + t * (out->u - in->u), in->v + t * (out->v - in->v) };
 }
 
 static int clip_polygon(struct vertex *polygon, int count, int plane, double near_w)
@@ -156,10 +159,12 @@ static struct lod_corner corner_of(const struct lod_raster *raster, const struct
 {
 	float z = 1.0f / (float)p->w;
 	return (struct lod_corner){ snap((float)p->x * z, (int32_t)raster->width * (LOD_SUBPIXEL / 2)),
-		snap((float)p->y * z, (int32_t)raster->height * (LOD_SUBPIXEL / 2)), z, (float)p->u, (float)p->v };
+		snap((float)p->y * z, (int32_t)raster->height * (LOD_SUBPIXEL / 2)), z, (float)p->u,
+		(float)p->v };
 }
 
-static __attribute__((noinline)) void draw_clipped(const struct lod_paint *paint, const struct soup *soup, uint32_t triangle)
+static __attribute__((noinline)) void draw_clipped(const struct lod_paint *paint, const struct soup *soup,
+	uint32_t triangle)
 {
 	struct vertex polygon[POLYGON_MAX];
 	const struct lod_raster *raster = paint->raster;
@@ -175,28 +180,29 @@ static __attribute__((noinline)) void draw_clipped(const struct lod_paint *paint
 	for (int plane = 0; plane < PLANES && count >= 3; plane++)
 		count = clip_polygon(polygon, count, plane, raster->state->near_w);
 	for (int i = 2; i < count; i++) {
-		struct lod_corner corners[3] = { corner_of(raster, &polygon[0]), corner_of(raster, &polygon[i - 1]),
-			corner_of(raster, &polygon[i]) };
+		struct lod_corner corners[3] = { corner_of(raster, &polygon[0]),
+			corner_of(raster, &polygon[i - 1]), corner_of(raster, &polygon[i]) };
 		lod_fill_triangle(paint, corners);
 	}
 }
 
 /* ---- Triangles ---- */
 
-static void draw_lane(const struct lod_paint *paint, const struct soup *soup, const struct lod_four *four, unsigned lane,
-	uint32_t triangle)
+static void draw_lane(const struct lod_paint *paint, const struct soup *soup, const struct lod_four *four,
+	unsigned lane, uint32_t triangle)
 {
 	struct lod_corner corners[3];
 	for (int i = 0; i < 3; i++) {
 		const float *uv = paint->cutout ? soup->uv + 6 * (size_t)triangle + 2 * i : NULL;
-		corners[i] = (struct lod_corner){ four->x[i][lane], four->y[i][lane], four->z[i][lane], uv ? uv[0] : 0, uv ? uv[1] : 0 };
+		corners[i] = (struct lod_corner){ four->x[i][lane], four->y[i][lane], four->z[i][lane],
+			uv ? uv[0] : 0, uv ? uv[1] : 0 };
 	}
 	lod_fill_triangle(paint, corners);
 }
 
 /* Draws triangle by triangle, for lanes that are not all small and plain. */
-static void draw_each(struct lod_paint *paint, const struct soup *soup, const struct lod_four *four, struct lanes lanes,
-	uint32_t first)
+static void draw_each(struct lod_paint *paint, const struct soup *soup, const struct lod_four *four,
+	struct lanes lanes, uint32_t first)
 {
 	for (unsigned all = lanes.small | lanes.large | lanes.clip; all; all &= all - 1) {
 		unsigned lane = (unsigned)__builtin_ctz(all);
@@ -220,7 +226,8 @@ static unsigned uncovered(const struct lod_paint *paint, const struct lod_four *
 	unsigned kept = 0;
 	for (unsigned rest = lanes; rest; rest &= rest - 1) {
 		unsigned lane = (unsigned)__builtin_ctz(rest);
-		int32_t x0 = four->first_x[lane], x1 = four->last_x[lane], y0 = four->first_y[lane], y1 = four->last_y[lane];
+		int32_t x0 = four->first_x[lane], x1 = four->last_x[lane], y0 = four->first_y[lane],
+			y1 = four->last_y[lane];
 		if (x0 > right || y0 > bottom || x1 < 0 || y1 < 0)
 			continue;
 		const uint32_t x[2] = { (uint32_t)(x0 < 0 ? 0 : x0), (uint32_t)(x1 > right ? right : x1) };
@@ -270,7 +277,8 @@ static struct lod_paint paint_make(struct lod_raster *raster, const struct lod_r
 void lod_raster_triangles(struct lod_raster *raster, const struct lod_raster_batch *batch)
 {
 	struct lod_paint paint = paint_make(raster, batch);
-	struct soup soup = { .matrix = raster->state->clip, .position = batch->position, .rgb = batch->rgb, .count = batch->count,
+	struct soup soup = { .matrix = raster->state->clip, .position = batch->position, .rgb = batch->rgb,
+		.count = batch->count,
 		.per_primitive = 1 };
 	if (batch->cutout && batch->uv && batch->cutout->width && batch->cutout->height) {
 		paint.cutout = batch->cutout;
@@ -319,15 +327,18 @@ void lod_raster_lines(struct lod_raster *raster, const struct lod_raster_batch *
 	float quads[LINES_AT_ONCE * 18];
 	uint8_t rgb[LINES_AT_ONCE * 3];
 	for (uint32_t first = 0; first < batch->count; first += LINES_AT_ONCE) {
-		uint32_t end = batch->count - first < LINES_AT_ONCE ? batch->count : first + LINES_AT_ONCE, kept = 0;
+		uint32_t end = batch->count - first < LINES_AT_ONCE ? batch->count : first + LINES_AT_ONCE,
+			kept = 0;
 		for (uint32_t i = first; i < end; i++) {
-			if (!line_quad(raster->state, batch->position + 6 * (size_t)i, batch->width[i], quads + 18 * kept))
+			if (!line_quad(raster->state, batch->position + 6 * (size_t)i, batch->width[i],
+					quads + 18 * kept))
 				continue;
 			if (batch->rgb)
 				memcpy(rgb + 3 * kept, batch->rgb + 3 * (size_t)i, 3);
 			kept++;
 		}
-		struct soup soup = { .matrix = raster->state->project, .position = quads, .rgb = batch->rgb ? rgb : NULL,
+		struct soup soup = { .matrix = raster->state->project, .position = quads,
+			.rgb = batch->rgb ? rgb : NULL,
 			.count = 2 * kept, .per_primitive = 2 };
 		draw_soup(&paint, &soup);
 	}
@@ -339,7 +350,8 @@ static inline void load_points(const float *p, lod_f4 c[3])
 {
 	/* Three loads hold x y z x, y z x y, z x y z. */
 	lod_f4 a = lod_f4_load(p), b = lod_f4_load(p + 4), d = lod_f4_load(p + 8);
-	lod_f4 xy_high = __builtin_shufflevector(b, d, 2, 3, 5, 6), yz_low = __builtin_shufflevector(a, b, 1, 2, 4, 5);
+	lod_f4 xy_high = __builtin_shufflevector(b, d, 2, 3, 5, 6),
+		yz_low = __builtin_shufflevector(a, b, 1, 2, 4, 5);
 	c[0] = __builtin_shufflevector(a, xy_high, 0, 3, 4, 6);
 	c[1] = __builtin_shufflevector(yz_low, xy_high, 0, 2, 5, 7);
 	c[2] = __builtin_shufflevector(yz_low, d, 1, 3, 4, 7);
@@ -359,17 +371,20 @@ static inline lod_i4 box_holds_centre(lod_i4 low, lod_i4 high, lod_i4 size)
 	return (first < end) & (first < size) & (end > 0);
 }
 
-static inline void project_points(const struct screen *screen, const lod_f4 c[3], lod_f4 half_w, struct four_boxes *out)
+static inline void project_points(const struct screen *screen, const lod_f4 c[3], lod_f4 half_w,
+	struct four_boxes *out)
 {
 	lod_f4 w = row_dot(screen->matrix[2], c);
 	out->z = lod_f4_all(1.0f) / w;
-	lod_f4 x = row_dot(screen->matrix[0], c) * out->z, y = row_dot(screen->matrix[1], c) * out->z, half = half_w * out->z;
+	lod_f4 x = row_dot(screen->matrix[0], c) * out->z, y = row_dot(screen->matrix[1], c) * out->z,
+		half = half_w * out->z;
 	out->x0 = lod_f4_round(guarded(x - half), screen->middle_x);
 	out->x1 = lod_f4_round(guarded(x + half), screen->middle_x);
 	out->y0 = lod_f4_round(guarded(y - half), screen->middle_y);
 	out->y1 = lod_f4_round(guarded(y + half), screen->middle_y);
 	lod_i4 finite = (lod_f4_abs(x) < lod_f4_all(1e30f)) & (lod_f4_abs(y) < lod_f4_all(1e30f));
-	out->draw = lod_i4_bits((w >= screen->near_w) & finite & box_holds_centre(out->x0, out->x1, screen->width)
+	out->draw =
+		lod_i4_bits((w >= screen->near_w) & finite & box_holds_centre(out->x0, out->x1, screen->width)
 		& box_holds_centre(out->y0, out->y1, screen->height));
 }
 
@@ -381,7 +396,8 @@ void lod_raster_points(struct lod_raster *raster, const struct lod_raster_batch 
 		return;
 	struct screen screen;
 	screen_make(&screen, raster, state->clip);
-	lod_f4 half_w = lod_f4_all((float)(0.5 * sqrt((double)batch->area) * state->place.scale * state->focal));
+	lod_f4 half_w =
+		lod_f4_all((float)(0.5 * sqrt((double)batch->area) * state->place.scale * state->focal));
 	for (uint32_t first = 0; first < batch->count; first += 4) {
 		const float *position = batch->position + 3 * (size_t)first;
 		uint32_t here = batch->count - first < 4 ? batch->count - first : 4;
@@ -399,7 +415,8 @@ void lod_raster_points(struct lod_raster *raster, const struct lod_raster_batch 
 			unsigned lane = (unsigned)__builtin_ctz(draw);
 			if (batch->rgb)
 				paint.rgb = batch->rgb + 3 * (size_t)(first + lane);
-			lod_fill_box(&paint, boxes.x0[lane], boxes.y0[lane], boxes.x1[lane], boxes.y1[lane], boxes.z[lane]);
+			lod_fill_box(&paint, boxes.x0[lane], boxes.y0[lane], boxes.x1[lane], boxes.y1[lane],
+				boxes.z[lane]);
 		}
 	}
 }

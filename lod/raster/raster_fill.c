@@ -35,14 +35,15 @@ static inline void paint_four(const struct lod_paint *paint, size_t i, lod_f4 z)
 	lod_f4_store(raster->depth + i, paint->silhouette ? lod_f4_all(INFINITY) : z);
 	memset(raster->cover + i, paint->cover, 4);
 	if (raster->owner)
-		memcpy(raster->owner + i, (const uint64_t[4]){ paint->owner, paint->owner, paint->owner, paint->owner }, 32);
+		memcpy(raster->owner + i,
+			(const uint64_t[4]){ paint->owner, paint->owner, paint->owner, paint->owner }, 32);
 	for (size_t k = 3 * i; raster->rgb && k < 3 * i + 12; k++)
 		raster->rgb[k] = paint->rgb ? paint->rgb[(k - 3 * i) % 3] : 0;
 }
 
 /* Paints pixels [first, end) of row y; `left` is the column at which the depth is `base`. */
-static void paint_span(const struct lod_paint *paint, uint32_t y, uint32_t left, uint32_t first, uint32_t end, float base, float step,
-	const struct slope *slope)
+static void paint_span(const struct lod_paint *paint, uint32_t y, uint32_t left, uint32_t first, uint32_t end,
+	float base, float step, const struct slope *slope)
 {
 	size_t row = (size_t)y * paint->raster->width;
 	const float *depth = paint->raster->depth + row;
@@ -66,7 +67,8 @@ static void paint_span(const struct lod_paint *paint, uint32_t y, uint32_t left,
 		}
 	}
 	for (; x < end; x++)
-		any |= lod_paint_pixel(paint, row + x, lod_depth_clamp(base + (float)(x - left) * step, slope->low, slope->high));
+		any |= lod_paint_pixel(paint, row + x,
+			lod_depth_clamp(base + (float)(x - left) * step, slope->low, slope->high));
 	if (any)
 		lod_mark_stale(paint, y, first, end);
 }
@@ -95,12 +97,14 @@ static bool texture_opaque(const struct texture *texture, const int64_t edge[3])
 		v += weight * texture->v[i];
 		z += weight * texture->z[i];
 	}
-	uint32_t column = wrap_texel(u / z, texture->image->width), row = wrap_texel(v / z, texture->image->height);
+	uint32_t column = wrap_texel(u / z, texture->image->width),
+		row = wrap_texel(v / z, texture->image->height);
 	return texture->image->rgba[4 * ((size_t)row * texture->image->width + column) + 3] >= 128;
 }
 
-static void paint_cutout_span(const struct lod_paint *paint, uint32_t y, uint32_t left, uint32_t first, uint32_t end, float base,
-	float step, const struct slope *slope, const struct texture *texture, const int64_t row_edge[3], const struct edge edges[3])
+static void paint_cutout_span(const struct lod_paint *paint, uint32_t y, uint32_t left, uint32_t first,
+	uint32_t end, float base, float step, const struct slope *slope, const struct texture *texture,
+	const int64_t row_edge[3], const struct edge edges[3])
 {
 	size_t row = (size_t)y * paint->raster->width;
 	bool any = false;
@@ -132,7 +136,8 @@ static inline void narrow_by_division(int64_t at, int64_t step, int64_t *first, 
 	}
 }
 
-static inline void find_span(const int64_t at[3], const struct edge edges[3], int64_t width, int64_t *first, int64_t *end)
+static inline void find_span(const int64_t at[3], const struct edge edges[3], int64_t width, int64_t *first,
+	int64_t *end)
 {
 	*first = 0, *end = width;
 	if (width > NARROW) {
@@ -150,15 +155,17 @@ static inline void find_span(const int64_t at[3], const struct edge edges[3], in
 }
 
 /* The edge function of a -> b at (x, y), less one if a centre on the edge does not belong to the triangle. */
-static inline struct edge edge_make(const struct lod_corner *a, const struct lod_corner *b, int64_t x, int64_t y)
+static inline struct edge edge_make(const struct lod_corner *a, const struct lod_corner *b, int64_t x,
+	int64_t y)
 {
 	int64_t dx = (int64_t)b->x - a->x, dy = (int64_t)b->y - a->y;
 	bool owned = dy < 0 || (dy == 0 && dx > 0);      /* left or top, y down */
-	return (struct edge){ dx * (y - a->y) - dy * (x - a->x) - !owned, -dy * LOD_SUBPIXEL, dx * LOD_SUBPIXEL };
+	return (struct edge){ dx * (y - a->y) - dy * (x - a->x) - !owned, -dy * LOD_SUBPIXEL,
+		dx * LOD_SUBPIXEL };
 }
 
-static inline struct slope slope_make(const struct lod_corner *a, const struct lod_corner *b, const struct lod_corner *c, int64_t area,
-	int64_t x, int64_t y)
+static inline struct slope slope_make(const struct lod_corner *a, const struct lod_corner *b,
+	const struct lod_corner *c, int64_t area, int64_t x, int64_t y)
 {
 	double ab = (double)b->z - a->z, ac = (double)c->z - a->z, part = 1.0 / (double)area;
 	double per_x = (ab * (double)(c->y - a->y) - ac * (double)(b->y - a->y)) * part;
@@ -173,7 +180,8 @@ static inline struct slope slope_make(const struct lod_corner *a, const struct l
 }
 
 /* Weight i belongs to corner i: it is the edge function of the opposite edge. */
-static void texture_make(struct texture *texture, const struct eco_image *image, const struct lod_corner *const corner[3])
+static void texture_make(struct texture *texture, const struct eco_image *image,
+	const struct lod_corner *const corner[3])
 {
 	texture->image = image;
 	for (int i = 0; i < 3; i++) {
@@ -186,8 +194,16 @@ static void texture_make(struct texture *texture, const struct eco_image *image,
 	}
 }
 
-static inline int32_t min3(int32_t a, int32_t b, int32_t c) { int32_t m = a < b ? a : b; return m < c ? m : c; }
-static inline int32_t max3(int32_t a, int32_t b, int32_t c) { int32_t m = a > b ? a : b; return m > c ? m : c; }
+static inline int32_t min3(int32_t a, int32_t b, int32_t c)
+{
+	int32_t m = a < b ? a : b;
+	return m < c ? m : c;
+}
+static inline int32_t max3(int32_t a, int32_t b, int32_t c)
+{
+	int32_t m = a > b ? a : b;
+	return m > c ? m : c;
+}
 
 struct box { int32_t left, top, right, bottom; };        /* pixels, inclusive */
 
@@ -214,7 +230,8 @@ void lod_fill_triangle(const struct lod_paint *paint, const struct lod_corner co
 		lod_pixel_to(max3(a->x, b->x, c->x)), lod_pixel_to(max3(a->y, b->y, c->y)) };
 	if (!box_clamp(&box, paint->raster))
 		return;
-	int64_t x = (int64_t)box.left * LOD_SUBPIXEL + LOD_SUBPIXEL / 2, y = (int64_t)box.top * LOD_SUBPIXEL + LOD_SUBPIXEL / 2;
+	int64_t x = (int64_t)box.left * LOD_SUBPIXEL + LOD_SUBPIXEL / 2,
+		y = (int64_t)box.top * LOD_SUBPIXEL + LOD_SUBPIXEL / 2;
 	struct edge edges[3] = { edge_make(b, c, x, y), edge_make(c, a, x, y), edge_make(a, b, x, y) };
 	int64_t width = box.right - box.left + 1;
 	if (width == 1 && box.top == box.bottom && (edges[0].at | edges[1].at | edges[2].at) < 0)
@@ -233,7 +250,8 @@ void lod_fill_triangle(const struct lod_paint *paint, const struct lod_corner co
 		uint32_t left = (uint32_t)box.left, from = left + (uint32_t)first, to = left + (uint32_t)end;
 		float base = (float)(slope.at + (double)down * slope.step_y), step = (float)slope.step_x;
 		if (paint->cutout)
-			paint_cutout_span(paint, (uint32_t)row, left, from, to, base, step, &slope, &texture, at, edges);
+			paint_cutout_span(paint, (uint32_t)row, left, from, to, base, step, &slope, &texture,
+				at, edges);
 		else
 			paint_span(paint, (uint32_t)row, left, from, to, base, step, &slope);
 	}
@@ -241,10 +259,12 @@ void lod_fill_triangle(const struct lod_paint *paint, const struct lod_corner co
 
 void lod_fill_box(const struct lod_paint *paint, int32_t x0, int32_t y0, int32_t x1, int32_t y1, float z)
 {
-	struct box box = { lod_pixel_from(x0), lod_pixel_from(y0), lod_pixel_from(x1) - 1, lod_pixel_from(y1) - 1 };
+	struct box box = { lod_pixel_from(x0), lod_pixel_from(y0), lod_pixel_from(x1) - 1,
+		lod_pixel_from(y1) - 1 };
 	if (!box_clamp(&box, paint->raster))
 		return;
 	struct slope flat = { z, 0, 0, z, z };
 	for (int32_t row = box.top; row <= box.bottom; row++)
-		paint_span(paint, (uint32_t)row, (uint32_t)box.left, (uint32_t)box.left, (uint32_t)box.right + 1, z, 0, &flat);
+		paint_span(paint, (uint32_t)row, (uint32_t)box.left, (uint32_t)box.left,
+			(uint32_t)box.right + 1, z, 0, &flat);
 }

@@ -31,7 +31,8 @@ static inline lod_f4 edge_four(struct setup *setup, int i, lod_f4 ax, lod_f4 ay,
 	return at;
 }
 
-static inline void depth_four(struct setup *setup, const lod_f4 x[3], const lod_f4 y[3], const lod_f4 z[3], lod_f4 area)
+static inline void depth_four(struct setup *setup, const lod_f4 x[3], const lod_f4 y[3], const lod_f4 z[3],
+	lod_f4 area)
 {
 	const lod_f4 subpixel = lod_f4_all(LOD_SUBPIXEL);
 	lod_f4 part = lod_f4_all(1) / area, ab = z[1] - z[0], ac = z[2] - z[0];
@@ -60,7 +61,8 @@ static inline unsigned setup_four(struct setup *setup, const struct lod_four *fo
 	swap = lod_f4_select(turned, x[2], x[1]), x[2] = lod_f4_select(turned, x[1], x[2]), x[1] = swap;
 	swap = lod_f4_select(turned, y[2], y[1]), y[2] = lod_f4_select(turned, y[1], y[2]), y[1] = swap;
 	swap = lod_f4_select(turned, z[2], z[1]), z[2] = lod_f4_select(turned, z[1], z[2]), z[1] = swap;
-	lod_f4 e0 = edge_four(setup, 0, x[1], y[1], x[2], y[2]), e1 = edge_four(setup, 1, x[2], y[2], x[0], y[0]);
+	lod_f4 e0 = edge_four(setup, 0, x[1], y[1], x[2], y[2]),
+		e1 = edge_four(setup, 1, x[2], y[2], x[0], y[0]);
 	lod_f4 e2 = edge_four(setup, 2, x[0], y[0], x[1], y[1]);
 	lod_i4 missed = ((lod_i4)e0 | (lod_i4)e1 | (lod_i4)e2) < 0;
 	lod_i4 single = (four->first_x == four->last_x) & (four->first_y == four->last_y);
@@ -68,8 +70,8 @@ static inline unsigned setup_four(struct setup *setup, const struct lod_four *fo
 	return lod_i4_bits((area != lod_f4_all(0)) & ~(missed & single));
 }
 
-static inline void paint_bits(const struct lod_paint *paint, unsigned bits, uint32_t x, uint32_t y, float z, float step, float low,
-	float high)
+static inline void paint_bits(const struct lod_paint *paint, unsigned bits, uint32_t x, uint32_t y, float z,
+	float step, float low, float high)
 {
 	size_t row = (size_t)y * paint->raster->width + x;
 	unsigned painted = 0;
@@ -79,25 +81,27 @@ static inline void paint_bits(const struct lod_paint *paint, unsigned bits, uint
 			painted |= 1u << k;
 	}
 	if (painted)
-		lod_mark_stale(paint, y, x + (unsigned)__builtin_ctz(painted), x + 32 - (unsigned)__builtin_clz(painted));
+		lod_mark_stale(paint, y, x + (unsigned)__builtin_ctz(painted),
+			x + 32 - (unsigned)__builtin_clz(painted));
 }
 
 /* Four columns of one lane's box, from its pixel `column` on. */
-static inline void fill_strip(const struct lod_paint *paint, const struct setup *setup, unsigned lane, uint32_t x, uint32_t y,
-	uint32_t column, uint32_t height)
+static inline void fill_strip(const struct lod_paint *paint, const struct setup *setup, unsigned lane,
+	uint32_t x, uint32_t y, uint32_t column, uint32_t height)
 {
 	lod_f4 edge[3], down[3];
 	for (int i = 0; i < 3; i++) {
 		float step = setup->step_x[i][lane];
-		edge[i] = lod_f4_all(setup->edge[i][lane] + (float)column * step) + (lod_f4){ 0, 1, 2, 3 } * lod_f4_all(step);
+		edge[i] = lod_f4_all(setup->edge[i][lane] + (float)column * step)
+			+ (lod_f4){ 0, 1, 2, 3 } * lod_f4_all(step);
 		down[i] = lod_f4_all(setup->step_y[i][lane]);
 	}
 	float z_step = setup->z_step_x[lane], z = setup->z[lane] + (float)column * z_step;
 	for (uint32_t row = 0; row < height; row++) {
 		unsigned bits = lod_i4_bits((lod_i4)edge[0] | (lod_i4)edge[1] | (lod_i4)edge[2]) ^ 15;
 		if (bits)
-			paint_bits(paint, bits, x + column, y + row, z + (float)row * setup->z_step_y[lane], z_step, setup->low[lane],
-				setup->high[lane]);
+			paint_bits(paint, bits, x + column, y + row, z + (float)row * setup->z_step_y[lane],
+				z_step, setup->low[lane], setup->high[lane]);
 		for (int i = 0; i < 3; i++)
 			edge[i] += down[i];
 	}
@@ -109,7 +113,8 @@ void lod_fill_small(const struct lod_paint *paint, const struct lod_four *four, 
 	for (lanes &= setup_four(&setup, four); lanes; lanes &= lanes - 1) {
 		unsigned lane = (unsigned)__builtin_ctz(lanes);
 		uint32_t x = (uint32_t)four->first_x[lane], y = (uint32_t)four->first_y[lane];
-		uint32_t width = (uint32_t)four->last_x[lane] - x + 1, height = (uint32_t)four->last_y[lane] - y + 1;
+		uint32_t width = (uint32_t)four->last_x[lane] - x + 1,
+			height = (uint32_t)four->last_y[lane] - y + 1;
 		for (uint32_t column = 0; column < width; column += 4)
 			fill_strip(paint, &setup, lane, x, y, column, height);
 	}

@@ -65,7 +65,8 @@ static uint64_t count_owned(const struct lod_score_input *input, size_t first, u
 	uint64_t owned = 0;
 	for (size_t i = first; i < first + width; i++) {
 		if (input->cover[i] && input->reference[i])
-			owned += input->owner[i] == input->reference_owner[i] || eco_owner_match(input->owner[i], input->reference_owner[i]);
+			owned += input->owner[i] == input->reference_owner[i]
+				|| eco_owner_match(input->owner[i], input->reference_owner[i]);
 	}
 	return owned;
 }

@@ -16,14 +16,16 @@ static uint32_t wrap(double texel, uint32_t size)
 
 const uint8_t *lod_texel_at(const struct eco_image *image, double u, double v)
 {
-	uint32_t x = wrap(floor(u * image->width), image->width), y = wrap(floor(v * image->height), image->height);
+	uint32_t x = wrap(floor(u * image->width), image->width),
+		y = wrap(floor(v * image->height), image->height);
 	return image->rgba + 4 * ((size_t)y * image->width + x);
 }
 
 void lod_texel_tint(const uint8_t *texel, const uint8_t tint[3], uint8_t rgb[3])
 {
 	for (int k = 0; k < 3; k++)
-		rgb[k] = tint[k] == 255 ? texel[k] : lod_light_byte((double)lod_light_of[texel[k]] * lod_light_of[tint[k]] / 65535);
+		rgb[k] = tint[k] == 255 ? texel[k]
+			: lod_light_byte((double)lod_light_of[texel[k]] * lod_light_of[tint[k]] / 65535);
 }
 
 /* ---- Means ---- */
@@ -65,7 +67,8 @@ static void add_sum(struct lod_texel_sum *to, const struct lod_texel_sum *sum, d
 	to->all += times * sum->all;
 }
 
-void lod_texels_open(struct lod_texels *texels, const struct eco_image *image, bool cutout, struct lod_arena *arena)
+void lod_texels_open(struct lod_texels *texels, const struct eco_image *image, bool cutout,
+	struct lod_arena *arena)
 {
 	*texels = (struct lod_texels){ .image = image, .cutout = cutout };
 	do {
@@ -74,7 +77,8 @@ void lod_texels_open(struct lod_texels *texels, const struct eco_image *image, b
 		texels->height = (image->height + size - 1) / size;
 	} while ((uint64_t)texels->width * texels->height > BLOCKS_MAX && ++texels->shift);
 	texels->seen = lod_arena_take(arena, SEEN, sizeof *texels->seen);
-	texels->before = lod_arena_take(arena, (size_t)texels->height * (texels->width + 1), sizeof *texels->before);
+	texels->before = lod_arena_take(arena, (size_t)texels->height * (texels->width + 1),
+		sizeof *texels->before);
 	struct lod_texel_sum all = { .all = 0 };
 	for (uint32_t y = 0; y < texels->height; y++) {
 		struct lod_texel_sum *row = texels->before + (size_t)y * (texels->width + 1);
@@ -90,7 +94,8 @@ void lod_texels_open(struct lod_texels *texels, const struct eco_image *image, b
 
 /* Adds `times` the sum of texels in [0, x) of an endlessly repeating row; blocks that x cuts count in
  * part. */
-static void add_before(const struct lod_texels *texels, struct lod_texel_sum *to, const struct lod_texel_sum *row, double x, double times)
+static void add_before(const struct lod_texels *texels, struct lod_texel_sum *to,
+	const struct lod_texel_sum *row, double x, double times)
 {
 	double width = texels->width, turns = floor(x / width), rest = x - turns * width;
 	uint32_t i = rest < width ? (uint32_t)rest : texels->width - 1;
@@ -130,7 +135,8 @@ static void sum_rows(const struct lod_texels *texels, const int32_t uv[6], struc
 		cross(p, y, &from, &end);
 		if (!(from < end))
 			continue;
-		const struct lod_texel_sum *row = texels->before + (size_t)wrap(floor(y), texels->height) * (texels->width + 1);
+		const struct lod_texel_sum *row = texels->before + (size_t)wrap(floor(y), texels->height)
+			* (texels->width + 1);
 		add_before(texels, mean, row, end, 1);
 		add_before(texels, mean, row, from, -1);
 	}
@@ -142,7 +148,8 @@ static void sum_line(const struct lod_texels *texels, const int32_t uv[6], struc
 	int from = 0;
 	double longest = -1;
 	for (int k = 0; k < 3; k++) {
-		double u = (double)uv[2 * k] - uv[2 * ((k + 1) % 3)], v = (double)uv[2 * k + 1] - uv[2 * ((k + 1) % 3) + 1];
+		double u = (double)uv[2 * k] - uv[2 * ((k + 1) % 3)],
+			v = (double)uv[2 * k + 1] - uv[2 * ((k + 1) % 3) + 1];
 		if (u * u + v * v > longest) {
 			longest = u * u + v * v;
 			from = k;
@@ -152,7 +159,8 @@ static void sum_line(const struct lod_texels *texels, const int32_t uv[6], struc
 	for (int i = 0; i < SAMPLES; i++) {
 		struct lod_texel_sum sum = { .all = 0 };
 		double at = (i + 0.5) / SAMPLES;
-		add_texel(texels, &sum, lod_texel_at(texels->image, (a[0] + at * ((double)b[0] - a[0])) / ECO_UV_ONE,
+		add_texel(texels, &sum,
+			lod_texel_at(texels->image, (a[0] + at * ((double)b[0] - a[0])) / ECO_UV_ONE,
 			(a[1] + at * ((double)b[1] - a[1])) / ECO_UV_ONE));
 		add_sum(mean, &sum, 1);
 	}

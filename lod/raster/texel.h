@@ -32,7 +32,8 @@ struct lod_texels {
 };
 
 /* `image` must outlive it; memory comes from `arena`. */
-void lod_texels_open(struct lod_texels *texels, const struct eco_image *image, bool cutout, struct lod_arena *arena);
+void lod_texels_open(struct lod_texels *texels, const struct eco_image *image, bool cutout,
+	struct lod_arena *arena);
 
 /* The mean colour of the opaque texels under the triangle (of all texels if not a cut-out), times the
  * material's colour. Returns the share that is opaque; if it is 0, rgb is the mean of the image's opaque

@@ -7,8 +7,8 @@
 
 static void numbers_come_back_and_are_little_endian(void **state)
 {
-	static const uint8_t expected[] = { 0xfe, 0x34, 0x12, 0x78, 0x56, 0x34, 0x12, 8, 7, 6, 5, 4, 3, 2, 1, 0, 0, 0xc0, 0xbf, 0, 0, 0,
-		0, 0, 0, 4, 0x40, 'a', 'b' };
+	static const uint8_t expected[] = { 0xfe, 0x34, 0x12, 0x78, 0x56, 0x34, 0x12, 8, 7, 6, 5, 4, 3, 2, 1,
+		0, 0, 0xc0, 0xbf, 0, 0, 0, 0, 0, 0, 4, 0x40, 'a', 'b' };
 	struct eco_writer w = { 0 };
 	struct eco_reader r;
 	eco_write_u8(&w, 0xfe);
@@ -52,7 +52,8 @@ static void a_reader_that_ran_out_stays_failed(void **state)
 
 static void varints_come_back(void **state)
 {
-	static const uint64_t values[] = { 0, 1, 127, 128, 300, 16383, 16384, UINT32_MAX, (uint64_t)1 << 63, UINT64_MAX };
+	static const uint64_t values[] = { 0, 1, 127, 128, 300, 16383, 16384, UINT32_MAX, (uint64_t)1 << 63,
+		UINT64_MAX };
 	struct eco_writer w = { 0 };
 	struct eco_reader r;
 	for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {

@@ -1,4 +1,5 @@
-/* The child process that reads files of strangers: what it may do, how its death is told, what is left behind. */
+/* The child process that reads files of strangers: what it may do, how its death is told, what is left
+ * behind. */
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -29,7 +30,8 @@
 
 /* ---- What children do ---- */
 
-enum deed { ANSWER, FAIL, SEGFAULT, EXIT, ABORT, NULL_AFTER_FULL, SAY_NO_MEMORY, SPIN, SLEEP, DEAF, TOO_MUCH, KILLED, STOPPED, INTERRUPTED };
+enum deed { ANSWER, FAIL, SEGFAULT, EXIT, ABORT, NULL_AFTER_FULL, SAY_NO_MEMORY, SPIN, SLEEP, DEAF, TOO_MUCH,
+	KILLED, STOPPED, INTERRUPTED };
 
 static enum eco_code fill_memory(bool crash, struct eco_error *error)
 {
@@ -124,15 +126,19 @@ static void nothing_is_left(int open_before)
 
 static void each_way_to_die_is_told_in_its_own_words(void **state)
 {
-	static const struct { enum deed deed; enum eco_code code; const char *says; bool sanitized; } ends[] = {
+	static const struct { enum deed deed; enum eco_code code; const char *says; bool sanitized; } ends[] =
+		{
 		{ ANSWER, ECO_OK, "", true },
 		{ FAIL, ECO_UNSUPPORTED, "as it was said", true },
-		{ SEGFAULT, ECO_DAMAGED, "tree.obj: reading it ended with signal 11 (Segmentation fault)", true },
+		{ SEGFAULT, ECO_DAMAGED, "tree.obj: reading it ended with signal 11 (Segmentation fault)",
+		true },
 		{ EXIT, ECO_DAMAGED, "tree.obj: reading it ended with exit status 7", true },
 		{ ABORT, ECO_DAMAGED, "tree.obj: reading it ended with signal 6", true },
-		{ NULL_AFTER_FULL, ECO_TOO_LARGE, "tree.obj: reading it takes more than the 0.268 GB of memory it may have", false },
+		{ NULL_AFTER_FULL, ECO_TOO_LARGE, "tree.obj: reading it takes more than the 0.268 GB of "
+		"memory it may have", false },
 		{ SAY_NO_MEMORY, ECO_TOO_LARGE, "ECO_IMPORT_MEMORY_GB=2 allows more", false },
-		{ SPIN, ECO_TOO_LARGE, "tree.obj: not read within 1 s of processor time; if the file is to be trusted, ECO_IMPORT_SECONDS=4", true },
+		{ SPIN, ECO_TOO_LARGE, "tree.obj: not read within 1 s of processor time; if the file is to "
+		"be trusted, ECO_IMPORT_SECONDS=4", true },
 		{ SLEEP, ECO_TOO_LARGE, "tree.obj: not read within 1 s;", true },
 		{ DEAF, ECO_TOO_LARGE, "tree.obj: not read within 1 s;", true },
 		{ STOPPED, ECO_TOO_LARGE, "tree.obj: not read within 1 s;", true },
@@ -148,8 +154,8 @@ static void each_way_to_die_is_told_in_its_own_words(void **state)
 		FILE *result;
 		if (SANITIZED && !ends[i].sanitized)
 			continue;
-		assert_int_equal(eco_guard_run(misbehave, &deed, "tree.obj", deed == SLEEP || deed == DEAF || deed == STOPPED ? &brief : &small,
-			&result, &error), ends[i].code);
+		assert_int_equal(eco_guard_run(misbehave, &deed, "tree.obj", deed == SLEEP || deed == DEAF
+			|| deed == STOPPED ? &brief : &small, &result, &error), ends[i].code);
 		if (!strstr(error.text, ends[i].says))
 			fail_msg("\"%s\" does not say \"%s\"", error.text, ends[i].says);
 		assert_int_equal(result != NULL, deed == ANSWER);
@@ -200,7 +206,8 @@ static enum eco_code write_numbers(void *ctx, FILE *out, struct eco_error *error
 static void a_stream_arrives_whole_and_so_does_its_end(void **state)
 {
 	static const struct { struct writing what; enum eco_code code; } streams[] = {
-		{ { 0, ECO_OK, false }, ECO_OK }, { { 1, ECO_OK, false }, ECO_OK }, { { 3000000, ECO_OK, false }, ECO_OK },
+		{ { 0, ECO_OK, false }, ECO_OK }, { { 1, ECO_OK, false }, ECO_OK },
+			{ { 3000000, ECO_OK, false }, ECO_OK },
 		{ { 100000, ECO_BAD_INPUT, false }, ECO_BAD_INPUT }, { { 70000, ECO_OK, true }, ECO_DAMAGED },
 	};
 	int open_before = descriptors();
@@ -210,7 +217,8 @@ static void a_stream_arrives_whole_and_so_does_its_end(void **state)
 		struct eco_guard *guard;
 		uint32_t number, count = 0;
 		FILE *stream;
-		assert_int_equal(eco_guard_start(&guard, write_numbers, &what, "stems.csv", NULL, &stream, &error), ECO_OK);
+		assert_int_equal(eco_guard_start(&guard, write_numbers, &what, "stems.csv", NULL, &stream,
+			&error), ECO_OK);
 		for (; fread(&number, sizeof number, 1, stream) == 1; count++)
 			if (number != count)
 				fail_msg("number %u is %u", count, number);
@@ -229,7 +237,8 @@ static void who_stops_reading_ends_the_child_without_an_error(void **state)
 		struct eco_guard *guard;
 		uint32_t number;
 		FILE *stream;
-		assert_int_equal(eco_guard_start(&guard, write_numbers, &what, "stems.csv", NULL, &stream, &error), ECO_OK);
+		assert_int_equal(eco_guard_start(&guard, write_numbers, &what, "stems.csv", NULL, &stream,
+			&error), ECO_OK);
 		for (uint32_t i = 0; i < wanted; i++)
 			assert_int_equal(fread(&number, sizeof number, 1, stream), 1);
 		assert_int_equal(eco_guard_finish(guard, &error), ECO_OK);
@@ -248,7 +257,8 @@ static void a_stream_that_stays_silent_ends_by_the_clock(void **state)
 		enum deed deed = deeds[i];
 		struct eco_guard *guard;
 		FILE *stream;
-		assert_int_equal(eco_guard_start(&guard, misbehave, &deed, "stems.csv", &brief, &stream, &error), ECO_OK);
+		assert_int_equal(eco_guard_start(&guard, misbehave, &deed, "stems.csv", &brief, &stream,
+			&error), ECO_OK);
 		assert_int_equal(fgetc(stream), EOF);
 		assert_int_equal(eco_guard_finish(guard, &error), ECO_TOO_LARGE);
 		assert_non_null(strstr(error.text, "stems.csv: not read within 1 s"));
@@ -258,8 +268,9 @@ static void a_stream_that_stays_silent_ends_by_the_clock(void **state)
 
 /* ---- What a child may do ---- */
 
-enum attempt { READ_FILE, USE_THREAD, USE_MEMORY, RAISE_ITSELF, ASK_LIMIT, LOOK_AROUND, SOCKET, WRITE_FILE, CREATE_FILE, APPEND_FILE, TRUNCATE_FILE,
-	MAKE_FOLDER, REMOVE_FILE, RENAME_FILE, LINK_FILE, OPEN_MODE, EXEC, FORK, KILL_PARENT, KILL_GROUP, RAISE_LIMIT, PARENTS_FILE, ATTEMPTS };
+enum attempt { READ_FILE, USE_THREAD, USE_MEMORY, RAISE_ITSELF, ASK_LIMIT, LOOK_AROUND, SOCKET, WRITE_FILE,
+	CREATE_FILE, APPEND_FILE, TRUNCATE_FILE, MAKE_FOLDER, REMOVE_FILE, RENAME_FILE, LINK_FILE, OPEN_MODE,
+	EXEC, FORK, KILL_PARENT, KILL_GROUP, RAISE_LIMIT, PARENTS_FILE, ATTEMPTS };
 
 struct trial { enum attempt attempt; int parents_file; bool worked; bool filtered; };
 
@@ -376,30 +387,38 @@ static void a_child_reads_and_does_nothing_else(void **state)
 
 /* ---- Files that name others ---- */
 
-#define MOSAIC "<VRTDataset rasterXSize=\"3\" rasterYSize=\"2\"><GeoTransform>0, 10, 0, 20, 0, -10</GeoTransform>" \
-	"<VRTRasterBand dataType=\"Float32\" band=\"1\"><SimpleSource><SourceFilename relativeToVRT=\"0\">%s</SourceFilename>" \
+#define MOSAIC "<VRTDataset rasterXSize=\"3\" rasterYSize=\"2\"><GeoTransform>0, 10, 0, 20, 0, " \
+	"-10</GeoTransform>" \
+	"<VRTRasterBand dataType=\"Float32\" band=\"1\"><SimpleSource><SourceFilename " \
+	"relativeToVRT=\"0\">%s</SourceFilename>" \
 	"<SourceBand>1</SourceBand></SimpleSource></VRTRasterBand></VRTDataset>"
-#define TILED "<GDAL_WMS><Service name=\"TMS\"><ServerUrl>%s/${z}/${x}/${y}.png</ServerUrl></Service><DataWindow><UpperLeftX>-10</UpperLeftX>" \
-	"<UpperLeftY>10</UpperLeftY><LowerRightX>10</LowerRightX><LowerRightY>-10</LowerRightY><TileLevel>1</TileLevel></DataWindow>" \
+#define TILED "<GDAL_WMS><Service " \
+	"name=\"TMS\"><ServerUrl>%s/${z}/${x}/${y}.png</ServerUrl></Service><DataWindow><UpperLeftX>" \
+	"-10</UpperLeftX>" \
+	"<UpperLeftY>10</UpperLeftY><LowerRightX>10</LowerRightX><LowerRightY>-10</LowerRightY><TileLevel>" \
+	"1</TileLevel></DataWindow>" \
 	"<BandsCount>1</BandsCount></GDAL_WMS>"
 
-static enum eco_code import_text(const char *name, const char *format, const char *within, struct eco_ground *ground, struct eco_error *error)
+static enum eco_code import_text(const char *name, const char *format, const char *within,
+struct eco_ground *ground, struct eco_error *error)
 {
 	char text[4096], *path;
 	snprintf(text, sizeof text, format, within);
 	path = (char *)input_text("guard", name, text);
-	return eco_ground_import(ground, &(struct eco_ground_options){ .source = &(struct eco_ground_source){ .heights = &path, .height_count = 1 } },
-		error);
+	return eco_ground_import(ground,
+		&(struct eco_ground_options){ .source = &(struct eco_ground_source){ .heights = &path,
+		.height_count = 1 } }, error);
 }
 
 /* With a server that would hear them. */
 static void files_that_name_servers_reach_nobody(void **state)
 {
 	static const struct { const char *name, *format, *within; } files[] = {
-		{ "mosaic.vrt", MOSAIC, "/vsicurl/http://127.0.0.1:%u/dem.tif" }, { "stream.vrt", MOSAIC, "/vsicurl_streaming/http://127.0.0.1:%u/dem.tif" },
-		{ "packed.vrt", MOSAIC, "/vsizip//vsicurl/http://127.0.0.1:%u/dem.zip" }, { "http.vrt", MOSAIC, "http://127.0.0.1:%u/dem.tif" },
-		{ "tiles.xml", TILED, "http://127.0.0.1:%u" },
-	};
+		{ "mosaic.vrt", MOSAIC, "/vsicurl/http://127.0.0.1:%u/dem.tif" },
+			{ "stream.vrt", MOSAIC, "/vsicurl_streaming/http://127.0.0.1:%u/dem.tif" },
+		{ "packed.vrt", MOSAIC, "/vsizip//vsicurl/http://127.0.0.1:%u/dem.zip" },
+		{ "http.vrt", MOSAIC, "http://127.0.0.1:%u/dem.tif" },
+		{ "tiles.xml", TILED, "http://127.0.0.1:%u" } };
 	struct sockaddr_in address = { .sin_family = AF_INET, .sin_addr = { htonl(INADDR_LOOPBACK) } };
 	socklen_t size = sizeof address;
 	int server = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
@@ -427,8 +446,8 @@ static void files_that_name_other_folders_are_read(void **state)
 	char elsewhere[PATH_MAX];
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_ground ground;
-	assert_non_null(realpath(input_text("guard-elsewhere", "dem.asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 10\n1 2 3\n4 5 6\n"),
-		elsewhere));
+	assert_non_null(realpath(input_text("guard-elsewhere", "dem.asc",
+		"ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 10\n1 2 3\n4 5 6\n"), elsewhere));
 	if (import_text("far.vrt", MOSAIC, elsewhere, &ground, &error) != ECO_OK)
 		fail_msg("%s", error.text);
 	assert_int_equal(ground.columns, 3);
@@ -456,11 +475,13 @@ static void an_interrupted_parent_ends_its_children(void **state)
 		assert_int_equal(pthread_create(&thread, NULL, interrupt_soon, NULL), 0);
 		if (streams) {
 			struct eco_guard *guard;
-			assert_int_equal(eco_guard_start(&guard, misbehave, &deed, "tree.obj", NULL, &stream, &error), ECO_OK);
+			assert_int_equal(eco_guard_start(&guard, misbehave, &deed, "tree.obj", NULL, &stream,
+				&error), ECO_OK);
 			assert_int_equal(fgetc(stream), EOF);
 			assert_int_equal(eco_guard_finish(guard, &error), ECO_INTERRUPTED);
 		} else
-			assert_int_equal(eco_guard_run(misbehave, &deed, "tree.obj", NULL, &stream, &error), ECO_INTERRUPTED);
+			assert_int_equal(eco_guard_run(misbehave, &deed, "tree.obj", NULL, &stream, &error),
+				ECO_INTERRUPTED);
 		assert_string_equal(error.text, "tree.obj: interrupted");
 		pthread_join(thread, NULL);
 		nothing_is_left(open_before);
@@ -487,7 +508,8 @@ static void a_parent_that_dies_takes_its_child_along(void **state)
 		struct eco_guard *guard;
 		FILE *stream;
 		if (eco_guard_start(&guard, tell_and_sleep, NULL, "tree.obj", NULL, &stream, NULL) != ECO_OK
-			|| fread(&child, sizeof child, 1, stream) != 1 || write(told[1], &child, sizeof child) != sizeof child)
+			|| fread(&child, sizeof child, 1, stream) != 1 || write(told[1], &child, sizeof child)
+			!= sizeof child)
 			_exit(1);
 		raise(SIGKILL);
 	}
@@ -498,7 +520,8 @@ static void a_parent_that_dies_takes_its_child_along(void **state)
 		FILE *stat_file;
 		snprintf(path, sizeof path, "/proc/%d/stat", (int)child);
 		stat_file = fopen(path, "r");
-		if (stat_file && fread(text, 1, sizeof text - 1, stat_file) > 0 && strstr(text, ") Z") != NULL) {
+		if (stat_file && fread(text, 1, sizeof text - 1, stat_file) > 0 && strstr(text, ") Z")
+				!= NULL) {
 			fclose(stat_file);
 			break;               /* dead, and whoever adopted it has not looked yet */
 		}
@@ -520,7 +543,8 @@ static void the_environment_has_the_last_word_on_limits(void **state)
 	enum deed deed = SPIN;
 	FILE *result;
 	setenv(ECO_GUARD_SECONDS_VARIABLE, "1", 1);
-	assert_int_equal(eco_guard_run(misbehave, &deed, "tree.obj", &generous, &result, &error), ECO_TOO_LARGE);
+	assert_int_equal(eco_guard_run(misbehave, &deed, "tree.obj", &generous, &result, &error),
+		ECO_TOO_LARGE);
 	assert_non_null(strstr(error.text, "ECO_IMPORT_SECONDS=4 allows more"));
 	unsetenv(ECO_GUARD_SECONDS_VARIABLE);
 	if (SANITIZED)
@@ -528,17 +552,21 @@ static void the_environment_has_the_last_word_on_limits(void **state)
 	setenv(ECO_GUARD_MEMORY_VARIABLE, "0.25", 1);
 	error = (struct eco_error){ .code = ECO_OK };
 	deed = SAY_NO_MEMORY;
-	assert_int_equal(eco_guard_run(misbehave, &deed, "tree.obj", &generous, &result, &error), ECO_TOO_LARGE);
+	assert_int_equal(eco_guard_run(misbehave, &deed, "tree.obj", &generous, &result, &error),
+		ECO_TOO_LARGE);
 	assert_non_null(strstr(error.text, "more than the 0.25 GB of memory"));
 	unsetenv(ECO_GUARD_MEMORY_VARIABLE);
 }
 
 static void larger_files_may_take_more(void **state)
 {
-	struct eco_guard_limits none = eco_guard_limits_for(0), some = eco_guard_limits_for(100u << 20), all = eco_guard_limits_for(UINT64_MAX);
+	struct eco_guard_limits none = eco_guard_limits_for(0), some = eco_guard_limits_for(100u << 20),
+		all = eco_guard_limits_for(UINT64_MAX);
 	assert_true(none.memory_bytes >= 1ull << 30 && none.cpu_s >= 60 && none.clock_s >= none.cpu_s);
-	assert_true(some.memory_bytes > none.memory_bytes && some.cpu_s > none.cpu_s && some.clock_s > none.clock_s);
-	assert_true(all.memory_bytes > some.memory_bytes && all.cpu_s > some.cpu_s && all.clock_s > all.cpu_s);
+	assert_true(some.memory_bytes > none.memory_bytes && some.cpu_s > none.cpu_s
+		&& some.clock_s > none.clock_s);
+	assert_true(all.memory_bytes > some.memory_bytes && all.cpu_s > some.cpu_s
+		&& all.clock_s > all.cpu_s);
 }
 
 int main(void)

@@ -1,5 +1,5 @@
-/* Modules: found beside the program or in the folder that is named, refused with a helpful text where they are missing or not what they
- * should be, and looked for again after that. */
+/* Modules: found beside the program or in the folder that is named, refused with a helpful text where they
+ * are missing or not what they should be, and looked for again after that. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -55,7 +55,8 @@ static void what_is_no_library_is_refused(void **state)
 /* The module of PROJ under GDAL's name has no table of GDAL's. */
 static void another_module_under_that_name_is_refused(void **state)
 {
-	char target[4096], *folder = target;     /* the program's: the last of its path, which may lie below another of that name */
+	/* the program's: the last of its path, which may lie below another of that name */
+	char target[4096], *folder = target;
 	ssize_t length = readlink("/proc/self/exe", target, sizeof target - 20);
 	assert_true(length > 0);
 	target[length] = 0;

@@ -1,4 +1,5 @@
-/* Command lines: what is read, what is refused and how that is said, and that no line of a help is too long. */
+/* Command lines: what is read, what is refused and how that is said, and that no line of a help is too long.
+ */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,19 +35,25 @@ static const struct eco_option table[] = {
 	{ "output", 'o', ECO_OPTION_TEXT, "OUT.eco", &given.pack, .help = "the pack", .is_required = true },
 	{ "jobs", 'j', ECO_OPTION_COUNT, "N", &given.jobs, 1, 64, .help = "threads" },
 	{ "vertices", 0, ECO_OPTION_COUNT, "N", &given.vertices, 0, INT64_MAX, .help = "budget" },
-	{ "pace", 0, ECO_OPTION_NUMBER, "M", &given.pace, 0.001, 10, .help = "metres a second, of which there may be so many that this must be "
+	{ "pace", 0, ECO_OPTION_NUMBER, "M", &given.pace, 0.001, 10,
+	.help = "metres a second, of which there may be so many that this must be "
 		"said in two lines of text" },
-	{ "at", 0, ECO_OPTION_NUMBERS, "X,Y,Z", given.at, -10, 10, .count = 3, .given = &given.at_given, .help = "where" },
+	{ "at", 0, ECO_OPTION_NUMBERS, "X,Y,Z", given.at, -10, 10, .count = 3, .given = &given.at_given,
+	.help = "where" },
 	{ "size", 0, ECO_OPTION_SIZE, "WxH", given.size, 1, 4096, .help = "of pictures" },
 	{ "order", 0, ECO_OPTION_CHOICE, "NAME", &given.order, .choices = orders, .help = "of leaves" },
-	{ "some-option-with-a-name-that-is-long", 0, ECO_OPTION_READ, "X", given.read, .read = read_some, .help = "anything",
+	{ "some-option-with-a-name-that-is-long", 0, ECO_OPTION_READ, "X", given.read, .read = read_some,
+	.help = "anything",
 		.has_optional_value = true },
 	{ "json", 0, ECO_OPTION_FLAG, NULL, &given.json, .help = "for scripts" }, { 0 } };
 
-static const struct eco_option common[] = { { "quiet", 'q', ECO_OPTION_FLAG, NULL, &given.quiet, .help = "no progress" }, { 0 } };
+static const struct eco_option common[] =
+	{ { "quiet", 'q', ECO_OPTION_FLAG, NULL, &given.quiet, .help = "no progress" }, { 0 } };
 
-static const struct eco_command command = { .name = "program do", .synopsis = "SCENE.json -o OUT.eco [--jobs N] [--pace M] [--at X,Y,Z] "
-	"[--size WxH] [--order NAME] [--json]", .says = "Does this and that.", .options = table, .common = common, .notes = "A note.\n" };
+static const struct eco_command command = { .name = "program do", .synopsis = "SCENE.json -o OUT.eco "
+	"[--jobs N] [--pace M] [--at X,Y,Z] "
+	"[--size WxH] [--order NAME] [--json]", .says = "Does this and that.", .options = table,
+	.common = common, .notes = "A note.\n" };
 
 static enum eco_code read_line(const char *line, struct eco_error *error)
 {
@@ -63,7 +70,8 @@ static enum eco_code read_line(const char *line, struct eco_error *error)
 
 static void options_may_stand_anywhere_and_in_four_forms(void **state)
 {
-	static const char *const lines[] = { "a.json -o b.eco --jobs 3", "-j3 -ob.eco a.json", "--jobs=3 a.json --output=b.eco",
+	static const char *const lines[] = { "a.json -o b.eco --jobs 3", "-j3 -ob.eco a.json",
+		"--jobs=3 a.json --output=b.eco",
 		"--jobs 9 -j 3 --output b.eco -- a.json" };
 	struct eco_error error;
 	for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
@@ -78,9 +86,12 @@ static void options_may_stand_anywhere_and_in_four_forms(void **state)
 static void every_kind_of_value_arrives(void **state)
 {
 	struct eco_error error;
-	assert_int_equal(read_line("a -o b c -q --pace 2.5 --at -1,2,3e0 --size 640x480 d --order stochastic --json", &error), ECO_OK);
-	assert_true(given.pace == 2.5 && given.at[0] == -1 && given.at[1] == 2 && given.at[2] == 3 && given.at_given);
-	assert_true(given.size[0] == 640 && given.size[1] == 480 && given.order == 1 && given.json && given.quiet);
+	assert_int_equal(read_line("a -o b c -q --pace 2.5 --at -1,2,3e0 --size 640x480 d --order "
+		"stochastic --json", &error), ECO_OK);
+	assert_true(given.pace == 2.5 && given.at[0] == -1 && given.at[1] == 2 && given.at[2] == 3
+		&& given.at_given);
+	assert_true(given.size[0] == 640 && given.size[1] == 480 && given.order == 1 && given.json
+		&& given.quiet);
 	assert_int_equal(given.others.count, 2);
 	assert_string_equal(given.others.names[0], "c");
 	assert_string_equal(given.others.names[1], "d");
@@ -93,20 +104,30 @@ static void every_kind_of_value_arrives(void **state)
 	assert_string_equal(given.scene, "--json");
 }
 
+static const struct { const char *line, *says; } rows[] = {
+	{ "", "the scene file is missing: SCENE.json" }, { "a", "-o OUT.eco is missing" },
+		{ "a -o", "-o: a value must follow it, OUT.eco" },
+	{ "a b c d -o x", "d: one argument too many" },
+	{ "a --nonsense", "program do has no --nonsense" }, { "a -z", "program do has no -z" },
+	{ "a --=3", "program do has no --=3" }, { "a --json=1", "--json takes no value" },
+	{ "a --out b", "has no --out" },
+	{ "a -j 0", "--jobs 0: must be a whole number from 1 to 64" },
+	{ "a -j 65", "--jobs 65: must" }, { "a -j -3", "--jobs -3: must" },
+	{ "a -j 3x", "--jobs 3x: must" }, { "a --jobs=", "--jobs : must" },
+	{ "a -j 99999999999999999999", "must be a whole number" },
+	{ "a --pace nan", "--pace nan: must be 1 number from 0.001 to 10" },
+	{ "a --pace 1,2", "must be 1 number" },
+	{ "a --at 1,2", "--at 1,2: must be 3 numbers from -10 to 10, separated by commas" },
+	{ "a --at 1,2,11", "must be 3 numbers" },
+	{ "a --size 640", "--size 640: must be WIDTHxHEIGHT, each from 1 to 4096" },
+	{ "a --size 640x0", "must be WIDTHxHEIGHT" },
+	{ "a --size 640x480x", "must be WIDTHxHEIGHT" },
+	{ "a --size 5000x1", "must be WIDTHxHEIGHT" },
+	{ "a --order none", "--order none: must be one of greedy, stochastic" },
+	{ "a --some-option-with-a-name-that-is-long=bad", "--some bad: cannot be" } };
+
 static void what_does_not_fit_is_named(void **state)
 {
-	static const struct { const char *line, *says; } rows[] = {
-		{ "", "the scene file is missing: SCENE.json" }, { "a", "-o OUT.eco is missing" }, { "a -o", "-o: a value must follow it, OUT.eco" },
-		{ "a b c d -o x", "d: one argument too many" }, { "a --nonsense", "program do has no --nonsense" }, { "a -z", "program do has no -z" },
-		{ "a --=3", "program do has no --=3" }, { "a --json=1", "--json takes no value" }, { "a --out b", "has no --out" },
-		{ "a -j 0", "--jobs 0: must be a whole number from 1 to 64" }, { "a -j 65", "--jobs 65: must" }, { "a -j -3", "--jobs -3: must" },
-		{ "a -j 3x", "--jobs 3x: must" }, { "a --jobs=", "--jobs : must" }, { "a -j 99999999999999999999", "must be a whole number" },
-		{ "a --pace nan", "--pace nan: must be 1 number from 0.001 to 10" }, { "a --pace 1,2", "must be 1 number" },
-		{ "a --at 1,2", "--at 1,2: must be 3 numbers from -10 to 10, separated by commas" }, { "a --at 1,2,11", "must be 3 numbers" },
-		{ "a --size 640", "--size 640: must be WIDTHxHEIGHT, each from 1 to 4096" }, { "a --size 640x0", "must be WIDTHxHEIGHT" },
-		{ "a --size 640x480x", "must be WIDTHxHEIGHT" }, { "a --size 5000x1", "must be WIDTHxHEIGHT" },
-		{ "a --order none", "--order none: must be one of greedy, stochastic" },
-		{ "a --some-option-with-a-name-that-is-long=bad", "--some bad: cannot be" } };
 	struct eco_error error;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		assert_int_equal(read_line(rows[i].line, &error), ECO_BAD_USAGE);
@@ -117,8 +138,10 @@ static void what_does_not_fit_is_named(void **state)
 
 static void numbers_are_read_whole_or_refused(void **state)
 {
-	static const char *const bad[] = { "size=", "size=8", "size=8x", "size=x6", "size=8x6x", "size=0x6", "size=8x0", "size=-8x6", "size=99999x6",
-		"jobs=", "jobs=-1", "jobs=+1", "jobs=1.5", "jobs=1e6", "jobs=0x10", "jobs=18446744073709551616", "jobs=101", "pace=", "pace=0",
+	static const char *const bad[] = { "size=", "size=8", "size=8x", "size=x6", "size=8x6x", "size=0x6",
+		"size=8x0", "size=-8x6", "size=99999x6",
+		"jobs=", "jobs=-1", "jobs=+1", "jobs=1.5", "jobs=1e6", "jobs=0x10",
+		"jobs=18446744073709551616", "jobs=101", "pace=", "pace=0",
 		"pace=-1", "pace=nan", "pace=inf", "pace=1s", "vertices=9223372036854775808" };
 	struct eco_error error;
 	char line[64];
@@ -127,8 +150,10 @@ static void numbers_are_read_whole_or_refused(void **state)
 		if (read_line(line, &error) != ECO_BAD_USAGE)
 			fail_msg("%s is taken", line);
 	}
-	assert_int_equal(read_line("a -o b --size 4096x1 --pace 0.5 --vertices 9223372036854775807", &error), ECO_OK);
-	assert_true(given.size[0] == 4096 && given.size[1] == 1 && given.pace == 0.5 && given.vertices == INT64_MAX);
+	assert_int_equal(read_line("a -o b --size 4096x1 --pace 0.5 --vertices 9223372036854775807", &error),
+		ECO_OK);
+	assert_true(given.size[0] == 4096 && given.size[1] == 1 && given.pace == 0.5
+		&& given.vertices == INT64_MAX);
 }
 
 static void help_names_everything_within_its_columns(void **state)
@@ -139,7 +164,9 @@ static void help_names_everything_within_its_columns(void **state)
 	eco_command_help(&command, out);
 	fclose(out);
 	assert_int_equal(strncmp(text, "usage: program do SCENE.json -o OUT.eco", 39), 0);
-	static const char *const parts[] = { "\nDoes this and that.\n", "\n  MORE                  more of them\n", "\nWhat is written\n", "\n  -o, --output OUT.eco  the pack\n", "[=X]\n                        anything\n", "\n  -q, --quiet",
+	static const char *const parts[] = { "\nDoes this and that.\n", "\n  MORE                  more of "
+		"them\n", "\nWhat is written\n", "\n  -o, --output OUT.eco  the pack\n",
+		"[=X]\n                        anything\n", "\n  -q, --quiet",
 		"\n  -h, --help", "\n  -V, --version", "\nA note.\nExit status: 0" };
 	for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
 		if (!strstr(text, parts[i]))
@@ -163,8 +190,10 @@ static void long_texts_are_wrapped_at_words(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(options_may_stand_anywhere_and_in_four_forms), cmocka_unit_test(every_kind_of_value_arrives),
-		cmocka_unit_test(what_does_not_fit_is_named), cmocka_unit_test(numbers_are_read_whole_or_refused),
+		cmocka_unit_test(options_may_stand_anywhere_and_in_four_forms),
+			cmocka_unit_test(every_kind_of_value_arrives),
+		cmocka_unit_test(what_does_not_fit_is_named),
+		cmocka_unit_test(numbers_are_read_whole_or_refused),
 		cmocka_unit_test(help_names_everything_within_its_columns),
 		cmocka_unit_test(long_texts_are_wrapped_at_words) };
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,4 +1,5 @@
-/* Range-coded bits come back as they were written, in as many bytes as they are worth; anything can be read. */
+/* Range-coded bits come back as they were written, in as many bytes as they are worth; anything can be read.
+ */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,8 +27,10 @@ static void code_mixed(struct eco_range *r, uint32_t count, bool writing)
 	eco_bits_start(number, ECO_RANGE_NUMBER);
 	for (uint32_t i = 0; i < count; i++) {
 		bool bit = next(&state) % 100 == 0;
-		uint32_t byte = next(&state) & next(&state) & 255, wide = next(&state), bits = next(&state) % 65;
-		uint64_t raw = ((uint64_t)next(&state) << 40 ^ (uint64_t)next(&state) << 20 ^ next(&state)) & (bits == 64 ? UINT64_MAX
+		uint32_t byte = next(&state) & next(&state) & 255, wide = next(&state),
+			bits = next(&state) % 65;
+		uint64_t raw = ((uint64_t)next(&state) << 40 ^ (uint64_t)next(&state) << 20 ^ next(&state))
+			& (bits == 64 ? UINT64_MAX
 			: ((uint64_t)1 << bits) - 1);
 		int32_t value = numbers[next(&state) % 8];
 		assert_int_equal(eco_range_bit(r, rare, writing && bit), bit);
@@ -42,7 +45,6 @@ static void code_mixed(struct eco_range *r, uint32_t count, bool writing)
 
 static void what_is_written_is_read(void **unused)
 {
-	(void)unused;
 	for (uint32_t count = 0; count < 300; count++) {
 		struct eco_writer w = { 0 };
 		struct eco_range r;
@@ -67,7 +69,6 @@ static void what_is_written_is_read(void **unused)
 /* Within 3 % and some bytes of the entropy. */
 static void bits_take_what_they_are_worth(void **unused)
 {
-	(void)unused;
 	static const uint32_t per_thousand[] = { 2, 10, 100, 300, 500, 800, 995 };
 	for (size_t k = 0; k < sizeof per_thousand / sizeof *per_thousand; k++) {
 		struct eco_writer w = { 0 };
@@ -91,7 +92,6 @@ static void bits_take_what_they_are_worth(void **unused)
 /* A run of ones that ends in a carry passes through bytes that were held back. */
 static void carries_go_through(void **unused)
 {
-	(void)unused;
 	for (uint32_t seed = 0; seed < 3000; seed++) {
 		struct eco_writer w = { 0 };
 		struct eco_range r;
@@ -116,13 +116,14 @@ static int32_t number_of(uint32_t kind, uint32_t i, uint32_t *state)
 {
 	static const double size[] = { 0.3, 20, 3000, 1e6, 2e9 };
 	double u = (next(state) % 65536 + 0.5) / 65536, v = -size[kind] / 3 * log(u);
-	return i == 7 ? INT32_MAX : i == 8 ? -INT32_MAX : (int32_t)fmin(v, INT32_MAX) * (next(state) % 2 ? 1 : -1);
+	return i == 7 ? INT32_MAX : i == 8 ? -INT32_MAX
+		: (int32_t)fmin(v, INT32_MAX) * (next(state) % 2 ? 1 : -1);
 }
 
-/* As laid out for Laplace's distribution: within 4 % and some bytes of its entropy, but for numbers that are mostly 0. */
+/* As laid out for Laplace's distribution: within 4 % and some bytes of its entropy, but for numbers that are
+ * mostly 0. */
 static void numbers_near_their_usual_size_are_short(void **unused)
 {
-	(void)unused;
 	for (uint32_t first = 0; first < 5; first++) {
 		struct eco_writer w = { 0 };
 		struct eco_range r;
@@ -132,15 +133,18 @@ static void numbers_near_their_usual_size_are_short(void **unused)
 		eco_near_start(&near, kinds, 5);
 		eco_range_write(&r, &w);
 		for (uint32_t i = 0; i < COUNT; i++)
-			eco_range_near(&r, &near, &kinds[i % count], number_of((first + i % count) % 5, i, &state));
+			eco_range_near(&r, &near, &kinds[i % count],
+				number_of((first + i % count) % 5, i, &state));
 		uint32_t zeros = eco_range_end(&r);
 		if (first == 1)
-			assert_true(w.size * 8 < (log2(2 * exp(1) * 20 / 3.0) + log2(2 * exp(1) * 1000.0)) / 2 * COUNT * 1.04 + 400);
+			assert_true(w.size * 8 < (log2(2 * exp(1) * 20 / 3.0) + log2(2 * exp(1) * 1000.0)) / 2
+				* COUNT * 1.04 + 400);
 		state = 3 + first;
 		eco_near_start(&near, kinds, 5);
 		eco_range_read(&r, w.bytes, w.size);
 		for (uint32_t i = 0; i < COUNT; i++)
-			assert_int_equal(eco_range_near(&r, &near, &kinds[i % count], 0), number_of((first + i % count) % 5, i, &state));
+			assert_int_equal(eco_range_near(&r, &near, &kinds[i % count], 0),
+				number_of((first + i % count) % 5, i, &state));
 		assert_int_equal(eco_range_end(&r), zeros);
 		eco_writer_free(&w);
 	}
@@ -148,7 +152,6 @@ static void numbers_near_their_usual_size_are_short(void **unused)
 
 static void anything_can_be_read(void **unused)
 {
-	(void)unused;
 	uint32_t state = 5;
 	for (uint32_t i = 0; i < 2000; i++) {
 		uint8_t bytes[64];

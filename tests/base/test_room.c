@@ -22,7 +22,8 @@ static void items_stay_when_the_array_moves(void **state)
 
 static void what_cannot_be_had_leaves_the_array_alone(void **state)
 {
-	static const struct { uint32_t capacity; size_t size; } rows[] = { { 1u << 31, 1 }, { UINT32_MAX, 1 }, { 1u << 30, SIZE_MAX >> 33 } };
+	static const struct { uint32_t capacity; size_t size; } rows[] = { { 1u << 31, 1 }, { UINT32_MAX, 1 },
+		{ 1u << 30, SIZE_MAX >> 33 } };
 	char byte, *items = &byte;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		uint32_t capacity = rows[i].capacity;

@@ -47,7 +47,8 @@ static void opposite_turns_mirror_to_the_bit(void **state)
 static void results_are_the_golden_ones(void **state)
 {
 	static double all[2 * 65536];
-	static const uint8_t golden[16] = { 0x3b, 0xb8, 0x17, 0xee, 0x80, 0xd3, 0x29, 0xea, 0xac, 0xd0, 0xa8, 0x00, 0xec, 0x92, 0xa3, 0xa6 };
+	static const uint8_t golden[16] = { 0x3b, 0xb8, 0x17, 0xee, 0x80, 0xd3, 0x29, 0xea, 0xac, 0xd0, 0xa8,
+		0x00, 0xec, 0x92, 0xa3, 0xa6 };
 	struct eco_chunk_id id;
 	for (uint32_t turn = 0; turn < 65536; turn++)
 		eco_turn_sincos((uint16_t)turn, &all[2 * turn], &all[2 * turn + 1]);
@@ -58,7 +59,8 @@ static void results_are_the_golden_ones(void **state)
 static void degrees_go_to_the_nearest_step(void **state)
 {
 	static const struct { double degrees; uint16_t turn; } cases[] = {
-		{ 0, 0 }, { 90, 16384 }, { -90, 49152 }, { 360, 0 }, { 450, 16384 }, { -720, 0 }, { 45, 8192 },
+		{ 0, 0 }, { 90, 16384 }, { -90, 49152 }, { 360, 0 }, { 450, 16384 }, { -720, 0 },
+			{ 45, 8192 },
 		{ 180, 32768 },
 		{ 0.002746, 0 }, { 0.002747, 1 }, { 359.9999, 0 }, { -0.0001, 0 },
 	};

@@ -7,10 +7,14 @@
 static void characters_have_one_form(void **state)
 {
 	static const struct { const char *text; size_t size, bytes; } cases[] = {
-		{ "", 0, 0 }, { "", 1, 0 }, { "oak", 3, 1 }, { "\x7F", 1, 1 }, { "\x80", 1, 0 }, { "\xC1\xBF", 2, 0 }, { "\xC2\x80", 2, 2 }, { "\xC2\x80", 1, 0 },
-		{ "\xDF\xBF", 2, 2 }, { "\xDF\xC0", 2, 0 }, { "\xE0\x9F\xBF", 3, 0 }, { "\xE0\xA0\x80", 3, 3 }, { "\xE0\xA0\x80", 2, 0 }, { "\xED\x9F\xBF", 3, 3 },
-		{ "\xED\xA0\x80", 3, 0 }, { "\xEF\xBF\xBF", 3, 3 }, { "\xEF\xBF\x7F", 3, 0 }, { "\xF0\x8F\xBF\xBF", 4, 0 }, { "\xF0\x90\x80\x80", 4, 4 },
-		{ "\xF4\x8F\xBF\xBF", 4, 4 }, { "\xF4\x90\x80\x80", 4, 0 }, { "\xF5\x80\x80\x80", 4, 0 }, { "\xFF", 1, 0 },
+		{ "", 0, 0 }, { "", 1, 0 }, { "oak", 3, 1 }, { "\x7F", 1, 1 }, { "\x80", 1, 0 },
+			{ "\xC1\xBF", 2, 0 }, { "\xC2\x80", 2, 2 }, { "\xC2\x80", 1, 0 },
+		{ "\xDF\xBF", 2, 2 }, { "\xDF\xC0", 2, 0 }, { "\xE0\x9F\xBF", 3, 0 },
+		{ "\xE0\xA0\x80", 3, 3 }, { "\xE0\xA0\x80", 2, 0 }, { "\xED\x9F\xBF", 3, 3 },
+		{ "\xED\xA0\x80", 3, 0 }, { "\xEF\xBF\xBF", 3, 3 }, { "\xEF\xBF\x7F", 3, 0 },
+		{ "\xF0\x8F\xBF\xBF", 4, 0 }, { "\xF0\x90\x80\x80", 4, 4 },
+		{ "\xF4\x8F\xBF\xBF", 4, 4 }, { "\xF4\x90\x80\x80", 4, 0 }, { "\xF5\x80\x80\x80", 4, 0 },
+		{ "\xFF", 1, 0 },
 	};
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
 		assert_int_equal(eco_utf8_bytes(cases[i].text, cases[i].size), cases[i].bytes);
@@ -21,11 +25,14 @@ static void characters_have_one_form(void **state)
 static void names_are_cut_between_characters(void **state)
 {
 	static const struct { const char *text; size_t most, kept; } cases[] = {
-		{ "", 9, 0 }, { "oak", 9, 3 }, { "oak", 3, 3 }, { "oak", 2, 2 }, { "oak", 0, 0 }, { "\xC3\xA4\xC3\xA4", 4, 4 }, { "\xC3\xA4\xC3\xA4", 3, 2 },
-		{ "\xC3\xA4", 1, 0 }, { "a\xE4s", 9, 1 }, { "\xE4", 9, 0 }, { "a\xC3", 9, 1 }, { "\xF0\x9F\x8C\xB2", 4, 4 }, { "\xF0\x9F\x8C\xB2", 3, 0 },
+		{ "", 9, 0 }, { "oak", 9, 3 }, { "oak", 3, 3 }, { "oak", 2, 2 }, { "oak", 0, 0 },
+			{ "\xC3\xA4\xC3\xA4", 4, 4 }, { "\xC3\xA4\xC3\xA4", 3, 2 },
+		{ "\xC3\xA4", 1, 0 }, { "a\xE4s", 9, 1 }, { "\xE4", 9, 0 }, { "a\xC3", 9, 1 },
+		{ "\xF0\x9F\x8C\xB2", 4, 4 }, { "\xF0\x9F\x8C\xB2", 3, 0 },
 	};
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-		assert_int_equal(eco_utf8_cut(cases[i].text, strlen(cases[i].text), cases[i].most), cases[i].kept);
+		assert_int_equal(eco_utf8_cut(cases[i].text, strlen(cases[i].text), cases[i].most),
+			cases[i].kept);
 }
 
 int main(void)

@@ -1,7 +1,8 @@
 /* The frame that sections run in: units kept on disk, records of what was said, progress, Ctrl-C.
  *
- * A unit's file holds the stamp that it was done under, so that one of another program or input is not taken for this one's; a file
- * that is damaged counts as none. Nothing is ever half there: files are written beside and renamed. */
+ * A unit's file holds the stamp that it was done under, so that one of another program or input is not taken
+ * for this one's; a file that is damaged counts as none. Nothing is ever half there: files are written beside
+ * and renamed. */
 #include "tests/bench/bench_state.h"
 
 #include <assert.h>
@@ -60,7 +61,8 @@ bool bench_stopped(const struct bench *bench)
 {
 	if (interrupted && !reported) {
 		reported = 1;
-		bench_note(bench, "stopping after this piece of work; what is done is kept (once more to stop at once)");
+		bench_note(bench, "stopping after this piece of work; what is done is kept (once more to "
+			"stop at once)");
 	}
 	return interrupted != 0;
 }
@@ -82,7 +84,8 @@ double bench_cpu_s(void)
 	for (int i = 0; i < 2; i++) {
 		struct rusage used;
 		getrusage(i ? RUSAGE_CHILDREN : RUSAGE_SELF, &used);
-		sum += (double)(used.ru_utime.tv_sec + used.ru_stime.tv_sec) + 1e-6 * (double)(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
+		sum += (double)(used.ru_utime.tv_sec + used.ru_stime.tv_sec)
+			+ 1e-6 * (double)(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
 	}
 	return sum;
 }
@@ -144,12 +147,14 @@ enum eco_code bench_folder_make(const char *path, struct eco_error *error)
 			continue;
 		*c = 0;
 		if (mkdir(part, 0777) && errno != EEXIST)
-			return eco_fail(error, ECO_IO, "%s: cannot make this folder: %s", part, strerror(errno));
+			return eco_fail(error, ECO_IO, "%s: cannot make this folder: %s", part,
+				strerror(errno));
 		*c = was;
 		if (!was)
 			break;
 	}
-	return stat(path, &status) == 0 && S_ISDIR(status.st_mode) ? ECO_OK : eco_fail(error, ECO_IO, "%s: is no folder", path);
+	return stat(path, &status) == 0 && S_ISDIR(status.st_mode) ? ECO_OK
+		: eco_fail(error, ECO_IO, "%s: is no folder", path);
 }
 
 enum eco_code bench_file_write(const char *path, const char *bytes, size_t size, struct eco_error *error)
@@ -181,9 +186,11 @@ static void file_name(char out[PATH], const struct bench *bench, const char *fol
 	char clean[80];
 	size_t n = 0;
 	for (const char *c = unit; *c && n + 1 < sizeof clean; c++)
-		clean[n++] = (*c >= '0' && *c <= '9') || (*c >= 'a' && *c <= 'z') || (*c >= 'A' && *c <= 'Z') || *c == '-' || *c == '_' ? *c : '-';
+		clean[n++] = (*c >= '0' && *c <= '9') || (*c >= 'a' && *c <= 'z') || (*c >= 'A' && *c <= 'Z')
+			|| *c == '-' || *c == '_' ? *c : '-';
 	clean[n] = 0;
-	snprintf(out, PATH, "%s/%s/%s-%08x.json", bench->cache, folder, clean, (unsigned)XXH3_64bits(unit, strlen(unit)));
+	snprintf(out, PATH, "%s/%s/%s-%08x.json", bench->cache, folder, clean,
+		(unsigned)XXH3_64bits(unit, strlen(unit)));
 }
 
 /* ---- Units ---- */
@@ -196,7 +203,8 @@ json_t *bench_recall(struct bench *bench, const char *unit, const char *stamp)
 	if (access(path, F_OK))
 		return NULL;
 	json_t *kept = bench_json_read(path), *result = json_object_get(kept, "result");
-	const char *name = json_string_value(json_object_get(kept, "unit")), *program = json_string_value(json_object_get(kept, "program"));
+	const char *name = json_string_value(json_object_get(kept, "unit")),
+		*program = json_string_value(json_object_get(kept, "program"));
 	const char *under = json_string_value(json_object_get(kept, "stamp"));
 	bool whole = result && name && program && under && !strcmp(name, unit);
 	if (!whole)
@@ -220,14 +228,15 @@ json_t *bench_keep(struct bench *bench, const char *unit, const char *stamp, jso
 	struct eco_error error = { 0 };
 	double now_s = bench_cpu_s();
 	file_name(path, bench, "units", unit);
-	json_t *kept = json_pack("{s:s, s:s, s:s, s:f, s:O}", "unit", unit, "program", s->program, "stamp", stamp ? stamp : "", "cpu_s",
-		now_s - s->unit_cpu_s, "result", result);
+	json_t *kept = json_pack("{s:s, s:s, s:s, s:f, s:O}", "unit", unit, "program", s->program, "stamp",
+		stamp ? stamp : "", "cpu_s", now_s - s->unit_cpu_s, "result", result);
 	s->units_cpu_s += now_s - s->unit_cpu_s;
 	s->unit_cpu_s = now_s;
 	char *text = kept ? json_dumps(kept, JSON_COMPACT) : NULL;
 	/* A full disk costs the next run some time, not this one its result. */
 	if (!text)
-		bench_note(bench, "%s: not kept, as it holds what JSON cannot (a NaN, or text that is not UTF-8)", unit);
+		bench_note(bench, "%s: not kept, as it holds what JSON cannot (a NaN, or text that is not "
+			"UTF-8)", unit);
 	else if (bench_file_write(path, text, strlen(text), &error))
 		bench_note(bench, "%s; not kept", error.text);
 	free(text);
@@ -261,11 +270,16 @@ void bench_say(struct bench *bench, const char *format, ...)
 	free(text);
 }
 
-void bench_head(struct bench *bench, const char *text) { add_item(bench, json_pack("{s:s, s:s}", "kind", "head", "text", text)); }
+void bench_head(struct bench *bench, const char *text)
+{
+	add_item(bench, json_pack("{s:s, s:s}", "kind", "head", "text", text));
+}
 
 void bench_key(struct bench *bench, const char *key, double value, const char *bar)
 {
-	json_array_append_new(bench->state->keys, json_pack("{s:s, s:o, s:s}", "key", key, "value", isfinite(value) ? json_real(value) : json_null(),
+	json_array_append_new(bench->state->keys,
+		json_pack("{s:s, s:o, s:s}", "key", key, "value", isfinite(value) ? json_real(value)
+		: json_null(),
 		"bar", bar ? bar : ""));
 }
 
@@ -304,7 +318,8 @@ struct bench_table *bench_table_open(struct bench *bench, const char *name, cons
 	snprintf(table->name, sizeof table->name, "%s", name);
 	table->rows = json_array();
 	table->commas = commas_of(columns);
-	table->item = json_pack("{s:s, s:s, s:s, s:b, s:O}", "kind", "table", "name", name, "columns", columns, "show", (int)show, "rows", table->rows);
+	table->item = json_pack("{s:s, s:s, s:s, s:b, s:O}", "kind", "table", "name", name, "columns",
+		columns, "show", (int)show, "rows", table->rows);
 	/* in the report where it was opened */
 	add_item(bench, json_incref(table->item));
 	return table;
@@ -345,7 +360,8 @@ void bench_table_close(struct bench_table *table)
 
 void bench_picture(struct bench *bench, const char *file, const char *caption)
 {
-	add_item(bench, json_pack("{s:s, s:s, s:s}", "kind", "picture", "file", file, "caption", caption ? caption : ""));
+	add_item(bench, json_pack("{s:s, s:s, s:s}", "kind", "picture", "file", file, "caption",
+		caption ? caption : ""));
 }
 
 /* ---- Programs ---- */
@@ -357,7 +373,8 @@ enum eco_code bench_command(struct bench *bench, struct eco_error *error, const 
 	char *command = text_of(format, args);
 	va_end(args);
 	erase_bar();
-	/* not system(), which would swallow Ctrl-C; a group of its own, so that what the shell started ends with it */
+	/* not system(), which would swallow Ctrl-C; a group of its own, so that what the shell started ends
+	 * with it */
 	pid_t child = fork();
 	if (child == 0) {
 		setpgid(0, 0);
@@ -476,15 +493,17 @@ void bench_begin(struct bench *bench, const struct bench_section *section)
 	s->begun_cpu_s = s->unit_cpu_s = bench_cpu_s();
 	s->units_cpu_s = 0;
 	bench_objects(bench, section->objects);
-	s->record = json_pack("{s:s, s:s, s:s, s:b, s:O, s:O}", "name", section->name, "title", section->title, "program", s->program, "full",
-		(int)bench->full, "items", s->items, "keys", s->keys);
+	s->record = json_pack("{s:s, s:s, s:s, s:b, s:O, s:O}", "name", section->name, "title",
+		section->title, "program", s->program, "full", (int)bench->full, "items", s->items, "keys",
+		s->keys);
 }
 
 /* An interrupted section does not replace what the same program once finished. */
 static bool better_there(const struct bench *bench, const char *path)
 {
 	json_t *old = bench_json_read(path);
-	const char *state = json_string_value(json_object_get(old, "state")), *program = json_string_value(json_object_get(old, "program"));
+	const char *state = json_string_value(json_object_get(old, "state")),
+		*program = json_string_value(json_object_get(old, "program"));
 	bool better = state && program && !strcmp(state, "done") && !strcmp(program, bench->state->program);
 	json_decref(old);
 	return better;
@@ -495,7 +514,8 @@ enum eco_code bench_end(struct bench *bench, enum eco_code code, struct eco_erro
 	char path[PATH];
 	struct bench_state *s = bench->state;
 	double seconds = bench_now_s() - s->begun_s;
-	const char *state = code == ECO_OK ? "done" : code == ECO_INTERRUPTED ? "interrupted" : code == ECO_NOT_FOUND ? "missing" : "failed";
+	const char *state = code == ECO_OK ? "done" : code == ECO_INTERRUPTED ? "interrupted"
+		: code == ECO_NOT_FOUND ? "missing" : "failed";
 	erase_bar();
 	json_object_set_new(s->record, "state", json_string(state));
 	json_object_set_new(s->record, "seconds", json_real(seconds));
@@ -508,13 +528,15 @@ enum eco_code bench_end(struct bench *bench, enum eco_code code, struct eco_erro
 	enum eco_code written = ECO_OK;
 	struct eco_error why = { 0 };
 	if (!text)
-		written = eco_fail(&why, ECO_BAD_INPUT, "%s: its record cannot be written as JSON", s->section->name);
+		written = eco_fail(&why, ECO_BAD_INPUT, "%s: its record cannot be written as JSON",
+			s->section->name);
 	else if (code != ECO_INTERRUPTED || !better_there(bench, path))
 		written = bench_file_write(path, text, strlen(text), &why);
 	free(text);
-	bench_note(bench, "%s: %s in %.1f s, %.1f s of processor time (%u pieces of work done, %u were there)%s%s", s->section->name, state, seconds,
-		bench_cpu_s() - s->begun_cpu_s, s->kept, s->recalled, code && code != ECO_INTERRUPTED ? ": " : "",
-		code && code != ECO_INTERRUPTED ? error->text : "");
+	bench_note(bench, "%s: %s in %.1f s, %.1f s of processor time (%u pieces of work done, %u were "
+		"there)%s%s", s->section->name, state, seconds, bench_cpu_s() - s->begun_cpu_s, s->kept,
+		s->recalled, code && code != ECO_INTERRUPTED ? ": " : "", code && code != ECO_INTERRUPTED
+		? error->text : "");
 	if (written)
 		bench_note(bench, "%s", why.text);
 	json_decref(s->items);
@@ -532,6 +554,7 @@ void bench_lost(struct bench *bench, const struct bench_section *section, int st
 	if (WIFSIGNALED(status))
 		eco_fail(&error, ECO_IO, "its process was ended by signal %d", WTERMSIG(status));
 	else
-		eco_fail(&error, ECO_IO, "its process ended with status %d and without a word", WEXITSTATUS(status));
+		eco_fail(&error, ECO_IO, "its process ended with status %d and without a word",
+			WEXITSTATUS(status));
 	bench_end(bench, ECO_IO, &error);
 }

@@ -1,11 +1,13 @@
 /* ecobench: error against run time, for the methods of the literature and ours, on the same scenes.
  *
- *   each section is a file bench_NAME.c with one `const struct bench_section`; main in ecobench.c runs those that were asked for
- *   a section does its work in units, each a JSON value that is kept on disk: run again, only what is missing is done
+ *   each section is a file bench_NAME.c with one `const struct bench_section`; main in ecobench.c runs those
+ *   that were asked for
+ *   a section does its work in units, each a JSON value that is kept on disk: run again, only what is missing
+ *   is done
  *   from its units it writes tables (CSV), plots (PNG), paragraphs of report.html, and keys of summary.json
  *
- * A unit is kept under a stamp of what it depends on (the objects that its section is made of, and what the section adds: packs, how many
- * views): after a change there it is done anew, after any other it is not. */
+ * A unit is kept under a stamp of what it depends on (the objects that its section is made of, and what the
+ * section adds: packs, how many views): after a change there it is done anew, after any other it is not. */
 #ifndef TESTS_BENCH_H
 #define TESTS_BENCH_H
 
@@ -21,7 +23,8 @@ struct bench {
 	const char *build;           /* folder of the programs: build, or build/CONFIG */
 	const char *out;             /* build/bench: CSV, plots, report.html, summary.json */
 	const char *cache;           /* build/bench/cache: scenes, packs, units */
-	const char *data;            /* folder with models/, inventories/, terrain/; NULL: generated scenes only */
+	/* folder with models/, inventories/, terrain/; NULL: generated scenes only */
+	const char *data;
 	bool full;                   /* all methods and scenes; else fewer frames, the same keys */
 	struct bench_state *state;   /* private to bench.c */
 };
@@ -29,38 +32,49 @@ struct bench {
 struct bench_section {
 	const char *name, *title;
 	enum eco_code (*run)(struct bench *bench, struct eco_error *error);
-	/* What its figures come from: patterns of object files and archives below BUILD/obj, words with blanks between. NULL: the whole program. */
+	/* What its figures come from: patterns of object files and archives below BUILD/obj, words with
+	 * blanks between. NULL: the whole program. */
 	const char *objects;
-	/* Whether it runs by itself, as what it makes is for others, or as it measures time. Such sections wait for all before them. */
+	/* Whether it runs by itself, as what it makes is for others, or as it measures time. Such sections
+	 * wait for all before them. */
 	bool alone;
 };
 /* What all plans, streams and pictures come from. */
-#define BENCH_OBJECTS_FRAMES "ecofiles-*.a lod*.a server.a client-min.a tests/bench/bench_fetch.o tests/bench/bench_scene.o "
-#define BENCH_OBJECTS_PLANTS "ecofiles-*.a lod*.a tests-bench-baseline.a tests/bench/bench_leaves.o tests/bench/bench_models.o "
+#define BENCH_OBJECTS_FRAMES "ecofiles-*.a lod*.a server.a client-min.a tests/bench/bench_fetch.o " \
+	"tests/bench/bench_scene.o "
+#define BENCH_OBJECTS_PLANTS "ecofiles-*.a lod*.a tests-bench-baseline.a tests/bench/bench_leaves.o " \
+	"tests/bench/bench_models.o "
 
 /* True after Ctrl-C: finish the unit, keep it, return ECO_INTERRUPTED. */
 bool bench_stopped(const struct bench *bench);
 void bench_progress(struct bench *bench, double share, const char *what);
 
-/* Runs a shell command and waits; its output goes to standard error. ECO_INTERRUPTED after Ctrl-C, which ends the command too. */
-enum eco_code bench_command(struct bench *bench, struct eco_error *error, const char *format, ...) __attribute__((format(printf, 3, 4)));
+/* Runs a shell command and waits; its output goes to standard error. ECO_INTERRUPTED after Ctrl-C, which ends
+ * the command too. */
+enum eco_code bench_command(struct bench *bench, struct eco_error *error, const char *format,
+	...) __attribute__((format(printf, 3, 4)));
 
-/* What an earlier run kept under this name and stamp (borrowed until the section ends), or NULL. `stamp` may be NULL. */
+/* What an earlier run kept under this name and stamp (borrowed until the section ends), or NULL. `stamp` may
+ * be NULL. */
 json_t *bench_recall(struct bench *bench, const char *unit, const char *stamp);
-/* Units from here on come from these objects (see bench_section): for units that more than one section uses. Returns those before, to put back. */
+/* Units from here on come from these objects (see bench_section): for units that more than one section uses.
+ * Returns those before, to put back. */
 const char *bench_objects(struct bench *bench, const char *objects);
-/* Keeps a result; takes over the reference and returns it, borrowed until the section ends. Written beside and renamed. */
+/* Keeps a result; takes over the reference and returns it, borrowed until the section ends. Written beside
+ * and renamed. */
 json_t *bench_keep(struct bench *bench, const char *unit, const char *stamp, json_t *result);
 
-/* A CSV file in `out`; the same rows as a table in the report where `show`. Columns separated by commas, as in the file, of
- * different names. */
+/* A CSV file in `out`; the same rows as a table in the report where `show`. Columns separated by commas, as
+ * in the file, of different names. */
 struct bench_table;
 struct bench_table *bench_table_open(struct bench *bench, const char *name, const char *columns, bool show);
 /* As many cells as there are columns, without commas in them. */
-void bench_table_row(struct bench_table *table, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void bench_table_row(struct bench_table *table, const char *format,
+	...) __attribute__((format(printf, 2, 3)));
 void bench_table_close(struct bench_table *table);
 
-/* A figure of summary.json; NaN becomes null: not reached, and the report says why. `bar` is what it should reach, in words. */
+/* A figure of summary.json; NaN becomes null: not reached, and the report says why. `bar` is what it should
+ * reach, in words. */
 void bench_key(struct bench *bench, const char *key, double value, const char *bar);
 
 /* A heading within the section, and a paragraph: plain text, escaped. */
@@ -79,47 +93,55 @@ enum eco_code bench_plot(struct bench *bench, const struct bench_plot *plot, str
 /* A PNG of `out` in the report. */
 void bench_picture(struct bench *bench, const char *file, const char *caption);
 /* Writes one: 3 bytes a pixel, rows from the top. */
-enum eco_code bench_picture_write(struct bench *bench, const char *file, uint32_t width, uint32_t height, const uint8_t *rgb,
-	struct eco_error *error);
+enum eco_code bench_picture_write(struct bench *bench, const char *file, uint32_t width, uint32_t height,
+	const uint8_t *rgb, struct eco_error *error);
 
 /* Of a file's bytes; 0 where it cannot be read. */
 uint64_t bench_file_hash(const char *path);
 
 /* ---- Scenes and plants (bench_scene.c) ---- */
 
-/* Plant models of the data folder, then generated ones, those with the fewest leaves first: files that read as one plant each. So a quick
- * bench that stops after some sees as many as it can, and among them the sparse ones, which are the hard ones. */
+/* Plant models of the data folder, then generated ones, those with the fewest leaves first: files that read
+ * as one plant each. So a quick bench that stops after some sees as many as it can, and among them the sparse
+ * ones, which are the hard ones. */
 struct bench_model { char name[64], path[512]; bool generated; uint32_t leaves; };
-enum eco_code bench_models(struct bench *bench, struct bench_model **models, uint32_t *count, struct eco_error *error);
+enum eco_code bench_models(struct bench *bench, struct bench_model **models, uint32_t *count,
+	struct eco_error *error);
 /* Reads one (in a child process). The caller frees it with eco_model_free. */
-enum eco_code bench_model_read(struct bench *bench, const struct bench_model *model, struct eco_model *out, struct eco_error *error);
+enum eco_code bench_model_read(struct bench *bench, const struct bench_model *model, struct eco_model *out,
+	struct eco_error *error);
 
 /* Names of the scenes: crown, trees640, palms, outdoor, sunflowers, trees1276, trees5000, scbi. */
 extern const char *const bench_scene_names[];
-/* The pack of a scene, built with `ecopack` if it is not there (order: "greedy", "combined", ...; NULL: the default). Writes its path.
- * ECO_NOT_FOUND where the scene needs data that is not there (scbi). */
-enum eco_code bench_scene(struct bench *bench, const char *name, const char *order, char path[512], struct eco_error *error);
+/* The pack of a scene, built with `ecopack` if it is not there (order: "greedy", "combined", ...; NULL: the
+ * default). Writes its path. ECO_NOT_FOUND where the scene needs data that is not there (scbi). */
+enum eco_code bench_scene(struct bench *bench, const char *name, const char *order, char path[512],
+	struct eco_error *error);
 /* What the pack holds, as a stamp of units: the same for the same bytes. Borrowed until the next call. */
 const char *bench_pack_stamp(const char *path);
 /* What it took to build: processor seconds and wall-clock seconds; NaN where that is not known. */
 void bench_pack_times(const char *path, double *cpu_s, double *wall_s);
-/* The packs that random requests are asked of, CACHE/requests/NAME.eco, where they are not there (bench_requests.c). */
+/* The packs that random requests are asked of, CACHE/requests/NAME.eco, where they are not there
+ * (bench_requests.c). */
 enum eco_code bench_request_packs(struct bench *bench, struct eco_error *error);
 /* Whether the quick bench looks at a scene: in the orders of all its methods, or in ours alone. */
 enum bench_quick { BENCH_FULL_ONLY, BENCH_ONE_ORDER, BENCH_ALL_ORDERS };
 enum bench_quick bench_scene_quick(const char *name);
 /* Its cameras: `count` requests along the scene's path; views never used in building. */
 struct eco_request;
-uint32_t bench_scene_views(struct bench *bench, const char *name, struct eco_request *requests, uint32_t room);
+uint32_t bench_scene_views(struct bench *bench, const char *name, struct eco_request *requests,
+	uint32_t room);
 
-/* ---- One picture (bench_frame.c): plan -> stream -> decode -> draw -> score, in this process, each step timed ---- */
+/* ---- One picture (bench_frame.c): plan -> stream -> decode -> draw -> score, in this process, each step
+ * timed ---- */
 
 #include "ecofiles/format/plan.h"
 #include "lod/plan/planner.h"
 #include "lod/raster/raster.h"
 
 struct view_picture;
-struct bench_frame {                 /* zero with rule, occlusion and request set asks; the rest is the answer */
+/* zero with rule, occlusion and request set asks; the rest is the answer */
+struct bench_frame {
 	const char *method;          /* for the tables */
 	lod_rule *rule;
 	bool ignore_occlusion;
@@ -132,11 +154,15 @@ struct bench_frame {                 /* zero with rule, occlusion and request se
 struct bench_client;                 /* a pack open for many frames: a server's half and a viewer's half */
 enum eco_code bench_client_open(struct bench_client **client, const char *pack, struct eco_error *error);
 void bench_client_close(struct bench_client *client);
-/* Full detail of the request's view, or the nearest to it that a plan may come, drawn by the CPU rasteriser and kept for this view. */
-enum eco_code bench_client_reference(struct bench_client *client, const struct eco_request *request, double *draw_ms, struct eco_error *error);
+/* Full detail of the request's view, or the nearest to it that a plan may come, drawn by the CPU rasteriser
+ * and kept for this view. */
+enum eco_code bench_client_reference(struct bench_client *client, const struct eco_request *request,
+	double *draw_ms, struct eco_error *error);
 /* Of the last reference: tiles that even there are points; 0: it is full detail. */
 uint32_t bench_client_summaries(const struct bench_client *client);
-/* `picture` may be NULL; if not, the caller owns what is written there. Draws from an empty client: bytes are those of a first visit. */
-enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame *frame, struct view_picture *picture, struct eco_error *error);
+/* `picture` may be NULL; if not, the caller owns what is written there. Draws from an empty client: bytes are
+ * those of a first visit. */
+enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame *frame,
+	struct view_picture *picture, struct eco_error *error);
 
 #endif

@@ -15,7 +15,8 @@
 struct search {
 	struct lod_allocation allocation;
 	struct lod_planner planner;
-	double least[BUDGET_MOST + 1], next[BUDGET_MOST + 1];        /* wrong, with at most so many vertices */
+	/* wrong, with at most so many vertices */
+	double least[BUDGET_MOST + 1], next[BUDGET_MOST + 1];
 	uint64_t budget;
 	uint32_t free_nodes[FREE_MOST], free_count;
 	struct bench_best *out;
@@ -29,13 +30,16 @@ static double error_at(const struct search *s, const struct lod_candidate *candi
 	const struct lod_hull *hull = candidate->hull;
 	uint32_t i = 0;
 	if (candidate->ladder_choice != ECO_NONE) {
-		struct lod_hull_point point = lod_hull_point_at(lod_planner_way(&s->planner, s->allocation.ladder_choices[candidate->ladder_choice].ladder), vertices);
+		struct lod_hull_point point =
+			lod_hull_point_at(lod_planner_way(&s->planner,
+			s->allocation.ladder_choices[candidate->ladder_choice].ladder), vertices);
 		return lod_hull_error(hull, &point);
 	}
 	while (i + 1 < hull->count && hull->points[i + 1].vertices <= vertices)
 		i++;
 	const struct lod_hull_point *a = &hull->points[i], *b = i + 1 < hull->count ? a + 1 : a;
-	double part = b->vertices > a->vertices ? (double)(vertices - a->vertices) / (double)(b->vertices - a->vertices) : 0;
+	double part = b->vertices > a->vertices
+		? (double)(vertices - a->vertices) / (double)(b->vertices - a->vertices) : 0;
 	return lod_hull_error(hull, a) + part * (lod_hull_error(hull, b) - lod_hull_error(hull, a));
 }
 
@@ -43,7 +47,8 @@ static uint64_t next_point(const struct search *s, const struct lod_candidate *c
 {
 	uint64_t last = candidate->hull->points[candidate->hull->count - 1].vertices, next = vertices + 1;
 	if (candidate->ladder_choice != ECO_NONE)
-		next = lod_way_next(lod_planner_way(&s->planner, s->allocation.ladder_choices[candidate->ladder_choice].ladder), vertices);
+		next = lod_way_next(lod_planner_way(&s->planner,
+			s->allocation.ladder_choices[candidate->ladder_choice].ladder), vertices);
 	return next > last ? UINT64_MAX : next;
 }
 
@@ -53,7 +58,8 @@ static void add_one(struct search *s, const struct lod_candidate *candidate)
 	double weight_px = candidate->seen / (double)candidate->count;
 	for (uint64_t v = 0; v <= s->budget; v++)
 		s->next[v] = INFINITY;
-	for (uint64_t a = candidate->hull->points[0].vertices; a <= s->budget; a = next_point(s, candidate, a)) {
+	for (uint64_t a = candidate->hull->points[0].vertices; a <= s->budget;
+			a = next_point(s, candidate, a)) {
 		double wrong = weight_px * error_at(s, candidate, a);
 		for (uint64_t v = a; v <= s->budget; v++)
 			s->next[v] = fmin(s->next[v], s->least[v - a] + wrong);
@@ -127,7 +133,8 @@ static void find_free(struct search *s)
 	}
 }
 
-static enum eco_code find_best(struct search *s, const struct lod_planner_input *input, uint32_t level, struct eco_error *error)
+static enum eco_code find_best(struct search *s, const struct lod_planner_input *input, uint32_t level,
+	struct eco_error *error)
 {
 	enum eco_code code = lod_planner_begin(&s->planner, input, error);
 	if (!code)
@@ -149,14 +156,20 @@ static enum eco_code find_best(struct search *s, const struct lod_planner_input 
 
 static void make_scene(struct scene_builder *r, uint64_t seed, struct eco_request *request)
 {
-	random_scene_sized(r, seed, 0, (struct random_sizes){ .species = 2, .leaves = 2 + (uint32_t)(seed % 2), .elements = 40, .places = 4,
+	random_scene_sized(r, seed, 0,
+		(struct random_sizes){ .species = 2, .leaves = 2 + (uint32_t)(seed % 2), .elements = 40,
+		.places = 4,
 		.cells = 3 });
 	for (uint32_t i = 0; i < r->scene.ladder_count; i++)
 		if (!(r->ladders[i].flags & ECO_LADDER_NEAR))
 			r->plants[r->ladders[i].plant].area += r->ladders[i].area;
-	*request = (struct eco_request){ .view = { .eye = { random_real(r, -40, 90), random_real(r, -90, -20), random_real(r, 2, 50) },
-		.target = { random_real(r, 0, 60), random_real(r, 0, 60), random_real(r, 0, 10) }, .up = { 0, 0, 1 },
-		.fov_y_deg = random_real(r, 30, 80), .width = 400, .height = 300 }, .vertices = 1 + random_below(r, BUDGET_MOST),
+	*request =
+		(struct eco_request){
+		.view = { .eye = { random_real(r, -40, 90), random_real(r, -90, -20), random_real(r, 2, 50) },
+		.target = { random_real(r, 0, 60), random_real(r, 0, 60), random_real(r, 0, 10) },
+		.up = { 0, 0, 1 },
+		.fov_y_deg = random_real(r, 30, 80), .width = 400, .height = 300 },
+		.vertices = 1 + random_below(r, BUDGET_MOST),
 		.bytes = ECO_BYTES_UNBOUNDED };
 }
 
@@ -171,7 +184,8 @@ enum eco_code bench_best_find(uint64_t seed, struct bench_best *best, struct eco
 	*best = (struct bench_best){ .best = INFINITY };
 	if (!code) {
 		make_scene(&scene, seed, &request);
-		struct lod_planner_input input = { .scene = &scene.scene, .request = &request, .stats = &stats };
+		struct lod_planner_input input = { .scene = &scene.scene, .request = &request,
+			.stats = &stats };
 		*search = (struct search){ .budget = best->vertices = request.vertices, .out = best };
 		code = lod_plan(&plan, &input, error);
 		best->planner = stats.wrong;

@@ -1,4 +1,5 @@
-/* The best that there is for a budget, by trying everything, in scenes so small that this can be done: what the planner is held against. */
+/* The best that there is for a budget, by trying everything, in scenes so small that this can be done: what
+ * the planner is held against. */
 #ifndef TESTS_BENCH_BEST_H
 #define TESTS_BENCH_BEST_H
 
@@ -7,14 +8,17 @@
 #include "ecofiles/base/status.h"
 
 struct bench_best {
-	double planner, best, empty;         /* seen wrong pixels: of the plan, of the best there is, of nothing drawn */
+	/* seen wrong pixels: of the plan, of the best there is, of nothing drawn */
+	double planner, best, empty;
 	uint64_t vertices;                   /* the budget */
-	uint32_t structures, things;         /* choices of tiles and gates that were tried; plants and summaries in the last */
+	/* choices of tiles and gates that were tried; plants and summaries in the last */
+	uint32_t structures, things;
 };
 
-/* A random tree of tiles with a few plants, some with cells, from a random eye. `empty` is 0 where nothing is in view. The same for the same
- * seed. Every choice of tiles opened and of bands whose plants draw their cells is tried, and for each the best amounts of every single
- * plant and summary are found by dynamic programming over vertices: all amounts that a ladder can draw, by the planner's own objective. */
+/* A random tree of tiles with a few plants, some with cells, from a random eye. `empty` is 0 where nothing is
+ * in view. The same for the same seed. Every choice of tiles opened and of bands whose plants draw their
+ * cells is tried, and for each the best amounts of every single plant and summary are found by dynamic
+ * programming over vertices: all amounts that a ladder can draw, by the planner's own objective. */
 enum eco_code bench_best_find(uint64_t seed, struct bench_best *best, struct eco_error *error);
 
 #endif

@@ -1,12 +1,17 @@
-/* Colours of a plan against those of full detail, drawn as a viewer draws them (OpenGL) and flat, by the rasteriser. What is measured:
+/* Colours of a plan against those of full detail, drawn as a viewer draws them (OpenGL) and flat, by the
+ * rasteriser. What is measured:
  *
- *   rms          root mean square of sRGB bytes / 255 over the pixels that either covers; wrong pixels are in it
- *   tone         mean light over covered pixels, as an sRGB byte / 255, ours less full detail's: does a far forest keep its tone
- *   perceptual   pixels that a person would call different (Yee 2001 in OpenImageIO, as `idiff -p`: by hue, image.h), over
+ *   rms          root mean square of sRGB bytes / 255 over the pixels that either covers; wrong pixels are in
+ *                it
+ *   tone         mean light over covered pixels, as an sRGB byte / 255, ours less full detail's: does a far
+ *                forest keep its tone
+ *   perceptual   pixels that a person would call different (Yee 2001 in OpenImageIO, as `idiff -p`: by hue,
+ *                image.h), over
  *                covered ones
  *
- * Beside ours, what prefiltering is worth, on the same plan: without self-occlusion (every leaf lit as if it were alone), and with flat colours on
- * top of that: what is not textured has one colour a list, for cut-outs the plain mean of the texture's bytes, clear texels included. */
+ * Beside ours, what prefiltering is worth, on the same plan: without self-occlusion (every leaf lit as if it
+ * were alone), and with flat colours on top of that: what is not textured has one colour a list, for cut-outs
+ * the plain mean of the texture's bytes, clear texels included. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,9 +27,11 @@
 #define VIEWS_QUICK 1u
 #define VIEWS_FULL 4u
 #define NEAR 300                         /* squared distance of colours, bytes: 10 in each channel */
-#define REFERENCE_VERTICES 100e6         /* more at full detail takes OpenGL in software minutes: the rasteriser's colours only */
+/* more at full detail takes OpenGL in software minutes: the rasteriser's colours only */
+#define REFERENCE_VERTICES 100e6
 
-static const struct { const char *name; bool quick; } scenes[] = { { "crown", true }, { "trees640", true }, { "scbi", true },
+static const struct { const char *name; bool quick; } scenes[] = { { "crown", true }, { "trees640", true },
+{ "scbi", true },
 	{ "sunflowers", false }, { "palms", false }, { "outdoor", false }, { "trees1276", false } };
 #define SCENES (sizeof scenes / sizeof *scenes)
 static const double distances[] = { 1, 4, 16 };
@@ -33,7 +40,8 @@ static const uint64_t budgets[] = { 10000, 100000, 1000000 };
 #define BUDGETS (sizeof budgets / sizeof *budgets)
 
 enum variant { OURS, UNSHADED, FLAT, SOFTWARE, VARIANTS };
-static const char *const variant_names[VARIANTS] = { "ours", "no self-occlusion", "flat colours", "rasteriser" };
+static const char *const variant_names[VARIANTS] = { "ours", "no self-occlusion", "flat colours",
+	"rasteriser" };
 struct hue { double rms, tone[3], perceptual; };
 
 /* ---- Comparing ---- */
@@ -60,16 +68,18 @@ static void compare_tones(const struct view_picture *a, const struct view_pictur
 	}
 	hue->rms = either ? sqrt(square / (3 * (double)either)) : NAN;
 	for (int k = 0; k < 3; k++)
-		hue->tone[k] = sum[0].weight > 0 && sum[1].weight > 0 ? encoded(sum[0].sum[k] / sum[0].weight) - encoded(sum[1].sum[k] / sum[1].weight) : NAN;
+		hue->tone[k] = sum[0].weight > 0 && sum[1].weight > 0 ? encoded(sum[0].sum[k] / sum[0].weight)
+			- encoded(sum[1].sum[k] / sum[1].weight) : NAN;
 	hue->perceptual = (double)either;
 }
 
-static enum eco_code compare(const struct view_picture *a, const struct view_picture *r, struct hue *hue, struct eco_error *error)
+static enum eco_code compare(const struct view_picture *a, const struct view_picture *r, struct hue *hue,
+	struct eco_error *error)
 {
 	uint64_t different = 0;
 	compare_tones(a, r, hue);
-	enum eco_code code = eco_pixels_compare(&(struct eco_pixels){ a->width, a->height, 3, a->rgb }, &(struct eco_pixels){ r->width, r->height, 3,
-		r->rgb }, &different, error);
+	enum eco_code code = eco_pixels_compare(&(struct eco_pixels){ a->width, a->height, 3, a->rgb },
+		&(struct eco_pixels){ r->width, r->height, 3, r->rgb }, &different, error);
 	hue->perceptual = hue->perceptual > 0 ? (double)different / hue->perceptual : NAN;
 	return code;
 }
@@ -89,24 +99,31 @@ static void close_frame(struct frame *frame)
 	view_store_free(frame->store);
 }
 
-static enum eco_code open_frame(struct frame *frame, const struct srv_scene *scene, const struct eco_request *request, struct eco_error *error)
+static enum eco_code open_frame(struct frame *frame, const struct srv_scene *scene,
+	const struct eco_request *request, struct eco_error *error)
 {
 	*frame = (struct frame){ .view = &request->view };
 	lod_eye_make(&frame->eye, &request->view);
-	enum eco_code code = view_store_new(&frame->store, &(struct view_store_options){ .images = true, .memory_max = 16ull << 30 }, error);
+	enum eco_code code =
+		view_store_new(&frame->store,
+		&(struct view_store_options){ .images = true, .memory_max = 16ull << 30 }, error);
 	if (!code)
 		code = bench_fetch(NULL, scene, request, frame->store, error);
 	return code ? code : view_select_make(&frame->selection, frame->store, &frame->eye, error);
 }
 
-static enum eco_code draw(const struct frame *frame, struct view_gl *gl, enum view_tint tint, struct view_picture *picture, struct eco_error *error)
+static enum eco_code draw(const struct frame *frame, struct view_gl *gl, enum view_tint tint,
+	struct view_picture *picture, struct eco_error *error)
 {
 	double near_m = view_store_near_m(frame->store) > 0 ? view_store_near_m(frame->store) : 0.1;
 	enum eco_code code = view_picture_init(picture, frame->view->width, frame->view->height, error);
 	if (code)
 		return code;
-	return gl ? view_gl_draw(gl, &(struct view_gl_job){ frame->store, &frame->selection, &frame->eye, near_m, tint }, picture, error)
-		: view_reference_draw(&(struct view_reference_job){ .store = frame->store, .selection = &frame->selection, .eye = &frame->eye,
+	return gl
+		? view_gl_draw(gl, &(struct view_gl_job){ frame->store, &frame->selection, &frame->eye,
+		near_m, tint }, picture, error)
+		: view_reference_draw(&(struct view_reference_job){ .store = frame->store,
+		.selection = &frame->selection, .eye = &frame->eye,
 		.near_m = near_m }, picture, error);
 }
 
@@ -121,14 +138,16 @@ static void image_mean(const struct eco_image *image, uint8_t rgb[3])
 		rgb[k] = (uint8_t)(sum[k] / count);
 }
 
-/* The cut-out whose opaque texels are nearest to this colour: that the colour is the mean of. NULL where there is none that is near. */
+/* The cut-out whose opaque texels are nearest to this colour: that the colour is the mean of. NULL where
+ * there is none that is near. */
 static const struct eco_image *image_of(const struct view_store *full, const uint8_t rgb[3])
 {
 	const struct eco_image *best = NULL;
 	int least = NEAR;
 	for (uint32_t i = 0; i < view_store_list_count(full); i++) {
 		const struct eco_list *textured = &view_store_list_at(full, i)->list;
-		const struct view_list *image = textured->image != ECO_NONE ? view_store_list(full, textured->image) : NULL;
+		const struct view_list *image = textured->image != ECO_NONE
+			? view_store_list(full, textured->image) : NULL;
 		struct lod_light light = { { 0 }, 0 };
 		uint8_t mean[3] = { 0, 0, 0 };
 		int distance = 0;
@@ -155,12 +174,15 @@ static void flatten(const struct view_store *store, const struct view_store *ful
 		const struct view_list *list = view_store_list_at(store, i);
 		uint64_t sum[3] = { 0, 0, 0 };
 		uint32_t count = list->elements.element_count, colors = list->list.palette_count;
-		if (!count || !colors || !(list->list.attributes & ECO_ATTR_COLOR) || list->list.attributes & ECO_ATTR_PLANT || list->list.image != ECO_NONE)
+		if (!count || !colors || !(list->list.attributes & ECO_ATTR_COLOR)
+				|| list->list.attributes & ECO_ATTR_PLANT || list->list.image != ECO_NONE)
 			continue;
 		uint8_t mean[3];
 		for (uint32_t e = 0; e < count; e++)
 			for (int k = 0; k < 3; k++)
-				sum[k] += list->palette[list->elements.extra[(size_t)list->elements.extra_count * e]][k];
+				sum[k] +=
+					list->palette[list->elements.extra[(size_t)list->elements.extra_count
+					* e]][k];
 		for (int k = 0; k < 3; k++)
 			mean[k] = (uint8_t)(sum[k] / count);
 		const struct eco_image *image = image_of(full, mean);
@@ -200,8 +222,8 @@ static enum eco_code draw_references(struct work *w, struct eco_error *error)
 }
 
 /* Full detail, ours, and four times the difference around gray. */
-static enum eco_code write_pictures(const struct work *w, const struct view_picture *ours, const struct view_picture *reference, uint64_t budget,
-	struct eco_error *error)
+static enum eco_code write_pictures(const struct work *w, const struct view_picture *ours,
+	const struct view_picture *reference, uint64_t budget, struct eco_error *error)
 {
 	size_t row = 3 * (size_t)ours->width, wide = 3 * row;
 	char file[160];
@@ -236,15 +258,16 @@ static void set_hue(json_t *row, enum variant variant, const struct hue *hue)
 static void set_score(json_t *row, const struct view_picture *ours, const struct view_picture *reference)
 {
 	struct lod_score score;
-	lod_score(&score, &(struct lod_score_input){ .width = ours->width, .height = ours->height, .cover = ours->cover, .reference = reference->cover,
+	lod_score(&score, &(struct lod_score_input){ .width = ours->width, .height = ours->height,
+		.cover = ours->cover, .reference = reference->cover,
 		.owner = ours->owner, .reference_owner = reference->owner });
 	bench_shot_set(row, "q", score.q);
 	bench_shot_set(row, "skill", score.skill);
 	bench_shot_set(row, "owner_q", score.owner_q);
 }
 
-static enum eco_code draw_variant(const struct work *w, const struct frame *frame, enum variant variant, uint64_t budget, json_t *row,
-	struct eco_error *error)
+static enum eco_code draw_variant(const struct work *w, const struct frame *frame, enum variant variant,
+	uint64_t budget, json_t *row, struct eco_error *error)
 {
 	struct view_picture picture = { 0 };
 	struct view_gl *gl = NULL;
@@ -254,7 +277,8 @@ static enum eco_code draw_variant(const struct work *w, const struct frame *fram
 		flatten(frame->store, w->full.store);
 	if (variant != SOFTWARE && (!reference->rgb || open_gl(&gl, w)))
 		return ECO_OK;
-	enum eco_code code = draw(frame, gl, variant == UNSHADED || variant == FLAT ? VIEW_TINT_UNSHADED : VIEW_TINT_NONE, &picture, error);
+	enum eco_code code = draw(frame, gl, variant == UNSHADED || variant == FLAT ? VIEW_TINT_UNSHADED
+		: VIEW_TINT_NONE, &picture, error);
 	if (!code)
 		code = compare(&picture, reference, &hue, error);
 	if (!code)
@@ -268,9 +292,11 @@ static enum eco_code draw_variant(const struct work *w, const struct frame *fram
 	return code;
 }
 
-static enum eco_code try_budget(const struct work *w, const struct eco_request *view, uint64_t budget, json_t **made, struct eco_error *error)
+static enum eco_code try_budget(const struct work *w, const struct eco_request *view, uint64_t budget,
+	json_t **made, struct eco_error *error)
 {
-	static const enum variant order[VARIANTS] = { SOFTWARE, OURS, UNSHADED, FLAT };          /* the last changes the palettes */
+	/* the last changes the palettes */
+	static const enum variant order[VARIANTS] = { SOFTWARE, OURS, UNSHADED, FLAT };
 	struct eco_request request = *view;
 	struct frame frame;
 	request.vertices = budget;
@@ -279,14 +305,17 @@ static enum eco_code try_budget(const struct work *w, const struct eco_request *
 	if (!code)
 		bench_shot_set(row, "vertices", (double)frame.selection.vertices);
 	for (int i = 0; i < VARIANTS && !code; i++)
-		code = bench_stopped(w->bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : draw_variant(w, &frame, order[i], budget, row, error);
+		code = bench_stopped(w->bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
+			: draw_variant(w, &frame, order[i], budget, row, error);
 	close_frame(&frame);
 	return code;
 }
 
-static enum eco_code study_view(struct work *w, const struct eco_request *request, json_t **rows, struct eco_error *error)
+static enum eco_code study_view(struct work *w, const struct eco_request *request, json_t **rows,
+	struct eco_error *error)
 {
-	struct eco_request all = { .view = request->view, .vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED, .ground_px = ECO_GROUND_PX_MIN };
+	struct eco_request all = { .view = request->view, .vertices = ECO_VERTICES_MAX,
+		.bytes = ECO_BYTES_UNBOUNDED, .ground_px = ECO_GROUND_PX_MIN };
 	w->size = (struct view_gl_options){ request->view.width, request->view.height };
 	*rows = json_array();
 	enum eco_code code = open_frame(&w->full, w->scene, &all, error);
@@ -323,18 +352,20 @@ static struct eco_view away(const struct eco_view *view, double times)
 
 struct sums { double rms[VARIANTS], tone[VARIANTS], perceptual[VARIANTS]; uint32_t count[VARIANTS]; };
 
-static void add_row(struct sums *sums, struct bench_table *table, const char *scene, uint32_t view, double distance, uint64_t budget,
-	const json_t *row)
+static void add_row(struct sums *sums, struct bench_table *table, const char *scene, uint32_t view,
+	double distance, uint64_t budget, const json_t *row)
 {
 	for (int v = 0; v < VARIANTS; v++) {
 		const json_t *h = json_object_get(row, variant_names[v]);
-		double rms = bench_shot_number(h, "rms"), tone[3] = { bench_shot_number(h, "red"), bench_shot_number(h, "green"),
+		double rms = bench_shot_number(h, "rms"),
+			tone[3] = { bench_shot_number(h, "red"), bench_shot_number(h, "green"),
 			bench_shot_number(h, "blue") };
 		double perceptual = bench_shot_number(h, "perceptual");
 		if (isnan(rms) || isnan(tone[0]))
 			continue;
-		bench_table_row(table, "%s,%u,%g,%llu,%s,%.4f,%+.4f,%+.4f,%+.4f,%.4f,%.4f,%.4f,%.4f", scene, view, distance, (unsigned long long)budget,
-			variant_names[v], rms, tone[0], tone[1], tone[2], perceptual, bench_shot_number(row, "q"), bench_shot_number(row, "skill"),
+		bench_table_row(table, "%s,%u,%g,%llu,%s,%.4f,%+.4f,%+.4f,%+.4f,%.4f,%.4f,%.4f,%.4f", scene,
+			view, distance, (unsigned long long)budget, variant_names[v], rms, tone[0], tone[1],
+			tone[2], perceptual, bench_shot_number(row, "q"), bench_shot_number(row, "skill"),
 			bench_shot_number(row, "owner_q"));
 		sums->rms[v] += rms;
 		sums->tone[v] += (fabs(tone[0]) + fabs(tone[1]) + fabs(tone[2])) / 3;
@@ -343,25 +374,29 @@ static void add_row(struct sums *sums, struct bench_table *table, const char *sc
 	}
 }
 
-static void show_picture(struct bench *bench, const char *name, uint64_t budget, const char *scene, double distance, const json_t *row)
+static void show_picture(struct bench *bench, const char *name, uint64_t budget, const char *scene,
+	double distance, const json_t *row)
 {
 	char file[160], path[700], caption[300];
 	snprintf(file, sizeof file, "%s-%llu.png", name, (unsigned long long)budget);
 	snprintf(path, sizeof path, "%s/%s", bench->out, file);
-	snprintf(caption, sizeof caption, "%s, %g times the distance: full detail, %llu vertices, four times the difference; Q %.3f", scene, distance,
-		(unsigned long long)budget, bench_shot_number(row, "q"));
+	snprintf(caption, sizeof caption, "%s, %g times the distance: full detail, %llu vertices, four "
+		"times the difference; Q %.3f", scene, distance, (unsigned long long)budget,
+		bench_shot_number(row, "q"));
 	if (access(path, R_OK) == 0)
 		bench_picture(bench, file, caption);
 }
 
-static enum eco_code study_scene(struct bench *bench, size_t number, struct bench_table *table, struct sums *sums, struct eco_error *error)
+static enum eco_code study_scene(struct bench *bench, size_t number, struct bench_table *table,
+	struct sums *sums, struct eco_error *error)
 {
 	const char *scene = scenes[number].name;
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
 	struct srv_store server;
 	char pack[512];
 	enum eco_code code = bench_scene(bench, scene, NULL, pack, error);
-	uint32_t views = code ? 0 : bench_shot_views(bench, scene, requests), most = bench->full ? VIEWS_FULL : VIEWS_QUICK;
+	uint32_t views = code ? 0 : bench_shot_views(bench, scene, requests), most = bench->full ? VIEWS_FULL
+		: VIEWS_QUICK;
 	views = views > most ? most : views;
 	srv_store_init(&server);
 	for (uint32_t i = 0; i < views * DISTANCES && !code; i++) {
@@ -376,7 +411,8 @@ static enum eco_code study_scene(struct bench *bench, size_t number, struct benc
 		if (!rows && !server.count)
 			code = srv_store_add(&server, scene, pack, error);
 		if (!rows && !code)
-			code = study_view(&(struct work){ .bench = bench, .scene = &server.scenes[0], .name = name }, &request, &rows, error);
+			code = study_view(&(struct work){ .bench = bench, .scene = &server.scenes[0],
+				.name = name }, &request, &rows, error);
 		if (!code && !bench_recall(bench, name, bench_pack_stamp(pack)))
 			rows = bench_keep(bench, name, bench_pack_stamp(pack), rows);
 		for (size_t b = 0; b < BUDGETS && !code; b++)
@@ -391,7 +427,8 @@ static enum eco_code study_scene(struct bench *bench, size_t number, struct benc
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	struct bench_table *table = bench_table_open(bench, "colour",
-		"scene,view,distance,budget,colours,rms,red,green,blue,perceptual,q,skill,owner_q", false), *means;
+		"scene,view,distance,budget,colours,rms,red,green,blue,perceptual,q,skill,owner_q", false),
+		*means;
 	struct sums sums = { { 0 }, { 0 }, { 0 }, { 0 } };
 	enum eco_code code = ECO_OK;
 	for (size_t s = 0; s < SCENES && !code; s++) {
@@ -406,23 +443,31 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	bench_table_close(table);
 	if (code)
 		return code;
-	bench_say(bench, "Colours against full detail, means over scenes, views, distances and budgets. Tone is the mean light over covered pixels; "
-		"the first three are drawn by OpenGL with light and shade, the last flat, each against full detail drawn in the same way.");
+	bench_say(bench, "Colours against full detail, means over scenes, views, distances and budgets. "
+		"Tone is the mean light over covered pixels; "
+		"the first three are drawn by OpenGL with light and shade, the last flat, each against full "
+		"detail drawn in the same way.");
 	means = bench_table_open(bench, "colour_means", "colours,frames,rms,tone,perceptual", true);
 	for (int v = 0; v < VARIANTS; v++)
 		if (sums.count[v])
-			bench_table_row(means, "%s,%u,%.4f,%.4f,%.4f", variant_names[v], sums.count[v], sums.rms[v] / sums.count[v],
-				sums.tone[v] / sums.count[v], sums.perceptual[v] / sums.count[v]);
+			bench_table_row(means, "%s,%u,%.4f,%.4f,%.4f", variant_names[v], sums.count[v],
+				sums.rms[v] / sums.count[v], sums.tone[v] / sums.count[v],
+				sums.perceptual[v] / sums.count[v]);
 	bench_table_close(means);
 	int shown = sums.count[OURS] ? OURS : SOFTWARE;
 	double count = sums.count[shown] ? sums.count[shown] : NAN;
-	bench_key(bench, "colour_rms", sums.rms[shown] / count, "as low as can be; beside it what flat colours come to");
+	bench_key(bench, "colour_rms", sums.rms[shown] / count, "as low as can be; beside it what flat "
+		"colours come to");
 	bench_key(bench, "colour_tone", sums.tone[shown] / count, "far forest keeps its tone: below 0.02");
-	bench_key(bench, "colour_perceptual", sums.perceptual[shown] / count, "pixels that look different, over covered ones");
-	bench_key(bench, "colour_rms_flat", sums.count[FLAT] ? sums.rms[FLAT] / sums.count[FLAT] : NAN, "the baseline");
-	bench_key(bench, "colour_tone_flat", sums.count[FLAT] ? sums.tone[FLAT] / sums.count[FLAT] : NAN, "the baseline");
+	bench_key(bench, "colour_perceptual", sums.perceptual[shown] / count,
+		"pixels that look different, over covered ones");
+	bench_key(bench, "colour_rms_flat", sums.count[FLAT] ? sums.rms[FLAT] / sums.count[FLAT] : NAN,
+		"the baseline");
+	bench_key(bench, "colour_tone_flat", sums.count[FLAT] ? sums.tone[FLAT] / sums.count[FLAT] : NAN,
+		"the baseline");
 	return ECO_OK;
 }
 
-const struct bench_section bench_colour = { .name = "colour", .title = "Colour against full detail", .run = run,
+const struct bench_section bench_colour = { .name = "colour", .title = "Colour against full detail",
+	.run = run,
 	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_colour.o tests/bench/bench_sh*.o" };

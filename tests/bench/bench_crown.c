@@ -1,4 +1,5 @@
-/* Shoots fill the lobes of a round crown, twigs fan out from them, leaves stand around the twigs and face the light. */
+/* Shoots fill the lobes of a round crown, twigs fan out from them, leaves stand around the twigs and face the
+ * light. */
 #include "tests/bench/bench_crown.h"
 
 #include <stdlib.h>
@@ -10,21 +11,28 @@
 #define TWIGS 5u
 #define LEAVES 5u                /* on a twig: 6,150, of which the last twigs bear a few less */
 
-static void grow_leaves(struct gen_mesh *mesh, uint8_t bark, uint8_t leaf, const struct gen_shoot *shoot, struct gen_random *random,
-	uint32_t *left)
+static void grow_leaves(struct gen_mesh *mesh, uint8_t bark, uint8_t leaf, const struct gen_shoot *shoot,
+	struct gen_random *random, uint32_t *left)
 {
 	for (uint32_t t = 0; t < TWIGS; t++) {
-		struct gen_v3 way = gen_unit(gen_add(gen_mad(shoot->along, gen_random_way(random), 0.9), gen_v3(0, 0, 0.15)));
+		struct gen_v3 way =
+			gen_unit(gen_add(gen_mad(shoot->along, gen_random_way(random), 0.9),
+			gen_v3(0, 0, 0.15)));
 		double length = gen_random_in(random, 0.5, 0.9), radius[2] = { 0.006, 0 };
-		struct gen_v3 points[2] = { shoot->at, gen_mad(shoot->at, way, length) }, across = gen_across(way);
+		struct gen_v3 points[2] = { shoot->at, gen_mad(shoot->at, way, length) },
+			across = gen_across(way);
 		gen_tube(mesh, bark, &(struct gen_tube){ points, radius, 2, 3 });
 		for (uint32_t i = 0; i < LEAVES && *left; i++, --*left) {
-			struct gen_v3 side = gen_turned(across, way, 137.5 * i + gen_random_in(random, -30, 30));
+			struct gen_v3 side =
+				gen_turned(across, way, 137.5 * i + gen_random_in(random, -30, 30));
 			struct gen_v3 along = gen_add(side, gen_mul(way, 0.7));
 			along.z -= 0.25;
 			double size = gen_random_in(random, 0.8, 1.15);
-			gen_leaf(mesh, leaf, &(struct gen_leaf){ .at = gen_mad(shoot->at, way, length * (i + 1.0) / LEAVES), .along = along,
-				.face = gen_add(gen_mad(gen_v3(0, 0, 1), shoot->along, 0.7), gen_mul(gen_random_way(random), 0.6)),
+			gen_leaf(mesh, leaf,
+				&(struct gen_leaf){
+				.at = gen_mad(shoot->at, way, length * (i + 1.0) / LEAVES), .along = along,
+				.face = gen_add(gen_mad(gen_v3(0, 0, 1), shoot->along, 0.7),
+				gen_mul(gen_random_way(random), 0.6)),
 				.length = 0.36 * size, .width = 0.24 * size, .shape = GEN_LEAF_RHOMB });
 		}
 	}
@@ -56,7 +64,8 @@ static bool convert(struct eco_model *model, const struct gen_mesh *mesh)
 	}
 	for (uint32_t i = 0; i < mesh->face_count; i++)
 		for (uint32_t k = 0; k + 2 < mesh->faces[i].corners; k++) {
-			const uint32_t *corner = mesh->faces[i].corner, triangle[3] = { corner[0], corner[k + 1], corner[k + 2] };
+			const uint32_t *corner = mesh->faces[i].corner,
+				triangle[3] = { corner[0], corner[k + 1], corner[k + 2] };
 			memcpy(model->index + 3 * (size_t)model->triangle_count, triangle, sizeof triangle);
 			model->material[model->triangle_count++] = mesh->faces[i].material;
 		}
@@ -69,9 +78,12 @@ static void grow(struct gen_mesh *mesh)
 {
 	struct gen_random random = { .state = 6143 };
 	struct gen_shoot shoots[SHOOTS];
-	uint8_t bark = gen_material(mesh, "bark", 88, 72, 56, NULL), leaf = gen_material(mesh, "leaf", 76, 110, 40, NULL);
+	uint8_t bark = gen_material(mesh, "bark", 88, 72, 56, NULL),
+		leaf = gen_material(mesh, "leaf", 76, 110, 40, NULL);
 	uint32_t left = BENCH_CROWN_LEAVES;
-	gen_tree(mesh, bark, &(struct gen_crown){ .height = 12, .base = 2.6, .radius = 4.6, .trunk_radius = 0.3, .lean = 0.4, .lobes = 15,
+	gen_tree(mesh, bark,
+		&(struct gen_crown){ .height = 12, .base = 2.6, .radius = 4.6, .trunk_radius = 0.3,
+		.lean = 0.4, .lobes = 15,
 		.shoots = SHOOTS }, &random, shoots);
 	for (uint32_t i = 0; i < SHOOTS; i++)
 		grow_leaves(mesh, bark, leaf, &shoots[i], &random, &left);

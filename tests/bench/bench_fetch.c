@@ -26,8 +26,8 @@ static uint64_t plan_bytes(const struct eco_plan *plan)
 	return size;
 }
 
-enum eco_code bench_fetch(struct bench_fetch *fetch, const struct srv_scene *scene, const struct eco_request *request, struct view_store *store,
-	struct eco_error *error)
+enum eco_code bench_fetch(struct bench_fetch *fetch, const struct srv_scene *scene,
+	const struct eco_request *request, struct view_store *store, struct eco_error *error)
 {
 	struct bench_fetch unasked = { 0 };
 	struct eco_holdings holdings = { 0 };
@@ -36,7 +36,8 @@ enum eco_code bench_fetch(struct bench_fetch *fetch, const struct srv_scene *sce
 	if (!fetch)
 		fetch = &unasked;
 	enum eco_code code = view_store_holdings(store, &holdings, error);
-	struct srv_stream_input input = { .scene = scene, .request = request, .holdings = &holdings, .rule = fetch->rule,
+	struct srv_stream_input input = { .scene = scene, .request = request, .holdings = &holdings,
+		.rule = fetch->rule,
 		.ignore_occlusion = fetch->ignore_occlusion };
 	double begun = view_clock_ms();
 	if (!code)

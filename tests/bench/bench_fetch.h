@@ -1,4 +1,5 @@
-/* One answer from a server's half to a viewer's half, in this process, byte by byte as it would travel: plan, stream, decode. */
+/* One answer from a server's half to a viewer's half, in this process, byte by byte as it would travel: plan,
+ * stream, decode. */
 #ifndef TESTS_BENCH_FETCH_H
 #define TESTS_BENCH_FETCH_H
 
@@ -8,12 +9,13 @@
 struct bench_fetch {
 	lod_rule *rule;          /* asked: zero is the default */
 	bool ignore_occlusion;
-	double plan_ms, decode_ms;           /* answered: until the body stands; until the last byte is decoded */
+	/* answered: until the body stands; until the last byte is decoded */
+	double plan_ms, decode_ms;
 	uint64_t bytes, plan_bytes;          /* of the body; of its last plan alone */
 };
 
 /* `store` is told what it lacks; it may be empty. `fetch` may be NULL. */
-enum eco_code bench_fetch(struct bench_fetch *fetch, const struct srv_scene *scene, const struct eco_request *request, struct view_store *store,
-	struct eco_error *error);
+enum eco_code bench_fetch(struct bench_fetch *fetch, const struct srv_scene *scene,
+	const struct eco_request *request, struct view_store *store, struct eco_error *error);
 
 #endif

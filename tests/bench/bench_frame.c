@@ -1,7 +1,8 @@
-/* One picture, each step timed, and scored. What is compared is drawn twice by the same rasteriser: the picture within its budget and full
- * detail, so that no difference between renderers counts as error. The time of drawing is OpenGL's where there is one: of the second
- * time that the same picture is drawn, when its shaders are compiled and its data is on the card, as in all but the first frame of a viewer; else
- * the rasteriser's. */
+/* One picture, each step timed, and scored. What is compared is drawn twice by the same rasteriser: the
+ * picture within its budget and full detail, so that no difference between renderers counts as error. The
+ * time of drawing is OpenGL's where there is one: of the second time that the same picture is drawn, when its
+ * shaders are compiled and its data is on the card, as in all but the first frame of a viewer; else the
+ * rasteriser's. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -51,17 +52,21 @@ void bench_client_close(struct bench_client *client)
 
 /* ---- Drawing ---- */
 
-static double near_of(const struct view_store *store) { return view_store_near_m(store) > 0 ? view_store_near_m(store) : 0.1; }
-
-static enum eco_code draw_software(const struct view_store *store, const struct view_selection *selection, const struct lod_eye *eye,
-	struct view_picture *picture, struct eco_error *error)
+static double near_of(const struct view_store *store)
 {
-	return view_reference_draw(&(struct view_reference_job){ .store = store, .selection = selection, .eye = eye, .near_m = near_of(store) }, picture,
-		error);
+	return view_store_near_m(store) > 0 ? view_store_near_m(store) : 0.1;
+}
+
+static enum eco_code draw_software(const struct view_store *store, const struct view_selection *selection,
+	const struct lod_eye *eye, struct view_picture *picture, struct eco_error *error)
+{
+	return view_reference_draw(&(struct view_reference_job){ .store = store, .selection = selection,
+		.eye = eye, .near_m = near_of(store) }, picture, error);
 }
 
 /* NaN where there is no OpenGL. */
-static double time_gl(const struct view_store *store, const struct view_selection *selection, const struct lod_eye *eye, const struct eco_view *view)
+static double time_gl(const struct view_store *store, const struct view_selection *selection,
+	const struct lod_eye *eye, const struct eco_view *view)
 {
 	struct view_picture picture = { 0 };
 	struct view_gl *gl = NULL;
@@ -69,7 +74,9 @@ static double time_gl(const struct view_store *store, const struct view_selectio
 	bool drawn = !view_gl_open(&gl, &(struct view_gl_options){ view->width, view->height }, &why) &&
 		!view_picture_init(&picture, view->width, view->height, &why);
 	for (int i = 0; i < 2 && drawn; i++)
-		drawn = !view_gl_draw(gl, &(struct view_gl_job){ store, selection, eye, near_of(store), VIEW_TINT_NONE }, &picture, &why);
+		drawn = !view_gl_draw(gl,
+			&(struct view_gl_job){ store, selection, eye, near_of(store), VIEW_TINT_NONE },
+			&picture, &why);
 	double ms = drawn ? picture.draw_ms : NAN;
 	view_gl_close(gl);
 	view_picture_free(&picture);
@@ -77,8 +84,8 @@ static double time_gl(const struct view_store *store, const struct view_selectio
 }
 
 /* What the store's plan shows of a view. `gl_ms` may be NULL: not asked for; NaN where there is no OpenGL. */
-static enum eco_code draw(const struct view_store *store, const struct eco_view *view, struct view_picture *picture, double *gl_ms,
-	struct eco_error *error)
+static enum eco_code draw(const struct view_store *store, const struct eco_view *view,
+	struct view_picture *picture, double *gl_ms, struct eco_error *error)
 {
 	struct view_selection selection = { 0 };
 	struct lod_eye eye;
@@ -96,9 +103,11 @@ static enum eco_code draw(const struct view_store *store, const struct eco_view 
 
 /* ---- Full detail ---- */
 
-enum eco_code bench_client_reference(struct bench_client *client, const struct eco_request *request, double *draw_ms, struct eco_error *error)
+enum eco_code bench_client_reference(struct bench_client *client, const struct eco_request *request,
+	double *draw_ms, struct eco_error *error)
 {
-	struct eco_request full = { .view = request->view, .vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED,
+	struct eco_request full = { .view = request->view, .vertices = ECO_VERTICES_MAX,
+		.bytes = ECO_BYTES_UNBOUNDED,
 		.ground_px = ECO_GROUND_PX_MIN };
 	enum eco_code code = ECO_OK;
 	if (!client->has_reference || memcmp(&client->of, &request->view, sizeof client->of)) {
@@ -116,7 +125,10 @@ enum eco_code bench_client_reference(struct bench_client *client, const struct e
 	return code;
 }
 
-uint32_t bench_client_summaries(const struct bench_client *client) { return view_store_summaries(client->full); }
+uint32_t bench_client_summaries(const struct bench_client *client)
+{
+	return view_store_summaries(client->full);
+}
 
 /* ---- Frames ---- */
 
@@ -137,14 +149,19 @@ static double colour_rms(const struct view_picture *a, const struct view_picture
 	return count ? sqrt(sum / (double)count) : 0;
 }
 
-static void score(struct bench_frame *frame, const struct view_picture *picture, const struct view_picture *reference)
+static void score(struct bench_frame *frame, const struct view_picture *picture,
+	const struct view_picture *reference)
 {
-	lod_score(&frame->score, &(struct lod_score_input){ .width = picture->width, .height = picture->height, .cover = picture->cover,
-		.reference = reference->cover, .owner = picture->owner, .reference_owner = reference->owner });
+	lod_score(&frame->score,
+		&(struct lod_score_input){ .width = picture->width, .height = picture->height,
+		.cover = picture->cover,
+		.reference = reference->cover, .owner = picture->owner,
+		.reference_owner = reference->owner });
 	frame->colour_rms = colour_rms(picture, reference);
 }
 
-enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame *frame, struct view_picture *picture, struct eco_error *error)
+enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame *frame,
+	struct view_picture *picture, struct eco_error *error)
 {
 	struct view_store_options options = { .images = true };
 	struct bench_fetch fetch = { .rule = frame->rule, .ignore_occlusion = frame->ignore_occlusion };

@@ -1,8 +1,9 @@
-/* Hierarchy at scale: forests of 10^6, 10^9 and 10^12 plants from one hectare in blocks of blocks; inventories of many plants, each named;
- * packs that are linked, and built again after a change.
+/* Hierarchy at scale: forests of 10^6, 10^9 and 10^12 plants from one hectare in blocks of blocks;
+ * inventories of many plants, each named; packs that are linked, and built again after a change.
  *
- * That plans cost what is seen and not what exists is measured where both scenes show the same: the small one is the thousand hectares
- * of the large one around the point looked at, each placed by itself where it stands there. */
+ * That plans cost what is seen and not what exists is measured where both scenes show the same: the small one
+ * is the thousand hectares of the large one around the point looked at, each placed by itself where it stands
+ * there. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,24 +21,28 @@
 #define NEAR_M 1750.0            /* around the point looked at: about a thousand hectares */
 #define LOOKED_AT 137.0          /* m above it */
 
-static const struct forest { const char *name; double plants, half_m; } forests[] = { { "million", 1e6, 200 }, { "billion", 1e9, 50000 },
+static const struct forest { const char *name; double plants, half_m; } forests[] =
+{ { "million", 1e6, 200 }, { "billion", 1e9, 50000 },
 	{ "trillion", 1e12, 2e6 } };
 
 /* ---- Packs ---- */
 
-static enum eco_code make_scene(struct bench *bench, const char *scene, const char *pack, struct eco_error *error)
+static enum eco_code make_scene(struct bench *bench, const char *scene, const char *pack,
+	struct eco_error *error)
 {
-	return bench_command(bench, error, "'%s/ecopack' make '%s' -o '%s' --order stochastic --cache '%s/plants' --quiet", bench->build, scene, pack,
-		bench->cache);
+	return bench_command(bench, error, "'%s/ecopack' make '%s' -o '%s' --order stochastic --cache "
+		"'%s/plants' --quiet", bench->build, scene, pack, bench->cache);
 }
 
-static enum eco_code make_forest(struct bench *bench, const struct forest *f, char pack[512], struct eco_error *error)
+static enum eco_code make_forest(struct bench *bench, const struct forest *f, char pack[512],
+	struct eco_error *error)
 {
 	char folder[480], scene[500];
 	snprintf(folder, sizeof folder, "%s/hierarchy-%s", bench->cache, f->name);
 	snprintf(scene, sizeof scene, "%s/scene.json", folder);
 	snprintf(pack, 512, "%s.eco", folder);
-	enum eco_code code = bench_command(bench, error, "'%s/ecopack' generate billion --plants %.0f -o '%s' --quiet", bench->build, f->plants, folder);
+	enum eco_code code = bench_command(bench, error, "'%s/ecopack' generate billion --plants %.0f -o "
+		"'%s' --quiet", bench->build, f->plants, folder);
 	return code ? code : make_scene(bench, scene, pack, error);
 }
 
@@ -57,11 +62,13 @@ static struct frame inside(const struct frame *outer, const json_t *child)
 	double x = json_number_value(json_array_get(json_object_get(child, "at"), 0)),
 		y = json_number_value(json_array_get(json_object_get(child, "at"), 1));
 	int q = outer->quarters;
-	return (struct frame){ { outer->at[0] + cosine[q] * x - sine[q] * y, outer->at[1] + sine[q] * x + cosine[q] * y },
-		(q + (int)(json_number_value(json_object_get(child, "yaw_deg")) / 90 + 0.5)) % 4 };
+	return (struct frame){
+		{ outer->at[0] + cosine[q] * x - sine[q] * y, outer->at[1] + sine[q] * x + cosine[q] * y },
+			(q + (int)(json_number_value(json_object_get(child, "yaw_deg")) / 90 + 0.5)) % 4 };
 }
 
-static void collect(const char *folder, const char *file, const struct frame *frame, double side_m, json_t *hectares)
+static void collect(const char *folder, const char *file, const struct frame *frame, double side_m,
+	json_t *hectares)
 {
 	char path[800];
 	snprintf(path, sizeof path, "%s/%s", folder, file);
@@ -76,13 +83,15 @@ static void collect(const char *folder, const char *file, const struct frame *fr
 		if (eco[0] == 'b')
 			collect(folder, eco, &here, side_m / 10, hectares);
 		else
-			json_array_append_new(hectares, json_pack("{s:s, s:[f,f,i], s:i}", "eco", eco, "at", here.at[0], here.at[1], 0, "yaw_deg",
-				90 * here.quarters));
+			json_array_append_new(hectares,
+				json_pack("{s:s, s:[f,f,i], s:i}", "eco", eco, "at", here.at[0], here.at[1],
+				0, "yaw_deg", 90 * here.quarters));
 	}
 	json_decref(scene);
 }
 
-static enum eco_code make_near(struct bench *bench, const struct forest *f, char pack[512], size_t *hectares, struct eco_error *error)
+static enum eco_code make_near(struct bench *bench, const struct forest *f, char pack[512], size_t *hectares,
+	struct eco_error *error)
 {
 	char folder[480], scene[500];
 	struct frame here = { { 0, 0 }, 0 };
@@ -104,14 +113,16 @@ static enum eco_code make_near(struct bench *bench, const struct forest *f, char
 
 static struct eco_request look(const double eye[3], const double target[3])
 {
-	struct eco_request request = { .vertices = VERTICES, .bytes = ECO_BYTES_UNBOUNDED, .view = { .up = { 0, 0, 1 }, .fov_y_deg = 50, .width = 800,
+	struct eco_request request = { .vertices = VERTICES, .bytes = ECO_BYTES_UNBOUNDED,
+		.view = { .up = { 0, 0, 1 }, .fov_y_deg = 50, .width = 800,
 		.height = 600 } };
 	memcpy(request.view.eye, eye, sizeof request.view.eye);
 	memcpy(request.view.target, target, sizeof request.view.target);
 	return request;
 }
 
-static enum eco_code plan_ms(const char *path, const struct eco_request *request, double *ms, struct eco_error *error)
+static enum eco_code plan_ms(const char *path, const struct eco_request *request, double *ms,
+	struct eco_error *error)
 {
 	struct eco_pack *pack = NULL;
 	struct bench_plan_time time;
@@ -123,10 +134,10 @@ static enum eco_code plan_ms(const char *path, const struct eco_request *request
 	return code;
 }
 
-/* From the walker's eyes to where all is seen; full detail is drawn where few enough plants are in view, but for tiles at the horizon that are
- * counted in the table. */
-static enum eco_code draw_heights(struct bench *bench, const struct forest *f, const char *pack, struct bench_table *table, double *worst_q,
-	struct eco_error *error)
+/* From the walker's eyes to where all is seen; full detail is drawn where few enough plants are in view, but
+ * for tiles at the horizon that are counted in the table. */
+static enum eco_code draw_heights(struct bench *bench, const struct forest *f, const char *pack,
+	struct bench_table *table, double *worst_q, struct eco_error *error)
 {
 	struct bench_client *client = NULL;
 	char name[64], caption[160];
@@ -134,7 +145,8 @@ static enum eco_code draw_heights(struct bench *bench, const struct forest *f, c
 	enum eco_code code = bench_client_open(&client, pack, error);
 	for (uint32_t i = 0; i < HEIGHTS && !code; i++) {
 		double h = i ? 16 * pow(high / 16, (i - 1.0) / (HEIGHTS - 2)) : 1.7, ms = NAN;
-		double eye[3] = { i ? 0.3 * h : 0.5, i ? -1.4 * h : -40, h }, target[3] = { i ? 0 : 1.5, i == 1 ? 30 : 0, i ? 0 : 4 };
+		double eye[3] = { i ? 0.3 * h : 0.5, i ? -1.4 * h : -40, h },
+			target[3] = { i ? 0 : 1.5, i == 1 ? 30 : 0, i ? 0 : 4 };
 		struct bench_frame frame = { .method = "optimal", .request = look(eye, target) };
 		struct view_picture picture = { 0 };
 		bool scored = i == 1 || i == 2;
@@ -149,11 +161,15 @@ static enum eco_code draw_heights(struct bench *bench, const struct forest *f, c
 			code = plan_ms(pack, &frame.request, &ms, error);
 		if (!code) {
 			snprintf(name, sizeof name, "hierarchy-%s-%u.png", f->name, i);
-			snprintf(caption, sizeof caption, "%s plants from %.4g m, %u vertices", f->name, h, VERTICES);
-			code = bench_picture_write(bench, name, (uint32_t)frame.request.view.width, (uint32_t)frame.request.view.height, picture.rgb, error);
+			snprintf(caption, sizeof caption, "%s plants from %.4g m, %u vertices", f->name, h,
+				VERTICES);
+			code = bench_picture_write(bench, name, (uint32_t)frame.request.view.width,
+				(uint32_t)frame.request.view.height, picture.rgb, error);
 			bench_picture(bench, name, caption);
-			bench_table_row(table, "%s,%.4g,%llu,%llu,%.1f,%.4f,%.4f,%.0f", f->name, h, (unsigned long long)frame.vertices,
-				(unsigned long long)frame.bytes, ms, frame.predicted_q, scored ? frame.score.q : NAN, scored ? bench_client_summaries(client) : NAN);
+			bench_table_row(table, "%s,%.4g,%llu,%llu,%.1f,%.4f,%.4f,%.0f", f->name, h,
+				(unsigned long long)frame.vertices, (unsigned long long)frame.bytes, ms,
+				frame.predicted_q, scored ? frame.score.q : NAN,
+				scored ? bench_client_summaries(client) : NAN);
 			*worst_q = scored ? fmin(*worst_q, frame.score.q) : *worst_q;
 		}
 		view_picture_free(&picture);
@@ -187,8 +203,8 @@ static enum eco_code nested(struct bench *bench, struct eco_error *error)
 		code = plan_ms(packs[1], &request, &ms[1], error);
 	snprintf(resident, sizeof resident, "%s/hierarchy-resident.txt", bench->cache);
 	if (!code)
-		code = bench_command(bench, error, "sh tests/bench/hierarchy.sh '%s' '%s' %d %.0f '%s'", bench->build, packs[1], views, forests[1].half_m,
-			resident);
+		code = bench_command(bench, error, "sh tests/bench/hierarchy.sh '%s' '%s' %d %.0f '%s'",
+			bench->build, packs[1], views, forests[1].half_m, resident);
 	FILE *file = code ? NULL : fopen(resident, "r");
 	if (file && fscanf(file, "%lf %lf %d %d", &now, &most, &bad, &got) != 4)
 		now = NAN;
@@ -197,12 +213,17 @@ static enum eco_code nested(struct bench *bench, struct eco_error *error)
 	if (code)
 		return code;
 	bench_key(bench, "hierarchy_pack_mb", megabytes(packs[1]), "<= 67: MB of 10^9 plants (64 MiB)");
-	bench_key(bench, "hierarchy_trillion_mb", megabytes(packs[2]), "MB of 10^12 plants, which open and plan");
-	bench_key(bench, "hierarchy_resident_mb", now, "<= 134: MB of ecoserve after 1,000 random views (128 MiB)");
-	bench_key(bench, "hierarchy_plan_ratio", ms[1] / ms[0], "<= 1.5: times the plan of the 10^6 plants that are seen");
+	bench_key(bench, "hierarchy_trillion_mb", megabytes(packs[2]),
+		"MB of 10^12 plants, which open and plan");
+	bench_key(bench, "hierarchy_resident_mb", now, "<= 134: MB of ecoserve after 1,000 random views "
+		"(128 MiB)");
+	bench_key(bench, "hierarchy_plan_ratio", ms[1] / ms[0], "<= 1.5: times the plan of the 10^6 plants "
+		"that are seen");
 	bench_key(bench, "hierarchy_q", worst_q, ">= 0.8 where full detail can be drawn");
-	bench_say(bench, "A plan from %.0f m above: %.2f ms of %zu hectares alone, %.2f ms where they are part of 10^9 plants. %d random views served, "
-		"%d not answered with a stream; %.1f MB resident at the end, %.1f at most.", LOOKED_AT, ms[0], hectares, ms[1], got, bad, now, most);
+	bench_say(bench, "A plan from %.0f m above: %.2f ms of %zu hectares alone, %.2f ms where they are "
+		"part of 10^9 plants. %d random views served, "
+		"%d not answered with a stream; %.1f MB resident at the end, %.1f at most.", LOOKED_AT, ms[0],
+		hectares, ms[1], got, bad, now, most);
 	return ECO_OK;
 }
 
@@ -222,7 +243,8 @@ static enum eco_code write_inventory(const char *folder, uint32_t plants, struct
 	for (uint32_t i = 0; i < plants; i++) {
 		uint64_t bits = eco_mix(1, i), more = eco_mix(2, i);
 		uint32_t kind = (uint32_t)(bits % 6);
-		fprintf(file, "%s,%.2f,%.2f,%.2f\n", names[kind], side * (double)(bits >> 32) / 4294967296.0, side * (double)(more >> 32) / 4294967296.0,
+		fprintf(file, "%s,%.2f,%.2f,%.2f\n", names[kind], side * (double)(bits >> 32) / 4294967296.0,
+			side * (double)(more >> 32) / 4294967296.0,
 			heights[kind] * (0.7 + 0.5 * (double)(more & 0xFFFF) / 65536));
 	}
 	bool good = fclose(file) == 0;
@@ -233,7 +255,8 @@ static enum eco_code write_inventory(const char *folder, uint32_t plants, struct
 	fputs("{\"plants\": {", file);
 	for (int i = 0; i < 6; i++)
 		fprintf(file, "%s\"%s\": {\"model\": \"models/%s.obj\"}", i ? ", " : "", names[i], names[i]);
-	fprintf(file, "}, \"instances\": [{\"from\": \"plants-%u.csv\", \"x\": \"x\", \"y\": \"y\", \"species\": \"species\", \"map\": {", plants);
+	fprintf(file, "}, \"instances\": [{\"from\": \"plants-%u.csv\", \"x\": \"x\", \"y\": \"y\", "
+		"\"species\": \"species\", \"map\": {", plants);
 	for (int i = 0; i < 6; i++)
 		fprintf(file, "%s\"%s\": \"%s\"", i ? ", " : "", names[i], names[i]);
 	fputs("}, \"height_m\": {\"column\": \"height_m\"}}]}\n", file);
@@ -247,7 +270,8 @@ static double children_s(void)
 	return (double)usage.ru_utime.tv_sec + 1e-6 * (double)usage.ru_utime.tv_usec;
 }
 
-static enum eco_code time_inventory(struct bench *bench, uint32_t plants, double *seconds, double *memory_mb, struct eco_error *error)
+static enum eco_code time_inventory(struct bench *bench, uint32_t plants, double *seconds, double *memory_mb,
+	struct eco_error *error)
 {
 	char folder[480], log[512], line[256];
 	snprintf(folder, sizeof folder, "%s/hierarchy-billion", bench->cache);
@@ -255,8 +279,10 @@ static enum eco_code time_inventory(struct bench *bench, uint32_t plants, double
 	enum eco_code code = write_inventory(folder, plants, error);
 	double before = children_s();
 	if (!code)
-		code = bench_command(bench, error, "'%s/ecopack' make '%s/plants-%u.json' -o '%s/hierarchy-plants.eco' --order stochastic --cache "
-			"'%s/plants' --times --quiet >'%s' 2>&1", bench->build, folder, plants, bench->cache, bench->cache, log);
+		code = bench_command(bench, error, "'%s/ecopack' make '%s/plants-%u.json' -o "
+			"'%s/hierarchy-plants.eco' --order stochastic --cache "
+			"'%s/plants' --times --quiet >'%s' 2>&1", bench->build, folder, plants, bench->cache,
+			bench->cache, log);
 	*seconds = children_s() - before;
 	*memory_mb = NAN;
 	FILE *file = code ? NULL : fopen(log, "r");
@@ -267,14 +293,16 @@ static enum eco_code time_inventory(struct bench *bench, uint32_t plants, double
 	}
 	if (file)
 		fclose(file);
-	bench_command(bench, NULL, "rm -f '%s/hierarchy-plants.eco' '%s/plants-%u.csv'", bench->cache, folder, plants);
+	bench_command(bench, NULL, "rm -f '%s/hierarchy-plants.eco' '%s/plants-%u.csv'", bench->cache, folder,
+		plants);
 	return code;
 }
 
 static enum eco_code inventories(struct bench *bench, struct eco_error *error)
 {
 	static const uint32_t sizes[] = { 100000, 1000000, 10000000 };
-	struct bench_table *table = bench_table_open(bench, "inventories", "plants,seconds,us_each,memory_mb", true);
+	struct bench_table *table = bench_table_open(bench, "inventories", "plants,seconds,us_each,memory_mb",
+		true);
 	double none, memory, seconds, each[3] = { NAN, NAN, NAN };
 	uint32_t count = bench->full ? 3 : 2;
 	/* what it takes however many there are; the first time plants are built */
@@ -282,7 +310,8 @@ static enum eco_code inventories(struct bench *bench, struct eco_error *error)
 	if (!code)
 		code = time_inventory(bench, 100, &none, &memory, error);
 	for (uint32_t i = 0; i < count && !code; i++) {
-		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : time_inventory(bench, sizes[i], &seconds, &memory, error);
+		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
+			: time_inventory(bench, sizes[i], &seconds, &memory, error);
 		each[i] = 1e6 * (seconds - none) / sizes[i];
 		if (!code)
 			bench_table_row(table, "%u,%.1f,%.2f,%.0f", sizes[i], seconds, each[i], memory);
@@ -290,7 +319,8 @@ static enum eco_code inventories(struct bench *bench, struct eco_error *error)
 	bench_table_close(table);
 	if (code)
 		return code;
-	bench_key(bench, "inventory_growth", each[count - 1] / each[0], "<= 1.3: time a plant of 10^7 (quick: 10^6) over that of 10^5");
+	bench_key(bench, "inventory_growth", each[count - 1] / each[0],
+		"<= 1.3: time a plant of 10^7 (quick: 10^6) over that of 10^5");
 	bench_key(bench, "inventory_memory_mb", memory, "<= 2147: MB, 10^7 plants (quick: 10^6)");
 	return ECO_OK;
 }
@@ -298,10 +328,12 @@ static enum eco_code inventories(struct bench *bench, struct eco_error *error)
 static enum eco_code edits(struct bench *bench, struct eco_error *error)
 {
 	int count = bench->full ? 100 : 10;
-	enum eco_code code = bench_command(bench, error, "ECO_EDITS=%d '%s/tests/test_link' >&2", count, bench->build);
+	enum eco_code code = bench_command(bench, error, "ECO_EDITS=%d '%s/tests/test_link' >&2", count,
+		bench->build);
 	if (code == ECO_INTERRUPTED)
 		return code;
-	bench_key(bench, "edits_equal", code ? NAN : count, ">= 10: random edits (100 with FULL=1), built again and linked, that equal a full build "
+	bench_key(bench, "edits_equal", code ? NAN : count, ">= 10: random edits (100 with FULL=1), built "
+		"again and linked, that equal a full build "
 		"byte for byte");
 	return ECO_OK;
 }
@@ -317,4 +349,5 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	return code;
 }
 
-const struct bench_section bench_hierarchy = { "hierarchy", "Hierarchy at scale", run, BENCH_OBJECTS_FRAMES "tests/bench/bench_hierarchy.o", false };
+const struct bench_section bench_hierarchy = { "hierarchy", "Hierarchy at scale", run, BENCH_OBJECTS_FRAMES
+	"tests/bench/bench_hierarchy.o", false };

@@ -6,7 +6,8 @@
 #include "ecofiles/format/pack.h"
 #include "lod/build/element.h"
 
-#define GRID_BITS 14u                /* of the grid that tells which triangles are too small to count (lod/build/weld.h) */
+/* of the grid that tells which triangles are too small to count (lod/build/weld.h) */
+#define GRID_BITS 14u
 
 static void make(struct lod_foliage *foliage, const struct eco_model *model, struct lod_arena *arena)
 {
@@ -20,23 +21,26 @@ static void make(struct lod_foliage *foliage, const struct eco_model *model, str
 	lod_foliage_from(foliage, &(struct lod_foliage_parts){ model, &mesh, &organs, &elements }, arena);
 }
 
-enum eco_code bench_foliage_make(struct lod_foliage *foliage, const struct eco_model *model, struct lod_arena *arena,
-	struct eco_error *error)
+enum eco_code bench_foliage_make(struct lod_foliage *foliage, const struct eco_model *model,
+	struct lod_arena *arena, struct eco_error *error)
 {
 	jmp_buf callers;
 	volatile enum eco_code code = ECO_OK;
 	memcpy(&callers, &arena->failed, sizeof callers);
 	if (setjmp(arena->failed))
-		code = eco_fail(error, ECO_NO_MEMORY, "no memory for the leaves of a model of %u triangles", model->triangle_count);
+		code = eco_fail(error, ECO_NO_MEMORY, "no memory for the leaves of a model of %u triangles",
+			model->triangle_count);
 	else
 		make(foliage, model, arena);
 	memcpy(&arena->failed, &callers, sizeof callers);
 	if (!code && foliage->count == 0)
-		code = eco_fail(error, ECO_BAD_INPUT, "the model has no leaves or flowers: all of its %u triangles are wood", model->triangle_count);
+		code = eco_fail(error, ECO_BAD_INPUT, "the model has no leaves or flowers: all of its %u "
+			"triangles are wood", model->triangle_count);
 	return code;
 }
 
-enum eco_code bench_leaves_open(struct bench_leaves *leaves, struct eco_model *model, uint32_t pixels, struct eco_error *error)
+enum eco_code bench_leaves_open(struct bench_leaves *leaves, struct eco_model *model, uint32_t pixels,
+	struct eco_error *error)
 {
 	memset(leaves, 0, sizeof *leaves);
 	leaves->model = *model;
@@ -44,11 +48,16 @@ enum eco_code bench_leaves_open(struct bench_leaves *leaves, struct eco_model *m
 	memset(model, 0, sizeof *model);
 	enum eco_code code = bench_foliage_make(&leaves->foliage, &leaves->model, &leaves->arena, error);
 	if (!code)
-		code = lod_raster_init(&leaves->cover, &(struct lod_raster_options){ .width = pixels, .height = pixels, .silhouette = true }, error);
+		code = lod_raster_init(&leaves->cover,
+			&(struct lod_raster_options){ .width = pixels, .height = pixels, .silhouette = true },
+			error);
 	if (!code)
-		code = lod_raster_init(&leaves->ids, &(struct lod_raster_options){ .width = pixels, .height = pixels, .owner = true, .rgb = true }, error);
+		code = lod_raster_init(&leaves->ids,
+			&(struct lod_raster_options){ .width = pixels, .height = pixels, .owner = true,
+			.rgb = true }, error);
 	if (!code && !(leaves->mask = calloc((size_t)pixels * (pixels + 63) / 64 + 1, sizeof *leaves->mask)))
-		code = eco_fail(error, ECO_NO_MEMORY, "no memory for a mask of %u x %u pixels", pixels, pixels);
+		code = eco_fail(error, ECO_NO_MEMORY, "no memory for a mask of %u x %u pixels", pixels,
+			pixels);
 	if (code)
 		bench_leaves_close(leaves);
 	return code;
@@ -86,19 +95,24 @@ double bench_wrong_share(const struct bench_wrong *wrong)
 double bench_wrong_q(const struct bench_wrong *wrong)
 {
 	double right = (double)(wrong->pixels - wrong->fn), shown = right + (double)wrong->fp;
-	double lost_p = shown > 0 ? (double)wrong->fp / shown : 0, lost_r = wrong->pixels ? (double)wrong->fn / (double)wrong->pixels : 0;
+	double lost_p = shown > 0 ? (double)wrong->fp / shown : 0, lost_r = wrong->pixels
+		? (double)wrong->fn / (double)wrong->pixels : 0;
 	return 1 - sqrt(lost_p * lost_p + lost_r * lost_r);
 }
 
 /* ---- Whose pixels ---- */
 
 /* Another shape for the leaf, opaque, about the mean of its own corners. */
-static void draw_shape(struct bench_leaves *leaves, const struct lod_eye *eye, uint32_t i, float scale, const struct lod_simple *shape)
+static void draw_shape(struct bench_leaves *leaves, const struct lod_eye *eye, uint32_t i, float scale,
+	const struct lod_simple *shape)
 {
 	struct lod_v3 n = lod_v3_cross(lod_v3_sub(lod_v3_of(shape->corner[1]), lod_v3_of(shape->corner[0])),
 		lod_v3_sub(lod_v3_of(shape->corner[2]), lod_v3_of(shape->corner[0])));
-	double light = lod_v3_length(n) > 0 ? fabs(lod_v3_dot(lod_v3_unit(n), (struct lod_v3){ eye->forward[0], eye->forward[1], eye->forward[2] })) : 0;
-	const uint8_t green[3] = { (uint8_t)(40 + 70 * light), (uint8_t)(70 + 100 * light), (uint8_t)(25 + 45 * light) };
+	double light = lod_v3_length(n) > 0
+		? fabs(lod_v3_dot(lod_v3_unit(n),
+		(struct lod_v3){ eye->forward[0], eye->forward[1], eye->forward[2] })) : 0;
+	const uint8_t green[3] = { (uint8_t)(40 + 70 * light), (uint8_t)(70 + 100 * light),
+		(uint8_t)(25 + 45 * light) };
 	float position[18], center[3] = { 0, 0, 0 }, root = sqrtf(scale);
 	uint8_t rgb[6];
 	for (uint32_t c = 0; c < shape->corners; c++)
@@ -108,10 +122,13 @@ static void draw_shape(struct bench_leaves *leaves, const struct lod_eye *eye, u
 		const uint32_t corner[3] = { 0, t + 1, t + 2 };
 		for (int k = 0; k < 3; k++)
 			for (int a = 0; a < 3; a++)
-				position[9 * t + 3 * (uint32_t)k + (uint32_t)a] = center[a] + root * (shape->corner[corner[k]][a] - center[a]);
+				position[9 * t + 3 * (uint32_t)k + (uint32_t)a] = center[a]
+					+ root * (shape->corner[corner[k]][a] - center[a]);
 		memcpy(rgb + 3 * t, green, 3);
 	}
-	lod_raster_triangles(&leaves->ids, &(struct lod_raster_batch){ .count = shape->corners - 2u, .position = position, .rgb = rgb, .owner = i + 1 });
+	lod_raster_triangles(&leaves->ids,
+		&(struct lod_raster_batch){ .count = shape->corners - 2u, .position = position, .rgb = rgb,
+		.owner = i + 1 });
 }
 
 static void draw_leaf(struct bench_leaves *leaves, const struct lod_eye *eye, uint32_t i, float scale)
@@ -125,20 +142,25 @@ static void draw_leaf(struct bench_leaves *leaves, const struct lod_eye *eye, ui
 	double light = fabs(n.x * eye->forward[0] + n.y * eye->forward[1] + n.z * eye->forward[2]);
 	for (uint32_t t = 0; t < count; t++) {
 		const uint32_t corner[3] = { 0, t + 1, t + 2 };
-		const uint8_t green[3] = { (uint8_t)(40 + 70 * light), (uint8_t)(70 + 100 * light), (uint8_t)(25 + 45 * light) };
+		const uint8_t green[3] = { (uint8_t)(40 + 70 * light), (uint8_t)(70 + 100 * light),
+			(uint8_t)(25 + 45 * light) };
 		for (int k = 0; k < 3; k++) {
 			const float *p = f->corner[f->first[i] + corner[k]];
 			for (int a = 0; a < 3; a++)
-				position[9 * t + 3 * k + a] = scale == 1 ? p[a] : center[a] + root * (p[a] - center[a]);
+				position[9 * t + 3 * k + a] = scale == 1 ? p[a]
+					: center[a] + root * (p[a] - center[a]);
 			memcpy(uv + 6 * t + 2 * k, f->uv[f->first[i] + corner[k]], 2 * sizeof *uv);
 		}
 		memcpy(rgb + 3 * t, green, 3);
 	}
-	lod_raster_triangles(&leaves->ids, &(struct lod_raster_batch){ .count = count, .position = position, .uv = uv, .cutout = f->cutout[i],
+	lod_raster_triangles(&leaves->ids,
+		&(struct lod_raster_batch){ .count = count, .position = position, .uv = uv,
+		.cutout = f->cutout[i],
 		.rgb = rgb, .owner = i + 1 });
 }
 
-void bench_leaves_ids(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view, const struct lod_sights_drawing *drawing)
+void bench_leaves_ids(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
+	const struct lod_sights_drawing *drawing)
 {
 	const struct lod_foliage *f = &leaves->foliage;
 	const struct lod_eye *eye = &sights->eyes[view];
@@ -150,8 +172,9 @@ void bench_leaves_ids(struct bench_leaves *leaves, const struct lod_sights *sigh
 		uint8_t *brown = malloc(3 * f->wood_count);
 		for (uint64_t i = 0; brown && i < f->wood_count; i++)
 			memcpy(brown + 3 * i, (const uint8_t[]){ 96, 78, 60 }, 3);
-		lod_raster_triangles(&leaves->ids, &(struct lod_raster_batch){ .count = (uint32_t)f->wood_count, .position = f->wood, .rgb = brown,
-			.owner = BENCH_WOOD });
+		lod_raster_triangles(&leaves->ids,
+			&(struct lod_raster_batch){ .count = (uint32_t)f->wood_count, .position = f->wood,
+			.rgb = brown, .owner = BENCH_WOOD });
 		free(brown);
 	}
 	uint32_t count = drawing ? drawing->count : f->count;

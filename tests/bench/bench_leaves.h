@@ -17,12 +17,14 @@ struct bench_leaves {
 	uint32_t pixels;
 };
 
-/* Its leaves and wood, as a build finds them. ECO_BAD_INPUT where the model has no leaf. The arena's handler is set by this function while it
- * runs. */
-enum eco_code bench_foliage_make(struct lod_foliage *foliage, const struct eco_model *model, struct lod_arena *arena, struct eco_error *error);
+/* Its leaves and wood, as a build finds them. ECO_BAD_INPUT where the model has no leaf. The arena's handler
+ * is set by this function while it runs. */
+enum eco_code bench_foliage_make(struct lod_foliage *foliage, const struct eco_model *model,
+	struct lod_arena *arena, struct eco_error *error);
 
 /* ECO_BAD_INPUT for a plant without leaves; the model is freed then too. */
-enum eco_code bench_leaves_open(struct bench_leaves *leaves, struct eco_model *model, uint32_t pixels, struct eco_error *error);
+enum eco_code bench_leaves_open(struct bench_leaves *leaves, struct eco_model *model, uint32_t pixels,
+	struct eco_error *error);
 void bench_leaves_close(struct bench_leaves *leaves);
 
 /* Adds what is wrong in one view. */
@@ -32,8 +34,10 @@ void bench_leaves_compare(struct bench_leaves *leaves, const struct lod_sights *
 double bench_wrong_share(const struct bench_wrong *wrong);          /* (fp + fn) / pixels */
 double bench_wrong_q(const struct bench_wrong *wrong);              /* Q of the sums */
 
-/* Draws into leaves->ids: owner i + 1 for element i, BENCH_WOOD for the wood; colours by how a leaf faces the eye. NULL draws all. */
+/* Draws into leaves->ids: owner i + 1 for element i, BENCH_WOOD for the wood; colours by how a leaf faces the
+ * eye. NULL draws all. */
 #define BENCH_WOOD (UINT64_C(1) << 40)
-void bench_leaves_ids(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view, const struct lod_sights_drawing *drawing);
+void bench_leaves_ids(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
+	const struct lod_sights_drawing *drawing);
 
 #endif

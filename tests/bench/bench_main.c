@@ -35,7 +35,8 @@ static bool has_word(const char *words, const char *name)
 	return false;
 }
 
-static enum eco_code check_words(const char *words, const struct bench_section *const *sections, struct eco_error *error)
+static enum eco_code check_words(const char *words, const struct bench_section *const *sections,
+	struct eco_error *error)
 {
 	for (const char *at = words; *at; at += strcspn(at, ",") + (at[strcspn(at, ",")] == ',')) {
 		char name[64];
@@ -44,7 +45,8 @@ static enum eco_code check_words(const char *words, const struct bench_section *
 		while (*s && strcmp((*s)->name, name))
 			s++;
 		if (!*s)
-			return eco_fail(error, ECO_BAD_USAGE, "no section is called %s; --list names them", name);
+			return eco_fail(error, ECO_BAD_USAGE, "no section is called %s; --list names them",
+				name);
 	}
 	return ECO_OK;
 }
@@ -56,11 +58,13 @@ static enum eco_code check_folders(const struct bench *bench, struct eco_error *
 	if (bench->data) {
 		snprintf(path, sizeof path, "%s/models", bench->data);
 		if (stat(path, &status) || !S_ISDIR(status.st_mode))
-			return eco_fail(error, ECO_BAD_USAGE, "%s is not there: --data is a folder that holds models/ (and inventories/ and terrain/)", path);
+			return eco_fail(error, ECO_BAD_USAGE, "%s is not there: --data is a folder that "
+				"holds models/ (and inventories/ and terrain/)", path);
 	}
 	snprintf(path, sizeof path, "%s/ecopack", bench->build);
 	if (access(path, X_OK))
-		return eco_fail(error, ECO_BAD_USAGE, "%s is not there: --build is the folder that make writes programs to", path);
+		return eco_fail(error, ECO_BAD_USAGE, "%s is not there: --build is the folder that make "
+			"writes programs to", path);
 	return ECO_OK;
 }
 
@@ -133,7 +137,8 @@ static void wait_for(struct run *run, uint32_t most)
 }
 
 /* What it comes to: 0, 1, or 130. */
-static int run_sections(struct bench *bench, const struct bench_section *const *sections, const char *only, uint32_t jobs)
+static int run_sections(struct bench *bench, const struct bench_section *const *sections, const char *only,
+	uint32_t jobs)
 {
 	struct run run = { .bench = bench, .sections = sections, .jobs = jobs };
 	for (const struct bench_section *const *s = sections; *s && !bench_stopped(bench); s++) {
@@ -172,32 +177,43 @@ static enum eco_code read_only(const char *text, void *value, struct eco_error *
 
 static enum eco_code read_extreme(const char *text, void *value, struct eco_error *error)
 {
-	return text ? eco_fail(error, ECO_BAD_USAGE, "--extreme takes no value") : read_only("extreme", value, error);
+	return text ? eco_fail(error, ECO_BAD_USAGE, "--extreme takes no value")
+		: read_only("extreme", value, error);
 }
 
 static const struct eco_option options[] = {
-	{ "full", 0, ECO_OPTION_FLAG, NULL, &given.bench.full, .help = "all methods, scenes and frames; else fewer of them, and the same keys" },
+	{ "full", 0, ECO_OPTION_FLAG, NULL, &given.bench.full, .help = "all methods, scenes and frames; "
+		"else fewer of them, and the same keys" },
 	{ "data", 0, ECO_OPTION_TEXT, "DIR", &given.bench.data,
-		.help = "a folder with models/, inventories/ and terrain/; generated plants and scenes only, if not given" },
+		.help = "a folder with models/, inventories/ and terrain/; generated plants and scenes "
+		"only, if not given" },
 	{ "out", 0, ECO_OPTION_TEXT, "DIR", &given.out,
 		.help = "tables (CSV), plots, report.html and summary.json; BUILD/bench if not given" },
-	{ "cache", 0, ECO_OPTION_TEXT, "DIR", &given.cache, .help = "scenes, packs and finished pieces of work; OUT/cache if not given" },
-	{ "build", 0, ECO_OPTION_TEXT, "DIR", &given.bench.build, .help = "where the programs are; build if not given" },
+	{ "cache", 0, ECO_OPTION_TEXT, "DIR", &given.cache, .help = "scenes, packs and finished pieces of "
+	"work; OUT/cache if not given" },
+	{ "build", 0, ECO_OPTION_TEXT, "DIR", &given.bench.build,
+	.help = "where the programs are; build if not given" },
 	{ "only", 0, ECO_OPTION_READ, "SECTION", given.only, .read = read_only,
-		.help = "this one only, or these (commas, or said again); the report keeps what is known of the others" },
+		.help = "this one only, or these (commas, or said again); the report keeps what is known of "
+		"the others" },
 	{ "extreme", 0, ECO_OPTION_READ, NULL, given.only, .read = read_extreme, .has_optional_value = true,
-		.help = "--only extreme: the cases at the edge of what numbers can say; status 1 if one does not hold" },
+		.help = "--only extreme: the cases at the edge of what numbers can say; status 1 if one "
+		"does not hold" },
 	{ "jobs", 0, ECO_OPTION_COUNT, "N", &given.jobs, 1, JOBS_MAX,
-		.help = "sections that run at the same time, each in a process of its own; 1 if not given. Those that measure time run alone" },
+		.help = "sections that run at the same time, each in a process of its own; 1 if not given. "
+		"Those that measure time run alone" },
 	{ "trust", 0, ECO_OPTION_FLAG, NULL, &state.trust,
 		.help = "pieces of work that another build of ecobench did are taken as they are" },
-	{ "list", 0, ECO_OPTION_FLAG, NULL, &given.list, .help = "names of sections, and which are finished" },
+	{ "list", 0, ECO_OPTION_FLAG, NULL, &given.list, .help = "names of sections, and which are "
+	"finished" },
 	{ "quiet", 'q', ECO_OPTION_FLAG, NULL, &state.quiet, .help = "no progress" }, { 0 } };
 
 static const struct eco_command command = { .name = "ecobench", .options = options,
-	.synopsis = "[--full] [--data DIR] [--out DIR] [--cache DIR] [--build DIR] [--only SECTION]... [--extreme] [--jobs N] [--trust] [--list]",
+	.synopsis = "[--full] [--data DIR] [--out DIR] [--cache DIR] [--build DIR] [--only SECTION]... "
+	"[--extreme] [--jobs N] [--trust] [--list]",
 	.says = "Error against run time of the methods of the literature and ours, on the same scenes.",
-	.notes = "Ctrl-C finishes the piece of work that runs, writes the report of what is there and ends with status 130; run again, it goes on "
+	.notes = "Ctrl-C finishes the piece of work that runs, writes the report of what is there and ends "
+	"with status 130; run again, it goes on "
 		"from there.\n" };
 
 static enum eco_code run(const struct bench_section *const *sections, int *status, struct eco_error *error)
@@ -228,7 +244,8 @@ int bench_main(int argc, char **argv, const struct bench_section *const *section
 	struct eco_error error = { 0 };
 	int status = 0;
 	state = (struct bench_state){ 0 };
-	given = (struct arguments){ .bench = { .build = "build", .out = out, .cache = cache, .state = &state }, .jobs = 1 };
+	given = (struct arguments){ .bench = { .build = "build", .out = out, .cache = cache,
+		.state = &state }, .jobs = 1 };
 	if (eco_command_answers(&command, argc - 1, argv + 1))
 		return eco_command_end(&command, ECO_OK, &error);
 	enum eco_code code = eco_command_read(&command, argc - 1, argv + 1, &error);

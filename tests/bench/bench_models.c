@@ -1,7 +1,8 @@
 /* Plants one by one: every model of the data folder that reads as a plant, and the generated kinds.
  *
- * Nothing here knows the names of files: all are tried whose endings ecopack reads, and those that fail are left out, aloud. Packed ones
- * (.xz) are read from an unpacked copy in the cache, which is made anew for another folder and after a change in it. */
+ * Nothing here knows the names of files: all are tried whose endings ecopack reads, and those that fail are
+ * left out, aloud. Packed ones (.xz) are read from an unpacked copy in the cache, which is made anew for
+ * another folder and after a change in it. */
 #include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
@@ -42,13 +43,16 @@ static bool is_model(const char *name)
 	return false;
 }
 
-static enum eco_code add(struct list *list, const char *path, const char *name, bool made, struct eco_error *error)
+static enum eco_code add(struct list *list, const char *path, const char *name, bool made,
+	struct eco_error *error)
 {
 	if (list->count == list->room) {
 		uint32_t room = list->room ? 2 * list->room : 32;
-		struct bench_model *bigger = room > MODELS_MAX ? NULL : realloc(list->items, room * sizeof *bigger);
+		struct bench_model *bigger = room > MODELS_MAX ? NULL
+			: realloc(list->items, room * sizeof *bigger);
 		if (!bigger)
-			return eco_fail(error, ECO_TOO_LARGE, "%s: more than %u models, or no memory for them", path, MODELS_MAX);
+			return eco_fail(error, ECO_TOO_LARGE, "%s: more than %u models, or no memory for "
+				"them", path, MODELS_MAX);
 		list->items = bigger;
 		list->room = room;
 	}
@@ -71,18 +75,21 @@ static bool unpacked(const char *path)
 
 static uint64_t stamp_of(const char *path, const struct stat *status)
 {
-	uint64_t parts[3] = { (uint64_t)status->st_size, (uint64_t)status->st_mtim.tv_sec, (uint64_t)status->st_mtim.tv_nsec };
+	uint64_t parts[3] = { (uint64_t)status->st_size, (uint64_t)status->st_mtim.tv_sec,
+		(uint64_t)status->st_mtim.tv_nsec };
 	return XXH3_64bits_withSeed(parts, sizeof parts, XXH3_64bits(path, strlen(path)));
 }
 
-static enum eco_code scan(struct list *list, const char *folder, bool made, uint32_t depth, struct eco_error *error)
+static enum eco_code scan(struct list *list, const char *folder, bool made, uint32_t depth,
+	struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
 	DIR *dir = depth < DEPTH_MAX ? opendir(folder) : NULL;
 	for (struct dirent *entry; dir && !code && (entry = readdir(dir));) {
 		char path[PATH];
 		struct stat status;
-		if (*entry->d_name == '.' || snprintf(path, sizeof path, "%s/%s", folder, entry->d_name) >= (int)sizeof ((struct bench_model *)0)->path ||
+		if (*entry->d_name == '.' || snprintf(path, sizeof path, "%s/%s", folder, entry->d_name)
+				>= (int)sizeof ((struct bench_model *)0)->path ||
 			stat(path, &status))
 			continue;
 		if (S_ISDIR(status.st_mode)) {
@@ -143,15 +150,17 @@ static bool reads(struct bench *bench, struct bench_model *model)
 		enum eco_code code = bench_model_read(bench, model, &read, &error);
 		if (code == ECO_INTERRUPTED)
 			return false;
-		kept = bench_keep(bench, unit, stamp, json_pack("{s:b, s:i, s:s}", "reads", (int)!code, "leaves", code ? 0 : (int)count_leaves(&read), "why",
-			error.text));
+		kept = bench_keep(bench, unit, stamp,
+			json_pack("{s:b, s:i, s:s}", "reads", (int)!code, "leaves",
+			code ? 0 : (int)count_leaves(&read), "why", error.text));
 		if (!code)
 			eco_model_free(&read);
 	}
 	bool good = json_is_true(json_object_get(kept, "reads"));
 	model->leaves = (uint32_t)json_integer_value(json_object_get(kept, "leaves"));
 	if (!good)
-		bench_note(bench, "%s is left out: %s", model->path, json_string_value(json_object_get(kept, "why")));
+		bench_note(bench, "%s is left out: %s", model->path,
+			json_string_value(json_object_get(kept, "why")));
 	return good;
 }
 
@@ -165,7 +174,9 @@ static enum eco_code make_generated(struct bench *bench, struct list *list, stru
 		if (access(models, R_OK)) {
 			code = bench_folder_make(folder, error);
 			if (!code)
-				code = bench_command(bench, error, "'%s/ecopack' generate %s -o '%s' --plants 20 --quiet", bench->build, generated[i], folder);
+				code = bench_command(bench, error,
+					"'%s/ecopack' generate %s -o '%s' --plants 20 --quiet", bench->build,
+					generated[i], folder);
 		}
 		snprintf(models, sizeof models, "%s/models", folder);
 		if (!code)
@@ -182,10 +193,14 @@ static enum eco_code find_all(struct bench *bench, struct list *list, struct eco
 		snprintf(folder, sizeof folder, "%s/models", bench->data);
 		code = scan(list, folder, false, 0, error);
 		if (!code && list->packed) {
-			snprintf(copy, sizeof copy, "%s/models-%016llx", bench->cache, (unsigned long long)list->stamp);
+			snprintf(copy, sizeof copy, "%s/models-%016llx", bench->cache,
+				(unsigned long long)list->stamp);
 			if (access(copy, R_OK))
-				code = bench_command(bench, error, "rm -rf '%s/models'* && cp -R '%s' '%s.tmp' && chmod -R u+w '%s.tmp' && find '%s.tmp' -name '*.xz' "
-					"-exec xz -df {} + && mv '%s.tmp' '%s'", bench->cache, folder, copy, copy, copy, copy, copy);
+				code = bench_command(bench, error,
+					"rm -rf '%s/models'* && cp -R '%s' '%s.tmp' && chmod -R u+w "
+					"'%s.tmp' && find '%s.tmp' -name '*.xz' "
+					"-exec xz -df {} + && mv '%s.tmp' '%s'", bench->cache, folder, copy,
+					copy, copy, copy, copy);
 			list->count = 0;
 			if (!code)
 				code = scan(list, copy, false, 0, error);
@@ -194,7 +209,8 @@ static enum eco_code find_all(struct bench *bench, struct list *list, struct eco
 	return code ? code : make_generated(bench, list, error);
 }
 
-enum eco_code bench_models(struct bench *bench, struct bench_model **models, uint32_t *count, struct eco_error *error)
+enum eco_code bench_models(struct bench *bench, struct bench_model **models, uint32_t *count,
+	struct eco_error *error)
 {
 	struct list list = { 0 };
 	int lock = bench_lock(bench);
@@ -205,7 +221,8 @@ enum eco_code bench_models(struct bench *bench, struct bench_model **models, uin
 	if (list.count)
 		qsort(list.items, list.count, sizeof *list.items, by_name);
 	for (uint32_t i = 0; i < list.count && !code; i++) {
-		bool twice = kept && list.items[i].generated && !strcmp(list.items[kept - 1].name, list.items[i].name);
+		bool twice = kept && list.items[i].generated
+			&& !strcmp(list.items[kept - 1].name, list.items[i].name);
 		bench_progress(bench, (double)i / list.count, list.items[i].name);
 		if (!twice && reads(bench, &list.items[i]))
 			list.items[kept++] = list.items[i];
@@ -224,7 +241,8 @@ enum eco_code bench_models(struct bench *bench, struct bench_model **models, uin
 	return ECO_OK;
 }
 
-enum eco_code bench_model_read(struct bench *bench, const struct bench_model *model, struct eco_model *out, struct eco_error *error)
+enum eco_code bench_model_read(struct bench *bench, const struct bench_model *model, struct eco_model *out,
+	struct eco_error *error)
 {
 	const char *path = model->path;
 	(void)bench;

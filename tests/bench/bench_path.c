@@ -1,7 +1,9 @@
-/* Geometry saved against Cook along a camera path through 1,276 trees, frame by frame (Neubert 2011, section 5 and table 2).
+/* Geometry saved against Cook along a camera path through 1,276 trees, frame by frame (Neubert 2011, section
+ * 5 and table 2).
  *
- * Each plant in view stands at a distance d, over the greatest of any plant from the path. Cook draws (1 - d)^2 of its foliage; ours what its
- * species needs for the same Q there (bench_savings.h). The frame's saving is over the vertices of all plants in view. */
+ * Each plant in view stands at a distance d, over the greatest of any plant from the path. Cook draws (1 -
+ * d)^2 of its foliage; ours what its species needs for the same Q there (bench_savings.h). The frame's saving
+ * is over the vertices of all plants in view. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,7 +29,8 @@ struct path {
 
 /* ---- The scene's folder ---- */
 
-static enum eco_code read_species(struct bench *bench, struct path *p, const json_t *scene, struct eco_error *error)
+static enum eco_code read_species(struct bench *bench, struct path *p, const json_t *scene,
+	struct eco_error *error)
 {
 	const char *key;
 	json_t *plant;
@@ -41,15 +44,19 @@ static enum eco_code read_species(struct bench *bench, struct path *p, const jso
 		snprintf(s->name, sizeof s->name, "%s", key);
 		snprintf(name, sizeof name, SCENE "-%s", s->name);
 		snprintf(path, sizeof path, "%s/scenes/" SCENE "/%s", bench->cache, model);
-		bench_progress(bench, (double)p->species_count / (double)json_object_size(json_object_get(scene, "plants")), s->name);
-		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : bench_savings_of(bench, &s->savings, name, path, error);
+		bench_progress(bench,
+			(double)p->species_count / (double)json_object_size(json_object_get(scene, "plants")),
+			s->name);
+		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
+			: bench_savings_of(bench, &s->savings, name, path, error);
 		p->species_count++;
 	}
 	return code;
 }
 
 /* Lines plant,easting,northing,height_m. */
-static enum eco_code read_trees(struct bench *bench, struct path *p, const json_t *origin, struct eco_error *error)
+static enum eco_code read_trees(struct bench *bench, struct path *p, const json_t *origin,
+	struct eco_error *error)
 {
 	char path[PATH], line[256], name[32];
 	uint32_t room = 0;
@@ -64,7 +71,8 @@ static enum eco_code read_trees(struct bench *bench, struct path *p, const json_
 		while (tree.species < p->species_count && strcmp(p->species[tree.species].name, name))
 			tree.species++;
 		if (p->tree_count == room) {
-			struct tree *bigger = realloc(p->trees, (room = room ? 2 * room : 256) * sizeof *bigger);
+			struct tree *bigger =
+				realloc(p->trees, (room = room ? 2 * room : 256) * sizeof *bigger);
 			if (!bigger) {
 				fclose(file);
 				return eco_fail(error, ECO_NO_MEMORY, "no memory for %u trees", room);
@@ -74,11 +82,13 @@ static enum eco_code read_trees(struct bench *bench, struct path *p, const json_
 		tree.at[0] -= json_number_value(json_array_get(origin, 0));
 		tree.at[1] -= json_number_value(json_array_get(origin, 1));
 		tree.at[2] = tree.height / 2;
-		if (tree.species < p->species_count && p->species[tree.species].savings.elements >= BENCH_ELEMENTS_LEAST)
+		if (tree.species < p->species_count && p->species[tree.species].savings.elements
+				>= BENCH_ELEMENTS_LEAST)
 			p->trees[p->tree_count++] = tree;
 	}
 	fclose(file);
-	return p->tree_count ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "%s: no tree of a species with %u leaves or more", path, BENCH_ELEMENTS_LEAST);
+	return p->tree_count ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "%s: no tree of a species with %u "
+		"leaves or more", path, BENCH_ELEMENTS_LEAST);
 }
 
 static enum eco_code read_path(struct bench *bench, struct path *p, struct eco_error *error)
@@ -92,7 +102,8 @@ static enum eco_code read_path(struct bench *bench, struct path *p, struct eco_e
 	json_t *scene = json_load_file(path, 0, NULL);
 	if (!p->frame_count || !scene) {
 		json_decref(scene);
-		return bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : eco_fail(error, ECO_IO,
+		return bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
+			: eco_fail(error, ECO_IO,
 			"%s: no scene or no camera path", path);
 	}
 	enum eco_code code = read_species(bench, p, scene, error);
@@ -115,7 +126,8 @@ static double distance_of(const struct tree *tree, const struct eco_view *view)
 /* Whether the ball around the tree reaches into the cone around the picture. */
 static bool in_view(const struct tree *tree, const struct eco_view *view)
 {
-	double along = 0, length = 0, away = distance_of(tree, view), tangent = tan(view->fov_y_deg * M_PI / 360);
+	double along = 0, length = 0, away = distance_of(tree, view),
+		tangent = tan(view->fov_y_deg * M_PI / 360);
 	double cone = atan(tangent * hypot(1, (double)view->width / view->height));
 	for (int a = 0; a < 3; a++) {
 		double forward = view->target[a] - view->eye[a];
@@ -131,16 +143,20 @@ static bool in_view(const struct tree *tree, const struct eco_view *view)
 /* lambda of the method over Cook's, between the distances of the table that is finer there. */
 static double ratio_at(const struct bench_savings *s, enum bench_method method, double d)
 {
-	enum bench_spacing spacing = d < bench_distance(BENCH_NEAR, BENCH_DISTANCES / 2) ? BENCH_NEAR : BENCH_EVEN;
+	enum bench_spacing spacing = d < bench_distance(BENCH_NEAR, BENCH_DISTANCES / 2) ? BENCH_NEAR
+		: BENCH_EVEN;
 	const struct bench_reach *at = &s->at[spacing];
 	uint32_t i = 0;
 	while (i + 2 < BENCH_DISTANCES && bench_distance(spacing, i + 1) < d)
 		i++;
-	double low = bench_distance(spacing, i), t = fmin(1, fmax(0, (d - low) / (bench_distance(spacing, i + 1) - low)));
-	return (1 - t) * at->lambda[method][i] / at->cook_lambda[i] + t * at->lambda[method][i + 1] / at->cook_lambda[i + 1];
+	double low = bench_distance(spacing, i),
+		t = fmin(1, fmax(0, (d - low) / (bench_distance(spacing, i + 1) - low)));
+	return (1 - t) * at->lambda[method][i] / at->cook_lambda[i]
+		+ t * at->lambda[method][i + 1] / at->cook_lambda[i + 1];
 }
 
-static double saving_of(const struct path *p, const struct eco_view *view, enum bench_method method, uint32_t *seen)
+static double saving_of(const struct path *p, const struct eco_view *view, enum bench_method method,
+	uint32_t *seen)
 {
 	double ours = 0, cook = 0;
 	*seen = 0;
@@ -163,7 +179,8 @@ static enum eco_code write_frames(struct bench *bench, const struct path *p, str
 	double least[BENCH_METHODS], most[BENCH_METHODS], sum[BENCH_METHODS] = { 0 };
 	struct bench_series series[BENCH_METHODS];
 	uint32_t seen = 0, counted = 0;
-	struct bench_table *table = bench_table_open(bench, "path_frames", "frame,trees in view,stochastic %,density %,orientation %,combined %,"
+	struct bench_table *table = bench_table_open(bench, "path_frames",
+		"frame,trees in view,stochastic %,density %,orientation %,combined %,"
 		"greedy at one scale %,greedy %,greedy with simpler leaves %", false);
 	for (uint32_t f = 0; f < p->frame_count; f++) {
 		x[f] = f;
@@ -175,37 +192,49 @@ static enum eco_code write_frames(struct bench *bench, const struct path *p, str
 			sum[m] += seen ? saved : 0;
 		}
 		counted += seen > 0;
-		bench_table_row(table, "%u,%u,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f", f, seen, y[0][f], y[1][f], y[2][f], y[3][f], y[4][f], y[5][f], y[6][f]);
+		bench_table_row(table, "%u,%u,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f", f, seen, y[0][f], y[1][f],
+			y[2][f], y[3][f], y[4][f], y[5][f], y[6][f]);
 	}
 	bench_table_close(table);
-	table = bench_table_open(bench, "path", "order (each with its best scale),mean %,least %,most %,Neubert 2011: mean %,"
+	table = bench_table_open(bench, "path", "order (each with its best scale),mean %,least %,most "
+		"%,Neubert 2011: mean %,"
 		"Neubert 2011: least %,Neubert 2011: most %", true);
-	static const char *const printed[BENCH_METHODS] = { "10.1,4.3,43.7", "17.4,2.2,23.6", "40.7,30.8,69.3", "30.1,1.4,39.2", "-,-,-", "-,-,-",
+	static const char *const printed[BENCH_METHODS] = { "10.1,4.3,43.7", "17.4,2.2,23.6",
+		"40.7,30.8,69.3", "30.1,1.4,39.2", "-,-,-", "-,-,-",
 		"-,-,-" };
 	for (int m = 0; m < BENCH_METHODS; m++) {
-		bench_table_row(table, "%s,%.1f,%.1f,%.1f,%s", bench_method_names[m], counted ? sum[m] / counted : NAN, least[m], most[m], printed[m]);
+		bench_table_row(table, "%s,%.1f,%.1f,%.1f,%s", bench_method_names[m],
+			counted ? sum[m] / counted : NAN, least[m], most[m], printed[m]);
 		series[m] = (struct bench_series){ bench_method_names[m], x, y[m], p->frame_count, false };
 	}
 	bench_table_close(table);
-	bench_say(bench, "The paper's trees and path are not to be had, and what its distances are over is not said. Why its rows differ from ours is said "
-		"with the species; and here a frame's saving is over vertices, of which near trees have most, where Cook draws nearly all and little can be "
+	bench_say(bench, "The paper's trees and path are not to be had, and what its distances are over is "
+		"not said. Why its rows differ from ours is said "
+		"with the species; and here a frame's saving is over vertices, of which near trees have "
+		"most, where Cook draws nearly all and little can be "
 		"saved at equal Q.");
-	bench_key(bench, "saving_frame_min", counted ? least[BENCH_TRIANGLES] / 100 : NAN, ">= 0.40: the worst frame of the path, simpler leaves too");
-	return bench_plot(bench, &(struct bench_plot){ .name = "path", .title = "1,276 trees: geometry saved against Cook at equal Q", .x = "frame",
+	bench_key(bench, "saving_frame_min", counted ? least[BENCH_TRIANGLES] / 100 : NAN,
+		">= 0.40: the worst frame of the path, simpler leaves too");
+	return bench_plot(bench,
+		&(struct bench_plot){ .name = "path", .title = "1,276 trees: geometry saved against Cook at "
+		"equal Q", .x = "frame",
 		.y = "saved, %", .series = series, .series_count = BENCH_METHODS }, error);
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
 	struct path *p = calloc(1, sizeof *p);
-	enum eco_code code = p ? read_path(bench, p, error) : eco_fail(error, ECO_NO_MEMORY, "no memory for a path");
+	enum eco_code code = p ? read_path(bench, p, error)
+		: eco_fail(error, ECO_NO_MEMORY, "no memory for a path");
 	if (!code) {
 		for (uint32_t f = 0; f < p->frame_count; f++)
 			for (uint32_t i = 0; i < p->tree_count; i++)
-				p->farthest = fmax(p->farthest, distance_of(&p->trees[i], &p->frames[f].view));
-		bench_say(bench, "%u trees of %u species, %u frames. Distances are over %.0f m, the greatest between a tree and the path; what Q asks of "
-			"a species comes from pictures of it alone, from views that no order or scale was made with.", p->tree_count, p->species_count,
-			p->frame_count, p->farthest);
+				p->farthest =
+					fmax(p->farthest, distance_of(&p->trees[i], &p->frames[f].view));
+		bench_say(bench, "%u trees of %u species, %u frames. Distances are over %.0f m, the "
+			"greatest between a tree and the path; what Q asks of "
+			"a species comes from pictures of it alone, from views that no order or scale was "
+			"made with.", p->tree_count, p->species_count, p->frame_count, p->farthest);
 		code = write_frames(bench, p, error);
 	}
 	if (p) {

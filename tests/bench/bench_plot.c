@@ -1,4 +1,5 @@
-/* Plots: lines over a common axis, linear or logarithmic, and pictures; on the canvas that maps and sheets are drawn on. */
+/* Plots: lines over a common axis, linear or logarithmic, and pictures; on the canvas that maps and sheets
+ * are drawn on. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,7 +16,8 @@
 #define LEGEND_LINE 22.0
 #define TICKS_MAX 64u
 
-static const struct eco_color dark = { 0.15, 0.16, 0.14, 1 }, soft = { 0.42, 0.43, 0.40, 1 }, grid = { 0.90, 0.90, 0.87, 1 };
+static const struct eco_color dark = { 0.15, 0.16, 0.14, 1 }, soft = { 0.42, 0.43, 0.40, 1 },
+	grid = { 0.90, 0.90, 0.87, 1 };
 
 /* ---- Axes ---- */
 
@@ -23,7 +25,8 @@ struct axis { bool log; double low, high, from, to; };   /* values; pixels */
 
 static double axis_at(const struct axis *a, double value)
 {
-	double t = a->log ? (log10(value) - log10(a->low)) / (log10(a->high) - log10(a->low)) : (value - a->low) / (a->high - a->low);
+	double t = a->log ? (log10(value) - log10(a->low)) / (log10(a->high) - log10(a->low))
+		: (value - a->low) / (a->high - a->low);
 	return a->from + t * (a->to - a->from);
 }
 
@@ -94,7 +97,8 @@ static uint32_t axis_ticks(const struct axis *a, double ticks[TICKS_MAX])
 
 static void tick_text(double value, char text[32])
 {
-	static const struct { double unit; const char *sign; } units[] = { { 1e9, " G" }, { 1e6, " M" }, { 1e4, " k" } };
+	static const struct { double unit; const char *sign; } units[] =
+		{ { 1e9, " G" }, { 1e6, " M" }, { 1e4, " k" } };
 	for (size_t i = 0; i < sizeof units / sizeof *units; i++)
 		if (fabs(value) >= units[i].unit) {
 			double unit = units[i].unit == 1e4 ? 1e3 : units[i].unit;
@@ -104,7 +108,8 @@ static void tick_text(double value, char text[32])
 	snprintf(text, 32, "%.4g", value);
 }
 
-static void draw_axes(struct eco_chart *chart, const struct bench_plot *plot, const struct axis *x, const struct axis *y)
+static void draw_axes(struct eco_chart *chart, const struct bench_plot *plot, const struct axis *x,
+	const struct axis *y)
 {
 	double ticks[TICKS_MAX];
 	char text[32];
@@ -113,22 +118,27 @@ static void draw_axes(struct eco_chart *chart, const struct bench_plot *plot, co
 		double at = axis_at(x, ticks[i]);
 		tick_text(ticks[i], text);
 		eco_chart_line(chart, at, y->from, at, y->to, 1, grid);
-		eco_chart_text(chart, at, y->from + 20, &(struct eco_chart_style){ .size = 14, .align = ECO_CHART_CENTER, .color = soft }, text);
+		eco_chart_text(chart, at, y->from + 20,
+			&(struct eco_chart_style){ .size = 14, .align = ECO_CHART_CENTER, .color = soft },
+			text);
 	}
 	count = axis_ticks(y, ticks);
 	for (uint32_t i = 0; i < count; i++) {
 		double at = axis_at(y, ticks[i]);
 		tick_text(ticks[i], text);
 		eco_chart_line(chart, x->from, at, x->to, at, 1, grid);
-		eco_chart_text(chart, x->from - 8, at + 5, &(struct eco_chart_style){ .size = 14, .align = ECO_CHART_RIGHT, .color = soft }, text);
+		eco_chart_text(chart, x->from - 8, at + 5,
+			&(struct eco_chart_style){ .size = 14, .align = ECO_CHART_RIGHT, .color = soft },
+			text);
 	}
 	eco_chart_line(chart, x->from, y->from, x->to, y->from, 1.2, soft);
-	eco_chart_text(chart, 0.5 * (x->from + x->to), HEIGHT - 14, &(struct eco_chart_style){ .size = 16, .align = ECO_CHART_CENTER, .color = dark },
-		plot->x);
-	eco_chart_text(chart, 22, 0.5 * (y->from + y->to), &(struct eco_chart_style){ .size = 16, .align = ECO_CHART_CENTER, .turn = 1, .color = dark },
+	eco_chart_text(chart, 0.5 * (x->from + x->to), HEIGHT - 14,
+		&(struct eco_chart_style){ .size = 16, .align = ECO_CHART_CENTER, .color = dark }, plot->x);
+	eco_chart_text(chart, 22, 0.5 * (y->from + y->to),
+		&(struct eco_chart_style){ .size = 16, .align = ECO_CHART_CENTER, .turn = 1, .color = dark },
 		plot->y);
-	eco_chart_text(chart, x->from, 28, &(struct eco_chart_style){ .size = 18, .bold = true, .color = dark, .room = WIDTH - LEFT - RIGHT },
-		plot->title);
+	eco_chart_text(chart, x->from, 28, &(struct eco_chart_style){ .size = 18, .bold = true, .color = dark,
+		.room = WIDTH - LEFT - RIGHT }, plot->title);
 }
 
 /* ---- Series ---- */
@@ -141,11 +151,12 @@ static struct eco_color color_of(uint32_t series)
 static void draw_run(struct eco_chart *chart, const double *points, uint32_t count, struct eco_color color)
 {
 	if (count > 1)
-		eco_chart_path(chart, &(struct eco_chart_path){ .points = points, .count = count, .line = 2.2, .color = color });
+		eco_chart_path(chart, &(struct eco_chart_path){ .points = points, .count = count, .line = 2.2,
+			.color = color });
 }
 
-static enum eco_code draw_series(struct eco_chart *chart, const struct bench_series *series, struct eco_color color, const struct axis *x,
-	const struct axis *y, struct eco_error *error)
+static enum eco_code draw_series(struct eco_chart *chart, const struct bench_series *series,
+	struct eco_color color, const struct axis *x, const struct axis *y, struct eco_error *error)
 {
 	double *points = malloc(2 * ((size_t)series->count + 1) * sizeof *points);
 	uint32_t run = 0;
@@ -160,7 +171,8 @@ static enum eco_code draw_series(struct eco_chart *chart, const struct bench_ser
 		points[2 * run] = axis_at(x, series->x[i]);
 		points[2 * run + 1] = axis_at(y, series->y[i]);
 		if (series->points || series->count <= 40)
-			eco_chart_disc(chart, points[2 * run], points[2 * run + 1], series->points ? 4 : 3, color);
+			eco_chart_disc(chart, points[2 * run], points[2 * run + 1], series->points ? 4 : 3,
+				color);
 		run = series->points ? 0 : run + 1;
 	}
 	draw_run(chart, points, run, color);
@@ -189,7 +201,8 @@ static double draw_legend(struct eco_chart *chart, const struct bench_plot *plot
 	return y + 14;
 }
 
-static enum eco_code write_chart(struct bench *bench, struct eco_chart *chart, const char *file, struct eco_error *error)
+static enum eco_code write_chart(struct bench *bench, struct eco_chart *chart, const char *file,
+	struct eco_error *error)
 {
 	char path[1200];
 	struct eco_chart_file png = { 0 };
@@ -204,7 +217,8 @@ static enum eco_code write_chart(struct bench *bench, struct eco_chart *chart, c
 enum eco_code bench_plot(struct bench *bench, const struct bench_plot *plot, struct eco_error *error)
 {
 	struct eco_chart *chart;
-	struct axis x = { plot->log_x, 0, 0, LEFT, WIDTH - RIGHT }, y = { plot->log_y, 0, 0, HEIGHT - BOTTOM, 0 };
+	struct axis x = { plot->log_x, 0, 0, LEFT, WIDTH - RIGHT },
+		y = { plot->log_y, 0, 0, HEIGHT - BOTTOM, 0 };
 	char file[128];
 	enum eco_code code = eco_chart_new(&chart, WIDTH, HEIGHT, error);
 	if (code)
@@ -224,7 +238,8 @@ enum eco_code bench_plot(struct bench *bench, const struct bench_plot *plot, str
 	return code;
 }
 
-enum eco_code bench_picture_write(struct bench *bench, const char *file, uint32_t width, uint32_t height, const uint8_t *rgb, struct eco_error *error)
+enum eco_code bench_picture_write(struct bench *bench, const char *file, uint32_t width, uint32_t height,
+	const uint8_t *rgb, struct eco_error *error)
 {
 	struct eco_chart *chart;
 	enum eco_code code = eco_chart_new(&chart, width, height, error);

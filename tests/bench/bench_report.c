@@ -1,7 +1,8 @@
 /* report.html for people and summary.json for programs, from the records that the sections left.
  *
- * summary.json: every key at the top with its figure (null where it could not be reached), and beside them "bars": what each should be,
- * "reached": whether it is, "about": when, where and how. The report is one page without scripts; pictures lie beside it. */
+ * summary.json: every key at the top with its figure (null where it could not be reached), and beside them
+ * "bars": what each should be, "reached": whether it is, "about": when, where and how. The report is one page
+ * without scripts; pictures lie beside it. */
 #include "tests/bench/bench_state.h"
 
 #include <math.h>
@@ -14,12 +15,14 @@
 
 /* ---- Bars ---- */
 
-/* "<= 0.01", ">= 65 %", "at most 5 %", "0", "100,000 with FULL=1": what a figure must be, as far as words tell. */
+/* "<= 0.01", ">= 65 %", "at most 5 %", "0", "100,000 with FULL=1": what a figure must be, as far as words
+ * tell. */
 struct bar { enum { BAR_NONE, BAR_MOST, BAR_LEAST, BAR_EXACT } kind; double value; };
 
 static struct bar bar_read(const char *words)
 {
-	static const struct { const char *word; int kind; } leads[] = { { "<=", BAR_MOST }, { "\xe2\x89\xa4", BAR_MOST }, { "at most", BAR_MOST },
+	static const struct { const char *word; int kind; } leads[] =
+		{ { "<=", BAR_MOST }, { "\xe2\x89\xa4", BAR_MOST }, { "at most", BAR_MOST },
 		{ ">=", BAR_LEAST }, { "\xe2\x89\xa5", BAR_LEAST }, { "at least", BAR_LEAST } };
 	struct bar bar = { BAR_EXACT, 0 };
 	char digits[64];
@@ -56,7 +59,8 @@ static json_t *bar_reached(const char *words, json_t *value)
 		return json_null();
 	if (!json_is_number(value))
 		return json_false();
-	return json_boolean(bar.kind == BAR_MOST ? v <= bar.value + slack : bar.kind == BAR_LEAST ? v >= bar.value - slack : fabs(v - bar.value) <= slack);
+	return json_boolean(bar.kind == BAR_MOST ? v <= bar.value + slack : bar.kind == BAR_LEAST
+		? v >= bar.value - slack : fabs(v - bar.value) <= slack);
 }
 
 /* ---- The machine ---- */
@@ -77,8 +81,9 @@ static json_t *about(const struct bench *bench)
 	gmtime_r(&now, &utc);
 	strftime(when, sizeof when, "%Y-%m-%d %H:%M UTC", &utc);
 	bench_objects_stamp(bench, NULL, program);
-	return json_pack("{s:s, s:s, s:i, s:b, s:s, s:s*}", "when", when, "processor", model, "cores", (int)sysconf(_SC_NPROCESSORS_ONLN), "full",
-		(int)bench->full, "program", program, "data", bench->data);
+	return json_pack("{s:s, s:s, s:i, s:b, s:s, s:s*}", "when", when, "processor", model, "cores",
+		(int)sysconf(_SC_NPROCESSORS_ONLN), "full", (int)bench->full, "program", program, "data",
+		bench->data);
 }
 
 /* ---- HTML ---- */
@@ -95,20 +100,39 @@ static void escape(FILE *out, const char *text, size_t size)
 		}
 }
 
-static void escape_all(FILE *out, const char *text) { escape(out, text ? text : "", text ? strlen(text) : 0); }
+static void escape_all(FILE *out, const char *text)
+{
+	escape(out, text ? text : "", text ? strlen(text) : 0);
+}
 
 static const char style[] =
-	":root{color-scheme:light dark;--ink:#22261f;--soft:#667;--line:#ddd9cf;--page:#fbfaf6;--card:#fff;--good:#19703a;--bad:#a8322a}\n"
-	"@media(prefers-color-scheme:dark){:root{--ink:#e6e4dc;--soft:#9aa;--line:#3a3d38;--page:#181a17;--card:#20231f;--good:#6cc98a;--bad:#f08a80}}\n"
-	"*{box-sizing:border-box}body{font:16px/1.55 system-ui,sans-serif;margin:0 auto;max-width:62rem;padding:1rem;color:var(--ink);background:var(--page)}\n"
-	"h1{font-size:1.6rem;line-height:1.2;margin:.6rem 0}h2{font-size:1.2rem;margin:2.4rem 0 .4rem;padding-top:.8rem;border-top:1px solid var(--line)}\n"
-	"h3{font-size:1.02rem;margin:1.6rem 0 .3rem}p{margin:.6rem 0;max-width:46rem}small,.soft{color:var(--soft)}a{color:inherit}\n"
+	":root{color-scheme:light "
+	"dark;--ink:#22261f;--soft:#667;--line:#ddd9cf;--page:#fbfaf6;--card:#fff;"
+	"--good:#19703a;--bad:#a8322a}\n"
+	"@media(prefers-color-scheme:dark){:root{--ink:#e6e4dc;--soft:#9aa;--line:#3a3d38;--page:#181a17;"
+	"--card:#20231f;--good:#6cc98a;--bad:#f08a80}}\n"
+	"*{box-sizing:border-box}body{font:16px/1.55 system-ui,sans-serif;margin:0 "
+	"auto;max-width:62rem;padding:1rem;color:var(--ink);background:var(--page)}\n"
+	"h1{font-size:1.6rem;line-height:1.2;margin:.6rem 0}h2{font-size:1.2rem;margin:2.4rem 0 "
+	".4rem;padding-top:.8rem;border-top:1px solid var(--line)}\n"
+	"h3{font-size:1.02rem;margin:1.6rem 0 .3rem}p{margin:.6rem "
+	"0;max-width:46rem}small,.soft{color:var(--soft)}a{color:inherit}\n"
 	"nav{display:flex;flex-wrap:wrap;gap:.2rem .9rem;font-size:.9rem;margin:.8rem 0}\n"
-	".wide{overflow-x:auto;margin:.7rem 0}table{border-collapse:collapse;font-size:.86rem;font-variant-numeric:tabular-nums;background:var(--card)}\n"
-	"th,td{padding:.22rem .65rem;border-bottom:1px solid var(--line);text-align:left;white-space:nowrap}th{font-weight:600;vertical-align:bottom;white-space:normal}\n"
-	"td.n,th.n{text-align:right}.good{color:var(--good);font-weight:600}.bad{color:var(--bad);font-weight:600}\n"
-	"figure{margin:1rem 0}img{max-width:100%;height:auto;display:block;border-radius:4px;background:#fff}figcaption{font-size:.86rem;color:var(--soft);margin-top:.3rem}\n"
-	"details{margin:.7rem 0}summary{cursor:pointer;color:var(--soft);font-size:.9rem}.note{border-left:3px solid var(--bad);padding-left:.7rem}\n";
+	".wide{overflow-x:auto;margin:.7rem "
+	"0}"
+	"table{border-collapse:collapse;font-size:.86rem;"
+	"font-variant-numeric:tabular-nums;background:var(--card)}\n"
+	"th,td{padding:.22rem .65rem;border-bottom:1px solid "
+	"var(--line);text-align:left;white-space:nowrap}"
+	"th{font-weight:600;vertical-align:bottom;white-space:normal}\n"
+	"td.n,th.n{text-align:right}.good{color:var(--good);font-weight:600}"
+	".bad{color:var(--bad);font-weight:600}\n"
+	"figure{margin:1rem "
+	"0}img{max-width:100%;height:auto;display:block;border-radius:4px;background:#fff}"
+	"figcaption{font-size:.86rem;color:var(--soft);margin-top:.3rem}\n"
+	"details{margin:.7rem "
+	"0}summary{cursor:pointer;color:var(--soft);font-size:.9rem}.note{border-left:3px solid "
+	"var(--bad);padding-left:.7rem}\n";
 
 static bool looks_like_number(const char *cell, size_t size)
 {
@@ -121,7 +145,10 @@ static bool looks_like_number(const char *cell, size_t size)
 	return digit || size == 0 || (size == 1 && *cell == '-');
 }
 
-static bool is_nan(const char *cell, size_t size) { return (size == 3 && !strncmp(cell, "nan", 3)) || (size == 4 && !strncmp(cell, "-nan", 4)); }
+static bool is_nan(const char *cell, size_t size)
+{
+	return (size == 3 && !strncmp(cell, "nan", 3)) || (size == 4 && !strncmp(cell, "-nan", 4));
+}
 
 /* Where the cell after this one begins, or NULL. */
 static const char *next_cell(const char *at)
@@ -148,7 +175,8 @@ static void print_names(FILE *out, const char *columns, const char *row)
 {
 	for (const char *at = columns; at; at = next_cell(at)) {
 		size_t size = row ? strcspn(row, ",") : 0;
-		fputs(row && (is_nan(row, size) || looks_like_number(row, size)) ? "<th class=\"n\">" : "<th>", out);
+		fputs(row && (is_nan(row, size) || looks_like_number(row, size)) ? "<th class=\"n\">"
+			: "<th>", out);
 		escape(out, at, strcspn(at, ","));
 		row = row ? next_cell(row) : NULL;
 	}
@@ -173,7 +201,8 @@ static void print_table(FILE *out, const json_t *item)
 	if (folded)
 		fprintf(out, "<details><summary>%zu rows</summary>", json_array_size(rows));
 	fputs("<div class=\"wide\"><table><tr>", out);
-	print_names(out, json_string_value(json_object_get(item, "columns")), json_string_value(json_array_get(rows, 0)));
+	print_names(out, json_string_value(json_object_get(item, "columns")),
+		json_string_value(json_array_get(rows, 0)));
 	json_array_foreach(rows, i, row) {
 		fputs("<tr>", out);
 		print_cells(out, json_string_value(row));
@@ -230,7 +259,8 @@ static void print_key(FILE *out, const json_t *key, const json_t *reached, const
 	print_figure(out, json_object_get(key, "value"));
 	fputs("<td>", out);
 	escape_all(out, json_string_value(json_object_get(key, "bar")));
-	fputs(json_is_true(reached) ? "<td class=\"good\">met" : json_is_false(reached) ? "<td class=\"bad\">not met" : "<td>", out);
+	fputs(json_is_true(reached) ? "<td class=\"good\">met" : json_is_false(reached)
+		? "<td class=\"bad\">not met" : "<td>", out);
 	fputs("<td><a href=\"#", out);
 	escape_all(out, section);
 	fputs("\">", out);
@@ -243,13 +273,15 @@ static void print_keys_of(FILE *out, json_t *records, bool barred)
 {
 	size_t i, k, met = 0, all = 0;
 	json_t *record, *key;
-	fprintf(out, "<div class=\"wide\"><table><tr><th>figure<th class=\"n\">measured<th>%s<th><th>section", barred ? "bar" : "what it is");
+	fprintf(out, "<div class=\"wide\"><table><tr><th>figure<th class=\"n\">measured<th>%s<th><th>section",
+		barred ? "bar" : "what it is");
 	json_array_foreach(records, i, record)
 		json_array_foreach(json_object_get(record, "keys"), k, key) {
 			const char *bar = json_string_value(json_object_get(key, "bar"));
 			json_t *reached = bar_reached(bar ? bar : "", json_object_get(key, "value"));
 			if (json_is_boolean(reached) == barred) {
-				print_key(out, key, reached, json_string_value(json_object_get(record, "name")));
+				print_key(out, key, reached,
+					json_string_value(json_object_get(record, "name")));
 				met += json_is_true(reached);
 				all++;
 			}
@@ -278,9 +310,11 @@ static void print_keys(FILE *out, json_t *records)
 }
 
 /* Whether what the section is made of has changed since. */
-static bool is_current(const struct bench *bench, const struct bench_section *const *sections, const json_t *record)
+static bool is_current(const struct bench *bench, const struct bench_section *const *sections,
+	const json_t *record)
 {
-	const char *name = json_string_value(json_object_get(record, "name")), *program = json_string_value(json_object_get(record, "program"));
+	const char *name = json_string_value(json_object_get(record, "name")),
+		*program = json_string_value(json_object_get(record, "program"));
 	char now[17];
 	while (*sections && (!name || strcmp((*sections)->name, name)))
 		sections++;
@@ -290,9 +324,11 @@ static bool is_current(const struct bench *bench, const struct bench_section *co
 	return !strcmp(now, program);
 }
 
-static void print_section(FILE *out, const struct bench *bench, const struct bench_section *const *sections, const json_t *record)
+static void print_section(FILE *out, const struct bench *bench, const struct bench_section *const *sections,
+	const json_t *record)
 {
-	const char *name = json_string_value(json_object_get(record, "name")), *state = json_string_value(json_object_get(record, "state"));
+	const char *name = json_string_value(json_object_get(record, "name")),
+		*state = json_string_value(json_object_get(record, "state"));
 	const char *why = json_string_value(json_object_get(record, "why"));
 	size_t i;
 	json_t *item;
@@ -310,27 +346,38 @@ static void print_section(FILE *out, const struct bench *bench, const struct ben
 		fputs(".</p>\n", out);
 	}
 	if (!is_current(bench, sections, record))
-		fputs("<p class=\"note\">From an earlier build of the program: run it again for figures of this one.</p>\n", out);
+		fputs("<p class=\"note\">From an earlier build of the program: run it again for figures of "
+			"this one.</p>\n", out);
 	if (!json_is_true(json_object_get(record, "full")))
-		fputs("<p class=\"soft\"><small>Quick run: fewer frames, plants or methods than with FULL=1.</small></p>\n", out);
+		fputs("<p class=\"soft\"><small>Quick run: fewer frames, plants or methods than with "
+			"FULL=1.</small></p>\n", out);
 	json_array_foreach(json_object_get(record, "items"), i, item)
 		print_item(out, item);
-	fprintf(out, "<p class=\"soft\"><small>%.0f s in this run; its pieces of work took %.0f s of processor time, those of earlier runs included.</small></p>\n",
-		json_number_value(json_object_get(record, "seconds")), json_number_value(json_object_get(record, "units_cpu_s")));
+	fprintf(out, "<p class=\"soft\"><small>%.0f s in this run; its pieces of work took %.0f s of "
+		"processor time, those of earlier runs included.</small></p>\n",
+		json_number_value(json_object_get(record, "seconds")),
+		json_number_value(json_object_get(record, "units_cpu_s")));
 }
 
-static void print_page(FILE *out, const struct bench *bench, const struct bench_section *const *sections, json_t *records, const json_t *machine)
+static void print_page(FILE *out, const struct bench *bench, const struct bench_section *const *sections,
+	json_t *records, const json_t *machine)
 {
 	size_t i;
 	json_t *record;
-	fprintf(out, "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">"
-		"<title>ecobench</title><style>\n%s</style>\n<h1>ecobench: error against run time</h1>\n", style);
-	fprintf(out, "<p>%s run, %s, ", bench->full ? "Full" : "Quick", json_string_value(json_object_get(machine, "when")));
+	fprintf(out, "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" "
+		"content=\"width=device-width,initial-scale=1\">"
+		"<title>ecobench</title><style>\n%s</style>\n<h1>ecobench: error against run time</h1>\n",
+		style);
+	fprintf(out, "<p>%s run, %s, ", bench->full ? "Full" : "Quick",
+		json_string_value(json_object_get(machine, "when")));
 	escape_all(out, json_string_value(json_object_get(machine, "processor")));
 	fprintf(out, ", %d cores. ", (int)json_integer_value(json_object_get(machine, "cores")));
-	fputs("Vertices are points + 2 \xc2\xb7 lines + 3 \xc2\xb7 triangles, instances counted. P = tp/(tp+fp) and R = tp/(tp+fn) over covered pixels; "
-		"Q = 1 \xe2\x88\x92 \xe2\x88\x9a((1\xe2\x88\x92P)\xc2\xb2 + (1\xe2\x88\x92R)\xc2\xb2); skill is what is won over a plain card that covers every pixel; "
-		"owner_q counts only pixels that show the right plant.</p>\n<nav><a href=\"#bars\">Figures and bars</a>", out);
+	fputs("Vertices are points + 2 \xc2\xb7 lines + 3 \xc2\xb7 triangles, instances counted. P = "
+		"tp/(tp+fp) and R = tp/(tp+fn) over covered pixels; "
+		"Q = 1 \xe2\x88\x92 \xe2\x88\x9a((1\xe2\x88\x92P)\xc2\xb2 + (1\xe2\x88\x92R)\xc2\xb2); "
+		"skill is what is won over a plain card that covers every pixel; "
+		"owner_q counts only pixels that show the right plant.</p>\n<nav><a href=\"#bars\">Figures "
+		"and bars</a>", out);
 	json_array_foreach(records, i, record) {
 		fputs("<a href=\"#", out);
 		escape_all(out, json_string_value(json_object_get(record, "name")));
@@ -357,23 +404,28 @@ static json_t *read_records(const struct bench *bench, const struct bench_sectio
 		snprintf(path, sizeof path, "%s/sections/%s.json", bench->cache, (*sections)->name);
 		json_t *record = bench_json_read(path);
 		const char *name = json_string_value(json_object_get(record, "name"));
-		if (name && !strcmp(name, (*sections)->name) && json_is_array(json_object_get(record, "items")))
+		if (name && !strcmp(name, (*sections)->name)
+				&& json_is_array(json_object_get(record, "items")))
 			json_array_append(records, record);
 		json_decref(record);
 	}
 	return records;
 }
 
-static json_t *summary_of(const struct bench *bench, const struct bench_section *const *sections, json_t *records, json_t *machine)
+static json_t *summary_of(const struct bench *bench, const struct bench_section *const *sections,
+	json_t *records, json_t *machine)
 {
-	json_t *summary = json_object(), *bars = json_object(), *reached = json_object(), *states = json_object(), *record, *key;
+	json_t *summary = json_object(), *bars = json_object(), *reached = json_object(),
+		*states = json_object(), *record, *key;
 	size_t i, k;
 	json_array_foreach(records, i, record) {
 		bool current = is_current(bench, sections, record);
-		json_object_set_new(states, json_string_value(json_object_get(record, "name")), json_pack("{s:O?, s:O?, s:b}", "state",
-			json_object_get(record, "state"), "full", json_object_get(record, "full"), "this_program", (int)current));
+		json_object_set_new(states, json_string_value(json_object_get(record, "name")),
+			json_pack("{s:O?, s:O?, s:b}", "state", json_object_get(record, "state"), "full",
+			json_object_get(record, "full"), "this_program", (int)current));
 		json_array_foreach(json_object_get(record, "keys"), k, key) {
-			const char *name = json_string_value(json_object_get(key, "key")), *bar = json_string_value(json_object_get(key, "bar"));
+			const char *name = json_string_value(json_object_get(key, "key")),
+				*bar = json_string_value(json_object_get(key, "bar"));
 			if (!name || !bar)
 				continue;
 			json_object_set(summary, name, json_object_get(key, "value"));
@@ -388,11 +440,13 @@ static json_t *summary_of(const struct bench *bench, const struct bench_section 
 	return summary;
 }
 
-enum eco_code bench_report_write(struct bench *bench, const struct bench_section *const *sections, struct eco_error *error)
+enum eco_code bench_report_write(struct bench *bench, const struct bench_section *const *sections,
+	struct eco_error *error)
 {
 	char path[PATH], *bytes = NULL;
 	size_t size = 0;
-	json_t *records = read_records(bench, sections), *machine = about(bench), *summary = summary_of(bench, sections, records, machine);
+	json_t *records = read_records(bench, sections), *machine = about(bench),
+		*summary = summary_of(bench, sections, records, machine);
 	FILE *out = open_memstream(&bytes, &size);
 	enum eco_code code = out ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for the report");
 	if (out) {

@@ -1,5 +1,6 @@
-/* See bench_savings.h. Each method is tabulated over lambda: the scale (and with simpler leaves how many elements are drawn) that is best on
- * one set of views, and the Q of that on another. Between lambdas both are interpolated, as a client does. */
+/* See bench_savings.h. Each method is tabulated over lambda: the scale (and with simpler leaves how many
+ * elements are drawn) that is best on one set of views, and the Q of that on another. Between lambdas both
+ * are interpolated, as a client does. */
 #include "tests/bench/bench_savings.h"
 
 #include <math.h>
@@ -22,7 +23,8 @@
 #define KNEE 0.3                 /* lambdas are a constant factor apart below, a constant step above */
 #define FACTOR 1.4
 #define STEP 0.05
-#define FACTOR_QUICK 1.6         /* fewer lambdas: between them Q is interpolated below what it is, and savings with it */
+/* fewer lambdas: between them Q is interpolated below what it is, and savings with it */
+#define FACTOR_QUICK 1.6
 #define STEP_QUICK 0.07
 #define STEPS_MOST 24            /* eighths of an octave about Cook's scale */
 #define WAYS 5                   /* from as they are to as many as can be, as triangles */
@@ -30,27 +32,32 @@
 #define BESIDE_STRIDE 4u
 #define BESIDES ((BENCH_DISTANCES - BESIDE_FIRST + BESIDE_STRIDE - 1) / BESIDE_STRIDE)
 
-const char *const bench_method_names[BENCH_METHODS] = { "stochastic", "density", "orientation", "combined", "greedy at one scale", "greedy",
+const char *const bench_method_names[BENCH_METHODS] = { "stochastic", "density", "orientation", "combined",
+	"greedy at one scale", "greedy",
 	"greedy with simpler leaves" };
 
-struct row { double lambda, step, count, fine, q; int way; };     /* elements [0, fine) as they are, [fine, count) triangles */
+/* elements [0, fine) as they are, [fine, count) triangles */
+struct row { double lambda, step, count, fine, q; int way; };
 
 struct study {
 	struct bench_leaves leaves;
 	struct lod_sights tuning, tests;
 	uint32_t *order[BENCH_METHODS], n;
-	uint64_t *full[BENCH_METHODS], *simple;      /* vertices of the first i of the order; simple: as triangles */
+	/* vertices of the first i of the order; simple: as triangles */
+	uint64_t *full[BENCH_METHODS], *simple;
 	uint8_t *growth;
 	struct lod_simple *triangle, *shape;
 	float *factor;
-	double share, per_pixel;     /* lod_cook_share of a leaf; leaves that a pixel has room for, in the pictures of the measurement */
+	/* lod_cook_share of a leaf; leaves that a pixel has room for, in the pictures of the measurement */
+	double share, per_pixel;
 	struct row rows[BENCH_METHODS][ROWS_MAX];
 	uint32_t row_count;
 };
 
 double bench_distance(enum bench_spacing spacing, uint32_t i)
 {
-	return spacing == BENCH_EVEN ? (double)i / BENCH_DISTANCES : i < 10 ? 0.01 * i : 0.1 + 0.09 * (i - 10);
+	return spacing == BENCH_EVEN ? (double)i / BENCH_DISTANCES : i < 10 ? 0.01 * i
+		: 0.1 + 0.09 * (i - 10);
 }
 
 /* ---- Orders ---- */
@@ -76,16 +83,20 @@ static bool rank_goes_on(void *ctx, double share)
 
 static enum eco_code make_orders(struct bench *bench, struct study *s, struct eco_error *error)
 {
-	static const enum lod_order_method methods[] = { LOD_ORDER_STOCHASTIC, LOD_ORDER_DENSITY, LOD_ORDER_ORIENTATION, LOD_ORDER_COMBINED };
+	static const enum lod_order_method methods[] = { LOD_ORDER_STOCHASTIC, LOD_ORDER_DENSITY,
+		LOD_ORDER_ORIENTATION, LOD_ORDER_COMBINED };
 	const struct lod_foliage *f = &s->leaves.foliage;
 	struct lod_arena *arena = &s->leaves.arena;
 	double *survival = lod_arena_take(arena, f->count, sizeof *survival);
 	for (int m = BENCH_STOCHASTIC; m <= BENCH_COMBINED; m++) {
-		lod_order_survival_by(survival, methods[m], &(struct lod_order_input){ f->count, f->center, f->normal, f->high.z - f->low.z, 1 }, arena);
+		lod_order_survival_by(survival, methods[m],
+			&(struct lod_order_input){ f->count, f->center, f->normal, f->high.z - f->low.z, 1 },
+			arena);
 		s->order[m] = lod_arena_take(arena, f->count, sizeof *s->order[m]);
 		sort_by(s->order[m], survival, f->count, arena);
 	}
-	struct lod_rank_options options = { .seed = 1, .leaves = true, .progress = rank_goes_on, .ctx = bench };
+	struct lod_rank_options options = { .seed = 1, .leaves = true, .progress = rank_goes_on,
+		.ctx = bench };
 	struct lod_rank rank;
 	enum eco_code code = lod_rank_make(&rank, f, &options, arena, error);
 	if (code)
@@ -102,21 +113,24 @@ static void count_vertices(struct study *s)
 	for (int m = 0; m < BENCH_METHODS; m++) {
 		s->full[m] = lod_arena_take(&s->leaves.arena, (size_t)s->n + 1, sizeof *s->full[m]);
 		for (uint32_t k = 0; k < s->n; k++)
-			s->full[m][k + 1] = s->full[m][k] + 3 * (first[s->order[m][k] + 1] - first[s->order[m][k]] - 2);
+			s->full[m][k + 1] = s->full[m][k]
+				+ 3 * (first[s->order[m][k] + 1] - first[s->order[m][k]] - 2);
 	}
 	s->simple = lod_arena_take(&s->leaves.arena, (size_t)s->n + 1, sizeof *s->simple);
 	for (uint32_t k = 0; k < s->n; k++)
 		s->simple[k + 1] = s->simple[k] + 3;
 }
 
-/* What Cook's corrections ask for. Depth complexity: leaves' projected area over what they cover; contrast: how many leaves a pixel has room for. */
+/* What Cook's corrections ask for. Depth complexity: leaves' projected area over what they cover; contrast:
+ * how many leaves a pixel has room for. */
 static void measure_share(struct study *s)
 {
 	const struct lod_foliage *f = &s->leaves.foliage;
 	double projected = 0, covered = 0;
 	for (uint32_t v = 0; v < s->tuning.count; v++) {
 		const struct lod_eye *eye = &s->tuning.eyes[v];
-		struct lod_v3 to = lod_v3_sub(lod_v3_mix(f->low, f->high, 0.5), (struct lod_v3){ eye->at[0], eye->at[1], eye->at[2] });
+		struct lod_v3 to = lod_v3_sub(lod_v3_mix(f->low, f->high, 0.5),
+			(struct lod_v3){ eye->at[0], eye->at[1], eye->at[2] });
 		double away = lod_v3_length(to), pixel = eye->pixel_rad * away;
 		for (uint32_t i = 0; i < f->count; i++)
 			projected += fabs(lod_v3_dot(f->normal[i], to)) / away / (pixel * pixel);
@@ -156,7 +170,8 @@ static struct lod_sights_drawing prepare(struct study *s, enum bench_method meth
 	if (method >= BENCH_TRIANGLES) {
 		for (uint32_t k = 0; k < count; k++) {
 			uint32_t i = drawing.order[k];
-			bool simpler = k >= fine && s->simple[k + 1] - s->simple[k] < s->full[method][k + 1] - s->full[method][k];
+			bool simpler = k >= fine && s->simple[k + 1] - s->simple[k] < s->full[method][k + 1]
+				- s->full[method][k];
 			s->shape[i] = simpler ? s->triangle[i] : (struct lod_simple){ .corners = 0 };
 		}
 		drawing.shape = s->shape;
@@ -165,7 +180,8 @@ static struct lod_sights_drawing prepare(struct study *s, enum bench_method meth
 }
 
 /* Where it is not above `least`, a figure that is not either: views that cannot make it so are not drawn. */
-static double q_of(struct study *s, const struct lod_sights *sights, const struct lod_sights_drawing *drawing, double least)
+static double q_of(struct study *s, const struct lod_sights *sights, const struct lod_sights_drawing *drawing,
+	double least)
 {
 	struct bench_wrong sum = { 0 };
 	double q = 1;
@@ -179,7 +195,8 @@ static double q_of(struct study *s, const struct lod_sights *sights, const struc
 	return q;
 }
 
-static double try_row(struct study *s, enum bench_method method, const struct lod_sights *sights, const struct row *row, double least)
+static double try_row(struct study *s, enum bench_method method, const struct lod_sights *sights,
+	const struct row *row, double least)
 {
 	const struct lod_sights_drawing drawing = prepare(s, method, row);
 	return q_of(s, sights, &drawing, least);
@@ -211,7 +228,8 @@ static void place(const struct study *s, enum bench_method method, struct row *r
 	double most = elements_at(s->simple, s->n, vertices);
 	row->count = row->count * pow(most / fmax(row->count, 1e-9), (double)row->way / (WAYS - 1));
 	uint32_t count = whole(row->count, s->n), low = 0, high = count;
-	while (low < high) {                                 /* the most elements as they are that leave the others room */
+	/* the most elements as they are that leave the others room */
+	while (low < high) {
 		uint32_t middle = (low + high + 1) / 2;
 		if ((double)(s->full[method][middle] + s->simple[count] - s->simple[middle]) <= vertices)
 			low = middle;
@@ -252,7 +270,8 @@ static void fill_row(struct study *s, enum bench_method method, struct row *row,
 	struct row best = { .lambda = row->lambda };
 	double best_q = -INFINITY;
 	int last = method == BENCH_TRIANGLES ? WAYS - 1 : 0;
-	int from = larger && larger->way > 0 ? larger->way - 1 : 0, to = larger && larger->way < last ? larger->way + 1 : last;
+	int from = larger && larger->way > 0 ? larger->way - 1 : 0, to = larger && larger->way < last
+		? larger->way + 1 : last;
 	for (int way = from; way <= to; way++) {
 		struct row one = { .lambda = row->lambda, .way = way, .step = larger ? larger->step : 0 };
 		place(s, method, &one);
@@ -269,7 +288,8 @@ static void fill_row(struct study *s, enum bench_method method, struct row *row,
 static enum eco_code fill_tables(struct bench *bench, struct study *s, struct eco_error *error)
 {
 	double lambda[ROWS_MAX];
-	double least = fmax(LAMBDA_LEAST, 1.0 / s->n), step = bench->full ? STEP : STEP_QUICK, factor = bench->full ? FACTOR : FACTOR_QUICK;
+	double least = fmax(LAMBDA_LEAST, 1.0 / s->n), step = bench->full ? STEP : STEP_QUICK,
+		factor = bench->full ? FACTOR : FACTOR_QUICK;
 	for (double l = 1; l > KNEE + step / 2; l -= step)
 		lambda[s->row_count++] = l;
 	for (double l = KNEE; l > least && s->row_count < ROWS_MAX; l /= factor)
@@ -295,9 +315,9 @@ static struct row reach(const struct study *s, enum bench_method method, double 
 		return rows[i];
 	const struct row *high = &rows[i], *low = &rows[i + 1];
 	double t = high->q > low->q ? (q - low->q) / (high->q - low->q) : 1;
-	return (struct row){ low->lambda + t * (high->lambda - low->lambda), low->step + t * (high->step - low->step),
-		low->count + t * (high->count - low->count), low->fine + t * (high->fine - low->fine),
-		q, high->way };
+	return (struct row){ low->lambda + t * (high->lambda - low->lambda),
+		low->step + t * (high->step - low->step), low->count + t * (high->count - low->count),
+		low->fine + t * (high->fine - low->fine), q, high->way };
 }
 
 /* ---- Owners and colours ---- */
@@ -318,10 +338,12 @@ static double owner_q(double right, double shown, double wanted)
 	return 1 - sqrt((1 - p) * (1 - p) + (1 - r) * (1 - r));
 }
 
-static void add_beside(const struct bench_leaves *leaves, const struct picture *reference, double contrast, struct bench_beside *sum)
+static void add_beside(const struct bench_leaves *leaves, const struct picture *reference, double contrast,
+	struct bench_beside *sum)
 {
 	const struct lod_raster *shown = &leaves->ids;
-	size_t n = (size_t)leaves->pixels * leaves->pixels, covered = 0, wanted = 0, right = 0, either = 0, leafy = 0;
+	size_t n = (size_t)leaves->pixels * leaves->pixels, covered = 0, wanted = 0, right = 0, either = 0,
+		leafy = 0;
 	double mean[3] = { 0, 0, 0 }, square = 0;
 	for (size_t i = 0; i < n; i++)
 		for (int k = 0; k < 3 && reference->owner[i] && reference->owner[i] != BENCH_WOOD; k++) {
@@ -335,7 +357,8 @@ static void add_beside(const struct bench_leaves *leaves, const struct picture *
 		right += a && b && shown->owner[i] == reference->owner[i];
 		either += a || b;
 		for (int k = 0; k < 3 && (a || b); k++) {
-			double is = a ? shown->rgb[3 * i + (size_t)k] : 0, was = b ? reference->rgb[3 * i + (size_t)k] : 0;
+			double is = a ? shown->rgb[3 * i + (size_t)k] : 0,
+				was = b ? reference->rgb[3 * i + (size_t)k] : 0;
 			if (a && shown->owner[i] != BENCH_WOOD && leafy)
 				is = mean[k] / (double)leafy + contrast * (is - mean[k] / (double)leafy);
 			square += (is - was) * (is - was) / (255.0 * 255.0);
@@ -351,16 +374,21 @@ struct beside {                  /* what is summed over views */
 };
 
 /* Cook's with and without his correction of contrast: the better of the two stands. */
-static void compare_beside(struct study *s, const struct bench_reach *at, uint32_t vertices, uint32_t view, struct beside *b)
+static void compare_beside(struct study *s, const struct bench_reach *at, uint32_t vertices, uint32_t view,
+	struct beside *b)
 {
 	bench_leaves_ids(&s->leaves, &s->tests, view, NULL);
 	keep(&s->leaves, &b->reference);
 	for (uint32_t k = 0; k < BESIDES; k++) {
-		uint32_t d = BESIDE_FIRST + k * BESIDE_STRIDE, kept = whole(elements_at(s->full[BENCH_STOCHASTIC], s->n, at->cook_lambda[d] * vertices), s->n);
-		const struct lod_sights_drawing drawing = { .order = s->order[BENCH_STOCHASTIC], .count = kept, .scale = (float)lod_cook_scale(kept, s->n) };
+		uint32_t d = BESIDE_FIRST + k * BESIDE_STRIDE,
+			kept = whole(elements_at(s->full[BENCH_STOCHASTIC], s->n,
+			at->cook_lambda[d] * vertices), s->n);
+		const struct lod_sights_drawing drawing = { .order = s->order[BENCH_STOCHASTIC],
+			.count = kept, .scale = (float)lod_cook_scale(kept, s->n) };
 		bench_leaves_ids(&s->leaves, &s->tests, view, &drawing);
 		add_beside(&s->leaves, &b->reference, 1, &b->cook[0]);
-		add_beside(&s->leaves, &b->reference, lod_cook_contrast(kept, s->n, s->per_pixel), &b->cook[1]);
+		add_beside(&s->leaves, &b->reference, lod_cook_contrast(kept, s->n, s->per_pixel),
+			&b->cook[1]);
 		for (int m = 0; m < BENCH_METHODS; m++) {
 			const struct row row = reach(s, (enum bench_method)m, at->cook_q[d]);
 			const struct lod_sights_drawing ours = prepare(s, (enum bench_method)m, &row);
@@ -370,33 +398,39 @@ static void compare_beside(struct study *s, const struct bench_reach *at, uint32
 	}
 }
 
-static enum eco_code measure_beside(struct bench *bench, struct study *s, struct bench_savings *savings, struct eco_error *error)
+static enum eco_code measure_beside(struct bench *bench, struct study *s, struct bench_savings *savings,
+	struct eco_error *error)
 {
 	const struct bench_reach *at = &savings->at[BENCH_EVEN];
 	struct beside *b = lod_arena_take(&s->leaves.arena, 1, sizeof *b);
 	size_t n = (size_t)PIXELS * PIXELS;
-	b->reference = (struct picture){ lod_arena_take(&s->leaves.arena, n, sizeof(uint64_t)), lod_arena_take(&s->leaves.arena, n, 3) };
+	b->reference = (struct picture){ lod_arena_take(&s->leaves.arena, n, sizeof(uint64_t)),
+		lod_arena_take(&s->leaves.arena, n, 3) };
 	for (uint32_t v = 0; v < s->tests.count; v++) {
 		if (bench_stopped(bench))
 			return eco_fail(error, ECO_INTERRUPTED, "interrupted");
 		compare_beside(s, at, savings->vertices, v, b);
 	}
 	double pictures = (double)s->tests.count * BESIDES;
-	savings->cook = (struct bench_beside){ b->cook[0].owner_q / pictures, fmin(b->cook[0].colour_rms, b->cook[1].colour_rms) / pictures };
+	savings->cook = (struct bench_beside){ b->cook[0].owner_q / pictures,
+		fmin(b->cook[0].colour_rms, b->cook[1].colour_rms) / pictures };
 	for (int m = 0; m < BENCH_METHODS; m++)
-		savings->beside[m] = (struct bench_beside){ b->method[m].owner_q / pictures, b->method[m].colour_rms / pictures };
+		savings->beside[m] = (struct bench_beside){ b->method[m].owner_q / pictures,
+			b->method[m].colour_rms / pictures };
 	return ECO_OK;
 }
 
 /* ---- Protocol ---- */
 
 /* Cook with the area kept, or with the area kept that is expected to be visible, whichever is better. */
-static void measure_cook(struct study *s, enum bench_spacing spacing, uint32_t vertices, struct bench_reach *reach)
+static void measure_cook(struct study *s, enum bench_spacing spacing, uint32_t vertices,
+	struct bench_reach *reach)
 {
 	for (uint32_t d = 0; d < BENCH_DISTANCES; d++) {
 		double lambda = (1 - bench_distance(spacing, d)) * (1 - bench_distance(spacing, d));
 		uint32_t kept = whole(elements_at(s->full[BENCH_STOCHASTIC], s->n, lambda * vertices), s->n);
-		struct lod_sights_drawing drawing = { .order = s->order[BENCH_STOCHASTIC], .count = kept, .scale = (float)lod_cook_scale(kept, s->n) };
+		struct lod_sights_drawing drawing = { .order = s->order[BENCH_STOCHASTIC], .count = kept,
+			.scale = (float)lod_cook_scale(kept, s->n) };
 		double plain = q_of(s, &s->tests, &drawing, -INFINITY);
 		drawing.scale = (float)lod_cook_scale_depth(kept, s->n, s->share);
 		reach->cook_lambda[d] = lambda;
@@ -404,7 +438,8 @@ static void measure_cook(struct study *s, enum bench_spacing spacing, uint32_t v
 	}
 }
 
-static enum eco_code run_study(struct bench *bench, struct study *s, struct bench_savings *savings, struct eco_error *error)
+static enum eco_code run_study(struct bench *bench, struct study *s, struct bench_savings *savings,
+	struct eco_error *error)
 {
 	uint32_t tests = bench->full ? 12 : 6;
 	double directions[12][3];
@@ -415,10 +450,12 @@ static enum eco_code run_study(struct bench *bench, struct study *s, struct benc
 	s->factor = lod_arena_take(&s->leaves.arena, s->n, sizeof *s->factor);
 	s->shape = lod_arena_take(&s->leaves.arena, s->n, sizeof *s->shape);
 	lod_directions_spread(directions, TUNING_VIEWS, TUNING_SEED);
-	code = lod_sights_make(&s->tuning, &s->leaves.foliage, (const double (*)[3])directions, TUNING_VIEWS, PIXELS, &s->leaves.arena, error);
+	code = lod_sights_make(&s->tuning, &s->leaves.foliage, (const double (*)[3])directions, TUNING_VIEWS,
+		PIXELS, &s->leaves.arena, error);
 	lod_directions_spread(directions, tests, TEST_SEED);
 	if (!code)
-		code = lod_sights_make(&s->tests, &s->leaves.foliage, (const double (*)[3])directions, tests, PIXELS, &s->leaves.arena, error);
+		code = lod_sights_make(&s->tests, &s->leaves.foliage, (const double (*)[3])directions, tests,
+			PIXELS, &s->leaves.arena, error);
 	if (code)
 		return code;
 	savings->vertices = (uint32_t)s->full[0][s->n];
@@ -429,12 +466,14 @@ static enum eco_code run_study(struct bench *bench, struct study *s, struct benc
 	for (int i = 0; i < BENCH_SPACINGS * BENCH_METHODS && !code; i++)
 		for (uint32_t d = 0; d < BENCH_DISTANCES; d++) {
 			struct bench_reach *at = &savings->at[i / BENCH_METHODS];
-			at->lambda[i % BENCH_METHODS][d] = reach(s, (enum bench_method)(i % BENCH_METHODS), at->cook_q[d]).lambda;
+			at->lambda[i % BENCH_METHODS][d] = reach(s, (enum bench_method)(i % BENCH_METHODS),
+				at->cook_q[d]).lambda;
 		}
 	return code ? code : measure_beside(bench, s, savings, error);
 }
 
-enum eco_code bench_savings_measure(struct bench *bench, struct bench_savings *savings, struct eco_model *model, struct eco_error *error)
+enum eco_code bench_savings_measure(struct bench *bench, struct bench_savings *savings,
+	struct eco_model *model, struct eco_error *error)
 {
 	struct study *s = calloc(1, sizeof *s);
 	*savings = (struct bench_savings){ 0 };
@@ -450,7 +489,8 @@ enum eco_code bench_savings_measure(struct bench *bench, struct bench_savings *s
 	if (!code) {
 		savings->elements = s->n = s->leaves.foliage.count;
 		if (setjmp(s->leaves.arena.failed))
-			code = eco_fail(error, ECO_NO_MEMORY, "no memory for orders of %u leaves", s->leaves.foliage.count);
+			code = eco_fail(error, ECO_NO_MEMORY, "no memory for orders of %u leaves",
+				s->leaves.foliage.count);
 		else if (s->n >= BENCH_ELEMENTS_LEAST)
 			code = run_study(bench, s, savings, error);
 		bench_leaves_close(&s->leaves);
@@ -479,38 +519,49 @@ static json_t *pack(const struct bench_savings *s)
 {
 	json_t *methods = json_array(), *spacings = json_array();
 	for (int m = 0; m < BENCH_METHODS; m++)
-		json_array_append_new(methods, json_pack("{s:f,s:f}", "owner_q", s->beside[m].owner_q, "colour_rms", s->beside[m].colour_rms));
+		json_array_append_new(methods,
+			json_pack("{s:f,s:f}", "owner_q", s->beside[m].owner_q, "colour_rms",
+			s->beside[m].colour_rms));
 	for (int g = 0; g < BENCH_SPACINGS; g++) {
 		json_t *lambdas = json_array();
 		for (int m = 0; m < BENCH_METHODS; m++)
 			json_array_append_new(lambdas, pack_row(s->at[g].lambda[m]));
-		json_array_append_new(spacings, json_pack("{s:o,s:o,s:o}", "cook_lambda", pack_row(s->at[g].cook_lambda), "cook_q",
+		json_array_append_new(spacings,
+			json_pack("{s:o,s:o,s:o}", "cook_lambda", pack_row(s->at[g].cook_lambda), "cook_q",
 			pack_row(s->at[g].cook_q), "lambda", lambdas));
 	}
-	return json_pack("{s:i,s:i,s:o,s:f,s:f,s:o}", "elements", (int)s->elements, "vertices", (int)s->vertices, "spacings", spacings,
+	return json_pack("{s:i,s:i,s:o,s:f,s:f,s:o}", "elements", (int)s->elements, "vertices",
+		(int)s->vertices, "spacings", spacings,
 		"owner_q", s->cook.owner_q, "colour_rms", s->cook.colour_rms, "methods", methods);
 }
 
-static double number(const json_t *object, const char *name) { return json_number_value(json_object_get(object, name)); }
+static double number(const json_t *object, const char *name)
+{
+	return json_number_value(json_object_get(object, name));
+}
 
 static void unpack(struct bench_savings *s, const json_t *kept)
 {
-	*s = (struct bench_savings){ .elements = (uint32_t)number(kept, "elements"), .vertices = (uint32_t)number(kept, "vertices"),
+	*s = (struct bench_savings){ .elements = (uint32_t)number(kept, "elements"),
+		.vertices = (uint32_t)number(kept, "vertices"),
 		.cook = { number(kept, "owner_q"), number(kept, "colour_rms") } };
 	for (int g = 0; g < BENCH_SPACINGS; g++) {
 		const json_t *spacing = json_array_get(json_object_get(kept, "spacings"), (size_t)g);
 		read_row(json_object_get(spacing, "cook_lambda"), s->at[g].cook_lambda);
 		read_row(json_object_get(spacing, "cook_q"), s->at[g].cook_q);
 		for (int m = 0; m < BENCH_METHODS; m++)
-			read_row(json_array_get(json_object_get(spacing, "lambda"), (size_t)m), s->at[g].lambda[m]);
+			read_row(json_array_get(json_object_get(spacing, "lambda"), (size_t)m),
+				s->at[g].lambda[m]);
 	}
 	for (int m = 0; m < BENCH_METHODS; m++) {
 		const json_t *method = json_array_get(json_object_get(kept, "methods"), (size_t)m);
-		s->beside[m] = (struct bench_beside){ number(method, "owner_q"), number(method, "colour_rms") };
+		s->beside[m] = (struct bench_beside){ number(method, "owner_q"),
+			number(method, "colour_rms") };
 	}
 }
 
-enum eco_code bench_savings_of(struct bench *bench, struct bench_savings *savings, const char *name, const char *path, struct eco_error *error)
+enum eco_code bench_savings_of(struct bench *bench, struct bench_savings *savings, const char *name,
+	const char *path, struct eco_error *error)
 {
 	char unit[96], stamp[32];
 	struct bench_model file = { 0 };

@@ -1,12 +1,13 @@
 /* The scenes that methods are compared on, made when they are first asked for and kept in the cache.
  *
- * Most are of `ecopack generate`, in the sizes of the literature: 640 trees of 10 M triangles, 1,500 palms of 12 M, an outdoor scene of 120 M,
- * 13,000 sunflowers and a maple of 70 M (Deussen 2002, table 1); 1,276 trees of 63 M vertices and 5,000 of 1.3 G (Neubert 2011). `detail`
- * multiplies the leaves until the sum fits. A forest inventory comes from the data folder.
+ * Most are of `ecopack generate`, in the sizes of the literature: 640 trees of 10 M triangles, 1,500 palms of
+ * 12 M, an outdoor scene of 120 M, 13,000 sunflowers and a maple of 70 M (Deussen 2002, table 1); 1,276 trees
+ * of 63 M vertices and 5,000 of 1.3 G (Neubert 2011). `detail` multiplies the leaves until the sum fits. A
+ * forest inventory comes from the data folder.
  *
- * A scene is a folder with scene.json and camera.json, a pack one file per order. Each has a stamp beside it of what it was made from:
- * ecopack itself, what it was told, and the files that it read; a pack's also says what it took and what came of it (a hash). One process
- * makes them at a time. */
+ * A scene is a folder with scene.json and camera.json, a pack one file per order. Each has a stamp beside it
+ * of what it was made from: ecopack itself, what it was told, and the files that it read; a pack's also says
+ * what it took and what came of it (a hash). One process makes them at a time. */
 #include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
@@ -23,7 +24,8 @@
 #define PATH 1024
 
 enum origin { GENERATED, CROWN, SCBI };
-static const struct scene { const char *name; enum origin origin; const char *kind; unsigned plants; double detail; enum bench_quick quick; } scenes[] = {
+static const struct scene { const char *name; enum origin origin; const char *kind; unsigned plants;
+	double detail; enum bench_quick quick; } scenes[] = {
 	{ "crown", CROWN, NULL, 1, 1, BENCH_ALL_ORDERS },
 	{ "trees640", GENERATED, "grove", 640, 1, BENCH_ONE_ORDER },
 	{ "palms", GENERATED, "palms", 1500, 1.16, BENCH_FULL_ONLY },
@@ -33,7 +35,8 @@ static const struct scene { const char *name; enum origin origin; const char *ki
 	{ "trees5000", GENERATED, "grove", 5000, 7, BENCH_ALL_ORDERS },
 	{ "scbi", SCBI, NULL, 0, 1, BENCH_ALL_ORDERS } };
 #define SCENES (sizeof scenes / sizeof *scenes)
-const char *const bench_scene_names[] = { "crown", "trees640", "palms", "outdoor", "sunflowers", "trees1276", "trees5000", "scbi", NULL };
+const char *const bench_scene_names[] = { "crown", "trees640", "palms", "outdoor", "sunflowers", "trees1276",
+	"trees5000", "scbi", NULL };
 
 static const struct scene *find(const char *name)
 {
@@ -73,7 +76,8 @@ static uint64_t stamp_of_file(const char *path)
 	struct stat status;
 	if (stat(path, &status))
 		return 0;
-	uint64_t parts[3] = { (uint64_t)status.st_size, (uint64_t)status.st_mtim.tv_sec, (uint64_t)status.st_mtim.tv_nsec };
+	uint64_t parts[3] = { (uint64_t)status.st_size, (uint64_t)status.st_mtim.tv_sec,
+		(uint64_t)status.st_mtim.tv_nsec };
 	return XXH3_64bits(parts, sizeof parts);
 }
 
@@ -115,8 +119,8 @@ static enum eco_code stamp_write(const char *what, const char *stamp, struct eco
 
 static enum eco_code make_crown(struct bench *bench, const char *folder, struct eco_error *error)
 {
-	static const char scene[] = "{\"name\": \"crown\", \"plants\": {\"tree\": {\"model\": \"crown.obj\"}},\n"
-		" \"instances\": [{\"plant\": \"tree\", \"at\": [0, 0, 0]}]}\n";
+	static const char scene[] = "{\"name\": \"crown\", \"plants\": {\"tree\": {\"model\": "
+		"\"crown.obj\"}},\n \"instances\": [{\"plant\": \"tree\", \"at\": [0, 0, 0]}]}\n";
 	char path[PATH], *text = NULL;
 	size_t size = 0;
 	(void)bench;
@@ -128,9 +132,10 @@ static enum eco_code make_crown(struct bench *bench, const char *folder, struct 
 	fputs("{\"fps\": 1, \"keyframes\": [", out);
 	/* once around, from above down to eye level */
 	for (int i = 0; i <= 16; i++) {
-		double turn = 0.35 + i * 2 * M_PI / 16, r = 26 - 0.45 * i, z = 1.7 + 20 * (16 - i) / 16.0 * (16 - i) / 16.0;
-		fprintf(out, "%s\n  {\"time_s\": %d, \"eye\": [%.2f, %.2f, %.2f], \"target\": [0, 0, 6.5], \"fov_y_deg\": 42}", i ? "," : "", i,
-			r * cos(turn), r * sin(turn), z);
+		double turn = 0.35 + i * 2 * M_PI / 16, r = 26 - 0.45 * i,
+			z = 1.7 + 20 * (16 - i) / 16.0 * (16 - i) / 16.0;
+		fprintf(out, "%s\n  {\"time_s\": %d, \"eye\": [%.2f, %.2f, %.2f], \"target\": [0, 0, 6.5], "
+			"\"fov_y_deg\": 42}", i ? "," : "", i, r * cos(turn), r * sin(turn), z);
 	}
 	fputs("\n]}\n", out);
 	fclose(out);
@@ -145,11 +150,13 @@ static enum eco_code make_scbi(struct bench *bench, const char *folder, struct e
 {
 	char path[PATH];
 	if (!bench->data)
-		return eco_fail(error, ECO_NOT_FOUND, "scbi is a forest inventory of the data folder: give it with --data (make bench DATA=DIR)");
+		return eco_fail(error, ECO_NOT_FOUND, "scbi is a forest inventory of the data folder: give "
+			"it with --data (make bench DATA=DIR)");
 	snprintf(path, sizeof path, "%s/inventories/scbi_stems_2018_utm17n.csv", bench->data);
 	if (access(path, R_OK))
 		return eco_fail(error, ECO_NOT_FOUND, "scbi: %.400s is not there", path);
-	return bench_command(bench, error, "BUILD='%s' OUT='%s' DATA='%s' sh tests/demo/forest_scene.sh", bench->build, folder, bench->data);
+	return bench_command(bench, error, "BUILD='%s' OUT='%s' DATA='%s' sh tests/demo/forest_scene.sh",
+		bench->build, folder, bench->data);
 }
 
 static void scene_stamp(const struct bench *bench, const struct scene *s, char stamp[128])
@@ -160,11 +167,12 @@ static void scene_stamp(const struct bench *bench, const struct scene *s, char s
 		snprintf(path, sizeof path, "%s/inventories/scbi_stems_2018_utm17n.csv", bench->data);
 		data = stamp_of_file(path) ^ XXH3_64bits(bench->data, strlen(bench->data));
 	}
-	snprintf(stamp, 128, "%s %s %u %g %016llx %016llx\n", s->name, s->kind ? s->kind : "-", s->plants, s->detail,
-		(unsigned long long)stamp_of_program(bench), (unsigned long long)data);
+	snprintf(stamp, 128, "%s %s %u %g %016llx %016llx\n", s->name, s->kind ? s->kind : "-", s->plants,
+		s->detail, (unsigned long long)stamp_of_program(bench), (unsigned long long)data);
 }
 
-static enum eco_code make_folder(struct bench *bench, const struct scene *s, char folder[PATH], struct eco_error *error)
+static enum eco_code make_folder(struct bench *bench, const struct scene *s, char folder[PATH],
+	struct eco_error *error)
 {
 	char stamp[128], scene[PATH + 16];
 	snprintf(folder, PATH, "%s/scenes/%s", bench->cache, s->name);
@@ -180,10 +188,11 @@ static enum eco_code make_folder(struct bench *bench, const struct scene *s, cha
 	}
 	bench_progress(bench, 0, s->name);
 	if (!code && s->origin == GENERATED)
-		code = bench_command(bench, error, "'%s/ecopack' generate %s -o '%s' --plants %u --detail %g --quiet", bench->build, s->kind, folder,
-			s->plants, s->detail);
+		code = bench_command(bench, error, "'%s/ecopack' generate %s -o '%s' --plants %u --detail "
+			"%g --quiet", bench->build, s->kind, folder, s->plants, s->detail);
 	else if (!code)
-		code = s->origin == CROWN ? make_crown(bench, folder, error) : make_scbi(bench, folder, error);
+		code = s->origin == CROWN ? make_crown(bench, folder, error)
+			: make_scbi(bench, folder, error);
 	code = code ? code : stamp_write(scene, stamp, error);
 	bench_unlock(locked);
 	return code;
@@ -191,21 +200,23 @@ static enum eco_code make_folder(struct bench *bench, const struct scene *s, cha
 
 /* ---- Packs ---- */
 
-static enum eco_code make_pack(struct bench *bench, const char *name, const char *order, const char *path, const char *stamp,
-	struct eco_error *error)
+static enum eco_code make_pack(struct bench *bench, const char *name, const char *order, const char *path,
+	const char *stamp, struct eco_error *error)
 {
 	char folder[PATH], text[512];
 	double cpu_s = bench_cpu_s(), wall_s = bench_now_s();
 	snprintf(folder, sizeof folder, "%s/scenes/%s", bench->cache, name);
 	bench_note(bench, "building %s%s%s", name, order ? ", leaves in order: " : "", order ? order : "");
-	enum eco_code code = bench_command(bench, error, "'%s/ecopack' make '%s/scene.json' -o '%s'%s%s%s --cache '%s/plants' --cache-mb 16384",
-		bench->build, folder, path, order ? " --order " : "", order ? order : "", bench->state->quiet ? " --quiet" : "", bench->cache);
-	snprintf(text, sizeof text, "%.320sholds %016llx\ntook %.1f %.1f\n", stamp, (unsigned long long)bench_file_hash(path), bench_cpu_s() - cpu_s,
-		bench_now_s() - wall_s);
+	enum eco_code code = bench_command(bench, error, "'%s/ecopack' make '%s/scene.json' -o '%s'%s%s%s "
+		"--cache '%s/plants' --cache-mb 16384", bench->build, folder, path, order ? " --order " : "",
+		order ? order : "", bench->state->quiet ? " --quiet" : "", bench->cache);
+	snprintf(text, sizeof text, "%.320sholds %016llx\ntook %.1f %.1f\n", stamp,
+		(unsigned long long)bench_file_hash(path), bench_cpu_s() - cpu_s, bench_now_s() - wall_s);
 	return code ? code : stamp_write(path, text, error);
 }
 
-enum eco_code bench_scene(struct bench *bench, const char *name, const char *order, char path[512], struct eco_error *error)
+enum eco_code bench_scene(struct bench *bench, const char *name, const char *order, char path[512],
+	struct eco_error *error)
 {
 	const struct scene *s = find(name);
 	char folder[PATH], stamp[256], of_scene[128];
@@ -216,7 +227,8 @@ enum eco_code bench_scene(struct bench *bench, const char *name, const char *ord
 		return code;
 	scene_stamp(bench, s, of_scene);
 	snprintf(stamp, sizeof stamp, "%s %s", order ? order : "-", of_scene);
-	if (snprintf(path, 512, "%s/packs/%s%s%s.eco", bench->cache, name, order ? "-" : "", order ? order : "") >= 512)
+	if (snprintf(path, 512, "%s/packs/%s%s%s.eco", bench->cache, name, order ? "-" : "",
+			order ? order : "") >= 512)
 		return eco_fail(error, ECO_BAD_INPUT, "%s: path too long", bench->cache);
 	if (stamp_fits(bench, path, stamp))
 		return ECO_OK;
@@ -286,7 +298,8 @@ uint32_t bench_scene_views(struct bench *bench, const char *name, struct eco_req
 	uint32_t frames = eco_camera_frame_count(camera);
 	for (uint32_t i = 0; i < room; i++) {
 		requests[i] = (struct eco_request){ .vertices = 1000000, .bytes = ECO_BYTES_UNBOUNDED };
-		eco_camera_frame(camera, room > 1 ? (uint32_t)((uint64_t)i * (frames - 1) / (room - 1)) : 0, &requests[i].view);
+		eco_camera_frame(camera, room > 1 ? (uint32_t)((uint64_t)i * (frames - 1) / (room - 1)) : 0,
+			&requests[i].view);
 		requests[i].view.width = VIEW_WIDTH;
 		requests[i].view.height = VIEW_HEIGHT;
 	}

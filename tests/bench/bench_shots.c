@@ -10,21 +10,28 @@ const struct bench_method bench_methods[BENCH_METHODS] = {
 	[BENCH_OURS] = { .name = "ours", .rule = lod_rule_optimal },
 	[BENCH_DEUSSEN_RULE] = { .name = "Deussen's rule", .rule = lod_rule_deussen },
 	[BENCH_STOCHASTIC] = { .name = "stochastic order", .order = "stochastic", .rule = lod_rule_optimal },
-	[BENCH_UNOCCLUDED] = { .name = "occlusion ignored", .rule = lod_rule_optimal, .ignore_occlusion = true },
-	[BENCH_COMBINED] = { .name = "combined order", .order = "combined", .rule = lod_rule_optimal, .full_only = true },
-	[BENCH_DEUSSEN_2002] = { .name = "Deussen 2002", .order = "stochastic", .rule = lod_rule_deussen, .full_only = true },
-	[BENCH_DENSITY_ORDER] = { .name = "density order", .order = "density", .rule = lod_rule_optimal, .full_only = true },
-	[BENCH_ORIENTATION_ORDER] = { .name = "orientation order", .order = "orientation", .rule = lod_rule_optimal, .full_only = true } };
+	[BENCH_UNOCCLUDED] = { .name = "occlusion ignored", .rule = lod_rule_optimal,
+	.ignore_occlusion = true }, [BENCH_COMBINED] = { .name = "combined order", .order = "combined",
+	.rule = lod_rule_optimal, .full_only = true },
+	[BENCH_DEUSSEN_2002] = { .name = "Deussen 2002", .order = "stochastic", .rule = lod_rule_deussen,
+	.full_only = true }, [BENCH_DENSITY_ORDER] = { .name = "density order", .order = "density",
+	.rule = lod_rule_optimal, .full_only = true },
+	[BENCH_ORIENTATION_ORDER] = { .name = "orientation order", .order = "orientation",
+	.rule = lod_rule_optimal, .full_only = true } };
 
-/* Vertices of the pictures in Deussen 2002, table 1: points + 2 lines + 3 triangles; Neubert 2011 for the 5,000 trees. */
-static const struct { const char *scene; uint64_t vertices[2]; } printed[] = { { "trees640", { 2100000 } }, { "palms", { 1760000 } },
+/* Vertices of the pictures in Deussen 2002, table 1: points + 2 lines + 3 triangles; Neubert 2011 for the
+ * 5,000 trees. */
+static const struct { const char *scene; uint64_t vertices[2]; } printed[] =
+	{ { "trees640", { 2100000 } }, { "palms", { 1760000 } },
 	{ "outdoor", { 2480000 } }, { "sunflowers", { 2190000 } }, { "trees5000", { 5000000, 26000000 } } };
 static const uint64_t quick_budgets[] = { 30000, 100000, 300000, 1000000, 3000000 };
-static const uint64_t full_budgets[] = { 10000, 20000, 50000, 100000, 200000, 500000, 1000000, 2000000, 5000000, 10000000 };
+static const uint64_t full_budgets[] = { 10000, 20000, 50000, 100000, 200000, 500000, 1000000, 2000000,
+	5000000, 10000000 };
 
 #define ONE_TREE 30u              /* a scene of one needs so many times less */
 
-bool bench_shot_scene(struct bench *bench, const char *scene, char pack[512], enum eco_code *code, struct eco_error *error)
+bool bench_shot_scene(struct bench *bench, const char *scene, char pack[512], enum eco_code *code,
+	struct eco_error *error)
 {
 	*code = bench_scene(bench, scene, NULL, pack, error);
 	if (*code != ECO_NOT_FOUND)
@@ -43,7 +50,8 @@ static int ascending(const void *a, const void *b)
 
 uint32_t bench_budgets(const struct bench *bench, const char *scene, uint64_t budgets[BENCH_BUDGETS_MAX])
 {
-	uint32_t count = bench->full ? sizeof full_budgets / sizeof *full_budgets : sizeof quick_budgets / sizeof *quick_budgets, kept = 0;
+	uint32_t count = bench->full ? sizeof full_budgets / sizeof *full_budgets
+		: sizeof quick_budgets / sizeof *quick_budgets, kept = 0;
 	memcpy(budgets, bench->full ? full_budgets : quick_budgets, count * sizeof *budgets);
 	for (uint32_t i = 0; i < count && strcmp(scene, "crown") == 0; i++)
 		budgets[i] /= ONE_TREE;
@@ -57,10 +65,12 @@ uint32_t bench_budgets(const struct bench *bench, const char *scene, uint64_t bu
 	return kept;
 }
 
-uint32_t bench_shot_views(struct bench *bench, const char *scene, struct eco_request requests[BENCH_SHOT_VIEWS_MAX])
+uint32_t bench_shot_views(struct bench *bench, const char *scene,
+	struct eco_request requests[BENCH_SHOT_VIEWS_MAX])
 {
 	bool slow = strcmp(scene, "trees5000") == 0;
-	uint32_t wanted = bench->full ? slow ? 4 : 8 : slow ? 2 : 3, count = bench_scene_views(bench, scene, requests, wanted);
+	uint32_t wanted = bench->full ? slow ? 4 : 8 : slow ? 2 : 3,
+		count = bench_scene_views(bench, scene, requests, wanted);
 	for (uint32_t i = 0; i < count; i++) {
 		requests[i].view.width = BENCH_SHOT_WIDTH;
 		requests[i].view.height = BENCH_SHOT_HEIGHT;
@@ -110,8 +120,8 @@ static json_t *row_of(const struct bench_frame *frame)
 	return row;
 }
 
-static enum eco_code shoot(struct bench *bench, const char *scene, const struct bench_method *method, const struct eco_request *request,
-	const char *pack, json_t **rows, struct eco_error *error)
+static enum eco_code shoot(struct bench *bench, const char *scene, const struct bench_method *method,
+	const struct eco_request *request, const char *pack, json_t **rows, struct eco_error *error)
 {
 	uint64_t budgets[BENCH_BUDGETS_MAX];
 	uint32_t count = bench_budgets(bench, scene, budgets);
@@ -122,10 +132,12 @@ static enum eco_code shoot(struct bench *bench, const char *scene, const struct 
 		code = bench_client_reference(client, request, &reference_ms, error);
 	json_t *made = json_array();
 	for (uint32_t i = 0; i < count && !code; i++) {
-		struct bench_frame frame = { .method = method->name, .rule = method->rule, .ignore_occlusion = method->ignore_occlusion,
+		struct bench_frame frame = { .method = method->name, .rule = method->rule,
+			.ignore_occlusion = method->ignore_occlusion,
 			.request = *request };
 		frame.request.vertices = budgets[i];
-		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : bench_client_frame(client, &frame, NULL, error);
+		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
+			: bench_client_frame(client, &frame, NULL, error);
 		if (!code)
 			json_array_append_new(made, row_of(&frame));
 	}
@@ -137,7 +149,8 @@ static enum eco_code shoot(struct bench *bench, const char *scene, const struct 
 	return code;
 }
 
-enum eco_code bench_shots(struct bench *bench, const char *scene, uint32_t method, uint32_t view, json_t **rows, struct eco_error *error)
+enum eco_code bench_shots(struct bench *bench, const char *scene, uint32_t method, uint32_t view,
+	json_t **rows, struct eco_error *error)
 {
 	const struct bench_method *m = &bench_methods[method];
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
@@ -145,13 +158,14 @@ enum eco_code bench_shots(struct bench *bench, const char *scene, uint32_t metho
 	enum eco_code code = bench_scene(bench, scene, m->order, pack, error);
 	if (code)
 		return code;
-	const char *before = bench_objects(bench, BENCH_OBJECTS_FRAMES "tests/bench/bench_frame.o tests/bench/bench_shots.o");
+	const char *before = bench_objects(bench, BENCH_OBJECTS_FRAMES
+		"tests/bench/bench_frame.o tests/bench/bench_shots.o");
 	snprintf(name, sizeof name, "shots-%s-%u-%u-%s", scene, method, view, bench->full ? "full" : "quick");
 	*rows = bench_recall(bench, name, bench_pack_stamp(pack));
 	if (!*rows) {
 		uint32_t count = bench_shot_views(bench, scene, requests);
-		code = view < count ? shoot(bench, scene, m, &requests[view], pack, rows, error) : eco_fail(error, ECO_NOT_FOUND, "%s has %u views",
-			scene, count);
+		code = view < count ? shoot(bench, scene, m, &requests[view], pack, rows, error)
+			: eco_fail(error, ECO_NOT_FOUND, "%s has %u views", scene, count);
 		if (!code)
 			*rows = bench_keep(bench, name, bench_pack_stamp(pack), *rows);
 	}

@@ -1,4 +1,5 @@
-/* Frames of a scene by a method: what sections on whole pictures have in common, so that none is drawn twice. */
+/* Frames of a scene by a method: what sections on whole pictures have in common, so that none is drawn twice.
+ */
 #ifndef TESTS_BENCH_SHOTS_H
 #define TESTS_BENCH_SHOTS_H
 
@@ -16,24 +17,29 @@ struct bench_method {
 	bool ignore_occlusion;
 	bool full_only;
 };
-enum { BENCH_OURS, BENCH_DEUSSEN_RULE, BENCH_STOCHASTIC, BENCH_UNOCCLUDED, BENCH_COMBINED, BENCH_DEUSSEN_2002, BENCH_DENSITY_ORDER,
-	BENCH_ORIENTATION_ORDER, BENCH_METHODS };
+enum { BENCH_OURS, BENCH_DEUSSEN_RULE, BENCH_STOCHASTIC, BENCH_UNOCCLUDED, BENCH_COMBINED, BENCH_DEUSSEN_2002,
+	BENCH_DENSITY_ORDER, BENCH_ORIENTATION_ORDER, BENCH_METHODS };
 extern const struct bench_method bench_methods[BENCH_METHODS];
 
-/* False where the scene needs data that is not there: the report says so, and it is no error. Else *code is that of making its pack. */
-bool bench_shot_scene(struct bench *bench, const char *scene, char pack[512], enum eco_code *code, struct eco_error *error);
+/* False where the scene needs data that is not there: the report says so, and it is no error. Else *code is
+ * that of making its pack. */
+bool bench_shot_scene(struct bench *bench, const char *scene, char pack[512], enum eco_code *code,
+	struct eco_error *error);
 
 /* Vertices, ascending: a common grid, and what the literature drew of this scene. */
 uint32_t bench_budgets(const struct bench *bench, const char *scene, uint64_t budgets[BENCH_BUDGETS_MAX]);
-/* How many views of a scene this run looks at, at most BENCH_SHOT_VIEWS_MAX; their requests are those of bench_scene_views, at our size. */
-uint32_t bench_shot_views(struct bench *bench, const char *scene, struct eco_request requests[BENCH_SHOT_VIEWS_MAX]);
+/* How many views of a scene this run looks at, at most BENCH_SHOT_VIEWS_MAX; their requests are those of
+ * bench_scene_views, at our size. */
+uint32_t bench_shot_views(struct bench *bench, const char *scene,
+	struct eco_request requests[BENCH_SHOT_VIEWS_MAX]);
 /* Eye level, or from above: looking down by more than 12 degrees. */
 bool bench_view_aerial(const struct eco_view *view);
 
-/* All budgets of one view: an array of objects, in the order of bench_budgets, with vertices, bytes, plan_bytes, q, p, r, wrong (pixels),
- * skill, owner_q, colour, predicted_q, plan_ms, decode_ms, draw_ms. Borrowed; done if it is not there yet. ECO_NOT_FOUND where the scene
- * needs data that is not there. */
-enum eco_code bench_shots(struct bench *bench, const char *scene, uint32_t method, uint32_t view, json_t **rows, struct eco_error *error);
+/* All budgets of one view: an array of objects, in the order of bench_budgets, with vertices, bytes,
+ * plan_bytes, q, p, r, wrong (pixels), skill, owner_q, colour, predicted_q, plan_ms, decode_ms, draw_ms.
+ * Borrowed; done if it is not there yet. ECO_NOT_FOUND where the scene needs data that is not there. */
+enum eco_code bench_shots(struct bench *bench, const char *scene, uint32_t method, uint32_t view,
+	json_t **rows, struct eco_error *error);
 double bench_shot_number(const json_t *row, const char *key);        /* NaN where there is none */
 void bench_shot_set(json_t *row, const char *key, double value);     /* null where it is not finite */
 

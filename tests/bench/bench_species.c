@@ -1,15 +1,17 @@
-/* Geometry saved against Cook's stochastic simplification at equal quality, species by species: Neubert's protocol (2011, section 5) for the
- * orders of that paper and for ours. bench_savings.h says how. */
+/* Geometry saved against Cook's stochastic simplification at equal quality, species by species: Neubert's
+ * protocol (2011, section 5) for the orders of that paper and for ours. bench_savings.h says how. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "tests/bench/bench_savings.h"
 
-#define READ_QUICK 12u           /* plants of the data folder, in the quick bench: those with the fewest leaves */
+/* plants of the data folder, in the quick bench: those with the fewest leaves */
+#define READ_QUICK 12u
 #define MADE_QUICK 2u            /* generated ones */
 
-struct totals { double mean[BENCH_SPACINGS][BENCH_METHODS], total[BENCH_SPACINGS][BENCH_METHODS]; uint32_t count; };
+struct totals { double mean[BENCH_SPACINGS][BENCH_METHODS], total[BENCH_SPACINGS][BENCH_METHODS];
+	uint32_t count; };
 
 struct worst { double mean, total; char mean_of[64], total_of[64]; };
 
@@ -45,8 +47,10 @@ static void add(struct summary *sum, const struct bench_model *model, const stru
 		sum->saved[m][d] += 1 - s->at[BENCH_EVEN].lambda[m][d] / s->at[BENCH_EVEN].cook_lambda[d];
 	}
 	for (int g = 0; g < BENCH_SPACINGS; g++) {
-		note_least(&sum->worst[g].mean, sum->worst[g].mean_of, bench_saving_mean(s, (enum bench_spacing)g, BENCH_TRIANGLES), model->name);
-		note_least(&sum->worst[g].total, sum->worst[g].total_of, bench_saving_total(s, (enum bench_spacing)g, BENCH_TRIANGLES), model->name);
+		note_least(&sum->worst[g].mean, sum->worst[g].mean_of,
+			bench_saving_mean(s, (enum bench_spacing)g, BENCH_TRIANGLES), model->name);
+		note_least(&sum->worst[g].total, sum->worst[g].total_of,
+			bench_saving_total(s, (enum bench_spacing)g, BENCH_TRIANGLES), model->name);
 	}
 	for (int m = BENCH_PRUNED; m <= BENCH_TRIANGLES; m++) {
 		sum->owner_worse = fmax(sum->owner_worse, s->cook.owner_q - s->beside[m].owner_q);
@@ -62,21 +66,28 @@ static void write_rows(const struct tables *t, const struct bench_model *model, 
 	for (int m = 0; m < BENCH_METHODS; m++)
 		for (int g = 0; g < BENCH_SPACINGS; g++) {
 			const struct bench_reach *at = &s->at[g];
-			percent[m][g][0] = 100 * bench_saving_mean(s, (enum bench_spacing)g, (enum bench_method)m);
-			percent[m][g][1] = 100 * bench_saving_total(s, (enum bench_spacing)g, (enum bench_method)m);
+			percent[m][g][0] = 100 * bench_saving_mean(s, (enum bench_spacing)g,
+				(enum bench_method)m);
+			percent[m][g][1] = 100 * bench_saving_total(s, (enum bench_spacing)g,
+				(enum bench_method)m);
 			for (uint32_t d = 0; d < BENCH_DISTANCES; d++)
-				bench_table_row(t->curves, "%s,%s,%s,%.2f,%.4f,%.4f,%.5f", model->name, bench_method_names[m], g == BENCH_EVEN ? "even" : "paper's",
-					bench_distance((enum bench_spacing)g, d), at->cook_lambda[d], at->cook_q[d], at->lambda[m][d]);
+				bench_table_row(t->curves, "%s,%s,%s,%.2f,%.4f,%.4f,%.5f", model->name,
+					bench_method_names[m], g == BENCH_EVEN ? "even" : "paper's",
+					bench_distance((enum bench_spacing)g, d), at->cook_lambda[d],
+					at->cook_q[d], at->lambda[m][d]);
 		}
 	for (int m = 0; m < BENCH_METHODS; m++)
-		bench_table_row(t->all, "%s,%s,%u,%u,%s,%.1f,%.1f,%.1f,%.1f,%.3f,%.3f,%.3f,%.3f", model->name, model->generated ? "yes" : "no", s->elements,
-			s->vertices, bench_method_names[m], percent[m][0][0], percent[m][0][1], percent[m][1][0], percent[m][1][1],
+		bench_table_row(t->all, "%s,%s,%u,%u,%s,%.1f,%.1f,%.1f,%.1f,%.3f,%.3f,%.3f,%.3f", model->name,
+			model->generated ? "yes" : "no", s->elements, s->vertices, bench_method_names[m],
+			percent[m][0][0], percent[m][0][1], percent[m][1][0], percent[m][1][1],
 			s->beside[m].owner_q, s->cook.owner_q, s->beside[m].colour_rms, s->cook.colour_rms);
-	bench_table_row(t->ours, "%s,%u,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f", model->name, s->elements,
-		percent[BENCH_PRUNED][0][0], percent[BENCH_PRUNED][0][1], percent[BENCH_TRIANGLES][0][0], percent[BENCH_TRIANGLES][0][1],
-		percent[BENCH_PRUNED][1][0], percent[BENCH_PRUNED][1][1], percent[BENCH_TRIANGLES][1][0], percent[BENCH_TRIANGLES][1][1],
-		s->beside[BENCH_PRUNED].owner_q, s->beside[BENCH_TRIANGLES].owner_q, s->cook.owner_q, s->beside[BENCH_PRUNED].colour_rms,
-		s->beside[BENCH_TRIANGLES].colour_rms, s->cook.colour_rms);
+	bench_table_row(t->ours, "%s,%u,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.3f,%.3f,%.3f,%.3f,%.3f,"
+		"%.3f", model->name, s->elements, percent[BENCH_PRUNED][0][0], percent[BENCH_PRUNED][0][1],
+		percent[BENCH_TRIANGLES][0][0], percent[BENCH_TRIANGLES][0][1], percent[BENCH_PRUNED][1][0],
+		percent[BENCH_PRUNED][1][1], percent[BENCH_TRIANGLES][1][0], percent[BENCH_TRIANGLES][1][1],
+		s->beside[BENCH_PRUNED].owner_q, s->beside[BENCH_TRIANGLES].owner_q, s->cook.owner_q,
+		s->beside[BENCH_PRUNED].colour_rms, s->beside[BENCH_TRIANGLES].colour_rms,
+		s->cook.colour_rms);
 }
 
 static double percent(const struct totals *t, const double *sums, int method)
@@ -87,30 +98,45 @@ static double percent(const struct totals *t, const double *sums, int method)
 static void write_means(struct bench *bench, const struct summary *sum)
 {
 	static const char *const printed[BENCH_METHODS] = { "10.1", "17.4", "40.7", "30.1", "-", "-", "-" };
-	struct bench_table *table = bench_table_open(bench, "species_means", "order (each with its best scale),mean of savings %,of all vertices %,"
-		"paper's distances: mean %,paper's distances: of all vertices %,generated plants: mean %,generated plants: of all vertices %,"
+	struct bench_table *table = bench_table_open(bench, "species_means",
+		"order (each with its best scale),mean of savings %,of all vertices %,"
+		"paper's distances: mean %,paper's distances: of all vertices %,generated plants: mean "
+		"%,generated plants: of all vertices %,"
 		"Neubert 2011 table 2 %", true);
 	for (int m = 0; m < BENCH_METHODS; m++)
-		bench_table_row(table, "%s,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%s", bench_method_names[m], percent(&sum->read, sum->read.mean[BENCH_EVEN], m),
-			percent(&sum->read, sum->read.total[BENCH_EVEN], m), percent(&sum->read, sum->read.mean[BENCH_NEAR], m),
-			percent(&sum->read, sum->read.total[BENCH_NEAR], m), percent(&sum->made, sum->made.mean[BENCH_EVEN], m),
+		bench_table_row(table, "%s,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%s", bench_method_names[m],
+			percent(&sum->read, sum->read.mean[BENCH_EVEN], m),
+			percent(&sum->read, sum->read.total[BENCH_EVEN], m),
+			percent(&sum->read, sum->read.mean[BENCH_NEAR], m),
+			percent(&sum->read, sum->read.total[BENCH_NEAR], m),
+			percent(&sum->made, sum->made.mean[BENCH_EVEN], m),
 			percent(&sum->made, sum->made.total[BENCH_EVEN], m), printed[m]);
 	bench_table_close(table);
-	bench_say(bench, "Means over %u species (and %u generated ones). Two ways to space the 20 distances stand side by side: evenly over [0, "
+	bench_say(bench, "Means over %u species (and %u generated ones). Two ways to space the 20 distances "
+		"stand side by side: evenly over [0, "
 		"1), which "
-		"weighs a plant at any distance alike and is what the bars are about; and the points at which the paper tabulates its curves, ten of "
-		"them within [0, 0.1), where Cook draws over 81 %% of all vertices and hardly anything can be saved at equal quality. The paper's points "
+		"weighs a plant at any distance alike and is what the bars are about; and the points at "
+		"which the paper tabulates its curves, ten of "
+		"them within [0, 0.1), where Cook draws over 81 %% of all vertices and hardly anything can "
+		"be saved at equal quality. The paper's points "
 		"say where its table is fine, not where plants stand.", sum->read.count, sum->made.count);
-	bench_say(bench, "The paper's four rows are of one camera path through 1,276 trees of its own, with depth d normalised by a distance that it "
-		"does not give, and its Cook keeps areas only. Here Cook has the better of 1/lambda and of the scale that corrects for depth "
+	bench_say(bench, "The paper's four rows are of one camera path through 1,276 trees of its own, with "
+		"depth d normalised by a distance that it "
+		"does not give, and its Cook keeps areas only. Here Cook has the better of 1/lambda and of "
+		"the scale that corrects for depth "
 		"complexity; lambda "
-		"is over foliage alone, so that wood does not dilute savings; and all distances weigh alike. Density and orientation (the paper's "
-		"\"silhouette\") take whole regions out: on crowns in which every leaf shows that opens holes, which random thinning does not, and they "
+		"is over foliage alone, so that wood does not dilute savings; and all distances weigh "
+		"alike. Density and orientation (the paper's "
+		"\"silhouette\") take whole regions out: on crowns in which every leaf shows that opens "
+		"holes, which random thinning does not, and they "
 		"fall behind what they save on the paper's closed crowns of many small leaves.");
-	bench_say(bench, "Owners and colours at equal Q, ours against Cook's (means over distances): owner Q at most %.3f lower, RMS colour error at "
-		"most %.3f higher on any species. An owner here is a single leaf. Colours are those of facing the eye; Cook's are the better of with and "
+	bench_say(bench, "Owners and colours at equal Q, ours against Cook's (means over distances): owner "
+		"Q at most %.3f lower, RMS colour error at "
+		"most %.3f higher on any species. An owner here is a single leaf. Colours are those of "
+		"facing the eye; Cook's are the better of with and "
 		"without the correction of contrast.", fmax(0, sum->owner_worse), fmax(0, sum->colour_worse));
-	bench_say(bench, "What is drawn in place of several leaves hides whose pixels they are. For four of sixteen species Cook's owner Q is out of reach "
+	bench_say(bench, "What is drawn in place of several leaves hides whose pixels they are. For four of "
+		"sixteen species Cook's owner Q is out of reach "
 		"where so much is saved, which was proved (lod/EXPERIMENTS.md, \"Owners and colours\").");
 }
 
@@ -125,46 +151,67 @@ static enum eco_code plot_means(struct bench *bench, const struct summary *sum, 
 		}
 		series[m] = (struct bench_series){ bench_method_names[m], x, y[m], BENCH_DISTANCES, false };
 	}
-	return bench_plot(bench, &(struct bench_plot){ .name = "species-savings", .title = "Geometry saved against Cook at equal Q, mean over species",
-		.x = "distance d; Cook draws (1-d)^2 of the vertices", .y = "saved, %", .series = series, .series_count = BENCH_METHODS }, error);
+	return bench_plot(bench,
+		&(struct bench_plot){ .name = "species-savings", .title = "Geometry saved against Cook at "
+		"equal Q, mean over species",
+		.x = "distance d; Cook draws (1-d)^2 of the vertices", .y = "saved, %", .series = series,
+		.series_count = BENCH_METHODS }, error);
 }
 
 static void write_keys(struct bench *bench, const struct summary *sum)
 {
-	static const struct { const char *key, *near, *bar; enum bench_method method; bool total, worst; } keys[] = {
-		{ "saving_pruned_mean", "saving_pruned_mean_near", ">= 0.76: mean over species, leaves as they are", BENCH_PRUNED, false, false },
-		{ "saving_pruned_total", "saving_pruned_total_near", ">= 0.60: of all vertices, leaves as they are", BENCH_PRUNED, true, false },
-		{ "saving_mean", "saving_mean_near", ">= 0.85: mean over species, simpler leaves too", BENCH_TRIANGLES, false, false },
-		{ "saving_total", "saving_total_near", ">= 0.70: of all vertices, simpler leaves too", BENCH_TRIANGLES, true, false },
-		{ "saving_worst_mean", "saving_worst_mean_near", ">= 0.65: the worst species, simpler leaves too", BENCH_TRIANGLES, false, true },
-		{ "saving_worst_total", "saving_worst_total_near", ">= 0.50: of all vertices of the worst species", BENCH_TRIANGLES, true, true } };
+	static const struct { const char *key, *near, *bar; enum bench_method method; bool total, worst;
+		} keys[] = {
+		{ "saving_pruned_mean", "saving_pruned_mean_near",
+			">= 0.76: mean over species, leaves as they are", BENCH_PRUNED, false, false },
+		{ "saving_pruned_total", "saving_pruned_total_near",
+		">= 0.60: of all vertices, leaves as they are", BENCH_PRUNED, true, false },
+		{ "saving_mean", "saving_mean_near", ">= 0.85: mean over species, simpler leaves too",
+		BENCH_TRIANGLES, false, false },
+		{ "saving_total", "saving_total_near", ">= 0.70: of all vertices, simpler leaves too",
+		BENCH_TRIANGLES, true, false },
+		{ "saving_worst_mean", "saving_worst_mean_near", ">= 0.65: the worst species, simpler "
+		"leaves too", BENCH_TRIANGLES, false, true },
+		{ "saving_worst_total", "saving_worst_total_near",
+		">= 0.50: of all vertices of the worst species", BENCH_TRIANGLES, true, true } };
 	const struct totals *t = &sum->read;
 	bool any = t->count > 0;
 	for (int i = 0; i < BENCH_SPACINGS * (int)(sizeof keys / sizeof *keys); i++) {
 		int g = i / (int)(sizeof keys / sizeof *keys), k = i % (int)(sizeof keys / sizeof *keys);
 		const struct worst *w = &sum->worst[g];
-		double mean = percent(t, keys[k].total ? t->total[g] : t->mean[g], keys[k].method) / 100, least = keys[k].total ? w->total : w->mean;
-		bench_key(bench, g == BENCH_EVEN ? keys[k].key : keys[k].near, !any ? NAN : keys[k].worst ? least : mean,
-			g == BENCH_EVEN ? keys[k].bar : "beside it: the distances of the paper's table");
+		double mean = percent(t, keys[k].total ? t->total[g] : t->mean[g], keys[k].method) / 100,
+			least = keys[k].total ? w->total : w->mean;
+		bench_key(bench, g == BENCH_EVEN ? keys[k].key : keys[k].near, !any ? NAN : keys[k].worst
+			? least : mean, g == BENCH_EVEN ? keys[k].bar
+			: "beside it: the distances of the paper's table");
 	}
 	bench_key(bench, "saving_species", t->count, "species that count");
-	bench_key(bench, "saving_owner_q_lost", any ? fmax(0, sum->owner_worse) : NAN, "<= 0: owner Q below Cook's at equal Q, worst species");
-	bench_key(bench, "saving_colour_lost", any ? fmax(0, sum->colour_worse) : NAN, "<= 0: colour RMS above Cook's at equal Q, worst species");
+	bench_key(bench, "saving_owner_q_lost", any ? fmax(0, sum->owner_worse) : NAN,
+		"<= 0: owner Q below Cook's at equal Q, worst species");
+	bench_key(bench, "saving_colour_lost", any ? fmax(0, sum->colour_worse) : NAN,
+		"<= 0: colour RMS above Cook's at equal Q, worst species");
 	if (any)
-		bench_say(bench, "Fewest saved, leaves simplified: %.0f %% mean (%s), %.0f %% of all vertices (%s).", 100 * sum->worst[BENCH_EVEN].mean,
-			sum->worst[BENCH_EVEN].mean_of, 100 * sum->worst[BENCH_EVEN].total, sum->worst[BENCH_EVEN].total_of);
+		bench_say(bench, "Fewest saved, leaves simplified: %.0f %% mean (%s), %.0f %% of all "
+			"vertices (%s).", 100 * sum->worst[BENCH_EVEN].mean, sum->worst[BENCH_EVEN].mean_of,
+			100 * sum->worst[BENCH_EVEN].total, sum->worst[BENCH_EVEN].total_of);
 }
 
 static struct tables open_tables(struct bench *bench)
 {
 	return (struct tables){
-		.ours = bench_table_open(bench, "species", "plant,leaves,pruned: mean %,pruned: of all vertices %,simpler leaves: mean %,"
-			"simpler leaves: of all vertices %,paper's distances; pruned: mean %,paper's; pruned: of all vertices %,paper's; simpler leaves: mean %,"
-			"paper's; simpler leaves: of all vertices %,owner Q: pruned,owner Q: simpler leaves,owner Q: Cook's,"
+		.ours = bench_table_open(bench, "species", "plant,leaves,pruned: mean %,pruned: of all "
+			"vertices %,simpler leaves: mean %,"
+			"simpler leaves: of all vertices %,paper's distances; pruned: mean %,paper's; "
+			"pruned: of all vertices %,paper's; simpler leaves: mean %,"
+			"paper's; simpler leaves: of all vertices %,owner Q: pruned,owner Q: simpler "
+			"leaves,owner Q: Cook's,"
 			"colour RMS: pruned,colour RMS: simpler leaves,colour RMS: Cook's", true),
-		.all = bench_table_open(bench, "species_orders", "plant,generated,leaves,vertices,order,saved: mean %,saved: of all vertices %,paper's "
-			"distances: mean %,paper's distances: of all vertices %,owner Q,owner Q of Cook's,colour RMS,colour RMS of Cook's", false),
-		.curves = bench_table_open(bench, "species_curves", "plant,order,distances,distance,lambda of Cook,Q of Cook,lambda of the same Q", false) };
+		.all = bench_table_open(bench, "species_orders", "plant,generated,leaves,vertices,order,"
+		"saved: mean %,saved: of all vertices %,paper's "
+			"distances: mean %,paper's distances: of all vertices %,owner Q,owner Q of "
+			"Cook's,colour RMS,colour RMS of Cook's", false),
+		.curves = bench_table_open(bench, "species_curves",
+		"plant,order,distances,distance,lambda of Cook,Q of Cook,lambda of the same Q", false) };
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
@@ -172,7 +219,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	struct bench_model *models = NULL;
 	uint32_t count = 0;
 	struct summary *sum = calloc(1, sizeof *sum);
-	enum eco_code code = sum ? bench_models(bench, &models, &count, error) : eco_fail(error, ECO_NO_MEMORY, "no memory for savings");
+	enum eco_code code = sum ? bench_models(bench, &models, &count, error)
+		: eco_fail(error, ECO_NO_MEMORY, "no memory for savings");
 	if (code) {
 		free(sum);
 		return code;
@@ -184,11 +232,13 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	for (uint32_t i = 0; i < count && !code; i++) {
 		struct bench_savings s;
 		const struct bench_model *model = &models[i];
-		bool enough = model->generated ? sum->made.count == MADE_QUICK : sum->read.count == READ_QUICK;
+		bool enough = model->generated ? sum->made.count == MADE_QUICK : sum->read.count
+			== READ_QUICK;
 		if (model->leaves < BENCH_ELEMENTS_LEAST || (enough && !bench->full))
 			continue;
 		bench_progress(bench, (double)i / count, model->name);
-		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : bench_savings_of(bench, &s, model->name, model->path, error);
+		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
+			: bench_savings_of(bench, &s, model->name, model->path, error);
 		if (code || s.elements < BENCH_ELEMENTS_LEAST)
 			continue;
 		add(sum, model, &s);

@@ -1,16 +1,23 @@
-/* What moves in a picture that should stand still: slow cameras, a plan for every frame, and beside each picture the full detail of the
- * same view. Two measures (Neubert 2011, section 4.3 fights the same with hysteresis, which a stateless server does not have):
+/* What moves in a picture that should stand still: slow cameras, a plan for every frame, and beside each
+ * picture the full detail of the same view. Two measures (Neubert 2011, section 4.3 fights the same with
+ * hysteresis, which a stateless server does not have):
  *
- *   pixels    that change from one frame to the next, over those that change in full detail: leaves move against each other there too. What
+ *   pixels    that change from one frame to the next, over those that change in full detail: leaves move
+ *             against each other there too. What
  *             changes only in ours is shown beside it
- *   switches  the share of like plants (one model, in view in both frames) whose cuts change from one frame to the next, be it by one
- *             leaf; the worst frame counts. A plant that is drawn in parts, as near ones are, counts with the part that changes. Leaves
- *             that grow by less than a sixteenth of their area blend, and do not switch. Where only few of a model are in view a single
- *             plant would be a large share: those do not count. Plants of a model at all distances are like here, as few are at one distance;
- *             beside it stands the same for those within an octave of distance, and how many change by more than an eighth of what they draw
+ *   switches the share of like plants (one model, in view in both frames) whose cuts change from one frame to
+ *   the next, be it by one
+ *             leaf; the worst frame counts. A plant that is drawn in parts, as near ones are, counts with the
+ *             part that changes. Leaves
+ *             that grow by less than a sixteenth of their area blend, and do not switch. Where only few of a
+ *             model are in view a single
+ *             plant would be a large share: those do not count. Plants of a model at all distances are like
+ *             here, as few are at one distance;
+ *             beside it stands the same for those within an octave of distance, and how many change by more
+ *             than an eighth of what they draw
  *
- * Cameras move towards what they look at, around it, and zoom, all by about the same angle of the picture a frame. Drawn by the software
- * rasteriser: the same bits everywhere. */
+ * Cameras move towards what they look at, around it, and zoom, all by about the same angle of the picture a
+ * frame. Drawn by the software rasteriser: the same bits everywhere. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -35,14 +42,16 @@ enum motion { DOLLY, ORBIT, ZOOM, MOTIONS };
 static const char *const motion_names[MOTIONS] = { "dolly", "orbit", "zoom" };
 static const uint64_t budgets[] = { 100000, 1000000 };
 #define BUDGETS (sizeof budgets / sizeof *budgets)
-static const struct { const char *name; bool quick; } scenes[] = { { "outdoor", true }, { "trees1276", true }, { "scbi", true },
+static const struct { const char *name; bool quick; } scenes[] = { { "outdoor", true }, { "trees1276", true },
+	{ "scbi", true },
 	{ "sunflowers", false }, { "palms", false }, { "trees640", false }, { "trees5000", false } };
 #define SCENES (sizeof scenes / sizeof *scenes)
 
 struct sums {
 	uint64_t ours, reference, beyond, pixels, pairs;
 	double worst_pair, worst_switch, worst_octave, worst_jump;
-	uint64_t like, models, over;             /* plants; models in frames, and those of which too many switch */
+	/* plants; models in frames, and those of which too many switch */
+	uint64_t like, models, over;
 	double switched;
 };
 
@@ -52,7 +61,8 @@ struct sums {
 static struct eco_view moved(const struct eco_view *start, enum motion motion, double t)
 {
 	struct eco_view v = *start;
-	double near = pow(NEARER, t), x = start->eye[0] - start->target[0], y = start->eye[1] - start->target[1];
+	double near = pow(NEARER, t), x = start->eye[0] - start->target[0],
+		y = start->eye[1] - start->target[1];
 	if (motion == DOLLY) {
 		for (int k = 0; k < 3; k++)
 			v.eye[k] = start->target[k] + near * (start->eye[k] - start->target[k]);
@@ -78,7 +88,8 @@ static bool changed(const struct view_picture *a, const struct view_picture *b, 
 	return is;
 }
 
-static void count_pixels(struct sums *sums, const struct view_picture ours[2], const struct view_picture full[2])
+static void count_pixels(struct sums *sums, const struct view_picture ours[2],
+	const struct view_picture full[2])
 {
 	uint64_t mine = 0, theirs = 0;
 	for (size_t i = 0; i < (size_t)WIDTH * HEIGHT; i++) {
@@ -116,7 +127,8 @@ static bool is_jump(uint64_t a, uint64_t b)
 }
 
 /* Vertices of a that are not so in b. */
-static uint64_t unlike(const struct bench_plants *in, const struct bench_plant *a, const struct bench_plants *of, const struct bench_plant *b)
+static uint64_t unlike(const struct bench_plants *in, const struct bench_plant *a,
+	const struct bench_plants *of, const struct bench_plant *b)
 {
 	uint64_t sum = 0;
 	for (uint32_t i = a->cut_first; i < a->cut_first + a->cut_count; i++) {
@@ -133,20 +145,28 @@ static uint64_t unlike(const struct bench_plants *in, const struct bench_plant *
 }
 
 /* How much of a plant switches, of [0]'s and [1]'s. */
-static double switched(const struct bench_plants some[2], const struct bench_plant *a, const struct bench_plant *b)
+static double switched(const struct bench_plants some[2], const struct bench_plant *a,
+	const struct bench_plant *b)
 {
-	uint64_t from = unlike(&some[0], a, &some[1], b), to = unlike(&some[1], b, &some[0], a), all = a->vertices > b->vertices ? a->vertices : b->vertices;
+	uint64_t from = unlike(&some[0], a, &some[1], b), to = unlike(&some[1], b, &some[0], a),
+		all = a->vertices > b->vertices ? a->vertices : b->vertices;
 	return all ? (double)(from > to ? from : to) / (double)all : 0;
 }
 
 struct likes { uint32_t all, jumped; double switched; };
 
-static double switched_share(const struct likes *like) { return like->all < LIKE_LEAST ? 0 : like->switched / like->all; }
-
-/* `all`: the plants in view; `some`: those with cuts of their own, which may be fewer where a tile's summary stands for its plants. */
-static bool count_switches(struct sums *sums, uint32_t plant_count, const struct bench_plants all[2], const struct bench_plants some[2])
+static double switched_share(const struct likes *like)
 {
-	struct likes *likes = calloc((size_t)plant_count + 1, (1 + OCTAVES) * sizeof *likes), *octaves = likes + plant_count;
+	return like->all < LIKE_LEAST ? 0 : like->switched / like->all;
+}
+
+/* `all`: the plants in view; `some`: those with cuts of their own, which may be fewer where a tile's summary
+ * stands for its plants. */
+static bool count_switches(struct sums *sums, uint32_t plant_count, const struct bench_plants all[2],
+	const struct bench_plants some[2])
+{
+	struct likes *likes = calloc((size_t)plant_count + 1, (1 + OCTAVES) * sizeof *likes),
+		*octaves = likes + plant_count;
 	if (!likes)
 		return false;
 	for (uint32_t i = 0; i < all[0].count; i++) {
@@ -156,7 +176,8 @@ static bool count_switches(struct sums *sums, uint32_t plant_count, const struct
 		const struct bench_plant *a = find(&some[0], plant->owner), *b = find(&some[1], plant->owner);
 		a = a ? a : &none;
 		b = b ? b : &none;
-		struct likes *like = &likes[plant->plant], *near = &octaves[plant->plant * (size_t)OCTAVES + plant->band / 4];
+		struct likes *like = &likes[plant->plant],
+			*near = &octaves[plant->plant * (size_t)OCTAVES + plant->band / 4];
 		double part = switched(some, a, b);
 		like->all++;
 		near->all++;
@@ -168,7 +189,8 @@ static bool count_switches(struct sums *sums, uint32_t plant_count, const struct
 		sums->like += likes[i].all;
 		sums->switched += likes[i].switched;
 		for (uint32_t k = 0; k < OCTAVES; k++)
-			sums->worst_octave = fmax(sums->worst_octave, switched_share(&octaves[i * (size_t)OCTAVES + k]));
+			sums->worst_octave =
+				fmax(sums->worst_octave, switched_share(&octaves[i * (size_t)OCTAVES + k]));
 		if (likes[i].all < LIKE_LEAST)
 			continue;
 		sums->worst_switch = fmax(sums->worst_switch, switched_share(&likes[i]));
@@ -209,13 +231,15 @@ static void reel_close(struct reel *reel)
 }
 
 /* All budgets along one camera: the full detail is drawn once for them. reels[BUDGETS] is the full detail. */
-static enum eco_code run_camera(struct bench *bench, struct reel *reels, const struct eco_view *start, enum motion motion, struct sums *sums,
-	struct eco_error *error)
+static enum eco_code run_camera(struct bench *bench, struct reel *reels, const struct eco_view *start,
+	enum motion motion, struct sums *sums, struct eco_error *error)
 {
-	uint32_t pairs = bench->full ? PAIRS_FULL : PAIRS_QUICK, plant_count = bench_still_scene(reels[BUDGETS].still)->plant_count;
+	uint32_t pairs = bench->full ? PAIRS_FULL : PAIRS_QUICK,
+		plant_count = bench_still_scene(reels[BUDGETS].still)->plant_count;
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i <= pairs && !code; i++) {
-		struct eco_request request = { .view = moved(start, motion, i), .bytes = ECO_BYTES_UNBOUNDED };
+		struct eco_request request = { .view = moved(start, motion, i),
+			.bytes = ECO_BYTES_UNBOUNDED };
 		request.view.width = WIDTH;
 		request.view.height = HEIGHT;
 		if (bench_stopped(bench))
@@ -237,14 +261,16 @@ static enum eco_code run_camera(struct bench *bench, struct reel *reels, const s
 static json_t *json_of(const struct sums *s)
 {
 	double reference = s->reference ? (double)s->reference : 1, like = s->like ? (double)s->like : 1;
-	return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "ours", (double)s->ours / (double)s->pixels, "reference",
-		(double)s->reference / (double)s->pixels, "ratio", (double)s->ours / reference, "beyond", (double)s->beyond / reference, "worst_pair",
-		s->worst_pair, "worst_switch", s->worst_switch, "worst_octave", s->worst_octave, "worst_jump", s->worst_jump, "switched", s->switched / like, "over",
+	return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "ours",
+		(double)s->ours / (double)s->pixels, "reference", (double)s->reference / (double)s->pixels,
+		"ratio", (double)s->ours / reference, "beyond", (double)s->beyond / reference, "worst_pair",
+		s->worst_pair, "worst_switch", s->worst_switch, "worst_octave", s->worst_octave, "worst_jump",
+		s->worst_jump, "switched", s->switched / like, "over",
 		s->models ? (double)s->over / (double)s->models : 0);
 }
 
-static enum eco_code run_motion(struct bench *bench, const char *pack, const struct eco_request *starts, uint32_t count, enum motion motion,
-	json_t **out, struct eco_error *error)
+static enum eco_code run_motion(struct bench *bench, const char *pack, const struct eco_request *starts,
+	uint32_t count, enum motion motion, json_t **out, struct eco_error *error)
 {
 	struct reel reels[BUDGETS + 1] = { { 0 } };
 	struct sums sums[BUDGETS] = { { 0 } };
@@ -267,30 +293,39 @@ static enum eco_code run_motion(struct bench *bench, const char *pack, const str
 
 struct worst { double ratio, change, octave, jump; char ratio_of[96], change_of[96]; };
 
-static double number(const json_t *row, const char *key) { return json_number_value(json_object_get(row, key)); }
+static double number(const json_t *row, const char *key)
+{
+	return json_number_value(json_object_get(row, key));
+}
 
-static void add_rows(struct bench_table *table, struct worst *worst, const char *scene, enum motion motion, const json_t *unit)
+static void add_rows(struct bench_table *table, struct worst *worst, const char *scene, enum motion motion,
+	const json_t *unit)
 {
 	for (size_t b = 0; b < BUDGETS; b++) {
 		const json_t *row = json_array_get(unit, b);
-		bench_table_row(table, "%s,%s,%llu,%.3f,%.3f,%.3f,%.3f,%.3f,%.2f,%.2f,%.1f,%.2f,%.2f", scene, motion_names[motion], (unsigned long long)budgets[b],
-			100 * number(row, "ours"), 100 * number(row, "reference"), number(row, "ratio"), number(row, "beyond"),
-			number(row, "worst_pair"), 100 * number(row, "switched"), 100 * number(row, "worst_switch"), 100 * number(row, "over"),
+		bench_table_row(table, "%s,%s,%llu,%.3f,%.3f,%.3f,%.3f,%.3f,%.2f,%.2f,%.1f,%.2f,%.2f", scene,
+			motion_names[motion], (unsigned long long)budgets[b], 100 * number(row, "ours"),
+			100 * number(row, "reference"), number(row, "ratio"), number(row, "beyond"),
+			number(row, "worst_pair"), 100 * number(row, "switched"),
+			100 * number(row, "worst_switch"), 100 * number(row, "over"),
 			100 * number(row, "worst_octave"), 100 * number(row, "worst_jump"));
 		if (!(number(row, "ratio") <= worst->ratio)) {
 			worst->ratio = number(row, "ratio");
-			snprintf(worst->ratio_of, sizeof worst->ratio_of, "%s, %s, %llu", scene, motion_names[motion], (unsigned long long)budgets[b]);
+			snprintf(worst->ratio_of, sizeof worst->ratio_of, "%s, %s, %llu", scene,
+				motion_names[motion], (unsigned long long)budgets[b]);
 		}
 		worst->octave = fmax(worst->octave, number(row, "worst_octave"));
 		worst->jump = fmax(worst->jump, number(row, "worst_jump"));
 		if (!(number(row, "worst_switch") <= worst->change)) {
 			worst->change = number(row, "worst_switch");
-			snprintf(worst->change_of, sizeof worst->change_of, "%s, %s, %llu", scene, motion_names[motion], (unsigned long long)budgets[b]);
+			snprintf(worst->change_of, sizeof worst->change_of, "%s, %s, %llu", scene,
+				motion_names[motion], (unsigned long long)budgets[b]);
 		}
 	}
 }
 
-static enum eco_code run_scene(struct bench *bench, size_t scene, struct bench_table *table, struct worst *worst, struct eco_error *error)
+static enum eco_code run_scene(struct bench *bench, size_t scene, struct bench_table *table,
+	struct worst *worst, struct eco_error *error)
 {
 	char pack[512], name[96];
 	struct eco_request starts[2 * VIEWS + 1];
@@ -298,7 +333,8 @@ static enum eco_code run_scene(struct bench *bench, size_t scene, struct bench_t
 	enum eco_code code = bench_scene(bench, of, NULL, pack, error);
 	uint32_t found = code ? 0 : bench_scene_views(bench, of, starts, VIEWS), done = 0;
 	for (int m = 0; m < MOTIONS && !code; m++) {
-		snprintf(name, sizeof name, "steadiness-%s-%s-%s", of, motion_names[m], bench->full ? "full" : "quick");
+		snprintf(name, sizeof name, "steadiness-%s-%s-%s", of, motion_names[m], bench->full ? "full"
+			: "quick");
 		bench_progress(bench, ((double)scene + (double)done++ / MOTIONS) / SCENES, name);
 		json_t *unit = bench_recall(bench, name, bench_pack_stamp(pack));
 		if (!unit) {
@@ -316,8 +352,10 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	struct worst worst = { .ratio = NAN, .change = NAN, .octave = NAN, .jump = NAN };
 	char pack[512];
 	enum eco_code code = ECO_OK;
-	struct bench_table *table = bench_table_open(bench, "steadiness", "scene,camera,vertices,changed %,reference changed %,ratio,only ours over "
-		"reference,worst frame,plants switched %,worst model and frame %,models and frames over 5 %,worst octave of distance %,by over 1/8 of a plant %", true);
+	struct bench_table *table = bench_table_open(bench, "steadiness",
+		"scene,camera,vertices,changed %,reference changed %,ratio,only ours over "
+		"reference,worst frame,plants switched %,worst model and frame %,models and frames over 5 "
+		"%,worst octave of distance %,by over 1/8 of a plant %", true);
 	for (size_t i = 0; i < SCENES && !code; i++) {
 		if (!scenes[i].quick && !bench->full)
 			continue;
@@ -327,15 +365,23 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	bench_table_close(table);
 	if (code)
 		return code;
-	bench_say(bench, "Slow cameras: %.1f %% nearer, %.2f degrees around or %.1f %% of zoom a frame, %u x %u pixels. A pixel changes where it is covered in "
-		"one frame and not in the other, or a channel differs by more than %d. Worst ratio: %s. A plant switches where anything of its cuts "
-		"changes, be it one leaf, a near one with the part of it that does; leaves that grow by less than a sixteenth of their area do not. "
-		"Worst share of a model with at least %u plants in view, at all distances: %s.", 100 * (1 - NEARER), TURN_RAD * 57.29578, 100 * (1 - NEARER), WIDTH,
-		HEIGHT, COLOR_TOLD, worst.ratio_of, LIKE_LEAST, worst.change_of);
-	bench_key(bench, "steadiness_ratio", worst.ratio, "<= 1.5: pixels that change over those of the reference, worst camera");
-	bench_key(bench, "steadiness_switch", worst.change, "<= 0.05: of a model's plants that switch at once, worst frame");
-	bench_key(bench, "steadiness_octave", worst.octave, "of a model's plants within an octave of distance, worst");
-	bench_key(bench, "steadiness_jump", worst.jump, "<= 0.05: of those, by more than an eighth of a plant's vertices");
+	bench_say(bench, "Slow cameras: %.1f %% nearer, %.2f degrees around or %.1f %% of zoom a frame, %u "
+		"x %u pixels. A pixel changes where it is covered in "
+		"one frame and not in the other, or a channel differs by more than %d. Worst ratio: %s. A "
+		"plant switches where anything of its cuts "
+		"changes, be it one leaf, a near one with the part of it that does; leaves that grow by "
+		"less than a sixteenth of their area do not. "
+		"Worst share of a model with at least %u plants in view, at all distances: %s.",
+		100 * (1 - NEARER), TURN_RAD * 57.29578, 100 * (1 - NEARER), WIDTH, HEIGHT, COLOR_TOLD,
+		worst.ratio_of, LIKE_LEAST, worst.change_of);
+	bench_key(bench, "steadiness_ratio", worst.ratio, "<= 1.5: pixels that change over those of the "
+		"reference, worst camera");
+	bench_key(bench, "steadiness_switch", worst.change, "<= 0.05: of a model's plants that switch at "
+		"once, worst frame");
+	bench_key(bench, "steadiness_octave", worst.octave, "of a model's plants within an octave of "
+		"distance, worst");
+	bench_key(bench, "steadiness_jump", worst.jump, "<= 0.05: of those, by more than an eighth of a "
+		"plant's vertices");
 	return ECO_OK;
 }
 

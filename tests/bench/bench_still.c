@@ -37,7 +37,10 @@ void bench_still_close(struct bench_still *still)
 	free(still);
 }
 
-const struct eco_scene *bench_still_scene(const struct bench_still *still) { return &still->scenes.scenes[0].pack->scene; }
+const struct eco_scene *bench_still_scene(const struct bench_still *still)
+{
+	return &still->scenes.scenes[0].pack->scene;
+}
 
 /* ---- Plants ---- */
 
@@ -54,14 +57,17 @@ static int by_owner(const void *a, const void *b)
 	return x->owner < y->owner ? -1 : x->owner > y->owner;
 }
 
-static enum eco_code list_plants(const struct bench_still *still, const struct view_selection *selection, const struct lod_eye *eye,
-	struct bench_plants *plants, struct eco_error *error)
+static enum eco_code list_plants(const struct bench_still *still, const struct view_selection *selection,
+	const struct lod_eye *eye, struct bench_plants *plants, struct eco_error *error)
 {
 	const struct eco_plan *plan = view_store_plan(still->store);
 	uint32_t cuts = 0;
 	bench_plants_free(plants);
-	*plants = (struct bench_plants){ .items = malloc((selection->instance_count + 1u) * sizeof *plants->items),
-		.cuts = malloc((selection->cut_first[selection->instance_count] + 1u) * sizeof *plants->cuts) };
+	*plants =
+		(struct bench_plants){
+		.items = malloc((selection->instance_count + 1u) * sizeof *plants->items),
+		.cuts = malloc((selection->cut_first[selection->instance_count] + 1u)
+		* sizeof *plants->cuts) };
 	if (!plants->items || !plants->cuts)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u plants", selection->instance_count);
 	for (uint32_t i = 0; i < selection->instance_count; i++) {
@@ -70,13 +76,18 @@ static enum eco_code list_plants(const struct bench_still *still, const struct v
 			continue;
 		struct bench_plant *p = &plants->items[plants->count++];
 		double center[3];
-		lod_place_point(&instance->place, view_store_plant(still->store, instance->plant)->anchors[0].center, center);
-		*p = (struct bench_plant){ .owner = instance->owner, .plant = instance->plant, .cut_first = cuts,
+		lod_place_point(&instance->place,
+			view_store_plant(still->store, instance->plant)->anchors[0].center, center);
+		*p = (struct bench_plant){ .owner = instance->owner, .plant = instance->plant,
+			.cut_first = cuts,
 			.band = lod_eye_band(eye, center, instance->place.scale, instance->hash) };
 		for (uint32_t c = selection->cut_first[i]; c < selection->cut_first[i + 1]; c++) {
 			const struct eco_cut *cut = &plan->cuts[selection->cuts[c]];
-			uint64_t vertices = (uint64_t)(cut->end - cut->first) * eco_list_vertices(&view_store_list(still->store, cut->list)->list);
-			plants->cuts[cuts++] = (struct bench_cut){ cut->list, cut->first, cut->end, cut->scale, vertices };
+			uint64_t vertices =
+				(uint64_t)(cut->end - cut->first)
+				* eco_list_vertices(&view_store_list(still->store, cut->list)->list);
+			plants->cuts[cuts++] = (struct bench_cut){ cut->list, cut->first, cut->end,
+				cut->scale, vertices };
 			p->cut_count++;
 			p->vertices += vertices;
 		}
@@ -87,15 +98,16 @@ static enum eco_code list_plants(const struct bench_still *still, const struct v
 
 /* ---- Pictures ---- */
 
-static enum eco_code draw(struct bench_still *still, const struct view_selection *selection, const struct lod_eye *eye,
-	struct view_picture *picture, struct eco_error *error)
+static enum eco_code draw(struct bench_still *still, const struct view_selection *selection,
+	const struct lod_eye *eye, struct view_picture *picture, struct eco_error *error)
 {
 	double near_m = view_store_near_m(still->store) > 0 ? view_store_near_m(still->store) : 0.1;
-	return view_reference_draw(&(struct view_reference_job){ still->store, selection, eye, near_m, 0, NULL }, picture, error);
+	return view_reference_draw(&(struct view_reference_job){ still->store, selection, eye, near_m, 0,
+		NULL }, picture, error);
 }
 
-enum eco_code bench_still_draw(struct bench_still *still, const struct eco_request *request, struct view_picture *picture,
-	struct bench_plants *plants, struct eco_error *error)
+enum eco_code bench_still_draw(struct bench_still *still, const struct eco_request *request,
+	struct view_picture *picture, struct bench_plants *plants, struct eco_error *error)
 {
 	struct view_selection selection = { 0 };
 	struct lod_eye eye;

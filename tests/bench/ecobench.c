@@ -1,13 +1,16 @@
-/* ecobench: all sections, in the order in which they run and stand in the report. Those that take long stand before those that are soon done, so
- * that none is left to run on its own at the end; what is timed in hierarchy is processor time, or a median on a core of its own. */
+/* ecobench: all sections, in the order in which they run and stand in the report. Those that take long stand
+ * before those that are soon done, so that none is left to run on its own at the end; what is timed in
+ * hierarchy is processor time, or a median on a core of its own. */
 #include "tests/bench/bench_state.h"
 
-extern const struct bench_section bench_packs, bench_frames, bench_species, bench_path, bench_lee, bench_scale, bench_planner, bench_colour,
-	bench_steadiness, bench_requests, bench_extreme, bench_needs, bench_hierarchy;
+extern const struct bench_section bench_packs, bench_frames, bench_species, bench_path, bench_lee,
+	bench_scale, bench_planner, bench_colour, bench_steadiness, bench_requests, bench_extreme,
+	bench_needs, bench_hierarchy;
 
 int main(int argc, char **argv)
 {
-	static const struct bench_section *const sections[] = { &bench_packs, &bench_frames, &bench_species, &bench_path, &bench_lee, &bench_scale,
-		&bench_hierarchy, &bench_colour, &bench_steadiness, &bench_extreme, &bench_requests, &bench_needs, &bench_planner, NULL };
+	static const struct bench_section *const sections[] = { &bench_packs, &bench_frames, &bench_species,
+		&bench_path, &bench_lee, &bench_scale, &bench_hierarchy, &bench_colour, &bench_steadiness,
+		&bench_extreme, &bench_requests, &bench_needs, &bench_planner, NULL };
 	return bench_main(argc, argv, sections);
 }

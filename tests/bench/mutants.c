@@ -1,13 +1,14 @@
-/* Damaged models: each is imported as `ecopack make` would, and must be read or refused, within its limits, and leave this process as
- * it was.
+/* Damaged models: each is imported as `ecopack make` would, and must be read or refused, within its limits,
+ * and leave this process as it was.
  *
  *   mutants [--count N] [--seed S] [--seconds CPU] [--memory GB] [--only I] --folder DIR MODEL...
  *
- * Makes N mutants (1000) in turn of the models: flipped bits, runs of other bytes, cut ends, pieces repeated, left out or moved (bytes
- * or whole lines), numbers in texts replaced by extreme ones, fields of 16, 32 and 64 bits too. Mutant I is a matter of S and I
- * alone; --only I makes just that one and keeps it in DIR, where the models' neighbours (textures, MTL) are linked.
- * Prints a table, and for each crash of a child how to have it again. Exit 1 if a child outlived its limits, or something is left behind:
- * children, descriptors, memory. A crash of this process says which mutant it was. */
+ * Makes N mutants (1000) in turn of the models: flipped bits, runs of other bytes, cut ends, pieces repeated,
+ * left out or moved (bytes or whole lines), numbers in texts replaced by extreme ones, fields of 16, 32 and
+ * 64 bits too. Mutant I is a matter of S and I alone; --only I makes just that one and keeps it in DIR, where
+ * the models' neighbours (textures, MTL) are linked. Prints a table, and for each crash of a child how to
+ * have it again. Exit 1 if a child outlived its limits, or something is left behind: children, descriptors,
+ * memory. A crash of this process says which mutant it was. */
 #include <ctype.h>
 #include <dirent.h>
 #include <errno.h>
@@ -83,7 +84,10 @@ static void overwrite(struct bytes *b)
 		b->at[i] = (uint8_t)(value < 0 ? bits() : (unsigned)value);
 }
 
-static void cut_end(struct bytes *b) { b->size = below(4) == 0 ? below(b->size) : b->size - 1 - below(b->size < 4096 ? b->size - 1 : 4096); }
+static void cut_end(struct bytes *b)
+{
+	b->size = below(4) == 0 ? below(b->size) : b->size - 1 - below(b->size < 4096 ? b->size - 1 : 4096);
+}
 
 static size_t line_start(const struct bytes *b, size_t at)
 {
@@ -130,13 +134,17 @@ static void move_piece(struct bytes *b)
 /* A number as text becomes another one, of any length. */
 static void replace_number(struct bytes *b)
 {
-	static const char *const extremes[] = { "0", "-1", "1", "-0", "nan", "inf", "-inf", "1e38", "-1e38", "1e39", "1e308", "1e999", "1e-45",
-		"2147483647", "-2147483648", "2147483648", "4294967295", "4294967296", "9223372036854775807", "18446744073709551616", "65535",
-		"65536", "255", "256", "0x7fffffff", "1.5", "-1.5", "1e5", "1000000000", "", "//", "1/", "null", "99999999999999999999999999999" };
+	static const char *const extremes[] = { "0", "-1", "1", "-0", "nan", "inf", "-inf", "1e38", "-1e38",
+		"1e39", "1e308", "1e999", "1e-45",
+		"2147483647", "-2147483648", "2147483648", "4294967295", "4294967296", "9223372036854775807",
+		"18446744073709551616", "65535",
+		"65536", "255", "256", "0x7fffffff", "1.5", "-1.5", "1e5", "1000000000", "", "//", "1/",
+		"null", "99999999999999999999999999999" };
 	size_t at = below(b->size), end;
 	while (at < b->size && !isdigit(b->at[at]))
 		at++;
-	while (at > 0 && at < b->size && (isdigit(b->at[at - 1]) || strchr("+-.eE", b->at[at - 1])) && b->at[at - 1])
+	while (at > 0 && at < b->size && (isdigit(b->at[at - 1]) || strchr("+-.eE", b->at[at - 1]))
+			&& b->at[at - 1])
 		at--;
 	for (end = at; end < b->size && b->at[end] && (isdigit(b->at[end]) || strchr("+-.eE", b->at[end]));)
 		end++;
@@ -165,8 +173,9 @@ static void change_digits(struct bytes *b)
 /* A field of a binary format: a count, a length, an index, an offset, a number. */
 static void replace_field(struct bytes *b)
 {
-	static const uint32_t extremes[] = { 0, 1, 2, 0x7f, 0x80, 0xff, 0x100, 0x7fff, 0x8000, 0xffff, 0x10000, 0xffffff, 0x1000000, 0x10000000,
-		0x40000000, 0x7fffffff, 0x80000000, 0xfffffff0, 0xffffffff, 0x7fc00000, 0x7f800000, 0xff800000, 0x7f7fffff, 0x00000001 };
+	static const uint32_t extremes[] = { 0, 1, 2, 0x7f, 0x80, 0xff, 0x100, 0x7fff, 0x8000, 0xffff,
+		0x10000, 0xffffff, 0x1000000, 0x10000000, 0x40000000, 0x7fffffff, 0x80000000, 0xfffffff0,
+		0xffffffff, 0x7fc00000, 0x7f800000, 0xff800000, 0x7f7fffff, 0x00000001 };
 	size_t width = (size_t)2 << below(3), at = below(b->size);
 	uint64_t value = 0;
 	at -= below(4) ? at % (width < 4 ? width : 4) : 0;
@@ -186,8 +195,8 @@ static void replace_field(struct bytes *b)
 /* Headers are small and decide much: half of the damage is in the first kilobytes, if need be. */
 static struct bytes mutate(const struct model *m)
 {
-	static void (*const mutations[])(struct bytes *) = { flip_bits, overwrite, cut_end, move_piece, replace_number, change_digits,
-		replace_field, replace_field };
+	static void (*const mutations[])(struct bytes *) = { flip_bits, overwrite, cut_end, move_piece,
+		replace_number, change_digits, replace_field, replace_field };
 	struct bytes b = { malloc(m->bytes.size + 1), m->bytes.size };
 	memcpy(b.at, m->bytes.at, b.size);
 	for (size_t i = 1 + below(4) * below(2); i-- > 0 && b.size > 16;) {
@@ -291,7 +300,8 @@ static volatile unsigned long long current;
 static void confess(int number)
 {
 	char text[128];
-	int length = snprintf(text, sizeof text, "mutants: signal %d in this process at mutant %llu (--only %llu)\n", number, current, current);
+	int length = snprintf(text, sizeof text, "mutants: signal %d in this process at mutant %llu (--only "
+		"%llu)\n", number, current, current);
 	if (write(STDERR_FILENO, text, (size_t)length) > 0) {
 		signal(number, SIG_DFL);
 		raise(number);
@@ -307,7 +317,8 @@ static void look_at(const struct eco_model *m)
 	volatile double sum = 0;
 	for (uint32_t i = 0; i < m->triangle_count; i++)
 		for (int k = 0; k < 3; k++)
-			sum += m->position[3 * (size_t)m->index[3 * (size_t)i + (size_t)k]] + m->materials[m->material[i]].rgb[k];
+			sum += m->position[3 * (size_t)m->index[3 * (size_t)i + (size_t)k]]
+				+ m->materials[m->material[i]].rgb[k];
 	for (uint32_t i = 0; i < m->image_count; i++)
 		sum += m->images[i].rgba[(size_t)m->images[i].width * m->images[i].height * 4 - 1];
 	(void)sum;
@@ -325,7 +336,9 @@ static void try_mutant(struct model *m, uint64_t id, const struct options *o)
 	write_file(path, &b);
 	free(b.at);
 	double start = now_s();
-	enum eco_code code = eco_model_import(&model, &(struct eco_model_options){ .paths = (const char *[]){ path }, .path_count = 1 }, &error);
+	enum eco_code code =
+		eco_model_import(&model,
+		&(struct eco_model_options){ .paths = (const char *[]){ path }, .path_count = 1 }, &error);
 	double took = now_s() - start;
 	if (!code)
 		look_at(&model);
@@ -333,7 +346,8 @@ static void try_mutant(struct model *m, uint64_t id, const struct options *o)
 	m->mutants++;
 	m->slowest_s = took > m->slowest_s ? took : m->slowest_s;
 	m->hung += took > 2 * o->seconds + SLACK_S;
-	bool crash = strstr(error.text, "reading it ended with") != NULL, limit = strstr(error.text, "ECO_IMPORT_") != NULL;
+	bool crash = strstr(error.text, "reading it ended with") != NULL,
+		limit = strstr(error.text, "ECO_IMPORT_") != NULL;
 	*(code == ECO_OK ? &m->imported : crash ? &m->crashed : limit ? &m->limited : &m->refused) += 1;
 	if (crash && m->crashed <= 5)
 		printf("  %s, --only %llu: %s\n", m->path, (unsigned long long)id, error.text);
@@ -343,20 +357,22 @@ static void try_mutant(struct model *m, uint64_t id, const struct options *o)
 		unlink(path);
 }
 
-static bool report(const struct model *models, uint32_t count, long before_kb, long after_kb, int open_before, int open_after)
+static bool report(const struct model *models, uint32_t count, long before_kb, long after_kb, int open_before,
+	int open_after)
 {
 	bool good = true;
-	printf("%-32s %8s %8s %8s %8s %8s %6s %9s\n", "model", "mutants", "imported", "refused", "limits", "crashed", "hung", "slowest");
+	printf("%-32s %8s %8s %8s %8s %8s %6s %9s\n", "model", "mutants", "imported", "refused", "limits",
+		"crashed", "hung", "slowest");
 	for (uint32_t i = 0; i < count; i++) {
 		const struct model *m = &models[i];
 		const char *slash = strrchr(m->path, '/');
-		printf("%-32.32s %8u %8u %8u %8u %8u %6u %7.2f s\n", slash != NULL ? slash + 1 : m->path, m->mutants, m->imported, m->refused,
-			m->limited, m->crashed, m->hung, m->slowest_s);
+		printf("%-32.32s %8u %8u %8u %8u %8u %6u %7.2f s\n", slash != NULL ? slash + 1 : m->path,
+			m->mutants, m->imported, m->refused, m->limited, m->crashed, m->hung, m->slowest_s);
 		good = good && m->hung == 0;
 	}
 	bool children = waitpid(-1, NULL, WNOHANG) >= 0 || errno != ECHILD;
-	printf("this process: %ld kB before, %ld kB after; %d descriptors before, %d after; %s\n", before_kb, after_kb, open_before, open_after,
-		children ? "CHILDREN LEFT" : "no child left");
+	printf("this process: %ld kB before, %ld kB after; %d descriptors before, %d after; %s\n", before_kb,
+		after_kb, open_before, open_after, children ? "CHILDREN LEFT" : "no child left");
 	return good && !children && open_before == open_after && after_kb - before_kb < GROWTH_MAX_KB;
 }
 
@@ -369,7 +385,8 @@ static uint32_t read_arguments(int argc, char **argv, struct options *o, struct 
 		const char *value = argv[i][0] == '-' && i + 1 < argc ? argv[i + 1] : NULL;
 		if (!value && argv[i][0] != '-' && count < MODELS_MAX) {
 			const char *dot = strrchr(argv[i], '.');
-			models[count++] = (struct model){ .path = argv[i], .extension = dot != NULL ? dot + 1 : "", .bytes = read_file(argv[i]) };
+			models[count++] = (struct model){ .path = argv[i], .extension = dot != NULL ? dot + 1
+				: "", .bytes = read_file(argv[i]) };
 			continue;
 		}
 		if (!value)
@@ -393,8 +410,8 @@ static uint32_t read_arguments(int argc, char **argv, struct options *o, struct 
 	return o->folder ? count : 0;
 }
 
-/* The importer takes its limits from the environment, as from whoever runs ecopack. The module for pictures is loaded once here, not by
- * each child anew. */
+/* The importer takes its limits from the environment, as from whoever runs ecopack. The module for pictures
+ * is loaded once here, not by each child anew. */
 static void prepare(const struct options *o, const struct model *models, uint32_t count)
 {
 	static const int numbers[] = { SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL };
@@ -428,7 +445,8 @@ int main(int argc, char **argv)
 	long before_kb = 0;
 	int open_before = 0;
 	if (count == 0) {
-		fprintf(stderr, "usage: mutants [--count N] [--seed S] [--seconds CPU] [--memory GB] [--only I] --folder DIR MODEL...\n");
+		fprintf(stderr, "usage: mutants [--count N] [--seed S] [--seconds CPU] [--memory GB] "
+			"[--only I] --folder DIR MODEL...\n");
 		return 2;
 	}
 	prepare(&o, models, count);

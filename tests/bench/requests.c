@@ -1,13 +1,15 @@
-/* Random views and budgets against packs, through everything but the socket: plan, stream, parse, decode, select. What must hold
- * whatever is asked for is checked for each:
+/* Random views and budgets against packs, through everything but the socket: plan, stream, parse, decode,
+ * select. What must hold whatever is asked for is checked for each:
  *
- *   vertices     what is drawn is within the budget, counted by the client that draws it, and is what the plan says: in every state that
+ *   vertices     what is drawn is within the budget, counted by the client that draws it, and is what the
+ *                plan says: in every state that
  *                a stream passes through, each with what has come until then
  *   bytes        the body is within its budget
  *   twice        no chunk is sent to who holds it
  *   same         the same request has the same answer
  *   rises        more vertices never predict more wrong pixels
- *   unused       budget is left over only where it buys nothing: no step that is left and gains is as cheap, and no plan of a greater
+ *   unused       budget is left over only where it buys nothing: no step that is left and gains is as cheap,
+ *                and no plan of a greater
  *                budget would have fitted and is better
  *   whole        where every plant in view is drawn whole, next to nothing is expected to be wrong
  *   senseless    predictions are finite and not negative, errors do not exceed the picture
@@ -27,8 +29,10 @@
 #include "lod/plan/planner.h"
 #include "tests/support/random_request.h"
 
-enum violation { OVER_VERTICES, OVER_BYTES, SENT_TWICE, NOT_SAME, RISES, UNUSED, WHOLE, SENSELESS, FAILED, VIOLATION_COUNT };
-static const char *const violation_names[] = { "vertices", "bytes", "twice", "same", "rises", "unused", "whole", "senseless", "failed" };
+enum violation { OVER_VERTICES, OVER_BYTES, SENT_TWICE, NOT_SAME, RISES, UNUSED, WHOLE, SENSELESS, FAILED,
+VIOLATION_COUNT };
+static const char *const violation_names[] = { "vertices", "bytes", "twice", "same", "rises", "unused",
+	"whole", "senseless", "failed" };
 
 #define CLIENT_EVERY 500         /* a new client now and then, so that both full and empty hands are tried */
 #define TWICE_EVERY 10
@@ -37,8 +41,8 @@ static const char *const violation_names[] = { "vertices", "bytes", "twice", "sa
 #define DESCRIBED_MOST 8
 /* Sums of many doubles in another order. */
 #define ROUNDING 1e-9
-/* Of what is wrong with nothing drawn: how much worse than another plan that fits a plan may be. Plants of one hash cannot be told apart,
- * and what is left is spent on what is next, however little of it fits. */
+/* Of what is wrong with nothing drawn: how much worse than another plan that fits a plan may be. Plants of
+ * one hash cannot be told apart, and what is left is spent on what is next, however little of it fits. */
 #define WORSE_MOST 0.01
 #define WHOLE_MOST 0.05          /* of the pixels that are covered, and one more */
 
@@ -49,12 +53,14 @@ struct run {
 	struct eco_request request;
 	struct view_store *store;
 	uint64_t count[VIOLATION_COUNT], requests, refused, empty, states, chains, described;
-	double unused_most;          /* share of a budget that was left over while something was to be gained */
+	/* share of a budget that was left over while something was to be gained */
+	double unused_most;
 };
 
 /* ---- What went wrong ---- */
 
-static void violated(struct run *run, enum violation what, const char *format, ...) __attribute__((format(printf, 3, 4)));
+static void violated(struct run *run, enum violation what, const char *format,
+	...) __attribute__((format(printf, 3, 4)));
 static void violated(struct run *run, enum violation what, const char *format, ...)
 {
 	const struct eco_request *q = &run->request;
@@ -66,10 +72,13 @@ static void violated(struct run *run, enum violation what, const char *format, .
 	va_start(args, format);
 	vfprintf(stderr, format, args);
 	va_end(args);
-	fprintf(stderr, "\n    --seed %llu --only %llu: eye=%.17g,%.17g,%.17g&target=%.17g,%.17g,%.17g&up=%.17g,%.17g,%.17g&fov_y_deg=%.17g"
-		"&width=%u&height=%u&vertices=%llu", (unsigned long long)run->seed, (unsigned long long)run->number, q->view.eye[0], q->view.eye[1],
-		q->view.eye[2], q->view.target[0], q->view.target[1], q->view.target[2], q->view.up[0], q->view.up[1], q->view.up[2],
-		q->view.fov_y_deg, q->view.width, q->view.height, (unsigned long long)q->vertices);
+	fprintf(stderr, "\n    --seed %llu --only %llu: "
+		"eye=%.17g,%.17g,%.17g&target=%.17g,%.17g,%.17g&up=%.17g,%.17g,%.17g&fov_y_deg=%.17g"
+		"&width=%u&height=%u&vertices=%llu", (unsigned long long)run->seed,
+		(unsigned long long)run->number, q->view.eye[0], q->view.eye[1], q->view.eye[2],
+		q->view.target[0], q->view.target[1], q->view.target[2], q->view.up[0], q->view.up[1],
+		q->view.up[2], q->view.fov_y_deg, q->view.width, q->view.height,
+		(unsigned long long)q->vertices);
 	if (q->bytes != ECO_BYTES_UNBOUNDED)
 		fprintf(stderr, "&bytes=%llu", (unsigned long long)q->bytes);
 	fputc('\n', stderr);
@@ -92,8 +101,8 @@ static void check_state(struct run *run)
 	if (selection.vertices > run->request.vertices)
 		violated(run, OVER_VERTICES, "%llu vertices drawn", (unsigned long long)selection.vertices);
 	if (plan && selection.vertices != plan->vertices)
-		violated(run, OVER_VERTICES, "%llu vertices drawn, %llu planned", (unsigned long long)selection.vertices,
-			(unsigned long long)plan->vertices);
+		violated(run, OVER_VERTICES, "%llu vertices drawn, %llu planned",
+			(unsigned long long)selection.vertices, (unsigned long long)plan->vertices);
 	view_select_free(&selection);
 }
 
@@ -106,23 +115,26 @@ static enum eco_code on_plan(void *ctx, struct eco_plan *plan, struct eco_error 
 	return code;
 }
 
-static enum eco_code on_scene(void *ctx, const struct eco_scene *scene, const struct eco_chunk_id *id, struct eco_error *error)
+static enum eco_code on_scene(void *ctx, const struct eco_scene *scene, const struct eco_chunk_id *id,
+	struct eco_error *error)
 {
 	return view_store_events.scene(((struct run *)ctx)->store, scene, id, error);
 }
 
-static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *plant, const struct eco_anchor *anchors, struct eco_error *error)
+static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *plant,
+	const struct eco_anchor *anchors, struct eco_error *error)
 {
 	return view_store_events.plant(((struct run *)ctx)->store, id, plant, anchors, error);
 }
 
-static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3], struct eco_error *error)
+static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3],
+	struct eco_error *error)
 {
 	return view_store_events.list(((struct run *)ctx)->store, id, list, palette, error);
 }
 
-static enum eco_code on_chunk(void *ctx, uint32_t list, uint32_t ordinal, const struct eco_chunk *chunk, const uint8_t *payload,
-	struct eco_error *error)
+static enum eco_code on_chunk(void *ctx, uint32_t list, uint32_t ordinal, const struct eco_chunk *chunk,
+	const uint8_t *payload, struct eco_error *error)
 {
 	return view_store_events.chunk(((struct run *)ctx)->store, list, ordinal, chunk, payload, error);
 }
@@ -134,7 +146,8 @@ static enum eco_code on_end(void *ctx, uint64_t vertices, struct eco_error *erro
 
 static bool receive(struct run *run, const struct srv_body *body)
 {
-	static const struct eco_wire_events events = { on_scene, on_plant, on_list, on_chunk, on_plan, on_end };
+	static const struct eco_wire_events events = { on_scene, on_plant, on_list, on_chunk, on_plan,
+		on_end };
 	struct eco_wire_parser *parser;
 	struct eco_error error = { 0 };
 	view_store_begin(run->store);
@@ -166,7 +179,8 @@ static void new_client(struct run *run)
 {
 	struct eco_error error = { 0 };
 	if (run->store && view_store_stats(run->store)->chunks_twice)
-		violated(run, SENT_TWICE, "%llu chunks of one of the requests before", (unsigned long long)view_store_stats(run->store)->chunks_twice);
+		violated(run, SENT_TWICE, "%llu chunks of one of the requests before",
+			(unsigned long long)view_store_stats(run->store)->chunks_twice);
 	view_store_free(run->store);
 	run->store = NULL;
 	if (view_store_new(&run->store, &(struct view_store_options){ 0 }, &error))
@@ -216,7 +230,9 @@ static bool plan_rung(struct run *run, struct rung *rung)
 	struct eco_error error = { 0 };
 	request.vertices = rung->budget;
 	request.bytes = ECO_BYTES_UNBOUNDED;
-	if (lod_plan(&plan, &(struct lod_planner_input){ .scene = &run->scene->pack->scene, .tables = run->scene->tables, .request = &request,
+	if (lod_plan(&plan,
+			&(struct lod_planner_input){ .scene = &run->scene->pack->scene,
+			.tables = run->scene->tables, .request = &request,
 			.stats = &rung->stats }, &error)) {
 		violated(run, FAILED, "at %llu vertices: %s", (unsigned long long)rung->budget, error.text);
 		return false;
@@ -229,21 +245,26 @@ static bool plan_rung(struct run *run, struct rung *rung)
 	for (uint32_t i = 0; i < plan.cut_count; i++)
 		rung->summed = rung->summed || plan.cuts[i].anchor == ECO_NONE;
 	if (plan.vertices > rung->budget)
-		violated(run, OVER_VERTICES, "%llu vertices planned for %llu", (unsigned long long)plan.vertices, (unsigned long long)rung->budget);
-	if (!(p->tp >= 0 && p->fp >= 0 && p->fn >= 0 && p->tp + p->fn <= pixels * (1 + 1e-6) && p->fp <= pixels * (1 + 1e-6)))
-		violated(run, SENSELESS, "at %llu vertices %g right, %g too many, %g missing of %g pixels", (unsigned long long)rung->budget, p->tp,
-			p->fp, p->fn, pixels);
+		violated(run, OVER_VERTICES, "%llu vertices planned for %llu",
+			(unsigned long long)plan.vertices, (unsigned long long)rung->budget);
+	if (!(p->tp >= 0 && p->fp >= 0 && p->fn >= 0 && p->tp + p->fn <= pixels * (1 + 1e-6)
+			&& p->fp <= pixels * (1 + 1e-6)))
+		violated(run, SENSELESS, "at %llu vertices %g right, %g too many, %g missing of %g pixels",
+			(unsigned long long)rung->budget, p->tp, p->fp, p->fn, pixels);
 	eco_plan_free(&plan);
 	return true;
 }
 
-/* From nothing to everything, and some close together above the request's own, where what is left over would have found a use. */
+/* From nothing to everything, and some close together above the request's own, where what is left over would
+ * have found a use. */
 static void choose_budgets(const struct run *run, struct rung rungs[CHAIN])
 {
 	struct dice r = { run->seed + run->number };
-	uint64_t own = run->request.vertices < ECO_VERTICES_MAX / 4 ? run->request.vertices : (uint64_t)dice_power(&r, 0, 7);
-	const uint64_t chosen[CHAIN] = { 0, own, own + 1, own + 2 + dice_bits(&r) % 8, own + own / 64 + 1, own + own / 8 + 3, 2 * own + 4,
-		(uint64_t)dice_power(&r, 0, 8), (uint64_t)dice_power(&r, 2, 6), ECO_VERTICES_MAX };
+	uint64_t own = run->request.vertices < ECO_VERTICES_MAX / 4 ? run->request.vertices
+		: (uint64_t)dice_power(&r, 0, 7);
+	const uint64_t chosen[CHAIN] = { 0, own, own + 1, own + 2 + dice_bits(&r) % 8, own + own / 64 + 1,
+		own + own / 8 + 3, 2 * own + 4, (uint64_t)dice_power(&r, 0, 8),
+		(uint64_t)dice_power(&r, 2, 6), ECO_VERTICES_MAX };
 	for (uint32_t i = 0; i < CHAIN; i++)
 		rungs[i] = (struct rung){ .budget = chosen[i] };
 	qsort(rungs, CHAIN, sizeof *rungs, by_budget);
@@ -254,15 +275,17 @@ static void check_unused(struct run *run, const struct rung *rungs, uint32_t i)
 	const struct rung *rung = &rungs[i];
 	uint64_t left = rung->budget - rung->vertices;
 	if (left >= rung->stats.cheapest)
-		violated(run, UNUSED, "%llu of %llu vertices left over, the cheapest step takes %llu", (unsigned long long)left,
-			(unsigned long long)rung->budget, (unsigned long long)rung->stats.cheapest);
+		violated(run, UNUSED, "%llu of %llu vertices left over, the cheapest step takes %llu",
+			(unsigned long long)left, (unsigned long long)rung->budget,
+			(unsigned long long)rung->stats.cheapest);
 	if (left > 0 && rung->stats.cheapest != UINT64_MAX)
 		run->unused_most = fmax(run->unused_most, (double)left / (double)rung->budget);
 	for (uint32_t k = i + 1; rung->stats.level == rungs[0].stats.level && k < CHAIN; k++)
 		if (rungs[k].stats.level == rungs[0].stats.level && rungs[k].vertices <= rung->budget
 			&& rungs[k].stats.wrong < rung->stats.wrong - WORSE_MOST * rungs[0].stats.wrong) {
-			violated(run, UNUSED, "%g wrong pixels at a budget of %llu, %g at %llu with %llu vertices", rung->stats.wrong,
-				(unsigned long long)rung->budget, rungs[k].stats.wrong, (unsigned long long)rungs[k].budget,
+			violated(run, UNUSED, "%g wrong pixels at a budget of %llu, %g at %llu with %llu "
+				"vertices", rung->stats.wrong, (unsigned long long)rung->budget,
+				rungs[k].stats.wrong, (unsigned long long)rungs[k].budget,
 				(unsigned long long)rungs[k].vertices);
 			return;
 		}
@@ -278,13 +301,15 @@ static void check_chain(struct run *run)
 			return;
 	for (uint32_t i = 0; i < CHAIN; i++) {
 		if (i > 0 && rungs[i].wrong > rungs[i - 1].wrong + ROUNDING * (1 + rungs[0].wrong))
-			violated(run, RISES, "%.17g wrong pixels at %llu vertices, %.17g at %llu", rungs[i - 1].wrong, (unsigned long long)rungs[i - 1].budget,
-				rungs[i].wrong, (unsigned long long)rungs[i].budget);
+			violated(run, RISES, "%.17g wrong pixels at %llu vertices, %.17g at %llu",
+				rungs[i - 1].wrong, (unsigned long long)rungs[i - 1].budget, rungs[i].wrong,
+				(unsigned long long)rungs[i].budget);
 		check_unused(run, rungs, i);
 	}
 	const struct rung *all = &rungs[CHAIN - 1];
 	if (!all->summed && all->wrong > 1 + WHOLE_MOST * (all->right + all->wrong))
-		violated(run, WHOLE, "of %g pixels %g expected to be wrong with all there is", all->right + all->wrong, all->wrong);
+		violated(run, WHOLE, "of %g pixels %g expected to be wrong with all there is",
+			all->right + all->wrong, all->wrong);
 }
 
 /* ---- All ---- */
@@ -312,11 +337,15 @@ static uint64_t sum_of(const struct run *run)
 static void print_run(const struct run *run, bool json)
 {
 	const char *slash = strrchr(run->pack, '/');
-	printf(json ? "{\"pack\": \"%s\", \"requests\": %llu, \"refused\": %llu, \"empty\": %llu, \"states\": %llu, \"chains\": %llu, "
-		"\"unused_most\": %.6f, \"violations\": %llu" : "%s: %llu requests, %llu refused, %llu too small for any picture, %llu states of streams, "
-		"%llu chains of budgets, at most %.4f of a budget left over: %llu violations", slash ? slash + 1 : run->pack,
-		(unsigned long long)run->requests, (unsigned long long)run->refused, (unsigned long long)run->empty, (unsigned long long)run->states,
-		(unsigned long long)run->chains, run->unused_most, (unsigned long long)sum_of(run));
+	printf(json ? "{\"pack\": \"%s\", \"requests\": %llu, \"refused\": %llu, \"empty\": %llu, "
+		"\"states\": %llu, \"chains\": %llu, "
+		"\"unused_most\": %.6f, \"violations\": %llu" : "%s: %llu requests, %llu refused, %llu too "
+		"small for any picture, %llu states of streams, "
+		"%llu chains of budgets, at most %.4f of a budget left over: %llu violations",
+		slash ? slash + 1 : run->pack, (unsigned long long)run->requests,
+		(unsigned long long)run->refused, (unsigned long long)run->empty,
+		(unsigned long long)run->states, (unsigned long long)run->chains, run->unused_most,
+		(unsigned long long)sum_of(run));
 	for (int i = 0; i < VIOLATION_COUNT; i++)
 		if (json)
 			printf(", \"%s\": %llu", violation_names[i], (unsigned long long)run->count[i]);
@@ -350,7 +379,8 @@ static uint64_t run_pack(const char *path, uint64_t first, uint64_t count, uint6
 
 int main(int argc, char **argv)
 {
-	static const struct option options[] = { { "json", no_argument, NULL, 'j' }, { "seed", required_argument, NULL, 's' },
+	static const struct option options[] = { { "json", no_argument, NULL, 'j' },
+		{ "seed", required_argument, NULL, 's' },
 		{ "only", required_argument, NULL, 'o' }, { NULL, 0, NULL, 0 } };
 	uint64_t seed = 1, only = UINT64_MAX, violations = 0;
 	bool json = false, usable = true;
@@ -368,7 +398,8 @@ int main(int argc, char **argv)
 	uint64_t count = strtoull(argv[optind], NULL, 10);
 	for (int i = 0; i < packs; i++) {
 		uint64_t share = count / (uint64_t)packs + ((uint64_t)i < count % (uint64_t)packs);
-		violations += only == UINT64_MAX ? run_pack(argv[optind + 1 + i], 0, share, seed, json) : run_pack(argv[optind + 1 + i], only, 1, seed, json);
+		violations += only == UINT64_MAX ? run_pack(argv[optind + 1 + i], 0, share, seed, json)
+			: run_pack(argv[optind + 1 + i], only, 1, seed, json);
 	}
 	return violations ? 1 : 0;
 }

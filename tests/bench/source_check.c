@@ -1,10 +1,11 @@
-/* Does what is streamed look like the file it came from? Rasterises a source model by a path of its own (assimp's arrays, no import,
- * no lists, no packs of ours; only the filling of triangles is shared) and compares with the masks that ecoview wrote.
+/* Does what is streamed look like the file it came from? Rasterises a source model by a path of its own
+ * (assimp's arrays, no import, no lists, no packs of ours; only the filling of triangles is shared) and
+ * compares with the masks that ecoview wrote.
  *
  *   source_check MODEL SCALE FOOT_X,FOOT_Y,FOOT_Z CAMERA.json FRAMES_DIR
  *
- * SCALE and FOOT are what the import did after turning Z up, (p - FOOT) * SCALE, as `ecopack info --json` says them. Prints one line a
- * frame and the least Q; exit 0; 3 where it cannot compare. */
+ * SCALE and FOOT are what the import did after turning Z up, (p - FOOT) * SCALE, as `ecopack info --json`
+ * says them. Prints one line a frame and the least Q; exit 0; 3 where it cannot compare. */
 #include <assimp/cimport.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -74,7 +75,8 @@ static void add_mesh(struct soup *soup, const struct aiMesh *mesh, const struct 
 	}
 }
 
-static void add_node(struct soup *soup, const struct aiScene *scene, const struct aiNode *node, struct aiMatrix4x4 parent)
+static void add_node(struct soup *soup, const struct aiScene *scene, const struct aiNode *node,
+	struct aiMatrix4x4 parent)
 {
 	struct aiMatrix4x4 m = parent;
 	aiMultiplyMatrix4(&m, &node->mTransformation);
@@ -95,11 +97,13 @@ static void load_skin(struct skin *skin, const struct aiScene *scene, unsigned m
 {
 	struct aiString path;
 	struct eco_error error = { 0 };
-	if (aiGetMaterialTexture(scene->mMaterials[material], aiTextureType_DIFFUSE, 0, &path, NULL, NULL, NULL, NULL, NULL, NULL))
+	if (aiGetMaterialTexture(scene->mMaterials[material], aiTextureType_DIFFUSE, 0, &path, NULL, NULL,
+			NULL, NULL, NULL, NULL))
 		return;
 	if (path.data[0] == '*') {
 		const struct aiTexture *t = scene->mTextures[atoi(path.data + 1)];
-		if (t->mHeight == 0 && eco_image_read_memory(&skin->image, t->pcData, t->mWidth, path.data, &error))
+		if (t->mHeight == 0 && eco_image_read_memory(&skin->image, t->pcData, t->mWidth, path.data,
+				&error))
 			fail(model, error.text);
 	} else {
 		char file[4096];
@@ -112,7 +116,8 @@ static void load_skin(struct skin *skin, const struct aiScene *scene, unsigned m
 		skin->cutout = skin->cutout || skin->image.rgba[4 * i + 3] < 128;
 }
 
-/* assimp drops WebP textures (EXT_texture_webp) without a word, and an opaque card proves nothing about a cut-out one. */
+/* assimp drops WebP textures (EXT_texture_webp) without a word, and an opaque card proves nothing about a
+ * cut-out one. */
 static void refuse_webp(const char *path)
 {
 	char *bytes = NULL;
@@ -124,14 +129,15 @@ static void refuse_webp(const char *path)
 		fail(path, "cannot be read");
 	fclose(f);
 	if (memmem(bytes, size, "EXT_texture_webp", 16)) {
-		printf("%s cannot be compared: its textures are WebP, which this check does not read\n", path);
+		printf("%s cannot be compared: its textures are WebP, which this check does not read\n",
+			path);
 		exit(3);
 	}
 	free(bytes);
 }
 
-static double check_frame(struct lod_raster *raster, const struct soup *soup, const struct skin *skins, const struct eco_view *view,
-	double near_m, const char *dir, uint32_t frame)
+static double check_frame(struct lod_raster *raster, const struct soup *soup, const struct skin *skins,
+	const struct eco_view *view, double near_m, const char *dir, uint32_t frame)
 {
 	char file[4096];
 	struct lod_eye eye;
@@ -147,8 +153,11 @@ static double check_frame(struct lod_raster *raster, const struct soup *soup, co
 		while (end < soup->count && soup->material[end] == soup->material[i])
 			end++;
 		const struct skin *skin = &skins[soup->material[i]];
-		lod_raster_triangles(raster, &(struct lod_raster_batch){ .count = end - i, .position = soup->position + 9 * (size_t)i,
-			.uv = soup->uv + 6 * (size_t)i, .cutout = skin->cutout ? &skin->image : NULL, .owner = 1 });
+		lod_raster_triangles(raster,
+			&(struct lod_raster_batch){ .count = end - i,
+			.position = soup->position + 9 * (size_t)i,
+			.uv = soup->uv + 6 * (size_t)i, .cutout = skin->cutout ? &skin->image : NULL,
+			.owner = 1 });
 		i = end;
 	}
 	snprintf(file, sizeof file, "%s/frame-%04u.mask.png", dir, frame);
@@ -160,9 +169,11 @@ static double check_frame(struct lod_raster *raster, const struct soup *soup, co
 	for (size_t i = 0; i < (size_t)mask.width * mask.height; i++)
 		cover[i] = mask.rgba[4 * i];
 	struct lod_score score;
-	lod_score(&score, &(struct lod_score_input){ .width = mask.width, .height = mask.height, .cover = cover, .reference = raster->cover });
-	printf("%s frame %u: %u triangles, %llu pixels, P %.5f R %.5f Q %.5f\n", strrchr(dir, '/') ? strrchr(dir, '/') + 1 : dir, frame,
-		soup->count, (unsigned long long)(score.tp + score.fn), score.precision, score.recall, score.q);
+	lod_score(&score, &(struct lod_score_input){ .width = mask.width, .height = mask.height,
+		.cover = cover, .reference = raster->cover });
+	printf("%s frame %u: %u triangles, %llu pixels, P %.5f R %.5f Q %.5f\n",
+		strrchr(dir, '/') ? strrchr(dir, '/') + 1 : dir, frame, soup->count,
+		(unsigned long long)(score.tp + score.fn), score.precision, score.recall, score.q);
 	free(cover);
 	eco_image_free(&mask);
 	return score.q;
@@ -178,7 +189,8 @@ int main(int argc, char **argv)
 	double foot[3], least = 1;
 	char file[4096];
 	if (argc != 6 || sscanf(argv[3], "%lf,%lf,%lf", &foot[0], &foot[1], &foot[2]) != 3) {
-		fprintf(stderr, "usage: source_check MODEL SCALE FOOT_X,FOOT_Y,FOOT_Z CAMERA.json FRAMES_DIR\n");
+		fprintf(stderr, "usage: source_check MODEL SCALE FOOT_X,FOOT_Y,FOOT_Z CAMERA.json "
+			"FRAMES_DIR\n");
 		return 2;
 	}
 	refuse_webp(argv[1]);
@@ -197,7 +209,8 @@ int main(int argc, char **argv)
 	snprintf(file, sizeof file, "%s/frame-0000.mask.png", argv[5]);
 	if (eco_image_read(&first, file, &error))
 		fail(file, error.text);
-	if (lod_raster_init(&raster, &(struct lod_raster_options){ .width = first.width, .height = first.height }, &error))
+	if (lod_raster_init(&raster,
+			&(struct lod_raster_options){ .width = first.width, .height = first.height }, &error))
 		fail(argv[1], error.text);
 	for (uint32_t i = 0; i < eco_camera_frame_count(camera); i++) {
 		struct eco_view view;

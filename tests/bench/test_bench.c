@@ -1,4 +1,5 @@
-/* The frame of ecobench, with sections of this file: units are done once, whatever happens; reports say what is there. */
+/* The frame of ecobench, with sections of this file: units are done once, whatever happens; reports say what
+ * is there. */
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
@@ -75,15 +76,18 @@ static enum eco_code run_failing(struct bench *bench, struct eco_error *error)
 static enum eco_code run_plots(struct bench *bench, struct eco_error *error)
 {
 	static const double x[] = { 1, 10, NAN, 1000, 1e6 }, y[] = { 0.5, 0, 0.2, -1, NAN }, one[] = { 3 };
-	const struct bench_series series[] = { { "line", x, y, 5, false }, { "points", x, y, 5, true }, { "one", one, one, 1, false },
+	const struct bench_series series[] = { { "line", x, y, 5, false }, { "points", x, y, 5, true },
+		{ "one", one, one, 1, false },
 		{ "none", x, y, 0, false } };
 	for (int log = 0; log < 4; log++) {
 		char name[32];
 		snprintf(name, sizeof name, "plot%d", log);
-		if (bench_plot(bench, &(struct bench_plot){ name, "A title", "x", "y", log & 1, log & 2, series, 4 }, error))
+		if (bench_plot(bench, &(struct bench_plot){ name, "A title", "x", "y", log & 1, log & 2,
+				series, 4 }, error))
 			return error->code;
 	}
-	if (bench_plot(bench, &(struct bench_plot){ "empty", "Nothing", "x", "y", true, true, series, 0 }, error))
+	if (bench_plot(bench, &(struct bench_plot){ "empty", "Nothing", "x", "y", true, true, series, 0 },
+			error))
 		return error->code;
 	static const uint8_t rgb[2 * 3 * 3];
 	if (bench_picture_write(bench, "picture.png", 3, 2, rgb, error))
@@ -95,14 +99,16 @@ static enum eco_code run_plots(struct bench *bench, struct eco_error *error)
 /* Ctrl-C while a command runs that starts another: both end. */
 static enum eco_code run_slow(struct bench *bench, struct eco_error *error)
 {
-	return bench_command(bench, error, "(echo $$ >" ROOT "/pid; kill -INT %d; sleep 60; echo late >>" ROOT "/work.log); :", (int)getpid());
+	return bench_command(bench, error, "(echo $$ >" ROOT "/pid; kill -INT %d; sleep 60; echo late >>" ROOT
+		"/work.log); :", (int)getpid());
 }
 
 static enum eco_code run_commands(struct bench *bench, struct eco_error *error)
 {
 	if (bench_command(bench, error, "exit %d", 0))
 		return error->code;
-	return bench_command(bench, error, "exit %d", 3) == ECO_IO ? *error = (struct eco_error){ 0 }, ECO_OK : ECO_BAD_INPUT;
+	return bench_command(bench, error, "exit %d", 3) == ECO_IO ? *error = (struct eco_error){ 0 },
+		ECO_OK : ECO_BAD_INPUT;
 }
 
 static enum eco_code run_crash(struct bench *bench, struct eco_error *error)
@@ -115,11 +121,14 @@ static enum eco_code run_crash(struct bench *bench, struct eco_error *error)
 
 static const struct bench_section tiny = { .name = "tiny", .title = "Squares", .run = run_tiny },
 	keys = { .name = "keys", .title = "Keys", .run = run_keys },
-	failing = { .name = "failing", .title = "Fails", .run = run_failing }, plots = { .name = "plots", .title = "Plots", .run = run_plots },
+	failing = { .name = "failing", .title = "Fails", .run = run_failing },
+	plots = { .name = "plots", .title = "Plots", .run = run_plots },
 		commands = { .name = "commands", .title = "Commands", .run = run_commands },
-	crash = { .name = "crash", .title = "Crashes", .run = run_crash }, last = { .name = "last", .title = "Alone", .run = run_keys, .alone = true },
+	crash = { .name = "crash", .title = "Crashes", .run = run_crash },
+	last = { .name = "last", .title = "Alone", .run = run_keys, .alone = true },
 	slow = { .name = "slow", .title = "Slow", .run = run_slow };
-static const struct bench_section *const all[] = { &tiny, &keys, &failing, &plots, &commands, &slow, &crash, &last, NULL };
+static const struct bench_section *const all[] = { &tiny, &keys, &failing, &plots, &commands, &slow, &crash,
+	&last, NULL };
 
 /* ---- Running ---- */
 
@@ -144,7 +153,8 @@ static int run(const char *const arguments[])
 	return WEXITSTATUS(status);
 }
 
-#define RUN(...) run((const char *const[]){ "--build", ROOT "/programs", "--out", ROOT "/out", __VA_ARGS__, NULL })
+#define RUN(...) run((const char *const[]){ "--build", ROOT "/programs", "--out", ROOT "/out", __VA_ARGS__, \
+	NULL })
 
 static char *text_of(const char *name)
 {
@@ -172,7 +182,8 @@ static uint32_t lines_of(const char *name)
 static int set_up(void **state)
 {
 	stop_after = -1;
-	return system("rm -rf " ROOT " && mkdir -p " ROOT "/programs && cp /bin/true " ROOT "/programs/ecopack && : >" ROOT "/work.log") != 0;
+	return system("rm -rf " ROOT " && mkdir -p " ROOT "/programs && cp /bin/true " ROOT
+		"/programs/ecopack && : >" ROOT "/work.log") != 0;
 }
 
 /* ---- Tests ---- */
@@ -180,16 +191,21 @@ static int set_up(void **state)
 static void test_command_line_is_checked(void **state)
 {
 	static const struct { const char *argument, *value; int status; const char *says; } cases[] = {
-		{ "--help", NULL, 0, "--full" }, { "--list", NULL, 0, "Squares" }, { "--nonsense", NULL, 2, "" },
+		{ "--help", NULL, 0, "--full" }, { "--list", NULL, 0, "Squares" },
+			{ "--nonsense", NULL, 2, "" },
 		{ "--only", "none", 2, "no section is called none" },
-		{ "--only", "tiny,non", 2, "no section is called non" }, { "--only", "tin", 2, "no section is called tin" },
-		{ "--data", ROOT "/nowhere", 2, "holds models/" }, { "--build", ROOT "/nowhere", 2, "ecopack is not there" },
+		{ "--only", "tiny,non", 2, "no section is called non" },
+		{ "--only", "tin", 2, "no section is called tin" },
+		{ "--data", ROOT "/nowhere", 2, "holds models/" },
+		{ "--build", ROOT "/nowhere", 2, "ecopack is not there" },
 		{ "--out", "/dev/null/x", 1, "cannot make this folder" }, { "word", NULL, 2, "word" },
-		{ "--jobs", "0", 2, "from 1 to 16" }, { "--jobs", "17", 2, "from 1 to 16" }, { "--jobs", "3x", 2, "from 1 to 16" } };
+		{ "--jobs", "0", 2, "from 1 to 16" }, { "--jobs", "17", 2, "from 1 to 16" },
+		{ "--jobs", "3x", 2, "from 1 to 16" } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		int status = RUN(cases[i].argument, cases[i].value);
 		if (status != cases[i].status)
-			fail_msg("%s %s: status %d, not %d", cases[i].argument, cases[i].value ? cases[i].value : "", status, cases[i].status);
+			fail_msg("%s %s: status %d, not %d", cases[i].argument,
+				cases[i].value ? cases[i].value : "", status, cases[i].status);
 		assert_true(says(status ? "stderr" : "stdout", cases[i].says));
 	}
 	assert_int_equal(lines_of("work.log"), 0);
@@ -199,7 +215,8 @@ static void test_a_run_leaves_tables_report_and_summary(void **state)
 {
 	assert_int_equal(RUN("--only", "tiny"), 0);
 	assert_string_equal(text_of("out/tiny.csv"), "unit,square\n0,0\n1,1\n2,4\n3,9\n4,16\n");
-	assert_true(says("out/report.html", "<th class=\"n\">unit<th class=\"n\">square<tr><td class=\"n\">0<td"));
+	assert_true(says("out/report.html", "<th class=\"n\">unit<th class=\"n\">square<tr><td "
+		"class=\"n\">0<td"));
 	assert_true(says("out/report.html", "Squares &lt;of&gt; 5 &amp; more &quot;numbers&quot;"));
 	json_t *summary = bench_json_read(ROOT "/out/summary.json");
 	assert_true(json_number_value(json_object_get(summary, "tiny_sum")) == 30);
@@ -229,7 +246,8 @@ static void test_interrupted_runs_go_on(void **state)
 static void test_damaged_units_are_done_anew(void **state)
 {
 	assert_int_equal(RUN("--only", "tiny"), 0);
-	static const char *const damages[] = { "truncate -s 0", "truncate -s 9", "sed -i s/tiny/tidy/", "sed -i s/result/resalt/", "cp /bin/true" };
+	static const char *const damages[] = { "truncate -s 0", "truncate -s 9", "sed -i s/tiny/tidy/",
+		"sed -i s/result/resalt/", "cp /bin/true" };
 	for (size_t i = 0; i < sizeof damages / sizeof *damages; i++) {
 		char command[256];
 		snprintf(command, sizeof command, "%s " ROOT "/out/cache/units/tiny-3-*.json", damages[i]);
@@ -244,7 +262,8 @@ static void test_damaged_units_are_done_anew(void **state)
 static void test_units_of_another_program_are_done_anew_unless_trusted(void **state)
 {
 	assert_int_equal(RUN("--only", "tiny"), 0);
-	assert_int_equal(system("sed -i 's/\"program\":\"[0-9a-f]*\"/\"program\":\"0123456789abcdef\"/' " ROOT "/out/cache/units/*.json"), 0);
+	assert_int_equal(system("sed -i 's/\"program\":\"[0-9a-f]*\"/\"program\":\"0123456789abcdef\"/' " ROOT
+		"/out/cache/units/*.json"), 0);
 	assert_int_equal(RUN("--only", "tiny", "--trust"), 0);
 	assert_int_equal(lines_of("work.log"), UNITS);
 	assert_int_equal(RUN("--only", "tiny"), 0);
@@ -259,7 +278,8 @@ static void test_a_failure_does_not_end_the_run(void **state)
 	assert_true(says("out/summary.json", "\"exact\": 0"));
 	assert_int_equal(RUN("--list"), 0);
 	assert_true(says("stdout", "failed"));
-	assert_int_equal(access(ROOT "/out/plot3.png", R_OK) | access(ROOT "/out/empty.png", R_OK) | access(ROOT "/out/picture.png", R_OK), 0);
+	assert_int_equal(access(ROOT "/out/plot3.png", R_OK) | access(ROOT "/out/empty.png", R_OK)
+		| access(ROOT "/out/picture.png", R_OK), 0);
 }
 
 static void test_sections_in_processes_of_their_own_outlive_each_other(void **state)
@@ -286,10 +306,12 @@ static void test_interruption_ends_commands_too(void **state)
 
 static void test_bars_in_words_are_compared(void **state)
 {
-	static const struct { const char *key; int reached; } cases[] = { { "more", 0 }, { "percent", 1 }, { "unicode", 1 }, { "exact", 1 },
+	static const struct { const char *key; int reached; } cases[] = { { "more", 0 }, { "percent", 1 },
+		{ "unicode", 1 }, { "exact", 1 },
 		{ "thousands", 1 }, { "unmeasured", 0 }, { "shown", -1 } };
 	assert_int_equal(RUN("--only", "keys"), 0);
-	json_t *summary = bench_json_read(ROOT "/out/summary.json"), *reached = json_object_get(summary, "reached");
+	json_t *summary = bench_json_read(ROOT "/out/summary.json"),
+		*reached = json_object_get(summary, "reached");
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		json_t *value = json_object_get(reached, cases[i].key);
 		if (!value || (json_is_true(value) ? 1 : json_is_false(value) ? 0 : -1) != cases[i].reached)

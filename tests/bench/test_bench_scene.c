@@ -1,4 +1,5 @@
-/* Scenes, cameras and models of ecobench, with a stand-in for ecopack that writes down what it was asked for. */
+/* Scenes, cameras and models of ecobench, with a stand-in for ecopack that writes down what it was asked for.
+ */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,8 +19,10 @@ static const char program[] = "#!/bin/sh\n"
 	"case $cmd in\n"
 	"generate) mkdir -p $out/models; echo '{}' >$out/scene.json\n"
 	"  printf 'v 0 0 0\\nv 0 2 0\\nv 1 1 0\\nf 1 2 3\\n' >$out/models/$what.obj\n"
-	"  echo '{\"fps\": 1, \"keyframes\": [{\"time_s\": 0, \"eye\": [0, -50, 30], \"target\": [0, 0, 0], \"fov_y_deg\": 40},"
-	" {\"time_s\": 4, \"eye\": [0, -9, 1.7], \"target\": [0, 0, 1], \"fov_y_deg\": 60}]}' >$out/camera.json ;;\n"
+	"  echo '{\"fps\": 1, \"keyframes\": [{\"time_s\": 0, \"eye\": [0, -50, 30], \"target\": [0, 0, 0], "
+	"\"fov_y_deg\": 40},"
+	" {\"time_s\": 4, \"eye\": [0, -9, 1.7], \"target\": [0, 0, 1], \"fov_y_deg\": 60}]}' "
+	">$out/camera.json ;;\n"
 	"make) echo pack >$out ;;\n"
 	"esac\n";
 
@@ -41,13 +44,14 @@ static uint32_t asked(void)
 static int set_up(void **unused)
 {
 	struct eco_error error = { 0 };
-	(void)unused;
 	if (system("rm -rf " ROOT " && mkdir -p " ROOT "/programs"))
 		return 1;
-	if (bench_file_write(ROOT "/programs/ecopack", program, sizeof program - 1, &error) || system("chmod +x " ROOT "/programs/ecopack"))
+	if (bench_file_write(ROOT "/programs/ecopack", program, sizeof program - 1, &error)
+			|| system("chmod +x " ROOT "/programs/ecopack"))
 		return 1;
 	state = (struct bench_state){ .quiet = true };
-	bench = (struct bench){ .build = ROOT "/programs", .out = ROOT "/out", .cache = ROOT "/cache", .state = &state };
+	bench = (struct bench){ .build = ROOT "/programs", .out = ROOT "/out", .cache = ROOT "/cache",
+		.state = &state };
 	if (bench_open(&bench, &error))
 		return 1;
 	bench_begin(&bench, &section);
@@ -57,7 +61,6 @@ static int set_up(void **unused)
 static int tear_down(void **unused)
 {
 	struct eco_error error = { 0 };
-	(void)unused;
 	bench_end(&bench, ECO_OK, &error);
 	bench_close(&bench);
 	return 0;
@@ -67,7 +70,6 @@ static void test_packs_are_built_once_for_each_order(void **unused)
 {
 	struct eco_error error = { 0 };
 	char path[512], other[512];
-	(void)unused;
 	assert_int_equal(bench_scene(&bench, "trees640", NULL, path, &error), ECO_OK);
 	assert_int_equal(access(path, R_OK), 0);
 	assert_int_equal(asked(), 2);
@@ -81,7 +83,6 @@ static void test_packs_are_built_once_for_each_order(void **unused)
 static void test_packs_without_their_stamp_are_built_again(void **unused)
 {
 	static const char *const damages[] = { "rm %s.stamp", "rm %s", "echo x >%s.stamp", ": >%s.stamp" };
-	(void)unused;
 	for (size_t i = 0; i < sizeof damages / sizeof *damages; i++) {
 		struct eco_error error = { 0 };
 		char path[512], command[640];
@@ -99,7 +100,6 @@ static void test_failures_are_said_and_leave_no_stamp(void **unused)
 {
 	struct eco_error error = { 0 };
 	char path[512];
-	(void)unused;
 	assert_int_equal(bench_scene(&bench, "desert", NULL, path, &error), ECO_BAD_USAGE);
 	error = (struct eco_error){ 0 };
 	assert_int_equal(bench_scene(&bench, "scbi", NULL, path, &error), ECO_NOT_FOUND);
@@ -118,7 +118,6 @@ static void test_failures_are_said_and_leave_no_stamp(void **unused)
 static void test_views_run_from_first_to_last_of_the_script(void **unused)
 {
 	struct eco_request requests[7];
-	(void)unused;
 	assert_int_equal(bench_scene_views(&bench, "desert", requests, 7), 0);
 	assert_int_equal(bench_scene_views(&bench, "outdoor", requests, 0), 0);
 	for (uint32_t count = 1; count <= 7; count++) {
@@ -135,10 +134,10 @@ static void test_views_run_from_first_to_last_of_the_script(void **unused)
 static void test_the_crown_is_seen_from_outside_all_around(void **unused)
 {
 	struct eco_request requests[16];
-	(void)unused;
 	assert_int_equal(bench_scene_views(&bench, "crown", requests, 16), 16);
 	for (uint32_t i = 0; i < 16; i++)
-		assert_true(hypot(requests[i].view.eye[0], requests[i].view.eye[1]) > 12 && requests[i].view.eye[2] > 1);
+		assert_true(hypot(requests[i].view.eye[0], requests[i].view.eye[1]) > 12
+			&& requests[i].view.eye[2] > 1);
 }
 
 static void test_models_are_those_that_read(void **unused)
@@ -146,12 +145,14 @@ static void test_models_are_those_that_read(void **unused)
 	struct eco_error error = { 0 };
 	struct bench_model *models;
 	uint32_t count;
-	(void)unused;
-	assert_int_equal(system("mkdir -p " ROOT "/data/models/a/b && cd " ROOT "/data/models && printf 'v 0 0 0\\nv 0 2 0\\nv 1 1 0\\nf 1 2 3\\n' "
-		">a/b/good.obj && echo nonsense >a/bad.obj && echo text >readme.txt && : >a/empty.glb && xz -c a/b/good.obj >packed.OBJ.xz"), 0);
+	assert_int_equal(system("mkdir -p " ROOT "/data/models/a/b && cd " ROOT
+		"/data/models && printf 'v 0 0 0\\nv 0 2 0\\nv 1 1 0\\nf 1 2 3\\n' "
+		">a/b/good.obj && echo nonsense >a/bad.obj && echo text >readme.txt && : >a/empty.glb && xz "
+		"-c a/b/good.obj >packed.OBJ.xz"), 0);
 	bench.data = ROOT "/data";
 	assert_int_equal(bench_models(&bench, &models, &count, &error), ECO_OK);
-	static const char *const names[] = { "good.obj", "packed.OBJ", "generated-forest.obj", "generated-park.obj", "generated-sunflowers.obj" };
+	static const char *const names[] = { "good.obj", "packed.OBJ", "generated-forest.obj",
+		"generated-park.obj", "generated-sunflowers.obj" };
 	assert_int_equal(count, 5);
 	for (uint32_t i = 0; i < count; i++) {
 		struct eco_model read;
@@ -169,13 +170,15 @@ static void test_packed_models_of_another_folder_are_not_those_of_the_last(void 
 	struct eco_error error = { 0 };
 	struct bench_model *models;
 	uint32_t count;
-	(void)unused;
-	for (int i = 0; i < 3; i++) {                        /* one folder, another, and the same with one more triangle */
+	/* one folder, another, and the same with one more triangle */
+	for (int i = 0; i < 3; i++) {
 		static const char *const folders[] = { ROOT "/one", ROOT "/two", ROOT "/two" };
 		char command[512];
 		struct eco_model read;
-		snprintf(command, sizeof command, "mkdir -p %s/models && cd %s/models && rm -f * && (printf 'v 0 0 0\\nv 0 2 0\\nv 1 1 0\\nv 1 1 1\\n'; "
-			"for i in $(seq %d); do echo f 1 2 $((2 + i)); done) | xz >plant.obj.xz", folders[i], folders[i], i ? i : 2);
+		snprintf(command, sizeof command, "mkdir -p %s/models && cd %s/models && rm -f * && (printf "
+			"'v 0 0 0\\nv 0 2 0\\nv 1 1 0\\nv 1 1 1\\n'; "
+			"for i in $(seq %d); do echo f 1 2 $((2 + i)); done) | xz >plant.obj.xz", folders[i],
+			folders[i], i ? i : 2);
 		assert_int_equal(system(command), 0);
 		bench.data = folders[i];
 		assert_int_equal(bench_models(&bench, &models, &count, &error), ECO_OK);
@@ -191,12 +194,15 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test_setup_teardown(test_packs_are_built_once_for_each_order, set_up, tear_down),
-		cmocka_unit_test_setup_teardown(test_packs_without_their_stamp_are_built_again, set_up, tear_down),
-		cmocka_unit_test_setup_teardown(test_failures_are_said_and_leave_no_stamp, set_up, tear_down),
-		cmocka_unit_test_setup_teardown(test_views_run_from_first_to_last_of_the_script, set_up, tear_down),
-		cmocka_unit_test_setup_teardown(test_the_crown_is_seen_from_outside_all_around, set_up, tear_down),
-		cmocka_unit_test_setup_teardown(test_models_are_those_that_read, set_up, tear_down),
-		cmocka_unit_test_setup_teardown(test_packed_models_of_another_folder_are_not_those_of_the_last, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_packs_without_their_stamp_are_built_again, set_up,
+		tear_down), cmocka_unit_test_setup_teardown(test_failures_are_said_and_leave_no_stamp, set_up,
+		tear_down), cmocka_unit_test_setup_teardown(test_views_run_from_first_to_last_of_the_script,
+		set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_the_crown_is_seen_from_outside_all_around, set_up,
+		tear_down), cmocka_unit_test_setup_teardown(test_models_are_those_that_read, set_up,
+		tear_down),
+		cmocka_unit_test_setup_teardown(test_packed_models_of_another_folder_are_not_those_of_the_last,
+			set_up, tear_down),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,5 @@
-/* The planner against everything that could be done instead, in scenes so small that it can be tried; and what benches of planning make. */
+/* The planner against everything that could be done instead, in scenes so small that it can be tried; and
+ * what benches of planning make. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -10,7 +11,8 @@
 #define SCENES 200u
 #define ROUNDING 1e-9
 
-/* Seeds of scenes where one dear step is worth some cheap ones, or tiles must be looked at with the amounts that they would have. */
+/* Seeds of scenes where one dear step is worth some cheap ones, or tiles must be looked at with the amounts
+ * that they would have. */
 static const uint64_t hard[] = { 301, 1191, 2513, 2988, 3450, 3664, 3752, 5435, 5449, 5736 };
 #define HARD (sizeof hard / sizeof *hard)
 
@@ -22,7 +24,8 @@ static void plans_are_close_to_the_best_there_is(void **state)
 	for (uint64_t i = 0; i < SCENES + HARD; i++) {
 		struct bench_best best;
 		struct eco_error error = { 0 };
-		assert_int_equal(bench_best_find(i < SCENES ? i + 1 : hard[i - SCENES], &best, &error), ECO_OK);
+		assert_int_equal(bench_best_find(i < SCENES ? i + 1 : hard[i - SCENES], &best, &error),
+			ECO_OK);
 		if (!(best.empty > 0))
 			continue;
 		assert_true(best.planner >= best.best * (1 - ROUNDING) - ROUNDING);
@@ -34,7 +37,8 @@ static void plans_are_close_to_the_best_there_is(void **state)
 	}
 	assert_true(count > SCENES / 2);
 	assert_true(tried > 2 * count);
-	print_message("          above the best, of what is wrong with nothing drawn: mean %.4f %%, at most %.4f %%\n", 100 * sum / count, 100 * worst);
+	print_message("          above the best, of what is wrong with nothing drawn: mean %.4f %%, at most "
+		"%.4f %%\n", 100 * sum / count, 100 * worst);
 	assert_true(sum / count <= 0.01 && worst <= 0.05);
 }
 
@@ -59,7 +63,8 @@ static void scenes_to_choose_in_are_sound_and_grow(void **state)
 		struct eco_error error = { 0 };
 		bench_choice_make(&choice, species[i]);
 		choice.request.vertices = 500ull * species[i];
-		assert_int_equal(bench_plan_time(&time, &choice.made.scene, &choice.request, 0, &error), ECO_OK);
+		assert_int_equal(bench_plan_time(&time, &choice.made.scene, &choice.request, 0, &error),
+			ECO_OK);
 		assert_true(time.vertices <= choice.request.vertices);
 		assert_true(time.cuts > 0 && time.repetitions >= 3);
 		assert_true(time.candidates > before);
@@ -70,7 +75,8 @@ static void scenes_to_choose_in_are_sound_and_grow(void **state)
 
 static void views_between_two_are_on_the_way(void **state)
 {
-	struct eco_view a = { .eye = { 0, 0, 2 }, .target = { 10, 0, 0 }, .up = { 0, 0, 1 }, .fov_y_deg = 40, .width = 8, .height = 6 }, b = a, v;
+	struct eco_view a = { .eye = { 0, 0, 2 }, .target = { 10, 0, 0 }, .up = { 0, 0, 1 }, .fov_y_deg = 40,
+		.width = 8, .height = 6 }, b = a, v;
 	b.eye[0] = 4;
 	b.fov_y_deg = 60;
 	v = bench_still_between(&a, &b, 0);

@@ -19,12 +19,15 @@ static void plain_scale_keeps_the_sum_of_areas(void **state)
 
 static void depth_keeps_the_expected_visible_area(void **state)
 {
-	static const struct { uint32_t kept, count; double share; } rows[] = { { 1, 10, 0.05 }, { 3, 1000, 0.002 }, { 50, 60, 0.1 }, { 500, 5000, 0.001 },
+	static const struct { uint32_t kept, count; double share; } rows[] =
+		{ { 1, 10, 0.05 }, { 3, 1000, 0.002 }, { 50, 60, 0.1 }, { 500, 5000, 0.001 },
 		{ 2, 100000, 1e-5 } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		double s = lod_cook_scale_depth(rows[i].kept, rows[i].count, rows[i].share);
-		assert_true(s >= 1 && s <= lod_cook_scale(rows[i].kept, rows[i].count) && s * rows[i].share <= 1);
-		assert_true(fabs(covered(rows[i].kept, s * rows[i].share) - covered(rows[i].count, rows[i].share)) < 1e-9);
+		assert_true(s >= 1 && s <= lod_cook_scale(rows[i].kept, rows[i].count) && s * rows[i].share
+			<= 1);
+		assert_true(fabs(covered(rows[i].kept, s * rows[i].share)
+			- covered(rows[i].count, rows[i].share)) < 1e-9);
 	}
 }
 
@@ -61,7 +64,8 @@ static void contrast_keeps_the_variance_of_pixels(void **state)
 		for (uint32_t pixel = 0; pixel < 20000; pixel++) {
 			double mean = 0;
 			for (uint32_t i = 0; i < per_pixel; i++)
-				mean += contrast * (eco_mix_unit(lod_mix(pixel * 100u + i)) - 0.5) / per_pixel;
+				mean += contrast * (eco_mix_unit(lod_mix(pixel * 100u + i)) - 0.5)
+					/ per_pixel;
 			sum += mean;
 			squares += mean * mean;
 		}

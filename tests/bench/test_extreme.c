@@ -6,9 +6,11 @@ static void tell(void *ctx, const struct extreme_case *row, const struct extreme
 {
 	(void)ctx;
 	if (!ran)
-		print_message("          %s, %s: in ecobench --extreme only\n", extreme_kind_names[row->kind], row->name);
+		print_message("          %s, %s: in ecobench --extreme only\n", extreme_kind_names[row->kind],
+			row->name);
 	else
-		print_message("          %s%s, %s: %s\n", x->failed ? "FAILED: " : "", extreme_kind_names[row->kind], row->name, x->measured);
+		print_message("          %s%s, %s: %s\n", x->failed ? "FAILED: " : "",
+			extreme_kind_names[row->kind], row->name, x->measured);
 }
 
 static void run(void **state)
@@ -18,7 +20,8 @@ static void run(void **state)
 
 int main(void)
 {
-	static enum extreme_kind kinds[] = { EXTREME_PLACE, EXTREME_CAMERA, EXTREME_STIFF, EXTREME_GEOMETRY, EXTREME_QUANTIZATION, EXTREME_TIME };
+	static enum extreme_kind kinds[] = { EXTREME_PLACE, EXTREME_CAMERA, EXTREME_STIFF, EXTREME_GEOMETRY,
+		EXTREME_QUANTIZATION, EXTREME_TIME };
 	const struct CMUnitTest tests[EXTREME_KINDS] = {
 		{ "scenes_at_extreme_places_are_drawn_alike", run, NULL, NULL, &kinds[0] },
 		{ "extreme_cameras_are_answered", run, NULL, NULL, &kinds[1] },

@@ -4,7 +4,8 @@
 #include "tests/support/unit_test.h"
 
 static struct lod_arena arena;
-struct made { struct lod_mesh mesh; struct lod_organs organs; struct lod_bones bones; double area, length, error, surface; };
+struct made { struct lod_mesh mesh; struct lod_organs organs; struct lod_bones bones; double area, length,
+	error, surface; };
 
 static void make(struct made *made, const struct soup *soup)
 {
@@ -20,7 +21,8 @@ static void make(struct made *made, const struct soup *soup)
 	for (uint32_t i = 0; i < made->bones.count; i++) {
 		const struct lod_bone *b = &made->bones.items[i];
 		double length = lod_v3_distance(b->end[0], b->end[1]);
-		assert_true(b->width >= 0 && isfinite(b->width) && isfinite(b->error) && b->error >= 0 && isfinite(length));
+		assert_true(b->width >= 0 && isfinite(b->width) && isfinite(b->error) && b->error >= 0
+			&& isfinite(length));
 		made->length += length;
 		made->area += length * b->width;
 		made->error = fmax(made->error, b->error);
@@ -35,13 +37,15 @@ static void finish(struct soup *soup)
 
 static void a_straight_tube_is_one_line(void **state)
 {
-	static const struct { uint32_t sides, rings; } shapes[] = { { 3, 1 }, { 4, 2 }, { 6, 40 }, { 12, 7 }, { 16, 200 } };
+	static const struct { uint32_t sides, rings; } shapes[] = { { 3, 1 }, { 4, 2 }, { 6, 40 }, { 12, 7 },
+		{ 16, 200 } };
 	for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
 		struct soup soup;
 		struct made made;
 		soup_begin(&soup);
-		soup_tube(&soup, soup_material(&soup, 90, 60, 30, ECO_NONE, false), (struct lod_v3){ 1, 2, 0 }, (struct lod_v3){ 2, 1, 5 }, 0.1, 0.1,
-			shapes[i].sides, shapes[i].rings);
+		soup_tube(&soup, soup_material(&soup, 90, 60, 30, ECO_NONE, false),
+			(struct lod_v3){ 1, 2, 0 }, (struct lod_v3){ 2, 1, 5 }, 0.1, 0.1, shapes[i].sides,
+			shapes[i].rings);
 		make(&made, &soup);
 		assert_int_equal(made.bones.count, 1);
 		assert_true(fabs(made.length - sqrt(27)) < 0.05);
@@ -56,7 +60,8 @@ static void a_tapering_tube_is_a_few_lines(void **state)
 	struct soup soup;
 	struct made made;
 	soup_begin(&soup);
-	soup_tube(&soup, soup_material(&soup, 90, 60, 30, ECO_NONE, false), (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 8 }, 0.2, 0.01, 8, 60);
+	soup_tube(&soup, soup_material(&soup, 90, 60, 30, ECO_NONE, false), (struct lod_v3){ 0, 0, 0 },
+		(struct lod_v3){ 0, 0, 8 }, 0.2, 0.01, 8, 60);
 	make(&made, &soup);
 	assert_in_range(made.bones.count, 3, 16);
 	assert_true(fabs(made.length - 8) < 0.2);
@@ -89,12 +94,14 @@ static void expect_one_line(const struct soup *soup, struct lod_v3 foot, struct 
 static void a_stout_stem_that_leans_is_a_line_that_leans(void **state)
 {
 	static const struct { struct lod_v3 foot, top; uint32_t sides; } stems[] = {
-		{ { 0, 0, 0 }, { 0, 0, 2 }, 4 }, { { 1, 1, 0 }, { 1.6, 0.7, 2 }, 8 }, { { 0, 0, 0 }, { 3, 2, 1 }, 12 },
+		{ { 0, 0, 0 }, { 0, 0, 2 }, 4 }, { { 1, 1, 0 }, { 1.6, 0.7, 2 }, 8 },
+			{ { 0, 0, 0 }, { 3, 2, 1 }, 12 },
 	};
 	for (size_t i = 0; i < sizeof stems / sizeof *stems; i++) {
 		struct soup soup;
 		soup_begin(&soup);
-		soup_tube(&soup, soup_material(&soup, 90, 60, 30, ECO_NONE, false), stems[i].foot, stems[i].top, 0.4, 0.4, stems[i].sides, 3);
+		soup_tube(&soup, soup_material(&soup, 90, 60, 30, ECO_NONE, false), stems[i].foot,
+			stems[i].top, 0.4, 0.4, stems[i].sides, 3);
 		expect_one_line(&soup, stems[i].foot, stems[i].top);
 		finish(&soup);
 	}
@@ -107,9 +114,10 @@ static void a_bent_tube_is_followed(void **state)
 		struct soup soup;
 		struct made made;
 		soup_begin(&soup);
-		soup_tube(&soup, soup_material(&soup, 90, 60, 30, ECO_NONE, false), (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, LOD_PI }, 0.04, 0.04,
-			8, 60);
-		for (uint32_t v = 0; v < soup.model.vertex_count; v++) {     /* onto a half circle of radius 1 */
+		soup_tube(&soup, soup_material(&soup, 90, 60, 30, ECO_NONE, false),
+			(struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, LOD_PI }, 0.04, 0.04, 8, 60);
+		/* onto a half circle of radius 1 */
+		for (uint32_t v = 0; v < soup.model.vertex_count; v++) {
 			float *p = soup.model.position + 3 * v;
 			double angle = p[2], radius = 1 + p[0];
 			p[0] = (float)(radius * cos(angle));
@@ -140,9 +148,11 @@ static void a_fork_has_a_line_for_each_arm(void **state)
 	uint32_t ring = soup.model.vertex_count - 8;
 	for (int arm = 0; arm < 2; arm++) {
 		uint32_t first = soup.model.vertex_count;
-		soup_tube(&soup, m, (struct lod_v3){ 0, 0, 3 }, (struct lod_v3){ arm ? 2 : -2, 0, 5 }, 0.05, 0.05, 8, 12);
+		soup_tube(&soup, m, (struct lod_v3){ 0, 0, 3 }, (struct lod_v3){ arm ? 2 : -2, 0, 5 }, 0.05,
+			0.05, 8, 12);
 		for (int k = 0; k < 8; k++)
-			soup_triangle(&soup, m, first + (uint32_t)k, first + ((uint32_t)k + 1) % 8, ring + (uint32_t)k);
+			soup_triangle(&soup, m, first + (uint32_t)k, first + ((uint32_t)k + 1) % 8,
+				ring + (uint32_t)k);
 	}
 	make(&made, &soup);
 	assert_int_equal(made.mesh.component_count, 1);
@@ -180,7 +190,8 @@ static void an_open_strip_is_as_wide_as_it_is(void **state)
 	finish(&soup);
 }
 
-/* Bark that is dark below and bright above: each line has the colour of where it runs, not the tree's mean. */
+/* Bark that is dark below and bright above: each line has the colour of where it runs, not the tree's mean.
+ */
 static void lines_have_the_colour_of_the_bark_that_they_replace(void **state)
 {
 	struct soup soup;
@@ -189,8 +200,10 @@ static void lines_have_the_colour_of_the_bark_that_they_replace(void **state)
 	soup.image[0] = (struct eco_image){ 1, 8, calloc(8, 4) };
 	soup.model.image_count = 1;
 	for (int y = 0; y < 8; y++)
-		memcpy(soup.image[0].rgba + 4 * y, (uint8_t[4]){ y < 4 ? 40 : 200, y < 4 ? 30 : 190, 20, 255 }, 4);
-	soup_tube(&soup, soup_material(&soup, 255, 255, 255, 0, false), (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 8 }, 0.2, 0.01, 8, 60);
+		memcpy(soup.image[0].rgba + 4 * y,
+			(uint8_t[4]){ y < 4 ? 40 : 200, y < 4 ? 30 : 190, 20, 255 }, 4);
+	soup_tube(&soup, soup_material(&soup, 255, 255, 255, 0, false), (struct lod_v3){ 0, 0, 0 },
+		(struct lod_v3){ 0, 0, 8 }, 0.2, 0.01, 8, 60);
 	for (uint32_t v = 0; v < soup.model.vertex_count; v++)
 		soup.model.uv[2 * v + 1] = soup.model.position[3 * v + 2] / 8;
 	make(&made, &soup);
@@ -222,7 +235,8 @@ static void all_tubes_of_a_tree_have_lines_largest_first(void **state)
 	for (uint32_t i = 0; i < made.bones.count; i++) {
 		const struct lod_bone *b = &made.bones.items[i];
 		double size = lod_v3_distance(b->end[0], b->end[1]) * b->width;
-		assert_true(size <= 1.6 * last);             /* half an octave, and what a linear one leaves over */
+		/* half an octave, and what a linear one leaves over */
+		assert_true(size <= 1.6 * last);
 		last = fmin(last, size);
 		seen[b->component] = true;
 	}
@@ -241,9 +255,12 @@ static void any_soup_has_finite_lines(void **state)
 		soup.state = seed;
 		uint32_t m = soup_material(&soup, 90, 60, 30, ECO_NONE, false), n = 4 + seed / 2;
 		for (uint32_t v = 0; v < n; v++)
-			soup_vertex(&soup, (struct lod_v3){ soup_random(&soup, 0, 1), soup_random(&soup, 0, 1), seed % 3 ? soup_random(&soup, 0, 2) : 0 }, 0, 0);
+			soup_vertex(&soup,
+				(struct lod_v3){ soup_random(&soup, 0, 1), soup_random(&soup, 0, 1),
+				seed % 3 ? soup_random(&soup, 0, 2) : 0 }, 0, 0);
 		for (uint32_t t = 0; t < 3 * n; t++)
-			soup_triangle(&soup, m, (uint32_t)soup_random(&soup, 0, n), (uint32_t)soup_random(&soup, 0, n), (uint32_t)soup_random(&soup, 0, n));
+			soup_triangle(&soup, m, (uint32_t)soup_random(&soup, 0, n),
+				(uint32_t)soup_random(&soup, 0, n), (uint32_t)soup_random(&soup, 0, n));
 		make(&made, &soup);
 		finish(&soup);
 	}

@@ -12,7 +12,8 @@ static void scatter(int shape)
 {
 	dice.state = 11;
 	for (uint32_t i = 0; i < MOST; i++) {
-		struct lod_v3 p = { soup_random(&dice, 0, 4), soup_random(&dice, 0, 4), soup_random(&dice, 0, 8) };
+		struct lod_v3 p = { soup_random(&dice, 0, 4), soup_random(&dice, 0, 4),
+			soup_random(&dice, 0, 8) };
 		if (shape == 1)
 			p.x = p.y = 2;                           /* a pole */
 		if (shape == 2 && i > 100)
@@ -22,9 +23,11 @@ static void scatter(int shape)
 	}
 }
 
-static uint32_t make(struct lod_cells *cells, uint32_t count, uint32_t limit, uint64_t per_cell[LOD_CELLS_MAX])
+static uint32_t make(struct lod_cells *cells, uint32_t count, uint32_t limit,
+	uint64_t per_cell[LOD_CELLS_MAX])
 {
-	lod_cells_make(cells, &(struct lod_cells_input){ { 0, 0, 0 }, { 4, 4, 8 }, count, center, triangles, limit });
+	lod_cells_make(cells, &(struct lod_cells_input){ { 0, 0, 0 }, { 4, 4, 8 }, count, center, triangles,
+		limit });
 	memset(per_cell, 0, LOD_CELLS_MAX * sizeof *per_cell);
 	for (uint32_t i = 0; i < count && cells->count; i++) {
 		uint32_t c = lod_cells_at(cells, center[i]);
@@ -73,8 +76,10 @@ static void points_outside_belong_to_the_nearest(void **state)
 	uint64_t per_cell[LOD_CELLS_MAX];
 	scatter(0);
 	make(&cells, MOST, 1000, per_cell);
-	assert_int_equal(lod_cells_at(&cells, (struct lod_v3){ -9, -9, -9 }), lod_cells_at(&cells, (struct lod_v3){ 0.1, 0.1, 0.1 }));
-	assert_int_equal(lod_cells_at(&cells, (struct lod_v3){ 99, 2.5, 8 }), lod_cells_at(&cells, (struct lod_v3){ 3.9, 2.5, 7.9 }));
+	assert_int_equal(lod_cells_at(&cells, (struct lod_v3){ -9, -9, -9 }),
+		lod_cells_at(&cells, (struct lod_v3){ 0.1, 0.1, 0.1 }));
+	assert_int_equal(lod_cells_at(&cells, (struct lod_v3){ 99, 2.5, 8 }),
+		lod_cells_at(&cells, (struct lod_v3){ 3.9, 2.5, 7.9 }));
 }
 
 static void a_flat_plant_is_divided_in_its_plane(void **state)
@@ -83,7 +88,8 @@ static void a_flat_plant_is_divided_in_its_plane(void **state)
 	scatter(0);
 	for (uint32_t i = 0; i < MOST; i++)
 		center[i].z = 0;
-	lod_cells_make(&cells, &(struct lod_cells_input){ { 0, 0, 0 }, { 4, 4, 0 }, MOST, center, triangles, 5000 });
+	lod_cells_make(&cells, &(struct lod_cells_input){ { 0, 0, 0 }, { 4, 4, 0 }, MOST, center, triangles,
+		5000 });
 	assert_int_equal(cells.count, 16);
 }
 

@@ -1,4 +1,5 @@
-/* Orders of leaves that are not scaled: prefixes cover as much as can be, over the wood, in the views that they are for. */
+/* Orders of leaves that are not scaled: prefixes cover as much as can be, over the wood, in the views that
+ * they are for. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,7 +23,8 @@ static double around[VIEWS][3];
 
 static void leaf(struct lod_foliage *f, struct lod_v3 at, struct lod_v3 u, struct lod_v3 v)
 {
-	const struct lod_v3 corners[3] = { lod_v3_add(at, u), lod_v3_add(at, v), lod_v3_add(at, lod_v3_scale(lod_v3_add(u, v), -1)) };
+	const struct lod_v3 corners[3] = { lod_v3_add(at, u), lod_v3_add(at, v),
+		lod_v3_add(at, lod_v3_scale(lod_v3_add(u, v), -1)) };
 	for (int k = 0; k < 3; k++) {
 		const float p[3] = { (float)corners[k].x, (float)corners[k].y, (float)corners[k].z };
 		memcpy(corner[3 * f->count + k], p, sizeof p);
@@ -37,7 +39,8 @@ static void leaf(struct lod_foliage *f, struct lod_v3 at, struct lod_v3 u, struc
 static struct lod_foliage empty(void)
 {
 	first[0] = 0;
-	return (struct lod_foliage){ .first = first, .corner = corner, .uv = uv, .cutout = cutout, .wood = wood, .low = { -5, -5, -5 },
+	return (struct lod_foliage){ .first = first, .corner = corner, .uv = uv, .cutout = cutout,
+		.wood = wood, .low = { -5, -5, -5 },
 		.high = { 5, 5, 5 } };
 }
 
@@ -47,18 +50,22 @@ static struct lod_foliage ball(uint32_t count, uint32_t seed)
 	struct lod_foliage f = empty();
 	dice.state = seed;
 	while (f.count < count) {
-		struct lod_v3 at = lod_v3_scale(soup_direction(&dice), soup_random(&dice, 0, 4)), u = soup_direction(&dice);
+		struct lod_v3 at = lod_v3_scale(soup_direction(&dice), soup_random(&dice, 0, 4)),
+			u = soup_direction(&dice);
 		double size = soup_random(&dice, 0.3, 1.5);
-		leaf(&f, at, lod_v3_scale(u, size), lod_v3_scale(lod_v3_cross(u, soup_direction(&dice)), size));
+		leaf(&f, at, lod_v3_scale(u, size),
+			lod_v3_scale(lod_v3_cross(u, soup_direction(&dice)), size));
 	}
 	return f;
 }
 
-static enum eco_code make(uint32_t *out, const struct lod_foliage *f, const double (*directions)[3], struct eco_error *error)
+static enum eco_code make(uint32_t *out, const struct lod_foliage *f, const double (*directions)[3],
+	struct eco_error *error)
 {
 	enum eco_code code;
 	assert_int_equal(setjmp(arena.failed), 0);
-	code = lod_cover_order(out, f, &(struct lod_cover_options){ .directions = directions, .views = VIEWS, .pixels = PIXELS }, &arena, error);
+	code = lod_cover_order(out, f, &(struct lod_cover_options){ .directions = directions, .views = VIEWS,
+		.pixels = PIXELS }, &arena, error);
 	assert_null(arena.last);
 	return code;
 }
@@ -82,7 +89,8 @@ static void measure_open(struct measure *m, const struct lod_foliage *f, const d
 	struct eco_error error = { 0 };
 	assert_int_equal(setjmp(arena.failed), 0);
 	assert_int_equal(lod_sights_make(&m->sights, f, directions, VIEWS, PIXELS, &arena, &error), ECO_OK);
-	assert_int_equal(lod_raster_init(&m->raster, &(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .silhouette = true },
+	assert_int_equal(lod_raster_init(&m->raster,
+		&(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .silhouette = true },
 		&error), ECO_OK);
 }
 
@@ -97,7 +105,9 @@ static uint32_t covered(struct measure *m, const uint32_t *list, uint32_t count)
 	uint32_t sum = 0;
 	for (uint32_t view = 0; view < VIEWS; view++) {
 		uint64_t mask[WORDS] = { 0 };
-		lod_sights_draw(&m->sights, view, &(struct lod_sights_drawing){ .order = list, .count = count, .scale = 1 }, &m->raster, mask);
+		lod_sights_draw(&m->sights, view,
+			&(struct lod_sights_drawing){ .order = list, .count = count, .scale = 1 }, &m->raster,
+			mask);
 		for (uint32_t i = 0; i < WORDS; i++)
 			sum += (uint32_t)__builtin_popcountll(mask[i] & ~m->sights.wood[view][i]);
 	}
@@ -164,7 +174,8 @@ static void lists_for_a_sector_serve_the_sector(void **state)
 	measure_open(&m, &f, (const double (*)[3])others);
 	uint32_t all = covered(&m, order, MOST);
 	for (uint32_t percent = 10; percent <= 50; percent += 20)
-		assert_true(all - covered(&m, again, MOST * percent / 100) < (all - covered(&m, order, MOST * percent / 100)) * 0.9);
+		assert_true(all - covered(&m, again, MOST * percent / 100)
+			< (all - covered(&m, order, MOST * percent / 100)) * 0.9);
 	measure_close(&m);
 }
 
@@ -180,7 +191,8 @@ static void leaves_that_change_nothing_come_last(void **state)
 	f.wood_count = 2;
 	for (uint32_t i = 0; i < 12; i++) {
 		bool beside = i % 3 == 0;
-		leaf(&f, (struct lod_v3){ 0.1, 0.2 * i - 1, beside ? 5 : 0.1 * i }, (struct lod_v3){ 0, 0.5, 0 }, (struct lod_v3){ 0, 0, 0.5 });
+		leaf(&f, (struct lod_v3){ 0.1, 0.2 * i - 1, beside ? 5 : 0.1 * i },
+			(struct lod_v3){ 0, 0.5, 0 }, (struct lod_v3){ 0, 0, 0.5 });
 		cutout[i] = i % 6 == 3 ? &image : NULL;
 	}
 	cone_views(from_x, VIEWS, (const double[3]){ 1, 0, 0 }, 0.02, 1);
@@ -211,7 +223,8 @@ static void it_stops_when_asked(void **state)
 	struct eco_error error = { 0 };
 	struct lod_foliage f = ball(200, 3);
 	assert_int_equal(setjmp(arena.failed), 0);
-	assert_int_equal(lod_cover_order(order, &f, &(struct lod_cover_options){ .directions = around, .views = VIEWS, .pixels = PIXELS,
+	assert_int_equal(lod_cover_order(order, &f,
+		&(struct lod_cover_options){ .directions = around, .views = VIEWS, .pixels = PIXELS,
 		.progress = stop, .ctx = &calls }, &arena, &error), ECO_INTERRUPTED);
 	assert_int_equal(calls, 1);
 	assert_null(arena.last);

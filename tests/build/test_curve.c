@@ -1,4 +1,5 @@
-/* Curves of crowns made here: what they must look like whatever the plant, and that cells share the whole plant's. */
+/* Curves of crowns made here: what they must look like whatever the plant, and that cells share the whole
+ * plant's. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,7 +22,8 @@ static double uniform(double low, double high)
 	return low + (high - low) * (double)(seed >> 34) / (double)(1u << 30);
 }
 
-/* A crown of quads in a ball, with the model's triangles to match. Lists and ladders are added by the tests. */
+/* A crown of quads in a ball, with the model's triangles to match. Lists and ladders are added by the tests.
+ */
 struct crown {
 	struct lod_plant plant;
 	struct eco_model model;
@@ -86,10 +88,13 @@ static struct lod_list_draft *add_list(struct crown *crown, uint8_t kind, uint32
 {
 	struct lod_list_draft *draft = &crown->lists[crown->plant.list_count++];
 	uint32_t primitives = kind == ECO_LIST_TRIANGLES ? elements * (corners - 2) : elements;
-	draft->list = (struct eco_list){ .kind = kind, .coder = ECO_CODER_ELEMENTS, .image = ECO_NONE, .partner = ECO_NONE,
+	draft->list = (struct eco_list){ .kind = kind, .coder = ECO_CODER_ELEMENTS, .image = ECO_NONE,
+		.partner = ECO_NONE,
 		.grid_step = { STEP, STEP, STEP }, .primitive_count = primitives, .element_count = elements };
-	draft->elements = (struct eco_elements){ .element_count = elements, .corner_count = elements * corners,
-		.primitive_count = primitives, .corners = malloc(elements), .position = malloc(elements * corners * 3 * sizeof(int32_t)) };
+	draft->elements = (struct eco_elements){ .element_count = elements,
+		.corner_count = elements * corners,
+		.primitive_count = primitives, .corners = malloc(elements),
+		.position = malloc(elements * corners * 3 * sizeof(int32_t)) };
 	memset(draft->elements.corners, (int)corners, elements);
 	draft->ends = malloc(sizeof *draft->ends);
 	draft->ends[0] = elements;
@@ -102,12 +107,14 @@ static uint32_t add_triangles(struct crown *crown, uint32_t first, uint32_t end,
 {
 	struct lod_list_draft *draft = add_list(crown, ECO_LIST_TRIANGLES, (end - first) / each, 4);
 	for (uint32_t i = 0; i < (end - first) / each; i++)
-		memcpy(draft->elements.position + 12 * i, crown->corner + 12 * (first + i * each), 12 * sizeof(int32_t));
+		memcpy(draft->elements.position + 12 * i, crown->corner + 12 * (first + i * each),
+			12 * sizeof(int32_t));
 	return crown->plant.list_count - 1;
 }
 
 /* A point in the middle of each of those leaves, of list `triangles`. */
-static uint32_t add_points(struct crown *crown, uint32_t first, uint32_t end, uint32_t each, uint32_t triangles)
+static uint32_t add_points(struct crown *crown, uint32_t first, uint32_t end, uint32_t each,
+	uint32_t triangles)
 {
 	uint32_t leaves = (end - first) / each;
 	struct lod_list_draft *draft = add_list(crown, ECO_LIST_POINTS, leaves, 1);
@@ -122,7 +129,8 @@ static uint32_t add_points(struct crown *crown, uint32_t first, uint32_t end, ui
 			v[k] = leaf[9 + k] - leaf[k];
 			draft->elements.position[3 * i + (uint32_t)k] = (leaf[k] + leaf[6 + k]) / 2;
 		}
-		double n[3] = { u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0] };
+		double n[3] = { u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
+			u[0] * v[1] - u[1] * v[0] };
 		area += sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) * STEP * STEP;
 	}
 	draft->list.unit_area = (float)(area / 2 / leaves);
@@ -150,7 +158,8 @@ static uint32_t add_lines(struct crown *crown, uint32_t each)
 static struct eco_ladder *add_ladder(struct crown *crown, uint32_t points, uint32_t triangles)
 {
 	struct eco_ladder *ladder = &crown->ladders[crown->plant.ladder_count++];
-	*ladder = (struct eco_ladder){ .organ = ECO_ORGAN_FOLIAGE, .points = points, .lines = ECO_NONE, .simple = ECO_NONE,
+	*ladder = (struct eco_ladder){ .organ = ECO_ORGAN_FOLIAGE, .points = points, .lines = ECO_NONE,
+		.simple = ECO_NONE,
 		.triangles = triangles, .importance = 1 };
 	ladder->total = crown->lists[triangles != ECO_NONE ? triangles : points].list.element_count;
 	return ladder;
@@ -192,11 +201,13 @@ static void check_curve(const struct lod_plant *plant, const struct eco_ladder *
 	const struct eco_curve *above = curve + ladder->curve_count;
 	for (uint32_t i = 0; i < ladder->curve_count; i++) {
 		assert_true(above[i].share == curve[i].share && above[i].reach == curve[i].reach);
-		assert_true(above[i].scale >= 0.25f && above[i].scale <= 64 && above[i].fp >= 0 && above[i].fn >= 0);
+		assert_true(above[i].scale >= 0.25f && above[i].scale <= 64 && above[i].fp >= 0
+			&& above[i].fn >= 0);
 		assert_true(i == 0 || error_of(&above[i]) <= error_of(&above[i - 1]) + 1e-6);
 	}
 	for (uint32_t i = 0; i < ladder->curve_count; i++) {
-		assert_true(curve[i].share > 0 && curve[i].share <= 1 && (i == 0 || curve[i].share > curve[i - 1].share));
+		assert_true(curve[i].share > 0 && curve[i].share <= 1
+			&& (i == 0 || curve[i].share > curve[i - 1].share));
 		assert_true(curve[i].scale >= 0.25f && curve[i].scale <= 64);
 		assert_true(curve[i].fp >= 0 && curve[i].fn >= 0);
 		assert_true(i == 0 || error_of(&curve[i]) <= error_of(&curve[i - 1]) + 1e-6);
@@ -216,10 +227,10 @@ static struct eco_curve at(const struct lod_plant *plant, const struct eco_ladde
 static void points_and_triangles_get_a_falling_curve_from_one_point_to_all(void **unused)
 {
 	struct crown crown;
-	(void)unused;
 	seed = 1;
 	crown_make(&crown, 1500, 0.12);
-	uint32_t triangles = add_triangles(&crown, 0, 1500, 1), points = add_points(&crown, 0, 1500, 1, triangles);
+	uint32_t triangles = add_triangles(&crown, 0, 1500, 1),
+		points = add_points(&crown, 0, 1500, 1, triangles);
 	struct eco_ladder *ladder = add_ladder(&crown, points, triangles);
 	measure(&crown, 128);
 	check_curve(&crown.plant, ladder);
@@ -233,7 +244,8 @@ static void points_and_triangles_get_a_falling_curve_from_one_point_to_all(void 
 static double loss_at_scale(struct crown *crown, uint32_t list, uint32_t end, double scale)
 {
 	struct lod_probe probe;
-	assert_int_equal(lod_probe_init(&probe, &crown->plant, &crown->model, &(struct lod_probe_options){ .views = 8, .pixels = 192 }, NULL), ECO_OK);
+	assert_int_equal(lod_probe_init(&probe, &crown->plant, &crown->model,
+		&(struct lod_probe_options){ .views = 8, .pixels = 192 }, NULL), ECO_OK);
 	assert_true(lod_probe_keep_model(&probe));
 	struct eco_cut cut = { .list = list, .end = end, .scale = (float)scale };
 	assert_int_equal(lod_probe_add(&probe, &cut, NULL), ECO_OK);
@@ -246,7 +258,6 @@ static double loss_at_scale(struct crown *crown, uint32_t list, uint32_t end, do
 static void the_scale_is_better_than_its_neighbours_and_cooks(void **unused)
 {
 	struct crown crown;
-	(void)unused;
 	seed = 2;
 	crown_make(&crown, 2000, 0.2);
 	uint32_t triangles = add_triangles(&crown, 0, 2000, 1);
@@ -267,7 +278,6 @@ static void the_scale_is_better_than_its_neighbours_and_cooks(void **unused)
 static void half_a_crown_needs_less_than_cooks_scale_and_a_sparse_one_hardly_any(void **unused)
 {
 	double scale[2];
-	(void)unused;
 	for (int dense = 0; dense < 2; dense++) {
 		struct crown crown;
 		seed = 3;
@@ -285,12 +295,12 @@ static void half_a_crown_needs_less_than_cooks_scale_and_a_sparse_one_hardly_any
 /* Needles that cover little would be right soonest as a few balloons that cover everything beside them. */
 static void a_few_leaves_of_a_sparse_crown_are_no_balloons(void **unused)
 {
-	(void)unused;
 	for (int kind = 0; kind < 3; kind++) {
 		struct crown crown;
 		seed = 4;
 		crown_make(&crown, 1200, kind == 0 ? 0.015 : kind == 1 ? 0.04 : 0.1);
-		uint32_t triangles = add_triangles(&crown, 0, 1200, 1), points = add_points(&crown, 0, 1200, 1, triangles);
+		uint32_t triangles = add_triangles(&crown, 0, 1200, 1),
+			points = add_points(&crown, 0, 1200, 1, triangles);
 		struct eco_ladder *ladder = add_ladder(&crown, points, triangles);
 		measure(&crown, 128);
 		check_curve(&crown.plant, ladder);
@@ -303,7 +313,6 @@ static void a_few_leaves_of_a_sparse_crown_are_no_balloons(void **unused)
 static void size_on_screen_hardly_changes_a_curve(void **unused)
 {
 	struct eco_curve curve[3][3];
-	(void)unused;
 	for (int i = 0; i < 3; i++) {
 		struct crown crown;
 		seed = 4;
@@ -318,15 +327,16 @@ static void size_on_screen_hardly_changes_a_curve(void **unused)
 	for (int i = 1; i < 3; i++)
 		for (int k = 0; k < 3; k++) {
 			assert_true(fabs(error_of(&curve[i][k]) - error_of(&curve[0][k])) < 0.04);
-			assert_true(curve[i][k].scale < 1.25 * curve[0][k].scale && curve[0][k].scale < 1.25 * curve[i][k].scale);
+			assert_true(curve[i][k].scale < 1.25 * curve[0][k].scale && curve[0][k].scale
+				< 1.25 * curve[i][k].scale);
 		}
 }
 
-/* The same leaves as one ladder, and as a coarse list with the rest in cells (round robin, so that no cell is special). */
+/* The same leaves as one ladder, and as a coarse list with the rest in cells (round robin, so that no cell is
+ * special). */
 static void cells_share_the_curve_of_the_whole(void **unused)
 {
 	struct crown whole, parts;
-	(void)unused;
 	seed = 5;
 	crown_make(&whole, 1600, 0.2);
 	struct eco_ladder *one = add_ladder(&whole, ECO_NONE, add_triangles(&whole, 0, 1600, 1));
@@ -336,7 +346,8 @@ static void cells_share_the_curve_of_the_whole(void **unused)
 	add_ladder(&parts, ECO_NONE, add_triangles(&parts, 0, 200, 1))->total = 1600;
 	for (uint32_t cell = 0; cell < CELLS; cell++) {
 		parts.anchors[1 + cell] = parts.anchors[0];
-		struct eco_ladder *ladder = add_ladder(&parts, ECO_NONE, add_triangles(&parts, 200 + cell, 1600 + cell, CELLS));
+		struct eco_ladder *ladder =
+			add_ladder(&parts, ECO_NONE, add_triangles(&parts, 200 + cell, 1600 + cell, CELLS));
 		ladder->anchor = 1 + cell;
 		ladder->flags = ECO_LADDER_NEAR;
 		ladder->total = 400;
@@ -357,26 +368,29 @@ static void cells_share_the_curve_of_the_whole(void **unused)
 	crown_free(&parts);
 }
 
-/* Adds what a ladder draws at a share; cells beside a whole-plant list show as many of its elements as `density` says. */
+/* Adds what a ladder draws at a share; cells beside a whole-plant list show as many of its elements as
+ * `density` says. */
 static void add_share(struct lod_probe *probe, const struct eco_ladder *ladder, double share, double density)
 {
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 	uint64_t vertices = lod_ladder_vertices(&probe->scene, ladder, share);
 	double own = lod_ladder_density(&probe->scene, ladder, vertices);
-	uint32_t count = lod_ladder_cuts(&probe->scene, ladder, vertices, own > density ? own : density, cuts);
+	uint32_t count = lod_ladder_cuts(&probe->scene, ladder, vertices, own > density ? own : density,
+		cuts);
 	for (uint32_t i = 0; i < count; i++)
 		assert_int_equal(lod_probe_add(probe, &cuts[i], NULL), ECO_OK);
 }
 
-/* Greatest difference between the errors of the curve and of drawings at its samples and between them, from GAP_LEAST vertices on. */
+/* Greatest difference between the errors of the curve and of drawings at its samples and between them, from
+ * GAP_LEAST vertices on. */
 static double curve_gap(struct crown *crown, uint32_t views)
 {
 	struct lod_probe probe;
 	const struct eco_ladder *first = &crown->ladders[0];
 	double gap = 0;
 	uint64_t full = 0;
-	assert_int_equal(lod_probe_init(&probe, &crown->plant, &crown->model, &(struct lod_probe_options){ .views = views, .pixels = 160 },
-		NULL), ECO_OK);
+	assert_int_equal(lod_probe_init(&probe, &crown->plant, &crown->model,
+		&(struct lod_probe_options){ .views = views, .pixels = 160 }, NULL), ECO_OK);
 	assert_true(lod_probe_keep_model(&probe));
 	for (uint32_t i = 0; i < crown->plant.ladder_count; i++)
 		full += lod_ladder_full(&probe.scene, &crown->ladders[i]);
@@ -400,8 +414,8 @@ static double curve_gap(struct crown *crown, uint32_t views)
 /* At the samples and between them, on the curve's own views and on others, in one list and in cells. */
 static void ladders_draw_what_their_curve_was_measured_with(void **unused)
 {
-	(void)unused;
-	static const struct { uint32_t leaves; double size; bool cells; } rows[] = { { 900, 0.25, false }, { 1500, 0.12, false }, { 3000, 0.2, false },
+	static const struct { uint32_t leaves; double size; bool cells; } rows[] =
+		{ { 900, 0.25, false }, { 1500, 0.12, false }, { 3000, 0.2, false },
 		{ 1600, 0.2, true }, { 2400, 0.12, true } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct crown crown;
@@ -413,7 +427,9 @@ static void ladders_draw_what_their_curve_was_measured_with(void **unused)
 		for (uint32_t cell = 0; rows[i].cells && cell < CELLS; cell++) {
 			crown.anchors[1 + cell] = crown.anchors[0];
 			triangles = add_triangles(&crown, whole + cell, n + cell, CELLS);
-			struct eco_ladder *ladder = add_ladder(&crown, add_points(&crown, whole + cell, n + cell, CELLS, triangles), triangles);
+			struct eco_ladder *ladder =
+				add_ladder(&crown,
+				add_points(&crown, whole + cell, n + cell, CELLS, triangles), triangles);
 			ladder->anchor = 1 + cell;
 			ladder->flags = ECO_LADDER_NEAR;
 			ladder->total = n / CELLS;
@@ -422,7 +438,8 @@ static void ladders_draw_what_their_curve_was_measured_with(void **unused)
 		measure(&crown, 160);
 		double own = curve_gap(&crown, 8), other = curve_gap(&crown, 11);
 		if (own > 0.02 || other > 0.04)
-			fail_msg("crown %zu: the curve's own views differ from it by %g, others by %g", i, own, other);
+			fail_msg("crown %zu: the curve's own views differ from it by %g, others by %g", i,
+				own, other);
 		crown_free(&crown);
 	}
 }
@@ -430,7 +447,6 @@ static void ladders_draw_what_their_curve_was_measured_with(void **unused)
 static void wood_keeps_its_size_and_far_ladders_have_curves_of_their_own(void **unused)
 {
 	struct crown crown;
-	(void)unused;
 	seed = 6;
 	crown_make(&crown, 300, 0.3);
 	struct eco_ladder *wood = add_ladder(&crown, ECO_NONE, add_triangles(&crown, 0, 300, 1));
@@ -455,7 +471,6 @@ static void grids_are_as_fine_as_the_picture_needs_and_no_finer(void **unused)
 	struct lod_plant_options options = { .name = "needles", .seed = 1, .views = 4, .pixels = 96 };
 	struct eco_error error = { 0 };
 	double loss;
-	(void)unused;
 	seed = 11;
 	crown_make(&crown, 400, 0.3);
 	for (uint32_t i = 0; i < 400; i++)
@@ -491,15 +506,16 @@ static void large_plants_have_more_bits(void **unused)
 {
 	static const float position[9] = { 0, 0, 0, 1, 0, 0, 0, 0, 1 };
 	static const uint32_t index[6] = { 0, 1, 2, 0, 1, 7 };
-	static const struct { float size; uint32_t bits; } rows[] = { { 1e-3f, 12 }, { 6, 12 }, { 36, 12 }, { 37, 13 }, { 72, 13 }, { 73, 14 },
+	static const struct { float size; uint32_t bits; } rows[] = { { 1e-3f, 12 }, { 6, 12 }, { 36, 12 },
+		{ 37, 13 }, { 72, 13 }, { 73, 14 },
 		{ 146, 15 }, { 1000, 17 },
 		{ 1e7f, 18 } };
-	(void)unused;
 	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
 		float at[9];
 		for (int k = 0; k < 9; k++)
 			at[k] = rows[i].size * position[k] + 5;
-		struct eco_model model = { .position = at, .vertex_count = 3, .index = (uint32_t *)index, .triangle_count = 2 };
+		struct eco_model model = { .position = at, .vertex_count = 3, .index = (uint32_t *)index,
+			.triangle_count = 2 };
 		assert_int_equal(lod_grid_bits_least(&model), rows[i].bits);
 	}
 	assert_int_equal(lod_grid_bits_least(&(struct eco_model){ .triangle_count = 0 }), LOD_GRID_BITS_MIN);
@@ -508,14 +524,14 @@ static void large_plants_have_more_bits(void **unused)
 static void every_kind_of_ladder_is_measured(void **unused)
 {
 	static const uint32_t leaves[] = { 1, 2, 3, 40, 300 };
-	(void)unused;
 	for (size_t n = 0; n < sizeof leaves / sizeof leaves[0]; n++) {
 		for (int kind = 0; kind < 5; kind++) {
 			struct crown crown;
 			seed = 9;
 			crown_make(&crown, leaves[n], 0.5);
 			uint32_t triangles = kind == 1 ? ECO_NONE : add_triangles(&crown, 0, leaves[n], 1);
-			uint32_t points = kind < 2 ? add_points(&crown, 0, leaves[n], 1, triangles) : ECO_NONE;
+			uint32_t points = kind < 2 ? add_points(&crown, 0, leaves[n], 1, triangles)
+				: ECO_NONE;
 			struct eco_ladder *ladder = add_ladder(&crown, points, triangles);
 			if (kind == 3 || kind == 4)
 				ladder->lines = add_lines(&crown, 1);
@@ -531,9 +547,13 @@ static void every_kind_of_ladder_is_measured(void **unused)
 			assert_in_range(count, 1, LOD_CURVE_SAMPLES_MAX);
 			assert_int_equal(crown.plant.curve_count, 2 * count);
 			for (uint32_t i = 0; i < 2 * count; i++) {
-				assert_true(curve[i].share > 0 && curve[i].scale >= 0.25f && curve[i].scale <= 64);
-				assert_true((i + 1) % count || (curve[i].share == 1 && error_of(&curve[i]) == 0));
-				assert_true(i % count == 0 || (curve[i].share > curve[i - 1].share && error_of(&curve[i]) <= error_of(&curve[i - 1]) + 1e-6));
+				assert_true(curve[i].share > 0 && curve[i].scale >= 0.25f
+					&& curve[i].scale <= 64);
+				assert_true((i + 1) % count
+					|| (curve[i].share == 1 && error_of(&curve[i]) == 0));
+				assert_true(i % count == 0
+					|| (curve[i].share > curve[i - 1].share && error_of(&curve[i])
+					<= error_of(&curve[i - 1]) + 1e-6));
 			}
 			crown_free(&crown);
 		}
@@ -543,7 +563,6 @@ static void every_kind_of_ladder_is_measured(void **unused)
 static void what_covers_nothing_has_no_curve(void **unused)
 {
 	struct crown crown;
-	(void)unused;
 	seed = 10;
 	crown_make(&crown, 3, 1e-5);
 	add_ladder(&crown, ECO_NONE, add_triangles(&crown, 0, 3, 1));
@@ -565,7 +584,6 @@ static void measuring_can_be_stopped_and_repeats_to_the_bit(void **unused)
 {
 	struct crown crown;
 	uint32_t calls = 0;
-	(void)unused;
 	seed = 7;
 	crown_make(&crown, 200, 0.2);
 	add_ladder(&crown, ECO_NONE, add_triangles(&crown, 0, 200, 1));
@@ -597,7 +615,6 @@ static void what_a_grid_loses_is_proportional_to_its_step(void **unused)
 {
 	static const int32_t to[] = { 1, 8, 32 };
 	double loss[3];
-	(void)unused;
 	for (int i = 0; i < 3; i++) {
 		struct crown crown;
 		seed = 8;
@@ -605,7 +622,8 @@ static void what_a_grid_loses_is_proportional_to_its_step(void **unused)
 		uint32_t triangles = add_triangles(&crown, 0, 300, 1);
 		add_ladder(&crown, add_points(&crown, 0, 300, 1, triangles), triangles);
 		round_lists(&crown, to[i]);
-		assert_int_equal(lod_grid_loss(&crown.plant, &crown.model, &(struct lod_plant_options){ 0 }, &loss[i], NULL), ECO_OK);
+		assert_int_equal(lod_grid_loss(&crown.plant, &crown.model, &(struct lod_plant_options){ 0 },
+			&loss[i], NULL), ECO_OK);
 		crown_free(&crown);
 	}
 	assert_true(loss[0] < 1e-4);

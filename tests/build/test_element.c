@@ -3,7 +3,8 @@
 #include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"
 
-struct made { struct lod_arena arena; struct lod_mesh mesh; struct lod_organs organs; struct lod_elements elements; };
+struct made { struct lod_arena arena; struct lod_mesh mesh; struct lod_organs organs;
+	struct lod_elements elements; };
 
 static void make(struct made *made, const struct soup *soup, uint32_t bits)
 {
@@ -34,7 +35,8 @@ static void check_elements(const struct made *made)
 			const uint32_t *source = mesh->index + 3 * (size_t)e->triangle[k];
 			times[e->triangle[k]]++;
 			for (int a = 0; a < 3; a++)
-				assert_true(fan[a] == source[0] || fan[a] == source[1] || fan[a] == source[2]);
+				assert_true(fan[a] == source[0] || fan[a] == source[1]
+					|| fan[a] == source[2]);
 			assert_true(fan[0] != fan[1] && fan[1] != fan[2] && fan[2] != fan[0]);
 			assert_int_equal(mesh->component[e->triangle[k]], mesh->component[e->triangle[0]]);
 		}
@@ -62,9 +64,11 @@ static void equal_positions_become_one_vertex(void **state)
 	struct made made;
 	soup_begin(&soup);
 	uint32_t m = soup_material(&soup, 0, 200, 0, ECO_NONE, false);
-	for (int i = 0; i < 2; i++) {        /* two quads side by side, without a common vertex, a hair apart */
+	/* two quads side by side, without a common vertex, a hair apart */
+	for (int i = 0; i < 2; i++) {
 		double gap = 1e-7 * i;
-		soup_quad(&soup, m, (struct lod_v3){ i + gap, 0, 0 }, (struct lod_v3){ 1, 0, 0 }, (struct lod_v3){ 0, 1, 0 });
+		soup_quad(&soup, m, (struct lod_v3){ i + gap, 0, 0 }, (struct lod_v3){ 1, 0, 0 },
+			(struct lod_v3){ 0, 1, 0 });
 	}
 	make(&made, &soup, 14);
 	assert_int_equal(made.mesh.vertex_count, 6);
@@ -79,9 +83,12 @@ static void materials_part_components(void **state)
 	struct soup soup;
 	struct made made;
 	soup_begin(&soup);
-	uint32_t a = soup_material(&soup, 0, 200, 0, ECO_NONE, false), b = soup_material(&soup, 90, 60, 0, ECO_NONE, false);
-	soup_quad(&soup, a, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0, 0 }, (struct lod_v3){ 0, 1, 0 });
-	soup_quad(&soup, b, (struct lod_v3){ 1, 0, 0 }, (struct lod_v3){ 1, 0, 0 }, (struct lod_v3){ 0, 1, 0 });
+	uint32_t a = soup_material(&soup, 0, 200, 0, ECO_NONE, false),
+		b = soup_material(&soup, 90, 60, 0, ECO_NONE, false);
+	soup_quad(&soup, a, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0, 0 },
+		(struct lod_v3){ 0, 1, 0 });
+	soup_quad(&soup, b, (struct lod_v3){ 1, 0, 0 }, (struct lod_v3){ 1, 0, 0 },
+		(struct lod_v3){ 0, 1, 0 });
 	make(&made, &soup, 14);
 	assert_int_equal(made.mesh.vertex_count, 6);
 	assert_int_equal(made.mesh.component_count, 2);
@@ -95,23 +102,29 @@ static void useless_triangles_are_dropped_by_reason(void **state)
 	struct soup soup;
 	struct made made;
 	soup_begin(&soup);
-	uint32_t m = soup_material(&soup, 0, 200, 0, ECO_NONE, false), cut = soup_material(&soup, 255, 255, 255, soup_disc_image(&soup, 64), true);
-	soup_quad(&soup, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 4, 0, 0 }, (struct lod_v3){ 0, 4, 0 });
+	uint32_t m = soup_material(&soup, 0, 200, 0, ECO_NONE, false),
+		cut = soup_material(&soup, 255, 255, 255, soup_disc_image(&soup, 64), true);
+	soup_quad(&soup, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 4, 0, 0 },
+		(struct lod_v3){ 0, 4, 0 });
 	soup_triangle(&soup, m, 2, 1, 0);                                    /* the first one, turned over */
 	soup_triangle(&soup, m, 0, 1, 1);
 	soup_triangle(&soup, m, 0, 1, 99);
 	uint32_t bad = soup_vertex(&soup, (struct lod_v3){ NAN, 0, 0 }, 0, 0);
 	soup_triangle(&soup, m, 0, 1, bad);
 	uint32_t tiny = soup_vertex(&soup, (struct lod_v3){ 1.00001, 1, 1 }, 0, 0);
-	uint32_t near = soup_vertex(&soup, (struct lod_v3){ 1.00002, 1, 1 }, 0, 0), third = soup_vertex(&soup, (struct lod_v3){ 1, 1.00002, 1 }, 0, 0);
-	soup_triangle(&soup, m, tiny, near, third);                          /* larger than the welding tolerance, smaller than the grid */
+	uint32_t near = soup_vertex(&soup, (struct lod_v3){ 1.00002, 1, 1 }, 0, 0),
+		third = soup_vertex(&soup, (struct lod_v3){ 1, 1.00002, 1 }, 0, 0);
+	/* larger than the welding tolerance, smaller than the grid */
+	soup_triangle(&soup, m, tiny, near, third);
 	uint32_t c[3];
 	for (int i = 0; i < 3; i++)                                          /* in the image's empty corner */
-		c[i] = soup_vertex(&soup, (struct lod_v3){ i, 2 + i * i, 1 }, i == 1 ? 0.1 : 0.03, i == 2 ? 0.1 : 0.03);
+		c[i] = soup_vertex(&soup, (struct lod_v3){ i, 2 + i * i, 1 }, i == 1 ? 0.1 : 0.03,
+			i == 2 ? 0.1 : 0.03);
 	soup_triangle(&soup, cut, c[0], c[1], c[2]);
 	make(&made, &soup, 12);
-	const uint32_t expected[ECO_DROP_COUNT] = { [ECO_DROP_BAD_INDEX] = 1, [ECO_DROP_NOT_FINITE] = 1, [ECO_DROP_DEGENERATE] = 1,
-		[ECO_DROP_DUPLICATE] = 1, [ECO_DROP_TRANSPARENT] = 1, [ECO_DROP_QUANTIZED] = 1 };
+	const uint32_t expected[ECO_DROP_COUNT] = { [ECO_DROP_BAD_INDEX] = 1, [ECO_DROP_NOT_FINITE] = 1,
+		[ECO_DROP_DEGENERATE] = 1, [ECO_DROP_DUPLICATE] = 1, [ECO_DROP_TRANSPARENT] = 1,
+		[ECO_DROP_QUANTIZED] = 1 };
 	for (int d = 0; d < ECO_DROP_COUNT; d++)
 		assert_int_equal(made.mesh.dropped[d], expected[d]);
 	check_counts(&made, &soup);
@@ -125,7 +138,8 @@ static void a_triangle_with_any_opaque_texel_is_kept(void **state)
 	struct made made;
 	soup_begin(&soup);
 	uint32_t cut = soup_material(&soup, 255, 255, 255, soup_disc_image(&soup, 64), true);
-	soup_quad(&soup, cut, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0, 0 }, (struct lod_v3){ 0, 1, 0 });
+	soup_quad(&soup, cut, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0, 0 },
+		(struct lod_v3){ 0, 1, 0 });
 	make(&made, &soup, 12);
 	assert_int_equal(made.mesh.triangle_count, 2);
 	finish(&made, &soup);
@@ -136,7 +150,8 @@ static void a_triangle_with_any_opaque_texel_is_kept(void **state)
 /* A leaf of two quads, bent along the middle, with either diagonal in each. */
 static void hexagonal_leaf(struct soup *s, uint32_t material, int first, int second, double bend)
 {
-	struct lod_v3 p[6] = { { 0, 0, 0 }, { 1, 0, 0 }, { 2, 0, bend }, { 2, 1, bend }, { 1, 1.2, 0 }, { 0, 1, 0 } };
+	struct lod_v3 p[6] = { { 0, 0, 0 }, { 1, 0, 0 }, { 2, 0, bend }, { 2, 1, bend }, { 1, 1.2, 0 },
+		{ 0, 1, 0 } };
 	uint32_t v[6];
 	for (int i = 0; i < 6; i++)
 		v[i] = soup_vertex(s, p[i], 0, 0);
@@ -152,7 +167,8 @@ static void a_leaf_of_two_quads_is_one_fan_whatever_its_diagonals(void **state)
 		struct soup soup;
 		struct made made;
 		soup_begin(&soup);
-		hexagonal_leaf(&soup, soup_material(&soup, 0, 200, 0, ECO_NONE, false), which & 1, which >> 1, 0.5);
+		hexagonal_leaf(&soup, soup_material(&soup, 0, 200, 0, ECO_NONE, false), which & 1, which >> 1,
+			0.5);
 		make(&made, &soup, 14);
 		check_elements(&made);
 		assert_int_equal(made.elements.count, 1);
@@ -187,7 +203,8 @@ static void sheet(struct soup *s, uint32_t material, uint32_t n, bool seam)
 	uint32_t copy = s->model.vertex_count;
 	for (uint32_t y = 0; y <= n && seam; y++)            /* the right half has a texture of its own */
 		for (uint32_t x = 0; x <= n; x++)
-			soup_vertex(s, (struct lod_v3){ x, y, 0.1 * sin(x) }, (double)x / n + 0.4, (double)y / n);
+			soup_vertex(s, (struct lod_v3){ x, y, 0.1 * sin(x) }, (double)x / n + 0.4,
+				(double)y / n);
 	for (uint32_t y = 0; y < n; y++)
 		for (uint32_t x = 0; x < n; x++) {
 			uint32_t a = y * (n + 1) + x + (seam && x >= n / 2 ? copy : 0);
@@ -226,12 +243,15 @@ static void seams_of_the_texture_part_fans(void **state)
 		int32_t uv[2 * ECO_CORNERS_MAX];
 		lod_element_uv(e, &made.mesh, uv);
 		for (uint32_t k = 0; k + 2 < e->corners; k++)
-			for (uint32_t c = 0; c < 3; c++) {           /* each fan triangle has its source's texture, but for whole turns */
+			/* each fan triangle has its source's texture, but for whole turns */
+			for (uint32_t c = 0; c < 3; c++) {
 				uint32_t corner = c == 0 ? 0 : k + c, j = 0;
 				while (made.mesh.index[3 * e->triangle[k] + j] != e->vertex[corner])
 					j++;
 				for (int a = 0; a < 2; a++) {
-					assert_int_equal((uv[2 * corner + a] - made.mesh.uv[6 * e->triangle[k] + 2 * j + a]) % ECO_UV_ONE, 0);
+					assert_int_equal((uv[2 * corner + a]
+						- made.mesh.uv[6 * e->triangle[k] + 2 * j + a]) % ECO_UV_ONE,
+						0);
 					assert_true(uv[2 * corner + a] >= 0);
 				}
 			}

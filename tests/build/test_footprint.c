@@ -26,25 +26,33 @@ static struct eco_image holed(void)
 	return (struct eco_image){ 16, 16, rgba };
 }
 
-/* How many pixels differ from what lod_visibilities_draw makes of each element alone; `covered` counts its pixels. */
-static uint64_t differing(const struct lod_foliage *f, const struct lod_mask *mask, float scale, uint64_t *covered)
+/* How many pixels differ from what lod_visibilities_draw makes of each element alone; `covered` counts its
+ * pixels. */
+static uint64_t differing(const struct lod_foliage *f, const struct lod_mask *mask, float scale,
+	uint64_t *covered)
 {
 	struct lod_sights sights;
 	struct lod_raster raster;
 	double directions[VIEWS][3];
 	uint64_t differ = 0;
 	lod_directions_spread(directions, VIEWS, 7);
-	assert_int_equal(lod_sights_make(&sights, f, (const double (*)[3])directions, VIEWS, PIXELS, &arena, &error), ECO_OK);
-	lod_raster_init(&raster, &(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .silhouette = true }, &error);
+	assert_int_equal(lod_sights_make(&sights, f, (const double (*)[3])directions, VIEWS, PIXELS, &arena,
+		&error), ECO_OK);
+	lod_raster_init(&raster,
+		&(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .silhouette = true },
+		&error);
 	uint32_t row_words = sights.words / PIXELS;
 	for (uint32_t v = 0; v < VIEWS; v++)
 		for (uint32_t i = 0; i < f->count; i++) {
-			uint64_t *drawn = lod_arena_take(&arena, sights.words, sizeof *drawn), *times = lod_arena_take(&arena, sights.words, 2 * sizeof *times);
+			uint64_t *drawn = lod_arena_take(&arena, sights.words, sizeof *drawn),
+				*times = lod_arena_take(&arena, sights.words, 2 * sizeof *times);
 			uint64_t *none = lod_arena_take(&arena, sights.words, sizeof *none);
 			struct lod_canvas canvas = { row_words, none, (uint64_t (*)[2])times };
 			struct lod_fan fan = lod_foliage_fan(f, i, mask);
 			struct lod_fan_seen seen;
-			lod_sights_draw(&sights, v, &(struct lod_sights_drawing){ .order = &i, .count = 1, .scale = scale }, &raster, drawn);
+			lod_sights_draw(&sights, v,
+				&(struct lod_sights_drawing){ .order = &i, .count = 1, .scale = scale },
+				&raster, drawn);
 			lod_fan_see(&seen, &fan, &sights.eyes[v]);
 			lod_fan_add(&seen, sqrt(scale), PIXELS, &canvas);
 			for (uint32_t w = 0; w < sights.words; w++) {
@@ -58,8 +66,10 @@ static uint64_t differing(const struct lod_foliage *f, const struct lod_mask *ma
 
 static void footprints_are_what_is_drawn(void **state)
 {
-	static const struct { uint32_t corners; double leaf; float scale; bool cutout; double share; } cases[] = {
-		{ 3, 0.3, 1, false, 0.002 }, { 4, 0.3, 1, false, 0.002 }, { 6, 0.2, 2.5f, false, 0.002 }, { 6, 0.02, 1, false, 0.004 },
+	static const struct { uint32_t corners; double leaf; float scale; bool cutout; double share;
+		} cases[] = {
+		{ 3, 0.3, 1, false, 0.002 }, { 4, 0.3, 1, false, 0.002 }, { 6, 0.2, 2.5f, false, 0.002 },
+			{ 6, 0.02, 1, false, 0.004 },
 		{ 5, 0.5, 40, false, 0.002 }, { 4, 0.4, 1, true, 0.02 }, { 6, 0.3, 3, true, 0.02 } };
 	for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
 		struct lod_foliage f;
@@ -68,23 +78,27 @@ static void footprints_are_what_is_drawn(void **state)
 		uint64_t covered = 0;
 		begin();
 		lod_mask_open(&mask, &image, &arena);
-		foliage_random(&f, &(struct foliage_random){ 40, cases[k].corners, 1, cases[k].leaf, 20 + k }, &arena);
+		foliage_random(&f, &(struct foliage_random){ 40, cases[k].corners, 1, cases[k].leaf, 20 + k },
+			&arena);
 		for (uint32_t i = 0; i < f.count && cases[k].cutout; i++) {
 			f.cutout[i] = &image;
-			for (uint32_t c = f.first[i]; c < f.first[i + 1]; c++)           /* around the image's corner */
+			/* around the image's corner */
+			for (uint32_t c = f.first[i]; c < f.first[i + 1]; c++)
 				for (int a = 0; a < 2; a++)
 					f.uv[c][a] = (float)(c * 7 % 11 + (uint32_t)a * 3 % 5) / 16 - 0.25f;
 		}
 		uint64_t differ = differing(&f, cases[k].cutout ? &mask : NULL, cases[k].scale, &covered);
 		if ((double)differ > cases[k].share * (double)covered)
-			fail_msg("case %zu: %lu of %lu pixels differ", k, (unsigned long)differ, (unsigned long)covered);
+			fail_msg("case %zu: %lu of %lu pixels differ", k, (unsigned long)differ,
+				(unsigned long)covered);
 	}
 }
 
 /* An eye that looks along -z at the square [-1, 1] x [-1, 1]. */
 static struct lod_eye eye_above(void)
 {
-	return (struct lod_eye){ .at = { 0, 0, 1000 }, .right = { 1, 0, 0 }, .up = { 0, 1, 0 }, .forward = { 0, 0, -1 }, .tan_x = 0.001, .tan_y = 0.001 };
+	return (struct lod_eye){ .at = { 0, 0, 1000 }, .right = { 1, 0, 0 }, .up = { 0, 1, 0 },
+		.forward = { 0, 0, -1 }, .tan_x = 0.001, .tan_y = 0.001 };
 }
 
 static struct lod_fan_seen see(const float (*corner)[3], uint32_t corners)
@@ -134,7 +148,8 @@ static void gains_count_right_wrong_and_second(void **state)
 	assert_int_equal(gain.right + gain.wrong, 0);
 }
 
-/* Of cut-outs only what can make a difference is looked up: on canvases that are covered here and there, the whole footprint counts the same. */
+/* Of cut-outs only what can make a difference is looked up: on canvases that are covered here and there, the
+ * whole footprint counts the same. */
 static void gains_of_cutouts_are_those_of_their_footprints(void **state)
 {
 	uint64_t reference[256], times[256][2], dice = 9;
@@ -159,7 +174,8 @@ static void gains_of_cutouts_are_those_of_their_footprints(void **state)
 			times[w][0] = lod_mix(3 * (round * 1000 + w) + 1);
 			times[w][1] = times[w][0] & lod_mix(3 * (round * 1000 + w) + 2);
 		}
-		lod_fan_see(&seen, &(struct lod_fan){ (const float (*)[3])corner, (const float (*)[2])uv, 4, &mask }, &eye);
+		lod_fan_see(&seen, &(struct lod_fan){ (const float (*)[3])corner, (const float (*)[2])uv, 4,
+			&mask }, &eye);
 		if (lod_fan_cover(&print, &seen, 1, 128))
 			lod_footprint_gain(&print, &canvas, &whole);
 		lod_fan_gain(&seen, 1, 128, &canvas, &open);
@@ -176,7 +192,8 @@ static void points_are_squares_that_face_the_eye(void **state)
 	begin();
 	foliage_random(&f, &(struct foliage_random){ 1, 4, 1, 0.12, 3 }, &arena);
 	lod_directions_spread(directions, VIEWS, 7);
-	assert_int_equal(lod_sights_make(&sights, &f, (const double (*)[3])directions, VIEWS, PIXELS, &arena, &error), ECO_OK);
+	assert_int_equal(lod_sights_make(&sights, &f, (const double (*)[3])directions, VIEWS, PIXELS, &arena,
+		&error), ECO_OK);
 	for (uint32_t v = 0; v < VIEWS; v++) {
 		const struct lod_eye *eye = &sights.eyes[v];
 		struct lod_fan fan = lod_foliage_fan(&f, 0, NULL);
@@ -197,7 +214,8 @@ static void points_are_squares_that_face_the_eye(void **state)
 
 static void what_lies_outside_covers_nothing(void **state)
 {
-	static const float outside[3][3] = { { 3, 0, 0 }, { 4, 0, 0 }, { 3, 1, 0 } }, line[3][3] = { { -1, 0, 0 }, { 1, 0, 0 }, { 0, 0, 0 } };
+	static const float outside[3][3] = { { 3, 0, 0 }, { 4, 0, 0 }, { 3, 1, 0 } },
+		line[3][3] = { { -1, 0, 0 }, { 1, 0, 0 }, { 0, 0, 0 } };
 	static const float behind[3][3] = { { 0, 0, 2000 }, { 1, 0, 2000 }, { 0, 1, 2000 } };
 	uint64_t bits = 0;
 	assert_false(cover(outside, 3, 1));
@@ -210,7 +228,8 @@ static void what_lies_outside_covers_nothing(void **state)
 
 static void footprints_fill_the_picture_at_any_size(void **state)
 {
-	static const float leaf[6][3] = { { -1, 0, 0 }, { -0.5f, -0.9f, 0 }, { 0.5f, -0.9f, 0 }, { 1, 0, 0 }, { 0.5f, 0.9f, 0 }, { -0.5f, 0.9f, 0 } };
+	static const float leaf[6][3] = { { -1, 0, 0 }, { -0.5f, -0.9f, 0 }, { 0.5f, -0.9f, 0 }, { 1, 0, 0 },
+		{ 0.5f, 0.9f, 0 }, { -0.5f, 0.9f, 0 } };
 	for (double edge = 4; edge < 1e12; edge *= 10) {
 		uint64_t bits = 0;
 		assert_true(cover(leaf, 6, edge));
@@ -258,7 +277,8 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(footprints_are_what_is_drawn),
-		cmocka_unit_test(gains_count_right_wrong_and_second), cmocka_unit_test(gains_of_cutouts_are_those_of_their_footprints),
+		cmocka_unit_test(gains_count_right_wrong_and_second),
+		cmocka_unit_test(gains_of_cutouts_are_those_of_their_footprints),
 		cmocka_unit_test(points_are_squares_that_face_the_eye),
 		cmocka_unit_test(what_lies_outside_covers_nothing),
 		cmocka_unit_test(footprints_fill_the_picture_at_any_size),

@@ -1,5 +1,5 @@
-/* The tree of ground tiles: its errors hold, what a view gets covers all it sees exactly once, and between tiles of any levels there
- * is no gap, not even of one pixel. */
+/* The tree of ground tiles: its errors hold, what a view gets covers all it sees exactly once, and between
+ * tiles of any levels there is no gap, not even of one pixel. */
 #include <string.h>
 
 #include "ecofiles/format/chunk.h"
@@ -41,9 +41,12 @@ static double mostly_flat(double x, double y)
 	return d < 1600 ? rough(8 * x, 8 * y) : 5;
 }
 
-static const struct terrain { const char *name; double (*height)(double, double); uint32_t columns, rows; double step; } terrains[] = {
-	{ "rough", rough, 517, 389, 5 }, { "cliffs", cliffs, 130, 70, 7 }, { "mostly flat", mostly_flat, 700, 260, 1 },
-	{ "one tile", rough, 12, 40, 3 }, { "long", rough, 8193, 9, 4 }, { "the least", rough, 2, 2, 10 }, { "power", rough, 257, 257, 2 },
+static const struct terrain { const char *name; double (*height)(double, double); uint32_t columns, rows;
+	double step; } terrains[] = {
+	{ "rough", rough, 517, 389, 5 }, { "cliffs", cliffs, 130, 70, 7 },
+		{ "mostly flat", mostly_flat, 700, 260, 1 },
+	{ "one tile", rough, 12, 40, 3 }, { "long", rough, 8193, 9, 4 }, { "the least", rough, 2, 2, 10 },
+	{ "power", rough, 257, 257, 2 },
 };
 #define TERRAINS (sizeof terrains / sizeof *terrains)
 
@@ -68,11 +71,14 @@ static void world_make(struct world *w, const struct terrain *t, double least_m)
 		w->tree.tiles[i].list = i;
 		w->lists[i] = ground_list(&w->ground, &w->tree.tiles[i]);
 		w->lists[i].chunk_first = i;
-		w->chunks[i] = (struct eco_chunk){ .size_bytes = 1, .primitive_count = w->lists[i].primitive_count,
+		w->chunks[i] = (struct eco_chunk){ .size_bytes = 1,
+			.primitive_count = w->lists[i].primitive_count,
 			.element_count = w->lists[i].element_count };
 	}
-	w->scene = (struct eco_scene){ .name = "ground", .needs = ECO_NEED_GROUND, .near_m = 0.1, .ground = w->tree.tiles,
-		.ground_count = w->tree.count, .ground_columns = t->columns, .ground_rows = t->rows, .lists = w->lists, .list_count = w->tree.count,
+	w->scene = (struct eco_scene){ .name = "ground", .needs = ECO_NEED_GROUND, .near_m = 0.1,
+		.ground = w->tree.tiles,
+		.ground_count = w->tree.count, .ground_columns = t->columns, .ground_rows = t->rows,
+		.lists = w->lists, .list_count = w->tree.count,
 		.chunks = w->chunks, .chunk_count = w->tree.count };
 }
 
@@ -118,7 +124,8 @@ static double surface(const struct world *w, const struct eco_ground_tile *tile,
 		r++;
 	uint32_t x0 = eco_ground_span_at(&sx, sx.before + c), x1 = eco_ground_span_at(&sx, sx.before + c + 1);
 	uint32_t y0 = eco_ground_span_at(&sy, sy.before + r), y1 = eco_ground_span_at(&sy, sy.before + r + 1);
-	double u = (x - x0) / (x1 - x0), v = (y - y0) / (y1 - y0), sw = height_of(w, x0, y0), ne = height_of(w, x1, y1);
+	double u = (x - x0) / (x1 - x0), v = (y - y0) / (y1 - y0), sw = height_of(w, x0, y0),
+		ne = height_of(w, x1, y1);
 	return u >= v ? sw + u * (height_of(w, x1, y0) - sw) + v * (ne - height_of(w, x1, y0))
 		: sw + v * (height_of(w, x0, y1) - sw) + u * (ne - height_of(w, x0, y1));
 }
@@ -135,15 +142,18 @@ static void errors_hold_everywhere_and_are_met_somewhere(void **state)
 			double most = 0, children = 0;
 			eco_ground_spans(&x, &y, t, w.ground.columns, w.ground.rows);
 			for (int n = 0; n < 300; n++) {
-				double px = x.low + unit() * (x.high - x.low), py = y.low + unit() * (y.high - y.low), z;
+				double px = x.low + unit() * (x.high - x.low),
+					py = y.low + unit() * (y.high - y.low), z;
 				if (n % 2) {
 					px = floor(px);
 					py = floor(py);
 				}
-				eco_ground_height(&w.ground, px * terrains[k].step, py * terrains[k].step, &z);
+				eco_ground_height(&w.ground, px * terrains[k].step, py * terrains[k].step,
+					&z);
 				double off = fabs(z - surface(&w, t, px, py));
 				if (off > (double)t->error_m + 1e-4)
-					fail_msg("%s, tile %u of level %u: off by %g m at %g, %g, its error is %g m", terrains[k].name, i, t->level, off, px, py,
+					fail_msg("%s, tile %u of level %u: off by %g m at %g, %g, its error "
+						"is %g m", terrains[k].name, i, t->level, off, px, py,
 						(double)t->error_m);
 				most = off > most ? off : most;
 				assert_true(z >= (double)t->low_m - 1e-4 && z <= (double)t->high_m + 1e-4);
@@ -165,10 +175,12 @@ static void flat_ground_has_no_finer_tiles(void **state)
 	uint32_t all = 0;
 	world_make(&less, &terrains[2], 0.01);
 	for (uint32_t level = 0; level <= less.tree.tiles[0].level; level++)
-		all += ((less.ground.columns - 2) / (ECO_GROUND_CELLS << level) + 1) * ((less.ground.rows - 2) / (ECO_GROUND_CELLS << level) + 1);
+		all += ((less.ground.columns - 2) / (ECO_GROUND_CELLS << level) + 1)
+			* ((less.ground.rows - 2) / (ECO_GROUND_CELLS << level) + 1);
 	assert_true(less.tree.count < all);
 	for (uint32_t i = 0; i < less.tree.count; i++)
-		assert_true((less.tree.tiles[i].child_count == 0) == (less.tree.tiles[i].level == 0 || less.tree.tiles[i].error_m <= 0.01f));
+		assert_true((less.tree.tiles[i].child_count == 0)
+			== (less.tree.tiles[i].level == 0 || less.tree.tiles[i].error_m <= 0.01f));
 	world_free(&less);
 }
 
@@ -176,8 +188,10 @@ static void flat_ground_has_no_finer_tiles(void **state)
 
 static struct eco_view random_view(const struct world *w)
 {
-	struct eco_view view = { .up = { 0, 0, 1 }, .fov_y_deg = 25 + 70 * unit(), .width = 320, .height = 240 };
-	double reach_x = w->ground.columns * w->ground.step_x_m, reach_y = w->ground.rows * w->ground.step_y_m, z;
+	struct eco_view view = { .up = { 0, 0, 1 }, .fov_y_deg = 25 + 70 * unit(), .width = 320,
+		.height = 240 };
+	double reach_x = w->ground.columns * w->ground.step_x_m,
+		reach_y = w->ground.rows * w->ground.step_y_m, z;
 	for (int i = 0; i < 2; i++) {
 		double reach = i ? reach_y : reach_x;
 		view.eye[i] = reach * (1.4 * unit() - 0.2);
@@ -204,7 +218,8 @@ static void what_is_in_view_is_covered_once_and_fine_enough(void **state)
 		world_make(&w, &terrains[k], 0.01);
 		for (int n = 0; n < 60; n++) {
 			struct eco_view view = random_view(&w);
-			struct lod_ground_limits limits = { .tolerance_px = pow(2, (double)(bits() % 8) - 2) };
+			struct lod_ground_limits limits =
+				{ .tolerance_px = pow(2, (double)(bits() % 8) - 2) };
 			struct lod_ground_choice choice, again;
 			struct lod_eye eye;
 			lod_eye_make(&eye, &view);
@@ -212,11 +227,13 @@ static void what_is_in_view_is_covered_once_and_fine_enough(void **state)
 			assert_int_equal(lod_ground_select(&again, &w.scene, &eye, &limits, NULL), ECO_OK);
 			assert_int_equal(choice.count, again.count);
 			if (choice.count)
-				assert_memory_equal(choice.tiles, again.tiles, choice.count * sizeof *choice.tiles);
+				assert_memory_equal(choice.tiles, again.tiles,
+					choice.count * sizeof *choice.tiles);
 			assert_true(choice.error_px <= limits.tolerance_px);
 			for (int s = 0; s < 400; s++) {
-				double px = unit() * (w.ground.columns - 1), py = unit() * (w.ground.rows - 1), at[3] = { px * terrains[k].step,
-					py * terrains[k].step };
+				double px = unit() * (w.ground.columns - 1),
+					py = unit() * (w.ground.rows - 1),
+					at[3] = { px * terrains[k].step, py * terrains[k].step };
 				eco_ground_height(&w.ground, at[0], at[1], &at[2]);
 				if (!lod_eye_sees(&eye, at, 0))
 					continue;
@@ -229,7 +246,9 @@ static void what_is_in_view_is_covered_once_and_fine_enough(void **state)
 					for (int a = 0; a < 3; a++)
 						depth += eye.forward[a] * (at[a] - eye.at[a]);
 					found++;
-					assert_true(t->child_count == 0 || (double)t->error_m <= limits.tolerance_px * depth * eye.pixel_rad * 1.001);
+					assert_true(t->child_count == 0
+						|| (double)t->error_m
+						<= limits.tolerance_px * depth * eye.pixel_rad * 1.001);
 				}
 				assert_int_equal(found, 1);
 			}
@@ -261,13 +280,15 @@ static void a_bound_on_tiles_is_kept_and_spent_where_it_shows(void **state)
 	/* a scene without ground has none, and asks for nothing */
 	struct lod_ground_choice none;
 	struct lod_ground_limits limits = { .tolerance_px = 1 };
-	assert_int_equal(lod_ground_select(&none, &(struct eco_scene){ .near_m = 1 }, &eye, &limits, NULL), ECO_OK);
+	assert_int_equal(lod_ground_select(&none, &(struct eco_scene){ .near_m = 1 }, &eye, &limits, NULL),
+		ECO_OK);
 	assert_true(none.count == 0 && !none.tiles);
 }
 
 /* ---- Drawing ---- */
 
-static void draw_tiles(struct lod_raster *raster, const struct world *w, const struct eco_ground_tile *tiles, uint32_t count)
+static void draw_tiles(struct lod_raster *raster, const struct world *w, const struct eco_ground_tile *tiles,
+	uint32_t count)
 {
 	static const uint32_t corner[6][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 0 }, { 1, 1 }, { 0, 1 } };
 	static float out[ECO_GROUND_CELLS * ECO_GROUND_CELLS * 18];
@@ -284,12 +305,14 @@ static void draw_tiles(struct lod_raster *raster, const struct world *w, const s
 				for (int k = 0; k < 6; k++) {
 					uint32_t cc = c + corner[k][0], rr = r + corner[k][1];
 					lod_ground_corner(&cc, &rr, &seams[i], &x, &y);
-					uint32_t column = eco_ground_span_at(&x, x.before + cc), row = eco_ground_span_at(&y, y.before + rr);
+					uint32_t column = eco_ground_span_at(&x, x.before + cc),
+						row = eco_ground_span_at(&y, y.before + rr);
 					*to++ = (float)column * (float)w->ground.step_x_m;
 					*to++ = (float)row * (float)w->ground.step_y_m;
 					*to++ = (float)height_of(w, column, row);
 				}
-		struct lod_raster_batch batch = { .count = 2 * (x.inner - 1) * (y.inner - 1), .position = out };
+		struct lod_raster_batch batch = { .count = 2 * (x.inner - 1) * (y.inner - 1),
+			.position = out };
 		lod_raster_triangles(raster, &batch);
 	}
 	free(seams);
@@ -322,10 +345,11 @@ static void from_above_there_is_no_gap_and_no_larger_error(void **state)
 		struct world w;
 		noise_state = 200 + k;
 		world_make(&w, &terrains[k], 0);
-		double width = (w.ground.columns - 1) * terrains[k].step, depth = (w.ground.rows - 1) * terrains[k].step;
+		double width = (w.ground.columns - 1) * terrains[k].step,
+			depth = (w.ground.rows - 1) * terrains[k].step;
 		/* not so high that gaps are seen edge on */
-		struct eco_view view = { { width * 0.47, depth * 0.53, 0.5 * fmax(width, depth) + 130 }, { width * 0.47, depth * 0.53, 0 }, { 0, 1, 0 }, 95,
-			901, 733 };
+		struct eco_view view = { { width * 0.47, depth * 0.53, 0.5 * fmax(width, depth) + 130 },
+			{ width * 0.47, depth * 0.53, 0 }, { 0, 1, 0 }, 95, 901, 733 };
 		struct eco_ground_tile *tiles = malloc(w.tree.count * sizeof *tiles);
 		struct lod_raster_options options = { .width = view.width, .height = view.height };
 		struct lod_raster whole, parts;
@@ -346,19 +370,25 @@ static void from_above_there_is_no_gap_and_no_larger_error(void **state)
 			draw_tiles(&parts, &w, tiles, count);
 			uint32_t inside = 0;
 			for (uint32_t p = 0; p < view.width * view.height; p++) {
-				/* only near the border may it differ: where that is higher or lower, it appears elsewhere */
+				/* only near the border may it differ: where that is higher or lower, it
+				 * appears elsewhere */
 				uint32_t px = p % view.width, py = p / view.width, m = BORDER_PX;
-				bool edge = px < m || py < m || px + m >= view.width || py + m >= view.height || whole.depth[p - m] == 0 || whole.depth[p + m] == 0
-					|| whole.depth[p - m * view.width] == 0 || whole.depth[p + m * view.width] == 0;
+				bool edge = px < m || py < m || px + m >= view.width || py + m >= view.height
+					|| whole.depth[p - m] == 0 || whole.depth[p + m] == 0
+					|| whole.depth[p - m * view.width] == 0
+					|| whole.depth[p + m * view.width] == 0;
 				if (whole.depth[p] == 0 || edge)
 					continue;
 				inside++;
 				if (parts.depth[p] == 0)
-					fail_msg("%s: a gap at pixel %u, %u of a cover of %u tiles", terrains[k].name, px, py, count);
-				/* a seam may be off by both tiles' errors, along a pixel's ray a little more on steep ground */
+					fail_msg("%s: a gap at pixel %u, %u of a cover of %u tiles",
+						terrains[k].name, px, py, count);
+				/* a seam may be off by both tiles' errors, along a pixel's ray a little more
+				 * on steep ground */
 				double off = fabs(1 / (double)whole.depth[p] - 1 / (double)parts.depth[p]);
 				if (off > 2 * most + 0.02 * fmax(width, depth) * (most > 0))
-					fail_msg("%s: off by %g m at pixel %u, %u; the largest error is %g m", terrains[k].name, off, px, py, most);
+					fail_msg("%s: off by %g m at pixel %u, %u; the largest error is %g m",
+						terrains[k].name, off, px, py, most);
 			}
 			assert_true(inside > 100 || w.ground.columns < 20 || w.ground.rows < 20);
 		}
@@ -405,10 +435,12 @@ static void the_picture_is_that_of_the_full_detail(void **state)
 					all &= whole.depth[(y + d) * 320 + x] > 0;
 					none &= whole.depth[(y + d) * 320 + x] == 0;
 				}
-				wrong += (all && parts.depth[y * 320 + x] == 0) || (none && parts.depth[y * 320 + x] > 0);
+				wrong += (all && parts.depth[y * 320 + x] == 0)
+					|| (none && parts.depth[y * 320 + x] > 0);
 			}
 		if (wrong)
-			fail_msg("view %d: %u pixels are ground or sky where the full detail is not", n, wrong);
+			fail_msg("view %d: %u pixels are ground or sky where the full detail is not", n,
+				wrong);
 		free(choice.tiles);
 	}
 	lod_raster_free(&whole);
@@ -425,20 +457,26 @@ static void a_tile_is_found_by_its_samples(void **state)
 		struct world w;
 		world_make(&w, &terrains[k], 0);
 		for (uint32_t i = 0; i < w.tree.count; i++) {
-			struct eco_elements e = ground_elements(&w.ground, &w.tree.tiles[i], w.tree.shifts[i]);
+			struct eco_elements e = ground_elements(&w.ground, &w.tree.tiles[i],
+				w.tree.shifts[i]);
 			struct eco_ground_tile found;
 			uint32_t victim = (uint32_t)bits() % e.element_count;
-			assert_int_equal(eco_ground_tile_of(&found, &w.lists[i], &e, w.ground.columns, w.ground.rows, NULL), ECO_OK);
-			assert_true(found.level == w.tree.tiles[i].level && found.column == w.tree.tiles[i].column && found.row == w.tree.tiles[i].row);
+			assert_int_equal(eco_ground_tile_of(&found, &w.lists[i], &e, w.ground.columns,
+				w.ground.rows, NULL), ECO_OK);
+			assert_true(found.level == w.tree.tiles[i].level
+				&& found.column == w.tree.tiles[i].column
+				&& found.row == w.tree.tiles[i].row);
 			e.position[3 * victim + i % 2] += i % 3 ? 1 : -1;
-			assert_int_equal(eco_ground_tile_of(&found, &w.lists[i], &e, w.ground.columns, w.ground.rows, NULL), ECO_DAMAGED);
+			assert_int_equal(eco_ground_tile_of(&found, &w.lists[i], &e, w.ground.columns,
+				w.ground.rows, NULL), ECO_DAMAGED);
 			eco_elements_free(&e);
 		}
 		world_free(&w);
 	}
 }
 
-/* At borders, which tiles of other levels share, exactly; inside as the error deserves. And so coded, in fewer bytes. */
+/* At borders, which tiles of other levels share, exactly; inside as the error deserves. And so coded, in
+ * fewer bytes. */
 static void coarse_heights_are_rounded_inside_only(void **state)
 {
 	size_t exact_bytes = 0, rounded_bytes = 0;
@@ -447,7 +485,8 @@ static void coarse_heights_are_rounded_inside_only(void **state)
 	world_make(&w, &terrains[0], 0);
 	for (uint32_t i = 0; i < w.tree.count; i++) {
 		const struct eco_ground_tile *t = &w.tree.tiles[i];
-		struct eco_elements exact = ground_elements(&w.ground, t, 0), e = ground_elements(&w.ground, t, w.tree.shifts[i]), back;
+		struct eco_elements exact = ground_elements(&w.ground, t, 0),
+			e = ground_elements(&w.ground, t, w.tree.shifts[i]), back;
 		struct eco_ground_span x, y;
 		eco_ground_spans(&x, &y, t, w.ground.columns, w.ground.rows);
 		int32_t most = 1 << w.tree.shifts[i] >> 1;
@@ -457,18 +496,23 @@ static void coarse_heights_are_rounded_inside_only(void **state)
 		for (uint32_t k = 0; k < e.element_count; k++) {
 			uint32_t c = k % x.count - x.before, r = k / x.count - y.before;
 			int32_t off = abs(e.position[3 * k + 2] - exact.position[3 * k + 2]);
-			assert_true(off <= most && (off == 0 || (c != 0 && r != 0 && c != x.inner - 1 && r != y.inner - 1)));
+			assert_true(off <= most
+				&& (off == 0 || (c != 0 && r != 0 && c != x.inner - 1 && r != y.inner - 1)));
 		}
 		for (int pass = 0; pass < 2; pass++) {
-			const struct eco_chunk_input input = { &w.lists[i], pass ? &e : &exact, 0, e.element_count, 0 };
-			struct eco_chunk chunk = { .primitive_count = e.element_count, .element_count = e.element_count };
+			const struct eco_chunk_input input = { &w.lists[i], pass ? &e : &exact, 0,
+				e.element_count, 0 };
+			struct eco_chunk chunk = { .primitive_count = e.element_count,
+				.element_count = e.element_count };
 			uint8_t *bytes;
 			size_t size;
 			assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
 			*(pass ? &rounded_bytes : &exact_bytes) += t->level > 0 ? size : 0;
 			chunk.size_bytes = (uint32_t)size;
-			assert_int_equal(eco_chunk_decode(&w.lists[i], &chunk, 0, bytes, size, &back, NULL), ECO_OK);
-			assert_memory_equal(back.position, input.elements->position, 12 * (size_t)e.element_count);
+			assert_int_equal(eco_chunk_decode(&w.lists[i], &chunk, 0, bytes, size, &back, NULL),
+				ECO_OK);
+			assert_memory_equal(back.position, input.elements->position,
+				12 * (size_t)e.element_count);
 			eco_elements_free(&back);
 			free(bytes);
 		}

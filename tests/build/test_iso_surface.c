@@ -16,7 +16,9 @@ static void ball(void)
 	assert_int_equal(setjmp(arena.failed), 0);
 	dice.state = 9;
 	for (uint32_t i = 0; i < MOST; i++)
-		center[i] = lod_v3_add(lod_v3_scale(soup_direction(&dice), 5 * cbrt(soup_random(&dice, 0, 1))), (struct lod_v3){ 0, 0, 10 });
+		center[i] =
+			lod_v3_add(lod_v3_scale(soup_direction(&dice), 5 * cbrt(soup_random(&dice, 0, 1))),
+			(struct lod_v3){ 0, 0, 10 });
 	lod_hull_make(&hull, center, MOST, 30, &arena);
 }
 
@@ -25,7 +27,8 @@ static void density_is_a_sum_of_balls(void **state)
 	assert_int_equal(setjmp(arena.failed), 0);
 	struct lod_v3 one = { 1, 2, 3 }, two[2] = { { 0, 0, 0 }, { 100, 0, 0 } };
 	lod_hull_make(&hull, &one, 1, 20, &arena);
-	assert_true(fabs(lod_hull_density(&hull, one) - 1) < 0.3);       /* between nodes half a radius apart */
+	/* between nodes half a radius apart */
+	assert_true(fabs(lod_hull_density(&hull, one) - 1) < 0.3);
 	lod_hull_make(&hull, two, 2, 20, &arena);
 	assert_true(hull.radius >= 100 / 64.0);
 	assert_true(lod_hull_density(&hull, (struct lod_v3){ 50, 0, 0 }) == 0);

@@ -1,4 +1,5 @@
-/* Triangles of cut-outs that show nothing, against sampling; rims of thick leaves; a bound on all the work. */
+/* Triangles of cut-outs that show nothing, against sampling; rims of thick leaves; a bound on all the work.
+ */
 #include "ecofiles/format/list.h"
 #include "lod/raster/mask.h"
 #include "lod/build/organ.h"
@@ -42,7 +43,8 @@ static double distance_from_discs(const int32_t uv[6], int steps)
 	for (int i = 0; i <= steps; i++)
 		for (int j = 0; i + j <= steps; j++) {
 			double a = (double)i / steps, b = (double)j / steps, c = 1 - a - b;
-			double u = (a * uv[0] + b * uv[2] + c * uv[4]) / ECO_UV_ONE, v = (a * uv[1] + b * uv[3] + c * uv[5]) / ECO_UV_ONE;
+			double u = (a * uv[0] + b * uv[2] + c * uv[4]) / ECO_UV_ONE,
+				v = (a * uv[1] + b * uv[3] + c * uv[5]) / ECO_UV_ONE;
 			u -= floor(u) + 0.5;
 			v -= floor(v) + 0.5;
 			least = fmin(least, sqrt(u * u + v * v) - 0.4);
@@ -61,7 +63,8 @@ static void hidden_is_what_no_sample_sees(void **state)
 		open_disc(&soup, &mask, &arena, size);
 		for (int i = 0; i < 1500; i++) {
 			int32_t uv[6];
-			double extent = i % 2 ? ECO_UV_ONE : ECO_UV_ONE / 8.0, u = soup_random(&soup, -3, 3) * ECO_UV_ONE,
+			double extent = i % 2 ? ECO_UV_ONE : ECO_UV_ONE / 8.0,
+				u = soup_random(&soup, -3, 3) * ECO_UV_ONE,
 				v = soup_random(&soup, -3, 3) * ECO_UV_ONE;
 			for (int k = 0; k < 3; k++) {
 				uv[2 * k] = (int32_t)(u + soup_random(&soup, 0, extent));
@@ -94,8 +97,10 @@ static void one_texel_is_enough(void **state)
 		memset(rgba, 0, sizeof rgba);
 		rgba[4 * (130 + x) + 3] = 128;
 		lod_mask_open(&mask, &image, &arena);
-		int32_t around[6] = { -ECO_UV_ONE, -ECO_UV_ONE, 2 * ECO_UV_ONE, -ECO_UV_ONE, 0, 3 * ECO_UV_ONE };
-		int32_t left[6] = { 0, 0, (int32_t)(x * ECO_UV_ONE / 130) - 12, ECO_UV_ONE - 1, 0, ECO_UV_ONE - 1 };
+		int32_t around[6] = { -ECO_UV_ONE, -ECO_UV_ONE, 2 * ECO_UV_ONE, -ECO_UV_ONE, 0,
+			3 * ECO_UV_ONE };
+		int32_t left[6] = { 0, 0, (int32_t)(x * ECO_UV_ONE / 130) - 12, ECO_UV_ONE - 1, 0,
+			ECO_UV_ONE - 1 };
 		int32_t above[6] = { 0, 0, ECO_UV_ONE - 1, 0, 0, ECO_UV_ONE / 3 - 100 };
 		assert_false(lod_mask_hidden(&mask, around, &work));
 		assert_true(lod_mask_hidden(&mask, above, &work));
@@ -112,7 +117,8 @@ static void work_is_bounded(void **state)
 	struct lod_arena arena;
 	uint64_t work = 0;
 	open_disc(&soup, &mask, &arena, 64);
-	int32_t tall[6] = { 20, -(1 << 27), 40, 1 << 27, 20, -(1 << 27) };   /* 2^22 rows at the transparent border */
+	/* 2^22 rows at the transparent border */
+	int32_t tall[6] = { 20, -(1 << 27), 40, 1 << 27, 20, -(1 << 27) };
 	assert_false(lod_mask_hidden(&mask, tall, &work));
 	assert_int_equal(work, 0);
 	int32_t column[6] = { 20, 0, 40, 900 * ECO_UV_ONE, 20, 0 };          /* 57,600 rows */
@@ -137,8 +143,11 @@ static void make_slab(struct soup *soup, uint32_t material)
 		uint32_t v[2][4];
 		for (int side = 0; side < 2; side++)
 			for (int k = 0; k < 4; k++)
-				v[side][k] = soup_vertex(soup, (struct lod_v3){ leaf % 6 + 0.8 * square[k][0], leaf / 6 + 0.8 * square[k][1],
-					1 + leaf * 0.1 + 0.05 * side }, square[k][0], square[k][1]);
+				v[side][k] =
+					soup_vertex(soup,
+					(struct lod_v3){ leaf % 6 + 0.8 * square[k][0],
+					leaf / 6 + 0.8 * square[k][1], 1 + leaf * 0.1 + 0.05 * side },
+					square[k][0], square[k][1]);
 		for (int k = 0; k < 4; k++) {
 			int next = (k + 1) % 4;
 			soup_triangle(soup, material, v[0][k], v[0][next], v[1][next]);
@@ -169,7 +178,8 @@ static void rims_that_show_nothing_close_leaves_and_are_not_stored(void **state)
 	struct lod_texels texels;
 	lod_texels_open(&texels, soup.image, true, &arena);
 	for (uint32_t t = 0; t < mesh.triangle_count; t++) {
-		struct lod_sample_input in = { .uv = mesh.uv + 6 * (size_t)t, .texels = &texels, .tint = soup.material[0].rgb };
+		struct lod_sample_input in = { .uv = mesh.uv + 6 * (size_t)t, .texels = &texels,
+			.tint = soup.material[0].rgb };
 		struct lod_sample sample;
 		assert_true(organs.components[mesh.component[t]].closed);
 		for (int k = 0; k < 3; k++)

@@ -10,13 +10,15 @@ static struct soup dice;
 static struct lod_v3 center[MOST], normal[MOST];
 static double survival[MOST], again[MOST];
 
-static const enum lod_order_method baselines[] = { LOD_ORDER_STOCHASTIC, LOD_ORDER_DENSITY, LOD_ORDER_ORIENTATION, LOD_ORDER_COMBINED };
+static const enum lod_order_method baselines[] = { LOD_ORDER_STOCHASTIC, LOD_ORDER_DENSITY,
+	LOD_ORDER_ORIENTATION, LOD_ORDER_COMBINED };
 #define BASELINES (sizeof baselines / sizeof *baselines)
 
 static void order_by(double *out, enum lod_order_method method, uint32_t count, double height, uint32_t seed)
 {
 	assert_int_equal(setjmp(arena.failed), 0);
-	lod_order_survival_by(out, method, &(struct lod_order_input){ count, center, normal, height, seed }, &arena);
+	lod_order_survival_by(out, method, &(struct lod_order_input){ count, center, normal, height, seed },
+		&arena);
 	assert_null(arena.last);
 	for (uint32_t i = 0; i < count; i++)
 		assert_true(out[i] >= 0 && out[i] < 2.5);
@@ -79,7 +81,8 @@ static void every_order_has_a_name(void **state)
 		assert_true(lod_order_names[m] && strlen(lod_order_names[m]) > 3);
 }
 
-/* On a shell, what lies in the surface (normal along the gradient) outlives what stands across; density does not know. */
+/* On a shell, what lies in the surface (normal along the gradient) outlives what stands across; density does
+ * not know. */
 static void what_faces_outwards_survives(void **state)
 {
 	dice.state = 3;
@@ -101,7 +104,8 @@ static void dense_regions_are_thinned_first(void **state)
 {
 	dice.state = 5;
 	for (uint32_t i = 0; i < MOST; i++) {
-		struct lod_v3 p = { soup_random(&dice, 0, 4), soup_random(&dice, 0, 4), soup_random(&dice, 0, 4) };
+		struct lod_v3 p = { soup_random(&dice, 0, 4), soup_random(&dice, 0, 4),
+			soup_random(&dice, 0, 4) };
 		center[i] = i % 4 ? lod_v3_scale(p, 0.5) : lod_v3_add(p, (struct lod_v3){ 6, 0, 0 });
 		normal[i] = (struct lod_v3){ 0, 0, 0 };
 	}
@@ -145,7 +149,8 @@ static void sorting_is_stable(void **state)
 		items[i] = (struct lod_keyed){ lod_mix(i) % 50 << (i % 2 ? 40 : 3), i };
 	lod_sort(&arena, items, MOST);
 	for (uint32_t i = 1; i < MOST; i++)
-		assert_true(items[i - 1].key < items[i].key || (items[i - 1].key == items[i].key && items[i - 1].value < items[i].value));
+		assert_true(items[i - 1].key < items[i].key
+			|| (items[i - 1].key == items[i].key && items[i - 1].value < items[i].value));
 	lod_arena_free(&arena);
 }
 

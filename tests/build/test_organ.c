@@ -38,7 +38,8 @@ static void tubes_are_measured_by_their_curvature(void **state)
 	struct soup soup;
 	struct found found;
 	soup_begin(&soup);
-	soup_tube(&soup, soup_material(&soup, 100, 70, 40, ECO_NONE, false), (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 1, 4 }, 0.1, 0.1, 16, 20);
+	soup_tube(&soup, soup_material(&soup, 100, 70, 40, ECO_NONE, false), (struct lod_v3){ 0, 0, 0 },
+		(struct lod_v3){ 1, 1, 4 }, 0.1, 0.1, 16, 20);
 	for (uint32_t i = 0; i < soup.model.triangle_count; i += 3) {        /* winding must not matter */
 		uint32_t swap = soup.model.index[3 * i];
 		soup.model.index[3 * i] = soup.model.index[3 * i + 1];
@@ -98,10 +99,12 @@ static void hulls_and_blades_are_foliage(void **state)
 	struct soup soup;
 	struct found found;
 	soup_begin(&soup);
-	uint32_t hull = soup_material(&soup, 40, 120, 30, ECO_NONE, false), blade = soup_material(&soup, 40, 120, 30, ECO_NONE, false);
+	uint32_t hull = soup_material(&soup, 40, 120, 30, ECO_NONE, false),
+		blade = soup_material(&soup, 40, 120, 30, ECO_NONE, false);
 	soup_ball(&soup, hull, (struct lod_v3){ 0, 0, 3 }, 1.5, 12);
 	for (int i = 0; i < 9; i++)          /* closed, flat: a lens for a cross-section */
-		soup_tube(&soup, blade, (struct lod_v3){ i, 5, 0 }, (struct lod_v3){ i, 5.2, 1 }, 0.03, 0.03, 4, 3);
+		soup_tube(&soup, blade, (struct lod_v3){ i, 5, 0 }, (struct lod_v3){ i, 5.2, 1 }, 0.03, 0.03,
+			4, 3);
 	for (uint32_t v = 0; v < soup.model.vertex_count; v++)
 		if (soup.model.position[3 * v + 1] > 4.5f)
 			soup.model.position[3 * v + 1] = 5 + 0.1f * (soup.model.position[3 * v + 1] - 5);
@@ -171,7 +174,8 @@ static void transparent_parts_do_not_count(void **state)
 	struct found found;
 	soup_begin(&soup);
 	uint32_t m = soup_material(&soup, 255, 255, 255, soup_disc_image(&soup, 64), true);
-	soup_quad(&soup, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0, 0 }, (struct lod_v3){ 0, 1, 0 });
+	soup_quad(&soup, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0, 0 },
+		(struct lod_v3){ 0, 1, 0 });
 	find(&found, &soup);
 	assert_true(fabs(found.organs.area[0] + found.organs.area[1] - 0.16 * LOD_PI) < 0.07);
 	assert_in_range(found.organs.rgb[0][0], 40, 90);
@@ -190,10 +194,13 @@ static uint32_t named(struct soup *s, const char *name, uint8_t r, uint8_t g, ui
 /* A closed box; `size` along x, y, z. */
 static void box(struct soup *s, uint32_t material, struct lod_v3 at, struct lod_v3 size)
 {
-	static const uint8_t face[6][4] = { { 0, 2, 3, 1 }, { 4, 5, 7, 6 }, { 0, 1, 5, 4 }, { 2, 6, 7, 3 }, { 0, 4, 6, 2 }, { 1, 3, 7, 5 } };
+	static const uint8_t face[6][4] = { { 0, 2, 3, 1 }, { 4, 5, 7, 6 }, { 0, 1, 5, 4 }, { 2, 6, 7, 3 },
+		{ 0, 4, 6, 2 }, { 1, 3, 7, 5 } };
 	uint32_t first = s->model.vertex_count;
 	for (int i = 0; i < 8; i++)
-		soup_vertex(s, lod_v3_add(at, (struct lod_v3){ i & 1 ? size.x / 2 : -size.x / 2, i & 2 ? size.y / 2 : -size.y / 2,
+		soup_vertex(s,
+			lod_v3_add(at,
+			(struct lod_v3){ i & 1 ? size.x / 2 : -size.x / 2, i & 2 ? size.y / 2 : -size.y / 2,
 			i & 4 ? size.z : 0 }), 0, 0);
 	for (int f = 0; f < 6; f++) {
 		soup_triangle(s, material, first + face[f][0], first + face[f][1], first + face[f][2]);
@@ -208,14 +215,18 @@ static void pot(struct soup *s, uint32_t material, double radius, double height)
 	static const double ring[4][2] = { { 0.7, 0 }, { 1, 1 }, { 0.9, 1 }, { 0.6, 0.1 } };
 	for (int i = 0; i < 4; i++)
 		for (uint32_t k = 0; k < n; k++)
-			soup_vertex(s, (struct lod_v3){ radius * ring[i][0] * cos(2 * LOD_PI * k / n), radius * ring[i][0] * sin(2 * LOD_PI * k / n),
-				height * ring[i][1] }, 0, 0);
-	uint32_t bottom = soup_vertex(s, (struct lod_v3){ 0, 0, 0 }, 0, 0), inside = soup_vertex(s, (struct lod_v3){ 0, 0, 0.1 * height }, 0, 0);
+			soup_vertex(s,
+				(struct lod_v3){ radius * ring[i][0] * cos(2 * LOD_PI * k / n),
+				radius * ring[i][0] * sin(2 * LOD_PI * k / n), height * ring[i][1] }, 0, 0);
+	uint32_t bottom = soup_vertex(s, (struct lod_v3){ 0, 0, 0 }, 0, 0),
+		inside = soup_vertex(s, (struct lod_v3){ 0, 0, 0.1 * height }, 0, 0);
 	for (uint32_t k = 0; k < n; k++) {
 		uint32_t l = (k + 1) % n;
 		for (uint32_t i = 0; i < 3; i++) {
-			soup_triangle(s, material, first + i * n + k, first + i * n + l, first + (i + 1) * n + l);
-			soup_triangle(s, material, first + i * n + k, first + (i + 1) * n + l, first + (i + 1) * n + k);
+			soup_triangle(s, material, first + i * n + k, first + i * n + l,
+				first + (i + 1) * n + l);
+			soup_triangle(s, material, first + i * n + k, first + (i + 1) * n + l,
+				first + (i + 1) * n + k);
 		}
 		soup_triangle(s, material, bottom, first + l, first + k);
 		soup_triangle(s, material, inside, first + 3 * n + k, first + 3 * n + l);
@@ -226,7 +237,9 @@ static void disc(struct soup *s, uint32_t material, double z, double radius)
 {
 	uint32_t n = 16, middle = soup_vertex(s, (struct lod_v3){ 0, 0, z }, 0, 0);
 	for (uint32_t k = 0; k < n; k++)
-		soup_vertex(s, (struct lod_v3){ radius * cos(2 * LOD_PI * k / n), radius * sin(2 * LOD_PI * k / n), z }, 0, 0);
+		soup_vertex(s,
+			(struct lod_v3){ radius * cos(2 * LOD_PI * k / n), radius * sin(2 * LOD_PI * k / n),
+			z }, 0, 0);
 	for (uint32_t k = 0; k < n; k++)
 		soup_triangle(s, material, middle, middle + 1 + k, middle + 1 + (k + 1) % n);
 }
@@ -234,11 +247,15 @@ static void disc(struct soup *s, uint32_t material, double z, double radius)
 /* A bent strip of `n` quads from `at` along `d`, sinking at the end. */
 static void frond(struct soup *s, uint32_t material, struct lod_v3 at, struct lod_v3 d, double width, int n)
 {
-	struct lod_v3 across = lod_v3_scale(lod_v3_unit(lod_v3_cross(d, (struct lod_v3){ 0, 0, 1 })), width / 2);
+	struct lod_v3 across = lod_v3_scale(lod_v3_unit(lod_v3_cross(d, (struct lod_v3){ 0, 0, 1 })),
+		width / 2);
 	uint32_t first = s->model.vertex_count;
 	for (int i = 0; i <= n; i++) {
 		double w = (double)i / n;
-		struct lod_v3 p = lod_v3_add(at, lod_v3_add(lod_v3_scale(d, w), (struct lod_v3){ 0, 0, -0.6 * w * w * lod_v3_length(d) }));
+		struct lod_v3 p =
+			lod_v3_add(at,
+			lod_v3_add(lod_v3_scale(d, w),
+			(struct lod_v3){ 0, 0, -0.6 * w * w * lod_v3_length(d) }));
 		soup_vertex(s, lod_v3_add(p, across), 0, 0);
 		soup_vertex(s, lod_v3_sub(p, across), 0, 0);
 	}
@@ -256,8 +273,8 @@ static void bare_tree(struct soup *s, uint32_t material)
 	for (int i = 0; i < 12; i++) {
 		struct lod_v3 d = soup_direction(s);
 		d.z = fabs(d.z) + 0.3;
-		soup_tube(s, material, (struct lod_v3){ 0, 0, 1.5 + 0.12 * i }, lod_v3_add((struct lod_v3){ 0, 0, 2 }, lod_v3_scale(d, 2)), 0.04,
-			0.01, 5, 8);
+		soup_tube(s, material, (struct lod_v3){ 0, 0, 1.5 + 0.12 * i },
+			lod_v3_add((struct lod_v3){ 0, 0, 2 }, lod_v3_scale(d, 2)), 0.04, 0.01, 5, 8);
 	}
 }
 
@@ -267,26 +284,31 @@ static void ringed_palm(struct soup *s)  /* ring on ring, each its own */
 {
 	uint32_t stem = named(s, "a", 120, 100, 80), crown = named(s, "b", 70, 120, 40);
 	for (int i = 0; i < 10; i++)
-		soup_tube(s, stem, (struct lod_v3){ 0, 0, 0.5 * i }, (struct lod_v3){ 0, 0, 0.5 * i + 0.5 }, 0.16, 0.13, 8, 1);
+		soup_tube(s, stem, (struct lod_v3){ 0, 0, 0.5 * i }, (struct lod_v3){ 0, 0, 0.5 * i + 0.5 },
+			0.16, 0.13, 8, 1);
 	for (int i = 0; i < 14; i++)
-		frond(s, crown, (struct lod_v3){ 0, 0, 5 }, lod_v3_scale((struct lod_v3){ cos(0.45 * i), sin(0.45 * i), 0.4 }, 2), 0.3, 8);
+		frond(s, crown, (struct lod_v3){ 0, 0, 5 },
+			lod_v3_scale((struct lod_v3){ cos(0.45 * i), sin(0.45 * i), 0.4 }, 2), 0.3, 8);
 }
 
 static void palm(struct soup *s)
 {
 	uint32_t stem = named(s, "a", 120, 100, 80), crown = named(s, "b", 70, 120, 40);
 	for (int i = 0; i < 10; i++)         /* rings around a stem */
-		soup_tube(s, stem, (struct lod_v3){ 0, 0, 0.5 * i }, (struct lod_v3){ 0, 0, 0.5 * i + 0.5 }, 0.16, 0.13, 8, 1);
+		soup_tube(s, stem, (struct lod_v3){ 0, 0, 0.5 * i }, (struct lod_v3){ 0, 0, 0.5 * i + 0.5 },
+			0.16, 0.13, 8, 1);
 	soup_tube(s, stem, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 5 }, 0.12, 0.12, 8, 10);
 	for (int i = 0; i < 14; i++)
-		frond(s, crown, (struct lod_v3){ 0, 0, 5 }, lod_v3_scale((struct lod_v3){ cos(0.45 * i), sin(0.45 * i), 0.4 }, 2), 0.3, 8);
+		frond(s, crown, (struct lod_v3){ 0, 0, 5 },
+			lod_v3_scale((struct lod_v3){ cos(0.45 * i), sin(0.45 * i), 0.4 }, 2), 0.3, 8);
 }
 
 static void bamboo(struct soup *s)
 {
 	uint32_t culm = named(s, "a", 90, 140, 50), leaf = named(s, "b", 60, 150, 40);
 	for (int i = 0; i < 9; i++) {
-		soup_tube(s, culm, (struct lod_v3){ 0.3 * i, 0.1 * i, 0 }, (struct lod_v3){ 0.3 * i, 0.1 * i + 0.3, 5 }, 0.04, 0.02, 8, 12);
+		soup_tube(s, culm, (struct lod_v3){ 0.3 * i, 0.1 * i, 0 },
+			(struct lod_v3){ 0.3 * i, 0.1 * i + 0.3, 5 }, 0.04, 0.02, 8, 12);
 		soup_leaves(s, leaf, 60, (struct lod_v3){ 0.3 * i, 0.1 * i, 4 }, 0.8, 0.2);
 	}
 }
@@ -295,14 +317,16 @@ static void grass_of_boxes(struct soup *s)
 {
 	uint32_t blade = named(s, "", 153, 153, 153);
 	for (int i = 0; i < 30; i++)
-		box(s, blade, (struct lod_v3){ soup_random(s, 0, 1), soup_random(s, 0, 1), 0 }, (struct lod_v3){ 0.03, 0.003, soup_random(s, 0.4, 0.6) });
+		box(s, blade, (struct lod_v3){ soup_random(s, 0, 1), soup_random(s, 0, 1), 0 },
+			(struct lod_v3){ 0.03, 0.003, soup_random(s, 0.4, 0.6) });
 }
 
 static void grass_of_spikes(struct soup *s)
 {
 	uint32_t blade = named(s, "", 80, 120, 50);
 	for (int i = 0; i < 12; i++)
-		soup_tube(s, blade, (struct lod_v3){ 0.1 * i, 0, 0 }, (struct lod_v3){ 0.1 * i, 0.1, 1 }, 0.02, 0.001, 4, 2);
+		soup_tube(s, blade, (struct lod_v3){ 0.1 * i, 0, 0 }, (struct lod_v3){ 0.1 * i, 0.1, 1 },
+			0.02, 0.001, 4, 2);
 }
 
 static void cactus(struct soup *s)
@@ -329,7 +353,8 @@ static void stout_trunk_and_hull(struct soup *s)
 
 static void stump(struct soup *s)
 {
-	soup_tube(s, named(s, "", 110, 80, 60), (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 0.5 }, 0.4, 0.35, 12, 3);
+	soup_tube(s, named(s, "", 110, 80, 60), (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 0.5 }, 0.4,
+		0.35, 12, 3);
 }
 
 static void named_rock(struct soup *s)
@@ -344,7 +369,8 @@ static void hedge(struct soup *s)
 
 static void potted(struct soup *s)
 {
-	uint32_t clay = named(s, "", 170, 100, 80), soil = named(s, "", 60, 45, 35), stem = named(s, "", 90, 120, 60), leaf = named(s, "", 60, 140, 40);
+	uint32_t clay = named(s, "", 170, 100, 80), soil = named(s, "", 60, 45, 35),
+		stem = named(s, "", 90, 120, 60), leaf = named(s, "", 60, 140, 40);
 	pot(s, clay, 0.25, 0.4);
 	disc(s, soil, 0.36, 0.22);
 	soup_tube(s, stem, (struct lod_v3){ 0, 0, 0.3 }, (struct lod_v3){ 0.1, 0, 1.2 }, 0.02, 0.01, 8, 8);
@@ -353,11 +379,14 @@ static void potted(struct soup *s)
 
 static void tulip(struct soup *s)        /* mostly petals, large ones */
 {
-	uint32_t stem = named(s, "", 80, 130, 60), leaf = named(s, "", 70, 130, 70), petal = named(s, "", 210, 40, 30);
+	uint32_t stem = named(s, "", 80, 130, 60), leaf = named(s, "", 70, 130, 70),
+		petal = named(s, "", 210, 40, 30);
 	for (int i = 0; i < 4; i++) {
-		soup_tube(s, stem, (struct lod_v3){ 0.1 * i, 0, 0 }, (struct lod_v3){ 0.1 * i, 0, 0.4 }, 0.008, 0.006, 6, 6);
+		soup_tube(s, stem, (struct lod_v3){ 0.1 * i, 0, 0 }, (struct lod_v3){ 0.1 * i, 0, 0.4 },
+			0.008, 0.006, 6, 6);
 		for (int k = 0; k < 6; k++)
-			frond(s, petal, (struct lod_v3){ 0.1 * i, 0, 0.4 }, (struct lod_v3){ 0.02 * cos(k), 0.02 * sin(k), 0.09 }, 0.06, 6);
+			frond(s, petal, (struct lod_v3){ 0.1 * i, 0, 0.4 },
+				(struct lod_v3){ 0.02 * cos(k), 0.02 * sin(k), 0.09 }, 0.06, 6);
 		frond(s, leaf, (struct lod_v3){ 0.1 * i, 0, 0 }, (struct lod_v3){ 0.05, 0.08, 0.2 }, 0.02, 8);
 	}
 }
@@ -371,7 +400,8 @@ static void cherry_in_bloom(struct soup *s)
 
 static void autumn(struct soup *s)       /* yellow, orange and red, some still green */
 {
-	uint32_t bark = named(s, "", 90, 75, 60), yellow = named(s, "", 220, 180, 40), red = named(s, "", 200, 60, 30), green = named(s, "", 90, 120, 40);
+	uint32_t bark = named(s, "", 90, 75, 60), yellow = named(s, "", 220, 180, 40),
+		red = named(s, "", 200, 60, 30), green = named(s, "", 90, 120, 40);
 	bare_tree(s, bark);
 	soup_leaves(s, yellow, 300, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
 	soup_leaves(s, red, 200, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
@@ -380,7 +410,8 @@ static void autumn(struct soup *s)       /* yellow, orange and red, some still g
 
 static void some_leaves_turn_yellow(struct soup *s)
 {
-	uint32_t bark = named(s, "", 90, 75, 60), green = named(s, "", 90, 130, 50), yellow = named(s, "", 210, 180, 60);
+	uint32_t bark = named(s, "", 90, 75, 60), green = named(s, "", 90, 130, 50),
+		yellow = named(s, "", 210, 180, 60);
 	bare_tree(s, bark);
 	soup_leaves(s, green, 500, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
 	soup_leaves(s, yellow, 40, (struct lod_v3){ 0, 0, 3.5 }, 1.8, 0.12);
@@ -409,7 +440,8 @@ static void posts_and_rails(struct soup *s)
 
 static void brown_crown_of_hulls(struct soup *s)
 {
-	uint32_t stem = named(s, "a", 98, 67, 62), crown = named(s, "b", 169, 111, 69), top = named(s, "c", 140, 90, 50);
+	uint32_t stem = named(s, "a", 98, 67, 62), crown = named(s, "b", 169, 111, 69),
+		top = named(s, "c", 140, 90, 50);
 	soup_tube(s, stem, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 2.4 }, 0.1, 0.06, 8, 6);
 	soup_ball(s, crown, (struct lod_v3){ 0.2, 0, 2 }, 0.9, 8);
 	soup_ball(s, top, (struct lod_v3){ -0.2, 0.1, 2.9 }, 0.6, 8);
@@ -420,7 +452,8 @@ static void hollow_log(struct soup *s)   /* with a sheet of snow */
 	uint32_t log = named(s, "Holz", 98, 67, 62), snow = named(s, "Snow", 170, 162, 174);
 	soup_tube(s, log, (struct lod_v3){ -1.2, 0, 0.3 }, (struct lod_v3){ 1.2, 0, 0.3 }, 0.3, 0.28, 10, 4);
 	soup_tube(s, log, (struct lod_v3){ -1.2, 0, 0.3 }, (struct lod_v3){ 1.2, 0, 0.3 }, 0.2, 0.22, 10, 4);
-	soup_quad(s, snow, (struct lod_v3){ -1, -0.1, 0.62 }, (struct lod_v3){ 2, 0, 0 }, (struct lod_v3){ 0, 0.2, 0 });
+	soup_quad(s, snow, (struct lod_v3){ -1, -0.1, 0.62 }, (struct lod_v3){ 2, 0, 0 },
+		(struct lod_v3){ 0, 0.2, 0 });
 }
 
 static void plants_are_what_they_look_like(void **state)
@@ -462,8 +495,8 @@ static void plants_are_what_they_look_like(void **state)
 			const struct lod_component *part = &found.organs.components[c];
 			if (part->organ == plants[i].organ[part->material])
 				continue;
-			print_error("%s: a component of material %u, %u triangles, is %s\n", plants[i].name, part->material, part->triangle_count,
-				eco_organ_names[part->organ]);
+			print_error("%s: a component of material %u, %u triangles, is %s\n", plants[i].name,
+				part->material, part->triangle_count, eco_organ_names[part->organ]);
 			wrong++;
 		}
 		finish(&soup);
@@ -490,9 +523,11 @@ static void leaves_welded_to_twigs_are_foliage(void **state)
 	soup_tube(&soup, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 5 }, 0.05, 0.03, 6, 60);
 	for (uint32_t i = 0; i < 200; i++) {
 		uint32_t foot = twig + 6 + i;
-		struct lod_v3 p = lod_v3_of(soup.model.position + 3 * foot), d = lod_v3_scale(soup_direction(&soup), 0.2);
+		struct lod_v3 p = lod_v3_of(soup.model.position + 3 * foot),
+			d = lod_v3_scale(soup_direction(&soup), 0.2);
 		struct lod_v3 u = lod_v3_scale(lod_v3_unit(lod_v3_cross(d, soup_direction(&soup))), 0.1);
-		uint32_t a = soup_vertex(&soup, lod_v3_add(p, lod_v3_add(d, u)), 0, 0), b = soup_vertex(&soup, lod_v3_add(p, lod_v3_sub(d, u)), 0, 0);
+		uint32_t a = soup_vertex(&soup, lod_v3_add(p, lod_v3_add(d, u)), 0, 0),
+			b = soup_vertex(&soup, lod_v3_add(p, lod_v3_sub(d, u)), 0, 0);
 		soup_triangle(&soup, m, foot, a, b);
 		leaf_area += 0.02;
 	}
@@ -515,8 +550,11 @@ static void a_palette_texture_parts_trunk_and_crown(void **state)
 	uint32_t m = soup_material(&soup, 255, 255, 255, 0, false), rings = 24, n = 8;
 	for (uint32_t i = 0; i <= rings; i++)        /* a turned body: stem, then a ball on it */
 		for (uint32_t k = 0; k < n; k++) {
-			double z = 0.2 * i, t = (z - 2.4) / 2.4, r = i <= 12 ? 0.1 : 0.1 + 1.2 * sqrt(fmax(0, t * (1 - t)) * 4);
-			soup_vertex(&soup, (struct lod_v3){ r * cos(2 * LOD_PI * k / n), r * sin(2 * LOD_PI * k / n), z }, i < 12 ? 0.25 : 0.75, 0.5);
+			double z = 0.2 * i, t = (z - 2.4) / 2.4,
+				r = i <= 12 ? 0.1 : 0.1 + 1.2 * sqrt(fmax(0, t * (1 - t)) * 4);
+			soup_vertex(&soup,
+				(struct lod_v3){ r * cos(2 * LOD_PI * k / n), r * sin(2 * LOD_PI * k / n),
+				z }, i < 12 ? 0.25 : 0.75, 0.5);
 		}
 	for (uint32_t i = 0; i < rings; i++)
 		for (uint32_t k = 0; k < n; k++) {
@@ -581,8 +619,11 @@ static void rules_win_over_everything(void **state)
 	soup.model.organ = organ;
 	find(&found, &soup);
 	for (uint32_t t = 0; t < found.mesh.triangle_count; t++) {
-		uint8_t rule = organ[found.mesh.source[t]], is = found.organs.components[found.mesh.component[t]].organ;
-		assert_int_equal(is, rule != ECO_ORGAN_FOUND ? rule : soup.model.material[found.mesh.source[t]] == 0 ? ECO_ORGAN_WOOD : ECO_ORGAN_FOLIAGE);
+		uint8_t rule = organ[found.mesh.source[t]],
+			is = found.organs.components[found.mesh.component[t]].organ;
+		assert_int_equal(is, rule != ECO_ORGAN_FOUND ? rule
+			: soup.model.material[found.mesh.source[t]] == 0 ? ECO_ORGAN_WOOD
+			: ECO_ORGAN_FOLIAGE);
 	}
 	free(organ);
 	finish(&soup);
@@ -591,15 +632,23 @@ static void rules_win_over_everything(void **state)
 static void names_hint_in_many_languages(void **state)
 {
 	static const struct { const char *name; enum lod_hint hint; } names[] = {
-		{ "Bark", LOD_HINT_WOOD }, { "oak_bark_2k.png", LOD_HINT_WOOD }, { "Birkenrinde", LOD_HINT_WOOD }, { "TreeTrunk01", LOD_HINT_WOOD },
-		{ "écorce", LOD_HINT_WOOD }, { "corteza de pino", LOD_HINT_WOOD }, { "кора", LOD_HINT_WOOD }, { "PotMat", LOD_HINT_WOOD },
-		{ "Blumenkasten", LOD_HINT_WOOD }, { "Bl\xc3\xbctenstiel", LOD_HINT_WOOD }, { "branches", LOD_HINT_WOOD },
-		{ "leaves", LOD_HINT_FOLIAGE }, { "Leaf.003", LOD_HINT_FOLIAGE }, { "LEAVES", LOD_HINT_FOLIAGE }, { "Laub", LOD_HINT_FOLIAGE },
-		{ "feuillage", LOD_HINT_FOLIAGE }, { "hojas", LOD_HINT_FOLIAGE }, { "PineNeedles", LOD_HINT_FOLIAGE }, { "листья", LOD_HINT_FOLIAGE },
-		{ "petal_red", LOD_HINT_FLOWER }, { "Blüte", LOD_HINT_FLOWER }, { "fleur", LOD_HINT_FLOWER }, { "CherryBlossom", LOD_HINT_FLOWER },
+		{ "Bark", LOD_HINT_WOOD }, { "oak_bark_2k.png", LOD_HINT_WOOD },
+			{ "Birkenrinde", LOD_HINT_WOOD }, { "TreeTrunk01", LOD_HINT_WOOD },
+		{ "écorce", LOD_HINT_WOOD }, { "corteza de pino", LOD_HINT_WOOD }, { "кора", LOD_HINT_WOOD },
+		{ "PotMat", LOD_HINT_WOOD },
+		{ "Blumenkasten", LOD_HINT_WOOD }, { "Bl\xc3\xbctenstiel", LOD_HINT_WOOD },
+		{ "branches", LOD_HINT_WOOD },
+		{ "leaves", LOD_HINT_FOLIAGE }, { "Leaf.003", LOD_HINT_FOLIAGE },
+		{ "LEAVES", LOD_HINT_FOLIAGE }, { "Laub", LOD_HINT_FOLIAGE },
+		{ "feuillage", LOD_HINT_FOLIAGE }, { "hojas", LOD_HINT_FOLIAGE },
+		{ "PineNeedles", LOD_HINT_FOLIAGE }, { "листья", LOD_HINT_FOLIAGE },
+		{ "petal_red", LOD_HINT_FLOWER }, { "Blüte", LOD_HINT_FLOWER }, { "fleur", LOD_HINT_FLOWER },
+		{ "CherryBlossom", LOD_HINT_FLOWER },
 		{ "stamens", LOD_HINT_FLOWER },
-		{ "", LOD_HINT_NONE }, { "Material.001", LOD_HINT_NONE }, { "DefaultMaterial", LOD_HINT_NONE }, { "Green", LOD_HINT_NONE },
-		{ "Blume_Blatt", LOD_HINT_NONE }, { "bark_leaf_atlas", LOD_HINT_NONE }, { "12345", LOD_HINT_NONE }, { "logo", LOD_HINT_NONE },
+		{ "", LOD_HINT_NONE }, { "Material.001", LOD_HINT_NONE },
+		{ "DefaultMaterial", LOD_HINT_NONE }, { "Green", LOD_HINT_NONE },
+		{ "Blume_Blatt", LOD_HINT_NONE }, { "bark_leaf_atlas", LOD_HINT_NONE },
+		{ "12345", LOD_HINT_NONE }, { "logo", LOD_HINT_NONE },
 		{ "boisterous", LOD_HINT_WOOD },     /* a beginning is enough: a hint is no proof */
 	};
 	for (size_t i = 0; i < sizeof names / sizeof *names; i++)

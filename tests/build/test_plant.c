@@ -23,13 +23,15 @@ static void make_model(struct soup *soup, enum kind kind)
 		soup_ball(soup, green, (struct lod_v3){ 0, 0, 1 }, 1, 30);
 	for (uint32_t i = 0; i < 900 && kind == GRASS; i++) {
 		struct lod_v3 at = { soup_random(soup, -1, 1), soup_random(soup, -1, 1), 0.2 };
-		soup_quad(soup, green, at, (struct lod_v3){ 0.01, 0, 0 }, (struct lod_v3){ soup_random(soup, -0.1, 0.1), soup_random(soup, -0.1, 0.1), 0.4 });
+		soup_quad(soup, green, at, (struct lod_v3){ 0.01, 0, 0 },
+			(struct lod_v3){ soup_random(soup, -0.1, 0.1), soup_random(soup, -0.1, 0.1), 0.4 });
 	}
 }
 
 static struct lod_plant_options options_for(enum kind kind)
 {
-	return (struct lod_plant_options){ .name = "test", .seed = 3, .order = LOD_ORDER_COMBINED, .grid_bits = 14,
+	return (struct lod_plant_options){ .name = "test", .seed = 3, .order = LOD_ORDER_COMBINED,
+		.grid_bits = 14,
 		.cell_triangles = kind == SMALL_TREE ? 0 : 600, .importance = { [ECO_ORGAN_FLOWER] = 3 } };
 }
 
@@ -79,7 +81,8 @@ static uint32_t stored_triangles(const struct lod_plant *plant, struct corners *
 		if (ladder->triangles == ECO_NONE)
 			continue;
 		const struct eco_elements *e = &plant->lists[ladder->triangles].elements;
-		uint32_t first = ladder->level_count > 1 ? ladder->level_end[ladder->level_count - 2] : 0, triangle = 0;
+		uint32_t first = ladder->level_count > 1 ? ladder->level_end[ladder->level_count - 2] : 0,
+			triangle = 0;
 		const int32_t *p = e->position;
 		for (uint32_t i = 0; i < e->element_count; p += 3 * e->corners[i++])
 			for (uint32_t k = 0; k + 2 < e->corners[i]; k++)
@@ -90,14 +93,17 @@ static uint32_t stored_triangles(const struct lod_plant *plant, struct corners *
 	return n;
 }
 
-static uint32_t source_triangles(const struct lod_plant *plant, const struct eco_model *model, struct corners *out)
+static uint32_t source_triangles(const struct lod_plant *plant, const struct eco_model *model,
+	struct corners *out)
 {
 	const struct eco_list *list = &plant->lists[0].list;
 	for (uint32_t t = 0; t < model->triangle_count; t++) {
 		int32_t p[3][3];
 		for (int k = 0; k < 3; k++)
 			for (int a = 0; a < 3; a++)
-				p[k][a] = (int32_t)floor((model->position[3 * model->index[3 * t + k] + a] - list->grid_origin[a]) / list->grid_step[a] + 0.5);
+				p[k][a] =
+					(int32_t)floor((model->position[3 * model->index[3 * t + k] + a]
+					- list->grid_origin[a]) / list->grid_step[a] + 0.5);
 		add_triangle(&out[t], p[0], p[1], p[2]);
 	}
 	qsort(out, model->triangle_count, sizeof *out, compare_corners);
@@ -135,7 +141,8 @@ static void organs_are_counted(void **state)
 	assert_int_equal(plant.organ[ECO_ORGAN_FOLIAGE].elements, 4000);
 	assert_int_equal(plant.organ[ECO_ORGAN_FLOWER].elements, 900);
 	assert_true(fabs(plant.organ[ECO_ORGAN_FOLIAGE].area - 4000 * 0.12 * 0.08) < 0.01);
-	assert_true(fabs(plant.plant.area - plant.organ[0].area - plant.organ[1].area - plant.organ[2].area) < 0.01);
+	assert_true(fabs(plant.plant.area - plant.organ[0].area - plant.organ[1].area - plant.organ[2].area)
+		< 0.01);
 	assert_true(plant.plant.height_m > 5 && plant.plant.height_m < 7);
 	assert_string_equal(plant.plant.name, "test");
 	finish(&plant, &soup);
@@ -190,20 +197,26 @@ static void check_form(const struct lod_plant *plant, const struct lod_list_draf
 		struct lod_v3 low = { p[0], p[1], p[2] }, high = low;
 		assert_int_equal(e->corners[i], e->corners[0]);
 		for (uint32_t k = 1; k < f->corners[i]; k++) {
-			low = (struct lod_v3){ fmin(low.x, p[3 * k]), fmin(low.y, p[3 * k + 1]), fmin(low.z, p[3 * k + 2]) };
-			high = (struct lod_v3){ fmax(high.x, p[3 * k]), fmax(high.y, p[3 * k + 1]), fmax(high.z, p[3 * k + 2]) };
+			low = (struct lod_v3){ fmin(low.x, p[3 * k]), fmin(low.y, p[3 * k + 1]),
+				fmin(low.z, p[3 * k + 2]) };
+			high = (struct lod_v3){ fmax(high.x, p[3 * k]), fmax(high.y, p[3 * k + 1]),
+				fmax(high.z, p[3 * k + 2]) };
 		}
 		double slack = form->list.kind == ECO_LIST_POINTS ? 1 : 0.3 * lod_v3_distance(low, high) + 2;
 		for (uint32_t k = 0; k < e->corners[i]; k++) {
-			assert_true(q[3 * k] >= low.x - slack && q[3 * k + 1] >= low.y - slack && q[3 * k + 2] >= low.z - slack);
-			assert_true(q[3 * k] <= high.x + slack && q[3 * k + 1] <= high.y + slack && q[3 * k + 2] <= high.z + slack);
+			assert_true(q[3 * k] >= low.x - slack && q[3 * k + 1] >= low.y - slack
+				&& q[3 * k + 2] >= low.z - slack);
+			assert_true(q[3 * k] <= high.x + slack && q[3 * k + 1] <= high.y + slack
+				&& q[3 * k + 2] <= high.z + slack);
 		}
 		if (form->list.kind == ECO_LIST_POINTS)
 			sizes += eco_size((uint32_t)e->extra[i * e->extra_count + at]);
 	}
 	if (form->list.kind == ECO_LIST_POINTS)
-		assert_true(form->list.unit_area > 0 && sizes > 0.5 * e->element_count && sizes < 2.5 * e->element_count);
-	assert_true(form->list.primitive_count * eco_list_vertices(&form->list) <= 3 * fans->list.primitive_count);
+		assert_true(form->list.unit_area > 0 && sizes > 0.5 * e->element_count
+			&& sizes < 2.5 * e->element_count);
+	assert_true(form->list.primitive_count * eco_list_vertices(&form->list)
+		<= 3 * fans->list.primitive_count);
 }
 
 static void lists_are_consistent(void **state)
@@ -215,8 +228,10 @@ static void lists_are_consistent(void **state)
 		for (uint32_t l = 0; l < plant.list_count; l++) {
 			check_list(&plant, &plant.lists[l]);
 			for (int a = 0; a < 3; a++) {            /* one grid for the whole plant */
-				assert_true(plant.lists[l].list.grid_origin[a] == plant.lists[0].list.grid_origin[a]);
-				assert_true(plant.lists[l].list.grid_step[a] == plant.lists[0].list.grid_step[0]);
+				assert_true(plant.lists[l].list.grid_origin[a]
+					== plant.lists[0].list.grid_origin[a]);
+				assert_true(plant.lists[l].list.grid_step[a]
+					== plant.lists[0].list.grid_step[0]);
 			}
 			if (plant.lists[l].list.coder == ECO_CODER_FORM)
 				check_form(&plant, &plant.lists[l]);
@@ -235,12 +250,16 @@ static void every_chunk_can_be_coded(void **state)
 		for (uint32_t l = 0; l < plant.list_count; l++) {
 			const struct lod_list_draft *draft = &plant.lists[l];
 			for (uint32_t c = 0; c < draft->end_count && c < 4; c++) {
-				const struct lod_list_draft *of = draft->list.coder == ECO_CODER_FORM ? &plant.lists[draft->list.partner] : draft;
-				struct eco_chunk_input input = { &of->list, &of->elements, c ? of->ends[c - 1] : 0, of->ends[c], c };
+				const struct lod_list_draft *of = draft->list.coder == ECO_CODER_FORM
+					? &plant.lists[draft->list.partner] : draft;
+				struct eco_chunk_input input =
+					{ &of->list, &of->elements, c ? of->ends[c - 1] : 0, of->ends[c], c };
 				uint8_t *bytes;
 				size_t size;
-				enum eco_code code = of == draft ? eco_chunk_encode(&input, &bytes, &size, NULL, &error)
-					: eco_chunk_encode_form(&input, &draft->list, &draft->elements, &bytes, &size, &error);
+				enum eco_code code = of == draft
+					? eco_chunk_encode(&input, &bytes, &size, NULL, &error)
+					: eco_chunk_encode_form(&input, &draft->list, &draft->elements,
+					&bytes, &size, &error);
 				if (code)
 					fail_msg("list %u chunk %u: %s", l, c, error.text);
 				free(bytes);
@@ -257,7 +276,9 @@ static bool inside(const struct eco_anchor *anchor, const struct lod_list_draft 
 	for (uint32_t i = 0; i < draft->elements.corner_count; i++) {
 		double sum = 0;
 		for (int a = 0; a < 3; a++) {
-			double d = draft->list.grid_origin[a] + draft->elements.position[3 * i + a] * draft->list.grid_step[a] - anchor->center[a];
+			double d = draft->list.grid_origin[a]
+				+ draft->elements.position[3 * i + a] * draft->list.grid_step[a]
+				- anchor->center[a];
 			sum += d * d;
 		}
 		if (sqrt(sum) > anchor->radius)
@@ -274,7 +295,8 @@ static uint32_t primitives(const struct lod_plant *plant, uint32_t list)
 static void check_ladder(const struct lod_plant *plant, const struct eco_ladder *l)
 {
 	const uint32_t lists[4] = { l->points, l->lines, l->simple, l->triangles };
-	uint32_t own = l->organ == ECO_ORGAN_WOOD ? primitives(plant, l->lines) : plant->lists[l->triangles].list.element_count, last = 0;
+	uint32_t own = l->organ == ECO_ORGAN_WOOD ? primitives(plant, l->lines)
+		: plant->lists[l->triangles].list.element_count, last = 0;
 	assert_true(l->anchor < plant->plant.anchor_count);
 	assert_true((l->flags & ECO_LADDER_NEAR ? 1 : 0) == (l->anchor > 0));
 	assert_true(l->importance == (l->organ == ECO_ORGAN_FLOWER ? 3 : 1));
@@ -295,7 +317,8 @@ static void check_ladder(const struct lod_plant *plant, const struct eco_ladder 
 		for (uint32_t c = 0; c < draft->end_count; c++)
 			is_end = is_end || draft->ends[c] == l->level_end[i];
 		assert_true(is_end);
-		assert_true(l->level_end[i] - last > (i ? l->level_end[i - 1] - (i > 1 ? l->level_end[i - 2] : 0) : 0));
+		assert_true(l->level_end[i] - last
+			> (i ? l->level_end[i - 1] - (i > 1 ? l->level_end[i - 2] : 0) : 0));
 		last = l->level_end[i];
 	}
 	if (l->level_count)
@@ -314,7 +337,8 @@ static void ladders_are_consistent(void **state)
 			check_ladder(&plant, &plant.ladders[l]);
 			assert_true(plant.ladders[l].anchor >= anchor || anchor > 0);
 			anchor = plant.ladders[l].anchor ? plant.ladders[l].anchor : anchor;
-			assert_true(anchor == 0 || plant.ladders[l].anchor != 0);        /* the whole plant's come first */
+			/* the whole plant's come first */
+			assert_true(anchor == 0 || plant.ladders[l].anchor != 0);
 		}
 		finish(&plant, &soup);
 	}
@@ -374,11 +398,13 @@ static void blades_become_points_and_lines_of_the_same_area(void **state)
 		const struct eco_ladder *ladder = &plant.ladders[l];
 		assert_true(ladder->points != ECO_NONE && ladder->lines != ECO_NONE);
 		const struct lod_list_draft *lines = &plant.lists[ladder->lines];
-		assert_int_equal(lines->elements.element_count, plant.lists[ladder->triangles].elements.element_count);
+		assert_int_equal(lines->elements.element_count,
+			plant.lists[ladder->triangles].elements.element_count);
 		for (uint32_t i = 0; i < lines->elements.element_count; i++) {
 			const int32_t *p = lines->elements.position + 6 * i;
 			struct lod_v3 d = { p[3] - p[0], p[4] - p[1], p[5] - p[2] };
-			area += lod_v3_length(d) * lines->elements.extra[2 * i + 1] * lines->list.grid_step[0] * lines->list.grid_step[0];
+			area += lod_v3_length(d) * lines->elements.extra[2 * i + 1] * lines->list.grid_step[0]
+				* lines->list.grid_step[0];
 		}
 		assert_true(ladder->length > 0);
 		assert_true(ladder->epsilon < 0.01);
@@ -406,7 +432,8 @@ static void what_has_no_colour_is_drawn_in_its_organ_s_everywhere(void **state)
 		const struct eco_elements *e = &plant.lists[l].elements;
 		const struct eco_list *list = &plant.lists[l].list;
 		for (uint32_t i = 0; i < e->element_count && (list->attributes & ECO_ATTR_COLOR); i++) {
-			const uint8_t *rgb = plant.palette[list->palette_first + (uint32_t)e->extra[i * e->extra_count]];
+			const uint8_t *rgb =
+				plant.palette[list->palette_first + (uint32_t)e->extra[i * e->extra_count]];
 			assert_false(rgb[0] == rgb[1] && rgb[1] == rgb[2]);
 			looked_up++;
 		}
@@ -434,7 +461,8 @@ static void two_builds_are_equal(void **state)
 		if (x->uv)
 			assert_memory_equal(x->uv, y->uv, 8 * (size_t)x->corner_count);
 		if (x->extra)
-			assert_memory_equal(x->extra, y->extra, 4 * (size_t)x->extra_count * x->element_count);
+			assert_memory_equal(x->extra, y->extra,
+				4 * (size_t)x->extra_count * x->element_count);
 	}
 	finish(&a, &soup);
 	finish(&b, &other);
@@ -516,15 +544,20 @@ static void any_soup_is_stored_completely(void **state)
 		struct soup soup;
 		struct lod_plant plant;
 		struct eco_error error = { 0 };
-		struct lod_plant_options options = { .name = "soup", .order = LOD_ORDER_COMBINED, .grid_bits = 10, .cell_triangles = 20 };
+		struct lod_plant_options options = { .name = "soup", .order = LOD_ORDER_COMBINED,
+			.grid_bits = 10, .cell_triangles = 20 };
 		soup_begin(&soup);
 		soup.state = seed;
-		uint32_t m = soup_material(&soup, 255, 255, 255, seed % 2 ? soup_disc_image(&soup, 8) : ECO_NONE, seed % 4 == 1), n = 5 + seed;
+		uint32_t m = soup_material(&soup, 255, 255, 255, seed % 2 ? soup_disc_image(&soup, 8)
+			: ECO_NONE, seed % 4 == 1), n = 5 + seed;
 		for (uint32_t v = 0; v < n; v++)
-			soup_vertex(&soup, (struct lod_v3){ soup_random(&soup, 0, 1), soup_random(&soup, 0, 1), soup_random(&soup, 0, 1) },
-				soup_random(&soup, -40, 40), soup_random(&soup, 0, 1));
+			soup_vertex(&soup,
+				(struct lod_v3){ soup_random(&soup, 0, 1), soup_random(&soup, 0, 1),
+				soup_random(&soup, 0, 1) }, soup_random(&soup, -40, 40),
+				soup_random(&soup, 0, 1));
 		for (uint32_t t = 0; t < 4 * n; t++)
-			soup_triangle(&soup, m, (uint32_t)soup_random(&soup, 0, n + 1), (uint32_t)soup_random(&soup, 0, n), (uint32_t)soup_random(&soup, 0, n));
+			soup_triangle(&soup, m, (uint32_t)soup_random(&soup, 0, n + 1),
+				(uint32_t)soup_random(&soup, 0, n), (uint32_t)soup_random(&soup, 0, n));
 		if (lod_plant_build(&plant, &soup.model, &options, &error) != ECO_OK)
 			fail_msg("%s", error.text);
 		uint32_t dropped = 0;
@@ -535,7 +568,8 @@ static void any_soup_is_stored_completely(void **state)
 		assert_int_equal(stored_triangles(&plant, stored), plant.triangles_stored);
 		free(stored);
 		for (uint32_t l = 0; l < plant.list_count; l++)
-			assert_int_equal(plant.lists[l].ends[plant.lists[l].end_count - 1], plant.lists[l].elements.element_count);
+			assert_int_equal(plant.lists[l].ends[plant.lists[l].end_count - 1],
+				plant.lists[l].elements.element_count);
 		finish(&plant, &soup);
 	}
 }
@@ -558,11 +592,14 @@ static void geometry_of_a_range_is_part_of_the_whole(void **state)
 		uint32_t n = d->elements.primitive_count, floats = 3 * eco_list_vertices(&d->list);
 		float *all = calloc(n, 36), *part = calloc(n, 36), *uv = calloc(n, 24), *width = calloc(n, 4);
 		int32_t *color = calloc(n, 4);
-		assert_int_equal(lod_list_geometry(&d->list, &d->elements, 0, n, 2, &(struct lod_geometry){ all, uv, width, color, NULL }), n);
+		assert_int_equal(lod_list_geometry(&d->list, &d->elements, 0, n, 2,
+			&(struct lod_geometry){ all, uv, width, color, NULL }), n);
 		for (uint32_t first = 0; first < n; first += n / 3 + 1) {
 			uint32_t end = first + n / 5 < n ? first + n / 5 : n;
-			assert_int_equal(lod_list_geometry(&d->list, &d->elements, first, end, 2, &(struct lod_geometry){ .position = part }), end - first);
-			assert_memory_equal(part, all + (size_t)floats * first, 4 * (size_t)floats * (end - first));
+			assert_int_equal(lod_list_geometry(&d->list, &d->elements, first, end, 2,
+				&(struct lod_geometry){ .position = part }), end - first);
+			assert_memory_equal(part, all + (size_t)floats * first,
+				4 * (size_t)floats * (end - first));
 		}
 		free(all);
 		free(part);
@@ -579,16 +616,19 @@ static void scale_is_a_factor_of_area_about_the_centre(void **state)
 	struct lod_plant plant;
 	build(&plant, &soup, SMALL_TREE);
 	for (uint32_t l = 0; l < plant.ladder_count; l++) {
-		const struct lod_list_draft *d = plant.ladders[l].organ == ECO_ORGAN_FOLIAGE ? &plant.lists[plant.ladders[l].triangles] : NULL;
+		const struct lod_list_draft *d = plant.ladders[l].organ == ECO_ORGAN_FOLIAGE
+			? &plant.lists[plant.ladders[l].triangles] : NULL;
 		float one[18], scaled[18];
 		if (!d)
 			continue;
 		assert_int_equal(d->elements.corners[0], 4);
 		lod_list_geometry(&d->list, &d->elements, 0, 2, 1, &(struct lod_geometry){ .position = one });
-		lod_list_geometry(&d->list, &d->elements, 0, 2, 2.25f, &(struct lod_geometry){ .position = scaled });
+		lod_list_geometry(&d->list, &d->elements, 0, 2, 2.25f,
+			&(struct lod_geometry){ .position = scaled });
 		assert_true(fabs(area_of(scaled) / area_of(one) - 2.25) < 1e-3);
 		for (int a = 0; a < 3; a++) {            /* corners 0, 1, 2 and 3 keep their mean */
-			double before = one[a] + one[3 + a] + one[6 + a] + one[15 + a], after = scaled[a] + scaled[3 + a] + scaled[6 + a] + scaled[15 + a];
+			double before = one[a] + one[3 + a] + one[6 + a] + one[15 + a],
+				after = scaled[a] + scaled[3 + a] + scaled[6 + a] + scaled[15 + a];
 			assert_true(fabs(before - after) < 1e-4);
 		}
 	}

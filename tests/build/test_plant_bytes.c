@@ -1,4 +1,5 @@
-/* Finished plants as bytes: what is read is what was written, and what is cut off or changed is refused or harmless. */
+/* Finished plants as bytes: what is read is what was written, and what is cut off or changed is refused or
+ * harmless. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,19 +14,25 @@ static void make_plant(struct lod_plant *plant, uint32_t leaves, uint32_t cell_t
 	struct eco_error error = { 0 };
 	soup_begin(&soup);
 	soup.state = 5;
-	uint32_t brown = soup_material(&soup, 90, 60, 30, ECO_NONE, false), green = soup_material(&soup, 40, 130, 20, ECO_NONE, false);
+	uint32_t brown = soup_material(&soup, 90, 60, 30, ECO_NONE, false),
+		green = soup_material(&soup, 40, 130, 20, ECO_NONE, false);
 	uint32_t disc = soup_material(&soup, 255, 255, 255, soup_disc_image(&soup, 8), true);
 	for (int side = 0; side < 4; side++)
-		soup_quad(&soup, brown, (struct lod_v3){ side % 2 ? 0 : side ? 0.1 : -0.1, side % 2 ? side - 2 ? 0.1 : -0.1 : 0, 1 },
-			(struct lod_v3){ side % 2 ? 0.1 : 0, side % 2 ? 0 : 0.1, 0 }, (struct lod_v3){ 0, 0, 1 });
+		soup_quad(&soup, brown,
+			(struct lod_v3){ side % 2 ? 0 : side ? 0.1 : -0.1, side % 2 ? side - 2 ? 0.1 : -0.1
+			: 0, 1 }, (struct lod_v3){ side % 2 ? 0.1 : 0, side % 2 ? 0 : 0.1, 0 },
+			(struct lod_v3){ 0, 0, 1 });
 	for (uint32_t i = 0; i < leaves; i++) {
-		struct lod_v3 at = { soup_random(&soup, -1, 1), soup_random(&soup, -1, 1), soup_random(&soup, 1, 3) };
-		soup_quad(&soup, i % 3 ? green : disc, at, (struct lod_v3){ 0.05, soup_random(&soup, -0.05, 0.05), 0 },
+		struct lod_v3 at = { soup_random(&soup, -1, 1), soup_random(&soup, -1, 1),
+			soup_random(&soup, 1, 3) };
+		soup_quad(&soup, i % 3 ? green : disc, at,
+			(struct lod_v3){ 0.05, soup_random(&soup, -0.05, 0.05), 0 },
 			(struct lod_v3){ 0, soup_random(&soup, -0.05, 0.05), 0.05 });
 	}
-	const struct lod_plant_options options = { .name = "a name", .seed = 1, .grid_bits = 12, .cell_triangles = cell_triangles, .views = 3,
-		.pixels = 48 };
-	if (lod_plant_build(plant, &soup.model, &options, &error) || lod_plant_measure(plant, &soup.model, &options, &error))
+	const struct lod_plant_options options = { .name = "a name", .seed = 1, .grid_bits = 12,
+		.cell_triangles = cell_triangles, .views = 3, .pixels = 48 };
+	if (lod_plant_build(plant, &soup.model, &options, &error)
+			|| lod_plant_measure(plant, &soup.model, &options, &error))
 		fail_msg("%s", error.text);
 	soup_free(&soup);
 }
@@ -46,8 +53,10 @@ static void what_is_read_is_what_was_written(void **state)
 		assert_int_equal(again.list_count, plant.list_count);
 		assert_memory_equal(again.solved, plant.solved, sizeof plant.solved);
 		for (uint32_t l = 0; l < plant.list_count; l++) {
-			const struct eco_elements *a = &plant.lists[l].elements, *b = &again.lists[l].elements;
-			assert_memory_equal(a->position, b->position, 3 * (size_t)a->corner_count * sizeof *a->position);
+			const struct eco_elements *a = &plant.lists[l].elements,
+				*b = &again.lists[l].elements;
+			assert_memory_equal(a->position, b->position,
+				3 * (size_t)a->corner_count * sizeof *a->position);
 			assert_int_equal(a->extra_count, b->extra_count);
 			assert_int_equal(a->uv != NULL, b->uv != NULL);
 		}

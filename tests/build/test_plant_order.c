@@ -5,7 +5,8 @@
 
 #define LEAVES 200u
 
-static struct lod_plant_options options = { .name = "test", .seed = 3, .grid_bits = 12, .views = 3, .pixels = 64 };
+static struct lod_plant_options options = { .name = "test", .seed = 3, .grid_bits = 12, .views = 3,
+	.pixels = 64 };
 
 /* Leaves of two triangles; `fans`: of four. */
 static void make_tree(struct soup *soup, bool fans)
@@ -13,7 +14,8 @@ static void make_tree(struct soup *soup, bool fans)
 	soup_tree(soup, LEAVES, 25, false);
 	uint32_t green = soup_material(soup, 60, 150, 40, ECO_NONE, false);
 	for (uint32_t i = 0; i < LEAVES && fans; i++) {
-		struct lod_v3 at = { soup_random(soup, -1, 1), soup_random(soup, -1, 1), soup_random(soup, 2, 4) };
+		struct lod_v3 at = { soup_random(soup, -1, 1), soup_random(soup, -1, 1),
+			soup_random(soup, 2, 4) };
 		soup_quad(soup, green, at, (struct lod_v3){ 0.1, 0, 0 }, (struct lod_v3){ 0, 0.1, 0.03 });
 	}
 }
@@ -31,11 +33,13 @@ static void build(struct lod_plant *plant, enum lod_order_method order, uint32_t
 	soup_free(&soup);
 }
 
-static const struct lod_list_draft *leaves_of(const struct lod_plant *plant, const struct lod_list_draft **simple)
+static const struct lod_list_draft *leaves_of(const struct lod_plant *plant,
+	const struct lod_list_draft **simple)
 {
 	for (uint32_t i = 0; i < plant->ladder_count; i++)
 		if (plant->ladders[i].organ == ECO_ORGAN_FOLIAGE && plant->ladders[i].triangles != ECO_NONE) {
-			*simple = plant->ladders[i].simple == ECO_NONE ? NULL : &plant->lists[plant->ladders[i].simple];
+			*simple = plant->ladders[i].simple == ECO_NONE ? NULL
+				: &plant->lists[plant->ladders[i].simple];
 			return &plant->lists[plant->ladders[i].triangles];
 		}
 	fail_msg("no leaves");
@@ -60,7 +64,8 @@ static void each_leaf_has_a_code_and_a_simpler_form(void **state)
 	for (uint32_t i = 0; i < simple->elements.element_count; i++) {
 		const uint32_t s = simple->elements.extra_count;
 		assert_int_equal(simple->elements.corners[i], simple->elements.corners[0]);
-		assert_int_equal(simple->elements.extra[(size_t)s * i + s - 1], leaves->elements.extra[(size_t)extra * i + extra - 1]);
+		assert_int_equal(simple->elements.extra[(size_t)s * i + s - 1],
+			leaves->elements.extra[(size_t)extra * i + extra - 1]);
 	}
 	lod_plant_free(&plant);
 }
@@ -84,9 +89,11 @@ static void orders_differ(void **state)
 	build(&a, LOD_ORDER_STOCHASTIC, 12);
 	for (int order = 0; order < LOD_ORDER_COUNT; order++) {
 		build(&b, (enum lod_order_method)order, 12);
-		const struct eco_elements *x = &leaves_of(&a, &simple)->elements, *y = &leaves_of(&b, &simple)->elements;
+		const struct eco_elements *x = &leaves_of(&a, &simple)->elements,
+			*y = &leaves_of(&b, &simple)->elements;
 		assert_int_equal(x->corner_count, y->corner_count);
-		assert_true((order == LOD_ORDER_STOCHASTIC) == !memcmp(x->position, y->position, 3 * (size_t)x->corner_count * sizeof *x->position));
+		assert_true((order == LOD_ORDER_STOCHASTIC) == !memcmp(x->position, y->position,
+			3 * (size_t)x->corner_count * sizeof *x->position));
 		lod_plant_free(&b);
 	}
 	lod_plant_free(&a);
@@ -101,10 +108,12 @@ static void the_same_again(void **state)
 	for (uint32_t i = 0; i < a.list_count; i++) {
 		const struct eco_elements *x = &a.lists[i].elements, *y = &b.lists[i].elements;
 		assert_int_equal(x->corner_count, y->corner_count);
-		assert_memory_equal(x->position, y->position, 3 * (size_t)x->corner_count * sizeof *x->position);
+		assert_memory_equal(x->position, y->position,
+			3 * (size_t)x->corner_count * sizeof *x->position);
 		assert_int_equal(x->extra_count, y->extra_count);
 		if (x->extra)
-			assert_memory_equal(x->extra, y->extra, (size_t)x->extra_count * x->element_count * sizeof *x->extra);
+			assert_memory_equal(x->extra, y->extra,
+				(size_t)x->extra_count * x->element_count * sizeof *x->extra);
 	}
 	lod_plant_free(&a);
 	lod_plant_free(&b);

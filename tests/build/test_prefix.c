@@ -1,5 +1,5 @@
-/* What a plant's ladders draw for more and more vertices, on views that took no part in making lists and curves: no fewer right pixels for
- * more vertices, and the scale of the curve is about the best. */
+/* What a plant's ladders draw for more and more vertices, on views that took no part in making lists and
+ * curves: no fewer right pixels for more vertices, and the scale of the curve is about the best. */
 #include <math.h>
 
 #include "lod/ladder.h"
@@ -15,22 +15,28 @@
 static const struct { const char *what; uint32_t leaves; bool textured; double from; } crowns[] = {
 	{ "solid leaves", 900, false, 0.005 }, { "leaves cut out of quads", 700, true, 0.05 } };
 
-static void make(struct lod_plant *plant, struct lod_probe *probe, struct soup *soup, uint32_t leaves, bool textured)
+static void make(struct lod_plant *plant, struct lod_probe *probe, struct soup *soup, uint32_t leaves,
+	bool textured)
 {
 	struct eco_error error = { 0 };
-	const struct lod_plant_options options = { .name = "crown", .grid_bits = 14, .pixels = PIXELS, .cell_triangles = UINT32_MAX };
+	const struct lod_plant_options options = { .name = "crown", .grid_bits = 14, .pixels = PIXELS,
+		.cell_triangles = UINT32_MAX };
 	soup_tree(soup, leaves, 0, textured);
-	if (lod_plant_build(plant, &soup->model, &options, &error) || lod_plant_measure(plant, &soup->model, &options, &error)
-		|| lod_probe_init(probe, plant, &soup->model, &(struct lod_probe_options){ .views = VIEWS, .pixels = PIXELS }, &error))
+	if (lod_plant_build(plant, &soup->model, &options, &error)
+			|| lod_plant_measure(plant, &soup->model, &options, &error)
+		|| lod_probe_init(probe, plant, &soup->model,
+		&(struct lod_probe_options){ .views = VIEWS, .pixels = PIXELS }, &error))
 		fail_msg("%s", error.text);
 }
 
-static double quality(struct lod_probe *probe, const struct eco_ladder *ladder, uint64_t vertices, double factor, bool keep)
+static double quality(struct lod_probe *probe, const struct eco_ladder *ladder, uint64_t vertices,
+	double factor, bool keep)
 {
 	struct eco_error error = { 0 };
 	struct lod_probe_result result;
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-	uint32_t count = lod_ladder_cuts(&probe->scene, ladder, vertices, lod_ladder_density(&probe->scene, ladder, vertices), cuts);
+	uint32_t count = lod_ladder_cuts(&probe->scene, ladder, vertices,
+		lod_ladder_density(&probe->scene, ladder, vertices), cuts);
 	lod_probe_clear(probe);
 	for (uint32_t i = 0; i < count; i++) {
 		cuts[i].scale *= (float)factor;
@@ -61,15 +67,18 @@ static void more_vertices_are_no_worse_and_the_scale_is_about_the_best(void **st
 		uint64_t full = lod_ladder_full(&probe.scene, ladder);
 		double best = quality(&probe, ladder, full, 1, true) - 1;
 		for (double share = crowns[c].from; share < 1; share *= 1.1) {
-			uint64_t vertices = lod_ladder_floor(&probe.scene, ladder, (uint64_t)(share * (double)full));
+			uint64_t vertices = lod_ladder_floor(&probe.scene, ladder,
+				(uint64_t)(share * (double)full));
 			double q = quality(&probe, ladder, vertices, 1, false);
 			for (int way = -1; way <= 1; way += 2) {
 				double other = quality(&probe, ladder, vertices, way < 0 ? 0.7 : 1.4, false);
 				if (other > q + LITTLE)
-					fail_msg("%s, %.4f of all vertices: Q %.4f, with another scale %.4f", crowns[c].what, share, q, other);
+					fail_msg("%s, %.4f of all vertices: Q %.4f, with another scale %.4f",
+						crowns[c].what, share, q, other);
 			}
 			if (q < best - LITTLE)
-				fail_msg("%s: Q %.4f at %.4f of all vertices, but %.4f with fewer", crowns[c].what, q, share, best);
+				fail_msg("%s: Q %.4f at %.4f of all vertices, but %.4f with fewer",
+					crowns[c].what, q, share, best);
 			best = q > best ? q : best;
 		}
 		lod_probe_free(&probe);
@@ -80,6 +89,7 @@ static void more_vertices_are_no_worse_and_the_scale_is_about_the_best(void **st
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = { cmocka_unit_test(more_vertices_are_no_worse_and_the_scale_is_about_the_best) };
+	const struct CMUnitTest tests[] =
+		{ cmocka_unit_test(more_vertices_are_no_worse_and_the_scale_is_about_the_best) };
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,5 @@
-/* Our order: what prefixes cover on views that it was not made from, and that nothing but the leaves and the seed decides it. */
+/* Our order: what prefixes cover on views that it was not made from, and that nothing but the leaves and the
+ * seed decides it. */
 #include "ecofiles/format/list.h"
 #include "lod/build/order/footprint.h"
 #include "lod/build/order/rank.h"
@@ -28,10 +29,10 @@ static struct lod_rank make(const struct lod_foliage *foliage, struct lod_rank_o
 	return rank;
 }
 
-/* Q of a prefix on views that no order was made from, each element grown by its code, or all by `scale` where `growth` is NULL. `wrong`: the
- * share of wrong pixels, of those of the reference; or NULL. */
-static double quality_and_wrong(const struct lod_foliage *foliage, const uint32_t *order, uint32_t count, const uint8_t *growth, float scale,
-	const struct lod_simple *shape, double *wrong)
+/* Q of a prefix on views that no order was made from, each element grown by its code, or all by `scale` where
+ * `growth` is NULL. `wrong`: the share of wrong pixels, of those of the reference; or NULL. */
+static double quality_and_wrong(const struct lod_foliage *foliage, const uint32_t *order, uint32_t count,
+	const uint8_t *growth, float scale, const struct lod_simple *shape, double *wrong)
 {
 	struct lod_sights sights;
 	struct lod_raster raster;
@@ -41,11 +42,16 @@ static double quality_and_wrong(const struct lod_foliage *foliage, const uint32_
 	for (uint32_t i = 0; i < foliage->count; i++)
 		factor[i] = eco_growth(growth ? growth[i] : ECO_GROWTH_PLAIN, scale);
 	lod_directions_spread(directions, VIEWS, 991);
-	assert_int_equal(lod_sights_make(&sights, foliage, (const double (*)[3])directions, VIEWS, PIXELS, &arena, &error), ECO_OK);
-	lod_raster_init(&raster, &(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .silhouette = true }, &error);
+	assert_int_equal(lod_sights_make(&sights, foliage, (const double (*)[3])directions, VIEWS, PIXELS,
+		&arena, &error), ECO_OK);
+	lod_raster_init(&raster,
+		&(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .silhouette = true },
+		&error);
 	for (uint32_t v = 0; v < VIEWS; v++) {
 		uint64_t *mask = lod_arena_take(&arena, sights.words, sizeof *mask);
-		lod_sights_draw(&sights, v, &(struct lod_sights_drawing){ .order = order, .count = count, .factor = factor, .shape = shape }, &raster, mask);
+		lod_sights_draw(&sights, v,
+			&(struct lod_sights_drawing){ .order = order, .count = count, .factor = factor,
+			.shape = shape }, &raster, mask);
 		for (uint32_t w = 0; w < sights.words; w++) {
 			shown += (uint64_t)__builtin_popcountll(mask[w]);
 			both += (uint64_t)__builtin_popcountll(mask[w] & sights.reference[v][w]);
@@ -59,17 +65,20 @@ static double quality_and_wrong(const struct lod_foliage *foliage, const uint32_
 	return 1 - sqrt(p * p + r * r);
 }
 
-static double quality(const struct lod_foliage *foliage, const uint32_t *order, uint32_t count, const uint8_t *growth, float scale,
-	const struct lod_simple *shape)
+static double quality(const struct lod_foliage *foliage, const uint32_t *order, uint32_t count,
+	const uint8_t *growth, float scale, const struct lod_simple *shape)
 {
 	return quality_and_wrong(foliage, order, count, growth, scale, shape, NULL);
 }
 
-static double best_quality(const struct lod_foliage *foliage, const uint32_t *order, uint32_t count, const uint8_t *growth)
+static double best_quality(const struct lod_foliage *foliage, const uint32_t *order, uint32_t count,
+	const uint8_t *growth)
 {
 	double best = -1;
 	for (float part = 0.15f; part < 2.6f; part *= 1.35f)
-		best = fmax(best, quality(foliage, order, count, growth, 1 + ((float)foliage->count / (float)count - 1) * part, NULL));
+		best = fmax(best,
+			quality(foliage, order, count, growth,
+			1 + ((float)foliage->count / (float)count - 1) * part, NULL));
 	return best;
 }
 
@@ -94,24 +103,29 @@ static void assert_shapes(const struct lod_foliage *foliage, const struct lod_ra
 	}
 }
 
-/* One prefix may be unlucky by what the views happen to be; all from a third of the leaves on together are better by far. */
+/* One prefix may be unlucky by what the views happen to be; all from a third of the leaves on together are
+ * better by far. */
 static void prefixes_beat_chance_on_other_views(void **state)
 {
-	static const struct foliage_random plants[] = { { 500, 6, 1, 0.12, 3 }, { 400, 4, 1, 0.12, 4 }, { 300, 3, 1, 0.16, 5 } };
+	static const struct foliage_random plants[] = { { 500, 6, 1, 0.12, 3 }, { 400, 4, 1, 0.12, 4 },
+		{ 300, 3, 1, 0.16, 5 } };
 	static const double share[] = { 0.02, 0.1, 0.3, 0.6, 0.9 };
 	for (size_t p = 0; p < sizeof plants / sizeof *plants; p++) {
 		struct lod_foliage f;
 		double won = 0;
 		begin();
-		foliage_random(&f, &plants[p], &arena);          /* numbered at random: element i is as good as any */
+		/* numbered at random: element i is as good as any */
+		foliage_random(&f, &plants[p], &arena);
 		struct lod_rank rank = make(&f, (struct lod_rank_options){ .seed = 1, .views = 24 });
 		assert_permutation(&f, &rank);
 		assert_shapes(&f, &rank);
 		for (size_t k = 0; k < sizeof share / sizeof *share; k++) {
 			uint32_t count = (uint32_t)(share[k] * f.count);
-			double ours = best_quality(&f, rank.order, count, rank.growth), chance = best_quality(&f, NULL, count, NULL);
+			double ours = best_quality(&f, rank.order, count, rank.growth),
+				chance = best_quality(&f, NULL, count, NULL);
 			if (ours < chance - 0.03)
-				fail_msg("plant %zu, %u leaves: Q %.3f, by chance %.3f", p, count, ours, chance);
+				fail_msg("plant %zu, %u leaves: Q %.3f, by chance %.3f", p, count, ours,
+					chance);
 			won += k < 2 ? 0 : (ours - chance) / 3;
 		}
 		if (won < 0.02)
@@ -149,7 +163,8 @@ static void unscaled_prefixes_cover_more_than_chance(void **state)
 	struct lod_rank rank = make(&f, (struct lod_rank_options){ .unscaled = true });
 	assert_permutation(&f, &rank);
 	for (uint32_t count = 60; count < 600; count += 120)
-		assert_true(quality(&f, rank.order, count, NULL, 1, NULL) > quality(&f, NULL, count, NULL, 1, NULL));
+		assert_true(quality(&f, rank.order, count, NULL, 1, NULL) > quality(&f, NULL, count, NULL, 1,
+			NULL));
 }
 
 static double least_wrong(const struct lod_foliage *foliage, const struct lod_rank *rank, uint32_t count)
@@ -162,14 +177,16 @@ static double least_wrong(const struct lod_foliage *foliage, const struct lod_ra
 	return least;
 }
 
-/* A sparse plant: what Q is won with, as many pixels too many as too few, are wrong pixels that could be spared. */
+/* A sparse plant: what Q is won with, as many pixels too many as too few, are wrong pixels that could be
+ * spared. */
 static void orders_for_wrong_pixels_have_fewer(void **state)
 {
 	struct lod_foliage f;
 	double ours = 0, of_q = 0;
 	begin();
 	foliage_random(&f, &(struct foliage_random){ 300, 4, 1, 0.1, 7 }, &arena);
-	struct lod_rank rank = make(&f, (struct lod_rank_options){ .views = 24, .wrong_pixels = true, .from_share = 0.08 });
+	struct lod_rank rank =
+		make(&f, (struct lod_rank_options){ .views = 24, .wrong_pixels = true, .from_share = 0.08 });
 	struct lod_rank other = make(&f, (struct lod_rank_options){ .views = 24 });
 	assert_permutation(&f, &rank);
 	for (uint32_t percent = 10; percent <= 90; percent += 20) {
@@ -201,7 +218,8 @@ static void threads_decide_nothing(void **state)
 	assert_memory_equal(a.growth, b.growth, f.count);
 	assert_true(memcmp(a.order, c.order, f.count * sizeof *a.order) != 0);
 	for (uint32_t i = 0; i < f.count; i++)
-		assert_memory_equal(a.simple[i].corner, b.simple[i].corner, a.simple[i].corners * sizeof a.simple[i].corner[0]);
+		assert_memory_equal(a.simple[i].corner, b.simple[i].corner,
+			a.simple[i].corners * sizeof a.simple[i].corner[0]);
 }
 
 static bool until(void *ctx, double share)
@@ -219,8 +237,10 @@ static void an_interrupted_order_says_so(void **state)
 		uint32_t left = asked;
 		begin();
 		foliage_random(&f, &(struct foliage_random){ 300, 4, 1, 0.1, 9 }, &arena);
-		enum eco_code code = lod_rank_make(&rank, &f, &(struct lod_rank_options){ .views = 6, .pixels = 64, .progress = until, .ctx = &left },
-			&arena, &error);
+		enum eco_code code =
+			lod_rank_make(&rank, &f,
+			&(struct lod_rank_options){ .views = 6, .pixels = 64, .progress = until,
+			.ctx = &left }, &arena, &error);
 		assert_int_equal(code, ECO_INTERRUPTED);
 	}
 }
@@ -229,7 +249,8 @@ static void an_interrupted_order_says_so(void **state)
 
 static void odd_plants_are_ordered_too(void **state)
 {
-	static const struct foliage_random odd[] = { { 1, 4, 0, 0.1, 1 }, { 2, 3, 0, 0.1, 1 }, { 40, 6, 0, 0, 1 }, { 40, 5, 0, 0.2, 1 },
+	static const struct foliage_random odd[] = { { 1, 4, 0, 0.1, 1 }, { 2, 3, 0, 0.1, 1 },
+		{ 40, 6, 0, 0, 1 }, { 40, 5, 0, 0.2, 1 },
 		{ 50, 4, 1e-6, 1e-7, 1 }, { 50, 4, 1e5, 1, 1 }, { 30, 6, 1, 1e-9, 1 }, { 5, 6, 0.01, 5, 1 } };
 	for (size_t k = 0; k < sizeof odd / sizeof *odd; k++)
 		for (uint32_t flat = 0; flat < 2; flat++) {
@@ -238,7 +259,8 @@ static void odd_plants_are_ordered_too(void **state)
 			foliage_random(&f, &odd[k], &arena);
 			for (uint32_t i = 0; i < f.first[f.count] && flat; i++)
 				f.corner[i][2] = 0;
-			struct lod_rank rank = make(&f, (struct lod_rank_options){ .views = 5, .pixels = 64 });
+			struct lod_rank rank =
+				make(&f, (struct lod_rank_options){ .views = 5, .pixels = 64 });
 			assert_permutation(&f, &rank);
 			assert_shapes(&f, &rank);
 		}
@@ -258,8 +280,11 @@ static void a_triangle_for_a_cut_out_is_fitted_to_what_is_opaque(void **state)
 	lod_simple_fit(&simple, &(struct lod_fan){ corner, uv, 5, &mask });
 	assert_int_equal(simple.corners, 3);
 	const float (*c)[3] = (const float (*)[3])simple.corner;
-	float area = fabsf((c[1][0] - c[0][0]) * (c[2][1] - c[0][1]) - (c[2][0] - c[0][0]) * (c[1][1] - c[0][1])) / 2;
-	assert_true(area > 0.7f && area < 1.2f);             /* the opaque square in the middle has 1, the whole card 4 */
+	float area =
+		fabsf((c[1][0] - c[0][0]) * (c[2][1] - c[0][1]) - (c[2][0] - c[0][0]) * (c[1][1] - c[0][1]))
+		/ 2;
+	/* the opaque square in the middle has 1, the whole card 4 */
+	assert_true(area > 0.7f && area < 1.2f);
 	for (int a = 0; a < 2; a++)
 		assert_true(fabsf(c[0][a] + c[1][a] + c[2][a]) < 0.6f);
 }

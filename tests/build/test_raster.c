@@ -1,5 +1,5 @@
-/* The rasteriser against a slow twin that tests every pixel with 128-bit edge functions, and what it promises about depth, merging,
- * hiding, cut-outs, lines and points. */
+/* The rasteriser against a slow twin that tests every pixel with 128-bit edge functions, and what it promises
+ * about depth, merging, hiding, cut-outs, lines and points. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,10 +20,12 @@ static double uniform(double low, double high)
 	return low + (high - low) * rnd(1u << 30) / (double)(1u << 30);
 }
 
-/* An eye at the origin looking along +y, one pixel a unit at distance 1: pixel = middle + x / y, middle - z / y, exactly. */
+/* An eye at the origin looking along +y, one pixel a unit at distance 1: pixel = middle + x / y, middle - z /
+ * y, exactly. */
 static struct lod_eye flat_eye(uint32_t width, uint32_t height)
 {
-	return (struct lod_eye){ .right = { 1, 0, 0 }, .up = { 0, 0, 1 }, .forward = { 0, 1, 0 }, .tan_x = width / 2.0,
+	return (struct lod_eye){ .right = { 1, 0, 0 }, .up = { 0, 0, 1 }, .forward = { 0, 1, 0 },
+		.tan_x = width / 2.0,
 		.tan_y = height / 2.0, .pixel_rad = 1 };
 }
 
@@ -35,7 +37,8 @@ static void start(struct lod_raster *raster, uint32_t width, uint32_t height, co
 	lod_raster_camera(raster, eye ? eye : &flat, 1.0 / 1024);
 }
 
-/* The object-space point that a flat eye sees at (x, y) / 256 pixels at distance w; exact for small integers and powers of two. */
+/* The object-space point that a flat eye sees at (x, y) / 256 pixels at distance w; exact for small integers
+ * and powers of two. */
 static void put(float *p, const struct lod_raster *raster, double x, double y, double w)
 {
 	p[0] = (float)((x / 256 - raster->width / 2.0) * w);
@@ -61,7 +64,8 @@ static bool same_picture(const struct lod_raster *a, const struct lod_raster *b)
 {
 	size_t pixels = (size_t)a->width * a->height;
 	return !memcmp(a->depth, b->depth, pixels * sizeof *a->depth) && !memcmp(a->cover, b->cover, pixels)
-		&& !memcmp(a->owner, b->owner, pixels * sizeof *a->owner) && !memcmp(a->rgb, b->rgb, 3 * pixels);
+		&& !memcmp(a->owner, b->owner, pixels * sizeof *a->owner)
+		&& !memcmp(a->rgb, b->rgb, 3 * pixels);
 }
 
 /* ---- The twin ---- */
@@ -90,43 +94,47 @@ static uint64_t twin_differences(const struct lod_raster *raster, const float *p
 	int64_t c[3][2];
 	for (int i = 0; i < 3; i++)
 		twin_snap(raster, position + 3 * i, c[i]);
-	__int128 area = (__int128)(c[1][0] - c[0][0]) * (c[2][1] - c[0][1]) - (__int128)(c[2][0] - c[0][0]) * (c[1][1] - c[0][1]);
+	__int128 area = (__int128)(c[1][0] - c[0][0]) * (c[2][1] - c[0][1])
+		- (__int128)(c[2][0] - c[0][0]) * (c[1][1] - c[0][1]);
 	const int64_t *a = c[0], *b = area < 0 ? c[2] : c[1], *d = area < 0 ? c[1] : c[2];
 	uint64_t wrong = 0;
 	for (uint32_t y = 0; y < raster->height; y++) {
 		for (uint32_t x = 0; x < raster->width; x++) {
 			int64_t px = x * 256 + 128, py = y * 256 + 128;
-			bool in = area != 0 && twin_edge(a, b, px, py) && twin_edge(b, d, px, py) && twin_edge(d, a, px, py);
+			bool in = area != 0 && twin_edge(a, b, px, py) && twin_edge(b, d, px, py)
+				&& twin_edge(d, a, px, py);
 			wrong += in != (raster->cover[(size_t)y * raster->width + x] != 0);
 		}
 	}
 	return wrong;
 }
 
-struct shape { double size, middle; int grid; };     /* corners within +-size pixels of a centre within +-middle, on a grid of 1/256 */
+/* corners within +-size pixels of a centre within +-middle, on a grid of 1/256 */
+struct shape { double size, middle; int grid; };
 
 static void random_triangle(float *p, const struct lod_raster *raster, const struct shape *shape)
 {
-	double x = uniform(-shape->middle, shape->middle) + raster->width / 2.0, y = uniform(-shape->middle, shape->middle)
-		+ raster->height / 2.0;
+	double x = uniform(-shape->middle, shape->middle) + raster->width / 2.0,
+		y = uniform(-shape->middle, shape->middle) + raster->height / 2.0;
 	bool sliver = rnd(4) == 0;
 	double dx = uniform(-1, 1), dy = uniform(-1, 1);
 	for (int i = 0; i < 3; i++) {
-		double t = uniform(-shape->size, shape->size), u = sliver ? 0.02 * uniform(-1, 1) : uniform(-shape->size, shape->size);
+		double t = uniform(-shape->size, shape->size), u = sliver ? 0.02 * uniform(-1, 1)
+			: uniform(-shape->size, shape->size);
 		double cx = sliver ? x + t * dx - u * dy : x + t, cy = sliver ? y + t * dy + u * dx : y + u;
-		put(p + 3 * i, raster, rint(cx * 256 / shape->grid) * shape->grid, rint(cy * 256 / shape->grid) * shape->grid,
-			(double)(1u << rnd(4)));
+		put(p + 3 * i, raster, rint(cx * 256 / shape->grid) * shape->grid,
+			rint(cy * 256 / shape->grid) * shape->grid, (double)(1u << rnd(4)));
 	}
 }
 
 static void covers_what_the_exact_twin_covers(void **unused)
 {
 	static const struct shape shapes[] = {
-		{ 0.4, 20, 1 }, { 1, 20, 1 }, { 2, 20, 128 }, { 3, 22, 1 }, { 4, 20, 64 }, { 6, 20, 1 }, { 9, 20, 128 }, { 20, 30, 1 },
+		{ 0.4, 20, 1 }, { 1, 20, 1 }, { 2, 20, 128 }, { 3, 22, 1 }, { 4, 20, 64 }, { 6, 20, 1 },
+			{ 9, 20, 128 }, { 20, 30, 1 },
 		{ 40, 10, 256 }, { 300, 100, 1 }, { 7000, 500, 1 },
 	};
 	struct lod_raster raster;
-	(void)unused;
 	seed = 1;
 	start(&raster, 45, 38, NULL);
 	for (size_t s = 0; s < sizeof shapes / sizeof shapes[0]; s++) {
@@ -153,14 +161,14 @@ static void covers_what_the_twin_covers_in_perspective(void **unused)
 {
 	struct lod_raster raster;
 	struct lod_eye eye = turned_eye(64, 48);
-	(void)unused;
 	seed = 2;
 	start(&raster, 64, 48, &eye);
 	struct lod_place place = { { 1e6 + 1, 2, 0 }, 0.6, 0.8, 1.25 };
 	lod_raster_object(&raster, &place);
 	uint64_t drawn = 0;
 	for (int i = 0; i < 2500; i++) {
-		float p[9], size = i % 5 ? 0.5f : 6.0f, c[3] = { (float)uniform(-6, 6), (float)uniform(-6, 6), (float)uniform(0, 10) };
+		float p[9], size = i % 5 ? 0.5f : 6.0f,
+			c[3] = { (float)uniform(-6, 6), (float)uniform(-6, 6), (float)uniform(0, 10) };
 		for (int k = 0; k < 9; k++)
 			p[k] = c[k % 3] + (float)uniform(-size, size);
 		lod_raster_clear(&raster);
@@ -177,7 +185,6 @@ static void neighbours_share_each_pixel_once(void **unused)
 {
 	enum { SIDE = 40 };
 	struct lod_raster raster;
-	(void)unused;
 	start(&raster, 96, 80, NULL);
 	for (int round = 0; round < 12; round++) {
 		double step = round % 3 == 0 ? 1.3 : round % 3 == 1 ? 2.6 : 6.0;
@@ -185,19 +192,23 @@ static void neighbours_share_each_pixel_once(void **unused)
 		for (int y = 0; y <= SIDE; y++)
 			for (int x = 0; x <= SIDE; x++) {
 				double jitter = 0.24 * step;
-				at[y][x][0] = rint(256 * ((x - SIDE / 2) * step + uniform(-jitter, jitter) + 48));
-				at[y][x][1] = rint(256 * ((y - SIDE / 2) * step + uniform(-jitter, jitter) + 40));
+				at[y][x][0] =
+					rint(256 * ((x - SIDE / 2) * step + uniform(-jitter, jitter) + 48));
+				at[y][x][1] =
+					rint(256 * ((y - SIDE / 2) * step + uniform(-jitter, jitter) + 40));
 				at[y][x][2] = 1u << rnd(3);
 			}
 		static uint8_t times[96 * 80];
 		memset(times, 0, sizeof times);
 		for (int i = 0; i < 2 * SIDE * SIDE; i++) {
 			int x = i / 2 % SIDE, y = i / 2 / SIDE, cut = (x * 7 + y * 3) & 1;
-			int corner[2][2][3][2] = { { { { 0, 0 }, { 1, 0 }, { 1, 1 } }, { { 0, 0 }, { 1, 1 }, { 0, 1 } } },
+			int corner[2][2][3][2] =
+				{ { { { 0, 0 }, { 1, 0 }, { 1, 1 } }, { { 0, 0 }, { 1, 1 }, { 0, 1 } } },
 				{ { { 0, 0 }, { 1, 0 }, { 0, 1 } }, { { 0, 1 }, { 1, 0 }, { 1, 1 } } } };
 			float p[9];
 			for (int k = 0; k < 3; k++) {
-				const double *c = at[y + corner[cut][i & 1][k][1]][x + corner[cut][i & 1][k][0]];
+				const double *c =
+					at[y + corner[cut][i & 1][k][1]][x + corner[cut][i & 1][k][0]];
 				put(p + 3 * k, &raster, c[0], c[1], c[2]);
 			}
 			lod_raster_clear(&raster);
@@ -216,23 +227,25 @@ static void neighbours_share_each_pixel_once(void **unused)
 	lod_raster_free(&raster);
 }
 
-/* A plane below the eye, from behind it to far beyond: what is in front of the near plane covers, the rest does not. */
+/* A plane below the eye, from behind it to far beyond: what is in front of the near plane covers, the rest
+ * does not. */
 static void planes_through_the_near_plane_cover_up_to_the_horizon(void **unused)
 {
 	static const float reach[] = { 3, 100, 1e5f, 1e9f, 1e14f };
 	struct lod_raster raster;
-	(void)unused;
 	for (size_t r = 0; r < sizeof reach / sizeof reach[0]; r++) {
 		struct lod_eye eye = flat_eye(80, 60);
 		eye.tan_x = eye.tan_y = 1;
 		start(&raster, 80, 60, &eye);
 		lod_raster_camera(&raster, &eye, 0.1);
-		float f = reach[r], z = -1, p[18] = { -f, -f, z, f, -f, z, f, f, z, -f, -f, z, f, f, z, -f, f, z };
+		float f = reach[r], z = -1, p[18] = { -f, -f, z, f, -f, z, f, f, z, -f, -f, z, f, f, z, -f, f,
+			z };
 		draw(&raster, p, 2, 3);
 		uint64_t wrong = 0;
 		for (int y = 0; y < 60; y++) {
 			for (int x = 0; x < 80; x++) {
-				double down = (y + 0.5 - 30) / 30, w = down > 0 ? 1 / down : INFINITY, across = (x + 0.5 - 40) / 40 * w;
+				double down = (y + 0.5 - 30) / 30, w = down > 0 ? 1 / down : INFINITY,
+					across = (x + 0.5 - 40) / 40 * w;
 				bool in = w < f && fabs(across) < f;
 				size_t i = (size_t)y * 80 + (size_t)x;
 				wrong += in != (raster.cover[i] != 0);
@@ -248,19 +261,23 @@ static void planes_through_the_near_plane_cover_up_to_the_horizon(void **unused)
 static void what_is_no_number_or_behind_draws_nothing(void **unused)
 {
 	static const float bad[][9] = {
-		{ NAN, 1, 0, 1, 1, 0, 0, 1, 1 }, { INFINITY, 1, 0, 1, 1, 0, 0, 1, 1 }, { 0, 1, 0, 1, 1, 0, 0, NAN, 1 },
-		{ 0, -1, 0, 1, -1, 0, 0, -1, 1 }, { 0, 0, 0, 0, 0, 0, 0, 0, 0 }, { 3e38f, 3e38f, 3e38f, -3e38f, 3e38f, 0, 0, 3e38f, 3e38f },
+		{ NAN, 1, 0, 1, 1, 0, 0, 1, 1 }, { INFINITY, 1, 0, 1, 1, 0, 0, 1, 1 },
+			{ 0, 1, 0, 1, 1, 0, 0, NAN, 1 },
+		{ 0, -1, 0, 1, -1, 0, 0, -1, 1 }, { 0, 0, 0, 0, 0, 0, 0, 0, 0 },
+		{ 3e38f, 3e38f, 3e38f, -3e38f, 3e38f, 0, 0, 3e38f, 3e38f },
 		{ 0, 1, 0, 0, 1, 0, 0, 1, 0 },
 	};
 	struct lod_raster raster;
-	(void)unused;
 	start(&raster, 32, 32, NULL);
 	for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
 		float width = 3;
-		struct lod_raster_batch batch = { .count = 1, .position = bad[i], .width = &width, .area = i == 3 ? 5 : NAN, .owner = 1 };
+		struct lod_raster_batch batch = { .count = 1, .position = bad[i], .width = &width,
+			.area = i == 3 ? 5 : NAN, .owner = 1 };
 		draw(&raster, bad[i], 1, 1);
 		if (i != 2 && i != 6)
-			lod_raster_lines(&raster, &(struct lod_raster_batch){ .count = 1, .position = bad[i], .width = (float[]){ NAN } });
+			lod_raster_lines(&raster,
+				&(struct lod_raster_batch){ .count = 1, .position = bad[i],
+				.width = (float[]){ NAN } });
 		lod_raster_points(&raster, &batch);
 		if (i != 5)
 			assert_int_equal(covered(&raster), 0);
@@ -271,18 +288,21 @@ static void what_is_no_number_or_behind_draws_nothing(void **unused)
 
 /* ---- Depth, order, batches ---- */
 
-struct crowd { float *position; uint64_t *owner; uint32_t groups, each; };   /* groups of triangles, an owner each */
+/* groups of triangles, an owner each */
+struct crowd { float *position; uint64_t *owner; uint32_t groups, each; };
 
 static struct crowd crowd_make(uint32_t groups, uint32_t each, double size)
 {
-	struct crowd crowd = { malloc(groups * each * 9 * sizeof(float)), malloc(groups * sizeof(uint64_t)), groups, each };
+	struct crowd crowd = { malloc(groups * each * 9 * sizeof(float)), malloc(groups * sizeof(uint64_t)),
+		groups, each };
 	for (uint32_t g = 0; g < groups; g++) {
 		double c[3] = { uniform(-40, 40), uniform(20, 120), uniform(-30, 30) };
 		crowd.owner[g] = g % 5 ? g + 1 : 0;
 		for (uint32_t i = 0; i < each; i++) {
 			double t[3] = { c[0] + uniform(-4, 4), c[1] + uniform(-4, 4), c[2] + uniform(-4, 4) };
 			for (uint32_t k = 0; k < 9; k++)
-				crowd.position[(g * each + i) * 9 + k] = (float)(t[k % 3] + uniform(-size, size));
+				crowd.position[(g * each + i) * 9 + k] =
+					(float)(t[k % 3] + uniform(-size, size));
 		}
 	}
 	return crowd;
@@ -311,7 +331,6 @@ static void batches_of_any_size_paint_the_same(void **unused)
 {
 	struct lod_raster whole, parts;
 	struct lod_eye eye = wide_eye();
-	(void)unused;
 	seed = 4;
 	start(&whole, 200, 150, &eye);
 	start(&parts, 200, 150, &eye);
@@ -324,7 +343,8 @@ static void batches_of_any_size_paint_the_same(void **unused)
 	for (uint32_t first = 0, n; first < 3001; first += n) {
 		n = 1 + rnd(9);
 		n = n > 3001 - first ? 3001 - first : n;
-		struct lod_raster_batch some = { .count = n, .position = crowd.position + 9 * first, .rgb = rgb + 3 * first, .owner = 9 };
+		struct lod_raster_batch some = { .count = n, .position = crowd.position + 9 * first,
+			.rgb = rgb + 3 * first, .owner = 9 };
 		lod_raster_triangles(&parts, &some);
 	}
 	assert_true(covered(&whole) > 5000);
@@ -338,11 +358,12 @@ static void batches_of_any_size_paint_the_same(void **unused)
 static void nearer_wins_and_of_equals_the_smaller_owner(void **unused)
 {
 	static const struct { double w[2]; uint64_t owner[2], wins; } rows[] = {
-		{ { 2, 4 }, { 9, 1 }, 9 }, { { 4, 2 }, { 1, 9 }, 9 }, { { 2, 2 }, { 3, 5 }, 3 }, { { 2, 2 }, { 5, 3 }, 3 },
-		{ { 2, 2 }, { 0, 5 }, 0 }, { { 2, 2 }, { 5, 0 }, 0 }, { { 2, 4 }, { 0, 5 }, 0 }, { { 4, 2 }, { 0, 5 }, 5 },
+		{ { 2, 4 }, { 9, 1 }, 9 }, { { 4, 2 }, { 1, 9 }, 9 }, { { 2, 2 }, { 3, 5 }, 3 },
+			{ { 2, 2 }, { 5, 3 }, 3 },
+		{ { 2, 2 }, { 0, 5 }, 0 }, { { 2, 2 }, { 5, 0 }, 0 }, { { 2, 4 }, { 0, 5 }, 0 },
+		{ { 4, 2 }, { 0, 5 }, 5 },
 	};
 	static const double corner[3][2] = { { -4096, -4096 }, { 16384, -4096 }, { -4096, 16384 } };
-	(void)unused;
 	for (int owners = 0; owners < 2; owners++) {
 		for (size_t r = 0; r < sizeof rows / sizeof rows[0]; r++) {
 			struct lod_raster raster;
@@ -377,7 +398,8 @@ static void draw_anything(struct lod_raster *raster, uint32_t count, const struc
 				uv[6 * i + k] = (float)uniform(-1, 2);
 			width[i] = (float)uniform(0, 0.2);
 		}
-		struct lod_raster_batch batch = { .count = count, .position = position, .uv = uv, .cutout = kind == 1 ? image : NULL, .width = width,
+		struct lod_raster_batch batch = { .count = count, .position = position, .uv = uv,
+			.cutout = kind == 1 ? image : NULL, .width = width,
 			.area = (float)(size * size), .owner = 1 };
 		if (kind < 2)
 			lod_raster_triangles(raster, &batch);
@@ -393,13 +415,14 @@ static void a_silhouette_covers_what_a_picture_covers(void **unused)
 	uint8_t texels[4 * 64];
 	const struct eco_image image = { 8, 8, texels };
 	struct lod_eye eye = wide_eye();
-	(void)unused;
 	for (uint32_t round = 0; round < 60; round++) {
 		struct lod_raster whole, mask;
 		uint32_t width = 1 + round * 3, height = 1 + round * 2;
-		assert_int_equal(lod_raster_init(&whole, &(struct lod_raster_options){ .width = width, .height = height }, NULL), ECO_OK);
-		assert_int_equal(lod_raster_init(&mask, &(struct lod_raster_options){ .width = width, .height = height, .silhouette = true }, NULL),
-			ECO_OK);
+		assert_int_equal(lod_raster_init(&whole,
+			&(struct lod_raster_options){ .width = width, .height = height }, NULL), ECO_OK);
+		assert_int_equal(lod_raster_init(&mask,
+			&(struct lod_raster_options){ .width = width, .height = height, .silhouette = true },
+			NULL), ECO_OK);
 		for (uint32_t i = 0; i < sizeof texels; i++)
 			texels[i] = (uint8_t)rnd(256);
 		for (uint32_t batch = 0; batch < 8; batch++) {
@@ -419,11 +442,11 @@ static void a_silhouette_covers_what_a_picture_covers(void **unused)
 static void order_and_split_do_not_change_a_picture(void **unused)
 {
 	struct lod_eye eye = wide_eye();
-	(void)unused;
 	seed = 5;
 	struct crowd crowd = crowd_make(300, 20, 2);
 	for (uint32_t twin = 0; twin < 300; twin += 7)        /* equal depths, far apart in the order */
-		memcpy(crowd.position + 9 * 20 * (size_t)twin, crowd.position + 9 * 20 * (size_t)(299 - twin), 9 * 20 * sizeof(float));
+		memcpy(crowd.position + 9 * 20 * (size_t)twin, crowd.position + 9 * 20 * (size_t)(299 - twin),
+			9 * 20 * sizeof(float));
 	struct lod_raster whole, parts[3];
 	start(&whole, 160, 120, &eye);
 	crowd_draw(&whole, &crowd, 0, 300);
@@ -465,7 +488,6 @@ static void group_sphere(const struct crowd *crowd, uint32_t group, double cente
 static void skipping_what_is_hidden_changes_no_pixel(void **unused)
 {
 	struct lod_eye eye = wide_eye();
-	(void)unused;
 	for (int round = 0; round < 6; round++) {
 		seed = 6 + (uint64_t)round;
 		struct crowd crowd = crowd_make(1500, 12, round % 2 ? 9 : 1);
@@ -496,12 +518,12 @@ static void only_full_cover_hides(void **unused)
 {
 	struct lod_raster raster;
 	float wall[9];
-	(void)unused;
 	start(&raster, 64, 64, NULL);
 	put(wall, &raster, -64e2, -64e2, 4);
 	put(wall + 3, &raster, 64e3, -64e2, 4);
 	put(wall + 6, &raster, -64e2, 64e3, 4);
-	const double behind[3] = { 0, 10, 0 }, before[3] = { 0, 2, 0 }, astride[3] = { 0, 4.5, 0 }, aside[3] = { 1e4, 10, 0 };
+	const double behind[3] = { 0, 10, 0 }, before[3] = { 0, 2, 0 }, astride[3] = { 0, 4.5, 0 },
+		aside[3] = { 1e4, 10, 0 };
 	assert_false(lod_raster_hides(&raster, behind, 1));
 	draw(&raster, wall, 1, 0);
 	assert_true(lod_raster_hides(&raster, behind, 1));
@@ -522,13 +544,13 @@ static void cutouts_are_sampled_in_perspective_and_wrap(void **unused)
 	struct eco_image image = { TW, TH, texels };
 	struct lod_raster raster;
 	struct lod_eye eye = wide_eye();
-	(void)unused;
 	seed = 9;
 	for (int i = 0; i < TW * TH; i++)
 		texels[4 * i + 3] = (uint8_t)(rnd(2) ? 128 : 127);
 	start(&raster, 300, 200, &eye);
 	/* a plane leaning away: corners at different depths; u = x / 3, v = -z / 2, both also negative */
-	float p[18], uv[12], corner[6][2] = { { -9, -6 }, { 9, -6 }, { 9, 6 }, { -9, -6 }, { 9, 6 }, { -9, 6 } };
+	float p[18], uv[12], corner[6][2] = { { -9, -6 }, { 9, -6 }, { 9, 6 }, { -9, -6 }, { 9, 6 },
+		{ -9, 6 } };
 	for (int i = 0; i < 6; i++) {
 		p[3 * i] = corner[i][0], p[3 * i + 1] = 20 + corner[i][1], p[3 * i + 2] = corner[i][1];
 		uv[2 * i] = corner[i][0] / 3, uv[2 * i + 1] = -corner[i][1] / 2;
@@ -538,7 +560,8 @@ static void cutouts_are_sampled_in_perspective_and_wrap(void **unused)
 	int wrong = 0, inside = 0;
 	for (int y = 0; y < 200; y++) {
 		for (int x = 0; x < 300; x++) {
-			double a = (x + 0.5 - 150) / 150 * 0.8, b = -(y + 0.5 - 100) / 100 * 0.6, w = 20 / (1 - b), wx = a * w, wz = b * w;
+			double a = (x + 0.5 - 150) / 150 * 0.8, b = -(y + 0.5 - 100) / 100 * 0.6,
+				w = 20 / (1 - b), wx = a * w, wz = b * w;
 			bool in = fabs(wx) < 9 && fabs(wz) < 6;
 			double u = wx / 3 - floor(wx / 3), v = -wz / 2 - floor(-wz / 2);
 			bool opaque = in && texels[4 * ((int)(v * TH) * TW + (int)(u * TW)) + 3] >= 128;
@@ -555,20 +578,23 @@ static void lines_are_as_wide_as_they_say(void **unused)
 {
 	struct lod_raster raster;
 	struct lod_eye eye = flat_eye(2, 2);
-	(void)unused;
 	seed = 10;
 	eye.tan_x = eye.tan_y = 0.1;
 	start(&raster, 128, 128, &eye);
 	lod_raster_object(&raster, &(struct lod_place){ { 0, 8, 0 }, 0, 1, 2 });
 	for (int i = 0; i < 300; i++) {
-		/* ends around the place, 8 away: a pixel is 0.0125 of the world, half of that in the object; one end may lie deeper */
+		/* ends around the place, 8 away: a pixel is 0.0125 of the world, half of that in the object;
+		 * one end may lie deeper */
 		float a[2] = { (float)uniform(-0.25, 0.25), (float)uniform(-0.25, 0.25) };
 		float b[2] = { (float)uniform(-0.25, 0.25), (float)uniform(-0.25, 0.25) };
-		float p[6] = { a[0], 0, a[1], b[0], i % 2 ? 0.3f : 0, b[1] }, width = (float)uniform(0.006, 0.08);
+		float p[6] = { a[0], 0, a[1], b[0], i % 2 ? 0.3f : 0, b[1] },
+			width = (float)uniform(0.006, 0.08);
 		struct lod_raster_batch batch = { .count = 1, .position = p, .width = &width, .owner = 1 };
 		lod_raster_clear(&raster);
 		lod_raster_lines(&raster, &batch);
-		double far = i % 2 ? 8 / 8.6 : 1, length = hypot(b[0] * far - a[0], b[1] * far - a[1]) / 0.00625, thick = width / 0.00625;
+		double far = i % 2 ? 8 / 8.6 : 1,
+			length = hypot(b[0] * far - a[0], b[1] * far - a[1]) / 0.00625,
+			thick = width / 0.00625;
 		double area = length * thick * (1 + far) / 2;
 		assert_true(fabs((double)covered(&raster) - area) < 4 + 0.03 * area + 0.2 * length);
 	}
@@ -578,15 +604,16 @@ static void lines_are_as_wide_as_they_say(void **unused)
 static void points_cover_exactly_their_boxes(void **unused)
 {
 	struct lod_raster raster;
-	(void)unused;
 	seed = 11;
 	start(&raster, 40, 30, NULL);
 	for (int i = 0; i < 3000; i++) {
 		/* side of 2h / 256 pixels at distance 2 */
-		int x = (int)rnd(44 * 256) - 512, y = (int)rnd(34 * 256) - 512, h = (int)rnd(i % 2 ? 200 : 3000) + 1;
+		int x = (int)rnd(44 * 256) - 512, y = (int)rnd(34 * 256) - 512,
+			h = (int)rnd(i % 2 ? 200 : 3000) + 1;
 		float p[3];
 		put(p, &raster, x, y, 2);
-		struct lod_raster_batch batch = { .count = 1, .position = p, .area = (float)h * (float)h / 4096, .owner = 1 };
+		struct lod_raster_batch batch =
+			{ .count = 1, .position = p, .area = (float)h * (float)h / 4096, .owner = 1 };
 		lod_raster_clear(&raster);
 		lod_raster_points(&raster, &batch);
 		for (int py = 0; py < 30; py++)
@@ -607,7 +634,8 @@ static uint64_t digest(const struct lod_raster *raster)
 	for (size_t i = 0; i < (size_t)raster->width * raster->height; i++) {
 		uint32_t bits;
 		memcpy(&bits, &raster->depth[i], 4);
-		hash = (hash ^ bits ^ (uint64_t)raster->cover[i] << 32 ^ raster->owner[i] << 40) * 1099511628211u;
+		hash = (hash ^ bits ^ (uint64_t)raster->cover[i] << 32 ^ raster->owner[i] << 40)
+			* 1099511628211u;
 	}
 	return hash;
 }
@@ -616,7 +644,6 @@ static void every_build_paints_the_same_bits(void **unused)
 {
 	struct lod_raster raster;
 	struct lod_eye eye = wide_eye();
-	(void)unused;
 	seed = 12;
 	start(&raster, 320, 200, &eye);
 	lod_raster_object(&raster, &(struct lod_place){ { 1, 4, 2 }, 0.28, 0.96, 0.5 });
@@ -625,8 +652,10 @@ static void every_build_paints_the_same_bits(void **unused)
 	float *width = malloc(2000 * sizeof *width);
 	for (int i = 0; i < 2000; i++)
 		width[i] = (float)uniform(0.05, 0.3);
-	struct lod_raster_batch lines = { .count = 2000, .position = crowd.position + 31, .width = width, .owner = 1001 };
-	struct lod_raster_batch points = { .count = 3333, .position = crowd.position + 7, .area = 0.3f, .owner = 1002 };
+	struct lod_raster_batch lines = { .count = 2000, .position = crowd.position + 31, .width = width,
+		.owner = 1001 };
+	struct lod_raster_batch points = { .count = 3333, .position = crowd.position + 7, .area = 0.3f,
+		.owner = 1002 };
 	lod_raster_lines(&raster, &lines);
 	lod_raster_points(&raster, &points);
 	assert_true(covered(&raster) > 20000);
@@ -639,11 +668,11 @@ static void every_build_paints_the_same_bits(void **unused)
 static void impossible_sizes_are_refused(void **unused)
 {
 	static const uint32_t bad[][2] = { { 0, 1 }, { 1, 0 }, { ECO_IMAGE_MAX + 1, 1 }, { 1, UINT32_MAX } };
-	(void)unused;
 	for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
 		struct lod_raster raster;
 		struct eco_error error = { 0 };
-		assert_int_equal(lod_raster_init(&raster, &(struct lod_raster_options){ .width = bad[i][0], .height = bad[i][1] }, &error),
+		assert_int_equal(lod_raster_init(&raster,
+			&(struct lod_raster_options){ .width = bad[i][0], .height = bad[i][1] }, &error),
 			ECO_BAD_INPUT);
 		assert_non_null(strstr(error.text, "pixels"));
 		lod_raster_free(&raster);

@@ -6,8 +6,8 @@
 
 static struct lod_salience plant;
 
-static const uint8_t green[3] = { 76, 110, 40 }, light_green[3] = { 110, 150, 60 }, white[3] = { 240, 240, 235 }, red[3] = { 200, 40, 40 },
-	yellow[3] = { 250, 210, 30 };
+static const uint8_t green[3] = { 76, 110, 40 }, light_green[3] = { 110, 150, 60 },
+	white[3] = { 240, 240, 235 }, red[3] = { 200, 40, 40 }, yellow[3] = { 250, 210, 30 };
 
 static double importance(const uint8_t rgb[3])
 {

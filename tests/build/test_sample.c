@@ -22,7 +22,8 @@ static void a_plain_triangle_is_seen_at_its_middle(void **state)
 		assert_memory_equal(sample.rgb, green, 3);
 		struct lod_v3 p[3];
 		for (int k = 0; k < 3; k++) {
-			assert_true(fabs(sample.at[k] - (corner[0][k] + corner[1][k] + corner[2][k]) / 3.0) < 1e-6);
+			assert_true(fabs(sample.at[k] - (corner[0][k] + corner[1][k] + corner[2][k]) / 3.0)
+				< 1e-6);
 			p[k] = (struct lod_v3){ corner[k][0], corner[k][1], corner[k][2] };
 		}
 		double area = lod_v3_length(lod_v3_cross(lod_v3_sub(p[1], p[0]), lod_v3_sub(p[2], p[0]))) / 2;
@@ -35,21 +36,26 @@ static void cut_outs_are_seen_where_they_are_opaque(void **state)
 	struct soup soup;
 	soup_begin(&soup);
 	soup_disc_image(&soup, 64);
-	/* a quarter of the disc of radius 0.4 around (0.5, 0.5): its middle is 4 r / (3 pi) from its corner */
+	/* a quarter of the disc of radius 0.4 around (0.5, 0.5): its middle is 4 r / (3 pi) from its corner
+	 */
 	int32_t corner[3][3] = { { 32000, 32000, 0 }, { 96000, 32000, 0 }, { 32000, 96000, 0 } };
-	int32_t uv[6] = { ECO_UV_ONE / 2, ECO_UV_ONE / 2, 3 * ECO_UV_ONE / 2, ECO_UV_ONE / 2, ECO_UV_ONE / 2, 3 * ECO_UV_ONE / 2 };
+	int32_t uv[6] = { ECO_UV_ONE / 2, ECO_UV_ONE / 2, 3 * ECO_UV_ONE / 2, ECO_UV_ONE / 2, ECO_UV_ONE / 2,
+		3 * ECO_UV_ONE / 2 };
 	const uint8_t white[3] = { 255, 255, 255 };
 	struct lod_arena arena = { 0 };
 	struct lod_texels texels;
 	struct lod_sample sample;
 	assert_int_equal(setjmp(arena.failed), 0);
 	lod_texels_open(&texels, soup.image, true, &arena);
-	struct lod_sample_input in = { .corner = { corner[0], corner[1], corner[2] }, .uv = uv, .texels = &texels, .tint = white };
+	struct lod_sample_input in = { .corner = { corner[0], corner[1], corner[2] }, .uv = uv,
+		.texels = &texels, .tint = white };
 	lod_sample_triangle(&in, &sample);
 	double share = lod_texels_mean(&texels, white, uv, (uint8_t[3]){ 0 });
 	assert_true(share > 0.2 && share < 0.9 && fabs(sample.area - share * 2048e6) < 1);
-	assert_true(sample.at[0] > 36000 && sample.at[0] < 60000 && fabs(sample.at[0] - sample.at[1]) < 3000 && sample.at[2] == 0);
-	assert_in_range(sample.rgb[0], 60, 90);              /* half of its texels are dark, half bright: the mean light */
+	assert_true(sample.at[0] > 36000 && sample.at[0] < 60000 && fabs(sample.at[0] - sample.at[1]) < 3000
+		&& sample.at[2] == 0);
+	/* half of its texels are dark, half bright: the mean light */
+	assert_in_range(sample.rgb[0], 60, 90);
 	lod_arena_free(&arena);
 	soup_free(&soup);
 }
@@ -59,14 +65,16 @@ static void nothing_opaque_gives_the_middle_in_the_mean_colour(void **state)
 	struct soup soup;
 	soup_begin(&soup);
 	soup_disc_image(&soup, 64);
-	int32_t corner[3][3] = { { 0, 0, 0 }, { 3000, 0, 0 }, { 0, 3000, 0 } }, uv[6] = { 100, 100, 200, 100, 100, 200 };
+	int32_t corner[3][3] = { { 0, 0, 0 }, { 3000, 0, 0 }, { 0, 3000, 0 } },
+		uv[6] = { 100, 100, 200, 100, 100, 200 };
 	struct lod_arena arena = { 0 };
 	struct lod_texels texels;
 	struct lod_sample sample;
 	assert_int_equal(setjmp(arena.failed), 0);
 	lod_texels_open(&texels, soup.image, true, &arena);
 	const uint8_t white[3] = { 255, 255, 255 };
-	struct lod_sample_input in = { .corner = { corner[0], corner[1], corner[2] }, .uv = uv, .texels = &texels, .tint = white };
+	struct lod_sample_input in = { .corner = { corner[0], corner[1], corner[2] }, .uv = uv,
+		.texels = &texels, .tint = white };
 	lod_sample_triangle(&in, &sample);
 	assert_true(fabs(sample.at[0] - 1000) < 1e-6 && fabs(sample.at[1] - 1000) < 1e-6);
 	assert_true(sample.area == 0);
@@ -101,21 +109,24 @@ static struct eco_image blotched_image(uint32_t width, uint32_t height)
 		for (uint32_t x = 0; x < width; x++) {
 			uint64_t blotch = lod_mix(x / 7 + 1000 * (y / 5));
 			bool hole = blotch % 3 == 0;
-			uint8_t rgba[4] = { hole ? 255 : 0, (uint8_t)(40 + blotch % 160), (uint8_t)(20 + y * 200 / height), hole ? 90 : 200 };
+			uint8_t rgba[4] = { hole ? 255 : 0, (uint8_t)(40 + blotch % 160),
+				(uint8_t)(20 + y * 200 / height), hole ? 90 : 200 };
 			memcpy(image.rgba + 4 * ((size_t)y * width + x), rgba, 4);
 		}
 	return image;
 }
 
 /* n * n points of the triangle, looked up one by one. */
-static double brute_mean(const struct eco_image *image, bool cutout, const int32_t uv[6], int n, double light[3])
+static double brute_mean(const struct eco_image *image, bool cutout, const int32_t uv[6], int n,
+	double light[3])
 {
 	double hits = 0, all = 0;
 	light[0] = light[1] = light[2] = 0;
 	for (int i = 0; i < n; i++)
 		for (int j = 0; i + j < n; j++) {
 			double b = (i + 1 / 3.0) / n, c = (j + 1 / 3.0) / n, a = 1 - b - c;
-			const uint8_t *texel = lod_texel_at(image, (a * uv[0] + b * uv[2] + c * uv[4]) / ECO_UV_ONE,
+			const uint8_t *texel =
+				lod_texel_at(image, (a * uv[0] + b * uv[2] + c * uv[4]) / ECO_UV_ONE,
 				(a * uv[1] + b * uv[3] + c * uv[5]) / ECO_UV_ONE);
 			all++;
 			if (cutout && texel[3] < 128)
@@ -144,12 +155,18 @@ static __attribute__((noinline)) void compare_means(const struct mean_case *c, b
 		double light[3];
 		uint8_t rgb[3] = { 0, 0, 0 }, again[3];
 		for (int a = 0; a < 2; a++) {
-			double at = c->shift + soup_random(dice, -1, 1) * c->size, along = c->size * soup_random(dice, 0.7, 1);
+			double at = c->shift + soup_random(dice, -1, 1) * c->size,
+				along = c->size * soup_random(dice, 0.7, 1);
 			uv[a] = (int32_t)(at * ECO_UV_ONE);
-			uv[2 + a] = (int32_t)((at + along * (a == 0 ? 1 : soup_random(dice, -0.3, 0.3))) * ECO_UV_ONE);
-			uv[4 + a] = (int32_t)((at + along * (a == 1 ? 1 : soup_random(dice, -0.3, 0.3))) * ECO_UV_ONE);
+			uv[2 + a] =
+				(int32_t)((at + along * (a == 0 ? 1 : soup_random(dice, -0.3, 0.3)))
+				* ECO_UV_ONE);
+			uv[4 + a] =
+				(int32_t)((at + along * (a == 1 ? 1 : soup_random(dice, -0.3, 0.3)))
+				* ECO_UV_ONE);
 		}
-		double want = brute_mean(&image, cutout, uv, 400, light), share = lod_texels_mean(&texels, white, uv, rgb);
+		double want = brute_mean(&image, cutout, uv, 400, light),
+			share = lod_texels_mean(&texels, white, uv, rgb);
 		assert_true(fabs(share - want) <= c->share + 1e-9);
 		assert_true(lod_texels_mean(&texels, white, uv, again) == share);
 		assert_true(share == 0 || memcmp(rgb, again, 3) == 0);
@@ -222,7 +239,8 @@ static void many_colours_are_cut_to_near_ones(void **state)
 	assert_int_equal(setjmp(arena.failed), 0);
 	for (uint32_t i = 0; i < 30000; i++) {       /* greens, and a few reds */
 		double t = soup_random(&dice, 0, 1);
-		uint8_t colour[3] = { (uint8_t)(i % 100 ? 40 + 80 * t : 200), (uint8_t)(i % 100 ? 90 + 120 * t : 20), (uint8_t)soup_random(&dice, 20, 60) };
+		uint8_t colour[3] = { (uint8_t)(i % 100 ? 40 + 80 * t : 200),
+			(uint8_t)(i % 100 ? 90 + 120 * t : 20), (uint8_t)soup_random(&dice, 20, 60) };
 		memcpy(rgb[i], colour, 3);
 		weights[i] = 1;
 	}

@@ -18,27 +18,29 @@ static uint32_t mask_of(const char *text, uint8_t *mask)
 	return n;
 }
 
+static const struct row rows[] = {
+	{ "##..", "##..", 1, 1, 1 },
+	{ "###.", "##..", 2.0 / 3, 1, 1.0 / 3 },          /* q 2/3, all covered 1/2 */
+	{ "#...", "##..", 1, 0.5, 0 },
+	{ "##..", "..##", 0, 0, -2 * (M_SQRT2 - 0.5) },
+	{ "####", "#...", 0.25, 1, 0 },
+	{ "....", "....", 1, 1, 1 },
+	/* nothing wanted, nothing done: all covered would score 0 */
+	{ "#...", "....", 0, 1, 0 },
+	{ "....", "#...", 1, 0, -1.0 / 3 },
+	{ "##..", "####", 1, 0.5, NAN },
+	{ "", "", 1, 1, NAN },
+};
+
 static void known_masks_have_known_scores(void **unused)
 {
-	static const struct row rows[] = {
-		{ "##..", "##..", 1, 1, 1 },
-		{ "###.", "##..", 2.0 / 3, 1, 1.0 / 3 },          /* q 2/3, all covered 1/2 */
-		{ "#...", "##..", 1, 0.5, 0 },
-		{ "##..", "..##", 0, 0, -2 * (M_SQRT2 - 0.5) },
-		{ "####", "#...", 0.25, 1, 0 },
-		{ "....", "....", 1, 1, 1 },                      /* nothing wanted, nothing done: all covered would score 0 */
-		{ "#...", "....", 0, 1, 0 },
-		{ "....", "#...", 1, 0, -1.0 / 3 },
-		{ "##..", "####", 1, 0.5, NAN },
-		{ "", "", 1, 1, NAN },
-	};
-	(void)unused;
 	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
 		uint8_t cover[8], reference[8];
 		uint32_t n = mask_of(rows[i].cover, cover);
 		mask_of(rows[i].reference, reference);
 		struct lod_score score;
-		lod_score(&score, &(struct lod_score_input){ .width = n, .height = 1, .cover = cover, .reference = reference });
+		lod_score(&score, &(struct lod_score_input){ .width = n, .height = 1, .cover = cover,
+			.reference = reference });
 		NEAR(score.precision, rows[i].precision);
 		NEAR(score.recall, rows[i].recall);
 		NEAR(score.q, 1 - hypot(1 - score.precision, 1 - score.recall));
@@ -54,10 +56,11 @@ static void known_masks_have_known_scores(void **unused)
 
 static void rows_add_up(void **unused)
 {
-	uint8_t cover[12] = { 1, 1, 0, 0, 9, 0, 0, 0, 0, 0, 0, 255 }, reference[12] = { 1, 0, 0, 4, 1, 0, 0, 0, 0, 0, 0, 1 };
+	uint8_t cover[12] = { 1, 1, 0, 0, 9, 0, 0, 0, 0, 0, 0, 255 },
+		reference[12] = { 1, 0, 0, 4, 1, 0, 0, 0, 0, 0, 0, 1 };
 	struct lod_score score;
-	(void)unused;
-	lod_score(&score, &(struct lod_score_input){ .width = 4, .height = 3, .cover = cover, .reference = reference });
+	lod_score(&score, &(struct lod_score_input){ .width = 4, .height = 3, .cover = cover,
+		.reference = reference });
 	assert_int_equal(score.tp, 3);
 	assert_int_equal(score.fp, 1);
 	assert_int_equal(score.fn, 1);
@@ -67,13 +70,12 @@ static void rows_add_up(void **unused)
 static void owners_must_match_where_they_are_known(void **unused)
 {
 	uint32_t leaf = eco_owner_leaf(3), other = eco_owner_leaf(4);
-	uint64_t reference[4] = { eco_owner_instance(leaf, 2, 0), eco_owner_instance(leaf, 2, 1), eco_owner_instance(leaf, 2, 2),
-		eco_owner_instance(leaf, 5, 0) };
-	uint64_t drawn[4] = { eco_owner_instance(leaf, 2, 0), eco_owner_instance(leaf, 2, 9), eco_owner_summary(leaf, 2),
-		eco_owner_summary(other, 5) };
+	uint64_t reference[4] = { eco_owner_instance(leaf, 2, 0), eco_owner_instance(leaf, 2, 1),
+		eco_owner_instance(leaf, 2, 2), eco_owner_instance(leaf, 5, 0) };
+	uint64_t drawn[4] = { eco_owner_instance(leaf, 2, 0), eco_owner_instance(leaf, 2, 9),
+		eco_owner_summary(leaf, 2), eco_owner_summary(other, 5) };
 	uint8_t mask[4] = { 1, 1, 1, 1 };
 	struct lod_score score;
-	(void)unused;
 	lod_score(&score, &(struct lod_score_input){ 4, 1, mask, mask, drawn, reference });
 	assert_int_equal(score.tp, 4);
 	assert_int_equal(score.tp_owner, 2);
@@ -85,7 +87,6 @@ static void predicted_q_is_computed_as_q_is(void **unused)
 {
 	uint8_t cover[100] = { 0 }, reference[100] = { 0 };
 	struct lod_score score;
-	(void)unused;
 	memset(cover, 1, 60);
 	memset(reference + 20, 1, 60);
 	lod_score(&score, &(struct lod_score_input){ 10, 10, cover, reference, NULL, NULL });

@@ -1,5 +1,6 @@
-/* Whole plants of all kinds, as models have them: their leaves in at most three quarters of what plain corners take, no chunk in
- * more, and every corner as near to where it was as rounding to the grid would put it. */
+/* Whole plants of all kinds, as models have them: their leaves in at most three quarters of what plain
+ * corners take, no chunk in more, and every corner as near to where it was as rounding to the grid would put
+ * it. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -28,7 +29,8 @@ static void build(struct lod_plant *plant, const char *name, uint64_t seed)
 	struct eco_error error = { 0 };
 	char path[200];
 	const char *paths[1] = { path };
-	const struct lod_plant_options options = { .name = name, .seed = 1, .order = LOD_ORDER_COMBINED, .grid_bits = 14 };
+	const struct lod_plant_options options = { .name = name, .seed = 1, .order = LOD_ORDER_COMBINED,
+		.grid_bits = 14 };
 	mkdir("build/tmp", 0777);
 	mkdir(FOLDER, 0777);
 	assert_non_null(kind);
@@ -38,13 +40,16 @@ static void build(struct lod_plant *plant, const char *name, uint64_t seed)
 	if (kind->texture)
 		assert_int_equal(gen_texture_write(FOLDER, kind->texture, &error), ECO_OK);
 	snprintf(path, sizeof path, FOLDER "/%s.obj", name);
-	assert_int_equal(eco_model_import(&model, &(struct eco_model_options){ .paths = paths, .path_count = 1 }, &error), ECO_OK);
+	assert_int_equal(eco_model_import(&model,
+		&(struct eco_model_options){ .paths = paths, .path_count = 1 }, &error), ECO_OK);
 	assert_int_equal(lod_plant_build(plant, &model, &options, &error), ECO_OK);
 	eco_model_free(&model);
 }
 
-/* Corners are compared with where they were, on the finer grid: by half a step along each axis at most, and what `exact` was rounded by. */
-static void compare(const struct eco_elements *in, uint32_t first, const uint32_t *order, const struct eco_elements *out)
+/* Corners are compared with where they were, on the finer grid: by half a step along each axis at most, and
+ * what `exact` was rounded by. */
+static void compare(const struct eco_elements *in, uint32_t first, const uint32_t *order,
+	const struct eco_elements *out)
 {
 	size_t *from = malloc((in->element_count + 1) * sizeof *from), corner = 0;
 	const double most = 3 * 4.5 * 4.5;
@@ -56,21 +61,25 @@ static void compare(const struct eco_elements *in, uint32_t first, const uint32_
 		uint32_t of = first + order[i];
 		assert_int_equal(out->corners[i], in->corners[of]);
 		if (in->extra_count)
-			assert_memory_equal(out->extra + (size_t)in->extra_count * i, in->extra + (size_t)in->extra_count * of,
+			assert_memory_equal(out->extra + (size_t)in->extra_count * i,
+				in->extra + (size_t)in->extra_count * of,
 				in->extra_count * sizeof *in->extra);
 		if (in->uv)
-			assert_memory_equal(out->uv + 2 * corner, in->uv + 2 * from[of], 2 * in->corners[of] * sizeof *in->uv);
+			assert_memory_equal(out->uv + 2 * corner, in->uv + 2 * from[of],
+				2 * in->corners[of] * sizeof *in->uv);
 		for (uint32_t k = 0; k < in->corners[of]; k++) {
 			double d2 = 0;
 			for (uint32_t a = 0; a < 3; a++)
-				d2 += pow((double)out->position[3 * (corner + k) + a] - in->exact[3 * (from[of] + k) + a], 2);
+				d2 += pow((double)out->position[3 * (corner + k) + a]
+					- in->exact[3 * (from[of] + k) + a], 2);
 			assert_true(d2 <= most);
 		}
 	}
 	free(from);
 }
 
-static void code_chunk(const struct lod_list_draft *draft, uint32_t first, uint32_t ordinal, struct tally *tally)
+static void code_chunk(const struct lod_list_draft *draft, uint32_t first, uint32_t ordinal,
+	struct tally *tally)
 {
 	struct eco_elements plain = draft->elements, out;
 	uint32_t end = draft->ends[ordinal], primitives = 0, *order = malloc((end - first) * sizeof *order);
@@ -81,12 +90,13 @@ static void code_chunk(const struct lod_list_draft *draft, uint32_t first, uint3
 	assert_non_null(order);
 	for (uint32_t i = first; i < end; i++)
 		primitives += plain.corners[i] - 2u;
-	assert_int_equal(eco_chunk_encode(&(struct eco_chunk_input){ &draft->list, &plain, first, end, ordinal }, &soup, &soup_size, NULL,
-		&error), ECO_OK);
-	assert_int_equal(eco_chunk_encode(&(struct eco_chunk_input){ &draft->list, &draft->elements, first, end, ordinal }, &bytes, &size, order,
-		&error), ECO_OK);
+	assert_int_equal(eco_chunk_encode(&(struct eco_chunk_input){ &draft->list, &plain, first, end,
+		ordinal }, &soup, &soup_size, NULL, &error), ECO_OK);
+	assert_int_equal(eco_chunk_encode(&(struct eco_chunk_input){ &draft->list, &draft->elements, first,
+		end, ordinal }, &bytes, &size, order, &error), ECO_OK);
 	assert_true(size <= soup_size);
-	const struct eco_chunk chunk = { .size_bytes = (uint32_t)size, .primitive_count = primitives, .element_count = end - first };
+	const struct eco_chunk chunk = { .size_bytes = (uint32_t)size, .primitive_count = primitives,
+		.element_count = end - first };
 	assert_int_equal(eco_chunk_decode(&draft->list, &chunk, ordinal, bytes, size, &out, &error), ECO_OK);
 	compare(&draft->elements, first, order, &out);
 	eco_elements_free(&out);
@@ -100,8 +110,8 @@ static void code_chunk(const struct lod_list_draft *draft, uint32_t first, uint3
 
 static void leaves_of_all_kinds_of_plants_are_small(void **unused)
 {
-	(void)unused;
-	static const char *const kinds[] = { "birch", "pine", "shrub", "linden", "palm", "azalea", "fern", "grass", "daisy", "sunflower" };
+	static const char *const kinds[] = { "birch", "pine", "shrub", "linden", "palm", "azalea", "fern",
+		"grass", "daisy", "sunflower" };
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
 		struct lod_plant plant = { 0 };
 		struct tally tally = { 0 };
@@ -109,17 +119,19 @@ static void leaves_of_all_kinds_of_plants_are_small(void **unused)
 		for (uint32_t l = 0; l < plant.list_count; l++) {
 			const struct lod_list_draft *draft = &plant.lists[l];
 			uint32_t first = 0;
-			for (uint32_t c = 0; draft->list.coder == ECO_CODER_ELEMENTS && draft->elements.exact && c < draft->end_count; first = draft->ends[c++])
+			for (uint32_t c = 0; draft->list.coder == ECO_CODER_ELEMENTS && draft->elements.exact
+					&& c < draft->end_count; first = draft->ends[c++])
 				code_chunk(draft, first, c, &tally);
 		}
 		lod_plant_free(&plant);
 		assert_true(tally.leaves > 0);
 		if (getenv("ECO_VERBOSE"))
-			print_message("%s: %.0f leaves, %.1f bits of %.1f: %.2f\n", kinds[i], tally.leaves, tally.coded / tally.leaves,
-				tally.soup / tally.leaves,
+			print_message("%s: %.0f leaves, %.1f bits of %.1f: %.2f\n", kinds[i], tally.leaves,
+				tally.coded / tally.leaves, tally.soup / tally.leaves,
 				tally.coded / tally.soup);
 		if (tally.soup >= SOUP_BITS * tally.leaves && tally.coded > SHARE * tally.soup)
-			fail_msg("%s: %.1f bits a leaf, and %.1f as corners", kinds[i], tally.coded / tally.leaves, tally.soup / tally.leaves);
+			fail_msg("%s: %.1f bits a leaf, and %.1f as corners", kinds[i],
+				tally.coded / tally.leaves, tally.soup / tally.leaves);
 	}
 }
 

@@ -1,4 +1,5 @@
-/* Summaries: their points lie on the plants, in proportion to area, under the keys by which owners match; through placements too. */
+/* Summaries: their points lie on the plants, in proportion to area, under the keys by which owners match;
+ * through placements too. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,8 +11,8 @@
 #include "tests/support/scene_builder.h"
 #include "tests/support/unit_test.h"
 
-/* Root tile 0 has two leaves (1, 2) and places an eco file (tile 3, a leaf) twice. Two plants: a small one (area 1) with a pool near its
- * foot, a large one (area 8) with a pool two metres up. */
+/* Root tile 0 has two leaves (1, 2) and places an eco file (tile 3, a leaf) twice. Two plants: a small one
+ * (area 1) with a pool near its foot, a large one (area 8) with a pool two metres up. */
 enum { TILES = 4 };
 
 struct world {
@@ -21,14 +22,19 @@ struct world {
 	uint16_t pool_color[2][16];
 };
 
-static void add_group(struct scene_builder *b, uint32_t tile, uint32_t plant, uint32_t count, double x, double y)
+static void add_group(struct scene_builder *b, uint32_t tile, uint32_t plant, uint32_t count, double x,
+	double y)
 {
-	uint32_t list = scene_add_bare(b, &(struct scene_row){ .kind = ECO_LIST_INSTANCES, .owner = tile, .other = plant }, count, count);
+	uint32_t list =
+		scene_add_bare(b,
+		&(struct scene_row){ .kind = ECO_LIST_INSTANCES, .owner = tile, .other = plant }, count,
+		count);
 	b->lists[list].grid_origin[0] = x;
 	b->lists[list].grid_origin[1] = y;
 	scene_add_group(b, (struct eco_group){ tile, plant, list, b->scene.place_count });
 	for (uint32_t i = 0; i < count; i++)
-		scene_add_place(b, (struct eco_place){ { (int32_t)(i * 100), (int32_t)(i % 3 * 100), 0 }, (uint16_t)(i * 7000), 65536 });
+		scene_add_place(b, (struct eco_place){ { (int32_t)(i * 100), (int32_t)(i % 3 * 100), 0 },
+			(uint16_t)(i * 7000), 65536 });
 	b->tiles[tile].instance_count += count;
 	b->tiles[tile].area += count * (double)b->plants[plant].area;
 }
@@ -49,7 +55,8 @@ static void make_world(struct world *w)
 	b->like = (struct eco_list){ .grid_step = { 0.01, 0.01, 0.01 } };
 	scene_add_plant(b, (struct eco_plant){ .area = 1 });
 	scene_add_plant(b, (struct eco_plant){ .area = 8 });
-	scene_add_tile(b, (struct eco_tile){ .summary = ECO_NONE, .area = 10 + 80 + 16 + 16 * 4, .instance_count = 38 });
+	scene_add_tile(b, (struct eco_tile){ .summary = ECO_NONE, .area = 10 + 80 + 16 + 16 * 4,
+		.instance_count = 38 });
 	for (uint32_t i = 1; i < 4; i++)
 		scene_add_tile(b, (struct eco_tile){ .summary = ECO_NONE });
 	add_group(b, 1, 0, 10, 0, 0);
@@ -58,8 +65,10 @@ static void make_world(struct world *w)
 	add_group(b, 3, 1, 1, 5, 5);
 	scene_add_child(b, 0, (struct eco_child){ .tile = 1, .scale = 1 });
 	scene_add_child(b, 0, (struct eco_child){ .tile = 2, .scale = 1 });
-	scene_add_child(b, 0, (struct eco_child){ .tile = 3, .placed = true, .at = { 500, 0, 3 }, .turn = 16384, .scale = 1 });
-	scene_add_child(b, 0, (struct eco_child){ .tile = 3, .placed = true, .at = { -500, 0, 0 }, .scale = 2 });
+	scene_add_child(b, 0, (struct eco_child){ .tile = 3, .placed = true, .at = { 500, 0, 3 },
+		.turn = 16384, .scale = 1 });
+	scene_add_child(b, 0, (struct eco_child){ .tile = 3, .placed = true, .at = { -500, 0, 0 },
+		.scale = 2 });
 	for (int p = 0; p < 2; p++)
 		make_pool(w, p);
 }
@@ -67,7 +76,8 @@ static void make_world(struct world *w)
 static struct lod_summary summary_of(const struct world *w, uint32_t tile, uint32_t count)
 {
 	struct lod_summary s;
-	assert_int_equal(lod_summary_make(&s, &(struct lod_summary_input){ &w->b.scene, w->pools, tile, count, 7, NULL }, NULL), ECO_OK);
+	assert_int_equal(lod_summary_make(&s,
+		&(struct lod_summary_input){ &w->b.scene, w->pools, tile, count, 7, NULL }, NULL), ECO_OK);
 	return s;
 }
 
@@ -147,7 +157,8 @@ static void test_keys_match_owners(void **state)
 	for (uint32_t i = 0; i < s.count; i++) {
 		const struct lod_summary_point *p = &s.points[i];
 		uint32_t leaf = p->at[0] > 300 || p->at[0] < -100 ? 3 : p->at[0] > 80 ? 2 : 1;
-		uint32_t path = p->at[0] > 300 ? eco_owner_step(&w.b.scene, 0, 2) : p->at[0] < -100 ? eco_owner_step(&w.b.scene, 0, 3) : 0;
+		uint32_t path = p->at[0] > 300 ? eco_owner_step(&w.b.scene, 0, 2) : p->at[0] < -100
+			? eco_owner_step(&w.b.scene, 0, 3) : 0;
 		uint64_t plant = eco_owner_instance(eco_owner_leaf(leaf) + path, p->plant, 5);
 		uint64_t other = eco_owner_instance(eco_owner_leaf(leaf == 1 ? 2 : 1) + path, p->plant, 5);
 		assert_true(eco_owner_match(eco_owner_summary(p->key, p->plant), plant));
@@ -158,7 +169,8 @@ static void test_keys_match_owners(void **state)
 
 static int by_place(const void *a, const void *b) { return memcmp(a, b, sizeof(struct lod_summary_point)); }
 
-/* A parent takes the beginnings of its children's sequences: what it takes of a leaf, a longer summary of that leaf has too. */
+/* A parent takes the beginnings of its children's sequences: what it takes of a leaf, a longer summary of
+ * that leaf has too. */
 static void test_parents_merge_children(void **state)
 {
 	static struct world w;
@@ -170,8 +182,10 @@ static void test_parents_merge_children(void **state)
 		if (parent.points[i].at[0] < 80 || parent.points[i].at[0] > 300)
 			continue;
 		taken++;
-		parent.points[i].key = (uint16_t)(parent.points[i].key - eco_owner_leaf(2));   /* as the leaf counts itself */
-		assert_non_null(bsearch(&parent.points[i], leaf.points, leaf.count, sizeof *leaf.points, by_place));
+		/* as the leaf counts itself */
+		parent.points[i].key = (uint16_t)(parent.points[i].key - eco_owner_leaf(2));
+		assert_non_null(bsearch(&parent.points[i], leaf.points, leaf.count, sizeof *leaf.points,
+			by_place));
 	}
 	assert_true(taken >= 78);
 	free(parent.points);
@@ -185,14 +199,16 @@ static void test_nested_summaries_stand_for_their_files(void **state)
 	struct lod_summary inner, outer;
 	struct lod_summary_root root = { 0 };
 	const struct lod_summary_root *roots[TILES] = { NULL };
-	struct lod_summary_input input = { .scene = &w.b.scene, .tile = 0, .count = 100, .seed = 7, .roots = roots };
+	struct lod_summary_input input = { .scene = &w.b.scene, .tile = 0, .count = 100, .seed = 7,
+		.roots = roots };
 	make_world(&w);
 	w.b.tiles[0].child_first = w.b.tiles[0].child_count = 2;     /* both of tile 3 */
 	assert_int_equal(lod_summary_make(&outer, &input, NULL), ECO_OK);
 	assert_int_equal(outer.count, 0);
 	free(outer.points);
 	inner = summary_of(&w, 3, 200);
-	assert_int_equal(lod_summary_list(&inner, &w.b.scene, 3, 20, &root.list, &root.elements, NULL), ECO_OK);
+	assert_int_equal(lod_summary_list(&inner, &w.b.scene, 3, 20, &root.list, &root.elements, NULL),
+		ECO_OK);
 	roots[3] = &root;
 	assert_int_equal(lod_summary_make(&outer, &input, NULL), ECO_OK);
 	assert_int_equal(outer.count, 100);
@@ -229,30 +245,38 @@ static void test_list_holds_the_points(void **state)
 
 static void test_counts_are_bounded(void **state)
 {
-	static const struct { uint64_t instances; uint32_t points; } cases[] = { { 0, 64 }, { 1, 64 }, { 16, 64 }, { 100, 400 }, { 1024, 4096 },
+	static const struct { uint64_t instances; uint32_t points; } cases[] =
+		{ { 0, 64 }, { 1, 64 }, { 16, 64 }, { 100, 400 }, { 1024, 4096 },
 		{ 5000, 4096 }, { UINT64_MAX, 4096 } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-		assert_int_equal(lod_summary_count(&(struct eco_tile){ .instance_count = cases[i].instances }), cases[i].points);
+		assert_int_equal(lod_summary_count(&(struct eco_tile){ .instance_count =
+			cases[i].instances }), cases[i].points);
 }
 
 /* ---- Pools ---- */
 
-/* A plant of a card of 4 m^2 at z = 1 (foliage, colour 1) and a triangle of area 1 (wood, colour 0) below or above it. */
+/* A plant of a card of 4 m^2 at z = 1 (foliage, colour 1) and a triangle of area 1 (wood, colour 0) below or
+ * above it. */
 static uint32_t pooled_leaves(int32_t stem_z)
 {
 	uint8_t fan[] = { 4 }, tri[] = { 3 };
-	int32_t card[] = { 0, 0, 100, 200, 0, 100, 200, 200, 100, 0, 200, 100 }, one[] = { 1 }, zero[] = { 0 };
+	int32_t card[] = { 0, 0, 100, 200, 0, 100, 200, 200, 100, 0, 200, 100 }, one[] = { 1 },
+		zero[] = { 0 };
 	int32_t stem[] = { 0, 0, stem_z, 200, 0, stem_z, 0, 100, stem_z };
 	struct lod_list_draft drafts[2] = {
-		{ .list = { .kind = ECO_LIST_TRIANGLES, .attributes = ECO_ATTR_COLOR, .grid_step = { 0.01, 0.01, 0.01 }, .palette_count = 2 },
+		{ .list = { .kind = ECO_LIST_TRIANGLES, .attributes = ECO_ATTR_COLOR,
+			.grid_step = { 0.01, 0.01, 0.01 }, .palette_count = 2 },
 		  .elements = { 1, 4, 2, 1, fan, card, NULL, one, NULL } },
-		{ .list = { .kind = ECO_LIST_TRIANGLES, .attributes = ECO_ATTR_COLOR, .grid_step = { 0.01, 0.01, 0.01 }, .palette_count = 2 },
+		{ .list = { .kind = ECO_LIST_TRIANGLES, .attributes = ECO_ATTR_COLOR,
+		.grid_step = { 0.01, 0.01, 0.01 }, .palette_count = 2 },
 		  .elements = { 1, 3, 1, 1, tri, stem, NULL, zero, NULL } } };
 	struct eco_ladder ladders[2] = {
 		{ .organ = ECO_ORGAN_FOLIAGE, .points = ECO_NONE, .lines = ECO_NONE, .triangles = 0 },
-		{ .organ = ECO_ORGAN_WOOD, .points = ECO_NONE, .lines = ECO_NONE, .triangles = 1, .level_count = 1, .level_end = { 1 } } };
+		{ .organ = ECO_ORGAN_WOOD, .points = ECO_NONE, .lines = ECO_NONE, .triangles = 1,
+		.level_count = 1, .level_end = { 1 } } };
 	struct eco_anchor anchor = { { 0, 0, 0 }, 1 };
-	struct lod_plant plant = { .anchors = &anchor, .ladders = ladders, .ladder_count = 2, .lists = drafts, .list_count = 2 };
+	struct lod_plant plant = { .anchors = &anchor, .ladders = ladders, .ladder_count = 2, .lists = drafts,
+		.list_count = 2 };
 	struct lod_pool pool;
 	uint32_t leaves = 0;
 	plant.organ[ECO_ORGAN_FOLIAGE].area = 4;
@@ -263,7 +287,8 @@ static uint32_t pooled_leaves(int32_t stem_z)
 		bool leaf = fabsf(pool.position[i][2] - 1) < 0.1f;
 		leaves += leaf;
 		assert_int_equal(pool.color[i], leaf ? 31 : 30);
-		assert_true(pool.position[i][0] >= 0 && pool.position[i][0] <= 2.00001f && pool.position[i][1] >= 0 && pool.position[i][1] <= 2.00001f);
+		assert_true(pool.position[i][0] >= 0 && pool.position[i][0] <= 2.00001f && pool.position[i][1]
+			>= 0 && pool.position[i][1] <= 2.00001f);
 	}
 	lod_pool_free(&pool);
 	plant.ladder_count = 0;
@@ -276,7 +301,8 @@ static uint32_t pooled_leaves(int32_t stem_z)
 static void test_pool_follows_what_is_seen(void **state)
 {
 	uint32_t below = pooled_leaves(90), above = pooled_leaves(150);
-	print_message("          leaves %u of 1000 with the stem below them, %u with it above\n", below, above);
+	print_message("          leaves %u of 1000 with the stem below them, %u with it above\n", below,
+		above);
 	assert_true(above > 650 && above < 850);         /* nearly what the areas are */
 	assert_true(below > 900);                        /* what hides is seen, from nearly everywhere */
 }
@@ -289,10 +315,12 @@ static void test_power_below(void **state)
 	assert_true(lod_power_below(0.0012) == 0.0009765625);
 }
 
-/* From the flat to the square, of the same plants: a splat that is higher than its tile covers only so much of it. */
+/* From the flat to the square, of the same plants: a splat that is higher than its tile covers only so much
+ * of it. */
 static void test_large_splats_do_not_fill_a_low_tile(void **state)
 {
-	struct lod_summary_view view = { .area = 30000, .covered = 8000, .box = 10000, .plants = 1e5, .points = 4096 };
+	struct lod_summary_view view = { .area = 30000, .covered = 8000, .box = 10000, .plants = 1e5,
+		.points = 4096 };
 	double last = 0;
 	for (double high = 100; high >= 1.5; high /= 2) {
 		view.wide = 10000 / high;
@@ -309,11 +337,14 @@ static void test_large_splats_do_not_fill_a_low_tile(void **state)
 	}
 }
 
-/* The fewer and larger splats are, the more of them lies around their tile: all of it where one is far larger, hardly any of many small ones. */
+/* The fewer and larger splats are, the more of them lies around their tile: all of it where one is far
+ * larger, hardly any of many small ones. */
 static void test_large_splats_stand_out_around_their_tile(void **state)
 {
-	struct lod_summary_view view = { .area = 30000, .covered = 8000, .box = 10000, .plants = 1e5, .points = 4096, .weight_px = 100 };
-	assert_true(lod_summary_outside(&view, 1) == 0);         /* where the tile lies in the picture is not known */
+	struct lod_summary_view view = { .area = 30000, .covered = 8000, .box = 10000, .plants = 1e5,
+		.points = 4096, .weight_px = 100 };
+	/* where the tile lies in the picture is not known */
+	assert_true(lod_summary_outside(&view, 1) == 0);
 	view.wide = 200;
 	view.high = 10;
 	double before = INFINITY;
@@ -322,7 +353,8 @@ static void test_large_splats_stand_out_around_their_tile(void **state)
 		assert_true(outside < before && outside <= view.area);
 		before = outside;
 	}
-	assert_true(lod_summary_outside(&view, 1) * view.weight_px > 0.9 * (view.area - view.wide * view.high));
+	assert_true(lod_summary_outside(&view, 1) * view.weight_px
+		> 0.9 * (view.area - view.wide * view.high));
 	assert_true(before < 0.1 * view.area);
 }
 
@@ -331,14 +363,19 @@ static void test_heights_in_the_picture_are_those_of_points(void **state)
 {
 	for (int pitch = -60; pitch <= 60; pitch += 30)
 		for (int k = -2; k <= 2; k++) {
-			double sine = sin(pitch * 0.017453292519943295), cosine = cos(pitch * 0.017453292519943295), most = 0, slope = k * 0.25;
-			struct lod_eye eye = { .forward = { cosine, 0, sine }, .up = { -sine, 0, cosine }, .right = { 0, -1, 0 } };
+			double sine = sin(pitch * 0.017453292519943295),
+				cosine = cos(pitch * 0.017453292519943295), most = 0, slope = k * 0.25;
+			struct lod_eye eye = { .forward = { cosine, 0, sine }, .up = { -sine, 0, cosine },
+				.right = { 0, -1, 0 } };
 			double at[3], across = 3, up = 7, far = 1e5;
 			for (int i = 0; i < 3; i++)
 				at[i] = far * (eye.forward[i] + slope * eye.up[i]);
 			for (int t = 0; t < 720; t++) {
-				double x = at[0] + across * cos(t * 0.008726646), z = at[2] + up * sin(t * 0.008726646);
-				double y = (eye.up[0] * x + eye.up[2] * z) / (eye.forward[0] * x + eye.forward[2] * z);
+				double x = at[0] + across * cos(t * 0.008726646),
+					z = at[2] + up * sin(t * 0.008726646);
+				double y =
+					(eye.up[0] * x + eye.up[2] * z)
+					/ (eye.forward[0] * x + eye.forward[2] * z);
 				most = fmax(most, (y - slope) * far);
 			}
 			struct lod_tilt tilt = lod_tilt_at(&eye, at, 1);

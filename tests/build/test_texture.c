@@ -12,9 +12,11 @@ static uint8_t *fill(const char *const *rows, uint32_t width, uint32_t height)
 	assert_non_null(rgba);
 	for (uint32_t i = 0; i < width * height; i++) {
 		char c = rows[i / width][i % width];
-		memcpy(rgba + 4 * i, c == 'r' ? "\xC8\0\0\xFF" : c == 'g' ? "\0\x64\0\xFF" : "\xFF\xFF\xFF\x20", 4);
+		memcpy(rgba + 4 * i, c == 'r' ? "\xC8\0\0\xFF" : c == 'g' ? "\0\x64\0\xFF"
+			: "\xFF\xFF\xFF\x20", 4);
 	}
-	uint8_t *filled = view_texture_fill(&(struct eco_image){ .width = width, .height = height, .rgba = rgba });
+	uint8_t *filled =
+		view_texture_fill(&(struct eco_image){ .width = width, .height = height, .rgba = rgba });
 	assert_non_null(filled);
 	for (uint32_t i = 0; i < width * height; i++) {
 		assert_int_equal(filled[4 * i + 3], rgba[4 * i + 3]);
@@ -36,7 +38,8 @@ static void clear_texels_take_the_colour_beside_them(void **state)
 
 static void far_from_all_they_take_the_mean(void **state)
 {
-	static const char *const rows[] = { "r......g", "........", "........", "........", "........", "........", "........", "........" };
+	static const char *const rows[] = { "r......g", "........", "........", "........", "........",
+		"........", "........", "........" };
 	uint8_t *filled = fill(rows, 8, 8);
 	assert_memory_equal(filled + 4 * (7 * 8), "\x64\x32\0", 3);
 	free(filled);
@@ -66,8 +69,10 @@ static void nothing_opaque_stays_as_it_is(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(clear_texels_take_the_colour_beside_them), cmocka_unit_test(far_from_all_they_take_the_mean),
-		cmocka_unit_test(one_opaque_texel_is_enough_in_a_picture_of_any_shape), cmocka_unit_test(nothing_opaque_stays_as_it_is),
+		cmocka_unit_test(clear_texels_take_the_colour_beside_them),
+			cmocka_unit_test(far_from_all_they_take_the_mean),
+		cmocka_unit_test(one_opaque_texel_is_enough_in_a_picture_of_any_shape),
+		cmocka_unit_test(nothing_opaque_stays_as_it_is),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

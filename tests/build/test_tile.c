@@ -28,13 +28,14 @@ static void lay_out(struct lod_tile_item *items, uint32_t count, enum layout lay
 			x += 4e6;
 			y -= 5e6;
 		}
-		items[i] = (struct lod_tile_item){ .at = { x, y, unit(3, i) }, .reach = 0.1 + unit(4, i), .below = 0.01, .above = 2 * unit(5, i),
+		items[i] = (struct lod_tile_item){ .at = { x, y, unit(3, i) }, .reach = 0.1 + unit(4, i),
+			.below = 0.01, .above = 2 * unit(5, i),
 			.plant = i % 7 == 6 ? ECO_NONE : i % 3, .index = i };
 	}
 }
 
-static void check_leaf(const struct lod_tiles *tiles, const struct lod_tile_node *node, const struct lod_tile_item *items,
-	uint32_t *seen, uint32_t most)
+static void check_leaf(const struct lod_tiles *tiles, const struct lod_tile_node *node,
+	const struct lod_tile_item *items, uint32_t *seen, uint32_t most)
 {
 	bool apart = false;
 	for (uint32_t k = node->item_first; k < node->item_first + node->item_count; k++) {
@@ -150,7 +151,8 @@ static void test_neighbours_lie_near(void **state)
 	for (int i = 1; i < 1000; i++) {
 		const double *a = items[tiles.order[i - 1]].at, *b = items[tiles.order[i]].at;
 		steps += abs((int)(a[0] - b[0])) + abs((int)(a[1] - b[1]));
-		before += abs((int)(items[i - 1].at[0] - items[i].at[0])) + abs((int)(items[i - 1].at[1] - items[i].at[1]));
+		before += abs((int)(items[i - 1].at[0] - items[i].at[0]))
+			+ abs((int)(items[i - 1].at[1] - items[i].at[1]));
 	}
 	assert_true(steps < before / 5);
 	lod_tiles_free(&tiles);

@@ -34,7 +34,8 @@ static void dark_first(uint32_t count, uint32_t colors)
 
 static void beginnings_have_the_tone_of_what_is_seen(void **state)
 {
-	static const struct { uint32_t count, colors; double within; } cases[] = { { 4096, 7, 0.06 }, { 4096, 32, 0.06 }, { 4096, 110, 0.06 },
+	static const struct { uint32_t count, colors; double within; } cases[] =
+		{ { 4096, 7, 0.06 }, { 4096, 32, 0.06 }, { 4096, 110, 0.06 },
 		{ 700, 5, 0.08 }, { 64, 4, 0.1 }, { 64, 60, 0.1 } };
 	for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
 		double whole[3], part[3];
@@ -92,11 +93,16 @@ static void a_leaf_in_a_box_is_not_seen(void **state)
 	uint32_t pixels[16];
 	soup_begin(&soup);
 	uint32_t m = soup_material(&soup, 0, 200, 0, ECO_NONE, false);
-	soup_quad(&soup, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0.2, 0, 0 }, (struct lod_v3){ 0, 0.2, 0 });
-	for (int side = -1; side < 2; side += 2) {           /* larger than the box, so that no two of them are one component */
-		soup_quad(&soup, m, (struct lod_v3){ 0, 0, 0.5 * side }, (struct lod_v3){ 1.1, 0, 0 }, (struct lod_v3){ 0, 1.1, 0 });
-		soup_quad(&soup, m, (struct lod_v3){ 0, 0.5 * side, 0 }, (struct lod_v3){ 1.1, 0, 0 }, (struct lod_v3){ 0, 0, 1.1 });
-		soup_quad(&soup, m, (struct lod_v3){ 0.5 * side, 0, 0 }, (struct lod_v3){ 0, 1.1, 0 }, (struct lod_v3){ 0, 0, 1.1 });
+	soup_quad(&soup, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0.2, 0, 0 },
+		(struct lod_v3){ 0, 0.2, 0 });
+	/* larger than the box, so that no two of them are one component */
+	for (int side = -1; side < 2; side += 2) {
+		soup_quad(&soup, m, (struct lod_v3){ 0, 0, 0.5 * side }, (struct lod_v3){ 1.1, 0, 0 },
+			(struct lod_v3){ 0, 1.1, 0 });
+		soup_quad(&soup, m, (struct lod_v3){ 0, 0.5 * side, 0 }, (struct lod_v3){ 1.1, 0, 0 },
+			(struct lod_v3){ 0, 0, 1.1 });
+		soup_quad(&soup, m, (struct lod_v3){ 0.5 * side, 0, 0 }, (struct lod_v3){ 0, 1.1, 0 },
+			(struct lod_v3){ 0, 0, 1.1 });
 	}
 	assert_int_equal(setjmp(arena.failed), 0);
 	lod_weld(&mesh, &soup.model, 14, &arena);
@@ -107,7 +113,8 @@ static void a_leaf_in_a_box_is_not_seen(void **state)
 	uint32_t hidden = 0, all = 0;
 	for (uint32_t i = 0; i < elements.count; i++) {
 		struct lod_v3 center = lod_element_center(&elements.items[i], &mesh);
-		bool inside = fabs(center.x) < 0.2 && fabs(center.y) < 0.2 && fabs(center.z - 0.5 * (mesh.high[2] + mesh.low[2])) < 0.2;
+		bool inside = fabs(center.x) < 0.2 && fabs(center.y) < 0.2
+			&& fabs(center.z - 0.5 * (mesh.high[2] + mesh.low[2])) < 0.2;
 		hidden += inside;
 		all += pixels[i];
 		if (inside)

@@ -41,8 +41,8 @@ static struct view_store *empty_store(void)
 }
 
 /* Draws what the store holds. */
-static struct view_picture draw(struct view_gl *with, const struct view_store *store, const struct eco_view *view, bool ground,
-	enum view_tint tint)
+static struct view_picture draw(struct view_gl *with, const struct view_store *store,
+	const struct eco_view *view, bool ground, enum view_tint tint)
 {
 	struct lod_eye eye;
 	struct view_selection selection;
@@ -98,14 +98,16 @@ static void ground_hides_and_is_not_covered(void **state)
 	struct eco_plan plan;
 	scene_plan(&scene, &view, 1, &plan);
 	struct view_store *store = scene_store(&scene, &plan, NULL);
-	struct view_picture with = draw(gl, store, &view, true, VIEW_TINT_NONE), without = draw(gl, store, &view, false, VIEW_TINT_NONE);
+	struct view_picture with = draw(gl, store, &view, true, VIEW_TINT_NONE),
+		without = draw(gl, store, &view, false, VIEW_TINT_NONE);
 	assert_true(covered(&with) > 10000 && covered(&without) > covered(&with));
 	for (uint32_t i = 0; i < with.width * with.height; i++)
 		assert_true(!with.cover[i] || without.cover[i]);
 	eco_plan_free(&plan);
 	view_store_free(store);
 	/* from under a hill, looking up: the ground lies between, all over the picture */
-	below.eye[0] = 0, below.eye[1] = 0, below.eye[2] = -9, below.target[0] = 0.4, below.target[1] = 0.1, below.target[2] = 0;
+	below.eye[0] = 0, below.eye[1] = 0, below.eye[2] = -9, below.target[0] = 0.4, below.target[1] = 0.1,
+		below.target[2] = 0;
 	scene_plan(&scene, &below, 1, &plan);
 	plan.run_count = 1;                      /* the others stand on no ground */
 	assert_true(plan.cuts[1].list == L_SUMMARY);
@@ -113,7 +115,8 @@ static void ground_hides_and_is_not_covered(void **state)
 	plan.vertices = plan_twin_vertices(&scene.scene, &plan, &below, &plan.visible_plants);
 	assert_true(plan.vertices > 0);
 	store = scene_store(&scene, &plan, NULL);
-	struct view_picture hidden = draw(gl, store, &below, true, VIEW_TINT_NONE), open = draw(gl, store, &below, false, VIEW_TINT_NONE);
+	struct view_picture hidden = draw(gl, store, &below, true, VIEW_TINT_NONE),
+		open = draw(gl, store, &below, false, VIEW_TINT_NONE);
 	/* but for feet: the ground's triangles are not exactly what plants were put on */
 	assert_true(covered(&hidden) * 50 < covered(&open));
 	view_picture_free(&open);
@@ -129,7 +132,8 @@ static void mask_does_not_depend_on_shading(void **state)
 	if (!gl)
 		skip();
 	struct scene_held h = scene_hold(&scene);
-	struct view_picture plain = draw(gl, h.store, &h.view, true, VIEW_TINT_NONE), tinted = draw(gl, h.store, &h.view, true, VIEW_TINT_KIND);
+	struct view_picture plain = draw(gl, h.store, &h.view, true, VIEW_TINT_NONE),
+		tinted = draw(gl, h.store, &h.view, true, VIEW_TINT_KIND);
 	size_t pixels = (size_t)plain.width * plain.height;
 	assert_memory_equal(plain.cover, tinted.cover, pixels);
 	assert_memory_equal(plain.owner, tinted.owner, 8 * pixels);
@@ -173,7 +177,8 @@ static void held_stream(const struct view_store *store, const struct eco_plan *p
 	scene_stream(&scene, plan, held, w);
 }
 
-/* What was uploaded for an earlier frame is extended; the picture is that of a context that has seen nothing before. */
+/* What was uploaded for an earlier frame is extended; the picture is that of a context that has seen nothing
+ * before. */
 static void uploads_in_parts_draw_the_same(void **state)
 {
 	if (!gl)
@@ -211,7 +216,8 @@ static void repeated_frames_are_the_same(void **state)
 	if (!gl)
 		skip();
 	struct scene_held h = scene_hold(&scene);
-	struct view_picture a = draw(gl, h.store, &h.view, true, VIEW_TINT_NONE), b = draw(gl, h.store, &h.view, true, VIEW_TINT_NONE);
+	struct view_picture a = draw(gl, h.store, &h.view, true, VIEW_TINT_NONE),
+		b = draw(gl, h.store, &h.view, true, VIEW_TINT_NONE);
 	assert_same(&a, &b);
 	view_picture_free(&a);
 	view_picture_free(&b);
@@ -267,10 +273,12 @@ static void shadows_fall_to_the_north_east(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(empty_store_draws_an_empty_picture), cmocka_unit_test(ground_hides_and_is_not_covered),
-		cmocka_unit_test(mask_does_not_depend_on_shading), cmocka_unit_test(tint_shows_all_four_kinds),
-		cmocka_unit_test(uploads_in_parts_draw_the_same), cmocka_unit_test(repeated_frames_are_the_same),
-		cmocka_unit_test(wrong_size_is_refused), cmocka_unit_test(shadows_fall_to_the_north_east),
+		cmocka_unit_test(empty_store_draws_an_empty_picture),
+			cmocka_unit_test(ground_hides_and_is_not_covered),
+		cmocka_unit_test(mask_does_not_depend_on_shading),
+		cmocka_unit_test(tint_shows_all_four_kinds), cmocka_unit_test(uploads_in_parts_draw_the_same),
+		cmocka_unit_test(repeated_frames_are_the_same), cmocka_unit_test(wrong_size_is_refused),
+		cmocka_unit_test(shadows_fall_to_the_north_east),
 	};
 	return cmocka_run_group_tests(tests, open_all, close_all);
 }

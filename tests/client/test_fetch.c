@@ -1,4 +1,5 @@
-/* Fetching from a server that answers well, with problems, or badly: a thread with a socket and a list of canned answers. */
+/* Fetching from a server that answers well, with problems, or badly: a thread with a socket and a list of
+ * canned answers. */
 #include <arpa/inet.h>
 #include <math.h>
 #include <pthread.h>
@@ -32,7 +33,8 @@ static size_t content_length(const char *text)
 	return at ? strtoul(at + 15, NULL, 10) : 0;
 }
 
-static const char busy_answer[] = "HTTP/1.1 503 Busy\r\nRetry-After: 0\r\nContent-Length: 0\r\nConnection: close\r\n\r\n";
+static const char busy_answer[] = "HTTP/1.1 503 Busy\r\nRetry-After: 0\r\nContent-Length: 0\r\nConnection: "
+	"close\r\n\r\n";
 
 /* Reads one request whole, sends the answer, closes. */
 static void *serve(void *ctx)
@@ -57,7 +59,8 @@ static void *serve(void *ctx)
 		s->heard[s->heard_size] = '\0';
 		end = strstr(s->heard, "\r\n\r\n");
 	}
-	int size = snprintf(head, sizeof head, "%sContent-Length: %zu\r\nConnection: close\r\n\r\n", s->head, s->declared);
+	int size = snprintf(head, sizeof head, "%sContent-Length: %zu\r\nConnection: close\r\n\r\n", s->head,
+		s->declared);
 	send(c, head, (size_t)size, MSG_NOSIGNAL);
 	for (size_t at = 0; at < s->size;) {
 		size_t piece = s->size - at < 1000 ? s->size - at : 1000;
@@ -70,7 +73,8 @@ static void *serve(void *ctx)
 	return NULL;
 }
 
-static void start_busy(struct server *s, uint32_t busy, const char *head, const void *body, size_t size, size_t declared)
+static void start_busy(struct server *s, uint32_t busy, const char *head, const void *body, size_t size,
+	size_t declared)
 {
 	struct sockaddr_in at = { .sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
 	socklen_t length = sizeof at;
@@ -94,14 +98,15 @@ static void stop(struct server *s)
 	close(s->listener);
 }
 
-static enum eco_code ask(struct server *s, struct view_store *store, uint64_t body_max, struct view_fetch_result *result,
-	struct eco_error *error)
+static enum eco_code ask(struct server *s, struct view_store *store, uint64_t body_max,
+	struct view_fetch_result *result, struct eco_error *error)
 {
 	char url[64];
 	struct view_fetch *fetch;
 	struct eco_request request = { .view = scene_view(), .vertices = 1000, .bytes = 5000000 };
 	snprintf(url, sizeof url, "http://127.0.0.1:%u/v1/scenes/test/", s->port);
-	struct view_fetch_options options = { .url = url, .body_max = body_max, .rule = "deussen", .patience_ms = s->busy ? 20000 : 0 };
+	struct view_fetch_options options = { .url = url, .body_max = body_max, .rule = "deussen",
+		.patience_ms = s->busy ? 20000 : 0 };
 	assert_int_equal(view_fetch_new(&fetch, &options, error), ECO_OK);
 	enum eco_code code = view_fetch_stream(fetch, store, &request, result, error);
 	view_fetch_free(fetch);
@@ -124,7 +129,8 @@ static void good_stream(struct eco_plan *plan, struct eco_writer *w)
 	scene_stream(&scene, plan, NULL, w);
 }
 
-static const char ok[] = "HTTP/1.1 200 OK\r\nContent-Type: application/octet-stream\r\nServer-Timing: plan;dur=7.25\r\n";
+static const char ok[] = "HTTP/1.1 200 OK\r\nContent-Type: application/octet-stream\r\nServer-Timing: "
+	"plan;dur=7.25\r\n";
 
 static void stream_arrives_in_pieces(void **state)
 {
@@ -137,10 +143,13 @@ static void stream_arrives_in_pieces(void **state)
 	good_stream(&plan, &w);
 	start(&s, ok, w.bytes, w.size, w.size);
 	assert_int_equal(ask(&s, store, 0, &result, &error), ECO_OK);
-	assert_true(result.status == 200 && result.bytes == w.size && result.plan_ms == 7.25 && !result.nothing);
+	assert_true(result.status == 200 && result.bytes == w.size && result.plan_ms == 7.25
+		&& !result.nothing);
 	assert_true(result.first_byte_ms <= result.stream_ms);
 	assert_true(view_store_plan(store)->vertices == plan.vertices);
-	assert_non_null(strstr(s.heard, "POST /v1/scenes/test/stream?eye=-22,-19,6.5&target=0,0,2.5&up=0,0,1&fov_y_deg=45&width=480&height=320"
+	assert_non_null(strstr(s.heard, "POST "
+		"/v1/scenes/test/stream?eye=-22,-19,6.5&target=0,0,2.5&up=0,0,"
+		"1&fov_y_deg=45&width=480&height=320"
 		"&vertices=1000&bytes=5000000&rule=deussen HTTP/1.1\r\n"));
 	assert_int_equal(content_length(s.heard), 4);
 	view_store_free(store);
@@ -164,12 +173,16 @@ static void nothing_fits_is_no_failure(void **state)
 static void problems_become_readable_errors(void **state)
 {
 	static const struct { const char *head, *body; enum eco_code code; const char *text; } rows[] = {
-		{ "HTTP/1.1 404 Not Found\r\n", "{\"title\":\"No such scene\",\"detail\":\"there is no scene 'test'\"}", ECO_NOT_FOUND,
+		{ "HTTP/1.1 404 Not Found\r\n", "{\"title\":\"No such scene\",\"detail\":\"there is no "
+			"scene 'test'\"}", ECO_NOT_FOUND,
 			"the server answered 404: No such scene: there is no scene 'test'" },
-		{ "HTTP/1.1 400 Bad Request\r\n", "{\"title\":\"Bad view\"}", ECO_BAD_INPUT, "the server answered 400: Bad view" },
+		{ "HTTP/1.1 400 Bad Request\r\n", "{\"title\":\"Bad view\"}", ECO_BAD_INPUT,
+		"the server answered 400: Bad view" },
 		{ "HTTP/1.1 503 Busy\r\n", "<html>", ECO_IO, "the server answered 503" STRANGER },
-		{ "HTTP/1.1 200 OK\r\nContent-Type: text/html\r\n", "<html>", ECO_BAD_INPUT, "the server answered 200 with text/html" STRANGER },
-		{ "HTTP/1.1 302 Found\r\nLocation: http://127.0.0.1:1/\r\n", "", ECO_BAD_INPUT, "the server answered 302" STRANGER },
+		{ "HTTP/1.1 200 OK\r\nContent-Type: text/html\r\n", "<html>", ECO_BAD_INPUT,
+		"the server answered 200 with text/html" STRANGER },
+		{ "HTTP/1.1 302 Found\r\nLocation: http://127.0.0.1:1/\r\n", "", ECO_BAD_INPUT,
+		"the server answered 302" STRANGER },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
 		struct server s;
@@ -197,7 +210,8 @@ static void a_busy_server_is_asked_again(void **state)
 	start_busy(&s, 3, ok, w.bytes, w.size, w.size);
 	assert_int_equal(ask(&s, store, 0, &result, &error), ECO_OK);
 	assert_int_equal(error.code, ECO_OK);
-	assert_true(result.status == 200 && result.bytes == w.size && view_store_plan(store)->vertices == plan.vertices);
+	assert_true(result.status == 200 && result.bytes == w.size && view_store_plan(store)->vertices
+		== plan.vertices);
 	start(&s, "HTTP/1.1 503 Busy\r\nRetry-After: 2\r\n", "", 0, 0);
 	assert_int_equal(ask(&s, store, 0, &result, &error), ECO_IO);
 	assert_true(result.status == 503 && result.retry_ms == 2000);
@@ -250,7 +264,8 @@ static void cut_or_damaged_streams_are_refused(void **state)
 static void stop_flag_and_bad_urls_end_at_once(void **state)
 {
 	static volatile sig_atomic_t flag = 1;
-	static const char *const bad[] = { "", "ftp://x/", "localhost:8080", "http://x/?a=b", "http://x/ y", "file:///etc/passwd" };
+	static const char *const bad[] = { "", "ftp://x/", "localhost:8080", "http://x/?a=b", "http://x/ y",
+		"file:///etc/passwd" };
 	struct view_fetch *fetch;
 	struct eco_error error = { 0 };
 	for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
@@ -286,9 +301,11 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(stream_arrives_in_pieces), cmocka_unit_test(nothing_fits_is_no_failure),
-		cmocka_unit_test(problems_become_readable_errors), cmocka_unit_test(a_busy_server_is_asked_again),
+		cmocka_unit_test(problems_become_readable_errors),
+		cmocka_unit_test(a_busy_server_is_asked_again),
 			cmocka_unit_test(huge_problem_does_not_fill_memory),
-		cmocka_unit_test(cut_or_damaged_streams_are_refused), cmocka_unit_test(stop_flag_and_bad_urls_end_at_once),
+		cmocka_unit_test(cut_or_damaged_streams_are_refused),
+		cmocka_unit_test(stop_flag_and_bad_urls_end_at_once),
 	};
 	return cmocka_run_group_tests(tests, set_up, tear_down);
 }

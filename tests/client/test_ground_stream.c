@@ -1,5 +1,5 @@
-/* Tiled ground on its way: coarse before fine, within the bytes there are and before plants give way, never twice; and drawn alike by
- * OpenGL and in software. */
+/* Tiled ground on its way: coarse before fine, within the bytes there are and before plants give way, never
+ * twice; and drawn alike by OpenGL and in software. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -57,13 +57,15 @@ static int close_all(void **state)
 static struct eco_request request_of(double distance, double above, uint64_t vertices)
 {
 	struct eco_request request = { .vertices = vertices, .bytes = ECO_BYTES_UNBOUNDED };
-	request.view = (struct eco_view){ { -distance, -0.7 * distance, 0 }, { 40, 20, 0 }, { 0, 0, 1 }, 50, 480, 320 };
+	request.view = (struct eco_view){ { -distance, -0.7 * distance, 0 }, { 40, 20, 0 }, { 0, 0, 1 }, 50,
+		480, 320 };
 	request.view.eye[2] = hills(request.view.eye[0], request.view.eye[1]) + above;
 	request.view.target[2] = hills(40, 20);
 	return request;
 }
 
-static void plan(struct srv_stream *stream, const struct eco_request *request, const struct eco_holdings *holdings)
+static void plan(struct srv_stream *stream, const struct eco_request *request,
+	const struct eco_holdings *holdings)
 {
 	struct srv_stream_input input = { .scene = scene, .request = request, .holdings = holdings };
 	struct eco_error error = { 0 };
@@ -110,13 +112,15 @@ static void ground_comes_coarse_to_fine(void **state)
 	assert_true(stream.step_count >= 2);
 	for (uint32_t i = 0; i < stream.step_count; i++) {
 		double times = stream.steps[i].ground_px / 0.1;
-		assert_true(i + 1 == stream.step_count ? times == 1 : fabs(times - 4) < 1e-9 || fabs(times - 16) < 1e-9 || fabs(times - 64) < 1e-9);
+		assert_true(i + 1 == stream.step_count ? times == 1 : fabs(times - 4) < 1e-9
+			|| fabs(times - 16) < 1e-9 || fabs(times - 64) < 1e-9);
 		if (i)
 			assert_true(stream.steps[i].ground_px < stream.steps[i - 1].ground_px
 				&& ground_tiles(&stream.steps[i]) >= ground_tiles(&stream.steps[i - 1]));
 	}
 	/* a picture of the horizon long before all of it: 341 tiles are no burden on the first */
-	assert_true(scene->pack->scene.ground_count > 300 && stream.steps[0].end_bytes < stream.body_bytes / 4);
+	assert_true(scene->pack->scene.ground_count > 300 && stream.steps[0].end_bytes
+		< stream.body_bytes / 4);
 	view_store_free(receive(NULL, &stream));
 	srv_stream_free(&stream);
 }
@@ -133,7 +137,8 @@ static void the_same_view_has_the_same_ground_whatever_came_before(void **state)
 			assert_int_equal(view_store_holdings(held, &holdings, NULL), ECO_OK);
 		plan(&fresh, &request, NULL);
 		plan(&after, &request, &holdings);
-		const struct eco_plan *a = &fresh.steps[fresh.step_count - 1].plan, *b = &after.steps[after.step_count - 1].plan;
+		const struct eco_plan *a = &fresh.steps[fresh.step_count - 1].plan,
+			*b = &after.steps[after.step_count - 1].plan;
 		assert_int_equal(a->cut_count, b->cut_count);
 		for (uint32_t c = 0; c < a->cut_count; c++)
 			assert_int_equal(a->cuts[c].list, b->cuts[c].list);
@@ -258,9 +263,11 @@ static void opengl_and_software_draw_the_same_ground(void **state)
 				seams += selection.ground.tiles[t].seam.coarser[side] > 0;
 		assert_int_equal(view_picture_init(&a, 480, 320, NULL), ECO_OK);
 		assert_int_equal(view_picture_init(&b, 480, 320, NULL), ECO_OK);
-		if (view_gl_draw(gl, &(struct view_gl_job){ held, &selection, &eye, 0.05, VIEW_TINT_NONE }, &a, &error))
+		if (view_gl_draw(gl, &(struct view_gl_job){ held, &selection, &eye, 0.05, VIEW_TINT_NONE },
+				&a, &error))
 			fail_msg("%s", error.text);
-		assert_int_equal(view_reference_draw(&(struct view_reference_job){ held, &selection, &eye, 0.05, 2, NULL }, &b, NULL), ECO_OK);
+		assert_int_equal(view_reference_draw(&(struct view_reference_job){ held, &selection, &eye,
+			0.05, 2, NULL }, &b, NULL), ECO_OK);
 		for (uint32_t p = 0; p < 480 * 320; p++) {
 			wrong += a.cover[p] != b.cover[p];
 			owners += a.owner[p] != b.owner[p];

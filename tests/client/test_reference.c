@@ -56,7 +56,8 @@ static int close_all(void **state)
 	return 0;
 }
 
-static void draw_software(const struct scene_held *d, const struct eco_view *view, uint32_t threads, struct view_picture *picture)
+static void draw_software(const struct scene_held *d, const struct eco_view *view, uint32_t threads,
+	struct view_picture *picture)
 {
 	struct view_reference_job job = { d->store, &d->selection, &d->eye, 0.1, threads, NULL };
 	assert_int_equal(view_picture_init(picture, view->width, view->height, NULL), ECO_OK);
@@ -95,7 +96,8 @@ static void compare(const struct view_picture *a, const struct view_picture *b, 
 
 static void opengl_and_software_agree(void **state)
 {
-	static const double eyes[][6] = { { -22, -19, 6.5, 0, 0, 2.5 }, { 0, -40, 30, 0, 0, 0 }, { 2, 1, 1.7, 9, 9, 3 }, { 4, -3, 40, 4.1, -3, 0 },
+	static const double eyes[][6] = { { -22, -19, 6.5, 0, 0, 2.5 }, { 0, -40, 30, 0, 0, 0 },
+		{ 2, 1, 1.7, 9, 9, 3 }, { 4, -3, 40, 4.1, -3, 0 },
 		{ 30, 3, 2, 0, 0, 4 } };
 	if (!gl)
 		skip();
@@ -111,8 +113,8 @@ static void opengl_and_software_agree(void **state)
 		draw_software(&d, &view, 2, &soft);
 		draw_gl(&d, &view, &hard);
 		compare(&soft, &hard, &masks, &owners);
-		print_message("view %zu: %llu vertices, masks differ in %.4f %%, owners in %.4f %% of pixels\n", i,
-			(unsigned long long)hard.vertices, 100 * masks, 100 * owners);
+		print_message("view %zu: %llu vertices, masks differ in %.4f %%, owners in %.4f %% of "
+			"pixels\n", i, (unsigned long long)hard.vertices, 100 * masks, 100 * owners);
 		snprintf(name, sizeof name, "reference-gl-%zu", i);
 		save(name, &hard);
 		snprintf(name, sizeof name, "reference-cpu-%zu", i);
@@ -157,7 +159,8 @@ static void something_is_seen_and_scores_as_itself(void **state)
 		hidden += (p.cover[i] != 0) != (p.owner[i] != 0);
 	}
 	assert_true(kinds[0] > 10000 && kinds[1] > 10000 && hidden == 0);
-	lod_score(&score, &(struct lod_score_input){ view.width, view.height, p.cover, p.cover, p.owner, p.owner });
+	lod_score(&score, &(struct lod_score_input){ view.width, view.height, p.cover, p.cover, p.owner,
+		p.owner });
 	assert_true(score.q == 1 && score.owner_q == 1 && score.skill == 1);
 	view_picture_free(&p);
 	scene_release(&d);
@@ -180,8 +183,10 @@ static void software_stops_when_told(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(opengl_and_software_agree), cmocka_unit_test(threads_do_not_change_the_picture),
-		cmocka_unit_test(something_is_seen_and_scores_as_itself), cmocka_unit_test(software_stops_when_told),
+		cmocka_unit_test(opengl_and_software_agree),
+			cmocka_unit_test(threads_do_not_change_the_picture),
+		cmocka_unit_test(something_is_seen_and_scores_as_itself),
+		cmocka_unit_test(software_stops_when_told),
 	};
 	return cmocka_run_group_tests(tests, open_all, close_all);
 }

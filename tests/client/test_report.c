@@ -1,4 +1,5 @@
-/* What the viewer says: figures of frames, report.json, command lines, and the little arithmetic behind them. */
+/* What the viewer says: figures of frames, report.json, command lines, and the little arithmetic behind them.
+ */
 #include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
@@ -13,7 +14,8 @@
 #include "client-min/view_report.h"
 #include "tests/support/unit_test.h"
 
-static const struct eco_request request = { .view = { { 1.5, -2, 0.1 }, { 0, 0, 1e-9 }, { 0, 0, 1 }, 45, 800, 600 }, .vertices = 1000,
+static const struct eco_request request =
+	{ .view = { { 1.5, -2, 0.1 }, { 0, 0, 1e-9 }, { 0, 0, 1 }, 45, 800, 600 }, .vertices = 1000,
 	.bytes = ECO_BYTES_UNBOUNDED };
 
 static void line_shows_dashes_for_what_is_not_known(void **state)
@@ -27,7 +29,8 @@ static void line_shows_dashes_for_what_is_not_known(void **state)
 	FILE *out = open_memstream(&text, &size);
 	view_report_line(&f, out);
 	fclose(out);
-	assert_string_equal(text, "frame 0007  vertices 999 of 1000  bytes 1234  P -  R -  Q 0.2500  skill -  owner_q -\n");
+	assert_string_equal(text, "frame 0007  vertices 999 of 1000  bytes 1234  P -  R -  Q 0.2500  skill "
+		"-  owner_q -\n");
 	free(text);
 }
 
@@ -45,10 +48,13 @@ static json_t *written(const struct view_report *report)
 
 static void report_has_every_figure(void **state)
 {
-	static const char *const names[] = { "frame", "time_s", "budget_vertices", "vertices", "budget_bytes", "bytes", "precision", "recall",
-		"q", "skill", "owner_q", "predicted_q", "plan_ms", "first_byte_ms", "stream_ms", "decode_ms", "draw_ms", "reference_ms",
+	static const char *const names[] = { "frame", "time_s", "budget_vertices", "vertices", "budget_bytes",
+		"bytes", "precision", "recall",
+		"q", "skill", "owner_q", "predicted_q", "plan_ms", "first_byte_ms", "stream_ms", "decode_ms",
+		"draw_ms", "reference_ms",
 		"reference_summaries" };
-	struct view_report report = { .scene = "park", .renderer = "software", .width = 800, .height = 600, .complete = true };
+	struct view_report report = { .scene = "park", .renderer = "software", .width = 800, .height = 600,
+		.complete = true };
 	struct lod_score score = { .precision = 0.5, .recall = 0.75, .q = 0.4, .skill = NAN, .owner_q = 0.3 };
 	for (uint32_t i = 0; i < 3; i++) {
 		struct view_frame f = view_frame_empty(i, i / 2.0, &request);
@@ -58,20 +64,24 @@ static void report_has_every_figure(void **state)
 			view_frame_score(&f, &score);
 		assert_int_equal(view_report_add(&report, &f, NULL), ECO_OK);
 	}
-	json_t *root = written(&report), *frames = json_object_get(root, "frames"), *summary = json_object_get(root, "summary");
+	json_t *root = written(&report), *frames = json_object_get(root, "frames"),
+		*summary = json_object_get(root, "summary");
 	assert_int_equal(json_array_size(frames), 3);
 	json_t *first = json_array_get(frames, 0), *last = json_array_get(frames, 2);
 	for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
 		assert_non_null(json_object_get(first, names[i]));
 	assert_int_equal(json_object_size(first), sizeof names / sizeof names[0]);
-	assert_true(json_is_null(json_object_get(first, "budget_bytes")) && json_is_null(json_object_get(first, "skill")));
-	assert_true(json_is_null(json_object_get(last, "q")) && json_is_null(json_object_get(last, "plan_ms")));
+	assert_true(json_is_null(json_object_get(first, "budget_bytes"))
+		&& json_is_null(json_object_get(first, "skill")));
+	assert_true(json_is_null(json_object_get(last, "q"))
+		&& json_is_null(json_object_get(last, "plan_ms")));
 	assert_true(json_real_value(json_object_get(first, "recall")) == 0.75);
 	assert_true(json_real_value(json_object_get(summary, "mean_q")) == 0.4);
 	assert_true(json_is_null(json_object_get(summary, "mean_skill")));
 	assert_int_equal(json_integer_value(json_object_get(summary, "total_bytes")), 30);
 	assert_string_equal(json_string_value(json_object_get(root, "renderer")), "software");
-	assert_true(json_is_null(json_object_get(root, "reference")) && json_is_true(json_object_get(root, "complete")));
+	assert_true(json_is_null(json_object_get(root, "reference"))
+		&& json_is_true(json_object_get(root, "complete")));
 	json_decref(root);
 	view_report_free(&report);
 }
@@ -92,9 +102,12 @@ static void query_keeps_every_digit(void **state)
 {
 	char text[VIEW_QUERY_BYTES];
 	assert_true(view_fetch_query(&request, text, sizeof text) == strlen(text));
-	assert_string_equal(text, "eye=1.5,-2,0.10000000000000001&target=0,0,1.0000000000000001e-09&up=0,0,1&fov_y_deg=45&width=800&height=600"
+	assert_string_equal(text, "eye=1.5,-2,0.10000000000000001&target=0,0,1.0000000000000001e-09&up=0,0,"
+		"1&fov_y_deg=45&width=800&height=600"
 		"&vertices=1000");
-	struct eco_request most = { .view = { .eye = { -1.2345678901234567e-300, -1.2345678901234567e-300, -1.2345678901234567e-300 } },
+	struct eco_request most =
+		{ .view =
+		{ .eye = { -1.2345678901234567e-300, -1.2345678901234567e-300, -1.2345678901234567e-300 } },
 		.vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED - 1 };
 	for (int i = 0; i < 3; i++)
 		most.view.target[i] = most.view.up[i] = most.view.eye[0];
@@ -108,8 +121,10 @@ static void query_keeps_every_digit(void **state)
 static void plan_time_is_found_in_its_header(void **state)
 {
 	static const struct { const char *text; double ms; } rows[] = {
-		{ " plan;dur=12.5", 12.5 }, { "cache;dur=1, plan;dur=3\r\n", 3 }, { "plan;dur=0", 0 }, { "airplan;dur=4", NAN },
-		{ "plan;dur=", NAN }, { "plan;dur=-1", NAN }, { "plan;dur=nan", NAN }, { "", NAN }, { "total;dur=5", NAN },
+		{ " plan;dur=12.5", 12.5 }, { "cache;dur=1, plan;dur=3\r\n", 3 }, { "plan;dur=0", 0 },
+			{ "airplan;dur=4", NAN },
+		{ "plan;dur=", NAN }, { "plan;dur=-1", NAN }, { "plan;dur=nan", NAN }, { "", NAN },
+		{ "total;dur=5", NAN },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
 		double ms = view_fetch_plan_ms(rows[i].text, strlen(rows[i].text));
@@ -146,11 +161,15 @@ static void an_explanation_is_a_table(void **state)
 	size_t size;
 	struct eco_error error = { 0 };
 	FILE *out = open_memstream(&text, &size);
-	assert_int_equal(view_explain_write(out, 3, "{\"explanation\": {\"lambda\": 0.5, \"omitted\": 0, \"rows\": ["
-		"{\"list\": 7, \"first\": 0, \"end\": 4, \"plant\": \"oak, \\\"old\\\"\", \"band\": 99, \"plants\": 2, \"vertices\": 24, \"gain_px\": 1.25, "
-		"\"why\": \"all\", \"reason\": \"all of it is drawn\"}, {\"tile\": 1, \"plants\": 5, \"vertices\": 0, \"why\": \"plants\"}]}}", &error), ECO_OK);
+	assert_int_equal(view_explain_write(out, 3, "{\"explanation\": {\"lambda\": 0.5, \"omitted\": 0, "
+		"\"rows\": ["
+		"{\"list\": 7, \"first\": 0, \"end\": 4, \"plant\": \"oak, \\\"old\\\"\", \"band\": 99, "
+		"\"plants\": 2, \"vertices\": 24, \"gain_px\": 1.25, "
+		"\"why\": \"all\", \"reason\": \"all of it is drawn\"}, {\"tile\": 1, \"plants\": 5, "
+		"\"vertices\": 0, \"why\": \"plants\"}]}}", &error), ECO_OK);
 	fclose(out);
-	assert_string_equal(text, "3,0.5,7,0,4,,\"oak, \"\"old\"\"\",99,,,,2,24,1.25,,all,all of it is drawn\n3,0.5,,,,1,,,,,,5,0,,,plants,\n");
+	assert_string_equal(text, "3,0.5,7,0,4,,\"oak, \"\"old\"\"\",99,,,,2,24,1.25,,all,all of it is "
+		"drawn\n3,0.5,,,,1,,,,,,5,0,,,plants,\n");
 	free(text);
 	assert_int_equal(view_explain_write(stdout, 0, "{\"cuts\": []}", &error), ECO_UNSUPPORTED);
 	assert_int_equal(view_explain_write(stdout, 0, "no JSON", &(struct eco_error){ 0 }), ECO_UNSUPPORTED);
@@ -159,9 +178,11 @@ static void an_explanation_is_a_table(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(line_shows_dashes_for_what_is_not_known), cmocka_unit_test(report_has_every_figure),
+		cmocka_unit_test(line_shows_dashes_for_what_is_not_known),
+			cmocka_unit_test(report_has_every_figure),
 		cmocka_unit_test(report_of_nothing_is_valid),
-		cmocka_unit_test(query_keeps_every_digit), cmocka_unit_test(plan_time_is_found_in_its_header), cmocka_unit_test(quantiles_are_values_that_occurred),
+		cmocka_unit_test(query_keeps_every_digit), cmocka_unit_test(plan_time_is_found_in_its_header),
+		cmocka_unit_test(quantiles_are_values_that_occurred),
 		cmocka_unit_test(comparison_has_a_colour_for_each_case),
 		cmocka_unit_test(an_explanation_is_a_table),
 	};

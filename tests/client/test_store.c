@@ -1,4 +1,5 @@
-/* What a client holds, and which instances a plan's cuts draw: streams of a small scene, whole, repeated and wrong. */
+/* What a client holds, and which instances a plan's cuts draw: streams of a small scene, whole, repeated and
+ * wrong. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -55,7 +56,8 @@ static void stream_fills_the_store(void **state)
 	uint32_t columns, rows;
 	view_store_ground(store, &columns, &rows);
 	assert_true(columns == 17 && rows == 15);
-	assert_true(view_store_list(store, L_GROUND)->tile.level == 0 && view_store_list(store, L_GROUND)->tile.column == 0);
+	assert_true(view_store_list(store, L_GROUND)->tile.level == 0
+		&& view_store_list(store, L_GROUND)->tile.column == 0);
 	assert_int_equal(view_store_plant(store, 0)->plant.anchor_count, 3);
 	assert_null(view_store_plant(store, 2));
 	assert_null(view_store_list(store, L_COUNT));
@@ -82,11 +84,13 @@ static void ground_and_instances_come_back_in_order(void **state)
 {
 	struct scene_held h = scene_hold(&scene);
 	for (uint32_t id = L_TREES; id <= L_GROUND; id++) {
-		const struct eco_elements *in = &scene.elements[id], *out = &view_store_list(h.store, id)->elements;
+		const struct eco_elements *in = &scene.elements[id],
+			*out = &view_store_list(h.store, id)->elements;
 		assert_int_equal(in->element_count, out->element_count);
 		assert_memory_equal(in->position, out->position, 12 * (size_t)in->element_count);
 		if (in->extra_count)
-			assert_memory_equal(in->extra, out->extra, 4 * (size_t)in->element_count * in->extra_count);
+			assert_memory_equal(in->extra, out->extra,
+				4 * (size_t)in->element_count * in->extra_count);
 	}
 	scene_release(&h);
 }
@@ -111,7 +115,8 @@ static void second_stream_extends_the_first(void **state)
 	struct eco_writer w;
 	scene_plan(&scene, &view, 0.2, &small);
 	scene_plan(&scene, &view, 1, &large);
-	struct view_store *store = scene_store(&scene, &small, NULL), *whole = scene_store(&scene, &large, NULL);
+	struct view_store *store = scene_store(&scene, &small, NULL),
+		*whole = scene_store(&scene, &large, NULL);
 	holdings_of(store, held);
 	assert_true(held[L_LEAVES] > 0 && held[L_LEAVES] < scene.lists[L_LEAVES].chunk_count);
 	scene_stream(&scene, &large, held, &w);
@@ -122,7 +127,8 @@ static void second_stream_extends_the_first(void **state)
 		if (!a)
 			continue;
 		assert_int_equal(a->elements.corner_count, b->elements.corner_count);
-		assert_memory_equal(a->elements.position, b->elements.position, 12 * (size_t)a->elements.corner_count);
+		assert_memory_equal(a->elements.position, b->elements.position,
+			12 * (size_t)a->elements.corner_count);
 	}
 	eco_writer_free(&w);
 	view_store_free(store);
@@ -133,8 +139,9 @@ static void second_stream_extends_the_first(void **state)
 
 /* ---- Streams that are wrong ---- */
 
-enum fault { SAME_CHUNK_TWICE, CHUNK_SKIPPED, CHUNK_WITHOUT_LIST, LIST_CHANGED, PLANT_CHANGED, PLAN_BEYOND_HELD, PLAN_OF_UNKNOWN_LIST,
-	PLAN_OF_INSTANCES, END_DISAGREES, GROUND_MISSING, GROUND_IN_PART, GROUND_ELSEWHERE, COLOR_OUTSIDE, FAULTS };
+enum fault { SAME_CHUNK_TWICE, CHUNK_SKIPPED, CHUNK_WITHOUT_LIST, LIST_CHANGED, PLANT_CHANGED,
+	PLAN_BEYOND_HELD, PLAN_OF_UNKNOWN_LIST, PLAN_OF_INSTANCES, END_DISAGREES, GROUND_MISSING,
+	GROUND_IN_PART, GROUND_ELSEWHERE, COLOR_OUTSIDE, FAULTS };
 
 static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writer *w)
 {
@@ -154,12 +161,14 @@ static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writ
 		scene_frame(w, &scene, ECO_FRAME_LIST, &number, L_LEAVES, 0);
 	}
 	scene_frame(w, &scene, ECO_FRAME_CHUNK, &number, L_LEAVES, fault == CHUNK_SKIPPED);
-	plan->cuts[0] = scene_rule(A_TREE, L_LEAVES, 0, fault == PLAN_BEYOND_HELD ? 500 : 10, 1, 0, ECO_BANDS);
+	plan->cuts[0] = scene_rule(A_TREE, L_LEAVES, 0, fault == PLAN_BEYOND_HELD ? 500 : 10, 1, 0,
+		ECO_BANDS);
 	plan->cut_count = 1;
 	plan->run_count = 0;
 	plan->vertices = 0;
 	if (fault == GROUND_MISSING || fault == GROUND_IN_PART)
-		plan->cuts[0] = (struct eco_cut){ .list = L_GROUND, .end = fault == GROUND_IN_PART ? 17 : 17 * 15, .scale = 1, .anchor = ECO_NONE };
+		plan->cuts[0] = (struct eco_cut){ .list = L_GROUND, .end = fault == GROUND_IN_PART ? 17
+			: 17 * 15, .scale = 1, .anchor = ECO_NONE };
 	switch (fault) {
 	case SAME_CHUNK_TWICE:
 		scene_frame(w, &scene, ECO_FRAME_CHUNK, &number, L_LEAVES, 0);
@@ -196,8 +205,10 @@ static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writ
 
 static void wrong_streams_are_refused_with_a_reason(void **state)
 {
-	static const char *const reasons[FAULTS] = { "chunk 0", "chunk", "", "described twice", "described twice", "are held",
-		"was not sent", "not drawable", "vertices", "was not sent", "a tile of ground", "a tile of ground", "palette" };
+	static const char *const reasons[FAULTS] = { "chunk 0", "chunk", "", "described twice",
+		"described twice", "are held",
+		"was not sent", "not drawable", "vertices", "was not sent", "a tile of ground",
+		"a tile of ground", "palette" };
 	struct eco_view view = scene_view();
 	for (int fault = 0; fault < FAULTS; fault++) {
 		struct view_store *store;
@@ -221,14 +232,19 @@ static void wrong_streams_are_refused_with_a_reason(void **state)
 
 /* ---- Forms that are not those of their list ---- */
 
-enum form_fault { FORM_SOUND, FORM_COUNT, FORM_CHUNKS, FORM_PARTNER, FORM_SPLIT, FORM_SHAPE, FORM_GROWTH, FORM_SIZE, FORM_MANY, FORM_FAULTS };
+enum form_fault { FORM_SOUND, FORM_COUNT, FORM_CHUNKS, FORM_PARTNER, FORM_SPLIT, FORM_SHAPE, FORM_GROWTH,
+	FORM_SIZE, FORM_MANY, FORM_FAULTS };
 
-/* A chunk of `list` with its first `count` elements, some code of which may be wrong, as chunk 0 of `other`. */
-static void forge_chunk(struct scene_builder *other, uint32_t list, uint32_t count, int32_t code, uint8_t **payload)
+/* A chunk of `list` with its first `count` elements, some code of which may be wrong, as chunk 0 of `other`.
+ */
+static void forge_chunk(struct scene_builder *other, uint32_t list, uint32_t count, int32_t code,
+	uint8_t **payload)
 {
 	struct eco_list l = other->lists[list];
-	struct eco_elements e = other->elements[list], *of = &other->elements[l.partner == ECO_NONE ? list : l.partner];
-	struct eco_chunk_input input = { &other->lists[l.partner == ECO_NONE ? list : l.partner], of, 0, count, 0 };
+	struct eco_elements e = other->elements[list],
+		*of = &other->elements[l.partner == ECO_NONE ? list : l.partner];
+	struct eco_chunk_input input = { &other->lists[l.partner == ECO_NONE ? list : l.partner], of, 0,
+		count, 0 };
 	struct eco_chunk *chunk = &other->chunks[l.chunk_first];
 	size_t size;
 	int32_t kept = e.extra[1];
@@ -236,8 +252,8 @@ static void forge_chunk(struct scene_builder *other, uint32_t list, uint32_t cou
 	assert_int_equal(l.partner == ECO_NONE ? eco_chunk_encode(&input, payload, &size, NULL, NULL)
 		: eco_chunk_encode_form(&input, &l, &e, payload, &size, NULL), ECO_OK);
 	e.extra[1] = kept;
-	*chunk = (struct eco_chunk){ eco_chunk_hash(*payload, size), 0, (uint32_t)size, count * (l.kind == ECO_LIST_TRIANGLES ? e.corners[0] - 2u : 1),
-		count };
+	*chunk = (struct eco_chunk){ eco_chunk_hash(*payload, size), 0, (uint32_t)size,
+		count * (l.kind == ECO_LIST_TRIANGLES ? e.corners[0] - 2u : 1), count };
 	other->payloads[l.chunk_first] = *payload;
 }
 
@@ -245,7 +261,8 @@ static void forge_chunk(struct scene_builder *other, uint32_t list, uint32_t cou
 static void write_forms(enum form_fault fault, bool points_first, struct eco_writer *w)
 {
 	struct scene_builder other = scene;
-	uint32_t number = 0, order[2] = { points_first ? L_POINTS : L_LEAVES, points_first ? L_LEAVES : L_POINTS };
+	uint32_t number = 0,
+		order[2] = { points_first ? L_POINTS : L_LEAVES, points_first ? L_LEAVES : L_POINTS };
 	uint8_t *payload = NULL;
 	uint32_t first = scene.chunks[scene.lists[L_POINTS].chunk_first].element_count;
 	struct eco_list lists[L_LOW_POINTS + 9 > L_COUNT ? L_LOW_POINTS + 9 : L_COUNT];
@@ -253,7 +270,8 @@ static void write_forms(enum form_fault fault, bool points_first, struct eco_wri
 	uint8_t *payloads[512];
 	assert_true(scene.scene.chunk_count <= 512);
 	other.scene.lists = other.lists = memcpy(lists, scene.lists, L_COUNT * sizeof *lists);
-	other.scene.chunks = other.chunks = memcpy(chunks, scene.chunks, scene.scene.chunk_count * sizeof *chunks);
+	other.scene.chunks = other.chunks =
+		memcpy(chunks, scene.chunks, scene.scene.chunk_count * sizeof *chunks);
 	other.payloads = memcpy(payloads, scene.payloads, scene.scene.chunk_count * sizeof *payloads);
 	*w = (struct eco_writer){ 0 };
 	other.lists[L_POINTS].element_count += fault == FORM_COUNT;
@@ -264,7 +282,8 @@ static void write_forms(enum form_fault fault, bool points_first, struct eco_wri
 	if (fault == FORM_SPLIT)
 		forge_chunk(&other, L_POINTS, first - 1, ECO_SIZE_ONE, &payload);
 	else if (fault == FORM_GROWTH || fault == FORM_SIZE)
-		forge_chunk(&other, fault == FORM_GROWTH ? L_LEAVES : L_POINTS, first, fault == FORM_GROWTH ? (int32_t)ECO_GROWTHS : -1, &payload);
+		forge_chunk(&other, fault == FORM_GROWTH ? L_LEAVES : L_POINTS, first, fault == FORM_GROWTH
+			? (int32_t)ECO_GROWTHS : -1, &payload);
 	scene_frame(w, &scene, ECO_FRAME_SCENE, &number, 0, 0);
 	if (fault == FORM_PARTNER)
 		scene_frame(w, &other, ECO_FRAME_LIST, &number, L_LINES, 0);
@@ -285,8 +304,10 @@ static void write_forms(enum form_fault fault, bool points_first, struct eco_wri
 
 static void forms_that_do_not_pair_are_refused(void **state)
 {
-	static const char *const reasons[FORM_FAULTS] = { "", "is a form of list 2", "is a form of list 2", "which is not one of fans",
-		"forms of the same", "which is not one of fans", "growth code 8", "size code -1", "more than 8 forms" };
+	static const char *const reasons[FORM_FAULTS] = { "", "is a form of list 2", "is a form of list 2",
+		"which is not one of fans",
+		"forms of the same", "which is not one of fans", "growth code 8", "size code -1",
+		"more than 8 forms" };
 	for (int fault = 0; fault < FORM_FAULTS; fault++)
 		for (int order = 0; order < 2; order++) {
 			struct view_store *store;
@@ -307,7 +328,8 @@ static void forms_that_do_not_pair_are_refused(void **state)
 static void forms_pair_with_their_elements(void **state)
 {
 	struct scene_held h = scene_hold(&scene);
-	const struct eco_elements *leaves = &view_store_list(h.store, L_LOW)->elements, *points = &view_store_list(h.store, L_LOW_POINTS)->elements;
+	const struct eco_elements *leaves = &view_store_list(h.store, L_LOW)->elements,
+		*points = &view_store_list(h.store, L_LOW_POINTS)->elements;
 	assert_true(points->element_count == scene.lists[L_LOW].element_count && leaves->element_count > 100);
 	for (uint32_t i = 0; i < leaves->element_count; i++) {
 		const int32_t *leaf = leaves->position + 12 * (size_t)i;
@@ -408,9 +430,11 @@ static void blends_are_recognised(void **state)
 	scene_select(&h);
 	const struct view_selection s = h.selection;
 	for (uint32_t c = 0; c < s.cut_count; c++) {
-		static const uint8_t roles[L_COUNT] = { [L_WOOD] = VIEW_ROLE_TRIANGLES, [L_LINES] = VIEW_ROLE_LINES,
-			[L_LEAVES] = VIEW_ROLE_TRIANGLES, [L_POINTS] = VIEW_ROLE_POINTS, [L_LOW] = VIEW_ROLE_BLEND_TRIANGLES,
-			[L_LOW_POINTS] = VIEW_ROLE_BLEND_POINTS, [L_SIMPLE] = VIEW_ROLE_BLEND_SIMPLE, [L_HIGH_POINTS] = VIEW_ROLE_BLEND_POINTS,
+		static const uint8_t roles[L_COUNT] = { [L_WOOD] = VIEW_ROLE_TRIANGLES,
+			[L_LINES] = VIEW_ROLE_LINES, [L_LEAVES] = VIEW_ROLE_TRIANGLES,
+			[L_POINTS] = VIEW_ROLE_POINTS, [L_LOW] = VIEW_ROLE_BLEND_TRIANGLES,
+			[L_LOW_POINTS] = VIEW_ROLE_BLEND_POINTS, [L_SIMPLE] = VIEW_ROLE_BLEND_SIMPLE,
+			[L_HIGH_POINTS] = VIEW_ROLE_BLEND_POINTS,
 				[L_BUSH] = VIEW_ROLE_TRIANGLES, [L_SUMMARY] = VIEW_ROLE_SUMMARY };
 		assert_int_equal(s.roles[c], roles[view_store_plan(h.store)->cuts[c].list]);
 	}
@@ -443,7 +467,8 @@ static void summary_records_carry_owners(void **state)
 	for (uint32_t i = 0; i < list->elements.primitive_count; i++)
 		for (uint32_t path = 0; path < 3; path++) {
 			const uint32_t *t = words + 8 * i + 4;
-			uint32_t key = eco_owner_child(path), high = (t[1] & ~t[2]) | ((t[1] + view_record_path(key)) & t[2]);
+			uint32_t key = eco_owner_child(path),
+				high = (t[1] & ~t[2]) | ((t[1] + view_record_path(key)) & t[2]);
 			assert_true((t[0] | (uint64_t)high << 32) == view_summary_owner(list, i, key));
 		}
 	free(words);
@@ -454,11 +479,14 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(table_keeps_what_was_put), cmocka_unit_test(stream_fills_the_store),
-		cmocka_unit_test(ground_and_instances_come_back_in_order), cmocka_unit_test(second_stream_extends_the_first),
-		cmocka_unit_test(wrong_streams_are_refused_with_a_reason), cmocka_unit_test(chunk_that_is_held_is_refused),
-		cmocka_unit_test(forms_that_do_not_pair_are_refused), cmocka_unit_test(forms_pair_with_their_elements),
-		cmocka_unit_test(memory_is_bounded),
-		cmocka_unit_test(selection_draws_what_the_plan_says), cmocka_unit_test(selection_refuses_a_plan_that_miscounts),
+		cmocka_unit_test(ground_and_instances_come_back_in_order),
+		cmocka_unit_test(second_stream_extends_the_first),
+		cmocka_unit_test(wrong_streams_are_refused_with_a_reason),
+		cmocka_unit_test(chunk_that_is_held_is_refused),
+		cmocka_unit_test(forms_that_do_not_pair_are_refused),
+		cmocka_unit_test(forms_pair_with_their_elements), cmocka_unit_test(memory_is_bounded),
+		cmocka_unit_test(selection_draws_what_the_plan_says),
+		cmocka_unit_test(selection_refuses_a_plan_that_miscounts),
 		cmocka_unit_test(blends_are_recognised), cmocka_unit_test(no_plan_selects_nothing),
 		cmocka_unit_test(summary_records_carry_owners),
 	};

@@ -1,5 +1,5 @@
-/* The cache of finished plants: the pack is the same with and without it, damage is noticed and repaired, its size is bounded, and a folder
- * that cannot be used fails nothing. */
+/* The cache of finished plants: the pack is the same with and without it, damage is noticed and repaired, its
+ * size is bounded, and a folder that cannot be used fails nothing. */
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -262,7 +262,8 @@ static void make(const char *pack, const char *cache, enum lod_order_method orde
 {
 	struct eco_error error = { 0 };
 	char from[512], to[512];
-	const struct make_options options = { .scene = in_root(from, scene), .pack = in_root(to, pack), .jobs = 2, .cache = cache, .order = order };
+	const struct make_options options = { .scene = in_root(from, scene), .pack = in_root(to, pack),
+		.jobs = 2, .cache = cache, .order = order };
 	if (make_pack(&options, &error))
 		fail_msg("%s", error.text);
 }
@@ -283,31 +284,42 @@ static void write_scene(void)
 {
 	char path[512];
 	static const uint8_t pixels[] = { 20, 120, 30, 255, 20, 120, 30, 255, 20, 120, 30, 255, 0, 0, 0, 0 };
-	assert_int_equal(eco_png_write(&(struct eco_pixels){ 2, 2, 4, pixels }, in_root(path, "leaf.png"), NULL), ECO_OK);
-	write_text("tree.mtl", "newmtl bark\nKd 0.4 0.3 0.2\nnewmtl leaf\nKd 1 1 1\nmap_Kd leaf.png\nnewmtl blossom\nKd 0.9 0.4 0.5\n");
+	assert_int_equal(eco_png_write(&(struct eco_pixels){ 2, 2, 4, pixels }, in_root(path, "leaf.png"),
+		NULL), ECO_OK);
+	write_text("tree.mtl", "newmtl bark\nKd 0.4 0.3 0.2\nnewmtl leaf\nKd 1 1 1\nmap_Kd leaf.png\nnewmtl "
+		"blossom\nKd 0.9 0.4 0.5\n");
 	FILE *file = fopen(in_root(path, "tree.obj"), "wb");
 	assert_non_null(file);
 	fputs("mtllib tree.mtl\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl bark\n", file);
 	for (int k = 0; k < 9; k++)
 		for (int i = 0; i < 4; i++)
-			fprintf(file, "v %f %f %f\n", (i % 3 ? 0.1 : -0.1) + 0.02 * k, k * 0.5, i < 2 ? -0.1 : 0.1);
+			fprintf(file, "v %f %f %f\n", (i % 3 ? 0.1 : -0.1) + 0.02 * k, k * 0.5,
+				i < 2 ? -0.1 : 0.1);
 	for (int k = 0; k < 8; k++)
 		for (int i = 0; i < 4; i++)
-			fprintf(file, "f %d %d %d %d\n", 4 * k + i + 1, 4 * k + (i + 1) % 4 + 1, 4 * k + (i + 1) % 4 + 5, 4 * k + i + 5);
+			fprintf(file, "f %d %d %d %d\n", 4 * k + i + 1, 4 * k + (i + 1) % 4 + 1,
+				4 * k + (i + 1) % 4 + 5, 4 * k + i + 5);
 	for (int i = 0; i < 700; i++) {
-		double x = i * 37 % 100 / 33.0 - 1.5, z = i * 71 % 101 / 33.0 - 1.5, y = 2 + i * 53 % 97 / 40.0, l = 0.1 + i % 5 * 0.02;
+		double x = i * 37 % 100 / 33.0 - 1.5, z = i * 71 % 101 / 33.0 - 1.5,
+			y = 2 + i * 53 % 97 / 40.0, l = 0.1 + i % 5 * 0.02;
 		if (i % 350 == 0)
 			fprintf(file, "usemtl %s\n", i ? "blossom" : "leaf");
-		fprintf(file, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\nf -4/1 -3/2 -2/3 -1/4\n", x, y, z, x + l / 2, y + l / 4, z, x + l, y,
-			z + l / 3, x + l / 2, y - l / 4, z);
+		fprintf(file, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\nf -4/1 -3/2 -2/3 -1/4\n", x, y,
+			z, x + l / 2, y + l / 4, z, x + l, y, z + l / 3, x + l / 2, y - l / 4, z);
 	}
 	assert_int_equal(fclose(file), 0);
-	write_text("scene.json", "{\"name\": \"s\", \"plants\": {\"tree\": {\"model\": \"tree.obj\", \"unit\": \"m\"}},\n"
-		"\"instances\": [{\"plant\": \"tree\", \"at\": [0, 0, 0]}, {\"plant\": \"tree\", \"at\": [9, 4, 0]}]}\n");
-	write_text("renamed.json", "{\"name\": \"s\", \"plants\": {\"arbre\": {\"model\": \"tree.obj\", \"unit\": \"m\"}},\n"
-		"\"instances\": [{\"plant\": \"arbre\", \"at\": [0, 0, 0]}, {\"plant\": \"arbre\", \"at\": [9, 4, 0]}]}\n");
-	write_text("pruned.json", "{\"name\": \"s\", \"plants\": {\"tree\": {\"model\": \"tree.obj\", \"unit\": \"m\", \"parts\":\n"
-		"[{\"name\": \"blossom\", \"is\": \"left out\"}]}}, \"instances\": [{\"plant\": \"tree\", \"at\": [0, 0, 0]}]}\n");
+	write_text("scene.json", "{\"name\": \"s\", \"plants\": {\"tree\": {\"model\": \"tree.obj\", "
+		"\"unit\": \"m\"}},\n"
+		"\"instances\": [{\"plant\": \"tree\", \"at\": [0, 0, 0]}, {\"plant\": \"tree\", \"at\": "
+		"[9, 4, 0]}]}\n");
+	write_text("renamed.json", "{\"name\": \"s\", \"plants\": {\"arbre\": {\"model\": \"tree.obj\", "
+		"\"unit\": \"m\"}},\n"
+		"\"instances\": [{\"plant\": \"arbre\", \"at\": [0, 0, 0]}, {\"plant\": \"arbre\", \"at\": "
+		"[9, 4, 0]}]}\n");
+	write_text("pruned.json", "{\"name\": \"s\", \"plants\": {\"tree\": {\"model\": \"tree.obj\", "
+		"\"unit\": \"m\", \"parts\":\n"
+		"[{\"name\": \"blossom\", \"is\": \"left out\"}]}}, \"instances\": [{\"plant\": \"tree\", "
+		"\"at\": [0, 0, 0]}]}\n");
 }
 
 static void packs_are_the_same_with_and_without(void **state)
@@ -316,7 +328,8 @@ static void packs_are_the_same_with_and_without(void **state)
 	write_scene();
 	make("none.eco", NULL, LOD_ORDER_GREEDY, "scene.json");
 	make("first.eco", folder, LOD_ORDER_GREEDY, "scene.json");
-	assert_int_equal(files_in(folder, ".plant"), 2);               /* the plant, and that the pack is ours */
+	assert_int_equal(files_in(folder, ".plant"), 2);
+		/* the plant, and that the pack is ours */
 	make("second.eco", folder, LOD_ORDER_GREEDY, "scene.json");
 	assert_int_equal(files_in(folder, ".plant"), 2);
 	assert_true(same_packs("none.eco", "first.eco"));

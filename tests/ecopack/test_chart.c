@@ -1,4 +1,5 @@
-/* The canvas: round numbers, texts of any bytes, pixels where they were drawn, files that are whole or not there. */
+/* The canvas: round numbers, texts of any bytes, pixels where they were drawn, files that are whole or not
+ * there. */
 #include <cairo/cairo.h>
 #include <locale.h>
 #include <math.h>
@@ -36,14 +37,16 @@ static uint32_t pixel(const char *path, int x, int y)
 	cairo_surface_t *picture = cairo_image_surface_create_from_png(path);
 	uint32_t rgb;
 	assert_int_equal(cairo_surface_status(picture), CAIRO_STATUS_SUCCESS);
-	memcpy(&rgb, cairo_image_surface_get_data(picture) + y * cairo_image_surface_get_stride(picture) + 4 * x, 4);
+	memcpy(&rgb, cairo_image_surface_get_data(picture) + y * cairo_image_surface_get_stride(picture)
+		+ 4 * x, 4);
 	cairo_surface_destroy(picture);
 	return rgb & 0xffffff;
 }
 
 static void test_numbers_are_rounded_down_to_1_2_5(void **state)
 {
-	static const struct { double value, rounded; } cases[] = { { 1, 1 }, { 1.99, 1 }, { 2, 2 }, { 4.9, 2 }, { 5, 5 }, { 9.9, 5 }, { 10, 10 },
+	static const struct { double value, rounded; } cases[] = { { 1, 1 }, { 1.99, 1 }, { 2, 2 },
+		{ 4.9, 2 }, { 5, 5 }, { 9.9, 5 }, { 10, 10 },
 		{ 0.01, 0.01 }, { 0.049, 0.02 }, { 123456, 100000 }, { 1e-9, 1e-9 }, { 7e12, 5e12 } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
 		assert_true(fabs(eco_chart_round_below(cases[i].value) / cases[i].rounded - 1) < 1e-9);
@@ -51,29 +54,35 @@ static void test_numbers_are_rounded_down_to_1_2_5(void **state)
 
 static void test_ticks_are_round_few_and_inside(void **state)
 {
-	static const struct { double low, high; uint32_t most; double step; } cases[] = { { 0, 10, 11, 1 }, { 0, 10, 6, 2 }, { 0, 64, 14, 5 },
-		{ 747300, 747800, 6, 100 }, { -3, 3, 4, 2 }, { 0.001, 0.0099, 10, 0.001 }, { 4308500.4, 4308500.9, 4, 0.2 } };
+	static const struct { double low, high; uint32_t most; double step; } cases[] =
+		{ { 0, 10, 11, 1 }, { 0, 10, 6, 2 }, { 0, 64, 14, 5 },
+		{ 747300, 747800, 6, 100 }, { -3, 3, 4, 2 }, { 0.001, 0.0099, 10, 0.001 },
+		{ 4308500.4, 4308500.9, 4, 0.2 } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_chart_ticks ticks = eco_chart_ticks(cases[i].low, cases[i].high, cases[i].most);
 		assert_true(fabs(ticks.step / cases[i].step - 1) < 1e-6);
 		assert_in_range(ticks.count, 1, cases[i].most);
 		double last = ticks.first + (ticks.count - 1) * ticks.step, slack = 1e-6 * ticks.step;
-		assert_true(ticks.first >= cases[i].low - slack && last <= cases[i].high + slack && last + ticks.step > cases[i].high - slack);
+		assert_true(ticks.first >= cases[i].low - slack && last <= cases[i].high + slack
+			&& last + ticks.step > cases[i].high - slack);
 	}
 }
 
 static void test_ticks_of_nothing_end(void **state)
 {
-	static const double cases[][2] = { { 5, 5 }, { 5, 4 }, { 0, INFINITY }, { NAN, 1 }, { 1e15, 1e15 + 1 } };
+	static const double cases[][2] = { { 5, 5 }, { 5, 4 }, { 0, INFINITY }, { NAN, 1 },
+		{ 1e15, 1e15 + 1 } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
 		assert_in_range(eco_chart_ticks(cases[i][0], cases[i][1], 5).count, 0, 5);
 }
 
 static void test_counts_and_lengths_are_written_alike_in_every_locale(void **state)
 {
-	static const struct { uint64_t count; const char *text; } counts[] = { { 0, "0" }, { 999, "999" }, { 1000, "1,000" },
+	static const struct { uint64_t count; const char *text; } counts[] =
+		{ { 0, "0" }, { 999, "999" }, { 1000, "1,000" },
 		{ 1234567, "1,234,567" }, { UINT64_MAX, "18,446,744,073,709,551,615" } };
-	static const struct { double metres; const char *text; } lengths[] = { { 1000, "1 km" }, { 2500, "2.5 km" }, { 50, "50 m" }, { 0.2, "20 cm" },
+	static const struct { double metres; const char *text; } lengths[] =
+		{ { 1000, "1 km" }, { 2500, "2.5 km" }, { 50, "50 m" }, { 0.2, "20 cm" },
 		{ 0.005, "5 mm" } };
 	char text[32];
 	setlocale(LC_ALL, "");
@@ -97,15 +106,18 @@ static void test_shapes_lie_where_they_were_drawn(void **state)
 	struct eco_chart_file file = png_of(chart);
 	assert_int_equal(eco_chart_write(&file, ROOT "/shapes.png", NULL), ECO_OK);
 	free(file.bytes);
-	static const struct { int x, y; uint32_t rgb; } expected[] = { { 5, 5, 0x123456 }, { 11, 5, 0xffffff }, { 30, 15, 0x00ff00 },
-		{ 2, 25, 0xff0000 }, { 8, 25, 0xffffff }, { 12, 1, 0x0a141e }, { 13, 1, 0xffffff }, { 12, 2, 0xc86432 } };
+	static const struct { int x, y; uint32_t rgb; } expected[] =
+		{ { 5, 5, 0x123456 }, { 11, 5, 0xffffff }, { 30, 15, 0x00ff00 },
+		{ 2, 25, 0xff0000 }, { 8, 25, 0xffffff }, { 12, 1, 0x0a141e }, { 13, 1, 0xffffff },
+		{ 12, 2, 0xc86432 } };
 	for (size_t i = 0; i < sizeof expected / sizeof *expected; i++)
 		assert_int_equal(pixel(ROOT "/shapes.png", expected[i].x, expected[i].y), expected[i].rgb);
 }
 
 static void test_text_of_any_bytes_is_drawn(void **state)
 {
-	static const char *const texts[] = { "", "oak", "\xff\xfe", "\xc3", "Ahorn \xc3\xa4", "\xe2\x82", "\xf0\x9f\x8c\xb3", "\xed\xa0\x80", "\xc0\x80",
+	static const char *const texts[] = { "", "oak", "\xff\xfe", "\xc3", "Ahorn \xc3\xa4", "\xe2\x82",
+		"\xf0\x9f\x8c\xb3", "\xed\xa0\x80", "\xc0\x80",
 		"\xf4\x90\x80\x80", "a\nb\tc\x7f", "\xd0\xb4\xd1\x83\xd0\xb1" };
 	struct eco_chart_style style = { .size = 12, .room = 30, .halo = { 1, 1, 1, 1 } };
 	struct eco_chart *chart = blank(100, 100);
@@ -129,7 +141,8 @@ static void test_paragraphs_break_at_spaces(void **state)
 	struct eco_chart_style style = { .size = 12, .room = 100 };
 	struct eco_chart *chart = blank(200, 200);
 	assert_true(eco_chart_paragraph(chart, 0, 0, 10, &style, "one") == 10);
-	double lines = eco_chart_paragraph(chart, 0, 0, 10, &style, "one two three four five six seven eight nine ten eleven") / 10;
+	double lines = eco_chart_paragraph(chart, 0, 0, 10, &style,
+		"one two three four five six seven eight nine ten eleven") / 10;
 	assert_true(lines >= 3 && lines <= 6);
 	assert_true(eco_chart_paragraph(chart, 0, 0, 10, &style, "") == 0);
 	eco_chart_free(chart);
@@ -164,8 +177,10 @@ static void test_only_pictures_are_replaced(void **state)
 	put_file(ROOT "/short", "\x89PN", 3);
 	put_file(ROOT "/empty", "", 0);
 	put_file(ROOT "/png", "\x89PNG\r\n\x1a\n....", 12);
-	static const struct { const char *path; bool allowed; } cases[] = { { ROOT "/text", false }, { ROOT "/short", false }, { ROOT "/empty", true },
-		{ ROOT "/png", true }, { ROOT "/new", true }, { ROOT, false }, { ROOT "/nowhere/x.png", false }, { "", false } };
+	static const struct { const char *path; bool allowed; } cases[] =
+		{ { ROOT "/text", false }, { ROOT "/short", false }, { ROOT "/empty", true },
+		{ ROOT "/png", true }, { ROOT "/new", true }, { ROOT, false },
+		{ ROOT "/nowhere/x.png", false }, { "", false } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_error error = { 0 };
 		assert_int_equal(eco_chart_may_write(cases[i].path, &error) == ECO_OK, cases[i].allowed);

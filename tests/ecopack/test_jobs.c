@@ -1,5 +1,5 @@
-/* Work in threads, results in order: the same outcome with any number of threads; the first failure counts; nothing is lost or freed
- * twice. */
+/* Work in threads, results in order: the same outcome with any number of threads; the first failure counts;
+ * nothing is lost or freed twice. */
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,7 +18,8 @@ static enum eco_code make_value(void *ctx, uint64_t i, void *result, struct eco_
 	assert_non_null(made->value);
 	*made->value = i * i;
 	atomic_fetch_add(&run->alive, 1);
-	return i >= run->fails_at ? eco_fail(error, ECO_DAMAGED, "piece %llu", (unsigned long long)i) : ECO_OK;
+	return i >= run->fails_at ? eco_fail(error, ECO_DAMAGED, "piece %llu", (unsigned long long)i)
+		: ECO_OK;
 }
 
 static enum eco_code take_value(void *ctx, uint64_t i, void *result, struct eco_error *error)
@@ -46,7 +47,8 @@ static void drop_value(void *result)
 static enum eco_code go(struct run *run, uint64_t count, uint32_t threads, struct eco_error *error)
 {
 	dropping = run;
-	return main_jobs_run(&(struct main_jobs){ .count = count, .threads = threads, .result_size = sizeof(struct made), .work = make_value,
+	return main_jobs_run(&(struct main_jobs){ .count = count, .threads = threads,
+		.result_size = sizeof(struct made), .work = make_value,
 		.take = take_value, .drop = drop_value, .ctx = run }, error);
 }
 
@@ -69,9 +71,12 @@ static void results_come_in_order_with_any_number_of_threads(void **state)
 
 static void the_first_failure_is_the_one_that_is_told(void **state)
 {
-	static const struct { uint64_t work, take; enum eco_code code; const char *says; uint64_t taken; } cases[] = {
-		{ 0, UINT64_MAX, ECO_DAMAGED, "piece 0", 0 }, { 1500, UINT64_MAX, ECO_DAMAGED, "piece 1500", 1500 },
-		{ UINT64_MAX, 1200, ECO_IO, "taking 1200", 1200 }, { 40, 30, ECO_IO, "taking 30", 30 }, { 30, 40, ECO_DAMAGED, "piece 30", 30 },
+	static const struct { uint64_t work, take; enum eco_code code; const char *says; uint64_t taken;
+		} cases[] = {
+		{ 0, UINT64_MAX, ECO_DAMAGED, "piece 0", 0 },
+			{ 1500, UINT64_MAX, ECO_DAMAGED, "piece 1500", 1500 },
+		{ UINT64_MAX, 1200, ECO_IO, "taking 1200", 1200 }, { 40, 30, ECO_IO, "taking 30", 30 },
+		{ 30, 40, ECO_DAMAGED, "piece 30", 30 },
 	};
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)

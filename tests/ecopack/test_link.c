@@ -1,4 +1,5 @@
-/* Packs that are built apart and linked, and packs that are built again after a change, are those that one full build gives: byte for byte. */
+/* Packs that are built apart and linked, and packs that are built again after a change, are those that one
+ * full build gives: byte for byte. */
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -52,10 +53,12 @@ static void write_part(uint32_t part, const char *plants)
 	char name[32];
 	snprintf(name, sizeof name, "part%u.json", part);
 	FILE *file = open_text(name);
-	fprintf(file, "{\"name\": \"p\", \"tile\": {\"instances\": 16}, \"plants\": {%s}, \"instances\": [", plants);
+	fprintf(file, "{\"name\": \"p\", \"tile\": {\"instances\": 16}, \"plants\": {%s}, \"instances\": [",
+		plants);
 	for (uint32_t i = 0; i < parts[part].count; i++) {
 		const struct plant *p = &parts[part].plants[i];
-		fprintf(file, "%s\n{\"plant\": \"%s\", \"at\": [%.2f, %.2f, 0], \"scale\": %.2f}", i ? "," : "", p->kind ? "b" : "a", p->x, p->y, p->scale);
+		fprintf(file, "%s\n{\"plant\": \"%s\", \"at\": [%.2f, %.2f, 0], \"scale\": %.2f}",
+			i ? "," : "", p->kind ? "b" : "a", p->x, p->y, p->scale);
 	}
 	fputs("]}\n", file);
 	assert_int_equal(fclose(file), 0);
@@ -85,7 +88,8 @@ static void make(const char *scene, const char *pack, bool cached)
 	char from[512], to[512];
 	snprintf(from, sizeof from, "%s", in_root(scene));
 	snprintf(to, sizeof to, "%s", in_root(pack));
-	if (make_pack(&(struct make_options){ .scene = from, .pack = to, .jobs = 2, .order = LOD_ORDER_STOCHASTIC,
+	if (make_pack(&(struct make_options){ .scene = from, .pack = to, .jobs = 2,
+			.order = LOD_ORDER_STOCHASTIC,
 		.cache = cached ? cache : NULL }, &error))
 		fail_msg("%s: %s", scene, error.text);
 }
@@ -98,7 +102,8 @@ static enum eco_code link_parts(const char *pack, struct eco_error *error)
 	for (uint32_t i = 0; i < PARTS; i++)
 		paths[i] = in_root(names[i]);
 	snprintf(to, sizeof to, "%s", in_root(pack));
-	return link_packs(&(struct link_options){ .pack = to, .parts = paths, .count = PARTS, .jobs = 2 }, error);
+	return link_packs(&(struct link_options){ .pack = to, .parts = paths, .count = PARTS, .jobs = 2 },
+		error);
 }
 
 static void make_parts(void)
@@ -137,7 +142,8 @@ static void parts_keep_plants_of_their_own(void **state)
 	struct inspect_counts counts;
 	FILE *out = tmpfile();
 	write_parts(2);
-	write_part(1, "\"b\": {\"model\": \"c.obj\", \"unit\": \"m\"}, \"a\": {\"model\": \"a.obj\", \"unit\": \"m\"}");
+	write_part(1, "\"b\": {\"model\": \"c.obj\", \"unit\": \"m\"}, \"a\": {\"model\": \"a.obj\", "
+		"\"unit\": \"m\"}");
 	make_parts();
 	if (link_parts("linked.eco", &error) || inspect_verify(in_root("linked.eco"), out, &counts, &error))
 		fail_msg("%s", error.text);
@@ -155,7 +161,8 @@ static void parts_of_other_frames_are_refused(void **state)
 	write_parts(3);
 	make_parts();
 	FILE *file = open_text("utm.json");
-	fputs("{\"crs\": \"EPSG:32632\", \"origin\": [691000, 5334000, 0], \"plants\": {" BOTH "}, \"instances\": [{\"plant\": \"a\", \"at\": [0, 0, "
+	fputs("{\"crs\": \"EPSG:32632\", \"origin\": [691000, 5334000, 0], \"plants\": {" BOTH
+		"}, \"instances\": [{\"plant\": \"a\", \"at\": [0, 0, "
 		"0]}]}", file);
 	assert_int_equal(fclose(file), 0);
 	make("utm.json", "part2.eco", true);
@@ -214,7 +221,8 @@ static void edited_packs_equal_full_builds(void **state)
 	}
 }
 
-/* What did not change is taken from the old pack: a plant at the edge of one part leaves the others' lists alone. */
+/* What did not change is taken from the old pack: a plant at the edge of one part leaves the others' lists
+ * alone. */
 static void only_what_depends_on_a_change_is_built(void **state)
 {
 	struct make m = { .options = &(struct make_options){ .pack = in_root("whole.eco") } };

@@ -1,4 +1,5 @@
-/* From scene files to packs, end to end: what stands where, what is shared, what is refused, and that a failure leaves nothing. */
+/* From scene files to packs, end to end: what stands where, what is shared, what is refused, and that a
+ * failure leaves nothing. */
 #include <dirent.h>
 #include <jansson.h>
 #include <math.h>
@@ -30,7 +31,8 @@ static void write_model(const char *name, double height, int leaves)
 	double w = height / 40;
 	fputs("mtllib none.mtl\n", file);
 	for (int k = 0; k < 2; k++)
-		fprintf(file, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\n", -w, k * height, -w, w, k * height, -w, w, k * height, w, -w, k * height, w);
+		fprintf(file, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\n", -w, k * height, -w, w,
+			k * height, -w, w, k * height, w, -w, k * height, w);
 	fputs("f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n", file);
 	write_leaves(file, height, leaves);
 	assert_int_equal(fclose(file), 0);
@@ -66,7 +68,8 @@ static uint32_t standing(const struct eco_scene *s, double at[][3], uint32_t *pl
 	static const struct eco_placement here = { .scale = 1 };
 	uint32_t count = 0;
 	for (uint32_t g = 0; g < s->group_count; g++) {
-		for (uint32_t i = 0; i < s->lists[s->groups[g].list].primitive_count && count < most; i++, count++) {
+		for (uint32_t i = 0; i < s->lists[s->groups[g].list].primitive_count && count < most;
+				i++, count++) {
 			struct eco_place stored = eco_place_read(s, s->groups[g].place_first + i);
 			struct lod_place place;
 			lod_place_instance(&place, &here, &s->lists[s->groups[g].list], &stored);
@@ -83,7 +86,8 @@ static void test_plant_at_the_origin_is_exact(void **state)
 {
 	double at[4][3];
 	uint32_t plant[4];
-	write_text("lone.json", "{\"name\": \"lone\", \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [0, "
+	write_text("lone.json", "{\"name\": \"lone\", \"plants\": {\"a\": {\"model\": \"a.obj\"}}, "
+		"\"instances\": [{\"plant\": \"a\", \"at\": [0, "
 		"0, 0]}]}");
 	struct eco_pack *pack = made("lone.json", "lone.eco");
 	assert_string_equal(pack->scene.name, "lone");
@@ -101,13 +105,16 @@ static void write_slope(void)
 {
 	FILE *file = fopen(in_root("slope.json"), "wb");
 	assert_non_null(file);
-	fputs("{\"name\": \"slope\", \"origin\": [1000, 2000, 100], \"ground\": {\"heights\": \"slope.asc\"}, \"tile\": {\"instances\": 20},\n"
-		"\"plants\": {\"a\": {\"model\": \"a.obj\"}, \"b\": {\"model\": \"b.obj\", \"height_m\": 2.5}, \"again\": {\"model\": "
+	fputs("{\"name\": \"slope\", \"origin\": [1000, 2000, 100], \"ground\": {\"heights\": "
+		"\"slope.asc\"}, \"tile\": {\"instances\": 20},\n"
+		"\"plants\": {\"a\": {\"model\": \"a.obj\"}, \"b\": {\"model\": \"b.obj\", \"height_m\": "
+		"2.5}, \"again\": {\"model\": "
 		"\"a.obj\"}},\n\"instances\": [", file);
 	for (int i = 0; i < 120; i++)
-		fprintf(file, "%s{\"plant\": \"%s\", \"at\": [%.3f, %.3f, %d], \"yaw_deg\": %d, \"scale\": %.2f}", i ? ",\n" : "",
-			i % 3 == 0 ? "a" : i % 3 == 1
-			? "b" : "again", (i * 37 % 101) * 0.83 - 40, (i * 59 % 103) * 0.71 - 35, i == 7 ? 2 : 0, i * 11 % 360, 0.5 + i % 10 * 0.1);
+		fprintf(file, "%s{\"plant\": \"%s\", \"at\": [%.3f, %.3f, %d], \"yaw_deg\": %d, \"scale\": "
+			"%.2f}", i ? ",\n" : "", i % 3 == 0 ? "a" : i % 3 == 1
+			? "b" : "again", (i * 37 % 101) * 0.83 - 40, (i * 59 % 103) * 0.71 - 35,
+			i == 7 ? 2 : 0, i * 11 % 360, 0.5 + i % 10 * 0.1);
 	fputs("]}\n", file);
 	assert_int_equal(fclose(file), 0);
 	file = fopen(in_root("slope.asc"), "wb");
@@ -132,7 +139,8 @@ static void test_plants_stand_where_the_scene_says(void **state)
 	assert_int_equal(s->tiles[s->root].instance_count, 120);
 	assert_int_equal(standing(s, at, plant, 200), 120);
 	for (int i = 0; i < 120; i++) {
-		double x = (i * 37 % 101) * 0.83 - 40, y = (i * 59 % 103) * 0.71 - 35, z = slope_height(x, y) + (i == 7 ? 2 : 0), nearest = 1e9;
+		double x = (i * 37 % 101) * 0.83 - 40, y = (i * 59 % 103) * 0.71 - 35,
+			z = slope_height(x, y) + (i == 7 ? 2 : 0), nearest = 1e9;
 		for (int k = 0; k < 120; k++) {
 			double dx = at[k][0] - x, dy = at[k][1] - y, dz = at[k][2] - z;
 			if (plant[k] == (i % 3 == 1 ? 1u : 0u))
@@ -151,9 +159,11 @@ static void write_tree(const char *name, double reach)
 {
 	char text[1000];
 	double r = reach;
-	snprintf(text, sizeof text, "v -.2 0 -.2\nv .2 0 -.2\nv .2 0 .2\nv -.2 0 .2\nv -.2 10 -.2\nv .2 10 -.2\nv .2 10 .2\nv -.2 10 .2\nf 1 2 6 5\nf 2 "
+	snprintf(text, sizeof text, "v -.2 0 -.2\nv .2 0 -.2\nv .2 0 .2\nv -.2 0 .2\nv -.2 10 -.2\nv .2 10 "
+		"-.2\nv .2 10 .2\nv -.2 10 .2\nf 1 2 6 5\nf 2 "
 		"3 7 6\nf 3 4 8 7\n"
-		"f 4 1 5 8\nv %g 5 0\nv %g 6 .3\nv %g 5 .6\nv %g 5 0\nv %g 6 .3\nv %g 5 .6\nv 0 5 %g\nv .3 6 %g\nv .6 5 %g\nf 9 10 11\nf 12 13 14\nf 15 "
+		"f 4 1 5 8\nv %g 5 0\nv %g 6 .3\nv %g 5 .6\nv %g 5 0\nv %g 6 .3\nv %g 5 .6\nv 0 5 %g\nv .3 "
+		"6 %g\nv .6 5 %g\nf 9 10 11\nf 12 13 14\nf 15 "
 			"16 17\n", r, r - .5, r - .2, -r, .5 - r, .2 - r, r, r - .5, r - .2);
 	write_text(name, text);
 }
@@ -165,21 +175,26 @@ static void test_crowns_choose_the_variant_and_the_size(void **state)
 	write_tree("narrow.obj", 1);
 	write_tree("wide.obj", 5);
 	write_text("crowns.csv", "x,y,h,c\n0,0,20,1.9\n100,0,5,2.6\n200,0,10,5\n300,0,8,0.9\n");
-	write_text("crowns.json", "{\"plants\": {\"a\": {\"variants\": [\"narrow.obj\", \"wide.obj\"], \"up\": \"y\"}}, \"instances\": [{\"from\": "
+	write_text("crowns.json", "{\"plants\": {\"a\": {\"variants\": [\"narrow.obj\", \"wide.obj\"], "
+		"\"up\": \"y\"}}, \"instances\": [{\"from\": "
 		"\"crowns.csv\", "
-		"\"x\": \"x\", \"y\": \"y\", \"plant\": \"a\", \"height_m\": {\"column\": \"h\"}, \"crown_m\": {\"column\": \"c\", \"is\": \"radius\"}}]}");
+		"\"x\": \"x\", \"y\": \"y\", \"plant\": \"a\", \"height_m\": {\"column\": \"h\"}, "
+		"\"crown_m\": {\"column\": \"c\", \"is\": \"radius\"}}]}");
 	struct eco_pack *pack = made("crowns.json", "crowns.eco");
 	const struct eco_scene *s = &pack->scene;
 	uint32_t count = standing(s, at, plant, 8);
-	uint32_t wide = s->anchors[s->plants[0].anchor_first].radius > s->anchors[s->plants[1].anchor_first].radius ? 0 : 1;
+	uint32_t wide = s->anchors[s->plants[0].anchor_first].radius
+		> s->anchors[s->plants[1].anchor_first].radius ? 0 : 1;
 	assert_int_equal(count, 4);
 	for (uint32_t i = 0; i < count; i++)
 		assert_int_equal(plant[i] == wide, at[i][0] > 50 && at[i][0] < 250);
 	eco_pack_close(pack);
 	/* without a height the crown says how large: the bounds end where it does */
 	write_text("crown.csv", "x,y,h,d\n0,0,10,\n100,0,NA,4\n");
-	write_text("crown.json", "{\"plants\": {\"a\": {\"model\": \"wide.obj\", \"up\": \"y\"}}, \"instances\": [{\"from\": \"crown.csv\", \"x\": "
-		"\"x\", \"y\": \"y\", \"plant\": \"a\", \"height_m\": {\"column\": \"h\"}, \"crown_m\": {\"column\": \"d\", \"is\": \"diameter\"}}]}");
+	write_text("crown.json", "{\"plants\": {\"a\": {\"model\": \"wide.obj\", \"up\": \"y\"}}, "
+		"\"instances\": [{\"from\": \"crown.csv\", \"x\": "
+		"\"x\", \"y\": \"y\", \"plant\": \"a\", \"height_m\": {\"column\": \"h\"}, \"crown_m\": "
+		"{\"column\": \"d\", \"is\": \"diameter\"}}]}");
 	pack = made("crown.json", "crown.eco");
 	assert_true(fabs(pack->scene.tiles[pack->scene.root].high[0] - 102) < 0.05);
 	assert_true(fabs(pack->scene.tiles[pack->scene.root].low[0] + 5) < 0.05);
@@ -190,11 +205,15 @@ static void test_what_stands_beyond_the_ground_is_counted(void **state)
 {
 	write_slope();
 	write_text("two.csv", "x,y\n1000,2000\n1500,2001\n");
-	write_text("leaf.json", "{\"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [0, 0]}]}");
-	write_text("off.json", "{\"name\": \"off\", \"origin\": [1000, 2000, 100], \"ground\": {\"heights\": \"slope.asc\"}, \"plants\": {\"a\": "
+	write_text("leaf.json", "{\"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": "
+		"\"a\", \"at\": [0, 0]}]}");
+	write_text("off.json", "{\"name\": \"off\", \"origin\": [1000, 2000, 100], \"ground\": "
+		"{\"heights\": \"slope.asc\"}, \"plants\": {\"a\": "
 		"{\"model\": \"a.obj\"}},"
-		"\"instances\": [{\"plant\": \"a\", \"at\": [0, 0]}, {\"plant\": \"a\", \"at\": [0, -300]}, {\"from\": \"two.csv\", \"x\": \"x\", \"y\": "
-			"\"y\", \"plant\": \"a\"}],\"children\": [{\"eco\": \"leaf.json\", \"at\": [10, 10]}, {\"eco\": \"leaf.json\", \"at\": [-200, 10]}]}");
+		"\"instances\": [{\"plant\": \"a\", \"at\": [0, 0]}, {\"plant\": \"a\", \"at\": [0, -300]}, "
+		"{\"from\": \"two.csv\", \"x\": \"x\", \"y\": "
+			"\"y\", \"plant\": \"a\"}],\"children\": [{\"eco\": \"leaf.json\", \"at\": [10, "
+			"10]}, {\"eco\": \"leaf.json\", \"at\": [-200, 10]}]}");
 	struct eco_pack *pack = made("off.json", "off.eco");
 	json_t *meta = json_loadb(pack->meta, pack->meta_size, 0, NULL);
 	assert_int_equal(pack->scene.tiles[pack->scene.root].instance_count, 6);
@@ -216,28 +235,33 @@ static void test_tiles_are_small_and_summed_up(void **state)
 		for (uint32_t g = tile->group_first; g < tile->group_first + tile->group_count; g++) {
 			uint32_t list = s->groups[g].list;
 			own += s->lists[list].primitive_count;
-			assert_true(last == 0 || list == last + 1);      /* a run of tiles is a range of lists */
+			/* a run of tiles is a range of lists */
+			assert_true(last == 0 || list == last + 1);
 			last = list;
 		}
 		assert_true(own <= 20);
 		assert_int_not_equal(tile->summary, ECO_NONE);
 		const struct eco_list *summary = &s->lists[tile->summary];
 		assert_true(summary->primitive_count >= 64);
-		assert_true(fabs((double)summary->unit_area * summary->primitive_count / (tile->area / 2) - 1) < 1e-4);
+		assert_true(fabs((double)summary->unit_area * summary->primitive_count / (tile->area / 2) - 1)
+			< 1e-4);
 	}
 	eco_pack_close(pack);
 }
 
 static void test_nested_files_are_built_once(void **state)
 {
-	write_text("patch.json", "{\"name\": \"patch\", \"plants\": {\"c\": {\"model\": \"b.obj\", \"height_m\": 2.5}}, \"instances\": [{\"plant\": "
+	write_text("patch.json", "{\"name\": \"patch\", \"plants\": {\"c\": {\"model\": \"b.obj\", "
+		"\"height_m\": 2.5}}, \"instances\": [{\"plant\": "
 		"\"c\", \"at\": [0, 0, 0]}, {\"plant\": \"c\", \"at\": [1, 2, 0], \"scale\": 0.5}]}");
-	write_text("field.json", "{\"name\": \"field\", \"children\": [{\"eco\": \"patch.json\", \"at\": [0, 0, 0]}, {\"eco\": \"patch.json\", \"at\": "
-		"[10, 0, 0], \"yaw_deg\": 90}, {\"eco\": \"patch.json\", \"at\": [20, 0, 1], \"scale\": 2}]}");
-	write_text("nest.json", "{\"name\": \"nest\", \"plants\": {\"b\": {\"model\": \"b.obj\", \"height_m\": 2.5}}, \"instances\": [{\"plant\": "
-		"\"b\", \"at\": [5, 5, 0]}], "
-		"\"children\": [{\"eco\": \"field.json\", \"at\": [100, 0, 0]}, {\"eco\": \"field.json\", \"at\": [0, 100, 0]}, {\"eco\": \"patch.json\", "
-			"\"at\": [0, 50, 0]}]}");
+	write_text("field.json", "{\"name\": \"field\", \"children\": [{\"eco\": \"patch.json\", \"at\": "
+		"[0, 0, 0]}, {\"eco\": \"patch.json\", \"at\": "
+		"[10, 0, 0], \"yaw_deg\": 90}, {\"eco\": \"patch.json\", \"at\": [20, 0, 1], \"scale\": "
+		"2}]}");
+	write_text("nest.json", "{\"name\": \"nest\", \"plants\": {\"b\": {\"model\": \"b.obj\", "
+		"\"height_m\": 2.5}}, \"instances\": [{\"plant\": \"b\", \"at\": [5, 5, 0]}], "
+		"\"children\": [{\"eco\": \"field.json\", \"at\": [100, 0, 0]}, {\"eco\": \"field.json\", "
+		"\"at\": [0, 100, 0]}, {\"eco\": \"patch.json\", \"at\": [0, 50, 0]}]}");
 	struct eco_pack *pack = made("nest.json", "nest.eco");
 	const struct eco_scene *s = &pack->scene;
 	assert_int_equal(s->plant_count, 1);
@@ -273,10 +297,12 @@ static void test_every_triangle_is_accounted_for(void **state)
 	FILE *file = fopen(in_root("worse.obj"), "ab");
 	fputs("v 1 1 1\nv 1 1 1\nv 1 1 1\nf -3 -2 -1\nf 1 2 6\nf 1 2 6\n", file);
 	fclose(file);
-	write_text("worse.json", "{\"name\": \"worse\", \"plants\": {\"w\": {\"model\": \"worse.obj\"}}, \"instances\": [{\"plant\": \"w\", \"at\": [0, "
+	write_text("worse.json", "{\"name\": \"worse\", \"plants\": {\"w\": {\"model\": \"worse.obj\"}}, "
+		"\"instances\": [{\"plant\": \"w\", \"at\": [0, "
 		"0, 0]}]}");
 	struct eco_pack *pack = made("worse.json", "worse.eco");
-	json_t *meta = json_loadb(pack->meta, pack->meta_size, 0, NULL), *plant = json_array_get(json_object_get(meta, "plants"), 0), *count;
+	json_t *meta = json_loadb(pack->meta, pack->meta_size, 0, NULL),
+		*plant = json_array_get(json_object_get(meta, "plants"), 0), *count;
 	json_int_t dropped = 0;
 	const char *reason;
 	assert_non_null(plant);
@@ -285,7 +311,8 @@ static void test_every_triangle_is_accounted_for(void **state)
 	assert_true(dropped >= 1);
 	assert_int_equal(json_integer_value(json_object_get(plant, "triangles_in")),
 		json_integer_value(json_object_get(plant, "triangles_stored")) + dropped);
-	assert_int_equal(json_integer_value(json_object_get(plant, "triangles_stored")), pack->scene.plants[0].triangles);
+	assert_int_equal(json_integer_value(json_object_get(plant, "triangles_stored")),
+		pack->scene.plants[0].triangles);
 	json_decref(meta);
 	eco_pack_close(pack);
 }
@@ -303,22 +330,30 @@ static uint32_t files_with(const char *part)
 	return count;
 }
 
+static const struct { const char *scene, *says; } bad[] = {
+	{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"a.obj\", \"colour\": 1}}, "
+		"\"instances\": []}", "colour" },
+	{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"missing.obj\"}}, \"instances\": "
+	"[{\"plant\": \"a\", \"at\": [0, 0, 0]}]}",
+		"missing.obj" },
+	{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": "
+	"[{\"plant\": \"oak\", \"at\": [0, 0, 0]}]}", "oak" },
+	{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": []}",
+	"no plants" },
+	{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"broken.obj\"}}, \"instances\": "
+	"[{\"plant\": \"a\", \"at\": [0, 0, 0]}]}",
+		"broken.obj" },
+	{ "{\"name\": \"x\", \"ground\": {\"heights\": \"a.obj\"}, \"plants\": {\"a\": {\"model\": "
+	"\"a.obj\"}}, \"instances\": [{\"plant\": \"a\", "
+		"\"at\": [0, 0, 0]}]}", "a.obj" },
+	/* what is quickly found is said before plants are built */
+	{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"broken.obj\"}}, \"instances\": "
+	"[{\"from\": \"two.csv\", \"x\": \"x\", \"y\": "
+		"\"north\", \"plant\": \"a\"}]}", "no column \"north\"; there are: x, y" },
+};
+
 static void test_failure_leaves_the_old_pack(void **state)
 {
-	static const struct { const char *scene, *says; } bad[] = {
-		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"a.obj\", \"colour\": 1}}, \"instances\": []}", "colour" },
-		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"missing.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [0, 0, 0]}]}",
-			"missing.obj" },
-		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0, 0]}]}", "oak" },
-		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": []}", "no plants" },
-		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"broken.obj\"}}, \"instances\": [{\"plant\": \"a\", \"at\": [0, 0, 0]}]}",
-			"broken.obj" },
-		{ "{\"name\": \"x\", \"ground\": {\"heights\": \"a.obj\"}, \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": \"a\", "
-			"\"at\": [0, 0, 0]}]}", "a.obj" },
-		/* what is quickly found is said before plants are built */
-		{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"broken.obj\"}}, \"instances\": [{\"from\": \"two.csv\", \"x\": \"x\", \"y\": "
-			"\"north\", \"plant\": \"a\"}]}", "no column \"north\"; there are: x, y" },
-	};
 	write_text("broken.obj", "v 0 0\nf 1 2 3\n");
 	write_text("two.csv", "x,y\n1,2\n500,1\n");
 	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
@@ -374,9 +409,11 @@ static void write_hills(void)
 	fputs("ncols 150\nnrows 140\nxllcorner 0\nyllcorner 0\ncellsize 2\n", file);
 	for (int r = 0; r < 140; r++)
 		for (int c = 0; c < 150; c++)
-			fprintf(file, "%.2f%c", 50 + 9 * sin(c * 0.37) * cos(r * 0.29) + 0.1 * c, c == 149 ? '\n' : ' ');
+			fprintf(file, "%.2f%c", 50 + 9 * sin(c * 0.37) * cos(r * 0.29) + 0.1 * c,
+				c == 149 ? '\n' : ' ');
 	assert_int_equal(fclose(file), 0);
-	write_text("hills.json", "{\"name\": \"hills\", \"ground\": {\"heights\": \"hills.asc\"}, \"plants\": {\"a\": {\"model\": \"a.obj\"}},"
+	write_text("hills.json", "{\"name\": \"hills\", \"ground\": {\"heights\": \"hills.asc\"}, "
+		"\"plants\": {\"a\": {\"model\": \"a.obj\"}},"
 		"\"instances\": [{\"plant\": \"a\", \"at\": [50, 50]}]}");
 }
 
@@ -388,7 +425,8 @@ static void test_ground_is_tiles_that_hold_what_they_say(void **state)
 	write_hills();
 	struct eco_pack *pack = made("hills.json", "hills.eco");
 	const struct eco_scene *s = &pack->scene;
-	assert_true(s->ground_columns == 150 && s->ground_rows == 140 && s->ground_count == 1 + 4 + 9 && s->ground[0].level == 2);
+	assert_true(s->ground_columns == 150 && s->ground_rows == 140 && s->ground_count == 1 + 4 + 9
+		&& s->ground[0].level == 2);
 	assert_true(s->ground[0].error_m > 3 && s->ground[5].error_m == 0);
 	uint32_t count = s->ground_count;
 	eco_pack_close(pack);
@@ -418,8 +456,10 @@ static void test_ground_is_tiles_that_hold_what_they_say(void **state)
 /* Whole metres are kept as such. */
 static void test_whole_heights_are_kept_exactly(void **state)
 {
-	write_text("whole.asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 2\n101.0 102 104\n103 110 99\n");
-	write_text("whole.json", "{\"ground\": {\"heights\": \"whole.asc\"}, \"plants\": {\"a\": {\"model\": \"a.obj\"}},"
+	write_text("whole.asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 2\n101.0 102 104\n103 "
+		"110 99\n");
+	write_text("whole.json", "{\"ground\": {\"heights\": \"whole.asc\"}, \"plants\": {\"a\": "
+		"{\"model\": \"a.obj\"}},"
 		"\"instances\": [{\"plant\": \"a\", \"at\": [1, 1]}]}");
 	struct eco_pack *pack = made("whole.json", "whole.eco");
 	const struct eco_list *list = &pack->scene.lists[pack->scene.ground[0].list];
@@ -439,7 +479,8 @@ static void test_info_speaks_json(void **state)
 	assert_non_null(info);
 	assert_int_equal(json_integer_value(json_object_get(info, "instances")), 120);
 	assert_int_equal(json_array_size(json_object_get(info, "plants")), 2);
-	assert_int_equal(json_integer_value(json_object_get(json_object_get(json_object_get(info, "lists"), "instances"), "primitives")), 120);
+	assert_int_equal(json_integer_value(json_object_get(json_object_get(json_object_get(info, "lists"),
+		"instances"), "primitives")), 120);
 	assert_true(json_integer_value(json_object_get(info, "curve_samples")) > 0);
 	json_decref(info);
 	fclose(out);

@@ -1,4 +1,5 @@
-/* Maps: what is counted, what is said to be left out, which part of the world is shown, and that a failure leaves nothing. */
+/* Maps: what is counted, what is said to be left out, which part of the world is shown, and that a failure
+ * leaves nothing. */
 #include <cairo/cairo.h>
 #include <math.h>
 #include <stdio.h>
@@ -13,7 +14,8 @@
 #include "tests/support/unit_test.h"
 
 #define ROOT "build/tmp/test_map"
-#define PLANTS "\"plants\": {\"oak\": {\"model\": \"any.obj\", \"height_m\": 20}, \"ash\": {\"model\": \"any.obj\"}, \"elm\": {\"model\": \"any.obj\"}}"
+#define PLANTS "\"plants\": {\"oak\": {\"model\": \"any.obj\", \"height_m\": 20}, \"ash\": {\"model\": " \
+	"\"any.obj\"}, \"elm\": {\"model\": \"any.obj\"}}"
 
 static void write_text(const char *path, const char *text)
 {
@@ -30,15 +32,21 @@ static int make_files(void **state)
 	mkdir(ROOT, 0777);
 	main_progress_quiet(true);
 	write_text(ROOT "/any.obj", "this is never read\n");
-	write_text(ROOT "/rows.csv", "x,y,sp,h\n0,0,oak,10\n10,0,oak,\n20,5,ash,7\n,5,ash,7\nabc,5,ash,7\n3,3,stump,1\n4,4,stump,1\n5,5,weed,1\n");
-	write_text(ROOT "/one.json", "{" PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [1, 2], \"height_m\": 4, \"scale\": 2},"
-		"{\"from\": \"rows.csv\", \"x\": \"x\", \"y\": \"y\", \"species\": \"sp\", \"map\": {\"oak\": \"oak\", \"ash\": \"ash\", \"stump\": null},"
+	write_text(ROOT "/rows.csv", "x,y,sp,h\n0,0,oak,10\n10,0,oak,\n20,5,ash,7\n,5,ash,7\nabc,5,ash,7\n3,"
+		"3,stump,1\n4,4,stump,1\n5,5,weed,1\n");
+	write_text(ROOT "/one.json", "{" PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [1, 2], "
+		"\"height_m\": 4, \"scale\": 2},"
+		"{\"from\": \"rows.csv\", \"x\": \"x\", \"y\": \"y\", \"species\": \"sp\", \"map\": "
+		"{\"oak\": \"oak\", \"ash\": \"ash\", \"stump\": null},"
 		"\"height_m\": {\"column\": \"h\"}}]}");
-	write_text(ROOT "/plot.json", "{" PLANTS ", \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0]}, {\"plant\": \"oak\", \"at\": [10, 0]},"
+	write_text(ROOT "/plot.json", "{" PLANTS ", \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0]}, "
+		"{\"plant\": \"oak\", \"at\": [10, 0]},"
 		"{\"plant\": \"ash\", \"at\": [0, 10]}]}");
-	write_text(ROOT "/block.json", "{\"children\": [{\"eco\": \"plot.json\", \"at\": [0, 0]}, {\"eco\": \"plot.json\", \"at\": [100, 0], "
+	write_text(ROOT "/block.json", "{\"children\": [{\"eco\": \"plot.json\", \"at\": [0, 0]}, {\"eco\": "
+		"\"plot.json\", \"at\": [100, 0], "
 		"\"yaw_deg\": 90, \"scale\": 2}]}");
-	write_text(ROOT "/nested.json", "{" PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [5, 5]}], \"children\": [{\"eco\": \"block.json\", "
+	write_text(ROOT "/nested.json", "{" PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [5, "
+		"5]}], \"children\": [{\"eco\": \"block.json\", "
 		"\"at\": [0, 0]},{\"eco\": \"plot.json\", \"at\": [1000, 0]}]}");
 	return 0;
 }
@@ -80,7 +88,8 @@ static void test_plants_are_counted_by_kind_with_their_heights(void **state)
 	assert_int_equal(kind(&m, "oak")->count, 2);
 	assert_int_equal(kind(&m, "ash")->count, 1);
 	assert_int_equal(kind(&m, "elm")->count, 1);
-	assert_true(kind(&m, "oak")->low_m == 10 && kind(&m, "oak")->high_m == 20);      /* one has no height: the plant's own */
+	assert_true(kind(&m, "oak")->low_m == 10 && kind(&m, "oak")->high_m == 20);
+		/* one has no height: the plant's own */
 	assert_true(kind(&m, "elm")->low_m == 8);                                        /* 4 m twice */
 	map_free(&m);
 }
@@ -118,8 +127,10 @@ static void test_nested_plants_are_turned_moved_and_scaled(void **state)
 	struct map m;
 	bool found = false;
 	gather(&m, ROOT "/nested.json");
-	for (uint64_t i = 0; i < m.points.count; i++)        /* oak at [10, 0], turned to [0, 10], twice as large, at [100, 0] */
-		found |= fabsf(m.points.items[i].x - 100) < 1e-3f && fabsf(m.points.items[i].y - 20) < 1e-3f && m.points.items[i].height_m == 40;
+	/* oak at [10, 0], turned to [0, 10], twice as large, at [100, 0] */
+	for (uint64_t i = 0; i < m.points.count; i++)
+		found |= fabsf(m.points.items[i].x - 100) < 1e-3f && fabsf(m.points.items[i].y - 20) < 1e-3f
+			&& m.points.items[i].height_m == 40;
 	assert_true(found);
 	map_free(&m);
 }
@@ -127,16 +138,21 @@ static void test_nested_plants_are_turned_moved_and_scaled(void **state)
 static void test_scattered_plants_are_shown_with_their_areas(void **state)
 {
 	struct map m;
-	write_text(ROOT "/areas.geojson", "{\"type\": \"FeatureCollection\", \"features\": [{\"type\": \"Feature\", \"properties\": {}, \"geometry\": "
-		"{\"type\": \"Polygon\", \"coordinates\": [[[9, 47], [9.002, 47], [9.002, 47.001], [9, 47]]]}}]}");
-	write_text(ROOT "/roads.geojson", "{\"type\": \"LineString\", \"coordinates\": [[9, 47.0003], [9.002, 47.0003]]}");
+	write_text(ROOT "/areas.geojson", "{\"type\": \"FeatureCollection\", \"features\": [{\"type\": "
+		"\"Feature\", \"properties\": {}, \"geometry\": "
+		"{\"type\": \"Polygon\", \"coordinates\": [[[9, 47], [9.002, 47], [9.002, 47.001], [9, "
+		"47]]]}}]}");
+	write_text(ROOT "/roads.geojson", "{\"type\": \"LineString\", \"coordinates\": [[9, 47.0003], "
+		"[9.002, 47.0003]]}");
 	write_text(ROOT "/scatter.json", "{\"crs\": \"EPSG:32632\", \"origin\": [500000, 5205000], "
 		PLANTS ", \"instances\": [{\"scatter\": \"areas.geojson\","
-		"\"density_per_ha\": {\"oak\": 200, \"ash\": 100}, \"distance_m\": 1, \"clear_of\": \"roads.geojson\", \"clear_m\": 4}]}");
+		"\"density_per_ha\": {\"oak\": 200, \"ash\": 100}, \"distance_m\": 1, \"clear_of\": "
+		"\"roads.geojson\", \"clear_m\": 4}]}");
 	gather(&m, ROOT "/scatter.json");
 	assert_int_equal(m.areas.count, 3);
 	assert_int_equal(m.clear_of.count, 1);
-	assert_true(kind(&m, "oak")->count > 100 && m.total == kind(&m, "oak")->count + kind(&m, "ash")->count);
+	assert_true(kind(&m, "oak")->count > 100 && m.total == kind(&m, "oak")->count
+		+ kind(&m, "ash")->count);
 	assert_int_equal(map_frame(&m, 300), ECO_OK);
 	assert_int_equal(eco_chart_new(&m.chart, 400, 400, NULL), ECO_OK);
 	assert_int_equal(map_draw_places(&m), ECO_OK);
@@ -156,12 +172,15 @@ static void write_rows(const char *path, uint32_t count, const char *more)
 	fclose(file);
 }
 
-#define ROWS_SCENE(name) "{" PLANTS ", \"instances\": [{\"from\": \"" name "\", \"x\": \"x\", \"y\": \"y\", \"plant\": \"oak\"}]}"
+#define ROWS_SCENE(name) "{" PLANTS ", \"instances\": [{\"from\": \"" name "\", \"x\": \"x\", \"y\": " \
+	"\"y\", \"plant\": \"oak\"}]}"
 
 static void test_strays_do_not_shrink_the_rest(void **state)
 {
-	static const struct { uint32_t count; const char *more; double widest; uint64_t outside; } cases[] = { { 1000, "", 1100, 0 },
-		{ 1000, "4000000,0\n", 1500, 1 }, { 1000, "0,-900000\n5,4000000\n", 1500, 2 }, { 1000, "2000,2000\n", 2200, 0 },
+	static const struct { uint32_t count; const char *more; double widest; uint64_t outside; } cases[] =
+		{ { 1000, "", 1100, 0 },
+		{ 1000, "4000000,0\n", 1500, 1 }, { 1000, "0,-900000\n5,4000000\n", 1500, 2 },
+		{ 1000, "2000,2000\n", 2200, 0 },
 		{ 3, "4000000,0\n", 5e6, 0 } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct map m;
@@ -198,7 +217,8 @@ static void test_many_plants_become_density(void **state)
 		FILE *file = fopen(ROOT "/dense.csv", "wb");
 		fputs("x,y\n", file);
 		for (uint32_t i = 0; i < count; i++)
-			fprintf(file, "%.2f,%.2f\n", fmod(i * 0.7548776662, 1) * 1000, fmod(i * 0.5698402910, 1) * 1000);
+			fprintf(file, "%.2f,%.2f\n", fmod(i * 0.7548776662, 1) * 1000,
+				fmod(i * 0.5698402910, 1) * 1000);
 		fclose(file);
 		write_text(ROOT "/dense.json", ROWS_SCENE("dense.csv"));
 		gather(&m, ROOT "/dense.json");
@@ -241,7 +261,8 @@ static void write_ground(void)
 		for (int c = 0; c < 11; c++)
 			fprintf(file, "%d%s", 5 * c, c < 10 ? " " : "\n");
 	fclose(file);
-	write_text(ROOT "/hill.json", "{\"ground\": {\"heights\": \"dem.asc\"}, " PLANTS ", \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0]},"
+	write_text(ROOT "/hill.json", "{\"ground\": {\"heights\": \"dem.asc\"}, " PLANTS
+		", \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0]},"
 		"{\"plant\": \"ash\", \"at\": [100, 50]}, {\"plant\": \"elm\", \"at\": [130, 20]}]}");
 }
 
@@ -281,15 +302,20 @@ static void test_the_same_scene_gives_the_same_picture(void **state)
 
 static void test_bad_command_lines_and_scenes_are_told(void **state)
 {
-	static const struct { const char *line; enum eco_code code; const char *says; } cases[] = { { ROOT "/one.json", ECO_BAD_USAGE, "-o" },
-		{ "-o " ROOT "/x.png", ECO_BAD_USAGE, "the scene file" }, { ROOT "/one.json -o " ROOT "/x.png --size 20", ECO_BAD_USAGE, "--size" },
-		{ ROOT "/none.json -o " ROOT "/x.png", ECO_NOT_FOUND, "none.json" }, { ROOT "/rows.csv -o " ROOT "/x.png", ECO_BAD_INPUT, "rows.csv" },
-		{ ROOT "/one.json -o " ROOT "/rows.csv", ECO_BAD_INPUT, "kept" }, { ROOT "/nothing.json -o " ROOT "/x.png", ECO_BAD_INPUT,
+	static const struct { const char *line; enum eco_code code; const char *says; } cases[] =
+		{ { ROOT "/one.json", ECO_BAD_USAGE, "-o" },
+		{ "-o " ROOT "/x.png", ECO_BAD_USAGE, "the scene file" },
+		{ ROOT "/one.json -o " ROOT "/x.png --size 20", ECO_BAD_USAGE, "--size" },
+		{ ROOT "/none.json -o " ROOT "/x.png", ECO_NOT_FOUND, "none.json" },
+		{ ROOT "/rows.csv -o " ROOT "/x.png", ECO_BAD_INPUT, "rows.csv" },
+		{ ROOT "/one.json -o " ROOT "/rows.csv", ECO_BAD_INPUT, "kept" },
+		{ ROOT "/nothing.json -o " ROOT "/x.png", ECO_BAD_INPUT,
 			"nothing to show" },
 		{ ROOT "/column.json -o " ROOT "/x.png", ECO_BAD_INPUT, "easting" } };
 	unlink(ROOT "/x.png");
 	write_text(ROOT "/nothing.json", "{" PLANTS "}");
-	write_text(ROOT "/column.json", "{" PLANTS ", \"instances\": [{\"from\": \"rows.csv\", \"x\": \"easting\", \"y\": \"y\", \"plant\": \"oak\"}]}");
+	write_text(ROOT "/column.json", "{" PLANTS ", \"instances\": [{\"from\": \"rows.csv\", \"x\": "
+		"\"easting\", \"y\": \"y\", \"plant\": \"oak\"}]}");
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_error error;
 		enum eco_code code = run(cases[i].line, &error);

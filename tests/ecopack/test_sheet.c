@@ -1,4 +1,5 @@
-/* Contact sheets: what the planner draws of one plant, colours where they belong, pages, and that a failure leaves nothing. */
+/* Contact sheets: what the planner draws of one plant, colours where they belong, pages, and that a failure
+ * leaves nothing. */
 #include <cairo/cairo.h>
 #include <math.h>
 #include <stdio.h>
@@ -26,12 +27,14 @@ static void write_tree(const char *path, int leaves)
 	assert_non_null(file);
 	fputs("mtllib tree.mtl\nusemtl bark\n", file);
 	for (int k = 0; k < 2; k++)
-		fprintf(file, "v -.2 %d -.2\nv .2 %d -.2\nv .2 %d .2\nv -.2 %d .2\n", 8 * k, 8 * k, 8 * k, 8 * k);
+		fprintf(file, "v -.2 %d -.2\nv .2 %d -.2\nv .2 %d .2\nv -.2 %d .2\n", 8 * k, 8 * k, 8 * k,
+			8 * k);
 	fputs("f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\nusemtl leaves\n", file);
 	for (int i = 0; i < leaves; i++) {
-		double x = (i * 37 % 100 - 50) / 15.0, z = (i * 71 % 100 - 50) / 15.0, y = 4 + i * 53 % 100 / 20.0;
-		fprintf(file, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\nf -4 -3 -2 -1\n", x, y, z, x + .3, y + .2, z, x + .6, y, z + .2, x + .3,
-			y - .2, z);
+		double x = (i * 37 % 100 - 50) / 15.0, z = (i * 71 % 100 - 50) / 15.0,
+			y = 4 + i * 53 % 100 / 20.0;
+		fprintf(file, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\nf -4 -3 -2 -1\n", x, y, z,
+			x + .3, y + .2, z, x + .6, y, z + .2, x + .3, y - .2, z);
 	}
 	assert_int_equal(fclose(file), 0);
 	file = fopen(ROOT "/tree.mtl", "wb");
@@ -39,16 +42,20 @@ static void write_tree(const char *path, int leaves)
 	fclose(file);
 }
 
-/* An upright card of 2 m, its texture red on the left, blue on the right, and nothing in the upper half of the right. */
+/* An upright card of 2 m, its texture red on the left, blue on the right, and nothing in the upper half of
+ * the right. */
 static void write_card(void)
 {
 	uint8_t rgba[32 * 32 * 4];
 	for (int y = 0; y < 32; y++)
 		for (int x = 0; x < 32; x++)
-			memcpy(rgba + 4 * (32 * y + x), x < 16 ? (uint8_t[4]){ 220, 10, 10, 255 } : (uint8_t[4]){ 10, 10, 220, y < 16 ? 0 : 255 }, 4);
-	assert_int_equal(eco_png_write(&(struct eco_pixels){ 32, 32, 4, rgba }, ROOT "/card.png", NULL), ECO_OK);
+			memcpy(rgba + 4 * (32 * y + x), x < 16 ? (uint8_t[4]){ 220, 10, 10, 255 }
+				: (uint8_t[4]){ 10, 10, 220, y < 16 ? 0 : 255 }, 4);
+	assert_int_equal(eco_png_write(&(struct eco_pixels){ 32, 32, 4, rgba }, ROOT "/card.png", NULL),
+		ECO_OK);
 	FILE *file = fopen(ROOT "/card.obj", "wb");
-	fputs("mtllib card.mtl\nusemtl leaf\nv -1 0 0\nv 1 0 0\nv 1 2 0\nv -1 2 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n", file);
+	fputs("mtllib card.mtl\nusemtl leaf\nv -1 0 0\nv 1 0 0\nv 1 2 0\nv -1 2 0\nvt 0 0\nvt 1 0\nvt 1 "
+		"1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n", file);
 	fclose(file);
 	file = fopen(ROOT "/card.mtl", "wb");
 	fputs("newmtl leaf\nmap_Kd card.png\n", file);
@@ -68,15 +75,19 @@ static int make_packs(void **state)
 	mkdir("build", 0777);
 	mkdir("build/tmp", 0777);
 	mkdir(ROOT, 0777);
-	static const char *const stale[] = { ROOT "/x.png", ROOT "/bad.png", ROOT "/many.png", ROOT "/many-3.png" };
+	static const char *const stale[] = { ROOT "/x.png", ROOT "/bad.png", ROOT "/many.png",
+		ROOT "/many-3.png" };
 	for (size_t i = 0; i < sizeof stale / sizeof *stale; i++)
 		unlink(stale[i]);
 	main_progress_quiet(true);
 	write_tree(ROOT "/tree.obj", 400);
 	write_card();
-	write_text(ROOT "/two.json", "{\"plants\": {\"tree\": {\"model\": \"tree.obj\"}, \"card\": {\"model\": \"card.obj\", \"unit\": \"m\", \"up\": "
-		"\"y\"}}, \"instances\": [{\"plant\": \"tree\", \"at\": [0, 0]}, {\"plant\": \"card\", \"at\": [9, 0]}]}");
-	if (make_pack(&(struct make_options){ .scene = ROOT "/two.json", .pack = ROOT "/two.eco", .jobs = 1 }, &error))
+	write_text(ROOT "/two.json", "{\"plants\": {\"tree\": {\"model\": \"tree.obj\"}, \"card\": "
+		"{\"model\": \"card.obj\", \"unit\": \"m\", \"up\": "
+		"\"y\"}}, \"instances\": [{\"plant\": \"tree\", \"at\": [0, 0]}, {\"plant\": \"card\", "
+		"\"at\": [9, 0]}]}");
+	if (make_pack(&(struct make_options){ .scene = ROOT "/two.json", .pack = ROOT "/two.eco", .jobs = 1 },
+			&error))
 		fail_msg("%s", error.text);
 	return 0;
 }
@@ -100,7 +111,8 @@ static struct eco_pack *open_plant(struct sheet_plant *plant, const char *name)
 	return pack;
 }
 
-static struct sheet_picture draw(struct sheet_plant *plant, uint64_t vertices, enum sheet_colors colors, uint8_t *rgb)
+static struct sheet_picture draw(struct sheet_plant *plant, uint64_t vertices, enum sheet_colors colors,
+	uint8_t *rgb)
 {
 	struct sheet_picture picture = { .rgb = rgb };
 	assert_int_equal(sheet_plant_draw(plant, vertices, colors, &picture, NULL), ECO_OK);
@@ -145,7 +157,8 @@ static void test_budgets_are_kept_and_more_is_better(void **state)
 /* Goes around the plant by a quarter turn. */
 static void turn_view(struct sheet_plant *plant)
 {
-	const struct eco_anchor *whole = &plant->scene.anchors[plant->scene.plants[plant->number].anchor_first];
+	const struct eco_anchor *whole =
+		&plant->scene.anchors[plant->scene.plants[plant->number].anchor_first];
 	double x = plant->view.eye[0] - whole->center[0], y = plant->view.eye[1] - whole->center[1];
 	plant->view.eye[0] = whole->center[0] - y;
 	plant->view.eye[1] = whole->center[1] + x;
@@ -161,9 +174,11 @@ static void turn_view(struct sheet_plant *plant)
 /* Q of the picture that the planner expects. */
 static double expected_q(const struct sheet_plant *plant, uint64_t vertices)
 {
-	struct eco_request request = { .view = plant->view, .vertices = vertices, .bytes = ECO_BYTES_UNBOUNDED };
+	struct eco_request request = { .view = plant->view, .vertices = vertices,
+		.bytes = ECO_BYTES_UNBOUNDED };
 	struct eco_plan plan;
-	assert_int_equal(lod_plan(&plan, &(struct lod_planner_input){ .scene = &plant->scene, .request = &request }, NULL), ECO_OK);
+	assert_int_equal(lod_plan(&plan,
+		&(struct lod_planner_input){ .scene = &plant->scene, .request = &request }, NULL), ECO_OK);
 	const struct eco_prediction *p = &plan.prediction;
 	double q = 1 - hypot(p->fp / (p->tp + p->fp), p->fn / (p->tp + p->fn));
 	eco_plan_free(&plan);
@@ -175,8 +190,9 @@ static double expected_q(const struct sheet_plant *plant, uint64_t vertices)
 
 struct course { double mean, fall, gap; };
 
-/* How Q goes as budgets grow, as a mean over four sides: one view's Q alone trembles by 0.02. Its mean over budgets, how far it falls at most below
- * what fewer vertices gave, and how far it is in the mean from what was expected of one of them. */
+/* How Q goes as budgets grow, as a mean over four sides: one view's Q alone trembles by 0.02. Its mean over
+ * budgets, how far it falls at most below what fewer vertices gave, and how far it is in the mean from what
+ * was expected of one of them. */
 static struct course course_of(const struct eco_pack *pack)
 {
 	struct sheet_plant plant;
@@ -208,25 +224,31 @@ static struct course course_of(const struct eco_pack *pack)
 	return course;
 }
 
-/* A tree that is large enough to be cut into cells, in two orders. Where cells took over too early Q fell by 0.13, where the whole plant's list
- * went into full detail before them by 0.027. Where that list was scaled to other amounts than cells are drawn with, the mean was 0.886 and
- * 0.862. Where what cells leave wrong was divided by what is wrong without them, and not by all of the plant, Q was expected 0.12 too low. */
+/* A tree that is large enough to be cut into cells, in two orders. Where cells took over too early Q fell by
+ * 0.13, where the whole plant's list went into full detail before them by 0.027. Where that list was scaled
+ * to other amounts than cells are drawn with, the mean was 0.886 and 0.862. Where what cells leave wrong was
+ * divided by what is wrong without them, and not by all of the plant, Q was expected 0.12 too low. */
 static void test_pictures_get_no_worse_as_budgets_grow(void **state)
 {
-	static const struct { enum lod_order_method order; double mean; } cases[] = { { LOD_ORDER_GREEDY, 0.895 }, { LOD_ORDER_COMBINED, 0.87 } };
-	struct eco_generate_options generate = { .name = "forest", .folder = ROOT "/forest", .plants = 20, .seed = 1 };
+	static const struct { enum lod_order_method order; double mean; } cases[] =
+		{ { LOD_ORDER_GREEDY, 0.895 }, { LOD_ORDER_COMBINED, 0.87 } };
+	struct eco_generate_options generate = { .name = "forest", .folder = ROOT "/forest", .plants = 20,
+		.seed = 1 };
 	assert_int_equal(eco_generate(&generate, NULL), ECO_OK);
-	write_text(ROOT "/beech.json", "{\"plants\": {\"beech\": {\"model\": \"forest/models/beech.obj\", \"height_m\": 15}},"
+	write_text(ROOT "/beech.json", "{\"plants\": {\"beech\": {\"model\": \"forest/models/beech.obj\", "
+		"\"height_m\": 15}},"
 		" \"instances\": [{\"plant\": \"beech\", \"at\": [0, 0]}]}");
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_pack *pack;
 		struct eco_error error = { 0 };
-		if (make_pack(&(struct make_options){ .scene = ROOT "/beech.json", .pack = ROOT "/beech.eco", .order = cases[i].order, .jobs = 1 }, &error))
+		if (make_pack(&(struct make_options){ .scene = ROOT "/beech.json", .pack = ROOT "/beech.eco",
+				.order = cases[i].order, .jobs = 1 }, &error))
 			fail_msg("%s", error.text);
 		assert_int_equal(eco_pack_open(&pack, ROOT "/beech.eco", &error), ECO_OK);
 		assert_true(pack->scene.plants[0].anchor_count > 1);
 		struct course course = course_of(pack);
-		print_message("          Q is %g in the mean, %g from what was expected, and falls by %g at most\n", course.mean, course.gap, course.fall);
+		print_message("          Q is %g in the mean, %g from what was expected, and falls by %g at "
+			"most\n", course.mean, course.gap, course.fall);
 		if (course.fall > LITTLE)
 			fail_msg("order %d: Q falls by %g", (int)cases[i].order, course.fall);
 		assert_true(course.mean > cases[i].mean);
@@ -263,11 +285,13 @@ static void test_textures_lie_the_right_way_round_and_holes_are_holes(void **sta
 	uint8_t rgb[3 * PIXELS * PIXELS];
 	struct eco_pack *pack = open_plant(&plant, "card");
 	draw(&plant, ECO_VERTICES_MAX, SHEET_NATURAL, rgb);
-	static const struct { uint32_t x, y; char color; } cases[] = { { 16, 16, 'r' }, { 16, 48, 'r' }, { 48, 48, 'b' }, { 48, 16, '-' } };
+	static const struct { uint32_t x, y; char color; } cases[] = { { 16, 16, 'r' }, { 16, 48, 'r' },
+		{ 48, 48, 'b' }, { 48, 16, '-' } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		size_t at = (size_t)cases[i].y * PIXELS + cases[i].x;
 		const uint8_t *p = rgb + 3 * at;
-		char color = !plant.coarse.cover[at] ? '-' : p[0] > p[2] + 50 ? 'r' : p[2] > p[0] + 50 ? 'b' : '?';
+		char color = !plant.coarse.cover[at] ? '-' : p[0] > p[2] + 50 ? 'r' : p[2] > p[0] + 50 ? 'b'
+			: '?';
 		assert_int_equal(color, cases[i].color);
 	}
 	sheet_plant_close(&plant);
@@ -318,14 +342,17 @@ static void test_a_row_for_each_plant_and_a_column_for_each_share(void **state)
 {
 	struct eco_error error;
 	int wide, high, wide1, high1;
-	assert_int_equal(run(ROOT "/two.eco -o " ROOT "/two.png --size 50 --columns 1/2,0.1,300", &error), ECO_OK);
-	assert_int_equal(run(ROOT "/two.eco -o " ROOT "/one.png --size 50 --columns 1/2 --plants tree", &error), ECO_OK);
+	assert_int_equal(run(ROOT "/two.eco -o " ROOT "/two.png --size 50 --columns 1/2,0.1,300", &error),
+		ECO_OK);
+	assert_int_equal(run(ROOT "/two.eco -o " ROOT "/one.png --size 50 --columns 1/2 --plants tree",
+		&error), ECO_OK);
 	size_of(ROOT "/two.png", &wide, &high);
 	size_of(ROOT "/one.png", &wide1, &high1);
 	assert_int_equal(wide - wide1, 2 * (50 + 10));
 	assert_int_equal(high - high1, 136 + 10);        /* the text is higher than the pictures */
 	assert_int_equal(run(ROOT "/two.eco -o " ROOT "/two.png --size 150 --columns 1/2", &error), ECO_OK);
-	assert_int_equal(run(ROOT "/two.eco -o " ROOT "/one.png --size 150 --columns 1/2 --plants tree", &error), ECO_OK);
+	assert_int_equal(run(ROOT "/two.eco -o " ROOT "/one.png --size 150 --columns 1/2 --plants tree",
+		&error), ECO_OK);
 	size_of(ROOT "/two.png", &wide, &high);
 	size_of(ROOT "/one.png", &wide1, &high1);
 	assert_int_equal(high - high1, 150 + 24 + 10);
@@ -333,14 +360,20 @@ static void test_a_row_for_each_plant_and_a_column_for_each_share(void **state)
 
 static void test_bad_command_lines_are_told_what_fits(void **state)
 {
-	static const struct { const char *line; enum eco_code code; const char *says; } cases[] = { { ROOT "/two.eco", ECO_BAD_USAGE, "-o" },
-		{ "-o " ROOT "/x.png", ECO_BAD_USAGE, "the pack" }, { ROOT "/two.eco -o " ROOT "/x.png --columns 2/1", ECO_BAD_USAGE, "2/1" },
-		{ ROOT "/two.eco -o " ROOT "/x.png --columns 1/2,", ECO_BAD_USAGE, "share" }, { ROOT "/two.eco -o " ROOT "/x.png --columns 1/0",
+	static const struct { const char *line; enum eco_code code; const char *says; } cases[] =
+		{ { ROOT "/two.eco", ECO_BAD_USAGE, "-o" },
+		{ "-o " ROOT "/x.png", ECO_BAD_USAGE, "the pack" },
+		{ ROOT "/two.eco -o " ROOT "/x.png --columns 2/1", ECO_BAD_USAGE, "2/1" },
+		{ ROOT "/two.eco -o " ROOT "/x.png --columns 1/2,", ECO_BAD_USAGE, "share" },
+		{ ROOT "/two.eco -o " ROOT "/x.png --columns 1/0",
 			ECO_BAD_USAGE, "1/0" },
-		{ ROOT "/two.eco -o " ROOT "/x.png --columns 2.5", ECO_BAD_USAGE, "2.5" }, { ROOT "/two.eco -o " ROOT "/x.png --size 5", ECO_BAD_USAGE,
+		{ ROOT "/two.eco -o " ROOT "/x.png --columns 2.5", ECO_BAD_USAGE, "2.5" },
+		{ ROOT "/two.eco -o " ROOT "/x.png --size 5", ECO_BAD_USAGE,
 			"--size" },
-		{ ROOT "/two.eco -o " ROOT "/x.png --plants fir", ECO_NOT_FOUND, "tree" }, { ROOT "/none.eco -o " ROOT "/x.png", ECO_IO, "none.eco" },
-		{ ROOT "/two.json -o " ROOT "/x.png", ECO_DAMAGED, "not a pack" }, { ROOT "/two.eco -o " ROOT "/two.json", ECO_BAD_INPUT, "kept" },
+		{ ROOT "/two.eco -o " ROOT "/x.png --plants fir", ECO_NOT_FOUND, "tree" },
+		{ ROOT "/none.eco -o " ROOT "/x.png", ECO_IO, "none.eco" },
+		{ ROOT "/two.json -o " ROOT "/x.png", ECO_DAMAGED, "not a pack" },
+		{ ROOT "/two.eco -o " ROOT "/two.json", ECO_BAD_INPUT, "kept" },
 		{ ROOT "/two.eco -o " ROOT "/none/x.png", ECO_NOT_FOUND, "none" } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_error error;
@@ -361,8 +394,9 @@ static void test_damaged_packs_are_an_error(void **state)
 	const struct eco_scene *s = &pack->scene;
 	const uint8_t *payload;
 	size_t payload_size;
-	assert_int_equal(eco_pack_payload(pack, s->lists[s->ladders[s->plants[0].ladder_first].triangles].chunk_first, &payload, &payload_size,
-		NULL), ECO_OK);
+	assert_int_equal(eco_pack_payload(pack,
+		s->lists[s->ladders[s->plants[0].ladder_first].triangles].chunk_first, &payload,
+		&payload_size, NULL), ECO_OK);
 	size_t at = (size_t)(payload - pack->map) + payload_size / 2;
 	eco_pack_close(pack);
 	FILE *file = fopen(ROOT "/two.eco", "rb");
@@ -383,13 +417,14 @@ static void test_many_plants_are_several_pages(void **state)
 	struct eco_error error = { 0 };
 	int wide, high;
 	for (int i = 0; i < 19; i++) {
-		sprintf(text + strlen(text), "%s\"t%d\": {\"model\": \"card.obj\", \"unit\": \"m\", \"up\": \"y\", \"height_m\": %d}", i ? ", " : "",
-			i, i + 1);
+		sprintf(text + strlen(text), "%s\"t%d\": {\"model\": \"card.obj\", \"unit\": \"m\", \"up\": "
+			"\"y\", \"height_m\": %d}", i ? ", " : "", i, i + 1);
 		sprintf(at + strlen(at), "%s{\"plant\": \"t%d\", \"at\": [%d, 0]}", i ? ", " : "", i, 20 * i);
 	}
 	sprintf(text + strlen(text), "}, \"instances\": [%s]}", at);
 	write_text(ROOT "/many.json", text);
-	assert_int_equal(make_pack(&(struct make_options){ .scene = ROOT "/many.json", .pack = ROOT "/many.eco", .jobs = 1 }, &error), ECO_OK);
+	assert_int_equal(make_pack(&(struct make_options){ .scene = ROOT "/many.json", .pack = ROOT
+		"/many.eco", .jobs = 1 }, &error), ECO_OK);
 	assert_int_equal(run(ROOT "/many.eco -o " ROOT "/many.png --size 400 --columns 1/2", &error), ECO_OK);
 	assert_int_not_equal(access(ROOT "/many.png", F_OK), 0);
 	size_of(ROOT "/many-1.png", &wide, &high);

@@ -1,4 +1,5 @@
-/* Camera scripts and views: what they mean to the number, and that whatever cannot be drawn is refused by name. */
+/* Camera scripts and views: what they mean to the number, and that whatever cannot be drawn is refused by
+ * name. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,7 +9,8 @@
 #include "ecofiles/format/view.h"
 #include "tests/support/unit_test.h"
 
-#define KEY(time, x) "{\"time_s\": " time ", \"eye\": [" x ", 0, 2], \"target\": [0, 50, 1], \"fov_y_deg\": 45}"
+#define KEY(time, x) "{\"time_s\": " time ", \"eye\": [" x ", 0, 2], \"target\": [0, 50, 1], " \
+	"\"fov_y_deg\": 45}"
 #define SCRIPT(fps, keys) "{\"fps\": " fps ", \"keyframes\": [" keys "]}"
 
 static struct eco_camera *camera_of(const char *json)
@@ -46,29 +48,36 @@ static void frames_run_to_the_last_keyframe(void **state)
 static void keyframes_are_met_exactly_and_up_defaults_to_z(void **state)
 {
 	struct eco_camera *camera = camera_of(SCRIPT("10", KEY("0", "0.1") "," KEY("0.7", "12.3") ","
-		"{\"time_s\": 2, \"eye\": [1e6, -3.3, 7], \"target\": [0.1, 0.2, 0.3], \"up\": [0, 1, 0.5], \"fov_y_deg\": 60.5}"));
+		"{\"time_s\": 2, \"eye\": [1e6, -3.3, 7], \"target\": [0.1, 0.2, 0.3], \"up\": [0, 1, 0.5], "
+		"\"fov_y_deg\": 60.5}"));
 	struct eco_view view;
-	assert_true(eco_camera_frame(camera, 0, &view) == 0 && view.eye[0] == 0.1 && view.up[2] == 1 && view.up[0] == 0);
+	assert_true(eco_camera_frame(camera, 0, &view) == 0 && view.eye[0] == 0.1 && view.up[2] == 1
+		&& view.up[0] == 0);
 	assert_true(eco_camera_frame(camera, 7, &view) == 0.7 && view.eye[0] == 12.3 && view.fov_y_deg == 45);
-	assert_true(eco_camera_frame(camera, 20, &view) == 2 && view.eye[0] == 1e6 && view.target[2] == 0.3 && view.up[1] == 1);
+	assert_true(eco_camera_frame(camera, 20, &view) == 2 && view.eye[0] == 1e6 && view.target[2] == 0.3
+		&& view.up[1] == 1);
 	assert_true(view.fov_y_deg == 60.5 && view.up[2] == 0.5);
 	eco_camera_free(camera);
 }
 
 static void what_does_not_change_stays_to_the_last_bit(void **state)
 {
-	struct eco_camera *camera = camera_of(SCRIPT("100", KEY("0", "0.1") "," KEY("0.7", "0.1") "," KEY("3", "0.1")));
+	struct eco_camera *camera =
+		camera_of(SCRIPT("100", KEY("0", "0.1") "," KEY("0.7", "0.1") "," KEY("3", "0.1")));
 	struct eco_view view;
 	for (uint32_t i = 0; i < eco_camera_frame_count(camera); i++) {
 		eco_camera_frame(camera, i, &view);
-		assert_true(view.eye[0] == 0.1 && view.target[1] == 50 && view.fov_y_deg == 45 && view.up[2] == 1);
+		assert_true(view.eye[0] == 0.1 && view.target[1] == 50 && view.fov_y_deg == 45
+			&& view.up[2] == 1);
 	}
 	eco_camera_free(camera);
 }
 
 static void equal_speed_stays_equal_at_unequal_times(void **state)
 {
-	struct eco_camera *camera = camera_of(SCRIPT("20", KEY("0", "0") "," KEY("1", "10") "," KEY("1.5", "15") "," KEY("4", "40")));
+	struct eco_camera *camera =
+		camera_of(SCRIPT("20", KEY("0", "0") "," KEY("1", "10") "," KEY("1.5", "15") "," KEY("4",
+		"40")));
 	struct eco_view view;
 	for (uint32_t i = 0; i < eco_camera_frame_count(camera); i++) {
 		double t = eco_camera_frame(camera, i, &view);
@@ -77,19 +86,23 @@ static void equal_speed_stays_equal_at_unequal_times(void **state)
 	eco_camera_free(camera);
 }
 
-/* The spline written out in another way, by its Bernstein form (control points a third of the way along the slopes). */
+/* The spline written out in another way, by its Bernstein form (control points a third of the way along the
+ * slopes). */
 static double bezier(double t, double ta, double tb, double a, double b, double slope_a, double slope_b)
 {
 	double s = (t - ta) / (tb - ta), h = (tb - ta) / 3, c = a + h * slope_a, d = b - h * slope_b;
-	return (1 - s) * (1 - s) * (1 - s) * a + 3 * s * (1 - s) * (1 - s) * c + 3 * s * s * (1 - s) * d + s * s * s * b;
+	return (1 - s) * (1 - s) * (1 - s) * a + 3 * s * (1 - s) * (1 - s) * c + 3 * s * s * (1 - s) * d
+		+ s * s * s * b;
 }
 
 static void between_keyframes_lies_a_catmull_rom_spline(void **state)
 {
 	static const double t[] = { 0, 1, 1.5, 4 }, x[] = { 3, 10, -2, 5 };
-	double slope[4] = { (x[1] - x[0]) / (t[1] - t[0]), (x[2] - x[0]) / (t[2] - t[0]), (x[3] - x[1]) / (t[3] - t[1]),
-		(x[3] - x[2]) / (t[3] - t[2]) };
-	struct eco_camera *camera = camera_of(SCRIPT("50", KEY("0", "3") "," KEY("1", "10") "," KEY("1.5", "-2") "," KEY("4", "5")));
+	double slope[4] = { (x[1] - x[0]) / (t[1] - t[0]), (x[2] - x[0]) / (t[2] - t[0]),
+		(x[3] - x[1]) / (t[3] - t[1]), (x[3] - x[2]) / (t[3] - t[2]) };
+	struct eco_camera *camera =
+		camera_of(SCRIPT("50", KEY("0", "3") "," KEY("1", "10") "," KEY("1.5", "-2") "," KEY("4",
+		"5")));
 	struct eco_view view;
 	for (uint32_t i = 0; i < eco_camera_frame_count(camera); i++) {
 		double time = eco_camera_frame(camera, i, &view);
@@ -97,7 +110,8 @@ static void between_keyframes_lies_a_catmull_rom_spline(void **state)
 		double expected = bezier(time, t[k], t[k + 1], x[k], x[k + 1], slope[k], slope[k + 1]);
 		assert_true(fabs(view.eye[0] - expected) < 1e-9);
 		double bound = 4.0 / 27 * (t[k + 1] - t[k]) * (fabs(slope[k]) + fabs(slope[k + 1])) + 1e-9;
-		assert_true(view.eye[0] <= fmax(x[k], x[k + 1]) + bound && view.eye[0] >= fmin(x[k], x[k + 1]) - bound);
+		assert_true(view.eye[0] <= fmax(x[k], x[k + 1]) + bound && view.eye[0] >= fmin(x[k], x[k + 1])
+			- bound);
 	}
 	eco_camera_free(camera);
 }
@@ -114,46 +128,67 @@ static void impossible_scripts_are_refused_by_name(void **state)
 		{ "\n{\"fps\": 2}", "tour.json:2:1: \"keyframes\" is missing" },
 		{ "{\"fps\": 2,\n\"keyframes\": []}", "tour.json:2:14: there are no keyframes" },
 		{ "{\"fps\": 2,\n\"keyframes\": {}}", "tour.json:2:14: \"keyframes\" must be an array" },
-		{ "{\"fps\": 2,\n \"loop\": true, \"keyframes\": []}", "tour.json:2:2: unknown field \"loop\"; known here: fps, keyframes" },
+		{ "{\"fps\": 2,\n \"loop\": true, \"keyframes\": []}",
+		"tour.json:2:2: unknown field \"loop\"; known here: fps, keyframes" },
 		{ SCRIPT("0", KEY("0", "1")), "tour.json:1:9: fps is 0, it must be" },
 		{ SCRIPT("-1", KEY("0", "1")), "tour.json:1:9: fps is -1" },
 		{ SCRIPT("\"2\"", KEY("0", "1")), "tour.json:1:9: \"fps\" must be a number" },
 		{ SCRIPT("2", "\n1"), "tour.json:2:1: this must be an object" },
-		{ SCRIPT("2", KEY("0", "1") ",\n{\"time_s\": 1, \"eye\": [0, 0], \"target\": [1, 2, 3], \"fov_y_deg\": 9}"),
+		{ SCRIPT("2", KEY("0", "1") ",\n{\"time_s\": 1, \"eye\": [0, 0], \"target\": [1, 2, 3], "
+		"\"fov_y_deg\": 9}"),
 			"tour.json:2:22: \"eye\" has 2 numbers" },
 		{ SCRIPT("2", "\n" KEY("0", "\"a\"")), "tour.json:2:23: this must be a number" },
 		{ SCRIPT("2", "\n" KEY("0", "1e13")), "tour.json:2:23: the number is 1" },
-		{ SCRIPT("2", "\n{\"time_s\": 1, \"eye\": [0, 0, 1], \"fov_y_deg\": 9}"), "tour.json:2:1: \"target\" is missing" },
-		{ SCRIPT("2", "\n{\"eye\": [0, 0, 1], \"target\": [1, 2, 3], \"fov_y_deg\": 9}"), "tour.json:2:1: \"time_s\" is missing" },
-		{ SCRIPT("2", "\n{\"time_s\": 1, \"eye\": [0, 0, 1], \"target\": [1, 2, 3]}"), "tour.json:2:1: \"fov_y_deg\" is missing" },
-		{ SCRIPT("2", "\n{\"time_s\": 1, \"eye\": [0, 0, 1], \"target\": [1, 2, 3],\n\"fov_y_deg\": 181}"),
+		{ SCRIPT("2", "\n{\"time_s\": 1, \"eye\": [0, 0, 1], \"fov_y_deg\": 9}"),
+		"tour.json:2:1: \"target\" is missing" },
+		{ SCRIPT("2", "\n{\"eye\": [0, 0, 1], \"target\": [1, 2, 3], \"fov_y_deg\": 9}"),
+		"tour.json:2:1: \"time_s\" is missing" },
+		{ SCRIPT("2", "\n{\"time_s\": 1, \"eye\": [0, 0, 1], \"target\": [1, 2, 3]}"),
+		"tour.json:2:1: \"fov_y_deg\" is missing" },
+		{ SCRIPT("2", "\n{\"time_s\": 1, \"eye\": [0, 0, 1], \"target\": [1, 2, 3],\n\"fov_y_deg\": "
+		"181}"),
 			"tour.json:3:14: fov_y_deg is 181" },
-		{ SCRIPT("2", "\n{\"time_s\": 1, \"eye\": [0, 0, 1], \"target\": [1, 2, 3],\n\"fov_y_deg\": 180}"),
-			"tour.json:2:1: frame 0 at 1 s, from this keyframe on, cannot be drawn: fov_y_deg: 180" },
-		{ SCRIPT("2", "{\"time_s\": 1, \"eye\": [0, 0, 1], \"target\": [1, 2, 3], \"fov_y_deg\": 9,\n\"roll\": 1}"),
+		{ SCRIPT("2", "\n{\"time_s\": 1, \"eye\": [0, 0, 1], \"target\": [1, 2, 3],\n\"fov_y_deg\": "
+		"180}"),
+			"tour.json:2:1: frame 0 at 1 s, from this keyframe on, cannot be drawn: fov_y_deg: "
+			"180" },
+		{ SCRIPT("2", "{\"time_s\": 1, \"eye\": [0, 0, 1], \"target\": [1, 2, 3], \"fov_y_deg\": "
+		"9,\n\"roll\": 1}"),
 			"tour.json:2:1: unknown field \"roll\"" },
-		{ SCRIPT("2", KEY("1", "1") ",\n" KEY("1", "2")), "tour.json:2:12: time_s is 1, but the keyframe before it is at 1" },
-		{ SCRIPT("2", KEY("0", "1") "," KEY("1", "2") ",\n" KEY("0.5", "2")), "tour.json:2:12: time_s is 0.5, but" },
-		{ SCRIPT("1000", KEY("0", "1") "," KEY("1000", "2")), "tour.json:1:1: 1000 s at 1000 frames a second are 1000001 frames" },
+		{ SCRIPT("2", KEY("1", "1") ",\n" KEY("1", "2")),
+		"tour.json:2:12: time_s is 1, but the keyframe before it is at 1" },
+		{ SCRIPT("2", KEY("0", "1") "," KEY("1", "2") ",\n" KEY("0.5", "2")),
+		"tour.json:2:12: time_s is 0.5, but" },
+		{ SCRIPT("1000", KEY("0", "1") "," KEY("1000", "2")),
+		"tour.json:1:1: 1000 s at 1000 frames a second are 1000001 frames" },
 		{ SCRIPT("1", KEY("0", "1") ",\n" KEY("1e10", "2")), "tour.json:2:12: time_s is 1" },
-		{ SCRIPT("2", "\n{\"time_s\": 0, \"eye\": [0, 0, 1], \"target\": [0, 0, 1], \"fov_y_deg\": 9}"),
-			"tour.json:2:1: frame 0 at 0 s, from this keyframe on, cannot be drawn: target: it is the same point as eye" },
+		{ SCRIPT("2", "\n{\"time_s\": 0, \"eye\": [0, 0, 1], \"target\": [0, 0, 1], \"fov_y_deg\": "
+		"9}"),
+			"tour.json:2:1: frame 0 at 0 s, from this keyframe on, cannot be drawn: target: it "
+			"is the same point as eye" },
 		/* eye and target meet half-way */
-		{ SCRIPT("1", "\n{\"time_s\": 0, \"eye\": [0, 0, 0], \"target\": [2, 0, 0], \"fov_y_deg\": 9},"
+		{ SCRIPT("1", "\n{\"time_s\": 0, \"eye\": [0, 0, 0], \"target\": [2, 0, 0], \"fov_y_deg\": "
+		"9},"
 			"\n{\"time_s\": 2, \"eye\": [2, 0, 0], \"target\": [0, 0, 0], \"fov_y_deg\": 9}"),
-			"tour.json:2:1: frame 1 at 1 s, from this keyframe on, cannot be drawn: target: it is the same point as eye (1, 0, 0)" },
+			"tour.json:2:1: frame 1 at 1 s, from this keyframe on, cannot be drawn: target: it "
+			"is the same point as eye (1, 0, 0)" },
 		/* the field of view swings below 0 between keyframes that are all right */
-		{ SCRIPT("10", "{\"time_s\": 0, \"eye\": [0, 0, 0], \"target\": [2, 0, 0], \"fov_y_deg\": 170},\n"
+		{ SCRIPT("10", "{\"time_s\": 0, \"eye\": [0, 0, 0], \"target\": [2, 0, 0], \"fov_y_deg\": "
+		"170},\n"
 			"{\"time_s\": 1, \"eye\": [0, 0, 0], \"target\": [2, 0, 0], \"fov_y_deg\": 1},"
 			"{\"time_s\": 2, \"eye\": [0, 0, 0], \"target\": [2, 0, 0], \"fov_y_deg\": 1}"),
-			"tour.json:2:1: frame 11 at 1.1 s, from this keyframe on, cannot be drawn: fov_y_deg: -" },
+			"tour.json:2:1: frame 11 at 1.1 s, from this keyframe on, cannot be drawn: "
+			"fov_y_deg: -" },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct eco_camera *camera = (void *)1;
 		struct eco_error error = { 0 };
-		enum eco_code code = eco_camera_parse(&camera, rows[i].json, strlen(rows[i].json), "tour.json", &error);
-		if (code == ECO_OK || code != error.code || camera || strncmp(error.text, rows[i].text, strlen(rows[i].text)) != 0)
-			fail_msg("row %zu: code %d, \"%s\" where \"%s\" was expected", i, code, error.text, rows[i].text);
+		enum eco_code code = eco_camera_parse(&camera, rows[i].json, strlen(rows[i].json),
+			"tour.json", &error);
+		if (code == ECO_OK || code != error.code || camera
+				|| strncmp(error.text, rows[i].text, strlen(rows[i].text)) != 0)
+			fail_msg("row %zu: code %d, \"%s\" where \"%s\" was expected", i, code, error.text,
+				rows[i].text);
 	}
 }
 
@@ -183,7 +218,8 @@ static void scripts_are_loaded_from_files(void **state)
 	assert_non_null(file);
 	fputs("{\"fps\": 1, \"keyframes\": [" KEY("0", "1"), file);
 	for (int i = 1; i < 300; i++)
-		fprintf(file, ", {\"time_s\": %d, \"eye\": [%d, 0, 2], \"target\": [0, 50, 1], \"up\": [0, 0, 1], \"fov_y_deg\": 45}", i, i);
+		fprintf(file, ", {\"time_s\": %d, \"eye\": [%d, 0, 2], \"target\": [0, 50, 1], \"up\": [0, "
+			"0, 1], \"fov_y_deg\": 45}", i, i);
 	fputs("]}", file);
 	fclose(file);
 	assert_int_equal(eco_camera_load(&camera, path, NULL), ECO_OK);

@@ -1,4 +1,5 @@
-/* Chunks: what is encoded is decoded, whatever the coder, in the order that was promised; the format is fixed. */
+/* Chunks: what is encoded is decoded, whatever the coder, in the order that was promised; the format is
+ * fixed. */
 #include "tests/support/chunk_kinds.h"
 
 static void what_goes_in_comes_out(void **state)
@@ -55,13 +56,15 @@ static void forms_follow_their_elements(void **state)
 	enum { COUNT = 300, FIRST = 20, END = 270 };
 
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-		const struct kind fan = { "fans", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR, cases[i].low, cases[i].high, COUNT, 0,
-			4095, SCATTERED };
-		const struct kind form = { "forms", cases[i].form == 1 ? ECO_LIST_POINTS : ECO_LIST_TRIANGLES, ECO_CODER_FORM,
-			cases[i].form == 1 ? ECO_ATTR_COLOR | ECO_ATTR_SIZE : ECO_ATTR_UV | ECO_ATTR_GROWTH, cases[i].form, cases[i].form, COUNT, 0,
-			4095, SCATTERED };
+		const struct kind fan = { "fans", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR,
+			cases[i].low, cases[i].high, COUNT, 0, 4095, SCATTERED };
+		const struct kind form = { "forms", cases[i].form == 1 ? ECO_LIST_POINTS : ECO_LIST_TRIANGLES,
+			ECO_CODER_FORM, cases[i].form == 1 ? ECO_ATTR_COLOR | ECO_ATTR_SIZE
+			: ECO_ATTR_UV | ECO_ATTR_GROWTH, cases[i].form, cases[i].form, COUNT, 0, 4095,
+			SCATTERED };
 		const struct eco_list fans = kind_list(&fan), forms = kind_list(&form);
-		struct eco_elements in = kind_elements(&fan, COUNT, i), other = kind_elements(&form, COUNT, i + 50), out;
+		struct eco_elements in = kind_elements(&fan, COUNT, i),
+			other = kind_elements(&form, COUNT, i + 50), out;
 		const struct eco_chunk_input input = { &fans, &in, FIRST, END, 9 };
 		uint32_t order[END - FIRST];
 		struct eco_error error = { 0 };
@@ -81,27 +84,34 @@ static void forms_follow_their_elements(void **state)
 		free(bytes);
 		/* one form too few, one of another shape */
 		other.element_count--;
-		assert_int_equal(eco_chunk_encode_form(&input, &forms, &other, &bytes, &size, &error), ECO_BAD_INPUT);
+		assert_int_equal(eco_chunk_encode_form(&input, &forms, &other, &bytes, &size, &error),
+			ECO_BAD_INPUT);
 		other.element_count++;
 		other.corners[100] = (uint8_t)(7 - cases[i].form);
-		assert_int_equal(eco_chunk_encode_form(&input, &forms, &other, &bytes, &size, NULL), ECO_BAD_INPUT);
+		assert_int_equal(eco_chunk_encode_form(&input, &forms, &other, &bytes, &size, NULL),
+			ECO_BAD_INPUT);
 		assert_null(bytes);
 		eco_elements_free(&in);
 		eco_elements_free(&other);
 	}
 }
 
-/* The first chunks are drawn in the order that they came in: of one corner count strictly, else each corner count's elements among themselves. */
+/* The first chunks are drawn in the order that they came in: of one corner count strictly, else each corner
+ * count's elements among themselves. */
 static void first_chunks_keep_their_order(void **state)
 {
-	static const struct { uint8_t low, high; uint32_t first, end; bool kept; } cases[] = { { 4, 4, 0, 32, true }, { 3, 3, 32, 64, true },
-		{ 4, 4, 0, 1, true }, { 3, 6, 0, 48, true }, { 4, 4, 64, 128, true }, { 4, 4, 200, 250, false }, { 4, 4, 0, 300, false } };
+	static const struct { uint8_t low, high; uint32_t first, end; bool kept; } cases[] =
+		{ { 4, 4, 0, 32, true }, { 3, 3, 32, 64, true },
+		{ 4, 4, 0, 1, true }, { 3, 6, 0, 48, true }, { 4, 4, 64, 128, true },
+		{ 4, 4, 200, 250, false }, { 4, 4, 0, 300, false } };
 
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-		const struct kind k = { "fans", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR, cases[i].low, cases[i].high, 300, 0, 4095, LEAVES };
+		const struct kind k = { "fans", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR,
+			cases[i].low, cases[i].high, 300, 0, 4095, LEAVES };
 		const struct eco_list list = kind_list(&k);
 		struct eco_elements in = kind_elements(&k, 300, i), out;
-		const struct eco_chunk_input input = { &list, &in, cases[i].first, cases[i].end, (uint32_t)i };
+		const struct eco_chunk_input input = { &list, &in, cases[i].first, cases[i].end,
+			(uint32_t)i };
 		uint32_t order[300], last[ECO_CORNERS_MAX + 1] = { 0 }, falls = 0;
 		uint8_t *bytes;
 		size_t size;
@@ -113,7 +123,8 @@ static void first_chunks_keep_their_order(void **state)
 		}
 		assert_true(cases[i].kept ? falls == 0 : falls > 10);
 		struct eco_chunk chunk = kind_chunk(&in, cases[i].first, cases[i].end, size);
-		assert_int_equal(eco_chunk_decode(&list, &chunk, (uint32_t)i, bytes, size, &out, NULL), ECO_OK);
+		assert_int_equal(eco_chunk_decode(&list, &chunk, (uint32_t)i, bytes, size, &out, NULL),
+			ECO_OK);
 		assert_same_elements(&k, &in, cases[i].first, cases[i].end, &out, order);
 		eco_elements_free(&out);
 		eco_elements_free(&in);
@@ -128,7 +139,8 @@ static void ground_is_predicted_from_its_neighbours(void **state)
 	static uint8_t corners[SIDE * SIDE];
 	static int32_t position[3 * SIDE * SIDE];
 	const struct eco_list list = { .kind = ECO_LIST_GROUND, .coder = ECO_CODER_ROWS, .columns = SIDE };
-	struct eco_elements in = { SIDE * SIDE, SIDE * SIDE, SIDE * SIDE, 0, corners, position, NULL, NULL, NULL }, out;
+	struct eco_elements in = { SIDE * SIDE, SIDE * SIDE, SIDE * SIDE, 0, corners, position, NULL, NULL,
+		NULL }, out;
 	const struct eco_chunk_input input = { &list, &in, 10, SIDE * SIDE, 1 };
 	uint32_t count = input.end - input.first;
 	struct eco_chunk chunk;
@@ -138,11 +150,13 @@ static void ground_is_predicted_from_its_neighbours(void **state)
 		corners[i] = 1;
 		position[3 * i] = 4 * (i % SIDE);
 		position[3 * i + 1] = 4 * (i / SIDE);
-		position[3 * i + 2] = (i % SIDE) * (i % SIDE) / 3 - (i / SIDE) * 40 + (i % SIDE) * (i / SIDE) / 5;
+		position[3 * i + 2] = (i % SIDE) * (i % SIDE) / 3 - (i / SIDE) * 40
+			+ (i % SIDE) * (i / SIDE) / 5;
 	}
 	assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
 	assert_true(size < count * 3 / 8);
-	chunk = (struct eco_chunk){ .size_bytes = (uint32_t)size, .element_count = count, .primitive_count = count };
+	chunk = (struct eco_chunk){ .size_bytes = (uint32_t)size, .element_count = count,
+		.primitive_count = count };
 	assert_int_equal(eco_chunk_decode(&list, &chunk, 1, bytes, size, &out, NULL), ECO_OK);
 	assert_memory_equal(out.position, position + 3 * input.first, 12 * count);
 	free(bytes);
@@ -157,7 +171,8 @@ static void equal_texture_coordinates_are_free(void **state)
 	size_t size[2];
 	assert_string_equal(k->name, "textured quads");
 	for (int textured = 0; textured < 2; textured++) {
-		const struct eco_list list = { .kind = k->kind, .coder = k->coder, .attributes = textured ? ECO_ATTR_UV : 0 };
+		const struct eco_list list = { .kind = k->kind, .coder = k->coder, .attributes = textured
+			? ECO_ATTR_UV : 0 };
 		const struct eco_chunk_input input = { &list, &in, 0, 300, 1 };
 		uint8_t *bytes;
 		assert_int_equal(eco_chunk_encode(&input, &bytes, &size[textured], NULL, NULL), ECO_OK);
@@ -189,13 +204,16 @@ static void permutations_are_fair_and_fixed(void **state)
 static void splits_start_small_and_grow(void **state)
 {
 	static const struct { uint32_t count, smallest, max; } cases[] = {
-		{ 1, 32, 100 }, { 31, 32, 100 }, { 33, 32, 100 }, { 1000, 32, 100 }, { 50000, 32, 100 }, { 1000000, 32, 4096 },
-		{ 50000, 256, 4 }, { 50000, 256, 1 }, { 5000000, 32, 20 }, { UINT32_MAX, 1, 5000 }, { 7, 0, 100 },
+		{ 1, 32, 100 }, { 31, 32, 100 }, { 33, 32, 100 }, { 1000, 32, 100 }, { 50000, 32, 100 },
+			{ 1000000, 32, 4096 },
+		{ 50000, 256, 4 }, { 50000, 256, 1 }, { 5000000, 32, 20 }, { UINT32_MAX, 1, 5000 },
+		{ 7, 0, 100 },
 	};
 	static uint32_t ends[5000];
 	assert_int_equal(eco_chunk_split(0, 32, ends, 10), 0);
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-		uint32_t n = eco_chunk_split(cases[i].count, cases[i].smallest, ends, cases[i].max), last = 0, before = 0;
+		uint32_t n = eco_chunk_split(cases[i].count, cases[i].smallest, ends, cases[i].max), last = 0,
+			before = 0;
 		assert_true(n >= 1 && n <= cases[i].max);
 		assert_int_equal(ends[n - 1], cases[i].count);
 		for (uint32_t k = 0; k < n; k++) {
@@ -218,22 +236,26 @@ static void splits_start_small_and_grow(void **state)
 static void a_small_chunk_is_the_golden_one(void **state)
 {
 	static const uint8_t golden[] = {
-		1, 1, 2, 0, 3, 0, 0, 0, 1, 0, 0, 0, 84, 0, 0, 0, 4, 0, 33, 0, 2, 0, 0, 0, 113, 0, 0, 0, 68, 82, 65, 67, 79, 2,
-		3, 0, 0, 0, 0, 1, 0, 0, 0, 1, 4, 0, 5, 3, 0, 0, 4, 5, 3, 0, 1, 4, 5, 3, 0, 2, 4, 5, 1, 0, 3, 1, 1, 1, 1, 254,
-		1, 0, 9, 31, 1, 64, 1, 0, 200, 100, 5, 254, 1, 0, 6, 19, 1, 64, 1, 0, 20, 0, 254, 1, 0, 6, 19, 1, 64, 1, 0,
-		138, 26, 254, 1, 1, 3, 1, 1, 64, 1, 0, 68, 82, 65, 67, 79, 2, 3, 0, 0, 0, 0, 2, 0, 0, 0, 1, 5, 0, 5, 3, 0, 0,
-		4, 5, 3, 0, 1, 4, 5, 3, 0, 2, 4, 5, 3, 0, 3, 4, 5, 1, 0, 4, 1, 1, 1, 1, 1, 254, 1, 1, 4, 11, 1, 32, 35, 1, 32,
-		3, 0, 248, 143, 254, 1, 1, 4, 19, 173, 42, 67, 85, 21, 3, 58, 149, 138, 254, 1, 0, 6, 19, 1, 64, 1, 0, 0, 80,
-		32, 5, 254, 1, 0, 2, 3, 1, 64, 1, 0, 4, 254, 1, 1, 4, 5, 7, 1, 32, 3, 1, 32, 3, 0, 208, 128
+		1, 1, 2, 0, 3, 0, 0, 0, 1, 0, 0, 0, 84, 0, 0, 0, 4, 0, 33, 0, 2, 0, 0, 0, 113, 0, 0, 0, 68,
+			82, 65, 67, 79, 2,
+		3, 0, 0, 0, 0, 1, 0, 0, 0, 1, 4, 0, 5, 3, 0, 0, 4, 5, 3, 0, 1, 4, 5, 3, 0, 2, 4, 5, 1, 0, 3,
+		1, 1, 1, 1, 254, 1, 0, 9, 31, 1, 64, 1, 0, 200, 100, 5, 254, 1, 0, 6, 19, 1, 64, 1, 0, 20, 0,
+		254, 1, 0, 6, 19, 1, 64, 1, 0, 138, 26, 254, 1, 1, 3, 1, 1, 64, 1, 0, 68, 82, 65, 67, 79, 2,
+		3, 0, 0, 0, 0, 2, 0, 0, 0, 1, 5, 0, 5, 3, 0, 0, 4, 5, 3, 0, 1, 4, 5, 3, 0, 2, 4, 5, 3, 0, 3,
+		4, 5, 1, 0, 4, 1, 1, 1, 1, 1, 254, 1, 1, 4, 11, 1, 32, 35, 1, 32, 3, 0, 248, 143, 254, 1, 1,
+		4, 19, 173, 42, 67, 85, 21, 3, 58, 149, 138, 254, 1, 0, 6, 19, 1, 64, 1, 0, 0, 80, 32, 5, 254,
+		1, 0, 2, 3, 1, 64, 1, 0, 4, 254, 1, 1, 4, 5, 7, 1, 32, 3, 1, 32, 3, 0, 208, 128
 	};
-	const struct eco_list list = { .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS, .attributes = ECO_ATTR_COLOR };
+	const struct eco_list list = { .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS,
+		.attributes = ECO_ATTR_COLOR };
 	uint8_t corners[3] = { 4, 3, 4 };
-	int32_t position[33] = { 0, 0, 0, 9, 0, 0, 9, 9, 1, 0, 9, 1, 100, 50, -3, 110, 50, -3, 105, 60, 0, 5, 5, 5, 5, 14, 5, 5, 14, 15,
-		5, 5, 14 };
+	int32_t position[33] = { 0, 0, 0, 9, 0, 0, 9, 9, 1, 0, 9, 1, 100, 50, -3, 110, 50, -3, 105, 60, 0, 5,
+		5, 5, 5, 14, 5, 5, 14, 15, 5, 5, 14 };
 	int32_t color[3] = { 2, 0, 1 };
 	struct eco_elements in = { 3, 11, 5, 1, corners, position, NULL, color, NULL }, out;
 	const struct eco_chunk_input input = { &list, &in, 0, 3, 0 };
-	const struct kind k = { "golden", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR, 3, 4, 3, 0, 0, SCATTERED };
+	const struct kind k = { "golden", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR, 3, 4, 3, 0,
+		0, SCATTERED };
 	struct eco_chunk chunk;
 	uint32_t order[3];
 	uint8_t *bytes;
@@ -252,7 +274,8 @@ static void a_small_chunk_is_the_golden_one(void **state)
 static void names_are_xxh3_of_the_payload(void **state)
 {
 	/* XXH3-128 of no bytes, as the xxhsum program prints it. */
-	static const uint8_t empty[16] = { 0x99, 0xaa, 0x06, 0xd3, 0x01, 0x47, 0x98, 0xd8, 0x60, 0x01, 0xc3, 0x24, 0x46, 0x8d, 0x49, 0x7f };
+	static const uint8_t empty[16] = { 0x99, 0xaa, 0x06, 0xd3, 0x01, 0x47, 0x98, 0xd8, 0x60, 0x01, 0xc3,
+		0x24, 0x46, 0x8d, 0x49, 0x7f };
 	struct eco_chunk_id id = eco_chunk_hash((const uint8_t *)"", 0);
 	assert_memory_equal(id.bytes, empty, sizeof empty);
 }

@@ -1,5 +1,5 @@
-/* Damaged chunks and impossible input: refused, or bounded by what the record says. The hash is left out on purpose: the decoder alone must
- * withstand anything. */
+/* Damaged chunks and impossible input: refused, or bounded by what the record says. The hash is left out on
+ * purpose: the decoder alone must withstand anything. */
 #include "tests/support/chunk_kinds.h"
 
 static void every_truncation_is_refused(void **state)
@@ -18,9 +18,11 @@ static void every_truncation_is_refused(void **state)
 			struct eco_chunk shorter = chunk;
 			copy = malloc(cut > 0 ? cut : 1);
 			memcpy(copy, bytes, cut);
-			assert_int_not_equal(eco_chunk_decode(&list, &chunk, 1, copy, cut, &out, NULL), ECO_OK);
+			assert_int_not_equal(eco_chunk_decode(&list, &chunk, 1, copy, cut, &out, NULL),
+				ECO_OK);
 			shorter.size_bytes = (uint32_t)cut;
-			assert_int_not_equal(eco_chunk_decode(&list, &shorter, 1, copy, cut, &out, NULL), ECO_OK);
+			assert_int_not_equal(eco_chunk_decode(&list, &shorter, 1, copy, cut, &out, NULL),
+				ECO_OK);
 			assert_null(out.position);
 			free(copy);
 		}
@@ -29,7 +31,8 @@ static void every_truncation_is_refused(void **state)
 	}
 }
 
-static void assert_bounded(const struct eco_list *list, const struct eco_chunk *chunk, const struct eco_elements *out)
+static void assert_bounded(const struct eco_list *list, const struct eco_chunk *chunk,
+	const struct eco_elements *out)
 {
 	assert_int_equal(out->element_count, chunk->element_count);
 	assert_int_equal(out->primitive_count, chunk->primitive_count);

@@ -4,7 +4,8 @@
 /* A grid of quads with a seam in its texture, bent; written as single triangles. */
 static struct eco_elements make_bark(uint32_t side)
 {
-	struct eco_elements e = { .element_count = 2 * side * side, .corner_count = 6 * side * side, .extra_count = 1 };
+	struct eco_elements e = { .element_count = 2 * side * side, .corner_count = 6 * side * side,
+		.extra_count = 1 };
 	static const uint8_t corner[6][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 0 }, { 1, 1 }, { 0, 1 } };
 	size_t at = 0;
 	e.primitive_count = e.element_count;
@@ -29,7 +30,8 @@ static struct eco_elements make_bark(uint32_t side)
 
 static void connected_wood_is_small_and_keeps_its_texture(void **state)
 {
-	const struct kind k = { "bark", ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_COLOR | ECO_ATTR_UV, 3, 3, 0, 0, 0, SCATTERED };
+	const struct kind k = { "bark", ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_COLOR | ECO_ATTR_UV, 3,
+		3, 0, 0, 0, SCATTERED };
 	const struct eco_list list = kind_list(&k);
 	struct eco_elements in = make_bark(40), out;
 	const struct eco_chunk_input input = { &list, &in, 0, in.element_count, 2 };
@@ -62,7 +64,8 @@ static void no_wood_triangle_is_lost(void **state)
 	};
 
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-		const struct kind k = { "tangle", ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_COLOR, 3, 3, 0, 0, 0, SCATTERED };
+		const struct kind k = { "tangle", ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_COLOR, 3, 3, 0,
+			0, 0, SCATTERED };
 		const struct eco_list list = kind_list(&k);
 		uint8_t threes[4] = { 3, 3, 3, 3 };
 		int32_t position[36], color[4] = { 5, 6, 7, 8 };

@@ -21,13 +21,15 @@ static void png_gives_back_every_pixel(void **state)
 		const struct eco_pixels pixels = { 4, 3, channels, bytes };
 		const char *path = input_path("image", "a.png");
 		sample(bytes, channels);
-		if (eco_png_write(&pixels, path, &error) != ECO_OK || eco_image_read(&image, path, &error) != ECO_OK)
+		if (eco_png_write(&pixels, path, &error) != ECO_OK || eco_image_read(&image, path, &error)
+				!= ECO_OK)
 			fail_msg("%s", error.text);
 		assert_int_equal(image.width, 4);
 		assert_int_equal(image.height, 3);
 		for (uint32_t i = 0; i < 12; i++) {
 			for (uint32_t c = 0; c < 3; c++)
-				assert_int_equal(image.rgba[i * 4 + c], bytes[i * channels + (channels == 1 ? 0 : c)]);
+				assert_int_equal(image.rgba[i * 4 + c],
+					bytes[i * channels + (channels == 1 ? 0 : c)]);
 			assert_int_equal(image.rgba[i * 4 + 3], channels == 4 ? bytes[i * 4 + 3] : 255);
 		}
 		eco_image_free(&image);
@@ -45,10 +47,12 @@ static void memory_and_file_agree_whatever_the_name_says(void **state)
 	sample(bytes, 4);
 	bytes[3] = 0;                        /* the colour under zero alpha survives too */
 	assert_int_equal(eco_png_encode(&pixels, &png, &size, &error), ECO_OK);
-	assert_int_equal(eco_image_read_memory(&image, png, size, "texture without an extension", &error), ECO_OK);
+	assert_int_equal(eco_image_read_memory(&image, png, size, "texture without an extension", &error),
+		ECO_OK);
 	assert_memory_equal(image.rgba, bytes, sizeof bytes);
 	eco_image_free(&image);
-	assert_int_equal(eco_image_read(&image, input_bytes("image", "really_png.jpg", png, size), &error), ECO_OK);
+	assert_int_equal(eco_image_read(&image, input_bytes("image", "really_png.jpg", png, size), &error),
+		ECO_OK);
 	assert_memory_equal(image.rgba, bytes, sizeof bytes);
 	eco_image_free(&image);
 	free(png);
@@ -68,11 +72,14 @@ static void the_same_pixels_give_the_same_bytes(void **state)
 	free(b);
 }
 
-/* A lossless WebP of 4 x 1 pixels: (200,0,0) at alpha 128, opaque green, transparent, (90,180,40) at alpha 64. */
+/* A lossless WebP of 4 x 1 pixels: (200,0,0) at alpha 128, opaque green, transparent, (90,180,40) at alpha
+ * 64. */
 static const uint8_t webp[] = {
-	0x52, 0x49, 0x46, 0x46, 0x32, 0x00, 0x00, 0x00, 0x57, 0x45, 0x42, 0x50, 0x56, 0x50, 0x38, 0x4c, 0x25, 0x00, 0x00, 0x00,
-	0x2f, 0x03, 0x00, 0x00, 0x10, 0x1f, 0x20, 0x10, 0x20, 0xf8, 0xdf, 0xf1, 0x67, 0x43, 0x2c, 0x98, 0xcc, 0xff, 0x8c, 0x2a,
-	0xac, 0x41, 0x11, 0x08, 0x10, 0xd6, 0x9d, 0x39, 0x13, 0xc0, 0xec, 0xac, 0xa1, 0xc6, 0x11, 0xfd, 0x0f, 0x00
+	0x52, 0x49, 0x46, 0x46, 0x32, 0x00, 0x00, 0x00, 0x57, 0x45, 0x42, 0x50, 0x56, 0x50, 0x38, 0x4c, 0x25,
+		0x00, 0x00, 0x00,
+	0x2f, 0x03, 0x00, 0x00, 0x10, 0x1f, 0x20, 0x10, 0x20, 0xf8, 0xdf, 0xf1, 0x67, 0x43, 0x2c, 0x98, 0xcc,
+	0xff, 0x8c, 0x2a, 0xac, 0x41, 0x11, 0x08, 0x10, 0xd6, 0x9d, 0x39, 0x13, 0xc0, 0xec, 0xac, 0xa1, 0xc6,
+	0x11, 0xfd, 0x0f, 0x00
 };
 
 static void colours_are_not_multiplied_by_alpha(void **state)
@@ -83,7 +90,8 @@ static void colours_are_not_multiplied_by_alpha(void **state)
 	if (eco_image_read_memory(&image, webp, sizeof webp, "a.webp", &error) != ECO_OK)
 		fail_msg("%s", error.text);
 	assert_int_equal(image.width, 4);
-	for (int i = 0; i < 16; i++)         /* one way through the reader's own multiplication loses up to 2 at alpha 64 */
+	/* one way through the reader's own multiplication loses up to 2 at alpha 64 */
+	for (int i = 0; i < 16; i++)
 		if (i / 4 != 2)
 			assert_in_range(image.rgba[i], wanted[i] > 2 ? wanted[i] - 2 : 0, wanted[i] + 2);
 	assert_int_equal(image.rgba[11], 0);
@@ -93,22 +101,27 @@ static void colours_are_not_multiplied_by_alpha(void **state)
 static void what_is_no_picture_is_an_error_that_names_it(void **state)
 {
 	static const struct { const char *name; const void *bytes; size_t size; } inputs[] = {
-		{ "text.png", "not a picture at all", 20 }, { "empty.png", "", 0 }, { "cut.webp", webp, sizeof webp / 2 },
-		{ "head.png", "\x89PNG\r\n\x1a\n", 8 }, { "none.jpg", "\xff\xd8\xff\xe0", 4 }, { "noise.bin", "\0\1\2\3\4\5\6\7", 8 },
+		{ "text.png", "not a picture at all", 20 }, { "empty.png", "", 0 },
+			{ "cut.webp", webp, sizeof webp / 2 },
+		{ "head.png", "\x89PNG\r\n\x1a\n", 8 }, { "none.jpg", "\xff\xd8\xff\xe0", 4 },
+		{ "noise.bin", "\0\1\2\3\4\5\6\7", 8 },
 	};
 
 	for (size_t i = 0; i < sizeof inputs / sizeof *inputs; i++) {
 		struct eco_error error = { .code = ECO_OK };
 		struct eco_image image;
-		assert_int_not_equal(eco_image_read_memory(&image, inputs[i].bytes, inputs[i].size, inputs[i].name, &error), ECO_OK);
+		assert_int_not_equal(eco_image_read_memory(&image, inputs[i].bytes, inputs[i].size,
+			inputs[i].name, &error), ECO_OK);
 		assert_null(image.rgba);
 		assert_non_null(strstr(error.text, inputs[i].name));
 		error.code = ECO_OK;
-		assert_int_not_equal(eco_image_read(&image, input_bytes("image", inputs[i].name, inputs[i].bytes, inputs[i].size), &error),
+		assert_int_not_equal(eco_image_read(&image,
+			input_bytes("image", inputs[i].name, inputs[i].bytes, inputs[i].size), &error),
 			ECO_OK);
 		assert_non_null(strstr(error.text, inputs[i].name));
 	}
-	assert_int_equal(eco_image_read(&(struct eco_image){ .rgba = NULL }, "build/tmp/image/gone.png", NULL), ECO_NOT_FOUND);
+	assert_int_equal(eco_image_read(&(struct eco_image){ .rgba = NULL }, "build/tmp/image/gone.png",
+		NULL), ECO_NOT_FOUND);
 }
 
 static void every_damage_to_a_png_is_found(void **state)
@@ -132,9 +145,10 @@ static void every_damage_to_a_png_is_found(void **state)
 static void a_huge_picture_is_refused_before_it_is_read(void **state)
 {
 	/* header of a PNG of 60000 x 60000 pixels */
-	static const uint8_t huge[] = { 0x89, 'P', 'N', 'G', 13, 10, 26, 10, 0, 0, 0, 13, 'I', 'H', 'D', 'R', 0, 0, 0xea, 0x60, 0, 0, 0xea,
-		0x60, 8, 6, 0, 0, 0, 0x80, 0xd2, 0x75, 0x42, 0, 0, 0, 0, 'I', 'D', 'A', 'T', 0x35, 0xaf, 0x06, 0x1e, 0, 0, 0, 0, 'I', 'E', 'N',
-		'D', 0xae, 0x42, 0x60, 0x82 };
+	static const uint8_t huge[] = { 0x89, 'P', 'N', 'G', 13, 10, 26, 10, 0, 0, 0, 13, 'I', 'H', 'D', 'R',
+		0, 0, 0xea, 0x60, 0, 0, 0xea, 0x60, 8, 6, 0, 0, 0, 0x80, 0xd2, 0x75, 0x42, 0, 0, 0, 0, 'I',
+		'D', 'A', 'T', 0x35, 0xaf, 0x06, 0x1e, 0, 0, 0, 0, 'I', 'E', 'N', 'D', 0xae, 0x42, 0x60,
+		0x82 };
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_image image;
 	uint8_t byte = 0, *png;
@@ -158,7 +172,8 @@ static void a_picture_that_cannot_be_written_leaves_nothing(void **state)
 
 static void people_see_patches_of_another_hue_but_no_steps_of_one(void **state)
 {
-	static const struct { int step, size; bool seen; } cases[] = { { 0, 64, false }, { 1, 64, false }, { 120, 24, true } };
+	static const struct { int step, size; bool seen; } cases[] = { { 0, 64, false }, { 1, 64, false },
+		{ 120, 24, true } };
 	enum { SIDE = 96 };
 	static uint8_t a[SIDE * SIDE * 3], b[SIDE * SIDE * 3];
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

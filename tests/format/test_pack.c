@@ -102,7 +102,8 @@ static void all_tables_come_back(void **state)
 	struct eco_pack *pack = NULL;
 	const struct eco_scene *got, *want = &p.scene;
 	empty_folder();
-	if (small_pack_write(&p, PATH, NULL, &error) != ECO_OK || eco_pack_open(&pack, PATH, &error) != ECO_OK)
+	if (small_pack_write(&p, PATH, NULL, &error) != ECO_OK || eco_pack_open(&pack, PATH, &error)
+			!= ECO_OK)
 		fail_msg("%s", error.text);
 	assert_int_equal(count_files(), 1);
 	got = &pack->scene;
@@ -110,12 +111,14 @@ static void all_tables_come_back(void **state)
 	assert_int_equal(got->needs, want->needs);
 	assert_int_equal(got->root, want->root);
 	assert_true(got->ground_columns == 70 && got->ground_rows == 20);
-	assert_true(got->ground[0].child_first == 1 && got->ground[2].column == 1 && got->ground[2].list == 8);
+	assert_true(got->ground[0].child_first == 1 && got->ground[2].column == 1 && got->ground[2].list
+		== 8);
 	assert_int_equal(got->ground_count, want->ground_count);
 	for (uint32_t i = 0; i < want->ground_count; i++)
-		assert_true(got->ground[i].list == want->ground[i].list && got->ground[i].error_m == want->ground[i].error_m
-			&& got->ground[i].low_m == want->ground[i].low_m && got->ground[i].high_m == want->ground[i].high_m
-			&& got->ground[i].level == want->ground[i].level && got->ground[i].column == want->ground[i].column);
+		assert_true(got->ground[i].list == want->ground[i].list && got->ground[i].error_m
+			== want->ground[i].error_m && got->ground[i].low_m == want->ground[i].low_m
+			&& got->ground[i].high_m == want->ground[i].high_m && got->ground[i].level
+			== want->ground[i].level && got->ground[i].column == want->ground[i].column);
 	assert_true(got->near_m == want->near_m);
 	ASSERT_TABLE(plants, plant);
 	ASSERT_TABLE(anchors, anchor);
@@ -130,12 +133,14 @@ static void all_tables_come_back(void **state)
 	assert_int_equal(got->ladders[1].level_end[1], 30);
 	assert_true(got->ladders[0].total == 40 && got->ladders[0].simple == 11);
 	assert_true(got->curves[1].scale == 1.5f && got->curves[1].fn == 0.3f);
-	assert_true(got->tiles[0].high[2] == 12 && got->tiles[0].instance_count == 14 && got->tiles[1].summary == 9);
+	assert_true(got->tiles[0].high[2] == 12 && got->tiles[0].instance_count == 14 && got->tiles[1].summary
+		== 9);
 	assert_true(got->children[1].placed && got->children[1].at[2] == 5 && got->children[1].turn == 16384);
 	assert_true(got->children[1].scale == 1.5f);
 	assert_int_equal(got->lists[6].columns, 36);
 	assert_int_equal(got->lists[2].partner, 1);
-	assert_true(got->lists[2].unit_area == 0.01f && got->lists[2].grid_step[2] == 0.01 && got->lists[2].grid_origin[0] == -5);
+	assert_true(got->lists[2].unit_area == 0.01f && got->lists[2].grid_step[2] == 0.01
+		&& got->lists[2].grid_origin[0] == -5);
 	assert_int_equal(got->palette_count, 4);
 	assert_memory_equal(got->palette, want->palette, 12);
 	assert_int_equal(got->place_count, SMALL_PACK_PLANTS);
@@ -160,16 +165,20 @@ static void all_payloads_decode(void **state)
 			struct eco_elements e;
 			const uint8_t *payload;
 			size_t payload_size;
-			if (eco_pack_payload(pack, list->chunk_first + k, &payload, &payload_size, &error) != ECO_OK)
+			if (eco_pack_payload(pack, list->chunk_first + k, &payload, &payload_size, &error)
+					!= ECO_OK)
 				fail_msg("%s", error.text);
 			if (list->coder == ECO_CODER_BYTES) {
 				assert_memory_equal(payload, "not really a PNG", payload_size);
 				continue;
 			}
-			if (eco_chunk_decode(list, &pack->scene.chunks[list->chunk_first + k], k, payload, payload_size, &e, &error) != ECO_OK)
+			if (eco_chunk_decode(list, &pack->scene.chunks[list->chunk_first + k], k, payload,
+					payload_size, &e, &error) != ECO_OK)
 				fail_msg("list %u: %s", i, error.text);
-			for (uint32_t n = 0; list->kind == ECO_LIST_INSTANCES && n < e.element_count; n++, places++) {
-				struct eco_place a = eco_place_of(&e, n), b = eco_place_read(&pack->scene, places);
+			for (uint32_t n = 0; list->kind == ECO_LIST_INSTANCES && n < e.element_count;
+					n++, places++) {
+				struct eco_place a = eco_place_of(&e, n),
+					b = eco_place_read(&pack->scene, places);
 				assert_memory_equal(a.position, b.position, sizeof a.position);
 				assert_int_equal(a.turn, b.turn);
 				assert_int_equal(a.scale, b.scale);
@@ -178,7 +187,8 @@ static void all_payloads_decode(void **state)
 		}
 	}
 	assert_int_equal(places, SMALL_PACK_PLANTS);
-	assert_int_equal(eco_pack_payload(pack, pack->scene.chunk_count, &(const uint8_t *){ NULL }, &(size_t){ 0 }, NULL), ECO_NOT_FOUND);
+	assert_int_equal(eco_pack_payload(pack, pack->scene.chunk_count, &(const uint8_t *){ NULL },
+		&(size_t){ 0 }, NULL), ECO_NOT_FOUND);
 	eco_pack_close(pack);
 	free(bytes);
 }
@@ -223,7 +233,8 @@ static void every_flipped_bit_is_found(void **state)
 	for (int i = 0; i < 50000; i++) {
 		size_t bit[2];
 		for (int k = 0; k < 2; k++)
-			bit[k] = (size_t)((seed = seed * 6364136223846793005u + 1442695040888963407u) >> 33) % (8 * size);
+			bit[k] = (size_t)((seed = seed * 6364136223846793005u + 1442695040888963407u) >> 33)
+				% (8 * size);
 		if (bit[0] == bit[1])
 			continue;
 		for (int k = 0; k < 4; k++) {
@@ -284,10 +295,13 @@ static void equal_payloads_are_stored_once(void **state)
 	uint32_t first = 0, last = 0;
 	empty_folder();
 	assert_int_equal(small_pack_write(&p, PATH, &w, &error), ECO_OK);
-	struct eco_list list = scene_list(&p, &(struct scene_row){ ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, 0, 0, ECO_NONE, 0, 0 });
+	struct eco_list list =
+		scene_list(&p, &(struct scene_row){ ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, 0, 0, ECO_NONE, 0,
+		0 });
 	struct eco_elements e = small_pack_elements(&list, 9, 4);
 	for (int i = 0; i < 300; i++) {
-		assert_int_equal(eco_pack_add_list(w, &list, &e, (const uint32_t[]){ 3, 9 }, 2, NULL, &last, &error), ECO_OK);
+		assert_int_equal(eco_pack_add_list(w, &list, &e, (const uint32_t[]){ 3, 9 }, 2, NULL, &last,
+			&error), ECO_OK);
 		if (i == 0)
 			first = last;
 	}
@@ -376,7 +390,8 @@ static void impossible_targets_are_named(void **state)
 static void only_packs_and_empty_files_are_replaced(void **state)
 {
 	static const struct { const char *content; enum eco_code code; } rows[] = {
-		{ "{\"name\": \"my only scene\"}", ECO_BAD_INPUT }, { "x", ECO_BAD_INPUT }, { "", ECO_OK }, { "ECOPACK1, cut off", ECO_OK },
+		{ "{\"name\": \"my only scene\"}", ECO_BAD_INPUT }, { "x", ECO_BAD_INPUT }, { "", ECO_OK },
+			{ "ECOPACK1, cut off", ECO_OK },
 	};
 
 	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -402,7 +417,8 @@ static void only_packs_and_empty_files_are_replaced(void **state)
 
 static void bad_lists_are_refused(void **state)
 {
-	struct eco_list list = { .kind = ECO_LIST_POINTS, .coder = ECO_CODER_FORM, .plant = ECO_NONE, .grid_step = { 0.01, 0.01, 0.01 },
+	struct eco_list list = { .kind = ECO_LIST_POINTS, .coder = ECO_CODER_FORM, .plant = ECO_NONE,
+		.grid_step = { 0.01, 0.01, 0.01 },
 		.unit_area = 0.01f, .image = ECO_NONE, .partner = ECO_NONE };
 	struct eco_elements e = small_pack_elements(&list, 10, 1);
 	const uint32_t ends[2] = { 4, 9 };
@@ -431,7 +447,8 @@ static void records_have_the_stated_sizes(void **state)
 	static const struct eco_scene scene;
 	struct eco_writer w = { 0 };
 	size_t before;
-#define SIZE(kind, call) before = w.size; call; assert_int_equal(w.size - before, eco_section_info[ECO_SECTION_##kind].record_bytes)
+#define SIZE(kind, call) before = w.size; call; \
+	assert_int_equal(w.size - before, eco_section_info[ECO_SECTION_##kind].record_bytes)
 	SIZE(SCENE, eco_scene_write(&w, &scene));
 	SIZE(PLANTS, eco_plant_write(&w, &(struct eco_plant){ 0 }));
 	SIZE(ANCHORS, eco_anchor_write(&w, &(struct eco_anchor){ 0 }));
@@ -461,7 +478,8 @@ int main(void)
 		cmocka_unit_test(equal_payloads_are_stored_once),
 		cmocka_unit_test(a_failed_pack_leaves_the_old_one),
 		cmocka_unit_test(a_full_disk_is_reported_and_leaves_nothing),
-		cmocka_unit_test(impossible_targets_are_named), cmocka_unit_test(only_packs_and_empty_files_are_replaced),
+		cmocka_unit_test(impossible_targets_are_named),
+		cmocka_unit_test(only_packs_and_empty_files_are_replaced),
 		cmocka_unit_test(bad_lists_are_refused),
 	};
 

@@ -1,4 +1,5 @@
-/* Plans as data: their order and checks, holdings, and owners that match where the same plant, or one like it, is meant. */
+/* Plans as data: their order and checks, holdings, and owners that match where the same plant, or one like
+ * it, is meant. */
 #include <stdlib.h>
 
 #include "ecofiles/format/plan.h"
@@ -6,13 +7,15 @@
 
 static void owners_of_plants_are_all_different(void **state)
 {
-	static const uint32_t tiles[] = { 0, 1, 2, 65535 }, plants[] = { 0, 1, 200 }, indices[] = { 0, 1, 2, 4095, (1u << 30) - 1 };
+	static const uint32_t tiles[] = { 0, 1, 2, 65535 }, plants[] = { 0, 1, 200 },
+		indices[] = { 0, 1, 2, 4095, (1u << 30) - 1 };
 	uint64_t all[4 * 3 * 5];
 	uint32_t count = 0;
 	for (int t = 0; t < 4; t++)
 		for (int p = 0; p < 3; p++)
 			for (int i = 0; i < 5; i++)
-				all[count++] = eco_owner_instance(eco_owner_leaf(tiles[t]), plants[p], indices[i]);
+				all[count++] = eco_owner_instance(eco_owner_leaf(tiles[t]), plants[p],
+					indices[i]);
 	for (uint32_t i = 0; i < count; i++)
 		for (uint32_t j = 0; j < count; j++)
 			assert_int_equal(eco_owner_match(all[i], all[j]), i == j);
@@ -26,7 +29,8 @@ static void leaf_keys_of_a_file_differ_in_their_low_bits(void **state)
 	free(seen);
 }
 
-/* A key is a sum: sums of different sets of children must differ, above all where their numbers have equal sums. */
+/* A key is a sum: sums of different sets of children must differ, above all where their numbers have equal
+ * sums. */
 static void paths_through_nested_files_have_keys_of_their_own(void **state)
 {
 	enum { N = 40 };
@@ -75,34 +79,39 @@ static void chunks_held_are_found_by_list(void **state)
 
 static struct eco_cut rule(uint32_t anchor, uint32_t list, uint8_t band)
 {
-	return (struct eco_cut){ .list = list, .end = 1, .scale = 1, .anchor = anchor, .band_first = band, .band_end = band + 1,
+	return (struct eco_cut){ .list = list, .end = 1, .scale = 1, .anchor = anchor, .band_first = band,
+		.band_end = band + 1,
 		.share_end = ECO_SHARE_ONE };
 }
 
 static void sorting_puts_summaries_first_then_anchor_list_and_band(void **state)
 {
-	struct eco_cut cuts[] = { rule(2, 0, 1), rule(1, 1, 0), rule(1, 0, 5), { .list = 9, .end = 4, .scale = 2, .anchor = ECO_NONE },
-		rule(1, 0, 4), rule(0, 7, 7) };
+	struct eco_cut cuts[] = { rule(2, 0, 1), rule(1, 1, 0), rule(1, 0, 5),
+		{ .list = 9, .end = 4, .scale = 2, .anchor = ECO_NONE }, rule(1, 0, 4), rule(0, 7, 7) };
 	struct eco_run runs[] = { { 1, 0, 2, 0 }, { 0, 5, 6, 0 }, { 0, 1, 2, 0 } };
 	struct eco_gate gates[] = { { 3, 10 }, { 1, 20 } };
 	struct eco_placement placements[] = { { .scale = 1 }, { .scale = 2 } };
-	struct eco_plan plan = { .cuts = cuts, .cut_count = 6, .runs = runs, .run_count = 3, .gates = gates, .gate_count = 2,
+	struct eco_plan plan = { .cuts = cuts, .cut_count = 6, .runs = runs, .run_count = 3, .gates = gates,
+		.gate_count = 2,
 		.placements = placements, .placement_count = 2 };
 	struct eco_error error = { 0 };
-	static const struct { uint32_t anchor, list; uint8_t band; } order[] = { { ECO_NONE, 9, 0 }, { 0, 7, 7 }, { 1, 0, 4 }, { 1, 0, 5 },
+	static const struct { uint32_t anchor, list; uint8_t band; } order[] =
+		{ { ECO_NONE, 9, 0 }, { 0, 7, 7 }, { 1, 0, 4 }, { 1, 0, 5 },
 		{ 1, 1, 0 }, { 2, 0, 1 } };
 	assert_int_equal(eco_plan_check(&plan, NULL), ECO_DAMAGED);
 	eco_plan_sort(&plan);
 	assert_int_equal(eco_plan_check(&plan, &error), ECO_OK);
 	for (size_t i = 0; i < 6; i++)
-		assert_true(cuts[i].anchor == order[i].anchor && cuts[i].list == order[i].list && cuts[i].band_first == order[i].band);
+		assert_true(cuts[i].anchor == order[i].anchor && cuts[i].list == order[i].list
+			&& cuts[i].band_first == order[i].band);
 	assert_true(runs[0].list_first == 1 && runs[1].list_first == 5 && runs[2].placement == 1);
 	assert_true(gates[0].plant == 1);
 }
 
 static void freeing_empties_a_plan(void **state)
 {
-	struct eco_plan plan = { .vertices = 5, .cuts = malloc(sizeof *plan.cuts), .cut_count = 1, .runs = malloc(sizeof *plan.runs) };
+	struct eco_plan plan = { .vertices = 5, .cuts = malloc(sizeof *plan.cuts), .cut_count = 1,
+		.runs = malloc(sizeof *plan.runs) };
 	eco_plan_free(&plan);
 	assert_true(!plan.cuts && !plan.runs && plan.cut_count == 0 && plan.vertices == 0);
 	eco_plan_free(&plan);

@@ -1,5 +1,5 @@
-/* Shapes that repeat: found whatever their turn, size and stretch, placed no further off than rounding would put them, and refused when
- * damaged; and what is coded beside them. */
+/* Shapes that repeat: found whatever their turn, size and stretch, placed no further off than rounding would
+ * put them, and refused when damaged; and what is coded beside them. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -47,13 +47,16 @@ static void random_turn(double m[3][3])
 	memcpy(m, rows, sizeof rows);
 }
 
-/* Leaves of two shapes; of `every` leaves one is bent at random and like no other. `steps`: the size of a leaf on the coarse grid. */
+/* Leaves of two shapes; of `every` leaves one is bent at random and like no other. `steps`: the size of a
+ * leaf on the coarse grid. */
 static void make_leaves(struct crown *c, double steps, uint32_t every, bool wide, bool deep)
 {
 	state = 7;
-	*c = (struct crown){ .list = { .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS, .attributes = ECO_ATTR_UV | ECO_ATTR_GROWTH } };
+	*c = (struct crown){ .list = { .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS,
+		.attributes = ECO_ATTR_UV | ECO_ATTR_GROWTH } };
 	struct eco_elements *e = &c->elements;
-	*e = (struct eco_elements){ .extra_count = 1, .corners = c->corners, .position = c->position, .uv = c->uv, .extra = c->extra,
+	*e = (struct eco_elements){ .extra_count = 1, .corners = c->corners, .position = c->position,
+		.uv = c->uv, .extra = c->extra,
 		.exact = c->exact };
 	for (uint32_t i = 0; i < LEAVES; i++) {
 		uint32_t corners = i % 3 ? 4 : 3;
@@ -66,9 +69,13 @@ static void make_leaves(struct crown *c, double steps, uint32_t every, bool wide
 			for (int row = 0; row < 3; row++) {
 				double v = at[row];
 				for (int j = 0; j < 3; j++)
-					v += size * stretch[j] * m[row][j] * ((corners == 4 ? quad[k][j] : kite[k][j]) + (every && i % every == 0 ? uniform() : 0));
-				e->exact[3 * e->corner_count + 3 * k + (uint32_t)row] = (int32_t)floor(v + 0.5);
-				e->position[3 * e->corner_count + 3 * k + (uint32_t)row] = (int32_t)floor(v / 8 + 0.5);
+					v += size * stretch[j] * m[row][j]
+						* ((corners == 4 ? quad[k][j] : kite[k][j])
+						+ (every && i % every == 0 ? uniform() : 0));
+				e->exact[3 * e->corner_count + 3 * k + (uint32_t)row] =
+					(int32_t)floor(v + 0.5);
+				e->position[3 * e->corner_count + 3 * k + (uint32_t)row] =
+					(int32_t)floor(v / 8 + 0.5);
 			}
 		for (uint32_t k = 0; k < corners; k++) {
 			e->uv[2 * (e->corner_count + k)] = (int32_t)k * 100;
@@ -98,14 +105,18 @@ static void encode(const struct crown *c, uint8_t **bytes, size_t *size, uint32_
 	assert_int_equal(eco_chunk_encode(&input, bytes, size, order, &error), ECO_OK);
 }
 
-static enum eco_code decode(const struct crown *c, const uint8_t *bytes, size_t size, struct eco_elements *out)
+static enum eco_code decode(const struct crown *c, const uint8_t *bytes, size_t size,
+	struct eco_elements *out)
 {
-	const struct eco_chunk chunk = { .size_bytes = (uint32_t)size, .primitive_count = c->elements.primitive_count, .element_count = LEAVES };
+	const struct eco_chunk chunk =
+		{ .size_bytes = (uint32_t)size, .primitive_count = c->elements.primitive_count,
+		.element_count = LEAVES };
 	struct eco_error error = { 0 };
 	return eco_chunk_decode(&c->list, &chunk, 3, bytes, size, out, &error);
 }
 
-/* Everything but positions comes back as it was; no corner is further from where it was than half a step along each axis. */
+/* Everything but positions comes back as it was; no corner is further from where it was than half a step
+ * along each axis. */
 static void compare(const struct crown *c, const struct eco_elements *out, const uint32_t *order)
 {
 	size_t from[LEAVES + 1] = { 0 }, corner = 0;
@@ -120,8 +131,10 @@ static void compare(const struct crown *c, const struct eco_elements *out, const
 		for (uint32_t k = 0; k < corners; k++) {
 			double d2 = 0;
 			for (uint32_t a = 0; a < 3; a++)
-				d2 += pow(out->position[3 * (corner + k) + a] - c->exact[3 * (from[of] + k) + a], 2);
-			assert_true(d2 <= 3 * 4.5 * 4.5);    /* half a step, and what `exact` itself was rounded by */
+				d2 += pow(out->position[3 * (corner + k) + a]
+					- c->exact[3 * (from[of] + k) + a], 2);
+			/* half a step, and what `exact` itself was rounded by */
+			assert_true(d2 <= 3 * 4.5 * 4.5);
 		}
 		corner += corners;
 	}
@@ -129,7 +142,6 @@ static void compare(const struct crown *c, const struct eco_elements *out, const
 
 static void leaves_of_one_shape_are_placed(void **unused)
 {
-	(void)unused;
 	static struct crown crown;
 	for (double steps = 20; steps < 2000; steps *= 6)
 		for (uint32_t every = 0; every < 8; every += 3) {
@@ -153,7 +165,8 @@ static void leaves_of_one_shape_are_placed(void **unused)
 		}
 }
 
-/* What is not placed begins where its rounded corner says, on the finer grid, and is nowhere further off than rounding may put it. */
+/* What is not placed begins where its rounded corner says, on the finer grid, and is nowhere further off than
+ * rounding may put it. */
 static void compare_corners(const struct crown *c, const struct eco_elements *out, const uint32_t *order)
 {
 	size_t from[LEAVES + 1] = { 0 }, corner = 0;
@@ -163,8 +176,11 @@ static void compare_corners(const struct crown *c, const struct eco_elements *ou
 		for (uint32_t k = 0; k < out->corners[i]; k++) {
 			int32_t d2 = 0;
 			for (uint32_t a = 0; a < 3; a++) {
-				int32_t at = out->position[3 * (corner + k) + a], d = at - c->exact[3 * (from[order[i]] + k) + a];
-				assert_true(k > 0 || at == c->position[3 * from[order[i]] + a] * (1 << ECO_EXACT_SHIFT));
+				int32_t at = out->position[3 * (corner + k) + a],
+					d = at - c->exact[3 * (from[order[i]] + k) + a];
+				assert_true(k > 0
+					|| at == c->position[3 * from[order[i]] + a]
+					* (1 << ECO_EXACT_SHIFT));
 				d2 += d * d;
 			}
 			assert_true(k == 0 || d2 <= 3 * 4 * 4);
@@ -197,7 +213,6 @@ static double share_of(struct crown *c, bool corners_only)
 
 static void leaves_that_are_all_different_are_corners(void **unused)
 {
-	(void)unused;
 	static struct crown crown;
 	for (double steps = 30; steps < 3000; steps *= 10) {
 		make_crown(&crown, steps, 1);
@@ -208,7 +223,6 @@ static void leaves_that_are_all_different_are_corners(void **unused)
 /* Quads of a jittered net, each corner in up to four of them. */
 static void corners_that_leaves_share_are_stored_once(void **unused)
 {
-	(void)unused;
 	static struct crown crown;
 	static int32_t knots[21][21][3];
 	const uint32_t side = 20, around[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
@@ -216,7 +230,8 @@ static void corners_that_leaves_share_are_stored_once(void **unused)
 	for (uint32_t y = 0; y <= side; y++)
 		for (uint32_t x = 0; x <= side; x++)
 			for (uint32_t a = 0; a < 3; a++)
-				knots[y][x][a] = (int32_t)((a == 0 ? x : a == 1 ? y : 0) * 300 + uniform() * 250);
+				knots[y][x][a] =
+					(int32_t)((a == 0 ? x : a == 1 ? y : 0) * 300 + uniform() * 250);
 	for (uint32_t i = 0; i < LEAVES; i++) {
 		crown.corners[i] = 4;
 		for (uint32_t k = 0; k < 4; k++)
@@ -235,7 +250,6 @@ static void corners_that_leaves_share_are_stored_once(void **unused)
 /* Flat leaves of one outline, sheared and stretched at will: three corners say where the others are. */
 static void images_of_one_leaf_take_three_corners(void **unused)
 {
-	(void)unused;
 	static struct crown crown;
 	static const double flat[4][2] = { { 0, 0 }, { 1, .6 }, { 2.3, .1 }, { .9, -.5 } };
 	make_crown(&crown, 100, 1);
@@ -260,21 +274,25 @@ static void images_of_one_leaf_take_three_corners(void **unused)
 	assert_true(share_of(&crown, true) < 0.85);
 }
 
-/* Blades of five corners, tip in the middle, standing and bent each by another angle, as grass is; `both`: some run the other way round. */
+/* Blades of five corners, tip in the middle, standing and bent each by another angle, as grass is; `both`:
+ * some run the other way round. */
 static void make_blades(struct crown *c, bool both)
 {
 	make_crown(c, 100, 1);
 	for (uint32_t i = 0; i < LEAVES; i++) {
-		double way = 6.3 * uniform(), lean = 0.2 + 0.5 * uniform(), bend = 0.9 * uniform(), length = 500 + 700 * uniform(), at[3];
+		double way = 6.3 * uniform(), lean = 0.2 + 0.5 * uniform(), bend = 0.9 * uniform(),
+			length = 500 + 700 * uniform(), at[3];
 		const double along[3] = { 0, 1, 1.9 }, wide[3] = { 20, 16, 0 };
 		for (int a = 0; a < 3; a++)
 			at[a] = 4096 * uniform();
 		c->corners[i] = 5;
 		for (uint32_t k = 0; k < 5; k++) {
 			uint32_t node = k < 3 ? k : 4 - k, to = both && i % 3 == 0 ? 4 - k : k;
-			double side = k < 2 ? wide[node] : k > 2 ? -wide[node] : 0, tilt = lean + (node == 2 ? bend : 0);
+			double side = k < 2 ? wide[node] : k > 2 ? -wide[node] : 0,
+				tilt = lean + (node == 2 ? bend : 0);
 			double out = along[node] * length * sin(tilt), up = along[node] * length * cos(tilt);
-			const double p[3] = { at[0] + out * cos(way) - side * sin(way), at[1] + out * sin(way) + side * cos(way), at[2] + up };
+			const double p[3] = { at[0] + out * cos(way) - side * sin(way),
+				at[1] + out * sin(way) + side * cos(way), at[2] + up };
 			for (uint32_t a = 0; a < 3; a++) {
 				c->exact[15 * i + 3 * to + a] = (int32_t)floor(8 * p[a] + 0.5);
 				c->position[15 * i + 3 * to + a] = (int32_t)floor(p[a] + 0.5);
@@ -288,7 +306,6 @@ static void make_blades(struct crown *c, bool both)
 
 static void blades_that_bend_each_differently_follow_a_trend(void **unused)
 {
-	(void)unused;
 	static struct crown crown;
 	for (int both = 0; both < 2; both++) {
 		make_blades(&crown, both);
@@ -299,20 +316,25 @@ static void blades_that_bend_each_differently_follow_a_trend(void **unused)
 /* At right angles and of length 1, whatever they are made of. */
 static void axes_are_at_right_angles(void **unused)
 {
-	(void)unused;
-	static const int64_t of[][2][3] = { { { 0, 0, 0 }, { 0, 0, 0 } }, { { 0, 0, 5 }, { 0, 0, -7 } }, { { 1, 0, 0 }, { 1 << 29, 0, 1 } },
-		{ { 40000, -3, 17 }, { 41000, 30, 17 } }, { { -(1 << 30) + 1, (1 << 30) - 1, 1 }, { (1 << 30) - 1, (1 << 30) - 1, 1 - (1 << 30) } },
+	static const int64_t of[][2][3] = { { { 0, 0, 0 }, { 0, 0, 0 } }, { { 0, 0, 5 }, { 0, 0, -7 } },
+		{ { 1, 0, 0 }, { 1 << 29, 0, 1 } },
+		{ { 40000, -3, 17 }, { 41000, 30, 17 } },
+		{ { -(1 << 30) + 1, (1 << 30) - 1, 1 }, { (1 << 30) - 1, (1 << 30) - 1, 1 - (1 << 30) } },
 		{ { 3, 4, 0 }, { 0, 0, 0 } }, { { 0, 0, 0 }, { 0, 0, 9 } } };
 	for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
 		int64_t axis[3][3], length = eco_axes_first(of[i][0], axis);
-		double d = sqrt((double)(of[i][0][0] * of[i][0][0] + of[i][0][1] * of[i][0][1] + of[i][0][2] * of[i][0][2]));
+		double d =
+			sqrt((double)(of[i][0][0] * of[i][0][0] + of[i][0][1] * of[i][0][1]
+			+ of[i][0][2] * of[i][0][2]));
 		assert_true(fabs((double)length - d) <= 1);
 		eco_axes_others(i % 2 ? of[i][1] : NULL, axis);
 		for (int a = 0; a < 3; a++)
 			for (int b = 0; b < 3; b++) {
 				double product = 0;
 				for (int k = 0; k < 3; k++)
-					product += ldexp((double)axis[a][k], -ECO_AXIS_BITS) * ldexp((double)axis[b][k], -ECO_AXIS_BITS);
+					product +=
+						ldexp((double)axis[a][k], -ECO_AXIS_BITS)
+						* ldexp((double)axis[b][k], -ECO_AXIS_BITS);
 				assert_true(fabs(product - (a == b)) < 1e-5);
 			}
 	}
@@ -321,7 +343,6 @@ static void axes_are_at_right_angles(void **unused)
 /* Forms are stored in an order that does not depend on how the partner's chunk was coded. */
 static void forms_belong_to_placed_leaves(void **unused)
 {
-	(void)unused;
 	static struct crown crown;
 	static uint8_t ones[LEAVES];
 	static int32_t middle[3 * LEAVES];
@@ -336,11 +357,13 @@ static void forms_belong_to_placed_leaves(void **unused)
 		middle[3 * i] = (int32_t)i;
 	}
 	const struct eco_list points = { .kind = ECO_LIST_POINTS, .coder = ECO_CODER_FORM };
-	const struct eco_elements forms = { .element_count = LEAVES, .corner_count = LEAVES, .primitive_count = LEAVES, .corners = ones,
+	const struct eco_elements forms = { .element_count = LEAVES, .corner_count = LEAVES,
+		.primitive_count = LEAVES, .corners = ones,
 		.position = middle };
 	const struct eco_chunk_input input = { &crown.list, &crown.elements, 0, LEAVES, 3 };
 	const struct eco_chunk chunk = { .primitive_count = LEAVES, .element_count = LEAVES };
-	assert_int_equal(eco_chunk_encode_form(&input, &points, &forms, &form_bytes, &form_size, &error), ECO_OK);
+	assert_int_equal(eco_chunk_encode_form(&input, &points, &forms, &form_bytes, &form_size, &error),
+		ECO_OK);
 	struct eco_chunk of = chunk;
 	struct eco_elements out;
 	of.size_bytes = (uint32_t)form_size;
@@ -354,7 +377,6 @@ static void forms_belong_to_placed_leaves(void **unused)
 
 static void damage_is_refused_or_harmless(void **unused)
 {
-	(void)unused;
 	static struct crown crown;
 	uint8_t *bytes;
 	size_t size;
@@ -375,12 +397,13 @@ static void damage_is_refused_or_harmless(void **unused)
 	free(bytes);
 }
 
-static const struct eco_shape triangle = { .corners = 3, .position = { 4096, 0, 0, -2048, 3547, 0, -2048, -3547, 0 } };
+static const struct eco_shape triangle =
+	{ .corners = 3, .position = { 4096, 0, 0, -2048, 3547, 0, -2048, -3547, 0 } };
 
 static void placings_out_of_bounds_are_none(void **unused)
 {
-	(void)unused;
-	const struct eco_shapes shapes = { .count = 1, .stretch = ECO_STRETCH_ALL, .place_shift = 2, .size_shift = { 2, 2, 2 }, .way_bits = 9,
+	const struct eco_shapes shapes = { .count = 1, .stretch = ECO_STRETCH_ALL, .place_shift = 2,
+		.size_shift = { 2, 2, 2 }, .way_bits = 9,
 		.roll_bits = 9 };
 	static const struct { struct eco_placing placing; bool turns, good; } cases[] = {
 		{ { { 0, 0, 0 }, { 0, 0 }, 0, { 100, 100, 100 } }, true, true },
@@ -396,24 +419,28 @@ static void placings_out_of_bounds_are_none(void **unused)
 	};
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		int32_t offset[9], at[9];
-		assert_int_equal(eco_shape_turn(&shapes, &triangle, &cases[i].placing, offset), cases[i].turns);
+		assert_int_equal(eco_shape_turn(&shapes, &triangle, &cases[i].placing, offset),
+			cases[i].turns);
 		if (cases[i].turns)
-			assert_int_equal(eco_shape_place(&shapes, &cases[i].placing, offset, 3, at), cases[i].good);
+			assert_int_equal(eco_shape_place(&shapes, &cases[i].placing, offset, 3, at),
+				cases[i].good);
 	}
 }
 
-/* Every way and roll of a coarse set gives three axes that are about 1 long and at right angles, and no two give the same. */
+/* Every way and roll of a coarse set gives three axes that are about 1 long and at right angles, and no two
+ * give the same. */
 static void turns_are_rotations(void **unused)
 {
-	(void)unused;
 	const struct eco_shape corner = { .corners = 3, .position = { 4096, 0, 0, 0, 4096, 0, 0, 0, 4096 } };
-	const struct eco_shapes shapes = { .count = 1, .size_shift = { 2, 2, 2 }, .way_bits = 2, .roll_bits = 2 };
+	const struct eco_shapes shapes = { .count = 1, .size_shift = { 2, 2, 2 }, .way_bits = 2,
+		.roll_bits = 2 };
 	static int32_t seen[8 * 8 * 16][9];
 	uint32_t count = 0;
 	for (int u = 0; u < 8; u++)
 		for (int v = 0; v < 8; v++)
 			for (int roll = 0; roll < 16; roll++) {
-				const struct eco_placing p = { .way = { u, v }, .roll = roll, .size = { 2500, 0, 0 } };
+				const struct eco_placing p =
+					{ .way = { u, v }, .roll = roll, .size = { 2500, 0, 0 } };
 				int32_t *o = seen[count];
 				assert_true(eco_shape_turn(&shapes, &corner, &p, o));
 				double det = 0;
@@ -425,7 +452,8 @@ static void turns_are_rotations(void **unused)
 							dot += (double)o[3 * a + j] * o[3 * k + j] / 1e8;
 						assert_true(fabs(dot - (a == k)) < 1e-3);
 					}
-					det += o[a] / 1e4 * (o[3 + b] / 1e4 * o[6 + c] / 1e4 - o[3 + c] / 1e4 * o[6 + b] / 1e4);
+					det += o[a] / 1e4 * (o[3 + b] / 1e4 * o[6 + c] / 1e4
+						- o[3 + c] / 1e4 * o[6 + b] / 1e4);
 				}
 				assert_true(fabs(det - 1) < 1e-3);
 				for (uint32_t i = 0; i < count; i++)
@@ -436,8 +464,8 @@ static void turns_are_rotations(void **unused)
 
 static void a_placing_is_where_it_says(void **unused)
 {
-	(void)unused;
-	const struct eco_shapes shapes = { .count = 1, .stretch = ECO_STRETCH_WIDTH, .place_shift = 2, .size_shift = { 2, 1, 0 }, .way_bits = 14,
+	const struct eco_shapes shapes = { .count = 1, .stretch = ECO_STRETCH_WIDTH, .place_shift = 2,
+		.size_shift = { 2, 1, 0 }, .way_bits = 14,
 		.roll_bits = 8 };
 	/* x points up, as nearly as can be; a quarter of a turn; twice as long as wide */
 	const struct eco_placing placing = { { 10, 20, 30 }, { 1 << 14, 1 << 14 }, 1 << 8, { 100, 100, 0 } };
@@ -455,8 +483,8 @@ static void a_placing_is_where_it_says(void **unused)
 /* Leaves of one shape and any length, width and bend. */
 static void leaves_that_are_stretched_are_placed(void **unused)
 {
-	(void)unused;
-	static const struct { bool wide, deep; uint32_t percent; } cases[] = { { true, false, 75 }, { true, true, 86 } };
+	static const struct { bool wide, deep; uint32_t percent; } cases[] =
+		{ { true, false, 75 }, { true, true, 86 } };
 	static struct crown crown;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
 		for (double steps = 60; steps < 2000; steps *= 5) {

@@ -1,4 +1,5 @@
-/* The stream: frames and holdings. Whatever is written is read back the same, in any portions; whatever is damaged is found. */
+/* The stream: frames and holdings. Whatever is written is read back the same, in any portions; whatever is
+ * damaged is found. */
 #include <math.h>
 #include <stdio.h>
 
@@ -17,7 +18,8 @@ static enum eco_code tell(struct told *t, uint8_t what, struct eco_error *e)
 	return ++t->events == t->fail_at ? ECO_INTERRUPTED : ECO_OK;
 }
 
-static enum eco_code on_scene(void *ctx, const struct eco_scene *scene, const struct eco_chunk_id *id, struct eco_error *e)
+static enum eco_code on_scene(void *ctx, const struct eco_scene *scene, const struct eco_chunk_id *id,
+	struct eco_error *e)
 {
 	struct told *t = ctx;
 	assert_true(!scene->plants && !scene->lists && scene->root == ECO_NONE);
@@ -25,8 +27,8 @@ static enum eco_code on_scene(void *ctx, const struct eco_scene *scene, const st
 	return tell(t, 1, e);
 }
 
-static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *plant, const struct eco_anchor *anchors,
-	struct eco_error *e)
+static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *plant,
+	const struct eco_anchor *anchors, struct eco_error *e)
 {
 	struct told *t = ctx;
 	eco_write_u32(&t->w, id);
@@ -36,7 +38,8 @@ static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *pl
 	return tell(t, 2, e);
 }
 
-static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3], struct eco_error *e)
+static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3],
+	struct eco_error *e)
 {
 	struct told *t = ctx;
 	eco_write_u32(&t->w, id);
@@ -45,8 +48,8 @@ static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list
 	return tell(t, 3, e);
 }
 
-static enum eco_code on_chunk(void *ctx, uint32_t list, uint32_t ordinal, const struct eco_chunk *chunk, const uint8_t *payload,
-	struct eco_error *e)
+static enum eco_code on_chunk(void *ctx, uint32_t list, uint32_t ordinal, const struct eco_chunk *chunk,
+	const uint8_t *payload, struct eco_error *e)
 {
 	struct told *t = ctx;
 	eco_write_u32(&t->w, list);
@@ -75,7 +78,8 @@ static enum eco_code on_end(void *ctx, uint64_t vertices, struct eco_error *e)
 static const struct eco_wire_events telling = { on_scene, on_plant, on_list, on_chunk, on_plan, on_end };
 
 /* Feeds in portions of `portion` bytes; 0: of random sizes. */
-static enum eco_code parse(const uint8_t *bytes, size_t size, size_t portion, struct told *told, struct eco_error *error)
+static enum eco_code parse(const uint8_t *bytes, size_t size, size_t portion, struct told *told,
+	struct eco_error *error)
 {
 	struct eco_wire_parser *parser;
 	struct wire_random r = { size + portion };
@@ -157,11 +161,12 @@ static void damage_is_found(void **state)
 	while (d.found + d.harmless < 100000) {
 		memcpy(copy, w.bytes, w.size);
 		for (uint32_t n = 1 + wire_random_below(&r, 8); n > 0; n--)
-			copy[wire_random_below(&r, (uint32_t)w.size)] ^= (uint8_t)(1u << wire_random_below(&r, 8));
+			copy[wire_random_below(&r, (uint32_t)w.size)] ^= (uint8_t)(1u
+				<< wire_random_below(&r, 8));
 		damage_tried(&d, copy, w.size);
 	}
-	print_message("stream of %zu bytes, %u events: damage found %u times, harmless %u times, missed 0 times\n", w.size, sound.events,
-		d.found, d.harmless);
+	print_message("stream of %zu bytes, %u events: damage found %u times, harmless %u times, missed 0 "
+		"times\n", w.size, sound.events, d.found, d.harmless);
 	free(copy);
 	eco_writer_free(&d.told.w);
 	eco_writer_free(&sound.w);
@@ -181,7 +186,8 @@ static void lost_repeated_and_swapped_frames_are_found(void **state)
 	uint8_t *copy = malloc(2 * w.size);
 	for (size_t at = 0; at < w.size; at += frame_size(w.bytes + at)) {
 		struct told told = { 0 };
-		size_t one = frame_size(w.bytes + at), after = at + one, two = after < w.size ? frame_size(w.bytes + after) : 0;
+		size_t one = frame_size(w.bytes + at), after = at + one, two = after < w.size
+			? frame_size(w.bytes + after) : 0;
 		memcpy(copy, w.bytes, at);
 		memcpy(copy + at, w.bytes + after, w.size - after);
 		assert_int_equal(parse(copy, w.size - one, 0, &told, NULL), ECO_DAMAGED);
@@ -200,10 +206,11 @@ static void lost_repeated_and_swapped_frames_are_found(void **state)
 }
 
 /* Streams whose hashes are right and whose contents are not. */
-enum fault { FAULT_NONE, FAULT_NO_SCENE, FAULT_TWO_SCENES, FAULT_VERSION, FAULT_PLANT_ID, FAULT_ANCHOR, FAULT_LIST_KIND, FAULT_LIST_CODER,
-	FAULT_LIST_ATTRIBUTES, FAULT_LIST_GRID, FAULT_LIST_PLANT, FAULT_LIST_IMAGE, FAULT_LIST_CHUNKS, FAULT_FORM_KIND, FAULT_FORM_PARTNER,
-	FAULT_FORM_ITSELF, FAULT_FORM_COUNT, FAULT_PALETTE, FAULT_CHUNK_ID, FAULT_CHUNK_SKIPS,
-	FAULT_CHUNK_AGAIN, FAULT_PLAN_LIST, FAULT_PLAN_RUN, FAULT_PLAN_GATE, FAULT_PLAN_TRAILING, FAULT_NO_PLAN, FAULT_END_EARLY,
+enum fault { FAULT_NONE, FAULT_NO_SCENE, FAULT_TWO_SCENES, FAULT_VERSION, FAULT_PLANT_ID, FAULT_ANCHOR,
+	FAULT_LIST_KIND, FAULT_LIST_CODER, FAULT_LIST_ATTRIBUTES, FAULT_LIST_GRID, FAULT_LIST_PLANT,
+	FAULT_LIST_IMAGE, FAULT_LIST_CHUNKS, FAULT_FORM_KIND, FAULT_FORM_PARTNER, FAULT_FORM_ITSELF,
+	FAULT_FORM_COUNT, FAULT_PALETTE, FAULT_CHUNK_ID, FAULT_CHUNK_SKIPS, FAULT_CHUNK_AGAIN,
+	FAULT_PLAN_LIST, FAULT_PLAN_RUN, FAULT_PLAN_GATE, FAULT_PLAN_TRAILING, FAULT_NO_PLAN, FAULT_END_EARLY,
 	FAULT_END_VERTICES, FAULT_END_BYTES, FAULT_AFTER_END, FAULT_TYPE, FAULT_COUNT };
 
 static void put_faulty_list(struct eco_writer *w, uint32_t *number, enum fault fault)
@@ -234,8 +241,10 @@ static void put_faulty_plan(struct eco_writer *w, uint32_t *number, enum fault f
 	struct eco_placement placement = { .scale = 1 };
 	struct eco_run run = { 0, 3, fault == FAULT_PLAN_RUN ? 7 : 4, 0 };
 	struct eco_gate gate = { fault == FAULT_PLAN_GATE ? 2 : 1, eco_gate_place(60, 0x1234) };
-	struct eco_cut cut = { .list = fault == FAULT_PLAN_LIST ? 6 : 1, .end = 9, .scale = 1, .band_end = 90, .share_end = ECO_SHARE_ONE };
-	struct eco_plan plan = { .vertices = 77, .placements = &placement, .placement_count = 1, .runs = &run, .run_count = 1,
+	struct eco_cut cut = { .list = fault == FAULT_PLAN_LIST ? 6 : 1, .end = 9, .scale = 1, .band_end = 90,
+		.share_end = ECO_SHARE_ONE };
+	struct eco_plan plan = { .vertices = 77, .placements = &placement, .placement_count = 1, .runs = &run,
+		.run_count = 1,
 		.gates = &gate, .gate_count = 1, .cuts = &cut, .cut_count = 1 };
 	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_PLAN, (*number)++);
 	eco_wire_write_plan(w, &plan);
@@ -259,12 +268,14 @@ static struct eco_writer faulty_stream(enum fault fault)
 		w.size = plant_at;
 		struct eco_frame_mark mark = eco_frame_begin(&w, ECO_FRAME_PLANT, number - 1);
 		eco_write_u32(&w, WIRE_RANDOM_PLANTS);
-		w.size = mark.at + ECO_FRAME_HEADER_BYTES + 4 + 1 + 3 + 4 + 4 + 4 + 16;     /* the other fields are still there */
+		/* the other fields are still there */
+		w.size = mark.at + ECO_FRAME_HEADER_BYTES + 4 + 1 + 3 + 4 + 4 + 4 + 16;
 		eco_frame_end(&w, mark);
 	}
 	put_faulty_list(&w, &number, fault);
 	wire_put_chunk(&w, &number, 3, 0, "12345", 5, fault != FAULT_CHUNK_ID);
-	wire_put_chunk(&w, &number, 3, fault == FAULT_CHUNK_SKIPS ? 2 : fault == FAULT_CHUNK_AGAIN ? 0 : 1, "1234567", 7, true);
+	wire_put_chunk(&w, &number, 3, fault == FAULT_CHUNK_SKIPS ? 2 : fault == FAULT_CHUNK_AGAIN ? 0 : 1,
+		"1234567", 7, true);
 	if (fault == FAULT_TYPE) {
 		struct eco_frame_mark mark = eco_frame_begin(&w, ECO_FRAME_CHUNK, number++);
 		w.bytes[mark.at] = 7;
@@ -339,9 +350,11 @@ static void golden_stream(void **state)
 {
 	static const char expected[] =
 		"010000003a0000000e675d5926f917db"
-		"06000000010203000000000000000000000000009a9999999999b93f21000000500000003c00000002000000060000000957c3a46c646368656e"
+		"06000000010203000000000000000000000000009a9999999999b93f"
+		"21000000500000003c00000002000000060000000957c3a46c646368656e"
 		"0500000037000000ff507f1a532e73be"
-		"4d0000000000000000000000000000000000000000000000000000000000000000000107000000010d000001033c341200010b00025a08"
+		"4d0000000000000000000000000000000000000000000000000000000000"
+		"000000000107000000010d000001033c341200010b00025a08"
 		"0600000010000000a3e2480cfa50d2cf"
 		"4d00000000000000b100000000000000";
 	struct eco_writer w = { 0 };
@@ -358,9 +371,12 @@ static void golden_stream(void **state)
 
 static void names_in_other_encodings_do_not_break_a_stream(void **state)
 {
-	static const struct { const char *name, *sent; } names[] = { { "Ahorn", "Ahorn" }, { "W\xC3\xA4ldchen", "W\xC3\xA4ldchen" },
-		{ "W\xE4ldchen", "W?ldchen" }, { "cut\xC3", "cut?" }, { "\xED\xA0\x80", "???" }, { "\xC0\x80", "??" }, { "\xF5\x80\x80\x80", "????" },
-		{ "\xF0\x9F\x8C\xB3", "\xF0\x9F\x8C\xB3" }, { "\xF0\x80\x80\x80", "????" }, { "\xE0\x80\x80", "???" } };
+	static const struct { const char *name, *sent; } names[] =
+		{ { "Ahorn", "Ahorn" }, { "W\xC3\xA4ldchen", "W\xC3\xA4ldchen" },
+		{ "W\xE4ldchen", "W?ldchen" }, { "cut\xC3", "cut?" }, { "\xED\xA0\x80", "???" },
+		{ "\xC0\x80", "??" }, { "\xF5\x80\x80\x80", "????" },
+		{ "\xF0\x9F\x8C\xB3", "\xF0\x9F\x8C\xB3" }, { "\xF0\x80\x80\x80", "????" },
+		{ "\xE0\x80\x80", "???" } };
 	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
 		struct eco_scene scene = { .near_m = 1 };
 		struct eco_chunk_id id = { { 0 } };
@@ -384,7 +400,8 @@ static void holdings_survive_the_wire(void **state)
 		uint64_t list = wire_random_size(&r, 1000);
 		uint32_t count = 0;
 		for (; count < held.count && list < ECO_NONE; count++) {
-			items[count] = (struct eco_holding){ (uint32_t)list, 1 + wire_random_size(&r, UINT32_MAX - 1) };
+			items[count] = (struct eco_holding){ (uint32_t)list,
+				1 + wire_random_size(&r, UINT32_MAX - 1) };
 			list += 1 + (uint64_t)wire_random_size(&r, UINT32_MAX - 1);
 		}
 		held.count = count;
@@ -396,7 +413,8 @@ static void holdings_survive_the_wire(void **state)
 			assert_memory_equal(&back.items[n], &items[n], sizeof *items);
 			assert_int_equal(eco_holdings_chunks(&back, items[n].list), items[n].chunks);
 			assert_int_equal(eco_holdings_chunks(&back, items[n].list + 1),
-				n + 1 < count && items[n + 1].list == items[n].list + 1 ? items[n + 1].chunks : 0);
+				n + 1 < count && items[n + 1].list == items[n].list + 1 ? items[n + 1].chunks
+				: 0);
 		}
 		eco_wire_write_holdings(&again, &back);
 		assert_true(again.size == w.size && memcmp(again.bytes, w.bytes, w.size) == 0);
@@ -415,7 +433,8 @@ static void holdings_survive_the_wire(void **state)
 
 static void impossible_holdings_are_refused(void **state)
 {
-	static const struct { const char *why; uint8_t bytes[16]; size_t size; enum eco_code code; } rows[] = {
+	static const struct { const char *why; uint8_t bytes[16]; size_t size; enum eco_code code; } rows[] =
+		{
 		{ "none", { 0, 0, 0, 0 }, 4, ECO_OK },
 		{ "two", { 2, 0, 0, 0, 5, 1, 1, 0x80, 1 }, 9, ECO_OK },
 		{ "no count", { 0, 0, 0 }, 3, ECO_BAD_INPUT },
@@ -425,8 +444,10 @@ static void impossible_holdings_are_refused(void **state)
 		{ "the same list twice", { 2, 0, 0, 0, 5, 1, 0, 1 }, 8, ECO_BAD_INPUT },
 		{ "no chunks", { 1, 0, 0, 0, 5, 0 }, 6, ECO_BAD_INPUT },
 		{ "a long zero", { 1, 0, 0, 0, 0x80, 0, 1 }, 7, ECO_BAD_INPUT },
-		{ "a list beyond 32 bits", { 1, 0, 0, 0, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F, 1 }, 10, ECO_BAD_INPUT },
-		{ "chunks beyond 32 bits", { 1, 0, 0, 0, 1, 0x80, 0x80, 0x80, 0x80, 0x10 }, 10, ECO_BAD_INPUT },
+		{ "a list beyond 32 bits", { 1, 0, 0, 0, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F, 1 }, 10,
+		ECO_BAD_INPUT },
+		{ "chunks beyond 32 bits", { 1, 0, 0, 0, 1, 0x80, 0x80, 0x80, 0x80, 0x10 }, 10,
+		ECO_BAD_INPUT },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct eco_holdings held;

@@ -1,4 +1,5 @@
-/* Plans as they travel: one encoding each, read back the same, small; whatever breaks a rule is neither written nor read. */
+/* Plans as they travel: one encoding each, read back the same, small; whatever breaks a rule is neither
+ * written nor read. */
 #include <math.h>
 #include <stdio.h>
 
@@ -7,8 +8,10 @@
 
 static void assert_same_plan(const struct eco_plan *a, const struct eco_plan *b)
 {
-	assert_true(a->vertices == b->vertices && a->visible_plants == b->visible_plants && a->sample_distance == b->sample_distance);
-	assert_true(a->prediction.tp == b->prediction.tp && a->prediction.fp == b->prediction.fp && a->prediction.fn == b->prediction.fn);
+	assert_true(a->vertices == b->vertices && a->visible_plants == b->visible_plants && a->sample_distance
+		== b->sample_distance);
+	assert_true(a->prediction.tp == b->prediction.tp && a->prediction.fp == b->prediction.fp
+		&& a->prediction.fn == b->prediction.fn);
 	assert_true(a->placement_count == b->placement_count && a->run_count == b->run_count);
 	assert_true(a->gate_count == b->gate_count && a->cut_count == b->cut_count);
 	for (uint32_t i = 0; i < a->placement_count; i++) {
@@ -28,7 +31,8 @@ static void plan_survives_the_wire_and_has_one_encoding(void **state)
 {
 	struct wire_random r = { 1 };
 	for (int i = 0; i < 3000; i++) {
-		struct eco_plan plan = wire_random_plan(&r, 1 + i % 60, i % 2 ? 9 : UINT32_MAX - 1, i % 3 ? 40 : UINT32_MAX), back;
+		struct eco_plan plan = wire_random_plan(&r, 1 + i % 60, i % 2 ? 9 : UINT32_MAX - 1,
+			i % 3 ? 40 : UINT32_MAX), back;
 		struct eco_writer w = { 0 }, again = { 0 };
 		struct eco_error error = { 0 };
 		assert_int_equal(eco_plan_check(&plan, &error), ECO_OK);
@@ -77,8 +81,8 @@ static void order_of_a_plan_does_not_change_its_bytes(void **state)
 	}
 }
 
-/* A forest as the planner sees it: 60 plants, each with wood and foliage in 12 bands, and runs of 8 species in 800 tiles of which
- * some are out of view. */
+/* A forest as the planner sees it: 60 plants, each with wood and foliage in 12 bands, and runs of 8 species
+ * in 800 tiles of which some are out of view. */
 static struct eco_plan forest_plan(uint32_t cells)
 {
 	struct eco_plan plan = { .placement_count = 1 };
@@ -88,22 +92,29 @@ static struct eco_plan forest_plan(uint32_t cells)
 	plan.cuts = calloc(60 * 2 * 12 + cells * 6, sizeof *plan.cuts);
 	for (uint32_t tile = 0; tile < 800; tile++)
 		if (tile % 5)
-			plan.runs[plan.run_count++] = (struct eco_run){ .list_first = 500 + 9 * tile, .list_end = 508 + 9 * tile };
+			plan.runs[plan.run_count++] = (struct eco_run){ .list_first = 500 + 9 * tile,
+				.list_end = 508 + 9 * tile };
 	for (uint32_t plant = 0; plant < 60; plant++)
 		for (uint32_t organ = 0; organ < 2; organ++)
 			for (uint32_t band = 0; band < 12; band++) {
 				uint32_t end = (organ ? 9000u : 300u) >> band / 2;
-				plan.cuts[plan.cut_count++] = (struct eco_cut){ .list = 8 * plant + 3 * organ, .end = end + plant,
-					.scale = organ ? eco_wire_scale_round(1 + (float)band / 7) : 1, .anchor = plant * 40,
-					.band_first = (uint8_t)(100 + band), .band_end = (uint8_t)(101 + band), .share_end = ECO_SHARE_ONE };
+				plan.cuts[plan.cut_count++] = (struct eco_cut){ .list = 8 * plant + 3 * organ,
+					.end = end + plant,
+					.scale = organ ? eco_wire_scale_round(1 + (float)band / 7) : 1,
+					.anchor = plant * 40,
+					.band_first = (uint8_t)(100 + band),
+					.band_end = (uint8_t)(101 + band), .share_end = ECO_SHARE_ONE };
 			}
 	for (uint32_t cell = 0; cell < cells; cell++)
 		for (uint32_t band = 0; band < 3; band++) {
 			uint32_t k = 1200 + 13 * cell, m = k >> (band + 1);
-			struct eco_cut cut = { .list = 9000 + 2 * cell, .end = m, .scale = 1, .anchor = 5000 + cell,
-				.band_first = (uint8_t)(80 + band), .band_end = (uint8_t)(81 + band), .share_end = ECO_SHARE_ONE };
+			struct eco_cut cut = { .list = 9000 + 2 * cell, .end = m, .scale = 1,
+				.anchor = 5000 + cell,
+				.band_first = (uint8_t)(80 + band), .band_end = (uint8_t)(81 + band),
+				.share_end = ECO_SHARE_ONE };
 			plan.cuts[plan.cut_count++] = cut;
-			cut.list++, cut.first = 2 * m, cut.end = 2 * k, cut.scale = eco_wire_scale_round(0.9f);
+			cut.list++, cut.first = 2 * m, cut.end = 2 * k,
+				cut.scale = eco_wire_scale_round(0.9f);
 			plan.cuts[plan.cut_count++] = cut;
 		}
 	return plan;
@@ -126,8 +137,9 @@ static void plans_are_small(void **state)
 	uint32_t runs = plan.run_count, cuts = plan.cut_count;
 	plan.run_count = 0;
 	size_t rules = plan_bytes(&plan);
-	print_message("plan: %zu bytes empty, %.2f a run, %.2f a rule, %.2f a rule of a blend\n", fixed, (double)(all - rules) / runs,
-		(double)(rules - fixed) / cuts, (double)(more - all) / (blends.cut_count - cuts));
+	print_message("plan: %zu bytes empty, %.2f a run, %.2f a rule, %.2f a rule of a blend\n", fixed,
+		(double)(all - rules) / runs, (double)(rules - fixed) / cuts,
+		(double)(more - all) / (blends.cut_count - cuts));
 	assert_true(fixed <= 40);
 	assert_true(all - rules <= 2 * runs + 8);
 	assert_true(rules - fixed <= 6 * cuts);
@@ -140,13 +152,15 @@ static void rounded_scales_are_near_and_short(void **state)
 {
 	struct wire_random r = { 3 };
 	for (int i = 0; i < 100000; i++) {
-		float s = (float)ldexp(1 + (double)wire_random_below(&r, 1u << 24) / (1u << 24), (int)wire_random_below(&r, 40) - 12);
+		float s = (float)ldexp(1 + (double)wire_random_below(&r, 1u << 24) / (1u << 24),
+			(int)wire_random_below(&r, 40) - 12);
 		float t = eco_wire_scale_round(s);
 		assert_true(fabs((double)t - s) <= s / 4096.0);
 		assert_true(eco_wire_scale_round(t) == t);
 	}
 	assert_true(eco_wire_scale_round(1) == 1 && eco_wire_scale_round(0) == 0);
-	struct { float scale; size_t bytes; } sizes[] = { { 1, 0 }, { 0.00390625f, 2 }, { 16773120, 2 }, { 1.5f, 2 }, { 0.0039f, 4 },
+	struct { float scale; size_t bytes; } sizes[] = { { 1, 0 }, { 0.00390625f, 2 }, { 16773120, 2 },
+		{ 1.5f, 2 }, { 0.0039f, 4 },
 		{ 16777216, 4 }, { 1.1f, 4 }, { 0, 4 } };
 	struct eco_plan plan = forest_plan(0);
 	plan.cut_count = 1;
@@ -168,7 +182,8 @@ static void every_truncation_of_a_plan_is_refused(void **state)
 		eco_wire_write_plan(&w, &plan);
 		for (size_t size = 0; size < w.size; size++) {
 			struct eco_error error = { 0 };
-			uint8_t *exact = malloc(size + 1);       /* so that the sanitizer sees a read beyond the end */
+			/* so that the sanitizer sees a read beyond the end */
+			uint8_t *exact = malloc(size + 1);
 			memcpy(exact, w.bytes, size);
 			struct eco_reader reader = { .bytes = exact, .size = size };
 			assert_int_equal(eco_wire_read_plan(&reader, &back, &error), ECO_DAMAGED);
@@ -180,7 +195,8 @@ static void every_truncation_of_a_plan_is_refused(void **state)
 	}
 }
 
-/* Without the frame's hash around it: a changed byte gives another plan or an error, never one plan twice and never a bad one. */
+/* Without the frame's hash around it: a changed byte gives another plan or an error, never one plan twice and
+ * never a bad one. */
 static void changed_plans_are_refused_or_other_plans(void **state)
 {
 	struct wire_random r = { 5 };

@@ -1,6 +1,7 @@
-/* Payloads without their hash: what a decoder must withstand if everything else is forged. The first bytes choose the list and the
- * declared counts: u8 kind, u8 coder, u8 attributes, u8 columns, u16 elements, u16 primitives; the rest is the payload. A payload that
- * decodes must keep its promises: counts as declared, values in bounds, and it must encode again. */
+/* Payloads without their hash: what a decoder must withstand if everything else is forged. The first bytes
+ * choose the list and the declared counts: u8 kind, u8 coder, u8 attributes, u8 columns, u16 elements, u16
+ * primitives; the rest is the payload. A payload that decodes must keep its promises: counts as declared,
+ * values in bounds, and it must encode again. */
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,11 +28,13 @@ static void check(const struct eco_list *list, const struct eco_chunk *chunk, co
 }
 
 /* As forms of triangles that all lie in one place. */
-static void encode_form(const struct eco_list *list, const struct eco_elements *e, uint8_t **bytes, size_t *size)
+static void encode_form(const struct eco_list *list, const struct eco_elements *e, uint8_t **bytes,
+	size_t *size)
 {
 	const struct eco_list fans = { .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS };
 	struct eco_elements of = { .element_count = e->element_count, .corner_count = 3 * e->element_count,
-		.primitive_count = e->element_count, .corners = malloc(e->element_count), .position = calloc(e->element_count, 36) };
+		.primitive_count = e->element_count, .corners = malloc(e->element_count),
+		.position = calloc(e->element_count, 36) };
 	const struct eco_chunk_input input = { &fans, &of, 0, e->element_count, 3 };
 
 	assert(of.corners != NULL && of.position);
@@ -61,8 +64,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 	struct eco_elements elements;
 	if (size < 8)
 		return 0;
-	list = (struct eco_list){ .kind = bytes[0], .coder = bytes[1], .attributes = bytes[2], .columns = bytes[3] };
-	chunk = (struct eco_chunk){ .size_bytes = (uint32_t)(size - 8), .element_count = bytes[4] | (uint32_t)bytes[5] << 8,
+	list = (struct eco_list){ .kind = bytes[0], .coder = bytes[1], .attributes = bytes[2],
+		.columns = bytes[3] };
+	chunk = (struct eco_chunk){ .size_bytes = (uint32_t)(size - 8),
+		.element_count = bytes[4] | (uint32_t)bytes[5] << 8,
 		.primitive_count = bytes[6] | (uint32_t)bytes[7] << 8 };
 	if (eco_chunk_decode(&list, &chunk, 3, bytes + 8, size - 8, &elements, NULL) == ECO_OK) {
 		check(&list, &chunk, &elements);

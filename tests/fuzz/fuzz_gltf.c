@@ -1,5 +1,5 @@
-/* A glTF file from memory: the document, all its accessors and nodes, and the model in its scene, without pictures. Whatever the bytes,
- * a status or sound results, never a crash, nothing left behind. */
+/* A glTF file from memory: the document, all its accessors and nodes, and the model in its scene, without
+ * pictures. Whatever the bytes, a status or sound results, never a crash, nothing left behind. */
 #include <assert.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -46,7 +46,8 @@ static void read_model(struct eco_gltf *doc)
 		for (uint32_t i = 0; i < model.triangle_count; i++) {
 			assert(model.material[i] < model.material_count && model.part[i] < model.part_count);
 			for (uint32_t c = 0; c < 3; c++)
-				assert(model.index[i * 3 + c] < model.vertex_count || model.index[i * 3 + c] == ECO_NONE);
+				assert(model.index[i * 3 + c] < model.vertex_count
+					|| model.index[i * 3 + c] == ECO_NONE);
 		}
 	}
 	eco_model_free(&model);

@@ -22,7 +22,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 	assert(!w.failed && w.size == size && memcmp(w.bytes, bytes, size) == 0);
 	for (uint32_t i = 0; i < holdings.count; i++) {
 		assert(i == 0 || holdings.items[i].list > holdings.items[i - 1].list);
-		assert(holdings.items[i].chunks > 0 && eco_holdings_chunks(&holdings, holdings.items[i].list) == holdings.items[i].chunks);
+		assert(holdings.items[i].chunks > 0 && eco_holdings_chunks(&holdings, holdings.items[i].list)
+			== holdings.items[i].chunks);
 	}
 	eco_writer_free(&w);
 	free(holdings.items);

@@ -1,5 +1,5 @@
-/* Our own readers of models' text: OBJ, MTL, and the head of PLY. What is read is a soup that adds up, and whose references fit; then it
- * is cleaned as any other, with rules that look at all of it. */
+/* Our own readers of models' text: OBJ, MTL, and the head of PLY. What is read is a soup that adds up, and
+ * whose references fit; then it is cleaned as any other, with rules that look at all of it. */
 #include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -27,8 +27,10 @@ static void check(const struct eco_model *m)
 
 static void read_obj(const char *path)
 {
-	static const struct eco_part_rule rules[] = { { .kind = ECO_PART_NAME, .name = (char *)"*l?a*", .is = 1 },
-		{ .kind = ECO_PART_SIZE, .size = { 0, 0.1 }, .is = ECO_PART_LEFT_OUT }, { .kind = ECO_PART_COMPONENT, .component = 2, .is = 0 } };
+	static const struct eco_part_rule rules[] =
+		{ { .kind = ECO_PART_NAME, .name = (char *)"*l?a*", .is = 1 },
+		{ .kind = ECO_PART_SIZE, .size = { 0, 0.1 }, .is = ECO_PART_LEFT_OUT },
+		{ .kind = ECO_PART_COMPONENT, .component = 2, .is = 0 } };
 	const struct eco_model_options options = { .rules = rules, .rule_count = 3 };
 	struct eco_notes *notes = calloc(1, sizeof *notes);
 	struct eco_model_frame frame = { .base = { 0 } };

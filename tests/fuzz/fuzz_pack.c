@@ -1,5 +1,5 @@
-/* Packs, as they are and with their hashes made to fit, which is what opens the way to the tables' checks. A pack that opens must be
- * consistent enough to read everything in it. */
+/* Packs, as they are and with their hashes made to fit, which is what opens the way to the tables' checks. A
+ * pack that opens must be consistent enough to read everything in it. */
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,7 +22,8 @@ static void read_chunks(const struct eco_pack *pack, const struct eco_list *list
 		if (list->coder == ECO_CODER_BYTES || chunk->element_count > 4096)
 			continue;
 		/* The payload's hash is passed over on purpose. */
-		eco_chunk_decode(list, chunk, i, pack->map + chunk->offset, chunk->size_bytes, &elements, NULL);
+		eco_chunk_decode(list, chunk, i, pack->map + chunk->offset, chunk->size_bytes, &elements,
+			NULL);
 		eco_elements_free(&elements);
 	}
 }
@@ -38,7 +39,8 @@ static void choose_ground(const struct eco_scene *s)
 	if (lod_ground_select(&choice, s, &eye, &limits, NULL) != ECO_OK)
 		return;
 	for (uint32_t i = 0; i < choice.count; i++)
-		assert(choice.tiles[i] < s->ground_count && (i == 0 || choice.tiles[i] > choice.tiles[i - 1]));
+		assert(choice.tiles[i] < s->ground_count
+			&& (i == 0 || choice.tiles[i] > choice.tiles[i - 1]));
 	free(choice.tiles);
 }
 

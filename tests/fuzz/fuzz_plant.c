@@ -1,4 +1,5 @@
-/* Finished plants from a cache, of which nothing is believed. One that is read must be safe to write and to pack. */
+/* Finished plants from a cache, of which nothing is believed. One that is read must be safe to write and to
+ * pack. */
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,7 +21,8 @@ static void touch(const struct lod_plant *plant)
 		assert(draft->list.partner == ECO_NONE || draft->list.partner < plant->list_count);
 		assert(draft->list.image == ECO_NONE || draft->list.image < plant->image_count);
 		for (uint32_t k = 0; k < draft->end_count; k++)
-			assert(draft->ends[k] <= e->element_count && (k == 0 || draft->ends[k] > draft->ends[k - 1]));
+			assert(draft->ends[k] <= e->element_count
+				&& (k == 0 || draft->ends[k] > draft->ends[k - 1]));
 	}
 	for (uint32_t i = 0; i < plant->ladder_count; i++)
 		assert(plant->ladders[i].anchor < plant->plant.anchor_count);

@@ -1,5 +1,5 @@
-/* A request: target, headers, body, as the daemon takes them apart. First line the target, then "name: value" lines, an empty line,
- * the body. What is accepted must be within all bounds that later code relies on. */
+/* A request: target, headers, body, as the daemon takes them apart. First line the target, then "name: value"
+ * lines, an empty line, the body. What is accepted must be within all bounds that later code relies on. */
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
@@ -26,7 +26,8 @@ static void check_query(const struct srv_target *target)
 	assert(eco_view_check(view, NULL) == ECO_OK && query.request.vertices <= ECO_VERTICES_MAX);
 	for (int i = 0; i < 3; i++)
 		assert(isfinite(view->eye[i]) && isfinite(view->target[i]) && isfinite(view->up[i]));
-	assert(view->width >= 1 && view->width <= ECO_IMAGE_MAX && view->height >= 1 && view->height <= ECO_IMAGE_MAX);
+	assert(view->width >= 1 && view->width <= ECO_IMAGE_MAX && view->height >= 1
+		&& view->height <= ECO_IMAGE_MAX);
 }
 
 static void check_target(const char *raw, size_t size)
@@ -39,11 +40,14 @@ static void check_target(const char *raw, size_t size)
 	if (code)
 		return;
 	for (uint32_t i = 0; i < target.segment_count; i++)
-		assert(target.segments[i] >= target.text && target.segments[i][0] && target.segments[i][0] != '.'
-			&& !strpbrk(target.segments[i], "/%\\ ") && target.segments[i] + strlen(target.segments[i]) < target.text + sizeof target.text);
+		assert(target.segments[i] >= target.text && target.segments[i][0] && target.segments[i][0]
+			!= '.' && !strpbrk(target.segments[i], "/%\\ ")
+			&& target.segments[i] + strlen(target.segments[i]) < target.text
+			+ sizeof target.text);
 	for (uint32_t i = 0; i < target.param_count; i++) {
 		const char *value = target.params[i].value;
-		assert(target.params[i].name[0] && value[0] && value + strlen(value) < target.text + sizeof target.text);
+		assert(target.params[i].name[0] && value[0] && value + strlen(value) < target.text
+			+ sizeof target.text);
 		assert(srv_target_param(&target, target.params[i].name) == value);
 		for (; *value; value++)
 			assert(*value > 0x20 && *value < 0x7f);
@@ -77,7 +81,8 @@ static void check_conditions(const struct srv_framing *framing)
 
 static void check_holdings(const uint8_t *bytes, size_t size)
 {
-	static const struct eco_list lists[4] = { { .chunk_count = 1 }, { .chunk_count = 300 }, { .chunk_count = 0 }, { .chunk_count = 7 } };
+	static const struct eco_list lists[4] = { { .chunk_count = 1 }, { .chunk_count = 300 },
+		{ .chunk_count = 0 }, { .chunk_count = 7 } };
 	const struct eco_scene scene = { .lists = lists, .list_count = 4 };
 	struct eco_holdings holdings;
 	if (eco_wire_read_holdings(bytes, size, &holdings, NULL))

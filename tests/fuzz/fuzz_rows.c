@@ -1,5 +1,6 @@
-/* Tables that are read by code of our own, and the texts in them. The first byte says how the rest is read: as a CSV with separator found
- * or given, as CityGML, or as texts. Every row that comes out is whole; two readings are the same. */
+/* Tables that are read by code of our own, and the texts in them. The first byte says how the rest is read:
+ * as a CSV with separator found or given, as CityGML, or as texts. Every row that comes out is whole; two
+ * readings are the same. */
 #include <assert.h>
 #include <math.h>
 #include <stddef.h>
@@ -19,7 +20,8 @@ static enum eco_code open_rows(struct eco_rows **rows, uint8_t how, const char *
 {
 	static const char separators[] = { 0, ',', ';', '\t' };
 
-	return how >= 4 ? eco_rows_open_citygml(rows, path, error) : eco_rows_open_csv(rows, path, separators[how], error);
+	return how >= 4 ? eco_rows_open_citygml(rows, path, error)
+		: eco_rows_open_csv(rows, path, separators[how], error);
 }
 
 /* A sum over all that was read, which must not depend on chance. */
@@ -37,7 +39,8 @@ static uint64_t read_all(uint8_t how, const char *path)
 	assert(rows->column_count <= ECO_COLUMNS_MAX && rows->note_count <= ECO_ROWS_NOTES_MAX);
 	while (rows->next(rows, &more, &error) == ECO_OK && more) {
 		uint64_t row = rows->row;
-		assert(rows->field_count <= ECO_COLUMNS_MAX && row > 0 && (rows->place.kind != ECO_PLACE_POINT || rows->has_geometry));
+		assert(rows->field_count <= ECO_COLUMNS_MAX && row > 0
+			&& (rows->place.kind != ECO_PLACE_POINT || rows->has_geometry));
 		for (uint32_t i = 0; i < rows->field_count; i++)
 			for (const char *c = rows->fields[i]; *c != 0; c++)
 				sum = sum * 31 + (unsigned char)*c;
@@ -58,13 +61,15 @@ static void read_texts(const uint8_t *data, size_t size)
 	text[size] = 0;
 	eco_text_fold(text, folded, sizeof folded);
 	assert(eco_text_fold(folded, again, sizeof again) <= strlen(folded));
-	assert(eco_text_fits(folded, "*") && eco_text_fits("", folded) == (strspn(folded, "*") == strlen(folded)));
+	assert(eco_text_fits(folded, "*") && eco_text_fits("", folded)
+		== (strspn(folded, "*") == strlen(folded)));
 	eco_text_is_missing(text);
 	for (int comma = 0; comma < 2; comma++) {
 		if (eco_text_number(text, comma ? ',' : '.', &number))
 			assert(isfinite(number));
 		form = eco_text_size(text, comma ? ',' : '.', &number, &unit_m);
-		assert(form == ECO_FORM_NONE || (number >= 0 && isfinite(number) && unit_m >= 0 && unit_m <= 1));
+		assert(form == ECO_FORM_NONE
+			|| (number >= 0 && isfinite(number) && unit_m >= 0 && unit_m <= 1));
 	}
 	free(text);
 }

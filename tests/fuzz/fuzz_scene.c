@@ -1,4 +1,5 @@
-/* SCENE.json from memory: whatever the text, a source or an error with a place, never a crash, nothing left behind. */
+/* SCENE.json from memory: whatever the text, a source or an error with a place, never a crash, nothing left
+ * behind. */
 #include <assert.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -15,7 +16,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 	struct eco_source source;
 	enum eco_code code = eco_source_parse(&source, (const char *)data, size, "folder/scene.json", &error);
 	if (code != ECO_OK) {
-		assert(code == error.code && strncmp(error.text, "folder/scene.json", 17) == 0 && !source.path);
+		assert(code == error.code && strncmp(error.text, "folder/scene.json", 17) == 0
+			&& !source.path);
 		return 0;
 	}
 	for (uint32_t i = 0; i < source.instance_count; i++)

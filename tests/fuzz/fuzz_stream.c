@@ -1,7 +1,8 @@
 /* The stream parser. The first byte says what the rest is:
  *
  *   0   a stream as it is, mostly to shake the frame assembler
- *   1   frames without hashes, { u8 type, u16 length, payload }: here they get their hashes, lengths and chunk ids, so that a fuzzer
+ *   1   frames without hashes, { u8 type, u16 length, payload }: here they get their hashes, lengths and
+ *       chunk ids, so that a fuzzer
  *       reaches the readers behind them
  *   2   one PLAN payload
  *
@@ -26,15 +27,16 @@ static enum eco_code saw(void *ctx, uint64_t what)
 	return ECO_OK;
 }
 
-static enum eco_code on_scene(void *ctx, const struct eco_scene *scene, const struct eco_chunk_id *id, struct eco_error *e)
+static enum eco_code on_scene(void *ctx, const struct eco_scene *scene, const struct eco_chunk_id *id,
+	struct eco_error *e)
 {
 	(void)e;
 	assert(memchr(scene->name, 0, sizeof scene->name) && scene->near_m > 0);
 	return saw(ctx, 1 + id->bytes[3]);
 }
 
-static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *plant, const struct eco_anchor *anchors,
-	struct eco_error *e)
+static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *plant,
+	const struct eco_anchor *anchors, struct eco_error *e)
 {
 	(void)e;
 	assert(memchr(plant->name, 0, sizeof plant->name) && plant->anchor_count > 0);
@@ -43,7 +45,8 @@ static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *pl
 	return saw(ctx, id);
 }
 
-static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3], struct eco_error *e)
+static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3],
+	struct eco_error *e)
 {
 	uint64_t sum = id;
 	(void)e;
@@ -52,8 +55,8 @@ static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list
 	return saw(ctx, sum);
 }
 
-static enum eco_code on_chunk(void *ctx, uint32_t list, uint32_t ordinal, const struct eco_chunk *chunk, const uint8_t *payload,
-	struct eco_error *e)
+static enum eco_code on_chunk(void *ctx, uint32_t list, uint32_t ordinal, const struct eco_chunk *chunk,
+	const uint8_t *payload, struct eco_error *e)
 {
 	(void)e;
 	assert(chunk->size_bytes > 0 && chunk->element_count <= ECO_CHUNK_ELEMENTS_MAX);
@@ -77,7 +80,8 @@ static enum eco_code on_end(void *ctx, uint64_t vertices, struct eco_error *e)
 
 static enum eco_code parse(const uint8_t *bytes, size_t size, size_t portion, struct seen *seen)
 {
-	static const struct eco_wire_events events = { on_scene, on_plant, on_list, on_chunk, on_plan, on_end };
+	static const struct eco_wire_events events = { on_scene, on_plant, on_list, on_chunk, on_plan,
+		on_end };
 	struct eco_wire_parser *parser;
 	struct eco_error error = { 0 };
 	enum eco_code code = eco_wire_parser_new(&parser, &events, seen, &error);

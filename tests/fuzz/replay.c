@@ -1,5 +1,5 @@
-/* Stands in for libFuzzer: runs LLVMFuzzerTestOneInput on every file named on the command line and in every folder named there, so
- * that the corpora are part of the ordinary tests. Prints how many inputs were run. */
+/* Stands in for libFuzzer: runs LLVMFuzzerTestOneInput on every file named on the command line and in every
+ * folder named there, so that the corpora are part of the ordinary tests. Prints how many inputs were run. */
 #include <dirent.h>
 #include <errno.h>
 #include <stdint.h>
@@ -30,7 +30,6 @@ static int replay_file(const char *path)
 	fclose(file);
 	/* An allocation of the exact size, so that a sanitizer sees a byte read too far. */
 	uint8_t *exact = malloc(size > 0 ? size : 1);
-
 	if (!exact)
 		abort();
 	memcpy(exact, bytes, size);

@@ -45,7 +45,8 @@ static void add(struct eco_areas *areas, const struct wkb *w)
 }
 
 static const double square[5][2] = { { 0, 0 }, { 10, 0 }, { 10, 10 }, { 0, 10 }, { 0, 0 } };
-static const double hole[4][2] = { { 2, 2 }, { 2, 6 }, { 6, 6 }, { 6, 2 } };           /* open: it is closed for the reader */
+/* open: it is closed for the reader */
+static const double hole[4][2] = { { 2, 2 }, { 2, 6 }, { 6, 6 }, { 6, 2 } };
 static const double far_square[5][2] = { { 20, 20 }, { 24, 20 }, { 24, 24 }, { 20, 24 }, { 20, 20 } };
 
 static void holes_and_several_polygons_are_one_area(void **state)
@@ -65,8 +66,10 @@ static void holes_and_several_polygons_are_one_area(void **state)
 	assert_int_equal(eco_areas_index(&areas, 0, NULL), ECO_OK);
 	assert_int_equal(areas.count, 1);
 	assert_true(areas.items[0].size_m2 == 100 - 16 + 16);
-	assert_true(eco_area_holds(&areas, 0, 1, 1) && eco_area_holds(&areas, 0, 21, 23) && eco_areas_hold(&areas, 9.9, 9.9));
-	assert_false(eco_area_holds(&areas, 0, 3, 3) || eco_area_holds(&areas, 0, 15, 15) || eco_areas_hold(&areas, -1, 5));
+	assert_true(eco_area_holds(&areas, 0, 1, 1) && eco_area_holds(&areas, 0, 21, 23)
+		&& eco_areas_hold(&areas, 9.9, 9.9));
+	assert_false(eco_area_holds(&areas, 0, 3, 3) || eco_area_holds(&areas, 0, 15, 15)
+		|| eco_areas_hold(&areas, -1, 5));
 	eco_areas_free(&areas);
 }
 
@@ -98,13 +101,15 @@ static void bands_agree_with_every_edge(void **state)
 	}
 	assert_int_equal(differ, 0);
 	for (uint32_t i = 0; i < 500; i++) {
-		double low = (double)(eco_mix(10, i) >> 40) / 1000, high = low + (double)(eco_mix(11, i) >> 40) / 1e5, span[2], least = INFINITY,
+		double low = (double)(eco_mix(10, i) >> 40) / 1000,
+			high = low + (double)(eco_mix(11, i) >> 40) / 1e5, span[2], least = INFINITY,
 			most = -INFINITY;
 
 		for (uint32_t e = 0; e < CORNERS; e++) {
 			const double *a = at[e], *b = at[(e + 1) % CORNERS];
 			for (int k = 0; k <= 64; k++) {
-				double x = a[0] + k / 64.0 * (b[0] - a[0]), y = a[1] + k / 64.0 * (b[1] - a[1]);
+				double x = a[0] + k / 64.0 * (b[0] - a[0]),
+					y = a[1] + k / 64.0 * (b[1] - a[1]);
 				least = y >= low && y <= high ? fmin(least, x) : least;
 				most = y >= low && y <= high ? fmax(most, x) : most;
 			}
@@ -117,7 +122,8 @@ static void bands_agree_with_every_edge(void **state)
 
 static double square_to(const double a[2], const double b[2], double x, double y)
 {
-	double dx = b[0] - a[0], dy = b[1] - a[1], length = dx * dx + dy * dy, t = length > 0 ? ((x - a[0]) * dx + (y - a[1]) * dy) / length : 0;
+	double dx = b[0] - a[0], dy = b[1] - a[1], length = dx * dx + dy * dy,
+		t = length > 0 ? ((x - a[0]) * dx + (y - a[1]) * dy) / length : 0;
 	t = fmin(fmax(t, 0), 1);
 	return (a[0] + t * dx - x) * (a[0] + t * dx - x) + (a[1] + t * dy - y) * (a[1] + t * dy - y);
 }
@@ -141,7 +147,8 @@ static void nearness_to_lines_and_points_agrees_with_every_edge(void **state)
 		add(&areas, &point);
 		assert_int_equal(eco_areas_index(&areas, reach[r], NULL), ECO_OK);
 		for (uint32_t i = 0; i < 4000; i++) {
-			double x = (double)(eco_mix(4, i) >> 44) / 1000 - 300, y = (double)(eco_mix(5, i) >> 44) / 1000 - 300;
+			double x = (double)(eco_mix(4, i) >> 44) / 1000 - 300,
+				y = (double)(eco_mix(5, i) >> 44) / 1000 - 300;
 			double least = square_to(at[59], at[59], x, y);
 			for (uint32_t e = 0; e < 58; e++)
 				least = fmin(least, square_to(at[e], at[e + 1], x, y));
@@ -164,7 +171,8 @@ static void truncated_and_impossible_geometries_are_damaged(void **state)
 	put(&w, &(uint32_t){ 1 }, 4);
 	put_path(&w, square, 5);
 	for (size_t size = 0; size < w.size; size++) {
-		assert_int_equal(eco_areas_add_wkb(&areas, w.bytes, size, as_is, NULL, &kept, NULL), ECO_DAMAGED);
+		assert_int_equal(eco_areas_add_wkb(&areas, w.bytes, size, as_is, NULL, &kept, NULL),
+			ECO_DAMAGED);
 		assert_false(kept);
 	}
 	memcpy(w.bytes + 5, &(uint32_t){ 0xffffffff }, 4);           /* more rings than bytes */
@@ -180,7 +188,8 @@ static void truncated_and_impossible_geometries_are_damaged(void **state)
 	eco_areas_free(&areas);
 }
 
-/* The nearest two of n points, as a share of what the densest packing allows: random points come to nearly 0, a hexagonal grid to 1. */
+/* The nearest two of n points, as a share of what the densest packing allows: random points come to nearly 0,
+ * a hexagonal grid to 1. */
 static void every_beginning_of_the_set_is_spread_evenly(void **state)
 {
 	static uint16_t p[ECO_BLUE_NOISE_POINTS][2];
@@ -189,7 +198,8 @@ static void every_beginning_of_the_set_is_spread_evenly(void **state)
 		double least = INFINITY;
 		for (uint32_t i = 0; i < n; i++)
 			for (uint32_t j = 0; j < i; j++) {
-				double x = (int16_t)(uint16_t)(p[i][0] - p[j][0]), y = (int16_t)(uint16_t)(p[i][1] - p[j][1]);
+				double x = (int16_t)(uint16_t)(p[i][0] - p[j][0]),
+					y = (int16_t)(uint16_t)(p[i][1] - p[j][1]);
 				least = fmin(least, x * x + y * y);
 			}
 		assert_true(sqrt(least) > 0.55 * 65536 * sqrt(2 / (sqrt(3.0) * n)));

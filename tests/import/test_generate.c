@@ -1,4 +1,5 @@
-/* Generated scenes: the same seed gives the same bytes, another seed another scene; plants have believable sizes; scenes parse. */
+/* Generated scenes: the same seed gives the same bytes, another seed another scene; plants have believable
+ * sizes; scenes parse. */
 #include <dirent.h>
 #include <math.h>
 #include <stdio.h>
@@ -72,22 +73,31 @@ static const char *fresh(const char *name)
 static void generate(const char *name, const char *folder, uint32_t plants, uint64_t seed)
 {
 	struct eco_error error = { 0 };
-	enum eco_code code = eco_generate(&(struct eco_generate_options){ .name = name, .folder = folder, .plants = plants, .seed = seed }, &error);
+	enum eco_code code =
+		eco_generate(&(struct eco_generate_options){ .name = name, .folder = folder, .plants = plants,
+		.seed = seed }, &error);
 	if (code)
 		fail_msg("%s: %s", name, error.text);
 }
 
 static const struct { const char *name; uint32_t plants; const char *files[12]; } scenes[] = {
-	{ "park", 60, { "scene.json", "camera.json", "dem.tif", "models/oak.obj", "models/oak.mtl", "models/linden.obj", "models/spray.png",
+	{ "park", 60, { "scene.json", "camera.json", "dem.tif", "models/oak.obj", "models/oak.mtl",
+		"models/linden.obj", "models/spray.png",
 		"models/spruce.obj" } },
-	{ "forest", 300, { "scene.json", "camera.json", "dem.tif", "stems.csv", "understory.csv", "models/beech.obj", "models/fern.obj",
+	{ "forest", 300, { "scene.json", "camera.json", "dem.tif", "stems.csv", "understory.csv",
+	"models/beech.obj", "models/fern.obj",
 		"models/leaf.png" } },
-	{ "meadow", 500, { "scene.json", "camera.json", "dem.tif", "grasses.json", "poppies.json", "models/poppy.obj" } },
-	{ "grove", 120, { "scene.json", "camera.json", "dem.tif", "plants.csv", "models/oak.obj", "models/spruce.obj" } },
+	{ "meadow", 500, { "scene.json", "camera.json", "dem.tif", "grasses.json", "poppies.json",
+	"models/poppy.obj" } },
+	{ "grove", 120, { "scene.json", "camera.json", "dem.tif", "plants.csv", "models/oak.obj",
+	"models/spruce.obj" } },
 	{ "palms", 60, { "scene.json", "camera.json", "plants.csv", "models/palm.obj" } },
-	{ "sunflowers", 400, { "scene.json", "camera.json", "plants.csv", "models/sunflower.obj", "models/maple.obj" } },
-	{ "outdoor", 500, { "scene.json", "camera.json", "plants.csv", "models/pine.obj", "models/fern.obj" } },
-	{ "billion", 230000, { "scene.json", "camera.json", "dem.tif", "hectare-0.json", "hectare-2.json", "block-1-1.json", "models/beech.obj" } },
+	{ "sunflowers", 400, { "scene.json", "camera.json", "plants.csv", "models/sunflower.obj",
+	"models/maple.obj" } },
+	{ "outdoor", 500,
+	{ "scene.json", "camera.json", "plants.csv", "models/pine.obj", "models/fern.obj" } },
+	{ "billion", 230000, { "scene.json", "camera.json", "dem.tif", "hectare-0.json", "hectare-2.json",
+	"block-1-1.json", "models/beech.obj" } },
 };
 #define SCENES (sizeof scenes / sizeof *scenes)
 
@@ -167,7 +177,8 @@ static void test_stems_keep_their_distance(void **state)
 
 static void test_measured_scenes_have_exactly_as_many_as_asked(void **state)
 {
-	static const struct { const char *name; uint32_t plants; } cases[] = { { "grove", 1 }, { "grove", 257 }, { "palms", 83 }, { "sunflowers", 1 },
+	static const struct { const char *name; uint32_t plants; } cases[] =
+		{ { "grove", 1 }, { "grove", 257 }, { "palms", 83 }, { "sunflowers", 1 },
 		{ "sunflowers", 900 }, { "outdoor", 1000 } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		const char *folder = fresh("exact");
@@ -188,7 +199,8 @@ static uint64_t plants_of(const struct eco_sources *sources, uint32_t source)
 	const struct eco_source *s = &sources->items[source];
 	uint64_t sum = s->instance_count;
 	for (uint32_t first = 0, next; first < s->child_count; first = next) {
-		for (next = first; next < s->child_count && s->children[next].source == s->children[first].source; next++)
+		for (next = first; next < s->child_count && s->children[next].source
+				== s->children[first].source; next++)
 			;
 		sum += (next - first) * plants_of(sources, s->children[first].source);
 	}
@@ -203,14 +215,16 @@ static void test_blocks_of_blocks_hold_any_number(void **state)
 		char path[512];
 		struct eco_sources sources;
 		struct eco_error error = { 0 };
-		if (eco_generate(&(struct eco_generate_options){ .name = "billion", .folder = folder, .plants = wanted[i], .seed = 4 }, &error))
+		if (eco_generate(&(struct eco_generate_options){ .name = "billion", .folder = folder,
+				.plants = wanted[i], .seed = 4 }, &error))
 			fail_msg("%s", error.text);
 		snprintf(path, sizeof path, "%s/scene.json", folder);
 		if (eco_sources_load(&sources, path, &error))
 			fail_msg("%s", error.text);
 		uint64_t plants = plants_of(&sources, 0);
 		if (plants < wanted[i] || plants > wanted[i] + wanted[i] / 2)
-			fail_msg("%llu plants where %llu were asked for", (unsigned long long)plants, (unsigned long long)wanted[i]);
+			fail_msg("%llu plants where %llu were asked for", (unsigned long long)plants,
+				(unsigned long long)wanted[i]);
 		eco_sources_free(&sources);
 		remove_folder(folder);
 	}
@@ -218,7 +232,8 @@ static void test_blocks_of_blocks_hold_any_number(void **state)
 
 static void test_detail_multiplies_leaves(void **state)
 {
-	static const struct { const char *name; double least, most; } cases[] = { { "oak", 2.6, 4.2 }, { "spruce", 2.2, 4.2 }, { "palm", 2.2, 4.2 } };
+	static const struct { const char *name; double least, most; } cases[] =
+		{ { "oak", 2.6, 4.2 }, { "spruce", 2.2, 4.2 }, { "palm", 2.2, 4.2 } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct gen_mesh once = { 0 }, fine = { .detail = 4 };
 		gen_plant_find(cases[i].name)->grow(&once, &(struct gen_random){ 5 });
@@ -234,11 +249,15 @@ static void test_detail_multiplies_leaves(void **state)
 static void test_plants_have_believable_sizes(void **state)
 {
 	static const struct { const char *name; double low, high, wide; uint32_t faces; } sizes[] = {
-		{ "oak", 12, 17, 8, 6000 }, { "birch", 10, 15, 4, 4000 }, { "linden", 10, 14, 6, 2000 }, { "spruce", 14, 18, 5, 6000 },
-		{ "beech", 19, 25, 6, 5000 }, { "maple", 17, 23, 6, 1800 }, { "pine", 15, 20, 5, 3000 }, { "palm", 7, 11, 5, 3000 },
+		{ "oak", 12, 17, 8, 6000 }, { "birch", 10, 15, 4, 4000 }, { "linden", 10, 14, 6, 2000 },
+			{ "spruce", 14, 18, 5, 6000 },
+		{ "beech", 19, 25, 6, 5000 }, { "maple", 17, 23, 6, 1800 }, { "pine", 15, 20, 5, 3000 },
+		{ "palm", 7, 11, 5, 3000 },
 		{ "fern", 0.3, 1, 1.2, 300 }, { "shrub", 1.6, 3, 2.2, 1000 },
-		{ "azalea", 1, 2, 1.8, 2000 }, { "grass", 0.4, 0.9, 1, 200 }, { "turf", 0.15, 0.4, 1.2, 300 }, { "daisy", 0.3, 0.8, 0.6, 300 },
-		{ "poppy", 0.3, 0.8, 0.6, 300 }, { "cornflower", 0.3, 0.8, 0.6, 300 }, { "sunflower", 1.4, 2.1, 0.7, 1000 } };
+		{ "azalea", 1, 2, 1.8, 2000 }, { "grass", 0.4, 0.9, 1, 200 }, { "turf", 0.15, 0.4, 1.2, 300 },
+		{ "daisy", 0.3, 0.8, 0.6, 300 },
+		{ "poppy", 0.3, 0.8, 0.6, 300 }, { "cornflower", 0.3, 0.8, 0.6, 300 },
+		{ "sunflower", 1.4, 2.1, 0.7, 1000 } };
 	assert_int_equal(sizeof sizes / sizeof *sizes, gen_plant_count);
 	for (uint32_t i = 0; i < gen_plant_count; i++) {
 		struct gen_mesh mesh = { 0 };
@@ -253,11 +272,14 @@ static void test_plants_have_believable_sizes(void **state)
 			low = fmin(low, p->z);
 			wide = fmax(wide, hypot(p->x, p->y));
 		}
-		if (!(high >= sizes[i].low && high <= sizes[i].high && wide <= sizes[i].wide && low > -0.6 && mesh.face_count >= sizes[i].faces))
-			fail_msg("%s: %g to %g m high, %g m wide, %u faces", sizes[i].name, low, high, wide, mesh.face_count);
+		if (!(high >= sizes[i].low && high <= sizes[i].high && wide <= sizes[i].wide && low > -0.6
+				&& mesh.face_count >= sizes[i].faces))
+			fail_msg("%s: %g to %g m high, %g m wide, %u faces", sizes[i].name, low, high, wide,
+				mesh.face_count);
 		for (uint32_t f = 0; f < mesh.face_count; f++)
 			for (uint32_t c = 0; c < mesh.faces[f].corners; c++)
-				assert_true(mesh.faces[f].corner[c] < mesh.count && mesh.faces[f].material < mesh.material_count);
+				assert_true(mesh.faces[f].corner[c] < mesh.count && mesh.faces[f].material
+					< mesh.material_count);
 		gen_mesh_free(&mesh);
 	}
 }
@@ -285,8 +307,8 @@ static void test_stopping_leaves_no_scene(void **state)
 	char path[512];
 	int left = 4;
 	struct eco_error error = { 0 };
-	assert_int_equal(eco_generate(&(struct eco_generate_options){ .name = "park", .folder = folder, .seed = 1, .progress = stop, .ctx = &left },
-		&error), ECO_INTERRUPTED);
+	assert_int_equal(eco_generate(&(struct eco_generate_options){ .name = "park", .folder = folder,
+		.seed = 1, .progress = stop, .ctx = &left }, &error), ECO_INTERRUPTED);
 	snprintf(path, sizeof path, "%s/scene.json", folder);
 	assert_int_not_equal(access(path, F_OK), 0);
 	remove_folder(folder);
@@ -295,10 +317,12 @@ static void test_stopping_leaves_no_scene(void **state)
 static void test_errors_say_what(void **state)
 {
 	struct eco_error error = { 0 };
-	assert_int_equal(eco_generate(&(struct eco_generate_options){ .name = "desert", .folder = ROOT "/x" }, &error), ECO_BAD_USAGE);
+	assert_int_equal(eco_generate(&(struct eco_generate_options){ .name = "desert", .folder = ROOT "/x" },
+		&error), ECO_BAD_USAGE);
 	assert_non_null(strstr(error.text, "park"));
 	error = (struct eco_error){ 0 };
-	assert_int_equal(eco_generate(&(struct eco_generate_options){ .name = "park", .folder = "/dev/null/x" }, &error), ECO_IO);
+	assert_int_equal(eco_generate(&(struct eco_generate_options){ .name = "park",
+		.folder = "/dev/null/x" }, &error), ECO_IO);
 	assert_non_null(strstr(error.text, "/dev/null/x"));
 }
 

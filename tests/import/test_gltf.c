@@ -1,5 +1,5 @@
-/* glTF documents: containers, numbers, compression, nodes: what the specification and its extensions say is what arrives, and what does
- * not fit is refused by name. Each oddity is the small file that shows it. */
+/* glTF documents: containers, numbers, compression, nodes: what the specification and its extensions say is
+ * what arrives, and what does not fit is refused by name. Each oddity is the small file that shows it. */
 #include <math.h>
 #include <meshoptimizer.h>
 
@@ -28,7 +28,8 @@ static void close_good(struct eco_gltf *doc)
 	free(file_bytes);
 }
 
-static void expect_floats(struct eco_gltf *doc, int accessor, uint32_t components, const double *wanted, uint64_t wanted_count)
+static void expect_floats(struct eco_gltf *doc, int accessor, uint32_t components, const double *wanted,
+	uint64_t wanted_count)
 {
 	struct eco_error error = { .code = ECO_OK };
 	double *values;
@@ -97,15 +98,18 @@ static void what_is_no_gltf_2_is_named(void **state)
 	static const struct { const char *text; enum eco_code code; const char *says; } cases[] = {
 		{ "{\"asset\":{\"version\":\"1.0\"}}", ECO_UNSUPPORTED, "glTF 1.0" },
 		{ "{\"asset\":{},\"meshes\":{\"a\":{}}}", ECO_UNSUPPORTED, "glTF 1.0" },
-		{ "glTF\1\0\0\0________________", ECO_DAMAGED, "cut off" }, { "{\"asset\":{\"version\":\"3.0\"}}", ECO_UNSUPPORTED, "glTF 3.0" },
-		{ "{\"type\":\"FeatureCollection\"}", ECO_BAD_INPUT, "no \"asset\"" }, { "[1,2]", ECO_BAD_INPUT, "no \"asset\"" },
+		{ "glTF\1\0\0\0________________", ECO_DAMAGED, "cut off" },
+		{ "{\"asset\":{\"version\":\"3.0\"}}", ECO_UNSUPPORTED, "glTF 3.0" },
+		{ "{\"type\":\"FeatureCollection\"}", ECO_BAD_INPUT, "no \"asset\"" },
+		{ "[1,2]", ECO_BAD_INPUT, "no \"asset\"" },
 		{ "{\"asset\":\n{]}", ECO_BAD_INPUT, "line 2" },
 	};
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_error error = { .code = ECO_OK };
 		struct eco_gltf *doc;
-		assert_int_equal(eco_gltf_open_memory(&doc, "n.gltf", (const uint8_t *)cases[i].text, strlen(cases[i].text), &error), cases[i].code);
+		assert_int_equal(eco_gltf_open_memory(&doc, "n.gltf", (const uint8_t *)cases[i].text,
+			strlen(cases[i].text), &error), cases[i].code);
 		if (!strstr(error.text, cases[i].says))
 			fail_msg("%s\n  wanted ... %s", error.text, cases[i].says);
 	}
@@ -114,8 +118,10 @@ static void what_is_no_gltf_2_is_named(void **state)
 static void buffers_are_found_beside_or_within(void **state)
 {
 	static const float p[3] = { 1, 2, 3 };
-	static const char *const uris[] = { "two words.bin", "two%20words.bin", ".\\\\two words.bin", "C:\\\\plants\\\\Two Words.BIN",
-		"data:application/octet-stream;base64,AACAPwAAAEAAAEBA", "data:;base64,AACA\\nPwAAAEAAAEBA", "data:,%00%00%80%3f%00%00%00%40%00%00%40%40" };
+	static const char *const uris[] = { "two words.bin", "two%20words.bin", ".\\\\two words.bin",
+		"C:\\\\plants\\\\Two Words.BIN",
+		"data:application/octet-stream;base64,AACAPwAAAEAAAEBA", "data:;base64,AACA\\nPwAAAEAAAEBA",
+		"data:,%00%00%80%3f%00%00%00%40%00%00%40%40" };
 
 	input_bytes("gltf", "two words.bin", p, sizeof p);
 	for (size_t i = 0; i < sizeof uris / sizeof *uris; i++) {
@@ -125,7 +131,8 @@ static void buffers_are_found_beside_or_within(void **state)
 		gw_begin();
 		gw_floats(p, 1, "VEC3", 3);
 		snprintf(buffer, sizeof buffer, ",\"uri\":\"%s\"", uris[i]);
-		if (eco_gltf_open(&doc, input_text("gltf", "b.gltf", gw_json(buffer, CHUNK_JSON)), &error) != ECO_OK)
+		if (eco_gltf_open(&doc, input_text("gltf", "b.gltf", gw_json(buffer, CHUNK_JSON)), &error)
+				!= ECO_OK)
 			fail_msg("%s", error.text);
 		expect_floats(doc, 0, 3, (const double[]){ 1, 2, 3 }, 1);
 		eco_gltf_close(doc);
@@ -135,8 +142,10 @@ static void buffers_are_found_beside_or_within(void **state)
 static void a_buffer_that_is_missing_is_told_when_it_is_needed(void **state)
 {
 	static const struct { const char *buffer; enum eco_code code; const char *says; } cases[] = {
-		{ ",\"uri\":\"none.bin\"", ECO_NOT_FOUND, "none.bin" }, { "", ECO_DAMAGED, "buffer 0 has no data" },
-		{ ",\"uri\":\"data:base64\"", ECO_DAMAGED, "comma" }, { ",\"uri\":\"data:;base64,?\"", ECO_DAMAGED, "base64" },
+		{ ",\"uri\":\"none.bin\"", ECO_NOT_FOUND, "none.bin" },
+			{ "", ECO_DAMAGED, "buffer 0 has no data" },
+		{ ",\"uri\":\"data:base64\"", ECO_DAMAGED, "comma" },
+		{ ",\"uri\":\"data:;base64,?\"", ECO_DAMAGED, "base64" },
 		{ ",\"uri\":\"data:;base64,AAAA\"", ECO_DAMAGED, "has only 3 bytes" },
 	};
 	static const float p[3] = { 1, 2, 3 };
@@ -144,7 +153,8 @@ static void a_buffer_that_is_missing_is_told_when_it_is_needed(void **state)
 		struct eco_gltf *doc;
 		gw_begin();
 		gw_floats(p, 1, "VEC3", 3);
-		assert_int_equal(eco_gltf_open(&doc, input_text("gltf", "b.gltf", gw_json(cases[i].buffer, CHUNK_JSON)), NULL), ECO_OK);
+		assert_int_equal(eco_gltf_open(&doc,
+			input_text("gltf", "b.gltf", gw_json(cases[i].buffer, CHUNK_JSON)), NULL), ECO_OK);
 		expect_refused(doc, 0, cases[i].code, cases[i].says);
 		eco_gltf_close(doc);
 	}
@@ -158,19 +168,26 @@ static void numbers_of_every_type_are_read(void **state)
 	static const int16_t shorts[4] = { -32768, -1, 0, 32767 };
 	static const uint32_t words[4] = { 0, 1, 65536, 4000000000u };
 	static const double doubles[4] = { -1e100, 0, 1, 0.1 };
-	static const struct { int type; const void *from; size_t size; bool normalized; double wanted[4]; } cases[] = {
-		{ GLTF_BYTE, bytes, 4, false, { -128, -127, 0, 127 } }, { GLTF_BYTE, bytes, 4, true, { -1, -1, 0, 1 } },
-		{ GLTF_UBYTE, bytes, 4, false, { 128, 129, 0, 127 } }, { GLTF_UBYTE, bytes, 4, true, { 128 / 255.0, 129 / 255.0, 0, 127 / 255.0 } },
-		{ GLTF_SHORT, shorts, 8, false, { -32768, -1, 0, 32767 } }, { GLTF_SHORT, shorts, 8, true, { -1, -1 / 32767.0, 0, 1 } },
-		{ GLTF_USHORT, shorts, 8, false, { 32768, 65535, 0, 32767 } }, { GLTF_USHORT, shorts, 8, true, { 32768 / 65535.0, 1, 0, 32767 / 65535.0 } },
-		{ GLTF_UINT, words, 16, false, { 0, 1, 65536, 4e9 } }, { GLTF_UINT, words, 16, true, { 0, 1, 65536, 4e9 } },
+	static const struct { int type; const void *from; size_t size; bool normalized; double wanted[4];
+		} cases[] = {
+		{ GLTF_BYTE, bytes, 4, false, { -128, -127, 0, 127 } },
+			{ GLTF_BYTE, bytes, 4, true, { -1, -1, 0, 1 } },
+		{ GLTF_UBYTE, bytes, 4, false, { 128, 129, 0, 127 } },
+		{ GLTF_UBYTE, bytes, 4, true, { 128 / 255.0, 129 / 255.0, 0, 127 / 255.0 } },
+		{ GLTF_SHORT, shorts, 8, false, { -32768, -1, 0, 32767 } },
+		{ GLTF_SHORT, shorts, 8, true, { -1, -1 / 32767.0, 0, 1 } },
+		{ GLTF_USHORT, shorts, 8, false, { 32768, 65535, 0, 32767 } },
+		{ GLTF_USHORT, shorts, 8, true, { 32768 / 65535.0, 1, 0, 32767 / 65535.0 } },
+		{ GLTF_UINT, words, 16, false, { 0, 1, 65536, 4e9 } },
+		{ GLTF_UINT, words, 16, true, { 0, 1, 65536, 4e9 } },
 		{ 5130, doubles, 32, false, { -1e100, 0, 1, 0.1 } },
 	};
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_gltf *doc;
 		gw_begin();
-		gw_accessor(gw_view(cases[i].from, cases[i].size, ""), cases[i].type, 4, "SCALAR", cases[i].normalized ? ",\"normalized\":true" : "");
+		gw_accessor(gw_view(cases[i].from, cases[i].size, ""), cases[i].type, 4, "SCALAR",
+			cases[i].normalized ? ",\"normalized\":true" : "");
 		doc = open_good("");
 		expect_floats(doc, 0, 1, cases[i].wanted, 4);
 		close_good(doc);
@@ -180,14 +197,17 @@ static void numbers_of_every_type_are_read(void **state)
 static void strides_offsets_and_columns_are_kept(void **state)
 {
 	static const float interleaved[10] = { 9, 1, 2, 9, 9, 3, 4, 9, 5, 6 };
-	static const uint8_t columns[2 * 12] = { 1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0, 11, 12, 13, 0, 14, 15, 16, 0, 17, 18, 19, 0 };
+	static const uint8_t columns[2 * 12] = { 1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0, 11, 12, 13, 0, 14, 15,
+		16, 0, 17, 18, 19, 0 };
 	struct eco_gltf *doc;
 	gw_begin();
-	gw_accessor(gw_view(interleaved, sizeof interleaved, ",\"byteStride\":16.0"), GLTF_FLOAT, 2, "VEC2", ",\"byteOffset\":4");
+	gw_accessor(gw_view(interleaved, sizeof interleaved, ",\"byteStride\":16.0"), GLTF_FLOAT, 2, "VEC2",
+		",\"byteOffset\":4");
 	gw_accessor(gw_view(columns, sizeof columns, ""), GLTF_UBYTE, 2, "MAT3", "");
 	doc = open_good("");
 	expect_floats(doc, 0, 2, (const double[]){ 1, 2, 3, 4 }, 2);
-	expect_floats(doc, 1, 9, (const double[]){ 1, 2, 3, 4, 5, 6, 7, 8, 9, 11, 12, 13, 14, 15, 16, 17, 18, 19 }, 2);
+	expect_floats(doc, 1, 9, (const double[]){ 1, 2, 3, 4, 5, 6, 7, 8, 9, 11, 12, 13, 14, 15, 16, 17, 18,
+		19 }, 2);
 	close_good(doc);
 }
 
@@ -204,8 +224,10 @@ static void sparse_accessors_are_filled_in(void **state)
 	i8 = gw_view(bytes, sizeof bytes, "");
 	i32 = gw_view(words, sizeof words, "");
 	for (int i = 0; i < 3; i++)
-		snprintf(sparse[i], sizeof sparse[i], ",\"sparse\":{\"count\":%d,\"indices\":{\"bufferView\":%d,\"componentType\":%d},\"values\":{"
-			"\"bufferView\":%d}}", i == 2 ? 1 : 2, i == 0 ? i8 : i32, i == 0 ? GLTF_UBYTE : GLTF_UINT, v);
+		snprintf(sparse[i], sizeof sparse[i], ",\"sparse\":{\"count\":%d,"
+			"\"indices\":{\"bufferView\":%d,\"componentType\":%d},\"values\":{"
+			"\"bufferView\":%d}}", i == 2 ? 1 : 2, i == 0 ? i8 : i32,
+			i == 0 ? GLTF_UBYTE : GLTF_UINT, v);
 	gw_accessor(gw_view(base, sizeof base, ""), GLTF_FLOAT, 4, "SCALAR", sparse[0]);
 	gw_accessor(-1, GLTF_FLOAT, 4, "SCALAR", sparse[0]);         /* of zeros */
 	gw_accessor(-1, GLTF_FLOAT, 4, "SCALAR", "");
@@ -223,12 +245,15 @@ static void sparse_accessors_are_filled_in(void **state)
 static void accessors_beyond_their_bytes_are_refused(void **state)
 {
 	static const float four[4];
-	static const struct { const char *more; size_t count; const char *kind; enum eco_code code; const char *says; } cases[] = {
-		{ "", 5, "SCALAR", ECO_DAMAGED, "needs 20 bytes" }, { ",\"byteOffset\":4", 4, "SCALAR", ECO_DAMAGED, "needs 16 bytes" },
-		{ ",\"byteOffset\":-4", 1, "SCALAR", ECO_DAMAGED, "needs 4 bytes" }, { "", 2, "VEC3", ECO_DAMAGED, "needs 24 bytes" },
-		{ ",\"byteOffset\":18446744073709551615", 1, "SCALAR", ECO_DAMAGED, "" }, { "", 1, "VEC5", ECO_DAMAGED, "VEC5" },
-		{ "", (size_t)1 << 40, "SCALAR", ECO_TOO_LARGE, "more numbers" },
-	};
+	static const struct { const char *more; size_t count; const char *kind; enum eco_code code;
+		const char *says; } cases[] = {
+		{ "", 5, "SCALAR", ECO_DAMAGED, "needs 20 bytes" },
+			{ ",\"byteOffset\":4", 4, "SCALAR", ECO_DAMAGED, "needs 16 bytes" },
+		{ ",\"byteOffset\":-4", 1, "SCALAR", ECO_DAMAGED, "needs 4 bytes" },
+		{ "", 2, "VEC3", ECO_DAMAGED, "needs 24 bytes" },
+		{ ",\"byteOffset\":18446744073709551615", 1, "SCALAR", ECO_DAMAGED, "" },
+		{ "", 1, "VEC5", ECO_DAMAGED, "VEC5" },
+		{ "", (size_t)1 << 40, "SCALAR", ECO_TOO_LARGE, "more numbers" } };
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_error error = { .code = ECO_OK };
@@ -236,7 +261,8 @@ static void accessors_beyond_their_bytes_are_refused(void **state)
 		uint8_t *bytes;
 		size_t size;
 		gw_begin();
-		gw_accessor(gw_view(four, sizeof four, ""), GLTF_FLOAT, cases[i].count, cases[i].kind, cases[i].more);
+		gw_accessor(gw_view(four, sizeof four, ""), GLTF_FLOAT, cases[i].count, cases[i].kind,
+			cases[i].more);
 		size = gw_glb_bytes("", ' ', &bytes);
 		if (eco_gltf_open_memory(&doc, "x.glb", bytes, size, &error) == ECO_OK)
 			expect_refused(doc, 0, cases[i].code, cases[i].says);
@@ -264,23 +290,29 @@ static void views_compressed_with_meshopt_are_unpacked(void **state)
 	gw_begin();
 	for (int e = 0; e < 2; e++) {
 		const char *extension = e == 0 ? "EXT_meshopt_compression" : "KHR_meshopt_compression";
-		gw_accessor(gw_packed(packed, meshopt_encodeVertexBuffer(packed, sizeof packed, places, 100, 16), 100, 16, "ATTRIBUTES", "NONE", extension),
-			GLTF_FLOAT, 100, "VEC4", "");
-		gw_accessor(gw_packed(packed, meshopt_encodeIndexBuffer(packed, sizeof packed, triangles, 300), 300, 2, "TRIANGLES", "NONE", extension),
-			GLTF_USHORT, 300, "SCALAR", "");
-		gw_accessor(gw_packed(packed, meshopt_encodeIndexSequence(packed, sizeof packed, list, 100), 100, 4, "INDICES", "NONE", extension),
-			GLTF_UINT, 100, "SCALAR", "");
+		gw_accessor(gw_packed(packed,
+			meshopt_encodeVertexBuffer(packed, sizeof packed, places, 100, 16), 100, 16,
+			"ATTRIBUTES", "NONE", extension), GLTF_FLOAT, 100, "VEC4", "");
+		gw_accessor(gw_packed(packed,
+			meshopt_encodeIndexBuffer(packed, sizeof packed, triangles, 300), 300, 2, "TRIANGLES",
+			"NONE", extension), GLTF_USHORT, 300, "SCALAR", "");
+		gw_accessor(gw_packed(packed, meshopt_encodeIndexSequence(packed, sizeof packed, list, 100),
+			100, 4, "INDICES", "NONE", extension), GLTF_UINT, 100, "SCALAR", "");
 	}
 	doc = open_good("");
 	for (int e = 0; e < 2; e++) {
 		double *values;
 		uint64_t count;
 		expect_floats(doc, e * 3, 4, wanted, 100);
-		assert_int_equal(eco_gltf_read_floats(doc, (uint32_t)e * 3 + 1, 1, &values, &count, NULL), ECO_OK);
-		for (unsigned i = 0; i < 300; i += 3)        /* triangles keep their order, and may begin at another corner */
-			assert_true(values[i] + values[i + 1] + values[i + 2] == corners[i] + corners[i + 1] + corners[i + 2]);
+		assert_int_equal(eco_gltf_read_floats(doc, (uint32_t)e * 3 + 1, 1, &values, &count, NULL),
+			ECO_OK);
+		/* triangles keep their order, and may begin at another corner */
+		for (unsigned i = 0; i < 300; i += 3)
+			assert_true(values[i] + values[i + 1] + values[i + 2] == corners[i] + corners[i + 1]
+				+ corners[i + 2]);
 		free(values);
-		assert_int_equal(eco_gltf_read_floats(doc, (uint32_t)e * 3 + 2, 1, &values, &count, NULL), ECO_OK);
+		assert_int_equal(eco_gltf_read_floats(doc, (uint32_t)e * 3 + 2, 1, &values, &count, NULL),
+			ECO_OK);
 		for (unsigned i = 0; i < 100; i++)
 			assert_true(values[i] == list[i]);
 		free(values);
@@ -290,7 +322,8 @@ static void views_compressed_with_meshopt_are_unpacked(void **state)
 
 static void filters_of_meshopt_are_undone(void **state)
 {
-	static const float normals[4][4] = { { 0, 0, 1, 0 }, { 0.6f, 0.8f, 0, 0 }, { 0, -1, 0, 0 }, { -0.6f, 0, -0.8f, 0 } };
+	static const float normals[4][4] = { { 0, 0, 1, 0 }, { 0.6f, 0.8f, 0, 0 }, { 0, -1, 0, 0 },
+		{ -0.6f, 0, -0.8f, 0 } };
 	static const float turns[2][4] = { { 0, 0.70710678f, 0, 0.70710678f }, { 0.5f, 0.5f, 0.5f, 0.5f } };
 	static const float places[2][3] = { { 1, 2, 3 }, { -400, 0.25f, 0 } };
 	unsigned char filtered[64], packed[512];
@@ -299,13 +332,16 @@ static void filters_of_meshopt_are_undone(void **state)
 	struct eco_gltf *doc;
 	gw_begin();
 	meshopt_encodeFilterOct(filtered, 4, 8, 16, normals[0]);
-	gw_accessor(gw_packed(packed, meshopt_encodeVertexBuffer(packed, sizeof packed, filtered, 4, 8), 4, 8, "ATTRIBUTES", "OCTAHEDRAL",
+	gw_accessor(gw_packed(packed, meshopt_encodeVertexBuffer(packed, sizeof packed, filtered, 4, 8), 4, 8,
+		"ATTRIBUTES", "OCTAHEDRAL",
 		"EXT_meshopt_compression"), GLTF_SHORT, 4, "VEC4", ",\"normalized\":true");
 	meshopt_encodeFilterQuat(filtered, 2, 8, 16, turns[0]);
-	gw_accessor(gw_packed(packed, meshopt_encodeVertexBuffer(packed, sizeof packed, filtered, 2, 8), 2, 8, "ATTRIBUTES", "QUATERNION",
+	gw_accessor(gw_packed(packed, meshopt_encodeVertexBuffer(packed, sizeof packed, filtered, 2, 8), 2, 8,
+		"ATTRIBUTES", "QUATERNION",
 		"EXT_meshopt_compression"), GLTF_SHORT, 2, "VEC4", ",\"normalized\":true");
 	meshopt_encodeFilterExp(filtered, 2, 12, 24, places[0]);
-	gw_accessor(gw_packed(packed, meshopt_encodeVertexBuffer(packed, sizeof packed, filtered, 2, 12), 2, 12, "ATTRIBUTES", "EXPONENTIAL",
+	gw_accessor(gw_packed(packed, meshopt_encodeVertexBuffer(packed, sizeof packed, filtered, 2, 12), 2,
+		12, "ATTRIBUTES", "EXPONENTIAL",
 		"EXT_meshopt_compression"), GLTF_FLOAT, 2, "VEC3", "");
 	doc = open_good("");
 	assert_int_equal(eco_gltf_read_floats(doc, 0, 4, &values, &count, NULL), ECO_OK);
@@ -320,24 +356,28 @@ static void filters_of_meshopt_are_undone(void **state)
 	close_good(doc);
 }
 
-/* Written by meshoptimizer 1.3 at its highest level: 20 vertices of 12 bytes whose channels are of the three kinds; four colours in 8 bits,
- * and in 16 of which 12 count. */
+/* Written by meshoptimizer 1.3 at its highest level: 20 vertices of 12 bytes whose channels are of the three
+ * kinds; four colours in 8 bits, and in 16 of which 12 count. */
 static void the_second_version_of_the_meshopt_codec_is_read(void **state)
 {
-	static const uint8_t golden[] = { 0xa1, 0x95, 0x97, 0x99, 0x05, 0x2a, 0xea, 0xea, 0xea, 0x05, 0x05, 0x05, 0xea, 0x00,
-		0x00, 0x00, 0x05, 0x00, 0x10, 0x11, 0x08, 0x07, 0x08, 0x01, 0x00, 0x07, 0x00, 0x00, 0x01, 0x02, 0x01, 0x00, 0x02,
-		0x00, 0x58, 0x58, 0x58, 0x58, 0x58, 0x58, 0x58, 0x58, 0x58, 0x58, 0x58, 0x58, 0x58, 0x58, 0x58, 0x58, 0x58, 0x58,
-		0x58, 0x05, 0x2a, 0xaa, 0xaa, 0xaa, 0xaa, 0x00, 0x00, 0x00, 0x05, 0x15, 0x55, 0x55, 0x55, 0x55, 0x00, 0x00, 0x00,
-		0x05, 0x2a, 0xaa, 0xaa, 0xaa, 0xaa, 0x00, 0x00, 0x00, 0x02, 0x01, 0x56, 0x06, 0x51, 0x15, 0x60, 0x65, 0x11, 0x0b,
-		0x00, 0x05, 0x06, 0x06, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
-		0xe8, 0x03, 0x00, 0x00, 0x00, 0x00, 0x00, 0x01, 0x32 };
-	static const uint8_t narrow[] = { 0xa1, 0xff, 0x00, 0x3e, 0xbf, 0x02, 0x00, 0xe5, 0x17, 0x00, 0x00, 0xf0, 0x71, 0x00,
-		0x00, 0x7d, 0x7f, 0xfe, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
-		0x00, 0x00, 0x00, 0x00, 0x40, 0x7f, 0xc1, 0xff, 0x00 };
-	static const uint8_t wide[] = { 0xa1, 0xff, 0xff, 0x00, 0x01, 0x00, 0x02, 0x00, 0x02, 0x14, 0x1d, 0x00, 0x65, 0x68,
-		0x00, 0x00, 0x0d, 0x00, 0x00, 0x00, 0xcf, 0xce, 0x00, 0x00, 0x0e, 0x05, 0x00, 0x00, 0x02, 0x00, 0x01, 0x00, 0x05,
-		0x07, 0x0e, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x04, 0xff,
-		0x07, 0x01, 0xfc, 0xff, 0x0f, 0x00, 0x00 };
+	static const uint8_t golden[] = { 0xa1, 0x95, 0x97, 0x99, 0x05, 0x2a, 0xea, 0xea, 0xea, 0x05, 0x05,
+		0x05, 0xea, 0x00, 0x00, 0x00, 0x05, 0x00, 0x10, 0x11, 0x08, 0x07, 0x08, 0x01, 0x00, 0x07,
+		0x00, 0x00, 0x01, 0x02, 0x01, 0x00, 0x02, 0x00, 0x58, 0x58, 0x58, 0x58, 0x58, 0x58, 0x58,
+		0x58, 0x58, 0x58, 0x58, 0x58, 0x58, 0x58, 0x58, 0x58, 0x58, 0x58, 0x58, 0x05, 0x2a, 0xaa,
+		0xaa, 0xaa, 0xaa, 0x00, 0x00, 0x00, 0x05, 0x15, 0x55, 0x55, 0x55, 0x55, 0x00, 0x00, 0x00,
+		0x05, 0x2a, 0xaa, 0xaa, 0xaa, 0xaa, 0x00, 0x00, 0x00, 0x02, 0x01, 0x56, 0x06, 0x51, 0x15,
+		0x60, 0x65, 0x11, 0x0b, 0x00, 0x05, 0x06, 0x06, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
+		0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0xe8, 0x03, 0x00, 0x00, 0x00, 0x00, 0x00,
+		0x01, 0x32 };
+	static const uint8_t narrow[] = { 0xa1, 0xff, 0x00, 0x3e, 0xbf, 0x02, 0x00, 0xe5, 0x17, 0x00, 0x00,
+		0xf0, 0x71, 0x00, 0x00, 0x7d, 0x7f, 0xfe, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
+		0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x40, 0x7f, 0xc1, 0xff,
+		0x00 };
+	static const uint8_t wide[] = { 0xa1, 0xff, 0xff, 0x00, 0x01, 0x00, 0x02, 0x00, 0x02, 0x14, 0x1d,
+		0x00, 0x65, 0x68, 0x00, 0x00, 0x0d, 0x00, 0x00, 0x00, 0xcf, 0xce, 0x00, 0x00, 0x0e, 0x05,
+		0x00, 0x00, 0x02, 0x00, 0x01, 0x00, 0x05, 0x07, 0x0e, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
+		0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x04, 0xff, 0x07, 0x01, 0xfc, 0xff,
+		0x0f, 0x00, 0x00 };
 	static const double colors[16] = { 1, 0, 0, 1, 0.2, 0.6, 0.1, 0.5, 1, 1, 1, 0, 0, 0, 0, 1 };
 	uint32_t words[60];
 	struct eco_gltf *doc;
@@ -346,9 +386,11 @@ static void the_second_version_of_the_meshopt_codec_is_read(void **state)
 
 	gw_begin();
 	gw_packed(golden, sizeof golden, 20, 12, "ATTRIBUTES", "NONE", "KHR_meshopt_compression");
-	gw_accessor(gw_packed(narrow, sizeof narrow, 4, 4, "ATTRIBUTES", "COLOR", "KHR_meshopt_compression"), GLTF_UBYTE, 4, "VEC4",
+	gw_accessor(gw_packed(narrow, sizeof narrow, 4, 4, "ATTRIBUTES", "COLOR", "KHR_meshopt_compression"),
+		GLTF_UBYTE, 4, "VEC4",
 		",\"normalized\":true");
-	gw_accessor(gw_packed(wide, sizeof wide, 4, 8, "ATTRIBUTES", "COLOR", "KHR_meshopt_compression"), GLTF_USHORT, 4, "VEC4", ",\"normalized\":true");
+	gw_accessor(gw_packed(wide, sizeof wide, 4, 8, "ATTRIBUTES", "COLOR", "KHR_meshopt_compression"),
+		GLTF_USHORT, 4, "VEC4", ",\"normalized\":true");
 	for (size_t cut = 0; cut < sizeof golden; cut++)
 		gw_packed(golden, cut, 20, 12, "ATTRIBUTES", "NONE", "KHR_meshopt_compression");
 	doc = open_good("");
@@ -376,12 +418,17 @@ static void the_second_version_of_the_meshopt_codec_is_read(void **state)
 static void meshopt_that_makes_no_sense_is_refused(void **state)
 {
 	static const uint8_t bytes[64] = { 0xa0 };
-	static const struct { size_t count, stride; const char *mode, *filter; enum eco_code code; } cases[] = {
-		{ 10, 12, "ATTRIBUTES", "NONE", ECO_DAMAGED }, { 10, 13, "ATTRIBUTES", "NONE", ECO_DAMAGED }, { 10, 512, "ATTRIBUTES", "NONE", ECO_DAMAGED },
-		{ 10, 0, "ATTRIBUTES", "NONE", ECO_DAMAGED }, { 10, 4, "TRIANGLES", "NONE", ECO_DAMAGED }, { 9, 3, "TRIANGLES", "NONE", ECO_DAMAGED },
-		{ 9, 4, "TRIANGLES", "OCTAHEDRAL", ECO_DAMAGED }, { 10, 12, "ATTRIBUTES", "QUATERNION", ECO_DAMAGED },
-		{ 10, 12, "ATTRIBUTES", "SECRET", ECO_UNSUPPORTED }, { 10, 12, "QUADS", "NONE", ECO_UNSUPPORTED },
-		{ (size_t)1 << 31, 256, "ATTRIBUTES", "NONE", ECO_TOO_LARGE }, { (size_t)1 << 20, 256, "ATTRIBUTES", "NONE", ECO_DAMAGED },
+	static const struct { size_t count, stride; const char *mode, *filter; enum eco_code code; } cases[] =
+		{
+		{ 10, 12, "ATTRIBUTES", "NONE", ECO_DAMAGED }, { 10, 13, "ATTRIBUTES", "NONE", ECO_DAMAGED },
+			{ 10, 512, "ATTRIBUTES", "NONE", ECO_DAMAGED },
+		{ 10, 0, "ATTRIBUTES", "NONE", ECO_DAMAGED }, { 10, 4, "TRIANGLES", "NONE", ECO_DAMAGED },
+		{ 9, 3, "TRIANGLES", "NONE", ECO_DAMAGED }, { 9, 4, "TRIANGLES", "OCTAHEDRAL", ECO_DAMAGED },
+		{ 10, 12, "ATTRIBUTES", "QUATERNION", ECO_DAMAGED },
+		{ 10, 12, "ATTRIBUTES", "SECRET", ECO_UNSUPPORTED },
+		{ 10, 12, "QUADS", "NONE", ECO_UNSUPPORTED },
+		{ (size_t)1 << 31, 256, "ATTRIBUTES", "NONE", ECO_TOO_LARGE },
+		{ (size_t)1 << 20, 256, "ATTRIBUTES", "NONE", ECO_DAMAGED },
 	};
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -389,7 +436,8 @@ static void meshopt_that_makes_no_sense_is_refused(void **state)
 		struct eco_gltf *doc;
 		size_t size;
 		gw_begin();
-		gw_packed(bytes, sizeof bytes, cases[i].count, cases[i].stride, cases[i].mode, cases[i].filter, "EXT_meshopt_compression");
+		gw_packed(bytes, sizeof bytes, cases[i].count, cases[i].stride, cases[i].mode,
+			cases[i].filter, "EXT_meshopt_compression");
 		doc = open_good("");
 		assert_int_equal(eco_gltf_view(doc, 0, &view, &size, NULL), cases[i].code);
 		close_good(doc);
@@ -404,10 +452,14 @@ static void nodes_stand_where_their_ancestors_put_them(void **state)
 	struct eco_gltf *doc;
 	double m[16], p[3];
 	gw_begin();
-	doc = open_good(",\"nodes\":[{\"children\":[1],\"translation\":[0,2,0],\"scale\":[2,2,2]},{\"children\":[2],\"rotation\":[0,0.6,0,0.6]},"
-		"{\"matrix\":[1,0,0,0, 0,1,0,0, 0,0,1,0, 5,6,7,1]},{\"children\":[4]},{\"children\":[3]},{\"rotation\":[0,0,0,0]},{\"scale\":[1,\"x\"]}]");
+	doc = open_good(",\"nodes\":[{\"children\":[1],\"translation\":[0,2,0],\"scale\":[2,2,2]},"
+		"{\"children\":[2],\"rotation\":[0,0.6,0,0.6]},"
+		"{\"matrix\":[1,0,0,0, 0,1,0,0, 0,0,1,0, "
+		"5,6,7,1]},{\"children\":[4]},{\"children\":[3]},{\"rotation\":[0,0,0,0]},{\"scale\":[1,"
+		"\"x\"]}]");
 	assert_int_equal(eco_gltf_node_matrix(doc, 2, m, NULL), ECO_OK);
-	eco_gltf_apply(m, (const double[]){ 1, 0, 0 }, p);           /* (6, 6, 7), a quarter turn about Y: (7, 6, -6), twice, 2 up */
+	/* (6, 6, 7), a quarter turn about Y: (7, 6, -6), twice, 2 up */
+	eco_gltf_apply(m, (const double[]){ 1, 0, 0 }, p);
 	assert_true(fabs(p[0] - 14) < 1e-9 && fabs(p[1] - 14) < 1e-9 && fabs(p[2] + 12) < 1e-9);
 	assert_int_equal(eco_gltf_node_matrix(doc, 3, m, &error), ECO_DAMAGED);
 	assert_non_null(strstr(error.text, "below itself"));
@@ -428,12 +480,15 @@ static enum eco_code note_node(void *ctx, uint32_t node, const double world[16])
 static void what_a_viewer_would_show_is_walked(void **state)
 {
 	static const struct { const char *rest, *order; enum eco_code code; } cases[] = {
-		{ ",\"scene\":1,\"scenes\":[{\"nodes\":[0]},{\"nodes\":[2,1]}],\"nodes\":[{},{\"children\":[3,4]},{},{},{}]", "2 1 3 4 ", ECO_OK },
+		{ ",\"scene\":1,\"scenes\":[{\"nodes\":[0]},{\"nodes\":[2,1]}],\"nodes\":[{},"
+			"{\"children\":[3,4]},{},{},{}]", "2 1 3 4 ", ECO_OK },
 		{ ",\"scenes\":[{\"nodes\":[1]},{\"nodes\":[0]}],\"nodes\":[{},{}]", "1 ", ECO_OK },
 		{ ",\"nodes\":[{},{\"children\":[0]},{}]", "1 0 2 ", ECO_OK },
-		{ ",\"nodes\":[{\"children\":[1],\"extensions\":{\"KHR_node_visibility\":{\"visible\":false}}},{},{}]", "2 ", ECO_OK },
+		{ ",\"nodes\":[{\"children\":[1],\"extensions\":{\"KHR_node_visibility\":{\"visible\":false}"
+		"}},{},{}]", "2 ", ECO_OK },
 		{ ",\"scene\":3,\"scenes\":[{}],\"nodes\":[{},{\"children\":[0]}]", "1 0 ", ECO_OK },
-		{ ",\"scene\":\"hello\",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{},{}]", "0 1 ", ECO_OK }, { ",\"scene\":0", "", ECO_OK },
+		{ ",\"scene\":\"hello\",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{},{}]", "0 1 ", ECO_OK },
+		{ ",\"scene\":0", "", ECO_OK },
 		{ ",\"scenes\":[{\"nodes\":[5]}],\"nodes\":[{}]", "", ECO_DAMAGED },
 		{ ",\"nodes\":[{\"children\":[-1]}]", "0 ", ECO_DAMAGED },
 	};
@@ -459,7 +514,8 @@ static enum eco_code ignore_node(void *ctx, uint32_t node, const double world[16
 
 static void a_tree_that_is_none_ends(void **state)
 {
-	static const char *const cases[] = { ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"children\":[1]},{\"children\":[0]}]",
+	static const char *const cases[] = { ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"children\":[1]},"
+		"{\"children\":[0]}]",
 		",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"children\":[0,0]}]" };
 
 	for (size_t i = 0; i < 2; i++) {

@@ -1,4 +1,5 @@
-/* glTF models: what a viewer would show at rest is what arrives; the rest is counted, said, or refused by name. */
+/* glTF models: what a viewer would show at rest is what arrives; the rest is counted, said, or refused by
+ * name. */
 #include <math.h>
 
 #include "ecofiles/format/draco_shim.h"
@@ -15,7 +16,8 @@
 static struct eco_model_frame frame;
 static struct eco_notes notes;
 
-static enum eco_code read_model(struct eco_model *m, const char *rest, uint32_t triangles_max, struct eco_error *error)
+static enum eco_code read_model(struct eco_model *m, const char *rest, uint32_t triangles_max,
+	struct eco_error *error)
 {
 	struct eco_gltf *doc;
 	uint8_t *bytes;
@@ -54,7 +56,8 @@ static void read_fails(const char *rest, enum eco_code wanted, const char *says)
 	enum eco_code code = read_model(&m, rest, 1000, &error);
 	eco_model_free(&m);
 	if (code != wanted || !strstr(error.text, says))
-		fail_msg("%s: %s\n  wanted %s ... %s", eco_code_name(code), error.text, eco_code_name(wanted), says);
+		fail_msg("%s: %s\n  wanted %s ... %s", eco_code_name(code), error.text, eco_code_name(wanted),
+			says);
 }
 
 /* Corner c of triangle t is at that place, in the file's own axes. */
@@ -64,11 +67,13 @@ static void expect_corner(const struct eco_model *m, uint32_t t, uint32_t c, dou
 	assert_true(t < m->triangle_count && m->index[t * 3 + c] < m->vertex_count);
 	p = &m->position[m->index[t * 3 + c] * 3];
 	if (fabs((double)p[0] - x) + fabs((double)p[1] + z) + fabs((double)p[2] - y) > 1e-4)
-		fail_msg("corner %u of triangle %u is at %g %g %g, not %g %g %g", c, t, (double)p[0], (double)p[2], -(double)p[1], x, y, z);
+		fail_msg("corner %u of triangle %u is at %g %g %g, not %g %g %g", c, t, (double)p[0],
+			(double)p[2], -(double)p[1], x, y, z);
 }
 
 static const float square[4][3] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 1, 1, 0 } };
-#define ONE_MESH(attributes, more) ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{" attributes "}" more "}]}]"
+#define ONE_MESH(attributes, more) ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}]," \
+	"\"meshes\":[{\"primitives\":[{\"attributes\":{" attributes "}" more "}]}]"
 
 static void indices_of_every_type_or_none_make_triangles(void **state)
 {
@@ -85,7 +90,8 @@ static void indices_of_every_type_or_none_make_triangles(void **state)
 			gw_accessor(gw_view(shorts, sizeof shorts, ""), GLTF_USHORT, 6, "SCALAR", "");
 		else
 			gw_accessor(gw_view(words, sizeof words, ""), GLTF_UINT, 6, "SCALAR", "");
-		read_good(&m, i < 3 ? ONE_MESH("\"POSITION\":0", ",\"indices\":1") : ONE_MESH("\"POSITION\":0", ""));
+		read_good(&m, i < 3 ? ONE_MESH("\"POSITION\":0", ",\"indices\":1")
+			: ONE_MESH("\"POSITION\":0", ""));
 		assert_int_equal(m.triangle_count, i < 3 ? 2 : 1);
 		expect_corner(&m, 0, 1, 1, 0, 0);
 		if (i < 3)
@@ -123,7 +129,9 @@ static void points_and_lines_are_counted_and_said(void **state)
 	struct eco_model m;
 	gw_begin();
 	gw_floats(square[0], 4, "VEC3", 3);
-	read_good(&m, ",\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}},{\"attributes\":{\"POSITION\":0},"
+	read_good(&m, ",\"nodes\":[{\"mesh\":0}],"
+		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}},"
+		"{\"attributes\":{\"POSITION\":0},"
 		"\"mode\":0},{\"attributes\":{\"POSITION\":0},\"mode\":3},{\"attributes\":{}}]}]");
 	assert_int_equal(m.triangle_count, 1);
 	assert_non_null(strstr(notes.text, "4 points and 3 lines are left out"));
@@ -131,7 +139,8 @@ static void points_and_lines_are_counted_and_said(void **state)
 	assert_non_null(strstr(notes.text, "1 corners"));
 	eco_model_free(&m);
 	read_fails(ONE_MESH("\"POSITION\":0", ",\"mode\":0"), ECO_BAD_INPUT, "only 4 points");
-	read_fails(ONE_MESH("\"POSITION\":0", ",\"mode\":9"), ECO_DAMAGED, "meshes[0].primitives[0]: its mode");
+	read_fails(ONE_MESH("\"POSITION\":0", ",\"mode\":9"), ECO_DAMAGED,
+		"meshes[0].primitives[0]: its mode");
 	read_fails("", ECO_BAD_INPUT, "no triangles in its scene");
 }
 
@@ -155,11 +164,14 @@ static void quantized_meshes_are_read(void **state)
 	static const int8_t small[3][4] = { { 0, 0, 0 }, { 10, 0, 0 }, { 0, 20, -30 } };
 	struct eco_model m;
 	gw_begin();
-	gw_accessor(gw_view(corners, sizeof corners, ",\"byteStride\":8"), GLTF_USHORT, 3, "VEC3", ",\"normalized\":true");
+	gw_accessor(gw_view(corners, sizeof corners, ",\"byteStride\":8"), GLTF_USHORT, 3, "VEC3",
+		",\"normalized\":true");
 	gw_accessor(gw_view(small, sizeof small, ",\"byteStride\":4"), GLTF_BYTE, 3, "VEC3", "");
-	read_good(&m, ",\"extensionsRequired\":[\"KHR_mesh_quantization\"],\"scenes\":[{\"nodes\":[0,1]}],\"nodes\":[{\"mesh\":0,\"scale\":[4,4,4],"
+	read_good(&m, ",\"extensionsRequired\":[\"KHR_mesh_quantization\"],\"scenes\":[{\"nodes\":[0,1]}],"
+		"\"nodes\":[{\"mesh\":0,\"scale\":[4,4,4],"
 		"\"translation\":[1,0,0]},{\"mesh\":1}],"
-		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]},{\"primitives\":[{\"attributes\":{\"POSITION\":1}}]}]");
+		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]},"
+		"{\"primitives\":[{\"attributes\":{\"POSITION\":1}}]}]");
 	expect_corner(&m, 0, 0, 1, 0, 0);
 	expect_corner(&m, 0, 1, 5, 0, 0);
 	expect_corner(&m, 1, 2, 0, 20, -30);
@@ -174,9 +186,11 @@ static void places_far_from_the_origin_keep_their_detail(void **state)
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_floats(far[0], 3, "VEC3", 3);
-	read_good(&m, ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,\"translation\":[5000000.25,100,0]}],"
+	read_good(&m, ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,\"translation\":[5000000.25,100,"
+		"0]}],"
 		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]");
-	assert_true(frame.base[0] == 5000000 && (double)m.position[0] == 0.25 && (double)m.position[3] == 1.25);
+	assert_true(frame.base[0] == 5000000 && (double)m.position[0] == 0.25 && (double)m.position[3]
+		== 1.25);
 	assert_string_equal(notes.text, "");
 	eco_model_free(&m);
 	read_good(&m, ONE_MESH("\"POSITION\":1", ""));
@@ -189,9 +203,11 @@ static void parts_are_nodes_and_meshes(void **state)
 	struct eco_model m;
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
-	read_good(&m, ",\"nodes\":[{\"mesh\":0,\"name\":\"Tree\"},{\"mesh\":0},{\"mesh\":0,\"name\":\"Leaves\"},{\"mesh\":1,\"name\":\"Pot\"},"
+	read_good(&m, ",\"nodes\":[{\"mesh\":0,\"name\":\"Tree\"},{\"mesh\":0},{\"mesh\":0,"
+		"\"name\":\"Leaves\"},{\"mesh\":1,\"name\":\"Pot\"},"
 		"{\"mesh\":1,\"name\":\"Pot\"}],"
-		"\"meshes\":[{\"name\":\"Leaves\",\"primitives\":[{\"attributes\":{\"POSITION\":0}}]},{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]");
+		"\"meshes\":[{\"name\":\"Leaves\",\"primitives\":[{\"attributes\":{\"POSITION\":0}}]},"
+		"{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]");
 	assert_int_equal(m.part_count, 3);
 	assert_string_equal(m.parts[m.part[0]].name, "Tree/Leaves");
 	assert_string_equal(m.parts[m.part[1]].name, "Leaves");
@@ -203,10 +219,13 @@ static void parts_are_nodes_and_meshes(void **state)
 
 static void instances_of_a_model_are_expanded(void **state)
 {
-	static const float places[3][3] = { { 0, 0, 0 }, { 10, 0, 0 }, { 0, 0, 10 } }, sizes[3][3] = { { 1, 1, 1 }, { 2, 2, 2 }, { 1, 1, 1 } };
+	static const float places[3][3] = { { 0, 0, 0 }, { 10, 0, 0 }, { 0, 0, 10 } },
+		sizes[3][3] = { { 1, 1, 1 }, { 2, 2, 2 }, { 1, 1, 1 } };
 	static const int16_t turns[3][4] = { { 0, 0, 0, 32767 }, { 0, 0, 0, 32767 }, { 0, 23170, 0, 23170 } };
-	static const char rest[] = ",\"extensionsRequired\":[\"EXT_mesh_gpu_instancing\"],\"nodes\":[{\"mesh\":0,\"translation\":[0,1,0],\"extensions\":{"
-		"\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":1,\"SCALE\":2,\"ROTATION\":3}}}}],\"meshes\":[{\"primitives\":[{\"attributes\":"
+	static const char rest[] = ",\"extensionsRequired\":[\"EXT_mesh_gpu_instancing\"],"
+		"\"nodes\":[{\"mesh\":0,\"translation\":[0,1,0],\"extensions\":{"
+		"\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":1,\"SCALE\":2,\"ROTATION\":3}}"
+		"}}],\"meshes\":[{\"primitives\":[{\"attributes\":"
 		"{\"POSITION\":0}}]}]";
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_model m;
@@ -234,12 +253,15 @@ static void instances_without_end_are_refused_at_once(void **state)
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_accessor(-1, GLTF_FLOAT, 80000000, "VEC3", "");           /* zeros, which cost nothing */
-	assert_int_equal(read_model(&m, ",\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":1}}}}],"
-		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", 100, &error), ECO_TOO_LARGE);
+	assert_int_equal(read_model(&m, ",\"nodes\":[{\"mesh\":0,"
+		"\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":1}}}}],"
+		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", 100, &error),
+		ECO_TOO_LARGE);
 	eco_model_free(&m);
 }
 
-/* A joint a hundred times as large, whose inverse bind matrix takes that back, 5 to the right; the node's own place does not count. */
+/* A joint a hundred times as large, whose inverse bind matrix takes that back, 5 to the right; the node's own
+ * place does not count. */
 static void skins_stand_where_their_joints_hold_them(void **state)
 {
 	static const float inverse[2][16] = { { 0.01f, 0, 0, 0, 0, 0.01f, 0, 0, 0, 0, 0.01f, 0, 0, 0, 0, 1 },
@@ -252,9 +274,11 @@ static void skins_stand_where_their_joints_hold_them(void **state)
 	gw_accessor(gw_view(joints, sizeof joints, ""), GLTF_UBYTE, 3, "VEC4", "");
 	gw_floats(weights[0], 3, "VEC4", 4);
 	gw_floats(inverse[0], 2, "MAT4", 16);
-	read_good(&m, ",\"nodes\":[{\"mesh\":0,\"skin\":0,\"translation\":[1000,0,0]},{\"translation\":[5,0,0],\"scale\":[100,100,100]},"
+	read_good(&m, ",\"nodes\":[{\"mesh\":0,\"skin\":0,\"translation\":[1000,0,0]},{\"translation\":[5,0,"
+		"0],\"scale\":[100,100,100]},"
 		"{\"translation\":[7,0,0]}],"
-		"\"skins\":[{\"joints\":[1,2],\"inverseBindMatrices\":3}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"JOINTS_0\":1,"
+		"\"skins\":[{\"joints\":[1,2],\"inverseBindMatrices\":3}],"
+		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"JOINTS_0\":1,"
 		"\"WEIGHTS_0\":2}}]}]");
 	expect_corner(&m, 0, 0, 5, 0, 0);
 	expect_corner(&m, 0, 1, 7, 0, 0);            /* between 6 and 8 */
@@ -269,7 +293,8 @@ static void morph_targets_have_their_default_weights(void **state)
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_floats(delta[0], 3, "VEC3", 3);
-	read_good(&m, ",\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"weights\":[0]},{\"mesh\":0}],\"meshes\":[{\"weights\":[0.5],"
+	read_good(&m, ",\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"weights\":[0]},{\"mesh\":0}],"
+		"\"meshes\":[{\"weights\":[0.5],"
 		"\"primitives\":[{\"attributes\":{\"POSITION\":0},\"targets\":[{\"POSITION\":1}]}]}]");
 	expect_corner(&m, 0, 1, 3, 0, 0);
 	expect_corner(&m, 1, 1, 1, 0, 0);
@@ -297,11 +322,13 @@ static void the_older_materials_and_those_without_any_have_colours(void **state)
 	struct eco_model m;
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
-	read_good(&m, ",\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0},"
+	read_good(&m, ",\"nodes\":[{\"mesh\":0}],"
+		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0},"
 		"{\"attributes\":{\"POSITION\":0}},"
 		"{\"attributes\":{\"POSITION\":0},\"material\":1}]}],\"materials\":[{\"name\":\"old\","
 			"\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,0,0,1]},"
-		"\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{\"diffuseFactor\":[0,1,0,1]}}},{\"name\":\"thin\",\"alphaMode\":\"BLEND\","
+		"\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{\"diffuseFactor\":[0,1,0,1]}}},"
+		"{\"name\":\"thin\",\"alphaMode\":\"BLEND\","
 		"\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,0,0,0.2]}}]");
 	assert_int_equal(m.triangle_count, 2);
 	assert_int_equal(m.dropped[ECO_DROP_TRANSPARENT], 1);
@@ -315,7 +342,8 @@ static void the_older_materials_and_those_without_any_have_colours(void **state)
 static void pictures_come_from_anywhere_or_are_missed_aloud(void **state)
 {
 	static const uint8_t rgba[] = { 10, 20, 30, 255 };
-	static const float uv[3][2] = { { 0, 0 }, { 1, 0 }, { 0, 1 } }, second[3][2] = { { 5, 5 }, { 6, 5 }, { 5, 6 } };
+	static const float uv[3][2] = { { 0, 0 }, { 1, 0 }, { 0, 1 } },
+		second[3][2] = { { 5, 5 }, { 6, 5 }, { 5, 6 } };
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_model m;
 	char rest[3000], text[1000] = "";
@@ -333,16 +361,21 @@ static void pictures_come_from_anywhere_or_are_missed_aloud(void **state)
 	gw_view(png, size, "");
 	snprintf(rest, sizeof rest, ",\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[");
 	for (int i = 0; i < 5; i++)
-		snprintf(rest + strlen(rest), sizeof rest - strlen(rest), "%s{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1,\"TEXCOORD_1\":2},"
+		snprintf(rest + strlen(rest), sizeof rest - strlen(rest),
+			"%s{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1,\"TEXCOORD_1\":2},"
 			"\"material\":%d}", i > 0 ? "," : "", i);
 	snprintf(rest + strlen(rest), sizeof rest - strlen(rest), "]}],\"materials\":[");
 	for (int i = 0; i < 5; i++)
-		snprintf(rest + strlen(rest), sizeof rest - strlen(rest), "%s{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":%d,"
+		snprintf(rest + strlen(rest), sizeof rest - strlen(rest),
+			"%s{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":%d,"
 			"\"texCoord\":%d%s}}}",
-			i > 0 ? "," : "", i, i == 0, i == 1 ? ",\"extensions\":{\"KHR_texture_transform\":{\"texCoord\":1,\"scale\":[2,2]}}" : "");
+			i > 0 ? "," : "", i, i == 0, i == 1 ? ","
+			"\"extensions\":{\"KHR_texture_transform\":{\"texCoord\":1,\"scale\":[2,2]}}" : "");
 	snprintf(rest + strlen(rest), sizeof rest - strlen(rest),
-		"],\"textures\":[{\"source\":0},{\"source\":1},{\"extensions\":{\"EXT_texture_webp\":{\"source\":2}}},"
-		"{\"source\":3},{}],\"images\":[{\"bufferView\":3,\"mimeType\":\"image/png\"},{\"uri\":\"data:image/png,%s\"},{\"uri\":\"bark%%20one.png\"},"
+		"],\"textures\":[{\"source\":0},{\"source\":1},"
+		"{\"extensions\":{\"EXT_texture_webp\":{\"source\":2}}},"
+		"{\"source\":3},{}],\"images\":[{\"bufferView\":3,\"mimeType\":\"image/png\"},"
+		"{\"uri\":\"data:image/png,%s\"},{\"uri\":\"bark%%20one.png\"},"
 		"{\"uri\":\"none.png\"}]", text);
 	free(png);
 	read_good(&m, rest);
@@ -378,7 +411,8 @@ static void draco_meshes_of_any_size_are_read(void **state)
 		position[v * 3 + 2] = (int32_t)(v % 5);
 		if (v % DRACO_SIDE == DRACO_SIDE - 1 || v / DRACO_SIDE == DRACO_SIDE - 1)
 			continue;
-		memcpy(&index[faces * 3], (const uint32_t[]){ v, v + 1, v + DRACO_SIDE, v + DRACO_SIDE, v + 1, v + DRACO_SIDE + 1 }, 24);
+		memcpy(&index[faces * 3], (const uint32_t[]){ v, v + 1, v + DRACO_SIDE, v + DRACO_SIDE, v + 1,
+			v + DRACO_SIDE + 1 }, 24);
 		faces += 2;
 	}
 	if (eco_draco_encode_mesh(position, vertices, index, faces, &bytes, &size, &error) != ECO_OK)
@@ -389,12 +423,16 @@ static void draco_meshes_of_any_size_are_read(void **state)
 	gw_accessor(-1, GLTF_UINT, faces * 3, "SCALAR", "");
 	gw_accessor(-1, GLTF_UINT, faces * 3 - 3, "SCALAR", "");
 	for (int i = 1; i <= 2; i++) {
-		snprintf(rest, sizeof rest, ",\"extensionsRequired\":[\"KHR_draco_mesh_compression\"],\"nodes\":[{\"mesh\":0}],"
+		snprintf(rest, sizeof rest, ",\"extensionsRequired\":[\"KHR_draco_mesh_compression\"],"
+			"\"nodes\":[{\"mesh\":0}],"
 			"\"meshes\":[{\"primitives\":[{\"attributes\":"
-			"{\"POSITION\":0},\"indices\":%d,\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":%d,\"attributes\":{\"POSITION\":0}}}}]}]",
+			"{\"POSITION\":0},\"indices\":%d,"
+			"\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":%d,"
+			"\"attributes\":{\"POSITION\":0}}}}]}]",
 				i, view);
 		if (i == 2) {
-			assert_int_equal(read_model(&m, rest, 1000000, &error), ECO_DAMAGED);        /* fewer faces declared than there are */
+			/* fewer faces declared than there are */
+			assert_int_equal(read_model(&m, rest, 1000000, &error), ECO_DAMAGED);
 			assert_non_null(strstr(error.text, "more faces"));
 			eco_model_free(&m);
 			break;
@@ -404,7 +442,8 @@ static void draco_meshes_of_any_size_are_read(void **state)
 		assert_int_equal(m.vertex_count, vertices);
 		for (uint32_t k = 0; k < vertices * 3; k++)
 			sum += (double)m.position[k];
-		assert_true(sum == vertices * (DRACO_SIDE - 1.0 - 2));       /* x and y from 0 to the side, less z from 0 to 4 */
+		/* x and y from 0 to the side, less z from 0 to 4 */
+		assert_true(sum == vertices * (DRACO_SIDE - 1.0 - 2));
 		eco_model_free(&m);
 	}
 	for (size_t cut = 0; cut < size; cut += size / 50 + 1) {
@@ -412,7 +451,8 @@ static void draco_meshes_of_any_size_are_read(void **state)
 		struct eco_draco_mesh mesh;
 		uint8_t *part = malloc(cut + 1);
 		memcpy(part, bytes, cut);
-		assert_int_not_equal(eco_draco_decode_gltf(part, cut, faces, vertices * 3, &a, 1, &mesh, NULL), ECO_OK);
+		assert_int_not_equal(eco_draco_decode_gltf(part, cut, faces, vertices * 3, &a, 1, &mesh,
+			NULL), ECO_OK);
 		assert_null(mesh.index);
 		assert_null(a.values);
 		free(part);
@@ -453,8 +493,10 @@ static void what_a_file_requires_and_is_not_read_is_named(void **state)
 {
 	static const struct { const char *list, *says; enum eco_code code; } cases[] = {
 		{ "\"extensionsRequired\":[\"KHR_texture_basisu\"]", "KHR_texture_basisu", ECO_UNSUPPORTED },
-		{ "\"extensionsRequired\":[\"KHR_mesh_quantization\",\"VENDOR_secret\"]", "VENDOR_secret", ECO_UNSUPPORTED },
-		{ "\"extensionsRequired\":[3]", "not a name", ECO_UNSUPPORTED }, { "\"extensionsUsed\":[\"VENDOR_secret\"]", "", ECO_OK },
+		{ "\"extensionsRequired\":[\"KHR_mesh_quantization\",\"VENDOR_secret\"]", "VENDOR_secret",
+		ECO_UNSUPPORTED },
+		{ "\"extensionsRequired\":[3]", "not a name", ECO_UNSUPPORTED },
+		{ "\"extensionsUsed\":[\"VENDOR_secret\"]", "", ECO_OK },
 		{ "\"extensionsRequired\":[\"KHR_materials_anything\"]", "", ECO_OK },
 	};
 
@@ -467,26 +509,35 @@ static void what_a_file_requires_and_is_not_read_is_named(void **state)
 	}
 }
 
+static const struct { const char *rest, *says; } references_to_cases[] = {
+	{ ",\"nodes\":[{\"mesh\":4}]", "mesh 4" }, { ONE_MESH("\"POSITION\":9", ""), "accessor 9" },
+	{ ONE_MESH("\"POSITION\":0", ",\"indices\":8"), "accessor 8" },
+	{ ONE_MESH("\"POSITION\":1", ""), "components" },
+	{ ",\"nodes\":[{\"mesh\":0,\"skin\":2}],"
+	"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", "skin" },
+	{ ",\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{}}}],"
+		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]",
+		"instances without" },
+	{ ",\"nodes\":[{\"mesh\":0,"
+	"\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":0,\"SCALE\":2}"
+	"}}}],"
+		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]",
+		"3 and 2 places" },
+	{ ONE_MESH("\"POSITION\":0", ","
+	"\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0,"
+	"\"attributes\":{\"POSITION\":0}}}"),
+		"Draco" },
+};
+
 static void references_to_nothing_are_refused(void **state)
 {
-	static const struct { const char *rest, *says; } cases[] = {
-		{ ",\"nodes\":[{\"mesh\":4}]", "mesh 4" }, { ONE_MESH("\"POSITION\":9", ""), "accessor 9" },
-		{ ONE_MESH("\"POSITION\":0", ",\"indices\":8"), "accessor 8" }, { ONE_MESH("\"POSITION\":1", ""), "components" },
-		{ ",\"nodes\":[{\"mesh\":0,\"skin\":2}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", "skin" },
-		{ ",\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{}}}],"
-			"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", "instances without" },
-		{ ",\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":0,\"SCALE\":2}}}}],"
-			"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", "3 and 2 places" },
-		{ ONE_MESH("\"POSITION\":0", ",\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0,\"attributes\":{\"POSITION\":0}}}"),
-			"Draco" },
-	};
 
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+	for (size_t i = 0; i < sizeof references_to_cases / sizeof *references_to_cases; i++) {
 		gw_begin();
 		gw_floats(square[0], 3, "VEC3", 3);
 		gw_floats(square[0], 3, "VEC2", 2);
 		gw_floats(square[0], 2, "VEC3", 3);
-		read_fails(cases[i].rest, ECO_DAMAGED, cases[i].says);
+		read_fails(references_to_cases[i].rest, ECO_DAMAGED, references_to_cases[i].says);
 	}
 }
 
@@ -502,8 +553,10 @@ static void a_glb_is_known_by_its_content(void **state)
 		gw_begin();
 		gw_floats(square[0], 3, "VEC3", 3);
 		size = gw_glb_bytes(ONE_MESH("\"POSITION\":0", ""), ' ', &bytes);
-		path = input_bytes("gltf_model", i == 0 ? "leaf.glb" : i == 1 ? "leaf.gltf" : "leaf.bin", bytes, size);
-		if (eco_model_import(&m, &(struct eco_model_options){ .paths = &path, .path_count = 1 }, &error) != ECO_OK)
+		path = input_bytes("gltf_model", i == 0 ? "leaf.glb" : i == 1 ? "leaf.gltf" : "leaf.bin",
+			bytes, size);
+		if (eco_model_import(&m, &(struct eco_model_options){ .paths = &path, .path_count = 1 },
+				&error) != ECO_OK)
 			fail_msg("%s", error.text);
 		assert_int_equal(m.triangle_count, 1);
 		assert_true(fabs(eco_model_height(&m) - 1) < 1e-6);
@@ -515,8 +568,10 @@ static void a_glb_is_known_by_its_content(void **state)
 static void without_its_scene_all_nodes_are_read_and_it_is_said(void **state)
 {
 	static const struct { const char *scenes, *says; uint32_t triangles; } cases[] = {
-		{ ",\"scene\":7,\"scenes\":[{\"nodes\":[0]}]", "its default scene is not there: all of its nodes are read", 2 },
-		{ "", "no scene in it: all of its nodes are read", 2 }, { ",\"scene\":0,\"scenes\":[{\"nodes\":[0]}]", "", 1 },
+		{ ",\"scene\":7,\"scenes\":[{\"nodes\":[0]}]", "its default scene is not there: all of its "
+			"nodes are read", 2 },
+		{ "", "no scene in it: all of its nodes are read", 2 },
+		{ ",\"scene\":0,\"scenes\":[{\"nodes\":[0]}]", "", 1 },
 	};
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -524,7 +579,8 @@ static void without_its_scene_all_nodes_are_read_and_it_is_said(void **state)
 		char rest[1000];
 		gw_begin();
 		gw_floats(square[0], 3, "VEC3", 3);
-		snprintf(rest, sizeof rest, "%s,\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"translation\":[5,0,0]}],\"meshes\":[{\"primitives\":[{\"attributes\":"
+		snprintf(rest, sizeof rest, "%s,\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"translation\":[5,0,0]}"
+			"],\"meshes\":[{\"primitives\":[{\"attributes\":"
 			"{\"POSITION\":0}}]}]", cases[i].scenes);
 		read_good(&m, rest);
 		assert_int_equal(m.triangle_count, cases[i].triangles);

@@ -26,12 +26,17 @@ struct given {
 static enum eco_code import(struct eco_ground *ground, const struct given *g, struct eco_error *error)
 {
 	char *paths[4] = { (char *)g->path };
-	struct eco_ground_source source = { .heights = paths, .height_count = g->path != NULL, .crs = (char *)g->crs,
-		.vertical = (char *)g->vertical, .band = g->band, .scale = g->scale, .offset = g->offset, .unit_m = g->unit_m, .nodata = g->nodata,
-		.has_offset = g->has_offset, .has_nodata = g->has_nodata, .no_holes = g->no_holes, .has_place = g->has_place,
+	struct eco_ground_source source = { .heights = paths, .height_count = g->path != NULL,
+		.crs = (char *)g->crs,
+		.vertical = (char *)g->vertical, .band = g->band, .scale = g->scale, .offset = g->offset,
+		.unit_m = g->unit_m, .nodata = g->nodata,
+		.has_offset = g->has_offset, .has_nodata = g->has_nodata, .no_holes = g->no_holes,
+		.has_place = g->has_place,
 		.corner = { g->corner[0], g->corner[1] }, .pixel = { g->pixel[0], g->pixel[1] } };
-	struct eco_ground_options options = { .source = &source, .scene_crs = g->scene_crs, .scene_vertical = g->scene_vertical,
-		.origin = { g->origin[0], g->origin[1], g->origin[2] }, .side_max = g->side_max, .warn = note };
+	struct eco_ground_options options = { .source = &source, .scene_crs = g->scene_crs,
+		.scene_vertical = g->scene_vertical,
+		.origin = { g->origin[0], g->origin[1], g->origin[2] }, .side_max = g->side_max,
+		.warn = note };
 
 	for (int i = 0; !g->path && i < 4 && g->paths[i]; i++)
 		paths[source.height_count++] = (char *)g->paths[i];
@@ -83,14 +88,17 @@ static void samples_lie_at_pixel_centres_from_the_south_west(void **state)
 static void what_is_missing_grows_in_from_its_neighbours(void **state)
 {
 	struct eco_ground g;
-	import_good(&g, &(struct given){ .path = input_text("ground", "b.asc", "ncols 5\nnrows 3\nxllcorner 0\nyllcorner 0\n"
-		"cellsize 1\nNODATA_value -9999\n7 -9999 -9999 -9999 -9999\n7 nan -3.4e38 -9999 -9999\n7.0 1e6 -9999 -9999 -9999\n") });
+	import_good(&g, &(struct given){ .path = input_text("ground", "b.asc", "ncols 5\nnrows 3\nxllcorner "
+		"0\nyllcorner 0\n"
+		"cellsize 1\nNODATA_value -9999\n7 -9999 -9999 -9999 -9999\n7 nan -3.4e38 -9999 -9999\n7.0 "
+		"1e6 -9999 -9999 -9999\n") });
 	assert_int_equal(g.filled, 12);
 	for (int i = 0; i < 15; i++)
 		assert_true(g.height_m[i] == 7);
 	assert_true(said("12 of 15 samples"));
 	eco_ground_free(&g);
-	import_good(&g, &(struct given){ .path = input_text("ground", "c.asc", GRID "0 -9999 10\n0.0 -9999 10\n") });
+	import_good(&g,
+		&(struct given){ .path = input_text("ground", "c.asc", GRID "0 -9999 10\n0.0 -9999 10\n") });
 	assert_true(g.height_m[1] == 5 && g.height_m[4] == 5);
 	eco_ground_free(&g);
 }
@@ -100,25 +108,29 @@ static void a_hole_in_a_slope_is_levelled(void **state)
 {
 	enum { SIDE = 24 };
 	char text[8192];
-	size_t n = (size_t)snprintf(text, sizeof text, "ncols %d\nnrows %d\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value -9999\n", SIDE, SIDE);
+	size_t n = (size_t)snprintf(text, sizeof text, "ncols %d\nnrows %d\nxllcorner 0\nyllcorner "
+		"0\ncellsize 1\nNODATA_value -9999\n", SIDE, SIDE);
 	struct eco_ground g;
 	for (int y = 0; y < SIDE; y++)
 		for (int x = 0; x < SIDE; x++) {
 			bool hole = x > 6 && x < 16 && y > 8 && y < 18;
-			n += (size_t)snprintf(text + n, sizeof text - n, "%g%c", hole ? -9999 : 0.5 * x - 0.25 * y, x + 1 < SIDE ? ' ' : '\n');
+			n += (size_t)snprintf(text + n, sizeof text - n, "%g%c",
+				hole ? -9999 : 0.5 * x - 0.25 * y, x + 1 < SIDE ? ' ' : '\n');
 		}
 	import_good(&g, &(struct given){ .path = input_text("ground", "slope.asc", text) });
 	assert_int_equal(g.filled, 81);
 	for (uint32_t y = 1; y + 1 < SIDE; y++)
 		for (uint32_t x = 1; x + 1 < SIDE; x++) {
 			const float *at = &g.height_m[y * SIDE + x];
-			assert_true(fabs(at[-1] - 2.0 * at[0] + at[1]) < 0.1 && fabs(at[-SIDE] - 2.0 * at[0] + at[SIDE]) < 0.1);
+			assert_true(fabs(at[-1] - 2.0 * at[0] + at[1]) < 0.1
+				&& fabs(at[-SIDE] - 2.0 * at[0] + at[SIDE]) < 0.1);
 		}
 	eco_ground_free(&g);
 }
 
 /* A GeoTIFF of whole numbers with scale and offset; rows from the south if `south_up`. */
-static const char *write_tiff(const char *name, bool south_up, int columns, int rows, const int16_t *samples, const char *crs)
+static const char *write_tiff(const char *name, bool south_up, int columns, int rows, const int16_t *samples,
+	const char *crs)
 {
 	const char *path = input_path("ground", name);
 	double transform[6] = { 500000, 10, 0, south_up ? 1000 : 1000 + 10.0 * rows, 0, south_up ? 10 : -10 };
@@ -138,7 +150,8 @@ static const char *write_tiff(const char *name, bool south_up, int columns, int 
 	GDALSetRasterNoDataValue(band, -1);
 	GDALSetRasterScale(band, 0.5);
 	GDALSetRasterOffset(band, 100);
-	assert_int_equal(GDALRasterIO(band, GF_Write, 0, 0, columns, rows, (void *)samples, columns, rows, GDT_Int16, 0, 0), CE_None);
+	assert_int_equal(GDALRasterIO(band, GF_Write, 0, 0, columns, rows, (void *)samples, columns, rows,
+		GDT_Int16, 0, 0), CE_None);
 	GDALClose(file);
 	return path;
 }
@@ -172,7 +185,8 @@ static void a_crs_is_converted_and_never_guessed(void **state)
 	o.origin[0] = 333958.5;
 	o.origin[1] = 1000;
 	import_good(&g, &o);
-	assert_true(eco_ground_height(&g, 200, 150, &z));    /* about 20 columns in: 100 m + 0.5 * 10 * 19.5 */
+	/* about 20 columns in: 100 m + 0.5 * 10 * 19.5 */
+	assert_true(eco_ground_height(&g, 200, 150, &z));
 	assert_true(fabs(z - 197.5) < 5);
 	eco_ground_free(&g);
 	o.crs = "EPSG:32631";                /* stated and contained agree: no warning of that kind */
@@ -184,8 +198,10 @@ static void a_crs_is_converted_and_never_guessed(void **state)
 	assert_true(said("which is used"));
 	eco_ground_free(&g);
 
-	o = (struct given){ .path = write_tiff("none.tif", false, 40, 30, samples, NULL), .scene_crs = "EPSG:32631" };
-	import_fails(&o, "the file has no CRS; say it in the scene: \"ground\": {\"heights\": ..., \"crs\": \"EPSG:32631\"}");
+	o = (struct given){ .path = write_tiff("none.tif", false, 40, 30, samples, NULL),
+		.scene_crs = "EPSG:32631" };
+	import_fails(&o, "the file has no CRS; say it in the scene: \"ground\": {\"heights\": ..., \"crs\": "
+		"\"EPSG:32631\"}");
 	o.crs = "EPSG:99999999";
 	import_fails(&o, "the CRS \"EPSG:99999999\" is not known");
 	o.crs = "EPSG:32631";
@@ -200,9 +216,11 @@ static void a_raster_that_is_too_large_is_averaged_down(void **state)
 	struct eco_ground g;
 	for (int i = 0; i < 64 * 32; i++)
 		samples[i] = (int16_t)(i % 64);
-	import_good(&g, &(struct given){ .path = write_tiff("large.tif", false, 64, 32, samples, NULL), .side_max = 16,
+	import_good(&g, &(struct given){ .path = write_tiff("large.tif", false, 64, 32, samples, NULL),
+		.side_max = 16,
 		.origin = { 500000, 1000, 100 } });
-	assert_true(g.columns == 16 && g.rows == 16 && g.step_x_m == 40 && g.step_y_m == 20 && g.x_m == 20 && g.y_m == 10);
+	assert_true(g.columns == 16 && g.rows == 16 && g.step_x_m == 40 && g.step_y_m == 20 && g.x_m == 20
+		&& g.y_m == 10);
 	assert_true(fabsf(g.height_m[0] - 0.75f) < 1e-4f && fabsf(g.height_m[17] - 2.75f) < 1e-4f);
 	assert_true(said("averaged down to 16 x 16"));
 	eco_ground_free(&g);
@@ -211,17 +229,20 @@ static void a_raster_that_is_too_large_is_averaged_down(void **state)
 static void what_is_no_raster_is_refused(void **state)
 {
 	import_fails(&(struct given){ .path = "build/tmp/ground/gone.tif" }, "gone.tif: No such file");
-	import_fails(&(struct given){ .path = input_text("ground", "text.tif", "not a raster") }, "not a raster that GDAL can read");
-	import_fails(&(struct given){ .path = input_text("ground", "one.asc", "ncols 1\nnrows 1\nxllcorner 0\nyllcorner 0\n"
+	import_fails(&(struct given){ .path = input_text("ground", "text.tif", "not a raster") },
+		"not a raster that GDAL can read");
+	import_fails(&(struct given){ .path = input_text("ground", "one.asc", "ncols 1\nnrows 1\nxllcorner "
+		"0\nyllcorner 0\n"
 		"cellsize 1\n5\n") }, "at least 2 x 2");
-	import_fails(&(struct given){ .path = input_text("ground", "void.asc", GRID "-9999 -9999 -9999\n-9999 -9999 -9999\n") },
+	import_fails(&(struct given){
+		.path = input_text("ground", "void.asc", GRID "-9999 -9999 -9999\n-9999 -9999 -9999\n") },
 		"no height at all");
 }
 
 /* ---- Values ---- */
 
-static const char *write_raster(const char *driver, const char *name, GDALDataType type, int columns, int rows, const double *samples,
-	const double transform[6], const char *crs)
+static const char *write_raster(const char *driver, const char *name, GDALDataType type, int columns,
+	int rows, const double *samples, const double transform[6], const char *crs)
 {
 	const char *path = input_path("ground", name);
 	GDALDriverH memory, target;
@@ -238,8 +259,8 @@ static const char *write_raster(const char *driver, const char *name, GDALDataTy
 		GDALSetSpatialRef(file, reference);
 		OSRDestroySpatialReference(reference);
 	}
-	assert_int_equal(GDALRasterIO(GDALGetRasterBand(file, 1), GF_Write, 0, 0, columns, rows, (void *)samples, columns, rows, GDT_Float64, 0, 0),
-		CE_None);
+	assert_int_equal(GDALRasterIO(GDALGetRasterBand(file, 1), GF_Write, 0, 0, columns, rows,
+		(void *)samples, columns, rows, GDT_Float64, 0, 0), CE_None);
 	remove(path);
 	copy = GDALCreateCopy(target, path, file, FALSE, NULL, NULL, NULL);
 	assert_non_null(copy);
@@ -254,7 +275,8 @@ static const double at_zero[6] = { 0, 10, 0, 40, 0, -10 };      /* 4 rows of 10 
 static void a_png_takes_its_meaning_from_the_scene(void **state)
 {
 	static const double samples[16] = { 0, 1000, 2000, 65535, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3 };
-	struct given g = { .path = write_raster("PNG", "map.png", GDT_UInt16, 4, 4, samples, NULL, NULL), .no_holes = true };
+	struct given g = { .path = write_raster("PNG", "map.png", GDT_UInt16, 4, 4, samples, NULL, NULL),
+		.no_holes = true };
 	struct eco_ground ground;
 	remove("build/tmp/ground/map.png.aux.xml");
 	import_fails(&g, "add to the ground \"north_west\": [x, y]");
@@ -264,14 +286,16 @@ static void a_png_takes_its_meaning_from_the_scene(void **state)
 	g.pixel[0] = g.pixel[1] = 10;
 	import_good(&ground, &g);
 	assert_true(said("heights from 0 to 65535 m are not of this Earth"));
-	assert_true(ground.x_m == 105 && ground.y_m == 205 && ground.height_m[0] == 3 && ground.height_m[15] == 65535);
+	assert_true(ground.x_m == 105 && ground.y_m == 205 && ground.height_m[0] == 3 && ground.height_m[15]
+		== 65535);
 	eco_ground_free(&ground);
 	g.scale = 0.001;
 	g.offset = 273.5;
 	g.has_offset = true;
 	import_good(&ground, &g);
 	assert_false(said("not of this Earth"));
-	assert_true(fabsf(ground.height_m[13] - 274.5f) < 1e-4f && fabsf(ground.height_m[15] - 339.035f) < 1e-4f);
+	assert_true(fabsf(ground.height_m[13] - 274.5f) < 1e-4f && fabsf(ground.height_m[15] - 339.035f)
+		< 1e-4f);
 	eco_ground_free(&ground);
 	g.unit_m = 0.3048;                   /* feet: scale and offset first */
 	import_good(&ground, &g);
@@ -287,7 +311,8 @@ static void a_world_file_says_where_a_picture_lies(void **state)
 	remove("build/tmp/ground/world.png.aux.xml");
 	input_text("ground", "world.pgw", "2\n0\n0\n-2\n1001\n2007\n");
 	import_good(&ground, &g);
-	assert_true(ground.x_m == 1001 && ground.y_m == 2001 && ground.step_x_m == 2 && ground.height_m[0] == 8);
+	assert_true(ground.x_m == 1001 && ground.y_m == 2001 && ground.step_x_m == 2 && ground.height_m[0]
+		== 8);
 	eco_ground_free(&ground);
 }
 
@@ -322,7 +347,8 @@ static void a_band_is_chosen_and_colours_are_no_heights(void **state)
 	file = GDALCreate(GDALGetDriverByName("GTiff"), path, 2, 2, 3, GDT_Byte, NULL);
 	GDALSetGeoTransform(file, (double *)at_zero);
 	for (int b = 1; b <= 3; b++)
-		assert_int_equal(GDALRasterIO(GDALGetRasterBand(file, b), GF_Write, 0, 0, 2, 2, (void *)gray, 2, 2, GDT_Byte, 0, 0), CE_None);
+		assert_int_equal(GDALRasterIO(GDALGetRasterBand(file, b), GF_Write, 0, 0, 2, 2, (void *)gray,
+			2, 2, GDT_Byte, 0, 0), CE_None);
 	GDALSetRasterColorInterpretation(GDALGetRasterBand(file, 1), GCI_RedBand);
 	GDALClose(file);
 	import_fails(&(struct given){ .path = path }, "it holds colours, not heights");
@@ -335,14 +361,19 @@ static void a_band_is_chosen_and_colours_are_no_heights(void **state)
 /* ---- Holes that nothing marks ---- */
 
 #define HOLES_SIDE 40
-static double terrain(int x, int y) { return 400 + 3 * sin(x * 0.4) + 2 * cos(y * 0.3 + x * 0.1) + 0.05 * x * y; }
+static double terrain(int x, int y)
+{
+	return 400 + 3 * sin(x * 0.4) + 2 * cos(y * 0.3 + x * 0.1) + 0.05 * x * y;
+}
 
 static void constants_that_stand_out_are_holes_and_seas_are_not(void **state)
 {
 	static const struct { double value; bool hole; double base; } cases[] = {
-		{ 0, true, 0 }, { -9999, true, 0 }, { -3.4028234663852886e38, true, 0 }, { 32767, true, 0 }, { -32768, true, 0 }, { 12345, true, 0 },
+		{ 0, true, 0 }, { -9999, true, 0 }, { -3.4028234663852886e38, true, 0 }, { 32767, true, 0 },
+			{ -32768, true, 0 }, { 12345, true, 0 },
 		{ -1, true, 0 }, { 65535, true, 0 },
-		{ 0, false, -399 },                  /* terrain that goes down to about 0: a sea, with beaches */
+		/* terrain that goes down to about 0: a sea, with beaches */
+		{ 0, false, -399 },
 	};
 	static double samples[HOLES_SIDE * HOLES_SIDE];
 	static const double transform[6] = { 0, 1, 0, HOLES_SIDE, 0, -1 };
@@ -362,7 +393,8 @@ static void constants_that_stand_out_are_holes_and_seas_are_not(void **state)
 					*z = cases[k].value;
 				missing += here;
 			}
-		g.path = write_raster("GTiff", "holes.tif", GDT_Float32, HOLES_SIDE, HOLES_SIDE, samples, transform, NULL);
+		g.path = write_raster("GTiff", "holes.tif", GDT_Float32, HOLES_SIDE, HOLES_SIDE, samples,
+			transform, NULL);
 		import_good(&ground, &g);
 		if (!cases[k].hole) {
 			assert_int_equal(ground.filled, 0);
@@ -394,7 +426,8 @@ static void constants_that_stand_out_are_holes_and_seas_are_not(void **state)
 static void ground_that_is_all_one_is_said(void **state)
 {
 	struct eco_ground ground;
-	import_good(&ground, &(struct given){ .path = input_text("ground", "flat.asc", GRID "7 7 7\n7.0 7 7\n") });
+	import_good(&ground,
+		&(struct given){ .path = input_text("ground", "flat.asc", GRID "7 7 7\n7.0 7 7\n") });
 	assert_true(said("every height is 7 m"));
 	eco_ground_free(&ground);
 }
@@ -417,7 +450,8 @@ static void rasters_side_by_side_become_one_ground(void **state)
 	g.paths[0] = write_raster("GTiff", "west.tif", GDT_Float32, 4, 4, west, at_zero, NULL);
 	g.paths[1] = write_raster("GTiff", "east.tif", GDT_Float32, 4, 4, east, east_at, NULL);
 	import_good(&ground, &g);
-	assert_true(ground.columns == 8 && ground.rows == 4 && ground.step_x_m == 10 && ground.x_m == 5 && ground.filled == 0);
+	assert_true(ground.columns == 8 && ground.rows == 4 && ground.step_x_m == 10 && ground.x_m == 5
+		&& ground.filled == 0);
 	for (uint32_t i = 0; i < 32; i++)
 		assert_true(ground.height_m[i] == 100 + (float)(i % 8));
 	eco_ground_free(&ground);
@@ -431,7 +465,8 @@ static void rasters_side_by_side_become_one_ground(void **state)
 	}
 	eco_ground_free(&ground);
 	/* where two have a height, the first counts */
-	g.paths[0] = write_raster("GTiff", "over.tif", GDT_Float32, 4, 4, (double[16]){ 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9 }, at_zero, NULL);
+	g.paths[0] = write_raster("GTiff", "over.tif", GDT_Float32, 4, 4,
+		(double[16]){ 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9 }, at_zero, NULL);
 	g.paths[1] = write_raster("GTiff", "west.tif", GDT_Float32, 4, 4, west, at_zero, NULL);
 	g.paths[2] = NULL;
 	import_good(&ground, &g);
@@ -445,7 +480,8 @@ static void rasters_side_by_side_become_one_ground(void **state)
 static void degrees_and_turned_rasters_are_resampled(void **state)
 {
 	static double samples[60 * 60];
-	static const double degrees[6] = { 8.99, 0.001, 0, 48.04, 0, -0.001 }, turned[6] = { 0, 7, 7, 500, 7, -7 };
+	static const double degrees[6] = { 8.99, 0.001, 0, 48.04, 0, -0.001 },
+		turned[6] = { 0, 7, 7, 500, 7, -7 };
 	struct given g = { .scene_crs = "EPSG:32632", .origin = { 500000, 5316000, 0 } };
 	struct eco_ground ground;
 	double z, far_z = 0;
@@ -457,10 +493,12 @@ static void degrees_and_turned_rasters_are_resampled(void **state)
 	assert_true(eco_ground_height(&ground, 0, 0, &z) && eco_ground_height(&ground, 0, 1112, &far_z));
 	assert_true(fabs(z - far_z - 10) < 0.5);     /* a hundredth of a degree, ten rows */
 	eco_ground_free(&ground);
-	g = (struct given){ .path = write_raster("GTiff", "turned.tif", GDT_Float32, 60, 60, samples, turned, NULL), .no_holes = true };
+	g = (struct given){ .path = write_raster("GTiff", "turned.tif", GDT_Float32, 60, 60, samples, turned,
+		NULL), .no_holes = true };
 	import_good(&ground, &g);
 	/* its centre */
-	assert_true(eco_ground_height(&ground, 0 + 30 * 7 + 30 * 7, 500 + 30 * 7 - 30 * 7, &z) && fabs(z - 529.5) < 1);
+	assert_true(eco_ground_height(&ground, 0 + 30 * 7 + 30 * 7, 500 + 30 * 7 - 30 * 7, &z)
+		&& fabs(z - 529.5) < 1);
 	eco_ground_free(&ground);
 }
 
@@ -486,7 +524,8 @@ static void one_vertical_datum_without_the_other_is_an_error(void **state)
 	import_fails(&g, "no conversion is at hand");
 	g.vertical = NULL;
 	import_fails(&g, "add \"vertical\": \"EPSG:5703\" to the ground");
-	g = (struct given){ .path = g.path, .crs = "EPSG:32632", .scene_crs = "EPSG:32632+5773" };       /* a compound CRS states one too */
+	g = (struct given){ .path = g.path, .crs = "EPSG:32632", .scene_crs = "EPSG:32632+5773" };
+		/* a compound CRS states one too */
 	import_fails(&g, "add \"vertical\": \"EGM96 height\" to the ground");
 	g.crs = "EPSG:32632+5773";
 	import_good(&ground, &g);
@@ -498,9 +537,11 @@ static void one_vertical_datum_without_the_other_is_an_error(void **state)
 static void heights_lie_on_the_triangles_from_south_west_to_north_east(void **state)
 {
 	float samples[] = { 0, 10, 20, 0, 100, 0 };          /* sw 0, se 10; nw 0, ne 100 in the first cell */
-	struct eco_ground g = { .columns = 3, .rows = 2, .x_m = -1, .y_m = 2, .step_x_m = 2, .step_y_m = 4, .height_m = samples };
+	struct eco_ground g = { .columns = 3, .rows = 2, .x_m = -1, .y_m = 2, .step_x_m = 2, .step_y_m = 4,
+		.height_m = samples };
 	static const struct { double x, y, z; bool inside; } cases[] = {
-		{ -1, 2, 0, true }, { 1, 2, 10, true }, { 3, 2, 20, true }, { -1, 6, 0, true }, { 1, 6, 100, true }, { 3, 6, 0, true },
+		{ -1, 2, 0, true }, { 1, 2, 10, true }, { 3, 2, 20, true }, { -1, 6, 0, true },
+			{ 1, 6, 100, true }, { 3, 6, 0, true },
 		{ 0, 4, 50, true },              /* on the diagonal: mean of its ends, not of four corners */
 		{ 0.5, 3, 30, true },            /* u .75, v .25: 0 + .75 * 10 + .25 * 90 */
 		{ -0.5, 5, 25, true },           /* u .25, v .75: 0 + .75 * 0 + .25 * 100 */

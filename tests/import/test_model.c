@@ -1,5 +1,5 @@
-/* Models: what a file holds arrives or is counted, and what cannot be read is refused by name. Each oddity of a format is written out as the
- * small file that shows it. */
+/* Models: what a file holds arrives or is counted, and what cannot be read is refused by name. Each oddity of
+ * a format is written out as the small file that shows it. */
 #include <math.h>
 #include <signal.h>
 
@@ -17,7 +17,8 @@
 static void y_up_becomes_z_up_on_its_foot_at_its_height(void **state)
 {
 	/* a square tube from (10, 5, -20), 1 wide and 8 high along Y */
-	const char *obj = "v 9.5 5 -20.5\nv 10.5 5 -20.5\nv 10.5 5 -19.5\nv 9.5 5 -19.5\nv 9.5 13 -20.5\nv 10.5 13 -20.5\nv 10.5 13 -19.5\n"
+	const char *obj = "v 9.5 5 -20.5\nv 10.5 5 -20.5\nv 10.5 5 -19.5\nv 9.5 5 -19.5\nv 9.5 13 -20.5\nv "
+		"10.5 13 -20.5\nv 10.5 13 -19.5\n"
 		"v 9.5 13 -19.5\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 	struct eco_model m;
 
@@ -38,7 +39,8 @@ static void y_up_becomes_z_up_on_its_foot_at_its_height(void **state)
 static void polygons_count_as_corners_minus_two(void **state)
 {
 	/* an L of six corners, concave, and a quad: areas 3 and 1 */
-	const char *obj = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\n"
+	const char *obj = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 5 0 0\nv 6 0 0\nv 6 1 "
+		"0\nv 5 1 0\n"
 		"f 1 2 3 4 5 6\nf 7 8 9 10\np 1\nl 1 2\n";
 	struct eco_model m;
 	double area = 0;
@@ -47,16 +49,18 @@ static void polygons_count_as_corners_minus_two(void **state)
 	assert_int_equal(m.triangles_in, 6);
 	assert_int_equal(m.triangle_count, 6);
 	for (uint32_t i = 0; i < m.triangle_count; i++) {
-		const float *a = &m.position[m.index[i * 3] * 3], *b = &m.position[m.index[i * 3 + 1] * 3], *c = &m.position[m.index[i * 3 + 2] * 3];
-		area += fabs(((double)b[0] - a[0]) * ((double)c[2] - a[2]) - ((double)b[2] - a[2]) * ((double)c[0] - a[0])) / 2;
+		const float *a = &m.position[m.index[i * 3] * 3], *b = &m.position[m.index[i * 3 + 1] * 3],
+			*c = &m.position[m.index[i * 3 + 2] * 3];
+		area += fabs(((double)b[0] - a[0]) * ((double)c[2] - a[2])
+			- ((double)b[2] - a[2]) * ((double)c[0] - a[0])) / 2;
 	}
 	if (fabs(area - 4) >= 1e-6)
 		fail_msg("the area is %g", area);
 	eco_model_free(&m);
 }
 
-/* Star-shaped polygons in tilted planes, concave as can be, some with corners in a line or repeated: the triangles' areas, none of them
- * negative, add up to the polygon's. */
+/* Star-shaped polygons in tilted planes, concave as can be, some with corners in a line or repeated: the
+ * triangles' areas, none of them negative, add up to the polygon's. */
 static void any_simple_polygon_is_covered_exactly_once(void **state)
 {
 	uint32_t seed = 1;
@@ -66,7 +70,8 @@ static void any_simple_polygon_is_covered_exactly_once(void **state)
 		for (uint32_t i = 0; i < n; i++) {
 			double angle = 6.283185307 * i / n, radius;
 			seed = seed * 1664525u + 1013904223u;
-			radius = 1 + (double)(seed >> 28);           /* whole numbers: corners in a line occur */
+			/* whole numbers: corners in a line occur */
+			radius = 1 + (double)(seed >> 28);
 			if (round % 7 == 0 && i > 0 && i % 5 == 0) {
 				memcpy(&corners[i * 3], &corners[i * 3 - 3], 3 * sizeof *corners);
 				continue;
@@ -81,7 +86,9 @@ static void any_simple_polygon_is_covered_exactly_once(void **state)
 		}
 		eco_polygon_split(corners, n, scratch, triangles);
 		for (uint32_t i = 0; i < n - 2; i++) {
-			const double *a = &corners[triangles[i * 3] * 3], *b = &corners[triangles[i * 3 + 1] * 3], *c = &corners[triangles[i * 3 + 2] * 3];
+			const double *a = &corners[triangles[i * 3] * 3],
+				*b = &corners[triangles[i * 3 + 1] * 3],
+				*c = &corners[triangles[i * 3 + 2] * 3];
 			double area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 			assert_true(area * (polygon < 0 ? -1 : 1) >= -1e-9);
 			sum += area;
@@ -93,7 +100,8 @@ static void any_simple_polygon_is_covered_exactly_once(void **state)
 static void what_covers_nothing_is_dropped_and_counted(void **state)
 {
 	const char *obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nv nan 0 0\nv 1 0 0\n"
-		"f 1 2 3\nf 3 1 2\nf 3 6 1\n"            /* the same thrice: turned, and with a twin of a vertex */
+		/* the same thrice: turned, and with a twin of a vertex */
+		"f 1 2 3\nf 3 1 2\nf 3 6 1\n"
 		"f 1 2 4\nf 1 2 2\nf 2 6 3\n"            /* in a line, twice one corner, twice one place */
 		"f 1 2 5\n";
 	struct eco_model m;
@@ -110,7 +118,8 @@ static void what_covers_nothing_is_dropped_and_counted(void **state)
 
 static void bad_indices_are_dropped_by_the_last_step_too(void **state)
 {
-	struct eco_model m = { .vertex_count = 3, .triangle_count = 3, .triangles_in = 3, .material_count = 1 };
+	struct eco_model m = { .vertex_count = 3, .triangle_count = 3, .triangles_in = 3,
+		.material_count = 1 };
 	struct eco_model_frame frame = { .unit_m = 1 };
 	struct eco_notes notes = { .used = 0 };
 	static const float position[] = { 0, 0, 0, 1, 0, 0, 0, 0, 1 };
@@ -122,7 +131,8 @@ static void bad_indices_are_dropped_by_the_last_step_too(void **state)
 	m.materials[0].image = ECO_NONE;
 	memcpy(m.position, position, sizeof position);
 	memcpy(m.index, index, sizeof index);
-	assert_int_equal(eco_model_clean(&m, &frame, &(struct eco_model_options){ .height_m = 0 }, "memory", &notes, NULL), ECO_OK);
+	assert_int_equal(eco_model_clean(&m, &frame, &(struct eco_model_options){ .height_m = 0 }, "memory",
+		&notes, NULL), ECO_OK);
 	assert_int_equal(m.triangle_count, 1);
 	assert_int_equal(m.dropped[ECO_DROP_BAD_INDEX], 2);
 	eco_model_free(&m);
@@ -137,16 +147,19 @@ static void the_foot_is_the_trunks_not_a_hanging_branchs(void **state)
 	/* a thick tube at x = 0 from 1 to 9, a thin one at x = 6 from 0 to 9, and leaves */
 	for (int tube = 0; tube < 2; tube++)
 		for (int i = 0; i < 16; i++)
-			used += (size_t)snprintf(obj + used, sizeof obj - used, "v %g %g %g\n", tube * 6 + (tube ? 0.05 : 0.5) * cos(i % 8 * 0.785398),
+			used += (size_t)snprintf(obj + used, sizeof obj - used, "v %g %g %g\n",
+				tube * 6 + (tube ? 0.05 : 0.5) * cos(i % 8 * 0.785398),
 				i < 8 ? 1.0 - tube : 9.0, (tube ? 0.05 : 0.5) * sin(i % 8 * 0.785398));
 	for (int i = 0; i < 32; i++)
 		if (i % 16 < 8)
-			used += (size_t)snprintf(obj + used, sizeof obj - used, "f %d %d %d %d\n", i + 1, i / 16 * 16 + (i + 1) % 8 + 1,
-				i / 16 * 16 + (i + 1) % 8 + 9, i + 9);
+			used += (size_t)snprintf(obj + used, sizeof obj - used, "f %d %d %d %d\n", i + 1,
+				i / 16 * 16 + (i + 1) % 8 + 1, i / 16 * 16 + (i + 1) % 8 + 9, i + 9);
 	import_file(&m, input_text("model", "willow.obj", obj),
-		&(struct eco_model_options){ .height_m = 0, .up = ECO_UP_Y });         /* of two tubes no shape tells it */
+		/* of two tubes no shape tells it */
+		&(struct eco_model_options){ .height_m = 0, .up = ECO_UP_Y });
 	assert_true(fabs(m.foot[0]) < 1e-5 && fabs(m.foot[1]) < 1e-5 && m.foot[2] == 1);
-	assert_true(fabs(eco_model_height(&m) - 8) < 1e-5 && has_vertex(&m, 0.5f, 0, 0, NULL) && has_vertex(&m, 6.05f, 0, -1, NULL));
+	assert_true(fabs(eco_model_height(&m) - 8) < 1e-5 && has_vertex(&m, 0.5f, 0, 0, NULL)
+		&& has_vertex(&m, 6.05f, 0, -1, NULL));
 	eco_model_free(&m);
 }
 
@@ -157,24 +170,30 @@ static void files_that_are_no_models_are_refused(void **state)
 	import_refuses("build/tmp/model/none.obj", ECO_NOT_FOUND, "No such file");
 	import_refuses(input_text("model", "empty.obj", ""), ECO_BAD_INPUT, "empty.obj");
 	import_refuses(input_text("model", "points.obj", "v 0 0 0\nv 1 1 1\n"), ECO_BAD_INPUT, "points.obj");
-	import_refuses(input_text("model", "flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), ECO_BAD_INPUT, "none of its 1 triangles");
+	import_refuses(input_text("model", "flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), ECO_BAD_INPUT,
+		"none of its 1 triangles");
 	import_refuses(input_text("model", "what.xyz", "v 0 0 0\n"), ECO_BAD_INPUT, "what.xyz");
-	import_refuses(input_text("model", "stems.csv", "species,x,y\nquru,1,2\n"), ECO_BAD_INPUT, "stems.csv: not a model that can be read; use OBJ");
+	import_refuses(input_text("model", "stems.csv", "species,x,y\nquru,1,2\n"), ECO_BAD_INPUT,
+		"stems.csv: not a model that can be read; use OBJ");
 	import_refuses(input_text("model", "cut.glb", "glTF"), ECO_DAMAGED, "cut.glb");
 	import_refuses(input_text("model", "json.gltf", "{\"asset\":"), ECO_BAD_INPUT, "json.gltf: line 1");
-	import_refuses(input_text("model", "index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 900\n"), ECO_BAD_INPUT, "index.obj");
+	import_refuses(input_text("model", "index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 900\n"),
+		ECO_BAD_INPUT, "index.obj");
 }
 
 static void more_triangles_than_allowed_are_refused(void **state)
 {
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_model m;
-	const char *path = input_text("model", "three.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 2 0\nf 1 2 3\nf 2 4 3\nf 3 4 5\n");
-	assert_int_equal(eco_model_import(&m, &(struct eco_model_options){ .paths = (const char *[]){ path }, .path_count = 1, .triangles_max = 2 },
-		&error), ECO_TOO_LARGE);
+	const char *path = input_text("model", "three.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 2 0\nf "
+		"1 2 3\nf 2 4 3\nf 3 4 5\n");
+	assert_int_equal(eco_model_import(&m,
+		&(struct eco_model_options){ .paths = (const char *[]){ path }, .path_count = 1,
+		.triangles_max = 2 }, &error), ECO_TOO_LARGE);
 	assert_non_null(strstr(error.text, "3 triangles"));
-	assert_int_equal(eco_model_import(&m, &(struct eco_model_options){ .paths = (const char *[]){ path }, .path_count = 1, .triangles_max = 3 },
-		NULL), ECO_OK);
+	assert_int_equal(eco_model_import(&m,
+		&(struct eco_model_options){ .paths = (const char *[]){ path }, .path_count = 1,
+		.triangles_max = 3 }, NULL), ECO_OK);
 	eco_model_free(&m);
 }
 
@@ -189,11 +208,15 @@ static void damaged_files_are_survived(void **state)
 	for (size_t at = 1; at < size; at += step) {
 		struct eco_model m;
 		char kept = text[at];
-		if (eco_model_import(&m, &(struct eco_model_options){ .paths = (const char *[]){ input_bytes("model", "cut.gltf", text, at) },
+		if (eco_model_import(&m,
+				&(struct eco_model_options){
+				.paths = (const char *[]){ input_bytes("model", "cut.gltf", text, at) },
 			.path_count = 1 }, NULL) == ECO_OK)
 			fail_msg("%zu of %zu bytes were taken for a model", at, size);
 		text[at] = (char)(kept ^ 1);
-		if (eco_model_import(&m, &(struct eco_model_options){ .paths = (const char *[]){ input_bytes("model", "bit.gltf", text, size) },
+		if (eco_model_import(&m,
+				&(struct eco_model_options){
+				.paths = (const char *[]){ input_bytes("model", "bit.gltf", text, size) },
 			.path_count = 1 }, NULL) == ECO_OK)
 			for (uint32_t i = 0; i < m.triangle_count * 3; i++)
 				assert_true(m.index[i] < m.vertex_count);
@@ -224,7 +247,8 @@ static enum eco_code misbehave(void *ctx, FILE *out, struct eco_error *error)
 static void a_crash_in_the_child_is_an_error_here(void **state)
 {
 	static const struct { enum eco_code code; const char *says; } wanted[] = {
-		{ ECO_OK, "" }, { ECO_UNSUPPORTED, "as it was said" }, { ECO_DAMAGED, "tree.obj: reading it ended with signal 11" },
+		{ ECO_OK, "" }, { ECO_UNSUPPORTED, "as it was said" },
+			{ ECO_DAMAGED, "tree.obj: reading it ended with signal 11" },
 		{ ECO_DAMAGED, "exit status 7" },
 	};
 
@@ -232,7 +256,8 @@ static void a_crash_in_the_child_is_an_error_here(void **state)
 		struct eco_error error = { .code = ECO_OK };
 		char text[16] = "";
 		FILE *result;
-		assert_int_equal(eco_guard_run(misbehave, &i, "tree.obj", NULL, &result, &error), wanted[i].code);
+		assert_int_equal(eco_guard_run(misbehave, &i, "tree.obj", NULL, &result, &error),
+			wanted[i].code);
 		assert_non_null(strstr(error.text, wanted[i].says));
 		assert_int_equal(result != NULL, i == 0);
 		if (!result)
@@ -247,11 +272,16 @@ static void a_crash_in_the_child_is_an_error_here(void **state)
 
 static void shared_models_arrive_whole(void **state)
 {
-	static const struct { const char *path; uint32_t triangles, degenerate, images; bool cutout; double height; } models[] = {
-		{ "eztree/eztree_bush_1.glb", 13872, 0, 2, true, 30.15 }, { "eztree/eztree_pine_medium.obj", 19872, 8, 2, true, 51.29 },
-		{ "eztree/grass.glb", 6, 0, 1, true, 2 }, { "eztree/flower_yellow.glb", 788, 0, 4, false, 1.769 },
-		{ "quaternius/TreeStump.obj", 232, 0, 0, false, 0.622 }, { "sh3d_scopia/bush/bush.obj", 40292, 0, 2, true, 1.3119 },
-		{ "sh3d_scopia/poplar/poplar.obj", 132050, 0, 1, false, 7.3003 }, { "sh3d_cc0/plant/plant.obj", 14370, 0, 0, false, 1.171 },
+	static const struct { const char *path; uint32_t triangles, degenerate, images; bool cutout;
+		double height; } models[] = {
+		{ "eztree/eztree_bush_1.glb", 13872, 0, 2, true, 30.15 },
+			{ "eztree/eztree_pine_medium.obj", 19872, 8, 2, true, 51.29 },
+		{ "eztree/grass.glb", 6, 0, 1, true, 2 },
+		{ "eztree/flower_yellow.glb", 788, 0, 4, false, 1.769 },
+		{ "quaternius/TreeStump.obj", 232, 0, 0, false, 0.622 },
+		{ "sh3d_scopia/bush/bush.obj", 40292, 0, 2, true, 1.3119 },
+		{ "sh3d_scopia/poplar/poplar.obj", 132050, 0, 1, false, 7.3003 },
+		{ "sh3d_cc0/plant/plant.obj", 14370, 0, 0, false, 1.171 },
 	};
 	const char *data = getenv("ECO_DATA");
 	if (!data)

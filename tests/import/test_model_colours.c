@@ -15,7 +15,8 @@
 static void write_png(const char *name, const uint8_t *rgba, uint32_t width, uint32_t height)
 {
 	struct eco_error error = { .code = ECO_OK };
-	if (eco_png_write(&(struct eco_pixels){ width, height, 4, rgba }, input_path(TEST_FOLDER, name), &error) != ECO_OK)
+	if (eco_png_write(&(struct eco_pixels){ width, height, 4, rgba }, input_path(TEST_FOLDER, name),
+			&error) != ECO_OK)
 		fail_msg("%s", error.text);
 }
 
@@ -32,7 +33,8 @@ static void textures_lie_the_right_way_up_and_replace_the_colour(void **state)
 	assert_true(m.materials[0].cutout);
 	assert_int_equal(m.materials[0].rgb[1], 255);
 	assert_memory_equal(m.images[0].rgba, rgba, sizeof rgba);
-	/* OBJ's v points up: its (0, 0) is the bottom left, which is (0, 1) here; the foot is between the two lowest vertices */
+	/* OBJ's v points up: its (0, 0) is the bottom left, which is (0, 1) here; the foot is between the two
+	 * lowest vertices */
 	assert_true(has_vertex(&m, -0.5f, 0, 0, (const float[]){ 0, 1 }));
 	assert_true(has_vertex(&m, -0.5f, 0, 1, (const float[]){ 0, 0 }));
 	assert_true(has_vertex(&m, 0.5f, 0, 0, (const float[]){ 1, 1 }));
@@ -41,7 +43,8 @@ static void textures_lie_the_right_way_up_and_replace_the_colour(void **state)
 
 static void an_opacity_map_cuts_out(void **state)
 {
-	static const uint8_t solid[] = { 9, 9, 9, 255, 9, 9, 9, 255 }, mask[] = { 255, 255, 255, 255, 0, 0, 0, 255 };
+	static const uint8_t solid[] = { 9, 9, 9, 255, 9, 9, 9, 255 },
+		mask[] = { 255, 255, 255, 255, 0, 0, 0, 255 };
 	struct eco_model m;
 	write_png("solid.png", solid, 2, 1);
 	write_png("mask.png", mask, 2, 1);
@@ -62,12 +65,14 @@ static void a_missing_or_broken_texture_is_told_not_fatal(void **state)
 	import_high(&m, input_text(TEST_FOLDER, "g.obj", "mtllib g.mtl\n" TRIANGLE_UV), 0);
 	assert_int_equal(m.image_count, 0);
 	assert_int_equal(m.materials[0].image, ECO_NONE);
-	assert_true(m.materials[0].rgb[0] == 255 && m.materials[0].rgb[1] == 0 && m.materials[0].rgb[2] == 128);
+	assert_true(m.materials[0].rgb[0] == 255 && m.materials[0].rgb[1] == 0 && m.materials[0].rgb[2]
+		== 128);
 	assert_non_null(strstr(import_said, "gone.png: no such file beside the model"));
 	assert_null(m.uv);
 	eco_model_free(&m);
 	input_text(TEST_FOLDER, "gone.png", "this is no picture");
-	import_high(&m, "build/tmp/" TEST_FOLDER "/g.obj", 0);         /* found by its last part, but broken */
+	import_high(&m, "build/tmp/" TEST_FOLDER "/g.obj", 0);
+		/* found by its last part, but broken */
 	assert_int_equal(m.image_count, 0);
 	assert_non_null(strstr(import_said, "gone.png"));
 	eco_model_free(&m);
@@ -77,7 +82,8 @@ static void a_missing_or_broken_texture_is_told_not_fatal(void **state)
 static void a_grey_that_nobody_chose_is_no_colour(void **state)
 {
 	static const struct { const char *mtl; bool colourless; } cases[] = {
-		{ "newmtl m\nKd 1 1 1\nmap_Kd null\n", true },            /* the picture is lost, and what it was multiplied with is white */
+		{ "newmtl m\nKd 1 1 1\nmap_Kd null\n", true },
+			/* the picture is lost, and what it was multiplied with is white */
 		{ "newmtl m\nKd 0 0 0\nmap_Kd lost.png\n", true },
 		{ "newmtl m\nKd 0.8 0.8 0.8\n", true },                   /* one grey all over: a default */
 		{ "newmtl m\nKd 0.1 0.1 0.1\n", false },                  /* too dark for one: charred wood */
@@ -96,8 +102,11 @@ static void a_grey_that_nobody_chose_is_no_colour(void **state)
 		assert_int_equal(strstr(import_said, "no colour in its files") != NULL, cases[i].colourless);
 		eco_model_free(&m);
 	}
-	input_text(TEST_FOLDER, "grey.mtl", "newmtl m\nKd 0.9 0.9 0.9\nnewmtl n\nKd 0.4 0.4 0.4\n");       /* two greys were chosen: bark and snow */
-	import_high(&m, input_text(TEST_FOLDER, "greys.obj", "mtllib grey.mtl\n" TRIANGLE_UV "v 0 0 2\nv 1 0 2\nv 0 1 2\nusemtl n\nf 4 5 6\n"), 0);
+	input_text(TEST_FOLDER, "grey.mtl", "newmtl m\nKd 0.9 0.9 0.9\nnewmtl n\nKd 0.4 0.4 0.4\n");
+		/* two greys were chosen: bark and snow */
+	import_high(&m,
+		input_text(TEST_FOLDER, "greys.obj", "mtllib grey.mtl\n" TRIANGLE_UV
+		"v 0 0 2\nv 1 0 2\nv 0 1 2\nusemtl n\nf 4 5 6\n"), 0);
 	assert_int_equal(m.triangle_count, 2);
 	assert_false(m.materials[m.material[0]].colourless || m.materials[m.material[1]].colourless);
 	eco_model_free(&m);
@@ -119,7 +128,9 @@ static void invisible_materials_are_left_out_and_counted(void **state)
 {
 	struct eco_model m;
 	input_text(TEST_FOLDER, "d.mtl", "newmtl m\nd 0.3\nnewmtl n\nd 0.6\n");
-	import_high(&m, input_text(TEST_FOLDER, "d.obj", "mtllib d.mtl\n" TRIANGLE_UV "v 5 0 0\nusemtl n\nf 1 2 3\nf 1 3 4\n"), 0);
+	import_high(&m,
+		input_text(TEST_FOLDER, "d.obj", "mtllib d.mtl\n" TRIANGLE_UV
+		"v 5 0 0\nusemtl n\nf 1 2 3\nf 1 3 4\n"), 0);
 	assert_int_equal(m.triangles_in, 3);
 	assert_int_equal(m.dropped[ECO_DROP_TRANSPARENT], 1);
 	assert_int_equal(m.triangle_count, 2);
@@ -134,8 +145,10 @@ static void nodes_place_their_meshes(void **state)
 {
 	struct eco_model m;
 
-	/* the mesh twice: moved by a parent, and turned by 90 degrees about Y below it, which takes +X to -Z and so to +Y here */
-	import_high(&m, gltf("nodes.gltf", "{\"children\":[1],\"mesh\":0,\"translation\":[0,2,0]},{\"mesh\":0,\"translation\":[4,0,0],"
+	/* the mesh twice: moved by a parent, and turned by 90 degrees about Y below it, which takes +X to -Z
+	 * and so to +Y here */
+	import_high(&m, gltf("nodes.gltf", "{\"children\":[1],\"mesh\":0,\"translation\":[0,2,0]},"
+		"{\"mesh\":0,\"translation\":[4,0,0],"
 		"\"rotation\":[0,0.70710678,0,0.70710678]}", ",\"materials\":[{}]"), 0);
 	assert_int_equal(m.triangles_in, 2);
 	assert_int_equal(m.triangle_count, 2);
@@ -145,51 +158,62 @@ static void nodes_place_their_meshes(void **state)
 	eco_model_free(&m);
 }
 
+static const struct { const char *mode; bool cutout; uint8_t alpha[2]; } modes[] = {
+	{ "\"alphaMode\":\"OPAQUE\",", false, { 255, 255 } }, { "", false, { 255, 255 } },
+		{ "\"alphaMode\":\"BLEND\",", true, { 100, 200 } },
+	{ "\"alphaMode\":\"MASK\",", true, { 100, 200 } },
+	{ "\"alphaMode\":\"MASK\",\"alphaCutoff\":0.25,", false, { 255, 255 } },
+	{ "\"alphaMode\":\"MASK\",\"alphaCutoff\":0.9,", true, { 56, 111 } },
+	/* equal to the cutoff is opaque: 200/255, 100/255, and whatever there is */
+	{ "\"alphaMode\":\"MASK\",\"alphaCutoff\":0.78431373,", true, { 64, 128 } },
+	{ "\"alphaMode\":\"MASK\",\"alphaCutoff\":0.39215687,", false, { 255, 255 } },
+	{ "\"alphaMode\":\"MASK\",\"alphaCutoff\":0,", false, { 255, 255 } },
+};
+
 static void alpha_modes_and_linear_colours_mean_what_gltf_says(void **state)
 {
 	static const uint8_t rgba[] = { 255, 0, 0, 100, 0, 255, 0, 200 };
-	static const struct { const char *mode; bool cutout; uint8_t alpha[2]; } modes[] = {
-		{ "\"alphaMode\":\"OPAQUE\",", false, { 255, 255 } }, { "", false, { 255, 255 } }, { "\"alphaMode\":\"BLEND\",", true, { 100, 200 } },
-		{ "\"alphaMode\":\"MASK\",", true, { 100, 200 } }, { "\"alphaMode\":\"MASK\",\"alphaCutoff\":0.25,", false, { 255, 255 } },
-		{ "\"alphaMode\":\"MASK\",\"alphaCutoff\":0.9,", true, { 56, 111 } },
-		/* equal to the cutoff is opaque: 200/255, 100/255, and whatever there is */
-		{ "\"alphaMode\":\"MASK\",\"alphaCutoff\":0.78431373,", true, { 64, 128 } },
-		{ "\"alphaMode\":\"MASK\",\"alphaCutoff\":0.39215687,", false, { 255, 255 } },
-		{ "\"alphaMode\":\"MASK\",\"alphaCutoff\":0,", false, { 255, 255 } },
-	};
 
 	write_png("a b.png", rgba, 2, 1);
 	for (size_t i = 0; i < sizeof modes / sizeof *modes; i++) {
 		struct eco_model m;
 		char rest[500];
-		snprintf(rest, sizeof rest, ",\"materials\":[{%s\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,1,0,1],"
-			"\"baseColorTexture\":{\"index\":0}}}],\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"a%%20b.png\"}]", modes[i].mode);
+		snprintf(rest, sizeof rest, ","
+			"\"materials\":[{%s\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,1,0,1],"
+			"\"baseColorTexture\":{\"index\":0}}}],\"textures\":[{\"source\":0}],"
+			"\"images\":[{\"uri\":\"a%%20b.png\"}]", modes[i].mode);
 		import_high(&m, gltf("alpha.gltf", "{\"mesh\":0}", rest), 0);
 		assert_int_equal(m.image_count, 1);
 		assert_int_equal(m.materials[0].cutout, modes[i].cutout);
 		assert_int_equal(m.images[0].rgba[3], modes[i].alpha[0]);
 		assert_int_equal(m.images[0].rgba[7], modes[i].alpha[1]);
 		assert_memory_equal(m.materials[0].rgb, "\377\377\377", 3);
-		assert_true(m.images[0].rgba[0] == 188 && m.images[0].rgba[1] == 0 && m.images[0].rgba[5] == 255);
-		assert_true(has_vertex(&m, -0.5f, 0, 0, (const float[]){ 0, 0 }));       /* glTF's v points down */
+		assert_true(m.images[0].rgba[0] == 188 && m.images[0].rgba[1] == 0 && m.images[0].rgba[5]
+			== 255);
+		/* glTF's v points down */
+		assert_true(has_vertex(&m, -0.5f, 0, 0, (const float[]){ 0, 0 }));
 		eco_model_free(&m);
 	}
 }
 
-/* Three triangles beside each other, one for each of the materials (JSON); their texture 0 is `rgba`, one row. */
+/* Three triangles beside each other, one for each of the materials (JSON); their texture 0 is `rgba`, one
+ * row. */
 static void import_textured(struct eco_model *m, const char *materials, const uint8_t *rgba, uint32_t width)
 {
 	char meshes[2000] = "", nodes[2000] = "", text[8000];
 	size_t mesh = 0, node = 0;
 	write_png("row.png", rgba, width, 1);
 	for (uint32_t i = 0; i < 3; i++) {
-		mesh += (size_t)snprintf(meshes + mesh, sizeof meshes - mesh, "%s{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},"
+		mesh += (size_t)snprintf(meshes + mesh, sizeof meshes - mesh,
+			"%s{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},"
 			"\"indices\":2,\"material\":%u}]}", i > 0 ? "," : "", i);
-		node += (size_t)snprintf(nodes + node, sizeof nodes - node, ",{\"mesh\":%u,\"translation\":[%u,0,0]}", i, 2 * i);
+		node += (size_t)snprintf(nodes + node, sizeof nodes - node,
+			",{\"mesh\":%u,\"translation\":[%u,0,0]}", i, 2 * i);
 	}
-	snprintf(text, sizeof text, "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2,3]}],\"buffers\":[" BUFFER "]," VIEWS
-		",\"meshes\":[%s],\"nodes\":[{}%s],\"materials\":[%s],\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"row.png\"}]}", meshes, nodes,
-		materials);
+	snprintf(text, sizeof text, "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,"
+		"1,2,3]}],\"buffers\":[" BUFFER "]," VIEWS
+		",\"meshes\":[%s],\"nodes\":[{}%s],\"materials\":[%s],\"textures\":[{\"source\":0}],"
+		"\"images\":[{\"uri\":\"row.png\"}]}", meshes, nodes, materials);
 	import_high(m, input_text(TEST_FOLDER, "row.gltf", text), 0);
 }
 
@@ -208,9 +232,11 @@ static void a_texture_takes_each_colour_it_is_used_with(void **state)
 {
 	static const uint8_t rgba[] = { 255, 128, 0, 255, 188, 188, 255, 255 };
 	struct eco_model m;
-	import_textured(&m, "{\"name\":\"half\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],\"baseColorTexture\":{\"index\":0}}},"
+	import_textured(&m, "{\"name\":\"half\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,"
+		"1],\"baseColorTexture\":{\"index\":0}}},"
 		"{\"name\":\"plain\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
-		"{\"name\":\"also\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],\"baseColorTexture\":{\"index\":0}}}", rgba, 2);
+		"{\"name\":\"also\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],"
+		"\"baseColorTexture\":{\"index\":0}}}", rgba, 2);
 	assert_int_equal(m.triangle_count, 3);
 	assert_int_equal(m.image_count, 2);
 	assert_int_equal(material_of(&m, "half")->image, material_of(&m, "also")->image);
@@ -226,17 +252,21 @@ static void a_texture_cut_out_here_is_opaque_there(void **state)
 {
 	static const uint8_t rgba[] = { 9, 9, 9, 255, 8, 8, 8, 180, 7, 7, 7, 0 };
 	struct eco_model m;
-	import_textured(&m, "{\"name\":\"leaf\",\"alphaMode\":\"MASK\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
+	import_textured(&m, "{\"name\":\"leaf\",\"alphaMode\":\"MASK\","
+		"\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
 		"{\"name\":\"bark\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
-		"{\"name\":\"veil\",\"alphaMode\":\"BLEND\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1,0.6],\"baseColorTexture\":"
+		"{\"name\":\"veil\",\"alphaMode\":\"BLEND\","
+		"\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1,0.6],\"baseColorTexture\":"
 		"{\"index\":0}}}", rgba, 3);
 	assert_int_equal(m.image_count, 3);
-	assert_true(material_of(&m, "leaf")->cutout && material_of(&m, "veil")->cutout && !material_of(&m, "bark")->cutout);
+	assert_true(material_of(&m, "leaf")->cutout && material_of(&m, "veil")->cutout
+		&& !material_of(&m, "bark")->cutout);
 	for (uint32_t x = 0; x < 3; x++) {
 		uint8_t level = (uint8_t)(9 - x);
 		assert_texel(&m, "leaf", x, (const uint8_t[]){ level, level, level, rgba[x * 4 + 3] });
 		assert_texel(&m, "bark", x, (const uint8_t[]){ level, level, level, 255 });
-		assert_texel(&m, "veil", x, (const uint8_t[]){ level, level, level, (uint8_t)(rgba[x * 4 + 3] * 0.6 + 0.5) });
+		assert_texel(&m, "veil", x,
+			(const uint8_t[]){ level, level, level, (uint8_t)(rgba[x * 4 + 3] * 0.6 + 0.5) });
 	}
 	eco_model_free(&m);
 }
@@ -245,9 +275,11 @@ static void alpha_that_cuts_nothing_out_makes_no_other_image(void **state)
 {
 	static const uint8_t rgba[] = { 9, 9, 9, 255, 8, 8, 8, 240 };
 	struct eco_model m;
-	import_textured(&m, "{\"name\":\"leaf\",\"alphaMode\":\"MASK\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
+	import_textured(&m, "{\"name\":\"leaf\",\"alphaMode\":\"MASK\","
+		"\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
 		"{\"name\":\"bark\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
-		"{\"name\":\"veil\",\"alphaMode\":\"BLEND\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1,0.4],\"baseColorTexture\":"
+		"{\"name\":\"veil\",\"alphaMode\":\"BLEND\","
+		"\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1,0.4],\"baseColorTexture\":"
 		"{\"index\":0}}}", rgba, 2);
 	assert_int_equal(m.image_count, 1);
 	assert_false(material_of(&m, "leaf")->cutout);
@@ -257,7 +289,8 @@ static void alpha_that_cuts_nothing_out_makes_no_other_image(void **state)
 	eco_model_free(&m);
 }
 
-/* A model in memory of `count` triangles, each with its own colour of the one image, which has one white texel. */
+/* A model in memory of `count` triangles, each with its own colour of the one image, which has one white
+ * texel. */
 static void make_motley(struct eco_model *m, uint32_t count)
 {
 	*m = (struct eco_model){ .material_count = count, .image_count = 1 };
@@ -280,7 +313,8 @@ static void beyond_what_is_kept_the_nearest_colour_stands_in(void **state)
 	assert_int_equal(m.image_count, 32);
 	for (uint32_t i = 0; i < 200; i++) {
 		const uint8_t *texel = m.images[m.materials[i].image].rgba;
-		assert_true(texel[0] == (i < 32 ? 255 - i : 224) && texel[2] == texel[0] && texel[3] == 255 && m.materials[i].rgb[1] == 255);
+		assert_true(texel[0] == (i < 32 ? 255 - i : 224) && texel[2] == texel[0] && texel[3] == 255
+			&& m.materials[i].rgb[1] == 255);
 	}
 	assert_non_null(strstr(notes.text, "168 materials are drawn in the nearest"));
 	eco_model_free(&m);
@@ -292,7 +326,8 @@ static void vertex_colours_of_a_textured_mesh_become_their_mean(void **state)
 	struct eco_model m;
 	write_png("white.png", white, 1, 1);
 	input_text(TEST_FOLDER, "vt.mtl", "newmtl m\nmap_Kd white.png\n");
-	import_high(&m, input_text(TEST_FOLDER, "vt.obj", "mtllib vt.mtl\nv 0 0 0 1 1 0\nv 1 0 0 0.4 1 0\nv 0 1 0 0.4 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+	import_high(&m, input_text(TEST_FOLDER, "vt.obj", "mtllib vt.mtl\nv 0 0 0 1 1 0\nv 1 0 0 0.4 1 0\nv "
+		"0 1 0 0.4 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
 		"usemtl m\nf 1/1 2/2 3/3\n"), 0);
 	assert_int_equal(m.image_count, 1);
 	assert_int_equal(m.material_count, 1);
@@ -304,9 +339,12 @@ static void vertex_colours_of_a_textured_mesh_become_their_mean(void **state)
 static void a_webp_texture_that_gltf_requires_is_read(void **state)
 {
 	/* 4 x 1 pixels, the first (200,0,0) at alpha 128 */
-	const char *rest = ",\"extensionsUsed\":[\"EXT_texture_webp\"],\"extensionsRequired\":[\"EXT_texture_webp\"],\"materials\":[{\"name\":\"g\","
-		"\"alphaMode\":\"BLEND\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}],\"textures\":[{\"extensions\":"
-		"{\"EXT_texture_webp\":{\"source\":0}}}],\"images\":[{\"mimeType\":\"image/webp\",\"uri\":\"data:image/webp;base64,"
+	const char *rest = ",\"extensionsUsed\":[\"EXT_texture_webp\"],"
+		"\"extensionsRequired\":[\"EXT_texture_webp\"],\"materials\":[{\"name\":\"g\","
+		"\"alphaMode\":\"BLEND\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}],"
+		"\"textures\":[{\"extensions\":"
+		"{\"EXT_texture_webp\":{\"source\":0}}}],\"images\":[{\"mimeType\":\"image/webp\","
+		"\"uri\":\"data:image/webp;base64,"
 		"UklGRjIAAABXRUJQVlA4TCUAAAAvAwAAEB8gECD43/FnQyyYzP+MKqxBEQgQ1p05E8DsrKHGEf0PAA==\"}]";
 	struct eco_model m;
 
@@ -321,14 +359,21 @@ static void a_webp_texture_that_gltf_requires_is_read(void **state)
 static void draco_meshes_are_read(void **state)
 {
 	/* a unit square of two triangles, indices declared as 32-bit */
-	static const char head[] = "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_draco_mesh_compression\"],\"extensionsRequired\":"
-		"[\"KHR_draco_mesh_compression\"],\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],\"materials\":[{}],\"buffers\":"
-		"[{\"byteLength\":120,\"uri\":\"data:application/octet-stream;base64,RFJBQ08CAgEBAAAABAIBAgAAAR//ARH/AREC/wAAAAAAAQAJAwAAAgEDCQIAAQABAQEA"
-		"AwMBMAEQAwAkgkoEAAAAAP8/AAAAAAAAAAAAAAAAAAAAAIA/DgAAAAAAAIA/AACAPwAAAAAAAIA/AACAPwAAAAAAAAAA\"}],\"bufferViews\":[{\"buffer\":0,"
-		"\"byteLength\":120}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},\"indices\":2,\"material\":0,"
-		"\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0,\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1}}}}]}],\"accessors\":"
+	static const char head[] = "{\"asset\":{\"version\":\"2.0\"},"
+		"\"extensionsUsed\":[\"KHR_draco_mesh_compression\"],\"extensionsRequired\":"
+		"[\"KHR_draco_mesh_compression\"],\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
+		"\"nodes\":[{\"mesh\":0}],\"materials\":[{}],\"buffers\":"
+		"[{\"byteLength\":120,\"uri\":\"data:application/octet-stream;base64,"
+		"RFJBQ08CAgEBAAAABAIBAgAAAR//ARH/AREC/wAAAAAAAQAJAwAAAgEDCQIAAQABAQEA"
+		"AwMBMAEQAwAkgkoEAAAAAP8/AAAAAAAAAAAAAAAAAAAAAIA/DgAAAAAAAIA/AACAPw"
+		"AAAAAAAIA/AACAPwAAAAAAAAAA\"}],\"bufferViews\":[{\"buffer\":0,"
+		"\"byteLength\":120}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,"
+		"\"TEXCOORD_0\":1},\"indices\":2,\"material\":0,"
+		"\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0,"
+		"\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1}}}}]}],\"accessors\":"
 		"[{\"componentType\":5126,\"count\":";
-	static const char tail[] = ",\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,0]},{\"componentType\":5126,\"count\":4,\"type\":\"VEC2\"},"
+	static const char tail[] = ",\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,0]},"
+		"{\"componentType\":5126,\"count\":4,\"type\":\"VEC2\"},"
 		"{\"componentType\":5125,\"count\":6,\"type\":\"SCALAR\"}]}";
 	char text[3000];
 	struct eco_model m;
@@ -343,13 +388,16 @@ static void draco_meshes_are_read(void **state)
 static void vertex_colours_become_materials(void **state)
 {
 	struct eco_model m;
-	import_high(&m, input_text(TEST_FOLDER, "vc.obj", "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nv 0 0 1 0 0 1\nv 1 0 1 0 0 1\nv 0 1 1 0 0 1\n"
+	import_high(&m, input_text(TEST_FOLDER, "vc.obj", "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nv 0 "
+		"0 1 0 0 1\nv 1 0 1 0 0 1\nv 0 1 1 0 0 1\n"
 		"v 0 0 2 1 1 1\nv 1 0 2 1 1 1\nv 0 1 2 1 1 1\nf 1 2 3\nf 4 5 6\nf 7 8 9\n"), 0);
 	assert_int_equal(m.material_count, 3);       /* red, blue, and white, which changes nothing */
 	for (uint32_t i = 0; i < 3; i++) {
 		const uint8_t *rgb = m.materials[m.material[i]].rgb;
-		assert_true(rgb[0] == (i != 1 ? 255 : 0) && rgb[1] == (i == 2 ? 255 : 0) && rgb[2] == (i != 0 ? 255 : 0));
-		assert_string_equal(m.materials[m.material[i]].name, "vertex colours 1");    /* one surface: lod/build/organ_split.h */
+		assert_true(rgb[0] == (i != 1 ? 255 : 0) && rgb[1] == (i == 2 ? 255 : 0)
+			&& rgb[2] == (i != 0 ? 255 : 0));
+		assert_string_equal(m.materials[m.material[i]].name, "vertex colours 1");
+			/* one surface: lod/build/organ_split.h */
 	}
 	eco_model_free(&m);
 }
@@ -358,20 +406,26 @@ static void texture_transforms_turn_about_the_images_corner(void **state)
 {
 	static const uint8_t rgba[] = { 9, 9, 9, 255 };
 	static const struct { const char *transform; float uv[3][2]; } cases[] = {
-		{ "\"offset\":[0.25,0.125],\"scale\":[0.5,2]", { { 0.25f, 0.125f }, { 0.75f, 0.125f }, { 0.25f, 2.125f } } },
+		{ "\"offset\":[0.25,0.125],\"scale\":[0.5,2]",
+			{ { 0.25f, 0.125f }, { 0.75f, 0.125f }, { 0.25f, 2.125f } } },
 		/* the lower left quadrant, a quarter turn: the example of the extension's specification */
-		{ "\"offset\":[0,1],\"rotation\":1.57079632679,\"scale\":[0.5,0.5]", { { 0, 1 }, { 0, 0.5f }, { 0.5f, 1 } } },
+		{ "\"offset\":[0,1],\"rotation\":1.57079632679,\"scale\":[0.5,0.5]",
+		{ { 0, 1 }, { 0, 0.5f }, { 0.5f, 1 } } },
 	};
 
 	write_png("one.png", rgba, 1, 1);
 	for (size_t i = 0; i < 2; i++) {
 		struct eco_model m;
 		char rest[700];
-		snprintf(rest, sizeof rest, ",\"extensionsUsed\":[\"KHR_texture_transform\"],\"extensionsRequired\":[\"KHR_texture_transform\"],"
-			"\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0,\"extensions\":{\"KHR_texture_transform\":{%s}}}}}],"
-			"\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"one.png\"}]", cases[i].transform);
+		snprintf(rest, sizeof rest, ",\"extensionsUsed\":[\"KHR_texture_transform\"],"
+			"\"extensionsRequired\":[\"KHR_texture_transform\"],"
+			"\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0,"
+			"\"extensions\":{\"KHR_texture_transform\":{%s}}}}}],"
+			"\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"one.png\"}]",
+			cases[i].transform);
 		import_high(&m, gltf("turn.gltf", "{\"mesh\":0}", rest), 0);
-		assert_true(has_vertex(&m, -0.5f, 0, 0, cases[i].uv[0]) && has_vertex(&m, 0.5f, 0, 0, cases[i].uv[1])
+		assert_true(has_vertex(&m, -0.5f, 0, 0, cases[i].uv[0])
+			&& has_vertex(&m, 0.5f, 0, 0, cases[i].uv[1])
 			&& has_vertex(&m, -0.5f, 0, 1, cases[i].uv[2]));
 		eco_model_free(&m);
 	}

@@ -1,4 +1,5 @@
-/* Formats and what people's exporters make of them: each oddity is written out as the small file that shows it. */
+/* Formats and what people's exporters make of them: each oddity is written out as the small file that shows
+ * it. */
 #include "ecofiles/import/model/model_import.h"
 #include "tests/support/model_import.h"
 
@@ -8,14 +9,19 @@
 
 static void any_line_end_and_byte_order_mark_will_do(void **state)
 {
-	static const char *const files[] = { TRIANGLE "f 1 2 3\n", "v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 3\r\n", "v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3",
-		"\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3", "v  0\t0 0  \n\n  v 1 0 0 # right\nv 0 \\\n 1 0\nf 1 2 \\\r\n3\n",
-		"v 0 0 0 1.0\nv 1 0 0 1.0\nv 0 1 0 1.0\nf 1// 2// 3//\n", TRIANGLE "vn 0 0 1\nf 1//1 2//1 3//1\n", "f 1 2 3\n" TRIANGLE,
-		"mtllib\nusemtl\no\ng\ns 1\n" TRIANGLE "curv 0 1 1 2\nf -3 -2 -1\n", "v +0 .0 0.e0\nv 1E0 0 0\nv 0 1.0e+0 0\nfo 1 2 3\n" };
+	static const char *const files[] = { TRIANGLE "f 1 2 3\n", "v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 "
+		"3\r\n", "v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3",
+		"\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3",
+		"v  0\t0 0  \n\n  v 1 0 0 # right\nv 0 \\\n 1 0\nf 1 2 \\\r\n3\n",
+		"v 0 0 0 1.0\nv 1 0 0 1.0\nv 0 1 0 1.0\nf 1// 2// 3//\n", TRIANGLE
+		"vn 0 0 1\nf 1//1 2//1 3//1\n", "f 1 2 3\n" TRIANGLE,
+		"mtllib\nusemtl\no\ng\ns 1\n" TRIANGLE "curv 0 1 1 2\nf -3 -2 -1\n",
+		"v +0 .0 0.e0\nv 1E0 0 0\nv 0 1.0e+0 0\nfo 1 2 3\n" };
 
 	for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
 		struct eco_model m;
-		import_file(&m, input_text("formats", "ends.obj", files[i]), &(struct eco_model_options){ .up = ECO_UP_Y });
+		import_file(&m, input_text("formats", "ends.obj", files[i]),
+			&(struct eco_model_options){ .up = ECO_UP_Y });
 		if (m.triangle_count != 1 || !has_place(&m, 0.5, 0, 0) || !has_place(&m, -0.5, 0, 1))
 			fail_msg("file %zu: %u triangles", i, m.triangle_count);
 		eco_model_free(&m);
@@ -25,7 +31,8 @@ static void any_line_end_and_byte_order_mark_will_do(void **state)
 static void indices_that_are_not_there_cost_their_triangles_only(void **state)
 {
 	struct eco_model m;
-	import_file(&m, input_text("formats", "index.obj", TRIANGLE "v 1 1 0\nf 1 2 3\nf 1 2 900\nf 0 1 2\nf -5 1 2\nf 1 x 2\nf 2 4 3 900 1\n"
+	import_file(&m, input_text("formats", "index.obj", TRIANGLE "v 1 1 0\nf 1 2 3\nf 1 2 900\nf 0 1 "
+		"2\nf -5 1 2\nf 1 x 2\nf 2 4 3 900 1\n"
 		"f 99999999999999999999 1 2\nf 1 2\nf 1\nf\n"), NULL);
 	assert_int_equal(m.triangles_in, 1 + 4 + 3 + 1);
 	assert_int_equal(m.dropped[ECO_DROP_BAD_INDEX], 4 + 2 + 1);
@@ -37,21 +44,28 @@ static void indices_that_are_not_there_cost_their_triangles_only(void **state)
 static void numbers_that_are_none_are_counted_or_named_with_their_line(void **state)
 {
 	struct eco_model m;
-	import_file(&m, input_text("formats", "nan.obj", TRIANGLE "v nan 0 0\nv -nan(ind) 0 0\nv 1.#QNAN 0 0\nv 0 -1.#INF 0\nv 1e999 0 0\n"
+	import_file(&m, input_text("formats", "nan.obj", TRIANGLE "v nan 0 0\nv -nan(ind) 0 0\nv 1.#QNAN 0 "
+		"0\nv 0 -1.#INF 0\nv 1e999 0 0\n"
 		"f 1 2 3\nf 1 2 4\nf 1 2 5\nf 1 2 6\nf 1 2 7\nf 1 2 8\n"), NULL);
 	assert_int_equal(m.dropped[ECO_DROP_NOT_FINITE], 5);
 	import_says("5 triangles have coordinates that are no numbers");
 	eco_model_free(&m);
-	import_refuses(input_text("formats", "comma.obj", "# oak\nv 0,5 1,25 0\n"), ECO_BAD_INPUT, "line 2: \"0,5\": numbers need a decimal point");
-	import_refuses(input_text("formats", "word.obj", "v 1 2 three\n"), ECO_BAD_INPUT, "line 1: \"three\" is not a number");
-	import_refuses(input_text("formats", "short.obj", "v 1 2\n"), ECO_BAD_INPUT, "line 1: a vertex needs three numbers");
+	import_refuses(input_text("formats", "comma.obj", "# oak\nv 0,5 1,25 0\n"), ECO_BAD_INPUT,
+		"line 2: \"0,5\": numbers need a decimal point");
+	import_refuses(input_text("formats", "word.obj", "v 1 2 three\n"), ECO_BAD_INPUT,
+		"line 1: \"three\" is not a number");
+	import_refuses(input_text("formats", "short.obj", "v 1 2\n"), ECO_BAD_INPUT,
+		"line 1: a vertex needs three numbers");
 }
 
 static void what_is_no_obj_is_named(void **state)
 {
-	import_refuses(input_bytes("formats", "coff.obj", "\x64\x86\x03\0\0\0\0\0", 8), ECO_BAD_INPUT, "binary, so no Wavefront OBJ file");
-	import_refuses(input_bytes("formats", "wide.obj", "\xff\xfev\0 \0", 6), ECO_UNSUPPORTED, "UTF-16; save it as UTF-8");
-	import_refuses(input_text("formats", "prose.obj", "This is a tree.\n"), ECO_BAD_INPUT, "no vertices in it");
+	import_refuses(input_bytes("formats", "coff.obj", "\x64\x86\x03\0\0\0\0\0", 8), ECO_BAD_INPUT,
+		"binary, so no Wavefront OBJ file");
+	import_refuses(input_bytes("formats", "wide.obj", "\xff\xfev\0 \0", 6), ECO_UNSUPPORTED,
+		"UTF-16; save it as UTF-8");
+	import_refuses(input_text("formats", "prose.obj", "This is a tree.\n"), ECO_BAD_INPUT,
+		"no vertices in it");
 	import_refuses(input_text("formats", "lines.obj", TRIANGLE "l 1 2 3\np 1\n"), ECO_BAD_INPUT,
 		"no triangles in it, only 3 vertices and 2 points or lines; a point cloud has no surfaces");
 }
@@ -60,10 +74,13 @@ static void what_is_no_obj_is_named(void **state)
 static void map_coordinates_keep_their_detail(void **state)
 {
 	struct eco_model m;
-	import_file(&m, input_text("formats", "utm.obj", "v 0 0 0\nv 747375.125 4308510.250 312.5\nv 747376.125 4308510.250 312.5\n"
-		"v 747375.126 4308510.250 313.5\nv 747376.125 4308510.252 313.5\nf 2 3 4\nf 3 5 4\n"), &(struct eco_model_options){ .up = ECO_UP_Z,
+	import_file(&m, input_text("formats", "utm.obj", "v 0 0 0\nv 747375.125 4308510.250 312.5\nv "
+		"747376.125 4308510.250 312.5\n"
+		"v 747375.126 4308510.250 313.5\nv 747376.125 4308510.252 313.5\nf 2 3 4\nf 3 5 4\n"),
+		&(struct eco_model_options){ .up = ECO_UP_Z,
 		.unit_m = 1 });
-	assert_true(close_to(m.foot[0], 747375.625, 1e-6) && close_to(m.foot[1], 4308510.25, 1e-6) && close_to(m.foot[2], 312.5, 1e-6));
+	assert_true(close_to(m.foot[0], 747375.625, 1e-6) && close_to(m.foot[1], 4308510.25, 1e-6)
+		&& close_to(m.foot[2], 312.5, 1e-6));
 	assert_true(has_place(&m, -0.499, 0, 1) && has_place(&m, 0.5, 0.002, 1));
 	eco_model_free(&m);
 }
@@ -71,7 +88,8 @@ static void map_coordinates_keep_their_detail(void **state)
 static void colours_of_vertices_may_be_shares_or_bytes(void **state)
 {
 	static const char *const files[] = { "v 0 0 0 1 0.2 0\nv 1 0 0 1 0.2 0\nv 0 1 0 1 0.2 0\nf 1 2 3\n",
-		"v 0 0 0 255 51 0\nv 1 0 0 255 51 0\nv 0 1 0 255 51 0\nf 1 2 3\n", "v 0 0 0 1 0.2 0 1\nv 1 0 0 1 0.2 0 1\nv 0 1 0 1 0.2 0 1\nf 1 2 3\n" };
+		"v 0 0 0 255 51 0\nv 1 0 0 255 51 0\nv 0 1 0 255 51 0\nf 1 2 3\n",
+		"v 0 0 0 1 0.2 0 1\nv 1 0 0 1 0.2 0 1\nv 0 1 0 1 0.2 0 1\nf 1 2 3\n" };
 
 	for (size_t i = 0; i < 3; i++) {
 		struct eco_model m;
@@ -87,7 +105,8 @@ static void libraries_are_found_as_exporters_meant(void **state)
 {
 	static const struct { const char *file, *library, *line, *says; } cases[] = {
 		{ "my trees.mtl", "newmtl bark\nKd 1 0 0\n", "mtllib my trees.mtl\n", "" },
-		{ "b.mtl", "newmtl bark\nKd 1 0 0\n", "mtllib nothere.mtl b.mtl\n", "nothere.mtl is not there" },
+		{ "b.mtl", "newmtl bark\nKd 1 0 0\n", "mtllib nothere.mtl b.mtl\n",
+		"nothere.mtl is not there" },
 		{ "c.mtl", "newmtl bark\r\n\tKd 1 0 0\r\n", "mtllib C:\\Users\\me\\c.mtl\r\n", "" },
 		{ "Wald.MTL", "newmtl Bark\nkd 1.0 0.0 0.0\n", "mtllib wald.mtl\n", "" },
 		{ "lib.mtl", "newmtl bark\nKd 1 0 0\n", "mtllib other.mtl\n", "lib.mtl stands in for it" },
@@ -111,30 +130,38 @@ static void libraries_are_found_as_exporters_meant(void **state)
 static void what_no_library_describes_is_grey_and_said(void **state)
 {
 	struct eco_model m;
-	import_file(&m, input_text("formats", "bare.obj", TRIANGLE "v 0 0 1\nf 1 2 4\nusemtl \xc3\x84ste und Bl\xc3\xa4tter\nf 1 2 3\n"), NULL);
+	import_file(&m, input_text("formats", "bare.obj", TRIANGLE "v 0 0 1\nf 1 2 4\nusemtl \xc3\x84ste "
+		"und Bl\xc3\xa4tter\nf 1 2 3\n"), NULL);
 	assert_int_equal(m.material_count, 2);
 	assert_int_equal(material_of(&m, "\xc3\x84ste und Bl\xc3\xa4tter")->rgb[1], 153);
 	assert_int_equal(material_of(&m, "")->rgb[1], 153);
-	import_says("1 of its materials are in no library (\xc3\x84ste und Bl\xc3\xa4tter): they have no colour");
+	import_says("1 of its materials are in no library (\xc3\x84ste und Bl\xc3\xa4tter): they have no "
+		"colour");
 	eco_model_free(&m);
-	import_file(&m, input_text("formats", "bare.obj", "mtllib gone.mtl\n" TRIANGLE "usemtl x\nf 1 2 3\n"), NULL);
+	import_file(&m, input_text("formats", "bare.obj", "mtllib gone.mtl\n" TRIANGLE "usemtl x\nf 1 2 3\n"),
+		NULL);
 	import_says("its library of materials gone.mtl is not there");
 	eco_model_free(&m);
 }
 
-/* d says how opaque, Tr how transparent, if exporters agree; a plant that would be invisible throughout was not meant to be. */
+/* d says how opaque, Tr how transparent, if exporters agree; a plant that would be invisible throughout was
+ * not meant to be. */
 static void transparency_is_read_with_sense(void **state)
 {
 	static const struct { const char *library; uint32_t hidden; const char *says; } cases[] = {
-		{ "newmtl a\nd 1\nTr 1\nnewmtl b\nd 1\nTr 1\n", 0, "" }, { "newmtl a\nTr 0\nnewmtl b\nTr 1\n", 1, "1 triangles have materials with alpha" },
+		{ "newmtl a\nd 1\nTr 1\nnewmtl b\nd 1\nTr 1\n", 0, "" },
+			{ "newmtl a\nTr 0\nnewmtl b\nTr 1\n", 1, "1 triangles have materials with alpha" },
 		{ "newmtl a\nTr 1.0\nnewmtl b\nTr 1.0\n", 0, "all of its materials are fully transparent" },
-		{ "newmtl a\nd 0\nnewmtl b\nd 0\n", 0, "taken for opaque" }, { "newmtl a\nd -halo 0.6\nnewmtl b\nd 0.2\n", 1, "" },
+		{ "newmtl a\nd 0\nnewmtl b\nd 0\n", 0, "taken for opaque" },
+		{ "newmtl a\nd -halo 0.6\nnewmtl b\nd 0.2\n", 1, "" },
 	};
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_model m;
 		input_text("formats", "alpha.mtl", cases[i].library);
-		import_file(&m, input_text("formats", "alpha.obj", "mtllib alpha.mtl\n" TRIANGLE "v 0 0 1\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 4\n"), NULL);
+		import_file(&m,
+			input_text("formats", "alpha.obj", "mtllib alpha.mtl\n" TRIANGLE
+			"v 0 0 1\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 4\n"), NULL);
 		if (m.dropped[ECO_DROP_TRANSPARENT] != cases[i].hidden)
 			fail_msg("case %zu: %u left out", i, m.dropped[ECO_DROP_TRANSPARENT]);
 		import_says(cases[i].says);
@@ -145,7 +172,8 @@ static void transparency_is_read_with_sense(void **state)
 static void objects_and_groups_are_parts(void **state)
 {
 	struct eco_model m;
-	import_file(&m, input_text("formats", "parts.obj", TRIANGLE "v 0 0 1\nv 0 0 2\nv 0 0 3\nf 1 2 3\no Oak Tree\nf 1 2 4\ng leaves\nf 1 2 5\no Pot\n"
+	import_file(&m, input_text("formats", "parts.obj", TRIANGLE "v 0 0 1\nv 0 0 2\nv 0 0 3\nf 1 2 3\no "
+		"Oak Tree\nf 1 2 4\ng leaves\nf 1 2 5\no Pot\n"
 		"f 1 2 6\n"), NULL);
 	assert_int_equal(m.part_count, 4);
 	assert_string_equal(m.parts[m.part[0]].name, "");
@@ -162,9 +190,12 @@ static void objects_and_groups_are_parts(void **state)
 static void ply_text_brings_colours_and_counts_bad_faces(void **state)
 {
 	struct eco_model m;
-	import_file(&m, input_text("formats", "color.ply", "ply\r\nformat ascii 1.0\r\ncomment made by hand\r\nelement vertex 4\r\nproperty float x\r\n"
-		"property float y\r\nproperty float z\r\nproperty uchar red\r\nproperty uchar green\r\nproperty uchar blue\r\nelement face 2\r\n"
-		"property list uchar int vertex_indices\r\nend_header\r\n0 0 0 255 0 0\r\n1 0 0 255 0 0\r\n0 0 2 255 0 0\r\n0 1 0 255 0 0\r\n"
+	import_file(&m, input_text("formats", "color.ply", "ply\r\nformat ascii 1.0\r\ncomment made by "
+		"hand\r\nelement vertex 4\r\nproperty float x\r\n"
+		"property float y\r\nproperty float z\r\nproperty uchar red\r\nproperty uchar "
+		"green\r\nproperty uchar blue\r\nelement face 2\r\n"
+		"property list uchar int vertex_indices\r\nend_header\r\n0 0 0 255 0 0\r\n1 0 0 255 0 "
+		"0\r\n0 0 2 255 0 0\r\n0 1 0 255 0 0\r\n"
 		"3 0 1 2\r\n3 0 1 9\r\n"), &(struct eco_model_options){ .up = ECO_UP_Z });
 	assert_int_equal(m.triangle_count, 1);
 	assert_int_equal(m.dropped[ECO_DROP_BAD_INDEX], 1);
@@ -181,16 +212,19 @@ static void put_double(uint8_t *to, double value, bool big)
 		to[i] = (uint8_t)(bits >> (big ? 56 - 8 * i : 8 * i));
 }
 
-/* Two triangles at map coordinates with detail of a millimetre, as doubles of either byte order and as text. */
+/* Two triangles at map coordinates with detail of a millimetre, as doubles of either byte order and as text.
+ */
 static void ply_in_map_coordinates_keeps_its_detail(void **state)
 {
-	static const double places[4][3] = { { 500000.125, 4000000.25, 100 }, { 500001.125, 4000000.25, 100 }, { 500000.126, 4000000.25, 103 },
+	static const double places[4][3] = { { 500000.125, 4000000.25, 100 }, { 500001.125, 4000000.25, 100 },
+		{ 500000.126, 4000000.25, 103 },
 		{ 500001.125, 4000000.252, 103 } };
 
 	for (int kind = 0; kind < 3; kind++) {
 		static const char *const formats[] = { "binary_little_endian", "binary_big_endian", "ascii" };
 		char file[2000];
-		size_t used = (size_t)snprintf(file, sizeof file, "ply\nformat %s 1.0\nelement vertex 4\nproperty uchar quality\nproperty double x\n"
+		size_t used = (size_t)snprintf(file, sizeof file,
+			"ply\nformat %s 1.0\nelement vertex 4\nproperty uchar quality\nproperty double x\n"
 			"property double y\nproperty double z\n" PLY_FACES, formats[kind]);
 		struct eco_model m;
 
@@ -200,20 +234,25 @@ static void ply_in_map_coordinates_keeps_its_detail(void **state)
 			for (int k = 0; k < 3 && kind < 2; k++, used += 8)
 				put_double((uint8_t *)file + used, places[v][k], kind == 1);
 			if (kind == 2)
-				used += (size_t)snprintf(file + used, sizeof file - used, "7 %.4f %.4f %.4f\n", places[v][0], places[v][1], places[v][2]);
+				used += (size_t)snprintf(file + used, sizeof file - used,
+					"7 %.4f %.4f %.4f\n", places[v][0], places[v][1], places[v][2]);
 		}
 		for (int f = 0; f < 2; f++) {
 			if (kind < 2)
 				file[used++] = 3;
 			for (int k = 0; k < 3 && kind < 2; k++, used += 4) {
 				memset(file + used, 0, 4);
-				file[used + (kind == 1 ? 3 : 0)] = (char)(f + (f == 1 && k == 1 ? 2 : f == 1 && k == 2 ? 1 : k));
+				file[used + (kind == 1 ? 3 : 0)] =
+					(char)(f + (f == 1 && k == 1 ? 2 : f == 1 && k == 2 ? 1 : k));
 			}
 			if (kind == 2)
-				used += (size_t)snprintf(file + used, sizeof file - used, f == 0 ? "3 0 1 2\n" : "3 1 3 2\n");
+				used += (size_t)snprintf(file + used, sizeof file - used, f == 0 ? "3 0 1 2\n"
+					: "3 1 3 2\n");
 		}
-		import_file(&m, input_bytes("formats", "utm.ply", file, used), &(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1 });
-		if (!close_to(m.foot[0], 500000.625, 1e-6) || !close_to(m.foot[1], 4000000.25, 1e-6) || !has_place(&m, -0.499, 0, 3) || !has_place(&m, 0.5, 0.002, 3))
+		import_file(&m, input_bytes("formats", "utm.ply", file, used),
+			&(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1 });
+		if (!close_to(m.foot[0], 500000.625, 1e-6) || !close_to(m.foot[1], 4000000.25, 1e-6)
+				|| !has_place(&m, -0.499, 0, 3) || !has_place(&m, 0.5, 0.002, 3))
 			fail_msg("%s: foot %.4f %.4f", formats[kind], m.foot[0], m.foot[1]);
 		eco_model_free(&m);
 	}
@@ -221,47 +260,75 @@ static void ply_in_map_coordinates_keeps_its_detail(void **state)
 
 static void a_point_cloud_is_refused_as_one(void **state)
 {
-	import_refuses(input_text("formats", "cloud.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+	import_refuses(input_text("formats", "cloud.ply", "ply\nformat ascii 1.0\nelement vertex "
+		"3\nproperty float x\nproperty float y\nproperty "
 		"float z\n"
-		"end_header\n0 0 0\n1 0 0\n0 1 0\n"), ECO_BAD_INPUT, "no faces in it, only 3 points; a point cloud has no surfaces: make a mesh of it first");
+		"end_header\n0 0 0\n1 0 0\n0 1 0\n"), ECO_BAD_INPUT,
+		"no faces in it, only 3 points; a point cloud has no surfaces: make a mesh of it first");
 	import_refuses(input_text("formats", "cloud.laz", "LASF"), ECO_UNSUPPORTED, "a point cloud");
 }
 
 /* ---- Axes and units that formats state ---- */
 
-#define DAE(asset) "<?xml version=\"1.0\"?>\n<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><asset>" asset "</asset>" \
-	"<library_effects><effect id=\"e\"><profile_COMMON><technique sid=\"c\"><lambert><diffuse><color>0.2 0.2 0.2 1</color></diffuse></lambert>" \
-	"</technique></profile_COMMON></effect></library_effects><library_materials><material id=\"m\" name=\"Bark\"><instance_effect url=\"#e\"/>" \
-	"</material></library_materials><library_geometries><geometry id=\"g\" name=\"g\"><mesh><source id=\"p\"><float_array id=\"a\" count=\"9\">" \
-	"0 0 0 10 0 0 0 0 100</float_array><technique_common><accessor source=\"#a\" count=\"3\" stride=\"3\"><param name=\"X\" type=\"float\"/>" \
-	"<param name=\"Y\" type=\"float\"/><param name=\"Z\" type=\"float\"/></accessor></technique_common></source><vertices id=\"v\"><input " \
-	"semantic=\"POSITION\" source=\"#p\"/></vertices><triangles material=\"s\" count=\"1\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/>" \
-	"<p>0 1 2</p></triangles></mesh></geometry></library_geometries><library_visual_scenes><visual_scene id=\"w\"><node id=\"n\" name=\"Trunk\">" \
-	"<translate>40 50 60</translate><instance_geometry url=\"#g\"><bind_material><technique_common><instance_material symbol=\"s\" target=\"#m\"/>" \
-	"</technique_common></bind_material></instance_geometry></node></visual_scene></library_visual_scenes><scene><instance_visual_scene " \
+#define DAE(asset) "<?xml version=\"1.0\"?>\n<COLLADA " \
+	"xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><asset>" asset "</asset>" \
+	"<library_effects><effect id=\"e\"><profile_COMMON><technique " \
+	"sid=\"c\"><lambert><diffuse><color>0.2 0.2 0.2 1</color></diffuse></lambert>" \
+	"</technique></profile_COMMON></effect></library_effects><library_materials><material id=\"m\" " \
+	"name=\"Bark\"><instance_effect url=\"#e\"/>" \
+	"</material></library_materials><library_geometries><geometry id=\"g\" name=\"g\"><mesh><source " \
+	"id=\"p\"><float_array id=\"a\" count=\"9\">" \
+	"0 0 0 10 0 0 0 0 100</float_array><technique_common><accessor source=\"#a\" count=\"3\" " \
+	"stride=\"3\"><param name=\"X\" type=\"float\"/>" \
+	"<param name=\"Y\" type=\"float\"/><param name=\"Z\" " \
+	"type=\"float\"/></accessor></technique_common></source><vertices id=\"v\"><input " \
+	"semantic=\"POSITION\" source=\"#p\"/></vertices><triangles material=\"s\" count=\"1\"><input " \
+	"semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/>" \
+	"<p>0 1 " \
+	"2</p></triangles></mesh></geometry></library_geometries><library_visual_scenes><visual_scene " \
+	"id=\"w\"><node id=\"n\" name=\"Trunk\">" \
+	"<translate>40 50 60</translate><instance_geometry " \
+	"url=\"#g\"><bind_material><technique_common><instance_material symbol=\"s\" target=\"#m\"/>" \
+	"</technique_common></bind_material></instance_geometry></node></visual_scene>" \
+	"</library_visual_scenes><scene><instance_visual_scene " \
 	"url=\"#w\"/></scene></COLLADA>\n"
 
-#define FBX(up, front, sign, unit) "; FBX 7.3.0 project file\nFBXHeaderExtension:  {\n\tFBXHeaderVersion: 1003\n\tFBXVersion: 7300\n}\nGlobalSettings:  {\n" \
-	"\tVersion: 1000\n\tProperties70:  {\n\t\tP: \"UpAxis\", \"int\", \"Integer\", \"\"," up "\n\t\tP: \"UpAxisSign\", \"int\", \"Integer\", \"\",1\n" \
-	"\t\tP: \"FrontAxis\", \"int\", \"Integer\", \"\"," front "\n\t\tP: \"FrontAxisSign\", \"int\", \"Integer\", \"\"," sign "\n" \
-	"\t\tP: \"CoordAxis\", \"int\", \"Integer\", \"\",0\n\t\tP: \"CoordAxisSign\", \"int\", \"Integer\", \"\",1\n" \
-	"\t\tP: \"UnitScaleFactor\", \"double\", \"Number\", \"\"," unit "\n\t}\n}\nDefinitions:  {\n\tVersion: 100\n\tCount: 3\n" \
-	"\tObjectType: \"Geometry\" {\n\t\tCount: 1\n\t}\n\tObjectType: \"Model\" {\n\t\tCount: 1\n\t}\n\tObjectType: \"Material\" {\n\t\tCount: 1\n\t}\n}\n" \
-	"Objects:  {\n\tGeometry: 1000, \"Geometry::mesh\", \"Mesh\" {\n\t\tVertices: *9 {\n\t\t\ta: 0,0,0,10,0,0,0,0,100\n\t\t}\n" \
-	"\t\tPolygonVertexIndex: *3 {\n\t\t\ta: 0,1,-3\n\t\t}\n\t\tGeometryVersion: 124\n\t\tLayerElementMaterial: 0 {\n\t\t\tVersion: 101\n\t\t\tName: \"\"\n" \
-	"\t\t\tMappingInformationType: \"AllSame\"\n\t\t\tReferenceInformationType: \"IndexToDirect\"\n\t\t\tMaterials: *1 {\n\t\t\t\ta: 0\n\t\t\t}\n" \
-	"\t\t}\n\t\tLayer: 0 {\n\t\t\tVersion: 100\n\t\t\tLayerElement:  {\n\t\t\t\tType: \"LayerElementMaterial\"\n\t\t\t\tTypedIndex: 0\n" \
+#define FBX(up, front, sign, unit) "; FBX 7.3.0 project file\nFBXHeaderExtension:  {\n\tFBXHeaderVersion: " \
+	"1003\n\tFBXVersion: 7300\n}\nGlobalSettings:  {\n" \
+	"\tVersion: 1000\n\tProperties70:  {\n\t\tP: \"UpAxis\", \"int\", \"Integer\", \"\"," up "\n" \
+	"\t\tP: \"UpAxisSign\", \"int\", \"Integer\", \"\",1\n" \
+	"\t\tP: \"FrontAxis\", \"int\", \"Integer\", \"\"," front "\n\t\tP: \"FrontAxisSign\", \"int\", " \
+	"\"Integer\", \"\"," sign "\n" \
+	"\t\tP: \"CoordAxis\", \"int\", \"Integer\", \"\",0\n\t\tP: \"CoordAxisSign\", \"int\", " \
+	"\"Integer\", \"\",1\n" \
+	"\t\tP: \"UnitScaleFactor\", \"double\", \"Number\", \"\"," unit "\n\t}\n}\nDefinitions:  " \
+	"{\n\tVersion: 100\n\tCount: 3\n" \
+	"\tObjectType: \"Geometry\" {\n\t\tCount: 1\n\t}\n\tObjectType: \"Model\" {\n\t\tCount: " \
+	"1\n\t}\n\tObjectType: \"Material\" {\n\t\tCount: 1\n\t}\n}\n" \
+	"Objects:  {\n\tGeometry: 1000, \"Geometry::mesh\", \"Mesh\" {\n\t\tVertices: *9 {\n\t\t\ta: " \
+	"0,0,0,10,0,0,0,0,100\n\t\t}\n" \
+	"\t\tPolygonVertexIndex: *3 {\n\t\t\ta: 0,1,-3\n\t\t}\n\t\tGeometryVersion: " \
+	"124\n\t\tLayerElementMaterial: 0 {\n\t\t\tVersion: 101\n\t\t\tName: \"\"\n" \
+	"\t\t\tMappingInformationType: \"AllSame\"\n\t\t\tReferenceInformationType: " \
+	"\"IndexToDirect\"\n\t\t\tMaterials: *1 {\n\t\t\t\ta: 0\n\t\t\t}\n" \
+	"\t\t}\n\t\tLayer: 0 {\n\t\t\tVersion: 100\n\t\t\tLayerElement:  {\n\t\t\t\tType: " \
+	"\"LayerElementMaterial\"\n\t\t\t\tTypedIndex: 0\n" \
 	"\t\t\t}\n\t\t}\n\t}\n\tModel: 2000, \"Model::Trunk\", \"Mesh\" {\n\t\tVersion: 232\n" \
-	"\t\tProperties70:  {\n\t\t\tP: \"Lcl Translation\", \"Lcl Translation\", \"\", \"A\",40,50,60\n\t\t}\n\t}\n" \
-	"\tMaterial: 3000, \"Material::Bark\", \"\" {\n\t\tVersion: 102\n\t\tShadingModel: \"lambert\"\n\t\tProperties70:  {\n" \
-	"\t\t\tP: \"DiffuseColor\", \"Color\", \"\", \"A\",0.2,0.2,0.2\n\t\t}\n\t}\n}\nConnections:  {\n\tC: \"OO\",2000,0\n\tC: \"OO\",1000,2000\n" \
+	"\t\tProperties70:  {\n\t\t\tP: \"Lcl Translation\", \"Lcl Translation\", \"\", " \
+	"\"A\",40,50,60\n\t\t}\n\t}\n" \
+	"\tMaterial: 3000, \"Material::Bark\", \"\" {\n\t\tVersion: 102\n\t\tShadingModel: " \
+	"\"lambert\"\n\t\tProperties70:  {\n" \
+	"\t\t\tP: \"DiffuseColor\", \"Color\", \"\", \"A\",0.2,0.2,0.2\n\t\t}\n\t}\n}\nConnections:  " \
+	"{\n\tC: \"OO\",2000,0\n\tC: \"OO\",1000,2000\n" \
 	"\tC: \"OO\",3000,2000\n}\n"
 
 /* One triangle, 10 units wide and 100 units along the file's z, at (40, 50, 60). */
 static void formats_that_state_axes_and_unit_are_believed(void **state)
 {
-	static const struct { const char *name, *text; enum eco_up up; double unit_m, wide, deep, high, foot[3]; } cases[] = {
-		{ "z.dae", DAE("<unit name=\"inch\" meter=\"0.0254\"/><up_axis>Z_UP</up_axis>"), ECO_UP_Z, 0.0254, 10, 0, 100, { 45, 50, 60 } },
+	static const struct { const char *name, *text; enum eco_up up; double unit_m, wide, deep, high,
+		foot[3]; } cases[] = {
+		{ "z.dae", DAE("<unit name=\"inch\" meter=\"0.0254\"/><up_axis>Z_UP</up_axis>"), ECO_UP_Z,
+			0.0254, 10, 0, 100, { 45, 50, 60 } },
 		{ "y.dae", DAE("<up_axis>Y_UP</up_axis>"), ECO_UP_Y, 1, 10, 100, 0, { 0, 0, 50 } },
 		{ "bare.dae", DAE(""), ECO_UP_Y, 1, 10, 100, 0, { 0, 0, 50 } },
 		{ "z.fbx", FBX("2", "1", "-1", "2.54"), ECO_UP_Z, 0.0254, 10, 0, 100, { 45, 50, 60 } },
@@ -272,12 +339,19 @@ static void formats_that_state_axes_and_unit_are_believed(void **state)
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_model m;
 		import_file(&m, input_text("formats", cases[i].name, cases[i].text), NULL);
-		if (m.source.up != cases[i].up || m.source.up_how != ECO_HOW_FORMAT || m.source.unit_how != ECO_HOW_FORMAT
-			|| !close_to(m.scale, cases[i].unit_m, 1e-9) || !close_to(m.source.size[0], cases[i].wide, 1e-3) || !close_to(m.source.size[1], cases[i].deep, 1e-3)
-			|| !close_to(m.source.size[2], cases[i].high, 1e-3) || !close_to(m.foot[2], cases[i].foot[2], 1e-3)
-			|| (cases[i].high > 0 && (!close_to(m.foot[0], cases[i].foot[0], 1e-3) || !close_to(m.foot[1], cases[i].foot[1], 1e-3))))
-			fail_msg("%s: %g x %g x %g of %g m, foot %g %g %g: %s", cases[i].name, m.source.size[0], m.source.size[1], m.source.size[2], m.scale,
-				m.foot[0], m.foot[1], m.foot[2], import_said);
+		if (m.source.up != cases[i].up || m.source.up_how != ECO_HOW_FORMAT
+				|| m.source.unit_how != ECO_HOW_FORMAT
+			|| !close_to(m.scale, cases[i].unit_m, 1e-9)
+			|| !close_to(m.source.size[0], cases[i].wide, 1e-3)
+			|| !close_to(m.source.size[1], cases[i].deep, 1e-3)
+			|| !close_to(m.source.size[2], cases[i].high, 1e-3)
+			|| !close_to(m.foot[2], cases[i].foot[2], 1e-3)
+			|| (cases[i].high > 0
+			&& (!close_to(m.foot[0], cases[i].foot[0], 1e-3)
+			|| !close_to(m.foot[1], cases[i].foot[1], 1e-3))))
+			fail_msg("%s: %g x %g x %g of %g m, foot %g %g %g: %s", cases[i].name,
+				m.source.size[0], m.source.size[1], m.source.size[2], m.scale, m.foot[0],
+				m.foot[1], m.foot[2], import_said);
 		assert_string_equal(m.materials[0].name, "Bark");
 		assert_int_equal(m.materials[0].rgb[0], 51);
 		assert_memory_equal(m.parts[0].name, "Trunk", 5);
@@ -290,17 +364,22 @@ static void what_the_user_says_of_axes_and_unit_wins(void **state)
 	static const struct { const char *name, *text; enum eco_up up; double high; } cases[] = {
 		{ "w.dae", DAE("<unit meter=\"0.0254\"/><up_axis> Y_UP </up_axis>"), ECO_UP_Z, 100 },
 		{ "w.dae", DAE("<up_axis>Z_UP</up_axis>"), ECO_UP_Z, 100 },
-		{ "w.fbx", FBX("1", "2", "1", "1"), ECO_UP_Z, 100 }, { "w.fbx", FBX("2", "1", "-1", "1"), ECO_UP_Y, 0 },
-		{ "w.obj", "v 40 50 60\nv 50 50 60\nv 40 50 160\nf 1 2 3\n", ECO_UP_Z, 100 }, { "w.obj", "v 40 50 60\nv 50 50 60\nv 40 50 160\nf 1 2 3\n",
+		{ "w.fbx", FBX("1", "2", "1", "1"), ECO_UP_Z, 100 },
+		{ "w.fbx", FBX("2", "1", "-1", "1"), ECO_UP_Y, 0 },
+		{ "w.obj", "v 40 50 60\nv 50 50 60\nv 40 50 160\nf 1 2 3\n", ECO_UP_Z, 100 },
+		{ "w.obj", "v 40 50 60\nv 50 50 60\nv 40 50 160\nf 1 2 3\n",
 			ECO_UP_Y, 0 },
-		{ "w.obj", "v 40 50 60\nv 50 50 60\nv 40 50 160\nf 1 2 3\n", ECO_UP_X, 10 }, { "w.dae", DAE("<up_axis>Y_UP</up_axis>"), ECO_UP_X, 10 },
+		{ "w.obj", "v 40 50 60\nv 50 50 60\nv 40 50 160\nf 1 2 3\n", ECO_UP_X, 10 },
+		{ "w.dae", DAE("<up_axis>Y_UP</up_axis>"), ECO_UP_X, 10 },
 		{ "w.fbx", FBX("2", "1", "-1", "1"), ECO_UP_X, 10 },
 	};
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_model m;
-		import_file(&m, input_text("formats", cases[i].name, cases[i].text), &(struct eco_model_options){ .up = cases[i].up, .unit_m = 0.5 });
-		if (!close_to(m.source.size[2], cases[i].high, 1e-3) || m.scale != 0.5 || m.source.up_how != ECO_HOW_GIVEN || m.source.unit_how != ECO_HOW_GIVEN)
+		import_file(&m, input_text("formats", cases[i].name, cases[i].text),
+			&(struct eco_model_options){ .up = cases[i].up, .unit_m = 0.5 });
+		if (!close_to(m.source.size[2], cases[i].high, 1e-3) || m.scale != 0.5
+				|| m.source.up_how != ECO_HOW_GIVEN || m.source.unit_how != ECO_HOW_GIVEN)
 			fail_msg("case %zu: %g high, scale %g", i, m.source.size[2], m.scale);
 		eco_model_free(&m);
 	}
@@ -308,28 +387,36 @@ static void what_the_user_says_of_axes_and_unit_wins(void **state)
 
 /* ---- Units that nobody states ---- */
 
+static const struct { double units; const char *says; double metres; } a_unit_cases[] = {
+	{ 1103, "1103 units high, taken for centimetres: 11 m; add \"unit\" or \"height_m\" if not",
+		11.03 },
+	{ 12, "12 units high, taken for metres: 12 m", 12 }, { 0.3, "taken for metres: 0.3 m", 0.3 },
+	{ 61, "taken for centimetres: 0.61 m", 0.61 },
+	{ 18000, "taken for millimetres: 18 m", 18 },
+};
+
 static void a_unit_is_guessed_from_the_height_and_said(void **state)
 {
-	static const struct { double units; const char *says; double metres; } cases[] = {
-		{ 1103, "1103 units high, taken for centimetres: 11 m; add \"unit\" or \"height_m\" if not", 11.03 },
-		{ 12, "12 units high, taken for metres: 12 m", 12 }, { 0.3, "taken for metres: 0.3 m", 0.3 }, { 61, "taken for centimetres: 0.61 m", 0.61 },
-		{ 18000, "taken for millimetres: 18 m", 18 },
-	};
 
-	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+	for (size_t i = 0; i < sizeof a_unit_cases / sizeof *a_unit_cases; i++) {
 		struct eco_model m;
 		char text[200];
-		snprintf(text, sizeof text, "v 0 0 0\nv 1 0 0\nv 0 %g 0\nf 1 2 3\n", cases[i].units);
-		import_file(&m, input_text("formats", "unit.obj", text), &(struct eco_model_options){ .up = ECO_UP_Y });
-		import_says(cases[i].says);
-		assert_true(close_to(eco_model_height(&m), cases[i].metres, 1e-4) && m.source.unit_how == ECO_HOW_GUESSED);
+		snprintf(text, sizeof text, "v 0 0 0\nv 1 0 0\nv 0 %g 0\nf 1 2 3\n", a_unit_cases[i].units);
+		import_file(&m, input_text("formats", "unit.obj", text),
+			&(struct eco_model_options){ .up = ECO_UP_Y });
+		import_says(a_unit_cases[i].says);
+		assert_true(close_to(eco_model_height(&m), a_unit_cases[i].metres, 1e-4) && m.source.unit_how
+			== ECO_HOW_GUESSED);
 		eco_model_free(&m);
-		import_file(&m, "build/tmp/formats/unit.obj", &(struct eco_model_options){ .up = ECO_UP_Y, .height_m = 7 });
-		assert_true(close_to(eco_model_height(&m), 7, 1e-5) && !strstr(import_said, "taken for") && m.source.unit_how == ECO_HOW_HEIGHT);
+		import_file(&m, "build/tmp/formats/unit.obj",
+			&(struct eco_model_options){ .up = ECO_UP_Y, .height_m = 7 });
+		assert_true(close_to(eco_model_height(&m), 7, 1e-5) && !strstr(import_said, "taken for")
+			&& m.source.unit_how == ECO_HOW_HEIGHT);
 		eco_model_free(&m);
-		import_file(&m, "build/tmp/formats/unit.obj", &(struct eco_model_options){ .up = ECO_UP_Y, .unit_m = 0.3048 });
-		assert_true(close_to(eco_model_height(&m) / (cases[i].units * 0.3048), 1, 1e-5));
-		if (cases[i].units * 0.3048 > 120)
+		import_file(&m, "build/tmp/formats/unit.obj",
+			&(struct eco_model_options){ .up = ECO_UP_Y, .unit_m = 0.3048 });
+		assert_true(close_to(eco_model_height(&m) / (a_unit_cases[i].units * 0.3048), 1, 1e-5));
+		if (a_unit_cases[i].units * 0.3048 > 120)
 			import_says("high by the given unit");
 		eco_model_free(&m);
 	}
@@ -337,15 +424,18 @@ static void a_unit_is_guessed_from_the_height_and_said(void **state)
 
 static void comments_about_units_are_read(void **state)
 {
-	static const struct { const char *comment; double metres; } cases[] = { { "# File units = centimeters", 0.01 }, { "# Units: mm", 0.001 },
-		{ "#units=Inches", 0.0254 }, { "# Unit: 1 m", 1 }, { "# 12 units in the group", 0 }, { "# unit: minutes", 0 } };
+	static const struct { const char *comment; double metres; } cases[] =
+		{ { "# File units = centimeters", 0.01 }, { "# Units: mm", 0.001 },
+		{ "#units=Inches", 0.0254 }, { "# Unit: 1 m", 1 }, { "# 12 units in the group", 0 },
+		{ "# unit: minutes", 0 } };
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_model m;
 		char text[200];
 		snprintf(text, sizeof text, "%s\n" TRIANGLE "f 1 2 3\n", cases[i].comment);
 		import_file(&m, input_text("formats", "comment.obj", text), NULL);
-		if (m.source.unit_how != (cases[i].metres > 0 ? ECO_HOW_FORMAT : ECO_HOW_GUESSED) || (cases[i].metres > 0 && m.scale != cases[i].metres))
+		if (m.source.unit_how != (cases[i].metres > 0 ? ECO_HOW_FORMAT : ECO_HOW_GUESSED)
+				|| (cases[i].metres > 0 && m.scale != cases[i].metres))
 			fail_msg("%s: %g", cases[i].comment, m.scale);
 		eco_model_free(&m);
 	}
@@ -363,7 +453,8 @@ static size_t chunk(uint8_t *to, unsigned id, const uint8_t *body, size_t size)
 	return size + 6;
 }
 
-/* 3DS of one triangle, 2 wide and 5 high along z; STL and OFF of the same. None says which axis is up: as is usual in them. */
+/* 3DS of one triangle, 2 wide and 5 high along z; STL and OFF of the same. None says which axis is up: as is
+ * usual in them. */
 static void formats_without_axes_follow_their_convention(void **state)
 {
 	static const float places[9] = { 0, 0, 0, 2, 0, 0, 0, 0, 5 };
@@ -383,20 +474,24 @@ static void formats_without_axes_follow_their_convention(void **state)
 	used = chunk(bytes, 0x3d3d, bytes, used);
 	used = chunk(bytes, 0x4d4d, bytes, used);
 	import_file(&m, input_bytes("formats", "tree.3ds", bytes, used), NULL);
-	assert_true(close_to(m.source.size[2], 5, 1e-6) && m.source.up == ECO_UP_Z && close_to(m.source.size[0], 2, 1e-6));
+	assert_true(close_to(m.source.size[2], 5, 1e-6) && m.source.up == ECO_UP_Z
+		&& close_to(m.source.size[0], 2, 1e-6));
 	eco_model_free(&m);
 	memset(bytes, 0, sizeof bytes);
 	memcpy(bytes, "binary STL", 10);
 	bytes[80] = 1;
 	memcpy(bytes + 84 + 12, places, 36);
 	for (at = 0; at < 2; at++) {
-		import_file(&m, at == 0 ? input_bytes("formats", "tree.stl", bytes, 84 + 50) : input_text("formats", "text.STL",
-			"solid oak\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 0 5\nendloop\nendfacet\nendsolid oak\n"), NULL);
+		import_file(&m, at == 0 ? input_bytes("formats", "tree.stl", bytes, 84 + 50)
+			: input_text("formats", "text.STL",
+			"solid oak\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 0 "
+			"5\nendloop\nendfacet\nendsolid oak\n"), NULL);
 		assert_true(close_to(m.source.size[2], 5, 1e-6) && m.source.up == ECO_UP_Z);
 		assert_int_equal(m.materials[0].rgb[0], 153);
 		eco_model_free(&m);
 	}
-	import_file(&m, input_text("formats", "tree.off", "OFF\n3 1 0\n0 0 0\n2 0 0\n0 5 0\n3 0 1 2\n"), NULL);
+	import_file(&m, input_text("formats", "tree.off", "OFF\n3 1 0\n0 0 0\n2 0 0\n0 5 0\n3 0 1 2\n"),
+		NULL);
 	assert_true(close_to(m.source.size[2], 5, 1e-6) && m.source.up == ECO_UP_Y);
 	eco_model_free(&m);
 }
@@ -408,17 +503,22 @@ static void binary_ply_may_begin_with_any_byte(void **state)
 	for (int big = 0; big < 2; big++)
 		for (int ends = 0; ends < 2; ends++)
 			for (int first = 0; first < 256; first += first < 64 ? 1 : 13) {
-				const float places[4][3] = { { 10, 20, 0 }, { 11, 20, 0 }, { 11, 21, 3 }, { 10, 21, 0.5f } };
+				const float places[4][3] = { { 10, 20, 0 }, { 11, 20, 0 }, { 11, 21, 3 },
+					{ 10, 21, 0.5f } };
 				const char *end = ends ? "\r\n" : "\n";
 				struct eco_model m;
 				uint8_t file[600];
-				size_t used = (size_t)snprintf((char *)file, sizeof file, "ply%sformat %s 1.0%selement vertex 4%sproperty float x%sproperty float y%s"
-					"property float z%selement face 2%sproperty list uchar int vertex_indices%send_header%s", end, formats[big], end, end, end, end,
+				size_t used = (size_t)snprintf((char *)file, sizeof file,
+					"ply%sformat %s 1.0%selement vertex 4%sproperty float x%sproperty "
+					"float y%s"
+					"property float z%selement face 2%sproperty list uchar int "
+					"vertex_indices%send_header%s", end, formats[big], end, end, end, end,
 					end, end, end, end), data = used;
 
 				for (int i = 0; i < 12; i++, used += 4)
 					for (int b = 0; b < 4; b++)
-						file[used + (size_t)(big ? 3 - b : b)] = ((const uint8_t *)places)[4 * i + b];
+						file[used + (size_t)(big ? 3 - b : b)] =
+							((const uint8_t *)places)[4 * i + b];
 				if (!big)
 					file[data] = (uint8_t)first;
 				for (int t = 0; t < 2; t++) {
@@ -430,7 +530,8 @@ static void binary_ply_may_begin_with_any_byte(void **state)
 				}
 				import_file(&m, input_bytes("formats", "first.ply", file, used), NULL);
 				assert_int_equal(m.triangle_count, 2);
-				assert_true(close_to(m.source.size[2], 3, 1e-5) && close_to(m.source.size[0], 1, 1e-4));
+				assert_true(close_to(m.source.size[2], 3, 1e-5)
+					&& close_to(m.source.size[0], 1, 1e-4));
 				eco_model_free(&m);
 				if (big)
 					break;
@@ -440,7 +541,8 @@ static void binary_ply_may_begin_with_any_byte(void **state)
 static void empty_solids_are_no_harm(void **state)
 {
 	struct eco_model m;
-	import_file(&m, input_text("formats", "solids.stl", "solid leaf\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 0 "
+	import_file(&m, input_text("formats", "solids.stl", "solid leaf\nfacet normal 0 0 1\nouter "
+		"loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 0 "
 		"5\nendloop\nendfacet\nendsolid leaf\nsolid empty\nendsolid empty\n"), NULL);
 	assert_int_equal(m.triangle_count, 1);
 	assert_true(close_to(m.source.size[2], 5, 1e-6));
@@ -449,20 +551,30 @@ static void empty_solids_are_no_harm(void **state)
 
 static void what_is_no_model_is_refused_with_what_to_do(void **state)
 {
-	static const struct { const char *name, *bytes; size_t size; enum eco_code code; const char *says; } cases[] = {
-		{ "oak.obj.xz", "\xfd" "7zXZ\0\0", 7, ECO_UNSUPPORTED, "packed with xz; unpack it first: xz -dk oak.obj.xz" },
-		{ "oak.obj.gz", "\x1f\x8b\x08", 3, ECO_UNSUPPORTED, "gunzip -k oak.obj.gz" }, { "oak.blend", "\x1f\x8b\x08", 3, ECO_UNSUPPORTED,
-			"zcat <oak.blend >unpacked-oak.blend" }, { "oak.zip", "PK\x03\x04", 4, ECO_UNSUPPORTED, "unzip oak.zip" },
-		{ "oak.obj", "BZh91AY", 7, ECO_UNSUPPORTED, "bzcat <oak.obj >unpacked-oak.obj" }, { "oak.glb", "", 0, ECO_BAD_INPUT, "the file is empty" },
-		{ "oak.fbx", "version https://git-lfs.github.com/spec/v1\n", 43, ECO_BAD_INPUT, "a pointer of Git LFS" },
+	static const struct { const char *name, *bytes; size_t size; enum eco_code code; const char *says;
+		} cases[] = {
+		{ "oak.obj.xz", "\xfd" "7zXZ\0\0", 7, ECO_UNSUPPORTED,
+			"packed with xz; unpack it first: xz -dk oak.obj.xz" },
+		{ "oak.obj.gz", "\x1f\x8b\x08", 3, ECO_UNSUPPORTED, "gunzip -k oak.obj.gz" },
+		{ "oak.blend", "\x1f\x8b\x08", 3, ECO_UNSUPPORTED,
+			"zcat <oak.blend >unpacked-oak.blend" },
+			{ "oak.zip", "PK\x03\x04", 4, ECO_UNSUPPORTED, "unzip oak.zip" },
+		{ "oak.obj", "BZh91AY", 7, ECO_UNSUPPORTED, "bzcat <oak.obj >unpacked-oak.obj" },
+		{ "oak.glb", "", 0, ECO_BAD_INPUT, "the file is empty" },
+		{ "oak.fbx", "version https://git-lfs.github.com/spec/v1\n", 43, ECO_BAD_INPUT,
+		"a pointer of Git LFS" },
 		{ "oak.gltf", "\n<!DOCTYPE html><html>", 22, ECO_BAD_INPUT, "a web page, not a model" },
-		{ "oak.mtl", "newmtl x\n", 9, ECO_UNSUPPORTED, "name the OBJ file" }, { "oak.skp", "x", 1, ECO_UNSUPPORTED, "export GLB, Collada or OBJ" },
-		{ "oak.usdz", "PK\3\4", 4, ECO_UNSUPPORTED, "USD is not read" }, { "oak.STEP", "ISO-10303", 9, ECO_UNSUPPORTED, "CAD" },
-		{ "oak.blend", "BLENDER-v300", 12, ECO_BAD_INPUT, "export GLB" }, { "oak.fbx", "Kaydara FBX", 11, ECO_BAD_INPUT, "oak.fbx" },
+		{ "oak.mtl", "newmtl x\n", 9, ECO_UNSUPPORTED, "name the OBJ file" },
+		{ "oak.skp", "x", 1, ECO_UNSUPPORTED, "export GLB, Collada or OBJ" },
+		{ "oak.usdz", "PK\3\4", 4, ECO_UNSUPPORTED, "USD is not read" },
+		{ "oak.STEP", "ISO-10303", 9, ECO_UNSUPPORTED, "CAD" },
+		{ "oak.blend", "BLENDER-v300", 12, ECO_BAD_INPUT, "export GLB" },
+		{ "oak.fbx", "Kaydara FBX", 11, ECO_BAD_INPUT, "oak.fbx" },
 	};
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-		import_refuses(input_bytes("formats", cases[i].name, cases[i].bytes, cases[i].size), cases[i].code, cases[i].says);
+		import_refuses(input_bytes("formats", cases[i].name, cases[i].bytes, cases[i].size),
+			cases[i].code, cases[i].says);
 	import_refuses("build/tmp", ECO_BAD_INPUT, "a folder, not a model");
 }
 
@@ -474,11 +586,15 @@ static void several_files_are_one_plant(void **state)
 	struct eco_model m;
 	input_text("formats", "wood.mtl", "newmtl same\nKd 1 0 0\n");
 	input_text("formats", "leaf.mtl", "newmtl same\nKd 0 1 0\n");
-	paths[0] = input_text("formats", "wood.obj", "mtllib wood.mtl\nusemtl same\no Stem\nv 9 0 0\nv 11 0 0\nv 10 4 0\nf 1 2 3\n");
-	paths[1] = input_text("formats", "leaf.obj", "mtllib leaf.mtl\nusemtl same\nv 10 3 0\nv 11 5 0\nv 10 5 0\nf 1 2 3\n");
-	import_file(&m, NULL, &(struct eco_model_options){ .paths = paths, .path_count = 2, .up = ECO_UP_Y, .height_m = 10 });
+	paths[0] = input_text("formats", "wood.obj", "mtllib wood.mtl\nusemtl same\no Stem\nv 9 0 0\nv 11 0 "
+		"0\nv 10 4 0\nf 1 2 3\n");
+	paths[1] = input_text("formats", "leaf.obj", "mtllib leaf.mtl\nusemtl same\nv 10 3 0\nv 11 5 0\nv "
+		"10 5 0\nf 1 2 3\n");
+	import_file(&m, NULL, &(struct eco_model_options){ .paths = paths, .path_count = 2, .up = ECO_UP_Y,
+		.height_m = 10 });
 	assert_int_equal(m.triangle_count, 2);
-	assert_true(close_to(m.foot[0], 10, 1e-6) && close_to(m.scale, 2, 1e-9) && has_place(&m, 0, 0, 8) && has_place(&m, 2, 0, 10));
+	assert_true(close_to(m.foot[0], 10, 1e-6) && close_to(m.scale, 2, 1e-9) && has_place(&m, 0, 0, 8)
+		&& has_place(&m, 2, 0, 10));
 	assert_string_equal(m.parts[m.part[0]].name, "wood.obj/Stem");
 	assert_string_equal(m.parts[m.part[1]].name, "leaf.obj");
 	assert_true(m.materials[m.material[0]].rgb[0] == 255 && m.materials[m.material[1]].rgb[1] == 255);
@@ -493,8 +609,8 @@ static void files_that_do_not_say_follow_those_that_do(void **state)
 	paths[1] = input_text("formats", "says.dae", DAE("<unit meter=\"0.0254\"/><up_axis>Z_UP</up_axis>"));
 	paths[0] = input_text("formats", "silent.obj", "v 44 50 160\nv 46 50 160\nv 45 50 200\nf 1 2 3\n");
 	import_file(&m, NULL, &(struct eco_model_options){ .paths = paths, .path_count = 2 });
-	assert_true(m.source.up == ECO_UP_Z && close_to(m.source.size[2], 140, 1e-3) && close_to(m.scale, 0.0254, 1e-9)
-		&& !strstr(import_said, "taken for"));
+	assert_true(m.source.up == ECO_UP_Z && close_to(m.source.size[2], 140, 1e-3)
+		&& close_to(m.scale, 0.0254, 1e-9) && !strstr(import_said, "taken for"));
 	eco_model_free(&m);
 	paths[0] = input_text("formats", "metres.dae", DAE("<unit meter=\"1\"/><up_axis>Z_UP</up_axis>"));
 	import_file(&m, NULL, &(struct eco_model_options){ .paths = paths, .path_count = 2 });
@@ -505,16 +621,21 @@ static void files_that_do_not_say_follow_those_that_do(void **state)
 static void one_bad_file_of_several_is_named(void **state)
 {
 	struct eco_error error = { .code = ECO_OK };
-	const char *paths[2] = { input_text("formats", "good.obj", TRIANGLE "f 1 2 3\n"), "build/tmp/formats/gone.obj" };
+	const char *paths[2] = { input_text("formats", "good.obj", TRIANGLE "f 1 2 3\n"),
+		"build/tmp/formats/gone.obj" };
 	struct eco_model m;
-	assert_int_equal(eco_model_import(&m, &(struct eco_model_options){ .paths = paths, .path_count = 2 }, &error), ECO_NOT_FOUND);
+	assert_int_equal(eco_model_import(&m, &(struct eco_model_options){ .paths = paths, .path_count = 2 },
+		&error), ECO_NOT_FOUND);
 	assert_non_null(strstr(error.text, "gone.obj"));
 	assert_null(m.position);
 	error.code = ECO_OK;
-	assert_int_equal(eco_model_import(&m, &(struct eco_model_options){ .paths = paths, .path_count = 0 }, &error), ECO_BAD_INPUT);
+	assert_int_equal(eco_model_import(&m, &(struct eco_model_options){ .paths = paths, .path_count = 0 },
+		&error), ECO_BAD_INPUT);
 	paths[1] = paths[0];
 	error.code = ECO_OK;
-	assert_int_equal(eco_model_import(&m, &(struct eco_model_options){ .paths = paths, .path_count = 2, .triangles_max = 1 }, &error), ECO_TOO_LARGE);
+	assert_int_equal(eco_model_import(&m,
+		&(struct eco_model_options){ .paths = paths, .path_count = 2, .triangles_max = 1 }, &error),
+		ECO_TOO_LARGE);
 }
 
 /* ---- The same model in two formats ---- */
@@ -527,7 +648,8 @@ static void shared_models_agree_between_formats(void **state)
 	if (!data)
 		skip();
 	for (int i = 0; i < 2; i++) {
-		snprintf(path[i], sizeof path[i], "%s/models/quaternius/CommonTree_1.%s", data, i == 0 ? "obj" : "fbx");
+		snprintf(path[i], sizeof path[i], "%s/models/quaternius/CommonTree_1.%s", data,
+			i == 0 ? "obj" : "fbx");
 		if (access(path[i], R_OK) != 0)
 			skip();
 	}
@@ -539,7 +661,8 @@ static void shared_models_agree_between_formats(void **state)
 	assert_true(close_to(eco_model_height(&obj), eco_model_height(&fbx), 1e-4));
 	for (uint32_t i = 0; i < obj.material_count; i++)
 		for (int k = 0; k < 3; k++)
-			assert_in_range(material_of(&fbx, obj.materials[i].name)->rgb[k] + 1, obj.materials[i].rgb[k], obj.materials[i].rgb[k] + 2);
+			assert_in_range(material_of(&fbx, obj.materials[i].name)->rgb[k] + 1,
+				obj.materials[i].rgb[k], obj.materials[i].rgb[k] + 2);
 	eco_model_free(&obj);
 	eco_model_free(&fbx);
 }

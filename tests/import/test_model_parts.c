@@ -8,11 +8,15 @@
 static void names_fit_patterns_whole_or_between_slashes(void **state)
 {
 	static const struct { const char *pattern, *name; bool fits; } cases[] = {
-		{ "pot", "pot", true }, { "pot", "POT", true }, { "pot", "pots", false }, { "pot*", "pots and pans", true }, { "*pot", "flowerpot", true },
-		{ "*pot*", "a Pot here", true }, { "p?t", "pit", true }, { "p?t", "pt", false }, { "?", "", false }, { "*", "", true }, { "", "", true },
-		{ "", "x", false }, { "**a**b", "xaxxb", true }, { "*a*b", "xaxxbx", false }, { "leaves", "tree/leaves", true },
+		{ "pot", "pot", true }, { "pot", "POT", true }, { "pot", "pots", false },
+			{ "pot*", "pots and pans", true }, { "*pot", "flowerpot", true },
+		{ "*pot*", "a Pot here", true }, { "p?t", "pit", true }, { "p?t", "pt", false },
+		{ "?", "", false }, { "*", "", true }, { "", "", true },
+		{ "", "x", false }, { "**a**b", "xaxxb", true }, { "*a*b", "xaxxbx", false },
+		{ "leaves", "tree/leaves", true },
 		{ "tree", "tree/leaves", true },
-		{ "tree/*", "tree/leaves", true }, { "leaf.obj", "leaf.obj/Plane", true }, { "ree", "tree/leaves", false },
+		{ "tree/*", "tree/leaves", true }, { "leaf.obj", "leaf.obj/Plane", true },
+		{ "ree", "tree/leaves", false },
 		{ "bl\xc3\xa4tter", "BL\xc3\x84TTER", true }, { "bl?tter", "Bl\xc3\xa4tter", true },
 		{ "\xd0\xb4\xd1\x83\xd0\xb1", "\xd0\x94\xd0\xa3\xd0\x91", true },
 		{ "a?c", "a\xff" "c", true }, { "[a]", "a", false },
@@ -27,8 +31,9 @@ static void names_fit_patterns_whole_or_between_slashes(void **state)
 /* A square of side `size` at (x, z), standing, of two triangles that share two of their four vertices. */
 static size_t put_square(char *to, size_t room, double x, double z, double size, int first)
 {
-	return (size_t)snprintf(to, room, "v %g %g 0\nv %g %g 0\nv %g %g 0\nv %g %g 0\nf %d %d %d\nf %d %d %d\n", x, z, x + size, z, x + size,
-		z + size, x, z + size, first, first + 1, first + 2, first, first + 2, first + 3);
+	return (size_t)snprintf(to, room, "v %g %g 0\nv %g %g 0\nv %g %g 0\nv %g %g 0\nf %d %d %d\nf %d %d "
+		"%d\n", x, z, x + size, z, x + size, z + size, x, z + size, first, first + 1, first + 2,
+		first, first + 2, first + 3);
 }
 
 /* Bark of 4 x 4, a pot of 6 x 6 below it in two materials, and three leaves of sides 1, 1 and 2. */
@@ -36,21 +41,26 @@ static const char *write_plant(void)
 {
 	char text[2000];
 	size_t used = 0;
-	input_text("parts", "plant.mtl", "newmtl bark\nKd 1 1 0\nnewmtl clay\nKd 1 0 0\nnewmtl soil\nKd 0 0 0\nnewmtl leaf\nKd 0 1 0\n");
+	input_text("parts", "plant.mtl", "newmtl bark\nKd 1 1 0\nnewmtl clay\nKd 1 0 0\nnewmtl soil\nKd 0 0 "
+		"0\nnewmtl leaf\nKd 0 1 0\n");
 	used += (size_t)snprintf(text, sizeof text, "mtllib plant.mtl\no Stem\nusemtl bark\n");
 	used += put_square(text + used, sizeof text - used, 0, 6, 4, 1);
 	used += (size_t)snprintf(text + used, sizeof text - used, "o Pot\nusemtl clay\n");
 	used += put_square(text + used, sizeof text - used, -1, 0, 6, 5);
-	used += (size_t)snprintf(text + used, sizeof text - used, "usemtl soil\nf 8 7 4\no Crown\nusemtl leaf\n");
+	used += (size_t)snprintf(text + used, sizeof text - used,
+		"usemtl soil\nf 8 7 4\no Crown\nusemtl leaf\n");
 	used += put_square(text + used, sizeof text - used, 0, 11, 1, 9);
 	used += put_square(text + used, sizeof text - used, 2, 11, 1, 13);
 	put_square(text + used, sizeof text - used, 4, 11, 2, 17);
 	return input_text("parts", "plant.obj", text);
 }
 
-static void import_with(struct eco_model *m, const struct eco_part_rule *rules, uint32_t count, double height_m)
+static void import_with(struct eco_model *m, const struct eco_part_rule *rules, uint32_t count,
+	double height_m)
 {
-	import_file(m, write_plant(), &(struct eco_model_options){ .up = ECO_UP_Y, .rules = rules, .rule_count = count, .height_m = height_m,
+	import_file(m, write_plant(),
+		&(struct eco_model_options){ .up = ECO_UP_Y, .rules = rules, .rule_count = count,
+		.height_m = height_m,
 		.unit_m = 1 });
 }
 
@@ -63,12 +73,14 @@ static void components_hang_together_by_place_within_a_material(void **state)
 	import_with(&m, NULL, 0, 0);
 	place = malloc(m.vertex_count * sizeof *place);
 	assert_true(place != NULL && eco_model_places(&m, place));
-	assert_true(eco_components_find(&by_material, &m, place, true) && eco_components_find(&all, &m, place, false));
+	assert_true(eco_components_find(&by_material, &m, place, true)
+		&& eco_components_find(&all, &m, place, false));
 	assert_int_equal(by_material.count, 6);
 	assert_int_equal(all.count, 4);              /* soil hangs together with pot and stem */
 	for (uint32_t i = 0; i < 6; i++)
 		assert_true(close_to(by_material.items[i].area, areas[i], 1e-4));
-	assert_true(by_material.items[4].first < by_material.items[5].first);        /* as large as each other: as in the file */
+	/* as large as each other: as in the file */
+	assert_true(by_material.items[4].first < by_material.items[5].first);
 	for (uint32_t i = 0; i < m.triangle_count; i++)
 		assert_true(by_material.of[i] < 6 && strcmp(m.materials[m.material[i]].name,
 			m.materials[m.material[by_material.items[by_material.of[i]].first]].name) == 0);
@@ -80,7 +92,8 @@ static void components_hang_together_by_place_within_a_material(void **state)
 
 static void a_pot_is_left_out_before_foot_and_height_are_found(void **state)
 {
-	const struct eco_part_rule rules[] = { { .kind = ECO_PART_NAME, .name = (char *)"pot", .is = ECO_PART_LEFT_OUT } };
+	const struct eco_part_rule rules[] =
+		{ { .kind = ECO_PART_NAME, .name = (char *)"pot", .is = ECO_PART_LEFT_OUT } };
 	struct eco_model m;
 	import_with(&m, rules, 1, 7);
 	assert_int_equal(m.triangles_in, 11);
@@ -97,10 +110,13 @@ static void a_pot_is_left_out_before_foot_and_height_are_found(void **state)
 
 static void the_first_rule_that_fits_counts(void **state)
 {
-	const struct eco_part_rule rules[] = { { .kind = ECO_PART_NAME, .name = (char *)"cl?y", .is = ECO_ORGAN_WOOD },
-		{ .kind = ECO_PART_NAME, .name = (char *)"Pot", .is = ECO_PART_LEFT_OUT }, { .kind = ECO_PART_COMPONENT, .component = 2,
+	const struct eco_part_rule rules[] =
+		{ { .kind = ECO_PART_NAME, .name = (char *)"cl?y", .is = ECO_ORGAN_WOOD },
+		{ .kind = ECO_PART_NAME, .name = (char *)"Pot", .is = ECO_PART_LEFT_OUT },
+		{ .kind = ECO_PART_COMPONENT, .component = 2,
 			.is = ECO_ORGAN_FLOWER },
-		{ .kind = ECO_PART_SIZE, .size = { 0, 0.15 }, .is = ECO_ORGAN_FOLIAGE }, { .kind = ECO_PART_NAME, .name = (char *)"*",
+		{ .kind = ECO_PART_SIZE, .size = { 0, 0.15 }, .is = ECO_ORGAN_FOLIAGE },
+		{ .kind = ECO_PART_NAME, .name = (char *)"*",
 			.is = ECO_ORGAN_WOOD } };
 	uint32_t count[256] = { 0 };
 	struct eco_model m;
@@ -114,18 +130,22 @@ static void the_first_rule_that_fits_counts(void **state)
 	}
 	assert_int_equal(count[ECO_ORGAN_FLOWER], 2);
 	assert_int_equal(count[ECO_ORGAN_FOLIAGE], 4);           /* two small leaves */
-	assert_int_equal(count[ECO_ORGAN_WOOD], 4);              /* the pot, and the large leaf by the last rule */
+	/* the pot, and the large leaf by the last rule */
+	assert_int_equal(count[ECO_ORGAN_WOOD], 4);
 	assert_int_equal(import_said[0], 0);
 	eco_model_free(&m);
 }
 
 static void rules_that_fit_nothing_say_what_there_is(void **state)
 {
-	const struct eco_part_rule rules[] = { { .kind = ECO_PART_NAME, .name = (char *)"vase*", .is = ECO_PART_LEFT_OUT },
-		{ .kind = ECO_PART_COMPONENT, .component = 7, .is = ECO_ORGAN_WOOD }, { .kind = ECO_PART_SIZE, .size = { 2, 3 }, .is = ECO_ORGAN_WOOD } };
+	const struct eco_part_rule rules[] =
+		{ { .kind = ECO_PART_NAME, .name = (char *)"vase*", .is = ECO_PART_LEFT_OUT },
+		{ .kind = ECO_PART_COMPONENT, .component = 7, .is = ECO_ORGAN_WOOD },
+		{ .kind = ECO_PART_SIZE, .size = { 2, 3 }, .is = ECO_ORGAN_WOOD } };
 	struct eco_model m;
 	import_with(&m, rules, 3, 0);
-	import_says("the rule {\"name\": \"vase*\"} fits nothing: its materials are \"bark\", \"clay\", \"soil\", \"leaf\"; its meshes, objects "
+	import_says("the rule {\"name\": \"vase*\"} fits nothing: its materials are \"bark\", \"clay\", "
+		"\"soil\", \"leaf\"; its meshes, objects "
 		"and groups are \"Stem\", \"Pot\", \"Crown\"");
 	import_says("the rule {\"component\": 7} fits nothing: there are 6 components");
 	import_says("the rule {\"size\": [2, 3]} fits nothing");
@@ -134,12 +154,14 @@ static void rules_that_fit_nothing_say_what_there_is(void **state)
 
 static void rules_that_leave_nothing_are_an_error(void **state)
 {
-	const struct eco_part_rule rules[] = { { .kind = ECO_PART_NAME, .name = (char *)"*", .is = ECO_PART_LEFT_OUT } };
+	const struct eco_part_rule rules[] =
+		{ { .kind = ECO_PART_NAME, .name = (char *)"*", .is = ECO_PART_LEFT_OUT } };
 	struct eco_error error = { .code = ECO_OK };
 	const char *path = write_plant();
 	struct eco_model m;
-	assert_int_equal(eco_model_import(&m, &(struct eco_model_options){ .paths = &path, .path_count = 1, .rules = rules, .rule_count = 1 }, &error),
-		ECO_BAD_INPUT);
+	assert_int_equal(eco_model_import(&m,
+		&(struct eco_model_options){ .paths = &path, .path_count = 1, .rules = rules,
+		.rule_count = 1 }, &error), ECO_BAD_INPUT);
 	assert_non_null(strstr(error.text, "leave out all of it"));
 	assert_null(m.position);
 }

@@ -19,20 +19,24 @@ static void tube(double x0, double y0, double z0, double x1, double y1, double z
 {
 	for (int i = 0; i < 2 * sides; i++) {
 		double angle = 6.283185307179586 * (i % sides) / sides;
-		used += (size_t)snprintf(text + used, sizeof text - used, "v %.7f %.7f %.7f\n", (i < sides ? x0 : x1) + radius * cos(angle),
+		used += (size_t)snprintf(text + used, sizeof text - used, "v %.7f %.7f %.7f\n",
+			(i < sides ? x0 : x1) + radius * cos(angle),
 			(i < sides ? y0 : y1) + radius * sin(angle), i < sides ? z0 : z1);
 	}
 	for (int i = 0; i < sides; i++)
-		used += (size_t)snprintf(text + used, sizeof text - used, "f %d %d %d %d\n", vertices + i + 1, vertices + (i + 1) % sides + 1,
-			vertices + (i + 1) % sides + 1 + sides, vertices + i + 1 + sides);
+		used += (size_t)snprintf(text + used, sizeof text - used, "f %d %d %d %d\n", vertices + i + 1,
+			vertices + (i + 1) % sides + 1, vertices + (i + 1) % sides + 1 + sides,
+			vertices + i + 1 + sides);
 	vertices += 2 * sides;
 }
 
 /* A leaf: a square card around a point. */
 static void leaf(double x, double y, double z, double size)
 {
-	used += (size_t)snprintf(text + used, sizeof text - used, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\nf %d %d %d %d\n", x - size / 2,
-		y, z, x, y, z - size / 2, x + size / 2, y, z, x, y, z + size / 2, vertices + 1, vertices + 2, vertices + 3, vertices + 4);
+	used += (size_t)snprintf(text + used, sizeof text - used,
+		"v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\nf %d %d %d %d\n", x - size / 2, y, z, x, y,
+		z - size / 2, x + size / 2, y, z, x, y, z + size / 2, vertices + 1, vertices + 2,
+		vertices + 3, vertices + 4);
 	vertices += 4;
 }
 
@@ -40,18 +44,22 @@ static void leaf(double x, double y, double z, double size)
 static void crown(double x, double y, double z, double radius)
 {
 	for (int i = 0; i < 100; i++)
-		leaf(x + radius * cos(i * 2.4) * (i % 10) / 10, y + radius * sin(i * 2.4) * (i % 10) / 10, z + radius * (i / 10 - 5) / 6, 0.3);
+		leaf(x + radius * cos(i * 2.4) * (i % 10) / 10, y + radius * sin(i * 2.4) * (i % 10) / 10,
+			z + radius * (i / 10 - 5) / 6, 0.3);
 }
 
 static void stand(struct eco_model *m, double height_m)
 {
-	import_file(m, input_text("stand", "plant.obj", text), &(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1, .height_m = height_m });
+	import_file(m, input_text("stand", "plant.obj", text),
+		&(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1, .height_m = height_m });
 }
 
 static void expect_foot(struct eco_model *m, double x, double y, double z)
 {
-	if (!close_to(m->foot[0], x, 0.02) || !close_to(m->foot[1], y, 0.02) || !close_to(m->foot[2], z, 1e-5))
-		fail_msg("the foot is at %g %g %g, not %g %g %g", m->foot[0], m->foot[1], m->foot[2], x, y, z);
+	if (!close_to(m->foot[0], x, 0.02) || !close_to(m->foot[1], y, 0.02)
+			|| !close_to(m->foot[2], z, 1e-5))
+		fail_msg("the foot is at %g %g %g, not %g %g %g", m->foot[0], m->foot[1], m->foot[2], x, y,
+			z);
 	eco_model_free(m);
 }
 
@@ -71,13 +79,15 @@ static void twigs_that_hang_lower_than_the_stem_end_in_the_ground(void **state)
 	begin();
 	tube(0, 0, 5, 0, 0, 15, 0.4, 8);
 	for (int i = 0; i < 24; i++)
-		tube(4 * cos(i * 0.26), 4 * sin(i * 0.26), 4.2 + 0.03 * i, 0.2 * cos(i * 0.26), 0.2 * sin(i * 0.26), 14, 0.02, 4);
+		tube(4 * cos(i * 0.26), 4 * sin(i * 0.26), 4.2 + 0.03 * i, 0.2 * cos(i * 0.26),
+			0.2 * sin(i * 0.26), 14, 0.02, 4);
 	crown(0, 0, 13, 4);
 	stand(&m, 0);
 	assert_true(close_to(m.source.below, 0.8, 1e-5));
 	expect_foot(&m, 0, 0, 5);
 	stand(&m, 20);                                       /* the height is what shows */
-	assert_true(close_to(m.scale, 20 / (eco_model_height(&m) / m.scale), 1e-6) && close_to(eco_model_height(&m), 20, 1e-4));
+	assert_true(close_to(m.scale, 20 / (eco_model_height(&m) / m.scale), 1e-6)
+		&& close_to(eco_model_height(&m), 20, 1e-4));
 	eco_model_free(&m);
 }
 
@@ -90,10 +100,13 @@ static void a_pot_carries_its_plant(void **state)
 		if (walls == 0)
 			tube(0, 0, 0, 0, 0, 3.5, 1, 12);
 		for (int side = 0; side < 4 && walls == 1; side++) {    /* a box of four boards */
-			double c = side % 2 == 0 ? (side == 0 ? 1 : -1) : 0, s = side % 2 == 1 ? (side == 1 ? 1 : -1) : 0;
+			double c = side % 2 == 0 ? (side == 0 ? 1 : -1) : 0,
+				s = side % 2 == 1 ? (side == 1 ? 1 : -1) : 0;
 
-			used += (size_t)snprintf(text + used, sizeof text - used, "v %g %g 0\nv %g %g 0\nv %g %g 3.5\nv %g %g 3.5\nf %d %d %d %d\n", c - s, s + c,
-				c + s, s - c, c + s, s - c, c - s, s + c, vertices + 1, vertices + 2, vertices + 3, vertices + 4);
+			used += (size_t)snprintf(text + used, sizeof text - used,
+				"v %g %g 0\nv %g %g 0\nv %g %g 3.5\nv %g %g 3.5\nf %d %d %d %d\n", c - s,
+				s + c, c + s, s - c, c + s, s - c, c - s, s + c, vertices + 1, vertices + 2,
+				vertices + 3, vertices + 4);
 			vertices += 4;
 		}
 		crown(0.5, 0, 8, 2);
@@ -154,9 +167,11 @@ static void a_bush_that_is_one_hull_stands_on_its_lower_part(void **state)
 	struct eco_model m;
 	begin();
 	tube(5, 5, 0, 5, 5, 2, 1, 12);
-	used += (size_t)snprintf(text + used, sizeof text - used, "v 5.95 5 -0.05\nf 1 2 %d\n", ++vertices);     /* a tip at its rim */
+	used += (size_t)snprintf(text + used, sizeof text - used, "v 5.95 5 -0.05\nf 1 2 %d\n", ++vertices);
+		/* a tip at its rim */
 	stand(&m, 0);
-	assert_true(close_to(m.foot[0], 5, 0.15) && close_to(m.foot[1], 5, 0.15) && close_to(m.foot[2], -0.05, 1e-6));
+	assert_true(close_to(m.foot[0], 5, 0.15) && close_to(m.foot[1], 5, 0.15)
+		&& close_to(m.foot[2], -0.05, 1e-6));
 	eco_model_free(&m);
 }
 
@@ -164,7 +179,8 @@ static void grass_of_cards_stands_in_its_middle(void **state)
 {
 	struct eco_model m;
 	begin();
-	used += (size_t)snprintf(text, sizeof text, "v 1 2 0\nv 3 2 0\nv 3 2 1\nv 1 2 1\nv 2 1 0\nv 2 3 0\nv 2 3 1\nv 2 1 1\nf 1 2 3 4\nf 5 6 7 8\n");
+	used += (size_t)snprintf(text, sizeof text, "v 1 2 0\nv 3 2 0\nv 3 2 1\nv 1 2 1\nv 2 1 0\nv 2 3 "
+		"0\nv 2 3 1\nv 2 1 1\nf 1 2 3 4\nf 5 6 7 8\n");
 	stand(&m, 0);
 	expect_foot(&m, 2, 2, 0);
 }
@@ -172,7 +188,8 @@ static void grass_of_cards_stands_in_its_middle(void **state)
 /* What rules call wood is the stem, whatever it looks like. */
 static void wood_by_rule_is_what_stands(void **state)
 {
-	const struct eco_part_rule rule = { .kind = ECO_PART_NAME, .name = (char *)"thin", .is = ECO_ORGAN_WOOD };
+	const struct eco_part_rule rule = { .kind = ECO_PART_NAME, .name = (char *)"thin",
+		.is = ECO_ORGAN_WOOD };
 	const char *path;
 	struct eco_model m;
 	begin();
@@ -184,7 +201,8 @@ static void wood_by_rule_is_what_stands(void **state)
 	import_file(&m, path, &(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1 });
 	assert_true(close_to(m.foot[0], 0, 0.02));
 	eco_model_free(&m);
-	import_file(&m, path, &(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1, .rules = &rule, .rule_count = 1 });
+	import_file(&m, path, &(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1, .rules = &rule,
+		.rule_count = 1 });
 	expect_foot(&m, 6, 0, 0);
 }
 

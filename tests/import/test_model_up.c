@@ -10,7 +10,8 @@ static uint32_t plain(struct soup *s)
 	return soup_material(s, 153, 153, 153, ECO_NONE, false);
 }
 
-static void blades(struct soup *s, uint32_t material, int count, struct lod_v3 at, double length, double lean, double sink)
+static void blades(struct soup *s, uint32_t material, int count, struct lod_v3 at, double length, double lean,
+	double sink)
 {
 	for (int i = 0; i < count; i++) {
 		struct lod_v3 d = soup_direction(s), last = at;
@@ -18,7 +19,9 @@ static void blades(struct soup *s, uint32_t material, int count, struct lod_v3 a
 		d = lod_v3_unit(d);
 		for (int k = 1; k <= 6; k++) {
 			double w = k / 6.0;
-			struct lod_v3 next = lod_v3_add(at, (struct lod_v3){ d.x * lean * w * length, d.y * lean * w * length,
+			struct lod_v3 next =
+				lod_v3_add(at,
+				(struct lod_v3){ d.x * lean * w * length, d.y * lean * w * length,
 				(w - sink * w * w) * length });
 			soup_tube(s, material, last, next, 0.01 * length, 0.008 * length, 3, 1);
 			last = next;
@@ -39,8 +42,9 @@ static void bare_tree(struct soup *s)
 	for (int i = 0; i < 25; i++) {
 		struct lod_v3 d = soup_direction(s);
 		d.z = fabs(d.z);
-		soup_tube(s, m, (struct lod_v3){ 0, 0, 1.5 + 0.1 * i }, lod_v3_add((struct lod_v3){ 0, 0, 1.5 + 0.1 * i }, lod_v3_scale(d, 1.8)), 0.05,
-			0.01, 5, 6);
+		soup_tube(s, m, (struct lod_v3){ 0, 0, 1.5 + 0.1 * i },
+			lod_v3_add((struct lod_v3){ 0, 0, 1.5 + 0.1 * i }, lod_v3_scale(d, 1.8)), 0.05, 0.01,
+			5, 6);
 	}
 }
 
@@ -57,7 +61,8 @@ static void conifer(struct soup *s)
 	uint32_t m = plain(s), n = plain(s);
 	soup_tube(s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 10 }, 0.2, 0.02, 6, 10);
 	for (int i = 0; i < 1500; i++) {
-		double h = soup_random(s, 0, 1), a = soup_random(s, 0, 2 * LOD_PI), r = (1 - h) * 2.2 * sqrt(soup_random(s, 0, 1));
+		double h = soup_random(s, 0, 1), a = soup_random(s, 0, 2 * LOD_PI),
+			r = (1 - h) * 2.2 * sqrt(soup_random(s, 0, 1));
 		soup_leaf(s, n, (struct lod_v3){ r * cos(a), r * sin(a), 0.5 + 9.5 * h }, 0.3, 0.1);
 	}
 }
@@ -93,8 +98,10 @@ static void weeping_tree(struct soup *s)
 		struct lod_v3 tip = lod_v3_add((struct lod_v3){ 0, 0, 4 }, lod_v3_scale(d, 2.5));
 		soup_tube(s, m, (struct lod_v3){ 0, 0, 4 }, tip, 0.06, 0.02, 5, 4);
 		for (int k = 0; k < 30; k++)
-			soup_leaf(s, n, (struct lod_v3){ tip.x + soup_random(s, -0.3, 0.3), tip.y + soup_random(s, -0.3, 0.3), tip.z - 4 * soup_random(s, 0, 1) },
-				0.15, 0.04);
+			soup_leaf(s, n,
+				(struct lod_v3){ tip.x + soup_random(s, -0.3, 0.3),
+				tip.y + soup_random(s, -0.3, 0.3), tip.z - 4 * soup_random(s, 0, 1) }, 0.15,
+				0.04);
 	}
 }
 
@@ -104,7 +111,8 @@ static void flowers(struct soup *s)
 	uint32_t stem = plain(s), leaf = plain(s), head = plain(s);
 	for (int i = 0; i < 7; i++) {
 		double x = soup_random(s, -0.05, 0.05), y = soup_random(s, -0.05, 0.05);
-		soup_tube(s, stem, (struct lod_v3){ x, y, 0 }, (struct lod_v3){ 4 * x, 4 * y, 0.5 }, 0.006, 0.004, 5, 6);
+		soup_tube(s, stem, (struct lod_v3){ x, y, 0 }, (struct lod_v3){ 4 * x, 4 * y, 0.5 }, 0.006,
+			0.004, 5, 6);
 		soup_leaves(s, head, 12, (struct lod_v3){ 4 * x, 4 * y, 0.5 }, 0.04, 0.05);
 	}
 	blades(s, leaf, 12, (struct lod_v3){ 0, 0, 0 }, 0.25, 0.9, 0.3);
@@ -155,7 +163,8 @@ static void hedge(struct soup *s)
 	soup_begin(s);
 	uint32_t m = plain(s);
 	for (int i = 0; i < 1500; i++)
-		soup_leaf(s, m, (struct lod_v3){ soup_random(s, -3, 3), soup_random(s, -0.4, 0.4), soup_random(s, 0, 1.3) }, 0.1, 0.07);
+		soup_leaf(s, m, (struct lod_v3){ soup_random(s, -3, 3), soup_random(s, -0.4, 0.4),
+			soup_random(s, 0, 1.3) }, 0.1, 0.07);
 }
 
 static void ivy_on_a_wall(struct soup *s)
@@ -164,26 +173,32 @@ static void ivy_on_a_wall(struct soup *s)
 	uint32_t m = plain(s);
 	for (int i = 0; i < 1500; i++) {
 		double h = soup_random(s, 0, 1);
-		soup_leaf(s, m, (struct lod_v3){ (0.1 + h) * soup_random(s, -1.2, 1.2), soup_random(s, -0.08, 0.08), 3 * h }, 0.1, 0.07);
+		soup_leaf(s, m,
+			(struct lod_v3){ (0.1 + h) * soup_random(s, -1.2, 1.2), soup_random(s, -0.08, 0.08),
+			3 * h }, 0.1, 0.07);
 	}
 }
 
 static void flat_card(struct soup *s)
 {
 	soup_begin(s);
-	soup_quad(s, plain(s), (struct lod_v3){ 0, 0, 1 }, (struct lod_v3){ 1, 0, 0 }, (struct lod_v3){ 0, 0, 2 });
+	soup_quad(s, plain(s), (struct lod_v3){ 0, 0, 1 }, (struct lod_v3){ 1, 0, 0 },
+		(struct lod_v3){ 0, 0, 2 });
 }
 
 /* ---- Tests ---- */
 
 /* The soup turned about its z axis by eighths of a turn, moved, scaled, and written with y or z up. */
-static void place(const struct soup *from, float *position, int eighth, double scale, const double move[3], enum eco_up up)
+static void place(const struct soup *from, float *position, int eighth, double scale, const double move[3],
+	enum eco_up up)
 {
 	static const double cosine[3] = { 1, 0.70710678118654752, 0 };
-	double c = eighth <= 2 ? cosine[eighth] : -cosine[4 - eighth], s = eighth <= 2 ? cosine[2 - eighth] : cosine[eighth - 2];
+	double c = eighth <= 2 ? cosine[eighth] : -cosine[4 - eighth], s = eighth <= 2 ? cosine[2 - eighth]
+		: cosine[eighth - 2];
 	for (uint32_t i = 0; i < from->model.vertex_count; i++) {
 		const float *p = from->model.position + 3 * (size_t)i;
-		double x = (c * p[0] - s * p[1]) * scale + move[0], y = (s * p[0] + c * p[1]) * scale + move[1], z = p[2] * scale + move[2];
+		double x = (c * p[0] - s * p[1]) * scale + move[0],
+			y = (s * p[0] + c * p[1]) * scale + move[1], z = p[2] * scale + move[2];
 		float *to = position + 3 * (size_t)i;
 		to[0] = (float)x;
 		to[1] = (float)(up == ECO_UP_Z ? y : z);
@@ -207,7 +222,8 @@ static struct counts ask(void (*make)(struct soup *s))
 		place(&soup, turned.position, n / 2 % 5, n / 10 == 1 ? 100 : 1, moves[n / 10], up);
 		bool right = eco_model_find_up(&turned, &certainty) == up;
 		assert_true(certainty >= 0 && certainty <= 1);
-		*(certainty >= ECO_UP_CERTAIN ? right ? &counts.sure : &counts.surely_wrong : right ? &counts.right : &counts.wrong) += 1;
+		*(certainty >= ECO_UP_CERTAIN ? right ? &counts.sure : &counts.surely_wrong : right
+			? &counts.right : &counts.wrong) += 1;
 	}
 	free(turned.position);
 	soup_free(&soup);
@@ -216,28 +232,35 @@ static struct counts ask(void (*make)(struct soup *s))
 
 static void plants_tell_which_way_is_up(void **state)
 {
-	static const struct { const char *name; void (*make)(struct soup *s); uint32_t sure; } plants[] = {     /* of 30 */
-		{ "tree", tree, 30 }, { "bare tree", bare_tree, 30 }, { "low-poly tree", low_poly_tree, 30 }, { "conifer", conifer, 30 },
-		{ "palm", palm, 30 }, { "grass tuft", grass_tuft, 30 }, { "potted plant", potted_plant, 30 }, { "weeping tree", weeping_tree, 24 },
+	/* of 30 */
+	static const struct { const char *name; void (*make)(struct soup *s); uint32_t sure; } plants[] = {
+		{ "tree", tree, 30 }, { "bare tree", bare_tree, 30 }, { "low-poly tree", low_poly_tree, 30 },
+			{ "conifer", conifer, 30 },
+		{ "palm", palm, 30 }, { "grass tuft", grass_tuft, 30 }, { "potted plant", potted_plant, 30 },
+		{ "weeping tree", weeping_tree, 24 },
 		{ "flowers", flowers, 24 }, { "shrub", shrub, 30 }, { "mushroom", mushroom, 24 },
 	};
 	for (size_t i = 0; i < sizeof plants / sizeof *plants; i++) {
 		struct counts c = ask(plants[i].make);
 		if (c.sure < plants[i].sure || c.surely_wrong)
-			fail_msg("%s: of 30 surely right %u, right %u, wrong %u, surely wrong %u", plants[i].name, c.sure, c.right, c.wrong, c.surely_wrong);
+			fail_msg("%s: of 30 surely right %u, right %u, wrong %u, surely wrong %u",
+				plants[i].name, c.sure, c.right, c.wrong, c.surely_wrong);
 	}
 }
 
 static void what_does_not_tell_is_never_surely_wrong(void **state)
 {
-	static const struct { const char *name; void (*make)(struct soup *s); uint32_t sure_at_most; } shapes[] = {
-		{ "ball", ball, 0 }, { "cloud of leaves", cloud_of_leaves, 0 }, { "hanging basket", hanging_basket, 30 }, { "hedge", hedge, 30 },
+	static const struct { const char *name; void (*make)(struct soup *s); uint32_t sure_at_most;
+		} shapes[] = {
+		{ "ball", ball, 0 }, { "cloud of leaves", cloud_of_leaves, 0 },
+			{ "hanging basket", hanging_basket, 30 }, { "hedge", hedge, 30 },
 		{ "ivy on a wall", ivy_on_a_wall, 30 }, { "flat card", flat_card, 30 },
 	};
 	for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
 		struct counts c = ask(shapes[i].make);
 		if (c.surely_wrong || c.sure > shapes[i].sure_at_most)
-			fail_msg("%s: of 30 surely right %u, right %u, wrong %u, surely wrong %u", shapes[i].name, c.sure, c.right, c.wrong, c.surely_wrong);
+			fail_msg("%s: of 30 surely right %u, right %u, wrong %u, surely wrong %u",
+				shapes[i].name, c.sure, c.right, c.wrong, c.surely_wrong);
 	}
 }
 
@@ -247,7 +270,8 @@ static void what_is_broken_does_not_count(void **state)
 	double certainty, again;
 	tree(&soup);
 	assert_int_equal(eco_model_find_up(&soup.model, &certainty), ECO_UP_Z);
-	uint32_t far = soup_vertex(&soup, (struct lod_v3){ NAN, 0, 0 }, 0, 0), high = soup_vertex(&soup, (struct lod_v3){ 0, INFINITY, 0 }, 0, 0);
+	uint32_t far = soup_vertex(&soup, (struct lod_v3){ NAN, 0, 0 }, 0, 0),
+		high = soup_vertex(&soup, (struct lod_v3){ 0, INFINITY, 0 }, 0, 0);
 	soup_triangle(&soup, 0, 0, 1, far);
 	soup_triangle(&soup, 0, 0, high, 2);
 	soup_triangle(&soup, 0, 0, 1, 4000000000u);

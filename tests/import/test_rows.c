@@ -1,4 +1,5 @@
-/* Tables in every format that is read, row by row, and files that are none. Those that only OGR can write are made with it here. */
+/* Tables in every format that is read, row by row, and files that are none. Those that only OGR can write are
+ * made with it here. */
 #include <cpl_error.h>
 #include <gdal.h>
 #include <ogr_api.h>
@@ -25,7 +26,8 @@ static void expect(const char *name, const char *text, const char *wanted, const
 	struct eco_rows *rows = open_good(&source);
 	char got[4000];
 	if (rows->note_count != (note != NULL) || (note != NULL && !strstr(rows->notes[0], note)))
-		fail_msg("%s: %u notes, the first: %s", name, rows->note_count, rows->note_count > 0 ? rows->notes[0] : "none");
+		fail_msg("%s: %u notes, the first: %s", name, rows->note_count, rows->note_count > 0
+			? rows->notes[0] : "none");
 	assert_int_equal(rows->crs != NULL, crs != NULL);
 	if (crs)
 		assert_string_equal(rows->crs, crs);
@@ -50,15 +52,14 @@ static void expect_error(const char *path, const char *layer, const char *says)
 
 static void quotes_line_breaks_marks_and_endings_are_read(void **state)
 {
-	static const char csv[] = "\xef\xbb\xbfname, x ,\"y\"\r\n"
-		"\"a, \"\"b\"\"\nsecond line\", 1 ,2\r\n\r\n"
-		"plain\"quote,3,\"4\"\n"
-		",-5.5e1,6.25";
+	static const char csv[] = "\xef\xbb\xbfname, x ,\"y\"\r\n\"a, \"\"b\"\"\nsecond line\", 1 ,2\r\n\r\n"
+		"plain\"quote,3,\"4\"\n,-5.5e1,6.25";
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_rows *rows;
 	bool more;
 
-	assert_int_equal(eco_rows_open_csv(&rows, input_text("rows", "quotes.csv", csv), ',', &error), ECO_OK);
+	assert_int_equal(eco_rows_open_csv(&rows, input_text("rows", "quotes.csv", csv), ',', &error),
+		ECO_OK);
 	assert_int_equal(rows->column_count, 3);
 	assert_string_equal(rows->columns[0], "name");
 	assert_string_equal(rows->columns[1], "x");
@@ -81,7 +82,8 @@ static void quotes_line_breaks_marks_and_endings_are_read(void **state)
 static void separators_are_found_in_the_header(void **state)
 {
 	expect("a.csv", "x,y\n1,2\n", "x,y / 1,2", NULL, NULL);
-	expect("b.csv", "x;y;\"a,b,c,d\"\n1,5;2,5;z\n", "x,y,a,b,c,d / 1,5,2,5,z", "separated by \";\"", NULL);
+	expect("b.csv", "x;y;\"a,b,c,d\"\n1,5;2,5;z\n", "x,y,a,b,c,d / 1,5,2,5,z", "separated by \";\"",
+		NULL);
 	expect("c.txt", "x\ty\n1\t2\n", "x,y / 1,2", "tabs", NULL);
 	expect("d.psv", "x|y\n1|2\n", "x,y / 1,2", "separated by \"|\"", NULL);
 	expect("e.csv", "sep=;\r\nx;y\r\n1;2\r\n", "x,y / 1,2", NULL, NULL);
@@ -92,7 +94,8 @@ static void separators_are_found_in_the_header(void **state)
 
 static void text_of_western_pages_becomes_utf8(void **state)
 {
-	expect("latin.csv", "Art,x\nB\xe4rlauch,1\nutf \xc3\xa4,2\n\x80\x84\x93,3\n", "Art,x / Bärlauch,1 / utf ä,2 / €„“,3", "first in line 2", NULL);
+	expect("latin.csv", "Art,x\nB\xe4rlauch,1\nutf \xc3\xa4,2\n\x80\x84\x93,3\n",
+		"Art,x / Bärlauch,1 / utf ä,2 / €„“,3", "first in line 2", NULL);
 	expect("header.csv", "H\xf6he,x\n1,2\n", "Höhe,x / 1,2", "Windows-1252", NULL);
 }
 
@@ -105,14 +108,17 @@ static void rows_may_be_short_or_long(void **state)
 static void files_that_are_no_csv_are_refused_with_a_line(void **state)
 {
 	static const struct { const char *bytes; size_t size; const char *says; } inputs[] = {
-		{ "", 0, "empty file" }, { "x,y\n1,\"2", 8, ":2: a quoted field" }, { "x\0,\0y\0\n\0", 8, ":1: a zero byte" },
+		{ "", 0, "empty file" }, { "x,y\n1,\"2", 8, ":2: a quoted field" },
+			{ "x\0,\0y\0\n\0", 8, ":1: a zero byte" },
 	};
 
 	for (size_t i = 0; i < sizeof inputs / sizeof *inputs; i++) {
 		struct eco_error error = { .code = ECO_OK };
 		struct eco_rows *rows;
 		bool more = true;
-		enum eco_code code = eco_rows_open_csv(&rows, input_bytes("rows", "bad.csv", inputs[i].bytes, inputs[i].size), ',', &error);
+		enum eco_code code =
+			eco_rows_open_csv(&rows,
+			input_bytes("rows", "bad.csv", inputs[i].bytes, inputs[i].size), ',', &error);
 		while (code == ECO_OK && more)
 			code = rows->next(rows, &more, &error);
 		assert_int_not_equal(code, ECO_OK);
@@ -128,50 +134,69 @@ static void a_row_without_end_is_bounded(void **state)
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_rows *rows;
 	memset(bytes, 'a', size);
-	assert_int_equal(eco_rows_open_csv(&rows, input_bytes("rows", "long.csv", bytes, size), ',', &error), ECO_TOO_LARGE);
+	assert_int_equal(eco_rows_open_csv(&rows, input_bytes("rows", "long.csv", bytes, size), ',', &error),
+		ECO_TOO_LARGE);
 	memset(bytes, ',', size);
 	error.code = ECO_OK;
-	assert_int_equal(eco_rows_open_csv(&rows, input_bytes("rows", "long.csv", bytes, size), ',', &error), ECO_TOO_LARGE);
+	assert_int_equal(eco_rows_open_csv(&rows, input_bytes("rows", "long.csv", bytes, size), ',', &error),
+		ECO_TOO_LARGE);
 	free(bytes);
 }
 
 static void points_as_text_are_the_geometry(void **state)
 {
-	expect("wkt.csv", "WKT,species\n\"POINT (11.5 48.1)\",oak\n,ash\n\"LINESTRING (1 2,3 4)\",\"elm\nred\"\nPOINT EMPTY,fir\nPOINT (x y),bad\n",
-		"WKT,species / (11.5 48.1) POINT (11.5 48.1),oak / empty ,ash / LINESTRING LINESTRING (1 2,3 4),elm\nred / empty POINT EMPTY,fir / POINT "
+	expect("wkt.csv", "WKT,species\n\"POINT (11.5 48.1)\",oak\n,ash\n\"LINESTRING (1 2,3 "
+		"4)\",\"elm\nred\"\nPOINT EMPTY,fir\nPOINT (x y),bad\n",
+		"WKT,species / (11.5 48.1) POINT (11.5 48.1),oak / empty ,ash / LINESTRING LINESTRING (1 "
+		"2,3 4),elm\nred / empty POINT EMPTY,fir / POINT "
 		"POINT (x y),bad", NULL, NULL);
-	expect("the_geom.csv", "id;the_geom\n1;SRID=4326;POINT(1 2)\n", "id,the_geom / 1,SRID=4326,POINT(1 2)", "separated by", NULL);
-	expect("ewkt.csv", "id,geom\n1,SRID=4326;POINT Z (1 2.5 -3e1)\n", "id,geom / (1 2.5 -30) 1,SRID=4326;POINT Z (1 2.5 -3e1)", NULL, NULL);
+	expect("the_geom.csv", "id;the_geom\n1;SRID=4326;POINT(1 2)\n",
+		"id,the_geom / 1,SRID=4326,POINT(1 2)", "separated by", NULL);
+	expect("ewkt.csv", "id,geom\n1,SRID=4326;POINT Z (1 2.5 -3e1)\n",
+		"id,geom / (1 2.5 -30) 1,SRID=4326;POINT Z (1 2.5 -3e1)", NULL, NULL);
 }
 
 /* ---- Which reader ---- */
 
 static void a_file_that_is_no_table_is_refused_with_what_to_do(void **state)
 {
-	expect_error(input_bytes("rows", "utf16.csv", "\xff\xfex\0,\0y\0\n\0", 10), NULL, "UTF-16; save it as UTF-8");
-	expect_error(input_bytes("rows", "unmarked.csv", "x\0,\0y\0\n\0", 8), NULL, "UTF-16; save it as UTF-8");
-	expect_error(input_text("rows", "city.json", "{\"type\":\"CityJSON\",\"version\":\"1.1\"}"), NULL, "CityJSON is not read; convert it");
-	expect_error(input_text("rows", "features.jsonl", "{\"type\":\"CityJSONFeature\"}"), NULL, "CityJSON is not read; convert it");
+	expect_error(input_bytes("rows", "utf16.csv", "\xff\xfex\0,\0y\0\n\0", 10), NULL,
+		"UTF-16; save it as UTF-8");
+	expect_error(input_bytes("rows", "unmarked.csv", "x\0,\0y\0\n\0", 8), NULL,
+		"UTF-16; save it as UTF-8");
+	expect_error(input_text("rows", "city.json", "{\"type\":\"CityJSON\",\"version\":\"1.1\"}"), NULL,
+		"CityJSON is not read; convert it");
+	expect_error(input_text("rows", "features.jsonl", "{\"type\":\"CityJSONFeature\"}"), NULL,
+		"CityJSON is not read; convert it");
 	expect_error("build/tmp", NULL, "it is a folder");
 	expect_error("build/tmp/rows/gone.csv", NULL, "No such file");
 	expect_error("/dev/null", NULL, "it is not a file");
 	expect_error(input_bytes("rows", "empty.geojson", "", 0), NULL, "the file is empty");
-	expect_error(input_bytes("rows", "picture.png", "\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16), NULL, "not a table that can be read");
-	expect_error(input_text("rows", "page.csv", "<!DOCTYPE html><html><body>404</body></html>"), NULL, "web page");
-	expect_error(input_text("rows", "pointer.csv", "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n"), NULL, "git lfs pull");
+	expect_error(input_bytes("rows", "picture.png", "\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16), NULL,
+		"not a table that can be read");
+	expect_error(input_text("rows", "page.csv", "<!DOCTYPE html><html><body>404</body></html>"), NULL,
+		"web page");
+	expect_error(input_text("rows", "pointer.csv", "version https://git-lfs.github.com/spec/v1\noid "
+		"sha256:0\nsize 1\n"), NULL, "git lfs pull");
 	expect_error(input_bytes("rows", "trees.csv.gz", "\x1f\x8b\x08\0\0\0\0\0\0\3", 10), NULL, "packed");
-	expect_error(input_bytes("rows", "book.csv", "PK\3\4\x14\0\0\0\0\0[Content_Types].xml", 29), NULL, "an Excel workbook; give it its name .xlsx");
-	expect_error(input_bytes("rows", "old.xls", "\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1\0\0", 10), NULL, "an old Excel");
+	expect_error(input_bytes("rows", "book.csv", "PK\3\4\x14\0\0\0\0\0[Content_Types].xml", 29), NULL,
+		"an Excel workbook; give it its name .xlsx");
+	expect_error(input_bytes("rows", "old.xls", "\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1\0\0", 10), NULL,
+		"an old Excel");
 	expect_error(input_text("rows", "a.shx", "x"), NULL, "name the one that ends in .shp");
 	expect_error(input_bytes("rows", "trees.zip", "PK\3\4\x14\0\0\0\0\0trees.shp", 19), NULL, "packed");
-	expect_error(input_text("rows", "topo.json", "{\"type\":\"Topology\",\"objects\":{}}"), NULL, "topo.json");
-	expect_error(input_text("rows", "cut.geojson", "{\"type\":\"FeatureCollection\",\"features\":[{\"type\":\"Feature\","), NULL, "cut.geojson");
-	expect_error(input_text("rows", "records.json", "[{\"x\":1,\"y\":2}]"), NULL, "JSON, but not GeoJSON");
+	expect_error(input_text("rows", "topo.json", "{\"type\":\"Topology\",\"objects\":{}}"), NULL,
+		"topo.json");
+	expect_error(input_text("rows", "cut.geojson", "{\"type\":\"FeatureCollection\","
+		"\"features\":[{\"type\":\"Feature\","), NULL, "cut.geojson");
+	expect_error(input_text("rows", "records.json", "[{\"x\":1,\"y\":2}]"), NULL,
+		"JSON, but not GeoJSON");
 }
 
 /* ---- GeoJSON ---- */
 
-#define FEATURE(geometry, properties) "{\"type\":\"Feature\",\"geometry\":" geometry ",\"properties\":{" properties "}}"
+#define FEATURE(geometry, \
+	properties) "{\"type\":\"Feature\",\"geometry\":" geometry ",\"properties\":{" properties "}}"
 #define POINT(coordinates) "{\"type\":\"Point\",\"coordinates\":[" coordinates "]}"
 #define COLLECTION(crs, features) "{\"type\":\"FeatureCollection\"," crs "\"features\":[" features "]}"
 
@@ -179,14 +204,18 @@ static void geojson_is_degrees_unless_it_says_otherwise(void **state)
 {
 	struct eco_rows_source source = { .path = NULL };
 	struct eco_rows *rows;
-	expect("a.geojson", COLLECTION("", FEATURE(POINT("2.35,48.85"), "\"genre\":\"Platanus\",\"hauteurenm\":12,\"ok\":true,\"no\":null")),
+	expect("a.geojson", COLLECTION("", FEATURE(POINT("2.35,48.85"), "\"genre\":\"Platanus\","
+		"\"hauteurenm\":12,\"ok\":true,\"no\":null")),
 		"genre,hauteurenm,ok,no / (2.35 48.85) Platanus,12,1,", NULL, "EPSG:4326");
-	expect("b.geojson", COLLECTION("\"crs\":{\"type\":\"name\",\"properties\":{\"name\":\"urn:ogc:def:crs:EPSG::28992\"}},",
+	expect("b.geojson", COLLECTION("\"crs\":{\"type\":\"name\","
+		"\"properties\":{\"name\":\"urn:ogc:def:crs:EPSG::28992\"}},",
 		FEATURE(POINT("121000,487000"), "\"id\":1")), "id / (121000 487000) 1", NULL, "EPSG:28992");
-	expect("c.geojson", COLLECTION("\"crs\":{\"type\":\"name\",\"properties\":{\"name\":\"urn:ogc:def:crs:OGC:1.3:CRS84\"}},",
+	expect("c.geojson", COLLECTION("\"crs\":{\"type\":\"name\","
+		"\"properties\":{\"name\":\"urn:ogc:def:crs:OGC:1.3:CRS84\"}},",
 		FEATURE(POINT("2,48"), "\"id\":1")), "id / (2 48) 1", NULL, "EPSG:4326");
 	expect("d.json", FEATURE(POINT("2,48,35.5"), "\"id\":1"), "id / (2 48 35.5) 1", NULL, "EPSG:4979");
-	source.path = input_text("rows", "metres.geojson", COLLECTION("", FEATURE(POINT("690000,5335000"), "")));
+	source.path = input_text("rows", "metres.geojson",
+		COLLECTION("", FEATURE(POINT("690000,5335000"), "")));
 	rows = open_good(&source);
 	assert_true(rows->degrees_doubted);
 	eco_rows_close(rows);
@@ -194,16 +223,22 @@ static void geojson_is_degrees_unless_it_says_otherwise(void **state)
 
 static void each_feature_is_a_row_whatever_its_geometry(void **state)
 {
-	expect("e.geojson", COLLECTION("", FEATURE("null", "\"id\":1") "," FEATURE("{\"type\":\"Point\",\"coordinates\":[]}", "\"id\":2") ","
+	expect("e.geojson",
+		COLLECTION("", FEATURE("null", "\"id\":1") "," FEATURE("{\"type\":\"Point\","
+		"\"coordinates\":[]}", "\"id\":2") ","
 		FEATURE("{\"type\":\"Polygon\",\"coordinates\":[[[0,0],[1,0],[1,1],[0,0]]]}", "\"id\":3") ","
 		FEATURE("{\"type\":\"MultiPoint\",\"coordinates\":[[5,6],[7,8]]}", "\"id\":4") ","
 		FEATURE("{\"type\":\"MultiPoint\",\"coordinates\":[]}", "\"id\":5") ","
 		FEATURE("{\"type\":\"LineString\",\"coordinates\":[[5,6],[7,8]]}", "\"id\":6") ","
 		FEATURE("{\"type\":\"GeometryCollection\",\"geometries\":[" POINT("1,2") "]}", "\"id\":7")),
-		"id / empty 1 / empty 2 / Polygon 3 / (5 6) 4 / (7 8) 4 / empty 5 / Line String 6 / Geometry Collec 7", NULL, "EPSG:4326");
-	expect("f.geojsonl", FEATURE(POINT("1,2"), "\"s\":\"oak\"") "\n" FEATURE(POINT("3,4"), "\"s\":\"ash\"") "\n", "s / (1 2) oak / (3 4) ash", NULL,
+		"id / empty 1 / empty 2 / Polygon 3 / (5 6) 4 / (7 8) 4 / empty 5 / Line String 6 / "
+		"Geometry Collec 7", NULL, "EPSG:4326");
+	expect("f.geojsonl",
+		FEATURE(POINT("1,2"), "\"s\":\"oak\"") "\n" FEATURE(POINT("3,4"), "\"s\":\"ash\"") "\n",
+		"s / (1 2) oak / (3 4) ash", NULL,
 		"EPSG:4326");
-	expect("g.geojson", "\xef\xbb\xbf" COLLECTION("", FEATURE(POINT("1,2"), "\"Größe\":3.5")), "Größe / (1 2) 3.5", NULL, "EPSG:4326");
+	expect("g.geojson", "\xef\xbb\xbf" COLLECTION("", FEATURE(POINT("1,2"), "\"Größe\":3.5")),
+		"Größe / (1 2) 3.5", NULL, "EPSG:4326");
 }
 
 /* ---- Others of OGR ---- */
@@ -246,8 +281,8 @@ static void make_file(const char *driver, const char *path, const struct made *l
 	CPLPopErrorHandler();
 }
 
-static void expect_made(const char *driver, const char *name, const struct made *layers, size_t count, const char *layer, const char *wanted,
-	const char *note, const char *crs)
+static void expect_made(const char *driver, const char *name, const struct made *layers, size_t count,
+	const char *layer, const char *wanted, const char *note, const char *crs)
 {
 	struct eco_rows_source source = { .path = input_path("rows", name), .layer = layer };
 	struct eco_rows *rows;
@@ -269,20 +304,29 @@ static void files_of_gis_bring_points_and_their_crs(void **state)
 	static const struct made degrees = { "trees", 4326, wkbPoint, "POINT (11.5 48.1)", "oak" };
 	static const struct made nowhere = { "trees", 0, wkbPoint, "POINT (3 4)", "oak" };
 	static const struct made table = { "trees", 0, wkbNone, NULL, "oak" };
-	static const struct made high = { "trees", 25832, wkbPoint25D, "POINT Z (690000 5335000 512)", "oak" };
+	static const struct made high = { "trees", 25832, wkbPoint25D, "POINT Z (690000 5335000 512)",
+		"oak" };
 	expect_made("GPKG", "a.gpkg", &oak, 1, NULL, "species / (690000 5335000) oak", NULL, "EPSG:25832");
 	expect_made("GPKG", "b.gpkg", &degrees, 1, NULL, "species / (11.5 48.1) oak", NULL, "EPSG:4326");
-	expect_made("GPKG", "c.gpkg", &high, 1, NULL, "species / (690000 5335000 512) oak", NULL, "EPSG:25832");
-	expect_made("ESRI Shapefile", "a.shp", &oak, 1, NULL, "species / (690000 5335000) oak", NULL, "EPSG:25832");
-	expect_made("ESRI Shapefile", "b.shp", &degrees, 1, NULL, "species / (11.5 48.1) oak", NULL, "EPSG:4326");
+	expect_made("GPKG", "c.gpkg", &high, 1, NULL, "species / (690000 5335000 512) oak", NULL,
+		"EPSG:25832");
+	expect_made("ESRI Shapefile", "a.shp", &oak, 1, NULL, "species / (690000 5335000) oak", NULL,
+		"EPSG:25832");
+	expect_made("ESRI Shapefile", "b.shp", &degrees, 1, NULL, "species / (11.5 48.1) oak", NULL,
+		"EPSG:4326");
 	unlink("build/tmp/rows/c.prj");
 	expect_made("ESRI Shapefile", "c.shp", &nowhere, 1, NULL, "species / (3 4) oak", NULL, NULL);
 	expect_made("XLSX", "a.xlsx", &table, 1, NULL, "species / oak", NULL, NULL);
 	expect_made("ODS", "a.ods", &table, 1, NULL, "species / oak", NULL, NULL);
-	expect_made("FlatGeobuf", "a.fgb", &oak, 1, NULL, "species / (690000 5335000) oak", NULL, "EPSG:25832");
-	expect("a.kml", "<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark><name>oak</name><ExtendedData><Data "
-		"name=\"dbh\"><value>30</value></Data></ExtendedData><Point><coordinates>11.5,48.1,0</coordinates></Point></Placemark></Document></kml>",
-		"Name,description,timestamp,begin,end,altitudeMode,tessellate,extrude,visibility,drawOrder,icon,dbh / (11.5 48.1 0) oak,,,,,,-1,0,-1,,,30",
+	expect_made("FlatGeobuf", "a.fgb", &oak, 1, NULL, "species / (690000 5335000) oak", NULL,
+		"EPSG:25832");
+	expect("a.kml", "<kml "
+		"xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark><name>oak</name>"
+		"<ExtendedData><Data "
+		"name=\"dbh\"><value>30</value></Data></ExtendedData><Point><coordinates>11.5,48.1,"
+		"0</coordinates></Point></Placemark></Document></kml>",
+		"Name,description,timestamp,begin,end,altitudeMode,tessellate,extrude,visibility,drawOrder,"
+		"icon,dbh / (11.5 48.1 0) oak,,,,,,-1,0,-1,,,30",
 			NULL, "EPSG:4326");
 }
 
@@ -311,27 +355,33 @@ static void parts_of_a_shapefile_that_are_missed_are_named(void **state)
 	assert_string_equal(rows->notes[0], "its .dbf is not beside it, so it has no columns");
 	assert_string_equal(rows_text_of(rows, got, sizeof got), " / (3 4)");
 	unlink("build/tmp/rows/parts.shx");
-	expect_error(source.path, NULL, "a Shapefile is several files, and its .shx is not beside it; copy all of them");
+	expect_error(source.path, NULL, "a Shapefile is several files, and its .shx is not beside it; copy "
+		"all of them");
 }
 
 static void the_layer_that_fits_is_taken_or_asked_for(void **state)
 {
-	static const struct made layers[] = { { "trees", 25832, wkbPoint, "POINT (1 2)", "oak" }, { "beds", 25832, wkbPolygon, NULL, "rose" },
+	static const struct made layers[] = { { "trees", 25832, wkbPoint, "POINT (1 2)", "oak" },
+		{ "beds", 25832, wkbPolygon, NULL, "rose" },
 		{ "shrubs", 25832, wkbPoint, "POINT (3 4)", "hazel" } };
 	const char *path;
-	expect_made("GPKG", "two.gpkg", layers, 2, NULL, "species / (1 2) oak", "of its 2 layers \"trees\" is taken", "EPSG:25832");
+	expect_made("GPKG", "two.gpkg", layers, 2, NULL, "species / (1 2) oak",
+		"of its 2 layers \"trees\" is taken", "EPSG:25832");
 	expect_made("GPKG", "named.gpkg", layers, 3, "shrubs", "species / (3 4) hazel", NULL, "EPSG:25832");
 	path = input_path("rows", "many.gpkg");
 	make_file("GPKG", path, layers, 3);
-	expect_error(path, NULL, "add \"layer\": \"trees\" or another of: trees (Point), beds (Polygon), shrubs (Point)");
+	expect_error(path, NULL, "add \"layer\": \"trees\" or another of: trees (Point), beds (Polygon), "
+		"shrubs (Point)");
 	expect_error(path, "herbs", "no layer \"herbs\"; there are: trees");
 }
 
 static void gml_has_easting_or_longitude_first_in_the_end(void **state)
 {
-	static const char gml[] = "<?xml version=\"1.0\"?><ogr:FeatureCollection xmlns:ogr=\"http://ogr.maptools.org/\" "
+	static const char gml[] = "<?xml version=\"1.0\"?><ogr:FeatureCollection "
+		"xmlns:ogr=\"http://ogr.maptools.org/\" "
 		"xmlns:gml=\"http://www.opengis.net/gml/3.2\">"
-		"<ogr:featureMember><ogr:boom gml:id=\"b1\"><ogr:geometry><gml:Point srsName=\"%s\"><gml:pos>%s</gml:pos></gml:Point></ogr:geometry>"
+		"<ogr:featureMember><ogr:boom gml:id=\"b1\"><ogr:geometry><gml:Point "
+		"srsName=\"%s\"><gml:pos>%s</gml:pos></gml:Point></ogr:geometry>"
 		"<ogr:soort>Tilia</ogr:soort></ogr:boom></ogr:featureMember></ogr:FeatureCollection>";
 	char text[2000];
 
@@ -350,7 +400,8 @@ static void gml_has_easting_or_longitude_first_in_the_end(void **state)
 static void a_child_hands_over_the_same_rows(void **state)
 {
 	struct eco_rows_source source = { .path = input_text("rows", "child.geojson",
-		COLLECTION("", FEATURE(POINT("1,2,3"), "\"s\":\"oak\",\"t\":\"x\"") "," FEATURE("null", "\"s\":\"a\\nb\""))) };
+		COLLECTION("", FEATURE(POINT("1,2,3"), "\"s\":\"oak\",\"t\":\"x\"") "," FEATURE("null",
+		"\"s\":\"a\\nb\""))) };
 	const char *const wanted[] = { "s" };
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_rows *rows;
@@ -365,7 +416,8 @@ static void a_child_hands_over_the_same_rows(void **state)
 	assert_string_equal(rows_text_of(rows, there, sizeof there), "s,t / (1 2 3) oak, / empty a\nb,");
 	source.path = input_text("rows", "child.csv", "x,y\n1,\"2\n");
 	assert_int_equal(eco_rows_open(&rows, &source, &error), ECO_OK);
-	assert_non_null(strstr(rows_text_of(rows, there, sizeof there), "! build/tmp/rows/child.csv:2: a quoted field"));
+	assert_non_null(strstr(rows_text_of(rows, there, sizeof there),
+		"! build/tmp/rows/child.csv:2: a quoted field"));
 }
 
 int main(void)

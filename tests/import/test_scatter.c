@@ -41,12 +41,16 @@ static struct scattered scatter(const struct eco_scatter_spec *spec)
 	return out;
 }
 
-#define HEAD "{\"type\":\"FeatureCollection\",\"crs\":{\"type\":\"name\",\"properties\":{\"name\":\"urn:ogc:def:crs:EPSG::32617\"}},\"features\":["
-#define FIELD "{\"type\":\"Feature\",\"properties\":{\"kind\":\"field\",\"n\":77,\"d\":20},\"geometry\":{\"type\":\"Polygon\",\"coordinates\":" \
+#define HEAD "{\"type\":\"FeatureCollection\",\"crs\":{\"type\":\"name\"," \
+	"\"properties\":{\"name\":\"urn:ogc:def:crs:EPSG::32617\"}},\"features\":["
+#define FIELD "{\"type\":\"Feature\",\"properties\":{\"kind\":\"field\",\"n\":77,\"d\":20}," \
+	"\"geometry\":{\"type\":\"Polygon\",\"coordinates\":" \
 	"[[[0,0],[200,0],[200,100],[0,100],[0,0]],[[50,25],[50,75],[150,75],[150,25],[50,25]]]}}"
-#define CORNER "{\"type\":\"Feature\",\"properties\":{\"kind\":\"corner\",\"n\":5,\"d\":400},\"geometry\":{\"type\":\"Polygon\",\"coordinates\":" \
+#define CORNER "{\"type\":\"Feature\",\"properties\":{\"kind\":\"corner\",\"n\":5,\"d\":400}," \
+	"\"geometry\":{\"type\":\"Polygon\",\"coordinates\":" \
 	"[[[200,0],[300,0],[200,100],[200,0]]]}}"
-#define LINE "{\"type\":\"Feature\",\"properties\":{\"kind\":\"line\"},\"geometry\":{\"type\":\"LineString\",\"coordinates\":[[0,0],[9,9]]}}"
+#define LINE "{\"type\":\"Feature\",\"properties\":{\"kind\":\"line\"}," \
+	"\"geometry\":{\"type\":\"LineString\",\"coordinates\":[[0,0],[9,9]]}}"
 #define NOTHING "{\"type\":\"Feature\",\"properties\":{\"kind\":\"nothing\"},\"geometry\":null}"
 
 static char *areas(const char *name, const char *features)
@@ -58,7 +62,8 @@ static char *areas(const char *name, const char *features)
 
 static struct eco_scatter_spec spec_of(char *path)
 {
-	return (struct eco_scatter_spec){ .path = path, .crs = "EPSG:32617", .plants = two, .plant_count = 2, .height_low_m = NAN, .height_high_m = NAN,
+	return (struct eco_scatter_spec){ .path = path, .crs = "EPSG:32617", .plants = two, .plant_count = 2,
+		.height_low_m = NAN, .height_high_m = NAN,
 		.seed = 1 };
 }
 
@@ -75,7 +80,9 @@ static double nearest(const struct scattered *s)
 	double least = INFINITY;
 	for (size_t i = 0; i < s->count; i++)
 		for (size_t j = 0; j < i; j++)
-			least = fmin(least, hypot(s->places[i].at[0] - s->places[j].at[0], s->places[i].at[1] - s->places[j].at[1]));
+			least = fmin(least,
+				hypot(s->places[i].at[0] - s->places[j].at[0],
+				s->places[i].at[1] - s->places[j].at[1]));
 	return least;
 }
 
@@ -89,8 +96,10 @@ static void numbers_are_those_asked_for_and_nothing_stands_in_holes(void **state
 	assert_in_range(count_of(&s, 0), 449, 451);
 	for (size_t i = 0; i < s.count; i++) {
 		double x = s.places[i].at[0], y = s.places[i].at[1];
-		assert_true(x >= 0 && x <= 200 && y >= 0 && y <= 100 && !(x > 50 && x < 150 && y > 25 && y < 75));
-		assert_true(isnan(s.places[i].height_m) && s.places[i].yaw_deg >= 0 && s.places[i].yaw_deg < 360);
+		assert_true(x >= 0 && x <= 200 && y >= 0 && y <= 100
+			&& !(x > 50 && x < 150 && y > 25 && y < 75));
+		assert_true(isnan(s.places[i].height_m) && s.places[i].yaw_deg >= 0 && s.places[i].yaw_deg
+			< 360);
 	}
 	/* random places would come within 0.2 m */
 	assert_true(nearest(&s) > 0.5 * sqrt(2 / (sqrt(3.0) * 0.04)));
@@ -105,7 +114,8 @@ static void columns_say_how_many(void **state)
 	s = scatter(&spec);
 	assert_int_equal(s.count, 82);
 	assert_non_null(strstr(said, "82 plants of 82 wanted"));
-	assert_non_null(strstr(said, "1 feature left out: no usable number in its column (first: feature 3)"));
+	assert_non_null(strstr(said, "1 feature left out: no usable number in its column (first: feature "
+		"3)"));
 	free(s.places);
 	spec.count_column = NULL;
 	spec.density_column = "d";
@@ -118,7 +128,8 @@ static void what_is_left_out_is_counted_by_reason(void **state)
 {
 	static struct eco_value values[] = { { "field", 0 }, { "li*", 0 }, { "nothing", 0 } };
 	struct eco_filter only = { "kind", true, values, 3 };
-	struct eco_scatter_spec spec = spec_of(areas("reasons.geojson", FIELD "," CORNER "," LINE "," NOTHING));
+	struct eco_scatter_spec spec =
+		spec_of(areas("reasons.geojson", FIELD "," CORNER "," LINE "," NOTHING));
 	struct scattered s;
 	spec.filters = &only;
 	spec.filter_count = 1;
@@ -132,12 +143,14 @@ static void what_is_left_out_is_counted_by_reason(void **state)
 
 static int place_order(const void *a, const void *b)
 {
-	return memcmp(((const struct eco_scatter_place *)a)->at, ((const struct eco_scatter_place *)b)->at, sizeof ((struct eco_scatter_place *)0)->at);
+	return memcmp(((const struct eco_scatter_place *)a)->at, ((const struct eco_scatter_place *)b)->at,
+		sizeof ((struct eco_scatter_place *)0)->at);
 }
 
 static void the_order_of_the_file_does_not_matter(void **state)
 {
-	struct eco_scatter_spec first = spec_of(areas("ab.geojson", FIELD "," CORNER)), second = spec_of(areas("ba.geojson", CORNER "," FIELD));
+	struct eco_scatter_spec first = spec_of(areas("ab.geojson", FIELD "," CORNER)),
+		second = spec_of(areas("ba.geojson", CORNER "," FIELD));
 	struct scattered a, b;
 	first.distance_m = second.distance_m = 3;
 	a = scatter(&first);
@@ -146,8 +159,9 @@ static void the_order_of_the_file_does_not_matter(void **state)
 	qsort(a.places, a.count, sizeof *a.places, place_order);
 	qsort(b.places, b.count, sizeof *b.places, place_order);
 	for (size_t i = 0; i < a.count; i++)
-		assert_true(memcmp(a.places[i].at, b.places[i].at, sizeof a.places[i].at) == 0 && a.places[i].plant == b.places[i].plant
-			&& a.places[i].yaw_deg == b.places[i].yaw_deg);
+		assert_true(memcmp(a.places[i].at, b.places[i].at, sizeof a.places[i].at) == 0
+			&& a.places[i].plant == b.places[i].plant && a.places[i].yaw_deg
+			== b.places[i].yaw_deg);
 	free(a.places);
 	free(b.places);
 }
@@ -173,18 +187,22 @@ static void what_is_to_be_clear_is_clear(void **state)
 {
 	struct eco_scatter_spec spec = spec_of(areas("clear.geojson", FIELD));
 	struct scattered s;
-	spec.clear_of = areas("road.geojson", "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"LineString\","
+	spec.clear_of = areas("road.geojson", "{\"type\":\"Feature\",\"properties\":{},"
+		"\"geometry\":{\"type\":\"LineString\","
 		"\"coordinates\":[[0,10],[200,10]]}},"
-		"{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[[[0,80],[20,80],[20,100],[0,100],[0,80]]]}}");
+		"{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\","
+		"\"coordinates\":[[[0,80],[20,80],[20,100],[0,100],[0,80]]]}}");
 	spec.clear_m = 5;
 	spec.height_low_m = 2;
 	spec.height_high_m = 3;
 	s = scatter(&spec);
-	/* 600, less by the strip of 200 m x 10 m and the corner of 25 m x 25 m without its rounding, of 15,000 m2 */
+	/* 600, less by the strip of 200 m x 10 m and the corner of 25 m x 25 m without its rounding, of
+	 * 15,000 m2 */
 	assert_in_range(s.count, 600 - 80 - 25 - 10, 600 - 80 - 25 + 10);
 	for (size_t i = 0; i < s.count; i++) {
 		assert_true(fabs(s.places[i].at[1] - 10) >= 5);
-		assert_false(s.places[i].at[0] < 25 && s.places[i].at[1] > 75 && hypot(fmax(s.places[i].at[0] - 20, 0), fmax(80 - s.places[i].at[1], 0)) < 5);
+		assert_false(s.places[i].at[0] < 25 && s.places[i].at[1] > 75
+			&& hypot(fmax(s.places[i].at[0] - 20, 0), fmax(80 - s.places[i].at[1], 0)) < 5);
 		assert_true(s.places[i].height_m >= 2 && s.places[i].height_m <= 3);
 	}
 	free(s.places);
@@ -198,18 +216,20 @@ static void what_is_to_be_clear_is_clear(void **state)
 static void a_mask_scales_densities(void **state)
 {
 	char text[64 * 64 * 4 + 200];
-	size_t used = (size_t)snprintf(text, sizeof text, "ncols 60\nnrows 40\nxllcorner 100\nyllcorner 0\ncellsize 5\nNODATA_value -1\n");
+	size_t used = (size_t)snprintf(text, sizeof text, "ncols 60\nnrows 40\nxllcorner 100\nyllcorner "
+		"0\ncellsize 5\nNODATA_value -1\n");
 	struct eco_scatter_spec spec;
 	struct scattered s;
 	size_t west = 0, east = 0;
 	for (int row = 0; row < 40; row++)
 		for (int column = 0; column < 60; column++)
-			used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", column < 20 ? "0.1" : column < 40 ? "-1" : "1",
-				column < 59 ? " " : "\n");
+			used += (size_t)snprintf(text + used, sizeof text - used, "%s%s",
+				column < 20 ? "0.1" : column < 40 ? "-1" : "1", column < 59 ? " " : "\n");
 	spec = spec_of((char *)input_text("scatter", "mask.asc", text));
 	s = scatter(&spec);
 	for (size_t i = 0; i < s.count; i++) {
-		assert_true(s.places[i].at[0] >= 100 && s.places[i].at[0] <= 400 && s.places[i].at[1] >= 0 && s.places[i].at[1] <= 200);
+		assert_true(s.places[i].at[0] >= 100 && s.places[i].at[0] <= 400 && s.places[i].at[1] >= 0
+			&& s.places[i].at[1] <= 200);
 		assert_false(s.places[i].at[0] > 202.5 && s.places[i].at[0] < 297.5);
 		west += s.places[i].at[0] < 250;
 		east += s.places[i].at[0] > 250;
@@ -223,7 +243,8 @@ static void a_mask_scales_densities(void **state)
 	s = scatter(&spec);
 	assert_in_range(s.count, 410, 470);
 	free(s.places);
-	spec = spec_of((char *)input_text("scatter", "bytes.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 100\n255 0\n0 51\n"));
+	spec = spec_of((char *)input_text("scatter", "bytes.asc",
+		"ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 100\n255 0\n0 51\n"));
 	s = scatter(&spec);
 	assert_in_range(s.count, 460, 500);          /* a hectare of 400 and one of a fifth */
 	assert_non_null(strstr(said, "255 is taken for the whole density"));
@@ -235,11 +256,13 @@ static void errors_say_what_to_do(void **state)
 	static const struct { const char *name, *text, *says; } wrong[] = {
 		{ "wrong.geojson", "{\"type\":\"FeatureCollection\",\"features\":[", "wrong.geojson" },
 		{ "wrong.csv", "a,b\n1,2\n", "no polygons in it" },
-		{ "far.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 5\n1 2\n3 4000\n", "add \"full\": 4000" },
+		{ "far.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 5\n1 2\n3 4000\n",
+		"add \"full\": 4000" },
 	};
 	struct eco_scatter *s;
 	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
-		struct eco_scatter_spec spec = spec_of((char *)input_text("scatter", wrong[i].name, wrong[i].text));
+		struct eco_scatter_spec spec =
+			spec_of((char *)input_text("scatter", wrong[i].name, wrong[i].text));
 		struct eco_error error = { .code = ECO_OK };
 		assert_int_not_equal(eco_scatter_open(&s, &spec, &frame, NULL, NULL, &error), ECO_OK);
 		assert_null(s);
@@ -252,7 +275,8 @@ static void errors_say_what_to_do(void **state)
 /* A strip of 20 m across a box of 300 by 300 km. */
 static void long_narrow_areas_are_filled(void **state)
 {
-	struct eco_scatter_spec spec = spec_of(areas("strip.geojson", "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\","
+	struct eco_scatter_spec spec = spec_of(areas("strip.geojson", "{\"type\":\"Feature\","
+		"\"properties\":{},\"geometry\":{\"type\":\"Polygon\","
 		"\"coordinates\":[[[0,0],[20,0],[300020,300000],[300000,300000],[0,0]]]}}"));
 	struct eco_scatter_plant few[] = { { 0, 1, 10 } };
 	struct scattered s;
@@ -262,22 +286,26 @@ static void long_narrow_areas_are_filled(void **state)
 	s = scatter(&spec);
 	assert_int_equal(s.count, 6000);
 	for (size_t i = 0; i < s.count; i++)
-		assert_true(s.places[i].at[0] >= s.places[i].at[1] && s.places[i].at[0] <= s.places[i].at[1] + 20);
+		assert_true(s.places[i].at[0] >= s.places[i].at[1] && s.places[i].at[0] <= s.places[i].at[1]
+			+ 20);
 	free(s.places);
 }
 
 static void what_is_too_far_or_too_much_is_said(void **state)
 {
-	struct eco_scatter_spec spec = spec_of(areas("far.geojson", FIELD ",{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\","
+	struct eco_scatter_spec spec = spec_of(areas("far.geojson", FIELD ",{\"type\":\"Feature\","
+		"\"properties\":{},\"geometry\":{\"type\":\"Polygon\","
 		"\"coordinates\":[[[0,0],[1e200,0],[0,1e200],[0,0]]]}}"));
 	struct scattered s = scatter(&spec);
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_scatter *none;
 
 	assert_int_equal(s.count, 600);
-	assert_non_null(strstr(said, "1 feature left out: more than 10,000 km from the origin (first: feature 2)"));
+	assert_non_null(strstr(said, "1 feature left out: more than 10,000 km from the origin (first: "
+		"feature 2)"));
 	free(s.places);
-	spec = spec_of(areas("large.geojson", "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\",\"coordinates\":"
+	spec = spec_of(areas("large.geojson", "{\"type\":\"Feature\",\"properties\":{},"
+		"\"geometry\":{\"type\":\"Polygon\",\"coordinates\":"
 		"[[[0,0],[9e6,0],[9e6,9e6],[0,0]]]}}"));
 	assert_int_equal(eco_scatter_open(&none, &spec, &frame, NULL, NULL, &error), ECO_TOO_LARGE);
 	assert_non_null(strstr(error.text, "more than 100000000 plants; take lower densities"));

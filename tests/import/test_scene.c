@@ -17,15 +17,21 @@ static void everything_that_may_be_said_is_read(void **state)
 {
 	struct eco_source s;
 	const struct eco_positions_spec *p;
-	parse_good(&s, "{ \"name\": \"n\", \"crs\": \"EPSG:26917\", \"origin\": [747375, 4308510, 2], \"tile\": {\"instances\": 7},\n"
+	parse_good(&s, "{ \"name\": \"n\", \"crs\": \"EPSG:26917\", \"origin\": [747375, 4308510, 2], "
+		"\"tile\": {\"instances\": 7},\n"
 		"\"ground\": {\"heights\": \"dem.tif\", \"crs\": \"EPSG:26917\"},\n"
-		"\"plants\": {\"oak\": {\"variants\": [\"a.glb\", \"/b.obj\"], \"height_m\": 18, \"importance\": {\"flower\": 3}}, \"ash\": {\"model\": "
+		"\"plants\": {\"oak\": {\"variants\": [\"a.glb\", \"/b.obj\"], \"height_m\": 18, "
+		"\"importance\": {\"flower\": 3}}, \"ash\": {\"model\": "
 			"\"c.obj\"}},\n"
-		"\"instances\": [{\"plant\": \"ash\", \"at\": [1, 2, 3], \"yaw_deg\": 30, \"scale\": 1.5}, {\"plant\": \"ash\", \"at\": [1, 2]},\n"
-		"  {\"from\": \"t.csv\", \"x\": \"e\", \"y\": \"n\", \"z\": \"h\", \"crs\": \"EPSG:4326\", \"species\": \"sp\", \"separator\": \";\",\n"
-		"   \"map\": {\"q\": \"oak\", \"stump\": null, \"*\": \"ash\"}, \"seed\": 9, \"yaw_deg\": \"y\",\n"
+		"\"instances\": [{\"plant\": \"ash\", \"at\": [1, 2, 3], \"yaw_deg\": 30, \"scale\": 1.5}, "
+		"{\"plant\": \"ash\", \"at\": [1, 2]},\n"
+		"  {\"from\": \"t.csv\", \"x\": \"e\", \"y\": \"n\", \"z\": \"h\", \"crs\": \"EPSG:4326\", "
+		"\"species\": \"sp\", \"separator\": \";\",\n"
+		"   \"map\": {\"q\": \"oak\", \"stump\": null, \"*\": \"ash\"}, \"seed\": 9, \"yaw_deg\": "
+		"\"y\",\n"
 		"   \"height_m\": {\"from_dbh_mm\": \"d\", \"max\": 35, \"rate\": 0.004, \"levels\": 8}}],\n"
-		"\"children\": [{\"eco\": \"sub/h.json\", \"at\": [100, 0, 0], \"yaw_deg\": 90, \"scale\": 2}] }");
+		"\"children\": [{\"eco\": \"sub/h.json\", \"at\": [100, 0, 0], \"yaw_deg\": 90, \"scale\": "
+		"2}] }");
 	assert_string_equal(s.name, "n");
 	assert_string_equal(s.crs, "EPSG:26917");
 	assert_true(s.origin[0] == 747375 && s.origin[1] == 4308510 && s.origin[2] == 2);
@@ -36,10 +42,12 @@ static void everything_that_may_be_said_is_read(void **state)
 	assert_string_equal(s.plants[1].models[0], "/b.obj");
 	assert_int_equal(s.plants[1].variant, 1);
 	assert_int_equal(s.plants[0].variant_count, 2);
-	assert_true(s.plants[0].importance[ECO_ORGAN_FLOWER] == 3 && s.plants[0].importance[ECO_ORGAN_WOOD] == 1);
+	assert_true(s.plants[0].importance[ECO_ORGAN_FLOWER] == 3 && s.plants[0].importance[ECO_ORGAN_WOOD]
+		== 1);
 	assert_int_equal(s.instance_count, 2);
 	assert_int_equal(s.instances[0].plant, 2);
-	assert_true(s.instances[0].at[2] == 3 && s.instances[0].scale == 1.5 && isnan(s.instances[0].height_m));
+	assert_true(s.instances[0].at[2] == 3 && s.instances[0].scale == 1.5
+		&& isnan(s.instances[0].height_m));
 	assert_true(s.instances[1].at[2] == 0 && s.instances[1].scale == 1);
 	assert_int_equal(s.positions_count, 1);
 	p = &s.positions[0];
@@ -63,19 +71,26 @@ static void everything_that_may_be_said_is_read(void **state)
 static void ground_may_be_several_rasters_and_say_what_they_do_not(void **state)
 {
 	struct eco_source s;
-	parse_good(&s, "{\"crs\": \"EPSG:26917\", \"origin\": [0, 0], \"vertical\": \"EPSG:5703\", \"ground\": {\"heights\": [\"a.tif\", \"/b.tif\"],"
-		" \"vertical\": \"NAVD88 height\", \"band\": 2, \"scale\": 0.001, \"offset\": 273.5, \"unit\": \"ft\", \"nodata\": -1}}");
+	parse_good(&s, "{\"crs\": \"EPSG:26917\", \"origin\": [0, 0], \"vertical\": \"EPSG:5703\", "
+		"\"ground\": {\"heights\": [\"a.tif\", \"/b.tif\"],"
+		" \"vertical\": \"NAVD88 height\", \"band\": 2, \"scale\": 0.001, \"offset\": 273.5, "
+		"\"unit\": \"ft\", \"nodata\": -1}}");
 	assert_string_equal(s.vertical, "EPSG:5703");
 	assert_int_equal(s.ground.height_count, 2);
 	assert_string_equal(s.ground.heights[0], "dir/a.tif");
 	assert_string_equal(s.ground.heights[1], "/b.tif");
 	assert_string_equal(s.ground.vertical, "NAVD88 height");
-	assert_true(s.ground.band == 2 && s.ground.scale == 0.001 && s.ground.offset == 273.5 && s.ground.has_offset && s.ground.unit_m == 0.3048);
-	assert_true(s.ground.nodata == -1 && s.ground.has_nodata && !s.ground.no_holes && !s.ground.has_place);
+	assert_true(s.ground.band == 2 && s.ground.scale == 0.001 && s.ground.offset == 273.5
+		&& s.ground.has_offset && s.ground.unit_m == 0.3048);
+	assert_true(s.ground.nodata == -1 && s.ground.has_nodata && !s.ground.no_holes
+		&& !s.ground.has_place);
 	eco_source_free(&s);
-	parse_good(&s, "{\"ground\": {\"heights\": \"map.png\", \"nodata\": null, \"north_west\": [10, 20], \"pixel\": 2}}");
-	assert_true(s.ground.no_holes && !s.ground.has_nodata && !s.ground.has_offset && s.ground.scale == 0 && s.ground.unit_m == 0);
-	assert_true(s.ground.has_place && s.ground.corner[1] == 20 && s.ground.pixel[0] == 2 && s.ground.pixel[1] == 2);
+	parse_good(&s, "{\"ground\": {\"heights\": \"map.png\", \"nodata\": null, \"north_west\": [10, 20], "
+		"\"pixel\": 2}}");
+	assert_true(s.ground.no_holes && !s.ground.has_nodata && !s.ground.has_offset && s.ground.scale == 0
+		&& s.ground.unit_m == 0);
+	assert_true(s.ground.has_place && s.ground.corner[1] == 20 && s.ground.pixel[0] == 2
+		&& s.ground.pixel[1] == 2);
 	eco_source_free(&s);
 }
 
@@ -88,10 +103,12 @@ static void defaults_fill_what_is_not_said(void **state)
 	assert_int_equal(s.tile_instances, ECO_TILE_INSTANCES);
 	assert_int_equal(s.plant_count + s.instance_count + s.positions_count + s.child_count, 0);
 	eco_source_free(&s);
-	parse_good(&s, "\xef\xbb\xbf{\"name\": \"marked\"}");          /* by an editor, with a byte order mark */
+	parse_good(&s, "\xef\xbb\xbf{\"name\": \"marked\"}");
+		/* by an editor, with a byte order mark */
 	assert_string_equal(s.name, "marked");
 	eco_source_free(&s);
-	parse_good(&s, "{\"plants\": {\"b\": {\"model\": \"b.obj\"}, \"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"from\": \"t.csv\", \"x\": \"x\","
+	parse_good(&s, "{\"plants\": {\"b\": {\"model\": \"b.obj\"}, \"a\": {\"model\": \"a.obj\"}}, "
+		"\"instances\": [{\"from\": \"t.csv\", \"x\": \"x\","
 		" \"y\": \"y\", \"species\": \"s\"}]}");
 	assert_int_equal(s.positions[0].map_count, 2);       /* species are plants' names */
 	assert_string_equal(s.positions[0].map[1].name, "a");
@@ -101,7 +118,8 @@ static void defaults_fill_what_is_not_said(void **state)
 
 #define PLANTS "\"plants\": {\"oak\": {\"model\": \"o.obj\"}}"
 #define LONG(n) "\"a23456789b23456789c23456789d23456789-" #n "\": {\"model\": \"o.obj\"}"
-#define MANY_PLANTS "\"plants\": {" LONG(1) ", " LONG(2) ", " LONG(3) ", " LONG(4) ", " LONG(5) ", " LONG(6) "}"
+#define MANY_PLANTS \
+	"\"plants\": {" LONG(1) ", " LONG(2) ", " LONG(3) ", " LONG(4) ", " LONG(5) ", " LONG(6) "}"
 #define ROWS "\"from\": \"t.csv\", \"x\": \"x\", \"y\": \"y\""
 
 static const struct { const char *json, *place, *says; } bad[] = {
@@ -125,33 +143,50 @@ static const struct { const char *json, *place, *says; } bad[] = {
 	{ "{\"ground\": {\"heights\": \"a\", \"scale\": 0}}", ":1:38:", "would make all heights one" },
 	{ "{\"ground\": {\"heights\": \"a\", \"unit\": \"yd\"}}", ":1:37:", "is not one of m, cm" },
 	{ "{\"ground\": {\"heights\": \"a\", \"pixel\": 3}}", ":1:12:", "go together" },
-	{ "{\"ground\": {\"heights\": [\"a\", \"b\"], \"pixel\": 3, \"north_west\": [1, 2]}}", ":1:62:", "a world file" },
-	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"height\": 3}}}", ":1:35:", "known here: model, variants, height_m, unit, up, parts, importance" },
+	{ "{\"ground\": {\"heights\": [\"a\", \"b\"], \"pixel\": 3, \"north_west\": [1, 2]}}", ":1:62:",
+	"a world file" },
+	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"height\": 3}}}", ":1:35:",
+	"known here: model, variants, height_m, unit, up, parts, importance" },
 	{ "{\"plants\": {\"oak\": {}}}", ":1:20:", "a plant has either \"model\"" },
 	{ "{\"plants\": {\"oak\": {\"model\": []}}}", ":1:30:", "names no file" },
 	{ "{\"plants\": {\"oak\": {\"model\": [\"a\", 3]}}}", ":1:36:", "must be a text" },
 	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"height_m\": -3}}}", ":1:47:", "between" },
-	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"importance\": {\"root\": 1}}}}", ":1:50:", "wood, foliage, flower" },
-	{ "{" PLANTS ", \"instances\": [\n {\"plant\": \"oak\", \"at\": [0, 0]},\n {\"plant\": \"elm\", \"at\": [0, 0]}]}", ":3:12:",
+	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"importance\": {\"root\": 1}}}}", ":1:50:",
+	"wood, foliage, flower" },
+	{ "{" PLANTS ", \"instances\": [\n {\"plant\": \"oak\", \"at\": [0, 0]},\n {\"plant\": \"elm\", "
+	"\"at\": [0, 0]}]}", ":3:12:",
 		"plant \"elm\" is not among \"plants\": oak" },
-	{ "{" MANY_PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [0, 0]}]}", ":1:", "plants\": a23456789b23456789c23456789d23456789-1, "
-		"a23456789b23456789c23456789d23456789-2, a23456789b23456789c23456789d23456789-3, a23456789b23456789c23456789d23456789-4, ..." },
+	{ "{" MANY_PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [0, 0]}]}", ":1:",
+	"plants\": a23456789b23456789c23456789d23456789-1, "
+		"a23456789b23456789c23456789d23456789-2, a23456789b23456789c23456789d23456789-3, "
+		"a23456789b23456789c23456789d23456789-4, ..." },
 	{ "{" PLANTS ", \"instances\": [{\"plant\": \"oak\"}]}", ":1:", "\"at\" is missing" },
-	{ "{" PLANTS ", \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0], \"scale\": 0}]}", ":1:", "between" },
+	{ "{" PLANTS ", \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0], \"scale\": 0}]}", ":1:",
+	"between" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS "}]}", ":2:15:", "say what stands there" },
-	{ "{" PLANTS ",\n\"instances\": [{\"from\": \"t.csv\", \"y\": \"y\", \"plant\": \"oak\"}]}", ":2:15:", "\"x\" is missing" },
-	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"species\": \"s\"}]}", ":2:62:", "leave out" },
-	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"species\": \"s\", \"map\": {\"a\": \"oak\", \"b\": \"elm\"}}]}", ":2:", "\"elm\" is not among" },
-	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"crs\": \"EPSG:4326\"}]}", ":2:", "the scene has no CRS" },
-	{ "{\"crs\": \"EPSG:26917\", \"origin\": [0, 0], " PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\"}]}", ":2:15:",
+	{ "{" PLANTS ",\n\"instances\": [{\"from\": \"t.csv\", \"y\": \"y\", \"plant\": \"oak\"}]}", ":2:15:",
+	"\"x\" is missing" },
+	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"species\": \"s\"}]}", ":2:62:",
+	"leave out" },
+	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"species\": \"s\", \"map\": {\"a\": \"oak\", \"b\": "
+	"\"elm\"}}]}", ":2:", "\"elm\" is not among" },
+	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"crs\": \"EPSG:4326\"}]}", ":2:",
+	"the scene has no CRS" },
+	{ "{\"crs\": \"EPSG:26917\", \"origin\": [0, 0], " PLANTS ",\n\"instances\": [{" ROWS
+	", \"plant\": \"oak\"}]}", ":2:15:",
 		"\"crs\": \"EPSG:26917\"" },
-	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"from_dbh_mm\": \"d\"}}]}", ":2:", "needs \"max\"" },
-	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"column\": \"d\", \"value\": 3}}]}", ":2:", "exactly one" },
-	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"column\": \"d\", \"unit\": \"yd\"}}]}", ":2:",
+	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"from_dbh_mm\": "
+	"\"d\"}}]}", ":2:", "needs \"max\"" },
+	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"column\": \"d\", "
+	"\"value\": 3}}]}", ":2:", "exactly one" },
+	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"column\": \"d\", "
+	"\"unit\": \"yd\"}}]}", ":2:",
 		"not one of m, cm" },
-	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"from_dbh_mm\": \"d\", \"unit\": \"cm\", \"max\": 9, \"rate\": "
+	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"from_dbh_mm\": "
+	"\"d\", \"unit\": \"cm\", \"max\": 9, \"rate\": "
 		"1}}]}", ":2:", "leave out \"unit\"" },
-	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"separator\": \"ab\"}]}", ":2:", "\"separator\"" },
+	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"separator\": \"ab\"}]}", ":2:",
+	"\"separator\"" },
 	{ "{\"children\": [{\"at\": [0, 0]}]}", ":1:15:", "\"eco\" is missing" },
 	{ "{\"children\": {}}", ":1:14:", "must be an array" },
 	{ "{\"instances\": [[]]}", ":1:16:", "must be an object" },
@@ -172,18 +207,22 @@ static void what_may_not_be_said_has_a_line_and_a_column(void **state)
 		struct eco_error error = { .code = ECO_OK };
 		struct eco_source s;
 		char start[64];
-		assert_int_not_equal(eco_source_parse(&s, bad[i].json, strlen(bad[i].json), "s.json", &error), ECO_OK);
+		assert_int_not_equal(eco_source_parse(&s, bad[i].json, strlen(bad[i].json), "s.json", &error),
+			ECO_OK);
 		assert_null(s.path);
 		snprintf(start, sizeof start, "s.json%s", bad[i].place);
 		if (strncmp(error.text, start, strlen(start)) != 0 || !strstr(error.text, bad[i].says))
-			fail_msg("%s\n  gives  %s\n  wanted %s ... %s", bad[i].json, error.text, start, bad[i].says);
-		assert_int_not_equal(eco_source_parse(&s, bad[i].json, strlen(bad[i].json), "s.json", NULL), ECO_OK);
+			fail_msg("%s\n  gives  %s\n  wanted %s ... %s", bad[i].json, error.text, start,
+				bad[i].says);
+		assert_int_not_equal(eco_source_parse(&s, bad[i].json, strlen(bad[i].json), "s.json", NULL),
+			ECO_OK);
 	}
 }
 
 static void every_truncation_is_an_error(void **state)
 {
-	static const char json[] = "{" PLANTS ", \"instances\": [{" ROWS ", \"species\": \"s\", \"map\": {\"a\": \"oak\"}}, {\"plant\": \"oak\", "
+	static const char json[] = "{" PLANTS ", \"instances\": [{" ROWS
+		", \"species\": \"s\", \"map\": {\"a\": \"oak\"}}, {\"plant\": \"oak\", "
 		"\"at\": [0, 0]}]}";
 
 	for (size_t size = 0; size < sizeof json - 1; size++) {
@@ -201,8 +240,10 @@ static void nested_files_are_read_once_and_come_after_their_parents(void **state
 	const char *root;
 	input_text("scene", "leaf.json", "{}");
 	input_text("scene", "mid.json", "{\"children\": [{\"eco\": \"leaf.json\", \"at\": [0, 0]}]}");
-	root = input_text("scene", "root.json", "{\"children\": [{\"eco\": \"leaf.json\", \"at\": [0, 0]}, {\"eco\": \"leaf.json\", \"at\": [9, 0]},"
-		" {\"eco\": \"mid.json\", \"at\": [0, 0]}, {\"eco\": \"../scene/mid.json\", \"at\": [0, 5]}]}");
+	root = input_text("scene", "root.json", "{\"children\": [{\"eco\": \"leaf.json\", \"at\": [0, 0]}, "
+		"{\"eco\": \"leaf.json\", \"at\": [9, 0]},"
+		" {\"eco\": \"mid.json\", \"at\": [0, 0]}, {\"eco\": \"../scene/mid.json\", \"at\": [0, "
+		"5]}]}");
 	if (eco_sources_load(&sources, root, &error) != ECO_OK)
 		fail_msg("%s", error.text);
 	assert_int_equal(sources.count, 3);
@@ -229,9 +270,11 @@ static void a_cycle_shows_its_chain(void **state)
 {
 	const char *root;
 	input_text("scene", "b.json", "{\"children\": [{\"eco\": \"c.json\", \"at\": [0, 0]}]}");
-	input_text("scene", "c.json", "{\"name\": \"c\",\n \"children\": [{\"at\": [0, 0], \"eco\": \"b.json\"}]}");
+	input_text("scene", "c.json", "{\"name\": \"c\",\n \"children\": [{\"at\": [0, 0], \"eco\": "
+		"\"b.json\"}]}");
 	root = input_text("scene", "a.json", "{\"children\": [{\"eco\": \"b.json\", \"at\": [0, 0]}]}");
-	load_fails(root, "c.json:2:37: a file cannot be inside itself: ", "b.json -> build/tmp/scene/c.json -> build/tmp/scene/b.json");
+	load_fails(root, "c.json:2:37: a file cannot be inside itself: ",
+		"b.json -> build/tmp/scene/c.json -> build/tmp/scene/b.json");
 	root = input_text("scene", "self.json", "{\"children\": [{\"eco\": \"self.json\", \"at\": [0, 0]}]}");
 	load_fails(root, "self.json:1:23:", "self.json -> build/tmp/scene/self.json");
 }
@@ -239,18 +282,23 @@ static void a_cycle_shows_its_chain(void **state)
 static void a_missing_file_is_named_where_it_is_named(void **state)
 {
 	load_fails("build/tmp/scene/none.json", "none.json", "No such file");
-	load_fails(input_text("scene", "m.json", "{\"plants\": {\n \"oak\": {\"model\": \"gone.obj\"}}}"), "m.json:2:19:", "gone.obj: No such file");
-	load_fails(input_text("scene", "m.json", "{\"ground\": {\"heights\":\n\"gone.tif\"}}"), "m.json:2:1:", "gone.tif");
-	load_fails(input_text("scene", "m.json", "{\"children\": [{\"eco\": \"gone.json\", \"at\": [0, 0]}]}"), "m.json:1:23:", "gone.json");
+	load_fails(input_text("scene", "m.json", "{\"plants\": {\n \"oak\": {\"model\": \"gone.obj\"}}}"),
+		"m.json:2:19:", "gone.obj: No such file");
+	load_fails(input_text("scene", "m.json", "{\"ground\": {\"heights\":\n\"gone.tif\"}}"), "m.json:2:1:",
+		"gone.tif");
+	load_fails(input_text("scene", "m.json", "{\"children\": [{\"eco\": \"gone.json\", \"at\": [0, "
+		"0]}]}"), "m.json:1:23:", "gone.json");
 	input_text("scene", "o.obj", "");
-	load_fails(input_text("scene", "m.json", "{" PLANTS ", \"instances\": [{" ROWS ", \"plant\": \"oak\"}]}"), "m.json:1:", "t.csv");
+	load_fails(input_text("scene", "m.json", "{" PLANTS ", \"instances\": [{" ROWS
+		", \"plant\": \"oak\"}]}"), "m.json:1:", "t.csv");
 }
 
 static void ground_belongs_to_the_outermost_file(void **state)
 {
 	input_text("scene", "dem.tif", "");
 	input_text("scene", "g.json", "{\"ground\": {\"heights\": \"dem.tif\"}}");
-	load_fails(input_text("scene", "n.json", "{\"children\": [{\"eco\": \"g.json\", \"at\": [0, 0]}]}"), "n.json:1:23:", "only the outermost");
+	load_fails(input_text("scene", "n.json", "{\"children\": [{\"eco\": \"g.json\", \"at\": [0, 0]}]}"),
+		"n.json:1:23:", "only the outermost");
 }
 
 int main(void)

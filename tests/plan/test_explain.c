@@ -26,27 +26,33 @@ static struct eco_request request_of(uint64_t vertices)
 	return q;
 }
 
-static void explain(struct eco_plan *plan, struct lod_explanation *why, const struct eco_request *request, lod_rule *rule)
+static void explain(struct eco_plan *plan, struct lod_explanation *why, const struct eco_request *request,
+	lod_rule *rule)
 {
 	struct eco_error error = { 0 };
-	struct lod_planner_input input = { .scene = &scene.scene, .request = request, .rule = rule, .explanation = why };
+	struct lod_planner_input input = { .scene = &scene.scene, .request = request, .rule = rule,
+		.explanation = why };
 	if (lod_plan(plan, &input, &error))
 		fail_msg("%s", error.text);
 }
 
 static bool covers(const struct eco_cut *cut, const struct eco_cut *row)
 {
-	return cut->list == row->list && cut->first == row->first && cut->end == row->end && cut->anchor == row->anchor
-		&& cut->placement == row->placement && cut->share_first == row->share_first && cut->share_end == row->share_end
-		&& (cut->anchor == ECO_NONE || (cut->band_first <= row->band_first && row->band_end <= cut->band_end));
+	return cut->list == row->list && cut->first == row->first && cut->end == row->end
+		&& cut->anchor == row->anchor && cut->placement == row->placement
+		&& cut->share_first == row->share_first && cut->share_end == row->share_end
+		&& (cut->anchor == ECO_NONE
+		|| (cut->band_first <= row->band_first && row->band_end <= cut->band_end));
 }
 
-/* Every cut has its rows, one for each of its bands; the rows without a cut are tiles that draw their plants. */
+/* Every cut has its rows, one for each of its bands; the rows without a cut are tiles that draw their plants.
+ */
 static void check_cuts(const struct eco_plan *plan, const struct lod_explanation *why)
 {
 	uint32_t bands = 0, rows = 0;
 	for (uint32_t i = 0; i < plan->cut_count; i++)
-		bands += plan->cuts[i].anchor == ECO_NONE ? 1u : (uint32_t)(plan->cuts[i].band_end - plan->cuts[i].band_first);
+		bands += plan->cuts[i].anchor == ECO_NONE ? 1u
+			: (uint32_t)(plan->cuts[i].band_end - plan->cuts[i].band_first);
 	for (uint32_t i = 0; i < why->count; i++) {
 		const struct lod_explained *row = &why->rows[i];
 		uint32_t found = 0;
@@ -58,7 +64,8 @@ static void check_cuts(const struct eco_plan *plan, const struct lod_explanation
 	assert_int_equal(rows, bands);
 }
 
-static void check_rows(const struct eco_plan *plan, const struct lod_explanation *why, lod_rule *rule, uint64_t seen[LOD_WHY_COUNT])
+static void check_rows(const struct eco_plan *plan, const struct lod_explanation *why, lod_rule *rule,
+	uint64_t seen[LOD_WHY_COUNT])
 {
 	uint64_t vertices = 0;
 	for (uint32_t i = 0; i < why->count; i++) {
@@ -67,13 +74,15 @@ static void check_rows(const struct eco_plan *plan, const struct lod_explanation
 		char text[200], line[400];
 		vertices += row->vertices;
 		seen[reason->why]++;
-		assert_true(isfinite(reason->gain) && reason->next >= 0 && isfinite(reason->next) && reason->margin >= 0);
+		assert_true(isfinite(reason->gain) && reason->next >= 0 && isfinite(reason->next)
+			&& reason->margin >= 0);
 		if (reason->why == LOD_WHY_STEP)
 			assert_true(reason->next <= why->lambda * (1 + 1e-6));
 		if (reason->why == LOD_WHY_ALL)
 			assert_true(reason->next == 0);
 		if (rule == lod_rule_deussen)
-			assert_true(reason->why == LOD_WHY_DISTANCE || reason->why == LOD_WHY_LEFT_OVER || reason->why == LOD_WHY_GROUND);
+			assert_true(reason->why == LOD_WHY_DISTANCE || reason->why == LOD_WHY_LEFT_OVER
+				|| reason->why == LOD_WHY_GROUND);
 		lod_explain_text(text, sizeof text, why, row);
 		assert_true(strlen(text) > 8 && strlen(text) <= 120);
 		lod_explain_line(line, sizeof line, &scene.scene, why, row);
@@ -102,7 +111,8 @@ static void rows_add_up_to_the_plan(void **state)
 	}
 	for (int w = 0; w < LOD_WHY_COUNT; w++)
 		print_message("          %s: %llu\n", lod_why_names[w], (unsigned long long)seen[w]);
-	assert_true(seen[LOD_WHY_STEP] && seen[LOD_WHY_LEFT_OVER] && seen[LOD_WHY_ALL] && seen[LOD_WHY_DISTANCE] && seen[LOD_WHY_PLANTS]);
+	assert_true(seen[LOD_WHY_STEP] && seen[LOD_WHY_LEFT_OVER] && seen[LOD_WHY_ALL]
+		&& seen[LOD_WHY_DISTANCE] && seen[LOD_WHY_PLANTS]);
 	assert_true(seen[LOD_WHY_SUMMARY] && seen[LOD_WHY_PART]);
 }
 
@@ -134,7 +144,8 @@ static void words_are_plain(void **state)
 		{ { .why = LOD_WHY_STEP, .next = 0.5 }, "the next hull step costs 2.1 times lambda" },
 		{ { .why = LOD_WHY_STEP }, "the next hull step saves nothing" },
 		{ { .why = LOD_WHY_PLANTS, .margin = 0.07 }, "plants beat the summary by 7 %" },
-		{ { .why = LOD_WHY_SUMMARY, .margin = INFINITY }, "summary points are drawn: plants would save nothing here" },
+		{ { .why = LOD_WHY_SUMMARY, .margin = INFINITY },
+		"summary points are drawn: plants would save nothing here" },
 		{ { .why = LOD_WHY_ALL }, "all of it is drawn" },
 	};
 	const struct lod_explanation why = { .lambda = 1.05 };

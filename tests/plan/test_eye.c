@@ -10,7 +10,8 @@ static struct scene_builder source;       /* of random numbers */
 
 static struct eco_view view_of(double fov, uint32_t width, uint32_t height)
 {
-	return (struct eco_view){ .eye = { 1, 2, 3 }, .target = { 11, -4, 5 }, .up = { 0, 0, 1 }, .fov_y_deg = fov, .width = width,
+	return (struct eco_view){ .eye = { 1, 2, 3 }, .target = { 11, -4, 5 }, .up = { 0, 0, 1 },
+		.fov_y_deg = fov, .width = width,
 		.height = height };
 }
 
@@ -25,7 +26,8 @@ static void the_frame_is_orthonormal_and_right_handed_for_any_up(void **state)
 		const double *axes[3] = { e.right, e.up, e.forward };
 		for (int a = 0; a < 3; a++)
 			for (int b = 0; b < 3; b++) {
-				double dot = axes[a][0] * axes[b][0] + axes[a][1] * axes[b][1] + axes[a][2] * axes[b][2];
+				double dot = axes[a][0] * axes[b][0] + axes[a][1] * axes[b][1]
+					+ axes[a][2] * axes[b][2];
 				assert_float_equal(dot, a == b, 1e-12);
 			}
 		double z = e.right[0] * e.up[1] - e.right[1] * e.up[0];
@@ -60,7 +62,8 @@ static void bands_are_quarter_octaves_blurred_by_the_hash(void **state)
 		double d = exp2(random_real(&source, -19.9, 19.9)), scale = exp2(random_real(&source, -3, 3));
 		double at[3] = { e.at[0] + d * scale, e.at[1], e.at[2] };
 		uint32_t hash = (uint32_t)random_real(&source, 0, 65536);
-		double bands = 4 * (log2((at[0] - e.at[0]) / scale) + blurred(hash) + 20), exact = floor(bands), fraction = bands - exact;
+		double bands = 4 * (log2((at[0] - e.at[0]) / scale) + blurred(hash) + 20),
+			exact = floor(bands), fraction = bands - exact;
 		if (exact < 0 || exact >= ECO_BANDS)
 			continue;
 		if (fraction < 1e-9 || fraction > 1 - 1e-9)
@@ -74,7 +77,8 @@ static void bands_are_quarter_octaves_blurred_by_the_hash(void **state)
 	assert_int_equal(lod_eye_band(&e, far, 1, 7), ECO_BANDS - 1);
 }
 
-/* As the eye comes nearer, plants leave a band one after the other: never more than their share of the way, whatever the share of hashes. */
+/* As the eye comes nearer, plants leave a band one after the other: never more than their share of the way,
+ * whatever the share of hashes. */
 static void plants_cross_a_border_one_after_the_other(void **state)
 {
 	struct eco_view view = view_of(45, 800, 600);
@@ -111,15 +115,18 @@ static void a_sphere_is_seen_exactly_where_a_point_of_it_projects_inside(void **
 	lod_eye_make(&e, &view);
 	for (int i = 0; i < 20000; i++) {
 		double p[3], inside[3];
-		double depth = random_real(&source, 0.1, 100), x = random_real(&source, -1, 1), y = random_real(&source, -1, 1);
+		double depth = random_real(&source, 0.1, 100), x = random_real(&source, -1, 1),
+			y = random_real(&source, -1, 1);
 		double radius = random_real(&source, 0, 5);
 		for (int k = 0; k < 3; k++) {
-			inside[k] = e.at[k] + depth * (e.forward[k] + x * e.tan_x * e.right[k] + y * e.tan_y * e.up[k]);
+			inside[k] = e.at[k]
+				+ depth * (e.forward[k] + x * e.tan_x * e.right[k] + y * e.tan_y * e.up[k]);
 			p[k] = inside[k] + radius * (k == 0 ? 0.6 : k == 1 ? -0.64 : 0.48);
 		}
 		assert_true(lod_eye_sees(&e, inside, 0));
 		assert_true(lod_eye_sees(&e, p, radius * 1.001));
-		double behind[3] = { e.at[0] - e.forward[0] * 10, e.at[1] - e.forward[1] * 10, e.at[2] - e.forward[2] * 10 };
+		double behind[3] = { e.at[0] - e.forward[0] * 10, e.at[1] - e.forward[1] * 10,
+			e.at[2] - e.forward[2] * 10 };
 		assert_false(lod_eye_sees(&e, behind, 5));
 	}
 }
@@ -132,7 +139,8 @@ static void a_placement_turns_then_scales_then_shifts(void **state)
 	struct lod_place place;
 	double world[3];
 	lod_place_instance(&place, &placement, &list, &stored);
-	/* (2,2,3) turned by a quarter is (-2,2,3); the plant's own yaw adds to half a turn, its scale halves */
+	/* (2,2,3) turned by a quarter is (-2,2,3); the plant's own yaw adds to half a turn, its scale halves
+	 */
 	assert_float_equal(place.at[0], 96, 1e-9);
 	assert_float_equal(place.at[1], 204, 1e-9);
 	assert_float_equal(place.at[2], 306, 1e-9);

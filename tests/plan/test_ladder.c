@@ -1,4 +1,5 @@
-/* Ladders: every amount can be drawn to the primitive, amounts ascend, and nothing that is drawn is lost on the way. */
+/* Ladders: every amount can be drawn to the primitive, amounts ascend, and nothing that is drawn is lost on
+ * the way. */
 #include <string.h>
 #include <math.h>
 
@@ -14,7 +15,8 @@ static uint64_t drawn(const struct eco_cut *cuts, uint32_t count)
 	uint64_t total = 0;
 	for (uint32_t i = 0; i < count; i++) {
 		uint8_t kind = scene.lists[cuts[i].list].kind;
-		total += (uint64_t)(cuts[i].end - cuts[i].first) * (kind == ECO_LIST_TRIANGLES ? 3 : kind == ECO_LIST_LINES ? 2 : 1);
+		total += (uint64_t)(cuts[i].end - cuts[i].first) * (kind == ECO_LIST_TRIANGLES ? 3
+			: kind == ECO_LIST_LINES ? 2 : 1);
 	}
 	return total;
 }
@@ -44,24 +46,32 @@ static void every_step_draws_what_it_says(void **state)
 	}
 }
 
-/* Everything is shown, and finer from the front: what is drawn in the finer form is missing in the coarser one. */
+/* Everything is shown, and finer from the front: what is drawn in the finer form is missing in the coarser
+ * one. */
 static void forms_give_way_from_the_front(void **state)
 {
-	static const struct { uint32_t corners, each, unit; } rows[] = { { 1, 2, 1 }, { 1, 4, 1 }, { 2, 2, 2 }, { 4, 4, 6 }, { 3, 2, 3 } };
+	static const struct { uint32_t corners, each, unit; } rows[] =
+		{ { 1, 2, 1 }, { 1, 4, 1 }, { 2, 2, 2 }, { 4, 4, 6 }, { 3, 2, 3 } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		random_scene_make(&scene, 3, 0);
 		const uint32_t k = 50;
 		uint32_t triangles = random_fans(&scene, k, 0), unit = rows[i].unit;
 		struct eco_list *fans = &scene.lists[triangles];
 		for (uint32_t c = 0; c < fans->chunk_count; c++)
-			scene.chunks[fans->chunk_first + c].primitive_count = rows[i].each * scene.chunks[fans->chunk_first + c].element_count;
+			scene.chunks[fans->chunk_first + c].primitive_count =
+				rows[i].each * scene.chunks[fans->chunk_first + c].element_count;
 		fans->primitive_count = rows[i].each * k;
-		uint8_t kind = rows[i].corners == 1 ? ECO_LIST_POINTS : rows[i].corners == 2 ? ECO_LIST_LINES : ECO_LIST_TRIANGLES;
-		uint32_t coarse = random_form(&scene, kind, triangles, rows[i].corners), per = rows[i].corners == 4 ? 2 : 1;
-		struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .points = ECO_NONE, .lines = ECO_NONE, .simple = ECO_NONE,
+		uint8_t kind = rows[i].corners == 1 ? ECO_LIST_POINTS : rows[i].corners == 2 ? ECO_LIST_LINES
+			: ECO_LIST_TRIANGLES;
+		uint32_t coarse = random_form(&scene, kind, triangles, rows[i].corners),
+			per = rows[i].corners == 4 ? 2 : 1;
+		struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .points = ECO_NONE,
+			.lines = ECO_NONE, .simple = ECO_NONE,
 			.triangles = triangles, .total = k };
-		*(kind == ECO_LIST_POINTS ? &ladder.points : kind == ECO_LIST_LINES ? &ladder.lines : &ladder.simple) = coarse;
-		struct eco_curve samples[] = { { unit * k / (3.0f * rows[i].each * k), 1, 1, 0.5f, 0.5f }, { 1, 1, 1, 0, 0 } };
+		*(kind == ECO_LIST_POINTS ? &ladder.points : kind == ECO_LIST_LINES ? &ladder.lines
+			: &ladder.simple) = coarse;
+		struct eco_curve samples[] = { { unit * k / (3.0f * rows[i].each * k), 1, 1, 0.5f, 0.5f },
+			{ 1, 1, 1, 0, 0 } };
 		memcpy(scene.curves, samples, sizeof samples);
 		ladder.curve_count = 2;
 		for (uint32_t f = 1; f < k; f++) {
@@ -93,7 +103,8 @@ static double elements_of(const struct eco_list *list, double primitives)
 }
 
 /* Elements that an amount draws in a form or a finer one: `drawn` of all, then each finer form. */
-static void count_elements(const struct eco_ladder *ladder, const struct eco_cut *cuts, uint32_t count, double drawn_in[4])
+static void count_elements(const struct eco_ladder *ladder, const struct eco_cut *cuts, uint32_t count,
+	double drawn_in[4])
 {
 	const uint32_t lists[4] = { ladder->points, ladder->lines, ladder->simple, ladder->triangles };
 	drawn_in[0] = drawn_in[1] = drawn_in[2] = drawn_in[3] = 0;
@@ -119,27 +130,32 @@ static void nothing_is_dropped_or_coarsened_as_amounts_grow(void **state)
 			if (ladder->organ == ECO_ORGAN_WOOD)
 				continue;
 			double last[4] = { 0, 0, 0, 0 }, share = 0, density = 0;
-			for (uint64_t v = lod_ladder_next(&scene.scene, ladder, 0); v != UINT64_MAX; v = lod_ladder_next(&scene.scene, ladder, v)) {
+			for (uint64_t v = lod_ladder_next(&scene.scene, ladder, 0); v != UINT64_MAX;
+					v = lod_ladder_next(&scene.scene, ladder, v)) {
 				struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-				double now[4], now_share = lod_ladder_share(&scene.scene, ladder, v), now_density = lod_ladder_density(&scene.scene, ladder, v);
+				double now[4], now_share = lod_ladder_share(&scene.scene, ladder, v),
+					now_density = lod_ladder_density(&scene.scene, ladder, v);
 				uint32_t count = lod_ladder_cuts(&scene.scene, ladder, v, now_density, cuts);
 				count_elements(ladder, cuts, count, now);
 				for (int form = 0; form < 4; form++) {
-					assert_true(now[form] >= last[form] - 1.01);     /* in mixed lists ends are means */
+					/* in mixed lists ends are means */
+					assert_true(now[form] >= last[form] - 1.01);
 					last[form] = now[form];
 				}
-				assert_true(now_share >= share && now_share <= 1 && now_density >= density && now_density <= 1);
+				assert_true(now_share >= share && now_share <= 1 && now_density >= density
+					&& now_density <= 1);
 				assert_true(lod_ladder_vertices(&scene.scene, ladder, now_share) <= v);
 				share = now_share;
 				density = now_density;
 			}
-			assert_true(lod_ladder_share(&scene.scene, ladder, lod_ladder_full(&scene.scene, ladder)) == 1);
+			assert_true(lod_ladder_share(&scene.scene, ladder,
+				lod_ladder_full(&scene.scene, ladder)) == 1);
 		}
 	}
 }
 
-/* Points, lines, simple ones and triangles of the same elements: each form gives way to the next, and every vertex asked is drawn
- * but for less than one element's. */
+/* Points, lines, simple ones and triangles of the same elements: each form gives way to the next, and every
+ * vertex asked is drawn but for less than one element's. */
 static void four_forms_follow_each_other(void **state)
 {
 	const uint32_t k = 200;
@@ -151,20 +167,27 @@ static void four_forms_follow_each_other(void **state)
 			struct eco_chunk *chunk = &scene.chunks[scene.lists[triangles].chunk_first + c];
 			chunk->primitive_count = 4 * chunk->element_count;
 		}
-		struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .triangles = triangles, .total = k, .curve_count = 5,
-			.points = random_form(&scene, ECO_LIST_POINTS, triangles, 1), .lines = random_form(&scene, ECO_LIST_LINES, triangles, 2),
+		struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .triangles = triangles, .total = k,
+			.curve_count = 5,
+			.points = random_form(&scene, ECO_LIST_POINTS, triangles, 1),
+			.lines = random_form(&scene, ECO_LIST_LINES, triangles, 2),
 			.simple = random_form(&scene, ECO_LIST_TRIANGLES, triangles, 4) };
 		for (uint32_t i = 0; i < 5; i++)
-			scene.curves[i] = (struct eco_curve){ 0.02f * (float)(1 << i), 1, (float)random_real(&scene, 0, 1), 0.1f, 0.1f };
+			scene.curves[i] = (struct eco_curve){ 0.02f * (float)(1 << i), 1,
+				(float)random_real(&scene, 0, 1), 0.1f, 0.1f };
 		double last[4] = { 0, 0, 0, 0 };
 		uint64_t before = 0, full = lod_ladder_full(&scene.scene, &ladder);
-		for (uint64_t v = lod_ladder_next(&scene.scene, &ladder, 0); v != UINT64_MAX; before = v, v = lod_ladder_next(&scene.scene, &ladder, v)) {
+		for (uint64_t v = lod_ladder_next(&scene.scene, &ladder, 0); v != UINT64_MAX;
+				before = v, v = lod_ladder_next(&scene.scene, &ladder, v)) {
 			struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-			uint32_t count = lod_ladder_cuts(&scene.scene, &ladder, v, lod_ladder_density(&scene.scene, &ladder, v), cuts);
+			uint32_t count = lod_ladder_cuts(&scene.scene, &ladder, v,
+				lod_ladder_density(&scene.scene, &ladder, v), cuts);
 			uint64_t drawn = 0;
 			double now[4];
 			for (uint32_t i = 0; i < count; i++)
-				drawn += (uint64_t)(cuts[i].end - cuts[i].first) * eco_list_vertices(&scene.lists[cuts[i].list]);
+				drawn +=
+					(uint64_t)(cuts[i].end - cuts[i].first)
+					* eco_list_vertices(&scene.lists[cuts[i].list]);
 			assert_int_equal(drawn, v);
 			assert_true(v <= before + 12);
 			count_elements(&ladder, cuts, count, now);
@@ -178,8 +201,8 @@ static void four_forms_follow_each_other(void **state)
 	}
 }
 
-/* Some leaves have a triangle less than what stands for them: a step may then cost less than nothing. Every amount that is named can be
- * drawn, all the same. */
+/* Some leaves have a triangle less than what stands for them: a step may then cost less than nothing. Every
+ * amount that is named can be drawn, all the same. */
 static void amounts_can_be_drawn_where_leaves_are_cheaper_than_their_forms(void **state)
 {
 	const uint32_t k = 300;
@@ -190,20 +213,26 @@ static void amounts_can_be_drawn_where_leaves_are_cheaper_than_their_forms(void 
 		fans->primitive_count = 0;
 		for (uint32_t c = 0; c < fans->chunk_count; c++) {
 			struct eco_chunk *chunk = &scene.chunks[fans->chunk_first + c];
-			chunk->primitive_count = chunk->element_count + (uint32_t)(random_real(&scene, 0, 3) * chunk->element_count);
+			chunk->primitive_count = chunk->element_count
+				+ (uint32_t)(random_real(&scene, 0, 3) * chunk->element_count);
 			fans->primitive_count += chunk->primitive_count;
 		}
-		struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .triangles = triangles, .lines = ECO_NONE, .total = k, .curve_count = 5,
-			.points = random_form(&scene, ECO_LIST_POINTS, triangles, 1), .simple = random_form(&scene, ECO_LIST_TRIANGLES, triangles, 2) };
+		struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .triangles = triangles,
+			.lines = ECO_NONE, .total = k, .curve_count = 5,
+			.points = random_form(&scene, ECO_LIST_POINTS, triangles, 1),
+			.simple = random_form(&scene, ECO_LIST_TRIANGLES, triangles, 2) };
 		for (uint32_t i = 0; i < 5; i++)
-			scene.curves[i] = (struct eco_curve){ 0.02f * (float)(1 << i), 1, (float)random_real(&scene, 0, 1), 0.1f, 0.1f };
+			scene.curves[i] = (struct eco_curve){ 0.02f * (float)(1 << i), 1,
+				(float)random_real(&scene, 0, 1), 0.1f, 0.1f };
 		uint64_t full = lod_ladder_full(&scene.scene, &ladder), next = 0, steps = 0;
 		for (uint64_t asked = 1; asked <= full + 3; asked++) {
 			struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 			uint64_t v = lod_ladder_floor(&scene.scene, &ladder, asked);
 			assert_true(v <= asked && lod_ladder_floor(&scene.scene, &ladder, v) == v);
 			if (v > 0)
-				assert_int_equal(drawn(cuts, lod_ladder_cuts(&scene.scene, &ladder, v, lod_ladder_density(&scene.scene, &ladder, v), cuts)), v);
+				assert_int_equal(drawn(cuts,
+					lod_ladder_cuts(&scene.scene, &ladder, v,
+					lod_ladder_density(&scene.scene, &ladder, v), cuts)), v);
 		}
 		while ((next = lod_ladder_next(&scene.scene, &ladder, next)) != UINT64_MAX && steps++ <= full)
 			assert_int_equal(lod_ladder_floor(&scene.scene, &ladder, next), next);
@@ -218,22 +247,27 @@ static struct eco_ladder points_and_fans(uint32_t k, uint32_t each)
 	uint32_t triangles = random_fans(&scene, k, 0);
 	struct eco_list *fans = &scene.lists[triangles];
 	for (uint32_t c = 0; c < fans->chunk_count; c++)
-		scene.chunks[fans->chunk_first + c].primitive_count = each * scene.chunks[fans->chunk_first + c].element_count;
+		scene.chunks[fans->chunk_first + c].primitive_count =
+			each * scene.chunks[fans->chunk_first + c].element_count;
 	fans->primitive_count = each * k;
-	return (struct eco_ladder){ .organ = ECO_ORGAN_FOLIAGE, .lines = ECO_NONE, .simple = ECO_NONE, .triangles = triangles, .total = k,
+	return (struct eco_ladder){ .organ = ECO_ORGAN_FOLIAGE, .lines = ECO_NONE, .simple = ECO_NONE,
+		.triangles = triangles, .total = k,
 		.points = random_form(&scene, ECO_LIST_POINTS, triangles, 1) };
 }
 
-/* While as many elements are drawn, ever more of them in full, the scale is that of the amount, not of where the reach goes on. */
+/* While as many elements are drawn, ever more of them in full, the scale is that of the amount, not of where
+ * the reach goes on. */
 static void scales_follow_the_curve_where_the_reach_stays(void **state)
 {
 	struct eco_ladder ladder = points_and_fans(300, 4);
-	const struct eco_curve samples[] = { { 0.05f, 2, 0.4093f, 0.5f, 0.5f }, { 0.2f, 0.5f, 0.4093f, 0.2f, 0.2f }, { 1, 1, 1, 0, 0 } };
+	const struct eco_curve samples[] = { { 0.05f, 2, 0.4093f, 0.5f, 0.5f },
+		{ 0.2f, 0.5f, 0.4093f, 0.2f, 0.2f }, { 1, 1, 1, 0, 0 } };
 	memcpy(scene.curves, samples, sizeof samples);
 	ladder.curve_count = 3;
 	for (double share = 0.06; share < 0.2; share += 0.02) {
 		uint64_t v = lod_ladder_vertices(&scene.scene, &ladder, share);
-		double density = lod_ladder_density(&scene.scene, &ladder, v), scale = lod_ladder_curve(&scene.scene, &ladder, share).scale;
+		double density = lod_ladder_density(&scene.scene, &ladder, v),
+			scale = lod_ladder_curve(&scene.scene, &ladder, share).scale;
 		struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 		assert_float_equal(density, 123.0 / 300, 1e-6);
 		uint32_t count = lod_ladder_cuts(&scene.scene, &ladder, v, density, cuts);
@@ -242,33 +276,40 @@ static void scales_follow_the_curve_where_the_reach_stays(void **state)
 	}
 }
 
-/* A share of which a cell has but a fraction of an element says nothing about the cell's form: it begins with points, as its plant does. */
+/* A share of which a cell has but a fraction of an element says nothing about the cell's form: it begins with
+ * points, as its plant does. */
 static void cells_begin_in_the_form_of_their_plant(void **state)
 {
 	struct eco_ladder ladder = points_and_fans(157, 4);
 	ladder.simple = random_form(&scene, ECO_LIST_TRIANGLES, ladder.triangles, 4);
 	ladder.before = 30;
 	ladder.total = 187;
-	const struct eco_curve samples[] = { { 0.0003f, 1, 0.0026f, 0.9f, 0.9f }, { 0.001f, 1, 0.0026f, 0.8f, 0.8f }, { 0.01f, 1, 0.1f, 0.4f, 0.4f },
+	const struct eco_curve samples[] = { { 0.0003f, 1, 0.0026f, 0.9f, 0.9f },
+		{ 0.001f, 1, 0.0026f, 0.8f, 0.8f }, { 0.01f, 1, 0.1f, 0.4f, 0.4f },
 		{ 0.025f, 1, 0.3f, 0.3f, 0.3f }, { 0.4f, 1, 1, 0.1f, 0.1f }, { 1, 1, 1, 0, 0 } };
 	memcpy(scene.curves, samples, sizeof samples);
 	ladder.curve_count = 6;
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 	assert_true(lod_ladder_share(&scene.scene, &ladder, 0) < 0.02);
-	assert_int_equal(lod_ladder_cuts(&scene.scene, &ladder, lod_ladder_next(&scene.scene, &ladder, 0), 0.2, cuts), 1);
+	assert_int_equal(lod_ladder_cuts(&scene.scene, &ladder, lod_ladder_next(&scene.scene, &ladder, 0),
+		0.2, cuts), 1);
 	assert_int_equal(cuts[0].list, ladder.points);
 	assert_int_equal(cuts[0].end, 1);
 }
 
-/* Elements of the region that the whole-plant list holds come first: a cell begins where the curve reaches beyond them. */
+/* Elements of the region that the whole-plant list holds come first: a cell begins where the curve reaches
+ * beyond them. */
 static void cells_draw_what_the_whole_plant_list_does_not(void **state)
 {
 	random_scene_make(&scene, 3, 0);
 	const uint32_t k = 300, before = 100;
 	uint32_t triangles = random_fans(&scene, k, 0);
-	struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .lines = ECO_NONE, .simple = ECO_NONE, .triangles = triangles, .before = before,
-		.total = before + k, .points = random_form(&scene, ECO_LIST_POINTS, triangles, 1), .curve_count = 4 };
-	struct eco_curve samples[] = { { 0.01f, 1, 0.05f, 0.5f, 0.5f }, { 0.05f, 1, 0.25f, 0.4f, 0.4f }, { 0.2f, 1, 1, 0.2f, 0.2f }, { 1, 1, 1, 0, 0 } };
+	struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .lines = ECO_NONE, .simple = ECO_NONE,
+		.triangles = triangles, .before = before,
+		.total = before + k, .points = random_form(&scene, ECO_LIST_POINTS, triangles, 1),
+		.curve_count = 4 };
+	struct eco_curve samples[] = { { 0.01f, 1, 0.05f, 0.5f, 0.5f }, { 0.05f, 1, 0.25f, 0.4f, 0.4f },
+		{ 0.2f, 1, 1, 0.2f, 0.2f }, { 1, 1, 1, 0, 0 } };
 	memcpy(scene.curves, samples, sizeof samples);
 	assert_int_equal(lod_ladder_vertices(&scene.scene, &ladder, 0.05f), 0);
 	assert_float_equal(lod_ladder_share(&scene.scene, &ladder, 0), 0.05, 1e-6);
@@ -276,22 +317,27 @@ static void cells_draw_what_the_whole_plant_list_does_not(void **state)
 	uint64_t all = lod_ladder_vertices(&scene.scene, &ladder, 0.2f);
 	assert_float_equal(lod_ladder_density(&scene.scene, &ladder, all), 1, 1e-6);
 	assert_true(all >= k);
-	ladder.before = 0;           /* the whole-plant list of a plant with cells: alone it reaches as far as it has elements */
+	/* the whole-plant list of a plant with cells: alone it reaches as far as it has elements */
+	ladder.before = 0;
 	ladder.total = 4 * k;
 	uint64_t end = lod_ladder_stage_end(&scene.scene, &ladder);
 	assert_float_equal(lod_ladder_density(&scene.scene, &ladder, end), 0.25, 1e-6);
 	assert_true(end >= k && end < lod_ladder_full(&scene.scene, &ladder));
-	assert_true(lod_ladder_density(&scene.scene, &ladder, lod_ladder_floor(&scene.scene, &ladder, end - 1)) < 0.25);
+	assert_true(lod_ladder_density(&scene.scene, &ladder,
+		lod_ladder_floor(&scene.scene, &ladder, end - 1)) < 0.25);
 }
 
-/* A whole-plant list that is all drawn as points stays that while cells go on: it is scaled by what the picture shows by then. */
+/* A whole-plant list that is all drawn as points stays that while cells go on: it is scaled by what the
+ * picture shows by then. */
 static void a_list_that_is_all_drawn_is_scaled_as_its_plant(void **state)
 {
 	struct eco_ladder ladder = points_and_fans(100, 4);
 	ladder.total = 800;
-	const struct eco_curve samples[] = { { 100 / 9600.f, 4, 0.125f, 0.5f, 0.5f }, { 400 / 9600.f, 1, 0.5f, 0.3f, 0.3f },
+	const struct eco_curve samples[] = { { 100 / 9600.f, 4, 0.125f, 0.5f, 0.5f },
+		{ 400 / 9600.f, 1, 0.5f, 0.3f, 0.3f },
 		{ 800 / 9600.f, 0.5f, 1, 0.2f, 0.2f }, { 1, 1, 1, 0, 0 } };
-	static const struct { double density, scale; } rows[] = { { 0.125, 4 }, { 0.3125, 2.5 }, { 0.5, 1 }, { 0.75, 0.75 }, { 1, 0.5 } };
+	static const struct { double density, scale; } rows[] = { { 0.125, 4 }, { 0.3125, 2.5 }, { 0.5, 1 },
+		{ 0.75, 0.75 }, { 1, 0.5 } };
 	memcpy(scene.curves, samples, sizeof samples);
 	ladder.curve_count = 4;
 	uint64_t all = lod_ladder_stage_end(&scene.scene, &ladder);
@@ -328,10 +374,12 @@ static void wood_is_never_scaled_and_leaves_are_by_their_curve(void **state)
 static void a_curve_is_interpolated_and_clamped(void **state)
 {
 	random_scene_make(&scene, 5, 0);
-	struct eco_curve samples[] = { { 0.1f, 2, 1, 0.2f, 0.4f }, { 0.5f, 1, 1, 0.1f, 0.2f }, { 1, 1, 1, 0, 0 } };
+	struct eco_curve samples[] = { { 0.1f, 2, 1, 0.2f, 0.4f }, { 0.5f, 1, 1, 0.1f, 0.2f },
+		{ 1, 1, 1, 0, 0 } };
 	memcpy(scene.curves, samples, sizeof samples);
 	struct eco_ladder ladder = { .curve_first = 0, .curve_count = 3 };
-	struct { double share, scale, fn; } rows[] = { { 0, 2, 1 }, { 0.05, 2, 0.7 }, { 0.1, 2, 0.4 }, { 0.3, 1.5, 0.3 }, { 0.5, 1, 0.2 },
+	struct { double share, scale, fn; } rows[] = { { 0, 2, 1 }, { 0.05, 2, 0.7 }, { 0.1, 2, 0.4 },
+		{ 0.3, 1.5, 0.3 }, { 0.5, 1, 0.2 },
 		{ 1, 1, 0 }, { 7, 1, 0 } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct eco_curve c = lod_ladder_curve(&scene.scene, &ladder, rows[i].share);
@@ -343,13 +391,16 @@ static void a_curve_is_interpolated_and_clamped(void **state)
 static void from_above_scales_and_errors_turn_into_those_of_the_other_curve(void **state)
 {
 	random_scene_make(&scene, 5, 0);
-	struct eco_curve samples[] = { { 0.1f, 2, 0.5f, 0.2f, 0.4f }, { 1, 1, 1, 0, 0 }, { 0.1f, 3, 0.5f, 0.1f, 0.2f }, { 1, 1, 1, 0, 0 } };
+	struct eco_curve samples[] = { { 0.1f, 2, 0.5f, 0.2f, 0.4f }, { 1, 1, 1, 0, 0 },
+		{ 0.1f, 3, 0.5f, 0.1f, 0.2f }, { 1, 1, 1, 0, 0 } };
 	memcpy(scene.curves, samples, sizeof samples);
 	struct eco_ladder ladder = { .curve_first = 0, .curve_count = 2, .flags = ECO_LADDER_ABOVE };
-	struct { double below, distance, scale, fp, fn; } rows[] = { { -5, 10, 2, 0.2, 0.4 }, { 2, 10, 2, 0.2, 0.4 }, { 4.5, 10, 2.5, 0.15, 0.3 },
+	struct { double below, distance, scale, fp, fn; } rows[] =
+		{ { -5, 10, 2, 0.2, 0.4 }, { 2, 10, 2, 0.2, 0.4 }, { 4.5, 10, 2.5, 0.15, 0.3 },
 		{ 7, 10, 3, 0.1, 0.2 }, { 10, 10, 3, 0.1, 0.2 }, { 1, 0, 2, 0.2, 0.4 } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-		struct eco_curve c = lod_ladder_curve_seen(&scene.scene, &ladder, 0.1, lod_seen_above(rows[i].below, rows[i].distance));
+		struct eco_curve c = lod_ladder_curve_seen(&scene.scene, &ladder, 0.1,
+			lod_seen_above(rows[i].below, rows[i].distance));
 		assert_float_equal(c.scale, rows[i].scale, 1e-5);
 		assert_float_equal(c.reach, 0.5, 1e-5);
 		assert_float_equal(c.fp, rows[i].fp, 1e-5);

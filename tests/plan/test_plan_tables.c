@@ -26,9 +26,12 @@ static void kept_ways_answer_as_walks_do(void **state)
 				double share = random_real(&scene, -0.1, 1.1);
 				assert_true(floor == lod_ladder_floor(&scene.scene, ladder, v));
 				assert_true(lod_way_next(way, v) == lod_ladder_next(&scene.scene, ladder, v));
-				assert_true(lod_way_share(way, floor) == lod_ladder_share(&scene.scene, ladder, floor));
-				assert_true(lod_way_density(way, floor) == lod_ladder_density(&scene.scene, ladder, floor));
-				assert_true(lod_way_vertices(way, share) == lod_ladder_vertices(&scene.scene, ladder, share));
+				assert_true(lod_way_share(way, floor) == lod_ladder_share(&scene.scene,
+					ladder, floor));
+				assert_true(lod_way_density(way, floor) == lod_ladder_density(&scene.scene,
+					ladder, floor));
+				assert_true(lod_way_vertices(way, share) == lod_ladder_vertices(&scene.scene,
+					ladder, share));
 			}
 		}
 		lod_plan_tables_free(tables);
@@ -39,22 +42,27 @@ static void kept_ways_answer_as_walks_do(void **state)
 static void random_request(struct eco_request *request)
 {
 	const struct eco_tile *root = &scene.tiles[scene.scene.root];
-	*request = (struct eco_request){ .bytes = ECO_BYTES_UNBOUNDED, .vertices = 1u << random_below(&scene, 14),
+	*request = (struct eco_request){ .bytes = ECO_BYTES_UNBOUNDED,
+		.vertices = 1u << random_below(&scene, 14),
 		.view = { .up = { 0, 0, 1 }, .fov_y_deg = 60, .width = 400, .height = 300 } };
 	for (int i = 0; i < 3; i++) {
 		request->view.target[i] = (root->low[i] + root->high[i]) / 2;
-		request->view.eye[i] = request->view.target[i] + random_real(&scene, 0.1, 1) * (1 + root->high[i] - root->low[i]);
+		request->view.eye[i] = request->view.target[i] + random_real(&scene, 0.1,
+			1) * (1 + root->high[i] - root->low[i]);
 	}
 }
 
 static void assert_same_plan(const struct eco_plan *a, const struct eco_plan *b)
 {
-	assert_true(a->vertices == b->vertices && a->cut_count == b->cut_count && a->gate_count == b->gate_count && a->run_count == b->run_count);
+	assert_true(a->vertices == b->vertices && a->cut_count == b->cut_count
+		&& a->gate_count == b->gate_count && a->run_count == b->run_count);
 	assert_memory_equal(&a->prediction, &b->prediction, sizeof a->prediction);
 	for (uint32_t i = 0; i < a->cut_count; i++) {
 		const struct eco_cut *x = &a->cuts[i], *y = &b->cuts[i];
-		assert_true(x->list == y->list && x->first == y->first && x->end == y->end && x->scale == y->scale && x->anchor == y->anchor
-			&& x->band_first == y->band_first && x->band_end == y->band_end && x->share_first == y->share_first && x->share_end == y->share_end);
+		assert_true(x->list == y->list && x->first == y->first && x->end == y->end
+			&& x->scale == y->scale && x->anchor == y->anchor && x->band_first == y->band_first
+			&& x->band_end == y->band_end && x->share_first == y->share_first
+			&& x->share_end == y->share_end);
 	}
 	for (uint32_t i = 0; i < a->gate_count; i++)
 		assert_true(a->gates[i].plant == b->gates[i].plant && a->gates[i].end == b->gates[i].end);
@@ -71,7 +79,8 @@ static void plans_are_the_same_with_tables_as_without(void **state)
 			struct eco_request request;
 			struct eco_plan with, without;
 			random_request(&request);
-			struct lod_planner_input input = { .scene = &scene.scene, .request = &request, .rule = rules[i % 2] };
+			struct lod_planner_input input = { .scene = &scene.scene, .request = &request,
+				.rule = rules[i % 2] };
 			assert_false(lod_plan(&without, &input, NULL));
 			input.tables = tables;
 			assert_false(lod_plan(&with, &input, NULL));
@@ -115,13 +124,15 @@ static void threads_that_ask_at_a_time_are_given_the_same(void **state)
 		for (uint32_t i = 0; i < THREADS; i++)
 			assert_ptr_equal(askers[i].found[l], lod_plan_tables_ladder(tables, l));
 	size_t bytes = lod_plan_tables_bytes(tables) - empty;
-	assert_true(bytes > 0 && bytes <= scene.scene.ladder_count * (size_t)LOD_PLAN_TABLES_LADDER_BYTES_MAX);
+	assert_true(bytes > 0
+		&& bytes <= scene.scene.ladder_count * (size_t)LOD_PLAN_TABLES_LADDER_BYTES_MAX);
 	lod_plan_tables_free(tables);
 }
 
 int main(void)
 {
 	const struct CMUnitTest tests[] = { cmocka_unit_test(kept_ways_answer_as_walks_do),
-		cmocka_unit_test(plans_are_the_same_with_tables_as_without), cmocka_unit_test(threads_that_ask_at_a_time_are_given_the_same) };
+		cmocka_unit_test(plans_are_the_same_with_tables_as_without),
+		cmocka_unit_test(threads_that_ask_at_a_time_are_given_the_same) };
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

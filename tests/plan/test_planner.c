@@ -1,5 +1,5 @@
-/* What must always hold for a plan, on random scenes, views and budgets; checked by a simple twin that evaluates the rules plant by
- * plant, as a client would. */
+/* What must always hold for a plan, on random scenes, views and budgets; checked by a simple twin that
+ * evaluates the rules plant by plant, as a client would. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -34,17 +34,22 @@ static struct eco_request random_request(struct scene_builder *r)
 	return q;
 }
 
-static struct lod_planner_stats plan_by(lod_rule *rule, struct eco_plan *plan, const struct eco_request *request)
+static struct lod_planner_stats plan_by(lod_rule *rule, struct eco_plan *plan,
+	const struct eco_request *request)
 {
 	struct lod_planner_stats stats;
-	struct lod_planner_input input = { .scene = &scene.scene, .request = request, .rule = rule, .stats = &stats };
+	struct lod_planner_input input = { .scene = &scene.scene, .request = request, .rule = rule,
+		.stats = &stats };
 	struct eco_error error = { 0 };
 	if (lod_plan(plan, &input, &error))
 		fail_msg("%s", error.text);
 	return stats;
 }
 
-static struct lod_planner_stats plan_it(struct eco_plan *plan, const struct eco_request *request) { return plan_by(NULL, plan, request); }
+static struct lod_planner_stats plan_it(struct eco_plan *plan, const struct eco_request *request)
+{
+	return plan_by(NULL, plan, request);
+}
 
 static void check_cuts(const struct eco_plan *plan)
 {
@@ -72,12 +77,15 @@ static void never_above_the_budget_and_counted_as_drawn(void **state)
 			struct lod_planner_stats stats = plan_it(&plan, &request);
 			check_cuts(&plan);
 			assert_true(plan.vertices <= request.vertices);
-			assert_int_equal(plan.vertices, plan_twin_vertices(&scene.scene, &plan, &request.view, NULL));
+			assert_int_equal(plan.vertices,
+				plan_twin_vertices(&scene.scene, &plan, &request.view, NULL));
 			struct eco_request everything = request;
 			everything.vertices = ECO_VERTICES_MAX;
 			plan_it(&all, &everything);
-			assert_int_equal(all.vertices, plan_twin_vertices(&scene.scene, &all, &request.view, NULL));
-			/* left over is less than any step takes; or everything that can be seen is as it should be */
+			assert_int_equal(all.vertices,
+				plan_twin_vertices(&scene.scene, &all, &request.view, NULL));
+			/* left over is less than any step takes; or everything that can be seen is as it
+			 * should be */
 			assert_true(request.vertices - plan.vertices < stats.cheapest);
 			ended += stats.cheapest == UINT64_MAX;
 			if (stats.cheapest != UINT64_MAX) {
@@ -88,8 +96,8 @@ static void never_above_the_budget_and_counted_as_drawn(void **state)
 			eco_plan_free(&all);
 		}
 	}
-	print_message("          unused of what could be used: %.4f %%; in %llu plans every curve has ended\n", 100.0 * (double)unused / (double)asked,
-		(unsigned long long)ended);
+	print_message("          unused of what could be used: %.4f %%; in %llu plans every curve has "
+		"ended\n", 100.0 * (double)unused / (double)asked, (unsigned long long)ended);
 	assert_true(unused * 200 <= asked);
 }
 
@@ -105,10 +113,13 @@ static void both_rules_keep_the_budget_and_predict(void **state)
 			assert_true(plan_by(rules[i % 2], &plan, &request).converged || i % 2 == 0);
 			check_cuts(&plan);
 			assert_true(plan.vertices <= request.vertices);
-			assert_int_equal(plan.vertices, plan_twin_vertices(&scene.scene, &plan, &request.view, NULL));
+			assert_int_equal(plan.vertices,
+				plan_twin_vertices(&scene.scene, &plan, &request.view, NULL));
 			const struct eco_prediction *p = &plan.prediction;
-			assert_true(p->tp >= 0 && p->fp >= 0 && p->fn >= 0 && isfinite(p->tp + p->fp + p->fn) && eco_predicted_q(p) <= 1);
-			assert_true(isfinite(plan.sample_distance) && (i % 2 ? plan.sample_distance >= 0 : plan.sample_distance == 0));
+			assert_true(p->tp >= 0 && p->fp >= 0 && p->fn >= 0 && isfinite(p->tp + p->fp + p->fn)
+				&& eco_predicted_q(p) <= 1);
+			assert_true(isfinite(plan.sample_distance)
+				&& (i % 2 ? plan.sample_distance >= 0 : plan.sample_distance == 0));
 			drawn[i % 2] += plan.vertices;
 			eco_plan_free(&plan);
 		}
@@ -138,7 +149,9 @@ static void same_request_same_bytes(void **state)
 static void an_unlimited_budget_draws_every_visible_triangle_once(void **state)
 {
 	random_scene_make(&scene, 7, 0);
-	struct eco_request request = { .view = { .eye = { -300, -300, 200 }, .target = { 50, 50, 0 }, .up = { 0, 0, 1 }, .fov_y_deg = 90,
+	struct eco_request request =
+		{ .view = { .eye = { -300, -300, 200 }, .target = { 50, 50, 0 }, .up = { 0, 0, 1 },
+		.fov_y_deg = 90,
 		.width = 800, .height = 600 }, .vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED };
 	struct eco_plan plan;
 	plan_it(&plan, &request);
@@ -161,7 +174,8 @@ static void an_unlimited_budget_draws_every_visible_triangle_once(void **state)
 
 static void shifting_turning_and_scaling_through_a_placement_changes_only_rounding(void **state)
 {
-	static const double shifts[][3] = { { 1000, -250, 3 }, { 1e6, 1e6, 0 }, { 1e7, -1e7, 100 }, { 0, 0, 0 }, { 5, 0, 0 } };
+	static const double shifts[][3] = { { 1000, -250, 3 }, { 1e6, 1e6, 0 }, { 1e7, -1e7, 100 },
+		{ 0, 0, 0 }, { 5, 0, 0 } };
 	static const float scales[] = { 1, 1, 1, 64, 0.3f };
 	random_scene_make(&scene, 21, 0);
 	struct eco_request request = random_request(&scene);
@@ -175,12 +189,16 @@ static void shifting_turning_and_scaling_through_a_placement_changes_only_roundi
 		memmove(scene.tiles + 1, scene.tiles, root * sizeof *scene.tiles);
 		for (uint32_t c = 0; c < scene.scene.child_count; c++)
 			scene.children[c].tile++;
-		scene.tiles[0] = (struct eco_tile){ .low = { -1e9, -1e9, -1e9 }, .high = { 1e9, 1e9, 1e9 }, .summary = ECO_NONE };
-		scene_add_child(&scene, 0, (struct eco_child){ .tile = 1, .placed = true, .at = { shifts[i][0], shifts[i][1], shifts[i][2] },
+		scene.tiles[0] = (struct eco_tile){ .low = { -1e9, -1e9, -1e9 }, .high = { 1e9, 1e9, 1e9 },
+			.summary = ECO_NONE };
+		scene_add_child(&scene, 0,
+			(struct eco_child){ .tile = 1, .placed = true,
+			.at = { shifts[i][0], shifts[i][1], shifts[i][2] },
 			.turn = 16384, .scale = scales[i] });
 		struct eco_request there = request;
 		for (int v = 0; v < 2; v++) {
-			double *p = v ? there.view.target : there.view.eye, *from = v ? request.view.target : request.view.eye;
+			double *p = v ? there.view.target : there.view.eye, *from = v ? request.view.target
+				: request.view.eye;
 			p[0] = shifts[i][0] - scales[i] * from[1];
 			p[1] = shifts[i][1] + scales[i] * from[0];
 			p[2] = shifts[i][2] + scales[i] * from[2];
@@ -207,7 +225,8 @@ static void a_bounded_walk_still_answers(void **state)
 	struct eco_request request = random_request(&scene);
 	request.vertices = 1 << 24;
 	struct eco_plan plan;
-	struct lod_planner_input input = { .scene = &scene.scene, .request = &request, .tiles_max = 3, .placements_max = 2 };
+	struct lod_planner_input input = { .scene = &scene.scene, .request = &request, .tiles_max = 3,
+		.placements_max = 2 };
 	struct eco_error error = { 0 };
 	enum eco_code code = lod_plan(&plan, &input, &error);
 	assert_true(code == ECO_OK || code == ECO_TOO_LARGE);

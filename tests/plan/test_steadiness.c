@@ -1,5 +1,5 @@
-/* What switches while a camera moves slowly: few of like plants at a time. Nothing is remembered from picture to picture, so it has to come from
- * thresholds that differ from plant to plant. */
+/* What switches while a camera moves slowly: few of like plants at a time. Nothing is remembered from picture
+ * to picture, so it has to come from thresholds that differ from plant to plant. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,27 +14,30 @@
 
 struct piece { uint32_t list, first, end; float scale; uint64_t vertices; };
 struct seen { uint32_t plant, count; struct piece pieces[24]; uint64_t vertices; bool in_view; };
-struct shot { struct seen *plants; uint32_t count, moving; };    /* in the order of places: frames compare by index; gates that end within a band */
+/* in the order of places: frames compare by index; gates that end within a band */
+struct shot { struct seen *plants; uint32_t count, moving; };
 
-static void see_plant(const struct eco_plan *plan, const struct eco_scene *s, const struct lod_anchor_band *at, uint32_t anchors, uint32_t hash,
-	struct seen *seen)
+static void see_plant(const struct eco_plan *plan, const struct eco_scene *s,
+	const struct lod_anchor_band *at, uint32_t anchors, uint32_t hash, struct seen *seen)
 {
 	static const uint32_t per[] = { 0, 3, 2, 1 };
 	for (uint32_t a = 0; a < anchors; a++)
 		for (uint32_t c = 0; c < plan->cut_count; c++) {
 			const struct eco_cut *cut = &plan->cuts[c];
-			if (cut->anchor != at[a].anchor || at[a].band < cut->band_first || at[a].band >= cut->band_end || hash < cut->share_first
+			if (cut->anchor != at[a].anchor || at[a].band < cut->band_first
+					|| at[a].band >= cut->band_end || hash < cut->share_first
 					|| hash >= cut->share_end)
 				continue;
 			assert_true(seen->count < sizeof seen->pieces / sizeof *seen->pieces);
 			uint64_t vertices = (uint64_t)(cut->end - cut->first) * per[s->lists[cut->list].kind];
-			seen->pieces[seen->count++] = (struct piece){ cut->list, cut->first, cut->end, cut->scale, vertices };
+			seen->pieces[seen->count++] = (struct piece){ cut->list, cut->first, cut->end,
+				cut->scale, vertices };
 			seen->vertices += vertices;
 		}
 }
 
-static void see_list(const struct eco_plan *plan, const struct eco_run *run, const struct eco_scene *s, uint32_t g, const struct lod_eye *eye,
-	struct shot *shot)
+static void see_list(const struct eco_plan *plan, const struct eco_run *run, const struct eco_scene *s,
+	uint32_t g, const struct lod_eye *eye, struct shot *shot)
 {
 	const struct eco_group *group = &s->groups[g];
 	const struct eco_plant *plant = &s->plants[group->plant];
@@ -49,7 +52,8 @@ static void see_list(const struct eco_plan *plan, const struct eco_run *run, con
 		struct lod_anchor_band at[64];
 		uint32_t hash = lod_share_hash(plan->placements[0].path, group->list, i);
 		lod_place_instance(&place, &plan->placements[0], &s->lists[group->list], &stored);
-		uint32_t n = lod_instance_anchors(eye, &place, s->anchors + plant->anchor_first, plant->anchor_first, plant->anchor_count, gate, hash, at);
+		uint32_t n = lod_instance_anchors(eye, &place, s->anchors + plant->anchor_first,
+			plant->anchor_first, plant->anchor_count, gate, hash, at);
 		seen->plant = group->plant;
 		seen->in_view = n > 0;
 		if (run && lod_open_hash(hash) >= run->left)
@@ -67,7 +71,8 @@ static uint64_t drawn(const struct eco_plan *plan, const struct shot *shot)
 	return vertices;
 }
 
-static void shoot(struct shot *shot, const struct eco_scene *s, const struct eco_request *request, struct eco_plan *plan)
+static void shoot(struct shot *shot, const struct eco_scene *s, const struct eco_request *request,
+	struct eco_plan *plan)
 {
 	struct lod_planner_input input = { .scene = s, .request = request };
 	struct lod_eye eye;
@@ -78,7 +83,8 @@ static void shoot(struct shot *shot, const struct eco_scene *s, const struct eco
 	for (uint32_t g = 0; g < s->group_count; g++) {
 		const struct eco_run *run = NULL;
 		for (uint32_t r = 0; r < plan->run_count; r++)
-			if (s->groups[g].list >= plan->runs[r].list_first && s->groups[g].list < plan->runs[r].list_end)
+			if (s->groups[g].list >= plan->runs[r].list_first && s->groups[g].list
+					< plan->runs[r].list_end)
 				run = &plan->runs[r];
 		see_list(plan, run, s, g, &eye, shot);
 	}
@@ -107,13 +113,15 @@ static uint64_t changed(const struct seen *a, const struct seen *b)
 /* A cell is the part of its plant that it is by its vertices. */
 static double switched(const struct seen *a, const struct seen *b)
 {
-	uint64_t from = changed(a, b), to = changed(b, a), all = a->vertices > b->vertices ? a->vertices : b->vertices;
+	uint64_t from = changed(a, b), to = changed(b, a), all = a->vertices > b->vertices ? a->vertices
+		: b->vertices;
 	return all ? (double)(from > to ? from : to) / (double)all : 0;
 }
 
 struct tally { double worst, sum; uint32_t frames, over, moving; };
 
-static void compare(const struct eco_scene *s, const struct shot *a, const struct shot *b, struct tally *tally)
+static void compare(const struct eco_scene *s, const struct shot *a, const struct shot *b,
+	struct tally *tally)
 {
 	for (uint32_t plant = 0; plant < s->plant_count; plant++) {
 		double sum = 0;
@@ -136,10 +144,13 @@ static void compare(const struct eco_scene *s, const struct shot *a, const struc
 static void move_slowly(uint64_t seed, struct tally *tally)
 {
 	static struct scene_builder r;
-	random_scene_sized(&r, seed, 0, (struct random_sizes){ .species = 2, .leaves = 4, .elements = 300, .places = 800, .cells = 4 });
-	double far = random_real(&r, 60, 400), around = random_real(&r, 0, 6.28), up = random_real(&r, 0.1, 1);
-	struct eco_request request = { .view = { .target = { 50, 50, 3 }, .up = { 0, 0, 1 }, .fov_y_deg = 50, .width = 640, .height = 480 },
-		.vertices = 2000 + random_below(&r, 200000), .bytes = ECO_BYTES_UNBOUNDED };
+	random_scene_sized(&r, seed, 0, (struct random_sizes){ .species = 2, .leaves = 4, .elements = 300,
+		.places = 800, .cells = 4 });
+	double far = random_real(&r, 60, 400), around = random_real(&r, 0, 6.28),
+		up = random_real(&r, 0.1, 1);
+	struct eco_request request =
+		{ .view = { .target = { 50, 50, 3 }, .up = { 0, 0, 1 }, .fov_y_deg = 50, .width = 640,
+		.height = 480 }, .vertices = 2000 + random_below(&r, 200000), .bytes = ECO_BYTES_UNBOUNDED };
 	struct shot before = { 0 };
 	for (int frame = 0; frame < 6; frame++) {
 		double near = far * pow(0.997, frame), turn = around + 0.003 * frame;
@@ -164,8 +175,9 @@ static void few_of_like_plants_switch_at_once(void **state)
 	struct tally tally = { 0 };
 	for (uint64_t seed = 1; seed <= 120; seed++)
 		move_slowly(seed, &tally);
-	print_message("          %u gates end within a band; of like plants switch %.2f %% in the mean, %.1f %% at most, more than 5 %% in %u of %u\n",
-		tally.moving, 100 * tally.sum / tally.frames, 100 * tally.worst, tally.over, tally.frames);
+	print_message("          %u gates end within a band; of like plants switch %.2f %% in the mean, "
+		"%.1f %% at most, more than 5 %% in %u of %u\n", tally.moving, 100 * tally.sum / tally.frames,
+		100 * tally.worst, tally.over, tally.frames);
 	assert_true(tally.frames > 200);
 	assert_true(tally.moving > 20);
 	assert_true(tally.sum / tally.frames < 0.0095);
@@ -179,7 +191,9 @@ static void a_still_camera_has_one_plan(void **state)
 	struct eco_plan first, again;
 	struct shot a, b;
 	random_scene_make(&r, 5, 0);
-	struct eco_request request = { .view = { .eye = { -80, -80, 40 }, .target = { 50, 50, 3 }, .up = { 0, 0, 1 }, .fov_y_deg = 50, .width = 640,
+	struct eco_request request =
+		{ .view = { .eye = { -80, -80, 40 }, .target = { 50, 50, 3 }, .up = { 0, 0, 1 },
+		.fov_y_deg = 50, .width = 640,
 		.height = 480 }, .vertices = 20000, .bytes = ECO_BYTES_UNBOUNDED };
 	shoot(&a, &r.scene, &request, &first);
 	shoot(&b, &r.scene, &request, &again);

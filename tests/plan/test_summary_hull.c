@@ -11,8 +11,10 @@ struct pair {
 	struct lod_summary_view view;
 	struct lod_summary_hull asked, all;
 	uint64_t asked_gains, all_gains;
-	struct lod_hull_point asked_room[2 * LOD_SUMMARY_HULL_SAMPLES_MAX + 1], all_room[2 * LOD_SUMMARY_HULL_SAMPLES_MAX + 1];
-	bool falls;                          /* the more points, the less is wrong: what is taken for granted */
+	struct lod_hull_point asked_room[2 * LOD_SUMMARY_HULL_SAMPLES_MAX + 1],
+		all_room[2 * LOD_SUMMARY_HULL_SAMPLES_MAX + 1];
+	/* the more points, the less is wrong: what is taken for granted */
+	bool falls;
 };
 
 static double random_real(uint64_t *state, double from, double to)
@@ -23,19 +25,22 @@ static double random_real(uint64_t *state, double from, double to)
 static void begin(struct pair *pair, uint64_t *state)
 {
 	double plants = exp2(random_real(state, 0, 14)), box = exp2(random_real(state, -6, 12));
-	double points = floor(fmin(4096, fmax(1, plants * exp2(random_real(state, -3, 3))))), fp_weight = random_real(state, 0, 1),
-		part = random_real(state, 0.01, 1);
-	pair->view = (struct lod_summary_view){ .plants = plants, .box = plants * box, .covered = plants * box * random_real(state, 0.05, 1),
-		.area = plants * box * random_real(state, 0.1, 4), .points = points, .wide = sqrt(plants * box) * random_real(state, 0.5, 4) };
+	double points = floor(fmin(4096, fmax(1, plants * exp2(random_real(state, -3, 3))))),
+		fp_weight = random_real(state, 0, 1), part = random_real(state, 0.01, 1);
+	pair->view = (struct lod_summary_view){ .plants = plants, .box = plants * box,
+		.covered = plants * box * random_real(state, 0.05, 1),
+		.area = plants * box * random_real(state, 0.1, 4), .points = points,
+		.wide = sqrt(plants * box) * random_real(state, 0.5, 4) };
 	pair->view.high = pair->view.wide * random_real(state, 0.05, 1);
 	pair->asked_gains = pair->all_gains = 0;
-	lod_summary_hull_begin(&pair->asked, &pair->view, part, 1, fp_weight, pair->asked_room, &pair->asked_gains);
+	lod_summary_hull_begin(&pair->asked, &pair->view, part, 1, fp_weight, pair->asked_room,
+		&pair->asked_gains);
 	lod_summary_hull_begin(&pair->all, &pair->view, part, 1, fp_weight, pair->all_room, &pair->all_gains);
 	lod_summary_hull_complete(&pair->all);
 	pair->falls = true;
 	for (uint32_t i = 1; i < pair->all.count; i++)
-		pair->falls = pair->falls && lod_hull_error(&pair->all.hull, &pair->all.samples[i]) <= lod_hull_error(&pair->all.hull,
-			&pair->all.samples[i - 1])
+		pair->falls = pair->falls && lod_hull_error(&pair->all.hull, &pair->all.samples[i])
+			<= lod_hull_error(&pair->all.hull, &pair->all.samples[i - 1])
 			&& pair->all.samples[i].fn <= pair->all.samples[i - 1].fn;
 }
 
@@ -45,7 +50,8 @@ static struct lod_hull_point bought(const struct lod_summary_hull *points, doubl
 	double position = lod_hull_position(&points->hull, lambda, 0), part = position - floor(position);
 	const struct lod_hull_point *a = &points->hull.points[(uint32_t)position], *b = part > 0 ? a + 1 : a;
 	double wrong = lod_hull_error(&points->hull, a), next = lod_hull_error(&points->hull, b);
-	return (struct lod_hull_point){ .fn = wrong + part * (next - wrong), .fn_slope = (double)a->vertices + part * (double)(b->vertices - a->vertices) };
+	return (struct lod_hull_point){ .fn = wrong + part * (next - wrong),
+		.fn_slope = (double)a->vertices + part * (double)(b->vertices - a->vertices) };
 }
 
 static double saved(const struct lod_summary_hull *points, double lambda)
@@ -73,7 +79,8 @@ static void what_is_asked_for_is_what_all_points_give(void **state)
 				assert_true(fabs(a.fn - b.fn) < 1e-9 && fabs(a.fn_slope - b.fn_slope) < 1e-6);
 			else
 				assert_true(saved(&pair.asked, lambda) > saved(&pair.all, lambda) - 0.05);
-			assert_true(lod_summary_hull_gain_bound(&pair.asked, lambda) >= saved(&pair.asked, lambda) - 1e-9);
+			assert_true(lod_summary_hull_gain_bound(&pair.asked, lambda)
+				>= saved(&pair.asked, lambda) - 1e-9);
 		}
 	}
 	assert_true(falling > VIEWS / 4);
@@ -114,9 +121,11 @@ static void few_points_are_computed_for_a_lambda(void **state)
 
 static void points_are_halves_down_to_one_point(void **state)
 {
-	static const struct { double points; uint32_t count; } cases[] = { { 1, 1 }, { 2, 2 }, { 3, 2 }, { 4, 3 }, { 4096, 13 }, { 4294967295.0, 32 } };
+	static const struct { double points; uint32_t count; } cases[] =
+		{ { 1, 1 }, { 2, 2 }, { 3, 2 }, { 4, 3 }, { 4096, 13 }, { 4294967295.0, 32 } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		struct lod_summary_view view = { .area = 100, .covered = 50, .box = 100, .plants = 10, .points = cases[i].points };
+		struct lod_summary_view view = { .area = 100, .covered = 50, .box = 100, .plants = 10,
+			.points = cases[i].points };
 		struct lod_hull_point room[2 * LOD_SUMMARY_HULL_SAMPLES_MAX + 1];
 		struct lod_summary_hull points;
 		uint64_t gains = 0;
@@ -124,7 +133,8 @@ static void points_are_halves_down_to_one_point(void **state)
 		assert_int_equal(lod_summary_hull_count(cases[i].points), cases[i].count);
 		lod_summary_hull_begin(&points, &view, 1, 1, 0.5, room, &gains);
 		assert_int_equal(points.count, cases[i].count);
-		assert_true(points.samples[0].vertices == 1 && points.samples[points.count - 1].vertices == (uint64_t)cases[i].points);
+		assert_true(points.samples[0].vertices == 1 && points.samples[points.count - 1].vertices
+			== (uint64_t)cases[i].points);
 		assert_int_equal(gains, 1);
 		lod_summary_hull_lambda_range(&points, &high, &low);
 		assert_true(high >= low && low >= 0);

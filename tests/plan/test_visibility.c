@@ -5,9 +5,11 @@
 #include "lod/plan/visibility.h"
 #include "tests/support/unit_test.h"
 
-static const struct lod_proxy_shape tree = { .across = 2, .up = 5, .area = 60, .crown_across = 2, .crown_up = 4 };
+static const struct lod_proxy_shape tree = { .across = 2, .up = 5, .area = 60, .crown_across = 2,
+	.crown_up = 4 };
 
-static void look_at_trees(struct lod_screen *screen, const struct eco_view *view, const double (*feet)[3], uint32_t count)
+static void look_at_trees(struct lod_screen *screen, const struct eco_view *view, const double (*feet)[3],
+	uint32_t count)
 {
 	static struct lod_eye eye;
 	struct eco_error error = { .code = ECO_OK };
@@ -22,8 +24,10 @@ static void look_at_trees(struct lod_screen *screen, const struct eco_view *view
 
 static void what_lies_behind_a_ridge_is_hidden(void **state)
 {
-	double feet[15][3] = { { 0, 200, -10 }, { 0, 200, 60 } };        /* behind a ridge: below it and above */
-	const struct eco_view view = { .eye = { 0, 0, 25 }, .target = { 0, 200, 25 }, .up = { 0, 0, 1 }, .fov_y_deg = 46, .width = 800, .height = 600 };
+	/* behind a ridge: below it and above */
+	double feet[15][3] = { { 0, 200, -10 }, { 0, 200, 60 } };
+	const struct eco_view view = { .eye = { 0, 0, 25 }, .target = { 0, 200, 25 }, .up = { 0, 0, 1 },
+		.fov_y_deg = 46, .width = 800, .height = 600 };
 	struct lod_screen screen;
 	for (int i = 2; i < 15; i++)
 		memcpy(feet[i], (const double[3]){ 0.3 * (i - 8), 100, 20 }, sizeof feet[i]);
@@ -33,10 +37,12 @@ static void what_lies_behind_a_ridge_is_hidden(void **state)
 	lod_screen_free(&screen);
 }
 
-/* Trees lower down are farther from the eye and, where the slope rises upwards in the picture, lower on the screen. */
+/* Trees lower down are farther from the eye and, where the slope rises upwards in the picture, lower on the
+ * screen. */
 static void a_slope_seen_from_above_hides_nothing(void **state)
 {
-	static const double tilts[] = { 0.01, 20, 300 };         /* the eye's distance from what it looks at, along the ground */
+	/* the eye's distance from what it looks at, along the ground */
+	static const double tilts[] = { 0.01, 20, 300 };
 	double feet[41][3];
 	struct lod_screen screen;
 	for (int i = 0; i < 41; i++) {
@@ -44,13 +50,16 @@ static void a_slope_seen_from_above_hides_nothing(void **state)
 		memcpy(feet[i], (const double[3]){ 0, y, 0.8 * y }, sizeof feet[i]);
 	}
 	for (size_t k = 0; k < sizeof tilts / sizeof *tilts; k++) {
-		const struct eco_view view = { .eye = { 0, -tilts[k], 1200 }, .target = { 0, 0, 0 }, .up = { 0, 0, 1 }, .fov_y_deg = 52,
+		const struct eco_view view = { .eye = { 0, -tilts[k], 1200 }, .target = { 0, 0, 0 },
+			.up = { 0, 0, 1 }, .fov_y_deg = 52,
 			.width = 800, .height = 600 };
 
 		look_at_trees(&screen, &view, (const double (*)[3])feet, 41);
 		for (uint32_t i = 0; i < 41; i++)
 			if (!(screen.visibilities[i].share > 0.9f))
-				fail_msg("%g m beside: tree %u at row %g shows %g", tilts[k], i, (double)screen.visibilities[i].y, (double)screen.visibilities[i].share);
+				fail_msg("%g m beside: tree %u at row %g shows %g", tilts[k], i,
+					(double)screen.visibilities[i].y,
+					(double)screen.visibilities[i].share);
 		lod_screen_free(&screen);
 	}
 }
@@ -66,7 +75,8 @@ static struct lod_wrong some_wrong(void *ctx, const struct lod_visibility *visib
 static void of_a_tree_alone_as_much_is_wrong_as_its_curve_says(void **state)
 {
 	static const double areas[] = { 5, 60, 250, 5000 };
-	const struct eco_view view = { .eye = { 0, -30, 5 }, .target = { 0, 0, 5 }, .up = { 0, 0, 1 }, .fov_y_deg = 46, .width = 800, .height = 600 };
+	const struct eco_view view = { .eye = { 0, -30, 5 }, .target = { 0, 0, 5 }, .up = { 0, 0, 1 },
+		.fov_y_deg = 46, .width = 800, .height = 600 };
 	const double center[3] = { 0, 0, 5 };
 	struct lod_eye eye;
 	lod_eye_make(&eye, &view);
@@ -85,10 +95,12 @@ static void of_a_tree_alone_as_much_is_wrong_as_its_curve_says(void **state)
 	}
 }
 
-/* Past the eye, one and two radii aside, or through it. Most of what stands around the eye is not in the picture, but what the eye is within. */
+/* Past the eye, one and two radii aside, or through it. Most of what stands around the eye is not in the
+ * picture, but what the eye is within. */
 static void what_passes_the_eye_goes_little_by_little(void **state)
 {
-	const struct eco_view view = { .eye = { 0, 0, 5 }, .target = { 0, 10, 5 }, .up = { 0, 0, 1 }, .fov_y_deg = 50, .width = 800, .height = 600 };
+	const struct eco_view view = { .eye = { 0, 0, 5 }, .target = { 0, 10, 5 }, .up = { 0, 0, 1 },
+		.fov_y_deg = 50, .width = 800, .height = 600 };
 	struct lod_screen screen;
 	float before[3] = { 0 };
 	for (int step = 0; step <= 400; step++) {

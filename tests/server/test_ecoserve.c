@@ -94,12 +94,16 @@ static int finish(struct process *process, char out[8192], char err[8192])
 static void arguments_are_checked_and_errors_help(void **state)
 {
 	static const struct { const char *arguments[6]; int status; const char *out, *err; } rows[] = {
-		{ { "--version" }, 0, "ecoserve " ECO_VERSION "\n", "" }, { { "--help" }, 0, "usage: ecoserve", "" },
-		{ { NULL }, 2, "", "a pack is missing" }, { { "--nonsense" }, 2, "", "--help" }, { { "--listen" }, 2, "", "--help" },
-		{ { "--listen", "nowhere", PACK_PATH }, 2, "", "HOST:PORT" }, { { "Bad=" PACK_PATH }, 2, "", "cannot name a scene" },
+		{ { "--version" }, 0, "ecoserve " ECO_VERSION "\n", "" },
+			{ { "--help" }, 0, "usage: ecoserve", "" },
+		{ { NULL }, 2, "", "a pack is missing" }, { { "--nonsense" }, 2, "", "--help" },
+		{ { "--listen" }, 2, "", "--help" },
+		{ { "--listen", "nowhere", PACK_PATH }, 2, "", "HOST:PORT" },
+		{ { "Bad=" PACK_PATH }, 2, "", "cannot name a scene" },
 		{ { "a=" PACK_PATH, "a=" PACK_PATH }, 2, "", "two scenes are named 'a'" },
 		{ { PACK_PATH, PACK_PATH }, 2, "", "two scenes are named 'sample'" },
-		{ { "build/tmp/none.eco" }, 1, "", "build/tmp/none.eco" }, { { DAMAGED_PATH }, 1, "", DAMAGED_PATH },
+		{ { "build/tmp/none.eco" }, 1, "", "build/tmp/none.eco" },
+		{ { DAMAGED_PATH }, 1, "", DAMAGED_PATH },
 	};
 	char out[8192], err[8192];
 	if (!program[0])
@@ -107,7 +111,8 @@ static void arguments_are_checked_and_errors_help(void **state)
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct process process = spawn(rows[i].arguments);
 		assert_int_equal(finish(&process, out, err), rows[i].status);
-		if (strncmp(out, rows[i].out, strlen(rows[i].out)) != 0 || !strstr(err, rows[i].err) || (rows[i].status && out[0]))
+		if (strncmp(out, rows[i].out, strlen(rows[i].out)) != 0 || !strstr(err, rows[i].err)
+				|| (rows[i].status && out[0]))
 			fail_msg("row %zu:\n%s\n%s", i, out, err);
 	}
 }
@@ -125,14 +130,16 @@ static uint16_t wait_ready(struct process *process, char line[256])
 
 static void it_says_when_it_is_ready_and_ends_when_asked(void **state)
 {
-	static const char *const arguments[] = { "--listen", "127.0.0.1:0", "--log", "a=" PACK_PATH, "b=" PACK_PATH, NULL };
+	static const char *const arguments[] = { "--listen", "127.0.0.1:0", "--log", "a=" PACK_PATH,
+		"b=" PACK_PATH, NULL };
 	char line[256], expected[256], out[8192], err[8192];
 	if (!program[0])
 		skip();
 	for (int which = 0; which < 2; which++) {
 		struct process process = spawn(arguments);
 		uint16_t port = wait_ready(&process, line);
-		snprintf(expected, sizeof expected, "ecoserve: ready on http://127.0.0.1:%u (2 scenes named a, b)\n", port);
+		snprintf(expected, sizeof expected, "ecoserve: ready on http://127.0.0.1:%u (2 scenes named "
+			"a, b)\n", port);
 		assert_string_equal(line, expected);
 		struct http_answer answer = http_get(port, "/v1/scenes/b");
 		assert_int_equal(answer.status, 200);
@@ -164,7 +171,9 @@ static void ipv6_is_served_where_there_is_some(void **state)
 static void a_client_that_leaves_does_no_harm(void **state)
 {
 	static const char *const arguments[] = { "--listen", "127.0.0.1:0", PACK_PATH, NULL };
-	static const char request[] = "GET /v1/scenes/sample/stream?eye=50,-30,12&target=50,30,2&width=400&height=300&vertices=3000000 HTTP/1.1\r\n"
+	static const char request[] = "GET "
+		"/v1/scenes/sample/stream?eye=50,-30,12&target=50,30,"
+		"2&width=400&height=300&vertices=3000000 HTTP/1.1\r\n"
 		"Host: t\r\n\r\n";
 	char line[256], out[8192], err[8192];
 	if (!program[0])
@@ -190,7 +199,9 @@ static void a_client_that_leaves_does_no_harm(void **state)
 static void a_pack_cut_short_ends_it_with_advice(void **state)
 {
 	static const char *const arguments[] = { "--listen", "127.0.0.1:0", CUT_PATH, NULL };
-	static const char request[] = "GET /v1/scenes/sample/stream?eye=50,-30,12&target=50,30,2&width=400&height=300&vertices=3000000 HTTP/1.1\r\n"
+	static const char request[] = "GET "
+		"/v1/scenes/sample/stream?eye=50,-30,12&target=50,30,"
+		"2&width=400&height=300&vertices=3000000 HTTP/1.1\r\n"
 		"Host: t\r\n\r\n";
 	char line[256], out[8192], err[8192];
 	struct eco_error error = { 0 };
@@ -207,10 +218,12 @@ static void a_pack_cut_short_ends_it_with_advice(void **state)
 	close(fd);
 }
 
-/* Importers and decoders are hostile ground: none of them is in the daemon, neither as a library nor linked in. */
+/* Importers and decoders are hostile ground: none of them is in the daemon, neither as a library nor linked
+ * in. */
 static void it_links_no_importer_and_no_decoder(void **state)
 {
-	static const char *const libraries[] = { "draco", "OpenImageIO", "assimp", "gdal", "meshoptimizer", "libEGL", "libcurl" };
+	static const char *const libraries[] = { "draco", "OpenImageIO", "assimp", "gdal", "meshoptimizer",
+		"libEGL", "libcurl" };
 	char command[PATH_MAX + 64], line[1024];
 	if (!program[0])
 		skip();

@@ -1,4 +1,5 @@
-/* What comes in as text: targets, parameters, ranges, entity tags, headers. Tables of what is accepted and what is refused. */
+/* What comes in as text: targets, parameters, ranges, entity tags, headers. Tables of what is accepted and
+ * what is refused. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,11 +25,15 @@ static enum eco_code parse_target(struct srv_target *target, const char *raw)
 static void paths_are_allow_listed(void **state)
 {
 	static const struct { const char *raw; uint32_t segments; } rows[] = {      /* 0: refused; / is 99 */
-		{ "/", 99 }, { "/healthz", 1 }, { "/v1/scenes", 2 }, { "/v1/scenes/a-b_c.d/plan", 4 }, { "/A/0", 2 },
+		{ "/", 99 }, { "/healthz", 1 }, { "/v1/scenes", 2 }, { "/v1/scenes/a-b_c.d/plan", 4 },
+			{ "/A/0", 2 },
 		{ "http://127.0.0.1:8080/v1/scenes", 2 }, { "http://host/", 99 },
-		{ "", 0 }, { "v1", 0 }, { "*", 0 }, { "http://host", 0 }, { "https://host/healthz", 0 }, { "//healthz", 0 }, { "/a//b", 0 },
-		{ "/healthz/", 0 }, { "/..", 0 }, { "/../..", 0 }, { "/v1/./scenes", 0 }, { "/v1/.hidden", 0 }, { "/healthz%00", 0 },
-		{ "/%68ealthz", 0 }, { "/%zz", 0 }, { "/a%2fb", 0 }, { "/a;b", 0 }, { "/a#b", 0 }, { "/a b", 0 }, { "/a\\b", 0 }, { "/a\tb", 0 },
+		{ "", 0 }, { "v1", 0 }, { "*", 0 }, { "http://host", 0 }, { "https://host/healthz", 0 },
+		{ "//healthz", 0 }, { "/a//b", 0 },
+		{ "/healthz/", 0 }, { "/..", 0 }, { "/../..", 0 }, { "/v1/./scenes", 0 },
+		{ "/v1/.hidden", 0 }, { "/healthz%00", 0 },
+		{ "/%68ealthz", 0 }, { "/%zz", 0 }, { "/a%2fb", 0 }, { "/a;b", 0 }, { "/a#b", 0 },
+		{ "/a b", 0 }, { "/a\\b", 0 }, { "/a\tb", 0 },
 		{ "/\xc3\xa4", 0 }, { "/a/b/c/d/e/f/g/h", 8 }, { "/a/b/c/d/e/f/g/h/i", 0 },
 	};
 	struct srv_target target;
@@ -51,13 +56,19 @@ static void paths_are_allow_listed(void **state)
 
 static void parameters_are_decoded_strictly(void **state)
 {
-	static const struct { const char *raw, *value; } rows[] = {         /* of parameter x; NULL: refused */
-		{ "/p?x=1", "1" }, { "/p?y=2&x=1", "1" }, { "/p?x=1%2C2", "1,2" }, { "/p?x=%41%7e", "A~" }, { "/p?x=a=b", "a=b" },
+	/* of parameter x; NULL: refused */
+	static const struct { const char *raw, *value; } rows[] = {
+		{ "/p?x=1", "1" }, { "/p?y=2&x=1", "1" }, { "/p?x=1%2C2", "1,2" }, { "/p?x=%41%7e", "A~" },
+			{ "/p?x=a=b", "a=b" },
 		{ "/p?x=a+b", "a+b" }, { "/p?x=a?b", "a?b" },
-		{ "/p?", NULL }, { "/p?x", NULL }, { "/p?x=", NULL }, { "/p?=1", NULL }, { "/p?x=1&", NULL }, { "/p?&x=1", NULL },
-		{ "/p?x=1&&y=2", NULL }, { "/p?x=1&x=1", NULL }, { "/p?x=1&y=2&x=3", NULL }, { "/p?X=1", NULL }, { "/p?x1=1", NULL },
-		{ "/p?%78=1", NULL }, { "/p?x=%", NULL }, { "/p?x=%4", NULL }, { "/p?x=%zz", NULL }, { "/p?x=%4g", NULL }, { "/p?x=%00", NULL },
-		{ "/p?x=a%0Ab", NULL }, { "/p?x=%20", NULL }, { "/p?x=%80", NULL }, { "/p?x=%7f", NULL }, { "/p?x=\xc3\xa4", NULL },
+		{ "/p?", NULL }, { "/p?x", NULL }, { "/p?x=", NULL }, { "/p?=1", NULL }, { "/p?x=1&", NULL },
+		{ "/p?&x=1", NULL },
+		{ "/p?x=1&&y=2", NULL }, { "/p?x=1&x=1", NULL }, { "/p?x=1&y=2&x=3", NULL },
+		{ "/p?X=1", NULL }, { "/p?x1=1", NULL },
+		{ "/p?%78=1", NULL }, { "/p?x=%", NULL }, { "/p?x=%4", NULL }, { "/p?x=%zz", NULL },
+		{ "/p?x=%4g", NULL }, { "/p?x=%00", NULL },
+		{ "/p?x=a%0Ab", NULL }, { "/p?x=%20", NULL }, { "/p?x=%80", NULL }, { "/p?x=%7f", NULL },
+		{ "/p?x=\xc3\xa4", NULL },
 		{ "/p?x=%2", NULL }, { "/p?x=1%", NULL },
 	};
 	struct srv_target target;
@@ -85,10 +96,14 @@ static void too_many_parameters_are_refused(void **state)
 static void numbers_are_plain_decimals(void **state)
 {
 	static const struct { const char *text; bool good; double value; } rows[] = {
-		{ "0", true, 0 }, { "-1.5", true, -1.5 }, { "1e3", true, 1000 }, { "1E-2", true, .01 }, { "1.25e+2", true, 125 }, { "007", true, 7 },
-		{ "", false, 0 }, { "-", false, 0 }, { ".", false, 0 }, { "1.", false, 0 }, { ".5", false, 0 }, { "+1", false, 0 }, { "1e", false, 0 },
-		{ "1e+", false, 0 }, { "nan", false, 0 }, { "inf", false, 0 }, { "-inf", false, 0 }, { "0x10", false, 0 }, { " 1", false, 0 },
-		{ "1 ", false, 0 }, { "1,5", false, 0 }, { "1e999", false, 0 }, { "--1", false, 0 }, { "1_000", false, 0 }, { "1d3", false, 0 },
+		{ "0", true, 0 }, { "-1.5", true, -1.5 }, { "1e3", true, 1000 }, { "1E-2", true, .01 },
+			{ "1.25e+2", true, 125 }, { "007", true, 7 },
+		{ "", false, 0 }, { "-", false, 0 }, { ".", false, 0 }, { "1.", false, 0 },
+		{ ".5", false, 0 }, { "+1", false, 0 }, { "1e", false, 0 },
+		{ "1e+", false, 0 }, { "nan", false, 0 }, { "inf", false, 0 }, { "-inf", false, 0 },
+		{ "0x10", false, 0 }, { " 1", false, 0 },
+		{ "1 ", false, 0 }, { "1,5", false, 0 }, { "1e999", false, 0 }, { "--1", false, 0 },
+		{ "1_000", false, 0 }, { "1d3", false, 0 },
 		{ "1234567890123456789012345678901234567890123456789", false, 0 }, { "1e-999", true, 0 },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
@@ -128,14 +143,20 @@ static void a_query_has_defaults(void **state)
 	struct eco_error error;
 	assert_int_equal(parse_query(&query, VIEW, &error), ECO_OK);
 	const struct eco_view *view = &query.request.view;
-	assert_true(view->eye[0] == 1 && view->eye[2] == 3 && view->target[1] == 5 && view->up[0] == 0 && view->up[2] == 1);
+	assert_true(view->eye[0] == 1 && view->eye[2] == 3 && view->target[1] == 5 && view->up[0] == 0
+		&& view->up[2] == 1);
 	assert_true(view->fov_y_deg == 45 && view->width == 800 && view->height == 600);
-	assert_true(query.request.vertices == 1000 && query.request.bytes == ECO_BYTES_UNBOUNDED && !query.has_pack && !query.rule);
-	assert_int_equal(parse_query(&query, VIEW "&up=0,1,0&fov_y_deg=60.5&bytes=5000&pack=00112233445566778899aabbccddeeff", &error), ECO_OK);
-	assert_true(view->up[1] == 1 && view->fov_y_deg == 60.5 && query.request.bytes == 5000 && query.has_pack);
+	assert_true(query.request.vertices == 1000 && query.request.bytes == ECO_BYTES_UNBOUNDED
+		&& !query.has_pack && !query.rule);
+	assert_int_equal(parse_query(&query, VIEW "&up=0,1,"
+		"0&fov_y_deg=60.5&bytes=5000&pack=00112233445566778899aabbccddeeff", &error), ECO_OK);
+	assert_true(view->up[1] == 1 && view->fov_y_deg == 60.5 && query.request.bytes == 5000
+		&& query.has_pack);
 	assert_int_equal(query.pack.bytes[15], 0xff);
-	assert_true(parse_query(&query, VIEW "&rule=deussen", &error) == ECO_OK && query.rule == lod_rule_deussen);
-	assert_true(parse_query(&query, VIEW "&rule=optimal", &error) == ECO_OK && query.rule == lod_rule_optimal);
+	assert_true(parse_query(&query, VIEW "&rule=deussen", &error) == ECO_OK
+		&& query.rule == lod_rule_deussen);
+	assert_true(parse_query(&query, VIEW "&rule=optimal", &error) == ECO_OK
+		&& query.rule == lod_rule_optimal);
 }
 
 static void bad_queries_name_the_parameter(void **state)
@@ -145,15 +166,20 @@ static void bad_queries_name_the_parameter(void **state)
 		{ "eye=1,2,3&width=800&height=600&vertices=1000", "'target' is missing" },
 		{ "eye=1,2,3&target=4,5,6&height=600&vertices=1000", "'width' is missing" },
 		{ "eye=1,2,3&target=4,5,6&width=800&height=600", "'vertices' is missing" },
-		{ VIEW "&budget=7", "unknown parameter 'budget'" }, { VIEW "&up=0,0", "'up'" }, { VIEW "&up=0,0,1,2", "'up'" },
-		{ VIEW "&up=0,0,nan", "'up'" }, { VIEW "&up=,,", "'up'" }, { VIEW "&up=0,,1", "'up'" }, { VIEW "&fov_y_deg=inf", "'fov_y_deg'" },
-		{ VIEW "&fov_y_deg=180", "fov_y_deg" }, { VIEW "&bytes=-1", "'bytes'" }, { VIEW "&bytes=1e6", "'bytes'" },
-		{ VIEW "&rule=Deussen", "'rule': 'Deussen' is neither optimal nor deussen" }, { VIEW "&rule=deussen2", "'rule'" },
+		{ VIEW "&budget=7", "unknown parameter 'budget'" }, { VIEW "&up=0,0", "'up'" },
+		{ VIEW "&up=0,0,1,2", "'up'" },
+		{ VIEW "&up=0,0,nan", "'up'" }, { VIEW "&up=,,", "'up'" }, { VIEW "&up=0,,1", "'up'" },
+		{ VIEW "&fov_y_deg=inf", "'fov_y_deg'" },
+		{ VIEW "&fov_y_deg=180", "fov_y_deg" }, { VIEW "&bytes=-1", "'bytes'" },
+		{ VIEW "&bytes=1e6", "'bytes'" },
+		{ VIEW "&rule=Deussen", "'rule': 'Deussen' is neither optimal nor deussen" },
+		{ VIEW "&rule=deussen2", "'rule'" },
 		{ VIEW "&rule=0", "'rule'" }, { VIEW "&rule=optimal&rule=deussen", "twice" },
 		{ VIEW "&pack=00", "'pack'" }, { VIEW "&pack=00112233445566778899AABBCCDDEEFF", "'pack'" },
 		{ "eye=1,2,3&target=1,2,3&width=800&height=600&vertices=1000", "target" },
 		{ "eye=1e13,2,3&target=1,2,3&width=800&height=600&vertices=1000", "eye" },
-		{ "eye=1,2,3&target=4,5,6&width=0&height=600&vertices=1000", "'width': '0' is not a whole number from 1 to 16384" },
+		{ "eye=1,2,3&target=4,5,6&width=0&height=600&vertices=1000",
+		"'width': '0' is not a whole number from 1 to 16384" },
 		{ "eye=1,2,3&target=4,5,6&width=16385&height=600&vertices=1000", "'width'" },
 		{ "eye=1,2,3&target=4,5,6&width=800&height=4294967297&vertices=1", "'height'" },
 		{ "eye=1,2,3&target=4,5,6&width=800&height=600&vertices=9223372036854775808", "'vertices'" },
@@ -185,16 +211,23 @@ static void ids_have_one_spelling(void **state)
 static void ranges_follow_rfc_9110(void **state)
 {
 	static const struct { const char *value; enum srv_range_kind kind; uint64_t first, end; } rows[] = {
-		{ NULL, SRV_RANGE_ALL, 0, 0 }, { "bytes=0-0", SRV_RANGE_PART, 0, 1 }, { "bytes=0-99", SRV_RANGE_PART, 0, 100 },
-		{ "bytes=10-19", SRV_RANGE_PART, 10, 20 }, { "bytes=10-", SRV_RANGE_PART, 10, 100 }, { "bytes=-10", SRV_RANGE_PART, 90, 100 },
-		{ "bytes=-1000", SRV_RANGE_PART, 0, 100 }, { "bytes=99-1000", SRV_RANGE_PART, 99, 100 }, { "Bytes=0-0", SRV_RANGE_PART, 0, 1 },
+		{ NULL, SRV_RANGE_ALL, 0, 0 }, { "bytes=0-0", SRV_RANGE_PART, 0, 1 },
+			{ "bytes=0-99", SRV_RANGE_PART, 0, 100 },
+		{ "bytes=10-19", SRV_RANGE_PART, 10, 20 }, { "bytes=10-", SRV_RANGE_PART, 10, 100 },
+		{ "bytes=-10", SRV_RANGE_PART, 90, 100 },
+		{ "bytes=-1000", SRV_RANGE_PART, 0, 100 }, { "bytes=99-1000", SRV_RANGE_PART, 99, 100 },
+		{ "Bytes=0-0", SRV_RANGE_PART, 0, 1 },
 		{ "bytes=0-99999999999999999999999999", SRV_RANGE_PART, 0, 100 },
-		{ "bytes=100-", SRV_RANGE_OUTSIDE, 0, 0 }, { "bytes=100-200", SRV_RANGE_OUTSIDE, 0, 0 }, { "bytes=-0", SRV_RANGE_OUTSIDE, 0, 0 },
+		{ "bytes=100-", SRV_RANGE_OUTSIDE, 0, 0 }, { "bytes=100-200", SRV_RANGE_OUTSIDE, 0, 0 },
+		{ "bytes=-0", SRV_RANGE_OUTSIDE, 0, 0 },
 		{ "bytes=99999999999999999999999999-", SRV_RANGE_OUTSIDE, 0, 0 },
-		{ "bytes=0-1,5-6", SRV_RANGE_ALL, 0, 0 }, { "bytes=", SRV_RANGE_ALL, 0, 0 }, { "bytes=-", SRV_RANGE_ALL, 0, 0 },
-		{ "bytes=5-4", SRV_RANGE_ALL, 0, 0 }, { "bytes=a-b", SRV_RANGE_ALL, 0, 0 }, { "bytes=1-2 ", SRV_RANGE_ALL, 0, 0 },
-		{ "bytes= 1-2", SRV_RANGE_ALL, 0, 0 }, { "lines=1-2", SRV_RANGE_ALL, 0, 0 }, { "bytes=1", SRV_RANGE_ALL, 0, 0 },
-		{ "b", SRV_RANGE_ALL, 0, 0 }, { "", SRV_RANGE_ALL, 0, 0 }, { "bytes=1--2", SRV_RANGE_ALL, 0, 0 },
+		{ "bytes=0-1,5-6", SRV_RANGE_ALL, 0, 0 }, { "bytes=", SRV_RANGE_ALL, 0, 0 },
+		{ "bytes=-", SRV_RANGE_ALL, 0, 0 },
+		{ "bytes=5-4", SRV_RANGE_ALL, 0, 0 }, { "bytes=a-b", SRV_RANGE_ALL, 0, 0 },
+		{ "bytes=1-2 ", SRV_RANGE_ALL, 0, 0 },
+		{ "bytes= 1-2", SRV_RANGE_ALL, 0, 0 }, { "lines=1-2", SRV_RANGE_ALL, 0, 0 },
+		{ "bytes=1", SRV_RANGE_ALL, 0, 0 }, { "b", SRV_RANGE_ALL, 0, 0 }, { "", SRV_RANGE_ALL, 0, 0 },
+		{ "bytes=1--2", SRV_RANGE_ALL, 0, 0 },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct srv_range range = srv_range_parse(rows[i].value, 100);
@@ -207,8 +240,10 @@ static void ranges_follow_rfc_9110(void **state)
 static void entity_tags_match_weakly(void **state)
 {
 	static const struct { const char *value; bool match; } rows[] = {
-		{ "\"abc\"", true }, { "W/\"abc\"", true }, { "*", true }, { " * ", true }, { "\"x\", \"abc\"", true }, { "\"x\",W/\"abc\"", true },
-		{ NULL, false }, { "", false }, { "abc", false }, { "\"ab\"", false }, { "\"abcd\"", false }, { "\"abc", false }, { "**", false },
+		{ "\"abc\"", true }, { "W/\"abc\"", true }, { "*", true }, { " * ", true },
+			{ "\"x\", \"abc\"", true }, { "\"x\",W/\"abc\"", true },
+		{ NULL, false }, { "", false }, { "abc", false }, { "\"ab\"", false }, { "\"abcd\"", false },
+		{ "\"abc", false }, { "**", false },
 		{ "\"x\"\"abc\"", false }, { "\"a,\\\"abc\\\"", false },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
@@ -228,7 +263,8 @@ static void framing_is_unambiguous_or_refused(void **state)
 		{ { { "Content-Length", "5" } }, true, SRV_PROBLEM_NONE },
 		{ { { "Content-Length", "5" } }, false, SRV_PROBLEM_FRAMING },
 		{ { { "Content-Length", "5" }, { "Content-Length", "5" } }, true, SRV_PROBLEM_FRAMING },
-		{ { { "Content-Length", "5" }, { "Transfer-Encoding", "chunked" } }, true, SRV_PROBLEM_FRAMING },
+		{ { { "Content-Length", "5" }, { "Transfer-Encoding", "chunked" } }, true,
+		SRV_PROBLEM_FRAMING },
 		{ { { "Transfer-Encoding", "chunked" } }, true, SRV_PROBLEM_FRAMING },
 		{ { { "TRANSFER-ENCODING", "identity" } }, false, SRV_PROBLEM_FRAMING },
 		{ { { "Content-Length", "5, 5" } }, true, SRV_PROBLEM_FRAMING },
@@ -262,12 +298,16 @@ static void framing_is_unambiguous_or_refused(void **state)
 static void routes_match_whole_paths(void **state)
 {
 	static const struct { const char *raw; int route; const char *first, *second; } rows[] = {
-		{ "/healthz", SRV_HEALTH, NULL, NULL }, { "/v1/scenes", SRV_SCENES, NULL, NULL }, { "/v1/scenes/a", SRV_SCENE, "a", NULL },
-		{ "/v1/scenes/a/plan", SRV_PLAN, "a", NULL }, { "/v1/scenes/a/stream", SRV_STREAM, "a", NULL },
-		{ "/v1/scenes/a/chunks/b", SRV_CHUNK, "a", "b" }, { "/v1/scenes/plan/plan", SRV_PLAN, "plan", NULL },
-		{ "/", -1, NULL, NULL }, { "/v1", -1, NULL, NULL }, { "/v1/scenes/a/chunks", -1, NULL, NULL }, { "/v1/scenes/a/b", -1, NULL, NULL },
-		{ "/v1/scenes/a/chunks/b/c", -1, NULL, NULL }, { "/healthzz", -1, NULL, NULL }, { "/health", -1, NULL, NULL },
-		{ "/V1/scenes", -1, NULL, NULL },
+		{ "/healthz", SRV_HEALTH, NULL, NULL }, { "/v1/scenes", SRV_SCENES, NULL, NULL },
+			{ "/v1/scenes/a", SRV_SCENE, "a", NULL },
+		{ "/v1/scenes/a/plan", SRV_PLAN, "a", NULL },
+		{ "/v1/scenes/a/stream", SRV_STREAM, "a", NULL },
+		{ "/v1/scenes/a/chunks/b", SRV_CHUNK, "a", "b" },
+		{ "/v1/scenes/plan/plan", SRV_PLAN, "plan", NULL },
+		{ "/", -1, NULL, NULL }, { "/v1", -1, NULL, NULL }, { "/v1/scenes/a/chunks", -1, NULL, NULL },
+		{ "/v1/scenes/a/b", -1, NULL, NULL },
+		{ "/v1/scenes/a/chunks/b/c", -1, NULL, NULL }, { "/healthzz", -1, NULL, NULL },
+		{ "/health", -1, NULL, NULL }, { "/V1/scenes", -1, NULL, NULL },
 	};
 	struct srv_target target;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
@@ -304,8 +344,10 @@ static void json_escapes_and_keeps_numbers(void **state)
 	srv_json_close(&json, '}');
 	eco_write_u8(&json.out, 0);
 	assert_false(json.out.failed);
-	assert_string_equal((char *)json.out.bytes, "{\"a\\\"\\\\\\u000a\":\"\\u007f\xc3\xa4\\ufffd\\ufffd\\ufffd\\ufffd\xf0\x9f\x8c\xb3\","
-		"\"n\":18446744073709551615,\"x\":0.1,\"y\":-0.3333333333333333,\"z\":null,\"l\":[true,{},null],\"t\":null}");
+	assert_string_equal((char *)json.out.bytes,
+		"{\"a\\\"\\\\\\u000a\":\"\\u007f\xc3\xa4\\ufffd\\ufffd\\ufffd\\ufffd\xf0\x9f\x8c\xb3\","
+		"\"n\":18446744073709551615,\"x\":0.1,\"y\":-0.3333333333333333,\"z\":null,\"l\":[true,{},"
+		"null],\"t\":null}");
 	eco_writer_free(&json.out);
 }
 
@@ -313,7 +355,8 @@ static void problems_are_complete(void **state)
 {
 	for (int i = 1; i < SRV_PROBLEM_COUNT; i++) {
 		assert_true(strncmp(srv_problem_rows[i].type, "urn:ecostream:problem:", 22) == 0);
-		assert_true(srv_problem_rows[i].status >= 400 && srv_problem_rows[i].status < 600 && srv_problem_rows[i].title[0]);
+		assert_true(srv_problem_rows[i].status >= 400 && srv_problem_rows[i].status < 600
+			&& srv_problem_rows[i].title[0]);
 		for (int k = 1; k < i; k++)
 			assert_string_not_equal(srv_problem_rows[i].type, srv_problem_rows[k].type);
 	}
@@ -323,7 +366,8 @@ static void scene_names_are_checked(void **state)
 {
 	char name[80];
 	assert_true(srv_name_valid("a") && srv_name_valid("0-9_z") && srv_name_valid("scbi"));
-	assert_false(srv_name_valid("") || srv_name_valid("-a") || srv_name_valid("_a") || srv_name_valid("A") || srv_name_valid("a.b"));
+	assert_false(srv_name_valid("") || srv_name_valid("-a") || srv_name_valid("_a") || srv_name_valid("A")
+		|| srv_name_valid("a.b"));
 	assert_false(srv_name_valid("a b") || srv_name_valid("a/b") || srv_name_valid("\xc3\xa4"));
 	memset(name, 'a', sizeof name);
 	name[63] = 0;

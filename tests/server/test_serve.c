@@ -43,23 +43,27 @@ static void health_and_scenes_are_described(void **state)
 
 static void a_plan_tells_what_the_stream_sends(void **state)
 {
-	struct http_answer plan = http_get(port, BASE "/plan?" VIEW_BY("50000")), stream = http_get(port, BASE "/stream?" VIEW_BY("50000"));
+	struct http_answer plan = http_get(port, BASE "/plan?" VIEW_BY("50000")),
+		stream = http_get(port, BASE "/stream?" VIEW_BY("50000"));
 	assert_int_equal(plan.status, 200);
 	assert_int_equal(stream.status, 200);
 	json_t *json = json_of(&plan);
 	assert_int_equal(json_integer_value(json_object_get(json, "bytes")), stream.size);
 	assert_true(json_integer_value(json_object_get(json, "vertices")) <= 50000);
-	assert_true(json_integer_value(json_object_get(json, "vertices")) >= 2000);      /* the summary, if nothing else */
+	assert_true(json_integer_value(json_object_get(json, "vertices")) >= 2000);
+		/* the summary, if nothing else */
 	assert_true(json_array_size(json_object_get(json, "cuts")) > 0);
 	assert_true(json_is_true(json_object_get(json, "fits")));
 	json_t *ground = json_object_get(json, "ground");
-	assert_true(json_integer_value(json_object_get(ground, "tiles")) == 1 && json_number_value(json_object_get(ground, "ground_px")) == 1);
+	assert_true(json_integer_value(json_object_get(ground, "tiles")) == 1
+		&& json_number_value(json_object_get(ground, "ground_px")) == 1);
 	assert_true(json_is_null(json_object_get(json, "budget_bytes")));
 	json_t *q = json_object_get(json_object_get(json, "prediction"), "q");
 	assert_true(json_is_number(q) && json_number_value(q) <= 1);
 	json_decref(json);
 	char timing[128];
-	assert_true(http_header(&plan, "Server-Timing", timing, sizeof timing) && strncmp(timing, "plan;dur=", 9) == 0);
+	assert_true(http_header(&plan, "Server-Timing", timing, sizeof timing)
+		&& strncmp(timing, "plan;dur=", 9) == 0);
 	http_free(&plan);
 	http_free(&stream);
 	plan = http_get(port, BASE "/plan?" VIEW_BY("50000") "&bytes=10");
@@ -72,7 +76,8 @@ static void a_plan_tells_what_the_stream_sends(void **state)
 
 static void a_plan_is_explained_when_asked(void **state)
 {
-	struct http_answer plan = http_get(port, BASE "/plan?" VIEW_BY("50000") "&explain=1"), plain = http_get(port, BASE "/plan?" VIEW_BY("50000"));
+	struct http_answer plan = http_get(port, BASE "/plan?" VIEW_BY("50000") "&explain=1"),
+		plain = http_get(port, BASE "/plan?" VIEW_BY("50000"));
 	assert_int_equal(plan.status, 200);
 	json_t *json = json_of(&plan), *without = json_of(&plain), *row;
 	json_t *why = json_object_get(json, "explanation"), *rows = json_object_get(why, "rows");
@@ -92,7 +97,8 @@ static void a_plan_is_explained_when_asked(void **state)
 	json_decref(without);
 	http_free(&plan);
 	http_free(&plain);
-	static const char *const refused[] = { BASE "/plan?" VIEW_BY("50000") "&explain=2", BASE "/plan?" VIEW_BY("50000") "&explain=yes",
+	static const char *const refused[] = { BASE "/plan?" VIEW_BY("50000") "&explain=2",
+		BASE "/plan?" VIEW_BY("50000") "&explain=yes",
 		BASE "/stream?" VIEW_BY("50000") "&explain=1" };
 	for (i = 0; i < sizeof refused / sizeof *refused; i++) {
 		struct http_answer answer = http_get(port, refused[i]);
@@ -131,8 +137,8 @@ static void streams_are_complete_and_send_only_what_is_missing(void **state)
 	eco_writer_free(&held);
 
 	held = stream_reader_holdings(&reader);
-	answer = http_ask(port, "POST", BASE "/stream?eye=20,20,2&target=30,20,2&width=400&height=300&vertices=9000000", OCTETS, held.bytes,
-		held.size);
+	answer = http_ask(port, "POST", BASE "/stream?eye=20,20,2&target=30,20,"
+		"2&width=400&height=300&vertices=9000000", OCTETS, held.bytes, held.size);
 	read_stream(&reader, &answer, 9000000);
 	http_free(&answer);
 	eco_writer_free(&held);
@@ -148,8 +154,10 @@ static void streams_are_complete_and_send_only_what_is_missing(void **state)
 /* As an answer has the tag of its request, what one rule answered is never taken for what another would. */
 static void a_plan_follows_the_rule_that_is_asked_for(void **state)
 {
-	static const struct { const char *target; bool deussen; } rows[] = { { BASE "/plan?" VIEW_BY("50000"), false },
-		{ BASE "/plan?" VIEW_BY("50000") "&rule=optimal", false }, { BASE "/plan?" VIEW_BY("50000") "&rule=deussen", true },
+	static const struct { const char *target; bool deussen; } rows[] =
+		{ { BASE "/plan?" VIEW_BY("50000"), false },
+		{ BASE "/plan?" VIEW_BY("50000") "&rule=optimal", false },
+		{ BASE "/plan?" VIEW_BY("50000") "&rule=deussen", true },
 		{ BASE "/plan?" VIEW_BY("50000") "&rule=deussen&bytes=12000", true } };
 	char etags[4][80];
 	json_t *plans[4];
@@ -161,7 +169,8 @@ static void a_plan_follows_the_rule_that_is_asked_for(void **state)
 			assert_string_not_equal(etags[i], etags[k]);
 		plans[i] = json_of(&answer);
 		assert_true(json_integer_value(json_object_get(plans[i], "vertices")) <= 50000);
-		assert_true((json_number_value(json_object_get(plans[i], "sample_distance_rad")) > 0) == rows[i].deussen);
+		assert_true((json_number_value(json_object_get(plans[i], "sample_distance_rad")) > 0)
+			== rows[i].deussen);
 		assert_true(json_is_true(json_object_get(plans[i], "fits")));
 		http_free(&answer);
 	}
@@ -175,8 +184,9 @@ static void a_plan_follows_the_rule_that_is_asked_for(void **state)
 
 static void same_request_same_bytes(void **state)
 {
-	static const char *const targets[] = { BASE "/stream?" VIEW_BY("100000"), BASE "/stream?" VIEW_BY("100000") "&bytes=60000",
-		BASE "/plan?" VIEW_BY("100000"), BASE "/stream?" VIEW_BY("0"), BASE "/stream?" VIEW_BY("100000") "&rule=deussen" };
+	static const char *const targets[] = { BASE "/stream?" VIEW_BY("100000"),
+		BASE "/stream?" VIEW_BY("100000") "&bytes=60000", BASE "/plan?" VIEW_BY("100000"),
+		BASE "/stream?" VIEW_BY("0"), BASE "/stream?" VIEW_BY("100000") "&rule=deussen" };
 	for (size_t i = 0; i < sizeof targets / sizeof *targets; i++) {
 		struct http_answer one = http_get(port, targets[i]), two = http_get(port, targets[i]);
 		char etag[80], headers[120];
@@ -191,7 +201,8 @@ static void same_request_same_bytes(void **state)
 		char length[32], size[32];
 		snprintf(size, sizeof size, "%zu", one.size);
 		assert_header(&known, "Content-Length", size);
-		assert_true(head.status == 200 && head.size == 0 && http_header(&head, "Content-Length", length, sizeof length));
+		assert_true(head.status == 200 && head.size == 0
+			&& http_header(&head, "Content-Length", length, sizeof length));
 		assert_string_equal(length, size);
 		http_free(&one);
 		http_free(&two);
@@ -208,7 +219,8 @@ static void byte_budgets_are_never_exceeded(void **state)
 		char target[256];
 		uint32_t bytes = i % 4 ? lcg_bits(&random) % 400000 : lcg_bits(&random) % 4000;
 		uint32_t vertices = lcg_bits(&random) % 2000000;
-		snprintf(target, sizeof target, BASE "/stream?" VIEW "&vertices=%u&bytes=%u", vertices, bytes);
+		snprintf(target, sizeof target, BASE "/stream?" VIEW "&vertices=%u&bytes=%u", vertices,
+			bytes);
 		struct http_answer answer = http_get(port, target);
 		if (answer.status == 200) {
 			struct stream_reader reader;
@@ -255,11 +267,15 @@ static void chunks_are_immutable_and_partial(void **state)
 	snprintf(whole_range, sizeof whole_range, "If-None-Match: \"x\", %s\r\n", etag);
 	snprintf(half, sizeof half, "Range: bytes=0-3\r\nIf-Range: %s\r\n", "\"other\"");
 	const struct { const char *method, *headers; unsigned status; uint32_t first, end; } rows[] = {
-		{ "GET", "", 200, 0, size }, { "GET", "", 200, 0, size }, { "GET", "Range: bytes=0-3\r\n", 206, 0, 4 },
-		{ "GET", "Range: bytes=5-\r\n", 206, 5, size }, { "GET", "Range: bytes=-7\r\n", 206, size - 7, size },
+		{ "GET", "", 200, 0, size }, { "GET", "", 200, 0, size },
+			{ "GET", "Range: bytes=0-3\r\n", 206, 0, 4 },
+		{ "GET", "Range: bytes=5-\r\n", 206, 5, size },
+		{ "GET", "Range: bytes=-7\r\n", 206, size - 7, size },
 		{ "GET", last, 206, size - 1, size }, { "GET", "Range: bytes=0-1,3-4\r\n", 200, 0, size },
-		{ "GET", "Range: bytes=99999999-\r\n", 416, 0, 0 }, { "GET", "Range: nonsense\r\n", 200, 0, size },
-		{ "GET", whole_range, 304, 0, 0 }, { "GET", "If-None-Match: *\r\nRange: bytes=0-3\r\n", 304, 0, 0 },
+		{ "GET", "Range: bytes=99999999-\r\n", 416, 0, 0 },
+		{ "GET", "Range: nonsense\r\n", 200, 0, size },
+		{ "GET", whole_range, 304, 0, 0 },
+		{ "GET", "If-None-Match: *\r\nRange: bytes=0-3\r\n", 304, 0, 0 },
 		{ "GET", "If-None-Match: \"x\"\r\n", 200, 0, size }, { "GET", half, 200, 0, size },
 		{ "HEAD", "", 200, 0, 0 }, { "HEAD", "Range: bytes=0-3\r\n", 200, 0, 0 },
 	};
@@ -292,7 +308,8 @@ static void a_connection_serves_many_requests(void **state)
 	assert_true(fd >= 0);
 	for (uint32_t i = 0; i < scene()->chunk_count; i++) {
 		chunk_target(target, i);
-		snprintf(request, sizeof request, "GET %s HTTP/1.1\r\nHost: t\r\n\r\n", i % 5 ? target : i % 2 ? "/nothing" : BASE "/plan?" VIEW_BY("100"));
+		snprintf(request, sizeof request, "GET %s HTTP/1.1\r\nHost: t\r\n\r\n", i % 5 ? target : i % 2
+			? "/nothing" : BASE "/plan?" VIEW_BY("100"));
 		assert_true(http_send(fd, request, strlen(request)));
 		struct http_answer answer = http_receive(fd, false, false);
 		assert_int_equal(answer.status, i % 5 || !(i % 2) ? 200 : 404);
@@ -305,7 +322,8 @@ static void a_connection_serves_many_requests(void **state)
 
 static void every_route_is_described_and_every_description_is_served(void **state)
 {
-	static const struct { enum srv_method bit; const char *name; } methods[] = { { SRV_METHOD_GET, "GET" }, { SRV_METHOD_POST, "POST" } };
+	static const struct { enum srv_method bit; const char *name; } methods[] =
+		{ { SRV_METHOD_GET, "GET" }, { SRV_METHOD_POST, "POST" } };
 	struct openapi api;
 	unsigned routed = 0;
 	openapi_read(&api, "server/openapi.yaml");
@@ -313,7 +331,8 @@ static void every_route_is_described_and_every_description_is_served(void **stat
 		for (int m = 0; m < 2; m++)
 			if (srv_routes[i].methods & methods[m].bit) {
 				if (!openapi_find(&api, srv_routes[i].pattern, methods[m].name))
-					fail_msg("%s %s is not described", methods[m].name, srv_routes[i].pattern);
+					fail_msg("%s %s is not described", methods[m].name,
+						srv_routes[i].pattern);
 				routed++;
 			}
 	assert_int_equal(routed, api.count);
@@ -322,12 +341,14 @@ static void every_route_is_described_and_every_description_is_served(void **stat
 		bool post = strcmp(operation->method, "POST") == 0;
 		char target[256], id[SRV_ID_TEXT_BYTES];
 		srv_format_id(id, &scene()->chunks[0].id);
-		snprintf(target, sizeof target, "%s%s%s", strncmp(operation->path, "/v1/scenes/", 11) ? operation->path : BASE,
-			strncmp(operation->path, "/v1/scenes/", 11) ? "" : operation->path + strlen("/v1/scenes/{scene}"),
-			strstr(operation->path, "/plan") || strstr(operation->path, "/stream") ? "?" VIEW_BY("100") : "");
+		snprintf(target, sizeof target, "%s%s%s", strncmp(operation->path, "/v1/scenes/", 11)
+			? operation->path : BASE, strncmp(operation->path, "/v1/scenes/", 11) ? ""
+			: operation->path + strlen("/v1/scenes/{scene}"), strstr(operation->path, "/plan")
+			|| strstr(operation->path, "/stream") ? "?" VIEW_BY("100") : "");
 		if (strstr(target, "{id}"))
 			strcpy(strstr(target, "{id}"), id);
-		struct http_answer answer = http_ask(port, operation->method, target, post ? OCTETS : "", post ? "\0\0\0\0" : NULL, post ? 4 : 0);
+		struct http_answer answer = http_ask(port, operation->method, target, post ? OCTETS : "",
+			post ? "\0\0\0\0" : NULL, post ? 4 : 0);
 		if (answer.status != 200 || !openapi_documents(operation, 200))
 			fail_msg("%s %s: %u\n%s", operation->method, target, answer.status, answer.body);
 		http_free(&answer);

@@ -71,7 +71,8 @@ static void bodies_are_bounded_together(void **state)
 	close(first);
 	while (srv_daemon_busy(daemon))
 		usleep(1000);
-	answer = http_ask(srv_daemon_port(daemon), "POST", BASE "/stream?" VIEW_BY("1"), OCTETS, NOTHING_HELD);
+	answer = http_ask(srv_daemon_port(daemon), "POST", BASE "/stream?" VIEW_BY("1"), OCTETS,
+		NOTHING_HELD);
 	assert_int_equal(answer.status, 200);
 	http_free(&answer);
 	srv_daemon_stop(daemon);
@@ -105,7 +106,8 @@ static void stopping_refuses_new_requests_and_ends(void **state)
 /* Connections that wait for a plan are suspended; the library aborts if one still is when it is stopped. */
 static void stopping_while_planning_is_clean(void **state)
 {
-	static const char request[] = "GET " BASE "/stream?" VIEW_BY("2000000") "&bytes=300000 HTTP/1.1\r\n" HOST "\r\n";
+	static const char request[] = "GET " BASE
+		"/stream?" VIEW_BY("2000000") "&bytes=300000 HTTP/1.1\r\n" HOST "\r\n";
 	const struct srv_config config = { .listen = "127.0.0.1:0", .work_threads = 2, .queue_max = 8 };
 	for (int round = 0; round < 12; round++) {
 		struct srv_daemon *daemon;
@@ -116,7 +118,8 @@ static void stopping_while_planning_is_clean(void **state)
 			fds[i] = http_connect(srv_daemon_port(daemon));
 			assert_true(http_send(fds[i], request, sizeof request - 1));
 		}
-		if (round % 3) {         /* an answer, or a refusal because the queue is full; never nothing */
+		/* an answer, or a refusal because the queue is full; never nothing */
+		if (round % 3) {
 			struct http_answer answer = http_receive(fds[round], false, false);
 			assert_true(answer.status == 200 || answer.status == 503);
 			http_free(&answer);
@@ -140,7 +143,8 @@ static void a_taken_port_is_named(void **state)
 	assert_null(daemon);
 	assert_non_null(strstr(error.text, listen_at));
 	assert_non_null(strstr(error.text, "--listen"));
-	static const char *const bad[] = { "", "8080", ":8080", "127.0.0.1", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:-1", "::1:80", "[::1]",
+	static const char *const bad[] = { "", "8080", ":8080", "127.0.0.1", "127.0.0.1:", "127.0.0.1:65536",
+		"127.0.0.1:-1", "::1:80", "[::1]",
 		"127.0.0.1:80x" };
 	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
 		config.listen = bad[i];

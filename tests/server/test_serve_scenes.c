@@ -4,8 +4,10 @@
 static void files_give_names_that_can_be_asked_for(void **state)
 {
 	static const struct { const char *path, *name; bool valid; } rows[] = {
-		{ "/data/park.eco", "park", true }, { "park", "park", true }, { "a--b_.eco", "a--b_", true }, { "x.y/Park.ECO", "park-eco", true },
-		{ "Parque Eduardo VII.eco", "parque-eduardo-vii", true }, { "__ (2) .eco", "2", true }, { "\xc3\xa1rvores.eco", "rvores", true },
+		{ "/data/park.eco", "park", true }, { "park", "park", true }, { "a--b_.eco", "a--b_", true },
+			{ "x.y/Park.ECO", "park-eco", true },
+		{ "Parque Eduardo VII.eco", "parque-eduardo-vii", true }, { "__ (2) .eco", "2", true },
+		{ "\xc3\xa1rvores.eco", "rvores", true },
 		{ "\xc3\x81.eco", "\xc3\x81", false }, { ".eco", "eco", true }, { "dir/", "", false },
 		{ "0123456789012345678901234567890123456789012345678901234567890123456789.eco",
 			"012345678901234567890123456789012345678901234567890123456789012", true },

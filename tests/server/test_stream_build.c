@@ -1,4 +1,5 @@
-/* The body of a stream, on random scenes: what is sent is what is needed, its size is known exactly, and no budget is exceeded. */
+/* The body of a stream, on random scenes: what is sent is what is needed, its size is known exactly, and no
+ * budget is exceeded. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -33,7 +34,8 @@ static void bench_free(struct bench *b)
 
 struct body { uint8_t *bytes; size_t size; bool fits; uint32_t steps; uint64_t smallest; };
 
-static struct body build(const struct bench *b, const struct eco_request *request, const struct eco_holdings *holdings)
+static struct body build(const struct bench *b, const struct eco_request *request,
+	const struct eco_holdings *holdings)
 {
 	struct srv_stream_input input = { .scene = &b->scene, .request = request, .holdings = holdings };
 	struct srv_stream stream;
@@ -74,7 +76,8 @@ static void read_all(struct stream_reader *reader, const struct body *body, uint
 static struct eco_request random_request(struct scene_builder *r)
 {
 	static const uint64_t budgets[] = { 0, 1, 100, 1000, 10000, 100000, 100000000 };
-	return (struct eco_request){ .view = random_view(r), .vertices = budgets[random_below(r, 7)] + random_below(r, 50),
+	return (struct eco_request){ .view = random_view(r),
+		.vertices = budgets[random_below(r, 7)] + random_below(r, 50),
 		.bytes = ECO_BYTES_UNBOUNDED };
 }
 
@@ -198,7 +201,8 @@ static void byte_budgets_are_never_exceeded_and_well_used(void **state)
 		bench_free(&b);
 	}
 	assert_true(fitting > 100 && refused > 0 && bounded > 50);
-	assert_true(used / bounded > 0.75);      /* chunks here are coarse: a third of a list each, or a tile of ground */
+	/* chunks here are coarse: a third of a list each, or a tile of ground */
+	assert_true(used / bounded > 0.75);
 }
 
 static void large_answers_come_coarse_first(void **state)

@@ -4,42 +4,60 @@
 
 const struct kind kinds[KIND_COUNT] = {
 	{ "one triangle", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, 0, 3, 3, 1, 0, 4095, SCATTERED },
-	{ "one hexagon with everything", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR | ECO_ATTR_UV, 6, 6, 1, -9, 9, SCATTERED },
+	{ "one hexagon with everything", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR | ECO_ATTR_UV,
+	6, 6, 1, -9, 9, SCATTERED },
 	{ "quads", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR, 4, 4, 500, 0, 4095, LEAVES },
 	{ "hexagons", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, 0, 6, 6, 300, 0, 4095, LEAVES },
-	{ "mixed fans", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR | ECO_ATTR_UV, 3, 6, 700, -5000, 5000, SCATTERED },
+	{ "mixed fans", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR | ECO_ATTR_UV, 3, 6, 700,
+	-5000, 5000, SCATTERED },
 	{ "equal quads", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR, 4, 4, 100, -7, -7, EQUAL },
 	{ "18 bits", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, 0, 3, 6, 100, 0, (1 << 18) - 1, EXTREME },
-	{ "all the range", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_UV, 3, 6, 60, -VALUE_MAX, VALUE_MAX, EXTREME },
+	{ "all the range", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_UV, 3, 6, 60, -VALUE_MAX,
+	VALUE_MAX, EXTREME },
 	{ "textured quads", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_UV, 4, 4, 300, 0, 4095, LEAVES },
-	{ "lines", ECO_LIST_LINES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR | ECO_ATTR_WIDTH, 2, 2, 400, -2000, 2000, SCATTERED },
+	{ "lines", ECO_LIST_LINES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR | ECO_ATTR_WIDTH, 2, 2, 400, -2000,
+	2000, SCATTERED },
 	{ "one point", ECO_LIST_POINTS, ECO_CODER_ELEMENTS, 0, 1, 1, 1, -1, 1, SCATTERED },
 	{ "points", ECO_LIST_POINTS, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR, 1, 1, 1000, 0, 4095, SCATTERED },
 	{ "one summary point", ECO_LIST_POINTS, ECO_CODER_KD, ECO_ATTR_PLANT, 1, 1, 1, -5, 5, SCATTERED },
-	{ "summary", ECO_LIST_POINTS, ECO_CODER_KD, ECO_ATTR_PLANT | ECO_ATTR_COLOR, 1, 1, 900, -3000, 3000, SCATTERED },
+	{ "summary", ECO_LIST_POINTS, ECO_CODER_KD, ECO_ATTR_PLANT | ECO_ATTR_COLOR, 1, 1, 900, -3000, 3000,
+	SCATTERED },
 	{ "bare kd", ECO_LIST_POINTS, ECO_CODER_KD, 0, 1, 1, 900, 0, 4095, SCATTERED },
 	{ "equal kd", ECO_LIST_POINTS, ECO_CODER_KD, ECO_ATTR_PLANT, 1, 1, 300, 12, 12, EQUAL },
-	{ "wide kd", ECO_LIST_POINTS, ECO_CODER_KD, ECO_ATTR_COLOR, 1, 1, 100, -VALUE_MAX, VALUE_MAX, EXTREME },
+	{ "wide kd", ECO_LIST_POINTS, ECO_CODER_KD, ECO_ATTR_COLOR, 1, 1, 100, -VALUE_MAX, VALUE_MAX,
+	EXTREME },
 	{ "points in rows", ECO_LIST_POINTS, ECO_CODER_ROWS, ECO_ATTR_COLOR, 1, 1, 50, 0, 99, SCATTERED },
 	{ "one instance", ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 1, 1, 1, -9, 9, SCATTERED },
-	{ "instances", ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 1, 1, 600, -40000, 40000, SCATTERED },
-	{ "far instances", ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 1, 1, 90, -VALUE_MAX, VALUE_MAX, EXTREME },
+	{ "instances", ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 1, 1, 600, -40000, 40000,
+	SCATTERED },
+	{ "far instances", ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 1, 1, 90, -VALUE_MAX,
+	VALUE_MAX, EXTREME },
 	{ "ground", ECO_LIST_GROUND, ECO_CODER_ROWS, 0, 1, 1, 600, 0, 4095, SCATTERED },
 	{ "far ground", ECO_LIST_GROUND, ECO_CODER_ROWS, 0, 1, 1, 100, -VALUE_MAX, VALUE_MAX, EXTREME },
 	{ "one point form", ECO_LIST_POINTS, ECO_CODER_FORM, ECO_ATTR_SIZE, 1, 1, 1, -9, 9, SCATTERED },
-	{ "point forms", ECO_LIST_POINTS, ECO_CODER_FORM, ECO_ATTR_COLOR | ECO_ATTR_SIZE, 1, 1, 500, 0, 4095, SCATTERED },
-	{ "textured point forms", ECO_LIST_POINTS, ECO_CODER_FORM, ECO_ATTR_UV, 1, 1, 40, 0, 4095, SCATTERED },
-	{ "line forms", ECO_LIST_LINES, ECO_CODER_FORM, ECO_ATTR_COLOR | ECO_ATTR_WIDTH, 2, 2, 300, -2000, 2000, SCATTERED },
-	{ "triangle forms", ECO_LIST_TRIANGLES, ECO_CODER_FORM, ECO_ATTR_COLOR | ECO_ATTR_GROWTH, 3, 3, 300, 0, 4095, LEAVES },
-	{ "quad forms", ECO_LIST_TRIANGLES, ECO_CODER_FORM, ECO_ATTR_UV | ECO_ATTR_GROWTH, 4, 4, 300, 0, 4095, LEAVES },
+	{ "point forms", ECO_LIST_POINTS, ECO_CODER_FORM, ECO_ATTR_COLOR | ECO_ATTR_SIZE, 1, 1, 500, 0, 4095,
+	SCATTERED },
+	{ "textured point forms", ECO_LIST_POINTS, ECO_CODER_FORM, ECO_ATTR_UV, 1, 1, 40, 0, 4095,
+	SCATTERED },
+	{ "line forms", ECO_LIST_LINES, ECO_CODER_FORM, ECO_ATTR_COLOR | ECO_ATTR_WIDTH, 2, 2, 300, -2000,
+	2000, SCATTERED },
+	{ "triangle forms", ECO_LIST_TRIANGLES, ECO_CODER_FORM, ECO_ATTR_COLOR | ECO_ATTR_GROWTH, 3, 3, 300,
+	0, 4095, LEAVES },
+	{ "quad forms", ECO_LIST_TRIANGLES, ECO_CODER_FORM, ECO_ATTR_UV | ECO_ATTR_GROWTH, 4, 4, 300, 0, 4095,
+	LEAVES },
 	{ "far quad forms", ECO_LIST_TRIANGLES, ECO_CODER_FORM, 0, 4, 4, 90, -VALUE_MAX, VALUE_MAX, EXTREME },
-	{ "growing fans", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR | ECO_ATTR_GROWTH, 3, 6, 400, 0, 4095, LEAVES },
-	{ "sized points", ECO_LIST_POINTS, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR | ECO_ATTR_SIZE, 1, 1, 400, 0, 4095, SCATTERED },
-	{ "sized summary", ECO_LIST_POINTS, ECO_CODER_KD, ECO_ATTR_COLOR | ECO_ATTR_PLANT | ECO_ATTR_SIZE, 1, 1, 400, 0, 4095, SCATTERED },
+	{ "growing fans", ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR | ECO_ATTR_GROWTH, 3, 6, 400,
+	0, 4095, LEAVES },
+	{ "sized points", ECO_LIST_POINTS, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR | ECO_ATTR_SIZE, 1, 1, 400, 0,
+	4095, SCATTERED },
+	{ "sized summary", ECO_LIST_POINTS, ECO_CODER_KD, ECO_ATTR_COLOR | ECO_ATTR_PLANT | ECO_ATTR_SIZE, 1,
+	1, 400, 0, 4095, SCATTERED },
 	{ "one wood triangle", ECO_LIST_TRIANGLES, ECO_CODER_MESH, 0, 3, 3, 1, 0, 50, SCATTERED },
-	{ "wood soup", ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_COLOR | ECO_ATTR_UV, 3, 3, 200, 0, 4095, SCATTERED },
+	{ "wood soup", ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_COLOR | ECO_ATTR_UV, 3, 3, 200, 0, 4095,
+	SCATTERED },
 	{ "tangled wood", ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_COLOR, 3, 3, 400, 0, 5, SCATTERED },
-	{ "far wood", ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_UV, 3, 3, 40, -VALUE_MAX, VALUE_MAX, EXTREME },
+	{ "far wood", ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_UV, 3, 3, 40, -VALUE_MAX, VALUE_MAX,
+	EXTREME },
 };
 
 static int32_t between(uint64_t *state, int32_t low, int32_t high)
@@ -50,16 +68,19 @@ static int32_t between(uint64_t *state, int32_t low, int32_t high)
 static int32_t coordinate(const struct kind *k, uint64_t *state)
 {
 	if (k->pattern == EXTREME)
-		return lcg_bits(state) & 1 ? k->high : lcg_bits(state) & 1 ? k->low : between(state, k->low, k->high);
+		return lcg_bits(state) & 1 ? k->high : lcg_bits(state) & 1 ? k->low
+			: between(state, k->low, k->high);
 	return between(state, k->low, k->high);
 }
 
 static void fill_corner(const struct kind *k, uint64_t *state, int32_t *position, unsigned corner)
 {
-	static const int8_t hexagon[6][2] = { { 2, 0 }, { 1, 2 }, { -1, 2 }, { -2, 0 }, { -1, -2 }, { 1, -2 } };
+	static const int8_t hexagon[6][2] = { { 2, 0 }, { 1, 2 }, { -1, 2 }, { -2, 0 }, { -1, -2 },
+		{ 1, -2 } };
 	for (unsigned axis = 0; axis < 3; axis++)
 		if (k->pattern == LEAVES && corner > 0)
-			position[3 * corner + axis] = position[axis] + 9 * hexagon[corner][axis % 2] + between(state, -1, 1);
+			position[3 * corner + axis] = position[axis] + 9 * hexagon[corner][axis % 2]
+				+ between(state, -1, 1);
 		else
 			position[3 * corner + axis] = coordinate(k, state);
 }
@@ -93,10 +114,12 @@ struct eco_elements kind_elements(const struct kind *k, uint32_t count, uint64_t
 				fill_corner(k, &state, position, c);
 		while (k->coder == ECO_CODER_MESH && coincide(position));
 		for (unsigned c = 0; e.uv && c < 2u * corners; c++)
-			e.uv[2 * (size_t)e.corner_count + c] = k->pattern == LEAVES ? (int32_t)(c / 2 + c % 2) % 3 * ECO_UV_ONE
+			e.uv[2 * (size_t)e.corner_count + c] = k->pattern == LEAVES
+				? (int32_t)(c / 2 + c % 2) % 3 * ECO_UV_ONE
 				: between(&state, -100, ECO_UV_ONE);
 		for (unsigned c = 0; c < e.extra_count; c++)
-			e.extra[(size_t)e.extra_count * i + c] = k->pattern == EQUAL ? 3 : between(&state, 0, 65535 + (int)c);
+			e.extra[(size_t)e.extra_count * i + c] = k->pattern == EQUAL ? 3
+				: between(&state, 0, 65535 + (int)c);
 		e.corner_count += corners;
 		e.primitive_count += corners < 3 ? 1 : corners - 2u;
 	}
@@ -111,11 +134,13 @@ struct eco_chunk kind_chunk(const struct eco_elements *e, uint32_t first, uint32
 	return chunk;
 }
 
-enum eco_code kind_encode(const struct eco_chunk_input *input, uint8_t **bytes, size_t *size, uint32_t *order, struct eco_error *error)
+enum eco_code kind_encode(const struct eco_chunk_input *input, uint8_t **bytes, size_t *size, uint32_t *order,
+	struct eco_error *error)
 {
 	const struct eco_list fans = { .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS };
 	uint32_t count = input->elements->element_count;
-	struct eco_elements of = { .element_count = count, .corner_count = 3 * count, .primitive_count = count };
+	struct eco_elements of = { .element_count = count, .corner_count = 3 * count,
+		.primitive_count = count };
 	const struct eco_chunk_input partner = { &fans, &of, input->first, input->end, input->ordinal };
 	enum eco_code code;
 	if (input->list->coder != ECO_CODER_FORM)
@@ -149,7 +174,8 @@ static void flatten(const struct eco_elements *e, uint32_t element, uint32_t cor
 	flat[0] = n;
 	if (turn) {                      /* edgebreaker may begin a triangle at another corner */
 		for (unsigned c = 1; c < n; c++) {
-			const int32_t *a = e->position + 3 * ((size_t)corner + c), *b = e->position + 3 * ((size_t)corner + first);
+			const int32_t *a = e->position + 3 * ((size_t)corner + c),
+				*b = e->position + 3 * ((size_t)corner + first);
 			if (a[0] != b[0] ? a[0] < b[0] : a[1] != b[1] ? a[1] < b[1] : a[2] < b[2])
 				first = c;
 		}
@@ -157,10 +183,12 @@ static void flatten(const struct eco_elements *e, uint32_t element, uint32_t cor
 	for (unsigned c = 0; c < n; c++) {
 		memcpy(flat + 1 + 3 * c, e->position + 3 * ((size_t)corner + (c + first) % n), 12);
 		if (e->uv)
-			memcpy(flat + 1 + 3 * ECO_CORNERS_MAX + 2 * c, e->uv + 2 * ((size_t)corner + (c + first) % n), 8);
+			memcpy(flat + 1 + 3 * ECO_CORNERS_MAX + 2 * c,
+				e->uv + 2 * ((size_t)corner + (c + first) % n), 8);
 	}
 	if (e->extra_count > 0)
-		memcpy(flat + 1 + 5 * ECO_CORNERS_MAX, e->extra + (size_t)e->extra_count * element, 4 * e->extra_count);
+		memcpy(flat + 1 + 5 * ECO_CORNERS_MAX, e->extra + (size_t)e->extra_count * element,
+			4 * e->extra_count);
 }
 
 static int compare_flat(const void *a, const void *b)

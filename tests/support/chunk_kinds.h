@@ -1,4 +1,5 @@
-/* Random elements of every kind of list, for every coder, and how what was decoded is compared with what went in. */
+/* Random elements of every kind of list, for every coder, and how what was decoded is compared with what went
+ * in. */
 #ifndef TESTS_CHUNK_KINDS_H
 #define TESTS_CHUNK_KINDS_H
 
@@ -28,7 +29,8 @@ struct eco_list kind_list(const struct kind *k);
 struct eco_elements kind_elements(const struct kind *k, uint32_t count, uint64_t seed);
 struct eco_chunk kind_chunk(const struct eco_elements *e, uint32_t first, uint32_t end, size_t size);
 /* Forms are coded as those of triangles that all lie in one place, which keeps their order. */
-enum eco_code kind_encode(const struct eco_chunk_input *input, uint8_t **bytes, size_t *size, uint32_t *order, struct eco_error *error);
+enum eco_code kind_encode(const struct eco_chunk_input *input, uint8_t **bytes, size_t *size, uint32_t *order,
+	struct eco_error *error);
 /* What was decoded is [first, end) of what went in: in `order`, or in any. */
 void assert_same_elements(const struct kind *k, const struct eco_elements *in, uint32_t first, uint32_t end,
 	const struct eco_elements *out, const uint32_t *order);

@@ -13,14 +13,17 @@ static struct lod_v3 foliage_direction(uint64_t *state)
 	return d;
 }
 
-static void foliage_leaf(struct lod_foliage *f, uint32_t i, struct lod_v3 at, struct lod_v3 along, struct lod_v3 across, uint32_t corners)
+static void foliage_leaf(struct lod_foliage *f, uint32_t i, struct lod_v3 at, struct lod_v3 along,
+	struct lod_v3 across, uint32_t corners)
 {
-	static const double shape[6][2] = { { -1, 0 }, { -0.5, -0.4 }, { 0.5, -0.4 }, { 1, 0 }, { 0.5, 0.4 }, { -0.5, 0.4 } };
+	static const double shape[6][2] = { { -1, 0 }, { -0.5, -0.4 }, { 0.5, -0.4 }, { 1, 0 }, { 0.5, 0.4 },
+		{ -0.5, 0.4 } };
 	f->first[i + 1] = f->first[i] + corners;
 	f->triangle_first[i + 1] = f->triangle_first[i] + corners - 2;
 	for (uint32_t k = 0; k < corners; k++) {
 		const double *s = shape[k * 6 / corners];
-		struct lod_v3 p = lod_v3_add(at, lod_v3_add(lod_v3_scale(along, s[0]), lod_v3_scale(across, s[1])));
+		struct lod_v3 p =
+			lod_v3_add(at, lod_v3_add(lod_v3_scale(along, s[0]), lod_v3_scale(across, s[1])));
 		float *to = f->corner[f->first[i] + k];
 		to[0] = (float)p.x, to[1] = (float)p.y, to[2] = (float)p.z;
 		f->low = (struct lod_v3){ fmin(f->low.x, p.x), fmin(f->low.y, p.y), fmin(f->low.z, p.z) };
@@ -51,7 +54,9 @@ void foliage_random(struct lod_foliage *f, const struct foliage_random *how, str
 	f->low.z = -how->radius;
 	for (uint32_t i = 0; i < how->leaves; i++) {
 		struct lod_v3 along = lod_v3_scale(lod_v3_unit(foliage_direction(&dice)), how->leaf);
-		struct lod_v3 across = lod_v3_scale(lod_v3_unit(lod_v3_cross(along, foliage_direction(&dice))), how->leaf);
-		foliage_leaf(f, i, lod_v3_scale(foliage_direction(&dice), how->radius), along, across, how->corners);
+		struct lod_v3 across =
+			lod_v3_scale(lod_v3_unit(lod_v3_cross(along, foliage_direction(&dice))), how->leaf);
+		foliage_leaf(f, i, lod_v3_scale(foliage_direction(&dice), how->radius), along, across,
+			how->corners);
 	}
 }

@@ -20,7 +20,8 @@ void gw_begin(void);
 /* A view of new bytes; `more` is further JSON of it, beginning with a comma, or "". */
 int gw_view(const void *bytes, size_t size, const char *more);
 /* A view that is compressed: of `size` bytes once it is unpacked, in a buffer 1 without data. */
-int gw_packed(const void *bytes, size_t size, size_t count, size_t stride, const char *mode, const char *filter, const char *extension);
+int gw_packed(const void *bytes, size_t size, size_t count, size_t stride, const char *mode,
+	const char *filter, const char *extension);
 /* view < 0: none. */
 int gw_accessor(int view, int type, size_t count, const char *kind, const char *more);
 int gw_floats(const float *values, size_t count, const char *kind, size_t components);

@@ -2,7 +2,8 @@
 
 int http_connect(uint16_t port)
 {
-	struct sockaddr_in at = { .sin_family = AF_INET, .sin_port = htons(port), .sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
+	struct sockaddr_in at = { .sin_family = AF_INET, .sin_port = htons(port),
+		.sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
 	struct timeval patience = { .tv_sec = 50 };      /* against hanging for ever, not a measurement */
 	int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
 	setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
@@ -60,7 +61,8 @@ struct http_answer http_receive(int fd, bool no_body, bool to_end)
 			answer.head = bytes;
 			answer.status = (unsigned)atoi(bytes + 9);
 			bool none = no_body || answer.status == 204 || answer.status == 304;
-			expected = none ? 0 : http_header(&answer, "Content-Length", length, sizeof length) ? strtoull(length, NULL, 10) : SIZE_MAX;
+			expected = none ? 0 : http_header(&answer, "Content-Length", length, sizeof length)
+				? strtoull(length, NULL, 10) : SIZE_MAX;
 		}
 	}
 	bytes[size] = 0;
@@ -90,8 +92,8 @@ struct http_answer http_ask(uint16_t port, const char *method, const char *targe
 	char head[8192], length[64] = "";
 	if (body)
 		snprintf(length, sizeof length, "Content-Length: %zu\r\n", body_size);
-	int size = snprintf(head, sizeof head, "%s %s HTTP/1.1\r\nHost: test\r\nConnection: close\r\n%s%s\r\n", method, target, headers,
-		length);
+	int size = snprintf(head, sizeof head, "%s %s HTTP/1.1\r\nHost: test\r\nConnection: "
+		"close\r\n%s%s\r\n", method, target, headers, length);
 	char *request = malloc((size_t)size + body_size + 1);
 	memcpy(request, head, (size_t)size);
 	if (body_size)

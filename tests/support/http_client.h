@@ -1,4 +1,5 @@
-/* A blocking HTTP client of one connection that sends exactly the bytes it is told to: what a library would refuse to send too. */
+/* A blocking HTTP client of one connection that sends exactly the bytes it is told to: what a library would
+ * refuse to send too. */
 #ifndef TESTS_HTTP_CLIENT_H
 #define TESTS_HTTP_CLIENT_H
 
@@ -26,7 +27,8 @@ int http_connect(uint16_t port);
 bool http_send(int fd, const void *bytes, size_t size);
 /* Value of a header into `value`, or false. */
 bool http_header(const struct http_answer *answer, const char *name, char *value, size_t size);
-/* Reads one answer; `no_body` for HEAD. Reads to the end of the connection where `to_end` or no length is given. */
+/* Reads one answer; `no_body` for HEAD. Reads to the end of the connection where `to_end` or no length is
+ * given. */
 struct http_answer http_receive(int fd, bool no_body, bool to_end);
 /* Sends raw bytes on a new connection and reads until the server closes it: `request` must make it do so. */
 struct http_answer http_raw(uint16_t port, const char *request, size_t size);

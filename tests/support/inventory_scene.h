@@ -1,4 +1,5 @@
-/* An inventory read as a scene asks for it: JSON of an entry and a file in, plants and the report out, both as text. */
+/* An inventory read as a scene asks for it: JSON of an entry and a file in, plants and the report out, both
+ * as text. */
 #ifndef TESTS_INVENTORY_SCENE_H
 #define TESTS_INVENTORY_SCENE_H
 
@@ -12,8 +13,9 @@
 
 struct inventory { char plants[8000], report[8000], error[600]; };
 
-/* `scene`: its fields before "plants", each with its comma; `entry`: fields of the entry, after "from". Plants are oak, ash and elm; elm
- * has three variants. What fails is in `error`, which is empty otherwise. */
-const struct inventory *inventory_of(const char *test, const char *scene, const char *file, const char *entry);
+/* `scene`: its fields before "plants", each with its comma; `entry`: fields of the entry, after "from".
+ * Plants are oak, ash and elm; elm has three variants. What fails is in `error`, which is empty otherwise. */
+const struct inventory *inventory_of(const char *test, const char *scene, const char *file,
+	const char *entry);
 
 #endif

@@ -11,7 +11,8 @@ static void import_note(void *ctx, const char *text)
 
 void import_file(struct eco_model *model, const char *path, const struct eco_model_options *options)
 {
-	struct eco_model_options all = options != NULL ? *options : (struct eco_model_options){ .height_m = 0 };
+	struct eco_model_options all = options != NULL ? *options
+		: (struct eco_model_options){ .height_m = 0 };
 	struct eco_error error = { .code = ECO_OK };
 	uint64_t accounted;
 	if (path) {
@@ -36,10 +37,13 @@ void import_refuses(const char *path, enum eco_code wanted, const char *says)
 {
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_model model;
-	enum eco_code code = eco_model_import(&model, &(struct eco_model_options){ .paths = &path, .path_count = 1 }, &error);
+	enum eco_code code =
+		eco_model_import(&model, &(struct eco_model_options){ .paths = &path, .path_count = 1 },
+		&error);
 	assert_null(model.position);
 	if (code != wanted || !strstr(error.text, says))
-		fail_msg("%s: %s\n  wanted %s ... %s", eco_code_name(code), error.text, eco_code_name(wanted), says);
+		fail_msg("%s: %s\n  wanted %s ... %s", eco_code_name(code), error.text, eco_code_name(wanted),
+			says);
 }
 
 void import_says(const char *text)
@@ -56,7 +60,8 @@ bool close_to(double a, double b, double most)
 bool has_place(const struct eco_model *m, double x, double y, double z)
 {
 	for (uint32_t i = 0; i < m->vertex_count; i++)
-		if (close_to(m->position[i * 3], x, 1e-5) && close_to(m->position[i * 3 + 1], y, 1e-5) && close_to(m->position[i * 3 + 2], z, 1e-5))
+		if (close_to(m->position[i * 3], x, 1e-5) && close_to(m->position[i * 3 + 1], y, 1e-5)
+				&& close_to(m->position[i * 3 + 2], z, 1e-5))
 			return true;
 	return false;
 }

@@ -38,7 +38,8 @@ void openapi_read(struct openapi *api, const char *file_path)
 const struct openapi_operation *openapi_find(const struct openapi *api, const char *path, const char *method)
 {
 	for (unsigned i = 0; i < api->count; i++)
-		if (strcmp(api->operations[i].path, path) == 0 && strcmp(api->operations[i].method, method) == 0)
+		if (strcmp(api->operations[i].path, path) == 0 && strcmp(api->operations[i].method, method)
+				== 0)
 			return &api->operations[i];
 	return NULL;
 }

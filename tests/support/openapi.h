@@ -1,4 +1,5 @@
-/* Reads what server/openapi.yaml says of paths, methods and statuses: by its indentation, which is part of its style. */
+/* Reads what server/openapi.yaml says of paths, methods and statuses: by its indentation, which is part of
+ * its style. */
 #ifndef TESTS_OPENAPI_H
 #define TESTS_OPENAPI_H
 

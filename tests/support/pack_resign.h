@@ -1,5 +1,5 @@
-/* Makes the hashes of a damaged pack fit again, so that tests and fuzzers reach what lies behind them: what a malicious, not a
- * broken, pack would look like. Payloads keep their names. */
+/* Makes the hashes of a damaged pack fit again, so that tests and fuzzers reach what lies behind them: what a
+ * malicious, not a broken, pack would look like. Payloads keep their names. */
 #ifndef TESTS_PACK_RESIGN_H
 #define TESTS_PACK_RESIGN_H
 
@@ -36,7 +36,8 @@ static inline void pack_resign(uint8_t *bytes, size_t size)
 		uint8_t *record = bytes + ECO_PACK_HEADER_BYTES + i * ECO_PACK_SECTION_BYTES;
 		uint64_t offset = resign_u64(record + 8), length = resign_u64(record + 16);
 		if (offset <= size && length <= size - offset)
-			resign_put(record + 24, record[0] == ECO_SECTION_CHUNK_DATA ? 0 : XXH3_64bits(bytes + offset, length));
+			resign_put(record + 24, record[0] == ECO_SECTION_CHUNK_DATA ? 0
+				: XXH3_64bits(bytes + offset, length));
 	}
 	memcpy(hashed, bytes, 24);
 	memcpy(hashed + 24, bytes + ECO_PACK_HEADER_BYTES, table);

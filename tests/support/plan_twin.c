@@ -12,21 +12,24 @@ static uint32_t gate_of(const struct eco_plan *plan, uint32_t plant)
 	return 0;
 }
 
-static uint64_t anchor_vertices(const struct eco_scene *scene, const struct eco_plan *plan, const struct lod_anchor_band *at, uint32_t hash)
+static uint64_t anchor_vertices(const struct eco_scene *scene, const struct eco_plan *plan,
+	const struct lod_anchor_band *at, uint32_t hash)
 {
 	uint64_t vertices = 0;
 	for (uint32_t c = 0; c < plan->cut_count; c++) {
 		const struct eco_cut *cut = &plan->cuts[c];
-		if (cut->anchor == at->anchor && cut->band_first <= at->band && at->band < cut->band_end && cut->share_first <= hash
-				&& hash < cut->share_end)
-			vertices += (uint64_t)(cut->end - cut->first) * eco_list_vertices(&scene->lists[cut->list]);
+		if (cut->anchor == at->anchor && cut->band_first <= at->band && at->band < cut->band_end
+				&& cut->share_first <= hash && hash < cut->share_end)
+			vertices +=
+				(uint64_t)(cut->end - cut->first)
+				* eco_list_vertices(&scene->lists[cut->list]);
 	}
 	return vertices;
 }
 
 /* All plants of one list in one placement. */
-static uint64_t group_vertices(const struct eco_scene *scene, const struct eco_plan *plan, const struct lod_eye *eye, const struct eco_run *run,
-	const struct eco_group *group, uint64_t *plants)
+static uint64_t group_vertices(const struct eco_scene *scene, const struct eco_plan *plan,
+	const struct lod_eye *eye, const struct eco_run *run, const struct eco_group *group, uint64_t *plants)
 {
 	const struct eco_placement *placement = &plan->placements[run->placement];
 	const struct eco_plant *plant = &scene->plants[group->plant];
@@ -40,8 +43,8 @@ static uint64_t group_vertices(const struct eco_scene *scene, const struct eco_p
 		if (lod_open_hash(hash) < run->left)
 			continue;
 		lod_place_instance(&place, placement, list, &stored);
-		uint32_t count = lod_instance_anchors(eye, &place, scene->anchors + plant->anchor_first, plant->anchor_first, plant->anchor_count,
-			gate_of(plan, group->plant), hash, seen);
+		uint32_t count = lod_instance_anchors(eye, &place, scene->anchors + plant->anchor_first,
+			plant->anchor_first, plant->anchor_count, gate_of(plan, group->plant), hash, seen);
 		*plants += count != 0;
 		for (uint32_t a = 0; a < count; a++)
 			vertices += anchor_vertices(scene, plan, &seen[a], hash);
@@ -49,18 +52,22 @@ static uint64_t group_vertices(const struct eco_scene *scene, const struct eco_p
 	return vertices;
 }
 
-uint64_t plan_twin_vertices(const struct eco_scene *scene, const struct eco_plan *plan, const struct eco_view *view, uint64_t *plants)
+uint64_t plan_twin_vertices(const struct eco_scene *scene, const struct eco_plan *plan,
+	const struct eco_view *view, uint64_t *plants)
 {
 	uint64_t vertices = 0, seen = 0;
 	struct lod_eye eye;
 	lod_eye_make(&eye, view);
 	for (uint32_t c = 0; c < plan->cut_count; c++)
-		if (plan->cuts[c].anchor == ECO_NONE && scene->lists[plan->cuts[c].list].kind != ECO_LIST_GROUND)
+		if (plan->cuts[c].anchor == ECO_NONE && scene->lists[plan->cuts[c].list].kind
+				!= ECO_LIST_GROUND)
 			vertices += plan->cuts[c].end - plan->cuts[c].first;
 	for (uint32_t r = 0; r < plan->run_count; r++)
 		for (uint32_t g = 0; g < scene->group_count; g++)
-			if (plan->runs[r].list_first <= scene->groups[g].list && scene->groups[g].list < plan->runs[r].list_end)
-				vertices += group_vertices(scene, plan, &eye, &plan->runs[r], &scene->groups[g], &seen);
+			if (plan->runs[r].list_first <= scene->groups[g].list && scene->groups[g].list
+					< plan->runs[r].list_end)
+				vertices += group_vertices(scene, plan, &eye, &plan->runs[r],
+					&scene->groups[g], &seen);
 	if (plants)
 		*plants = seen;
 	return vertices;

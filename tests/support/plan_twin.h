@@ -7,6 +7,7 @@
 #include "ecofiles/format/view.h"
 
 /* Vertices drawn, the ground's left out. `plants` may be NULL: how many of them are in view. */
-uint64_t plan_twin_vertices(const struct eco_scene *scene, const struct eco_plan *plan, const struct eco_view *view, uint64_t *plants);
+uint64_t plan_twin_vertices(const struct eco_scene *scene, const struct eco_plan *plan,
+	const struct eco_view *view, uint64_t *plants);
 
 #endif

@@ -14,7 +14,8 @@ void soup_begin(struct soup *s)
 
 uint32_t soup_material(struct soup *s, uint8_t r, uint8_t g, uint8_t b, uint32_t image, bool cutout)
 {
-	s->material[s->model.material_count] = (struct eco_material){ .rgb = { r, g, b }, .image = image, .cutout = cutout };
+	s->material[s->model.material_count] = (struct eco_material){ .rgb = { r, g, b }, .image = image,
+		.cutout = cutout };
 	return s->model.material_count++;
 }
 
@@ -25,7 +26,8 @@ uint32_t soup_disc_image(struct soup *s, uint32_t size)
 	for (uint32_t y = 0; y < size; y++)
 		for (uint32_t x = 0; x < size; x++) {
 			double dx = (x + 0.5) / size - 0.5, dy = (y + 0.5) / size - 0.5;
-			uint8_t rgba[4] = { (uint8_t)(x < size / 2 ? 40 : 90), 160, 30, dx * dx + dy * dy < 0.16 ? 255 : 0 };
+			uint8_t rgba[4] = { (uint8_t)(x < size / 2 ? 40 : 90), 160, 30,
+				dx * dx + dy * dy < 0.16 ? 255 : 0 };
 			memcpy(image->rgba + 4 * ((size_t)y * size + x), rgba, 4);
 		}
 	return s->model.image_count++;
@@ -73,16 +75,21 @@ void soup_free(struct soup *s)
 	memset(s, 0, sizeof *s);
 }
 
-void soup_tube(struct soup *s, uint32_t material, struct lod_v3 a, struct lod_v3 b, double r, double t, uint32_t sides,
-	uint32_t rings)
+void soup_tube(struct soup *s, uint32_t material, struct lod_v3 a, struct lod_v3 b, double r, double t,
+	uint32_t sides, uint32_t rings)
 {
-	struct lod_v3 axis = lod_v3_unit(lod_v3_sub(b, a)), up = fabs(axis.z) < 0.8 ? (struct lod_v3){ 0, 0, 1 } : (struct lod_v3){ 1, 0, 0 };
+	struct lod_v3 axis = lod_v3_unit(lod_v3_sub(b, a)), up = fabs(axis.z) < 0.8
+		? (struct lod_v3){ 0, 0, 1 } : (struct lod_v3){ 1, 0, 0 };
 	struct lod_v3 x = lod_v3_unit(lod_v3_cross(up, axis)), y = lod_v3_cross(axis, x);
 	uint32_t first = s->model.vertex_count;
 	for (uint32_t i = 0; i <= rings; i++)
 		for (uint32_t k = 0; k < sides; k++) {
-			double w = (double)i / rings, radius = r + (t - r) * w, angle = 2 * LOD_PI * k / sides;
-			struct lod_v3 p = lod_v3_add(lod_v3_mix(a, b, w), lod_v3_add(lod_v3_scale(x, radius * cos(angle)), lod_v3_scale(y, radius * sin(angle))));
+			double w = (double)i / rings, radius = r + (t - r) * w,
+				angle = 2 * LOD_PI * k / sides;
+			struct lod_v3 p =
+				lod_v3_add(lod_v3_mix(a, b, w),
+				lod_v3_add(lod_v3_scale(x, radius * cos(angle)),
+				lod_v3_scale(y, radius * sin(angle))));
 			soup_vertex(s, p, (double)k / sides, 4 * w);
 		}
 	for (uint32_t i = 0; i < rings; i++)
@@ -98,7 +105,8 @@ void soup_quad(struct soup *s, uint32_t material, struct lod_v3 at, struct lod_v
 	uint32_t p[4];
 	for (int i = 0; i < 4; i++) {
 		double a = i == 0 || i == 3 ? -0.5 : 0.5, b = i < 2 ? -0.5 : 0.5;
-		p[i] = soup_vertex(s, lod_v3_add(at, lod_v3_add(lod_v3_scale(u, a), lod_v3_scale(v, b))), a + 0.5, b + 0.5);
+		p[i] = soup_vertex(s, lod_v3_add(at, lod_v3_add(lod_v3_scale(u, a), lod_v3_scale(v, b))),
+			a + 0.5, b + 0.5);
 	}
 	soup_triangle(s, material, p[0], p[1], p[2]);
 	soup_triangle(s, material, p[0], p[2], p[3]);
@@ -123,7 +131,9 @@ void soup_leaf(struct soup *s, uint32_t material, struct lod_v3 at, double lengt
 void soup_leaves(struct soup *s, uint32_t material, int count, struct lod_v3 at, double radius, double size)
 {
 	for (int i = 0; i < count; i++)
-		soup_leaf(s, material, lod_v3_add(at, lod_v3_scale(soup_direction(s), radius * sqrt(soup_random(s, 0, 1)))), size, 0.6 * size);
+		soup_leaf(s, material,
+			lod_v3_add(at, lod_v3_scale(soup_direction(s), radius * sqrt(soup_random(s, 0, 1)))),
+			size, 0.6 * size);
 }
 
 void soup_ball(struct soup *s, uint32_t material, struct lod_v3 at, double radius, uint32_t n)
@@ -132,7 +142,10 @@ void soup_ball(struct soup *s, uint32_t material, struct lod_v3 at, double radiu
 	for (uint32_t i = 1; i < n; i++)
 		for (uint32_t k = 0; k < 2 * n; k++) {
 			double t = LOD_PI * i / n, a = LOD_PI * k / n;
-			soup_vertex(s, lod_v3_add(at, (struct lod_v3){ radius * sin(t) * cos(a), radius * sin(t) * sin(a), radius * cos(t) }), 0, 0);
+			soup_vertex(s,
+				lod_v3_add(at,
+				(struct lod_v3){ radius * sin(t) * cos(a), radius * sin(t) * sin(a),
+				radius * cos(t) }), 0, 0);
 		}
 	uint32_t top = soup_vertex(s, lod_v3_add(at, (struct lod_v3){ 0, 0, radius }), 0, 0);
 	uint32_t bottom = soup_vertex(s, lod_v3_add(at, (struct lod_v3){ 0, 0, -radius }), 0, 0);
@@ -161,7 +174,8 @@ void soup_tree(struct soup *s, uint32_t leaves, uint32_t flowers, bool textured)
 		soup_tube(s, bark, from, lod_v3_add(from, lod_v3_scale(d, 1.6)), 0.03, 0.01, 6, 12);
 	}
 	for (uint32_t i = 0; i < leaves + flowers; i++) {
-		struct lod_v3 at = lod_v3_add((struct lod_v3){ 0, 0, 4 }, lod_v3_scale(soup_direction(s), 2 * sqrt(soup_random(s, 0, 1))));
+		struct lod_v3 at = lod_v3_add((struct lod_v3){ 0, 0, 4 },
+			lod_v3_scale(soup_direction(s), 2 * sqrt(soup_random(s, 0, 1))));
 		soup_leaf(s, i < leaves ? leaf : petal, at, 0.12, 0.08);
 	}
 }

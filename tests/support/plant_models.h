@@ -28,8 +28,8 @@ uint32_t soup_vertex(struct soup *s, struct lod_v3 p, double u, double v);
 void soup_triangle(struct soup *s, uint32_t material, uint32_t a, uint32_t b, uint32_t c);
 void soup_free(struct soup *s);
 /* An open tube from a to b with `sides` corners and `rings` steps, tapering from r to t. */
-void soup_tube(struct soup *s, uint32_t material, struct lod_v3 a, struct lod_v3 b, double r, double t, uint32_t sides,
-	uint32_t rings);
+void soup_tube(struct soup *s, uint32_t material, struct lod_v3 a, struct lod_v3 b, double r, double t,
+	uint32_t sides, uint32_t rings);
 /* A flat leaf of two triangles around `at`, spanned by u and v. */
 void soup_quad(struct soup *s, uint32_t material, struct lod_v3 at, struct lod_v3 u, struct lod_v3 v);
 struct lod_v3 soup_direction(struct soup *s);
@@ -38,8 +38,8 @@ void soup_leaf(struct soup *s, uint32_t material, struct lod_v3 at, double lengt
 void soup_leaves(struct soup *s, uint32_t material, int count, struct lod_v3 at, double radius, double size);
 /* A closed ball. */
 void soup_ball(struct soup *s, uint32_t material, struct lod_v3 at, double radius, uint32_t n);
-/* A tree of `leaves` leaves, 6 m high: trunk and branches, leaves in a crown, red flowers if asked for. `textured` leaves are
- * cut-outs. */
+/* A tree of `leaves` leaves, 6 m high: trunk and branches, leaves in a crown, red flowers if asked for.
+ * `textured` leaves are cut-outs. */
 void soup_tree(struct soup *s, uint32_t leaves, uint32_t flowers, bool textured);
 
 #endif

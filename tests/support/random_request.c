@@ -9,7 +9,10 @@
 #include "lod/eye.h"
 
 uint64_t dice_bits(struct dice *r) { return eco_mix_next(&r->state); }
-static double dice_real(struct dice *r, double low, double high) { return low + (high - low) * eco_mix_unit(dice_bits(r)); }
+static double dice_real(struct dice *r, double low, double high)
+{
+	return low + (high - low) * eco_mix_unit(dice_bits(r));
+}
 double dice_power(struct dice *r, double low, double high) { return pow(10, dice_real(r, low, high)); }
 
 _Noreturn void random_stop(const char *what, const struct eco_error *error)
@@ -18,16 +21,20 @@ _Noreturn void random_stop(const char *what, const struct eco_error *error)
 	exit(2);
 }
 
-/* A point in the body of some plant, found by a walk down the tree; false where the walk ends at a tile without plants. */
+/* A point in the body of some plant, found by a walk down the tree; false where the walk ends at a tile
+ * without plants. */
 static bool random_in_plant(struct dice *r, const struct eco_scene *scene, double point[3])
 {
 	struct eco_placement at = { .scale = 1 };
 	const struct eco_tile *tile = &scene->tiles[scene->root];
 	while (tile->child_count > 0 && (tile->group_count == 0 || dice_bits(r) % 8)) {
-		const struct eco_child *child = &scene->children[tile->child_first + dice_bits(r) % tile->child_count];
+		const struct eco_child *child =
+			&scene->children[tile->child_first + dice_bits(r) % tile->child_count];
 		if (child->placed) {
 			struct eco_list whole = { .grid_step = { 1e-3, 1e-3, 1e-3 } };
-			struct eco_place as_place = { .turn = child->turn, .scale = (uint32_t)fmax(1, (double)child->scale * 65536) };
+			struct eco_place as_place =
+				{ .turn = child->turn,
+				.scale = (uint32_t)fmax(1, (double)child->scale * 65536) };
 			struct lod_place place;
 			for (int i = 0; i < 3; i++)
 				as_place.position[i] = (int32_t)fmax(-1e9, fmin(1e9, child->at[i] * 1000));
@@ -53,15 +60,16 @@ static bool random_in_plant(struct dice *r, const struct eco_scene *scene, doubl
 	return true;
 }
 
-/* Where the eye is and where it looks: anywhere near and far, inside plants, on corners of the scene, beyond the horizon, straight down
- * with an up that is of no use. */
+/* Where the eye is and where it looks: anywhere near and far, inside plants, on corners of the scene, beyond
+ * the horizon, straight down with an up that is of no use. */
 static void random_view(struct dice *r, const struct eco_scene *scene, struct eco_view *v)
 {
 	const struct eco_tile *root = &scene->tiles[scene->root];
 	uint64_t kind = dice_bits(r) % 16;
 	double reach = kind == 0 ? dice_power(r, 1, 5) : dice_power(r, -1, 1.5);
 	for (int i = 0; i < 3; i++) {
-		double middle = (root->low[i] + root->high[i]) / 2, half = (root->high[i] - root->low[i]) / 2 + 1e-3;
+		double middle = (root->low[i] + root->high[i]) / 2, half = (root->high[i] - root->low[i]) / 2
+			+ 1e-3;
 		v->target[i] = middle + half * dice_real(r, -1, 1);
 		v->eye[i] = v->target[i] + half * reach * dice_real(r, -1, 1);
 		v->up[i] = i == 2;
@@ -84,7 +92,8 @@ static void random_view(struct dice *r, const struct eco_scene *scene, struct ec
 	if (dice_bits(r) % 8 == 0)
 		for (int i = 0; i < 3; i++)
 			v->up[i] = kind % 2 ? dice_real(r, -1, 1) : v->target[i] - v->eye[i];
-	v->fov_y_deg = dice_bits(r) % 8 ? dice_real(r, 0.5, 150) : dice_bits(r) % 2 ? dice_power(r, -5, 0) : 180 - dice_power(r, -5, 1);
+	v->fov_y_deg = dice_bits(r) % 8 ? dice_real(r, 0.5, 150) : dice_bits(r) % 2 ? dice_power(r, -5, 0)
+		: 180 - dice_power(r, -5, 1);
 	v->width = (uint32_t)dice_power(r, 0, log10(4096.999));
 	v->height = (uint32_t)dice_power(r, 0, log10(4096.999));
 }
@@ -99,7 +108,8 @@ static uint64_t random_budget(struct dice *r)
 	}
 }
 
-bool random_request(struct eco_request *request, const struct eco_scene *scene, uint64_t seed, uint64_t number)
+bool random_request(struct eco_request *request, const struct eco_scene *scene, uint64_t seed,
+	uint64_t number)
 {
 	struct dice r = { seed * 0xD6E8FEB86659FD93u + number };
 	dice_bits(&r);
@@ -113,13 +123,15 @@ bool random_request(struct eco_request *request, const struct eco_scene *scene, 
 	return eco_view_check(&request->view, NULL) == ECO_OK;
 }
 
-bool random_answer(const struct srv_scene *scene, const struct eco_request *request, const struct eco_holdings *holdings,
-	struct srv_body *body)
+bool random_answer(const struct srv_scene *scene, const struct eco_request *request,
+	const struct eco_holdings *holdings, struct srv_body *body)
 {
 	struct srv_stream stream;
 	struct eco_error error = { 0 };
 	*body = (struct srv_body){ 0 };
-	if (srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = scene, .request = request, .holdings = holdings }, &error))
+	if (srv_stream_plan(&stream,
+			&(struct srv_stream_input){ .scene = scene, .request = request,
+			.holdings = holdings }, &error))
 		random_stop("planning", &error);
 	bool fits = stream.fits;
 	if (fits && srv_stream_write(&stream, body, &error))

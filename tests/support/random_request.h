@@ -1,5 +1,5 @@
-/* Requests that nobody would think of, and the server's answers to them, for programs that look for violations. A request depends on a
- * seed and its number alone, so that one can be looked at again. */
+/* Requests that nobody would think of, and the server's answers to them, for programs that look for
+ * violations. A request depends on a seed and its number alone, so that one can be looked at again. */
 #ifndef TESTS_RANDOM_REQUEST_H
 #define TESTS_RANDOM_REQUEST_H
 
@@ -15,10 +15,11 @@ double dice_power(struct dice *r, double low, double high);
 _Noreturn void random_stop(const char *what, const struct eco_error *error);
 
 /* False where the request layer refuses the view. */
-bool random_request(struct eco_request *request, const struct eco_scene *scene, uint64_t seed, uint64_t number);
+bool random_request(struct eco_request *request, const struct eco_scene *scene, uint64_t seed,
+	uint64_t number);
 
 /* The body of the answer, which the caller frees; false: 204. */
-bool random_answer(const struct srv_scene *scene, const struct eco_request *request, const struct eco_holdings *holdings,
-	struct srv_body *body);
+bool random_answer(const struct srv_scene *scene, const struct eco_request *request,
+	const struct eco_holdings *holdings, struct srv_body *body);
 
 #endif

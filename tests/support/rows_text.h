@@ -8,8 +8,8 @@
 
 #include "ecofiles/import/places/rows.h"
 
-/* "columns / row / row ...", a row as "place fields", places as (x y) or (x y z), none, empty or what they are; ends with the error's
- * text if there was one. Closes the rows. */
+/* "columns / row / row ...", a row as "place fields", places as (x y) or (x y z), none, empty or what they
+ * are; ends with the error's text if there was one. Closes the rows. */
 static inline const char *rows_text_of(struct eco_rows *rows, char *text, size_t size)
 {
 	struct eco_error error = { .code = ECO_OK };

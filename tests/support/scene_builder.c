@@ -21,7 +21,8 @@ static void *room_for(void *rows, uint64_t count, size_t size)
 }
 
 #define ADD(table, counter, row) \
-	(b->scene.table = b->table = room_for(b->table, b->scene.counter, sizeof *b->table), b->table[b->scene.counter] = (row), b->scene.counter++)
+	(b->scene.table = b->table = room_for(b->table, b->scene.counter, sizeof *b->table), \
+	b->table[b->scene.counter] = (row), b->scene.counter++)
 
 uint32_t scene_add_plant(struct scene_builder *b, struct eco_plant row)
 {
@@ -43,7 +44,10 @@ uint32_t scene_add_ladder(struct scene_builder *b, struct eco_ladder row)
 	return ADD(ladders, ladder_count, row);
 }
 
-uint32_t scene_add_curve(struct scene_builder *b, struct eco_curve row) { return ADD(curves, curve_count, row); }
+uint32_t scene_add_curve(struct scene_builder *b, struct eco_curve row)
+{
+	return ADD(curves, curve_count, row);
+}
 
 uint32_t scene_add_tile(struct scene_builder *b, struct eco_tile row) { return ADD(tiles, tile_count, row); }
 
@@ -79,7 +83,10 @@ uint32_t scene_add_chunk(struct scene_builder *b, struct eco_chunk row)
 	return ADD(chunks, chunk_count, row);
 }
 
-uint32_t scene_add_ground(struct scene_builder *b, struct eco_ground_tile row) { return ADD(ground, ground_count, row); }
+uint32_t scene_add_ground(struct scene_builder *b, struct eco_ground_tile row)
+{
+	return ADD(ground, ground_count, row);
+}
 
 void scene_add_colors(struct scene_builder *b, const uint8_t (*colors)[3], uint32_t count)
 {
@@ -99,7 +106,8 @@ void scene_add_place(struct scene_builder *b, struct eco_place place)
 
 struct eco_ladder scene_ladder(uint32_t plant, uint32_t anchor, enum eco_organ organ)
 {
-	return (struct eco_ladder){ .plant = plant, .anchor = anchor, .organ = (uint8_t)organ, .points = ECO_NONE, .lines = ECO_NONE,
+	return (struct eco_ladder){ .plant = plant, .anchor = anchor, .organ = (uint8_t)organ,
+		.points = ECO_NONE, .lines = ECO_NONE,
 		.simple = ECO_NONE, .triangles = ECO_NONE, .importance = 1 };
 }
 
@@ -113,7 +121,8 @@ struct eco_list scene_list(const struct scene_builder *b, const struct scene_row
 	list.attributes = row->attributes;
 	list.owner = row->owner;
 	list.plant = list.image = list.partner = ECO_NONE;
-	*(row->coder == ECO_CODER_FORM ? &list.partner : row->kind == ECO_LIST_INSTANCES ? &list.plant : &list.image) = row->other;
+	*(row->coder == ECO_CODER_FORM ? &list.partner : row->kind == ECO_LIST_INSTANCES ? &list.plant
+		: &list.image) = row->other;
 	list.palette_count = row->attributes & ECO_ATTR_COLOR ? list.palette_count : 0;
 	return list;
 }
@@ -141,7 +150,8 @@ uint32_t scene_add_rows(struct scene_builder *b, const struct scene_row *rows, u
 struct eco_elements elements_make(const struct eco_list *list, uint32_t count, uint8_t corners)
 {
 	struct eco_elements e = { .element_count = count, .corner_count = count * corners,
-		.primitive_count = corners < 3 ? count : count * (corners - 2u), .extra_count = eco_list_extra_count(list) };
+		.primitive_count = corners < 3 ? count : count * (corners - 2u),
+		.extra_count = eco_list_extra_count(list) };
 	e.corners = malloc(count);
 	e.position = calloc(3 * (size_t)e.corner_count, sizeof *e.position);
 	e.uv = list->attributes & ECO_ATTR_UV ? calloc(2 * (size_t)e.corner_count, sizeof *e.uv) : NULL;
@@ -155,13 +165,16 @@ void scene_elements(struct scene_builder *b, uint32_t list, uint32_t count, uint
 	b->elements[list] = elements_make(&b->lists[list], count, corners);
 }
 
-uint32_t scene_add_bare(struct scene_builder *b, const struct scene_row *row, uint32_t primitives, uint32_t elements)
+uint32_t scene_add_bare(struct scene_builder *b, const struct scene_row *row, uint32_t primitives,
+	uint32_t elements)
 {
 	struct eco_list list = scene_list(b, row);
 	list.primitive_count = primitives;
 	list.element_count = elements;
 	list.chunk_count = 1;
-	list.chunk_first = scene_add_chunk(b, (struct eco_chunk){ .size_bytes = 8 * elements, .primitive_count = primitives,
+	list.chunk_first =
+		scene_add_chunk(b,
+		(struct eco_chunk){ .size_bytes = 8 * elements, .primitive_count = primitives,
 		.element_count = elements });
 	return scene_add_list(b, list);
 }
@@ -169,12 +182,14 @@ uint32_t scene_add_bare(struct scene_builder *b, const struct scene_row *row, ui
 void scene_add_instances(struct scene_builder *b, uint32_t list)
 {
 	const struct eco_elements *e = &b->elements[list];
-	scene_add_group(b, (struct eco_group){ b->lists[list].owner, b->lists[list].plant, list, b->scene.place_count });
+	scene_add_group(b, (struct eco_group){ b->lists[list].owner, b->lists[list].plant, list,
+		b->scene.place_count });
 	for (uint32_t i = 0; i < e->element_count; i++)
 		scene_add_place(b, eco_place_of(e, i));
 }
 
-enum eco_code scene_add_heights(struct scene_builder *b, const struct eco_ground *ground, struct eco_error *error)
+enum eco_code scene_add_heights(struct scene_builder *b, const struct eco_ground *ground,
+	struct eco_error *error)
 {
 	struct lod_ground_tree tree;
 	enum eco_code code = lod_ground_build(&tree, ground, GROUND_TILES_STEP_M, GROUND_TILES_STEP_M, error);
@@ -199,12 +214,16 @@ static struct scene_ends ends_of(const struct scene_builder *b, uint32_t id)
 	if (b->ends[id].count)
 		return b->ends[id];
 	ends[0] = count;
-	return (struct scene_ends){ ends, b->split && list->kind != ECO_LIST_GROUND ? b->split(count, ends) : 1 };
+	return (struct scene_ends){ ends, b->split && list->kind != ECO_LIST_GROUND ? b->split(count, ends)
+		: 1 };
 }
 
-static void put_chunk(struct scene_builder *b, uint32_t list, uint8_t *payload, size_t size, uint32_t primitives, uint32_t elements)
+static void put_chunk(struct scene_builder *b, uint32_t list, uint8_t *payload, size_t size,
+	uint32_t primitives, uint32_t elements)
 {
-	uint32_t id = scene_add_chunk(b, (struct eco_chunk){ eco_chunk_hash(payload, size), 0, (uint32_t)size, primitives, elements });
+	uint32_t id =
+		scene_add_chunk(b, (struct eco_chunk){ eco_chunk_hash(payload, size), 0, (uint32_t)size,
+		primitives, elements });
 	b->payloads[id] = payload;
 	b->lists[list].chunk_count++;
 	b->lists[list].primitive_count += primitives;
@@ -218,13 +237,16 @@ static void encode_list(struct scene_builder *b, uint32_t id)
 	struct scene_ends ends = ends_of(b, id);
 	uint32_t like = list->coder == ECO_CODER_FORM ? list->partner : id;
 	for (uint32_t i = 0; i < ends.count; i++) {
-		struct eco_chunk_input input = { &b->lists[like], &b->elements[like], i ? ends.ends[i - 1] : 0, ends.ends[i], i };
+		struct eco_chunk_input input = { &b->lists[like], &b->elements[like], i ? ends.ends[i - 1]
+			: 0, ends.ends[i], i };
 		uint32_t elements = ends.ends[i] - input.first;
 		uint8_t *payload;
 		size_t size;
-		if (like == id ? eco_chunk_encode(&input, &payload, &size, NULL, NULL) : eco_chunk_encode_form(&input, list, e, &payload, &size, NULL))
+		if (like == id ? eco_chunk_encode(&input, &payload, &size, NULL, NULL)
+				: eco_chunk_encode_form(&input, list, e, &payload, &size, NULL))
 			abort();
-		put_chunk(b, id, payload, size, e->corners[0] > 2 ? elements * (e->corners[0] - 2u) : elements, elements);
+		put_chunk(b, id, payload, size, e->corners[0] > 2 ? elements * (e->corners[0] - 2u)
+			: elements, elements);
 	}
 }
 
@@ -236,11 +258,13 @@ void scene_encode(struct scene_builder *b)
 		if (b->lists[id].kind != ECO_LIST_IMAGE)
 			encode_list(b, id);
 		else if (b->image)
-			put_chunk(b, id, memcpy(malloc(b->image_size), b->image, b->image_size), b->image_size, 1, 1);
+			put_chunk(b, id, memcpy(malloc(b->image_size), b->image, b->image_size),
+				b->image_size, 1, 1);
 	}
 }
 
-enum eco_code scene_write(struct scene_builder *b, const char *path, const char *meta, struct eco_pack_writer **keep, struct eco_error *error)
+enum eco_code scene_write(struct scene_builder *b, const char *path, const char *meta,
+	struct eco_pack_writer **keep, struct eco_error *error)
 {
 	struct eco_pack_writer *w;
 	enum eco_code code = eco_pack_create(&w, path, error);
@@ -253,7 +277,8 @@ enum eco_code scene_write(struct scene_builder *b, const char *path, const char 
 			code = eco_pack_add_bytes(w, list, b->image, b->image_size, &stored, error);
 		else
 			code = eco_pack_add_list(w, list, &b->elements[id], ends.ends, ends.count,
-				list->coder == ECO_CODER_FORM ? &b->elements[list->partner] : NULL, &stored, error);
+				list->coder == ECO_CODER_FORM ? &b->elements[list->partner] : NULL, &stored,
+				error);
 	}
 	if (code)
 		eco_pack_abort(w);
@@ -275,7 +300,8 @@ static void *copy_of(const void *rows, size_t size)
 void scene_copy(struct scene_builder *b, const struct eco_scene *scene)
 {
 	*b = (struct scene_builder){ .scene = *scene };
-#define COPY(table, counter) b->scene.table = b->table = copy_of(scene->table, scene->counter * sizeof *scene->table)
+#define COPY(table, counter) b->scene.table = b->table = \
+	copy_of(scene->table, scene->counter * sizeof *scene->table)
 	COPY(plants, plant_count);
 	COPY(anchors, anchor_count);
 	COPY(ladders, ladder_count);
@@ -291,8 +317,8 @@ void scene_copy(struct scene_builder *b, const struct eco_scene *scene)
 
 void scene_free(struct scene_builder *b)
 {
-	void *tables[] = { b->plants, b->anchors, b->ladders, b->curves, b->tiles, b->groups, b->children, b->lists, b->chunks, b->ground,
-		b->palette, b->elements, b->ends, b->payloads };
+	void *tables[] = { b->plants, b->anchors, b->ladders, b->curves, b->tiles, b->groups, b->children,
+		b->lists, b->chunks, b->ground, b->palette, b->elements, b->ends, b->payloads };
 	for (uint32_t i = 0; i < b->scene.list_count && b->elements; i++)
 		eco_elements_free(&b->elements[i]);
 	for (uint32_t i = 0; i < b->scene.chunk_count && b->payloads; i++)

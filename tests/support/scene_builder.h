@@ -1,14 +1,15 @@
-/* Scenes made by hand, for tests, fuzz targets and benches: tables that grow row by row, lists with or without elements, and the same
- * as a pack or as encoded chunks in memory.
+/* Scenes made by hand, for tests, fuzz targets and benches: tables that grow row by row, lists with or
+ * without elements, and the same as a pack or as encoded chunks in memory.
  *
  *   struct scene_builder b = { .like = { .grid_step = { 1e-3, 1e-3, 1e-3 } } };
  *   scene_add_plant(&b, (struct eco_plant){ .name = "oak" });      a row of a table; returns its index
  *   scene_add_rows(&b, rows, count);                               lists, with room for their elements
- *   scene_write(&b, path, meta, NULL, &error);                     b.scene and all lists as a pack, or scene_encode(&b)
+ *   scene_write(&b, path, meta, NULL, &error);                     b.scene and all lists as a pack, or
+ *                                                                  scene_encode(&b)
  *   scene_free(&b);
  *
- * b.scene is whole at any time. Rows count themselves in the rows that they belong to: callers leave those counts out. Without memory
- * the program ends. */
+ * b.scene is whole at any time. Rows count themselves in the rows that they belong to: callers leave those
+ * counts out. Without memory the program ends. */
 #ifndef TESTS_SCENE_BUILDER_H
 #define TESTS_SCENE_BUILDER_H
 
@@ -31,12 +32,14 @@ struct scene_builder {
 	uint8_t (*palette)[3];
 	struct eco_writer places;
 	struct eco_elements *elements;       /* of each list; empty where only tables are asked for */
-	struct scene_ends { const uint32_t *ends; uint32_t count; } *ends;       /* of each list: where its chunks end; NULL: see split */
+	/* of each list: where its chunks end; NULL: see split */
+	struct scene_ends { const uint32_t *ends; uint32_t count; } *ends;
 	uint8_t **payloads;                  /* of each chunk; NULL unless scene_encode made it */
 	const void *image;                   /* bytes of all image lists; NULL: they have no chunk */
 	size_t image_size;
 	struct eco_list like;                /* grid, area and colours of lists */
-	uint32_t (*split)(uint32_t count, uint32_t *ends);   /* where the chunks of a list end; NULL: one chunk; at most SCENE_CHUNKS_MAX */
+	/* where the chunks of a list end; NULL: one chunk; at most SCENE_CHUNKS_MAX */
+	uint32_t (*split)(uint32_t count, uint32_t *ends);
 	uint64_t state;                      /* of random numbers */
 };
 #define SCENE_CHUNKS_MAX 4096u
@@ -58,8 +61,8 @@ void scene_add_place(struct scene_builder *b, struct eco_place place);
 /* A ladder without lists, of neutral importance. */
 struct eco_ladder scene_ladder(uint32_t plant, uint32_t anchor, enum eco_organ organ);
 
-/* What a list is, and so many elements of so many corners, if any. `other`: forms: what they are forms of; instances: the plant; otherwise
- * the texture. */
+/* What a list is, and so many elements of so many corners, if any. `other`: forms: what they are forms of;
+ * instances: the plant; otherwise the texture. */
 struct scene_row { uint8_t kind, coder, attributes; uint32_t owner, other, count; uint8_t corners; };
 struct eco_list scene_list(const struct scene_builder *b, const struct scene_row *row);
 /* A list with these elements, which are the builder's from then on. */
@@ -70,16 +73,20 @@ uint32_t scene_add_rows(struct scene_builder *b, const struct scene_row *rows, u
 struct eco_elements elements_make(const struct eco_list *list, uint32_t count, uint8_t corners);
 void scene_elements(struct scene_builder *b, uint32_t list, uint32_t count, uint8_t corners);
 /* A list of tables alone: one chunk, eight bytes an element. */
-uint32_t scene_add_bare(struct scene_builder *b, const struct scene_row *row, uint32_t primitives, uint32_t elements);
+uint32_t scene_add_bare(struct scene_builder *b, const struct scene_row *row, uint32_t primitives,
+	uint32_t elements);
 /* The group and the places of a list of instances that has its elements. */
 void scene_add_instances(struct scene_builder *b, uint32_t list);
 /* All tiles of a ground, with their lists. */
-enum eco_code scene_add_heights(struct scene_builder *b, const struct eco_ground *ground, struct eco_error *error);
+enum eco_code scene_add_heights(struct scene_builder *b, const struct eco_ground *ground,
+	struct eco_error *error);
 
 /* Chunks and payloads of all lists, in memory. */
 void scene_encode(struct scene_builder *b);
-/* Writes the pack; with `keep` not NULL leaves the writer there, with all lists added, instead of committing. */
-enum eco_code scene_write(struct scene_builder *b, const char *path, const char *meta, struct eco_pack_writer **keep, struct eco_error *error);
+/* Writes the pack; with `keep` not NULL leaves the writer there, with all lists added, instead of committing.
+ */
+enum eco_code scene_write(struct scene_builder *b, const char *path, const char *meta,
+	struct eco_pack_writer **keep, struct eco_error *error);
 /* The tables of a scene, to be written to; without elements and payloads. */
 void scene_copy(struct scene_builder *b, const struct eco_scene *scene);
 void scene_free(struct scene_builder *b);

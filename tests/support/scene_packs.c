@@ -13,7 +13,8 @@ enum { LEAVES = 30000 };
 static uint32_t split_32(uint32_t count, uint32_t *ends)
 {
 	uint32_t n = 0;
-	for (uint32_t end = 32; end < count; end += 32)      /* many small chunks: more than one send, one page, one vector holds */
+	/* many small chunks: more than one send, one page, one vector holds */
+	for (uint32_t end = 32; end < count; end += 32)
 		ends[n++] = end;
 	ends[n++] = count;
 	return n;
@@ -26,7 +27,8 @@ static void fill_randomly(struct scene_builder *b, const struct eco_list *list, 
 		for (uint32_t axis = 0; axis < 3; axis++) {
 			int32_t base = (int32_t)(lcg_bits(&b->state) % 4096);
 			for (uint32_t c = 0; c < e->corners[i]; c++)
-				e->position[3 * (corner + c) + axis] = base + (int32_t)(lcg_bits(&b->state) % 64);
+				e->position[3 * (corner + c) + axis] =
+					base + (int32_t)(lcg_bits(&b->state) % 64);
 		}
 	for (uint32_t i = 0; e->uv && i < 2 * e->corner_count; i++)
 		e->uv[i] = (int32_t)(lcg_bits(&b->state) % ECO_UV_ONE);
@@ -71,7 +73,8 @@ static void sample_lists(struct scene_builder *b, bool plain)
 	b->image_size = sizeof image;
 }
 
-static void sample_ladder(struct scene_builder *b, uint32_t plant, enum eco_organ organ, uint32_t lists[3], uint32_t total, float area)
+static void sample_ladder(struct scene_builder *b, uint32_t plant, enum eco_organ organ, uint32_t lists[3],
+	uint32_t total, float area)
 {
 	struct eco_ladder l = scene_ladder(plant, plant, organ);
 	l.points = lists[0];
@@ -88,12 +91,14 @@ static void sample_ladder(struct scene_builder *b, uint32_t plant, enum eco_orga
 static void sample_tables(struct scene_builder *b, bool plain)
 {
 	static const uint8_t palette[2][3] = { { 30, 90, 30 }, { 90, 60, 30 } };
-	static const struct eco_curve curves[] = { { .01f, 1, .01f, .3f, .3f }, { .1f, 1, .1f, .2f, .2f }, { 1, 1, 1, 0, 0 } };
+	static const struct eco_curve curves[] = { { .01f, 1, .01f, .3f, .3f }, { .1f, 1, .1f, .2f, .2f },
+		{ 1, 1, 1, 0, 0 } };
 	const uint32_t bush = plain ? 3 : 4, none = ECO_NONE;
 	scene_add_colors(b, palette, 2);
 	for (int i = 0; i < 3; i++)
 		scene_add_curve(b, curves[i]);
-	scene_add_plant(b, (struct eco_plant){ .name = "tree", .height_m = 4, .area = 22, .triangles = LEAVES });
+	scene_add_plant(b,
+		(struct eco_plant){ .name = "tree", .height_m = 4, .area = 22, .triangles = LEAVES });
 	scene_add_anchor(b, (struct eco_anchor){ { 2, 2, 2 }, 4 });
 	sample_ladder(b, 0, ECO_ORGAN_FOLIAGE, (uint32_t[3]){ 1, none, 0 }, LEAVES, 20);
 	sample_ladder(b, 0, ECO_ORGAN_WOOD, (uint32_t[3]){ none, 2, none }, 300, 2);
@@ -102,7 +107,8 @@ static void sample_tables(struct scene_builder *b, bool plain)
 	sample_ladder(b, 1, ECO_ORGAN_FOLIAGE, (uint32_t[3]){ none, none, bush }, 400, 5);
 	for (uint32_t i = 0; i < 3; i++) {
 		double from = i == 2 ? 50 : 0, to = i == 1 ? 50 : 100;
-		scene_add_tile(b, (struct eco_tile){ .low = { from - 5, -5, -5 }, .high = { to + 10, 60, 15 }, .area = i ? 4000 : 8000,
+		scene_add_tile(b, (struct eco_tile){ .low = { from - 5, -5, -5 }, .high = { to + 10, 60, 15 },
+			.area = i ? 4000 : 8000,
 			.instance_count = (i ? 2 : 4) * SAMPLE_PLANTS, .summary = i ? ECO_NONE : bush + 5 });
 		if (i)
 			scene_add_child(b, 0, (struct eco_child){ .tile = i, .scale = 1 });
@@ -111,10 +117,13 @@ static void sample_tables(struct scene_builder *b, bool plain)
 		scene_add_instances(b, bush + i);
 }
 
-enum eco_code sample_pack_write_on(const char *path, const struct eco_ground *ground, bool plain, struct eco_error *error)
+enum eco_code sample_pack_write_on(const char *path, const struct eco_ground *ground, bool plain,
+	struct eco_error *error)
 {
-	struct scene_builder b = { .state = 7, .split = split_32, .scene = { .name = "sample", .near_m = 0.05, .needs = ECO_NEED_POINTS
-		| ECO_NEED_LINES | ECO_NEED_TRIANGLES | ECO_NEED_TEXTURES | ECO_NEED_GROUND | ECO_NEED_SUMMARIES },
+	struct scene_builder b =
+		{ .state = 7, .split = split_32,
+		.scene = { .name = "sample", .near_m = 0.05, .needs = ECO_NEED_POINTS | ECO_NEED_LINES
+		| ECO_NEED_TRIANGLES | ECO_NEED_TEXTURES | ECO_NEED_GROUND | ECO_NEED_SUMMARIES },
 		.like = { .grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 1e-3f, .palette_count = 2 } };
 	sample_lists(&b, plain);
 	sample_tables(&b, plain);
@@ -152,7 +161,8 @@ struct eco_elements small_pack_elements(const struct eco_list *list, uint32_t co
 	for (uint32_t i = 0; i < e.corner_count; i++) {
 		const int8_t *at = square[i % corners % 4];
 		for (uint32_t axis = 0; axis < 3; axis++)
-			e.position[3 * i + axis] = (int32_t)(i / corners * (37 + 50 * axis) % 1000) + at[axis];
+			e.position[3 * i + axis] = (int32_t)(i / corners * (37 + 50 * axis) % 1000)
+				+ at[axis];
 		for (uint32_t k = 0; e.uv && k < 2; k++)
 			e.uv[2 * i + k] = at[k] * 100;
 	}
@@ -165,24 +175,27 @@ static void small_lists(struct scene_builder *b)
 {
 	static const struct scene_row rows[] = {
 		[IMAGE] = { ECO_LIST_IMAGE, ECO_CODER_BYTES, 0, 0, ECO_NONE, 0, 0 },
-		[QUADS] = { ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR | ECO_ATTR_UV | ECO_ATTR_GROWTH, 0, IMAGE, 40, 4 },
-		[POINTS] = { ECO_LIST_POINTS, ECO_CODER_FORM, ECO_ATTR_COLOR | ECO_ATTR_SIZE, 0, QUADS, 40, 1 },
-		[WOOD] = { ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_COLOR, 0, ECO_NONE, 30, 3 },
+		[QUADS] = { ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS,
+		ECO_ATTR_COLOR | ECO_ATTR_UV | ECO_ATTR_GROWTH, 0, IMAGE, 40, 4 },
+		[POINTS] = { ECO_LIST_POINTS, ECO_CODER_FORM, ECO_ATTR_COLOR | ECO_ATTR_SIZE, 0, QUADS, 40,
+		1 }, [WOOD] = { ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_COLOR, 0, ECO_NONE, 30, 3 },
 		[LINES] = { ECO_LIST_LINES, ECO_CODER_ELEMENTS, ECO_ATTR_WIDTH, 0, ECO_NONE, 12, 2 },
 		[CELL] = { ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, 0, 0, ECO_NONE, 20, 4 },
 		/* two tiles of 70 x 20 samples and what stands for both */
 		[GROUND] = { ECO_LIST_GROUND, ECO_CODER_ROWS, 0, ECO_NONE, ECO_NONE, 0, 0 },
 		[GROUND + 1] = { ECO_LIST_GROUND, ECO_CODER_ROWS, 0, ECO_NONE, ECO_NONE, 0, 0 },
 		[GROUND + 2] = { ECO_LIST_GROUND, ECO_CODER_ROWS, 0, ECO_NONE, ECO_NONE, 0, 0 },
-		[SUMMARY] = { ECO_LIST_POINTS, ECO_CODER_KD, ECO_ATTR_COLOR | ECO_ATTR_PLANT, 1, ECO_NONE, 50, 1 },
-		[INSTANCES] = { ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 1, 0, SMALL_PACK_PLANTS, 1 },
+		[SUMMARY] = { ECO_LIST_POINTS, ECO_CODER_KD, ECO_ATTR_COLOR | ECO_ATTR_PLANT, 1, ECO_NONE, 50,
+		1 }, [INSTANCES] = { ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 1, 0,
+		SMALL_PACK_PLANTS, 1 },
 		/* the leaves as one triangle each: forms need not follow what they are forms of */
 		[SIMPLE] = { ECO_LIST_TRIANGLES, ECO_CODER_FORM, ECO_ATTR_COLOR, 0, QUADS, 40, 3 },
 	};
 	for (uint32_t id = 0; id <= SIMPLE; id++) {
 		scene_add_list(b, scene_list(b, &rows[id]));
 		if (rows[id].count)
-			b->elements[id] = small_pack_elements(&b->lists[id], rows[id].count, rows[id].corners);
+			b->elements[id] = small_pack_elements(&b->lists[id], rows[id].count,
+				rows[id].corners);
 	}
 	for (uint32_t i = 0; i < SMALL_PACK_PLANTS; i++) {
 		b->elements[INSTANCES].extra[2 * i] = (int32_t)(9000 * i);
@@ -197,7 +210,8 @@ static void small_ground(struct scene_builder *b)
 	b->scene.ground_columns = 70;
 	b->scene.ground_rows = 20;
 	for (uint32_t i = 0; i < 3; i++) {
-		struct eco_ground_tile t = { .list = GROUND + i, .level = i == 0, .column = i == 2, .child_count = i ? 0 : 2, .child_first = i == 0,
+		struct eco_ground_tile t = { .list = GROUND + i, .level = i == 0, .column = i == 2,
+			.child_count = i ? 0 : 2, .child_first = i == 0,
 			.error_m = i ? 0 : 0.25f, .low_m = 0, .high_m = 0.5f };
 		struct eco_list *list = &b->lists[t.list];
 		struct eco_ground_span x, y;
@@ -206,8 +220,10 @@ static void small_ground(struct scene_builder *b)
 		list->columns = x.count;
 		scene_elements(b, t.list, x.count * y.count, 1);
 		for (uint32_t k = 0; k < x.count * y.count; k++) {
-			int32_t column = (int32_t)eco_ground_span_at(&x, k % x.count), row = (int32_t)eco_ground_span_at(&y, k / x.count);
-			memcpy(b->elements[t.list].position + 3 * k, (int32_t[3]){ column, row, column * row % 20 }, 12);
+			int32_t column = (int32_t)eco_ground_span_at(&x, k % x.count),
+				row = (int32_t)eco_ground_span_at(&y, k / x.count);
+			memcpy(b->elements[t.list].position + 3 * k,
+				(int32_t[3]){ column, row, column * row % 20 }, 12);
 		}
 		scene_add_ground(b, t);
 	}
@@ -223,36 +239,48 @@ static void small_ladder(struct scene_builder *b, uint32_t anchor, struct eco_la
 
 static void small_plant(struct scene_builder *b)
 {
-	static const struct eco_curve curves[] = { { 0.1f, 2, 0.1f, 0.5f, 0.5f }, { 0.3f, 1.5f, 0.3f, 0.2f, 0.3f }, { 1, 1, 1, 0, 0 } };
+	static const struct eco_curve curves[] =
+		{ { 0.1f, 2, 0.1f, 0.5f, 0.5f }, { 0.3f, 1.5f, 0.3f, 0.2f, 0.3f }, { 1, 1, 1, 0, 0 } };
 	const uint32_t none = ECO_NONE;
 	for (int i = 0; i < 3; i++)
 		scene_add_curve(b, curves[i]);
 	scene_add_plant(b, (struct eco_plant){ .name = "oak", .height_m = 10, .area = 5, .triangles = 150 });
 	scene_add_anchor(b, (struct eco_anchor){ { 0, 0, 5 }, 6 });
 	scene_add_anchor(b, (struct eco_anchor){ { 0, 0, 8 }, 2 });
-	small_ladder(b, 0, (struct eco_ladder){ .organ = ECO_ORGAN_FOLIAGE, .points = POINTS, .lines = none, .simple = SIMPLE, .triangles = QUADS,
+	small_ladder(b, 0, (struct eco_ladder){ .organ = ECO_ORGAN_FOLIAGE, .points = POINTS, .lines = none,
+		.simple = SIMPLE, .triangles = QUADS,
 		.total = 40, .curve_count = 3 });
-	small_ladder(b, 0, (struct eco_ladder){ .organ = ECO_ORGAN_WOOD, .points = none, .lines = LINES, .simple = none, .triangles = WOOD,
+	small_ladder(b, 0, (struct eco_ladder){ .organ = ECO_ORGAN_WOOD, .points = none, .lines = LINES,
+		.simple = none, .triangles = WOOD,
 		.level_count = 2, .level_end = { 8, 30 } });
-	small_ladder(b, 0, (struct eco_ladder){ .flags = ECO_LADDER_FAR, .points = none, .lines = LINES, .simple = none, .triangles = none });
-	small_ladder(b, 1, (struct eco_ladder){ .flags = ECO_LADDER_NEAR, .points = none, .lines = none, .simple = none, .triangles = CELL });
+	small_ladder(b, 0, (struct eco_ladder){ .flags = ECO_LADDER_FAR, .points = none, .lines = LINES,
+		.simple = none, .triangles = none });
+	small_ladder(b, 1, (struct eco_ladder){ .flags = ECO_LADDER_NEAR, .points = none, .lines = none,
+		.simple = none, .triangles = CELL });
 }
 
-enum eco_code small_pack_write(struct scene_builder *b, const char *path, struct eco_pack_writer **keep, struct eco_error *error)
+enum eco_code small_pack_write(struct scene_builder *b, const char *path, struct eco_pack_writer **keep,
+	struct eco_error *error)
 {
-	static const uint8_t colors[4][3] = { { 10, 90, 20 }, { 20, 120, 30 }, { 90, 60, 30 }, { 255, 255, 0 } };
-	*b = (struct scene_builder){ .split = split_quarter, .scene = { .name = "small", .needs = 511, .near_m = 0.1 },
-		.like = { .grid_origin = { -5, -5, 0 }, .grid_step = { 0.01, 0.01, 0.01 }, .unit_area = 0.01f, .palette_count = 4 } };
+	static const uint8_t colors[4][3] = { { 10, 90, 20 }, { 20, 120, 30 }, { 90, 60, 30 },
+		{ 255, 255, 0 } };
+	*b = (struct scene_builder){ .split = split_quarter,
+		.scene = { .name = "small", .needs = 511, .near_m = 0.1 },
+		.like = { .grid_origin = { -5, -5, 0 }, .grid_step = { 0.01, 0.01, 0.01 }, .unit_area = 0.01f,
+		.palette_count = 4 } };
 	scene_add_colors(b, colors, 4);
 	small_lists(b);
 	small_ground(b);
 	small_plant(b);
-	scene_add_tile(b, (struct eco_tile){ .low = { -10, -10, 0 }, .high = { 10, 10, 12 }, .area = 70, .instance_count = 2 * SMALL_PACK_PLANTS,
+	scene_add_tile(b, (struct eco_tile){ .low = { -10, -10, 0 }, .high = { 10, 10, 12 }, .area = 70,
+		.instance_count = 2 * SMALL_PACK_PLANTS,
 		.summary = ECO_NONE });
-	scene_add_tile(b, (struct eco_tile){ .low = { -5, -5, 0 }, .high = { 5, 5, 12 }, .area = 35, .instance_count = SMALL_PACK_PLANTS,
+	scene_add_tile(b, (struct eco_tile){ .low = { -5, -5, 0 }, .high = { 5, 5, 12 }, .area = 35,
+		.instance_count = SMALL_PACK_PLANTS,
 		.summary = SUMMARY, .child_first = 2 });
 	scene_add_child(b, 0, (struct eco_child){ .tile = 1, .scale = 1 });
-	scene_add_child(b, 0, (struct eco_child){ .tile = 1, .placed = true, .at = { 3, 4, 5 }, .turn = 16384, .scale = 1.5f });
+	scene_add_child(b, 0, (struct eco_child){ .tile = 1, .placed = true, .at = { 3, 4, 5 }, .turn = 16384,
+		.scale = 1.5f });
 	scene_add_instances(b, INSTANCES);
 	return scene_write(b, path, SMALL_PACK_META, keep, error);
 }

@@ -7,26 +7,33 @@
 #include "ecofiles/format/chunk.h"
 #include "ecofiles/format/ground_tile.h"
 
-/* The order in which C evaluates operands and initialisers is open: an expression that draws twice is as the compiler has it. */
+/* The order in which C evaluates operands and initialisers is open: an expression that draws twice is as the
+ * compiler has it. */
 uint64_t random_bits(struct scene_builder *b) { return eco_mix_next(&b->state); }
-double random_real(struct scene_builder *b, double low, double high) { return low + (high - low) * eco_mix_unit(random_bits(b)); }
+double random_real(struct scene_builder *b, double low, double high)
+{
+	return low + (high - low) * eco_mix_unit(random_bits(b));
+}
 uint32_t random_below(struct scene_builder *b, uint32_t n) { return (uint32_t)(random_bits(b) % n); }
 
 /* ---- Lists ---- */
 
 /* In two chunks, the first of a third. */
-static uint32_t add_list(struct scene_builder *b, uint8_t kind, uint32_t primitives, uint32_t owner, uint32_t plant)
+static uint32_t add_list(struct scene_builder *b, uint8_t kind, uint32_t primitives, uint32_t owner,
+	uint32_t plant)
 {
 	if (primitives == 0)
 		return ECO_NONE;
-	struct eco_list list = scene_list(b, &(struct scene_row){ .kind = kind, .owner = owner, .other = ECO_NONE });
+	struct eco_list list =
+		scene_list(b, &(struct scene_row){ .kind = kind, .owner = owner, .other = ECO_NONE });
 	list.plant = plant;
 	list.chunk_first = b->scene.chunk_count;
 	list.chunk_count = primitives > 1 ? 2 : 1;
 	list.primitive_count = list.element_count = primitives;
 	for (uint32_t i = 0, left = primitives; i < list.chunk_count; i++) {
 		uint32_t n = i + 1 == list.chunk_count ? left : left / 3 + 1;
-		scene_add_chunk(b, (struct eco_chunk){ .primitive_count = n, .element_count = n, .size_bytes = 10 * n });
+		scene_add_chunk(b,
+			(struct eco_chunk){ .primitive_count = n, .element_count = n, .size_bytes = 10 * n });
 		left -= n;
 	}
 	return scene_add_list(b, list);
@@ -40,7 +47,8 @@ uint32_t random_fans(struct scene_builder *b, uint32_t elements, uint32_t owner)
 	list->primitive_count = 0;
 	for (uint32_t c = 0; c < list->chunk_count; c++) {
 		struct eco_chunk *chunk = &b->chunks[list->chunk_first + c];
-		chunk->primitive_count = 2 * chunk->element_count + (mixed ? random_below(b, 2 * chunk->element_count + 1) : 0);
+		chunk->primitive_count = 2 * chunk->element_count
+			+ (mixed ? random_below(b, 2 * chunk->element_count + 1) : 0);
 		list->primitive_count += chunk->primitive_count;
 	}
 	return id;
@@ -48,7 +56,8 @@ uint32_t random_fans(struct scene_builder *b, uint32_t elements, uint32_t owner)
 
 uint32_t random_form(struct scene_builder *b, uint8_t kind, uint32_t of, uint32_t corners)
 {
-	uint32_t id = add_list(b, kind, b->lists[of].element_count, b->lists[of].owner, ECO_NONE), each = corners == 4 ? 2 : 1;
+	uint32_t id = add_list(b, kind, b->lists[of].element_count, b->lists[of].owner, ECO_NONE),
+		each = corners == 4 ? 2 : 1;
 	struct eco_list *list = &b->lists[id];
 	list->coder = ECO_CODER_FORM;
 	list->partner = of;
@@ -70,7 +79,8 @@ static void add_curve(struct scene_builder *b, struct eco_ladder *ladder)
 	for (int i = 0; i < 4; i++) {
 		float share = shares[i];
 		reach = i == 3 ? 1 : reach + (1 - reach) * (float)random_real(b, 0, 0.8);
-		scene_add_curve(b, (struct eco_curve){ share, 1, reach, 0.4f * (1 - share), 0.4f * (1 - share) });
+		scene_add_curve(b,
+			(struct eco_curve){ share, 1, reach, 0.4f * (1 - share), 0.4f * (1 - share) });
 	}
 	for (uint32_t i = 0; i < 4; i++) {
 		struct eco_curve above = b->curves[ladder->curve_first + i];
@@ -106,9 +116,11 @@ static void add_wood(struct scene_builder *b, struct eco_ladder *l, uint32_t k)
 	}
 }
 
-static void add_ladder(struct scene_builder *b, const struct random_sizes *sizes, uint32_t anchor, int kind, uint8_t flags, uint32_t before)
+static void add_ladder(struct scene_builder *b, const struct random_sizes *sizes, uint32_t anchor, int kind,
+	uint8_t flags, uint32_t before)
 {
-	struct eco_ladder l = scene_ladder(b->scene.plant_count - 1, anchor, kind == WOOD ? ECO_ORGAN_WOOD : ECO_ORGAN_FOLIAGE);
+	struct eco_ladder l = scene_ladder(b->scene.plant_count - 1, anchor, kind == WOOD ? ECO_ORGAN_WOOD
+		: ECO_ORGAN_FOLIAGE);
 	uint32_t k = 1 + random_below(b, sizes->elements);
 	l.flags = flags;
 	l.importance = random_below(b, 4) ? 1 : 3;
@@ -135,8 +147,11 @@ static void add_plant(struct scene_builder *b, const struct random_sizes *sizes)
 	add_ladder(b, sizes, anchor, kind, 0, 0);
 	add_ladder(b, sizes, anchor, WOOD, cells ? ECO_LADDER_FAR : 0, 0);
 	for (uint32_t c = 0; c < cells; c++) {
-		anchor = scene_add_anchor(b, (struct eco_anchor){ { (float)random_real(b, -h / 4, h / 4), (float)random_real(b, -h / 4, h / 4),
-			(float)random_real(b, 0, h) }, h / 4 });
+		anchor =
+			scene_add_anchor(b,
+			(struct eco_anchor){
+			{ (float)random_real(b, -h / 4, h / 4), (float)random_real(b, -h / 4, h / 4),
+				(float)random_real(b, 0, h) }, h / 4 });
 		add_ladder(b, sizes, anchor, kind, ECO_LADDER_NEAR, random_below(b, 40));
 		add_ladder(b, sizes, anchor, WOOD, ECO_LADDER_NEAR, 0);
 	}
@@ -144,14 +159,17 @@ static void add_plant(struct scene_builder *b, const struct random_sizes *sizes)
 
 /* ---- Tiles ---- */
 
-static void add_group(struct scene_builder *b, uint32_t tile, uint32_t plant, uint32_t count, double x, double y)
+static void add_group(struct scene_builder *b, uint32_t tile, uint32_t plant, uint32_t count, double x,
+	double y)
 {
 	uint32_t list = add_list(b, ECO_LIST_INSTANCES, count, tile, plant);
 	b->lists[list].grid_origin[0] = x;
 	b->lists[list].grid_origin[1] = y;
 	scene_add_group(b, (struct eco_group){ tile, plant, list, b->scene.place_count });
 	for (uint32_t i = 0; i < count; i++) {
-		struct eco_place place = { .position = { (int32_t)random_below(b, 50000), (int32_t)random_below(b, 50000), 0 } };
+		struct eco_place place =
+			{ .position = { (int32_t)random_below(b, 50000), (int32_t)random_below(b, 50000),
+			0 } };
 		place.scale = 32768 + random_below(b, 65536);
 		place.turn = (uint16_t)random_bits(b);
 		scene_add_place(b, place);
@@ -162,7 +180,9 @@ static void add_group(struct scene_builder *b, uint32_t tile, uint32_t plant, ui
 
 static void add_tile(struct scene_builder *b, const struct random_sizes *sizes, double x, double y)
 {
-	uint32_t tile = scene_add_tile(b, (struct eco_tile){ .low = { x - 30, y - 30, -30 }, .high = { x + 80, y + 80, 60 } });
+	uint32_t tile =
+		scene_add_tile(b,
+		(struct eco_tile){ .low = { x - 30, y - 30, -30 }, .high = { x + 80, y + 80, 60 } });
 	uint32_t groups = 1 + random_below(b, b->scene.plant_count);
 	for (uint32_t g = 0; g < groups; g++)
 		add_group(b, tile, g, 1 + random_below(b, sizes->places), x, y);
@@ -189,19 +209,22 @@ void random_scene_sized(struct scene_builder *b, uint64_t seed, uint32_t nested,
 		add_tile(b, &sizes, 0, 0);
 	for (uint32_t i = 0; i < nested; i++)
 		scene_add_child(b, 0, (struct eco_child){ .tile = 1 + sizes.leaves, .placed = true,
-			.at = { random_real(b, -500, 500), random_real(b, -500, 500), 0 }, .turn = (uint16_t)random_bits(b),
+			.at = { random_real(b, -500, 500), random_real(b, -500, 500), 0 },
+			.turn = (uint16_t)random_bits(b),
 			.scale = (float)random_real(b, 0.5, 1.5) });
 	b->tiles[0].summary = add_list(b, ECO_LIST_POINTS, 100, 0, ECO_NONE);
 }
 
 void random_scene_make(struct scene_builder *b, uint64_t seed, uint32_t nested)
 {
-	random_scene_sized(b, seed, nested, (struct random_sizes){ .species = 4, .leaves = 4, .elements = 300, .places = 40, .cells = 7 });
+	random_scene_sized(b, seed, nested, (struct random_sizes){ .species = 4, .leaves = 4, .elements = 300,
+		.places = 40, .cells = 7 });
 }
 
 struct eco_view random_view(struct scene_builder *b)
 {
-	struct eco_view view = { .up = { 0, 0, 1 }, .fov_y_deg = random_real(b, 20, 90), .width = 200 + random_below(b, 800),
+	struct eco_view view = { .up = { 0, 0, 1 }, .fov_y_deg = random_real(b, 20, 90),
+		.width = 200 + random_below(b, 800),
 		.height = 200 + random_below(b, 600) };
 	for (int i = 0; i < 2; i++) {
 		view.eye[i] = random_real(b, -200, 250);
@@ -219,7 +242,8 @@ static void add_ground(struct scene_builder *b)
 	struct eco_scene *s = &b->scene;
 	s->ground_columns = s->ground_rows = 2 * ECO_GROUND_CELLS + 1;
 	for (uint32_t i = 0; i < 5; i++) {
-		struct eco_ground_tile t = { .level = i == 0, .column = i ? (i - 1) % 2 : 0, .row = i ? (i - 1) / 2 : 0, .child_count = i ? 0 : 4,
+		struct eco_ground_tile t = { .level = i == 0, .column = i ? (i - 1) % 2 : 0,
+			.row = i ? (i - 1) / 2 : 0, .child_count = i ? 0 : 4,
 			.child_first = i ? 0 : 1, .error_m = i ? 0 : 0.5f, .low_m = -1, .high_m = 1 };
 		struct eco_ground_span x, y;
 		eco_ground_spans(&x, &y, &t, s->ground_columns, s->ground_rows);
@@ -228,7 +252,8 @@ static void add_ground(struct scene_builder *b)
 		struct eco_chunk *chunk = &b->chunks[list->chunk_first];
 		list->level = t.level;
 		list->columns = x.count;
-		list->primitive_count = list->element_count = chunk->primitive_count = chunk->element_count = x.count * y.count;
+		list->primitive_count = list->element_count = chunk->primitive_count = chunk->element_count =
+			x.count * y.count;
 		chunk->size_bytes = 30;
 		for (int k = 0; k < 2; k++) {
 			list->grid_origin[k] = -50;
@@ -240,8 +265,9 @@ static void add_ground(struct scene_builder *b)
 
 static void finish_lists(struct scene_builder *b)
 {
-	static const uint8_t coders[] = { [ECO_LIST_TRIANGLES] = ECO_CODER_ELEMENTS, [ECO_LIST_LINES] = ECO_CODER_ELEMENTS,
-		[ECO_LIST_POINTS] = ECO_CODER_KD, [ECO_LIST_INSTANCES] = ECO_CODER_ROWS, [ECO_LIST_GROUND] = ECO_CODER_ROWS,
+	static const uint8_t coders[] = { [ECO_LIST_TRIANGLES] = ECO_CODER_ELEMENTS,
+		[ECO_LIST_LINES] = ECO_CODER_ELEMENTS, [ECO_LIST_POINTS] = ECO_CODER_KD,
+		[ECO_LIST_INSTANCES] = ECO_CODER_ROWS, [ECO_LIST_GROUND] = ECO_CODER_ROWS,
 		[ECO_LIST_IMAGE] = ECO_CODER_BYTES };
 	uint32_t image = add_list(b, ECO_LIST_IMAGE, 1, 0, ECO_NONE);
 	for (uint32_t i = 0; i < b->scene.list_count; i++) {
@@ -278,7 +304,8 @@ struct random_pack *random_pack_make(uint64_t seed, uint32_t nested, uint32_t fa
 		b->chunks[i].id = eco_chunk_hash(p->map + b->chunks[i].offset, b->chunks[i].size_bytes);
 	strcpy(b->scene.name, "random");
 	b->scene.needs = 511;
-	p->pack = (struct eco_pack){ .scene = b->scene, .id = eco_chunk_hash(p->map, size), .map = p->map, .map_size = size };
+	p->pack = (struct eco_pack){ .scene = b->scene, .id = eco_chunk_hash(p->map, size), .map = p->map,
+		.map_size = size };
 	return p;
 }
 

@@ -1,15 +1,18 @@
-/* Small random scenes for tests of the planner and of what evaluates its plans: tables only. Every kind of ladder (points, simple forms
- * and triangles, blades, wood with levels, plain triangles), plants with and without cells, tiles in two levels, nested placements.
+/* Small random scenes for tests of the planner and of what evaluates its plans: tables only. Every kind of
+ * ladder (points, simple forms and triangles, blades, wood with levels, plain triangles), plants with and
+ * without cells, tiles in two levels, nested placements.
  *
  *   random_scene_make(&b, seed, nested);      b is empty or an earlier scene; scene_free(&b)
- *   random_pack_make(seed, nested, factor)    such a scene as an open pack with payloads: random bytes under true hashes */
+ *   random_pack_make(seed, nested, factor)    such a scene as an open pack with payloads: random bytes under
+ *                                             true hashes */
 #ifndef TESTS_SCENE_RANDOM_H
 #define TESTS_SCENE_RANDOM_H
 
 #include "ecofiles/format/view.h"
 #include "tests/support/scene_builder.h"
 
-struct random_sizes { uint32_t species, leaves, elements, places, cells; };      /* at most; leaves: exactly, up to 4 */
+/* at most; leaves: exactly, up to 4 */
+struct random_sizes { uint32_t species, leaves, elements, places, cells; };
 
 uint64_t random_bits(struct scene_builder *b);
 double random_real(struct scene_builder *b, double low, double high);
@@ -22,8 +25,8 @@ void random_scene_make(struct scene_builder *b, uint64_t seed, uint32_t nested);
 uint32_t random_fans(struct scene_builder *b, uint32_t elements, uint32_t owner);
 uint32_t random_form(struct scene_builder *b, uint8_t kind, uint32_t of, uint32_t corners);
 
-/* The server never decodes, so that this is a pack to it; ground, an image and textured triangles are added. Payloads of about `factor`
- * times 10 bytes a primitive. */
+/* The server never decodes, so that this is a pack to it; ground, an image and textured triangles are added.
+ * Payloads of about `factor` times 10 bytes a primitive. */
 struct random_pack { struct scene_builder r; struct eco_pack pack; uint8_t *map; };
 struct random_pack *random_pack_make(uint64_t seed, uint32_t nested, uint32_t factor);
 void random_pack_free(struct random_pack *p);

@@ -55,9 +55,10 @@ void write_leaves(FILE *file, double height, int leaves)
 {
 	double l = height / 15;
 	for (int i = 0; i < leaves; i++) {
-		double x = (i * 37 % 100 - 50) / 100.0 * height * 0.7, y = height * (0.5 + i * 53 % 100 / 200.0);
+		double x = (i * 37 % 100 - 50) / 100.0 * height * 0.7,
+			y = height * (0.5 + i * 53 % 100 / 200.0);
 		double z = (i * 71 % 100 - 50) / 100.0 * height * 0.7;
-		fprintf(file, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\nf -4 -3 -2 -1\n", x, y, z, x + l / 2, y + l / 4, z, x + l, y,
-			z + l / 3, x + l / 2, y - l / 4, z);
+		fprintf(file, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\nf -4 -3 -2 -1\n", x, y, z,
+			x + l / 2, y + l / 4, z, x + l, y, z + l / 3, x + l / 2, y - l / 4, z);
 	}
 }

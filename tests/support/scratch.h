@@ -1,4 +1,5 @@
-/* A folder of one run's own under build/tmp, and files in it: for tests that write packs and what they are made of. */
+/* A folder of one run's own under build/tmp, and files in it: for tests that write packs and what they are
+ * made of. */
 #ifndef TESTS_SCRATCH_H
 #define TESTS_SCRATCH_H
 

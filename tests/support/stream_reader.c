@@ -15,21 +15,22 @@ void stream_reader_free(struct stream_reader *r)
 	free(r->knows_plant);
 }
 
-static enum eco_code reader_plant(void *ctx, uint32_t id, const struct eco_plant *plant, const struct eco_anchor *anchors,
-	struct eco_error *e)
+static enum eco_code reader_plant(void *ctx, uint32_t id, const struct eco_plant *plant,
+	const struct eco_anchor *anchors, struct eco_error *e)
 {
 	struct stream_reader *r = ctx;
 	const struct eco_plant *truth = &r->truth->plants[id];
 	if (plant->anchor_first != truth->anchor_first || plant->anchor_count != truth->anchor_count
-		|| memcmp(anchors, r->truth->anchors + truth->anchor_first, truth->anchor_count * sizeof *anchors) != 0)
+		|| memcmp(anchors, r->truth->anchors + truth->anchor_first,
+		truth->anchor_count * sizeof *anchors) != 0)
 		return eco_fail(e, ECO_DAMAGED, "plant %u is not what the pack has", id);
 	r->knows_plant[id] = true;
 	r->plants++;
 	return ECO_OK;
 }
 
-static enum eco_code reader_list(void *ctx, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3],
-	struct eco_error *e)
+static enum eco_code reader_list(void *ctx, uint32_t id, const struct eco_list *list,
+	const uint8_t (*palette)[3], struct eco_error *e)
 {
 	struct stream_reader *r = ctx;
 	(void)palette;
@@ -50,9 +51,11 @@ static enum eco_code reader_chunk(void *ctx, uint32_t list, uint32_t ordinal, co
 	if (!r->knows_list[list])
 		return eco_fail(e, ECO_DAMAGED, "a chunk of list %u before its description", list);
 	if (ordinal != r->have[list])
-		return eco_fail(e, ECO_DAMAGED, "chunk %u of list %u, of which %u are held", ordinal, list, r->have[list]);
+		return eco_fail(e, ECO_DAMAGED, "chunk %u of list %u, of which %u are held", ordinal, list,
+			r->have[list]);
 	if (chunk->size_bytes != r->truth->chunks[r->truth->lists[list].chunk_first + ordinal].size_bytes)
-		return eco_fail(e, ECO_DAMAGED, "chunk %u of list %u is not what the pack has", ordinal, list);
+		return eco_fail(e, ECO_DAMAGED, "chunk %u of list %u is not what the pack has", ordinal,
+			list);
 	r->have[list]++;
 	r->chunks++;
 	return ECO_OK;
@@ -65,9 +68,11 @@ static enum eco_code reader_needs(struct stream_reader *r, const struct eco_plan
 	for (uint32_t i = 0; !code && i < needs.count; i++) {
 		uint32_t id = needs.items[i].list;
 		const struct eco_list *list = &r->truth->lists[id];
-		uint32_t plant = list->kind == ECO_LIST_INSTANCES ? list->plant : list->attributes & ECO_ATTR_PLANT ? ECO_NONE : list->owner;
+		uint32_t plant = list->kind == ECO_LIST_INSTANCES ? list->plant
+			: list->attributes & ECO_ATTR_PLANT ? ECO_NONE : list->owner;
 		if (needs.items[i].chunks > r->have[id])
-			code = eco_fail(e, ECO_DAMAGED, "the plan needs %u chunks of list %u, %u are held", needs.items[i].chunks, id, r->have[id]);
+			code = eco_fail(e, ECO_DAMAGED, "the plan needs %u chunks of list %u, %u are held",
+				needs.items[i].chunks, id, r->have[id]);
 		else if (list->kind != ECO_LIST_GROUND && plant != ECO_NONE && !r->knows_plant[plant])
 			code = eco_fail(e, ECO_DAMAGED, "the plan draws list %u of an unknown plant", id);
 	}
@@ -80,8 +85,8 @@ static enum eco_code reader_plan(void *ctx, struct eco_plan *plan, struct eco_er
 	struct stream_reader *r = ctx;
 	enum eco_code code = reader_needs(r, plan, e);
 	if (!code && plan->vertices > r->budget_vertices)
-		code = eco_fail(e, ECO_DAMAGED, "the plan draws %llu of %llu vertices", (unsigned long long)plan->vertices,
-			(unsigned long long)r->budget_vertices);
+		code = eco_fail(e, ECO_DAMAGED, "the plan draws %llu of %llu vertices",
+			(unsigned long long)plan->vertices, (unsigned long long)r->budget_vertices);
 	if (!code && r->plans && plan->vertices < r->vertices)
 		code = eco_fail(e, ECO_DAMAGED, "a later step is coarser");
 	r->vertices = plan->vertices;
@@ -97,10 +102,11 @@ static enum eco_code reader_end(void *ctx, uint64_t vertices, struct eco_error *
 	return vertices == r->vertices ? ECO_OK : eco_fail(e, ECO_DAMAGED, "END is not of the last plan");
 }
 
-enum eco_code stream_reader_read(struct stream_reader *r, const void *bytes, size_t size, uint64_t budget_vertices,
-	struct eco_error *error)
+enum eco_code stream_reader_read(struct stream_reader *r, const void *bytes, size_t size,
+	uint64_t budget_vertices, struct eco_error *error)
 {
-	static const struct eco_wire_events events = { .plant = reader_plant, .list = reader_list, .chunk = reader_chunk,
+	static const struct eco_wire_events events = { .plant = reader_plant, .list = reader_list,
+		.chunk = reader_chunk,
 		.plan = reader_plan, .end = reader_end };
 	struct eco_wire_parser *parser;
 	r->plans = r->chunks = r->lists = r->plants = 0;

@@ -1,6 +1,7 @@
-/* Floating-point traps around lod/, in all that tests link: a division by zero, an operation that has no result, a conversion to an integer that
- * cannot hold it, an overflow ends the program where it happens (SIGFPE), instead of going on as an infinity or a NaN. The linker puts these
- * functions before lod's own (TRAPPED in the Makefile). Traps are a thread's own, and threads inherit them. */
+/* Floating-point traps around lod/, in all that tests link: a division by zero, an operation that has no
+ * result, a conversion to an integer that cannot hold it, an overflow ends the program where it happens
+ * (SIGFPE), instead of going on as an infinity or a NaN. The linker puts these functions before lod's own
+ * (TRAPPED in the Makefile). Traps are a thread's own, and threads inherit them. */
 #include <fenv.h>
 
 #include "lod/build/ground_tree.h"
@@ -15,7 +16,8 @@
 
 #define TRAPS (FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW)
 
-/* Where the compiler assumes that nobody looks (it moves computations to where their result is not needed), traps are not set. */
+/* Where the compiler assumes that nobody looks (it moves computations to where their result is not needed),
+ * traps are not set. */
 #ifdef __clang__
 static int begin(int traps) { return traps; }
 static void end(int before) { (void)before; }
@@ -43,8 +45,8 @@ static void end(int before) { begin(before & TRAPS); }
 		return code; \
 	}
 
-/* Four triangles at a time: lanes that nobody reads hold whatever, and may divide by the area of nothing. Those that are read are compared with
- * an integer twin by the rasteriser's own tests. */
+/* Four triangles at a time: lanes that nobody reads hold whatever, and may divide by the area of nothing.
+ * Those that are read are compared with an integer twin by the rasteriser's own tests. */
 #define LANES(name, parameters, ...) \
 	void __real_##name parameters; \
 	void __wrap_##name parameters; \
@@ -55,23 +57,31 @@ static void end(int before) { begin(before & TRAPS); }
 		end(before); \
 	}
 
-TRAPPED(lod_plan, (struct eco_plan *plan, const struct lod_planner_input *input, struct eco_error *error), plan, input, error)
-TRAPPED(lod_plan_ground, (struct eco_plan *plan, const struct eco_scene *scene, const struct eco_view *view, double px, struct eco_error *error),
-	plan, scene, view, px, error)
-TRAPPED(lod_allocation_make, (struct lod_allocation *allocation, struct lod_planner *p, struct eco_error *error), allocation, p, error)
-TRAPPED(lod_fill_finish, (struct lod_fill *fill, uint64_t budget, bool swaps, struct eco_error *error), fill, budget, swaps, error)
-TRAPPED(lod_plant_build, (struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
+TRAPPED(lod_plan, (struct eco_plan *plan, const struct lod_planner_input *input, struct eco_error *error),
+	plan, input, error)
+TRAPPED(lod_plan_ground, (struct eco_plan *plan, const struct eco_scene *scene, const struct eco_view *view,
+	double px, struct eco_error *error), plan, scene, view, px, error)
+TRAPPED(lod_allocation_make,
+	(struct lod_allocation *allocation, struct lod_planner *p, struct eco_error *error), allocation, p,
+	error)
+TRAPPED(lod_fill_finish, (struct lod_fill *fill, uint64_t budget, bool swaps, struct eco_error *error), fill,
+	budget, swaps, error)
+TRAPPED(lod_plant_build,
+	(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
 	struct eco_error *error), plant, model, options, error)
-TRAPPED(lod_plant_measure, (struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
+TRAPPED(lod_plant_measure,
+	(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
 	struct eco_error *error), plant, model, options, error)
-TRAPPED(lod_pool_make, (struct lod_pool *pool, const struct lod_plant *plant, uint32_t first, uint32_t count, struct eco_error *error), pool,
-	plant, first, count, error)
-TRAPPED(lod_summary_make, (struct lod_summary *summary, const struct lod_summary_input *input, struct eco_error *error), summary, input, error)
-TRAPPED(lod_summary_list, (const struct lod_summary *summary, const struct eco_scene *scene, uint32_t tile, uint32_t palette, struct eco_list *list,
-	struct eco_elements *elements, struct eco_error *error), summary, scene, tile, palette, list, elements, error)
-TRAPPED(lod_tiles_build, (struct lod_tiles *tiles, const struct lod_tile_item *items, uint32_t count, uint32_t most, struct eco_error *error),
-	tiles, items, count, most, error)
-TRAPPED(lod_ground_build, (struct lod_ground_tree *tree, const struct eco_ground *ground, double step, double least, struct eco_error *error),
-	tree, ground, step, least, error)
+TRAPPED(lod_pool_make, (struct lod_pool *pool, const struct lod_plant *plant, uint32_t first, uint32_t count,
+	struct eco_error *error), pool, plant, first, count, error)
+TRAPPED(lod_summary_make, (struct lod_summary *summary, const struct lod_summary_input *input,
+	struct eco_error *error), summary, input, error)
+TRAPPED(lod_summary_list, (const struct lod_summary *summary, const struct eco_scene *scene, uint32_t tile,
+	uint32_t palette, struct eco_list *list, struct eco_elements *elements, struct eco_error *error),
+	summary, scene, tile, palette, list, elements, error)
+TRAPPED(lod_tiles_build, (struct lod_tiles *tiles, const struct lod_tile_item *items, uint32_t count,
+	uint32_t most, struct eco_error *error), tiles, items, count, most, error)
+TRAPPED(lod_ground_build, (struct lod_ground_tree *tree, const struct eco_ground *ground, double step,
+	double least, struct eco_error *error), tree, ground, step, least, error)
 LANES(lod_raster_triangles, (struct lod_raster *raster, const struct lod_raster_batch *batch), raster, batch)
 LANES(lod_raster_lines, (struct lod_raster *raster, const struct lod_raster_batch *batch), raster, batch)

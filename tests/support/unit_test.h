@@ -1,4 +1,5 @@
-/* cmocka with the headers that it needs before it. Tests have a parameter that few of them look at (Makefile: -Wno-unused-parameter). */
+/* cmocka with the headers that it needs before it. Tests have a parameter that few of them look at (Makefile:
+ * -Wno-unused-parameter). */
 #ifndef TESTS_UNIT_TEST_H
 #define TESTS_UNIT_TEST_H
 

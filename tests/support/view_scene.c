@@ -48,7 +48,8 @@ static void fill_points(struct scene_builder *b, uint32_t id)
 	const struct eco_elements *from = &b->elements[b->lists[id].partner], *to = &b->elements[id];
 	for (uint32_t i = 0; i < from->element_count; i++) {
 		for (uint32_t k = 0; k < 3; k++)
-			to->position[3 * i + k] = (from->position[12 * i + k] + from->position[12 * i + 6 + k]) / 2;
+			to->position[3 * i + k] =
+				(from->position[12 * i + k] + from->position[12 * i + 6 + k]) / 2;
 		to->extra[2 * i] = from->extra[2 * i];
 		to->extra[2 * i + 1] = (int32_t)(ECO_SIZE_ONE + unit(b) * 12) - 6;
 	}
@@ -79,7 +80,8 @@ static void fill_wood(struct scene_builder *b)
 		double z = 0.2 * i;
 		eco_turn_sincos((uint16_t)(i * 19000), &sine, &cosine);
 		put(b, L_LINES, 2 * i, 0, 0, z);
-		put(b, L_LINES, 2 * i + 1, i % 3 ? 1.4 * cosine : 0, i % 3 ? 1.4 * sine : 0, z + (i % 3 ? 0.8 : 0.6));
+		put(b, L_LINES, 2 * i + 1, i % 3 ? 1.4 * cosine : 0, i % 3 ? 1.4 * sine : 0,
+			z + (i % 3 ? 0.8 : 0.6));
 		b->elements[L_LINES].extra[2 * i] = 4;
 		b->elements[L_LINES].extra[2 * i + 1] = i % 3 ? 60 : 400;        /* in steps of 1 mm */
 	}
@@ -162,10 +164,13 @@ static uint32_t split_64(uint32_t count, uint32_t *ends) { return eco_chunk_spli
 
 void scene_make(struct scene_builder *b, const uint8_t *png, size_t png_size)
 {
-	static const uint8_t colors[8][3] = { { 70, 110, 40 }, { 88, 130, 50 }, { 60, 96, 44 }, { 104, 140, 60 }, { 92, 70, 50 },
+	static const uint8_t colors[8][3] = { { 70, 110, 40 }, { 88, 130, 50 }, { 60, 96, 44 },
+		{ 104, 140, 60 }, { 92, 70, 50 },
 		{ 235, 240, 225 }, { 200, 60, 90 }, { 128, 128, 128 } };
-	*b = (struct scene_builder){ .state = 7, .image = png, .image_size = png_size, .split = split_64, .scene = { .name = "test", .near_m = 0.1 },
-		.like = { .grid_origin = { 0, 0, -0.5 }, .grid_step = { 0.001, 0.001, 0.001 }, .palette_count = 8 } };
+	*b = (struct scene_builder){ .state = 7, .image = png, .image_size = png_size, .split = split_64,
+		.scene = { .name = "test", .near_m = 0.1 },
+		.like = { .grid_origin = { 0, 0, -0.5 }, .grid_step = { 0.001, 0.001, 0.001 },
+		.palette_count = 8 } };
 	scene_add_colors(b, colors, 8);
 	scene_add_plant(b, (struct eco_plant){ .name = "tree", .height_m = 7 });
 	scene_add_anchor(b, (struct eco_anchor){ { 0, 0, 3.5f }, 4.6f });
@@ -193,17 +198,23 @@ void scene_make(struct scene_builder *b, const uint8_t *png, size_t png_size)
 	scene_encode(b);
 }
 
-struct eco_view scene_view(void) { return (struct eco_view){ { -22, -19, 6.5 }, { 0, 0, 2.5 }, { 0, 0, 1 }, 45, 480, 320 }; }
+struct eco_view scene_view(void)
+{
+	return (struct eco_view){ { -22, -19, 6.5 }, { 0, 0, 2.5 }, { 0, 0, 1 }, 45, 480, 320 };
+}
 
 /* ---- Plans ---- */
 
-struct eco_cut scene_rule(uint32_t anchor, uint32_t list, uint32_t first, uint32_t end, float scale, uint8_t band_first, uint8_t band_end)
+struct eco_cut scene_rule(uint32_t anchor, uint32_t list, uint32_t first, uint32_t end, float scale,
+	uint8_t band_first, uint8_t band_end)
 {
-	return (struct eco_cut){ .list = list, .first = first, .end = end, .scale = scale, .anchor = anchor, .band_first = band_first,
+	return (struct eco_cut){ .list = list, .first = first, .end = end, .scale = scale, .anchor = anchor,
+		.band_first = band_first,
 		.band_end = band_end, .share_end = ECO_SHARE_ONE };
 }
 
-void scene_plan(const struct scene_builder *b, const struct eco_view *view, double end_share, struct eco_plan *plan)
+void scene_plan(const struct scene_builder *b, const struct eco_view *view, double end_share,
+	struct eco_plan *plan)
 {
 	uint32_t cell = b->lists[L_HIGH].element_count, m = (uint32_t)(cell / 3 * end_share);
 	const uint8_t near = 97, middle = 99, far = ECO_BANDS;            /* about 20 and 28 m */
@@ -222,10 +233,12 @@ void scene_plan(const struct scene_builder *b, const struct eco_view *view, doub
 	};
 	cuts[10].share_end = ECO_SHARE_ONE / 2;
 	const struct eco_placement placements[] = {
-		{ .scale = 1 }, { .at = { 12, 16, 1 }, .turn = 9000, .scale = 0.8, .path = eco_owner_child(1) },
+		{ .scale = 1 },
+			{ .at = { 12, 16, 1 }, .turn = 9000, .scale = 0.8, .path = eco_owner_child(1) },
 		{ .at = { 20, 25, 0.5 }, .turn = 40000, .scale = 1.2, .path = eco_owner_child(2) },
 	};
-	const struct eco_run runs[] = { { 0, L_TREES, L_BUSHES + 1, 0 }, { 1, L_TREES, L_BUSHES + 1, 30000 } };
+	const struct eco_run runs[] = { { 0, L_TREES, L_BUSHES + 1, 0 },
+		{ 1, L_TREES, L_BUSHES + 1, 30000 } };
 	*plan = (struct eco_plan){ .placement_count = 3, .run_count = 2, .gate_count = 1,
 		.cut_count = sizeof cuts / sizeof cuts[0], .prediction = { 100, 10, 10 } };
 	plan->placements = memcpy(malloc(sizeof placements), placements, sizeof placements);
@@ -239,7 +252,8 @@ void scene_plan(const struct scene_builder *b, const struct eco_view *view, doub
 
 /* ---- Streams ---- */
 
-void scene_frame(struct eco_writer *w, const struct scene_builder *s, enum eco_frame_type type, uint32_t *number, uint32_t a, uint32_t b)
+void scene_frame(struct eco_writer *w, const struct scene_builder *s, enum eco_frame_type type,
+	uint32_t *number, uint32_t a, uint32_t b)
 {
 	struct eco_frame_mark mark = eco_frame_begin(w, type, (*number)++);
 	static const struct eco_chunk_id pack = { { 1, 2, 3 } };
@@ -288,7 +302,8 @@ uint32_t scene_needs(const struct scene_builder *b, const struct eco_plan *plan,
 	return chunks;
 }
 
-void scene_stream(const struct scene_builder *b, const struct eco_plan *plan, const uint32_t *held, struct eco_writer *w)
+void scene_stream(const struct scene_builder *b, const struct eco_plan *plan, const uint32_t *held,
+	struct eco_writer *w)
 {
 	uint32_t number = 0;
 	*w = (struct eco_writer){ 0 };
@@ -319,7 +334,8 @@ enum eco_code scene_feed(struct view_store *store, const struct eco_writer *w, s
 	return code;
 }
 
-struct view_store *scene_store(const struct scene_builder *b, const struct eco_plan *plan, struct eco_error *error)
+struct view_store *scene_store(const struct scene_builder *b, const struct eco_plan *plan,
+	struct eco_error *error)
 {
 	struct view_store *store;
 	struct view_store_options options = { .images = true };

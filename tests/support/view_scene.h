@@ -1,6 +1,6 @@
-/* A small scene for tests of the client, and streams of it as a server would write them: a tree with wood, lines, leaves that grow
- * by codes, a point for each, and two cells, one with simple forms too; a bush of textured cut-outs; both planted on a hilly ground, some
- * in a nested placement; a summary.
+/* A small scene for tests of the client, and streams of it as a server would write them: a tree with wood,
+ * lines, leaves that grow by codes, a point for each, and two cells, one with simple forms too; a bush of
+ * textured cut-outs; both planted on a hilly ground, some in a nested placement; a summary.
  *
  *   scene_make(&b, png, size);                scene_free(&b)
  *   scene_plan(&b, &view, 1, &plan);          cuts of every kind
@@ -13,8 +13,8 @@
 #include "ecofiles/format/wire.h"
 #include "tests/support/scene_builder.h"
 
-enum { L_WOOD, L_LINES, L_LEAVES, L_POINTS, L_LOW, L_LOW_POINTS, L_HIGH, L_HIGH_POINTS, L_BUSH, L_IMAGE, L_TREES, L_BUSHES, L_GROUND,
-	L_SUMMARY, L_SIMPLE, L_COUNT };
+enum { L_WOOD, L_LINES, L_LEAVES, L_POINTS, L_LOW, L_LOW_POINTS, L_HIGH, L_HIGH_POINTS, L_BUSH, L_IMAGE,
+	L_TREES, L_BUSHES, L_GROUND, L_SUMMARY, L_SIMPLE, L_COUNT };
 enum { A_TREE, A_LOW, A_HIGH, A_BUSH, A_COUNT };
 
 /* `png`: of the bush; NULL: the bush has no image. */
@@ -22,23 +22,30 @@ void scene_make(struct scene_builder *b, const uint8_t *png, size_t png_size);
 struct eco_view scene_view(void);
 
 /* A cut of so many primitives where an anchor is in these bands. */
-struct eco_cut scene_rule(uint32_t anchor, uint32_t list, uint32_t first, uint32_t end, float scale, uint8_t band_first, uint8_t band_end);
-/* Near trees in cells (leaves and points below, simple forms and points above), far ones as points; wood as triangles or lines; half the
- * bushes by share; a nested placement of everything further back; a summary beyond it. `end_share` shortens prefixes. */
-void scene_plan(const struct scene_builder *b, const struct eco_view *view, double end_share, struct eco_plan *plan);
+struct eco_cut scene_rule(uint32_t anchor, uint32_t list, uint32_t first, uint32_t end, float scale,
+	uint8_t band_first, uint8_t band_end);
+/* Near trees in cells (leaves and points below, simple forms and points above), far ones as points; wood as
+ * triangles or lines; half the bushes by share; a nested placement of everything further back; a summary
+ * beyond it. `end_share` shortens prefixes. */
+void scene_plan(const struct scene_builder *b, const struct eco_view *view, double end_share,
+	struct eco_plan *plan);
 
 /* Frames: SCENE; PLANT and LIST `a`; CHUNK `b` of list `a`. */
-void scene_frame(struct eco_writer *w, const struct scene_builder *s, enum eco_frame_type type, uint32_t *number, uint32_t a, uint32_t b);
+void scene_frame(struct eco_writer *w, const struct scene_builder *s, enum eco_frame_type type,
+	uint32_t *number, uint32_t a, uint32_t b);
 void scene_plan_frame(struct eco_writer *w, const struct eco_plan *plan, uint32_t *number);
 void scene_end_frame(struct eco_writer *w, uint64_t vertices, uint32_t *number);
 /* Chunks of a list that a plan needs. */
 uint32_t scene_needs(const struct scene_builder *b, const struct eco_plan *plan, uint32_t id);
 /* Everything that `plan` needs and `held` (chunks per list, or NULL) lacks. */
-void scene_stream(const struct scene_builder *b, const struct eco_plan *plan, const uint32_t *held, struct eco_writer *w);
+void scene_stream(const struct scene_builder *b, const struct eco_plan *plan, const uint32_t *held,
+	struct eco_writer *w);
 enum eco_code scene_feed(struct view_store *store, const struct eco_writer *w, struct eco_error *error);
-struct view_store *scene_store(const struct scene_builder *b, const struct eco_plan *plan, struct eco_error *error);
+struct view_store *scene_store(const struct scene_builder *b, const struct eco_plan *plan,
+	struct eco_error *error);
 
-/* A plan of a view and the store that holds it; `selection` is empty until scene_select. Without one the program ends. */
+/* A plan of a view and the store that holds it; `selection` is empty until scene_select. Without one the
+ * program ends. */
 struct scene_held {
 	struct eco_view view;
 	struct lod_eye eye;

@@ -32,8 +32,8 @@ static float wire_random_scale(struct wire_random *r)
 	}
 }
 
-static struct eco_cut wire_random_cut(struct wire_random *r, const struct eco_cut *before, uint32_t placements, uint32_t lists,
-	bool summary)
+static struct eco_cut wire_random_cut(struct wire_random *r, const struct eco_cut *before,
+	uint32_t placements, uint32_t lists, bool summary)
 {
 	struct eco_cut cut = { .list = wire_random_below(r, lists) };
 	cut.anchor = wire_random_size(r, ECO_NONE - 1);
@@ -96,9 +96,10 @@ static struct eco_placement wire_random_placement(struct wire_random *r)
 
 bool wire_same_cut(const struct eco_cut *a, const struct eco_cut *b)
 {
-	return a->list == b->list && a->first == b->first && a->end == b->end && a->scale == b->scale && a->placement == b->placement &&
-		a->anchor == b->anchor && a->band_first == b->band_first && a->band_end == b->band_end &&
-		a->share_first == b->share_first && a->share_end == b->share_end;
+	return a->list == b->list && a->first == b->first && a->end == b->end && a->scale == b->scale
+		&& a->placement == b->placement && a->anchor == b->anchor && a->band_first == b->band_first
+		&& a->band_end == b->band_end && a->share_first == b->share_first
+		&& a->share_end == b->share_end;
 }
 
 /* What sorting leaves to do: identical cuts, overlapping runs and second gates go. */
@@ -139,9 +140,11 @@ struct eco_plan wire_random_plan(struct wire_random *r, uint32_t most, uint32_t 
 	for (uint32_t i = 0; i < plan.placement_count; i++)
 		plan.placements[i] = i ? wire_random_placement(r) : (struct eco_placement){ .scale = 1 };
 	for (uint32_t i = 0; i < plan.run_count; i++) {
-		uint32_t first = wire_random_below(r, lists), placement = wire_random_below(r, plan.placement_count);
-		plan.runs[i] = (struct eco_run){ placement, first, first + 1 + wire_random_size(r, lists - first - 1),
-			wire_random_below(r, 3) ? 0 : wire_random_below(r, ECO_SHARE_ONE) };
+		uint32_t first = wire_random_below(r, lists),
+			placement = wire_random_below(r, plan.placement_count);
+		plan.runs[i] = (struct eco_run){ placement, first,
+			first + 1 + wire_random_size(r, lists - first - 1), wire_random_below(r, 3) ? 0
+			: wire_random_below(r, ECO_SHARE_ONE) };
 	}
 	for (uint32_t i = 0; i < plan.gate_count; i++) {
 		plan.gates[i].plant = wire_random_below(r, plants);
@@ -151,7 +154,8 @@ struct eco_plan wire_random_plan(struct wire_random *r, uint32_t most, uint32_t 
 	}
 	uint32_t summaries = wire_random_below(r, plan.cut_count + 1);
 	for (uint32_t i = 0; i < plan.cut_count; i++)
-		plan.cuts[i] = wire_random_cut(r, i ? &plan.cuts[i - 1] : NULL, plan.placement_count, lists, i < summaries);
+		plan.cuts[i] = wire_random_cut(r, i ? &plan.cuts[i - 1] : NULL, plan.placement_count, lists,
+			i < summaries);
 	eco_plan_sort(&plan);
 	wire_random_prune(&plan);
 	return plan;
@@ -159,7 +163,8 @@ struct eco_plan wire_random_plan(struct wire_random *r, uint32_t most, uint32_t 
 
 void wire_put_scene(struct eco_writer *w, uint32_t *number, uint32_t version)
 {
-	struct eco_scene scene = { .name = "Wäldchen", .needs = ECO_NEED_POINTS | ECO_NEED_GROUND, .ground_columns = 80, .ground_rows = 60, .near_m = 0.1,
+	struct eco_scene scene = { .name = "Wäldchen", .needs = ECO_NEED_POINTS | ECO_NEED_GROUND,
+		.ground_columns = 80, .ground_rows = 60, .near_m = 0.1,
 		.plant_count = WIRE_RANDOM_PLANTS, .list_count = WIRE_RANDOM_LISTS };
 	struct eco_chunk_id id = { { 1, 2, 3 } };
 	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_SCENE, (*number)++);
@@ -173,8 +178,10 @@ void wire_put_scene(struct eco_writer *w, uint32_t *number, uint32_t version)
 void wire_put_plant(struct eco_writer *w, uint32_t *number, uint32_t plant, const struct eco_anchor *anchors,
 	uint32_t anchor_count)
 {
-	struct eco_plant plants[WIRE_RANDOM_PLANTS] = { { .name = "oak", .height_m = 18 }, { .name = "ash", .height_m = 11.5f } };
-	struct eco_scene scene = { .plants = plants, .plant_count = WIRE_RANDOM_PLANTS, .anchors = anchors, .anchor_count = anchor_count };
+	struct eco_plant plants[WIRE_RANDOM_PLANTS] = { { .name = "oak", .height_m = 18 },
+		{ .name = "ash", .height_m = 11.5f } };
+	struct eco_scene scene = { .plants = plants, .plant_count = WIRE_RANDOM_PLANTS, .anchors = anchors,
+		.anchor_count = anchor_count };
 	plants[plant].anchor_count = anchor_count;
 	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_PLANT, (*number)++);
 	eco_wire_write_plant(w, &scene, plant);
@@ -183,15 +190,18 @@ void wire_put_plant(struct eco_writer *w, uint32_t *number, uint32_t plant, cons
 
 struct eco_list wire_random_list(uint32_t id)
 {
-	static const uint8_t kinds[WIRE_RANDOM_LISTS] = { ECO_LIST_TRIANGLES, ECO_LIST_POINTS, ECO_LIST_LINES, ECO_LIST_INSTANCES,
-		ECO_LIST_IMAGE, ECO_LIST_GROUND };
-	static const uint8_t coders[WIRE_RANDOM_LISTS] = { ECO_CODER_ELEMENTS, ECO_CODER_FORM, ECO_CODER_ELEMENTS, ECO_CODER_ROWS,
-		ECO_CODER_BYTES, ECO_CODER_ROWS };
-	static const uint8_t attributes[WIRE_RANDOM_LISTS] = { ECO_ATTR_COLOR | ECO_ATTR_GROWTH, ECO_ATTR_COLOR | ECO_ATTR_SIZE,
-		ECO_ATTR_COLOR };
-	return (struct eco_list){ .kind = kinds[id], .coder = coders[id], .attributes = attributes[id], .plant = id == 3 ? 1 : ECO_NONE,
-		.grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 0.01f, .palette_count = id < 3 ? 2 : 0, .image = ECO_NONE,
-		.partner = id == 1 ? 0 : ECO_NONE, .columns = id == 5 ? 8 : 0, .primitive_count = id == 1 ? 900 : 1000, .element_count = 900,
+	static const uint8_t kinds[WIRE_RANDOM_LISTS] = { ECO_LIST_TRIANGLES, ECO_LIST_POINTS, ECO_LIST_LINES,
+		ECO_LIST_INSTANCES, ECO_LIST_IMAGE, ECO_LIST_GROUND };
+	static const uint8_t coders[WIRE_RANDOM_LISTS] = { ECO_CODER_ELEMENTS, ECO_CODER_FORM,
+		ECO_CODER_ELEMENTS, ECO_CODER_ROWS, ECO_CODER_BYTES, ECO_CODER_ROWS };
+	static const uint8_t attributes[WIRE_RANDOM_LISTS] = { ECO_ATTR_COLOR | ECO_ATTR_GROWTH,
+		ECO_ATTR_COLOR | ECO_ATTR_SIZE, ECO_ATTR_COLOR };
+	return (struct eco_list){ .kind = kinds[id], .coder = coders[id], .attributes = attributes[id],
+		.plant = id == 3 ? 1 : ECO_NONE,
+		.grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 0.01f, .palette_count = id < 3 ? 2 : 0,
+		.image = ECO_NONE,
+		.partner = id == 1 ? 0 : ECO_NONE, .columns = id == 5 ? 8 : 0, .primitive_count = id == 1
+		? 900 : 1000, .element_count = 900,
 		.chunk_count = id == 4 ? 1 : 9 };
 }
 
@@ -199,18 +209,20 @@ static void wire_put_list(struct eco_writer *w, uint32_t *number, uint32_t id, c
 {
 	static const uint8_t palette[2][3] = { { 10, 100, 20 }, { 90, 80, 30 } };
 	struct eco_list lists[WIRE_RANDOM_LISTS];
-	struct eco_scene scene = { .lists = lists, .list_count = WIRE_RANDOM_LISTS, .palette = palette, .palette_count = 2 };
+	struct eco_scene scene = { .lists = lists, .list_count = WIRE_RANDOM_LISTS, .palette = palette,
+		.palette_count = 2 };
 	lists[id] = *list;
 	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_LIST, (*number)++);
 	eco_wire_write_list(w, &scene, id);
 	eco_frame_end(w, mark);
 }
 
-void wire_put_chunk(struct eco_writer *w, uint32_t *number, uint32_t list, uint32_t ordinal, const void *payload,
-	size_t size, bool true_id)
+void wire_put_chunk(struct eco_writer *w, uint32_t *number, uint32_t list, uint32_t ordinal,
+	const void *payload, size_t size, bool true_id)
 {
 	struct eco_list lists[WIRE_RANDOM_LISTS] = { 0 };
-	struct eco_chunk chunk = { .id = eco_chunk_hash(payload, size), .primitive_count = 100, .element_count = 90 };
+	struct eco_chunk chunk = { .id = eco_chunk_hash(payload, size), .primitive_count = 100,
+		.element_count = 90 };
 	struct eco_scene scene = { .lists = lists, .list_count = WIRE_RANDOM_LISTS, .chunks = &chunk };
 	chunk.id.bytes[0] ^= !true_id;
 	lists[list].chunk_first = 0u - ordinal;      /* the one chunk is number `ordinal` */
@@ -237,7 +249,8 @@ void wire_put_end(struct eco_writer *w, uint32_t *number, uint64_t vertices, int
 
 void wire_random_stream(struct wire_random *r, struct eco_writer *w, uint32_t steps)
 {
-	static const struct eco_anchor anchors[3] = { { { 0, 0, 9 }, 10 }, { { 1, 1, 12 }, 3 }, { { -1, 2, 14 }, 2.5f } };
+	static const struct eco_anchor anchors[3] = { { { 0, 0, 9 }, 10 }, { { 1, 1, 12 }, 3 },
+		{ { -1, 2, 14 }, 2.5f } };
 	uint32_t number = 0, ordinals[WIRE_RANDOM_LISTS] = { 0 };
 	uint64_t vertices = 0;
 	wire_put_scene(w, &number, ECO_WIRE_VERSION);
@@ -250,12 +263,14 @@ void wire_random_stream(struct wire_random *r, struct eco_writer *w, uint32_t st
 	for (uint32_t step = 0; step < steps; step++) {
 		for (uint32_t n = wire_random_below(r, 4); n > 0; n--) {
 			uint8_t payload[128];
-			uint32_t list = wire_random_below(r, 4), size = 1 + wire_random_below(r, sizeof payload);
+			uint32_t list = wire_random_below(r, 4),
+				size = 1 + wire_random_below(r, sizeof payload);
 			for (uint32_t i = 0; i < size; i++)
 				payload[i] = (uint8_t)wire_random_bits(r);
 			wire_put_chunk(w, &number, list, ordinals[list]++, payload, size, true);
 		}
-		struct eco_plan plan = wire_random_plan(r, 4 + 2 * step, WIRE_RANDOM_LISTS, WIRE_RANDOM_PLANTS);
+		struct eco_plan plan = wire_random_plan(r, 4 + 2 * step, WIRE_RANDOM_LISTS,
+			WIRE_RANDOM_PLANTS);
 		wire_put_plan(w, &number, &plan);
 		vertices = plan.vertices;
 		eco_plan_free(&plan);

@@ -1,5 +1,5 @@
-/* Random plans and streams that are valid: for tests of the wire and as seeds of its fuzz target. The same seed gives the same
- * bytes. */
+/* Random plans and streams that are valid: for tests of the wire and as seeds of its fuzz target. The same
+ * seed gives the same bytes. */
 #ifndef TESTS_WIRE_RANDOM_H
 #define TESTS_WIRE_RANDOM_H
 
@@ -28,8 +28,8 @@ void wire_put_scene(struct eco_writer *w, uint32_t *number, uint32_t version);
 void wire_put_plant(struct eco_writer *w, uint32_t *number, uint32_t plant, const struct eco_anchor *anchors,
 	uint32_t anchor_count);
 struct eco_list wire_random_list(uint32_t id);
-void wire_put_chunk(struct eco_writer *w, uint32_t *number, uint32_t list, uint32_t ordinal, const void *payload,
-	size_t size, bool true_id);
+void wire_put_chunk(struct eco_writer *w, uint32_t *number, uint32_t list, uint32_t ordinal,
+	const void *payload, size_t size, bool true_id);
 void wire_put_end(struct eco_writer *w, uint32_t *number, uint64_t vertices, int64_t bytes_off);
 void wire_random_stream(struct wire_random *r, struct eco_writer *w, uint32_t steps);
 

@@ -29,16 +29,19 @@ struct job {
 static enum eco_code gdal_fail(const char *path, const char *doing, struct eco_error *error)
 {
 	const char *why = CPLGetLastErrorMsg();
-	return eco_fail(error, ECO_BAD_INPUT, "%.200s: %s: %.250s", path, doing, why[0] != 0 ? why : "GDAL gives no reason");
+	return eco_fail(error, ECO_BAD_INPUT, "%.200s: %s: %.250s", path, doing,
+		why[0] != 0 ? why : "GDAL gives no reason");
 }
 
 /* ---- CRS ---- */
 
-static enum eco_code make_crs(OGRSpatialReferenceH *crs, const char *text, const char *where, struct eco_error *error)
+static enum eco_code make_crs(OGRSpatialReferenceH *crs, const char *text, const char *where,
+	struct eco_error *error)
 {
 	*crs = OSRNewSpatialReference(NULL);
 	if (OSRSetFromUserInput(*crs, text) != OGRERR_NONE)
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: the CRS \"%.100s\" is not known; write a code such as \"EPSG:26917\"", where, text);
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: the CRS \"%.100s\" is not known; write a "
+			"code such as \"EPSG:26917\"", where, text);
 	OSRSetAxisMappingStrategy(*crs, OAMS_TRADITIONAL_GIS_ORDER);
 	return ECO_OK;
 }
@@ -66,7 +69,8 @@ static enum eco_code check_scene_crs(struct job *job, struct eco_error *error)
 		return code;
 	split_vertical(job->scene_crs, job->scene_vertical, &unit);
 	if (!OSRIsProjected(job->scene_crs) || fabs(OSRGetLinearUnits(job->scene_crs, NULL) - 1) > 1e-9)
-		return eco_fail(error, ECO_BAD_INPUT, "the scene's CRS \"%.100s\" is not one in metres; take a projected one such as the UTM zone, "
+		return eco_fail(error, ECO_BAD_INPUT, "the scene's CRS \"%.100s\" is not one in metres; "
+			"take a projected one such as the UTM zone, "
 			"\"EPSG:32617\"", text);
 	return ECO_OK;
 }
@@ -82,16 +86,19 @@ static enum eco_code raster_crs(struct ground_raster *r, struct job *job, struct
 		split_vertical(own, r->vertical, &r->crs_unit_m);
 	if (!o->scene_crs) {
 		if (own && (OSRIsProjected(own) || OSRIsGeographic(own)))
-			code = eco_fail(error, ECO_BAD_INPUT, "%.200s: the raster is in %.100s, but the scene has no CRS; add \"crs\" and \"origin\" to "
+			code = eco_fail(error, ECO_BAD_INPUT, "%.200s: the raster is in %.100s, but the "
+				"scene has no CRS; add \"crs\" and \"origin\" to "
 				"the scene", r->path, OSRGetName(own));
 	} else if (stated) {
 		code = make_crs(&r->crs, stated, r->path, error);
 		if (code == ECO_OK && r->vertical[0] == 0)
 			split_vertical(r->crs, r->vertical, &r->crs_unit_m);
 		if (code == ECO_OK && own && !OSRIsSame(own, r->crs))
-			ground_note(&job->asked->notes, "%.200s says it is in %.80s; the scene says %.80s, which is used", r->path, OSRGetName(own), stated);
+			ground_note(&job->asked->notes, "%.200s says it is in %.80s; the scene says %.80s, "
+				"which is used", r->path, OSRGetName(own), stated);
 	} else if (!own) {
-		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: the file has no CRS; say it in the scene: \"ground\": {\"heights\": ..., \"crs\": "
+		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: the file has no CRS; say it in the scene: "
+			"\"ground\": {\"heights\": ..., \"crs\": "
 			"\"%.80s\"} (if it is the scene's)", r->path, o->scene_crs);
 	} else {
 		r->crs = OSRClone(own);
@@ -126,37 +133,47 @@ static enum eco_code check_vertical(const struct ground_raster *r, struct job *j
 		scene = job->scene_vertical;
 
 	if (source->vertical && !scene)
-		return eco_fail(error, ECO_BAD_INPUT, "the ground states its vertical datum, the scene does not; add \"vertical\": \"%.60s\" to the "
+		return eco_fail(error, ECO_BAD_INPUT, "the ground states its vertical datum, the scene does "
+			"not; add \"vertical\": \"%.60s\" to the "
 			"scene, or the datum of its heights", source->vertical);
 	if (scene && own[0] == 0)
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: the scene states its vertical datum, the ground does not; add \"vertical\": \"%.60s\" to "
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: the scene states its vertical datum, the "
+			"ground does not; add \"vertical\": \"%.60s\" to "
 			"the ground, if that is the datum of its heights", r->path, scene);
 	if (scene && !same_datum(scene, own))
-		return eco_fail(error, ECO_UNSUPPORTED, "%.200s: its heights are %.60s, those of the scene %.60s, and no conversion is at hand; convert "
+		return eco_fail(error, ECO_UNSUPPORTED, "%.200s: its heights are %.60s, those of the scene "
+			"%.60s, and no conversion is at hand; convert "
 			"the raster first (gdalwarp -s_srs ... -t_srs ...)", r->path, own, scene);
 	if (!scene && r == job->rasters)
-		ground_note(&job->asked->notes, "%.200s: what its heights count from %s%.60s%s, and the scene does not say either; they "
+		ground_note(&job->asked->notes, "%.200s: what its heights count from %s%.60s%s, and the "
+			"scene does not say either; they "
 			"are taken as they are (to "
-			"be sure, add \"vertical\" to the scene and to its ground)", r->path, own[0] != 0 ? "is said to be " : "is not said", own,
-			own[0] != 0 ? " by the file" : "");
+			"be sure, add \"vertical\" to the scene and to its ground)", r->path,
+			own[0] != 0 ? "is said to be " : "is not said", own, own[0] != 0 ? " by the file"
+			: "");
 	return ECO_OK;
 }
 
 /* ---- The place of a raster ---- */
 
-static enum eco_code find_transform(struct ground_raster *r, const struct eco_ground_source *source, struct eco_error *error)
+static enum eco_code find_transform(struct ground_raster *r, const struct eco_ground_source *source,
+	struct eco_error *error)
 {
 	double *t = r->transform;
 	if (source->has_place) {
-		double stated[6] = { source->corner[0], source->pixel[0], 0, source->corner[1], 0, -source->pixel[1] };
+		double stated[6] = { source->corner[0], source->pixel[0], 0, source->corner[1], 0,
+			-source->pixel[1] };
 		memcpy(t, stated, sizeof stated);
 	} else if (GDALGetGeoTransform(r->file, t) != CE_None) {
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: it does not say where it lies; add to the ground \"north_west\": [x, y], the outer corner "
-			"of its first pixel, and \"pixel\": their size; or put a world file beside it", r->path);
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: it does not say where it lies; add to the "
+			"ground \"north_west\": [x, y], the outer corner "
+			"of its first pixel, and \"pixel\": their size; or put a world file beside it",
+			r->path);
 	}
 	for (int i = 0; i < 6; i++)
 		if (!isfinite(t[i]))
-			return eco_fail(error, ECO_DAMAGED, "%.300s: its place on Earth is not finite", r->path);
+			return eco_fail(error, ECO_DAMAGED, "%.300s: its place on Earth is not finite",
+				r->path);
 	if (t[1] * t[5] - t[2] * t[4] == 0)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: its pixels have no size", r->path);
 	return ECO_OK;
@@ -167,7 +184,8 @@ static enum eco_code suggest(struct ground_raster *r, const struct job *job, str
 {
 	GDALDriverH memory = GDALGetDriverByName("MEM");
 	/* GDAL only needs a raster of this place and size, without samples */
-	GDALDatasetH frame = memory != NULL ? GDALCreate(memory, "", r->columns, r->rows, 0, GDT_Byte, NULL) : NULL;
+	GDALDatasetH frame = memory != NULL ? GDALCreate(memory, "", r->columns, r->rows, 0, GDT_Byte, NULL)
+		: NULL;
 	char *from = NULL, *to = NULL;
 	double t[6];
 	int columns = 0, rows = 0;
@@ -183,7 +201,8 @@ static enum eco_code suggest(struct ground_raster *r, const struct job *job, str
 	}
 	transformer = GDALCreateGenImgProjTransformer(frame, from, NULL, to, FALSE, 0, 1);
 	if (transformer) {
-		good = GDALSuggestedWarpOutput(frame, GDALGenImgProjTransform, transformer, t, &columns, &rows) == CE_None && columns > 0 && rows > 0;
+		good = GDALSuggestedWarpOutput(frame, GDALGenImgProjTransform, transformer, t, &columns,
+			&rows) == CE_None && columns > 0 && rows > 0;
 		GDALDestroyGenImgProjTransformer(transformer);
 	}
 	CPLFree(from);
@@ -226,7 +245,8 @@ static enum eco_code open_raster(struct ground_raster *r, struct job *job, struc
 	r->columns = GDALGetRasterXSize(r->file);
 	r->rows = GDALGetRasterYSize(r->file);
 	if (r->columns < 2 || r->rows < 2)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: %d x %d samples are no ground, at least 2 x 2 are needed", r->path, r->columns, r->rows);
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: %d x %d samples are no ground, at least 2 x "
+			"2 are needed", r->path, r->columns, r->rows);
 	code = raster_crs(r, job, error);
 	if (code == ECO_OK && !job->options->keep_missing)
 		code = check_vertical(r, job, error);
@@ -242,7 +262,8 @@ struct frame { double low[2], step[2]; uint32_t samples[2]; };     /* low: outer
 static enum eco_code place_frame(struct frame *f, struct job *job, struct eco_error *error)
 {
 	const struct ground_raster *first = &job->rasters[0];
-	double low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY }, step[2] = { INFINITY, INFINITY };
+	double low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY },
+		step[2] = { INFINITY, INFINITY };
 	for (uint32_t i = 0; i < job->count; i++)
 		for (int k = 0; k < 2; k++) {
 			low[k] = fmin(low[k], job->rasters[i].low[k]);
@@ -251,17 +272,21 @@ static enum eco_code place_frame(struct frame *f, struct job *job, struct eco_er
 		}
 	for (int k = 0; k < 2; k++) {
 		double count = floor((high[k] - low[k]) / step[k] + 0.5);
-		if (!(step[k] > 0) || !(count >= 2) || !isfinite(low[k]) || high[k] - low[k] > GROUND_METRES_MAX)
-			return eco_fail(error, ECO_DAMAGED, "%.200s: ground of %g m with samples every %g m makes no sense", first->path, high[k] - low[k],
-				step[k]);
+		if (!(step[k] > 0) || !(count >= 2) || !isfinite(low[k])
+				|| high[k] - low[k] > GROUND_METRES_MAX)
+			return eco_fail(error, ECO_DAMAGED, "%.200s: ground of %g m with samples every %g m "
+				"makes no sense", first->path, high[k] - low[k], step[k]);
 		f->low[k] = low[k];
 		f->samples[k] = count > job->asked->side_max ? job->asked->side_max : (uint32_t)count;
-		f->step[k] = count > job->asked->side_max ? (high[k] - low[k]) / job->asked->side_max : step[k];
+		f->step[k] = count > job->asked->side_max ? (high[k] - low[k]) / job->asked->side_max
+			: step[k];
 	}
 	if (f->step[0] > step[0] || f->step[1] > step[1])
-		ground_note(&job->asked->notes, "%.200s: %.0f x %.0f samples, averaged down to %u x %u; cut out the part that is needed "
+		ground_note(&job->asked->notes, "%.200s: %.0f x %.0f samples, averaged down to %u x %u; cut "
+			"out the part that is needed "
 			"to keep its resolution",
-			first->path, (high[0] - low[0]) / step[0], (high[1] - low[1]) / step[1], f->samples[0], f->samples[1]);
+			first->path, (high[0] - low[0]) / step[0], (high[1] - low[1]) / step[1],
+			f->samples[0], f->samples[1]);
 	return ECO_OK;
 }
 
@@ -280,7 +305,8 @@ static bool on_grid(const struct ground_samples *s, const struct frame *f, int64
 	double pixel[2] = { t[1], t[5] }, corner[2] = { t[0], t[3] };
 	for (int k = 0; k < 2; k++) {
 		double at = (corner[k] + pixel[k] / 2 - f->low[k]) / f->step[k] - 0.5;
-		if (fabs(fabs(pixel[k]) / f->step[k] - 1) > ALIGNED / (k == 0 ? s->columns : s->rows) || fabs(at - floor(at + 0.5)) > ALIGNED)
+		if (fabs(fabs(pixel[k]) / f->step[k] - 1) > ALIGNED / (k == 0 ? s->columns : s->rows)
+				|| fabs(at - floor(at + 0.5)) > ALIGNED)
 			return false;
 		first[k] = (int64_t)floor(at + 0.5);
 		sign[k] = pixel[k] > 0 ? 1 : -1;
@@ -302,7 +328,8 @@ static void put(struct eco_ground *g, int64_t column, int64_t row, float metres,
 static GDALDatasetH wrap(const struct ground_samples *s, OGRSpatialReferenceH crs)
 {
 	GDALDriverH driver = GDALGetDriverByName("MEM");
-	GDALDatasetH data = driver != NULL ? GDALCreate(driver, "", (int)s->columns, (int)s->rows, 0, GDT_Float32, NULL) : NULL;
+	GDALDatasetH data = driver != NULL ? GDALCreate(driver, "", (int)s->columns, (int)s->rows, 0,
+		GDT_Float32, NULL) : NULL;
 	char pointer[64], text[96];
 	char *options[] = { text, NULL };
 	int length = CPLPrintPointer(pointer, s->metres, sizeof pointer - 1);
@@ -332,19 +359,21 @@ static void reach(const struct ground_raster *r, const struct frame *f, int64_t 
 	}
 }
 
-static GDALDatasetH warp(GDALDatasetH from, const struct ground_raster *r, const struct job *job, const struct frame *f,
-	const int64_t first[2], const int64_t end[2])
+static GDALDatasetH warp(GDALDatasetH from, const struct ground_raster *r, const struct job *job,
+	const struct frame *f, const int64_t first[2], const int64_t end[2])
 {
 	char bounds[4][40], size[2][24], *wkt = NULL;
-	char *arguments[24] = { "-of", "MEM", "-ot", "Float32", "-r", "bilinear", "-et", "0.01", "-novshift", "-dstnodata", "nan", "-te", bounds[0],
-		bounds[1], bounds[2], bounds[3], "-ts", size[0], size[1], NULL };
+	char *arguments[24] = { "-of", "MEM", "-ot", "Float32", "-r", "bilinear", "-et", "0.01", "-novshift",
+		"-dstnodata", "nan", "-te", bounds[0], bounds[1], bounds[2], bounds[3], "-ts", size[0],
+		size[1], NULL };
 	GDALWarpAppOptions *options;
 	GDALDatasetH to = NULL;
 	int usage = 0;
 
 	for (int k = 0; k < 2; k++) {
 		snprintf(bounds[k], sizeof bounds[k], "%.17g", f->low[k] + (double)first[k] * f->step[k]);
-		snprintf(bounds[k + 2], sizeof bounds[k + 2], "%.17g", f->low[k] + (double)end[k] * f->step[k]);
+		snprintf(bounds[k + 2], sizeof bounds[k + 2], "%.17g",
+			f->low[k] + (double)end[k] * f->step[k]);
 		snprintf(size[k], sizeof size[k], "%lld", (long long)(end[k] - first[k]));
 	}
 	if (r->crs && OSRExportToWkt(job->scene_crs, &wkt) == OGRERR_NONE) {
@@ -360,8 +389,8 @@ static GDALDatasetH warp(GDALDatasetH from, const struct ground_raster *r, const
 	return to;
 }
 
-static enum eco_code put_resampled(struct eco_ground *g, const struct ground_samples *s, const struct ground_raster *r,
-	const struct job *job, const struct frame *f, struct eco_error *error)
+static enum eco_code put_resampled(struct eco_ground *g, const struct ground_samples *s,
+	const struct ground_raster *r, const struct job *job, const struct frame *f, struct eco_error *error)
 {
 	int64_t first[2], end[2];
 	GDALDatasetH from, to = NULL;
@@ -377,7 +406,8 @@ static enum eco_code put_resampled(struct eco_ground *g, const struct ground_sam
 	good = to != NULL;
 	for (int64_t y = 0; good && y < end[1] - first[1]; y++) {
 		int width = (int)(end[0] - first[0]);
-		good = GDALRasterIO(GDALGetRasterBand(to, 1), GF_Read, 0, (int)y, width, 1, line, width, 1, GDT_Float32, 0, 0) == CE_None;
+		good = GDALRasterIO(GDALGetRasterBand(to, 1), GF_Read, 0, (int)y, width, 1, line, width, 1,
+			GDT_Float32, 0, 0) == CE_None;
 		for (int x = 0; good && x < width; x++)
 			put(g, first[0] + x, end[1] - 1 - y, line[x], job->options->origin[2]);
 	}
@@ -389,17 +419,19 @@ static enum eco_code put_resampled(struct eco_ground *g, const struct ground_sam
 	return good ? ECO_OK : gdal_fail(r->path, "it cannot be brought into the scene's CRS", error);
 }
 
-static enum eco_code add_raster(struct eco_ground *g, struct job *job, const struct ground_raster *r, const struct frame *f,
-	struct eco_error *error)
+static enum eco_code add_raster(struct eco_ground *g, struct job *job, const struct ground_raster *r,
+	const struct frame *f, struct eco_error *error)
 {
 	struct ground_samples s;
 	int64_t first[2];
 	int sign[2];
-	enum eco_code code = ground_samples_read(&s, r, job->options->source, read_side(r, f, 0), read_side(r, f, 1), &job->asked->notes, error);
+	enum eco_code code = ground_samples_read(&s, r, job->options->source, read_side(r, f, 0),
+		read_side(r, f, 1), &job->asked->notes, error);
 	if (code == ECO_OK && r->direct && on_grid(&s, f, first, sign)) {
 		for (uint32_t y = 0; y < s.rows; y++)
 			for (uint32_t x = 0; x < s.columns; x++)
-				put(g, first[0] + x, first[1] + sign[1] * (int64_t)y, s.metres[(size_t)y * s.columns + x], job->options->origin[2]);
+				put(g, first[0] + x, first[1] + sign[1] * (int64_t)y,
+					s.metres[(size_t)y * s.columns + x], job->options->origin[2]);
 	} else if (!code) {
 		code = put_resampled(g, &s, r, job, f, error);
 	}
@@ -423,7 +455,8 @@ static enum eco_code merge(struct eco_ground *g, struct job *job, struct eco_err
 	count = (size_t)g->columns * g->rows;
 	g->height_m = malloc(count * sizeof *g->height_m);
 	if (!g->height_m)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u x %u samples of ground", g->columns, g->rows);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u x %u samples of ground", g->columns,
+			g->rows);
 	for (size_t i = 0; i < count; i++)
 		g->height_m[i] = NAN;
 	for (uint32_t i = 0; i < job->count && code == ECO_OK; i++)
@@ -476,10 +509,11 @@ enum eco_code gdal_ground_read(struct eco_ground_job *asked, FILE *out, struct e
 	GDALAllRegister();
 	code = import(&ground, &job, error);
 	count = (size_t)ground.columns * ground.rows;
-	if (code == ECO_OK && (fwrite(&asked->notes, sizeof asked->notes, 1, out) != 1 || fwrite(&ground, sizeof ground, 1, out) != 1
+	if (code == ECO_OK && (fwrite(&asked->notes, sizeof asked->notes, 1, out) != 1
+			|| fwrite(&ground, sizeof ground, 1, out) != 1
 		|| fwrite(ground.height_m, sizeof *ground.height_m, count, out) != count))
-		code = eco_fail(error, ECO_IO, "%.300s: the heights could not be handed over: %s", asked->options->source->heights[0],
-			strerror(errno));
+		code = eco_fail(error, ECO_IO, "%.300s: the heights could not be handed over: %s",
+			asked->options->source->heights[0], strerror(errno));
 	free(ground.height_m);
 	close_rasters(&job);
 	CPLPopErrorHandler();

@@ -29,6 +29,7 @@ struct ground_samples {
 	double transform[6];
 };
 enum eco_code ground_samples_read(struct ground_samples *samples, const struct ground_raster *raster,
-	const struct eco_ground_source *source, uint32_t columns, uint32_t rows, struct ground_notes *notes, struct eco_error *error);
+	const struct eco_ground_source *source, uint32_t columns, uint32_t rows, struct ground_notes *notes,
+	struct eco_error *error);
 
 #endif

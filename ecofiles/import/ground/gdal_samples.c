@@ -58,10 +58,14 @@ static double metres_of(const struct meaning *m, double raw)
 static double unit_named(const char *name)
 {
 	static const struct { const char *name; double metres; } units[] = {
-		{ "m", 1 }, { "metre", 1 }, { "meter", 1 }, { "metres", 1 }, { "meters", 1 }, { "ft", FOOT_M }, { "foot", FOOT_M }, { "feet", FOOT_M },
-		{ "international foot", FOOT_M }, { "us survey foot", US_FOOT_M }, { "us survey feet", US_FOOT_M }, { "us survey ft", US_FOOT_M },
-		{ "ftus", US_FOOT_M }, { "us-ft", US_FOOT_M }, { "foot_us", US_FOOT_M }, { "cm", 0.01 }, { "centimetre", 0.01 },
-		{ "centimeter", 0.01 }, { "mm", 0.001 }, { "dm", 0.1 }, { "decimetre", 0.1 }, { "decimeter", 0.1 }, { "km", 1000 },
+		{ "m", 1 }, { "metre", 1 }, { "meter", 1 }, { "metres", 1 }, { "meters", 1 },
+			{ "ft", FOOT_M }, { "foot", FOOT_M }, { "feet", FOOT_M },
+		{ "international foot", FOOT_M }, { "us survey foot", US_FOOT_M },
+		{ "us survey feet", US_FOOT_M }, { "us survey ft", US_FOOT_M },
+		{ "ftus", US_FOOT_M }, { "us-ft", US_FOOT_M }, { "foot_us", US_FOOT_M }, { "cm", 0.01 },
+		{ "centimetre", 0.01 },
+		{ "centimeter", 0.01 }, { "mm", 0.001 }, { "dm", 0.1 }, { "decimetre", 0.1 },
+		{ "decimeter", 0.1 }, { "km", 1000 },
 	};
 
 	for (size_t i = 0; i < sizeof units / sizeof *units; i++)
@@ -70,29 +74,31 @@ static double unit_named(const char *name)
 	return 0;
 }
 
-static double unit_of(const struct ground_raster *r, GDALRasterBandH band, const struct eco_ground_source *source,
-	struct ground_notes *notes)
+static double unit_of(const struct ground_raster *r, GDALRasterBandH band,
+	const struct eco_ground_source *source, struct ground_notes *notes)
 {
 	const char *name = GDALGetRasterUnitType(band);
 	double unit = name != NULL ? unit_named(name) : 0;
 	if (source->unit_m > 0)
 		return source->unit_m;
 	if (name && name[0] != 0 && unit == 0)
-		ground_note(notes, "%.200s: its heights are in \"%.40s\", which is not known here; taken as metres, else add \"unit\" to the ground",
-			r->path, name);
+		ground_note(notes, "%.200s: its heights are in \"%.40s\", which is not known here; taken as "
+			"metres, else add \"unit\" to the ground", r->path, name);
 	if (unit == 0)
 		unit = r->crs_unit_m;
 	if (unit > 0 && unit != 1)
-		ground_note(notes, "%.200s: its heights are in units of %.9g m, as the file says", r->path, unit);
+		ground_note(notes, "%.200s: its heights are in units of %.9g m, as the file says", r->path,
+			unit);
 	return unit > 0 ? unit : 1;
 }
 
-static void meaning_of(struct meaning *m, const struct ground_raster *r, GDALRasterBandH band, const struct eco_ground_source *source,
-	struct ground_notes *notes)
+static void meaning_of(struct meaning *m, const struct ground_raster *r, GDALRasterBandH band,
+	const struct eco_ground_source *source, struct ground_notes *notes)
 {
 	int has_no_data = 0, has_scale = 0, has_offset = 0;
 	double no_data = GDALGetRasterNoDataValue(band, &has_no_data);
-	*m = (struct meaning){ .scale = GDALGetRasterScale(band, &has_scale), .offset = GDALGetRasterOffset(band, &has_offset),
+	*m = (struct meaning){ .scale = GDALGetRasterScale(band, &has_scale),
+		.offset = GDALGetRasterOffset(band, &has_offset),
 		.unit_m = unit_of(r, band, source, notes) };
 	if (!has_scale || !isfinite(m->scale) || m->scale == 0)
 		m->scale = 1;
@@ -120,7 +126,8 @@ struct rows {                        /* a row of values, and whether each counts
 static bool rows_open(struct rows *rows, const struct ground_raster *r, GDALRasterBandH band, bool masked)
 {
 	int flags = GDALGetMaskFlags(band);
-	*rows = (struct rows){ .raster = r, .band = band, .raw = malloc((size_t)r->columns * sizeof *rows->raw),
+	*rows = (struct rows){ .raster = r, .band = band,
+		.raw = malloc((size_t)r->columns * sizeof *rows->raw),
 		.there = malloc((size_t)r->columns) };
 	if (masked && flags & (GMF_PER_DATASET | GMF_ALPHA))
 		rows->mask = GDALGetMaskBand(band);
@@ -137,21 +144,24 @@ static bool rows_read(struct rows *rows, int y)
 {
 	int columns = rows->raster->columns;
 	memset(rows->there, 255, (size_t)columns);
-	return GDALRasterIO(rows->band, GF_Read, 0, y, columns, 1, rows->raw, columns, 1, GDT_Float64, 0, 0) == CE_None
-		&& (!rows->mask
-			|| GDALRasterIO(rows->mask, GF_Read, 0, y, columns, 1, rows->there, columns, 1, GDT_Byte, 0, 0) == CE_None);
+	return GDALRasterIO(rows->band, GF_Read, 0, y, columns, 1, rows->raw, columns, 1, GDT_Float64, 0, 0)
+		== CE_None && (!rows->mask
+			|| GDALRasterIO(rows->mask, GF_Read, 0, y, columns, 1, rows->there, columns, 1,
+			GDT_Byte, 0, 0) == CE_None);
 }
 
 /* ---- Holes without a mark ---- */
 
-static const double suspects[] = { 0, -1, -99, -999, -9999, -99999, -32768, -32767, 32767, 65535, 9999, 99999 };
+static const double suspects[] = { 0, -1, -99, -999, -9999, -99999, -32768, -32767, 32767, 65535, 9999,
+	99999 };
 #define SUSPECTS (sizeof suspects / sizeof *suspects)
 #define SPAN 4                       /* distinct values kept at either end */
 #define STEEP 16.0                   /* steep: this many times the usual step between neighbours */
 #define BUCKETS 256
 
 struct census {
-	struct { uint64_t samples, borders, steps[BUCKETS]; double sum; } suspect[SUSPECTS];  /* steps: by binary logarithm */
+	/* steps: by binary logarithm */
+	struct { uint64_t samples, borders, steps[BUCKETS]; double sum; } suspect[SUSPECTS];
 	double lowest[SPAN], highest[SPAN];      /* distinct, the most extreme first */
 	int lowest_count, highest_count;
 	double steps_sum;
@@ -215,7 +225,8 @@ static bool take_census(struct census *c, struct rows *rows, const struct meanin
 	for (int y = 0; good && y < rows->raster->rows; y++) {
 		good = rows_read(rows, y);
 		for (int x = 0; good && x < columns; x++) {
-			double v = rows->there[x] && isfinite(rows->raw[x]) && !is_hole(m, rows->raw[x]) ? rows->raw[x] : NAN;
+			double v = rows->there[x] && isfinite(rows->raw[x]) && !is_hole(m, rows->raw[x])
+				? rows->raw[x] : NAN;
 			int s = suspect_of(v);
 			if (!isnan(v)) {
 				c->samples++;
@@ -223,7 +234,8 @@ static bool take_census(struct census *c, struct rows *rows, const struct meanin
 				keep_extreme(c->highest, &c->highest_count, v, -1);
 				if (s >= 0)
 					c->suspect[s].samples++;
-				if (x > 0 && rows->there[x - 1] && isfinite(rows->raw[x - 1]) && !is_hole(m, rows->raw[x - 1]))
+				if (x > 0 && rows->there[x - 1] && isfinite(rows->raw[x - 1])
+						&& !is_hole(m, rows->raw[x - 1]))
 					count_step(c, rows->raw[x - 1], v);
 				if (!isnan(above[x]))
 					count_step(c, above[x], v);
@@ -245,12 +257,14 @@ static bool stands_out(const struct census *c, size_t s)
 		return false;
 	for (int i = 0; i < limit; i++)
 		gentle += c->suspect[s].steps[i];
-	return c->suspect[s].sum > STEEP * usual * (double)c->suspect[s].borders && gentle * 50 <= c->suspect[s].borders;
+	return c->suspect[s].sum > STEEP * usual * (double)c->suspect[s].borders
+		&& gentle * 50 <= c->suspect[s].borders;
 }
 
 /* Finds the most extreme value not yet dropped, if it is further from the next one than that is from the
  * other end, and many steps away. */
-static bool lies_beyond(const struct meaning *m, const struct census *c, const double *kept, int count, double other_end, double *value)
+static bool lies_beyond(const struct meaning *m, const struct census *c, const double *kept, int count,
+	double other_end, double *value)
 {
 	double usual = c->steps > 0 ? c->steps_sum / (double)c->steps : 0;
 	int at = 0;
@@ -259,7 +273,8 @@ static bool lies_beyond(const struct meaning *m, const struct census *c, const d
 	if (at + 1 >= count || is_hole(m, kept[at + 1]))
 		return false;
 	*value = kept[at];
-	return fabs(kept[at + 1] - kept[at]) > fmax(fabs(other_end - kept[at + 1]), STEEP * usual) && other_end != kept[at + 1];
+	return fabs(kept[at + 1] - kept[at]) > fmax(fabs(other_end - kept[at + 1]), STEEP * usual)
+		&& other_end != kept[at + 1];
 }
 
 static double end_of(const struct meaning *m, const double *kept, int count)
@@ -270,15 +285,18 @@ static double end_of(const struct meaning *m, const double *kept, int count)
 	return kept[at];
 }
 
-static void add_hole(struct meaning *m, double value, const char *path, uint64_t samples, struct ground_notes *notes)
+static void add_hole(struct meaning *m, double value, const char *path, uint64_t samples,
+	struct ground_notes *notes)
 {
 	char many[40] = "samples";
 	if (m->hole_count >= HOLES_MAX)
 		return;
 	m->holes[m->hole_count++] = value;
 	if (samples > 0)
-		snprintf(many, sizeof many, "%llu sample%s", (unsigned long long)samples, samples == 1 ? "" : "s");
-	ground_note(notes, "%.200s: %s of %.9g stand out from all around, and are taken for holes; if they are heights, add \"nodata\": null to "
+		snprintf(many, sizeof many, "%llu sample%s", (unsigned long long)samples,
+			samples == 1 ? "" : "s");
+	ground_note(notes, "%.200s: %s of %.9g stand out from all around, and are taken for holes; if they "
+		"are heights, add \"nodata\": null to "
 		"the ground, if they are holes, \"nodata\": %.9g", path, many, value, value);
 }
 
@@ -292,10 +310,14 @@ static bool find_holes(struct meaning *m, struct rows *rows, struct ground_notes
 		if (stands_out(c, s))
 			add_hole(m, suspects[s], path, c->suspect[s].samples, notes);
 	for (int n = 0; good && n < SPAN - 1; n++) {
-		if (lies_beyond(m, c, c->lowest, c->lowest_count, end_of(m, c->highest, c->highest_count), &value))
-			add_hole(m, value, path, suspect_of(value) >= 0 ? c->suspect[suspect_of(value)].samples : 0, notes);
-		else if (lies_beyond(m, c, c->highest, c->highest_count, end_of(m, c->lowest, c->lowest_count), &value))
-			add_hole(m, value, path, suspect_of(value) >= 0 ? c->suspect[suspect_of(value)].samples : 0, notes);
+		if (lies_beyond(m, c, c->lowest, c->lowest_count, end_of(m, c->highest, c->highest_count),
+				&value))
+			add_hole(m, value, path, suspect_of(value) >= 0
+				? c->suspect[suspect_of(value)].samples : 0, notes);
+		else if (lies_beyond(m, c, c->highest, c->highest_count,
+				end_of(m, c->lowest, c->lowest_count), &value))
+			add_hole(m, value, path, suspect_of(value) >= 0
+				? c->suspect[suspect_of(value)].samples : 0, notes);
 		else
 			break;
 	}
@@ -309,7 +331,8 @@ struct sums { double *sum, *weight; };
 
 /* Adds a row's metres to columns of `ratio` pixels each, weighted by the share of each pixel in the
  * column. */
-static void add_row(const struct sums *s, const struct rows *rows, const struct meaning *m, uint32_t columns, double ratio, double share)
+static void add_row(const struct sums *s, const struct rows *rows, const struct meaning *m, uint32_t columns,
+	double ratio, double share)
 {
 	for (uint32_t c = 0; c < columns; c++) {
 		double from = c * ratio, to = (c + 1) * ratio;
@@ -325,9 +348,11 @@ static void add_row(const struct sums *s, const struct rows *rows, const struct 
 	}
 }
 
-static bool average(struct ground_samples *out, struct rows *rows, const struct meaning *m, const struct sums *s)
+static bool average(struct ground_samples *out, struct rows *rows, const struct meaning *m,
+	const struct sums *s)
 {
-	double ratio_x = (double)rows->raster->columns / out->columns, ratio_y = (double)rows->raster->rows / out->rows;
+	double ratio_x = (double)rows->raster->columns / out->columns,
+		ratio_y = (double)rows->raster->rows / out->rows;
 	int held = -1;
 	for (uint32_t r = 0; r < out->rows; r++) {
 		double from = r * ratio_y, to = (r + 1) * ratio_y;
@@ -341,7 +366,8 @@ static bool average(struct ground_samples *out, struct rows *rows, const struct 
 			add_row(s, rows, m, out->columns, ratio_x, fmin(y + 1.0, to) - fmax(y, from));
 		}
 		for (uint32_t c = 0; c < out->columns; c++)
-			out->metres[(size_t)r * out->columns + c] = s->weight[c] > 0 ? (float)(s->sum[c] / s->weight[c]) : NAN;
+			out->metres[(size_t)r * out->columns + c] = s->weight[c] > 0
+				? (float)(s->sum[c] / s->weight[c]) : NAN;
 	}
 	return true;
 }
@@ -356,34 +382,39 @@ static void say_range(const struct ground_samples *samples, const char *path, st
 	if (low == high)
 		ground_note(notes, "%.200s: every height is %.9g m; is it the right band?", path, low);
 	else if (high > HEIGHT_ODD_M || low < -DEPTH_ODD_M)
-		ground_note(notes, "%.200s: heights from %.9g to %.9g m are not of this Earth; are \"scale\", \"offset\" or \"unit\" missing in the "
+		ground_note(notes, "%.200s: heights from %.9g to %.9g m are not of this Earth; are "
+			"\"scale\", \"offset\" or \"unit\" missing in the "
 			"ground?", path, low, high);
 }
 
-static enum eco_code pick_band(GDALRasterBandH *band, const struct ground_raster *r, const struct eco_ground_source *source,
-	struct ground_notes *notes, struct eco_error *error)
+static enum eco_code pick_band(GDALRasterBandH *band, const struct ground_raster *r,
+	const struct eco_ground_source *source, struct ground_notes *notes, struct eco_error *error)
 {
 	int count = GDALGetRasterCount(r->file), wanted = source->band > 0 ? (int)source->band : 1;
 	const char *name;
 	if (wanted > count)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it has %d band%s, not a band %d", r->path, count, count == 1 ? "" : "s", wanted);
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it has %d band%s, not a band %d", r->path,
+			count, count == 1 ? "" : "s", wanted);
 	*band = GDALGetRasterBand(r->file, wanted);
 	if (GDALDataTypeIsComplex(GDALGetRasterDataType(*band)))
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: band %d holds complex numbers, not heights", r->path, wanted);
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: band %d holds complex numbers, not heights",
+			r->path, wanted);
 	if (source->band > 0)
 		return ECO_OK;
 	if (GDALGetRasterColorInterpretation(*band) == GCI_RedBand || GDALGetRasterColorTable(*band))
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it holds colours, not heights; if one of its bands is heights, say which: \"band\": 1",
-			r->path);
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it holds colours, not heights; if one of its "
+			"bands is heights, say which: \"band\": 1", r->path);
 	name = GDALGetDescription(*band);
 	if (count > 1)
-		ground_note(notes, "%.200s: band 1 of %d%s%.60s%s is taken for heights; for another add \"band\" to the ground", r->path, count,
-			name[0] != 0 ? " (" : "", name, name[0] != 0 ? ")" : "");
+		ground_note(notes, "%.200s: band 1 of %d%s%.60s%s is taken for heights; for another add "
+			"\"band\" to the ground", r->path, count, name[0] != 0 ? " (" : "", name,
+			name[0] != 0 ? ")" : "");
 	return ECO_OK;
 }
 
 enum eco_code ground_samples_read(struct ground_samples *samples, const struct ground_raster *raster,
-	const struct eco_ground_source *source, uint32_t columns, uint32_t rows_wanted, struct ground_notes *notes, struct eco_error *error)
+	const struct eco_ground_source *source, uint32_t columns, uint32_t rows_wanted,
+	struct ground_notes *notes, struct eco_error *error)
 {
 	struct rows rows = { .raw = NULL };
 	struct meaning meaning;
@@ -397,13 +428,17 @@ enum eco_code ground_samples_read(struct ground_samples *samples, const struct g
 		samples->transform[3 * i + 2] *= (double)raster->rows / rows_wanted;
 	}
 	samples->metres = malloc((size_t)columns * rows_wanted * sizeof *samples->metres);
-	if (code == ECO_OK && (!rows_open(&rows, raster, band, !source->no_holes) || !sums.sum || !sums.weight || !samples->metres))
-		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: no memory for %u x %u heights", raster->path, columns, rows_wanted);
+	if (code == ECO_OK && (!rows_open(&rows, raster, band, !source->no_holes) || !sums.sum || !sums.weight
+			|| !samples->metres))
+		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: no memory for %u x %u heights", raster->path,
+			columns, rows_wanted);
 	if (!code) {
 		meaning_of(&meaning, raster, band, source, notes);
-		if ((!source->has_nodata && !source->no_holes && !find_holes(&meaning, &rows, notes)) || !average(samples, &rows, &meaning, &sums))
-			code = eco_fail(error, ECO_BAD_INPUT, "%.200s: its heights cannot be read: %.250s", raster->path,
-				CPLGetLastErrorMsg()[0] != 0 ? CPLGetLastErrorMsg() : "GDAL gives no reason");
+		if ((!source->has_nodata && !source->no_holes && !find_holes(&meaning, &rows, notes))
+				|| !average(samples, &rows, &meaning, &sums))
+			code = eco_fail(error, ECO_BAD_INPUT, "%.200s: its heights cannot be read: %.250s",
+				raster->path, CPLGetLastErrorMsg()[0] != 0 ? CPLGetLastErrorMsg()
+				: "GDAL gives no reason");
 		else
 			say_range(samples, raster->path, notes);
 	}

@@ -32,7 +32,8 @@ struct eco_ground_options {
 	const char *scene_crs;       /* NULL: the rasters' coordinates are scene metres plus origin */
 	const char *scene_vertical;  /* datum of the scene's heights; NULL: not stated */
 	double origin[3];            /* of the scene, in its CRS */
-	uint32_t side_max;           /* most columns and rows; 0: ECO_GROUND_SIDE_MAX; more are averaged down */
+	/* most columns and rows; 0: ECO_GROUND_SIDE_MAX; more are averaged down */
+	uint32_t side_max;
 	bool keep_missing;           /* missing samples stay NaN, datums are ignored: not heights */
 	void (*warn)(void *ctx, const char *text);   /* may be NULL; one sentence per call */
 	void *ctx;
@@ -44,7 +45,8 @@ struct eco_ground_options {
  * beyond 100 km, and a constant that stands out as no terrain does (0, -9999, ...), which is reported.
  * They are filled from their neighbours and counted. The rasters are read in a child process with limits
  * (guard.h). Errors name the file and say what to add. */
-enum eco_code eco_ground_import(struct eco_ground *ground, const struct eco_ground_options *options, struct eco_error *error);
+enum eco_code eco_ground_import(struct eco_ground *ground, const struct eco_ground_options *options,
+	struct eco_error *error);
 
 /* Gives samples that are NaN the mean of their neighbours, ring by ring from the known ones inwards, and
  * counts them in ground->filled. The result does not depend on the order of samples. ECO_BAD_INPUT if

@@ -27,7 +27,8 @@ static bool take_bit(uint64_t *bits, size_t i)
 
 /* Runs the body for sample i and each of its up to eight neighbours. */
 #define EACH_NEIGHBOUR(g, i, k) \
-	for (size_t row_ = (i) / (g)->columns, y_ = row_ > 0 ? row_ - 1 : 0; y_ <= row_ + 1 && y_ < (g)->rows; y_++) \
+	for (size_t row_ = (i) / (g)->columns, y_ = row_ > 0 ? row_ - 1 : 0; \
+	y_ <= row_ + 1 && y_ < (g)->rows; y_++) \
 		for (size_t column_ = (i) % (g)->columns, x_ = column_ > 0 ? column_ - 1 : 0, k; \
 			x_ <= column_ + 1 && x_ < (g)->columns && (k = y_ * (g)->columns + x_, true); x_++)
 

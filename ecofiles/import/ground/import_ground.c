@@ -22,9 +22,11 @@ static bool get_ground(FILE *in, struct eco_ground *ground, struct eco_ground_jo
 {
 	struct eco_ground head;
 	size_t count;
-	if (fread(&job->notes, sizeof job->notes, 1, in) != 1 || fread(&head, sizeof head, 1, in) != 1 || head.columns < 2 || head.rows < 2
-		|| head.columns > job->side_max || head.rows > job->side_max || !(head.step_x_m > 0) || !(head.step_y_m > 0)
-		|| !isfinite(head.x_m) || !isfinite(head.y_m) || job->notes.count > GROUND_NOTES_MAX)
+	if (fread(&job->notes, sizeof job->notes, 1, in) != 1 || fread(&head, sizeof head, 1, in) != 1
+			|| head.columns < 2 || head.rows < 2
+		|| head.columns > job->side_max || head.rows > job->side_max || !(head.step_x_m > 0)
+		|| !(head.step_y_m > 0) || !isfinite(head.x_m) || !isfinite(head.y_m)
+		|| job->notes.count > GROUND_NOTES_MAX)
 		return false;
 	for (uint32_t i = 0; i < job->notes.count; i++)
 		job->notes.text[i][GROUND_NOTE_BYTES - 1] = 0;
@@ -36,12 +38,14 @@ static bool get_ground(FILE *in, struct eco_ground *ground, struct eco_ground_jo
 	if (fread(ground->height_m, sizeof *ground->height_m, count, in) != count || fgetc(in) != EOF)
 		return false;
 	for (size_t i = 0; i < count; i++)
-		if (!isfinite(ground->height_m[i]) && !(job->options->keep_missing && isnan(ground->height_m[i])))
+		if (!isfinite(ground->height_m[i])
+				&& !(job->options->keep_missing && isnan(ground->height_m[i])))
 			return false;
 	return true;
 }
 
-static void tell(const struct eco_ground_options *options, const struct eco_ground *ground, const struct eco_ground_job *job)
+static void tell(const struct eco_ground_options *options, const struct eco_ground *ground,
+	const struct eco_ground_job *job)
 {
 	char text[400];
 	if (!options->warn)
@@ -50,8 +54,9 @@ static void tell(const struct eco_ground_options *options, const struct eco_grou
 		options->warn(options->ctx, job->notes.text[i]);
 	if (ground->filled == 0)
 		return;
-	snprintf(text, sizeof text, "%.250s: %llu of %llu samples have no height and were filled from their neighbours",
-		options->source->heights[0], (unsigned long long)ground->filled, (unsigned long long)ground->columns * ground->rows);
+	snprintf(text, sizeof text, "%.250s: %llu of %llu samples have no height and were filled from their "
+		"neighbours", options->source->heights[0], (unsigned long long)ground->filled,
+		(unsigned long long)ground->columns * ground->rows);
 	options->warn(options->ctx, text);
 }
 
@@ -59,11 +64,14 @@ static enum eco_code check_files(const struct eco_ground_source *source, struct 
 {
 	for (uint32_t i = 0; i < source->height_count; i++)
 		if (access(source->heights[i], R_OK) != 0)
-			return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", source->heights[i], strerror(errno));
-	return source->height_count > 0 ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "the ground names no raster");
+			return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s",
+				source->heights[i], strerror(errno));
+	return source->height_count > 0 ? ECO_OK
+		: eco_fail(error, ECO_BAD_INPUT, "the ground names no raster");
 }
 
-enum eco_code eco_ground_import(struct eco_ground *ground, const struct eco_ground_options *options, struct eco_error *error)
+enum eco_code eco_ground_import(struct eco_ground *ground, const struct eco_ground_options *options,
+	struct eco_error *error)
 {
 	struct eco_ground_job job = { .options = options, .side_max = options->side_max };
 	struct eco_error verdict = { .code = ECO_OK };
@@ -84,7 +92,8 @@ enum eco_code eco_ground_import(struct eco_ground *ground, const struct eco_grou
 	if (code)
 		eco_fail(error, code, "%s", verdict.text);
 	else if (!whole)
-		code = eco_fail(error, ECO_DAMAGED, "%.300s: the data from its reader contradict each other", options->source->heights[0]);
+		code = eco_fail(error, ECO_DAMAGED, "%.300s: the data from its reader contradict each other",
+			options->source->heights[0]);
 	if (!code)
 		tell(options, ground, &job);
 	else

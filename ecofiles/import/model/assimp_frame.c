@@ -12,7 +12,8 @@
 static int metadata_whole(const struct aiScene *scene, const char *key, int otherwise)
 {
 	for (unsigned i = 0; scene->mMetaData && i < scene->mMetaData->mNumProperties; i++)
-		if (strcmp(scene->mMetaData->mKeys[i].data, key) == 0 && scene->mMetaData->mValues[i].mType == AI_INT32)
+		if (strcmp(scene->mMetaData->mKeys[i].data, key) == 0 && scene->mMetaData->mValues[i].mType
+				== AI_INT32)
 			return *(const int32_t *)scene->mMetaData->mValues[i].mData;
 	return otherwise;
 }
@@ -34,7 +35,8 @@ static double metadata_number(const struct aiScene *scene, const char *key, doub
 static const char *metadata_text(const struct aiScene *scene, const char *key)
 {
 	for (unsigned i = 0; scene->mMetaData && i < scene->mMetaData->mNumProperties; i++)
-		if (strcmp(scene->mMetaData->mKeys[i].data, key) == 0 && scene->mMetaData->mValues[i].mType == AI_AISTRING)
+		if (strcmp(scene->mMetaData->mKeys[i].data, key) == 0 && scene->mMetaData->mValues[i].mType
+				== AI_AISTRING)
 			return ((const struct aiString *)scene->mMetaData->mValues[i].mData)->data;
 	return "";
 }
@@ -53,7 +55,8 @@ static const double up_from_y[3][3] = { { 1, 0, 0 }, { 0, 0, -1 }, { 0, 1, 0 } }
  * right-handed system, only up counts. Its unit is a number of centimetres. */
 static void fbx_frame(const struct aiScene *scene, struct eco_model_frame *frame, double axes[3][3])
 {
-	static const char *const names[3][2] = { { "CoordAxis", "CoordAxisSign" }, { "FrontAxis", "FrontAxisSign" }, { "UpAxis", "UpAxisSign" } };
+	static const char *const names[3][2] = { { "CoordAxis", "CoordAxisSign" },
+		{ "FrontAxis", "FrontAxisSign" }, { "UpAxis", "UpAxisSign" } };
 	double unit = metadata_number(scene, "UnitScaleFactor", 0), to[3][3] = { { 0 } }, determinant;
 	int axis[3], sign[3];
 	frame->unit_m = isfinite(unit) && unit >= 1e-6 && unit <= 1e9 ? unit / 100 : 0;
@@ -63,7 +66,8 @@ static void fbx_frame(const struct aiScene *scene, struct eco_model_frame *frame
 		if (axis[k] >= 0 && axis[k] < 3)
 			to[k][axis[k]] = k == 1 ? -sign[k] : sign[k];
 	}
-	determinant = to[0][0] * (to[1][1] * to[2][2] - to[1][2] * to[2][1]) - to[0][1] * (to[1][0] * to[2][2] - to[1][2] * to[2][0])
+	determinant = to[0][0] * (to[1][1] * to[2][2] - to[1][2] * to[2][1])
+		- to[0][1] * (to[1][0] * to[2][2] - to[1][2] * to[2][0])
 		+ to[0][2] * (to[1][0] * to[2][1] - to[1][1] * to[2][0]);
 	frame->up = axis[2] == 2 ? ECO_UP_Z : ECO_UP_Y;
 	if (determinant > 0.5)
@@ -77,21 +81,27 @@ static void collada_frame(const char *path, struct eco_model_frame *frame, doubl
 {
 	size_t size;
 	char *head = eco_path_ends_with(path, ".dae") ? eco_file_read_head(path, &size) : NULL;
-	const char *unit = head != NULL ? strstr(head, "<unit") : NULL, *up = head != NULL ? strstr(head, "<up_axis>") : NULL;
-	const char *end = unit != NULL ? strchr(unit, '>') : NULL, *meter = unit != NULL ? strstr(unit, "meter=") : NULL;
+	const char *unit = head != NULL ? strstr(head, "<unit") : NULL,
+		*up = head != NULL ? strstr(head, "<up_axis>") : NULL;
+	const char *end = unit != NULL ? strchr(unit, '>') : NULL, *meter = unit != NULL
+		? strstr(unit, "meter=") : NULL;
 	frame->unit_m = 1;
 	if (meter && end && meter < end && strtod(meter + 7, NULL) >= 1e-6 && strtod(meter + 7, NULL) <= 1e6)
 		frame->unit_m = strtod(meter + 7, NULL);
-	frame->up = up != NULL && strncmp(up + 9 + strspn(up + 9, " \t\r\n"), "Z_UP", 4) == 0 ? ECO_UP_Z : ECO_UP_Y;
+	frame->up = up != NULL && strncmp(up + 9 + strspn(up + 9, " \t\r\n"), "Z_UP", 4) == 0 ? ECO_UP_Z
+		: ECO_UP_Y;
 	free(head);
 	set_axes(axes, up_from_y, 1 / frame->unit_m);
 }
 
-void assimp_frame(const struct aiScene *scene, const char *path, struct eco_model_frame *frame, double axes[3][3])
+void assimp_frame(const struct aiScene *scene, const char *path, struct eco_model_frame *frame,
+	double axes[3][3])
 {
 	const char *format = metadata_text(scene, "SourceAsset_Format"), *dot = strrchr(path, '.');
-	bool z = eco_path_ends_with(path, ".ply") || eco_path_ends_with(path, ".stl") || eco_path_ends_with(path, ".3ds");
-	snprintf(frame->format, sizeof frame->format, "%.60s", *format != 0 ? format : dot != NULL ? dot + 1 : "unknown");
+	bool z = eco_path_ends_with(path, ".ply") || eco_path_ends_with(path, ".stl")
+		|| eco_path_ends_with(path, ".3ds");
+	snprintf(frame->format, sizeof frame->format, "%.60s", *format != 0 ? format : dot != NULL ? dot + 1
+		: "unknown");
 	if (strstr(frame->format, " Importer"))
 		*strstr(frame->format, " Importer") = 0;
 	frame->convention = z ? ECO_UP_Z : ECO_UP_Y;

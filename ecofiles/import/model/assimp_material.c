@@ -21,7 +21,8 @@ struct reader {
 
 /* ---- Textures within the file ---- */
 
-static enum eco_code decode_raw(struct eco_image *image, const struct aiTexture *texture, struct eco_error *error)
+static enum eco_code decode_raw(struct eco_image *image, const struct aiTexture *texture,
+	struct eco_error *error)
 {
 	uint64_t pixels = (uint64_t)texture->mWidth * texture->mHeight;
 	if (pixels == 0 || pixels > ECO_PIXELS_MAX || !texture->pcData)
@@ -46,15 +47,18 @@ static const struct aiTexture *embedded_texture(const struct aiScene *scene, con
 	unsigned long index;
 	if (*name == '*') {
 		index = strtoul(name + 1, &end, 10);
-		return end != name + 1 && *end == 0 && index < scene->mNumTextures ? scene->mTextures[index] : NULL;
+		return end != name + 1 && *end == 0 && index < scene->mNumTextures ? scene->mTextures[index]
+			: NULL;
 	}
 	for (unsigned i = 0; i < scene->mNumTextures; i++)
-		if (scene->mTextures[i]->mFilename.length > 0 && strcmp(scene->mTextures[i]->mFilename.data, name) == 0)
+		if (scene->mTextures[i]->mFilename.length > 0
+				&& strcmp(scene->mTextures[i]->mFilename.data, name) == 0)
 			return scene->mTextures[i];
 	return NULL;
 }
 
-static bool embedded(void *ctx, const char *name, struct eco_image *image, enum eco_code *code, struct eco_error *error)
+static bool embedded(void *ctx, const char *name, struct eco_image *image, enum eco_code *code,
+	struct eco_error *error)
 {
 	const struct aiTexture *texture = embedded_texture(ctx, name);
 	if (!texture)
@@ -80,7 +84,8 @@ static char *texture_name(const struct aiMaterial *from, enum aiTextureType type
 {
 	struct aiString path;
 	unsigned uv = 0;
-	if (aiGetMaterialTexture(from, type, 0, &path, NULL, &uv, NULL, NULL, NULL, NULL) != AI_SUCCESS || path.length == 0)
+	if (aiGetMaterialTexture(from, type, 0, &path, NULL, &uv, NULL, NULL, NULL, NULL) != AI_SUCCESS
+			|| path.length == 0)
 		return NULL;
 	if (channel)
 		*channel = uv;
@@ -119,7 +124,8 @@ static void judge_alpha(const struct reader *r, uint32_t index, bool *invisible)
 }
 
 /* False if the material names a picture that cannot be read. */
-static bool read_image(struct reader *r, const struct aiMaterial *from, struct eco_material *to, float opacity, uint32_t *channel)
+static bool read_image(struct reader *r, const struct aiMaterial *from, struct eco_material *to,
+	float opacity, uint32_t *channel)
 {
 	struct eco_image_wanted wanted = { .gain = 1 };
 	char *texture = texture_name(from, aiTextureType_BASE_COLOR, channel), *mask;
@@ -157,11 +163,13 @@ static void read_material(struct reader *r, uint32_t index, uint32_t *channel, b
 		eco_material_lost_picture(to);
 }
 
-enum eco_code assimp_materials(struct eco_model *model, const struct aiScene *scene, const struct eco_model_file *file,
-	uint32_t *channel, bool *invisible, struct eco_notes *notes, struct eco_error *error)
+enum eco_code assimp_materials(struct eco_model *model, const struct aiScene *scene,
+	const struct eco_model_file *file, uint32_t *channel, bool *invisible, struct eco_notes *notes,
+	struct eco_error *error)
 {
 	struct reader r = { .scene = scene, .file = file,
-		.images = { .model = model, .path = file->path, .notes = notes, .embedded = embedded, .ctx = (void *)scene } };
+		.images = { .model = model, .path = file->path, .notes = notes, .embedded = embedded,
+		.ctx = (void *)scene } };
 
 	model->materials = calloc((size_t)scene->mNumMaterials + 1, sizeof *model->materials);
 	if (!model->materials || !eco_images_start(&r.images)) {

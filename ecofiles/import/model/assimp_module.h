@@ -9,13 +9,15 @@ struct aiScene;
 
 /* Fills format, unit, up and convention of the frame. axes: from assimp's world to ours, rows of a matrix,
  * unit included; Z up if the format states its axes, else as in the file. */
-void assimp_frame(const struct aiScene *scene, const char *path, struct eco_model_frame *frame, double axes[3][3]);
+void assimp_frame(const struct aiScene *scene, const char *path, struct eco_model_frame *frame,
+	double axes[3][3]);
 
 /* Fills model->materials and images from the scene's materials; images are not yet multiplied by the
  * materials' colours. `channel` receives the uv set of each material's image, `invisible` whether the
  * material is fully transparent. */
-enum eco_code assimp_materials(struct eco_model *model, const struct aiScene *scene, const struct eco_model_file *file,
-	uint32_t *channel, bool *invisible, struct eco_notes *notes, struct eco_error *error);
+enum eco_code assimp_materials(struct eco_model *model, const struct aiScene *scene,
+	const struct eco_model_file *file, uint32_t *channel, bool *invisible, struct eco_notes *notes,
+	struct eco_error *error);
 
 extern const struct eco_assimp_module eco_assimp_module;
 

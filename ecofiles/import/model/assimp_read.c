@@ -74,7 +74,8 @@ static enum aiReturn stream_seek(struct aiFile *file, size_t offset, enum aiOrig
 	struct stream *s = (struct stream *)file->UserData;
 	size_t base = origin == aiOrigin_SET ? 0 : origin == aiOrigin_CUR ? s->at : s->size;
 	if (s->disk)
-		return fseek(s->disk, (long)offset, origin == aiOrigin_SET ? SEEK_SET : origin == aiOrigin_CUR ? SEEK_CUR : SEEK_END) == 0
+		return fseek(s->disk, (long)offset, origin == aiOrigin_SET ? SEEK_SET : origin == aiOrigin_CUR
+			? SEEK_CUR : SEEK_END) == 0
 			? aiReturn_SUCCESS : aiReturn_FAILURE;
 	if (offset > s->size - base)
 		return aiReturn_FAILURE;
@@ -100,7 +101,8 @@ static struct aiFile *stream_open(struct aiFileIO *io, const char *path, const c
 		free(s);
 		return NULL;
 	}
-	s->file = (struct aiFile){ stream_read, stream_write, stream_tell, stream_size, stream_seek, stream_flush, (char *)s };
+	s->file = (struct aiFile){ stream_read, stream_write, stream_tell, stream_size, stream_seek,
+		stream_flush, (char *)s };
 	return &s->file;
 }
 
@@ -120,7 +122,8 @@ struct soup {
 	const struct aiScene *scene;
 	const struct eco_model_file *file;
 	const struct eco_model_frame *frame;
-	double axes[3][3];                   /* from assimp's world to ours: rows of a matrix, unit included */
+	/* from assimp's world to ours: rows of a matrix, unit included */
+	double axes[3][3];
 	const uint32_t *channel;
 	const bool *invisible;
 	struct eco_tints tints;
@@ -139,7 +142,8 @@ static uint64_t mesh_triangles(const struct aiMesh *mesh)
 	return count;
 }
 
-static void transform(const struct soup *s, const struct aiMatrix4x4 *m, const struct aiVector3D *p, double out[3])
+static void transform(const struct soup *s, const struct aiMatrix4x4 *m, const struct aiVector3D *p,
+	double out[3])
 {
 	const double world[3] = { (double)m->a1 * p->x + (double)m->a2 * p->y + (double)m->a3 * p->z + m->a4,
 		(double)m->b1 * p->x + (double)m->b2 * p->y + (double)m->b3 * p->z + m->b4,
@@ -175,7 +179,8 @@ static void add_vertices(struct soup *s, const struct aiMesh *mesh, const struct
 
 		transform(s, world, &mesh->mVertices[i], place);
 		for (int k = 0; k < 3; k++)
-			m->position[((size_t)m->vertex_count + i) * 3 + (size_t)k] = (float)(place[k] - s->frame->base[k]);
+			m->position[((size_t)m->vertex_count + i) * 3 + (size_t)k] =
+				(float)(place[k] - s->frame->base[k]);
 		to[0] = to[1] = 0;
 		if (uv)
 			texture_coordinate(&uv[i], to);
@@ -205,7 +210,8 @@ static bool one_color(const struct aiMesh *mesh)
 {
 	const struct aiColor4D *c = mesh->mColors[0];
 	for (unsigned i = 1; i < mesh->mNumVertices; i++)
-		if (fabsf(c[i].r - c[0].r) > 0.02f || fabsf(c[i].g - c[0].g) > 0.02f || fabsf(c[i].b - c[0].b) > 0.02f)
+		if (fabsf(c[i].r - c[0].r) > 0.02f || fabsf(c[i].g - c[0].g) > 0.02f
+				|| fabsf(c[i].b - c[0].b) > 0.02f)
 			return false;
 	return true;
 }
@@ -252,8 +258,10 @@ static uint32_t face_material(struct soup *s, const struct aiMesh *mesh, const u
 static void add_triangle(struct soup *s, const struct aiMesh *mesh, const unsigned v[3], uint32_t whole)
 {
 	struct eco_model *m = s->model;
-	for (int k = 0; k < 3; k++)              /* an index beyond the mesh must not point into the next one */
-		m->index[(size_t)m->triangle_count * 3 + k] = v[k] < mesh->mNumVertices ? m->vertex_count + v[k] : ECO_NONE;
+	/* an index beyond the mesh must not point into the next one */
+	for (int k = 0; k < 3; k++)
+		m->index[(size_t)m->triangle_count * 3 + k] = v[k] < mesh->mNumVertices
+			? m->vertex_count + v[k] : ECO_NONE;
 	m->part[m->triangle_count] = m->part_count - 1;
 	m->material[m->triangle_count++] = face_material(s, mesh, v, whole);
 }
@@ -266,7 +274,8 @@ static void add_polygon(struct soup *s, const struct aiMesh *mesh, const struct 
 	uint32_t *triangles = s->split + n;
 	bool sound = true;
 	for (unsigned i = 0; i < n; i++) {
-		const struct aiVector3D *p = face->mIndices[i] < mesh->mNumVertices ? &mesh->mVertices[face->mIndices[i]] : NULL;
+		const struct aiVector3D *p = face->mIndices[i] < mesh->mNumVertices
+			? &mesh->mVertices[face->mIndices[i]] : NULL;
 		sound = sound && p && isfinite(p->x) && isfinite(p->y) && isfinite(p->z);
 		s->corners[i * 3] = sound ? p->x : 0;
 		s->corners[i * 3 + 1] = sound ? p->y : 0;
@@ -285,7 +294,8 @@ static void add_polygon(struct soup *s, const struct aiMesh *mesh, const struct 
 static size_t plain_name(const char *name)
 {
 	const char *helper = strstr(name, "_$AssimpFbx$");
-	if (*name == '<' || *name == '$' || strcmp(name, "RootNode") == 0 || strcmp(name, "defaultobject") == 0)
+	if (*name == '<' || *name == '$' || strcmp(name, "RootNode") == 0 || strcmp(name, "defaultobject")
+			== 0)
 		return 0;
 	return helper ? (size_t)(helper - name) : strlen(name);
 }
@@ -295,19 +305,24 @@ static void add_part(struct soup *s, const struct aiNode *node, const struct aiM
 {
 	struct eco_model *m = s->model;
 	size_t of_node = plain_name(node->mName.data), of_mesh = plain_name(mesh->mName.data);
-	bool both = of_node > 0 && of_mesh > 0 && (of_node != of_mesh || memcmp(node->mName.data, mesh->mName.data, of_node) != 0);
+	bool both = of_node > 0 && of_mesh > 0
+		&& (of_node != of_mesh || memcmp(node->mName.data, mesh->mName.data, of_node) != 0);
 	struct eco_part part = { .name = "" };
 	if (both)
-		snprintf(part.name, sizeof part.name, "%.*s/%.*s", (int)of_node, node->mName.data, (int)of_mesh, mesh->mName.data);
+		snprintf(part.name, sizeof part.name, "%.*s/%.*s", (int)of_node, node->mName.data,
+			(int)of_mesh, mesh->mName.data);
 	else if (of_node > 0)
 		snprintf(part.name, sizeof part.name, "%.*s", (int)of_node, node->mName.data);
 	else
 		snprintf(part.name, sizeof part.name, "%.*s", (int)of_mesh, mesh->mName.data);
-	if (m->part_count == 0 || (m->part_count < ECO_MODEL_PARTS_MAX && strcmp(m->parts[m->part_count - 1].name, part.name) != 0))
+	if (m->part_count == 0
+			|| (m->part_count < ECO_MODEL_PARTS_MAX
+			&& strcmp(m->parts[m->part_count - 1].name, part.name) != 0))
 		m->parts[m->part_count++] = part;
 }
 
-static void add_mesh(struct soup *s, const struct aiNode *node, unsigned index, const struct aiMatrix4x4 *world)
+static void add_mesh(struct soup *s, const struct aiNode *node, unsigned index,
+	const struct aiMatrix4x4 *world)
 {
 	const struct aiMesh *mesh = s->scene->mMeshes[index];
 	struct eco_model *m = s->model;
@@ -350,7 +365,9 @@ static bool walk(const struct aiScene *scene, visit_mesh *visit, void *ctx)
 		if (seen > NODES_MAX) {
 			good = false;
 		} else if (count + top.node->mNumChildren > capacity) {
-			struct entry *grown = realloc(stack, (capacity = 2 * (count + top.node->mNumChildren)) * sizeof *stack);
+			struct entry *grown =
+				realloc(stack,
+				(capacity = 2 * (count + top.node->mNumChildren)) * sizeof *stack);
 			good = grown != NULL;
 			stack = good ? grown : stack;
 		}
@@ -367,7 +384,8 @@ struct totals {
 	const struct soup *soup;
 	uint64_t vertices, triangles, meshes;
 	double low[3], high[3];
-	double far;                          /* largest coordinate of a vertex, which assimp holds in single precision */
+	/* largest coordinate of a vertex, which assimp holds in single precision */
+	double far;
 };
 
 static void count_mesh(void *ctx, const struct aiNode *node, unsigned index, const struct aiMatrix4x4 *world)
@@ -387,8 +405,10 @@ static void count_mesh(void *ctx, const struct aiNode *node, unsigned index, con
 			t->low[k] = fmin(t->low[k], place[k]);
 			t->high[k] = fmax(t->high[k], place[k]);
 		}
-		t->far = fmax(t->far, fmax(fabs((double)mesh->mVertices[i].x), fmax(fabs((double)mesh->mVertices[i].y),
-			fabs((double)mesh->mVertices[i].z))));
+		t->far =
+			fmax(t->far,
+			fmax(fabs((double)mesh->mVertices[i].x),
+			fmax(fabs((double)mesh->mVertices[i].y), fabs((double)mesh->mVertices[i].z))));
 	}
 }
 
@@ -397,13 +417,16 @@ static void add_mesh_of(void *ctx, const struct aiNode *node, unsigned index, co
 	add_mesh(ctx, node, index, world);
 }
 
-static enum eco_code check_totals(const struct totals *t, const char *path, uint32_t triangles_max, struct eco_error *error)
+static enum eco_code check_totals(const struct totals *t, const char *path, uint32_t triangles_max,
+	struct eco_error *error)
 {
 	if (t->triangles > triangles_max || t->vertices > (uint64_t)triangles_max * 3)
-		return eco_fail(error, ECO_TOO_LARGE, "%.300s: %llu triangles and %llu vertices, at most %u triangles are possible", path,
-			(unsigned long long)t->triangles, (unsigned long long)t->vertices, triangles_max);
+		return eco_fail(error, ECO_TOO_LARGE, "%.300s: %llu triangles and %llu vertices, at most %u "
+			"triangles are possible", path, (unsigned long long)t->triangles,
+			(unsigned long long)t->vertices, triangles_max);
 	if (t->triangles == 0 && t->vertices > 0)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: no triangles in it, only %llu points or lines; a point cloud has no surfaces: make a "
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: no triangles in it, only %llu points or "
+			"lines; a point cloud has no surfaces: make a "
 			"mesh of it first", path, (unsigned long long)t->vertices);
 	if (t->triangles == 0)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: no triangles in it", path);
@@ -425,14 +448,17 @@ static bool take_memory(struct soup *s, const struct totals *t)
 		&& s->corners && s->split && eco_tints_start(&s->tints, m);
 }
 
-static enum eco_code reserve(struct soup *s, struct eco_model_frame *frame, uint32_t triangles_max, struct eco_notes *notes)
+static enum eco_code reserve(struct soup *s, struct eco_model_frame *frame, uint32_t triangles_max,
+	struct eco_notes *notes)
 {
-	struct totals t = { .soup = s, .low = { INFINITY, INFINITY, INFINITY }, .high = { -INFINITY, -INFINITY, -INFINITY } };
+	struct totals t = { .soup = s, .low = { INFINITY, INFINITY, INFINITY },
+		.high = { -INFINITY, -INFINITY, -INFINITY } };
 	const char *path = s->file->path;
 	double extent = 0;
 	enum eco_code code;
 	if (!walk(s->scene, count_mesh, &t))
-		return eco_fail(s->error, ECO_TOO_LARGE, "%.300s: no nodes, or more than %u", path, NODES_MAX);
+		return eco_fail(s->error, ECO_TOO_LARGE, "%.300s: no nodes, or more than %u", path,
+			NODES_MAX);
 	code = check_totals(&t, path, triangles_max, s->error);
 	if (code)
 		return code;
@@ -445,10 +471,12 @@ static enum eco_code reserve(struct soup *s, struct eco_model_frame *frame, uint
 		}
 	}
 	if (t.far * 0x1p-24 > extent * COARSE)
-		eco_note(notes, "its coordinates are up to %g from the origin, in single precision, and so only exact to %.2g of their unit: export it "
+		eco_note(notes, "its coordinates are up to %g from the origin, in single precision, and so "
+			"only exact to %.2g of their unit: export it "
 			"with a local origin", t.far, t.far * 0x1p-24);
 	if (!take_memory(s, &t))
-		return eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory for %llu triangles", path, (unsigned long long)t.triangles);
+		return eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory for %llu triangles", path,
+			(unsigned long long)t.triangles);
 	return ECO_OK;
 }
 
@@ -460,7 +488,8 @@ static bool meshes_hold_together(const struct aiScene *scene)
 {
 	for (unsigned i = 0; i < scene->mNumMeshes; i++) {
 		const struct aiMesh *mesh = scene->mMeshes[i];
-		if (mesh->mMaterialIndex >= scene->mNumMaterials || (!mesh->mVertices && mesh->mNumVertices + mesh->mNumFaces > 0))
+		if (mesh->mMaterialIndex >= scene->mNumMaterials
+				|| (!mesh->mVertices && mesh->mNumVertices + mesh->mNumFaces > 0))
 			return false;
 		for (unsigned k = 0; k < mesh->mNumFaces; k++)
 			if (mesh->mFaces[k].mNumIndices > ECO_POLYGON_CORNERS_MAX)
@@ -484,7 +513,8 @@ static void color_nameless(struct eco_model *model, const struct aiScene *scene)
 	}
 }
 
-static enum eco_code read_scene(struct soup *s, struct eco_model_frame *frame, uint32_t triangles_max, struct eco_notes *notes)
+static enum eco_code read_scene(struct soup *s, struct eco_model_frame *frame, uint32_t triangles_max,
+	struct eco_notes *notes)
 {
 	uint32_t *channel = calloc((size_t)s->scene->mNumMaterials + 1, sizeof *channel);
 	bool *invisible = calloc((size_t)s->scene->mNumMaterials + 1, sizeof *invisible);
@@ -503,10 +533,11 @@ static enum eco_code read_scene(struct soup *s, struct eco_model_frame *frame, u
 	if (!code)
 		walk(s->scene, add_mesh_of, s);
 	if (s->hidden > 0)
-		eco_note(notes, "%llu triangles have materials with alpha below 0.5 (d, Tr, opacity): they are left out",
-			(unsigned long long)s->hidden);
+		eco_note(notes, "%llu triangles have materials with alpha below 0.5 (d, Tr, opacity): they "
+			"are left out", (unsigned long long)s->hidden);
 	if (s->averaged > 0)
-		eco_note(notes, "%u textured meshes have vertex colours that differ: each is drawn in their mean", s->averaged);
+		eco_note(notes, "%u textured meshes have vertex colours that differ: each is drawn in their "
+			"mean", s->averaged);
 	eco_tints_end(&s->tints);
 	free(s->corners);
 	free(s->split);
@@ -528,18 +559,21 @@ static const struct aiScene *import_scene(const struct eco_model_file *file, str
 	return scene;
 }
 
-static enum eco_code read_model(struct eco_model *model, struct eco_model_frame *frame, const struct eco_model_file *file,
-	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error)
+static enum eco_code read_model(struct eco_model *model, struct eco_model_frame *frame,
+	const struct eco_model_file *file, uint32_t triangles_max, struct eco_notes *notes,
+	struct eco_error *error)
 {
 	struct aiFileIO io = { stream_open, stream_close, (char *)file };
 	const struct aiScene *scene = import_scene(file, &io);
 	struct soup soup = { .model = model, .scene = scene, .file = file, .frame = frame, .error = error };
 	enum eco_code code;
 	if (!scene && strstr(aiGetErrorString(), "No suitable reader"))
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: not a model that can be read; use OBJ with MTL, GLB, glTF, FBX, PLY or Collada", file->path);
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: not a model that can be read; use OBJ with "
+			"MTL, GLB, glTF, FBX, PLY or Collada", file->path);
 	if (!scene)
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s: %.280s%s", file->path, aiGetErrorString(),
-			eco_path_ends_with(file->path, ".blend") ? "; of Blender's own files only those of versions before 2.8 are read: export GLB" : "");
+			eco_path_ends_with(file->path, ".blend") ? "; of Blender's own files only those of "
+			"versions before 2.8 are read: export GLB" : "");
 	if (!meshes_hold_together(scene))
 		code = eco_fail(error, ECO_DAMAGED, "%.300s: its meshes do not hold together", file->path);
 	else
@@ -548,4 +582,5 @@ static enum eco_code read_model(struct eco_model *model, struct eco_model_frame 
 	return code;
 }
 
-ECO_MODULE_EXPORT const struct eco_assimp_module eco_assimp_module = { .version = ECO_MODULE_VERSION, .read = read_model };
+ECO_MODULE_EXPORT const struct eco_assimp_module eco_assimp_module =
+	{ .version = ECO_MODULE_VERSION, .read = read_model };

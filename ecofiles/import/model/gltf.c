@@ -121,7 +121,8 @@ static bool decode_base64(const char *text, uint8_t *to, size_t *size)
 
 static int hex_value(char c)
 {
-	return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+	return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F'
+		? c - 'A' + 10 : -1;
 }
 
 static size_t decode_percent(const char *text, uint8_t *to)
@@ -138,7 +139,8 @@ static size_t decode_percent(const char *text, uint8_t *to)
 	return size;
 }
 
-enum eco_code eco_gltf_data_uri(const char *uri, bool *is_data, uint8_t **bytes, size_t *size, struct eco_error *error)
+enum eco_code eco_gltf_data_uri(const char *uri, bool *is_data, uint8_t **bytes, size_t *size,
+	struct eco_error *error)
 {
 	const char *comma = strchr(uri, ',');
 	*is_data = strncasecmp(uri, "data:", 5) == 0;
@@ -163,19 +165,21 @@ enum eco_code eco_gltf_data_uri(const char *uri, bool *is_data, uint8_t **bytes,
 
 /* ---- Buffers ---- */
 
-static enum eco_code read_beside(const struct eco_gltf *doc, uint32_t index, const char *uri, struct gltf_bytes *to,
-	struct eco_error *error)
+static enum eco_code read_beside(const struct eco_gltf *doc, uint32_t index, const char *uri,
+	struct gltf_bytes *to, struct eco_error *error)
 {
 	char path[4096];
 	enum eco_code code;
 	if (!eco_model_find_beside(doc->path, uri, path, sizeof path))
-		return eco_fail(error, ECO_NOT_FOUND, "%.250s: buffer %u: no file %.150s beside it", doc->path, index, uri);
+		return eco_fail(error, ECO_NOT_FOUND, "%.250s: buffer %u: no file %.150s beside it",
+			doc->path, index, uri);
 	code = eco_file_read(path, ECO_GLTF_FILE_MAX, &to->owned, &to->size, error);
 	to->bytes = to->owned;
 	return code;
 }
 
-static enum eco_code read_buffer(const struct eco_gltf *doc, uint32_t index, struct gltf_bytes *to, struct eco_error *error)
+static enum eco_code read_buffer(const struct eco_gltf *doc, uint32_t index, struct gltf_bytes *to,
+	struct eco_error *error)
 {
 	const json_t *buffer = eco_gltf_item(doc, "buffers", index);
 	const char *uri = json_string_value(json_object_get(buffer, "uri"));
@@ -183,7 +187,8 @@ static enum eco_code read_buffer(const struct eco_gltf *doc, uint32_t index, str
 	bool is_data = false;
 	if (!uri) {
 		if (index != 0 || !doc->chunk.bytes)
-			return eco_fail(error, ECO_DAMAGED, "%.300s: buffer %u has no data", doc->path, index);
+			return eco_fail(error, ECO_DAMAGED, "%.300s: buffer %u has no data", doc->path,
+				index);
 		*to = doc->chunk;
 		return ECO_OK;
 	}
@@ -193,8 +198,8 @@ static enum eco_code read_buffer(const struct eco_gltf *doc, uint32_t index, str
 	return is_data ? ECO_OK : read_beside(doc, index, uri, to, error);
 }
 
-enum eco_code gltf_buffer_range(struct eco_gltf *doc, uint32_t buffer, uint64_t offset, uint64_t size, const uint8_t **bytes,
-	struct eco_error *error)
+enum eco_code gltf_buffer_range(struct eco_gltf *doc, uint32_t buffer, uint64_t offset, uint64_t size,
+	const uint8_t **bytes, struct eco_error *error)
 {
 	struct gltf_bytes *b;
 	enum eco_code code;
@@ -204,25 +209,31 @@ enum eco_code gltf_buffer_range(struct eco_gltf *doc, uint32_t buffer, uint64_t 
 	if (!b->bytes && (code = read_buffer(doc, buffer, b, error)) != ECO_OK)
 		return code;
 	if (offset > b->size || size > b->size - offset)
-		return eco_fail(error, ECO_DAMAGED, "%.300s: buffer %u has only %zu bytes, its use needs %llu from %llu on; was it cut off?",
-			doc->path, buffer, b->size, (unsigned long long)size, (unsigned long long)offset);
+		return eco_fail(error, ECO_DAMAGED, "%.300s: buffer %u has only %zu bytes, its use needs "
+			"%llu from %llu on; was it cut off?", doc->path, buffer, b->size,
+			(unsigned long long)size, (unsigned long long)offset);
 	*bytes = b->bytes + offset;
 	return ECO_OK;
 }
 
-enum eco_code eco_gltf_view(struct eco_gltf *doc, uint32_t view, const uint8_t **bytes, size_t *size, struct eco_error *error)
+enum eco_code eco_gltf_view(struct eco_gltf *doc, uint32_t view, const uint8_t **bytes, size_t *size,
+	struct eco_error *error)
 {
 	const json_t *json = eco_gltf_item(doc, "bufferViews", view), *packed;
 	enum eco_code code;
 	if (!json)
-		return eco_fail(error, ECO_DAMAGED, "%.300s: names bufferView %u, which is not there", doc->path, view);
+		return eco_fail(error, ECO_DAMAGED, "%.300s: names bufferView %u, which is not there",
+			doc->path, view);
 	packed = gltf_meshopt_extension(json);
 	if (!packed) {
 		uint64_t length = eco_gltf_whole(json, "byteLength", UINT64_MAX);
 		*size = (size_t)length;
-		return gltf_buffer_range(doc, eco_gltf_index(json, "buffer"), eco_gltf_whole(json, "byteOffset", 0), length, bytes, error);
+		return gltf_buffer_range(doc, eco_gltf_index(json, "buffer"),
+			eco_gltf_whole(json, "byteOffset", 0), length, bytes, error);
 	}
-	if (!doc->views[view].bytes && (code = gltf_meshopt_unpack(doc, view, packed, &doc->views[view], error)) != ECO_OK)
+	if (!doc->views[view].bytes
+			&& (code = gltf_meshopt_unpack(doc, view, packed, &doc->views[view], error))
+			!= ECO_OK)
 		return code;
 	*bytes = doc->views[view].bytes;
 	*size = doc->views[view].size;
@@ -238,27 +249,30 @@ static uint32_t u32_at(const uint8_t *p)
 
 static enum eco_code refuse_version_1(const struct eco_gltf *doc, struct eco_error *error)
 {
-	return eco_fail(error, ECO_UNSUPPORTED, "%.300s: glTF 1.0 is not read; convert it to 2.0: npx gltf-pipeline -i OLD -o NEW.glb",
-		doc->path);
+	return eco_fail(error, ECO_UNSUPPORTED, "%.300s: glTF 1.0 is not read; convert it to 2.0: npx "
+		"gltf-pipeline -i OLD -o NEW.glb", doc->path);
 }
 
 /* The JSON text of a GLB; its binary chunk goes into the document. */
-static enum eco_code open_binary(struct eco_gltf *doc, const uint8_t *bytes, size_t size, size_t *length, struct eco_error *error)
+static enum eco_code open_binary(struct eco_gltf *doc, const uint8_t *bytes, size_t size, size_t *length,
+	struct eco_error *error)
 {
 	size_t at, left;
 	if (size >= 8 && u32_at(bytes + 4) == 1)
 		return refuse_version_1(doc, error);
 	if (size < 20 || u32_at(bytes + 4) != 2 || u32_at(bytes + 16) != CHUNK_JSON)
-		return eco_fail(error, ECO_DAMAGED, "%.300s: not a glTF 2.0 binary file, or cut off", doc->path);
+		return eco_fail(error, ECO_DAMAGED, "%.300s: not a glTF 2.0 binary file, or cut off",
+			doc->path);
 	if (u32_at(bytes + 8) > size || u32_at(bytes + 12) > size - 20)
-		return eco_fail(error, ECO_DAMAGED, "%.300s: cut off: says it has %u bytes, there are %zu", doc->path, u32_at(bytes + 8), size);
+		return eco_fail(error, ECO_DAMAGED, "%.300s: cut off: says it has %u bytes, there are %zu",
+			doc->path, u32_at(bytes + 8), size);
 	*length = u32_at(bytes + 12);
 	at = 20 + ((*length + 3) & ~(size_t)3);
 	left = at < size ? size - at : 0;
 	if (left >= 8 && u32_at(bytes + at + 4) == CHUNK_BIN) {
 		if (u32_at(bytes + at) > left - 8)
-			return eco_fail(error, ECO_DAMAGED, "%.300s: cut off: its binary chunk says %u bytes, there are %zu", doc->path,
-				u32_at(bytes + at), left - 8);
+			return eco_fail(error, ECO_DAMAGED, "%.300s: cut off: its binary chunk says %u "
+				"bytes, there are %zu", doc->path, u32_at(bytes + at), left - 8);
 		doc->chunk = (struct gltf_bytes){ .bytes = bytes + at + 8, .size = u32_at(bytes + at) };
 	}
 	return ECO_OK;
@@ -269,11 +283,13 @@ static enum eco_code check_version(const struct eco_gltf *doc, struct eco_error 
 	const json_t *asset = json_object_get(doc->root, "asset");
 	const char *version = eco_gltf_text(asset, "version");
 	if (!json_is_object(doc->root) || (!asset && !json_object_get(doc->root, "meshes")))
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: JSON, but not glTF: it has no \"asset\"", doc->path);
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: JSON, but not glTF: it has no \"asset\"",
+			doc->path);
 	if (*version == '1' || *version == '0' || json_is_object(json_object_get(doc->root, "meshes")))
 		return refuse_version_1(doc, error);
 	if (*version != 0 && *version != '2')
-		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: glTF %.20s is not read, only 2.x", doc->path, version);
+		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: glTF %.20s is not read, only 2.x", doc->path,
+			version);
 	return ECO_OK;
 }
 
@@ -296,11 +312,12 @@ static enum eco_code parse(struct eco_gltf *doc, const uint8_t *bytes, size_t si
 		length -= 3;
 	}
 	if (length > ECO_GLTF_JSON_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "%.300s: %zu bytes of JSON, at most %zu are possible", doc->path, length,
-			ECO_GLTF_JSON_MAX);
+		return eco_fail(error, ECO_TOO_LARGE, "%.300s: %zu bytes of JSON, at most %zu are possible",
+			doc->path, length, ECO_GLTF_JSON_MAX);
 	doc->root = json_loadb((const char *)text, length, 0, &problem);
 	if (!doc->root)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: line %d of its JSON: %s", doc->path, problem.line, problem.text);
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: line %d of its JSON: %s", doc->path,
+			problem.line, problem.text);
 	return check_version(doc, error);
 }
 

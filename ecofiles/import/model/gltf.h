@@ -66,15 +66,16 @@ struct eco_gltf_accessor {
 	const uint8_t *bytes;            /* of element 0; NULL: all elements are 0 */
 	uint8_t *owned;
 	uint64_t count;
-	size_t stride, column_bytes;     /* bytes from element to element, and from column to column of a matrix */
+	/* bytes from element to element, and from column to column of a matrix */
+	size_t stride, column_bytes;
 	uint32_t components, rows;       /* rows of a matrix, else as components */
 	uint32_t type;                   /* glTF's component type, 5120 to 5126 (and 5130, double) */
 	bool normalized;
 };
 
 /* `components` is 1 to 4, 9 or 16, or 0 for any. Bytes live until close, or until the document is closed. */
-enum eco_code eco_gltf_accessor_open(struct eco_gltf *doc, uint32_t accessor, uint32_t components, struct eco_gltf_accessor *a,
-	struct eco_error *error);
+enum eco_code eco_gltf_accessor_open(struct eco_gltf *doc, uint32_t accessor, uint32_t components,
+	struct eco_gltf_accessor *a, struct eco_error *error);
 void eco_gltf_accessor_close(struct eco_gltf_accessor *a);
 /* Element i < count as numbers; normalized integers as fractions. */
 void eco_gltf_element(const struct eco_gltf_accessor *a, uint64_t i, double *values);
@@ -82,22 +83,28 @@ void eco_gltf_element(const struct eco_gltf_accessor *a, uint64_t i, double *val
 uint32_t eco_gltf_element_index(const struct eco_gltf_accessor *a, uint64_t i);
 
 /* The whole accessor; *values is malloc'ed: count * components. */
-enum eco_code eco_gltf_read_floats(struct eco_gltf *doc, uint32_t accessor, uint32_t components, double **values, uint64_t *count,
-	struct eco_error *error);
+enum eco_code eco_gltf_read_floats(struct eco_gltf *doc, uint32_t accessor, uint32_t components,
+	double **values, uint64_t *count, struct eco_error *error);
 
 /* Bytes of a buffer view, decompressed; live as long as the document. */
-enum eco_code eco_gltf_view(struct eco_gltf *doc, uint32_t view, const uint8_t **bytes, size_t *size, struct eco_error *error);
+enum eco_code eco_gltf_view(struct eco_gltf *doc, uint32_t view, const uint8_t **bytes, size_t *size,
+	struct eco_error *error);
 /* Bytes of a data: URI; malloc'ed. *is_data false: another URI, and nothing else is set. */
-enum eco_code eco_gltf_data_uri(const char *uri, bool *is_data, uint8_t **bytes, size_t *size, struct eco_error *error);
+enum eco_code eco_gltf_data_uri(const char *uri, bool *is_data, uint8_t **bytes, size_t *size,
+	struct eco_error *error);
 
 /* ---- Nodes: matrices are 4 x 4, column by column, as in glTF: Y up ---- */
 
-enum eco_code eco_gltf_node_local(const struct eco_gltf *doc, uint32_t node, double matrix[16], struct eco_error *error);
+enum eco_code eco_gltf_node_local(const struct eco_gltf *doc, uint32_t node, double matrix[16],
+	struct eco_error *error);
 /* To the world: the product over its ancestors. Cycles are errors. */
-enum eco_code eco_gltf_node_matrix(struct eco_gltf *doc, uint32_t node, double matrix[16], struct eco_error *error);
-void eco_gltf_multiply(double out[16], const double a[16], const double b[16]);      /* a * b; out may be either */
+enum eco_code eco_gltf_node_matrix(struct eco_gltf *doc, uint32_t node, double matrix[16],
+	struct eco_error *error);
+/* a * b; out may be either */
+void eco_gltf_multiply(double out[16], const double a[16], const double b[16]);
 /* Translation, rotation (a quaternion, normalized here) and scale as a matrix. */
-void eco_gltf_compose(double out[16], const double translation[3], const double rotation[4], const double scale[3]);
+void eco_gltf_compose(double out[16], const double translation[3], const double rotation[4],
+	const double scale[3]);
 void eco_gltf_apply(const double matrix[16], const double point[3], double out[3]);
 
 /* Whether the scene that a viewer shows exists: the default one, or the first if the file names none. */
@@ -114,10 +121,11 @@ struct eco_gltf_instances {
 	struct eco_gltf_accessor translation, rotation, scale;       /* count 0: absent */
 };
 /* *there is false, and nothing else set, if the node does not have the extension. */
-enum eco_code eco_gltf_instances_open(struct eco_gltf *doc, uint32_t node, bool *there, struct eco_gltf_instances *instances,
-	struct eco_error *error);
+enum eco_code eco_gltf_instances_open(struct eco_gltf *doc, uint32_t node, bool *there,
+	struct eco_gltf_instances *instances, struct eco_error *error);
 void eco_gltf_instances_close(struct eco_gltf_instances *instances);
 /* World matrix of instance i of a node whose world matrix is `world`. */
-void eco_gltf_instance_matrix(const struct eco_gltf_instances *instances, uint64_t i, const double world[16], double out[16]);
+void eco_gltf_instance_matrix(const struct eco_gltf_instances *instances, uint64_t i, const double world[16],
+	double out[16]);
 
 #endif

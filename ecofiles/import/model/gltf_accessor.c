@@ -11,7 +11,8 @@
 struct shape { const char *name; uint32_t components, rows; };
 
 static const struct shape shapes[] = {
-	{ "SCALAR", 1, 1 }, { "VEC2", 2, 2 }, { "VEC3", 3, 3 }, { "VEC4", 4, 4 }, { "MAT2", 4, 2 }, { "MAT3", 9, 3 }, { "MAT4", 16, 4 },
+	{ "SCALAR", 1, 1 }, { "VEC2", 2, 2 }, { "VEC3", 3, 3 }, { "VEC4", 4, 4 }, { "MAT2", 4, 2 },
+		{ "MAT3", 9, 3 }, { "MAT4", 16, 4 },
 };
 
 /* Bytes of a component; 0: unknown type. */
@@ -37,8 +38,8 @@ static size_t dense_stride(const struct eco_gltf_accessor *a)
 }
 
 /* Reads type and count of an accessor's JSON. */
-static enum eco_code read_shape(const struct eco_gltf *doc, uint32_t index, const json_t *json, struct eco_gltf_accessor *a,
-	struct eco_error *error)
+static enum eco_code read_shape(const struct eco_gltf *doc, uint32_t index, const json_t *json,
+	struct eco_gltf_accessor *a, struct eco_error *error)
 {
 	const char *name = eco_gltf_text(json, "type");
 	uint64_t type = eco_gltf_whole(json, "componentType", 0);
@@ -46,8 +47,8 @@ static enum eco_code read_shape(const struct eco_gltf *doc, uint32_t index, cons
 	while (i < sizeof shapes / sizeof *shapes && strcmp(shapes[i].name, name) != 0)
 		i++;
 	if (i == sizeof shapes / sizeof *shapes || bytes == 0)
-		return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u has no known type (%.20s of %llu)", doc->path, index, name,
-			(unsigned long long)type);
+		return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u has no known type (%.20s of %llu)",
+			doc->path, index, name, (unsigned long long)type);
 	a->components = shapes[i].components;
 	a->rows = shapes[i].rows;
 	a->type = (uint32_t)type;
@@ -57,15 +58,15 @@ static enum eco_code read_shape(const struct eco_gltf *doc, uint32_t index, cons
 		a->column_bytes = (a->column_bytes + 3) & ~(size_t)3;
 	a->count = eco_gltf_whole(json, "count", UINT64_MAX);
 	if (a->count > ECO_GLTF_VALUES_MAX / a->components)
-		return eco_fail(error, ECO_TOO_LARGE, "%.300s: accessor %u: no count, or more numbers than are possible (%llu)", doc->path, index,
-			(unsigned long long)ECO_GLTF_VALUES_MAX);
+		return eco_fail(error, ECO_TOO_LARGE, "%.300s: accessor %u: no count, or more numbers than "
+			"are possible (%llu)", doc->path, index, (unsigned long long)ECO_GLTF_VALUES_MAX);
 	a->stride = dense_stride(a);
 	return ECO_OK;
 }
 
 /* Finds `count` elements of `bytes` bytes each in a view, from json's byteOffset on. */
-static enum eco_code locate(struct eco_gltf *doc, uint32_t accessor, const json_t *json, uint64_t count, size_t bytes,
-	size_t stride, const uint8_t **at, struct eco_error *error)
+static enum eco_code locate(struct eco_gltf *doc, uint32_t accessor, const json_t *json, uint64_t count,
+	size_t bytes, size_t stride, const uint8_t **at, struct eco_error *error)
 {
 	uint32_t view = eco_gltf_index(json, "bufferView");
 	uint64_t offset = eco_gltf_whole(json, "byteOffset", 0), need;
@@ -76,19 +77,21 @@ static enum eco_code locate(struct eco_gltf *doc, uint32_t accessor, const json_
 		return code;
 	need = count == 0 ? 0 : (count - 1) * stride + bytes;
 	if (offset > size || need > size - offset)
-		return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u needs %llu bytes of bufferView %u, which has %zu", doc->path, accessor,
-			(unsigned long long)need, view, size);
+		return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u needs %llu bytes of bufferView %u, "
+			"which has %zu", doc->path, accessor, (unsigned long long)need, view, size);
 	*at = start + offset;
 	return ECO_OK;
 }
 
-static enum eco_code place_dense(struct eco_gltf *doc, uint32_t index, const json_t *json, struct eco_gltf_accessor *a,
-	struct eco_error *error)
+static enum eco_code place_dense(struct eco_gltf *doc, uint32_t index, const json_t *json,
+	struct eco_gltf_accessor *a, struct eco_error *error)
 {
-	const json_t *view = eco_gltf_item(doc, "bufferViews", eco_gltf_whole(json, "bufferView", UINT64_MAX));
+	const json_t *view = eco_gltf_item(doc, "bufferViews",
+		eco_gltf_whole(json, "bufferView", UINT64_MAX));
 	uint64_t stride = eco_gltf_whole(view, "byteStride", 0);
 	if (stride > 1u << 20)
-		return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u: a byteStride of %llu", doc->path, index, (unsigned long long)stride);
+		return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u: a byteStride of %llu", doc->path,
+			index, (unsigned long long)stride);
 	if (stride != 0)
 		a->stride = (size_t)stride;
 	return locate(doc, index, json, a->count, element_bytes(a), a->stride, &a->bytes, error);
@@ -116,45 +119,53 @@ static bool own_elements(struct eco_gltf_accessor *a)
 	return copy;
 }
 
-static enum eco_code substitute(struct eco_gltf *doc, uint32_t index, const json_t *sparse, struct eco_gltf_accessor *a,
-	struct eco_error *error)
+static enum eco_code substitute(struct eco_gltf *doc, uint32_t index, const json_t *sparse,
+	struct eco_gltf_accessor *a, struct eco_error *error)
 {
-	const json_t *indices = json_object_get(sparse, "indices"), *values = json_object_get(sparse, "values");
-	uint64_t count = eco_gltf_whole(sparse, "count", UINT64_MAX), type = eco_gltf_whole(indices, "componentType", 0);
+	const json_t *indices = json_object_get(sparse, "indices"),
+		*values = json_object_get(sparse, "values");
+	uint64_t count = eco_gltf_whole(sparse, "count", UINT64_MAX),
+		type = eco_gltf_whole(indices, "componentType", 0);
 	const uint8_t *where, *what;
 	size_t stride = dense_stride(a);
 	enum eco_code code;
 	if (count > a->count || (type != 5121 && type != 5123 && type != 5125))
-		return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u: its sparse part does not fit it", doc->path, index);
-	code = locate(doc, index, indices, count, component_bytes(type), component_bytes(type), &where, error);
+		return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u: its sparse part does not fit it",
+			doc->path, index);
+	code = locate(doc, index, indices, count, component_bytes(type), component_bytes(type), &where,
+		error);
 	if (!code)
 		code = locate(doc, index, values, count, element_bytes(a), stride, &what, error);
 	if (code)
 		return code;
 	if (!own_elements(a))
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for accessor %u", doc->path, index);
+		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for accessor %u", doc->path,
+			index);
 	for (uint64_t i = 0; i < count; i++) {
 		uint32_t element = whole_at(where + i * component_bytes(type), type);
 		if (element >= a->count)
-			return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u: its sparse part names element %u of %llu", doc->path, index, element,
+			return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u: its sparse part names "
+				"element %u of %llu", doc->path, index, element,
 				(unsigned long long)a->count);
 		memcpy(a->owned + element * stride, what + i * stride, element_bytes(a));
 	}
 	return ECO_OK;
 }
 
-enum eco_code eco_gltf_accessor_open(struct eco_gltf *doc, uint32_t accessor, uint32_t components, struct eco_gltf_accessor *a,
-	struct eco_error *error)
+enum eco_code eco_gltf_accessor_open(struct eco_gltf *doc, uint32_t accessor, uint32_t components,
+	struct eco_gltf_accessor *a, struct eco_error *error)
 {
-	const json_t *json = eco_gltf_item(doc, "accessors", accessor), *sparse = json_object_get(json, "sparse");
+	const json_t *json = eco_gltf_item(doc, "accessors", accessor),
+		*sparse = json_object_get(json, "sparse");
 	enum eco_code code;
 	*a = (struct eco_gltf_accessor){ .bytes = NULL };
 	if (!json)
-		return eco_fail(error, ECO_DAMAGED, "%.300s: names accessor %u, which is not there", doc->path, accessor);
+		return eco_fail(error, ECO_DAMAGED, "%.300s: names accessor %u, which is not there",
+			doc->path, accessor);
 	code = read_shape(doc, accessor, json, a, error);
 	if (code == ECO_OK && components != 0 && a->components != components)
-		code = eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u has %u components, its use needs %u", doc->path, accessor,
-			a->components, components);
+		code = eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u has %u components, its use needs %u",
+			doc->path, accessor, a->components, components);
 	if (code == ECO_OK && json_object_get(json, "bufferView"))
 		code = place_dense(doc, accessor, json, a, error);
 	if (code == ECO_OK && sparse)
@@ -205,7 +216,8 @@ void eco_gltf_element(const struct eco_gltf_accessor *a, uint64_t i, double *val
 	const uint8_t *p = a->bytes != NULL ? a->bytes + i * a->stride : NULL;
 	size_t bytes = component_bytes(a->type);
 	for (uint32_t c = 0; c < a->components; c++)
-		values[c] = p == NULL ? 0 : component(p + c / a->rows * a->column_bytes + c % a->rows * bytes, a->type, a->normalized);
+		values[c] = p == NULL ? 0 : component(p + c / a->rows * a->column_bytes + c % a->rows * bytes,
+			a->type, a->normalized);
 }
 
 uint32_t eco_gltf_element_index(const struct eco_gltf_accessor *a, uint64_t i)
@@ -219,8 +231,8 @@ uint32_t eco_gltf_element_index(const struct eco_gltf_accessor *a, uint64_t i)
 	return value >= 0 && value < ECO_NONE ? (uint32_t)value : ECO_NONE;
 }
 
-enum eco_code eco_gltf_read_floats(struct eco_gltf *doc, uint32_t accessor, uint32_t components, double **values, uint64_t *count,
-	struct eco_error *error)
+enum eco_code eco_gltf_read_floats(struct eco_gltf *doc, uint32_t accessor, uint32_t components,
+	double **values, uint64_t *count, struct eco_error *error)
 {
 	struct eco_gltf_accessor a;
 	enum eco_code code = eco_gltf_accessor_open(doc, accessor, components, &a, error);
@@ -230,7 +242,8 @@ enum eco_code eco_gltf_read_floats(struct eco_gltf *doc, uint32_t accessor, uint
 		return code;
 	*values = malloc(((size_t)a.count * a.components + 1) * sizeof **values);
 	if (!*values)
-		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for accessor %u", doc->path, accessor);
+		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for accessor %u", doc->path,
+			accessor);
 	else
 		*count = a.count;
 	for (uint64_t i = 0; i < *count; i++)

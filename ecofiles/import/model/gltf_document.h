@@ -26,13 +26,13 @@ struct eco_gltf {
 };
 
 /* [offset, offset + size) of a buffer. */
-enum eco_code gltf_buffer_range(struct eco_gltf *doc, uint32_t buffer, uint64_t offset, uint64_t size, const uint8_t **bytes,
-	struct eco_error *error);
+enum eco_code gltf_buffer_range(struct eco_gltf *doc, uint32_t buffer, uint64_t offset, uint64_t size,
+	const uint8_t **bytes, struct eco_error *error);
 
 /* The meshopt extension of a view; NULL: not compressed. */
 const json_t *gltf_meshopt_extension(const json_t *view);
 /* Unpacks view `index`; *to then owns its bytes. */
-enum eco_code gltf_meshopt_unpack(struct eco_gltf *doc, uint32_t index, const json_t *extension, struct gltf_bytes *to,
-	struct eco_error *error);
+enum eco_code gltf_meshopt_unpack(struct eco_gltf *doc, uint32_t index, const json_t *extension,
+	struct gltf_bytes *to, struct eco_error *error);
 
 #endif

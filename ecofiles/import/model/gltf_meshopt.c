@@ -14,7 +14,8 @@ enum mode { ATTRIBUTES, TRIANGLES, INDICES, MODES };
 static const char *const mode_names[MODES] = { "ATTRIBUTES", "TRIANGLES", "INDICES" };
 
 enum filter { NONE, OCTAHEDRAL, QUATERNION, EXPONENTIAL, COLOR, FILTERS };
-static const char *const filter_names[FILTERS] = { "NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL", "COLOR" };
+static const char *const filter_names[FILTERS] = { "NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL",
+	"COLOR" };
 
 struct packed {
 	uint32_t mode, filter;
@@ -38,7 +39,8 @@ static uint32_t number_of(const char *name, const char *const *names, uint32_t c
 
 static bool strides_fit(const struct packed *p)
 {
-	if (p->mode == ATTRIBUTES ? p->stride == 0 || p->stride > 256 || p->stride % 4 != 0 : p->stride != 2 && p->stride != 4)
+	if (p->mode == ATTRIBUTES ? p->stride == 0 || p->stride > 256 || p->stride % 4 != 0 : p->stride != 2
+			&& p->stride != 4)
 		return false;
 	if (p->mode == TRIANGLES && p->count % 3 != 0)
 		return false;
@@ -51,7 +53,8 @@ static bool strides_fit(const struct packed *p)
 	}
 }
 
-static enum eco_code read_packed(struct eco_gltf *doc, uint32_t view, const json_t *json, struct packed *p, struct eco_error *error)
+static enum eco_code read_packed(struct eco_gltf *doc, uint32_t view, const json_t *json, struct packed *p,
+	struct eco_error *error)
 {
 	const char *filter = eco_gltf_text(json, "filter");
 	p->mode = number_of(eco_gltf_text(json, "mode"), mode_names, MODES);
@@ -60,14 +63,17 @@ static enum eco_code read_packed(struct eco_gltf *doc, uint32_t view, const json
 	p->stride = eco_gltf_whole(json, "byteStride", 0);
 	p->length = eco_gltf_whole(json, "byteLength", UINT64_MAX);
 	if (p->mode == MODES || p->filter == FILTERS)
-		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: bufferView %u: meshopt compression of an unknown kind (mode %.20s, filter %.20s)", doc->path,
-			view, eco_gltf_text(json, "mode"), filter);
+		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: bufferView %u: meshopt compression of an "
+			"unknown kind (mode %.20s, filter %.20s)", doc->path, view,
+			eco_gltf_text(json, "mode"), filter);
 	if (!strides_fit(p) || p->count > ECO_GLTF_UNPACKED_MAX)
-		return eco_fail(error, ECO_DAMAGED, "%.300s: bufferView %u: meshopt compression with sizes that make no sense", doc->path, view);
+		return eco_fail(error, ECO_DAMAGED, "%.300s: bufferView %u: meshopt compression with sizes "
+			"that make no sense", doc->path, view);
 	if (p->count * p->stride > ECO_GLTF_UNPACKED_MAX - doc->unpacked)
 		return eco_fail(error, ECO_TOO_LARGE, "%.300s: unpacks to more than %llu bytes", doc->path,
 			(unsigned long long)ECO_GLTF_UNPACKED_MAX);
-	return gltf_buffer_range(doc, eco_gltf_index(json, "buffer"), eco_gltf_whole(json, "byteOffset", 0), p->length, &p->bytes, error);
+	return gltf_buffer_range(doc, eco_gltf_index(json, "buffer"), eco_gltf_whole(json, "byteOffset", 0),
+		p->length, &p->bytes, error);
 }
 
 static bool decode(const struct packed *p, uint8_t *to)
@@ -100,8 +106,8 @@ static bool can_be(const struct packed *p)
 	return p->count * p->stride <= p->length * 1024;
 }
 
-enum eco_code gltf_meshopt_unpack(struct eco_gltf *doc, uint32_t index, const json_t *extension, struct gltf_bytes *to,
-	struct eco_error *error)
+enum eco_code gltf_meshopt_unpack(struct eco_gltf *doc, uint32_t index, const json_t *extension,
+	struct gltf_bytes *to, struct eco_error *error)
 {
 	struct packed p;
 	uint8_t *bytes;
@@ -110,10 +116,12 @@ enum eco_code gltf_meshopt_unpack(struct eco_gltf *doc, uint32_t index, const js
 		return code;
 	bytes = can_be(&p) ? malloc((size_t)(p.count * p.stride) + 1) : NULL;
 	if (!bytes && can_be(&p))
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for bufferView %u", doc->path, index);
+		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for bufferView %u", doc->path,
+			index);
 	if (!bytes || !decode(&p, bytes)) {
 		free(bytes);
-		return eco_fail(error, ECO_DAMAGED, "%.300s: bufferView %u: its meshopt compression cannot be undone", doc->path, index);
+		return eco_fail(error, ECO_DAMAGED, "%.300s: bufferView %u: its meshopt compression cannot "
+			"be undone", doc->path, index);
 	}
 	undo_filter(&p, bytes);
 	doc->unpacked += p.count * p.stride;

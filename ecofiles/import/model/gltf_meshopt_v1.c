@@ -72,7 +72,8 @@ static bool decode_plane(struct input *in, uint32_t control, size_t count, uint8
 }
 
 /* Adds up `width` bytes of a channel; planes are BLOCK_VERTICES bytes each. */
-static void add_differences(const uint8_t *planes, size_t count, uint32_t width, uint8_t *to, size_t stride, uint8_t *last)
+static void add_differences(const uint8_t *planes, size_t count, uint32_t width, uint8_t *to, size_t stride,
+	uint8_t *last)
 {
 	uint32_t mask = width == 1 ? 0xff : 0xffff;
 	for (uint32_t k = 0; k < 4; k += width)
@@ -89,7 +90,8 @@ static void add_differences(const uint8_t *planes, size_t count, uint32_t width,
 		}
 }
 
-static void apply_xors(const uint8_t *planes, size_t count, uint32_t rotation, uint8_t *to, size_t stride, uint8_t *last)
+static void apply_xors(const uint8_t *planes, size_t count, uint32_t rotation, uint8_t *to, size_t stride,
+	uint8_t *last)
 {
 	for (size_t i = 0; i < count; i++) {
 		uint32_t value = 0;
@@ -101,7 +103,8 @@ static void apply_xors(const uint8_t *planes, size_t count, uint32_t rotation, u
 	}
 }
 
-static bool decode_block(struct input *in, uint8_t *to, size_t count, size_t stride, const uint8_t *channels, uint8_t *last)
+static bool decode_block(struct input *in, uint8_t *to, size_t count, size_t stride, const uint8_t *channels,
+	uint8_t *last)
 {
 	uint8_t planes[4 * BLOCK_VERTICES];
 	const uint8_t *control = in->at;
@@ -111,7 +114,8 @@ static bool decode_block(struct input *in, uint8_t *to, size_t count, size_t str
 	for (size_t k = 0; k < stride; k += 4) {
 		uint32_t kind = channels[k / 4] & 3u, turn = channels[k / 4] >> 4;
 		for (uint32_t b = 0; b < 4; b++)
-			if (!decode_plane(in, control[k / 4] >> (2 * b) & 3u, count, planes + b * BLOCK_VERTICES))
+			if (!decode_plane(in, control[k / 4] >> (2 * b) & 3u, count,
+					planes + b * BLOCK_VERTICES))
 				return false;
 		if (kind == 3)
 			return false;
@@ -125,7 +129,8 @@ static bool decode_block(struct input *in, uint8_t *to, size_t count, size_t str
 
 bool gltf_meshopt_decode_v1(uint8_t *to, size_t count, size_t stride, const uint8_t *bytes, size_t size)
 {
-	size_t tail = stride + stride / 4, padded = tail < 24 ? 24 : tail, block = BLOCK_BYTES / stride & ~(size_t)(GROUP - 1);
+	size_t tail = stride + stride / 4, padded = tail < 24 ? 24 : tail,
+		block = BLOCK_BYTES / stride & ~(size_t)(GROUP - 1);
 	struct input in = { bytes + 1, bytes + size };
 	uint8_t last[256];
 	if (block > BLOCK_VERTICES)
@@ -135,7 +140,8 @@ bool gltf_meshopt_decode_v1(uint8_t *to, size_t count, size_t stride, const uint
 	memcpy(last, in.end - tail, stride);
 	in.end -= padded;
 	for (size_t done = 0; done < count; done += block)
-		if (!decode_block(&in, to + done * stride, count - done < block ? count - done : block, stride, bytes + size - stride / 4, last))
+		if (!decode_block(&in, to + done * stride, count - done < block ? count - done : block,
+				stride, bytes + size - stride / 4, last))
 			return false;
 	return in.at == in.end;
 }
@@ -169,8 +175,8 @@ void gltf_meshopt_filter_color(uint8_t *bytes, size_t count, size_t stride)
 		if (stride == 4) {
 			undo_color(p[0], (int8_t)p[1], (int8_t)p[2], p[3], 255, rgba);
 		} else {
-			undo_color(p[0] | (uint32_t)p[1] << 8, (int16_t)(p[2] | p[3] << 8), (int16_t)(p[4] | p[5] << 8), p[6] | (uint32_t)p[7] << 8,
-				65535, rgba);
+			undo_color(p[0] | (uint32_t)p[1] << 8, (int16_t)(p[2] | p[3] << 8),
+				(int16_t)(p[4] | p[5] << 8), p[6] | (uint32_t)p[7] << 8, 65535, rgba);
 		}
 		for (uint32_t c = 0; c < 4; c++)
 			for (uint32_t b = 0; b < stride / 4; b++)

@@ -15,7 +15,8 @@ void eco_gltf_multiply(double out[16], const double a[16], const double b[16])
 	double product[16];
 	for (int c = 0; c < 4; c++)
 		for (int r = 0; r < 4; r++)
-			product[c * 4 + r] = a[r] * b[c * 4] + a[4 + r] * b[c * 4 + 1] + a[8 + r] * b[c * 4 + 2] + a[12 + r] * b[c * 4 + 3];
+			product[c * 4 + r] = a[r] * b[c * 4] + a[4 + r] * b[c * 4 + 1]
+				+ a[8 + r] * b[c * 4 + 2] + a[12 + r] * b[c * 4 + 3];
 	memcpy(out, product, sizeof product);
 }
 
@@ -28,10 +29,11 @@ void eco_gltf_apply(const double m[16], const double p[3], double out[3])
 
 void eco_gltf_compose(double out[16], const double t[3], const double q[4], const double s[3])
 {
-	double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]), unit = length > 0 ? 1 / length : 0;
+	double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]),
+		unit = length > 0 ? 1 / length : 0;
 	double x = q[0] * unit, y = q[1] * unit, z = q[2] * unit, w = length > 0 ? q[3] * unit : 1;
-	const double turn[9] = { 1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w), 2 * (x * y - z * w),
-		1 - 2 * (x * x + z * z),
+	const double turn[9] = { 1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w),
+		2 * (x * y - z * w), 1 - 2 * (x * x + z * z),
 		2 * (y * z + x * w), 2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y) };
 
 	for (int c = 0; c < 3; c++) {
@@ -43,19 +45,22 @@ void eco_gltf_compose(double out[16], const double t[3], const double q[4], cons
 	out[15] = 1;
 }
 
-enum eco_code eco_gltf_node_local(const struct eco_gltf *doc, uint32_t node, double matrix[16], struct eco_error *error)
+enum eco_code eco_gltf_node_local(const struct eco_gltf *doc, uint32_t node, double matrix[16],
+	struct eco_error *error)
 {
 	const json_t *json = eco_gltf_item(doc, "nodes", node);
 	double t[3] = { 0, 0, 0 }, q[4] = { 0, 0, 0, 1 }, s[3] = { 1, 1, 1 };
 	bool good;
 	if (!json)
-		return eco_fail(error, ECO_DAMAGED, "%.300s: names node %u, which is not there", doc->path, node);
+		return eco_fail(error, ECO_DAMAGED, "%.300s: names node %u, which is not there", doc->path,
+			node);
 	good = eco_gltf_numbers(json, "translation", t, 3) && eco_gltf_numbers(json, "rotation", q, 4)
 		&& eco_gltf_numbers(json, "scale", s, 3);
 	eco_gltf_compose(matrix, t, q, s);
 	if (json_array_size(json_object_get(json, "matrix")) == 16)
 		good = eco_gltf_numbers(json, "matrix", matrix, 16);
-	return good ? ECO_OK : eco_fail(error, ECO_DAMAGED, "%.300s: node %u is not placed by numbers", doc->path, node);
+	return good ? ECO_OK : eco_fail(error, ECO_DAMAGED, "%.300s: node %u is not placed by numbers",
+		doc->path, node);
 }
 
 static bool find_parents(struct eco_gltf *doc)
@@ -69,14 +74,16 @@ static bool find_parents(struct eco_gltf *doc)
 		const json_t *children = json_object_get(eco_gltf_item(doc, "nodes", i), "children");
 		for (size_t k = 0; k < json_array_size(children); k++) {
 			json_int_t child = json_integer_value(json_array_get(children, k));
-			if (child >= 0 && (uint64_t)child < doc->node_count && doc->parent[child] == ECO_NONE && i < ECO_NONE)
+			if (child >= 0 && (uint64_t)child < doc->node_count && doc->parent[child] == ECO_NONE
+					&& i < ECO_NONE)
 				doc->parent[child] = (uint32_t)i;
 		}
 	}
 	return true;
 }
 
-enum eco_code eco_gltf_node_matrix(struct eco_gltf *doc, uint32_t node, double matrix[16], struct eco_error *error)
+enum eco_code eco_gltf_node_matrix(struct eco_gltf *doc, uint32_t node, double matrix[16],
+	struct eco_error *error)
 {
 	enum eco_code code = eco_gltf_node_local(doc, node, matrix, error);
 	size_t steps = 0;
@@ -86,7 +93,8 @@ enum eco_code eco_gltf_node_matrix(struct eco_gltf *doc, uint32_t node, double m
 		double local[16];
 		node = doc->parent[node];
 		if (++steps > doc->node_count)
-			return eco_fail(error, ECO_DAMAGED, "%.300s: node %u is below itself", doc->path, node);
+			return eco_fail(error, ECO_DAMAGED, "%.300s: node %u is below itself", doc->path,
+				node);
 		code = eco_gltf_node_local(doc, node, local, error);
 		if (!code)
 			eco_gltf_multiply(matrix, local, matrix);
@@ -108,12 +116,14 @@ struct walk {
 static enum eco_code push(struct walk *w, uint32_t node, const double world[16], struct eco_error *error)
 {
 	if (++w->seen > ECO_GLTF_NODES_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "%.300s: more than %u nodes, or nodes below themselves", w->doc->path, ECO_GLTF_NODES_MAX);
+		return eco_fail(error, ECO_TOO_LARGE, "%.300s: more than %u nodes, or nodes below themselves",
+			w->doc->path, ECO_GLTF_NODES_MAX);
 	if (w->count == w->capacity) {
 		size_t capacity = 2 * w->capacity + 64;
 		struct entry *grown = realloc(w->stack, capacity * sizeof *grown);
 		if (!grown)
-			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for its nodes", w->doc->path);
+			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for its nodes",
+				w->doc->path);
 		w->stack = grown;
 		w->capacity = capacity;
 	}
@@ -123,13 +133,16 @@ static enum eco_code push(struct walk *w, uint32_t node, const double world[16],
 }
 
 /* Pushes in reverse, so that the first is popped first. */
-static enum eco_code push_all(struct walk *w, const json_t *nodes, const double world[16], struct eco_error *error)
+static enum eco_code push_all(struct walk *w, const json_t *nodes, const double world[16],
+	struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
 	for (size_t i = json_array_size(nodes); i-- > 0 && code == ECO_OK;) {
-		json_int_t node = json_is_integer(json_array_get(nodes, i)) ? json_integer_value(json_array_get(nodes, i)) : -1;
+		json_int_t node = json_is_integer(json_array_get(nodes, i))
+			? json_integer_value(json_array_get(nodes, i)) : -1;
 		if (node < 0 || (uint64_t)node >= w->doc->node_count || node >= ECO_NONE)
-			return eco_fail(error, ECO_DAMAGED, "%.300s: names node %lld, which is not there", w->doc->path, (long long)node);
+			return eco_fail(error, ECO_DAMAGED, "%.300s: names node %lld, which is not there",
+				w->doc->path, (long long)node);
 		code = push(w, (uint32_t)node, world, error);
 	}
 	return code;
@@ -137,7 +150,8 @@ static enum eco_code push_all(struct walk *w, const json_t *nodes, const double 
 
 static const json_t *find_scene(const struct eco_gltf *doc)
 {
-	return eco_gltf_item(doc, "scenes", json_object_get(doc->root, "scene") != NULL ? eco_gltf_whole(doc->root, "scene", ECO_NONE) : 0);
+	return eco_gltf_item(doc, "scenes", json_object_get(doc->root, "scene") != NULL
+		? eco_gltf_whole(doc->root, "scene", ECO_NONE) : 0);
 }
 
 bool eco_gltf_has_scene(const struct eco_gltf *doc)
@@ -168,7 +182,8 @@ enum eco_code eco_gltf_walk(struct eco_gltf *doc, eco_gltf_visit *visit, void *c
 		struct entry top = w.stack[--w.count];
 		const json_t *node = eco_gltf_item(doc, "nodes", top.node);
 		double local[16];
-		if (json_is_false(json_object_get(eco_gltf_extension(node, "KHR_node_visibility"), "visible")))
+		if (json_is_false(json_object_get(eco_gltf_extension(node, "KHR_node_visibility"),
+				"visible")))
 			continue;
 		code = eco_gltf_node_local(doc, top.node, local, error);
 		if (code)
@@ -184,8 +199,9 @@ enum eco_code eco_gltf_walk(struct eco_gltf *doc, eco_gltf_visit *visit, void *c
 
 /* ---- Instances ---- */
 
-static enum eco_code open_one(struct eco_gltf *doc, uint32_t node, const json_t *attributes, const char *name, uint32_t components,
-	struct eco_gltf_instances *all, struct eco_gltf_accessor *a, struct eco_error *error)
+static enum eco_code open_one(struct eco_gltf *doc, uint32_t node, const json_t *attributes, const char *name,
+	uint32_t components, struct eco_gltf_instances *all, struct eco_gltf_accessor *a,
+	struct eco_error *error)
 {
 	enum eco_code code;
 	if (!json_object_get(attributes, name))
@@ -194,16 +210,18 @@ static enum eco_code open_one(struct eco_gltf *doc, uint32_t node, const json_t 
 	if (code)
 		return code;
 	if (all->count != UINT64_MAX && all->count != a->count)
-		return eco_fail(error, ECO_DAMAGED, "%.300s: node %u: its instances have %llu and %llu places, turns or sizes", doc->path, node,
-			(unsigned long long)all->count, (unsigned long long)a->count);
+		return eco_fail(error, ECO_DAMAGED, "%.300s: node %u: its instances have %llu and %llu "
+			"places, turns or sizes", doc->path, node, (unsigned long long)all->count,
+			(unsigned long long)a->count);
 	all->count = a->count;
 	return ECO_OK;
 }
 
-enum eco_code eco_gltf_instances_open(struct eco_gltf *doc, uint32_t node, bool *there, struct eco_gltf_instances *all,
-	struct eco_error *error)
+enum eco_code eco_gltf_instances_open(struct eco_gltf *doc, uint32_t node, bool *there,
+	struct eco_gltf_instances *all, struct eco_error *error)
 {
-	const json_t *extension = eco_gltf_extension(eco_gltf_item(doc, "nodes", node), "EXT_mesh_gpu_instancing");
+	const json_t *extension = eco_gltf_extension(eco_gltf_item(doc, "nodes", node),
+		"EXT_mesh_gpu_instancing");
 	const json_t *attributes = json_object_get(extension, "attributes");
 	enum eco_code code;
 	*there = extension != NULL;
@@ -216,7 +234,8 @@ enum eco_code eco_gltf_instances_open(struct eco_gltf *doc, uint32_t node, bool 
 	if (!code)
 		code = open_one(doc, node, attributes, "SCALE", 3, all, &all->scale, error);
 	if (code == ECO_OK && all->count == UINT64_MAX)
-		code = eco_fail(error, ECO_DAMAGED, "%.300s: node %u: instances without places, turns or sizes", doc->path, node);
+		code = eco_fail(error, ECO_DAMAGED, "%.300s: node %u: instances without places, turns or "
+			"sizes", doc->path, node);
 	if (code)
 		eco_gltf_instances_close(all);
 	return code;
@@ -230,7 +249,8 @@ void eco_gltf_instances_close(struct eco_gltf_instances *all)
 	all->count = 0;
 }
 
-void eco_gltf_instance_matrix(const struct eco_gltf_instances *all, uint64_t i, const double world[16], double out[16])
+void eco_gltf_instance_matrix(const struct eco_gltf_instances *all, uint64_t i, const double world[16],
+	double out[16])
 {
 	double t[3] = { 0, 0, 0 }, q[4] = { 0, 0, 0, 1 }, s[3] = { 1, 1, 1 }, local[16];
 	if (all->translation.count > 0)

@@ -38,7 +38,8 @@ static void plain_path(char *text)
 	char *to = text;
 	for (char *from = text; *from != 0; from++) {
 		unsigned code;
-		if (*from == '%' && from[1] != 0 && from[2] != 0 && sscanf(from + 1, "%2x", &code) == 1 && code >= 0x20) {
+		if (*from == '%' && from[1] != 0 && from[2] != 0 && sscanf(from + 1, "%2x", &code) == 1
+				&& code >= 0x20) {
 			*to++ = (char)code;
 			from += 2;
 		} else {
@@ -55,28 +56,32 @@ static bool find_any_case(const char *folder, const char *name, char *path, size
 	const struct dirent *entry;
 	char found[sizeof entry->d_name] = "";
 	while (open && (entry = readdir(open)))
-		if (strcasecmp(entry->d_name, name) == 0 && (found[0] == 0 || strcmp(entry->d_name, found) < 0))
+		if (strcasecmp(entry->d_name, name) == 0
+				&& (found[0] == 0 || strcmp(entry->d_name, found) < 0))
 			snprintf(found, sizeof found, "%s", entry->d_name);
 	if (open)
 		closedir(open);
-	return found[0] != 0 && snprintf(path, size, "%s%s", folder, found) < (int)size && access(path, R_OK) == 0;
+	return found[0] != 0 && snprintf(path, size, "%s%s", folder, found) < (int)size && access(path, R_OK)
+		== 0;
 }
 
 static bool is_there(char *path, size_t size, const char *folder, const char *name)
 {
 	struct stat status;
-	return snprintf(path, size, "%s%s", folder, name) < (int)size && stat(path, &status) == 0 && S_ISREG(status.st_mode)
-		&& access(path, R_OK) == 0;
+	return snprintf(path, size, "%s%s", folder, name) < (int)size && stat(path, &status) == 0
+		&& S_ISREG(status.st_mode) && access(path, R_OK) == 0;
 }
 
 bool eco_model_find_beside(const char *model, const char *name, char *path, size_t size)
 {
 	const char *slash = strrchr(model, '/'), *last;
 	char plain[1024], folder[4096];
-	if (snprintf(folder, sizeof folder, "%.*s", slash != NULL ? (int)(slash - model) + 1 : 0, model) >= (int)sizeof folder
+	if (snprintf(folder, sizeof folder, "%.*s", slash != NULL ? (int)(slash - model) + 1 : 0, model)
+			>= (int)sizeof folder
 		|| snprintf(plain, sizeof plain, "%s", name) >= (int)sizeof plain)
 		return false;
-	if (is_there(path, size, *name != '/' ? folder : "", name))      /* a percent sign or backslash may be meant as such */
+	if (is_there(path, size, *name != '/' ? folder : "",
+			name))      /* a percent sign or backslash may be meant as such */
 		return true;
 	plain_path(plain);
 	last = eco_path_last(plain);
@@ -92,7 +97,8 @@ static enum eco_code open_regular(const char *path, FILE **file, uint64_t *size,
 	struct stat status;
 	*file = fopen(path, "rb");
 	if (!*file)
-		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.400s: %s", path, strerror(errno));
+		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.400s: %s", path,
+			strerror(errno));
 	if (fstat(fileno(*file), &status) == 0 && S_ISREG(status.st_mode)) {
 		*size = (uint64_t)status.st_size;
 		return ECO_OK;
@@ -101,7 +107,8 @@ static enum eco_code open_regular(const char *path, FILE **file, uint64_t *size,
 	return eco_fail(error, ECO_IO, "%.400s: not a regular file", path);
 }
 
-enum eco_code eco_file_read(const char *path, uint64_t most, uint8_t **bytes, size_t *size, struct eco_error *error)
+enum eco_code eco_file_read(const char *path, uint64_t most, uint8_t **bytes, size_t *size,
+	struct eco_error *error)
 {
 	uint64_t length = 0;
 	FILE *file;
@@ -111,10 +118,11 @@ enum eco_code eco_file_read(const char *path, uint64_t most, uint8_t **bytes, si
 	if (code)
 		return code;
 	if (length > most)
-		code = eco_fail(error, ECO_TOO_LARGE, "%.300s: %llu bytes, at most %llu are possible", path, (unsigned long long)length,
-			(unsigned long long)most);
+		code = eco_fail(error, ECO_TOO_LARGE, "%.300s: %llu bytes, at most %llu are possible", path,
+			(unsigned long long)length, (unsigned long long)most);
 	else if (!(*bytes = malloc((size_t)length + 1)))
-		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for its %llu bytes", path, (unsigned long long)length);
+		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for its %llu bytes", path,
+			(unsigned long long)length);
 	else
 		(*bytes)[*size = fread(*bytes, 1, (size_t)length, file)] = 0;
 	if (code == ECO_OK && ferror(file)) {
@@ -153,8 +161,10 @@ bool eco_file_head_has(const char *path, size_t bytes, const char *word)
 struct packed { const char *magic; size_t bytes; const char *what, *command, *suffix, *otherwise; };
 
 static const struct packed packed[] = {
-	{ "\xfd" "7zXZ\0", 6, "xz", "xz -dk", ".xz", "xzcat" }, { "\x1f\x8b", 2, "gzip", "gunzip -k", ".gz", "zcat" },
-	{ "BZh", 3, "bzip2", "bunzip2 -k", ".bz2", "bzcat" }, { "\x28\xb5\x2f\xfd", 4, "zstd", "zstd -d", ".zst", "zstdcat" },
+	{ "\xfd" "7zXZ\0", 6, "xz", "xz -dk", ".xz", "xzcat" },
+		{ "\x1f\x8b", 2, "gzip", "gunzip -k", ".gz", "zcat" },
+	{ "BZh", 3, "bzip2", "bunzip2 -k", ".bz2", "bzcat" },
+	{ "\x28\xb5\x2f\xfd", 4, "zstd", "zstd -d", ".zst", "zstdcat" },
 	{ "7z\xbc\xaf\x27\x1c", 6, "7z", "7z x", "", "" }, { "Rar!\x1a\x07", 6, "rar", "unrar x", "", "" },
 	{ "PK\x03\x04", 4, "zip", "unzip", "", "" },
 };
@@ -171,12 +181,18 @@ static const struct other others[] = {
 	{ ".usd", "USD is not read: export GLB or OBJ" }, { ".usda", "USD is not read: export GLB or OBJ" },
 	{ ".usdc", "USD is not read: export GLB or OBJ" }, { ".usdz", "USD is not read: export GLB or OBJ" },
 	{ ".skp", "SketchUp's own format is not read: export GLB, Collada or OBJ" },
-	{ ".max", "3ds Max's own format is not read: export FBX, GLB or OBJ" }, { ".c4d", "Cinema 4D's own format is not read: export FBX, GLB or OBJ" },
-	{ ".ma", "Maya's own format is not read: export FBX, GLB or OBJ" }, { ".mb", "Maya's own format is not read: export FBX, GLB or OBJ" },
-	{ ".spm", "SpeedTree's own format is not read: export FBX or OBJ" }, { ".srt", "SpeedTree's own format is not read: export FBX or OBJ" },
-	{ ".st", "SpeedTree's own format is not read: export FBX or OBJ" }, { ".abc", "Alembic is not read: export FBX, GLB or OBJ" },
-	{ ".3dm", "Rhino's own format is not read: export FBX, GLB or OBJ" }, { ".step", CAD }, { ".stp", CAD }, { ".igs", CAD }, { ".iges", CAD },
-	{ ".vrm", "avatars are no plants: export GLB" }, { ".png", "a picture, not a model" }, { ".jpg", "a picture, not a model" },
+	{ ".max", "3ds Max's own format is not read: export FBX, GLB or OBJ" },
+	{ ".c4d", "Cinema 4D's own format is not read: export FBX, GLB or OBJ" },
+	{ ".ma", "Maya's own format is not read: export FBX, GLB or OBJ" },
+	{ ".mb", "Maya's own format is not read: export FBX, GLB or OBJ" },
+	{ ".spm", "SpeedTree's own format is not read: export FBX or OBJ" },
+	{ ".srt", "SpeedTree's own format is not read: export FBX or OBJ" },
+	{ ".st", "SpeedTree's own format is not read: export FBX or OBJ" },
+	{ ".abc", "Alembic is not read: export FBX, GLB or OBJ" },
+	{ ".3dm", "Rhino's own format is not read: export FBX, GLB or OBJ" }, { ".step", CAD },
+	{ ".stp", CAD }, { ".igs", CAD }, { ".iges", CAD },
+	{ ".vrm", "avatars are no plants: export GLB" }, { ".png", "a picture, not a model" },
+	{ ".jpg", "a picture, not a model" },
 	{ ".json", "not a model; glTF files end in .gltf or .glb" },
 };
 
@@ -184,38 +200,45 @@ static enum eco_code refuse_packed(const char *path, const struct packed *p, str
 {
 	const char *name = eco_path_last(path);
 	if (eco_path_ends_with(path, p->suffix))
-		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: packed with %s; unpack it first: %s %.100s", path, p->what, p->command, name);
-	return eco_fail(error, ECO_UNSUPPORTED, "%.300s: packed with %s; unpack it first: %s <%.100s >unpacked-%.100s", path, p->what, p->otherwise,
-		name, name);
+		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: packed with %s; unpack it first: %s %.100s",
+			path, p->what, p->command, name);
+	return eco_fail(error, ECO_UNSUPPORTED, "%.300s: packed with %s; unpack it first: %s <%.100s "
+		">unpacked-%.100s", path, p->what, p->otherwise, name, name);
 }
 
-enum eco_code eco_file_check_head(const char *path, const char *head, size_t size, bool holds_zip, const char *wanted, struct eco_error *error)
+enum eco_code eco_file_check_head(const char *path, const char *head, size_t size, bool holds_zip,
+	const char *wanted, struct eco_error *error)
 {
 	if (size == 0)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: the file is empty", path);
 	for (size_t i = 0; i < sizeof packed / sizeof *packed; i++)
-		if (size >= packed[i].bytes && memcmp(head, packed[i].magic, packed[i].bytes) == 0 && !(holds_zip && packed[i].magic[0] == 'P'))
+		if (size >= packed[i].bytes && memcmp(head, packed[i].magic, packed[i].bytes) == 0
+				&& !(holds_zip && packed[i].magic[0] == 'P'))
 			return refuse_packed(path, &packed[i], error);
 	if (size >= 22 && memcmp(head, "version https://git-lfs", 22) == 0)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: a pointer of Git LFS, not the file itself: git lfs pull fetches it", path);
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: a pointer of Git LFS, not the file itself: "
+			"git lfs pull fetches it", path);
 	while (size > 0 && (*head == ' ' || *head == '\t' || *head == '\n' || *head == '\r')) {
 		head++;
 		size--;
 	}
 	if (strncasecmp(head, "<!doctype html", 14) == 0 || strncasecmp(head, "<html", 5) == 0)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: a web page, not %s: the download went wrong", path, wanted);
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: a web page, not %s: the download went wrong",
+			path, wanted);
 	return ECO_OK;
 }
 
 enum eco_code eco_model_file_check(const char *path, struct eco_error *error)
 {
 	struct stat status;
-	bool holds_zip = eco_path_ends_with(path, ".zae") || eco_path_ends_with(path, ".3mf") || eco_path_ends_with(path, ".usdz");
+	bool holds_zip = eco_path_ends_with(path, ".zae") || eco_path_ends_with(path, ".3mf")
+		|| eco_path_ends_with(path, ".usdz");
 	char *head;
 	size_t size;
 	enum eco_code code;
 	if (stat(path, &status) != 0)
-		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.400s: %s", path, strerror(errno));
+		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.400s: %s", path,
+			strerror(errno));
 	if (S_ISDIR(status.st_mode))
 		return eco_fail(error, ECO_BAD_INPUT, "%.400s: a folder, not a model", path);
 	if (!S_ISREG(status.st_mode))
@@ -246,6 +269,7 @@ void eco_model_choose_base(const double low[3], const double high[3], double bas
 	}
 	for (int k = 0; k < 3; k++) {
 		double middle = (low[k] + high[k]) / 2;
-		base[k] = far > NEAR * extent && middle > -1e15 && middle < 1e15 ? (double)(int64_t)middle : 0;
+		base[k] = far > NEAR * extent && middle > -1e15 && middle < 1e15 ? (double)(int64_t)middle
+			: 0;
 	}
 }

@@ -44,7 +44,8 @@ struct soup {
 	struct gltf_skin *skins;     uint32_t skin_count;
 	struct eco_tints tints;
 	struct gltf_counts counts;
-	uint64_t read;               /* triangles of all shapes; each is placed at least once, so their sum is bounded */
+	/* triangles of all shapes; each is placed at least once, so their sum is bounded */
+	uint64_t read;
 	uint64_t triangles, vertices, hidden, instances;
 	uint32_t averaged;           /* textured primitives whose vertex colours differ */
 };
@@ -73,10 +74,14 @@ static bool grow(void **items, uint32_t count, uint32_t *room, size_t size)
 
 /* Extensions that are read, or that do not change a plant at rest; every KHR_materials_* only changes
  * shading, which is not computed here. */
-static const char *const handled[] = { "KHR_draco_mesh_compression", "KHR_mesh_quantization", "EXT_meshopt_compression",
-	"KHR_meshopt_compression", "EXT_mesh_gpu_instancing", "EXT_texture_webp", "KHR_texture_transform", "KHR_lights_punctual",
-	"KHR_node_visibility", "KHR_animation_pointer", "KHR_xmp", "KHR_xmp_json_ld", "EXT_mesh_primitive_restart",
-	"KHR_mesh_primitive_restart", "EXT_mesh_features", "EXT_instance_features", "EXT_structural_metadata", "EXT_lights_image_based",
+static const char *const handled[] = { "KHR_draco_mesh_compression", "KHR_mesh_quantization",
+	"EXT_meshopt_compression",
+	"KHR_meshopt_compression", "EXT_mesh_gpu_instancing", "EXT_texture_webp", "KHR_texture_transform",
+	"KHR_lights_punctual",
+	"KHR_node_visibility", "KHR_animation_pointer", "KHR_xmp", "KHR_xmp_json_ld",
+	"EXT_mesh_primitive_restart",
+	"KHR_mesh_primitive_restart", "EXT_mesh_features", "EXT_instance_features", "EXT_structural_metadata",
+	"EXT_lights_image_based",
 	"EXT_lights_ies", "MSFT_lod", "FB_ngon_encoding", "GODOT_single_root" };
 
 static bool is_handled(const char *name)
@@ -94,12 +99,16 @@ static enum eco_code check_required(const struct soup *s)
 	const json_t *required = json_object_get(eco_gltf_json(s->doc), "extensionsRequired");
 	for (size_t i = 0; i < json_array_size(required); i++) {
 		const char *name = json_string_value(json_array_get(required, i));
-		if (name && (strcmp(name, "KHR_texture_basisu") == 0 || strcmp(name, "EXT_texture_avif") == 0))
-			return eco_fail(s->error, ECO_UNSUPPORTED, "%.200s: requires the glTF extension %s, which is not supported; export with "
+		if (name
+				&& (strcmp(name, "KHR_texture_basisu") == 0
+				|| strcmp(name, "EXT_texture_avif") == 0))
+			return eco_fail(s->error, ECO_UNSUPPORTED,
+				"%.200s: requires the glTF extension %s, which is not supported; export with "
 				"PNG, JPEG or WebP textures", eco_gltf_path(s->doc), name);
 		if (!name || !is_handled(name))
-			return eco_fail(s->error, ECO_UNSUPPORTED, "%.200s: requires the glTF extension %.100s, which is not supported; export without it",
-				eco_gltf_path(s->doc), name != NULL ? name : "(not a name)");
+			return eco_fail(s->error, ECO_UNSUPPORTED,
+				"%.200s: requires the glTF extension %.100s, which is not supported; export "
+				"without it", eco_gltf_path(s->doc), name != NULL ? name : "(not a name)");
 	}
 	return ECO_OK;
 }
@@ -115,8 +124,10 @@ static enum eco_code too_many(struct soup *s, uint64_t triangles)
 
 static enum eco_code read_piece(struct soup *s, struct shape *shape, const json_t *primitive, uint32_t number)
 {
-	struct gltf_surface_source source = { .doc = s->doc, .looks = s->looks, .look_count = s->look_count, .primitive = primitive,
-		.weights = shape->weights, .mesh = shape->mesh, .number = number, .triangles_max = s->triangles_max, .counts = &s->counts };
+	struct gltf_surface_source source = { .doc = s->doc, .looks = s->looks, .look_count = s->look_count,
+		.primitive = primitive,
+		.weights = shape->weights, .mesh = shape->mesh, .number = number,
+		.triangles_max = s->triangles_max, .counts = &s->counts };
 	struct piece *piece;
 	enum eco_code code;
 	if (!grow((void **)&s->pieces, s->piece_count, &s->piece_room, sizeof *s->pieces))
@@ -136,11 +147,13 @@ static enum eco_code read_piece(struct soup *s, struct shape *shape, const json_
 /* The shape of a node's mesh; reads it if it is new. */
 static enum eco_code find_shape(struct soup *s, uint32_t mesh, const json_t *node, uint32_t *found)
 {
-	const json_t *json = eco_gltf_item(s->doc, "meshes", mesh), *weights = json_object_get(node, "weights"), *primitives;
+	const json_t *json = eco_gltf_item(s->doc, "meshes", mesh),
+		*weights = json_object_get(node, "weights"), *primitives;
 	struct shape *shape;
 	enum eco_code code = ECO_OK;
 	if (!json)
-		return eco_fail(s->error, ECO_DAMAGED, "%.300s: names mesh %u, which is not there", eco_gltf_path(s->doc), mesh);
+		return eco_fail(s->error, ECO_DAMAGED, "%.300s: names mesh %u, which is not there",
+			eco_gltf_path(s->doc), mesh);
 	if (!weights)
 		weights = json_object_get(json, "weights");
 	for (*found = s->first_shape[mesh]; *found != ECO_NONE; *found = s->shapes[*found].next)
@@ -149,7 +162,8 @@ static enum eco_code find_shape(struct soup *s, uint32_t mesh, const json_t *nod
 	if (!grow((void **)&s->shapes, s->shape_count, &s->shape_room, sizeof *s->shapes))
 		return out_of_memory(s);
 	shape = &s->shapes[s->shape_count];
-	*shape = (struct shape){ .mesh = mesh, .weights = weights, .first = s->piece_count, .next = s->first_shape[mesh] };
+	*shape = (struct shape){ .mesh = mesh, .weights = weights, .first = s->piece_count,
+		.next = s->first_shape[mesh] };
 	primitives = json_object_get(json, "primitives");
 	for (size_t i = 0; i < json_array_size(primitives) && code == ECO_OK; i++)
 		code = read_piece(s, shape, json_array_get(primitives, i), (uint32_t)i);
@@ -174,7 +188,8 @@ static enum eco_code add_place(struct soup *s, uint32_t shape, uint32_t node, co
 	return ECO_OK;
 }
 
-static enum eco_code add_instances(struct soup *s, uint32_t shape, uint32_t node, const double world[16], bool *there)
+static enum eco_code add_instances(struct soup *s, uint32_t shape, uint32_t node, const double world[16],
+	bool *there)
 {
 	struct eco_gltf_instances all;
 	enum eco_code code = eco_gltf_instances_open(s->doc, node, there, &all, s->error);
@@ -216,7 +231,8 @@ static enum eco_code find_skin(struct soup *s, uint32_t node, const struct gltf_
 	if (!json_object_get(json, "skin"))
 		return ECO_OK;
 	if (index >= s->skin_count)
-		return eco_fail(s->error, ECO_DAMAGED, "%.300s: node %u names a skin that is not there", eco_gltf_path(s->doc), node);
+		return eco_fail(s->error, ECO_DAMAGED, "%.300s: node %u names a skin that is not there",
+			eco_gltf_path(s->doc), node);
 	*skin = &s->skins[index];
 	return s->skins[index].matrix ? ECO_OK : gltf_skin_read(&s->skins[index], s->doc, index, s->error);
 }
@@ -241,7 +257,8 @@ static double largest_scale(const double m[16])
 {
 	double most = 0;
 	for (int c = 0; c < 3; c++)
-		most = fmax(most, m[c * 4] * m[c * 4] + m[c * 4 + 1] * m[c * 4 + 1] + m[c * 4 + 2] * m[c * 4 + 2]);
+		most = fmax(most, m[c * 4] * m[c * 4] + m[c * 4 + 1] * m[c * 4 + 1]
+			+ m[c * 4 + 2] * m[c * 4 + 2]);
 	return sqrt(most);
 }
 
@@ -299,7 +316,8 @@ static enum eco_code choose_base(struct soup *s)
 	for (int k = 0; k < 3; k++)
 		extent = fmax(extent, b.high[k] - b.low[k]);
 	if (isfinite(b.far) && b.far * 0x1p-24 > extent * COARSE)
-		eco_note(s->notes, "its coordinates are up to %g from the origin, in single precision, and so only exact to %.2g of their unit: export it "
+		eco_note(s->notes, "its coordinates are up to %g from the origin, in single precision, and "
+			"so only exact to %.2g of their unit: export it "
 			"with a local origin", b.far, b.far * 0x1p-24);
 	return ECO_OK;
 }
@@ -348,7 +366,9 @@ static uint32_t triangle_material(struct soup *s, const struct piece *piece, con
 	if (v[0] == ECO_NONE || v[1] == ECO_NONE || v[2] == ECO_NONE)
 		return piece->surface.material;
 	for (size_t k = 0; k < 3; k++)
-		rgb[k] = eco_srgb_from_linear(((double)c[(size_t)v[0] * 3 + k] + (double)c[(size_t)v[1] * 3 + k] + (double)c[(size_t)v[2] * 3 + k]) / 3);
+		rgb[k] =
+			eco_srgb_from_linear(((double)c[(size_t)v[0] * 3 + k]
+			+ (double)c[(size_t)v[1] * 3 + k] + (double)c[(size_t)v[2] * 3 + k]) / 3);
 	eco_tint_step(rgb);
 	return eco_tints_get(&s->tints, piece->surface.material, rgb);
 }
@@ -363,7 +383,9 @@ static bool take_memory(struct soup *s)
 	m->index = malloc((s->triangles + 1) * 3 * sizeof *m->index);
 	m->material = malloc((s->triangles + 1) * sizeof *m->material);
 	m->part = malloc((s->triangles + 1) * sizeof *m->part);
-	m->parts = malloc((s->place_count < ECO_MODEL_PARTS_MAX ? s->place_count + 1u : ECO_MODEL_PARTS_MAX) * sizeof *m->parts);
+	m->parts =
+		malloc((s->place_count < ECO_MODEL_PARTS_MAX ? s->place_count + 1u : ECO_MODEL_PARTS_MAX)
+		* sizeof *m->parts);
 	return m->position && m->uv && m->index && m->material && m->part && m->parts
 		&& eco_tints_start(&s->tints, m);
 }
@@ -373,11 +395,15 @@ static void add_part(struct soup *s, const struct place *place)
 {
 	struct eco_model *m = s->model;
 	const char *node = eco_gltf_text(eco_gltf_item(s->doc, "nodes", place->node), "name");
-	const char *mesh = eco_gltf_text(eco_gltf_item(s->doc, "meshes", s->shapes[place->shape].mesh), "name");
+	const char *mesh = eco_gltf_text(eco_gltf_item(s->doc, "meshes", s->shapes[place->shape].mesh),
+		"name");
 	bool both = *node != 0 && *mesh != 0 && strcmp(node, mesh) != 0;
 	struct eco_part part = { .name = "" };
-	snprintf(part.name, sizeof part.name, "%s%s%s", node, both ? "/" : "", both || *node == 0 ? mesh : "");
-	if (m->part_count == 0 || (m->part_count < ECO_MODEL_PARTS_MAX && strcmp(m->parts[m->part_count - 1].name, part.name) != 0))
+	snprintf(part.name, sizeof part.name, "%s%s%s", node, both ? "/" : "", both || *node == 0 ? mesh
+		: "");
+	if (m->part_count == 0
+			|| (m->part_count < ECO_MODEL_PARTS_MAX
+			&& strcmp(m->parts[m->part_count - 1].name, part.name) != 0))
 		m->parts[m->part_count++] = part;
 }
 
@@ -396,8 +422,8 @@ static void add_vertices(struct soup *s, const struct gltf_surface *surface, con
 	}
 }
 
-static enum eco_code add_piece(struct soup *s, void *ctx, const struct piece *piece, const struct place *place,
-	const struct gltf_skin *skin)
+static enum eco_code add_piece(struct soup *s, void *ctx, const struct piece *piece,
+	const struct place *place, const struct gltf_skin *skin)
 {
 	const struct gltf_surface *surface = &piece->surface;
 	struct eco_model *m = s->model;
@@ -413,7 +439,8 @@ static enum eco_code add_piece(struct soup *s, void *ctx, const struct piece *pi
 	for (uint32_t i = 0; i < surface->triangle_count; i++) {
 		const uint32_t *v = &surface->index[(size_t)i * 3];
 		for (size_t k = 0; k < 3; k++)
-			m->index[(size_t)m->triangle_count * 3 + k] = v[k] != ECO_NONE ? m->vertex_count + v[k] : ECO_NONE;
+			m->index[(size_t)m->triangle_count * 3 + k] = v[k] != ECO_NONE
+				? m->vertex_count + v[k] : ECO_NONE;
 		m->part[m->triangle_count] = m->part_count - 1;
 		m->material[m->triangle_count++] = triangle_material(s, piece, v);
 	}
@@ -427,28 +454,34 @@ static void tell(struct soup *s)
 {
 	size_t scenes = json_array_size(json_object_get(eco_gltf_json(s->doc), "scenes"));
 	if (!eco_gltf_has_scene(s->doc))
-		eco_note(s->notes, "%s: all of its nodes are read", scenes > 0 ? "its default scene is not there" : "no scene in it");
+		eco_note(s->notes, "%s: all of its nodes are read",
+			scenes > 0 ? "its default scene is not there" : "no scene in it");
 	else if (scenes > 1)
 		eco_note(s->notes, "%zu scenes are in it: the default one is read, else the first", scenes);
 	if (s->instances > 0)
-		eco_note(s->notes, "%llu instances in it (EXT_mesh_gpu_instancing) make one plant: if it is an inventory, name it in \"from\"",
-			(unsigned long long)s->instances);
+		eco_note(s->notes, "%llu instances in it (EXT_mesh_gpu_instancing) make one plant: if it is "
+			"an inventory, name it in \"from\"", (unsigned long long)s->instances);
 	if (s->counts.points > 0 || s->counts.lines > 0)
-		eco_note(s->notes, "%llu points and %llu lines are left out: only triangles are drawn", (unsigned long long)s->counts.points,
-			(unsigned long long)s->counts.lines);
+		eco_note(s->notes, "%llu points and %llu lines are left out: only triangles are drawn",
+			(unsigned long long)s->counts.points, (unsigned long long)s->counts.lines);
 	if (s->counts.shapeless > 0)
-		eco_note(s->notes, "%llu primitives without positions are left out", (unsigned long long)s->counts.shapeless);
+		eco_note(s->notes, "%llu primitives without positions are left out",
+			(unsigned long long)s->counts.shapeless);
 	if (s->counts.partial > 0)
-		eco_note(s->notes, "%llu corners at the ends of lists of triangles make no triangle", (unsigned long long)s->counts.partial);
+		eco_note(s->notes, "%llu corners at the ends of lists of triangles make no triangle",
+			(unsigned long long)s->counts.partial);
 	if (s->counts.morphed > 0)
-		eco_note(s->notes, "%llu morph targets of Draco meshes are not applied", (unsigned long long)s->counts.morphed);
+		eco_note(s->notes, "%llu morph targets of Draco meshes are not applied",
+			(unsigned long long)s->counts.morphed);
 	if (s->counts.faint > 0)
-		eco_note(s->notes, "%llu vertices have colours with alpha below 0.5, which is not applied", (unsigned long long)s->counts.faint);
+		eco_note(s->notes, "%llu vertices have colours with alpha below 0.5, which is not applied",
+			(unsigned long long)s->counts.faint);
 	if (s->hidden > 0)
-		eco_note(s->notes, "%llu triangles have materials with alpha below 0.5 (baseColorFactor): they are left out",
-			(unsigned long long)s->hidden);
+		eco_note(s->notes, "%llu triangles have materials with alpha below 0.5 (baseColorFactor): "
+			"they are left out", (unsigned long long)s->hidden);
 	if (s->averaged > 0)
-		eco_note(s->notes, "%u textured meshes have vertex colours that differ: each is drawn in their mean", s->averaged);
+		eco_note(s->notes, "%u textured meshes have vertex colours that differ: each is drawn in "
+			"their mean", s->averaged);
 }
 
 static enum eco_code prepare(struct soup *s)
@@ -472,8 +505,10 @@ static enum eco_code check_totals(const struct soup *s)
 {
 	const char *path = eco_gltf_path(s->doc);
 	if (s->triangles == 0 && s->counts.points + s->counts.lines > 0)
-		return eco_fail(s->error, ECO_BAD_INPUT, "%.300s: no triangles in it, only %llu points and %llu lines; a point cloud has no surfaces: make a "
-			"mesh of it first", path, (unsigned long long)s->counts.points, (unsigned long long)s->counts.lines);
+		return eco_fail(s->error, ECO_BAD_INPUT, "%.300s: no triangles in it, only %llu points and "
+			"%llu lines; a point cloud has no surfaces: make a "
+			"mesh of it first", path, (unsigned long long)s->counts.points,
+			(unsigned long long)s->counts.lines);
 	if (s->triangles == 0)
 		return eco_fail(s->error, ECO_BAD_INPUT, "%.300s: no triangles in its scene", path);
 	return ECO_OK;
@@ -501,10 +536,11 @@ static enum eco_code read_soup(struct soup *s)
 	return code;
 }
 
-enum eco_code eco_gltf_read_document(struct eco_model *model, struct eco_model_frame *frame, struct eco_gltf *doc,
-	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error)
+enum eco_code eco_gltf_read_document(struct eco_model *model, struct eco_model_frame *frame,
+	struct eco_gltf *doc, uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error)
 {
-	struct soup s = { .doc = doc, .model = model, .frame = frame, .notes = notes, .error = error, .triangles_max = triangles_max };
+	struct soup s = { .doc = doc, .model = model, .frame = frame, .notes = notes, .error = error,
+		.triangles_max = triangles_max };
 	enum eco_code code = read_soup(&s);
 	eco_tints_end(&s.tints);
 	for (uint32_t i = 0; i < s.piece_count; i++)
@@ -520,8 +556,8 @@ enum eco_code eco_gltf_read_document(struct eco_model *model, struct eco_model_f
 	return code;
 }
 
-enum eco_code eco_gltf_read_model(struct eco_model *model, struct eco_model_frame *frame, const char *path, uint32_t triangles_max,
-	struct eco_notes *notes, struct eco_error *error)
+enum eco_code eco_gltf_read_model(struct eco_model *model, struct eco_model_frame *frame, const char *path,
+	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error)
 {
 	struct eco_gltf *doc;
 	enum eco_code code = eco_gltf_open(&doc, path, error);

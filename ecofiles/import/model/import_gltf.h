@@ -19,14 +19,15 @@ struct gltf_look *gltf_looks_read(const struct eco_gltf *doc, uint32_t *count);
 void gltf_look_apply(const struct gltf_look *look, const double from[2], float to[2]);
 
 /* Fills model->materials, and the images of materials used and visible. */
-enum eco_code gltf_materials_read(struct eco_model *model, struct eco_gltf *doc, const struct gltf_look *looks, uint32_t count,
-	struct eco_notes *notes, struct eco_error *error);
+enum eco_code gltf_materials_read(struct eco_model *model, struct eco_gltf *doc,
+	const struct gltf_look *looks, uint32_t count, struct eco_notes *notes, struct eco_error *error);
 
 /* ---- Surfaces (import_gltf_surface.c) ---- */
 
 #define GLTF_INFLUENCES_MAX 16u
 
-struct gltf_surface {            /* a primitive: triangles in its mesh's own coordinates, only the vertices in use */
+/* a primitive: triangles in its mesh's own coordinates, only the vertices in use */
+struct gltf_surface {
 	uint32_t vertex_count, triangle_count, material;
 	float *position;             /* 3 per vertex */
 	float *uv;                   /* 2 per vertex; NULL: none */
@@ -52,7 +53,8 @@ struct gltf_surface_source {
 };
 
 /* Reads one primitive; no triangles if it consists of points or lines. */
-enum eco_code gltf_surface_read(struct gltf_surface *surface, const struct gltf_surface_source *source, struct eco_error *error);
+enum eco_code gltf_surface_read(struct gltf_surface *surface, const struct gltf_surface_source *source,
+	struct eco_error *error);
 void gltf_surface_free(struct gltf_surface *surface);
 
 /* ---- Skins at rest (import_gltf_skin.c) ---- */
@@ -61,8 +63,10 @@ struct gltf_skin {
 	uint32_t count;
 	double *matrix;              /* 16 per joint, to the world; NULL: not read */
 };
-enum eco_code gltf_skin_read(struct gltf_skin *skin, struct eco_gltf *doc, uint32_t index, struct eco_error *error);
+enum eco_code gltf_skin_read(struct gltf_skin *skin, struct eco_gltf *doc, uint32_t index,
+	struct eco_error *error);
 /* Vertex `v` in the world; false: no joint holds it. */
-bool gltf_skin_place(const struct gltf_skin *skin, const struct gltf_surface *surface, uint32_t v, double out[3]);
+bool gltf_skin_place(const struct gltf_skin *skin, const struct gltf_surface *surface, uint32_t v,
+	double out[3]);
 
 #endif

@@ -35,7 +35,8 @@ static void factor_of(const json_t *material, double rgba[4])
 	const json_t *old = old_style(material);
 	double read[4] = { 1, 1, 1, 1 };
 	if (!(old != NULL ? eco_gltf_numbers(old, "diffuseFactor", read, 4)
-		: eco_gltf_numbers(json_object_get(material, "pbrMetallicRoughness"), "baseColorFactor", read, 4)))
+		: eco_gltf_numbers(json_object_get(material, "pbrMetallicRoughness"), "baseColorFactor", read,
+		4)))
 		read[0] = read[1] = read[2] = read[3] = 1;
 	memcpy(rgba, read, sizeof read);
 }
@@ -73,7 +74,8 @@ static void read_transform(const json_t *texture, struct gltf_look *look)
 		if (fabs(look->uv.scale[k]) > 65536)
 			look->uv.scale[k] = 1;
 	}
-	eco_turn_sincos(eco_turn_from_deg(fabs(radians) <= 1e6 ? radians * (180 / PI) : 0), &look->uv.sine, &look->uv.cosine);
+	eco_turn_sincos(eco_turn_from_deg(fabs(radians) <= 1e6 ? radians * (180 / PI) : 0), &look->uv.sine,
+		&look->uv.cosine);
 	look->uv_set = eco_gltf_index(from, "texCoord");
 	if (look->uv_set == ECO_NONE)
 		look->uv_set = eco_gltf_index(texture, "texCoord");
@@ -95,7 +97,8 @@ static void read_look(const json_t *material, struct gltf_look *look)
 struct gltf_look *gltf_looks_read(const struct eco_gltf *doc, uint32_t *count)
 {
 	size_t materials = json_array_size(json_object_get(eco_gltf_json(doc), "materials"));
-	struct gltf_look *looks = materials < ECO_MODEL_MATERIALS_MAX ? calloc(materials + 1, sizeof *looks) : NULL;
+	struct gltf_look *looks = materials < ECO_MODEL_MATERIALS_MAX ? calloc(materials + 1, sizeof *looks)
+		: NULL;
 	*count = (uint32_t)materials;
 	for (size_t i = 0; looks && i <= materials; i++)
 		read_look(eco_gltf_item(doc, "materials", i), &looks[i]);
@@ -128,7 +131,8 @@ static bool image_name(const struct eco_gltf *doc, uint32_t index, char *name, s
 	return true;
 }
 
-static enum eco_code decode_data_uri(const char *uri, const char *name, struct eco_image *image, struct eco_error *error)
+static enum eco_code decode_data_uri(const char *uri, const char *name, struct eco_image *image,
+	struct eco_error *error)
 {
 	bool is_data;
 	uint8_t *bytes = NULL;
@@ -140,7 +144,8 @@ static enum eco_code decode_data_uri(const char *uri, const char *name, struct e
 	return code;
 }
 
-static bool embedded(void *ctx, const char *name, struct eco_image *image, enum eco_code *code, struct eco_error *error)
+static bool embedded(void *ctx, const char *name, struct eco_image *image, enum eco_code *code,
+	struct eco_error *error)
 {
 	struct eco_gltf *doc = ctx;
 	const json_t *json;
@@ -169,16 +174,18 @@ static uint32_t source_of(const struct eco_gltf *doc, const json_t *texture)
 {
 	const json_t *json = eco_gltf_item(doc, "textures", eco_gltf_whole(texture, "index", UINT64_MAX));
 	uint32_t source = eco_gltf_index(json, "source");
-	return source != ECO_NONE ? source : eco_gltf_index(eco_gltf_extension(json, "EXT_texture_webp"), "source");
+	return source != ECO_NONE ? source : eco_gltf_index(eco_gltf_extension(json, "EXT_texture_webp"),
+		"source");
 }
 
-static void read_image(struct eco_images *images, const struct eco_gltf *doc, const json_t *material, double opacity,
-	struct eco_material *to, struct eco_notes *notes)
+static void read_image(struct eco_images *images, const struct eco_gltf *doc, const json_t *material,
+	double opacity, struct eco_material *to, struct eco_notes *notes)
 {
 	struct eco_image_wanted wanted = { .gain = 1 };
 	char name[2048];
 	if (!image_name(doc, source_of(doc, texture_of(material)), name, sizeof name)) {
-		eco_note(notes, "material %.63s: its texture has no picture of a kind that is read; it keeps one colour", to->name);
+		eco_note(notes, "material %.63s: its texture has no picture of a kind that is read; it "
+			"keeps one colour", to->name);
 		return;
 	}
 	wanted.texture = name;
@@ -190,8 +197,8 @@ static void read_image(struct eco_images *images, const struct eco_gltf *doc, co
 
 /* ---- Materials ---- */
 
-static void read_material(struct eco_images *images, const struct eco_gltf *doc, uint32_t index, const struct gltf_look *look,
-	struct eco_notes *notes)
+static void read_material(struct eco_images *images, const struct eco_gltf *doc, uint32_t index,
+	const struct gltf_look *look, struct eco_notes *notes)
 {
 	const json_t *material = eco_gltf_item(doc, "materials", index);
 	struct eco_material *to = &images->model->materials[index];
@@ -206,15 +213,17 @@ static void read_material(struct eco_images *images, const struct eco_gltf *doc,
 		eco_material_lost_picture(to);
 }
 
-enum eco_code gltf_materials_read(struct eco_model *model, struct eco_gltf *doc, const struct gltf_look *looks, uint32_t count,
-	struct eco_notes *notes, struct eco_error *error)
+enum eco_code gltf_materials_read(struct eco_model *model, struct eco_gltf *doc,
+	const struct gltf_look *looks, uint32_t count, struct eco_notes *notes, struct eco_error *error)
 {
-	struct eco_images images = { .model = model, .path = eco_gltf_path(doc), .notes = notes, .embedded = embedded, .ctx = doc };
+	struct eco_images images = { .model = model, .path = eco_gltf_path(doc), .notes = notes,
+		.embedded = embedded, .ctx = doc };
 	uint32_t all = count + looks[count].used;
 	model->materials = calloc((size_t)all + 1, sizeof *model->materials);
 	if (!model->materials || !eco_images_start(&images)) {
 		eco_images_end(&images);
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for its materials", eco_gltf_path(doc));
+		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for its materials",
+			eco_gltf_path(doc));
 	}
 	model->material_count = all;
 	for (uint32_t i = 0; i < all; i++)

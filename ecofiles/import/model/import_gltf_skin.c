@@ -14,25 +14,30 @@ static enum eco_code read_inverse(struct eco_gltf *doc, const json_t *json, stru
 	return eco_gltf_accessor_open(doc, eco_gltf_index(json, "inverseBindMatrices"), 16, inverse, error);
 }
 
-enum eco_code gltf_skin_read(struct gltf_skin *skin, struct eco_gltf *doc, uint32_t index, struct eco_error *error)
+enum eco_code gltf_skin_read(struct gltf_skin *skin, struct eco_gltf *doc, uint32_t index,
+	struct eco_error *error)
 {
 	const json_t *json = eco_gltf_item(doc, "skins", index), *joints = json_object_get(json, "joints");
 	size_t count = json_array_size(joints);
 	struct eco_gltf_accessor inverse;
 	enum eco_code code;
 	if (!json)
-		return eco_fail(error, ECO_DAMAGED, "%.300s: names skin %u, which is not there", eco_gltf_path(doc), index);
+		return eco_fail(error, ECO_DAMAGED, "%.300s: names skin %u, which is not there",
+			eco_gltf_path(doc), index);
 	code = read_inverse(doc, json, &inverse, error);
 	if (code)
 		return code;
 	skin->matrix = count < ECO_NONE ? malloc((count + 1) * 16 * sizeof *skin->matrix) : NULL;
 	if (!skin->matrix)
-		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for skin %u", eco_gltf_path(doc), index);
+		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for skin %u", eco_gltf_path(doc),
+			index);
 	skin->count = (uint32_t)count;
 	for (size_t i = 0; i < count && code == ECO_OK; i++) {
-		json_int_t node = json_is_integer(json_array_get(joints, i)) ? json_integer_value(json_array_get(joints, i)) : -1;
+		json_int_t node = json_is_integer(json_array_get(joints, i))
+			? json_integer_value(json_array_get(joints, i)) : -1;
 		double *matrix = &skin->matrix[i * 16], bind[16];
-		code = eco_gltf_node_matrix(doc, node >= 0 && node < ECO_NONE ? (uint32_t)node : ECO_NONE, matrix, error);
+		code = eco_gltf_node_matrix(doc, node >= 0 && node < ECO_NONE ? (uint32_t)node : ECO_NONE,
+			matrix, error);
 		if (code == ECO_OK && i < inverse.count) {
 			eco_gltf_element(&inverse, i, bind);
 			eco_gltf_multiply(matrix, matrix, bind);

@@ -34,8 +34,8 @@ struct reader {
 
 static enum eco_code fail(const struct reader *r, enum eco_code code, const char *says)
 {
-	return eco_fail(r->error, code, "%.300s: meshes[%u].primitives[%u]: %s", eco_gltf_path(r->from->doc), r->from->mesh,
-		r->from->number, says);
+	return eco_fail(r->error, code, "%.300s: meshes[%u].primitives[%u]: %s", eco_gltf_path(r->from->doc),
+		r->from->mesh, r->from->number, says);
 }
 
 /* ---- Attributes ---- */
@@ -64,7 +64,8 @@ static bool is_wanted(const struct reader *r, enum attribute which, const struct
 
 static bool components_fit(enum attribute which, uint32_t components)
 {
-	return components == (which == POSITION ? 3u : which == TEXCOORD ? 2u : 4u) || (which == COLOR && components == 3);
+	return components == (which == POSITION ? 3u : which == TEXCOORD ? 2u : 4u)
+		|| (which == COLOR && components == 3);
 }
 
 static enum eco_code open_attribute(struct reader *r, enum attribute which, const char *name)
@@ -74,7 +75,8 @@ static enum eco_code open_attribute(struct reader *r, enum attribute which, cons
 	enum eco_code code;
 	if (!json_object_get(attributes, name))
 		return ECO_OK;
-	code = eco_gltf_accessor_open(r->from->doc, eco_gltf_index(attributes, name), 0, &v->accessor, r->error);
+	code = eco_gltf_accessor_open(r->from->doc, eco_gltf_index(attributes, name), 0, &v->accessor,
+		r->error);
 	if (code)
 		return code;
 	if (!components_fit(which, v->accessor.components))
@@ -91,7 +93,8 @@ static enum eco_code open_attributes(struct reader *r, const struct gltf_look *l
 		name_of((enum attribute)i, look, name);
 		if (is_wanted(r, (enum attribute)i, look))
 			code = open_attribute(r, (enum attribute)i, name);
-		if (code == ECO_OK && i == TEXCOORD && !r->values[i].there && look->uv_set != 0 && is_wanted(r, TEXCOORD, look))
+		if (code == ECO_OK && i == TEXCOORD && !r->values[i].there && look->uv_set != 0
+				&& is_wanted(r, TEXCOORD, look))
 			code = open_attribute(r, TEXCOORD, "TEXCOORD_0");
 	}
 	return code;
@@ -116,9 +119,11 @@ static void vertex_values(const struct reader *r, enum attribute which, uint32_t
 
 static uint32_t faces_declared(const struct reader *r)
 {
-	const json_t *accessor = eco_gltf_item(r->from->doc, "accessors", eco_gltf_whole(r->from->primitive, "indices", UINT64_MAX));
+	const json_t *accessor = eco_gltf_item(r->from->doc, "accessors",
+		eco_gltf_whole(r->from->primitive, "indices", UINT64_MAX));
 	uint64_t count = eco_gltf_whole(accessor, "count", UINT64_MAX);
-	return accessor && count / 3 < r->from->triangles_max ? (uint32_t)(count / 3) : r->from->triangles_max;
+	return accessor && count / 3 < r->from->triangles_max ? (uint32_t)(count / 3)
+		: r->from->triangles_max;
 }
 
 /* Finds Draco's attributes among those needed. The others keep their accessors, if these have data. */
@@ -135,7 +140,8 @@ static uint32_t match_attributes(struct reader *r, const json_t *ids, const stru
 			id = eco_gltf_index(ids, "TEXCOORD_0");
 		if (id == ECO_NONE || !r->values[i].there)
 			continue;
-		wanted[count] = (struct eco_draco_attribute){ .id = id, .components = (uint8_t)r->values[i].accessor.components };
+		wanted[count] = (struct eco_draco_attribute){ .id = id,
+			.components = (uint8_t)r->values[i].accessor.components };
 		which[count++] = (enum attribute)i;
 	}
 	return count;
@@ -147,15 +153,18 @@ static enum eco_code open_draco(struct reader *r, const json_t *extension, const
 	enum attribute which[ATTRIBUTES];
 	struct eco_draco_mesh mesh;
 	struct eco_error inner = { .code = ECO_OK };
-	uint32_t count = match_attributes(r, json_object_get(extension, "attributes"), look, wanted, which), faces = faces_declared(r);
+	uint32_t count = match_attributes(r, json_object_get(extension, "attributes"), look, wanted, which),
+		faces = faces_declared(r);
 	const uint8_t *bytes;
 	size_t size;
-	enum eco_code code = eco_gltf_view(r->from->doc, eco_gltf_index(extension, "bufferView"), &bytes, &size, r->error);
+	enum eco_code code = eco_gltf_view(r->from->doc, eco_gltf_index(extension, "bufferView"), &bytes,
+		&size, r->error);
 	if (code)
 		return code;
 	if (count == 0 || which[0] != POSITION)
 		return fail(r, ECO_DAMAGED, "its Draco stream has no positions");
-	if (eco_draco_decode_gltf(bytes, size, faces, faces > UINT32_MAX / 3 ? UINT32_MAX : 3 * faces, wanted, count, &mesh,
+	if (eco_draco_decode_gltf(bytes, size, faces, faces > UINT32_MAX / 3 ? UINT32_MAX : 3 * faces, wanted,
+			count, &mesh,
 		&inner) != ECO_OK)
 		return fail(r, inner.code, inner.text);
 	for (uint32_t i = 0; i < count; i++)
@@ -171,7 +180,8 @@ static enum eco_code open_draco(struct reader *r, const json_t *extension, const
 
 static uint32_t index_at(const struct reader *r, uint64_t i)
 {
-	return r->draco_index ? r->draco_index[i] : r->indexed ? eco_gltf_element_index(&r->indices, i) : (uint32_t)i;
+	return r->draco_index ? r->draco_index[i] : r->indexed ? eco_gltf_element_index(&r->indices, i)
+		: (uint32_t)i;
 }
 
 /* The greatest index of a type is no index: it begins the next strip. */
@@ -185,7 +195,8 @@ static void add_triangle(struct reader *r, uint32_t a, uint32_t b, uint32_t c)
 {
 	const uint32_t v[3] = { a, b, c };
 	for (int k = 0; k < 3; k++)
-		r->to->index[(size_t)r->to->triangle_count * 3 + (size_t)k] = v[k] < r->vertex_count ? v[k] : ECO_NONE;
+		r->to->index[(size_t)r->to->triangle_count * 3 + (size_t)k] = v[k] < r->vertex_count ? v[k]
+			: ECO_NONE;
 	r->to->triangle_count++;
 }
 
@@ -215,8 +226,8 @@ static enum eco_code read_triangles(struct reader *r, uint64_t mode)
 {
 	uint64_t most = mode == TRIANGLES ? r->index_count / 3 : r->index_count > 2 ? r->index_count - 2 : 0;
 	if (most > r->from->triangles_max)
-		return eco_fail(r->error, ECO_TOO_LARGE, "%.300s: %llu triangles, at most %u are possible", eco_gltf_path(r->from->doc),
-			(unsigned long long)most, r->from->triangles_max);
+		return eco_fail(r->error, ECO_TOO_LARGE, "%.300s: %llu triangles, at most %u are possible",
+			eco_gltf_path(r->from->doc), (unsigned long long)most, r->from->triangles_max);
 	r->to->index = malloc(((size_t)most + 1) * 3 * sizeof *r->to->index);
 	if (!r->to->index)
 		return fail(r, ECO_NO_MEMORY, "out of memory");
@@ -236,7 +247,8 @@ static enum eco_code open_indices(struct reader *r)
 	r->index_count = r->vertex_count;
 	if (!json_object_get(r->from->primitive, "indices"))
 		return ECO_OK;
-	code = eco_gltf_accessor_open(r->from->doc, eco_gltf_index(r->from->primitive, "indices"), 1, &r->indices, r->error);
+	code = eco_gltf_accessor_open(r->from->doc, eco_gltf_index(r->from->primitive, "indices"), 1,
+		&r->indices, r->error);
 	r->index_count = r->indices.count;
 	r->indexed = true;
 	return code;
@@ -306,13 +318,16 @@ static void take_joints(struct reader *r, uint32_t from, uint32_t to)
 	struct gltf_surface *s = r->to;
 	for (uint32_t set = 0; set < s->influences / 4; set++) {
 		double joints[4] = { 0, 0, 0, 0 }, weights[4] = { 0, 0, 0, 0 };
-		if (has_value(r, (enum attribute)(JOINTS + set), from) && has_value(r, (enum attribute)(WEIGHTS + set), from)) {
+		if (has_value(r, (enum attribute)(JOINTS + set), from)
+				&& has_value(r, (enum attribute)(WEIGHTS + set), from)) {
 			vertex_values(r, (enum attribute)(JOINTS + set), from, joints);
 			vertex_values(r, (enum attribute)(WEIGHTS + set), from, weights);
 		}
 		for (uint32_t i = 0; i < 4; i++) {
-			s->joint[(size_t)to * s->influences + set * 4 + i] = joints[i] >= 0 && joints[i] < ECO_NONE ? (uint32_t)joints[i] : ECO_NONE;
-			s->weight[(size_t)to * s->influences + set * 4 + i] = isfinite(weights[i]) ? (float)weights[i] : 0;
+			s->joint[(size_t)to * s->influences + set * 4 + i] = joints[i] >= 0
+				&& joints[i] < ECO_NONE ? (uint32_t)joints[i] : ECO_NONE;
+			s->weight[(size_t)to * s->influences + set * 4 + i] = isfinite(weights[i])
+				? (float)weights[i] : 0;
 		}
 	}
 }
@@ -329,7 +344,8 @@ static bool take_memory(struct reader *r)
 	s->color = r->values[COLOR].there ? malloc(n * 3 * sizeof *s->color) : NULL;
 	s->joint = s->influences > 0 ? malloc(n * s->influences * sizeof *s->joint) : NULL;
 	s->weight = s->influences > 0 ? malloc(n * s->influences * sizeof *s->weight) : NULL;
-	return s->position && (s->uv != NULL || !r->values[TEXCOORD].there) && (s->color != NULL || !r->values[COLOR].there)
+	return s->position && (s->uv != NULL || !r->values[TEXCOORD].there)
+		&& (s->color != NULL || !r->values[COLOR].there)
 		&& (s->influences == 0 || (s->joint != NULL && s->weight));
 }
 
@@ -349,7 +365,9 @@ static enum eco_code add_target(struct reader *r, const json_t *target, double w
 		if (source[v] < a.count)
 			eco_gltf_element(&a, source[v], delta);
 		for (int k = 0; k < 3; k++)
-			r->to->position[(size_t)v * 3 + (size_t)k] = (float)((double)r->to->position[(size_t)v * 3 + (size_t)k] + weight * delta[k]);
+			r->to->position[(size_t)v * 3 + (size_t)k] =
+				(float)((double)r->to->position[(size_t)v * 3 + (size_t)k]
+				+ weight * delta[k]);
 	}
 	eco_gltf_accessor_close(&a);
 	return ECO_OK;
@@ -432,7 +450,8 @@ static enum eco_code read_primitive(struct reader *r)
 	return code == ECO_OK ? read_vertices(r, look) : code;
 }
 
-enum eco_code gltf_surface_read(struct gltf_surface *surface, const struct gltf_surface_source *source, struct eco_error *error)
+enum eco_code gltf_surface_read(struct gltf_surface *surface, const struct gltf_surface_source *source,
+	struct eco_error *error)
 {
 	struct reader r = { .from = source, .to = surface, .error = error };
 	enum eco_code code;

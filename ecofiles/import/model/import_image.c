@@ -21,7 +21,8 @@ struct eco_image_key {           /* one decoded image per key */
 	bool cutout;
 };
 
-static enum eco_code decode(struct eco_images *r, struct eco_image *image, const char *name, struct eco_error *error)
+static enum eco_code decode(struct eco_images *r, struct eco_image *image, const char *name,
+	struct eco_error *error)
 {
 	char path[4096];
 	enum eco_code code;
@@ -45,7 +46,8 @@ static void merge_opacity(struct eco_image *image, const struct eco_image *opaci
 			uint32_t ox = (uint32_t)((uint64_t)x * opacity->width / image->width);
 			uint32_t oy = (uint32_t)((uint64_t)y * opacity->height / image->height);
 			const uint8_t *o = &opacity->rgba[((size_t)oy * opacity->width + ox) * 4];
-			image->rgba[((size_t)y * image->width + x) * 4 + 3] = own ? o[3] : (uint8_t)((o[0] + o[1] + o[2]) / 3);
+			image->rgba[((size_t)y * image->width + x) * 4 + 3] = own ? o[3]
+				: (uint8_t)((o[0] + o[1] + o[2]) / 3);
 		}
 }
 
@@ -79,20 +81,22 @@ static bool load_image(struct eco_images *r, struct eco_image_key *key, struct e
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_image opacity = { .rgba = NULL };
 	if (decode(r, image, key->texture, &error) != ECO_OK) {
-		eco_note(r->notes, "texture %.200s: %.300s; its material keeps one colour", key->texture, error.text);
+		eco_note(r->notes, "texture %.200s: %.300s; its material keeps one colour", key->texture,
+			error.text);
 		return false;
 	}
 	if (key->opacity) {
 		if (decode(r, &opacity, key->opacity, &error) == ECO_OK)
 			merge_opacity(image, &opacity);
 		else
-			eco_note(r->notes, "opacity map %.200s: %.300s; it is not applied", key->opacity, error.text);
+			eco_note(r->notes, "opacity map %.200s: %.300s; it is not applied", key->opacity,
+				error.text);
 		eco_image_free(&opacity);
 	}
 	r->pixels += (uint64_t)image->width * image->height;
 	if (r->pixels > ALL_PIXELS_MAX) {
-		eco_note(r->notes, "texture %.200s: the images have more than %llu pixels together; its material keeps one colour", key->texture,
-			(unsigned long long)ALL_PIXELS_MAX);
+		eco_note(r->notes, "texture %.200s: the images have more than %llu pixels together; its "
+			"material keeps one colour", key->texture, (unsigned long long)ALL_PIXELS_MAX);
 		eco_image_free(image);
 		return false;
 	}
@@ -121,7 +125,8 @@ uint32_t eco_images_get(struct eco_images *images, const struct eco_image_wanted
 		return ECO_NONE;
 	if (i == m->image_count) {
 		struct eco_image_key *key = &images->keys[i];
-		*key = (struct eco_image_key){ .texture = strdup(wanted->texture), .opacity = wanted->opacity ? strdup(wanted->opacity) : NULL,
+		*key = (struct eco_image_key){ .texture = strdup(wanted->texture), .opacity = wanted->opacity
+			? strdup(wanted->opacity) : NULL,
 			.alpha = wanted->alpha, .gain = wanted->gain };
 		if (!key->texture || (wanted->opacity != NULL && !key->opacity)) {
 			free(key->texture);

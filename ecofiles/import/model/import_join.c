@@ -110,18 +110,22 @@ static void append_parts(struct eco_model *m, const struct eco_model_piece *piec
 }
 
 /* Appends a piece, and takes its images. Positions are relative to `frame`'s base, in its unit. */
-static void append(struct eco_model *m, const struct eco_model_frame *frame, struct eco_model_piece *piece, bool several)
+static void append(struct eco_model *m, const struct eco_model_frame *frame, struct eco_model_piece *piece,
+	bool several)
 {
 	struct eco_model *from = &piece->model;
 	double scale = frame->unit_m > 0 && piece->frame.unit_m > 0 ? piece->frame.unit_m / frame->unit_m : 1;
 	for (uint32_t i = 0; i < from->vertex_count; i++)
 		for (uint32_t k = 0; k < 3; k++)
-			m->position[((size_t)m->vertex_count + i) * 3 + k] = (float)((from->position[(size_t)i * 3 + k] + piece->frame.base[k]) * scale
+			m->position[((size_t)m->vertex_count + i) * 3 + k] =
+				(float)((from->position[(size_t)i * 3 + k] + piece->frame.base[k]) * scale
 				- frame->base[k]);
 	if (from->uv)
-		memcpy(&m->uv[(size_t)m->vertex_count * 2], from->uv, (size_t)from->vertex_count * 2 * sizeof *m->uv);
+		memcpy(&m->uv[(size_t)m->vertex_count * 2], from->uv,
+			(size_t)from->vertex_count * 2 * sizeof *m->uv);
 	for (size_t i = 0; i < (size_t)from->triangle_count * 3; i++)
-		m->index[(size_t)m->triangle_count * 3 + i] = from->index[i] < from->vertex_count ? from->index[i] + m->vertex_count : ECO_NONE;
+		m->index[(size_t)m->triangle_count * 3 + i] = from->index[i] < from->vertex_count
+			? from->index[i] + m->vertex_count : ECO_NONE;
 	for (uint32_t i = 0; i < from->triangle_count; i++)
 		m->material[m->triangle_count + i] = from->material[i] + m->material_count;
 	append_parts(m, piece, several);
@@ -153,17 +157,20 @@ static enum eco_up find_up(struct eco_model *m, enum eco_up convention, struct e
 	m->source.up_how = certainty >= ECO_UP_CERTAIN ? ECO_HOW_SHAPE : ECO_HOW_CONVENTION;
 	if (certainty < ECO_UP_CERTAIN) {
 		up = convention;
-		eco_note(notes, "its shape does not tell which axis points up: taken for %s, as is usual in this format; add \"up\": \"%s\" if not",
-			eco_up_name(up), eco_up_name(up == ECO_UP_Z ? ECO_UP_Y : ECO_UP_Z));
+		eco_note(notes, "its shape does not tell which axis points up: taken for %s, as is usual in "
+			"this format; add \"up\": \"%s\" if not", eco_up_name(up),
+			eco_up_name(up == ECO_UP_Z ? ECO_UP_Y : ECO_UP_Z));
 	} else if (up != convention) {
-		eco_note(notes, "by its shape the %s axis points up, not %s as is usual in this format; add \"up\": \"%s\" if not", eco_up_name(up),
-			eco_up_name(convention), eco_up_name(convention));
+		eco_note(notes, "by its shape the %s axis points up, not %s as is usual in this format; add "
+			"\"up\": \"%s\" if not", eco_up_name(up), eco_up_name(convention),
+			eco_up_name(convention));
 	}
 	return up;
 }
 
 /* The axis that `options` or a piece names; ECO_UP_FOUND: none does. */
-static enum eco_up known_up(const struct eco_model_piece *pieces, uint32_t count, const struct eco_model_options *options, enum eco_how *how)
+static enum eco_up known_up(const struct eco_model_piece *pieces, uint32_t count,
+	const struct eco_model_options *options, enum eco_how *how)
 {
 	*how = options->up != ECO_UP_FOUND ? ECO_HOW_GIVEN : ECO_HOW_FORMAT;
 	if (options->up != ECO_UP_FOUND)
@@ -192,8 +199,9 @@ static void share_up(struct eco_model_piece *pieces, uint32_t count, enum eco_up
 			turn_frame(&pieces[i].model, &pieces[i].frame, up);
 }
 
-enum eco_code eco_model_join(struct eco_model *model, struct eco_model_frame *frame, struct eco_model_piece *pieces, uint32_t count,
-	const struct eco_model_options *options, struct eco_notes *notes, struct eco_error *error)
+enum eco_code eco_model_join(struct eco_model *model, struct eco_model_frame *frame,
+	struct eco_model_piece *pieces, uint32_t count, const struct eco_model_options *options,
+	struct eco_notes *notes, struct eco_error *error)
 {
 	struct sums sums = add_up(pieces, count);
 	enum eco_how how;
@@ -201,14 +209,15 @@ enum eco_code eco_model_join(struct eco_model *model, struct eco_model_frame *fr
 	*model = (struct eco_model){ .position = NULL };
 	if (sums.triangles_in > UINT32_MAX || sums.vertices >= ECO_NONE || sums.images > ECO_MODEL_IMAGES_MAX
 		|| sums.materials > ECO_MODEL_MATERIALS_MAX || sums.parts > ECO_MODEL_PARTS_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "%.300s: with its other files it has too many vertices, materials, parts or images",
-			pieces[0].path);
+		return eco_fail(error, ECO_TOO_LARGE, "%.300s: with its other files it has too many "
+			"vertices, materials, parts or images", pieces[0].path);
 	share_unit(pieces, count, options->unit_m);
 	share_up(pieces, count, up, options->up != ECO_UP_FOUND);
 	*frame = pieces[0].frame;
 	if (!take_memory(model, &sums)) {
 		eco_model_free(model);
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for %llu triangles", pieces[0].path, (unsigned long long)sums.triangles);
+		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for %llu triangles",
+			pieces[0].path, (unsigned long long)sums.triangles);
 	}
 	for (uint32_t i = 0; i < count; i++) {
 		append(model, frame, &pieces[i], count > 1);

@@ -67,7 +67,8 @@ static bool get_images(FILE *in, struct eco_model *m, uint32_t count)
 		return false;
 	for (uint32_t i = 0; i < count; i++) {
 		struct eco_image image;
-		if (fread(&image, sizeof image, 1, in) != 1 || (uint64_t)image.width * image.height > ECO_PIXELS_MAX)
+		if (fread(&image, sizeof image, 1, in) != 1 || (uint64_t)image.width * image.height
+				> ECO_PIXELS_MAX)
 			return false;
 		image.rgba = get(in, (size_t)image.width * image.height * 4);
 		if (!image.rgba)
@@ -98,8 +99,8 @@ static bool counts_fit(const struct eco_model *m, uint32_t triangles_max)
 	for (int i = 0; i < ECO_DROP_COUNT; i++)
 		accounted += m->dropped[i];
 	return m->triangle_count <= triangles_max && m->vertex_count <= (uint64_t)triangles_max * 3
-		&& m->material_count <= ECO_MODEL_MATERIALS_MAX && m->image_count <= ECO_MODEL_IMAGES_MAX && m->part_count <= ECO_MODEL_PARTS_MAX
-		&& accounted == m->triangles_in;
+		&& m->material_count <= ECO_MODEL_MATERIALS_MAX && m->image_count <= ECO_MODEL_IMAGES_MAX
+		&& m->part_count <= ECO_MODEL_PARTS_MAX && accounted == m->triangles_in;
 }
 
 static bool frame_fits(struct eco_model_frame *frame)
@@ -108,7 +109,8 @@ static bool frame_fits(struct eco_model_frame *frame)
 	for (int k = 0; k < 3; k++)
 		if (!(frame->base[k] >= -1e300 && frame->base[k] <= 1e300))
 			return false;
-	return frame->unit_m >= 0 && frame->unit_m <= 1e9 && frame->up <= ECO_UP_Z && frame->convention <= ECO_UP_Z;
+	return frame->unit_m >= 0 && frame->unit_m <= 1e9 && frame->up <= ECO_UP_Z && frame->convention
+		<= ECO_UP_Z;
 }
 
 static bool get_parts(FILE *in, struct eco_model *m, uint32_t count)
@@ -138,7 +140,8 @@ static bool get_model(FILE *in, struct head *head, uint32_t triangles_max)
 		&& (m->index = get(in, (size_t)m->triangle_count * 3 * sizeof *m->index))
 		&& (m->material = get(in, (size_t)m->triangle_count * sizeof *m->material))
 		&& (m->materials = get(in, (size_t)m->material_count * sizeof *m->materials))
-		&& (!head->part || get_parts(in, m, counts.part_count)) && get_images(in, m, counts.image_count) && references_fit(m);
+		&& (!head->part || get_parts(in, m, counts.part_count))
+		&& get_images(in, m, counts.image_count) && references_fit(m);
 }
 
 /* ---- In the child ---- */
@@ -161,7 +164,8 @@ static enum eco_code read_with_assimp(struct head *head, const struct job *job, 
 	if (code == ECO_OK && eco_path_ends_with(job->path, ".ply"))
 		code = eco_ply_prepare(&file, base, error);
 	if (!code)
-		code = assimp->read(&head->model, &head->frame, &file, job->triangles_max, &head->notes, error);
+		code = assimp->read(&head->model, &head->frame, &file, job->triangles_max, &head->notes,
+			error);
 	for (int k = 0; k < 3; k++)
 		head->frame.base[k] += base[k];
 	free(file.bytes);
@@ -178,15 +182,18 @@ static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 	head->frame.convention = ECO_UP_Y;
 	code = eco_model_file_check(job->path, error);
 	if (code == ECO_OK && eco_path_ends_with(job->path, ".obj"))
-		code = eco_obj_read(&head->model, &head->frame, job->path, job->triangles_max, &head->notes, error);
+		code = eco_obj_read(&head->model, &head->frame, job->path, job->triangles_max, &head->notes,
+			error);
 	else if (code == ECO_OK && (eco_gltf_is_path(job->path) || eco_file_head_has(job->path, 4, "glTF")))
-		code = eco_gltf_read_model(&head->model, &head->frame, job->path, job->triangles_max, &head->notes, error);
+		code = eco_gltf_read_model(&head->model, &head->frame, job->path, job->triangles_max,
+			&head->notes, error);
 	else if (!code)
 		code = read_with_assimp(head, job, error);
 	head->uv = head->model.uv != NULL;
 	head->part = head->model.part != NULL;
 	if (code == ECO_OK && !put_model(out, head))
-		code = eco_fail(error, ECO_IO, "%.300s: the model could not be handed over: %s", job->path, strerror(errno));
+		code = eco_fail(error, ECO_IO, "%.300s: the model could not be handed over: %s", job->path,
+			strerror(errno));
 	eco_model_free(&head->model);
 	free(head);
 	return code;
@@ -224,22 +231,25 @@ static void tell(const struct eco_model_options *options, struct eco_notes *note
 static struct eco_guard_limits limits_for(const char *path)
 {
 	struct stat status;
-	return eco_guard_limits_for(stat(path, &status) == 0 && status.st_size > 0 ? (uint64_t)status.st_size : 0);
+	return eco_guard_limits_for(stat(path, &status) == 0 && status.st_size > 0 ? (uint64_t)status.st_size
+		: 0);
 }
 
 /* Reads one file in a child of its own; warns of its notes at once. */
-static enum eco_code read_piece(struct eco_model_piece *piece, const struct eco_model_options *options, uint32_t triangles_max,
-	struct eco_error *error)
+static enum eco_code read_piece(struct eco_model_piece *piece, const struct eco_model_options *options,
+	uint32_t triangles_max, struct eco_error *error)
 {
 	struct job job = { piece->path, triangles_max };
 	struct eco_guard_limits limits = limits_for(piece->path);
 	struct head *head = calloc(1, sizeof *head);
 	FILE *result = NULL;
-	enum eco_code code = head == NULL ? eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", piece->path)
+	enum eco_code code = head == NULL ? eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory",
+		piece->path)
 		: eco_guard_run(work, &job, piece->path, &limits, &result, error);
 
 	if (code == ECO_OK && !get_model(result, head, triangles_max))
-		code = eco_fail(error, ECO_DAMAGED, "%.300s: the data from its reader contradict each other", piece->path);
+		code = eco_fail(error, ECO_DAMAGED, "%.300s: the data from its reader contradict each other",
+			piece->path);
 	if (result)
 		fclose(result);
 	if (head) {
@@ -252,7 +262,8 @@ static enum eco_code read_piece(struct eco_model_piece *piece, const struct eco_
 	return code;
 }
 
-static enum eco_code read_pieces(struct eco_model_piece *pieces, const struct eco_model_options *options, struct eco_error *error)
+static enum eco_code read_pieces(struct eco_model_piece *pieces, const struct eco_model_options *options,
+	struct eco_error *error)
 {
 	uint32_t left = options->triangles_max != 0 ? options->triangles_max : TRIANGLES_MAX;
 	enum eco_code code = ECO_OK;
@@ -264,7 +275,8 @@ static enum eco_code read_pieces(struct eco_model_piece *pieces, const struct ec
 	return code;
 }
 
-enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_options *options, struct eco_error *error)
+enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_options *options,
+	struct eco_error *error)
 {
 	struct eco_model_piece *pieces = calloc(options->path_count + 1u, sizeof *pieces);
 	struct eco_notes *notes = calloc(1, sizeof *notes);
@@ -274,7 +286,8 @@ enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_o
 	if (!pieces || !notes)
 		code = eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	else if (options->path_count == 0 || options->path_count > FILES_MAX)
-		code = eco_fail(error, ECO_BAD_INPUT, "a plant has 1 to %u files, not %u", FILES_MAX, options->path_count);
+		code = eco_fail(error, ECO_BAD_INPUT, "a plant has 1 to %u files, not %u", FILES_MAX,
+			options->path_count);
 	else
 		code = read_pieces(pieces, options, error);
 	if (!code)

@@ -53,7 +53,8 @@ struct eco_model_file {
 enum eco_code eco_model_file_check(const char *path, struct eco_error *error);
 
 /* The whole file, followed by a 0 that *size does not count; malloc'ed. At most `most` bytes. */
-enum eco_code eco_file_read(const char *path, uint64_t most, uint8_t **bytes, size_t *size, struct eco_error *error);
+enum eco_code eco_file_read(const char *path, uint64_t most, uint8_t **bytes, size_t *size,
+	struct eco_error *error);
 
 /* The file's first 64 KiB, followed by a 0; malloc'ed, NULL when memory ran out. 0 bytes if the file
  * cannot be read. */
@@ -61,7 +62,8 @@ char *eco_file_read_head(const char *path, size_t *size);
 
 /* Refuses, by a file's first bytes (followed by a 0), files that no reader can read: empty, packed (zip
  * unless the format is one itself), pointers of Git LFS, web pages. `wanted`: "a model". */
-enum eco_code eco_file_check_head(const char *path, const char *head, size_t size, bool holds_zip, const char *wanted, struct eco_error *error);
+enum eco_code eco_file_check_head(const char *path, const char *head, size_t size, bool holds_zip,
+	const char *wanted, struct eco_error *error);
 
 /* Whether a word is among the first `bytes` (at most 64 KiB) of a file, binary or not. */
 bool eco_file_head_has(const char *path, size_t bytes, const char *word);
@@ -79,15 +81,15 @@ bool eco_model_find_beside(const char *model, const char *name, char *path, size
 
 /* glTF 2.0 and GLB: the scene that a viewer would show, with instances, at rest. Refuses by name required
  * extensions that are not read. */
-enum eco_code eco_gltf_read_model(struct eco_model *model, struct eco_model_frame *frame, const char *path, uint32_t triangles_max,
-	struct eco_notes *notes, struct eco_error *error);
+enum eco_code eco_gltf_read_model(struct eco_model *model, struct eco_model_frame *frame, const char *path,
+	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error);
 /* The same from an open document (gltf.h). On failure *model holds the part read so far: free it. */
-enum eco_code eco_gltf_read_document(struct eco_model *model, struct eco_model_frame *frame, struct eco_gltf *doc, uint32_t triangles_max,
-	struct eco_notes *notes, struct eco_error *error);
+enum eco_code eco_gltf_read_document(struct eco_model *model, struct eco_model_frame *frame,
+	struct eco_gltf *doc, uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error);
 
 /* OBJ with MTL: positions, uv from the top left, materials, parts, images, triangles_in. Not cleaned. */
-enum eco_code eco_obj_read(struct eco_model *model, struct eco_model_frame *frame, const char *path, uint32_t triangles_max,
-	struct eco_notes *notes, struct eco_error *error);
+enum eco_code eco_obj_read(struct eco_model *model, struct eco_model_frame *frame, const char *path,
+	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error);
 
 /* PLY for assimp: if the file has coordinates in double precision far from the origin, makes a copy near
  * it (file->bytes; *base is what was subtracted). Refuses files without faces. */
@@ -116,7 +118,8 @@ struct eco_images {
 	struct eco_notes *notes;
 	/* Reads a texture inside the model: false if `name` is none of them; else sets *code. NULL: there
 	 * are none. */
-	bool (*embedded)(void *ctx, const char *name, struct eco_image *image, enum eco_code *code, struct eco_error *error);
+	bool (*embedded)(void *ctx, const char *name, struct eco_image *image, enum eco_code *code,
+		struct eco_error *error);
 	void *ctx;
 	struct eco_image_key *keys;          /* per image of the model */
 	uint64_t pixels;
@@ -163,7 +166,8 @@ void eco_tints_end(struct eco_tints *tints);
 /* Multiplies images by the colours of their materials, which become white, and merges equal images.
  * Materials may only name the model's images, at most ECO_MODEL_IMAGES_MAX of them, or none. Fails only
  * for lack of memory. */
-enum eco_code eco_model_bake_tints(struct eco_model *model, const char *path, struct eco_notes *notes, struct eco_error *error);
+enum eco_code eco_model_bake_tints(struct eco_model *model, const char *path, struct eco_notes *notes,
+	struct eco_error *error);
 
 uint8_t eco_srgb_from_linear(double linear);
 double eco_linear_from_srgb(uint8_t srgb);
@@ -179,7 +183,8 @@ struct eco_model_piece {         /* a file after its reader */
 /* Makes one soup of the pieces, which become empty: Z up, in the unit of the first file, parts named after
  * their files if there are several. Axes that a format does not state come from `options`, from another
  * piece, or from the shape, which is noted. `frame` receives base, unit and up of the whole. */
-enum eco_code eco_model_join(struct eco_model *model, struct eco_model_frame *frame, struct eco_model_piece *pieces, uint32_t count,
-	const struct eco_model_options *options, struct eco_notes *notes, struct eco_error *error);
+enum eco_code eco_model_join(struct eco_model *model, struct eco_model_frame *frame,
+	struct eco_model_piece *pieces, uint32_t count, const struct eco_model_options *options,
+	struct eco_notes *notes, struct eco_error *error);
 
 #endif

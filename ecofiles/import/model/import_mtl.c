@@ -12,10 +12,13 @@
 #define MTL_BYTES_MAX ((uint64_t)1 << 28)
 #define MATERIALS_MAX 65536u
 
-struct option { const char *name; int words, numbers; };   /* its arguments: so many words, or up to so many numbers */
+/* its arguments: so many words, or up to so many numbers */
+struct option { const char *name; int words, numbers; };
 
-static const struct option options[] = { { "-blendu", 1, 0 }, { "-blendv", 1, 0 }, { "-cc", 1, 0 }, { "-clamp", 1, 0 },
-	{ "-texres", 1, 0 }, { "-imfchan", 1, 0 }, { "-type", 1, 0 }, { "-bm", 1, 0 }, { "-boost", 1, 0 }, { "-colorspace", 1, 0 },
+static const struct option options[] = { { "-blendu", 1, 0 }, { "-blendv", 1, 0 }, { "-cc", 1, 0 },
+	{ "-clamp", 1, 0 },
+	{ "-texres", 1, 0 }, { "-imfchan", 1, 0 }, { "-type", 1, 0 }, { "-bm", 1, 0 }, { "-boost", 1, 0 },
+	{ "-colorspace", 1, 0 },
 	{ "-mm", 2, 0 }, { "-s", 0, 3 }, { "-o", 0, 3 }, { "-t", 0, 3 } };
 
 static char *skip_space(char *at)
@@ -36,7 +39,8 @@ static const struct option *option_at(const char *at)
 {
 	for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
 		size_t length = strlen(options[i].name);
-		if (strncasecmp(at, options[i].name, length) == 0 && (at[length] == ' ' || at[length] == '\t'))
+		if (strncasecmp(at, options[i].name, length) == 0
+				&& (at[length] == ' ' || at[length] == '\t'))
 			return &options[i];
 	}
 	return NULL;
@@ -65,7 +69,8 @@ static char *map_name(char *at, struct eco_mtl_material *m)
 	for (at = skip_space(at); (o = option_at(at));) {
 		at = skip_space(skip_word(at));
 		if (o->numbers > 0)
-			at = read_numbers(at, o->numbers, m == NULL ? NULL : strcmp(o->name, "-s") == 0 ? m->uv_scale
+			at = read_numbers(at, o->numbers, m == NULL ? NULL : strcmp(o->name, "-s") == 0
+				? m->uv_scale
 				: strcmp(o->name, "-o") == 0 ? m->uv_offset : NULL);
 		for (int i = 0; i < o->words; i++)
 			at = skip_space(skip_word(at));
@@ -163,7 +168,8 @@ enum eco_code eco_mtl_read(struct eco_mtl *mtl, const char *path, struct eco_err
 				free(bytes);
 				return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", path);
 			}
-			grown[mtl->count] = (struct eco_mtl_material){ .name = grown[mtl->count].name, .uv_scale = { 1, 1 } };
+			grown[mtl->count] = (struct eco_mtl_material){ .name = grown[mtl->count].name,
+				.uv_scale = { 1, 1 } };
 			mtl->count++;
 			inside = true;
 		} else if (inside) {

@@ -56,7 +56,8 @@ char *eco_obj_word(char **line)
 
 /* Reads a whole word as a number, also NaN and infinity in any spelling. A decimal comma or anything else
  * is an error that says what to do. */
-static enum eco_code read_number(const struct eco_obj_text *t, const char *word, double *number, struct eco_error *error)
+static enum eco_code read_number(const struct eco_obj_text *t, const char *word, double *number,
+struct eco_error *error)
 {
 	char *end;
 	*number = strtod(word, &end);
@@ -67,9 +68,11 @@ static enum eco_code read_number(const struct eco_obj_text *t, const char *word,
 		return ECO_OK;
 	}
 	if (strchr(word, ','))
-		return eco_fail(error, ECO_BAD_INPUT, "%.250s: line %u: \"%.40s\": numbers need a decimal point, not a comma; export it again with "
+		return eco_fail(error, ECO_BAD_INPUT, "%.250s: line %u: \"%.40s\": numbers need a decimal "
+			"point, not a comma; export it again with "
 			"English number format, or replace the commas", t->path, t->line, word);
-	return eco_fail(error, ECO_BAD_INPUT, "%.250s: line %u: \"%.40s\" is not a number", t->path, t->line, word);
+	return eco_fail(error, ECO_BAD_INPUT, "%.250s: line %u: \"%.40s\" is not a number", t->path, t->line,
+		word);
 }
 
 /* ---- Arrays and names ---- */
@@ -164,7 +167,8 @@ static enum eco_code read_vertex(struct eco_obj *o, char *rest)
 	if (code)
 		return code;
 	if (count < 3)
-		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: line %u: a vertex needs three numbers", o->text.path, o->text.line);
+		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: line %u: a vertex needs three numbers",
+			o->text.path, o->text.line);
 	place = append(&o->place, 3 * sizeof *place);
 	if (!place)
 		return no_memory(o);
@@ -176,7 +180,8 @@ static enum eco_code read_vertex(struct eco_obj *o, char *rest)
 		if (!color)
 			return no_memory(o);
 		for (int k = 0; k < 3; k++)
-			color[k] = o->color.count == o->place.count && isfinite(number[3 + k]) ? (float)number[3 + k] : -1;
+			color[k] = o->color.count == o->place.count && isfinite(number[3 + k])
+				? (float)number[3 + k] : -1;
 	}
 	return ECO_OK;
 }
@@ -225,7 +230,8 @@ static bool number_part(struct eco_obj *o)
 {
 	char name[520];
 	bool both = o->object[0] != 0 && o->group[0] != 0 && strcmp(o->object, o->group) != 0;
-	snprintf(name, sizeof name, "%s%s%s", o->object, both ? "/" : "", both || o->object[0] == 0 ? o->group : "");
+	snprintf(name, sizeof name, "%s%s%s", o->object, both ? "/" : "", both || o->object[0] == 0 ? o->group
+		: "");
 	o->part = name_number(&o->parts, name, ECO_MODEL_PARTS_MAX);
 	return o->part != ECO_NONE;
 }
@@ -247,14 +253,17 @@ static enum eco_code read_face(struct eco_obj *o, char *rest)
 		return ECO_OK;
 	}
 	if (n > ECO_POLYGON_CORNERS_MAX)
-		return eco_fail(o->error, ECO_TOO_LARGE, "%.300s: line %u: a polygon of %zu corners, at most %u are possible", o->text.path,
-			o->text.line, n, (unsigned)ECO_POLYGON_CORNERS_MAX);
+		return eco_fail(o->error, ECO_TOO_LARGE, "%.300s: line %u: a polygon of %zu corners, at "
+			"most %u are possible", o->text.path, o->text.line, n,
+			(unsigned)ECO_POLYGON_CORNERS_MAX);
 	o->triangles += n - 2;
 	if (o->triangles > o->triangles_max || first > UINT32_MAX)
-		return eco_fail(o->error, ECO_TOO_LARGE, "%.300s: %llu triangles by line %u, at most %u triangles are possible", o->text.path,
-			(unsigned long long)o->triangles, o->text.line, o->triangles_max);
+		return eco_fail(o->error, ECO_TOO_LARGE, "%.300s: %llu triangles by line %u, at most %u "
+			"triangles are possible", o->text.path, (unsigned long long)o->triangles,
+			o->text.line, o->triangles_max);
 	if ((o->part == ECO_NONE && !number_part(o))
-		|| (o->material == ECO_NONE && (o->material = name_number(&o->materials, "", ECO_MODEL_MATERIALS_MAX)) == ECO_NONE)
+		|| (o->material == ECO_NONE
+		&& (o->material = name_number(&o->materials, "", ECO_MODEL_MATERIALS_MAX)) == ECO_NONE)
 		|| !(face = append(&o->faces, sizeof *face)))
 		return no_memory(o);
 	*face = (struct eco_obj_face){ (uint32_t)first, o->material, o->part };
@@ -264,8 +273,10 @@ static enum eco_code read_face(struct eco_obj *o, char *rest)
 /* "# File units = centimeters", "# Units: mm" and the like, as some exporters write. */
 static void read_comment(struct eco_obj *o, const char *text)
 {
-	static const struct { const char *word; double metres; } units[] = { { "millimet", 0.001 }, { "centimet", 0.01 }, { "kilomet", 1000 },
-		{ "met", 1 }, { "inch", 0.0254 }, { "foot", 0.3048 }, { "feet", 0.3048 }, { "mm", 0.001 }, { "cm", 0.01 }, { "km", 1000 }, { "in", 0.0254 },
+	static const struct { const char *word; double metres; } units[] =
+		{ { "millimet", 0.001 }, { "centimet", 0.01 }, { "kilomet", 1000 },
+		{ "met", 1 }, { "inch", 0.0254 }, { "foot", 0.3048 }, { "feet", 0.3048 }, { "mm", 0.001 },
+		{ "cm", 0.01 }, { "km", 1000 }, { "in", 0.0254 },
 		{ "ft", 0.3048 }, { "m", 1 } };
 	const char *unit = strcasestr(text, "unit"), *word = unit != NULL ? strpbrk(unit, ":=") : NULL;
 	size_t letters = 0;
@@ -279,7 +290,8 @@ static void read_comment(struct eco_obj *o, const char *text)
 		letters++;
 	for (size_t i = 0; i < sizeof units / sizeof *units; i++) {
 		size_t length = strlen(units[i].word);
-		if (strncasecmp(word, units[i].word, length) == 0 && (letters == length || (length >= 3 && letters > length))) {
+		if (strncasecmp(word, units[i].word, length) == 0
+				&& (letters == length || (length >= 3 && letters > length))) {
 			o->unit_m = units[i].metres;
 			return;
 		}
@@ -338,12 +350,16 @@ static enum eco_code read_text(struct eco_obj *o)
 	if (code)
 		return code;
 	if (o->place.count >= ECO_NONE)
-		return eco_fail(o->error, ECO_TOO_LARGE, "%.300s: %zu vertices", o->text.path, o->place.count);
+		return eco_fail(o->error, ECO_TOO_LARGE, "%.300s: %zu vertices", o->text.path,
+			o->place.count);
 	if (o->place.count == 0 && o->faces.count == 0)
-		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: no vertices in it: not a Wavefront OBJ file, or an empty one", o->text.path);
+		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: no vertices in it: not a Wavefront OBJ "
+			"file, or an empty one", o->text.path);
 	if (o->faces.count == 0)
-		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: no triangles in it, only %zu vertices and %llu points or lines; a point cloud has no "
-			"surfaces: make a mesh of it first", o->text.path, o->place.count, (unsigned long long)o->loose);
+		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: no triangles in it, only %zu vertices and "
+			"%llu points or lines; a point cloud has no "
+			"surfaces: make a mesh of it first", o->text.path, o->place.count,
+			(unsigned long long)o->loose);
 	return ECO_OK;
 }
 
@@ -367,19 +383,22 @@ static void free_obj(struct eco_obj *o)
 static enum eco_code start_text(struct eco_obj *o, uint8_t *bytes, size_t size)
 {
 	if (size >= 2 && (memcmp(bytes, "\xff\xfe", 2) == 0 || memcmp(bytes, "\xfe\xff", 2) == 0))
-		return eco_fail(o->error, ECO_UNSUPPORTED, "%.300s: text in UTF-16; save it as UTF-8", o->text.path);
+		return eco_fail(o->error, ECO_UNSUPPORTED, "%.300s: text in UTF-16; save it as UTF-8",
+			o->text.path);
 	if (memchr(bytes, 0, size < 4096 ? size : 4096))
-		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: binary, so no Wavefront OBJ file", o->text.path);
+		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: binary, so no Wavefront OBJ file",
+			o->text.path);
 	o->text.at = (char *)bytes + (size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0);
 	o->text.end = (char *)bytes + size;
 	o->linear = memmem(bytes, size < 4096 ? size : 4096, "Blender", 7) != NULL;
 	return ECO_OK;
 }
 
-enum eco_code eco_obj_read(struct eco_model *model, struct eco_model_frame *frame, const char *path, uint32_t triangles_max,
-	struct eco_notes *notes, struct eco_error *error)
+enum eco_code eco_obj_read(struct eco_model *model, struct eco_model_frame *frame, const char *path,
+	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error)
 {
-	struct eco_obj o = { .text = { .path = path }, .error = error, .notes = notes, .triangles_max = triangles_max, .material = ECO_NONE,
+	struct eco_obj o = { .text = { .path = path }, .error = error, .notes = notes,
+		.triangles_max = triangles_max, .material = ECO_NONE,
 		.part = ECO_NONE };
 	uint8_t *bytes;
 	size_t size;

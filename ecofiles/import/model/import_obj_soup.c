@@ -39,7 +39,8 @@ static const struct eco_obj_face *faces_of(const struct eco_obj *o)
 /* Corners of face f: [*first, end). */
 static const struct eco_obj_corner *corners_of(const struct eco_obj *o, size_t f, uint32_t *n)
 {
-	size_t first = faces_of(o)[f].first, end = f + 1 < o->faces.count ? faces_of(o)[f + 1].first : o->corners.count;
+	size_t first = faces_of(o)[f].first, end = f + 1 < o->faces.count ? faces_of(o)[f + 1].first
+		: o->corners.count;
 	*n = (uint32_t)(end - first);
 	return (const struct eco_obj_corner *)o->corners.items + first;
 }
@@ -59,7 +60,8 @@ static enum eco_code read_library(struct maker *m, char *names)
 	if (eco_model_find_beside(o->text.path, names, path, sizeof path))
 		return eco_mtl_read(&m->mtl, path, o->error);
 	if (!strpbrk(names, " \t")) {
-		eco_note(o->notes, "its library of materials %.200s is not there: its materials have no colour", names);
+		eco_note(o->notes, "its library of materials %.200s is not there: its materials have no "
+			"colour", names);
 		return ECO_OK;
 	}
 	for (char *name, *rest = names; (name = strsep(&rest, " \t"));) {
@@ -69,7 +71,8 @@ static enum eco_code read_library(struct maker *m, char *names)
 		if (eco_model_find_beside(o->text.path, name, path, sizeof path))
 			code = eco_mtl_read(&m->mtl, path, o->error);
 		else
-			eco_note(o->notes, "its library of materials %.200s is not there: its materials have no colour", name);
+			eco_note(o->notes, "its library of materials %.200s is not there: its materials "
+				"have no colour", name);
 		if (code)
 			return code;
 	}
@@ -86,8 +89,9 @@ static enum eco_code read_libraries(struct maker *m)
 	for (size_t i = 0; i < o->libraries.count && code == ECO_OK; i++)
 		code = read_library(m, ((char **)o->libraries.items)[i]);
 	if (code != ECO_OK || m->mtl.count > 0 || !dot
-		|| snprintf(path, sizeof path, "%.*s.mtl", (int)(dot - o->text.path), o->text.path) >= (int)sizeof path
-		|| !eco_model_find_beside(o->text.path, eco_path_last(path), path, sizeof path))
+		|| snprintf(path, sizeof path, "%.*s.mtl", (int)(dot - o->text.path), o->text.path)
+		>= (int)sizeof path || !eco_model_find_beside(o->text.path, eco_path_last(path), path,
+		sizeof path))
 		return code;
 	if (o->libraries.count > 0)
 		eco_note(o->notes, "%.200s stands in for it", eco_path_last(path));
@@ -105,10 +109,12 @@ static void note_unknown(const struct maker *m)
 		if (m->of[i] || *name == 0 || strcasecmp(name, "none") == 0 || strcmp(name, "(null)") == 0)
 			continue;
 		if (count++ < 8 && used + strlen(name) + 3 < sizeof names)
-			used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", used > 0 ? ", " : "", name);
+			used += (size_t)snprintf(names + used, sizeof names - used, "%s%s",
+				used > 0 ? ", " : "", name);
 	}
 	if (count > 0)
-		eco_note(o->notes, "%u of its materials are in no library (%s): they have no colour", count, names);
+		eco_note(o->notes, "%u of its materials are in no library (%s): they have no colour", count,
+			names);
 }
 
 static uint8_t byte_of(const struct maker *m, double value)
@@ -131,12 +137,15 @@ static void make_material(struct maker *m, uint32_t i, struct eco_images *images
 	if (!from || m->invisible[i] || !from->texture)
 		return;
 	const double alpha = eco_mtl_alpha(from);
-	struct eco_image_wanted wanted = { .texture = from->texture, .gain = alpha * 255 + ALPHA_SLACK >= 127.5 && alpha < 1 ? (float)alpha : 1 };
+	struct eco_image_wanted wanted =
+		{ .texture = from->texture, .gain = alpha * 255 + ALPHA_SLACK >= 127.5 && alpha < 1
+		? (float)alpha : 1 };
 
 	if (from->opacity && strcmp(from->opacity, from->texture) != 0)
 		wanted.opacity = from->opacity;
 	to->image = eco_images_get(images, &wanted, &to->cutout);
-	if (to->image != ECO_NONE)           /* the map replaces the colour, whatever exporters leave there (0.8, 0.64, 0) */
+	/* the map replaces the colour, whatever exporters leave there (0.8, 0.64, 0) */
+	if (to->image != ECO_NONE)
 		memset(to->rgb, 255, 3);
 	else if (m->obj->color.count == 0)
 		eco_material_lost_picture(to);
@@ -156,7 +165,8 @@ static enum eco_code make_materials(struct maker *m)
 	m->invisible = calloc((size_t)count + 1, sizeof *m->invisible);
 	if (!m->model->materials || !m->of || !m->invisible || !eco_images_start(&images)) {
 		eco_images_end(&images);
-		return eco_fail(o->error, ECO_NO_MEMORY, "%.300s: out of memory for its materials", o->text.path);
+		return eco_fail(o->error, ECO_NO_MEMORY, "%.300s: out of memory for its materials",
+			o->text.path);
 	}
 	for (uint32_t i = 0; i < count; i++) {
 		m->of[i] = eco_mtl_find(&m->mtl, o->materials.items[i]);
@@ -174,7 +184,8 @@ static enum eco_code make_materials(struct maker *m)
 /* ---- Vertices ---- */
 
 /* The uv matters only with an image, and so does the texture's own transform. */
-static struct eco_obj_corner key_of(struct maker *m, struct eco_obj_corner c, uint32_t material, uint32_t *transform)
+static struct eco_obj_corner key_of(struct maker *m, struct eco_obj_corner c, uint32_t material,
+	uint32_t *transform)
 {
 	const struct eco_mtl_material *from = m->of[material];
 	*transform = ECO_NONE;
@@ -184,7 +195,8 @@ static struct eco_obj_corner key_of(struct maker *m, struct eco_obj_corner c, ui
 		m->missing_uv++;
 		c.vt = ECO_NONE;
 	}
-	if (c.vt != ECO_NONE && (from->uv_scale[0] != 1 || from->uv_scale[1] != 1 || from->uv_offset[0] != 0 || from->uv_offset[1] != 0))
+	if (c.vt != ECO_NONE && (from->uv_scale[0] != 1 || from->uv_scale[1] != 1 || from->uv_offset[0] != 0
+			|| from->uv_offset[1] != 0))
 		*transform = material;
 	return c;
 }
@@ -214,10 +226,12 @@ static uint32_t vertex_of(struct maker *m, struct eco_obj_corner corner, uint32_
 	if (!place)
 		return ECO_NONE;
 	key = key_of(m, corner, material, &transform);
-	h = (key.v * 0x9e3779b97f4a7c15u) ^ (key.vt * 0xc2b2ae3d27d4eb4fu) ^ (transform * 0x165667b19e3779f9u);
+	h = (key.v * 0x9e3779b97f4a7c15u) ^ (key.vt * 0xc2b2ae3d27d4eb4fu)
+		^ (transform * 0x165667b19e3779f9u);
 	h ^= h >> 29;
 	h *= 0xbf58476d1ce4e5b9u;
-	for (slot = (uint32_t)(h >> 32) & m->mask; (v = m->table[slot]) != ECO_NONE; slot = (slot + 1) & m->mask)
+	for (slot = (uint32_t)(h >> 32) & m->mask; (v = m->table[slot]) != ECO_NONE;
+			slot = (slot + 1) & m->mask)
 		if (m->key[v].v == key.v && m->key[v].vt == key.vt && m->transform[v] == transform)
 			return v;
 	v = m->table[slot] = to->vertex_count++;
@@ -233,7 +247,8 @@ static uint32_t vertex_of(struct maker *m, struct eco_obj_corner corner, uint32_
 
 static void color_of(const struct maker *m, uint32_t v, float rgb[3])
 {
-	const float *color = v < m->obj->color.count ? (const float *)m->obj->color.items + (size_t)v * 3 : NULL;
+	const float *color = v < m->obj->color.count ? (const float *)m->obj->color.items + (size_t)v * 3
+		: NULL;
 	for (int k = 0; k < 3; k++)
 		rgb[k] = color != NULL && color[0] >= 0 ? color[k] * m->color_scale : (float)GREY;
 }
@@ -275,7 +290,8 @@ static uint32_t run_material(struct maker *m, size_t first, size_t end)
 	return eco_tints_get(&m->tints, material, rgb);
 }
 
-static uint32_t triangle_material(struct maker *m, const struct eco_obj_corner *c, const uint32_t t[3], uint32_t material)
+static uint32_t triangle_material(struct maker *m, const struct eco_obj_corner *c, const uint32_t t[3],
+	uint32_t material)
 {
 	double sum[3] = { 0, 0, 0 };
 	uint8_t rgb[3];
@@ -323,9 +339,11 @@ static void add_face(struct maker *m, size_t f, uint32_t whole)
 	for (uint32_t i = 0; i + 2 < n; i++) {
 		const uint32_t *t = m->split + n + (size_t)i * 3;
 		for (int k = 0; k < 3; k++)
-			to->index[(size_t)to->triangle_count * 3 + (size_t)k] = vertex_of(m, c[t[k]], face->material);
+			to->index[(size_t)to->triangle_count * 3 + (size_t)k] =
+				vertex_of(m, c[t[k]], face->material);
 		to->part[to->triangle_count] = face->part;
-		to->material[to->triangle_count++] = whole != ECO_NONE ? whole : triangle_material(m, c, t, face->material);
+		to->material[to->triangle_count++] = whole != ECO_NONE ? whole
+			: triangle_material(m, c, t, face->material);
 	}
 }
 
@@ -336,7 +354,8 @@ static void add_faces(struct maker *m)
 	for (size_t first = 0; first < o->faces.count; first = end) {
 		const struct eco_obj_face *face = &faces_of(o)[first];
 		uint32_t whole, n;
-		for (end = first; end < o->faces.count && faces_of(o)[end].material == face->material && faces_of(o)[end].part == face->part; end++)
+		for (end = first; end < o->faces.count && faces_of(o)[end].material == face->material
+				&& faces_of(o)[end].part == face->part; end++)
 			;
 		if (m->invisible[face->material]) {
 			for (size_t f = first; f < end; f++) {
@@ -405,11 +424,14 @@ static void tell(const struct maker *m)
 {
 	struct eco_notes *notes = m->obj->notes;
 	if (m->hidden > 0)
-		eco_note(notes, "%llu triangles have materials with alpha below 0.5 (d, Tr, opacity): they are left out", (unsigned long long)m->hidden);
+		eco_note(notes, "%llu triangles have materials with alpha below 0.5 (d, Tr, opacity): they "
+			"are left out", (unsigned long long)m->hidden);
 	if (m->averaged > 0)
-		eco_note(notes, "%u textured meshes have vertex colours that differ: each is drawn in their mean", m->averaged);
+		eco_note(notes, "%u textured meshes have vertex colours that differ: each is drawn in their "
+			"mean", m->averaged);
 	if (m->missing_uv > 0)
-		eco_note(notes, "%llu corners name texture coordinates that are not there", (unsigned long long)m->missing_uv);
+		eco_note(notes, "%llu corners name texture coordinates that are not there",
+			(unsigned long long)m->missing_uv);
 }
 
 enum eco_code eco_obj_soup(struct eco_model *model, struct eco_model_frame *frame, const struct eco_obj *obj)
@@ -417,16 +439,18 @@ enum eco_code eco_obj_soup(struct eco_model *model, struct eco_model_frame *fram
 	struct maker m = { .obj = obj, .model = model };
 	enum eco_code code = make_materials(&m);
 	if (code == ECO_OK && !take_memory(&m))
-		code = eco_fail(obj->error, ECO_NO_MEMORY, "%.300s: out of memory for %llu triangles", obj->text.path,
-			(unsigned long long)obj->triangles);
+		code = eco_fail(obj->error, ECO_NO_MEMORY, "%.300s: out of memory for %llu triangles",
+			obj->text.path, (unsigned long long)obj->triangles);
 	if (!code) {
 		find_base(&m);
 		add_faces(&m);
 		for (uint32_t i = 0; i < obj->parts.count; i++)
-			snprintf(model->parts[i].name, sizeof model->parts[i].name, "%.63s", obj->parts.items[i]);
+			snprintf(model->parts[i].name, sizeof model->parts[i].name, "%.63s",
+				obj->parts.items[i]);
 		model->part_count = obj->parts.count;
 		tell(&m);
-		*frame = (struct eco_model_frame){ .format = "Wavefront OBJ", .unit_m = obj->unit_m, .convention = ECO_UP_Y };
+		*frame = (struct eco_model_frame){ .format = "Wavefront OBJ", .unit_m = obj->unit_m,
+			.convention = ECO_UP_Y };
 		memcpy(frame->base, m.base, sizeof frame->base);
 	}
 	eco_mtl_free(&m.mtl);

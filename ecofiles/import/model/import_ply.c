@@ -31,8 +31,10 @@ struct ply {
 
 static size_t type_bytes(const char *type)
 {
-	static const struct { const char *name; size_t bytes; } types[] = { { "char", 1 }, { "uchar", 1 }, { "int8", 1 }, { "uint8", 1 },
-		{ "short", 2 }, { "ushort", 2 }, { "int16", 2 }, { "uint16", 2 }, { "int", 4 }, { "uint", 4 }, { "int32", 4 }, { "uint32", 4 },
+	static const struct { const char *name; size_t bytes; } types[] =
+		{ { "char", 1 }, { "uchar", 1 }, { "int8", 1 }, { "uint8", 1 },
+		{ "short", 2 }, { "ushort", 2 }, { "int16", 2 }, { "uint16", 2 }, { "int", 4 }, { "uint", 4 },
+		{ "int32", 4 }, { "uint32", 4 },
 		{ "float", 4 }, { "float32", 4 }, { "double", 8 }, { "float64", 8 } };
 
 	for (size_t i = 0; i < sizeof types / sizeof *types; i++)
@@ -66,7 +68,8 @@ static bool read_header(struct ply *p)
 		const uint8_t *end = memchr(p->bytes + at, '\n', p->size - at);
 		char line[256], word[3][64] = { "", "", "" };
 		size_t length = end != NULL ? (size_t)(end - (p->bytes + at)) : p->size - at;
-		snprintf(line, sizeof line, "%.*s", length < 255 ? (int)length : 255, (const char *)p->bytes + at);
+		snprintf(line, sizeof line, "%.*s", length < 255 ? (int)length : 255,
+			(const char *)p->bytes + at);
 		at += length + 1;
 		if (sscanf(line, "%63s %63s %63s", word[0], word[1], word[2]) < 1)
 			continue;
@@ -75,7 +78,8 @@ static bool read_header(struct ply *p)
 			return true;
 		}
 		if (strcmp(word[0], "format") == 0)
-			p->format = strcmp(word[1], "ascii") == 0 ? ASCII : strcmp(word[1], "binary_big_endian") == 0 ? BIG : LITTLE;
+			p->format = strcmp(word[1], "ascii") == 0 ? ASCII
+				: strcmp(word[1], "binary_big_endian") == 0 ? BIG : LITTLE;
 		if (strcmp(word[0], "element") == 0) {
 			in_vertex = strcmp(word[1], "vertex") == 0;
 			p->vertex_first |= in_vertex && !any;
@@ -169,7 +173,8 @@ static bool rewrite_text(struct eco_model_file *file, struct ply *p, const doubl
 					first = j;
 			memcpy(text + used, at, (size_t)(from[first] - at));
 			used += (size_t)(from[first] - at);
-			used += (size_t)snprintf(text + used, room - used, "%.9g", place[first] - base[first]);
+			used += (size_t)snprintf(text + used, room - used, "%.9g",
+				place[first] - base[first]);
 			at = to[first];
 			from[first] = NULL;
 		}
@@ -232,7 +237,8 @@ static void hand_over(struct eco_model_file *file, struct ply *p)
 
 static bool starts_with_line_feed(const struct ply *p)
 {
-	return p->format != ASCII && p->data > 1 && p->data < p->size && p->bytes[p->data] == '\n' && p->bytes[p->data - 2] != '\r';
+	return p->format != ASCII && p->data > 1 && p->data < p->size && p->bytes[p->data] == '\n'
+		&& p->bytes[p->data - 2] != '\r';
 }
 
 enum eco_code eco_ply_prepare(struct eco_model_file *file, double base[3], struct eco_error *error)
@@ -244,8 +250,9 @@ enum eco_code eco_ply_prepare(struct eco_model_file *file, double base[3], struc
 	if (code)
 		return code;
 	if (read_header(&p) && p.surfaces == 0) {
-		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: no faces in it, only %llu points; a point cloud has no surfaces: make a mesh of it first",
-			file->path, (unsigned long long)p.vertices);
+		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: no faces in it, only %llu points; a point "
+			"cloud has no surfaces: make a mesh of it first", file->path,
+			(unsigned long long)p.vertices);
 	} else if (p.data > 0 && can_move(&p) && find_bounds(&p, low, high)) {
 		eco_model_choose_base(low, high, base);
 		if (base[0] == 0 && base[1] == 0 && base[2] == 0) {
@@ -256,7 +263,8 @@ enum eco_code eco_ply_prepare(struct eco_model_file *file, double base[3], struc
 		} else {
 			for (uint64_t i = 0; i < p.vertices; i++)
 				for (int k = 0; k < 3; k++)
-					put_double(binary_at(&p, i, k), p.format == BIG, get_double(binary_at(&p, i, k), p.format == BIG) - base[k]);
+					put_double(binary_at(&p, i, k), p.format == BIG,
+						get_double(binary_at(&p, i, k), p.format == BIG) - base[k]);
 			moved = true;
 		}
 	}

@@ -20,7 +20,8 @@
 
 bool eco_tints_start(struct eco_tints *t, struct eco_model *model)
 {
-	struct eco_material *grown = realloc(model->materials, ((size_t)model->material_count + ECO_TINTS_MAX) * sizeof *grown);
+	struct eco_material *grown =
+		realloc(model->materials, ((size_t)model->material_count + ECO_TINTS_MAX) * sizeof *grown);
 	*t = (struct eco_tints){ .model = model, .base = model->material_count };
 	if (grown)
 		model->materials = grown;
@@ -45,13 +46,16 @@ uint32_t eco_tints_get(struct eco_tints *t, uint32_t material, const uint8_t rgb
 		return material;
 	t->key[t->count++] = key;
 	t->table[slot] = t->count;
-	if (m->materials[material].name[0] == 0)         /* lod/build/organ_split.h knows a surface by its material's name, whatever its colours */
-		snprintf(m->materials[material].name, sizeof m->materials[material].name, "vertex colours %u", (unsigned)material + 1);
+	/* lod/build/organ_split.h knows a surface by its material's name, whatever its colours */
+	if (m->materials[material].name[0] == 0)
+		snprintf(m->materials[material].name, sizeof m->materials[material].name, "vertex colours %u",
+			(unsigned)material + 1);
 	to = &m->materials[m->material_count];
 	*to = m->materials[material];
 	to->colourless = false;
 	for (int k = 0; k < 3; k++)
-		to->rgb[k] = eco_srgb_from_linear(eco_linear_from_srgb(to->rgb[k]) * eco_linear_from_srgb(rgb[k]));
+		to->rgb[k] =
+			eco_srgb_from_linear(eco_linear_from_srgb(to->rgb[k]) * eco_linear_from_srgb(rgb[k]));
 	return m->material_count++;
 }
 
@@ -92,7 +96,8 @@ static uint32_t distance(const uint8_t a[3], const uint8_t b[3])
 }
 
 /* The variant of `source` nearest in colour, NULL if there is none; and their number. */
-static const struct variant *nearest(const struct tints *t, uint32_t source, const uint8_t rgb[3], uint32_t *count)
+static const struct variant *nearest(const struct tints *t, uint32_t source, const uint8_t rgb[3],
+	uint32_t *count)
 {
 	const struct variant *best = NULL;
 	*count = 0;
@@ -163,7 +168,8 @@ static void multiply(struct eco_image *image, const uint8_t rgb[3])
 	for (int k = 0; k < 3; k++)
 		for (int i = 0; i < 256; i++)
 			table[k][i] = rgb[k] == 255 ? (uint8_t)i
-				: eco_srgb_from_linear(eco_linear_from_srgb((uint8_t)i) * eco_linear_from_srgb(rgb[k]));
+				: eco_srgb_from_linear(eco_linear_from_srgb((uint8_t)i)
+				* eco_linear_from_srgb(rgb[k]));
 	for (size_t i = 0; i < count; i++)
 		for (int k = 0; k < 3; k++)
 			image->rgba[i * 4 + (size_t)k] = table[k][image->rgba[i * 4 + (size_t)k]];
@@ -171,7 +177,8 @@ static void multiply(struct eco_image *image, const uint8_t rgb[3])
 
 static bool same_pixels(const struct eco_image *a, const struct eco_image *b)
 {
-	return a->width == b->width && a->height == b->height && memcmp(a->rgba, b->rgba, (size_t)a->width * a->height * 4) == 0;
+	return a->width == b->width && a->height == b->height
+		&& memcmp(a->rgba, b->rgba, (size_t)a->width * a->height * 4) == 0;
 }
 
 /* Keeps the first of equal images. */
@@ -193,7 +200,8 @@ static void merge_equal(struct eco_model *m)
 	m->image_count = kept;
 }
 
-enum eco_code eco_model_bake_tints(struct eco_model *model, const char *path, struct eco_notes *notes, struct eco_error *error)
+enum eco_code eco_model_bake_tints(struct eco_model *model, const char *path, struct eco_notes *notes,
+	struct eco_error *error)
 {
 	struct tints t = { .model = model, .variants = malloc(ECO_MODEL_IMAGES_MAX * sizeof *t.variants) };
 	bool good = t.variants != NULL;
@@ -206,7 +214,8 @@ enum eco_code eco_model_bake_tints(struct eco_model *model, const char *path, st
 	if (!good)
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for its textures", path);
 	if (t.replaced > 0)
-		eco_note(notes, "textures are used with more colours than are kept: %u materials are drawn in the nearest that is", t.replaced);
+		eco_note(notes, "textures are used with more colours than are kept: %u materials are drawn "
+			"in the nearest that is", t.replaced);
 	merge_equal(model);
 	return ECO_OK;
 }

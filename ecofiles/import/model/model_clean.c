@@ -17,7 +17,8 @@
 
 struct clean {
 	struct eco_model *model;
-	uint32_t *place;                     /* per vertex: the first vertex at its position; ECO_NONE: not finite */
+	/* per vertex: the first vertex at its position; ECO_NONE: not finite */
+	uint32_t *place;
 	uint32_t *table, mask;               /* open addressing, ECO_NONE is free */
 };
 
@@ -62,7 +63,8 @@ static bool is_duplicate(struct clean *c, const uint32_t corners[3], uint32_t ma
 		uint32_t other[3];
 		corner_places(c, c->table[slot], other);
 		sort3(other);
-		if (memcmp(other, sorted, sizeof sorted) == 0 && c->model->material[c->table[slot]] == material)
+		if (memcmp(other, sorted, sizeof sorted) == 0 && c->model->material[c->table[slot]]
+				== material)
 			return true;
 	}
 	c->table[slot] = kept;
@@ -73,16 +75,19 @@ static enum eco_drop judge(struct clean *c, uint32_t triangle, uint32_t kept)
 {
 	const uint32_t *v = &c->model->index[(size_t)triangle * 3];
 	uint32_t places[3];
-	if (v[0] >= c->model->vertex_count || v[1] >= c->model->vertex_count || v[2] >= c->model->vertex_count)
+	if (v[0] >= c->model->vertex_count || v[1] >= c->model->vertex_count
+			|| v[2] >= c->model->vertex_count)
 		return ECO_DROP_BAD_INDEX;
 	for (int k = 0; k < 3; k++) {
 		places[k] = c->place[v[k]];
 		if (places[k] == ECO_NONE)
 			return ECO_DROP_NOT_FINITE;
 	}
-	if (places[0] == places[1] || places[1] == places[2] || places[2] == places[0] || !(eco_triangle_area(c->model, triangle) > 0))
+	if (places[0] == places[1] || places[1] == places[2] || places[2] == places[0]
+			|| !(eco_triangle_area(c->model, triangle) > 0))
 		return ECO_DROP_DEGENERATE;
-	return is_duplicate(c, places, c->model->material[triangle], kept) ? ECO_DROP_DUPLICATE : ECO_DROP_COUNT;
+	return is_duplicate(c, places, c->model->material[triangle], kept) ? ECO_DROP_DUPLICATE
+		: ECO_DROP_COUNT;
 }
 
 static bool drop_triangles(struct clean *c)
@@ -187,9 +192,11 @@ static void compact(struct clean *c)
 static void note_dropped(const struct eco_model *m, struct eco_notes *notes)
 {
 	if (m->dropped[ECO_DROP_BAD_INDEX] > 0)
-		eco_note(notes, "%u triangles name vertices that the file does not have: left out", m->dropped[ECO_DROP_BAD_INDEX]);
+		eco_note(notes, "%u triangles name vertices that the file does not have: left out",
+			m->dropped[ECO_DROP_BAD_INDEX]);
 	if (m->dropped[ECO_DROP_NOT_FINITE] > 0)
-		eco_note(notes, "%u triangles have coordinates that are no numbers (NaN, infinite): left out", m->dropped[ECO_DROP_NOT_FINITE]);
+		eco_note(notes, "%u triangles have coordinates that are no numbers (NaN, infinite): left out",
+			m->dropped[ECO_DROP_NOT_FINITE]);
 }
 
 static uint32_t largest(uint32_t a, uint32_t b, uint32_t c)
@@ -198,21 +205,26 @@ static uint32_t largest(uint32_t a, uint32_t b, uint32_t c)
 	return a > c ? a : c;
 }
 
-enum eco_code eco_model_clean(struct eco_model *model, const struct eco_model_frame *frame, const struct eco_model_options *options,
-	const char *what, struct eco_notes *notes, struct eco_error *error)
+enum eco_code eco_model_clean(struct eco_model *model, const struct eco_model_frame *frame,
+	const struct eco_model_options *options, const char *what, struct eco_notes *notes,
+	struct eco_error *error)
 {
 	struct clean c = { .model = model };
 	enum eco_code code = ECO_OK;
-	uint32_t *used = malloc(((size_t)largest(model->material_count, model->image_count, model->part_count) + 1) * sizeof *used);
+	uint32_t *used =
+		malloc(((size_t)largest(model->material_count, model->image_count, model->part_count) + 1)
+		* sizeof *used);
 	uint64_t accounted = 0;
 	c.place = malloc(((size_t)model->vertex_count + 1) * sizeof *c.place);
 	if (!used || !c.place || !eco_model_places(model, c.place) || !drop_triangles(&c))
 		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", what);
 	else if (model->triangle_count == 0)
-		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: none of its %u triangles can be drawn", what, model->triangles_in);
+		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: none of its %u triangles can be drawn", what,
+			model->triangles_in);
 	if (!code) {
 		note_dropped(model, notes);
-		code = eco_model_apply_rules(model, c.place, options->rules, options->rule_count, what, notes, error);
+		code = eco_model_apply_rules(model, c.place, options->rules, options->rule_count, what, notes,
+			error);
 	}
 	if (!code)
 		code = eco_model_stand(model, c.place, frame, options, what, notes, error);

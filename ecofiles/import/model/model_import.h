@@ -14,7 +14,8 @@ enum eco_part_kind { ECO_PART_NAME, ECO_PART_COMPONENT, ECO_PART_SIZE };
 #define ECO_PART_LEFT_OUT 254u
 struct eco_part_rule {
 	enum eco_part_kind kind;
-	char *name;              /* of the material, or of the mesh, object or group; wildcards * and ?, any case */
+	/* of the material, or of the mesh, object or group; wildcards * and ?, any case */
+	char *name;
 	uint32_t component;      /* connected component, from 1 by falling area, as in `ecopack model` */
 	double size[2];          /* range of a component's diagonal, in the whole file's */
 	uint8_t is;              /* enum eco_organ (pack.h) or ECO_PART_LEFT_OUT */
@@ -27,7 +28,8 @@ struct eco_model_options {
 	enum eco_up up;
 	const struct eco_part_rule *rules; uint32_t rule_count;
 	uint32_t triangles_max;  /* of all files; 0: 20,000,000 */
-	void (*warn)(void *ctx, const char *text);   /* may be NULL; one sentence: a missing texture, a guess, ... */
+	/* may be NULL; one sentence: a missing texture, a guess, ... */
+	void (*warn)(void *ctx, const char *text);
 	void *ctx;
 };
 
@@ -37,7 +39,8 @@ struct eco_model_options {
  * without wood of everything that no rule leaves out. The lowest vertex goes to z = 0, except that twigs
  * below the stem's foot, and roots below the file's own zero, stay below (model_stand.c). Errors name file
  * and reason. On failure *model is empty. */
-enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_options *options, struct eco_error *error);
+enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_options *options,
+	struct eco_error *error);
 /* Beyond these heights the unit is doubted: the highest tree measures 116 m. */
 #define ECO_PLANT_HEIGHT_MOST_M 120.0
 #define ECO_PLANT_HEIGHT_LEAST_M 0.01

@@ -33,7 +33,8 @@ static uint32_t *table_new(uint64_t entries, uint32_t *mask)
 
 static bool vertex_fits(const float *p)
 {
-	return fabsf(p[0]) <= COORDINATE_MAX && fabsf(p[1]) <= COORDINATE_MAX && fabsf(p[2]) <= COORDINATE_MAX;
+	return fabsf(p[0]) <= COORDINATE_MAX && fabsf(p[1]) <= COORDINATE_MAX
+		&& fabsf(p[2]) <= COORDINATE_MAX;
 }
 
 bool eco_model_places(struct eco_model *m, uint32_t *place)
@@ -51,7 +52,8 @@ bool eco_model_places(struct eco_model *m, uint32_t *place)
 			p[k] += 0.0f;                /* -0 is 0 */
 		memcpy(bits, p, sizeof bits);
 		slot = eco_mix_slot(bits[0], bits[1], bits[2]) & mask;
-		while (table[slot] != ECO_NONE && memcmp(&m->position[(size_t)table[slot] * 3], p, sizeof bits) != 0)
+		while (table[slot] != ECO_NONE
+				&& memcmp(&m->position[(size_t)table[slot] * 3], p, sizeof bits) != 0)
 			slot = (slot + 1) & mask;
 		if (table[slot] == ECO_NONE)
 			table[slot] = i;
@@ -68,8 +70,10 @@ double eco_triangle_area(const struct eco_model *m, uint32_t triangle)
 	const uint32_t *v = &m->index[(size_t)triangle * 3];
 	double a[3], b[3], x, y, z;
 	for (int k = 0; k < 3; k++) {
-		a[k] = (double)m->position[(size_t)v[1] * 3 + (size_t)k] - m->position[(size_t)v[0] * 3 + (size_t)k];
-		b[k] = (double)m->position[(size_t)v[2] * 3 + (size_t)k] - m->position[(size_t)v[0] * 3 + (size_t)k];
+		a[k] = (double)m->position[(size_t)v[1] * 3 + (size_t)k]
+			- m->position[(size_t)v[0] * 3 + (size_t)k];
+		b[k] = (double)m->position[(size_t)v[2] * 3 + (size_t)k]
+			- m->position[(size_t)v[0] * 3 + (size_t)k];
 	}
 	x = a[1] * b[2] - a[2] * b[1];
 	y = a[2] * b[0] - a[0] * b[2];
@@ -86,7 +90,8 @@ double eco_component_diagonal(const struct eco_component *c)
 }
 
 /* Joins triangles that share a place; a set's root is its first triangle. */
-static bool join_triangles(const struct eco_model *m, const uint32_t *place, bool by_material, uint32_t *parent)
+static bool join_triangles(const struct eco_model *m, const uint32_t *place, bool by_material,
+	uint32_t *parent)
 {
 	uint32_t mask, *table = table_new((uint64_t)m->triangle_count * 3, &mask);
 	if (!table)
@@ -94,7 +99,8 @@ static bool join_triangles(const struct eco_model *m, const uint32_t *place, boo
 	for (uint32_t i = 0; i < m->triangle_count; i++)
 		parent[i] = i;
 	for (uint32_t corner = 0; corner < m->triangle_count * 3; corner++) {
-		uint32_t at = place[m->index[corner]], material = by_material ? m->material[corner / 3] : 0, slot, a, b;
+		uint32_t at = place[m->index[corner]], material = by_material ? m->material[corner / 3] : 0,
+			slot, a, b;
 		slot = eco_mix_slot(at, material, 0) & mask;
 		while (table[slot] != ECO_NONE && (place[m->index[table[slot]]] != at
 			|| (by_material && m->material[table[slot] / 3] != material)))
@@ -114,7 +120,9 @@ static bool join_triangles(const struct eco_model *m, const uint32_t *place, boo
 static void add_to(struct eco_component *c, const struct eco_model *m, uint32_t triangle)
 {
 	for (int i = 0; i < 9; i++) {
-		double p = m->position[(size_t)m->index[(size_t)triangle * 3 + (size_t)(i / 3)] * 3 + (size_t)(i % 3)];
+		double p =
+			m->position[(size_t)m->index[(size_t)triangle * 3 + (size_t)(i / 3)] * 3
+			+ (size_t)(i % 3)];
 		bool first = c->triangle_count == 0 && i < 3;
 		c->low[i % 3] = first ? p : fmin(c->low[i % 3], p);
 		c->high[i % 3] = first ? p : fmax(c->high[i % 3], p);
@@ -159,12 +167,14 @@ static bool list_components(struct eco_components *c, const struct eco_model *m,
 	return true;
 }
 
-bool eco_components_find(struct eco_components *c, const struct eco_model *m, const uint32_t *place, bool by_material)
+bool eco_components_find(struct eco_components *c, const struct eco_model *m, const uint32_t *place,
+	bool by_material)
 {
 	uint32_t *parent = malloc(((size_t)m->triangle_count + 1) * sizeof *parent);
 	bool good;
 	*c = (struct eco_components){ .of = malloc(((size_t)m->triangle_count + 1) * sizeof *c->of) };
-	good = parent != NULL && c->of && join_triangles(m, place, by_material, parent) && list_components(c, m, parent);
+	good = parent != NULL && c->of && join_triangles(m, place, by_material, parent)
+		&& list_components(c, m, parent);
 	free(parent);
 	if (!good)
 		eco_components_free(c);
@@ -193,7 +203,8 @@ static uint32_t next_letter(const char **at, const char *end)
 	for (size_t i = 1; i < bytes; i++)
 		c = c << 6 | (p[i] & 0x3fu);
 	*at += bytes > 0 ? bytes : 1;
-	if ((c >= 'A' && c <= 'Z') || (c >= 0xc0 && c <= 0xde && c != 0xd7) || (c >= 0x391 && c <= 0x3a9) || (c >= 0x410 && c <= 0x42f))
+	if ((c >= 'A' && c <= 'Z') || (c >= 0xc0 && c <= 0xde && c != 0xd7) || (c >= 0x391 && c <= 0x3a9)
+			|| (c >= 0x410 && c <= 0x42f))
 		return c + 32;
 	return c >= 0x400 && c <= 0x40f ? c + 80 : c >= 0x100 && c < 0x180 ? c | 1 : c;
 }
@@ -261,7 +272,8 @@ static uint32_t rule_of_name(struct rules *r, const char *name)
 
 static uint32_t rule_of_component(struct rules *r, uint32_t component)
 {
-	double size = r->diagonal > 0 ? eco_component_diagonal(&r->components.items[component]) / r->diagonal : 0;
+	double size = r->diagonal > 0 ? eco_component_diagonal(&r->components.items[component]) / r->diagonal
+		: 0;
 	uint32_t first = ECO_NONE;
 	for (uint32_t i = 0; i < r->count; i++) {
 		const struct eco_part_rule *rule = &r->rules[i];
@@ -279,8 +291,10 @@ static void measure_all(struct rules *r)
 	struct eco_component all = { .area = 0 };
 	for (uint32_t i = 0; i < r->components.count; i++)
 		for (int k = 0; k < 3; k++) {
-			all.low[k] = i == 0 ? r->components.items[i].low[k] : fmin(all.low[k], r->components.items[i].low[k]);
-			all.high[k] = i == 0 ? r->components.items[i].high[k] : fmax(all.high[k], r->components.items[i].high[k]);
+			all.low[k] = i == 0 ? r->components.items[i].low[k]
+				: fmin(all.low[k], r->components.items[i].low[k]);
+			all.high[k] = i == 0 ? r->components.items[i].high[k]
+				: fmax(all.high[k], r->components.items[i].high[k]);
 		}
 	r->diagonal = eco_component_diagonal(&all);
 }
@@ -292,7 +306,8 @@ static bool match_all(struct rules *r, const uint32_t *place)
 	r->fitted = calloc((size_t)r->count + 1, sizeof *r->fitted);
 	r->of_material = malloc(((size_t)m->material_count + 1) * sizeof *r->of_material);
 	r->of_part = malloc(((size_t)m->part_count + 1) * sizeof *r->of_part);
-	if (!r->fitted || !r->of_material || !r->of_part || !eco_components_find(&r->components, m, place, true))
+	if (!r->fitted || !r->of_material || !r->of_part
+			|| !eco_components_find(&r->components, m, place, true))
 		return false;
 	r->of_component = malloc(((size_t)r->components.count + 1) * sizeof *r->of_component);
 	if (!r->of_component)
@@ -364,7 +379,8 @@ static void list_names(char *to, size_t size, const char *first, size_t stride, 
 		if (shown == 12 || used + strlen(name) + 5 > size)
 			left++;
 		else
-			used += (size_t)snprintf(to + used, size - used, "%s\"%s\"", shown++ > 0 ? ", " : "", name);
+			used += (size_t)snprintf(to + used, size - used, "%s\"%s\"", shown++ > 0 ? ", " : "",
+				name);
 	}
 	if (shown == 0)
 		snprintf(to, size, "none with a name");
@@ -378,32 +394,39 @@ static void note_unfitted(const struct rules *r, uint32_t i, struct eco_notes *n
 	const struct eco_model *m = r->model;
 	char materials[400], parts[400];
 	if (rule->kind == ECO_PART_COMPONENT) {
-		eco_note(notes, "the rule {\"component\": %u} fits nothing: there are %u components", rule->component, r->components.count);
+		eco_note(notes, "the rule {\"component\": %u} fits nothing: there are %u components",
+			rule->component, r->components.count);
 	} else if (rule->kind == ECO_PART_SIZE) {
-		eco_note(notes, "the rule {\"size\": [%g, %g]} fits nothing: no component's diagonal is that share of the whole's; ecopack model lists "
+		eco_note(notes, "the rule {\"size\": [%g, %g]} fits nothing: no component's diagonal is "
+			"that share of the whole's; ecopack model lists "
 			"them", rule->size[0], rule->size[1]);
 	} else {
-		list_names(materials, sizeof materials, m->materials[0].name, sizeof *m->materials, m->material_count);
-		list_names(parts, sizeof parts, m->part_count > 0 ? m->parts[0].name : "", sizeof *m->parts, m->part_count);
-		eco_note(notes, "the rule {\"name\": \"%.100s\"} fits nothing: its materials are %s; its meshes, objects and groups are %s", rule->name,
-			materials, parts);
+		list_names(materials, sizeof materials, m->materials[0].name, sizeof *m->materials,
+			m->material_count);
+		list_names(parts, sizeof parts, m->part_count > 0 ? m->parts[0].name : "", sizeof *m->parts,
+			m->part_count);
+		eco_note(notes, "the rule {\"name\": \"%.100s\"} fits nothing: its materials are %s; its "
+			"meshes, objects and groups are %s", rule->name, materials, parts);
 	}
 }
 
-enum eco_code eco_model_apply_rules(struct eco_model *model, const uint32_t *place, const struct eco_part_rule *rules, uint32_t count,
-	const char *what, struct eco_notes *notes, struct eco_error *error)
+enum eco_code eco_model_apply_rules(struct eco_model *model, const uint32_t *place,
+	const struct eco_part_rule *rules, uint32_t count, const char *what, struct eco_notes *notes,
+	struct eco_error *error)
 {
 	struct rules r = { .model = model, .rules = rules, .count = count };
 	enum eco_code code = ECO_OK;
 	if (count == 0)
 		return ECO_OK;
 	if (!match_all(&r, place) || !apply(&r))
-		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for the rules about its parts", what);
+		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for the rules about its parts",
+			what);
 	for (uint32_t i = 0; code == ECO_OK && i < count; i++)
 		if (!r.fitted[i])
 			note_unfitted(&r, i, notes);
 	if (code == ECO_OK && model->triangle_count == 0)
-		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: the rules in \"parts\" leave out all of it", what);
+		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: the rules in \"parts\" leave out all of it",
+			what);
 	eco_components_free(&r.components);
 	free(r.fitted);
 	free(r.of_material);

@@ -28,7 +28,8 @@ struct eco_components {
 /* All places of the model's triangles must be finite (eco_model_clean sees to it). `by_material`:
  * triangles of different materials are never connected, as in lod/build/weld.h; rules and `ecopack model`
  * number these components from 1. False when memory ran out. */
-bool eco_components_find(struct eco_components *components, const struct eco_model *model, const uint32_t *place, bool by_material);
+bool eco_components_find(struct eco_components *components, const struct eco_model *model,
+const uint32_t *place, bool by_material);
 void eco_components_free(struct eco_components *components);
 
 double eco_component_diagonal(const struct eco_component *component);
@@ -41,7 +42,8 @@ bool eco_part_name_fits(const char *pattern, const char *name);
 /* Applies the first rule that fits each triangle: drops and counts it (ECO_DROP_LEFT_OUT), or sets
  * model->organ. Notes rules that fit nothing, with the names there are. Fails if no triangle is left;
  * errors name `what`. */
-enum eco_code eco_model_apply_rules(struct eco_model *model, const uint32_t *place, const struct eco_part_rule *rules, uint32_t count,
+enum eco_code eco_model_apply_rules(struct eco_model *model, const uint32_t *place,
+const struct eco_part_rule *rules, uint32_t count,
 	const char *what, struct eco_notes *notes, struct eco_error *error);
 
 #endif

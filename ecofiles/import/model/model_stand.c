@@ -96,7 +96,8 @@ static void mark_by_shape(struct stance *s)
 	double largest = 0;
 	int rank = 0;
 	for (uint32_t i = 0; i < s->components.count; i++)
-		rank = rank_of(s, &s->components.items[i]) > rank ? rank_of(s, &s->components.items[i]) : rank;
+		rank = rank_of(s, &s->components.items[i]) > rank ? rank_of(s, &s->components.items[i])
+			: rank;
 	for (uint32_t i = 0; i < s->components.count; i++)
 		if (rank_of(s, &s->components.items[i]) >= rank)
 			largest = fmax(largest, s->components.items[i].area);
@@ -107,7 +108,8 @@ static void mark_by_shape(struct stance *s)
 	}
 	for (uint32_t i = 0; i < s->components.count; i++) {
 		const struct eco_component *c = &s->components.items[i];
-		s->wood[i] = rank_of(s, c) >= rank && c->area >= WOOD_SHARE * largest && girth_of(c) >= GIRTH_SHARE * s->girth;
+		s->wood[i] = rank_of(s, c) >= rank && c->area >= WOOD_SHARE * largest
+			&& girth_of(c) >= GIRTH_SHARE * s->girth;
 	}
 }
 
@@ -138,13 +140,16 @@ static void find_wood(struct stance *s)
 static void find_foot(struct stance *s)
 {
 	const struct eco_model *m = s->model;
-	double height = s->high - s->low, share = s->girth > 0 ? FOOT_SHARE : HULL_SHARE, sum[2] = { 0, 0 }, weight = 0;
+	double height = s->high - s->low, share = s->girth > 0 ? FOOT_SHARE : HULL_SHARE, sum[2] = { 0, 0 },
+		weight = 0;
 	double box[2][2] = { { INFINITY, -INFINITY }, { INFINITY, -INFINITY } };
 	for (size_t i = 0; i < (size_t)m->triangle_count * 3; i++) {
-		const float *p = &m->position[(size_t)m->index[i] * 3], *q = &m->position[(size_t)m->index[i % 3 == 2 ? i - 2 : i + 1] * 3];
+		const float *p = &m->position[(size_t)m->index[i] * 3],
+			*q = &m->position[(size_t)m->index[i % 3 == 2 ? i - 2 : i + 1] * 3];
 		uint32_t component = s->components.of[i / 3];
 		double own = s->components.items[component].low[2], length;
-		if (!s->wood[component] || own > s->wood_low + STEMS_SHARE * height || p[2] > own + share * height)
+		if (!s->wood[component] || own > s->wood_low + STEMS_SHARE * height
+				|| p[2] > own + share * height)
 			continue;
 		for (int k = 0; k < 2; k++) {
 			box[k][0] = fmin(box[k][0], p[k]);
@@ -178,15 +183,18 @@ static unsigned sectors_at(const struct stance *s, uint32_t triangle, double z)
 	unsigned count = 0, sectors = 0;
 	for (uint32_t k = 0; k < 3; k++) {
 		const float *p = &s->model->position[(size_t)s->model->index[(size_t)triangle * 3 + k] * 3];
-		const float *q = &s->model->position[(size_t)s->model->index[(size_t)triangle * 3 + (k + 1) % 3] * 3];
+		const float *q =
+			&s->model->position[(size_t)s->model->index[(size_t)triangle * 3 + (k + 1) % 3] * 3];
 		if ((p[2] < z) == (q[2] < z))
 			continue;
 		for (int j = 0; j < 2; j++)
-			cut[count][j] = p[j] + ((double)q[j] - p[j]) * (z - p[2]) / ((double)q[2] - p[2]) - s->foot[j];
+			cut[count][j] = p[j] + ((double)q[j] - p[j]) * (z - p[2]) / ((double)q[2] - p[2])
+				- s->foot[j];
 		count++;
 	}
 	for (int i = 0; i <= STEPS && count >= 2; i++)
-		sectors |= 1u << sector_of(cut[0][0] + (cut[1][0] - cut[0][0]) * i / STEPS, cut[0][1] + (cut[1][1] - cut[0][1]) * i / STEPS);
+		sectors |= 1u << sector_of(cut[0][0] + (cut[1][0] - cut[0][0]) * i / STEPS,
+			cut[0][1] + (cut[1][1] - cut[0][1]) * i / STEPS);
 	return sectors;
 }
 
@@ -224,7 +232,8 @@ static void find_ground(struct stance *s, const struct eco_model_frame *frame)
 	s->foot[2] = s->low;
 	if (s->wood_low > s->low && only_hangs(s))
 		s->foot[2] = s->wood_low;
-	if (s->girth > 0 && zero > s->foot[2] && zero <= s->wood_low + ROOTS_MOST * height && zero >= s->wood_low && aside <= ROOTS_MOST * height)
+	if (s->girth > 0 && zero > s->foot[2] && zero <= s->wood_low + ROOTS_MOST * height
+			&& zero >= s->wood_low && aside <= ROOTS_MOST * height)
 		s->foot[2] = zero;
 }
 
@@ -232,7 +241,8 @@ static void find_ground(struct stance *s, const struct eco_model_frame *frame)
 
 struct known_unit { double metres; const char *name; };
 
-static const struct known_unit known_units[] = { { 1, "metres" }, { 0.01, "centimetres" }, { 0.001, "millimetres" }, { 0.0254, "inches" },
+static const struct known_unit known_units[] = { { 1, "metres" }, { 0.01, "centimetres" },
+	{ 0.001, "millimetres" }, { 0.0254, "inches" },
 	{ 0.3048, "feet" }, { 1200.0 / 3937, "US survey feet" } };
 
 const char *eco_unit_name(double metres)
@@ -252,16 +262,19 @@ static const struct known_unit *guess_unit(double height)
 	return &known_units[2];
 }
 
-static enum eco_code find_scale(struct eco_model *m, double top, double unit_m, const struct eco_model_options *options, const char *what,
-	struct eco_notes *notes, struct eco_error *error)
+static enum eco_code find_scale(struct eco_model *m, double top, double unit_m,
+	const struct eco_model_options *options, const char *what, struct eco_notes *notes,
+	struct eco_error *error)
 {
 	const struct known_unit *guess = guess_unit(top);
 	struct eco_model_source *source = &m->source;
 	source->unit_m = options->unit_m > 0 ? options->unit_m : unit_m;
-	source->unit_how = options->unit_m > 0 ? ECO_HOW_GIVEN : unit_m > 0 ? ECO_HOW_FORMAT : ECO_HOW_GUESSED;
+	source->unit_how = options->unit_m > 0 ? ECO_HOW_GIVEN : unit_m > 0 ? ECO_HOW_FORMAT
+		: ECO_HOW_GUESSED;
 	if (options->height_m > 0) {
 		if (!(top > 0))
-			return eco_fail(error, ECO_BAD_INPUT, "%.300s: the model is flat, so it cannot be made %g m high: leave height_m out, "
+			return eco_fail(error, ECO_BAD_INPUT, "%.300s: the model is flat, so it cannot be "
+				"made %g m high: leave height_m out, "
 				"or say which axis is \"up\"", what, options->height_m);
 		m->scale = options->height_m / top;
 		if (source->unit_how == ECO_HOW_GUESSED) {
@@ -272,10 +285,13 @@ static enum eco_code find_scale(struct eco_model *m, double top, double unit_m, 
 	}
 	if (source->unit_how == ECO_HOW_GUESSED) {
 		source->unit_m = guess->metres;
-		eco_note(notes, "%.4g units high, taken for %s: %.3g m; add \"unit\" or \"height_m\" if not", top, guess->name, top * guess->metres);
-	} else if (top * source->unit_m > ECO_PLANT_HEIGHT_MOST_M || top * source->unit_m < ECO_PLANT_HEIGHT_LEAST_M) {
-		eco_note(notes, "%.3g m high by %s unit (%.4g units of %.4g m), which no plant is; add \"height_m\" or another \"unit\"",
-			top * source->unit_m, source->unit_how == ECO_HOW_GIVEN ? "the given" : "its file's", top, source->unit_m);
+		eco_note(notes, "%.4g units high, taken for %s: %.3g m; add \"unit\" or \"height_m\" if not",
+			top, guess->name, top * guess->metres);
+	} else if (top * source->unit_m > ECO_PLANT_HEIGHT_MOST_M
+			|| top * source->unit_m < ECO_PLANT_HEIGHT_LEAST_M) {
+		eco_note(notes, "%.3g m high by %s unit (%.4g units of %.4g m), which no plant is; add "
+			"\"height_m\" or another \"unit\"", top * source->unit_m,
+			source->unit_how == ECO_HOW_GIVEN ? "the given" : "its file's", top, source->unit_m);
 	}
 	m->scale = source->unit_m;
 	return ECO_OK;
@@ -283,8 +299,9 @@ static enum eco_code find_scale(struct eco_model *m, double top, double unit_m, 
 
 /* ---- All ---- */
 
-static enum eco_code stand(struct stance *s, struct eco_model *m, const struct eco_model_frame *frame, const struct eco_model_options *options,
-	const char *what, struct eco_notes *notes, struct eco_error *error)
+static enum eco_code stand(struct stance *s, struct eco_model *m, const struct eco_model_frame *frame,
+	const struct eco_model_options *options, const char *what, struct eco_notes *notes,
+	struct eco_error *error)
 {
 	enum eco_code code;
 	measure(s);
@@ -306,16 +323,19 @@ static enum eco_code stand(struct stance *s, struct eco_model *m, const struct e
 	m->source.below = s->foot[2] - s->low;
 	for (uint32_t i = 0; i < m->vertex_count; i++)
 		for (int k = 0; k < 3; k++)
-			m->position[(size_t)i * 3 + (size_t)k] = (float)((m->position[(size_t)i * 3 + (size_t)k] - s->foot[k]) * m->scale);
+			m->position[(size_t)i * 3 + (size_t)k] =
+				(float)((m->position[(size_t)i * 3 + (size_t)k] - s->foot[k]) * m->scale);
 	return ECO_OK;
 }
 
-enum eco_code eco_model_stand(struct eco_model *model, const uint32_t *place, const struct eco_model_frame *frame,
-	const struct eco_model_options *options, const char *what, struct eco_notes *notes, struct eco_error *error)
+enum eco_code eco_model_stand(struct eco_model *model, const uint32_t *place,
+	const struct eco_model_frame *frame, const struct eco_model_options *options, const char *what,
+	struct eco_notes *notes, struct eco_error *error)
 {
 	struct stance s = { .model = model };
 	enum eco_code code;
-	if (eco_components_find(&s.components, model, place, false) && (s.wood = calloc(s.components.count + 1u, sizeof *s.wood)))
+	if (eco_components_find(&s.components, model, place, false)
+			&& (s.wood = calloc(s.components.count + 1u, sizeof *s.wood)))
 		code = stand(&s, model, frame, options, what, notes, error);
 	else
 		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", what);

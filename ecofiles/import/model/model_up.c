@@ -74,7 +74,8 @@ static struct box bound(const struct eco_model *m, const bool *wanted)
 	return box;
 }
 
-static void add_point(struct profile *profile, const struct box *box, int axis, const double p[3], double area)
+static void add_point(struct profile *profile, const struct box *box, int axis, const double p[3],
+	double area)
 {
 	int u = 0, v = 3 - axis;     /* x, and the other of y and z */
 	double at = (p[axis] - box->low[axis]) / (box->high[axis] - box->low[axis]) * SLICES;
@@ -117,11 +118,13 @@ static void add_triangle(struct profile profile[3], const struct box *box, const
 	for (int i = 0; i < cuts; i++)
 		for (int j = 0; i + j < cuts; j++)
 			for (int flip = 0; flip < (i + j < cuts - 1 ? 2 : 1); flip++) {
-				double b = (i + (1 + flip) / 3.0) / cuts, c = (j + (1 + flip) / 3.0) / cuts, at[3];
+				double b = (i + (1 + flip) / 3.0) / cuts, c = (j + (1 + flip) / 3.0) / cuts,
+					at[3];
 				for (int a = 0; a < 3; a++)
 					at[a] = p[0][a] + b * u[a] + c * v[a];
 				for (int axis = 1; axis < 3; axis++)
-					add_point(&profile[axis], box, axis, at, area / ((double)cuts * cuts));
+					add_point(&profile[axis], box, axis, at,
+						area / ((double)cuts * cuts));
 			}
 }
 
@@ -137,14 +140,16 @@ static double offset(const struct slice *s, const struct slice *all)
 {
 	if (!(s->area > 0))
 		return 0;
-	double x = s->sum[0] / s->area - all->sum[0] / all->area, y = s->sum[1] / s->area - all->sum[1] / all->area;
+	double x = s->sum[0] / s->area - all->sum[0] / all->area,
+		y = s->sum[1] / s->area - all->sum[1] / all->area;
 	return sqrt(x * x + y * y);
 }
 
 static double stem_of(const struct profile *p, double whole)
 {
 	int i = 0;
-	while (i < SLICES && p->slice[i].area * SLICES > STEM_AREA * p->all.area && spread(&p->slice[i]) < STEM_WIDTH * whole)
+	while (i < SLICES && p->slice[i].area * SLICES > STEM_AREA * p->all.area && spread(&p->slice[i])
+			< STEM_WIDTH * whole)
 		i++;
 	return (double)i / SLICES;
 }
@@ -165,7 +170,8 @@ static void find_traits(const struct profile *p, double trait[TRAITS])
 	trait[ROUND] = wide < deep ? wide / deep : deep / wide;
 	for (int i = 0; i < SLICES / 2; i++) {
 		const struct slice *low = &p->slice[i], *high = &p->slice[SLICES - 1 - i];
-		trait[LOPSIDED] += fabs(low->area - high->area) / area + fabs(spread(low) - spread(high)) / whole / (SLICES / 2);
+		trait[LOPSIDED] += fabs(low->area - high->area) / area
+			+ fabs(spread(low) - spread(high)) / whole / (SLICES / 2);
 	}
 	trait[STEM] = stem_of(p, whole);
 }
@@ -180,7 +186,8 @@ struct rule { double weight, least; };
 
 /* Sum of weighted contrasts between y and z, positive for z, over the triangles that `wanted` marks (NULL:
  * all). False: no volume. */
-static bool compare(const struct eco_model *soup, const bool *wanted, const struct rule rule[TRAITS], double *sum)
+static bool compare(const struct eco_model *soup, const bool *wanted, const struct rule rule[TRAITS],
+double *sum)
 {
 	struct box box = bound(soup, wanted);
 	struct profile profile[3] = { { .all = { 0 } } };
@@ -207,7 +214,8 @@ static bool compare(const struct eco_model *soup, const bool *wanted, const stru
 struct part { float low[3], high[3]; };
 
 struct parts {
-	uint32_t *place;             /* per vertex: the first one there; exporters repeat vertices along seams */
+	/* per vertex: the first one there; exporters repeat vertices along seams */
+	uint32_t *place;
 	uint32_t *owner;             /* per first vertex at a place: the first triangle there */
 	uint32_t *parent;            /* union-find over triangles */
 	struct part *part;           /* of roots */
@@ -232,7 +240,9 @@ static bool find_places(const struct eco_model *m, uint32_t *place)
 		if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2]))
 			continue;            /* NaN equals nothing: the search would not end */
 		uint64_t at = eco_mix(eco_mix(bits[0], bits[1]), bits[2]) & (size - 1);
-		while (table[at] != ECO_NONE && (q = m->position + 3 * (size_t)table[at], q[0] != p[0] || q[1] != p[1] || q[2] != p[2]))
+		while (table[at] != ECO_NONE
+				&& (q = m->position + 3 * (size_t)table[at], q[0] != p[0] || q[1] != p[1]
+				|| q[2] != p[2]))
 			at = (at + 1) & (size - 1);
 		table[at] = table[at] == ECO_NONE ? i : table[at];
 		place[i] = table[at];
@@ -255,7 +265,8 @@ static void join(const struct eco_model *m, struct parts *parts)
 				*owner = t;
 			if (m->material && m->material[*owner] != m->material[t])
 				continue;
-			uint32_t a = eco_union_root(parts->parent, *owner), b = eco_union_root(parts->parent, t);
+			uint32_t a = eco_union_root(parts->parent, *owner),
+				b = eco_union_root(parts->parent, t);
 			parts->parent[a < b ? b : a] = a < b ? a : b;
 		}
 	}
@@ -268,7 +279,8 @@ static void measure(const struct eco_model *m, struct parts *parts)
 		uint32_t root = eco_union_root(parts->parent, t);
 		struct part *of = &parts->part[root];
 		if (root == t)
-			*of = (struct part){ { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } };
+			*of = (struct part){ { INFINITY, INFINITY, INFINITY },
+				{ -INFINITY, -INFINITY, -INFINITY } };
 		for (int k = 0; k < 3 && usable(m, t, p); k++)
 			for (int a = 0; a < 3; a++) {
 				of->low[a] = fminf(of->low[a], p[k][a]);
@@ -300,12 +312,14 @@ static bool mark_large(const struct eco_model *m, const struct box *box, struct 
 
 static void ask_large_parts(const struct eco_model *soup, const struct box *box, double *sum)
 {
-	static const struct rule rule[TRAITS] = { [NARROW] = { -0.2, 0.1 }, [HEAVY] = { 0.7, 0.02 }, [CENTRED] = { -0.5, 0.2 },
-		[ROUND] = { 0.2, 0.4 } };
+	static const struct rule rule[TRAITS] = { [NARROW] = { -0.2, 0.1 }, [HEAVY] = { 0.7, 0.02 },
+		[CENTRED] = { -0.5, 0.2 }, [ROUND] = { 0.2, 0.4 } };
 	size_t vertices = (size_t)soup->vertex_count + 1, triangles = (size_t)soup->triangle_count + 1;
 	struct parts parts = { malloc(vertices * sizeof *parts.place), malloc(vertices * sizeof *parts.owner),
-		malloc(triangles * sizeof *parts.parent), malloc(triangles * sizeof *parts.part), calloc(triangles, sizeof *parts.large) };
-	if (parts.place && parts.owner && parts.parent && parts.part && parts.large && find_places(soup, parts.place)) {
+		malloc(triangles * sizeof *parts.parent), malloc(triangles * sizeof *parts.part),
+		calloc(triangles, sizeof *parts.large) };
+	if (parts.place && parts.owner && parts.parent && parts.part && parts.large
+			&& find_places(soup, parts.place)) {
 		join(soup, &parts);
 		measure(soup, &parts);
 		if (mark_large(soup, box, &parts))
@@ -331,8 +345,9 @@ static double placed(const struct box *box)
 
 enum eco_up eco_model_find_up(const struct eco_model *soup, double *certainty)
 {
-	static const struct rule rule[TRAITS] = { [NARROW] = { -1.0, 0.1 }, [HEAVY] = { 0.8, 0.01 }, [CENTRED] = { -0.4, 0.2 },
-		[ROUND] = { 0.7, 0.4 }, [LOPSIDED] = { 0.6, 0.2 }, [STEM] = { 0.4, 0.1 } };
+	static const struct rule rule[TRAITS] = { [NARROW] = { -1.0, 0.1 }, [HEAVY] = { 0.8, 0.01 },
+		[CENTRED] = { -0.4, 0.2 }, [ROUND] = { 0.7, 0.4 }, [LOPSIDED] = { 0.6, 0.2 },
+		[STEM] = { 0.4, 0.1 } };
 	struct box box = bound(soup, NULL);
 	double sum = 0;
 	*certainty = 0;

@@ -15,7 +15,8 @@
 #define BOXES_SIDE_MAX 512u
 #define LINKS_MAX (1u << 27)
 
-enum { WKB_POINT = 1, WKB_LINE = 2, WKB_POLYGON = 3, WKB_POINTS = 4, WKB_LINES = 5, WKB_POLYGONS = 6, WKB_COLLECTION = 7 };
+enum { WKB_POINT = 1, WKB_LINE = 2, WKB_POLYGON = 3, WKB_POINTS = 4, WKB_LINES = 5, WKB_POLYGONS = 6,
+	WKB_COLLECTION = 7 };
 
 struct reading {
 	struct eco_areas *areas;
@@ -28,15 +29,17 @@ struct reading {
 
 static enum eco_code damaged(const struct reading *r)
 {
-	return eco_fail(r->error, ECO_DAMAGED, "a geometry that does not hold together at byte %zu of %zu", r->wkb.at, r->wkb.size);
+	return eco_fail(r->error, ECO_DAMAGED, "a geometry that does not hold together at byte %zu of %zu",
+		r->wkb.at, r->wkb.size);
 }
 
 static enum eco_code add_edge(struct reading *r, const double a[2], const double b[2])
 {
 	struct eco_areas *s = r->areas;
-	if (s->edge_count == ECO_AREA_POINTS_MAX || !eco_room(&s->edges, &s->edge_capacity, s->edge_count, sizeof *s->edges))
-		return eco_fail(r->error, s->edge_count == ECO_AREA_POINTS_MAX ? ECO_TOO_LARGE : ECO_NO_MEMORY, "no room for more than %u corners of areas",
-			s->edge_count);
+	if (s->edge_count == ECO_AREA_POINTS_MAX
+			|| !eco_room(&s->edges, &s->edge_capacity, s->edge_count, sizeof *s->edges))
+		return eco_fail(r->error, s->edge_count == ECO_AREA_POINTS_MAX ? ECO_TOO_LARGE
+			: ECO_NO_MEMORY, "no room for more than %u corners of areas", s->edge_count);
 	s->edges[s->edge_count++] = (struct eco_edge){ { a[0], a[1] }, { b[0], b[1] } };
 	return ECO_OK;
 }
@@ -53,7 +56,8 @@ static enum eco_code take_path(struct reading *r, uint32_t count, bool ring)
 		at[1] = eco_read_f64(&r->wkb);
 		if (ring != r->surfaces)
 			continue;
-		r->kept = r->kept && isfinite(at[0]) && isfinite(at[1]) && r->convert(r->ctx, at, r->error) && isfinite(at[0]) && isfinite(at[1]);
+		r->kept = r->kept && isfinite(at[0]) && isfinite(at[1]) && r->convert(r->ctx, at, r->error)
+			&& isfinite(at[0]) && isfinite(at[1]);
 		if (!r->kept)
 			return r->error && r->error->code != ECO_OK ? r->error->code : ECO_OK;
 		if (i > 0 || count == 1)
@@ -62,7 +66,8 @@ static enum eco_code take_path(struct reading *r, uint32_t count, bool ring)
 			memcpy(first, at, sizeof first);
 		memcpy(last, at, sizeof last);
 	}
-	if (code == ECO_OK && ring && r->surfaces && count > 1 && (first[0] != last[0] || first[1] != last[1]))
+	if (code == ECO_OK && ring && r->surfaces && count > 1
+			&& (first[0] != last[0] || first[1] != last[1]))
 		code = add_edge(r, last, first);
 	return code;
 }
@@ -79,7 +84,8 @@ static enum eco_code take_geometry(struct reading *r, int depth)
 	if (count > r->wkb.size - r->wkb.at)
 		return damaged(r);
 	for (uint32_t i = 0; i < count && !code && r->kept; i++)
-		code = kind == WKB_POLYGON ? take_path(r, eco_read_u32(&r->wkb), true) : take_geometry(r, depth + 1);
+		code = kind == WKB_POLYGON ? take_path(r, eco_read_u32(&r->wkb), true)
+			: take_geometry(r, depth + 1);
 	return code;
 }
 
@@ -97,11 +103,12 @@ static void measure(const struct eco_areas *areas, struct eco_area *area)
 		}
 }
 
-enum eco_code eco_areas_add_wkb(struct eco_areas *areas, const uint8_t *wkb, size_t size, eco_area_convert *convert, void *ctx,
-	bool *kept, struct eco_error *error)
+enum eco_code eco_areas_add_wkb(struct eco_areas *areas, const uint8_t *wkb, size_t size,
+	eco_area_convert *convert, void *ctx, bool *kept, struct eco_error *error)
 {
 	struct eco_error own = { .code = ECO_OK };
-	struct reading r = { .areas = areas, .wkb = { .bytes = wkb, .size = size }, .convert = convert, .ctx = ctx, .kept = true,
+	struct reading r = { .areas = areas, .wkb = { .bytes = wkb, .size = size }, .convert = convert,
+		.ctx = ctx, .kept = true,
 		.error = error != NULL ? error : &own };
 	struct eco_area area = { .edge_first = areas->edge_count };
 	enum eco_code code = ECO_OK;
@@ -115,7 +122,8 @@ enum eco_code eco_areas_add_wkb(struct eco_areas *areas, const uint8_t *wkb, siz
 	}
 	area.edge_count = areas->edge_count - area.edge_first;
 	*kept = code == ECO_OK && r.kept && area.edge_count > 0;
-	if (code == ECO_OK && *kept && !eco_room(&areas->items, &areas->capacity, areas->count, sizeof *areas->items))
+	if (code == ECO_OK && *kept && !eco_room(&areas->items, &areas->capacity, areas->count,
+			sizeof *areas->items))
 		code = eco_fail(r.error, ECO_NO_MEMORY, "no memory for more than %u areas", areas->count);
 	if (code != ECO_OK || !*kept) {
 		areas->edge_count = area.edge_first;
@@ -147,7 +155,8 @@ static enum eco_code index_area(struct eco_areas *areas, struct eco_area *area, 
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for areas");
 	for (int pass = 0; pass < 2; pass++) {
 		for (uint32_t i = 0; i < area->ring_edges; i++) {
-			uint32_t first = strip_of(area, fmin(edges[i].a[1], edges[i].b[1])), last = strip_of(area, fmax(edges[i].a[1], edges[i].b[1]));
+			uint32_t first = strip_of(area, fmin(edges[i].a[1], edges[i].b[1])),
+				last = strip_of(area, fmax(edges[i].a[1], edges[i].b[1]));
 			total += pass == 0 ? last - first + 1u : 0;
 			for (uint32_t s = first; s <= last; s++) {
 				if (pass == 0)
@@ -172,7 +181,8 @@ static enum eco_code index_area(struct eco_areas *areas, struct eco_area *area, 
 /* Whether a ray from (x, y) towards greater x crosses the edge. */
 static bool crosses(const struct eco_edge *e, double x, double y)
 {
-	return (e->a[1] > y) != (e->b[1] > y) && x < e->a[0] + (y - e->a[1]) / (e->b[1] - e->a[1]) * (e->b[0] - e->a[0]);
+	return (e->a[1] > y) != (e->b[1] > y)
+		&& x < e->a[0] + (y - e->a[1]) / (e->b[1] - e->a[1]) * (e->b[0] - e->a[0]);
 }
 
 bool eco_area_holds(const struct eco_areas *areas, uint32_t index, double x, double y)
@@ -181,7 +191,8 @@ bool eco_area_holds(const struct eco_areas *areas, uint32_t index, double x, dou
 	const struct eco_edge *edges = areas->edges + area->edge_first;
 	uint32_t s;
 	bool inside = false;
-	if (area->ring_edges == 0 || x < area->low[0] || x > area->high[0] || y < area->low[1] || y > area->high[1])
+	if (area->ring_edges == 0 || x < area->low[0] || x > area->high[0] || y < area->low[1]
+			|| y > area->high[1])
 		return false;
 	s = strip_of(area, y);
 	for (uint32_t i = area->strip_first[s]; i < area->strip_first[s + 1]; i++)
@@ -198,10 +209,12 @@ bool eco_area_span(const struct eco_areas *areas, uint32_t index, double low_y, 
 	span[1] = -INFINITY;
 	if (area->ring_edges == 0 || high_y < area->low[1] || low_y > area->high[1])
 		return false;
-	for (uint32_t i = area->strip_first[strip_of(area, low_y)]; i < area->strip_first[strip_of(area, high_y) + 1]; i++) {
+	for (uint32_t i = area->strip_first[strip_of(area, low_y)];
+			i < area->strip_first[strip_of(area, high_y) + 1]; i++) {
 		const struct eco_edge *e = &edges[area->strip[i]];
 		double rise = e->b[1] - e->a[1], run = e->b[0] - e->a[0];
-		double from = rise != 0 ? (low_y - e->a[1]) / rise : 0, to = rise != 0 ? (high_y - e->a[1]) / rise : 1;
+		double from = rise != 0 ? (low_y - e->a[1]) / rise : 0,
+			to = rise != 0 ? (high_y - e->a[1]) / rise : 1;
 		double first = fmax(fmin(from, to), 0), last = fmin(fmax(from, to), 1);
 		if (first > last)
 			continue;
@@ -213,14 +226,17 @@ bool eco_area_span(const struct eco_areas *areas, uint32_t index, double low_y, 
 
 /* By the even-odd rule orientation does not matter: a ring is a hole if it lies within an odd number of
  * the others, which one of its points shows. */
-static bool ring_is_hole(const struct eco_areas *areas, const struct eco_area *area, uint32_t first, uint32_t end)
+static bool ring_is_hole(const struct eco_areas *areas, const struct eco_area *area, uint32_t first,
+	uint32_t end)
 {
 	const struct eco_edge *edges = areas->edges + area->edge_first;
-	double x = (edges[first].a[0] + edges[first].b[0]) / 2, y = (edges[first].a[1] + edges[first].b[1]) / 2;
+	double x = (edges[first].a[0] + edges[first].b[0]) / 2,
+		y = (edges[first].a[1] + edges[first].b[1]) / 2;
 	uint32_t s = strip_of(area, y);
 	bool inside = false;
 	for (uint32_t i = area->strip_first[s]; i < area->strip_first[s + 1]; i++)
-		if ((area->strip[i] < first || area->strip[i] >= end) && crosses(&edges[area->strip[i]], x, y))
+		if ((area->strip[i] < first || area->strip[i] >= end)
+				&& crosses(&edges[area->strip[i]], x, y))
 			inside = !inside;
 	return inside;
 }
@@ -232,8 +248,12 @@ static double surface_of(const struct eco_areas *areas, const struct eco_area *a
 	for (uint32_t first = 0, end; first < area->ring_edges; first = end) {
 		const double *o = e[first].a;
 		double twice = 0;
-		for (end = first; end == first || (end < area->ring_edges && (e[end - 1].b[0] != o[0] || e[end - 1].b[1] != o[1])); end++)
-			twice += (e[end].a[0] - o[0]) * (e[end].b[1] - o[1]) - (e[end].b[0] - o[0]) * (e[end].a[1] - o[1]);
+		for (end = first;
+				end == first
+				|| (end < area->ring_edges
+				&& (e[end - 1].b[0] != o[0] || e[end - 1].b[1] != o[1])); end++)
+			twice += (e[end].a[0] - o[0]) * (e[end].b[1] - o[1])
+				- (e[end].b[0] - o[0]) * (e[end].a[1] - o[1]);
 		sum += (ring_is_hole(areas, area, first, end) ? -0.5 : 0.5) * fabs(twice);
 	}
 	return fmax(sum, 0);
@@ -315,10 +335,13 @@ static uint32_t cell_hash(int64_t x, int64_t y)
 	return (uint32_t)(h >> 32);
 }
 
-static enum eco_code add_link(struct eco_areas *s, int64_t x, int64_t y, uint32_t edge, struct eco_error *error)
+static enum eco_code add_link(struct eco_areas *s, int64_t x, int64_t y, uint32_t edge,
+	struct eco_error *error)
 {
-	if (s->link_count == LINKS_MAX || !eco_room(&s->links, &s->link_capacity, s->link_count, sizeof *s->links))
-		return eco_fail(error, s->link_count == LINKS_MAX ? ECO_TOO_LARGE : ECO_NO_MEMORY, "no room for the features to keep clear of; simplify "
+	if (s->link_count == LINKS_MAX
+			|| !eco_room(&s->links, &s->link_capacity, s->link_count, sizeof *s->links))
+		return eco_fail(error, s->link_count == LINKS_MAX ? ECO_TOO_LARGE : ECO_NO_MEMORY,
+			"no room for the features to keep clear of; simplify "
 			"them, or take a larger distance");
 	s->links[s->link_count++] = (struct eco_area_link){ x, y, edge, ECO_AREA_POINTS_MAX };
 	return ECO_OK;
@@ -331,11 +354,15 @@ static enum eco_code link_edge(struct eco_areas *s, uint32_t index, struct eco_e
 	const double *a = e->a[1] <= e->b[1] ? e->a : e->b, *b = e->a[1] <= e->b[1] ? e->b : e->a;
 	int64_t last = (int64_t)floor((b[1] + s->near_m) / s->cell_m);
 	enum eco_code code = ECO_OK;
-	for (int64_t row = (int64_t)floor((a[1] - s->near_m) / s->cell_m); row <= last && code == ECO_OK; row++) {
-		double low = fmax(a[1], row * s->cell_m - s->near_m), high = fmin(b[1], (row + 1) * s->cell_m + s->near_m);
+	for (int64_t row = (int64_t)floor((a[1] - s->near_m) / s->cell_m); row <= last && code == ECO_OK;
+			row++) {
+		double low = fmax(a[1], row * s->cell_m - s->near_m),
+			high = fmin(b[1], (row + 1) * s->cell_m + s->near_m);
 		double slope = b[1] > a[1] ? (b[0] - a[0]) / (b[1] - a[1]) : 0;
-		double x0 = b[1] > a[1] ? a[0] + slope * (low - a[1]) : a[0], x1 = b[1] > a[1] ? a[0] + slope * (high - a[1]) : b[0];
-		int64_t first = (int64_t)floor((fmin(x0, x1) - s->near_m) / s->cell_m), end = (int64_t)floor((fmax(x0, x1) + s->near_m) / s->cell_m);
+		double x0 = b[1] > a[1] ? a[0] + slope * (low - a[1]) : a[0],
+			x1 = b[1] > a[1] ? a[0] + slope * (high - a[1]) : b[0];
+		int64_t first = (int64_t)floor((fmin(x0, x1) - s->near_m) / s->cell_m),
+			end = (int64_t)floor((fmax(x0, x1) + s->near_m) / s->cell_m);
 		for (int64_t x = first; x <= end && code == ECO_OK; x++)
 			code = add_link(s, x, row, index, error);
 	}
@@ -382,8 +409,10 @@ bool eco_areas_near(const struct eco_areas *s, double x, double y)
 	int64_t column = (int64_t)floor(x / s->cell_m), row = (int64_t)floor(y / s->cell_m);
 	if (!s->cell_head)
 		return false;
-	for (uint32_t i = s->cell_head[cell_hash(column, row) & s->cell_mask]; i != UINT32_MAX; i = s->links[i].next)
-		if (s->links[i].x == column && s->links[i].y == row && square_to(&s->edges[s->links[i].edge], x, y) < s->near_m * s->near_m)
+	for (uint32_t i = s->cell_head[cell_hash(column, row) & s->cell_mask]; i != UINT32_MAX;
+			i = s->links[i].next)
+		if (s->links[i].x == column && s->links[i].y == row
+				&& square_to(&s->edges[s->links[i].edge], x, y) < s->near_m * s->near_m)
 			return true;
 	return false;
 }

@@ -27,10 +27,12 @@ struct eco_area {                        /* a feature: all its rings, by the eve
 struct eco_areas {                       /* owns its arrays; zero-initialised is empty */
 	struct eco_area *items; uint32_t count, capacity;
 	struct eco_edge *edges; uint32_t edge_count, edge_capacity;
-	struct eco_area_boxes { double low[2], step[2]; uint32_t side, *first, *member; } boxes;     /* features by the cells that their boxes touch */
+	/* features by the cells that their boxes touch */
+	struct eco_area_boxes { double low[2], step[2]; uint32_t side, *first, *member; } boxes;
 	double near_m;
 	double cell_m; uint32_t *cell_head, cell_mask; /* edges by cells of a grid, hashed */
-	struct eco_area_link { int64_t x, y; uint32_t edge, next; } *links; uint32_t link_count, link_capacity;
+	struct eco_area_link { int64_t x, y; uint32_t edge, next; } *links; uint32_t link_count,
+		link_capacity;
 };
 
 /* False: a corner cannot be converted; then the feature is left out and *kept is false. */
@@ -38,8 +40,8 @@ typedef bool eco_area_convert(void *ctx, double xy[2], struct eco_error *error);
 
 /* Adds one feature, given as little-endian well-known binary of two dimensions: a point, a line, a polygon,
  * several of these or a collection. ECO_DAMAGED: malformed. */
-enum eco_code eco_areas_add_wkb(struct eco_areas *areas, const uint8_t *wkb, size_t size, eco_area_convert *convert, void *ctx,
-	bool *kept, struct eco_error *error);
+enum eco_code eco_areas_add_wkb(struct eco_areas *areas, const uint8_t *wkb, size_t size,
+	eco_area_convert *convert, void *ctx, bool *kept, struct eco_error *error);
 
 /* Prepares the indices. near_m > 0: also for eco_areas_near. */
 enum eco_code eco_areas_index(struct eco_areas *areas, double near_m, struct eco_error *error);

@@ -84,7 +84,8 @@ static void sink(struct field *f, uint32_t slot)
 /* Build: adds up how its neighbours crowd `gone`; else subtracts from its neighbours how it crowded them. */
 static void relieve(struct field *f, uint32_t gone, bool build)
 {
-	uint32_t x = (uint32_t)f->at[gone][0] * f->cells / 65536, y = (uint32_t)f->at[gone][1] * f->cells / 65536;
+	uint32_t x = (uint32_t)f->at[gone][0] * f->cells / 65536,
+		y = (uint32_t)f->at[gone][1] * f->cells / 65536;
 	for (uint32_t dy = f->cells - 1; dy <= f->cells + 1; dy++)
 		for (uint32_t dx = f->cells - 1; dx <= f->cells + 1; dx++) {
 			uint32_t cell = (y + dy) % f->cells * f->cells + (x + dx) % f->cells;
@@ -138,10 +139,15 @@ static void eliminate(struct field *f, uint32_t wanted, uint16_t (*scratch)[2])
 
 bool eco_blue_noise(uint16_t points[ECO_BLUE_NOISE_POINTS][2])
 {
-	uint16_t (*at)[2] = malloc(sizeof *at * CANDIDATES), (*scratch)[2] = malloc(sizeof *scratch * CANDIDATES);
-	struct field f = { .at = at, .count = CANDIDATES, .cell_first = malloc(sizeof(uint32_t) * (CELLS_MOST * CELLS_MOST + 1)),
-		.member = malloc(sizeof(uint32_t) * CANDIDATES), .weight = malloc(sizeof(double) * CANDIDATES),
-		.heap = malloc(sizeof(uint32_t) * CANDIDATES), .place = malloc(sizeof(uint32_t) * CANDIDATES) };
+	uint16_t (*at)[2] = malloc(sizeof *at * CANDIDATES),
+		(*scratch)[2] = malloc(sizeof *scratch * CANDIDATES);
+	struct field f =
+		{ .at = at, .count = CANDIDATES,
+		.cell_first = malloc(sizeof(uint32_t) * (CELLS_MOST * CELLS_MOST + 1)),
+		.member = malloc(sizeof(uint32_t) * CANDIDATES),
+		.weight = malloc(sizeof(double) * CANDIDATES),
+		.heap = malloc(sizeof(uint32_t) * CANDIDATES),
+		.place = malloc(sizeof(uint32_t) * CANDIDATES) };
 	bool good = at && scratch && f.cell_first && f.member && f.weight && f.heap && f.place;
 	for (uint32_t i = 0; good && i < CANDIDATES; i++) {
 		uint64_t bits = eco_mix(4096, i);

@@ -8,7 +8,8 @@
 
 #define ECO_FILTERS_MAX 64u
 
-struct eco_value { char *text; double number; };     /* text folded (inventory_text.h), "*" is any text; NULL: the number */
+/* text folded (inventory_text.h), "*" is any text; NULL: the number */
+struct eco_value { char *text; double number; };
 
 struct eco_filter {
 	char *column;

@@ -29,9 +29,11 @@ struct ogr_rows {
 	GDALDatasetH data;
 	OGRLayerH layer;
 	OGRFeatureH feature;
-	OGRGeometryH points;             /* of the feature, if it has several: a multipoint or a line; owned by it */
+	/* of the feature, if it has several: a multipoint or a line; owned by it */
+	OGRGeometryH points;
 	int point;
-	OGRGeometryH lines;              /* of the feature, if it has several lines; points is number `line` of them */
+	/* of the feature, if it has several lines; points is number `line` of them */
+	OGRGeometryH lines;
 	int line;
 	bool areas, vertices;
 	char *path;
@@ -58,7 +60,8 @@ bool gdal_rows_knows(const char *path)
 	return driver && strcmp(GDALGetDriverShortName(driver), "CSV") != 0;
 }
 
-static enum eco_code gdal_says(const char *path, enum eco_code code, const char *doing, struct eco_error *error)
+static enum eco_code gdal_says(const char *path, enum eco_code code, const char *doing,
+	struct eco_error *error)
 {
 	const char *why = CPLGetLastErrorMsg();
 	return eco_fail(error, code, "%.200s: %s%s%.220s", path, doing, *why != 0 ? ": " : "", why);
@@ -75,7 +78,8 @@ static bool is_point(OGRwkbGeometryType type)
 static bool is_surface(OGRwkbGeometryType type)
 {
 	type = wkbFlatten(type);
-	return type == wkbPolygon || type == wkbMultiPolygon || type == wkbCurvePolygon || type == wkbMultiSurface;
+	return type == wkbPolygon || type == wkbMultiPolygon || type == wkbCurvePolygon
+		|| type == wkbMultiSurface;
 }
 
 static enum eco_code ask_for_layer(struct ogr_rows *r, const char *wanted, struct eco_error *error)
@@ -85,13 +89,14 @@ static enum eco_code ask_for_layer(struct ogr_rows *r, const char *wanted, struc
 	int count = GDALDatasetGetLayerCount(r->data);
 	for (int i = 0; i < count && used < sizeof names; i++) {
 		OGRLayerH layer = GDALDatasetGetLayer(r->data, i);
-		used += (size_t)snprintf(names + used, sizeof names - used, "%s%.60s (%s)", i > 0 ? ", " : "", OGR_L_GetName(layer),
-			OGRGeometryTypeToName(OGR_L_GetGeomType(layer)));
+		used += (size_t)snprintf(names + used, sizeof names - used, "%s%.60s (%s)", i > 0 ? ", " : "",
+			OGR_L_GetName(layer), OGRGeometryTypeToName(OGR_L_GetGeomType(layer)));
 	}
 	if (wanted)
-		return eco_fail(error, ECO_BAD_INPUT, "%.150s: no layer \"%.60s\"; there are: %s", r->path, wanted, names);
-	return eco_fail(error, ECO_BAD_INPUT, "%.150s: it has several layers; add \"layer\": \"%.60s\" or another of: %s", r->path,
-		OGR_L_GetName(GDALDatasetGetLayer(r->data, 0)), names);
+		return eco_fail(error, ECO_BAD_INPUT, "%.150s: no layer \"%.60s\"; there are: %s", r->path,
+			wanted, names);
+	return eco_fail(error, ECO_BAD_INPUT, "%.150s: it has several layers; add \"layer\": \"%.60s\" or "
+		"another of: %s", r->path, OGR_L_GetName(GDALDatasetGetLayer(r->data, 0)), names);
 }
 
 /* The layer whose geometries are longest, as bytes. */
@@ -126,7 +131,8 @@ static enum eco_code find_layer(struct ogr_rows *r, const char *wanted, struct e
 	}
 	if (r->vertices && count > 1) {
 		r->layer = GDALDatasetGetLayer(r->data, longest_layer(r, count));
-		eco_rows_note(&r->rows, "of its %d layers the longest is taken, \"%.60s\"", count, OGR_L_GetName(r->layer));
+		eco_rows_note(&r->rows, "of its %d layers the longest is taken, \"%.60s\"", count,
+			OGR_L_GetName(r->layer));
 		return ECO_OK;
 	}
 	for (int i = 0; i < count; i++) {
@@ -140,8 +146,8 @@ static enum eco_code find_layer(struct ogr_rows *r, const char *wanted, struct e
 		return ask_for_layer(r, NULL, error);
 	r->layer = GDALDatasetGetLayer(r->data, found);
 	if (count > 1)
-		eco_rows_note(&r->rows, "of its %d layers \"%.60s\" is taken, the only one of %s; \"layer\" names another", count, OGR_L_GetName(r->layer),
-			r->areas ? "polygons" : "points");
+		eco_rows_note(&r->rows, "of its %d layers \"%.60s\" is taken, the only one of %s; \"layer\" "
+			"names another", count, OGR_L_GetName(r->layer), r->areas ? "polygons" : "points");
 	return r->layer ? ECO_OK : gdal_says(r->path, ECO_BAD_INPUT, "its layer cannot be read", error);
 }
 
@@ -156,7 +162,8 @@ static bool is_shapefile(const struct ogr_rows *r)
 static enum eco_code take_crs(struct ogr_rows *r, struct eco_error *error)
 {
 	OGRSpatialReferenceH crs = OGR_L_GetSpatialRef(r->layer);
-	const char *authority = crs != NULL ? OSRGetAuthorityName(crs, NULL) : NULL, *number = crs != NULL ? OSRGetAuthorityCode(crs, NULL) : NULL;
+	const char *authority = crs != NULL ? OSRGetAuthorityName(crs, NULL) : NULL, *number = crs != NULL
+		? OSRGetAuthorityCode(crs, NULL) : NULL;
 	const char *options[] = { "FORMAT=WKT2_2019", NULL };
 	char *wkt = NULL, text[64];
 	if (!crs) {
@@ -165,17 +172,19 @@ static enum eco_code take_crs(struct ogr_rows *r, struct eco_error *error)
 		return ECO_OK;
 	}
 	if (OSRIsLocal(crs) || (!OSRIsProjected(crs) && !OSRIsGeographic(crs))) {
-		snprintf(r->rows.no_crs, sizeof r->rows.no_crs, " (it names \"%.60s\", which has no place on Earth)",
-			OSRGetName(crs) != NULL ? OSRGetName(crs) : "");
+		snprintf(r->rows.no_crs, sizeof r->rows.no_crs, " (it names \"%.60s\", which has no place "
+			"on Earth)", OSRGetName(crs) != NULL ? OSRGetName(crs) : "");
 		return ECO_OK;
 	}
-	if (authority && number && snprintf(text, sizeof text, "%s:%s", authority, number) < (int)sizeof text) {
+	if (authority && number && snprintf(text, sizeof text, "%s:%s", authority, number)
+			< (int)sizeof text) {
 		r->rows.crs = strdup(text);
 	} else if (OSRExportToWktEx(crs, &wkt, options) == OGRERR_NONE && strlen(wkt) < ECO_ROWS_CRS_BYTES) {
 		r->rows.crs = strdup(wkt);
 	} else {
 		CPLFree(wkt);
-		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: its CRS cannot be told; add \"crs\" to its entry", r->path);
+		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: its CRS cannot be told; add \"crs\" to its "
+			"entry", r->path);
 	}
 	CPLFree(wkt);
 	return r->rows.crs ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", r->path);
@@ -197,7 +206,8 @@ static void look_at_some(struct ogr_rows *r)
 		if (geometry && !OGR_G_IsEmpty(geometry)) {
 			bool is_beyond;
 			OGR_G_GetEnvelope(geometry, &box);
-			is_beyond = fabs(box.MinX) > 360 || fabs(box.MaxX) > 360 || fabs(box.MinY) > 90 || fabs(box.MaxY) > 90;
+			is_beyond = fabs(box.MinX) > 360 || fabs(box.MaxX) > 360 || fabs(box.MinY) > 90
+				|| fabs(box.MaxY) > 90;
 			beyond += is_beyond;
 			within += !is_beyond;
 			r->rows.has_z |= OGR_G_Is3D(geometry) != 0;
@@ -226,12 +236,14 @@ static void ignore_fields(struct ogr_rows *r, const struct eco_rows_source *sour
 	CSLDestroy(ignored);
 }
 
-static enum eco_code take_columns(struct ogr_rows *r, const struct eco_rows_source *source, struct eco_error *error)
+static enum eco_code take_columns(struct ogr_rows *r, const struct eco_rows_source *source,
+	struct eco_error *error)
 {
 	OGRFeatureDefnH definition = OGR_L_GetLayerDefn(r->layer);
 	int count = OGR_FD_GetFieldCount(definition);
 	if (count > (int)ECO_COLUMNS_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "%.300s: %d columns, at most %u are possible", r->path, count, ECO_COLUMNS_MAX);
+		return eco_fail(error, ECO_TOO_LARGE, "%.300s: %d columns, at most %u are possible", r->path,
+			count, ECO_COLUMNS_MAX);
 	r->rows.columns = calloc((size_t)count + 1, sizeof *r->rows.columns);
 	r->rows.fields = calloc((size_t)count + 1, sizeof *r->rows.fields);
 	if (!r->rows.columns || !r->rows.fields)
@@ -267,7 +279,8 @@ static enum eco_code take_area(struct ogr_rows *r, OGRGeometryH geometry, struct
 	OGR_G_FlattenTo2D(straight);
 	size = (size_t)OGR_G_WkbSize(straight);
 	if (size > AREA_BYTES_MAX) {
-		code = eco_fail(error, ECO_TOO_LARGE, "%.300s: a geometry of %zu bytes, at most %u are possible; simplify it", r->path, size, AREA_BYTES_MAX);
+		code = eco_fail(error, ECO_TOO_LARGE, "%.300s: a geometry of %zu bytes, at most %u are "
+			"possible; simplify it", r->path, size, AREA_BYTES_MAX);
 	} else if (size > r->wkb_capacity) {
 		free(r->wkb);
 		r->wkb_capacity = 2 * size;
@@ -302,7 +315,8 @@ static void take_vertex(struct ogr_rows *r)
 /* To the next point of the feature; false after its last. */
 static bool next_vertex(struct ogr_rows *r)
 {
-	int count = r->points == NULL ? 0 : wkbFlatten(OGR_G_GetGeometryType(r->points)) == wkbMultiPoint ? OGR_G_GetGeometryCount(r->points)
+	int count = r->points == NULL ? 0 : wkbFlatten(OGR_G_GetGeometryType(r->points)) == wkbMultiPoint
+		? OGR_G_GetGeometryCount(r->points)
 		: OGR_G_GetPointCount(r->points);
 
 	if (!r->points)
@@ -322,7 +336,8 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 	struct eco_rows_place *place = &r->rows.place;
 	OGRGeometryH geometry = OGR_F_GetGeometryRef(r->feature);
 	OGRwkbGeometryType type = geometry != NULL ? wkbFlatten(OGR_G_GetGeometryType(geometry)) : wkbUnknown;
-	*place = (struct eco_rows_place){ .kind = r->rows.has_geometry ? ECO_PLACE_EMPTY : ECO_PLACE_NONE, .yaw_deg = NAN, .scale = NAN };
+	*place = (struct eco_rows_place){ .kind = r->rows.has_geometry ? ECO_PLACE_EMPTY : ECO_PLACE_NONE,
+		.yaw_deg = NAN, .scale = NAN };
 	r->points = r->lines = NULL;
 	if (!geometry || OGR_G_IsEmpty(geometry))
 		return ECO_OK;
@@ -350,7 +365,8 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 /* A list with a value for each vertex of a line gives each its own. The lists belong to the feature. */
 static bool has_own(const struct ogr_rows *r, int field)
 {
-	return r->vertices && r->points && !r->lines && OGR_Fld_GetType(OGR_F_GetFieldDefnRef(r->feature, field)) == OFTStringList
+	return r->vertices && r->points && !r->lines
+		&& OGR_Fld_GetType(OGR_F_GetFieldDefnRef(r->feature, field)) == OFTStringList
 		&& wkbFlatten(OGR_G_GetGeometryType(r->points)) == wkbLineString
 		&& CSLCount(OGR_F_GetFieldAsStringList(r->feature, field)) == OGR_G_GetPointCount(r->points);
 }
@@ -415,7 +431,8 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 	r->feature = OGR_L_GetNextFeature(r->layer);
 	if (!r->feature) {
 		*more = false;
-		return CPLGetLastErrorType() >= CE_Failure ? gdal_says(r->path, ECO_DAMAGED, "it breaks off", error) : ECO_OK;
+		return CPLGetLastErrorType() >= CE_Failure ? gdal_says(r->path, ECO_DAMAGED, "it breaks off",
+			error) : ECO_OK;
 	}
 	rows->row++;
 	rows->line++;
@@ -454,31 +471,38 @@ static bool lacks_part(const char *path, const char *extension)
 	return access(beside, F_OK) != 0;
 }
 
-static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source *source, struct eco_error *error)
+static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source *source,
+	struct eco_error *error)
 {
-	const char *options[] = { "AUTODETECT_TYPE=NO", source->vertices ? "FLATTEN_NESTED_ATTRIBUTES=YES" : NULL,
+	const char *options[] = { "AUTODETECT_TYPE=NO", source->vertices ? "FLATTEN_NESTED_ATTRIBUTES=YES"
+		: NULL,
 		"NESTED_ATTRIBUTE_SEPARATOR=.", NULL };
 
 	quiet();
 	CPLErrorReset();
 	if (lacks_part(source->path, "shx"))
-		return eco_fail(error, ECO_NOT_FOUND, "%.300s: a Shapefile is several files, and its .shx is not beside it; copy all of "
+		return eco_fail(error, ECO_NOT_FOUND, "%.300s: a Shapefile is several files, and its .shx "
+			"is not beside it; copy all of "
 			"them (.shp, .shx, .dbf, "
 			".prj, .cpg)", r->path);
 	if (lacks_part(source->path, "dbf"))
 		eco_rows_note(&r->rows, "its .dbf is not beside it, so it has no columns");
 	r->data = GDALOpenEx(source->path, GDAL_OF_VECTOR | GDAL_OF_READONLY, NULL, options, NULL);
 	if (!r->data)
-		return gdal_says(r->path, ECO_BAD_INPUT, source->vertices ? "GDAL cannot read it: it is damaged, or breaks off near its beginning" : "not a table that can be read (CSV, GeoJSON, GeoPackage, Shapefile, GML, KML, FlatGeobuf, CityGML, "
+		return gdal_says(r->path, ECO_BAD_INPUT, source->vertices ? "GDAL cannot read it: it is "
+			"damaged, or breaks off near its beginning" : "not a table that can be read (CSV, "
+			"GeoJSON, GeoPackage, Shapefile, GML, KML, FlatGeobuf, CityGML, "
 			"glTF)", error);
 	return ECO_OK;
 }
 
-enum eco_code gdal_rows_open(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error)
+enum eco_code gdal_rows_open(struct eco_rows **rows, const struct eco_rows_source *source,
+	struct eco_error *error)
 {
 	struct ogr_rows *r = calloc(1, sizeof *r);
 	enum eco_code code;
-	_Static_assert(offsetof(struct ogr_rows, rows) == 0, "struct eco_rows is the start of struct ogr_rows");
+	_Static_assert(offsetof(struct ogr_rows, rows) == 0, "struct eco_rows is the start of struct "
+		"ogr_rows");
 	*rows = NULL;
 	if (!r || !(r->path = strdup(source->path))) {
 		free(r);

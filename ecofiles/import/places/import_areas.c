@@ -78,7 +78,8 @@ static enum eco_code keep_number(struct reading *r, double number, struct eco_er
 	return ECO_OK;
 }
 
-static enum eco_code take_row(struct reading *r, struct eco_areas *areas, bool surfaces, struct eco_error *error)
+static enum eco_code take_row(struct reading *r, struct eco_areas *areas, bool surfaces,
+	struct eco_error *error)
 {
 	const struct eco_rows_place *place = &r->rows->place;
 	double number = 0;
@@ -89,14 +90,17 @@ static enum eco_code take_row(struct reading *r, struct eco_areas *areas, bool s
 		return skip(r, ECO_AREA_FILTERED), ECO_OK;
 	if (place->kind != ECO_PLACE_AREA)
 		return surfaces ? skip(r, ECO_AREA_NO_GEOMETRY) : (void)0, ECO_OK;
-	if (r->number_column != ECO_NONE && (!eco_text_number(r->rows->fields[r->number_column], '.', &number) || !(number >= 0)))
+	if (r->number_column != ECO_NONE && (!eco_text_number(r->rows->fields[r->number_column], '.', &number)
+			|| !(number >= 0)))
 		return skip(r, ECO_AREA_NO_NUMBER), ECO_OK;
 	r->converted = r->near = true;
 	code = eco_areas_add_wkb(areas, place->wkb, place->wkb_bytes, convert, r, &kept, error);
 	if (code)
 		return code;
 	if (!kept)
-		return surfaces ? skip(r, !r->converted ? ECO_AREA_NO_CONVERSION : r->near ? ECO_AREA_NO_GEOMETRY : ECO_AREA_TOO_FAR) : (void)0, ECO_OK;
+		return surfaces
+			? skip(r, !r->converted ? ECO_AREA_NO_CONVERSION : r->near ? ECO_AREA_NO_GEOMETRY
+			: ECO_AREA_TOO_FAR) : (void)0, ECO_OK;
 	if (surfaces && areas->items[areas->count - 1].ring_edges == 0) {
 		areas->edge_count = areas->items[--areas->count].edge_first;
 		return skip(r, ECO_AREA_NOT_A_SURFACE), ECO_OK;
@@ -104,16 +108,19 @@ static enum eco_code take_row(struct reading *r, struct eco_areas *areas, bool s
 	return surfaces && r->number_column != ECO_NONE ? keep_number(r, number, error) : ECO_OK;
 }
 
-static enum eco_code read_rows(struct reading *r, struct eco_areas *areas, bool surfaces, struct eco_error *error)
+static enum eco_code read_rows(struct reading *r, struct eco_areas *areas, bool surfaces,
+	struct eco_error *error)
 {
 	const struct eco_scatter_spec *s = r->spec;
 	enum eco_code code = ECO_OK;
 	bool more = true;
 	r->number_column = ECO_NONE;
 	if (surfaces)
-		code = eco_rows_find_column(r->rows, r->path, s->density_column != NULL ? s->density_column : s->count_column, &r->number_column, error);
+		code = eco_rows_find_column(r->rows, r->path, s->density_column != NULL ? s->density_column
+			: s->count_column, &r->number_column, error);
 	for (uint32_t i = 0; surfaces && i < s->filter_count && code == ECO_OK; i++)
-		code = eco_rows_find_column(r->rows, r->path, s->filters[i].column, &r->filter_column[i], error);
+		code = eco_rows_find_column(r->rows, r->path, s->filters[i].column, &r->filter_column[i],
+			error);
 	while (code == ECO_OK && more) {
 		code = r->rows->next(r->rows, &more, error);
 		if (code == ECO_OK && more)
@@ -124,18 +131,23 @@ static enum eco_code read_rows(struct reading *r, struct eco_areas *areas, bool 
 	return code;
 }
 
-static enum eco_code read_areas(struct eco_scatter_input *input, struct eco_areas *areas, const struct eco_scatter_spec *spec,
-	const struct eco_frame *frame, struct eco_error *error)
+static enum eco_code read_areas(struct eco_scatter_input *input, struct eco_areas *areas,
+	const struct eco_scatter_spec *spec, const struct eco_frame *frame, struct eco_error *error)
 {
 	bool surfaces = areas == &input->areas;
 	struct reading r = { .input = input, .spec = spec, .path = surfaces ? spec->path : spec->clear_of };
-	struct eco_rows_source source = { .path = r.path, .layer = surfaces ? spec->layer : spec->clear_layer, .areas = true };
+	struct eco_rows_source source = { .path = r.path, .layer = surfaces ? spec->layer : spec->clear_layer,
+		.areas = true };
 	enum eco_code code = eco_rows_open(&r.rows, &source, error);
 	if (!code)
-		code = eco_crs_open(&r.crs, &(struct eco_crs_request){ .path = r.path, .stated = surfaces ? spec->crs : spec->clear_crs,
-			.of_file = r.rows->crs, .local = r.rows->local, .frame = frame, .note = note, .ctx = input }, error);
+		code = eco_crs_open(&r.crs,
+			&(struct eco_crs_request){ .path = r.path, .stated = surfaces ? spec->crs
+			: spec->clear_crs,
+			.of_file = r.rows->crs, .local = r.rows->local, .frame = frame, .note = note,
+			.ctx = input }, error);
 	if (code == ECO_OK && r.rows->degrees_doubted && !(surfaces ? spec->crs : spec->clear_crs))
-		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: its numbers cannot be degrees, as its format says; add \"%s\": \"EPSG:...\", the CRS "
+		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: its numbers cannot be degrees, as its format "
+			"says; add \"%s\": \"EPSG:...\", the CRS "
 			"that they are in", r.path, surfaces ? "crs" : "clear_crs");
 	if (!code)
 		code = read_rows(&r, areas, surfaces, error);
@@ -155,19 +167,21 @@ static void mask_note(void *ctx, const char *text)
 
 /* Turns values into shares. Pixels without data get no plants; bytes are shares of 255, as programs that
  * paint masks write them. */
-static enum eco_code make_shares(struct eco_mask *mask, const struct eco_ground *raster, const struct eco_scatter_spec *spec,
-	struct eco_scatter_input *input, struct eco_error *error)
+static enum eco_code make_shares(struct eco_mask *mask, const struct eco_ground *raster,
+	const struct eco_scatter_spec *spec, struct eco_scatter_input *input, struct eco_error *error)
 {
 	size_t count = (size_t)raster->columns * raster->rows;
 	double most = 0, full = spec->full;
 	for (size_t i = 0; i < count; i++)
 		most = fmax(most, raster->height_m[i]);
 	if (full == 0 && most > BYTE_FULL)
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its values go up to %g; add \"full\": %g, the value that means the whole "
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its values go up to %g; add \"full\": %g, "
+			"the value that means the whole "
 			"density", spec->path, most,
 			most);
 	if (full == 0 && most > 1)
-		note(input, "its values go up to %g: 255 is taken for the whole density; \"full\" states another", most);
+		note(input, "its values go up to %g: 255 is taken for the whole density; \"full\" states "
+			"another", most);
 	if (full == 0)
 		full = most > 1 ? BYTE_FULL : 1;
 	mask->share = malloc(count * sizeof *mask->share);
@@ -175,14 +189,17 @@ static enum eco_code make_shares(struct eco_mask *mask, const struct eco_ground 
 		return eco_fail(error, ECO_NO_MEMORY, "%.200s: out of memory", spec->path);
 	for (uint32_t row = 0; row < raster->rows; row++)
 		for (uint32_t column = 0; column < raster->columns; column++) {
-			double share = raster->height_m[(size_t)(raster->rows - 1 - row) * raster->columns + column] / full;
-			mask->share[(size_t)row * raster->columns + column] = (float)(share > 0 ? share < 1 ? share : 1 : 0);
+			double share =
+				raster->height_m[(size_t)(raster->rows - 1 - row) * raster->columns + column]
+				/ full;
+			mask->share[(size_t)row * raster->columns + column] =
+				(float)(share > 0 ? share < 1 ? share : 1 : 0);
 		}
 	return ECO_OK;
 }
 
-static enum eco_code read_mask(struct eco_scatter_input *input, const struct eco_scatter_spec *spec, const struct eco_frame *frame,
-	struct eco_error *error)
+static enum eco_code read_mask(struct eco_scatter_input *input, const struct eco_scatter_spec *spec,
+	const struct eco_frame *frame, struct eco_error *error)
 {
 	char *paths[] = { spec->path };
 	struct eco_ground_source source = { .heights = paths, .height_count = 1, .crs = spec->crs,
@@ -192,13 +209,17 @@ static enum eco_code read_mask(struct eco_scatter_input *input, const struct eco
 	struct eco_mask *mask = &input->mask;
 	enum eco_code code;
 
-	code = eco_ground_import(&raster, &(struct eco_ground_options){ .source = &source, .scene_crs = frame->crs,
-		.origin = { frame->origin[0], frame->origin[1], 0 }, .side_max = MASK_SIDE_MAX, .keep_missing = true, .warn = mask_note,
+	code = eco_ground_import(&raster,
+		&(struct eco_ground_options){ .source = &source, .scene_crs = frame->crs,
+		.origin = { frame->origin[0], frame->origin[1], 0 }, .side_max = MASK_SIDE_MAX,
+		.keep_missing = true, .warn = mask_note,
 		.ctx = input }, error);
 	if (code)
 		return code;
-	*mask = (struct eco_mask){ .columns = raster.columns, .rows = raster.rows, .west_m = raster.x_m - raster.step_x_m / 2,
-		.north_m = raster.y_m + (raster.rows - 0.5) * raster.step_y_m, .step_x_m = raster.step_x_m, .step_y_m = raster.step_y_m };
+	*mask = (struct eco_mask){ .columns = raster.columns, .rows = raster.rows,
+		.west_m = raster.x_m - raster.step_x_m / 2,
+		.north_m = raster.y_m + (raster.rows - 0.5) * raster.step_y_m, .step_x_m = raster.step_x_m,
+		.step_y_m = raster.step_y_m };
 	code = make_shares(mask, &raster, spec, input, error);
 	eco_ground_free(&raster);
 	return code;
@@ -208,12 +229,13 @@ static enum eco_code read_mask(struct eco_scatter_input *input, const struct eco
 
 /* Only the readers know the kind of a file, each in a child of its own: a table with areas, else a raster.
  * If it is neither, the table reader's error is reported. */
-enum eco_code eco_scatter_read(struct eco_scatter_input *input, const struct eco_scatter_spec *spec, const struct eco_frame *frame,
-	struct eco_error *error)
+enum eco_code eco_scatter_read(struct eco_scatter_input *input, const struct eco_scatter_spec *spec,
+	const struct eco_frame *frame, struct eco_error *error)
 {
 	struct eco_error no_areas = { .code = ECO_OK }, no_mask = { .code = ECO_OK };
 	enum eco_code code = read_areas(input, &input->areas, spec, frame, &no_areas);
-	bool columns = spec->density_column != NULL || spec->count_column || spec->filter_count > 0 || spec->layer;
+	bool columns = spec->density_column != NULL || spec->count_column || spec->filter_count > 0
+		|| spec->layer;
 	if (code == ECO_BAD_INPUT && input->features == 0 && !columns) {
 		if (read_mask(input, spec, frame, &no_mask) == ECO_OK)
 			code = ECO_OK;

@@ -145,19 +145,20 @@ static enum verdict refuse_notation(const struct eco_positions *p, const char *t
 	double number;
 	char row[ROW_NAME];
 	if (p->spec->decimal == 0 && eco_text_number(text, ',', &number)) {
-		eco_fail(error, ECO_BAD_INPUT, "%s: \"%.40s\" has a decimal comma; add \"decimal\": \",\" to its entry",
-			row_name(p, row, sizeof row), text);
+		eco_fail(error, ECO_BAD_INPUT, "%s: \"%.40s\" has a decimal comma; add \"decimal\": \",\" "
+			"to its entry", row_name(p, row, sizeof row), text);
 		return FAILED;
 	}
 	if (strstr(text, "\u00b0") && text[strspn(text, "+-")] >= '0' && text[strspn(text, "+-")] <= '9') {
-		eco_fail(error, ECO_BAD_INPUT, "%s: \"%.40s\": degrees with minutes and seconds are not read; export decimal degrees, such as 48.1375",
-			row_name(p, row, sizeof row), text);
+		eco_fail(error, ECO_BAD_INPUT, "%s: \"%.40s\": degrees with minutes and seconds are not "
+			"read; export decimal degrees, such as 48.1375", row_name(p, row, sizeof row), text);
 		return FAILED;
 	}
 	return GOOD;
 }
 
-static enum verdict read_coordinate(struct eco_positions *p, uint32_t column, double *number, struct eco_error *error)
+static enum verdict read_coordinate(struct eco_positions *p, uint32_t column, double *number,
+	struct eco_error *error)
 {
 	const char *text = field(p, column);
 	char buffer[48];
@@ -190,14 +191,17 @@ static enum verdict read_geometry(struct eco_positions *p, double xyz[3], struct
 	if (place->kind != ECO_PLACE_POINT)
 		return SKIPPED;
 	memcpy(xyz, place->at, sizeof place->at);
-	if (!isfinite(xyz[0]) || !isfinite(xyz[1]) || (p->use_z && p->column[ECO_COLUMN_Z] == ECO_NONE && !isfinite(xyz[2])))
+	if (!isfinite(xyz[0]) || !isfinite(xyz[1])
+			|| (p->use_z && p->column[ECO_COLUMN_Z] == ECO_NONE && !isfinite(xyz[2])))
 		return skip(p, ECO_SKIP_BAD_NUMBER, "not finite");
-	return p->column[ECO_COLUMN_Z] != ECO_NONE ? read_coordinate(p, p->column[ECO_COLUMN_Z], &xyz[2], error) : GOOD;
+	return p->column[ECO_COLUMN_Z] != ECO_NONE ? read_coordinate(p, p->column[ECO_COLUMN_Z], &xyz[2],
+		error) : GOOD;
 }
 
 static bool sounds_like_degrees(const char *x, const char *y)
 {
-	static const char *const longitudes[] = { "lon", "lon*", "lng", "*longitude*", "*_lon", "*länge*", "lng*", "*_lng" };
+	static const char *const longitudes[] = { "lon", "lon*", "lng", "*longitude*", "*_lon", "*länge*",
+		"lng*", "*_lng" };
 	static const char *const latitudes[] = { "lat", "*latitude*", "*_lat", "lat_*", "*breite*", "lati*" };
 	char fx[64], fy[64];
 	bool is_x = false, is_y = false;
@@ -211,16 +215,19 @@ static bool sounds_like_degrees(const char *x, const char *y)
 }
 
 /* Refuses degrees in a scene of plain metres: they would become a heap a few millimetres wide. */
-static enum verdict refuse_degrees(const struct eco_positions *p, const double xyz[3], struct eco_error *error)
+static enum verdict refuse_degrees(const struct eco_positions *p, const double xyz[3],
+	struct eco_error *error)
 {
 	int zone = (int)floor((xyz[0] + 180) / 6) + 1;
 	if (p->frame.crs || p->spec->crs || p->from_geometry || !sounds_like_degrees(p->spec->x, p->spec->y)
 		|| fabs(xyz[0]) > 180 || fabs(xyz[1]) > 90)
 		return GOOD;
 	zone = zone < 1 ? 1 : zone > 60 ? 60 : zone;
-	eco_fail(error, ECO_BAD_INPUT, "%.150s: \"%.40s\" and \"%.40s\" are degrees, and the scene is in plain metres; add \"crs\": \"EPSG:4326\" to its "
-		"entry, and \"crs\": \"EPSG:%d\" (the UTM zone of %.2f, %.2f) and an \"origin\" in it to the scene", p->spec->path, p->spec->x, p->spec->y,
-		(xyz[1] < 0 ? 32700 : 32600) + zone, xyz[0], xyz[1]);
+	eco_fail(error, ECO_BAD_INPUT, "%.150s: \"%.40s\" and \"%.40s\" are degrees, and the scene is in "
+		"plain metres; add \"crs\": \"EPSG:4326\" to its "
+		"entry, and \"crs\": \"EPSG:%d\" (the UTM zone of %.2f, %.2f) and an \"origin\" in it to "
+		"the scene", p->spec->path, p->spec->x, p->spec->y, (xyz[1] < 0 ? 32700 : 32600) + zone,
+		xyz[0], xyz[1]);
 	return FAILED;
 }
 
@@ -258,13 +265,15 @@ static void note_far(struct eco_positions *p)
 	bool converted;
 	if (p->good_places == 0 || p->nearest_m <= FAR_M)
 		return;
-	if (eco_crs_convert(p->crs, swapped, &converted, &why, &error) == ECO_OK && converted && hypot(swapped[0], swapped[1]) <= FAR_M)
-		add_note(p, "its plants stand %.0f km and more from the scene's origin, and would be near it with their "
+	if (eco_crs_convert(p->crs, swapped, &converted, &why, &error) == ECO_OK && converted
+			&& hypot(swapped[0], swapped[1]) <= FAR_M)
+		add_note(p, "its plants stand %.0f km and more from the scene's origin, and would be near "
+			"it with their "
 			"coordinates swapped: x is easting "
 			"or longitude, y is northing or latitude", p->nearest_m / 1000);
 	else
-		add_note(p, "its plants stand %.0f km and more from the scene's origin; are x, y, crs and the origin what they should be?",
-			p->nearest_m / 1000);
+		add_note(p, "its plants stand %.0f km and more from the scene's origin; are x, y, crs and "
+			"the origin what they should be?", p->nearest_m / 1000);
 }
 
 /* Whether an earlier plant stands at this place. */
@@ -273,7 +282,8 @@ static enum verdict find_duplicate(struct eco_positions *p, const double at[3], 
 	char text[80];
 	bool known;
 	if (!eco_place_set_add(p->places, at, &known)) {
-		eco_fail(error, ECO_NO_MEMORY, "%.200s: no memory to find duplicates among %llu plants", p->spec->path, (unsigned long long)p->plants);
+		eco_fail(error, ECO_NO_MEMORY, "%.200s: no memory to find duplicates among %llu plants",
+			p->spec->path, (unsigned long long)p->plants);
 		return FAILED;
 	}
 	if (!known)
@@ -328,17 +338,20 @@ static bool refuse_size(const struct eco_positions *p, const char *text, struct 
 {
 	double number, unit_m;
 	char buffer[48], row[ROW_NAME];
-	if (p->sized || p->spec->decimal != 0 || !strchr(text, ',') || eco_text_size(text, '.', &number, &unit_m) != ECO_FORM_NONE
+	if (p->sized || p->spec->decimal != 0 || !strchr(text, ',')
+			|| eco_text_size(text, '.', &number, &unit_m) != ECO_FORM_NONE
 		|| eco_text_size(text, ',', &number, &unit_m) == ECO_FORM_NONE)
 		return false;
-	eco_fail(error, ECO_BAD_INPUT, "%s: \"%.40s\" has a comma; add \"decimal\": \",\" to its entry, or \".\" if this one is no decimal comma",
-		row_name(p, row, sizeof row), shown(text, buffer, sizeof buffer));
+	eco_fail(error, ECO_BAD_INPUT, "%s: \"%.40s\" has a comma; add \"decimal\": \",\" to its entry, or "
+		"\".\" if this one is no decimal comma", row_name(p, row, sizeof row),
+		shown(text, buffer, sizeof buffer));
 	return true;
 }
 
 static enum verdict check_sizes(struct eco_positions *p, struct eco_error *error)
 {
-	if (p->column[ECO_COLUMN_CROWN] != ECO_NONE && refuse_size(p, field(p, p->column[ECO_COLUMN_CROWN]), error))
+	if (p->column[ECO_COLUMN_CROWN] != ECO_NONE && refuse_size(p, field(p, p->column[ECO_COLUMN_CROWN]),
+			error))
 		return FAILED;
 	for (uint32_t i = 0; i < p->spec->height_count; i++)
 		if (p->height_column[i] != ECO_NONE && refuse_size(p, field(p, p->height_column[i]), error))
@@ -349,9 +362,11 @@ static enum verdict check_sizes(struct eco_positions *p, struct eco_error *error
 static double read_crown(struct eco_positions *p)
 {
 	struct eco_size_remarks remarks = { .range = false };
-	const char *text = p->column[ECO_COLUMN_CROWN] != ECO_NONE ? field(p, p->column[ECO_COLUMN_CROWN]) : "";
+	const char *text = p->column[ECO_COLUMN_CROWN] != ECO_NONE ? field(p, p->column[ECO_COLUMN_CROWN])
+		: "";
 	double radius = p->spec->crown.kind == ECO_SIZE_NONE ? NAN
-		: eco_size_read(&p->spec->crown, text, decimal_of(p), ECO_NONE, HEIGHT_MIN_M, CROWN_MAX_M, &remarks);
+		: eco_size_read(&p->spec->crown, text, decimal_of(p), ECO_NONE, HEIGHT_MIN_M, CROWN_MAX_M,
+		&remarks);
 
 	remarks.implausible |= radius > CROWN_PLAUSIBLE_M;
 	remark(p, &remarks, text);
@@ -366,7 +381,8 @@ static double read_height(struct eco_positions *p, uint32_t plant, double crown_
 	for (uint32_t i = 0; i < s->height_count; i++) {
 		struct eco_size_remarks remarks = { .range = false };
 		const char *text = p->height_column[i] != ECO_NONE ? field(p, p->height_column[i]) : "";
-		double height = eco_size_read(&s->heights[i], text, decimal_of(p), plant, HEIGHT_MIN_M, HEIGHT_MAX_M, &remarks);
+		double height = eco_size_read(&s->heights[i], text, decimal_of(p), plant, HEIGHT_MIN_M,
+			HEIGHT_MAX_M, &remarks);
 		remarks.implausible |= height > HEIGHT_PLAUSIBLE_M;
 		remark(p, &remarks, text);
 		if (isnan(height))
@@ -376,14 +392,16 @@ static double read_height(struct eco_positions *p, uint32_t plant, double crown_
 	}
 	if (s->height_count > 0)
 		count(p, isnan(crown_radius_m) ? ECO_KEPT_NO_HEIGHT : ECO_KEPT_BY_CROWN,
-			p->height_column[0] != ECO_NONE ? shown(field(p, p->height_column[0]), buffer, sizeof buffer) : "");
+			p->height_column[0] != ECO_NONE ? shown(field(p, p->height_column[0]), buffer,
+			sizeof buffer) : "");
 	return NAN;
 }
 
 static double read_yaw(struct eco_positions *p)
 {
 	double yaw;
-	if (p->column[ECO_COLUMN_YAW] != ECO_NONE && eco_text_number(field(p, p->column[ECO_COLUMN_YAW]), decimal_of(p), &yaw) && fabs(yaw) <= 1e6)
+	if (p->column[ECO_COLUMN_YAW] != ECO_NONE && eco_text_number(field(p, p->column[ECO_COLUMN_YAW]),
+			decimal_of(p), &yaw) && fabs(yaw) <= 1e6)
 		return yaw;
 	if (p->from_geometry && fabs(p->rows->place.yaw_deg) <= 1e6)
 		return p->rows->place.yaw_deg;
@@ -393,7 +411,8 @@ static double read_yaw(struct eco_positions *p)
 static double read_scale(struct eco_positions *p)
 {
 	double scale = p->from_geometry ? p->rows->place.scale : NAN;
-	if (p->column[ECO_COLUMN_SCALE] != ECO_NONE && !eco_text_number(field(p, p->column[ECO_COLUMN_SCALE]), decimal_of(p), &scale))
+	if (p->column[ECO_COLUMN_SCALE] != ECO_NONE && !eco_text_number(field(p, p->column[ECO_COLUMN_SCALE]),
+			decimal_of(p), &scale))
 		return 1;
 	return scale >= SCALE_MIN && scale <= SCALE_MAX ? scale : 1;
 }
@@ -423,13 +442,15 @@ static enum verdict read_row(struct eco_positions *p, struct eco_position *recor
 }
 
 /* The next usable row, with the first variant as its plant. */
-static enum eco_code read_record(struct eco_positions *p, struct eco_position *record, struct eco_error *error)
+static enum eco_code read_record(struct eco_positions *p, struct eco_position *record,
+	struct eco_error *error)
 {
 	enum verdict verdict = SKIPPED;
 	while (verdict == SKIPPED) {
 		bool more = false;
 		enum eco_code code = p->ended ? ECO_OK : p->rows->next(p->rows, &more, error);
-		*record = (struct eco_position){ .plant = ECO_NONE, .height_m = NAN, .crown_radius_m = NAN, .scale = 1 };
+		*record = (struct eco_position){ .plant = ECO_NONE, .height_m = NAN, .crown_radius_m = NAN,
+			.scale = 1 };
 		if (code != ECO_OK || p->ended)
 			return code;
 		if (more) {
@@ -471,7 +492,8 @@ static enum eco_code find_levels(struct eco_positions *p, struct eco_error *erro
 	do {
 		code = read_record(p, &record, error);
 		if (code == ECO_OK && record.plant != ECO_NONE && !isnan(record.height_m))
-			code = eco_levels_count(p->levels, record.plant, record.height_m, p->spec->path, error);
+			code = eco_levels_count(p->levels, record.plant, record.height_m, p->spec->path,
+				error);
 	} while (code == ECO_OK && record.plant != ECO_NONE);
 	if (code)
 		return code;
@@ -488,14 +510,18 @@ static enum eco_code find_levels(struct eco_positions *p, struct eco_error *erro
 static enum eco_code open_crs(struct eco_positions *p, struct eco_error *error)
 {
 	const struct eco_rows *rows = p->rows;
-	struct eco_crs_request request = { .path = p->spec->path, .stated = p->spec->crs, .vertical = p->spec->vertical,
-		.of_file = p->from_geometry ? rows->crs : NULL, .no_crs_says = p->from_geometry ? rows->no_crs : NULL,
+	struct eco_crs_request request = { .path = p->spec->path, .stated = p->spec->crs,
+		.vertical = p->spec->vertical,
+		.of_file = p->from_geometry ? rows->crs : NULL, .no_crs_says = p->from_geometry ? rows->no_crs
+		: NULL,
 		.local = p->from_geometry && rows->local, .use_z = p->use_z, .frame = &p->frame,
 		.note = add_note, .ctx = p };
 
 	if (p->from_geometry && rows->degrees_doubted && !p->spec->crs)
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its numbers cannot be degrees, which this format means unless it says otherwise; add "
-			"\"crs\": \"%.80s\" to its entry, or the CRS that they are in", p->spec->path, p->frame.crs != NULL ? p->frame.crs : "EPSG:...");
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its numbers cannot be degrees, which this "
+			"format means unless it says otherwise; add "
+			"\"crs\": \"%.80s\" to its entry, or the CRS that they are in", p->spec->path,
+			p->frame.crs != NULL ? p->frame.crs : "EPSG:...");
 	return eco_crs_open(&p->crs, &request, error);
 }
 
@@ -511,7 +537,8 @@ enum eco_code eco_positions_open(struct eco_positions **reader, const struct eco
 	p->frame = *frame;
 	p->species = eco_species_open(spec);
 	code = start_places(p, error);
-	if (code == ECO_OK && (!p->species || spec->height_count > ECO_HEIGHT_SOURCES_MAX || spec->filter_count > ECO_FILTERS_MAX))
+	if (code == ECO_OK && (!p->species || spec->height_count > ECO_HEIGHT_SOURCES_MAX
+			|| spec->filter_count > ECO_FILTERS_MAX))
 		code = eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	if (!code)
 		code = eco_positions_open_rows(p, error);
@@ -524,7 +551,8 @@ enum eco_code eco_positions_open(struct eco_positions **reader, const struct eco
 	return code;
 }
 
-enum eco_code eco_positions_next(struct eco_positions *reader, struct eco_position *record, struct eco_error *error)
+enum eco_code eco_positions_next(struct eco_positions *reader, struct eco_position *record,
+	struct eco_error *error)
 {
 	struct eco_error own = { .code = ECO_OK };
 	enum eco_code code;
@@ -550,9 +578,11 @@ const struct eco_skipped *eco_positions_skipped(const struct eco_positions *read
 
 void eco_positions_counted(const struct eco_positions *reader, struct eco_positions_counts *counts)
 {
-	*counts = (struct eco_positions_counts){ .plants = reader->plants, .skipped = reader->skipped, .filters = reader->filtered,
+	*counts = (struct eco_positions_counts){ .plants = reader->plants, .skipped = reader->skipped,
+		.filters = reader->filtered,
 		.low = { reader->low[0], reader->low[1] }, .high = { reader->high[0], reader->high[1] },
-		.where = reader->rows != NULL ? reader->rows->where : "line", .rows = reader->rows != NULL ? reader->rows->row : 0 };
+		.where = reader->rows != NULL ? reader->rows->where : "line", .rows = reader->rows != NULL
+		? reader->rows->row : 0 };
 	eco_species_counted(reader->species, counts);
 }
 

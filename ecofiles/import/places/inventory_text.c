@@ -34,8 +34,10 @@ static const char *skip_spaces(const char *text)
 
 bool eco_text_is_missing(const char *text)
 {
-	static const char *const words[] = { "", "na", "n/a", "#n/a", "n.a.", "nan", "null", "nil", "none", "-", "--", "?", ".", "(null)", "<null>",
-		"\\n", "k.a.", "s/d", "n.d.", "n/d", "unknown", "unbekannt", "inconnu", "desconocido", "desconhecido" };
+	static const char *const words[] = { "", "na", "n/a", "#n/a", "n.a.", "nan", "null", "nil", "none",
+		"-", "--", "?", ".", "(null)", "<null>",
+		"\\n", "k.a.", "s/d", "n.d.", "n/d", "unknown", "unbekannt", "inconnu", "desconocido",
+		"desconhecido" };
 	char folded[16];
 	if (eco_text_fold(text, folded, sizeof folded) + 1 == sizeof folded)
 		return false;
@@ -138,7 +140,8 @@ static size_t plain_number(const char *text, char decimal, char *plain)
 				return 0;
 			plain[used++] = '.';
 			fraction = true;
-		} else if (c == group && !fraction && digits > 0 && text[at + 1] >= '0' && text[at + 1] <= '9') {
+		} else if (c == group && !fraction && digits > 0 && text[at + 1] >= '0'
+				&& text[at + 1] <= '9') {
 			if (in_group > 3 || (groups > 0 && in_group != 3))
 				break;
 			groups++;
@@ -158,7 +161,8 @@ static size_t plain_number(const char *text, char decimal, char *plain)
 		used++;
 	}
 	if ((text[at] == 'e' || text[at] == 'E') && used + 8 < NUMBER_BYTES) {
-		size_t sign = text[at + 1] == '+' || text[at + 1] == '-', n = strspn(text + at + 1 + sign, "0123456789");
+		size_t sign = text[at + 1] == '+' || text[at + 1] == '-',
+			n = strspn(text + at + 1 + sign, "0123456789");
 		if (n > 0 && n < 4) {
 			memcpy(plain + used, text + at, 1 + sign + n);
 			used += 1 + sign + n;
@@ -194,22 +198,31 @@ bool eco_text_number(const char *text, char decimal, double *number)
 
 struct word { const char *text; double metres; };
 
-static const struct word units[] = { { "mm", 0.001 }, { "cm", 0.01 }, { "dm", 0.1 }, { "meters", 1 }, { "metres", 1 }, { "meter", 1 }, { "metre", 1 },
-	{ "mètres", 1 }, { "mètre", 1 }, { "metros", 1 }, { "metro", 1 }, { "metri", 1 }, { "m.", 1 }, { "m", 1 },
-	{ "feet", 0.3048 }, { "foot", 0.3048 }, { "ft.", 0.3048 }, { "ft", 0.3048 }, { "fuß", 0.3048 }, { "pies", 0.3048 },
-	{ "inches", 0.0254 }, { "inch", 0.0254 }, { "in.", 0.0254 }, { "in", 0.0254 }, { "''", 0.0254 }, { "\"", 0.0254 }, { "\u2033", 0.0254 },
+static const struct word units[] = { { "mm", 0.001 }, { "cm", 0.01 }, { "dm", 0.1 }, { "meters", 1 },
+	{ "metres", 1 }, { "meter", 1 }, { "metre", 1 },
+	{ "mètres", 1 }, { "mètre", 1 }, { "metros", 1 }, { "metro", 1 }, { "metri", 1 }, { "m.", 1 },
+	{ "m", 1 },
+	{ "feet", 0.3048 }, { "foot", 0.3048 }, { "ft.", 0.3048 }, { "ft", 0.3048 }, { "fuß", 0.3048 },
+	{ "pies", 0.3048 },
+	{ "inches", 0.0254 }, { "inch", 0.0254 }, { "in.", 0.0254 }, { "in", 0.0254 }, { "''", 0.0254 },
+	{ "\"", 0.0254 }, { "\u2033", 0.0254 },
 	{ "\u201d", 0.0254 }, { "'", 0.3048 }, { "\u2032", 0.3048 }, { "\u2019", 0.3048 } };
 
-static const char *const about_words[] = { "ca.", "ca", "circa", "approx.", "approx", "about", "env.", "environ", "etwa", "c.",
+static const char *const about_words[] = { "ca.", "ca", "circa", "approx.", "approx", "about", "env.",
+	"environ", "etwa", "c.",
 	"~", "\u2248", "between", "zwischen",
 	"entre", "from", "von", "de", "(", "[" };
-static const char *const to_words[] = { "bis", "to", "and", "und", "et", "y", "à", "a", "tot", "hasta", "--", "-", "\u2013", "\u2014", "..", "~" };
-static const char *const above_words[] = { "greater than", "more than", "over", "above", "at least", "plus de", "mehr als", "über", "ab", ">=", ">",
+static const char *const to_words[] = { "bis", "to", "and", "und", "et", "y", "à", "a", "tot", "hasta", "--",
+	"-", "\u2013", "\u2014", "..", "~" };
+static const char *const above_words[] = { "greater than", "more than", "over", "above", "at least",
+	"plus de", "mehr als", "über", "ab", ">=", ">",
 	"\u2265" };
-static const char *const below_words[] = { "less than", "under", "below", "up to", "at most", "moins de", "weniger als",
+static const char *const below_words[] = { "less than", "under", "below", "up to", "at most", "moins de",
+	"weniger als",
 	"unter", "bis", "tot", "<=", "<",
 	"\u2264" };
-static const char *const more_words[] = { "+", "and more", "and over", "or more", "and above", "et plus", "und mehr" };
+static const char *const more_words[] = { "+", "and more", "and over", "or more", "and above", "et plus",
+	"und mehr" };
 
 static const char *const closing_words[] = { ")", "]" };
 
@@ -253,7 +266,8 @@ static void take_inches(const char **text, char decimal, double unit_m, double *
 {
 	const char *at = *text;
 	double inches;
-	if (unit_m == 0.3048 && take_number(&at, decimal, &inches) && inches < 12 && take_unit(&at) == 0.0254) {
+	if (unit_m == 0.3048 && take_number(&at, decimal, &inches) && inches < 12
+			&& take_unit(&at) == 0.0254) {
 		*number += inches / 12;
 		*text = at;
 	}
@@ -307,7 +321,8 @@ static const char *behind_class(const char *folded)
 	const char *bracket = strchr(folded, '(');
 	if (sign == 0)
 		sign = strspn(folded, "0123456789");
-	if (sign > 0 && sign <= 2 && folded[sign] != 0 && strchr(".:)", folded[sign]) != NULL && folded[sign + 1] == ' ')
+	if (sign > 0 && sign <= 2 && folded[sign] != 0 && strchr(".:)", folded[sign]) != NULL
+			&& folded[sign + 1] == ' ')
 		return folded + sign + 2;
 	return bracket && strcspn(folded, "0123456789<>") > (size_t)(bracket - folded) ? bracket : NULL;
 }

@@ -37,26 +37,31 @@ struct eco_size {                /* one source of a height or of a crown's radiu
 	char *column;
 	double value_m;              /* ECO_SIZE_NUMBER */
 	double unit_m;               /* of the column, in metres */
-	double factor;               /* 0.5 from a crown's diameter to its radius, 1/pi from a girth to dbh, else 1 */
+	/* 0.5 from a crown's diameter to its radius, 1/pi from a girth to dbh, else 1 */
+	double factor;
 	struct eco_allometry *rules; /* ECO_SIZE_DBH, ascending by plant */
 	uint32_t rule_count;
 };
 
 struct eco_positions_spec {      /* texts are owned by the spec's maker; NULL: not given */
 	char *path, *layer;
-	char *x, *y, *z;             /* columns; x is easting or longitude, y northing or latitude; z: metres above the datum.
-	                              * x and y NULL: the file's geometry. z "geometry": its z */
+	/* columns; x is easting or longitude, y northing or latitude; z: metres above the datum. x and y
+	 * NULL: the file's geometry. z "geometry": its z */
+	char *x, *y, *z;
 	char *crs, *vertical;        /* win over the file's */
 	char *species;               /* column; NULL: every row is `fallback` */
 	char separator;              /* of a CSV; 0: found in its header */
 	char decimal;                /* 0: '.'; or ',' */
 	bool skip_duplicates;
 	struct eco_species *map;     uint32_t map_count;
-	struct eco_species fallback; /* "*", or the only plant; plant ECO_NONE and name NULL: unknown species are skipped */
+	/* "*", or the only plant; plant ECO_NONE and name NULL: unknown species are skipped */
+	struct eco_species fallback;
 	struct eco_filter *filters;  uint32_t filter_count;
-	struct eco_size *heights;    uint32_t height_count;      /* the first that gives one counts; none: the plant's */
+	/* the first that gives one counts; none: the plant's */
+	struct eco_size *heights;    uint32_t height_count;
 	struct eco_size crown;       /* kind ECO_SIZE_NONE: not given */
-	uint32_t levels;             /* 0: as they are; else heights of a plant are brought to at most so many values */
+	/* 0: as they are; else heights of a plant are brought to at most so many values */
+	uint32_t levels;
 	char *yaw_deg;               /* 0: unlimited; else at most so many heights per plant */
 	char *scale;                 /* column; NULL: 1 */
 	uint64_t seed;
@@ -118,7 +123,8 @@ struct eco_skipped {
 struct eco_positions_counts {
 	uint64_t rows, plants;       /* data rows; records handed out */
 	const struct eco_skipped *skipped;   /* [ECO_SKIP_COUNT] */
-	const struct eco_skipped *keys;      /* [map_count + 1]: rows of each key (first_text: the species); last the fallback's */
+	/* [map_count + 1]: rows of each key (first_text: the species); last the fallback's */
+	const struct eco_skipped *keys;
 	const struct eco_skipped *filters;   /* [filter_count]: rows left out by each */
 	struct eco_skipped unknown[ECO_UNKNOWN_MOST];        /* the commonest, most first; count 0: no more */
 	uint32_t unknown_species;    /* number of different unknown species */
@@ -133,12 +139,14 @@ enum eco_code eco_positions_open(struct eco_positions **reader, const struct eco
 	const struct eco_frame *frame, struct eco_error *error);
 /* The next usable row; plant = ECO_NONE at the end. With `levels` the first call reads the whole file for
  * the heights. */
-enum eco_code eco_positions_next(struct eco_positions *reader, struct eco_position *record, struct eco_error *error);
+enum eco_code eco_positions_next(struct eco_positions *reader, struct eco_position *record,
+	struct eco_error *error);
 /* Rows seen so far, and ECO_SKIP_COUNT counters. */
 const struct eco_skipped *eco_positions_skipped(const struct eco_positions *reader, uint64_t *rows);
 void eco_positions_counted(const struct eco_positions *reader, struct eco_positions_counts *counts);
 /* Reports through `say`, a line per call without line ends: first guesses and notes, then the table. */
-void eco_positions_report(const struct eco_positions *reader, void (*say)(void *ctx, const char *text), void *ctx);
+void eco_positions_report(const struct eco_positions *reader, void (*say)(void *ctx, const char *text),
+	void *ctx);
 void eco_positions_close(struct eco_positions *reader);
 
 #endif

@@ -6,7 +6,8 @@
 #include "ecofiles/format/model.h"
 #include "ecofiles/import/places/positions_parts.h"
 
-static enum eco_code find_column(struct eco_positions *p, uint32_t *column, const char *name, struct eco_error *error)
+static enum eco_code find_column(struct eco_positions *p, uint32_t *column, const char *name,
+	struct eco_error *error)
 {
 	enum eco_code code = eco_rows_find_column(p->rows, p->spec->path, name, column, error);
 	if (*column != ECO_NONE && *column >= p->fields_needed)
@@ -20,40 +21,47 @@ static const char *likely_column(const struct eco_rows *rows, const char *const 
 	char folded[64];
 	for (; *names; names++)
 		for (uint32_t i = 0; i < rows->column_count; i++)
-			if (eco_text_fold(rows->columns[i], folded, sizeof folded) > 0 && strcmp(folded, *names) == 0)
+			if (eco_text_fold(rows->columns[i], folded, sizeof folded) > 0
+					&& strcmp(folded, *names) == 0)
 				return rows->columns[i];
 	return NULL;
 }
 
 static enum eco_code no_coordinates(const struct eco_positions *p, struct eco_error *error)
 {
-	static const char *const eastings[] = { "lon", "longitude", "long", "lng", "decimallongitude", "x", "easting", "rechtswert",
+	static const char *const eastings[] = { "lon", "longitude", "long", "lng", "decimallongitude", "x",
+		"easting", "rechtswert",
 		"ostwert", "utm_e", "xcoord",
 		"point_x", "x_coord", "coord_x", NULL };
-	static const char *const northings[] = { "lat", "latitude", "decimallatitude", "y", "northing", "hochwert", "nordwert",
+	static const char *const northings[] = { "lat", "latitude", "decimallatitude", "y", "northing",
+		"hochwert", "nordwert",
 		"utm_n", "ycoord", "point_y",
 		"y_coord", "coord_y", NULL };
 	const char *x = likely_column(p->rows, eastings), *y = likely_column(p->rows, northings);
 	char there[200];
 
 	eco_rows_list_columns(p->rows, there, sizeof there);
-	return eco_fail(error, ECO_BAD_INPUT, "%.120s: it has no geometry, so its entry must name the columns with easting or longitude and northing "
-		"or latitude: add \"x\": \"%.40s\", \"y\": \"%.40s\"; there are: %s", p->spec->path, x != NULL && y ? x : "...",
-		x != NULL && y ? y : "...", there);
+	return eco_fail(error, ECO_BAD_INPUT, "%.120s: it has no geometry, so its entry must name the "
+		"columns with easting or longitude and northing "
+		"or latitude: add \"x\": \"%.40s\", \"y\": \"%.40s\"; there are: %s", p->spec->path,
+		x != NULL && y ? x : "...", x != NULL && y ? y : "...", there);
 }
 
 static enum eco_code find_columns(struct eco_positions *p, struct eco_error *error)
 {
 	const struct eco_positions_spec *s = p->spec;
 	bool geometry_z = s->z != NULL && strcmp(s->z, "geometry") == 0 && p->rows->has_geometry;
-	const char *names[ECO_COLUMN_FIXED] = { s->x, s->y, geometry_z ? NULL : s->z, s->species, s->yaw_deg, s->scale, s->crown.column };
+	const char *names[ECO_COLUMN_FIXED] = { s->x, s->y, geometry_z ? NULL : s->z, s->species, s->yaw_deg,
+		s->scale, s->crown.column };
 	enum eco_code code = ECO_OK;
 	p->from_geometry = p->rows->has_geometry && !s->x;
 	if (!s->x && !p->rows->has_geometry)
 		return no_coordinates(p, error);
 	if (geometry_z && (!p->from_geometry || !p->rows->has_z))
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: \"z\": \"geometry\", but %s; leave \"z\" out, and the plants stand on the ground",
-			p->spec->path, p->from_geometry ? "its points have no heights" : "its coordinates come from columns");
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: \"z\": \"geometry\", but %s; leave \"z\" "
+			"out, and the plants stand on the ground", p->spec->path,
+			p->from_geometry ? "its points have no heights"
+			: "its coordinates come from columns");
 	p->use_z = s->z != NULL;
 	p->fields_needed = 0;
 	for (int i = 0; code == ECO_OK && i < ECO_COLUMN_FIXED; i++)
@@ -69,8 +77,10 @@ enum eco_code eco_positions_open_rows(struct eco_positions *p, struct eco_error 
 {
 	const struct eco_positions_spec *s = p->spec;
 	const char *wanted[ECO_COLUMN_FIXED + ECO_HEIGHT_SOURCES_MAX + ECO_FILTERS_MAX];
-	const char *fixed[ECO_COLUMN_FIXED] = { s->x, s->y, s->z, s->species, s->yaw_deg, s->scale, s->crown.column };
-	struct eco_rows_source source = { .path = s->path, .layer = s->layer, .separator = s->separator, .wanted = wanted };
+	const char *fixed[ECO_COLUMN_FIXED] = { s->x, s->y, s->z, s->species, s->yaw_deg, s->scale,
+		s->crown.column };
+	struct eco_rows_source source = { .path = s->path, .layer = s->layer, .separator = s->separator,
+		.wanted = wanted };
 	enum eco_code code;
 	for (int i = 0; i < ECO_COLUMN_FIXED; i++)
 		if (fixed[i])

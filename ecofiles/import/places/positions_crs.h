@@ -26,10 +26,12 @@ struct eco_crs_request {
 struct eco_crs;
 
 /* The request's frame must outlive the conversion; the rest need not. */
-enum eco_code eco_crs_open(struct eco_crs **crs, const struct eco_crs_request *request, struct eco_error *error);
+enum eco_code eco_crs_open(struct eco_crs **crs, const struct eco_crs_request *request,
+	struct eco_error *error);
 /* To metres from the origin; converted x and y (z with use_z) are rounded to the millimetre. *converted is
  * false if PROJ knows no way; *why says why. Fails only on the first place, for a grid that PROJ lacks. */
-enum eco_code eco_crs_convert(struct eco_crs *crs, double xyz[3], bool *converted, const char **why, struct eco_error *error);
+enum eco_code eco_crs_convert(struct eco_crs *crs, double xyz[3], bool *converted, const char **why,
+	struct eco_error *error);
 void eco_crs_close(struct eco_crs *crs);
 
 /* A CRS for messages: a code as it is, the quoted name of WKT. Malloc'ed; NULL when memory ran out. */

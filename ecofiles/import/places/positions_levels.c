@@ -11,7 +11,8 @@
 #define BINS 30001u                  /* centimetres */
 #define PLANTS_MAX 4096u
 
-struct plant_levels { uint32_t plant, *bin; };       /* bin[cm]: first a count, then the class's height in cm */
+/* bin[cm]: first a count, then the class's height in cm */
+struct plant_levels { uint32_t plant, *bin; };
 
 struct eco_levels {
 	struct plant_levels plants[PLANTS_MAX];
@@ -36,13 +37,15 @@ static const struct plant_levels *levels_of(const struct eco_levels *levels, uin
 	return NULL;
 }
 
-enum eco_code eco_levels_count(struct eco_levels *levels, uint32_t plant, double height_m, const char *path, struct eco_error *error)
+enum eco_code eco_levels_count(struct eco_levels *levels, uint32_t plant, double height_m, const char *path,
+	struct eco_error *error)
 {
 	const struct plant_levels *l = levels_of(levels, plant);
 	uint32_t *bin;
 	if (!l) {
 		if (levels->count == PLANTS_MAX)
-			return eco_fail(error, ECO_TOO_LARGE, "%.200s: \"levels\" works for up to %u plants", path, PLANTS_MAX);
+			return eco_fail(error, ECO_TOO_LARGE, "%.200s: \"levels\" works for up to %u plants",
+				path, PLANTS_MAX);
 		bin = calloc(BINS, sizeof *bin);
 		if (!bin)
 			return eco_fail(error, ECO_NO_MEMORY, "%.200s: out of memory", path);
@@ -75,7 +78,8 @@ static void make_levels(uint32_t *bin, uint32_t levels)
 		high--;
 	first = low;
 	for (uint32_t i = 1; i <= levels; i++) {
-		uint32_t end = i == levels ? high + 1 : (uint32_t)(low * pow((double)high / low, (double)i / levels) + 0.5);
+		uint32_t end = i == levels ? high + 1
+			: (uint32_t)(low * pow((double)high / low, (double)i / levels) + 0.5);
 		if (end <= first)
 			continue;
 		average(bin, first, end);

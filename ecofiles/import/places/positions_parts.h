@@ -36,7 +36,8 @@ struct eco_levels;
 
 struct eco_levels *eco_levels_open(void);
 /* Counts a height of a plant (0.01 to 300 m). */
-enum eco_code eco_levels_count(struct eco_levels *levels, uint32_t plant, double height_m, const char *path, struct eco_error *error);
+enum eco_code eco_levels_count(struct eco_levels *levels, uint32_t plant, double height_m, const char *path,
+	struct eco_error *error);
 /* Makes at most `count` heights for each plant; call it after all were counted. */
 void eco_levels_make(struct eco_levels *levels, uint32_t count);
 /* The height of the class of height_m, in metres; height_m itself if there is none. */
@@ -49,12 +50,13 @@ struct eco_size_remarks { bool range, open, other_unit, unread, implausible; };
 
 /* Reads a source of sizes from its column's text: metres, to the millimetre. NaN: none (also implausible,
  * above high_m). */
-double eco_size_read(const struct eco_size *size, const char *text, char decimal, uint32_t plant, double low_m, double high_m,
-	struct eco_size_remarks *remarks);
+double eco_size_read(const struct eco_size *size, const char *text, char decimal, uint32_t plant,
+	double low_m, double high_m, struct eco_size_remarks *remarks);
 
 /* ---- The reader ---- */
 
-enum { ECO_COLUMN_X, ECO_COLUMN_Y, ECO_COLUMN_Z, ECO_COLUMN_SPECIES, ECO_COLUMN_YAW, ECO_COLUMN_SCALE, ECO_COLUMN_CROWN, ECO_COLUMN_FIXED };
+enum { ECO_COLUMN_X, ECO_COLUMN_Y, ECO_COLUMN_Z, ECO_COLUMN_SPECIES, ECO_COLUMN_YAW, ECO_COLUMN_SCALE,
+	ECO_COLUMN_CROWN, ECO_COLUMN_FIXED };
 
 #define ECO_HEIGHT_SOURCES_MAX 16u
 

@@ -29,7 +29,8 @@ static uint64_t *slot_of(const struct part *part, uint64_t hash)
 
 static bool grow(struct part *part)
 {
-	struct part bigger = { .count = part->count, .capacity = part->capacity == 0 ? FIRST : part->capacity + part->capacity / 2 };
+	struct part bigger = { .count = part->count, .capacity = part->capacity == 0 ? FIRST
+		: part->capacity + part->capacity / 2 };
 	if (part->capacity > UINT32_MAX / 2)
 		return false;
 	bigger.slots = calloc(bigger.capacity, sizeof *bigger.slots);

@@ -50,9 +50,10 @@ static const char *const lines[ECO_SKIP_COUNT] = {
 	[ECO_KEPT_RANGE] = "kept: a size as a range, its middle is taken",
 	[ECO_KEPT_OPEN] = "kept: a size as a bound, the bound is taken",
 	[ECO_KEPT_OTHER_UNIT] = "kept: a size with a unit of its own, which counts",
-	[ECO_KEPT_UNREAD] = "kept: a size that is not understood, the next source or the plant's own is taken",
-	[ECO_KEPT_IMPLAUSIBLE] = "kept: a height > 150 m (not used if > 300 m), a trunk > 12 m or a crown > 60 m; is \"unit\" another?",
-	[ECO_KEPT_DUPLICATE] = "kept: at the place of an earlier plant, to the millimetre (\"duplicates\": \"skip\" leaves them out)",
+	[ECO_KEPT_UNREAD] = "kept: a size that is not understood, the next source or the plant's own is "
+	"taken", [ECO_KEPT_IMPLAUSIBLE] = "kept: a height > 150 m (not used if > 300 m), a trunk > 12 m or "
+	"a crown > 60 m; is \"unit\" another?", [ECO_KEPT_DUPLICATE] = "kept: at the place of an earlier "
+	"plant, to the millimetre (\"duplicates\": \"skip\" leaves them out)",
 };
 
 struct report {
@@ -72,9 +73,10 @@ static void line(const struct report *r, const char *format, ...)
 	r->say(r->ctx, text);
 }
 
-static void count_line(const struct report *r, const struct eco_skipped *s, const char *where, const char *format, ...)
-	__attribute__((format(printf, 4, 5)));
-static void count_line(const struct report *r, const struct eco_skipped *s, const char *where, const char *format, ...)
+static void count_line(const struct report *r, const struct eco_skipped *s, const char *where,
+	const char *format, ...) __attribute__((format(printf, 4, 5)));
+static void count_line(const struct report *r, const struct eco_skipped *s, const char *where,
+	const char *format, ...)
 {
 	char reason[300], number[32];
 	va_list arguments;
@@ -83,8 +85,9 @@ static void count_line(const struct report *r, const struct eco_skipped *s, cons
 	va_start(arguments, format);
 	vsnprintf(reason, sizeof reason, format, arguments);
 	va_end(arguments);
-	line(r, "%12s  %s (first in %s %llu%s%s%s)", eco_phrase_count(s->count, number), reason, where, (unsigned long long)s->first_line,
-		s->first_text[0] != 0 ? ": \"" : "", s->first_text, s->first_text[0] != 0 ? "\"" : "");
+	line(r, "%12s  %s (first in %s %llu%s%s%s)", eco_phrase_count(s->count, number), reason, where,
+		(unsigned long long)s->first_line, s->first_text[0] != 0 ? ": \"" : "", s->first_text,
+		s->first_text[0] != 0 ? "\"" : "");
 }
 
 static void head_line(const struct report *r, const struct eco_positions_counts *c)
@@ -96,19 +99,21 @@ static void head_line(const struct report *r, const struct eco_positions_counts 
 		snprintf(extent, sizeof extent, " within %.3g x %.3g km", wide / 1000, deep / 1000);
 	else if (c->plants > 1)
 		snprintf(extent, sizeof extent, " within %.3g x %.3g m", wide, deep);
-	line(r, "%s: %s row%s, %s plant%s%s", path, eco_phrase_count(c->rows, rows), c->rows == 1 ? "" : "s", eco_phrase_count(c->plants, plants),
-		c->plants == 1 ? "" : "s", extent);
+	line(r, "%s: %s row%s, %s plant%s%s", path, eco_phrase_count(c->rows, rows), c->rows == 1 ? "" : "s",
+		eco_phrase_count(c->plants, plants), c->plants == 1 ? "" : "s", extent);
 	if (c->plants > 1 && wide == 0 && deep == 0)
 		line(r, "%s: all of them stand at one point; are x, y the right columns?", path);
 	else if (c->plants > 9 && wide < HEAP_M && deep < HEAP_M)
-		line(r, "%s: all of them stand within a metre; are x, y in degrees? Then add \"crs\": \"EPSG:4326\"", path);
+		line(r, "%s: all of them stand within a metre; are x, y in degrees? Then add \"crs\": "
+			"\"EPSG:4326\"", path);
 }
 
 static void filter_lines(const struct report *r, const struct eco_positions_counts *c)
 {
 	for (uint32_t i = 0; i < r->reader->spec->filter_count; i++) {
 		const struct eco_filter *f = &r->reader->spec->filters[i];
-		count_line(r, &c->filters[i], c->where, f->only ? "left out: \"%.60s\" is none of \"only\"" : "left out: \"skip\" of \"%.60s\"", f->column);
+		count_line(r, &c->filters[i], c->where, f->only ? "left out: \"%.60s\" is none of \"only\""
+			: "left out: \"skip\" of \"%.60s\"", f->column);
 	}
 }
 
@@ -124,25 +129,30 @@ static void key_lines(const struct report *r, const struct eco_positions_counts 
 		if (s->map[i].plant == ECO_NONE)
 			count_line(r, &c->keys[i], c->where, "left out by the map: %.80s", s->map[i].name);
 		if (c->keys[i].count == 0 && unused++ < KEYS_NAMED && used < sizeof names)
-			used += (size_t)snprintf(names + used, sizeof names - used, "%s\"%.40s\"", used > 0 ? ", " : "", s->map[i].name);
+			used += (size_t)snprintf(names + used, sizeof names - used, "%s\"%.40s\"",
+				used > 0 ? ", " : "", s->map[i].name);
 	}
 	if (s->fallback.name && s->fallback.plant == ECO_NONE)
 		count_line(r, &c->keys[s->map_count], c->where, "left out by the map: *");
 	if (unused > 0 && c->rows > 0)
-		line(r, "%12s  %u key%s of the map fit no row: %s%s", "", unused, unused == 1 ? "" : "s", names, unused > KEYS_NAMED ? ", ..." : "");
+		line(r, "%12s  %u key%s of the map fit no row: %s%s", "", unused, unused == 1 ? "" : "s",
+			names, unused > KEYS_NAMED ? ", ..." : "");
 }
 
 static void unknown_lines(const struct report *r, const struct eco_positions_counts *c)
 {
 	const struct eco_skipped *all = &c->skipped[ECO_SKIP_UNKNOWN_SPECIES];
 	char number[32];
-	count_line(r, all, c->where, "left out: %u species that the map does not have; add them, or \"*\"", c->unknown_species);
+	count_line(r, all, c->where, "left out: %u species that the map does not have; add them, or \"*\"",
+		c->unknown_species);
 	for (uint32_t i = 0; i < ECO_UNKNOWN_MOST && all->count > 0; i++)
 		if (c->unknown[i].count > 0)
-			line(r, "%12s    of these %s: \"%s\"", "", eco_phrase_count(c->unknown[i].count, number), c->unknown[i].first_text);
+			line(r, "%12s    of these %s: \"%s\"", "",
+				eco_phrase_count(c->unknown[i].count, number), c->unknown[i].first_text);
 }
 
-void eco_positions_report(const struct eco_positions *reader, void (*say)(void *ctx, const char *text), void *ctx)
+void eco_positions_report(const struct eco_positions *reader, void (*say)(void *ctx, const char *text),
+	void *ctx)
 {
 	const struct report r = { reader, say, ctx };
 	struct eco_positions_counts c;

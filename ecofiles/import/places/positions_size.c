@@ -26,7 +26,8 @@ static const struct eco_allometry *rule_of(const struct eco_size *size, uint32_t
 			high = middle;
 	}
 	/* the rule of all other plants is the last: ECO_NONE is the greatest number */
-	return size->rule_count > 0 && size->rules[size->rule_count - 1].plant == ECO_NONE ? &size->rules[size->rule_count - 1] : NULL;
+	return size->rule_count > 0 && size->rules[size->rule_count - 1].plant == ECO_NONE
+		? &size->rules[size->rule_count - 1] : NULL;
 }
 
 static double by_allometry(const struct eco_allometry *rule, double dbh_m)
@@ -35,8 +36,8 @@ static double by_allometry(const struct eco_allometry *rule, double dbh_m)
 	return 1.3 + (rule->max_m - 1.3) * (rule->shape == 1 ? grown : pow(grown, rule->shape));
 }
 
-double eco_size_read(const struct eco_size *size, const char *text, char decimal, uint32_t plant, double low_m, double high_m,
-	struct eco_size_remarks *remarks)
+double eco_size_read(const struct eco_size *size, const char *text, char decimal, uint32_t plant,
+	double low_m, double high_m, struct eco_size_remarks *remarks)
 {
 	const struct eco_allometry *rule = NULL;
 	double number, unit_m, metres;

@@ -21,7 +21,8 @@ struct eco_species_table {
 	const struct eco_positions_spec *spec;
 	struct known *known;         /* SLOTS, open addressing */
 	uint32_t known_count;
-	struct pattern *exact, *wild;        /* exact: ascending by text; wild: most literal characters first */
+	/* exact: ascending by text; wild: most literal characters first */
+	struct pattern *exact, *wild;
 	uint32_t exact_count, wild_count;
 	struct eco_skipped *keys;    /* map_count + 1 */
 };
@@ -80,7 +81,8 @@ struct eco_species_table *eco_species_open(const struct eco_positions_spec *spec
 static uint32_t match(const struct eco_species_table *t, const char *folded)
 {
 	const struct pattern wanted = { .text = (char *)folded };
-	const struct pattern *exact = bsearch(&wanted, t->exact, t->exact_count, sizeof *t->exact, compare_texts);
+	const struct pattern *exact = bsearch(&wanted, t->exact, t->exact_count, sizeof *t->exact,
+		compare_texts);
 	if (exact)
 		return exact->key;
 	for (uint32_t i = 0; i < t->wild_count; i++)
@@ -97,7 +99,8 @@ static struct known *slot_of(const struct eco_species_table *t, const char *text
 	for (size_t i = 0; i < length; i++)
 		hash = (hash ^ (unsigned char)text[i]) * 0x100000001b3u;
 	at = (uint32_t)(eco_mix(0, hash) % SLOTS);
-	while (t->known[at].text && (strncmp(t->known[at].text, text, length) != 0 || t->known[at].text[length] != 0))
+	while (t->known[at].text
+			&& (strncmp(t->known[at].text, text, length) != 0 || t->known[at].text[length] != 0))
 		at = at + 1 == SLOTS ? 0 : at + 1;
 	return &t->known[at];
 }
@@ -138,7 +141,9 @@ static void add_unknown(struct known *most, uint32_t *kinds, const struct known 
 {
 	uint32_t at = ECO_UNKNOWN_MOST;
 	++*kinds;
-	while (at > 0 && (most[at - 1].count < known->count || (most[at - 1].count == known->count && most[at - 1].count > 0
+	while (at > 0
+			&& (most[at - 1].count < known->count
+			|| (most[at - 1].count == known->count && most[at - 1].count > 0
 		&& most[at - 1].first_line > known->first_line)))
 		at--;
 	if (at == ECO_UNKNOWN_MOST)
@@ -153,12 +158,15 @@ void eco_species_counted(const struct eco_species_table *table, struct eco_posit
 	counts->keys = table->keys;
 	counts->unknown_species = 0;
 	for (uint32_t i = 0; i < SLOTS; i++)
-		if (table->known[i].count > 0 && table->known[i].key == table->spec->map_count && !table->spec->fallback.name)
+		if (table->known[i].count > 0 && table->known[i].key == table->spec->map_count
+				&& !table->spec->fallback.name)
 			add_unknown(most, &counts->unknown_species, &table->known[i]);
 	for (uint32_t i = 0; i < ECO_UNKNOWN_MOST; i++) {
-		counts->unknown[i] = (struct eco_skipped){ .count = most[i].count, .first_line = most[i].first_line };
+		counts->unknown[i] = (struct eco_skipped){ .count = most[i].count,
+			.first_line = most[i].first_line };
 		if (most[i].text)
-			strncpy(counts->unknown[i].first_text, most[i].text, sizeof counts->unknown[i].first_text - 1);
+			strncpy(counts->unknown[i].first_text, most[i].text,
+				sizeof counts->unknown[i].first_text - 1);
 	}
 }
 

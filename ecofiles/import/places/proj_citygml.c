@@ -1,5 +1,5 @@
-/* The order of the axes that follows from a srsName is as often ignored as kept. The places themselves tell better: a CRS has an area of
- * use, and in the wrong order they nearly always fall out of it. */
+/* The order of the axes that follows from a srsName is as often ignored as kept. The places themselves tell
+ * better: a CRS has an area of use, and in the wrong order they nearly always fall out of it. */
 #include "ecofiles/import/places/proj_module.h"
 
 #include <math.h>
@@ -14,7 +14,8 @@ static PJ *flat_of(PJ_CONTEXT *context, const char *code)
 	if (crs && proj_is_crs(crs) && proj_get_type(crs) == PJ_TYPE_COMPOUND_CRS)
 		flat = proj_crs_get_sub_crs(context, crs, 0);
 	else if (crs && proj_is_crs(crs))
-		flat = proj_get_type(crs) == PJ_TYPE_GEOGRAPHIC_3D_CRS ? proj_crs_demote_to_2D(context, NULL, crs) : proj_clone(context, crs);
+		flat = proj_get_type(crs) == PJ_TYPE_GEOGRAPHIC_3D_CRS
+			? proj_crs_demote_to_2D(context, NULL, crs) : proj_clone(context, crs);
 	proj_destroy(crs);
 	return flat;
 }
@@ -23,21 +24,23 @@ static bool north_first(PJ_CONTEXT *context, const PJ *flat)
 {
 	PJ *axes = proj_crs_get_coordinate_system(context, flat);
 	const char *direction = NULL;
-	bool north = axes != NULL && proj_cs_get_axis_info(context, axes, 0, NULL, NULL, &direction, NULL, NULL, NULL, NULL) && direction
-		&& strcasecmp(direction, "north") == 0;
+	bool north = axes != NULL && proj_cs_get_axis_info(context, axes, 0, NULL, NULL, &direction, NULL,
+		NULL, NULL, NULL) && direction && strcasecmp(direction, "north") == 0;
 
 	proj_destroy(axes);
 	return north;
 }
 
 /* How many places lie in the area of use, with their axes in this order? */
-static uint32_t count_inside(const struct eco_citygml_crs *crs, PJ *to_degrees, const double area[4], bool swapped)
+static uint32_t count_inside(const struct eco_citygml_crs *crs, PJ *to_degrees, const double area[4],
+	bool swapped)
 {
 	uint32_t inside = 0;
 	for (uint32_t i = 0; i < crs->seen_count; i++) {
 		PJ_COORD at = proj_coord(crs->seen[i][swapped], crs->seen[i][!swapped], 0, HUGE_VAL);
 		at = proj_trans(to_degrees, PJ_FWD, at);
-		inside += at.xy.x >= area[0] && at.xy.y >= area[1] && at.xy.x <= area[2] && at.xy.y <= area[3];
+		inside += at.xy.x >= area[0] && at.xy.y >= area[1] && at.xy.x <= area[2]
+			&& at.xy.y <= area[3];
 	}
 	return inside;
 }
@@ -47,7 +50,8 @@ static bool try_orders(const struct eco_citygml_crs *crs, PJ_CONTEXT *context, P
 {
 	PJ *world = proj_create(context, "EPSG:4326"), *raw = NULL, *to_degrees = NULL;
 	double area[4];
-	bool known = proj_get_area_of_use(context, flat, &area[0], &area[1], &area[2], &area[3], NULL) && area[0] > -1000 && area[0] < area[2];
+	bool known = proj_get_area_of_use(context, flat, &area[0], &area[1], &area[2], &area[3], NULL)
+		&& area[0] > -1000 && area[0] < area[2];
 	if (known && world)
 		raw = proj_create_crs_to_crs_from_pj(context, flat, world, NULL, NULL);
 	if (raw)
@@ -71,10 +75,13 @@ static void decide(struct eco_citygml_crs *crs, PJ_CONTEXT *context, char *note,
 	said = crs->swapped = crs->as_authority && north_first(context, flat);
 	if (try_orders(crs, context, flat, inside) && inside[said] == 0 && inside[!said] > 0) {
 		crs->swapped = !said;
-		snprintf(note, size, "its CRS \"%.100s\" has %s first, its places have it the other way round, and are taken so", crs->name,
-			said ? "northing or latitude" : "easting or longitude");
-	} else if (!crs->as_authority && proj_get_type(flat) == PJ_TYPE_GEOGRAPHIC_2D_CRS && inside[0] > 0 && inside[1] > 0) {
-		snprintf(note, size, "its places are taken for longitude, latitude; if it is latitude first, write its srsName as "
+		snprintf(note, size, "its CRS \"%.100s\" has %s first, its places have it the other way "
+			"round, and are taken so", crs->name, said ? "northing or latitude"
+			: "easting or longitude");
+	} else if (!crs->as_authority && proj_get_type(flat) == PJ_TYPE_GEOGRAPHIC_2D_CRS && inside[0] > 0
+			&& inside[1] > 0) {
+		snprintf(note, size, "its places are taken for longitude, latitude; if it is latitude "
+			"first, write its srsName as "
 			"urn:ogc:def:crs:EPSG::4326");
 	}
 	proj_destroy(flat);

@@ -29,7 +29,8 @@ static PJ *parse(PJ_CONTEXT *context, const char *text)
 		proj_destroy(crs);
 		return NULL;
 	}
-	if (crs && proj_get_type(crs) == PJ_TYPE_BOUND_CRS) {        /* has its own datum shift, which PROJ uses in converting */
+	/* has its own datum shift, which PROJ uses in converting */
+	if (crs && proj_get_type(crs) == PJ_TYPE_BOUND_CRS) {
 		PJ *base = proj_get_source_crs(context, crs);
 
 		if (base && proj_get_type(base) == PJ_TYPE_COMPOUND_CRS) {
@@ -52,8 +53,8 @@ static PJ *horizontal_of(PJ_CONTEXT *context, const PJ *crs)
 
 /* The vertical part: from a stated name, else of the CRS. *ellipsoid: heights above the ellipsoid, which
  * have no CRS of their own. */
-static enum eco_code vertical_of(PJ_CONTEXT *context, const PJ *crs, const char *stated, PJ **vertical, bool *ellipsoid, const char *whose,
-	struct eco_error *error)
+static enum eco_code vertical_of(PJ_CONTEXT *context, const PJ *crs, const char *stated, PJ **vertical,
+	bool *ellipsoid, const char *whose, struct eco_error *error)
 {
 	PJ_TYPE type;
 	*vertical = NULL;
@@ -74,7 +75,8 @@ static enum eco_code vertical_of(PJ_CONTEXT *context, const PJ *crs, const char 
 		return ECO_OK;
 	proj_destroy(*vertical);
 	*vertical = NULL;
-	return eco_fail(error, ECO_BAD_INPUT, "%.200s: \"vertical\": \"%.80s\" is not a vertical datum that PROJ knows; write a code such as "
+	return eco_fail(error, ECO_BAD_INPUT, "%.200s: \"vertical\": \"%.80s\" is not a vertical datum that "
+		"PROJ knows; write a code such as "
 		"\"EPSG:5703\" (NAVD88), \"EPSG:7837\" (DHHN2016), or \"ellipsoid\"", whose, stated);
 }
 
@@ -104,7 +106,8 @@ bool proj_is_metric_map(PJ_CONTEXT *context, const PJ *crs)
 static bool is_local(const PJ *crs)
 {
 	PJ_TYPE type = proj_get_type(crs);
-	return type == PJ_TYPE_ENGINEERING_CRS || type == PJ_TYPE_TEMPORAL_CRS || type == PJ_TYPE_VERTICAL_CRS;
+	return type == PJ_TYPE_ENGINEERING_CRS || type == PJ_TYPE_TEMPORAL_CRS
+		|| type == PJ_TYPE_VERTICAL_CRS;
 }
 
 static bool same(PJ_CONTEXT *context, const PJ *a, const PJ *b)
@@ -115,34 +118,42 @@ static bool same(PJ_CONTEXT *context, const PJ *a, const PJ *b)
 
 /* ---- Stated CRSs ---- */
 
-static enum eco_code parse_frame(struct eco_crs_path *c, const struct eco_crs_request *r, struct eco_error *error)
+static enum eco_code parse_frame(struct eco_crs_path *c, const struct eco_crs_request *r,
+	struct eco_error *error)
 {
 	c->to = parse(c->context, r->frame->crs);
 	if (!c->to)
-		return eco_fail(error, ECO_BAD_INPUT, "the scene's CRS \"%.100s\" is not known; write a code such as \"EPSG:26917\"", r->frame->crs);
+		return eco_fail(error, ECO_BAD_INPUT, "the scene's CRS \"%.100s\" is not known; write a "
+			"code such as \"EPSG:26917\"", r->frame->crs);
 	if (!proj_is_metric_map(c->context, c->to))
-		return eco_fail(error, ECO_BAD_INPUT, "the scene's CRS \"%.100s\" is not one in metres; take a projected one such as the UTM zone, "
+		return eco_fail(error, ECO_BAD_INPUT, "the scene's CRS \"%.100s\" is not one in metres; "
+			"take a projected one such as the UTM zone, "
 			"\"EPSG:32617\"", r->frame->crs);
 	return ECO_OK;
 }
 
-static enum eco_code parse_source(struct eco_crs_path *c, const struct eco_crs_request *r, struct eco_error *error)
+static enum eco_code parse_source(struct eco_crs_path *c, const struct eco_crs_request *r,
+	struct eco_error *error)
 {
 	const char *text = r->stated != NULL ? r->stated : r->of_file;
 	PJ *of_file = NULL;
 	c->from = parse(c->context, text);
 	if (!c->from)
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: no conversion from CRS \"%.80s\" to \"%.80s\": PROJ does not know it%s", r->path, c->from_name,
-			c->to_name, r->stated != NULL ? "; write a code such as \"EPSG:4326\"" : "; add \"crs\": \"EPSG:...\" to its entry");
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: no conversion from CRS \"%.80s\" to "
+			"\"%.80s\": PROJ does not know it%s", r->path, c->from_name, c->to_name,
+			r->stated != NULL ? "; write a code such as \"EPSG:4326\""
+			: "; add \"crs\": \"EPSG:...\" to its entry");
 	if (is_local(c->from))
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its CRS \"%.80s\" is a local one that has no place on Earth; add \"crs\": \"EPSG:...\", "
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its CRS \"%.80s\" is a local one that has no "
+			"place on Earth; add \"crs\": \"EPSG:...\", "
 			"the CRS that its coordinates are really in, to its entry", r->path, c->from_name);
 	if (!r->stated || !r->of_file)
 		return ECO_OK;
 	of_file = parse(c->context, r->of_file);
 	if (!of_file || !same(c->context, of_file, c->from)) {
 		char *name = eco_crs_short_name(r->of_file);
-		r->note(r->ctx, "the file says CRS \"%.80s\", its entry says \"%.80s\": the entry's is taken", name != NULL ? name : "?", c->from_name);
+		r->note(r->ctx, "the file says CRS \"%.80s\", its entry says \"%.80s\": the entry's is taken",
+			name != NULL ? name : "?", c->from_name);
 		free(name);
 	}
 	proj_destroy(of_file);
@@ -153,30 +164,40 @@ static enum eco_code parse_source(struct eco_crs_path *c, const struct eco_crs_r
 
 struct heights { PJ *from, *to; bool from_ellipsoid, to_ellipsoid; };
 
-static enum eco_code pair_heights(struct eco_crs_path *c, const struct eco_crs_request *r, struct heights *h, struct eco_error *error)
+static enum eco_code pair_heights(struct eco_crs_path *c, const struct eco_crs_request *r, struct heights *h,
+	struct eco_error *error)
 {
-	enum eco_code code = vertical_of(c->context, c->from, r->vertical, &h->from, &h->from_ellipsoid, r->path, error);
+	enum eco_code code = vertical_of(c->context, c->from, r->vertical, &h->from, &h->from_ellipsoid,
+		r->path, error);
 	bool has_from, has_to;
 	if (!code)
-		code = vertical_of(c->context, c->to, r->frame->vertical, &h->to, &h->to_ellipsoid, "the scene", error);
+		code = vertical_of(c->context, c->to, r->frame->vertical, &h->to, &h->to_ellipsoid,
+			"the scene", error);
 	if (code)
 		return code;
 	if (h->to && fabs(axis_unit(c->context, h->to) - 1) > 1e-9)
-		return eco_fail(error, ECO_BAD_INPUT, "the scene's vertical datum \"%.80s\" does not count in metres, as scenes do; "
+		return eco_fail(error, ECO_BAD_INPUT, "the scene's vertical datum \"%.80s\" does not count "
+			"in metres, as scenes do; "
 			"take its twin in metres, such "
-			"as \"EPSG:5703\" (NAVD88)", r->frame->vertical != NULL ? r->frame->vertical : proj_get_name(h->to));
+			"as \"EPSG:5703\" (NAVD88)", r->frame->vertical != NULL ? r->frame->vertical
+			: proj_get_name(h->to));
 	has_from = h->from != NULL || h->from_ellipsoid;
 	has_to = h->to != NULL || h->to_ellipsoid;
 	if (has_from && !has_to)
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its heights (z) have a vertical datum (\"%.80s\"), the scene's have none; add \"vertical\": "
-			"\"EPSG:...\" to the scene, the same one if the heights are to stay as they are", r->path,
-			r->vertical != NULL ? r->vertical : h->from != NULL ? proj_get_name(h->from) : "ellipsoid");
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its heights (z) have a vertical datum "
+			"(\"%.80s\"), the scene's have none; add \"vertical\": "
+			"\"EPSG:...\" to the scene, the same one if the heights are to stay as they are",
+			r->path, r->vertical != NULL ? r->vertical : h->from != NULL ? proj_get_name(h->from)
+			: "ellipsoid");
 	if (has_to && !has_from)
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: the scene's heights have a vertical datum (\"%.80s\"), these (z) have none; add \"vertical\": "
-			"\"EPSG:...\" to its entry, the same one if the heights are to stay as they are", r->path,
-			r->frame->vertical != NULL ? r->frame->vertical : h->to != NULL ? proj_get_name(h->to) : "ellipsoid");
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: the scene's heights have a vertical datum "
+			"(\"%.80s\"), these (z) have none; add \"vertical\": "
+			"\"EPSG:...\" to its entry, the same one if the heights are to stay as they are",
+			r->path, r->frame->vertical != NULL ? r->frame->vertical : h->to != NULL
+			? proj_get_name(h->to) : "ellipsoid");
 	if (!has_from)
-		r->note(r->ctx, "its heights (z) are taken for metres above the zero of the scene's: neither says a vertical datum; if they differ, add "
+		r->note(r->ctx, "its heights (z) are taken for metres above the zero of the scene's: "
+			"neither says a vertical datum; if they differ, add "
 			"\"vertical\": \"EPSG:...\" to the scene and to its entry");
 	c->convert_z = has_from && !(h->from_ellipsoid && h->to_ellipsoid && same(c->context, c->from, c->to))
 		&& !(h->from != NULL && h->to && same(c->context, h->from, h->to));
@@ -185,13 +206,15 @@ static enum eco_code pair_heights(struct eco_crs_path *c, const struct eco_crs_r
 
 static PJ *with_height(PJ_CONTEXT *context, PJ *flat, PJ *vertical)
 {
-	PJ *whole = vertical != NULL ? proj_create_compound_crs(context, "compound", flat, vertical) : proj_crs_promote_to_3D(context, NULL, flat);
+	PJ *whole = vertical != NULL ? proj_create_compound_crs(context, "compound", flat, vertical)
+		: proj_crs_promote_to_3D(context, NULL, flat);
 	proj_destroy(flat);
 	return whole;
 }
 
 /* Reduces from and to to the parts that are converted: plain maps, or maps with heights. */
-static enum eco_code settle_heights(struct eco_crs_path *c, const struct eco_crs_request *r, struct eco_error *error)
+static enum eco_code settle_heights(struct eco_crs_path *c, const struct eco_crs_request *r,
+	struct eco_error *error)
 {
 	struct heights h = { .from = NULL };
 	enum eco_code code = c->use_z ? pair_heights(c, r, &h, error) : ECO_OK;
@@ -211,7 +234,8 @@ static enum eco_code settle_heights(struct eco_crs_path *c, const struct eco_crs
 	c->from = from;
 	c->to = to;
 	if (code == ECO_OK && (!from || !to))
-		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: CRS \"%.80s\" has no horizontal part", r->path, c->from_name);
+		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: CRS \"%.80s\" has no horizontal part", r->path,
+			c->from_name);
 	return code;
 }
 
@@ -224,25 +248,29 @@ static void describe_missing(PJ_CONTEXT *context, const PJ *operation, char *nam
 		const char *name = NULL;
 		int available = 1;
 		size_t used = strlen(names);
-		if (proj_coordoperation_get_grid_used(context, operation, i, &name, NULL, NULL, NULL, NULL, NULL, &available) && !available
+		if (proj_coordoperation_get_grid_used(context, operation, i, &name, NULL, NULL, NULL, NULL,
+				NULL, &available) && !available
 			&& name && !strstr(names, name) && used < size)
 			snprintf(names + used, size - used, "%s%s", used > 0 ? ", " : "", name);
 	}
 }
 
 /* The grids that the best operation at a place (degrees) needs and that are not installed; "": none. */
-static void missing_grids(const struct eco_crs_path *c, double longitude, double latitude, char *names, size_t size)
+static void missing_grids(const struct eco_crs_path *c, double longitude, double latitude, char *names,
+	size_t size)
 {
 	PJ_OPERATION_FACTORY_CONTEXT *factory = proj_create_operation_factory_context(c->context, NULL);
 	PJ_OBJ_LIST *list = NULL;
 	*names = 0;
 	if (!factory)
 		return;
-	proj_operation_factory_context_set_grid_availability_use(c->context, factory, PROJ_GRID_AVAILABILITY_IGNORED);
-	proj_operation_factory_context_set_spatial_criterion(c->context, factory, PROJ_SPATIAL_CRITERION_PARTIAL_INTERSECTION);
+	proj_operation_factory_context_set_grid_availability_use(c->context, factory,
+		PROJ_GRID_AVAILABILITY_IGNORED);
+	proj_operation_factory_context_set_spatial_criterion(c->context, factory,
+		PROJ_SPATIAL_CRITERION_PARTIAL_INTERSECTION);
 	if (isfinite(longitude) && isfinite(latitude))
-		proj_operation_factory_context_set_area_of_interest(c->context, factory, longitude - 1e-3, latitude - 1e-3, longitude + 1e-3,
-			latitude + 1e-3);
+		proj_operation_factory_context_set_area_of_interest(c->context, factory, longitude - 1e-3,
+			latitude - 1e-3, longitude + 1e-3, latitude + 1e-3);
 	list = proj_create_operations(c->context, c->from, c->to, factory);
 	if (list && proj_list_get_count(list) > 0) {
 		PJ *best = proj_list_get(c->context, list, 0);
@@ -255,7 +283,8 @@ static void missing_grids(const struct eco_crs_path *c, double longitude, double
 
 static void degrees_of(const struct eco_crs_path *c, const double xyz[3], double *longitude, double *latitude)
 {
-	PJ *flat = horizontal_of(c->context, c->from), *world = proj_create(c->context, "EPSG:4326"), *raw = NULL, *conversion = NULL;
+	PJ *flat = horizontal_of(c->context, c->from), *world = proj_create(c->context, "EPSG:4326"),
+		*raw = NULL, *conversion = NULL;
 	PJ_COORD at;
 	*longitude = *latitude = NAN;
 	if (flat && world)
@@ -273,7 +302,8 @@ static void degrees_of(const struct eco_crs_path *c, const double xyz[3], double
 	proj_destroy(flat);
 }
 
-static enum eco_code open_conversion(struct eco_crs_path *c, const struct eco_crs_request *r, struct eco_error *error)
+static enum eco_code open_conversion(struct eco_crs_path *c, const struct eco_crs_request *r,
+	struct eco_error *error)
 {
 	PJ *raw;
 	if (!c->convert_z && same(c->context, c->from, c->to))
@@ -286,16 +316,21 @@ static enum eco_code open_conversion(struct eco_crs_path *c, const struct eco_cr
 		char names[200];
 		missing_grids(c, NAN, NAN, names, sizeof names);
 		if (c->convert_z)
-			return eco_fail(error, ECO_UNSUPPORTED, "%.200s: PROJ cannot convert its heights between the two vertical datums%s%s%s", r->path,
-				names[0] != 0 ? ": it lacks " : "", names, names[0] != 0 ? " (projsync --file NAME, or the package proj-data, brings it)" : "");
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: no conversion from CRS \"%.80s\" to \"%.80s\": %.100s", r->path, c->from_name, c->to_name,
+			return eco_fail(error, ECO_UNSUPPORTED, "%.200s: PROJ cannot convert its heights "
+				"between the two vertical datums%s%s%s", r->path,
+				names[0] != 0 ? ": it lacks " : "", names,
+				names[0] != 0 ? " (projsync --file NAME, or the package proj-data, brings it)"
+				: "");
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: no conversion from CRS \"%.80s\" to "
+			"\"%.80s\": %.100s", r->path, c->from_name, c->to_name,
 			proj_context_errno_string(c->context, proj_context_errno(c->context)));
 	}
 	return ECO_OK;
 }
 
 /* Checks, after the first place, which operation PROJ chose. */
-static enum eco_code check_operation(struct eco_crs_path *c, const double xyz[3], bool converted, struct eco_error *error)
+static enum eco_code check_operation(struct eco_crs_path *c, const double xyz[3], bool converted,
+	struct eco_error *error)
 {
 	const struct eco_crs_request *r = &c->request;
 	double longitude, latitude;
@@ -307,19 +342,24 @@ static enum eco_code check_operation(struct eco_crs_path *c, const double xyz[3]
 	degrees_of(c, xyz, &longitude, &latitude);
 	missing_grids(c, longitude, latitude, names, sizeof names);
 	if (c->convert_z && names[0] != 0 && (!converted || ballpark))
-		return eco_fail(error, ECO_UNSUPPORTED, "%.200s: PROJ cannot convert its heights between the two vertical datums: it lacks %s "
+		return eco_fail(error, ECO_UNSUPPORTED, "%.200s: PROJ cannot convert its heights between "
+			"the two vertical datums: it lacks %s "
 			"(projsync --file NAME, or the package proj-data, brings it)", c->path, names);
 	if (ballpark)
-		r->note(r->ctx, "no conversion between the datums of \"%.80s\" and \"%.80s\" is known%s%s: they are taken for one, places may be off by "
-			"up to some hundred metres", c->from_name, c->to_name, names[0] != 0 ? " without " : "", names);
+		r->note(r->ctx, "no conversion between the datums of \"%.80s\" and \"%.80s\" is known%s%s: "
+			"they are taken for one, places may be off by "
+			"up to some hundred metres", c->from_name, c->to_name, names[0] != 0 ? " without "
+			: "", names);
 	else if (names[0] != 0 && converted && !c->convert_z)
-		r->note(r->ctx, "PROJ lacks %s: places are converted to about %g m only", names, accuracy >= 0 ? accuracy : 0);
+		r->note(r->ctx, "PROJ lacks %s: places are converted to about %g m only", names,
+			accuracy >= 0 ? accuracy : 0);
 	return ECO_OK;
 }
 
 /* ---- The whole ---- */
 
-static enum eco_code open_parts(struct eco_crs_path *c, const struct eco_crs_request *r, struct eco_error *error)
+static enum eco_code open_parts(struct eco_crs_path *c, const struct eco_crs_request *r,
+	struct eco_error *error)
 {
 	enum eco_code code;
 	c->request = *r;
@@ -340,10 +380,12 @@ static enum eco_code open_parts(struct eco_crs_path *c, const struct eco_crs_req
 	return code == ECO_OK ? open_conversion(c, r, error) : code;
 }
 
-enum eco_code proj_crs_open(struct eco_crs_path **path, const struct eco_crs_request *request, struct eco_error *error)
+enum eco_code proj_crs_open(struct eco_crs_path **path, const struct eco_crs_request *request,
+	struct eco_error *error)
 {
 	struct eco_crs_path *c = calloc(1, sizeof *c);
-	enum eco_code code = c != NULL ? open_parts(c, request, error) : eco_fail(error, ECO_NO_MEMORY, "out of memory");
+	enum eco_code code = c != NULL ? open_parts(c, request, error)
+		: eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	if (code) {
 		proj_crs_close(c);
 		c = NULL;
@@ -357,7 +399,8 @@ static double to_millimetres(double metres)
 	return floor(metres * 1000 + 0.5) / 1000;
 }
 
-enum eco_code proj_crs_convert(struct eco_crs_path *c, double xyz[3], bool *converted, const char **why, struct eco_error *error)
+enum eco_code proj_crs_convert(struct eco_crs_path *c, double xyz[3], bool *converted, const char **why,
+	struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
 	PJ_COORD to;
@@ -366,7 +409,8 @@ enum eco_code proj_crs_convert(struct eco_crs_path *c, double xyz[3], bool *conv
 	if (!c->conversion)
 		return ECO_OK;
 	proj_errno_reset(c->conversion);
-	to = proj_trans(c->conversion, PJ_FWD, proj_coord(xyz[0], xyz[1], c->convert_z ? xyz[2] : 0, HUGE_VAL));
+	to = proj_trans(c->conversion, PJ_FWD,
+		proj_coord(xyz[0], xyz[1], c->convert_z ? xyz[2] : 0, HUGE_VAL));
 	*converted = isfinite(to.xyz.x) && isfinite(to.xyz.y) && (!c->convert_z || isfinite(to.xyz.z));
 	if (!*converted && proj_errno(c->conversion) != 0)
 		*why = proj_context_errno_string(c->context, proj_errno(c->conversion));

@@ -2,6 +2,7 @@
 #include "ecofiles/import/places/proj_module.h"
 
 ECO_MODULE_EXPORT const struct eco_proj_module eco_proj_module = {
-	.version = ECO_MODULE_VERSION, .crs_open = proj_crs_open, .crs_convert = proj_crs_convert, .crs_close = proj_crs_close,
+	.version = ECO_MODULE_VERSION, .crs_open = proj_crs_open, .crs_convert = proj_crs_convert,
+		.crs_close = proj_crs_close,
 	.citygml_settle = proj_citygml_settle,
 };

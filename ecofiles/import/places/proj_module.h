@@ -10,8 +10,10 @@
 bool proj_is_metric_map(PJ_CONTEXT *context, const PJ *crs);
 
 /* As in struct eco_proj_module. */
-enum eco_code proj_crs_open(struct eco_crs_path **path, const struct eco_crs_request *request, struct eco_error *error);
-enum eco_code proj_crs_convert(struct eco_crs_path *path, double xyz[3], bool *converted, const char **why, struct eco_error *error);
+enum eco_code proj_crs_open(struct eco_crs_path **path, const struct eco_crs_request *request,
+	struct eco_error *error);
+enum eco_code proj_crs_convert(struct eco_crs_path *path, double xyz[3], bool *converted, const char **why,
+	struct eco_error *error);
 void proj_crs_close(struct eco_crs_path *path);
 void proj_citygml_settle(struct eco_citygml_crs *crs, char *note, size_t size);
 

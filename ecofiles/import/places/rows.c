@@ -25,8 +25,8 @@ void eco_rows_list_columns(const struct eco_rows *rows, char *text, size_t size)
 		eco_phrase_add(text, size, rows->columns[i]);
 }
 
-enum eco_code eco_rows_find_column(const struct eco_rows *rows, const char *path, const char *name, uint32_t *column,
-	struct eco_error *error)
+enum eco_code eco_rows_find_column(const struct eco_rows *rows, const char *path, const char *name,
+	uint32_t *column, struct eco_error *error)
 {
 	char there[300];
 	*column = ECO_NONE;
@@ -34,19 +34,21 @@ enum eco_code eco_rows_find_column(const struct eco_rows *rows, const char *path
 		if (strcmp(rows->columns[i], name) != 0)
 			continue;
 		if (*column != ECO_NONE)
-			return eco_fail(error, ECO_BAD_INPUT, "%.200s: two columns are named \"%.60s\"", path, name);
+			return eco_fail(error, ECO_BAD_INPUT, "%.200s: two columns are named \"%.60s\"", path,
+				name);
 		*column = i;
 	}
 	if (!name || *column != ECO_NONE)
 		return ECO_OK;
 	eco_rows_list_columns(rows, there, sizeof there);
-	return eco_fail(error, ECO_BAD_INPUT, "%.120s: no column \"%.60s\"; there are: %s%s", path, name, there,
-		rows->column_count == 1 ? " (is \"separator\" another?)" : "");
+	return eco_fail(error, ECO_BAD_INPUT, "%.120s: no column \"%.60s\"; there are: %s%s", path, name,
+		there, rows->column_count == 1 ? " (is \"separator\" another?)" : "");
 }
 
 static bool has_extension(const char *path, const char *const *extensions)
 {
-	const char *slash = strrchr(path, '/'), *name = slash != NULL ? slash + 1 : path, *dot = strrchr(name, '.');
+	const char *slash = strrchr(path, '/'), *name = slash != NULL ? slash + 1 : path,
+		*dot = strrchr(name, '.');
 	for (; *extensions; extensions++)
 		if (dot ? strcasecmp(dot + 1, *extensions) == 0 : **extensions == 0)
 			return true;
@@ -60,11 +62,13 @@ static bool holds(const struct head *head, const char *text)
 
 static enum eco_code read_head(const char *path, struct head *head, struct eco_error *error)
 {
-	static const char *const zips[] = { "xlsx", "ods", "kmz", NULL }, *const shapes[] = { "shx", "prj", "cpg", "sbn", "sbx", "qix", NULL };
+	static const char *const zips[] = { "xlsx", "ods", "kmz", NULL },
+		*const shapes[] = { "shx", "prj", "cpg", "sbn", "sbx", "qix", NULL };
 	struct stat file;
 	FILE *in;
 	if (stat(path, &file) != 0)
-		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", path, strerror(errno));
+		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", path,
+			strerror(errno));
 	if (S_ISDIR(file.st_mode)) {         /* a file geodatabase */
 		head->size = 0;
 		return has_extension(path, (const char *const[]){ "gdb", NULL }) ? ECO_OK
@@ -79,12 +83,17 @@ static enum eco_code read_head(const char *path, struct head *head, struct eco_e
 	head->bytes[head->size] = 0;
 	fclose(in);
 	if (head->size > 8 && memcmp(head->bytes, "\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", 8) == 0)
-		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: a workbook of an old Excel (.xls); save it as \"CSV UTF-8\" or .xlsx", path);
-	if (!has_extension(path, zips) && head->size > 4 && memcmp(head->bytes, "PK\3\4", 4) == 0 && holds(head, "[Content_Types].xml"))
-		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: an Excel workbook; give it its name .xlsx, or save it as \"CSV UTF-8\"", path);
+		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: a workbook of an old Excel (.xls); save it "
+			"as \"CSV UTF-8\" or .xlsx", path);
+	if (!has_extension(path, zips) && head->size > 4 && memcmp(head->bytes, "PK\3\4", 4) == 0
+			&& holds(head, "[Content_Types].xml"))
+		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: an Excel workbook; give it its name .xlsx, "
+			"or save it as \"CSV UTF-8\"", path);
 	if (has_extension(path, shapes))
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: a part of a Shapefile; name the one that ends in .shp", path);
-	return eco_file_check_head(path, (const char *)head->bytes, head->size, has_extension(path, zips), "a table", error);
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: a part of a Shapefile; name the one that "
+			"ends in .shp", path);
+	return eco_file_check_head(path, (const char *)head->bytes, head->size, has_extension(path, zips),
+		"a table", error);
 }
 
 /* The first byte that is neither a space nor part of a byte order mark. */
@@ -98,10 +107,15 @@ static unsigned char first_sign(const struct head *head)
 
 static bool is_utf16(const struct head *head)
 {
-	if (head->size >= 2 && (memcmp(head->bytes, "\xff\xfe", 2) == 0 || memcmp(head->bytes, "\xfe\xff", 2) == 0))
+	if (head->size >= 2
+			&& (memcmp(head->bytes, "\xff\xfe", 2) == 0 || memcmp(head->bytes, "\xfe\xff", 2)
+			== 0))
 		return true;
-	return head->size >= 4 && ((head->bytes[1] == 0 && head->bytes[3] == 0 && head->bytes[0] >= ' ' && head->bytes[2] >= ' ' && head->bytes[0] < 127)
-		|| (head->bytes[0] == 0 && head->bytes[2] == 0 && head->bytes[1] >= ' ' && head->bytes[1] < 127));
+	return head->size >= 4
+		&& ((head->bytes[1] == 0 && head->bytes[3] == 0 && head->bytes[0] >= ' '
+		&& head->bytes[2] >= ' ' && head->bytes[0] < 127)
+		|| (head->bytes[0] == 0 && head->bytes[2] == 0 && head->bytes[1] >= ' '
+		&& head->bytes[1] < 127));
 }
 
 static bool is_text(const struct head *head)
@@ -116,15 +130,18 @@ static bool ogr_knows(const char *path)
 	return gdal && gdal->rows_knows(path);
 }
 
-static enum eco_code open_ogr(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error)
+static enum eco_code open_ogr(struct eco_rows **rows, const struct eco_rows_source *source,
+	struct eco_error *error)
 {
 	const struct eco_gdal_module *gdal = eco_module(ECO_MODULE_GDAL, error);
 	return !gdal ? ECO_NOT_FOUND : gdal->rows_open(rows, source, error);
 }
 
-enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error)
+enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_source *source,
+	struct eco_error *error)
 {
-	static const char *const csv_names[] = { "csv", "tsv", "txt", "psv", "dat", "asc", "", NULL }, *const tab[] = { "tab", NULL };
+	static const char *const csv_names[] = { "csv", "tsv", "txt", "psv", "dat", "asc", "", NULL },
+		*const tab[] = { "tab", NULL };
 	static const char *const gltf_names[] = { "gltf", "glb", NULL };
 	struct head *head = malloc(sizeof *head);
 	enum eco_code code;
@@ -139,17 +156,20 @@ enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_s
 	else if (has_extension(source->path, gltf_names))
 		code = eco_rows_open_gltf(rows, source->path, error);
 	else if (is_utf16(head))
-		code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: its text is UTF-16; save it as UTF-8 (\"CSV UTF-8\" in Excel)", source->path);
+		code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: its text is UTF-16; save it as UTF-8 "
+			"(\"CSV UTF-8\" in Excel)", source->path);
 	else if (sign == '{' && (holds(head, "\"CityJSON\"") || holds(head, "\"CityJSONFeature\"")))
-		code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: CityJSON is not read; convert it to CityGML, or its trees to GeoJSON or CSV", source->path);
+		code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: CityJSON is not read; convert it to "
+			"CityGML, or its trees to GeoJSON or CSV", source->path);
 	else if ((sign == '{' || sign == '[') && !holds(head, "\"type\"") && !holds(head, "\"esri"))
-		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: JSON, but not GeoJSON, whose features say \"type\": \"Feature\"; export GeoJSON or CSV",
-			source->path);
+		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: JSON, but not GeoJSON, whose features say "
+			"\"type\": \"Feature\"; export GeoJSON or CSV", source->path);
 	else if (sign == '<' && !source->areas && (holds(head, "citygml") || holds(head, "CityModel")))
 		code = eco_rows_open_citygml(rows, source->path, error);
 	else if (sign == '{' || sign == '[' || sign == '<' || !is_text(head))
 		code = open_ogr(rows, source, error);
-	else if (has_extension(source->path, csv_names) || (has_extension(source->path, tab) && memcmp(head->bytes, "!table", 6) != 0)
+	else if (has_extension(source->path, csv_names)
+			|| (has_extension(source->path, tab) && memcmp(head->bytes, "!table", 6) != 0)
 		|| !ogr_knows(source->path))
 		code = eco_rows_open_csv(rows, source->path, source->separator, error);
 	else
@@ -157,10 +177,12 @@ enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_s
 	free(head);
 	if (code == ECO_OK && source->layer && strcmp((*rows)->where, "feature") != 0)
 		eco_rows_note(*rows, "it is one table; \"layer\" says nothing");
-	if (code == ECO_OK && source->areas && (!(*rows)->has_geometry || strcmp((*rows)->where, "feature") != 0)) {
+	if (code == ECO_OK && source->areas
+			&& (!(*rows)->has_geometry || strcmp((*rows)->where, "feature") != 0)) {
 		eco_rows_close(*rows);
 		*rows = NULL;
-		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: no polygons in it; take GeoJSON, a GeoPackage or a Shapefile", source->path);
+		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: no polygons in it; take GeoJSON, a "
+			"GeoPackage or a Shapefile", source->path);
 	}
 	return code;
 }

@@ -33,7 +33,8 @@ struct eco_rows_place {          /* the geometry of a row */
 	double at[3];                /* easting or longitude first */
 	double yaw_deg, scale;       /* NaN: not in the format; then columns or the seed decide */
 	char what[16];
-	const uint8_t *wkb;          /* ECO_PLACE_AREA: well-known binary, two dimensions; valid until the next row */
+	/* ECO_PLACE_AREA: well-known binary, two dimensions; valid until the next row */
+	const uint8_t *wkb;
 	uint32_t wkb_bytes;
 };
 
@@ -64,34 +65,38 @@ struct eco_rows_source {
 	const char *const *wanted;   /* columns needed; others may come empty; NULL: all */
 	uint32_t wanted_count;
 	bool areas;                  /* geometries whole; files without any are refused */
-	bool vertices;               /* each vertex of a line is a row, place.what "line" at the first and "vertex" at the others; a list
-	                              * with a value for each vertex gives each its own. Of several layers the longest is taken */
+	/* each vertex of a line is a row, place.what "line" at the first and "vertex" at the others; a list
+	 * with a value for each vertex gives each its own. Of several layers the longest is taken */
+	bool vertices;
 };
 
 /* Opens by content, then by extension. The error for a file that is not what it seems says what to do. */
-enum eco_code eco_rows_open(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error);
+enum eco_code eco_rows_open(struct eco_rows **rows, const struct eco_rows_source *source,
+	struct eco_error *error);
 /* The same in this process: for the child, and for tests of the readers themselves. */
-enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error);
+enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_source *source,
+	struct eco_error *error);
 void eco_rows_close(struct eco_rows *rows);
 
 /* Lists the columns' names for a message. */
 void eco_rows_list_columns(const struct eco_rows *rows, char *text, size_t size);
 /* Index of the column of that name; ECO_NONE for NULL. `path` is for errors, which list the columns there
  * are. */
-enum eco_code eco_rows_find_column(const struct eco_rows *rows, const char *path, const char *name, uint32_t *column,
-	struct eco_error *error);
+enum eco_code eco_rows_find_column(const struct eco_rows *rows, const char *path, const char *name,
+	uint32_t *column, struct eco_error *error);
 
 /* For readers: adds a note, printf-like; each once, up to ECO_ROWS_NOTES_MAX. */
 void eco_rows_note(struct eco_rows *rows, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* The same for notes kept elsewhere. */
-void eco_rows_add_note(char *notes[ECO_ROWS_NOTES_MAX], uint32_t *count, const char *format, va_list arguments)
-	__attribute__((format(printf, 3, 0)));
+void eco_rows_add_note(char *notes[ECO_ROWS_NOTES_MAX], uint32_t *count, const char *format,
+	va_list arguments) __attribute__((format(printf, 3, 0)));
 
 /* CSV (RFC 4180): the first row names the columns; quoted fields may hold separators, line breaks and
  * doubled quotes; lines end in LF or CRLF; a byte order mark and empty lines are skipped; a row that is
  * not UTF-8 is taken for Windows-1252. Memory: one row. separator 0: found in the header. A column whose
  * first value is a point as well-known text is the geometry. */
-enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char separator, struct eco_error *error);
+enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char separator,
+	struct eco_error *error);
 /* glTF and GLB: a row for each instance (EXT_mesh_gpu_instancing), or, in a file without instances, for
  * each node with a mesh. Columns: x, y, z (metres, Z up), name (of the node, else of its mesh), mesh,
  * yaw_deg (turn about the vertical), scale (cube root of the volumes' ratio; empty for quantized meshes),

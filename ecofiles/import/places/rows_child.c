@@ -42,20 +42,24 @@ static void begin(struct eco_writer *m, char kind)
 	eco_write_u8(m, (uint8_t)kind);
 }
 
-static enum eco_code send_message(const struct eco_writer *m, uint32_t most, FILE *out, struct eco_error *error)
+static enum eco_code send_message(const struct eco_writer *m, uint32_t most, FILE *out,
+	struct eco_error *error)
 {
 	uint32_t size = (uint32_t)m->size;
 	if (m->failed)
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	if (m->size > most)
 		return eco_fail(error, ECO_TOO_LARGE, "a row of more than %u bytes", ECO_ROW_BYTES_MAX);
-	return fwrite(&size, 4, 1, out) == 1 && fwrite(m->bytes, 1, size, out) == size ? ECO_OK : eco_fail(error, ECO_IO, "nobody reads on");
+	return fwrite(&size, 4, 1, out) == 1 && fwrite(m->bytes, 1, size, out) == size ? ECO_OK
+		: eco_fail(error, ECO_IO, "nobody reads on");
 }
 
 static void put_head(const struct eco_rows *rows, struct eco_writer *m)
 {
 	begin(m, 'H');
-	eco_write_u8(m, (uint8_t)(rows->has_geometry | rows->has_z << 1 | rows->local << 2 | rows->degrees_doubted << 3));
+	eco_write_u8(m,
+		(uint8_t)(rows->has_geometry | rows->has_z << 1 | rows->local << 2 | rows->degrees_doubted
+		<< 3));
 	eco_write_u32(m, rows->column_count);
 	put_text(m, rows->where);
 	put_text(m, rows->crs != NULL ? rows->crs : "");
@@ -64,7 +68,8 @@ static void put_head(const struct eco_rows *rows, struct eco_writer *m)
 		put_text(m, rows->columns[i]);
 }
 
-static enum eco_code send_notes(const struct eco_rows *rows, uint32_t *sent, struct eco_writer *m, FILE *out, struct eco_error *error)
+static enum eco_code send_notes(const struct eco_rows *rows, uint32_t *sent, struct eco_writer *m, FILE *out,
+	struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
 	for (; *sent < rows->note_count && code == ECO_OK; ++*sent) {
@@ -104,8 +109,8 @@ static void find_wanted(const struct eco_rows *rows, const struct eco_rows_sourc
 	}
 }
 
-static enum eco_code send_rows(struct eco_rows *rows, const struct eco_rows_source *source, struct eco_writer *m, FILE *out,
-	struct eco_error *error)
+static enum eco_code send_rows(struct eco_rows *rows, const struct eco_rows_source *source,
+	struct eco_writer *m, FILE *out, struct eco_error *error)
 {
 	bool *wanted = calloc(rows->column_count + 1u, sizeof *wanted), more = true;
 	uint32_t notes = 0, most = message_most(source->areas);
@@ -164,7 +169,8 @@ struct child {
 
 static enum eco_code damaged(const struct child *c, struct eco_error *error)
 {
-	return eco_fail(error, ECO_DAMAGED, "%.300s: the data from its reader make no sense: the file is damaged, or meets a bug in the library that "
+	return eco_fail(error, ECO_DAMAGED, "%.300s: the data from its reader make no sense: the file is "
+		"damaged, or meets a bug in the library that "
 		"reads it", c->path);
 }
 
@@ -319,7 +325,8 @@ static void close_child(struct eco_rows *rows)
 	free(c);
 }
 
-enum eco_code eco_rows_open(struct eco_rows **rows, const struct eco_rows_source *source, struct eco_error *error)
+enum eco_code eco_rows_open(struct eco_rows **rows, const struct eco_rows_source *source,
+	struct eco_error *error)
 {
 	struct child *c = calloc(1, sizeof *c);
 	enum eco_code code;
@@ -336,7 +343,8 @@ enum eco_code eco_rows_open(struct eco_rows **rows, const struct eco_rows_source
 	if (!c->path || !c->rows.fields)
 		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", source->path);
 	else
-		code = eco_guard_start(&c->guard, work, (void *)source, source->path, NULL, &c->stream, error);
+		code = eco_guard_start(&c->guard, work, (void *)source, source->path, NULL, &c->stream,
+			error);
 	if (!code)
 		code = receive(c, &kind, error);
 	if (!code)

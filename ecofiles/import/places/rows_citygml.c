@@ -1,11 +1,12 @@
-/* CityGML 1 to 3 as a table: a row for each SolitaryVegetationObject, in one walk with expat. The trees are kept until they are asked for,
- * as the last one may add a column (generic attributes have any names) and tell the order of the axes; the rest of the city's model is
- * never held. Names count without their namespace, which is all that differs between the versions. A file with a document type is
- * refused: CityGML has none, and entities are how XML attacks its reader.
+/* CityGML 1 to 3 as a table: a row for each SolitaryVegetationObject, in one walk with expat. The trees are
+ * kept until they are asked for, as the last one may add a column (generic attributes have any names) and
+ * tell the order of the axes; the rest of the city's model is never held. Names count without their
+ * namespace, which is all that differs between the versions. A file with a document type is refused: CityGML
+ * has none, and entities are how XML attacks its reader.
  *
- * OGR's driver (GDAL 3.6.2) was tried instead. It loses the names of measure attributes and of all generic ones of CityGML 3, and the
- * srsName of the German surveys; it takes a tree's terrain intersection for the tree, as the last geometry counts; it does not see trees
- * within groups, nor that trees are in two CRS. */
+ * OGR's driver (GDAL 3.6.2) was tried instead. It loses the names of measure attributes and of all generic
+ * ones of CityGML 3, and the srsName of the German surveys; it takes a tree's terrain intersection for the
+ * tree, as the last geometry counts; it does not see trees within groups, nor that trees are in two CRS. */
 #include "ecofiles/import/places/rows.h"
 
 #include <errno.h>
@@ -50,7 +51,8 @@ struct citygml {
 	size_t row_bytes;
 	uint64_t covers, line;               /* line: where the object began */
 	struct tree *trees; uint32_t tree_count, tree_capacity;
-	struct eco_writer kept;              /* of all trees, one behind the other: u16 column, its text with its 0 */
+	/* of all trees, one behind the other: u16 column, its text with its 0 */
+	struct eco_writer kept;
 	struct eco_citygml_crs crs;
 };
 
@@ -66,7 +68,10 @@ static void out_of_memory(struct citygml *c)
 	stop(c, eco_fail(c->error, ECO_NO_MEMORY, "%.300s: out of memory", c->path));
 }
 
-static unsigned long line_of(const struct citygml *c) { return (unsigned long)XML_GetCurrentLineNumber(c->parser); }
+static unsigned long line_of(const struct citygml *c)
+{
+	return (unsigned long)XML_GetCurrentLineNumber(c->parser);
+}
 
 static const char *local(const char *name)
 {
@@ -100,7 +105,8 @@ static uint32_t column_of(struct citygml *c, const char *name)
 	if (i < c->rows.column_count)
 		return i;
 	if (i == ECO_COLUMNS_MAX) {
-		stop(c, eco_fail(c->error, ECO_TOO_LARGE, "%.300s: more than %u different attributes", c->path, ECO_COLUMNS_MAX));
+		stop(c, eco_fail(c->error, ECO_TOO_LARGE, "%.300s: more than %u different attributes",
+			c->path, ECO_COLUMNS_MAX));
 	} else if (!(c->rows.columns[i] = strdup(name))) {
 		out_of_memory(c);
 	} else {
@@ -118,7 +124,8 @@ static void set_field(struct citygml *c, const char *name, const char *text, boo
 		return;
 	c->row_bytes += strlen(text);
 	if (c->row_bytes > ECO_ROW_BYTES_MAX) {
-		stop(c, eco_fail(c->error, ECO_TOO_LARGE, "%.300s:%lu: attributes of more than %u bytes", c->path, line_of(c), ECO_ROW_BYTES_MAX));
+		stop(c, eco_fail(c->error, ECO_TOO_LARGE, "%.300s:%lu: attributes of more than %u bytes",
+			c->path, line_of(c), ECO_ROW_BYTES_MAX));
 		return;
 	}
 	free(field->text);
@@ -138,8 +145,10 @@ static void clear_fields(struct citygml *c)
 /* "urn:ogc:def:uom:UCUM::m", "#m", "[ft_i]": as sizes in texts have it. */
 static void take_uom(struct citygml *c, const char *uom)
 {
-	static const char *const units[][2] = { { "m", "m" }, { "metre", "m" }, { "meter", "m" }, { "cm", "cm" }, { "mm", "mm" }, { "dm", "dm" },
-		{ "ft", "ft" }, { "[ft_i]", "ft" }, { "[ft_us]", "ft" }, { "foot", "ft" }, { "in", "in" }, { "[in_i]", "in" }, { "inch", "in" } };
+	static const char *const units[][2] = { { "m", "m" }, { "metre", "m" }, { "meter", "m" },
+		{ "cm", "cm" }, { "mm", "mm" }, { "dm", "dm" },
+		{ "ft", "ft" }, { "[ft_i]", "ft" }, { "[ft_us]", "ft" }, { "foot", "ft" }, { "in", "in" },
+		{ "[in_i]", "in" }, { "inch", "in" } };
 	const char *last = uom;
 	c->uom[0] = 0;
 	for (const char *at = uom; at && *at != 0; at++)
@@ -155,7 +164,8 @@ static void take_uom(struct citygml *c, const char *uom)
 static void read_coordinates(struct citygml *c, const char *text)
 {
 	if (!eco_citygml_shape_read(&c->shape, text, c->dimension, c->reference != 0))
-		stop(c, eco_fail(c->error, ECO_TOO_LARGE, "%.300s:%lu: a plant with more than %u corners", c->path, line_of(c), ECO_CITYGML_POINTS_MAX));
+		stop(c, eco_fail(c->error, ECO_TOO_LARGE, "%.300s:%lu: a plant with more than %u corners",
+			c->path, line_of(c), ECO_CITYGML_POINTS_MAX));
 }
 
 static struct eco_rows_place place_object(struct citygml *c)
@@ -191,7 +201,9 @@ static void begin_part(struct citygml *c, const char *name, const XML_Char **att
 		c->reference = c->depth;
 	else if (c->relative == 0 && (is(name, "relativeGMLGeometry") || is(name, "relativeGeometry")))
 		c->relative = c->depth;
-	else if (c->apart == 0 && (ends_with(name, "TerrainIntersection") || ends_with(name, "TerrainIntersectionCurve")))
+	else if (c->apart == 0
+			&& (ends_with(name, "TerrainIntersection")
+			|| ends_with(name, "TerrainIntersectionCurve")))
 		c->apart = c->depth;
 	else if (ends_with(name, "Attribute") && !is(name, "genericAttribute")) {
 		c->generic = c->depth;
@@ -202,11 +214,13 @@ static void begin_part(struct citygml *c, const char *name, const XML_Char **att
 static void XMLCALL on_start(void *ctx, const XML_Char *full, const XML_Char **attributes)
 {
 	struct citygml *c = ctx;
-	const char *name = local(full), *srs = attribute(attributes, "srsName"), *dimension = attribute(attributes, "srsDimension");
+	const char *name = local(full), *srs = attribute(attributes, "srsName"),
+		*dimension = attribute(attributes, "srsDimension");
 	c->text.size = 0;
 	c->leaf = true;
 	if (++c->depth > DEPTH_MAX) {
-		stop(c, eco_fail(c->error, ECO_TOO_LARGE, "%.300s:%lu: elements within %u others", c->path, line_of(c), DEPTH_MAX));
+		stop(c, eco_fail(c->error, ECO_TOO_LARGE, "%.300s:%lu: elements within %u others", c->path,
+			line_of(c), DEPTH_MAX));
 		return;
 	}
 	if (dimension && c->object != 0 && c->dimension == 0) {
@@ -215,8 +229,8 @@ static void XMLCALL on_start(void *ctx, const XML_Char *full, const XML_Char **a
 	}
 	if (srs && (c->object != 0 || is(name, "Envelope")) && c->relative == 0
 		&& !eco_citygml_crs_name(&c->crs, srs, c->object != 0))
-		stop(c, eco_fail(c->error, ECO_UNSUPPORTED, "%.200s:%lu: its plants are in two CRS, \"%.80s\" and \"%.80s\"; split it", c->path,
-			line_of(c), c->crs.name, srs));
+		stop(c, eco_fail(c->error, ECO_UNSUPPORTED, "%.200s:%lu: its plants are in two CRS, "
+			"\"%.80s\" and \"%.80s\"; split it", c->path, line_of(c), c->crs.name, srs));
 	if (is(name, "SolitaryVegetationObject") && c->object == 0)
 		begin_object(c, attributes);
 	else if (c->object != 0)
@@ -234,7 +248,8 @@ static void XMLCALL on_text(void *ctx, const XML_Char *text, int length)
 	if (c->text.failed)
 		out_of_memory(c);
 	else if (c->text.size > TEXT_MAX)
-		stop(c, eco_fail(c->error, ECO_TOO_LARGE, "%.300s:%lu: a text of more than %u bytes", c->path, line_of(c), TEXT_MAX));
+		stop(c, eco_fail(c->error, ECO_TOO_LARGE, "%.300s:%lu: a text of more than %u bytes", c->path,
+			line_of(c), TEXT_MAX));
 }
 
 static char *trimmed(char *text)
@@ -251,7 +266,8 @@ static void end_value(struct citygml *c, const char *name, const char *text, boo
 	char with_unit[80];
 	if (*text == 0)
 		return;
-	if (c->uom[0] != 0 && snprintf(with_unit, sizeof with_unit, "%s%s", text, c->uom) < (int)sizeof with_unit)
+	if (c->uom[0] != 0 && snprintf(with_unit, sizeof with_unit, "%s%s", text, c->uom)
+			< (int)sizeof with_unit)
 		text = with_unit;
 	set_field(c, name, text, generic);
 }
@@ -311,19 +327,21 @@ static void XMLCALL on_end(void *ctx, const XML_Char *full)
 	c->depth--;
 }
 
-static void XMLCALL on_doctype(void *ctx, const XML_Char *name, const XML_Char *system, const XML_Char *public, int internal)
+static void XMLCALL on_doctype(void *ctx, const XML_Char *name, const XML_Char *system,
+	const XML_Char *public, int internal)
 {
 	struct citygml *c = ctx;
 	(void)name, (void)system, (void)public, (void)internal;
-	stop(c, eco_fail(c->error, ECO_UNSUPPORTED, "%.300s:%lu: it has a document type (<!DOCTYPE ...>), which CityGML has not; remove it", c->path,
-		line_of(c)));
+	stop(c, eco_fail(c->error, ECO_UNSUPPORTED, "%.300s:%lu: it has a document type (<!DOCTYPE ...>), "
+		"which CityGML has not; remove it", c->path, line_of(c)));
 }
 
 /* Besides what expat knows (UTF-8, UTF-16, Latin-1): Windows-1252, near enough as Latin-1. */
 static int XMLCALL on_encoding(void *ctx, const XML_Char *name, XML_Encoding *info)
 {
 	(void)ctx;
-	if (strncasecmp(name, "windows-1252", 13) != 0 && strncasecmp(name, "cp1252", 7) != 0 && strncasecmp(name, "iso-8859-15", 12) != 0)
+	if (strncasecmp(name, "windows-1252", 13) != 0 && strncasecmp(name, "cp1252", 7) != 0
+			&& strncasecmp(name, "iso-8859-15", 12) != 0)
 		return XML_STATUS_ERROR;
 	for (int i = 0; i < 256; i++)
 		info->map[i] = i;
@@ -340,9 +358,12 @@ static enum eco_code syntax_error(struct citygml *c, struct eco_error *error)
 	enum XML_Error what = XML_GetErrorCode(c->parser);
 	if (c->code != ECO_OK)
 		return c->code;
-	if (what == XML_ERROR_NO_ELEMENTS || what == XML_ERROR_UNCLOSED_TOKEN || what == XML_ERROR_UNCLOSED_CDATA_SECTION)
-		return eco_fail(error, ECO_DAMAGED, "%.300s:%lu: it breaks off: it was not copied or downloaded whole", c->path, line_of(c));
-	return eco_fail(error, what == XML_ERROR_NO_MEMORY ? ECO_NO_MEMORY : ECO_DAMAGED, "%.300s:%lu:%lu: not XML: %s", c->path, line_of(c),
+	if (what == XML_ERROR_NO_ELEMENTS || what == XML_ERROR_UNCLOSED_TOKEN
+			|| what == XML_ERROR_UNCLOSED_CDATA_SECTION)
+		return eco_fail(error, ECO_DAMAGED, "%.300s:%lu: it breaks off: it was not copied or "
+			"downloaded whole", c->path, line_of(c));
+	return eco_fail(error, what == XML_ERROR_NO_MEMORY ? ECO_NO_MEMORY : ECO_DAMAGED,
+		"%.300s:%lu:%lu: not XML: %s", c->path, line_of(c),
 		(unsigned long)XML_GetCurrentColumnNumber(c->parser) + 1, XML_ErrorString(what));
 }
 
@@ -367,7 +388,8 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 {
 	struct citygml *c = (struct citygml *)rows;
 	const struct tree *tree = c->trees + rows->row;
-	struct eco_reader values = { c->kept.bytes, c->kept.size, rows->row > 0 ? tree[-1].values_end : 0, false };
+	struct eco_reader values = { c->kept.bytes, c->kept.size, rows->row > 0 ? tree[-1].values_end : 0,
+		false };
 	(void)error;
 	*more = rows->row < c->tree_count;
 	if (!*more)
@@ -413,11 +435,12 @@ static enum eco_code settle(struct citygml *c, struct eco_error *error)
 	const struct eco_proj_module *proj;
 	char note[300] = "";
 	if (c->tree_count == 0)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: no SolitaryVegetationObject in it, so no plants%s", c->path,
-			c->covers > 0 ? "; its PlantCover are areas: convert them to GeoJSON polygons and use \"scatter\"" : "");
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: no SolitaryVegetationObject in it, so no "
+			"plants%s", c->path, c->covers > 0 ? "; its PlantCover are areas: convert them to "
+			"GeoJSON polygons and use \"scatter\"" : "");
 	if (c->covers > 0)
-		eco_rows_note(&c->rows, "its %llu PlantCover are passed over: they are areas; as GeoJSON polygons, \"scatter\" fills them with plants",
-			(unsigned long long)c->covers);
+		eco_rows_note(&c->rows, "its %llu PlantCover are passed over: they are areas; as GeoJSON "
+			"polygons, \"scatter\" fills them with plants", (unsigned long long)c->covers);
 	if (c->crs.code[0] == 0)
 		return ECO_OK;
 	proj = eco_module(ECO_MODULE_PROJ, error);
@@ -435,7 +458,8 @@ static enum eco_code read_citygml(struct citygml *c, struct eco_error *error)
 	FILE *file = fopen(c->path, "rb");
 	enum eco_code code;
 	if (!file)
-		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", c->path, strerror(errno));
+		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", c->path,
+			strerror(errno));
 	XML_SetUserData(c->parser, c);
 	XML_SetElementHandler(c->parser, on_start, on_end);
 	XML_SetCharacterDataHandler(c->parser, on_text);

@@ -1,4 +1,5 @@
-/* srsName comes in half a dozen spellings; which of the axes it means comes first is found by PROJ (proj_citygml.c). */
+/* srsName comes in half a dozen spellings; which of the axes it means comes first is found by PROJ
+ * (proj_citygml.c). */
 #include "ecofiles/import/places/rows_citygml.h"
 
 #include <stdio.h>
@@ -9,7 +10,8 @@
 /* "urn:adv:crs:ETRS89_UTM32*DE_DHHN2016_NH": those of the German surveys. */
 static bool german(const char *name, char *code, size_t size)
 {
-	static const struct { const char *name; int code; } heights[] = { { "DHHN92", 5783 }, { "DHHN2016", 7837 }, { "DHHN85", 5784 } };
+	static const struct { const char *name; int code; } heights[] =
+		{ { "DHHN92", 5783 }, { "DHHN2016", 7837 }, { "DHHN85", 5784 } };
 	const char *utm = strstr(name, "ETRS89_UTM"), *star;
 	int zone = utm != NULL ? atoi(utm + 10) : 0;
 	if (strncasecmp(name, "urn:adv:crs:", 12) != 0 || zone < 28 || zone > 38)
@@ -28,7 +30,8 @@ static void code_of(const char *name, char *code, size_t size, bool *as_authorit
 	*as_authority = strncasecmp(name, "urn:ogc:", 8) == 0 || (strncasecmp(name, "http", 4) == 0 && !hash);
 	if (german(name, code, size))
 		return;
-	if (strncasecmp(name, "http", 4) == 0 && hash)       /* http://www.opengis.net/gml/srs/epsg.xml#25832 */
+	if (strncasecmp(name, "http", 4) == 0
+			&& hash)       /* http://www.opengis.net/gml/srs/epsg.xml#25832 */
 		snprintf(code, size, "EPSG:%.20s", hash + 1);
 	else
 		snprintf(code, size, "%.255s", name);

@@ -1,5 +1,6 @@
-/* Where a plant of a city's model stands: the reference point of an implicit geometry, moved as its matrix says; else the middle of the
- * lowest part of its geometry. The middle of the whole would follow a crown that leans over a street. */
+/* Where a plant of a city's model stands: the reference point of an implicit geometry, moved as its matrix
+ * says; else the middle of the lowest part of its geometry. The middle of the whole would follow a crown that
+ * leans over a street. */
 #include "ecofiles/import/places/rows_citygml.h"
 
 #include <math.h>
@@ -19,7 +20,8 @@ void eco_citygml_shape_begin(struct eco_citygml_shape *shape)
 
 static bool add_point(struct eco_citygml_shape *shape, const double at[3])
 {
-	if (shape->count == ECO_CITYGML_POINTS_MAX || !eco_room(&shape->points, &shape->capacity, shape->count, sizeof *shape->points))
+	if (shape->count == ECO_CITYGML_POINTS_MAX
+			|| !eco_room(&shape->points, &shape->capacity, shape->count, sizeof *shape->points))
 		return false;
 	memcpy(shape->points[shape->count++], at, sizeof *shape->points);
 	return true;
@@ -50,7 +52,8 @@ static uint32_t count_numbers(const char *text)
 
 bool eco_citygml_shape_read(struct eco_citygml_shape *shape, const char *text, int dimension, bool reference)
 {
-	uint32_t count = count_numbers(text), each = dimension == 2 || dimension == 3 ? (uint32_t)dimension : count % 3 == 0 ? 3 : 2;
+	uint32_t count = count_numbers(text), each = dimension == 2 || dimension == 3 ? (uint32_t)dimension
+		: count % 3 == 0 ? 3 : 2;
 	bool good = true;
 	for (uint32_t i = 0; good && i + each <= count; i += each) {
 		double point[3] = { 0, 0, NAN };
@@ -77,7 +80,8 @@ void eco_citygml_shape_matrix(struct eco_citygml_shape *shape, const char *text)
 /* Of a trunk's foot, of the lower edges of crossed pictures. */
 static void find_foot(const struct eco_citygml_shape *shape, double foot[3])
 {
-	double least = INFINITY, most = -INFINITY, low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY };
+	double least = INFINITY, most = -INFINITY, low[2] = { INFINITY, INFINITY },
+		high[2] = { -INFINITY, -INFINITY };
 	for (uint32_t i = 0; i < shape->count; i++) {
 		least = fmin(least, shape->points[i][2]);
 		most = fmax(most, shape->points[i][2]);

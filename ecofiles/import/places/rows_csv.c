@@ -37,8 +37,9 @@ static enum eco_code put(struct csv *csv, char c, struct eco_error *error)
 		size_t capacity = csv->capacity == 0 ? 4096 : csv->capacity * 2;
 		char *grown;
 		if (csv->used >= ECO_ROW_BYTES_MAX)
-			return eco_fail(error, ECO_TOO_LARGE, "%.300s:%llu: a row of more than %u bytes; is a quote not closed?", csv->path,
-				(unsigned long long)csv->rows.line, ECO_ROW_BYTES_MAX);
+			return eco_fail(error, ECO_TOO_LARGE, "%.300s:%llu: a row of more than %u bytes; is "
+				"a quote not closed?", csv->path, (unsigned long long)csv->rows.line,
+				ECO_ROW_BYTES_MAX);
 		grown = realloc(csv->text, capacity);
 		if (!grown)
 			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", csv->path);
@@ -68,8 +69,8 @@ static int peek(struct csv *csv)
 static enum eco_code begin_field(struct csv *csv, struct eco_error *error)
 {
 	if (csv->rows.field_count == ECO_COLUMNS_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "%.300s:%llu: a row of more than %u fields", csv->path, (unsigned long long)csv->rows.line,
-			ECO_COLUMNS_MAX);
+		return eco_fail(error, ECO_TOO_LARGE, "%.300s:%llu: a row of more than %u fields", csv->path,
+			(unsigned long long)csv->rows.line, ECO_COLUMNS_MAX);
 	csv->start[csv->rows.field_count++] = csv->used;
 	return ECO_OK;
 }
@@ -86,7 +87,8 @@ static enum eco_code read_field(struct csv *csv, int *c, struct eco_error *error
 	}
 	for (; code == ECO_OK && *c != EOF; *c = get(csv)) {
 		if (*c == 0)
-			return eco_fail(error, ECO_BAD_INPUT, "%.300s:%llu: a zero byte; the file is not plain text (a spreadsheet, "
+			return eco_fail(error, ECO_BAD_INPUT, "%.300s:%llu: a zero byte; the file is not "
+				"plain text (a spreadsheet, "
 				"UTF-16?), save it as CSV in UTF-8",
 				csv->path, (unsigned long long)csv->line);
 		if (quoted && *c == '"') {
@@ -103,8 +105,8 @@ static enum eco_code read_field(struct csv *csv, int *c, struct eco_error *error
 		code = put(csv, (char)*c, error);
 	}
 	if (code == ECO_OK && quoted)
-		return eco_fail(error, ECO_DAMAGED, "%.300s:%llu: a quoted field of the row that begins here does not end", csv->path,
-			(unsigned long long)csv->rows.line);
+		return eco_fail(error, ECO_DAMAGED, "%.300s:%llu: a quoted field of the row that begins "
+			"here does not end", csv->path, (unsigned long long)csv->rows.line);
 	return code == ECO_OK ? put(csv, 0, error) : code;
 }
 
@@ -112,8 +114,9 @@ static enum eco_code read_field(struct csv *csv, int *c, struct eco_error *error
 
 static unsigned windows_1252(unsigned char c)
 {
-	static const uint16_t high[32] = { 0x20ac, 0x81, 0x201a, 0x192, 0x201e, 0x2026, 0x2020, 0x2021, 0x2c6, 0x2030, 0x160, 0x2039, 0x152, 0x8d, 0x17d,
-		0x8f, 0x90, 0x2018, 0x2019, 0x201c, 0x201d, 0x2022, 0x2013, 0x2014, 0x2dc, 0x2122, 0x161, 0x203a, 0x153, 0x9d, 0x17e, 0x178 };
+	static const uint16_t high[32] = { 0x20ac, 0x81, 0x201a, 0x192, 0x201e, 0x2026, 0x2020, 0x2021, 0x2c6,
+		0x2030, 0x160, 0x2039, 0x152, 0x8d, 0x17d, 0x8f, 0x90, 0x2018, 0x2019, 0x201c, 0x201d, 0x2022,
+		0x2013, 0x2014, 0x2dc, 0x2122, 0x161, 0x203a, 0x153, 0x9d, 0x17e, 0x178 };
 
 	return c >= 0x80 && c < 0xa0 ? high[c - 0x80] : c;
 }
@@ -151,8 +154,8 @@ static enum eco_code convert_fields(struct csv *csv, struct eco_error *error)
 	}
 	if (csv->first_converted == 0) {
 		csv->first_converted = csv->rows.line;
-		eco_rows_note(&csv->rows, "its text is not UTF-8 (first in line %llu): it is read as Windows-1252, which contains Latin-1",
-			(unsigned long long)csv->rows.line);
+		eco_rows_note(&csv->rows, "its text is not UTF-8 (first in line %llu): it is read as "
+			"Windows-1252, which contains Latin-1", (unsigned long long)csv->rows.line);
 	}
 	return ECO_OK;
 }
@@ -203,7 +206,8 @@ static bool read_wkt_point(const char *text, double at[3])
 	if (strncasecmp(text, "POINT", 5) != 0)
 		return false;
 	text += 5 + strspn(text + 5, " ZzMm");
-	count = sscanf(text, "(%39[0-9.eE+-]%*[ ]%39[0-9.eE+-]%*[ ]%39[0-9.eE+-]", number[0], number[1], number[2]);
+	count = sscanf(text, "(%39[0-9.eE+-]%*[ ]%39[0-9.eE+-]%*[ ]%39[0-9.eE+-]", number[0], number[1],
+		number[2]);
 	for (int k = 0; k < 3; k++)
 		if (k >= count || !eco_text_number(number[k], '.', &at[k]))
 			at[k] = NAN;
@@ -287,7 +291,8 @@ static char *trimmed(const char *name)
 /* Excel's "sep=;" line. */
 static bool excel_separator(const char *text, char *separator)
 {
-	if (strncmp(text, "sep=", 4) != 0 || text[4] == 0 || (text[5] != '\n' && text[5] != '\r' && text[5] != 0))
+	if (strncmp(text, "sep=", 4) != 0 || text[4] == 0
+			|| (text[5] != '\n' && text[5] != '\r' && text[5] != 0))
 		return false;
 	*separator = text[4];
 	return true;
@@ -333,8 +338,8 @@ static enum eco_code begin_file(struct csv *csv, struct eco_error *error)
 	if (csv->separator == 0) {
 		csv->separator = count_separators(text + strspn(text, "\r\n"));
 		if (csv->separator != ',')
-			eco_rows_note(&csv->rows, csv->separator == '\t' ? "its columns are separated by tabs" : "its columns are separated by \"%c\"",
-				csv->separator);
+			eco_rows_note(&csv->rows, csv->separator == '\t' ? "its columns are separated by tabs"
+				: "its columns are separated by \"%c\"", csv->separator);
 	}
 	if (!memchr(head, '\n', size) && memchr(head, '\r', size))
 		csv->line_end = '\r';
@@ -350,7 +355,8 @@ static enum eco_code read_header(struct csv *csv, struct eco_error *error)
 	if (!code)
 		code = read_row(csv, &more, error);
 	if (code == ECO_OK && !more)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: an empty file; its first row must name the columns", csv->path);
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: an empty file; its first row must name the "
+			"columns", csv->path);
 	for (uint32_t i = 0; code == ECO_OK && i < csv->rows.field_count; i++) {
 		csv->rows.columns[i] = trimmed(csv->rows.fields[i]);
 		if (!csv->rows.columns[i])
@@ -360,7 +366,8 @@ static enum eco_code read_header(struct csv *csv, struct eco_error *error)
 	return code == ECO_OK ? find_wkt(csv, error) : code;
 }
 
-enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char separator, struct eco_error *error)
+enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char separator,
+	struct eco_error *error)
 {
 	struct csv *csv = calloc(1, sizeof *csv);
 	enum eco_code code;
@@ -382,7 +389,8 @@ enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char s
 	if (!csv->path || !csv->rows.columns || !csv->rows.fields || !csv->start)
 		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", path);
 	else if (!(csv->file = fopen(path, "rb")))
-		code = eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", path, strerror(errno));
+		code = eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", path,
+			strerror(errno));
 	else
 		code = read_header(csv, error);
 	if (!code)

@@ -21,7 +21,8 @@
 #include "ecofiles/import/model/gltf.h"
 
 enum fixed { X, Y, Z, NAME, MESH, YAW, SCALE, HEIGHT, FIXED };
-static const char *const fixed_names[FIXED] = { "x", "y", "z", "name", "mesh", "yaw_deg", "scale", "height_m" };
+static const char *const fixed_names[FIXED] = { "x", "y", "z", "name", "mesh", "yaw_deg", "scale",
+	"height_m" };
 
 #define FURTHER_MAX 64u
 #define TEXT_BYTES 1024u             /* longest field; longer ones are cut */
@@ -59,7 +60,8 @@ static bool holds_instances(const struct eco_gltf *doc, uint32_t node)
 static enum eco_code visit(void *ctx, uint32_t node, const double world[16])
 {
 	struct gltf_rows *g = ctx;
-	if (g->instanced ? !holds_instances(g->doc, node) : json_object_get(eco_gltf_item(g->doc, "nodes", node), "mesh") == NULL)
+	if (g->instanced ? !holds_instances(g->doc, node)
+			: json_object_get(eco_gltf_item(g->doc, "nodes", node), "mesh") == NULL)
 		return ECO_OK;
 	if (!eco_room(&g->holders, &g->holder_capacity, g->holder_count, sizeof *g->holders))
 		return ECO_NO_MEMORY;
@@ -86,7 +88,8 @@ static enum eco_code add_column(struct gltf_rows *g, const char *name, struct ec
 
 static const json_t *instance_attributes(const struct gltf_rows *g, uint32_t node)
 {
-	return json_object_get(eco_gltf_extension(eco_gltf_item(g->doc, "nodes", node), "EXT_mesh_gpu_instancing"), "attributes");
+	return json_object_get(eco_gltf_extension(eco_gltf_item(g->doc, "nodes", node),
+		"EXT_mesh_gpu_instancing"), "attributes");
 }
 
 static bool is_scalar_attribute(const struct gltf_rows *g, const char *name, const json_t *accessor)
@@ -108,7 +111,8 @@ static enum eco_code add_further_columns(struct gltf_rows *g, uint32_t node, str
 		if (code == ECO_OK && is_scalar_attribute(g, name, value))
 			code = add_column(g, name, error);
 	json_object_foreach((json_t *)extras, name, value)
-		if (code == ECO_OK && (json_is_string(value) || json_is_number(value) || json_is_boolean(value)))
+		if (code == ECO_OK
+				&& (json_is_string(value) || json_is_number(value) || json_is_boolean(value)))
 			code = add_column(g, name, error);
 	return code;
 }
@@ -162,16 +166,20 @@ static void set_json(struct gltf_rows *g, uint32_t column, const json_t *value)
 /* Extends the box by the bounds stated in the file, without reading vertices. */
 static void add_to_box(const struct eco_gltf *doc, const json_t *primitive, struct box *box)
 {
-	const json_t *accessor = eco_gltf_item(doc, "accessors", eco_gltf_whole(json_object_get(primitive, "attributes"), "POSITION", UINT64_MAX));
+	const json_t *accessor =
+		eco_gltf_item(doc, "accessors",
+		eco_gltf_whole(json_object_get(primitive, "attributes"), "POSITION", UINT64_MAX));
 	static const double most[] = { 127, 255, 32767, 65535 };
 	uint64_t type = eco_gltf_whole(accessor, "componentType", 0);
 	double low[3], high[3];
-	if (json_array_size(json_object_get(accessor, "min")) != 3 || json_array_size(json_object_get(accessor, "max")) != 3
+	if (json_array_size(json_object_get(accessor, "min")) != 3
+			|| json_array_size(json_object_get(accessor, "max")) != 3
 		|| !eco_gltf_numbers(accessor, "min", low, 3) || !eco_gltf_numbers(accessor, "max", high, 3))
 		return;
 	box->quantized |= type >= 5120 && type <= 5123;
 	for (int k = 0; k < 3; k++) {
-		double unit = type >= 5120 && type <= 5123 && json_is_true(json_object_get(accessor, "normalized")) ? 1 / most[type - 5120] : 1;
+		double unit = type >= 5120 && type <= 5123
+			&& json_is_true(json_object_get(accessor, "normalized")) ? 1 / most[type - 5120] : 1;
 		box->low[k] = box->known ? fmin(box->low[k], low[k] * unit) : low[k] * unit;
 		box->high[k] = box->known ? fmax(box->high[k], high[k] * unit) : high[k] * unit;
 	}
@@ -180,7 +188,8 @@ static void add_to_box(const struct eco_gltf *doc, const json_t *primitive, stru
 
 static void find_box(struct gltf_rows *g, const json_t *node)
 {
-	const json_t *mesh = eco_gltf_item(g->doc, "meshes", eco_gltf_whole(node, "mesh", UINT64_MAX)), *primitives = json_object_get(mesh, "primitives");
+	const json_t *mesh = eco_gltf_item(g->doc, "meshes", eco_gltf_whole(node, "mesh", UINT64_MAX)),
+		*primitives = json_object_get(mesh, "primitives");
 	g->box = (struct box){ .known = false };
 	for (size_t i = 0; i < json_array_size(primitives); i++)
 		add_to_box(g->doc, json_array_get(primitives, i), &g->box);
@@ -191,17 +200,21 @@ static enum eco_code open_holder(struct gltf_rows *g, struct eco_error *error)
 {
 	uint32_t node = g->holders[g->at].node;
 	const json_t *json = eco_gltf_item(g->doc, "nodes", node), *attributes = instance_attributes(g, node);
-	const char *mesh = eco_gltf_text(eco_gltf_item(g->doc, "meshes", eco_gltf_whole(json, "mesh", UINT64_MAX)), "name");
+	const char *mesh =
+		eco_gltf_text(eco_gltf_item(g->doc, "meshes", eco_gltf_whole(json, "mesh", UINT64_MAX)),
+		"name");
 	const char *name = eco_gltf_text(json, "name");
 	bool there;
-	enum eco_code code = g->instanced ? eco_gltf_instances_open(g->doc, node, &there, &g->instances, error) : ECO_OK;
+	enum eco_code code = g->instanced ? eco_gltf_instances_open(g->doc, node, &there, &g->instances,
+		error) : ECO_OK;
 	if (code)
 		return code;
 	g->open = true;
 	g->instance = 0;
 	find_box(g, json);
 	if (g->box.quantized)
-		eco_rows_note(&g->rows, "meshes are quantized: each plant stands on the middle of its mesh's lower side, and \"scale\" has no value; "
+		eco_rows_note(&g->rows, "meshes are quantized: each plant stands on the middle of its "
+			"mesh's lower side, and \"scale\" has no value; "
 			"\"height_m\": {\"column\": \"height_m\"} takes their heights");
 	set_text(g, NAME, *name != 0 ? name : mesh);
 	set_text(g, MESH, mesh);
@@ -209,7 +222,8 @@ static enum eco_code open_holder(struct gltf_rows *g, struct eco_error *error)
 		const json_t *accessor = json_object_get(attributes, g->rows.columns[i]);
 		set_json(g, i, json_object_get(json_object_get(json, "extras"), g->rows.columns[i]));
 		if (accessor && is_scalar_attribute(g, g->rows.columns[i], accessor))
-			code = eco_gltf_accessor_open(g->doc, eco_gltf_index(attributes, g->rows.columns[i]), 1, &g->further[i - FIXED], error);
+			code = eco_gltf_accessor_open(g->doc, eco_gltf_index(attributes, g->rows.columns[i]),
+				1, &g->further[i - FIXED], error);
 	}
 	return code;
 }
@@ -228,8 +242,10 @@ static void extent(const struct box *box, const double m[16], double *low, doubl
 /* The turn about the vertical nearest to the matrix, and the cube root of its volume ratio. */
 static void set_place(struct gltf_rows *g, const double m[16])
 {
-	double yaw = round(atan2(m[8] - m[2], m[0] + m[10]) * DEGREES * 1e4) / 1e4, at[3] = { m[12], m[13], m[14] };
-	double volume = m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) + m[8] * (m[1] * m[6] - m[2] * m[5]);
+	double yaw = round(atan2(m[8] - m[2], m[0] + m[10]) * DEGREES * 1e4) / 1e4,
+		at[3] = { m[12], m[13], m[14] };
+	double volume = m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9])
+		+ m[8] * (m[1] * m[6] - m[2] * m[5]);
 	double low, high;
 	g->text[SCALE][0] = g->text[HEIGHT][0] = 0;
 	if (g->box.known) {
@@ -237,14 +253,16 @@ static void set_place(struct gltf_rows *g, const double m[16])
 		snprintf(g->text[HEIGHT], TEXT_BYTES, "%.9g", high - low);
 	}
 	if (g->box.quantized)
-		eco_gltf_apply(m, (const double[]){ (g->box.low[0] + g->box.high[0]) / 2, g->box.low[1], (g->box.low[2] + g->box.high[2]) / 2 }, at);
+		eco_gltf_apply(m, (const double[]){ (g->box.low[0] + g->box.high[0]) / 2, g->box.low[1],
+			(g->box.low[2] + g->box.high[2]) / 2 }, at);
 	else
 		snprintf(g->text[SCALE], TEXT_BYTES, "%.9g", cbrt(fabs(volume)));
 	snprintf(g->text[X], TEXT_BYTES, "%.15g", at[0]);
 	snprintf(g->text[Y], TEXT_BYTES, "%.15g", 0 - at[2]);
 	snprintf(g->text[Z], TEXT_BYTES, "%.15g", at[1]);
 	snprintf(g->text[YAW], TEXT_BYTES, "%.4f", yaw < 0 ? yaw + 360 : yaw + 0.0);
-	g->rows.place = (struct eco_rows_place){ .kind = ECO_PLACE_POINT, .at = { at[0], 0 - at[2], at[1] }, .yaw_deg = yaw,
+	g->rows.place = (struct eco_rows_place){ .kind = ECO_PLACE_POINT, .at = { at[0], 0 - at[2], at[1] },
+		.yaw_deg = yaw,
 		.scale = g->box.quantized ? NAN : cbrt(fabs(volume)) };
 }
 
@@ -316,7 +334,8 @@ static enum eco_code find_holders(struct gltf_rows *g, struct eco_error *error)
 	if (code == ECO_NO_MEMORY)
 		return eco_fail(error, code, "%.300s: out of memory", eco_gltf_path(g->doc));
 	if (code == ECO_OK && g->holder_count == 0)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: no node of its scene has a mesh or instances", eco_gltf_path(g->doc));
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: no node of its scene has a mesh or instances",
+			eco_gltf_path(g->doc));
 	return code;
 }
 
@@ -324,7 +343,8 @@ enum eco_code eco_rows_open_gltf(struct eco_rows **rows, const char *path, struc
 {
 	struct gltf_rows *g = calloc(1, sizeof *g);
 	enum eco_code code;
-	_Static_assert(offsetof(struct gltf_rows, rows) == 0, "struct eco_rows is the start of struct gltf_rows");
+	_Static_assert(offsetof(struct gltf_rows, rows) == 0, "struct eco_rows is the start of struct "
+		"gltf_rows");
 	*rows = NULL;
 	if (!g)
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", path);

@@ -6,7 +6,8 @@
 
 #include "ecofiles/import/places/rows_formats.h"
 
-void eco_rows_add_note(char *notes[ECO_ROWS_NOTES_MAX], uint32_t *count, const char *format, va_list arguments)
+void eco_rows_add_note(char *notes[ECO_ROWS_NOTES_MAX], uint32_t *count, const char *format,
+	va_list arguments)
 {
 	char text[400];
 	vsnprintf(text, sizeof text, format, arguments);

@@ -18,7 +18,8 @@
 #define SIDE_EXPONENT_MIN -10        /* side of the set's square: a millimetre to a thousand kilometres */
 #define SIDE_EXPONENT_MAX 20
 #define TRIES 3                      /* sets, each four times as dense, tried if places are short */
-#define SPREAD 0.5                   /* of the mean spacing: least distance of a later set's places to others */
+/* of the mean spacing: least distance of a later set's places to others */
+#define SPREAD 0.5
 #define NEAREST_M 0.001
 
 struct lattice {                     /* the set, by cells of its square */
@@ -48,13 +49,14 @@ struct eco_scatter {
 
 static enum eco_code no_memory(struct eco_scatter *s)
 {
-	return eco_fail(s->error, ECO_NO_MEMORY, "%.200s: no memory for %llu plants", s->spec->path, (unsigned long long)s->count);
+	return eco_fail(s->error, ECO_NO_MEMORY, "%.200s: no memory for %llu plants", s->spec->path,
+		(unsigned long long)s->count);
 }
 
 static enum eco_code too_many(struct eco_scatter *s)
 {
-	return eco_fail(s->error, ECO_TOO_LARGE, "%.200s: more than %u plants; take lower densities, split it, or nest eco files", s->spec->path,
-		ECO_SCATTER_PLANTS_MAX);
+	return eco_fail(s->error, ECO_TOO_LARGE, "%.200s: more than %u plants; take lower densities, split "
+		"it, or nest eco files", s->spec->path, ECO_SCATTER_PLANTS_MAX);
 }
 
 /* ---- The set, repeated over the plane ---- */
@@ -68,7 +70,8 @@ static struct lattice *make_lattice(void)
 	}
 	for (int pass = 0; pass < 2; pass++) {
 		for (uint32_t i = ECO_BLUE_NOISE_POINTS; i-- > 0;) {
-			uint32_t cell = l->point[i][1] / (65536 / LATTICE_CELLS) * LATTICE_CELLS + l->point[i][0] / (65536 / LATTICE_CELLS);
+			uint32_t cell = l->point[i][1] / (65536 / LATTICE_CELLS) * LATTICE_CELLS
+				+ l->point[i][0] / (65536 / LATTICE_CELLS);
 			if (pass == 0)
 				l->cell_first[cell]++;
 			else
@@ -86,7 +89,8 @@ static double side_for(double density_m2)
 {
 	int exponent;
 	frexp(sqrt(ECO_BLUE_NOISE_POINTS / (SPARE * density_m2)), &exponent);
-	exponent = exponent < SIDE_EXPONENT_MIN + 1 ? SIDE_EXPONENT_MIN + 1 : exponent > SIDE_EXPONENT_MAX + 1 ? SIDE_EXPONENT_MAX + 1 : exponent;
+	exponent = exponent < SIDE_EXPONENT_MIN + 1 ? SIDE_EXPONENT_MIN + 1 : exponent > SIDE_EXPONENT_MAX + 1
+		? SIDE_EXPONENT_MAX + 1 : exponent;
 	return ldexp(0.5, exponent);
 }
 
@@ -100,13 +104,15 @@ struct sweep {
 	double full;                 /* density of the whole set, plants a m2 */
 };
 
-static void add_candidate(struct candidates *c, uint32_t rank, int64_t column, int64_t row, double x, double y)
+static void add_candidate(struct candidates *c, uint32_t rank, int64_t column, int64_t row, double x,
+	double y)
 {
 	if (!eco_room(&c->items, &c->capacity, c->count, sizeof *c->items)) {
 		c->failed = true;
 		return;
 	}
-	c->items[c->count++] = (struct candidate){ rank, (uint32_t)eco_mix((uint64_t)column, (uint64_t)row), { x, y } };
+	c->items[c->count++] = (struct candidate){ rank, (uint32_t)eco_mix((uint64_t)column, (uint64_t)row),
+		{ x, y } };
 }
 
 static void sweep_cell(const struct sweep *w, int64_t column, int64_t row, uint32_t cell)
@@ -114,8 +120,10 @@ static void sweep_cell(const struct sweep *w, int64_t column, int64_t row, uint3
 	const struct lattice *l = w->scatter->lattice;
 	for (uint32_t i = l->cell_first[cell]; i < l->cell_first[cell + 1]; i++) {
 		uint32_t rank = l->member[i];
-		double x = w->side * ((double)column + l->point[rank][0] / 65536.0), y = w->side * ((double)row + l->point[rank][1] / 65536.0);
-		if (rank < w->rank_end && x >= w->low[0] && x <= w->high[0] && y >= w->low[1] && y <= w->high[1] && w->wants(w, rank, x, y))
+		double x = w->side * ((double)column + l->point[rank][0] / 65536.0),
+			y = w->side * ((double)row + l->point[rank][1] / 65536.0);
+		if (rank < w->rank_end && x >= w->low[0] && x <= w->high[0] && y >= w->low[1]
+				&& y <= w->high[1] && w->wants(w, rank, x, y))
 			add_candidate(&w->scatter->candidates, rank, column, row, x, y);
 	}
 }
@@ -135,11 +143,16 @@ static bool sweep_box(const struct sweep *w)
 	for (int64_t y = (int64_t)floor(w->low[1] / cell); y <= (int64_t)floor(w->high[1] / cell); y++) {
 		double span[2] = { w->low[0], w->high[0] };
 		int64_t row = square_of(y);
-		if (w->area != ECO_NONE && !eco_area_span(&w->scatter->input.areas, w->area, (double)(y - 1) * cell, (double)(y + 2) * cell, span))
+		if (w->area != ECO_NONE
+				&& !eco_area_span(&w->scatter->input.areas, w->area, (double)(y - 1) * cell,
+				(double)(y + 2) * cell, span))
 			continue;
-		for (int64_t x = (int64_t)floor(span[0] / cell) - 1; x <= (int64_t)floor(span[1] / cell) + 1; x++) {
+		for (int64_t x = (int64_t)floor(span[0] / cell) - 1; x <= (int64_t)floor(span[1] / cell) + 1;
+				x++) {
 			int64_t column = square_of(x);
-			sweep_cell(w, column, row, (uint32_t)((y - row * LATTICE_CELLS) * LATTICE_CELLS + (x - column * LATTICE_CELLS)));
+			sweep_cell(w, column, row,
+				(uint32_t)((y - row * LATTICE_CELLS) * LATTICE_CELLS
+				+ (x - column * LATTICE_CELLS)));
 		}
 	}
 	return !w->scatter->candidates.failed;
@@ -152,7 +165,8 @@ static int candidate_order(const void *a, const void *b)
 		return p->rank < q->rank ? -1 : 1;
 	if (p->tie != q->tie)
 		return p->tie < q->tie ? -1 : 1;
-	return p->at[1] != q->at[1] ? (p->at[1] < q->at[1] ? -1 : 1) : (p->at[0] > q->at[0]) - (p->at[0] < q->at[0]);
+	return p->at[1] != q->at[1] ? (p->at[1] < q->at[1] ? -1 : 1) : (p->at[0] > q->at[0])
+		- (p->at[0] < q->at[0]);
 }
 
 /* ---- Distances ---- */
@@ -164,7 +178,8 @@ static uint32_t *grid_head(const struct near_grid *g, int64_t x, int64_t y)
 
 static void grid_put(struct near_grid *g, const struct eco_scatter_place *places, uint32_t place)
 {
-	uint32_t *head = grid_head(g, (int64_t)floor(places[place].at[0] / g->cell_m), (int64_t)floor(places[place].at[1] / g->cell_m));
+	uint32_t *head = grid_head(g, (int64_t)floor(places[place].at[0] / g->cell_m),
+		(int64_t)floor(places[place].at[1] / g->cell_m));
 	g->next[place] = *head;
 	*head = place;
 }
@@ -172,7 +187,8 @@ static void grid_put(struct near_grid *g, const struct eco_scatter_place *places
 static bool grid_grow(struct eco_scatter *s)
 {
 	struct near_grid *g = &s->grid;
-	uint32_t *head = malloc(2 * s->capacity * sizeof *head), *next = realloc(g->next, s->capacity * sizeof *next);
+	uint32_t *head = malloc(2 * s->capacity * sizeof *head),
+		*next = realloc(g->next, s->capacity * sizeof *next);
 	if (next)
 		g->next = next;
 	if (!head || !next) {
@@ -208,7 +224,8 @@ static bool is_near(const struct eco_scatter *s, const double at[2], double dist
 static enum eco_code add_place(struct eco_scatter *s, const double at[2], uint32_t plant)
 {
 	const struct eco_scatter_spec *spec = s->spec;
-	uint64_t key = eco_mix((uint64_t)(int64_t)floor(at[0] * 1000 + 0.5), (uint64_t)(int64_t)floor(at[1] * 1000 + 0.5));
+	uint64_t key = eco_mix((uint64_t)(int64_t)floor(at[0] * 1000 + 0.5),
+		(uint64_t)(int64_t)floor(at[1] * 1000 + 0.5));
 	uint64_t bits = eco_mix(spec->seed, key);
 	double share = (double)(bits >> 40) / (1 << 24);
 	if (s->count == s->capacity) {
@@ -225,7 +242,8 @@ static enum eco_code add_place(struct eco_scatter *s, const double at[2], uint32
 			return no_memory(s);
 	}
 	s->places[s->count] = (struct eco_scatter_place){
-		.plant = spec->plants[plant].plant + eco_mix_variant(spec->seed, key, spec->plants[plant].variant_count), .at = { at[0], at[1] },
+		.plant = spec->plants[plant].plant + eco_mix_variant(spec->seed, key,
+			spec->plants[plant].variant_count), .at = { at[0], at[1] },
 		.yaw_deg = (uint16_t)bits * (360.0 / 65536),
 		.height_m = spec->height_low_m + (spec->height_high_m - spec->height_low_m) * share };
 	grid_put(&s->grid, s->places, (uint32_t)s->count++);
@@ -242,11 +260,13 @@ static bool area_wants(const struct sweep *w, uint32_t rank, double x, double y)
 
 static bool is_clear(const struct eco_scatter *s, const double at[2])
 {
-	return !eco_areas_near(&s->input.clear, at[0], at[1]) && !eco_areas_hold(&s->input.clear, at[0], at[1]);
+	return !eco_areas_near(&s->input.clear, at[0], at[1])
+		&& !eco_areas_hold(&s->input.clear, at[0], at[1]);
 }
 
 /* The plant of the next place: the one furthest behind its share. */
-static uint32_t next_plant(const struct eco_scatter_spec *spec, double total, const uint64_t *given, uint64_t placed)
+static uint32_t next_plant(const struct eco_scatter_spec *spec, double total, const uint64_t *given,
+	uint64_t placed)
 {
 	uint32_t best = 0;
 	double most = -INFINITY;
@@ -287,7 +307,8 @@ static enum eco_code clear_share(struct eco_scatter *s, struct filling *f)
 {
 	const struct eco_area *area = &s->input.areas.items[f->area];
 	const struct candidates *c = &s->candidates;
-	struct sweep w = { .scatter = s, .side = side_for((double)f->wanted / area->size_m2), .wants = area_wants, .area = f->area,
+	struct sweep w = { .scatter = s, .side = side_for((double)f->wanted / area->size_m2),
+		.wants = area_wants, .area = f->area,
 		.rank_end = ECO_BLUE_NOISE_POINTS };
 	size_t clear = 0;
 
@@ -308,19 +329,25 @@ static enum eco_code clear_share(struct eco_scatter *s, struct filling *f)
 static enum eco_code fill_area(struct eco_scatter *s, struct filling *f)
 {
 	const struct eco_area *area = &s->input.areas.items[f->area];
-	double density = (double)f->wanted / area->size_m2, side = side_for(density), spacing = 1 / sqrt(density);
+	double density = (double)f->wanted / area->size_m2, side = side_for(density),
+		spacing = 1 / sqrt(density);
 	enum eco_code code = ECO_OK;
-	for (int attempt = 0; attempt < TRIES && f->placed < f->wanted && code == ECO_OK; attempt++, side /= 2) {
+	for (int attempt = 0; attempt < TRIES && f->placed < f->wanted && code == ECO_OK;
+			attempt++, side /= 2) {
 		double full = ECO_BLUE_NOISE_POINTS / (side * side), expected = full * area->size_m2;
-		struct sweep w = { .scatter = s, .side = side, .wants = area_wants, .area = f->area, .full = full };
+		struct sweep w = { .scatter = s, .side = side, .wants = area_wants, .area = f->area,
+			.full = full };
 		memcpy(w.low, area->low, sizeof w.low);
 		memcpy(w.high, area->high, sizeof w.high);
 		/* most areas find enough in few more ranks than they need; else all ranks are tried */
-		f->distance = fmax(attempt > 0 ? fmax(SPREAD * spacing, NEAREST_M) : NEAREST_M, s->spec->distance_m);
+		f->distance = fmax(attempt > 0 ? fmax(SPREAD * spacing, NEAREST_M) : NEAREST_M,
+			s->spec->distance_m);
 		f->distance = fmin(f->distance, s->grid.cell_m);
 		for (int all = 0; all < 2 && !code && f->placed < f->wanted; all++) {
-			double need = 1.1 * (double)(f->wanted - f->placed) / expected * ECO_BLUE_NOISE_POINTS + 64;
-			w.rank_end = all || attempt > 0 || need >= ECO_BLUE_NOISE_POINTS ? ECO_BLUE_NOISE_POINTS : (uint32_t)need;
+			double need = 1.1 * (double)(f->wanted - f->placed) / expected * ECO_BLUE_NOISE_POINTS
+				+ 64;
+			w.rank_end = all || attempt > 0 || need >= ECO_BLUE_NOISE_POINTS
+				? ECO_BLUE_NOISE_POINTS : (uint32_t)need;
 			code = sweep_box(&w) ? take_candidates(s, f) : no_memory(s);
 			all += w.rank_end == ECO_BLUE_NOISE_POINTS;
 		}
@@ -330,12 +357,14 @@ static enum eco_code fill_area(struct eco_scatter *s, struct filling *f)
 
 static int area_order(const void *a, const void *b, void *ctx)
 {
-	const struct eco_area *items = ctx, *p = &items[*(const uint32_t *)a], *q = &items[*(const uint32_t *)b];
+	const struct eco_area *items = ctx, *p = &items[*(const uint32_t *)a],
+		*q = &items[*(const uint32_t *)b];
 	if (p->size_m2 != q->size_m2)
 		return p->size_m2 > q->size_m2 ? -1 : 1;
 	if (p->low[1] != q->low[1])
 		return p->low[1] < q->low[1] ? -1 : 1;
-	return p->low[0] != q->low[0] ? (p->low[0] < q->low[0] ? -1 : 1) : (p->edge_first > q->edge_first) - (p->edge_first < q->edge_first);
+	return p->low[0] != q->low[0] ? (p->low[0] < q->low[0] ? -1 : 1) : (p->edge_first > q->edge_first)
+		- (p->edge_first < q->edge_first);
 }
 
 static double total_weight(const struct eco_scatter_spec *spec)
@@ -351,7 +380,8 @@ static uint64_t wanted_in(const struct eco_scatter *s, uint32_t index)
 {
 	const struct eco_area *area = &s->input.areas.items[index];
 	double hectares = area->size_m2 / HECTARE_M2, number = total_weight(s->spec) * hectares;
-	uint64_t key = eco_mix((uint64_t)(int64_t)floor(area->low[0] * 1000 + 0.5), (uint64_t)(int64_t)floor(area->low[1] * 1000 + 0.5));
+	uint64_t key = eco_mix((uint64_t)(int64_t)floor(area->low[0] * 1000 + 0.5),
+		(uint64_t)(int64_t)floor(area->low[1] * 1000 + 0.5));
 	if (s->spec->count_column)
 		number = s->input.number[index];
 	else if (s->spec->density_column)
@@ -371,7 +401,8 @@ static enum eco_code place_in_areas(struct eco_scatter *s)
 	if (!code)
 		qsort_r(order, areas->count, sizeof *order, area_order, areas->items);
 	for (uint32_t i = 0; i < areas->count && code == ECO_OK; i++) {
-		struct filling f = { .area = order[i], .wanted = wanted_in(s, order[i]), .given = given, .total = total_weight(s->spec) };
+		struct filling f = { .area = order[i], .wanted = wanted_in(s, order[i]), .given = given,
+			.total = total_weight(s->spec) };
 		s->hectares += areas->items[order[i]].size_m2 / HECTARE_M2;
 		if (f.wanted > 0 && areas->items[order[i]].size_m2 > 0)
 			code = clear_share(s, &f);
@@ -396,7 +427,8 @@ static enum eco_code place_in_areas(struct eco_scatter *s)
 
 static double share_at(const struct eco_mask *mask, double x, double y)
 {
-	double column = floor((x - mask->west_m) / mask->step_x_m), row = floor((mask->north_m - y) / mask->step_y_m);
+	double column = floor((x - mask->west_m) / mask->step_x_m),
+		row = floor((mask->north_m - y) / mask->step_y_m);
 	return column >= 0 && column < mask->columns && row >= 0 && row < mask->rows
 		? (double)mask->share[(size_t)row * mask->columns + (size_t)column] : 0;
 }
@@ -411,11 +443,13 @@ static bool mask_wants(const struct sweep *w, uint32_t rank, double x, double y)
 static enum eco_code place_by_mask(struct eco_scatter *s)
 {
 	const struct eco_mask *mask = &s->input.mask;
-	struct sweep w = { .scatter = s, .rank_end = ECO_BLUE_NOISE_POINTS, .wants = mask_wants, .area = ECO_NONE,
+	struct sweep w = { .scatter = s, .rank_end = ECO_BLUE_NOISE_POINTS, .wants = mask_wants,
+		.area = ECO_NONE,
 		.low = { mask->west_m, mask->north_m - mask->rows * mask->step_y_m },
 		.high = { mask->west_m + mask->columns * mask->step_x_m, mask->north_m } };
 	uint64_t *given = calloc(s->spec->plant_count + 1u, sizeof *given);
-	struct filling f = { .given = given, .total = total_weight(s->spec), .wanted = UINT64_MAX, .distance = fmax(NEAREST_M, s->spec->distance_m) };
+	struct filling f = { .given = given, .total = total_weight(s->spec), .wanted = UINT64_MAX,
+		.distance = fmax(NEAREST_M, s->spec->distance_m) };
 	double most = 0, sum = 0;
 	enum eco_code code;
 
@@ -442,8 +476,9 @@ static enum eco_code place_by_mask(struct eco_scatter *s)
 
 /* ---- The whole ---- */
 
-enum eco_code eco_scatter_open(struct eco_scatter **scatter, const struct eco_scatter_spec *spec, const struct eco_frame *frame,
-	bool (*progress)(void *ctx, double share), void *ctx, struct eco_error *error)
+enum eco_code eco_scatter_open(struct eco_scatter **scatter, const struct eco_scatter_spec *spec,
+	const struct eco_frame *frame, bool (*progress)(void *ctx, double share), void *ctx,
+	struct eco_error *error)
 {
 	struct eco_error own = { .code = ECO_OK };
 	struct eco_scatter *s = calloc(1, sizeof *s);
@@ -452,7 +487,8 @@ enum eco_code eco_scatter_open(struct eco_scatter **scatter, const struct eco_sc
 	if (!s)
 		return eco_fail(error, ECO_NO_MEMORY, "%.200s: no memory", spec->path);
 	assert(spec->plant_count > 0);
-	*s = (struct eco_scatter){ .spec = spec, .lattice = make_lattice(), .progress = progress, .ctx = ctx, .error = error != NULL ? error : &own };
+	*s = (struct eco_scatter){ .spec = spec, .lattice = make_lattice(), .progress = progress, .ctx = ctx,
+		.error = error != NULL ? error : &own };
 	s->grid.cell_m = fmax(spec->distance_m, 1);
 	code = s->lattice != NULL ? eco_scatter_read(&s->input, spec, frame, s->error) : no_memory(s);
 	if (!code)
@@ -467,7 +503,8 @@ enum eco_code eco_scatter_open(struct eco_scatter **scatter, const struct eco_sc
 	return code;
 }
 
-enum eco_code eco_scatter_check(const struct eco_scatter_spec *spec, const struct eco_frame *frame, struct eco_error *error)
+enum eco_code eco_scatter_check(const struct eco_scatter_spec *spec, const struct eco_frame *frame,
+	struct eco_error *error)
 {
 	struct eco_scatter_input input = { .number = NULL };
 	enum eco_code code = eco_scatter_read(&input, spec, frame, error);
@@ -485,30 +522,36 @@ bool eco_scatter_next(struct eco_scatter *scatter, struct eco_scatter_place *pla
 
 void eco_scatter_report(const struct eco_scatter *s, void (*say)(void *ctx, const char *text), void *ctx)
 {
-	static const char *const why[ECO_AREA_WHY_COUNT] = { [ECO_AREA_NOT_A_SURFACE] = "not a polygon", [ECO_AREA_NO_GEOMETRY] = "no geometry",
-		[ECO_AREA_NO_CONVERSION] = "cannot be converted to the scene's CRS", [ECO_AREA_TOO_FAR] = "more than 10,000 km from the origin",
+	static const char *const why[ECO_AREA_WHY_COUNT] = { [ECO_AREA_NOT_A_SURFACE] = "not a polygon",
+		[ECO_AREA_NO_GEOMETRY] = "no geometry",
+		[ECO_AREA_NO_CONVERSION] = "cannot be converted to the scene's CRS",
+		[ECO_AREA_TOO_FAR] = "more than 10,000 km from the origin",
 		[ECO_AREA_NO_NUMBER] = "no usable number in its column",
 		[ECO_AREA_FILTERED] = "left out by only or skip" };
 	char line[512];
 	for (uint32_t i = 0; i < s->input.note_count; i++)
 		say(ctx, s->input.notes[i]);
 	if (s->input.mask.share)
-		snprintf(line, sizeof line, "a mask of %u x %u: %llu plants of %llu expected", s->input.mask.columns, s->input.mask.rows,
-			(unsigned long long)s->count, (unsigned long long)s->wanted);
+		snprintf(line, sizeof line, "a mask of %u x %u: %llu plants of %llu expected",
+			s->input.mask.columns, s->input.mask.rows, (unsigned long long)s->count,
+			(unsigned long long)s->wanted);
 	else
-		snprintf(line, sizeof line, "%u area%s of %.4g ha: %llu plants of %llu wanted", s->input.areas.count, s->input.areas.count == 1 ? "" : "s",
-			s->hectares, (unsigned long long)s->count, (unsigned long long)s->wanted);
+		snprintf(line, sizeof line, "%u area%s of %.4g ha: %llu plants of %llu wanted",
+			s->input.areas.count, s->input.areas.count == 1 ? "" : "s", s->hectares,
+			(unsigned long long)s->count, (unsigned long long)s->wanted);
 	say(ctx, line);
 	for (int i = 0; i < ECO_AREA_WHY_COUNT; i++)
 		if (s->input.skipped[i] > 0) {
-			snprintf(line, sizeof line, "  %llu feature%s left out: %s (first: feature %llu)", (unsigned long long)s->input.skipped[i],
-				s->input.skipped[i] == 1 ? "" : "s", why[i], (unsigned long long)s->input.first_line[i]);
+			snprintf(line, sizeof line, "  %llu feature%s left out: %s (first: feature %llu)",
+				(unsigned long long)s->input.skipped[i], s->input.skipped[i] == 1 ? "" : "s",
+				why[i], (unsigned long long)s->input.first_line[i]);
 			say(ctx, line);
 		}
 	if (s->short_areas > 0) {
-		snprintf(line, sizeof line, "  %llu area%s no room for as many plants as wanted, at %g m from each other%s",
-			(unsigned long long)s->short_areas, s->short_areas == 1 ? " has" : "s have", s->spec->distance_m,
-			s->spec->clear_of != NULL ? " and away from \"clear_of\"" : "");
+		snprintf(line, sizeof line, "  %llu area%s no room for as many plants as wanted, at %g m "
+			"from each other%s", (unsigned long long)s->short_areas, s->short_areas == 1 ? " has"
+			: "s have", s->spec->distance_m, s->spec->clear_of != NULL
+			? " and away from \"clear_of\"" : "");
 		say(ctx, line);
 	}
 }

@@ -21,19 +21,22 @@
 
 #define ECO_SCATTER_PLANTS_MAX 100000000u
 
-struct eco_scatter_plant { uint32_t plant, variant_count; double weight; };      /* plants a hectare, or shares of a column's number */
+/* plants a hectare, or shares of a column's number */
+struct eco_scatter_plant { uint32_t plant, variant_count; double weight; };
 
 struct eco_scatter_spec {        /* texts are owned by the spec's maker; NULL: not given */
 	char *path, *layer, *crs;
 	struct eco_scatter_plant *plants; uint32_t plant_count;
 	char *density_column;        /* plants a hectare, all kinds; weights are then shares */
 	char *count_column;          /* plants in the area */
-	double full;                 /* a mask's value for the whole density; 0: 1, or 255 if values exceed 1 */
+	/* a mask's value for the whole density; 0: 1, or 255 if values exceed 1 */
+	double full;
 	double distance_m;           /* between any two plants of this entry; 0: none */
 	char *clear_of, *clear_layer, *clear_crs;        /* features kept clear, and clear_m around */
 	double clear_m;
 	struct eco_filter *filters;  uint32_t filter_count;
-	double height_low_m, height_high_m;              /* NaN: the plant's own; else evenly between the two */
+	/* NaN: the plant's own; else evenly between the two */
+	double height_low_m, height_high_m;
 	uint64_t seed;
 	uint32_t line, column;       /* in the scene file, for messages */
 };
@@ -48,13 +51,16 @@ struct eco_scatter;
 
 /* `spec` and `frame` must outlive it. Files are read in a child process (guard.h). Errors name the file
  * and what to add. `progress` may be NULL; returning false stops with ECO_INTERRUPTED. */
-enum eco_code eco_scatter_open(struct eco_scatter **scatter, const struct eco_scatter_spec *spec, const struct eco_frame *frame,
-	bool (*progress)(void *ctx, double share), void *ctx, struct eco_error *error);
+enum eco_code eco_scatter_open(struct eco_scatter **scatter, const struct eco_scatter_spec *spec,
+	const struct eco_frame *frame, bool (*progress)(void *ctx, double share), void *ctx,
+	struct eco_error *error);
 /* Reads the areas or the mask and drops them, to report their errors before other work takes time. */
-enum eco_code eco_scatter_check(const struct eco_scatter_spec *spec, const struct eco_frame *frame, struct eco_error *error);
+enum eco_code eco_scatter_check(const struct eco_scatter_spec *spec, const struct eco_frame *frame,
+	struct eco_error *error);
 bool eco_scatter_next(struct eco_scatter *scatter, struct eco_scatter_place *place);
 /* Reports areas, hectares, plants wanted and placed, and features left out by reason: a line per call. */
-void eco_scatter_report(const struct eco_scatter *scatter, void (*say)(void *ctx, const char *text), void *ctx);
+void eco_scatter_report(const struct eco_scatter *scatter, void (*say)(void *ctx, const char *text),
+	void *ctx);
 /* The areas (none: a mask) and the features kept clear of, for pictures. */
 struct eco_areas;
 const struct eco_areas *eco_scatter_areas(const struct eco_scatter *scatter);

@@ -6,14 +6,16 @@
 #include "ecofiles/import/places/rows.h"
 #include "ecofiles/import/places/scatter.h"
 
-struct eco_mask {                /* shares of the densities, 0 to 1, pixel by pixel; x east, rows from the north */
+/* shares of the densities, 0 to 1, pixel by pixel; x east, rows from the north */
+struct eco_mask {
 	uint32_t columns, rows;
-	double west_m, north_m, step_x_m, step_y_m;      /* of the outer corner, metres from the origin; steps > 0 */
+	/* of the outer corner, metres from the origin; steps > 0 */
+	double west_m, north_m, step_x_m, step_y_m;
 	float *share;
 };
 
-enum eco_scatter_why { ECO_AREA_NOT_A_SURFACE, ECO_AREA_NO_GEOMETRY, ECO_AREA_NO_CONVERSION, ECO_AREA_TOO_FAR, ECO_AREA_NO_NUMBER,
-	ECO_AREA_FILTERED, ECO_AREA_WHY_COUNT };
+enum eco_scatter_why { ECO_AREA_NOT_A_SURFACE, ECO_AREA_NO_GEOMETRY, ECO_AREA_NO_CONVERSION, ECO_AREA_TOO_FAR,
+	ECO_AREA_NO_NUMBER, ECO_AREA_FILTERED, ECO_AREA_WHY_COUNT };
 
 struct eco_scatter_input {       /* the files' content, in metres from the origin */
 	struct eco_areas areas;
@@ -25,8 +27,8 @@ struct eco_scatter_input {       /* the files' content, in metres from the origi
 };
 
 /* Vector or raster, by content (import_areas.c). */
-enum eco_code eco_scatter_read(struct eco_scatter_input *input, const struct eco_scatter_spec *spec, const struct eco_frame *frame,
-	struct eco_error *error);
+enum eco_code eco_scatter_read(struct eco_scatter_input *input, const struct eco_scatter_spec *spec,
+	const struct eco_frame *frame, struct eco_error *error);
 void eco_scatter_input_free(struct eco_scatter_input *input);
 
 #endif

@@ -42,9 +42,11 @@ static void add_sample(struct lod_curve_organ *curve, double share, bool scale_i
 {
 	struct lod_curve_sample *last = curve->sample_count ? &curve->samples[curve->sample_count - 1] : NULL;
 	scale_is_free &= share < 1;
-	if (!(share > 0 && share <= 1) || curve->sample_count == LOD_CURVE_SAMPLES_MAX || (last && !((float)share > (float)last->share)))
+	if (!(share > 0 && share <= 1) || curve->sample_count == LOD_CURVE_SAMPLES_MAX
+			|| (last && !((float)share > (float)last->share)))
 		return;
-	curve->samples[curve->sample_count++] = (struct lod_curve_sample){ .share = share, .free = scale_is_free, .reach = 1 };
+	curve->samples[curve->sample_count++] = (struct lod_curve_sample){ .share = share,
+		.free = scale_is_free, .reach = 1 };
 }
 
 static double grown(double n, double factor)
@@ -78,9 +80,11 @@ static void sample_levels(struct lod_curve_organ *curve)
 	for (uint32_t i = 1; i < curve->member_count; i++)
 		if (lod_ladder_full(scene, lod_curve_member(curve, i)) > lod_ladder_full(scene, largest))
 			largest = lod_curve_member(curve, i);
-	uint64_t first = lod_ladder_stage_end(scene, largest), full = lod_ladder_full(scene, largest), unit = lod_ladder_next(scene, largest, 0);
+	uint64_t first = lod_ladder_stage_end(scene, largest), full = lod_ladder_full(scene, largest),
+		unit = lod_ladder_next(scene, largest, 0);
 	if (first)
-		sample_geometrically(curve, (double)first / (double)unit, lod_ladder_share(scene, largest, unit));
+		sample_geometrically(curve, (double)first / (double)unit,
+			lod_ladder_share(scene, largest, unit));
 	add_sample(curve, lod_ladder_share(scene, largest, first), curve->scaled);
 	for (uint64_t v = first; v < full;) {
 		v = lod_ladder_next(scene, largest, v);
@@ -115,7 +119,8 @@ static void smooth_steps(struct lod_curve_organ *curve)
 		double before = n ? curve->samples[0].step : 0;
 		for (uint32_t i = 0; i + 1 < n; i++) {
 			struct lod_curve_sample *sample = &curve->samples[i];
-			double here = sample->step, smooth = (before + 2 * here + curve->samples[i + 1].step) / 4;
+			double here = sample->step,
+				smooth = (before + 2 * here + curve->samples[i + 1].step) / 4;
 			smooth = smooth < best[i] + sample->play ? smooth : best[i] + sample->play;
 			sample->step = smooth > best[i] - sample->play ? smooth : best[i] - sample->play;
 			before = here;
@@ -135,7 +140,9 @@ static void make_monotone(struct lod_curve_organ *curve)
 		ends[pools++] = i + 1;
 		while (pools > 1 && mean[pools - 2] < mean[pools - 1]) {
 			double both = weight[pools - 2] + weight[pools - 1];
-			mean[pools - 2] = (mean[pools - 2] * weight[pools - 2] + mean[pools - 1] * weight[pools - 1]) / both;
+			mean[pools - 2] =
+				(mean[pools - 2] * weight[pools - 2] + mean[pools - 1] * weight[pools - 1])
+				/ both;
 			weight[pools - 2] = both;
 			ends[pools - 2] = ends[pools - 1];
 			pools--;
@@ -181,12 +188,14 @@ struct progress { const struct lod_plant_options *options; uint32_t done, all; }
 static enum eco_code advance(struct progress *progress, struct eco_error *error)
 {
 	progress->done++;
-	if (progress->options->progress && !progress->options->progress(progress->options->ctx, (double)progress->done / progress->all))
+	if (progress->options->progress && !progress->options->progress(progress->options->ctx,
+			(double)progress->done / progress->all))
 		return eco_fail(error, ECO_INTERRUPTED, "interrupted while measuring curves");
 	return ECO_OK;
 }
 
-static enum eco_code measure_ways(struct lod_curve_organ *curve, struct progress *progress, struct eco_error *error)
+static enum eco_code measure_ways(struct lod_curve_organ *curve, struct progress *progress,
+	struct eco_error *error)
 {
 	double step = 0;
 	uint32_t chosen = 0;
@@ -211,7 +220,8 @@ static enum eco_code measure_ways(struct lod_curve_organ *curve, struct progress
 	return code || !several ? code : lod_curve_settle(curve, chosen, error);
 }
 
-static enum eco_code measure_errors(struct lod_curve_organ *curve, struct progress *progress, struct eco_error *error)
+static enum eco_code measure_errors(struct lod_curve_organ *curve, struct progress *progress,
+	struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < curve->sample_count && !code; i++) {
@@ -231,7 +241,8 @@ static enum eco_code measure_errors(struct lod_curve_organ *curve, struct progre
 }
 
 /* For other views: the same reach, at the best scale there. */
-static enum eco_code measure_scales(struct lod_curve_organ *curve, struct progress *progress, struct eco_error *error)
+static enum eco_code measure_scales(struct lod_curve_organ *curve, struct progress *progress,
+	struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = curve->sample_count; i-- > 0 && !code;) {
@@ -249,7 +260,8 @@ static enum eco_code measure_scales(struct lod_curve_organ *curve, struct progre
 }
 
 /* A curve from all around, which also decides reaches; or, after it, the curve from above. */
-static enum eco_code measure_curve(struct lod_curve_organ *curve, bool above, struct progress *progress, struct eco_error *error)
+static enum eco_code measure_curve(struct lod_curve_organ *curve, bool above, struct progress *progress,
+	struct eco_error *error)
 {
 	bool any;
 	enum eco_code code = keep_reference(curve, &any, error);
@@ -259,7 +271,8 @@ static enum eco_code measure_curve(struct lod_curve_organ *curve, bool above, st
 		code = above ? measure_scales(curve, progress, error) : measure_ways(curve, progress, error);
 	for (uint32_t i = 0; i < curve->sample_count; i++)
 		if (curve->samples[i].free)
-			lod_solved_add(&curve->solved, curve->samples[i].step > LOD_CURVE_STEP_LOW && curve->samples[i].step < LOD_CURVE_STEP_HIGH);
+			lod_solved_add(&curve->solved, curve->samples[i].step > LOD_CURVE_STEP_LOW
+				&& curve->samples[i].step < LOD_CURVE_STEP_HIGH);
 	smooth_steps(curve);
 	if (!code)
 		code = measure_errors(curve, progress, error);
@@ -271,14 +284,16 @@ static enum eco_code measure_curve(struct lod_curve_organ *curve, bool above, st
 
 static uint32_t image_of(const struct lod_plant *plant, const struct eco_ladder *ladder)
 {
-	uint32_t list = ladder->triangles != ECO_NONE ? ladder->triangles : ladder->lines != ECO_NONE ? ladder->lines : ladder->points;
+	uint32_t list = ladder->triangles != ECO_NONE ? ladder->triangles : ladder->lines != ECO_NONE
+		? ladder->lines : ladder->points;
 	return list == ECO_NONE ? ECO_NONE : plant->lists[list].list.image;
 }
 
 static bool same_curve(const struct lod_plant *plant, const struct eco_ladder *a, const struct eco_ladder *b)
 {
 	bool far = a->flags & ECO_LADDER_FAR;
-	return a->organ == b->organ && far == (bool)(b->flags & ECO_LADDER_FAR) && (far || image_of(plant, a) == image_of(plant, b));
+	return a->organ == b->organ && far == (bool)(b->flags & ECO_LADDER_FAR)
+		&& (far || image_of(plant, a) == image_of(plant, b));
 }
 
 static bool is_form(const struct lod_curve_organ *curve, uint32_t list)
@@ -295,7 +310,8 @@ static void add_unit(struct lod_curve_organ *curve, uint32_t list)
 static void sum_up(struct lod_curve_organ *curve)
 {
 	const struct eco_ladder *first = lod_curve_member(curve, 0);
-	curve->forms = first->organ != ECO_ORGAN_WOOD && first->level_count == 0 && lod_curve_primitives(curve, first->triangles);
+	curve->forms = first->organ != ECO_ORGAN_WOOD && first->level_count == 0
+		&& lod_curve_primitives(curve, first->triangles);
 	for (uint32_t i = 0; i < curve->member_count; i++) {
 		const struct eco_ladder *ladder = lod_curve_member(curve, i);
 		curve->full += (double)lod_ladder_full(&curve->probe->scene, ladder);
@@ -312,7 +328,8 @@ static void sum_up(struct lod_curve_organ *curve)
 }
 
 /* Gathers ladders from `first` on that share its curve and have none yet; `done` marks them. */
-static void gather(struct lod_curve_organ *curve, struct lod_probe *probe, uint32_t first, bool *done, uint32_t *members)
+static void gather(struct lod_curve_organ *curve, struct lod_probe *probe, uint32_t first, bool *done,
+	uint32_t *members)
 {
 	const struct lod_plant *plant = probe->plant;
 	*curve = (struct lod_curve_organ){ .probe = probe, .members = members };
@@ -329,9 +346,11 @@ static void gather(struct lod_curve_organ *curve, struct lod_probe *probe, uint3
 		choose_samples(curve);
 }
 
-static enum eco_code append(struct lod_plant *plant, const struct lod_curve_organ *curve, struct eco_error *error)
+static enum eco_code append(struct lod_plant *plant, const struct lod_curve_organ *curve,
+	struct eco_error *error)
 {
-	struct eco_curve *grown = realloc(plant->curves, (plant->curve_count + curve->sample_count + 1) * sizeof *grown);
+	struct eco_curve *grown =
+		realloc(plant->curves, (plant->curve_count + curve->sample_count + 1) * sizeof *grown);
 	if (!grown)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for curves");
 	plant->curves = grown;
@@ -340,12 +359,14 @@ static enum eco_code append(struct lod_plant *plant, const struct lod_curve_orga
 	for (uint32_t i = 0; i < curve->sample_count; i++) {
 		const struct lod_curve_sample *s = &curve->samples[i];
 		plant->curves[plant->curve_count++] = (struct eco_curve){ .share = (float)s->share,
-			.scale = curve->scaled ? (float)lod_curve_scale(s->step) : 1, .reach = (float)s->reach, .fp = (float)s->fp, .fn = (float)s->fn };
+			.scale = curve->scaled ? (float)lod_curve_scale(s->step) : 1,
+			.reach = (float)s->reach, .fp = (float)s->fp, .fn = (float)s->fn };
 	}
 	return ECO_OK;
 }
 
-static enum eco_code measure_both(struct lod_plant *plant, struct lod_curve_organ *curve, struct progress *progress, struct eco_error *error)
+static enum eco_code measure_both(struct lod_plant *plant, struct lod_curve_organ *curve,
+	struct progress *progress, struct eco_error *error)
 {
 	uint32_t first = plant->curve_count, count = 0;
 	enum eco_code code = measure_curve(curve, false, progress, error);
@@ -368,8 +389,8 @@ static enum eco_code measure_both(struct lod_plant *plant, struct lod_curve_orga
 	return code;
 }
 
-static enum eco_code measure_all(struct lod_plant *plant, struct lod_probe *probe, struct progress *progress, bool *done,
-	uint32_t *members, struct eco_error *error)
+static enum eco_code measure_all(struct lod_plant *plant, struct lod_probe *probe, struct progress *progress,
+	bool *done, uint32_t *members, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
 	for (int pass = 0; pass < 2 && !code; pass++) {       /* the first only counts, for progress */
@@ -389,12 +410,12 @@ static enum eco_code measure_all(struct lod_plant *plant, struct lod_probe *prob
 	return code;
 }
 
-enum eco_code lod_curve_measure(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
-	struct eco_error *error)
+enum eco_code lod_curve_measure(struct lod_plant *plant, const struct eco_model *model,
+	const struct lod_plant_options *options, struct eco_error *error)
 {
 	struct lod_probe probe;
-	struct lod_probe_options size = { options->views ? options->views : 12, options->pixels ? options->pixels : 256, options->each,
-		options->ctx };
+	struct lod_probe_options size = { options->views ? options->views : 12,
+		options->pixels ? options->pixels : 256, options->each, options->ctx };
 	enum eco_code code = lod_probe_init(&probe, plant, model, &size, error);
 	if (code)
 		return code;
@@ -417,8 +438,8 @@ enum eco_code lod_curve_measure(struct lod_plant *plant, const struct eco_model 
 	return code;
 }
 
-enum eco_code lod_plant_measure(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
-	struct eco_error *error)
+enum eco_code lod_plant_measure(struct lod_plant *plant, const struct eco_model *model,
+	const struct lod_plant_options *options, struct eco_error *error)
 {
 	if (options->stage)
 		options->stage(options->ctx, LOD_STAGE_CURVES);

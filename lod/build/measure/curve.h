@@ -11,7 +11,7 @@
  * texture (shared by the whole plant's ladder and those of its cells) and one for each organ's FAR ladders.
  * Each is followed by a curve from above, for the same cuts at their best scale there. options: views,
  * pixels, progress. */
-enum eco_code lod_curve_measure(struct lod_plant *plant, const struct eco_model *model, const struct lod_plant_options *options,
-	struct eco_error *error);
+enum eco_code lod_curve_measure(struct lod_plant *plant, const struct eco_model *model,
+	const struct lod_plant_options *options, struct eco_error *error);
 
 #endif

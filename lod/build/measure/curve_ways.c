@@ -21,8 +21,8 @@
 
 double lod_curve_scale(double step)
 {
-	static const double eighths[9] = { 1, 1.0905077326652577, 1.189207115002721, 1.2968395546510096, 1.4142135623730951,
-		1.5422108254079408, 1.681792830507429, 1.8340080864093424, 2 };
+	static const double eighths[9] = { 1, 1.0905077326652577, 1.189207115002721, 1.2968395546510096,
+		1.4142135623730951, 1.5422108254079408, 1.681792830507429, 1.8340080864093424, 2 };
 	double scale = 0.25;
 	step -= LOD_CURVE_STEP_LOW;
 	while (step >= 8) {
@@ -35,8 +35,8 @@ double lod_curve_scale(double step)
 
 /* ---- Drawing a share ---- */
 
-enum eco_code lod_curve_add(const struct lod_curve_organ *curve, const struct eco_ladder *ladder, const struct eco_curve *sample,
-	struct eco_error *error)
+enum eco_code lod_curve_add(const struct lod_curve_organ *curve, const struct eco_ladder *ladder,
+	const struct eco_curve *sample, struct eco_error *error)
 {
 	struct lod_probe *probe = curve->probe;
 	struct eco_curve samples[2] = { *sample, { .share = 1, .scale = 1, .reach = 1 } };
@@ -60,9 +60,11 @@ enum eco_code lod_curve_add(const struct lod_curve_organ *curve, const struct ec
 	return code;
 }
 
-enum eco_code lod_curve_draw(const struct lod_curve_organ *curve, double share, double reach, double step, struct eco_error *error)
+enum eco_code lod_curve_draw(const struct lod_curve_organ *curve, double share, double reach, double step,
+	struct eco_error *error)
 {
-	struct eco_curve sample = { .share = (float)share, .scale = (float)lod_curve_scale(step), .reach = (float)reach };
+	struct eco_curve sample = { .share = (float)share, .scale = (float)lod_curve_scale(step),
+		.reach = (float)reach };
 	enum eco_code code = ECO_OK;
 	lod_probe_clear(curve->probe);
 	for (uint32_t i = 0; i < curve->member_count && !code; i++)
@@ -72,7 +74,8 @@ enum eco_code lod_curve_draw(const struct lod_curve_organ *curve, double share, 
 
 /* ---- Searching the scale ---- */
 
-struct search { const struct lod_curve_organ *curve; double share, reach; uint32_t stride; double loss[STEPS]; };
+struct search { const struct lod_curve_organ *curve; double share, reach; uint32_t stride; double loss[STEPS];
+	};
 
 static enum eco_code loss_at(struct search *search, int step, double *loss, struct eco_error *error)
 {
@@ -98,7 +101,8 @@ static enum eco_code walk(struct search *search, int stride, int *best, struct e
 	for (int way = -1; way <= 1 && !code; way += 2) {
 		for (bool moved = false;; moved = true) {
 			int next = *best + way * stride;
-			if (next < LOD_CURVE_STEP_LOW || next > LOD_CURVE_STEP_HIGH || (code = loss_at(search, next, &loss, error)) || !(loss < least)) {
+			if (next < LOD_CURVE_STEP_LOW || next > LOD_CURVE_STEP_HIGH
+					|| (code = loss_at(search, next, &loss, error)) || !(loss < least)) {
 				if (moved)
 					return code;
 				break;
@@ -111,7 +115,8 @@ static enum eco_code walk(struct search *search, int stride, int *best, struct e
 }
 
 /* The vertex of the parabola through a step and its neighbours, and how far from it the loss stays small. */
-static enum eco_code refine(struct search *search, int best, struct lod_curve_way *way, struct eco_error *error)
+static enum eco_code refine(struct search *search, int best, struct lod_curve_way *way,
+	struct eco_error *error)
 {
 	double low = 0, high = 0;
 	way->step = best;
@@ -131,10 +136,11 @@ static enum eco_code refine(struct search *search, int best, struct lod_curve_wa
 	return ECO_OK;
 }
 
-enum eco_code lod_curve_try_way(const struct lod_curve_organ *curve, double share, struct lod_curve_way *way, double start, bool warm,
-	double most, struct eco_error *error)
+enum eco_code lod_curve_try_way(const struct lod_curve_organ *curve, double share, struct lod_curve_way *way,
+	double start, bool warm, double most, struct eco_error *error)
 {
-	struct search search = { .curve = curve, .share = share, .reach = way->reach, .stride = curve->probe->views >= 8 ? 2 : 1 };
+	struct search search = { .curve = curve, .share = share, .reach = way->reach,
+		.stride = curve->probe->views >= 8 ? 2 : 1 };
 	for (int i = 0; i < STEPS; i++)
 		search.loss[i] = -1;
 	int best = (int)(start - LOD_CURVE_STEP_LOW + 0.5) + LOD_CURVE_STEP_LOW;
@@ -158,7 +164,8 @@ static double elements_in(const struct lod_curve_organ *curve, uint32_t sample, 
 	return e < 1 ? 1 : e < curve->elements ? e : curve->elements;
 }
 
-static void add_way(const struct lod_curve_organ *curve, struct lod_curve_sample *sample, uint32_t rung, double e)
+static void add_way(const struct lod_curve_organ *curve, struct lod_curve_sample *sample, uint32_t rung,
+	double e)
 {
 	double vertices = sample->share * curve->full;
 	struct lod_curve_way *way = &sample->ways[sample->way_count++];
@@ -192,8 +199,8 @@ static void place_ways(struct lod_curve_organ *curve, uint32_t at)
 	add_way(curve, sample, at, high);
 }
 
-enum eco_code lod_curve_try_ways(struct lod_curve_organ *curve, uint32_t at, const struct lod_curve_sample *larger,
-	struct eco_error *error)
+enum eco_code lod_curve_try_ways(struct lod_curve_organ *curve, uint32_t at,
+	const struct lod_curve_sample *larger, struct eco_error *error)
 {
 	struct lod_curve_sample *sample = &curve->samples[at];
 	enum eco_code code = ECO_OK;
@@ -232,7 +239,8 @@ static void choose_ways(struct lod_curve_organ *curve, uint32_t count)
 	uint8_t next[LOD_CURVE_SAMPLES_MAX][LOD_CURVE_WAYS_MAX];
 	uint32_t at = 0;
 	for (uint32_t i = count; i-- > 0;) {
-		double vertices = curve->samples[i].share * curve->full, weight = vertices < FEW ? vertices / FEW : 1;
+		double vertices = curve->samples[i].share * curve->full, weight = vertices < FEW
+			? vertices / FEW : 1;
 		for (uint32_t k = 0; k < curve->samples[i].way_count; k++) {
 			const struct lod_curve_way *way = &curve->samples[i].ways[k];
 			const struct lod_curve_sample *larger = i + 1 < count ? &curve->samples[i + 1] : NULL;
@@ -262,7 +270,8 @@ enum eco_code lod_curve_settle(struct lod_curve_organ *curve, uint32_t count, st
 			struct lod_curve_sample *sample = &curve->samples[i];
 			struct lod_curve_way *way = &sample->ways[sample->chosen];
 			if (way->given_up) {
-				code = lod_curve_try_way(curve, sample->share, way, way->step, true, 1e30, error);
+				code = lod_curve_try_way(curve, sample->share, way, way->step, true, 1e30,
+					error);
 				settled = false;
 			}
 			sample->reach = way->reach;

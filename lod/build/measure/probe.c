@@ -34,7 +34,8 @@ static bool usable(const struct eco_model *model, uint32_t triangle)
 /* Centre of the bounding box, and the greatest distance of a vertex from it. */
 static void bounds(struct lod_probe *probe, const struct eco_model *model)
 {
-	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY }, far2 = 0;
+	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY },
+		far2 = 0;
 	for (size_t i = 0; i < 3 * (size_t)model->triangle_count; i++) {
 		if (!usable(model, (uint32_t)(i / 3)))
 			continue;
@@ -66,7 +67,8 @@ void lod_probe_look(struct lod_probe *probe, double low, double high)
 	probe->near_m = away - 4 * probe->radius;
 	for (uint32_t i = 0; i < probe->views; i++) {
 		struct lod_eye *eye = &probe->eyes[i];
-		double z = low + (high - low) * (i + 0.5) / probe->views, flat = sqrt(1 - z * z), from[3] = { flat * x, flat * y, z };
+		double z = low + (high - low) * (i + 0.5) / probe->views, flat = sqrt(1 - z * z),
+			from[3] = { flat * x, flat * y, z };
 		memset(eye, 0, sizeof *eye);
 		for (int k = 0; k < 3; k++) {
 			eye->at[k] = probe->center[k] + away * from[k];
@@ -97,7 +99,8 @@ static enum eco_code make_rasters(struct lod_probe *probe, struct eco_error *err
 	if (!probe->rasters)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u pictures", wanted);
 	while (!code && probe->raster_count < wanted) {
-		code = lod_raster_init(&probe->rasters[probe->raster_count], &(struct lod_raster_options){ .width = probe->options.pixels,
+		code = lod_raster_init(&probe->rasters[probe->raster_count],
+			&(struct lod_raster_options){ .width = probe->options.pixels,
 			.height = probe->options.pixels, .silhouette = true }, error);
 		probe->raster_count += !code;
 	}
@@ -118,8 +121,8 @@ static bool allocate(struct lod_probe *probe)
 	for (uint32_t i = 0; i < plant->list_count; i++)
 		chunks += plant->lists[i].end_count;
 	probe->chunks = calloc(chunks + 1, sizeof *probe->chunks);
-	return probe->eyes && probe->reference && probe->reference_pixels && probe->scores && probe->lists && probe->cut
-		&& probe->chunks;
+	return probe->eyes && probe->reference && probe->reference_pixels && probe->scores && probe->lists
+		&& probe->cut && probe->chunks;
 }
 
 /* Chunks as in the pack: ladders ask how many triangles some elements have. */
@@ -136,8 +139,8 @@ static void count_chunks(struct lod_probe *probe, struct eco_list *list, const s
 	}
 }
 
-enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *plant, const struct eco_model *model,
-	const struct lod_probe_options *options, struct eco_error *error)
+enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *plant,
+	const struct eco_model *model, const struct lod_probe_options *options, struct eco_error *error)
 {
 	memset(probe, 0, sizeof *probe);
 	probe->plant = plant;
@@ -151,11 +154,13 @@ enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *pl
 	}
 	if (!allocate(probe)) {
 		lod_probe_free(probe);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u views of %u x %u pixels", options->views, options->pixels,
-			options->pixels);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u views of %u x %u pixels",
+			options->views, options->pixels, options->pixels);
 	}
-	probe->scene = (struct eco_scene){ .lists = probe->lists, .list_count = plant->list_count, .ladders = plant->ladders,
-		.ladder_count = plant->ladder_count, .curves = plant->curves, .curve_count = plant->curve_count, .chunks = probe->chunks };
+	probe->scene = (struct eco_scene){ .lists = probe->lists, .list_count = plant->list_count,
+		.ladders = plant->ladders,
+		.ladder_count = plant->ladder_count, .curves = plant->curves,
+		.curve_count = plant->curve_count, .chunks = probe->chunks };
 	for (uint32_t i = 0; i < plant->list_count; i++) {
 		probe->lists[i] = plant->lists[i].list;
 		count_chunks(probe, &probe->lists[i], &plant->lists[i]);
@@ -195,7 +200,8 @@ void lod_probe_clear(struct lod_probe *probe)
 
 static bool reserve(struct lod_probe *probe, size_t floats)
 {
-	if (!eco_room(&probe->drawings, &probe->drawing_capacity, probe->drawing_count, sizeof *probe->drawings))
+	if (!eco_room(&probe->drawings, &probe->drawing_capacity, probe->drawing_count,
+			sizeof *probe->drawings))
 		return false;
 	if (probe->float_count + floats > probe->float_capacity) {
 		size_t capacity = (probe->float_count + floats) / 2 * 3 + 4096;
@@ -214,7 +220,8 @@ enum eco_code lod_probe_add(struct lod_probe *probe, const struct eco_cut *cut, 
 	const struct eco_list *list = &draft->list;
 	size_t count = cut->end - cut->first, corners = eco_list_vertices(list);
 	bool holes = list->image != ECO_NONE && (list->attributes & ECO_ATTR_UV) && probe->cut[list->image];
-	size_t positions = 3 * corners * count, uvs = holes ? 2 * corners * count : 0, widths = corners == 2 ? count : 0;
+	size_t positions = 3 * corners * count, uvs = holes ? 2 * corners * count : 0, widths = corners == 2
+		? count : 0;
 	bool sized = list->attributes & ECO_ATTR_SIZE;
 	size_t sizes = sized ? count : 0;
 	if (!count)
@@ -222,13 +229,17 @@ enum eco_code lod_probe_add(struct lod_probe *probe, const struct eco_cut *cut, 
 	if (!reserve(probe, positions + uvs + widths + sizes))
 		return eco_fail(error, ECO_NO_MEMORY, "no memory to measure %zu primitives", count);
 	struct lod_drawing *drawing = &probe->drawings[probe->drawing_count++];
-	*drawing = (struct lod_drawing){ .kind = list->kind, .position = probe->float_count, .uv = probe->float_count + positions,
-		.width = probe->float_count + positions + uvs, .size = probe->float_count + positions + uvs + widths, .sized = sized,
+	*drawing = (struct lod_drawing){ .kind = list->kind, .position = probe->float_count,
+		.uv = probe->float_count + positions,
+		.width = probe->float_count + positions + uvs, .size = probe->float_count + positions + uvs
+		+ widths, .sized = sized,
 		.area = list->unit_area * cut->scale,
 		.cutout = holes ? &probe->model->images[probe->plant->images[list->image]] : NULL };
-	struct lod_geometry geometry = { probe->floats + drawing->position, holes ? probe->floats + drawing->uv : NULL,
-		widths ? probe->floats + drawing->width : NULL, NULL, sized ? probe->floats + drawing->size : NULL };
-	drawing->count = lod_list_geometry(list, &draft->elements, cut->first, cut->end, cut->scale, &geometry);
+	struct lod_geometry geometry = { probe->floats + drawing->position,
+		holes ? probe->floats + drawing->uv : NULL, widths ? probe->floats + drawing->width : NULL,
+		NULL, sized ? probe->floats + drawing->size : NULL };
+	drawing->count = lod_list_geometry(list, &draft->elements, cut->first, cut->end, cut->scale,
+		&geometry);
 	probe->float_count += positions + uvs + widths + sizes;
 	probe->primitive_count += drawing->count;
 	return ECO_OK;
@@ -240,7 +251,8 @@ static void draw_all(const struct lod_probe *probe, struct lod_raster *raster)
 {
 	for (uint32_t i = 0; i < probe->drawing_count; i++) {
 		const struct lod_drawing *drawing = &probe->drawings[i];
-		struct lod_raster_batch batch = { .count = drawing->count, .position = probe->floats + drawing->position,
+		struct lod_raster_batch batch =
+			{ .count = drawing->count, .position = probe->floats + drawing->position,
 			.uv = drawing->cutout ? probe->floats + drawing->uv : NULL, .cutout = drawing->cutout,
 			.width = probe->floats + drawing->width, .area = drawing->area,
 			.size = drawing->sized ? probe->floats + drawing->size : NULL, .owner = 1 };
@@ -255,11 +267,13 @@ static void draw_all(const struct lod_probe *probe, struct lod_raster *raster)
 
 #define SOUP 512u
 
-static void flush(const struct lod_probe *probe, struct lod_raster *raster, const struct eco_material *material, uint32_t count,
-	const float *position, const float *uv)
+static void flush(const struct lod_probe *probe, struct lod_raster *raster,
+	const struct eco_material *material, uint32_t count, const float *position, const float *uv)
 {
-	const struct eco_image *image = material->cutout && material->image < probe->model->image_count ? &probe->model->images[material->image] : NULL;
-	struct lod_raster_batch batch = { .count = count, .position = position, .uv = uv, .cutout = uv ? image : NULL, .owner = 1 };
+	const struct eco_image *image = material->cutout && material->image < probe->model->image_count
+		? &probe->model->images[material->image] : NULL;
+	struct lod_raster_batch batch = { .count = count, .position = position, .uv = uv, .cutout = uv ? image
+		: NULL, .owner = 1 };
 	lod_raster_triangles(raster, &batch);
 }
 
@@ -272,14 +286,17 @@ static void draw_model(const struct lod_probe *probe, struct lod_raster *raster)
 		bool good = usable(model, t);
 		for (uint32_t i = 0; i < 3 && good; i++) {
 			uint32_t vertex = model->index[3 * (size_t)t + i];
-			memcpy(position + 9 * count + 3 * i, model->position + 3 * (size_t)vertex, 3 * sizeof(float));
+			memcpy(position + 9 * count + 3 * i, model->position + 3 * (size_t)vertex,
+				3 * sizeof(float));
 			if (model->uv)
-				memcpy(uv + 6 * count + 2 * i, model->uv + 2 * (size_t)vertex, 2 * sizeof(float));
+				memcpy(uv + 6 * count + 2 * i, model->uv + 2 * (size_t)vertex,
+					2 * sizeof(float));
 		}
 		count += good;
 		bool last = t + 1 == model->triangle_count || model->material[t + 1] != model->material[t];
 		if (count == SOUP || last) {
-			flush(probe, raster, lod_mesh_material(model, model->material[t]), count, position, model->uv ? uv : NULL);
+			flush(probe, raster, lod_mesh_material(model, model->material[t]), count, position,
+				model->uv ? uv : NULL);
 			count = 0;
 		}
 	}
@@ -305,7 +322,8 @@ static void draw_part(void *pieces, uint32_t part)
 {
 	const struct drawing_views *d = pieces;
 	struct lod_raster *raster = &d->probe->rasters[part];
-	for (uint32_t view = part * d->stride; view < d->probe->views; view += d->probe->raster_count * d->stride) {
+	for (uint32_t view = part * d->stride; view < d->probe->views;
+			view += d->probe->raster_count * d->stride) {
 		start_view(d->probe, raster, view);
 		d->draw(d->probe, raster);
 		d->finish(d->probe, raster, view);
@@ -354,7 +372,9 @@ bool lod_probe_keep_model(struct lod_probe *probe)
 
 static void score_view(struct lod_probe *probe, const struct lod_raster *raster, uint32_t view)
 {
-	lod_score(&probe->scores[view], &(struct lod_score_input){ .width = raster->width, .height = raster->height, .cover = raster->cover,
+	lod_score(&probe->scores[view],
+		&(struct lod_score_input){ .width = raster->width, .height = raster->height,
+		.cover = raster->cover,
 		.reference = probe->reference + view * view_pixels(probe) });
 }
 

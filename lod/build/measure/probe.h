@@ -47,8 +47,8 @@ struct lod_probe {
 	struct lod_score *scores;        /* per view, of the last comparison */
 };
 
-enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *plant, const struct eco_model *model,
-	const struct lod_probe_options *options, struct eco_error *error);
+enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *plant,
+	const struct eco_model *model, const struct lod_probe_options *options, struct eco_error *error);
 void lod_probe_free(struct lod_probe *probe);
 
 void lod_probe_clear(struct lod_probe *probe);

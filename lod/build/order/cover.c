@@ -57,7 +57,8 @@ static struct corner project(const struct lod_eye *eye, uint32_t pixels, const f
 	double w = d[0] * eye->forward[0] + d[1] * eye->forward[1] + d[2] * eye->forward[2];
 	double x = d[0] * eye->right[0] + d[1] * eye->right[1] + d[2] * eye->right[2];
 	double y = d[0] * eye->up[0] + d[1] * eye->up[1] + d[2] * eye->up[2];
-	return (struct corner){ pixels * 0.5 * (1 + x / (w * eye->tan_x)), pixels * 0.5 * (1 - y / (w * eye->tan_y)), uv[0], uv[1] };
+	return (struct corner){ pixels * 0.5 * (1 + x / (w * eye->tan_x)),
+		pixels * 0.5 * (1 - y / (w * eye->tan_y)), uv[0], uv[1] };
 }
 
 static bool opaque(const struct eco_image *image, double u, double v)
@@ -85,7 +86,8 @@ static void span(const struct corner *c, double y, double *from, double *to)
 	}
 }
 
-static void add_triangle(struct cover *cover, uint32_t view, const struct corner *c, const struct eco_image *image)
+static void add_triangle(struct cover *cover, uint32_t view, const struct corner *c,
+	const struct eco_image *image)
 {
 	uint32_t pixels = cover->sights->pixels, row_bits = 64 * cover->row_words;
 	double low = fmin(c[0].y, fmin(c[1].y, c[2].y)), high = fmax(c[0].y, fmax(c[1].y, c[2].y));
@@ -98,7 +100,8 @@ static void add_triangle(struct cover *cover, uint32_t view, const struct corner
 		span(c, y + 0.5, &from, &to);
 		if (!(to > 0.5) || !(from < pixels - 0.5))
 			continue;
-		uint32_t x = from > 0.5 ? (uint32_t)ceil(from - 0.5) : 0, end = to + 0.5 < pixels ? (uint32_t)ceil(to - 0.5) : pixels;
+		uint32_t x = from > 0.5 ? (uint32_t)ceil(from - 0.5) : 0, end = to + 0.5 < pixels
+			? (uint32_t)ceil(to - 0.5) : pixels;
 		uint32_t at = view * cover->sights->words * 64 + y * row_bits;
 		if (!image) {
 			if (x < end)
@@ -106,8 +109,12 @@ static void add_triangle(struct cover *cover, uint32_t view, const struct corner
 			continue;
 		}
 		for (uint32_t run = x; x < end; x++) {
-			double s = ((x + 0.5 - c[0].x) * (c[2].y - c[0].y) - (c[2].x - c[0].x) * (y + 0.5 - c[0].y)) / area;
-			double t = ((c[1].x - c[0].x) * (y + 0.5 - c[0].y) - (x + 0.5 - c[0].x) * (c[1].y - c[0].y)) / area;
+			double s =
+				((x + 0.5 - c[0].x) * (c[2].y - c[0].y)
+				- (c[2].x - c[0].x) * (y + 0.5 - c[0].y)) / area;
+			double t =
+				((c[1].x - c[0].x) * (y + 0.5 - c[0].y)
+				- (x + 0.5 - c[0].x) * (c[1].y - c[0].y)) / area;
 			bool set = opaque(image, c[0].u + s * (c[1].u - c[0].u) + t * (c[2].u - c[0].u),
 				c[0].v + s * (c[1].v - c[0].v) + t * (c[2].v - c[0].v));
 			if (set && x + 1 == end)
@@ -133,7 +140,8 @@ static void find_footprints(struct cover *cover)
 			c[2] = project(eye, cover->sights->pixels, f->corner[first + 1], f->uv[first + 1]);
 			for (uint32_t k = 2; k < corners; k++) {
 				c[1] = c[2];
-				c[2] = project(eye, cover->sights->pixels, f->corner[first + k], f->uv[first + k]);
+				c[2] = project(eye, cover->sights->pixels, f->corner[first + k],
+					f->uv[first + k]);
 				add_triangle(cover, view, c, f->cutout[i]);
 			}
 		}
@@ -159,7 +167,8 @@ static uint64_t gain(const struct cover *cover, uint32_t element)
 			uint64_t mask = bits(at % 64, part);
 			for (int level = 0; level < LEVELS; level++) {
 				uint64_t left = mask & ~cover->covered[level][at / 64];
-				sum += (uint64_t)__builtin_popcountll(left) << LEVEL_SHIFT * (LEVELS - 1 - level);
+				sum += (uint64_t)__builtin_popcountll(left)
+					<< LEVEL_SHIFT * (LEVELS - 1 - level);
 				mask &= ~left;
 			}
 			at += part;
@@ -187,7 +196,8 @@ static void take(struct cover *cover, uint32_t element)
 	}
 }
 
-static enum eco_code pick(struct cover *cover, uint32_t *order, const struct lod_cover_options *options, struct eco_error *error)
+static enum eco_code pick(struct cover *cover, uint32_t *order, const struct lod_cover_options *options,
+	struct eco_error *error)
 {
 	uint32_t count = cover->foliage->count;
 	struct lod_heap_item *heap = lod_arena_take(cover->arena, count, sizeof *heap);
@@ -201,7 +211,8 @@ static enum eco_code pick(struct cover *cover, uint32_t *order, const struct lod
 			lod_heap_sift(heap, left, 0);
 			continue;
 		}
-		if (picked % 256 == 0 && options->progress && !options->progress(options->ctx, (double)picked / count))
+		if (picked % 256 == 0 && options->progress
+				&& !options->progress(options->ctx, (double)picked / count))
 			return eco_fail(error, ECO_INTERRUPTED, "interrupted while ordering leaves");
 		take(cover, best.id);
 		order[picked++] = best.id;
@@ -211,27 +222,31 @@ static enum eco_code pick(struct cover *cover, uint32_t *order, const struct lod
 	return ECO_OK;
 }
 
-static enum eco_code open_cover(struct cover *cover, struct lod_sights *sights, const struct lod_foliage *foliage,
-	const struct lod_cover_options *options, struct lod_arena *arena, struct eco_error *error)
+static enum eco_code open_cover(struct cover *cover, struct lod_sights *sights,
+	const struct lod_foliage *foliage, const struct lod_cover_options *options, struct lod_arena *arena,
+	struct eco_error *error)
 {
-	enum eco_code code = lod_sights_make(sights, foliage, options->directions, options->views, options->pixels, arena, error);
+	enum eco_code code = lod_sights_make(sights, foliage, options->directions, options->views,
+		options->pixels, arena, error);
 	if (code)
 		return code;
 	size_t words = (size_t)sights->words * sights->count;
-	*cover = (struct cover){ .foliage = foliage, .sights = sights, .row_words = sights->words / sights->pixels, .arena = arena };
+	*cover = (struct cover){ .foliage = foliage, .sights = sights,
+		.row_words = sights->words / sights->pixels, .arena = arena };
 	assert(64 * words <= LOD_COVER_PIXELS_MAX);
 	for (int level = 0; level < LEVELS; level++) {
 		cover->covered[level] = lod_arena_take(arena, words, sizeof(uint64_t));
 		for (uint32_t view = 0; view < sights->count; view++)
-			memcpy(cover->covered[level] + (size_t)view * sights->words, sights->wood[view], sights->words * sizeof(uint64_t));
+			memcpy(cover->covered[level] + (size_t)view * sights->words, sights->wood[view],
+				sights->words * sizeof(uint64_t));
 	}
 	cover->prints.first = lod_arena_take(arena, (size_t)foliage->count + 1, sizeof *cover->prints.first);
 	find_footprints(cover);
 	return ECO_OK;
 }
 
-enum eco_code lod_cover_order(uint32_t *order, const struct lod_foliage *foliage, const struct lod_cover_options *options,
-	struct lod_arena *arena, struct eco_error *error)
+enum eco_code lod_cover_order(uint32_t *order, const struct lod_foliage *foliage,
+	const struct lod_cover_options *options, struct lod_arena *arena, struct eco_error *error)
 {
 	struct cover cover;
 	struct lod_sights sights;

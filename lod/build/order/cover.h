@@ -23,7 +23,7 @@ struct lod_cover_options {
 #define LOD_COVER_PIXELS_MAX (1u << 26)
 
 /* Fills order[0..foliage->count). ECO_INTERRUPTED if progress returns false. */
-enum eco_code lod_cover_order(uint32_t *order, const struct lod_foliage *foliage, const struct lod_cover_options *options,
-	struct lod_arena *arena, struct eco_error *error);
+enum eco_code lod_cover_order(uint32_t *order, const struct lod_foliage *foliage,
+	const struct lod_cover_options *options, struct lod_arena *arena, struct eco_error *error);
 
 #endif

@@ -10,11 +10,12 @@
 /* No corner lies further from the picture's middle: the products below stay within 64 bits. */
 #define LIMIT (8192 * SUBPIXEL)
 
-struct lod_fan lod_foliage_fan(const struct lod_foliage *foliage, uint32_t element, const struct lod_mask *cutout)
+struct lod_fan lod_foliage_fan(const struct lod_foliage *foliage, uint32_t element,
+	const struct lod_mask *cutout)
 {
 	uint32_t at = foliage->first[element];
-	return (struct lod_fan){ (const float (*)[3])(foliage->corner + at), (const float (*)[2])(foliage->uv + at),
-		foliage->first[element + 1] - at, cutout };
+	return (struct lod_fan){ (const float (*)[3])(foliage->corner + at),
+		(const float (*)[2])(foliage->uv + at), foliage->first[element + 1] - at, cutout };
 }
 
 static inline double turn(const double *a, const double *b, const double *c)
@@ -34,7 +35,8 @@ static inline int way_around(const double (*p)[2], uint32_t corners)
 		high = part > high ? part : high;
 	}
 	for (uint32_t i = 0; i < corners && corners > 3; i++) {
-		double bend = turn(p[i], p[i + 1 < corners ? i + 1 : 0], p[i + 2 < corners ? i + 2 : i + 2 - corners]);
+		double bend = turn(p[i], p[i + 1 < corners ? i + 1 : 0],
+			p[i + 2 < corners ? i + 2 : i + 2 - corners]);
 		double side = turn(p[0], p[1], p[i]);
 		low = bend < low ? bend : low;
 		low = side < low ? side : low;
@@ -51,7 +53,8 @@ void lod_fan_see(struct lod_fan_seen *seen, const struct lod_fan *fan, const str
 	seen->fan = *fan;
 	for (uint32_t i = 0; i < fan->corners; i++) {
 		const float *p = fan->corner[i];
-		double d[3] = { p[0] - eye->at[0], p[1] - eye->at[1], p[2] - eye->at[2] }, *to = seen->corner[i];
+		double d[3] = { p[0] - eye->at[0], p[1] - eye->at[1], p[2] - eye->at[2] },
+			*to = seen->corner[i];
 		to[0] = (d[0] * eye->right[0] + d[1] * eye->right[1] + d[2] * eye->right[2]) * wide;
 		to[1] = (d[0] * eye->up[0] + d[1] * eye->up[1] + d[2] * eye->up[2]) * tall;
 		to[2] = d[0] * eye->forward[0] + d[1] * eye->forward[1] + d[2] * eye->forward[2];
@@ -73,8 +76,10 @@ void lod_fan_see(struct lod_fan_seen *seen, const struct lod_fan *fan, const str
 void lod_fan_point(struct lod_fan_seen *seen, double area, const struct lod_eye *eye)
 {
 	double half = sqrt(area) / 2, wide = half / eye->tan_x, tall = half / eye->tan_y;
-	*seen = (struct lod_fan_seen){ .fan = { NULL, NULL, 4, NULL }, .center = { seen->center[0], seen->center[1], seen->center[2] },
-		.corner = { { -wide, -tall, 0 }, { wide, -tall, 0 }, { wide, tall, 0 }, { -wide, tall, 0 } }, .way = 1 };
+	*seen = (struct lod_fan_seen){ .fan = { NULL, NULL, 4, NULL },
+		.center = { seen->center[0], seen->center[1], seen->center[2] },
+		.corner = { { -wide, -tall, 0 }, { wide, -tall, 0 }, { wide, tall, 0 }, { -wide, tall, 0 } },
+		.way = 1 };
 }
 
 /* ---- Filling ---- */
@@ -97,13 +102,15 @@ struct edge { int64_t x, slope; };
 static struct edge edge_make(struct point a, struct point b, int32_t row)
 {
 	int64_t slope = b.y == a.y ? 0 : (int64_t)((double)(b.x - a.x) * 65536 / (b.y - a.y));
-	return (struct edge){ (int64_t)a.x * 65536 + slope * (row * SUBPIXEL + SUBPIXEL / 2 - a.y), slope * SUBPIXEL };
+	return (struct edge){ (int64_t)a.x * 65536 + slope * (row * SUBPIXEL + SUBPIXEL / 2 - a.y),
+		slope * SUBPIXEL };
 }
 
 static inline void set_bits(uint64_t *row, int32_t first, int32_t end)
 {
 	uint32_t a = (uint32_t)first / 64, b = (uint32_t)(end - 1) / 64;
-	uint64_t low = ~UINT64_C(0) << ((uint32_t)first % 64), high = ~UINT64_C(0) >> (63 - (uint32_t)(end - 1) % 64);
+	uint64_t low = ~UINT64_C(0) << ((uint32_t)first % 64),
+		high = ~UINT64_C(0) >> (63 - (uint32_t)(end - 1) % 64);
 	if (a == b) {
 		row[a] |= low & high;
 		return;
@@ -115,7 +122,8 @@ static inline void set_bits(uint64_t *row, int32_t first, int32_t end)
 }
 
 /* Texture coordinates as a linear function of pixels. */
-struct texture { const struct lod_mask *mask; const struct lod_canvas *canvas; double u, v, u_x, u_y, v_x, v_y; uint64_t u_step, v_step; };
+struct texture { const struct lod_mask *mask; const struct lod_canvas *canvas; double u, v, u_x, u_y, v_x,
+	v_y; uint64_t u_step, v_step; };
 
 /* Texels in 1/2^32, so that a step is an addition. */
 static inline uint64_t texel_of(double at)
@@ -123,14 +131,19 @@ static inline uint64_t texel_of(double at)
 	return fabs(at) < 1 << 30 ? (uint64_t)(int64_t)(at * 4294967296.0) : 0;
 }
 
-static bool texture_make(struct texture *t, const struct lod_mask *mask, const struct point p[3], const float *const uv[3])
+static bool texture_make(struct texture *t, const struct lod_mask *mask, const struct point p[3],
+	const float *const uv[3])
 {
-	double x1 = p[1].x - p[0].x, y1 = p[1].y - p[0].y, x2 = p[2].x - p[0].x, y2 = p[2].y - p[0].y, det = x1 * y2 - x2 * y1;
+	double x1 = p[1].x - p[0].x, y1 = p[1].y - p[0].y, x2 = p[2].x - p[0].x, y2 = p[2].y - p[0].y,
+		det = x1 * y2 - x2 * y1;
 	if (det == 0)
 		return false;
-	double scale = SUBPIXEL / det, u1 = uv[1][0] - uv[0][0], u2 = uv[2][0] - uv[0][0], v1 = uv[1][1] - uv[0][1], v2 = uv[2][1] - uv[0][1];
-	*t = (struct texture){ .mask = mask, .u_x = (u1 * y2 - u2 * y1) * scale * mask->width, .u_y = (u2 * x1 - u1 * x2) * scale * mask->width,
-		.v_x = (v1 * y2 - v2 * y1) * scale * mask->height, .v_y = (v2 * x1 - v1 * x2) * scale * mask->height };
+	double scale = SUBPIXEL / det, u1 = uv[1][0] - uv[0][0], u2 = uv[2][0] - uv[0][0],
+		v1 = uv[1][1] - uv[0][1], v2 = uv[2][1] - uv[0][1];
+	*t = (struct texture){ .mask = mask, .u_x = (u1 * y2 - u2 * y1) * scale * mask->width,
+		.u_y = (u2 * x1 - u1 * x2) * scale * mask->width,
+		.v_x = (v1 * y2 - v2 * y1) * scale * mask->height,
+		.v_y = (v2 * x1 - v1 * x2) * scale * mask->height };
 	double x = 0.5 - (double)p[0].x / SUBPIXEL, y = 0.5 - (double)p[0].y / SUBPIXEL;
 	t->u = (double)uv[0][0] * mask->width + x * t->u_x + y * t->u_y;
 	t->v = (double)uv[0][1] * mask->height + x * t->v_x + y * t->v_y;
@@ -172,15 +185,18 @@ static void set_opaque(uint64_t *row, uint32_t first, uint32_t end, int32_t y, c
 		}
 		for (; wanted; wanted &= wanted - 1) {
 			uint32_t bit = (uint32_t)__builtin_ctzll(wanted), steps = 64 * word + bit - first;
-			uint32_t column = wrap(u + steps * t->u_step, mask->width), line = wrap(v + steps * t->v_step, mask->height);
-			bits |= (mask->opaque[(size_t)line * mask->words + column / 64] >> column % 64 & 1) << bit;
+			uint32_t column = wrap(u + steps * t->u_step, mask->width),
+				line = wrap(v + steps * t->v_step, mask->height);
+			bits |= (mask->opaque[(size_t)line * mask->words + column / 64] >> column % 64 & 1)
+				<< bit;
 		}
 		row[word] |= bits;
 	}
 }
 
 /* Fills one triangle; `print` is cleared there. */
-static void fill(struct lod_footprint *print, const struct point corner[3], const struct texture *texture, int32_t pixels)
+static void fill(struct lod_footprint *print, const struct point corner[3], const struct texture *texture,
+	int32_t pixels)
 {
 	struct point p[3] = { corner[0], corner[1], corner[2] };
 	for (int i = 0; i < 3; i++)                              /* by y: 0-1, 1-2, 0-1 */
@@ -196,11 +212,13 @@ static void fill(struct lod_footprint *print, const struct point corner[3], cons
 		return;
 	int32_t left_most = (int32_t)print->word * 64, right_most = left_most + (int32_t)print->words * 64;
 	right_most = right_most > pixels ? pixels : right_most;
-	struct edge whole = edge_make(p[0], p[2], top), part = bend > top ? edge_make(p[0], p[1], top) : edge_make(p[1], p[2], top);
+	struct edge whole = edge_make(p[0], p[2], top), part = bend > top ? edge_make(p[0], p[1], top)
+		: edge_make(p[1], p[2], top);
 	for (int32_t y = top; y < end; y++, whole.x += whole.slope, part.x += part.slope) {
 		if (y == bend && bend > top)
 			part = edge_make(p[1], p[2], y);
-		int64_t left = whole.x < part.x ? whole.x : part.x, right = whole.x < part.x ? part.x : whole.x;
+		int64_t left = whole.x < part.x ? whole.x : part.x, right = whole.x < part.x ? part.x
+			: whole.x;
 		int64_t first = (left + (1 << 23) - 1) >> 24, after = (right + (1 << 23) - 1) >> 24;
 		first = first < left_most ? left_most : first; /* rounding may carry long edges beyond */
 		after = after > right_most ? right_most : after;
@@ -226,9 +244,11 @@ static inline bool find_box(struct box *box, const struct point *p, uint32_t cor
 		high.x = p[i].x > high.x ? p[i].x : high.x;
 		high.y = p[i].y > high.y ? p[i].y : high.y;
 	}
-	*box = (struct box){ first_centre(low.x), last_centre(high.x), first_centre(low.y), last_centre(high.y) };
+	*box = (struct box){ first_centre(low.x), last_centre(high.x), first_centre(low.y),
+		last_centre(high.y) };
 	box->x0 = box->x0 < 0 ? 0 : box->x0, box->y0 = box->y0 < 0 ? 0 : box->y0;
-	box->x1 = box->x1 >= pixels ? pixels - 1 : box->x1, box->y1 = box->y1 >= pixels ? pixels - 1 : box->y1;
+	box->x1 = box->x1 >= pixels ? pixels - 1 : box->x1, box->y1 = box->y1 >= pixels ? pixels - 1
+		: box->y1;
 	return box->x0 <= box->x1 && box->y0 <= box->y1;
 }
 
@@ -243,18 +263,22 @@ static inline int32_t within(const struct box *box, int64_t x)
 
 /* The rows of a triangle lie between its longest edge by height and one of the other two. One loop without
  * branches, since triangles are small and the ends of loops cost the time. */
-static inline __attribute__((always_inline)) void find_triangle_spans(struct spans *spans, const struct box *box, const struct point p[3], int way)
+static inline __attribute__((always_inline)) void find_triangle_spans(struct spans *spans,
+	const struct box *box, const struct point p[3], int way)
 {
 	uint32_t top = p[1].y < p[0].y, low = p[2].y >= p[1].y ? 2 : 1;
 	top = p[2].y < p[top].y ? 2 : top;
 	low = p[low].y >= p[0].y ? low : 0;
 	struct point first = p[top], bend = p[3 - top - low], last = p[low];
 	bool down = low == (top + 1) % 3;
-	int32_t *along = down == (way > 0) ? spans->right : spans->left, *across = down == (way > 0) ? spans->left : spans->right;
-	struct edge whole = edge_make(first, last, box->y0), upper = edge_make(first, bend, box->y0), lower = edge_make(bend, last, box->y0);
+	int32_t *along = down == (way > 0) ? spans->right : spans->left, *across = down == (way > 0)
+		? spans->left : spans->right;
+	struct edge whole = edge_make(first, last, box->y0), upper = edge_make(first, bend, box->y0),
+		lower = edge_make(bend, last, box->y0);
 	int32_t turn = first_centre(bend.y) - box->y0, end = first_centre(last.y) - box->y0;
 	end = end > spans->rows ? spans->rows : end;
-	for (int32_t y = 0; y < end; y++, whole.x += whole.slope, upper.x += upper.slope, lower.x += lower.slope) {
+	for (int32_t y = 0; y < end; y++, whole.x += whole.slope, upper.x += upper.slope,
+			lower.x += lower.slope) {
 		along[y] = within(box, whole.x);
 		across[y] = within(box, y < turn ? upper.x : lower.x);
 	}
@@ -262,8 +286,8 @@ static inline __attribute__((always_inline)) void find_triangle_spans(struct spa
 
 /* The spans of a convex outline, in one pass: each row lies between an edge that goes down and one that goes
  * up. */
-static inline __attribute__((always_inline)) void find_spans(struct spans *spans, const struct box *box, const struct point *p,
-	uint32_t corners, int way)
+static inline __attribute__((always_inline)) void find_spans(struct spans *spans, const struct box *box,
+	const struct point *p, uint32_t corners, int way)
 {
 	int32_t top = box->y0, end = box->y1 + 1;
 	spans->y = top;
@@ -301,8 +325,8 @@ static inline void project(struct point *p, const struct lod_fan_seen *seen, dou
 
 /* Clears the words of the box and fills the fan's triangles; with a canvas, only those pixels of a cut-out
  * that can change a gain. */
-static void fill_box(struct lod_footprint *print, const struct box *box, const struct point *p, const struct lod_fan *fan, int32_t pixels,
-	const struct lod_canvas *canvas)
+static void fill_box(struct lod_footprint *print, const struct box *box, const struct point *p,
+	const struct lod_fan *fan, int32_t pixels, const struct lod_canvas *canvas)
 {
 	bool solid = !fan->cutout || !fan->uv;
 	print->y = (uint32_t)box->y0;
@@ -326,8 +350,8 @@ static void fill_box(struct lod_footprint *print, const struct box *box, const s
 }
 
 /* With a canvas, only those pixels of a cut-out that can change a gain. */
-static inline __attribute__((always_inline)) bool cover(struct lod_footprint *print, const struct lod_fan_seen *seen, double edge,
-	uint32_t pixels, const struct lod_canvas *canvas)
+static inline __attribute__((always_inline)) bool cover(struct lod_footprint *print,
+	const struct lod_fan_seen *seen, double edge, uint32_t pixels, const struct lod_canvas *canvas)
 {
 	struct point p[ECO_CORNERS_MAX] = { { 0, 0 } };
 	const struct lod_fan *fan = &seen->fan;
@@ -353,14 +377,16 @@ static inline __attribute__((always_inline)) bool cover(struct lod_footprint *pr
 	return true;
 }
 
-LOD_CLONES bool lod_fan_cover(struct lod_footprint *print, const struct lod_fan_seen *seen, double edge, uint32_t pixels)
+LOD_CLONES bool lod_fan_cover(struct lod_footprint *print, const struct lod_fan_seen *seen, double edge,
+	uint32_t pixels)
 {
 	return cover(print, seen, edge, pixels, NULL);
 }
 
 /* ---- Counting ---- */
 
-static inline __attribute__((always_inline)) void count(uint64_t bits, const struct lod_canvas *canvas, size_t at, struct lod_gain *gain)
+static inline __attribute__((always_inline)) void count(uint64_t bits, const struct lod_canvas *canvas,
+	size_t at, struct lod_gain *gain)
 {
 	const uint64_t *times = canvas->times[at], reference = canvas->reference[at];
 	uint64_t fresh = bits & ~times[0];
@@ -369,7 +395,8 @@ static inline __attribute__((always_inline)) void count(uint64_t bits, const str
 	gain->second += lod_bits_of(bits & times[0] & ~times[1] & reference);
 }
 
-LOD_CLONES void lod_footprint_gain(const struct lod_footprint *print, const struct lod_canvas *canvas, struct lod_gain *gain)
+LOD_CLONES void lod_footprint_gain(const struct lod_footprint *print, const struct lod_canvas *canvas,
+	struct lod_gain *gain)
 {
 	const uint64_t *bits = print->bits;
 	struct lod_gain sum = *gain;
@@ -382,7 +409,8 @@ LOD_CLONES void lod_footprint_gain(const struct lod_footprint *print, const stru
 	*gain = sum;
 }
 
-LOD_CLONES void lod_fan_gain(const struct lod_fan_seen *seen, double edge, uint32_t pixels, const struct lod_canvas *canvas, struct lod_gain *gain)
+LOD_CLONES void lod_fan_gain(const struct lod_fan_seen *seen, double edge, uint32_t pixels,
+	const struct lod_canvas *canvas, struct lod_gain *gain)
 {
 	struct point p[ECO_CORNERS_MAX] = { { 0, 0 } };
 	const struct lod_fan *fan = &seen->fan;
@@ -404,7 +432,8 @@ LOD_CLONES void lod_fan_gain(const struct lod_fan_seen *seen, double edge, uint3
 		if (left >= right)
 			continue;
 		uint32_t a = (uint32_t)left / 64, b = (uint32_t)(right - 1) / 64;
-		uint64_t low = ~UINT64_C(0) << ((uint32_t)left % 64), high = ~UINT64_C(0) >> (63 - (uint32_t)(right - 1) % 64);
+		uint64_t low = ~UINT64_C(0) << ((uint32_t)left % 64),
+			high = ~UINT64_C(0) >> (63 - (uint32_t)(right - 1) % 64);
 		size_t row = (size_t)(spans.y + y) * canvas->row_words;
 		if (a == b) {
 			count(low & high, canvas, row + a, &sum);
@@ -418,7 +447,8 @@ LOD_CLONES void lod_fan_gain(const struct lod_fan_seen *seen, double edge, uint3
 	*gain = sum;
 }
 
-LOD_CLONES void lod_fan_add(const struct lod_fan_seen *seen, double edge, uint32_t pixels, const struct lod_canvas *canvas)
+LOD_CLONES void lod_fan_add(const struct lod_fan_seen *seen, double edge, uint32_t pixels,
+	const struct lod_canvas *canvas)
 {
 	struct lod_footprint print;
 	if (!cover(&print, seen, edge, pixels, canvas))

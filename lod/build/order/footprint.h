@@ -21,7 +21,8 @@ struct lod_fan {
 	uint32_t corners;            /* 3 to ECO_CORNERS_MAX */
 	const struct lod_mask *cutout;           /* or NULL */
 };
-struct lod_fan lod_foliage_fan(const struct lod_foliage *foliage, uint32_t element, const struct lod_mask *cutout);
+struct lod_fan lod_foliage_fan(const struct lod_foliage *foliage, uint32_t element,
+	const struct lod_mask *cutout);
 
 /* A fan in a view: its middle, and its corners relative to it (scaling multiplies these), in units of half
  * pictures. */
@@ -44,7 +45,8 @@ struct lod_footprint {
 	uint64_t bits[LOD_FOOTPRINT_PIXELS * (LOD_FOOTPRINT_PIXELS / 64)];
 };
 /* `edge`: factor of lengths about the middle. False if no pixel is covered. */
-bool lod_fan_cover(struct lod_footprint *print, const struct lod_fan_seen *seen, double edge, uint32_t pixels);
+bool lod_fan_cover(struct lod_footprint *print, const struct lod_fan_seen *seen, double edge,
+	uint32_t pixels);
 
 /* A picture that is being covered. */
 struct lod_canvas {
@@ -55,10 +57,13 @@ struct lod_canvas {
 /* New pixels that should be covered, new pixels that should not; right pixels covered a second time. */
 struct lod_gain { uint32_t right, wrong, second; };
 /* Adds to `gain`. */
-void lod_footprint_gain(const struct lod_footprint *print, const struct lod_canvas *canvas, struct lod_gain *gain);
+void lod_footprint_gain(const struct lod_footprint *print, const struct lod_canvas *canvas,
+	struct lod_gain *gain);
 /* lod_fan_cover and lod_footprint_gain in one. */
-void lod_fan_gain(const struct lod_fan_seen *seen, double edge, uint32_t pixels, const struct lod_canvas *canvas, struct lod_gain *gain);
+void lod_fan_gain(const struct lod_fan_seen *seen, double edge, uint32_t pixels,
+	const struct lod_canvas *canvas, struct lod_gain *gain);
 /* Covers pixels once more; pixels that make no difference to lod_footprint_gain may be left out. */
-void lod_fan_add(const struct lod_fan_seen *seen, double edge, uint32_t pixels, const struct lod_canvas *canvas);
+void lod_fan_add(const struct lod_fan_seen *seen, double edge, uint32_t pixels,
+	const struct lod_canvas *canvas);
 
 #endif

@@ -53,7 +53,9 @@ static void add_ball(struct lod_hull *h, struct lod_v3 p)
 	for (uint32_t z = first[2]; z <= last[2]; z++)
 		for (uint32_t y = first[1]; y <= last[1]; y++)
 			for (uint32_t x = first[0]; x <= last[0]; x++) {
-				struct lod_v3 d = { h->low.x + x * h->cell - p.x, h->low.y + y * h->cell - p.y, h->low.z + z * h->cell - p.z };
+				struct lod_v3 d =
+					{ h->low.x + x * h->cell - p.x, h->low.y + y * h->cell - p.y,
+					h->low.z + z * h->cell - p.z };
 				double left = 1 - lod_v3_dot(d, d) * reach;
 				if (left > 0)
 					h->density[node_at(h, x, y, z)] += (float)(left * left);
@@ -64,7 +66,8 @@ static bool on_surface(const struct lod_hull *h, size_t node)
 {
 	size_t row = h->size[0], slice = row * h->size[1];
 	const float *d = h->density + node;
-	return *d >= ISO && (d[-1] < ISO || d[1] < ISO || *(d - row) < ISO || d[row] < ISO || *(d - slice) < ISO || d[slice] < ISO);
+	return *d >= ISO && (d[-1] < ISO || d[1] < ISO || *(d - row) < ISO || d[row] < ISO
+		|| *(d - slice) < ISO || d[slice] < ISO);
 }
 
 /* ---- Distance transform with the nearest node, one axis after the other ---- */
@@ -76,7 +79,8 @@ struct envelope {
 };
 
 /* One line of `count` nodes, `stride` apart; distance[] holds the squared distances in cells so far. */
-static void transform_line(float *distance, uint32_t *nearest, size_t stride, uint32_t count, const struct envelope *e)
+static void transform_line(float *distance, uint32_t *nearest, size_t stride, uint32_t count,
+	const struct envelope *e)
 {
 	uint32_t k = 0;
 	for (uint32_t q = 0; q < count; q++) {
@@ -107,12 +111,15 @@ static void transform_line(float *distance, uint32_t *nearest, size_t stride, ui
 
 static void find_surface(struct lod_hull *h, struct lod_arena *arena)
 {
-	size_t count = (size_t)h->size[0] * h->size[1] * h->size[2], longest = (size_t)h->size[0] + h->size[1] + h->size[2];
+	size_t count = (size_t)h->size[0] * h->size[1] * h->size[2], longest = (size_t)h->size[0] + h->size[1]
+		+ h->size[2];
 	h->surface = lod_arena_take(arena, count, sizeof *h->surface);
 	struct lod_arena_piece *mark = arena->last;
 	float *distance = lod_arena_take(arena, count, sizeof *distance);
-	struct envelope e = { lod_arena_take(arena, longest, sizeof *e.site), lod_arena_take(arena, longest, sizeof *e.nearest),
-		lod_arena_take(arena, longest, sizeof *e.height), lod_arena_take(arena, longest, sizeof *e.from) };
+	struct envelope e = { lod_arena_take(arena, longest, sizeof *e.site),
+		lod_arena_take(arena, longest, sizeof *e.nearest),
+		lod_arena_take(arena, longest, sizeof *e.height),
+		lod_arena_take(arena, longest, sizeof *e.from) };
 	memset(h->surface, 0xff, count * sizeof *h->surface);
 	for (uint32_t z = 1; z + 1 < h->size[2]; z++)
 		for (uint32_t y = 1; y + 1 < h->size[1]; y++)
@@ -124,13 +131,15 @@ static void find_surface(struct lod_hull *h, struct lod_arena *arena)
 		transform_line(distance + i * row, h->surface + i * row, 1, h->size[0], &e);
 	for (uint32_t z = 0; z < h->size[2]; z++)
 		for (uint32_t x = 0; x < h->size[0]; x++)
-			transform_line(distance + z * slice + x, h->surface + z * slice + x, row, h->size[1], &e);
+			transform_line(distance + z * slice + x, h->surface + z * slice + x, row, h->size[1],
+				&e);
 	for (size_t i = 0; i < slice; i++)
 		transform_line(distance + i, h->surface + i, slice, h->size[2], &e);
 	lod_arena_release(arena, mark);
 }
 
-void lod_hull_make(struct lod_hull *h, const struct lod_v3 *center, uint32_t count, double height, struct lod_arena *arena)
+void lod_hull_make(struct lod_hull *h, const struct lod_v3 *center, uint32_t count, double height,
+	struct lod_arena *arena)
 {
 	place_grid(h, center, count, height);
 	h->density = lod_arena_take(arena, (size_t)h->size[0] * h->size[1] * h->size[2], sizeof *h->density);
@@ -151,7 +160,8 @@ double lod_hull_density(const struct lod_hull *h, struct lod_v3 p)
 		t[a] = at - i[a];
 	}
 	for (uint32_t k = 0; k < 8; k++) {
-		double weight = (k & 1 ? t[0] : 1 - t[0]) * (k & 2 ? t[1] : 1 - t[1]) * (k & 4 ? t[2] : 1 - t[2]);
+		double weight = (k & 1 ? t[0] : 1 - t[0]) * (k & 2 ? t[1] : 1 - t[1]) * (k & 4 ? t[2]
+			: 1 - t[2]);
 		sum += weight * h->density[node_at(h, i[0] + (k & 1), i[1] + (k >> 1 & 1), i[2] + (k >> 2))];
 	}
 	return sum;
@@ -161,7 +171,8 @@ static struct lod_v3 normal_at(const struct lod_hull *h, size_t node)
 {
 	size_t row = h->size[0], slice = row * h->size[1];
 	const float *d = h->density + node;
-	return lod_v3_unit((struct lod_v3){ (double)d[-1] - d[1], (double)*(d - row) - d[row], (double)*(d - slice) - d[slice] });
+	return lod_v3_unit((struct lod_v3){ (double)d[-1] - d[1], (double)*(d - row) - d[row],
+		(double)*(d - slice) - d[slice] });
 }
 
 bool lod_hull_normal(const struct lod_hull *h, struct lod_v3 p, struct lod_v3 *normal)

@@ -23,7 +23,8 @@ struct lod_hull {                    /* arrays of an arena */
 
 /* height: of the plant; a ball's radius is 5 % of it, more if the elements extend far beyond it. At least one
  * element. Linear in elements. */
-void lod_hull_make(struct lod_hull *hull, const struct lod_v3 *center, uint32_t count, double height, struct lod_arena *arena);
+void lod_hull_make(struct lod_hull *hull, const struct lod_v3 *center, uint32_t count, double height,
+	struct lod_arena *arena);
 
 /* Sum of the balls at a point within the bounds of the centres. */
 double lod_hull_density(const struct lod_hull *hull, struct lod_v3 at);

@@ -62,10 +62,11 @@ static void normalise(double *values, uint32_t count)
 		values[i] = high > low ? (values[i] - low) / (high - low) : 1;
 }
 
-void lod_order_survival_by(double *survival, enum lod_order_method method, const struct lod_order_input *in, struct lod_arena *arena)
+void lod_order_survival_by(double *survival, enum lod_order_method method, const struct lod_order_input *in,
+	struct lod_arena *arena)
 {
-	static const double noise[LOD_ORDER_COUNT] = { [LOD_ORDER_STOCHASTIC] = 1, [LOD_ORDER_DENSITY] = 1e-3, [LOD_ORDER_ORIENTATION] = 0.05,
-		[LOD_ORDER_COMBINED] = 1.5 };
+	static const double noise[LOD_ORDER_COUNT] = { [LOD_ORDER_STOCHASTIC] = 1, [LOD_ORDER_DENSITY] = 1e-3,
+		[LOD_ORDER_ORIENTATION] = 0.05, [LOD_ORDER_COMBINED] = 1.5 };
 	struct lod_arena_piece *mark = arena->last;
 	struct lod_hull hull;
 	if (in->count == 0)

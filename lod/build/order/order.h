@@ -15,7 +15,8 @@
 #include "lod/vector.h"
 
 /* Orders by name: `ecopack make --order NAME`, ecobench. */
-enum lod_order_method { LOD_ORDER_GREEDY, LOD_ORDER_STOCHASTIC, LOD_ORDER_DENSITY, LOD_ORDER_ORIENTATION, LOD_ORDER_COMBINED, LOD_ORDER_COUNT };
+enum lod_order_method { LOD_ORDER_GREEDY, LOD_ORDER_STOCHASTIC, LOD_ORDER_DENSITY, LOD_ORDER_ORIENTATION,
+	LOD_ORDER_COMBINED, LOD_ORDER_COUNT };
 extern const char *const lod_order_names[LOD_ORDER_COUNT + 1];  /* indexed by method; ends with NULL */
 
 struct lod_order_input {
@@ -27,6 +28,7 @@ struct lod_order_input {
 
 /* Fills survival[0..count) for a static order (not GREEDY: that is lod/build/order/rank.h) with values that
  * are higher for elements kept longer. Linear in elements. */
-void lod_order_survival_by(double *survival, enum lod_order_method method, const struct lod_order_input *input, struct lod_arena *arena);
+void lod_order_survival_by(double *survival, enum lod_order_method method,
+	const struct lod_order_input *input, struct lod_arena *arena);
 
 #endif

@@ -82,14 +82,16 @@ struct ranking {
 
 static int64_t score_of(const struct ranking *r, uint32_t element, const struct lod_gain *gain)
 {
-	int64_t sum = r->weights.right * gain->right - r->weights.wrong * gain->wrong + r->weights.second * gain->second;
+	int64_t sum = r->weights.right * gain->right - r->weights.wrong * gain->wrong
+		+ r->weights.second * gain->second;
 	const uint32_t *first = r->crown.foliage->first;
 	int64_t triangles = r->crown.points ? 1 : first[element + 1] - first[element] - 2;
 	return sum > 0 ? sum * 12 / triangles : sum * triangles;
 }
 
 /* Scores of codes first .. last. Codes with the same edge share one look. */
-static void look(const struct ranking *r, uint32_t element, uint32_t first, uint32_t last, int64_t score[ECO_GROWTHS])
+static void look(const struct ranking *r, uint32_t element, uint32_t first, uint32_t last,
+	int64_t score[ECO_GROWTHS])
 {
 	struct lod_gain gain[ECO_GROWTHS];
 	double edge[ECO_GROWTHS] = { 0 };
@@ -282,7 +284,8 @@ static struct trial try_scale(struct ranking *r, uint32_t end, double scale)
 {
 	struct trial t;
 	uint32_t picked = r->picked;
-	r->views = (struct lod_crown_views){ 0, r->crown.views > TRIAL_VIEWS ? r->crown.views / TRIAL_VIEWS : 1 };
+	r->views = (struct lod_crown_views){ 0, r->crown.views > TRIAL_VIEWS ? r->crown.views / TRIAL_VIEWS
+		: 1 };
 	lod_crown_set_scale(&r->edges, scale, r->crown.points);
 	redraw(r);
 	gather(r, end, picked);
@@ -373,7 +376,8 @@ static void begin_anew(struct ranking *r)
 static bool begin_list(struct ranking *r)
 {
 	uint32_t points = (uint32_t)(POINTS_MOST * r->count);
-	uint32_t leaves = (uint32_t)((double)points * r->count / (3.0 * r->crown.foliage->triangle_first[r->count]));
+	uint32_t leaves =
+		(uint32_t)((double)points * r->count / (3.0 * r->crown.foliage->triangle_first[r->count]));
 	double p, recall, q[2];
 	r->points = points;
 	if (leaves == 0)
@@ -396,7 +400,8 @@ static bool begin_list(struct ranking *r)
 static enum eco_code make_steps(struct ranking *r, struct eco_error *error)
 {
 	begin_anew(r);
-	if ((lod_rank_begins_with_points(r->options) && !begin_list(r)) || !take_steps(r, r->count, r->points))
+	if ((lod_rank_begins_with_points(r->options) && !begin_list(r))
+			|| !take_steps(r, r->count, r->points))
 		return eco_fail(error, ECO_INTERRUPTED, "interrupted while ordering leaves");
 	return ECO_OK;
 }
@@ -411,10 +416,12 @@ static uint32_t views_of(uint32_t count)
 	return views < VIEWS_LEAST ? VIEWS_LEAST : views > VIEWS_MOST ? VIEWS_MOST : views;
 }
 
-static struct lod_crown_options crown_options(const struct lod_foliage *foliage, const struct lod_rank_options *options)
+static struct lod_crown_options crown_options(const struct lod_foliage *foliage,
+	const struct lod_rank_options *options)
 {
 	uint32_t views = views_of(foliage->count);
-	return (struct lod_crown_options){ .views = options->views ? options->views : views, .pixels = options->pixels,
+	return (struct lod_crown_options){ .views = options->views ? options->views : views,
+		.pixels = options->pixels,
 		.directions = options->directions, .seed = options->seed };
 }
 
@@ -427,12 +434,13 @@ static enum eco_code order_unscaled(struct ranking *r, struct eco_error *error)
 		for (int k = 0; k < 3; k++)
 			directions[v][k] = -r->crown.level->sights.eyes[v].forward[k];
 	return lod_cover_order(r->order, r->crown.foliage, &(struct lod_cover_options){ .views = views,
-		.directions = (const double (*)[3])directions, .pixels = r->crown.level->sights.pixels, .progress = options->progress,
+		.directions = (const double (*)[3])directions, .pixels = r->crown.level->sights.pixels,
+		.progress = options->progress,
 		.ctx = options->ctx }, r->arena, error);
 }
 
-enum eco_code lod_rank_make(struct lod_rank *rank, const struct lod_foliage *foliage, const struct lod_rank_options *options,
-	struct lod_arena *arena, struct eco_error *error)
+enum eco_code lod_rank_make(struct lod_rank *rank, const struct lod_foliage *foliage,
+	const struct lod_rank_options *options, struct lod_arena *arena, struct eco_error *error)
 {
 	struct ranking r = { .options = options, .arena = arena, .count = foliage->count };
 	struct lod_crown_options crown = crown_options(foliage, options);
@@ -449,7 +457,8 @@ enum eco_code lod_rank_make(struct lod_rank *rank, const struct lod_foliage *fol
 	if (!code)
 		code = options->unscaled ? order_unscaled(&r, error) : make_steps(&r, error);
 	if (!code && !options->plain && !options->unscaled
-		&& !lod_rank_refine(&(struct lod_rank_refining){ &r.crown, options, r.count, r.order, r.growth,
+		&& !lod_rank_refine(&(struct lod_rank_refining){ &r.crown, options, r.count, r.order,
+		r.growth,
 			r.points == (uint32_t)(POINTS_MOST * r.count) }, arena))
 		code = eco_fail(error, ECO_INTERRUPTED, "interrupted while ordering leaves");
 	lod_arena_release(arena, mark);

@@ -43,7 +43,7 @@ struct lod_rank {                    /* arrays of the arena */
 
 /* ECO_INTERRUPTED if progress returns false. A tree of 500,000 triangles takes at most 3 minutes on two
  * cores. */
-enum eco_code lod_rank_make(struct lod_rank *rank, const struct lod_foliage *foliage, const struct lod_rank_options *options,
-	struct lod_arena *arena, struct eco_error *error);
+enum eco_code lod_rank_make(struct lod_rank *rank, const struct lod_foliage *foliage,
+	const struct lod_rank_options *options, struct lod_arena *arena, struct eco_error *error);
 
 #endif

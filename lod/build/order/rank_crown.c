@@ -32,7 +32,8 @@ static uint32_t choose_pixels(const struct lod_foliage *foliage, struct lod_aren
 	double leaf = sqrt(area[n / 2]), crown = lod_v3_distance(foliage->low, foliage->high);
 	lod_arena_release(arena, mark);
 	double pixels = leaf > 0 ? WIDE * crown / leaf : PIXELS_MOST;
-	return pixels < PIXELS_LEAST ? PIXELS_LEAST : pixels > PIXELS_MOST ? PIXELS_MOST : (uint32_t)(pixels / 64) * 64;
+	return pixels < PIXELS_LEAST ? PIXELS_LEAST : pixels > PIXELS_MOST ? PIXELS_MOST
+		: (uint32_t)(pixels / 64) * 64;
 }
 
 /* One mask for each image. */
@@ -57,24 +58,27 @@ static void open_cutouts(struct lod_crown *crown, struct lod_arena *arena)
 	}
 }
 
-static enum eco_code open_level(struct lod_crown *crown, const double (*directions)[3], uint32_t pixels, struct lod_arena *arena,
-	struct eco_error *error)
+static enum eco_code open_level(struct lod_crown *crown, const double (*directions)[3], uint32_t pixels,
+	struct lod_arena *arena, struct eco_error *error)
 {
 	struct lod_crown_level *level = &crown->levels[crown->level_count++];
-	enum eco_code code = lod_sights_make(&level->sights, crown->foliage, directions, crown->views, pixels, arena, error);
+	enum eco_code code = lod_sights_make(&level->sights, crown->foliage, directions, crown->views, pixels,
+		arena, error);
 	if (code)
 		return code;
 	level->canvas = lod_arena_take(arena, crown->views, sizeof *level->canvas);
 	for (uint32_t v = 0; v < crown->views; v++)
-		level->canvas[v] = (struct lod_canvas){ .row_words = level->sights.words / pixels, .reference = level->sights.reference[v],
+		level->canvas[v] = (struct lod_canvas){ .row_words = level->sights.words / pixels,
+			.reference = level->sights.reference[v],
 			.times = lod_arena_take(arena, level->sights.words, sizeof *level->canvas[v].times) };
 	return ECO_OK;
 }
 
-enum eco_code lod_crown_open(struct lod_crown *crown, const struct lod_foliage *foliage, const struct lod_crown_options *options,
-	struct lod_arena *arena, struct eco_error *error)
+enum eco_code lod_crown_open(struct lod_crown *crown, const struct lod_foliage *foliage,
+	const struct lod_crown_options *options, struct lod_arena *arena, struct eco_error *error)
 {
-	uint32_t views = options->views, pixels = options->pixels ? options->pixels : choose_pixels(foliage, arena);
+	uint32_t views = options->views, pixels = options->pixels ? options->pixels
+		: choose_pixels(foliage, arena);
 	const double (*directions)[3] = options->directions;
 	enum eco_code code = ECO_OK;
 	*crown = (struct lod_crown){ .foliage = foliage, .views = views };
@@ -85,7 +89,8 @@ enum eco_code lod_crown_open(struct lod_crown *crown, const struct lod_foliage *
 	}
 	for (uint32_t k = 0; k < LOD_CROWN_LEVELS && !code; k++)
 		if (pixels >> (LOD_CROWN_LEVELS - 1 - k) >= PIXELS_FEWEST || k + 1 == LOD_CROWN_LEVELS)
-			code = open_level(crown, directions, pixels >> (LOD_CROWN_LEVELS - 1 - k), arena, error);
+			code = open_level(crown, directions, pixels >> (LOD_CROWN_LEVELS - 1 - k), arena,
+				error);
 	crown->level = &crown->levels[crown->level_count - 1];
 	if (!code)
 		open_cutouts(crown, arena);
@@ -95,7 +100,9 @@ enum eco_code lod_crown_open(struct lod_crown *crown, const struct lod_foliage *
 void lod_crown_set_level(struct lod_crown *crown, uint32_t count)
 {
 	uint32_t k = 0;
-	while (k + 1 < crown->level_count && (double)crown->levels[k].sights.pixels * crown->levels[k].sights.pixels < PER_ELEMENT * count)
+	while (k + 1 < crown->level_count
+			&& (double)crown->levels[k].sights.pixels * crown->levels[k].sights.pixels
+			< PER_ELEMENT * count)
 		k++;
 	crown->level = &crown->levels[k];
 }
@@ -112,7 +119,8 @@ void lod_crown_set_scale(struct lod_crown_edges *edges, double scale, bool point
 	}
 }
 
-void lod_crown_see(const struct lod_crown *crown, struct lod_fan_seen *seen, uint32_t element, uint32_t view, bool points)
+void lod_crown_see(const struct lod_crown *crown, struct lod_fan_seen *seen, uint32_t element, uint32_t view,
+	bool points)
 {
 	const struct lod_eye *eye = &crown->level->sights.eyes[view];
 	struct lod_fan fan = lod_foliage_fan(crown->foliage, element, crown->cutout[element]);
@@ -130,15 +138,16 @@ void lod_crown_clear(struct lod_crown *crown, struct lod_crown_views views)
 				crown->level->canvas[v].times[i][k] = sights->wood[v][i];
 }
 
-void lod_crown_gain(const struct lod_crown *crown, uint32_t element, const double *edge, uint32_t count, struct lod_crown_views views,
-	struct lod_gain *gain)
+void lod_crown_gain(const struct lod_crown *crown, uint32_t element, const double *edge, uint32_t count,
+	struct lod_crown_views views, struct lod_gain *gain)
 {
 	struct lod_fan_seen seen;
 	memset(gain, 0, count * sizeof *gain);
 	for (uint32_t v = views.first; v < crown->level->sights.count; v += views.stride) {
 		lod_crown_see(crown, &seen, element, v, crown->points);
 		for (uint32_t i = 0; i < count; i++)
-			lod_fan_gain(&seen, edge[i], crown->level->sights.pixels, &crown->level->canvas[v], &gain[i]);
+			lod_fan_gain(&seen, edge[i], crown->level->sights.pixels, &crown->level->canvas[v],
+				&gain[i]);
 	}
 }
 

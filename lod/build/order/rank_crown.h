@@ -31,8 +31,8 @@ struct lod_crown_options {
 	const double (*directions)[3];           /* NULL: spread all around by `seed` */
 	uint32_t seed;
 };
-enum eco_code lod_crown_open(struct lod_crown *crown, const struct lod_foliage *foliage, const struct lod_crown_options *options,
-	struct lod_arena *arena, struct eco_error *error);
+enum eco_code lod_crown_open(struct lod_crown *crown, const struct lod_foliage *foliage,
+	const struct lod_crown_options *options, struct lod_arena *arena, struct eco_error *error);
 
 /* Selects the level for `count` elements drawn so large that they fill the crown. */
 void lod_crown_set_level(struct lod_crown *crown, uint32_t count);
@@ -46,15 +46,16 @@ struct lod_crown_edges { double edge[ECO_GROWTHS]; uint16_t step[ECO_GROWTHS]; }
 void lod_crown_set_scale(struct lod_crown_edges *edges, double scale, bool points);
 
 /* An element in a view, drawn as itself or as its point. */
-void lod_crown_see(const struct lod_crown *crown, struct lod_fan_seen *seen, uint32_t element, uint32_t view, bool points);
+void lod_crown_see(const struct lod_crown *crown, struct lod_fan_seen *seen, uint32_t element, uint32_t view,
+	bool points);
 
 /* Every `stride`th view from `first` on. */
 struct lod_crown_views { uint32_t first, stride; };
 void lod_crown_clear(struct lod_crown *crown, struct lod_crown_views views);
 /* Sums over the views of the element's gain, for each of edge[0..count). Threads may ask about different
  * elements. */
-void lod_crown_gain(const struct lod_crown *crown, uint32_t element, const double *edge, uint32_t count, struct lod_crown_views views,
-	struct lod_gain *gain);
+void lod_crown_gain(const struct lod_crown *crown, uint32_t element, const double *edge, uint32_t count,
+	struct lod_crown_views views, struct lod_gain *gain);
 void lod_crown_add(struct lod_crown *crown, uint32_t element, double edge, struct lod_crown_views views);
 
 /* Pixels of the views: covered and in the reference, covered and not in it, in the reference. */

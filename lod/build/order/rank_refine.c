@@ -36,13 +36,18 @@
 /* A key: its share of the triangles, and whether leaves are points there, as in a pack's beginning of the
  * list (lod/build/measure/curve.c). */
 struct place { double share; bool points; };
-static const struct place few_points[] = { { 0.0015, true }, { 0.004, false }, { 0.006, true }, { 0.012, false }, { 0.02, true }, { 0.03, false },
-	{ 0.05, true }, { 0.06, false }, { 0.1, false }, { 0.13, true }, { 0.15, false }, { 0.22, false }, { 0.3, false }, { 0.35, true }, { 0.4, false },
+static const struct place few_points[] = { { 0.0015, true }, { 0.004, false }, { 0.006, true },
+	{ 0.012, false }, { 0.02, true }, { 0.03, false },
+	{ 0.05, true }, { 0.06, false }, { 0.1, false }, { 0.13, true }, { 0.15, false }, { 0.22, false },
+	{ 0.3, false }, { 0.35, true }, { 0.4, false },
 	{ 0.5, false }, { 0.6, false }, { 0.7, false }, { 0.8, false }, { 0.9, false } };
-static const struct place many_points[] = { { 0.0015, true }, { 0.003, true }, { 0.006, true }, { 0.011, true }, { 0.02, true }, { 0.032, true },
-	{ 0.05, true }, { 0.085, true }, { 0.13, true }, { 0.2, true }, { 0.27, true }, { 0.3, false }, { 0.35, true }, { 0.4, false }, { 0.5, false },
+static const struct place many_points[] = { { 0.0015, true }, { 0.003, true }, { 0.006, true },
+	{ 0.011, true }, { 0.02, true }, { 0.032, true },
+	{ 0.05, true }, { 0.085, true }, { 0.13, true }, { 0.2, true }, { 0.27, true }, { 0.3, false },
+	{ 0.35, true }, { 0.4, false }, { 0.5, false },
 	{ 0.55, true }, { 0.6, false }, { 0.7, false }, { 0.8, false }, { 0.9, false } };
-_Static_assert(sizeof few_points == KEYS * sizeof(struct place) && sizeof many_points == sizeof few_points, "one key each");
+_Static_assert(sizeof few_points == KEYS * sizeof(struct place) && sizeof many_points == sizeof few_points,
+	"one key each");
 
 struct key {
 	bool points;                 /* leaves are points there, all at the key's scale */
@@ -116,7 +121,8 @@ static void see(const struct refine *r, struct prints *prints, uint32_t element,
 }
 
 /* Points are made on demand, since few keys use them. */
-static bool cover(struct lod_footprint *drawn, const struct prints *prints, double edge, uint32_t pixels, bool points)
+static bool cover(struct lod_footprint *drawn, const struct prints *prints, double edge, uint32_t pixels,
+	bool points)
 {
 	if (!points)
 		return lod_fan_cover(drawn, &prints->seen, edge, pixels);
@@ -152,7 +158,8 @@ static const struct print *find_print(struct prints *prints, const struct key *k
 	if (cover(drawn, prints, key->edges.edge[code], prints->pixels, key->points)) {
 		print->y = drawn->y, print->rows = drawn->rows;
 		print->word = drawn->word, print->words = drawn->words;
-		memcpy(prints->room + prints->used, drawn->bits, (size_t)drawn->rows * drawn->words * sizeof *drawn->bits);
+		memcpy(prints->room + prints->used, drawn->bits,
+			(size_t)drawn->rows * drawn->words * sizeof *drawn->bits);
 		prints->used += drawn->rows * drawn->words;
 	}
 	return print;
@@ -175,7 +182,8 @@ static void draw(const struct key *key, uint32_t view, const struct print *print
 	const struct lod_canvas *canvas = &key->level->canvas[view];
 	const uint64_t *bits = print->bits;
 	for (uint32_t y = 0; y < print->rows; y++) {
-		uint64_t (*planes)[PLANES] = key->planes[view] + (size_t)(print->y + y) * canvas->row_words + print->word;
+		uint64_t (*planes)[PLANES] = key->planes[view] + (size_t)(print->y + y) * canvas->row_words
+			+ print->word;
 		for (uint32_t w = 0; w < print->words; w++, bits++)
 			if (*bits)
 				count_bits(planes[w], *bits, up);
@@ -207,7 +215,8 @@ static void redraw(const struct refine *r, struct key *key, uint32_t k)
 /* Pixels covered and in the reference, covered and not in it, in the reference. */
 struct tally { uint64_t right, wrong, wanted; };
 
-LOD_CLONES static void count_words(struct tally *tally, uint64_t (*covered)[2], const uint64_t *reference, uint32_t words)
+LOD_CLONES static void count_words(struct tally *tally, uint64_t (*covered)[2], const uint64_t *reference,
+	uint32_t words)
 {
 	for (uint32_t w = 0; w < words; w++) {
 		tally->right += lod_bits_of(covered[w][0] & reference[w]);
@@ -271,7 +280,8 @@ static double try_scale(const struct refine *r, uint32_t k, struct key *key, dou
 	struct tally tally = { 0 };
 	lod_crown_set_scale(&edges, scale, key->points);
 	for (uint32_t v = 0; v < sights->count; v += trial_stride(key)) {
-		const struct lod_canvas canvas = { sights->words / sights->pixels, sights->reference[v], key->trial };
+		const struct lod_canvas canvas = { sights->words / sights->pixels, sights->reference[v],
+			key->trial };
 		for (uint32_t w = 0; w < sights->words; w++)
 			key->trial[w][0] = key->trial[w][1] = sights->wood[v][w];
 		for (uint32_t e = 0; e < r->count; e++) {
@@ -291,11 +301,13 @@ static void fit_scale(void *pieces, uint32_t k)
 {
 	struct refine *r = pieces;
 	struct key *key = &r->keys[k += r->key_at];
-	double best_scale = key->scale, least = key->drawn ? measure(key, trial_stride(key)) : try_scale(r, k, key, best_scale);
+	double best_scale = key->scale, least = key->drawn ? measure(key, trial_stride(key))
+		: try_scale(r, k, key, best_scale);
 	for (int way = 1; way >= -1; way -= 2) {
 		bool moved = false;
 		for (uint32_t i = 0; i < 8; i++) {
-			double scale = 1 + (best_scale - 1) * (way > 0 ? r->stretch : 1 / r->stretch), loss = try_scale(r, k, key, scale);
+			double scale = 1 + (best_scale - 1) * (way > 0 ? r->stretch : 1 / r->stretch),
+				loss = try_scale(r, k, key, scale);
 			if (!(loss < least))
 				break;
 			least = loss;
@@ -325,7 +337,8 @@ static inline uint64_t bits_at(const struct print *print, uint32_t y, uint32_t w
 }
 
 /* `own`: the element's present footprint, which is subtracted; or NULL. */
-LOD_CLONES static double gain(const struct key *key, uint32_t view, const struct print *print, const struct print *own)
+LOD_CLONES static double gain(const struct key *key, uint32_t view, const struct print *print,
+	const struct print *own)
 {
 	const struct lod_canvas *canvas = &key->level->canvas[view];
 	const uint64_t *bits = print->bits;
@@ -335,9 +348,12 @@ LOD_CLONES static double gain(const struct key *key, uint32_t view, const struct
 		for (uint32_t w = 0; w < print->words; w++, bits++) {
 			if (!*bits)
 				continue;
-			const uint64_t *p = key->planes[view][at + w], reference = canvas->reference[at + w], many = p[2] | p[3];
-			uint64_t mine = bits_at(own, print->y + y, print->word + w), one = p[0] & ~p[1] & ~many, two = p[1] & ~p[0] & ~many;
-			uint64_t free = *bits & ((~(p[0] | p[1] | many)) | (one & mine)), once = *bits & ((one & ~mine) | (two & mine)) & reference;
+			const uint64_t *p = key->planes[view][at + w], reference = canvas->reference[at + w],
+				many = p[2] | p[3];
+			uint64_t mine = bits_at(own, print->y + y, print->word + w),
+				one = p[0] & ~p[1] & ~many, two = p[1] & ~p[0] & ~many;
+			uint64_t free = *bits & ((~(p[0] | p[1] | many)) | (one & mine)),
+				once = *bits & ((one & ~mine) | (two & mine)) & reference;
 			right += lod_bits_of(free & reference);
 			wrong += lod_bits_of(free & ~reference);
 			second += lod_bits_of(once);
@@ -349,14 +365,15 @@ LOD_CLONES static double gain(const struct key *key, uint32_t view, const struct
 /* The keys and codes of a look. From `settled` on every choice draws the element, so only codes matter. */
 struct look { uint32_t element, low_key, end_key, settled, low_code, high_code; };
 
-static void look_in_key(const struct refine *r, const struct look *l, uint32_t k, uint32_t view, struct prints *prints,
-	double worth[ECO_GROWTHS])
+static void look_in_key(const struct refine *r, const struct look *l, uint32_t k, uint32_t view,
+	struct prints *prints, double worth[ECO_GROWTHS])
 {
 	const struct key *key = &r->keys[k];
 	if (k >= l->settled && key->edges.step[l->low_code] == key->edges.step[l->high_code])
 		return;
 	make_room(prints);
-	const struct print *own = r->first[l->element] <= k ? find_print(prints, key, r->code[l->element]) : NULL;
+	const struct print *own = r->first[l->element] <= k ? find_print(prints, key, r->code[l->element])
+		: NULL;
 	double brings = 0;
 	for (uint32_t c = l->low_code; c <= l->high_code; c++) {
 		if (c == l->low_code || key->edges.step[c] != key->edges.step[c - 1])
@@ -431,11 +448,13 @@ static void choose_piece(void *pieces, uint32_t i)
 
 static void apply_in_view(const struct refine *r, uint32_t element, uint32_t view, struct prints *prints)
 {
-	uint32_t first = r->next_first[element], code = r->next_code[element], from = first < r->first[element] ? first : r->first[element];
+	uint32_t first = r->next_first[element], code = r->next_code[element],
+		from = first < r->first[element] ? first : r->first[element];
 	see(r, prints, element, view);
 	for (uint32_t k = from; k < r->key_count; k++) {
 		const struct key *key = &r->keys[k];
-		bool was = r->first[element] <= k, is = first <= k, other = key->edges.step[code] != key->edges.step[r->code[element]];
+		bool was = r->first[element] <= k, is = first <= k,
+			other = key->edges.step[code] != key->edges.step[r->code[element]];
 		if (k == from || key->level != key[-1].level)
 			forget_prints(prints, key->level->sights.pixels);
 		make_room(prints);
@@ -484,7 +503,8 @@ static void set_price(void *pieces, uint32_t k)
 {
 	struct refine *r = pieces;
 	struct key *key = &r->keys[k += r->key_at];
-	uint32_t begin = key->elements - (key->elements + 9) / 10, end = key->elements + key->elements / 10, samples = 0;
+	uint32_t begin = key->elements - (key->elements + 9) / 10, end = key->elements + key->elements / 10,
+		samples = 0;
 	end = end < r->count ? end : r->count;
 	double sum = 0;
 	for (uint32_t i = begin; i < end; i += (end - begin) / 200 + 1, samples++) {
@@ -507,7 +527,8 @@ static void follow_budgets(struct refine *r)
 static bool goes_on(const struct refine *r, double share)
 {
 	const struct lod_rank_options *options = r->in->options;
-	return !options->progress || options->progress(options->ctx, LOD_RANK_REFINE_FROM + (1 - LOD_RANK_REFINE_FROM) * share);
+	return !options->progress
+		|| options->progress(options->ctx, LOD_RANK_REFINE_FROM + (1 - LOD_RANK_REFINE_FROM) * share);
 }
 
 /* Runs a piece for each key, two at a time. */
@@ -557,7 +578,8 @@ static void open_keys(struct refine *r, struct lod_arena *arena)
 			sum += triangles_of(r, r->in->order[i]);
 			r->first[r->in->order[i]] = (uint8_t)r->key_count;
 		}
-		if (i < KEY_LEAST || place->share < r->in->options->from_share || (r->key_count && i == key[-1].elements)
+		if (i < KEY_LEAST || place->share < r->in->options->from_share
+				|| (r->key_count && i == key[-1].elements)
 			|| (place->points && !lod_rank_begins_with_points(r->in->options)))
 			continue;
 		key->elements = i;
@@ -568,7 +590,8 @@ static void open_keys(struct refine *r, struct lod_arena *arena)
 		key->level = r->crown->level;
 		key->planes = lod_arena_take(arena, r->crown->views, sizeof *key->planes);
 		for (uint32_t v = 0; v < r->crown->views; v++)
-			key->planes[v] = lod_arena_take(arena, key->level->sights.words, sizeof *key->planes[v]);
+			key->planes[v] = lod_arena_take(arena, key->level->sights.words,
+				sizeof *key->planes[v]);
 		key->trial = lod_arena_take(arena, key->level->sights.words, sizeof *key->trial);
 		double cook = (double)r->count / i;
 		set_scale(key, sqrt(cook * (1 + cook) / 2));
@@ -590,7 +613,8 @@ static void write_order(const struct refine *r, struct lod_arena *arena)
 		uint32_t found = 0;
 		for (uint32_t e = 0; e < r->count; e++)
 			if (r->first[e] == k)
-				items[found++] = (struct lod_keyed){ k > 0 ? ~lod_sort_key(r->early[e]) : old[e], e };
+				items[found++] = (struct lod_keyed){ k > 0 ? ~lod_sort_key(r->early[e])
+					: old[e], e };
 		lod_sort(arena, items, found);
 		for (uint32_t i = 0; i < found; i++)
 			r->in->order[done++] = items[i].value;
@@ -600,7 +624,8 @@ static void write_order(const struct refine *r, struct lod_arena *arena)
 
 static bool make_sweeps(struct refine *r)
 {
-	uint32_t most = (r->in->options->wrong_pixels ? SWEEPS_WRONG_PIXELS : SWEEPS) - 1, more = LOOKED / r->count;
+	uint32_t most = (r->in->options->wrong_pixels ? SWEEPS_WRONG_PIXELS : SWEEPS) - 1,
+		more = LOOKED / r->count;
 	uint32_t sweeps = 1 + (more < most ? more : most);
 	r->stretch = 1.25;
 	if (!run_keys(r, fit_scale, 0) || !run_keys(r, set_price, 0))

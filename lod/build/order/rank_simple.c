@@ -37,7 +37,10 @@ static void set_frame(struct fit *fit, const struct lod_fan *leaf)
 	for (uint32_t i = 0; i < leaf->corners; i++) {
 		struct lod_v3 p = lod_v3_of(leaf->corner[i]), from = lod_v3_sub(p, fit->center);
 		if (i + 1 < leaf->corners)
-			normal = lod_v3_add(normal, lod_v3_cross(lod_v3_sub(p, first), lod_v3_sub(lod_v3_of(leaf->corner[i + 1]), first)));
+			normal =
+				lod_v3_add(normal,
+				lod_v3_cross(lod_v3_sub(p, first),
+				lod_v3_sub(lod_v3_of(leaf->corner[i + 1]), first)));
 		if (lod_v3_length(from) > far) {
 			far = lod_v3_length(from);
 			fit->u = from;
@@ -47,7 +50,8 @@ static void set_frame(struct fit *fit, const struct lod_fan *leaf)
 	fit->u = lod_v3_unit(fit->u);
 	fit->n = lod_v3_unit(lod_v3_sub(normal, lod_v3_scale(fit->u, lod_v3_dot(normal, fit->u))));
 	if (!(lod_v3_length(fit->n) > 0.5)) {
-		struct lod_v3 other = fabs(fit->u.z) < 0.9 ? (struct lod_v3){ 0, 0, 1 } : (struct lod_v3){ 1, 0, 0 };
+		struct lod_v3 other = fabs(fit->u.z) < 0.9 ? (struct lod_v3){ 0, 0, 1 }
+			: (struct lod_v3){ 1, 0, 0 };
 		fit->n = lod_v3_unit(lod_v3_cross(fit->u, other));
 	}
 	fit->v = lod_v3_cross(fit->n, fit->u);
@@ -55,14 +59,17 @@ static void set_frame(struct fit *fit, const struct lod_fan *leaf)
 
 static struct lod_v3 in_frame(const struct fit *fit, double u, double v, double n)
 {
-	return lod_v3_add(lod_v3_scale(fit->u, u), lod_v3_add(lod_v3_scale(fit->v, v), lod_v3_scale(fit->n, n)));
+	return lod_v3_add(lod_v3_scale(fit->u, u),
+		lod_v3_add(lod_v3_scale(fit->v, v), lod_v3_scale(fit->n, n)));
 }
 
 static void place_eye(const struct fit *fit, struct lod_eye *eye, struct lod_v3 from)
 {
-	struct lod_v3 back = lod_v3_unit(from), right = lod_v3_unit(lod_v3_cross(fit->v, back)), up = lod_v3_cross(back, right);
+	struct lod_v3 back = lod_v3_unit(from), right = lod_v3_unit(lod_v3_cross(fit->v, back)),
+		up = lod_v3_cross(back, right);
 	struct lod_v3 at = lod_v3_add(fit->center, lod_v3_scale(back, AWAY * fit->radius));
-	*eye = (struct lod_eye){ .at = { at.x, at.y, at.z }, .right = { right.x, right.y, right.z }, .up = { up.x, up.y, up.z },
+	*eye = (struct lod_eye){ .at = { at.x, at.y, at.z }, .right = { right.x, right.y, right.z },
+		.up = { up.x, up.y, up.z },
 		.forward = { -back.x, -back.y, -back.z }, .tan_x = REACH / AWAY, .tan_y = REACH / AWAY };
 }
 
@@ -114,10 +121,12 @@ static void put(float to[3], const struct fit *fit, double u, double v)
  * one of the sides. */
 static void try_boxes(struct fit *fit)
 {
-	static const double cosine[TURNS] = { 1, 0.92387953, 0.70710678, 0.38268343, 0, -0.38268343, -0.70710678, -0.92387953 };
+	static const double cosine[TURNS] = { 1, 0.92387953, 0.70710678, 0.38268343, 0, -0.38268343,
+		-0.70710678, -0.92387953 };
 	double pixel = 2 * REACH * fit->radius / PIXELS;
 	for (uint32_t turn = 0; turn < TURNS; turn++) {
-		double c = cosine[turn], s = cosine[(turn + TURNS / 2) % TURNS] * (turn < TURNS / 2 ? -1 : 1), low[2] = { 9, 9 }, high[2] = { -9, -9 };
+		double c = cosine[turn], s = cosine[(turn + TURNS / 2) % TURNS] * (turn < TURNS / 2 ? -1 : 1),
+			low[2] = { 9, 9 }, high[2] = { -9, -9 };
 		uint32_t area = 0;
 		s = -s;
 		low[0] = low[1] = 1e9, high[0] = high[1] = -1e9;
@@ -125,7 +134,8 @@ static void try_boxes(struct fit *fit)
 			for (uint32_t x = 0; x < PIXELS; x++) {
 				if (!(fit->leaf[0][y] >> x & 1))
 					continue;
-				double right = x + 0.5 - PIXELS / 2.0, up = PIXELS / 2.0 - y - 0.5, at[2] = { right * c + up * s, up * c - right * s };
+				double right = x + 0.5 - PIXELS / 2.0, up = PIXELS / 2.0 - y - 0.5,
+					at[2] = { right * c + up * s, up * c - right * s };
 				for (int k = 0; k < 2; k++) {
 					low[k] = fmin(low[k], at[k] - 0.5);
 					high[k] = fmax(high[k], at[k] + 0.5);
@@ -134,14 +144,17 @@ static void try_boxes(struct fit *fit)
 			}
 		if (!area)
 			return;
-		double middle[2] = { (low[0] + high[0]) / 2, (low[1] + high[1]) / 2 }, wide = high[0] - low[0], tall = high[1] - low[1];
+		double middle[2] = { (low[0] + high[0]) / 2, (low[1] + high[1]) / 2 },
+			wide = high[0] - low[0], tall = high[1] - low[1];
 		double in = sqrt(2 * area / (wide * tall));
 		for (uint32_t way = 0; way < 4; way++) {
-			static const double wedge[4][3][2] = { { { -1, -1 }, { 1, -1 }, { 0, 1 } }, { { -1, -1 }, { 1, 0 }, { -1, 1 } },
+			static const double wedge[4][3][2] = { { { -1, -1 }, { 1, -1 }, { 0, 1 } },
+				{ { -1, -1 }, { 1, 0 }, { -1, 1 } },
 				{ { 0, -1 }, { 1, 1 }, { -1, 1 } }, { { -1, 0 }, { 1, -1 }, { 1, 1 } } };
 			float corner[3][3];
 			for (uint32_t k = 0; k < 3; k++) {
-				double a = middle[0] + wedge[way][k][0] * wide / 2 * in, b = middle[1] + wedge[way][k][1] * tall / 2 * in;
+				double a = middle[0] + wedge[way][k][0] * wide / 2 * in,
+					b = middle[1] + wedge[way][k][1] * tall / 2 * in;
 				put(corner[k], fit, (a * c - b * s) * pixel, (a * s + b * c) * pixel);
 			}
 			try_corners(fit, (const float (*)[3])corner);
@@ -188,7 +201,10 @@ static void improve(struct fit *fit)
 			for (uint32_t k = 0; k < 3; k++)
 				for (int way = 0; way < 6; way++) {
 					const double by = way % 2 ? -step : step;
-					moved |= move_corner(fit, k, in_frame(fit, way / 2 == 0 ? by : 0, way / 2 == 1 ? by : 0, way / 2 == 2 ? by : 0));
+					moved |=
+						move_corner(fit, k,
+						in_frame(fit, way / 2 == 0 ? by : 0, way / 2 == 1 ? by : 0,
+						way / 2 == 2 ? by : 0));
 				}
 		}
 	}
@@ -196,7 +212,8 @@ static void improve(struct fit *fit)
 
 void lod_simple_fit(struct lod_simple *simple, const struct lod_fan *leaf)
 {
-	static const double aslant[VIEWS][2] = { { 0, 0 }, { 1, 0.4 }, { -0.4, 1 }, { -1, -0.4 }, { 0.4, -1 } };
+	static const double aslant[VIEWS][2] = { { 0, 0 }, { 1, 0.4 }, { -0.4, 1 }, { -1, -0.4 },
+		{ 0.4, -1 } };
 	struct fit fit;
 	*simple = (struct lod_simple){ .corners = 3 };
 	memcpy(simple->corner, leaf->corner, sizeof simple->corner);

@@ -22,7 +22,8 @@ double lod_cook_scale_depth(uint32_t kept, uint32_t count, double share)
 {
 	if (kept == 0 || kept >= count || !(share > 0) || share > 1)
 		return lod_cook_scale(kept < count ? kept : count, count);
-	/* What is left uncovered, not what is covered: it is what both sides differ in where crowns are dense. */
+	/* What is left uncovered, not what is covered: it is what both sides differ in where crowns are
+	 * dense. */
 	double left = power(1 - share, count), low = 1, high = fmin((double)count / kept, 1 / share);
 	for (int i = 0; i < HALVINGS; i++) {
 		double s = (low + high) / 2;
@@ -38,7 +39,8 @@ double lod_cook_share(uint32_t count, double projected, double covered)
 {
 	if (count == 0 || !(covered > 0) || !(projected > covered))
 		return 0;
-	double one = projected / count;                  /* in units of which `covered` is at least one element */
+	/* in units of which `covered` is at least one element */
+	double one = projected / count;
 	double elements = fmax(1, covered / one), low = 0, high = 1;
 	for (int i = 0; i < HALVINGS; i++) {
 		double a = (low + high) / 2;

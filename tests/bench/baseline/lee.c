@@ -6,14 +6,15 @@
 
 #include "lod/sort.h"
 
-void lod_lee_group_make(struct lod_lee_group *group, const struct lod_v3 *center, const struct lod_v3 *normal, const uint32_t *leaves,
-	uint32_t count)
+void lod_lee_group_make(struct lod_lee_group *group, const struct lod_v3 *center, const struct lod_v3 *normal,
+	const uint32_t *leaves, uint32_t count)
 {
 	memset(group, 0, sizeof *group);
 	group->count = count;
 	for (uint32_t i = 0; i < count; i++) {
 		struct lod_v3 n = lod_v3_unit(normal[leaves[i]]);
-		const double product[6] = { n.x * n.x, n.y * n.y, n.z * n.z, n.x * n.y, n.x * n.z, n.y * n.z };
+		const double product[6] = { n.x * n.x, n.y * n.y, n.z * n.z, n.x * n.y, n.x * n.z,
+			n.y * n.z };
 		for (int k = 0; k < 6; k++)
 			group->facing[k] += product[k] / count;
 		group->center = lod_v3_add(group->center, lod_v3_scale(center[leaves[i]], 1.0 / count));
@@ -25,11 +26,13 @@ static double facing(const struct lod_lee_group *group, struct lod_v3 eye)
 {
 	struct lod_v3 v = lod_v3_unit(lod_v3_sub(eye, group->center));
 	const double *f = group->facing;
-	return f[0] * v.x * v.x + f[1] * v.y * v.y + f[2] * v.z * v.z + 2 * (f[3] * v.x * v.y + f[4] * v.x * v.z + f[5] * v.y * v.z);
+	return f[0] * v.x * v.x + f[1] * v.y * v.y + f[2] * v.z * v.z
+		+ 2 * (f[3] * v.x * v.y + f[4] * v.x * v.z + f[5] * v.y * v.z);
 }
 
 /* Groups order[0..count) in turn until `budget` more leaves are kept; returns what is left of it. */
-static uint64_t keep(uint32_t *kept, const struct lod_lee_group *groups, const struct lod_keyed *order, uint32_t count, uint64_t budget)
+static uint64_t keep(uint32_t *kept, const struct lod_lee_group *groups, const struct lod_keyed *order,
+	uint32_t count, uint64_t budget)
 {
 	for (uint32_t i = 0; i < count && budget; i++) {
 		uint32_t g = order[i].value;
@@ -42,8 +45,9 @@ static uint64_t keep(uint32_t *kept, const struct lod_lee_group *groups, const s
 }
 
 /* `order` becomes layer after layer, each by normal; first[i] is where layer i begins. */
-static void order_layers(struct lod_keyed *order, uint32_t *first, uint32_t layers, const struct lod_lee_group *groups, uint32_t count,
-	const struct lod_lee_view *view, struct lod_arena *arena)
+static void order_layers(struct lod_keyed *order, uint32_t *first, uint32_t layers,
+	const struct lod_lee_group *groups, uint32_t count, const struct lod_lee_view *view,
+	struct lod_arena *arena)
 {
 	double near = DBL_MAX, far = -DBL_MAX;
 	double *depth = lod_arena_take(arena, count, sizeof *depth);
@@ -67,8 +71,8 @@ static void order_layers(struct lod_keyed *order, uint32_t *first, uint32_t laye
 	}
 }
 
-static void keep_layers(uint32_t *kept, const struct lod_lee_group *groups, uint32_t count, const struct lod_lee_view *view,
-	uint64_t budget, struct lod_arena *arena)
+static void keep_layers(uint32_t *kept, const struct lod_lee_group *groups, uint32_t count,
+	const struct lod_lee_view *view, uint64_t budget, struct lod_arena *arena)
 {
 	uint32_t layers = view->layers ? view->layers : LOD_LEE_LAYERS;
 	uint64_t sum = (uint64_t)layers * (layers + 1) / 2, weight = 0, given = 0, left = 0;
@@ -77,16 +81,18 @@ static void keep_layers(uint32_t *kept, const struct lod_lee_group *groups, uint
 	order_layers(order, first, layers, groups, count, view, arena);
 	for (uint32_t layer = 0; layer < layers; layer++) {
 		weight += layers - layer;
-		uint64_t share = budget / sum * weight + budget % sum * weight / sum - given;    /* shares add up to the budget */
+		/* shares add up to the budget */
+		uint64_t share = budget / sum * weight + budget % sum * weight / sum - given;
 		given += share;
-		left = keep(kept, groups, order + first[layer], first[layer + 1] - first[layer], share + left);
+		left = keep(kept, groups, order + first[layer], first[layer + 1] - first[layer],
+			share + left);
 	}
 	for (uint32_t layer = 0; layer < layers && left; layer++)
 		left = keep(kept, groups, order + first[layer], first[layer + 1] - first[layer], left);
 }
 
-void lod_lee_keep(uint32_t *kept, enum lod_lee_method method, const struct lod_lee_group *groups, uint32_t group_count,
-	const struct lod_lee_view *view, uint64_t budget, struct lod_arena *arena)
+void lod_lee_keep(uint32_t *kept, enum lod_lee_method method, const struct lod_lee_group *groups,
+	uint32_t group_count, const struct lod_lee_view *view, uint64_t budget, struct lod_arena *arena)
 {
 	struct lod_arena_piece *mark = arena->last;
 	memset(kept, 0, group_count * sizeof *kept);
@@ -96,7 +102,8 @@ void lod_lee_keep(uint32_t *kept, enum lod_lee_method method, const struct lod_l
 		struct lod_keyed *order = lod_arena_take(arena, group_count, sizeof *order);
 		for (uint32_t i = 0; i < group_count; i++) {
 			struct lod_v3 d = lod_v3_sub(groups[i].center, view->eye);
-			double rank = method == LOD_LEE_DISTANCE ? lod_v3_dot(d, d) : -facing(&groups[i], view->eye);
+			double rank = method == LOD_LEE_DISTANCE ? lod_v3_dot(d, d)
+				: -facing(&groups[i], view->eye);
 			order[i] = (struct lod_keyed){ lod_sort_key(rank), i };
 		}
 		lod_sort(arena, order, group_count);

@@ -8,7 +8,8 @@
 
 #include "tests/bench/bench.h"
 
-const char *const extreme_kind_names[EXTREME_KINDS] = { "place", "camera", "stiff", "geometry", "quantization", "time" };
+const char *const extreme_kind_names[EXTREME_KINDS] = { "place", "camera", "stiff", "geometry",
+	"quantization", "time" };
 
 /* ---- Cases ---- */
 
@@ -88,41 +89,49 @@ static json_t *run_case(struct bench *bench, const struct extreme_case *row)
 	double from = now_s();
 	struct extreme x = { .made = row->made };
 	row->run(&x);
-	return bench_keep(bench, name, must, json_pack("{s:b, s:s, s:f}", "pass", !x.failed, "measured", x.measured, "seconds", now_s() - from));
+	return bench_keep(bench, name, must,
+		json_pack("{s:b, s:s, s:f}", "pass", !x.failed, "measured", x.measured, "seconds",
+		now_s() - from));
 }
 
 static bool tell_case(struct bench_table *table, const struct extreme_case *row, json_t *unit)
 {
 	char name[200], must[400], measured[400];
 	bool pass = json_is_true(json_object_get(unit, "pass"));
-	bench_table_row(table, "%s,%s,%s,%s,%s", extreme_kind_names[row->kind], without_commas(row->name, name, sizeof name),
-		without_commas(row->must, must, sizeof must),
-		without_commas(json_string_value(json_object_get(unit, "measured")), measured, sizeof measured), pass ? "yes" : "NO");
+	bench_table_row(table, "%s,%s,%s,%s,%s", extreme_kind_names[row->kind],
+		without_commas(row->name, name, sizeof name), without_commas(row->must, must, sizeof must),
+		without_commas(json_string_value(json_object_get(unit, "measured")), measured,
+		sizeof measured), pass ? "yes" : "NO");
 	return pass;
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
-	struct bench_table *table = bench_table_open(bench, "extreme", "family,case,what must hold,measured,pass", true);
+	struct bench_table *table = bench_table_open(bench, "extreme",
+		"family,case,what must hold,measured,pass", true);
 	uint32_t done = 0, failed = 0;
 	char names[160] = "";
 	for (; done < EXTREME_CASES && !bench_stopped(bench); done++) {
 		const struct extreme_case *row = &extreme_cases[done];
 		bench_progress(bench, (double)done / EXTREME_CASES, row->name);
 		if (!tell_case(table, row, run_case(bench, row)) && failed++ < 4)
-			snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s", *names ? "; " : "", row->name);
+			snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s",
+				*names ? "; " : "", row->name);
 	}
 	bench_table_close(table);
 	if (done < EXTREME_CASES)
 		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	bench_say(bench, "%u cases, %u of them passed; none was left out.", done, done - failed);
-	bench_say(bench, "Every loop has a bound: searches have a tolerance and a number of tries, and say which of the two ended them (lod/solver.h: "
-		"plans by lod_planner_stats and ECO_TRACE=plan, grids and scales in a pack's META); everything else makes a fixed number of passes. "
-		"Tests trap floating-point errors around lod/. Packs and plans of gcc -O0, gcc -O3 and clang, and plans under valgrind, are compared "
-		"by make determinism.");
+	bench_say(bench, "Every loop has a bound: searches have a tolerance and a number of tries, and say "
+		"which of the two ended them (lod/solver.h: "
+		"plans by lod_planner_stats and ECO_TRACE=plan, grids and scales in a pack's META); "
+		"everything else makes a fixed number of passes. "
+		"Tests trap floating-point errors around lod/. Packs and plans of gcc -O0, gcc -O3 and "
+		"clang, and plans under valgrind, are compared by make determinism.");
 	bench_key(bench, "extreme_cases", done, "of the table");
 	bench_key(bench, "extreme_failed", failed, "<= 0: cases that do not hold");
-	return failed ? eco_fail(error, ECO_DAMAGED, "%u of %u extreme cases failed: %s", failed, done, names) : ECO_OK;
+	return failed ? eco_fail(error, ECO_DAMAGED, "%u of %u extreme cases failed: %s", failed, done, names)
+		: ECO_OK;
 }
 
 const struct bench_section bench_extreme = { "extreme", "Numerical stability", run,

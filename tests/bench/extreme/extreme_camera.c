@@ -1,4 +1,5 @@
-/* Camera: places and lenses that no one would choose and some script will. Everything that a view check lets through must be planned and drawn. */
+/* Camera: places and lenses that no one would choose and some script will. Everything that a view check lets
+ * through must be planned and drawn. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,16 +21,19 @@ enum { BUDGETS = sizeof budgets / sizeof *budgets };
 /* ---- Looking ---- */
 
 /* The same request twice, and what it sees. */
-static bool plan_twice(struct extreme *x, const struct eco_scene *scene, const struct eco_request *request, struct extreme_look *look)
+static bool plan_twice(struct extreme *x, const struct eco_scene *scene, const struct eco_request *request,
+	struct extreme_look *look)
 {
 	struct eco_writer first = { 0 };
-	bool good = extreme_again(x, scene, request, &first, look) && extreme_again(x, scene, request, &first, NULL);
+	bool good = extreme_again(x, scene, request, &first, look)
+		&& extreme_again(x, scene, request, &first, NULL);
 	eco_writer_free(&first);
 	return good;
 }
 
 /* At every budget; drawn at a small one and in full. */
-static bool look_through(struct extreme *x, const struct extreme_world *world, const struct eco_view *view, bool drawn, struct extreme_look *look)
+static bool look_through(struct extreme *x, const struct extreme_world *world, const struct eco_view *view,
+	bool drawn, struct extreme_look *look)
 {
 	struct eco_request request = { .view = *view, .bytes = ECO_BYTES_UNBOUNDED };
 	struct eco_error error = { 0 };
@@ -63,18 +67,22 @@ static bool find_leaf(struct extreme *x, const struct lod_place *place, struct l
 		float p[3];
 		double at[3];
 		for (int i = 0; i < 3; i++)
-			p[i] = (float)(leaves->list.grid_origin[i] + leaves->list.grid_step[i] * leaves->elements.position[3 * k + (uint32_t)i]);
+			p[i] = (float)(leaves->list.grid_origin[i]
+				+ leaves->list.grid_step[i] * leaves->elements.position[3 * k + (uint32_t)i]);
 		lod_place_point(place, p, at);
 		leaf[0] = lod_v3_add(leaf[0], (struct lod_v3){ at[0] / n, at[1] / n, at[2] / n });
 		if (k < 2)
 			corner[k] = (struct lod_v3){ at[0], at[1], at[2] };
 	}
 	leaf[1] = corner[0];
-	leaf[2] = lod_v3_add(leaf[0], lod_v3_unit(lod_v3_cross(lod_v3_sub(corner[0], leaf[0]), lod_v3_sub(corner[1], leaf[0]))));
+	leaf[2] =
+		lod_v3_add(leaf[0],
+		lod_v3_unit(lod_v3_cross(lod_v3_sub(corner[0], leaf[0]), lod_v3_sub(corner[1], leaf[0]))));
 	return true;
 }
 
-static bool place_of(struct extreme *x, const struct extreme_world *world, enum extreme_from from, double at[3])
+static bool place_of(struct extreme *x, const struct extreme_world *world, enum extreme_from from,
+	double at[3])
 {
 	const struct eco_scene *s = extreme_tables(world);
 	struct lod_place place = extreme_placed(world, 0, 0);
@@ -88,7 +96,9 @@ static bool place_of(struct extreme *x, const struct extreme_world *world, enum 
 	else if (from >= FROM_LEAF) {
 		if (!find_leaf(x, &place, leaf))
 			return false;
-		memcpy(at, (double[3]){ leaf[from - FROM_LEAF].x, leaf[from - FROM_LEAF].y, leaf[from - FROM_LEAF].z }, 3 * sizeof *at);
+		memcpy(at,
+			(double[3]){ leaf[from - FROM_LEAF].x, leaf[from - FROM_LEAF].y,
+			leaf[from - FROM_LEAF].z }, 3 * sizeof *at);
 	}
 	return extreme_must(x, from != FROM_CELL || plant->anchor_count > 1, "the tree has no cells");
 }
@@ -107,9 +117,11 @@ static bool take_shot(struct extreme *x, const struct extreme_world *world, cons
 	if (!look_through(x, world, &view, !shot->planned_only, &look))
 		return false;
 	double share = (double)look.covered / ((double)view.width * view.height);
-	extreme_must(x, shot->planned_only || share >= shot->least, "%s: %.1f %% of the picture are covered, at least %.1f %% should be", shot->name,
-		100 * share, 100 * shot->least);
-	extreme_say(x, "%s: %llu plants, %llu vertices", shot->name, (unsigned long long)look.plants, (unsigned long long)look.vertices);
+	extreme_must(x, shot->planned_only || share >= shot->least,
+		"%s: %.1f %% of the picture are covered, at least %.1f %% should be", shot->name, 100 * share,
+		100 * shot->least);
+	extreme_say(x, "%s: %llu plants, %llu vertices", shot->name, (unsigned long long)look.plants,
+		(unsigned long long)look.vertices);
 	size_t used = strlen(x->measured);
 	if (!shot->planned_only)
 		snprintf(x->measured + used, sizeof x->measured - used, ", %.1f %% covered", 100 * share);
@@ -119,28 +131,33 @@ static bool take_shot(struct extreme *x, const struct extreme_world *world, cons
 void extreme_look_at(struct extreme *x)
 {
 	const struct extreme_world *world = extreme_world(x);
-	for (const struct extreme_shot *shot = x->made; world && shot->name && take_shot(x, world, shot); shot++)
+	for (const struct extreme_shot *shot = x->made; world && shot->name && take_shot(x, world, shot);
+			shot++)
 		;
 }
 
 /* ---- The largest picture ---- */
 
 /* One cut for all plants that draw it; what is covered is all that is asked. */
-static bool draw_cut(struct lod_raster *raster, const struct view_store *store, const struct view_selection *s, uint32_t c)
+static bool draw_cut(struct lod_raster *raster, const struct view_store *store,
+	const struct view_selection *s, uint32_t c)
 {
 	const struct eco_cut *cut = &view_store_plan(store)->cuts[c];
 	const struct view_list *list = view_store_list(store, cut->list);
 	size_t count = cut->end - cut->first;
-	struct lod_geometry g = { .position = malloc(36 * count + 1), .width = malloc(4 * count + 1), .color = malloc(4 * count + 1),
+	struct lod_geometry g = { .position = malloc(36 * count + 1), .width = malloc(4 * count + 1),
+		.color = malloc(4 * count + 1),
 		.size = malloc(4 * count + 1) };
 	bool good = g.position && g.width && g.color && g.size;
-	struct lod_raster_batch batch = { .count = (uint32_t)count, .position = g.position, .width = g.width, .area = list->list.unit_area * cut->scale,
+	struct lod_raster_batch batch = { .count = (uint32_t)count, .position = g.position, .width = g.width,
+		.area = list->list.unit_area * cut->scale,
 		.size = list->list.attributes & ECO_ATTR_SIZE ? g.size : NULL, .owner = 1 };
 	if (good)
 		lod_list_geometry(&list->list, &list->elements, cut->first, cut->end, cut->scale, &g);
 	for (uint32_t m = s->member_first[c]; m < s->member_first[c + 1] && good; m++) {
 		lod_raster_object(raster, &s->instances[s->members[m]].place);
-		(list->list.kind == ECO_LIST_TRIANGLES ? lod_raster_triangles : list->list.kind == ECO_LIST_LINES ? lod_raster_lines
+		(list->list.kind == ECO_LIST_TRIANGLES ? lod_raster_triangles : list->list.kind
+			== ECO_LIST_LINES ? lod_raster_lines
 			: lod_raster_points)(raster, &batch);
 	}
 	free(g.position);
@@ -151,9 +168,11 @@ static bool draw_cut(struct lod_raster *raster, const struct view_store *store, 
 }
 
 /* What covers, and nothing else: five bytes a pixel, so that the largest picture takes 1.3 GB and not 7. */
-static bool silhouette(struct extreme *x, const struct extreme_world *world, const struct eco_view *view, struct lod_raster *raster)
+static bool silhouette(struct extreme *x, const struct extreme_world *world, const struct eco_view *view,
+	struct lod_raster *raster)
 {
-	struct eco_request request = { .view = *view, .vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED };
+	struct eco_request request = { .view = *view, .vertices = ECO_VERTICES_MAX,
+		.bytes = ECO_BYTES_UNBOUNDED };
 	struct view_store_options options = { .images = true };
 	struct view_store *store = NULL;
 	struct view_selection s = { 0 };
@@ -163,25 +182,30 @@ static bool silhouette(struct extreme *x, const struct extreme_world *world, con
 	bool good = extreme_good(x, view_store_new(&store, &options, &error), &error)
 		&& extreme_good(x, bench_fetch(NULL, world->scene, &request, store, &error), &error)
 		&& extreme_good(x, view_select_make(&s, store, &eye, &error), &error)
-		&& extreme_good(x, lod_raster_init(raster, &(struct lod_raster_options){ view->width, view->height, .silhouette = true }, &error), &error);
+		&& extreme_good(x, lod_raster_init(raster,
+		&(struct lod_raster_options){ view->width, view->height, .silhouette = true }, &error),
+		&error);
 	if (good) {
 		lod_raster_clear(raster);
 		lod_raster_camera(raster, &eye, extreme_tables(world)->near_m);
 	}
 	for (uint32_t c = 0; c < s.cut_count && good; c++)
-		good = s.member_first[c] == s.member_first[c + 1] || extreme_must(x, draw_cut(raster, store, &s, c), "no memory");
+		good = s.member_first[c] == s.member_first[c + 1]
+			|| extreme_must(x, draw_cut(raster, store, &s, c), "no memory");
 	view_select_free(&s);
 	view_store_free(store);
 	return good;
 }
 
-/* Blocks of 16 x 16 pixels of the largest picture against pixels of the small one: what is all covered, or not at all, is so there. */
+/* Blocks of 16 x 16 pixels of the largest picture against pixels of the small one: what is all covered, or
+ * not at all, is so there. */
 static void compare_blocks(struct extreme *x, const struct lod_raster *large, const struct lod_raster *small)
 {
 	uint32_t times = large->width / small->width, odd = 0;
 	uint64_t covered[2] = { 0 }, pixels = (uint64_t)small->width * small->height;
 	for (uint32_t i = 0; i < pixels; i++) {
-		const uint8_t *block = large->cover + ((size_t)(i / small->width) * large->width + i % small->width) * times;
+		const uint8_t *block = large->cover
+			+ ((size_t)(i / small->width) * large->width + i % small->width) * times;
 		uint32_t count = 0;
 		for (uint32_t k = 0; k < times * times; k++)
 			count += block[(size_t)(k / times) * large->width + k % times] != 0;
@@ -189,12 +213,14 @@ static void compare_blocks(struct extreme *x, const struct lod_raster *large, co
 		covered[1] += small->cover[i] != 0;
 		odd += (count == 0 && small->cover[i]) || (count == times * times && !small->cover[i]);
 	}
-	double share = (double)covered[0] / ((double)pixels * times * times), coarse = (double)covered[1] / (double)pixels;
-	extreme_must(x, odd <= pixels / 10000, "%u blocks of the largest picture are unlike the pixels of a small one", odd);
-	extreme_must(x, share > 0.02 && fabs(share - coarse) < 0.005 * share, "%.3f %% covered in the largest picture, %.3f %% in a small one",
-		100 * share, 100 * coarse);
-	extreme_say(x, "16384 x 16384 drawn: %.3f %% covered, %.3f %% at 1024 x 1024, %u of %llu blocks unlike", 100 * share, 100 * coarse, odd,
-		(unsigned long long)pixels);
+	double share = (double)covered[0] / ((double)pixels * times * times),
+		coarse = (double)covered[1] / (double)pixels;
+	extreme_must(x, odd <= pixels / 10000, "%u blocks of the largest picture are unlike the pixels of a "
+		"small one", odd);
+	extreme_must(x, share > 0.02 && fabs(share - coarse) < 0.005 * share,
+		"%.3f %% covered in the largest picture, %.3f %% in a small one", 100 * share, 100 * coarse);
+	extreme_say(x, "16384 x 16384 drawn: %.3f %% covered, %.3f %% at 1024 x 1024, %u of %llu blocks "
+		"unlike", 100 * share, 100 * coarse, odd, (unsigned long long)pixels);
 }
 
 void extreme_images(struct extreme *x)
@@ -222,8 +248,10 @@ void extreme_all_behind(struct extreme *x)
 		struct eco_view view = extreme_view((double[3]){ -50, 0, 2 }, ways[i]);
 		struct extreme_look look = { 0 };
 		if (look_through(x, world, &view, true, &look))
-			extreme_must(x, look.plants == 0 && look.vertices == 0 && look.covered == 0, "%llu plants, %llu vertices and %llu pixels of what is "
-				"behind", (unsigned long long)look.plants, (unsigned long long)look.vertices, (unsigned long long)look.covered);
+			extreme_must(x, look.plants == 0 && look.vertices == 0 && look.covered == 0,
+				"%llu plants, %llu vertices and %llu pixels of what is "
+				"behind", (unsigned long long)look.plants, (unsigned long long)look.vertices,
+				(unsigned long long)look.covered);
 	}
 	if (!x->failed)
 		extreme_say(x, "no plant, no vertex, no pixel in 3 views at 4 budgets");
@@ -234,8 +262,8 @@ void extreme_all_behind(struct extreme *x)
 #define SIDE EXTREME_SIDE_M
 #define LEVELS 10u               /* 4^10 stands of four tiles */
 
-/* The stand planted 4^LEVELS times: each level is four of the one below. A tile stands for what is below it by the stand's own summary. Other
- * tables stay those of `from`. */
+/* The stand planted 4^LEVELS times: each level is four of the one below. A tile stands for what is below it
+ * by the stand's own summary. Other tables stay those of `from`. */
 static void widen(struct scene_builder *b, const struct eco_scene *from)
 {
 	const uint32_t shift = LEVELS - 1;       /* of the stand's tiles, which follow the levels */
@@ -254,8 +282,8 @@ static void widen(struct scene_builder *b, const struct eco_scene *from)
 		}
 	}
 	for (uint32_t i = 0; i < from->group_count; i++)
-		scene_add_group(b, (struct eco_group){ from->groups[i].tile + shift, from->groups[i].plant, from->groups[i].list,
-			from->groups[i].place_first });
+		scene_add_group(b, (struct eco_group){ from->groups[i].tile + shift, from->groups[i].plant,
+			from->groups[i].list, from->groups[i].place_first });
 	for (uint32_t level = LEVELS; level-- > 0;) {
 		double quarter = SIDE / 2 * ldexp(1, (int)(shift - level));
 		struct eco_tile *t = &b->tiles[level], *below = t + 1;
@@ -266,18 +294,22 @@ static void widen(struct scene_builder *b, const struct eco_scene *from)
 		t->area = 4 * below->area;
 		t->instance_count = 4 * below->instance_count;
 		for (uint32_t c = 0; c < 4; c++)
-			scene_add_child(b, level, (struct eco_child){ level + 1, true, { c & 1 ? quarter : -quarter, c & 2 ? quarter : -quarter, 0 }, 0, 1 });
+			scene_add_child(b, level,
+				(struct eco_child){ level + 1, true,
+				{ c & 1 ? quarter : -quarter, c & 2 ? quarter : -quarter, 0 }, 0, 1 });
 	}
 }
 
-static void look_along(struct extreme *x, const struct eco_scene *scene, const struct eco_view *view, uint64_t most, bool told)
+static void look_along(struct extreme *x, const struct eco_scene *scene, const struct eco_view *view,
+	uint64_t most, bool told)
 {
 	struct eco_request request = { .view = *view, .vertices = most, .bytes = ECO_BYTES_UNBOUNDED };
 	struct extreme_look look = { 0 };
 	if (plan_twice(x, scene, &request, &look) && told)
-		extreme_say(x, "%llu plants in view, %llu vertices", (unsigned long long)look.plants, (unsigned long long)look.vertices);
-	extreme_must(x, look.vertices >= most / 2, "%llu vertices where %llu were allowed", (unsigned long long)look.vertices,
-		(unsigned long long)most);
+		extreme_say(x, "%llu plants in view, %llu vertices", (unsigned long long)look.plants,
+			(unsigned long long)look.vertices);
+	extreme_must(x, look.vertices >= most / 2, "%llu vertices where %llu were allowed",
+		(unsigned long long)look.vertices, (unsigned long long)most);
 }
 
 void extreme_horizon(struct extreme *x)

@@ -9,11 +9,13 @@
 void extreme_at_site(struct extreme *x);
 void extreme_unlike(struct extreme *x);
 
-/* Camera: x->made is an array of shots that ends with one without a name. Eye and target of a shot are metres from somewhere: the scene's
- * origin, its first tree's foot, the middle of that tree or of its first cell; or the middle of one of its leaves, a corner of that leaf,
- * and a metre along its normal. `least`: share of pixels to be covered. */
+/* Camera: x->made is an array of shots that ends with one without a name. Eye and target of a shot are metres
+ * from somewhere: the scene's origin, its first tree's foot, the middle of that tree or of its first cell; or
+ * the middle of one of its leaves, a corner of that leaf, and a metre along its normal. `least`: share of
+ * pixels to be covered. */
 enum extreme_from { FROM_SCENE, FROM_TREE, FROM_MIDDLE, FROM_CELL, FROM_LEAF, FROM_CORNER, FROM_NORMAL };
-struct extreme_shot { const char *name; struct eco_view view; enum extreme_from eye, target; double least; bool planned_only; };
+struct extreme_shot { const char *name; struct eco_view view; enum extreme_from eye, target; double least;
+	bool planned_only; };
 void extreme_look_at(struct extreme *x);
 void extreme_images(struct extreme *x);
 void extreme_all_behind(struct extreme *x);
@@ -42,8 +44,10 @@ void extreme_materials(struct extreme *x);
 void extreme_orders(struct extreme *x);
 void extreme_lambda_to_0(struct extreme *x);
 
-/* Quantization: x->made is an array of trees, scaled and shifted, that ends with one without a name. `bits` 0: the grid is found. */
-struct extreme_tree { const char *name; double factor, shift_m; uint32_t leaves, quick_leaves, flowers, bits; double lost; bool cells; };
+/* Quantization: x->made is an array of trees, scaled and shifted, that ends with one without a name. `bits`
+ * 0: the grid is found. */
+struct extreme_tree { const char *name; double factor, shift_m; uint32_t leaves, quick_leaves, flowers, bits;
+	double lost; bool cells; };
 void extreme_rounded(struct extreme *x);
 void extreme_large(struct extreme *x);
 void extreme_nearer(struct extreme *x);

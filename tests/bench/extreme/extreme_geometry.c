@@ -1,5 +1,6 @@
-/* Geometry: models that no modeller would make and every scanner does. Each is built into a plant, packed, planned and drawn; or refused with a
- * reason. Every triangle of the source is stored or counted as dropped, and no number that is written is not a number. */
+/* Geometry: models that no modeller would make and every scanner does. Each is built into a plant, packed,
+ * planned and drawn; or refused with a reason. Every triangle of the source is stored or counted as dropped,
+ * and no number that is written is not a number. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,7 +12,8 @@
 
 /* ---- Plants of a soup ---- */
 
-static void corner_triangle(struct soup *s, uint32_t material, struct lod_v3 a, struct lod_v3 b, struct lod_v3 c)
+static void corner_triangle(struct soup *s, uint32_t material, struct lod_v3 a, struct lod_v3 b,
+	struct lod_v3 c)
 {
 	uint32_t i = soup_vertex(s, a, 0, 0), k = soup_vertex(s, b, 1, 0), l = soup_vertex(s, c, 0, 1);
 	soup_triangle(s, material, i, k, l);
@@ -27,7 +29,9 @@ static uint32_t begin(struct soup *s)
 static void some_leaves(struct soup *s, uint32_t material, uint32_t count)
 {
 	for (uint32_t i = 0; i < count; i++)
-		soup_leaf(s, material, lod_v3_add((struct lod_v3){ 0, 0, 1.5 }, lod_v3_scale(soup_direction(s), soup_random(s, 0, 1))), 0.15, 0.1);
+		soup_leaf(s, material,
+			lod_v3_add((struct lod_v3){ 0, 0, 1.5 },
+			lod_v3_scale(soup_direction(s), soup_random(s, 0, 1))), 0.15, 0.1);
 }
 
 static bool numbers_sound(struct extreme *x, const struct lod_plant *plant)
@@ -38,20 +42,23 @@ static bool numbers_sound(struct extreme *x, const struct lod_plant *plant)
 		dropped += plant->dropped[d];
 	for (uint32_t i = 0; i < plant->plant.anchor_count; i++)
 		for (int k = 0; k < 3; k++)
-			good = good && isfinite(plant->anchors[i].center[k]) && isfinite(plant->anchors[i].radius) && plant->anchors[i].radius >= 0;
+			good = good && isfinite(plant->anchors[i].center[k])
+				&& isfinite(plant->anchors[i].radius) && plant->anchors[i].radius >= 0;
 	for (uint32_t i = 0; i < plant->curve_count; i++) {
 		const struct eco_curve *c = &plant->curves[i];
-		good = good && c->share > 0 && c->share <= 1 && c->scale >= 0 && isfinite(c->scale) && c->reach >= 0 && c->reach <= 1 && c->fp >= 0
-			&& isfinite(c->fp)
+		good = good && c->share > 0 && c->share <= 1 && c->scale >= 0 && isfinite(c->scale)
+			&& c->reach >= 0 && c->reach <= 1 && c->fp >= 0 && isfinite(c->fp)
 			&& c->fn >= 0 && isfinite(c->fn);
 	}
 	for (uint32_t i = 0; i < plant->list_count; i++)
 		for (int k = 0; k < 3; k++)
-			good = good && isfinite(plant->lists[i].list.grid_origin[k]) && plant->lists[i].list.grid_step[k] > 0
+			good = good && isfinite(plant->lists[i].list.grid_origin[k])
+				&& plant->lists[i].list.grid_step[k] > 0
 				&& isfinite(plant->lists[i].list.grid_step[k]);
 	return extreme_must(x, good, "%s: numbers that are not finite or make no sense", plant->plant.name)
-		&& extreme_must(x, plant->triangles_in == plant->triangles_stored + dropped, "%s: of %u triangles %u are stored and %llu dropped",
-		plant->plant.name, plant->triangles_in, plant->triangles_stored, (unsigned long long)dropped);
+		&& extreme_must(x, plant->triangles_in == plant->triangles_stored + dropped,
+		"%s: of %u triangles %u are stored and %llu dropped", plant->plant.name, plant->triangles_in,
+		plant->triangles_stored, (unsigned long long)dropped);
 }
 
 /* Packs, plans and draws it, alone in its world. */
@@ -62,8 +69,9 @@ static bool grows(struct extreme *x, struct extreme_stand *stand, const char *na
 	struct extreme_world world = { 0 };
 	struct view_picture picture = { 0 };
 	double r = whole->radius > 0 ? whole->radius : 1;
-	struct eco_request request = { .view = { { c[0] - 3 * r, c[1] - 2 * r, c[2] + r }, { c[0], c[1], c[2] }, { 0, 0, 1 }, 45, 200, 200 },
-		.bytes = ECO_BYTES_UNBOUNDED };
+	struct eco_request request =
+		{ .view = { { c[0] - 3 * r, c[1] - 2 * r, c[2] + r }, { c[0], c[1], c[2] }, { 0, 0, 1 }, 45,
+		200, 200 }, .bytes = ECO_BYTES_UNBOUNDED };
 	extreme_stand_place(stand, &(struct extreme_place){ .scale = 1 });
 	bool good = extreme_world_open(x, &world, stand, &(struct extreme_site){ 0 });
 	for (int i = 0; i < 4 && good; i++) {
@@ -85,7 +93,8 @@ static bool grows(struct extreme *x, struct extreme_stand *stand, const char *na
 
 enum wanted { SEEN, REFUSED, ANSWERED };     /* ANSWERED: sound or refused */
 
-/* Builds what is in the soup, and frees it: it must be refused with a reason, or something of it must be seen. */
+/* Builds what is in the soup, and frees it: it must be refused with a reason, or something of it must be
+ * seen. */
 static void try_soup(struct extreme *x, struct soup *soup, const char *name, enum wanted wanted)
 {
 	struct extreme_stand stand = { .side = 20, .near_m = 1e-6 };
@@ -93,14 +102,16 @@ static void try_soup(struct extreme *x, struct soup *soup, const char *name, enu
 	uint64_t covered = 0;
 	enum eco_code code = extreme_stand_add(&stand, soup, name, &error);
 	if (wanted == REFUSED || (wanted == ANSWERED && code))
-		extreme_must(x, (code == ECO_BAD_INPUT || (wanted == ANSWERED && code == ECO_TOO_LARGE)) && strlen(error.text) > 10, "%s: status %d (%s)",
-			name, code, error.text);
-	else if (extreme_good(x, code, &error) && numbers_sound(x, &stand.plants[0]) && grows(x, &stand, name, &covered))
+		extreme_must(x, (code == ECO_BAD_INPUT || (wanted == ANSWERED && code == ECO_TOO_LARGE))
+			&& strlen(error.text) > 10, "%s: status %d (%s)", name, code, error.text);
+	else if (extreme_good(x, code, &error) && numbers_sound(x, &stand.plants[0])
+			&& grows(x, &stand, name, &covered))
 		extreme_must(x, wanted == ANSWERED || covered > 0, "%s: nothing of it is seen", name);
 	if (!x->failed && (code || wanted == ANSWERED))
 		extreme_say(x, "%s: %s", name, code ? "refused" : "built");
 	else if (!x->failed)
-		extreme_say(x, "%s: %u of %u triangles stored, %llu pixels", name, stand.plants[0].triangles_stored, stand.plants[0].triangles_in,
+		extreme_say(x, "%s: %u of %u triangles stored, %llu pixels", name,
+			stand.plants[0].triangles_stored, stand.plants[0].triangles_in,
 			(unsigned long long)covered);
 	extreme_stand_free(&stand);
 }
@@ -115,9 +126,11 @@ void extreme_zero_area(struct extreme *x)
 		if (!alone)
 			some_leaves(&s, m, 60);
 		for (int i = 0; i < 40; i++) {
-			struct lod_v3 a = { soup_random(&s, -1, 1), 0, soup_random(&s, 0, 2) }, d = soup_direction(&s);
+			struct lod_v3 a = { soup_random(&s, -1, 1), 0, soup_random(&s, 0, 2) },
+				d = soup_direction(&s);
 			corner_triangle(&s, m, a, a, lod_v3_add(a, d));
-			corner_triangle(&s, m, (struct lod_v3){ i, 0, 0 }, (struct lod_v3){ i, 0, 1 }, (struct lod_v3){ i, 0, 2 });
+			corner_triangle(&s, m, (struct lod_v3){ i, 0, 0 }, (struct lod_v3){ i, 0, 1 },
+				(struct lod_v3){ i, 0, 2 });
 			corner_triangle(&s, m, a, a, a);
 		}
 		try_soup(x, &s, alone ? "nothing else" : "among leaves", alone ? REFUSED : SEEN);
@@ -133,9 +146,12 @@ void extreme_needles(struct extreme *x)
 		uint32_t m = begin(&s);
 		some_leaves(&s, m, 20);
 		for (int k = 0; k < 300; k++) {
-			struct lod_v3 u = soup_direction(&s), v = lod_v3_unit(lod_v3_cross(u, soup_direction(&s)));
-			struct lod_v3 at = { soup_random(&s, -0.5, 0.5), soup_random(&s, -0.5, 0.5), soup_random(&s, 0.5, 2) };
-			corner_triangle(&s, m, at, lod_v3_add(at, u), lod_v3_add(at, lod_v3_scale(v, 1 / ratio[i])));
+			struct lod_v3 u = soup_direction(&s),
+				v = lod_v3_unit(lod_v3_cross(u, soup_direction(&s)));
+			struct lod_v3 at = { soup_random(&s, -0.5, 0.5), soup_random(&s, -0.5, 0.5),
+				soup_random(&s, 0.5, 2) };
+			corner_triangle(&s, m, at, lod_v3_add(at, u),
+				lod_v3_add(at, lod_v3_scale(v, 1 / ratio[i])));
 		}
 		snprintf(name, sizeof name, "%.0e:1", ratio[i]);
 		try_soup(x, &s, name, SEEN);
@@ -150,29 +166,34 @@ void extreme_coincident(struct extreme *x)
 	uint32_t once = s.model.triangle_count;
 	for (int copy = 0; copy < 4; copy++)
 		for (uint32_t t = 0; t < once; t++)
-			soup_triangle(&s, copy == 3 ? other : m, s.model.index[3 * t], s.model.index[3 * t + 1], s.model.index[3 * t + 2]);
+			soup_triangle(&s, copy == 3 ? other : m, s.model.index[3 * t],
+				s.model.index[3 * t + 1], s.model.index[3 * t + 2]);
 	try_soup(x, &s, "each five times; once in another colour", SEEN);
 	m = begin(&s);
 	for (int i = 0; i < 300; i++)
-		corner_triangle(&s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0, 0 }, (struct lod_v3){ 0, 0, 1 });
+		corner_triangle(&s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0, 0 },
+			(struct lod_v3){ 0, 0, 1 });
 	try_soup(x, &s, "one triangle 300 times", SEEN);
 	m = begin(&s);
 	for (int i = 0; i < 300; i++)
-		corner_triangle(&s, m, (struct lod_v3){ 1e-7 * i, 0, 0 }, (struct lod_v3){ 1, 1e-7 * i, 0 }, (struct lod_v3){ 0, 0, 1 + 1e-7 * i });
+		corner_triangle(&s, m, (struct lod_v3){ 1e-7 * i, 0, 0 }, (struct lod_v3){ 1, 1e-7 * i, 0 },
+			(struct lod_v3){ 0, 0, 1 + 1e-7 * i });
 	try_soup(x, &s, "nearly the same", SEEN);
 }
 
 void extreme_non_manifold(struct extreme *x)
 {
 	struct soup s;
-	uint32_t m = begin(&s), foot = soup_vertex(&s, (struct lod_v3){ 0, 0, 0 }, 0, 0), top = soup_vertex(&s, (struct lod_v3){ 0, 0, 2 }, 0, 0);
+	uint32_t m = begin(&s), foot = soup_vertex(&s, (struct lod_v3){ 0, 0, 0 }, 0, 0),
+		top = soup_vertex(&s, (struct lod_v3){ 0, 0, 2 }, 0, 0);
 	for (int i = 0; i < 200; i++)
 		soup_triangle(&s, m, foot, top, soup_vertex(&s, (struct lod_v3){ cos(i), sin(i), 1 }, 0, 0));
 	try_soup(x, &s, "200 triangles at one edge", SEEN);
 	m = begin(&s);
 	uint32_t middle = soup_vertex(&s, (struct lod_v3){ 0, 0, 1 }, 0, 0);
 	for (int i = 0; i < 200; i++)
-		soup_triangle(&s, m, middle, soup_vertex(&s, lod_v3_add((struct lod_v3){ 0, 0, 1 }, soup_direction(&s)), 0, 0),
+		soup_triangle(&s, m, middle,
+			soup_vertex(&s, lod_v3_add((struct lod_v3){ 0, 0, 1 }, soup_direction(&s)), 0, 0),
 			soup_vertex(&s, lod_v3_add((struct lod_v3){ 0, 0, 1 }, soup_direction(&s)), 0, 0));
 	try_soup(x, &s, "200 triangles at one corner", SEEN);
 	m = begin(&s);
@@ -180,7 +201,9 @@ void extreme_non_manifold(struct extreme *x)
 	for (int i = 0; i < TURNS; i++)              /* a strip with half a twist: no side is out */
 		for (int side = -1; side <= 1; side += 2) {
 			double a = 2 * LOD_PI * i / TURNS, w = 0.3 * side;
-			soup_vertex(&s, (struct lod_v3){ (1 + w * cos(a / 2)) * cos(a), (1 + w * cos(a / 2)) * sin(a), 1 + w * sin(a / 2) }, 0, 0);
+			soup_vertex(&s,
+				(struct lod_v3){ (1 + w * cos(a / 2)) * cos(a), (1 + w * cos(a / 2)) * sin(a),
+				1 + w * sin(a / 2) }, 0, 0);
 		}
 	for (uint32_t i = 0; i < TURNS; i++) {
 		uint32_t p = 2 * i, q = i + 1 < TURNS ? p + 2 : 1, r = i + 1 < TURNS ? p + 3 : 0;
@@ -192,7 +215,8 @@ void extreme_non_manifold(struct extreme *x)
 
 void extreme_not_finite(struct extreme *x)
 {
-	static const struct { const char *name; float value; } rows[] = { { "NaN", NAN }, { "infinite", INFINITY }, { "minus infinite", -INFINITY },
+	static const struct { const char *name; float value; } rows[] =
+		{ { "NaN", NAN }, { "infinite", INFINITY }, { "minus infinite", -INFINITY },
 		{ "denormal", 1e-42f },
 		{ "1e-30", 1e-30f }, { "3e38", 3e38f }, { "-1e30", -1e30f }, { "1e10", 1e10f } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
@@ -214,16 +238,20 @@ void extreme_few(struct extreme *x)
 	(void)m;
 	try_soup(x, &s, "empty", REFUSED);
 	m = begin(&s);
-	corner_triangle(&s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0, 0 }, (struct lod_v3){ 0, 0.5, 1 });
+	corner_triangle(&s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0, 0 },
+		(struct lod_v3){ 0, 0.5, 1 });
 	try_soup(x, &s, "one triangle", SEEN);
 	m = begin(&s);
-	soup_quad(&s, m, (struct lod_v3){ 0, 0, 1 }, (struct lod_v3){ 1, 0, 0 }, (struct lod_v3){ 0, 0.3, 1 });
+	soup_quad(&s, m, (struct lod_v3){ 0, 0, 1 }, (struct lod_v3){ 1, 0, 0 },
+		(struct lod_v3){ 0, 0.3, 1 });
 	try_soup(x, &s, "one leaf", SEEN);
 	m = begin(&s);
-	corner_triangle(&s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1e-5, 0, 0 }, (struct lod_v3){ 0, 0, 1e-5 });
+	corner_triangle(&s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1e-5, 0, 0 },
+		(struct lod_v3){ 0, 0, 1e-5 });
 	try_soup(x, &s, "one of 10 micrometres", SEEN);
 	m = begin(&s);
-	corner_triangle(&s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1e5, 0, 0 }, (struct lod_v3){ 0, 0, 1e5 });
+	corner_triangle(&s, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1e5, 0, 0 },
+		(struct lod_v3){ 0, 0, 1e5 });
 	try_soup(x, &s, "one of 100 km", SEEN);
 }
 
@@ -240,8 +268,10 @@ void extreme_materials(struct extreme *x)
 	s.model.materials = all;
 	s.model.material_count = count;
 	for (uint32_t i = 0; i < count; i++) {
-		all[i] = (struct eco_material){ .rgb = { (uint8_t)i, (uint8_t)(i >> 8), (uint8_t)(i * 37) }, .image = ECO_NONE };
-		soup_leaf(&s, i, lod_v3_add((struct lod_v3){ 0, 0, 2 }, lod_v3_scale(soup_direction(&s), 2)), 0.05, 0.05);
+		all[i] = (struct eco_material){ .rgb = { (uint8_t)i, (uint8_t)(i >> 8), (uint8_t)(i * 37) },
+			.image = ECO_NONE };
+		soup_leaf(&s, i, lod_v3_add((struct lod_v3){ 0, 0, 2 }, lod_v3_scale(soup_direction(&s), 2)),
+			0.05, 0.05);
 	}
 	try_soup(x, &s, "a colour a leaf", SEEN);
 	free(all);
@@ -254,14 +284,18 @@ void extreme_ten_million(struct extreme *x)
 	struct eco_error error = { 0 };
 	uint32_t m = begin(&s), leaves = 5000000;
 	for (uint32_t i = 0; i < leaves; i++)
-		soup_leaf(&s, m, lod_v3_add((struct lod_v3){ 0, 0, 20 }, lod_v3_scale(soup_direction(&s), 15 * sqrt(soup_random(&s, 0, 1)))), 0.03, 0.02);
-	struct lod_plant_options options = { .name = "ten million", .seed = 1, .order = LOD_ORDER_STOCHASTIC, .grid_bits = 16, .views = 2, .pixels = 64 };
+		soup_leaf(&s, m,
+			lod_v3_add((struct lod_v3){ 0, 0, 20 },
+			lod_v3_scale(soup_direction(&s), 15 * sqrt(soup_random(&s, 0, 1)))), 0.03, 0.02);
+	struct lod_plant_options options = { .name = "ten million", .seed = 1, .order = LOD_ORDER_STOCHASTIC,
+		.grid_bits = 16, .views = 2, .pixels = 64 };
 	enum eco_code code = lod_plant_build(&plant, &s.model, &options, &error);
 	if (!code)
 		code = lod_plant_measure(&plant, &s.model, &options, &error);
 	soup_free(&s);
 	if (extreme_good(x, code, &error) && numbers_sound(x, &plant))
-		extreme_say(x, "%u of %u triangles stored, %u cells", plant.triangles_stored, plant.triangles_in, plant.plant.anchor_count - 1);
+		extreme_say(x, "%u of %u triangles stored, %u cells", plant.triangles_stored,
+			plant.triangles_in, plant.plant.anchor_count - 1);
 	if (!code)
 		lod_plant_free(&plant);
 }
@@ -273,24 +307,34 @@ void extreme_orders(struct extreme *x)
 	enum { MOST = 3000 };
 	static struct lod_v3 center[MOST], normal[MOST];
 	static double survival[MOST];
-	static const struct { const char *name; uint32_t count; int shape; } rows[] = { { "one leaf", 1, 0 }, { "two in one point", 2, 0 },
+	static const struct { const char *name; uint32_t count; int shape; } rows[] =
+		{ { "one leaf", 1, 0 }, { "two in one point", 2, 0 },
 		{ "all in one point", MOST, 0 },
-		{ "all on a line", MOST, 1 }, { "all in a plane", MOST, 2 }, { "two clusters 1e6 apart", MOST, 3 }, { "no normals", 100, 4 } };
+		{ "all on a line", MOST, 1 }, { "all in a plane", MOST, 2 },
+		{ "two clusters 1e6 apart", MOST, 3 }, { "no normals", 100, 4 } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
 		for (int method = LOD_ORDER_STOCHASTIC; method < LOD_ORDER_COUNT; method++)
 			for (int tall = 0; tall < 3; tall++) {
 				struct lod_arena arena = { 0 };
 				uint64_t state = 7;
 				for (uint32_t k = 0; k < rows[i].count; k++) {
-					double u = eco_mix_unit(state = lod_mix(state + 1)), v = eco_mix_unit(state = lod_mix(state + 1));
-					center[k] = rows[i].shape == 1 ? (struct lod_v3){ 0, 0, u } : rows[i].shape == 2 ? (struct lod_v3){ u, v, 1 }
-						: rows[i].shape == 3 ? (struct lod_v3){ k % 2 ? 1e6 + u : u, v, u } : (struct lod_v3){ 1, 2, 3 };
-					normal[k] = rows[i].shape == 4 ? (struct lod_v3){ 0, 0, 0 } : (struct lod_v3){ u - 0.5, v - 0.5, 0.3 };
+					double u = eco_mix_unit(state = lod_mix(state + 1)),
+						v = eco_mix_unit(state = lod_mix(state + 1));
+					center[k] = rows[i].shape == 1 ? (struct lod_v3){ 0, 0, u }
+						: rows[i].shape == 2 ? (struct lod_v3){ u, v, 1 }
+						: rows[i].shape == 3
+							? (struct lod_v3){ k % 2 ? 1e6 + u : u, v, u }
+							: (struct lod_v3){ 1, 2, 3 };
+					normal[k] = rows[i].shape == 4 ? (struct lod_v3){ 0, 0, 0 }
+						: (struct lod_v3){ u - 0.5, v - 0.5, 0.3 };
 				}
-				lod_order_survival_by(survival, (enum lod_order_method)method, &(struct lod_order_input){ rows[i].count, center, normal,
+				lod_order_survival_by(survival, (enum lod_order_method)method,
+					&(struct lod_order_input){ rows[i].count, center, normal,
 					tall == 0 ? 0 : tall == 1 ? 1 : 1e6, 3 }, &arena);
 				for (uint32_t k = 0; k < rows[i].count; k++)
-					extreme_must(x, isfinite(survival[k]), "%s, %s: leaf %u survives by %g", rows[i].name, lod_order_names[method], k, survival[k]);
+					extreme_must(x, isfinite(survival[k]),
+						"%s, %s: leaf %u survives by %g", rows[i].name,
+						lod_order_names[method], k, survival[k]);
 				lod_arena_free(&arena);
 			}
 	for (int alike = 0; alike < 2; alike++) {
@@ -298,7 +342,8 @@ void extreme_orders(struct extreme *x)
 		uint32_t m = begin(&s);
 		for (int i = 0; i < 200; i++)
 			if (alike)
-				soup_quad(&s, m, (struct lod_v3){ 0, 0, 1 }, (struct lod_v3){ 0.1, 0, 0 }, (struct lod_v3){ 0, 1e-7 * i, 0.1 });
+				soup_quad(&s, m, (struct lod_v3){ 0, 0, 1 }, (struct lod_v3){ 0.1, 0, 0 },
+					(struct lod_v3){ 0, 1e-7 * i, 0.1 });
 			else
 				soup_leaf(&s, m, (struct lod_v3){ 0, 0, 1 }, 0.2, 0.1);
 		try_soup(x, &s, alike ? "200 leaves alike in one point" : "200 leaves in one point", SEEN);
@@ -318,19 +363,23 @@ void extreme_lambda_to_0(struct extreme *x)
 		const struct eco_ladder *l = &s->ladders[i];
 		for (size_t k = 0; k < sizeof shares / sizeof *shares; k++) {
 			struct eco_curve c = lod_ladder_curve(s, l, shares[k]);
-			extreme_must(x, isfinite(c.scale) && isfinite(c.fp) && isfinite(c.fn), "ladder %u at a share of %g is not finite", i, shares[k]);
-			extreme_must(x, lod_ladder_vertices(s, l, shares[k]) <= lod_ladder_full(s, l), "ladder %u at a share of %g", i, shares[k]);
+			extreme_must(x, isfinite(c.scale) && isfinite(c.fp) && isfinite(c.fn),
+				"ladder %u at a share of %g is not finite", i, shares[k]);
+			extreme_must(x, lod_ladder_vertices(s, l, shares[k]) <= lod_ladder_full(s, l),
+				"ladder %u at a share of %g", i, shares[k]);
 		}
 		uint64_t v = lod_ladder_next(s, l, 0);
 		for (int step = 0; step < 20 && v != UINT64_MAX; step++, v = lod_ladder_next(s, l, v)) {
 			struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 			uint32_t count = lod_ladder_cuts(s, l, v, lod_ladder_density(s, l, v), cuts);
 			for (uint32_t c = 0; c < count; c++, tried++) {
-				extreme_must(x, cuts[c].scale > 0 && cuts[c].scale <= 1e12f, "ladder %u, %llu vertices: scale %g", i, (unsigned long long)v,
+				extreme_must(x, cuts[c].scale > 0 && cuts[c].scale <= 1e12f,
+					"ladder %u, %llu vertices: scale %g", i, (unsigned long long)v,
 					(double)cuts[c].scale);
 				largest = fmax(largest, (double)cuts[c].scale);
 			}
 		}
 	}
-	extreme_say(x, "%u ladders, %u cuts: the largest area factor is %.0f", s->ladder_count, tried, largest);
+	extreme_say(x, "%u ladders, %u cuts: the largest area factor is %.0f", s->ladder_count, tried,
+		largest);
 }

@@ -1,5 +1,6 @@
-/* Quantization: corners are integers. For each list it is stated from which distance on rounding them moves nothing by more than half a pixel
- * (lod/build/grid.h); here every corner of the source is looked up among those that are stored, and how far it moved is projected. */
+/* Quantization: corners are integers. For each list it is stated from which distance on rounding them moves
+ * nothing by more than half a pixel (lod/build/grid.h); here every corner of the source is looked up among
+ * those that are stored, and how far it moved is projected. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,13 +17,15 @@ struct point { int32_t p[3]; };
 static int compare(const void *a, const void *b) { return memcmp(a, b, sizeof(struct point)); }
 
 /* All corners of the plant's triangles, sorted. Their lists are on one grid: `grid` is one of them. */
-static struct point *corners_of(const struct lod_plant *plant, const struct eco_list **grid, size_t *count, bool *one_grid)
+static struct point *corners_of(const struct lod_plant *plant, const struct eco_list **grid, size_t *count,
+	bool *one_grid)
 {
 	size_t all = 0;
 	*grid = NULL;
 	*one_grid = true;
 	for (uint32_t i = 0; i < plant->list_count; i++)
-		all += plant->lists[i].list.kind == ECO_LIST_TRIANGLES ? plant->lists[i].elements.corner_count : 0;
+		all += plant->lists[i].list.kind == ECO_LIST_TRIANGLES ? plant->lists[i].elements.corner_count
+			: 0;
 	struct point *points = malloc((all + 1) * sizeof *points);
 	*count = 0;
 	for (uint32_t i = 0; i < plant->list_count && points; i++) {
@@ -30,7 +33,8 @@ static struct point *corners_of(const struct lod_plant *plant, const struct eco_
 		if (d->list.kind != ECO_LIST_TRIANGLES)
 			continue;
 		*grid = *grid ? *grid : &d->list;
-		*one_grid = *one_grid && !memcmp((*grid)->grid_step, d->list.grid_step, sizeof d->list.grid_step)
+		*one_grid = *one_grid
+			&& !memcmp((*grid)->grid_step, d->list.grid_step, sizeof d->list.grid_step)
 			&& !memcmp((*grid)->grid_origin, d->list.grid_origin, sizeof d->list.grid_origin);
 		memcpy(points + *count, d->elements.position, d->elements.corner_count * sizeof *points);
 		*count += d->elements.corner_count;
@@ -40,20 +44,26 @@ static struct point *corners_of(const struct lod_plant *plant, const struct eco_
 	return points;
 }
 
-/* How far the source's corners are from where they are stored, at most; those that are nowhere near are counted. */
-static double farthest(const struct eco_model *model, const struct eco_list *grid, const struct point *points, size_t count, uint32_t *lost)
+/* How far the source's corners are from where they are stored, at most; those that are nowhere near are
+ * counted. */
+static double farthest(const struct eco_model *model, const struct eco_list *grid, const struct point *points,
+	size_t count, uint32_t *lost)
 {
 	double most = 0;
 	*lost = 0;
 	for (uint32_t v = 0; v < model->vertex_count; v++) {
 		double best = INFINITY;
-		for (int near = 0; near < 27; near++) {         /* a corner that was welded to another is beside its own step at most */
+		/* a corner that was welded to another is beside its own step at most */
+		for (int near = 0; near < 27; near++) {
 			struct point q;
 			double square = 0;
 			for (int k = 0, digit = near; k < 3; k++, digit /= 3) {
-				double at = ((double)model->position[3 * v + (uint32_t)k] - grid->grid_origin[k]) / grid->grid_step[k];
+				double at =
+					((double)model->position[3 * v + (uint32_t)k] - grid->grid_origin[k])
+					/ grid->grid_step[k];
 				q.p[k] = (int32_t)floor(at + 0.5) + digit % 3 - 1;
-				square += (at - q.p[k]) * (at - q.p[k]) * grid->grid_step[k] * grid->grid_step[k];
+				square += (at - q.p[k]) * (at - q.p[k]) * grid->grid_step[k]
+					* grid->grid_step[k];
 			}
 			if (square < best && bsearch(&q, points, count, sizeof q, compare))
 				best = square;
@@ -76,7 +86,9 @@ static struct source *sources_of(const struct eco_model *model, const struct eco
 	for (uint32_t v = 0; v < model->vertex_count && sources; v++) {
 		sources[v].vertex = v;
 		for (uint32_t k = 0; k < 3; k++)
-			sources[v].at.p[k] = (int32_t)floor(((double)model->position[3 * v + k] - grid->grid_origin[k]) / grid->grid_step[k] + 0.5);
+			sources[v].at.p[k] =
+				(int32_t)floor(((double)model->position[3 * v + k] - grid->grid_origin[k])
+				/ grid->grid_step[k] + 0.5);
 	}
 	if (sources)
 		qsort(sources, model->vertex_count, sizeof *sources, compare);
@@ -84,19 +96,22 @@ static struct source *sources_of(const struct eco_model *model, const struct eco
 }
 
 /* How far a list's corners are from the nearest corner of the model that is at the same place of the grid. */
-static double list_error(const struct lod_list_draft *d, const struct eco_model *model, const struct source *sources)
+static double list_error(const struct lod_list_draft *d, const struct eco_model *model,
+	const struct source *sources)
 {
 	double most = 0;
 	for (uint32_t c = 0; c < d->elements.corner_count; c++) {
 		const int32_t *p = d->elements.position + 3 * (size_t)c;
-		const struct source *s = bsearch(p, sources, model->vertex_count, sizeof *sources, compare), *end = sources + model->vertex_count;
+		const struct source *s = bsearch(p, sources, model->vertex_count, sizeof *sources, compare),
+			*end = sources + model->vertex_count;
 		double best = INFINITY;
 		for (; s && s > sources && !compare(s - 1, p); s--)
 			;
 		for (; s && s < end && !compare(s, p); s++) {
 			double square = 0;
 			for (uint32_t k = 0; k < 3; k++) {
-				double off = d->list.grid_origin[k] + d->list.grid_step[k] * p[k] - (double)model->position[3 * s->vertex + k];
+				double off = d->list.grid_origin[k] + d->list.grid_step[k] * p[k]
+					- (double)model->position[3 * s->vertex + k];
 				square += off * off;
 			}
 			best = fmin(best, square);
@@ -106,8 +121,10 @@ static double list_error(const struct lod_list_draft *d, const struct eco_model 
 	return sqrt(most);
 }
 
-/* Each list of the model's own triangles, at the distance that is stated for it; returns how many there are. */
-static uint32_t measure_lists(struct extreme *x, const struct lod_plant *plant, const struct eco_model *model, double px[2])
+/* Each list of the model's own triangles, at the distance that is stated for it; returns how many there are.
+ */
+static uint32_t measure_lists(struct extreme *x, const struct lod_plant *plant, const struct eco_model *model,
+	double px[2])
 {
 	uint32_t count = 0;
 	struct source *sources = NULL;
@@ -118,8 +135,12 @@ static uint32_t measure_lists(struct extreme *x, const struct lod_plant *plant, 
 		if (d->list.kind != ECO_LIST_TRIANGLES || d->list.coder == ECO_CODER_FORM)
 			continue;
 		sources = sources ? sources : sources_of(model, &d->list);
-		double error = sources ? list_error(d, model, sources) / (lod_grid_nearest_m(&d->list, LOD_GRID_PIXEL_RAD) * LOD_GRID_PIXEL_RAD) : INFINITY;
-		extreme_must(x, error <= 0.5 * (1 + 1e-4), "%s: list %u is off by %.3f px where half a pixel is stated", plant->plant.name, i, error);
+		double error = sources
+			? list_error(d, model,
+			sources)
+			/ (lod_grid_nearest_m(&d->list, LOD_GRID_PIXEL_RAD) * LOD_GRID_PIXEL_RAD) : INFINITY;
+		extreme_must(x, error <= 0.5 * (1 + 1e-4), "%s: list %u is off by %.3f px where half a "
+			"pixel is stated", plant->plant.name, i, error);
 		px[0] = fmin(px[0], error);
 		px[1] = fmax(px[1], error);
 		count++;
@@ -134,7 +155,8 @@ static void measure(struct extreme *x, struct soup *soup, const char *name, uint
 {
 	struct lod_plant plant = { 0 };
 	struct eco_error error = { 0 };
-	struct lod_plant_options options = { .name = name, .seed = 1, .order = LOD_ORDER_STOCHASTIC, .grid_bits = bits, .views = 2, .pixels = 64 };
+	struct lod_plant_options options = { .name = name, .seed = 1, .order = LOD_ORDER_STOCHASTIC,
+		.grid_bits = bits, .views = 2, .pixels = 64 };
 	enum eco_code code = lod_plant_build(&plant, &soup->model, &options, &error);
 	if (!code)
 		code = lod_plant_measure(&plant, &soup->model, &options, &error);
@@ -148,17 +170,22 @@ static void measure(struct extreme *x, struct soup *soup, const char *name, uint
 	uint32_t lost = 0;
 	struct point *points = corners_of(&plant, &grid, &count, &one_grid);
 	if (extreme_must(x, points && grid, "%s: no triangles", name)) {
-		double moved = farthest(&soup->model, grid, points, count, &lost), nearest = lod_grid_nearest_m(grid, LOD_GRID_PIXEL_RAD);
+		double moved = farthest(&soup->model, grid, points, count, &lost),
+			nearest = lod_grid_nearest_m(grid, LOD_GRID_PIXEL_RAD);
 		/* welding moves a corner by another 1e-6 of the plant */
-		double px = moved / (nearest * LOD_GRID_PIXEL_RAD), slack = 1e-6 * (double)plant.anchors[0].radius * 4 / (nearest * LOD_GRID_PIXEL_RAD);
+		double px = moved / (nearest * LOD_GRID_PIXEL_RAD),
+			slack = 1e-6 * (double)plant.anchors[0].radius * 4 / (nearest * LOD_GRID_PIXEL_RAD);
 		extreme_must(x, px <= 0.5 + slack, "%s: %.3f px at %.3g m", name, px, nearest);
-		extreme_must(x, lost <= lost_most, "%s: %u of %u corners are nowhere", name, lost, soup->model.vertex_count);
+		extreme_must(x, lost <= lost_most, "%s: %u of %u corners are nowhere", name, lost,
+			soup->model.vertex_count);
 		extreme_must(x, one_grid, "%s: lists of one plant are on grids that differ", name);
-		extreme_must(x, nearest <= 2.5 * (double)plant.anchors[0].radius, "%s: half a pixel only from %.3g m on", name, nearest);
+		extreme_must(x, nearest <= 2.5 * (double)plant.anchors[0].radius,
+			"%s: half a pixel only from %.3g m on", name, nearest);
 		double lists[2];
 		uint32_t list_count = measure_lists(x, &plant, &soup->model, lists);
-		extreme_say(x, "%s of %.3g m, %u cells: steps of %.2g m, %u lists of triangles at %.2g m: %.3f to %.3f px", name,
-			(double)plant.plant.height_m, plant.plant.anchor_count - 1, grid->grid_step[0], list_count, nearest, lists[0], lists[1]);
+		extreme_say(x, "%s of %.3g m, %u cells: steps of %.2g m, %u lists of triangles at %.2g m: "
+			"%.3f to %.3f px", name, (double)plant.plant.height_m, plant.plant.anchor_count - 1,
+			grid->grid_step[0], list_count, nearest, lists[0], lists[1]);
 	}
 	free(points);
 	soup_free(soup);
@@ -167,7 +194,8 @@ static void measure(struct extreme *x, struct soup *soup, const char *name, uint
 
 static double extent_of(const struct eco_model *model)
 {
-	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY }, most = 0;
+	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY },
+		most = 0;
 	for (uint32_t i = 0; i < 3 * model->vertex_count; i++) {
 		low[i % 3] = fmin(low[i % 3], (double)model->position[i]);
 		high[i % 3] = fmax(high[i % 3], (double)model->position[i]);
@@ -176,8 +204,9 @@ static double extent_of(const struct eco_model *model)
 	return most;
 }
 
-/* Plants larger than what LOD_GRID_NEAR_M leaves to the coarsest grid get more bits, so that half a pixel is reached from there on. (A grid
- * for each cell costs more bytes than the same steps for all: lod/build/grid.c.) */
+/* Plants larger than what LOD_GRID_NEAR_M leaves to the coarsest grid get more bits, so that half a pixel is
+ * reached from there on. (A grid for each cell costs more bytes than the same steps for all:
+ * lod/build/grid.c.) */
 void extreme_rounded(struct extreme *x)
 {
 	for (const struct extreme_tree *t = x->made; t->name; t++) {
@@ -186,27 +215,36 @@ void extreme_rounded(struct extreme *x)
 			continue;
 		soup_tree(&s, x->quick ? t->quick_leaves : t->leaves, t->flowers, false);
 		for (uint32_t i = 0; i < 3 * s.model.vertex_count; i++)
-			s.model.position[i] = (float)(t->factor * (double)s.model.position[i] + (i % 3 == 0 ? t->shift_m : 0));
-		double bits = ceil(log2(extent_of(&s.model) * sqrt(3) / (LOD_GRID_NEAR_M * LOD_GRID_PIXEL_RAD)));
-		extreme_must(x, !t->cells || lod_grid_bits_least(&s.model) == (uint32_t)fmax(LOD_GRID_BITS_MIN, bits), "%s: %u bits at least", t->name,
+			s.model.position[i] =
+				(float)(t->factor * (double)s.model.position[i]
+				+ (i % 3 == 0 ? t->shift_m : 0));
+		double bits =
+			ceil(log2(extent_of(&s.model) * sqrt(3) / (LOD_GRID_NEAR_M * LOD_GRID_PIXEL_RAD)));
+		extreme_must(x, !t->cells || lod_grid_bits_least(&s.model)
+			== (uint32_t)fmax(LOD_GRID_BITS_MIN, bits), "%s: %u bits at least", t->name,
 			lod_grid_bits_least(&s.model));
 		measure(x, &s, t->name, t->bits, (uint32_t)(t->lost * s.model.vertex_count));
 	}
 }
 
-/* Leaves stay as large as they are, the plant grows: the grid has to be finer, as much as the picture needs. */
+/* Leaves stay as large as they are, the plant grows: the grid has to be finer, as much as the picture needs.
+ */
 void extreme_large(struct extreme *x)
 {
 	struct soup s;
 	soup_begin(&s);
-	uint32_t leaf = soup_material(&s, 60, 150, 40, ECO_NONE, false), bark = soup_material(&s, 110, 80, 50, ECO_NONE, false);
+	uint32_t leaf = soup_material(&s, 60, 150, 40, ECO_NONE, false),
+		bark = soup_material(&s, 110, 80, 50, ECO_NONE, false);
 	soup_tube(&s, bark, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 95 }, 1.5, 0.1, 12, 60);
 	for (uint32_t i = 0; i < (x->quick ? 3000u : 40000u); i++)
-		soup_leaf(&s, leaf, lod_v3_add((struct lod_v3){ 0, 0, 75 }, lod_v3_scale(soup_direction(&s), 25 * sqrt(soup_random(&s, 0, 1)))), 0.06, 0.04);
+		soup_leaf(&s, leaf,
+			lod_v3_add((struct lod_v3){ 0, 0, 75 },
+			lod_v3_scale(soup_direction(&s), 25 * sqrt(soup_random(&s, 0, 1)))), 0.06, 0.04);
 	measure(x, &s, "a giant with small leaves", 0, 0);
 }
 
-/* Nearer than stated the error grows as the picture does, and nothing tears: what is drawn is full detail on the same grid. */
+/* Nearer than stated the error grows as the picture does, and nothing tears: what is drawn is full detail on
+ * the same grid. */
 void extreme_nearer(struct extreme *x)
 {
 	const struct extreme_world *world = extreme_world(x);
@@ -216,7 +254,9 @@ void extreme_nearer(struct extreme *x)
 	const double *tree = extreme_stand(x)->places[0].at;
 	for (int k = 0; k < 4; k++) {
 		double away = stated * ldexp(1, -2 * k);
-		struct eco_request request = { .view = extreme_view((double[3]){ tree[0] - away - 0.2, tree[1], 1 }, (double[3]){ tree[0], tree[1], 1 }),
+		struct eco_request request =
+			{ .view = extreme_view((double[3]){ tree[0] - away - 0.2, tree[1], 1 },
+			(double[3]){ tree[0], tree[1], 1 }),
 			.vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED };
 		struct view_picture picture = { 0 };
 		if (!extreme_draw(x, world, &request, &picture))
@@ -224,6 +264,7 @@ void extreme_nearer(struct extreme *x)
 		double covered = (double)extreme_covered(&picture) / (320 * 240);
 		view_picture_free(&picture);
 		extreme_must(x, covered > 0.01, "%.3g m away nothing is seen of the trunk", away);
-		extreme_say(x, "%.2g m: up to %.1f px, %.0f %% covered", away, 0.5 * stated / away, 100 * covered);
+		extreme_say(x, "%.2g m: up to %.1f px, %.0f %% covered", away, 0.5 * stated / away,
+			100 * covered);
 	}
 }

@@ -22,9 +22,11 @@
 
 /* ---- Stands ---- */
 
-enum eco_code extreme_stand_add(struct extreme_stand *stand, struct soup *soup, const char *name, struct eco_error *error)
+enum eco_code extreme_stand_add(struct extreme_stand *stand, struct soup *soup, const char *name,
+	struct eco_error *error)
 {
-	struct lod_plant_options options = { .name = name, .seed = 1, .order = LOD_ORDER_COMBINED, .grid_bits = 14, .cell_triangles = 1500, .views = 4,
+	struct lod_plant_options options = { .name = name, .seed = 1, .order = LOD_ORDER_COMBINED,
+		.grid_bits = 14, .cell_triangles = 1500, .views = 4,
 		.pixels = 64 };
 	struct lod_plant *plant = &stand->plants[stand->plant_count];
 	enum eco_code code = lod_plant_build(plant, &soup->model, &options, error);
@@ -32,7 +34,8 @@ enum eco_code extreme_stand_add(struct extreme_stand *stand, struct soup *soup, 
 		code = lod_plant_measure(plant, &soup->model, &options, error);
 	stand->plant_count += !code;
 	soup_free(soup);
-	return code ? code : plant->list_count <= LISTS_MOST ? ECO_OK : eco_fail(error, ECO_TOO_LARGE, "%u lists", plant->list_count);
+	return code ? code : plant->list_count <= LISTS_MOST ? ECO_OK
+		: eco_fail(error, ECO_TOO_LARGE, "%u lists", plant->list_count);
 }
 
 void extreme_stand_place(struct extreme_stand *stand, const struct extreme_place *place)
@@ -65,14 +68,18 @@ static enum eco_code make_stand(struct extreme_stand *stand, struct eco_error *e
 	soup_begin(&soup);
 	uint32_t leaf = soup_material(&soup, 70, 130, 50, ECO_NONE, false);
 	for (int i = 0; i < 400; i++)
-		soup_leaf(&soup, leaf, lod_v3_add((struct lod_v3){ 0, 0, 0.6 }, lod_v3_scale(soup_direction(&soup), 0.6 * sqrt(soup_random(&soup, 0, 1)))),
-			0.12, 0.07);
+		soup_leaf(&soup, leaf,
+			lod_v3_add((struct lod_v3){ 0, 0, 0.6 },
+			lod_v3_scale(soup_direction(&soup), 0.6 * sqrt(soup_random(&soup, 0, 1)))), 0.12,
+			0.07);
 	code = code ? code : extreme_stand_add(stand, &soup, "bush", error);
 	soup_begin(&soup);
 	leaf = soup_material(&soup, 90, 150, 60, ECO_NONE, false);
 	for (int i = 0; i < 60; i++)
-		soup_quad(&soup, leaf, (struct lod_v3){ soup_random(&soup, -0.3, 0.3), soup_random(&soup, -0.3, 0.3), 0.2 },
-			(struct lod_v3){ 0.02, 0, 0 }, (struct lod_v3){ soup_random(&soup, -0.1, 0.1), soup_random(&soup, -0.1, 0.1), 0.4 });
+		soup_quad(&soup, leaf,
+			(struct lod_v3){ soup_random(&soup, -0.3, 0.3), soup_random(&soup, -0.3, 0.3), 0.2 },
+			(struct lod_v3){ 0.02, 0, 0 },
+			(struct lod_v3){ soup_random(&soup, -0.1, 0.1), soup_random(&soup, -0.1, 0.1), 0.4 });
 	code = code ? code : extreme_stand_add(stand, &soup, "grass", error);
 	scatter(stand, 0, 14, 1);
 	scatter(stand, 1, 20, 2);
@@ -113,14 +120,16 @@ const struct extreme_stand *extreme_stand(struct extreme *x)
 struct extreme_world *extreme_world(struct extreme *x)
 {
 	const struct extreme_stand *stand = extreme_stand(x);
-	if (stand && !shared_world.scene && !extreme_world_open(x, &shared_world, stand, &(struct extreme_site){ 0 }))
+	if (stand && !shared_world.scene
+			&& !extreme_world_open(x, &shared_world, stand, &(struct extreme_site){ 0 }))
 		extreme_world_close(&shared_world);
 	return shared_world.scene ? &shared_world : NULL;
 }
 
 /* ---- Packs ---- */
 
-struct packing {                         /* a scene while it is written: its root places a tile that has the stand's four */
+/* a scene while it is written: its root places a tile that has the stand's four */
+struct packing {
 	const struct extreme_stand *stand;
 	const struct extreme_site *site;
 	struct scene_builder b;
@@ -130,7 +139,8 @@ struct packing {                         /* a scene while it is written: its roo
 static uint32_t add_list(struct packing *p, uint32_t id, uint32_t i, const uint32_t *lists)
 {
 	const struct lod_plant *plant = &p->stand->plants[id];
-	const struct lod_list_draft *draft = &plant->lists[i], *like = draft->list.partner == ECO_NONE ? draft : &plant->lists[draft->list.partner];
+	const struct lod_list_draft *draft = &plant->lists[i], *like = draft->list.partner == ECO_NONE ? draft
+		: &plant->lists[draft->list.partner];
 	struct eco_list list = draft->list;
 	list.owner = id;
 	list.plant = list.image = ECO_NONE;
@@ -141,7 +151,10 @@ static uint32_t add_list(struct packing *p, uint32_t id, uint32_t i, const uint3
 	return added;
 }
 
-static uint32_t moved(const uint32_t *ids, uint32_t index) { return index == ECO_NONE ? ECO_NONE : ids[index]; }
+static uint32_t moved(const uint32_t *ids, uint32_t index)
+{
+	return index == ECO_NONE ? ECO_NONE : ids[index];
+}
 
 /* Elements and ends of its lists stay the stand's. */
 static void add_plant(struct packing *p, uint32_t id)
@@ -175,7 +188,8 @@ static void add_plant(struct packing *p, uint32_t id)
 }
 
 /* The tile grows by what is within these bounds. */
-static void grow_tile(struct eco_tile *tile, const double low[3], const double high[3], uint64_t count, double area)
+static void grow_tile(struct eco_tile *tile, const double low[3], const double high[3], uint64_t count,
+	double area)
 {
 	for (int i = 0; i < 3; i++) {
 		tile->low[i] = tile->instance_count ? fmin(tile->low[i], low[i]) : low[i];
@@ -189,7 +203,8 @@ static void grow_by_plant(struct packing *p, uint32_t tile, const struct extreme
 {
 	const struct eco_plant *plant = &p->b.plants[place->plant];
 	const struct eco_anchor *anchor = &p->b.anchors[plant->anchor_first];
-	double reach = BODY_M * (anchor->radius + hypot(anchor->center[0], anchor->center[1])) * place->scale, low[3], high[3];
+	double reach = BODY_M * (anchor->radius + hypot(anchor->center[0], anchor->center[1])) * place->scale,
+		low[3], high[3];
 	for (int i = 0; i < 3; i++) {
 		double at = place->at[i] + (p->site->plain ? p->site->at[i] : 0);
 		low[i] = at - reach;
@@ -201,7 +216,9 @@ static void grow_by_plant(struct packing *p, uint32_t tile, const struct extreme
 /* The plants of one species in one quarter, if there are any. */
 static void add_group(struct packing *p, uint32_t quarter, uint32_t tile, uint32_t plant)
 {
-	struct eco_list list = scene_list(&p->b, &(struct scene_row){ ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, tile, plant, 0, 0 });
+	struct eco_list list =
+		scene_list(&p->b, &(struct scene_row){ ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE,
+		tile, plant, 0, 0 });
 	struct eco_elements e = elements_make(&list, p->stand->place_count, 1);
 	double corner = p->stand->side / 2;
 	uint32_t count = 0;
@@ -214,7 +231,8 @@ static void add_group(struct packing *p, uint32_t quarter, uint32_t tile, uint32
 		if (place->plant != plant || (place->at[0] >= 0) + 2u * (place->at[1] >= 0) != quarter)
 			continue;
 		for (uint32_t k = 0; k < 3; k++)
-			e.position[3 * count + k] = (int32_t)floor((place->at[k] + (k < 2 ? corner : 0)) / STEP_M + 0.5);
+			e.position[3 * count + k] =
+				(int32_t)floor((place->at[k] + (k < 2 ? corner : 0)) / STEP_M + 0.5);
 		e.extra[2 * count] = place->turn;
 		e.extra[2 * count + 1] = (int32_t)(place->scale * 65536 + 0.5);
 		grow_by_plant(p, tile, place);
@@ -233,7 +251,8 @@ static void add_root(struct packing *p)
 	double scale = site->scale > 0 ? site->scale : 1, far = 0;
 	struct eco_child child = { .tile = 1, .placed = true, .scale = 1 };
 	if (!site->plain)
-		child = (struct eco_child){ 1, true, { site->at[0], site->at[1], site->at[2] }, site->turn, (float)scale };
+		child = (struct eco_child){ 1, true, { site->at[0], site->at[1], site->at[2] }, site->turn,
+			(float)scale };
 	scene_add_child(&p->b, 0, child);
 	for (uint32_t t = 2; t < p->b.scene.tile_count; t++) {
 		const struct eco_tile *tile = &p->b.tiles[t];
@@ -254,15 +273,19 @@ static void add_root(struct packing *p)
 	p->b.scene.near_m = fmax(p->stand->near_m * scale, 1e-9);
 }
 
-static enum eco_code add_summary(struct packing *p, const struct lod_pool *pools, uint32_t tile, struct eco_error *error)
+static enum eco_code add_summary(struct packing *p, const struct lod_pool *pools, uint32_t tile,
+	struct eco_error *error)
 {
 	struct lod_summary summary = { 0 };
 	struct eco_list list;
 	struct eco_elements e = { 0 };
-	enum eco_code code = lod_summary_make(&summary, &(struct lod_summary_input){ .scene = &p->b.scene, .pools = pools, .tile = tile,
+	enum eco_code code =
+		lod_summary_make(&summary, &(struct lod_summary_input){ .scene = &p->b.scene, .pools = pools,
+		.tile = tile,
 		.count = lod_summary_count(&p->b.tiles[tile]), .seed = 1 }, error);
 	if (!code && summary.count)
-		code = lod_summary_list(&summary, &p->b.scene, tile, p->b.scene.palette_count, &list, &e, error);
+		code = lod_summary_list(&summary, &p->b.scene, tile, p->b.scene.palette_count, &list, &e,
+			error);
 	if (!code && summary.count)
 		p->b.tiles[tile].summary = scene_add_made(&p->b, list, e);
 	free(summary.points);
@@ -283,17 +306,22 @@ static enum eco_code add_summaries(struct packing *p, struct eco_error *error)
 	return code;
 }
 
-static enum eco_code write_pack(const struct extreme_stand *stand, const struct extreme_site *site, const char *path, struct eco_error *error)
+static enum eco_code write_pack(const struct extreme_stand *stand, const struct extreme_site *site,
+	const char *path, struct eco_error *error)
 {
-	struct packing p = { .stand = stand, .site = site, .b.scene = { .name = "extreme", .needs = ECO_NEED_POINTS | ECO_NEED_LINES
-		| ECO_NEED_TRIANGLES | ECO_NEED_PLACEMENTS | (stand->summaries ? ECO_NEED_SUMMARIES : 0) } };
+	struct packing p =
+		{ .stand = stand, .site = site,
+		.b.scene = { .name = "extreme", .needs = ECO_NEED_POINTS | ECO_NEED_LINES | ECO_NEED_TRIANGLES
+		| ECO_NEED_PLACEMENTS | (stand->summaries ? ECO_NEED_SUMMARIES : 0) } };
 	for (uint32_t i = 0; i < stand->plant_count; i++)
 		add_plant(&p, i);
 	uint32_t borrowed = p.b.scene.list_count;
 	for (uint32_t t = 0; t < 2; t++)
 		scene_add_tile(&p.b, (struct eco_tile){ .summary = ECO_NONE });
 	for (uint32_t t = 0; t < TILES; t++) {
-		uint32_t tile = scene_add_tile(&p.b, (struct eco_tile){ .summary = ECO_NONE, .group_first = p.b.scene.group_count });
+		uint32_t tile =
+			scene_add_tile(&p.b,
+			(struct eco_tile){ .summary = ECO_NONE, .group_first = p.b.scene.group_count });
 		for (uint32_t plant = 0; plant < stand->plant_count; plant++)
 			add_group(&p, t, tile, plant);
 	}
@@ -305,7 +333,8 @@ static enum eco_code write_pack(const struct extreme_stand *stand, const struct 
 	return code;
 }
 
-bool extreme_world_open(struct extreme *x, struct extreme_world *world, const struct extreme_stand *stand, const struct extreme_site *site)
+bool extreme_world_open(struct extreme *x, struct extreme_world *world, const struct extreme_stand *stand,
+	const struct extreme_site *site)
 {
 	char path[64];
 	struct eco_error error = { 0 };
@@ -346,7 +375,8 @@ struct eco_view extreme_site_view(const struct extreme_site *site, const struct 
 	eco_turn_sincos(site->plain ? 0 : site->turn, &sine, &cosine);
 	for (int point = 0; point < 3; point++) {
 		const double *p = point == 0 ? view->eye : point == 1 ? view->target : view->up;
-		double *to = point == 0 ? out.eye : point == 1 ? out.target : out.up, s = point == 2 ? 1 : scale;
+		double *to = point == 0 ? out.eye : point == 1 ? out.target : out.up,
+			s = point == 2 ? 1 : scale;
 		double turned[3] = { cosine * p[0] - sine * p[1], sine * p[0] + cosine * p[1], p[2] };
 		for (int i = 0; i < 3; i++)
 			to[i] = s * turned[i] + (point == 2 ? 0 : site->at[i]);
@@ -356,13 +386,15 @@ struct eco_view extreme_site_view(const struct extreme_site *site, const struct 
 
 struct eco_request extreme_request(uint64_t vertices)
 {
-	return (struct eco_request){ .view = { .eye = { -26, -21, 6.5 }, .target = { 0, 0, 2 }, .up = { 0, 0, 1 }, .fov_y_deg = 45, .width = 400,
+	return (struct eco_request){ .view = { .eye = { -26, -21, 6.5 }, .target = { 0, 0, 2 },
+		.up = { 0, 0, 1 }, .fov_y_deg = 45, .width = 400,
 		.height = 300 }, .vertices = vertices, .bytes = ECO_BYTES_UNBOUNDED };
 }
 
 struct eco_view extreme_view(const double eye[3], const double target[3])
 {
-	return (struct eco_view){ { eye[0], eye[1], eye[2] }, { target[0], target[1], target[2] }, { 0, 0, 1 }, 45, 320, 240 };
+	return (struct eco_view){ { eye[0], eye[1], eye[2] }, { target[0], target[1], target[2] },
+		{ 0, 0, 1 }, 45, 320, 240 };
 }
 
 /* ---- Plans ---- */
@@ -374,14 +406,17 @@ bool extreme_sound(struct extreme *x, const struct eco_plan *plan, const struct 
 	struct eco_error error = { 0 };
 	double pixels = (double)request->view.width * request->view.height * (1 + 1e-6);
 	eco_plan_sort(sorted);
-	return extreme_must(x, plan->vertices <= request->vertices, "%llu vertices of at most %llu", (unsigned long long)plan->vertices,
+	return extreme_must(x, plan->vertices <= request->vertices, "%llu vertices of at most %llu",
+		(unsigned long long)plan->vertices,
 			(unsigned long long)request->vertices)
 		&& extreme_good(x, eco_plan_check(sorted, &error), &error)
-		&& extreme_must(x, p->tp >= 0 && p->fp >= 0 && p->fn >= 0 && p->tp <= pixels && p->fp <= pixels && p->fn <= pixels,
+		&& extreme_must(x, p->tp >= 0 && p->fp >= 0 && p->fn >= 0 && p->tp <= pixels
+		&& p->fp <= pixels && p->fn <= pixels,
 			"predicted %g, %g and %g of %g pixels", p->tp, p->fp, p->fn, pixels);
 }
 
-bool extreme_plan(struct extreme *x, const struct eco_scene *scene, const struct eco_request *request, struct eco_plan *plan)
+bool extreme_plan(struct extreme *x, const struct eco_scene *scene, const struct eco_request *request,
+	struct eco_plan *plan)
 {
 	struct lod_planner_input input = { .scene = scene, .request = request };
 	struct eco_error error = { 0 };
@@ -398,8 +433,8 @@ bool extreme_same_bytes(const struct eco_writer *a, const struct eco_writer *b)
 	return a->size == b->size && !memcmp(a->bytes, b->bytes, a->size);
 }
 
-bool extreme_again(struct extreme *x, const struct eco_scene *scene, const struct eco_request *request, struct eco_writer *first,
-	struct extreme_look *look)
+bool extreme_again(struct extreme *x, const struct eco_scene *scene, const struct eco_request *request,
+	struct eco_writer *first, struct extreme_look *look)
 {
 	struct eco_plan plan = { 0 };
 	struct eco_writer bytes = { 0 };
@@ -416,7 +451,8 @@ bool extreme_again(struct extreme *x, const struct eco_scene *scene, const struc
 
 /* ---- Pictures ---- */
 
-bool extreme_draw(struct extreme *x, const struct extreme_world *world, const struct eco_request *request, struct view_picture *picture)
+bool extreme_draw(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
+	struct view_picture *picture)
 {
 	struct view_store_options options = { .images = true };
 	struct view_store *store = NULL;
@@ -432,7 +468,8 @@ bool extreme_draw(struct extreme *x, const struct extreme_world *world, const st
 	if (!code)
 		code = view_picture_init(picture, request->view.width, request->view.height, &error);
 	if (!code)
-		code = view_reference_draw(&(struct view_reference_job){ .store = store, .selection = &selection, .eye = &eye,
+		code = view_reference_draw(&(struct view_reference_job){ .store = store,
+			.selection = &selection, .eye = &eye,
 			.near_m = extreme_tables(world)->near_m }, picture, &error);
 	view_select_free(&selection);
 	view_store_free(store);
@@ -451,6 +488,7 @@ double extreme_pixels_differ(const struct view_picture *a, const struct view_pic
 {
 	size_t count = (size_t)a->width * a->height, differ = 0;
 	for (size_t i = 0; i < count; i++)
-		differ += a->cover[i] != b->cover[i] || a->owner[i] != b->owner[i] || (colours && memcmp(a->rgb + 3 * i, b->rgb + 3 * i, 3));
+		differ += a->cover[i] != b->cover[i] || a->owner[i] != b->owner[i]
+			|| (colours && memcmp(a->rgb + 3 * i, b->rgb + 3 * i, 3));
 	return (double)differ / (double)count;
 }

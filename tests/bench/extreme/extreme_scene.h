@@ -1,8 +1,12 @@
-/* Scenes for extreme cases: real plants, built once, packed into a scene that stands anywhere, served and drawn in this process.
+/* Scenes for extreme cases: real plants, built once, packed into a scene that stands anywhere, served and
+ * drawn in this process.
  *
- *   stand = extreme_stand(x)                         a tree, a bush and grass, 60 of them in four tiles with a summary above
- *   extreme_world_open(x, &world, stand, &site)      as a pack whose root places all of it by `site`; world = extreme_world(x) at the origin
- *   extreme_site_view(&site, &view)                  a view of the stand where it would be at the origin -> in that world
+ *   stand = extreme_stand(x)                         a tree, a bush and grass, 60 of them in four tiles with
+ *                                                    a summary above
+ *   extreme_world_open(x, &world, stand, &site)      as a pack whose root places all of it by `site`; world =
+ *                                                    extreme_world(x) at the origin
+ *   extreme_site_view(&site, &view)                  a view of the stand where it would be at the origin ->
+ *                                                    in that world
  *   extreme_plan, extreme_draw                       what the server answers; what a viewer draws of it
  *   extreme_world_close(&world); extreme_stand_free(&stand)
  *
@@ -36,10 +40,14 @@ struct extreme_stand {
 struct extreme_site { double at[3]; uint16_t turn; double scale; bool plain; };
 
 struct extreme_world { struct srv_store store; struct srv_scene *scene; };
-static inline const struct eco_scene *extreme_tables(const struct extreme_world *world) { return &world->scene->pack->scene; }
+static inline const struct eco_scene *extreme_tables(const struct extreme_world *world)
+{
+	return &world->scene->pack->scene;
+}
 
 /* Builds one more plant of a soup, in an order that takes little time, and frees the soup. */
-enum eco_code extreme_stand_add(struct extreme_stand *stand, struct soup *soup, const char *name, struct eco_error *error);
+enum eco_code extreme_stand_add(struct extreme_stand *stand, struct soup *soup, const char *name,
+	struct eco_error *error);
 void extreme_stand_place(struct extreme_stand *stand, const struct extreme_place *place);
 void extreme_stand_free(struct extreme_stand *stand);
 /* Made when first asked for, and never freed by cases. */
@@ -47,7 +55,8 @@ const struct extreme_stand *extreme_stand(struct extreme *x);
 struct extreme_world *extreme_world(struct extreme *x);
 
 /* Close *world in any case. */
-bool extreme_world_open(struct extreme *x, struct extreme_world *world, const struct extreme_stand *stand, const struct extreme_site *site);
+bool extreme_world_open(struct extreme *x, struct extreme_world *world, const struct extreme_stand *stand,
+	const struct extreme_site *site);
 void extreme_world_close(struct extreme_world *world);
 /* Plant `index` of a group as the pack has it: on the grid of its list. */
 struct lod_place extreme_placed(const struct extreme_world *world, uint32_t group, uint32_t index);
@@ -57,22 +66,25 @@ struct eco_view extreme_site_view(const struct extreme_site *site, const struct 
 struct eco_request extreme_request(uint64_t vertices);
 struct eco_view extreme_view(const double eye[3], const double target[3]);
 
-/* Plans for these tables, and checks that the plan is in order, within the budget, and of finite numbers that make sense. The caller frees
- * the plan; extreme_sound checks another's. */
-bool extreme_plan(struct extreme *x, const struct eco_scene *scene, const struct eco_request *request, struct eco_plan *plan);
+/* Plans for these tables, and checks that the plan is in order, within the budget, and of finite numbers that
+ * make sense. The caller frees the plan; extreme_sound checks another's. */
+bool extreme_plan(struct extreme *x, const struct eco_scene *scene, const struct eco_request *request,
+	struct eco_plan *plan);
 bool extreme_sound(struct extreme *x, const struct eco_plan *plan, const struct eco_request *request);
-/* The same request must be answered by the same bytes, as it travels: those of *first, or, where that is empty, *first becomes them. `look`
- * may be NULL. */
+/* The same request must be answered by the same bytes, as it travels: those of *first, or, where that is
+ * empty, *first becomes them. `look` may be NULL. */
 struct extreme_look { uint64_t plants, vertices, covered; };
-bool extreme_again(struct extreme *x, const struct eco_scene *scene, const struct eco_request *request, struct eco_writer *first,
-	struct extreme_look *look);
+bool extreme_again(struct extreme *x, const struct eco_scene *scene, const struct eco_request *request,
+	struct eco_writer *first, struct extreme_look *look);
 bool extreme_same_bytes(const struct eco_writer *a, const struct eco_writer *b);
 
 /* The caller frees the picture; `request->bytes` is unbounded. */
-bool extreme_draw(struct extreme *x, const struct extreme_world *world, const struct eco_request *request, struct view_picture *picture);
+bool extreme_draw(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
+	struct view_picture *picture);
 uint64_t extreme_covered(const struct view_picture *picture);
-/* Share of pixels in which another plant is nearest, or none; or, where asked for, whose colour differs: haze is so many metres deep and
- * high, so that colours are not to be asked for where the metre or the height is another. */
+/* Share of pixels in which another plant is nearest, or none; or, where asked for, whose colour differs: haze
+ * is so many metres deep and high, so that colours are not to be asked for where the metre or the height is
+ * another. */
 double extreme_pixels_differ(const struct view_picture *a, const struct view_picture *b, bool colours);
 
 #endif

@@ -1,5 +1,5 @@
-/* Stiff budgets and curves: where one vertex more or less, or one plant among a million, decides. Scenes are tables only: the planner looks at
- * no payload. */
+/* Stiff budgets and curves: where one vertex more or less, or one plant among a million, decides. Scenes are
+ * tables only: the planner looks at no payload. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -16,14 +16,18 @@
 
 struct kind {                            /* of a species: one ladder */
 	const struct eco_curve *curve;  uint32_t curve_count;
-	uint32_t leaves;                     /* points and triangles of so many leaves; 0: wood of ten lines and levels of a million vertices each */
+	/* points and triangles of so many leaves; 0: wood of ten lines and levels of a million vertices each
+	 * */
+	uint32_t leaves;
 	float importance;
 };
 
 static void add_species(struct scene_builder *b, const struct kind *kind)
 {
-	uint32_t id = scene_add_plant(b, (struct eco_plant){ .height_m = 6, .area = 60 }), n = kind->leaves, none = ECO_NONE;
-	struct eco_ladder l = scene_ladder(id, scene_add_anchor(b, (struct eco_anchor){ { 0, 0, 3 }, 3 }), n ? ECO_ORGAN_FOLIAGE : ECO_ORGAN_WOOD);
+	uint32_t id = scene_add_plant(b, (struct eco_plant){ .height_m = 6, .area = 60 }), n = kind->leaves,
+		none = ECO_NONE;
+	struct eco_ladder l = scene_ladder(id, scene_add_anchor(b, (struct eco_anchor){ { 0, 0, 3 }, 3 }),
+		n ? ECO_ORGAN_FOLIAGE : ECO_ORGAN_WOOD);
 	l.importance = kind->importance;
 	l.area = 60;
 	l.length = 20;
@@ -31,11 +35,21 @@ static void add_species(struct scene_builder *b, const struct kind *kind)
 	l.curve_first = b->scene.curve_count;
 	l.curve_count = kind->curve_count;
 	if (n) {
-		l.triangles = scene_add_bare(b, &(struct scene_row){ ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, 0, id, none, 0, 0 }, 2 * n, n);
-		l.points = scene_add_bare(b, &(struct scene_row){ ECO_LIST_POINTS, ECO_CODER_FORM, 0, id, l.triangles, 0, 0 }, n, n);
+		l.triangles =
+			scene_add_bare(b, &(struct scene_row){ ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, 0, id,
+			none, 0, 0 }, 2 * n, n);
+		l.points =
+			scene_add_bare(b,
+			&(struct scene_row){ ECO_LIST_POINTS, ECO_CODER_FORM, 0, id, l.triangles, 0, 0 }, n,
+			n);
 	} else {
-		l.lines = scene_add_bare(b, &(struct scene_row){ ECO_LIST_LINES, ECO_CODER_ELEMENTS, 0, id, none, 0, 0 }, 10, 10);
-		l.triangles = scene_add_bare(b, &(struct scene_row){ ECO_LIST_TRIANGLES, ECO_CODER_MESH, 0, id, none, 0, 0 }, 1333334, 1333334);
+		l.lines =
+			scene_add_bare(b,
+			&(struct scene_row){ ECO_LIST_LINES, ECO_CODER_ELEMENTS, 0, id, none, 0, 0 }, 10, 10);
+		l.triangles =
+			scene_add_bare(b,
+			&(struct scene_row){ ECO_LIST_TRIANGLES, ECO_CODER_MESH, 0, id, none, 0, 0 }, 1333334,
+			1333334);
 		l.level_count = 2;
 		l.level_end[0] = 333334;
 		l.level_end[1] = 1333334;
@@ -45,23 +59,30 @@ static void add_species(struct scene_builder *b, const struct kind *kind)
 	scene_add_ladder(b, l);
 }
 
-struct stand { uint32_t species, tiles, groups, each; };     /* groups: species of a tile; each: plants of one of them */
+/* groups: species of a tile; each: plants of one of them */
+struct stand { uint32_t species, tiles, groups, each; };
 
 /* A square of places; species take turns. */
 static void add_tile(struct scene_builder *b, uint32_t tile, uint32_t across, const struct stand *stand)
 {
 	double size = TILE_SIDE * PLACE_M, x = (tile - 1) % across * size, y = (tile - 1) / across * size;
 	uint32_t spot = 0, count = stand->groups * stand->each;
-	scene_add_tile(b, (struct eco_tile){ .low = { x - 3, y - 3, 0 }, .high = { x + size + 3, y + size + 3, 6 }, .summary = ECO_NONE,
+	scene_add_tile(b,
+		(struct eco_tile){ .low = { x - 3, y - 3, 0 }, .high = { x + size + 3, y + size + 3, 6 },
+		.summary = ECO_NONE,
 		.instance_count = count, .area = 60.0 * count });
 	for (uint32_t g = 0; g < stand->groups; g++) {
 		uint32_t plant = ((tile - 1) * stand->groups + g) % stand->species;
-		uint32_t list = scene_add_bare(b, &(struct scene_row){ ECO_LIST_INSTANCES, ECO_CODER_ROWS, 0, tile, plant, 0, 0 }, stand->each, stand->each);
+		uint32_t list =
+			scene_add_bare(b,
+			&(struct scene_row){ ECO_LIST_INSTANCES, ECO_CODER_ROWS, 0, tile, plant, 0, 0 },
+			stand->each, stand->each);
 		b->lists[list].grid_origin[0] = x;
 		b->lists[list].grid_origin[1] = y;
 		scene_add_group(b, (struct eco_group){ tile, plant, list, b->scene.place_count });
 		for (uint32_t i = 0; i < stand->each; i++, spot++)
-			scene_add_place(b, (struct eco_place){ { (int32_t)(1000 * PLACE_M * (spot % TILE_SIDE)),
+			scene_add_place(b,
+				(struct eco_place){ { (int32_t)(1000 * PLACE_M * (spot % TILE_SIDE)),
 				(int32_t)(1000 * PLACE_M * (spot / TILE_SIDE % TILE_SIDE)), 0 }, 0, 65536 });
 	}
 	scene_add_child(b, 0, (struct eco_child){ .tile = tile, .scale = 1 });
@@ -70,14 +91,17 @@ static void add_tile(struct scene_builder *b, uint32_t tile, uint32_t across, co
 }
 
 /* All species are among kinds[0 .. kind_count), in turn. The caller frees the scene. */
-static void make_tables(struct scene_builder *b, const struct kind *kinds, uint32_t kind_count, struct stand stand)
+static void make_tables(struct scene_builder *b, const struct kind *kinds, uint32_t kind_count,
+	struct stand stand)
 {
 	uint32_t across = (uint32_t)ceil(sqrt(stand.tiles));
 	double size = across * TILE_SIDE * PLACE_M;
-	*b = (struct scene_builder){ .scene.near_m = 0.1, .like = { .grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 1e-3f } };
+	*b = (struct scene_builder){ .scene.near_m = 0.1,
+		.like = { .grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 1e-3f } };
 	for (uint32_t i = 0; i < stand.species; i++)
 		add_species(b, &kinds[i % kind_count]);
-	scene_add_tile(b, (struct eco_tile){ .low = { -3, -3, 0 }, .high = { size + 3, size + 3, 6 }, .summary = ECO_NONE });
+	scene_add_tile(b, (struct eco_tile){ .low = { -3, -3, 0 }, .high = { size + 3, size + 3, 6 },
+		.summary = ECO_NONE });
 	for (uint32_t i = 1; i <= stand.tiles; i++)
 		add_tile(b, i, across, &stand);
 }
@@ -86,23 +110,30 @@ static void make_tables(struct scene_builder *b, const struct kind *kinds, uint3
 static struct eco_request request_of(const struct scene_builder *t, uint64_t vertices)
 {
 	double size = t->tiles[0].high[0];
-	return (struct eco_request){ .view = { .eye = { size / 2, -0.6 * size, 0.5 * size }, .target = { size / 2, size / 2, 0 }, .up = { 0, 0, 1 },
-		.fov_y_deg = 60, .width = 800, .height = 600 }, .vertices = vertices, .bytes = ECO_BYTES_UNBOUNDED };
+	return (struct eco_request){ .view = { .eye = { size / 2, -0.6 * size, 0.5 * size },
+		.target = { size / 2, size / 2, 0 }, .up = { 0, 0, 1 },
+		.fov_y_deg = 60, .width = 800, .height = 600 }, .vertices = vertices,
+		.bytes = ECO_BYTES_UNBOUNDED };
 }
 
-static const struct eco_curve falling[] = { { 0.002f, 1, 0.005f, 0.45f, 0.6f }, { 0.02f, 1, 0.05f, 0.3f, 0.4f }, { 0.1f, 1, 0.3f, 0.2f, 0.2f },
+static const struct eco_curve falling[] = { { 0.002f, 1, 0.005f, 0.45f, 0.6f },
+	{ 0.02f, 1, 0.05f, 0.3f, 0.4f }, { 0.1f, 1, 0.3f, 0.2f, 0.2f },
 	{ 0.3f, 1, 0.8f, 0.08f, 0.09f }, { 1, 1, 1, 0, 0 } };
-static const struct eco_curve flat[] = { { 0.002f, 1, 0.005f, 0.3f, 0.3f }, { 0.1f, 1, 0.3f, 0.3f, 0.3f }, { 1, 1, 1, 0.3f, 0.3f } };
-static const struct eco_curve convex[] = { { 0.002f, 1, 0.005f, 0.4f, 0.599f }, { 0.1f, 1, 0.3f, 0.4f, 0.59f }, { 0.5f, 1, 0.9f, 0.4f, 0.5f },
+static const struct eco_curve flat[] = { { 0.002f, 1, 0.005f, 0.3f, 0.3f }, { 0.1f, 1, 0.3f, 0.3f, 0.3f },
+	{ 1, 1, 1, 0.3f, 0.3f } };
+static const struct eco_curve convex[] = { { 0.002f, 1, 0.005f, 0.4f, 0.599f },
+	{ 0.1f, 1, 0.3f, 0.4f, 0.59f }, { 0.5f, 1, 0.9f, 0.4f, 0.5f },
 	{ 1, 1, 1, 0, 0 } };
-static const struct eco_curve rising[] = { { 0.002f, 1, 0.005f, 0, 0.1f }, { 0.1f, 1, 0.3f, 0.2f, 0.5f }, { 1, 1, 1, 0.5f, 0.9f } };
+static const struct eco_curve rising[] = { { 0.002f, 1, 0.005f, 0, 0.1f }, { 0.1f, 1, 0.3f, 0.2f, 0.5f },
+	{ 1, 1, 1, 0.5f, 0.9f } };
 static const struct eco_curve point[] = { { 1, 1, 1, 0, 0 } };
 static const struct eco_curve early_point[] = { { 0.01f, 1, 0.02f, 0.1f, 0.2f } };
 #define KIND(name, n, weight) { name, sizeof name / sizeof *name, n, weight }
 
 static void make_usual(struct scene_builder *t)
 {
-	static const struct kind kinds[] = { KIND(falling, 2000, 1), KIND(convex, 700, 1), KIND(falling, 150, 3), KIND(flat, 40, 1) };
+	static const struct kind kinds[] = { KIND(falling, 2000, 1), KIND(convex, 700, 1),
+		KIND(falling, 150, 3), KIND(flat, 40, 1) };
 	make_tables(t, kinds, 4, (struct stand){ 4, 2, 4, 40 });
 }
 
@@ -110,15 +141,18 @@ static void make_usual(struct scene_builder *t)
 
 struct sum { uint64_t vertices; double wrong; struct lod_planner_stats stats; };
 
-static bool plan_for(struct extreme *x, const struct eco_scene *scene, struct eco_request request, uint64_t vertices, lod_rule *rule,
-	struct sum *sum)
+static bool plan_for(struct extreme *x, const struct eco_scene *scene, struct eco_request request,
+	uint64_t vertices, lod_rule *rule, struct sum *sum)
 {
 	struct eco_plan plan = { 0 };
 	struct eco_error error = { 0 };
 	request.vertices = vertices;
-	struct lod_planner_input input = { .scene = scene, .request = &request, .rule = rule, .stats = &sum->stats };
-	bool good = extreme_good(x, lod_plan(&plan, &input, &error), &error) && extreme_sound(x, &plan, &request)
-		&& extreme_must(x, sum->stats.converged, "budget %llu: the search did not converge", (unsigned long long)vertices);
+	struct lod_planner_input input = { .scene = scene, .request = &request, .rule = rule,
+		.stats = &sum->stats };
+	bool good = extreme_good(x, lod_plan(&plan, &input, &error), &error)
+		&& extreme_sound(x, &plan, &request)
+		&& extreme_must(x, sum->stats.converged, "budget %llu: the search did not converge",
+		(unsigned long long)vertices);
 	sum->vertices = plan.vertices;
 	sum->wrong = plan.prediction.fp + plan.prediction.fn;
 	eco_plan_free(&plan);
@@ -134,9 +168,10 @@ void extreme_tiny(struct extreme *x)
 	make_usual(&t);
 	for (size_t i = 0; i < sizeof budgets / sizeof *budgets && good; i++) {
 		good = plan_for(x, &t.scene, request_of(&t, 0), budgets[i], lod_rule_optimal, &sum)
-			&& extreme_must(x, sum.vertices == budgets[i], "%llu of %llu vertices used", (unsigned long long)sum.vertices,
+			&& extreme_must(x, sum.vertices == budgets[i], "%llu of %llu vertices used",
+			(unsigned long long)sum.vertices, (unsigned long long)budgets[i])
+			&& extreme_must(x, sum.wrong <= last.wrong, "%llu vertices predict more error",
 			(unsigned long long)budgets[i])
-			&& extreme_must(x, sum.wrong <= last.wrong, "%llu vertices predict more error", (unsigned long long)budgets[i])
 			&& plan_for(x, &t.scene, request_of(&t, 0), budgets[i], lod_rule_deussen, &last);
 		last = sum;
 	}
@@ -156,7 +191,8 @@ void extreme_steps(struct extreme *x)
 	make_usual(&t);
 	for (uint32_t i = 0; i < most && good; i++) {
 		struct eco_request request = request_of(&t, (uint64_t)(20 * pow(1e5, (i + 0.5) / most)));
-		struct lod_planner_input input = { .scene = &t.scene, .request = &request, .rule = lod_rule_deussen };
+		struct lod_planner_input input = { .scene = &t.scene, .request = &request,
+			.rule = lod_rule_deussen };
 		struct eco_error error = { 0 };
 		good = extreme_good(x, lod_plan(&plan, &input, &error), &error);
 		/* what the solved distance alone comes to is found by asking for no more than it */
@@ -169,33 +205,45 @@ void extreme_steps(struct extreme *x)
 		for (int rule = 0; rule < 2 && good; rule++) {
 			struct sum sums[3];
 			for (int d = 0; d < 3 && good; d++)
-				good = plan_for(x, &t.scene, request, v + (uint64_t)d - 1, rule ? lod_rule_deussen : lod_rule_optimal, &sums[d]);
-			good = good && (rule || extreme_must(x, sums[0].wrong >= sums[1].wrong && sums[1].wrong >= sums[2].wrong,
+				good = plan_for(x, &t.scene, request, v + (uint64_t)d - 1,
+					rule ? lod_rule_deussen : lod_rule_optimal, &sums[d]);
+			good = good
+				&& (rule
+				|| extreme_must(x, sums[0].wrong >= sums[1].wrong
+				&& sums[1].wrong >= sums[2].wrong,
 				"around %llu vertices error rises",
-				(unsigned long long)v)) && extreme_must(x, rule ? sums[1].vertices + v / 50 + 60 >= v : v - sums[1].vertices < sums[1].stats.cheapest,
-				"%llu of %llu vertices used by %s rule", (unsigned long long)sums[1].vertices, (unsigned long long)v, rule ? "Deussen's" : "our");
-			worst = rule && good ? fmax(worst, (double)(v - sums[1].vertices) / (double)v) : worst;
+				(unsigned long long)v))
+				&& extreme_must(x, rule ? sums[1].vertices + v / 50 + 60 >= v
+				: v - sums[1].vertices < sums[1].stats.cheapest,
+				"%llu of %llu vertices used by %s rule", (unsigned long long)sums[1].vertices,
+				(unsigned long long)v, rule ? "Deussen's" : "our");
+			worst = rule && good ? fmax(worst, (double)(v - sums[1].vertices) / (double)v)
+				: worst;
 		}
 	}
-	extreme_say(x, "%u steps by both rules; ours leaves less than any step, Deussen's %.2f %% at most", count, 100 * worst);
+	extreme_say(x, "%u steps by both rules; ours leaves less than any step, Deussen's %.2f %% at most",
+		count, 100 * worst);
 	scene_free(&t);
 }
 
 void extreme_unbounded(struct extreme *x)
 {
-	static const uint64_t budgets[] = { UINT64_C(1) << 32, UINT64_C(1) << 53, (UINT64_C(1) << 53) + 1, (UINT64_C(1) << 63) - 2,
-		(UINT64_C(1) << 63) - 1 };
+	static const uint64_t budgets[] = { UINT64_C(1) << 32, UINT64_C(1) << 53, (UINT64_C(1) << 53) + 1,
+		(UINT64_C(1) << 63) - 2, (UINT64_C(1) << 63) - 1 };
 	struct scene_builder t;
 	uint64_t all = 0;
 	bool good = true;
 	make_usual(&t);
 	for (uint32_t i = 0; i < t.scene.group_count; i++)
-		all += 3 * (uint64_t)t.lists[t.ladders[t.groups[i].plant].triangles].primitive_count * t.lists[t.groups[i].list].primitive_count;
+		all += 3 * (uint64_t)t.lists[t.ladders[t.groups[i].plant].triangles].primitive_count
+			* t.lists[t.groups[i].list].primitive_count;
 	for (size_t i = 0; i < sizeof budgets / sizeof *budgets && good; i++)
 		for (int rule = 0; rule < 2 && good; rule++) {
 			struct sum sum;
-			good = plan_for(x, &t.scene, request_of(&t, 0), budgets[i], rule ? lod_rule_deussen : lod_rule_optimal, &sum)
-				&& extreme_must(x, sum.vertices == all, "%llu of all %llu vertices", (unsigned long long)sum.vertices, (unsigned long long)all);
+			good = plan_for(x, &t.scene, request_of(&t, 0), budgets[i], rule ? lod_rule_deussen
+				: lod_rule_optimal, &sum)
+				&& extreme_must(x, sum.vertices == all, "%llu of all %llu vertices",
+				(unsigned long long)sum.vertices, (unsigned long long)all);
 		}
 	extreme_say(x, "2^32 to 2^63-1: all %llu vertices are drawn, by both rules", (unsigned long long)all);
 	scene_free(&t);
@@ -212,7 +260,8 @@ void extreme_impossible(struct extreme *x)
 		"vertices=1&eye=1e999,0,0", "vertices=1&eye=1e13,0,0", "vertices=1&ground_px=nan",
 		"vertices=1&ground_px=-1", "vertices=1&bytes=-1", "vertices=1&width=0",
 		"vertices=1&width=16385", "vertices=1&eye=4,5,6" };
-	static const char *const fine[] = { "vertices=0", "vertices=1", "vertices=9223372036854775807", "vertices=1&fov_y_deg=1e-9",
+	static const char *const fine[] = { "vertices=0", "vertices=1", "vertices=9223372036854775807",
+		"vertices=1&fov_y_deg=1e-9",
 		"vertices=1&eye=-1e12,1e12,1e12" };
 	uint32_t refused = 0, taken = 0;
 	for (size_t i = 0; i < sizeof bad / sizeof *bad + sizeof fine / sizeof *fine; i++) {
@@ -222,12 +271,14 @@ void extreme_impossible(struct extreme *x)
 		struct srv_target target;
 		struct srv_query query;
 		struct eco_error error = { 0 };
-		snprintf(raw, sizeof raw, "/v1/scenes/a/plan?%s%s%s&target=4,5,6%s", text, strstr(text, "eye=") ? "" : "&eye=1,2,3",
-			strstr(text, "width=") ? "" : "&width=800", "&height=600");
+		snprintf(raw, sizeof raw, "/v1/scenes/a/plan?%s%s%s&target=4,5,6%s", text,
+			strstr(text, "eye=") ? "" : "&eye=1,2,3", strstr(text, "width=") ? "" : "&width=800",
+			"&height=600");
 		enum eco_code code = srv_target_parse(&target, raw, strlen(raw), &error);
 		if (!code)
 			code = srv_query_parse(&query, &target, &error);
-		extreme_must(x, is_bad == (code == ECO_BAD_INPUT) && (is_bad || code == ECO_OK), "%s: status %d", text, code);
+		extreme_must(x, is_bad == (code == ECO_BAD_INPUT) && (is_bad || code == ECO_OK),
+			"%s: status %d", text, code);
 		extreme_must(x, !is_bad || strlen(error.text) > 10, "%s: refused without a reason", text);
 		refused += is_bad && code == ECO_BAD_INPUT;
 		taken += !is_bad && code == ECO_OK;
@@ -237,16 +288,21 @@ void extreme_impossible(struct extreme *x)
 
 /* ---- What must hold at any budget ---- */
 
-struct hold { double last; uint64_t unused; };       /* predicted wrong pixels of the budget before; vertices left over at most */
+/* predicted wrong pixels of the budget before; vertices left over at most */
+struct hold { double last; uint64_t unused; };
 
-static bool hold_at(struct extreme *x, const struct scene_builder *t, uint64_t budget, struct hold *h, struct sum *sum)
+static bool hold_at(struct extreme *x, const struct scene_builder *t, uint64_t budget, struct hold *h,
+	struct sum *sum)
 {
 	if (!plan_for(x, &t->scene, request_of(t, 0), budget, lod_rule_optimal, sum))
 		return false;
-	bool good = extreme_must(x, sum->wrong <= h->last, "budget %llu: %.12g wrong pixels are predicted, with less %.12g",
+	bool good = extreme_must(x, sum->wrong <= h->last, "budget %llu: %.12g wrong pixels are predicted, "
+		"with less %.12g",
 			(unsigned long long)budget, sum->wrong, h->last)
-		&& extreme_must(x, budget - sum->vertices < sum->stats.cheapest, "budget %llu: %llu used though a step of %llu is left",
-			(unsigned long long)budget, (unsigned long long)sum->vertices, (unsigned long long)sum->stats.cheapest);
+		&& extreme_must(x, budget - sum->vertices < sum->stats.cheapest,
+		"budget %llu: %llu used though a step of %llu is left",
+			(unsigned long long)budget, (unsigned long long)sum->vertices,
+			(unsigned long long)sum->stats.cheapest);
 	if (sum->stats.cheapest != UINT64_MAX && budget - sum->vertices > h->unused)
 		h->unused = budget - sum->vertices;
 	h->last = sum->wrong;
@@ -254,8 +310,8 @@ static bool hold_at(struct extreme *x, const struct scene_builder *t, uint64_t b
 }
 
 /* At budgets that end with 0; for a scene that is made for it and freed by the caller. */
-static bool holds(struct extreme *x, struct scene_builder *t, const struct kind *kinds, uint32_t kind_count, struct stand stand,
-	const uint64_t *budgets, struct hold *h)
+static bool holds(struct extreme *x, struct scene_builder *t, const struct kind *kinds, uint32_t kind_count,
+	struct stand stand, const uint64_t *budgets, struct hold *h)
 {
 	struct sum sum;
 	*h = (struct hold){ .last = INFINITY };
@@ -266,7 +322,8 @@ static bool holds(struct extreme *x, struct scene_builder *t, const struct kind 
 	return good;
 }
 
-static const uint64_t many[] = { 1, 10, 100, 1000, 4001, 33333, 99999, 100000, 999999, 1000002, 1000003, 3000000, 4000002, 30000000, 1000000000, 0 };
+static const uint64_t many[] = { 1, 10, 100, 1000, 4001, 33333, 99999, 100000, 999999, 1000002, 1000003,
+	3000000, 4000002, 30000000, 1000000000, 0 };
 
 /* From one vertex to more than there is. */
 void extreme_sweep(struct extreme *x)
@@ -280,12 +337,15 @@ void extreme_sweep(struct extreme *x)
 	make_usual(&t);
 	for (uint32_t i = 0; i < count && good; i++) {
 		double last = h.last;
-		uint64_t budget = i < count / 4 ? i : (uint64_t)(count / 4 * pow(3e6 / (count / 4.0), (i - count / 4.0) / (count - count / 4.0)));
+		uint64_t budget = i < count / 4 ? i
+			: (uint64_t)(count / 4 * pow(3e6 / (count / 4.0),
+			(i - count / 4.0) / (count - count / 4.0)));
 		good = hold_at(x, &t, budget, &h, &sum);
 		rises += h.last > last;
 		first = i ? first : h.last;
 	}
-	extreme_say(x, "%u budgets up to 3e6, predicted wrong pixels fall from %.0f to %.0f and rise %u times", count, first, h.last, rises);
+	extreme_say(x, "%u budgets up to 3e6, predicted wrong pixels fall from %.0f to %.0f and rise %u "
+		"times", count, first, h.last, rises);
 	scene_free(&t);
 }
 
@@ -295,8 +355,8 @@ void extreme_jumps(struct extreme *x)
 	struct scene_builder t;
 	struct hold h;
 	if (holds(x, &t, kinds, 2, (struct stand){ 2, 1, 2, 20 }, many, &h))
-		extreme_say(x, "wood of 20, 1000002 or 4000002 vertices a plant: at most %llu vertices left over, less than any step",
-			(unsigned long long)h.unused);
+		extreme_say(x, "wood of 20, 1000002 or 4000002 vertices a plant: at most %llu vertices left "
+			"over, less than any step", (unsigned long long)h.unused);
 	scene_free(&t);
 }
 
@@ -308,22 +368,24 @@ void extreme_identical(struct extreme *x)
 	struct sum sum = { 0 };
 	/* a species a plant: nothing is shared, everything ties */
 	uint32_t species = x->quick ? 1000 : 105000;
-	if (holds(x, &t, one, 1, (struct stand){ species, species / 250, 250, 1 }, (const uint64_t[]){ 1000, 77777, 10000000, 0 }, &h)
+	if (holds(x, &t, one, 1, (struct stand){ species, species / 250, 250, 1 },
+			(const uint64_t[]){ 1000, 77777, 10000000, 0 }, &h)
 			&& plan_for(x, &t.scene, request_of(&t, 0), 1000000, lod_rule_optimal, &sum))
-		extreme_say(x, "%u species alike: %llu candidates, %llu vertices left over at most", species, (unsigned long long)sum.stats.candidates,
-			(unsigned long long)h.unused);
+		extreme_say(x, "%u species alike: %llu candidates, %llu vertices left over at most", species,
+			(unsigned long long)sum.stats.candidates, (unsigned long long)h.unused);
 	scene_free(&t);
 	/* one species: they differ by their hashes alone */
 	struct stand alike = { 1, x->quick ? 10 : 1000, 1, TILE_SIDE * TILE_SIDE };
 	if (holds(x, &t, one, 1, alike, (const uint64_t[]){ 1000, 77777, 5000000, 0 }, &h))
-		extreme_say(x, "%u plants alike: %llu vertices left over at most", alike.tiles * alike.each, (unsigned long long)h.unused);
+		extreme_say(x, "%u plants alike: %llu vertices left over at most", alike.tiles * alike.each,
+			(unsigned long long)h.unused);
 	scene_free(&t);
 }
 
 void extreme_one_better(struct extreme *x)
 {
-	static const struct kind kinds[] = { KIND(falling, 2000, 1e6f), KIND(falling, 2000, 1e-3f), KIND(falling, 2000, 1e-3f),
-		KIND(convex, 900, 1e-3f) };
+	static const struct kind kinds[] = { KIND(falling, 2000, 1e6f), KIND(falling, 2000, 1e-3f),
+		KIND(falling, 2000, 1e-3f), KIND(convex, 900, 1e-3f) };
 	struct scene_builder t;
 	struct hold h;
 	struct eco_plan plan = { 0 };
@@ -334,8 +396,10 @@ void extreme_one_better(struct extreme *x)
 		for (uint32_t i = 0; i < plan.cut_count; i++)
 			if (plan.cuts[i].list == t.ladders[0].triangles && plan.cuts[i].anchor != ECO_NONE)
 				best += 3 * (plan.cuts[i].end - plan.cuts[i].first);
-		extreme_must(x, best == 12000, "of 12000 vertices the best gets %llu triangles' worth", (unsigned long long)best);
-		extreme_say(x, "one weighs 1e9 times the others: the 12000 vertices that complete it are its own; what is left over is below any step");
+		extreme_must(x, best == 12000, "of 12000 vertices the best gets %llu triangles' worth",
+			(unsigned long long)best);
+		extreme_say(x, "one weighs 1e9 times the others: the 12000 vertices that complete it are "
+			"its own; what is left over is below any step");
 	}
 	eco_plan_free(&plan);
 	scene_free(&t);
@@ -344,8 +408,10 @@ void extreme_one_better(struct extreme *x)
 void extreme_odd_curves(struct extreme *x)
 {
 	static const struct { const char *name; struct kind kind; } rows[] = {
-		{ "flat", KIND(flat, 500, 1) }, { "convex", KIND(convex, 500, 1) }, { "rising", KIND(rising, 500, 1) },
-		{ "one point at the end", KIND(point, 500, 1) }, { "one point at 1 %", KIND(early_point, 500, 1) }, { "none", { point, 0, 500, 1 } },
+		{ "flat", KIND(flat, 500, 1) }, { "convex", KIND(convex, 500, 1) },
+			{ "rising", KIND(rising, 500, 1) },
+		{ "one point at the end", KIND(point, 500, 1) },
+		{ "one point at 1 %", KIND(early_point, 500, 1) }, { "none", { point, 0, 500, 1 } },
 		{ "one leaf", KIND(falling, 1, 1) }, { "of no weight", KIND(falling, 500, 0) } };
 	bool good = true;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows && good; i++) {

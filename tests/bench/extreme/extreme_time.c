@@ -1,5 +1,6 @@
-/* Time: a server that keeps nothing between requests must answer a camera that does not move with the same bytes for ever, and one that
- * trembles by less than anyone can see with a plan that does not swing between two. */
+/* Time: a server that keeps nothing between requests must answer a camera that does not move with the same
+ * bytes for ever, and one that trembles by less than anyone can see with a plan that does not swing between
+ * two. */
 #include <math.h>
 #include <string.h>
 
@@ -24,13 +25,18 @@ void extreme_still(struct extreme *x)
 }
 
 /* The whole body, payloads and all, when nothing is held. */
-static bool body_of(struct extreme *x, const struct extreme_world *world, const struct eco_request *request, struct eco_writer *out)
+static bool body_of(struct extreme *x, const struct extreme_world *world, const struct eco_request *request,
+	struct eco_writer *out)
 {
 	struct srv_stream stream = { 0 };
 	struct srv_body body = { 0 };
 	struct eco_error error = { 0 };
-	bool good = extreme_good(x, srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = world->scene, .request = request }, &error), &error)
-		&& extreme_must(x, stream.fits, "no body fits") && extreme_good(x, srv_stream_write(&stream, &body, &error), &error);
+	bool good =
+		extreme_good(x,
+		srv_stream_plan(&stream,
+		&(struct srv_stream_input){ .scene = world->scene, .request = request }, &error), &error)
+		&& extreme_must(x, stream.fits, "no body fits")
+		&& extreme_good(x, srv_stream_write(&stream, &body, &error), &error);
 	for (uint32_t i = 0; i < body.piece_count && good; i++)
 		eco_write_bytes(out, body.pieces[i].bytes, body.pieces[i].size);
 	srv_body_free(&body);
@@ -50,10 +56,12 @@ void extreme_still_streams(struct extreme *x)
 		good = body_of(x, world, &request, &first);
 		for (uint32_t i = 1; i < (x->quick ? 5 : 100) && good; i++) {
 			struct eco_writer next = { 0 };
-			good = body_of(x, world, &request, &next) && extreme_must(x, extreme_same_bytes(&first, &next), "body %u differs", i);
+			good = body_of(x, world, &request, &next)
+				&& extreme_must(x, extreme_same_bytes(&first, &next), "body %u differs", i);
 			eco_writer_free(&next);
 		}
-		extreme_must(x, !good || first.size <= most[b], "%zu bytes of at most %llu", first.size, (unsigned long long)most[b]);
+		extreme_must(x, !good || first.size <= most[b], "%zu bytes of at most %llu", first.size,
+			(unsigned long long)most[b]);
 		extreme_say(x, "%zu bytes", first.size);
 		eco_writer_free(&first);
 	}
@@ -63,7 +71,8 @@ void extreme_still_streams(struct extreme *x)
 
 static double unit(uint64_t *state) { return eco_mix_unit(*state = lod_mix(*state + 1)) * 2 - 1; }
 
-struct swing { uint64_t least, most; double wrong[2]; uint32_t changes; };       /* vertices, predicted wrong pixels */
+/* vertices, predicted wrong pixels */
+struct swing { uint64_t least, most; double wrong[2]; uint32_t changes; };
 
 static void swing_by(struct swing *s, const struct eco_plan *plan)
 {
@@ -75,7 +84,8 @@ static void swing_by(struct swing *s, const struct eco_plan *plan)
 }
 
 /* Plans around one view, the eye moved by up to `reach_m` along so many axes. */
-static bool tremble(struct extreme *x, const struct eco_request *still, double reach_m, int axes, uint32_t count, uint64_t *state, struct swing *s)
+static bool tremble(struct extreme *x, const struct eco_request *still, double reach_m, int axes,
+	uint32_t count, uint64_t *state, struct swing *s)
 {
 	const struct extreme_world *world = extreme_world(x);
 	struct eco_writer last = { 0 };
@@ -91,7 +101,8 @@ static bool tremble(struct extreme *x, const struct eco_request *still, double r
 		if (!good)
 			break;
 		swing_by(s, &plan);
-		plan.prediction = (struct eco_prediction){ 0 };      /* numbers that may differ in their last bits */
+		/* numbers that may differ in their last bits */
+		plan.prediction = (struct eco_prediction){ 0 };
 		eco_wire_write_plan(&bytes, &plan);
 		s->changes += i && !extreme_same_bytes(&last, &bytes);
 		eco_writer_free(&last);
@@ -102,7 +113,8 @@ static bool tremble(struct extreme *x, const struct eco_request *still, double r
 	return good;
 }
 
-/* Views that differ by a nanometre: how many different plans there are, how often one follows another, and how far apart they are. */
+/* Views that differ by a nanometre: how many different plans there are, how often one follows another, and
+ * how far apart they are. */
 void extreme_jitter(struct extreme *x)
 {
 	enum { VIEWS = 4 };
@@ -116,15 +128,19 @@ void extreme_jitter(struct extreme *x)
 		if (!tremble(x, &still, 1e-9, 3, count, &state, &s))
 			return;
 		changes += s.changes;
-		extreme_must(x, s.wrong[1] - s.wrong[0] <= 1e-4 * s.wrong[1], "predicted wrong pixels swing from %.6f to %.6f", s.wrong[0], s.wrong[1]);
-		extreme_must(x, s.most - s.least <= s.most / 1000, "vertices swing from %llu to %llu", (unsigned long long)s.least,
-			(unsigned long long)s.most);
+		extreme_must(x, s.wrong[1] - s.wrong[0] <= 1e-4 * s.wrong[1],
+			"predicted wrong pixels swing from %.6f to %.6f", s.wrong[0], s.wrong[1]);
+		extreme_must(x, s.most - s.least <= s.most / 1000, "vertices swing from %llu to %llu",
+			(unsigned long long)s.least, (unsigned long long)s.most);
 	}
-	extreme_must(x, changes <= VIEWS * count / 100, "%u of %u plans differ from the one before", changes, VIEWS * count);
-	extreme_say(x, "%u views, %u requests each: %u plans differ from the one before", VIEWS, count, changes);
+	extreme_must(x, changes <= VIEWS * count / 100, "%u of %u plans differ from the one before", changes,
+		VIEWS * count);
+	extreme_say(x, "%u views, %u requests each: %u plans differ from the one before", VIEWS, count,
+		changes);
 }
 
-/* An eye exactly on the border between two bands of a plant: trembling may change that plant's band, and hardly anything else. */
+/* An eye exactly on the border between two bands of a plant: trembling may change that plant's band, and
+ * hardly anything else. */
 void extreme_on_border(struct extreme *x)
 {
 	uint64_t state = 9;
@@ -137,8 +153,8 @@ void extreme_on_border(struct extreme *x)
 		if (!tremble(x, &request, 1e-3, 1, x->quick ? 40 : 200, &state, &s))
 			return;
 		largest = fmax(largest, s.wrong[1] / s.wrong[0] - 1);
-		extreme_must(x, s.wrong[1] <= 1.02 * s.wrong[0], "a millimetre to and fro: predicted wrong pixels from %.2f to %.2f", s.wrong[0],
-			s.wrong[1]);
+		extreme_must(x, s.wrong[1] <= 1.02 * s.wrong[0], "a millimetre to and fro: predicted wrong "
+			"pixels from %.2f to %.2f", s.wrong[0], s.wrong[1]);
 	}
 	extreme_say(x, "predicted wrong pixels move by %.2f %% at most", 100 * largest);
 }
@@ -147,7 +163,8 @@ void extreme_on_border(struct extreme *x)
 
 void extreme_teleport(struct extreme *x)
 {
-	static const double eyes[][3] = { { -26, -21, 6.5 }, { 0, 0, 1.7 }, { 1e6, 0, 1e5 }, { 5, 5, -2 }, { 1e9, 1e9, 1 }, { -26, -21, 6.5 + 1e-9 } };
+	static const double eyes[][3] = { { -26, -21, 6.5 }, { 0, 0, 1.7 }, { 1e6, 0, 1e5 }, { 5, 5, -2 },
+		{ 1e9, 1e9, 1 }, { -26, -21, 6.5 + 1e-9 } };
 	enum { EYES = sizeof eyes / sizeof *eyes };
 	const struct extreme_world *world = extreme_world(x);
 	struct eco_writer first[EYES] = { { 0 } };
