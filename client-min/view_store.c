@@ -1,6 +1,7 @@
 /* Decoded lists grow by whole chunks at their end and never move their meaning: primitive i stays primitive
  * i. So a plan of any later frame is a set of ranges over what is here, GPU copies are extended and never
- * rewritten, and what the client holds is one number per list. */
+ * rewritten, and what the client holds is one number per list. Longer than 600 lines, as all of it keeps
+ * the invariants of one object. */
 #include "client-min/view_store.h"
 
 #include <assert.h>

@@ -1,3 +1,4 @@
+/* See tube.h. Longer than 600 lines: the steps from a surface to its bones share slabs and joints. */
 #include "lod/build/tube.h"
 
 #include <assert.h>

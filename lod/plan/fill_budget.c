@@ -1,4 +1,5 @@
-/* The search for lambda and the greedy fill of the rest: see lod/plan/fill_budget.h. */
+/* The search for lambda and the greedy fill of the rest: see lod/plan/fill_budget.h. Longer than 600
+ * lines: search, fill and entries work on the same candidates. */
 #include "lod/plan/fill_budget.h"
 
 #include <assert.h>

@@ -1,6 +1,6 @@
 /* See bench_savings.h. Each method is tabulated over lambda: the scale (and with simpler leaves how many
  * elements are drawn) that is best on one set of views, and the Q of that on another. Between lambdas both
- * are interpolated, as a client does. */
+ * are interpolated, as a client does. Longer than 600 lines: all methods go through one table. */
 #include "tests/bench/bench_savings.h"
 
 #include <math.h>

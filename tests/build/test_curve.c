@@ -1,5 +1,5 @@
 /* Curves of crowns made here: what they must look like whatever the plant, and that cells share the whole
- * plant's. */
+ * plant's. Longer than 600 lines: the crowns are shared. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

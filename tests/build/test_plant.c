@@ -1,4 +1,5 @@
-/* Plants from models: nothing is lost, nothing is twice, and everything refers to what it should. */
+/* Plants from models: nothing is lost, nothing is twice, and everything refers to what it should. Longer
+ * than 600 lines: the plants to try are shared. */
 #include "ecofiles/format/chunk.h"
 #include "lod/build/plant.h"
 #include "lod/geometry.h"

@@ -1,4 +1,5 @@
-/* Ground: rasters as they come, what they lack, and heights exactly on the triangles that are drawn. */
+/* Ground: rasters as they come, what they lack, and heights exactly on the triangles that are drawn.
+ * Longer than 600 lines: a raster is made for each case. */
 #include <gdal.h>
 #include <math.h>
 #include <ogr_srs_api.h>

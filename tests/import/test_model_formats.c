@@ -1,5 +1,5 @@
 /* Formats and what people's exporters make of them: each oddity is written out as the small file that shows
- * it. */
+ * it. Longer than 600 lines: a small file for each case stands in it. */
 #include "ecofiles/import/model/model_import.h"
 #include "tests/support/model_import.h"
 

@@ -7,7 +7,8 @@
  * triangle (at keys of points: per point). Prices keep the number of triangles of each key. Pictures count
  * how often a pixel is covered, so that an element can be subtracted.
  *
- * Variants and gains: lod/EXPERIMENTS.md, Refining the greedy order. */
+ * Variants and gains: lod/EXPERIMENTS.md, Refining the greedy order. Longer than 600 lines: one search
+ * over one set of counted pictures. */
 #include "lod/build/order/rank_refine.h"
 
 #include <math.h>
