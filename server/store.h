@@ -15,7 +15,7 @@
 #include <stdbool.h>
 
 #include "ecofiles/format/pack.h"
-#include "lod/plan/plan_tables.h"
+#include "lod/plan/planner.h"
 
 #define SRV_NAME_BYTES 64
 #define SRV_SCENES_MAX 1024u

@@ -30,3 +30,12 @@ const char *eco_phrase_count(uint64_t count, char text[32])
 	text[used] = 0;
 	return text;
 }
+
+const char *eco_path_last(const char *path)
+{
+	const char *last = path;
+	for (const char *at = path; *at != 0; at++)
+		if ((*at == '/' || *at == '\\') && at[1] != 0)
+			last = at + 1;
+	return last;
+}

@@ -12,4 +12,7 @@ void eco_phrase_add(char *list, size_t size, const char *name);
 /* "12,345"; returns `text`. */
 const char *eco_phrase_count(uint64_t count, char text[32]);
 
+/* The last part of a path, with either slash. */
+const char *eco_path_last(const char *path);
+
 #endif

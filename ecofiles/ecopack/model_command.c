@@ -7,13 +7,13 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "ecofiles/import/model/import_model.h"
+#include "ecofiles/base/phrase.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/import/model/model_import.h"
 #include "ecofiles/import/model/model_parts.h"
 #include "ecofiles/format/pack.h"
-#include "ecofiles/scene/scene_parse.h"
+#include "ecofiles/scene/scene.h"
 #include "lod/build/organ.h"
 
 #define FILES_MAX 64u

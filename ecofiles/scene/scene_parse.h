@@ -1,4 +1,4 @@
-/* Shared by the files of the scene reader. Other rooms use only eco_unit_metres and eco_up_of. */
+/* Shared by the files of the scene reader. */
 #ifndef ECO_SCENE_PARSE_H
 #define ECO_SCENE_PARSE_H
 
@@ -24,13 +24,7 @@ bool eco_scene_copy_text(const struct eco_json *at, const char *key, size_t byte
 bool eco_scene_parse_crs(const struct eco_source *source, const struct eco_json *at, const char *key,
 	char **crs);
 /* "unit" in metres, if present. */
-#define ECO_UNITS "m, cm, mm, in, ft, US survey ft"
 bool eco_scene_parse_unit(const struct eco_json *at, double *unit_m);
-/* Metres in the unit of that name; false: no such unit. */
-bool eco_unit_metres(const char *name, double *metres);
-/* "x", "y" or "z". */
-bool eco_up_of(const char *name, enum eco_up *up);
-
 /* Names end up in URLs, file names and messages: 1 to 63 bytes, no control characters. */
 bool eco_source_name_is_fine(const struct eco_json *at, const char *name, size_t bytes);
 

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/import/model/import_model.h"
+#include "ecofiles/import/model/import_file.h"
 #include "ecofiles/scene/scene_parse.h"
 
 #define DEPTH_MAX 64u

@@ -14,18 +14,13 @@
 
 #include "lod/plan/visibility.h"
 #include "lod/plan/hull.h"
+#include "lod/plan/planner.h"
 
 struct lod_plan_tables_ladder {
 	struct lod_way way;
 	struct lod_hull hull[2];     /* [0] alone; [1] beside cells, empty unless it is a whole-plant list
 	                              * that is drawn there */
 };
-
-struct lod_plan_tables;
-/* `scene` must outlive the tables. */
-enum eco_code lod_plan_tables_make(struct lod_plan_tables **tables, const struct eco_scene *scene,
-	struct eco_error *error);
-void lod_plan_tables_free(struct lod_plan_tables *tables); /* NULL is allowed */
 
 /* NULL without memory; a ladder once returned stays. */
 const struct lod_plan_tables_ladder *lod_plan_tables_ladder(struct lod_plan_tables *tables, uint32_t ladder);

@@ -33,7 +33,14 @@ struct lod_planner_stats {
 };
 
 struct lod_explanation;
+
+/* Everything the planner needs of a scene that depends on no view (lod/plan/plan_tables.h), for plans of any
+ * number of threads. `scene` must outlive the tables. */
 struct lod_plan_tables;
+enum eco_code lod_plan_tables_make(struct lod_plan_tables **tables, const struct eco_scene *scene,
+	struct eco_error *error);
+void lod_plan_tables_free(struct lod_plan_tables *tables);       /* NULL is allowed */
+
 struct lod_planner_input {
 	const struct eco_scene *scene;
 	struct lod_plan_tables *tables;              /* of this scene, kept from plan to plan; NULL: made

@@ -2,6 +2,7 @@
  * mistakes (a packed file, a pointer of Git LFS, a scene of an editor, a point cloud) are known by their
  * first bytes or their name, and each has a sentence of its own: the readers would only say that they do
  * not understand. */
+#include "ecofiles/base/phrase.h"
 #include "ecofiles/import/model/import_model.h"
 
 #include <dirent.h>
@@ -21,15 +22,6 @@ bool eco_path_ends_with(const char *path, const char *extension)
 {
 	size_t length = strlen(path), ending = strlen(extension);
 	return length > ending && strcasecmp(path + length - ending, extension) == 0;
-}
-
-const char *eco_path_last(const char *path)
-{
-	const char *last = path;
-	for (const char *at = path; *at != 0; at++)
-		if ((*at == '/' || *at == '\\') && at[1] != 0)
-			last = at + 1;
-	return last;
 }
 
 /* Undoes percent-escapes and turns backslashes, as exporters on other systems write them. */

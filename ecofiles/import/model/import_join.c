@@ -1,6 +1,7 @@
 /* Several files make one plant. They share one coordinate system, so the axes that one of them states hold
  * for those that state none. If none does, the shape of all together decides (model_up.h). Files whose
  * formats state different units (a GLB in metres, an FBX in centimetres) are brought to the first one's. */
+#include "ecofiles/base/phrase.h"
 #include "ecofiles/import/model/import_model.h"
 
 #include <math.h>

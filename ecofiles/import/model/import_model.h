@@ -12,6 +12,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "ecofiles/import/model/import_file.h"
 #include "ecofiles/import/model/model_import.h"
 
 #define ECO_MODEL_IMAGES_MAX 1024u
@@ -51,27 +52,6 @@ struct eco_model_file {
 /* Refuses files that are no models by name: folders, empty or packed files, pointers of Git LFS, scenes of
  * editors, point clouds; the error says what to do. ECO_OK: worth trying. */
 enum eco_code eco_model_file_check(const char *path, struct eco_error *error);
-
-/* The whole file, followed by a 0 that *size does not count; malloc'ed. At most `most` bytes. */
-enum eco_code eco_file_read(const char *path, uint64_t most, uint8_t **bytes, size_t *size,
-	struct eco_error *error);
-
-/* The file's first 64 KiB, followed by a 0; malloc'ed, NULL when memory ran out. 0 bytes if the file
- * cannot be read. */
-char *eco_file_read_head(const char *path, size_t *size);
-
-/* Refuses, by a file's first bytes (followed by a 0), files that no reader can read: empty, packed (zip
- * unless the format is one itself), pointers of Git LFS, web pages. `wanted`: "a model". */
-enum eco_code eco_file_check_head(const char *path, const char *head, size_t size, bool holds_zip,
-	const char *wanted, struct eco_error *error);
-
-/* Whether a word is among the first `bytes` (at most 64 KiB) of a file, binary or not. */
-bool eco_file_head_has(const char *path, size_t bytes, const char *word);
-
-bool eco_path_ends_with(const char *path, const char *extension);
-
-/* The last part of a path, with separators of any system. */
-const char *eco_path_last(const char *path);
 
 /* Finds a file that a model names (a texture, a library of materials): as named, beside the model; else by
  * its last part, in any case. Understands other systems' paths and percent-escapes. False: not found. */

@@ -1,6 +1,7 @@
 /* From an OBJ file's faces to a soup. A run of faces with one material and one part is a mesh. Vertex
  * colours that hardly differ within a mesh become one colour; others are rounded to steps, or to their
  * mean if there is a texture. */
+#include "ecofiles/base/phrase.h"
 #include "ecofiles/import/model/import_obj.h"
 
 #include <math.h>

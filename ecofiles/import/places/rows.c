@@ -8,10 +8,10 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-#include "ecofiles/import/model/import_model.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/base/module.h"
 #include "ecofiles/base/phrase.h"
+#include "ecofiles/import/model/import_file.h"
 #include "ecofiles/import/places/rows_formats.h"
 
 #define HEAD_BYTES 65536u

@@ -1,0 +1,29 @@
+/* Files of strangers, before a reader sees them: whole, their beginning, and what they are by it. */
+#ifndef ECO_IMPORT_FILE_H
+#define ECO_IMPORT_FILE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ecofiles/base/status.h"
+
+/* The whole file, followed by a 0 that *size does not count; malloc'ed. At most `most` bytes. */
+enum eco_code eco_file_read(const char *path, uint64_t most, uint8_t **bytes, size_t *size,
+	struct eco_error *error);
+
+/* The file's first 64 KiB, followed by a 0; malloc'ed, NULL when memory ran out. 0 bytes if the file
+ * cannot be read. */
+char *eco_file_read_head(const char *path, size_t *size);
+
+/* Refuses, by a file's first bytes (followed by a 0), files that no reader can read: empty, packed (zip
+ * unless the format is one itself), pointers of Git LFS, web pages. `wanted`: "a model". */
+enum eco_code eco_file_check_head(const char *path, const char *head, size_t size, bool holds_zip,
+	const char *wanted, struct eco_error *error);
+
+/* Whether a word is among the first `bytes` (at most 64 KiB) of a file, binary or not. */
+bool eco_file_head_has(const char *path, size_t bytes, const char *word);
+
+bool eco_path_ends_with(const char *path, const char *extension);
+
+#endif
