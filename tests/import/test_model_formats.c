@@ -1,7 +1,7 @@
 /* Formats and what people's exporters make of them: each oddity is written out as the small file that shows
  * it. Longer than 600 lines: a small file for each case stands in it. */
 #include "ecofiles/import/model/model_import.h"
-#include "tests/support/model_import.h"
+#include "tests/support/model_try.h"
 
 #define TRIANGLE "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
 

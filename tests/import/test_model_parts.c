@@ -1,6 +1,6 @@
 /* Rules about parts of a plant: which triangles they name, and what becomes of these. */
 #include "ecofiles/import/model/model_import.h"
-#include "tests/support/model_import.h"
+#include "tests/support/model_try.h"
 
 #include "ecofiles/import/model/model_parts.h"
 #include "ecofiles/format/pack.h"

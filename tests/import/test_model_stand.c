@@ -1,6 +1,6 @@
 /* Where plants stand: plants of tubes, boxes and cards, each with the oddity that its name says. */
 #include "ecofiles/import/model/model_import.h"
-#include "tests/support/model_import.h"
+#include "tests/support/model_try.h"
 
 #include "ecofiles/format/pack.h"
 

@@ -3,7 +3,7 @@
 #define TESTS_MODEL_SMALL_H
 
 #include "ecofiles/import/model/model_import.h"
-#include "tests/support/model_import.h"
+#include "tests/support/model_try.h"
 
 #ifndef TEST_FOLDER
 #define TEST_FOLDER "model"

@@ -1,4 +1,4 @@
-#include "tests/support/model_import.h"
+#include "tests/support/model_try.h"
 
 char import_said[8000];
 

@@ -1,6 +1,6 @@
 /* Importing small files in tests: what was said on the way is in `import_said`. */
-#ifndef TESTS_MODEL_IMPORT_H
-#define TESTS_MODEL_IMPORT_H
+#ifndef TESTS_MODEL_TRY_H
+#define TESTS_MODEL_TRY_H
 
 #include <math.h>
 
