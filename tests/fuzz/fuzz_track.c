@@ -44,19 +44,19 @@ static void fly(struct eco_track *track)
 	struct eco_track_report report;
 	struct eco_flight flight;
 	struct eco_script script;
-	const struct eco_smoothing smoothing = { .smooth_s = NAN, .pitch_deg = NAN, .fov_y_deg = NAN };
+	static const struct eco_track_options defaults = ECO_TRACK_DEFAULTS, few = { .keys_max = 100 };
 	to_metres(track);
-	if (eco_track_clean(track, &(struct eco_cleaning){ 0 }, &report, NULL))
+	if (eco_track_clean(track, &defaults, &report, NULL))
 		return;
-	assert(report.fixes == report.kept + report.repeated + report.jumped + report.other_parts && report.kept > 0);
+	assert(report.fixes == report.kept + report.repeated + report.jumped && report.kept > 0);
 	for (uint32_t i = 1; i < track->count; i++)
 		assert(track->fixes[i].time_s > track->fixes[i - 1].time_s);
-	if (eco_flight_make(&flight, track, &smoothing, NULL))
+	if (eco_flight_make(&flight, track, &defaults, NULL))
 		return;
 	for (uint32_t i = 0; i < flight.count; i++)
 		for (int k = 0; k < 3; k++)
 			assert(isfinite(flight.samples[i].eye[k]) && isfinite(flight.samples[i].look[k]) && isfinite(flight.samples[i].up[k]));
-	if (flight.count <= FIXES_MAX && eco_script_fit(&script, &flight, &(struct eco_fitting){ .keys_max = 100 }, NULL) == ECO_OK) {
+	if (flight.count <= FIXES_MAX && eco_script_fit(&script, &flight, &few, NULL) == ECO_OK) {
 		play(&script);
 		eco_script_free(&script);
 	}

@@ -16,12 +16,11 @@
 #include "tests/support/input_files.h"
 #include "tests/support/track_made.h"
 
-static struct eco_flight flight_of(const struct eco_track *track, const struct eco_smoothing *smoothing)
+static struct eco_flight flight_of(const struct eco_track *track)
 {
-	static const struct eco_smoothing usual = { .smooth_s = NAN, .pitch_deg = NAN, .fov_y_deg = NAN };
 	struct eco_flight flight;
 	struct eco_error error = { 0 };
-	if (eco_flight_make(&flight, track, smoothing ? smoothing : &usual, &error))
+	if (eco_flight_make(&flight, track, &track_defaults, &error))
 		fail_msg("%s", error.text);
 	for (uint32_t i = 0; i < flight.count; i++) {
 		const struct eco_sample *s = &flight.samples[i];
@@ -49,8 +48,8 @@ static void rounded_positions_do_not_jitter(void **state)
 	}
 	m.track.still_m = 8;
 	m.track.still_z_m = 1;
-	struct eco_track_report report = cleaned(&m.track, &(struct eco_cleaning){ 0 });
-	struct eco_flight f = flight_of(&m.track, NULL);
+	struct eco_track_report report = cleaned(&m.track);
+	struct eco_flight f = flight_of(&m.track);
 	double fastest = 0, slowest = 1e9, turn = 0, back = 0;
 	for (uint32_t i = 1; i < f.count; i++) {
 		const double *a = f.samples[i - 1].eye, *b = f.samples[i].eye;
@@ -76,8 +75,9 @@ static void cameras_look_where_they_go_and_wait_without_turning(void **state)
 	(void)state;
 	for (uint32_t i = 0; i < 90; i++)
 		put(&m, i, i < 30 ? 5.0 * i : 150, i < 60 ? 0 : 5.0 * (i - 60), 20);
-	cleaned(&m.track, &(struct eco_cleaning){ 0 });
-	struct eco_flight f = flight_of(&m.track, &(struct eco_smoothing){ .smooth_s = NAN, .pitch_deg = NAN, .fov_y_deg = NAN, .flies = true });
+	cleaned(&m.track);
+	m.track.format = ECO_TRACK_SRT;
+	struct eco_flight f = flight_of(&m.track);
 	double before = yaw_of(&f.samples[0]);
 	assert_true(near(before, 90, 1) && near(yaw_of(&f.samples[f.count - 1]), 0, 1));
 	for (uint32_t i = 1; i < f.count; i++) {
@@ -101,8 +101,8 @@ static void recorded_looks_turn_across_north(void **state)
 		fix->roll_deg = 5;
 		fix->fov_y_deg = 40 + i;
 	}
-	cleaned(&m.track, &(struct eco_cleaning){ 0 });
-	struct eco_flight f = flight_of(&m.track, NULL);
+	cleaned(&m.track);
+	struct eco_flight f = flight_of(&m.track);
 	for (uint32_t i = 0; i < f.count; i++) {
 		double t = i * f.step_s;
 		assert_true(fabs(remainder(yaw_of(&f.samples[i]) - 350 - t, 360)) < 0.3 && near(asin(f.samples[i].look[2]) * DEG, -30, 0.1));
@@ -119,23 +119,20 @@ static void flights_are_moved_turned_and_kept_above_ground(void **state)
 	float heights[4] = { 0, 0, 40, 40 };
 	struct eco_ground ground = { .columns = 2, .rows = 2, .x_m = -1000, .y_m = 0, .step_x_m = 2000, .step_y_m = 100, .height_m = heights };
 	struct eco_flight_moved moved;
-	struct eco_error error = { 0 };
 	(void)state;
-	cleaned(&m.track, &(struct eco_cleaning){ 0 });
-	struct eco_flight f = flight_of(&m.track, NULL);
-	struct eco_flight_move move = { .from_s = 2, .to_s = 8, .speed = 2, .scale = 0.5, .turn_deg = 90, .to_given = true, .to = { 7, 8, 9 },
-		.ground = &ground, .has_ground = true, .clearance_m = 2 };
+	cleaned(&m.track);
+	struct eco_flight f = flight_of(&m.track);
+	struct eco_track_options move = { .speed = 2, .turn_deg = 90, .to_given = true, .to = { 7, 8, 9 }, .ground = &ground, .has_ground = true,
+		.clearance_m = 2 };
 	double step_s = f.step_s;
-	assert_int_equal(eco_flight_move(&f, &move, &moved, &error), ECO_OK);
+	eco_flight_move(&f, &move, &moved);
 	const struct eco_sample *last = &f.samples[f.count - 1];
-	assert_true(near(f.step_s, step_s / 2, 1e-12) && near((f.count - 1) * step_s, 6, 2 * step_s));
-	/* 60 m along x are 30 m along y; the ground rises by 0.4 a metre */
-	assert_true(near(f.samples[0].eye[0], 7, 0.3) && near(last->eye[1], 38, 0.5) && near(last->look[1], 1, 1e-3));
-	assert_true(near(last->eye[2], 0.4 * last->eye[1] + 2, 1e-4) && moved.raised > 0 && moved.off_ground == 0);
-	move = (struct eco_flight_move){ .from_s = 100, .to_s = NAN };
-	assert_int_equal(eco_flight_move(&f, &move, &moved, &error), ECO_BAD_INPUT);
-	move = (struct eco_flight_move){ .from_s = NAN, .to_s = NAN, .look_at_given = true, .look_at = { 7, 1000, 20 } };
-	assert_int_equal(eco_flight_move(&f, &move, &moved, NULL), ECO_OK);
+	assert_true(near(f.step_s, step_s / 2, 1e-12));
+	/* 100 m along x are 100 m along y; the ground rises by 0.4 a metre */
+	assert_true(near(f.samples[0].eye[0], 7, 0.3) && near(last->eye[1], 108, 0.5) && near(last->look[1], 1, 1e-3));
+	assert_true(near(f.samples[f.count / 2].eye[2], 0.4 * f.samples[f.count / 2].eye[1] + 2, 1e-4) && moved.raised > 0);
+	move = (struct eco_track_options){ .look_at_given = true, .look_at = { 7, 1000, 20 } };
+	eco_flight_move(&f, &move, &moved);
 	assert_true(f.samples[0].look[1] > 0.99);
 	eco_flight_free(&f);
 	eco_track_free(&m.track);
@@ -154,14 +151,14 @@ static void scripts_keep_to_the_flight_as_they_say(void **state)
 		fix->yaw_deg = 180 + 170 * sin(t / 5);
 		fix->pitch_deg = -45 + 45 * cos(t / 9);
 	}
-	cleaned(&m.track, &(struct eco_cleaning){ 0 });
-	struct eco_flight f = flight_of(&m.track, NULL);
+	cleaned(&m.track);
+	struct eco_flight f = flight_of(&m.track);
 	for (uint32_t keys = 0; keys <= 40; keys += 20) {
 		struct eco_script script;
 		struct eco_camera *camera;
 		struct eco_error error = { 0 };
 		size_t size;
-		assert_int_equal(eco_script_fit(&script, &f, &(struct eco_fitting){ .keys_max = keys, .fps = 1 / f.step_s }, &error), ECO_OK);
+		assert_int_equal(eco_script_fit(&script, &f, &(struct eco_track_options){ .keys_max = keys, .fps = 1 / f.step_s }, &error), ECO_OK);
 		assert_true(keys ? script.count <= keys && script.error_m > 0.05 : script.error_m <= 0.05 && script.error_deg <= 0.5
 			&& script.count < f.count / 2);
 		char *text = eco_script_text(&script, &size);
@@ -197,16 +194,45 @@ static void still_cameras_are_one_keyframe(void **state)
 	struct eco_script script;
 	size_t size;
 	(void)state;
-	cleaned(&track, &(struct eco_cleaning){ 0 });
-	struct eco_flight f = flight_of(&track, NULL);
-	assert_int_equal(eco_script_fit(&script, &f, &(struct eco_fitting){ 0 }, NULL), ECO_OK);
+	cleaned(&track);
+	struct eco_flight f = flight_of(&track);
+	assert_int_equal(eco_script_fit(&script, &f, &track_defaults, NULL), ECO_OK);
 	char *text = eco_script_text(&script, &size);
-	assert_string_equal(text, "{\"fps\": 30, \"keyframes\": [\n  {\"time_s\": 0, \"eye\": [5, 6, 7], \"target\": [5, 16, 7], \"fov_y_deg\": "
-		"45.837}\n]}\n");
+	assert_string_equal(text, "{\"fps\": 30, \"keyframes\": [\n  {\"time_s\": 0, \"eye\": [5, 6, 7], \"target\": [5, 16, 7], "
+		"\"up\": [0, 0, 1], \"fov_y_deg\": 45.837}\n]}\n");
 	free(text);
 	eco_script_free(&script);
 	eco_flight_free(&f);
 	eco_track_free(&track);
+}
+
+/* Looks that turn about between samples have no direction halfway: they go by a side, and the script plays. */
+static void cameras_that_turn_about_do_it_by_a_side(void **state)
+{
+	struct made m = made_track(40);
+	(void)state;
+	for (uint32_t i = 0; i < 40; i++)
+		put(&m, i * 0.004, i, 0, 20)->yaw_deg = i % 5 < 3 ? 0 : 180;
+	m.track.posed = true;
+	cleaned(&m.track);
+	struct eco_flight f = flight_of(&m.track);
+	struct eco_script script;
+	struct eco_camera *camera;
+	struct eco_error error = { 0 };
+	size_t size;
+	double most = 0;
+	for (uint32_t i = 1; i < f.count; i++)
+		most = fmax(most, eco_angle_deg(f.samples[i - 1].look, f.samples[i].look));
+	assert_true(most < 171);
+	assert_int_equal(eco_script_fit(&script, &f, &(struct eco_track_options){ .fps = 1000 }, &error), ECO_OK);
+	char *text = eco_script_text(&script, &size);
+	if (eco_camera_parse(&camera, text, size, "made", &error))
+		fail_msg("%s", error.text);
+	eco_camera_free(camera);
+	eco_script_free(&script);
+	free(text);
+	eco_flight_free(&f);
+	eco_track_free(&m.track);
 }
 
 /* ---- Recordings, where they are at hand: each beside a table of its positions ---- */
@@ -229,15 +255,14 @@ static void compare_with_table(const char *folder, const char *name)
 	snprintf(path, sizeof path, "%s/%s", folder, name);
 	snprintf(table, sizeof table, "%s/%s.csv", folder, name);
 	if (eco_track_read(&track, path, NULL, &error) || eco_track_read(&wanted, table, NULL, &error) ||
-		eco_track_place(&track, &(struct eco_track_frame){ .crs = NULL }, &error) || eco_track_clean(&track, &(struct eco_cleaning){ 0 },
-			&report, &error))
+		eco_track_place(&track, &track_defaults, &error) || eco_track_clean(&track, &track_defaults, &report, &error))
 		fail_msg("%s", error.text);
-	struct eco_flight f = flight_of(&track, NULL);
+	struct eco_flight f = flight_of(&track);
 	/* the table's zero is the file's first fix, which may lie in another part */
 	double zero[2] = { 0 };
-	if (report.part == 1)
+	if (report.parts <= 1)
 		memcpy(zero, f.samples[0].eye, sizeof zero);
-	for (uint32_t i = 0; report.part == 1 && i < wanted.count && i < report.kept; i++, seen++)
+	for (uint32_t i = 0; report.parts <= 1 && i < wanted.count && i < report.kept; i++, seen++)
 		within += nearest(&f, zero[0] + wanted.fixes[i].at[0], zero[1] + wanted.fixes[i].at[1]) <= fmax(3, 0.8 * track.still_m) +
 			0.002 * hypot(wanted.fixes[i].at[0], wanted.fixes[i].at[1]);     /* tables count on a sphere */
 	if (within < 0.9 * seen)
@@ -278,6 +303,7 @@ int main(void)
 		cmocka_unit_test(cameras_look_where_they_go_and_wait_without_turning),
 		cmocka_unit_test(recorded_looks_turn_across_north), cmocka_unit_test(flights_are_moved_turned_and_kept_above_ground),
 		cmocka_unit_test(scripts_keep_to_the_flight_as_they_say), cmocka_unit_test(still_cameras_are_one_keyframe),
+		cmocka_unit_test(cameras_that_turn_about_do_it_by_a_side),
 		cmocka_unit_test(recordings_keep_near_their_positions),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

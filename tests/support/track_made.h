@@ -41,7 +41,7 @@ struct made { struct eco_track track; uint32_t room; };
 
 static inline struct made made_track(uint32_t room)
 {
-	struct made m = { .track = { .timed = true }, .room = room };
+	struct made m = { .track = { .format = ECO_TRACK_CSV, .timed = true }, .room = room };
 	m.track.fixes = calloc(room, sizeof *m.track.fixes);
 	assert_non_null(m.track.fixes);
 	return m;
@@ -65,13 +65,15 @@ static inline struct made straight(uint32_t count)
 	return m;
 }
 
-static inline struct eco_track_report cleaned(struct eco_track *track, const struct eco_cleaning *cleaning)
+static const struct eco_track_options track_defaults = ECO_TRACK_DEFAULTS;
+
+static inline struct eco_track_report cleaned(struct eco_track *track)
 {
 	struct eco_track_report report;
 	struct eco_error error = { 0 };
-	if (eco_track_clean(track, cleaning, &report, &error))
+	if (eco_track_clean(track, &track_defaults, &report, &error))
 		fail_msg("%s", error.text);
-	assert_int_equal(report.fixes, report.kept + report.repeated + report.jumped + report.other_parts);
+	assert_int_equal(report.fixes, report.kept + report.repeated + report.jumped);
 	assert_true(track->fixes[0].time_s == 0);
 	for (uint32_t i = 1; i < track->count; i++)
 		assert_true(track->fixes[i].time_s > track->fixes[i - 1].time_s);

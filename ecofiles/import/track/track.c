@@ -1,7 +1,5 @@
 /* Which reader a file is for, by what it holds, and the readers' common ground: fixes are checked where they are taken, so that no
  * reader can let an impossible one through. Reading happens in a child process; what it hands back is checked once more. */
-#include "ecofiles/import/track/track.h"
-
 #include <errno.h>
 #include <jansson.h>
 #include <stdarg.h>
@@ -12,26 +10,20 @@
 
 #include "ecofiles/base/guard.h"
 #include "ecofiles/format/view.h"
+#include "ecofiles/import/model/import_model.h"
 #include "ecofiles/import/track/track_read.h"
 
 #define METRES_MAX 1e9
 #define HEIGHT_MAX_M 1e5
 #define SECONDS_MAX 1e11
-#define FORMATS "srt, gpx, kml, geojson, csv, gltf and script"
+#define FORMATS "SRT, GPX, KML, GeoJSON, CSV, glTF and camera scripts"
 #define HEAD_BYTES 4096u
 
-const struct eco_track_kind eco_track_kinds[ECO_TRACK_FORMATS] = {
-	[ECO_TRACK_SRT] = { "srt", "a drone's subtitles (SRT)" }, [ECO_TRACK_GPX] = { "gpx", "GPX" }, [ECO_TRACK_KML] = { "kml", "KML" },
-	[ECO_TRACK_GEOJSON] = { "geojson", "GeoJSON" }, [ECO_TRACK_CSV] = { "csv", "CSV" }, [ECO_TRACK_GLTF] = { "gltf", "a glTF camera" },
-	[ECO_TRACK_SCRIPT] = { "script", "a camera script" },
-};
+const char *const eco_track_format_names[ECO_TRACK_FORMATS] = { "a drone's subtitles (SRT)", "GPX", "KML", "GeoJSON", "CSV", "a glTF camera",
+	"a camera script" };
 
-static track_reader *const readers[ECO_TRACK_FORMATS] = {
-	[ECO_TRACK_SRT] = track_read_srt, [ECO_TRACK_GPX] = track_read_rows, [ECO_TRACK_KML] = track_read_rows,
-	[ECO_TRACK_GEOJSON] = track_read_rows, [ECO_TRACK_CSV] = track_read_csv, [ECO_TRACK_GLTF] = track_read_gltf,
-};
-
-const char *const eco_track_skip_names[ECO_TRACK_SKIPS] = { "no position", "a position that cannot be" };
+static track_reader *const readers[ECO_TRACK_FORMATS] = { track_read_srt, track_read_rows, track_read_rows, track_read_rows, track_read_csv,
+	track_read_gltf, NULL };
 
 /* ---- Fixes ---- */
 
@@ -53,12 +45,9 @@ static bool check_position(const struct eco_track *track, double at[3])
 enum eco_code track_add(struct eco_track *track, const struct eco_fix *fix, struct eco_error *error)
 {
 	struct eco_fix f = *fix;
-	bool none = isnan(f.at[0]) || isnan(f.at[1]) || (track->degrees && f.at[0] == 0 && f.at[1] == 0);
 	track->records++;
-	if (none || !check_position(track, f.at)) {
-		int why = none ? ECO_TRACK_NO_POSITION : ECO_TRACK_BAD_NUMBER;
-		if (track->skipped[why]++ == 0)
-			track->skipped_line[why] = f.line;
+	if ((track->degrees && f.at[0] == 0 && f.at[1] == 0) || !check_position(track, f.at)) {
+		track->skipped_line = track->skipped++ ? track->skipped_line : f.line;
 		return ECO_OK;
 	}
 	if (track->count == ECO_TRACK_FIXES_MAX)
@@ -111,18 +100,14 @@ static enum eco_code refuse_others(const struct track_input *in, struct eco_erro
 {
 	static const struct { size_t at; const char *magic, *says; } kinds[] = {
 		{ 0, "PK\3\4", "a zip archive; unzip it (a KMZ holds doc.kml) and name the file inside" },
-		{ 8, ".FIT", "a FIT file; convert it to GPX or CSV" },
-		{ 4, "ftyp", "a film; name the .SRT file that the drone wrote beside it" },
-		{ 0, "\x89PNG", "a picture" }, { 0, "\xff\xd8\xff", "a picture" }, { 0, "ECOPACK", "a pack, not a track" },
+		{ 8, ".FIT", "a FIT file; convert it to GPX or CSV" }, { 4, "ftyp", "a film; name the .SRT file that the drone wrote beside it" },
 		{ 0, "\x1f\x8b", "compressed; unpack it with gunzip" }, { 0, "\xfd" "7zXZ", "compressed; unpack it with unxz" },
-		{ 0, "SQLite", "a database; save its track as CSV or GPX" },
 	};
-	static const struct { const char *word, *says; } words[] = {
-		{ "HFDTE", "a glider's log (IGC)" }, { "<TrainingCenterDatabase", "TCX" },
+	static const struct { const char *word, *says; } words[] = { { "HFDTE", "a glider's log (IGC)" }, { "<TrainingCenterDatabase", "TCX" },
 		{ "$GPRMC,", "NMEA 0183" }, { "$GPGGA,", "NMEA 0183" }, { "$GNRMC,", "NMEA 0183" }, { "$GNGGA,", "NMEA 0183" },
 		{ "QW, QX, QY, QZ, TX, TY, TZ", "COLMAP's images.txt" }, { "\"transform_matrix\"", "poses of pictures (transforms.json)" },
-		{ "\"camera_path\"", "a camera path (nerfstudio)" },
-	};
+		{ "\"camera_path\"", "a camera path (nerfstudio)" } };
+	size_t head = in->size < HEAD_BYTES ? in->size : HEAD_BYTES;
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
 		size_t length = strlen(kinds[i].magic);
 		if (in->size >= kinds[i].at + length && memcmp(in->text + kinds[i].at, kinds[i].magic, length) == 0)
@@ -134,9 +119,9 @@ static enum eco_code refuse_others(const struct track_input *in, struct eco_erro
 				"GPS logs). Read are " FORMATS, in->path, words[i].says);
 	if (strspn(in->text, " \t\r\n") >= in->size)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: the file is empty", in->path);
-	if (memchr(in->text, 0, in->size < HEAD_BYTES ? in->size : HEAD_BYTES) && strncmp(in->text, "glTF", 4) != 0)
-		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: this is binary and of no kind that is known; save the track as CSV or GPX",
-			in->path);
+	if (memchr(in->text, 0, head) && strncmp(in->text, "glTF", 4) != 0)
+		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: this is binary, or text in UTF-16, of no kind that is known; save the track as GPX or "
+			"as CSV in UTF-8", in->path);
 	return ECO_OK;
 }
 
@@ -144,79 +129,44 @@ static enum eco_code json_format(const struct track_input *in, enum eco_track_fo
 {
 	json_error_t problem;
 	json_t *root = json_loadb(in->text, in->size, JSON_DECODE_INT_AS_REAL, &problem);
-	enum eco_code code = ECO_OK;
 	if (!root)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s:%d:%d: %s", in->path, problem.line, problem.column, problem.text);
-	if (json_object_get(root, "keyframes"))
-		*format = ECO_TRACK_SCRIPT;
-	else if (json_is_object(json_object_get(root, "asset")))
-		*format = ECO_TRACK_GLTF;
-	else if (json_is_string(json_object_get(root, "type")))
-		*format = ECO_TRACK_GEOJSON;
-	else
-		code = eco_fail(error, ECO_UNSUPPORTED, "%.300s: JSON, but no track that is known: no GeoJSON (\"type\"), no glTF (\"asset\"), no "
-			"camera script (\"keyframes\")", in->path);
+	*format = json_object_get(root, "keyframes") ? ECO_TRACK_SCRIPT : json_is_object(json_object_get(root, "asset")) ? ECO_TRACK_GLTF :
+		json_is_string(json_object_get(root, "type")) ? ECO_TRACK_GEOJSON : ECO_TRACK_FORMATS;
 	json_decref(root);
-	return code;
+	return *format < ECO_TRACK_FORMATS ? ECO_OK : eco_fail(error, ECO_UNSUPPORTED, "%.300s: JSON, but no track that is known: no GeoJSON "
+		"(\"type\"), no glTF (\"asset\"), no camera script (\"keyframes\")", in->path);
 }
 
-static enum eco_code by_content(const struct track_input *in, enum eco_track_format *format, struct eco_error *error)
+static bool ends_with(const char *path, const char *end)
 {
-	static const struct { const char *end; enum eco_track_format format; } ends[] = { { ".srt", ECO_TRACK_SRT }, { ".vtt", ECO_TRACK_SRT },
-		{ ".glb", ECO_TRACK_GLTF }, { ".gltf", ECO_TRACK_GLTF } };
-	size_t start = strspn(in->text, " \t\r\n"), length = strlen(in->path);
-	char first = in->text[start];
-	*format = ECO_TRACK_CSV;
-	for (size_t i = 0; i < sizeof ends / sizeof *ends; i++)
-		if (length >= strlen(ends[i].end) && track_is(in->path + length - strlen(ends[i].end), in->path + length, ends[i].end))
-			*format = ends[i].format;
+	size_t length = strlen(path), wanted = strlen(end);
+	return length >= wanted && track_is(path + length - wanted, path + length, end);
+}
+
+/* By content, then by the name's end. */
+static enum eco_code find_format(const struct track_input *in, enum eco_track_format *format, struct eco_error *error)
+{
+	enum eco_code code = refuse_others(in, error);
+	if (code)
+		return code;
+	char first = in->text[strspn(in->text, " \t\r\n")];
 	if (strncmp(in->text, "glTF", 4) == 0)
 		*format = ECO_TRACK_GLTF;
 	else if (first == '<' && (has(in, "<gpx") || has(in, "<kml")))
 		*format = has(in, "<gpx") ? ECO_TRACK_GPX : ECO_TRACK_KML;
 	else if (first == '<')
 		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: XML, but neither GPX nor KML; convert it to GPX or CSV", in->path);
-	else if (first == '{' || (first == '[' && strchr(" \t\r\n{[", in->text[start + 1])))
+	else if (first == '{')
 		return json_format(in, format, error);
-	else if (has(in, " --> ") || has(in, "[latitude") || has(in, "HOME("))
+	else if (has(in, " --> ") || has(in, "[latitude") || has(in, "HOME(") || ends_with(in->path, ".srt"))
 		*format = ECO_TRACK_SRT;
+	else
+		*format = ECO_TRACK_CSV;
 	return ECO_OK;
 }
 
-static enum eco_code find_format(const struct track_input *in, enum eco_track_format *format, struct eco_error *error)
-{
-	const char *stated = in->options->format;
-	for (int i = 0; stated && i < ECO_TRACK_FORMATS; i++)
-		if (strcmp(stated, eco_track_kinds[i].name) == 0) {
-			*format = (enum eco_track_format)i;
-			return ECO_OK;
-		}
-	if (stated)
-		return eco_fail(error, ECO_BAD_USAGE, "no format is called %.40s; there are " FORMATS, stated);
-	enum eco_code code = refuse_others(in, error);
-	*format = ECO_TRACK_CSV;
-	/* columns can be told from anything */
-	return code || in->options->columns ? code : by_content(in, format, error);
-}
-
 /* ---- Reading ---- */
-
-/* The text with a 0 behind it and without a byte order mark. UTF-16, as spreadsheets write "Unicode text": what is no ASCII becomes '?',
- * no name or number that matters has it. */
-static char *text_of(const uint8_t *bytes, size_t size, size_t *length)
-{
-	bool big = size >= 2 && bytes[0] == 0xfe && bytes[1] == 0xff, wide = big || (size >= 2 && bytes[0] == 0xff && bytes[1] == 0xfe);
-	size_t start = wide ? 2 : size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0, step = wide ? 2 : 1;
-	char *text = malloc(size + 1);
-	*length = 0;
-	for (size_t i = start; text && i + step <= size; i += step) {
-		uint8_t low = bytes[i + (big ? 1 : 0)], high = wide ? bytes[i + (big ? 0 : 1)] : 0;
-		text[(*length)++] = (char)(wide && (high || low == 0 || low > 127) ? '?' : low);
-	}
-	if (text)
-		text[*length] = 0;
-	return text;
-}
 
 static enum eco_code check_script(const struct track_input *in, struct eco_error *error)
 {
@@ -228,13 +178,10 @@ static enum eco_code check_script(const struct track_input *in, struct eco_error
 
 static enum eco_code say_nothing_found(const struct eco_track *track, const struct track_input *in, struct eco_error *error)
 {
-	int why = track->skipped[ECO_TRACK_BAD_NUMBER] ? ECO_TRACK_BAD_NUMBER : ECO_TRACK_NO_POSITION;
-	if (!track->skipped[why])
-		return eco_fail(error, ECO_BAD_INPUT, "%.250s: no fix found; it was read as %s (another: --format NAME)", in->path,
-			eco_track_kinds[track->format].says);
-	return eco_fail(error, ECO_BAD_INPUT, "%.250s: read as %s, it has %llu records and no usable fix; %llu of them with %s, the first in "
-		"line %u", in->path, eco_track_kinds[track->format].says, (unsigned long long)track->records,
-		(unsigned long long)track->skipped[why], eco_track_skip_names[why], track->skipped_line[why]);
+	const char *name = eco_track_format_names[track->format];
+	return !track->skipped ? eco_fail(error, ECO_BAD_INPUT, "%.250s: no fix found; it was read as %s", in->path, name) :
+		eco_fail(error, ECO_BAD_INPUT, "%.250s:%u: read as %s, it has %llu records and no usable fix: no position, or one that cannot be",
+			in->path, track->skipped_line, name, (unsigned long long)track->records);
 }
 
 static enum eco_code read_text(struct eco_track *track, const struct track_input *in, struct eco_error *error)
@@ -249,12 +196,15 @@ static enum eco_code read_text(struct eco_track *track, const struct track_input
 enum eco_code eco_track_parse(struct eco_track *track, const uint8_t *bytes, size_t size, const char *path,
 	const struct eco_track_options *options, struct eco_error *error)
 {
-	static const struct eco_track_options none;
-	struct track_input in = { .path = path, .options = options ? options : &none };
 	struct eco_error cause = { 0 };
+	size_t mark = size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+	char *text = malloc(size - mark + 1);
+	struct track_input in = { .text = text, .size = size - mark, .path = path, .node = options ? options->node : NULL };
 	*track = (struct eco_track){ 0 };
-	char *text = text_of(bytes, size, &in.size);
-	in.text = text;
+	if (text) {
+		memcpy(text, bytes + mark, in.size);
+		text[in.size] = 0;
+	}
 	enum eco_code code = text ? read_text(track, &in, &cause) : eco_fail(&cause, ECO_NO_MEMORY, "no memory for it");
 	free(text);
 	if (!code)
@@ -266,25 +216,20 @@ enum eco_code eco_track_parse(struct eco_track *track, const uint8_t *bytes, siz
 
 /* ---- In a child ---- */
 
-struct job { const char *path; const struct eco_track_options *options; uint64_t size; };
+struct job { const char *path; const struct eco_track_options *options; };
 
 static enum eco_code read_in_child(void *ctx, FILE *out, struct eco_error *error)
 {
 	const struct job *job = ctx;
-	struct eco_track *track = calloc(1, sizeof *track);
-	uint8_t *bytes = malloc(job->size + 1);
-	FILE *file = fopen(job->path, "rb");
-	size_t size = file && bytes ? fread(bytes, 1, job->size, file) : 0;
-	enum eco_code code = !bytes || !track ? eco_fail(error, ECO_NO_MEMORY, "%.300s: no memory for it", job->path) :
-		!file || ferror(file) ? eco_fail(error, ECO_IO, "%.300s: %s", job->path, strerror(errno)) :
-		eco_track_parse(track, bytes, size, job->path, job->options, error);
-	if (!code && (fwrite(track, sizeof *track, 1, out) != 1 || fwrite(track->fixes, sizeof *track->fixes, track->count, out) != track->count))
+	struct eco_track track = { 0 };
+	uint8_t *bytes = NULL;
+	size_t size;
+	enum eco_code code = eco_file_read(job->path, ECO_TRACK_BYTES_MAX, &bytes, &size, error);
+	if (!code)
+		code = eco_track_parse(&track, bytes, size, job->path, job->options, error);
+	if (!code && (fwrite(&track, sizeof track, 1, out) != 1 || fwrite(track.fixes, sizeof *track.fixes, track.count, out) != track.count))
 		code = eco_fail(error, ECO_IO, "%.300s: %s", job->path, strerror(errno));
-	if (file)
-		fclose(file);
-	if (track)
-		eco_track_free(track);
-	free(track);
+	eco_track_free(&track);
 	free(bytes);
 	return code;
 }
@@ -325,10 +270,7 @@ enum eco_code eco_track_read(struct eco_track *track, const char *path, const st
 		return eco_fail(error, ECO_IO, "%.300s: %s", path, strerror(errno));
 	if (!S_ISREG(status.st_mode))
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: this is no file%s", path, S_ISDIR(status.st_mode) ? " but a folder" : "");
-	if (status.st_size > (off_t)ECO_TRACK_BYTES_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "%.300s: a track has at most %u bytes", path, ECO_TRACK_BYTES_MAX);
-	job.size = (uint64_t)status.st_size;
-	struct eco_guard_limits limits = eco_guard_limits_for(job.size);
+	struct eco_guard_limits limits = eco_guard_limits_for((uint64_t)status.st_size);
 	enum eco_code code = eco_guard_run(read_in_child, &job, path, &limits, &from, error);
 	if (code)
 		return code;

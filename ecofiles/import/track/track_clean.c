@@ -1,50 +1,35 @@
-/* What recorders get wrong, undone in an order in which each step can rely on those before: heights, stamps (track_stamps.c), repeated
- * positions, jumps and parts, long stands.
+/* What recorders get wrong, undone in an order in which each step can rely on those before: heights, time stamps, repeated positions,
+ * jumps, gaps.
  *
- * A position may be repeated because the GPS is slower than the recording (motion then goes on from first to first), because it was
- * rounded (then the middle of the repeats is nearest to the truth) or because the camera stands (then it is kept at both ends). Positions,
- * heights and looks are told apart all the way: a fix loses only what it does not say. */
-#include "ecofiles/import/track/track_read.h"
-
+ * The order of the file is trusted above its stamps, as recorders append; only a file that is shorter when sorted by time, way by way,
+ * is taken to be unsorted. A position may be repeated because the GPS is slower than the recording (motion then goes on from first to
+ * first), because it was rounded (then the middle of the repeats is nearest to the truth) or because the camera stands (then it is
+ * kept at both ends). Positions, heights and looks are told apart: a fix loses only what it does not say. */
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/import/track/track_read.h"
+
+#define FAR_S (30 * 86400.0)             /* from the middle stamp: of another recording, or of a clock that was not set */
 #define WINDOW_S 1.0                     /* speeds are measured over */
 #define STAND_S 1.5                      /* a repeat that lasts longer may be a stand */
 #define ROUNDED_M 0.5                    /* positions in steps of more are rounded roughly */
-#define AHEAD 10u                        /* fixes within which a track comes back from a jump */
+#define STAMPS_AHEAD 5u                  /* stamps that are asked whether one before them is right */
+#define AHEAD 10u                        /* positions within which a track comes back from a jump */
 #define GLIDE_S 20.0                     /* a leap that takes longer at the track's own speed ends a part */
+#define PAUSE_S 60.0                     /* a gap without motion is shortened to it */
 
-/* ---- Heights ---- */
+struct clean {
+	struct eco_fix *f; uint32_t count;           /* the track's */
+	struct eco_track *track;
+	struct eco_track_report *report;
+	double *scratch;                             /* count + 1 */
+	struct eco_fix **place; uint32_t places;     /* fixes that have a position */
+	double middle_m_s, high_m_s;                 /* speeds: median, and what nine tenths are below */
+	double limit_m_s, limit_m;                   /* a jump is faster and farther */
+};
 
-static enum eco_code choose_heights(struct eco_track *track, enum eco_track_height wanted, struct eco_track_report *report, struct eco_error *error)
-{
-	uint32_t absolute = 0, relative = 0;
-	double first = 0;
-	for (uint32_t i = track->count; i-- > 0; ) {
-		absolute += !isnan(track->fixes[i].at[2]);
-		relative += !isnan(track->fixes[i].above_m);
-		first = isnan(track->fixes[i].at[2]) ? first : track->fixes[i].at[2];
-	}
-	if (wanted == ECO_HEIGHTS_ABSOLUTE && !absolute)
-		return eco_fail(error, ECO_BAD_INPUT, "--height abs: the track has no heights above the sea%s", relative ? ", only above take-off (--height "
-			"rel)" : "");
-	if (wanted == ECO_HEIGHTS_RELATIVE && !relative && !absolute)
-		return eco_fail(error, ECO_BAD_INPUT, "--height rel: the track has no heights");
-	bool above = wanted != ECO_HEIGHTS_ABSOLUTE && relative > 0 && (relative >= track->count / 2 || !absolute);
-	/* the ground, or take-off, is where it begins */
-	double zero = !above && (wanted == ECO_HEIGHTS_RELATIVE || wanted == ECO_HEIGHTS_GROUND) ? first : 0;
-	report->has_height = above || absolute;
-	report->height = wanted == ECO_HEIGHTS_GROUND ? wanted : above || wanted == ECO_HEIGHTS_RELATIVE ? ECO_HEIGHTS_RELATIVE : ECO_HEIGHTS_ABSOLUTE;
-	for (uint32_t i = 0; i < track->count; i++) {
-		struct eco_fix *fix = &track->fixes[i];
-		fix->at[2] = above ? fix->above_m : fix->at[2] - zero;
-		report->heights_missing += report->has_height && isnan(fix->at[2]);
-	}
-	return ECO_OK;
-}
-
-/* ---- Distances and medians ---- */
+/* ---- Measures ---- */
 
 double track_distance(const struct eco_fix *a, const struct eco_fix *b)
 {
@@ -75,7 +60,7 @@ uint32_t track_speeds(const struct eco_track *track, bool flat, double *speeds)
 			continue;
 		double d = !last ? 0 : flat ? hypot(f[i].at[0] - last->at[0], f[i].at[1] - last->at[1]) : track_distance(last, &f[i]);
 		if (d > 0)
-			speeds[count++] = d / (f[i].time_s - last->time_s);
+			speeds[count++] = d / fmax(f[i].time_s - last->time_s, 1e-9);
 		last = &f[i];
 	}
 	/* a slow drift is no motion either */
@@ -85,312 +70,343 @@ uint32_t track_speeds(const struct eco_track *track, bool flat, double *speeds)
 	return count - still;
 }
 
+/* ---- Heights ---- */
+
+static enum eco_code choose_heights(struct clean *c, int wanted, struct eco_error *error)
+{
+	uint32_t absolute = 0, relative = 0;
+	double first = 0;
+	for (uint32_t i = c->count; i-- > 0; ) {
+		absolute += !isnan(c->f[i].at[2]);
+		relative += !isnan(c->f[i].above_m);
+		first = isnan(c->f[i].at[2]) ? first : c->f[i].at[2];
+	}
+	bool above = wanted != ECO_HEIGHTS_ABSOLUTE && relative && (relative >= c->count / 2 || !absolute);
+	if (wanted && !above && !absolute)
+		return eco_fail(error, ECO_BAD_INPUT, "--height: the track has no heights of this kind%s", relative ? ", only above take-off" : "");
+	c->report->has_height = above || absolute;
+	c->report->height = above || wanted == ECO_HEIGHTS_RELATIVE ? ECO_HEIGHTS_RELATIVE : ECO_HEIGHTS_ABSOLUTE;
+	for (uint32_t i = 0; i < c->count; i++) {
+		/* take-off is where it begins */
+		c->f[i].at[2] = above ? c->f[i].above_m : c->f[i].at[2] - (wanted == ECO_HEIGHTS_RELATIVE ? first : 0);
+		c->report->heights_missing += c->report->has_height && isnan(c->f[i].at[2]);
+	}
+	return ECO_OK;
+}
+
+/* ---- Stamps ---- */
+
+static void forget_bogus(struct clean *c)
+{
+	uint32_t count = 0, far = 0;
+	for (uint32_t i = 0; i < c->count; i++)
+		if (!isnan(c->f[i].time_s))
+			c->scratch[count++] = c->f[i].time_s;
+	double middle = track_quantile(c->scratch, count, 0.5);
+	for (uint32_t i = 0; i < count; i++)
+		far += fabs(c->scratch[i] - middle) > FAR_S;
+	/* many are no accident */
+	for (uint32_t i = 0; 4 * far < count && i < c->count; i++)
+		if (fabs(c->f[i].time_s - middle) > FAR_S) {
+			c->f[i].time_s = NAN;
+			c->report->stamps_wrong++;
+		}
+}
+
+/* Steps forward and backward; the median of the forward ones, or 1. */
+static double count_steps(struct clean *c, uint32_t *forward, uint32_t *backward)
+{
+	double last = NAN;
+	*forward = *backward = 0;
+	for (uint32_t i = 0; i < c->count; i++) {
+		double t = c->f[i].time_s;
+		*backward += t < last;
+		if (t > last)
+			c->scratch[(*forward)++] = t - last;
+		last = isnan(t) ? last : t;
+	}
+	return *forward ? track_quantile(c->scratch, *forward, 0.5) : 1;
+}
+
+/* Stamps that are missing come first; lines are in the order of the file. */
+static int by_time(const void *a, const void *b)
+{
+	const struct eco_fix *x = a, *y = b;
+	double s = isnan(x->time_s) ? -INFINITY : x->time_s, t = isnan(y->time_s) ? -INFINITY : y->time_s;
+	return s != t ? (s > t) - (s < t) : (x->line > y->line) - (x->line < y->line);
+}
+
+/* The next few stamps say which one is wrong where one runs back: it, if they go on from the one before; the one that ran ahead, if they
+ * lie between; else the clock was set back, and goes on. */
+static void order_stamps(struct clean *c, double step_s)
+{
+	double last_s = -INFINITY, offset_s = 0;
+	for (uint32_t i = 0; i < c->count; i++) {
+		double t = c->f[i].time_s += offset_s;
+		uint32_t seen = 0, after_last = 0, after_this = 0;
+		for (uint32_t k = i + 1; k < c->count && seen < STAMPS_AHEAD && !isnan(t); k++) {
+			seen += !isnan(c->f[k].time_s);
+			after_last += c->f[k].time_s + offset_s >= last_s;
+			after_this += c->f[k].time_s + offset_s >= t;
+		}
+		bool back = t < last_s, goes_on = 2 * after_last > seen;
+		if (goes_on && (back || 2 * after_this < seen)) {
+			c->f[i].time_s = NAN;
+			c->report->stamps_wrong++;
+		} else if (back) {
+			offset_s += last_s - t + step_s;
+			c->f[i].time_s = last_s += step_s;
+			c->report->clock_resets++;
+		} else
+			last_s = isnan(t) ? last_s : t;
+	}
+}
+
+/* A clock of whole seconds and several fixes in each: evenly until the next, but after the last of them may come a pause. */
+static void spread_equal(struct clean *c, double step_s)
+{
+	for (uint32_t i = 0, end; i < c->count; i = end) {
+		double t = c->f[i].time_s;
+		for (end = i + 1; end < c->count && c->f[end].time_s == t; )
+			end++;
+		double room_s = end < c->count ? fmin(c->f[end].time_s - t, step_s * (end - i)) : step_s;
+		for (uint32_t k = i + 1; k < end; k++)
+			c->f[k].time_s = t + (isnan(room_s) ? step_s : room_s) * (k - i) / (end - i);
+		c->report->stamps_equal += end - i - 1;
+	}
+}
+
+/* The time that the step to fix i takes at the track's own speed. */
+static double guess_s(const struct clean *c, uint32_t i, double s_per_m, double step_s)
+{
+	double s = track_distance(&c->f[i - 1], &c->f[i]) * s_per_m;
+	return s_per_m > 0 ? fmin(fmax(s, 0.01 * step_s), 20 * step_s) : step_s;
+}
+
+/* Between two stamps by distance; before the first and behind the last at the track's own speed. */
+static void fill_missing(struct clean *c, double step_s)
+{
+	struct eco_fix *f = c->f;
+	uint32_t speeds = 0, next = 0;
+	for (uint32_t i = 1; i < c->count; i++)
+		if (f[i].time_s > f[i - 1].time_s && track_distance(&f[i - 1], &f[i]) > 0)
+			c->scratch[speeds++] = (f[i].time_s - f[i - 1].time_s) / track_distance(&f[i - 1], &f[i]);
+	double s_per_m = track_quantile(c->scratch, speeds, 0.5);
+	while (isnan(f[next].time_s))
+		next++;
+	for (uint32_t i = next; i-- > 0; )
+		f[i].time_s = f[i + 1].time_s - guess_s(c, i + 1, s_per_m, step_s);
+	for (uint32_t last = next; last < c->count; last = next) {
+		for (next = last + 1; next < c->count && isnan(f[next].time_s); next++)
+			f[next].time_s = f[next - 1].time_s + guess_s(c, next, s_per_m, step_s);
+		double from_s = f[last].time_s, guessed_s = next < c->count ? f[next - 1].time_s + guess_s(c, next, s_per_m, step_s) - from_s : 0;
+		for (uint32_t k = last + 1; k < next && next < c->count; k++)
+			f[k].time_s = from_s + (f[k].time_s - from_s) * ((f[next].time_s - from_s) / guessed_s);
+	}
+}
+
+/* Every fix gets a time, in file order not descending. Without any, a step is a second until retime knows better. */
+static void repair_stamps(struct clean *c)
+{
+	uint32_t forward, backward;
+	for (uint32_t i = 0; i < c->count; i++)
+		c->report->stamps_missing += isnan(c->f[i].time_s);
+	forget_bogus(c);
+	count_steps(c, &forward, &backward);
+	c->report->untimed = forward + backward == 0;
+	for (uint32_t i = 0; i < c->count && c->report->untimed; i++)
+		c->f[i].time_s = i;
+	if (c->report->untimed)
+		return;
+	c->report->sorted = backward > forward || (backward >= 3 && backward > forward / 20);
+	if (c->report->sorted)
+		qsort(c->f, c->count, sizeof *c->f, by_time);
+	double step_s = count_steps(c, &forward, &backward);
+	order_stamps(c, step_s);
+	spread_equal(c, count_steps(c, &forward, &backward));
+	fill_missing(c, step_s);
+}
+
 /* ---- Repeats ---- */
 
-/* One past the run of fixes at one place, or height, that begins at `first`. */
-static uint32_t run_end(const struct eco_track *track, uint32_t first, bool heights)
+/* One past the run of fixes at one place that begins at `first`. */
+static uint32_t run_end(const struct clean *c, uint32_t first)
 {
-	const struct eco_fix *a = &track->fixes[first], *b = a + 1, *end = track->fixes + track->count;
-	while (b < end && (heights ? b->at[2] == a->at[2] || (isnan(b->at[2]) && isnan(a->at[2])) : b->at[0] == a->at[0] && b->at[1] == a->at[1]))
-		b++;
-	return (uint32_t)(b - track->fixes);
+	uint32_t end = first + 1;
+	while (end < c->count && c->f[end].at[0] == c->f[first].at[0] && c->f[end].at[1] == c->f[first].at[1])
+		end++;
+	return end;
 }
 
-/* The median time from run to run; the first is no whole one. */
-static double median_run(const struct eco_track *track, bool heights, double *scratch)
+/* Some fixes of each run keep their position: the first (or the middle, where it was rounded), and the last where the camera stands. */
+static void merge_repeats(struct clean *c)
 {
-	uint32_t runs = 0;
-	for (uint32_t i = 0, end; i < track->count; i = end) {
-		end = run_end(track, i, heights);
-		if (end < track->count && i > 0)
-			scratch[runs++] = track->fixes[end].time_s - track->fixes[i].time_s;
+	uint32_t runs = 0, kept = 0;
+	for (uint32_t i = run_end(c, 0), end; i < c->count; i = end)
+		if ((end = run_end(c, i)) < c->count)
+			c->scratch[runs++] = c->f[end].time_s - c->f[i].time_s;
+	double long_s = fmax(STAND_S, 4 * track_quantile(c->scratch, runs, 0.5));
+	for (uint32_t i = 0, end; i < c->count; i = end) {
+		end = run_end(c, i);
+		bool stands = c->f[end - 1].time_s - c->f[i].time_s > long_s, rounded = c->track->still_m > ROUNDED_M && !stands;
+		uint32_t first = rounded && i > 0 && end < c->count ? i + (end - i) / 2 : i;
+		for (uint32_t k = i; k < end; k++) {
+			struct eco_fix fix = c->f[k];
+			bool keeps = k == first || (k == end - 1 && (stands || end == c->count));
+			c->report->repeated += !keeps;
+			for (int axis = 0; axis < 3 && !keeps; axis++)
+				fix.at[axis] = NAN;
+			if (keeps || !isnan(fix.yaw_deg) || !isnan(fix.pitch_deg) || !isnan(fix.fov_y_deg))
+				c->f[kept++] = fix;
+		}
 	}
-	return track_quantile(scratch, runs, 0.5);
+	c->count = c->track->count = kept;
 }
 
-/* Which fixes of each run keep what they say: the first (or the middle, where it was rounded), and the last where the camera stands. After a
- * stand motion begins slowly; where it begins with a leap, the receiver had only lost its satellites. Returns the median time of a run. */
-static double merge_runs(const struct eco_track *track, bool heights, double *scratch, uint8_t *keep)
+/* ---- Jumps and gaps, among the fixes that have a position ---- */
+
+static double distance(const struct clean *c, uint32_t a, uint32_t b) { return track_distance(c->place[a], c->place[b]); }
+
+/* Metres a second from place a to b; rounding is taken off. */
+static double speed(const struct clean *c, uint32_t a, uint32_t b)
 {
-	const struct eco_fix *f = track->fixes;
-	uint32_t last = track->count - 1;
-	double update_s = median_run(track, heights, scratch), still_m = heights ? track->still_z_m : track->still_m;
-	double fast_m_s = fmax(2 * track_quantile(scratch, track_speeds(track, false, scratch), 0.9), 2 * track->still_m / fmax(update_s, 0.5));
-	for (uint32_t i = 0, end; i < track->count; i = end) {
-		end = run_end(track, i, heights);
-		bool leaps = !heights && end <= last && track_distance(&f[end - 1], &f[end]) > fast_m_s * fmax(f[end].time_s - f[end - 1].time_s, 0.5);
-		bool stands = f[end - 1].time_s - f[i].time_s > fmax(STAND_S, 4 * update_s) && !leaps, ends = i == 0 || end > last;
-		memset(keep + i, 0, end - i);
-		keep[still_m > ROUNDED_M && !stands && !ends ? i + (end - i) / 2 : i] = 1;
-		keep[end - 1] |= stands || end > last;
-	}
-	return update_s;
+	return fmax(0, distance(c, a, b) - 3 * c->track->still_m) / fmax(c->place[b]->time_s - c->place[a]->time_s, 1e-3);
 }
 
-/* A recording begins and ends between two positions of its receiver: its first is older than its first record, and its last holds until
- * the last record. Both ends are brought to their times along the neighbouring step. A run of its own length is whole: only repeats are. */
-static void align_ends(struct eco_track *track, double *scratch)
+static bool is_far(const struct clean *c, uint32_t a, uint32_t b)
 {
-	struct eco_fix *f = track->fixes, *end = &f[track->count - 1];
-	uint32_t first = run_end(track, 0, false), before = 0, last = 0;
-	for (uint32_t next = first; next < track->count; next = run_end(track, next, false)) {
-		before = last;
-		last = next;
-	}
-	if (first >= last)
-		return;
-	double update_s = median_run(track, false, scratch), head_s = f[first].time_s - f[0].time_s, tail_s = end->time_s - f[last].time_s;
-	for (int axis = 0; axis < 2 && update_s > 0; axis++) {
-		double step = f[last].at[axis] - f[last - 1].at[axis], back = (f[first].at[axis] - f[0].at[axis]) * (head_s / update_s);
-		for (uint32_t i = 0; i < first && first > 1 && head_s < 0.9 * update_s; i++)
-			f[i].at[axis] = f[first].at[axis] - back;
-		if (before + 1 < last && tail_s > 0 && tail_s < 1.2 * update_s)
-			end->at[axis] += step * tail_s / update_s;
-	}
+	return speed(c, a, b) > c->limit_m_s && distance(c, a, b) > c->limit_m;
 }
 
-static enum eco_code merge_repeats(struct eco_track *track, struct eco_track_report *report, struct eco_error *error)
+static void find_limits(struct clean *c)
 {
-	double *scratch = malloc((track->count + 1) * sizeof *scratch);
-	uint8_t *keep = malloc(2 * (size_t)track->count);
-	uint32_t kept = 0, count = track->count;
-	if (scratch && keep) {
-		if (track->still_m <= ROUNDED_M)
-			align_ends(track, scratch);
-		report->update_s = merge_runs(track, false, scratch, keep);
-		merge_runs(track, true, scratch, keep + count);
-	}
-	for (uint32_t i = 0; scratch && keep && i < count; i++) {
-		struct eco_fix fix = track->fixes[i];
-		report->repeated += !keep[i];
-		if (!keep[i])
-			fix.at[0] = fix.at[1] = NAN;
-		if (!keep[count + i])
-			fix.at[2] = NAN;
-		if (keep[i] || !isnan(fix.at[2]) || !isnan(fix.yaw_deg) || !isnan(fix.pitch_deg) || !isnan(fix.fov_y_deg))
-			track->fixes[kept++] = fix;
-	}
-	track->count = kept;
-	free(scratch);
-	free(keep);
-	return kept ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for %u fixes", count);
-}
-
-/* ---- Jumps and parts, among the fixes that have a position ---- */
-
-struct places {
-	struct eco_fix **at; uint32_t count;
-	double still_m, middle_m_s, high_m_s;        /* speeds: median, and what nine tenths are below */
-	double limit_m_s, limit_m, most_m;           /* a jump is faster and farther; the farthest there was */
-	bool untimed;
-};
-struct part { uint32_t places, number; double length_m; };
-
-/* Metres a second from place i to k, or metres a step without times; rounding is taken off. */
-static double speed(const struct places *p, uint32_t i, uint32_t k)
-{
-	double d = fmax(0, track_distance(p->at[i], p->at[k]) - 3 * p->still_m);
-	return d / (p->untimed ? k - i : fmax(p->at[k]->time_s - p->at[i]->time_s, 1e-3));
-}
-
-static void find_limits(struct places *p, const struct eco_track *track, double *scratch)
-{
-	uint32_t moving = p->untimed ? 0 : track_speeds(track, false, scratch), steps = 0;
-	for (uint32_t i = 1; p->untimed && i < p->count; i++)
-		if ((scratch[moving] = speed(p, i - 1, i)) > 0)
-			moving++;
-	p->middle_m_s = track_quantile(scratch, moving, 0.5);
-	p->high_m_s = track_quantile(scratch, moving, 0.9);
-	/* what never moved gives no measure */
-	p->limit_m_s = !(p->high_m_s > 0) ? INFINITY : p->untimed ? fmax(50 * p->middle_m_s, 10 * p->high_m_s) : fmax(4 * p->middle_m_s, 3 * p->high_m_s);
-	for (uint32_t i = 1; i < p->count; i++)
-		if ((scratch[steps] = hypot(p->at[i]->at[0] - p->at[i - 1]->at[0], p->at[i]->at[1] - p->at[i - 1]->at[1])) > 0)
+	uint32_t moving = track_speeds(c->track, false, c->scratch), steps = 0;
+	c->middle_m_s = track_quantile(c->scratch, moving, 0.5);
+	c->high_m_s = track_quantile(c->scratch, moving, 0.9);
+	/* what never moved gives no measure; lines that were drawn have steps as they please */
+	double times = c->report->untimed ? 10 : 1;
+	c->limit_m_s = c->high_m_s > 0 ? times * fmax(4 * c->middle_m_s, 3 * c->high_m_s) : INFINITY;
+	for (uint32_t i = 1; i < c->places; i++)
+		if ((c->scratch[steps] = hypot(c->place[i]->at[0] - c->place[i - 1]->at[0], c->place[i]->at[1] - c->place[i - 1]->at[1])) > 0)
 			steps++;
-	p->limit_m = fmax(8 * track_quantile(scratch, steps, 0.5), track->posed ? 0 : 8);
+	c->limit_m = fmax(8 * track_quantile(c->scratch, steps, 0.5), c->track->posed ? 0 : 8);
 }
 
-/* Where, within a few places from i on, the track is again where it can have come to from `last`; p->count: nowhere. */
-static uint32_t comes_back(const struct places *p, uint32_t last, uint32_t i)
+/* Drops the places from which the track comes back within a few to where it can have come from the last good one. */
+static void drop_spikes(struct clean *c)
 {
-	for (uint32_t k = i + 1; k < p->count && k <= i + AHEAD; k++) {
-		double seconds = p->untimed ? k - last : p->at[k]->time_s - p->at[last]->time_s;
-		if (track_distance(p->at[last], p->at[k]) < fmax(1.5 * p->high_m_s * seconds, p->limit_m))
-			return k;
+	uint32_t kept = 1;
+	for (uint32_t i = 1, back; i < c->places; i++) {
+		for (back = i; back < c->places && back <= i + AHEAD && is_far(c, kept - 1, i); back++) {
+			double seconds = c->place[back]->time_s - c->place[kept - 1]->time_s;
+			if (back > i && distance(c, kept - 1, back) < fmax(1.5 * c->high_m_s * seconds, c->limit_m))
+				break;
+		}
+		for (; back < c->places && back <= i + AHEAD && i < back; i++)
+			for (int k = 0; k < 3; k++)
+				c->place[i]->at[k] = NAN;
+		c->place[kept++] = c->place[i];
 	}
-	return p->count;
+	c->places = kept;
 }
 
-/* Sets each place's segment to its part from 1, or 0 where it is a jump; returns the number of parts. A fast step is no jump where a ride
- * goes on, or was on, at a third of it; a leap that is short for the track's speed, as when a receiver corrects itself, gets time in glide_s. */
-static uint32_t find_parts(struct places *p, bool posed, double *glide_s, struct eco_track_report *report)
+/* Whether the step to place i is a jump: a fast step is none where a ride goes on, or was on, at a third of it. */
+static bool leaps(const struct clean *c, uint32_t i)
 {
-	uint32_t parts = 1, last = 0, before = 0, segment = p->at[0]->segment;
-	p->at[0]->segment = 1;
-	glide_s[0] = 0;
-	for (uint32_t i = 1; i < p->count; before = last, last = i++) {
-		double leap_m = track_distance(p->at[last], p->at[i]), v = speed(p, last, i);
-		bool far = v > p->limit_m_s && leap_m > p->limit_m, other;
-		uint32_t back = far ? comes_back(p, last, i) : p->count;
-		p->most_m = far ? fmax(p->most_m, leap_m) : p->most_m;
-		for (; back < p->count && i < back; i++)
-			p->at[i]->segment = glide_s[i] = 0;
-		other = p->at[i]->segment != segment;
-		bool rides = (i + 1 < p->count && speed(p, i, i + 1) > v / 3) || (before < last && speed(p, before, last) > v / 3);
-		glide_s[i] = 0;
-		if (far && back == p->count && (other || !rides)) {
-			bool glides = !p->untimed && leap_m < fmax(GLIDE_S * p->middle_m_s, 3 * p->limit_m);
-			glide_s[i] = glides ? fmax(0, leap_m / p->high_m_s - (p->at[i]->time_s - p->at[last]->time_s)) : 0;
-			report->glides += glides;
-			parts += !glides;
-		} else if (back == p->count && other && p->untimed && leap_m > fmax(3 * p->limit_m, posed ? 0 : 100))
-			parts++;
-		segment = p->at[i]->segment;
-		p->at[i]->segment = parts;
-	}
-	return parts;
+	double third = speed(c, i - 1, i) / 3;
+	return is_far(c, i - 1, i) && !(i + 1 < c->places && speed(c, i, i + 1) > third) && !(i > 1 && speed(c, i - 2, i - 1) > third);
 }
 
-/* Measures and numbers the parts: those of a place or two are jumps too, unless there is nothing else. */
-static void number_parts(const struct places *p, struct part *parts, uint32_t count, struct eco_track_report *report)
+/* The longest part between leaps that are too long to be glided over. Returns where its repeats end. */
+static struct eco_fix *keep_longest(struct clean *c)
 {
-	const struct eco_fix *last = NULL;
-	uint32_t least = 1;
-	for (uint32_t i = 0; i < p->count; i++) {
-		struct part *part = &parts[p->at[i]->segment];
-		if (!p->at[i]->segment)
+	uint32_t first = 0, best = 0, count = 0;
+	double length = 0, longest = -1, most_m = fmax(GLIDE_S * c->middle_m_s, 3 * c->limit_m);
+	for (uint32_t i = 1; i <= c->places; i++) {
+		if (i < c->places && !(leaps(c, i) && distance(c, i - 1, i) >= most_m)) {
+			length += distance(c, i - 1, i);
 			continue;
-		part->length_m += last && last->segment == p->at[i]->segment ? track_distance(last, p->at[i]) : 0;
-		least = ++part->places > 3 ? 3 : least;
-		last = p->at[i];
+		}
+		/* what has a place or two is no part */
+		c->report->parts += i - first > 2;
+		if (length > longest) {
+			best = first;
+			count = i - first;
+			longest = length;
+		}
+		first = i;
+		length = 0;
 	}
-	for (uint32_t i = 1; i <= count; i++)
-		parts[i].number = parts[i].places >= least ? ++report->parts : 0;
+	struct eco_fix *end = best + count < c->places ? c->place[best + count] : c->f + c->count;
+	memmove(c->place, c->place + best, count * sizeof *c->place);
+	c->places = count;
+	return end;
 }
 
-static enum eco_code choose_part(struct eco_track *track, struct part *parts, uint32_t count, uint32_t wanted, struct eco_track_report *report,
+/* How long the step from place i takes: as recorded, but a leap as long as it would at the track's own speed, and a gap without motion
+ * no longer than PAUSE_S. */
+static double takes_s(const struct clean *c, uint32_t i)
+{
+	double took_s = c->place[i + 1]->time_s - c->place[i]->time_s, d = distance(c, i, i + 1);
+	if (c->report->untimed)
+		return d / ECO_TRACK_PACE_M_S;
+	if (leaps(c, i + 1))
+		return fmax(took_s, d / c->high_m_s);
+	return took_s > PAUSE_S && d <= 0.05 * c->middle_m_s * took_s ? PAUSE_S : took_s;
+}
+
+/* Times count from 0; looks between two places go along. */
+static void retime(struct clean *c, const struct eco_fix *end)
+{
+	double now_s = 0;
+	for (uint32_t i = 0; i + 1 < c->places; i++)
+		c->scratch[i] = takes_s(c, i);
+	for (uint32_t i = 0; i < c->places; i++) {
+		bool more = i + 1 < c->places;
+		const struct eco_fix *next = more ? c->place[i + 1] : end;
+		double from_s = c->place[i]->time_s, took_s = more ? next->time_s - from_s : 1, step_s = more ? c->scratch[i] : 1;
+		c->report->retimed += step_s != took_s && !c->report->untimed;
+		for (struct eco_fix *fix = c->place[i]; fix < next; fix++)
+			fix->time_s = now_s + (fix->time_s - from_s) * (took_s > 0 ? step_s / took_s : 0);
+		now_s += step_s;
+	}
+}
+
+static void drop_jumps(struct clean *c)
+{
+	for (uint32_t i = 0; i < c->count; i++)
+		if (!isnan(c->f[i].at[0]))
+			c->place[c->places++] = &c->f[i];
+	find_limits(c);
+	drop_spikes(c);
+	struct eco_fix *first, *end = keep_longest(c);
+	retime(c, end);
+	first = c->place[0];
+	c->track->count = (uint32_t)(end - first);
+	memmove(c->f, first, c->track->count * sizeof *first);
+	for (uint32_t i = 1; i < c->track->count; i++)
+		c->f[i].time_s = c->f[i].time_s > c->f[i - 1].time_s ? c->f[i].time_s : c->f[i - 1].time_s + 1e-6;
+	c->report->kept = c->places;
+	c->report->jumped = c->report->fixes - c->report->repeated - c->places;
+}
+
+enum eco_code eco_track_clean(struct eco_track *track, const struct eco_track_options *options, struct eco_track_report *report,
 	struct eco_error *error)
 {
-	double longest = -1;
-	if (wanted > report->parts)
-		return eco_fail(error, ECO_NOT_FOUND, "--part %u: the track has %u part%s", wanted, report->parts, report->parts == 1 ? "" : "s");
-	report->part = wanted;
-	for (uint32_t i = 1; i <= count && !wanted; i++)
-		if (parts[i].number && parts[i].length_m > longest) {
-			longest = parts[i].length_m;
-			report->part = parts[i].number;
-		}
-	for (uint32_t i = 1; i <= count && report->parts > 1; i++)
-		if (parts[i].number && parts[i].number <= 8)
-			eco_track_note(track, "part %u of %u: %u positions, %.0f m%s", parts[i].number, report->parts, parts[i].places, parts[i].length_m,
-				parts[i].number != report->part ? "" : wanted ? ", taken" : ", taken as the longest (--part N for another)");
-	return ECO_OK;
-}
-
-/* Only what was recorded in the chosen part stays: from its first place to its last and the repeats that follow it. */
-static void keep_part(struct eco_track *track, const struct places *p, const struct part *parts, const double *glide_s, struct eco_track_report *report)
-{
-	uint32_t kept = 0, at = 0, last = 0;
-	double shift_s = 0;
-	bool begun = false;
-	for (uint32_t i = 0; i < p->count; i++) {
-		uint32_t number = parts[p->at[i]->segment].number;
-		report->jumped += number == 0;
-		report->other_parts += number && number != report->part;
-		report->kept += number == report->part;
-		last = number == report->part ? i : last;
-	}
-	struct eco_fix *end = last + 1 < p->count ? p->at[last + 1] : track->fixes + track->count;
-	for (struct eco_fix *fix = track->fixes; fix < end; fix++) {
-		bool place = at < p->count && p->at[at] == fix, other = place && parts[fix->segment].number != report->part;
-		shift_s += place && begun ? glide_s[at] : 0;
-		at += place;
-		begun |= place && !other;
-		if (!begun)
-			continue;
-		struct eco_fix copy = *fix;
-		copy.time_s += shift_s;
-		if (other)
-			copy.at[0] = copy.at[1] = copy.at[2] = NAN;
-		track->fixes[kept++] = copy;
-	}
-	track->count = kept;
-}
-
-static enum eco_code drop_jumps(struct eco_track *track, uint32_t wanted, struct eco_track_report *report, struct eco_error *error)
-{
-	struct places p = { .untimed = report->untimed, .still_m = track->still_m };
-	double *scratch = malloc((track->count + 1) * sizeof *scratch);
-	struct part *parts = calloc((size_t)track->count + 2, sizeof *parts);
-	p.at = malloc(track->count * sizeof(struct eco_fix *));
-	enum eco_code code = scratch && parts && p.at ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for %u fixes", track->count);
-	for (uint32_t i = 0; !code && i < track->count; i++)
-		if (!isnan(track->fixes[i].at[0]))
-			p.at[p.count++] = &track->fixes[i];
-	if (!code) {
-		find_limits(&p, track, scratch);
-		uint32_t count = find_parts(&p, track->posed, scratch, report);
-		number_parts(&p, parts, count, report);
-		code = choose_part(track, parts, count, wanted, report, error);
-	}
-	if (!code)
-		keep_part(track, &p, parts, scratch, report);
-	report->jump_m = p.most_m;
-	report->jump_m_s = p.limit_m_s;
-	free(scratch);
-	free(parts);
-	free(p.at);
-	return code;
-}
-
-/* ---- Long stands ---- */
-
-/* Times count from 0 and ascend. */
-static void count_from_zero(struct eco_track *track)
-{
-	struct eco_fix *f = track->fixes;
-	for (uint32_t i = track->count; i-- > 0; )
-		f[i].time_s -= f[0].time_s;
-	for (uint32_t i = 1; i < track->count; i++)
-		f[i].time_s = f[i].time_s > f[i - 1].time_s ? f[i].time_s : f[i - 1].time_s + 1e-6;
-}
-
-/* What was looked at during a long stand is passed through faster. */
-static enum eco_code shorten_pauses(struct eco_track *track, double pause_s, struct eco_track_report *report, struct eco_error *error)
-{
-	double *scratch = malloc((track->count + 1) * sizeof *scratch);
-	struct eco_fix *f = track->fixes;
-	uint32_t last = 0;
-	if (!scratch)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u fixes", track->count);
-	double slow_m_s = 0.05 * track_quantile(scratch, track_speeds(track, false, scratch), 0.5);
-	free(scratch);
-	for (uint32_t i = 1; i <= track->count; i++) {
-		if (i < track->count && isnan(f[i].at[0]))
-			continue;
-		double from_s = f[last].time_s + report->paused_s, lasts_s = i < track->count ? f[i].time_s - from_s : 0;
-		bool long_stand = lasts_s > pause_s && track_distance(&f[last], &f[i]) <= slow_m_s * lasts_s;
-		for (uint32_t k = last + 1; k <= i && k < track->count; k++)
-			f[k].time_s = f[last].time_s + (f[k].time_s - from_s) * (long_stand ? pause_s / lasts_s : 1);
-		report->paused_s += long_stand ? lasts_s - pause_s : 0;
-		report->pauses += long_stand;
-		last = i;
-	}
-	return ECO_OK;
-}
-
-enum eco_code eco_track_clean(struct eco_track *track, const struct eco_cleaning *cleaning, struct eco_track_report *report, struct eco_error *error)
-{
+	struct clean c = { .f = track->fixes, .count = track->count, .track = track, .report = report };
 	*report = (struct eco_track_report){ .fixes = track->count };
-	enum eco_code code = track->count ? choose_heights(track, cleaning->height, report, error) :
-		eco_fail(error, ECO_BAD_INPUT, "the track has no fixes");
-	if (!code)
-		code = track_repair_stamps(track, cleaning->pace_m_s > 0 ? cleaning->pace_m_s : 10, report, error);
-	if (!code)
-		code = merge_repeats(track, report, error);
-	if (!code)
-		code = drop_jumps(track, cleaning->part, report, error);
-	if (code)
-		return code;
-	count_from_zero(track);
-	return shorten_pauses(track, cleaning->pause_s > 0 ? cleaning->pause_s : 60, report, error);
+	if (!track->count)
+		return eco_fail(error, ECO_BAD_INPUT, "the track has no fixes");
+	c.scratch = malloc((track->count + 1) * sizeof *c.scratch);
+	c.place = malloc(track->count * sizeof(struct eco_fix *));
+	enum eco_code code = c.scratch && c.place ? choose_heights(&c, options->height, error) :
+		eco_fail(error, ECO_NO_MEMORY, "no memory for %u fixes", track->count);
+	if (!code) {
+		repair_stamps(&c);
+		merge_repeats(&c);
+		drop_jumps(&c);
+	}
+	free(c.scratch);
+	free(c.place);
+	return code;
 }

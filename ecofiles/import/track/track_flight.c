@@ -12,7 +12,6 @@
 
 #include "ecofiles/import/track/track_read.h"
 
-#define DEG 57.29577951308232
 #define SAMPLES_MAX 200000u
 #define STEP_LEAST_S 0.004
 #define SPAN 4.0                         /* of the filter, in standard deviations */
@@ -21,6 +20,7 @@
 #define SMOOTH_MOST_S 15.0
 #define LOOK_S 1.0                       /* directions of motion are smoothed over at least this */
 #define FOV_DEG 60.0
+#define TURN_MOST_DEG 170.0          /* between two samples */
 #define FLIGHT_PITCH_DEG (-15.0)
 
 enum { EYE = 0, LOOK = 3, UP = 6, FOV = 9 };
@@ -28,7 +28,7 @@ enum { EYE = 0, LOOK = 3, UP = 6, FOV = 9 };
 struct work {
 	struct eco_flight *flight;
 	const struct eco_track *track;
-	const struct eco_smoothing *smoothing;
+	const struct eco_track_options *options;
 	struct eco_sample *known;            /* what each fix says, NaN where it says nothing */
 	double *time_s, *value; uint32_t count;      /* of one number, where it is known */
 	double *column, *scratch;            /* one a sample; two */
@@ -38,12 +38,13 @@ struct work {
 
 /* ---- Between fixes ---- */
 
-/* Number n wherever it is known: w->time_s, w->value. Returns the median step, 0 if there is none. */
+/* Takes number n wherever it is known: w->time_s, w->value. Returns the median step, 0 if there is none. */
 static double collect(struct work *w, int n)
 {
 	w->count = 0;
 	for (uint32_t i = 0; i < w->track->count; i++)
-		if (!isnan(w->known[i].n[n])) {
+		/* rounded heights stay on a step; between steps they go on */
+		if (!isnan(w->known[i].n[n]) && !(n == 2 && !w->track->posed && w->count && w->known[i].n[n] == w->value[w->count - 1])) {
 			w->time_s[w->count] = w->track->fixes[i].time_s;
 			w->value[w->count++] = w->known[i].n[n];
 		}
@@ -74,26 +75,23 @@ static double value_at(const struct work *w, double time_s, uint32_t *at)
 
 /* ---- Smoothing of evenly spaced values ---- */
 
-static double reflected(const double *v, uint32_t count, int64_t i)
+static double reflected(const double *v, int64_t last, int64_t i)
 {
-	int64_t last = (int64_t)count - 1;
-	if (i < 0)
-		return 2 * v[0] - v[-i > last ? last : -i];
-	return i > last ? 2 * v[last] - v[2 * last - i < 0 ? 0 : 2 * last - i] : v[i];
+	return i < 0 ? 2 * v[0] - v[-i > last ? last : -i] : i <= last ? v[i] : 2 * v[last] - v[2 * last - i < 0 ? 0 : 2 * last - i];
 }
 
 static void gauss(const double *v, uint32_t count, double sigma, double *out)
 {
-	int64_t radius = (int64_t)ceil(SPAN * sigma);
+	int64_t radius = (int64_t)ceil(SPAN * sigma), last = (int64_t)count - 1;
 	double weight[1024], sum = 0;     /* SPAN * SIGMA_MAX and one */
 	for (int64_t k = 0; k <= radius; k++) {
 		weight[k] = exp(-0.5 * (double)(k * k) / (sigma * sigma));
 		sum += weight[k] * (k ? 2 : 1);
 	}
-	for (int64_t i = 0; i < count; i++) {
+	for (int64_t i = 0; i <= last; i++) {
 		double value = weight[0] * v[i];
 		for (int64_t k = 1; k <= radius; k++)
-			value += weight[k] * (i >= k && i + k < count ? v[i - k] + v[i + k] : reflected(v, count, i - k) + reflected(v, count, i + k));
+			value += weight[k] * (reflected(v, last, i - k) + reflected(v, last, i + k));
 		out[i] = value / sum;
 	}
 }
@@ -136,34 +134,24 @@ static double default_smoothing(const struct work *w, double step_s)
 	return fmin(fmax(0.4 * step_s, fmax(rounding_s, fmin(GPS_NOISE_M / v, 2))), SMOOTH_MOST_S);
 }
 
-/* Fine enough for what is recorded and for the filter, coarse enough to be few. Returns whether the path says where it looks, somewhere. */
-static bool choose_samples(struct work *w, double place_s)
+/* Fine enough for what is recorded and for the filter, coarse enough to be few. */
+static void choose_samples(struct work *w, double place_s, uint32_t looks)
 {
-	const struct eco_fix *f = w->track->fixes, *last = NULL;
-	double length = f[w->track->count - 1].time_s, step = place_s > 0 ? place_s / 4 : length;
-	bool follows = false;
-	for (uint32_t i = 0; i < w->track->count; i++)
-		if (!isnan(f[i].yaw_deg) || !isnan(f[i].pitch_deg)) {
-			step = last ? fmin(step, f[i].time_s - last->time_s) : step;
-			follows |= isnan(f[i].yaw_deg);
-			last = &f[i];
-		}
-	follows |= !last;
-	step = fmax(step, fmax(w->flight->smooth_s / 20, follows ? LOOK_S / 50 : STEP_LEAST_S));
-	step = fmax(step, length / (SAMPLES_MAX - 1));
+	double length = w->track->fixes[w->track->count - 1].time_s, step = place_s > 0 ? place_s / 4 : length;
+	step = looks ? fmin(step, length / looks) : step;
+	step = fmax(fmax(step, w->flight->smooth_s / 20), fmax(w->track->posed ? STEP_LEAST_S : LOOK_S / 50, length / (SAMPLES_MAX - 1)));
 	/* a script has no finer times */
 	bool moves = length >= 1e-6 && step > 0;
 	w->flight->count = moves ? (uint32_t)fmax(ceil(length / step - 1e-9), 1) + 1 : 1;
 	w->flight->step_s = moves ? length / (w->flight->count - 1) : 1;
-	return follows;
 }
 
 /* ---- Directions ---- */
 
 static void axes_of(double yaw_deg, double pitch_deg, double roll_deg, struct eco_sample *s)
 {
-	double sy = sin(yaw_deg / DEG), cy = cos(yaw_deg / DEG), sp = sin(pitch_deg / DEG), cp = cos(pitch_deg / DEG), sr = sin(roll_deg / DEG),
-		cr = cos(roll_deg / DEG);
+	double sy = sin(yaw_deg / TRACK_DEG), cy = cos(yaw_deg / TRACK_DEG), sp = sin(pitch_deg / TRACK_DEG), cp = cos(pitch_deg / TRACK_DEG), sr = sin(roll_deg / TRACK_DEG),
+		cr = cos(roll_deg / TRACK_DEG);
 	const double right[3] = { cy, -sy, 0 }, level[3] = { -sp * sy, -sp * cy, cp }, look[3] = { cp * sy, cp * cy, sp };
 	memcpy(s->look, look, sizeof look);
 	for (int i = 0; i < 3; i++)
@@ -186,7 +174,7 @@ static void follow_path(struct work *w)
 	for (uint32_t i = 0; i < n; i++) {
 		if (!(hypot(vx[i], vy[i]) > 0.15 * w->speed_m_s))
 			continue;
-		double yaw = atan2(vx[i], vy[i]) * DEG, before = last < n ? w->yaw[last] : yaw;
+		double yaw = atan2(vx[i], vy[i]) * TRACK_DEG, before = last < n ? w->yaw[last] : yaw;
 		yaw += 360 * floor((before - yaw) / 360 + 0.5);
 		for (uint32_t k = last < n ? last + 1 : 0; k < i; k++)
 			w->yaw[k] = last < n ? before + (yaw - before) * (k - last) / (i - last) : yaw;
@@ -204,14 +192,14 @@ static void set_looks(struct work *w)
 	struct eco_flight *f = w->flight;
 	for (uint32_t i = 0; i < w->track->count; i++) {
 		const struct eco_fix *fix = &w->track->fixes[i];
-		double at = fmin(fmax(fix->time_s / f->step_s, 0), f->count - 1), pitch = w->smoothing->pitch_given_wins ? NAN : fix->pitch_deg;
+		double at = fmin(fmax(fix->time_s / f->step_s, 0), f->count - 1), pitch = isnan(w->options->pitch_deg) ? fix->pitch_deg : NAN;
 		uint32_t k = (uint32_t)at, next = k + 1 < f->count ? k + 1 : k;
 		double along = w->yaw[k] + (w->yaw[next] - w->yaw[k]) * (at - k);
 		if (!isnan(fix->yaw_deg) || !isnan(fix->pitch_deg))
 			axes_of(isnan(fix->yaw_deg) ? along : fix->yaw_deg, isnan(pitch) ? f->pitch_deg : pitch, isnan(fix->roll_deg) ? 0 : fix->roll_deg,
 				&w->known[i]);
 	}
-	double step_s = collect(w, LOOK), sigma_s = w->track->posed && isnan(w->smoothing->smooth_s) ? 0 : fmin(f->smooth_s, fmax(0.6 * step_s, 0.1));
+	double step_s = collect(w, LOOK), sigma_s = w->track->posed && isnan(w->options->smooth_s) ? 0 : fmin(f->smooth_s, fmax(0.6 * step_s, 0.1));
 	for (int n = LOOK; w->count && n < FOV; n++) {
 		collect(w, n);
 		sample(w, n, sigma_s);
@@ -227,37 +215,40 @@ static void set_unit(double v[3], const double otherwise[3])
 		v[i] = length > 1e-6 ? v[i] / length : otherwise[i];
 }
 
-/* Units at right angles again, after each number was interpolated by itself. */
+/* Units at right angles again, after each number was interpolated by itself. A look that turns about from one sample to the next would
+ * cancel halfway: it passes through a side. */
 static void straighten(struct eco_sample *s, const struct eco_sample *before)
 {
-	static const struct eco_sample first = { .look = { 0, 1, 0 }, .up = { 0, 0, 1 } };
-	set_unit(s->look, before ? before->look : first.look);
+	const double *l = before->look, *u = before->up;
+	set_unit(s->look, l);
+	if (eco_angle_deg(s->look, l) > TURN_MOST_DEG)
+		memcpy(s->look, (double[]){ l[1] * u[2] - l[2] * u[1], l[2] * u[0] - l[0] * u[2], l[0] * u[1] - l[1] * u[0] }, sizeof s->look);
 	double dot = s->up[0] * s->look[0] + s->up[1] * s->look[1] + s->up[2] * s->look[2];
 	for (int i = 0; i < 3; i++)
 		s->up[i] -= dot * s->look[i];
-	set_unit(s->up, before ? before->up : first.up);
+	set_unit(s->up, u);
 }
 
 /* ---- All of it ---- */
 
-static void make_samples(struct work *w, bool follows)
+static void make_samples(struct work *w)
 {
+	static const struct eco_sample first = { .look = { 0, 1, 0 }, .up = { 0, 0, 1 } };
 	struct eco_flight *f = w->flight;
 	for (int n = EYE; n < LOOK; n++) {
 		double step_s = collect(w, n), sigma_s = f->smooth_s;
 		/* rounded heights stay on a step for longer than positions */
-		if (n == 2 && w->count > 2 && !w->track->posed && isnan(w->smoothing->smooth_s))
+		if (n == 2 && w->count > 2 && !w->track->posed && isnan(w->options->smooth_s))
 			sigma_s = fmin(fmax(sigma_s, 0.6 * step_s), SMOOTH_MOST_S);
 		if (w->count)
 			sample(w, n, sigma_s);
 	}
-	if (follows)
-		follow_path(w);
+	follow_path(w);
 	set_looks(w);
 	collect(w, FOV);
 	for (uint32_t i = 0, at = 0; i < f->count; i++) {
-		f->samples[i].fov_y_deg = w->count ? value_at(w, i * f->step_s, &at) : isnan(w->smoothing->fov_y_deg) ? FOV_DEG : w->smoothing->fov_y_deg;
-		straighten(&f->samples[i], i ? &f->samples[i - 1] : NULL);
+		f->samples[i].fov_y_deg = w->count ? value_at(w, i * f->step_s, &at) : isnan(w->options->fov_y_deg) ? FOV_DEG : w->options->fov_y_deg;
+		straighten(&f->samples[i], i ? &f->samples[i - 1] : &first);
 		f->length_m += i ? eco_distance(f->samples[i].eye, f->samples[i - 1].eye) : 0;
 	}
 	for (uint32_t i = 0; i < w->track->count; i++) {
@@ -266,54 +257,54 @@ static void make_samples(struct work *w, bool follows)
 	}
 }
 
-static void learn(struct work *w)
+/* Returns how many looks were recorded. */
+static uint32_t learn(struct work *w)
 {
 	struct eco_flight *f = w->flight;
+	bool pitch_given = !isnan(w->options->pitch_deg);
+	uint32_t looks = 0;
 	for (uint32_t i = 0; i < w->track->count; i++) {
 		const struct eco_fix *fix = &w->track->fixes[i];
 		for (int n = 0; n < ECO_SAMPLE_NUMBERS; n++)
 			w->known[i].n[n] = n < LOOK ? fix->at[n] : NAN;
-		w->known[i].fov_y_deg = isnan(w->smoothing->fov_y_deg) ? fix->fov_y_deg : NAN;
+		w->known[i].fov_y_deg = isnan(w->options->fov_y_deg) ? fix->fov_y_deg : NAN;
 		f->yaw_recorded |= !isnan(fix->yaw_deg);
-		f->pitch_recorded |= !isnan(fix->pitch_deg) && !w->smoothing->pitch_given_wins;
+		f->pitch_recorded |= !isnan(fix->pitch_deg) && !pitch_given;
+		looks += !isnan(fix->yaw_deg) || !isnan(fix->pitch_deg);
 	}
 	uint32_t speeds = track_speeds(w->track, true, w->scratch);
 	w->speed_m_s = track_quantile(w->scratch, speeds, 0.5);
 	w->slow_m_s = track_quantile(w->scratch, speeds, 0.25);
-	f->pitch_deg = !isnan(w->smoothing->pitch_deg) ? w->smoothing->pitch_deg : w->smoothing->flies ? FLIGHT_PITCH_DEG : 0;
+	f->pitch_deg = pitch_given ? w->options->pitch_deg : w->track->format == ECO_TRACK_SRT ? FLIGHT_PITCH_DEG : 0;
+	return looks;
 }
 
-enum eco_code eco_flight_make(struct eco_flight *flight, const struct eco_track *track, const struct eco_smoothing *smoothing,
+enum eco_code eco_flight_make(struct eco_flight *flight, const struct eco_track *track, const struct eco_track_options *options,
 	struct eco_error *error)
 {
 	size_t fixes = track->count, most = SAMPLES_MAX;
-	struct work w = { .flight = flight, .track = track, .smoothing = smoothing, .known = malloc((fixes + 1) * sizeof *w.known) };
+	struct work w = { .flight = flight, .track = track, .options = options, .known = malloc((fixes + 1) * sizeof *w.known) };
 	/* two of fixes; five of samples, of which three, or one of fixes, serve as scratch */
 	double *rows = malloc((2 * fixes + 2 * most + (fixes > 3 * most ? fixes : 3 * most)) * sizeof *rows);
-	*flight = (struct eco_flight){ 0 };
-	if (!w.known || !rows) {
-		free(w.known);
-		free(rows);
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %zu fixes", fixes);
-	}
-	w.time_s = rows;
-	w.value = rows + fixes;
-	w.column = w.value + fixes;
-	w.yaw = w.column + most;
-	w.scratch = w.yaw + most;
-	learn(&w);
-	double step_s = collect(&w, EYE);
-	enum eco_code code = w.count ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "the track has no position left");
+	*flight = (struct eco_flight){ .samples = calloc(most, sizeof *flight->samples) };
+	enum eco_code code = w.known && rows && flight->samples ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for %zu fixes", fixes);
 	if (!code) {
-		flight->smooth_s = isnan(smoothing->smooth_s) ? default_smoothing(&w, step_s) : smoothing->smooth_s;
-		bool follows = choose_samples(&w, step_s);
+		w.time_s = rows;
+		w.value = rows + fixes;
+		w.column = w.value + fixes;
+		w.yaw = w.column + most;
+		w.scratch = w.yaw + most;
 		memset(w.yaw, 0, most * sizeof *w.yaw);
-		flight->samples = calloc(flight->count, sizeof *flight->samples);
-		if (flight->samples)
-			make_samples(&w, follows);
-		else
-			code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u samples", flight->count);
+		uint32_t looks = learn(&w);
+		double step_s = collect(&w, EYE);
+		flight->smooth_s = isnan(options->smooth_s) ? default_smoothing(&w, step_s) : options->smooth_s;
+		choose_samples(&w, step_s, looks);
+		code = w.count ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "the track has no position left");
 	}
+	if (!code)
+		make_samples(&w);
+	else
+		eco_flight_free(flight);
 	free(w.known);
 	free(rows);
 	return code;

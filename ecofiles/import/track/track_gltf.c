@@ -1,6 +1,5 @@
-/* Cameras of glTF 2.0: a node with a camera, still or moved by an animation of itself or of any node above it. All channels that matter
- * are sampled at the key times of each of them, and between where a rotation or a spline turns much; glTF is Y up, cameras look along -z. */
-#include <math.h>
+/* Cameras of glTF 2.0: a node with a camera, still or moved by an animation of itself or of any node above it, sampled evenly. glTF is
+ * Y up, cameras look along -z with y up. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,10 +7,9 @@
 #include "ecofiles/format/model.h"
 #include "ecofiles/import/track/track_read.h"
 
-#define DEG 57.29577951308232
 #define DEPTH_MAX 256u
-#define SAMPLES_PER_KEY 8u               /* between two keys: a spline or a turn is no straight line */
-#define FRAMES_MAX 200000u
+#define SAMPLES_PER_S 60.0
+#define SAMPLES_MAX 100000.0
 
 enum path { TRANSLATION, ROTATION, SCALE, PATHS };
 
@@ -159,8 +157,32 @@ static void sample(const struct channel *c, enum path path, double time_s, doubl
 
 /* ---- Poses ---- */
 
-static enum eco_code add_pose(struct eco_track *track, const struct chain *chain, const struct track_input *in, double time_s,
-	struct eco_error *error)
+/* Where the camera is, to Z up, and its yaw, pitch and roll, from its matrix. False if that has no direction. */
+static bool set_pose(struct eco_fix *fix, const double m[16])
+{
+	double back = sqrt(m[8] * m[8] + m[9] * m[9] + m[10] * m[10]), top = sqrt(m[4] * m[4] + m[5] * m[5] + m[6] * m[6]);
+	double look[3] = { -m[8] / back, m[10] / back, -m[9] / back }, up[3] = { m[4] / top, -m[6] / top, m[5] / top };
+	double flat = hypot(look[0], look[1]), right[2] = { look[1] / flat, -look[0] / flat };
+	if (!(back > 3e-5 && back < 3e4 && top > 3e-5 && top < 3e4))
+		return false;
+	fix->at[0] = m[12];
+	fix->at[1] = -m[14];
+	fix->at[2] = m[13];
+	fix->pitch_deg = atan2(look[2], flat) * TRACK_DEG;
+	if (flat < 1e-6) {
+		/* straight down or up: yaw is where the picture's upper edge points */
+		double sign = look[2] < 0 ? 1 : -1;
+		fix->yaw_deg = atan2(sign * up[0], sign * up[1]) * TRACK_DEG;
+		fix->roll_deg = 0;
+		return true;
+	}
+	double upright = (right[1] * up[0] - right[0] * up[1]) * look[2] + (right[0] * look[1] - right[1] * look[0]) * up[2];
+	fix->yaw_deg = atan2(look[0], look[1]) * TRACK_DEG;
+	fix->roll_deg = atan2(up[0] * right[0] + up[1] * right[1], upright) * TRACK_DEG;
+	return true;
+}
+
+static enum eco_code add_pose(struct eco_track *track, const struct chain *chain, double time_s, struct eco_error *error)
 {
 	double m[16];
 	struct eco_fix fix = track_fix(track->count + 1);
@@ -178,60 +200,51 @@ static enum eco_code add_pose(struct eco_track *track, const struct chain *chain
 		else
 			memcpy(m, link.local, sizeof m);
 	}
-	const double rotation[9] = { m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10] };
-	track_pose(&fix, in, rotation, m + 12, ECO_AXES_OPENGL, ECO_WORLD_Y);
+	set_pose(&fix, m);
 	fix.time_s = time_s;
 	fix.fov_y_deg = chain->fov_y_deg;
 	return track_add(track, &fix, error);
 }
 
-/* At the key times of all channels, and between them. */
-static enum eco_code add_poses(struct eco_track *track, const struct chain *chain, const struct track_input *in, struct eco_error *error)
+/* From the first key to the last. */
+static enum eco_code add_poses(struct eco_track *track, const struct chain *chain, struct eco_error *error)
 {
-	uint64_t count = 0;
-	for (size_t i = 0; i < channels_of(chain); i++)
-		count += channel_at(chain, i)->count;
-	if (count > ECO_TRACK_FIXES_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "its camera is moved at more than %u times", ECO_TRACK_FIXES_MAX);
-	double *times = malloc((count + 1) * sizeof *times), *end = times;
-	if (!times)
-		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
-	for (size_t i = 0; i < channels_of(chain); end += channel_at(chain, i++)->count)
-		if (channel_at(chain, i)->count)
-			memcpy(end, channel_at(chain, i)->times, channel_at(chain, i)->count * sizeof *times);
-	track_quantile(times, (uint32_t)count, 0);   /* sorts */
-	enum eco_code code = count ? ECO_OK : add_pose(track, chain, in, 0, error);
-	uint32_t between = count > FRAMES_MAX / SAMPLES_PER_KEY ? 1 : SAMPLES_PER_KEY;
-	for (size_t i = 0; !code && i < count; i++) {
-		double step_s = i + 1 < count ? (times[i + 1] - times[i]) / between : 1;
-		for (uint32_t k = 0; !code && step_s > 0 && k < (i + 1 < count ? between : 1); k++)
-			code = add_pose(track, chain, in, times[i] + step_s * k, error);
+	double from_s = INFINITY, to_s = -INFINITY;
+	enum eco_code code = ECO_OK;
+	for (size_t i = 0; i < channels_of(chain); i++) {
+		const struct channel *c = channel_at(chain, i);
+		from_s = c->count ? fmin(from_s, c->times[0]) : from_s;
+		to_s = c->count ? fmax(to_s, c->times[c->count - 1]) : to_s;
 	}
-	free(times);
+	if (!(from_s < to_s))
+		return add_pose(track, chain, isfinite(from_s) ? from_s : 0, error);
+	double steps = fmin(fmax(ceil((to_s - from_s) * SAMPLES_PER_S - 1e-6), 8), SAMPLES_MAX);
+	for (uint32_t i = 0; !code && i <= steps; i++)
+		code = add_pose(track, chain, i < steps ? from_s + (to_s - from_s) * (i / steps) : to_s, error);
 	return code;
 }
 
 static enum eco_code read_camera(struct eco_track *track, struct chain *chain, const struct track_input *in, struct eco_error *error)
 {
 	const json_t *animations = json_object_get(eco_gltf_json(chain->doc), "animations");
-	uint32_t cameras, node = find_camera(chain->doc, in->options->node, &cameras), moving = 0;
+	uint32_t cameras, node = find_camera(chain->doc, in->node, &cameras), moving = 0;
 	if (node == ECO_NONE)
 		return eco_fail(error, ECO_NOT_FOUND, cameras ? "%.250s: no camera of its %u, nor its node, is called %.80s" : "%.250s: no node of it has a "
-			"camera", in->path, cameras, in->options->node ? in->options->node : "");
+			"camera", in->path, cameras, in->node ? in->node : "");
 	const json_t *json = eco_gltf_item(chain->doc, "nodes", node), *camera = eco_gltf_item(chain->doc, "cameras", eco_gltf_index(json, "camera"));
-	chain->fov_y_deg = eco_gltf_number(json_object_get(camera, "perspective"), "yfov", NAN) * DEG;
+	chain->fov_y_deg = eco_gltf_number(json_object_get(camera, "perspective"), "yfov", NAN) * TRACK_DEG;
 	enum eco_code code = make_chain(chain, node, error);
 	for (size_t i = 0; !code && i < json_array_size(animations); i++) {
 		bool used = false;
 		code = read_animation(chain, json_array_get(animations, i), &used, error);
 		moving += used;
 	}
-	if (!code && cameras > 1 && !in->options->node)
+	if (!code && cameras > 1 && !in->node)
 		eco_track_note(track, "it has %u cameras; the one of node \"%.60s\" is taken (--node NAME for another)", cameras,
 			eco_gltf_text(json, "name"));
 	if (!code && moving > 1)
 		eco_track_note(track, "%u animations move this camera; the first of each kind is taken", moving);
-	return code ? code : add_poses(track, chain, in, error);
+	return code ? code : add_poses(track, chain, error);
 }
 
 enum eco_code track_read_gltf(struct eco_track *track, const struct track_input *in, struct eco_error *error)

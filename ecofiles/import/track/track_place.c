@@ -1,6 +1,5 @@
 /* Fixes in metres of the frame, and the steps in which their numbers were written. Degrees go to the scene's CRS, or to a plane of the
  * track's own (azimuthal equidistant about its median, so that a stray fix does not bend it), where it will be moved. */
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,7 +8,6 @@
 #include "ecofiles/import/places/positions_crs.h"
 #include "ecofiles/import/track/track_read.h"
 
-#define DEG 57.29577951308232
 #define METRES_PER_DEGREE 111195.0
 #define NORTH_STEP_DEG 1e-3              /* to see where north is in a grid */
 
@@ -30,7 +28,7 @@ static void find_steps(struct eco_track *track)
 {
 	double least = track->degrees ? 1e-9 : 1e-6, x = least_step(track, 0, least), y = least_step(track, 1, least);
 	/* a degree of longitude is shorter; the larger of two steps says how rough the recording is, unless it does not move that way */
-	double scale = track->degrees ? METRES_PER_DEGREE : 1, narrow = track->degrees ? cos(track->fixes[0].at[1] / DEG) : 1;
+	double scale = track->degrees ? METRES_PER_DEGREE : 1, narrow = track->degrees ? cos(track->fixes[0].at[1] / TRACK_DEG) : 1;
 	track->still_m = (x > 0 && y > 0 ? fmin(x * narrow, y) : fmax(x * narrow, y)) * scale;
 	track->still_z_m = least_step(track, 2, 1e-6);
 }
@@ -78,7 +76,7 @@ static bool convert_fix(struct eco_crs *crs, struct eco_fix *fix, bool degrees)
 	if (!convert(crs, fix->at))
 		return false;
 	if (degrees && !isnan(fix->yaw_deg) && convert(crs, north))
-		fix->yaw_deg += atan2(side * (north[0] - fix->at[0]), side * (north[1] - fix->at[1])) * DEG;
+		fix->yaw_deg += atan2(side * (north[0] - fix->at[0]), side * (north[1] - fix->at[1])) * TRACK_DEG;
 	return true;
 }
 
@@ -97,22 +95,22 @@ static enum eco_code convert_all(struct eco_crs *crs, struct eco_track *track, c
 		"scene", name);
 }
 
-enum eco_code eco_track_place(struct eco_track *track, const struct eco_track_frame *frame, struct eco_error *error)
+enum eco_code eco_track_place(struct eco_track *track, const struct eco_track_options *options, struct eco_error *error)
 {
 	char plane[200];
-	bool own = track->degrees && (frame->local || !frame->crs);
-	struct eco_frame to = { .crs = own ? plane : frame->crs };
-	struct eco_crs_request request = { .path = "the track", .stated = track->degrees ? "EPSG:4326" : frame->track_crs, .frame = &to,
+	bool own = track->degrees && (options->to_given || !options->crs);
+	struct eco_frame to = { .crs = own ? plane : options->crs };
+	struct eco_crs_request request = { .path = "the track", .stated = track->degrees ? "EPSG:4326" : options->track_crs, .frame = &to,
 		.note = note, .ctx = track };
 	struct eco_crs *crs = NULL;
 	if (!track->count)
 		return eco_fail(error, ECO_BAD_INPUT, "the track has no fixes");
-	if (!track->degrees && frame->track_crs && !frame->crs)
+	if (!track->degrees && options->track_crs && !options->crs)
 		return eco_fail(error, ECO_BAD_INPUT, "--track-crs says that the track is in %.80s, but no CRS of the scene is known: add --scene "
-			"SCENE.json, or --crs and --origin", frame->track_crs);
+			"SCENE.json, or --crs and --origin", options->track_crs);
 	find_steps(track);
-	if (frame->crs && !own)
-		memcpy(to.origin, frame->origin, sizeof to.origin);
+	if (options->crs && !own)
+		memcpy(to.origin, options->origin, sizeof to.origin);
 	enum eco_code code = own ? own_plane(track, plane, sizeof plane, error) : ECO_OK;
 	if (!code && request.stated) {
 		code = eco_crs_open(&crs, &request, error);

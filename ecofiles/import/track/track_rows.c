@@ -22,39 +22,25 @@ static const char *field_named(const struct eco_rows *rows, const char *name)
 	return "";
 }
 
-/* What was recorded in one go: a segment of a GPX, or a line. */
-static bool begins_segment(const struct eco_rows *rows, char last[64])
-{
-	char now[64];
-	snprintf(now, sizeof now, "%.20s/%.20s/%.20s", field_named(rows, "track_fid"), field_named(rows, "track_seg_id"),
-		field_named(rows, "route_fid"));
-	bool begins = strcmp(now, last) != 0 || strcmp(rows->place.what, "line") == 0;
-	memcpy(last, now, sizeof now);
-	return begins;
-}
+static struct track_text text_of(const char *text) { return (struct track_text){ text, text + strlen(text) }; }
 
-static enum eco_code read_rows(struct eco_track *track, struct track_table *table, struct eco_rows *rows,
-	struct eco_error *error)
+static enum eco_code read_rows(struct eco_track *track, const struct track_table *table, struct eco_rows *rows, struct eco_error *error)
 {
 	struct track_text fields[ECO_COLUMNS_MAX];
-	uint32_t segment = 0;
-	char last[64] = "";
-	bool more = true, posed = false;
+	const struct eco_rows_place *place = &rows->place;
+	bool more = true;
 	enum eco_code code;
 	while (!(code = rows->next(rows, &more, error)) && more) {
-		const struct eco_rows_place *place = &rows->place;
 		for (uint32_t i = 0; i < rows->field_count; i++)
-			fields[i] = (struct track_text){ rows->fields[i], rows->fields[i] + strlen(rows->fields[i]) };
-		struct eco_fix fix = track_row(table, fields, rows->field_count, (uint32_t)rows->line, &posed);
+			fields[i] = text_of(rows->fields[i]);
+		struct eco_fix fix = track_row(table, fields, rows->field_count, (uint32_t)rows->line);
 		bool there = place->kind == ECO_PLACE_POINT, from_ground = strstr(field_named(rows, "altitudeMode"), "relativeTo") != NULL;
 		double z = there && !isnan(place->at[2]) ? place->at[2] : fix.at[2];
 		fix.at[0] = there ? place->at[0] : NAN;
 		fix.at[1] = there ? place->at[1] : NAN;
 		fix.at[2] = from_ground ? NAN : z;
 		fix.above_m = from_ground ? z : fix.above_m;
-		/* even numbers are lines' */
-		segment += 2 * begins_segment(rows, last);
-		fix.segment = segment | (place->what[0] == 0);
+		fix.of_line = place->what[0] != 0;
 		code = track_add(track, &fix, error);
 		if (code)
 			return code;
@@ -62,25 +48,23 @@ static enum eco_code read_rows(struct eco_track *track, struct track_table *tabl
 	return code;
 }
 
-static enum eco_code read_layer(struct eco_track *track, const struct track_input *in, const char *layer,
-	struct eco_error *error)
+static enum eco_code read_layer(struct eco_track *track, const struct track_input *in, const char *layer, struct eco_error *error)
 {
 	struct eco_rows_source source = { .path = in->path, .layer = layer, .vertices = true };
-	struct track_table table = { .in = in };
+	struct track_table table;
 	struct track_text names[ECO_COLUMNS_MAX];
 	struct eco_rows *rows;
 	enum eco_code code = eco_rows_open_here(&rows, &source, error);
 	if (code)
 		return code;
 	for (uint32_t i = 0; i < rows->column_count; i++)
-		names[i] = (struct track_text){ rows->columns[i], rows->columns[i] + strlen(rows->columns[i]) };
-	code = track_find_columns(&table, names, rows->column_count, error);
+		names[i] = text_of(rows->columns[i]);
+	track_find_columns(&table, names, rows->column_count);
 	track->degrees = is_degrees(rows);
 	if (!track->degrees)
-		eco_track_note(track, "its coordinates are no degrees: metres, east and north of the scene's origin, unless --track-crs says a CRS%s%.80s",
+		eco_track_note(track, "its coordinates are no degrees: metres from the scene's origin, unless --track-crs says a CRS%s%.80s",
 			rows->crs && !rows->degrees_doubted ? ", as it does: " : "", rows->crs && !rows->degrees_doubted ? rows->crs : "");
-	if (!code)
-		code = read_rows(track, &table, rows, error);
+	code = read_rows(track, &table, rows, error);
 	for (uint32_t i = 0; i < rows->note_count; i++)
 		eco_track_note(track, "%s", rows->notes[i]);
 	eco_rows_close(rows);
@@ -93,19 +77,19 @@ static void keep_lines(struct eco_track *track)
 	bool timed[2] = { false, false }, lines = false;
 	uint32_t kept = 0;
 	for (uint32_t i = 0; i < track->count; i++) {
-		lines |= !(track->fixes[i].segment & 1);
-		timed[track->fixes[i].segment & 1] |= !isnan(track->fixes[i].time_s);
+		lines |= track->fixes[i].of_line;
+		timed[track->fixes[i].of_line] |= !isnan(track->fixes[i].time_s);
 	}
-	uint32_t points = !lines || (timed[1] && !timed[0]);
+	bool of_line = lines && (timed[1] || !timed[0]);
 	for (uint32_t i = 0; i < track->count; i++)
-		if ((track->fixes[i].segment & 1) == points)
+		if (track->fixes[i].of_line == of_line)
 			track->fixes[kept++] = track->fixes[i];
 	if (kept < track->count)
 		eco_track_note(track, "its %u %s are taken; %u positions beside them are left out", kept,
-			points ? "points with times" : "positions of lines", track->count - kept);
+			of_line ? "positions of lines" : "points with times", track->count - kept);
 	track->records -= track->count - kept;
 	track->count = kept;
-	track->timed = timed[points];
+	track->timed = timed[of_line];
 }
 
 /* A file that breaks off, as a recorder whose battery died leaves it, or is damaged, is read until there without a word. */

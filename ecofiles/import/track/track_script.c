@@ -8,8 +8,8 @@
 
 #include "ecofiles/import/track/track.h"
 
-#define DEG 57.29577951308232
 #define ERROR_M 0.05
+#define KEYS_MAX 8000u
 #define AHEAD_M 10.0                     /* of the target; any number does, as splines are linear */
 enum { EYE = 0, LOOK = 3, UP = 6, FOV = 9 };
 
@@ -76,15 +76,15 @@ static bool refine(struct fit *f, double bound, uint32_t keys_max)
 	return added;
 }
 
-static void choose_errors(struct fit *f, const struct eco_fitting *fitting)
+static void choose_errors(struct fit *f)
 {
 	double low[3], high[3], size = 0;
 	eco_flight_box(f->flight, low, high);
 	for (int k = 0; k < 3; k++)
 		size = fmax(size, high[k] - low[k]);
 	/* a small scene shows finer */
-	f->error_m = fitting->error_m > 0 ? fitting->error_m : size > 0 ? fmin(ERROR_M, size / 1000) : ERROR_M;
-	f->error_deg = fitting->error_deg > 0 ? fitting->error_deg : f->flight->yaw_recorded ? 0.5 : 1;
+	f->error_m = size > 0 ? fmin(ERROR_M, size / 1000) : ERROR_M;
+	f->error_deg = f->flight->yaw_recorded ? 0.5 : 1;
 }
 
 /* ---- Script ---- */
@@ -111,66 +111,59 @@ static void take_keys(struct eco_script *script, const struct fit *f, double fps
 	}
 }
 
-enum eco_code eco_script_fit(struct eco_script *script, const struct eco_flight *flight, const struct eco_fitting *fitting, struct eco_error *error)
+/* Coarse to fine, so that few keyframes go where they are needed most. False if they do not suffice to turn about. */
+static bool choose_keys(struct fit *f, uint32_t keys_max)
 {
-	struct fit f = { .flight = flight, .count = 1 };
-	uint32_t keys_max = fitting->keys_max ? fitting->keys_max : 8000;
-	*script = (struct eco_script){ 0 };
-	keys_max = keys_max < 2 ? 2 : keys_max < flight->count ? keys_max : flight->count;
-	uint32_t *owned = calloc(2 * ((size_t)keys_max + 2), sizeof *owned);
-	script->keys = malloc(((size_t)keys_max + 2) * sizeof *script->keys);
-	if (owned && script->keys) {
-		f.key = owned;
-		f.next = owned + keys_max + 2;
-		choose_errors(&f, fitting);
-		if (flight->count > 1)
-			f.key[f.count++] = flight->count - 1;
-		/* coarse to fine, so that few keyframes go where they are needed most */
-		for (double bound = 1024; bound >= 1; bound /= 4)
-			while (f.count > 1 && refine(&f, bound, keys_max))
-				;
-		take_keys(script, &f, fitting->fps);
-	} else
+	choose_errors(f);
+	if (f->flight->count > 1)
+		f->key[f->count++] = f->flight->count - 1;
+	for (double bound = 1024; bound >= 1; bound /= 4)
+		while (f->count > 1 && refine(f, bound, keys_max))
+			;
+	for (uint32_t i = 1; i < f->count; i++)
+		if (eco_angle_deg(numbers(f, i - 1) + LOOK, numbers(f, i) + LOOK) > 175)
+			return false;
+	return true;
+}
+
+enum eco_code eco_script_fit(struct eco_script *script, const struct eco_flight *flight, const struct eco_track_options *options,
+	struct eco_error *error)
+{
+	uint32_t most = options->keys_max ? (uint32_t)options->keys_max : KEYS_MAX, room = (most < flight->count ? most : flight->count) + 4;
+	uint32_t *owned = calloc(2 * (size_t)room, sizeof *owned);
+	struct fit f = { .flight = flight, .key = owned, .next = owned + room, .count = 1 };
+	*script = (struct eco_script){ .keys = malloc(room * sizeof *script->keys) };
+	enum eco_code code = owned && script->keys ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for %u keyframes", most);
+	if (!code && !choose_keys(&f, most))
+		code = eco_fail(error, ECO_TOO_LARGE, "the camera turns about too often for %u keyframes (--max-keyframes N, --smooth S)", most);
+	if (!code)
+		take_keys(script, &f, options->fps);
+	else
 		eco_script_free(script);
 	free(owned);
-	return script->keys ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for %u keyframes", keys_max);
-}
-
-static void put_vector(FILE *out, const char *name, const double v[3], double parts)
-{
-	fprintf(out, ", \"%s\": [%.15g, %.15g, %.15g]", name, round(v[0] * parts) / parts + 0, round(v[1] * parts) / parts + 0,
-		round(v[2] * parts) / parts + 0);
-}
-
-/* Level cameras that do not look straight up or down have the up that a script has without one. */
-static bool is_level(const struct eco_script *script)
-{
-	for (const struct eco_key *k = script->keys; k < script->keys + script->count; k++) {
-		double look[3] = { (k->target[0] - k->eye[0]) / AHEAD_M, (k->target[1] - k->eye[1]) / AHEAD_M, (k->target[2] - k->eye[2]) / AHEAD_M };
-		if (fabs(look[2]) > 0.9 || fabs(k->up[0] * look[1] - k->up[1] * look[0]) > 1e-3 || k->up[2] < 0)
-			return false;
-	}
-	return true;
+	return code;
 }
 
 char *eco_script_text(const struct eco_script *script, size_t *size)
 {
 	char *text = NULL;
 	FILE *out = open_memstream(&text, size);
-	bool level = is_level(script);
 	/* a tenth of a millimetre, finer in scenes that are small */
-	double parts = script->error_m > 0 && script->error_m < 1e-3 ? 1e6 : 1e4;
+	double fine = script->error_m > 0 && script->error_m < 1e-3 ? 1e6 : 1e4;
 	if (!out)
 		return NULL;
 	fprintf(out, "{\"fps\": %.15g, \"keyframes\": [\n", round(script->fps * 1e4) / 1e4);
-	for (uint32_t i = 0; i < script->count; i++) {
-		const struct eco_key *k = &script->keys[i];
+	for (const struct eco_key *k = script->keys, *end = k + script->count; k < end; k++) {
+		const struct { const char *name; const double *v; double parts; } vectors[] = { { "eye", k->eye, fine },
+			{ "target", k->target, fine }, { "up", k->up, 1e5 } };
 		fprintf(out, "  {\"time_s\": %.15g", round(k->time_s * 1e6) / 1e6);
-		put_vector(out, "eye", k->eye, parts);
-		put_vector(out, "target", k->target, parts);
-		if (!level)
-			put_vector(out, "up", k->up, 1e5);
-		fprintf(out, ", \"fov_y_deg\": %.15g}%s\n", round(k->fov_y_deg * 1e3) / 1e3, i + 1 < script->count ? "," : "");
+		for (int i = 0; i < 3; i++) {
+			fprintf(out, ", \"%s\": [", vectors[i].name);
+			for (int axis = 0; axis < 3; axis++)
+				fprintf(out, "%s%.15g", axis ? ", " : "", round(vectors[i].v[axis] * vectors[i].parts) / vectors[i].parts + 0);
+			fputs("]", out);
+		}
+		fprintf(out, ", \"fov_y_deg\": %.15g}%s\n", round(k->fov_y_deg * 1e3) / 1e3, k + 1 < end ? "," : "");
 	}
 	fputs("]}\n", out);
 	if (fclose(out) == 0)

@@ -6,7 +6,6 @@
  *   HOME(149.0251,-20.2532) 2017.08.05 14:11:51  GPS(149.0251,-20.2533,16) BAROMETER:1.9
  *   GPS (-58.8517, -34.2379, 15), HOME (-58.8475, -34.2327, -57.98m), D 698.70m, H 85.80m, G.PRY (-24.4°, 0.0°, 110.4°)
  *   GPS(36.6146,-6.1120,0.0M) BAROMETER:0.3M                                      latitude first
- *   GPS(W: 121.1, N: 38.1, 100.2m)
  *
  * So names are found one by one and not line by line. The third number of GPS() is the number of satellites if it is whole, the height
  * if it has decimals or "m", a precision if it has "M". The file is walked twice: first to learn in which order coordinates stand. */
@@ -16,28 +15,21 @@
 
 #define VALUES 4
 
-struct value { double number; char side, unit; bool whole; };    /* N, S, E, W before the number; the letter behind it; 0: none */
+struct value { double number; char unit; bool whole; };      /* the letter behind it; 0: none */
 
 struct srt {
 	struct eco_track *track;     /* NULL: only looking */
 	const struct track_input *in;
-	bool latitude_first, big_first, big_second, metre_capital, has_timecodes;    /* what was seen */
+	bool latitude_first, big_first, big_second, metre_capital;   /* what was seen */
 	struct eco_fix fix;          /* the record being read, and what it says besides */
-	double stamp_s, home_z, focal_mm, zoom;
-	bool open, gimbal;
+	double home_z, focal_mm, zoom;
+	bool open;
 };
 
 static void read_one(const char **text, const char *end, struct value *v)
 {
-	const char *at = *text;
+	const char *from = *text, *at = from;
 	*v = (struct value){ .number = NAN };
-	while (at < end && *at == ' ')
-		at++;
-	if (at + 1 < end && *at && strchr("NSEW", *at) && (at[1] == ':' || at[1] == ' ')) {
-		v->side = *at;
-		at += 2;
-	}
-	const char *from = at;
 	if (track_number(&at, end, &v->number)) {
 		v->whole = !memchr(from, '.', (size_t)(at - from));
 		v->unit = at < end && *at && strchr("mMf", *at) ? *at : 0;
@@ -73,10 +65,8 @@ static void set_place(struct srt *s, const struct value *v, int count, double at
 	s->big_first |= fabs(v[0].number) > 90;
 	s->big_second |= fabs(v[1].number) > 90;
 	s->metre_capital |= count > 2 && v[2].unit == 'M';
-	for (int i = 0; i < 2; i++) {
-		bool is_latitude = v[i].side ? v[i].side == 'N' || v[i].side == 'S' : (i == 0) == s->latitude_first;
-		at[is_latitude] = v[i].side == 'S' || v[i].side == 'W' ? -v[i].number : v[i].number;
-	}
+	for (int i = 0; i < 2; i++)
+		at[(i == 0) == s->latitude_first] = v[i].number;
 }
 
 static void set_home(struct srt *s, const struct value *v, int count)
@@ -90,18 +80,7 @@ static void set_home(struct srt *s, const struct value *v, int count)
 	memcpy(s->track->home, home, sizeof home);
 }
 
-/* Pitch, roll, yaw. The aircraft leans to fly; its camera does not. */
-static void set_attitude(struct srt *s, const struct value *v, int count, bool gimbal)
-{
-	if (count < 3 || (!gimbal && s->gimbal))
-		return;
-	s->gimbal |= gimbal;
-	s->fix.pitch_deg = gimbal ? v[0].number : NAN;
-	s->fix.roll_deg = gimbal ? v[1].number : NAN;
-	s->fix.yaw_deg = v[2].number;
-}
-
-enum name { LATITUDE, LONGITUDE, ALTITUDE, ABOVE, GPS, HOME, GIMBAL, AIRCRAFT, YAW, PITCH, ROLL, AIRCRAFT_YAW, FOCAL, ZOOM };
+enum name { LATITUDE, LONGITUDE, ALTITUDE, ABOVE, GPS, HOME, GIMBAL, YAW, PITCH, ROLL, FOCAL, ZOOM };
 
 static void set_values(struct srt *s, enum name name, const struct value *v, int count)
 {
@@ -117,11 +96,14 @@ static void set_values(struct srt *s, enum name name, const struct value *v, int
 			s->fix.at[2] = v[2].number;
 		break;
 	case HOME: set_home(s, v, count); break;
-	case GIMBAL: case AIRCRAFT: set_attitude(s, v, count, name == GIMBAL); break;
-	case YAW: s->fix.yaw_deg = x; s->gimbal = true; break;
+	case GIMBAL:
+		s->fix.pitch_deg = x;
+		s->fix.roll_deg = count > 2 ? v[1].number : NAN;
+		s->fix.yaw_deg = count > 2 ? v[2].number : NAN;
+		break;
+	case YAW: s->fix.yaw_deg = x; break;
 	case PITCH: s->fix.pitch_deg = x; break;
 	case ROLL: s->fix.roll_deg = x; break;
-	case AIRCRAFT_YAW: s->fix.yaw_deg = s->gimbal ? s->fix.yaw_deg : x; break;
 	/* 240 is 24.0 mm, 24.00 is too */
 	case FOCAL: s->focal_mm = v->whole ? x / 10 : x; break;
 	case ZOOM: s->zoom = v->whole && x >= 1000 ? x / 10000 : x; break;
@@ -135,8 +117,8 @@ static void read_names(struct srt *s, const char *text, const char *end)
 	static const struct { const char *word; enum name name; } names[] = { { "latitude", LATITUDE }, { "lat", LATITUDE },
 		{ "longitude", LONGITUDE }, { "longtitude", LONGITUDE }, { "lon", LONGITUDE }, { "lng", LONGITUDE }, { "altitude", ALTITUDE },
 		{ "abs_alt", ALTITUDE }, { "rel_alt", ABOVE }, { "barometer", ABOVE }, { "hb", ABOVE }, { "h", ABOVE }, { "gps", GPS }, { "rtk", GPS },
-		{ "home", HOME }, { "g.pry", GIMBAL }, { "f.pry", AIRCRAFT }, { "gb_yaw", YAW }, { "gb_pitch", PITCH }, { "gb_roll", ROLL },
-		{ "gimbal_yaw", YAW }, { "gimbal_pitch", PITCH }, { "gimbal_roll", ROLL }, { "drone_yaw", AIRCRAFT_YAW }, { "yaw", AIRCRAFT_YAW },
+		{ "home", HOME }, { "g.pry", GIMBAL }, { "gb_yaw", YAW }, { "gb_pitch", PITCH }, { "gb_roll", ROLL },
+		{ "gimbal_yaw", YAW }, { "gimbal_pitch", PITCH }, { "gimbal_roll", ROLL },
 		{ "focal_len", FOCAL }, { "dzoom_ratio", ZOOM } };
 	while (text < end) {
 		const char *from = text;
@@ -163,24 +145,12 @@ static enum eco_code close_record(struct srt *s, uint32_t next_line, struct eco_
 	double mm = s->focal_mm * (s->zoom > 0 ? s->zoom : 1);
 	struct eco_fix fix = s->fix;
 	bool open = s->open && s->track;
-	fix.time_s = isnan(fix.time_s) && !s->has_timecodes ? s->stamp_s : fix.time_s;
 	fix.at[2] = isnan(fix.at[2]) ? s->home_z + fix.above_m : fix.at[2];
-	fix.fov_y_deg = mm >= 8 && mm <= 3000 ? 2 * atan(36.0 * 9 / 16 / 2 / mm) * 57.29577951308232 : NAN;
+	fix.fov_y_deg = mm >= 8 && mm <= 3000 ? 2 * atan(36.0 * 9 / 16 / 2 / mm) * TRACK_DEG : NAN;
 	s->fix = track_fix(next_line);
-	s->stamp_s = s->home_z = s->focal_mm = s->zoom = NAN;
-	s->open = s->gimbal = false;
+	s->home_z = s->focal_mm = s->zoom = NAN;
+	s->open = false;
 	return open ? track_add(s->track, &fix, error) : ECO_OK;
-}
-
-/* The first date and time within the line. */
-static double find_stamp(const char *text, const char *end)
-{
-	double time_s;
-	for (const char *at = text, *behind; at + 8 < end; at++)
-		if (*at >= '0' && *at <= '9' && (at == text || !(at[-1] >= '0' && at[-1] <= '9')) &&
-			(behind = at, track_date_time(&behind, end, &time_s)))
-			return time_s;
-	return NAN;
 }
 
 static enum eco_code walk(struct srt *s, struct eco_error *error)
@@ -196,12 +166,9 @@ static enum eco_code walk(struct srt *s, struct eco_error *error)
 		/* 00:00:00,016 --> 00:00:00,033 */
 		if (index || (track_clock(&at, end, &time_s) && track_holds(at, end, "-->"))) {
 			code = close_record(s, line.number, error);
-			s->has_timecodes |= !index;
 			s->fix.time_s = time_s;
 			continue;
 		}
-		if (isnan(s->stamp_s))
-			s->stamp_s = find_stamp(line.text, end);
 		read_names(s, line.text, end);
 	}
 	return code ? code : close_record(s, 0, error);
@@ -211,8 +178,8 @@ enum eco_code track_read_srt(struct eco_track *track, const struct track_input *
 {
 	struct srt s = { .in = in };
 	walk(&s, NULL);
-	s.latitude_first = in->options->latitude_first || (!s.big_first && (s.big_second || s.metre_capital));
-	if (s.latitude_first && !in->options->latitude_first)
+	s.latitude_first = !s.big_first && (s.big_second || s.metre_capital);
+	if (s.latitude_first)
 		eco_track_note(track, "GPS(a, b) is taken for latitude, longitude, %s", s.big_second ? "as b is beyond 90" :
 			"as drones that write heights with a capital M have it");
 	track->degrees = true;

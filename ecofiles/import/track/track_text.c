@@ -22,21 +22,16 @@ bool track_next_line(const struct track_input *in, struct track_line *line)
 	return true;
 }
 
-bool track_starts(const char *text, const char *end, const char *word)
-{
-	size_t length = strlen(word);
-	return (size_t)(end - text) >= length && strncasecmp(text, word, length) == 0;
-}
-
 bool track_is(const char *text, const char *end, const char *word)
 {
-	return (size_t)(end - text) == strlen(word) && track_starts(text, end, word);
+	return (size_t)(end - text) == strlen(word) && strncasecmp(text, word, strlen(word)) == 0;
 }
 
 bool track_holds(const char *text, const char *end, const char *word)
 {
-	for (; text < end; text++)
-		if (track_starts(text, end, word))
+	size_t length = strlen(word);
+	for (; (size_t)(end - text) >= length; text++)
+		if (strncasecmp(text, word, length) == 0)
 			return true;
 	return false;
 }
@@ -67,15 +62,6 @@ bool track_number(const char **text, const char *end, double *value)
 	return true;
 }
 
-bool track_is_number(const char *text, const char *end, double *value)
-{
-	double number;
-	if (!track_number(&text, end, &number) || skip_spaces(text, end) != end)
-		return false;
-	*value = number;
-	return true;
-}
-
 /* ---- Time ---- */
 
 /* Up to `most` digits as a whole number; how many there were. */
@@ -90,19 +76,10 @@ static int read_whole(const char **text, const char *end, int most, int *value)
 /* .72 or ,720, or thousandths and millionths: ,720,764 */
 static void read_fraction(const char **text, const char *end, double *time_s)
 {
-	const char *at = *text;
 	double place = 0.1;
-	if (at + 1 >= end || (*at != '.' && *at != ',') || !is_digit(at[1]))
-		return;
-	for (at++; at < end && is_digit(*at); at++, place /= 10)
-		*time_s += place * (*at - '0');
-	const char *more = at + 1;
-	int millionths;
-	if (at - *text == 4 && **text == ',' && at < end && *at == ',' && read_whole(&more, end, 3, &millionths) == 3) {
-		*time_s += 1e-6 * millionths;
-		at = more;
-	}
-	*text = at;
+	for (const char *at = *text; at + 1 < end && (*at == '.' || *at == ',') && is_digit(at[1]); *text = at)
+		for (at++; at < end && is_digit(*at); at++, place /= 10)
+			*time_s += place * (*at - '0');
 }
 
 bool track_clock(const char **text, const char *end, double *time_s)
@@ -111,11 +88,8 @@ bool track_clock(const char **text, const char *end, double *time_s)
 	int hour, minute, second = 0;
 	if (!read_whole(&at, end, 4, &hour) || at >= end || *at++ != ':' || !read_whole(&at, end, 4, &minute) || minute > 59)
 		return false;
-	if (at < end && *at == ':') {
-		at++;
-		if (!read_whole(&at, end, 4, &second) || second > 60)
-			return false;
-	}
+	if (at < end && *at == ':' && (at++, !read_whole(&at, end, 4, &second) || second > 60))
+		return false;
 	*time_s = hour * 3600.0 + minute * 60 + second;
 	read_fraction(&at, end, time_s);
 	*text = at;
@@ -151,25 +125,12 @@ static double days_of(int year, int month, int day)
 bool track_date_time(const char **text, const char *end, double *time_s)
 {
 	const char *at = skip_spaces(*text, end);
-	int part[3], digits[3];
-	char mark = 0;
-	for (int i = 0; i < 3; i++) {
-		if (i && (at >= end || !*at || !strchr("-./", *at) || (i == 2 && *at != mark)))
-			return false;
-		mark = i ? *at++ : 0;
-		digits[i] = read_whole(&at, end, 4, &part[i]);
-		if (!digits[i])
-			return false;
-	}
-	bool year_first = digits[0] == 4;
-	if (!year_first && digits[2] != 4)
+	int year, month, day;
+	if (read_whole(&at, end, 4, &year) != 4 || at >= end || !*at || !strchr("-./", *at))
 		return false;
-	int year = part[year_first ? 0 : 2], month = part[1], day = part[year_first ? 2 : 0];
-	/* 4/25/2020 is American */
-	if (!year_first && mark == '/' && day <= 12) {
-		month = part[0];
-		day = part[1];
-	}
+	char mark = *at++;
+	if (!read_whole(&at, end, 2, &month) || at >= end || *at++ != mark || !read_whole(&at, end, 2, &day))
+		return false;
 	if (month < 1 || month > 12 || day < 1 || day > 31)
 		return false;
 	*time_s = days_of(year, month, day) * 86400;
