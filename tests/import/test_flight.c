@@ -47,7 +47,6 @@ static void rounded_positions_do_not_jitter(void **state)
 		put(&m, i, floor(100 * cos(a) / 11 + 0.5) * 11, floor(100 * sin(a) / 8 + 0.5) * 8, floor(30 + 10 * sin(a) + 0.5));
 	}
 	m.track.still_m = 8;
-	m.track.still_z_m = 1;
 	struct eco_track_report report = cleaned(&m.track);
 	struct eco_flight f = flight_of(&m.track);
 	double fastest = 0, slowest = 1e9, turn = 0, back = 0;

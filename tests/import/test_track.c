@@ -284,7 +284,6 @@ static void what_is_no_track_is_said_to_be_none(void **state)
 		{ "\xff\xfet", "a.csv", "no columns" }, { "\nhello\nworld\n", "a.txt", "a.txt:2: no format" }, { "hello\n", "a.txt", "begins \"hello\"" },
 		{ "a,b,c\n1,2,3\n", "a.csv", "name its columns in the first line" }, { "t,lon,lat\n1,NA,\n2,500,3\n", "a.csv", "a.csv:2: read as CSV" },
 		{ "t,lon,lat\n", "a.csv", "no fix found" }, { "1\n", "a.srt", "no fix found" }, { "<html></html>", "a.kml", "neither GPX nor KML" },
-		{ "{\"fps\": 1, \"keyframes\": []}", "a.json", "no keyframes" },
 	};
 	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)

@@ -9,7 +9,6 @@
 #include <sys/stat.h>
 
 #include "ecofiles/base/guard.h"
-#include "ecofiles/format/view.h"
 #include "ecofiles/import/model/import_model.h"
 #include "ecofiles/import/track/track_read.h"
 
@@ -71,8 +70,9 @@ enum eco_code track_add(struct eco_track *track, const struct eco_fix *fix, stru
 	return ECO_OK;
 }
 
-void eco_track_note(struct eco_track *track, const char *format, ...)
+void eco_track_note(void *of, const char *format, ...)
 {
+	struct eco_track *track = of;
 	va_list args;
 	va_start(args, format);
 	if (track->note_count < ECO_TRACK_NOTES_MAX)
@@ -168,14 +168,6 @@ static enum eco_code find_format(const struct track_input *in, enum eco_track_fo
 
 /* ---- Reading ---- */
 
-static enum eco_code check_script(const struct track_input *in, struct eco_error *error)
-{
-	struct eco_camera *camera;
-	enum eco_code code = eco_camera_parse(&camera, in->text, in->size, in->path, error);
-	eco_camera_free(camera);
-	return code;
-}
-
 static enum eco_code say_nothing_found(const struct eco_track *track, const struct track_input *in, struct eco_error *error)
 {
 	const char *name = eco_track_format_names[track->format];
@@ -188,7 +180,7 @@ static enum eco_code read_text(struct eco_track *track, const struct track_input
 {
 	enum eco_code code = find_format(in, &track->format, error);
 	if (code || track->format == ECO_TRACK_SCRIPT)
-		return code ? code : check_script(in, error);
+		return code;
 	code = readers[track->format](track, in, error);
 	return code || track->count ? code : say_nothing_found(track, in, error);
 }

@@ -87,7 +87,7 @@ struct eco_track {
 	unsigned posed : 1;          /* looks are exact (poses of a camera), so nothing is smoothed unless asked for */
 	unsigned has_home : 1;       /* take-off, as at[]; z may be NaN */
 	double home[3];
-	double still_m, still_z_m;   /* the step in which positions were written (rounding); 0: too small to matter; set by placing */
+	double still_m;              /* the step in which positions were written (rounding); 0: too small to matter; set by placing */
 	struct eco_fix *fixes;       uint32_t count;
 	uint64_t records, skipped;   /* skipped: those without a usable position; the first is in skipped_line */
 	uint32_t skipped_line;
@@ -103,8 +103,8 @@ enum eco_code eco_track_parse(struct eco_track *track, const uint8_t *bytes, siz
 	const struct eco_track_options *options, struct eco_error *error);
 void eco_track_free(struct eco_track *track);
 
-/* A sentence for the user; beyond ECO_TRACK_NOTES_MAX the last says that there are more. */
-void eco_track_note(struct eco_track *track, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* A sentence for the user, of a struct eco_track; beyond ECO_TRACK_NOTES_MAX the last says that there are more. */
+void eco_track_note(void *track, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* at[] becomes metres from the origin, yaw counts from the frame's north (which is not true north); still_m is found. Errors: a
  * CRS that is not known, not projected or not in metres; no fix that it holds. */

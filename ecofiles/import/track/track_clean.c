@@ -50,7 +50,7 @@ double track_quantile(double *values, uint32_t count, double share)
 	return count ? values[(uint32_t)(share * (count - 1))] : 0;
 }
 
-uint32_t track_speeds(const struct eco_track *track, bool flat, double *speeds)
+uint32_t track_speeds(const struct eco_track *track, double *speeds)
 {
 	const struct eco_fix *f = track->fixes, *last = NULL;
 	uint32_t count = 0, still = 0;
@@ -58,7 +58,7 @@ uint32_t track_speeds(const struct eco_track *track, bool flat, double *speeds)
 	for (uint32_t i = 0; i < track->count; i++) {
 		if (isnan(f[i].at[0]) || (last && !(f[i].time_s - last->time_s >= window_s)))
 			continue;
-		double d = !last ? 0 : flat ? hypot(f[i].at[0] - last->at[0], f[i].at[1] - last->at[1]) : track_distance(last, &f[i]);
+		double d = last ? track_distance(last, &f[i]) : 0;
 		if (d > 0)
 			speeds[count++] = d / fmax(f[i].time_s - last->time_s, 1e-9);
 		last = &f[i];
@@ -280,14 +280,14 @@ static bool is_far(const struct clean *c, uint32_t a, uint32_t b)
 
 static void find_limits(struct clean *c)
 {
-	uint32_t moving = track_speeds(c->track, false, c->scratch), steps = 0;
+	uint32_t moving = track_speeds(c->track, c->scratch), steps = 0;
 	c->middle_m_s = track_quantile(c->scratch, moving, 0.5);
 	c->high_m_s = track_quantile(c->scratch, moving, 0.9);
 	/* what never moved gives no measure; lines that were drawn have steps as they please */
 	double times = c->report->untimed ? 10 : 1;
 	c->limit_m_s = c->high_m_s > 0 ? times * fmax(4 * c->middle_m_s, 3 * c->high_m_s) : INFINITY;
 	for (uint32_t i = 1; i < c->places; i++)
-		if ((c->scratch[steps] = hypot(c->place[i]->at[0] - c->place[i - 1]->at[0], c->place[i]->at[1] - c->place[i - 1]->at[1])) > 0)
+		if ((c->scratch[steps] = distance(c, i - 1, i)) > 0)
 			steps++;
 	c->limit_m = fmax(8 * track_quantile(c->scratch, steps, 0.5), c->track->posed ? 0 : 8);
 }

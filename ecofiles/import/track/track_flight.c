@@ -1,12 +1,10 @@
 /* From fixes to even, smooth motion.
  *
  * Between fixes: piecewise cubics whose slopes are the weighted harmonic means of the neighbours' (Fritsch and Butland 1984), which never
- * leave the range of two fixes, so that uneven times and stands cause no overshoot. Then a Gaussian filter, twice (what the first took
- * off is filtered and given back: Tukey's twicing), which bends curves far less than one alone would. Ends are continued by point
- * reflection, so that the first and last positions stay.
+ * leave the range of two fixes, so that uneven times and stands cause no overshoot. Then a Gaussian filter, and what it took off is
+ * filtered and given back (Tukey's twicing), which bends curves far less than the filter alone would.
  *
- * How much: positions are rounded (4 decimals of a degree are 11 m) and drawn out of noise; the filter must span a few steps of
- * rounding at the track's speed, and much of the time between fixes, so that no corner is left at one. */
+ * The filter spans a few steps of rounding (4 decimals of a degree are 11 m) at the track's speed, and much of the time between fixes. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,13 +12,14 @@
 
 #define SAMPLES_MAX 200000u
 #define STEP_LEAST_S 0.004
-#define SPAN 4.0                         /* of the filter, in standard deviations */
+#define SPAN 6.0                         /* of the filter, in standard deviations */
 #define SIGMA_MAX 250.0                  /* in samples */
+#define RADIUS_MAX 1504                  /* SPAN * SIGMA_MAX and more than one */
 #define GPS_NOISE_M 2.0                  /* of fixes against each other */
 #define SMOOTH_MOST_S 15.0
 #define LOOK_S 1.0                       /* directions of motion are smoothed over at least this */
 #define FOV_DEG 60.0
-#define TURN_MOST_DEG 170.0          /* between two samples */
+#define TURN_MOST_DEG 170.0              /* between two samples */
 #define FLIGHT_PITCH_DEG (-15.0)
 
 enum { EYE = 0, LOOK = 3, UP = 6, FOV = 9 };
@@ -31,7 +30,7 @@ struct work {
 	const struct eco_track_options *options;
 	struct eco_sample *known;            /* what each fix says, NaN where it says nothing */
 	double *time_s, *value; uint32_t count;      /* of one number, where it is known */
-	double *column, *scratch;            /* one a sample; two */
+	double *column, *scratch;            /* one a sample */
 	double *yaw;                         /* of the motion, one a sample */
 	double speed_m_s, slow_m_s;          /* median while it moves; and what most of it is faster than */
 };
@@ -75,39 +74,32 @@ static double value_at(const struct work *w, double time_s, uint32_t *at)
 
 /* ---- Smoothing of evenly spaced values ---- */
 
-static double reflected(const double *v, int64_t last, int64_t i)
+/* Continued by point reflection beyond the ends, which so stay where they are. */
+static double mirrored(const double *v, int64_t last, int64_t i)
 {
-	return i < 0 ? 2 * v[0] - v[-i > last ? last : -i] : i <= last ? v[i] : 2 * v[last] - v[2 * last - i < 0 ? 0 : 2 * last - i];
+	return i < 0 ? 2 * v[0] - v[-i] : i <= last ? v[i] : 2 * v[last] - v[2 * last - i];
 }
 
-static void gauss(const double *v, uint32_t count, double sigma, double *out)
+/* A filter twice: 2 G - G * G, and G * G is a Gaussian again. */
+static void smooth(const struct work *w, double *v, double sigma_s)
 {
-	int64_t radius = (int64_t)ceil(SPAN * sigma), last = (int64_t)count - 1;
-	double weight[1024], sum = 0;     /* SPAN * SIGMA_MAX and one */
+	int64_t last = (int64_t)w->flight->count - 1;
+	double weight[RADIUS_MAX], sum = 0, sigma = fmin(sigma_s / w->flight->step_s, fmin(SIGMA_MAX, (double)last / SPAN));
+	int64_t radius = (int64_t)floor(SPAN * sigma + 1e-9);
+	if (!(sigma > 0.2))
+		return;
 	for (int64_t k = 0; k <= radius; k++) {
-		weight[k] = exp(-0.5 * (double)(k * k) / (sigma * sigma));
+		double x = (double)k / sigma;
+		weight[k] = 2 * exp(-x * x / 2) - sqrt(0.5) * exp(-x * x / 4);
 		sum += weight[k] * (k ? 2 : 1);
 	}
 	for (int64_t i = 0; i <= last; i++) {
 		double value = weight[0] * v[i];
 		for (int64_t k = 1; k <= radius; k++)
-			value += weight[k] * (reflected(v, last, i - k) + reflected(v, last, i + k));
-		out[i] = value / sum;
+			value += weight[k] * (mirrored(v, last, i - k) + mirrored(v, last, i + k));
+		w->scratch[i] = value / sum;
 	}
-}
-
-static void smooth(const struct work *w, double *v, double sigma_s)
-{
-	uint32_t count = w->flight->count;
-	double *once = w->scratch, *rest = once + count, sigma = fmin(sigma_s / w->flight->step_s, SIGMA_MAX);
-	if (!(sigma > 0.2) || count < 3)
-		return;
-	gauss(v, count, sigma, once);
-	for (uint32_t i = 0; i < count; i++)
-		v[i] -= once[i];
-	gauss(v, count, sigma, rest);
-	for (uint32_t i = 0; i < count; i++)
-		v[i] = once[i] + rest[i];
+	memcpy(v, w->scratch, w->flight->count * sizeof *v);
 }
 
 /* Number n of all samples, of what was collected. */
@@ -163,26 +155,24 @@ static void follow_path(struct work *w)
 {
 	const struct eco_flight *f = w->flight;
 	uint32_t n = f->count, last = n;
-	double sigma_s = fmax(w->track->posed ? 0 : LOOK_S, f->smooth_s), *vx = w->column, *vy = w->scratch + 2 * (size_t)n;
-	for (uint32_t i = 0; i < n; i++) {
-		const struct eco_sample *a = &f->samples[i ? i - 1 : 0], *b = &f->samples[i + 1 < n ? i + 1 : i];
-		vx[i] = b > a ? (b->eye[0] - a->eye[0]) / ((double)(b - a) * f->step_s) : 0;
-		vy[i] = b > a ? (b->eye[1] - a->eye[1]) / ((double)(b - a) * f->step_s) : 0;
+	double sigma_s = fmax(w->track->posed ? 0 : LOOK_S, f->smooth_s), *v[2] = { w->column, w->scratch + n };
+	for (int axis = 0; axis < 2; axis++) {
+		for (uint32_t i = 0; i < n; i++) {
+			uint32_t a = i ? i - 1 : 0, b = i + 1 < n ? i + 1 : i;
+			v[axis][i] = b > a ? (f->samples[b].eye[axis] - f->samples[a].eye[axis]) / ((b - a) * f->step_s) : 0;
+		}
+		smooth(w, v[axis], sigma_s);
 	}
-	smooth(w, vx, sigma_s);
-	smooth(w, vy, sigma_s);
 	for (uint32_t i = 0; i < n; i++) {
-		if (!(hypot(vx[i], vy[i]) > 0.15 * w->speed_m_s))
+		bool moves = hypot(v[0][i], v[1][i]) > 0.15 * w->speed_m_s;
+		double before = last < n ? w->yaw[last] : 0, yaw = moves ? atan2(v[0][i], v[1][i]) * TRACK_DEG : before;
+		yaw = last < n ? before + remainder(yaw - before, 360) : yaw;
+		if (!moves && i + 1 < n)
 			continue;
-		double yaw = atan2(vx[i], vy[i]) * TRACK_DEG, before = last < n ? w->yaw[last] : yaw;
-		yaw += 360 * floor((before - yaw) / 360 + 0.5);
-		for (uint32_t k = last < n ? last + 1 : 0; k < i; k++)
+		for (uint32_t k = last < n ? last + 1 : 0; k <= i; k++)
 			w->yaw[k] = last < n ? before + (yaw - before) * (k - last) / (i - last) : yaw;
-		w->yaw[i] = yaw;
 		last = i;
 	}
-	for (uint32_t k = last < n ? last + 1 : 0; k < n; k++)
-		w->yaw[k] = last < n ? w->yaw[last] : 0;
 	smooth(w, w->yaw, sigma_s / 2);
 }
 
@@ -272,7 +262,7 @@ static uint32_t learn(struct work *w)
 		f->pitch_recorded |= !isnan(fix->pitch_deg) && !pitch_given;
 		looks += !isnan(fix->yaw_deg) || !isnan(fix->pitch_deg);
 	}
-	uint32_t speeds = track_speeds(w->track, true, w->scratch);
+	uint32_t speeds = track_speeds(w->track, w->scratch);
 	w->speed_m_s = track_quantile(w->scratch, speeds, 0.5);
 	w->slow_m_s = track_quantile(w->scratch, speeds, 0.25);
 	f->pitch_deg = pitch_given ? w->options->pitch_deg : w->track->format == ECO_TRACK_SRT ? FLIGHT_PITCH_DEG : 0;

@@ -105,7 +105,7 @@ static enum eco_code read_channel(struct chain *chain, size_t at, const json_t *
 }
 
 /* The channels of this animation that move the camera. */
-static enum eco_code read_animation(struct chain *chain, const json_t *animation, bool *used, struct eco_error *error)
+static enum eco_code read_animation(struct chain *chain, const json_t *animation, struct eco_error *error)
 {
 	const json_t *channels = json_object_get(animation, "channels"), *samplers = json_object_get(animation, "samplers");
 	enum eco_code code = ECO_OK;
@@ -115,7 +115,6 @@ static enum eco_code read_animation(struct chain *chain, const json_t *animation
 		for (size_t k = 0; !code && sampler != ECO_NONE && k < channels_of(chain); k++) {
 			if (chain->links[k / PATHS].node != node || strcmp(eco_gltf_text(target, "path"), path_names[k % PATHS]) != 0)
 				continue;
-			*used = true;
 			code = read_channel(chain, k, json_array_get(samplers, sampler), error);
 		}
 	}
@@ -157,29 +156,23 @@ static void sample(const struct channel *c, enum path path, double time_s, doubl
 
 /* ---- Poses ---- */
 
-/* Where the camera is, to Z up, and its yaw, pitch and roll, from its matrix. False if that has no direction. */
-static bool set_pose(struct eco_fix *fix, const double m[16])
+/* Where the camera is, to Z up, and its yaw, pitch and roll, from its matrix; a matrix without directions leaves no position. */
+static void set_pose(struct eco_fix *fix, const double m[16])
 {
 	double back = sqrt(m[8] * m[8] + m[9] * m[9] + m[10] * m[10]), top = sqrt(m[4] * m[4] + m[5] * m[5] + m[6] * m[6]);
 	double look[3] = { -m[8] / back, m[10] / back, -m[9] / back }, up[3] = { m[4] / top, -m[6] / top, m[5] / top };
-	double flat = hypot(look[0], look[1]), right[2] = { look[1] / flat, -look[0] / flat };
+	double flat = hypot(look[0], look[1]), sign = look[2] < 0 ? 1 : -1;
 	if (!(back > 3e-5 && back < 3e4 && top > 3e-5 && top < 3e4))
-		return false;
+		return;
 	fix->at[0] = m[12];
 	fix->at[1] = -m[14];
 	fix->at[2] = m[13];
 	fix->pitch_deg = atan2(look[2], flat) * TRACK_DEG;
-	if (flat < 1e-6) {
-		/* straight down or up: yaw is where the picture's upper edge points */
-		double sign = look[2] < 0 ? 1 : -1;
-		fix->yaw_deg = atan2(sign * up[0], sign * up[1]) * TRACK_DEG;
-		fix->roll_deg = 0;
-		return true;
-	}
-	double upright = (right[1] * up[0] - right[0] * up[1]) * look[2] + (right[0] * look[1] - right[1] * look[0]) * up[2];
-	fix->yaw_deg = atan2(look[0], look[1]) * TRACK_DEG;
-	fix->roll_deg = atan2(up[0] * right[0] + up[1] * right[1], upright) * TRACK_DEG;
-	return true;
+	/* straight down or up, yaw is where the picture's upper edge points */
+	fix->yaw_deg = (flat < 1e-6 ? atan2(sign * up[0], sign * up[1]) : atan2(look[0], look[1])) * TRACK_DEG;
+	/* up along the horizontal right, and upright to it and the look */
+	double sine = (up[0] * look[1] - up[1] * look[0]) / flat;
+	fix->roll_deg = flat < 1e-6 ? 0 : atan2(sine, up[2] * flat - look[2] * (up[0] * look[0] + up[1] * look[1]) / flat) * TRACK_DEG;
 }
 
 static enum eco_code add_pose(struct eco_track *track, const struct chain *chain, double time_s, struct eco_error *error)
@@ -227,23 +220,18 @@ static enum eco_code add_poses(struct eco_track *track, const struct chain *chai
 static enum eco_code read_camera(struct eco_track *track, struct chain *chain, const struct track_input *in, struct eco_error *error)
 {
 	const json_t *animations = json_object_get(eco_gltf_json(chain->doc), "animations");
-	uint32_t cameras, node = find_camera(chain->doc, in->node, &cameras), moving = 0;
+	uint32_t cameras, node = find_camera(chain->doc, in->node, &cameras);
 	if (node == ECO_NONE)
 		return eco_fail(error, ECO_NOT_FOUND, cameras ? "%.250s: no camera of its %u, nor its node, is called %.80s" : "%.250s: no node of it has a "
 			"camera", in->path, cameras, in->node ? in->node : "");
 	const json_t *json = eco_gltf_item(chain->doc, "nodes", node), *camera = eco_gltf_item(chain->doc, "cameras", eco_gltf_index(json, "camera"));
 	chain->fov_y_deg = eco_gltf_number(json_object_get(camera, "perspective"), "yfov", NAN) * TRACK_DEG;
 	enum eco_code code = make_chain(chain, node, error);
-	for (size_t i = 0; !code && i < json_array_size(animations); i++) {
-		bool used = false;
-		code = read_animation(chain, json_array_get(animations, i), &used, error);
-		moving += used;
-	}
+	for (size_t i = 0; !code && i < json_array_size(animations); i++)
+		code = read_animation(chain, json_array_get(animations, i), error);
 	if (!code && cameras > 1 && !in->node)
 		eco_track_note(track, "it has %u cameras; the one of node \"%.60s\" is taken (--node NAME for another)", cameras,
 			eco_gltf_text(json, "name"));
-	if (!code && moving > 1)
-		eco_track_note(track, "%u animations move this camera; the first of each kind is taken", moving);
 	return code ? code : add_poses(track, chain, error);
 }
 

@@ -1,8 +1,6 @@
 /* Fixes in metres of the frame, and the steps in which their numbers were written. Degrees go to the scene's CRS, or to a plane of the
- * track's own (azimuthal equidistant about its median, so that a stray fix does not bend it), where it will be moved. */
-#include <stdarg.h>
+ * track's own (azimuthal equidistant about its middle), where it will be moved. */
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/import/places/positions_crs.h"
@@ -11,51 +9,23 @@
 #define METRES_PER_DEGREE 111195.0
 #define NORTH_STEP_DEG 1e-3              /* to see where north is in a grid */
 
-/* The least difference of neighbours beyond `least`: of heights, above take-off where both are; 0 if there is none. */
+/* The least difference of neighbours beyond `least`; 0 if there is none. */
 static double least_step(const struct eco_track *track, int axis, double least)
 {
 	double step = INFINITY;
 	for (uint32_t i = 1; i < track->count; i++) {
-		const struct eco_fix *a = &track->fixes[i - 1], *b = &track->fixes[i];
-		bool above = axis == 2 && !isnan(a->above_m) && !isnan(b->above_m);
-		double d = above ? fabs(b->above_m - a->above_m) : fabs(b->at[axis] - a->at[axis]);
+		double d = fabs(track->fixes[i].at[axis] - track->fixes[i - 1].at[axis]);
 		step = d > least && d < step ? d : step;
 	}
 	return isfinite(step) ? step : 0;
 }
 
-static void find_steps(struct eco_track *track)
+static void find_step(struct eco_track *track)
 {
 	double least = track->degrees ? 1e-9 : 1e-6, x = least_step(track, 0, least), y = least_step(track, 1, least);
 	/* a degree of longitude is shorter; the larger of two steps says how rough the recording is, unless it does not move that way */
 	double scale = track->degrees ? METRES_PER_DEGREE : 1, narrow = track->degrees ? cos(track->fixes[0].at[1] / TRACK_DEG) : 1;
 	track->still_m = (x > 0 && y > 0 ? fmin(x * narrow, y) : fmax(x * narrow, y)) * scale;
-	track->still_z_m = least_step(track, 2, 1e-6);
-}
-
-static void note(void *ctx, const char *format, ...)
-{
-	char text[ECO_TRACK_NOTE_BYTES];
-	va_list args;
-	va_start(args, format);
-	vsnprintf(text, sizeof text, format, args);
-	va_end(args);
-	eco_track_note(ctx, "%s", text);
-}
-
-static enum eco_code own_plane(const struct eco_track *track, char *plane, size_t size, struct eco_error *error)
-{
-	double middle[2], *sorted = malloc(track->count * sizeof *sorted);
-	if (!sorted)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u fixes", track->count);
-	for (int axis = 0; axis < 2; axis++) {
-		for (uint32_t i = 0; i < track->count; i++)
-			sorted[i] = track->fixes[i].at[axis];
-		middle[axis] = track_quantile(sorted, track->count, 0.5);
-	}
-	free(sorted);
-	snprintf(plane, size, "+proj=aeqd +lat_0=%.9f +lon_0=%.9f +datum=WGS84 +units=m +type=crs", middle[1], middle[0]);
-	return ECO_OK;
 }
 
 static bool convert(struct eco_crs *crs, double at[2])
@@ -101,18 +71,20 @@ enum eco_code eco_track_place(struct eco_track *track, const struct eco_track_op
 	bool own = track->degrees && (options->to_given || !options->crs);
 	struct eco_frame to = { .crs = own ? plane : options->crs };
 	struct eco_crs_request request = { .path = "the track", .stated = track->degrees ? "EPSG:4326" : options->track_crs, .frame = &to,
-		.note = note, .ctx = track };
+		.note = eco_track_note, .ctx = track };
 	struct eco_crs *crs = NULL;
 	if (!track->count)
 		return eco_fail(error, ECO_BAD_INPUT, "the track has no fixes");
 	if (!track->degrees && options->track_crs && !options->crs)
 		return eco_fail(error, ECO_BAD_INPUT, "--track-crs says that the track is in %.80s, but no CRS of the scene is known: add --scene "
 			"SCENE.json, or --crs and --origin", options->track_crs);
-	find_steps(track);
+	find_step(track);
 	if (options->crs && !own)
 		memcpy(to.origin, options->origin, sizeof to.origin);
-	enum eco_code code = own ? own_plane(track, plane, sizeof plane, error) : ECO_OK;
-	if (!code && request.stated) {
+	const double *middle = track->fixes[track->count / 2].at;
+	snprintf(plane, sizeof plane, "+proj=aeqd +lat_0=%.9f +lon_0=%.9f +datum=WGS84 +units=m +type=crs", middle[1], middle[0]);
+	enum eco_code code = ECO_OK;
+	if (request.stated) {
 		code = eco_crs_open(&crs, &request, error);
 		if (!code)
 			code = convert_all(crs, track, to.crs, error);

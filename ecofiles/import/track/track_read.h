@@ -57,9 +57,9 @@ struct eco_fix track_row(const struct track_table *table, const struct track_tex
 
 /* Metres; without heights, in the plane. */
 double track_distance(const struct eco_fix *a, const struct eco_fix *b);
-/* Speeds (in the plane, or with heights) over a second or more, so that rounding and noise do not pass for motion; stands are left
- * out. At most track->count, ascending; returns how many. */
-uint32_t track_speeds(const struct eco_track *track, bool flat, double *speeds);
+/* Speeds over a second or more, so that rounding and noise do not pass for motion; stands are left out. At most track->count,
+ * ascending; returns how many. */
+uint32_t track_speeds(const struct eco_track *track, double *speeds);
 /* Sorts; 0 if there are none. */
 double track_quantile(double *values, uint32_t count, double share);
 

@@ -91,11 +91,8 @@ static void choose_errors(struct fit *f)
 
 static void take_keys(struct eco_script *script, const struct fit *f, double fps)
 {
-	static const double slower[] = { 25, 15, 10, 5, 2, 1, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01 };
-	double length_s = (f->flight->count - 1) * f->flight->step_s;
-	script->fps = fps > 0 ? fps : 30;
-	for (size_t i = 0; fps <= 0 && i < sizeof slower / sizeof *slower && length_s * script->fps > ECO_SCRIPT_FRAMES; i++)
-		script->fps = slower[i];
+	double length_s = (f->flight->count - 1) * f->flight->step_s, most = length_s > 0 ? ECO_SCRIPT_FRAMES / length_s : 30;
+	script->fps = fps > 0 ? fps : most >= 30 ? 30 : most >= 1 ? floor(most) : 1 / ceil(1 / most);
 	script->frames = (uint32_t)fmin(floor(length_s * script->fps + 1e-6) + 1, UINT32_MAX);
 	script->error_m = f->worst_m;
 	script->error_deg = f->worst_deg;

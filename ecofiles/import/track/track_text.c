@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <time.h>
 
 #include "ecofiles/import/track/track_read.h"
 
@@ -113,15 +114,6 @@ static void read_zone(const char **text, const char *end, double *time_s)
 	*time_s -= sign * (hours * 3600.0 + minutes * 60);
 }
 
-/* Days since 1970; Howard Hinnant's chrono-compatible algorithms: years from March, so that leap days come last. */
-static double days_of(int year, int month, int day)
-{
-	int y = month <= 2 ? year - 1 : year, era = (y >= 0 ? y : y - 399) / 400, of_era = y - era * 400;
-	int of_year = (153 * (month + (month > 2 ? -3 : 9)) + 2) / 5 + day - 1;
-	int days = of_era * 365 + of_era / 4 - of_era / 100 + of_year;
-	return era * 146097.0 + days - 719468;
-}
-
 bool track_date_time(const char **text, const char *end, double *time_s)
 {
 	const char *at = skip_spaces(*text, end);
@@ -133,7 +125,7 @@ bool track_date_time(const char **text, const char *end, double *time_s)
 		return false;
 	if (month < 1 || month > 12 || day < 1 || day > 31)
 		return false;
-	*time_s = days_of(year, month, day) * 86400;
+	*time_s = (double)timegm(&(struct tm){ .tm_year = year - 1900, .tm_mon = month - 1, .tm_mday = day });
 	double clock;
 	const char *behind = at + (at < end && (*at == 'T' || *at == 't' || *at == '_'));
 	if (track_clock(&behind, end, &clock)) {
