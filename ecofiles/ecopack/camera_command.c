@@ -109,14 +109,14 @@ static void say_moved(const struct camera *c, const struct eco_flight *flight, c
 static void print_summary(const struct camera *c, const struct eco_track *track, const struct eco_track_report *r,
 	const struct eco_flight *f, const struct eco_script *s)
 {
-	double length_s = (f->count - 1) * f->step_s, low[3], high[3];
+	double low[3], high[3];
 	eco_flight_box(f, low, high);
 	printf("%s: %" PRIu64 " records, %" PRIu64 " positions kept, %" PRIu64 " repeated, %" PRIu64 " jumps, %" PRIu64 " without a usable one\n",
 		c->input, track->records, r->kept, r->repeated, r->jumped, track->skipped);
-	printf("  %.1f s, %.1f m long\n  x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f\n", length_s, f->length_m, low[0], high[0], low[1],
+	printf("  %.1f s, %.1f m long\n  x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f\n", s->length_s, f->length_m, low[0], high[0], low[1],
 		high[1], low[2], high[2]);
-	printf("%s: %u keyframe%s, %u frame%s at %g a second, within %.3f m and %.2f degrees of the track\n", c->output, s->count,
-		s->count == 1 ? "" : "s", s->frames, s->frames == 1 ? "" : "s", s->fps, s->error_m, s->error_deg);
+	printf("%s: %u keyframe%s, %u frame%s at %g a second, within %.3f m and %.2f degrees of the track\n", c->output, s->keys,
+		s->keys == 1 ? "" : "s", s->frames, s->frames == 1 ? "" : "s", s->fps, s->error_m, s->error_deg);
 }
 
 /* ---- Output: appears complete or not at all, and replaces nothing but a camera script ---- */
@@ -199,19 +199,6 @@ static void move_flight(struct camera *c, struct eco_flight *flight, const struc
 	say_moved(c, flight, &moved);
 }
 
-static enum eco_code fit_script(struct camera *c, const struct eco_flight *flight, struct eco_script *script, struct eco_error *error)
-{
-	size_t size = 0;
-	enum eco_code code = eco_script_fit(script, flight, &c->o, error);
-	char *text = code ? NULL : eco_script_text(script, &size);
-	if (!code)
-		code = text ? write_script(c, text, size, c->output, error) : eco_fail(error, ECO_NO_MEMORY, "out of memory");
-	if (!code && script->fps < 30 && !(c->o.fps > 0))
-		main_note("%g frames a second, as the track is long (--fps N, --speed X)", script->fps);
-	free(text);
-	return code;
-}
-
 static enum eco_code convert(struct camera *c, struct eco_track *track, struct eco_error *error)
 {
 	struct eco_track_report report;
@@ -230,11 +217,15 @@ static enum eco_code convert(struct camera *c, struct eco_track *track, struct e
 		say_repairs(track, &report);
 		say_guesses(c, &flight, &report);
 		move_flight(c, &flight, track, local, &report);
-		code = fit_script(c, &flight, &script, error);
+		code = eco_script_fit(&script, &flight, &c->o, error);
 	}
+	if (!code)
+		code = write_script(c, script.text, script.size, c->output, error);
+	if (!code && script.fps < 30 && !(c->o.fps > 0))
+		main_note("%g frames a second, as the track is long (--fps N, --speed X)", script.fps);
 	if (!code && !main_is_quiet)
 		print_summary(c, track, &report, &flight, &script);
-	eco_script_free(&script);
+	free(script.text);
 	eco_flight_free(&flight);
 	return code;
 }

@@ -22,28 +22,24 @@ static void to_metres(struct eco_track *track)
 
 static void play(const struct eco_script *script)
 {
-	size_t size;
 	struct eco_camera *camera;
 	struct eco_view view = { .width = 4, .height = 3 };
 	struct eco_error error = { 0 };
-	char *text = eco_script_text(script, &size);
-	assert(text != NULL);
 	/* what lasts for years has too many frames, or times too large; nothing else may be wrong */
-	if (script->frames <= ECO_SCRIPT_FRAMES && script->keys[script->count - 1].time_s < 1e8) {
-		enum eco_code code = eco_camera_parse(&camera, text, size, "made.json", &error);
+	if (script->frames <= ECO_SCRIPT_FRAMES && script->length_s < 1e8) {
+		enum eco_code code = eco_camera_parse(&camera, script->text, script->size, "made.json", &error);
 		assert(code == ECO_OK);
 		eco_camera_frame(camera, eco_camera_frame_count(camera) - 1, &view);
 		assert(eco_view_check(&view, NULL) == ECO_OK);
 		eco_camera_free(camera);
 	}
-	free(text);
 }
 
 static void fly(struct eco_track *track)
 {
 	struct eco_track_report report;
 	struct eco_flight flight;
-	struct eco_script script;
+	struct eco_script script = { 0 };
 	static const struct eco_track_options defaults = ECO_TRACK_DEFAULTS, few = { .keys_max = 100 };
 	to_metres(track);
 	if (eco_track_clean(track, &defaults, &report, NULL))
@@ -56,10 +52,9 @@ static void fly(struct eco_track *track)
 	for (uint32_t i = 0; i < flight.count; i++)
 		for (int k = 0; k < 3; k++)
 			assert(isfinite(flight.samples[i].eye[k]) && isfinite(flight.samples[i].look[k]) && isfinite(flight.samples[i].up[k]));
-	if (flight.count <= FIXES_MAX && eco_script_fit(&script, &flight, &few, NULL) == ECO_OK) {
+	if (flight.count <= FIXES_MAX && eco_script_fit(&script, &flight, &few, NULL) == ECO_OK)
 		play(&script);
-		eco_script_free(&script);
-	}
+	free(script.text);
 	eco_flight_free(&flight);
 }
 

@@ -156,12 +156,10 @@ static void scripts_keep_to_the_flight_as_they_say(void **state)
 		struct eco_script script;
 		struct eco_camera *camera;
 		struct eco_error error = { 0 };
-		size_t size;
 		assert_int_equal(eco_script_fit(&script, &f, &(struct eco_track_options){ .keys_max = keys, .fps = 1 / f.step_s }, &error), ECO_OK);
-		assert_true(keys ? script.count <= keys && script.error_m > 0.05 : script.error_m <= 0.05 && script.error_deg <= 0.5
-			&& script.count < f.count / 2);
-		char *text = eco_script_text(&script, &size);
-		if (eco_camera_parse(&camera, text, size, "made", &error))
+		assert_true(keys ? script.keys <= keys && script.error_m > 0.05 : script.error_m <= 0.05 && script.error_deg <= 0.5
+			&& script.keys < f.count / 2);
+		if (eco_camera_parse(&camera, script.text, script.size, "made", &error))
 			fail_msg("%s", error.text);
 		assert_true(eco_camera_frame_count(camera) + 1 >= f.count);
 		for (uint32_t i = 0; i < eco_camera_frame_count(camera) && i < f.count; i++) {
@@ -179,8 +177,7 @@ static void scripts_keep_to_the_flight_as_they_say(void **state)
 			assert_true(acos(fmin(1, dot / sqrt(length))) * DEG <= script.error_deg + 0.1);
 		}
 		eco_camera_free(camera);
-		eco_script_free(&script);
-		free(text);
+		free(script.text);
 	}
 	eco_flight_free(&f);
 	eco_track_free(&m.track);
@@ -191,16 +188,13 @@ static void still_cameras_are_one_keyframe(void **state)
 	struct eco_track track = track_of("{\"asset\": {\"version\": \"2.0\"}, \"cameras\": [{\"perspective\": {\"yfov\": 0.8}}], \"nodes\": [{\"camera\": 0, "
 		"\"translation\": [5, 7, -6]}]}", "t.gltf", NULL);
 	struct eco_script script;
-	size_t size;
 	(void)state;
 	cleaned(&track);
 	struct eco_flight f = flight_of(&track);
 	assert_int_equal(eco_script_fit(&script, &f, &track_defaults, NULL), ECO_OK);
-	char *text = eco_script_text(&script, &size);
-	assert_string_equal(text, "{\"fps\": 30, \"keyframes\": [\n  {\"time_s\": 0, \"eye\": [5, 6, 7], \"target\": [5, 16, 7], "
+	assert_string_equal(script.text, "{\"fps\": 30, \"keyframes\": [\n  {\"time_s\": 0, \"eye\": [5, 6, 7], \"target\": [5, 16, 7], "
 		"\"up\": [0, 0, 1], \"fov_y_deg\": 45.837}\n]}\n");
-	free(text);
-	eco_script_free(&script);
+	free(script.text);
 	eco_flight_free(&f);
 	eco_track_free(&track);
 }
@@ -218,18 +212,15 @@ static void cameras_that_turn_about_do_it_by_a_side(void **state)
 	struct eco_script script;
 	struct eco_camera *camera;
 	struct eco_error error = { 0 };
-	size_t size;
 	double most = 0;
 	for (uint32_t i = 1; i < f.count; i++)
 		most = fmax(most, eco_angle_deg(f.samples[i - 1].look, f.samples[i].look));
 	assert_true(most < 171);
 	assert_int_equal(eco_script_fit(&script, &f, &(struct eco_track_options){ .fps = 1000 }, &error), ECO_OK);
-	char *text = eco_script_text(&script, &size);
-	if (eco_camera_parse(&camera, text, size, "made", &error))
+	if (eco_camera_parse(&camera, script.text, script.size, "made", &error))
 		fail_msg("%s", error.text);
 	eco_camera_free(camera);
-	eco_script_free(&script);
-	free(text);
+	free(script.text);
 	eco_flight_free(&f);
 	eco_track_free(&m.track);
 }

@@ -5,8 +5,7 @@
  *   eco_track_clean(&track, &options, &report, &error);          stamps, repeats, jumps, gaps          track_clean.c
  *   eco_flight_make(&flight, &track, &options, &error);          even, smooth motion                   track_flight.c
  *   eco_flight_move(&flight, &options, &moved);                  to where the scene is                 track_move.c
- *   eco_script_fit(&script, &flight, &options, &error);          the fewest keyframes that keep to it  track_script.c
- *   eco_script_text(&script, &size);                             CAMERA.json (ecofiles/format/view.h)
+ *   eco_script_fit(&script, &flight, &options, &error);          CAMERA.json, of few keyframes         track_script.c
  *
  * A position and its look are recorded at rates of their own (a GPS with 5 fixes a second in a film with 60 frames), so they are
  * two series until a flight samples both evenly. Angles are a drone's: yaw clockwise from north (+Y), pitch up from the horizon,
@@ -156,12 +155,10 @@ void eco_flight_move(struct eco_flight *flight, const struct eco_track_options *
 
 /* ---- Script ---- */
 
-struct eco_key { double time_s, eye[3], target[3], up[3], fov_y_deg; };
-
 struct eco_script {
-	double fps;
-	struct eco_key *keys;        uint32_t count;
-	uint32_t frames;
+	char *text; size_t size;     /* JSON; free */
+	double fps, length_s;
+	uint32_t keys, frames;
 	double error_m, error_deg;   /* the script's spline leaves the flight by no more, at any sample */
 };
 
@@ -169,8 +166,5 @@ struct eco_script {
  * not suffice to tell from which side the camera turns about. */
 enum eco_code eco_script_fit(struct eco_script *script, const struct eco_flight *flight, const struct eco_track_options *options,
 	struct eco_error *error);
-/* JSON text, malloc'ed; NULL without memory. */
-char *eco_script_text(const struct eco_script *script, size_t *size);
-void eco_script_free(struct eco_script *script);
 
 #endif

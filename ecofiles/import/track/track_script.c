@@ -89,23 +89,32 @@ static void choose_errors(struct fit *f)
 
 /* ---- Script ---- */
 
-static void take_keys(struct eco_script *script, const struct fit *f, double fps)
+static void put_vector(FILE *out, const char *name, const double from[3], double times, const double v[3], double parts)
 {
-	double length_s = (f->flight->count - 1) * f->flight->step_s, most = length_s > 0 ? ECO_SCRIPT_FRAMES / length_s : 30;
-	script->fps = fps > 0 ? fps : most >= 30 ? 30 : most >= 1 ? floor(most) : 1 / ceil(1 / most);
-	script->frames = (uint32_t)fmin(floor(length_s * script->fps + 1e-6) + 1, UINT32_MAX);
-	script->error_m = f->worst_m;
-	script->error_deg = f->worst_deg;
-	for (script->count = 0; script->count < f->count; script->count++) {
-		const double *n = numbers(f, script->count);
-		struct eco_key *key = &script->keys[script->count];
-		*key = (struct eco_key){ .time_s = f->key[script->count] * f->flight->step_s, .fov_y_deg = n[FOV] };
-		for (int k = 0; k < 3; k++) {
-			key->eye[k] = n[EYE + k];
-			key->target[k] = n[EYE + k] + AHEAD_M * n[LOOK + k];
-			key->up[k] = n[UP + k];
-		}
+	fprintf(out, ", \"%s\": [", name);
+	for (int k = 0; k < 3; k++)
+		fprintf(out, "%s%.15g", k ? ", " : "", round(((from ? from[k] : 0) + times * v[k]) * parts) / parts + 0);
+	fputs("]", out);
+}
+
+static enum eco_code write_keys(struct eco_script *script, const struct fit *f, struct eco_error *error)
+{
+	FILE *out = open_memstream(&script->text, &script->size);
+	/* a tenth of a millimetre, finer in scenes that are small */
+	double fine = f->worst_m > 0 && f->worst_m < 1e-3 ? 1e6 : 1e4;
+	if (!out)
+		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
+	fprintf(out, "{\"fps\": %.15g, \"keyframes\": [\n", round(script->fps * 1e4) / 1e4);
+	for (uint32_t i = 0; i < f->count; i++) {
+		const double *n = numbers(f, i);
+		fprintf(out, "  {\"time_s\": %.15g", round(f->key[i] * f->flight->step_s * 1e6) / 1e6);
+		put_vector(out, "eye", NULL, 1, n + EYE, fine);
+		put_vector(out, "target", n + EYE, AHEAD_M, n + LOOK, fine);
+		put_vector(out, "up", NULL, 1, n + UP, 1e5);
+		fprintf(out, ", \"fov_y_deg\": %.15g}%s\n", round(n[FOV] * 1e3) / 1e3, i + 1 < f->count ? "," : "");
 	}
+	fputs("]}\n", out);
+	return fclose(out) == 0 ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "out of memory");
 }
 
 /* Coarse to fine, so that few keyframes go where they are needed most. False if they do not suffice to turn about. */
@@ -129,48 +138,18 @@ enum eco_code eco_script_fit(struct eco_script *script, const struct eco_flight 
 	uint32_t most = options->keys_max ? (uint32_t)options->keys_max : KEYS_MAX, room = (most < flight->count ? most : flight->count) + 4;
 	uint32_t *owned = calloc(2 * (size_t)room, sizeof *owned);
 	struct fit f = { .flight = flight, .key = owned, .next = owned + room, .count = 1 };
-	*script = (struct eco_script){ .keys = malloc(room * sizeof *script->keys) };
-	enum eco_code code = owned && script->keys ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for %u keyframes", most);
+	double length_s = (flight->count - 1) * flight->step_s, fps = length_s > 0 ? ECO_SCRIPT_FRAMES / length_s : 30;
+	*script = (struct eco_script){ .length_s = length_s };
+	enum eco_code code = owned ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for %u keyframes", most);
 	if (!code && !choose_keys(&f, most))
 		code = eco_fail(error, ECO_TOO_LARGE, "the camera turns about too often for %u keyframes (--max-keyframes N, --smooth S)", most);
+	script->fps = options->fps > 0 ? options->fps : fps >= 30 ? 30 : fps >= 1 ? floor(fps) : 1 / ceil(1 / fps);
+	script->frames = (uint32_t)fmin(floor(length_s * script->fps + 1e-6) + 1, UINT32_MAX);
+	script->keys = f.count;
+	script->error_m = f.worst_m;
+	script->error_deg = f.worst_deg;
 	if (!code)
-		take_keys(script, &f, options->fps);
-	else
-		eco_script_free(script);
+		code = write_keys(script, &f, error);
 	free(owned);
 	return code;
-}
-
-char *eco_script_text(const struct eco_script *script, size_t *size)
-{
-	char *text = NULL;
-	FILE *out = open_memstream(&text, size);
-	/* a tenth of a millimetre, finer in scenes that are small */
-	double fine = script->error_m > 0 && script->error_m < 1e-3 ? 1e6 : 1e4;
-	if (!out)
-		return NULL;
-	fprintf(out, "{\"fps\": %.15g, \"keyframes\": [\n", round(script->fps * 1e4) / 1e4);
-	for (const struct eco_key *k = script->keys, *end = k + script->count; k < end; k++) {
-		const struct { const char *name; const double *v; double parts; } vectors[] = { { "eye", k->eye, fine },
-			{ "target", k->target, fine }, { "up", k->up, 1e5 } };
-		fprintf(out, "  {\"time_s\": %.15g", round(k->time_s * 1e6) / 1e6);
-		for (int i = 0; i < 3; i++) {
-			fprintf(out, ", \"%s\": [", vectors[i].name);
-			for (int axis = 0; axis < 3; axis++)
-				fprintf(out, "%s%.15g", axis ? ", " : "", round(vectors[i].v[axis] * vectors[i].parts) / vectors[i].parts + 0);
-			fputs("]", out);
-		}
-		fprintf(out, ", \"fov_y_deg\": %.15g}%s\n", round(k->fov_y_deg * 1e3) / 1e3, k + 1 < end ? "," : "");
-	}
-	fputs("]}\n", out);
-	if (fclose(out) == 0)
-		return text;
-	free(text);
-	return NULL;
-}
-
-void eco_script_free(struct eco_script *script)
-{
-	free(script->keys);
-	*script = (struct eco_script){ 0 };
 }
