@@ -30,7 +30,8 @@ struct camera {                          /* what the command line says, and the 
 static enum eco_code open_scene(struct camera *c, struct eco_error *error)
 {
 	if (c->o.crs && (c->scene || !c->origin_given))
-		return eco_fail(error, ECO_BAD_USAGE, c->scene ? "--scene and --crs say the same thing; take one of them" :
+		return eco_fail(error, ECO_BAD_USAGE, c->scene ? "--scene and --crs say the same thing; "
+			"take one of them" :
 			"--crs needs --origin X,Y,Z, the point that is 0, 0, 0 in the scene");
 	if (!c->scene)
 		return ECO_OK;
@@ -38,7 +39,8 @@ static enum eco_code open_scene(struct camera *c, struct eco_error *error)
 	if (code)
 		return code;
 	const struct eco_source *scene = &c->sources.items[0];
-	struct eco_ground_options ground = { .source = &scene->ground, .scene_crs = scene->crs, .scene_vertical = scene->vertical,
+	struct eco_ground_options ground = { .source = &scene->ground, .scene_crs = scene->crs,
+		.scene_vertical = scene->vertical,
 		.warn = main_note_text };
 	c->o.has_ground = true;
 	c->o.crs = scene->crs;
@@ -60,12 +62,14 @@ static void say_repairs(const struct eco_track *track, const struct eco_track_re
 		{ r->stamps_equal, "fixes have the time of the one before: spread evenly" },
 		{ r->untimed ? 0 : r->stamps_missing, "fixes have no time: interpolated by distance" },
 		{ r->heights_missing, "fixes have no height: interpolated" },
-		{ r->jumped, "positions are left out: jumps, or parts that a jump separates from the longest" },
-		{ r->retimed, "steps take another time than recorded: short leaps, and minutes without motion" },
+		{ r->jumped, "positions are left out: jumps, or parts that a jump separates from the "
+		"longest" },
+		{ r->retimed, "steps take another time than recorded: short leaps, and minutes without "
+		"motion" },
 	};
 	if (track->skipped)
-		main_note("%" PRIu64 " records have no position, or none that can be: left out (the first: number or line %u)", track->skipped,
-			track->skipped_line);
+		main_note("%" PRIu64 " records have no position, or none that can be: left out (the first: "
+			"number or line %u)", track->skipped, track->skipped_line);
 	for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
 		if (lines[i].count)
 			main_note("%" PRIu64 " %s", lines[i].count, lines[i].says);
@@ -75,48 +79,59 @@ static void say_repairs(const struct eco_track *track, const struct eco_track_re
 static void say_guesses(const struct camera *c, const struct eco_flight *f, const struct eco_track_report *r)
 {
 	if (f->smooth_s > 0 && isnan(c->o.smooth_s))
-		main_note("smoothed with %.2g s (--smooth S; 0: not at all), which moves no position by more than %.2f m", f->smooth_s, f->moved_m);
+		main_note("smoothed with %.2g s (--smooth S; 0: not at all), which moves no position by "
+			"more than %.2f m", f->smooth_s, f->moved_m);
 	if (!f->yaw_recorded && !c->o.look_at_given)
-		main_note("no directions were recorded: the camera looks where it goes, %g degrees above level (--pitch DEG, or --look-at X,Y,Z)",
-			f->pitch_deg);
+		main_note("no directions were recorded: the camera looks where it goes, %g degrees above "
+			"level (--pitch DEG, or --look-at X,Y,Z)", f->pitch_deg);
 	else if (!f->pitch_recorded && isnan(c->o.pitch_deg) && !c->o.look_at_given)
-		main_note("only its yaw was recorded: %g degrees of pitch are taken (--pitch DEG)", f->pitch_deg);
+		main_note("only its yaw was recorded: %g degrees of pitch are taken (--pitch DEG)",
+			f->pitch_deg);
 	if (r->untimed && f->count > 1)
 		main_note("no times were recorded: %g m a second are taken (--speed X)", ECO_TRACK_PACE_M_S);
 	if (!r->has_height)
-		main_note("no heights were recorded: the camera is %g m above the ground (--clearance)", c->o.clearance_m);
+		main_note("no heights were recorded: the camera is %g m above the ground (--clearance)",
+			c->o.clearance_m);
 	else if (r->height == ECO_HEIGHTS_ABSOLUTE && c->o.crs && !c->o.to_given)
-		main_note("heights are taken as metres above the zero of the scene's heights; another datum is not converted (--height rel)");
+		main_note("heights are taken as metres above the zero of the scene's heights; another datum "
+			"is not converted (--height rel)");
 	else if (r->height == ECO_HEIGHTS_RELATIVE && !c->o.to_given)
-		main_note("heights are above take-off, which is %s (--height abs)", c->o.ground ? "on the scene's ground" : "z = 0");
+		main_note("heights are above take-off, which is %s (--height abs)",
+			c->o.ground ? "on the scene's ground" : "z = 0");
 }
 
-static void say_moved(const struct camera *c, const struct eco_flight *flight, const struct eco_flight_moved *moved)
+static void say_moved(const struct camera *c, const struct eco_flight *flight,
+	const struct eco_flight_moved *moved)
 {
 	double far_m = INFINITY;
 	for (uint32_t i = 0; i < flight->count; i++)
 		far_m = fmin(far_m, hypot(flight->samples[i].eye[0], flight->samples[i].eye[1]));
 	if (moved->raised)
-		main_note("%.1f %% of the way is less than %g m above the ground, up to %.1f m below that: raised (--clearance M)",
-			100.0 * moved->raised / flight->count, c->o.clearance_m, moved->raised_m);
+		main_note("%.1f %% of the way is less than %g m above the ground, up to %.1f m below that: "
+			"raised (--clearance M)", 100.0 * moved->raised / flight->count, c->o.clearance_m,
+			moved->raised_m);
 	if (moved->off_ground)
-		main_note("%.0f %% of the way is beyond the border of the scene's ground", 100.0 * moved->off_ground / flight->count);
+		main_note("%.0f %% of the way is beyond the border of the scene's ground",
+			100.0 * moved->off_ground / flight->count);
 	if ((c->scene || c->o.crs) && far_m > FAR_M)
-		main_note("the track is %.0f km from the scene's origin, so its pictures show nothing of it: add --to X,Y,Z to bring its first fix "
+		main_note("the track is %.0f km from the scene's origin, so its pictures show nothing of "
+			"it: add --to X,Y,Z to bring its first fix "
 			"there, or --track-crs EPSG:... if its x and y are in a CRS", far_m / 1000);
 }
 
-static void print_summary(const struct camera *c, const struct eco_track *track, const struct eco_track_report *r,
-	const struct eco_flight *f, const struct eco_script *s)
+static void print_summary(const struct camera *c, const struct eco_track *track,
+	const struct eco_track_report *r, const struct eco_flight *f, const struct eco_script *s)
 {
 	double low[3], high[3];
 	eco_flight_box(f, low, high);
-	printf("%s: %" PRIu64 " records, %" PRIu64 " positions kept, %" PRIu64 " repeated, %" PRIu64 " jumps, %" PRIu64 " without a usable one\n",
-		c->input, track->records, r->kept, r->repeated, r->jumped, track->skipped);
-	printf("  %.1f s, %.1f m long\n  x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f\n", s->length_s, f->length_m, low[0], high[0], low[1],
-		high[1], low[2], high[2]);
-	printf("%s: %u keyframe%s, %u frame%s at %g a second, within %.3f m and %.2f degrees of the track\n", c->output, s->keys,
-		s->keys == 1 ? "" : "s", s->frames, s->frames == 1 ? "" : "s", s->fps, s->error_m, s->error_deg);
+	printf("%s: %" PRIu64 " records, %" PRIu64 " positions kept, %" PRIu64 " repeated, %" PRIu64
+		" jumps, %" PRIu64 " without a usable one\n", c->input, track->records, r->kept, r->repeated,
+		r->jumped, track->skipped);
+	printf("  %.1f s, %.1f m long\n  x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f\n", s->length_s,
+		f->length_m, low[0], high[0], low[1], high[1], low[2], high[2]);
+	printf("%s: %u keyframe%s, %u frame%s at %g a second, within %.3f m and %.2f degrees of the track\n",
+		c->output, s->keys, s->keys == 1 ? "" : "s", s->frames, s->frames == 1 ? "" : "s", s->fps,
+		s->error_m, s->error_deg);
 }
 
 /* ---- Output: appears complete or not at all, and replaces nothing but a camera script ---- */
@@ -126,14 +141,18 @@ static enum eco_code may_write(const char *path, struct eco_error *error)
 	struct stat status;
 	struct eco_camera *camera = NULL;
 	if (stat(path, &status) != 0)
-		return errno == ENOENT ? ECO_OK : eco_fail(error, ECO_IO, "%.300s: %s", path, strerror(errno));
-	bool replaced = S_ISREG(status.st_mode) && (status.st_size == 0 || eco_camera_load(&camera, path, NULL) == ECO_OK);
+		return errno == ENOENT ? ECO_OK
+			: eco_fail(error, ECO_IO, "%.300s: %s", path, strerror(errno));
+	bool replaced = S_ISREG(status.st_mode)
+		&& (status.st_size == 0 || eco_camera_load(&camera, path, NULL) == ECO_OK);
 	eco_camera_free(camera);
-	return replaced ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "%.300s is there and is no camera script; it is kept. Take another name", path);
+	return replaced ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "%.300s is there and is no camera script; "
+		"it is kept. Take another name", path);
 }
 
 /* Reads the script as any reader would, before it is written. */
-static enum eco_code write_script(const struct camera *c, const char *text, size_t size, const char *name, struct eco_error *error)
+static enum eco_code write_script(const struct camera *c, const char *text, size_t size, const char *name,
+	struct eco_error *error)
 {
 	char beside[4096];
 	struct eco_camera *camera;
@@ -161,7 +180,8 @@ static enum eco_code copy_script(const struct camera *c, struct eco_error *error
 	if (!code)
 		code = write_script(c, (const char *)text, size, c->input, error);
 	if (!code)
-		main_note("%s is a camera script already: it was checked and copied; nothing else was done to it", c->input);
+		main_note("%s is a camera script already: it was checked and copied; nothing else was done "
+			"to it", c->input);
 	free(text);
 	return code;
 }
@@ -174,15 +194,16 @@ static void lift(struct eco_flight *flight, double by_m)
 		flight->samples[i].eye[2] += by_m;
 }
 
-static void move_flight(struct camera *c, struct eco_flight *flight, const struct eco_track *track, bool local,
-	const struct eco_track_report *r)
+static void move_flight(struct camera *c, struct eco_flight *flight, const struct eco_track *track,
+	bool local, const struct eco_track_report *r)
 {
 	const double *from = track->has_home ? track->home : flight->samples[0].eye;
 	double ground = 0, low[3], high[3];
 	struct eco_flight_moved moved;
 	c->o.from_ground = !r->has_height && c->scene;
 	/* heights above take-off count from the ground there */
-	if (!c->o.to_given && r->height == ECO_HEIGHTS_RELATIVE && c->o.ground && eco_ground_height(&c->ground, from[0], from[1], &ground))
+	if (!c->o.to_given && r->height == ECO_HEIGHTS_RELATIVE && c->o.ground
+			&& eco_ground_height(&c->ground, from[0], from[1], &ground))
 		lift(flight, ground);
 	if (local) {
 		c->o.to_given = true;
@@ -194,8 +215,10 @@ static void move_flight(struct camera *c, struct eco_flight *flight, const struc
 	if (local && !c->scene)
 		lift(flight, fmax(0, c->o.clearance_m - low[2]));
 	if (local)
-		main_note("nothing says where the scene is (--scene SCENE.json, or --crs and --origin, or --to X,Y,Z): the first fix is the origin of "
-			"the script's metres, x east, y north, and the lowest eye is at least %g m above z = 0 (--clearance)", c->o.clearance_m);
+		main_note("nothing says where the scene is (--scene SCENE.json, or --crs and --origin, or "
+			"--to X,Y,Z): the first fix is the origin of "
+			"the script's metres, x east, y north, and the lowest eye is at least %g m above z "
+			"= 0 (--clearance)", c->o.clearance_m);
 	say_moved(c, flight, &moved);
 }
 
@@ -266,29 +289,41 @@ static const char *const heights[] = { "default", "abs", "rel", NULL };
 static const struct eco_option options[] = {
 	{ "the recorded track", 0, ECO_OPTION_INPUT, "TRACK", &given.input, .is_required = true },
 	{ "output", 'o', ECO_OPTION_TEXT, "CAMERA.json", &given.output, .is_required = true,
-		.help = "the camera script, which appears complete or not at all and replaces nothing but another" },
+		.help = "the camera script, which appears complete or not at all and replaces nothing but "
+		"another" },
 	{ "node", 0, ECO_OPTION_TEXT, "NAME", &given.o.node, .help = "the glTF camera, or its node" },
 	{ .help = "Placing" },
 	{ "scene", 0, ECO_OPTION_TEXT, "SCENE.json", &given.scene, .help = "its CRS, origin and ground" },
 	{ "crs", 0, ECO_OPTION_TEXT, "CRS", &given.o.crs, .help = "with --origin, the same without a scene" },
-	{ "origin", 0, ECO_OPTION_NUMBERS, "X,Y,Z", given.o.origin, -1e9, 1e9, .count = 3, .given = &given.origin_given,
+	{ "origin", 0, ECO_OPTION_NUMBERS, "X,Y,Z", given.o.origin, -1e9, 1e9, .count = 3,
+	.given = &given.origin_given,
 		.help = "the point of --crs that is 0, 0, 0 in the scene" },
 	{ "track-crs", 0, ECO_OPTION_TEXT, "CRS", &given.o.track_crs, .help = "of a track in metres" },
 	{ "to", 0, ECO_OPTION_NUMBERS, "X,Y,Z", given.o.to, -1e7, 1e7, .count = 3, .given = &given.o.to_given,
 		.help = "where the first fix goes in the scene, for a track recorded elsewhere" },
-	{ "turn", 0, ECO_OPTION_NUMBER, "DEG", &given.o.turn_deg, -3600, 3600, .help = "counter-clockwise, about the first fix" },
-	{ "height", 0, ECO_OPTION_CHOICE, "NAME", &given.o.height, .choices = heights, .help = "abs: above zero; rel: take-off" },
-	{ "clearance", 0, ECO_OPTION_NUMBER, "M", &given.o.clearance_m, -1e6, 1e6, .help = "least above the ground; else 1.7" },
+	{ "turn", 0, ECO_OPTION_NUMBER, "DEG", &given.o.turn_deg, -3600, 3600,
+	.help = "counter-clockwise, about the first fix" },
+	{ "height", 0, ECO_OPTION_CHOICE, "NAME", &given.o.height, .choices = heights,
+	.help = "abs: above zero; rel: take-off" },
+	{ "clearance", 0, ECO_OPTION_NUMBER, "M", &given.o.clearance_m, -1e6, 1e6,
+	.help = "least above the ground; else 1.7" },
 	{ .help = "Motion" },
-	{ "smooth", 0, ECO_OPTION_NUMBER, "S", &given.o.smooth_s, 0, 1000, .help = "seconds; by rounding and speed if not given" },
-	{ "pitch", 0, ECO_OPTION_NUMBER, "DEG", &given.o.pitch_deg, -90, 90, .help = "up from level, not what was recorded" },
-	{ "look-at", 0, ECO_OPTION_NUMBERS, "X,Y,Z", given.o.look_at, -1e9, 1e9, .count = 3, .given = &given.o.look_at_given,
+	{ "smooth", 0, ECO_OPTION_NUMBER, "S", &given.o.smooth_s, 0, 1000,
+	.help = "seconds; by rounding and speed if not given" },
+	{ "pitch", 0, ECO_OPTION_NUMBER, "DEG", &given.o.pitch_deg, -90, 90,
+	.help = "up from level, not what was recorded" },
+	{ "look-at", 0, ECO_OPTION_NUMBERS, "X,Y,Z", given.o.look_at, -1e9, 1e9, .count = 3,
+	.given = &given.o.look_at_given,
 		.help = "always there" },
-	{ "fov", 0, ECO_OPTION_NUMBER, "DEG", &given.o.fov_y_deg, 1, 170, .help = "height of the view; what was recorded, else 60" },
-	{ "fps", 0, ECO_OPTION_NUMBER, "N", &given.o.fps, 0.001, 1000, .help = "frames a second; 30, or fewer if the track is long" },
+	{ "fov", 0, ECO_OPTION_NUMBER, "DEG", &given.o.fov_y_deg, 1, 170,
+	.help = "height of the view; what was recorded, else 60" },
+	{ "fps", 0, ECO_OPTION_NUMBER, "N", &given.o.fps, 0.001, 1000,
+	.help = "frames a second; 30, or fewer if the track is long" },
 	{ "speed", 0, ECO_OPTION_NUMBER, "X", &given.o.speed, 1e-4, 1e5, .help = "times as fast" },
-	{ "max-keyframes", 0, ECO_OPTION_COUNT, "N", &given.o.keys_max, 2, 200000, .help = "at most; 8000 if not given" }, { 0 } };
+	{ "max-keyframes", 0, ECO_OPTION_COUNT, "N", &given.o.keys_max, 2, 200000,
+	.help = "at most; 8000 if not given" }, { 0 } };
 
-const struct main_command main_command_camera = { { "ecopack camera", "TRACK -o CAMERA.json [--scene SCENE.json] [--to X,Y,Z] ...",
-	"Makes a camera script of a recorded track: a drone's SRT, GPX, KML, GeoJSON, CSV, a glTF camera", options, main_common,
-	NULL, NULL }, run_camera };
+const struct main_command main_command_camera = { { "ecopack camera", "TRACK -o CAMERA.json [--scene "
+	"SCENE.json] [--to X,Y,Z] ...",
+	"Makes a camera script of a recorded track: a drone's SRT, GPX, KML, GeoJSON, CSV, a glTF camera",
+	options, main_common, NULL, NULL }, run_camera };

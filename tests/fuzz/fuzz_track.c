@@ -1,4 +1,5 @@
-/* Recorded tracks: whatever the bytes, an error or a track; and whatever the track, a flight and a script that plays. */
+/* Recorded tracks: whatever the bytes, an error or a track; and whatever the track, a flight and a script
+ * that plays. */
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
@@ -27,7 +28,8 @@ static void play(const struct eco_script *script)
 	struct eco_error error = { 0 };
 	/* what lasts for years has too many frames, or times too large; nothing else may be wrong */
 	if (script->frames <= ECO_SCRIPT_FRAMES && script->length_s < 1e8) {
-		enum eco_code code = eco_camera_parse(&camera, script->text, script->size, "made.json", &error);
+		enum eco_code code = eco_camera_parse(&camera, script->text, script->size, "made.json",
+			&error);
 		assert(code == ECO_OK);
 		eco_camera_frame(camera, eco_camera_frame_count(camera) - 1, &view);
 		assert(eco_view_check(&view, NULL) == ECO_OK);
@@ -51,7 +53,8 @@ static void fly(struct eco_track *track)
 		return;
 	for (uint32_t i = 0; i < flight.count; i++)
 		for (int k = 0; k < 3; k++)
-			assert(isfinite(flight.samples[i].eye[k]) && isfinite(flight.samples[i].look[k]) && isfinite(flight.samples[i].up[k]));
+			assert(isfinite(flight.samples[i].eye[k]) && isfinite(flight.samples[i].look[k])
+				&& isfinite(flight.samples[i].up[k]));
 	if (flight.count <= FIXES_MAX && eco_script_fit(&script, &flight, &few, NULL) == ECO_OK)
 		play(&script);
 	free(script.text);

@@ -1,4 +1,5 @@
-/* Flights from tracks: cameras that look where they go and do not jitter, and scripts that keep to the track. */
+/* Flights from tracks: cameras that look where they go and do not jitter, and scripts that keep to the track.
+ */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -39,12 +40,14 @@ static double yaw_of(const struct eco_sample *s) { return atan2(s->look[0], s->l
 
 static void rounded_positions_do_not_jitter(void **state)
 {
-	/* a circle of 100 m radius at 5 m/s, once a second, in steps of 11 m east and 8 m north: 4 decimals of a degree */
+	/* a circle of 100 m radius at 5 m/s, once a second, in steps of 11 m east and 8 m north: 4 decimals
+	 * of a degree */
 	struct made m = made_track(240);
 	(void)state;
 	for (uint32_t i = 0; i < 240; i++) {
 		double a = i * 0.05;
-		put(&m, i, floor(100 * cos(a) / 11 + 0.5) * 11, floor(100 * sin(a) / 8 + 0.5) * 8, floor(30 + 10 * sin(a) + 0.5));
+		put(&m, i, floor(100 * cos(a) / 11 + 0.5) * 11, floor(100 * sin(a) / 8 + 0.5) * 8,
+			floor(30 + 10 * sin(a) + 0.5));
 	}
 	m.track.still_m = 8;
 	struct eco_track_report report = cleaned(&m.track);
@@ -104,7 +107,8 @@ static void recorded_looks_turn_across_north(void **state)
 	struct eco_flight f = flight_of(&m.track);
 	for (uint32_t i = 0; i < f.count; i++) {
 		double t = i * f.step_s;
-		assert_true(fabs(remainder(yaw_of(&f.samples[i]) - 350 - t, 360)) < 0.3 && near(asin(f.samples[i].look[2]) * DEG, -30, 0.1));
+		assert_true(fabs(remainder(yaw_of(&f.samples[i]) - 350 - t, 360)) < 0.3
+			&& near(asin(f.samples[i].look[2]) * DEG, -30, 0.1));
 		assert_true(near(f.samples[i].fov_y_deg, 40 + t, 1e-6));
 	}
 	assert_true(f.yaw_recorded && f.pitch_recorded && f.samples[0].up[2] < cos(30 / DEG));
@@ -116,20 +120,24 @@ static void flights_are_moved_turned_and_kept_above_ground(void **state)
 {
 	struct made m = straight(11);
 	float heights[4] = { 0, 0, 40, 40 };
-	struct eco_ground ground = { .columns = 2, .rows = 2, .x_m = -1000, .y_m = 0, .step_x_m = 2000, .step_y_m = 100, .height_m = heights };
+	struct eco_ground ground = { .columns = 2, .rows = 2, .x_m = -1000, .y_m = 0, .step_x_m = 2000,
+		.step_y_m = 100, .height_m = heights };
 	struct eco_flight_moved moved;
 	(void)state;
 	cleaned(&m.track);
 	struct eco_flight f = flight_of(&m.track);
-	struct eco_track_options move = { .speed = 2, .turn_deg = 90, .to_given = true, .to = { 7, 8, 9 }, .ground = &ground, .has_ground = true,
+	struct eco_track_options move = { .speed = 2, .turn_deg = 90, .to_given = true, .to = { 7, 8, 9 },
+		.ground = &ground, .has_ground = true,
 		.clearance_m = 2 };
 	double step_s = f.step_s;
 	eco_flight_move(&f, &move, &moved);
 	const struct eco_sample *last = &f.samples[f.count - 1];
 	assert_true(near(f.step_s, step_s / 2, 1e-12));
 	/* 100 m along x are 100 m along y; the ground rises by 0.4 a metre */
-	assert_true(near(f.samples[0].eye[0], 7, 0.3) && near(last->eye[1], 108, 0.5) && near(last->look[1], 1, 1e-3));
-	assert_true(near(f.samples[f.count / 2].eye[2], 0.4 * f.samples[f.count / 2].eye[1] + 2, 1e-4) && moved.raised > 0);
+	assert_true(near(f.samples[0].eye[0], 7, 0.3) && near(last->eye[1], 108, 0.5)
+		&& near(last->look[1], 1, 1e-3));
+	assert_true(near(f.samples[f.count / 2].eye[2], 0.4 * f.samples[f.count / 2].eye[1] + 2, 1e-4)
+		&& moved.raised > 0);
 	move = (struct eco_track_options){ .look_at_given = true, .look_at = { 7, 1000, 20 } };
 	eco_flight_move(&f, &move, &moved);
 	assert_true(f.samples[0].look[1] > 0.99);
@@ -145,7 +153,8 @@ static void scripts_keep_to_the_flight_as_they_say(void **state)
 	struct made m = made_track(600);
 	(void)state;
 	for (uint32_t i = 0; i < 600; i++) {
-		double t = i * 0.2, x = t < 20 ? 0 : t < 60 ? 8 * (t - 20) : 320, y = t < 60 ? 0 : 8 * (t - 60);
+		double t = i * 0.2, x = t < 20 ? 0 : t < 60 ? 8 * (t - 20) : 320,
+			y = t < 60 ? 0 : 8 * (t - 60);
 		struct eco_fix *fix = put(&m, t, x, y, 50 + 20 * sin(t / 7));
 		fix->yaw_deg = 180 + 170 * sin(t / 5);
 		fix->pitch_deg = -45 + 45 * cos(t / 9);
@@ -156,9 +165,11 @@ static void scripts_keep_to_the_flight_as_they_say(void **state)
 		struct eco_script script;
 		struct eco_camera *camera;
 		struct eco_error error = { 0 };
-		assert_int_equal(eco_script_fit(&script, &f, &(struct eco_track_options){ .keys_max = keys, .fps = 1 / f.step_s }, &error), ECO_OK);
-		assert_true(keys ? script.keys <= keys && script.error_m > 0.05 : script.error_m <= 0.05 && script.error_deg <= 0.5
-			&& script.keys < f.count / 2);
+		assert_int_equal(eco_script_fit(&script, &f,
+			&(struct eco_track_options){ .keys_max = keys, .fps = 1 / f.step_s }, &error),
+			ECO_OK);
+		assert_true(keys ? script.keys <= keys && script.error_m > 0.05 : script.error_m <= 0.05
+			&& script.error_deg <= 0.5 && script.keys < f.count / 2);
 		if (eco_camera_parse(&camera, script.text, script.size, "made", &error))
 			fail_msg("%s", error.text);
 		assert_true(eco_camera_frame_count(camera) + 1 >= f.count);
@@ -185,21 +196,24 @@ static void scripts_keep_to_the_flight_as_they_say(void **state)
 
 static void still_cameras_are_one_keyframe(void **state)
 {
-	struct eco_track track = track_of("{\"asset\": {\"version\": \"2.0\"}, \"cameras\": [{\"perspective\": {\"yfov\": 0.8}}], \"nodes\": [{\"camera\": 0, "
+	struct eco_track track = track_of("{\"asset\": {\"version\": \"2.0\"}, \"cameras\": "
+		"[{\"perspective\": {\"yfov\": 0.8}}], \"nodes\": [{\"camera\": 0, "
 		"\"translation\": [5, 7, -6]}]}", "t.gltf", NULL);
 	struct eco_script script;
 	(void)state;
 	cleaned(&track);
 	struct eco_flight f = flight_of(&track);
 	assert_int_equal(eco_script_fit(&script, &f, &track_defaults, NULL), ECO_OK);
-	assert_string_equal(script.text, "{\"fps\": 30, \"keyframes\": [\n  {\"time_s\": 0, \"eye\": [5, 6, 7], \"target\": [5, 16, 7], "
+	assert_string_equal(script.text, "{\"fps\": 30, \"keyframes\": [\n  {\"time_s\": 0, \"eye\": [5, 6, "
+		"7], \"target\": [5, 16, 7], "
 		"\"up\": [0, 0, 1], \"fov_y_deg\": 45.837}\n]}\n");
 	free(script.text);
 	eco_flight_free(&f);
 	eco_track_free(&track);
 }
 
-/* Looks that turn about between samples have no direction halfway: they go by a side, and the script plays. */
+/* Looks that turn about between samples have no direction halfway: they go by a side, and the script plays.
+ */
 static void cameras_that_turn_about_do_it_by_a_side(void **state)
 {
 	struct made m = made_track(40);
@@ -216,7 +230,8 @@ static void cameras_that_turn_about_do_it_by_a_side(void **state)
 	for (uint32_t i = 1; i < f.count; i++)
 		most = fmax(most, eco_angle_deg(f.samples[i - 1].look, f.samples[i].look));
 	assert_true(most < 171);
-	assert_int_equal(eco_script_fit(&script, &f, &(struct eco_track_options){ .fps = 1000 }, &error), ECO_OK);
+	assert_int_equal(eco_script_fit(&script, &f, &(struct eco_track_options){ .fps = 1000 }, &error),
+		ECO_OK);
 	if (eco_camera_parse(&camera, script.text, script.size, "made", &error))
 		fail_msg("%s", error.text);
 	eco_camera_free(camera);
@@ -245,7 +260,8 @@ static void compare_with_table(const char *folder, const char *name)
 	snprintf(path, sizeof path, "%s/%s", folder, name);
 	snprintf(table, sizeof table, "%s/%s.csv", folder, name);
 	if (eco_track_read(&track, path, NULL, &error) || eco_track_read(&wanted, table, NULL, &error) ||
-		eco_track_place(&track, &track_defaults, &error) || eco_track_clean(&track, &track_defaults, &report, &error))
+		eco_track_place(&track, &track_defaults, &error)
+		|| eco_track_clean(&track, &track_defaults, &report, &error))
 		fail_msg("%s", error.text);
 	struct eco_flight f = flight_of(&track);
 	/* the table's zero is the file's first fix, which may lie in another part */
@@ -253,8 +269,10 @@ static void compare_with_table(const char *folder, const char *name)
 	if (report.parts <= 1)
 		memcpy(zero, f.samples[0].eye, sizeof zero);
 	for (uint32_t i = 0; report.parts <= 1 && i < wanted.count && i < report.kept; i++, seen++)
-		within += nearest(&f, zero[0] + wanted.fixes[i].at[0], zero[1] + wanted.fixes[i].at[1]) <= fmax(3, 0.8 * track.still_m) +
-			0.002 * hypot(wanted.fixes[i].at[0], wanted.fixes[i].at[1]);     /* tables count on a sphere */
+		within += nearest(&f, zero[0] + wanted.fixes[i].at[0], zero[1] + wanted.fixes[i].at[1])
+			<= fmax(3, 0.8 * track.still_m) +
+			/* tables count on a sphere */
+			0.002 * hypot(wanted.fixes[i].at[0], wanted.fixes[i].at[1]);
 	if (within < 0.9 * seen)
 		fail_msg("%s: %u of %u positions are near the path", name, within, seen);
 	eco_flight_free(&f);
@@ -291,8 +309,10 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(rounded_positions_do_not_jitter),
 		cmocka_unit_test(cameras_look_where_they_go_and_wait_without_turning),
-		cmocka_unit_test(recorded_looks_turn_across_north), cmocka_unit_test(flights_are_moved_turned_and_kept_above_ground),
-		cmocka_unit_test(scripts_keep_to_the_flight_as_they_say), cmocka_unit_test(still_cameras_are_one_keyframe),
+		cmocka_unit_test(recorded_looks_turn_across_north),
+		cmocka_unit_test(flights_are_moved_turned_and_kept_above_ground),
+		cmocka_unit_test(scripts_keep_to_the_flight_as_they_say),
+		cmocka_unit_test(still_cameras_are_one_keyframe),
 		cmocka_unit_test(cameras_that_turn_about_do_it_by_a_side),
 		cmocka_unit_test(recordings_keep_near_their_positions),
 	};

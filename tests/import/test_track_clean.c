@@ -1,4 +1,5 @@
-/* Tracks as recorders leave them: every slip repaired and counted, and degrees brought to the scene's metres. */
+/* Tracks as recorders leave them: every slip repaired and counted, and degrees brought to the scene's metres.
+ */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -17,15 +18,19 @@
 static void assert_even(const struct eco_track *track, double start_x)
 {
 	for (uint32_t i = 0; i < track->count; i++)
-		if (!isnan(track->fixes[i].at[0]) && !near(track->fixes[i].at[0], start_x + 10 * track->fixes[i].time_s, 1e-3))
+		if (!isnan(track->fixes[i].at[0])
+				&& !near(track->fixes[i].at[0], start_x + 10 * track->fixes[i].time_s, 1e-3))
 			fail_msg("fix %u at %g s is at %g", i, track->fixes[i].time_s, track->fixes[i].at[0]);
 }
 
 static void bogus_backward_equal_and_missing_stamps_are_repaired(void **state)
 {
-	static const struct { const char *name; struct { uint32_t fix; double time_s; } slips[4]; uint64_t wrong, missing; } rows[] = {
-		{ "1970", { { 0, -1.5e9 } }, 1, 0 }, { "years later", { { 20, 9e8 } }, 1, 0 }, { "missing", { { 7, NAN }, { 8, NAN }, { 49, NAN } }, 0, 3 },
-		{ "one runs back", { { 30, 110.5 } }, 1, 0 }, { "one runs ahead", { { 30, 1000 } }, 1, 0 }, { "first is missing", { { 0, NAN } }, 0, 1 },
+	static const struct { const char *name; struct { uint32_t fix; double time_s; } slips[4];
+		uint64_t wrong, missing; } rows[] = {
+		{ "1970", { { 0, -1.5e9 } }, 1, 0 }, { "years later", { { 20, 9e8 } }, 1, 0 },
+			{ "missing", { { 7, NAN }, { 8, NAN }, { 49, NAN } }, 0, 3 },
+		{ "one runs back", { { 30, 110.5 } }, 1, 0 }, { "one runs ahead", { { 30, 1000 } }, 1, 0 },
+		{ "first is missing", { { 0, NAN } }, 0, 1 },
 	};
 	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
@@ -34,9 +39,10 @@ static void bogus_backward_equal_and_missing_stamps_are_repaired(void **state)
 			if (rows[i].slips[k].time_s != 0 || k == 0)
 				m.track.fixes[rows[i].slips[k].fix].time_s = rows[i].slips[k].time_s;
 		struct eco_track_report report = cleaned(&m.track);
-		if (report.stamps_wrong != rows[i].wrong || report.stamps_missing != rows[i].missing || report.kept != 50)
-			fail_msg("%s: %lu %lu, %lu kept", rows[i].name, (unsigned long)report.stamps_wrong, (unsigned long)report.stamps_missing,
-				(unsigned long)report.kept);
+		if (report.stamps_wrong != rows[i].wrong || report.stamps_missing != rows[i].missing
+				|| report.kept != 50)
+			fail_msg("%s: %lu %lu, %lu kept", rows[i].name, (unsigned long)report.stamps_wrong,
+				(unsigned long)report.stamps_missing, (unsigned long)report.kept);
 		assert_even(&m.track, 0);
 		eco_track_free(&m.track);
 	}
@@ -94,7 +100,8 @@ static void repeated_fixes_become_even_motion(void **state)
 	struct eco_error error = { 0 };
 	assert_int_equal(eco_flight_make(&flight, &m.track, &track_defaults, &error), ECO_OK);
 	for (uint32_t i = 1; i < flight.count; i++) {
-		double v = (flight.samples[i].eye[0] - flight.samples[i - 1].eye[0]) / flight.step_s, t = i * flight.step_s;
+		double v = (flight.samples[i].eye[0] - flight.samples[i - 1].eye[0]) / flight.step_s,
+			t = i * flight.step_s;
 		assert_true(t > 9 || (v > 9.5 && v < 10.5));
 		assert_true(near(atan2(flight.samples[i].look[0], flight.samples[i].look[1]) * DEG, t, 0.2));
 	}
@@ -161,13 +168,15 @@ static void without_times_a_pace_is_taken(void **state)
 	put(&m, NAN, 30, 40, NAN);
 	put(&m, NAN, 30, 90, NAN);
 	struct eco_track_report report = cleaned(&m.track);
-	assert_true(report.untimed && !report.has_height && near(m.track.fixes[1].time_s, 5, 1e-9) && near(m.track.fixes[2].time_s, 10, 1e-9));
+	assert_true(report.untimed && !report.has_height && near(m.track.fixes[1].time_s, 5, 1e-9)
+		&& near(m.track.fixes[2].time_s, 10, 1e-9));
 	eco_track_free(&m.track);
 }
 
 static void heights_are_absolute_relative_or_interpolated(void **state)
 {
-	static const struct { enum eco_track_height wanted, taken; double first; } rows[] = { { ECO_HEIGHTS_DEFAULT, ECO_HEIGHTS_RELATIVE, 5 },
+	static const struct { enum eco_track_height wanted, taken; double first; } rows[] =
+		{ { ECO_HEIGHTS_DEFAULT, ECO_HEIGHTS_RELATIVE, 5 },
 		{ ECO_HEIGHTS_ABSOLUTE, ECO_HEIGHTS_ABSOLUTE, 305 } };
 	(void)state;
 	for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
@@ -180,7 +189,8 @@ static void heights_are_absolute_relative_or_interpolated(void **state)
 		struct eco_track_report report;
 		options.height = rows[k].wanted;
 		assert_int_equal(eco_track_clean(&m.track, &options, &report, NULL), ECO_OK);
-		assert_true(report.height == rows[k].taken && report.heights_missing == 1 && m.track.fixes[0].at[2] == rows[k].first);
+		assert_true(report.height == rows[k].taken && report.heights_missing == 1
+			&& m.track.fixes[0].at[2] == rows[k].first);
 		eco_track_free(&m.track);
 	}
 	struct made m = straight(10);
@@ -196,16 +206,19 @@ static void heights_are_absolute_relative_or_interpolated(void **state)
 
 static void degrees_become_metres_of_the_scene(void **state)
 {
-	struct eco_track track = track_of("t,lon,lat,alt,yaw\n0,15,50,300,0\n1,15.001,50,301,0\n", "a.csv", NULL),
-		grid = track_of("t,lon,lat,yaw\n0,16.5,50,0\n", "b.csv", NULL), metres = track_of("t,x,y\n0,500010,5538630\n", "c.csv", NULL);
+	struct eco_track track = track_of("t,lon,lat,alt,yaw\n0,15,50,300,0\n1,15.001,50,301,0\n", "a.csv",
+		NULL), grid = track_of("t,lon,lat,yaw\n0,16.5,50,0\n", "b.csv", NULL),
+		metres = track_of("t,x,y\n0,500010,5538630\n", "c.csv", NULL);
 	struct eco_track_options utm = { .crs = "EPSG:32633", .origin = { 500000, 5538630, 290 } };
 	struct eco_error error = { 0 };
 	(void)state;
 	if (eco_track_place(&track, &utm, &error))
 		fail_msg("%s", error.text);
 	/* zone 33 has its meridian at 15 degrees; 50 degrees north are 5538630.70 m */
-	assert_true(near(track.fixes[0].at[0], 0, 1e-3) && near(track.fixes[0].at[1], 0.70, 0.01) && track.fixes[0].at[2] == 10);
-	assert_true(near(track.fixes[1].at[0], 71.67, 0.05) && near(track.fixes[0].yaw_deg, 0, 1e-3) && near(track.still_m, 71.5, 0.3));
+	assert_true(near(track.fixes[0].at[0], 0, 1e-3) && near(track.fixes[0].at[1], 0.70, 0.01)
+		&& track.fixes[0].at[2] == 10);
+	assert_true(near(track.fixes[1].at[0], 71.67, 0.05) && near(track.fixes[0].yaw_deg, 0, 1e-3)
+		&& near(track.still_m, 71.5, 0.3));
 	/* a degree and a half east of it grid north is turned by about 1.5 sin 50 */
 	assert_int_equal(eco_track_place(&grid, &utm, &error), ECO_OK);
 	assert_true(near(grid.fixes[0].yaw_deg, -1.149, 0.01));
@@ -215,7 +228,8 @@ static void degrees_become_metres_of_the_scene(void **state)
 	assert_true(near(metres.fixes[0].at[0], 10, 1e-6) && near(metres.fixes[0].at[1], 0, 1e-6));
 	eco_track_free(&grid);
 	grid = track_of("t,lon,lat\n0,16.5,50\n1,16.5,50.001\n", "b.csv", NULL);
-	assert_int_equal(eco_track_place(&grid, &(struct eco_track_options){ .crs = "EPSG:4326" }, &error), ECO_BAD_INPUT);
+	assert_int_equal(eco_track_place(&grid, &(struct eco_track_options){ .crs = "EPSG:4326" }, &error),
+		ECO_BAD_INPUT);
 	assert_non_null(strstr(error.text, "not one in metres"));
 	error = (struct eco_error){ 0 };
 	assert_int_equal(eco_track_place(&grid, &(struct eco_track_options){ .crs = NULL }, &error), ECO_OK);
@@ -233,8 +247,10 @@ int main(void)
 		cmocka_unit_test(reversed_unsorted_and_reset_clocks_are_told_apart),
 		cmocka_unit_test(repeated_fixes_become_even_motion),
 		cmocka_unit_test(isolated_jumps_are_dropped_others_split),
-		cmocka_unit_test(fast_stretches_are_no_jumps), cmocka_unit_test(gaps_without_motion_are_shortened),
-		cmocka_unit_test(without_times_a_pace_is_taken), cmocka_unit_test(heights_are_absolute_relative_or_interpolated),
+		cmocka_unit_test(fast_stretches_are_no_jumps),
+		cmocka_unit_test(gaps_without_motion_are_shortened),
+		cmocka_unit_test(without_times_a_pace_is_taken),
+		cmocka_unit_test(heights_are_absolute_relative_or_interpolated),
 		cmocka_unit_test(degrees_become_metres_of_the_scene),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -16,7 +16,8 @@
 
 #define DEG 57.29577951308232
 
-static inline struct eco_track track_of(const char *text, const char *path, const struct eco_track_options *options)
+static inline struct eco_track track_of(const char *text, const char *path,
+	const struct eco_track_options *options)
 {
 	struct eco_track track;
 	struct eco_error error = { 0 };
@@ -25,7 +26,10 @@ static inline struct eco_track track_of(const char *text, const char *path, cons
 	return track;
 }
 
-static inline bool near(double a, double b, double most) { return (isnan(a) && isnan(b)) || fabs(a - b) <= most; }
+static inline bool near(double a, double b, double most)
+{
+	return (isnan(a) && isnan(b)) || fabs(a - b) <= most;
+}
 
 static inline bool says(const struct eco_track *track, const char *text)
 {
@@ -51,7 +55,8 @@ static inline struct eco_fix *put(struct made *m, double t, double x, double y, 
 {
 	assert_true(m->track.count < m->room);
 	struct eco_fix *fix = &m->track.fixes[m->track.count++];
-	*fix = (struct eco_fix){ .time_s = t, .at = { x, y, z }, .above_m = NAN, .yaw_deg = NAN, .pitch_deg = NAN, .roll_deg = NAN, .fov_y_deg = NAN,
+	*fix = (struct eco_fix){ .time_s = t, .at = { x, y, z }, .above_m = NAN, .yaw_deg = NAN,
+		.pitch_deg = NAN, .roll_deg = NAN, .fov_y_deg = NAN,
 		.line = m->track.count };
 	return fix;
 }

@@ -1,5 +1,6 @@
-/* Which reader a file is for, by what it holds, and the readers' common ground: fixes are checked where they are taken, so that no
- * reader can let an impossible one through. Reading happens in a child process; what it hands back is checked once more. */
+/* Which reader a file is for, by what it holds, and the readers' common ground: fixes are checked where they
+ * are taken, so that no reader can let an impossible one through. Reading happens in a child process; what it
+ * hands back is checked once more. */
 #include <errno.h>
 #include <jansson.h>
 #include <stdarg.h>
@@ -18,17 +19,19 @@
 #define FORMATS "SRT, GPX, KML, GeoJSON, CSV, glTF and camera scripts"
 #define HEAD_BYTES 4096u
 
-const char *const eco_track_format_names[ECO_TRACK_FORMATS] = { "a drone's subtitles (SRT)", "GPX", "KML", "GeoJSON", "CSV", "a glTF camera",
+const char *const eco_track_format_names[ECO_TRACK_FORMATS] = { "a drone's subtitles (SRT)", "GPX", "KML",
+	"GeoJSON", "CSV", "a glTF camera",
 	"a camera script" };
 
-static track_reader *const readers[ECO_TRACK_FORMATS] = { track_read_srt, track_read_rows, track_read_rows, track_read_rows, track_read_csv,
-	track_read_gltf, NULL };
+static track_reader *const readers[ECO_TRACK_FORMATS] = { track_read_srt, track_read_rows, track_read_rows,
+	track_read_rows, track_read_csv, track_read_gltf, NULL };
 
 /* ---- Fixes ---- */
 
 struct eco_fix track_fix(uint32_t line)
 {
-	return (struct eco_fix){ .time_s = NAN, .at = { NAN, NAN, NAN }, .above_m = NAN, .yaw_deg = NAN, .pitch_deg = NAN, .roll_deg = NAN,
+	return (struct eco_fix){ .time_s = NAN, .at = { NAN, NAN, NAN }, .above_m = NAN, .yaw_deg = NAN,
+		.pitch_deg = NAN, .roll_deg = NAN,
 		.fov_y_deg = NAN, .line = line };
 }
 
@@ -38,7 +41,8 @@ static double within(double value, double most) { return fabs(value) <= most ? v
 static bool check_position(const struct eco_track *track, double at[3])
 {
 	at[0] -= track->degrees && at[0] > 180 && at[0] <= 360 ? 360 : 0;
-	return fabs(at[0]) <= (track->degrees ? 180 : METRES_MAX) && fabs(at[1]) <= (track->degrees ? 90 : METRES_MAX);
+	return fabs(at[0]) <= (track->degrees ? 180 : METRES_MAX)
+		&& fabs(at[1]) <= (track->degrees ? 90 : METRES_MAX);
 }
 
 enum eco_code track_add(struct eco_track *track, const struct eco_fix *fix, struct eco_error *error)
@@ -53,7 +57,8 @@ enum eco_code track_add(struct eco_track *track, const struct eco_fix *fix, stru
 		return eco_fail(error, ECO_TOO_LARGE, "more than %u fixes", ECO_TRACK_FIXES_MAX);
 	/* room doubles: at powers of two */
 	if ((track->count & (track->count - 1)) == 0) {
-		struct eco_fix *grown = realloc(track->fixes, (track->count ? 2 * (size_t)track->count : 1) * sizeof *grown);
+		struct eco_fix *grown =
+			realloc(track->fixes, (track->count ? 2 * (size_t)track->count : 1) * sizeof *grown);
 		if (!grown)
 			return eco_fail(error, ECO_NO_MEMORY, "no memory for %u fixes", track->count);
 		track->fixes = grown;
@@ -100,41 +105,54 @@ static enum eco_code refuse_others(const struct track_input *in, struct eco_erro
 {
 	static const struct { size_t at; const char *magic, *says; } kinds[] = {
 		{ 0, "PK\3\4", "a zip archive; unzip it (a KMZ holds doc.kml) and name the file inside" },
-		{ 8, ".FIT", "a FIT file; convert it to GPX or CSV" }, { 4, "ftyp", "a film; name the .SRT file that the drone wrote beside it" },
-		{ 0, "\x1f\x8b", "compressed; unpack it with gunzip" }, { 0, "\xfd" "7zXZ", "compressed; unpack it with unxz" },
+		{ 8, ".FIT", "a FIT file; convert it to GPX or CSV" },
+		{ 4, "ftyp", "a film; name the .SRT file that the drone wrote beside it" },
+		{ 0, "\x1f\x8b", "compressed; unpack it with gunzip" },
+		{ 0, "\xfd" "7zXZ", "compressed; unpack it with unxz" },
 	};
-	static const struct { const char *word, *says; } words[] = { { "HFDTE", "a glider's log (IGC)" }, { "<TrainingCenterDatabase", "TCX" },
-		{ "$GPRMC,", "NMEA 0183" }, { "$GPGGA,", "NMEA 0183" }, { "$GNRMC,", "NMEA 0183" }, { "$GNGGA,", "NMEA 0183" },
-		{ "QW, QX, QY, QZ, TX, TY, TZ", "COLMAP's images.txt" }, { "\"transform_matrix\"", "poses of pictures (transforms.json)" },
+	static const struct { const char *word, *says; } words[] = { { "HFDTE", "a glider's log (IGC)" },
+		{ "<TrainingCenterDatabase", "TCX" },
+		{ "$GPRMC,", "NMEA 0183" }, { "$GPGGA,", "NMEA 0183" }, { "$GNRMC,", "NMEA 0183" },
+		{ "$GNGGA,", "NMEA 0183" },
+		{ "QW, QX, QY, QZ, TX, TY, TZ", "COLMAP's images.txt" },
+		{ "\"transform_matrix\"", "poses of pictures (transforms.json)" },
 		{ "\"camera_path\"", "a camera path (nerfstudio)" } };
 	size_t head = in->size < HEAD_BYTES ? in->size : HEAD_BYTES;
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
 		size_t length = strlen(kinds[i].magic);
-		if (in->size >= kinds[i].at + length && memcmp(in->text + kinds[i].at, kinds[i].magic, length) == 0)
-			return eco_fail(error, ECO_UNSUPPORTED, "%.300s: this is %s", in->path, kinds[i].says);
+		if (in->size >= kinds[i].at + length && memcmp(in->text + kinds[i].at, kinds[i].magic, length)
+				== 0)
+			return eco_fail(error, ECO_UNSUPPORTED, "%.300s: this is %s", in->path,
+				kinds[i].says);
 	}
 	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
 		if (has(in, words[i].word))
-			return eco_fail(error, ECO_UNSUPPORTED, "%.300s: this is %s, which is not read; convert it to GPX or CSV (GPSBabel does for "
+			return eco_fail(error, ECO_UNSUPPORTED, "%.300s: this is %s, which is not read; "
+				"convert it to GPX or CSV (GPSBabel does for "
 				"GPS logs). Read are " FORMATS, in->path, words[i].says);
 	if (strspn(in->text, " \t\r\n") >= in->size)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: the file is empty", in->path);
 	if (memchr(in->text, 0, head) && strncmp(in->text, "glTF", 4) != 0)
-		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: this is binary, or text in UTF-16, of no kind that is known; save the track as GPX or "
+		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: this is binary, or text in UTF-16, of no "
+			"kind that is known; save the track as GPX or "
 			"as CSV in UTF-8", in->path);
 	return ECO_OK;
 }
 
-static enum eco_code json_format(const struct track_input *in, enum eco_track_format *format, struct eco_error *error)
+static enum eco_code json_format(const struct track_input *in, enum eco_track_format *format,
+	struct eco_error *error)
 {
 	json_error_t problem;
 	json_t *root = json_loadb(in->text, in->size, JSON_DECODE_INT_AS_REAL, &problem);
 	if (!root)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s:%d:%d: %s", in->path, problem.line, problem.column, problem.text);
-	*format = json_object_get(root, "keyframes") ? ECO_TRACK_SCRIPT : json_is_object(json_object_get(root, "asset")) ? ECO_TRACK_GLTF :
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s:%d:%d: %s", in->path, problem.line,
+			problem.column, problem.text);
+	*format = json_object_get(root, "keyframes") ? ECO_TRACK_SCRIPT
+		: json_is_object(json_object_get(root, "asset")) ? ECO_TRACK_GLTF :
 		json_is_string(json_object_get(root, "type")) ? ECO_TRACK_GEOJSON : ECO_TRACK_FORMATS;
 	json_decref(root);
-	return *format < ECO_TRACK_FORMATS ? ECO_OK : eco_fail(error, ECO_UNSUPPORTED, "%.300s: JSON, but no track that is known: no GeoJSON "
+	return *format < ECO_TRACK_FORMATS ? ECO_OK
+		: eco_fail(error, ECO_UNSUPPORTED, "%.300s: JSON, but no track that is known: no GeoJSON "
 		"(\"type\"), no glTF (\"asset\"), no camera script (\"keyframes\")", in->path);
 }
 
@@ -145,7 +163,8 @@ static bool ends_with(const char *path, const char *end)
 }
 
 /* By content, then by the name's end. */
-static enum eco_code find_format(const struct track_input *in, enum eco_track_format *format, struct eco_error *error)
+static enum eco_code find_format(const struct track_input *in, enum eco_track_format *format,
+	struct eco_error *error)
 {
 	enum eco_code code = refuse_others(in, error);
 	if (code)
@@ -156,7 +175,8 @@ static enum eco_code find_format(const struct track_input *in, enum eco_track_fo
 	else if (first == '<' && (has(in, "<gpx") || has(in, "<kml")))
 		*format = has(in, "<gpx") ? ECO_TRACK_GPX : ECO_TRACK_KML;
 	else if (first == '<')
-		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: XML, but neither GPX nor KML; convert it to GPX or CSV", in->path);
+		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: XML, but neither GPX nor KML; convert it "
+			"to GPX or CSV", in->path);
 	else if (first == '{')
 		return json_format(in, format, error);
 	else if (has(in, " --> ") || has(in, "[latitude") || has(in, "HOME(") || ends_with(in->path, ".srt"))
@@ -168,12 +188,15 @@ static enum eco_code find_format(const struct track_input *in, enum eco_track_fo
 
 /* ---- Reading ---- */
 
-static enum eco_code say_nothing_found(const struct eco_track *track, const struct track_input *in, struct eco_error *error)
+static enum eco_code say_nothing_found(const struct eco_track *track, const struct track_input *in,
+	struct eco_error *error)
 {
 	const char *name = eco_track_format_names[track->format];
-	return !track->skipped ? eco_fail(error, ECO_BAD_INPUT, "%.250s: no fix found; it was read as %s", in->path, name) :
-		eco_fail(error, ECO_BAD_INPUT, "%.250s:%u: read as %s, it has %llu records and no usable fix: no position, or one that cannot be",
-			in->path, track->skipped_line, name, (unsigned long long)track->records);
+	return !track->skipped ? eco_fail(error, ECO_BAD_INPUT, "%.250s: no fix found; it was read as %s",
+		in->path, name) :
+		eco_fail(error, ECO_BAD_INPUT, "%.250s:%u: read as %s, it has %llu records and no usable "
+			"fix: no position, or one that cannot be", in->path, track->skipped_line, name,
+			(unsigned long long)track->records);
 }
 
 static enum eco_code read_text(struct eco_track *track, const struct track_input *in, struct eco_error *error)
@@ -191,18 +214,21 @@ enum eco_code eco_track_parse(struct eco_track *track, const uint8_t *bytes, siz
 	struct eco_error cause = { 0 };
 	size_t mark = size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
 	char *text = malloc(size - mark + 1);
-	struct track_input in = { .text = text, .size = size - mark, .path = path, .node = options ? options->node : NULL };
+	struct track_input in = { .text = text, .size = size - mark, .path = path,
+		.node = options ? options->node : NULL };
 	*track = (struct eco_track){ 0 };
 	if (text) {
 		memcpy(text, bytes + mark, in.size);
 		text[in.size] = 0;
 	}
-	enum eco_code code = text ? read_text(track, &in, &cause) : eco_fail(&cause, ECO_NO_MEMORY, "no memory for it");
+	enum eco_code code = text ? read_text(track, &in, &cause)
+		: eco_fail(&cause, ECO_NO_MEMORY, "no memory for it");
 	free(text);
 	if (!code)
 		return ECO_OK;
 	eco_track_free(track);
-	return strstr(cause.text, path) || strlen(path) > 200 ? eco_fail(error, cause.code, "%s", cause.text) :
+	return strstr(cause.text, path) || strlen(path) > 200
+		? eco_fail(error, cause.code, "%s", cause.text) :
 		eco_fail(error, cause.code, "%s: %.300s", path, cause.text);
 }
 
@@ -219,7 +245,9 @@ static enum eco_code read_in_child(void *ctx, FILE *out, struct eco_error *error
 	enum eco_code code = eco_file_read(job->path, ECO_TRACK_BYTES_MAX, &bytes, &size, error);
 	if (!code)
 		code = eco_track_parse(&track, bytes, size, job->path, job->options, error);
-	if (!code && (fwrite(&track, sizeof track, 1, out) != 1 || fwrite(track.fixes, sizeof *track.fixes, track.count, out) != track.count))
+	if (!code
+			&& (fwrite(&track, sizeof track, 1, out) != 1
+			|| fwrite(track.fixes, sizeof *track.fixes, track.count, out) != track.count))
 		code = eco_fail(error, ECO_IO, "%.300s: %s", job->path, strerror(errno));
 	eco_track_free(&track);
 	free(bytes);
@@ -251,7 +279,8 @@ static enum eco_code take(struct eco_track *track, FILE *from, struct eco_error 
 	return code;
 }
 
-enum eco_code eco_track_read(struct eco_track *track, const char *path, const struct eco_track_options *options, struct eco_error *error)
+enum eco_code eco_track_read(struct eco_track *track, const char *path,
+	const struct eco_track_options *options, struct eco_error *error)
 {
 	struct job job = { .path = path, .options = options };
 	struct stat status;
@@ -261,7 +290,8 @@ enum eco_code eco_track_read(struct eco_track *track, const char *path, const st
 	if (stat(path, &status) != 0)
 		return eco_fail(error, ECO_IO, "%.300s: %s", path, strerror(errno));
 	if (!S_ISREG(status.st_mode))
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: this is no file%s", path, S_ISDIR(status.st_mode) ? " but a folder" : "");
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s: this is no file%s", path,
+			S_ISDIR(status.st_mode) ? " but a folder" : "");
 	struct eco_guard_limits limits = eco_guard_limits_for((uint64_t)status.st_size);
 	enum eco_code code = eco_guard_run(read_in_child, &job, path, &limits, &from, error);
 	if (code)

@@ -1,15 +1,18 @@
-/* Recorded tracks: where a camera, a drone or a walker was, as files of other programs have it, made into a camera script.
+/* Recorded tracks: where a camera, a drone or a walker was, as files of other programs have it, made into a
+ * camera script.
  *
- *   eco_track_read(&track, path, &options, &error);              any format -> fixes, as recorded      track_*.c, one a format
- *   eco_track_place(&track, &options, &error);                   degrees -> metres                     track_place.c
- *   eco_track_clean(&track, &options, &report, &error);          stamps, repeats, jumps, gaps          track_clean.c
- *   eco_flight_make(&flight, &track, &options, &error);          even, smooth motion                   track_flight.c
- *   eco_flight_move(&flight, &options, &moved);                  to where the scene is                 track_move.c
- *   eco_script_fit(&script, &flight, &options, &error);          CAMERA.json, of few keyframes         track_script.c
+ *   eco_track_read(&track, path, &options, &error);              any format -> fixes, as recorded track_*.c,
+ *                                                                one a format
+ *   eco_track_place(&track, &options, &error);                   degrees -> metres track_place.c
+ *   eco_track_clean(&track, &options, &report, &error);          stamps, repeats, jumps, gaps track_clean.c
+ *   eco_flight_make(&flight, &track, &options, &error);          even, smooth motion track_flight.c
+ *   eco_flight_move(&flight, &options, &moved);                  to where the scene is track_move.c
+ *   eco_script_fit(&script, &flight, &options, &error);          CAMERA.json, of few keyframes track_script.c
  *
- * A position and its look are recorded at rates of their own (a GPS with 5 fixes a second in a film with 60 frames), so they are
- * two series until a flight samples both evenly. Angles are a drone's: yaw clockwise from north (+Y), pitch up from the horizon,
- * roll to the right; NaN is what was not recorded, everywhere. Nothing is repaired in silence: a counter or a note says it. */
+ * A position and its look are recorded at rates of their own (a GPS with 5 fixes a second in a film with 60
+ * frames), so they are two series until a flight samples both evenly. Angles are a drone's: yaw clockwise
+ * from north (+Y), pitch up from the horizon, roll to the right; NaN is what was not recorded, everywhere.
+ * Nothing is repaired in silence: a counter or a note says it. */
 #ifndef ECO_TRACK_H
 #define ECO_TRACK_H
 
@@ -36,17 +39,22 @@ enum eco_track_height {
 struct eco_track_options {       /* begin with ECO_TRACK_DEFAULTS */
 	const char *node;            /* glTF: name of the camera or its node; NULL: the first */
 	/* where the scene is */
-	const char *crs;             /* NULL: metres east and north of the track's middle, or of its own zero if it is in metres */
+	/* NULL: metres east and north of the track's middle, or of its own zero if it is in metres */
+	const char *crs;
 	double origin[3];            /* of the scene, in crs */
-	const char *track_crs;       /* of fixes that are metres; NULL: metres from the origin. Degrees are WGS 84 */
+	/* of fixes that are metres; NULL: metres from the origin. Degrees are WGS 84 */
+	const char *track_crs;
 	int height;                  /* enum eco_track_height */
 	/* motion; NaN: not stated */
-	double smooth_s;             /* standard deviation of the filter; NaN: by the rounding, rate and speed of the track */
-	double pitch_deg;            /* replaces what was recorded; NaN: that, else level, or a little down for drones */
+	/* standard deviation of the filter; NaN: by the rounding, rate and speed of the track */
+	double smooth_s;
+	/* replaces what was recorded; NaN: that, else level, or a little down for drones */
+	double pitch_deg;
 	double fov_y_deg;            /* NaN: as recorded, else 60 */
 	double speed;                /* 0: 1 */
 	/* moving */
-	bool to_given;               /* the first eye goes to `to`, whatever `crs` says; z NaN: heights stay */
+	/* the first eye goes to `to`, whatever `crs` says; z NaN: heights stay */
+	bool to_given;
 	double to[3], turn_deg;      /* counter-clockwise, about the first eye */
 	bool has_ground;             /* eyes stay clearance_m above it */
 	bool from_ground;            /* eyes' heights count from it */
@@ -71,8 +79,10 @@ enum eco_track_format {
 extern const char *const eco_track_format_names[ECO_TRACK_FORMATS];  /* for people */
 
 struct eco_fix {
-	double time_s;               /* since 1970 where the file has dates, else since a zero of its own; NaN */
-	double at[3];                /* degrees east and north and metres, or metres (x, y, z); NaN only at[2] */
+	/* since 1970 where the file has dates, else since a zero of its own; NaN */
+	double time_s;
+	/* degrees east and north and metres, or metres (x, y, z); NaN only at[2] */
+	double at[3];
 	double above_m;              /* height above take-off; NaN */
 	double yaw_deg, pitch_deg, roll_deg, fov_y_deg;      /* each may be NaN */
 	uint32_t line;               /* of the file, or number of the record, from 1 */
@@ -83,54 +93,64 @@ struct eco_track {
 	enum eco_track_format format;
 	unsigned degrees : 1;        /* at[0], at[1] are degrees east and north, WGS 84 */
 	unsigned timed : 1;          /* some fixes have a time */
-	unsigned posed : 1;          /* looks are exact (poses of a camera), so nothing is smoothed unless asked for */
+	/* looks are exact (poses of a camera), so nothing is smoothed unless asked for */
+	unsigned posed : 1;
 	unsigned has_home : 1;       /* take-off, as at[]; z may be NaN */
 	double home[3];
-	double still_m;              /* the step in which positions were written (rounding); 0: too small to matter; set by placing */
+	/* the step in which positions were written (rounding); 0: too small to matter; set by placing */
+	double still_m;
 	struct eco_fix *fixes;       uint32_t count;
-	uint64_t records, skipped;   /* skipped: those without a usable position; the first is in skipped_line */
+	/* skipped: those without a usable position; the first is in skipped_line */
+	uint64_t records, skipped;
 	uint32_t skipped_line;
 	char notes[ECO_TRACK_NOTES_MAX][ECO_TRACK_NOTE_BYTES];       uint32_t note_count;
 };
 
-/* Reads a file in a child process with limits (guard.h). A file without a usable fix is an error that says what was found instead.
- * format ECO_TRACK_SCRIPT: nothing else is set. Free with eco_track_free, which takes a zeroed one too. */
-enum eco_code eco_track_read(struct eco_track *track, const char *path, const struct eco_track_options *options,
-	struct eco_error *error);
-/* The same from memory, in this process. Files that a glTF names are looked for beside `path`; GDAL opens `path` itself. */
+/* Reads a file in a child process with limits (guard.h). A file without a usable fix is an error that says
+ * what was found instead. format ECO_TRACK_SCRIPT: nothing else is set. Free with eco_track_free, which takes
+ * a zeroed one too. */
+enum eco_code eco_track_read(struct eco_track *track, const char *path,
+	const struct eco_track_options *options, struct eco_error *error);
+/* The same from memory, in this process. Files that a glTF names are looked for beside `path`; GDAL opens
+ * `path` itself. */
 enum eco_code eco_track_parse(struct eco_track *track, const uint8_t *bytes, size_t size, const char *path,
 	const struct eco_track_options *options, struct eco_error *error);
 void eco_track_free(struct eco_track *track);
 
-/* A sentence for the user, of a struct eco_track; beyond ECO_TRACK_NOTES_MAX the last says that there are more. */
+/* A sentence for the user, of a struct eco_track; beyond ECO_TRACK_NOTES_MAX the last says that there are
+ * more. */
 void eco_track_note(void *track, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* at[] becomes metres from the origin, yaw counts from the frame's north (which is not true north); still_m is found. Errors: a
- * CRS that is not known, not projected or not in metres; no fix that it holds. */
-enum eco_code eco_track_place(struct eco_track *track, const struct eco_track_options *options, struct eco_error *error);
+/* at[] becomes metres from the origin, yaw counts from the frame's north (which is not true north); still_m
+ * is found. Errors: a CRS that is not known, not projected or not in metres; no fix that it holds. */
+enum eco_code eco_track_place(struct eco_track *track, const struct eco_track_options *options,
+	struct eco_error *error);
 
 struct eco_track_report {
 	uint64_t fixes;              /* before cleaning; kept + repeated + jumped */
 	uint64_t kept, repeated, jumped;
-	uint64_t stamps_missing, stamps_wrong, stamps_equal, clock_resets, heights_missing, retimed;     /* repairs of what was kept */
+	/* repairs of what was kept */
+	uint64_t stamps_missing, stamps_wrong, stamps_equal, clock_resets, heights_missing, retimed;
 	uint32_t parts;              /* between jumps that do not come back: only the longest is kept */
 	bool sorted, untimed, has_height;
 	enum eco_track_height height;        /* what was taken */
 };
 
-/* In this order: stamps that cannot be (years from the others, before or behind their neighbours) are forgotten, unsorted files are
- * sorted, a clock that was set back goes on, equal stamps are spread, unknown ones interpolated. Repeated positions become one, two
- * where the camera stands. A step much faster than the track's own speeds is a jump: the fixes beyond are dropped if the track comes
- * back within a few; a short one gets time; else the longest part is kept. Gaps of more than a minute without motion become one.
- * at[2] becomes the height asked for. Times then count from 0 and ascend. */
-enum eco_code eco_track_clean(struct eco_track *track, const struct eco_track_options *options, struct eco_track_report *report,
-	struct eco_error *error);
+/* In this order: stamps that cannot be (years from the others, before or behind their neighbours) are
+ * forgotten, unsorted files are sorted, a clock that was set back goes on, equal stamps are spread, unknown
+ * ones interpolated. Repeated positions become one, two where the camera stands. A step much faster than the
+ * track's own speeds is a jump: the fixes beyond are dropped if the track comes back within a few; a short
+ * one gets time; else the longest part is kept. Gaps of more than a minute without motion become one. at[2]
+ * becomes the height asked for. Times then count from 0 and ascend. */
+enum eco_code eco_track_clean(struct eco_track *track, const struct eco_track_options *options,
+	struct eco_track_report *report, struct eco_error *error);
 
 /* ---- Even and smooth ---- */
 
 /* look and up: units, at right angles; all of it as numbers, for what treats them alike */
 #define ECO_SAMPLE_NUMBERS 10
-struct eco_sample { union { struct { double eye[3], look[3], up[3], fov_y_deg; }; double n[ECO_SAMPLE_NUMBERS]; }; };
+struct eco_sample { union { struct { double eye[3], look[3], up[3], fov_y_deg; };
+	double n[ECO_SAMPLE_NUMBERS]; }; };
 
 struct eco_flight {
 	double step_s;               /* sample i is at i * step_s */
@@ -140,9 +160,10 @@ struct eco_flight {
 	double pitch_deg;            /* taken where none was recorded */
 };
 
-/* At least one sample. Where no yaw was recorded, the camera looks where it goes; where it stands, as before and after. */
-enum eco_code eco_flight_make(struct eco_flight *flight, const struct eco_track *track, const struct eco_track_options *options,
-	struct eco_error *error);
+/* At least one sample. Where no yaw was recorded, the camera looks where it goes; where it stands, as before
+ * and after. */
+enum eco_code eco_flight_make(struct eco_flight *flight, const struct eco_track *track,
+	const struct eco_track_options *options, struct eco_error *error);
 void eco_flight_free(struct eco_flight *flight);
 /* The least and the greatest of its eyes. */
 void eco_flight_box(const struct eco_flight *flight, double low[3], double high[3]);
@@ -151,7 +172,8 @@ double eco_angle_deg(const double a[3], const double b[3]);
 
 struct eco_flight_moved { uint32_t raised; double raised_m; uint32_t off_ground; };
 /* In this order: turned and moved, set on the ground, raised above it, made to look at. */
-void eco_flight_move(struct eco_flight *flight, const struct eco_track_options *options, struct eco_flight_moved *moved);
+void eco_flight_move(struct eco_flight *flight, const struct eco_track_options *options,
+	struct eco_flight_moved *moved);
 
 /* ---- Script ---- */
 
@@ -162,9 +184,10 @@ struct eco_script {
 	double error_m, error_deg;   /* the script's spline leaves the flight by no more, at any sample */
 };
 
-/* Within 0.05 m (less if the scene is small) and 0.5 degrees (1 if looks are made up), if keys_max keyframes suffice. Fails if they do
- * not suffice to tell from which side the camera turns about. */
-enum eco_code eco_script_fit(struct eco_script *script, const struct eco_flight *flight, const struct eco_track_options *options,
+/* Within 0.05 m (less if the scene is small) and 0.5 degrees (1 if looks are made up), if keys_max keyframes
+ * suffice. Fails if they do not suffice to tell from which side the camera turns about. */
+enum eco_code eco_script_fit(struct eco_script *script, const struct eco_flight *flight,
+const struct eco_track_options *options,
 	struct eco_error *error);
 
 #endif

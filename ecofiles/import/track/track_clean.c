@@ -1,16 +1,18 @@
-/* What recorders get wrong, undone in an order in which each step can rely on those before: heights, time stamps, repeated positions,
- * jumps, gaps.
+/* What recorders get wrong, undone in an order in which each step can rely on those before: heights, time
+ * stamps, repeated positions, jumps, gaps.
  *
- * The order of the file is trusted above its stamps, as recorders append; only a file that is shorter when sorted by time, way by way,
- * is taken to be unsorted. A position may be repeated because the GPS is slower than the recording (motion then goes on from first to
- * first), because it was rounded (then the middle of the repeats is nearest to the truth) or because the camera stands (then it is
- * kept at both ends). Positions, heights and looks are told apart: a fix loses only what it does not say. */
+ * The order of the file is trusted above its stamps, as recorders append; only a file that is shorter when
+ * sorted by time, way by way, is taken to be unsorted. A position may be repeated because the GPS is slower
+ * than the recording (motion then goes on from first to first), because it was rounded (then the middle of
+ * the repeats is nearest to the truth) or because the camera stands (then it is kept at both ends).
+ * Positions, heights and looks are told apart: a fix loses only what it does not say. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/import/track/track_read.h"
 
-#define FAR_S (30 * 86400.0)             /* from the middle stamp: of another recording, or of a clock that was not set */
+/* from the middle stamp: of another recording, or of a clock that was not set */
+#define FAR_S (30 * 86400.0)
 #define WINDOW_S 1.0                     /* speeds are measured over */
 #define STAND_S 1.5                      /* a repeat that lasts longer may be a stand */
 #define ROUNDED_M 0.5                    /* positions in steps of more are rounded roughly */
@@ -83,12 +85,15 @@ static enum eco_code choose_heights(struct clean *c, int wanted, struct eco_erro
 	}
 	bool above = wanted != ECO_HEIGHTS_ABSOLUTE && relative && (relative >= c->count / 2 || !absolute);
 	if (wanted && !above && !absolute)
-		return eco_fail(error, ECO_BAD_INPUT, "--height: the track has no heights of this kind%s", relative ? ", only above take-off" : "");
+		return eco_fail(error, ECO_BAD_INPUT, "--height: the track has no heights of this kind%s",
+			relative ? ", only above take-off" : "");
 	c->report->has_height = above || absolute;
-	c->report->height = above || wanted == ECO_HEIGHTS_RELATIVE ? ECO_HEIGHTS_RELATIVE : ECO_HEIGHTS_ABSOLUTE;
+	c->report->height = above || wanted == ECO_HEIGHTS_RELATIVE ? ECO_HEIGHTS_RELATIVE
+		: ECO_HEIGHTS_ABSOLUTE;
 	for (uint32_t i = 0; i < c->count; i++) {
 		/* take-off is where it begins */
-		c->f[i].at[2] = above ? c->f[i].above_m : c->f[i].at[2] - (wanted == ECO_HEIGHTS_RELATIVE ? first : 0);
+		c->f[i].at[2] = above ? c->f[i].above_m
+			: c->f[i].at[2] - (wanted == ECO_HEIGHTS_RELATIVE ? first : 0);
 		c->report->heights_missing += c->report->has_height && isnan(c->f[i].at[2]);
 	}
 	return ECO_OK;
@@ -136,8 +141,8 @@ static int by_time(const void *a, const void *b)
 	return s != t ? (s > t) - (s < t) : (x->line > y->line) - (x->line < y->line);
 }
 
-/* The next few stamps say which one is wrong where one runs back: it, if they go on from the one before; the one that ran ahead, if they
- * lie between; else the clock was set back, and goes on. */
+/* The next few stamps say which one is wrong where one runs back: it, if they go on from the one before; the
+ * one that ran ahead, if they lie between; else the clock was set back, and goes on. */
 static void order_stamps(struct clean *c, double step_s)
 {
 	double last_s = -INFINITY, offset_s = 0;
@@ -162,7 +167,8 @@ static void order_stamps(struct clean *c, double step_s)
 	}
 }
 
-/* A clock of whole seconds and several fixes in each: evenly until the next, but after the last of them may come a pause. */
+/* A clock of whole seconds and several fixes in each: evenly until the next, but after the last of them may
+ * come a pause. */
 static void spread_equal(struct clean *c, double step_s)
 {
 	for (uint32_t i = 0, end; i < c->count; i = end) {
@@ -190,7 +196,8 @@ static void fill_missing(struct clean *c, double step_s)
 	uint32_t speeds = 0, next = 0;
 	for (uint32_t i = 1; i < c->count; i++)
 		if (f[i].time_s > f[i - 1].time_s && track_distance(&f[i - 1], &f[i]) > 0)
-			c->scratch[speeds++] = (f[i].time_s - f[i - 1].time_s) / track_distance(&f[i - 1], &f[i]);
+			c->scratch[speeds++] = (f[i].time_s - f[i - 1].time_s) / track_distance(&f[i - 1],
+				&f[i]);
 	double s_per_m = track_quantile(c->scratch, speeds, 0.5);
 	while (isnan(f[next].time_s))
 		next++;
@@ -199,13 +206,16 @@ static void fill_missing(struct clean *c, double step_s)
 	for (uint32_t last = next; last < c->count; last = next) {
 		for (next = last + 1; next < c->count && isnan(f[next].time_s); next++)
 			f[next].time_s = f[next - 1].time_s + guess_s(c, next, s_per_m, step_s);
-		double from_s = f[last].time_s, guessed_s = next < c->count ? f[next - 1].time_s + guess_s(c, next, s_per_m, step_s) - from_s : 0;
+		double from_s = f[last].time_s, guessed_s = next < c->count ? f[next - 1].time_s
+			+ guess_s(c, next, s_per_m, step_s) - from_s : 0;
 		for (uint32_t k = last + 1; k < next && next < c->count; k++)
-			f[k].time_s = from_s + (f[k].time_s - from_s) * ((f[next].time_s - from_s) / guessed_s);
+			f[k].time_s = from_s
+				+ (f[k].time_s - from_s) * ((f[next].time_s - from_s) / guessed_s);
 	}
 }
 
-/* Every fix gets a time, in file order not descending. Without any, a step is a second until retime knows better. */
+/* Every fix gets a time, in file order not descending. Without any, a step is a second until retime knows
+ * better. */
 static void repair_stamps(struct clean *c)
 {
 	uint32_t forward, backward;
@@ -238,7 +248,8 @@ static uint32_t run_end(const struct clean *c, uint32_t first)
 	return end;
 }
 
-/* Some fixes of each run keep their position: the first (or the middle, where it was rounded), and the last where the camera stands. */
+/* Some fixes of each run keep their position: the first (or the middle, where it was rounded), and the last
+ * where the camera stands. */
 static void merge_repeats(struct clean *c)
 {
 	uint32_t runs = 0, kept = 0;
@@ -248,7 +259,8 @@ static void merge_repeats(struct clean *c)
 	double long_s = fmax(STAND_S, 4 * track_quantile(c->scratch, runs, 0.5));
 	for (uint32_t i = 0, end; i < c->count; i = end) {
 		end = run_end(c, i);
-		bool stands = c->f[end - 1].time_s - c->f[i].time_s > long_s, rounded = c->track->still_m > ROUNDED_M && !stands;
+		bool stands = c->f[end - 1].time_s - c->f[i].time_s > long_s,
+			rounded = c->track->still_m > ROUNDED_M && !stands;
 		uint32_t first = rounded && i > 0 && end < c->count ? i + (end - i) / 2 : i;
 		for (uint32_t k = i; k < end; k++) {
 			struct eco_fix fix = c->f[k];
@@ -265,12 +277,16 @@ static void merge_repeats(struct clean *c)
 
 /* ---- Jumps and gaps, among the fixes that have a position ---- */
 
-static double distance(const struct clean *c, uint32_t a, uint32_t b) { return track_distance(c->place[a], c->place[b]); }
+static double distance(const struct clean *c, uint32_t a, uint32_t b)
+{
+	return track_distance(c->place[a], c->place[b]);
+}
 
 /* Metres a second from place a to b; rounding is taken off. */
 static double speed(const struct clean *c, uint32_t a, uint32_t b)
 {
-	return fmax(0, distance(c, a, b) - 3 * c->track->still_m) / fmax(c->place[b]->time_s - c->place[a]->time_s, 1e-3);
+	return fmax(0, distance(c, a, b) - 3 * c->track->still_m) / fmax(c->place[b]->time_s
+		- c->place[a]->time_s, 1e-3);
 }
 
 static bool is_far(const struct clean *c, uint32_t a, uint32_t b)
@@ -292,14 +308,16 @@ static void find_limits(struct clean *c)
 	c->limit_m = fmax(8 * track_quantile(c->scratch, steps, 0.5), c->track->posed ? 0 : 8);
 }
 
-/* Drops the places from which the track comes back within a few to where it can have come from the last good one. */
+/* Drops the places from which the track comes back within a few to where it can have come from the last good
+ * one. */
 static void drop_spikes(struct clean *c)
 {
 	uint32_t kept = 1;
 	for (uint32_t i = 1, back; i < c->places; i++) {
 		for (back = i; back < c->places && back <= i + AHEAD && is_far(c, kept - 1, i); back++) {
 			double seconds = c->place[back]->time_s - c->place[kept - 1]->time_s;
-			if (back > i && distance(c, kept - 1, back) < fmax(1.5 * c->high_m_s * seconds, c->limit_m))
+			if (back > i && distance(c, kept - 1, back) < fmax(1.5 * c->high_m_s * seconds,
+					c->limit_m))
 				break;
 		}
 		for (; back < c->places && back <= i + AHEAD && i < back; i++)
@@ -310,11 +328,13 @@ static void drop_spikes(struct clean *c)
 	c->places = kept;
 }
 
-/* Whether the step to place i is a jump: a fast step is none where a ride goes on, or was on, at a third of it. */
+/* Whether the step to place i is a jump: a fast step is none where a ride goes on, or was on, at a third of
+ * it. */
 static bool leaps(const struct clean *c, uint32_t i)
 {
 	double third = speed(c, i - 1, i) / 3;
-	return is_far(c, i - 1, i) && !(i + 1 < c->places && speed(c, i, i + 1) > third) && !(i > 1 && speed(c, i - 2, i - 1) > third);
+	return is_far(c, i - 1, i) && !(i + 1 < c->places && speed(c, i, i + 1) > third)
+		&& !(i > 1 && speed(c, i - 2, i - 1) > third);
 }
 
 /* The longest part between leaps that are too long to be glided over. Returns where its repeats end. */
@@ -343,8 +363,8 @@ static struct eco_fix *keep_longest(struct clean *c)
 	return end;
 }
 
-/* How long the step from place i takes: as recorded, but a leap as long as it would at the track's own speed, and a gap without motion
- * no longer than PAUSE_S. */
+/* How long the step from place i takes: as recorded, but a leap as long as it would at the track's own speed,
+ * and a gap without motion no longer than PAUSE_S. */
 static double takes_s(const struct clean *c, uint32_t i)
 {
 	double took_s = c->place[i + 1]->time_s - c->place[i]->time_s, d = distance(c, i, i + 1);
@@ -364,7 +384,8 @@ static void retime(struct clean *c, const struct eco_fix *end)
 	for (uint32_t i = 0; i < c->places; i++) {
 		bool more = i + 1 < c->places;
 		const struct eco_fix *next = more ? c->place[i + 1] : end;
-		double from_s = c->place[i]->time_s, took_s = more ? next->time_s - from_s : 1, step_s = more ? c->scratch[i] : 1;
+		double from_s = c->place[i]->time_s, took_s = more ? next->time_s - from_s : 1,
+			step_s = more ? c->scratch[i] : 1;
 		c->report->retimed += step_s != took_s && !c->report->untimed;
 		for (struct eco_fix *fix = c->place[i]; fix < next; fix++)
 			fix->time_s = now_s + (fix->time_s - from_s) * (took_s > 0 ? step_s / took_s : 0);
@@ -385,13 +406,14 @@ static void drop_jumps(struct clean *c)
 	c->track->count = (uint32_t)(end - first);
 	memmove(c->f, first, c->track->count * sizeof *first);
 	for (uint32_t i = 1; i < c->track->count; i++)
-		c->f[i].time_s = c->f[i].time_s > c->f[i - 1].time_s ? c->f[i].time_s : c->f[i - 1].time_s + 1e-6;
+		c->f[i].time_s = c->f[i].time_s > c->f[i - 1].time_s ? c->f[i].time_s : c->f[i - 1].time_s
+			+ 1e-6;
 	c->report->kept = c->places;
 	c->report->jumped = c->report->fixes - c->report->repeated - c->places;
 }
 
-enum eco_code eco_track_clean(struct eco_track *track, const struct eco_track_options *options, struct eco_track_report *report,
-	struct eco_error *error)
+enum eco_code eco_track_clean(struct eco_track *track, const struct eco_track_options *options,
+	struct eco_track_report *report, struct eco_error *error)
 {
 	struct clean c = { .f = track->fixes, .count = track->count, .track = track, .report = report };
 	*report = (struct eco_track_report){ .fixes = track->count };

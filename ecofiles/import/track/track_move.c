@@ -6,13 +6,15 @@
 
 double eco_distance(const double a[3], const double b[3])
 {
-	return sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]) + (b[2] - a[2]) * (b[2] - a[2]));
+	return sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1])
+		+ (b[2] - a[2]) * (b[2] - a[2]));
 }
 
 double eco_angle_deg(const double a[3], const double b[3])
 {
 	double cross[3] = { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
-	return atan2(sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]), a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) * TRACK_DEG;
+	return atan2(sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]),
+		a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) * TRACK_DEG;
 }
 
 void eco_flight_box(const struct eco_flight *f, double low[3], double high[3])
@@ -32,7 +34,8 @@ static void turn(double v[2], double sine, double cosine)
 	v[1] = sine * x + cosine * v[1];
 }
 
-/* Turned about the first eye, which then goes to `to`. Heights above the ground are no heights to be moved. */
+/* Turned about the first eye, which then goes to `to`. Heights above the ground are no heights to be moved.
+ */
 static void place(struct eco_flight *f, const struct eco_track_options *m)
 {
 	double first[3], to[3], sine = sin(m->turn_deg / TRACK_DEG), cosine = cos(m->turn_deg / TRACK_DEG);
@@ -74,11 +77,13 @@ static void look_at(struct eco_flight *f, const double at[3])
 			s->look[k] = length < 1e-6 ? before->look[k] : (at[k] - s->eye[k]) / length;
 		double flat = sqrt(fmax(0, 1 - s->look[2] * s->look[2]));
 		for (int k = 0; k < 3; k++)
-			s->up[k] = flat > 1e-6 ? ((k == 2) - s->look[2] * s->look[k]) / flat : i ? before->up[k] : k == 1;
+			s->up[k] = flat > 1e-6 ? ((k == 2) - s->look[2] * s->look[k]) / flat : i
+				? before->up[k] : k == 1;
 	}
 }
 
-void eco_flight_move(struct eco_flight *flight, const struct eco_track_options *options, struct eco_flight_moved *moved)
+void eco_flight_move(struct eco_flight *flight, const struct eco_track_options *options,
+	struct eco_flight_moved *moved)
 {
 	*moved = (struct eco_flight_moved){ 0 };
 	place(flight, options);

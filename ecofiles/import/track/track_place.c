@@ -1,5 +1,5 @@
-/* Fixes in metres of the frame, and the steps in which their numbers were written. Degrees go to the scene's CRS, or to a plane of the
- * track's own (azimuthal equidistant about its middle), where it will be moved. */
+/* Fixes in metres of the frame, and the steps in which their numbers were written. Degrees go to the scene's
+ * CRS, or to a plane of the track's own (azimuthal equidistant about its middle), where it will be moved. */
 #include <stdio.h>
 #include <string.h>
 
@@ -22,9 +22,12 @@ static double least_step(const struct eco_track *track, int axis, double least)
 
 static void find_step(struct eco_track *track)
 {
-	double least = track->degrees ? 1e-9 : 1e-6, x = least_step(track, 0, least), y = least_step(track, 1, least);
-	/* a degree of longitude is shorter; the larger of two steps says how rough the recording is, unless it does not move that way */
-	double scale = track->degrees ? METRES_PER_DEGREE : 1, narrow = track->degrees ? cos(track->fixes[0].at[1] / TRACK_DEG) : 1;
+	double least = track->degrees ? 1e-9 : 1e-6, x = least_step(track, 0, least),
+		y = least_step(track, 1, least);
+	/* a degree of longitude is shorter; the larger of two steps says how rough the recording is, unless
+	 * it does not move that way */
+	double scale = track->degrees ? METRES_PER_DEGREE : 1, narrow = track->degrees
+		? cos(track->fixes[0].at[1] / TRACK_DEG) : 1;
 	track->still_m = (x > 0 && y > 0 ? fmin(x * narrow, y) : fmax(x * narrow, y)) * scale;
 }
 
@@ -46,11 +49,13 @@ static bool convert_fix(struct eco_crs *crs, struct eco_fix *fix, bool degrees)
 	if (!convert(crs, fix->at))
 		return false;
 	if (degrees && !isnan(fix->yaw_deg) && convert(crs, north))
-		fix->yaw_deg += atan2(side * (north[0] - fix->at[0]), side * (north[1] - fix->at[1])) * TRACK_DEG;
+		fix->yaw_deg += atan2(side * (north[0] - fix->at[0]), side * (north[1] - fix->at[1]))
+			* TRACK_DEG;
 	return true;
 }
 
-static enum eco_code convert_all(struct eco_crs *crs, struct eco_track *track, const char *name, struct eco_error *error)
+static enum eco_code convert_all(struct eco_crs *crs, struct eco_track *track, const char *name,
+	struct eco_error *error)
 {
 	uint32_t kept = 0;
 	for (uint32_t i = 0; i < track->count; i++) {
@@ -58,31 +63,37 @@ static enum eco_code convert_all(struct eco_crs *crs, struct eco_track *track, c
 		kept += convert_fix(crs, &track->fixes[kept], track->degrees);
 	}
 	if (kept < track->count)
-		eco_track_note(track, "%u fixes lie where the scene's CRS is not good and are left out", track->count - kept);
+		eco_track_note(track, "%u fixes lie where the scene's CRS is not good and are left out",
+			track->count - kept);
 	track->count = kept;
 	track->has_home = track->has_home && convert(crs, track->home);
-	return kept ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "no fix lies where the CRS \"%.100s\" is good; --to 0,0,50 moves the track to the "
+	return kept ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "no fix lies where the CRS \"%.100s\" is "
+		"good; --to 0,0,50 moves the track to the "
 		"scene", name);
 }
 
-enum eco_code eco_track_place(struct eco_track *track, const struct eco_track_options *options, struct eco_error *error)
+enum eco_code eco_track_place(struct eco_track *track, const struct eco_track_options *options,
+	struct eco_error *error)
 {
 	char plane[200];
 	bool own = track->degrees && (options->to_given || !options->crs);
 	struct eco_frame to = { .crs = own ? plane : options->crs };
-	struct eco_crs_request request = { .path = "the track", .stated = track->degrees ? "EPSG:4326" : options->track_crs, .frame = &to,
+	struct eco_crs_request request = { .path = "the track", .stated = track->degrees ? "EPSG:4326"
+		: options->track_crs, .frame = &to,
 		.note = eco_track_note, .ctx = track };
 	struct eco_crs *crs = NULL;
 	if (!track->count)
 		return eco_fail(error, ECO_BAD_INPUT, "the track has no fixes");
 	if (!track->degrees && options->track_crs && !options->crs)
-		return eco_fail(error, ECO_BAD_INPUT, "--track-crs says that the track is in %.80s, but no CRS of the scene is known: add --scene "
+		return eco_fail(error, ECO_BAD_INPUT, "--track-crs says that the track is in %.80s, but no "
+			"CRS of the scene is known: add --scene "
 			"SCENE.json, or --crs and --origin", options->track_crs);
 	find_step(track);
 	if (options->crs && !own)
 		memcpy(to.origin, options->origin, sizeof to.origin);
 	const double *middle = track->fixes[track->count / 2].at;
-	snprintf(plane, sizeof plane, "+proj=aeqd +lat_0=%.9f +lon_0=%.9f +datum=WGS84 +units=m +type=crs", middle[1], middle[0]);
+	snprintf(plane, sizeof plane, "+proj=aeqd +lat_0=%.9f +lon_0=%.9f +datum=WGS84 +units=m +type=crs",
+		middle[1], middle[0]);
 	enum eco_code code = ECO_OK;
 	if (request.stated) {
 		code = eco_crs_open(&crs, &request, error);

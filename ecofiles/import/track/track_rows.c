@@ -1,6 +1,7 @@
-/* GPX, KML and GeoJSON, as GDAL hands them over: a row for each position, its columns by their names. GDAL 3.6 hands over the times of
- * GPX (trkpt, rtept, wpt), of KML's placemarks (TimeStamp) and of GeoJSON's features ("time", "timestamp") and lines ("coordTimes",
- * "coordinateProperties.times"), but not those of KML's gx:Track: a file that has times of which none arrives is refused. */
+/* GPX, KML and GeoJSON, as GDAL hands them over: a row for each position, its columns by their names. GDAL
+ * 3.6 hands over the times of GPX (trkpt, rtept, wpt), of KML's placemarks (TimeStamp) and of GeoJSON's
+ * features ("time", "timestamp") and lines ("coordTimes", "coordinateProperties.times"), but not those of
+ * KML's gx:Track: a file that has times of which none arrives is refused. */
 #include <stdio.h>
 #include <string.h>
 
@@ -22,9 +23,13 @@ static const char *field_named(const struct eco_rows *rows, const char *name)
 	return "";
 }
 
-static struct track_text text_of(const char *text) { return (struct track_text){ text, text + strlen(text) }; }
+static struct track_text text_of(const char *text)
+{
+	return (struct track_text){ text, text + strlen(text) };
+}
 
-static enum eco_code read_rows(struct eco_track *track, const struct track_table *table, struct eco_rows *rows, struct eco_error *error)
+static enum eco_code read_rows(struct eco_track *track, const struct track_table *table,
+	struct eco_rows *rows, struct eco_error *error)
 {
 	struct track_text fields[ECO_COLUMNS_MAX];
 	const struct eco_rows_place *place = &rows->place;
@@ -34,7 +39,8 @@ static enum eco_code read_rows(struct eco_track *track, const struct track_table
 		for (uint32_t i = 0; i < rows->field_count; i++)
 			fields[i] = text_of(rows->fields[i]);
 		struct eco_fix fix = track_row(table, fields, rows->field_count, (uint32_t)rows->line);
-		bool there = place->kind == ECO_PLACE_POINT, from_ground = strstr(field_named(rows, "altitudeMode"), "relativeTo") != NULL;
+		bool there = place->kind == ECO_PLACE_POINT,
+			from_ground = strstr(field_named(rows, "altitudeMode"), "relativeTo") != NULL;
 		double z = there && !isnan(place->at[2]) ? place->at[2] : fix.at[2];
 		fix.at[0] = there ? place->at[0] : NAN;
 		fix.at[1] = there ? place->at[1] : NAN;
@@ -48,7 +54,8 @@ static enum eco_code read_rows(struct eco_track *track, const struct track_table
 	return code;
 }
 
-static enum eco_code read_layer(struct eco_track *track, const struct track_input *in, const char *layer, struct eco_error *error)
+static enum eco_code read_layer(struct eco_track *track, const struct track_input *in, const char *layer,
+	struct eco_error *error)
 {
 	struct eco_rows_source source = { .path = in->path, .layer = layer, .vertices = true };
 	struct track_table table;
@@ -62,8 +69,9 @@ static enum eco_code read_layer(struct eco_track *track, const struct track_inpu
 	track_find_columns(&table, names, rows->column_count);
 	track->degrees = is_degrees(rows);
 	if (!track->degrees)
-		eco_track_note(track, "its coordinates are no degrees: metres from the scene's origin, unless --track-crs says a CRS%s%.80s",
-			rows->crs && !rows->degrees_doubted ? ", as it does: " : "", rows->crs && !rows->degrees_doubted ? rows->crs : "");
+		eco_track_note(track, "its coordinates are no degrees: metres from the scene's origin, "
+			"unless --track-crs says a CRS%s%.80s", rows->crs && !rows->degrees_doubted
+			? ", as it does: " : "", rows->crs && !rows->degrees_doubted ? rows->crs : "");
 	code = read_rows(track, &table, rows, error);
 	for (uint32_t i = 0; i < rows->note_count; i++)
 		eco_track_note(track, "%s", rows->notes[i]);
@@ -92,27 +100,31 @@ static void keep_lines(struct eco_track *track)
 	track->timed = timed[of_line];
 }
 
-/* A file that breaks off, as a recorder whose battery died leaves it, or is damaged, is read until there without a word. */
+/* A file that breaks off, as a recorder whose battery died leaves it, or is damaged, is read until there
+ * without a word. */
 static void check_points(struct eco_track *track, const struct track_input *in, const char *word)
 {
 	uint64_t points = 0;
 	for (const char *at = in->text; (at = strstr(at, word)) != NULL; at++)
 		points++;
 	if (track->records < points)
-		eco_track_note(track, "the file breaks off or is damaged: %llu of its %llu points are read", (unsigned long long)track->records,
-			(unsigned long long)points);
+		eco_track_note(track, "the file breaks off or is damaged: %llu of its %llu points are read",
+			(unsigned long long)track->records, (unsigned long long)points);
 }
 
 /* What has times, of which none arrived. */
 static enum eco_code check_times(const struct track_input *in, enum eco_code code, struct eco_error *error)
 {
-	static const struct { const char *word, *says; } times[] = { { ":FlyTo>", "a tour's cameras (gx:FlyTo)" },
-		{ "when>", "times (<when>, of a gx:Track)" }, { "\"coordTimes\"", "times (\"coordTimes\", in lists within lists or of another length)" },
+	static const struct { const char *word, *says; } times[] =
+		{ { ":FlyTo>", "a tour's cameras (gx:FlyTo)" },
+		{ "when>", "times (<when>, of a gx:Track)" },
+		{ "\"coordTimes\"", "times (\"coordTimes\", in lists within lists or of another length)" },
 		{ "\"times\"", "times (\"times\")" } };
 	for (size_t i = 0; i < sizeof times / sizeof *times; i++)
 		if (strstr(in->text, times[i].word)) {
 			*error = (struct eco_error){ 0 };
-			return eco_fail(error, ECO_UNSUPPORTED, "%.200s: it has %s, which do not arrive through GDAL; convert it to GPX or CSV "
+			return eco_fail(error, ECO_UNSUPPORTED, "%.200s: it has %s, which do not arrive "
+				"through GDAL; convert it to GPX or CSV "
 				"(GPSBabel does)", in->path, times[i].says);
 		}
 	return code;
@@ -120,7 +132,8 @@ static enum eco_code check_times(const struct track_input *in, enum eco_code cod
 
 enum eco_code track_read_rows(struct eco_track *track, const struct track_input *in, struct eco_error *error)
 {
-	static const char *const layers[] = { "track_points", "route_points", "waypoints" }, *const points[] = { "<trkpt", "<rtept", "<wpt" };
+	static const char *const layers[] = { "track_points", "route_points", "waypoints" },
+		*const points[] = { "<trkpt", "<rtept", "<wpt" };
 	enum eco_code code = ECO_OK;
 	if (track->format != ECO_TRACK_GPX) {
 		code = read_layer(track, in, NULL, error);

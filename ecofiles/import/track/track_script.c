@@ -1,7 +1,7 @@
-/* The fewest keyframes whose spline keeps to a flight. Keyframes are put where the script that camera.c would play leaves the flight most,
- * one in each stretch that is not good enough, until all are (the idea of Douglas and Peucker 1973, with the true spline in place of
- * chords). So an overshoot between keyframes is an error like any other, and the bound that is stated has been measured at every
- * sample. */
+/* The fewest keyframes whose spline keeps to a flight. Keyframes are put where the script that camera.c would
+ * play leaves the flight most, one in each stretch that is not good enough, until all are (the idea of
+ * Douglas and Peucker 1973, with the true spline in place of chords). So an overshoot between keyframes is an
+ * error like any other, and the bound that is stated has been measured at every sample. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,7 +24,8 @@ struct fit {
 
 static const double *numbers(const struct fit *f, uint32_t key) { return f->flight->samples[f->key[key]].n; }
 
-/* Metres to the flight at a sample within the stretch from keyframe i, and degrees of look, roll and field of view. */
+/* Metres to the flight at a sample within the stretch from keyframe i, and degrees of look, roll and field of
+ * view. */
 static void errors_at(const struct fit *f, uint32_t i, uint32_t sample, double *m, double *deg)
 {
 	uint32_t before = i ? i - 1 : 0, after = i + 2 < f->count ? i + 2 : i + 1;
@@ -32,11 +33,13 @@ static void errors_at(const struct fit *f, uint32_t i, uint32_t sample, double *
 	double h = f->key[i + 1] - f->key[i], s = (sample - f->key[i]) / h, r = 1 - s, at[ECO_SAMPLE_NUMBERS];
 	double per_a = 1.0 / (f->key[i + 1] - f->key[before]), per_b = 1.0 / (f->key[after] - f->key[i]);
 	for (int n = 0; n < ECO_SAMPLE_NUMBERS; n++) {
-		double slope_a = (b[n] - numbers(f, before)[n]) * per_a, slope_b = (numbers(f, after)[n] - a[n]) * per_b;
+		double slope_a = (b[n] - numbers(f, before)[n]) * per_a,
+			slope_b = (numbers(f, after)[n] - a[n]) * per_b;
 		at[n] = a[n] + s * s * (3 - 2 * s) * (b[n] - a[n]) + h * s * r * (r * slope_a - s * slope_b);
 	}
 	*m = eco_distance(at, is);
-	*deg = fmax(fmax(eco_angle_deg(at + LOOK, is + LOOK), eco_angle_deg(at + UP, is + UP)), fabs(at[FOV] - is[FOV]));
+	*deg = fmax(fmax(eco_angle_deg(at + LOOK, is + LOOK), eco_angle_deg(at + UP, is + UP)),
+		fabs(at[FOV] - is[FOV]));
 	/* looks that nearly cancel each other are no looks */
 	if (at[LOOK] * at[LOOK] + at[LOOK + 1] * at[LOOK + 1] + at[LOOK + 2] * at[LOOK + 2] < 0.01)
 		*deg = 180;
@@ -58,7 +61,8 @@ static double worst_of(struct fit *f, uint32_t i, uint32_t *worst)
 	return most;
 }
 
-/* One more keyframe in each stretch that is off by more than `bound` times what is wanted. False when nothing was added. */
+/* One more keyframe in each stretch that is off by more than `bound` times what is wanted. False when nothing
+ * was added. */
 static bool refine(struct fit *f, double bound, uint32_t keys_max)
 {
 	uint32_t count = 0, *swap = f->key;
@@ -66,7 +70,8 @@ static bool refine(struct fit *f, double bound, uint32_t keys_max)
 	for (uint32_t i = 0; i < f->count; i++) {
 		uint32_t worst = 0;
 		f->next[count++] = f->key[i];
-		if (i + 1 < f->count && worst_of(f, i, &worst) > bound && count + (f->count - i - 1) < keys_max)
+		if (i + 1 < f->count && worst_of(f, i, &worst) > bound && count + (f->count - i - 1)
+				< keys_max)
 			f->next[count++] = worst;
 	}
 	bool added = count > f->count;
@@ -89,11 +94,13 @@ static void choose_errors(struct fit *f)
 
 /* ---- Script ---- */
 
-static void put_vector(FILE *out, const char *name, const double from[3], double times, const double v[3], double parts)
+static void put_vector(FILE *out, const char *name, const double from[3], double times, const double v[3],
+	double parts)
 {
 	fprintf(out, ", \"%s\": [", name);
 	for (int k = 0; k < 3; k++)
-		fprintf(out, "%s%.15g", k ? ", " : "", round(((from ? from[k] : 0) + times * v[k]) * parts) / parts + 0);
+		fprintf(out, "%s%.15g", k ? ", " : "",
+			round(((from ? from[k] : 0) + times * v[k]) * parts) / parts + 0);
 	fputs("]", out);
 }
 
@@ -111,13 +118,15 @@ static enum eco_code write_keys(struct eco_script *script, const struct fit *f, 
 		put_vector(out, "eye", NULL, 1, n + EYE, fine);
 		put_vector(out, "target", n + EYE, AHEAD_M, n + LOOK, fine);
 		put_vector(out, "up", NULL, 1, n + UP, 1e5);
-		fprintf(out, ", \"fov_y_deg\": %.15g}%s\n", round(n[FOV] * 1e3) / 1e3, i + 1 < f->count ? "," : "");
+		fprintf(out, ", \"fov_y_deg\": %.15g}%s\n", round(n[FOV] * 1e3) / 1e3, i + 1 < f->count ? ","
+			: "");
 	}
 	fputs("]}\n", out);
 	return fclose(out) == 0 ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "out of memory");
 }
 
-/* Coarse to fine, so that few keyframes go where they are needed most. False if they do not suffice to turn about. */
+/* Coarse to fine, so that few keyframes go where they are needed most. False if they do not suffice to turn
+ * about. */
 static bool choose_keys(struct fit *f, uint32_t keys_max)
 {
 	choose_errors(f);
@@ -132,18 +141,23 @@ static bool choose_keys(struct fit *f, uint32_t keys_max)
 	return true;
 }
 
-enum eco_code eco_script_fit(struct eco_script *script, const struct eco_flight *flight, const struct eco_track_options *options,
-	struct eco_error *error)
+enum eco_code eco_script_fit(struct eco_script *script, const struct eco_flight *flight,
+	const struct eco_track_options *options, struct eco_error *error)
 {
-	uint32_t most = options->keys_max ? (uint32_t)options->keys_max : KEYS_MAX, room = (most < flight->count ? most : flight->count) + 4;
+	uint32_t most = options->keys_max ? (uint32_t)options->keys_max : KEYS_MAX,
+		room = (most < flight->count ? most : flight->count) + 4;
 	uint32_t *owned = calloc(2 * (size_t)room, sizeof *owned);
 	struct fit f = { .flight = flight, .key = owned, .next = owned + room, .count = 1 };
-	double length_s = (flight->count - 1) * flight->step_s, fps = length_s > 0 ? ECO_SCRIPT_FRAMES / length_s : 30;
+	double length_s = (flight->count - 1) * flight->step_s,
+		fps = length_s > 0 ? ECO_SCRIPT_FRAMES / length_s : 30;
 	*script = (struct eco_script){ .length_s = length_s };
-	enum eco_code code = owned ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for %u keyframes", most);
+	enum eco_code code = owned ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for %u keyframes",
+		most);
 	if (!code && !choose_keys(&f, most))
-		code = eco_fail(error, ECO_TOO_LARGE, "the camera turns about too often for %u keyframes (--max-keyframes N, --smooth S)", most);
-	script->fps = options->fps > 0 ? options->fps : fps >= 30 ? 30 : fps >= 1 ? floor(fps) : 1 / ceil(1 / fps);
+		code = eco_fail(error, ECO_TOO_LARGE, "the camera turns about too often for %u keyframes "
+			"(--max-keyframes N, --smooth S)", most);
+	script->fps = options->fps > 0 ? options->fps : fps >= 30 ? 30 : fps >= 1 ? floor(fps)
+		: 1 / ceil(1 / fps);
 	script->frames = (uint32_t)fmin(floor(length_s * script->fps + 1e-6) + 1, UINT32_MAX);
 	script->keys = f.count;
 	script->error_m = f.worst_m;

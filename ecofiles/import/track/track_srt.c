@@ -1,14 +1,16 @@
-/* Subtitles that drones write beside their films, in all the dialects met: a record is an index, a time line and one or more lines of
- * NAME: VALUE or NAME(VALUE, VALUE, ...), with or without brackets and HTML.
+/* Subtitles that drones write beside their films, in all the dialects met: a record is an index, a time line
+ * and one or more lines of NAME: VALUE or NAME(VALUE, VALUE, ...), with or without brackets and HTML.
  *
  *   [latitude : 31.45] [longtitude : 74.39] [altitude: 213.9]                     (the misspelling is theirs)
  *   [rel_alt: 1.5 abs_alt: 213.9] [gb_yaw: -67.6 gb_pitch: -30.0 gb_roll: 0.0]
  *   HOME(149.0251,-20.2532) 2017.08.05 14:11:51  GPS(149.0251,-20.2533,16) BAROMETER:1.9
- *   GPS (-58.8517, -34.2379, 15), HOME (-58.8475, -34.2327, -57.98m), D 698.70m, H 85.80m, G.PRY (-24.4°, 0.0°, 110.4°)
+ *   GPS (-58.8517, -34.2379, 15), HOME (-58.8475, -34.2327, -57.98m), D 698.70m, H 85.80m, G.PRY (-24.4°,
+ *   0.0°, 110.4°)
  *   GPS(36.6146,-6.1120,0.0M) BAROMETER:0.3M                                      latitude first
  *
- * So names are found one by one and not line by line. The third number of GPS() is the number of satellites if it is whole, the height
- * if it has decimals or "m", a precision if it has "M". The file is walked twice: first to learn in which order coordinates stand. */
+ * So names are found one by one and not line by line. The third number of GPS() is the number of satellites
+ * if it is whole, the height if it has decimals or "m", a precision if it has "M". The file is walked twice:
+ * first to learn in which order coordinates stand. */
 #include <string.h>
 
 #include "ecofiles/import/track/track_read.h"
@@ -114,16 +116,22 @@ static bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c 
 
 static void read_names(struct srt *s, const char *text, const char *end)
 {
-	static const struct { const char *word; enum name name; } names[] = { { "latitude", LATITUDE }, { "lat", LATITUDE },
-		{ "longitude", LONGITUDE }, { "longtitude", LONGITUDE }, { "lon", LONGITUDE }, { "lng", LONGITUDE }, { "altitude", ALTITUDE },
-		{ "abs_alt", ALTITUDE }, { "rel_alt", ABOVE }, { "barometer", ABOVE }, { "hb", ABOVE }, { "h", ABOVE }, { "gps", GPS }, { "rtk", GPS },
-		{ "home", HOME }, { "g.pry", GIMBAL }, { "gb_yaw", YAW }, { "gb_pitch", PITCH }, { "gb_roll", ROLL },
+	static const struct { const char *word; enum name name; } names[] =
+		{ { "latitude", LATITUDE }, { "lat", LATITUDE },
+		{ "longitude", LONGITUDE }, { "longtitude", LONGITUDE }, { "lon", LONGITUDE },
+		{ "lng", LONGITUDE }, { "altitude", ALTITUDE },
+		{ "abs_alt", ALTITUDE }, { "rel_alt", ABOVE }, { "barometer", ABOVE }, { "hb", ABOVE },
+		{ "h", ABOVE }, { "gps", GPS }, { "rtk", GPS },
+		{ "home", HOME }, { "g.pry", GIMBAL }, { "gb_yaw", YAW }, { "gb_pitch", PITCH },
+		{ "gb_roll", ROLL },
 		{ "gimbal_yaw", YAW }, { "gimbal_pitch", PITCH }, { "gimbal_roll", ROLL },
 		{ "focal_len", FOCAL }, { "dzoom_ratio", ZOOM } };
 	while (text < end) {
 		const char *from = text;
 		size_t i = 0;
-		while (text < end && (is_letter(*text) || (text > from && *text == '.' && text + 1 < end && is_letter(text[1]))))
+		while (text < end
+				&& (is_letter(*text)
+				|| (text > from && *text == '.' && text + 1 < end && is_letter(text[1]))))
 			text++;
 		while (i < sizeof names / sizeof *names && !track_is(from, text, names[i].word))
 			i++;
@@ -180,7 +188,8 @@ enum eco_code track_read_srt(struct eco_track *track, const struct track_input *
 	walk(&s, NULL);
 	s.latitude_first = !s.big_first && (s.big_second || s.metre_capital);
 	if (s.latitude_first)
-		eco_track_note(track, "GPS(a, b) is taken for latitude, longitude, %s", s.big_second ? "as b is beyond 90" :
+		eco_track_note(track, "GPS(a, b) is taken for latitude, longitude, %s",
+			s.big_second ? "as b is beyond 90" :
 			"as drones that write heights with a capital M have it");
 	track->degrees = true;
 	s.track = track;

@@ -49,7 +49,8 @@ bool track_number(const char **text, const char *end, double *value)
 	char copy[64];
 	size_t length = 0;
 	const char *at = skip_spaces(*text, end);
-	while (at + length < end && length < sizeof copy - 1 && at[length] && strchr("+-.0123456789eE", at[length])) {
+	while (at + length < end && length < sizeof copy - 1 && at[length]
+			&& strchr("+-.0123456789eE", at[length])) {
 		copy[length] = at[length];
 		length++;
 	}
@@ -78,7 +79,8 @@ static int read_whole(const char **text, const char *end, int most, int *value)
 static void read_fraction(const char **text, const char *end, double *time_s)
 {
 	double place = 0.1;
-	for (const char *at = *text; at + 1 < end && (*at == '.' || *at == ',') && is_digit(at[1]); *text = at)
+	for (const char *at = *text; at + 1 < end && (*at == '.' || *at == ',') && is_digit(at[1]);
+			*text = at)
 		for (at++; at < end && is_digit(*at); at++, place /= 10)
 			*time_s += place * (*at - '0');
 }
@@ -87,7 +89,8 @@ bool track_clock(const char **text, const char *end, double *time_s)
 {
 	const char *at = skip_spaces(*text, end);
 	int hour, minute, second = 0;
-	if (!read_whole(&at, end, 4, &hour) || at >= end || *at++ != ':' || !read_whole(&at, end, 4, &minute) || minute > 59)
+	if (!read_whole(&at, end, 4, &hour) || at >= end || *at++ != ':' || !read_whole(&at, end, 4, &minute)
+			|| minute > 59)
 		return false;
 	if (at < end && *at == ':' && (at++, !read_whole(&at, end, 4, &second) || second > 60))
 		return false;
