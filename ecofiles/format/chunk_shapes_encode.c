@@ -187,7 +187,6 @@ static bool find_trends(struct encoding *e)
 	uint32_t step = e->count / UNITS_SAMPLE + 1;
 	const int32_t **at = malloc((e->count / step + 1) * sizeof *at);
 	bool good = at != NULL;
-
 	for (uint32_t corners = 3; good && corners <= ECO_CORNERS_MAX; corners++) {
 		uint32_t count = 0;
 		for (uint32_t i = 0; i < e->count; i += step)

@@ -66,7 +66,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 	struct eco_track track;
 	struct eco_error error = { 0 };
 	enum eco_code code = eco_track_parse(&track, bytes, size, "nowhere/track", NULL, &error);
-	assert(code == error.code && (code == ECO_OK || track.fixes == NULL));
+	assert(code == error.code && (code == ECO_OK || !track.fixes));
 	for (uint32_t i = 0; i < track.count; i++)
 		assert(isfinite(track.fixes[i].at[0]) && isfinite(track.fixes[i].at[1]));
 	if (code == ECO_OK && track.count > 0 && track.count <= FIXES_MAX)

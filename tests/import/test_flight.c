@@ -1,11 +1,5 @@
 /* Flights from tracks: cameras that look where they go and do not jitter, and scripts that keep to the track.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <dirent.h>
 #include <math.h>
 #include <stdio.h>
@@ -16,6 +10,7 @@
 #include "ecofiles/format/view.h"
 #include "tests/support/input_files.h"
 #include "tests/support/track_made.h"
+#include "tests/support/unit_test.h"
 
 static struct eco_flight flight_of(const struct eco_track *track)
 {
@@ -43,7 +38,6 @@ static void rounded_positions_do_not_jitter(void **state)
 	/* a circle of 100 m radius at 5 m/s, once a second, in steps of 11 m east and 8 m north: 4 decimals
 	 * of a degree */
 	struct made m = made_track(240);
-	(void)state;
 	for (uint32_t i = 0; i < 240; i++) {
 		double a = i * 0.05;
 		put(&m, i, floor(100 * cos(a) / 11 + 0.5) * 11, floor(100 * sin(a) / 8 + 0.5) * 8,
@@ -74,7 +68,6 @@ static void rounded_positions_do_not_jitter(void **state)
 static void cameras_look_where_they_go_and_wait_without_turning(void **state)
 {
 	struct made m = made_track(90);
-	(void)state;
 	for (uint32_t i = 0; i < 90; i++)
 		put(&m, i, i < 30 ? 5.0 * i : 150, i < 60 ? 0 : 5.0 * (i - 60), 20);
 	cleaned(&m.track);
@@ -95,7 +88,6 @@ static void cameras_look_where_they_go_and_wait_without_turning(void **state)
 static void recorded_looks_turn_across_north(void **state)
 {
 	struct made m = straight(20);
-	(void)state;
 	for (uint32_t i = 0; i < 20; i++) {
 		struct eco_fix *fix = &m.track.fixes[i];
 		fix->yaw_deg = fmod(350 + i, 360);
@@ -123,7 +115,6 @@ static void flights_are_moved_turned_and_kept_above_ground(void **state)
 	struct eco_ground ground = { .columns = 2, .rows = 2, .x_m = -1000, .y_m = 0, .step_x_m = 2000,
 		.step_y_m = 100, .height_m = heights };
 	struct eco_flight_moved moved;
-	(void)state;
 	cleaned(&m.track);
 	struct eco_flight f = flight_of(&m.track);
 	struct eco_track_options move = { .speed = 2, .turn_deg = 90, .to_given = true, .to = { 7, 8, 9 },
@@ -151,7 +142,6 @@ static void scripts_keep_to_the_flight_as_they_say(void **state)
 {
 	/* stands, starts, corners, a gimbal that swings */
 	struct made m = made_track(600);
-	(void)state;
 	for (uint32_t i = 0; i < 600; i++) {
 		double t = i * 0.2, x = t < 20 ? 0 : t < 60 ? 8 * (t - 20) : 320,
 			y = t < 60 ? 0 : 8 * (t - 60);
@@ -200,7 +190,6 @@ static void still_cameras_are_one_keyframe(void **state)
 		"[{\"perspective\": {\"yfov\": 0.8}}], \"nodes\": [{\"camera\": 0, "
 		"\"translation\": [5, 7, -6]}]}", "t.gltf", NULL);
 	struct eco_script script;
-	(void)state;
 	cleaned(&track);
 	struct eco_flight f = flight_of(&track);
 	assert_int_equal(eco_script_fit(&script, &f, &track_defaults, NULL), ECO_OK);
@@ -217,7 +206,6 @@ static void still_cameras_are_one_keyframe(void **state)
 static void cameras_that_turn_about_do_it_by_a_side(void **state)
 {
 	struct made m = made_track(40);
-	(void)state;
 	for (uint32_t i = 0; i < 40; i++)
 		put(&m, i * 0.004, i, 0, 20)->yaw_deg = i % 5 < 3 ? 0 : 180;
 	m.track.posed = true;
@@ -284,14 +272,13 @@ static void recordings_keep_near_their_positions(void **state)
 {
 	const char *data = getenv("ECO_DATA");
 	char folder[900];
-	(void)state;
 	if (!data)
 		skip();
 	snprintf(folder, sizeof folder, "%s/cameras", data);
 	DIR *files = opendir(folder);
 	if (!files)
 		skip();
-	for (const struct dirent *file; (file = readdir(files)) != NULL; ) {
+	for (const struct dirent *file; (file = readdir(files)); ) {
 		char recording[300];
 		size_t length = strlen(file->d_name);
 		if (length < 8 || strcmp(file->d_name + length - 4, ".csv") != 0)

@@ -173,7 +173,6 @@ static const struct { const char *mode; bool cutout; uint8_t alpha[2]; } modes[]
 static void alpha_modes_and_linear_colours_mean_what_gltf_says(void **state)
 {
 	static const uint8_t rgba[] = { 255, 0, 0, 100, 0, 255, 0, 200 };
-
 	write_png("a b.png", rgba, 2, 1);
 	for (size_t i = 0; i < sizeof modes / sizeof *modes; i++) {
 		struct eco_model m;

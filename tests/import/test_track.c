@@ -1,11 +1,5 @@
 /* Recorded tracks: every format to the number, and what is no track is said to be none. Each format is
  * written out as the small recording that shows it. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,6 +8,7 @@
 #include "ecofiles/import/track/track.h"
 #include "tests/support/input_files.h"
 #include "tests/support/track_made.h"
+#include "tests/support/unit_test.h"
 
 static void fails(const char *text, const char *path, const struct eco_track_options *options,
 	const char *says)
@@ -86,7 +81,6 @@ static void subtitles_of_every_drone_are_read(void **state)
 			"0.000000]\n\n3\n00:00:02,000 --> 00:00:03,000\nGPS (8.2, 47.4, 18), "
 			"H 45.60m\n\n4\n00:00:03,000 --> 00:0", 1, FIX(2, 8.2, 47.4, NAN, 45.6, NAN, NAN) },
 	};
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct eco_track track = track_of(rows[i].text, "film.SRT", NULL);
 		assert_int_equal(track.format, ECO_TRACK_SRT);
@@ -103,7 +97,6 @@ static void focal_lengths_are_fields_of_view(void **state)
 		{ { "[focal_len : 240]", 24 }, { "[focal_len: 24.00]", 24 },
 		{ "[focal_len: 40.00] [dzoom_ratio: 2.00]", 80 },
 		{ "[focal_len : 240] [dzoom_ratio: 10000, delta:0]", 24 }, { "[iso: 100]", NAN } };
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		char text[300];
 		snprintf(text, sizeof text, "1\n00:00:00,000 --> 00:00:00,033\n%s [latitude: 1] [longitude: "
@@ -146,7 +139,6 @@ static void gpx_tracks_win_over_way_points(void **state)
 		"</trkpt></trkseg><trkseg>"
 		"<trkpt lat='46' "
 		"lon='15'><time>2010-10-03T11:36:31+02:00</time></trkpt></trkseg></trk></gpx>");
-	(void)state;
 	assert_int_equal(track.format, ECO_TRACK_GPX);
 	assert_true(track.count == 3 && track.degrees && track.timed);
 	assert_true(track.fixes[0].at[1] == 45.5 && track.fixes[0].at[0] == 14.25 && track.fixes[0].at[2]
@@ -172,7 +164,6 @@ static void gpx_that_breaks_off_is_read_until_there(void **state)
 	const size_t room = 1u << 20;
 	char *text = malloc(room);
 	size_t used = 0;
-	(void)state;
 	assert_non_null(text);
 	used += (size_t)snprintf(text, room, "<gpx><trk><trkseg>");
 	for (int i = 0; i < 5000; i++)
@@ -196,7 +187,6 @@ static void kml_points_have_times_and_lines_win_over_points_without(void **state
 		"</Placemark><Placemark><TimeStamp><when>2010-05-28T04:02:35+02:00</when></TimeStamp><Point>"
 		"<coordinates>-122.1,37.4,157</coordinates></Point>"
 		"</Placemark></Folder></Document></kml>");
-	(void)state;
 	assert_int_equal(track.format, ECO_TRACK_KML);
 	assert_true(track.count == 2 && track.fixes[1].at[0] == -122.1 && track.fixes[1].at[2] == 157);
 	assert_true(track.fixes[0].time_s == 1275012129.5 && track.fixes[1].time_s - track.fixes[0].time_s
@@ -233,7 +223,6 @@ static void geojson_lines_with_and_without_times(void **state)
 		"\"properties\":{\"coordinateProperties\":{\"times\":[\"2020-01-01T00:00:00Z\","
 		"\"2020-01-01T00:00:02Z\"]}},"
 		"\"geometry\":{\"type\":\"LineString\",\"coordinates\":[[10,50,3],[10.1,50,4]]}}" };
-	(void)state;
 	for (size_t i = 0; i < 2; i++) {
 		struct eco_track track = track_in("a.json", lines[i]);
 		assert_int_equal(track.format, ECO_TRACK_GEOJSON);
@@ -287,7 +276,6 @@ static void gltf_cameras_move_with_their_parents(void **state)
 	char json[2000], base64[200];
 	static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 	const uint8_t *bytes = (const uint8_t *)numbers;
-	(void)state;
 	for (size_t i = 0, k = 0; i < sizeof numbers; i += 3, base64[k] = 0) {
 		uint32_t word = (uint32_t)bytes[i] << 16 | (uint32_t)bytes[i + 1] << 8 | bytes[i + 2];
 		for (int n = 0; n < 4; n++)
@@ -352,7 +340,6 @@ static void tables_are_read_by_the_names_of_their_columns(void **state)
 		FIX(1, 2, 3, 4, NAN, NAN, NAN) },
 		{ "west in 0 to 360", "t,lon,lat\n0,350,50\n", true, FIX(0, -10, 50, NAN, NAN, NAN, NAN) },
 	};
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct eco_track track = track_of(rows[i].text, "log.csv", NULL);
 		assert_int_equal(track.format, ECO_TRACK_CSV);
@@ -373,7 +360,6 @@ static void what_is_no_track_is_said_to_be_none(void **state)
 		{ "t,lon,lat\n", "a.csv", "no fix found" }, { "1\n", "a.srt", "no fix found" },
 		{ "<html></html>", "a.kml", "neither GPX nor KML" },
 	};
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
 		fails(rows[i].text, rows[i].path, NULL, rows[i].says);
 	struct eco_track track;
@@ -398,7 +384,6 @@ static void formats_that_are_not_read_are_refused_by_name(void **state)
 		{ "1 0 0 4 0 1 0 5 0 0 1 6\n", "00.txt", "name its columns" },
 		{ "<osm/>", "a.xml", "neither GPX nor KML" },
 	};
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
 		fails(rows[i].text, rows[i].path, NULL, rows[i].says);
 }
@@ -410,7 +395,6 @@ static void files_are_read_in_a_child_to_the_same_track(void **state)
 		"00:00:02,000\nGPS(n/a,n/a,n/a)\n";
 	struct eco_track track, same = track_of(text, "a.srt", NULL);
 	struct eco_error error = { 0 };
-	(void)state;
 	if (eco_track_read(&track, input_text("track", "a.srt", text), NULL, &error))
 		fail_msg("%s", error.text);
 	assert_true(track.count == same.count && track.records == 2 && track.skipped == 1

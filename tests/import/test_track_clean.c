@@ -1,11 +1,5 @@
 /* Tracks as recorders leave them: every slip repaired and counted, and degrees brought to the scene's metres.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,6 +7,7 @@
 
 #include "ecofiles/import/track/track.h"
 #include "tests/support/track_made.h"
+#include "tests/support/unit_test.h"
 
 /* Each fix is where a motion of 10 m/s along x would have it. */
 static void assert_even(const struct eco_track *track, double start_x)
@@ -32,7 +27,6 @@ static void bogus_backward_equal_and_missing_stamps_are_repaired(void **state)
 		{ "one runs back", { { 30, 110.5 } }, 1, 0 }, { "one runs ahead", { { 30, 1000 } }, 1, 0 },
 		{ "first is missing", { { 0, NAN } }, 0, 1 },
 	};
-	(void)state;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct made m = straight(50);
 		for (int k = 0; k < 4; k++)
@@ -51,7 +45,6 @@ static void bogus_backward_equal_and_missing_stamps_are_repaired(void **state)
 static void whole_seconds_are_spread_over_their_fixes(void **state)
 {
 	struct made m = made_track(100);
-	(void)state;
 	for (uint32_t i = 0; i < 100; i++)
 		put(&m, floor(i / 10.0), i, 0, 0);
 	struct eco_track_report report = cleaned(&m.track);
@@ -63,7 +56,6 @@ static void whole_seconds_are_spread_over_their_fixes(void **state)
 static void reversed_unsorted_and_reset_clocks_are_told_apart(void **state)
 {
 	struct made reversed = made_track(50), unsorted = made_track(64), reset = straight(50);
-	(void)state;
 	for (uint32_t i = 0; i < 50; i++)
 		put(&reversed, 50 - i, 10.0 * (50 - i), 0, 0);
 	struct eco_track_report report = cleaned(&reversed.track);
@@ -88,7 +80,6 @@ static void repeated_fixes_become_even_motion(void **state)
 {
 	/* 60 records a second, 7 positions a second, in motion; a look in every record */
 	struct made m = made_track(600);
-	(void)state;
 	for (uint32_t i = 0; i < 600; i++) {
 		double t = i / 60.0, update = floor(t * 7 + 1e-9) / 7;
 		put(&m, t, 10 * update, 0, 50)->yaw_deg = t;
@@ -112,7 +103,6 @@ static void repeated_fixes_become_even_motion(void **state)
 static void isolated_jumps_are_dropped_others_split(void **state)
 {
 	struct made spikes = straight(100), apart = made_track(100), glide = straight(100);
-	(void)state;
 	spikes.track.fixes[0].at[1] = 4000;
 	spikes.track.fixes[40].at[0] = -5e6;
 	spikes.track.fixes[60].at[1] = spikes.track.fixes[61].at[1] = 700;
@@ -141,7 +131,6 @@ static void fast_stretches_are_no_jumps(void **state)
 	/* a walk, a ride, a walk */
 	struct made m = made_track(300);
 	double x = 0;
-	(void)state;
 	for (uint32_t i = 0; i < 300; i++, x += i >= 140 && i < 160 ? 25 : 1.4)
 		put(&m, i, x, 0, 0);
 	struct eco_track_report report = cleaned(&m.track);
@@ -152,7 +141,6 @@ static void fast_stretches_are_no_jumps(void **state)
 static void gaps_without_motion_are_shortened(void **state)
 {
 	struct made m = made_track(200);
-	(void)state;
 	for (uint32_t i = 0; i < 200; i++)
 		put(&m, i < 100 ? i : i + 3600, 10.0 * (i < 100 ? i : i - 1), 0, 0);
 	struct eco_track_report report = cleaned(&m.track);
@@ -163,7 +151,6 @@ static void gaps_without_motion_are_shortened(void **state)
 static void without_times_a_pace_is_taken(void **state)
 {
 	struct made m = made_track(3);
-	(void)state;
 	put(&m, NAN, 0, 0, NAN);
 	put(&m, NAN, 30, 40, NAN);
 	put(&m, NAN, 30, 90, NAN);
@@ -178,7 +165,6 @@ static void heights_are_absolute_relative_or_interpolated(void **state)
 	static const struct { enum eco_track_height wanted, taken; double first; } rows[] =
 		{ { ECO_HEIGHTS_DEFAULT, ECO_HEIGHTS_RELATIVE, 5 },
 		{ ECO_HEIGHTS_ABSOLUTE, ECO_HEIGHTS_ABSOLUTE, 305 } };
-	(void)state;
 	for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
 		struct made m = straight(10);
 		for (uint32_t i = 0; i < 10; i++) {
@@ -211,7 +197,6 @@ static void degrees_become_metres_of_the_scene(void **state)
 		metres = track_of("t,x,y\n0,500010,5538630\n", "c.csv", NULL);
 	struct eco_track_options utm = { .crs = "EPSG:32633", .origin = { 500000, 5538630, 290 } };
 	struct eco_error error = { 0 };
-	(void)state;
 	if (eco_track_place(&track, &utm, &error))
 		fail_msg("%s", error.text);
 	/* zone 33 has its meridian at 15 degrees; 50 degrees north are 5538630.70 m */

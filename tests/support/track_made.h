@@ -2,17 +2,12 @@
 #ifndef TESTS_TRACK_MADE_H
 #define TESTS_TRACK_MADE_H
 
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/import/track/track.h"
+#include "tests/support/unit_test.h"
 
 #define DEG 57.29577951308232
 

@@ -176,7 +176,6 @@ static void add_vertices(struct soup *s, const struct aiMesh *mesh, const struct
 	for (unsigned i = 0; i < mesh->mNumVertices; i++) {
 		float *to = &m->uv[((size_t)m->vertex_count + i) * 2];
 		double place[3];
-
 		transform(s, world, &mesh->mVertices[i], place);
 		for (int k = 0; k < 3; k++)
 			m->position[((size_t)m->vertex_count + i) * 3 + (size_t)k] =

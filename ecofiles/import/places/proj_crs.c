@@ -32,7 +32,6 @@ static PJ *parse(PJ_CONTEXT *context, const char *text)
 	/* has its own datum shift, which PROJ uses in converting */
 	if (crs && proj_get_type(crs) == PJ_TYPE_BOUND_CRS) {
 		PJ *base = proj_get_source_crs(context, crs);
-
 		if (base && proj_get_type(base) == PJ_TYPE_COMPOUND_CRS) {
 			proj_destroy(crs);
 			return base;

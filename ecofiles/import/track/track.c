@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 
 #include "ecofiles/base/guard.h"
-#include "ecofiles/import/model/import_model.h"
+#include "ecofiles/import/model/import_file.h"
 #include "ecofiles/import/track/track_read.h"
 
 #define METRES_MAX 1e9
