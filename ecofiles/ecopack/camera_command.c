@@ -10,7 +10,7 @@
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/scene/scene.h"
-#include "ecofiles/import/model/import_model.h"
+#include "ecofiles/import/model/import_file.h"
 #include "ecofiles/import/track/track.h"
 #include "ecofiles/format/view.h"
 

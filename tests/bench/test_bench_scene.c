@@ -195,12 +195,13 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test_setup_teardown(test_packs_are_built_once_for_each_order, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_packs_without_their_stamp_are_built_again, set_up,
-		tear_down), cmocka_unit_test_setup_teardown(test_failures_are_said_and_leave_no_stamp, set_up,
-		tear_down), cmocka_unit_test_setup_teardown(test_views_run_from_first_to_last_of_the_script,
-		set_up, tear_down),
+			tear_down),
+		cmocka_unit_test_setup_teardown(test_failures_are_said_and_leave_no_stamp, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_views_run_from_first_to_last_of_the_script, set_up,
+			tear_down),
 		cmocka_unit_test_setup_teardown(test_the_crown_is_seen_from_outside_all_around, set_up,
-		tear_down), cmocka_unit_test_setup_teardown(test_models_are_those_that_read, set_up,
-		tear_down),
+			tear_down),
+		cmocka_unit_test_setup_teardown(test_models_are_those_that_read, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_packed_models_of_another_folder_are_not_those_of_the_last,
 			set_up, tear_down),
 	};

@@ -70,7 +70,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(clear_texels_take_the_colour_beside_them),
-			cmocka_unit_test(far_from_all_they_take_the_mean),
+		cmocka_unit_test(far_from_all_they_take_the_mean),
 		cmocka_unit_test(one_opaque_texel_is_enough_in_a_picture_of_any_shape),
 		cmocka_unit_test(nothing_opaque_stays_as_it_is),
 	};

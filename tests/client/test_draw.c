@@ -274,10 +274,12 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(empty_store_draws_an_empty_picture),
-			cmocka_unit_test(ground_hides_and_is_not_covered),
+		cmocka_unit_test(ground_hides_and_is_not_covered),
 		cmocka_unit_test(mask_does_not_depend_on_shading),
-		cmocka_unit_test(tint_shows_all_four_kinds), cmocka_unit_test(uploads_in_parts_draw_the_same),
-		cmocka_unit_test(repeated_frames_are_the_same), cmocka_unit_test(wrong_size_is_refused),
+		cmocka_unit_test(tint_shows_all_four_kinds),
+		cmocka_unit_test(uploads_in_parts_draw_the_same),
+		cmocka_unit_test(repeated_frames_are_the_same),
+		cmocka_unit_test(wrong_size_is_refused),
 		cmocka_unit_test(shadows_fall_to_the_north_east),
 	};
 	return cmocka_run_group_tests(tests, open_all, close_all);

@@ -300,10 +300,11 @@ static int tear_down(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(stream_arrives_in_pieces), cmocka_unit_test(nothing_fits_is_no_failure),
+		cmocka_unit_test(stream_arrives_in_pieces),
+		cmocka_unit_test(nothing_fits_is_no_failure),
 		cmocka_unit_test(problems_become_readable_errors),
 		cmocka_unit_test(a_busy_server_is_asked_again),
-			cmocka_unit_test(huge_problem_does_not_fill_memory),
+		cmocka_unit_test(huge_problem_does_not_fill_memory),
 		cmocka_unit_test(cut_or_damaged_streams_are_refused),
 		cmocka_unit_test(stop_flag_and_bad_urls_end_at_once),
 	};

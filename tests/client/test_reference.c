@@ -184,7 +184,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(opengl_and_software_agree),
-			cmocka_unit_test(threads_do_not_change_the_picture),
+		cmocka_unit_test(threads_do_not_change_the_picture),
 		cmocka_unit_test(something_is_seen_and_scores_as_itself),
 		cmocka_unit_test(software_stops_when_told),
 	};

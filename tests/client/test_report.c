@@ -179,9 +179,10 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(line_shows_dashes_for_what_is_not_known),
-			cmocka_unit_test(report_has_every_figure),
+		cmocka_unit_test(report_has_every_figure),
 		cmocka_unit_test(report_of_nothing_is_valid),
-		cmocka_unit_test(query_keeps_every_digit), cmocka_unit_test(plan_time_is_found_in_its_header),
+		cmocka_unit_test(query_keeps_every_digit),
+		cmocka_unit_test(plan_time_is_found_in_its_header),
 		cmocka_unit_test(quantiles_are_values_that_occurred),
 		cmocka_unit_test(comparison_has_a_colour_for_each_case),
 		cmocka_unit_test(an_explanation_is_a_table),

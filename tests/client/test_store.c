@@ -478,16 +478,19 @@ static void summary_records_carry_owners(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(table_keeps_what_was_put), cmocka_unit_test(stream_fills_the_store),
+		cmocka_unit_test(table_keeps_what_was_put),
+		cmocka_unit_test(stream_fills_the_store),
 		cmocka_unit_test(ground_and_instances_come_back_in_order),
 		cmocka_unit_test(second_stream_extends_the_first),
 		cmocka_unit_test(wrong_streams_are_refused_with_a_reason),
 		cmocka_unit_test(chunk_that_is_held_is_refused),
 		cmocka_unit_test(forms_that_do_not_pair_are_refused),
-		cmocka_unit_test(forms_pair_with_their_elements), cmocka_unit_test(memory_is_bounded),
+		cmocka_unit_test(forms_pair_with_their_elements),
+		cmocka_unit_test(memory_is_bounded),
 		cmocka_unit_test(selection_draws_what_the_plan_says),
 		cmocka_unit_test(selection_refuses_a_plan_that_miscounts),
-		cmocka_unit_test(blends_are_recognised), cmocka_unit_test(no_plan_selects_nothing),
+		cmocka_unit_test(blends_are_recognised),
+		cmocka_unit_test(no_plan_selects_nothing),
 		cmocka_unit_test(summary_records_carry_owners),
 	};
 	return cmocka_run_group_tests(tests, make_scene, free_scene);

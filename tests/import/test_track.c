@@ -409,7 +409,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(subtitles_of_every_drone_are_read),
-			cmocka_unit_test(focal_lengths_are_fields_of_view),
+		cmocka_unit_test(focal_lengths_are_fields_of_view),
 		cmocka_unit_test(gpx_tracks_win_over_way_points),
 		cmocka_unit_test(gpx_that_breaks_off_is_read_until_there),
 		cmocka_unit_test(kml_points_have_times_and_lines_win_over_points_without),
