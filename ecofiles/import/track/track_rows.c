@@ -11,7 +11,7 @@
 /* Degrees, as its format or its "crs" says, unless its numbers cannot be such. */
 static bool is_degrees(const struct eco_rows *rows)
 {
-	bool wgs84 = !rows->crs || strstr("EPSG:4326 EPSG:4979 OGC:CRS84", rows->crs);
+	bool wgs84 = !rows->crs || strstr("EPSG:4326 EPSG:4979 OGC:CRS84", rows->crs) != NULL;
 	return wgs84 && !rows->degrees_doubted;
 }
 
@@ -105,7 +105,7 @@ static void keep_lines(struct eco_track *track)
 static void check_points(struct eco_track *track, const struct track_input *in, const char *word)
 {
 	uint64_t points = 0;
-	for (const char *at = in->text; (at = strstr(at, word)); at++)
+	for (const char *at = in->text; (at = strstr(at, word)) != NULL; at++)
 		points++;
 	if (track->records < points)
 		eco_track_note(track, "the file breaks off or is damaged: %llu of its %llu points are read",
