@@ -93,7 +93,7 @@ static const struct eco_option option_table[] = {
 	{ "the scene's URL", 0, ECO_OPTION_INPUT, "URL", &given.url,
 		.help = "of a scene: http://host:port/v1/scenes/NAME", .is_required = true },
 	{ "camera", 0, ECO_OPTION_TEXT, "CAMERA.json", &given.camera, .help = "camera script",
-	.is_required = true },
+		.is_required = true },
 	{ "size", 0, ECO_OPTION_SIZE, "WxH", given.size, 1, ECO_IMAGE_MAX, .is_required = true,
 		.help = "of the pictures, in pixels; at most 16384 either way and 2^26 in all" },
 	{ "vertices", 0, ECO_OPTION_COUNT, "N", &given.vertices, 0, ECO_VERTICES_MAX, .is_required = true,
@@ -101,14 +101,14 @@ static const struct eco_option option_table[] = {
 	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &given.dir, .is_required = true,
 		.help = "where pictures and report.json go; made if missing" },
 	{ "bytes", 0, ECO_OPTION_COUNT, "M", &given.bytes, 0, INT64_MAX,
-	.help = "budget of each response; none if not given" },
+		.help = "budget of each response; none if not given" },
 	{ "ground-px", 0, ECO_OPTION_NUMBER, "X", &given.ground_px, ECO_GROUND_PX_MIN, ECO_GROUND_PX_MAX,
 		.help = "how far the ground may be from where it is, 0.01 to 65536 pixels; 1 if not given" },
 	{ "rule", 0, ECO_OPTION_CHOICE, "NAME", &given.rule, .choices = rules,
 		.help = "how the server spends the budget: optimal (the default), or deussen (Deussen "
 		"2002), to compare with" },
 	{ "reference", 0, ECO_OPTION_READ, "cpu|egl", &given.reference, .read = read_reference,
-	.has_optional_value = true,
+		.has_optional_value = true,
 		.help = "also draw everything at full detail, and score; by default with OpenGL on "
 		"hardware, else in software" },
 	{ "tint", 0, ECO_OPTION_CHOICE, "kind", &given.tint, .choices = tints,
@@ -118,7 +118,7 @@ static const struct eco_option option_table[] = {
 		.help = "a table of why each cut of each frame is what it is; the server plans twice for "
 		"it" },
 	{ "frames", 0, ECO_OPTION_READ, "A..B", &given, .read = read_frames,
-	.help = "only these frames of the script (inclusive)" }, { 0 } };
+		.help = "only these frames of the script (inclusive)" }, { 0 } };
 
 static const struct eco_command command = { .name = "ecoview", .options = option_table,
 	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--ground-px X] "

@@ -240,9 +240,9 @@ static void stay_offline(void)
 	static const char *const settings[][2] = { { "CPL_VSIL_CURL_ALLOWED_EXTENSIONS", ".none" },
 		{ "PROJ_NETWORK", "OFF" },
 		{ "GDAL_VRT_ENABLE_PYTHON", "NO" }, { "GDAL_SKIP", "WMS WCS WMTS HTTP OGCAPI EEDA EEDAI "
-		"PLMOSAIC PLSCENES DAAS NGW STACTA STACIT WFS "
+			"PLMOSAIC PLSCENES DAAS NGW STACTA STACIT WFS "
 		"OAPIF CSW Elastic Carto AmigoCloud PostgreSQL PostGISRaster MySQL MSSQLSpatial ODBC OCI "
-		"MongoDBv3 HANA" } };
+			"MongoDBv3 HANA" } };
 
 	for (size_t i = 0; i < sizeof settings / sizeof *settings; i++)
 		setenv(settings[i][0], settings[i][1], 1);

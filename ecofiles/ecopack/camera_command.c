@@ -63,9 +63,9 @@ static void say_repairs(const struct eco_track *track, const struct eco_track_re
 		{ r->untimed ? 0 : r->stamps_missing, "fixes have no time: interpolated by distance" },
 		{ r->heights_missing, "fixes have no height: interpolated" },
 		{ r->jumped, "positions are left out: jumps, or parts that a jump separates from the "
-		"longest" },
+			"longest" },
 		{ r->retimed, "steps take another time than recorded: short leaps, and minutes without "
-		"motion" },
+			"motion" },
 	};
 	if (track->skipped)
 		main_note("%" PRIu64 " records have no position, or none that can be: left out (the first: "
@@ -296,7 +296,7 @@ static const struct eco_option options[] = {
 	{ "scene", 0, ECO_OPTION_TEXT, "SCENE.json", &given.scene, .help = "its CRS, origin and ground" },
 	{ "crs", 0, ECO_OPTION_TEXT, "CRS", &given.o.crs, .help = "with --origin, the same without a scene" },
 	{ "origin", 0, ECO_OPTION_NUMBERS, "X,Y,Z", given.o.origin, -1e9, 1e9, .count = 3,
-	.given = &given.origin_given,
+		.given = &given.origin_given,
 		.help = "the point of --crs that is 0, 0, 0 in the scene" },
 	{ "track-crs", 0, ECO_OPTION_TEXT, "CRS", &given.o.track_crs, .help = "of a track in metres" },
 	{ "to", 0, ECO_OPTION_NUMBERS, "X,Y,Z", given.o.to, -1e7, 1e7, .count = 3, .given = &given.o.to_given,
@@ -313,7 +313,7 @@ static const struct eco_option options[] = {
 	{ "pitch", 0, ECO_OPTION_NUMBER, "DEG", &given.o.pitch_deg, -90, 90,
 		.help = "up from level, instead of what was recorded" },
 	{ "look-at", 0, ECO_OPTION_NUMBERS, "X,Y,Z", given.o.look_at, -1e9, 1e9, .count = 3,
-	.given = &given.o.look_at_given,
+		.given = &given.o.look_at_given,
 		.help = "always there" },
 	{ "fov", 0, ECO_OPTION_NUMBER, "DEG", &given.o.fov_y_deg, 1, 170,
 		.help = "height of the view; what was recorded, else 60" },

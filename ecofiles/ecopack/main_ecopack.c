@@ -66,9 +66,9 @@ static const struct eco_option make_options[] = {
 		"or a method to compare with: "
 		"stochastic, density, orientation, combined" },
 	{ "jobs", 0, ECO_OPTION_COUNT, "N", &make_given.jobs, 1, 64,
-	.help = "threads; as many as there are processors if not given" },
+		.help = "threads; as many as there are processors if not given" },
 	{ "times", 0, ECO_OPTION_FLAG, NULL, &make_given.times, .help = "where the time went, and the "
-	"memory, by stage" },
+		"memory, by stage" },
 	{ "cache", 0, ECO_OPTION_TEXT, "DIR", &make_given.make.cache,
 		.help = "finished plants are kept there for the next time; $XDG_CACHE_HOME/ecostream or "
 		"~/.cache/ecostream if not given" },
@@ -94,7 +94,7 @@ static enum eco_code run_link(int argc, char **argv, struct eco_error *error)
 	enum eco_code code = main_read(&main_command_link, argc, argv, error);
 	struct link_options link =
 		{ .pack = link_given.pack, .parts = (const char *const *)link_given.parts.names,
-		.count = link_given.parts.count, .jobs = (uint32_t)link_given.jobs };
+			.count = link_given.parts.count, .jobs = (uint32_t)link_given.jobs };
 	if (!code)
 		code = link_packs(&link, error);
 	if (!code && !main_is_quiet)
@@ -106,9 +106,9 @@ static const struct eco_option link_options[] = {
 	{ "a pack to be linked", 0, ECO_OPTION_INPUTS, "A.eco", &link_given.parts, .high = LINK_PARTS_MAX,
 		.is_required = true },
 	{ "output", 'o', ECO_OPTION_TEXT, "OUT.eco", &link_given.pack, .help = "the pack to write",
-	.is_required = true },
+		.is_required = true },
 	{ "jobs", 0, ECO_OPTION_COUNT, "N", &link_given.jobs, 1, 64,
-	.help = "threads; as many as there are processors if not given" },
+		.help = "threads; as many as there are processors if not given" },
 	{ 0 } };
 
 const struct main_command main_command_link = { { "ecopack link", "A.eco B.eco ... -o OUT.eco [--jobs N]",
@@ -186,9 +186,9 @@ static const struct eco_option generate_options[] = {
 		.is_required = true,
 		.help = "one of those that ecopack --help lists" },
 	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &generate_given.generate.folder, .help = "the folder",
-	.is_required = true },
+		.is_required = true },
 	{ "plants", 0, ECO_OPTION_COUNT, "N", &generate_given.plants, 1, ECO_GENERATE_PLANTS_MAX,
-	.help = "about so many plants" },
+		.help = "about so many plants" },
 	{ "detail", 0, ECO_OPTION_NUMBER, "D", &generate_given.generate.detail, 0.1, ECO_GENERATE_DETAIL_MAX,
 		.help = "woody plants have D times as many leaves, each as much smaller" },
 	{ "seed", 0, ECO_OPTION_COUNT, "S", &generate_given.generate.seed, 0, 9007199254740992.0,

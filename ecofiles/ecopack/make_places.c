@@ -57,7 +57,7 @@ static enum eco_code place_instances(struct make *m, uint32_t source)
 		struct make_place place =
 			{ .at = { instance->at[0], instance->at[1], on_ground(m, source, instance->at) },
 			.scale = scale_for(m, plant, instance->scale, instance->height_m), .plant = plant,
-			.turn = eco_turn_from_deg(instance->yaw_deg) };
+				.turn = eco_turn_from_deg(instance->yaw_deg) };
 		enum eco_code code = add_place(m, &m->ecos[source], &place);
 		if (code)
 			return code;

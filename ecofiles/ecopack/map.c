@@ -210,8 +210,8 @@ static void write_left_out(struct legend *l)
 			number = l->x + LEGEND - (indent > 14 ? 16 : 0);
 		struct eco_chart_style style =
 			{ .size = indent > 14 ? 11 : 12,
-			.room = (left->count && indent > 0 ? LEGEND - 80 : LEGEND) - indent,
-			.color = indent > 14 ? gray : (struct eco_color){ 0 } };
+				.room = (left->count && indent > 0 ? LEGEND - 80 : LEGEND) - indent,
+				.color = indent > 14 ? gray : (struct eco_color){ 0 } };
 		struct eco_chart_style right = { .size = style.size, .align = ECO_CHART_RIGHT,
 			.color = style.color };
 		bool is_said = strncmp(left->text, "kept", 4) == 0;

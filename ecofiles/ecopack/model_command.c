@@ -517,7 +517,7 @@ static const struct eco_option options[] = {
 	{ "unit", 0, ECO_OPTION_TEXT, "U", &given.unit, .help = "unit of the files: " ECO_UNITS },
 	{ "up", 0, ECO_OPTION_TEXT, "x|y|z", &given.up, .help = "axis of the files that points up" },
 	{ "height", 0, ECO_OPTION_NUMBER, "M", &given.height_m, 0.001, 1000,
-	.help = "height in metres to which it is scaled" },
+		.help = "height in metres to which it is scaled" },
 	{ "json", 0, ECO_OPTION_FLAG, NULL, &given.json, .help = "for scripts" },
 	{ "as-plant", 0, ECO_OPTION_FLAG, NULL, &given.as_plant, .help = "only the lines for SCENE.json" },
 	{ 0 } };

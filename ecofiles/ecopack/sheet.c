@@ -444,7 +444,7 @@ static const struct eco_option options[] = {
 		.help = "shares of all vertices, or numbers of them: 1/2,1/4,1/8,1/16,1/32,1/64 if not "
 		"given" },
 	{ "size", 0, ECO_OPTION_COUNT, "PX", &given.pixels, 48, 800,
-	.help = "side of each picture, 48 to 800; 200 if not given" },
+		.help = "side of each picture, 48 to 800; 200 if not given" },
 	{ "plants", 0, ECO_OPTION_TEXT, "LIST", &given.plants, .help = "only these, by name" }, { 0 } };
 
 const struct main_command main_command_sheet = { {

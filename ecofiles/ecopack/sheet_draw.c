@@ -34,9 +34,9 @@ static void raster_batch(struct lod_raster *raster, const struct sheet_plant *p,
 	for (uint32_t i = 0; i < b->count; i += step) {
 		struct lod_raster_batch batch =
 			{ .count = step, .position = b->geometry.position + 3 * (size_t)corners * i,
-			.width = b->geometry.width ? b->geometry.width + i : NULL, .area = b->area,
-			.size = b->geometry.size ? b->geometry.size + i : NULL,
-			.owner = (uint64_t)b->first + i + 1 };
+				.width = b->geometry.width ? b->geometry.width + i : NULL, .area = b->area,
+				.size = b->geometry.size ? b->geometry.size + i : NULL,
+				.owner = (uint64_t)b->first + i + 1 };
 		if (image && image->cutout) {
 			batch.cutout = &image->picture;
 			batch.uv = b->geometry.uv + 6 * (size_t)i;

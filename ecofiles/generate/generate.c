@@ -13,7 +13,7 @@ const struct eco_generate_kind eco_generate_kinds[] = {
 	{ "park", "trees along a path, groups of conifers, palms, shrubs, grasses and flowers on a gentle "
 		"lawn", 60 },
 	{ "forest", "a mixed stand on hills: stems with trunk diameters in a CSV file, shrubs and ferns "
-	"below", 2000 },
+		"below", 2000 },
 	{ "meadow", "grasses and patches of flowers from nested eco files, with a few trees", 4000 },
 	{ "grove", "trees of six kinds on gentle hills, along a ride that the camera walks", 640 },
 	{ "palms", "a palm grove", 1500 },
@@ -63,6 +63,6 @@ enum eco_code eco_generate(const struct eco_generate_options *options, struct ec
 	struct gen_layout layout =
 		{ .options = options,
 		.plants = (uint32_t)(options->plants ? options->plants : eco_generate_kinds[kind].plants),
-		.random = { options->seed * 0x9E3779B97F4A7C15u + kind } };
+			.random = { options->seed * 0x9E3779B97F4A7C15u + kind } };
 	return layouts[kind](&layout, error);
 }

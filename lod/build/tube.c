@@ -108,8 +108,8 @@ static void start_spread(struct spread *s, const struct lod_tube *tube, struct l
 	*s = (struct spread){ lod_arena_take(arena, (size_t)n + 2, sizeof *s->first),
 		lod_arena_take(arena, 3 * (size_t)tube->triangle_count, sizeof *s->around),
 		{ .item = lod_arena_take(arena, n, sizeof(uint32_t)),
-		.at = lod_arena_take(arena, n, sizeof(uint32_t)),
-		.key = tube->level }, lod_arena_take(arena, n, sizeof *s->source) };
+			.at = lod_arena_take(arena, n, sizeof(uint32_t)),
+			.key = tube->level }, lod_arena_take(arena, n, sizeof *s->source) };
 	for (uint32_t i = 0; i < 3 * tube->triangle_count; i++)
 		s->first[tube->corner[i] + 2]++;
 	for (uint32_t v = 2; v <= n + 1; v++)

@@ -131,14 +131,14 @@ static void each_way_to_die_is_told_in_its_own_words(void **state)
 		{ ANSWER, ECO_OK, "", true },
 		{ FAIL, ECO_UNSUPPORTED, "as it was said", true },
 		{ SEGFAULT, ECO_DAMAGED, "tree.obj: reading it ended with signal 11 (Segmentation fault)",
-		true },
+			true },
 		{ EXIT, ECO_DAMAGED, "tree.obj: reading it ended with exit status 7", true },
 		{ ABORT, ECO_DAMAGED, "tree.obj: reading it ended with signal 6", true },
 		{ NULL_AFTER_FULL, ECO_TOO_LARGE, "tree.obj: reading it takes more than the 0.268 GB of "
-		"memory it may have", false },
+			"memory it may have", false },
 		{ SAY_NO_MEMORY, ECO_TOO_LARGE, "ECO_IMPORT_MEMORY_GB=2 allows more", false },
 		{ SPIN, ECO_TOO_LARGE, "tree.obj: not read within 1 s of processor time; if the file is to "
-		"be trusted, ECO_IMPORT_SECONDS=4", true },
+			"be trusted, ECO_IMPORT_SECONDS=4", true },
 		{ SLEEP, ECO_TOO_LARGE, "tree.obj: not read within 1 s;", true },
 		{ DEAF, ECO_TOO_LARGE, "tree.obj: not read within 1 s;", true },
 		{ STOPPED, ECO_TOO_LARGE, "tree.obj: not read within 1 s;", true },

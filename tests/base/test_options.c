@@ -36,14 +36,14 @@ static const struct eco_option table[] = {
 	{ "jobs", 'j', ECO_OPTION_COUNT, "N", &given.jobs, 1, 64, .help = "threads" },
 	{ "vertices", 0, ECO_OPTION_COUNT, "N", &given.vertices, 0, INT64_MAX, .help = "budget" },
 	{ "pace", 0, ECO_OPTION_NUMBER, "M", &given.pace, 0.001, 10,
-	.help = "metres a second, of which there may be so many that this must be "
+		.help = "metres a second, of which there may be so many that this must be "
 		"said in two lines of text" },
 	{ "at", 0, ECO_OPTION_NUMBERS, "X,Y,Z", given.at, -10, 10, .count = 3, .given = &given.at_given,
-	.help = "where" },
+		.help = "where" },
 	{ "size", 0, ECO_OPTION_SIZE, "WxH", given.size, 1, 4096, .help = "of pictures" },
 	{ "order", 0, ECO_OPTION_CHOICE, "NAME", &given.order, .choices = orders, .help = "of leaves" },
 	{ "some-option-with-a-name-that-is-long", 0, ECO_OPTION_READ, "X", given.read, .read = read_some,
-	.help = "anything",
+		.help = "anything",
 		.has_optional_value = true },
 	{ "json", 0, ECO_OPTION_FLAG, NULL, &given.json, .help = "for scripts" }, { 0 } };
 

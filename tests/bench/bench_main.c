@@ -190,9 +190,9 @@ static const struct eco_option options[] = {
 	{ "out", 0, ECO_OPTION_TEXT, "DIR", &given.out,
 		.help = "tables (CSV), plots, report.html and summary.json; BUILD/bench if not given" },
 	{ "cache", 0, ECO_OPTION_TEXT, "DIR", &given.cache, .help = "scenes, packs and finished pieces of "
-	"work; OUT/cache if not given" },
+		"work; OUT/cache if not given" },
 	{ "build", 0, ECO_OPTION_TEXT, "DIR", &given.bench.build,
-	.help = "where the programs are; build if not given" },
+		.help = "where the programs are; build if not given" },
 	{ "only", 0, ECO_OPTION_READ, "SECTION", given.only, .read = read_only,
 		.help = "this one only, or these (commas, or said again); the report keeps what is known of "
 		"the others" },
@@ -205,7 +205,7 @@ static const struct eco_option options[] = {
 	{ "trust", 0, ECO_OPTION_FLAG, NULL, &state.trust,
 		.help = "pieces of work that another build of ecobench did are taken as they are" },
 	{ "list", 0, ECO_OPTION_FLAG, NULL, &given.list, .help = "names of sections, and which are "
-	"finished" },
+		"finished" },
 	{ "quiet", 'q', ECO_OPTION_FLAG, NULL, &state.quiet, .help = "no progress" }, { 0 } };
 
 static const struct eco_command command = { .name = "ecobench", .options = options,

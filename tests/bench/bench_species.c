@@ -165,15 +165,15 @@ static void write_keys(struct bench *bench, const struct summary *sum)
 		{ "saving_pruned_mean", "saving_pruned_mean_near",
 			">= 0.76: mean over species, leaves as they are", BENCH_PRUNED, false, false },
 		{ "saving_pruned_total", "saving_pruned_total_near",
-		">= 0.60: of all vertices, leaves as they are", BENCH_PRUNED, true, false },
+			">= 0.60: of all vertices, leaves as they are", BENCH_PRUNED, true, false },
 		{ "saving_mean", "saving_mean_near", ">= 0.85: mean over species, simpler leaves too",
-		BENCH_TRIANGLES, false, false },
+			BENCH_TRIANGLES, false, false },
 		{ "saving_total", "saving_total_near", ">= 0.70: of all vertices, simpler leaves too",
-		BENCH_TRIANGLES, true, false },
+			BENCH_TRIANGLES, true, false },
 		{ "saving_worst_mean", "saving_worst_mean_near", ">= 0.65: the worst species, simpler "
-		"leaves too", BENCH_TRIANGLES, false, true },
+			"leaves too", BENCH_TRIANGLES, false, true },
 		{ "saving_worst_total", "saving_worst_total_near",
-		">= 0.50: of all vertices of the worst species", BENCH_TRIANGLES, true, true } };
+			">= 0.50: of all vertices of the worst species", BENCH_TRIANGLES, true, true } };
 	const struct totals *t = &sum->read;
 	bool any = t->count > 0;
 	for (int i = 0; i < BENCH_SPACINGS * (int)(sizeof keys / sizeof *keys); i++) {

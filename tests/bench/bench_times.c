@@ -134,7 +134,7 @@ static void add_tile(struct scene_builder *b, uint32_t tile, uint32_t across, ui
 				scale = 49152 + (uint32_t)(32768 * unit(b));
 			scene_add_place(b, (struct eco_place){
 				{ (int32_t)(1000 * PLACE_M * (spot % SIDE)),
-				(int32_t)(1000 * PLACE_M * (spot / SIDE)), 0 }, 0, scale });
+					(int32_t)(1000 * PLACE_M * (spot / SIDE)), 0 }, 0, scale });
 		}
 		b->tiles[tile].area += PLANTS_EACH * (double)b->plants[plant].area;
 	}

@@ -14,8 +14,8 @@ static struct eco_request request_of(const struct eco_tile *root, uint32_t view,
 	static const double around[VIEWS / 3][2] = { { 1, 0.25 }, { -0.5, 1 }, { -1, -0.75 }, { 0.25, -1 } };
 	struct eco_request request =
 		{ .view = { .up = { 0, 0, 1 }, .fov_y_deg = 45, .width = 800, .height = 600 },
-		.vertices = vertices,
-		.bytes = ECO_BYTES_UNBOUNDED };
+			.vertices = vertices,
+			.bytes = ECO_BYTES_UNBOUNDED };
 	double size = root->high[0] - root->low[0], away = size * (view < 4 ? 2 : view < 8 ? 0.5 : 0.03125);
 	for (int i = 0; i < 3; i++) {
 		request.view.target[i] = 0.5 * (root->low[i] + root->high[i]);

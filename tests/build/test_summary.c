@@ -273,7 +273,7 @@ static uint32_t pooled_leaves(int32_t stem_z)
 	struct eco_ladder ladders[2] = {
 		{ .organ = ECO_ORGAN_FOLIAGE, .points = ECO_NONE, .lines = ECO_NONE, .triangles = 0 },
 		{ .organ = ECO_ORGAN_WOOD, .points = ECO_NONE, .lines = ECO_NONE, .triangles = 1,
-		.level_count = 1, .level_end = { 1 } } };
+			.level_count = 1, .level_end = { 1 } } };
 	struct eco_anchor anchor = { { 0, 0, 0 }, 1 };
 	struct lod_plant plant = { .anchors = &anchor, .ladders = ladders, .ladder_count = 2, .lists = drafts,
 		.list_count = 2 };

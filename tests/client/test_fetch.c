@@ -177,12 +177,12 @@ static void problems_become_readable_errors(void **state)
 			"scene 'test'\"}", ECO_NOT_FOUND,
 			"the server answered 404: No such scene: there is no scene 'test'" },
 		{ "HTTP/1.1 400 Bad Request\r\n", "{\"title\":\"Bad view\"}", ECO_BAD_INPUT,
-		"the server answered 400: Bad view" },
+			"the server answered 400: Bad view" },
 		{ "HTTP/1.1 503 Busy\r\n", "<html>", ECO_IO, "the server answered 503" STRANGER },
 		{ "HTTP/1.1 200 OK\r\nContent-Type: text/html\r\n", "<html>", ECO_BAD_INPUT,
-		"the server answered 200 with text/html" STRANGER },
+			"the server answered 200 with text/html" STRANGER },
 		{ "HTTP/1.1 302 Found\r\nLocation: http://127.0.0.1:1/\r\n", "", ECO_BAD_INPUT,
-		"the server answered 302" STRANGER },
+			"the server answered 302" STRANGER },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
 		struct server s;

@@ -16,7 +16,7 @@
 
 static const struct eco_request request =
 	{ .view = { { 1.5, -2, 0.1 }, { 0, 0, 1e-9 }, { 0, 0, 1 }, 45, 800, 600 }, .vertices = 1000,
-	.bytes = ECO_BYTES_UNBOUNDED };
+		.bytes = ECO_BYTES_UNBOUNDED };
 
 static void line_shows_dashes_for_what_is_not_known(void **state)
 {

@@ -334,21 +334,21 @@ static const struct { const char *scene, *says; } bad[] = {
 	{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"a.obj\", \"colour\": 1}}, "
 		"\"instances\": []}", "colour" },
 	{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"missing.obj\"}}, \"instances\": "
-	"[{\"plant\": \"a\", \"at\": [0, 0, 0]}]}",
+		"[{\"plant\": \"a\", \"at\": [0, 0, 0]}]}",
 		"missing.obj" },
 	{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": "
-	"[{\"plant\": \"oak\", \"at\": [0, 0, 0]}]}", "oak" },
+		"[{\"plant\": \"oak\", \"at\": [0, 0, 0]}]}", "oak" },
 	{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": []}",
-	"no plants" },
+		"no plants" },
 	{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"broken.obj\"}}, \"instances\": "
-	"[{\"plant\": \"a\", \"at\": [0, 0, 0]}]}",
+		"[{\"plant\": \"a\", \"at\": [0, 0, 0]}]}",
 		"broken.obj" },
 	{ "{\"name\": \"x\", \"ground\": {\"heights\": \"a.obj\"}, \"plants\": {\"a\": {\"model\": "
-	"\"a.obj\"}}, \"instances\": [{\"plant\": \"a\", "
+		"\"a.obj\"}}, \"instances\": [{\"plant\": \"a\", "
 		"\"at\": [0, 0, 0]}]}", "a.obj" },
 	/* what is quickly found is said before plants are built */
 	{ "{\"name\": \"x\", \"plants\": {\"a\": {\"model\": \"broken.obj\"}}, \"instances\": "
-	"[{\"from\": \"two.csv\", \"x\": \"x\", \"y\": "
+		"[{\"from\": \"two.csv\", \"x\": \"x\", \"y\": "
 		"\"north\", \"plant\": \"a\"}]}", "no column \"north\"; there are: x, y" },
 };
 

@@ -129,52 +129,52 @@ static void impossible_scripts_are_refused_by_name(void **state)
 		{ "{\"fps\": 2,\n\"keyframes\": []}", "tour.json:2:14: there are no keyframes" },
 		{ "{\"fps\": 2,\n\"keyframes\": {}}", "tour.json:2:14: \"keyframes\" must be an array" },
 		{ "{\"fps\": 2,\n \"loop\": true, \"keyframes\": []}",
-		"tour.json:2:2: unknown field \"loop\"; known here: fps, keyframes" },
+			"tour.json:2:2: unknown field \"loop\"; known here: fps, keyframes" },
 		{ SCRIPT("0", KEY("0", "1")), "tour.json:1:9: fps is 0, it must be" },
 		{ SCRIPT("-1", KEY("0", "1")), "tour.json:1:9: fps is -1" },
 		{ SCRIPT("\"2\"", KEY("0", "1")), "tour.json:1:9: \"fps\" must be a number" },
 		{ SCRIPT("2", "\n1"), "tour.json:2:1: this must be an object" },
 		{ SCRIPT("2", KEY("0", "1") ",\n{\"time_s\": 1, \"eye\": [0, 0], \"target\": [1, 2, 3], "
-		"\"fov_y_deg\": 9}"),
+			"\"fov_y_deg\": 9}"),
 			"tour.json:2:22: \"eye\" has 2 numbers" },
 		{ SCRIPT("2", "\n" KEY("0", "\"a\"")), "tour.json:2:23: this must be a number" },
 		{ SCRIPT("2", "\n" KEY("0", "1e13")), "tour.json:2:23: the number is 1" },
 		{ SCRIPT("2", "\n{\"time_s\": 1, \"eye\": [0, 0, 1], \"fov_y_deg\": 9}"),
-		"tour.json:2:1: \"target\" is missing" },
+			"tour.json:2:1: \"target\" is missing" },
 		{ SCRIPT("2", "\n{\"eye\": [0, 0, 1], \"target\": [1, 2, 3], \"fov_y_deg\": 9}"),
-		"tour.json:2:1: \"time_s\" is missing" },
+			"tour.json:2:1: \"time_s\" is missing" },
 		{ SCRIPT("2", "\n{\"time_s\": 1, \"eye\": [0, 0, 1], \"target\": [1, 2, 3]}"),
-		"tour.json:2:1: \"fov_y_deg\" is missing" },
+			"tour.json:2:1: \"fov_y_deg\" is missing" },
 		{ SCRIPT("2", "\n{\"time_s\": 1, \"eye\": [0, 0, 1], \"target\": [1, 2, 3],\n\"fov_y_deg\": "
-		"181}"),
+			"181}"),
 			"tour.json:3:14: fov_y_deg is 181" },
 		{ SCRIPT("2", "\n{\"time_s\": 1, \"eye\": [0, 0, 1], \"target\": [1, 2, 3],\n\"fov_y_deg\": "
-		"180}"),
+			"180}"),
 			"tour.json:2:1: frame 0 at 1 s, from this keyframe on, cannot be drawn: fov_y_deg: "
 			"180" },
 		{ SCRIPT("2", "{\"time_s\": 1, \"eye\": [0, 0, 1], \"target\": [1, 2, 3], \"fov_y_deg\": "
-		"9,\n\"roll\": 1}"),
+			"9,\n\"roll\": 1}"),
 			"tour.json:2:1: unknown field \"roll\"" },
 		{ SCRIPT("2", KEY("1", "1") ",\n" KEY("1", "2")),
-		"tour.json:2:12: time_s is 1, but the keyframe before it is at 1" },
+			"tour.json:2:12: time_s is 1, but the keyframe before it is at 1" },
 		{ SCRIPT("2", KEY("0", "1") "," KEY("1", "2") ",\n" KEY("0.5", "2")),
-		"tour.json:2:12: time_s is 0.5, but" },
+			"tour.json:2:12: time_s is 0.5, but" },
 		{ SCRIPT("1000", KEY("0", "1") "," KEY("1000", "2")),
-		"tour.json:1:1: 1000 s at 1000 frames a second are 1000001 frames" },
+			"tour.json:1:1: 1000 s at 1000 frames a second are 1000001 frames" },
 		{ SCRIPT("1", KEY("0", "1") ",\n" KEY("1e10", "2")), "tour.json:2:12: time_s is 1" },
 		{ SCRIPT("2", "\n{\"time_s\": 0, \"eye\": [0, 0, 1], \"target\": [0, 0, 1], \"fov_y_deg\": "
-		"9}"),
+			"9}"),
 			"tour.json:2:1: frame 0 at 0 s, from this keyframe on, cannot be drawn: target: it "
 			"is the same point as eye" },
 		/* eye and target meet half-way */
 		{ SCRIPT("1", "\n{\"time_s\": 0, \"eye\": [0, 0, 0], \"target\": [2, 0, 0], \"fov_y_deg\": "
-		"9},"
+			"9},"
 			"\n{\"time_s\": 2, \"eye\": [2, 0, 0], \"target\": [0, 0, 0], \"fov_y_deg\": 9}"),
 			"tour.json:2:1: frame 1 at 1 s, from this keyframe on, cannot be drawn: target: it "
 			"is the same point as eye (1, 0, 0)" },
 		/* the field of view swings below 0 between keyframes that are all right */
 		{ SCRIPT("10", "{\"time_s\": 0, \"eye\": [0, 0, 0], \"target\": [2, 0, 0], \"fov_y_deg\": "
-		"170},\n"
+			"170},\n"
 			"{\"time_s\": 1, \"eye\": [0, 0, 0], \"target\": [2, 0, 0], \"fov_y_deg\": 1},"
 			"{\"time_s\": 2, \"eye\": [0, 0, 0], \"target\": [2, 0, 0], \"fov_y_deg\": 1}"),
 			"tour.json:2:1: frame 11 at 1.1 s, from this keyframe on, cannot be drawn: "

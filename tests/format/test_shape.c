@@ -110,7 +110,7 @@ static enum eco_code decode(const struct crown *c, const uint8_t *bytes, size_t 
 {
 	const struct eco_chunk chunk =
 		{ .size_bytes = (uint32_t)size, .primitive_count = c->elements.primitive_count,
-		.element_count = LEAVES };
+			.element_count = LEAVES };
 	struct eco_error error = { 0 };
 	return eco_chunk_decode(&c->list, &chunk, 3, bytes, size, out, &error);
 }

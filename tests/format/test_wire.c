@@ -445,9 +445,9 @@ static void impossible_holdings_are_refused(void **state)
 		{ "no chunks", { 1, 0, 0, 0, 5, 0 }, 6, ECO_BAD_INPUT },
 		{ "a long zero", { 1, 0, 0, 0, 0x80, 0, 1 }, 7, ECO_BAD_INPUT },
 		{ "a list beyond 32 bits", { 1, 0, 0, 0, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F, 1 }, 10,
-		ECO_BAD_INPUT },
+			ECO_BAD_INPUT },
 		{ "chunks beyond 32 bits", { 1, 0, 0, 0, 1, 0x80, 0x80, 0x80, 0x80, 0x10 }, 10,
-		ECO_BAD_INPUT },
+			ECO_BAD_INPUT },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct eco_holdings held;

@@ -485,7 +485,7 @@ static void what_a_viewer_would_show_is_walked(void **state)
 		{ ",\"scenes\":[{\"nodes\":[1]},{\"nodes\":[0]}],\"nodes\":[{},{}]", "1 ", ECO_OK },
 		{ ",\"nodes\":[{},{\"children\":[0]},{}]", "1 0 2 ", ECO_OK },
 		{ ",\"nodes\":[{\"children\":[1],\"extensions\":{\"KHR_node_visibility\":{\"visible\":false}"
-		"}},{},{}]", "2 ", ECO_OK },
+			"}},{},{}]", "2 ", ECO_OK },
 		{ ",\"scene\":3,\"scenes\":[{}],\"nodes\":[{},{\"children\":[0]}]", "1 0 ", ECO_OK },
 		{ ",\"scene\":\"hello\",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{},{}]", "0 1 ", ECO_OK },
 		{ ",\"scene\":0", "", ECO_OK },

@@ -494,7 +494,7 @@ static void what_a_file_requires_and_is_not_read_is_named(void **state)
 	static const struct { const char *list, *says; enum eco_code code; } cases[] = {
 		{ "\"extensionsRequired\":[\"KHR_texture_basisu\"]", "KHR_texture_basisu", ECO_UNSUPPORTED },
 		{ "\"extensionsRequired\":[\"KHR_mesh_quantization\",\"VENDOR_secret\"]", "VENDOR_secret",
-		ECO_UNSUPPORTED },
+			ECO_UNSUPPORTED },
 		{ "\"extensionsRequired\":[3]", "not a name", ECO_UNSUPPORTED },
 		{ "\"extensionsUsed\":[\"VENDOR_secret\"]", "", ECO_OK },
 		{ "\"extensionsRequired\":[\"KHR_materials_anything\"]", "", ECO_OK },
@@ -514,18 +514,18 @@ static const struct { const char *rest, *says; } references_to_cases[] = {
 	{ ONE_MESH("\"POSITION\":0", ",\"indices\":8"), "accessor 8" },
 	{ ONE_MESH("\"POSITION\":1", ""), "components" },
 	{ ",\"nodes\":[{\"mesh\":0,\"skin\":2}],"
-	"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", "skin" },
+		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", "skin" },
 	{ ",\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{}}}],"
 		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]",
 		"instances without" },
 	{ ",\"nodes\":[{\"mesh\":0,"
-	"\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":0,\"SCALE\":2}"
-	"}}}],"
+		"\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":0,\"SCALE\":2}"
+		"}}}],"
 		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]",
 		"3 and 2 places" },
 	{ ONE_MESH("\"POSITION\":0", ","
-	"\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0,"
-	"\"attributes\":{\"POSITION\":0}}}"),
+		"\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0,"
+		"\"attributes\":{\"POSITION\":0}}}"),
 		"Draco" },
 };
 

@@ -106,7 +106,7 @@ static void libraries_are_found_as_exporters_meant(void **state)
 	static const struct { const char *file, *library, *line, *says; } cases[] = {
 		{ "my trees.mtl", "newmtl bark\nKd 1 0 0\n", "mtllib my trees.mtl\n", "" },
 		{ "b.mtl", "newmtl bark\nKd 1 0 0\n", "mtllib nothere.mtl b.mtl\n",
-		"nothere.mtl is not there" },
+			"nothere.mtl is not there" },
 		{ "c.mtl", "newmtl bark\r\n\tKd 1 0 0\r\n", "mtllib C:\\Users\\me\\c.mtl\r\n", "" },
 		{ "Wald.MTL", "newmtl Bark\nkd 1.0 0.0 0.0\n", "mtllib wald.mtl\n", "" },
 		{ "lib.mtl", "newmtl bark\nKd 1 0 0\n", "mtllib other.mtl\n", "lib.mtl stands in for it" },
@@ -562,7 +562,7 @@ static void what_is_no_model_is_refused_with_what_to_do(void **state)
 		{ "oak.obj", "BZh91AY", 7, ECO_UNSUPPORTED, "bzcat <oak.obj >unpacked-oak.obj" },
 		{ "oak.glb", "", 0, ECO_BAD_INPUT, "the file is empty" },
 		{ "oak.fbx", "version https://git-lfs.github.com/spec/v1\n", 43, ECO_BAD_INPUT,
-		"a pointer of Git LFS" },
+			"a pointer of Git LFS" },
 		{ "oak.gltf", "\n<!DOCTYPE html><html>", 22, ECO_BAD_INPUT, "a web page, not a model" },
 		{ "oak.mtl", "newmtl x\n", 9, ECO_UNSUPPORTED, "name the OBJ file" },
 		{ "oak.skp", "x", 1, ECO_UNSUPPORTED, "export GLB, Collada or OBJ" },

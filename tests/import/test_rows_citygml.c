@@ -108,26 +108,26 @@ static void a_geometry_stands_on_the_middle_of_its_lowest_part(void **state)
 static const struct { const char *srs, *pos, *crs, *at, *note; } a_crs_cases[] = {
 	{ "EPSG:25832", "690000 5335000 500", "EPSG:25832", "(690000 5335000 500)", NULL },
 	{ "urn:adv:crs:ETRS89_UTM32*DE_DHHN2016_NH", "690000 5335000 500", "EPSG:25832+7837",
-	"(690000 5335000 500)", NULL },
+		"(690000 5335000 500)", NULL },
 	{ "urn:adv:crs:ETRS89_UTM33", "390000 5820000 40", "EPSG:25833", "(390000 5820000 40)",
-	NULL },
+		NULL },
 	{ "http://www.opengis.net/gml/srs/epsg.xml#28992", "121000 487000 2", "EPSG:28992",
-	"(121000 487000 2)", NULL },
+		"(121000 487000 2)", NULL },
 	{ "urn:ogc:def:crs,crs:EPSG::25832,crs:EPSG::7837", "690000 5335000 500",
-	"urn:ogc:def:crs,crs:EPSG::25832,crs:EPSG::7837",
+		"urn:ogc:def:crs,crs:EPSG::25832,crs:EPSG::7837",
 		"(690000 5335000 500)", NULL },
 	{ "urn:ogc:def:crs:EPSG::4979", "48.1 11.5 520", "urn:ogc:def:crs:EPSG::4979",
-	"(11.5 48.1 520)", NULL },
+		"(11.5 48.1 520)", NULL },
 	{ "http://www.opengis.net/def/crs/EPSG/0/4258", "48.1 11.5 520",
-	"http://www.opengis.net/def/crs/EPSG/0/4258", "(11.5 48.1 520)", NULL },
+		"http://www.opengis.net/def/crs/EPSG/0/4258", "(11.5 48.1 520)", NULL },
 	{ "EPSG:4258", "48.1 11.5 520", "EPSG:4258", "(11.5 48.1 520)",
-	"easting or longitude first" },
+		"easting or longitude first" },
 	{ "EPSG:4326", "11.5 48.1 520", "EPSG:4326", "(11.5 48.1 520)",
-	"taken for longitude, latitude" },
+		"taken for longitude, latitude" },
 	{ "urn:ogc:def:crs:EPSG::31467", "3560000 5820000 50", "urn:ogc:def:crs:EPSG::31467",
-	"(3560000 5820000 50)", "the other way round" },
+		"(3560000 5820000 50)", "the other way round" },
 	{ "urn:ogc:def:crs:EPSG::31467", "5820000 3560000 50", "urn:ogc:def:crs:EPSG::31467",
-	"(3560000 5820000 50)", NULL },
+		"(3560000 5820000 50)", NULL },
 	{ NULL, "1 2 3", NULL, "(1 2 3)", NULL },
 };
 
@@ -175,8 +175,8 @@ static void files_that_are_attacks_or_accidents_are_refused(void **state)
 		{ "<CityModel></CityModel>", "no SolitaryVegetationObject in it" },
 		{ "<CityModel><PlantCover/></CityModel>", "\"scatter\"" },
 		{ "<CityModel><SolitaryVegetationObject><p "
-		"srsName=\"EPSG:1\"/></SolitaryVegetationObject><SolitaryVegetationObject><p "
-		"srsName=\"EPSG:2\"/>"
+			"srsName=\"EPSG:1\"/></SolitaryVegetationObject><SolitaryVegetationObject><p "
+			"srsName=\"EPSG:2\"/>"
 			"</SolitaryVegetationObject></CityModel>", "in two CRS, \"EPSG:1\" and \"EPSG:2\"" },
 	};
 

@@ -257,7 +257,7 @@ static void errors_say_what_to_do(void **state)
 		{ "wrong.geojson", "{\"type\":\"FeatureCollection\",\"features\":[", "wrong.geojson" },
 		{ "wrong.csv", "a,b\n1,2\n", "no polygons in it" },
 		{ "far.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 5\n1 2\n3 4000\n",
-		"add \"full\": 4000" },
+			"add \"full\": 4000" },
 	};
 	struct eco_scatter *s;
 	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {

@@ -144,49 +144,49 @@ static const struct { const char *json, *place, *says; } bad[] = {
 	{ "{\"ground\": {\"heights\": \"a\", \"unit\": \"yd\"}}", ":1:37:", "is not one of m, cm" },
 	{ "{\"ground\": {\"heights\": \"a\", \"pixel\": 3}}", ":1:12:", "go together" },
 	{ "{\"ground\": {\"heights\": [\"a\", \"b\"], \"pixel\": 3, \"north_west\": [1, 2]}}", ":1:62:",
-	"a world file" },
+		"a world file" },
 	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"height\": 3}}}", ":1:35:",
-	"known here: model, variants, height_m, unit, up, parts, importance" },
+		"known here: model, variants, height_m, unit, up, parts, importance" },
 	{ "{\"plants\": {\"oak\": {}}}", ":1:20:", "a plant has either \"model\"" },
 	{ "{\"plants\": {\"oak\": {\"model\": []}}}", ":1:30:", "names no file" },
 	{ "{\"plants\": {\"oak\": {\"model\": [\"a\", 3]}}}", ":1:36:", "must be a text" },
 	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"height_m\": -3}}}", ":1:47:", "between" },
 	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"importance\": {\"root\": 1}}}}", ":1:50:",
-	"wood, foliage, flower" },
+		"wood, foliage, flower" },
 	{ "{" PLANTS ", \"instances\": [\n {\"plant\": \"oak\", \"at\": [0, 0]},\n {\"plant\": \"elm\", "
-	"\"at\": [0, 0]}]}", ":3:12:",
+		"\"at\": [0, 0]}]}", ":3:12:",
 		"plant \"elm\" is not among \"plants\": oak" },
 	{ "{" MANY_PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [0, 0]}]}", ":1:",
-	"plants\": a23456789b23456789c23456789d23456789-1, "
+		"plants\": a23456789b23456789c23456789d23456789-1, "
 		"a23456789b23456789c23456789d23456789-2, a23456789b23456789c23456789d23456789-3, "
 		"a23456789b23456789c23456789d23456789-4, ..." },
 	{ "{" PLANTS ", \"instances\": [{\"plant\": \"oak\"}]}", ":1:", "\"at\" is missing" },
 	{ "{" PLANTS ", \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0], \"scale\": 0}]}", ":1:",
-	"between" },
+		"between" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS "}]}", ":2:15:", "say what stands there" },
 	{ "{" PLANTS ",\n\"instances\": [{\"from\": \"t.csv\", \"y\": \"y\", \"plant\": \"oak\"}]}", ":2:15:",
-	"\"x\" is missing" },
+		"\"x\" is missing" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"species\": \"s\"}]}", ":2:62:",
-	"leave out" },
+		"leave out" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"species\": \"s\", \"map\": {\"a\": \"oak\", \"b\": "
-	"\"elm\"}}]}", ":2:", "\"elm\" is not among" },
+		"\"elm\"}}]}", ":2:", "\"elm\" is not among" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"crs\": \"EPSG:4326\"}]}", ":2:",
-	"the scene has no CRS" },
+		"the scene has no CRS" },
 	{ "{\"crs\": \"EPSG:26917\", \"origin\": [0, 0], " PLANTS ",\n\"instances\": [{" ROWS
 	", \"plant\": \"oak\"}]}", ":2:15:",
 		"\"crs\": \"EPSG:26917\"" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"from_dbh_mm\": "
-	"\"d\"}}]}", ":2:", "needs \"max\"" },
+		"\"d\"}}]}", ":2:", "needs \"max\"" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"column\": \"d\", "
-	"\"value\": 3}}]}", ":2:", "exactly one" },
+		"\"value\": 3}}]}", ":2:", "exactly one" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"column\": \"d\", "
-	"\"unit\": \"yd\"}}]}", ":2:",
+		"\"unit\": \"yd\"}}]}", ":2:",
 		"not one of m, cm" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"from_dbh_mm\": "
-	"\"d\", \"unit\": \"cm\", \"max\": 9, \"rate\": "
+		"\"d\", \"unit\": \"cm\", \"max\": 9, \"rate\": "
 		"1}}]}", ":2:", "leave out \"unit\"" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"separator\": \"ab\"}]}", ":2:",
-	"\"separator\"" },
+		"\"separator\"" },
 	{ "{\"children\": [{\"at\": [0, 0]}]}", ":1:15:", "\"eco\" is missing" },
 	{ "{\"children\": {}}", ":1:14:", "must be an array" },
 	{ "{\"instances\": [[]]}", ":1:16:", "must be an object" },

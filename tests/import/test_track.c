@@ -47,36 +47,36 @@ static void subtitles_of_every_drone_are_read(void **state)
 			"[altitude: 213.983002] </font>\n", 1,
 			FIX(0, 74.398751, 31.452012, 213.983002, NAN, NAN, NAN) },
 		{ "rel_alt, abs_alt, gimbal", "1\r\n00:00:00,000 --> 00:00:00,033\r\n[latitude: 31.2] "
-		"[longitude: 121.6] [rel_alt: 79.969 abs_alt: "
+			"[longitude: 121.6] [rel_alt: 79.969 abs_alt: "
 			"96.474]\r\n\r\n2\r\n00:00:00,033 --> 00:00:00,066\r\n[latitude: 31.3] [longitude: "
 			"121.7] [rel_alt: 80 abs_alt: 97] "
 			"[gb_yaw: -67.6 gb_pitch: -30.0 gb_roll: 0.0]\r\n", 2,
 			FIX(0.033, 121.7, 31.3, 97, 80, -67.6, -30) },
 		{ "gimbal in brackets of its own", "1\n00:00:01,500 --> 00:00:02,000\n[latitude : 40.7] "
-		"[longitude : -74.0] [altitude: 150.0]\n"
+			"[longitude : -74.0] [altitude: 150.0]\n"
 			"[gb_yaw : 45.2] [gb_pitch : -15.3] [gb_roll : 0.1]</font>\n", 1,
 			FIX(1.5, -74, 40.7, 150, NAN, 45.2, -15.3) },
 		{ "HOME and BAROMETER", "1\n00:00:01,000 --> 00:00:02,000\nHOME(149.0251,-20.2532) "
-		"2017.08.05 14:11:51\nGPS(149.0251,-20.2533,16) "
+			"2017.08.05 14:11:51\nGPS(149.0251,-20.2533,16) "
 			"BAROMETER:1.9\nISO:100 Shutter:60 EV: Fnum:2.2\n", 1,
 			FIX(1, 149.0251, -20.2533, NAN, 1.9, NAN, NAN) },
 		{ "Hb, Hs", "1\n00:00:01,000 --> 00:00:02,000\nHOME(149.0251,-20.2532) 2017.8.5 "
-		"14:11:51\nGPS(149.0251,-20.2533,16) Hb:1.9 Hs:2.5\n", 1,
+			"14:11:51\nGPS(149.0251,-20.2533,16) Hb:1.9 Hs:2.5\n", 1,
 			FIX(1, 149.0251, -20.2533, NAN, 1.9, NAN, NAN) },
 		{ "F.PRY and G.PRY, height of home", "1\n00:00:00,000 --> 00:00:01,000\nF/5.6, SS 400, GPS "
-		"(-58.85, -34.23, 15), HOME (-58.84, -34.24, "
+			"(-58.85, -34.23, 15), HOME (-58.84, -34.24, "
 			"-57.98m), D 698.70m, H 85.80m, H.S 0.00m/s, V.S 0.00m/s, F.PRY (2.7\xc2\xb0, "
 			"-7.0\xc2\xb0, 110.1\xc2\xb0), G.PRY (-24.4\xc2\xb0, "
 			"0.0\xc2\xb0, 110.4\xc2\xb0)\n", 1,
 			FIX(0, -58.85, -34.23, -57.98 + 85.80, 85.80, 110.4, -24.4) },
 		{ "RTK in place of GPS", "1\n00:00:35,000 --> 00:00:36,000\nF/6.3, RTK (120.08, 30.21, 28), "
-		"H 76.19m, H.S n/a, V.S n/a\n", 1,
+			"H 76.19m, H.S n/a, V.S n/a\n", 1,
 			FIX(35, 120.08, 30.21, NAN, 76.19, NAN, NAN) },
 		{ "latitude first with a capital M", "1\n00:00:00,000 --> 00:00:01,000\n2022.06.21 "
-		"16:06:17\nGPS(36.6146,-6.1120,0.0M) BAROMETER:0.3M\n", 1,
+			"16:06:17\nGPS(36.6146,-6.1120,0.0M) BAROMETER:0.3M\n", 1,
 			FIX(0, -6.1120, 36.6146, NAN, 0.3, NAN, NAN) },
 		{ "no GPS at first, cut off at the end", "1\n00:00:00,000 --> 00:00:01,000\nF/2.8, GPS "
-		"(n/a, n/a, n/a), H 1.0m\n\n2\n"
+			"(n/a, n/a, n/a), H 1.0m\n\n2\n"
 			"00:00:01,000 --> 00:00:02,000\n[latitude: 0.000000] [longitude: "
 			"0.000000]\n\n3\n00:00:02,000 --> 00:00:03,000\nGPS (8.2, 47.4, 18), "
 			"H 45.60m\n\n4\n00:00:03,000 --> 00:0", 1, FIX(2, 8.2, 47.4, NAN, 45.6, NAN, NAN) },
@@ -317,27 +317,27 @@ static void tables_are_read_by_the_names_of_their_columns(void **state)
 	static const struct { const char *name, *text; bool degrees; struct eco_fix first; } rows[] = {
 		{ "plain", "t,lon,lat,alt\n1,10,50,7\n", true, FIX(1, 10, 50, 7, NAN, NAN, NAN) },
 		{ "airdata", "time(millisecond),datetime(utc),latitude,longitude,height_above_takeoff(feet),"
-		"altitude_above_seaLevel(feet), "
+			"altitude_above_seaLevel(feet), "
 			"compass_heading(degrees), pitch(degrees), "
 			"gimbal_heading(degrees),gimbal_pitch(degrees)\n1500,2020-01-01 "
 			"00:00:00,50,10,100,1000,1,2,-170.5,-30\n", true,
 			FIX(1.5, 10, 50, 304.8, 30.48, -170.5, -30) },
 		{ "flight log", "sep=,\nOSD.flyTime [s],OSD.latitude,OSD.longitude,OSD.height "
-		"[m],GIMBAL.pitch,GIMBAL.yaw [360]\n2,50,10,30,-12,350\n",
+			"[m],GIMBAL.pitch,GIMBAL.yaw [360]\n2,50,10,30,-12,350\n",
 			true, FIX(2, 10, 50, NAN, 30, 350, -12) },
 		{ "metres", "t_s,x_east_m,y_north_m,z_up_m,yaw_deg,pitch_deg,roll_deg\n0.5,1,2,3,110,,\n",
-		false, FIX(0.5, 1, 2, 3, NAN, 110, NAN) },
+			false, FIX(0.5, 1, 2, 3, NAN, 110, NAN) },
 		{ "quoted, tabs, CRLF",
 		"\"Latitude\"\t\"Longitude\"\t\"Time\"\r\n\"50\"\t\"10\"\t\"2020-01-01T00:00:00Z\"\r\n", true,
 			FIX(1577836800, 10, 50, NAN, NAN, NAN, NAN) },
 		{ "date and time", "Date,Time,Lat,Lon\n2020/01/01,00:00:05.5,50,10\n", true,
-		FIX(1577836805.5, 10, 50, NAN, NAN, NAN, NAN) },
+			FIX(1577836805.5, 10, 50, NAN, NAN, NAN, NAN) },
 		{ "thousandths since 1970", "timestamp,lat,lng\n1577836800500,50,10\n", true,
-		FIX(1577836800.5, 10, 50, NAN, NAN, NAN, NAN) },
+			FIX(1577836800.5, 10, 50, NAN, NAN, NAN, NAN) },
 		{ "whole ten-millionths", "t,lat,lon\n0,500000000,100000000\n", true,
-		FIX(0, 10, 50, NAN, NAN, NAN, NAN) },
+			FIX(0, 10, 50, NAN, NAN, NAN, NAN) },
 		{ "spaces, comment as header", "# t east north up\n 1.0   2.0  3.0   4.0\n", false,
-		FIX(1, 2, 3, 4, NAN, NAN, NAN) },
+			FIX(1, 2, 3, 4, NAN, NAN, NAN) },
 		{ "west in 0 to 360", "t,lon,lat\n0,350,50\n", true, FIX(0, -10, 50, NAN, NAN, NAN, NAN) },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
@@ -376,9 +376,9 @@ static void formats_that_are_not_read_are_refused_by_name(void **state)
 			"(IGC), which is not read; convert it to GPX or CSV" },
 		{ "$GPRMC,235959.00,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W\n", "a.log", "NMEA" },
 		{ "<?xml version=\"1.0\"?>\n<TrainingCenterDatabase><Track/></TrainingCenterDatabase>",
-		"d.tcx", "TCX, which is not read" },
+			"d.tcx", "TCX, which is not read" },
 		{ "{\"frames\": [{\"transform_matrix\": [[1,0,0,5]]}]}", "transforms.json",
-		"transforms.json), which is not read" },
+			"transforms.json), which is not read" },
 		{ "{\"fps\": 24, \"camera_path\": []}", "camera_path.json", "nerfstudio" },
 		{ "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n", "images.txt", "COLMAP" },
 		{ "1 0 0 4 0 1 0 5 0 0 1 6\n", "00.txt", "name its columns" },

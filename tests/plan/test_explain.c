@@ -145,7 +145,7 @@ static void words_are_plain(void **state)
 		{ { .why = LOD_WHY_STEP }, "the next hull step saves nothing" },
 		{ { .why = LOD_WHY_PLANTS, .margin = 0.07 }, "plants beat the summary by 7 %" },
 		{ { .why = LOD_WHY_SUMMARY, .margin = INFINITY },
-		"summary points are drawn: plants would save nothing here" },
+			"summary points are drawn: plants would save nothing here" },
 		{ { .why = LOD_WHY_ALL }, "all of it is drawn" },
 	};
 	const struct lod_explanation why = { .lambda = 1.05 };

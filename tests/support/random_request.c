@@ -34,7 +34,7 @@ static bool random_in_plant(struct dice *r, const struct eco_scene *scene, doubl
 			struct eco_list whole = { .grid_step = { 1e-3, 1e-3, 1e-3 } };
 			struct eco_place as_place =
 				{ .turn = child->turn,
-				.scale = (uint32_t)fmax(1, (double)child->scale * 65536) };
+					.scale = (uint32_t)fmax(1, (double)child->scale * 65536) };
 			struct lod_place place;
 			for (int i = 0; i < 3; i++)
 				as_place.position[i] = (int32_t)fmax(-1e9, fmin(1e9, child->at[i] * 1000));

@@ -122,8 +122,8 @@ enum eco_code sample_pack_write_on(const char *path, const struct eco_ground *gr
 {
 	struct scene_builder b =
 		{ .state = 7, .split = split_32,
-		.scene = { .name = "sample", .near_m = 0.05, .needs = ECO_NEED_POINTS | ECO_NEED_LINES
-		| ECO_NEED_TRIANGLES | ECO_NEED_TEXTURES | ECO_NEED_GROUND | ECO_NEED_SUMMARIES },
+			.scene = { .name = "sample", .near_m = 0.05, .needs = ECO_NEED_POINTS | ECO_NEED_LINES
+			| ECO_NEED_TRIANGLES | ECO_NEED_TEXTURES | ECO_NEED_GROUND | ECO_NEED_SUMMARIES },
 		.like = { .grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 1e-3f, .palette_count = 2 } };
 	sample_lists(&b, plain);
 	sample_tables(&b, plain);

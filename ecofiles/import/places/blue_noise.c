@@ -143,11 +143,11 @@ bool eco_blue_noise(uint16_t points[ECO_BLUE_NOISE_POINTS][2])
 		(*scratch)[2] = malloc(sizeof *scratch * CANDIDATES);
 	struct field f =
 		{ .at = at, .count = CANDIDATES,
-		.cell_first = malloc(sizeof(uint32_t) * (CELLS_MOST * CELLS_MOST + 1)),
-		.member = malloc(sizeof(uint32_t) * CANDIDATES),
-		.weight = malloc(sizeof(double) * CANDIDATES),
-		.heap = malloc(sizeof(uint32_t) * CANDIDATES),
-		.place = malloc(sizeof(uint32_t) * CANDIDATES) };
+			.cell_first = malloc(sizeof(uint32_t) * (CELLS_MOST * CELLS_MOST + 1)),
+			.member = malloc(sizeof(uint32_t) * CANDIDATES),
+			.weight = malloc(sizeof(double) * CANDIDATES),
+			.heap = malloc(sizeof(uint32_t) * CANDIDATES),
+			.place = malloc(sizeof(uint32_t) * CANDIDATES) };
 	bool good = at && scratch && f.cell_first && f.member && f.weight && f.heap && f.place;
 	for (uint32_t i = 0; good && i < CANDIDATES; i++) {
 		uint64_t bits = eco_mix(4096, i);

@@ -254,8 +254,8 @@ static void draw_all(const struct lod_probe *probe, struct lod_raster *raster)
 		struct lod_raster_batch batch =
 			{ .count = drawing->count, .position = probe->floats + drawing->position,
 			.uv = drawing->cutout ? probe->floats + drawing->uv : NULL, .cutout = drawing->cutout,
-			.width = probe->floats + drawing->width, .area = drawing->area,
-			.size = drawing->sized ? probe->floats + drawing->size : NULL, .owner = 1 };
+				.width = probe->floats + drawing->width, .area = drawing->area,
+				.size = drawing->sized ? probe->floats + drawing->size : NULL, .owner = 1 };
 		if (drawing->kind == ECO_LIST_TRIANGLES)
 			lod_raster_triangles(raster, &batch);
 		else if (drawing->kind == ECO_LIST_LINES)

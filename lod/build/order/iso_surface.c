@@ -55,7 +55,7 @@ static void add_ball(struct lod_hull *h, struct lod_v3 p)
 			for (uint32_t x = first[0]; x <= last[0]; x++) {
 				struct lod_v3 d =
 					{ h->low.x + x * h->cell - p.x, h->low.y + y * h->cell - p.y,
-					h->low.z + z * h->cell - p.z };
+						h->low.z + z * h->cell - p.z };
 				double left = 1 - lod_v3_dot(d, d) * reach;
 				if (left > 0)
 					h->density[node_at(h, x, y, z)] += (float)(left * left);

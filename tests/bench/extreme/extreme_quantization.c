@@ -256,8 +256,8 @@ void extreme_nearer(struct extreme *x)
 		double away = stated * ldexp(1, -2 * k);
 		struct eco_request request =
 			{ .view = extreme_view((double[3]){ tree[0] - away - 0.2, tree[1], 1 },
-			(double[3]){ tree[0], tree[1], 1 }),
-			.vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED };
+				(double[3]){ tree[0], tree[1], 1 }),
+				.vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED };
 		struct view_picture picture = { 0 };
 		if (!extreme_draw(x, world, &request, &picture))
 			break;

@@ -312,7 +312,7 @@ static enum eco_code write_pack(const struct extreme_stand *stand, const struct 
 	struct packing p =
 		{ .stand = stand, .site = site,
 		.b.scene = { .name = "extreme", .needs = ECO_NEED_POINTS | ECO_NEED_LINES | ECO_NEED_TRIANGLES
-		| ECO_NEED_PLACEMENTS | (stand->summaries ? ECO_NEED_SUMMARIES : 0) } };
+			| ECO_NEED_PLACEMENTS | (stand->summaries ? ECO_NEED_SUMMARIES : 0) } };
 	for (uint32_t i = 0; i < stand->plant_count; i++)
 		add_plant(&p, i);
 	uint32_t borrowed = p.b.scene.list_count;
