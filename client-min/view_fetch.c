@@ -8,6 +8,8 @@
 #include <strings.h>
 #include <time.h>
 
+#include "ecofiles/base/version.h"
+
 #define BODY_MAX_DEFAULT ((uint64_t)16 << 30)
 #define PROBLEM_MAX 16384u
 #define RETRY_MIN_MS 100.0
@@ -159,7 +161,7 @@ static void set_options(struct view_fetch *fetch)
 	curl_easy_setopt(c, CURLOPT_TCP_NODELAY, 1L);
 	curl_easy_setopt(c, CURLOPT_CONNECTTIMEOUT_MS, fetch->options.connect_ms);
 	curl_easy_setopt(c, CURLOPT_BUFFERSIZE, 256L << 10);
-	curl_easy_setopt(c, CURLOPT_USERAGENT, "ecostream/0.1");
+	curl_easy_setopt(c, CURLOPT_USERAGENT, "ecostream/" ECO_VERSION);
 	curl_easy_setopt(c, CURLOPT_PROTOCOLS_STR, "http,https");
 	curl_easy_setopt(c, CURLOPT_HEADERFUNCTION, on_header);
 	curl_easy_setopt(c, CURLOPT_HEADERDATA, fetch);
