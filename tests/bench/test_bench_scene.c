@@ -165,7 +165,7 @@ static void test_models_are_those_that_read(void **unused)
 	free(models);
 }
 
-static void test_packed_models_of_another_folder_are_not_those_of_the_last(void **unused)
+static void test_packed_models_are_those_of_their_folder(void **unused)
 {
 	struct eco_error error = { 0 };
 	struct bench_model *models;
@@ -202,8 +202,8 @@ int main(void)
 		cmocka_unit_test_setup_teardown(test_the_crown_is_seen_from_outside_all_around, set_up,
 			tear_down),
 		cmocka_unit_test_setup_teardown(test_models_are_those_that_read, set_up, tear_down),
-		cmocka_unit_test_setup_teardown(test_packed_models_of_another_folder_are_not_those_of_the_last,
-			set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_packed_models_are_those_of_their_folder, set_up,
+			tear_down),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
