@@ -3,6 +3,6 @@
 #ifndef ECO_VERSION_H
 #define ECO_VERSION_H
 
-#define ECO_VERSION "0.1"
+#define ECO_VERSION "0.2"
 
 #endif
