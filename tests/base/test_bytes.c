@@ -5,7 +5,7 @@
 #include "ecofiles/base/bytes.h"
 #include "tests/support/unit_test.h"
 
-static void numbers_come_back_and_are_little_endian(void **state)
+UNIT_TEST(numbers_come_back_and_are_little_endian)
 {
 	static const uint8_t expected[] = { 0xfe, 0x34, 0x12, 0x78, 0x56, 0x34, 0x12, 8, 7, 6, 5, 4, 3, 2, 1,
 		0, 0, 0xc0, 0xbf, 0, 0, 0, 0, 0, 0, 4, 0x40, 'a', 'b' };
@@ -37,7 +37,7 @@ static void numbers_come_back_and_are_little_endian(void **state)
 	assert_null(w.bytes);
 }
 
-static void a_reader_that_ran_out_stays_failed(void **state)
+UNIT_TEST(a_reader_that_ran_out_stays_failed)
 {
 	const uint8_t bytes[] = { 1, 2, 3 };
 	struct eco_reader r = { .bytes = bytes, .size = sizeof bytes };
@@ -50,7 +50,7 @@ static void a_reader_that_ran_out_stays_failed(void **state)
 	assert_true(r.failed);
 }
 
-static void varints_come_back(void **state)
+UNIT_TEST(varints_come_back)
 {
 	static const uint64_t values[] = { 0, 1, 127, 128, 300, 16383, 16384, UINT32_MAX, (uint64_t)1 << 63,
 		UINT64_MAX };
@@ -72,7 +72,7 @@ static void varints_come_back(void **state)
 	eco_writer_free(&w);
 }
 
-static void varints_have_one_spelling(void **state)
+UNIT_TEST(varints_have_one_spelling)
 {
 	static const struct { uint8_t bytes[11]; size_t size; } bad[] = {
 		{ { 0x80, 0 }, 2 },                                                    /* zero in two bytes */
@@ -90,7 +90,7 @@ static void varints_have_one_spelling(void **state)
 	}
 }
 
-static void zigzag_orders_by_magnitude(void **state)
+UNIT_TEST(zigzag_orders_by_magnitude)
 {
 	struct eco_writer w = { 0 };
 	eco_write_zigzag(&w, 0);
@@ -100,17 +100,4 @@ static void zigzag_orders_by_magnitude(void **state)
 	assert_memory_equal(w.bytes, "\0\1\2", 3);
 	assert_int_equal(w.size, 13);
 	eco_writer_free(&w);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(numbers_come_back_and_are_little_endian),
-		cmocka_unit_test(a_reader_that_ran_out_stays_failed),
-		cmocka_unit_test(varints_come_back),
-		cmocka_unit_test(varints_have_one_spelling),
-		cmocka_unit_test(zigzag_orders_by_magnitude),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

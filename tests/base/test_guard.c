@@ -124,7 +124,7 @@ static void nothing_is_left(int open_before)
 
 /* ---- The ways to end ---- */
 
-static void each_way_to_die_is_told_in_its_own_words(void **state)
+UNIT_TEST(each_way_to_die_is_told_in_its_own_words)
 {
 	static const struct { enum deed deed; enum eco_code code; const char *says; bool sanitized; } ends[] =
 		{
@@ -169,7 +169,7 @@ static void each_way_to_die_is_told_in_its_own_words(void **state)
 }
 
 /* A parent whose standard descriptors are closed: the pipes take their numbers. */
-static void a_parent_without_standard_descriptors_reads_too(void **state)
+UNIT_TEST(a_parent_without_standard_descriptors_reads_too)
 {
 	pid_t parent = fork();
 	int status = 0;
@@ -203,7 +203,7 @@ static enum eco_code write_numbers(void *ctx, FILE *out, struct eco_error *error
 	return w->code == ECO_OK ? ECO_OK : eco_fail(error, w->code, "after %u numbers", w->count);
 }
 
-static void a_stream_arrives_whole_and_so_does_its_end(void **state)
+UNIT_TEST(a_stream_arrives_whole_and_so_does_its_end)
 {
 	static const struct { struct writing what; enum eco_code code; } streams[] = {
 		{ { 0, ECO_OK, false }, ECO_OK }, { { 1, ECO_OK, false }, ECO_OK },
@@ -228,7 +228,7 @@ static void a_stream_arrives_whole_and_so_does_its_end(void **state)
 	}
 }
 
-static void who_stops_reading_ends_the_child_without_an_error(void **state)
+UNIT_TEST(who_stops_reading_ends_the_child_without_an_error)
 {
 	int open_before = descriptors();
 	for (uint32_t wanted = 0; wanted < 3; wanted++) {
@@ -248,7 +248,7 @@ static void who_stops_reading_ends_the_child_without_an_error(void **state)
 	assert_int_equal(eco_guard_finish(NULL, NULL), ECO_OK);
 }
 
-static void a_stream_that_stays_silent_ends_by_the_clock(void **state)
+UNIT_TEST(a_stream_that_stays_silent_ends_by_the_clock)
 {
 	static const enum deed deeds[] = { SLEEP, DEAF };
 	int open_before = descriptors();
@@ -355,7 +355,7 @@ static enum eco_code try_it(void *ctx, FILE *out, struct eco_error *error)
 	return fwrite(&trial, sizeof trial, 1, out) == 1 ? ECO_OK : eco_fail(error, ECO_IO, "no result");
 }
 
-static void a_child_reads_and_does_nothing_else(void **state)
+UNIT_TEST(a_child_reads_and_does_nothing_else)
 {
 	int parents_file, result_file;
 	mkdir("build/tmp", 0777);
@@ -411,7 +411,7 @@ struct eco_ground *ground, struct eco_error *error)
 }
 
 /* With a server that would hear them. */
-static void files_that_name_servers_reach_nobody(void **state)
+UNIT_TEST(files_that_name_servers_reach_nobody)
 {
 	static const struct { const char *name, *format, *within; } files[] = {
 		{ "mosaic.vrt", MOSAIC, "/vsicurl/http://127.0.0.1:%u/dem.tif" },
@@ -441,7 +441,7 @@ static void files_that_name_servers_reach_nobody(void **state)
 }
 
 /* Textures and mosaics lie where they lie: whatever the user may read is read. */
-static void files_that_name_other_folders_are_read(void **state)
+UNIT_TEST(files_that_name_other_folders_are_read)
 {
 	char elsewhere[PATH_MAX];
 	struct eco_error error = { .code = ECO_OK };
@@ -464,7 +464,7 @@ static void *interrupt_soon(void *ctx)
 	return NULL;
 }
 
-static void an_interrupted_parent_ends_its_children(void **state)
+UNIT_TEST(an_interrupted_parent_ends_its_children)
 {
 	int open_before = descriptors();
 	for (int streams = 0; streams < 2; streams++) {
@@ -498,7 +498,7 @@ static enum eco_code tell_and_sleep(void *ctx, FILE *out, struct eco_error *erro
 	return ECO_OK;
 }
 
-static void a_parent_that_dies_takes_its_child_along(void **state)
+UNIT_TEST(a_parent_that_dies_takes_its_child_along)
 {
 	int told[2];
 	pid_t parent, child = 0;
@@ -536,7 +536,7 @@ static void a_parent_that_dies_takes_its_child_along(void **state)
 
 /* ---- Limits ---- */
 
-static void the_environment_has_the_last_word_on_limits(void **state)
+UNIT_TEST(the_environment_has_the_last_word_on_limits)
 {
 	struct eco_guard_limits generous = { .memory_bytes = 8ull << 30, .cpu_s = 600, .clock_s = 600 };
 	struct eco_error error = { .code = ECO_OK };
@@ -558,7 +558,7 @@ static void the_environment_has_the_last_word_on_limits(void **state)
 	unsetenv(ECO_GUARD_MEMORY_VARIABLE);
 }
 
-static void larger_files_may_take_more(void **state)
+UNIT_TEST(larger_files_may_take_more)
 {
 	struct eco_guard_limits none = eco_guard_limits_for(0), some = eco_guard_limits_for(100u << 20),
 		all = eco_guard_limits_for(UINT64_MAX);
@@ -567,24 +567,4 @@ static void larger_files_may_take_more(void **state)
 		&& some.clock_s > none.clock_s);
 	assert_true(all.memory_bytes > some.memory_bytes && all.cpu_s > some.cpu_s
 		&& all.clock_s > all.cpu_s);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_child_reads_and_does_nothing_else),
-		cmocka_unit_test(files_that_name_servers_reach_nobody),
-		cmocka_unit_test(files_that_name_other_folders_are_read),
-		cmocka_unit_test(an_interrupted_parent_ends_its_children),
-		cmocka_unit_test(a_parent_that_dies_takes_its_child_along),
-		cmocka_unit_test(the_environment_has_the_last_word_on_limits),
-		cmocka_unit_test(larger_files_may_take_more),
-		cmocka_unit_test(each_way_to_die_is_told_in_its_own_words),
-		cmocka_unit_test(a_parent_without_standard_descriptors_reads_too),
-		cmocka_unit_test(a_stream_arrives_whole_and_so_does_its_end),
-		cmocka_unit_test(who_stops_reading_ends_the_child_without_an_error),
-		cmocka_unit_test(a_stream_that_stays_silent_ends_by_the_clock),
-	};
-
-	return cmocka_run_group_tests_name("guard", tests, NULL, NULL);
 }

@@ -36,7 +36,7 @@ static void assert_refused(enum eco_module module, const char *says, const char 
 		fail_msg("neither \"%s\" nor \"%s\" in: %s", says, and, error.text);
 }
 
-static void a_missing_module_says_what_for_and_where_it_was_looked_for(void **state)
+UNIT_TEST(a_missing_module_says_what_for_and_where_it_was_looked_for)
 {
 	put("ecogdal.so", NULL);
 	setenv(ECO_MODULES_VARIABLE, FOLDER, 1);
@@ -44,7 +44,7 @@ static void a_missing_module_says_what_for_and_where_it_was_looked_for(void **st
 	assert_null(eco_module(ECO_MODULE_GDAL, NULL));
 }
 
-static void what_is_no_library_is_refused(void **state)
+UNIT_TEST(what_is_no_library_is_refused)
 {
 	put("ecogdal.so", "not a library");
 	setenv(ECO_MODULES_VARIABLE, FOLDER, 1);
@@ -53,7 +53,7 @@ static void what_is_no_library_is_refused(void **state)
 }
 
 /* The module of PROJ under GDAL's name has no table of GDAL's. */
-static void another_module_under_that_name_is_refused(void **state)
+UNIT_TEST(another_module_under_that_name_is_refused)
 {
 	/* the program's: the last of its path, which may lie below another of that name */
 	char target[4096], *folder = target;
@@ -70,7 +70,7 @@ static void another_module_under_that_name_is_refused(void **state)
 	put("ecogdal.so", NULL);
 }
 
-static void modules_above_the_programs_folder_are_found_and_kept(void **state)
+UNIT_TEST(modules_above_the_programs_folder_are_found_and_kept)
 {
 	const uint32_t *table;
 	unsetenv(ECO_MODULES_VARIABLE);
@@ -79,16 +79,4 @@ static void modules_above_the_programs_folder_are_found_and_kept(void **state)
 	assert_int_equal(*table, ECO_MODULE_VERSION);
 	setenv(ECO_MODULES_VARIABLE, FOLDER, 1);
 	assert_ptr_equal(eco_module(ECO_MODULE_PROJ, NULL), table);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_missing_module_says_what_for_and_where_it_was_looked_for),
-		cmocka_unit_test(what_is_no_library_is_refused),
-		cmocka_unit_test(another_module_under_that_name_is_refused),
-		cmocka_unit_test(modules_above_the_programs_folder_are_found_and_kept),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

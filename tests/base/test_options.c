@@ -68,7 +68,7 @@ static enum eco_code read_line(const char *line, struct eco_error *error)
 	return eco_command_read(&command, argc, argv, error);
 }
 
-static void options_may_stand_anywhere_and_in_four_forms(void **state)
+UNIT_TEST(options_may_stand_anywhere_and_in_four_forms)
 {
 	static const char *const lines[] = { "a.json -o b.eco --jobs 3", "-j3 -ob.eco a.json",
 		"--jobs=3 a.json --output=b.eco",
@@ -83,7 +83,7 @@ static void options_may_stand_anywhere_and_in_four_forms(void **state)
 	}
 }
 
-static void every_kind_of_value_arrives(void **state)
+UNIT_TEST(every_kind_of_value_arrives)
 {
 	struct eco_error error;
 	assert_int_equal(read_line("a -o b c -q --pace 2.5 --at -1,2,3e0 --size 640x480 d --order "
@@ -126,7 +126,7 @@ static const struct { const char *line, *says; } rows[] = {
 	{ "a --order none", "--order none: must be one of greedy, stochastic" },
 	{ "a --some-option-with-a-name-that-is-long=bad", "--some bad: cannot be" } };
 
-static void what_does_not_fit_is_named(void **state)
+UNIT_TEST(what_does_not_fit_is_named)
 {
 	struct eco_error error;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
@@ -136,7 +136,7 @@ static void what_does_not_fit_is_named(void **state)
 	}
 }
 
-static void numbers_are_read_whole_or_refused(void **state)
+UNIT_TEST(numbers_are_read_whole_or_refused)
 {
 	static const char *const bad[] = { "size=", "size=8", "size=8x", "size=x6", "size=8x6x", "size=0x6",
 		"size=8x0", "size=-8x6", "size=99999x6",
@@ -156,7 +156,7 @@ static void numbers_are_read_whole_or_refused(void **state)
 		&& given.vertices == INT64_MAX);
 }
 
-static void help_names_everything_within_its_columns(void **state)
+UNIT_TEST(help_names_everything_within_its_columns)
 {
 	char *text = NULL;
 	size_t size;
@@ -176,7 +176,7 @@ static void help_names_everything_within_its_columns(void **state)
 	free(text);
 }
 
-static void long_texts_are_wrapped_at_words(void **state)
+UNIT_TEST(long_texts_are_wrapped_at_words)
 {
 	char *text = NULL;
 	size_t size;
@@ -185,16 +185,4 @@ static void long_texts_are_wrapped_at_words(void **state)
 	fclose(out);
 	assert_string_equal(text, "one two\n    [three four] five\n    six\n");
 	free(text);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(options_may_stand_anywhere_and_in_four_forms),
-			cmocka_unit_test(every_kind_of_value_arrives),
-		cmocka_unit_test(what_does_not_fit_is_named),
-		cmocka_unit_test(numbers_are_read_whole_or_refused),
-		cmocka_unit_test(help_names_everything_within_its_columns),
-		cmocka_unit_test(long_texts_are_wrapped_at_words) };
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

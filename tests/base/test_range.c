@@ -43,7 +43,7 @@ static void code_mixed(struct eco_range *r, uint32_t count, bool writing)
 	}
 }
 
-static void what_is_written_is_read(void **unused)
+UNIT_TEST(what_is_written_is_read)
 {
 	for (uint32_t count = 0; count < 300; count++) {
 		struct eco_writer w = { 0 };
@@ -67,7 +67,7 @@ static void what_is_written_is_read(void **unused)
 }
 
 /* Within 3 % and some bytes of the entropy. */
-static void bits_take_what_they_are_worth(void **unused)
+UNIT_TEST(bits_take_what_they_are_worth)
 {
 	static const uint32_t per_thousand[] = { 2, 10, 100, 300, 500, 800, 995 };
 	for (size_t k = 0; k < sizeof per_thousand / sizeof *per_thousand; k++) {
@@ -90,7 +90,7 @@ static void bits_take_what_they_are_worth(void **unused)
 }
 
 /* A run of ones that ends in a carry passes through bytes that were held back. */
-static void carries_go_through(void **unused)
+UNIT_TEST(carries_go_through)
 {
 	for (uint32_t seed = 0; seed < 3000; seed++) {
 		struct eco_writer w = { 0 };
@@ -122,7 +122,7 @@ static int32_t number_of(uint32_t kind, uint32_t i, uint32_t *state)
 
 /* As laid out for Laplace's distribution: within 4 % and some bytes of its entropy, but for numbers that are
  * mostly 0. */
-static void numbers_near_their_usual_size_are_short(void **unused)
+UNIT_TEST(numbers_near_their_usual_size_are_short)
 {
 	for (uint32_t first = 0; first < 5; first++) {
 		struct eco_writer w = { 0 };
@@ -150,7 +150,7 @@ static void numbers_near_their_usual_size_are_short(void **unused)
 	}
 }
 
-static void anything_can_be_read(void **unused)
+UNIT_TEST(anything_can_be_read)
 {
 	uint32_t state = 5;
 	for (uint32_t i = 0; i < 2000; i++) {
@@ -172,16 +172,4 @@ static void anything_can_be_read(void **unused)
 			(void)eco_range_near(&r, &near, &kind, 0);
 		}
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(what_is_written_is_read),
-		cmocka_unit_test(bits_take_what_they_are_worth),
-		cmocka_unit_test(carries_go_through),
-		cmocka_unit_test(numbers_near_their_usual_size_are_short),
-		cmocka_unit_test(anything_can_be_read),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -4,7 +4,7 @@
 #include "ecofiles/base/room.h"
 #include "tests/support/unit_test.h"
 
-static void items_stay_when_the_array_moves(void **state)
+UNIT_TEST(items_stay_when_the_array_moves)
 {
 	uint32_t *items = NULL, capacity = 0, moves = 0;
 	for (uint32_t count = 0; count < 100000; count++) {
@@ -20,7 +20,7 @@ static void items_stay_when_the_array_moves(void **state)
 	free(items);
 }
 
-static void what_cannot_be_had_leaves_the_array_alone(void **state)
+UNIT_TEST(what_cannot_be_had_leaves_the_array_alone)
 {
 	static const struct { uint32_t capacity; size_t size; } rows[] = { { 1u << 31, 1 }, { UINT32_MAX, 1 },
 		{ 1u << 30, SIZE_MAX >> 33 } };
@@ -33,14 +33,4 @@ static void what_cannot_be_had_leaves_the_array_alone(void **state)
 		assert_int_equal(capacity, rows[i].capacity);
 		assert_ptr_equal(items, i == 2 ? NULL : &byte);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(items_stay_when_the_array_moves),
-		cmocka_unit_test(what_cannot_be_had_leaves_the_array_alone),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

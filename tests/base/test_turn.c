@@ -7,7 +7,7 @@
 #include "ecofiles/base/turn.h"
 #include "tests/support/unit_test.h"
 
-static void quarter_turns_are_exact(void **state)
+UNIT_TEST(quarter_turns_are_exact)
 {
 	static const struct { uint16_t turn; double sine, cosine; } cases[] = {
 		{ 0, 0, 1 }, { 16384, 1, 0 }, { 32768, 0, -1 }, { 49152, -1, 0 },
@@ -20,7 +20,7 @@ static void quarter_turns_are_exact(void **state)
 	}
 }
 
-static void every_turn_is_the_sine_within_an_ulp(void **state)
+UNIT_TEST(every_turn_is_the_sine_within_an_ulp)
 {
 	for (uint32_t turn = 0; turn < 65536; turn++) {
 		double sine, cosine, radians = turn * (2 * 3.14159265358979323846 / 65536);
@@ -31,7 +31,7 @@ static void every_turn_is_the_sine_within_an_ulp(void **state)
 	}
 }
 
-static void opposite_turns_mirror_to_the_bit(void **state)
+UNIT_TEST(opposite_turns_mirror_to_the_bit)
 {
 	for (uint32_t turn = 0; turn < 65536; turn++) {
 		double s, c, other_s, other_c;
@@ -44,7 +44,7 @@ static void opposite_turns_mirror_to_the_bit(void **state)
 }
 
 /* The same bits on every machine: a hash over all results. */
-static void results_are_the_golden_ones(void **state)
+UNIT_TEST(results_are_the_golden_ones)
 {
 	static double all[2 * 65536];
 	static const uint8_t golden[16] = { 0x3b, 0xb8, 0x17, 0xee, 0x80, 0xd3, 0x29, 0xea, 0xac, 0xd0, 0xa8,
@@ -56,7 +56,7 @@ static void results_are_the_golden_ones(void **state)
 	assert_memory_equal(id.bytes, golden, sizeof golden);
 }
 
-static void degrees_go_to_the_nearest_step(void **state)
+UNIT_TEST(degrees_go_to_the_nearest_step)
 {
 	static const struct { double degrees; uint16_t turn; } cases[] = {
 		{ 0, 0 }, { 90, 16384 }, { -90, 49152 }, { 360, 0 }, { 450, 16384 }, { -720, 0 },
@@ -72,7 +72,7 @@ static void degrees_go_to_the_nearest_step(void **state)
 	(void)eco_turn_from_deg(-1e300);
 }
 
-static void the_first_error_wins(void **state)
+UNIT_TEST(the_first_error_wins)
 {
 	struct eco_error error = { 0 };
 	assert_int_equal(eco_fail(&error, ECO_DAMAGED, "%s %d", "first", 1), ECO_DAMAGED);
@@ -82,26 +82,11 @@ static void the_first_error_wins(void **state)
 	assert_int_equal(eco_fail(NULL, ECO_IO, "nowhere"), ECO_IO);
 }
 
-static void every_code_has_a_name_and_an_exit_status(void **state)
+UNIT_TEST(every_code_has_a_name_and_an_exit_status)
 {
 	for (int code = 0; code < ECO_CODE_COUNT; code++) {
 		assert_true(strlen(eco_code_name(code)) > 0);
 		assert_int_equal(eco_exit_status(code), code == ECO_OK ? 0 : code == ECO_BAD_USAGE ? 2 : 1);
 	}
 	assert_string_equal(eco_code_name(ECO_CODE_COUNT), "unknown");
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(quarter_turns_are_exact),
-		cmocka_unit_test(every_turn_is_the_sine_within_an_ulp),
-		cmocka_unit_test(opposite_turns_mirror_to_the_bit),
-		cmocka_unit_test(results_are_the_golden_ones),
-		cmocka_unit_test(degrees_go_to_the_nearest_step),
-		cmocka_unit_test(the_first_error_wins),
-		cmocka_unit_test(every_code_has_a_name_and_an_exit_status),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -4,7 +4,7 @@
 #include "ecofiles/base/utf8.h"
 #include "tests/support/unit_test.h"
 
-static void characters_have_one_form(void **state)
+UNIT_TEST(characters_have_one_form)
 {
 	static const struct { const char *text; size_t size, bytes; } cases[] = {
 		{ "", 0, 0 }, { "", 1, 0 }, { "oak", 3, 1 }, { "\x7F", 1, 1 }, { "\x80", 1, 0 },
@@ -22,7 +22,7 @@ static void characters_have_one_form(void **state)
 	assert_false(eco_utf8_valid("a\0b", 3) || eco_utf8_valid("W\xE4ldchen", 8));
 }
 
-static void names_are_cut_between_characters(void **state)
+UNIT_TEST(names_are_cut_between_characters)
 {
 	static const struct { const char *text; size_t most, kept; } cases[] = {
 		{ "", 9, 0 }, { "oak", 9, 3 }, { "oak", 3, 3 }, { "oak", 2, 2 }, { "oak", 0, 0 },
@@ -33,14 +33,4 @@ static void names_are_cut_between_characters(void **state)
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
 		assert_int_equal(eco_utf8_cut(cases[i].text, strlen(cases[i].text), cases[i].most),
 			cases[i].kept);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(characters_have_one_form),
-		cmocka_unit_test(names_are_cut_between_characters),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

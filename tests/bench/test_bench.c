@@ -188,7 +188,7 @@ static int set_up(void **state)
 
 /* ---- Tests ---- */
 
-static void test_command_line_is_checked(void **state)
+UNIT_TEST_BETWEEN(test_command_line_is_checked, set_up, NULL)
 {
 	static const struct { const char *argument, *value; int status; const char *says; } cases[] = {
 		{ "--help", NULL, 0, "--full" }, { "--list", NULL, 0, "Squares" },
@@ -211,7 +211,7 @@ static void test_command_line_is_checked(void **state)
 	assert_int_equal(lines_of("work.log"), 0);
 }
 
-static void test_a_run_leaves_tables_report_and_summary(void **state)
+UNIT_TEST_BETWEEN(test_a_run_leaves_tables_report_and_summary, set_up, NULL)
 {
 	assert_int_equal(RUN("--only", "tiny"), 0);
 	assert_string_equal(text_of("out/tiny.csv"), "unit,square\n0,0\n1,1\n2,4\n3,9\n4,16\n");
@@ -224,7 +224,7 @@ static void test_a_run_leaves_tables_report_and_summary(void **state)
 	json_decref(summary);
 }
 
-static void test_interrupted_runs_go_on(void **state)
+UNIT_TEST_BETWEEN(test_interrupted_runs_go_on, set_up, NULL)
 {
 	stop_after = 2;
 	assert_int_equal(RUN(NULL), 130);
@@ -243,7 +243,7 @@ static void test_interrupted_runs_go_on(void **state)
 	assert_true(says("out/summary.json", "tiny_sum"));
 }
 
-static void test_damaged_units_are_done_anew(void **state)
+UNIT_TEST_BETWEEN(test_damaged_units_are_done_anew, set_up, NULL)
 {
 	assert_int_equal(RUN("--only", "tiny"), 0);
 	static const char *const damages[] = { "truncate -s 0", "truncate -s 9", "sed -i s/tiny/tidy/",
@@ -259,7 +259,7 @@ static void test_damaged_units_are_done_anew(void **state)
 	}
 }
 
-static void test_units_of_another_program_are_done_anew_unless_trusted(void **state)
+UNIT_TEST_BETWEEN(test_units_of_another_program_are_done_anew_unless_trusted, set_up, NULL)
 {
 	assert_int_equal(RUN("--only", "tiny"), 0);
 	assert_int_equal(system("sed -i 's/\"program\":\"[0-9a-f]*\"/\"program\":\"0123456789abcdef\"/' " ROOT
@@ -270,7 +270,7 @@ static void test_units_of_another_program_are_done_anew_unless_trusted(void **st
 	assert_int_equal(lines_of("work.log"), 2 * UNITS);
 }
 
-static void test_a_failure_does_not_end_the_run(void **state)
+UNIT_TEST_BETWEEN(test_a_failure_does_not_end_the_run, set_up, NULL)
 {
 	assert_int_equal(RUN("--only", "tiny,keys,failing,plots,commands"), 1);
 	assert_true(says("out/report.html", "this section fails &lt;always&gt;"));
@@ -282,7 +282,7 @@ static void test_a_failure_does_not_end_the_run(void **state)
 		| access(ROOT "/out/picture.png", R_OK), 0);
 }
 
-static void test_sections_in_processes_of_their_own_outlive_each_other(void **state)
+UNIT_TEST_BETWEEN(test_sections_in_processes_of_their_own_outlive_each_other, set_up, NULL)
 {
 	assert_int_equal(RUN("--jobs", "3", "--only", "tiny,keys,failing,crash,last"), 1);
 	assert_true(says("out/report.html", "ended by signal 9"));
@@ -292,7 +292,7 @@ static void test_sections_in_processes_of_their_own_outlive_each_other(void **st
 	assert_int_equal(lines_of("work.log"), UNITS);
 }
 
-static void test_interruption_ends_commands_too(void **state)
+UNIT_TEST_BETWEEN(test_interruption_ends_commands_too, set_up, NULL)
 {
 	assert_int_equal(RUN("--only", "slow"), 130);
 	assert_true(says("out/report.html", "not complete (interrupted"));
@@ -304,7 +304,7 @@ static void test_interruption_ends_commands_too(void **state)
 	assert_int_equal(lines_of("work.log"), 0);
 }
 
-static void test_bars_in_words_are_compared(void **state)
+UNIT_TEST_BETWEEN(test_bars_in_words_are_compared, set_up, NULL)
 {
 	static const struct { const char *key; int reached; } cases[] = { { "more", 0 }, { "percent", 1 },
 		{ "unicode", 1 }, { "exact", 1 },
@@ -319,20 +319,4 @@ static void test_bars_in_words_are_compared(void **state)
 	}
 	assert_true(json_is_null(json_object_get(summary, "unmeasured")));
 	json_decref(summary);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test_setup(test_command_line_is_checked, set_up),
-		cmocka_unit_test_setup(test_a_run_leaves_tables_report_and_summary, set_up),
-		cmocka_unit_test_setup(test_interrupted_runs_go_on, set_up),
-		cmocka_unit_test_setup(test_damaged_units_are_done_anew, set_up),
-		cmocka_unit_test_setup(test_units_of_another_program_are_done_anew_unless_trusted, set_up),
-		cmocka_unit_test_setup(test_a_failure_does_not_end_the_run, set_up),
-		cmocka_unit_test_setup(test_sections_in_processes_of_their_own_outlive_each_other, set_up),
-		cmocka_unit_test_setup(test_interruption_ends_commands_too, set_up),
-		cmocka_unit_test_setup(test_bars_in_words_are_compared, set_up),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -66,7 +66,7 @@ static int tear_down(void **unused)
 	return 0;
 }
 
-static void test_packs_are_built_once_for_each_order(void **unused)
+UNIT_TEST_BETWEEN(test_packs_are_built_once_for_each_order, set_up, tear_down)
 {
 	struct eco_error error = { 0 };
 	char path[512], other[512];
@@ -80,7 +80,7 @@ static void test_packs_are_built_once_for_each_order(void **unused)
 	assert_string_not_equal(path, other);
 }
 
-static void test_packs_without_their_stamp_are_built_again(void **unused)
+UNIT_TEST_BETWEEN(test_packs_without_their_stamp_are_built_again, set_up, tear_down)
 {
 	static const char *const damages[] = { "rm %s.stamp", "rm %s", "echo x >%s.stamp", ": >%s.stamp" };
 	for (size_t i = 0; i < sizeof damages / sizeof *damages; i++) {
@@ -96,7 +96,7 @@ static void test_packs_without_their_stamp_are_built_again(void **unused)
 	}
 }
 
-static void test_failures_are_said_and_leave_no_stamp(void **unused)
+UNIT_TEST_BETWEEN(test_failures_are_said_and_leave_no_stamp, set_up, tear_down)
 {
 	struct eco_error error = { 0 };
 	char path[512];
@@ -115,7 +115,7 @@ static void test_failures_are_said_and_leave_no_stamp(void **unused)
 	assert_int_equal(bench_scene(&bench, "palms", NULL, path, &error), ECO_OK);
 }
 
-static void test_views_run_from_first_to_last_of_the_script(void **unused)
+UNIT_TEST_BETWEEN(test_views_run_from_first_to_last_of_the_script, set_up, tear_down)
 {
 	struct eco_request requests[7];
 	assert_int_equal(bench_scene_views(&bench, "desert", requests, 7), 0);
@@ -131,7 +131,7 @@ static void test_views_run_from_first_to_last_of_the_script(void **unused)
 	}
 }
 
-static void test_the_crown_is_seen_from_outside_all_around(void **unused)
+UNIT_TEST_BETWEEN(test_the_crown_is_seen_from_outside_all_around, set_up, tear_down)
 {
 	struct eco_request requests[16];
 	assert_int_equal(bench_scene_views(&bench, "crown", requests, 16), 16);
@@ -140,7 +140,7 @@ static void test_the_crown_is_seen_from_outside_all_around(void **unused)
 			&& requests[i].view.eye[2] > 1);
 }
 
-static void test_models_are_those_that_read(void **unused)
+UNIT_TEST_BETWEEN(test_models_are_those_that_read, set_up, tear_down)
 {
 	struct eco_error error = { 0 };
 	struct bench_model *models;
@@ -165,7 +165,7 @@ static void test_models_are_those_that_read(void **unused)
 	free(models);
 }
 
-static void test_packed_models_are_those_of_their_folder(void **unused)
+UNIT_TEST_BETWEEN(test_packed_models_are_those_of_their_folder, set_up, tear_down)
 {
 	struct eco_error error = { 0 };
 	struct bench_model *models;
@@ -188,22 +188,4 @@ static void test_packed_models_are_those_of_their_folder(void **unused)
 		eco_model_free(&read);
 		free(models);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test_setup_teardown(test_packs_are_built_once_for_each_order, set_up, tear_down),
-		cmocka_unit_test_setup_teardown(test_packs_without_their_stamp_are_built_again, set_up,
-			tear_down),
-		cmocka_unit_test_setup_teardown(test_failures_are_said_and_leave_no_stamp, set_up, tear_down),
-		cmocka_unit_test_setup_teardown(test_views_run_from_first_to_last_of_the_script, set_up,
-			tear_down),
-		cmocka_unit_test_setup_teardown(test_the_crown_is_seen_from_outside_all_around, set_up,
-			tear_down),
-		cmocka_unit_test_setup_teardown(test_models_are_those_that_read, set_up, tear_down),
-		cmocka_unit_test_setup_teardown(test_packed_models_are_those_of_their_folder, set_up,
-			tear_down),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

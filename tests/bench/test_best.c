@@ -17,7 +17,7 @@ static const uint64_t hard[] = { 301, 1191, 2513, 2988, 3450, 3664, 3752, 5435, 
 #define HARD (sizeof hard / sizeof *hard)
 
 /* The best is never worse than the plan: else something was not tried. */
-static void plans_are_close_to_the_best_there_is(void **state)
+UNIT_TEST(plans_are_close_to_the_best_there_is)
 {
 	double sum = 0, worst = 0;
 	uint32_t count = 0, tried = 0;
@@ -42,7 +42,7 @@ static void plans_are_close_to_the_best_there_is(void **state)
 	assert_true(sum / count <= 0.01 && worst <= 0.05);
 }
 
-static void the_best_is_found_again(void **state)
+UNIT_TEST(the_best_is_found_again)
 {
 	for (uint64_t seed = 1; seed <= 5; seed++) {
 		struct bench_best a, b;
@@ -53,7 +53,7 @@ static void the_best_is_found_again(void **state)
 	}
 }
 
-static void scenes_to_choose_in_are_sound_and_grow(void **state)
+UNIT_TEST(scenes_to_choose_in_are_sound_and_grow)
 {
 	static const uint32_t species[] = { 1, 25, 63, 100, 200 };
 	uint64_t before = 0;
@@ -73,7 +73,7 @@ static void scenes_to_choose_in_are_sound_and_grow(void **state)
 	}
 }
 
-static void views_between_two_are_on_the_way(void **state)
+UNIT_TEST(views_between_two_are_on_the_way)
 {
 	struct eco_view a = { .eye = { 0, 0, 2 }, .target = { 10, 0, 0 }, .up = { 0, 0, 1 }, .fov_y_deg = 40,
 		.width = 8, .height = 6 }, b = a, v;
@@ -85,7 +85,7 @@ static void views_between_two_are_on_the_way(void **state)
 	assert_true(v.eye[0] == 2 && v.eye[2] == 2 && v.fov_y_deg == 50 && v.width == 8);
 }
 
-static void nothing_is_drawn_of_no_pack(void **state)
+UNIT_TEST(nothing_is_drawn_of_no_pack)
 {
 	struct bench_still *still;
 	struct eco_error error = { 0 };
@@ -93,16 +93,4 @@ static void nothing_is_drawn_of_no_pack(void **state)
 	assert_null(still);
 	assert_true(error.text[0] != 0);
 	bench_still_close(NULL);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(plans_are_close_to_the_best_there_is),
-		cmocka_unit_test(the_best_is_found_again),
-		cmocka_unit_test(scenes_to_choose_in_are_sound_and_grow),
-		cmocka_unit_test(views_between_two_are_on_the_way),
-		cmocka_unit_test(nothing_is_drawn_of_no_pack),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

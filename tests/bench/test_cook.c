@@ -10,14 +10,14 @@ static double covered(uint32_t count, double share)
 	return 1 - pow(1 - share, count);
 }
 
-static void plain_scale_keeps_the_sum_of_areas(void **state)
+UNIT_TEST(plain_scale_keeps_the_sum_of_areas)
 {
 	assert_true(lod_cook_scale(10, 100) == 10);
 	assert_true(lod_cook_scale(100, 100) == 1);
 	assert_true(lod_cook_scale(0, 100) == 0);
 }
 
-static void depth_keeps_the_expected_visible_area(void **state)
+UNIT_TEST(depth_keeps_the_expected_visible_area)
 {
 	static const struct { uint32_t kept, count; double share; } rows[] =
 		{ { 1, 10, 0.05 }, { 3, 1000, 0.002 }, { 50, 60, 0.1 }, { 500, 5000, 0.001 },
@@ -31,19 +31,19 @@ static void depth_keeps_the_expected_visible_area(void **state)
 	}
 }
 
-static void depth_hardly_matters_for_many_small_elements(void **state)
+UNIT_TEST(depth_hardly_matters_for_many_small_elements)
 {
 	assert_true(fabs(lod_cook_scale_depth(2000, 10000, 1e-4) - 5) < 0.005);
 	assert_true(lod_cook_scale_depth(500, 1000, 0) == 2);
 }
 
-static void a_crown_without_gaps_is_covered_by_one_element(void **state)
+UNIT_TEST(a_crown_without_gaps_is_covered_by_one_element)
 {
 	double s = lod_cook_scale_depth(1, 100000, 0.01);
 	assert_true(s <= 100 && s > 99.9);
 }
 
-static void the_share_explains_what_is_covered(void **state)
+UNIT_TEST(the_share_explains_what_is_covered)
 {
 	for (uint32_t n = 2; n < 100000; n *= 7) {
 		double a = 0.3 / sqrt(n), outline = 5000, one = a * outline;
@@ -55,7 +55,7 @@ static void the_share_explains_what_is_covered(void **state)
 }
 
 /* The mean of k colours drawn at random has 1/k of their variance. */
-static void contrast_keeps_the_variance_of_pixels(void **state)
+UNIT_TEST(contrast_keeps_the_variance_of_pixels)
 {
 	double variance[2];
 	for (int pruned = 0; pruned < 2; pruned++) {
@@ -74,17 +74,4 @@ static void contrast_keeps_the_variance_of_pixels(void **state)
 	assert_true(fabs(variance[1] / variance[0] - 1) < 0.05);
 	assert_true(lod_cook_contrast(1, 100, 0.2) == 1);        /* each larger than a pixel */
 	assert_true(lod_cook_contrast(7, 7, 50) == 1);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(plain_scale_keeps_the_sum_of_areas),
-		cmocka_unit_test(depth_keeps_the_expected_visible_area),
-		cmocka_unit_test(depth_hardly_matters_for_many_small_elements),
-		cmocka_unit_test(a_crown_without_gaps_is_covered_by_one_element),
-		cmocka_unit_test(the_share_explains_what_is_covered),
-		cmocka_unit_test(contrast_keeps_the_variance_of_pixels),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -37,7 +37,7 @@ static void cloud(uint32_t count)
 	}
 }
 
-static void distance_keeps_the_nearest(void **state)
+UNIT_TEST(distance_keeps_the_nearest)
 {
 	cloud(MOST);
 	assert_int_equal(choose(LOD_LEE_DISTANCE, MOST, &from_x, 300), 300);
@@ -51,7 +51,7 @@ static void distance_keeps_the_nearest(void **state)
 }
 
 /* Both sides of a leaf count alike. */
-static void normal_keeps_what_faces_the_eye(void **state)
+UNIT_TEST(normal_keeps_what_faces_the_eye)
 {
 	cloud(MOST);
 	assert_int_equal(choose(LOD_LEE_NORMAL, MOST, &from_x, MOST / 2), MOST / 2);
@@ -73,7 +73,7 @@ static const struct { uint32_t n[4]; uint64_t budget; uint32_t expected[4]; } ro
 
 /* n[i] leaves in layer i from the front, 4 layers: what of a budget each gets (equation 1 and its two
  * passes). */
-static void layers_share_the_budget(void **state)
+UNIT_TEST(layers_share_the_budget)
 {
 	for (size_t r = 0; r < sizeof rows / sizeof *rows; r++) {
 		uint32_t count = 0, got[4] = { 0 };
@@ -94,7 +94,7 @@ static void layers_share_the_budget(void **state)
 	}
 }
 
-static void inside_a_layer_normals_decide(void **state)
+UNIT_TEST(inside_a_layer_normals_decide)
 {
 	cloud(MOST);
 	assert_int_equal(choose(LOD_LEE_LAYER, MOST, &(struct lod_lee_view){ from_x.eye, from_x.forward, 1 },
@@ -103,7 +103,7 @@ static void inside_a_layer_normals_decide(void **state)
 		assert_int_equal(kept[i], i % 2 == 0);
 }
 
-static void every_budget_is_used_up(void **state)
+UNIT_TEST(every_budget_is_used_up)
 {
 	cloud(MOST);
 	for (uint32_t i = 0; i < MOST; i++)
@@ -119,7 +119,7 @@ static void every_budget_is_used_up(void **state)
 }
 
 /* A group of many leaves faces the eye as the root mean square of its leaves does. */
-static void groups_face_as_their_leaves_do(void **state)
+UNIT_TEST(groups_face_as_their_leaves_do)
 {
 	struct lod_v3 at[2] = { { 0, 0, 0 }, { 0, 2, 0 } }, across[2] = { { 0, 1, 0 }, { 0, 0, 1 } },
 		mixed[2] = { { 1, 0, 0 }, { 0, 0, 1 } };
@@ -132,23 +132,9 @@ static void groups_face_as_their_leaves_do(void **state)
 	assert_int_equal(kept[0], 1);
 }
 
-static void flat_plants_are_one_layer(void **state)
+UNIT_TEST(flat_plants_are_one_layer)
 {
 	for (uint32_t i = 0; i < 10; i++)
 		groups[i] = (struct lod_lee_group){ .count = 1 };
 	assert_int_equal(choose(LOD_LEE_LAYER, 10, &from_x, 4), 4);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(distance_keeps_the_nearest),
-		cmocka_unit_test(normal_keeps_what_faces_the_eye),
-		cmocka_unit_test(layers_share_the_budget),
-		cmocka_unit_test(inside_a_layer_normals_decide),
-		cmocka_unit_test(every_budget_is_used_up),
-		cmocka_unit_test(groups_face_as_their_leaves_do),
-		cmocka_unit_test(flat_plants_are_one_layer),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -35,7 +35,7 @@ static void finish(struct soup *soup)
 	soup_free(soup);
 }
 
-static void a_straight_tube_is_one_line(void **state)
+UNIT_TEST(a_straight_tube_is_one_line)
 {
 	static const struct { uint32_t sides, rings; } shapes[] = { { 3, 1 }, { 4, 2 }, { 6, 40 }, { 12, 7 },
 		{ 16, 200 } };
@@ -55,7 +55,7 @@ static void a_straight_tube_is_one_line(void **state)
 	}
 }
 
-static void a_tapering_tube_is_a_few_lines(void **state)
+UNIT_TEST(a_tapering_tube_is_a_few_lines)
 {
 	struct soup soup;
 	struct made made;
@@ -91,7 +91,7 @@ static void expect_one_line(const struct soup *soup, struct lod_v3 foot, struct 
 	assert_true(bones.items[0].width > 0.6 && bones.items[0].width < 0.85);
 }
 
-static void a_stout_stem_that_leans_is_a_line_that_leans(void **state)
+UNIT_TEST(a_stout_stem_that_leans_is_a_line_that_leans)
 {
 	static const struct { struct lod_v3 foot, top; uint32_t sides; } stems[] = {
 		{ { 0, 0, 0 }, { 0, 0, 2 }, 4 }, { { 1, 1, 0 }, { 1.6, 0.7, 2 }, 8 },
@@ -108,7 +108,7 @@ static void a_stout_stem_that_leans_is_a_line_that_leans(void **state)
 }
 
 /* Tubes along arcs and hanging ones: wherever the lowest point is, the lines follow. */
-static void a_bent_tube_is_followed(void **state)
+UNIT_TEST(a_bent_tube_is_followed)
 {
 	for (int down = 0; down < 2; down++) {
 		struct soup soup;
@@ -138,7 +138,7 @@ static void a_bent_tube_is_followed(void **state)
 }
 
 /* A fork whose arms share the trunk's end ring vertices: one component. */
-static void a_fork_has_a_line_for_each_arm(void **state)
+UNIT_TEST(a_fork_has_a_line_for_each_arm)
 {
 	struct soup soup;
 	struct made made;
@@ -170,7 +170,7 @@ static void a_fork_has_a_line_for_each_arm(void **state)
 	finish(&soup);
 }
 
-static void an_open_strip_is_as_wide_as_it_is(void **state)
+UNIT_TEST(an_open_strip_is_as_wide_as_it_is)
 {
 	struct soup soup;
 	struct made made;
@@ -192,7 +192,7 @@ static void an_open_strip_is_as_wide_as_it_is(void **state)
 
 /* Bark that is dark below and bright above: each line has the colour of where it runs, not the tree's mean.
  */
-static void lines_have_the_colour_of_the_bark_that_they_replace(void **state)
+UNIT_TEST(lines_have_the_colour_of_the_bark_that_they_replace)
 {
 	struct soup soup;
 	struct made made;
@@ -223,7 +223,7 @@ static void lines_have_the_colour_of_the_bark_that_they_replace(void **state)
 	finish(&soup);
 }
 
-static void all_tubes_of_a_tree_have_lines_largest_first(void **state)
+UNIT_TEST(all_tubes_of_a_tree_have_lines_largest_first)
 {
 	struct soup soup;
 	struct made made;
@@ -246,7 +246,7 @@ static void all_tubes_of_a_tree_have_lines_largest_first(void **state)
 	finish(&soup);
 }
 
-static void any_soup_has_finite_lines(void **state)
+UNIT_TEST(any_soup_has_finite_lines)
 {
 	for (uint32_t seed = 1; seed <= 60; seed++) {
 		struct soup soup;
@@ -264,20 +264,4 @@ static void any_soup_has_finite_lines(void **state)
 		make(&made, &soup);
 		finish(&soup);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_straight_tube_is_one_line),
-		cmocka_unit_test(a_tapering_tube_is_a_few_lines),
-		cmocka_unit_test(a_stout_stem_that_leans_is_a_line_that_leans),
-		cmocka_unit_test(a_bent_tube_is_followed),
-		cmocka_unit_test(a_fork_has_a_line_for_each_arm),
-		cmocka_unit_test(an_open_strip_is_as_wide_as_it_is),
-		cmocka_unit_test(lines_have_the_colour_of_the_bark_that_they_replace),
-		cmocka_unit_test(all_tubes_of_a_tree_have_lines_largest_first),
-		cmocka_unit_test(any_soup_has_finite_lines),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -37,7 +37,7 @@ static uint32_t make(struct lod_cells *cells, uint32_t count, uint32_t limit,
 	return cells->count;
 }
 
-static void small_plants_have_none(void **state)
+UNIT_TEST(small_plants_have_none)
 {
 	struct lod_cells cells;
 	uint64_t per_cell[LOD_CELLS_MAX];
@@ -46,7 +46,7 @@ static void small_plants_have_none(void **state)
 	assert_int_equal(make(&cells, 0, 10, per_cell), 0);
 }
 
-static void large_ones_are_divided_twice_at_most(void **state)
+UNIT_TEST(large_ones_are_divided_twice_at_most)
 {
 	struct lod_cells cells;
 	uint64_t per_cell[LOD_CELLS_MAX];
@@ -57,7 +57,7 @@ static void large_ones_are_divided_twice_at_most(void **state)
 		assert_in_range(per_cell[c], 400, 1200);
 }
 
-static void no_cell_is_nearly_empty(void **state)
+UNIT_TEST(no_cell_is_nearly_empty)
 {
 	struct lod_cells cells;
 	uint64_t per_cell[LOD_CELLS_MAX];
@@ -70,7 +70,7 @@ static void no_cell_is_nearly_empty(void **state)
 	}
 }
 
-static void points_outside_belong_to_the_nearest(void **state)
+UNIT_TEST(points_outside_belong_to_the_nearest)
 {
 	struct lod_cells cells;
 	uint64_t per_cell[LOD_CELLS_MAX];
@@ -82,7 +82,7 @@ static void points_outside_belong_to_the_nearest(void **state)
 		lod_cells_at(&cells, (struct lod_v3){ 3.9, 2.5, 7.9 }));
 }
 
-static void a_flat_plant_is_divided_in_its_plane(void **state)
+UNIT_TEST(a_flat_plant_is_divided_in_its_plane)
 {
 	struct lod_cells cells;
 	scatter(0);
@@ -91,16 +91,4 @@ static void a_flat_plant_is_divided_in_its_plane(void **state)
 	lod_cells_make(&cells, &(struct lod_cells_input){ { 0, 0, 0 }, { 4, 4, 0 }, MOST, center, triangles,
 		5000 });
 	assert_int_equal(cells.count, 16);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(small_plants_have_none),
-		cmocka_unit_test(large_ones_are_divided_twice_at_most),
-		cmocka_unit_test(no_cell_is_nearly_empty),
-		cmocka_unit_test(points_outside_belong_to_the_nearest),
-		cmocka_unit_test(a_flat_plant_is_divided_in_its_plane),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

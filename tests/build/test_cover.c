@@ -116,7 +116,7 @@ static uint32_t covered(struct measure *m, const uint32_t *list, uint32_t count)
 
 /* ---- Tests ---- */
 
-static void the_first_leaves_cover_most(void **state)
+UNIT_TEST(the_first_leaves_cover_most)
 {
 	struct measure m;
 	struct lod_foliage f = ball(MOST, 5);
@@ -137,7 +137,7 @@ static void the_first_leaves_cover_most(void **state)
 }
 
 /* Nemhauser, Wolsey, Fisher 1978. */
-static void no_prefix_covers_less_than_63_percent_of_the_best(void **state)
+UNIT_TEST(no_prefix_covers_less_than_63_percent_of_the_best)
 {
 	enum { LEAVES = 9 };
 	for (uint32_t seed = 1; seed <= 4; seed++) {
@@ -161,7 +161,7 @@ static void no_prefix_covers_less_than_63_percent_of_the_best(void **state)
 }
 
 /* A list for a cone covers more in other views of the cone than the list for all views. */
-static void lists_for_a_sector_serve_the_sector(void **state)
+UNIT_TEST(lists_for_a_sector_serve_the_sector)
 {
 	double cone[VIEWS][3], others[VIEWS][3];
 	const double axis[3] = { 0.9, 0.3, 0.3 };
@@ -180,7 +180,7 @@ static void lists_for_a_sector_serve_the_sector(void **state)
 }
 
 /* Leaves that stand in front of a board or show nothing of their picture are worth nothing. */
-static void leaves_that_change_nothing_come_last(void **state)
+UNIT_TEST(leaves_that_change_nothing_come_last)
 {
 	static const uint8_t clear[4 * 4] = { 0 };
 	const struct eco_image image = { .width = 2, .height = 2, .rgba = (uint8_t *)(uintptr_t)clear };
@@ -202,7 +202,7 @@ static void leaves_that_change_nothing_come_last(void **state)
 		assert_true(order[i] % 6 != 0);
 }
 
-static void orders_are_repeatable(void **state)
+UNIT_TEST(orders_are_repeatable)
 {
 	struct lod_foliage f = ball(200, 3);
 	order_of(order, &f, around);
@@ -217,7 +217,7 @@ static bool stop(void *ctx, double share)
 	return false;
 }
 
-static void it_stops_when_asked(void **state)
+UNIT_TEST(it_stops_when_asked)
 {
 	int calls = 0;
 	struct eco_error error = { 0 };
@@ -230,7 +230,7 @@ static void it_stops_when_asked(void **state)
 	assert_null(arena.last);
 }
 
-static void odd_leaves_are_ordered_too(void **state)
+UNIT_TEST(odd_leaves_are_ordered_too)
 {
 	const struct lod_v3 zero = { 0, 0, 0 };
 	struct lod_foliage f = empty();
@@ -246,15 +246,6 @@ static void odd_leaves_are_ordered_too(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(the_first_leaves_cover_most),
-		cmocka_unit_test(no_prefix_covers_less_than_63_percent_of_the_best),
-		cmocka_unit_test(lists_for_a_sector_serve_the_sector),
-		cmocka_unit_test(leaves_that_change_nothing_come_last),
-		cmocka_unit_test(orders_are_repeatable),
-		cmocka_unit_test(it_stops_when_asked),
-		cmocka_unit_test(odd_leaves_are_ordered_too),
-	};
 	lod_directions_spread(around, VIEWS, 1);
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	return unit_tests_run(NULL, NULL);
 }

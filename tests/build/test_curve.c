@@ -224,7 +224,7 @@ static struct eco_curve at(const struct lod_plant *plant, const struct eco_ladde
 
 /* ---- */
 
-static void points_and_triangles_get_a_falling_curve_from_one_point_to_all(void **unused)
+UNIT_TEST(points_and_triangles_get_a_falling_curve_from_one_point_to_all)
 {
 	struct crown crown;
 	seed = 1;
@@ -255,7 +255,7 @@ static double loss_at_scale(struct crown *crown, uint32_t list, uint32_t end, do
 	return result.loss;
 }
 
-static void the_scale_is_better_than_its_neighbours_and_cooks(void **unused)
+UNIT_TEST(the_scale_is_better_than_its_neighbours_and_cooks)
 {
 	struct crown crown;
 	seed = 2;
@@ -275,7 +275,7 @@ static void the_scale_is_better_than_its_neighbours_and_cooks(void **unused)
 	crown_free(&crown);
 }
 
-static void half_a_crown_needs_less_than_cooks_scale_and_a_sparse_one_hardly_any(void **unused)
+UNIT_TEST(half_a_crown_needs_less_than_cooks_scale_and_a_sparse_one_hardly_any)
 {
 	double scale[2];
 	for (int dense = 0; dense < 2; dense++) {
@@ -293,7 +293,7 @@ static void half_a_crown_needs_less_than_cooks_scale_and_a_sparse_one_hardly_any
 }
 
 /* Needles that cover little would be right soonest as a few balloons that cover everything beside them. */
-static void a_few_leaves_of_a_sparse_crown_are_no_balloons(void **unused)
+UNIT_TEST(a_few_leaves_of_a_sparse_crown_are_no_balloons)
 {
 	for (int kind = 0; kind < 3; kind++) {
 		struct crown crown;
@@ -310,7 +310,7 @@ static void a_few_leaves_of_a_sparse_crown_are_no_balloons(void **unused)
 	}
 }
 
-static void size_on_screen_hardly_changes_a_curve(void **unused)
+UNIT_TEST(size_on_screen_hardly_changes_a_curve)
 {
 	struct eco_curve curve[3][3];
 	for (int i = 0; i < 3; i++) {
@@ -334,7 +334,7 @@ static void size_on_screen_hardly_changes_a_curve(void **unused)
 
 /* The same leaves as one ladder, and as a coarse list with the rest in cells (round robin, so that no cell is
  * special). */
-static void cells_share_the_curve_of_the_whole(void **unused)
+UNIT_TEST(cells_share_the_curve_of_the_whole)
 {
 	struct crown whole, parts;
 	seed = 5;
@@ -412,7 +412,7 @@ static double curve_gap(struct crown *crown, uint32_t views)
 }
 
 /* At the samples and between them, on the curve's own views and on others, in one list and in cells. */
-static void ladders_draw_what_their_curve_was_measured_with(void **unused)
+UNIT_TEST(ladders_draw_what_their_curve_was_measured_with)
 {
 	static const struct { uint32_t leaves; double size; bool cells; } rows[] =
 		{ { 900, 0.25, false }, { 1500, 0.12, false }, { 3000, 0.2, false },
@@ -444,7 +444,7 @@ static void ladders_draw_what_their_curve_was_measured_with(void **unused)
 	}
 }
 
-static void wood_keeps_its_size_and_far_ladders_have_curves_of_their_own(void **unused)
+UNIT_TEST(wood_keeps_its_size_and_far_ladders_have_curves_of_their_own)
 {
 	struct crown crown;
 	seed = 6;
@@ -464,7 +464,7 @@ static void wood_keeps_its_size_and_far_ladders_have_curves_of_their_own(void **
 }
 
 /* Needles a few grid steps thick: 12 bits are too few for them. */
-static void grids_are_as_fine_as_the_picture_needs_and_no_finer(void **unused)
+UNIT_TEST(grids_are_as_fine_as_the_picture_needs_and_no_finer)
 {
 	struct crown crown;
 	struct lod_plant plant = { 0 };
@@ -502,7 +502,7 @@ static void grids_are_as_fine_as_the_picture_needs_and_no_finer(void **unused)
 }
 
 /* Half a pixel from LOD_GRID_NEAR_M on: each doubling of the size beyond takes a bit more, up to the most. */
-static void large_plants_have_more_bits(void **unused)
+UNIT_TEST(large_plants_have_more_bits)
 {
 	static const float position[9] = { 0, 0, 0, 1, 0, 0, 0, 0, 1 };
 	static const uint32_t index[6] = { 0, 1, 2, 0, 1, 7 };
@@ -521,7 +521,7 @@ static void large_plants_have_more_bits(void **unused)
 	assert_int_equal(lod_grid_bits_least(&(struct eco_model){ .triangle_count = 0 }), LOD_GRID_BITS_MIN);
 }
 
-static void every_kind_of_ladder_is_measured(void **unused)
+UNIT_TEST(every_kind_of_ladder_is_measured)
 {
 	static const uint32_t leaves[] = { 1, 2, 3, 40, 300 };
 	for (size_t n = 0; n < sizeof leaves / sizeof leaves[0]; n++) {
@@ -560,7 +560,7 @@ static void every_kind_of_ladder_is_measured(void **unused)
 	}
 }
 
-static void what_covers_nothing_has_no_curve(void **unused)
+UNIT_TEST(what_covers_nothing_has_no_curve)
 {
 	struct crown crown;
 	seed = 10;
@@ -580,7 +580,7 @@ static bool stop_soon(void *ctx, double share)
 	return ++*calls < 5;
 }
 
-static void measuring_can_be_stopped_and_repeats_to_the_bit(void **unused)
+UNIT_TEST(measuring_can_be_stopped_and_repeats_to_the_bit)
 {
 	struct crown crown;
 	uint32_t calls = 0;
@@ -611,7 +611,7 @@ static void round_lists(struct crown *crown, int32_t to)
 	}
 }
 
-static void what_a_grid_loses_is_proportional_to_its_step(void **unused)
+UNIT_TEST(what_a_grid_loses_is_proportional_to_its_step)
 {
 	static const int32_t to[] = { 1, 8, 32 };
 	double loss[3];
@@ -628,25 +628,4 @@ static void what_a_grid_loses_is_proportional_to_its_step(void **unused)
 	}
 	assert_true(loss[0] < 1e-4);
 	assert_true(loss[1] > 0.001 && loss[2] > 2.5 * loss[1] && loss[2] < 6 * loss[1]);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(points_and_triangles_get_a_falling_curve_from_one_point_to_all),
-		cmocka_unit_test(the_scale_is_better_than_its_neighbours_and_cooks),
-		cmocka_unit_test(half_a_crown_needs_less_than_cooks_scale_and_a_sparse_one_hardly_any),
-		cmocka_unit_test(a_few_leaves_of_a_sparse_crown_are_no_balloons),
-		cmocka_unit_test(size_on_screen_hardly_changes_a_curve),
-		cmocka_unit_test(cells_share_the_curve_of_the_whole),
-		cmocka_unit_test(ladders_draw_what_their_curve_was_measured_with),
-		cmocka_unit_test(wood_keeps_its_size_and_far_ladders_have_curves_of_their_own),
-		cmocka_unit_test(grids_are_as_fine_as_the_picture_needs_and_no_finer),
-		cmocka_unit_test(large_plants_have_more_bits),
-		cmocka_unit_test(every_kind_of_ladder_is_measured),
-		cmocka_unit_test(what_covers_nothing_has_no_curve),
-		cmocka_unit_test(what_a_grid_loses_is_proportional_to_its_step),
-		cmocka_unit_test(measuring_can_be_stopped_and_repeats_to_the_bit),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -58,7 +58,7 @@ static void check_counts(const struct made *made, const struct soup *soup)
 
 /* ---- Welding ---- */
 
-static void equal_positions_become_one_vertex(void **state)
+UNIT_TEST(equal_positions_become_one_vertex)
 {
 	struct soup soup;
 	struct made made;
@@ -78,7 +78,7 @@ static void equal_positions_become_one_vertex(void **state)
 	finish(&made, &soup);
 }
 
-static void materials_part_components(void **state)
+UNIT_TEST(materials_part_components)
 {
 	struct soup soup;
 	struct made made;
@@ -97,7 +97,7 @@ static void materials_part_components(void **state)
 	finish(&made, &soup);
 }
 
-static void useless_triangles_are_dropped_by_reason(void **state)
+UNIT_TEST(useless_triangles_are_dropped_by_reason)
 {
 	struct soup soup;
 	struct made made;
@@ -132,7 +132,7 @@ static void useless_triangles_are_dropped_by_reason(void **state)
 	finish(&made, &soup);
 }
 
-static void a_triangle_with_any_opaque_texel_is_kept(void **state)
+UNIT_TEST(a_triangle_with_any_opaque_texel_is_kept)
 {
 	struct soup soup;
 	struct made made;
@@ -161,7 +161,7 @@ static void hexagonal_leaf(struct soup *s, uint32_t material, int first, int sec
 	soup_triangle(s, material, second ? v[1] : v[2], v[3], v[4]);
 }
 
-static void a_leaf_of_two_quads_is_one_fan_whatever_its_diagonals(void **state)
+UNIT_TEST(a_leaf_of_two_quads_is_one_fan_whatever_its_diagonals)
 {
 	for (int which = 0; which < 4; which++) {
 		struct soup soup;
@@ -181,7 +181,7 @@ static void a_leaf_of_two_quads_is_one_fan_whatever_its_diagonals(void **state)
 	}
 }
 
-static void quads_that_are_not_planar_keep_their_diagonal(void **state)
+UNIT_TEST(quads_that_are_not_planar_keep_their_diagonal)
 {
 	struct soup soup;
 	struct made made;
@@ -213,7 +213,7 @@ static void sheet(struct soup *s, uint32_t material, uint32_t n, bool seam)
 		}
 }
 
-static void a_sheet_is_cut_into_few_fans(void **state)
+UNIT_TEST(a_sheet_is_cut_into_few_fans)
 {
 	struct soup soup;
 	struct made made;
@@ -229,7 +229,7 @@ static void a_sheet_is_cut_into_few_fans(void **state)
 	finish(&made, &soup);
 }
 
-static void seams_of_the_texture_part_fans(void **state)
+UNIT_TEST(seams_of_the_texture_part_fans)
 {
 	struct soup soup;
 	struct made made;
@@ -259,7 +259,7 @@ static void seams_of_the_texture_part_fans(void **state)
 	finish(&made, &soup);
 }
 
-static void closed_surfaces_and_trees_keep_every_triangle(void **state)
+UNIT_TEST(closed_surfaces_and_trees_keep_every_triangle)
 {
 	struct soup soup;
 	struct made made;
@@ -276,20 +276,4 @@ static void closed_surfaces_and_trees_keep_every_triangle(void **state)
 		check_counts(&made, &soup);
 		finish(&made, &soup);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(equal_positions_become_one_vertex),
-		cmocka_unit_test(materials_part_components),
-		cmocka_unit_test(useless_triangles_are_dropped_by_reason),
-		cmocka_unit_test(a_triangle_with_any_opaque_texel_is_kept),
-		cmocka_unit_test(a_leaf_of_two_quads_is_one_fan_whatever_its_diagonals),
-		cmocka_unit_test(quads_that_are_not_planar_keep_their_diagonal),
-		cmocka_unit_test(a_sheet_is_cut_into_few_fans),
-		cmocka_unit_test(seams_of_the_texture_part_fans),
-		cmocka_unit_test(closed_surfaces_and_trees_keep_every_triangle),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

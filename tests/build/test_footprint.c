@@ -64,7 +64,7 @@ static uint64_t differing(const struct lod_foliage *f, const struct lod_mask *ma
 	return differ;
 }
 
-static void footprints_are_what_is_drawn(void **state)
+UNIT_TEST(footprints_are_what_is_drawn)
 {
 	static const struct { uint32_t corners; double leaf; float scale; bool cutout; double share;
 		} cases[] = {
@@ -121,7 +121,7 @@ static void add(const float (*corner)[3], uint32_t corners, double edge, const s
 	lod_fan_add(&seen, edge, 64, canvas);
 }
 
-static void gains_count_right_wrong_and_second(void **state)
+UNIT_TEST(gains_count_right_wrong_and_second)
 {
 	static const float half[4][3] = { { -1, -1, 0 }, { 0, -1, 0 }, { 0, 1, 0 }, { -1, 1, 0 } };
 	static const float top[4][3] = { { -1, 0, 0 }, { 1, 0, 0 }, { 1, 1, 0 }, { -1, 1, 0 } };
@@ -150,7 +150,7 @@ static void gains_count_right_wrong_and_second(void **state)
 
 /* Of cut-outs only what can make a difference is looked up: on canvases that are covered here and there, the
  * whole footprint counts the same. */
-static void gains_of_cutouts_are_those_of_their_footprints(void **state)
+UNIT_TEST(gains_of_cutouts_are_those_of_their_footprints)
 {
 	uint64_t reference[256], times[256][2], dice = 9;
 	static const float moved[] = { 0, 0.4f, -1.7f };
@@ -184,7 +184,7 @@ static void gains_of_cutouts_are_those_of_their_footprints(void **state)
 }
 
 /* In any view as many pixels as its area has there. */
-static void points_are_squares_that_face_the_eye(void **state)
+UNIT_TEST(points_are_squares_that_face_the_eye)
 {
 	struct lod_foliage f;
 	struct lod_sights sights;
@@ -212,7 +212,7 @@ static void points_are_squares_that_face_the_eye(void **state)
 	}
 }
 
-static void what_lies_outside_covers_nothing(void **state)
+UNIT_TEST(what_lies_outside_covers_nothing)
 {
 	static const float outside[3][3] = { { 3, 0, 0 }, { 4, 0, 0 }, { 3, 1, 0 } },
 		line[3][3] = { { -1, 0, 0 }, { 1, 0, 0 }, { 0, 0, 0 } };
@@ -226,7 +226,7 @@ static void what_lies_outside_covers_nothing(void **state)
 	cover(behind, 3, 1);
 }
 
-static void footprints_fill_the_picture_at_any_size(void **state)
+UNIT_TEST(footprints_fill_the_picture_at_any_size)
 {
 	static const float leaf[6][3] = { { -1, 0, 0 }, { -0.5f, -0.9f, 0 }, { 0.5f, -0.9f, 0 }, { 1, 0, 0 },
 		{ 0.5f, 0.9f, 0 }, { -0.5f, 0.9f, 0 } };
@@ -240,7 +240,7 @@ static void footprints_fill_the_picture_at_any_size(void **state)
 }
 
 /* Folded and crossed fans: the union of their triangles, whichever way they are filled. */
-static void fans_that_turn_back_are_their_triangles(void **state)
+UNIT_TEST(fans_that_turn_back_are_their_triangles)
 {
 	uint64_t dice = 5;
 	for (uint32_t round = 0; round < 500; round++) {
@@ -275,14 +275,5 @@ static int end(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(footprints_are_what_is_drawn),
-		cmocka_unit_test(gains_count_right_wrong_and_second),
-		cmocka_unit_test(gains_of_cutouts_are_those_of_their_footprints),
-		cmocka_unit_test(points_are_squares_that_face_the_eye),
-		cmocka_unit_test(what_lies_outside_covers_nothing),
-		cmocka_unit_test(footprints_fill_the_picture_at_any_size),
-		cmocka_unit_test(fans_that_turn_back_are_their_triangles),
-	};
-	return cmocka_run_group_tests(tests, NULL, end);
+	return unit_tests_run(NULL, end);
 }

@@ -97,7 +97,7 @@ static double height_of(const struct world *w, uint32_t column, uint32_t row)
 
 /* ---- The tree ---- */
 
-static void trees_pass_the_checks_of_a_pack(void **state)
+UNIT_TEST(trees_pass_the_checks_of_a_pack)
 {
 	static const struct eco_tile tile = { .summary = ECO_NONE };
 	for (size_t k = 0; k < TERRAINS; k++) {
@@ -130,7 +130,7 @@ static double surface(const struct world *w, const struct eco_ground_tile *tile,
 		: sw + v * (height_of(w, x0, y1) - sw) + u * (ne - height_of(w, x0, y1));
 }
 
-static void errors_hold_everywhere_and_are_met_somewhere(void **state)
+UNIT_TEST(errors_hold_everywhere_and_are_met_somewhere)
 {
 	for (size_t k = 0; k < TERRAINS; k++) {
 		struct world w;
@@ -169,7 +169,7 @@ static void errors_hold_everywhere_and_are_met_somewhere(void **state)
 	}
 }
 
-static void flat_ground_has_no_finer_tiles(void **state)
+UNIT_TEST(flat_ground_has_no_finer_tiles)
 {
 	struct world less;
 	uint32_t all = 0;
@@ -210,7 +210,7 @@ static bool covers(const struct world *w, const struct eco_ground_tile *t, doubl
 	return px >= x.low && px < x.high && py >= y.low && py < y.high;
 }
 
-static void what_is_in_view_is_covered_once_and_fine_enough(void **state)
+UNIT_TEST(what_is_in_view_is_covered_once_and_fine_enough)
 {
 	for (size_t k = 0; k < TERRAINS; k++) {
 		struct world w;
@@ -259,7 +259,7 @@ static void what_is_in_view_is_covered_once_and_fine_enough(void **state)
 	}
 }
 
-static void a_bound_on_tiles_is_kept_and_spent_where_it_shows(void **state)
+UNIT_TEST(a_bound_on_tiles_is_kept_and_spent_where_it_shows)
 {
 	struct world w;
 	struct eco_view view = { { 300, 300, 80 }, { 1200, 900, 0 }, { 0, 0, 1 }, 60, 640, 480 };
@@ -338,7 +338,7 @@ static uint32_t random_cover(const struct world *w, struct eco_ground_tile *out,
 
 #define BORDER_PX 40
 
-static void from_above_there_is_no_gap_and_no_larger_error(void **state)
+UNIT_TEST(from_above_there_is_no_gap_and_no_larger_error)
 {
 	static const uint32_t chances[] = { 100, 90, 75, 50 };
 	for (size_t k = 0; k < TERRAINS; k++) {
@@ -400,7 +400,7 @@ static void from_above_there_is_no_gap_and_no_larger_error(void **state)
 }
 
 /* A chosen ground is drawn where the full detail is, to the tolerance and a pixel. */
-static void the_picture_is_that_of_the_full_detail(void **state)
+UNIT_TEST(the_picture_is_that_of_the_full_detail)
 {
 	static const double tolerances[] = { 0.5, 1, 3 };
 	struct world w;
@@ -451,7 +451,7 @@ static void the_picture_is_that_of_the_full_detail(void **state)
 
 /* ---- Samples ---- */
 
-static void a_tile_is_found_by_its_samples(void **state)
+UNIT_TEST(a_tile_is_found_by_its_samples)
 {
 	for (size_t k = 0; k < TERRAINS; k++) {
 		struct world w;
@@ -477,7 +477,7 @@ static void a_tile_is_found_by_its_samples(void **state)
 
 /* At borders, which tiles of other levels share, exactly; inside as the error deserves. And so coded, in
  * fewer bytes. */
-static void coarse_heights_are_rounded_inside_only(void **state)
+UNIT_TEST(coarse_heights_are_rounded_inside_only)
 {
 	size_t exact_bytes = 0, rounded_bytes = 0;
 	uint32_t rounded = 0;
@@ -521,20 +521,4 @@ static void coarse_heights_are_rounded_inside_only(void **state)
 	}
 	assert_true(rounded > 5 && rounded_bytes < exact_bytes * 4 / 5);
 	world_free(&w);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(trees_pass_the_checks_of_a_pack),
-		cmocka_unit_test(errors_hold_everywhere_and_are_met_somewhere),
-		cmocka_unit_test(flat_ground_has_no_finer_tiles),
-		cmocka_unit_test(what_is_in_view_is_covered_once_and_fine_enough),
-		cmocka_unit_test(a_bound_on_tiles_is_kept_and_spent_where_it_shows),
-		cmocka_unit_test(from_above_there_is_no_gap_and_no_larger_error),
-		cmocka_unit_test(the_picture_is_that_of_the_full_detail),
-		cmocka_unit_test(a_tile_is_found_by_its_samples),
-		cmocka_unit_test(coarse_heights_are_rounded_inside_only),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -22,7 +22,7 @@ static void ball(void)
 	lod_hull_make(&hull, center, MOST, 30, &arena);
 }
 
-static void density_is_a_sum_of_balls(void **state)
+UNIT_TEST(density_is_a_sum_of_balls)
 {
 	assert_int_equal(setjmp(arena.failed), 0);
 	struct lod_v3 one = { 1, 2, 3 }, two[2] = { { 0, 0, 0 }, { 100, 0, 0 } };
@@ -35,7 +35,7 @@ static void density_is_a_sum_of_balls(void **state)
 	lod_arena_free(&arena);
 }
 
-static void normals_point_outwards(void **state)
+UNIT_TEST(normals_point_outwards)
 {
 	ball();
 	double worst = 1;
@@ -48,13 +48,4 @@ static void normals_point_outwards(void **state)
 	}
 	assert_true(worst > 0.8);
 	lod_arena_free(&arena);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(density_is_a_sum_of_balls),
-		cmocka_unit_test(normals_point_outwards),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -52,7 +52,7 @@ static double distance_from_discs(const int32_t uv[6], int steps)
 	return least;
 }
 
-static void hidden_is_what_no_sample_sees(void **state)
+UNIT_TEST(hidden_is_what_no_sample_sees)
 {
 	for (uint32_t size = 8; size <= 200; size = size * 2 + 3) {
 		struct soup soup;
@@ -85,7 +85,7 @@ static void hidden_is_what_no_sample_sees(void **state)
 	}
 }
 
-static void one_texel_is_enough(void **state)
+UNIT_TEST(one_texel_is_enough)
 {
 	struct lod_arena arena = { 0 };
 	uint8_t rgba[130 * 3 * 4] = { 0 };
@@ -110,7 +110,7 @@ static void one_texel_is_enough(void **state)
 	lod_arena_free(&arena);
 }
 
-static void work_is_bounded(void **state)
+UNIT_TEST(work_is_bounded)
 {
 	struct soup soup;
 	struct lod_mask mask;
@@ -160,7 +160,7 @@ static void make_slab(struct soup *soup, uint32_t material)
 	}
 }
 
-static void rims_that_show_nothing_close_leaves_and_are_not_stored(void **state)
+UNIT_TEST(rims_that_show_nothing_close_leaves_and_are_not_stored)
 {
 	struct soup soup;
 	struct lod_arena arena = { 0 };
@@ -191,15 +191,4 @@ static void rims_that_show_nothing_close_leaves_and_are_not_stored(void **state)
 	}
 	lod_arena_free(&arena);
 	soup_free(&soup);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(hidden_is_what_no_sample_sees),
-		cmocka_unit_test(one_texel_is_enough),
-		cmocka_unit_test(work_is_bounded),
-		cmocka_unit_test(rims_that_show_nothing_close_leaves_and_are_not_stored),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

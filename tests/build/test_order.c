@@ -46,7 +46,7 @@ static void crown(uint32_t count)
 	}
 }
 
-static void values_are_in_range_and_repeatable(void **state)
+UNIT_TEST(values_are_in_range_and_repeatable)
 {
 	crown(MOST);
 	for (size_t m = 0; m < BASELINES; m++) {
@@ -59,7 +59,7 @@ static void values_are_in_range_and_repeatable(void **state)
 }
 
 /* A seed's random order has no direction: halves of the plant lose alike. */
-static void stochastic_order_ignores_place_and_normal(void **state)
+UNIT_TEST(stochastic_order_ignores_place_and_normal)
 {
 	crown(MOST);
 	order_by(survival, LOD_ORDER_STOCHASTIC, MOST, 10, 1);
@@ -75,7 +75,7 @@ static void stochastic_order_ignores_place_and_normal(void **state)
 	assert_memory_equal(survival, again, sizeof survival);
 }
 
-static void every_order_has_a_name(void **state)
+UNIT_TEST(every_order_has_a_name)
 {
 	for (int m = 0; m < LOD_ORDER_COUNT; m++)
 		assert_true(lod_order_names[m] && strlen(lod_order_names[m]) > 3);
@@ -83,7 +83,7 @@ static void every_order_has_a_name(void **state)
 
 /* On a shell, what lies in the surface (normal along the gradient) outlives what stands across; density does
  * not know. */
-static void what_faces_outwards_survives(void **state)
+UNIT_TEST(what_faces_outwards_survives)
 {
 	dice.state = 3;
 	for (uint32_t i = 0; i < MOST; i++) {
@@ -100,7 +100,7 @@ static void what_faces_outwards_survives(void **state)
 }
 
 /* Three quarters of the elements in one corner: the first to go come from there, until density is even. */
-static void dense_regions_are_thinned_first(void **state)
+UNIT_TEST(dense_regions_are_thinned_first)
 {
 	dice.state = 5;
 	for (uint32_t i = 0; i < MOST; i++) {
@@ -119,7 +119,7 @@ static void dense_regions_are_thinned_first(void **state)
 	}
 }
 
-static void odd_plants_are_ordered_too(void **state)
+UNIT_TEST(odd_plants_are_ordered_too)
 {
 	center[0] = normal[0] = (struct lod_v3){ 1, 2, 3 };
 	order(survival, 1, 0, 1);
@@ -133,7 +133,7 @@ static void odd_plants_are_ordered_too(void **state)
 	order(survival, 0, 1, 1);
 }
 
-static void keys_sort_as_their_numbers(void **state)
+UNIT_TEST(keys_sort_as_their_numbers)
 {
 	const double values[] = { -1e300, -2, -1.5, -1e-300, 0, 1e-300, 0.5, 1, 1e300 };
 	for (size_t i = 1; i < sizeof values / sizeof *values; i++)
@@ -141,7 +141,7 @@ static void keys_sort_as_their_numbers(void **state)
 	assert_true(lod_sort_key(-0.0) == lod_sort_key(0.0));
 }
 
-static void sorting_is_stable(void **state)
+UNIT_TEST(sorting_is_stable)
 {
 	struct lod_keyed items[MOST];
 	assert_int_equal(setjmp(arena.failed), 0);
@@ -152,19 +152,4 @@ static void sorting_is_stable(void **state)
 		assert_true(items[i - 1].key < items[i].key
 			|| (items[i - 1].key == items[i].key && items[i - 1].value < items[i].value));
 	lod_arena_free(&arena);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(values_are_in_range_and_repeatable),
-		cmocka_unit_test(stochastic_order_ignores_place_and_normal),
-		cmocka_unit_test(every_order_has_a_name),
-		cmocka_unit_test(what_faces_outwards_survives),
-		cmocka_unit_test(dense_regions_are_thinned_first),
-		cmocka_unit_test(odd_plants_are_ordered_too),
-		cmocka_unit_test(keys_sort_as_their_numbers),
-		cmocka_unit_test(sorting_is_stable),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -34,7 +34,7 @@ static void finish(struct soup *soup)
 	soup_free(soup);
 }
 
-static void tubes_are_measured_by_their_curvature(void **state)
+UNIT_TEST(tubes_are_measured_by_their_curvature)
 {
 	struct soup soup;
 	struct found found;
@@ -54,7 +54,7 @@ static void tubes_are_measured_by_their_curvature(void **state)
 	finish(&soup);
 }
 
-static void a_tree_is_told_apart_whatever_its_textures(void **state)
+UNIT_TEST(a_tree_is_told_apart_whatever_its_textures)
 {
 	for (int textured = 0; textured < 2; textured++) {
 		struct soup soup;
@@ -68,7 +68,7 @@ static void a_tree_is_told_apart_whatever_its_textures(void **state)
 	}
 }
 
-static void names_do_not_matter(void **state)
+UNIT_TEST(names_do_not_matter)
 {
 	struct soup soup;
 	struct found found;
@@ -81,7 +81,7 @@ static void names_do_not_matter(void **state)
 	finish(&soup);
 }
 
-static void one_material_for_all_is_no_obstacle(void **state)
+UNIT_TEST(one_material_for_all_is_no_obstacle)
 {
 	struct soup soup;
 	struct found found;
@@ -95,7 +95,7 @@ static void one_material_for_all_is_no_obstacle(void **state)
 	finish(&soup);
 }
 
-static void hulls_and_blades_are_foliage(void **state)
+UNIT_TEST(hulls_and_blades_are_foliage)
 {
 	struct soup soup;
 	struct found found;
@@ -115,7 +115,7 @@ static void hulls_and_blades_are_foliage(void **state)
 	finish(&soup);
 }
 
-static void cut_outs_are_never_wood_but_an_atlas_may_hold_bark(void **state)
+UNIT_TEST(cut_outs_are_never_wood_but_an_atlas_may_hold_bark)
 {
 	struct soup soup;
 	struct found found;
@@ -133,7 +133,7 @@ static void cut_outs_are_never_wood_but_an_atlas_may_hold_bark(void **state)
 	finish(&soup);
 }
 
-static void a_patch_inlaid_in_bark_is_bark(void **state)
+UNIT_TEST(a_patch_inlaid_in_bark_is_bark)
 {
 	struct soup soup;
 	struct found found;
@@ -145,7 +145,7 @@ static void a_patch_inlaid_in_bark_is_bark(void **state)
 	finish(&soup);
 }
 
-static void colours_of_the_majority_are_no_flowers(void **state)
+UNIT_TEST(colours_of_the_majority_are_no_flowers)
 {
 	struct soup soup;
 	struct found found;
@@ -155,7 +155,7 @@ static void colours_of_the_majority_are_no_flowers(void **state)
 	finish(&soup);
 }
 
-static void closed_surfaces_count_half(void **state)
+UNIT_TEST(closed_surfaces_count_half)
 {
 	struct soup soup;
 	struct found found;
@@ -169,7 +169,7 @@ static void closed_surfaces_count_half(void **state)
 	finish(&soup);
 }
 
-static void transparent_parts_do_not_count(void **state)
+UNIT_TEST(transparent_parts_do_not_count)
 {
 	struct soup soup;
 	struct found found;
@@ -457,7 +457,7 @@ static void hollow_log(struct soup *s)   /* with a sheet of snow */
 		(struct lod_v3){ 0, 0.2, 0 });
 }
 
-static void plants_are_what_they_look_like(void **state)
+UNIT_TEST(plants_are_what_they_look_like)
 {
 	static const struct { const char *name; void (*make)(struct soup *s); int organ[4]; } plants[] = {
 		{ "palm", palm, { W, F, -1, -1 } },
@@ -514,7 +514,7 @@ static double organ_area(const struct found *found, int organ)
 }
 
 /* One mesh, one material: leaves share a corner with the twig that they sit on. */
-static void leaves_welded_to_twigs_are_foliage(void **state)
+UNIT_TEST(leaves_welded_to_twigs_are_foliage)
 {
 	struct soup soup;
 	struct found found;
@@ -539,7 +539,7 @@ static void leaves_welded_to_twigs_are_foliage(void **state)
 }
 
 /* Trunk and crown are one surface; only the texture, a palette of two flat colours, tells them apart. */
-static void a_palette_texture_parts_trunk_and_crown(void **state)
+UNIT_TEST(a_palette_texture_parts_trunk_and_crown)
 {
 	struct soup soup;
 	struct found found;
@@ -570,7 +570,7 @@ static void a_palette_texture_parts_trunk_and_crown(void **state)
 }
 
 /* An import makes a material of each colour: same name, no image. */
-static void vertex_colours_do_not_shatter_a_trunk(void **state)
+UNIT_TEST(vertex_colours_do_not_shatter_a_trunk)
 {
 	struct soup soup;
 	struct found found;
@@ -586,7 +586,7 @@ static void vertex_colours_do_not_shatter_a_trunk(void **state)
 	finish(&soup);
 }
 
-static void what_has_no_colour_has_that_of_its_organ(void **state)
+UNIT_TEST(what_has_no_colour_has_that_of_its_organ)
 {
 	struct soup soup;
 	struct found found;
@@ -604,7 +604,7 @@ static void what_has_no_colour_has_that_of_its_organ(void **state)
 	finish(&soup);
 }
 
-static void rules_win_over_everything(void **state)
+UNIT_TEST(rules_win_over_everything)
 {
 	struct soup soup;
 	struct found found;
@@ -630,7 +630,7 @@ static void rules_win_over_everything(void **state)
 	finish(&soup);
 }
 
-static void names_hint_in_many_languages(void **state)
+UNIT_TEST(names_hint_in_many_languages)
 {
 	static const struct { const char *name; enum lod_hint hint; } names[] = {
 		{ "Bark", LOD_HINT_WOOD }, { "oak_bark_2k.png", LOD_HINT_WOOD },
@@ -655,28 +655,4 @@ static void names_hint_in_many_languages(void **state)
 	for (size_t i = 0; i < sizeof names / sizeof *names; i++)
 		if (lod_name_hint(names[i].name) != names[i].hint)
 			fail_msg("%s hints at %d", names[i].name, lod_name_hint(names[i].name));
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(tubes_are_measured_by_their_curvature),
-		cmocka_unit_test(a_tree_is_told_apart_whatever_its_textures),
-		cmocka_unit_test(names_do_not_matter),
-		cmocka_unit_test(one_material_for_all_is_no_obstacle),
-		cmocka_unit_test(hulls_and_blades_are_foliage),
-		cmocka_unit_test(cut_outs_are_never_wood_but_an_atlas_may_hold_bark),
-		cmocka_unit_test(a_patch_inlaid_in_bark_is_bark),
-		cmocka_unit_test(colours_of_the_majority_are_no_flowers),
-		cmocka_unit_test(closed_surfaces_count_half),
-		cmocka_unit_test(transparent_parts_do_not_count),
-		cmocka_unit_test(plants_are_what_they_look_like),
-		cmocka_unit_test(leaves_welded_to_twigs_are_foliage),
-		cmocka_unit_test(a_palette_texture_parts_trunk_and_crown),
-		cmocka_unit_test(vertex_colours_do_not_shatter_a_trunk),
-		cmocka_unit_test(what_has_no_colour_has_that_of_its_organ),
-		cmocka_unit_test(rules_win_over_everything),
-		cmocka_unit_test(names_hint_in_many_languages),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -111,7 +111,7 @@ static uint32_t source_triangles(const struct lod_plant *plant, const struct eco
 	return model->triangle_count;
 }
 
-static void every_triangle_is_stored_once(void **state)
+UNIT_TEST(every_triangle_is_stored_once)
 {
 	for (enum kind kind = 0; kind < KINDS; kind++) {
 		struct soup soup;
@@ -133,7 +133,7 @@ static void every_triangle_is_stored_once(void **state)
 	}
 }
 
-static void organs_are_counted(void **state)
+UNIT_TEST(organs_are_counted)
 {
 	struct soup soup;
 	struct lod_plant plant;
@@ -220,7 +220,7 @@ static void check_form(const struct lod_plant *plant, const struct lod_list_draf
 		<= 3 * fans->list.primitive_count);
 }
 
-static void lists_are_consistent(void **state)
+UNIT_TEST(lists_are_consistent)
 {
 	for (enum kind kind = 0; kind < KINDS; kind++) {
 		struct soup soup;
@@ -241,7 +241,7 @@ static void lists_are_consistent(void **state)
 	}
 }
 
-static void every_chunk_can_be_coded(void **state)
+UNIT_TEST(every_chunk_can_be_coded)
 {
 	struct eco_error error = { 0 };
 	for (enum kind kind = 0; kind < KINDS; kind++) {
@@ -326,7 +326,7 @@ static void check_ladder(const struct lod_plant *plant, const struct eco_ladder 
 		assert_int_equal(last, primitives(plant, l->triangles));
 }
 
-static void ladders_are_consistent(void **state)
+UNIT_TEST(ladders_are_consistent)
 {
 	for (enum kind kind = 0; kind < KINDS; kind++) {
 		struct soup soup;
@@ -346,7 +346,7 @@ static void ladders_are_consistent(void **state)
 }
 
 /* Regions of the cells add up to the whole: samples, area, and what the coarse list holds of them. */
-static void cells_add_up(void **state)
+UNIT_TEST(cells_add_up)
 {
 	struct soup soup;
 	struct lod_plant plant;
@@ -376,7 +376,7 @@ static void cells_add_up(void **state)
 	finish(&plant, &soup);
 }
 
-static void small_groups_are_not_sharded(void **state)
+UNIT_TEST(small_groups_are_not_sharded)
 {
 	struct soup soup;
 	struct lod_plant plant;
@@ -389,7 +389,7 @@ static void small_groups_are_not_sharded(void **state)
 	finish(&plant, &soup);
 }
 
-static void blades_become_points_and_lines_of_the_same_area(void **state)
+UNIT_TEST(blades_become_points_and_lines_of_the_same_area)
 {
 	struct soup soup;
 	struct lod_plant plant;
@@ -416,7 +416,7 @@ static void blades_become_points_and_lines_of_the_same_area(void **state)
 
 /* ---- Behaviour ---- */
 
-static void what_has_no_colour_is_drawn_in_its_organ_s_everywhere(void **state)
+UNIT_TEST(what_has_no_colour_is_drawn_in_its_organ_s_everywhere)
 {
 	struct lod_plant plant;
 	struct soup soup;
@@ -443,7 +443,7 @@ static void what_has_no_colour_is_drawn_in_its_organ_s_everywhere(void **state)
 	finish(&plant, &soup);
 }
 
-static void two_builds_are_equal(void **state)
+UNIT_TEST(two_builds_are_equal)
 {
 	struct soup soup, other;
 	struct lod_plant a, b;
@@ -479,7 +479,7 @@ static bool watch_progress(void *ctx, double share)
 	return share < watch->stop;
 }
 
-static void progress_ascends_and_may_stop_the_build(void **state)
+UNIT_TEST(progress_ascends_and_may_stop_the_build)
 {
 	struct soup soup;
 	make_model(&soup, TREE_WITH_CELLS);
@@ -499,7 +499,7 @@ static void progress_ascends_and_may_stop_the_build(void **state)
 	soup_free(&soup);
 }
 
-static void models_without_anything_to_draw_are_refused(void **state)
+UNIT_TEST(models_without_anything_to_draw_are_refused)
 {
 	struct soup soup;
 	struct lod_plant plant;
@@ -518,7 +518,7 @@ static void models_without_anything_to_draw_are_refused(void **state)
 	}
 }
 
-static void coarse_grids_drop_and_count(void **state)
+UNIT_TEST(coarse_grids_drop_and_count)
 {
 	struct soup soup;
 	make_model(&soup, SMALL_TREE);
@@ -539,7 +539,7 @@ static void coarse_grids_drop_and_count(void **state)
 }
 
 /* Random triangles with few vertices: fans, loops and edges with many triangles of every kind. */
-static void any_soup_is_stored_completely(void **state)
+UNIT_TEST(any_soup_is_stored_completely)
 {
 	for (uint32_t seed = 1; seed <= 40; seed++) {
 		struct soup soup;
@@ -583,7 +583,7 @@ static double area_of(const float *p)
 	return lod_v3_length(lod_v3_cross(lod_v3_sub(b, a), lod_v3_sub(c, a))) / 2;
 }
 
-static void geometry_of_a_range_is_part_of_the_whole(void **state)
+UNIT_TEST(geometry_of_a_range_is_part_of_the_whole)
 {
 	struct soup soup;
 	struct lod_plant plant;
@@ -611,7 +611,7 @@ static void geometry_of_a_range_is_part_of_the_whole(void **state)
 	finish(&plant, &soup);
 }
 
-static void scale_is_a_factor_of_area_about_the_centre(void **state)
+UNIT_TEST(scale_is_a_factor_of_area_about_the_centre)
 {
 	struct soup soup;
 	struct lod_plant plant;
@@ -634,27 +634,4 @@ static void scale_is_a_factor_of_area_about_the_centre(void **state)
 		}
 	}
 	finish(&plant, &soup);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_triangle_is_stored_once),
-		cmocka_unit_test(organs_are_counted),
-		cmocka_unit_test(lists_are_consistent),
-		cmocka_unit_test(every_chunk_can_be_coded),
-		cmocka_unit_test(ladders_are_consistent),
-		cmocka_unit_test(cells_add_up),
-		cmocka_unit_test(small_groups_are_not_sharded),
-		cmocka_unit_test(blades_become_points_and_lines_of_the_same_area),
-		cmocka_unit_test(what_has_no_colour_is_drawn_in_its_organ_s_everywhere),
-		cmocka_unit_test(two_builds_are_equal),
-		cmocka_unit_test(progress_ascends_and_may_stop_the_build),
-		cmocka_unit_test(models_without_anything_to_draw_are_refused),
-		cmocka_unit_test(coarse_grids_drop_and_count),
-		cmocka_unit_test(any_soup_is_stored_completely),
-		cmocka_unit_test(geometry_of_a_range_is_part_of_the_whole),
-		cmocka_unit_test(scale_is_a_factor_of_area_about_the_centre),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -37,7 +37,7 @@ static void make_plant(struct lod_plant *plant, uint32_t leaves, uint32_t cell_t
 	soup_free(&soup);
 }
 
-static void what_is_read_is_what_was_written(void **state)
+UNIT_TEST(what_is_read_is_what_was_written)
 {
 	static const uint32_t rows[][2] = { { 0, 0 }, { 1, 0 }, { 60, 0 }, { 900, 300 } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
@@ -71,7 +71,7 @@ static void what_is_read_is_what_was_written(void **state)
 	}
 }
 
-static void every_truncation_is_refused(void **state)
+UNIT_TEST(every_truncation_is_refused)
 {
 	struct lod_plant plant, again;
 	struct eco_writer w = { 0 };
@@ -94,7 +94,7 @@ static void every_truncation_is_refused(void **state)
 }
 
 /* A changed byte is refused, or makes another plant that can be written. */
-static void changed_bytes_are_refused_or_harmless(void **state)
+UNIT_TEST(changed_bytes_are_refused_or_harmless)
 {
 	struct lod_plant plant, again;
 	struct eco_writer w = { 0 };
@@ -123,14 +123,4 @@ static void changed_bytes_are_refused_or_harmless(void **state)
 	assert_true(refused > 1000);
 	eco_writer_free(&w);
 	lod_plant_free(&plant);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(what_is_read_is_what_was_written),
-		cmocka_unit_test(every_truncation_is_refused),
-		cmocka_unit_test(changed_bytes_are_refused_or_harmless),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -46,7 +46,7 @@ static const struct lod_list_draft *leaves_of(const struct lod_plant *plant,
 	return NULL;
 }
 
-static void each_leaf_has_a_code_and_a_simpler_form(void **state)
+UNIT_TEST(each_leaf_has_a_code_and_a_simpler_form)
 {
 	struct lod_plant plant;
 	const struct lod_list_draft *simple;
@@ -70,7 +70,7 @@ static void each_leaf_has_a_code_and_a_simpler_form(void **state)
 	lod_plant_free(&plant);
 }
 
-static void static_orders_have_neither(void **state)
+UNIT_TEST(static_orders_have_neither)
 {
 	for (int order = LOD_ORDER_STOCHASTIC; order < LOD_ORDER_COUNT; order++) {
 		struct lod_plant plant;
@@ -82,7 +82,7 @@ static void static_orders_have_neither(void **state)
 	}
 }
 
-static void orders_differ(void **state)
+UNIT_TEST(orders_differ)
 {
 	struct lod_plant a, b;
 	const struct lod_list_draft *simple;
@@ -99,7 +99,7 @@ static void orders_differ(void **state)
 	lod_plant_free(&a);
 }
 
-static void the_same_again(void **state)
+UNIT_TEST(the_same_again)
 {
 	struct lod_plant a, b;
 	build(&a, LOD_ORDER_GREEDY, 12);
@@ -120,7 +120,7 @@ static void the_same_again(void **state)
 }
 
 /* While the grid is still to be chosen there is a draft, which measuring replaces. */
-static void order_waits_for_the_grid(void **state)
+UNIT_TEST(order_waits_for_the_grid)
 {
 	struct lod_plant plant;
 	struct soup soup;
@@ -149,7 +149,7 @@ static bool lose_patience(void *ctx, double share)
 }
 
 /* Wherever it is stopped, nothing is left behind. */
-static void it_can_be_stopped(void **state)
+UNIT_TEST(it_can_be_stopped)
 {
 	enum eco_code code = ECO_INTERRUPTED;
 	for (uint32_t calls = 0; code; calls += 1 + calls) {
@@ -168,17 +168,4 @@ static void it_can_be_stopped(void **state)
 		lod_plant_free(&plant);
 		soup_free(&soup);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(each_leaf_has_a_code_and_a_simpler_form),
-		cmocka_unit_test(static_orders_have_neither),
-		cmocka_unit_test(orders_differ),
-		cmocka_unit_test(the_same_again),
-		cmocka_unit_test(order_waits_for_the_grid),
-		cmocka_unit_test(it_can_be_stopped),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -56,7 +56,7 @@ static const struct eco_ladder *leaves_of(const struct lod_plant *plant)
 	return &plant->ladders[i];
 }
 
-static void more_vertices_are_no_worse_and_the_scale_is_about_the_best(void **state)
+UNIT_TEST(more_vertices_are_no_worse_and_the_scale_is_about_the_best)
 {
 	for (size_t c = 0; c < sizeof crowns / sizeof *crowns; c++) {
 		struct soup soup;
@@ -85,11 +85,4 @@ static void more_vertices_are_no_worse_and_the_scale_is_about_the_best(void **st
 		lod_plant_free(&plant);
 		soup_free(&soup);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] =
-		{ cmocka_unit_test(more_vertices_are_no_worse_and_the_scale_is_about_the_best) };
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -105,7 +105,7 @@ static void assert_shapes(const struct lod_foliage *foliage, const struct lod_ra
 
 /* One prefix may be unlucky by what the views happen to be; all from a third of the leaves on together are
  * better by far. */
-static void prefixes_beat_chance_on_other_views(void **state)
+UNIT_TEST(prefixes_beat_chance_on_other_views)
 {
 	static const struct foliage_random plants[] = { { 500, 6, 1, 0.12, 3 }, { 400, 4, 1, 0.12, 4 },
 		{ 300, 3, 1, 0.16, 5 } };
@@ -133,7 +133,7 @@ static void prefixes_beat_chance_on_other_views(void **state)
 	}
 }
 
-static void a_triangle_for_each_leaf_keeps_most_of_the_picture(void **state)
+UNIT_TEST(a_triangle_for_each_leaf_keeps_most_of_the_picture)
 {
 	struct lod_foliage f;
 	begin();
@@ -144,7 +144,7 @@ static void a_triangle_for_each_leaf_keeps_most_of_the_picture(void **state)
 		fail_msg("Q of triangles is %.3f", q);
 }
 
-static void a_plain_order_has_plain_codes(void **state)
+UNIT_TEST(a_plain_order_has_plain_codes)
 {
 	struct lod_foliage f;
 	begin();
@@ -155,7 +155,7 @@ static void a_plain_order_has_plain_codes(void **state)
 		assert_int_equal(rank.growth[i], ECO_GROWTH_PLAIN);
 }
 
-static void unscaled_prefixes_cover_more_than_chance(void **state)
+UNIT_TEST(unscaled_prefixes_cover_more_than_chance)
 {
 	struct lod_foliage f;
 	begin();
@@ -179,7 +179,7 @@ static double least_wrong(const struct lod_foliage *foliage, const struct lod_ra
 
 /* A sparse plant: what Q is won with, as many pixels too many as too few, are wrong pixels that could be
  * spared. */
-static void orders_for_wrong_pixels_have_fewer(void **state)
+UNIT_TEST(orders_for_wrong_pixels_have_fewer)
 {
 	struct lod_foliage f;
 	double ours = 0, of_q = 0;
@@ -206,7 +206,7 @@ static void backwards(void *ctx, uint32_t count, void (*piece)(void *pieces, uin
 		piece(pieces, --count);
 }
 
-static void threads_decide_nothing(void **state)
+UNIT_TEST(threads_decide_nothing)
 {
 	struct lod_foliage f;
 	begin();
@@ -229,7 +229,7 @@ static bool until(void *ctx, double share)
 	return *left && --*left;
 }
 
-static void an_interrupted_order_says_so(void **state)
+UNIT_TEST(an_interrupted_order_says_so)
 {
 	for (uint32_t asked = 0; asked < 6; asked++) {
 		struct lod_foliage f;
@@ -247,7 +247,7 @@ static void an_interrupted_order_says_so(void **state)
 
 /* ---- Odd plants ---- */
 
-static void odd_plants_are_ordered_too(void **state)
+UNIT_TEST(odd_plants_are_ordered_too)
 {
 	static const struct foliage_random odd[] = { { 1, 4, 0, 0.1, 1 }, { 2, 3, 0, 0.1, 1 },
 		{ 40, 6, 0, 0, 1 }, { 40, 5, 0, 0.2, 1 },
@@ -268,7 +268,7 @@ static void odd_plants_are_ordered_too(void **state)
 
 /* ---- Simpler leaves ---- */
 
-static void a_triangle_for_a_cut_out_is_fitted_to_what_is_opaque(void **state)
+UNIT_TEST(a_triangle_for_a_cut_out_is_fitted_to_what_is_opaque)
 {
 	const float corner[5][3] = { { -1, -1, 0 }, { 1, -1, 0 }, { 1, 1, 0 }, { 0, 1, 0 }, { -1, 1, 0 } };
 	const float uv[5][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0.5f, 1 }, { 0, 1 } };
@@ -289,7 +289,7 @@ static void a_triangle_for_a_cut_out_is_fitted_to_what_is_opaque(void **state)
 		assert_true(fabsf(c[0][a] + c[1][a] + c[2][a]) < 0.6f);
 }
 
-static void leaves_of_one_triangle_stand_for_themselves(void **state)
+UNIT_TEST(leaves_of_one_triangle_stand_for_themselves)
 {
 	const float corner[3][3] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 2 } };
 	struct lod_simple simple;
@@ -306,17 +306,5 @@ static int end(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(prefixes_beat_chance_on_other_views),
-		cmocka_unit_test(a_triangle_for_each_leaf_keeps_most_of_the_picture),
-		cmocka_unit_test(a_plain_order_has_plain_codes),
-		cmocka_unit_test(unscaled_prefixes_cover_more_than_chance),
-		cmocka_unit_test(orders_for_wrong_pixels_have_fewer),
-		cmocka_unit_test(threads_decide_nothing),
-		cmocka_unit_test(an_interrupted_order_says_so),
-		cmocka_unit_test(odd_plants_are_ordered_too),
-		cmocka_unit_test(a_triangle_for_a_cut_out_is_fitted_to_what_is_opaque),
-		cmocka_unit_test(leaves_of_one_triangle_stand_for_themselves),
-	};
-	return cmocka_run_group_tests(tests, NULL, end);
+	return unit_tests_run(NULL, end);
 }

@@ -127,7 +127,7 @@ static void random_triangle(float *p, const struct lod_raster *raster, const str
 	}
 }
 
-static void covers_what_the_exact_twin_covers(void **unused)
+UNIT_TEST(covers_what_the_exact_twin_covers)
 {
 	static const struct shape shapes[] = {
 		{ 0.4, 20, 1 }, { 1, 20, 1 }, { 2, 20, 128 }, { 3, 22, 1 }, { 4, 20, 64 }, { 6, 20, 1 },
@@ -157,7 +157,7 @@ static struct lod_eye turned_eye(uint32_t width, uint32_t height)
 	return eye;
 }
 
-static void covers_what_the_twin_covers_in_perspective(void **unused)
+UNIT_TEST(covers_what_the_twin_covers_in_perspective)
 {
 	struct lod_raster raster;
 	struct lod_eye eye = turned_eye(64, 48);
@@ -181,7 +181,7 @@ static void covers_what_the_twin_covers_in_perspective(void **unused)
 }
 
 /* A jittered grid of quads, each cut along either diagonal, reaching beyond the picture. */
-static void neighbours_share_each_pixel_once(void **unused)
+UNIT_TEST(neighbours_share_each_pixel_once)
 {
 	enum { SIDE = 40 };
 	struct lod_raster raster;
@@ -229,7 +229,7 @@ static void neighbours_share_each_pixel_once(void **unused)
 
 /* A plane below the eye, from behind it to far beyond: what is in front of the near plane covers, the rest
  * does not. */
-static void planes_through_the_near_plane_cover_up_to_the_horizon(void **unused)
+UNIT_TEST(planes_through_the_near_plane_cover_up_to_the_horizon)
 {
 	static const float reach[] = { 3, 100, 1e5f, 1e9f, 1e14f };
 	struct lod_raster raster;
@@ -258,7 +258,7 @@ static void planes_through_the_near_plane_cover_up_to_the_horizon(void **unused)
 	}
 }
 
-static void what_is_no_number_or_behind_draws_nothing(void **unused)
+UNIT_TEST(what_is_no_number_or_behind_draws_nothing)
 {
 	static const float bad[][9] = {
 		{ NAN, 1, 0, 1, 1, 0, 0, 1, 1 }, { INFINITY, 1, 0, 1, 1, 0, 0, 1, 1 },
@@ -327,7 +327,7 @@ static struct lod_eye wide_eye(void)
 	return eye;
 }
 
-static void batches_of_any_size_paint_the_same(void **unused)
+UNIT_TEST(batches_of_any_size_paint_the_same)
 {
 	struct lod_raster whole, parts;
 	struct lod_eye eye = wide_eye();
@@ -355,7 +355,7 @@ static void batches_of_any_size_paint_the_same(void **unused)
 	lod_raster_free(&parts);
 }
 
-static void nearer_wins_and_of_equals_the_smaller_owner(void **unused)
+UNIT_TEST(nearer_wins_and_of_equals_the_smaller_owner)
 {
 	static const struct { double w[2]; uint64_t owner[2], wins; } rows[] = {
 		{ { 2, 4 }, { 9, 1 }, 9 }, { { 4, 2 }, { 1, 9 }, 9 }, { { 2, 2 }, { 3, 5 }, 3 },
@@ -410,7 +410,7 @@ static void draw_anything(struct lod_raster *raster, uint32_t count, const struc
 	}
 }
 
-static void a_silhouette_covers_what_a_picture_covers(void **unused)
+UNIT_TEST(a_silhouette_covers_what_a_picture_covers)
 {
 	uint8_t texels[4 * 64];
 	const struct eco_image image = { 8, 8, texels };
@@ -439,7 +439,7 @@ static void a_silhouette_covers_what_a_picture_covers(void **unused)
 	}
 }
 
-static void order_and_split_do_not_change_a_picture(void **unused)
+UNIT_TEST(order_and_split_do_not_change_a_picture)
 {
 	struct lod_eye eye = wide_eye();
 	seed = 5;
@@ -485,7 +485,7 @@ static void group_sphere(const struct crowd *crowd, uint32_t group, double cente
 	*radius = sqrt(far2);
 }
 
-static void skipping_what_is_hidden_changes_no_pixel(void **unused)
+UNIT_TEST(skipping_what_is_hidden_changes_no_pixel)
 {
 	struct lod_eye eye = wide_eye();
 	for (int round = 0; round < 6; round++) {
@@ -514,7 +514,7 @@ static void skipping_what_is_hidden_changes_no_pixel(void **unused)
 	}
 }
 
-static void only_full_cover_hides(void **unused)
+UNIT_TEST(only_full_cover_hides)
 {
 	struct lod_raster raster;
 	float wall[9];
@@ -537,7 +537,7 @@ static void only_full_cover_hides(void **unused)
 
 /* ---- Cut-outs, lines, points ---- */
 
-static void cutouts_are_sampled_in_perspective_and_wrap(void **unused)
+UNIT_TEST(cutouts_are_sampled_in_perspective_and_wrap)
 {
 	enum { TW = 7, TH = 5 };
 	uint8_t texels[TW * TH * 4] = { 0 };
@@ -574,7 +574,7 @@ static void cutouts_are_sampled_in_perspective_and_wrap(void **unused)
 	lod_raster_free(&raster);
 }
 
-static void lines_are_as_wide_as_they_say(void **unused)
+UNIT_TEST(lines_are_as_wide_as_they_say)
 {
 	struct lod_raster raster;
 	struct lod_eye eye = flat_eye(2, 2);
@@ -601,7 +601,7 @@ static void lines_are_as_wide_as_they_say(void **unused)
 	lod_raster_free(&raster);
 }
 
-static void points_cover_exactly_their_boxes(void **unused)
+UNIT_TEST(points_cover_exactly_their_boxes)
 {
 	struct lod_raster raster;
 	seed = 11;
@@ -640,7 +640,7 @@ static uint64_t digest(const struct lod_raster *raster)
 	return hash;
 }
 
-static void every_build_paints_the_same_bits(void **unused)
+UNIT_TEST(every_build_paints_the_same_bits)
 {
 	struct lod_raster raster;
 	struct lod_eye eye = wide_eye();
@@ -665,7 +665,7 @@ static void every_build_paints_the_same_bits(void **unused)
 	lod_raster_free(&raster);
 }
 
-static void impossible_sizes_are_refused(void **unused)
+UNIT_TEST(impossible_sizes_are_refused)
 {
 	static const uint32_t bad[][2] = { { 0, 1 }, { 1, 0 }, { ECO_IMAGE_MAX + 1, 1 }, { 1, UINT32_MAX } };
 	for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
@@ -677,27 +677,4 @@ static void impossible_sizes_are_refused(void **unused)
 		assert_non_null(strstr(error.text, "pixels"));
 		lod_raster_free(&raster);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(covers_what_the_exact_twin_covers),
-		cmocka_unit_test(covers_what_the_twin_covers_in_perspective),
-		cmocka_unit_test(neighbours_share_each_pixel_once),
-		cmocka_unit_test(planes_through_the_near_plane_cover_up_to_the_horizon),
-		cmocka_unit_test(what_is_no_number_or_behind_draws_nothing),
-		cmocka_unit_test(batches_of_any_size_paint_the_same),
-		cmocka_unit_test(nearer_wins_and_of_equals_the_smaller_owner),
-		cmocka_unit_test(a_silhouette_covers_what_a_picture_covers),
-		cmocka_unit_test(order_and_split_do_not_change_a_picture),
-		cmocka_unit_test(skipping_what_is_hidden_changes_no_pixel),
-		cmocka_unit_test(only_full_cover_hides),
-		cmocka_unit_test(cutouts_are_sampled_in_perspective_and_wrap),
-		cmocka_unit_test(lines_are_as_wide_as_they_say),
-		cmocka_unit_test(points_cover_exactly_their_boxes),
-		cmocka_unit_test(every_build_paints_the_same_bits),
-		cmocka_unit_test(impossible_sizes_are_refused),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

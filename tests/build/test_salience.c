@@ -23,7 +23,7 @@ static void grow(const uint8_t leaf[3], double leaves, const uint8_t petal[3], d
 	lod_salience_add(&plant, petal, petals);
 }
 
-static void rare_clear_colours_stand_out(void **state)
+UNIT_TEST(rare_clear_colours_stand_out)
 {
 	const uint8_t *const petals[] = { white, red, yellow };
 	for (int i = 0; i < 3; i++) {
@@ -33,13 +33,13 @@ static void rare_clear_colours_stand_out(void **state)
 	}
 }
 
-static void shades_of_one_colour_do_not(void **state)
+UNIT_TEST(shades_of_one_colour_do_not)
 {
 	grow(green, 10, light_green, 1);
 	assert_true(importance(light_green) == 1 && importance(green) == 1);
 }
 
-static void the_more_it_differs_and_the_rarer_it_is_the_more_it_counts(void **state)
+UNIT_TEST(the_more_it_differs_and_the_rarer_it_is_the_more_it_counts)
 {
 	double last = 10;
 	for (double petals = 0.1; petals < 30; petals *= 2) {
@@ -53,21 +53,10 @@ static void the_more_it_differs_and_the_rarer_it_is_the_more_it_counts(void **st
 	assert_true(importance(red) > importance(white) && importance(white) > 1);
 }
 
-static void half_and_half_has_no_majority(void **state)
+UNIT_TEST(half_and_half_has_no_majority)
 {
 	grow(green, 5, red, 5);
 	assert_true(importance(red) == 1 && importance(green) == 1);
 	memset(&plant, 0, sizeof plant);
 	assert_true(importance(red) == 1);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(rare_clear_colours_stand_out),
-		cmocka_unit_test(shades_of_one_colour_do_not),
-		cmocka_unit_test(the_more_it_differs_and_the_rarer_it_is_the_more_it_counts),
-		cmocka_unit_test(half_and_half_has_no_majority),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

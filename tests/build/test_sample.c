@@ -9,7 +9,7 @@
 
 static const uint8_t green[3] = { 20, 200, 40 };
 
-static void a_plain_triangle_is_seen_at_its_middle(void **state)
+UNIT_TEST(a_plain_triangle_is_seen_at_its_middle)
 {
 	struct soup dice = { .state = 9 };
 	for (uint32_t i = 0; i < 200; i++) {
@@ -31,7 +31,7 @@ static void a_plain_triangle_is_seen_at_its_middle(void **state)
 	}
 }
 
-static void cut_outs_are_seen_where_they_are_opaque(void **state)
+UNIT_TEST(cut_outs_are_seen_where_they_are_opaque)
 {
 	struct soup soup;
 	soup_begin(&soup);
@@ -60,7 +60,7 @@ static void cut_outs_are_seen_where_they_are_opaque(void **state)
 	soup_free(&soup);
 }
 
-static void nothing_opaque_gives_the_middle_in_the_mean_colour(void **state)
+UNIT_TEST(nothing_opaque_gives_the_middle_in_the_mean_colour)
 {
 	struct soup soup;
 	soup_begin(&soup);
@@ -84,7 +84,7 @@ static void nothing_opaque_gives_the_middle_in_the_mean_colour(void **state)
 	soup_free(&soup);
 }
 
-static void texels_wrap(void **state)
+UNIT_TEST(texels_wrap)
 {
 	struct soup soup;
 	soup_begin(&soup);
@@ -177,7 +177,7 @@ static __attribute__((noinline)) void compare_means(const struct mean_case *c, b
 	free(image.rgba);
 }
 
-static void means_are_those_of_brute_force(void **state)
+UNIT_TEST(means_are_those_of_brute_force)
 {
 	static const struct mean_case cases[] = {
 		{ 256, 256, 0.002, 0, 0.03 },        /* less than a texel */
@@ -197,7 +197,7 @@ static void means_are_those_of_brute_force(void **state)
 		}
 }
 
-static void light_survives_the_way_there_and_back(void **state)
+UNIT_TEST(light_survives_the_way_there_and_back)
 {
 	for (uint32_t i = 0; i < 256; i++) {
 		double c = i / 255.0, linear = c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
@@ -211,7 +211,7 @@ static void light_survives_the_way_there_and_back(void **state)
 
 static struct lod_palette palette;
 
-static void few_colours_are_kept_exactly(void **state)
+UNIT_TEST(few_colours_are_kept_exactly)
 {
 	struct lod_arena arena = { 0 };
 	uint8_t rgb[200][3];
@@ -229,7 +229,7 @@ static void few_colours_are_kept_exactly(void **state)
 	lod_arena_free(&arena);
 }
 
-static void many_colours_are_cut_to_near_ones(void **state)
+UNIT_TEST(many_colours_are_cut_to_near_ones)
 {
 	struct lod_arena arena = { 0 };
 	static uint8_t rgb[30000][3];
@@ -255,19 +255,4 @@ static void many_colours_are_cut_to_near_ones(void **state)
 	const uint8_t red[3] = { 200, 20, 40 };
 	assert_true(abs(palette.rgb[lod_palette_index(&palette, red)][0] - 200) < 8);
 	lod_arena_free(&arena);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_plain_triangle_is_seen_at_its_middle),
-		cmocka_unit_test(cut_outs_are_seen_where_they_are_opaque),
-		cmocka_unit_test(nothing_opaque_gives_the_middle_in_the_mean_colour),
-		cmocka_unit_test(texels_wrap),
-		cmocka_unit_test(means_are_those_of_brute_force),
-		cmocka_unit_test(light_survives_the_way_there_and_back),
-		cmocka_unit_test(few_colours_are_kept_exactly),
-		cmocka_unit_test(many_colours_are_cut_to_near_ones),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

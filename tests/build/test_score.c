@@ -32,7 +32,7 @@ static const struct row rows[] = {
 	{ "", "", 1, 1, NAN },
 };
 
-static void known_masks_have_known_scores(void **unused)
+UNIT_TEST(known_masks_have_known_scores)
 {
 	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
 		uint8_t cover[8], reference[8];
@@ -54,7 +54,7 @@ static void known_masks_have_known_scores(void **unused)
 	}
 }
 
-static void rows_add_up(void **unused)
+UNIT_TEST(rows_add_up)
 {
 	uint8_t cover[12] = { 1, 1, 0, 0, 9, 0, 0, 0, 0, 0, 0, 255 },
 		reference[12] = { 1, 0, 0, 4, 1, 0, 0, 0, 0, 0, 0, 1 };
@@ -67,7 +67,7 @@ static void rows_add_up(void **unused)
 	assert_int_equal(score.pixels, 12);
 }
 
-static void owners_must_match_where_they_are_known(void **unused)
+UNIT_TEST(owners_must_match_where_they_are_known)
 {
 	uint32_t leaf = eco_owner_leaf(3), other = eco_owner_leaf(4);
 	uint64_t reference[4] = { eco_owner_instance(leaf, 2, 0), eco_owner_instance(leaf, 2, 1),
@@ -83,7 +83,7 @@ static void owners_must_match_where_they_are_known(void **unused)
 	NEAR(score.owner_q, 1 - hypot(0.5, 0.5));
 }
 
-static void predicted_q_is_computed_as_q_is(void **unused)
+UNIT_TEST(predicted_q_is_computed_as_q_is)
 {
 	uint8_t cover[100] = { 0 }, reference[100] = { 0 };
 	struct lod_score score;
@@ -94,15 +94,4 @@ static void predicted_q_is_computed_as_q_is(void **unused)
 	assert_true(eco_predicted_q(&(struct eco_prediction){ 0, 0, 0 }) == 1);
 	assert_true(eco_predicted_q(&(struct eco_prediction){ 10, 0, 0 }) == 1);
 	assert_true(eco_predicted_q(&(struct eco_prediction){ 0, 0, 5 }) == 0);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(known_masks_have_known_scores),
-		cmocka_unit_test(rows_add_up),
-		cmocka_unit_test(owners_must_match_where_they_are_known),
-		cmocka_unit_test(predicted_q_is_computed_as_q_is),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

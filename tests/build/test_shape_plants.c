@@ -108,7 +108,7 @@ static void code_chunk(const struct lod_list_draft *draft, uint32_t first, uint3
 	tally->leaves += end - first;
 }
 
-static void leaves_of_all_kinds_of_plants_are_small(void **unused)
+UNIT_TEST(leaves_of_all_kinds_of_plants_are_small)
 {
 	static const char *const kinds[] = { "birch", "pine", "shrub", "linden", "palm", "azalea", "fern",
 		"grass", "daisy", "sunflower" };
@@ -133,12 +133,4 @@ static void leaves_of_all_kinds_of_plants_are_small(void **unused)
 			fail_msg("%s: %.1f bits a leaf, and %.1f as corners", kinds[i],
 				tally.coded / tally.leaves, tally.soup / tally.leaves);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(leaves_of_all_kinds_of_plants_are_small),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -81,7 +81,7 @@ static struct lod_summary summary_of(const struct world *w, uint32_t tile, uint3
 	return s;
 }
 
-static void test_as_many_points_as_asked(void **state)
+UNIT_TEST(test_as_many_points_as_asked)
 {
 	static struct world w;
 	make_world(&w);
@@ -94,7 +94,7 @@ static void test_as_many_points_as_asked(void **state)
 	}
 }
 
-static void test_points_follow_area(void **state)
+UNIT_TEST(test_points_follow_area)
 {
 	static struct world w;
 	double per[4] = { 0 };               /* leaf 1, leaf 2, placed right, placed left */
@@ -118,7 +118,7 @@ static void test_points_follow_area(void **state)
 	free(s.points);
 }
 
-static void test_points_lie_on_plants(void **state)
+UNIT_TEST(test_points_lie_on_plants)
 {
 	static struct world w;
 	make_world(&w);
@@ -149,7 +149,7 @@ static void test_points_lie_on_plants(void **state)
 	free(s.points);
 }
 
-static void test_keys_match_owners(void **state)
+UNIT_TEST(test_keys_match_owners)
 {
 	static struct world w;
 	make_world(&w);
@@ -171,7 +171,7 @@ static int by_place(const void *a, const void *b) { return memcmp(a, b, sizeof(s
 
 /* A parent takes the beginnings of its children's sequences: what it takes of a leaf, a longer summary of
  * that leaf has too. */
-static void test_parents_merge_children(void **state)
+UNIT_TEST(test_parents_merge_children)
 {
 	static struct world w;
 	make_world(&w);
@@ -193,7 +193,7 @@ static void test_parents_merge_children(void **state)
 }
 
 /* Of nested eco files their stored summaries are enough; one that has none is left out. */
-static void test_nested_summaries_stand_for_their_files(void **state)
+UNIT_TEST(test_nested_summaries_stand_for_their_files)
 {
 	static struct world w;
 	struct lod_summary inner, outer;
@@ -219,7 +219,7 @@ static void test_nested_summaries_stand_for_their_files(void **state)
 	eco_elements_free(&root.elements);
 }
 
-static void test_list_holds_the_points(void **state)
+UNIT_TEST(test_list_holds_the_points)
 {
 	static struct world w;
 	struct eco_list list;
@@ -243,7 +243,7 @@ static void test_list_holds_the_points(void **state)
 	free(s.points);
 }
 
-static void test_counts_are_bounded(void **state)
+UNIT_TEST(test_counts_are_bounded)
 {
 	static const struct { uint64_t instances; uint32_t points; } cases[] =
 		{ { 0, 64 }, { 1, 64 }, { 16, 64 }, { 100, 400 }, { 1024, 4096 },
@@ -298,7 +298,7 @@ static uint32_t pooled_leaves(int32_t stem_z)
 	return leaves;
 }
 
-static void test_pool_follows_what_is_seen(void **state)
+UNIT_TEST(test_pool_follows_what_is_seen)
 {
 	uint32_t below = pooled_leaves(90), above = pooled_leaves(150);
 	print_message("          leaves %u of 1000 with the stem below them, %u with it above\n", below,
@@ -307,7 +307,7 @@ static void test_pool_follows_what_is_seen(void **state)
 	assert_true(below > 900);                        /* what hides is seen, from nearly everywhere */
 }
 
-static void test_power_below(void **state)
+UNIT_TEST(test_power_below)
 {
 	assert_true(lod_power_below(1) == 1);
 	assert_true(lod_power_below(0.9999) == 0.5);
@@ -317,7 +317,7 @@ static void test_power_below(void **state)
 
 /* From the flat to the square, of the same plants: a splat that is higher than its tile covers only so much
  * of it. */
-static void test_large_splats_do_not_fill_a_low_tile(void **state)
+UNIT_TEST(test_large_splats_do_not_fill_a_low_tile)
 {
 	struct lod_summary_view view = { .area = 30000, .covered = 8000, .box = 10000, .plants = 1e5,
 		.points = 4096 };
@@ -339,7 +339,7 @@ static void test_large_splats_do_not_fill_a_low_tile(void **state)
 
 /* The fewer and larger splats are, the more of them lies around their tile: all of it where one is far
  * larger, hardly any of many small ones. */
-static void test_large_splats_stand_out_around_their_tile(void **state)
+UNIT_TEST(test_large_splats_stand_out_around_their_tile)
 {
 	struct lod_summary_view view = { .area = 30000, .covered = 8000, .box = 10000, .plants = 1e5,
 		.points = 4096, .weight_px = 100 };
@@ -359,7 +359,7 @@ static void test_large_splats_stand_out_around_their_tile(void **state)
 }
 
 /* Ellipsoids from all around, against points on them. */
-static void test_heights_in_the_picture_are_those_of_points(void **state)
+UNIT_TEST(test_heights_in_the_picture_are_those_of_points)
 {
 	for (int pitch = -60; pitch <= 60; pitch += 30)
 		for (int k = -2; k <= 2; k++) {
@@ -381,24 +381,4 @@ static void test_heights_in_the_picture_are_those_of_points(void **state)
 			struct lod_tilt tilt = lod_tilt_at(&eye, at, 1);
 			assert_true(fabs(lod_tilt_height(&tilt, across, up) - most) < 0.01);
 		}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_as_many_points_as_asked),
-		cmocka_unit_test(test_points_follow_area),
-		cmocka_unit_test(test_points_lie_on_plants),
-		cmocka_unit_test(test_keys_match_owners),
-		cmocka_unit_test(test_parents_merge_children),
-		cmocka_unit_test(test_nested_summaries_stand_for_their_files),
-		cmocka_unit_test(test_list_holds_the_points),
-		cmocka_unit_test(test_counts_are_bounded),
-		cmocka_unit_test(test_pool_follows_what_is_seen),
-		cmocka_unit_test(test_power_below),
-		cmocka_unit_test(test_large_splats_do_not_fill_a_low_tile),
-		cmocka_unit_test(test_large_splats_stand_out_around_their_tile),
-		cmocka_unit_test(test_heights_in_the_picture_are_those_of_points),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

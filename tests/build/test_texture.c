@@ -27,7 +27,7 @@ static uint8_t *fill(const char *const *rows, uint32_t width, uint32_t height)
 	return filled;
 }
 
-static void clear_texels_take_the_colour_beside_them(void **state)
+UNIT_TEST(clear_texels_take_the_colour_beside_them)
 {
 	static const char *const rows[] = { "r...g...", "........", "..r...g.", "........" };
 	uint8_t *filled = fill(rows, 8, 4);
@@ -36,7 +36,7 @@ static void clear_texels_take_the_colour_beside_them(void **state)
 	free(filled);
 }
 
-static void far_from_all_they_take_the_mean(void **state)
+UNIT_TEST(far_from_all_they_take_the_mean)
 {
 	static const char *const rows[] = { "r......g", "........", "........", "........", "........",
 		"........", "........", "........" };
@@ -45,7 +45,7 @@ static void far_from_all_they_take_the_mean(void **state)
 	free(filled);
 }
 
-static void one_opaque_texel_is_enough_in_a_picture_of_any_shape(void **state)
+UNIT_TEST(one_opaque_texel_is_enough_in_a_picture_of_any_shape)
 {
 	char row[301];
 	const char *rows[] = { row };
@@ -57,22 +57,11 @@ static void one_opaque_texel_is_enough_in_a_picture_of_any_shape(void **state)
 	free(filled);
 }
 
-static void nothing_opaque_stays_as_it_is(void **state)
+UNIT_TEST(nothing_opaque_stays_as_it_is)
 {
 	static const char *const rows[] = { "...", "..." };
 	uint8_t *filled = fill(rows, 3, 2);
 	for (uint32_t i = 0; i < 6; i++)
 		assert_memory_equal(filled + 4 * i, "\xFF\xFF\xFF", 3);
 	free(filled);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(clear_texels_take_the_colour_beside_them),
-		cmocka_unit_test(far_from_all_they_take_the_mean),
-		cmocka_unit_test(one_opaque_texel_is_enough_in_a_picture_of_any_shape),
-		cmocka_unit_test(nothing_opaque_stays_as_it_is),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

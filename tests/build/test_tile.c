@@ -98,7 +98,7 @@ static void check(uint32_t count, uint32_t most, enum layout layout)
 	free(seen);
 }
 
-static void test_each_thing_in_one_leaf(void **state)
+UNIT_TEST(test_each_thing_in_one_leaf)
 {
 	static const uint32_t counts[] = { 0, 1, 2, 127, 128, 129, 1000, 5000 }, mosts[] = { 1, 4, 128 };
 	for (size_t c = 0; c < sizeof counts / sizeof *counts; c++)
@@ -108,7 +108,7 @@ static void test_each_thing_in_one_leaf(void **state)
 }
 
 /* In the mean, of evenly scattered things, whatever their number. */
-static void test_leaves_are_not_nearly_empty(void **state)
+UNIT_TEST(test_leaves_are_not_nearly_empty)
 {
 	static struct lod_tile_item items[10000];
 	for (uint32_t count = 129; count <= 10000; count += count / 8) {
@@ -125,7 +125,7 @@ static void test_leaves_are_not_nearly_empty(void **state)
 	}
 }
 
-static void test_same_input_same_tiles(void **state)
+UNIT_TEST(test_same_input_same_tiles)
 {
 	struct lod_tile_item items[800];
 	struct lod_tiles a, b;
@@ -139,7 +139,7 @@ static void test_same_input_same_tiles(void **state)
 }
 
 /* Neighbours in Morton order are near each other: much shorter steps than in the order of the file. */
-static void test_neighbours_lie_near(void **state)
+UNIT_TEST(test_neighbours_lie_near)
 {
 	struct lod_tile_item items[1000];
 	struct lod_tiles tiles;
@@ -158,23 +158,11 @@ static void test_neighbours_lie_near(void **state)
 	lod_tiles_free(&tiles);
 }
 
-static void test_morton_interleaves(void **state)
+UNIT_TEST(test_morton_interleaves)
 {
 	assert_int_equal(lod_morton(0, 0), 0);
 	assert_int_equal(lod_morton(1, 0), 1);
 	assert_int_equal(lod_morton(0, 1), 2);
 	assert_int_equal(lod_morton(3, 5), 0x27);
 	assert_true(lod_morton(UINT32_MAX, UINT32_MAX) == UINT64_MAX);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_each_thing_in_one_leaf),
-		cmocka_unit_test(test_leaves_are_not_nearly_empty),
-		cmocka_unit_test(test_same_input_same_tiles),
-		cmocka_unit_test(test_neighbours_lie_near),
-		cmocka_unit_test(test_morton_interleaves),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

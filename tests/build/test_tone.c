@@ -32,7 +32,7 @@ static void dark_first(uint32_t count, uint32_t colors)
 	}
 }
 
-static void beginnings_have_the_tone_of_what_is_seen(void **state)
+UNIT_TEST(beginnings_have_the_tone_of_what_is_seen)
 {
 	static const struct { uint32_t count, colors; double within; } cases[] =
 		{ { 4096, 7, 0.06 }, { 4096, 32, 0.06 }, { 4096, 110, 0.06 },
@@ -55,7 +55,7 @@ static void beginnings_have_the_tone_of_what_is_seen(void **state)
 	}
 }
 
-static void few_colours_stay_what_they_are(void **state)
+UNIT_TEST(few_colours_stay_what_they_are)
 {
 	dark_first(MOST, 12);
 	uint8_t before[MOST][3];
@@ -69,7 +69,7 @@ static void few_colours_stay_what_they_are(void **state)
 	}
 }
 
-static void one_colour_and_nothing_seen_change_nothing(void **state)
+UNIT_TEST(one_colour_and_nothing_seen_change_nothing)
 {
 	uint8_t before[MOST][3];
 	for (int unseen = 0; unseen < 2; unseen++) {
@@ -83,7 +83,7 @@ static void one_colour_and_nothing_seen_change_nothing(void **state)
 	lod_tone_level(rgb, area, seen, 0);
 }
 
-static void a_leaf_in_a_box_is_not_seen(void **state)
+UNIT_TEST(a_leaf_in_a_box_is_not_seen)
 {
 	struct soup soup;
 	struct lod_arena arena = { 0 };
@@ -124,15 +124,4 @@ static void a_leaf_in_a_box_is_not_seen(void **state)
 	assert_true(all > 1000);
 	lod_arena_free(&arena);
 	soup_free(&soup);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(beginnings_have_the_tone_of_what_is_seen),
-		cmocka_unit_test(few_colours_stay_what_they_are),
-		cmocka_unit_test(one_colour_and_nothing_seen_change_nothing),
-		cmocka_unit_test(a_leaf_in_a_box_is_not_seen),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

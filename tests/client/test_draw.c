@@ -77,7 +77,7 @@ static void assert_same(const struct view_picture *a, const struct view_picture 
 	assert_memory_equal(a->rgb, b->rgb, 3 * pixels);
 }
 
-static void empty_store_draws_an_empty_picture(void **state)
+UNIT_TEST(empty_store_draws_an_empty_picture)
 {
 	if (!gl)
 		skip();
@@ -90,7 +90,7 @@ static void empty_store_draws_an_empty_picture(void **state)
 	view_store_free(store);
 }
 
-static void ground_hides_and_is_not_covered(void **state)
+UNIT_TEST(ground_hides_and_is_not_covered)
 {
 	if (!gl)
 		skip();
@@ -127,7 +127,7 @@ static void ground_hides_and_is_not_covered(void **state)
 	view_picture_free(&hidden);
 }
 
-static void mask_does_not_depend_on_shading(void **state)
+UNIT_TEST(mask_does_not_depend_on_shading)
 {
 	if (!gl)
 		skip();
@@ -144,7 +144,7 @@ static void mask_does_not_depend_on_shading(void **state)
 }
 
 /* The hue tells the representation: green triangles, red lines, blue points, yellow to orange blends. */
-static void tint_shows_all_four_kinds(void **state)
+UNIT_TEST(tint_shows_all_four_kinds)
 {
 	if (!gl)
 		skip();
@@ -179,7 +179,7 @@ static void held_stream(const struct view_store *store, const struct eco_plan *p
 
 /* What was uploaded for an earlier frame is extended; the picture is that of a context that has seen nothing
  * before. */
-static void uploads_in_parts_draw_the_same(void **state)
+UNIT_TEST(uploads_in_parts_draw_the_same)
 {
 	if (!gl)
 		skip();
@@ -211,7 +211,7 @@ static void uploads_in_parts_draw_the_same(void **state)
 	eco_plan_free(&large);
 }
 
-static void repeated_frames_are_the_same(void **state)
+UNIT_TEST(repeated_frames_are_the_same)
 {
 	if (!gl)
 		skip();
@@ -224,7 +224,7 @@ static void repeated_frames_are_the_same(void **state)
 	scene_release(&h);
 }
 
-static void wrong_size_is_refused(void **state)
+UNIT_TEST(wrong_size_is_refused)
 {
 	if (!gl)
 		skip();
@@ -240,7 +240,7 @@ static void wrong_size_is_refused(void **state)
 }
 
 /* Needs no OpenGL: shadows fall away from the sun, to the north-east, and nowhere without plants. */
-static void shadows_fall_to_the_north_east(void **state)
+UNIT_TEST(shadows_fall_to_the_north_east)
 {
 	struct scene_held h = scene_hold(&scene);
 	scene_select(&h);
@@ -272,15 +272,5 @@ static void shadows_fall_to_the_north_east(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(empty_store_draws_an_empty_picture),
-		cmocka_unit_test(ground_hides_and_is_not_covered),
-		cmocka_unit_test(mask_does_not_depend_on_shading),
-		cmocka_unit_test(tint_shows_all_four_kinds),
-		cmocka_unit_test(uploads_in_parts_draw_the_same),
-		cmocka_unit_test(repeated_frames_are_the_same),
-		cmocka_unit_test(wrong_size_is_refused),
-		cmocka_unit_test(shadows_fall_to_the_north_east),
-	};
-	return cmocka_run_group_tests(tests, open_all, close_all);
+	return unit_tests_run(open_all, close_all);
 }

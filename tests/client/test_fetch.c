@@ -132,7 +132,7 @@ static void good_stream(struct eco_plan *plan, struct eco_writer *w)
 static const char ok[] = "HTTP/1.1 200 OK\r\nContent-Type: application/octet-stream\r\nServer-Timing: "
 	"plan;dur=7.25\r\n";
 
-static void stream_arrives_in_pieces(void **state)
+UNIT_TEST(stream_arrives_in_pieces)
 {
 	struct server s;
 	struct eco_plan plan;
@@ -157,7 +157,7 @@ static void stream_arrives_in_pieces(void **state)
 	eco_plan_free(&plan);
 }
 
-static void nothing_fits_is_no_failure(void **state)
+UNIT_TEST(nothing_fits_is_no_failure)
 {
 	struct server s;
 	struct view_fetch_result result;
@@ -170,7 +170,7 @@ static void nothing_fits_is_no_failure(void **state)
 	view_store_free(store);
 }
 
-static void problems_become_readable_errors(void **state)
+UNIT_TEST(problems_become_readable_errors)
 {
 	static const struct { const char *head, *body; enum eco_code code; const char *text; } rows[] = {
 		{ "HTTP/1.1 404 Not Found\r\n", "{\"title\":\"No such scene\",\"detail\":\"there is no "
@@ -198,7 +198,7 @@ static void problems_become_readable_errors(void **state)
 	}
 }
 
-static void a_busy_server_is_asked_again(void **state)
+UNIT_TEST(a_busy_server_is_asked_again)
 {
 	struct server s;
 	struct eco_plan plan;
@@ -220,7 +220,7 @@ static void a_busy_server_is_asked_again(void **state)
 	eco_plan_free(&plan);
 }
 
-static void huge_problem_does_not_fill_memory(void **state)
+UNIT_TEST(huge_problem_does_not_fill_memory)
 {
 	struct server s;
 	struct view_fetch_result result;
@@ -237,7 +237,7 @@ static void huge_problem_does_not_fill_memory(void **state)
 	view_store_free(store);
 }
 
-static void cut_or_damaged_streams_are_refused(void **state)
+UNIT_TEST(cut_or_damaged_streams_are_refused)
 {
 	struct eco_plan plan;
 	struct eco_writer w;
@@ -261,7 +261,7 @@ static void cut_or_damaged_streams_are_refused(void **state)
 	eco_plan_free(&plan);
 }
 
-static void stop_flag_and_bad_urls_end_at_once(void **state)
+UNIT_TEST(stop_flag_and_bad_urls_end_at_once)
 {
 	static volatile sig_atomic_t flag = 1;
 	static const char *const bad[] = { "", "ftp://x/", "localhost:8080", "http://x/?a=b", "http://x/ y",
@@ -299,14 +299,5 @@ static int tear_down(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(stream_arrives_in_pieces),
-		cmocka_unit_test(nothing_fits_is_no_failure),
-		cmocka_unit_test(problems_become_readable_errors),
-		cmocka_unit_test(a_busy_server_is_asked_again),
-		cmocka_unit_test(huge_problem_does_not_fill_memory),
-		cmocka_unit_test(cut_or_damaged_streams_are_refused),
-		cmocka_unit_test(stop_flag_and_bad_urls_end_at_once),
-	};
-	return cmocka_run_group_tests(tests, set_up, tear_down);
+	return unit_tests_run(set_up, tear_down);
 }

@@ -103,7 +103,7 @@ static struct view_store *receive(struct view_store *into, const struct srv_stre
 
 /* ---- Steps ---- */
 
-static void ground_comes_coarse_to_fine(void **state)
+UNIT_TEST(ground_comes_coarse_to_fine)
 {
 	struct eco_request request = request_of(900, 120, 300000);
 	struct srv_stream stream;
@@ -125,7 +125,7 @@ static void ground_comes_coarse_to_fine(void **state)
 	srv_stream_free(&stream);
 }
 
-static void the_same_view_has_the_same_ground_whatever_came_before(void **state)
+UNIT_TEST(the_same_view_has_the_same_ground_whatever_came_before)
 {
 	static const double walk[][2] = { { 900, 120 }, { 60, 4 }, { 500, 400 }, { 120, 9 } };
 	struct view_store *held = NULL;
@@ -159,7 +159,7 @@ static void the_same_view_has_the_same_ground_whatever_came_before(void **state)
 
 /* ---- Bytes ---- */
 
-static void ground_gives_way_before_plants(void **state)
+UNIT_TEST(ground_gives_way_before_plants)
 {
 	struct eco_request request = request_of(300, 60, 60000);
 	struct srv_stream whole, stream;
@@ -192,7 +192,7 @@ static void ground_gives_way_before_plants(void **state)
 	srv_stream_free(&whole);
 }
 
-static void a_tolerance_that_is_asked_for_is_kept(void **state)
+UNIT_TEST(a_tolerance_that_is_asked_for_is_kept)
 {
 	struct eco_request request = request_of(400, 80, 1000);
 	uint32_t last = UINT32_MAX;
@@ -208,7 +208,7 @@ static void a_tolerance_that_is_asked_for_is_kept(void **state)
 	assert_true(last >= 1 && last < 5);
 }
 
-static void heights_of_the_drawn_ground_are_those_of_its_samples(void **state)
+UNIT_TEST(heights_of_the_drawn_ground_are_those_of_its_samples)
 {
 	struct eco_request request = request_of(200, 30, 1000);
 	struct srv_stream stream;
@@ -238,7 +238,7 @@ static void heights_of_the_drawn_ground_are_those_of_its_samples(void **state)
 
 /* ---- Pictures ---- */
 
-static void opengl_and_software_draw_the_same_ground(void **state)
+UNIT_TEST(opengl_and_software_draw_the_same_ground)
 {
 	static const double views[][2] = { { 300, 60 }, { 40, 3 }, { 900, 500 }, { 30, 900 } };
 	struct view_gl *gl = NULL;
@@ -285,13 +285,5 @@ static void opengl_and_software_draw_the_same_ground(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(ground_comes_coarse_to_fine),
-		cmocka_unit_test(the_same_view_has_the_same_ground_whatever_came_before),
-		cmocka_unit_test(ground_gives_way_before_plants),
-		cmocka_unit_test(a_tolerance_that_is_asked_for_is_kept),
-		cmocka_unit_test(heights_of_the_drawn_ground_are_those_of_its_samples),
-		cmocka_unit_test(opengl_and_software_draw_the_same_ground),
-	};
-	return cmocka_run_group_tests(tests, open_all, close_all);
+	return unit_tests_run(open_all, close_all);
 }

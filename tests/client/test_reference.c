@@ -94,7 +94,7 @@ static void compare(const struct view_picture *a, const struct view_picture *b, 
 	*owners = (double)owner / pixels;
 }
 
-static void opengl_and_software_agree(void **state)
+UNIT_TEST(opengl_and_software_agree)
 {
 	static const double eyes[][6] = { { -22, -19, 6.5, 0, 0, 2.5 }, { 0, -40, 30, 0, 0, 0 },
 		{ 2, 1, 1.7, 9, 9, 3 }, { 4, -3, 40, 4.1, -3, 0 },
@@ -127,7 +127,7 @@ static void opengl_and_software_agree(void **state)
 	}
 }
 
-static void threads_do_not_change_the_picture(void **state)
+UNIT_TEST(threads_do_not_change_the_picture)
 {
 	struct eco_view view = scene_view();
 	struct view_picture one, many;
@@ -145,7 +145,7 @@ static void threads_do_not_change_the_picture(void **state)
 	scene_release(&d);
 }
 
-static void something_is_seen_and_scores_as_itself(void **state)
+UNIT_TEST(something_is_seen_and_scores_as_itself)
 {
 	struct eco_view view = scene_view();
 	struct view_picture p;
@@ -166,7 +166,7 @@ static void something_is_seen_and_scores_as_itself(void **state)
 	scene_release(&d);
 }
 
-static void software_stops_when_told(void **state)
+UNIT_TEST(software_stops_when_told)
 {
 	struct eco_view view = scene_view();
 	struct view_picture p;
@@ -182,11 +182,5 @@ static void software_stops_when_told(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(opengl_and_software_agree),
-		cmocka_unit_test(threads_do_not_change_the_picture),
-		cmocka_unit_test(something_is_seen_and_scores_as_itself),
-		cmocka_unit_test(software_stops_when_told),
-	};
-	return cmocka_run_group_tests(tests, open_all, close_all);
+	return unit_tests_run(open_all, close_all);
 }

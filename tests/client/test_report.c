@@ -18,7 +18,7 @@ static const struct eco_request request =
 	{ .view = { { 1.5, -2, 0.1 }, { 0, 0, 1e-9 }, { 0, 0, 1 }, 45, 800, 600 }, .vertices = 1000,
 		.bytes = ECO_BYTES_UNBOUNDED };
 
-static void line_shows_dashes_for_what_is_not_known(void **state)
+UNIT_TEST(line_shows_dashes_for_what_is_not_known)
 {
 	char *text = NULL;
 	size_t size;
@@ -46,7 +46,7 @@ static json_t *written(const struct view_report *report)
 	return root;
 }
 
-static void report_has_every_figure(void **state)
+UNIT_TEST(report_has_every_figure)
 {
 	static const char *const names[] = { "frame", "time_s", "budget_vertices", "vertices", "budget_bytes",
 		"bytes", "precision", "recall",
@@ -86,7 +86,7 @@ static void report_has_every_figure(void **state)
 	view_report_free(&report);
 }
 
-static void report_of_nothing_is_valid(void **state)
+UNIT_TEST(report_of_nothing_is_valid)
 {
 	struct view_report report = { 0 };
 	json_t *root = written(&report);
@@ -98,7 +98,7 @@ static void report_of_nothing_is_valid(void **state)
 	assert_non_null(strstr(error.text, "build/tmp/report/none/such/report.json"));
 }
 
-static void query_keeps_every_digit(void **state)
+UNIT_TEST(query_keeps_every_digit)
 {
 	char text[VIEW_QUERY_BYTES];
 	assert_true(view_fetch_query(&request, text, sizeof text) == strlen(text));
@@ -118,7 +118,7 @@ static void query_keeps_every_digit(void **state)
 	assert_true(view_fetch_query(&most, text, 50) >= 50);
 }
 
-static void plan_time_is_found_in_its_header(void **state)
+UNIT_TEST(plan_time_is_found_in_its_header)
 {
 	static const struct { const char *text; double ms; } rows[] = {
 		{ " plan;dur=12.5", 12.5 }, { "cache;dur=1, plan;dur=3\r\n", 3 }, { "plan;dur=0", 0 },
@@ -133,7 +133,7 @@ static void plan_time_is_found_in_its_header(void **state)
 	assert_true(isnan(view_fetch_plan_ms("plan;dur=7", 9)));
 }
 
-static void quantiles_are_values_that_occurred(void **state)
+UNIT_TEST(quantiles_are_values_that_occurred)
 {
 	float ms[100];
 	for (int i = 0; i < 100; i++)
@@ -144,7 +144,7 @@ static void quantiles_are_values_that_occurred(void **state)
 	assert_true(view_times_quantile(&one, 0.5) == 1 && isnan(view_times_quantile(&none, 0.5)));
 }
 
-static void comparison_has_a_colour_for_each_case(void **state)
+UNIT_TEST(comparison_has_a_colour_for_each_case)
 {
 	const uint8_t cover[4] = { 0, 255, 0, 255 }, reference[4] = { 0, 0, 255, 255 };
 	uint8_t rgb[12];
@@ -155,7 +155,7 @@ static void comparison_has_a_colour_for_each_case(void **state)
 	assert_true(rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0);
 }
 
-static void an_explanation_is_a_table(void **state)
+UNIT_TEST(an_explanation_is_a_table)
 {
 	char *text;
 	size_t size;
@@ -173,19 +173,4 @@ static void an_explanation_is_a_table(void **state)
 	free(text);
 	assert_int_equal(view_explain_write(stdout, 0, "{\"cuts\": []}", &error), ECO_UNSUPPORTED);
 	assert_int_equal(view_explain_write(stdout, 0, "no JSON", &(struct eco_error){ 0 }), ECO_UNSUPPORTED);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(line_shows_dashes_for_what_is_not_known),
-		cmocka_unit_test(report_has_every_figure),
-		cmocka_unit_test(report_of_nothing_is_valid),
-		cmocka_unit_test(query_keeps_every_digit),
-		cmocka_unit_test(plan_time_is_found_in_its_header),
-		cmocka_unit_test(quantiles_are_values_that_occurred),
-		cmocka_unit_test(comparison_has_a_colour_for_each_case),
-		cmocka_unit_test(an_explanation_is_a_table),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

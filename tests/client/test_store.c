@@ -25,7 +25,7 @@ static int free_scene(void **state)
 	return 0;
 }
 
-static void table_keeps_what_was_put(void **state)
+UNIT_TEST(table_keeps_what_was_put)
 {
 	struct view_table table = { 0 };
 	assert_int_equal(view_table_get(&table, 3), UINT32_MAX);
@@ -40,7 +40,7 @@ static void table_keeps_what_was_put(void **state)
 	view_table_free(&table);
 }
 
-static void stream_fills_the_store(void **state)
+UNIT_TEST(stream_fills_the_store)
 {
 	struct eco_view view = scene_view();
 	struct eco_plan plan;
@@ -80,7 +80,7 @@ static void stream_fills_the_store(void **state)
 }
 
 /* ROWS keep their order: what was coded is what comes back. */
-static void ground_and_instances_come_back_in_order(void **state)
+UNIT_TEST(ground_and_instances_come_back_in_order)
 {
 	struct scene_held h = scene_hold(&scene);
 	for (uint32_t id = L_TREES; id <= L_GROUND; id++) {
@@ -106,7 +106,7 @@ static void holdings_of(const struct view_store *store, uint32_t held[L_COUNT])
 	free(holdings.items);
 }
 
-static void second_stream_extends_the_first(void **state)
+UNIT_TEST(second_stream_extends_the_first)
 {
 	struct eco_view view = scene_view();
 	struct eco_plan small, large;
@@ -203,7 +203,7 @@ static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writ
 	scene_end_frame(w, fault == END_DISAGREES, &number);
 }
 
-static void wrong_streams_are_refused_with_a_reason(void **state)
+UNIT_TEST(wrong_streams_are_refused_with_a_reason)
 {
 	static const char *const reasons[FAULTS] = { "chunk 0", "chunk", "", "described twice",
 		"described twice", "are held",
@@ -302,7 +302,7 @@ static void write_forms(enum form_fault fault, bool points_first, struct eco_wri
 	free(payload);
 }
 
-static void forms_that_do_not_pair_are_refused(void **state)
+UNIT_TEST(forms_that_do_not_pair_are_refused)
 {
 	static const char *const reasons[FORM_FAULTS] = { "", "is a form of list 2", "is a form of list 2",
 		"which is not one of fans",
@@ -325,7 +325,7 @@ static void forms_that_do_not_pair_are_refused(void **state)
 }
 
 /* The twin of pairing: forms were made of their elements, and that is what they are after coding. */
-static void forms_pair_with_their_elements(void **state)
+UNIT_TEST(forms_pair_with_their_elements)
 {
 	struct scene_held h = scene_hold(&scene);
 	const struct eco_elements *leaves = &view_store_list(h.store, L_LOW)->elements,
@@ -340,7 +340,7 @@ static void forms_pair_with_their_elements(void **state)
 	scene_release(&h);
 }
 
-static void chunk_that_is_held_is_refused(void **state)
+UNIT_TEST(chunk_that_is_held_is_refused)
 {
 	struct scene_held h = scene_hold(&scene);
 	struct eco_error error = { 0 };
@@ -356,7 +356,7 @@ static void chunk_that_is_held_is_refused(void **state)
 	scene_release(&h);
 }
 
-static void memory_is_bounded(void **state)
+UNIT_TEST(memory_is_bounded)
 {
 	struct eco_view view = scene_view();
 	struct view_store *store;
@@ -376,7 +376,7 @@ static void memory_is_bounded(void **state)
 
 /* ---- Selection ---- */
 
-static void selection_draws_what_the_plan_says(void **state)
+UNIT_TEST(selection_draws_what_the_plan_says)
 {
 	for (int step = 0; step < 12; step++) {
 		struct eco_view view = scene_view();
@@ -406,7 +406,7 @@ static void selection_draws_what_the_plan_says(void **state)
 	}
 }
 
-static void selection_refuses_a_plan_that_miscounts(void **state)
+UNIT_TEST(selection_refuses_a_plan_that_miscounts)
 {
 	struct eco_view view = scene_view();
 	struct eco_plan plan;
@@ -424,7 +424,7 @@ static void selection_refuses_a_plan_that_miscounts(void **state)
 	eco_plan_free(&plan);
 }
 
-static void blends_are_recognised(void **state)
+UNIT_TEST(blends_are_recognised)
 {
 	struct scene_held h = scene_hold(&scene);
 	scene_select(&h);
@@ -441,7 +441,7 @@ static void blends_are_recognised(void **state)
 	scene_release(&h);
 }
 
-static void no_plan_selects_nothing(void **state)
+UNIT_TEST(no_plan_selects_nothing)
 {
 	struct view_store *store;
 	struct view_store_options options = { 0 };
@@ -457,7 +457,7 @@ static void no_plan_selects_nothing(void **state)
 }
 
 /* The shader adds a placement's path to a record's owner; that must be what the library says. */
-static void summary_records_carry_owners(void **state)
+UNIT_TEST(summary_records_carry_owners)
 {
 	struct scene_held h = scene_hold(&scene);
 	const struct view_list *list = view_store_list(h.store, L_SUMMARY);
@@ -477,21 +477,5 @@ static void summary_records_carry_owners(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(table_keeps_what_was_put),
-		cmocka_unit_test(stream_fills_the_store),
-		cmocka_unit_test(ground_and_instances_come_back_in_order),
-		cmocka_unit_test(second_stream_extends_the_first),
-		cmocka_unit_test(wrong_streams_are_refused_with_a_reason),
-		cmocka_unit_test(chunk_that_is_held_is_refused),
-		cmocka_unit_test(forms_that_do_not_pair_are_refused),
-		cmocka_unit_test(forms_pair_with_their_elements),
-		cmocka_unit_test(memory_is_bounded),
-		cmocka_unit_test(selection_draws_what_the_plan_says),
-		cmocka_unit_test(selection_refuses_a_plan_that_miscounts),
-		cmocka_unit_test(blends_are_recognised),
-		cmocka_unit_test(no_plan_selects_nothing),
-		cmocka_unit_test(summary_records_carry_owners),
-	};
-	return cmocka_run_group_tests(tests, make_scene, free_scene);
+	return unit_tests_run(make_scene, free_scene);
 }

@@ -104,7 +104,7 @@ static void put(struct main_cache *cache, unsigned number, const char *text)
 
 /* ---- Entries ---- */
 
-static void gives_back_what_was_put(void **state)
+UNIT_TEST(gives_back_what_was_put)
 {
 	struct main_cache cache;
 	empty_folder();
@@ -123,7 +123,7 @@ static void gives_back_what_was_put(void **state)
 	assert_int_equal(files_in(folder, ".plant"), 2);
 }
 
-static void without_a_folder_all_is_missed(void **state)
+UNIT_TEST(without_a_folder_all_is_missed)
 {
 	struct main_cache cache;
 	for (int i = 0; i < 2; i++) {
@@ -135,7 +135,7 @@ static void without_a_folder_all_is_missed(void **state)
 }
 
 /* Every byte of an entry counts, and every length but its own. */
-static void every_damage_is_noticed(void **state)
+UNIT_TEST(every_damage_is_noticed)
 {
 	struct main_cache cache;
 	char path[512];
@@ -163,7 +163,7 @@ static void every_damage_is_noticed(void **state)
 	main_cache_close(&cache);
 }
 
-static void what_was_used_least_recently_goes(void **state)
+UNIT_TEST(what_was_used_least_recently_goes)
 {
 	struct main_cache cache;
 	char path[512], text[101];
@@ -190,7 +190,7 @@ static void what_was_used_least_recently_goes(void **state)
 	assert_int_equal(files_in(folder, "notes.txt"), 1);
 }
 
-static void what_others_left_unfinished_goes_after_a_while(void **state)
+UNIT_TEST(what_others_left_unfinished_goes_after_a_while)
 {
 	struct main_cache cache;
 	char path[600];
@@ -211,7 +211,7 @@ static void what_others_left_unfinished_goes_after_a_while(void **state)
 	assert_int_equal(files_in(folder, ".plant.aBcD01"), 0);
 }
 
-static void an_entry_beyond_the_limit_is_not_kept(void **state)
+UNIT_TEST(an_entry_beyond_the_limit_is_not_kept)
 {
 	struct main_cache cache;
 	empty_folder();
@@ -222,7 +222,7 @@ static void an_entry_beyond_the_limit_is_not_kept(void **state)
 	assert_int_equal(files_in(folder, ""), 0);
 }
 
-static void a_folder_that_cannot_be_fails_nothing(void **state)
+UNIT_TEST(a_folder_that_cannot_be_fails_nothing)
 {
 	static const char *const folders[] = { "/proc/nothing/here", "/dev/null", "/dev/null/x" };
 	for (size_t i = 0; i < sizeof folders / sizeof *folders; i++) {
@@ -236,7 +236,7 @@ static void a_folder_that_cannot_be_fails_nothing(void **state)
 	}
 }
 
-static void the_default_follows_the_environment(void **state)
+UNIT_TEST(the_default_follows_the_environment)
 {
 	static const struct { const char *base, *home, *is; } rows[] = {
 		{ "/a/b", "/home/x", "/a/b/ecostream" },
@@ -322,7 +322,7 @@ static void write_scene(void)
 		"\"at\": [0, 0, 0]}]}\n");
 }
 
-static void packs_are_the_same_with_and_without(void **state)
+UNIT_TEST(packs_are_the_same_with_and_without)
 {
 	empty_folder();
 	write_scene();
@@ -350,7 +350,7 @@ static void packs_are_the_same_with_and_without(void **state)
 }
 
 /* An entry whose hashes hold and whose plant is none. */
-static void an_entry_that_is_no_plant_is_built_anew(void **state)
+UNIT_TEST(an_entry_that_is_no_plant_is_built_anew)
 {
 	DIR *dir = opendir(folder);
 	struct main_cache cache;
@@ -372,7 +372,7 @@ static void an_entry_that_is_no_plant_is_built_anew(void **state)
 	assert_true(same_packs("none.eco", "fourth.eco"));
 }
 
-static void a_pack_is_made_where_the_cache_cannot_be(void **state)
+UNIT_TEST(a_pack_is_made_where_the_cache_cannot_be)
 {
 	make("unwritable.eco", "/dev/null/cache", LOD_ORDER_GREEDY, "scene.json");
 	assert_true(same_packs("none.eco", "unwritable.eco"));
@@ -380,25 +380,12 @@ static void a_pack_is_made_where_the_cache_cannot_be(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(gives_back_what_was_put),
-		cmocka_unit_test(without_a_folder_all_is_missed),
-		cmocka_unit_test(every_damage_is_noticed),
-		cmocka_unit_test(what_was_used_least_recently_goes),
-		cmocka_unit_test(what_others_left_unfinished_goes_after_a_while),
-		cmocka_unit_test(an_entry_beyond_the_limit_is_not_kept),
-		cmocka_unit_test(a_folder_that_cannot_be_fails_nothing),
-		cmocka_unit_test(packs_are_the_same_with_and_without),
-		cmocka_unit_test(an_entry_that_is_no_plant_is_built_anew),
-		cmocka_unit_test(a_pack_is_made_where_the_cache_cannot_be),
-		cmocka_unit_test(the_default_follows_the_environment),
-	};
 	mkdir("build/tmp", 0777);
 	snprintf(root, sizeof root, "build/tmp/cache-%d", (int)getpid());
 	snprintf(folder, sizeof folder, "%s/kept", root);
 	mkdir(root, 0777);
 	main_progress_quiet(true);
-	int failed = cmocka_run_group_tests(tests, NULL, NULL);
+	int failed = unit_tests_run(NULL, NULL);
 	char command[400];
 	snprintf(command, sizeof command, "rm -rf '%s'", root);
 	return system(command) != 0 ? 1 : failed;

@@ -43,7 +43,7 @@ static uint32_t pixel(const char *path, int x, int y)
 	return rgb & 0xffffff;
 }
 
-static void test_numbers_are_rounded_down_to_1_2_5(void **state)
+UNIT_TEST(test_numbers_are_rounded_down_to_1_2_5)
 {
 	static const struct { double value, rounded; } cases[] = { { 1, 1 }, { 1.99, 1 }, { 2, 2 },
 		{ 4.9, 2 }, { 5, 5 }, { 9.9, 5 }, { 10, 10 },
@@ -52,7 +52,7 @@ static void test_numbers_are_rounded_down_to_1_2_5(void **state)
 		assert_true(fabs(eco_chart_round_below(cases[i].value) / cases[i].rounded - 1) < 1e-9);
 }
 
-static void test_ticks_are_round_few_and_inside(void **state)
+UNIT_TEST(test_ticks_are_round_few_and_inside)
 {
 	static const struct { double low, high; uint32_t most; double step; } cases[] =
 		{ { 0, 10, 11, 1 }, { 0, 10, 6, 2 }, { 0, 64, 14, 5 },
@@ -68,7 +68,7 @@ static void test_ticks_are_round_few_and_inside(void **state)
 	}
 }
 
-static void test_ticks_of_nothing_end(void **state)
+UNIT_TEST(test_ticks_of_nothing_end)
 {
 	static const double cases[][2] = { { 5, 5 }, { 5, 4 }, { 0, INFINITY }, { NAN, 1 },
 		{ 1e15, 1e15 + 1 } };
@@ -76,7 +76,7 @@ static void test_ticks_of_nothing_end(void **state)
 		assert_in_range(eco_chart_ticks(cases[i][0], cases[i][1], 5).count, 0, 5);
 }
 
-static void test_counts_and_lengths_are_written_alike_in_every_locale(void **state)
+UNIT_TEST(test_counts_and_lengths_are_written_alike_in_every_locale)
 {
 	static const struct { uint64_t count; const char *text; } counts[] =
 		{ { 0, "0" }, { 999, "999" }, { 1000, "1,000" },
@@ -93,7 +93,7 @@ static void test_counts_and_lengths_are_written_alike_in_every_locale(void **sta
 		assert_string_equal(eco_chart_length_text(lengths[i].metres, text), lengths[i].text);
 }
 
-static void test_shapes_lie_where_they_were_drawn(void **state)
+UNIT_TEST(test_shapes_lie_where_they_were_drawn)
 {
 	struct eco_chart *chart = blank(40, 30);
 	const uint8_t pixels[] = { 10, 20, 30, 255, 0, 0, 0, 0, 200, 100, 50, 255, 1, 2, 3, 255 };
@@ -114,7 +114,7 @@ static void test_shapes_lie_where_they_were_drawn(void **state)
 		assert_int_equal(pixel(ROOT "/shapes.png", expected[i].x, expected[i].y), expected[i].rgb);
 }
 
-static void test_text_of_any_bytes_is_drawn(void **state)
+UNIT_TEST(test_text_of_any_bytes_is_drawn)
 {
 	static const char *const texts[] = { "", "oak", "\xff\xfe", "\xc3", "Ahorn \xc3\xa4", "\xe2\x82",
 		"\xf0\x9f\x8c\xb3", "\xed\xa0\x80", "\xc0\x80",
@@ -136,7 +136,7 @@ static void test_text_of_any_bytes_is_drawn(void **state)
 	free(file.bytes);
 }
 
-static void test_paragraphs_break_at_spaces(void **state)
+UNIT_TEST(test_paragraphs_break_at_spaces)
 {
 	struct eco_chart_style style = { .size = 12, .room = 100 };
 	struct eco_chart *chart = blank(200, 200);
@@ -148,7 +148,7 @@ static void test_paragraphs_break_at_spaces(void **state)
 	eco_chart_free(chart);
 }
 
-static void test_same_drawing_gives_same_bytes(void **state)
+UNIT_TEST(test_same_drawing_gives_same_bytes)
 {
 	struct eco_chart_file files[2];
 	for (int i = 0; i < 2; i++) {
@@ -171,7 +171,7 @@ static void put_file(const char *path, const void *bytes, size_t size)
 	fclose(file);
 }
 
-static void test_only_pictures_are_replaced(void **state)
+UNIT_TEST(test_only_pictures_are_replaced)
 {
 	put_file(ROOT "/text", "hello, world", 12);
 	put_file(ROOT "/short", "\x89PN", 3);
@@ -188,7 +188,7 @@ static void test_only_pictures_are_replaced(void **state)
 	}
 }
 
-static void test_a_file_that_cannot_be_written_leaves_nothing(void **state)
+UNIT_TEST(test_a_file_that_cannot_be_written_leaves_nothing)
 {
 	struct eco_chart_file file = png_of(blank(4, 4));
 	struct eco_error error = { 0 };
@@ -200,7 +200,7 @@ static void test_a_file_that_cannot_be_written_leaves_nothing(void **state)
 	free(file.bytes);
 }
 
-static void test_sides_are_bounded(void **state)
+UNIT_TEST(test_sides_are_bounded)
 {
 	struct eco_chart *chart;
 	assert_int_equal(eco_chart_new(&chart, 0, 5, NULL), ECO_TOO_LARGE);
@@ -210,21 +210,8 @@ static void test_sides_are_bounded(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_numbers_are_rounded_down_to_1_2_5),
-		cmocka_unit_test(test_ticks_are_round_few_and_inside),
-		cmocka_unit_test(test_ticks_of_nothing_end),
-		cmocka_unit_test(test_counts_and_lengths_are_written_alike_in_every_locale),
-		cmocka_unit_test(test_shapes_lie_where_they_were_drawn),
-		cmocka_unit_test(test_text_of_any_bytes_is_drawn),
-		cmocka_unit_test(test_paragraphs_break_at_spaces),
-		cmocka_unit_test(test_same_drawing_gives_same_bytes),
-		cmocka_unit_test(test_only_pictures_are_replaced),
-		cmocka_unit_test(test_a_file_that_cannot_be_written_leaves_nothing),
-		cmocka_unit_test(test_sides_are_bounded),
-	};
 	mkdir("build", 0777);
 	mkdir("build/tmp", 0777);
 	mkdir(ROOT, 0777);
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	return unit_tests_run(NULL, NULL);
 }

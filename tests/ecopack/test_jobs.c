@@ -52,7 +52,7 @@ static enum eco_code go(struct run *run, uint64_t count, uint32_t threads, struc
 		.take = take_value, .drop = drop_value, .ctx = run }, error);
 }
 
-static void results_come_in_order_with_any_number_of_threads(void **state)
+UNIT_TEST(results_come_in_order_with_any_number_of_threads)
 {
 	static const uint64_t counts[] = { 0, 1, 2, 7, 1023, 1024, 1025, 5000 };
 	static const uint32_t threads[] = { 0, 1, 2, 3, 16, 200 };
@@ -69,7 +69,7 @@ static void results_come_in_order_with_any_number_of_threads(void **state)
 	}
 }
 
-static void the_first_failure_is_the_one_that_is_told(void **state)
+UNIT_TEST(the_first_failure_is_the_one_that_is_told)
 {
 	static const struct { uint64_t work, take; enum eco_code code; const char *says; uint64_t taken;
 		} cases[] = {
@@ -88,14 +88,4 @@ static void the_first_failure_is_the_one_that_is_told(void **state)
 			assert_int_equal(run.taken, cases[i].taken);
 			assert_int_equal(run.alive, 0);
 		}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(results_come_in_order_with_any_number_of_threads),
-		cmocka_unit_test(the_first_failure_is_the_one_that_is_told),
-	};
-
-	return cmocka_run_group_tests_name("jobs", tests, NULL, NULL);
 }

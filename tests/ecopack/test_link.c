@@ -123,7 +123,7 @@ static bool same(const char *a, const char *b)
 	return equal;
 }
 
-static void linked_parts_equal_the_whole(void **state)
+UNIT_TEST(linked_parts_equal_the_whole)
 {
 	struct eco_error error = { 0 };
 	write_parts(1);
@@ -135,7 +135,7 @@ static void linked_parts_equal_the_whole(void **state)
 }
 
 /* Parts with plants of their own: numbers and colours change, and what is alike is there once. */
-static void parts_keep_plants_of_their_own(void **state)
+UNIT_TEST(parts_keep_plants_of_their_own)
 {
 	struct eco_error error = { 0 };
 	struct eco_pack *pack = NULL;
@@ -155,7 +155,7 @@ static void parts_keep_plants_of_their_own(void **state)
 	eco_pack_close(pack);
 }
 
-static void parts_of_other_frames_are_refused(void **state)
+UNIT_TEST(parts_of_other_frames_are_refused)
 {
 	struct eco_error error = { 0 };
 	write_parts(3);
@@ -197,7 +197,7 @@ static void edit(uint64_t *seed)
 }
 
 /* ECO_EDITS in the environment: how many. */
-static void edited_packs_equal_full_builds(void **state)
+UNIT_TEST(edited_packs_equal_full_builds)
 {
 	const char *wanted = getenv("ECO_EDITS");
 	int edits = wanted ? atoi(wanted) : 4;
@@ -223,7 +223,7 @@ static void edited_packs_equal_full_builds(void **state)
 
 /* What did not change is taken from the old pack: a plant at the edge of one part leaves the others' lists
  * alone. */
-static void only_what_depends_on_a_change_is_built(void **state)
+UNIT_TEST(only_what_depends_on_a_change_is_built)
 {
 	struct make m = { .options = &(struct make_options){ .pack = in_root("whole.eco") } };
 	struct eco_error error = { 0 };
@@ -262,7 +262,7 @@ static void damage(const char *name)
 	free(bytes);
 }
 
-static void a_damaged_pack_is_built_anew(void **state)
+UNIT_TEST(a_damaged_pack_is_built_anew)
 {
 	write_parts(7);
 	unlink(in_root("full.eco"));
@@ -274,7 +274,7 @@ static void a_damaged_pack_is_built_anew(void **state)
 	assert_true(same("whole.eco", "full.eco"));
 }
 
-static void a_damaged_part_is_named(void **state)
+UNIT_TEST(a_damaged_part_is_named)
 {
 	struct eco_error error = { 0 };
 	write_parts(8);
@@ -288,7 +288,7 @@ static void a_damaged_part_is_named(void **state)
 }
 
 /* A pack may be right by its tables and yet not be one that ecopack made. */
-static void summaries_of_others_are_refused(void **state)
+UNIT_TEST(summaries_of_others_are_refused)
 {
 	struct eco_error error = { 0 };
 	struct eco_pack *pack;
@@ -334,15 +334,5 @@ static int clean_up(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(linked_parts_equal_the_whole),
-		cmocka_unit_test(parts_keep_plants_of_their_own),
-		cmocka_unit_test(parts_of_other_frames_are_refused),
-		cmocka_unit_test(edited_packs_equal_full_builds),
-		cmocka_unit_test(only_what_depends_on_a_change_is_built),
-		cmocka_unit_test(a_damaged_pack_is_built_anew),
-		cmocka_unit_test(a_damaged_part_is_named),
-		cmocka_unit_test(summaries_of_others_are_refused),
-	};
-	return cmocka_run_group_tests(tests, set_up, clean_up);
+	return unit_tests_run(set_up, clean_up);
 }

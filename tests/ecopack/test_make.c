@@ -82,7 +82,7 @@ static uint32_t standing(const struct eco_scene *s, double at[][3], uint32_t *pl
 
 /* ---- What is built ---- */
 
-static void test_plant_at_the_origin_is_exact(void **state)
+UNIT_TEST(test_plant_at_the_origin_is_exact)
 {
 	double at[4][3];
 	uint32_t plant[4];
@@ -128,7 +128,7 @@ static void write_slope(void)
 
 static double slope_height(double x, double y) { return (x + 55 - 2.5) * 0.1 + (y + 55 - 2.5) * 0.05; }
 
-static void test_plants_stand_where_the_scene_says(void **state)
+UNIT_TEST(test_plants_stand_where_the_scene_says)
 {
 	static double at[200][3];
 	static uint32_t plant[200];
@@ -168,7 +168,7 @@ static void write_tree(const char *name, double reach)
 	write_text(name, text);
 }
 
-static void test_crowns_choose_the_variant_and_the_size(void **state)
+UNIT_TEST(test_crowns_choose_the_variant_and_the_size)
 {
 	double at[8][3];
 	uint32_t plant[8];
@@ -201,7 +201,7 @@ static void test_crowns_choose_the_variant_and_the_size(void **state)
 	eco_pack_close(pack);
 }
 
-static void test_what_stands_beyond_the_ground_is_counted(void **state)
+UNIT_TEST(test_what_stands_beyond_the_ground_is_counted)
 {
 	write_slope();
 	write_text("two.csv", "x,y\n1000,2000\n1500,2001\n");
@@ -222,7 +222,7 @@ static void test_what_stands_beyond_the_ground_is_counted(void **state)
 	eco_pack_close(pack);
 }
 
-static void test_tiles_are_small_and_summed_up(void **state)
+UNIT_TEST(test_tiles_are_small_and_summed_up)
 {
 	write_slope();
 	struct eco_pack *pack = made("slope.json", "slope.eco");
@@ -249,7 +249,7 @@ static void test_tiles_are_small_and_summed_up(void **state)
 	eco_pack_close(pack);
 }
 
-static void test_nested_files_are_built_once(void **state)
+UNIT_TEST(test_nested_files_are_built_once)
 {
 	write_text("patch.json", "{\"name\": \"patch\", \"plants\": {\"c\": {\"model\": \"b.obj\", "
 		"\"height_m\": 2.5}}, \"instances\": [{\"plant\": "
@@ -278,7 +278,7 @@ static void test_nested_files_are_built_once(void **state)
 	eco_pack_close(pack);
 }
 
-static void test_threads_change_nothing(void **state)
+UNIT_TEST(test_threads_change_nothing)
 {
 	size_t size_a, size_b;
 	write_slope();
@@ -291,7 +291,7 @@ static void test_threads_change_nothing(void **state)
 	free(b);
 }
 
-static void test_every_triangle_is_accounted_for(void **state)
+UNIT_TEST(test_every_triangle_is_accounted_for)
 {
 	write_model("worse.obj", 3, 30);
 	FILE *file = fopen(in_root("worse.obj"), "ab");
@@ -352,7 +352,7 @@ static const struct { const char *scene, *says; } bad[] = {
 		"\"north\", \"plant\": \"a\"}]}", "no column \"north\"; there are: x, y" },
 };
 
-static void test_failure_leaves_the_old_pack(void **state)
+UNIT_TEST(test_failure_leaves_the_old_pack)
 {
 	write_text("broken.obj", "v 0 0\nf 1 2 3\n");
 	write_text("two.csv", "x,y\n1,2\n500,1\n");
@@ -371,7 +371,7 @@ static void test_failure_leaves_the_old_pack(void **state)
 	}
 }
 
-static void test_damage_is_found_and_named(void **state)
+UNIT_TEST(test_damage_is_found_and_named)
 {
 	size_t size;
 	write_slope();
@@ -417,7 +417,7 @@ static void write_hills(void)
 		"\"instances\": [{\"plant\": \"a\", \"at\": [50, 50]}]}");
 }
 
-static void test_ground_is_tiles_that_hold_what_they_say(void **state)
+UNIT_TEST(test_ground_is_tiles_that_hold_what_they_say)
 {
 	struct inspect_counts counts;
 	struct eco_error error = { 0 };
@@ -454,7 +454,7 @@ static void test_ground_is_tiles_that_hold_what_they_say(void **state)
 }
 
 /* Whole metres are kept as such. */
-static void test_whole_heights_are_kept_exactly(void **state)
+UNIT_TEST(test_whole_heights_are_kept_exactly)
 {
 	write_text("whole.asc", "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 2\n101.0 102 104\n103 "
 		"110 99\n");
@@ -468,7 +468,7 @@ static void test_whole_heights_are_kept_exactly(void **state)
 	eco_pack_close(pack);
 }
 
-static void test_info_speaks_json(void **state)
+UNIT_TEST(test_info_speaks_json)
 {
 	write_slope();
 	eco_pack_close(made("slope.json", "info.eco"));
@@ -503,20 +503,5 @@ static int clean_up(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_plant_at_the_origin_is_exact),
-		cmocka_unit_test(test_plants_stand_where_the_scene_says),
-		cmocka_unit_test(test_crowns_choose_the_variant_and_the_size),
-		cmocka_unit_test(test_what_stands_beyond_the_ground_is_counted),
-		cmocka_unit_test(test_ground_is_tiles_that_hold_what_they_say),
-		cmocka_unit_test(test_whole_heights_are_kept_exactly),
-		cmocka_unit_test(test_tiles_are_small_and_summed_up),
-		cmocka_unit_test(test_nested_files_are_built_once),
-		cmocka_unit_test(test_threads_change_nothing),
-		cmocka_unit_test(test_every_triangle_is_accounted_for),
-		cmocka_unit_test(test_failure_leaves_the_old_pack),
-		cmocka_unit_test(test_damage_is_found_and_named),
-		cmocka_unit_test(test_info_speaks_json),
-	};
-	return cmocka_run_group_tests(tests, prepare, clean_up);
+	return unit_tests_run(prepare, clean_up);
 }

@@ -79,7 +79,7 @@ static uint64_t left(const struct map *m, const char *reason)
 
 /* ---- Counting ---- */
 
-static void test_plants_are_counted_by_kind_with_their_heights(void **state)
+UNIT_TEST(test_plants_are_counted_by_kind_with_their_heights)
 {
 	struct map m;
 	gather(&m, ROOT "/one.json");
@@ -94,7 +94,7 @@ static void test_plants_are_counted_by_kind_with_their_heights(void **state)
 	map_free(&m);
 }
 
-static void test_what_is_left_out_is_counted_by_reason(void **state)
+UNIT_TEST(test_what_is_left_out_is_counted_by_reason)
 {
 	struct map m;
 	gather(&m, ROOT "/one.json");
@@ -109,7 +109,7 @@ static void test_what_is_left_out_is_counted_by_reason(void **state)
 	map_free(&m);
 }
 
-static void test_nested_files_count_as_often_as_they_stand(void **state)
+UNIT_TEST(test_nested_files_count_as_often_as_they_stand)
 {
 	struct map m;
 	gather(&m, ROOT "/nested.json");
@@ -122,7 +122,7 @@ static void test_nested_files_count_as_often_as_they_stand(void **state)
 	map_free(&m);
 }
 
-static void test_nested_plants_are_turned_moved_and_scaled(void **state)
+UNIT_TEST(test_nested_plants_are_turned_moved_and_scaled)
 {
 	struct map m;
 	bool found = false;
@@ -135,7 +135,7 @@ static void test_nested_plants_are_turned_moved_and_scaled(void **state)
 	map_free(&m);
 }
 
-static void test_scattered_plants_are_shown_with_their_areas(void **state)
+UNIT_TEST(test_scattered_plants_are_shown_with_their_areas)
 {
 	struct map m;
 	write_text(ROOT "/areas.geojson", "{\"type\": \"FeatureCollection\", \"features\": [{\"type\": "
@@ -175,7 +175,7 @@ static void write_rows(const char *path, uint32_t count, const char *more)
 #define ROWS_SCENE(name) "{" PLANTS ", \"instances\": [{\"from\": \"" name "\", \"x\": \"x\", \"y\": " \
 	"\"y\", \"plant\": \"oak\"}]}"
 
-static void test_strays_do_not_shrink_the_rest(void **state)
+UNIT_TEST(test_strays_do_not_shrink_the_rest)
 {
 	static const struct { uint32_t count; const char *more; double widest; uint64_t outside; } cases[] =
 		{ { 1000, "", 1100, 0 },
@@ -196,7 +196,7 @@ static void test_strays_do_not_shrink_the_rest(void **state)
 	}
 }
 
-static void test_one_plant_and_rows_of_plants_have_a_map(void **state)
+UNIT_TEST(test_one_plant_and_rows_of_plants_have_a_map)
 {
 	static const char *const rows[] = { "5,5\n", "0,0\n100,0\n", "7,1\n7,900\n", "1,1\n1,1\n1,1\n" };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
@@ -210,7 +210,7 @@ static void test_one_plant_and_rows_of_plants_have_a_map(void **state)
 	}
 }
 
-static void test_many_plants_become_density(void **state)
+UNIT_TEST(test_many_plants_become_density)
 {
 	struct map m;
 	for (uint32_t count = 500; count <= 200000; count *= 400) {
@@ -266,7 +266,7 @@ static void write_ground(void)
 		"{\"plant\": \"ash\", \"at\": [100, 50]}, {\"plant\": \"elm\", \"at\": [130, 20]}]}");
 }
 
-static void test_ground_has_contour_lines(void **state)
+UNIT_TEST(test_ground_has_contour_lines)
 {
 	struct map m;
 	write_ground();
@@ -282,7 +282,7 @@ static void test_ground_has_contour_lines(void **state)
 	map_free(&m);
 }
 
-static void test_the_same_scene_gives_the_same_picture(void **state)
+UNIT_TEST(test_the_same_scene_gives_the_same_picture)
 {
 	static uint8_t a[1 << 20], b[1 << 20];
 	struct eco_error error;
@@ -300,7 +300,7 @@ static void test_the_same_scene_gives_the_same_picture(void **state)
 	}
 }
 
-static void test_bad_command_lines_and_scenes_are_told(void **state)
+UNIT_TEST(test_bad_command_lines_and_scenes_are_told)
 {
 	static const struct { const char *line; enum eco_code code; const char *says; } cases[] =
 		{ { ROOT "/one.json", ECO_BAD_USAGE, "-o" },
@@ -327,18 +327,5 @@ static void test_bad_command_lines_and_scenes_are_told(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_plants_are_counted_by_kind_with_their_heights),
-		cmocka_unit_test(test_what_is_left_out_is_counted_by_reason),
-		cmocka_unit_test(test_nested_files_count_as_often_as_they_stand),
-		cmocka_unit_test(test_nested_plants_are_turned_moved_and_scaled),
-		cmocka_unit_test(test_scattered_plants_are_shown_with_their_areas),
-		cmocka_unit_test(test_strays_do_not_shrink_the_rest),
-		cmocka_unit_test(test_one_plant_and_rows_of_plants_have_a_map),
-		cmocka_unit_test(test_many_plants_become_density),
-		cmocka_unit_test(test_ground_has_contour_lines),
-		cmocka_unit_test(test_the_same_scene_gives_the_same_picture),
-		cmocka_unit_test(test_bad_command_lines_and_scenes_are_told),
-	};
-	return cmocka_run_group_tests(tests, make_files, NULL);
+	return unit_tests_run(make_files, NULL);
 }

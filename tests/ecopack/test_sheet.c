@@ -121,7 +121,7 @@ static struct sheet_picture draw(struct sheet_plant *plant, uint64_t vertices, e
 
 /* ---- One plant ---- */
 
-static void test_full_detail_is_everything_and_perfect(void **state)
+UNIT_TEST(test_full_detail_is_everything_and_perfect)
 {
 	struct sheet_plant plant;
 	uint8_t rgb[3 * PIXELS * PIXELS];
@@ -134,7 +134,7 @@ static void test_full_detail_is_everything_and_perfect(void **state)
 	eco_pack_close(pack);
 }
 
-static void test_budgets_are_kept_and_more_is_better(void **state)
+UNIT_TEST(test_budgets_are_kept_and_more_is_better)
 {
 	struct sheet_plant plant;
 	uint8_t rgb[3 * PIXELS * PIXELS];
@@ -228,7 +228,7 @@ static struct course course_of(const struct eco_pack *pack)
  * 0.13, where the whole plant's list went into full detail before them by 0.027. Where that list was scaled
  * to other amounts than cells are drawn with, the mean was 0.886 and 0.862. Where what cells leave wrong was
  * divided by what is wrong without them, and not by all of the plant, Q was expected 0.12 too low. */
-static void test_pictures_get_no_worse_as_budgets_grow(void **state)
+UNIT_TEST(test_pictures_get_no_worse_as_budgets_grow)
 {
 	static const struct { enum lod_order_method order; double mean; } cases[] =
 		{ { LOD_ORDER_GREEDY, 0.895 }, { LOD_ORDER_COMBINED, 0.87 } };
@@ -257,7 +257,7 @@ static void test_pictures_get_no_worse_as_budgets_grow(void **state)
 	}
 }
 
-static void test_organs_have_their_colours(void **state)
+UNIT_TEST(test_organs_have_their_colours)
 {
 	struct sheet_plant plant;
 	uint8_t rgb[3 * PIXELS * PIXELS];
@@ -279,7 +279,7 @@ static void test_organs_have_their_colours(void **state)
 	eco_pack_close(pack);
 }
 
-static void test_textures_lie_the_right_way_round_and_holes_are_holes(void **state)
+UNIT_TEST(test_textures_lie_the_right_way_round_and_holes_are_holes)
 {
 	struct sheet_plant plant;
 	uint8_t rgb[3 * PIXELS * PIXELS];
@@ -298,7 +298,7 @@ static void test_textures_lie_the_right_way_round_and_holes_are_holes(void **sta
 	eco_pack_close(pack);
 }
 
-static void test_scale_bar_measures_the_plant(void **state)
+UNIT_TEST(test_scale_bar_measures_the_plant)
 {
 	struct sheet_plant plant;
 	uint8_t rgb[3 * PIXELS * PIXELS];
@@ -338,7 +338,7 @@ static void size_of(const char *path, int *width, int *height)
 	cairo_surface_destroy(picture);
 }
 
-static void test_a_row_for_each_plant_and_a_column_for_each_share(void **state)
+UNIT_TEST(test_a_row_for_each_plant_and_a_column_for_each_share)
 {
 	struct eco_error error;
 	int wide, high, wide1, high1;
@@ -358,7 +358,7 @@ static void test_a_row_for_each_plant_and_a_column_for_each_share(void **state)
 	assert_int_equal(high - high1, 150 + 24 + 10);
 }
 
-static void test_bad_command_lines_are_told_what_fits(void **state)
+UNIT_TEST(test_bad_command_lines_are_told_what_fits)
 {
 	static const struct { const char *line; enum eco_code code; const char *says; } cases[] =
 		{ { ROOT "/two.eco", ECO_BAD_USAGE, "-o" },
@@ -386,7 +386,7 @@ static void test_bad_command_lines_are_told_what_fits(void **state)
 	assert_int_not_equal(access(ROOT "/x.png", F_OK), 0);
 }
 
-static void test_damaged_packs_are_an_error(void **state)
+UNIT_TEST(test_damaged_packs_are_an_error)
 {
 	static uint8_t bytes[1 << 22];
 	struct eco_pack *pack;
@@ -411,7 +411,7 @@ static void test_damaged_packs_are_an_error(void **state)
 	assert_int_not_equal(access(ROOT "/bad.png", F_OK), 0);
 }
 
-static void test_many_plants_are_several_pages(void **state)
+UNIT_TEST(test_many_plants_are_several_pages)
 {
 	char text[6000] = "{\"plants\": {", at[2000] = "";
 	struct eco_error error = { 0 };
@@ -435,17 +435,5 @@ static void test_many_plants_are_several_pages(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_full_detail_is_everything_and_perfect),
-		cmocka_unit_test(test_budgets_are_kept_and_more_is_better),
-		cmocka_unit_test(test_pictures_get_no_worse_as_budgets_grow),
-		cmocka_unit_test(test_organs_have_their_colours),
-		cmocka_unit_test(test_textures_lie_the_right_way_round_and_holes_are_holes),
-		cmocka_unit_test(test_scale_bar_measures_the_plant),
-		cmocka_unit_test(test_a_row_for_each_plant_and_a_column_for_each_share),
-		cmocka_unit_test(test_bad_command_lines_are_told_what_fits),
-		cmocka_unit_test(test_damaged_packs_are_an_error),
-		cmocka_unit_test(test_many_plants_are_several_pages),
-	};
-	return cmocka_run_group_tests(tests, make_packs, NULL);
+	return unit_tests_run(make_packs, NULL);
 }

@@ -22,7 +22,7 @@ static struct eco_camera *camera_of(const char *json)
 	return camera;
 }
 
-static void frames_run_to_the_last_keyframe(void **state)
+UNIT_TEST(frames_run_to_the_last_keyframe)
 {
 	static const struct { const char *json; uint32_t frames; double last_s; } rows[] = {
 		{ SCRIPT("2", KEY("0", "1")), 1, 0 },
@@ -45,7 +45,7 @@ static void frames_run_to_the_last_keyframe(void **state)
 	}
 }
 
-static void keyframes_are_met_exactly_and_up_defaults_to_z(void **state)
+UNIT_TEST(keyframes_are_met_exactly_and_up_defaults_to_z)
 {
 	struct eco_camera *camera = camera_of(SCRIPT("10", KEY("0", "0.1") "," KEY("0.7", "12.3") ","
 		"{\"time_s\": 2, \"eye\": [1e6, -3.3, 7], \"target\": [0.1, 0.2, 0.3], \"up\": [0, 1, 0.5], "
@@ -60,7 +60,7 @@ static void keyframes_are_met_exactly_and_up_defaults_to_z(void **state)
 	eco_camera_free(camera);
 }
 
-static void what_does_not_change_stays_to_the_last_bit(void **state)
+UNIT_TEST(what_does_not_change_stays_to_the_last_bit)
 {
 	struct eco_camera *camera =
 		camera_of(SCRIPT("100", KEY("0", "0.1") "," KEY("0.7", "0.1") "," KEY("3", "0.1")));
@@ -73,7 +73,7 @@ static void what_does_not_change_stays_to_the_last_bit(void **state)
 	eco_camera_free(camera);
 }
 
-static void equal_speed_stays_equal_at_unequal_times(void **state)
+UNIT_TEST(equal_speed_stays_equal_at_unequal_times)
 {
 	struct eco_camera *camera =
 		camera_of(SCRIPT("20", KEY("0", "0") "," KEY("1", "10") "," KEY("1.5", "15") "," KEY("4",
@@ -95,7 +95,7 @@ static double bezier(double t, double ta, double tb, double a, double b, double 
 		+ s * s * s * b;
 }
 
-static void between_keyframes_lies_a_catmull_rom_spline(void **state)
+UNIT_TEST(between_keyframes_lies_a_catmull_rom_spline)
 {
 	static const double t[] = { 0, 1, 1.5, 4 }, x[] = { 3, 10, -2, 5 };
 	double slope[4] = { (x[1] - x[0]) / (t[1] - t[0]), (x[2] - x[0]) / (t[2] - t[0]),
@@ -116,7 +116,7 @@ static void between_keyframes_lies_a_catmull_rom_spline(void **state)
 	eco_camera_free(camera);
 }
 
-static void impossible_scripts_are_refused_by_name(void **state)
+UNIT_TEST(impossible_scripts_are_refused_by_name)
 {
 	static const struct { const char *json, *text; } rows[] = {
 		{ "", "tour.json:1:" },
@@ -192,7 +192,7 @@ static void impossible_scripts_are_refused_by_name(void **state)
 	}
 }
 
-static void every_truncation_of_a_script_is_refused(void **state)
+UNIT_TEST(every_truncation_of_a_script_is_refused)
 {
 	static const char json[] = SCRIPT("2", KEY("0", "1") "," KEY("3", "2"));
 	for (size_t size = 0; size + 1 < sizeof json; size++) {
@@ -204,7 +204,7 @@ static void every_truncation_of_a_script_is_refused(void **state)
 	}
 }
 
-static void scripts_are_loaded_from_files(void **state)
+UNIT_TEST(scripts_are_loaded_from_files)
 {
 	static const char path[] = "build/tmp/test_camera.json";
 	struct eco_camera *camera;
@@ -231,7 +231,7 @@ static void scripts_are_loaded_from_files(void **state)
 	remove(path);
 }
 
-static void views_that_cannot_be_drawn_are_refused(void **state)
+UNIT_TEST(views_that_cannot_be_drawn_are_refused)
 {
 	static const struct eco_view good = { { 0, 0, 1 }, { 0, 5, 1 }, { 0, 0, 1 }, 45, 800, 600 };
 	assert_int_equal(eco_view_check(&good, NULL), ECO_OK);
@@ -261,20 +261,4 @@ static void views_that_cannot_be_drawn_are_refused(void **state)
 	struct eco_view steep = good;
 	steep.up[1] = 1, steep.up[2] = 0;        /* along the view: another is chosen */
 	assert_int_equal(eco_view_check(&steep, NULL), ECO_OK);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(frames_run_to_the_last_keyframe),
-		cmocka_unit_test(keyframes_are_met_exactly_and_up_defaults_to_z),
-		cmocka_unit_test(what_does_not_change_stays_to_the_last_bit),
-		cmocka_unit_test(equal_speed_stays_equal_at_unequal_times),
-		cmocka_unit_test(between_keyframes_lies_a_catmull_rom_spline),
-		cmocka_unit_test(impossible_scripts_are_refused_by_name),
-		cmocka_unit_test(every_truncation_of_a_script_is_refused),
-		cmocka_unit_test(scripts_are_loaded_from_files),
-		cmocka_unit_test(views_that_cannot_be_drawn_are_refused),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

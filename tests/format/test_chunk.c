@@ -2,7 +2,7 @@
  * fixed. */
 #include "tests/support/chunk_kinds.h"
 
-static void what_goes_in_comes_out(void **state)
+UNIT_TEST(what_goes_in_comes_out)
 {
 	for (size_t i = 0; i < KIND_COUNT; i++) {
 		const struct kind *k = &kinds[i];
@@ -29,7 +29,7 @@ static void what_goes_in_comes_out(void **state)
 	}
 }
 
-static void the_same_elements_give_the_same_bytes(void **state)
+UNIT_TEST(the_same_elements_give_the_same_bytes)
 {
 	for (size_t i = 0; i < KIND_COUNT; i++) {
 		const struct eco_list list = kind_list(&kinds[i]);
@@ -48,7 +48,7 @@ static void the_same_elements_give_the_same_bytes(void **state)
 }
 
 /* Forms are coded in the partner's stored order; twin: the partner's own report of its draw order. */
-static void forms_follow_their_elements(void **state)
+UNIT_TEST(forms_follow_their_elements)
 {
 	static const struct { uint8_t low, high, form; } cases[] = {
 		{ 3, 3, 1 }, { 3, 6, 1 }, { 6, 6, 1 }, { 3, 6, 3 }, { 5, 6, 4 }, { 4, 4, 4 },
@@ -98,7 +98,7 @@ static void forms_follow_their_elements(void **state)
 
 /* The first chunks are drawn in the order that they came in: of one corner count strictly, else each corner
  * count's elements among themselves. */
-static void first_chunks_keep_their_order(void **state)
+UNIT_TEST(first_chunks_keep_their_order)
 {
 	static const struct { uint8_t low, high; uint32_t first, end; bool kept; } cases[] =
 		{ { 4, 4, 0, 32, true }, { 3, 3, 32, 64, true },
@@ -133,7 +133,7 @@ static void first_chunks_keep_their_order(void **state)
 }
 
 /* Smooth ground costs a few bits a sample, wherever the chunk begins in a row. */
-static void ground_is_predicted_from_its_neighbours(void **state)
+UNIT_TEST(ground_is_predicted_from_its_neighbours)
 {
 	enum { SIDE = 64 };
 	static uint8_t corners[SIDE * SIDE];
@@ -164,7 +164,7 @@ static void ground_is_predicted_from_its_neighbours(void **state)
 }
 
 /* Leaves that all show the whole picture pay nothing for it, but for a few bytes a chunk. */
-static void equal_texture_coordinates_are_free(void **state)
+UNIT_TEST(equal_texture_coordinates_are_free)
 {
 	const struct kind *k = &kinds[8];
 	struct eco_elements in = kind_elements(k, 300, 4);
@@ -182,7 +182,7 @@ static void equal_texture_coordinates_are_free(void **state)
 	eco_elements_free(&in);
 }
 
-static void permutations_are_fair_and_fixed(void **state)
+UNIT_TEST(permutations_are_fair_and_fixed)
 {
 	static const uint32_t golden[8] = { 6, 5, 0, 2, 1, 4, 7, 3 };
 	uint32_t order[1000], seen[1000] = { 0 }, first[10] = { 0 };
@@ -201,7 +201,7 @@ static void permutations_are_fair_and_fixed(void **state)
 		assert_true(first[i] > 850 && first[i] < 1150);       /* 5 standard deviations */
 }
 
-static void splits_start_small_and_grow(void **state)
+UNIT_TEST(splits_start_small_and_grow)
 {
 	static const struct { uint32_t count, smallest, max; } cases[] = {
 		{ 1, 32, 100 }, { 31, 32, 100 }, { 33, 32, 100 }, { 1000, 32, 100 }, { 50000, 32, 100 },
@@ -233,7 +233,7 @@ static void splits_start_small_and_grow(void **state)
 }
 
 /* The format: these bytes must be read by every later version, and written by this one. */
-static void a_small_chunk_is_the_golden_one(void **state)
+UNIT_TEST(a_small_chunk_is_the_golden_one)
 {
 	static const uint8_t golden[] = {
 		1, 1, 2, 0, 3, 0, 0, 0, 1, 0, 0, 0, 84, 0, 0, 0, 4, 0, 33, 0, 2, 0, 0, 0, 113, 0, 0, 0, 68,
@@ -271,29 +271,11 @@ static void a_small_chunk_is_the_golden_one(void **state)
 	eco_elements_free(&out);
 }
 
-static void names_are_xxh3_of_the_payload(void **state)
+UNIT_TEST(names_are_xxh3_of_the_payload)
 {
 	/* XXH3-128 of no bytes, as the xxhsum program prints it. */
 	static const uint8_t empty[16] = { 0x99, 0xaa, 0x06, 0xd3, 0x01, 0x47, 0x98, 0xd8, 0x60, 0x01, 0xc3,
 		0x24, 0x46, 0x8d, 0x49, 0x7f };
 	struct eco_chunk_id id = eco_chunk_hash((const uint8_t *)"", 0);
 	assert_memory_equal(id.bytes, empty, sizeof empty);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(what_goes_in_comes_out),
-		cmocka_unit_test(the_same_elements_give_the_same_bytes),
-		cmocka_unit_test(forms_follow_their_elements),
-		cmocka_unit_test(first_chunks_keep_their_order),
-		cmocka_unit_test(ground_is_predicted_from_its_neighbours),
-		cmocka_unit_test(equal_texture_coordinates_are_free),
-		cmocka_unit_test(permutations_are_fair_and_fixed),
-		cmocka_unit_test(splits_start_small_and_grow),
-		cmocka_unit_test(a_small_chunk_is_the_golden_one),
-		cmocka_unit_test(names_are_xxh3_of_the_payload),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

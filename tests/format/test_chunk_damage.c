@@ -2,7 +2,7 @@
  * purpose: the decoder alone must withstand anything. */
 #include "tests/support/chunk_kinds.h"
 
-static void every_truncation_is_refused(void **state)
+UNIT_TEST(every_truncation_is_refused)
 {
 	for (size_t i = 0; i < KIND_COUNT; i++) {
 		const struct eco_list list = kind_list(&kinds[i]);
@@ -45,7 +45,7 @@ static void assert_bounded(const struct eco_list *list, const struct eco_chunk *
 		assert_true(abs(out->extra[i]) <= VALUE_MAX);
 }
 
-static void every_flipped_bit_is_refused_or_bounded(void **state)
+UNIT_TEST(every_flipped_bit_is_refused_or_bounded)
 {
 	for (size_t i = 0; i < KIND_COUNT; i++) {
 		const struct eco_list list = kind_list(&kinds[i]);
@@ -70,7 +70,7 @@ static void every_flipped_bit_is_refused_or_bounded(void **state)
 }
 
 /* Counts in the payload are believed only if the chunk's record says the same. */
-static void counts_must_be_those_of_the_record(void **state)
+UNIT_TEST(counts_must_be_those_of_the_record)
 {
 	const struct kind *k = &kinds[2];
 	const struct eco_list list = kind_list(k);
@@ -104,7 +104,7 @@ static void counts_must_be_those_of_the_record(void **state)
 	eco_elements_free(&in);
 }
 
-static void impossible_input_is_refused(void **state)
+UNIT_TEST(impossible_input_is_refused)
 {
 	const struct kind *k = &kinds[11];
 	struct eco_list list = kind_list(k);
@@ -131,16 +131,4 @@ static void impossible_input_is_refused(void **state)
 	assert_int_not_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
 	assert_null(bytes);
 	eco_elements_free(&in);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_truncation_is_refused),
-		cmocka_unit_test(every_flipped_bit_is_refused_or_bounded),
-		cmocka_unit_test(counts_must_be_those_of_the_record),
-		cmocka_unit_test(impossible_input_is_refused),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -28,7 +28,7 @@ static struct eco_elements make_bark(uint32_t side)
 	return e;
 }
 
-static void connected_wood_is_small_and_keeps_its_texture(void **state)
+UNIT_TEST(connected_wood_is_small_and_keeps_its_texture)
 {
 	const struct kind k = { "bark", ECO_LIST_TRIANGLES, ECO_CODER_MESH, ECO_ATTR_COLOR | ECO_ATTR_UV, 3,
 		3, 0, 0, 0, SCATTERED };
@@ -52,7 +52,7 @@ static void connected_wood_is_small_and_keeps_its_texture(void **state)
 }
 
 /* Edgebreaker alone loses duplicates and tangles; the chunk must not. */
-static void no_wood_triangle_is_lost(void **state)
+UNIT_TEST(no_wood_triangle_is_lost)
 {
 	static const int32_t corners[4][3] = { { 0, 0, 0 }, { 9, 0, 0 }, { 0, 9, 0 }, { 0, 0, 9 } };
 	static const uint8_t cases[][4][3] = {
@@ -87,14 +87,4 @@ static void no_wood_triangle_is_lost(void **state)
 		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, &error), ECO_BAD_INPUT);
 		assert_non_null(strstr(error.text, "coincide"));
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(connected_wood_is_small_and_keeps_its_texture),
-		cmocka_unit_test(no_wood_triangle_is_lost),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

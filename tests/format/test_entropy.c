@@ -14,7 +14,7 @@ static uint32_t next_random(uint64_t *state)
 	return (uint32_t)(*state >> 33);
 }
 
-static void sparse_symbols_weigh_what_they_do_in_draco(void **state)
+UNIT_TEST(sparse_symbols_weigh_what_they_do_in_draco)
 {
 	static uint32_t symbols[5000];
 	uint64_t random = 7;
@@ -32,10 +32,4 @@ static void sparse_symbols_weigh_what_they_do_in_draco(void **state)
 		assert_int_equal(draco_ours(symbols, count, largest, NULL),
 			draco_own(symbols, count, largest, NULL));
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = { cmocka_unit_test(sparse_symbols_weigh_what_they_do_in_draco) };
-	return cmocka_run_group_tests_name("entropy", tests, NULL, NULL);
 }

@@ -10,7 +10,7 @@ static void sample(uint8_t *bytes, uint32_t channels)
 		bytes[i] = (uint8_t)(i * 37 + channels);
 }
 
-static void png_gives_back_every_pixel(void **state)
+UNIT_TEST(png_gives_back_every_pixel)
 {
 	static const uint32_t kinds[] = { 1, 3, 4 };
 	for (size_t k = 0; k < 3; k++) {
@@ -37,7 +37,7 @@ static void png_gives_back_every_pixel(void **state)
 	}
 }
 
-static void memory_and_file_agree_whatever_the_name_says(void **state)
+UNIT_TEST(memory_and_file_agree_whatever_the_name_says)
 {
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_image image;
@@ -58,7 +58,7 @@ static void memory_and_file_agree_whatever_the_name_says(void **state)
 	free(png);
 }
 
-static void the_same_pixels_give_the_same_bytes(void **state)
+UNIT_TEST(the_same_pixels_give_the_same_bytes)
 {
 	uint8_t bytes[48], *a, *b;
 	const struct eco_pixels pixels = { 4, 3, 3, bytes };
@@ -82,7 +82,7 @@ static const uint8_t webp[] = {
 	0x11, 0xfd, 0x0f, 0x00
 };
 
-static void colours_are_not_multiplied_by_alpha(void **state)
+UNIT_TEST(colours_are_not_multiplied_by_alpha)
 {
 	static const uint8_t wanted[] = { 200, 0, 0, 128, 0, 255, 0, 255, 0, 0, 0, 0, 90, 180, 40, 64 };
 	struct eco_error error = { .code = ECO_OK };
@@ -98,7 +98,7 @@ static void colours_are_not_multiplied_by_alpha(void **state)
 	eco_image_free(&image);
 }
 
-static void what_is_no_picture_is_an_error_that_names_it(void **state)
+UNIT_TEST(what_is_no_picture_is_an_error_that_names_it)
 {
 	static const struct { const char *name; const void *bytes; size_t size; } inputs[] = {
 		{ "text.png", "not a picture at all", 20 }, { "empty.png", "", 0 },
@@ -124,7 +124,7 @@ static void what_is_no_picture_is_an_error_that_names_it(void **state)
 		NULL), ECO_NOT_FOUND);
 }
 
-static void every_damage_to_a_png_is_found(void **state)
+UNIT_TEST(every_damage_to_a_png_is_found)
 {
 	uint8_t bytes[48], *png;
 	const struct eco_pixels pixels = { 4, 3, 4, bytes };
@@ -142,7 +142,7 @@ static void every_damage_to_a_png_is_found(void **state)
 	free(png);
 }
 
-static void a_huge_picture_is_refused_before_it_is_read(void **state)
+UNIT_TEST(a_huge_picture_is_refused_before_it_is_read)
 {
 	/* header of a PNG of 60000 x 60000 pixels */
 	static const uint8_t huge[] = { 0x89, 'P', 'N', 'G', 13, 10, 26, 10, 0, 0, 0, 13, 'I', 'H', 'D', 'R',
@@ -160,7 +160,7 @@ static void a_huge_picture_is_refused_before_it_is_read(void **state)
 	assert_int_equal(eco_png_encode(&pixels, &png, &size, NULL), ECO_TOO_LARGE);
 }
 
-static void a_picture_that_cannot_be_written_leaves_nothing(void **state)
+UNIT_TEST(a_picture_that_cannot_be_written_leaves_nothing)
 {
 	struct eco_error error = { .code = ECO_OK };
 	uint8_t bytes[48];
@@ -170,7 +170,7 @@ static void a_picture_that_cannot_be_written_leaves_nothing(void **state)
 	assert_non_null(strstr(error.text, "folder.png"));
 }
 
-static void people_see_patches_of_another_hue_but_no_steps_of_one(void **state)
+UNIT_TEST(people_see_patches_of_another_hue_but_no_steps_of_one)
 {
 	static const struct { int step, size; bool seen; } cases[] = { { 0, 64, false }, { 1, 64, false },
 		{ 120, 24, true } };
@@ -191,21 +191,4 @@ static void people_see_patches_of_another_hue_but_no_steps_of_one(void **state)
 		assert_int_equal(seen > 0, cases[i].seen);
 		assert_true(seen <= SIDE * SIDE);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(png_gives_back_every_pixel),
-		cmocka_unit_test(memory_and_file_agree_whatever_the_name_says),
-		cmocka_unit_test(the_same_pixels_give_the_same_bytes),
-		cmocka_unit_test(colours_are_not_multiplied_by_alpha),
-		cmocka_unit_test(what_is_no_picture_is_an_error_that_names_it),
-		cmocka_unit_test(every_damage_to_a_png_is_found),
-		cmocka_unit_test(a_huge_picture_is_refused_before_it_is_read),
-		cmocka_unit_test(a_picture_that_cannot_be_written_leaves_nothing),
-		cmocka_unit_test(people_see_patches_of_another_hue_but_no_steps_of_one),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -95,7 +95,7 @@ static enum eco_code open_exact(const uint8_t *bytes, size_t size, struct eco_er
 		eco_writer_free(&b); \
 	} } while (0)
 
-static void all_tables_come_back(void **state)
+UNIT_TEST(all_tables_come_back)
 {
 	struct scene_builder p;
 	struct eco_error error = { 0 };
@@ -151,7 +151,7 @@ static void all_tables_come_back(void **state)
 }
 
 /* Every payload decodes to what its list says, and the planner's copy of the instances is the coded one. */
-static void all_payloads_decode(void **state)
+UNIT_TEST(all_payloads_decode)
 {
 	struct eco_pack *pack;
 	uint32_t places = 0;
@@ -194,7 +194,7 @@ static void all_payloads_decode(void **state)
 }
 
 /* The format: the committed file must be read by every later version, and written by this one. */
-static void the_small_pack_is_the_golden_one(void **state)
+UNIT_TEST(the_small_pack_is_the_golden_one)
 {
 	size_t size, golden_size;
 	uint8_t *bytes = small_pack(&size), *golden = read_file(GOLDEN_PATH, &golden_size);
@@ -207,7 +207,7 @@ static void the_small_pack_is_the_golden_one(void **state)
 	free(golden);
 }
 
-static void every_truncation_is_found(void **state)
+UNIT_TEST(every_truncation_is_found)
 {
 	size_t size;
 	uint8_t *bytes = small_pack(&size);
@@ -220,7 +220,7 @@ static void every_truncation_is_found(void **state)
 }
 
 /* All single bits, then pairs of bits. No byte of a pack is without a hash or a required value. */
-static void every_flipped_bit_is_found(void **state)
+UNIT_TEST(every_flipped_bit_is_found)
 {
 	uint64_t seed = 1;
 	size_t size;
@@ -247,7 +247,7 @@ static void every_flipped_bit_is_found(void **state)
 }
 
 /* Damage made on purpose, hashes and all, is refused by the checks or harmless. */
-static void forged_tables_do_no_harm(void **state)
+UNIT_TEST(forged_tables_do_no_harm)
 {
 	uint64_t seed = 7;
 	int accepted = 0;
@@ -267,7 +267,7 @@ static void forged_tables_do_no_harm(void **state)
 	free(forged);
 }
 
-static void a_damaged_payload_is_named_and_the_others_still_work(void **state)
+UNIT_TEST(a_damaged_payload_is_named_and_the_others_still_work)
 {
 	struct eco_error error = { 0 };
 	struct eco_pack *pack;
@@ -286,7 +286,7 @@ static void a_damaged_payload_is_named_and_the_others_still_work(void **state)
 	free(bytes);
 }
 
-static void equal_payloads_are_stored_once(void **state)
+UNIT_TEST(equal_payloads_are_stored_once)
 {
 	struct eco_pack_writer *w = NULL;
 	struct eco_error error = { 0 };
@@ -317,7 +317,7 @@ static void equal_payloads_are_stored_once(void **state)
 	scene_free(&p);
 }
 
-static void a_failed_pack_leaves_the_old_one(void **state)
+UNIT_TEST(a_failed_pack_leaves_the_old_one)
 {
 	size_t size, size_after;
 	uint8_t *bytes = small_pack(&size), *after;
@@ -344,7 +344,7 @@ static void a_failed_pack_leaves_the_old_one(void **state)
 }
 
 /* A limit on file sizes acts as a full disk does: at every size, nothing half written stays. */
-static void a_full_disk_is_reported_and_leaves_nothing(void **state)
+UNIT_TEST(a_full_disk_is_reported_and_leaves_nothing)
 {
 	struct rlimit old, limit;
 	size_t size;
@@ -368,7 +368,7 @@ static void a_full_disk_is_reported_and_leaves_nothing(void **state)
 	}
 }
 
-static void impossible_targets_are_named(void **state)
+UNIT_TEST(impossible_targets_are_named)
 {
 	static const char *const paths[] = { FOLDER "/missing/x.eco", FOLDER, "/dev/null", "" };
 	struct eco_pack *pack;
@@ -387,7 +387,7 @@ static void impossible_targets_are_named(void **state)
 	assert_int_equal(count_files(), 0);
 }
 
-static void only_packs_and_empty_files_are_replaced(void **state)
+UNIT_TEST(only_packs_and_empty_files_are_replaced)
 {
 	static const struct { const char *content; enum eco_code code; } rows[] = {
 		{ "{\"name\": \"my only scene\"}", ECO_BAD_INPUT }, { "x", ECO_BAD_INPUT }, { "", ECO_OK },
@@ -415,7 +415,7 @@ static void only_packs_and_empty_files_are_replaced(void **state)
 	}
 }
 
-static void bad_lists_are_refused(void **state)
+UNIT_TEST(bad_lists_are_refused)
 {
 	struct eco_list list = { .kind = ECO_LIST_POINTS, .coder = ECO_CODER_FORM, .plant = ECO_NONE,
 		.grid_step = { 0.01, 0.01, 0.01 },
@@ -442,7 +442,7 @@ static void bad_lists_are_refused(void **state)
 	assert_int_equal(count_files(), 0);
 }
 
-static void records_have_the_stated_sizes(void **state)
+UNIT_TEST(records_have_the_stated_sizes)
 {
 	static const struct eco_scene scene;
 	struct eco_writer w = { 0 };
@@ -462,26 +462,4 @@ static void records_have_the_stated_sizes(void **state)
 	SIZE(PLACES, eco_place_write(&w, &(struct eco_place){ 0 }));
 #undef SIZE
 	eco_writer_free(&w);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(records_have_the_stated_sizes),
-		cmocka_unit_test(all_tables_come_back),
-		cmocka_unit_test(all_payloads_decode),
-		cmocka_unit_test(the_small_pack_is_the_golden_one),
-		cmocka_unit_test(every_truncation_is_found),
-		cmocka_unit_test(every_flipped_bit_is_found),
-		cmocka_unit_test(forged_tables_do_no_harm),
-		cmocka_unit_test(a_damaged_payload_is_named_and_the_others_still_work),
-		cmocka_unit_test(equal_payloads_are_stored_once),
-		cmocka_unit_test(a_failed_pack_leaves_the_old_one),
-		cmocka_unit_test(a_full_disk_is_reported_and_leaves_nothing),
-		cmocka_unit_test(impossible_targets_are_named),
-		cmocka_unit_test(only_packs_and_empty_files_are_replaced),
-		cmocka_unit_test(bad_lists_are_refused),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,7 +5,7 @@
 #include "ecofiles/format/plan.h"
 #include "tests/support/unit_test.h"
 
-static void owners_of_plants_are_all_different(void **state)
+UNIT_TEST(owners_of_plants_are_all_different)
 {
 	static const uint32_t tiles[] = { 0, 1, 2, 65535 }, plants[] = { 0, 1, 200 },
 		indices[] = { 0, 1, 2, 4095, (1u << 30) - 1 };
@@ -21,7 +21,7 @@ static void owners_of_plants_are_all_different(void **state)
 			assert_int_equal(eco_owner_match(all[i], all[j]), i == j);
 }
 
-static void leaf_keys_of_a_file_differ_in_their_low_bits(void **state)
+UNIT_TEST(leaf_keys_of_a_file_differ_in_their_low_bits)
 {
 	uint8_t *seen = calloc(65536, 1);
 	for (uint32_t tile = 0; tile < 65536; tile++)
@@ -31,7 +31,7 @@ static void leaf_keys_of_a_file_differ_in_their_low_bits(void **state)
 
 /* A key is a sum: sums of different sets of children must differ, above all where their numbers have equal
  * sums. */
-static void paths_through_nested_files_have_keys_of_their_own(void **state)
+UNIT_TEST(paths_through_nested_files_have_keys_of_their_own)
 {
 	enum { N = 40 };
 	uint32_t sums[N * (N - 1) / 2], count = 0;
@@ -43,7 +43,7 @@ static void paths_through_nested_files_have_keys_of_their_own(void **state)
 			assert_true(sums[i] != sums[j]);
 }
 
-static void a_summary_matches_any_plant_of_its_tile_and_species(void **state)
+UNIT_TEST(a_summary_matches_any_plant_of_its_tile_and_species)
 {
 	uint32_t key = eco_owner_leaf(7) + eco_owner_child(3), other = eco_owner_leaf(8) + eco_owner_child(3);
 	uint64_t summary = eco_owner_summary(key, 5);
@@ -55,7 +55,7 @@ static void a_summary_matches_any_plant_of_its_tile_and_species(void **state)
 	assert_false(eco_owner_match(summary, eco_owner_summary(other, 5)));
 }
 
-static void nothing_matches_nothing(void **state)
+UNIT_TEST(nothing_matches_nothing)
 {
 	assert_true(eco_owner_instance(0, 0, 0) != 0);
 	assert_true(eco_owner_summary(0, 0) != 0);
@@ -64,7 +64,7 @@ static void nothing_matches_nothing(void **state)
 	assert_false(eco_owner_match(eco_owner_instance(0, 0, 0), 0));
 }
 
-static void chunks_held_are_found_by_list(void **state)
+UNIT_TEST(chunks_held_are_found_by_list)
 {
 	struct eco_holding items[] = { { 0, 4 }, { 3, 1 }, { 4, 9 }, { 4000000000u, 2 } };
 	struct eco_holdings held = { items, 4 }, none = { NULL, 0 };
@@ -84,7 +84,7 @@ static struct eco_cut rule(uint32_t anchor, uint32_t list, uint8_t band)
 		.share_end = ECO_SHARE_ONE };
 }
 
-static void sorting_puts_summaries_first_then_anchor_list_and_band(void **state)
+UNIT_TEST(sorting_puts_summaries_first_then_anchor_list_and_band)
 {
 	struct eco_cut cuts[] = { rule(2, 0, 1), rule(1, 1, 0), rule(1, 0, 5),
 		{ .list = 9, .end = 4, .scale = 2, .anchor = ECO_NONE }, rule(1, 0, 4), rule(0, 7, 7) };
@@ -108,7 +108,7 @@ static void sorting_puts_summaries_first_then_anchor_list_and_band(void **state)
 	assert_true(gates[0].plant == 1);
 }
 
-static void freeing_empties_a_plan(void **state)
+UNIT_TEST(freeing_empties_a_plan)
 {
 	struct eco_plan plan = { .vertices = 5, .cuts = malloc(sizeof *plan.cuts), .cut_count = 1,
 		.runs = malloc(sizeof *plan.runs) };
@@ -116,19 +116,4 @@ static void freeing_empties_a_plan(void **state)
 	assert_true(!plan.cuts && !plan.runs && plan.cut_count == 0 && plan.vertices == 0);
 	eco_plan_free(&plan);
 	eco_plan_free(NULL);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(owners_of_plants_are_all_different),
-		cmocka_unit_test(leaf_keys_of_a_file_differ_in_their_low_bits),
-		cmocka_unit_test(paths_through_nested_files_have_keys_of_their_own),
-		cmocka_unit_test(a_summary_matches_any_plant_of_its_tile_and_species),
-		cmocka_unit_test(nothing_matches_nothing),
-		cmocka_unit_test(chunks_held_are_found_by_list),
-		cmocka_unit_test(sorting_puts_summaries_first_then_anchor_list_and_band),
-		cmocka_unit_test(freeing_empties_a_plan),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

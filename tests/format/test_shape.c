@@ -140,7 +140,7 @@ static void compare(const struct crown *c, const struct eco_elements *out, const
 	}
 }
 
-static void leaves_of_one_shape_are_placed(void **unused)
+UNIT_TEST(leaves_of_one_shape_are_placed)
 {
 	static struct crown crown;
 	for (double steps = 20; steps < 2000; steps *= 6)
@@ -211,7 +211,7 @@ static double share_of(struct crown *c, bool corners_only)
 	return (double)size / (double)soup_size;
 }
 
-static void leaves_that_are_all_different_are_corners(void **unused)
+UNIT_TEST(leaves_that_are_all_different_are_corners)
 {
 	static struct crown crown;
 	for (double steps = 30; steps < 3000; steps *= 10) {
@@ -221,7 +221,7 @@ static void leaves_that_are_all_different_are_corners(void **unused)
 }
 
 /* Quads of a jittered net, each corner in up to four of them. */
-static void corners_that_leaves_share_are_stored_once(void **unused)
+UNIT_TEST(corners_that_leaves_share_are_stored_once)
 {
 	static struct crown crown;
 	static int32_t knots[21][21][3];
@@ -248,7 +248,7 @@ static void corners_that_leaves_share_are_stored_once(void **unused)
 }
 
 /* Flat leaves of one outline, sheared and stretched at will: three corners say where the others are. */
-static void images_of_one_leaf_take_three_corners(void **unused)
+UNIT_TEST(images_of_one_leaf_take_three_corners)
 {
 	static struct crown crown;
 	static const double flat[4][2] = { { 0, 0 }, { 1, .6 }, { 2.3, .1 }, { .9, -.5 } };
@@ -304,7 +304,7 @@ static void make_blades(struct crown *c, bool both)
 	c->elements.primitive_count = 3 * LEAVES;
 }
 
-static void blades_that_bend_each_differently_follow_a_trend(void **unused)
+UNIT_TEST(blades_that_bend_each_differently_follow_a_trend)
 {
 	static struct crown crown;
 	for (int both = 0; both < 2; both++) {
@@ -314,7 +314,7 @@ static void blades_that_bend_each_differently_follow_a_trend(void **unused)
 }
 
 /* At right angles and of length 1, whatever they are made of. */
-static void axes_are_at_right_angles(void **unused)
+UNIT_TEST(axes_are_at_right_angles)
 {
 	static const int64_t of[][2][3] = { { { 0, 0, 0 }, { 0, 0, 0 } }, { { 0, 0, 5 }, { 0, 0, -7 } },
 		{ { 1, 0, 0 }, { 1 << 29, 0, 1 } },
@@ -341,7 +341,7 @@ static void axes_are_at_right_angles(void **unused)
 }
 
 /* Forms are stored in an order that does not depend on how the partner's chunk was coded. */
-static void forms_belong_to_placed_leaves(void **unused)
+UNIT_TEST(forms_belong_to_placed_leaves)
 {
 	static struct crown crown;
 	static uint8_t ones[LEAVES];
@@ -375,7 +375,7 @@ static void forms_belong_to_placed_leaves(void **unused)
 	free(form_bytes);
 }
 
-static void damage_is_refused_or_harmless(void **unused)
+UNIT_TEST(damage_is_refused_or_harmless)
 {
 	static struct crown crown;
 	uint8_t *bytes;
@@ -400,7 +400,7 @@ static void damage_is_refused_or_harmless(void **unused)
 static const struct eco_shape triangle =
 	{ .corners = 3, .position = { 4096, 0, 0, -2048, 3547, 0, -2048, -3547, 0 } };
 
-static void placings_out_of_bounds_are_none(void **unused)
+UNIT_TEST(placings_out_of_bounds_are_none)
 {
 	const struct eco_shapes shapes = { .count = 1, .stretch = ECO_STRETCH_ALL, .place_shift = 2,
 		.size_shift = { 2, 2, 2 }, .way_bits = 9,
@@ -429,7 +429,7 @@ static void placings_out_of_bounds_are_none(void **unused)
 
 /* Every way and roll of a coarse set gives three axes that are about 1 long and at right angles, and no two
  * give the same. */
-static void turns_are_rotations(void **unused)
+UNIT_TEST(turns_are_rotations)
 {
 	const struct eco_shape corner = { .corners = 3, .position = { 4096, 0, 0, 0, 4096, 0, 0, 0, 4096 } };
 	const struct eco_shapes shapes = { .count = 1, .size_shift = { 2, 2, 2 }, .way_bits = 2,
@@ -462,7 +462,7 @@ static void turns_are_rotations(void **unused)
 			}
 }
 
-static void a_placing_is_where_it_says(void **unused)
+UNIT_TEST(a_placing_is_where_it_says)
 {
 	const struct eco_shapes shapes = { .count = 1, .stretch = ECO_STRETCH_WIDTH, .place_shift = 2,
 		.size_shift = { 2, 1, 0 }, .way_bits = 14,
@@ -481,7 +481,7 @@ static void a_placing_is_where_it_says(void **unused)
 }
 
 /* Leaves of one shape and any length, width and bend. */
-static void leaves_that_are_stretched_are_placed(void **unused)
+UNIT_TEST(leaves_that_are_stretched_are_placed)
 {
 	static const struct { bool wide, deep; uint32_t percent; } cases[] =
 		{ { true, false, 75 }, { true, true, 86 } };
@@ -504,23 +504,4 @@ static void leaves_that_are_stretched_are_placed(void **unused)
 			free(bytes);
 			free(soup);
 		}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(leaves_of_one_shape_are_placed),
-		cmocka_unit_test(leaves_that_are_all_different_are_corners),
-		cmocka_unit_test(corners_that_leaves_share_are_stored_once),
-		cmocka_unit_test(images_of_one_leaf_take_three_corners),
-		cmocka_unit_test(blades_that_bend_each_differently_follow_a_trend),
-		cmocka_unit_test(axes_are_at_right_angles),
-		cmocka_unit_test(forms_belong_to_placed_leaves),
-		cmocka_unit_test(damage_is_refused_or_harmless),
-		cmocka_unit_test(leaves_that_are_stretched_are_placed),
-		cmocka_unit_test(turns_are_rotations),
-		cmocka_unit_test(placings_out_of_bounds_are_none),
-		cmocka_unit_test(a_placing_is_where_it_says),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

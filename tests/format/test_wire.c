@@ -105,7 +105,7 @@ static struct eco_writer random_stream(uint64_t seed, uint32_t steps)
 	return w;
 }
 
-static void portions_do_not_matter(void **state)
+UNIT_TEST(portions_do_not_matter)
 {
 	static const size_t portions[] = { 0, 1, 2, 3, 5, 15, 16, 17, 64, 1000, 4096 };
 	for (uint64_t seed = 1; seed <= 20; seed++) {
@@ -143,7 +143,7 @@ static void damage_tried(struct damage *d, const uint8_t *bytes, size_t size)
 }
 
 /* Every single bit, every truncation, and random handfuls of bits. */
-static void damage_is_found(void **state)
+UNIT_TEST(damage_is_found)
 {
 	struct eco_writer w = random_stream(7, 5);
 	struct told sound = { 0 };
@@ -180,7 +180,7 @@ static size_t frame_size(const uint8_t *header)
 }
 
 /* Each frame is sound, but one is lost, comes twice, or changes places with the next. */
-static void lost_repeated_and_swapped_frames_are_found(void **state)
+UNIT_TEST(lost_repeated_and_swapped_frames_are_found)
 {
 	struct eco_writer w = random_stream(8, 6);
 	uint8_t *copy = malloc(2 * w.size);
@@ -292,7 +292,7 @@ static struct eco_writer faulty_stream(enum fault fault)
 	return w;
 }
 
-static void impossible_contents_are_refused(void **state)
+UNIT_TEST(impossible_contents_are_refused)
 {
 	for (int fault = 0; fault < FAULT_COUNT; fault++) {
 		struct eco_writer w = faulty_stream(fault);
@@ -308,7 +308,7 @@ static void impossible_contents_are_refused(void **state)
 	}
 }
 
-static void first_failure_is_final(void **state)
+UNIT_TEST(first_failure_is_final)
 {
 	struct eco_writer w = random_stream(9, 3);
 	struct told whole = { 0 };
@@ -332,7 +332,7 @@ static void first_failure_is_final(void **state)
 	eco_writer_free(&w);
 }
 
-static void events_without_a_callback_are_checked_and_ignored(void **state)
+UNIT_TEST(events_without_a_callback_are_checked_and_ignored)
 {
 	static const struct eco_wire_events none = { 0 };
 	struct eco_writer w = random_stream(10, 4);
@@ -346,7 +346,7 @@ static void events_without_a_callback_are_checked_and_ignored(void **state)
 }
 
 /* The bytes themselves: this must never change within a version that is released. */
-static void golden_stream(void **state)
+UNIT_TEST(golden_stream)
 {
 	static const char expected[] =
 		"010000003a0000000e675d5926f917db"
@@ -369,7 +369,7 @@ static void golden_stream(void **state)
 	eco_writer_free(&w);
 }
 
-static void names_in_other_encodings_do_not_break_a_stream(void **state)
+UNIT_TEST(names_in_other_encodings_do_not_break_a_stream)
 {
 	static const struct { const char *name, *sent; } names[] =
 		{ { "Ahorn", "Ahorn" }, { "W\xC3\xA4ldchen", "W\xC3\xA4ldchen" },
@@ -391,7 +391,7 @@ static void names_in_other_encodings_do_not_break_a_stream(void **state)
 
 /* ---- Holdings ---- */
 
-static void holdings_survive_the_wire(void **state)
+UNIT_TEST(holdings_survive_the_wire)
 {
 	struct wire_random r = { 11 };
 	for (int i = 0; i < 500; i++) {
@@ -431,7 +431,7 @@ static void holdings_survive_the_wire(void **state)
 	assert_int_equal(eco_holdings_chunks(NULL, 3), 0);
 }
 
-static void impossible_holdings_are_refused(void **state)
+UNIT_TEST(impossible_holdings_are_refused)
 {
 	static const struct { const char *why; uint8_t bytes[16]; size_t size; enum eco_code code; } rows[] =
 		{
@@ -455,21 +455,4 @@ static void impossible_holdings_are_refused(void **state)
 			fail_msg("%s", rows[i].why);
 		free(held.items);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(portions_do_not_matter),
-		cmocka_unit_test(damage_is_found),
-		cmocka_unit_test(lost_repeated_and_swapped_frames_are_found),
-		cmocka_unit_test(impossible_contents_are_refused),
-		cmocka_unit_test(first_failure_is_final),
-		cmocka_unit_test(events_without_a_callback_are_checked_and_ignored),
-		cmocka_unit_test(golden_stream),
-		cmocka_unit_test(names_in_other_encodings_do_not_break_a_stream),
-		cmocka_unit_test(holdings_survive_the_wire),
-		cmocka_unit_test(impossible_holdings_are_refused),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -27,7 +27,7 @@ static void assert_same_plan(const struct eco_plan *a, const struct eco_plan *b)
 		assert_true(wire_same_cut(&a->cuts[i], &b->cuts[i]));
 }
 
-static void plan_survives_the_wire_and_has_one_encoding(void **state)
+UNIT_TEST(plan_survives_the_wire_and_has_one_encoding)
 {
 	struct wire_random r = { 1 };
 	for (int i = 0; i < 3000; i++) {
@@ -53,7 +53,7 @@ static void plan_survives_the_wire_and_has_one_encoding(void **state)
 	}
 }
 
-static void order_of_a_plan_does_not_change_its_bytes(void **state)
+UNIT_TEST(order_of_a_plan_does_not_change_its_bytes)
 {
 	struct wire_random r = { 2 };
 	for (int i = 0; i < 200; i++) {
@@ -130,7 +130,7 @@ static size_t plan_bytes(const struct eco_plan *plan)
 	return size;
 }
 
-static void plans_are_small(void **state)
+UNIT_TEST(plans_are_small)
 {
 	struct eco_plan plan = forest_plan(0), blends = forest_plan(100), empty = { 0 };
 	size_t fixed = plan_bytes(&empty), all = plan_bytes(&plan), more = plan_bytes(&blends);
@@ -148,7 +148,7 @@ static void plans_are_small(void **state)
 	eco_plan_free(&blends);
 }
 
-static void rounded_scales_are_near_and_short(void **state)
+UNIT_TEST(rounded_scales_are_near_and_short)
 {
 	struct wire_random r = { 3 };
 	for (int i = 0; i < 100000; i++) {
@@ -173,7 +173,7 @@ static void rounded_scales_are_near_and_short(void **state)
 	eco_plan_free(&plan);
 }
 
-static void every_truncation_of_a_plan_is_refused(void **state)
+UNIT_TEST(every_truncation_of_a_plan_is_refused)
 {
 	struct wire_random r = { 4 };
 	for (int i = 0; i < 40; i++) {
@@ -197,7 +197,7 @@ static void every_truncation_of_a_plan_is_refused(void **state)
 
 /* Without the frame's hash around it: a changed byte gives another plan or an error, never one plan twice and
  * never a bad one. */
-static void changed_plans_are_refused_or_other_plans(void **state)
+UNIT_TEST(changed_plans_are_refused_or_other_plans)
 {
 	struct wire_random r = { 5 };
 	uint32_t refused = 0, other = 0;
@@ -228,7 +228,7 @@ static void changed_plans_are_refused_or_other_plans(void **state)
 	assert_true(refused > 1000 && other > 1000);
 }
 
-static void plans_that_break_a_rule_are_not_written(void **state)
+UNIT_TEST(plans_that_break_a_rule_are_not_written)
 {
 	for (int fault = 0; fault < 17; fault++) {
 		struct eco_plan plan = forest_plan(1);
@@ -258,18 +258,4 @@ static void plans_that_break_a_rule_are_not_written(void **state)
 		eco_plan_free(&plan);
 		eco_writer_free(&w);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(plan_survives_the_wire_and_has_one_encoding),
-		cmocka_unit_test(order_of_a_plan_does_not_change_its_bytes),
-		cmocka_unit_test(plans_are_small),
-		cmocka_unit_test(rounded_scales_are_near_and_short),
-		cmocka_unit_test(every_truncation_of_a_plan_is_refused),
-		cmocka_unit_test(changed_plans_are_refused_or_other_plans),
-		cmocka_unit_test(plans_that_break_a_rule_are_not_written),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

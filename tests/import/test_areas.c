@@ -49,7 +49,7 @@ static const double square[5][2] = { { 0, 0 }, { 10, 0 }, { 10, 10 }, { 0, 10 },
 static const double hole[4][2] = { { 2, 2 }, { 2, 6 }, { 6, 6 }, { 6, 2 } };
 static const double far_square[5][2] = { { 20, 20 }, { 24, 20 }, { 24, 24 }, { 20, 24 }, { 20, 20 } };
 
-static void holes_and_several_polygons_are_one_area(void **state)
+UNIT_TEST(holes_and_several_polygons_are_one_area)
 {
 	struct eco_areas areas = { .items = NULL };
 	struct wkb w = { .size = 0 };
@@ -74,7 +74,7 @@ static void holes_and_several_polygons_are_one_area(void **state)
 }
 
 /* A wild closed line: the even-odd rule by bands must agree with the rule itself. */
-static void bands_agree_with_every_edge(void **state)
+UNIT_TEST(bands_agree_with_every_edge)
 {
 	enum { CORNERS = 400 };
 	double at[CORNERS][2];
@@ -128,7 +128,7 @@ static double square_to(const double a[2], const double b[2], double x, double y
 	return (a[0] + t * dx - x) * (a[0] + t * dx - x) + (a[1] + t * dy - y) * (a[1] + t * dy - y);
 }
 
-static void nearness_to_lines_and_points_agrees_with_every_edge(void **state)
+UNIT_TEST(nearness_to_lines_and_points_agrees_with_every_edge)
 {
 	static const double reach[] = { 0.3, 4, 70 };
 	for (size_t r = 0; r < sizeof reach / sizeof *reach; r++) {
@@ -162,7 +162,7 @@ static void nearness_to_lines_and_points_agrees_with_every_edge(void **state)
 	}
 }
 
-static void truncated_and_impossible_geometries_are_damaged(void **state)
+UNIT_TEST(truncated_and_impossible_geometries_are_damaged)
 {
 	struct eco_areas areas = { .items = NULL };
 	struct wkb w = { .size = 0 };
@@ -190,7 +190,7 @@ static void truncated_and_impossible_geometries_are_damaged(void **state)
 
 /* The nearest two of n points, as a share of what the densest packing allows: random points come to nearly 0,
  * a hexagonal grid to 1. */
-static void every_beginning_of_the_set_is_spread_evenly(void **state)
+UNIT_TEST(every_beginning_of_the_set_is_spread_evenly)
 {
 	static uint16_t p[ECO_BLUE_NOISE_POINTS][2];
 	assert_true(eco_blue_noise(p));
@@ -204,17 +204,4 @@ static void every_beginning_of_the_set_is_spread_evenly(void **state)
 			}
 		assert_true(sqrt(least) > 0.55 * 65536 * sqrt(2 / (sqrt(3.0) * n)));
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(holes_and_several_polygons_are_one_area),
-		cmocka_unit_test(bands_agree_with_every_edge),
-		cmocka_unit_test(nearness_to_lines_and_points_agrees_with_every_edge),
-		cmocka_unit_test(truncated_and_impossible_geometries_are_damaged),
-		cmocka_unit_test(every_beginning_of_the_set_is_spread_evenly),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

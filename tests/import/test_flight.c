@@ -33,7 +33,7 @@ static struct eco_flight flight_of(const struct eco_track *track)
 
 static double yaw_of(const struct eco_sample *s) { return atan2(s->look[0], s->look[1]) * DEG; }
 
-static void rounded_positions_do_not_jitter(void **state)
+UNIT_TEST(rounded_positions_do_not_jitter)
 {
 	/* a circle of 100 m radius at 5 m/s, once a second, in steps of 11 m east and 8 m north: 4 decimals
 	 * of a degree */
@@ -65,7 +65,7 @@ static void rounded_positions_do_not_jitter(void **state)
 	eco_track_free(&m.track);
 }
 
-static void cameras_look_where_they_go_and_wait_without_turning(void **state)
+UNIT_TEST(cameras_look_where_they_go_and_wait_without_turning)
 {
 	struct made m = made_track(90);
 	for (uint32_t i = 0; i < 90; i++)
@@ -85,7 +85,7 @@ static void cameras_look_where_they_go_and_wait_without_turning(void **state)
 	eco_track_free(&m.track);
 }
 
-static void recorded_looks_turn_across_north(void **state)
+UNIT_TEST(recorded_looks_turn_across_north)
 {
 	struct made m = straight(20);
 	for (uint32_t i = 0; i < 20; i++) {
@@ -108,7 +108,7 @@ static void recorded_looks_turn_across_north(void **state)
 	eco_track_free(&m.track);
 }
 
-static void flights_are_moved_turned_and_kept_above_ground(void **state)
+UNIT_TEST(flights_are_moved_turned_and_kept_above_ground)
 {
 	struct made m = straight(11);
 	float heights[4] = { 0, 0, 40, 40 };
@@ -138,7 +138,7 @@ static void flights_are_moved_turned_and_kept_above_ground(void **state)
 
 /* ---- Scripts ---- */
 
-static void scripts_keep_to_the_flight_as_they_say(void **state)
+UNIT_TEST(scripts_keep_to_the_flight_as_they_say)
 {
 	/* stands, starts, corners, a gimbal that swings */
 	struct made m = made_track(600);
@@ -184,7 +184,7 @@ static void scripts_keep_to_the_flight_as_they_say(void **state)
 	eco_track_free(&m.track);
 }
 
-static void still_cameras_are_one_keyframe(void **state)
+UNIT_TEST(still_cameras_are_one_keyframe)
 {
 	struct eco_track track = track_of("{\"asset\": {\"version\": \"2.0\"}, \"cameras\": "
 		"[{\"perspective\": {\"yfov\": 0.8}}], \"nodes\": [{\"camera\": 0, "
@@ -203,7 +203,7 @@ static void still_cameras_are_one_keyframe(void **state)
 
 /* Looks that turn about between samples have no direction halfway: they go by a side, and the script plays.
  */
-static void cameras_that_turn_about_do_it_by_a_side(void **state)
+UNIT_TEST(cameras_that_turn_about_do_it_by_a_side)
 {
 	struct made m = made_track(40);
 	for (uint32_t i = 0; i < 40; i++)
@@ -268,7 +268,7 @@ static void compare_with_table(const char *folder, const char *name)
 	eco_track_free(&wanted);
 }
 
-static void recordings_keep_near_their_positions(void **state)
+UNIT_TEST(recordings_keep_near_their_positions)
 {
 	const char *data = getenv("ECO_DATA");
 	char folder[900];
@@ -289,19 +289,4 @@ static void recordings_keep_near_their_positions(void **state)
 			compare_with_table(folder, recording);
 	}
 	closedir(files);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(rounded_positions_do_not_jitter),
-		cmocka_unit_test(cameras_look_where_they_go_and_wait_without_turning),
-		cmocka_unit_test(recorded_looks_turn_across_north),
-		cmocka_unit_test(flights_are_moved_turned_and_kept_above_ground),
-		cmocka_unit_test(scripts_keep_to_the_flight_as_they_say),
-		cmocka_unit_test(still_cameras_are_one_keyframe),
-		cmocka_unit_test(cameras_that_turn_about_do_it_by_a_side),
-		cmocka_unit_test(recordings_keep_near_their_positions),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -101,7 +101,7 @@ static const struct { const char *name; uint32_t plants; const char *files[12]; 
 };
 #define SCENES (sizeof scenes / sizeof *scenes)
 
-static void test_same_seed_same_bytes(void **state)
+UNIT_TEST(test_same_seed_same_bytes)
 {
 	for (size_t i = 0; i < SCENES; i++) {
 		const char *a = fresh("a"), *b = fresh("b"), *c = fresh("c");
@@ -117,7 +117,7 @@ static void test_same_seed_same_bytes(void **state)
 	}
 }
 
-static void test_scenes_and_cameras_parse(void **state)
+UNIT_TEST(test_scenes_and_cameras_parse)
 {
 	for (size_t i = 0; i < SCENES; i++) {
 		const char *folder = fresh("parse");
@@ -140,7 +140,7 @@ static void test_scenes_and_cameras_parse(void **state)
 	}
 }
 
-static void test_park_has_about_as_many_as_asked(void **state)
+UNIT_TEST(test_park_has_about_as_many_as_asked)
 {
 	static const uint32_t wanted[] = { 60, 240 };
 	for (size_t i = 0; i < 2; i++) {
@@ -157,7 +157,7 @@ static void test_park_has_about_as_many_as_asked(void **state)
 }
 
 /* No two stems closer than their crowns allow; all inside the ground. */
-static void test_stems_keep_their_distance(void **state)
+UNIT_TEST(test_stems_keep_their_distance)
 {
 	const char *folder = fresh("stems");
 	static double x[1000], y[1000];
@@ -175,7 +175,7 @@ static void test_stems_keep_their_distance(void **state)
 	remove_folder(folder);
 }
 
-static void test_measured_scenes_have_exactly_as_many_as_asked(void **state)
+UNIT_TEST(test_measured_scenes_have_exactly_as_many_as_asked)
 {
 	static const struct { const char *name; uint32_t plants; } cases[] =
 		{ { "grove", 1 }, { "grove", 257 }, { "palms", 83 }, { "sunflowers", 1 },
@@ -207,7 +207,7 @@ static uint64_t plants_of(const struct eco_sources *sources, uint32_t source)
 	return sum;
 }
 
-static void test_blocks_of_blocks_hold_any_number(void **state)
+UNIT_TEST(test_blocks_of_blocks_hold_any_number)
 {
 	static const uint64_t wanted[] = { 1, 700, 100000, 230000 };
 	for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
@@ -230,7 +230,7 @@ static void test_blocks_of_blocks_hold_any_number(void **state)
 	}
 }
 
-static void test_detail_multiplies_leaves(void **state)
+UNIT_TEST(test_detail_multiplies_leaves)
 {
 	static const struct { const char *name; double least, most; } cases[] =
 		{ { "oak", 2.6, 4.2 }, { "spruce", 2.2, 4.2 }, { "palm", 2.2, 4.2 } };
@@ -246,7 +246,7 @@ static void test_detail_multiplies_leaves(void **state)
 	}
 }
 
-static void test_plants_have_believable_sizes(void **state)
+UNIT_TEST(test_plants_have_believable_sizes)
 {
 	static const struct { const char *name; double low, high, wide; uint32_t faces; } sizes[] = {
 		{ "oak", 12, 17, 8, 6000 }, { "birch", 10, 15, 4, 4000 }, { "linden", 10, 14, 6, 2000 },
@@ -284,7 +284,7 @@ static void test_plants_have_believable_sizes(void **state)
 	}
 }
 
-static void test_ground_is_smooth(void **state)
+UNIT_TEST(test_ground_is_smooth)
 {
 	struct gen_terrain terrain = { 4, 20, 100, 2, 30 };
 	for (int i = 0; i < 20000; i++) {
@@ -301,7 +301,7 @@ static bool stop(void *ctx, const char *stage, double share)
 	return --*(int *)ctx > 0;
 }
 
-static void test_stopping_leaves_no_scene(void **state)
+UNIT_TEST(test_stopping_leaves_no_scene)
 {
 	const char *folder = fresh("stop");
 	char path[512];
@@ -314,7 +314,7 @@ static void test_stopping_leaves_no_scene(void **state)
 	remove_folder(folder);
 }
 
-static void test_errors_say_what(void **state)
+UNIT_TEST(test_errors_say_what)
 {
 	struct eco_error error = { 0 };
 	assert_int_equal(eco_generate(&(struct eco_generate_options){ .name = "desert", .folder = ROOT "/x" },
@@ -324,22 +324,4 @@ static void test_errors_say_what(void **state)
 	assert_int_equal(eco_generate(&(struct eco_generate_options){ .name = "park",
 		.folder = "/dev/null/x" }, &error), ECO_IO);
 	assert_non_null(strstr(error.text, "/dev/null/x"));
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_same_seed_same_bytes),
-		cmocka_unit_test(test_scenes_and_cameras_parse),
-		cmocka_unit_test(test_park_has_about_as_many_as_asked),
-		cmocka_unit_test(test_stems_keep_their_distance),
-		cmocka_unit_test(test_measured_scenes_have_exactly_as_many_as_asked),
-		cmocka_unit_test(test_blocks_of_blocks_hold_any_number),
-		cmocka_unit_test(test_detail_multiplies_leaves),
-		cmocka_unit_test(test_plants_have_believable_sizes),
-		cmocka_unit_test(test_ground_is_smooth),
-		cmocka_unit_test(test_stopping_leaves_no_scene),
-		cmocka_unit_test(test_errors_say_what),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

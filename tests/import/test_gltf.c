@@ -56,7 +56,7 @@ static void expect_refused(struct eco_gltf *doc, int accessor, enum eco_code wan
 
 /* ---- Containers ---- */
 
-static void json_may_be_padded_with_zeros_or_begin_with_a_mark(void **state)
+UNIT_TEST(json_may_be_padded_with_zeros_or_begin_with_a_mark)
 {
 	struct eco_gltf *doc;
 	uint8_t *bytes;
@@ -72,7 +72,7 @@ static void json_may_be_padded_with_zeros_or_begin_with_a_mark(void **state)
 	eco_gltf_close(doc);
 }
 
-static void a_document_that_is_cut_off_is_refused(void **state)
+UNIT_TEST(a_document_that_is_cut_off_is_refused)
 {
 	const float p[3] = { 1, 2, 3 };
 	uint8_t *bytes;
@@ -93,7 +93,7 @@ static void a_document_that_is_cut_off_is_refused(void **state)
 	free(bytes);
 }
 
-static void what_is_no_gltf_2_is_named(void **state)
+UNIT_TEST(what_is_no_gltf_2_is_named)
 {
 	static const struct { const char *text; enum eco_code code; const char *says; } cases[] = {
 		{ "{\"asset\":{\"version\":\"1.0\"}}", ECO_UNSUPPORTED, "glTF 1.0" },
@@ -115,7 +115,7 @@ static void what_is_no_gltf_2_is_named(void **state)
 	}
 }
 
-static void buffers_are_found_beside_or_within(void **state)
+UNIT_TEST(buffers_are_found_beside_or_within)
 {
 	static const float p[3] = { 1, 2, 3 };
 	static const char *const uris[] = { "two words.bin", "two%20words.bin", ".\\\\two words.bin",
@@ -139,7 +139,7 @@ static void buffers_are_found_beside_or_within(void **state)
 	}
 }
 
-static void a_buffer_that_is_missing_is_told_when_it_is_needed(void **state)
+UNIT_TEST(a_buffer_that_is_missing_is_told_when_it_is_needed)
 {
 	static const struct { const char *buffer; enum eco_code code; const char *says; } cases[] = {
 		{ ",\"uri\":\"none.bin\"", ECO_NOT_FOUND, "none.bin" },
@@ -162,7 +162,7 @@ static void a_buffer_that_is_missing_is_told_when_it_is_needed(void **state)
 
 /* ---- Accessors ---- */
 
-static void numbers_of_every_type_are_read(void **state)
+UNIT_TEST(numbers_of_every_type_are_read)
 {
 	static const int8_t bytes[4] = { -128, -127, 0, 127 };
 	static const int16_t shorts[4] = { -32768, -1, 0, 32767 };
@@ -194,7 +194,7 @@ static void numbers_of_every_type_are_read(void **state)
 	}
 }
 
-static void strides_offsets_and_columns_are_kept(void **state)
+UNIT_TEST(strides_offsets_and_columns_are_kept)
 {
 	static const float interleaved[10] = { 9, 1, 2, 9, 9, 3, 4, 9, 5, 6 };
 	static const uint8_t columns[2 * 12] = { 1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0, 11, 12, 13, 0, 14, 15,
@@ -211,7 +211,7 @@ static void strides_offsets_and_columns_are_kept(void **state)
 	close_good(doc);
 }
 
-static void sparse_accessors_are_filled_in(void **state)
+UNIT_TEST(sparse_accessors_are_filled_in)
 {
 	static const float base[4] = { 1, 2, 3, 4 }, values[2] = { 20, 40 };
 	static const uint8_t bytes[2] = { 1, 3 };
@@ -242,7 +242,7 @@ static void sparse_accessors_are_filled_in(void **state)
 	close_good(doc);
 }
 
-static void accessors_beyond_their_bytes_are_refused(void **state)
+UNIT_TEST(accessors_beyond_their_bytes_are_refused)
 {
 	static const float four[4];
 	static const struct { const char *more; size_t count; const char *kind; enum eco_code code;
@@ -273,7 +273,7 @@ static void accessors_beyond_their_bytes_are_refused(void **state)
 
 /* ---- meshopt ---- */
 
-static void views_compressed_with_meshopt_are_unpacked(void **state)
+UNIT_TEST(views_compressed_with_meshopt_are_unpacked)
 {
 	float places[100][4];
 	unsigned triangles[300], list[100];
@@ -320,7 +320,7 @@ static void views_compressed_with_meshopt_are_unpacked(void **state)
 	close_good(doc);
 }
 
-static void filters_of_meshopt_are_undone(void **state)
+UNIT_TEST(filters_of_meshopt_are_undone)
 {
 	static const float normals[4][4] = { { 0, 0, 1, 0 }, { 0.6f, 0.8f, 0, 0 }, { 0, -1, 0, 0 },
 		{ -0.6f, 0, -0.8f, 0 } };
@@ -358,7 +358,7 @@ static void filters_of_meshopt_are_undone(void **state)
 
 /* Written by meshoptimizer 1.3 at its highest level: 20 vertices of 12 bytes whose channels are of the three
  * kinds; four colours in 8 bits, and in 16 of which 12 count. */
-static void the_second_version_of_the_meshopt_codec_is_read(void **state)
+UNIT_TEST(the_second_version_of_the_meshopt_codec_is_read)
 {
 	static const uint8_t golden[] = { 0xa1, 0x95, 0x97, 0x99, 0x05, 0x2a, 0xea, 0xea, 0xea, 0x05, 0x05,
 		0x05, 0xea, 0x00, 0x00, 0x00, 0x05, 0x00, 0x10, 0x11, 0x08, 0x07, 0x08, 0x01, 0x00, 0x07,
@@ -415,7 +415,7 @@ static void the_second_version_of_the_meshopt_codec_is_read(void **state)
 	close_good(doc);
 }
 
-static void meshopt_that_makes_no_sense_is_refused(void **state)
+UNIT_TEST(meshopt_that_makes_no_sense_is_refused)
 {
 	static const uint8_t bytes[64] = { 0xa0 };
 	static const struct { size_t count, stride; const char *mode, *filter; enum eco_code code; } cases[] =
@@ -446,7 +446,7 @@ static void meshopt_that_makes_no_sense_is_refused(void **state)
 
 /* ---- Nodes ---- */
 
-static void nodes_stand_where_their_ancestors_put_them(void **state)
+UNIT_TEST(nodes_stand_where_their_ancestors_put_them)
 {
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_gltf *doc;
@@ -477,7 +477,7 @@ static enum eco_code note_node(void *ctx, uint32_t node, const double world[16])
 	return ECO_OK;
 }
 
-static void what_a_viewer_would_show_is_walked(void **state)
+UNIT_TEST(what_a_viewer_would_show_is_walked)
 {
 	static const struct { const char *rest, *order; enum eco_code code; } cases[] = {
 		{ ",\"scene\":1,\"scenes\":[{\"nodes\":[0]},{\"nodes\":[2,1]}],\"nodes\":[{},"
@@ -512,7 +512,7 @@ static enum eco_code ignore_node(void *ctx, uint32_t node, const double world[16
 	return ECO_OK;
 }
 
-static void a_tree_that_is_none_ends(void **state)
+UNIT_TEST(a_tree_that_is_none_ends)
 {
 	static const char *const cases[] = { ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"children\":[1]},"
 		"{\"children\":[0]}]",
@@ -525,28 +525,4 @@ static void a_tree_that_is_none_ends(void **state)
 		assert_int_equal(eco_gltf_walk(doc, ignore_node, NULL, NULL), ECO_TOO_LARGE);
 		close_good(doc);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(json_may_be_padded_with_zeros_or_begin_with_a_mark),
-		cmocka_unit_test(a_document_that_is_cut_off_is_refused),
-		cmocka_unit_test(what_is_no_gltf_2_is_named),
-		cmocka_unit_test(buffers_are_found_beside_or_within),
-		cmocka_unit_test(a_buffer_that_is_missing_is_told_when_it_is_needed),
-		cmocka_unit_test(numbers_of_every_type_are_read),
-		cmocka_unit_test(strides_offsets_and_columns_are_kept),
-		cmocka_unit_test(sparse_accessors_are_filled_in),
-		cmocka_unit_test(accessors_beyond_their_bytes_are_refused),
-		cmocka_unit_test(views_compressed_with_meshopt_are_unpacked),
-		cmocka_unit_test(filters_of_meshopt_are_undone),
-		cmocka_unit_test(the_second_version_of_the_meshopt_codec_is_read),
-		cmocka_unit_test(meshopt_that_makes_no_sense_is_refused),
-		cmocka_unit_test(nodes_stand_where_their_ancestors_put_them),
-		cmocka_unit_test(what_a_viewer_would_show_is_walked),
-		cmocka_unit_test(a_tree_that_is_none_ends),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -75,7 +75,7 @@ static const float square[4][3] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 1, 
 #define ONE_MESH(attributes, more) ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}]," \
 	"\"meshes\":[{\"primitives\":[{\"attributes\":{" attributes "}" more "}]}]"
 
-static void indices_of_every_type_or_none_make_triangles(void **state)
+UNIT_TEST(indices_of_every_type_or_none_make_triangles)
 {
 	static const uint8_t bytes[6] = { 0, 1, 2, 2, 1, 3 };
 	static const uint16_t shorts[6] = { 0, 1, 2, 2, 1, 3 };
@@ -100,7 +100,7 @@ static void indices_of_every_type_or_none_make_triangles(void **state)
 	}
 }
 
-static void strips_and_fans_become_triangles(void **state)
+UNIT_TEST(strips_and_fans_become_triangles)
 {
 	static const uint16_t strip[] = { 0, 1, 2, 3, 0xffff, 3, 2, 1 }, fan[] = { 0, 1, 3, 2 };
 	struct eco_model m;
@@ -124,7 +124,7 @@ static void strips_and_fans_become_triangles(void **state)
 	eco_model_free(&m);
 }
 
-static void points_and_lines_are_counted_and_said(void **state)
+UNIT_TEST(points_and_lines_are_counted_and_said)
 {
 	struct eco_model m;
 	gw_begin();
@@ -144,7 +144,7 @@ static void points_and_lines_are_counted_and_said(void **state)
 	read_fails("", ECO_BAD_INPUT, "no triangles in its scene");
 }
 
-static void a_broken_index_is_kept_apart(void **state)
+UNIT_TEST(a_broken_index_is_kept_apart)
 {
 	static const uint16_t indices[6] = { 0, 1, 2, 2, 1, 4 };
 	struct eco_model m;
@@ -158,7 +158,7 @@ static void a_broken_index_is_kept_apart(void **state)
 	eco_model_free(&m);
 }
 
-static void quantized_meshes_are_read(void **state)
+UNIT_TEST(quantized_meshes_are_read)
 {
 	static const uint16_t corners[3][4] = { { 0, 0, 0 }, { 65535, 0, 0 }, { 0, 65535, 0 } };
 	static const int8_t small[3][4] = { { 0, 0, 0 }, { 10, 0, 0 }, { 0, 20, -30 } };
@@ -179,7 +179,7 @@ static void quantized_meshes_are_read(void **state)
 	eco_model_free(&m);
 }
 
-static void places_far_from_the_origin_keep_their_detail(void **state)
+UNIT_TEST(places_far_from_the_origin_keep_their_detail)
 {
 	static const float far[3][3] = { { 1e7f, 0, 0 }, { 1e7f + 1, 0, 0 }, { 1e7f, 1, 0 } };
 	struct eco_model m;
@@ -198,7 +198,7 @@ static void places_far_from_the_origin_keep_their_detail(void **state)
 	eco_model_free(&m);
 }
 
-static void parts_are_nodes_and_meshes(void **state)
+UNIT_TEST(parts_are_nodes_and_meshes)
 {
 	struct eco_model m;
 	gw_begin();
@@ -217,7 +217,7 @@ static void parts_are_nodes_and_meshes(void **state)
 	eco_model_free(&m);
 }
 
-static void instances_of_a_model_are_expanded(void **state)
+UNIT_TEST(instances_of_a_model_are_expanded)
 {
 	static const float places[3][3] = { { 0, 0, 0 }, { 10, 0, 0 }, { 0, 0, 10 } },
 		sizes[3][3] = { { 1, 1, 1 }, { 2, 2, 2 }, { 1, 1, 1 } };
@@ -246,7 +246,7 @@ static void instances_of_a_model_are_expanded(void **state)
 	eco_model_free(&m);
 }
 
-static void instances_without_end_are_refused_at_once(void **state)
+UNIT_TEST(instances_without_end_are_refused_at_once)
 {
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_model m;
@@ -262,7 +262,7 @@ static void instances_without_end_are_refused_at_once(void **state)
 
 /* A joint a hundred times as large, whose inverse bind matrix takes that back, 5 to the right; the node's own
  * place does not count. */
-static void skins_stand_where_their_joints_hold_them(void **state)
+UNIT_TEST(skins_stand_where_their_joints_hold_them)
 {
 	static const float inverse[2][16] = { { 0.01f, 0, 0, 0, 0, 0.01f, 0, 0, 0, 0, 0.01f, 0, 0, 0, 0, 1 },
 		{ 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 } };
@@ -286,7 +286,7 @@ static void skins_stand_where_their_joints_hold_them(void **state)
 	eco_model_free(&m);
 }
 
-static void morph_targets_have_their_default_weights(void **state)
+UNIT_TEST(morph_targets_have_their_default_weights)
 {
 	static const float delta[3][3] = { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 0, 0 } };
 	struct eco_model m;
@@ -302,7 +302,7 @@ static void morph_targets_have_their_default_weights(void **state)
 	eco_model_free(&m);
 }
 
-static void vertex_colours_count_in_linear_light(void **state)
+UNIT_TEST(vertex_colours_count_in_linear_light)
 {
 	static const uint8_t colors[3][4] = { { 255, 0, 0, 255 }, { 255, 0, 0, 255 }, { 255, 0, 0, 0 } };
 	struct eco_model m;
@@ -317,7 +317,7 @@ static void vertex_colours_count_in_linear_light(void **state)
 	eco_model_free(&m);
 }
 
-static void the_older_materials_and_those_without_any_have_colours(void **state)
+UNIT_TEST(the_older_materials_and_those_without_any_have_colours)
 {
 	struct eco_model m;
 	gw_begin();
@@ -339,7 +339,7 @@ static void the_older_materials_and_those_without_any_have_colours(void **state)
 }
 
 /* One texel, in a view, a data URI, a file, and nowhere. */
-static void pictures_come_from_anywhere_or_are_missed_aloud(void **state)
+UNIT_TEST(pictures_come_from_anywhere_or_are_missed_aloud)
 {
 	static const uint8_t rgba[] = { 10, 20, 30, 255 };
 	static const float uv[3][2] = { { 0, 0 }, { 1, 0 }, { 0, 1 } },
@@ -395,7 +395,7 @@ static void pictures_come_from_anywhere_or_are_missed_aloud(void **state)
 
 #define DRACO_SIDE 300u              /* vertices: more than 16-bit indices reach */
 
-static void draco_meshes_of_any_size_are_read(void **state)
+UNIT_TEST(draco_meshes_of_any_size_are_read)
 {
 	uint32_t vertices = DRACO_SIDE * DRACO_SIDE, faces = 0, *index = malloc(6 * vertices * sizeof *index);
 	int32_t *position = malloc(3 * vertices * sizeof *position), view;
@@ -462,7 +462,7 @@ static void draco_meshes_of_any_size_are_read(void **state)
 	free(index);
 }
 
-static void draco_attributes_are_found_by_their_ids(void **state)
+UNIT_TEST(draco_attributes_are_found_by_their_ids)
 {
 	static const int32_t position[9] = { 0, 0, 0, 10, 0, 0, 0, 10, 0 };
 	static const uint32_t index[3] = { 0, 1, 2 };
@@ -489,7 +489,7 @@ static void draco_attributes_are_found_by_their_ids(void **state)
 
 /* ---- Refusals ---- */
 
-static void what_a_file_requires_and_is_not_read_is_named(void **state)
+UNIT_TEST(what_a_file_requires_and_is_not_read_is_named)
 {
 	static const struct { const char *list, *says; enum eco_code code; } cases[] = {
 		{ "\"extensionsRequired\":[\"KHR_texture_basisu\"]", "KHR_texture_basisu", ECO_UNSUPPORTED },
@@ -529,7 +529,7 @@ static const struct { const char *rest, *says; } references_to_cases[] = {
 		"Draco" },
 };
 
-static void references_to_nothing_are_refused(void **state)
+UNIT_TEST(references_to_nothing_are_refused)
 {
 
 	for (size_t i = 0; i < sizeof references_to_cases / sizeof *references_to_cases; i++) {
@@ -542,7 +542,7 @@ static void references_to_nothing_are_refused(void **state)
 }
 
 /* Through the child and the clean-up, whatever the file is called. */
-static void a_glb_is_known_by_its_content(void **state)
+UNIT_TEST(a_glb_is_known_by_its_content)
 {
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_model m;
@@ -565,7 +565,7 @@ static void a_glb_is_known_by_its_content(void **state)
 	}
 }
 
-static void without_its_scene_all_nodes_are_read_and_it_is_said(void **state)
+UNIT_TEST(without_its_scene_all_nodes_are_read_and_it_is_said)
 {
 	static const struct { const char *scenes, *says; uint32_t triangles; } cases[] = {
 		{ ",\"scene\":7,\"scenes\":[{\"nodes\":[0]}]", "its default scene is not there: all of its "
@@ -589,32 +589,4 @@ static void without_its_scene_all_nodes_are_read_and_it_is_said(void **state)
 			assert_null(strstr(notes.text, "scene"));
 		eco_model_free(&m);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(without_its_scene_all_nodes_are_read_and_it_is_said),
-		cmocka_unit_test(indices_of_every_type_or_none_make_triangles),
-		cmocka_unit_test(strips_and_fans_become_triangles),
-		cmocka_unit_test(points_and_lines_are_counted_and_said),
-		cmocka_unit_test(a_broken_index_is_kept_apart),
-		cmocka_unit_test(quantized_meshes_are_read),
-		cmocka_unit_test(places_far_from_the_origin_keep_their_detail),
-		cmocka_unit_test(parts_are_nodes_and_meshes),
-		cmocka_unit_test(instances_of_a_model_are_expanded),
-		cmocka_unit_test(instances_without_end_are_refused_at_once),
-		cmocka_unit_test(skins_stand_where_their_joints_hold_them),
-		cmocka_unit_test(morph_targets_have_their_default_weights),
-		cmocka_unit_test(vertex_colours_count_in_linear_light),
-		cmocka_unit_test(the_older_materials_and_those_without_any_have_colours),
-		cmocka_unit_test(pictures_come_from_anywhere_or_are_missed_aloud),
-		cmocka_unit_test(draco_meshes_of_any_size_are_read),
-		cmocka_unit_test(draco_attributes_are_found_by_their_ids),
-		cmocka_unit_test(what_a_file_requires_and_is_not_read_is_named),
-		cmocka_unit_test(references_to_nothing_are_refused),
-		cmocka_unit_test(a_glb_is_known_by_its_content),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -70,7 +70,7 @@ static bool said(const char *text)
 /* 3 x 2 samples of 10 m, first row in the north. */
 #define GRID "ncols 3\nnrows 2\nxllcorner 100\nyllcorner 200\ncellsize 10\nNODATA_value -9999\n"
 
-static void samples_lie_at_pixel_centres_from_the_south_west(void **state)
+UNIT_TEST(samples_lie_at_pixel_centres_from_the_south_west)
 {
 	static const float wanted[] = { 4, 5, 6, 1, 2, 3 };
 	struct eco_ground g;
@@ -86,7 +86,7 @@ static void samples_lie_at_pixel_centres_from_the_south_west(void **state)
 	assert_null(g.height_m);
 }
 
-static void what_is_missing_grows_in_from_its_neighbours(void **state)
+UNIT_TEST(what_is_missing_grows_in_from_its_neighbours)
 {
 	struct eco_ground g;
 	import_good(&g, &(struct given){ .path = input_text("ground", "b.asc", "ncols 5\nnrows 3\nxllcorner "
@@ -105,7 +105,7 @@ static void what_is_missing_grows_in_from_its_neighbours(void **state)
 }
 
 /* A slope with a hole is a slope again: no crease where what grew in from two sides meets. */
-static void a_hole_in_a_slope_is_levelled(void **state)
+UNIT_TEST(a_hole_in_a_slope_is_levelled)
 {
 	enum { SIDE = 24 };
 	char text[8192];
@@ -157,7 +157,7 @@ static const char *write_tiff(const char *name, bool south_up, int columns, int 
 	return path;
 }
 
-static void scale_offset_and_row_order_of_the_file_are_honoured(void **state)
+UNIT_TEST(scale_offset_and_row_order_of_the_file_are_honoured)
 {
 	static const int16_t samples[] = { 2, 4, 6, 8, 10, 12 };
 	struct given o = { .scene_crs = "EPSG:32631", .origin = { 500000, 1000, 100 } };
@@ -173,7 +173,7 @@ static void scale_offset_and_row_order_of_the_file_are_honoured(void **state)
 	eco_ground_free(&g);
 }
 
-static void a_crs_is_converted_and_never_guessed(void **state)
+UNIT_TEST(a_crs_is_converted_and_never_guessed)
 {
 	static int16_t samples[40 * 30];
 	struct given o = { .scene_crs = "EPSG:32631", .origin = { 500000, 1000, 0 } };
@@ -211,7 +211,7 @@ static void a_crs_is_converted_and_never_guessed(void **state)
 	import_fails(&(struct given){ .path = "build/tmp/ground/utm.tif" }, "the scene has no CRS");
 }
 
-static void a_raster_that_is_too_large_is_averaged_down(void **state)
+UNIT_TEST(a_raster_that_is_too_large_is_averaged_down)
 {
 	static int16_t samples[64 * 32];
 	struct eco_ground g;
@@ -227,7 +227,7 @@ static void a_raster_that_is_too_large_is_averaged_down(void **state)
 	eco_ground_free(&g);
 }
 
-static void what_is_no_raster_is_refused(void **state)
+UNIT_TEST(what_is_no_raster_is_refused)
 {
 	import_fails(&(struct given){ .path = "build/tmp/ground/gone.tif" }, "gone.tif: No such file");
 	import_fails(&(struct given){ .path = input_text("ground", "text.tif", "not a raster") },
@@ -273,7 +273,7 @@ static const char *write_raster(const char *driver, const char *name, GDALDataTy
 static const double at_zero[6] = { 0, 10, 0, 40, 0, -10 };      /* 4 rows of 10 m */
 
 /* A height map as pictures have it: sixteen bits, no place, no scale. */
-static void a_png_takes_its_meaning_from_the_scene(void **state)
+UNIT_TEST(a_png_takes_its_meaning_from_the_scene)
 {
 	static const double samples[16] = { 0, 1000, 2000, 65535, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3 };
 	struct given g = { .path = write_raster("PNG", "map.png", GDT_UInt16, 4, 4, samples, NULL, NULL),
@@ -304,7 +304,7 @@ static void a_png_takes_its_meaning_from_the_scene(void **state)
 	eco_ground_free(&ground);
 }
 
-static void a_world_file_says_where_a_picture_lies(void **state)
+UNIT_TEST(a_world_file_says_where_a_picture_lies)
 {
 	static const double samples[16] = { 5, 5, 5, 5, 6, 6, 6, 6, 7, 7, 7, 7, 8, 8, 8, 8 };
 	struct given g = { .path = write_raster("PNG", "world.png", GDT_UInt16, 4, 4, samples, NULL, NULL) };
@@ -317,7 +317,7 @@ static void a_world_file_says_where_a_picture_lies(void **state)
 	eco_ground_free(&ground);
 }
 
-static void units_of_the_file_are_converted_and_said(void **state)
+UNIT_TEST(units_of_the_file_are_converted_and_said)
 {
 	double samples[16];
 	const char *path;
@@ -338,7 +338,7 @@ static void units_of_the_file_are_converted_and_said(void **state)
 	eco_ground_free(&ground);
 }
 
-static void a_band_is_chosen_and_colours_are_no_heights(void **state)
+UNIT_TEST(a_band_is_chosen_and_colours_are_no_heights)
 {
 	const char *path = input_path("ground", "bands.tif");
 	static const uint8_t gray[4] = { 1, 2, 3, 4 };
@@ -367,7 +367,7 @@ static double terrain(int x, int y)
 	return 400 + 3 * sin(x * 0.4) + 2 * cos(y * 0.3 + x * 0.1) + 0.05 * x * y;
 }
 
-static void constants_that_stand_out_are_holes_and_seas_are_not(void **state)
+UNIT_TEST(constants_that_stand_out_are_holes_and_seas_are_not)
 {
 	static const struct { double value; bool hole; double base; } cases[] = {
 		{ 0, true, 0 }, { -9999, true, 0 }, { -3.4028234663852886e38, true, 0 }, { 32767, true, 0 },
@@ -424,7 +424,7 @@ static void constants_that_stand_out_are_holes_and_seas_are_not(void **state)
 	}
 }
 
-static void ground_that_is_all_one_is_said(void **state)
+UNIT_TEST(ground_that_is_all_one_is_said)
 {
 	struct eco_ground ground;
 	import_good(&ground,
@@ -435,7 +435,7 @@ static void ground_that_is_all_one_is_said(void **state)
 
 /* ---- Several rasters ---- */
 
-static void rasters_side_by_side_become_one_ground(void **state)
+UNIT_TEST(rasters_side_by_side_become_one_ground)
 {
 	static double west[16], east[16], fine[64];
 	static const double east_at[6] = { 40, 10, 0, 40, 0, -10 }, fine_at[6] = { 80, 5, 0, 40, 0, -5 };
@@ -478,7 +478,7 @@ static void rasters_side_by_side_become_one_ground(void **state)
 }
 
 /* Rows from the south, and degrees: the way of most global models. */
-static void degrees_and_turned_rasters_are_resampled(void **state)
+UNIT_TEST(degrees_and_turned_rasters_are_resampled)
 {
 	static double samples[60 * 60];
 	static const double degrees[6] = { 8.99, 0.001, 0, 48.04, 0, -0.001 },
@@ -505,7 +505,7 @@ static void degrees_and_turned_rasters_are_resampled(void **state)
 
 /* ---- Vertical datum ---- */
 
-static void one_vertical_datum_without_the_other_is_an_error(void **state)
+UNIT_TEST(one_vertical_datum_without_the_other_is_an_error)
 {
 	struct given g = { .path = input_text("ground", "v.asc", GRID "1 2 3\n4 5 6\n") };
 	struct eco_ground ground;
@@ -535,7 +535,7 @@ static void one_vertical_datum_without_the_other_is_an_error(void **state)
 
 /* ---- Heights ---- */
 
-static void heights_lie_on_the_triangles_from_south_west_to_north_east(void **state)
+UNIT_TEST(heights_lie_on_the_triangles_from_south_west_to_north_east)
 {
 	float samples[] = { 0, 10, 20, 0, 100, 0 };          /* sw 0, se 10; nw 0, ne 100 in the first cell */
 	struct eco_ground g = { .columns = 3, .rows = 2, .x_m = -1, .y_m = 2, .step_x_m = 2, .step_y_m = 4,
@@ -564,7 +564,7 @@ static void heights_lie_on_the_triangles_from_south_west_to_north_east(void **st
 	assert_false(eco_ground_height(&g, NAN, 3, &(double){ 0 }));
 }
 
-static void the_shared_terrain_reads(void **state)
+UNIT_TEST(the_shared_terrain_reads)
 {
 	const char *data = getenv("ECO_DATA");
 	char path[4096];
@@ -578,30 +578,4 @@ static void the_shared_terrain_reads(void **state)
 	for (uint32_t i = 0; i < g.columns * g.rows; i++)
 		assert_true(g.height_m[i] > 273 && g.height_m[i] < 338);
 	eco_ground_free(&g);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(samples_lie_at_pixel_centres_from_the_south_west),
-		cmocka_unit_test(what_is_missing_grows_in_from_its_neighbours),
-		cmocka_unit_test(a_hole_in_a_slope_is_levelled),
-		cmocka_unit_test(scale_offset_and_row_order_of_the_file_are_honoured),
-		cmocka_unit_test(a_crs_is_converted_and_never_guessed),
-		cmocka_unit_test(a_raster_that_is_too_large_is_averaged_down),
-		cmocka_unit_test(what_is_no_raster_is_refused),
-		cmocka_unit_test(a_png_takes_its_meaning_from_the_scene),
-		cmocka_unit_test(a_world_file_says_where_a_picture_lies),
-		cmocka_unit_test(units_of_the_file_are_converted_and_said),
-		cmocka_unit_test(a_band_is_chosen_and_colours_are_no_heights),
-		cmocka_unit_test(constants_that_stand_out_are_holes_and_seas_are_not),
-		cmocka_unit_test(ground_that_is_all_one_is_said),
-		cmocka_unit_test(rasters_side_by_side_become_one_ground),
-		cmocka_unit_test(degrees_and_turned_rasters_are_resampled),
-		cmocka_unit_test(one_vertical_datum_without_the_other_is_an_error),
-		cmocka_unit_test(heights_lie_on_the_triangles_from_south_west_to_north_east),
-		cmocka_unit_test(the_shared_terrain_reads),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,7 +5,7 @@
 #include "ecofiles/import/places/inventory_text.h"
 #include "tests/support/unit_test.h"
 
-static void words_for_nothing_are_known(void **state)
+UNIT_TEST(words_for_nothing_are_known)
 {
 	static const char *const missing[] = { "", "  ", "NA", "n/a", "NaN", "NULL", "None", "-", "--", " ? ",
 		"#N/A", "<Null>", "k.A.", "unknown",
@@ -20,7 +20,7 @@ static void words_for_nothing_are_known(void **state)
 			fail_msg("\"%s\" is there", there[i]);
 }
 
-static void case_and_spaces_do_not_count(void **state)
+UNIT_TEST(case_and_spaces_do_not_count)
 {
 	static const char *const pairs[][2] = { { " Tilia  CORDATA ", "tilia cordata" },
 		{ "ÄHRE Öl Über", "ähre öl über" }, { "ÉRABLE", "érable" },
@@ -39,7 +39,7 @@ static void case_and_spaces_do_not_count(void **state)
 	}
 }
 
-static void stars_stand_for_any_text(void **state)
+UNIT_TEST(stars_stand_for_any_text)
 {
 	static const struct { const char *text, *pattern; bool fits; } cases[] =
 		{ { "oak", "oak", true }, { "oak", "o*k", true }, { "oak", "*", true },
@@ -55,7 +55,7 @@ static void stars_stand_for_any_text(void **state)
 			fail_msg("\"%s\" and \"%s\"", cases[i].text, cases[i].pattern);
 }
 
-static void numbers_have_one_meaning_or_none(void **state)
+UNIT_TEST(numbers_have_one_meaning_or_none)
 {
 	static const struct { const char *text; char decimal; double number; } cases[] =
 		{ { "1.5", '.', 1.5 }, { " 1.5 ", '.', 1.5 }, { "+2", '.', 2 },
@@ -82,7 +82,7 @@ static void numbers_have_one_meaning_or_none(void **state)
 	}
 }
 
-static void sizes_are_numbers_ranges_and_bounds(void **state)
+UNIT_TEST(sizes_are_numbers_ranges_and_bounds)
 {
 	static const struct { const char *text; char decimal; enum eco_size_form form; double number, unit_m;
 		} cases[] = {
@@ -140,17 +140,4 @@ static void sizes_are_numbers_ranges_and_bounds(void **state)
 			fail_msg("\"%s\" is of form %d, %g in units of %g m", cases[i].text, form, number,
 				unit_m);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(words_for_nothing_are_known),
-		cmocka_unit_test(case_and_spaces_do_not_count),
-		cmocka_unit_test(stars_stand_for_any_text),
-		cmocka_unit_test(numbers_have_one_meaning_or_none),
-		cmocka_unit_test(sizes_are_numbers_ranges_and_bounds),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -14,7 +14,7 @@
 
 /* ---- OBJ ---- */
 
-static void y_up_becomes_z_up_on_its_foot_at_its_height(void **state)
+UNIT_TEST(y_up_becomes_z_up_on_its_foot_at_its_height)
 {
 	/* a square tube from (10, 5, -20), 1 wide and 8 high along Y */
 	const char *obj = "v 9.5 5 -20.5\nv 10.5 5 -20.5\nv 10.5 5 -19.5\nv 9.5 5 -19.5\nv 9.5 13 -20.5\nv "
@@ -36,7 +36,7 @@ static void y_up_becomes_z_up_on_its_foot_at_its_height(void **state)
 	eco_model_free(&m);
 }
 
-static void polygons_count_as_corners_minus_two(void **state)
+UNIT_TEST(polygons_count_as_corners_minus_two)
 {
 	/* an L of six corners, concave, and a quad: areas 3 and 1 */
 	const char *obj = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 5 0 0\nv 6 0 0\nv 6 1 "
@@ -61,7 +61,7 @@ static void polygons_count_as_corners_minus_two(void **state)
 
 /* Star-shaped polygons in tilted planes, concave as can be, some with corners in a line or repeated: the
  * triangles' areas, none of them negative, add up to the polygon's. */
-static void any_simple_polygon_is_covered_exactly_once(void **state)
+UNIT_TEST(any_simple_polygon_is_covered_exactly_once)
 {
 	uint32_t seed = 1;
 	for (uint32_t round = 0; round < 2000; round++) {
@@ -97,7 +97,7 @@ static void any_simple_polygon_is_covered_exactly_once(void **state)
 	}
 }
 
-static void what_covers_nothing_is_dropped_and_counted(void **state)
+UNIT_TEST(what_covers_nothing_is_dropped_and_counted)
 {
 	const char *obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nv nan 0 0\nv 1 0 0\n"
 		/* the same thrice: turned, and with a twin of a vertex */
@@ -116,7 +116,7 @@ static void what_covers_nothing_is_dropped_and_counted(void **state)
 	eco_model_free(&m);
 }
 
-static void bad_indices_are_dropped_by_the_last_step_too(void **state)
+UNIT_TEST(bad_indices_are_dropped_by_the_last_step_too)
 {
 	struct eco_model m = { .vertex_count = 3, .triangle_count = 3, .triangles_in = 3,
 		.material_count = 1 };
@@ -138,7 +138,7 @@ static void bad_indices_are_dropped_by_the_last_step_too(void **state)
 	eco_model_free(&m);
 }
 
-static void the_foot_is_the_trunks_not_a_hanging_branchs(void **state)
+UNIT_TEST(the_foot_is_the_trunks_not_a_hanging_branchs)
 {
 	char obj[8000];
 	size_t used = 0;
@@ -165,7 +165,7 @@ static void the_foot_is_the_trunks_not_a_hanging_branchs(void **state)
 
 /* ---- Hostile input ---- */
 
-static void files_that_are_no_models_are_refused(void **state)
+UNIT_TEST(files_that_are_no_models_are_refused)
 {
 	import_refuses("build/tmp/model/none.obj", ECO_NOT_FOUND, "No such file");
 	import_refuses(input_text("model", "empty.obj", ""), ECO_BAD_INPUT, "empty.obj");
@@ -181,7 +181,7 @@ static void files_that_are_no_models_are_refused(void **state)
 		ECO_BAD_INPUT, "index.obj");
 }
 
-static void more_triangles_than_allowed_are_refused(void **state)
+UNIT_TEST(more_triangles_than_allowed_are_refused)
 {
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_model m;
@@ -198,7 +198,7 @@ static void more_triangles_than_allowed_are_refused(void **state)
 }
 
 /* Every document that is cut off, and many with a changed byte: a status or a sound model. */
-static void damaged_files_are_survived(void **state)
+UNIT_TEST(damaged_files_are_survived)
 {
 	const char *path = gltf("whole.gltf", "{\"mesh\":0}", ",\"materials\":[{}]");
 	char text[6000];
@@ -244,7 +244,7 @@ static enum eco_code misbehave(void *ctx, FILE *out, struct eco_error *error)
 	return ECO_OK;
 }
 
-static void a_crash_in_the_child_is_an_error_here(void **state)
+UNIT_TEST(a_crash_in_the_child_is_an_error_here)
 {
 	static const struct { enum eco_code code; const char *says; } wanted[] = {
 		{ ECO_OK, "" }, { ECO_UNSUPPORTED, "as it was said" },
@@ -270,7 +270,7 @@ static void a_crash_in_the_child_is_an_error_here(void **state)
 
 /* ---- Models of others ---- */
 
-static void shared_models_arrive_whole(void **state)
+UNIT_TEST(shared_models_arrive_whole)
 {
 	static const struct { const char *path; uint32_t triangles, degenerate, images; bool cutout;
 		double height; } models[] = {
@@ -304,23 +304,4 @@ static void shared_models_arrive_whole(void **state)
 			fail_msg("%s: %g m high: %s", path, eco_model_height(&m), import_said);
 		eco_model_free(&m);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(y_up_becomes_z_up_on_its_foot_at_its_height),
-		cmocka_unit_test(polygons_count_as_corners_minus_two),
-		cmocka_unit_test(any_simple_polygon_is_covered_exactly_once),
-		cmocka_unit_test(what_covers_nothing_is_dropped_and_counted),
-		cmocka_unit_test(bad_indices_are_dropped_by_the_last_step_too),
-		cmocka_unit_test(the_foot_is_the_trunks_not_a_hanging_branchs),
-		cmocka_unit_test(files_that_are_no_models_are_refused),
-		cmocka_unit_test(more_triangles_than_allowed_are_refused),
-		cmocka_unit_test(damaged_files_are_survived),
-		cmocka_unit_test(a_crash_in_the_child_is_an_error_here),
-		cmocka_unit_test(shared_models_arrive_whole),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

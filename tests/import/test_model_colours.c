@@ -20,7 +20,7 @@ static void write_png(const char *name, const uint8_t *rgba, uint32_t width, uin
 		fail_msg("%s", error.text);
 }
 
-static void textures_lie_the_right_way_up_and_replace_the_colour(void **state)
+UNIT_TEST(textures_lie_the_right_way_up_and_replace_the_colour)
 {
 	static const uint8_t rgba[] = { 255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 0 };
 	struct eco_model m;
@@ -41,7 +41,7 @@ static void textures_lie_the_right_way_up_and_replace_the_colour(void **state)
 	eco_model_free(&m);
 }
 
-static void an_opacity_map_cuts_out(void **state)
+UNIT_TEST(an_opacity_map_cuts_out)
 {
 	static const uint8_t solid[] = { 9, 9, 9, 255, 9, 9, 9, 255 },
 		mask[] = { 255, 255, 255, 255, 0, 0, 0, 255 };
@@ -58,7 +58,7 @@ static void an_opacity_map_cuts_out(void **state)
 	eco_model_free(&m);
 }
 
-static void a_missing_or_broken_texture_is_told_not_fatal(void **state)
+UNIT_TEST(a_missing_or_broken_texture_is_told_not_fatal)
 {
 	struct eco_model m;
 	input_text(TEST_FOLDER, "g.mtl", "newmtl m\nKd 1 0 0.5\nmap_Kd C:\\trees\\gone.png\n");
@@ -79,7 +79,7 @@ static void a_missing_or_broken_texture_is_told_not_fatal(void **state)
 	unlink("build/tmp/" TEST_FOLDER "/gone.png");
 }
 
-static void a_grey_that_nobody_chose_is_no_colour(void **state)
+UNIT_TEST(a_grey_that_nobody_chose_is_no_colour)
 {
 	static const struct { const char *mtl; bool colourless; } cases[] = {
 		{ "newmtl m\nKd 1 1 1\nmap_Kd null\n", true },
@@ -112,7 +112,7 @@ static void a_grey_that_nobody_chose_is_no_colour(void **state)
 	eco_model_free(&m);
 }
 
-static void colours_are_the_screens_unless_blender_wrote_them(void **state)
+UNIT_TEST(colours_are_the_screens_unless_blender_wrote_them)
 {
 	struct eco_model m;
 	input_text(TEST_FOLDER, "c.mtl", "newmtl m\nKd 0.2 0.2 0.2\n");
@@ -124,7 +124,7 @@ static void colours_are_the_screens_unless_blender_wrote_them(void **state)
 	eco_model_free(&m);
 }
 
-static void invisible_materials_are_left_out_and_counted(void **state)
+UNIT_TEST(invisible_materials_are_left_out_and_counted)
 {
 	struct eco_model m;
 	input_text(TEST_FOLDER, "d.mtl", "newmtl m\nd 0.3\nnewmtl n\nd 0.6\n");
@@ -141,7 +141,7 @@ static void invisible_materials_are_left_out_and_counted(void **state)
 
 /* ---- glTF ---- */
 
-static void nodes_place_their_meshes(void **state)
+UNIT_TEST(nodes_place_their_meshes)
 {
 	struct eco_model m;
 
@@ -170,7 +170,7 @@ static const struct { const char *mode; bool cutout; uint8_t alpha[2]; } modes[]
 	{ "\"alphaMode\":\"MASK\",\"alphaCutoff\":0,", false, { 255, 255 } },
 };
 
-static void alpha_modes_and_linear_colours_mean_what_gltf_says(void **state)
+UNIT_TEST(alpha_modes_and_linear_colours_mean_what_gltf_says)
 {
 	static const uint8_t rgba[] = { 255, 0, 0, 100, 0, 255, 0, 200 };
 	write_png("a b.png", rgba, 2, 1);
@@ -227,7 +227,7 @@ static void assert_texel(const struct eco_model *m, const char *material, uint32
 		fail_msg("%s, texel %u: %u %u %u %u", material, x, texel[0], texel[1], texel[2], texel[3]);
 }
 
-static void a_texture_takes_each_colour_it_is_used_with(void **state)
+UNIT_TEST(a_texture_takes_each_colour_it_is_used_with)
 {
 	static const uint8_t rgba[] = { 255, 128, 0, 255, 188, 188, 255, 255 };
 	struct eco_model m;
@@ -247,7 +247,7 @@ static void a_texture_takes_each_colour_it_is_used_with(void **state)
 	eco_model_free(&m);
 }
 
-static void a_texture_cut_out_here_is_opaque_there(void **state)
+UNIT_TEST(a_texture_cut_out_here_is_opaque_there)
 {
 	static const uint8_t rgba[] = { 9, 9, 9, 255, 8, 8, 8, 180, 7, 7, 7, 0 };
 	struct eco_model m;
@@ -270,7 +270,7 @@ static void a_texture_cut_out_here_is_opaque_there(void **state)
 	eco_model_free(&m);
 }
 
-static void alpha_that_cuts_nothing_out_makes_no_other_image(void **state)
+UNIT_TEST(alpha_that_cuts_nothing_out_makes_no_other_image)
 {
 	static const uint8_t rgba[] = { 9, 9, 9, 255, 8, 8, 8, 240 };
 	struct eco_model m;
@@ -303,7 +303,7 @@ static void make_motley(struct eco_model *m, uint32_t count)
 	}
 }
 
-static void beyond_what_is_kept_the_nearest_colour_stands_in(void **state)
+UNIT_TEST(beyond_what_is_kept_the_nearest_colour_stands_in)
 {
 	struct eco_notes notes = { .used = 0 };
 	struct eco_model m;
@@ -319,7 +319,7 @@ static void beyond_what_is_kept_the_nearest_colour_stands_in(void **state)
 	eco_model_free(&m);
 }
 
-static void vertex_colours_of_a_textured_mesh_become_their_mean(void **state)
+UNIT_TEST(vertex_colours_of_a_textured_mesh_become_their_mean)
 {
 	static const uint8_t white[] = { 255, 255, 255, 255 };
 	struct eco_model m;
@@ -335,7 +335,7 @@ static void vertex_colours_of_a_textured_mesh_become_their_mean(void **state)
 	eco_model_free(&m);
 }
 
-static void a_webp_texture_that_gltf_requires_is_read(void **state)
+UNIT_TEST(a_webp_texture_that_gltf_requires_is_read)
 {
 	/* 4 x 1 pixels, the first (200,0,0) at alpha 128 */
 	const char *rest = ",\"extensionsUsed\":[\"EXT_texture_webp\"],"
@@ -355,7 +355,7 @@ static void a_webp_texture_that_gltf_requires_is_read(void **state)
 	eco_model_free(&m);
 }
 
-static void draco_meshes_are_read(void **state)
+UNIT_TEST(draco_meshes_are_read)
 {
 	/* a unit square of two triangles, indices declared as 32-bit */
 	static const char head[] = "{\"asset\":{\"version\":\"2.0\"},"
@@ -384,7 +384,7 @@ static void draco_meshes_are_read(void **state)
 	eco_model_free(&m);
 }
 
-static void vertex_colours_become_materials(void **state)
+UNIT_TEST(vertex_colours_become_materials)
 {
 	struct eco_model m;
 	import_high(&m, input_text(TEST_FOLDER, "vc.obj", "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nv 0 "
@@ -401,7 +401,7 @@ static void vertex_colours_become_materials(void **state)
 	eco_model_free(&m);
 }
 
-static void texture_transforms_turn_about_the_images_corner(void **state)
+UNIT_TEST(texture_transforms_turn_about_the_images_corner)
 {
 	static const uint8_t rgba[] = { 9, 9, 9, 255 };
 	static const struct { const char *transform; float uv[3][2]; } cases[] = {
@@ -430,7 +430,7 @@ static void texture_transforms_turn_about_the_images_corner(void **state)
 	}
 }
 
-static void what_gltf_requires_and_is_not_read_is_refused_by_name(void **state)
+UNIT_TEST(what_gltf_requires_and_is_not_read_is_refused_by_name)
 {
 	static const struct { const char *list, *name; } cases[] = {
 		{ "extensionsRequired", "KHR_texture_basisu" }, { "extensionsRequired", "VENDOR_secret" },
@@ -441,30 +441,4 @@ static void what_gltf_requires_and_is_not_read_is_refused_by_name(void **state)
 		snprintf(rest, sizeof rest, ",\"%s\":[\"%s\"]", cases[i].list, cases[i].name);
 		import_refuses(gltf("ext.gltf", "{\"mesh\":0}", rest), ECO_UNSUPPORTED, cases[i].name);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(textures_lie_the_right_way_up_and_replace_the_colour),
-		cmocka_unit_test(an_opacity_map_cuts_out),
-		cmocka_unit_test(a_missing_or_broken_texture_is_told_not_fatal),
-		cmocka_unit_test(a_grey_that_nobody_chose_is_no_colour),
-		cmocka_unit_test(colours_are_the_screens_unless_blender_wrote_them),
-		cmocka_unit_test(invisible_materials_are_left_out_and_counted),
-		cmocka_unit_test(nodes_place_their_meshes),
-		cmocka_unit_test(alpha_modes_and_linear_colours_mean_what_gltf_says),
-		cmocka_unit_test(a_texture_takes_each_colour_it_is_used_with),
-		cmocka_unit_test(a_texture_cut_out_here_is_opaque_there),
-		cmocka_unit_test(alpha_that_cuts_nothing_out_makes_no_other_image),
-		cmocka_unit_test(beyond_what_is_kept_the_nearest_colour_stands_in),
-		cmocka_unit_test(vertex_colours_of_a_textured_mesh_become_their_mean),
-		cmocka_unit_test(a_webp_texture_that_gltf_requires_is_read),
-		cmocka_unit_test(draco_meshes_are_read),
-		cmocka_unit_test(vertex_colours_become_materials),
-		cmocka_unit_test(texture_transforms_turn_about_the_images_corner),
-		cmocka_unit_test(what_gltf_requires_and_is_not_read_is_refused_by_name),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

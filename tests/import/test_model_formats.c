@@ -9,7 +9,7 @@
 
 #define PLY_FACES "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
 
-static void ply_text_brings_colours_and_counts_bad_faces(void **state)
+UNIT_TEST(ply_text_brings_colours_and_counts_bad_faces)
 {
 	struct eco_model m;
 	import_file(&m, input_text("formats", "color.ply", "ply\r\nformat ascii 1.0\r\ncomment made by "
@@ -36,7 +36,7 @@ static void put_double(uint8_t *to, double value, bool big)
 
 /* Two triangles at map coordinates with detail of a millimetre, as doubles of either byte order and as text.
  */
-static void ply_in_map_coordinates_keeps_its_detail(void **state)
+UNIT_TEST(ply_in_map_coordinates_keeps_its_detail)
 {
 	static const double places[4][3] = { { 500000.125, 4000000.25, 100 }, { 500001.125, 4000000.25, 100 },
 		{ 500000.126, 4000000.25, 103 },
@@ -80,7 +80,7 @@ static void ply_in_map_coordinates_keeps_its_detail(void **state)
 	}
 }
 
-static void a_point_cloud_is_refused_as_one(void **state)
+UNIT_TEST(a_point_cloud_is_refused_as_one)
 {
 	import_refuses(input_text("formats", "cloud.ply", "ply\nformat ascii 1.0\nelement vertex "
 		"3\nproperty float x\nproperty float y\nproperty "
@@ -145,7 +145,7 @@ static void a_point_cloud_is_refused_as_one(void **state)
 	"\tC: \"OO\",3000,2000\n}\n"
 
 /* One triangle, 10 units wide and 100 units along the file's z, at (40, 50, 60). */
-static void formats_that_state_axes_and_unit_are_believed(void **state)
+UNIT_TEST(formats_that_state_axes_and_unit_are_believed)
 {
 	static const struct { const char *name, *text; enum eco_up up; double unit_m, wide, deep, high,
 		foot[3]; } cases[] = {
@@ -181,7 +181,7 @@ static void formats_that_state_axes_and_unit_are_believed(void **state)
 	}
 }
 
-static void what_the_user_says_of_axes_and_unit_wins(void **state)
+UNIT_TEST(what_the_user_says_of_axes_and_unit_wins)
 {
 	static const struct { const char *name, *text; enum eco_up up; double high; } cases[] = {
 		{ "w.dae", DAE("<unit meter=\"0.0254\"/><up_axis> Y_UP </up_axis>"), ECO_UP_Z, 100 },
@@ -217,7 +217,7 @@ static const struct { double units; const char *says; double metres; } a_unit_ca
 	{ 18000, "taken for millimetres: 18 m", 18 },
 };
 
-static void a_unit_is_guessed_from_the_height_and_said(void **state)
+UNIT_TEST(a_unit_is_guessed_from_the_height_and_said)
 {
 
 	for (size_t i = 0; i < sizeof a_unit_cases / sizeof *a_unit_cases; i++) {
@@ -244,7 +244,7 @@ static void a_unit_is_guessed_from_the_height_and_said(void **state)
 	}
 }
 
-static void comments_about_units_are_read(void **state)
+UNIT_TEST(comments_about_units_are_read)
 {
 	static const struct { const char *comment; double metres; } cases[] =
 		{ { "# File units = centimeters", 0.01 }, { "# Units: mm", 0.001 },
@@ -277,7 +277,7 @@ static size_t chunk(uint8_t *to, unsigned id, const uint8_t *body, size_t size)
 
 /* 3DS of one triangle, 2 wide and 5 high along z; STL and OFF of the same. None says which axis is up: as is
  * usual in them. */
-static void formats_without_axes_follow_their_convention(void **state)
+UNIT_TEST(formats_without_axes_follow_their_convention)
 {
 	static const float places[9] = { 0, 0, 0, 2, 0, 0, 0, 0, 5 };
 	uint8_t bytes[400], list[100];
@@ -319,7 +319,7 @@ static void formats_without_axes_follow_their_convention(void **state)
 }
 
 /* assimp 5.2 takes a line feed there for the header's end. */
-static void binary_ply_may_begin_with_any_byte(void **state)
+UNIT_TEST(binary_ply_may_begin_with_any_byte)
 {
 	static const char *const formats[] = { "binary_little_endian", "binary_big_endian" };
 	for (int big = 0; big < 2; big++)
@@ -360,7 +360,7 @@ static void binary_ply_may_begin_with_any_byte(void **state)
 			}
 }
 
-static void empty_solids_are_no_harm(void **state)
+UNIT_TEST(empty_solids_are_no_harm)
 {
 	struct eco_model m;
 	import_file(&m, input_text("formats", "solids.stl", "solid leaf\nfacet normal 0 0 1\nouter "
@@ -371,7 +371,7 @@ static void empty_solids_are_no_harm(void **state)
 	eco_model_free(&m);
 }
 
-static void what_is_no_model_is_refused_with_what_to_do(void **state)
+UNIT_TEST(what_is_no_model_is_refused_with_what_to_do)
 {
 	static const struct { const char *name, *bytes; size_t size; enum eco_code code; const char *says;
 		} cases[] = {
@@ -402,7 +402,7 @@ static void what_is_no_model_is_refused_with_what_to_do(void **state)
 
 /* ---- Several files ---- */
 
-static void several_files_are_one_plant(void **state)
+UNIT_TEST(several_files_are_one_plant)
 {
 	const char *paths[3];
 	struct eco_model m;
@@ -424,7 +424,7 @@ static void several_files_are_one_plant(void **state)
 }
 
 /* A Collada file in inches, Z up; an OBJ file that says nothing is meant in the same system. */
-static void files_that_do_not_say_follow_those_that_do(void **state)
+UNIT_TEST(files_that_do_not_say_follow_those_that_do)
 {
 	const char *paths[2];
 	struct eco_model m;
@@ -440,7 +440,7 @@ static void files_that_do_not_say_follow_those_that_do(void **state)
 	eco_model_free(&m);
 }
 
-static void one_bad_file_of_several_is_named(void **state)
+UNIT_TEST(one_bad_file_of_several_is_named)
 {
 	struct eco_error error = { .code = ECO_OK };
 	const char *paths[2] = { input_text("formats", "good.obj", TRIANGLE "f 1 2 3\n"),
@@ -462,7 +462,7 @@ static void one_bad_file_of_several_is_named(void **state)
 
 /* ---- The same model in two formats ---- */
 
-static void shared_models_agree_between_formats(void **state)
+UNIT_TEST(shared_models_agree_between_formats)
 {
 	const char *data = getenv("ECO_DATA");
 	struct eco_model obj, fbx;
@@ -487,27 +487,4 @@ static void shared_models_agree_between_formats(void **state)
 				obj.materials[i].rgb[k], obj.materials[i].rgb[k] + 2);
 	eco_model_free(&obj);
 	eco_model_free(&fbx);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(ply_text_brings_colours_and_counts_bad_faces),
-		cmocka_unit_test(ply_in_map_coordinates_keeps_its_detail),
-		cmocka_unit_test(binary_ply_may_begin_with_any_byte),
-		cmocka_unit_test(empty_solids_are_no_harm),
-		cmocka_unit_test(a_point_cloud_is_refused_as_one),
-		cmocka_unit_test(formats_that_state_axes_and_unit_are_believed),
-		cmocka_unit_test(what_the_user_says_of_axes_and_unit_wins),
-		cmocka_unit_test(a_unit_is_guessed_from_the_height_and_said),
-		cmocka_unit_test(comments_about_units_are_read),
-		cmocka_unit_test(formats_without_axes_follow_their_convention),
-		cmocka_unit_test(what_is_no_model_is_refused_with_what_to_do),
-		cmocka_unit_test(several_files_are_one_plant),
-		cmocka_unit_test(files_that_do_not_say_follow_those_that_do),
-		cmocka_unit_test(one_bad_file_of_several_is_named),
-		cmocka_unit_test(shared_models_agree_between_formats),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -7,7 +7,7 @@
 
 /* ---- OBJ: the text ---- */
 
-static void any_line_end_and_byte_order_mark_will_do(void **state)
+UNIT_TEST(any_line_end_and_byte_order_mark_will_do)
 {
 	static const char *const files[] = { TRIANGLE "f 1 2 3\n", "v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 "
 		"3\r\n", "v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3",
@@ -28,7 +28,7 @@ static void any_line_end_and_byte_order_mark_will_do(void **state)
 	}
 }
 
-static void indices_that_are_not_there_cost_their_triangles_only(void **state)
+UNIT_TEST(indices_that_are_not_there_cost_their_triangles_only)
 {
 	struct eco_model m;
 	import_file(&m, input_text("formats", "index.obj", TRIANGLE "v 1 1 0\nf 1 2 3\nf 1 2 900\nf 0 1 "
@@ -41,7 +41,7 @@ static void indices_that_are_not_there_cost_their_triangles_only(void **state)
 	eco_model_free(&m);
 }
 
-static void numbers_that_are_none_are_counted_or_named_with_their_line(void **state)
+UNIT_TEST(numbers_that_are_none_are_counted_or_named_with_their_line)
 {
 	struct eco_model m;
 	import_file(&m, input_text("formats", "nan.obj", TRIANGLE "v nan 0 0\nv -nan(ind) 0 0\nv 1.#QNAN 0 "
@@ -58,7 +58,7 @@ static void numbers_that_are_none_are_counted_or_named_with_their_line(void **st
 		"line 1: a vertex needs three numbers");
 }
 
-static void what_is_no_obj_is_named(void **state)
+UNIT_TEST(what_is_no_obj_is_named)
 {
 	import_refuses(input_bytes("formats", "coff.obj", "\x64\x86\x03\0\0\0\0\0", 8), ECO_BAD_INPUT,
 		"binary, so no Wavefront OBJ file");
@@ -71,7 +71,7 @@ static void what_is_no_obj_is_named(void **state)
 }
 
 /* A square metre at UTM coordinates in millimetres' detail: a float there has steps of 0.5 m to the north. */
-static void map_coordinates_keep_their_detail(void **state)
+UNIT_TEST(map_coordinates_keep_their_detail)
 {
 	struct eco_model m;
 	import_file(&m, input_text("formats", "utm.obj", "v 0 0 0\nv 747375.125 4308510.250 312.5\nv "
@@ -85,7 +85,7 @@ static void map_coordinates_keep_their_detail(void **state)
 	eco_model_free(&m);
 }
 
-static void colours_of_vertices_may_be_shares_or_bytes(void **state)
+UNIT_TEST(colours_of_vertices_may_be_shares_or_bytes)
 {
 	static const char *const files[] = { "v 0 0 0 1 0.2 0\nv 1 0 0 1 0.2 0\nv 0 1 0 1 0.2 0\nf 1 2 3\n",
 		"v 0 0 0 255 51 0\nv 1 0 0 255 51 0\nv 0 1 0 255 51 0\nf 1 2 3\n",
@@ -101,7 +101,7 @@ static void colours_of_vertices_may_be_shares_or_bytes(void **state)
 
 /* ---- OBJ: materials and parts ---- */
 
-static void libraries_are_found_as_exporters_meant(void **state)
+UNIT_TEST(libraries_are_found_as_exporters_meant)
 {
 	static const struct { const char *file, *library, *line, *says; } cases[] = {
 		{ "my trees.mtl", "newmtl bark\nKd 1 0 0\n", "mtllib my trees.mtl\n", "" },
@@ -127,7 +127,7 @@ static void libraries_are_found_as_exporters_meant(void **state)
 	}
 }
 
-static void what_no_library_describes_is_grey_and_said(void **state)
+UNIT_TEST(what_no_library_describes_is_grey_and_said)
 {
 	struct eco_model m;
 	import_file(&m, input_text("formats", "bare.obj", TRIANGLE "v 0 0 1\nf 1 2 4\nusemtl \xc3\x84ste "
@@ -146,7 +146,7 @@ static void what_no_library_describes_is_grey_and_said(void **state)
 
 /* d says how opaque, Tr how transparent, if exporters agree; a plant that would be invisible throughout was
  * not meant to be. */
-static void transparency_is_read_with_sense(void **state)
+UNIT_TEST(transparency_is_read_with_sense)
 {
 	static const struct { const char *library; uint32_t hidden; const char *says; } cases[] = {
 		{ "newmtl a\nd 1\nTr 1\nnewmtl b\nd 1\nTr 1\n", 0, "" },
@@ -169,7 +169,7 @@ static void transparency_is_read_with_sense(void **state)
 	}
 }
 
-static void objects_and_groups_are_parts(void **state)
+UNIT_TEST(objects_and_groups_are_parts)
 {
 	struct eco_model m;
 	import_file(&m, input_text("formats", "parts.obj", TRIANGLE "v 0 0 1\nv 0 0 2\nv 0 0 3\nf 1 2 3\no "
@@ -181,22 +181,4 @@ static void objects_and_groups_are_parts(void **state)
 	assert_string_equal(m.parts[m.part[2]].name, "Oak Tree/leaves");
 	assert_string_equal(m.parts[m.part[3]].name, "Pot");
 	eco_model_free(&m);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(any_line_end_and_byte_order_mark_will_do),
-		cmocka_unit_test(indices_that_are_not_there_cost_their_triangles_only),
-		cmocka_unit_test(numbers_that_are_none_are_counted_or_named_with_their_line),
-		cmocka_unit_test(what_is_no_obj_is_named),
-		cmocka_unit_test(map_coordinates_keep_their_detail),
-		cmocka_unit_test(colours_of_vertices_may_be_shares_or_bytes),
-		cmocka_unit_test(libraries_are_found_as_exporters_meant),
-		cmocka_unit_test(what_no_library_describes_is_grey_and_said),
-		cmocka_unit_test(transparency_is_read_with_sense),
-		cmocka_unit_test(objects_and_groups_are_parts),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,7 +5,7 @@
 #include "ecofiles/import/model/model_parts.h"
 #include "ecofiles/format/pack.h"
 
-static void names_fit_patterns_whole_or_between_slashes(void **state)
+UNIT_TEST(names_fit_patterns_whole_or_between_slashes)
 {
 	static const struct { const char *pattern, *name; bool fits; } cases[] = {
 		{ "pot", "pot", true }, { "pot", "POT", true }, { "pot", "pots", false },
@@ -64,7 +64,7 @@ static void import_with(struct eco_model *m, const struct eco_part_rule *rules, 
 		.unit_m = 1 });
 }
 
-static void components_hang_together_by_place_within_a_material(void **state)
+UNIT_TEST(components_hang_together_by_place_within_a_material)
 {
 	static const double areas[] = { 36, 16, 12, 4, 1, 1 };      /* pot, stem, soil, leaves */
 	struct eco_components all, by_material;
@@ -90,7 +90,7 @@ static void components_hang_together_by_place_within_a_material(void **state)
 	eco_model_free(&m);
 }
 
-static void a_pot_is_left_out_before_foot_and_height_are_found(void **state)
+UNIT_TEST(a_pot_is_left_out_before_foot_and_height_are_found)
 {
 	const struct eco_part_rule rules[] =
 		{ { .kind = ECO_PART_NAME, .name = (char *)"pot", .is = ECO_PART_LEFT_OUT } };
@@ -108,7 +108,7 @@ static void a_pot_is_left_out_before_foot_and_height_are_found(void **state)
 	eco_model_free(&m);
 }
 
-static void the_first_rule_that_fits_counts(void **state)
+UNIT_TEST(the_first_rule_that_fits_counts)
 {
 	const struct eco_part_rule rules[] =
 		{ { .kind = ECO_PART_NAME, .name = (char *)"cl?y", .is = ECO_ORGAN_WOOD },
@@ -136,7 +136,7 @@ static void the_first_rule_that_fits_counts(void **state)
 	eco_model_free(&m);
 }
 
-static void rules_that_fit_nothing_say_what_there_is(void **state)
+UNIT_TEST(rules_that_fit_nothing_say_what_there_is)
 {
 	const struct eco_part_rule rules[] =
 		{ { .kind = ECO_PART_NAME, .name = (char *)"vase*", .is = ECO_PART_LEFT_OUT },
@@ -152,7 +152,7 @@ static void rules_that_fit_nothing_say_what_there_is(void **state)
 	eco_model_free(&m);
 }
 
-static void rules_that_leave_nothing_are_an_error(void **state)
+UNIT_TEST(rules_that_leave_nothing_are_an_error)
 {
 	const struct eco_part_rule rules[] =
 		{ { .kind = ECO_PART_NAME, .name = (char *)"*", .is = ECO_PART_LEFT_OUT } };
@@ -164,18 +164,4 @@ static void rules_that_leave_nothing_are_an_error(void **state)
 		.rule_count = 1 }, &error), ECO_BAD_INPUT);
 	assert_non_null(strstr(error.text, "leave out all of it"));
 	assert_null(m.position);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(names_fit_patterns_whole_or_between_slashes),
-		cmocka_unit_test(components_hang_together_by_place_within_a_material),
-		cmocka_unit_test(a_pot_is_left_out_before_foot_and_height_are_found),
-		cmocka_unit_test(the_first_rule_that_fits_counts),
-		cmocka_unit_test(rules_that_fit_nothing_say_what_there_is),
-		cmocka_unit_test(rules_that_leave_nothing_are_an_error),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -63,7 +63,7 @@ static void expect_foot(struct eco_model *m, double x, double y, double z)
 	eco_model_free(m);
 }
 
-static void a_tree_off_its_origin_stands_on_its_stem(void **state)
+UNIT_TEST(a_tree_off_its_origin_stands_on_its_stem)
 {
 	struct eco_model m;
 	begin();
@@ -73,7 +73,7 @@ static void a_tree_off_its_origin_stands_on_its_stem(void **state)
 	expect_foot(&m, 100, -40, 7);
 }
 
-static void twigs_that_hang_lower_than_the_stem_end_in_the_ground(void **state)
+UNIT_TEST(twigs_that_hang_lower_than_the_stem_end_in_the_ground)
 {
 	struct eco_model m;
 	begin();
@@ -91,7 +91,7 @@ static void twigs_that_hang_lower_than_the_stem_end_in_the_ground(void **state)
 	eco_model_free(&m);
 }
 
-static void a_pot_carries_its_plant(void **state)
+UNIT_TEST(a_pot_carries_its_plant)
 {
 	struct eco_model m;
 	for (int walls = 0; walls < 2; walls++) {
@@ -115,7 +115,7 @@ static void a_pot_carries_its_plant(void **state)
 	}
 }
 
-static void a_trunk_in_pieces_below_a_hull_stands_on_its_lowest(void **state)
+UNIT_TEST(a_trunk_in_pieces_below_a_hull_stands_on_its_lowest)
 {
 	struct eco_model m;
 	begin();
@@ -127,7 +127,7 @@ static void a_trunk_in_pieces_below_a_hull_stands_on_its_lowest(void **state)
 }
 
 /* Its modeller let the trunk reach 0.6 below the origin, which is where it leaves the ground. */
-static void what_is_below_the_files_zero_is_in_the_ground(void **state)
+UNIT_TEST(what_is_below_the_files_zero_is_in_the_ground)
 {
 	struct eco_model m;
 	begin();
@@ -149,7 +149,7 @@ static void what_is_below_the_files_zero_is_in_the_ground(void **state)
 }
 
 /* Each by its girth, however finely it is modelled, and though one starts a little higher. */
-static void several_stems_share_a_foot(void **state)
+UNIT_TEST(several_stems_share_a_foot)
 {
 	struct eco_model m;
 	begin();
@@ -162,7 +162,7 @@ static void several_stems_share_a_foot(void **state)
 	eco_model_free(&m);
 }
 
-static void a_bush_that_is_one_hull_stands_on_its_lower_part(void **state)
+UNIT_TEST(a_bush_that_is_one_hull_stands_on_its_lower_part)
 {
 	struct eco_model m;
 	begin();
@@ -175,7 +175,7 @@ static void a_bush_that_is_one_hull_stands_on_its_lower_part(void **state)
 	eco_model_free(&m);
 }
 
-static void grass_of_cards_stands_in_its_middle(void **state)
+UNIT_TEST(grass_of_cards_stands_in_its_middle)
 {
 	struct eco_model m;
 	begin();
@@ -186,7 +186,7 @@ static void grass_of_cards_stands_in_its_middle(void **state)
 }
 
 /* What rules call wood is the stem, whatever it looks like. */
-static void wood_by_rule_is_what_stands(void **state)
+UNIT_TEST(wood_by_rule_is_what_stands)
 {
 	const struct eco_part_rule rule = { .kind = ECO_PART_NAME, .name = (char *)"thin",
 		.is = ECO_ORGAN_WOOD };
@@ -204,21 +204,4 @@ static void wood_by_rule_is_what_stands(void **state)
 	import_file(&m, path, &(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1, .rules = &rule,
 		.rule_count = 1 });
 	expect_foot(&m, 6, 0, 0);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_tree_off_its_origin_stands_on_its_stem),
-		cmocka_unit_test(twigs_that_hang_lower_than_the_stem_end_in_the_ground),
-		cmocka_unit_test(a_pot_carries_its_plant),
-		cmocka_unit_test(a_trunk_in_pieces_below_a_hull_stands_on_its_lowest),
-		cmocka_unit_test(what_is_below_the_files_zero_is_in_the_ground),
-		cmocka_unit_test(several_stems_share_a_foot),
-		cmocka_unit_test(a_bush_that_is_one_hull_stands_on_its_lower_part),
-		cmocka_unit_test(grass_of_cards_stands_in_its_middle),
-		cmocka_unit_test(wood_by_rule_is_what_stands),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -230,7 +230,7 @@ static struct counts ask(void (*make)(struct soup *s))
 	return counts;
 }
 
-static void plants_tell_which_way_is_up(void **state)
+UNIT_TEST(plants_tell_which_way_is_up)
 {
 	/* of 30 */
 	static const struct { const char *name; void (*make)(struct soup *s); uint32_t sure; } plants[] = {
@@ -248,7 +248,7 @@ static void plants_tell_which_way_is_up(void **state)
 	}
 }
 
-static void what_does_not_tell_is_never_surely_wrong(void **state)
+UNIT_TEST(what_does_not_tell_is_never_surely_wrong)
 {
 	static const struct { const char *name; void (*make)(struct soup *s); uint32_t sure_at_most;
 		} shapes[] = {
@@ -264,7 +264,7 @@ static void what_does_not_tell_is_never_surely_wrong(void **state)
 	}
 }
 
-static void what_is_broken_does_not_count(void **state)
+UNIT_TEST(what_is_broken_does_not_count)
 {
 	struct soup soup;
 	double certainty, again;
@@ -282,14 +282,4 @@ static void what_is_broken_does_not_count(void **state)
 	assert_int_equal(eco_model_find_up(&soup.model, &again), ECO_UP_Y);
 	assert_true(again == 0);
 	soup_free(&soup);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(plants_tell_which_way_is_up),
-		cmocka_unit_test(what_does_not_tell_is_never_surely_wrong),
-		cmocka_unit_test(what_is_broken_does_not_count),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

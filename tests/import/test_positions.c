@@ -57,7 +57,7 @@ static void expect_json(const char *scene, const char *text, const char *entry, 
 
 /* ---- Columns ---- */
 
-static void a_missing_column_is_named_beside_those_there_are(void **state)
+UNIT_TEST(a_missing_column_is_named_beside_those_there_are)
 {
 	expect_error("", "X,y,h\n1,2,3\n", "\"plant\":\"oak\"," XY, "no column \"x\"; there are: X, y, h");
 	expect_error("", "x;y\n1;2\n", "\"plant\":\"oak\",\"separator\":\",\"," XY,
@@ -74,7 +74,7 @@ static void a_missing_column_is_named_beside_those_there_are(void **state)
 	expect_error("", "x,y\n1,2\n", "\"plant\":\"oak\",\"z\":\"geometry\"," XY, "no column \"geometry\"");
 }
 
-static void rows_that_cannot_be_used_are_counted_by_reason(void **state)
+UNIT_TEST(rows_that_cannot_be_used_are_counted_by_reason)
 {
 	expect("", "sp,x,y\n" "oak,1,2\n" "lime,1,2\n" "oak,,2\n" "oak,1,NA\n" "oak,1,2m\n" "oak,0x10,2\n"
 		"oak,nan,2\n" "stump,1,2\n" "oak,1\n"
@@ -92,7 +92,7 @@ static void rows_that_cannot_be_used_are_counted_by_reason(void **state)
 
 /* ---- Species ---- */
 
-static void species_fit_exactly_before_by_wildcard_before_by_fallback(void **state)
+UNIT_TEST(species_fit_exactly_before_by_wildcard_before_by_fallback)
 {
 	static const char csv[] = "s,x,y\nQuercus robur,1,0\nquercus  ROBUR ,2,0\nQuercus "
 		"rubra,3,0\nQuercus robur 'Fastigiata',4,0\nTilia,5,0\n,6,0\n";
@@ -112,7 +112,7 @@ static void species_fit_exactly_before_by_wildcard_before_by_fallback(void **sta
 		"are one species");
 }
 
-static void the_commonest_unknown_species_are_named(void **state)
+UNIT_TEST(the_commonest_unknown_species_are_named)
 {
 	char csv[8000] = "s,x,y\n";
 	size_t used = strlen(csv);
@@ -126,7 +126,7 @@ static void the_commonest_unknown_species_are_named(void **state)
 		"kind 2\"\n"));
 }
 
-static void only_and_skip_leave_rows_out(void **state)
+UNIT_TEST(only_and_skip_leave_rows_out)
 {
 	static const char csv[] = "x,y,status,dbh\n1,1,Alive,5\n2,2,Stump,0\n3,3,dead "
 		",12\n4,4,alive,0.0\n5,5,,7\n";
@@ -139,7 +139,7 @@ static void only_and_skip_leave_rows_out(void **state)
 
 /* ---- Coordinates ---- */
 
-static void decimal_commas_are_asked_for_and_read(void **state)
+UNIT_TEST(decimal_commas_are_asked_for_and_read)
 {
 	static const char csv[] = "x;y;h\n1,5;2,25;12,5\n1.234,5;3;4\n";
 
@@ -161,7 +161,7 @@ static void decimal_commas_are_asked_for_and_read(void **state)
 		"separated by \";\"");
 }
 
-static void coordinates_become_metres_from_the_origin(void **state)
+UNIT_TEST(coordinates_become_metres_from_the_origin)
 {
 	/* 3 degrees east is the central meridian of UTM zone 31, easting 500000 */
 	expect("\"crs\":\"EPSG:32631\",\"origin\":[499000,-1000,40],", "x,y,z\n3,0,100\n",
@@ -184,7 +184,7 @@ static void coordinates_become_metres_from_the_origin(void **state)
 		"left out: no coordinates (first in line 2: \"0, 0\")");
 }
 
-static void a_crs_is_never_guessed(void **state)
+UNIT_TEST(a_crs_is_never_guessed)
 {
 	static const char csv[] = "x,y\n1,2\n", plain[] = "\"plant\":\"oak\"," XY;
 	expect_error(UTM32, csv, plain, "\"crs\": \"EPSG:25832\"");
@@ -212,7 +212,7 @@ static void a_crs_is_never_guessed(void **state)
 #define FEATURES(crs, all) "{\"type\":\"FeatureCollection\"," crs "\"features\":[" all "]}"
 #define SAYS(name) "\"crs\":{\"type\":\"name\",\"properties\":{\"name\":\"" name "\"}},"
 
-static void a_file_that_says_its_crs_needs_no_more(void **state)
+UNIT_TEST(a_file_that_says_its_crs_needs_no_more)
 {
 	expect_json(UTM32, FEATURES("", FEATURE("11.5", "48.1")), "\"plant\":\"oak\"",
 		"oak -3878.244 -4561.87", "1 row, 1 plant");
@@ -251,7 +251,7 @@ static void a_file_that_says_its_crs_needs_no_more(void **state)
 			"convertible to the scene's CRS (first in feature 2: \"1e+30, 3");
 }
 
-static void heights_of_places_need_one_datum_or_two_that_are_known(void **state)
+UNIT_TEST(heights_of_places_need_one_datum_or_two_that_are_known)
 {
 	static const char csv[] = "x,y,z\n690001,5335002,512.5\n",
 		entry[] = "\"plant\":\"oak\",\"z\":\"z\",\"crs\":\"EPSG:25832\"," XY;
@@ -280,7 +280,7 @@ static void heights_of_places_need_one_datum_or_two_that_are_known(void **state)
 		"its points have no heights; leave \"z\" out");
 }
 
-static void doubtful_places_are_said(void **state)
+UNIT_TEST(doubtful_places_are_said)
 {
 	expect("", "x,y\n1,1\n2,2\n1,1\n1.0004,1\n", "\"plant\":\"oak\"," XY,
 		"oak 1 1 / oak 2 2 / oak 1 1 / oak 1.0004 1",
@@ -309,7 +309,7 @@ static void doubtful_places_are_said(void **state)
 
 /* ---- Sizes ---- */
 
-static void heights_come_from_the_first_source_that_has_one(void **state)
+UNIT_TEST(heights_come_from_the_first_source_that_has_one)
 {
 	static const char csv[] = "x,y,h,d\n1,1,12.5,300\n2,2,21 to 30,300\n3,3,N/A,100\n4,4,-1,\n5,5,> "
 		"101,\n6,6,40',\n7,7,9 m,\n8,8,0,NA\n";
@@ -332,7 +332,7 @@ static void heights_come_from_the_first_source_that_has_one(void **state)
 		"1 plant");
 }
 
-static void allometry_may_differ_by_plant(void **state)
+UNIT_TEST(allometry_may_differ_by_plant)
 {
 	static const char csv[] = "s,x,y,d,g\noak,1,1,100,31.4159265\nash,2,2,100,31.4159265\nelm,3,3,100,\n";
 	expect("", csv, "\"species\":\"s\",\"height_m\":{\"from_dbh\":\"d\",\"unit\":\"mm\",\"max\":35,"
@@ -348,7 +348,7 @@ static void allometry_may_differ_by_plant(void **state)
 		"needs \"max\" (m) and \"rate\" (per mm)");
 }
 
-static void crowns_and_scales_are_handed_on(void **state)
+UNIT_TEST(crowns_and_scales_are_handed_on)
 {
 	static const char csv[] = "x,y,k,s,h\n1,1,8 m,2,10\n2,2,4-6,0,\n3,3,,x,\n";
 	expect("", csv, "\"plant\":\"oak\",\"crown_m\":{\"column\":\"k\",\"is\":\"diameter\"},"
@@ -359,7 +359,7 @@ static void crowns_and_scales_are_handed_on(void **state)
 	expect_error("", csv, "\"plant\":\"oak\",\"crown_m\":{\"column\":\"k\"}," XY, "\"is\"");
 }
 
-static void implausible_sizes_are_said(void **state)
+UNIT_TEST(implausible_sizes_are_said)
 {
 	expect("", "x,y,h,d\n1,1,200,\n2,2,,50000\n3,3,900,\n", "\"plant\":\"oak\","
 		"\"height_m\":[{\"column\":\"h\"},{\"from_dbh_cm\":\"d\",\"max\":35,"
@@ -370,7 +370,7 @@ static void implausible_sizes_are_said(void **state)
 			"one (first in line 4: \"900\")");
 }
 
-static void levels_keep_the_tall_few_and_the_relative_error(void **state)
+UNIT_TEST(levels_keep_the_tall_few_and_the_relative_error)
 {
 	char csv[20000] = "x,y,h\n", *at;
 	double seen[64];
@@ -414,7 +414,7 @@ static struct eco_positions *open_plain(struct eco_positions_spec *spec, const c
 	return reader;
 }
 
-static void yaw_and_variant_are_the_seeds_and_the_rows_alone(void **state)
+UNIT_TEST(yaw_and_variant_are_the_seeds_and_the_rows_alone)
 {
 	static const char csv[] = "x,y,r\n1,1,90\n2,2,\n3,bad,\n4,4,\n";
 	double first[3], again[3], other[3], *into[] = { first, again, other };
@@ -443,7 +443,7 @@ static void yaw_and_variant_are_the_seeds_and_the_rows_alone(void **state)
 
 /* ---- As people have them ---- */
 
-static void inventories_of_many_countries_go_through(void **state)
+UNIT_TEST(inventories_of_many_countries_go_through)
 {
 	/* a German register: semicolons, decimal commas, umlauts in Latin-1 */
 	expect("\"crs\":\"EPSG:25833\",\"origin\":[390000,5820000,0],",
@@ -493,7 +493,7 @@ static void inventories_of_many_countries_go_through(void **state)
 		"\"height_m\":{\"column\":\"HAUTEUR (m)\"}," XY, "oak 1 2 h12", "separated by \";\"");
 }
 
-static void a_dutch_feature_collection_goes_through(void **state)
+UNIT_TEST(a_dutch_feature_collection_goes_through)
 {
 	const struct inventory *in;
 	input_text("positions", "bomen.gml", "<?xml version=\"1.0\" "
@@ -515,7 +515,7 @@ static void a_dutch_feature_collection_goes_through(void **state)
 	assert_string_equal(in->plants, "ash 0.5 0.25 h10.5");
 }
 
-static void a_real_inventory_goes_through_whole(void **state)
+UNIT_TEST(a_real_inventory_goes_through_whole)
 {
 	const char *data = getenv("ECO_DATA");
 	char path[4096];
@@ -543,7 +543,7 @@ static void a_real_inventory_goes_through_whole(void **state)
 }
 
 /* Degrees and feet of a survey, by the city itself. */
-static void degrees_and_feet_of_a_real_inventory_meet(void **state)
+UNIT_TEST(degrees_and_feet_of_a_real_inventory_meet)
 {
 	const char *data = getenv("ECO_DATA");
 	char path[4096];
@@ -570,33 +570,4 @@ static void degrees_and_feet_of_a_real_inventory_meet(void **state)
 	assert_int_equal(count, 16875);
 	eco_positions_close(degrees);
 	eco_positions_close(feet);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_missing_column_is_named_beside_those_there_are),
-		cmocka_unit_test(rows_that_cannot_be_used_are_counted_by_reason),
-		cmocka_unit_test(species_fit_exactly_before_by_wildcard_before_by_fallback),
-		cmocka_unit_test(the_commonest_unknown_species_are_named),
-		cmocka_unit_test(only_and_skip_leave_rows_out),
-		cmocka_unit_test(decimal_commas_are_asked_for_and_read),
-		cmocka_unit_test(coordinates_become_metres_from_the_origin),
-		cmocka_unit_test(a_crs_is_never_guessed),
-		cmocka_unit_test(a_file_that_says_its_crs_needs_no_more),
-		cmocka_unit_test(heights_of_places_need_one_datum_or_two_that_are_known),
-		cmocka_unit_test(doubtful_places_are_said),
-		cmocka_unit_test(heights_come_from_the_first_source_that_has_one),
-		cmocka_unit_test(allometry_may_differ_by_plant),
-		cmocka_unit_test(crowns_and_scales_are_handed_on),
-		cmocka_unit_test(implausible_sizes_are_said),
-		cmocka_unit_test(levels_keep_the_tall_few_and_the_relative_error),
-		cmocka_unit_test(yaw_and_variant_are_the_seeds_and_the_rows_alone),
-		cmocka_unit_test(inventories_of_many_countries_go_through),
-		cmocka_unit_test(a_dutch_feature_collection_goes_through),
-		cmocka_unit_test(a_real_inventory_goes_through_whole),
-		cmocka_unit_test(degrees_and_feet_of_a_real_inventory_meet),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

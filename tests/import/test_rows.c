@@ -50,7 +50,7 @@ static void expect_error(const char *path, const char *layer, const char *says)
 
 /* ---- CSV ---- */
 
-static void quotes_line_breaks_marks_and_endings_are_read(void **state)
+UNIT_TEST(quotes_line_breaks_marks_and_endings_are_read)
 {
 	static const char csv[] = "\xef\xbb\xbfname, x ,\"y\"\r\n\"a, \"\"b\"\"\nsecond line\", 1 ,2\r\n\r\n"
 		"plain\"quote,3,\"4\"\n,-5.5e1,6.25";
@@ -79,7 +79,7 @@ static void quotes_line_breaks_marks_and_endings_are_read(void **state)
 	eco_rows_close(rows);
 }
 
-static void separators_are_found_in_the_header(void **state)
+UNIT_TEST(separators_are_found_in_the_header)
 {
 	expect("a.csv", "x,y\n1,2\n", "x,y / 1,2", NULL, NULL);
 	expect("b.csv", "x;y;\"a,b,c,d\"\n1,5;2,5;z\n", "x,y,a,b,c,d / 1,5,2,5,z", "separated by \";\"",
@@ -92,20 +92,20 @@ static void separators_are_found_in_the_header(void **state)
 	expect("g.tab", "x\ty\n1\t2\n", "x,y / 1,2", "tabs", NULL);
 }
 
-static void text_of_western_pages_becomes_utf8(void **state)
+UNIT_TEST(text_of_western_pages_becomes_utf8)
 {
 	expect("latin.csv", "Art,x\nB\xe4rlauch,1\nutf \xc3\xa4,2\n\x80\x84\x93,3\n",
 		"Art,x / Bärlauch,1 / utf ä,2 / €„“,3", "first in line 2", NULL);
 	expect("header.csv", "H\xf6he,x\n1,2\n", "Höhe,x / 1,2", "Windows-1252", NULL);
 }
 
-static void rows_may_be_short_or_long(void **state)
+UNIT_TEST(rows_may_be_short_or_long)
 {
 	expect("short.csv", "a,b,c\n1\n1,2,3,4\n,,\n", "a,b,c / 1 / 1,2,3,4 / ,,", NULL, NULL);
 	expect("old.csv", "a,b\r1,2\r3,4\r", "a,b / 1,2 / 3,4", NULL, NULL);
 }
 
-static void files_that_are_no_csv_are_refused_with_a_line(void **state)
+UNIT_TEST(files_that_are_no_csv_are_refused_with_a_line)
 {
 	static const struct { const char *bytes; size_t size; const char *says; } inputs[] = {
 		{ "", 0, "empty file" }, { "x,y\n1,\"2", 8, ":2: a quoted field" },
@@ -127,7 +127,7 @@ static void files_that_are_no_csv_are_refused_with_a_line(void **state)
 	}
 }
 
-static void a_row_without_end_is_bounded(void **state)
+UNIT_TEST(a_row_without_end_is_bounded)
 {
 	size_t size = ECO_ROW_BYTES_MAX + 100;
 	char *bytes = malloc(size);
@@ -143,7 +143,7 @@ static void a_row_without_end_is_bounded(void **state)
 	free(bytes);
 }
 
-static void points_as_text_are_the_geometry(void **state)
+UNIT_TEST(points_as_text_are_the_geometry)
 {
 	expect("wkt.csv", "WKT,species\n\"POINT (11.5 48.1)\",oak\n,ash\n\"LINESTRING (1 2,3 "
 		"4)\",\"elm\nred\"\nPOINT EMPTY,fir\nPOINT (x y),bad\n",
@@ -158,7 +158,7 @@ static void points_as_text_are_the_geometry(void **state)
 
 /* ---- Which reader ---- */
 
-static void a_file_that_is_no_table_is_refused_with_what_to_do(void **state)
+UNIT_TEST(a_file_that_is_no_table_is_refused_with_what_to_do)
 {
 	expect_error(input_bytes("rows", "utf16.csv", "\xff\xfex\0,\0y\0\n\0", 10), NULL,
 		"UTF-16; save it as UTF-8");
@@ -200,7 +200,7 @@ static void a_file_that_is_no_table_is_refused_with_what_to_do(void **state)
 #define POINT(coordinates) "{\"type\":\"Point\",\"coordinates\":[" coordinates "]}"
 #define COLLECTION(crs, features) "{\"type\":\"FeatureCollection\"," crs "\"features\":[" features "]}"
 
-static void geojson_is_degrees_unless_it_says_otherwise(void **state)
+UNIT_TEST(geojson_is_degrees_unless_it_says_otherwise)
 {
 	struct eco_rows_source source = { .path = NULL };
 	struct eco_rows *rows;
@@ -221,7 +221,7 @@ static void geojson_is_degrees_unless_it_says_otherwise(void **state)
 	eco_rows_close(rows);
 }
 
-static void each_feature_is_a_row_whatever_its_geometry(void **state)
+UNIT_TEST(each_feature_is_a_row_whatever_its_geometry)
 {
 	expect("e.geojson",
 		COLLECTION("", FEATURE("null", "\"id\":1") "," FEATURE("{\"type\":\"Point\","
@@ -298,7 +298,7 @@ static void expect_made(const char *driver, const char *name, const struct made 
 	assert_string_equal(rows_text_of(rows, got, sizeof got), wanted);
 }
 
-static void files_of_gis_bring_points_and_their_crs(void **state)
+UNIT_TEST(files_of_gis_bring_points_and_their_crs)
 {
 	static const struct made oak = { "trees", 25832, wkbPoint, "POINT (690000 5335000)", "oak" };
 	static const struct made degrees = { "trees", 4326, wkbPoint, "POINT (11.5 48.1)", "oak" };
@@ -330,7 +330,7 @@ static void files_of_gis_bring_points_and_their_crs(void **state)
 			NULL, "EPSG:4326");
 }
 
-static void parts_of_a_shapefile_that_are_missed_are_named(void **state)
+UNIT_TEST(parts_of_a_shapefile_that_are_missed_are_named)
 {
 	static const struct made tree = { "trees", 25832, wkbPoint, "POINT (3 4)", "oak" };
 	static const char plan[] = "LOCAL_CS[\"plan of the garden\",UNIT[\"m\",1]]";
@@ -359,7 +359,7 @@ static void parts_of_a_shapefile_that_are_missed_are_named(void **state)
 		"all of them");
 }
 
-static void the_layer_that_fits_is_taken_or_asked_for(void **state)
+UNIT_TEST(the_layer_that_fits_is_taken_or_asked_for)
 {
 	static const struct made layers[] = { { "trees", 25832, wkbPoint, "POINT (1 2)", "oak" },
 		{ "beds", 25832, wkbPolygon, NULL, "rose" },
@@ -375,7 +375,7 @@ static void the_layer_that_fits_is_taken_or_asked_for(void **state)
 	expect_error(path, "herbs", "no layer \"herbs\"; there are: trees");
 }
 
-static void gml_has_easting_or_longitude_first_in_the_end(void **state)
+UNIT_TEST(gml_has_easting_or_longitude_first_in_the_end)
 {
 	static const char gml[] = "<?xml version=\"1.0\"?><ogr:FeatureCollection "
 		"xmlns:ogr=\"http://ogr.maptools.org/\" "
@@ -397,7 +397,7 @@ static void gml_has_easting_or_longitude_first_in_the_end(void **state)
 
 /* ---- The child process ---- */
 
-static void a_child_hands_over_the_same_rows(void **state)
+UNIT_TEST(a_child_hands_over_the_same_rows)
 {
 	struct eco_rows_source source = { .path = input_text("rows", "child.geojson",
 		COLLECTION("", FEATURE(POINT("1,2,3"), "\"s\":\"oak\",\"t\":\"x\"") "," FEATURE("null",
@@ -418,27 +418,4 @@ static void a_child_hands_over_the_same_rows(void **state)
 	assert_int_equal(eco_rows_open(&rows, &source, &error), ECO_OK);
 	assert_non_null(strstr(rows_text_of(rows, there, sizeof there),
 		"! build/tmp/rows/child.csv:2: a quoted field"));
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(quotes_line_breaks_marks_and_endings_are_read),
-		cmocka_unit_test(separators_are_found_in_the_header),
-		cmocka_unit_test(text_of_western_pages_becomes_utf8),
-		cmocka_unit_test(rows_may_be_short_or_long),
-		cmocka_unit_test(points_as_text_are_the_geometry),
-		cmocka_unit_test(files_that_are_no_csv_are_refused_with_a_line),
-		cmocka_unit_test(a_row_without_end_is_bounded),
-		cmocka_unit_test(a_file_that_is_no_table_is_refused_with_what_to_do),
-		cmocka_unit_test(geojson_is_degrees_unless_it_says_otherwise),
-		cmocka_unit_test(each_feature_is_a_row_whatever_its_geometry),
-		cmocka_unit_test(files_of_gis_bring_points_and_their_crs),
-		cmocka_unit_test(parts_of_a_shapefile_that_are_missed_are_named),
-		cmocka_unit_test(the_layer_that_fits_is_taken_or_asked_for),
-		cmocka_unit_test(gml_has_easting_or_longitude_first_in_the_end),
-		cmocka_unit_test(a_child_hands_over_the_same_rows),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -41,7 +41,7 @@ static void expect(const char *text, const char *wanted)
 	assert_string_equal(rows_text_of(open_good(text), got, sizeof got), wanted);
 }
 
-static void attributes_of_the_standard_and_generic_ones_are_columns(void **state)
+UNIT_TEST(attributes_of_the_standard_and_generic_ones_are_columns)
 {
 	expect(model("EPSG:25832", TREE("<gml:name>Linde am "
 		"Platz</gml:name><veg:class>1070</veg:class><veg:species>1640</veg:species>"
@@ -57,7 +57,7 @@ static void attributes_of_the_standard_and_generic_ones_are_columns(void **state
 		"(690101 5335201 516) t,,,,30 ft,,,");
 }
 
-static void all_versions_are_read(void **state)
+UNIT_TEST(all_versions_are_read)
 {
 	/* CityGML 1 without prefixes, GML 2 coordinates */
 	expect("<CityModel "
@@ -81,7 +81,7 @@ static void all_versions_are_read(void **state)
 		"id,Art,species / (690002 5335003 500.5) x,Eiche,1640");
 }
 
-static void a_geometry_stands_on_the_middle_of_its_lowest_part(void **state)
+UNIT_TEST(a_geometry_stands_on_the_middle_of_its_lowest_part)
 {
 	/* a crown reaching to one side, over a thin trunk; the lower edge of one of two crossed pictures */
 	expect(model("EPSG:25832", TREE("<veg:lod1Geometry><gml:MultiSurface><gml:posList>10 20 500 12 20 "
@@ -131,7 +131,7 @@ static const struct { const char *srs, *pos, *crs, *at, *note; } a_crs_cases[] =
 	{ NULL, "1 2 3", NULL, "(1 2 3)", NULL },
 };
 
-static void a_crs_is_known_in_any_spelling_and_order(void **state)
+UNIT_TEST(a_crs_is_known_in_any_spelling_and_order)
 {
 	char inside[2000], wanted[200], got[2000];
 	for (size_t i = 0; i < sizeof a_crs_cases / sizeof *a_crs_cases; i++) {
@@ -152,7 +152,7 @@ static void a_crs_is_known_in_any_spelling_and_order(void **state)
 	}
 }
 
-static void what_is_no_tree_is_passed_over(void **state)
+UNIT_TEST(what_is_no_tree_is_passed_over)
 {
 	struct eco_rows *rows = open_good(model("EPSG:25832", "<bldg:Building><bldg:height "
 		"uom=\"m\">9</bldg:height></bldg:Building>"
@@ -165,7 +165,7 @@ static void what_is_no_tree_is_passed_over(void **state)
 	assert_string_equal(rows_text_of(rows, got, sizeof got), "id / (1 2 3) t");
 }
 
-static void files_that_are_attacks_or_accidents_are_refused(void **state)
+UNIT_TEST(files_that_are_attacks_or_accidents_are_refused)
 {
 	static const struct { const char *text, *says; } cases[] = {
 		{ "<!DOCTYPE a [<!ENTITY b \"c\">]><CityModel>&b;</CityModel>",
@@ -191,7 +191,7 @@ static void files_that_are_attacks_or_accidents_are_refused(void **state)
 	}
 }
 
-static void depth_is_bounded(void **state)
+UNIT_TEST(depth_is_bounded)
 {
 	char *text = calloc(1, 10000);
 	struct eco_error error = { .code = ECO_OK };
@@ -203,7 +203,7 @@ static void depth_is_bounded(void **state)
 	free(text);
 }
 
-static void a_file_cut_off_anywhere_is_never_read_as_whole(void **state)
+UNIT_TEST(a_file_cut_off_anywhere_is_never_read_as_whole)
 {
 	const char *whole =
 		model("EPSG:25832",
@@ -218,20 +218,4 @@ static void a_file_cut_off_anywhere_is_never_read_as_whole(void **state)
 			input_bytes("rows_citygml", "cut.gml", text, cut), &error), ECO_OK);
 	}
 	free(text);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(attributes_of_the_standard_and_generic_ones_are_columns),
-		cmocka_unit_test(all_versions_are_read),
-		cmocka_unit_test(a_geometry_stands_on_the_middle_of_its_lowest_part),
-		cmocka_unit_test(a_crs_is_known_in_any_spelling_and_order),
-		cmocka_unit_test(what_is_no_tree_is_passed_over),
-		cmocka_unit_test(files_that_are_attacks_or_accidents_are_refused),
-		cmocka_unit_test(depth_is_bounded),
-		cmocka_unit_test(a_file_cut_off_anywhere_is_never_read_as_whole),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

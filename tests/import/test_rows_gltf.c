@@ -36,7 +36,7 @@ static void expect_rows(const char *rest, const char *columns, const char *const
 	rows->close(rows);
 }
 
-static void a_row_for_each_instance(void **state)
+UNIT_TEST(a_row_for_each_instance)
 {
 	static const float places[3][3] = { { 1, 2, 3 }, { 4, 0, -6 }, { 0, 0, 0 } },
 		sizes[3][3] = { { 1, 1, 1 }, { 2, 2, 2 }, { 1, 8, 1 } };
@@ -60,7 +60,7 @@ static void a_row_for_each_instance(void **state)
 			"1,-3,2,,,0.0000,1,," }, 4);
 }
 
-static void a_row_for_each_node_with_a_mesh(void **state)
+UNIT_TEST(a_row_for_each_node_with_a_mesh)
 {
 	gw_begin();
 	expect_rows(",\"nodes\":[{\"children\":[1,2],\"scale\":[2,2,2],\"name\":\"group\"},{\"mesh\":0,"
@@ -76,7 +76,7 @@ static void a_row_for_each_node_with_a_mesh(void **state)
 
 /* Of floats, and of 16-bit fractions from -1 to 1 about the middle of the same mesh, which is 4 wide and 10
  * high. */
-static void heights_are_those_of_meshes_however_packed(void **state)
+UNIT_TEST(heights_are_those_of_meshes_however_packed)
 {
 	static const float f[2][3] = { { 0, 0, 0 }, { 4, 10, 4 } };
 	static const int16_t q[2][4] = { { -32767, -32767, -32767 }, { 32767, 32767, 32767 } };
@@ -94,7 +94,7 @@ static void heights_are_those_of_meshes_however_packed(void **state)
 		(const char *const[]){ "1,-3,2,,,0.0000,2,20", "2,-2,0,quantized,,0.0000,,10" }, 2);
 }
 
-static void a_scene_without_plants_is_no_inventory(void **state)
+UNIT_TEST(a_scene_without_plants_is_no_inventory)
 {
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_rows *rows;
@@ -104,16 +104,4 @@ static void a_scene_without_plants_is_no_inventory(void **state)
 	assert_null(rows);
 	assert_non_null(strstr(error.text, "none.gltf: no node"));
 	assert_int_equal(eco_rows_open_gltf(&rows, "build/tmp/rows_gltf/nowhere.glb", NULL), ECO_NOT_FOUND);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_row_for_each_instance),
-		cmocka_unit_test(a_row_for_each_node_with_a_mesh),
-		cmocka_unit_test(heights_are_those_of_meshes_however_packed),
-		cmocka_unit_test(a_scene_without_plants_is_no_inventory),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -86,7 +86,7 @@ static double nearest(const struct scattered *s)
 	return least;
 }
 
-static void numbers_are_those_asked_for_and_nothing_stands_in_holes(void **state)
+UNIT_TEST(numbers_are_those_asked_for_and_nothing_stands_in_holes)
 {
 	struct eco_scatter_spec spec = spec_of(areas("field.geojson", FIELD));
 	struct scattered s = scatter(&spec);
@@ -106,7 +106,7 @@ static void numbers_are_those_asked_for_and_nothing_stands_in_holes(void **state
 	free(s.places);
 }
 
-static void columns_say_how_many(void **state)
+UNIT_TEST(columns_say_how_many)
 {
 	struct eco_scatter_spec spec = spec_of(areas("both.geojson", FIELD "," CORNER "," LINE "," NOTHING));
 	struct scattered s;
@@ -124,7 +124,7 @@ static void columns_say_how_many(void **state)
 	free(s.places);
 }
 
-static void what_is_left_out_is_counted_by_reason(void **state)
+UNIT_TEST(what_is_left_out_is_counted_by_reason)
 {
 	static struct eco_value values[] = { { "field", 0 }, { "li*", 0 }, { "nothing", 0 } };
 	struct eco_filter only = { "kind", true, values, 3 };
@@ -147,7 +147,7 @@ static int place_order(const void *a, const void *b)
 		sizeof ((struct eco_scatter_place *)0)->at);
 }
 
-static void the_order_of_the_file_does_not_matter(void **state)
+UNIT_TEST(the_order_of_the_file_does_not_matter)
 {
 	struct eco_scatter_spec first = spec_of(areas("ab.geojson", FIELD "," CORNER)),
 		second = spec_of(areas("ba.geojson", CORNER "," FIELD));
@@ -166,7 +166,7 @@ static void the_order_of_the_file_does_not_matter(void **state)
 	free(b.places);
 }
 
-static void distances_hold_and_what_has_no_room_is_said(void **state)
+UNIT_TEST(distances_hold_and_what_has_no_room_is_said)
 {
 	struct eco_scatter_spec spec = spec_of(areas("near.geojson", FIELD "," CORNER));
 	struct scattered s;
@@ -183,7 +183,7 @@ static void distances_hold_and_what_has_no_room_is_said(void **state)
 	free(s.places);
 }
 
-static void what_is_to_be_clear_is_clear(void **state)
+UNIT_TEST(what_is_to_be_clear_is_clear)
 {
 	struct eco_scatter_spec spec = spec_of(areas("clear.geojson", FIELD));
 	struct scattered s;
@@ -213,7 +213,7 @@ static void what_is_to_be_clear_is_clear(void **state)
 }
 
 /* West a tenth, east all, in the middle nothing. */
-static void a_mask_scales_densities(void **state)
+UNIT_TEST(a_mask_scales_densities)
 {
 	char text[64 * 64 * 4 + 200];
 	size_t used = (size_t)snprintf(text, sizeof text, "ncols 60\nnrows 40\nxllcorner 100\nyllcorner "
@@ -251,7 +251,7 @@ static void a_mask_scales_densities(void **state)
 	free(s.places);
 }
 
-static void errors_say_what_to_do(void **state)
+UNIT_TEST(errors_say_what_to_do)
 {
 	static const struct { const char *name, *text, *says; } wrong[] = {
 		{ "wrong.geojson", "{\"type\":\"FeatureCollection\",\"features\":[", "wrong.geojson" },
@@ -273,7 +273,7 @@ static void errors_say_what_to_do(void **state)
 }
 
 /* A strip of 20 m across a box of 300 by 300 km. */
-static void long_narrow_areas_are_filled(void **state)
+UNIT_TEST(long_narrow_areas_are_filled)
 {
 	struct eco_scatter_spec spec = spec_of(areas("strip.geojson", "{\"type\":\"Feature\","
 		"\"properties\":{},\"geometry\":{\"type\":\"Polygon\","
@@ -291,7 +291,7 @@ static void long_narrow_areas_are_filled(void **state)
 	free(s.places);
 }
 
-static void what_is_too_far_or_too_much_is_said(void **state)
+UNIT_TEST(what_is_too_far_or_too_much_is_said)
 {
 	struct eco_scatter_spec spec = spec_of(areas("far.geojson", FIELD ",{\"type\":\"Feature\","
 		"\"properties\":{},\"geometry\":{\"type\":\"Polygon\","
@@ -311,7 +311,7 @@ static void what_is_too_far_or_too_much_is_said(void **state)
 	assert_non_null(strstr(error.text, "more than 100000000 plants; take lower densities"));
 }
 
-static void columns_that_are_not_there_are_named(void **state)
+UNIT_TEST(columns_that_are_not_there_are_named)
 {
 	struct eco_scatter_spec spec = spec_of(areas("columns.geojson", FIELD));
 	struct eco_error error = { .code = ECO_OK };
@@ -319,23 +319,4 @@ static void columns_that_are_not_there_are_named(void **state)
 	spec.count_column = "trees";
 	assert_int_equal(eco_scatter_open(&s, &spec, &frame, NULL, NULL, &error), ECO_BAD_INPUT);
 	assert_non_null(strstr(error.text, "no column \"trees\"; there are: kind, n, d"));
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(numbers_are_those_asked_for_and_nothing_stands_in_holes),
-		cmocka_unit_test(columns_say_how_many),
-		cmocka_unit_test(what_is_left_out_is_counted_by_reason),
-		cmocka_unit_test(the_order_of_the_file_does_not_matter),
-		cmocka_unit_test(distances_hold_and_what_has_no_room_is_said),
-		cmocka_unit_test(what_is_to_be_clear_is_clear),
-		cmocka_unit_test(a_mask_scales_densities),
-		cmocka_unit_test(errors_say_what_to_do),
-		cmocka_unit_test(long_narrow_areas_are_filled),
-		cmocka_unit_test(what_is_too_far_or_too_much_is_said),
-		cmocka_unit_test(columns_that_are_not_there_are_named),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

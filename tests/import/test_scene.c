@@ -13,7 +13,7 @@ static void parse_good(struct eco_source *source, const char *json)
 		fail_msg("%s", error.text);
 }
 
-static void everything_that_may_be_said_is_read(void **state)
+UNIT_TEST(everything_that_may_be_said_is_read)
 {
 	struct eco_source s;
 	const struct eco_positions_spec *p;
@@ -68,7 +68,7 @@ static void everything_that_may_be_said_is_read(void **state)
 	eco_source_free(&s);
 }
 
-static void ground_may_be_several_rasters_and_say_what_they_do_not(void **state)
+UNIT_TEST(ground_may_be_several_rasters_and_say_what_they_do_not)
 {
 	struct eco_source s;
 	parse_good(&s, "{\"crs\": \"EPSG:26917\", \"origin\": [0, 0], \"vertical\": \"EPSG:5703\", "
@@ -94,7 +94,7 @@ static void ground_may_be_several_rasters_and_say_what_they_do_not(void **state)
 	eco_source_free(&s);
 }
 
-static void defaults_fill_what_is_not_said(void **state)
+UNIT_TEST(defaults_fill_what_is_not_said)
 {
 	struct eco_source s;
 	parse_good(&s, "{}");
@@ -201,7 +201,7 @@ static const struct { const char *json, *place, *says; } bad[] = {
 	{ "\xef\xbb\xbf{\"name\": 3}", ":1:10:", "must be a text" },
 };
 
-static void what_may_not_be_said_has_a_line_and_a_column(void **state)
+UNIT_TEST(what_may_not_be_said_has_a_line_and_a_column)
 {
 	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
 		struct eco_error error = { .code = ECO_OK };
@@ -219,7 +219,7 @@ static void what_may_not_be_said_has_a_line_and_a_column(void **state)
 	}
 }
 
-static void every_truncation_is_an_error(void **state)
+UNIT_TEST(every_truncation_is_an_error)
 {
 	static const char json[] = "{" PLANTS ", \"instances\": [{" ROWS
 		", \"species\": \"s\", \"map\": {\"a\": \"oak\"}}, {\"plant\": \"oak\", "
@@ -233,7 +233,7 @@ static void every_truncation_is_an_error(void **state)
 
 /* ---- Files ---- */
 
-static void nested_files_are_read_once_and_come_after_their_parents(void **state)
+UNIT_TEST(nested_files_are_read_once_and_come_after_their_parents)
 {
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_sources sources;
@@ -266,7 +266,7 @@ static void load_fails(const char *path, const char *says, const char *also)
 	assert_null(sources.items);
 }
 
-static void a_cycle_shows_its_chain(void **state)
+UNIT_TEST(a_cycle_shows_its_chain)
 {
 	const char *root;
 	input_text("scene", "b.json", "{\"children\": [{\"eco\": \"c.json\", \"at\": [0, 0]}]}");
@@ -279,7 +279,7 @@ static void a_cycle_shows_its_chain(void **state)
 	load_fails(root, "self.json:1:23:", "self.json -> build/tmp/scene/self.json");
 }
 
-static void a_missing_file_is_named_where_it_is_named(void **state)
+UNIT_TEST(a_missing_file_is_named_where_it_is_named)
 {
 	load_fails("build/tmp/scene/none.json", "none.json", "No such file");
 	load_fails(input_text("scene", "m.json", "{\"plants\": {\n \"oak\": {\"model\": \"gone.obj\"}}}"),
@@ -293,27 +293,10 @@ static void a_missing_file_is_named_where_it_is_named(void **state)
 		", \"plant\": \"oak\"}]}"), "m.json:1:", "t.csv");
 }
 
-static void ground_belongs_to_the_outermost_file(void **state)
+UNIT_TEST(ground_belongs_to_the_outermost_file)
 {
 	input_text("scene", "dem.tif", "");
 	input_text("scene", "g.json", "{\"ground\": {\"heights\": \"dem.tif\"}}");
 	load_fails(input_text("scene", "n.json", "{\"children\": [{\"eco\": \"g.json\", \"at\": [0, 0]}]}"),
 		"n.json:1:23:", "only the outermost");
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(everything_that_may_be_said_is_read),
-		cmocka_unit_test(ground_may_be_several_rasters_and_say_what_they_do_not),
-		cmocka_unit_test(defaults_fill_what_is_not_said),
-		cmocka_unit_test(what_may_not_be_said_has_a_line_and_a_column),
-		cmocka_unit_test(every_truncation_is_an_error),
-		cmocka_unit_test(nested_files_are_read_once_and_come_after_their_parents),
-		cmocka_unit_test(a_cycle_shows_its_chain),
-		cmocka_unit_test(a_missing_file_is_named_where_it_is_named),
-		cmocka_unit_test(ground_belongs_to_the_outermost_file),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

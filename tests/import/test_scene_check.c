@@ -145,7 +145,7 @@ BREAK(simple_kind, l->ladders[0].simple = 2)
 BREAK(reach, l->curves[1].reach = 1.1f)
 BREAK(reach_nan, l->curves[1].reach = NAN)
 
-static void every_inconsistency_is_found(void **state)
+UNIT_TEST(every_inconsistency_is_found)
 {
 #define CASE(id) { #id, break_##id }
 	static const struct { const char *name; void (*apply)(struct scene_builder *); } cases[] = {
@@ -201,12 +201,4 @@ static void every_inconsistency_is_found(void **state)
 	}
 	eco_pack_close(pack);
 	unlink(PATH);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_inconsistency_is_found),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -91,7 +91,7 @@ static void check_rows(const struct eco_plan *plan, const struct lod_explanation
 	assert_int_equal(vertices, plan->vertices);
 }
 
-static void rows_add_up_to_the_plan(void **state)
+UNIT_TEST(rows_add_up_to_the_plan)
 {
 	uint64_t seen[LOD_WHY_COUNT] = { 0 };
 	for (uint64_t seed = 1; seed <= 60; seed++) {
@@ -116,7 +116,7 @@ static void rows_add_up_to_the_plan(void **state)
 	assert_true(seen[LOD_WHY_SUMMARY] && seen[LOD_WHY_PART]);
 }
 
-static void a_plan_is_the_same_with_and_without(void **state)
+UNIT_TEST(a_plan_is_the_same_with_and_without)
 {
 	random_scene_make(&scene, 5, 3);
 	for (int i = 0; i < 40; i++) {
@@ -138,7 +138,7 @@ static void a_plan_is_the_same_with_and_without(void **state)
 	}
 }
 
-static void words_are_plain(void **state)
+UNIT_TEST(words_are_plain)
 {
 	static const struct { struct lod_reason reason; const char *says; } cases[] = {
 		{ { .why = LOD_WHY_STEP, .next = 0.5 }, "the next hull step costs 2.1 times lambda" },
@@ -155,14 +155,4 @@ static void words_are_plain(void **state)
 		lod_explain_text(text, sizeof text, &why, &row);
 		assert_string_equal(text, cases[i].says);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(rows_add_up_to_the_plan),
-		cmocka_unit_test(a_plan_is_the_same_with_and_without),
-		cmocka_unit_test(words_are_plain),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

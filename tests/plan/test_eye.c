@@ -15,7 +15,7 @@ static struct eco_view view_of(double fov, uint32_t width, uint32_t height)
 		.height = height };
 }
 
-static void the_frame_is_orthonormal_and_right_handed_for_any_up(void **state)
+UNIT_TEST(the_frame_is_orthonormal_and_right_handed_for_any_up)
 {
 	double ups[][3] = { { 0, 0, 1 }, { 10, -6, 2 }, { 0, 0, 0 }, { 1e-200, 0, 1e200 }, { -10, 6, -2 } };
 	for (size_t i = 0; i < sizeof ups / sizeof *ups; i++) {
@@ -35,7 +35,7 @@ static void the_frame_is_orthonormal_and_right_handed_for_any_up(void **state)
 	}
 }
 
-static void half_angles_agree_with_libm(void **state)
+UNIT_TEST(half_angles_agree_with_libm)
 {
 	double fovs[] = { 0.001, 1, 30, 45, 60, 89.9, 90, 90.1, 120, 179, 179.9, 179.999 };
 	for (size_t i = 0; i < sizeof fovs / sizeof *fovs; i++) {
@@ -53,7 +53,7 @@ static double blurred(uint32_t hash)
 	return 0.5 * log2(exp2(-0.25) + (hash * 40503u & 65535) / 65536.0 * (exp2(0.25) - exp2(-0.25)));
 }
 
-static void bands_are_quarter_octaves_blurred_by_the_hash(void **state)
+UNIT_TEST(bands_are_quarter_octaves_blurred_by_the_hash)
 {
 	struct eco_view view = view_of(45, 800, 600);
 	struct lod_eye e;
@@ -79,7 +79,7 @@ static void bands_are_quarter_octaves_blurred_by_the_hash(void **state)
 
 /* As the eye comes nearer, plants leave a band one after the other: never more than their share of the way,
  * whatever the share of hashes. */
-static void plants_cross_a_border_one_after_the_other(void **state)
+UNIT_TEST(plants_cross_a_border_one_after_the_other)
 {
 	struct eco_view view = view_of(45, 800, 600);
 	struct lod_eye e;
@@ -108,7 +108,7 @@ static void plants_cross_a_border_one_after_the_other(void **state)
 	assert_int_equal(before[1], all[1]);
 }
 
-static void a_sphere_is_seen_exactly_where_a_point_of_it_projects_inside(void **state)
+UNIT_TEST(a_sphere_is_seen_exactly_where_a_point_of_it_projects_inside)
 {
 	struct eco_view view = view_of(50, 640, 480);
 	struct lod_eye e;
@@ -131,7 +131,7 @@ static void a_sphere_is_seen_exactly_where_a_point_of_it_projects_inside(void **
 	}
 }
 
-static void a_placement_turns_then_scales_then_shifts(void **state)
+UNIT_TEST(a_placement_turns_then_scales_then_shifts)
 {
 	struct eco_placement placement = { .at = { 100, 200, 300 }, .turn = 16384, .scale = 2 };
 	struct eco_list list = { .grid_origin = { 1, 0, 0 }, .grid_step = { 0.5, 0.5, 0.5 } };
@@ -151,25 +151,11 @@ static void a_placement_turns_then_scales_then_shifts(void **state)
 	assert_float_equal(world[2], 311, 1e-9);
 }
 
-static void shares_are_spread_evenly(void **state)
+UNIT_TEST(shares_are_spread_evenly)
 {
 	uint32_t count[16] = { 0 };
 	for (uint32_t i = 0; i < 64000; i++)
 		count[lod_share_hash(7, 3, i) >> 12]++;
 	for (int i = 0; i < 16; i++)
 		assert_in_range(count[i], 3700, 4300);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(the_frame_is_orthonormal_and_right_handed_for_any_up),
-		cmocka_unit_test(half_angles_agree_with_libm),
-		cmocka_unit_test(bands_are_quarter_octaves_blurred_by_the_hash),
-		cmocka_unit_test(plants_cross_a_border_one_after_the_other),
-		cmocka_unit_test(a_sphere_is_seen_exactly_where_a_point_of_it_projects_inside),
-		cmocka_unit_test(a_placement_turns_then_scales_then_shifts),
-		cmocka_unit_test(shares_are_spread_evenly),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

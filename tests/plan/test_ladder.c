@@ -21,7 +21,7 @@ static uint64_t drawn(const struct eco_cut *cuts, uint32_t count)
 	return total;
 }
 
-static void every_step_draws_what_it_says(void **state)
+UNIT_TEST(every_step_draws_what_it_says)
 {
 	for (uint64_t seed = 1; seed < 40; seed++) {
 		random_scene_make(&scene, seed, 0);
@@ -48,7 +48,7 @@ static void every_step_draws_what_it_says(void **state)
 
 /* Everything is shown, and finer from the front: what is drawn in the finer form is missing in the coarser
  * one. */
-static void forms_give_way_from_the_front(void **state)
+UNIT_TEST(forms_give_way_from_the_front)
 {
 	static const struct { uint32_t corners, each, unit; } rows[] =
 		{ { 1, 2, 1 }, { 1, 4, 1 }, { 2, 2, 2 }, { 4, 4, 6 }, { 3, 2, 3 } };
@@ -118,7 +118,7 @@ static void count_elements(const struct eco_ladder *ladder, const struct eco_cut
 }
 
 /* Whatever the curve says: a larger amount has all elements of a smaller one, none of them coarser. */
-static void nothing_is_dropped_or_coarsened_as_amounts_grow(void **state)
+UNIT_TEST(nothing_is_dropped_or_coarsened_as_amounts_grow)
 {
 	for (uint64_t seed = 1; seed < 60; seed++) {
 		random_scene_make(&scene, seed, 0);
@@ -156,7 +156,7 @@ static void nothing_is_dropped_or_coarsened_as_amounts_grow(void **state)
 
 /* Points, lines, simple ones and triangles of the same elements: each form gives way to the next, and every
  * vertex asked is drawn but for less than one element's. */
-static void four_forms_follow_each_other(void **state)
+UNIT_TEST(four_forms_follow_each_other)
 {
 	const uint32_t k = 200;
 	for (uint64_t seed = 1; seed < 20; seed++) {
@@ -203,7 +203,7 @@ static void four_forms_follow_each_other(void **state)
 
 /* Some leaves have a triangle less than what stands for them: a step may then cost less than nothing. Every
  * amount that is named can be drawn, all the same. */
-static void amounts_can_be_drawn_where_leaves_are_cheaper_than_their_forms(void **state)
+UNIT_TEST(amounts_can_be_drawn_where_leaves_are_cheaper_than_their_forms)
 {
 	const uint32_t k = 300;
 	for (uint64_t seed = 1; seed < 60; seed++) {
@@ -257,7 +257,7 @@ static struct eco_ladder points_and_fans(uint32_t k, uint32_t each)
 
 /* While as many elements are drawn, ever more of them in full, the scale is that of the amount, not of where
  * the reach goes on. */
-static void scales_follow_the_curve_where_the_reach_stays(void **state)
+UNIT_TEST(scales_follow_the_curve_where_the_reach_stays)
 {
 	struct eco_ladder ladder = points_and_fans(300, 4);
 	const struct eco_curve samples[] = { { 0.05f, 2, 0.4093f, 0.5f, 0.5f },
@@ -278,7 +278,7 @@ static void scales_follow_the_curve_where_the_reach_stays(void **state)
 
 /* A share of which a cell has but a fraction of an element says nothing about the cell's form: it begins with
  * points, as its plant does. */
-static void cells_begin_in_the_form_of_their_plant(void **state)
+UNIT_TEST(cells_begin_in_the_form_of_their_plant)
 {
 	struct eco_ladder ladder = points_and_fans(157, 4);
 	ladder.simple = random_form(&scene, ECO_LIST_TRIANGLES, ladder.triangles, 4);
@@ -299,7 +299,7 @@ static void cells_begin_in_the_form_of_their_plant(void **state)
 
 /* Elements of the region that the whole-plant list holds come first: a cell begins where the curve reaches
  * beyond them. */
-static void cells_draw_what_the_whole_plant_list_does_not(void **state)
+UNIT_TEST(cells_draw_what_the_whole_plant_list_does_not)
 {
 	random_scene_make(&scene, 3, 0);
 	const uint32_t k = 300, before = 100;
@@ -329,7 +329,7 @@ static void cells_draw_what_the_whole_plant_list_does_not(void **state)
 
 /* A whole-plant list that is all drawn as points stays that while cells go on: it is scaled by what the
  * picture shows by then. */
-static void a_list_that_is_all_drawn_is_scaled_as_its_plant(void **state)
+UNIT_TEST(a_list_that_is_all_drawn_is_scaled_as_its_plant)
 {
 	struct eco_ladder ladder = points_and_fans(100, 4);
 	ladder.total = 800;
@@ -355,7 +355,7 @@ static void a_list_that_is_all_drawn_is_scaled_as_its_plant(void **state)
 	}
 }
 
-static void wood_is_never_scaled_and_leaves_are_by_their_curve(void **state)
+UNIT_TEST(wood_is_never_scaled_and_leaves_are_by_their_curve)
 {
 	random_scene_make(&scene, 3, 0);
 	for (uint32_t l = 0; l < scene.scene.ladder_count; l++) {
@@ -371,7 +371,7 @@ static void wood_is_never_scaled_and_leaves_are_by_their_curve(void **state)
 	}
 }
 
-static void a_curve_is_interpolated_and_clamped(void **state)
+UNIT_TEST(a_curve_is_interpolated_and_clamped)
 {
 	random_scene_make(&scene, 5, 0);
 	struct eco_curve samples[] = { { 0.1f, 2, 1, 0.2f, 0.4f }, { 0.5f, 1, 1, 0.1f, 0.2f },
@@ -388,7 +388,7 @@ static void a_curve_is_interpolated_and_clamped(void **state)
 	}
 }
 
-static void from_above_scales_and_errors_turn_into_those_of_the_other_curve(void **state)
+UNIT_TEST(from_above_scales_and_errors_turn_into_those_of_the_other_curve)
 {
 	random_scene_make(&scene, 5, 0);
 	struct eco_curve samples[] = { { 0.1f, 2, 0.5f, 0.2f, 0.4f }, { 1, 1, 1, 0, 0 },
@@ -408,23 +408,4 @@ static void from_above_scales_and_errors_turn_into_those_of_the_other_curve(void
 	}
 	ladder.flags = 0;
 	assert_float_equal(lod_ladder_curve_seen(&scene.scene, &ladder, 0.1, 1).scale, 2, 1e-5);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_step_draws_what_it_says),
-		cmocka_unit_test(from_above_scales_and_errors_turn_into_those_of_the_other_curve),
-		cmocka_unit_test(forms_give_way_from_the_front),
-		cmocka_unit_test(nothing_is_dropped_or_coarsened_as_amounts_grow),
-		cmocka_unit_test(four_forms_follow_each_other),
-		cmocka_unit_test(amounts_can_be_drawn_where_leaves_are_cheaper_than_their_forms),
-		cmocka_unit_test(scales_follow_the_curve_where_the_reach_stays),
-		cmocka_unit_test(cells_begin_in_the_form_of_their_plant),
-		cmocka_unit_test(cells_draw_what_the_whole_plant_list_does_not),
-		cmocka_unit_test(a_list_that_is_all_drawn_is_scaled_as_its_plant),
-		cmocka_unit_test(wood_is_never_scaled_and_leaves_are_by_their_curve),
-		cmocka_unit_test(a_curve_is_interpolated_and_clamped),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

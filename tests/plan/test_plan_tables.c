@@ -9,7 +9,7 @@
 static struct scene_builder scene;
 
 /* Its simple twin walks along the curve for each question. */
-static void kept_ways_answer_as_walks_do(void **state)
+UNIT_TEST(kept_ways_answer_as_walks_do)
 {
 	uint64_t asked = 0;
 	for (uint64_t seed = 1; seed <= 40; seed++) {
@@ -68,7 +68,7 @@ static void assert_same_plan(const struct eco_plan *a, const struct eco_plan *b)
 		assert_true(a->gates[i].plant == b->gates[i].plant && a->gates[i].end == b->gates[i].end);
 }
 
-static void plans_are_the_same_with_tables_as_without(void **state)
+UNIT_TEST(plans_are_the_same_with_tables_as_without)
 {
 	static lod_rule *rules[] = { lod_rule_optimal, lod_rule_deussen };
 	for (uint64_t seed = 1; seed <= 30; seed++) {
@@ -105,7 +105,7 @@ static void *ask_all(void *ctx)
 	return NULL;
 }
 
-static void threads_that_ask_at_a_time_are_given_the_same(void **state)
+UNIT_TEST(threads_that_ask_at_a_time_are_given_the_same)
 {
 	static struct asker askers[THREADS];
 	pthread_t threads[THREADS];
@@ -127,12 +127,4 @@ static void threads_that_ask_at_a_time_are_given_the_same(void **state)
 	assert_true(bytes > 0
 		&& bytes <= scene.scene.ladder_count * (size_t)LOD_PLAN_TABLES_LADDER_BYTES_MAX);
 	lod_plan_tables_free(tables);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = { cmocka_unit_test(kept_ways_answer_as_walks_do),
-		cmocka_unit_test(plans_are_the_same_with_tables_as_without),
-		cmocka_unit_test(threads_that_ask_at_a_time_are_given_the_same) };
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

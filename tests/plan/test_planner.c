@@ -66,7 +66,7 @@ static void check_cuts(const struct eco_plan *plan)
 	}
 }
 
-static void never_above_the_budget_and_counted_as_drawn(void **state)
+UNIT_TEST(never_above_the_budget_and_counted_as_drawn)
 {
 	uint64_t unused = 0, asked = 0, ended = 0;
 	for (uint64_t seed = 1; seed <= 60; seed++) {
@@ -101,7 +101,7 @@ static void never_above_the_budget_and_counted_as_drawn(void **state)
 	assert_true(unused * 200 <= asked);
 }
 
-static void both_rules_keep_the_budget_and_predict(void **state)
+UNIT_TEST(both_rules_keep_the_budget_and_predict)
 {
 	static lod_rule *const rules[] = { lod_rule_optimal, lod_rule_deussen };
 	uint64_t drawn[2] = { 0 };
@@ -127,7 +127,7 @@ static void both_rules_keep_the_budget_and_predict(void **state)
 	assert_true(drawn[0] && drawn[1]);
 }
 
-static void same_request_same_bytes(void **state)
+UNIT_TEST(same_request_same_bytes)
 {
 	for (uint64_t seed = 100; seed < 110; seed++) {
 		random_scene_make(&scene, seed, 3);
@@ -146,7 +146,7 @@ static void same_request_same_bytes(void **state)
 	}
 }
 
-static void an_unlimited_budget_draws_every_visible_triangle_once(void **state)
+UNIT_TEST(an_unlimited_budget_draws_every_visible_triangle_once)
 {
 	random_scene_make(&scene, 7, 0);
 	struct eco_request request =
@@ -172,7 +172,7 @@ static void an_unlimited_budget_draws_every_visible_triangle_once(void **state)
 	eco_plan_free(&plan);
 }
 
-static void shifting_turning_and_scaling_through_a_placement_changes_only_rounding(void **state)
+UNIT_TEST(shifting_turning_and_scaling_through_a_placement_changes_only_rounding)
 {
 	static const double shifts[][3] = { { 1000, -250, 3 }, { 1e6, 1e6, 0 }, { 1e7, -1e7, 100 },
 		{ 0, 0, 0 }, { 5, 0, 0 } };
@@ -219,7 +219,7 @@ static void shifting_turning_and_scaling_through_a_placement_changes_only_roundi
 	eco_plan_free(&plan);
 }
 
-static void a_bounded_walk_still_answers(void **state)
+UNIT_TEST(a_bounded_walk_still_answers)
 {
 	random_scene_make(&scene, 33, 6);
 	struct eco_request request = random_request(&scene);
@@ -236,7 +236,7 @@ static void a_bounded_walk_still_answers(void **state)
 	}
 }
 
-static void needs_cover_every_cut(void **state)
+UNIT_TEST(needs_cover_every_cut)
 {
 	for (uint64_t seed = 200; seed < 220; seed++) {
 		random_scene_make(&scene, seed, 2);
@@ -257,18 +257,4 @@ static void needs_cover_every_cut(void **state)
 		free(needs.items);
 		eco_plan_free(&plan);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(never_above_the_budget_and_counted_as_drawn),
-		cmocka_unit_test(both_rules_keep_the_budget_and_predict),
-		cmocka_unit_test(same_request_same_bytes),
-		cmocka_unit_test(an_unlimited_budget_draws_every_visible_triangle_once),
-		cmocka_unit_test(shifting_turning_and_scaling_through_a_placement_changes_only_rounding),
-		cmocka_unit_test(a_bounded_walk_still_answers),
-		cmocka_unit_test(needs_cover_every_cut),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

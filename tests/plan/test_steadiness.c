@@ -170,7 +170,7 @@ static void move_slowly(uint64_t seed, struct tally *tally)
 	free(before.plants);
 }
 
-static void few_of_like_plants_switch_at_once(void **state)
+UNIT_TEST(few_of_like_plants_switch_at_once)
 {
 	struct tally tally = { 0 };
 	for (uint64_t seed = 1; seed <= 120; seed++)
@@ -185,7 +185,7 @@ static void few_of_like_plants_switch_at_once(void **state)
 	assert_true(tally.worst < 0.21);
 }
 
-static void a_still_camera_has_one_plan(void **state)
+UNIT_TEST(a_still_camera_has_one_plan)
 {
 	static struct scene_builder r;
 	struct eco_plan first, again;
@@ -206,13 +206,4 @@ static void a_still_camera_has_one_plan(void **state)
 	free(b.plants);
 	eco_plan_free(&first);
 	eco_plan_free(&again);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(few_of_like_plants_switch_at_once),
-		cmocka_unit_test(a_still_camera_has_one_plan),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -62,7 +62,7 @@ static double saved(const struct lod_summary_hull *points, double lambda)
 
 static double random_lambda(uint64_t *state) { return exp2(random_real(state, -24, 2)); }
 
-static void what_is_asked_for_is_what_all_points_give(void **state)
+UNIT_TEST(what_is_asked_for_is_what_all_points_give)
 {
 	uint64_t random = 1;
 	uint32_t falling = 0;
@@ -86,7 +86,7 @@ static void what_is_asked_for_is_what_all_points_give(void **state)
 	assert_true(falling > VIEWS / 4);
 }
 
-static void what_can_be_saved_is_bounded_before_it_is_computed(void **state)
+UNIT_TEST(what_can_be_saved_is_bounded_before_it_is_computed)
 {
 	uint64_t random = 2;
 	for (uint32_t v = 0; v < VIEWS; v++) {
@@ -102,7 +102,7 @@ static void what_can_be_saved_is_bounded_before_it_is_computed(void **state)
 	}
 }
 
-static void few_points_are_computed_for_a_lambda(void **state)
+UNIT_TEST(few_points_are_computed_for_a_lambda)
 {
 	uint64_t random = 3, asked = 0, all = 0;
 	for (uint32_t v = 0; v < VIEWS; v++) {
@@ -119,7 +119,7 @@ static void few_points_are_computed_for_a_lambda(void **state)
 	assert_true(2 * asked < all);
 }
 
-static void points_are_halves_down_to_one_point(void **state)
+UNIT_TEST(points_are_halves_down_to_one_point)
 {
 	static const struct { double points; uint32_t count; } cases[] =
 		{ { 1, 1 }, { 2, 2 }, { 3, 2 }, { 4, 3 }, { 4096, 13 }, { 4294967295.0, 32 } };
@@ -143,15 +143,4 @@ static void points_are_halves_down_to_one_point(void **state)
 		for (uint32_t k = 1; k < points.hull.count; k++)
 			assert_true(lod_hull_slope(&points.hull, k) <= high * (1 + 1e-9));
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(what_is_asked_for_is_what_all_points_give),
-		cmocka_unit_test(what_can_be_saved_is_bounded_before_it_is_computed),
-		cmocka_unit_test(few_points_are_computed_for_a_lambda),
-		cmocka_unit_test(points_are_halves_down_to_one_point),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

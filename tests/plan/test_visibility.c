@@ -22,7 +22,7 @@ static void look_at_trees(struct lod_screen *screen, const struct eco_view *view
 	assert_int_equal(lod_screen_shares(screen, true, &error), ECO_OK);
 }
 
-static void what_lies_behind_a_ridge_is_hidden(void **state)
+UNIT_TEST(what_lies_behind_a_ridge_is_hidden)
 {
 	/* behind a ridge: below it and above */
 	double feet[15][3] = { { 0, 200, -10 }, { 0, 200, 60 } };
@@ -39,7 +39,7 @@ static void what_lies_behind_a_ridge_is_hidden(void **state)
 
 /* Trees lower down are farther from the eye and, where the slope rises upwards in the picture, lower on the
  * screen. */
-static void a_slope_seen_from_above_hides_nothing(void **state)
+UNIT_TEST(a_slope_seen_from_above_hides_nothing)
 {
 	/* the eye's distance from what it looks at, along the ground */
 	static const double tilts[] = { 0.01, 20, 300 };
@@ -72,7 +72,7 @@ static struct lod_wrong some_wrong(void *ctx, const struct lod_visibility *visib
 }
 
 /* However dense its crown is: what is drawn too much of one without gaps lies around it. */
-static void of_a_tree_alone_as_much_is_wrong_as_its_curve_says(void **state)
+UNIT_TEST(of_a_tree_alone_as_much_is_wrong_as_its_curve_says)
 {
 	static const double areas[] = { 5, 60, 250, 5000 };
 	const struct eco_view view = { .eye = { 0, -30, 5 }, .target = { 0, 0, 5 }, .up = { 0, 0, 1 },
@@ -97,7 +97,7 @@ static void of_a_tree_alone_as_much_is_wrong_as_its_curve_says(void **state)
 
 /* Past the eye, one and two radii aside, or through it. Most of what stands around the eye is not in the
  * picture, but what the eye is within. */
-static void what_passes_the_eye_goes_little_by_little(void **state)
+UNIT_TEST(what_passes_the_eye_goes_little_by_little)
 {
 	const struct eco_view view = { .eye = { 0, 0, 5 }, .target = { 0, 10, 5 }, .up = { 0, 0, 1 },
 		.fov_y_deg = 50, .width = 800, .height = 600 };
@@ -118,15 +118,4 @@ static void what_passes_the_eye_goes_little_by_little(void **state)
 		lod_screen_free(&screen);
 	}
 	assert_true(before[0] <= 0);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(what_lies_behind_a_ridge_is_hidden),
-		cmocka_unit_test(a_slope_seen_from_above_hides_nothing),
-		cmocka_unit_test(of_a_tree_alone_as_much_is_wrong_as_its_curve_says),
-		cmocka_unit_test(what_passes_the_eye_goes_little_by_little),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -91,7 +91,7 @@ static int finish(struct process *process, char out[8192], char err[8192])
 	return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-static void arguments_are_checked_and_errors_help(void **state)
+UNIT_TEST(arguments_are_checked_and_errors_help)
 {
 	static const struct { const char *arguments[6]; int status; const char *out, *err; } rows[] = {
 		{ { "--version" }, 0, "ecoserve " ECO_VERSION "\n", "" },
@@ -128,7 +128,7 @@ static uint16_t wait_ready(struct process *process, char line[256])
 	return (uint16_t)(colon ? atoi(colon + 1) : 0);
 }
 
-static void it_says_when_it_is_ready_and_ends_when_asked(void **state)
+UNIT_TEST(it_says_when_it_is_ready_and_ends_when_asked)
 {
 	static const char *const arguments[] = { "--listen", "127.0.0.1:0", "--log", "a=" PACK_PATH,
 		"b=" PACK_PATH, NULL };
@@ -151,7 +151,7 @@ static void it_says_when_it_is_ready_and_ends_when_asked(void **state)
 	}
 }
 
-static void ipv6_is_served_where_there_is_some(void **state)
+UNIT_TEST(ipv6_is_served_where_there_is_some)
 {
 	static const char *const arguments[] = { "--listen", "[::1]:0", PACK_PATH, NULL };
 	char line[256], out[8192], err[8192];
@@ -168,7 +168,7 @@ static void ipv6_is_served_where_there_is_some(void **state)
 	assert_non_null(strstr(line, "(1 scene named "));
 }
 
-static void a_client_that_leaves_does_no_harm(void **state)
+UNIT_TEST(a_client_that_leaves_does_no_harm)
 {
 	static const char *const arguments[] = { "--listen", "127.0.0.1:0", PACK_PATH, NULL };
 	static const char request[] = "GET "
@@ -196,7 +196,7 @@ static void a_client_that_leaves_does_no_harm(void **state)
 	assert_string_equal(err, "");
 }
 
-static void a_pack_cut_short_ends_it_with_advice(void **state)
+UNIT_TEST(a_pack_cut_short_ends_it_with_advice)
 {
 	static const char *const arguments[] = { "--listen", "127.0.0.1:0", CUT_PATH, NULL };
 	static const char request[] = "GET "
@@ -220,7 +220,7 @@ static void a_pack_cut_short_ends_it_with_advice(void **state)
 
 /* Importers and decoders are hostile ground: none of them is in the daemon, neither as a library nor linked
  * in. */
-static void it_links_no_importer_and_no_decoder(void **state)
+UNIT_TEST(it_links_no_importer_and_no_decoder)
 {
 	static const char *const libraries[] = { "draco", "OpenImageIO", "assimp", "gdal", "meshoptimizer",
 		"libEGL", "libcurl" };
@@ -252,13 +252,5 @@ static void it_links_no_importer_and_no_decoder(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(arguments_are_checked_and_errors_help),
-		cmocka_unit_test(it_says_when_it_is_ready_and_ends_when_asked),
-		cmocka_unit_test(ipv6_is_served_where_there_is_some),
-		cmocka_unit_test(a_client_that_leaves_does_no_harm),
-		cmocka_unit_test(a_pack_cut_short_ends_it_with_advice),
-		cmocka_unit_test(it_links_no_importer_and_no_decoder),
-	};
-	return cmocka_run_group_tests(tests, prepare, NULL);
+	return unit_tests_run(prepare, NULL);
 }

@@ -22,7 +22,7 @@ static enum eco_code parse_target(struct srv_target *target, const char *raw)
 	return code;
 }
 
-static void paths_are_allow_listed(void **state)
+UNIT_TEST(paths_are_allow_listed)
 {
 	static const struct { const char *raw; uint32_t segments; } rows[] = {      /* 0: refused; / is 99 */
 		{ "/", 99 }, { "/healthz", 1 }, { "/v1/scenes", 2 }, { "/v1/scenes/a-b_c.d/plan", 4 },
@@ -54,7 +54,7 @@ static void paths_are_allow_listed(void **state)
 	assert_int_equal(srv_target_parse(&target, "/a\0b", 4, NULL), ECO_BAD_INPUT);
 }
 
-static void parameters_are_decoded_strictly(void **state)
+UNIT_TEST(parameters_are_decoded_strictly)
 {
 	/* of parameter x; NULL: refused */
 	static const struct { const char *raw, *value; } rows[] = {
@@ -80,7 +80,7 @@ static void parameters_are_decoded_strictly(void **state)
 	}
 }
 
-static void too_many_parameters_are_refused(void **state)
+UNIT_TEST(too_many_parameters_are_refused)
 {
 	struct srv_target target;
 	char raw[256] = "/p?";
@@ -93,7 +93,7 @@ static void too_many_parameters_are_refused(void **state)
 	assert_int_equal(parse_target(&target, raw), ECO_BAD_INPUT);
 }
 
-static void numbers_are_plain_decimals(void **state)
+UNIT_TEST(numbers_are_plain_decimals)
 {
 	static const struct { const char *text; bool good; double value; } rows[] = {
 		{ "0", true, 0 }, { "-1.5", true, -1.5 }, { "1e3", true, 1000 }, { "1E-2", true, .01 },
@@ -114,7 +114,7 @@ static void numbers_are_plain_decimals(void **state)
 	}
 }
 
-static void counts_do_not_overflow(void **state)
+UNIT_TEST(counts_do_not_overflow)
 {
 	uint64_t value = 0;
 	assert_true(srv_parse_count("18446744073709551615", &value) && value == UINT64_MAX);
@@ -137,7 +137,7 @@ static enum eco_code parse_query(struct srv_query *query, const char *parameters
 	return code ? code : srv_query_parse(query, &target, error);
 }
 
-static void a_query_has_defaults(void **state)
+UNIT_TEST(a_query_has_defaults)
 {
 	struct srv_query query;
 	struct eco_error error;
@@ -159,7 +159,7 @@ static void a_query_has_defaults(void **state)
 		&& query.rule == lod_rule_optimal);
 }
 
-static void bad_queries_name_the_parameter(void **state)
+UNIT_TEST(bad_queries_name_the_parameter)
 {
 	static const struct { const char *query, *named; } rows[] = {
 		{ "target=4,5,6&width=800&height=600&vertices=1000", "'eye' is missing" },
@@ -194,7 +194,7 @@ static void bad_queries_name_the_parameter(void **state)
 	}
 }
 
-static void ids_have_one_spelling(void **state)
+UNIT_TEST(ids_have_one_spelling)
 {
 	struct eco_chunk_id id;
 	char text[SRV_ID_TEXT_BYTES];
@@ -208,7 +208,7 @@ static void ids_have_one_spelling(void **state)
 	assert_false(srv_parse_id("0123456789abcdef00112233445566g7", &id));
 }
 
-static void ranges_follow_rfc_9110(void **state)
+UNIT_TEST(ranges_follow_rfc_9110)
 {
 	static const struct { const char *value; enum srv_range_kind kind; uint64_t first, end; } rows[] = {
 		{ NULL, SRV_RANGE_ALL, 0, 0 }, { "bytes=0-0", SRV_RANGE_PART, 0, 1 },
@@ -237,7 +237,7 @@ static void ranges_follow_rfc_9110(void **state)
 	}
 }
 
-static void entity_tags_match_weakly(void **state)
+UNIT_TEST(entity_tags_match_weakly)
 {
 	static const struct { const char *value; bool match; } rows[] = {
 		{ "\"abc\"", true }, { "W/\"abc\"", true }, { "*", true }, { " * ", true },
@@ -255,7 +255,7 @@ static void header(struct srv_framing *framing, const char *name, const char *va
 	srv_framing_header(framing, name, strlen(name), value, strlen(value));
 }
 
-static void framing_is_unambiguous_or_refused(void **state)
+UNIT_TEST(framing_is_unambiguous_or_refused)
 {
 	static const struct { const char *headers[4][2]; bool body; enum srv_problem problem; } rows[] = {
 		{ { { "Host", "a" } }, false, SRV_PROBLEM_NONE },
@@ -295,7 +295,7 @@ static void framing_is_unambiguous_or_refused(void **state)
 	}
 }
 
-static void routes_match_whole_paths(void **state)
+UNIT_TEST(routes_match_whole_paths)
 {
 	static const struct { const char *raw; int route; const char *first, *second; } rows[] = {
 		{ "/healthz", SRV_HEALTH, NULL, NULL }, { "/v1/scenes", SRV_SCENES, NULL, NULL },
@@ -324,7 +324,7 @@ static void routes_match_whole_paths(void **state)
 	}
 }
 
-static void json_escapes_and_keeps_numbers(void **state)
+UNIT_TEST(json_escapes_and_keeps_numbers)
 {
 	struct srv_json json = { 0 };
 	srv_json_open(&json, '{');
@@ -351,7 +351,7 @@ static void json_escapes_and_keeps_numbers(void **state)
 	eco_writer_free(&json.out);
 }
 
-static void problems_are_complete(void **state)
+UNIT_TEST(problems_are_complete)
 {
 	for (int i = 1; i < SRV_PROBLEM_COUNT; i++) {
 		assert_true(strncmp(srv_problem_rows[i].type, "urn:ecostream:problem:", 22) == 0);
@@ -362,7 +362,7 @@ static void problems_are_complete(void **state)
 	}
 }
 
-static void scene_names_are_checked(void **state)
+UNIT_TEST(scene_names_are_checked)
 {
 	char name[80];
 	assert_true(srv_name_valid("a") && srv_name_valid("0-9_z") && srv_name_valid("scbi"));
@@ -375,26 +375,4 @@ static void scene_names_are_checked(void **state)
 	name[63] = 'a';
 	name[64] = 0;
 	assert_false(srv_name_valid(name));
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(paths_are_allow_listed),
-		cmocka_unit_test(parameters_are_decoded_strictly),
-		cmocka_unit_test(too_many_parameters_are_refused),
-		cmocka_unit_test(numbers_are_plain_decimals),
-		cmocka_unit_test(counts_do_not_overflow),
-		cmocka_unit_test(a_query_has_defaults),
-		cmocka_unit_test(bad_queries_name_the_parameter),
-		cmocka_unit_test(ids_have_one_spelling),
-		cmocka_unit_test(ranges_follow_rfc_9110),
-		cmocka_unit_test(entity_tags_match_weakly),
-		cmocka_unit_test(framing_is_unambiguous_or_refused),
-		cmocka_unit_test(routes_match_whole_paths),
-		cmocka_unit_test(json_escapes_and_keeps_numbers),
-		cmocka_unit_test(problems_are_complete),
-		cmocka_unit_test(scene_names_are_checked),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

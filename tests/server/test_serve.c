@@ -5,7 +5,7 @@
 #include "tests/support/openapi.h"
 #include "tests/support/stream_reader.h"
 
-static void health_and_scenes_are_described(void **state)
+UNIT_TEST(health_and_scenes_are_described)
 {
 	struct http_answer answer = http_get(port, "/healthz");
 	assert_int_equal(answer.status, 200);
@@ -41,7 +41,7 @@ static void health_and_scenes_are_described(void **state)
 	http_free(&answer);
 }
 
-static void a_plan_tells_what_the_stream_sends(void **state)
+UNIT_TEST(a_plan_tells_what_the_stream_sends)
 {
 	struct http_answer plan = http_get(port, BASE "/plan?" VIEW_BY("50000")),
 		stream = http_get(port, BASE "/stream?" VIEW_BY("50000"));
@@ -74,7 +74,7 @@ static void a_plan_tells_what_the_stream_sends(void **state)
 	http_free(&plan);
 }
 
-static void a_plan_is_explained_when_asked(void **state)
+UNIT_TEST(a_plan_is_explained_when_asked)
 {
 	struct http_answer plan = http_get(port, BASE "/plan?" VIEW_BY("50000") "&explain=1"),
 		plain = http_get(port, BASE "/plan?" VIEW_BY("50000"));
@@ -116,7 +116,7 @@ static void read_stream(struct stream_reader *reader, const struct http_answer *
 		fail_msg("%s", error.text);
 }
 
-static void streams_are_complete_and_send_only_what_is_missing(void **state)
+UNIT_TEST(streams_are_complete_and_send_only_what_is_missing)
 {
 	struct stream_reader reader;
 	stream_reader_init(&reader, scene());
@@ -152,7 +152,7 @@ static void streams_are_complete_and_send_only_what_is_missing(void **state)
 }
 
 /* As an answer has the tag of its request, what one rule answered is never taken for what another would. */
-static void a_plan_follows_the_rule_that_is_asked_for(void **state)
+UNIT_TEST(a_plan_follows_the_rule_that_is_asked_for)
 {
 	static const struct { const char *target; bool deussen; } rows[] =
 		{ { BASE "/plan?" VIEW_BY("50000"), false },
@@ -182,7 +182,7 @@ static void a_plan_follows_the_rule_that_is_asked_for(void **state)
 		json_decref(plans[i]);
 }
 
-static void same_request_same_bytes(void **state)
+UNIT_TEST(same_request_same_bytes)
 {
 	static const char *const targets[] = { BASE "/stream?" VIEW_BY("100000"),
 		BASE "/stream?" VIEW_BY("100000") "&bytes=60000", BASE "/plan?" VIEW_BY("100000"),
@@ -211,7 +211,7 @@ static void same_request_same_bytes(void **state)
 	}
 }
 
-static void byte_budgets_are_never_exceeded(void **state)
+UNIT_TEST(byte_budgets_are_never_exceeded)
 {
 	uint64_t random = 99;
 	uint32_t fitting = 0, refused = 0;
@@ -239,7 +239,7 @@ static void byte_budgets_are_never_exceeded(void **state)
 	assert_true(fitting > 100 && refused > 5);
 }
 
-static void below_the_smallest_stream_there_is_none(void **state)
+UNIT_TEST(below_the_smallest_stream_there_is_none)
 {
 	struct http_answer least = http_get(port, BASE "/stream?" VIEW_BY("0")), answer;
 	char target[200];
@@ -255,7 +255,7 @@ static void below_the_smallest_stream_there_is_none(void **state)
 	http_free(&least);
 }
 
-static void chunks_are_immutable_and_partial(void **state)
+UNIT_TEST(chunks_are_immutable_and_partial)
 {
 	const struct eco_chunk *chunk = &scene()->chunks[3];
 	const uint8_t *payload = store.scenes[0].pack->map + chunk->offset;
@@ -301,7 +301,7 @@ static void chunks_are_immutable_and_partial(void **state)
 	}
 }
 
-static void a_connection_serves_many_requests(void **state)
+UNIT_TEST(a_connection_serves_many_requests)
 {
 	int fd = http_connect(port);
 	char request[300], target[128];
@@ -320,7 +320,7 @@ static void a_connection_serves_many_requests(void **state)
 	close(fd);
 }
 
-static void every_route_is_described_and_every_description_is_served(void **state)
+UNIT_TEST(every_route_is_described_and_every_description_is_served)
 {
 	static const struct { enum srv_method bit; const char *name; } methods[] =
 		{ { SRV_METHOD_GET, "GET" }, { SRV_METHOD_POST, "POST" } };
@@ -357,18 +357,5 @@ static void every_route_is_described_and_every_description_is_served(void **stat
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(health_and_scenes_are_described),
-		cmocka_unit_test(a_plan_tells_what_the_stream_sends),
-		cmocka_unit_test(a_plan_is_explained_when_asked),
-		cmocka_unit_test(streams_are_complete_and_send_only_what_is_missing),
-		cmocka_unit_test(a_plan_follows_the_rule_that_is_asked_for),
-		cmocka_unit_test(same_request_same_bytes),
-		cmocka_unit_test(byte_budgets_are_never_exceeded),
-		cmocka_unit_test(below_the_smallest_stream_there_is_none),
-		cmocka_unit_test(chunks_are_immutable_and_partial),
-		cmocka_unit_test(a_connection_serves_many_requests),
-		cmocka_unit_test(every_route_is_described_and_every_description_is_served),
-	};
-	return cmocka_run_group_tests(tests, serve_start, serve_stop);
+	return unit_tests_run(serve_start, serve_stop);
 }

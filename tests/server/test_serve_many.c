@@ -21,7 +21,7 @@ static void *ask_many(void *argument)
 	return (void *)wrong;
 }
 
-static void many_clients_are_served_at_once(void **state)
+UNIT_TEST(many_clients_are_served_at_once)
 {
 	pthread_t threads[16];
 	for (uintptr_t i = 0; i < 16; i++)
@@ -33,7 +33,7 @@ static void many_clients_are_served_at_once(void **state)
 	}
 }
 
-static void overdue_connections_are_shut(void **state)
+UNIT_TEST(overdue_connections_are_shut)
 {
 	static const char *const starts[] = { "", "GET /hea", "GET /healthz HTTP/1.1\r\nHost: t\r\nX: ",
 		STREAM "Content-Length: 100\r\n\r\nab" };
@@ -53,7 +53,7 @@ static void overdue_connections_are_shut(void **state)
 	srv_daemon_stop(daemon);
 }
 
-static void bodies_are_bounded_together(void **state)
+UNIT_TEST(bodies_are_bounded_together)
 {
 	static const char start[] = STREAM "Content-Length: 1000\r\n\r\n";
 	const struct srv_config config = { .listen = "127.0.0.1:0", .bodies_max = 1500 };
@@ -78,7 +78,7 @@ static void bodies_are_bounded_together(void **state)
 	srv_daemon_stop(daemon);
 }
 
-static void stopping_refuses_new_requests_and_ends(void **state)
+UNIT_TEST(stopping_refuses_new_requests_and_ends)
 {
 	static const char request[] = "GET /healthz HTTP/1.1\r\nHost: t\r\n\r\n";
 	const struct srv_config config = { .listen = "127.0.0.1:0" };
@@ -104,7 +104,7 @@ static void stopping_refuses_new_requests_and_ends(void **state)
 }
 
 /* Connections that wait for a plan are suspended; the library aborts if one still is when it is stopped. */
-static void stopping_while_planning_is_clean(void **state)
+UNIT_TEST(stopping_while_planning_is_clean)
 {
 	static const char request[] = "GET " BASE
 		"/stream?" VIEW_BY("2000000") "&bytes=300000 HTTP/1.1\r\n" HOST "\r\n";
@@ -132,7 +132,7 @@ static void stopping_while_planning_is_clean(void **state)
 	}
 }
 
-static void a_taken_port_is_named(void **state)
+UNIT_TEST(a_taken_port_is_named)
 {
 	char listen_at[32];
 	struct srv_config config = { .listen = listen_at };
@@ -155,13 +155,5 @@ static void a_taken_port_is_named(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(many_clients_are_served_at_once),
-		cmocka_unit_test(overdue_connections_are_shut),
-		cmocka_unit_test(bodies_are_bounded_together),
-		cmocka_unit_test(stopping_refuses_new_requests_and_ends),
-		cmocka_unit_test(stopping_while_planning_is_clean),
-		cmocka_unit_test(a_taken_port_is_named),
-	};
-	return cmocka_run_group_tests(tests, serve_start, serve_stop);
+	return unit_tests_run(serve_start, serve_stop);
 }

@@ -23,7 +23,7 @@ static void assert_described(const char *method, const char *raw, unsigned statu
 		fail_msg("%s %s: %u is not described", method, route->pattern, status);
 }
 
-static void bad_requests_are_problems(void **state)
+UNIT_TEST(bad_requests_are_problems)
 {
 	static const struct { const char *method, *target, *headers, *body; unsigned status; const char *type;
 		} rows[] = {
@@ -92,7 +92,7 @@ static void bad_requests_are_problems(void **state)
 	}
 }
 
-static void holdings_of_another_scene_are_refused(void **state)
+UNIT_TEST(holdings_of_another_scene_are_refused)
 {
 	struct eco_holding items[] = { { 0, 100000 } };
 	struct eco_holdings holdings = { items, 1 };
@@ -108,7 +108,7 @@ static void holdings_of_another_scene_are_refused(void **state)
 
 /* What must not be read as two requests: a refusal (`status` 0: any), nothing after it, and the connection is
  * closed. (Where libmicrohttpd 0.9.75 itself refuses, it sends its head twice; so heads are not counted.) */
-static void smuggling_is_refused_and_closed(void **state)
+UNIT_TEST(smuggling_is_refused_and_closed)
 {
 #define SECOND "GET /healthz HTTP/1.1\r\n" HOST "\r\n"
 	static const struct { const char *request; unsigned status; } rows[] = {
@@ -151,7 +151,7 @@ static void smuggling_is_refused_and_closed(void **state)
 	}
 }
 
-static void long_targets_and_heads_are_refused(void **state)
+UNIT_TEST(long_targets_and_heads_are_refused)
 {
 	char *target = malloc(40000), *headers = malloc(60000);
 	memset(target, 'a', 3000);
@@ -174,11 +174,5 @@ static void long_targets_and_heads_are_refused(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(bad_requests_are_problems),
-		cmocka_unit_test(holdings_of_another_scene_are_refused),
-		cmocka_unit_test(smuggling_is_refused_and_closed),
-		cmocka_unit_test(long_targets_and_heads_are_refused),
-	};
-	return cmocka_run_group_tests(tests, serve_start, serve_stop);
+	return unit_tests_run(serve_start, serve_stop);
 }

@@ -1,7 +1,7 @@
 /* Scenes that are served: their names, and that they are checked. */
 #include "tests/support/serve_daemon.h"
 
-static void files_give_names_that_can_be_asked_for(void **state)
+UNIT_TEST(files_give_names_that_can_be_asked_for)
 {
 	static const struct { const char *path, *name; bool valid; } rows[] = {
 		{ "/data/park.eco", "park", true }, { "park", "park", true }, { "a--b_.eco", "a--b_", true },
@@ -20,7 +20,7 @@ static void files_give_names_that_can_be_asked_for(void **state)
 	}
 }
 
-static void scenes_are_named_and_checked(void **state)
+UNIT_TEST(scenes_are_named_and_checked)
 {
 	struct srv_store other;
 	struct eco_error error = { 0 };
@@ -46,9 +46,5 @@ static void scenes_are_named_and_checked(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(files_give_names_that_can_be_asked_for),
-		cmocka_unit_test(scenes_are_named_and_checked),
-	};
-	return cmocka_run_group_tests(tests, serve_start, serve_stop);
+	return unit_tests_run(serve_start, serve_stop);
 }

@@ -81,7 +81,7 @@ static struct eco_request random_request(struct scene_builder *r)
 		.bytes = ECO_BYTES_UNBOUNDED };
 }
 
-static void a_stream_brings_all_that_its_plans_draw(void **state)
+UNIT_TEST(a_stream_brings_all_that_its_plans_draw)
 {
 	for (uint64_t seed = 1; seed <= ROUNDS; seed++) {
 		struct bench b = bench_make(seed, 1 + seed % 5);
@@ -109,7 +109,7 @@ static struct eco_holdings held_by(const struct stream_reader *reader)
 	return holdings;
 }
 
-static void what_is_held_is_not_sent_again(void **state)
+UNIT_TEST(what_is_held_is_not_sent_again)
 {
 	for (uint64_t seed = 1; seed <= ROUNDS; seed++) {
 		struct bench b = bench_make(100 + seed, 2);
@@ -141,7 +141,7 @@ static void what_is_held_is_not_sent_again(void **state)
 	}
 }
 
-static void same_request_same_bytes(void **state)
+UNIT_TEST(same_request_same_bytes)
 {
 	for (uint64_t seed = 1; seed <= ROUNDS; seed++) {
 		struct bench b = bench_make(200 + seed, 40);
@@ -158,7 +158,7 @@ static void same_request_same_bytes(void **state)
 	}
 }
 
-static void byte_budgets_are_never_exceeded_and_well_used(void **state)
+UNIT_TEST(byte_budgets_are_never_exceeded_and_well_used)
 {
 	uint32_t fitting = 0, refused = 0, bounded = 0;
 	double used = 0;
@@ -205,7 +205,7 @@ static void byte_budgets_are_never_exceeded_and_well_used(void **state)
 	assert_true(used / bounded > 0.75);
 }
 
-static void large_answers_come_coarse_first(void **state)
+UNIT_TEST(large_answers_come_coarse_first)
 {
 	uint32_t stepped = 0;
 	for (uint64_t seed = 1; seed <= 6; seed++) {
@@ -235,7 +235,7 @@ static void large_answers_come_coarse_first(void **state)
 	assert_true(stepped >= 3);
 }
 
-static void limits_are_answers_not_crashes(void **state)
+UNIT_TEST(limits_are_answers_not_crashes)
 {
 	struct bench b = bench_make(500, 100);
 	struct eco_request request = random_request(&b.pack->r);
@@ -252,7 +252,7 @@ static void limits_are_answers_not_crashes(void **state)
 	bench_free(&b);
 }
 
-static void a_damaged_payload_is_named_and_the_rest_still_served(void **state)
+UNIT_TEST(a_damaged_payload_is_named_and_the_rest_still_served)
 {
 	struct bench b = bench_make(501, 2);
 	const struct eco_scene *scene = &b.pack->pack.scene;
@@ -275,7 +275,7 @@ static void a_damaged_payload_is_named_and_the_rest_still_served(void **state)
 	bench_free(&b);
 }
 
-static void impossible_holdings_are_refused(void **state)
+UNIT_TEST(impossible_holdings_are_refused)
 {
 	struct bench b = bench_make(502, 1);
 	const struct eco_scene *scene = &b.pack->pack.scene;
@@ -288,19 +288,4 @@ static void impossible_holdings_are_refused(void **state)
 	item.chunks--;
 	assert_int_equal(srv_holdings_check(scene, &holdings, &error), ECO_OK);
 	bench_free(&b);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_stream_brings_all_that_its_plans_draw),
-		cmocka_unit_test(what_is_held_is_not_sent_again),
-		cmocka_unit_test(same_request_same_bytes),
-		cmocka_unit_test(byte_budgets_are_never_exceeded_and_well_used),
-		cmocka_unit_test(large_answers_come_coarse_first),
-		cmocka_unit_test(limits_are_answers_not_crashes),
-		cmocka_unit_test(a_damaged_payload_is_named_and_the_rest_still_served),
-		cmocka_unit_test(impossible_holdings_are_refused),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }
