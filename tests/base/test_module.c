@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "ecofiles/base/module.h"
+#include "tests/support/files.h"
 #include "tests/support/unit_test.h"
 
 #define FOLDER "build/tmp/modules"
@@ -14,17 +15,11 @@
 static void put(const char *name, const char *bytes)
 {
 	char path[200];
-	FILE *file;
-	mkdir("build/tmp", 0755);
-	mkdir(FOLDER, 0755);
+	folder_make(FOLDER);
 	snprintf(path, sizeof path, FOLDER "/%s", name);
 	unlink(path);
-	if (!bytes)
-		return;
-	file = fopen(path, "wb");
-	assert_non_null(file);
-	fputs(bytes, file);
-	fclose(file);
+	if (bytes)
+		file_write_text(path, bytes);
 }
 
 static void assert_refused(enum eco_module module, const char *says, const char *and)

@@ -1,7 +1,6 @@
 /* Range-coded bits come back as they were written, in as many bytes as they are worth; anything can be read.
  */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/base/range.h"

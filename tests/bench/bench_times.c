@@ -6,7 +6,6 @@
 #include <time.h>
 
 #include "ecofiles/base/mix.h"
-#include "lod/plan/plan_tables.h"
 
 #define REPETITIONS_MAX 200u
 #define REPETITIONS_LEAST 3u

@@ -1,7 +1,6 @@
 /* The planner against everything that could be done instead, in scenes so small that it can be tried; and
  * what benches of planning make. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "tests/bench/bench_best.h"
 #include "tests/bench/bench_still.h"

@@ -1,7 +1,5 @@
 /* Orders of leaves that are not scaled: prefixes cover as much as can be, over the wood, in the views that
  * they are for. */
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "lod/build/order/cover.h"

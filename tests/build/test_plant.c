@@ -41,8 +41,7 @@ static void build(struct lod_plant *plant, struct soup *soup, enum kind kind)
 	struct eco_error error = { 0 };
 	struct lod_plant_options options = options_for(kind);
 	make_model(soup, kind);
-	if (lod_plant_build(plant, &soup->model, &options, &error) != ECO_OK)
-		fail_msg("%s", error.text);
+	assert_ok(lod_plant_build(plant, &soup->model, &options, &error), error);
 }
 
 static void finish(struct lod_plant *plant, struct soup *soup)
@@ -559,8 +558,7 @@ UNIT_TEST(any_soup_is_stored_completely)
 		for (uint32_t t = 0; t < 4 * n; t++)
 			soup_triangle(&soup, m, (uint32_t)soup_random(&soup, 0, n + 1),
 				(uint32_t)soup_random(&soup, 0, n), (uint32_t)soup_random(&soup, 0, n));
-		if (lod_plant_build(&plant, &soup.model, &options, &error) != ECO_OK)
-			fail_msg("%s", error.text);
+		assert_ok(lod_plant_build(&plant, &soup.model, &options, &error), error);
 		uint32_t dropped = 0;
 		for (int d = 0; d < ECO_DROP_COUNT; d++)
 			dropped += plant.dropped[d];

@@ -28,8 +28,7 @@ static void build(struct lod_plant *plant, enum lod_order_method order, uint32_t
 	o.order = order;
 	o.grid_bits = bits;
 	make_tree(&soup, false);
-	if (lod_plant_build(plant, &soup.model, &o, &error))
-		fail_msg("%s", error.text);
+	assert_ok(lod_plant_build(plant, &soup.model, &o, &error), error);
 	soup_free(&soup);
 }
 

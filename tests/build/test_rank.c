@@ -24,8 +24,7 @@ static struct lod_rank make(const struct lod_foliage *foliage, struct lod_rank_o
 	struct lod_rank rank;
 	options.views = options.views ? options.views : 12;
 	options.pixels = options.pixels ? options.pixels : 128;
-	if (lod_rank_make(&rank, foliage, &options, &arena, &error))
-		fail_msg("%s", error.text);
+	assert_ok(lod_rank_make(&rank, foliage, &options, &arena, &error), error);
 	return rank;
 }
 

@@ -11,6 +11,7 @@
 #include "ecofiles/generate/generate_plants.h"
 #include "ecofiles/import/model/model_import.h"
 #include "lod/build/plant.h"
+#include "tests/support/files.h"
 #include "tests/support/unit_test.h"
 
 #define FOLDER "build/tmp/shape_plants"
@@ -31,8 +32,7 @@ static void build(struct lod_plant *plant, const char *name, uint64_t seed)
 	const char *paths[1] = { path };
 	const struct lod_plant_options options = { .name = name, .seed = 1, .order = LOD_ORDER_COMBINED,
 		.grid_bits = 14 };
-	mkdir("build/tmp", 0777);
-	mkdir(FOLDER, 0777);
+	folder_make(FOLDER);
 	assert_non_null(kind);
 	kind->grow(&mesh, &random);
 	assert_int_equal(gen_mesh_write(&mesh, FOLDER, name, &error), ECO_OK);

@@ -1,5 +1,4 @@
 /* Drawing with OpenGL: what is counted, hidden, coloured, and kept on the GPU between frames. */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -9,6 +9,7 @@
 #include "client-min/view_reference.h"
 #include "client-min/view_select.h"
 #include "server/stream.h"
+#include "tests/support/files.h"
 #include "tests/support/ground_tiles.h"
 #include "tests/support/scene_packs.h"
 #include "tests/support/unit_test.h"
@@ -35,8 +36,7 @@ static int open_all(void **state)
 {
 	struct eco_ground ground = ground_make(SIDE, SIDE, -HALF_M, -HALF_M, STEP_M, hills);
 	struct eco_error error = { 0 };
-	mkdir("build", 0777);
-	mkdir("build/tmp", 0777);
+	folder_make("build/tmp");
 	remove(PATH);
 	srv_store_init(&store);
 	if (sample_pack_write_on(PATH, &ground, true, &error) || srv_store_add(&store, "hills", PATH, &error))
@@ -69,8 +69,7 @@ static void plan(struct srv_stream *stream, const struct eco_request *request,
 {
 	struct srv_stream_input input = { .scene = scene, .request = request, .holdings = holdings };
 	struct eco_error error = { 0 };
-	if (srv_stream_plan(stream, &input, &error))
-		fail_msg("%s", error.text);
+	assert_ok(srv_stream_plan(stream, &input, &error), error);
 }
 
 static uint32_t ground_tiles(const struct srv_step *step)

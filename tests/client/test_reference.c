@@ -8,6 +8,7 @@
 #include "client-min/view_reference.h"
 #include "ecofiles/format/image.h"
 #include "lod/raster/raster.h"
+#include "tests/support/files.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
@@ -78,8 +79,7 @@ static void save(const char *name, const struct view_picture *p)
 {
 	char path[128];
 	snprintf(path, sizeof path, "build/tmp/%s.png", name);
-	mkdir("build", 0777);
-	mkdir("build/tmp", 0777);
+	folder_make("build/tmp");
 	eco_png_write(&(struct eco_pixels){ p->width, p->height, 3, p->rgb }, path, NULL);
 }
 

@@ -5,13 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include "client-min/view_explain.h"
 #include "client-min/view_fetch.h"
 #include "client-min/view_load.h"
 #include "client-min/view_picture.h"
 #include "client-min/view_report.h"
+#include "tests/support/files.h"
 #include "tests/support/unit_test.h"
 
 static const struct eco_request request =
@@ -36,9 +36,7 @@ UNIT_TEST(line_shows_dashes_for_what_is_not_known)
 
 static json_t *written(const struct view_report *report)
 {
-	mkdir("build", 0777);
-	mkdir("build/tmp", 0777);
-	mkdir("build/tmp/report", 0777);
+	folder_make("build/tmp/report");
 	struct eco_error error = { 0 };
 	assert_int_equal(view_report_write(report, "build/tmp/report", &error), ECO_OK);
 	json_t *root = json_load_file("build/tmp/report/report.json", 0, NULL);

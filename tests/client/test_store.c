@@ -1,6 +1,5 @@
 /* What a client holds, and which instances a plan's cuts draw: streams of a small scene, whole, repeated and
  * wrong. */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

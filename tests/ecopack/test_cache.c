@@ -12,37 +12,11 @@
 #include "ecofiles/ecopack/cache.h"
 #include "ecofiles/ecopack/make.h"
 #include "ecofiles/ecopack/progress.h"
+#include "tests/support/files.h"
+#include "tests/support/scratch.h"
 #include "tests/support/unit_test.h"
 
-static char root[256], folder[300];
-
-static char *in_root(char path[512], const char *name)
-{
-	snprintf(path, 512, "%s/%s", root, name);
-	return path;
-}
-
-static void write_text(const char *name, const char *text)
-{
-	char path[512];
-	FILE *file = fopen(in_root(path, name), "wb");
-	assert_non_null(file);
-	fputs(text, file);
-	assert_int_equal(fclose(file), 0);
-}
-
-static uint8_t *read_file(const char *path, size_t *size)
-{
-	FILE *file = fopen(path, "rb");
-	assert_non_null(file);
-	fseek(file, 0, SEEK_END);
-	*size = (size_t)ftell(file);
-	rewind(file);
-	uint8_t *bytes = malloc(*size + 1);
-	assert_int_equal(fread(bytes, 1, *size, file), *size);
-	fclose(file);
-	return bytes;
-}
+static char folder[300];
 
 static struct main_cache_key key_of(unsigned number)
 {
@@ -70,19 +44,6 @@ static uint32_t files_in(const char *path, const char *containing)
 	return count;
 }
 
-static void empty_folder(void)
-{
-	DIR *dir = opendir(folder);
-	char path[600];
-	for (struct dirent *d; dir && (d = readdir(dir));) {
-		snprintf(path, sizeof path, "%s/%s", folder, d->d_name);
-		if (d->d_name[0] != '.')
-			unlink(path);
-	}
-	if (dir)
-		closedir(dir);
-}
-
 static bool holds(struct main_cache *cache, unsigned number, const char *text)
 {
 	struct main_cache_key key = key_of(number);
@@ -107,7 +68,7 @@ static void put(struct main_cache *cache, unsigned number, const char *text)
 UNIT_TEST(gives_back_what_was_put)
 {
 	struct main_cache cache;
-	empty_folder();
+	folder_empty(folder);
 	main_cache_open(&cache, folder, 1 << 20);
 	assert_false(holds(&cache, 1, ""));
 	put(&cache, 1, "an oak");
@@ -140,19 +101,16 @@ UNIT_TEST(every_damage_is_noticed)
 	struct main_cache cache;
 	char path[512];
 	size_t size;
-	empty_folder();
+	folder_empty(folder);
 	main_cache_open(&cache, folder, 1 << 20);
 	put(&cache, 5, "some leaves");
 	entry_path(path, 5);
-	uint8_t *bytes = read_file(path, &size);
+	uint8_t *bytes = file_read(path, &size);
 	for (size_t i = 0; i <= 2 * size; i++) {
-		FILE *file = fopen(path, "wb");
 		if (i < size)
 			bytes[i] ^= 0x10;
-		fwrite(bytes, 1, i < size ? size : i - size, file);
-		if (i == 2 * size)
-			fputc(0, file);
-		fclose(file);
+		/* one bit, then cut off at every length, then with a 0 behind it */
+		file_write(path, bytes, i < size ? size : i < 2 * size ? i - size : size + 1);
 		if (i < size)
 			bytes[i] ^= 0x10;
 		assert_false(holds(&cache, 5, "some leaves"));
@@ -167,7 +125,7 @@ UNIT_TEST(what_was_used_least_recently_goes)
 {
 	struct main_cache cache;
 	char path[512], text[101];
-	empty_folder();
+	folder_empty(folder);
 	memset(text, 'x', 100);
 	text[100] = 0;
 	main_cache_open(&cache, folder, 1000);       /* seven entries of 140 bytes */
@@ -194,12 +152,10 @@ UNIT_TEST(what_others_left_unfinished_goes_after_a_while)
 {
 	struct main_cache cache;
 	char path[600];
-	empty_folder();
+	folder_empty(folder);
 	for (int i = 0; i < 2; i++) {
 		snprintf(path, sizeof path, "%s/000102030405060708090a0b0c0d0e0f.plant.aBcD0%d", folder, i);
-		FILE *file = fopen(path, "wb");
-		assert_non_null(file);
-		fclose(file);
+		file_write_text(path, "");
 		const struct timeval then[2] = { { 1000, 0 }, { 1000, 0 } };
 		if (i)
 			assert_int_equal(utimes(path, then), 0);
@@ -214,7 +170,7 @@ UNIT_TEST(what_others_left_unfinished_goes_after_a_while)
 UNIT_TEST(an_entry_beyond_the_limit_is_not_kept)
 {
 	struct main_cache cache;
-	empty_folder();
+	folder_empty(folder);
 	main_cache_open(&cache, folder, 10);
 	put(&cache, 1, "longer than ten bytes");
 	assert_false(holds(&cache, 1, ""));
@@ -261,34 +217,20 @@ UNIT_TEST(the_default_follows_the_environment)
 static void make(const char *pack, const char *cache, enum lod_order_method order, const char *scene)
 {
 	struct eco_error error = { 0 };
-	char from[512], to[512];
-	const struct make_options options = { .scene = in_root(from, scene), .pack = in_root(to, pack),
+	const struct make_options options = { .scene = in_root(scene), .pack = in_root(pack),
 		.jobs = 2, .cache = cache, .order = order };
-	if (make_pack(&options, &error))
-		fail_msg("%s", error.text);
-}
-
-static bool same_packs(const char *one, const char *other)
-{
-	char path[512];
-	size_t a_size, b_size;
-	uint8_t *a = read_file(in_root(path, one), &a_size), *b = read_file(in_root(path, other), &b_size);
-	bool same = a_size == b_size && memcmp(a, b, a_size) == 0;
-	free(a);
-	free(b);
-	return same;
+	assert_ok(make_pack(&options, &error), error);
 }
 
 /* Leaves with a texture, leaves with colours, a stem: all kinds of lists that a plant may have. */
 static void write_scene(void)
 {
-	char path[512];
 	static const uint8_t pixels[] = { 20, 120, 30, 255, 20, 120, 30, 255, 20, 120, 30, 255, 0, 0, 0, 0 };
-	assert_int_equal(eco_png_write(&(struct eco_pixels){ 2, 2, 4, pixels }, in_root(path, "leaf.png"),
+	assert_int_equal(eco_png_write(&(struct eco_pixels){ 2, 2, 4, pixels }, in_root("leaf.png"),
 		NULL), ECO_OK);
 	write_text("tree.mtl", "newmtl bark\nKd 0.4 0.3 0.2\nnewmtl leaf\nKd 1 1 1\nmap_Kd leaf.png\nnewmtl "
 		"blossom\nKd 0.9 0.4 0.5\n");
-	FILE *file = fopen(in_root(path, "tree.obj"), "wb");
+	FILE *file = fopen(in_root("tree.obj"), "wb");
 	assert_non_null(file);
 	fputs("mtllib tree.mtl\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl bark\n", file);
 	for (int k = 0; k < 9; k++)
@@ -324,7 +266,7 @@ static void write_scene(void)
 
 UNIT_TEST(packs_are_the_same_with_and_without)
 {
-	empty_folder();
+	folder_empty(folder);
 	write_scene();
 	make("none.eco", NULL, LOD_ORDER_GREEDY, "scene.json");
 	make("first.eco", folder, LOD_ORDER_GREEDY, "scene.json");
@@ -332,21 +274,21 @@ UNIT_TEST(packs_are_the_same_with_and_without)
 		/* the plant, and that the pack is ours */
 	make("second.eco", folder, LOD_ORDER_GREEDY, "scene.json");
 	assert_int_equal(files_in(folder, ".plant"), 2);
-	assert_true(same_packs("none.eco", "first.eco"));
-	assert_true(same_packs("none.eco", "second.eco"));
+	assert_true(files_alike(in_root("none.eco"), in_root("first.eco")));
+	assert_true(files_alike(in_root("none.eco"), in_root("second.eco")));
 	/* a plant's name is the scene's business, not the cache's */
 	make("renamed.eco", folder, LOD_ORDER_GREEDY, "renamed.json");
 	make("arbre.eco", NULL, LOD_ORDER_GREEDY, "renamed.json");
 	assert_int_equal(files_in(folder, ".plant"), 3);
-	assert_true(same_packs("renamed.eco", "arbre.eco"));
-	assert_false(same_packs("renamed.eco", "none.eco"));
+	assert_true(files_alike(in_root("renamed.eco"), in_root("arbre.eco")));
+	assert_false(files_alike(in_root("renamed.eco"), in_root("none.eco")));
 	/* another order and a rule about parts are other plants */
 	make("other.eco", folder, LOD_ORDER_STOCHASTIC, "scene.json");
 	assert_int_equal(files_in(folder, ".plant"), 5);
 	make("pruned.eco", folder, LOD_ORDER_GREEDY, "pruned.json");
 	assert_int_equal(files_in(folder, ".plant"), 7);
 	make("pruned-none.eco", NULL, LOD_ORDER_GREEDY, "pruned.json");
-	assert_true(same_packs("pruned.eco", "pruned-none.eco"));
+	assert_true(files_alike(in_root("pruned.eco"), in_root("pruned-none.eco")));
 }
 
 /* An entry whose hashes hold and whose plant is none. */
@@ -367,26 +309,24 @@ UNIT_TEST(an_entry_that_is_no_plant_is_built_anew)
 	closedir(dir);
 	main_cache_close(&cache);
 	make("third.eco", folder, LOD_ORDER_GREEDY, "scene.json");
-	assert_true(same_packs("none.eco", "third.eco"));
+	assert_true(files_alike(in_root("none.eco"), in_root("third.eco")));
 	make("fourth.eco", folder, LOD_ORDER_GREEDY, "scene.json");
-	assert_true(same_packs("none.eco", "fourth.eco"));
+	assert_true(files_alike(in_root("none.eco"), in_root("fourth.eco")));
 }
 
 UNIT_TEST(a_pack_is_made_where_the_cache_cannot_be)
 {
 	make("unwritable.eco", "/dev/null/cache", LOD_ORDER_GREEDY, "scene.json");
-	assert_true(same_packs("none.eco", "unwritable.eco"));
+	assert_true(files_alike(in_root("none.eco"), in_root("unwritable.eco")));
 }
 
 int main(void)
 {
-	mkdir("build/tmp", 0777);
-	snprintf(root, sizeof root, "build/tmp/cache-%d", (int)getpid());
-	snprintf(folder, sizeof folder, "%s/kept", root);
-	mkdir(root, 0777);
+	scratch_open("cache");
+	snprintf(folder, sizeof folder, "%s/kept", scratch_root);
 	main_progress_quiet(true);
 	int failed = unit_tests_run(NULL, NULL);
 	char command[400];
-	snprintf(command, sizeof command, "rm -rf '%s'", root);
+	snprintf(command, sizeof command, "rm -rf '%s'", scratch_root);
 	return system(command) != 0 ? 1 : failed;
 }

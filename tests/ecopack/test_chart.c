@@ -12,6 +12,7 @@
 #include "ecofiles/base/phrase.h"
 
 #include "ecofiles/ecopack/chart.h"
+#include "tests/support/files.h"
 #include "tests/support/unit_test.h"
 
 #define ROOT "build/tmp/test_chart"
@@ -163,20 +164,12 @@ UNIT_TEST(test_same_drawing_gives_same_bytes)
 	free(files[1].bytes);
 }
 
-static void put_file(const char *path, const void *bytes, size_t size)
-{
-	FILE *file = fopen(path, "wb");
-	assert_non_null(file);
-	assert_int_equal(fwrite(bytes, 1, size, file), size);
-	fclose(file);
-}
-
 UNIT_TEST(test_only_pictures_are_replaced)
 {
-	put_file(ROOT "/text", "hello, world", 12);
-	put_file(ROOT "/short", "\x89PN", 3);
-	put_file(ROOT "/empty", "", 0);
-	put_file(ROOT "/png", "\x89PNG\r\n\x1a\n....", 12);
+	file_write(ROOT "/text", "hello, world", 12);
+	file_write(ROOT "/short", "\x89PN", 3);
+	file_write(ROOT "/empty", "", 0);
+	file_write(ROOT "/png", "\x89PNG\r\n\x1a\n....", 12);
 	static const struct { const char *path; bool allowed; } cases[] =
 		{ { ROOT "/text", false }, { ROOT "/short", false }, { ROOT "/empty", true },
 		{ ROOT "/png", true }, { ROOT "/new", true }, { ROOT, false },
@@ -210,8 +203,6 @@ UNIT_TEST(test_sides_are_bounded)
 
 int main(void)
 {
-	mkdir("build", 0777);
-	mkdir("build/tmp", 0777);
-	mkdir(ROOT, 0777);
+	folder_make(ROOT);
 	return unit_tests_run(NULL, NULL);
 }

@@ -1,10 +1,8 @@
 /* Packs that are built apart and linked, and packs that are built again after a change, are those that one
  * full build gives: byte for byte. */
-#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "ecofiles/ecopack/inspect.h"
@@ -129,8 +127,7 @@ UNIT_TEST(linked_parts_equal_the_whole)
 	write_parts(1);
 	make_parts();
 	make("whole.json", "whole.eco", true);
-	if (link_parts("linked.eco", &error))
-		fail_msg("%s", error.text);
+	assert_ok(link_parts("linked.eco", &error), error);
 	assert_true(same("linked.eco", "whole.eco"));
 }
 
@@ -214,8 +211,7 @@ UNIT_TEST(edited_packs_equal_full_builds)
 		if (!same("whole.eco", "full.eco"))
 			fail_msg("edit %d: building again is not the same as building anew", i);
 		make_parts();
-		if (link_parts("linked.eco", &error))
-			fail_msg("%s", error.text);
+		assert_ok(link_parts("linked.eco", &error), error);
 		if (!same("linked.eco", "full.eco"))
 			fail_msg("edit %d: parts that are linked are not the whole", i);
 	}

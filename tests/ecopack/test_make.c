@@ -6,23 +6,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "ecofiles/ecopack/inspect.h"
 #include "ecofiles/ecopack/make.h"
 #include "ecofiles/ecopack/progress.h"
 #include "lod/eye.h"
+#include "tests/support/files.h"
 #include "tests/support/pack_resign.h"
 #include "tests/support/scratch.h"
 #include "tests/support/unit_test.h"
-
-static void write_text(const char *name, const char *text)
-{
-	FILE *file = open_text(name);
-	fputs(text, file);
-	assert_int_equal(fclose(file), 0);
-}
 
 /* A stem of `height` and leaves around its top, Y up. */
 static void write_model(const char *name, double height, int leaves)
@@ -52,10 +44,8 @@ static struct eco_pack *made(const char *scene, const char *pack)
 	struct eco_pack *opened = NULL;
 	struct inspect_counts counts;
 	FILE *out = tmpfile();
-	if (make(scene, pack, 2, &error))
-		fail_msg("%s", error.text);
-	if (inspect_verify(in_root(pack), out, &counts, &error))
-		fail_msg("%s", error.text);
+	assert_ok(make(scene, pack, 2, &error), error);
+	assert_ok(inspect_verify(in_root(pack), out, &counts, &error), error);
 	fclose(out);
 	assert_int_equal(counts.damaged, 0);
 	assert_int_equal(eco_pack_open(&opened, in_root(pack), &error), ECO_OK);

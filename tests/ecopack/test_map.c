@@ -11,41 +11,32 @@
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/map.h"
 #include "ecofiles/ecopack/progress.h"
+#include "tests/support/files.h"
 #include "tests/support/unit_test.h"
 
 #define ROOT "build/tmp/test_map"
 #define PLANTS "\"plants\": {\"oak\": {\"model\": \"any.obj\", \"height_m\": 20}, \"ash\": {\"model\": " \
 	"\"any.obj\"}, \"elm\": {\"model\": \"any.obj\"}}"
 
-static void write_text(const char *path, const char *text)
-{
-	FILE *file = fopen(path, "wb");
-	assert_non_null(file);
-	fputs(text, file);
-	assert_int_equal(fclose(file), 0);
-}
-
 static int make_files(void **state)
 {
-	mkdir("build", 0777);
-	mkdir("build/tmp", 0777);
-	mkdir(ROOT, 0777);
+	folder_make(ROOT);
 	main_progress_quiet(true);
-	write_text(ROOT "/any.obj", "this is never read\n");
-	write_text(ROOT "/rows.csv", "x,y,sp,h\n0,0,oak,10\n10,0,oak,\n20,5,ash,7\n,5,ash,7\nabc,5,ash,7\n3,"
+	file_write_text(ROOT "/any.obj", "this is never read\n");
+	file_write_text(ROOT "/rows.csv", "x,y,sp,h\n0,0,oak,10\n10,0,oak,\n20,5,ash,7\n,5,ash,7\nabc,5,ash,7\n3,"
 		"3,stump,1\n4,4,stump,1\n5,5,weed,1\n");
-	write_text(ROOT "/one.json", "{" PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [1, 2], "
+	file_write_text(ROOT "/one.json", "{" PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [1, 2], "
 		"\"height_m\": 4, \"scale\": 2},"
 		"{\"from\": \"rows.csv\", \"x\": \"x\", \"y\": \"y\", \"species\": \"sp\", \"map\": "
 		"{\"oak\": \"oak\", \"ash\": \"ash\", \"stump\": null},"
 		"\"height_m\": {\"column\": \"h\"}}]}");
-	write_text(ROOT "/plot.json", "{" PLANTS ", \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0]}, "
+	file_write_text(ROOT "/plot.json", "{" PLANTS ", \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0]}, "
 		"{\"plant\": \"oak\", \"at\": [10, 0]},"
 		"{\"plant\": \"ash\", \"at\": [0, 10]}]}");
-	write_text(ROOT "/block.json", "{\"children\": [{\"eco\": \"plot.json\", \"at\": [0, 0]}, {\"eco\": "
+	file_write_text(ROOT "/block.json", "{\"children\": [{\"eco\": \"plot.json\", \"at\": [0, 0]}, {\"eco\": "
 		"\"plot.json\", \"at\": [100, 0], "
 		"\"yaw_deg\": 90, \"scale\": 2}]}");
-	write_text(ROOT "/nested.json", "{" PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [5, "
+	file_write_text(ROOT "/nested.json", "{" PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [5, "
 		"5]}], \"children\": [{\"eco\": \"block.json\", "
 		"\"at\": [0, 0]},{\"eco\": \"plot.json\", \"at\": [1000, 0]}]}");
 	return 0;
@@ -138,13 +129,13 @@ UNIT_TEST(test_nested_plants_are_turned_moved_and_scaled)
 UNIT_TEST(test_scattered_plants_are_shown_with_their_areas)
 {
 	struct map m;
-	write_text(ROOT "/areas.geojson", "{\"type\": \"FeatureCollection\", \"features\": [{\"type\": "
+	file_write_text(ROOT "/areas.geojson", "{\"type\": \"FeatureCollection\", \"features\": [{\"type\": "
 		"\"Feature\", \"properties\": {}, \"geometry\": "
 		"{\"type\": \"Polygon\", \"coordinates\": [[[9, 47], [9.002, 47], [9.002, 47.001], [9, "
 		"47]]]}}]}");
-	write_text(ROOT "/roads.geojson", "{\"type\": \"LineString\", \"coordinates\": [[9, 47.0003], "
+	file_write_text(ROOT "/roads.geojson", "{\"type\": \"LineString\", \"coordinates\": [[9, 47.0003], "
 		"[9.002, 47.0003]]}");
-	write_text(ROOT "/scatter.json", "{\"crs\": \"EPSG:32632\", \"origin\": [500000, 5205000], "
+	file_write_text(ROOT "/scatter.json", "{\"crs\": \"EPSG:32632\", \"origin\": [500000, 5205000], "
 		PLANTS ", \"instances\": [{\"scatter\": \"areas.geojson\","
 		"\"density_per_ha\": {\"oak\": 200, \"ash\": 100}, \"distance_m\": 1, \"clear_of\": "
 		"\"roads.geojson\", \"clear_m\": 4}]}");
@@ -185,7 +176,7 @@ UNIT_TEST(test_strays_do_not_shrink_the_rest)
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct map m;
 		write_rows(ROOT "/stray.csv", cases[i].count, cases[i].more);
-		write_text(ROOT "/stray.json", ROWS_SCENE("stray.csv"));
+		file_write_text(ROOT "/stray.json", ROWS_SCENE("stray.csv"));
 		gather(&m, ROOT "/stray.json");
 		assert_int_equal(map_frame(&m, 400), ECO_OK);
 		assert_int_equal(eco_chart_new(&m.chart, 500, 500, NULL), ECO_OK);
@@ -202,7 +193,7 @@ UNIT_TEST(test_one_plant_and_rows_of_plants_have_a_map)
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct map m;
 		write_rows(ROOT "/few.csv", 0, rows[i]);
-		write_text(ROOT "/few.json", ROWS_SCENE("few.csv"));
+		file_write_text(ROOT "/few.json", ROWS_SCENE("few.csv"));
 		gather(&m, ROOT "/few.json");
 		assert_int_equal(map_frame(&m, 300), ECO_OK);
 		assert_true(m.width >= 90 && m.width <= 300 && m.height >= 90 && m.height <= 300);
@@ -220,7 +211,7 @@ UNIT_TEST(test_many_plants_become_density)
 			fprintf(file, "%.2f,%.2f\n", fmod(i * 0.7548776662, 1) * 1000,
 				fmod(i * 0.5698402910, 1) * 1000);
 		fclose(file);
-		write_text(ROOT "/dense.json", ROWS_SCENE("dense.csv"));
+		file_write_text(ROOT "/dense.json", ROWS_SCENE("dense.csv"));
 		gather(&m, ROOT "/dense.json");
 		assert_int_equal(map_frame(&m, 400), ECO_OK);
 		assert_int_equal(eco_chart_new(&m.chart, 500, 500, NULL), ECO_OK);
@@ -243,15 +234,6 @@ static enum eco_code run(const char *line, struct eco_error *error)
 	return main_command_map.run(argc, argv, error);
 }
 
-static size_t read_all(const char *path, uint8_t *bytes, size_t most)
-{
-	FILE *file = fopen(path, "rb");
-	assert_non_null(file);
-	size_t size = fread(bytes, 1, most, file);
-	fclose(file);
-	return size;
-}
-
 /* 100 m from west to east, 0 to 50 m high; nothing is known of the last column. */
 static void write_ground(void)
 {
@@ -261,7 +243,7 @@ static void write_ground(void)
 		for (int c = 0; c < 11; c++)
 			fprintf(file, "%d%s", 5 * c, c < 10 ? " " : "\n");
 	fclose(file);
-	write_text(ROOT "/hill.json", "{\"ground\": {\"heights\": \"dem.asc\"}, " PLANTS
+	file_write_text(ROOT "/hill.json", "{\"ground\": {\"heights\": \"dem.asc\"}, " PLANTS
 		", \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0]},"
 		"{\"plant\": \"ash\", \"at\": [100, 50]}, {\"plant\": \"elm\", \"at\": [130, 20]}]}");
 }
@@ -284,19 +266,21 @@ UNIT_TEST(test_ground_has_contour_lines)
 
 UNIT_TEST(test_the_same_scene_gives_the_same_picture)
 {
-	static uint8_t a[1 << 20], b[1 << 20];
+	size_t size, again;
 	struct eco_error error;
 	write_ground();
 	static const char *const scenes[] = { ROOT "/one.json", ROOT "/nested.json", ROOT "/hill.json" };
 	for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
 		char line[300];
 		snprintf(line, sizeof line, "%s -o " ROOT "/a.png --size 300", scenes[i]);
-		if (run(line, &error))
-			fail_msg("%s", error.text);
-		size_t size = read_all(ROOT "/a.png", a, sizeof a);
+		assert_ok(run(line, &error), error);
+		uint8_t *first = file_read(ROOT "/a.png", &size);
 		assert_int_equal(run(line, &error), ECO_OK);
-		assert_int_equal(read_all(ROOT "/a.png", b, sizeof b), size);
-		assert_memory_equal(a, b, size);
+		uint8_t *second = file_read(ROOT "/a.png", &again);
+		assert_int_equal(size, again);
+		assert_memory_equal(first, second, size);
+		free(first);
+		free(second);
 	}
 }
 
@@ -313,8 +297,8 @@ UNIT_TEST(test_bad_command_lines_and_scenes_are_told)
 			"nothing to show" },
 		{ ROOT "/column.json -o " ROOT "/x.png", ECO_BAD_INPUT, "easting" } };
 	unlink(ROOT "/x.png");
-	write_text(ROOT "/nothing.json", "{" PLANTS "}");
-	write_text(ROOT "/column.json", "{" PLANTS ", \"instances\": [{\"from\": \"rows.csv\", \"x\": "
+	file_write_text(ROOT "/nothing.json", "{" PLANTS "}");
+	file_write_text(ROOT "/column.json", "{" PLANTS ", \"instances\": [{\"from\": \"rows.csv\", \"x\": "
 		"\"easting\", \"y\": \"y\", \"plant\": \"oak\"}]}");
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_error error;

@@ -15,6 +15,7 @@
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/ecopack/sheet.h"
 #include "lod/plan/planner.h"
+#include "tests/support/files.h"
 #include "tests/support/unit_test.h"
 
 #define ROOT "build/tmp/test_sheet"
@@ -37,9 +38,7 @@ static void write_tree(const char *path, int leaves)
 			x + .3, y + .2, z, x + .6, y, z + .2, x + .3, y - .2, z);
 	}
 	assert_int_equal(fclose(file), 0);
-	file = fopen(ROOT "/tree.mtl", "wb");
-	fputs("newmtl bark\nKd .5 .3 .1\nnewmtl leaves\nKd .1 .6 .1\n", file);
-	fclose(file);
+	file_write_text(ROOT "/tree.mtl", "newmtl bark\nKd .5 .3 .1\nnewmtl leaves\nKd .1 .6 .1\n");
 }
 
 /* An upright card of 2 m, its texture red on the left, blue on the right, and nothing in the upper half of
@@ -53,28 +52,15 @@ static void write_card(void)
 				: (uint8_t[4]){ 10, 10, 220, y < 16 ? 0 : 255 }, 4);
 	assert_int_equal(eco_png_write(&(struct eco_pixels){ 32, 32, 4, rgba }, ROOT "/card.png", NULL),
 		ECO_OK);
-	FILE *file = fopen(ROOT "/card.obj", "wb");
-	fputs("mtllib card.mtl\nusemtl leaf\nv -1 0 0\nv 1 0 0\nv 1 2 0\nv -1 2 0\nvt 0 0\nvt 1 0\nvt 1 "
-		"1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n", file);
-	fclose(file);
-	file = fopen(ROOT "/card.mtl", "wb");
-	fputs("newmtl leaf\nmap_Kd card.png\n", file);
-	fclose(file);
-}
-
-static void write_text(const char *path, const char *text)
-{
-	FILE *file = fopen(path, "wb");
-	fputs(text, file);
-	fclose(file);
+	file_write_text(ROOT "/card.obj", "mtllib card.mtl\nusemtl leaf\nv -1 0 0\nv 1 0 0\nv 1 2 0\nv -1 2 0\nvt 0 0\nvt 1 0\nvt 1 "
+		"1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n");
+	file_write_text(ROOT "/card.mtl", "newmtl leaf\nmap_Kd card.png\n");
 }
 
 static int make_packs(void **state)
 {
 	struct eco_error error = { 0 };
-	mkdir("build", 0777);
-	mkdir("build/tmp", 0777);
-	mkdir(ROOT, 0777);
+	folder_make(ROOT);
 	static const char *const stale[] = { ROOT "/x.png", ROOT "/bad.png", ROOT "/many.png",
 		ROOT "/many-3.png" };
 	for (size_t i = 0; i < sizeof stale / sizeof *stale; i++)
@@ -82,7 +68,7 @@ static int make_packs(void **state)
 	main_progress_quiet(true);
 	write_tree(ROOT "/tree.obj", 400);
 	write_card();
-	write_text(ROOT "/two.json", "{\"plants\": {\"tree\": {\"model\": \"tree.obj\"}, \"card\": "
+	file_write_text(ROOT "/two.json", "{\"plants\": {\"tree\": {\"model\": \"tree.obj\"}, \"card\": "
 		"{\"model\": \"card.obj\", \"unit\": \"m\", \"up\": "
 		"\"y\"}}, \"instances\": [{\"plant\": \"tree\", \"at\": [0, 0]}, {\"plant\": \"card\", "
 		"\"at\": [9, 0]}]}");
@@ -106,8 +92,7 @@ static struct eco_pack *open_plant(struct sheet_plant *plant, const char *name)
 	struct eco_pack *pack;
 	struct eco_error error = { 0 };
 	assert_int_equal(eco_pack_open(&pack, ROOT "/two.eco", &error), ECO_OK);
-	if (sheet_plant_open(plant, pack, plant_named(pack, name), PIXELS, &error))
-		fail_msg("%s", error.text);
+	assert_ok(sheet_plant_open(plant, pack, plant_named(pack, name), PIXELS, &error), error);
 	return pack;
 }
 
@@ -235,7 +220,7 @@ UNIT_TEST(test_pictures_get_no_worse_as_budgets_grow)
 	struct eco_generate_options generate = { .name = "forest", .folder = ROOT "/forest", .plants = 20,
 		.seed = 1 };
 	assert_int_equal(eco_generate(&generate, NULL), ECO_OK);
-	write_text(ROOT "/beech.json", "{\"plants\": {\"beech\": {\"model\": \"forest/models/beech.obj\", "
+	file_write_text(ROOT "/beech.json", "{\"plants\": {\"beech\": {\"model\": \"forest/models/beech.obj\", "
 		"\"height_m\": 15}},"
 		" \"instances\": [{\"plant\": \"beech\", \"at\": [0, 0]}]}");
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -422,7 +407,7 @@ UNIT_TEST(test_many_plants_are_several_pages)
 		sprintf(at + strlen(at), "%s{\"plant\": \"t%d\", \"at\": [%d, 0]}", i ? ", " : "", i, 20 * i);
 	}
 	sprintf(text + strlen(text), "}, \"instances\": [%s]}", at);
-	write_text(ROOT "/many.json", text);
+	file_write_text(ROOT "/many.json", text);
 	assert_int_equal(make_pack(&(struct make_options){ .scene = ROOT "/many.json", .pack = ROOT
 		"/many.eco", .jobs = 1 }, &error), ECO_OK);
 	assert_int_equal(run(ROOT "/many.eco -o " ROOT "/many.png --size 400 --columns 1/2", &error), ECO_OK);

@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 
 #include "ecofiles/format/view.h"
+#include "tests/support/files.h"
 #include "tests/support/unit_test.h"
 
 #define KEY(time, x) "{\"time_s\": " time ", \"eye\": [" x ", 0, 2], \"target\": [0, 50, 1], " \
@@ -17,8 +18,7 @@ static struct eco_camera *camera_of(const char *json)
 {
 	struct eco_camera *camera;
 	struct eco_error error = { 0 };
-	if (eco_camera_parse(&camera, json, strlen(json), "tour.json", &error))
-		fail_msg("%s", error.text);
+	assert_ok(eco_camera_parse(&camera, json, strlen(json), "tour.json", &error), error);
 	return camera;
 }
 
@@ -209,8 +209,7 @@ UNIT_TEST(scripts_are_loaded_from_files)
 	static const char path[] = "build/tmp/test_camera.json";
 	struct eco_camera *camera;
 	struct eco_error error = { 0 };
-	mkdir("build", 0777);
-	mkdir("build/tmp", 0777);
+	folder_make("build/tmp");
 	assert_int_equal(eco_camera_load(&camera, "build/tmp/not-there.json", &error), ECO_IO);
 	assert_true(strstr(error.text, "not-there.json") && !camera);
 	/* a script of more than one portion of reading */

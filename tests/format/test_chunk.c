@@ -74,11 +74,9 @@ UNIT_TEST(forms_follow_their_elements)
 
 		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, order, &error), ECO_OK);
 		free(bytes);
-		if (eco_chunk_encode_form(&input, &forms, &other, &bytes, &size, &error) != ECO_OK)
-			fail_msg("%s", error.text);
+		assert_ok(eco_chunk_encode_form(&input, &forms, &other, &bytes, &size, &error), error);
 		chunk = kind_chunk(&other, FIRST, END, size);
-		if (eco_chunk_decode(&forms, &chunk, 9, bytes, size, &out, &error) != ECO_OK)
-			fail_msg("%s", error.text);
+		assert_ok(eco_chunk_decode(&forms, &chunk, 9, bytes, size, &out, &error), error);
 		assert_same_elements(&form, &other, FIRST, END, &out, order);
 		eco_elements_free(&out);
 		free(bytes);

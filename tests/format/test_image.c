@@ -87,8 +87,7 @@ UNIT_TEST(colours_are_not_multiplied_by_alpha)
 	static const uint8_t wanted[] = { 200, 0, 0, 128, 0, 255, 0, 255, 0, 0, 0, 0, 90, 180, 40, 64 };
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_image image;
-	if (eco_image_read_memory(&image, webp, sizeof webp, "a.webp", &error) != ECO_OK)
-		fail_msg("%s", error.text);
+	assert_ok(eco_image_read_memory(&image, webp, sizeof webp, "a.webp", &error), error);
 	assert_int_equal(image.width, 4);
 	/* one way through the reader's own multiplication loses up to 2 at alpha 64 */
 	for (int i = 0; i < 16; i++)

@@ -1,8 +1,6 @@
 /* Packs: what is written is read, whatever is damaged is found, nothing half written stays. */
 #include <dirent.h>
-#include <math.h>
 #include <signal.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +9,7 @@
 #include <unistd.h>
 
 #include "ecofiles/format/chunk.h"
+#include "tests/support/files.h"
 #include "tests/support/pack_resign.h"
 #include "tests/support/scene_packs.h"
 #include "tests/support/unit_test.h"
@@ -18,20 +17,6 @@
 #define FOLDER "build/tmp/pack"
 #define PATH FOLDER "/small.eco"
 #define GOLDEN_PATH "tests/fuzz/corpus/pack/small.eco"
-
-static uint8_t *read_file(const char *path, size_t *size)
-{
-	FILE *file = fopen(path, "rb");
-	uint8_t *bytes;
-	assert_non_null(file);
-	fseek(file, 0, SEEK_END);
-	*size = (size_t)ftell(file);
-	rewind(file);
-	bytes = malloc(*size + 1);
-	assert_int_equal(fread(bytes, 1, *size, file), *size);
-	fclose(file);
-	return bytes;
-}
 
 static int count_files(void)
 {
@@ -46,9 +31,7 @@ static int count_files(void)
 
 static void empty_folder(void)
 {
-	mkdir("build", 0777);
-	mkdir("build/tmp", 0777);
-	mkdir(FOLDER, 0777);
+	folder_make(FOLDER);
 	unlink(PATH);
 	assert_int_equal(count_files(), 0);
 }
@@ -59,10 +42,9 @@ static uint8_t *small_pack(size_t *size)
 	struct scene_builder p;
 	struct eco_error error = { 0 };
 	empty_folder();
-	if (small_pack_write(&p, PATH, NULL, &error) != ECO_OK)
-		fail_msg("%s", error.text);
+	assert_ok(small_pack_write(&p, PATH, NULL, &error), error);
 	scene_free(&p);
-	return read_file(PATH, size);
+	return file_read(PATH, size);
 }
 
 /* Opens without a trailing byte to read over. */
@@ -165,9 +147,8 @@ UNIT_TEST(all_payloads_decode)
 			struct eco_elements e;
 			const uint8_t *payload;
 			size_t payload_size;
-			if (eco_pack_payload(pack, list->chunk_first + k, &payload, &payload_size, &error)
-					!= ECO_OK)
-				fail_msg("%s", error.text);
+			assert_ok(eco_pack_payload(pack, list->chunk_first + k, &payload, &payload_size,
+				&error), error);
 			if (list->coder == ECO_CODER_BYTES) {
 				assert_memory_equal(payload, "not really a PNG", payload_size);
 				continue;
@@ -197,10 +178,9 @@ UNIT_TEST(all_payloads_decode)
 UNIT_TEST(the_small_pack_is_the_golden_one)
 {
 	size_t size, golden_size;
-	uint8_t *bytes = small_pack(&size), *golden = read_file(GOLDEN_PATH, &golden_size);
+	uint8_t *bytes = small_pack(&size), *golden = file_read(GOLDEN_PATH, &golden_size);
 	struct eco_error error = { 0 };
-	if (open_exact(golden, golden_size, &error) != ECO_OK)
-		fail_msg("%s", error.text);
+	assert_ok(open_exact(golden, golden_size, &error), error);
 	assert_int_equal(size, golden_size);
 	assert_memory_equal(bytes, golden, size);
 	free(bytes);
@@ -335,7 +315,7 @@ UNIT_TEST(a_failed_pack_leaves_the_old_one)
 	assert_int_equal(eco_pack_commit(w, &p.scene, "{}", &error), ECO_DAMAGED);
 	assert_int_equal(count_files(), 1);
 	scene_free(&p);
-	after = read_file(PATH, &size_after);
+	after = file_read(PATH, &size_after);
 	assert_int_equal(size, size_after);
 	assert_memory_equal(bytes, after, size);
 	free(bytes);
@@ -397,17 +377,13 @@ UNIT_TEST(only_packs_and_empty_files_are_replaced)
 	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
 		struct eco_error error = { 0 };
 		struct eco_pack_writer *w = NULL;
-		FILE *file;
 		uint8_t *bytes;
 		size_t size;
 		empty_folder();
-		file = fopen(PATH, "wb");
-		assert_non_null(file);
-		fputs(rows[i].content, file);
-		fclose(file);
+		file_write_text(PATH, rows[i].content);
 		assert_int_equal(eco_pack_create(&w, PATH, &error), rows[i].code);
 		eco_pack_abort(w);
-		bytes = read_file(PATH, &size);
+		bytes = file_read(PATH, &size);
 		assert_int_equal(size, strlen(rows[i].content));
 		assert_memory_equal(bytes, rows[i].content, size);
 		assert_int_equal(count_files(), 1);

@@ -1,7 +1,6 @@
 /* Plans as they travel: one encoding each, read back the same, small; whatever breaks a rule is neither
  * written nor read. */
 #include <math.h>
-#include <stdio.h>
 
 #include "tests/support/unit_test.h"
 #include "tests/support/wire_random.h"

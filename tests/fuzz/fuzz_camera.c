@@ -1,6 +1,5 @@
 /* Camera scripts: whatever parses gives frames in ascending time that can be drawn. */
 #include <assert.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/format/view.h"

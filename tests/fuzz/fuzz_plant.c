@@ -1,7 +1,6 @@
 /* Finished plants from a cache, of which nothing is believed. One that is read must be safe to write and to
  * pack. */
 #include <assert.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/format/chunk_payload.h"

@@ -9,7 +9,6 @@
  * A stream is fed whole and in portions of the second byte + 1, which must not make a difference. */
 #include <assert.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/format/chunk.h"

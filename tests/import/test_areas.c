@@ -1,6 +1,5 @@
 /* Areas and blue noise: what is inside, what is near, what is spread evenly, against brute force. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/import/places/areas.h"

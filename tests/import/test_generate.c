@@ -13,6 +13,7 @@
 #include "ecofiles/generate/generate_scenes.h"
 #include "ecofiles/scene/scene.h"
 #include "ecofiles/format/view.h"
+#include "tests/support/files.h"
 #include "tests/support/unit_test.h"
 
 #define ROOT "build/tmp/generate"
@@ -34,39 +35,23 @@ static void remove_folder(const char *path)
 	rmdir(path);
 }
 
-static char *read_file(const char *folder, const char *name, size_t *size)
-{
-	char path[4096];
-	snprintf(path, sizeof path, "%s/%s", folder, name);
-	FILE *file = fopen(path, "rb");
-	if (!file)
-		fail_msg("%s is not there", path);
-	char *bytes = malloc(1 << 24);
-	*size = fread(bytes, 1, 1 << 24, file);
-	fclose(file);
-	return bytes;
-}
-
-static bool same_file(const char *a, const char *b, const char *name)
-{
-	size_t size_a, size_b;
-	char *bytes_a = read_file(a, name, &size_a), *bytes_b = read_file(b, name, &size_b);
-	bool same = size_a == size_b && memcmp(bytes_a, bytes_b, size_a) == 0;
-	free(bytes_a);
-	free(bytes_b);
-	return same;
-}
-
 static const char *fresh(const char *name)
 {
 	static char path[8][256];
 	static int next;
 	char *to = path[next++ % 8];
-	mkdir("build", 0777);
-	mkdir("build/tmp", 0777);
-	mkdir(ROOT, 0777);
+	folder_make(ROOT);
 	snprintf(to, 256, ROOT "/%s-%ld", name, (long)getpid());
 	remove_folder(to);
+	return to;
+}
+
+static const char *in(const char *folder, const char *name)
+{
+	static char path[2][512];
+	static int next;
+	char *to = path[next++ % 2];
+	snprintf(to, 512, "%s/%s", folder, name);
 	return to;
 }
 
@@ -109,8 +94,9 @@ UNIT_TEST(test_same_seed_same_bytes)
 		generate(scenes[i].name, b, scenes[i].plants, 5);
 		generate(scenes[i].name, c, scenes[i].plants, 6);
 		for (int f = 0; scenes[i].files[f]; f++)
-			assert_true(same_file(a, b, scenes[i].files[f]));
-		assert_false(same_file(a, c, "scene.json") && same_file(a, c, "dem.tif"));
+			assert_true(files_alike(in(a, scenes[i].files[f]), in(b, scenes[i].files[f])));
+		assert_false(files_alike(in(a, "scene.json"), in(c, "scene.json"))
+			&& files_alike(in(a, "dem.tif"), in(c, "dem.tif")));
 		remove_folder(a);
 		remove_folder(b);
 		remove_folder(c);
@@ -127,13 +113,11 @@ UNIT_TEST(test_scenes_and_cameras_parse)
 		struct eco_error error = { 0 };
 		generate(scenes[i].name, folder, scenes[i].plants, 1);
 		snprintf(path, sizeof path, "%s/scene.json", folder);
-		if (eco_sources_load(&sources, path, &error))
-			fail_msg("%s", error.text);
+		assert_ok(eco_sources_load(&sources, path, &error), error);
 		assert_string_equal(sources.items[0].name, scenes[i].name);
 		eco_sources_free(&sources);
 		snprintf(path, sizeof path, "%s/camera.json", folder);
-		if (eco_camera_load(&camera, path, &error))
-			fail_msg("%s", error.text);
+		assert_ok(eco_camera_load(&camera, path, &error), error);
 		assert_in_range(eco_camera_frame_count(camera), 6, 40);
 		eco_camera_free(camera);
 		remove_folder(folder);
@@ -163,8 +147,7 @@ UNIT_TEST(test_stems_keep_their_distance)
 	static double x[1000], y[1000];
 	size_t size, count = 0;
 	generate("forest", folder, 600, 3);
-	char *text = read_file(folder, "stems.csv", &size), *line = strchr(text, '\n') + 1;
-	text[size] = 0;
+	char *text = (char *)file_read(in(folder, "stems.csv"), &size), *line = strchr(text, '\n') + 1;
 	for (; *line && count < 1000; line = strchr(line, '\n') + 1, count++)
 		assert_int_equal(sscanf(line, "%*u,%*[A-Z],%lf,%lf", &x[count], &y[count]), 2);
 	free(text);
@@ -184,7 +167,7 @@ UNIT_TEST(test_measured_scenes_have_exactly_as_many_as_asked)
 		const char *folder = fresh("exact");
 		size_t size, lines = 0;
 		generate(cases[i].name, folder, cases[i].plants, 9);
-		char *csv = read_file(folder, "plants.csv", &size);
+		uint8_t *csv = file_read(in(folder, "plants.csv"), &size);
 		for (size_t k = 0; k < size; k++)
 			lines += csv[k] == '\n';
 		free(csv);
@@ -219,8 +202,7 @@ UNIT_TEST(test_blocks_of_blocks_hold_any_number)
 				.plants = wanted[i], .seed = 4 }, &error))
 			fail_msg("%s", error.text);
 		snprintf(path, sizeof path, "%s/scene.json", folder);
-		if (eco_sources_load(&sources, path, &error))
-			fail_msg("%s", error.text);
+		assert_ok(eco_sources_load(&sources, path, &error), error);
 		uint64_t plants = plants_of(&sources, 0);
 		if (plants < wanted[i] || plants > wanted[i] + wanted[i] / 2)
 			fail_msg("%llu plants where %llu were asked for", (unsigned long long)plants,

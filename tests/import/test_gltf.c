@@ -17,8 +17,7 @@ static struct eco_gltf *open_good(const char *rest)
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_gltf *doc;
 	size_t size = gw_glb_bytes(rest, ' ', &file_bytes);
-	if (eco_gltf_open_memory(&doc, "build/tmp/gltf/x.glb", file_bytes, size, &error) != ECO_OK)
-		fail_msg("%s", error.text);
+	assert_ok(eco_gltf_open_memory(&doc, "build/tmp/gltf/x.glb", file_bytes, size, &error), error);
 	return doc;
 }
 
@@ -34,8 +33,7 @@ static void expect_floats(struct eco_gltf *doc, int accessor, uint32_t component
 	struct eco_error error = { .code = ECO_OK };
 	double *values;
 	uint64_t count;
-	if (eco_gltf_read_floats(doc, (uint32_t)accessor, components, &values, &count, &error) != ECO_OK)
-		fail_msg("%s", error.text);
+	assert_ok(eco_gltf_read_floats(doc, (uint32_t)accessor, components, &values, &count, &error), error);
 	assert_int_equal(count, wanted_count);
 	for (uint64_t i = 0; i < count * components; i++)
 		if (fabs(values[i] - wanted[i]) > 1e-6)
@@ -131,9 +129,8 @@ UNIT_TEST(buffers_are_found_beside_or_within)
 		gw_begin();
 		gw_floats(p, 1, "VEC3", 3);
 		snprintf(buffer, sizeof buffer, ",\"uri\":\"%s\"", uris[i]);
-		if (eco_gltf_open(&doc, input_text("gltf", "b.gltf", gw_json(buffer, CHUNK_JSON)), &error)
-				!= ECO_OK)
-			fail_msg("%s", error.text);
+		assert_ok(eco_gltf_open(&doc, input_text("gltf", "b.gltf", gw_json(buffer, CHUNK_JSON)),
+			&error), error);
 		expect_floats(doc, 0, 3, (const double[]){ 1, 2, 3 }, 1);
 		eco_gltf_close(doc);
 	}

@@ -38,8 +38,7 @@ static void read_good(struct eco_model *m, const char *rest)
 {
 	struct eco_error error = { .code = ECO_OK };
 	uint64_t accounted;
-	if (read_model(m, rest, 1000000, &error) != ECO_OK)
-		fail_msg("%s", error.text);
+	assert_ok(read_model(m, rest, 1000000, &error), error);
 	accounted = m->triangle_count;
 	for (int i = 0; i < ECO_DROP_COUNT; i++)
 		accounted += m->dropped[i];
@@ -415,8 +414,7 @@ UNIT_TEST(draco_meshes_of_any_size_are_read)
 			v + DRACO_SIDE + 1 }, 24);
 		faces += 2;
 	}
-	if (eco_draco_encode_mesh(position, vertices, index, faces, &bytes, &size, &error) != ECO_OK)
-		fail_msg("%s", error.text);
+	assert_ok(eco_draco_encode_mesh(position, vertices, index, faces, &bytes, &size, &error), error);
 	gw_begin();
 	view = gw_view(bytes, size, "");
 	gw_accessor(-1, GLTF_FLOAT, vertices, "VEC3", "");

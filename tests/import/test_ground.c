@@ -48,8 +48,7 @@ static enum eco_code import(struct eco_ground *ground, const struct given *g, st
 static void import_good(struct eco_ground *ground, const struct given *g)
 {
 	struct eco_error error = { .code = ECO_OK };
-	if (import(ground, g, &error) != ECO_OK)
-		fail_msg("%s", error.text);
+	assert_ok(import(ground, g, &error), error);
 }
 
 static void import_fails(const struct given *g, const char *says)

@@ -1,5 +1,4 @@
 /* Colours and textures of models mean what the file meant: OBJ with MTL, and glTF. */
-#include <math.h>
 
 #include "ecofiles/format/image.h"
 #include "ecofiles/import/model/import_model.h"

@@ -14,8 +14,7 @@ static struct eco_rows *open_good(const struct eco_rows_source *source)
 {
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_rows *rows;
-	if (eco_rows_open_here(&rows, source, &error) != ECO_OK)
-		fail_msg("%s", error.text);
+	assert_ok(eco_rows_open_here(&rows, source, &error), error);
 	return rows;
 }
 

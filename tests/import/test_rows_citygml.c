@@ -30,8 +30,7 @@ static struct eco_rows *open_good(const char *text)
 {
 	struct eco_error error = { .code = ECO_OK };
 	struct eco_rows *rows;
-	if (eco_rows_open_citygml(&rows, input_text("rows_citygml", "city.gml", text), &error) != ECO_OK)
-		fail_msg("%s", error.text);
+	assert_ok(eco_rows_open_citygml(&rows, input_text("rows_citygml", "city.gml", text), &error), error);
 	return rows;
 }
 

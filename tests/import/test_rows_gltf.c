@@ -12,8 +12,8 @@ static void expect_rows(const char *rest, const char *columns, const char *const
 	uint8_t *bytes;
 	size_t size = gw_glb_bytes(rest, ' ', &bytes), line = 0;
 	bool more = true;
-	if (eco_rows_open_gltf(&rows, input_bytes("rows_gltf", "rows.glb", bytes, size), &error) != ECO_OK)
-		fail_msg("%s", error.text);
+	assert_ok(eco_rows_open_gltf(&rows, input_bytes("rows_gltf", "rows.glb", bytes, size), &error),
+		error);
 	free(bytes);
 	for (uint32_t i = 0; i < rows->column_count; i++)
 		snprintf(text + strlen(text), sizeof text - strlen(text), "%s%s", i > 0 ? "," : "",

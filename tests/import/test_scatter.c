@@ -29,8 +29,7 @@ static struct scattered scatter(const struct eco_scatter_spec *spec)
 	struct eco_scatter *s;
 	struct eco_scatter_place place;
 	struct scattered out = { .count = 0 };
-	if (eco_scatter_open(&s, spec, &frame, NULL, NULL, &error) != ECO_OK)
-		fail_msg("%s", error.text);
+	assert_ok(eco_scatter_open(&s, spec, &frame, NULL, NULL, &error), error);
 	while (eco_scatter_next(s, &place)) {
 		assert_true(eco_room(&out.places, &out.room, out.count, sizeof place));
 		out.places[out.count++] = place;

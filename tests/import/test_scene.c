@@ -9,8 +9,7 @@ static void parse_good(struct eco_source *source, const char *json)
 {
 	struct eco_error error = { .code = ECO_OK };
 	enum eco_code code = eco_source_parse(source, json, strlen(json), "dir/scene.json", &error);
-	if (code)
-		fail_msg("%s", error.text);
+	assert_ok(code, error);
 }
 
 UNIT_TEST(everything_that_may_be_said_is_read)
@@ -244,8 +243,7 @@ UNIT_TEST(nested_files_are_read_once_and_come_after_their_parents)
 		"{\"eco\": \"leaf.json\", \"at\": [9, 0]},"
 		" {\"eco\": \"mid.json\", \"at\": [0, 0]}, {\"eco\": \"../scene/mid.json\", \"at\": [0, "
 		"5]}]}");
-	if (eco_sources_load(&sources, root, &error) != ECO_OK)
-		fail_msg("%s", error.text);
+	assert_ok(eco_sources_load(&sources, root, &error), error);
 	assert_int_equal(sources.count, 3);
 	assert_string_equal(sources.items[0].name, "root");
 	for (uint32_t i = 0; i < sources.count; i++)

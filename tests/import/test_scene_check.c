@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "tests/support/files.h"
 #include "tests/support/scene_packs.h"
 #include "tests/support/unit_test.h"
 
@@ -183,8 +184,7 @@ UNIT_TEST(every_inconsistency_is_found)
 	struct scene_builder made;
 	struct eco_pack *pack;
 
-	mkdir("build", 0777);
-	mkdir("build/tmp", 0777);
+	folder_make("build/tmp");
 	assert_int_equal(small_pack_write(&made, PATH, NULL, &error), ECO_OK);
 	scene_free(&made);
 	assert_int_equal(eco_pack_open(&pack, PATH, &error), ECO_OK);

@@ -1,6 +1,5 @@
 /* An explanation says of every cut what it draws and why, adds up to the plan, and changes nothing of it. */
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "ecofiles/format/wire.h"
@@ -32,8 +31,7 @@ static void explain(struct eco_plan *plan, struct lod_explanation *why, const st
 	struct eco_error error = { 0 };
 	struct lod_planner_input input = { .scene = &scene.scene, .request = request, .rule = rule,
 		.explanation = why };
-	if (lod_plan(plan, &input, &error))
-		fail_msg("%s", error.text);
+	assert_ok(lod_plan(plan, &input, &error), error);
 }
 
 static bool covers(const struct eco_cut *cut, const struct eco_cut *row)

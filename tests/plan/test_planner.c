@@ -1,7 +1,6 @@
 /* What must always hold for a plan, on random scenes, views and budgets; checked by a simple twin that
  * evaluates the rules plant by plant, as a client would. */
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -41,8 +40,7 @@ static struct lod_planner_stats plan_by(lod_rule *rule, struct eco_plan *plan,
 	struct lod_planner_input input = { .scene = &scene.scene, .request = request, .rule = rule,
 		.stats = &stats };
 	struct eco_error error = { 0 };
-	if (lod_plan(plan, &input, &error))
-		fail_msg("%s", error.text);
+	assert_ok(lod_plan(plan, &input, &error), error);
 	return stats;
 }
 

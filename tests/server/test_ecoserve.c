@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 
 #include "ecofiles/base/version.h"
+#include "tests/support/files.h"
 #include "tests/support/http_client.h"
 #include "tests/support/scene_packs.h"
 #include "tests/support/unit_test.h"
@@ -29,8 +30,7 @@ static int prepare(void **state)
 	snprintf(program, sizeof program, "%s/../ecoserve", dirname(self));
 	if (access(program, X_OK))
 		program[0] = 0;
-	mkdir("build", 0777);
-	mkdir("build/tmp", 0777);
+	folder_make("build/tmp");
 	if (sample_pack_write(PACK_PATH, &error)) {
 		fprintf(stderr, "%s\n", error.text);
 		return 1;

@@ -112,8 +112,7 @@ static void read_stream(struct stream_reader *reader, const struct http_answer *
 	struct eco_error error = { 0 };
 	assert_int_equal(answer->status, 200);
 	assert_header(answer, "Content-Type", "application/octet-stream");
-	if (stream_reader_read(reader, answer->body, answer->size, vertices, &error))
-		fail_msg("%s", error.text);
+	assert_ok(stream_reader_read(reader, answer->body, answer->size, vertices, &error), error);
 }
 
 UNIT_TEST(streams_are_complete_and_send_only_what_is_missing)

@@ -3,7 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "server/describe.h"
 #include "server/emit.h"
 #include "server/stream.h"
 #include "tests/support/scene_random.h"
@@ -41,15 +40,13 @@ static struct body build(const struct bench *b, const struct eco_request *reques
 	struct srv_stream stream;
 	struct eco_error error = { 0 };
 	struct body out = { 0 };
-	if (srv_stream_plan(&stream, &input, &error))
-		fail_msg("%s", error.text);
+	assert_ok(srv_stream_plan(&stream, &input, &error), error);
 	out.fits = stream.fits;
 	out.steps = stream.step_count;
 	out.smallest = stream.body_bytes;
 	if (stream.fits) {
 		struct srv_body body;
-		if (srv_stream_write(&stream, &body, &error))
-			fail_msg("%s", error.text);
+		assert_ok(srv_stream_write(&stream, &body, &error), error);
 		assert_true(body.size_bytes == stream.body_bytes);
 		out.bytes = malloc(body.size_bytes);
 		for (uint32_t i = 0; i < body.piece_count; i++) {
@@ -67,8 +64,7 @@ static struct body build(const struct bench *b, const struct eco_request *reques
 static void read_all(struct stream_reader *reader, const struct body *body, uint64_t vertices)
 {
 	struct eco_error error = { 0 };
-	if (stream_reader_read(reader, body->bytes, body->size, vertices, &error))
-		fail_msg("%s", error.text);
+	assert_ok(stream_reader_read(reader, body->bytes, body->size, vertices, &error), error);
 	assert_true(reader->ended);
 	assert_int_equal(reader->plans, body->steps);
 }

@@ -10,16 +10,16 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "tests/support/files.h"
+
 /* Path of a file in the test's folder; four may be in use at a time. */
 static inline const char *input_path(const char *test, const char *name)
 {
 	static char paths[4][512];
 	static unsigned turn;
 	char *path = paths[turn++ % 4];
-	mkdir("build", 0777);
-	mkdir("build/tmp", 0777);
 	snprintf(path, sizeof paths[0], "build/tmp/%s", test);
-	mkdir(path, 0777);
+	folder_make(path);
 	snprintf(path, sizeof paths[0], "build/tmp/%s/%s", test, name);
 	return path;
 }
@@ -27,11 +27,7 @@ static inline const char *input_path(const char *test, const char *name)
 static inline const char *input_bytes(const char *test, const char *name, const void *bytes, size_t size)
 {
 	const char *path = input_path(test, name);
-	FILE *file = fopen(path, "wb");
-	if (!file || fwrite(bytes, 1, size, file) != size || fclose(file) != 0) {
-		perror(path);
-		abort();
-	}
+	file_write(path, bytes, size);
 	return path;
 }
 

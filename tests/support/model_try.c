@@ -21,8 +21,7 @@ void import_file(struct eco_model *model, const char *path, const struct eco_mod
 	}
 	all.warn = import_note;
 	import_said[0] = 0;
-	if (eco_model_import(model, &all, &error) != ECO_OK)
-		fail_msg("%s", error.text);
+	assert_ok(eco_model_import(model, &all, &error), error);
 	accounted = model->triangle_count;
 	for (int i = 0; i < ECO_DROP_COUNT; i++)
 		accounted += model->dropped[i];

@@ -1,26 +1,17 @@
 #include "tests/support/scratch.h"
+#include "tests/support/files.h"
 
 char scratch_root[256];
 
 void scratch_open(const char *test)
 {
-	mkdir("build", 0777);
-	mkdir("build/tmp", 0777);
 	snprintf(scratch_root, sizeof scratch_root, "build/tmp/%s-%ld", test, (long)getpid());
-	mkdir(scratch_root, 0777);
+	folder_make(scratch_root);
 }
 
 void scratch_remove(const char *path)
 {
-	DIR *folder = opendir(path);
-	struct dirent *entry;
-	char name[800];
-	while (folder && (entry = readdir(folder))) {
-		snprintf(name, sizeof name, "%s/%s", path, entry->d_name);
-		unlink(name);
-	}
-	if (folder)
-		closedir(folder);
+	folder_empty(path);
 	rmdir(path);
 }
 
@@ -40,15 +31,11 @@ FILE *open_text(const char *name)
 	return file;
 }
 
+void write_text(const char *name, const char *text) { file_write_text(in_root(name), text); }
+
 char *read_all(const char *name, size_t *size)
 {
-	FILE *file = fopen(in_root(name), "rb");
-	assert_non_null(file);
-	char *bytes = malloc(1 << 24);
-	assert_non_null(bytes);
-	*size = fread(bytes, 1, 1 << 24, file);
-	fclose(file);
-	return bytes;
+	return (char *)file_read(in_root(name), size);
 }
 
 void write_leaves(FILE *file, double height, int leaves)

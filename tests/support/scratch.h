@@ -19,7 +19,8 @@ void scratch_remove(const char *path);
 /* Path of a file in it; sixteen may be in use at a time. */
 const char *in_root(const char *name);
 FILE *open_text(const char *name);
-/* Its first 16 MiB; the caller frees them. */
+void write_text(const char *name, const char *text);
+/* All of it, which the caller frees. */
 char *read_all(const char *name, size_t *size);
 /* Quads around the upper half of a plant of that height, as lines of an OBJ file, Y up. */
 void write_leaves(FILE *file, double height, int leaves);

@@ -1,4 +1,5 @@
 #include "tests/support/serve_daemon.h"
+#include "tests/support/files.h"
 
 struct srv_store store;
 struct srv_daemon *daemon_;
@@ -14,8 +15,7 @@ int serve_start(void **state)
 {
 	struct eco_error error = { 0 };
 	const struct srv_config config = { .listen = "127.0.0.1:0" };
-	mkdir("build", 0777);
-	mkdir("build/tmp", 0777);
+	folder_make("build/tmp");
 	srv_store_init(&store);
 	snprintf(pack_path, sizeof pack_path, "build/tmp/serve-%d.eco", (int)getpid());
 	if (sample_pack_write(pack_path, &error) || srv_store_add(&store, NULL, pack_path, &error)

@@ -18,6 +18,13 @@
 
 #include <cmocka.h>
 
+/* A call must go well; otherwise the test fails with the error's text. */
+#define assert_ok(code, error) \
+	do { \
+		if (code) \
+			fail_msg("%s", (error).text); \
+	} while (0)
+
 #define UNIT_TEST(name) UNIT_TEST_BETWEEN(name, NULL, NULL)
 /* With what is done before and after it, or NULL. */
 #define UNIT_TEST_BETWEEN(name, set_up, tear_down) \

@@ -1,6 +1,5 @@
 #include "tests/bench/baseline/lee.h"
 
-#include <assert.h>
 #include <float.h>
 #include <string.h>
 

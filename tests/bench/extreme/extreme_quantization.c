@@ -2,7 +2,6 @@
  * nothing by more than half a pixel (lod/build/grid.h); here every corner of the source is looked up among
  * those that are stored, and how far it moved is projected. */
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

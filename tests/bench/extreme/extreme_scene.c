@@ -13,6 +13,7 @@
 #include "ecofiles/format/wire.h"
 #include "lod/build/summary.h"
 #include "tests/bench/bench_fetch.h"
+#include "tests/support/files.h"
 #include "tests/support/scene_builder.h"
 
 #define TILES 4u
@@ -338,8 +339,7 @@ bool extreme_world_open(struct extreme *x, struct extreme_world *world, const st
 {
 	char path[64];
 	struct eco_error error = { 0 };
-	mkdir("build", 0777);
-	mkdir("build/tmp", 0777);
+	folder_make("build/tmp");
 	snprintf(path, sizeof path, "build/tmp/extreme-%ld.eco", (long)getpid());
 	enum eco_code code = write_pack(stand, site, path, &error);
 	srv_store_init(&world->store);
