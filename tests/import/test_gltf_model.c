@@ -11,60 +11,61 @@
 #include "tests/support/input_files.h"
 #include "tests/support/unit_test.h"
 
+/* What the test looks at; reading the next frees it. */
+static struct eco_model m;
+
 /* ---- Models: as they are read, before anything is dropped or moved ---- */
 
 static struct eco_model_frame frame;
 static struct eco_notes notes;
 
-static enum eco_code read_model(struct eco_model *m, const char *rest, uint32_t triangles_max,
+static enum eco_code read_model(const char *rest, uint32_t triangles_max,
 	struct eco_error *error)
 {
 	struct eco_gltf *doc;
 	uint8_t *bytes;
 	size_t size = gw_glb_bytes(rest, ' ', &bytes);
 	enum eco_code code;
-	*m = (struct eco_model){ .position = NULL };
+	eco_model_free(&m);
 	frame = (struct eco_model_frame){ .unit_m = 0 };
 	notes = (struct eco_notes){ .used = 0 };
 	code = eco_gltf_open_memory(&doc, input_path("gltf_model", "m.glb"), bytes, size, error);
 	if (!code)
-		code = eco_gltf_read_document(m, &frame, doc, triangles_max, &notes, error);
+		code = eco_gltf_read_document(&m, &frame, doc, triangles_max, &notes, error);
 	eco_gltf_close(doc);
 	free(bytes);
 	return code;
 }
 
-static void read_good(struct eco_model *m, const char *rest)
+static void read_good(const char *rest)
 {
 	struct eco_error error = { .code = ECO_OK };
 	uint64_t accounted;
-	assert_ok(read_model(m, rest, 1000000, &error), error);
-	accounted = m->triangle_count;
+	assert_ok(read_model(rest, 1000000, &error), error);
+	accounted = m.triangle_count;
 	for (int i = 0; i < ECO_DROP_COUNT; i++)
-		accounted += m->dropped[i];
-	assert_int_equal(accounted, m->triangles_in);
+		accounted += m.dropped[i];
+	assert_int_equal(accounted, m.triangles_in);
 	assert_true(frame.unit_m == 1 && frame.up == ECO_UP_Y);
-	for (uint32_t i = 0; i < m->triangle_count; i++)
-		assert_true(m->material[i] < m->material_count && m->part[i] < m->part_count);
+	for (uint32_t i = 0; i < m.triangle_count; i++)
+		assert_true(m.material[i] < m.material_count && m.part[i] < m.part_count);
 }
 
 static void read_fails(const char *rest, enum eco_code wanted, const char *says)
 {
 	struct eco_error error = { .code = ECO_OK };
-	struct eco_model m;
-	enum eco_code code = read_model(&m, rest, 1000, &error);
-	eco_model_free(&m);
+	enum eco_code code = read_model(rest, 1000, &error);
 	if (code != wanted || !strstr(error.text, says))
 		fail_msg("%s: %s\n  wanted %s ... %s", eco_code_name(code), error.text, eco_code_name(wanted),
 			says);
 }
 
 /* Corner c of triangle t is at that place, in the file's own axes. */
-static void expect_corner(const struct eco_model *m, uint32_t t, uint32_t c, double x, double y, double z)
+static void expect_corner(uint32_t t, uint32_t c, double x, double y, double z)
 {
 	const float *p;
-	assert_true(t < m->triangle_count && m->index[t * 3 + c] < m->vertex_count);
-	p = &m->position[m->index[t * 3 + c] * 3];
+	assert_true(t < m.triangle_count && m.index[t * 3 + c] < m.vertex_count);
+	p = &m.position[m.index[t * 3 + c] * 3];
 	if (fabs((double)p[0] - x) + fabs((double)p[1] + z) + fabs((double)p[2] - y) > 1e-4)
 		fail_msg("corner %u of triangle %u is at %g %g %g, not %g %g %g", c, t, (double)p[0],
 			(double)p[2], -(double)p[1], x, y, z);
@@ -79,7 +80,6 @@ UNIT_TEST(indices_of_every_type_or_none_make_triangles)
 	static const uint8_t bytes[6] = { 0, 1, 2, 2, 1, 3 };
 	static const uint16_t shorts[6] = { 0, 1, 2, 2, 1, 3 };
 	static const uint32_t words[6] = { 0, 1, 2, 2, 1, 3 };
-	struct eco_model m;
 	for (int i = 0; i < 4; i++) {
 		gw_begin();
 		gw_floats(square[0], i < 3 ? 4 : 3, "VEC3", 3);
@@ -89,46 +89,41 @@ UNIT_TEST(indices_of_every_type_or_none_make_triangles)
 			gw_accessor(gw_view(shorts, sizeof shorts, ""), GLTF_USHORT, 6, "SCALAR", "");
 		else
 			gw_accessor(gw_view(words, sizeof words, ""), GLTF_UINT, 6, "SCALAR", "");
-		read_good(&m, i < 3 ? ONE_MESH("\"POSITION\":0", ",\"indices\":1")
+		read_good(i < 3 ? ONE_MESH("\"POSITION\":0", ",\"indices\":1")
 			: ONE_MESH("\"POSITION\":0", ""));
 		assert_int_equal(m.triangle_count, i < 3 ? 2 : 1);
-		expect_corner(&m, 0, 1, 1, 0, 0);
+		expect_corner(0, 1, 1, 0, 0);
 		if (i < 3)
-			expect_corner(&m, 1, 2, 1, 1, 0);
-		eco_model_free(&m);
+			expect_corner(1, 2, 1, 1, 0);
 	}
 }
 
 UNIT_TEST(strips_and_fans_become_triangles)
 {
 	static const uint16_t strip[] = { 0, 1, 2, 3, 0xffff, 3, 2, 1 }, fan[] = { 0, 1, 3, 2 };
-	struct eco_model m;
 	gw_begin();
 	gw_floats(square[0], 4, "VEC3", 3);
 	gw_accessor(gw_view(strip, sizeof strip, ""), GLTF_USHORT, 8, "SCALAR", "");
 	gw_accessor(gw_view(fan, sizeof fan, ""), GLTF_USHORT, 4, "SCALAR", "");
-	read_good(&m, ONE_MESH("\"POSITION\":0", ",\"indices\":1,\"mode\":5"));
+	read_good(ONE_MESH("\"POSITION\":0", ",\"indices\":1,\"mode\":5"));
 	assert_int_equal(m.triangle_count, 3);       /* and one behind the restart */
-	expect_corner(&m, 0, 2, 0, 1, 0);
-	expect_corner(&m, 1, 0, 0, 1, 0);            /* the second keeps the first's winding */
-	expect_corner(&m, 1, 1, 1, 0, 0);
-	expect_corner(&m, 1, 2, 1, 1, 0);
-	expect_corner(&m, 2, 0, 1, 1, 0);
-	eco_model_free(&m);
-	read_good(&m, ONE_MESH("\"POSITION\":0", ",\"indices\":2,\"mode\":6"));
+	expect_corner(0, 2, 0, 1, 0);
+	expect_corner(1, 0, 0, 1, 0);            /* the second keeps the first's winding */
+	expect_corner(1, 1, 1, 0, 0);
+	expect_corner(1, 2, 1, 1, 0);
+	expect_corner(2, 0, 1, 1, 0);
+	read_good(ONE_MESH("\"POSITION\":0", ",\"indices\":2,\"mode\":6"));
 	assert_int_equal(m.triangle_count, 2);
-	expect_corner(&m, 1, 0, 0, 0, 0);
-	expect_corner(&m, 1, 1, 1, 1, 0);
-	expect_corner(&m, 1, 2, 0, 1, 0);
-	eco_model_free(&m);
+	expect_corner(1, 0, 0, 0, 0);
+	expect_corner(1, 1, 1, 1, 0);
+	expect_corner(1, 2, 0, 1, 0);
 }
 
 UNIT_TEST(points_and_lines_are_counted_and_said)
 {
-	struct eco_model m;
 	gw_begin();
 	gw_floats(square[0], 4, "VEC3", 3);
-	read_good(&m, ",\"nodes\":[{\"mesh\":0}],"
+	read_good(",\"nodes\":[{\"mesh\":0}],"
 		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}},"
 		"{\"attributes\":{\"POSITION\":0},"
 		"\"mode\":0},{\"attributes\":{\"POSITION\":0},\"mode\":3},{\"attributes\":{}}]}]");
@@ -136,7 +131,6 @@ UNIT_TEST(points_and_lines_are_counted_and_said)
 	assert_non_null(strstr(notes.text, "4 points and 3 lines are left out"));
 	assert_non_null(strstr(notes.text, "1 primitives without positions"));
 	assert_non_null(strstr(notes.text, "1 corners"));
-	eco_model_free(&m);
 	read_fails(ONE_MESH("\"POSITION\":0", ",\"mode\":0"), ECO_BAD_INPUT, "only 4 points");
 	read_fails(ONE_MESH("\"POSITION\":0", ",\"mode\":9"), ECO_DAMAGED,
 		"meshes[0].primitives[0]: its mode");
@@ -146,63 +140,55 @@ UNIT_TEST(points_and_lines_are_counted_and_said)
 UNIT_TEST(a_broken_index_is_kept_apart)
 {
 	static const uint16_t indices[6] = { 0, 1, 2, 2, 1, 4 };
-	struct eco_model m;
 	gw_begin();
 	gw_floats(square[0], 4, "VEC3", 3);
 	gw_accessor(gw_view(indices, sizeof indices, ""), GLTF_USHORT, 6, "SCALAR", "");
-	read_good(&m, ONE_MESH("\"POSITION\":0", ",\"indices\":1"));
+	read_good(ONE_MESH("\"POSITION\":0", ",\"indices\":1"));
 	assert_int_equal(m.triangle_count, 2);
 	assert_int_equal(m.index[5], ECO_NONE);
 	assert_int_equal(m.vertex_count, 3);         /* what nobody names is left behind */
-	eco_model_free(&m);
 }
 
 UNIT_TEST(quantized_meshes_are_read)
 {
 	static const uint16_t corners[3][4] = { { 0, 0, 0 }, { 65535, 0, 0 }, { 0, 65535, 0 } };
 	static const int8_t small[3][4] = { { 0, 0, 0 }, { 10, 0, 0 }, { 0, 20, -30 } };
-	struct eco_model m;
 	gw_begin();
 	gw_accessor(gw_view(corners, sizeof corners, ",\"byteStride\":8"), GLTF_USHORT, 3, "VEC3",
 		",\"normalized\":true");
 	gw_accessor(gw_view(small, sizeof small, ",\"byteStride\":4"), GLTF_BYTE, 3, "VEC3", "");
-	read_good(&m, ",\"extensionsRequired\":[\"KHR_mesh_quantization\"],\"scenes\":[{\"nodes\":[0,1]}],"
+	read_good(",\"extensionsRequired\":[\"KHR_mesh_quantization\"],\"scenes\":[{\"nodes\":[0,1]}],"
 		"\"nodes\":[{\"mesh\":0,\"scale\":[4,4,4],"
 		"\"translation\":[1,0,0]},{\"mesh\":1}],"
 		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]},"
 		"{\"primitives\":[{\"attributes\":{\"POSITION\":1}}]}]");
-	expect_corner(&m, 0, 0, 1, 0, 0);
-	expect_corner(&m, 0, 1, 5, 0, 0);
-	expect_corner(&m, 1, 2, 0, 20, -30);
+	expect_corner(0, 0, 1, 0, 0);
+	expect_corner(0, 1, 5, 0, 0);
+	expect_corner(1, 2, 0, 20, -30);
 	assert_string_equal(notes.text, "");
-	eco_model_free(&m);
 }
 
 UNIT_TEST(places_far_from_the_origin_keep_their_detail)
 {
 	static const float far[3][3] = { { 1e7f, 0, 0 }, { 1e7f + 1, 0, 0 }, { 1e7f, 1, 0 } };
-	struct eco_model m;
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_floats(far[0], 3, "VEC3", 3);
-	read_good(&m, ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,\"translation\":[5000000.25,100,"
+	read_good(",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,\"translation\":[5000000.25,100,"
 		"0]}],"
 		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]");
 	assert_true(frame.base[0] == 5000000 && (double)m.position[0] == 0.25 && (double)m.position[3]
 		== 1.25);
 	assert_string_equal(notes.text, "");
-	eco_model_free(&m);
-	read_good(&m, ONE_MESH("\"POSITION\":1", ""));
+	read_good(ONE_MESH("\"POSITION\":1", ""));
 	assert_non_null(strstr(notes.text, "in single precision"));
-	eco_model_free(&m);
 }
 
 UNIT_TEST(parts_are_nodes_and_meshes)
 {
-	struct eco_model m;
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
-	read_good(&m, ",\"nodes\":[{\"mesh\":0,\"name\":\"Tree\"},{\"mesh\":0},{\"mesh\":0,"
+	read_good(",\"nodes\":[{\"mesh\":0,\"name\":\"Tree\"},{\"mesh\":0},{\"mesh\":0,"
 		"\"name\":\"Leaves\"},{\"mesh\":1,\"name\":\"Pot\"},"
 		"{\"mesh\":1,\"name\":\"Pot\"}],"
 		"\"meshes\":[{\"name\":\"Leaves\",\"primitives\":[{\"attributes\":{\"POSITION\":0}}]},"
@@ -213,7 +199,6 @@ UNIT_TEST(parts_are_nodes_and_meshes)
 	assert_string_equal(m.parts[m.part[2]].name, "Leaves");
 	assert_string_equal(m.parts[m.part[3]].name, "Pot");
 	assert_int_equal(m.part[3], m.part[4]);
-	eco_model_free(&m);
 }
 
 UNIT_TEST(instances_of_a_model_are_expanded)
@@ -227,36 +212,31 @@ UNIT_TEST(instances_of_a_model_are_expanded)
 		"}}],\"meshes\":[{\"primitives\":[{\"attributes\":"
 		"{\"POSITION\":0}}]}]";
 	struct eco_error error = { .code = ECO_OK };
-	struct eco_model m;
 
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_floats(places[0], 3, "VEC3", 3);
 	gw_floats(sizes[0], 3, "VEC3", 3);
 	gw_accessor(gw_view(turns, sizeof turns, ""), GLTF_SHORT, 3, "VEC4", ",\"normalized\":true");
-	read_good(&m, rest);
+	read_good(rest);
 	assert_int_equal(m.triangle_count, 3);
-	expect_corner(&m, 0, 1, 1, 1, 0);
-	expect_corner(&m, 1, 1, 12, 1, 0);
-	expect_corner(&m, 2, 1, 0, 1, 9);
+	expect_corner(0, 1, 1, 1, 0);
+	expect_corner(1, 1, 12, 1, 0);
+	expect_corner(2, 1, 0, 1, 9);
 	assert_non_null(strstr(notes.text, "3 instances"));
-	eco_model_free(&m);
-	assert_int_equal(read_model(&m, rest, 2, &error), ECO_TOO_LARGE);
-	eco_model_free(&m);
+	assert_int_equal(read_model(rest, 2, &error), ECO_TOO_LARGE);
 }
 
 UNIT_TEST(instances_without_end_are_refused_at_once)
 {
 	struct eco_error error = { .code = ECO_OK };
-	struct eco_model m;
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_accessor(-1, GLTF_FLOAT, 80000000, "VEC3", "");           /* zeros, which cost nothing */
-	assert_int_equal(read_model(&m, ",\"nodes\":[{\"mesh\":0,"
+	assert_int_equal(read_model(",\"nodes\":[{\"mesh\":0,"
 		"\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":1}}}}],"
 		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", 100, &error),
 		ECO_TOO_LARGE);
-	eco_model_free(&m);
 }
 
 /* A joint a hundred times as large, whose inverse bind matrix takes that back, 5 to the right; the node's own
@@ -267,61 +247,54 @@ UNIT_TEST(skins_stand_where_their_joints_hold_them)
 		{ 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 } };
 	static const uint8_t joints[3][4] = { { 0, 1 }, { 0, 1 }, { 1, 0 } };
 	static const float weights[3][4] = { { 1, 0 }, { 0.5f, 0.5f }, { 1, 0 } };
-	struct eco_model m;
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_accessor(gw_view(joints, sizeof joints, ""), GLTF_UBYTE, 3, "VEC4", "");
 	gw_floats(weights[0], 3, "VEC4", 4);
 	gw_floats(inverse[0], 2, "MAT4", 16);
-	read_good(&m, ",\"nodes\":[{\"mesh\":0,\"skin\":0,\"translation\":[1000,0,0]},{\"translation\":[5,0,"
+	read_good(",\"nodes\":[{\"mesh\":0,\"skin\":0,\"translation\":[1000,0,0]},{\"translation\":[5,0,"
 		"0],\"scale\":[100,100,100]},"
 		"{\"translation\":[7,0,0]}],"
 		"\"skins\":[{\"joints\":[1,2],\"inverseBindMatrices\":3}],"
 		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"JOINTS_0\":1,"
 		"\"WEIGHTS_0\":2}}]}]");
-	expect_corner(&m, 0, 0, 5, 0, 0);
-	expect_corner(&m, 0, 1, 7, 0, 0);            /* between 6 and 8 */
-	expect_corner(&m, 0, 2, 7, 1, 0);
-	eco_model_free(&m);
+	expect_corner(0, 0, 5, 0, 0);
+	expect_corner(0, 1, 7, 0, 0);            /* between 6 and 8 */
+	expect_corner(0, 2, 7, 1, 0);
 }
 
 UNIT_TEST(morph_targets_have_their_default_weights)
 {
 	static const float delta[3][3] = { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 0, 0 } };
-	struct eco_model m;
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_floats(delta[0], 3, "VEC3", 3);
-	read_good(&m, ",\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"weights\":[0]},{\"mesh\":0}],"
+	read_good(",\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"weights\":[0]},{\"mesh\":0}],"
 		"\"meshes\":[{\"weights\":[0.5],"
 		"\"primitives\":[{\"attributes\":{\"POSITION\":0},\"targets\":[{\"POSITION\":1}]}]}]");
-	expect_corner(&m, 0, 1, 3, 0, 0);
-	expect_corner(&m, 1, 1, 1, 0, 0);
-	expect_corner(&m, 2, 1, 3, 0, 0);
-	eco_model_free(&m);
+	expect_corner(0, 1, 3, 0, 0);
+	expect_corner(1, 1, 1, 0, 0);
+	expect_corner(2, 1, 3, 0, 0);
 }
 
 UNIT_TEST(vertex_colours_count_in_linear_light)
 {
 	static const uint8_t colors[3][4] = { { 255, 0, 0, 255 }, { 255, 0, 0, 255 }, { 255, 0, 0, 0 } };
-	struct eco_model m;
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
 	gw_accessor(gw_view(colors, sizeof colors, ""), GLTF_UBYTE, 3, "VEC4", ",\"normalized\":true");
-	read_good(&m, ONE_MESH("\"POSITION\":0,\"COLOR_0\":1", ",\"material\":0") ","
+	read_good(ONE_MESH("\"POSITION\":0,\"COLOR_0\":1", ",\"material\":0") ","
 		"\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,1,1,1]}}]");
 	assert_int_equal(m.materials[m.material[0]].rgb[0], 188);
 	assert_int_equal(m.materials[m.material[0]].rgb[1], 0);
 	assert_non_null(strstr(notes.text, "1 vertices have colours with alpha below 0.5"));
-	eco_model_free(&m);
 }
 
 UNIT_TEST(the_older_materials_and_those_without_any_have_colours)
 {
-	struct eco_model m;
 	gw_begin();
 	gw_floats(square[0], 3, "VEC3", 3);
-	read_good(&m, ",\"nodes\":[{\"mesh\":0}],"
+	read_good(",\"nodes\":[{\"mesh\":0}],"
 		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0},"
 		"{\"attributes\":{\"POSITION\":0}},"
 		"{\"attributes\":{\"POSITION\":0},\"material\":1}]}],\"materials\":[{\"name\":\"old\","
@@ -334,7 +307,6 @@ UNIT_TEST(the_older_materials_and_those_without_any_have_colours)
 	assert_string_equal(m.materials[m.material[0]].name, "old");
 	assert_true(m.materials[m.material[0]].rgb[0] == 0 && m.materials[m.material[0]].rgb[1] == 255);
 	assert_true(m.materials[m.material[1]].rgb[0] == 255 && m.materials[m.material[1]].rgb[1] == 255);
-	eco_model_free(&m);
 }
 
 /* One texel, in a view, a data URI, a file, and nowhere. */
@@ -344,7 +316,6 @@ UNIT_TEST(pictures_come_from_anywhere_or_are_missed_aloud)
 	static const float uv[3][2] = { { 0, 0 }, { 1, 0 }, { 0, 1 } },
 		second[3][2] = { { 5, 5 }, { 6, 5 }, { 5, 6 } };
 	struct eco_error error = { .code = ECO_OK };
-	struct eco_model m;
 	char rest[3000], text[1000] = "";
 	uint8_t *png;
 	size_t size;
@@ -377,7 +348,7 @@ UNIT_TEST(pictures_come_from_anywhere_or_are_missed_aloud)
 		"{\"uri\":\"data:image/png,%s\"},{\"uri\":\"bark%%20one.png\"},"
 		"{\"uri\":\"none.png\"}]", text);
 	free(png);
-	read_good(&m, rest);
+	read_good(rest);
 	assert_int_equal(m.image_count, 3);
 	for (uint32_t i = 0; i < 3; i++) {
 		assert_int_equal(m.materials[i].image, i);
@@ -387,7 +358,6 @@ UNIT_TEST(pictures_come_from_anywhere_or_are_missed_aloud)
 	assert_true(m.materials[3].image == ECO_NONE && m.materials[4].image == ECO_NONE);
 	assert_non_null(strstr(notes.text, "none.png"));
 	assert_non_null(strstr(notes.text, "no picture of a kind that is read"));
-	eco_model_free(&m);
 }
 
 /* ---- Draco ---- */
@@ -400,7 +370,6 @@ UNIT_TEST(draco_meshes_of_any_size_are_read)
 	int32_t *position = malloc(3 * vertices * sizeof *position), view;
 	struct eco_error error = { .code = ECO_OK };
 	double sum = 0;
-	struct eco_model m;
 	uint8_t *bytes;
 	size_t size;
 	char rest[600];
@@ -430,19 +399,17 @@ UNIT_TEST(draco_meshes_of_any_size_are_read)
 				i, view);
 		if (i == 2) {
 			/* fewer faces declared than there are */
-			assert_int_equal(read_model(&m, rest, 1000000, &error), ECO_DAMAGED);
+			assert_int_equal(read_model(rest, 1000000, &error), ECO_DAMAGED);
 			assert_non_null(strstr(error.text, "more faces"));
-			eco_model_free(&m);
 			break;
 		}
-		read_good(&m, rest);
+		read_good(rest);
 		assert_int_equal(m.triangle_count, faces);
 		assert_int_equal(m.vertex_count, vertices);
 		for (uint32_t k = 0; k < vertices * 3; k++)
 			sum += (double)m.position[k];
 		/* x and y from 0 to the side, less z from 0 to 4 */
 		assert_true(sum == vertices * (DRACO_SIDE - 1.0 - 2));
-		eco_model_free(&m);
 	}
 	for (size_t cut = 0; cut < size; cut += size / 50 + 1) {
 		struct eco_draco_attribute a = { .id = 0, .components = 3 };
@@ -529,7 +496,6 @@ static const struct { const char *rest, *says; } references_to_cases[] = {
 
 UNIT_TEST(references_to_nothing_are_refused)
 {
-
 	for (size_t i = 0; i < sizeof references_to_cases / sizeof *references_to_cases; i++) {
 		gw_begin();
 		gw_floats(square[0], 3, "VEC3", 3);
@@ -543,10 +509,10 @@ UNIT_TEST(references_to_nothing_are_refused)
 UNIT_TEST(a_glb_is_known_by_its_content)
 {
 	struct eco_error error = { .code = ECO_OK };
-	struct eco_model m;
 	const char *path;
 	uint8_t *bytes;
 	size_t size;
+	eco_model_free(&m);
 	for (int i = 0; i < 3; i++) {
 		gw_begin();
 		gw_floats(square[0], 3, "VEC3", 3);
@@ -573,18 +539,16 @@ UNIT_TEST(without_its_scene_all_nodes_are_read_and_it_is_said)
 	};
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		struct eco_model m;
 		char rest[1000];
 		gw_begin();
 		gw_floats(square[0], 3, "VEC3", 3);
 		snprintf(rest, sizeof rest, "%s,\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"translation\":[5,0,0]}"
 			"],\"meshes\":[{\"primitives\":[{\"attributes\":"
 			"{\"POSITION\":0}}]}]", cases[i].scenes);
-		read_good(&m, rest);
+		read_good(rest);
 		assert_int_equal(m.triangle_count, cases[i].triangles);
 		assert_non_null(strstr(notes.text, cases[i].says));
 		if (cases[i].says[0] == 0)
 			assert_null(strstr(notes.text, "scene"));
-		eco_model_free(&m);
 	}
 }

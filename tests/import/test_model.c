@@ -12,6 +12,9 @@
 #include "tests/support/model_small.h"
 #include "tests/support/unit_test.h"
 
+/* What the test looks at; reading the next frees it. */
+static struct eco_model m;
+
 /* ---- OBJ ---- */
 
 UNIT_TEST(y_up_becomes_z_up_on_its_foot_at_its_height)
@@ -20,7 +23,6 @@ UNIT_TEST(y_up_becomes_z_up_on_its_foot_at_its_height)
 	const char *obj = "v 9.5 5 -20.5\nv 10.5 5 -20.5\nv 10.5 5 -19.5\nv 9.5 5 -19.5\nv 9.5 13 -20.5\nv "
 		"10.5 13 -20.5\nv 10.5 13 -19.5\n"
 		"v 9.5 13 -19.5\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
-	struct eco_model m;
 
 	import_high(&m, input_text("model", "tube.obj", obj), 0);
 	assert_int_equal(m.triangles_in, 8);
@@ -29,11 +31,9 @@ UNIT_TEST(y_up_becomes_z_up_on_its_foot_at_its_height)
 	assert_true(m.foot[0] == 10 && m.foot[1] == 20 && m.foot[2] == 5 && m.scale == 1);
 	assert_true(eco_model_height(&m) == 8);
 	assert_null(m.uv);
-	eco_model_free(&m);
 	import_high(&m, "build/tmp/model/tube.obj", 2);
 	assert_true(fabs(eco_model_height(&m) - 2) < 1e-6 && m.scale == 0.25);
 	assert_true(has_vertex(&m, -0.125f, 0.125f, 2, NULL));
-	eco_model_free(&m);
 }
 
 UNIT_TEST(polygons_count_as_corners_minus_two)
@@ -42,7 +42,6 @@ UNIT_TEST(polygons_count_as_corners_minus_two)
 	const char *obj = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 5 0 0\nv 6 0 0\nv 6 1 "
 		"0\nv 5 1 0\n"
 		"f 1 2 3 4 5 6\nf 7 8 9 10\np 1\nl 1 2\n";
-	struct eco_model m;
 	double area = 0;
 
 	import_high(&m, input_text("model", "l.obj", obj), 0);
@@ -56,7 +55,6 @@ UNIT_TEST(polygons_count_as_corners_minus_two)
 	}
 	if (fabs(area - 4) >= 1e-6)
 		fail_msg("the area is %g", area);
-	eco_model_free(&m);
 }
 
 /* Star-shaped polygons in tilted planes, concave as can be, some with corners in a line or repeated: the
@@ -104,7 +102,6 @@ UNIT_TEST(what_covers_nothing_is_dropped_and_counted)
 		"f 1 2 3\nf 3 1 2\nf 3 6 1\n"
 		"f 1 2 4\nf 1 2 2\nf 2 6 3\n"            /* in a line, twice one corner, twice one place */
 		"f 1 2 5\n";
-	struct eco_model m;
 
 	import_high(&m, input_text("model", "drop.obj", obj), 0);
 	assert_int_equal(m.triangles_in, 7);
@@ -113,17 +110,17 @@ UNIT_TEST(what_covers_nothing_is_dropped_and_counted)
 	assert_int_equal(m.dropped[ECO_DROP_DEGENERATE], 3);
 	assert_int_equal(m.dropped[ECO_DROP_NOT_FINITE], 1);
 	assert_int_equal(m.vertex_count, 3);
-	eco_model_free(&m);
 }
 
 UNIT_TEST(bad_indices_are_dropped_by_the_last_step_too)
 {
-	struct eco_model m = { .vertex_count = 3, .triangle_count = 3, .triangles_in = 3,
-		.material_count = 1 };
 	struct eco_model_frame frame = { .unit_m = 1 };
 	struct eco_notes notes = { .used = 0 };
 	static const float position[] = { 0, 0, 0, 1, 0, 0, 0, 0, 1 };
 	static const uint32_t index[] = { 0, 1, 7, 0, 1, 2, ECO_NONE, 1, 2 };
+	eco_model_free(&m);
+	m = (struct eco_model){ .vertex_count = 3, .triangle_count = 3, .triangles_in = 3,
+		.material_count = 1 };
 	m.position = malloc(sizeof position);
 	m.index = malloc(sizeof index);
 	m.material = calloc(3, sizeof *m.material);
@@ -135,14 +132,12 @@ UNIT_TEST(bad_indices_are_dropped_by_the_last_step_too)
 		&notes, NULL), ECO_OK);
 	assert_int_equal(m.triangle_count, 1);
 	assert_int_equal(m.dropped[ECO_DROP_BAD_INDEX], 2);
-	eco_model_free(&m);
 }
 
 UNIT_TEST(the_foot_is_the_trunks_not_a_hanging_branchs)
 {
 	char obj[8000];
 	size_t used = 0;
-	struct eco_model m;
 
 	/* a thick tube at x = 0 from 1 to 9, a thin one at x = 6 from 0 to 9, and leaves */
 	for (int tube = 0; tube < 2; tube++)
@@ -160,7 +155,6 @@ UNIT_TEST(the_foot_is_the_trunks_not_a_hanging_branchs)
 	assert_true(fabs(m.foot[0]) < 1e-5 && fabs(m.foot[1]) < 1e-5 && m.foot[2] == 1);
 	assert_true(fabs(eco_model_height(&m) - 8) < 1e-5 && has_vertex(&m, 0.5f, 0, 0, NULL)
 		&& has_vertex(&m, 6.05f, 0, -1, NULL));
-	eco_model_free(&m);
 }
 
 /* ---- Hostile input ---- */
@@ -184,9 +178,9 @@ UNIT_TEST(files_that_are_no_models_are_refused)
 UNIT_TEST(more_triangles_than_allowed_are_refused)
 {
 	struct eco_error error = { .code = ECO_OK };
-	struct eco_model m;
 	const char *path = input_text("model", "three.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 2 0\nf "
 		"1 2 3\nf 2 4 3\nf 3 4 5\n");
+	eco_model_free(&m);
 	assert_int_equal(eco_model_import(&m,
 		&(struct eco_model_options){ .paths = (const char *[]){ path }, .path_count = 1,
 		.triangles_max = 2 }, &error), ECO_TOO_LARGE);
@@ -201,12 +195,10 @@ UNIT_TEST(more_triangles_than_allowed_are_refused)
 UNIT_TEST(damaged_files_are_survived)
 {
 	const char *path = gltf("whole.gltf", "{\"mesh\":0}", ",\"materials\":[{}]");
-	char text[6000];
-	FILE *file = fopen(path, "rb");
-	size_t size = fread(text, 1, sizeof text, file), step = size / 40;
-	fclose(file);
-	for (size_t at = 1; at < size; at += step) {
-		struct eco_model m;
+	size_t size;
+	char *text = (char *)file_read(path, &size);
+	eco_model_free(&m);
+	for (size_t at = 1; at < size; at += size / 40) {
 		char kept = text[at];
 		if (eco_model_import(&m,
 				&(struct eco_model_options){
@@ -223,6 +215,7 @@ UNIT_TEST(damaged_files_are_survived)
 		eco_model_free(&m);
 		text[at] = kept;
 	}
+	free(text);
 }
 
 /* ---- The guard ---- */
@@ -287,7 +280,6 @@ UNIT_TEST(shared_models_arrive_whole)
 	if (!data)
 		skip();
 	for (size_t i = 0; i < sizeof models / sizeof *models; i++) {
-		struct eco_model m;
 		char path[4096];
 		bool cutout = false;
 		snprintf(path, sizeof path, "%s/models/%s", data, models[i].path);
@@ -302,6 +294,5 @@ UNIT_TEST(shared_models_arrive_whole)
 		assert_int_equal(cutout, models[i].cutout);
 		if (!(fabs((eco_model_height(&m) + m.source.below * m.scale) / models[i].height - 1) < 0.001))
 			fail_msg("%s: %g m high: %s", path, eco_model_height(&m), import_said);
-		eco_model_free(&m);
 	}
 }

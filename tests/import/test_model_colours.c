@@ -11,6 +11,9 @@
 
 #define TRIANGLE_UV "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3\n"
 
+/* What the test looks at; reading the next frees it. */
+static struct eco_model m;
+
 static void write_png(const char *name, const uint8_t *rgba, uint32_t width, uint32_t height)
 {
 	struct eco_error error = { .code = ECO_OK };
@@ -22,7 +25,6 @@ static void write_png(const char *name, const uint8_t *rgba, uint32_t width, uin
 UNIT_TEST(textures_lie_the_right_way_up_and_replace_the_colour)
 {
 	static const uint8_t rgba[] = { 255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 0 };
-	struct eco_model m;
 	write_png("leaf one.png", rgba, 2, 2);
 	input_text(TEST_FOLDER, "t.mtl", "newmtl m\nKd 0.64 0.64 0.64\nmap_Kd leaf one.png\n");
 	import_high(&m, input_text(TEST_FOLDER, "t.obj", "mtllib t.mtl\n" TRIANGLE_UV), 0);
@@ -37,29 +39,24 @@ UNIT_TEST(textures_lie_the_right_way_up_and_replace_the_colour)
 	assert_true(has_vertex(&m, -0.5f, 0, 0, (const float[]){ 0, 1 }));
 	assert_true(has_vertex(&m, -0.5f, 0, 1, (const float[]){ 0, 0 }));
 	assert_true(has_vertex(&m, 0.5f, 0, 0, (const float[]){ 1, 1 }));
-	eco_model_free(&m);
 }
 
 UNIT_TEST(an_opacity_map_cuts_out)
 {
 	static const uint8_t solid[] = { 9, 9, 9, 255, 9, 9, 9, 255 },
 		mask[] = { 255, 255, 255, 255, 0, 0, 0, 255 };
-	struct eco_model m;
 	write_png("solid.png", solid, 2, 1);
 	write_png("mask.png", mask, 2, 1);
 	input_text(TEST_FOLDER, "o.mtl", "newmtl m\nmap_Kd solid.png\nmap_d mask.png\n");
 	import_high(&m, input_text(TEST_FOLDER, "o.obj", "mtllib o.mtl\n" TRIANGLE_UV), 0);
 	assert_true(m.materials[0].cutout && m.images[0].rgba[3] == 255 && m.images[0].rgba[7] == 0);
-	eco_model_free(&m);
 	input_text(TEST_FOLDER, "o.mtl", "newmtl m\nmap_Kd solid.png\n");
 	import_high(&m, "build/tmp/" TEST_FOLDER "/o.obj", 0);
 	assert_false(m.materials[0].cutout);
-	eco_model_free(&m);
 }
 
 UNIT_TEST(a_missing_or_broken_texture_is_told_not_fatal)
 {
-	struct eco_model m;
 	input_text(TEST_FOLDER, "g.mtl", "newmtl m\nKd 1 0 0.5\nmap_Kd C:\\trees\\gone.png\n");
 	import_high(&m, input_text(TEST_FOLDER, "g.obj", "mtllib g.mtl\n" TRIANGLE_UV), 0);
 	assert_int_equal(m.image_count, 0);
@@ -68,13 +65,11 @@ UNIT_TEST(a_missing_or_broken_texture_is_told_not_fatal)
 		== 128);
 	assert_non_null(strstr(import_said, "gone.png: no such file beside the model"));
 	assert_null(m.uv);
-	eco_model_free(&m);
 	input_text(TEST_FOLDER, "gone.png", "this is no picture");
 	import_high(&m, "build/tmp/" TEST_FOLDER "/g.obj", 0);
 		/* found by its last part, but broken */
 	assert_int_equal(m.image_count, 0);
 	assert_non_null(strstr(import_said, "gone.png"));
-	eco_model_free(&m);
 	unlink("build/tmp/" TEST_FOLDER "/gone.png");
 }
 
@@ -89,7 +84,6 @@ UNIT_TEST(a_grey_that_nobody_chose_is_no_colour)
 		{ "newmtl m\nKd 0.5 0.6 0.4\nmap_Kd lost.png\n", false },
 		{ "newmtl m\nKd 1 1 1\nmap_Kd white.png\n", false } };
 	const uint8_t white[8] = { 255, 255, 255, 255, 255, 255, 255, 255 };
-	struct eco_model m;
 
 	write_png("white.png", white, 2, 1);
 	input_text(TEST_FOLDER, "grey.obj", "mtllib grey.mtl\n" TRIANGLE_UV);
@@ -99,7 +93,6 @@ UNIT_TEST(a_grey_that_nobody_chose_is_no_colour)
 		if (m.materials[m.material[0]].colourless != cases[i].colourless)
 			fail_msg("%s", cases[i].mtl);
 		assert_int_equal(strstr(import_said, "no colour in its files") != NULL, cases[i].colourless);
-		eco_model_free(&m);
 	}
 	input_text(TEST_FOLDER, "grey.mtl", "newmtl m\nKd 0.9 0.9 0.9\nnewmtl n\nKd 0.4 0.4 0.4\n");
 		/* two greys were chosen: bark and snow */
@@ -108,24 +101,19 @@ UNIT_TEST(a_grey_that_nobody_chose_is_no_colour)
 		"v 0 0 2\nv 1 0 2\nv 0 1 2\nusemtl n\nf 4 5 6\n"), 0);
 	assert_int_equal(m.triangle_count, 2);
 	assert_false(m.materials[m.material[0]].colourless || m.materials[m.material[1]].colourless);
-	eco_model_free(&m);
 }
 
 UNIT_TEST(colours_are_the_screens_unless_blender_wrote_them)
 {
-	struct eco_model m;
 	input_text(TEST_FOLDER, "c.mtl", "newmtl m\nKd 0.2 0.2 0.2\n");
 	import_high(&m, input_text(TEST_FOLDER, "c.obj", "mtllib c.mtl\n" TRIANGLE_UV), 0);
 	assert_int_equal(m.materials[0].rgb[0], 51);
-	eco_model_free(&m);
 	import_high(&m, input_text(TEST_FOLDER, "c.obj", "# Blender 3.4.1\nmtllib c.mtl\n" TRIANGLE_UV), 0);
 	assert_int_equal(m.materials[0].rgb[0], 124);        /* 0.2 linear */
-	eco_model_free(&m);
 }
 
 UNIT_TEST(invisible_materials_are_left_out_and_counted)
 {
-	struct eco_model m;
 	input_text(TEST_FOLDER, "d.mtl", "newmtl m\nd 0.3\nnewmtl n\nd 0.6\n");
 	import_high(&m,
 		input_text(TEST_FOLDER, "d.obj", "mtllib d.mtl\n" TRIANGLE_UV
@@ -135,15 +123,12 @@ UNIT_TEST(invisible_materials_are_left_out_and_counted)
 	assert_int_equal(m.triangle_count, 2);
 	assert_int_equal(m.material_count, 1);
 	assert_non_null(strstr(import_said, "1 triangles have materials with alpha below 0.5"));
-	eco_model_free(&m);
 }
 
 /* ---- glTF ---- */
 
 UNIT_TEST(nodes_place_their_meshes)
 {
-	struct eco_model m;
-
 	/* the mesh twice: moved by a parent, and turned by 90 degrees about Y below it, which takes +X to -Z
 	 * and so to +Y here */
 	import_high(&m, gltf("nodes.gltf", "{\"children\":[1],\"mesh\":0,\"translation\":[0,2,0]},"
@@ -154,7 +139,6 @@ UNIT_TEST(nodes_place_their_meshes)
 	assert_true(m.foot[2] == 2);
 	assert_true(has_vertex(&m, (float)(1 - m.foot[0]), (float)-m.foot[1], 0, NULL));
 	assert_true(has_vertex(&m, (float)(4 - m.foot[0]), (float)(1 - m.foot[1]), 0, NULL));
-	eco_model_free(&m);
 }
 
 static const struct { const char *mode; bool cutout; uint8_t alpha[2]; } modes[] = {
@@ -174,7 +158,6 @@ UNIT_TEST(alpha_modes_and_linear_colours_mean_what_gltf_says)
 	static const uint8_t rgba[] = { 255, 0, 0, 100, 0, 255, 0, 200 };
 	write_png("a b.png", rgba, 2, 1);
 	for (size_t i = 0; i < sizeof modes / sizeof *modes; i++) {
-		struct eco_model m;
 		char rest[500];
 		snprintf(rest, sizeof rest, ","
 			"\"materials\":[{%s\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,1,0,1],"
@@ -190,13 +173,12 @@ UNIT_TEST(alpha_modes_and_linear_colours_mean_what_gltf_says)
 			== 255);
 		/* glTF's v points down */
 		assert_true(has_vertex(&m, -0.5f, 0, 0, (const float[]){ 0, 0 }));
-		eco_model_free(&m);
 	}
 }
 
 /* Three triangles beside each other, one for each of the materials (JSON); their texture 0 is `rgba`, one
  * row. */
-static void import_textured(struct eco_model *m, const char *materials, const uint8_t *rgba, uint32_t width)
+static void import_textured(struct eco_model *model, const char *materials, const uint8_t *rgba, uint32_t width)
 {
 	char meshes[2000] = "", nodes[2000] = "", text[8000];
 	size_t mesh = 0, node = 0;
@@ -212,16 +194,16 @@ static void import_textured(struct eco_model *m, const char *materials, const ui
 		"1,2,3]}],\"buffers\":[" BUFFER "]," VIEWS
 		",\"meshes\":[%s],\"nodes\":[{}%s],\"materials\":[%s],\"textures\":[{\"source\":0}],"
 		"\"images\":[{\"uri\":\"row.png\"}]}", meshes, nodes, materials);
-	import_high(m, input_text(TEST_FOLDER, "row.gltf", text), 0);
+	import_high(model, input_text(TEST_FOLDER, "row.gltf", text), 0);
 }
 
-static void assert_texel(const struct eco_model *m, const char *material, uint32_t x, const uint8_t wanted[4])
+static void assert_texel(const struct eco_model *model, const char *material, uint32_t x, const uint8_t wanted[4])
 {
-	const struct eco_material *of = material_of(m, material);
+	const struct eco_material *of = material_of(model, material);
 	const uint8_t *texel;
-	assert_true(of->image < m->image_count);
+	assert_true(of->image < model->image_count);
 	assert_memory_equal(of->rgb, "\377\377\377", 3);
-	texel = &m->images[of->image].rgba[x * 4];
+	texel = &model->images[of->image].rgba[x * 4];
 	if (memcmp(texel, wanted, 4) != 0)
 		fail_msg("%s, texel %u: %u %u %u %u", material, x, texel[0], texel[1], texel[2], texel[3]);
 }
@@ -229,7 +211,6 @@ static void assert_texel(const struct eco_model *m, const char *material, uint32
 UNIT_TEST(a_texture_takes_each_colour_it_is_used_with)
 {
 	static const uint8_t rgba[] = { 255, 128, 0, 255, 188, 188, 255, 255 };
-	struct eco_model m;
 	import_textured(&m, "{\"name\":\"half\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,"
 		"1],\"baseColorTexture\":{\"index\":0}}},"
 		"{\"name\":\"plain\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
@@ -243,13 +224,11 @@ UNIT_TEST(a_texture_takes_each_colour_it_is_used_with)
 	/* half the light: (128/255)^2.2 is 0.216, its half 0.108 */
 	assert_texel(&m, "half", 0, (const uint8_t[]){ 188, 93, 0, 255 });
 	assert_texel(&m, "half", 1, (const uint8_t[]){ 138, 138, 188, 255 });
-	eco_model_free(&m);
 }
 
 UNIT_TEST(a_texture_cut_out_here_is_opaque_there)
 {
 	static const uint8_t rgba[] = { 9, 9, 9, 255, 8, 8, 8, 180, 7, 7, 7, 0 };
-	struct eco_model m;
 	import_textured(&m, "{\"name\":\"leaf\",\"alphaMode\":\"MASK\","
 		"\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
 		"{\"name\":\"bark\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
@@ -266,13 +245,11 @@ UNIT_TEST(a_texture_cut_out_here_is_opaque_there)
 		assert_texel(&m, "veil", x,
 			(const uint8_t[]){ level, level, level, (uint8_t)(rgba[x * 4 + 3] * 0.6 + 0.5) });
 	}
-	eco_model_free(&m);
 }
 
 UNIT_TEST(alpha_that_cuts_nothing_out_makes_no_other_image)
 {
 	static const uint8_t rgba[] = { 9, 9, 9, 255, 8, 8, 8, 240 };
-	struct eco_model m;
 	import_textured(&m, "{\"name\":\"leaf\",\"alphaMode\":\"MASK\","
 		"\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
 		"{\"name\":\"bark\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}},"
@@ -284,28 +261,27 @@ UNIT_TEST(alpha_that_cuts_nothing_out_makes_no_other_image)
 	assert_texel(&m, "leaf", 1, (const uint8_t[]){ 8, 8, 8, 255 });
 	assert_int_equal(material_of(&m, "bark")->image, 0);
 	assert_int_equal(m.dropped[ECO_DROP_TRANSPARENT], 1);        /* 0.4 of 1 is below 0.5 everywhere */
-	eco_model_free(&m);
 }
 
 /* A model in memory of `count` triangles, each with its own colour of the one image, which has one white
  * texel. */
-static void make_motley(struct eco_model *m, uint32_t count)
+static void make_motley(struct eco_model *model, uint32_t count)
 {
-	*m = (struct eco_model){ .material_count = count, .image_count = 1 };
-	m->materials = calloc(count, sizeof *m->materials);
-	m->images = calloc(1, sizeof *m->images);
-	m->images[0] = (struct eco_image){ .width = 1, .height = 1, .rgba = malloc(4) };
-	memset(m->images[0].rgba, 255, 4);
+	eco_model_free(model);
+	*model = (struct eco_model){ .material_count = count, .image_count = 1 };
+	model->materials = calloc(count, sizeof *model->materials);
+	model->images = calloc(1, sizeof *model->images);
+	model->images[0] = (struct eco_image){ .width = 1, .height = 1, .rgba = malloc(4) };
+	memset(model->images[0].rgba, 255, 4);
 	for (uint32_t i = 0; i < count; i++) {
-		m->materials[i].image = 0;
-		memset(m->materials[i].rgb, (int)(255 - i), 3);
+		model->materials[i].image = 0;
+		memset(model->materials[i].rgb, (int)(255 - i), 3);
 	}
 }
 
 UNIT_TEST(beyond_what_is_kept_the_nearest_colour_stands_in)
 {
 	struct eco_notes notes = { .used = 0 };
-	struct eco_model m;
 	make_motley(&m, 200);
 	assert_int_equal(eco_model_bake_tints(&m, "memory", &notes, NULL), ECO_OK);
 	assert_int_equal(m.image_count, 32);
@@ -315,13 +291,11 @@ UNIT_TEST(beyond_what_is_kept_the_nearest_colour_stands_in)
 			&& m.materials[i].rgb[1] == 255);
 	}
 	assert_non_null(strstr(notes.text, "168 materials are drawn in the nearest"));
-	eco_model_free(&m);
 }
 
 UNIT_TEST(vertex_colours_of_a_textured_mesh_become_their_mean)
 {
 	static const uint8_t white[] = { 255, 255, 255, 255 };
-	struct eco_model m;
 	write_png("white.png", white, 1, 1);
 	input_text(TEST_FOLDER, "vt.mtl", "newmtl m\nmap_Kd white.png\n");
 	import_high(&m, input_text(TEST_FOLDER, "vt.obj", "mtllib vt.mtl\nv 0 0 0 1 1 0\nv 1 0 0 0.4 1 0\nv "
@@ -331,7 +305,6 @@ UNIT_TEST(vertex_colours_of_a_textured_mesh_become_their_mean)
 	assert_int_equal(m.material_count, 1);
 	assert_texel(&m, "m", 0, (const uint8_t[]){ 153, 255, 0, 255 });
 	assert_non_null(strstr(import_said, "1 textured meshes have vertex colours that differ"));
-	eco_model_free(&m);
 }
 
 UNIT_TEST(a_webp_texture_that_gltf_requires_is_read)
@@ -344,14 +317,12 @@ UNIT_TEST(a_webp_texture_that_gltf_requires_is_read)
 		"{\"EXT_texture_webp\":{\"source\":0}}}],\"images\":[{\"mimeType\":\"image/webp\","
 		"\"uri\":\"data:image/webp;base64,"
 		"UklGRjIAAABXRUJQVlA4TCUAAAAvAwAAEB8gECD43/FnQyyYzP+MKqxBEQgQ1p05E8DsrKHGEf0PAA==\"}]";
-	struct eco_model m;
 
 	import_high(&m, gltf("webp.gltf", "{\"mesh\":0}", rest), 0);
 	assert_int_equal(m.image_count, 1);
 	assert_int_equal(m.images[0].width, 4);
 	assert_true(material_of(&m, "g")->cutout);
 	assert_in_range(m.images[0].rgba[0], 198, 202);
-	eco_model_free(&m);
 }
 
 UNIT_TEST(draco_meshes_are_read)
@@ -374,18 +345,15 @@ UNIT_TEST(draco_meshes_are_read)
 		"{\"componentType\":5126,\"count\":4,\"type\":\"VEC2\"},"
 		"{\"componentType\":5125,\"count\":6,\"type\":\"SCALAR\"}]}";
 	char text[3000];
-	struct eco_model m;
 
 	snprintf(text, sizeof text, "%s4%s", head, tail);
 	import_high(&m, input_text(TEST_FOLDER, "draco.gltf", text), 0);
 	assert_int_equal(m.triangle_count, 2);
 	assert_true(has_vertex(&m, 0.5f, 0, 1, NULL) && has_vertex(&m, -0.5f, 0, 0, NULL));
-	eco_model_free(&m);
 }
 
 UNIT_TEST(vertex_colours_become_materials)
 {
-	struct eco_model m;
 	import_high(&m, input_text(TEST_FOLDER, "vc.obj", "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nv 0 "
 		"0 1 0 0 1\nv 1 0 1 0 0 1\nv 0 1 1 0 0 1\n"
 		"v 0 0 2 1 1 1\nv 1 0 2 1 1 1\nv 0 1 2 1 1 1\nf 1 2 3\nf 4 5 6\nf 7 8 9\n"), 0);
@@ -397,7 +365,6 @@ UNIT_TEST(vertex_colours_become_materials)
 		assert_string_equal(m.materials[m.material[i]].name, "vertex colours 1");
 			/* one surface: lod/build/organ_split.h */
 	}
-	eco_model_free(&m);
 }
 
 UNIT_TEST(texture_transforms_turn_about_the_images_corner)
@@ -413,7 +380,6 @@ UNIT_TEST(texture_transforms_turn_about_the_images_corner)
 
 	write_png("one.png", rgba, 1, 1);
 	for (size_t i = 0; i < 2; i++) {
-		struct eco_model m;
 		char rest[700];
 		snprintf(rest, sizeof rest, ",\"extensionsUsed\":[\"KHR_texture_transform\"],"
 			"\"extensionsRequired\":[\"KHR_texture_transform\"],"
@@ -425,7 +391,6 @@ UNIT_TEST(texture_transforms_turn_about_the_images_corner)
 		assert_true(has_vertex(&m, -0.5f, 0, 0, cases[i].uv[0])
 			&& has_vertex(&m, 0.5f, 0, 0, cases[i].uv[1])
 			&& has_vertex(&m, -0.5f, 0, 1, cases[i].uv[2]));
-		eco_model_free(&m);
 	}
 }
 

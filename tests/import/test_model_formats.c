@@ -5,13 +5,15 @@
 
 #define TRIANGLE "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
 
+/* What the test looks at; reading the next frees it. */
+static struct eco_model m;
+
 /* ---- PLY ---- */
 
 #define PLY_FACES "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
 
 UNIT_TEST(ply_text_brings_colours_and_counts_bad_faces)
 {
-	struct eco_model m;
 	import_file(&m, input_text("formats", "color.ply", "ply\r\nformat ascii 1.0\r\ncomment made by "
 		"hand\r\nelement vertex 4\r\nproperty float x\r\n"
 		"property float y\r\nproperty float z\r\nproperty uchar red\r\nproperty uchar "
@@ -23,7 +25,6 @@ UNIT_TEST(ply_text_brings_colours_and_counts_bad_faces)
 	assert_int_equal(m.dropped[ECO_DROP_BAD_INDEX], 1);
 	assert_true(close_to(eco_model_height(&m), 2, 1e-6));
 	assert_memory_equal(m.materials[m.material[0]].rgb, ((const uint8_t[]){ 255, 0, 0 }), 3);
-	eco_model_free(&m);
 }
 
 static void put_double(uint8_t *to, double value, bool big)
@@ -48,7 +49,6 @@ UNIT_TEST(ply_in_map_coordinates_keeps_its_detail)
 		size_t used = (size_t)snprintf(file, sizeof file,
 			"ply\nformat %s 1.0\nelement vertex 4\nproperty uchar quality\nproperty double x\n"
 			"property double y\nproperty double z\n" PLY_FACES, formats[kind]);
-		struct eco_model m;
 
 		for (int v = 0; v < 4; v++) {
 			if (kind < 2)
@@ -76,7 +76,6 @@ UNIT_TEST(ply_in_map_coordinates_keeps_its_detail)
 		if (!close_to(m.foot[0], 500000.625, 1e-6) || !close_to(m.foot[1], 4000000.25, 1e-6)
 				|| !has_place(&m, -0.499, 0, 3) || !has_place(&m, 0.5, 0.002, 3))
 			fail_msg("%s: foot %.4f %.4f", formats[kind], m.foot[0], m.foot[1]);
-		eco_model_free(&m);
 	}
 }
 
@@ -159,7 +158,6 @@ UNIT_TEST(formats_that_state_axes_and_unit_are_believed)
 	};
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		struct eco_model m;
 		import_file(&m, input_text("formats", cases[i].name, cases[i].text), NULL);
 		if (m.source.up != cases[i].up || m.source.up_how != ECO_HOW_FORMAT
 				|| m.source.unit_how != ECO_HOW_FORMAT
@@ -177,7 +175,6 @@ UNIT_TEST(formats_that_state_axes_and_unit_are_believed)
 		assert_string_equal(m.materials[0].name, "Bark");
 		assert_int_equal(m.materials[0].rgb[0], 51);
 		assert_memory_equal(m.parts[0].name, "Trunk", 5);
-		eco_model_free(&m);
 	}
 }
 
@@ -197,13 +194,11 @@ UNIT_TEST(what_the_user_says_of_axes_and_unit_wins)
 	};
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		struct eco_model m;
 		import_file(&m, input_text("formats", cases[i].name, cases[i].text),
 			&(struct eco_model_options){ .up = cases[i].up, .unit_m = 0.5 });
 		if (!close_to(m.source.size[2], cases[i].high, 1e-3) || m.scale != 0.5
 				|| m.source.up_how != ECO_HOW_GIVEN || m.source.unit_how != ECO_HOW_GIVEN)
 			fail_msg("case %zu: %g high, scale %g", i, m.source.size[2], m.scale);
-		eco_model_free(&m);
 	}
 }
 
@@ -219,9 +214,7 @@ static const struct { double units; const char *says; double metres; } a_unit_ca
 
 UNIT_TEST(a_unit_is_guessed_from_the_height_and_said)
 {
-
 	for (size_t i = 0; i < sizeof a_unit_cases / sizeof *a_unit_cases; i++) {
-		struct eco_model m;
 		char text[200];
 		snprintf(text, sizeof text, "v 0 0 0\nv 1 0 0\nv 0 %g 0\nf 1 2 3\n", a_unit_cases[i].units);
 		import_file(&m, input_text("formats", "unit.obj", text),
@@ -229,18 +222,15 @@ UNIT_TEST(a_unit_is_guessed_from_the_height_and_said)
 		import_says(a_unit_cases[i].says);
 		assert_true(close_to(eco_model_height(&m), a_unit_cases[i].metres, 1e-4) && m.source.unit_how
 			== ECO_HOW_GUESSED);
-		eco_model_free(&m);
 		import_file(&m, "build/tmp/formats/unit.obj",
 			&(struct eco_model_options){ .up = ECO_UP_Y, .height_m = 7 });
 		assert_true(close_to(eco_model_height(&m), 7, 1e-5) && !strstr(import_said, "taken for")
 			&& m.source.unit_how == ECO_HOW_HEIGHT);
-		eco_model_free(&m);
 		import_file(&m, "build/tmp/formats/unit.obj",
 			&(struct eco_model_options){ .up = ECO_UP_Y, .unit_m = 0.3048 });
 		assert_true(close_to(eco_model_height(&m) / (a_unit_cases[i].units * 0.3048), 1, 1e-5));
 		if (a_unit_cases[i].units * 0.3048 > 120)
 			import_says("high by the given unit");
-		eco_model_free(&m);
 	}
 }
 
@@ -252,14 +242,12 @@ UNIT_TEST(comments_about_units_are_read)
 		{ "# unit: minutes", 0 } };
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		struct eco_model m;
 		char text[200];
 		snprintf(text, sizeof text, "%s\n" TRIANGLE "f 1 2 3\n", cases[i].comment);
 		import_file(&m, input_text("formats", "comment.obj", text), NULL);
 		if (m.source.unit_how != (cases[i].metres > 0 ? ECO_HOW_FORMAT : ECO_HOW_GUESSED)
 				|| (cases[i].metres > 0 && m.scale != cases[i].metres))
 			fail_msg("%s: %g", cases[i].comment, m.scale);
-		eco_model_free(&m);
 	}
 }
 
@@ -282,7 +270,6 @@ UNIT_TEST(formats_without_axes_follow_their_convention)
 	static const float places[9] = { 0, 0, 0, 2, 0, 0, 0, 0, 5 };
 	uint8_t bytes[400], list[100];
 	size_t used, at = 0;
-	struct eco_model m;
 	list[0] = 3;
 	list[1] = 0;
 	memcpy(list + 2, places, 36);
@@ -298,7 +285,6 @@ UNIT_TEST(formats_without_axes_follow_their_convention)
 	import_file(&m, input_bytes("formats", "tree.3ds", bytes, used), NULL);
 	assert_true(close_to(m.source.size[2], 5, 1e-6) && m.source.up == ECO_UP_Z
 		&& close_to(m.source.size[0], 2, 1e-6));
-	eco_model_free(&m);
 	memset(bytes, 0, sizeof bytes);
 	memcpy(bytes, "binary STL", 10);
 	bytes[80] = 1;
@@ -310,12 +296,10 @@ UNIT_TEST(formats_without_axes_follow_their_convention)
 			"5\nendloop\nendfacet\nendsolid oak\n"), NULL);
 		assert_true(close_to(m.source.size[2], 5, 1e-6) && m.source.up == ECO_UP_Z);
 		assert_int_equal(m.materials[0].rgb[0], 153);
-		eco_model_free(&m);
 	}
 	import_file(&m, input_text("formats", "tree.off", "OFF\n3 1 0\n0 0 0\n2 0 0\n0 5 0\n3 0 1 2\n"),
 		NULL);
 	assert_true(close_to(m.source.size[2], 5, 1e-6) && m.source.up == ECO_UP_Y);
-	eco_model_free(&m);
 }
 
 /* assimp 5.2 takes a line feed there for the header's end. */
@@ -328,7 +312,6 @@ UNIT_TEST(binary_ply_may_begin_with_any_byte)
 				const float places[4][3] = { { 10, 20, 0 }, { 11, 20, 0 }, { 11, 21, 3 },
 					{ 10, 21, 0.5f } };
 				const char *end = ends ? "\r\n" : "\n";
-				struct eco_model m;
 				uint8_t file[600];
 				size_t used = (size_t)snprintf((char *)file, sizeof file,
 					"ply%sformat %s 1.0%selement vertex 4%sproperty float x%sproperty "
@@ -354,7 +337,6 @@ UNIT_TEST(binary_ply_may_begin_with_any_byte)
 				assert_int_equal(m.triangle_count, 2);
 				assert_true(close_to(m.source.size[2], 3, 1e-5)
 					&& close_to(m.source.size[0], 1, 1e-4));
-				eco_model_free(&m);
 				if (big)
 					break;
 			}
@@ -362,13 +344,11 @@ UNIT_TEST(binary_ply_may_begin_with_any_byte)
 
 UNIT_TEST(empty_solids_are_no_harm)
 {
-	struct eco_model m;
 	import_file(&m, input_text("formats", "solids.stl", "solid leaf\nfacet normal 0 0 1\nouter "
 		"loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 0 "
 		"5\nendloop\nendfacet\nendsolid leaf\nsolid empty\nendsolid empty\n"), NULL);
 	assert_int_equal(m.triangle_count, 1);
 	assert_true(close_to(m.source.size[2], 5, 1e-6));
-	eco_model_free(&m);
 }
 
 UNIT_TEST(what_is_no_model_is_refused_with_what_to_do)
@@ -405,7 +385,6 @@ UNIT_TEST(what_is_no_model_is_refused_with_what_to_do)
 UNIT_TEST(several_files_are_one_plant)
 {
 	const char *paths[3];
-	struct eco_model m;
 	input_text("formats", "wood.mtl", "newmtl same\nKd 1 0 0\n");
 	input_text("formats", "leaf.mtl", "newmtl same\nKd 0 1 0\n");
 	paths[0] = input_text("formats", "wood.obj", "mtllib wood.mtl\nusemtl same\no Stem\nv 9 0 0\nv 11 0 "
@@ -420,24 +399,20 @@ UNIT_TEST(several_files_are_one_plant)
 	assert_string_equal(m.parts[m.part[0]].name, "wood.obj/Stem");
 	assert_string_equal(m.parts[m.part[1]].name, "leaf.obj");
 	assert_true(m.materials[m.material[0]].rgb[0] == 255 && m.materials[m.material[1]].rgb[1] == 255);
-	eco_model_free(&m);
 }
 
 /* A Collada file in inches, Z up; an OBJ file that says nothing is meant in the same system. */
 UNIT_TEST(files_that_do_not_say_follow_those_that_do)
 {
 	const char *paths[2];
-	struct eco_model m;
 	paths[1] = input_text("formats", "says.dae", DAE("<unit meter=\"0.0254\"/><up_axis>Z_UP</up_axis>"));
 	paths[0] = input_text("formats", "silent.obj", "v 44 50 160\nv 46 50 160\nv 45 50 200\nf 1 2 3\n");
 	import_file(&m, NULL, &(struct eco_model_options){ .paths = paths, .path_count = 2 });
 	assert_true(m.source.up == ECO_UP_Z && close_to(m.source.size[2], 140, 1e-3)
 		&& close_to(m.scale, 0.0254, 1e-9) && !strstr(import_said, "taken for"));
-	eco_model_free(&m);
 	paths[0] = input_text("formats", "metres.dae", DAE("<unit meter=\"1\"/><up_axis>Z_UP</up_axis>"));
 	import_file(&m, NULL, &(struct eco_model_options){ .paths = paths, .path_count = 2 });
 	assert_true(close_to(m.source.size[2], 100 + 60 - 60 * 0.0254, 1e-3));
-	eco_model_free(&m);
 }
 
 UNIT_TEST(one_bad_file_of_several_is_named)
@@ -445,7 +420,7 @@ UNIT_TEST(one_bad_file_of_several_is_named)
 	struct eco_error error = { .code = ECO_OK };
 	const char *paths[2] = { input_text("formats", "good.obj", TRIANGLE "f 1 2 3\n"),
 		"build/tmp/formats/gone.obj" };
-	struct eco_model m;
+	eco_model_free(&m);
 	assert_int_equal(eco_model_import(&m, &(struct eco_model_options){ .paths = paths, .path_count = 2 },
 		&error), ECO_NOT_FOUND);
 	assert_non_null(strstr(error.text, "gone.obj"));
@@ -465,7 +440,7 @@ UNIT_TEST(one_bad_file_of_several_is_named)
 UNIT_TEST(shared_models_agree_between_formats)
 {
 	const char *data = getenv("ECO_DATA");
-	struct eco_model obj, fbx;
+	struct eco_model obj = { 0 }, fbx = { 0 };
 	char path[2][4096];
 	if (!data)
 		skip();

@@ -5,6 +5,9 @@
 #include "ecofiles/import/model/model_parts.h"
 #include "ecofiles/format/pack.h"
 
+/* What the test looks at; reading the next frees it. */
+static struct eco_model m;
+
 UNIT_TEST(names_fit_patterns_whole_or_between_slashes)
 {
 	static const struct { const char *pattern, *name; bool fits; } cases[] = {
@@ -55,10 +58,10 @@ static const char *write_plant(void)
 	return input_text("parts", "plant.obj", text);
 }
 
-static void import_with(struct eco_model *m, const struct eco_part_rule *rules, uint32_t count,
+static void import_with(struct eco_model *model, const struct eco_part_rule *rules, uint32_t count,
 	double height_m)
 {
-	import_file(m, write_plant(),
+	import_file(model, write_plant(),
 		&(struct eco_model_options){ .up = ECO_UP_Y, .rules = rules, .rule_count = count,
 		.height_m = height_m,
 		.unit_m = 1 });
@@ -68,7 +71,6 @@ UNIT_TEST(components_hang_together_by_place_within_a_material)
 {
 	static const double areas[] = { 36, 16, 12, 4, 1, 1 };      /* pot, stem, soil, leaves */
 	struct eco_components all, by_material;
-	struct eco_model m;
 	uint32_t *place;
 	import_with(&m, NULL, 0, 0);
 	place = malloc(m.vertex_count * sizeof *place);
@@ -87,14 +89,12 @@ UNIT_TEST(components_hang_together_by_place_within_a_material)
 	eco_components_free(&all);
 	eco_components_free(&by_material);
 	free(place);
-	eco_model_free(&m);
 }
 
 UNIT_TEST(a_pot_is_left_out_before_foot_and_height_are_found)
 {
 	const struct eco_part_rule rules[] =
 		{ { .kind = ECO_PART_NAME, .name = (char *)"pot", .is = ECO_PART_LEFT_OUT } };
-	struct eco_model m;
 	import_with(&m, rules, 1, 7);
 	assert_int_equal(m.triangles_in, 11);
 	assert_int_equal(m.dropped[ECO_DROP_LEFT_OUT], 3);
@@ -105,7 +105,6 @@ UNIT_TEST(a_pot_is_left_out_before_foot_and_height_are_found)
 	for (uint32_t i = 0; i < m.triangle_count; i++)
 		assert_int_equal(m.organ[i], ECO_ORGAN_FOUND);
 	assert_int_equal(import_said[0], 0);
-	eco_model_free(&m);
 }
 
 UNIT_TEST(the_first_rule_that_fits_counts)
@@ -119,7 +118,6 @@ UNIT_TEST(the_first_rule_that_fits_counts)
 		{ .kind = ECO_PART_NAME, .name = (char *)"*",
 			.is = ECO_ORGAN_WOOD } };
 	uint32_t count[256] = { 0 };
-	struct eco_model m;
 	import_with(&m, rules, 5, 0);
 	assert_int_equal(m.dropped[ECO_DROP_LEFT_OUT], 1);       /* the soil: the clay is wood first */
 	for (uint32_t i = 0; i < m.triangle_count; i++) {
@@ -133,7 +131,6 @@ UNIT_TEST(the_first_rule_that_fits_counts)
 	/* the pot, and the large leaf by the last rule */
 	assert_int_equal(count[ECO_ORGAN_WOOD], 4);
 	assert_int_equal(import_said[0], 0);
-	eco_model_free(&m);
 }
 
 UNIT_TEST(rules_that_fit_nothing_say_what_there_is)
@@ -142,14 +139,12 @@ UNIT_TEST(rules_that_fit_nothing_say_what_there_is)
 		{ { .kind = ECO_PART_NAME, .name = (char *)"vase*", .is = ECO_PART_LEFT_OUT },
 		{ .kind = ECO_PART_COMPONENT, .component = 7, .is = ECO_ORGAN_WOOD },
 		{ .kind = ECO_PART_SIZE, .size = { 2, 3 }, .is = ECO_ORGAN_WOOD } };
-	struct eco_model m;
 	import_with(&m, rules, 3, 0);
 	import_says("the rule {\"name\": \"vase*\"} fits nothing: its materials are \"bark\", \"clay\", "
 		"\"soil\", \"leaf\"; its meshes, objects "
 		"and groups are \"Stem\", \"Pot\", \"Crown\"");
 	import_says("the rule {\"component\": 7} fits nothing: there are 6 components");
 	import_says("the rule {\"size\": [2, 3]} fits nothing");
-	eco_model_free(&m);
 }
 
 UNIT_TEST(rules_that_leave_nothing_are_an_error)
@@ -158,7 +153,7 @@ UNIT_TEST(rules_that_leave_nothing_are_an_error)
 		{ { .kind = ECO_PART_NAME, .name = (char *)"*", .is = ECO_PART_LEFT_OUT } };
 	struct eco_error error = { .code = ECO_OK };
 	const char *path = write_plant();
-	struct eco_model m;
+	eco_model_free(&m);
 	assert_int_equal(eco_model_import(&m,
 		&(struct eco_model_options){ .paths = &path, .path_count = 1, .rules = rules,
 		.rule_count = 1 }, &error), ECO_BAD_INPUT);

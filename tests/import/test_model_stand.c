@@ -4,6 +4,9 @@
 
 #include "ecofiles/format/pack.h"
 
+/* What the test looks at; reading the next frees it. */
+static struct eco_model m;
+
 static char text[200000];
 static size_t used;
 static int vertices;
@@ -48,52 +51,47 @@ static void crown(double x, double y, double z, double radius)
 			z + radius * (i / 10 - 5) / 6, 0.3);
 }
 
-static void stand(struct eco_model *m, double height_m)
+static void stand(double height_m)
 {
-	import_file(m, input_text("stand", "plant.obj", text),
+	import_file(&m, input_text("stand", "plant.obj", text),
 		&(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1, .height_m = height_m });
 }
 
-static void expect_foot(struct eco_model *m, double x, double y, double z)
+static void expect_foot(double x, double y, double z)
 {
-	if (!close_to(m->foot[0], x, 0.02) || !close_to(m->foot[1], y, 0.02)
-			|| !close_to(m->foot[2], z, 1e-5))
-		fail_msg("the foot is at %g %g %g, not %g %g %g", m->foot[0], m->foot[1], m->foot[2], x, y,
+	if (!close_to(m.foot[0], x, 0.02) || !close_to(m.foot[1], y, 0.02)
+			|| !close_to(m.foot[2], z, 1e-5))
+		fail_msg("the foot is at %g %g %g, not %g %g %g", m.foot[0], m.foot[1], m.foot[2], x, y,
 			z);
-	eco_model_free(m);
 }
 
 UNIT_TEST(a_tree_off_its_origin_stands_on_its_stem)
 {
-	struct eco_model m;
 	begin();
 	tube(100, -40, 7, 101, -40, 15, 0.2, 8);             /* leaning */
 	crown(103, -38, 15, 3);                              /* and lopsided */
-	stand(&m, 0);
-	expect_foot(&m, 100, -40, 7);
+	stand(0);
+	expect_foot(100, -40, 7);
 }
 
 UNIT_TEST(twigs_that_hang_lower_than_the_stem_end_in_the_ground)
 {
-	struct eco_model m;
 	begin();
 	tube(0, 0, 5, 0, 0, 15, 0.4, 8);
 	for (int i = 0; i < 24; i++)
 		tube(4 * cos(i * 0.26), 4 * sin(i * 0.26), 4.2 + 0.03 * i, 0.2 * cos(i * 0.26),
 			0.2 * sin(i * 0.26), 14, 0.02, 4);
 	crown(0, 0, 13, 4);
-	stand(&m, 0);
+	stand(0);
 	assert_true(close_to(m.source.below, 0.8, 1e-5));
-	expect_foot(&m, 0, 0, 5);
-	stand(&m, 20);                                       /* the height is what shows */
+	expect_foot(0, 0, 5);
+	stand(20);                                       /* the height is what shows */
 	assert_true(close_to(m.scale, 20 / (eco_model_height(&m) / m.scale), 1e-6)
 		&& close_to(eco_model_height(&m), 20, 1e-4));
-	eco_model_free(&m);
 }
 
 UNIT_TEST(a_pot_carries_its_plant)
 {
-	struct eco_model m;
 	for (int walls = 0; walls < 2; walls++) {
 		begin();
 		tube(0, 0, 3, 0, 0, 9, 0.15, 6);
@@ -110,79 +108,72 @@ UNIT_TEST(a_pot_carries_its_plant)
 			vertices += 4;
 		}
 		crown(0.5, 0, 8, 2);
-		stand(&m, 0);
-		expect_foot(&m, 0, 0, 0);
+		stand(0);
+		expect_foot(0, 0, 0);
 	}
 }
 
 UNIT_TEST(a_trunk_in_pieces_below_a_hull_stands_on_its_lowest)
 {
-	struct eco_model m;
 	begin();
 	for (int i = 0; i < 10; i++)
 		tube(2, 1, i * 0.3, 2, 1, i * 0.3 + 0.28, 0.1, 8);
 	tube(2, 1, 2, 2, 1, 8, 1.5, 16);                     /* the crown as a hull */
-	stand(&m, 0);
-	expect_foot(&m, 2, 1, 0);
+	stand(0);
+	expect_foot(2, 1, 0);
 }
 
 /* Its modeller let the trunk reach 0.6 below the origin, which is where it leaves the ground. */
 UNIT_TEST(what_is_below_the_files_zero_is_in_the_ground)
 {
-	struct eco_model m;
 	begin();
 	tube(0, 0, -0.6, 0, 0, 9, 0.3, 8);
 	crown(0, 0, 9, 3);
-	stand(&m, 0);
+	stand(0);
 	assert_true(close_to(m.source.below, 0.6, 1e-5));
-	expect_foot(&m, 0, 0, 0);
+	expect_foot(0, 0, 0);
 	begin();                                             /* not where the origin is anywhere else */
 	tube(0, 0, -4.5, 0, 0, 4.5, 0.3, 8);
 	crown(0, 0, 4.5, 3);
-	stand(&m, 0);
-	expect_foot(&m, 0, 0, -4.5);
+	stand(0);
+	expect_foot(0, 0, -4.5);
 	begin();
 	tube(30, 0, -0.6, 30, 0, 9, 0.3, 8);
 	crown(30, 0, 9, 3);
-	stand(&m, 0);
-	expect_foot(&m, 30, 0, -0.6);
+	stand(0);
+	expect_foot(30, 0, -0.6);
 }
 
 /* Each by its girth, however finely it is modelled, and though one starts a little higher. */
 UNIT_TEST(several_stems_share_a_foot)
 {
-	struct eco_model m;
 	begin();
 	tube(0, 0, 0, -1, 0, 4, 0.1, 40);
 	tube(1, 0, 0.1, 2, 0, 4, 0.1, 6);
 	tube(0.5, 0.9, 0.05, 0.5, 2, 4, 0.1, 6);
 	crown(0.5, 0.5, 4, 2);
-	stand(&m, 0);
+	stand(0);
 	assert_true(close_to(m.foot[0], 0.5, 0.03) && close_to(m.foot[1], 0.3, 0.03) && m.foot[2] == 0);
-	eco_model_free(&m);
 }
 
 UNIT_TEST(a_bush_that_is_one_hull_stands_on_its_lower_part)
 {
-	struct eco_model m;
 	begin();
 	tube(5, 5, 0, 5, 5, 2, 1, 12);
 	used += (size_t)snprintf(text + used, sizeof text - used, "v 5.95 5 -0.05\nf 1 2 %d\n", ++vertices);
 		/* a tip at its rim */
-	stand(&m, 0);
+	stand(0);
 	assert_true(close_to(m.foot[0], 5, 0.15) && close_to(m.foot[1], 5, 0.15)
 		&& close_to(m.foot[2], -0.05, 1e-6));
-	eco_model_free(&m);
 }
 
 UNIT_TEST(grass_of_cards_stands_in_its_middle)
 {
-	struct eco_model m;
 	begin();
 	used += (size_t)snprintf(text, sizeof text, "v 1 2 0\nv 3 2 0\nv 3 2 1\nv 1 2 1\nv 2 1 0\nv 2 3 "
 		"0\nv 2 3 1\nv 2 1 1\nf 1 2 3 4\nf 5 6 7 8\n");
-	stand(&m, 0);
-	expect_foot(&m, 2, 2, 0);
+	stand(0);
+	expect_foot(2, 2, 0);
 }
 
 /* What rules call wood is the stem, whatever it looks like. */
@@ -191,7 +182,6 @@ UNIT_TEST(wood_by_rule_is_what_stands)
 	const struct eco_part_rule rule = { .kind = ECO_PART_NAME, .name = (char *)"thin",
 		.is = ECO_ORGAN_WOOD };
 	const char *path;
-	struct eco_model m;
 	begin();
 	used += (size_t)snprintf(text, sizeof text, "o thick\n");
 	tube(0, 0, 0.2, 0, 0, 9, 1, 8);
@@ -200,8 +190,7 @@ UNIT_TEST(wood_by_rule_is_what_stands)
 	path = input_text("stand", "rule.obj", text);
 	import_file(&m, path, &(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1 });
 	assert_true(close_to(m.foot[0], 0, 0.02));
-	eco_model_free(&m);
 	import_file(&m, path, &(struct eco_model_options){ .up = ECO_UP_Z, .unit_m = 1, .rules = &rule,
 		.rule_count = 1 });
-	expect_foot(&m, 6, 0, 0);
+	expect_foot(6, 0, 0);
 }

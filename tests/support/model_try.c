@@ -20,6 +20,7 @@ void import_file(struct eco_model *model, const char *path, const struct eco_mod
 		all.path_count = 1;
 	}
 	all.warn = import_note;
+	eco_model_free(model);
 	import_said[0] = 0;
 	assert_ok(eco_model_import(model, &all, &error), error);
 	accounted = model->triangle_count;
