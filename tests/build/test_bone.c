@@ -4,35 +4,37 @@
 #include "tests/support/unit_test.h"
 
 static struct lod_arena arena;
-struct made { struct lod_mesh mesh; struct lod_organs organs; struct lod_bones bones; double area, length,
-	error, surface; };
+/* What the test under way makes, until finish. */
+static struct soup soup;
+static struct { struct lod_mesh mesh; struct lod_organs organs; struct lod_bones bones; double area, length,
+	error, surface; } made;
 
-static void make(struct made *made, const struct soup *soup)
+static void make(void)
 {
-	memset(made, 0, sizeof *made);
+	memset(&made, 0, sizeof made);
 	assert_int_equal(setjmp(arena.failed), 0);
-	lod_weld(&made->mesh, &soup->model, 16, &arena);
-	lod_organs_find(&made->organs, &made->mesh, &soup->model, &arena);
-	for (uint32_t c = 0; c < made->mesh.component_count; c++) {  /* what is a tube is decided elsewhere */
-		made->organs.components[c].organ = ECO_ORGAN_WOOD;
-		made->surface += made->organs.components[c].area;
+	lod_weld(&made.mesh, &soup.model, 16, &arena);
+	lod_organs_find(&made.organs, &made.mesh, &soup.model, &arena);
+	for (uint32_t c = 0; c < made.mesh.component_count; c++) {  /* what is a tube is decided elsewhere */
+		made.organs.components[c].organ = ECO_ORGAN_WOOD;
+		made.surface += made.organs.components[c].area;
 	}
-	lod_bones_make(&made->bones, &made->mesh, &made->organs, &arena);
-	for (uint32_t i = 0; i < made->bones.count; i++) {
-		const struct lod_bone *b = &made->bones.items[i];
+	lod_bones_make(&made.bones, &made.mesh, &made.organs, &arena);
+	for (uint32_t i = 0; i < made.bones.count; i++) {
+		const struct lod_bone *b = &made.bones.items[i];
 		double length = lod_v3_distance(b->end[0], b->end[1]);
 		assert_true(b->width >= 0 && isfinite(b->width) && isfinite(b->error) && b->error >= 0
 			&& isfinite(length));
-		made->length += length;
-		made->area += length * b->width;
-		made->error = fmax(made->error, b->error);
+		made.length += length;
+		made.area += length * b->width;
+		made.error = fmax(made.error, b->error);
 	}
 }
 
-static void finish(struct soup *soup)
+static void finish(void)
 {
 	lod_arena_free(&arena);
-	soup_free(soup);
+	soup_free(&soup);
 }
 
 UNIT_TEST(a_straight_tube_is_one_line)
@@ -40,29 +42,25 @@ UNIT_TEST(a_straight_tube_is_one_line)
 	static const struct { uint32_t sides, rings; } shapes[] = { { 3, 1 }, { 4, 2 }, { 6, 40 }, { 12, 7 },
 		{ 16, 200 } };
 	for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
-		struct soup soup;
-		struct made made;
 		soup_begin(&soup);
 		soup_tube(&soup, soup_material(&soup, 90, 60, 30, ECO_NONE, false),
 			(struct lod_v3){ 1, 2, 0 }, (struct lod_v3){ 2, 1, 5 }, 0.1, 0.1, shapes[i].sides,
 			shapes[i].rings);
-		make(&made, &soup);
+		make();
 		assert_int_equal(made.bones.count, 1);
 		assert_true(fabs(made.length - sqrt(27)) < 0.05);
 		assert_true(fabs(made.area * LOD_PI / made.surface - 1) < 0.02);
 		assert_true(made.error < 0.06);
-		finish(&soup);
+		finish();
 	}
 }
 
 UNIT_TEST(a_tapering_tube_is_a_few_lines)
 {
-	struct soup soup;
-	struct made made;
 	soup_begin(&soup);
 	soup_tube(&soup, soup_material(&soup, 90, 60, 30, ECO_NONE, false), (struct lod_v3){ 0, 0, 0 },
 		(struct lod_v3){ 0, 0, 8 }, 0.2, 0.01, 8, 60);
-	make(&made, &soup);
+	make();
 	assert_in_range(made.bones.count, 3, 16);
 	assert_true(fabs(made.length - 8) < 0.2);
 	assert_true(fabs(made.area * LOD_PI / made.surface - 1) < 0.05);
@@ -70,17 +68,17 @@ UNIT_TEST(a_tapering_tube_is_a_few_lines)
 		for (uint32_t j = 0; j < made.bones.count; j++)
 			if (made.bones.items[i].end[0].z + 0.5 < made.bones.items[j].end[0].z)
 				assert_true(made.bones.items[i].width >= made.bones.items[j].width * 0.99);
-	finish(&soup);
+	finish();
 }
 
-static void expect_one_line(const struct soup *soup, struct lod_v3 foot, struct lod_v3 top)
+static void expect_one_line(struct lod_v3 foot, struct lod_v3 top)
 {
 	struct lod_mesh mesh;
 	struct lod_organs organs;
 	struct lod_bones bones;
 	assert_int_equal(setjmp(arena.failed), 0);
-	lod_weld(&mesh, &soup->model, 16, &arena);
-	lod_organs_find(&organs, &mesh, &soup->model, &arena);
+	lod_weld(&mesh, &soup.model, 16, &arena);
+	lod_organs_find(&organs, &mesh, &soup.model, &arena);
 	assert_int_equal(mesh.component_count, 1);
 	organs.components[0].organ = ECO_ORGAN_WOOD;
 	organs.components[0].stout = true;
@@ -98,12 +96,11 @@ UNIT_TEST(a_stout_stem_that_leans_is_a_line_that_leans)
 			{ { 0, 0, 0 }, { 3, 2, 1 }, 12 },
 	};
 	for (size_t i = 0; i < sizeof stems / sizeof *stems; i++) {
-		struct soup soup;
 		soup_begin(&soup);
 		soup_tube(&soup, soup_material(&soup, 90, 60, 30, ECO_NONE, false), stems[i].foot,
 			stems[i].top, 0.4, 0.4, stems[i].sides, 3);
-		expect_one_line(&soup, stems[i].foot, stems[i].top);
-		finish(&soup);
+		expect_one_line(stems[i].foot, stems[i].top);
+		finish();
 	}
 }
 
@@ -111,8 +108,6 @@ UNIT_TEST(a_stout_stem_that_leans_is_a_line_that_leans)
 UNIT_TEST(a_bent_tube_is_followed)
 {
 	for (int down = 0; down < 2; down++) {
-		struct soup soup;
-		struct made made;
 		soup_begin(&soup);
 		soup_tube(&soup, soup_material(&soup, 90, 60, 30, ECO_NONE, false),
 			(struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, LOD_PI }, 0.04, 0.04, 8, 60);
@@ -123,7 +118,7 @@ UNIT_TEST(a_bent_tube_is_followed)
 			p[0] = (float)(radius * cos(angle));
 			p[2] = (float)((down ? -1 : 1) * radius * sin(angle));
 		}
-		make(&made, &soup);
+		make();
 		assert_in_range(made.bones.count, 5, 40);
 		assert_true(fabs(made.length - LOD_PI) < 0.1);
 		assert_true(fabs(made.area * LOD_PI / made.surface - 1) < 0.05);
@@ -133,15 +128,13 @@ UNIT_TEST(a_bent_tube_is_followed)
 				struct lod_v3 p = made.bones.items[i].end[e];
 				assert_true(fabs(sqrt(p.x * p.x + p.z * p.z) - 1) < 0.03);
 			}
-		finish(&soup);
+		finish();
 	}
 }
 
 /* A fork whose arms share the trunk's end ring vertices: one component. */
 UNIT_TEST(a_fork_has_a_line_for_each_arm)
 {
-	struct soup soup;
-	struct made made;
 	soup_begin(&soup);
 	uint32_t m = soup_material(&soup, 90, 60, 30, ECO_NONE, false);
 	soup_tube(&soup, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 3 }, 0.1, 0.1, 8, 12);
@@ -154,7 +147,7 @@ UNIT_TEST(a_fork_has_a_line_for_each_arm)
 			soup_triangle(&soup, m, first + (uint32_t)k, first + ((uint32_t)k + 1) % 8,
 				ring + (uint32_t)k);
 	}
-	make(&made, &soup);
+	make();
 	assert_int_equal(made.mesh.component_count, 1);
 	bool left = false, right = false;
 	for (uint32_t i = 0; i < made.bones.count; i++)
@@ -167,13 +160,11 @@ UNIT_TEST(a_fork_has_a_line_for_each_arm)
 	assert_in_range(made.bones.count, 3, 12);
 	assert_true(made.length > 0.9 * (3 + 2 * sqrt(8)) && made.length < 1.2 * (3 + 2 * sqrt(8)));
 	assert_true(fabs(made.area * LOD_PI / made.surface - 1) < 0.15);
-	finish(&soup);
+	finish();
 }
 
 UNIT_TEST(an_open_strip_is_as_wide_as_it_is)
 {
-	struct soup soup;
-	struct made made;
 	soup_begin(&soup);
 	uint32_t m = soup_material(&soup, 90, 60, 30, ECO_NONE, false);
 	for (uint32_t i = 0; i <= 30; i++)
@@ -185,17 +176,15 @@ UNIT_TEST(an_open_strip_is_as_wide_as_it_is)
 			soup_triangle(&soup, m, a, a + 1, a + 4);
 			soup_triangle(&soup, m, a, a + 4, a + 3);
 		}
-	make(&made, &soup);
+	make();
 	assert_true(fabs(made.area / made.surface - 1) < 0.03);
-	finish(&soup);
+	finish();
 }
 
 /* Bark that is dark below and bright above: each line has the colour of where it runs, not the tree's mean.
  */
 UNIT_TEST(lines_have_the_colour_of_the_bark_that_they_replace)
 {
-	struct soup soup;
-	struct made made;
 	soup_begin(&soup);
 	soup.image[0] = (struct eco_image){ 1, 8, calloc(8, 4) };
 	soup.model.image_count = 1;
@@ -206,7 +195,7 @@ UNIT_TEST(lines_have_the_colour_of_the_bark_that_they_replace)
 		(struct lod_v3){ 0, 0, 8 }, 0.2, 0.01, 8, 60);
 	for (uint32_t v = 0; v < soup.model.vertex_count; v++)
 		soup.model.uv[2 * v + 1] = soup.model.position[3 * v + 2] / 8;
-	make(&made, &soup);
+	make();
 	uint32_t dark = 0, bright = 0;
 	for (uint32_t i = 0; i < made.bones.count; i++) {
 		const struct lod_bone *b = &made.bones.items[i];
@@ -220,15 +209,13 @@ UNIT_TEST(lines_have_the_colour_of_the_bark_that_they_replace)
 		}
 	}
 	assert_true(dark > 0 && bright > 0);
-	finish(&soup);
+	finish();
 }
 
 UNIT_TEST(all_tubes_of_a_tree_have_lines_largest_first)
 {
-	struct soup soup;
-	struct made made;
 	soup_tree(&soup, 0, 0, false);
-	make(&made, &soup);
+	make();
 	lod_bones_sort(&made.bones, 1, &arena);
 	bool seen[13] = { false };
 	double last = INFINITY;
@@ -243,14 +230,12 @@ UNIT_TEST(all_tubes_of_a_tree_have_lines_largest_first)
 	for (int c = 0; c < 13; c++)
 		assert_true(seen[c]);
 	assert_true(fabs(made.area * LOD_PI / made.surface - 1) < 0.05);
-	finish(&soup);
+	finish();
 }
 
 UNIT_TEST(any_soup_has_finite_lines)
 {
 	for (uint32_t seed = 1; seed <= 60; seed++) {
-		struct soup soup;
-		struct made made;
 		soup_begin(&soup);
 		soup.state = seed;
 		uint32_t m = soup_material(&soup, 90, 60, 30, ECO_NONE, false), n = 4 + seed / 2;
@@ -261,7 +246,7 @@ UNIT_TEST(any_soup_has_finite_lines)
 		for (uint32_t t = 0; t < 3 * n; t++)
 			soup_triangle(&soup, m, (uint32_t)soup_random(&soup, 0, n),
 				(uint32_t)soup_random(&soup, 0, n), (uint32_t)soup_random(&soup, 0, n));
-		make(&made, &soup);
-		finish(&soup);
+		make();
+		finish();
 	}
 }

@@ -3,32 +3,34 @@
 #include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"
 
-struct made { struct lod_arena arena; struct lod_mesh mesh; struct lod_organs organs;
-	struct lod_elements elements; };
+/* What the test under way makes, until finish. */
+static struct soup soup;
+static struct { struct lod_arena arena; struct lod_mesh mesh; struct lod_organs organs;
+	struct lod_elements elements; } made;
 
-static void make(struct made *made, const struct soup *soup, uint32_t bits)
+static void make(uint32_t bits)
 {
-	memset(made, 0, sizeof *made);
-	assert_int_equal(setjmp(made->arena.failed), 0);
-	lod_weld(&made->mesh, &soup->model, bits, &made->arena);
-	lod_elements_turn_diagonals(&made->mesh, &made->arena);
-	lod_organs_find(&made->organs, &made->mesh, &soup->model, &made->arena);
-	lod_elements_make(&made->elements, &made->mesh, &made->organs, &made->arena);
+	memset(&made, 0, sizeof made);
+	assert_int_equal(setjmp(made.arena.failed), 0);
+	lod_weld(&made.mesh, &soup.model, bits, &made.arena);
+	lod_elements_turn_diagonals(&made.mesh, &made.arena);
+	lod_organs_find(&made.organs, &made.mesh, &soup.model, &made.arena);
+	lod_elements_make(&made.elements, &made.mesh, &made.organs, &made.arena);
 }
 
-static void finish(struct made *made, struct soup *soup)
+static void finish(void)
 {
-	lod_arena_free(&made->arena);
-	soup_free(soup);
+	lod_arena_free(&made.arena);
+	soup_free(&soup);
 }
 
 /* Every drawable triangle that is not wood is in one element, with the same three vertices. */
-static void check_elements(const struct made *made)
+static void check_elements(void)
 {
-	const struct lod_mesh *mesh = &made->mesh;
+	const struct lod_mesh *mesh = &made.mesh;
 	uint32_t *times = calloc(mesh->triangle_count + 1, sizeof *times);
-	for (uint32_t i = 0; i < made->elements.count; i++) {
-		const struct lod_element *e = &made->elements.items[i];
+	for (uint32_t i = 0; i < made.elements.count; i++) {
+		const struct lod_element *e = &made.elements.items[i];
 		assert_in_range(e->corners, 3, ECO_CORNERS_MAX);
 		for (uint32_t k = 0; k + 2 < e->corners; k++) {
 			uint32_t fan[3] = { e->vertex[0], e->vertex[k + 1], e->vertex[k + 2] };
@@ -42,26 +44,24 @@ static void check_elements(const struct made *made)
 		}
 	}
 	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
-		bool wood = made->organs.components[mesh->component[t]].organ == ECO_ORGAN_WOOD;
+		bool wood = made.organs.components[mesh->component[t]].organ == ECO_ORGAN_WOOD;
 		assert_int_equal(times[t], !wood && !mesh->collapsed[t]);
 	}
 	free(times);
 }
 
-static void check_counts(const struct made *made, const struct soup *soup)
+static void check_counts(void)
 {
-	uint32_t all = made->mesh.triangle_count - made->mesh.unstored;
+	uint32_t all = made.mesh.triangle_count - made.mesh.unstored;
 	for (int d = 0; d < ECO_DROP_COUNT; d++)
-		all += made->mesh.dropped[d];
-	assert_int_equal(all, soup->model.triangle_count);
+		all += made.mesh.dropped[d];
+	assert_int_equal(all, soup.model.triangle_count);
 }
 
 /* ---- Welding ---- */
 
 UNIT_TEST(equal_positions_become_one_vertex)
 {
-	struct soup soup;
-	struct made made;
 	soup_begin(&soup);
 	uint32_t m = soup_material(&soup, 0, 200, 0, ECO_NONE, false);
 	/* two quads side by side, without a common vertex, a hair apart */
@@ -70,18 +70,16 @@ UNIT_TEST(equal_positions_become_one_vertex)
 		soup_quad(&soup, m, (struct lod_v3){ i + gap, 0, 0 }, (struct lod_v3){ 1, 0, 0 },
 			(struct lod_v3){ 0, 1, 0 });
 	}
-	make(&made, &soup, 14);
+	make(14);
 	assert_int_equal(made.mesh.vertex_count, 6);
 	assert_int_equal(made.mesh.component_count, 1);
-	check_counts(&made, &soup);
-	check_elements(&made);
-	finish(&made, &soup);
+	check_counts();
+	check_elements();
+	finish();
 }
 
 UNIT_TEST(materials_part_components)
 {
-	struct soup soup;
-	struct made made;
 	soup_begin(&soup);
 	uint32_t a = soup_material(&soup, 0, 200, 0, ECO_NONE, false),
 		b = soup_material(&soup, 90, 60, 0, ECO_NONE, false);
@@ -89,18 +87,16 @@ UNIT_TEST(materials_part_components)
 		(struct lod_v3){ 0, 1, 0 });
 	soup_quad(&soup, b, (struct lod_v3){ 1, 0, 0 }, (struct lod_v3){ 1, 0, 0 },
 		(struct lod_v3){ 0, 1, 0 });
-	make(&made, &soup, 14);
+	make(14);
 	assert_int_equal(made.mesh.vertex_count, 6);
 	assert_int_equal(made.mesh.component_count, 2);
 	assert_int_equal(made.elements.count, 2);
-	check_elements(&made);
-	finish(&made, &soup);
+	check_elements();
+	finish();
 }
 
 UNIT_TEST(useless_triangles_are_dropped_by_reason)
 {
-	struct soup soup;
-	struct made made;
 	soup_begin(&soup);
 	uint32_t m = soup_material(&soup, 0, 200, 0, ECO_NONE, false),
 		cut = soup_material(&soup, 255, 255, 255, soup_disc_image(&soup, 64), true);
@@ -121,28 +117,26 @@ UNIT_TEST(useless_triangles_are_dropped_by_reason)
 		c[i] = soup_vertex(&soup, (struct lod_v3){ i, 2 + i * i, 1 }, i == 1 ? 0.1 : 0.03,
 			i == 2 ? 0.1 : 0.03);
 	soup_triangle(&soup, cut, c[0], c[1], c[2]);
-	make(&made, &soup, 12);
+	make(12);
 	const uint32_t expected[ECO_DROP_COUNT] = { [ECO_DROP_BAD_INDEX] = 1, [ECO_DROP_NOT_FINITE] = 1,
 		[ECO_DROP_DEGENERATE] = 1, [ECO_DROP_DUPLICATE] = 1, [ECO_DROP_TRANSPARENT] = 1,
 		[ECO_DROP_QUANTIZED] = 1 };
 	for (int d = 0; d < ECO_DROP_COUNT; d++)
 		assert_int_equal(made.mesh.dropped[d], expected[d]);
-	check_counts(&made, &soup);
-	check_elements(&made);
-	finish(&made, &soup);
+	check_counts();
+	check_elements();
+	finish();
 }
 
 UNIT_TEST(a_triangle_with_any_opaque_texel_is_kept)
 {
-	struct soup soup;
-	struct made made;
 	soup_begin(&soup);
 	uint32_t cut = soup_material(&soup, 255, 255, 255, soup_disc_image(&soup, 64), true);
 	soup_quad(&soup, cut, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0, 0 },
 		(struct lod_v3){ 0, 1, 0 });
-	make(&made, &soup, 12);
+	make(12);
 	assert_int_equal(made.mesh.triangle_count, 2);
-	finish(&made, &soup);
+	finish();
 }
 
 /* ---- Fans ---- */
@@ -164,35 +158,31 @@ static void hexagonal_leaf(struct soup *s, uint32_t material, int first, int sec
 UNIT_TEST(a_leaf_of_two_quads_is_one_fan_whatever_its_diagonals)
 {
 	for (int which = 0; which < 4; which++) {
-		struct soup soup;
-		struct made made;
 		soup_begin(&soup);
 		hexagonal_leaf(&soup, soup_material(&soup, 0, 200, 0, ECO_NONE, false), which & 1, which >> 1,
 			0.5);
-		make(&made, &soup, 14);
-		check_elements(&made);
+		make(14);
+		check_elements();
 		assert_int_equal(made.elements.count, 1);
 		assert_int_equal(made.elements.items[0].corners, 6);
 		double area = 0;
 		for (uint32_t t = 0; t < 4; t++)
 			area += made.organs.area[t];
 		assert_true(fabs(area - (1.1 + 1.1 * sqrt(1.25))) < 1e-6);
-		finish(&made, &soup);
+		finish();
 	}
 }
 
 UNIT_TEST(quads_that_are_not_planar_keep_their_diagonal)
 {
-	struct soup soup;
-	struct made made;
 	soup_begin(&soup);
 	hexagonal_leaf(&soup, soup_material(&soup, 0, 200, 0, ECO_NONE, false), 0, 0, 0);
 	for (int i = 0; i < 6; i += 2)
 		soup.model.position[3 * i + 2] += 0.2f * (float)(i + 1);
-	make(&made, &soup, 14);
-	check_elements(&made);
+	make(14);
+	check_elements();
 	assert_int_equal(made.elements.count, 2);
-	finish(&made, &soup);
+	finish();
 }
 
 static void sheet(struct soup *s, uint32_t material, uint32_t n, bool seam)
@@ -215,28 +205,24 @@ static void sheet(struct soup *s, uint32_t material, uint32_t n, bool seam)
 
 UNIT_TEST(a_sheet_is_cut_into_few_fans)
 {
-	struct soup soup;
-	struct made made;
 	soup_begin(&soup);
 	sheet(&soup, soup_material(&soup, 0, 200, 0, ECO_NONE, false), 20, false);
-	make(&made, &soup, 14);
-	check_elements(&made);
+	make(14);
+	check_elements();
 	uint32_t by_corners[ECO_CORNERS_MAX + 1] = { 0 };
 	for (uint32_t i = 0; i < made.elements.count; i++)
 		by_corners[made.elements.items[i].corners]++;
 	assert_true(by_corners[3] < 16);
 	assert_true(made.elements.count <= 800 / 4 * 13 / 10);
-	finish(&made, &soup);
+	finish();
 }
 
 UNIT_TEST(seams_of_the_texture_part_fans)
 {
-	struct soup soup;
-	struct made made;
 	soup_begin(&soup);
 	sheet(&soup, soup_material(&soup, 255, 255, 255, soup_disc_image(&soup, 16), false), 10, true);
-	make(&made, &soup, 14);
-	check_elements(&made);
+	make(14);
+	check_elements();
 	assert_int_equal(made.mesh.vertex_count, 121);
 	for (uint32_t i = 0; i < made.elements.count; i++) {
 		const struct lod_element *e = &made.elements.items[i];
@@ -256,24 +242,22 @@ UNIT_TEST(seams_of_the_texture_part_fans)
 				}
 			}
 	}
-	finish(&made, &soup);
+	finish();
 }
 
 UNIT_TEST(closed_surfaces_and_trees_keep_every_triangle)
 {
-	struct soup soup;
-	struct made made;
 	soup_begin(&soup);
 	soup_ball(&soup, soup_material(&soup, 0, 200, 0, ECO_NONE, false), (struct lod_v3){ 0, 0, 2 }, 1, 9);
-	make(&made, &soup, 14);
-	check_elements(&made);
-	check_counts(&made, &soup);
-	finish(&made, &soup);
+	make(14);
+	check_elements();
+	check_counts();
+	finish();
 	for (uint32_t bits = 4; bits <= 14; bits += 5) {
 		soup_tree(&soup, 300, 20, bits == 9);
-		make(&made, &soup, bits);
-		check_elements(&made);
-		check_counts(&made, &soup);
-		finish(&made, &soup);
+		make(bits);
+		check_elements();
+		check_counts();
+		finish();
 	}
 }

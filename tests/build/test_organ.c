@@ -7,37 +7,37 @@
 
 static struct lod_arena arena;
 
-struct found { struct lod_mesh mesh; struct lod_organs organs; };
+/* What the test under way makes, until finish. */
+static struct soup soup;
+static struct { struct lod_mesh mesh; struct lod_organs organs; } found;
 
-static void find(struct found *found, const struct soup *soup)
+static void find(void)
 {
 	assert_int_equal(setjmp(arena.failed), 0);
-	lod_weld(&found->mesh, &soup->model, 14, &arena);
-	lod_organs_find(&found->organs, &found->mesh, &soup->model, &arena);
+	lod_weld(&found.mesh, &soup.model, 14, &arena);
+	lod_organs_find(&found.organs, &found.mesh, &soup.model, &arena);
 }
 
 /* Organ of the only component of `material`, or of all of them if they agree. */
-static int organ_of(const struct found *found, uint32_t material)
+static int organ_of(uint32_t material)
 {
 	int organ = -1;
-	for (uint32_t c = 0; c < found->mesh.component_count; c++)
-		if (found->organs.components[c].material == material) {
-			assert_true(organ < 0 || organ == found->organs.components[c].organ);
-			organ = found->organs.components[c].organ;
+	for (uint32_t c = 0; c < found.mesh.component_count; c++)
+		if (found.organs.components[c].material == material) {
+			assert_true(organ < 0 || organ == found.organs.components[c].organ);
+			organ = found.organs.components[c].organ;
 		}
 	return organ;
 }
 
-static void finish(struct soup *soup)
+static void finish(void)
 {
 	lod_arena_free(&arena);
-	soup_free(soup);
+	soup_free(&soup);
 }
 
 UNIT_TEST(tubes_are_measured_by_their_curvature)
 {
-	struct soup soup;
-	struct found found;
 	soup_begin(&soup);
 	soup_tube(&soup, soup_material(&soup, 100, 70, 40, ECO_NONE, false), (struct lod_v3){ 0, 0, 0 },
 		(struct lod_v3){ 1, 1, 4 }, 0.1, 0.1, 16, 20);
@@ -46,59 +46,51 @@ UNIT_TEST(tubes_are_measured_by_their_curvature)
 		soup.model.index[3 * i] = soup.model.index[3 * i + 1];
 		soup.model.index[3 * i + 1] = swap;
 	}
-	find(&found, &soup);
+	find();
 	const struct lod_component *c = &found.organs.components[0];
 	assert_true(fabs(c->radius - 0.1) < 0.003);
 	assert_true(fabs(c->length - sqrt(18)) < 0.02);
 	assert_int_equal(c->organ, ECO_ORGAN_WOOD);
-	finish(&soup);
+	finish();
 }
 
 UNIT_TEST(a_tree_is_told_apart_whatever_its_textures)
 {
 	for (int textured = 0; textured < 2; textured++) {
-		struct soup soup;
-		struct found found;
 		soup_tree(&soup, 400, 30, textured);
-		find(&found, &soup);
-		assert_int_equal(organ_of(&found, 0), ECO_ORGAN_WOOD);
-		assert_int_equal(organ_of(&found, 1), ECO_ORGAN_FOLIAGE);
-		assert_int_equal(organ_of(&found, 2), ECO_ORGAN_FLOWER);
-		finish(&soup);
+		find();
+		assert_int_equal(organ_of(0), ECO_ORGAN_WOOD);
+		assert_int_equal(organ_of(1), ECO_ORGAN_FOLIAGE);
+		assert_int_equal(organ_of(2), ECO_ORGAN_FLOWER);
+		finish();
 	}
 }
 
 UNIT_TEST(names_do_not_matter)
 {
-	struct soup soup;
-	struct found found;
 	soup_tree(&soup, 400, 0, false);
 	strcpy(soup.material[0].name, "Leaves");
 	strcpy(soup.material[1].name, "Bark");
-	find(&found, &soup);
-	assert_int_equal(organ_of(&found, 0), ECO_ORGAN_WOOD);
-	assert_int_equal(organ_of(&found, 1), ECO_ORGAN_FOLIAGE);
-	finish(&soup);
+	find();
+	assert_int_equal(organ_of(0), ECO_ORGAN_WOOD);
+	assert_int_equal(organ_of(1), ECO_ORGAN_FOLIAGE);
+	finish();
 }
 
 UNIT_TEST(one_material_for_all_is_no_obstacle)
 {
-	struct soup soup;
-	struct found found;
 	uint32_t wood = 0;
 	soup_tree(&soup, 400, 0, false);
 	memset(soup.model.material, 0, soup.model.triangle_count * sizeof *soup.model.material);
-	find(&found, &soup);
+	find();
 	for (uint32_t c = 0; c < found.mesh.component_count; c++)
 		wood += found.organs.components[c].organ == ECO_ORGAN_WOOD;
 	assert_int_equal(wood, 13);
-	finish(&soup);
+	finish();
 }
 
 UNIT_TEST(hulls_and_blades_are_foliage)
 {
-	struct soup soup;
-	struct found found;
 	soup_begin(&soup);
 	uint32_t hull = soup_material(&soup, 40, 120, 30, ECO_NONE, false),
 		blade = soup_material(&soup, 40, 120, 30, ECO_NONE, false);
@@ -109,16 +101,14 @@ UNIT_TEST(hulls_and_blades_are_foliage)
 	for (uint32_t v = 0; v < soup.model.vertex_count; v++)
 		if (soup.model.position[3 * v + 1] > 4.5f)
 			soup.model.position[3 * v + 1] = 5 + 0.1f * (soup.model.position[3 * v + 1] - 5);
-	find(&found, &soup);
-	assert_int_equal(organ_of(&found, hull), ECO_ORGAN_FOLIAGE);
-	assert_int_equal(organ_of(&found, blade), ECO_ORGAN_FOLIAGE);
-	finish(&soup);
+	find();
+	assert_int_equal(organ_of(hull), ECO_ORGAN_FOLIAGE);
+	assert_int_equal(organ_of(blade), ECO_ORGAN_FOLIAGE);
+	finish();
 }
 
 UNIT_TEST(cut_outs_are_never_wood_but_an_atlas_may_hold_bark)
 {
-	struct soup soup;
-	struct found found;
 	soup_begin(&soup);
 	uint32_t image = soup_disc_image(&soup, 16), leaf = soup_material(&soup, 255, 255, 255, image, true);
 	uint32_t bark = soup_material(&soup, 255, 255, 255, image, true);
@@ -127,60 +117,52 @@ UNIT_TEST(cut_outs_are_never_wood_but_an_atlas_may_hold_bark)
 	soup_tube(&soup, bark, (struct lod_v3){ 2, 0, 0 }, (struct lod_v3){ 2, 0, 5 }, 0.1, 0.05, 8, 10);
 	for (uint32_t i = 2 * first; i < 2 * soup.model.vertex_count; i++)
 		soup.model.uv[i] = 0.4F + 0.05F * soup.model.uv[i];          /* the middle of the disc */
-	find(&found, &soup);
-	assert_int_equal(organ_of(&found, leaf), ECO_ORGAN_FOLIAGE);
-	assert_int_equal(organ_of(&found, bark), ECO_ORGAN_WOOD);
-	finish(&soup);
+	find();
+	assert_int_equal(organ_of(leaf), ECO_ORGAN_FOLIAGE);
+	assert_int_equal(organ_of(bark), ECO_ORGAN_WOOD);
+	finish();
 }
 
 UNIT_TEST(a_patch_inlaid_in_bark_is_bark)
 {
-	struct soup soup;
-	struct found found;
 	soup_tree(&soup, 50, 0, false);
 	uint32_t dark = soup_material(&soup, 10, 10, 10, ECO_NONE, false);
 	soup.model.material[20] = soup.model.material[21] = dark;
-	find(&found, &soup);
-	assert_int_equal(organ_of(&found, dark), ECO_ORGAN_WOOD);
-	finish(&soup);
+	find();
+	assert_int_equal(organ_of(dark), ECO_ORGAN_WOOD);
+	finish();
 }
 
 UNIT_TEST(colours_of_the_majority_are_no_flowers)
 {
-	struct soup soup;
-	struct found found;
 	soup_tree(&soup, 40, 400, false);    /* autumn: mostly red */
-	find(&found, &soup);
-	assert_int_equal(organ_of(&found, 2), ECO_ORGAN_FOLIAGE);
-	finish(&soup);
+	find();
+	assert_int_equal(organ_of(2), ECO_ORGAN_FOLIAGE);
+	finish();
 }
 
 UNIT_TEST(closed_surfaces_count_half)
 {
-	struct soup soup;
-	struct found found;
 	double area = 0;
 	soup_begin(&soup);
 	soup_ball(&soup, soup_material(&soup, 0, 200, 0, ECO_NONE, false), (struct lod_v3){ 0, 0, 1 }, 1, 40);
-	find(&found, &soup);
+	find();
 	for (uint32_t t = 0; t < found.mesh.triangle_count; t++)
 		area += found.organs.area[t];
 	assert_true(fabs(area - 2 * LOD_PI) < 0.02);
-	finish(&soup);
+	finish();
 }
 
 UNIT_TEST(transparent_parts_do_not_count)
 {
-	struct soup soup;
-	struct found found;
 	soup_begin(&soup);
 	uint32_t m = soup_material(&soup, 255, 255, 255, soup_disc_image(&soup, 64), true);
 	soup_quad(&soup, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 1, 0, 0 },
 		(struct lod_v3){ 0, 1, 0 });
-	find(&found, &soup);
+	find();
 	assert_true(fabs(found.organs.area[0] + found.organs.area[1] - 0.16 * LOD_PI) < 0.07);
 	assert_in_range(found.organs.rgb[0][0], 40, 90);
-	finish(&soup);
+	finish();
 }
 
 /* ---- Made plants: what they are made of, and what that is ---- */
@@ -484,14 +466,12 @@ UNIT_TEST(plants_are_what_they_look_like)
 	};
 	uint32_t wrong = 0;
 	for (size_t i = 0; i < sizeof plants / sizeof *plants; i++) {
-		struct soup soup;
-		struct found found;
 		soup_begin(&soup);
 		if (plants[i].make)
 			plants[i].make(&soup);
 		else
 			bare_tree(&soup, named(&soup, "", 153, 153, 153));
-		find(&found, &soup);
+		find();
 		for (uint32_t c = 0; c < found.mesh.component_count; c++) {
 			const struct lod_component *part = &found.organs.components[c];
 			if (part->organ == plants[i].organ[part->material])
@@ -500,24 +480,22 @@ UNIT_TEST(plants_are_what_they_look_like)
 				part->material, part->triangle_count, eco_organ_names[part->organ]);
 			wrong++;
 		}
-		finish(&soup);
+		finish();
 	}
 	assert_int_equal(wrong, 0);
 }
 
-static double organ_area(const struct found *found, int organ)
+static double organ_area(int organ)
 {
 	double area = 0;
-	for (uint32_t c = 0; c < found->mesh.component_count; c++)
-		area += found->organs.components[c].organ == organ ? found->organs.components[c].area : 0;
+	for (uint32_t c = 0; c < found.mesh.component_count; c++)
+		area += found.organs.components[c].organ == organ ? found.organs.components[c].area : 0;
 	return area;
 }
 
 /* One mesh, one material: leaves share a corner with the twig that they sit on. */
 UNIT_TEST(leaves_welded_to_twigs_are_foliage)
 {
-	struct soup soup;
-	struct found found;
 	soup_begin(&soup);
 	uint32_t m = named(&soup, "", 153, 153, 153), twig = soup.model.vertex_count;
 	double leaf_area = 0;
@@ -532,17 +510,15 @@ UNIT_TEST(leaves_welded_to_twigs_are_foliage)
 		soup_triangle(&soup, m, foot, a, b);
 		leaf_area += 0.02;
 	}
-	find(&found, &soup);
-	assert_true(fabs(organ_area(&found, ECO_ORGAN_FOLIAGE) / leaf_area - 1) < 0.02);
-	assert_true(organ_area(&found, ECO_ORGAN_WOOD) > 1.1);
-	finish(&soup);
+	find();
+	assert_true(fabs(organ_area(ECO_ORGAN_FOLIAGE) / leaf_area - 1) < 0.02);
+	assert_true(organ_area(ECO_ORGAN_WOOD) > 1.1);
+	finish();
 }
 
 /* Trunk and crown are one surface; only the texture, a palette of two flat colours, tells them apart. */
 UNIT_TEST(a_palette_texture_parts_trunk_and_crown)
 {
-	struct soup soup;
-	struct found found;
 	static uint8_t pixels[2][4] = { { 110, 80, 60, 255 }, { 60, 120, 50, 255 } };
 	soup_begin(&soup);
 	soup.image[0] = (struct eco_image){ 2, 1, malloc(sizeof pixels) };
@@ -563,51 +539,45 @@ UNIT_TEST(a_palette_texture_parts_trunk_and_crown)
 			soup_triangle(&soup, m, a, b, b + n);
 			soup_triangle(&soup, m, a, b + n, a + n);
 		}
-	find(&found, &soup);
-	assert_true(fabs(organ_area(&found, ECO_ORGAN_WOOD) - 2 * LOD_PI * 0.1 * 2.4) < 0.2);
-	assert_true(organ_area(&found, ECO_ORGAN_FOLIAGE) > 6);
-	finish(&soup);
+	find();
+	assert_true(fabs(organ_area(ECO_ORGAN_WOOD) - 2 * LOD_PI * 0.1 * 2.4) < 0.2);
+	assert_true(organ_area(ECO_ORGAN_FOLIAGE) > 6);
+	finish();
 }
 
 /* An import makes a material of each colour: same name, no image. */
 UNIT_TEST(vertex_colours_do_not_shatter_a_trunk)
 {
-	struct soup soup;
-	struct found found;
 	soup_begin(&soup);
 	for (uint8_t i = 0; i < 6; i++)
 		named(&soup, "scan", (uint8_t)(90 + 10 * i), (uint8_t)(80 + 9 * i), (uint8_t)(60 + 8 * i));
 	bare_tree(&soup, 0);
 	for (uint32_t t = 0; t < soup.model.triangle_count; t++)
 		soup.model.material[t] = (uint32_t)(lod_mix(t) % 6);
-	find(&found, &soup);
+	find();
 	assert_int_equal(found.mesh.component_count, 13);
-	assert_true(organ_area(&found, ECO_ORGAN_FOLIAGE) == 0);
-	finish(&soup);
+	assert_true(organ_area(ECO_ORGAN_FOLIAGE) == 0);
+	finish();
 }
 
 UNIT_TEST(what_has_no_colour_has_that_of_its_organ)
 {
-	struct soup soup;
-	struct found found;
 	soup_tree(&soup, 400, 0, false);
 	for (uint32_t i = 0; i < soup.model.material_count; i++) {
 		memset(soup.model.materials[i].rgb, 153, 3);
 		soup.model.materials[i].colourless = true;
 	}
-	find(&found, &soup);
+	find();
 	for (uint32_t t = 0; t < found.mesh.triangle_count; t++) {
 		const uint8_t *rgb = found.organs.rgb[t];
 		bool wood = found.organs.components[found.mesh.component[t]].organ == ECO_ORGAN_WOOD;
 		assert_true(wood ? rgb[0] > rgb[1] && rgb[1] > rgb[2] : rgb[1] > rgb[0] && rgb[1] > rgb[2]);
 	}
-	finish(&soup);
+	finish();
 }
 
 UNIT_TEST(rules_win_over_everything)
 {
-	struct soup soup;
-	struct found found;
 	soup_tree(&soup, 200, 0, false);
 	uint32_t n = soup.model.triangle_count, trunk = 0;
 	uint8_t *organ = malloc(n);
@@ -618,7 +588,7 @@ UNIT_TEST(rules_win_over_everything)
 		if (soup.model.material[t] == 1)
 			organ[t] = t % 4 < 2 ? ECO_ORGAN_WOOD : ECO_ORGAN_FOUND;
 	soup.model.organ = organ;
-	find(&found, &soup);
+	find();
 	for (uint32_t t = 0; t < found.mesh.triangle_count; t++) {
 		uint8_t rule = organ[found.mesh.source[t]],
 			is = found.organs.components[found.mesh.component[t]].organ;
@@ -627,7 +597,7 @@ UNIT_TEST(rules_win_over_everything)
 			: ECO_ORGAN_FOLIAGE);
 	}
 	free(organ);
-	finish(&soup);
+	finish();
 }
 
 UNIT_TEST(names_hint_in_many_languages)

@@ -8,24 +8,28 @@
 
 /* ---- Plants to try ---- */
 
+/* What the test under way makes, until finish. */
+static struct soup soup;
+static struct lod_plant plant;
+
 enum kind { SMALL_TREE, TREE_WITH_CELLS, TEXTURED_TREE, BARE_TREE, GRASS, HULL, KINDS };
 
-static void make_model(struct soup *soup, enum kind kind)
+static void make_model(enum kind kind)
 {
 	switch (kind) {
-	case SMALL_TREE: soup_tree(soup, 300, 25, false); return;
-	case TREE_WITH_CELLS: soup_tree(soup, 4000, 900, false); return;
-	case TEXTURED_TREE: soup_tree(soup, 1500, 40, true); return;
-	case BARE_TREE: soup_tree(soup, 0, 0, false); return;
-	default: soup_begin(soup);
+	case SMALL_TREE: soup_tree(&soup, 300, 25, false); return;
+	case TREE_WITH_CELLS: soup_tree(&soup, 4000, 900, false); return;
+	case TEXTURED_TREE: soup_tree(&soup, 1500, 40, true); return;
+	case BARE_TREE: soup_tree(&soup, 0, 0, false); return;
+	default: soup_begin(&soup);
 	}
-	uint32_t green = soup_material(soup, 60, 150, 40, ECO_NONE, false);
+	uint32_t green = soup_material(&soup, 60, 150, 40, ECO_NONE, false);
 	if (kind == HULL)
-		soup_ball(soup, green, (struct lod_v3){ 0, 0, 1 }, 1, 30);
+		soup_ball(&soup, green, (struct lod_v3){ 0, 0, 1 }, 1, 30);
 	for (uint32_t i = 0; i < 900 && kind == GRASS; i++) {
-		struct lod_v3 at = { soup_random(soup, -1, 1), soup_random(soup, -1, 1), 0.2 };
-		soup_quad(soup, green, at, (struct lod_v3){ 0.01, 0, 0 },
-			(struct lod_v3){ soup_random(soup, -0.1, 0.1), soup_random(soup, -0.1, 0.1), 0.4 });
+		struct lod_v3 at = { soup_random(&soup, -1, 1), soup_random(&soup, -1, 1), 0.2 };
+		soup_quad(&soup, green, at, (struct lod_v3){ 0.01, 0, 0 },
+			(struct lod_v3){ soup_random(&soup, -0.1, 0.1), soup_random(&soup, -0.1, 0.1), 0.4 });
 	}
 }
 
@@ -36,18 +40,18 @@ static struct lod_plant_options options_for(enum kind kind)
 		.cell_triangles = kind == SMALL_TREE ? 0 : 600, .importance = { [ECO_ORGAN_FLOWER] = 3 } };
 }
 
-static void build(struct lod_plant *plant, struct soup *soup, enum kind kind)
+static void build(enum kind kind)
 {
 	struct eco_error error = { 0 };
 	struct lod_plant_options options = options_for(kind);
-	make_model(soup, kind);
-	assert_ok(lod_plant_build(plant, &soup->model, &options, &error), error);
+	make_model(kind);
+	assert_ok(lod_plant_build(&plant, &soup.model, &options, &error), error);
 }
 
-static void finish(struct lod_plant *plant, struct soup *soup)
+static void finish(void)
 {
-	lod_plant_free(plant);
-	soup_free(soup);
+	lod_plant_free(&plant);
+	soup_free(&soup);
 }
 
 /* ---- Nothing lost, nothing twice ---- */
@@ -73,14 +77,14 @@ static void add_triangle(struct corners *to, const int32_t *a, const int32_t *b,
 }
 
 /* Triangles of full detail: all fans, and the last level of wood. */
-static uint32_t stored_triangles(const struct lod_plant *plant, struct corners *out)
+static uint32_t stored_triangles(struct corners *out)
 {
 	uint32_t n = 0;
-	for (uint32_t l = 0; l < plant->ladder_count; l++) {
-		const struct eco_ladder *ladder = &plant->ladders[l];
+	for (uint32_t l = 0; l < plant.ladder_count; l++) {
+		const struct eco_ladder *ladder = &plant.ladders[l];
 		if (ladder->triangles == ECO_NONE)
 			continue;
-		const struct eco_elements *e = &plant->lists[ladder->triangles].elements;
+		const struct eco_elements *e = &plant.lists[ladder->triangles].elements;
 		uint32_t first = ladder->level_count > 1 ? ladder->level_end[ladder->level_count - 2] : 0,
 			triangle = 0;
 		const int32_t *p = e->position;
@@ -93,29 +97,26 @@ static uint32_t stored_triangles(const struct lod_plant *plant, struct corners *
 	return n;
 }
 
-static uint32_t source_triangles(const struct lod_plant *plant, const struct eco_model *model,
-	struct corners *out)
+static uint32_t source_triangles(struct corners *out)
 {
-	const struct eco_list *list = &plant->lists[0].list;
-	for (uint32_t t = 0; t < model->triangle_count; t++) {
+	const struct eco_list *list = &plant.lists[0].list;
+	for (uint32_t t = 0; t < soup.model.triangle_count; t++) {
 		int32_t p[3][3];
 		for (int k = 0; k < 3; k++)
 			for (int a = 0; a < 3; a++)
 				p[k][a] =
-					(int32_t)floor((model->position[3 * model->index[3 * t + k] + a]
+					(int32_t)floor((soup.model.position[3 * soup.model.index[3 * t + k] + a]
 					- list->grid_origin[a]) / list->grid_step[a] + 0.5);
 		add_triangle(&out[t], p[0], p[1], p[2]);
 	}
-	qsort(out, model->triangle_count, sizeof *out, compare_corners);
-	return model->triangle_count;
+	qsort(out, soup.model.triangle_count, sizeof *out, compare_corners);
+	return soup.model.triangle_count;
 }
 
 UNIT_TEST(every_triangle_is_stored_once)
 {
 	for (enum kind kind = 0; kind < KINDS; kind++) {
-		struct soup soup;
-		struct lod_plant plant;
-		build(&plant, &soup, kind);
+		build(kind);
 		uint32_t dropped = 0, n = soup.model.triangle_count;
 		for (int d = 0; d < ECO_DROP_COUNT; d++)
 			dropped += plant.dropped[d];
@@ -123,20 +124,18 @@ UNIT_TEST(every_triangle_is_stored_once)
 		assert_int_equal(plant.triangles_in, n);
 		assert_int_equal(dropped, 0);            /* nothing here is too small or hidden */
 		struct corners *stored = calloc(n, sizeof *stored), *source = calloc(n, sizeof *source);
-		assert_int_equal(stored_triangles(&plant, stored), n);
-		source_triangles(&plant, &soup.model, source);
+		assert_int_equal(stored_triangles(stored), n);
+		source_triangles(source);
 		assert_memory_equal(stored, source, n * sizeof *stored);
 		free(stored);
 		free(source);
-		finish(&plant, &soup);
+		finish();
 	}
 }
 
 UNIT_TEST(organs_are_counted)
 {
-	struct soup soup;
-	struct lod_plant plant;
-	build(&plant, &soup, TREE_WITH_CELLS);
+	build(TREE_WITH_CELLS);
 	assert_int_equal(plant.organ[ECO_ORGAN_WOOD].components, 13);
 	assert_int_equal(plant.organ[ECO_ORGAN_FOLIAGE].elements, 4000);
 	assert_int_equal(plant.organ[ECO_ORGAN_FLOWER].elements, 900);
@@ -145,12 +144,12 @@ UNIT_TEST(organs_are_counted)
 		< 0.01);
 	assert_true(plant.plant.height_m > 5 && plant.plant.height_m < 7);
 	assert_string_equal(plant.plant.name, "test");
-	finish(&plant, &soup);
+	finish();
 }
 
 /* ---- Lists ---- */
 
-static void check_list(const struct lod_plant *plant, const struct lod_list_draft *draft)
+static void check_list(const struct lod_list_draft *draft)
 {
 	const struct eco_elements *e = &draft->elements;
 	const struct eco_list *list = &draft->list;
@@ -173,9 +172,9 @@ static void check_list(const struct lod_plant *plant, const struct lod_list_draf
 		assert_in_range(e->position[i] + 2, 0, (1 << 14) + 4);
 	for (uint32_t i = 0; i < 2 * corners && e->uv; i++)
 		assert_true(e->uv[i] >= 0);
-	assert_true(list->image == ECO_NONE || list->image < plant->image_count);
+	assert_true(list->image == ECO_NONE || list->image < plant.image_count);
 	assert_true((list->attributes & ECO_ATTR_UV ? 1 : 0) == (e->uv != NULL));
-	assert_true(list->palette_first + list->palette_count <= plant->palette_count);
+	assert_true(list->palette_first + list->palette_count <= plant.palette_count);
 	assert_true(draft->end_count >= 1);
 	for (uint32_t c = 0; c < draft->end_count; c++)
 		assert_true(draft->ends[c] > (c ? draft->ends[c - 1] : 0));
@@ -183,9 +182,9 @@ static void check_list(const struct lod_plant *plant, const struct lod_list_draf
 }
 
 /* Each form has an element for each of its partner's, close to it, and of the same area in all. */
-static void check_form(const struct lod_plant *plant, const struct lod_list_draft *form)
+static void check_form(const struct lod_list_draft *form)
 {
-	const struct lod_list_draft *fans = &plant->lists[form->list.partner];
+	const struct lod_list_draft *fans = &plant.lists[form->list.partner];
 	const struct eco_elements *f = &fans->elements, *e = &form->elements;
 	const int32_t *p = f->position, *q = e->position;
 	uint32_t at = form->list.kind == ECO_LIST_POINTS ? eco_list_extra_at(&form->list, ECO_ATTR_SIZE) : 0;
@@ -222,11 +221,9 @@ static void check_form(const struct lod_plant *plant, const struct lod_list_draf
 UNIT_TEST(lists_are_consistent)
 {
 	for (enum kind kind = 0; kind < KINDS; kind++) {
-		struct soup soup;
-		struct lod_plant plant;
-		build(&plant, &soup, kind);
+		build(kind);
 		for (uint32_t l = 0; l < plant.list_count; l++) {
-			check_list(&plant, &plant.lists[l]);
+			check_list(&plant.lists[l]);
 			for (int a = 0; a < 3; a++) {            /* one grid for the whole plant */
 				assert_true(plant.lists[l].list.grid_origin[a]
 					== plant.lists[0].list.grid_origin[a]);
@@ -234,9 +231,9 @@ UNIT_TEST(lists_are_consistent)
 					== plant.lists[0].list.grid_step[0]);
 			}
 			if (plant.lists[l].list.coder == ECO_CODER_FORM)
-				check_form(&plant, &plant.lists[l]);
+				check_form(&plant.lists[l]);
 		}
-		finish(&plant, &soup);
+		finish();
 	}
 }
 
@@ -244,9 +241,7 @@ UNIT_TEST(every_chunk_can_be_coded)
 {
 	struct eco_error error = { 0 };
 	for (enum kind kind = 0; kind < KINDS; kind++) {
-		struct soup soup;
-		struct lod_plant plant;
-		build(&plant, &soup, kind);
+		build(kind);
 		for (uint32_t l = 0; l < plant.list_count; l++) {
 			const struct lod_list_draft *draft = &plant.lists[l];
 			for (uint32_t c = 0; c < draft->end_count && c < 4; c++) {
@@ -265,7 +260,7 @@ UNIT_TEST(every_chunk_can_be_coded)
 				free(bytes);
 			}
 		}
-		finish(&plant, &soup);
+		finish();
 	}
 }
 
@@ -287,24 +282,24 @@ static bool inside(const struct eco_anchor *anchor, const struct lod_list_draft 
 	return true;
 }
 
-static uint32_t primitives(const struct lod_plant *plant, uint32_t list)
+static uint32_t primitives(uint32_t list)
 {
-	return list == ECO_NONE ? 0 : plant->lists[list].list.primitive_count;
+	return list == ECO_NONE ? 0 : plant.lists[list].list.primitive_count;
 }
 
-static void check_ladder(const struct lod_plant *plant, const struct eco_ladder *l)
+static void check_ladder(const struct eco_ladder *l)
 {
 	const uint32_t lists[4] = { l->points, l->lines, l->simple, l->triangles };
-	uint32_t own = l->organ == ECO_ORGAN_WOOD ? primitives(plant, l->lines)
-		: plant->lists[l->triangles].list.element_count, last = 0;
-	assert_true(l->anchor < plant->plant.anchor_count);
+	uint32_t own = l->organ == ECO_ORGAN_WOOD ? primitives(l->lines)
+		: plant.lists[l->triangles].list.element_count, last = 0;
+	assert_true(l->anchor < plant.plant.anchor_count);
 	assert_true((l->flags & ECO_LADDER_NEAR ? 1 : 0) == (l->anchor > 0));
 	assert_true(l->importance == (l->organ == ECO_ORGAN_FLOWER ? 3 : 1));
 	assert_true(l->area > 0);
 	for (int i = 0; i < 4; i++)
 		if (lists[i] != ECO_NONE) {
-			assert_true(inside(&plant->anchors[0], &plant->lists[lists[i]]));
-			assert_true(inside(&plant->anchors[l->anchor], &plant->lists[lists[i]]));
+			assert_true(inside(&plant.anchors[0], &plant.lists[lists[i]]));
+			assert_true(inside(&plant.anchors[l->anchor], &plant.lists[lists[i]]));
 		}
 	if (l->organ == ECO_ORGAN_WOOD)
 		assert_int_equal(l->before, 0);
@@ -313,7 +308,7 @@ static void check_ladder(const struct lod_plant *plant, const struct eco_ladder 
 	assert_true(l->total >= own);
 	for (uint32_t i = 0; i < l->level_count; i++) {
 		bool is_end = false;
-		const struct lod_list_draft *draft = &plant->lists[l->triangles];
+		const struct lod_list_draft *draft = &plant.lists[l->triangles];
 		for (uint32_t c = 0; c < draft->end_count; c++)
 			is_end = is_end || draft->ends[c] == l->level_end[i];
 		assert_true(is_end);
@@ -322,34 +317,30 @@ static void check_ladder(const struct lod_plant *plant, const struct eco_ladder 
 		last = l->level_end[i];
 	}
 	if (l->level_count)
-		assert_int_equal(last, primitives(plant, l->triangles));
+		assert_int_equal(last, primitives(l->triangles));
 }
 
 UNIT_TEST(ladders_are_consistent)
 {
 	for (enum kind kind = 0; kind < KINDS; kind++) {
-		struct soup soup;
-		struct lod_plant plant;
-		build(&plant, &soup, kind);
+		build(kind);
 		assert_true((plant.plant.anchor_count > 1) == (kind != SMALL_TREE));
 		uint32_t anchor = 0;
 		for (uint32_t l = 0; l < plant.ladder_count; l++) {
-			check_ladder(&plant, &plant.ladders[l]);
+			check_ladder(&plant.ladders[l]);
 			assert_true(plant.ladders[l].anchor >= anchor || anchor > 0);
 			anchor = plant.ladders[l].anchor ? plant.ladders[l].anchor : anchor;
 			/* the whole plant's come first */
 			assert_true(anchor == 0 || plant.ladders[l].anchor != 0);
 		}
-		finish(&plant, &soup);
+		finish();
 	}
 }
 
 /* Regions of the cells add up to the whole: samples, area, and what the coarse list holds of them. */
 UNIT_TEST(cells_add_up)
 {
-	struct soup soup;
-	struct lod_plant plant;
-	build(&plant, &soup, TREE_WITH_CELLS);
+	build(TREE_WITH_CELLS);
 	assert_true(plant.plant.anchor_count > 8);
 	for (uint32_t organ = ECO_ORGAN_FOLIAGE; organ <= ECO_ORGAN_FLOWER; organ++) {
 		const struct eco_ladder *whole = NULL;
@@ -368,31 +359,27 @@ UNIT_TEST(cells_add_up)
 		assert_non_null(whole);
 		assert_int_equal(whole->flags, 0);
 		assert_int_equal(total, whole->total);
-		assert_int_equal(before, primitives(&plant, whole->points));
+		assert_int_equal(before, primitives(whole->points));
 		assert_true(before >= 256 && before <= total / 3);
 		assert_true(fabs(area - whole->area) < 1e-3 * area);
 	}
-	finish(&plant, &soup);
+	finish();
 }
 
 UNIT_TEST(small_groups_are_not_sharded)
 {
-	struct soup soup;
-	struct lod_plant plant;
-	build(&plant, &soup, TEXTURED_TREE);         /* 40 flowers */
+	build(TEXTURED_TREE);         /* 40 flowers */
 	uint32_t flowers = 0;
 	for (uint32_t l = 0; l < plant.ladder_count; l++)
 		flowers += plant.ladders[l].organ == ECO_ORGAN_FLOWER;
 	assert_int_equal(flowers, 1);
 	assert_int_equal(plant.image_count, 1);
-	finish(&plant, &soup);
+	finish();
 }
 
 UNIT_TEST(blades_become_points_and_lines_of_the_same_area)
 {
-	struct soup soup;
-	struct lod_plant plant;
-	build(&plant, &soup, GRASS);
+	build(GRASS);
 	double area = 0;
 	for (uint32_t l = 0; l < plant.ladder_count; l++) {
 		const struct eco_ladder *ladder = &plant.ladders[l];
@@ -410,18 +397,16 @@ UNIT_TEST(blades_become_points_and_lines_of_the_same_area)
 		assert_true(ladder->epsilon < 0.01);
 	}
 	assert_true(fabs(area / plant.plant.area - 1) < 0.02);
-	finish(&plant, &soup);
+	finish();
 }
 
 /* ---- Behaviour ---- */
 
 UNIT_TEST(what_has_no_colour_is_drawn_in_its_organ_s_everywhere)
 {
-	struct lod_plant plant;
-	struct soup soup;
 	struct eco_error error = { 0 };
 	struct lod_plant_options options = options_for(SMALL_TREE);
-	make_model(&soup, SMALL_TREE);
+	make_model(SMALL_TREE);
 	for (uint32_t i = 0; i < soup.model.material_count; i++) {
 		memset(soup.model.materials[i].rgb, 153, 3);
 		soup.model.materials[i].colourless = true;
@@ -439,15 +424,16 @@ UNIT_TEST(what_has_no_colour_is_drawn_in_its_organ_s_everywhere)
 		}
 	}
 	assert_true(looked_up > 300);
-	finish(&plant, &soup);
+	finish();
 }
 
 UNIT_TEST(two_builds_are_equal)
 {
-	struct soup soup, other;
-	struct lod_plant a, b;
-	build(&a, &soup, TEXTURED_TREE);
-	build(&b, &other, TEXTURED_TREE);
+	build(TEXTURED_TREE);
+	struct lod_plant a = plant;
+	soup_free(&soup);
+	build(TEXTURED_TREE);
+	const struct lod_plant b = plant;
 	assert_int_equal(a.list_count, b.list_count);
 	assert_int_equal(a.ladder_count, b.ladder_count);
 	assert_memory_equal(a.ladders, b.ladders, a.ladder_count * sizeof *a.ladders);
@@ -464,8 +450,8 @@ UNIT_TEST(two_builds_are_equal)
 			assert_memory_equal(x->extra, y->extra,
 				4 * (size_t)x->extra_count * x->element_count);
 	}
-	finish(&a, &soup);
-	finish(&b, &other);
+	lod_plant_free(&a);
+	finish();
 }
 
 struct watch { double last, stop; };
@@ -480,11 +466,9 @@ static bool watch_progress(void *ctx, double share)
 
 UNIT_TEST(progress_ascends_and_may_stop_the_build)
 {
-	struct soup soup;
-	make_model(&soup, TREE_WITH_CELLS);
+	make_model(TREE_WITH_CELLS);
 	for (int i = 0; i < 5; i++) {
 		struct watch watch = { 0, i < 4 ? 0.3 * i : 2 };
-		struct lod_plant plant;
 		struct eco_error error = { 0 };
 		struct lod_plant_options options = options_for(TREE_WITH_CELLS);
 		options.progress = watch_progress;
@@ -500,8 +484,6 @@ UNIT_TEST(progress_ascends_and_may_stop_the_build)
 
 UNIT_TEST(models_without_anything_to_draw_are_refused)
 {
-	struct soup soup;
-	struct lod_plant plant;
 	struct lod_plant_options options = { .name = "nothing" };
 	for (int points = 0; points < 3; points++) {
 		struct eco_error error = { 0 };
@@ -519,10 +501,8 @@ UNIT_TEST(models_without_anything_to_draw_are_refused)
 
 UNIT_TEST(coarse_grids_drop_and_count)
 {
-	struct soup soup;
-	make_model(&soup, SMALL_TREE);
+	make_model(SMALL_TREE);
 	for (uint32_t bits = 1; bits <= 12; bits++) {
-		struct lod_plant plant;
 		struct eco_error error = { 0 };
 		struct lod_plant_options options = { .order = LOD_ORDER_COMBINED, .grid_bits = bits };
 		uint32_t dropped = 0;
@@ -541,8 +521,6 @@ UNIT_TEST(coarse_grids_drop_and_count)
 UNIT_TEST(any_soup_is_stored_completely)
 {
 	for (uint32_t seed = 1; seed <= 40; seed++) {
-		struct soup soup;
-		struct lod_plant plant;
 		struct eco_error error = { 0 };
 		struct lod_plant_options options = { .name = "soup", .order = LOD_ORDER_COMBINED,
 			.grid_bits = 10, .cell_triangles = 20 };
@@ -564,12 +542,12 @@ UNIT_TEST(any_soup_is_stored_completely)
 			dropped += plant.dropped[d];
 		assert_int_equal(4 * n, plant.triangles_stored + dropped);
 		struct corners *stored = calloc(8 * n, sizeof *stored);
-		assert_int_equal(stored_triangles(&plant, stored), plant.triangles_stored);
+		assert_int_equal(stored_triangles(stored), plant.triangles_stored);
 		free(stored);
 		for (uint32_t l = 0; l < plant.list_count; l++)
 			assert_int_equal(plant.lists[l].ends[plant.lists[l].end_count - 1],
 				plant.lists[l].elements.element_count);
-		finish(&plant, &soup);
+		finish();
 	}
 }
 
@@ -583,9 +561,7 @@ static double area_of(const float *p)
 
 UNIT_TEST(geometry_of_a_range_is_part_of_the_whole)
 {
-	struct soup soup;
-	struct lod_plant plant;
-	build(&plant, &soup, TEXTURED_TREE);
+	build(TEXTURED_TREE);
 	for (uint32_t l = 0; l < plant.list_count; l++) {
 		const struct lod_list_draft *d = &plant.lists[l];
 		uint32_t n = d->elements.primitive_count, floats = 3 * eco_list_vertices(&d->list);
@@ -606,14 +582,12 @@ UNIT_TEST(geometry_of_a_range_is_part_of_the_whole)
 		free(width);
 		free(color);
 	}
-	finish(&plant, &soup);
+	finish();
 }
 
 UNIT_TEST(scale_is_a_factor_of_area_about_the_centre)
 {
-	struct soup soup;
-	struct lod_plant plant;
-	build(&plant, &soup, SMALL_TREE);
+	build(SMALL_TREE);
 	for (uint32_t l = 0; l < plant.ladder_count; l++) {
 		const struct lod_list_draft *d = plant.ladders[l].organ == ECO_ORGAN_FOLIAGE
 			? &plant.lists[plant.ladders[l].triangles] : NULL;
@@ -631,5 +605,5 @@ UNIT_TEST(scale_is_a_factor_of_area_about_the_centre)
 			assert_true(fabs(before - after) < 1e-4);
 		}
 	}
-	finish(&plant, &soup);
+	finish();
 }

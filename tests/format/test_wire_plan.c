@@ -5,27 +5,6 @@
 #include "tests/support/unit_test.h"
 #include "tests/support/wire_random.h"
 
-static void assert_same_plan(const struct eco_plan *a, const struct eco_plan *b)
-{
-	assert_true(a->vertices == b->vertices && a->visible_plants == b->visible_plants && a->sample_distance
-		== b->sample_distance);
-	assert_true(a->prediction.tp == b->prediction.tp && a->prediction.fp == b->prediction.fp
-		&& a->prediction.fn == b->prediction.fn);
-	assert_true(a->placement_count == b->placement_count && a->run_count == b->run_count);
-	assert_true(a->gate_count == b->gate_count && a->cut_count == b->cut_count);
-	for (uint32_t i = 0; i < a->placement_count; i++) {
-		const struct eco_placement *p = &a->placements[i], *q = &b->placements[i];
-		assert_memory_equal(p->at, q->at, sizeof p->at);
-		assert_true(p->turn == q->turn && p->scale == q->scale && p->path == q->path);
-	}
-	for (uint32_t i = 0; i < a->run_count; i++)
-		assert_memory_equal(&a->runs[i], &b->runs[i], sizeof *a->runs);
-	for (uint32_t i = 0; i < a->gate_count; i++)
-		assert_true(a->gates[i].plant == b->gates[i].plant && a->gates[i].end == b->gates[i].end);
-	for (uint32_t i = 0; i < a->cut_count; i++)
-		assert_true(wire_same_cut(&a->cuts[i], &b->cuts[i]));
-}
-
 UNIT_TEST(plan_survives_the_wire_and_has_one_encoding)
 {
 	struct wire_random r = { 1 };

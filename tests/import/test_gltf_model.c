@@ -72,6 +72,14 @@ static void expect_corner(uint32_t t, uint32_t c, double x, double y, double z)
 }
 
 static const float square[4][3] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 1, 1, 0 } };
+
+/* A file whose accessor 0 is its first `count` corners. */
+static void gw_square(size_t count)
+{
+	gw_begin();
+	gw_floats(square[0], count, "VEC3", 3);
+}
+
 #define ONE_MESH(attributes, more) ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}]," \
 	"\"meshes\":[{\"primitives\":[{\"attributes\":{" attributes "}" more "}]}]"
 
@@ -81,8 +89,7 @@ UNIT_TEST(indices_of_every_type_or_none_make_triangles)
 	static const uint16_t shorts[6] = { 0, 1, 2, 2, 1, 3 };
 	static const uint32_t words[6] = { 0, 1, 2, 2, 1, 3 };
 	for (int i = 0; i < 4; i++) {
-		gw_begin();
-		gw_floats(square[0], i < 3 ? 4 : 3, "VEC3", 3);
+		gw_square(i < 3 ? 4 : 3);
 		if (i == 0)
 			gw_accessor(gw_view(bytes, sizeof bytes, ""), GLTF_UBYTE, 6, "SCALAR", "");
 		else if (i == 1)
@@ -101,8 +108,7 @@ UNIT_TEST(indices_of_every_type_or_none_make_triangles)
 UNIT_TEST(strips_and_fans_become_triangles)
 {
 	static const uint16_t strip[] = { 0, 1, 2, 3, 0xffff, 3, 2, 1 }, fan[] = { 0, 1, 3, 2 };
-	gw_begin();
-	gw_floats(square[0], 4, "VEC3", 3);
+	gw_square(4);
 	gw_accessor(gw_view(strip, sizeof strip, ""), GLTF_USHORT, 8, "SCALAR", "");
 	gw_accessor(gw_view(fan, sizeof fan, ""), GLTF_USHORT, 4, "SCALAR", "");
 	read_good(ONE_MESH("\"POSITION\":0", ",\"indices\":1,\"mode\":5"));
@@ -121,8 +127,7 @@ UNIT_TEST(strips_and_fans_become_triangles)
 
 UNIT_TEST(points_and_lines_are_counted_and_said)
 {
-	gw_begin();
-	gw_floats(square[0], 4, "VEC3", 3);
+	gw_square(4);
 	read_good(",\"nodes\":[{\"mesh\":0}],"
 		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}},"
 		"{\"attributes\":{\"POSITION\":0},"
@@ -140,8 +145,7 @@ UNIT_TEST(points_and_lines_are_counted_and_said)
 UNIT_TEST(a_broken_index_is_kept_apart)
 {
 	static const uint16_t indices[6] = { 0, 1, 2, 2, 1, 4 };
-	gw_begin();
-	gw_floats(square[0], 4, "VEC3", 3);
+	gw_square(4);
 	gw_accessor(gw_view(indices, sizeof indices, ""), GLTF_USHORT, 6, "SCALAR", "");
 	read_good(ONE_MESH("\"POSITION\":0", ",\"indices\":1"));
 	assert_int_equal(m.triangle_count, 2);
@@ -171,8 +175,7 @@ UNIT_TEST(quantized_meshes_are_read)
 UNIT_TEST(places_far_from_the_origin_keep_their_detail)
 {
 	static const float far[3][3] = { { 1e7f, 0, 0 }, { 1e7f + 1, 0, 0 }, { 1e7f, 1, 0 } };
-	gw_begin();
-	gw_floats(square[0], 3, "VEC3", 3);
+	gw_square(3);
 	gw_floats(far[0], 3, "VEC3", 3);
 	read_good(",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,\"translation\":[5000000.25,100,"
 		"0]}],"
@@ -186,8 +189,7 @@ UNIT_TEST(places_far_from_the_origin_keep_their_detail)
 
 UNIT_TEST(parts_are_nodes_and_meshes)
 {
-	gw_begin();
-	gw_floats(square[0], 3, "VEC3", 3);
+	gw_square(3);
 	read_good(",\"nodes\":[{\"mesh\":0,\"name\":\"Tree\"},{\"mesh\":0},{\"mesh\":0,"
 		"\"name\":\"Leaves\"},{\"mesh\":1,\"name\":\"Pot\"},"
 		"{\"mesh\":1,\"name\":\"Pot\"}],"
@@ -213,8 +215,7 @@ UNIT_TEST(instances_of_a_model_are_expanded)
 		"{\"POSITION\":0}}]}]";
 	struct eco_error error = { .code = ECO_OK };
 
-	gw_begin();
-	gw_floats(square[0], 3, "VEC3", 3);
+	gw_square(3);
 	gw_floats(places[0], 3, "VEC3", 3);
 	gw_floats(sizes[0], 3, "VEC3", 3);
 	gw_accessor(gw_view(turns, sizeof turns, ""), GLTF_SHORT, 3, "VEC4", ",\"normalized\":true");
@@ -230,8 +231,7 @@ UNIT_TEST(instances_of_a_model_are_expanded)
 UNIT_TEST(instances_without_end_are_refused_at_once)
 {
 	struct eco_error error = { .code = ECO_OK };
-	gw_begin();
-	gw_floats(square[0], 3, "VEC3", 3);
+	gw_square(3);
 	gw_accessor(-1, GLTF_FLOAT, 80000000, "VEC3", "");           /* zeros, which cost nothing */
 	assert_int_equal(read_model(",\"nodes\":[{\"mesh\":0,"
 		"\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":1}}}}],"
@@ -247,8 +247,7 @@ UNIT_TEST(skins_stand_where_their_joints_hold_them)
 		{ 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 } };
 	static const uint8_t joints[3][4] = { { 0, 1 }, { 0, 1 }, { 1, 0 } };
 	static const float weights[3][4] = { { 1, 0 }, { 0.5f, 0.5f }, { 1, 0 } };
-	gw_begin();
-	gw_floats(square[0], 3, "VEC3", 3);
+	gw_square(3);
 	gw_accessor(gw_view(joints, sizeof joints, ""), GLTF_UBYTE, 3, "VEC4", "");
 	gw_floats(weights[0], 3, "VEC4", 4);
 	gw_floats(inverse[0], 2, "MAT4", 16);
@@ -266,8 +265,7 @@ UNIT_TEST(skins_stand_where_their_joints_hold_them)
 UNIT_TEST(morph_targets_have_their_default_weights)
 {
 	static const float delta[3][3] = { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 0, 0 } };
-	gw_begin();
-	gw_floats(square[0], 3, "VEC3", 3);
+	gw_square(3);
 	gw_floats(delta[0], 3, "VEC3", 3);
 	read_good(",\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"weights\":[0]},{\"mesh\":0}],"
 		"\"meshes\":[{\"weights\":[0.5],"
@@ -280,8 +278,7 @@ UNIT_TEST(morph_targets_have_their_default_weights)
 UNIT_TEST(vertex_colours_count_in_linear_light)
 {
 	static const uint8_t colors[3][4] = { { 255, 0, 0, 255 }, { 255, 0, 0, 255 }, { 255, 0, 0, 0 } };
-	gw_begin();
-	gw_floats(square[0], 3, "VEC3", 3);
+	gw_square(3);
 	gw_accessor(gw_view(colors, sizeof colors, ""), GLTF_UBYTE, 3, "VEC4", ",\"normalized\":true");
 	read_good(ONE_MESH("\"POSITION\":0,\"COLOR_0\":1", ",\"material\":0") ","
 		"\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,1,1,1]}}]");
@@ -292,8 +289,7 @@ UNIT_TEST(vertex_colours_count_in_linear_light)
 
 UNIT_TEST(the_older_materials_and_those_without_any_have_colours)
 {
-	gw_begin();
-	gw_floats(square[0], 3, "VEC3", 3);
+	gw_square(3);
 	read_good(",\"nodes\":[{\"mesh\":0}],"
 		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0},"
 		"{\"attributes\":{\"POSITION\":0}},"
@@ -324,8 +320,7 @@ UNIT_TEST(pictures_come_from_anywhere_or_are_missed_aloud)
 	input_bytes("gltf_model", "bark one.png", png, size);
 	for (size_t i = 0; i < size; i++)
 		snprintf(text + strlen(text), 4, "%%%02x", png[i]);
-	gw_begin();
-	gw_floats(square[0], 3, "VEC3", 3);
+	gw_square(3);
 	gw_floats(uv[0], 3, "VEC2", 2);
 	gw_floats(second[0], 3, "VEC2", 2);
 	gw_view(png, size, "");
@@ -467,8 +462,7 @@ UNIT_TEST(what_a_file_requires_and_is_not_read_is_named)
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		char rest[500];
-		gw_begin();
-		gw_floats(square[0], 3, "VEC3", 3);
+		gw_square(3);
 		snprintf(rest, sizeof rest, ONE_MESH("\"POSITION\":0", "") ",%s", cases[i].list);
 		read_fails(rest, cases[i].code, cases[i].says);
 	}
@@ -497,8 +491,7 @@ static const struct { const char *rest, *says; } references_to_cases[] = {
 UNIT_TEST(references_to_nothing_are_refused)
 {
 	for (size_t i = 0; i < sizeof references_to_cases / sizeof *references_to_cases; i++) {
-		gw_begin();
-		gw_floats(square[0], 3, "VEC3", 3);
+		gw_square(3);
 		gw_floats(square[0], 3, "VEC2", 2);
 		gw_floats(square[0], 2, "VEC3", 3);
 		read_fails(references_to_cases[i].rest, ECO_DAMAGED, references_to_cases[i].says);
@@ -514,8 +507,7 @@ UNIT_TEST(a_glb_is_known_by_its_content)
 	size_t size;
 	eco_model_free(&m);
 	for (int i = 0; i < 3; i++) {
-		gw_begin();
-		gw_floats(square[0], 3, "VEC3", 3);
+		gw_square(3);
 		size = gw_glb_bytes(ONE_MESH("\"POSITION\":0", ""), ' ', &bytes);
 		path = input_bytes("gltf_model", i == 0 ? "leaf.glb" : i == 1 ? "leaf.gltf" : "leaf.bin",
 			bytes, size);
@@ -540,8 +532,7 @@ UNIT_TEST(without_its_scene_all_nodes_are_read_and_it_is_said)
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		char rest[1000];
-		gw_begin();
-		gw_floats(square[0], 3, "VEC3", 3);
+		gw_square(3);
 		snprintf(rest, sizeof rest, "%s,\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"translation\":[5,0,0]}"
 			"],\"meshes\":[{\"primitives\":[{\"attributes\":"
 			"{\"POSITION\":0}}]}]", cases[i].scenes);

@@ -11,8 +11,18 @@
 
 #define PATH "build/tmp/test_scene_check.eco"
 
-/* Each breaks a copy of the small pack's scene. */
-#define BREAK(id, what) static void break_##id(struct scene_builder *l) { what; }
+/* Each breaks a copy of the small pack's scene, and puts itself among the cases. */
+#define BREAK(id, what) \
+	static void break_##id(struct scene_builder *l) { what; } \
+	__attribute__((constructor)) static void add_##id(void) \
+	{ \
+		cases[case_count++] = (struct broken){ #id, break_##id }; \
+	}
+#define BREAKS 129u
+
+static struct broken { const char *name; void (*apply)(struct scene_builder *); } cases[BREAKS];
+static size_t case_count;
+
 BREAK(name, memset(l->scene.name, 'x', sizeof l->scene.name))
 BREAK(needs, l->scene.needs = 512)
 BREAK(missing_need, l->scene.needs = 511 & ~ECO_NEED_LINES)
@@ -137,7 +147,8 @@ BREAK(form_of_itself, l->lists[11].partner = 11)
 BREAK(form_of_wood, l->lists[11].partner = 3)
 BREAK(form_count, l->lists[11].partner = 5)
 BREAK(form_primitives, l->lists[11].primitive_count = 60; l->chunks[18].primitive_count = 20;
-l->chunks[19].primitive_count = 40) BREAK(form_shape, l->lists[11].primitive_count = 80;
+	l->chunks[19].primitive_count = 40)
+BREAK(form_shape, l->lists[11].primitive_count = 80;
 	l->chunks[18].primitive_count = 20; l->chunks[19].primitive_count = 60)
 BREAK(form_coder, l->lists[11].coder = ECO_CODER_ELEMENTS)
 BREAK(simple, l->ladders[0].simple = 5)
@@ -148,38 +159,6 @@ BREAK(reach_nan, l->curves[1].reach = NAN)
 
 UNIT_TEST(every_inconsistency_is_found)
 {
-#define CASE(id) { #id, break_##id }
-	static const struct { const char *name; void (*apply)(struct scene_builder *); } cases[] = {
-		CASE(name), CASE(needs), CASE(missing_need), CASE(missing_cells), CASE(root), CASE(near),
-			CASE(near_zero), CASE(ground), CASE(ground_range), CASE(ground_size),
-			CASE(ground_none), CASE(ground_rows), CASE(ground_lost), CASE(ground_level),
-			CASE(ground_column), CASE(ground_twice),
-		CASE(ground_children), CASE(ground_child_first), CASE(ground_orphans), CASE(ground_cycle),
-		CASE(ground_error), CASE(ground_error_nan), CASE(ground_error_child), CASE(ground_bounds),
-		CASE(ground_bounds_child), CASE(ground_grid), CASE(ground_chunks), CASE(level_large),
-		CASE(level_other), CASE(plant_name), CASE(no_anchor), CASE(anchors), CASE(ladders),
-		CASE(orphan_ladder), CASE(height), CASE(radius), CASE(center), CASE(ladder_plant),
-		CASE(ladder_anchor), CASE(organ), CASE(flags), CASE(both_flags), CASE(above_range),
-		CASE(above_share), CASE(no_list), CASE(wrong_kind), CASE(summary_in_ladder), CASE(pair),
-		CASE(levels), CASE(level_end), CASE(level_order), CASE(level_rest), CASE(before),
-		CASE(importance), CASE(epsilon), CASE(curve_range), CASE(share_zero), CASE(share_order),
-		CASE(share_one), CASE(share_nan), CASE(scale), CASE(fn), CASE(bounds), CASE(bounds_nan),
-		CASE(instance_count), CASE(subtree_count), CASE(summary), CASE(summary_tile), CASE(groups),
-		CASE(two_tiles_a_group), CASE(children), CASE(lost_child), CASE(cycle), CASE(child_tile),
-		CASE(child_at), CASE(child_scale), CASE(group_tile), CASE(group_plant), CASE(group_list),
-		CASE(group_kind), CASE(places), CASE(places_overflow), CASE(kind), CASE(kind_large),
-		CASE(coder), CASE(attributes), CASE(level), CASE(no_place), CASE(owner), CASE(owner_tile),
-		CASE(owner_none), CASE(list_plant), CASE(list_plant_none), CASE(grid_step), CASE(grid_origin),
-		CASE(unit_area), CASE(palette), CASE(palette_overflow), CASE(no_palette), CASE(image),
-		CASE(image_range), CASE(partner), CASE(partner_kind), CASE(partner_range),
-		CASE(partner_of_plain), CASE(columns), CASE(no_columns), CASE(columns_of_plain),
-		CASE(chunk_range), CASE(chunk_shared), CASE(primitives), CASE(elements), CASE(chunk_empty),
-		CASE(chunk_size), CASE(chunk_huge), CASE(chunk_primitives), CASE(chunk_forms),
-		CASE(form_of_form), CASE(form_of_itself), CASE(form_of_wood), CASE(form_count),
-		CASE(form_primitives), CASE(form_shape), CASE(form_coder), CASE(simple),
-		CASE(simple_of_other), CASE(simple_kind), CASE(reach), CASE(reach_nan),
-	};
-#undef CASE
 	struct eco_error error = { 0 };
 	struct scene_builder made;
 	struct eco_pack *pack;
@@ -188,7 +167,8 @@ UNIT_TEST(every_inconsistency_is_found)
 	assert_int_equal(small_pack_write(&made, PATH, NULL, &error), ECO_OK);
 	scene_free(&made);
 	assert_int_equal(eco_pack_open(&pack, PATH, &error), ECO_OK);
-	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+	assert_int_equal(case_count, BREAKS);
+	for (size_t i = 0; i < case_count; i++) {
 		struct scene_builder l;
 		scene_copy(&l, &pack->scene);
 		error = (struct eco_error){ 0 };

@@ -5,6 +5,7 @@
 #include "lod/plan/plan_tables.h"
 #include "tests/support/scene_random.h"
 #include "tests/support/unit_test.h"
+#include "tests/support/wire_random.h"
 
 static struct scene_builder scene;
 
@@ -50,22 +51,6 @@ static void random_request(struct eco_request *request)
 		request->view.eye[i] = request->view.target[i] + random_real(&scene, 0.1,
 			1) * (1 + root->high[i] - root->low[i]);
 	}
-}
-
-static void assert_same_plan(const struct eco_plan *a, const struct eco_plan *b)
-{
-	assert_true(a->vertices == b->vertices && a->cut_count == b->cut_count
-		&& a->gate_count == b->gate_count && a->run_count == b->run_count);
-	assert_memory_equal(&a->prediction, &b->prediction, sizeof a->prediction);
-	for (uint32_t i = 0; i < a->cut_count; i++) {
-		const struct eco_cut *x = &a->cuts[i], *y = &b->cuts[i];
-		assert_true(x->list == y->list && x->first == y->first && x->end == y->end
-			&& x->scale == y->scale && x->anchor == y->anchor && x->band_first == y->band_first
-			&& x->band_end == y->band_end && x->share_first == y->share_first
-			&& x->share_end == y->share_end);
-	}
-	for (uint32_t i = 0; i < a->gate_count; i++)
-		assert_true(a->gates[i].plant == b->gates[i].plant && a->gates[i].end == b->gates[i].end);
 }
 
 UNIT_TEST(plans_are_the_same_with_tables_as_without)

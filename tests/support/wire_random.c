@@ -1,5 +1,7 @@
 #include "tests/support/wire_random.h"
 
+#include "tests/support/unit_test.h"
+
 /* The order in which C evaluates operands and initialisers is open: below, no expression draws twice. */
 static uint64_t wire_random_bits(struct wire_random *r)
 {
@@ -100,6 +102,26 @@ bool wire_same_cut(const struct eco_cut *a, const struct eco_cut *b)
 		&& a->placement == b->placement && a->anchor == b->anchor && a->band_first == b->band_first
 		&& a->band_end == b->band_end && a->share_first == b->share_first
 		&& a->share_end == b->share_end;
+}
+
+void assert_same_plan(const struct eco_plan *a, const struct eco_plan *b)
+{
+	assert_true(a->vertices == b->vertices && a->visible_plants == b->visible_plants && a->sample_distance
+		== b->sample_distance);
+	assert_memory_equal(&a->prediction, &b->prediction, sizeof a->prediction);
+	assert_true(a->placement_count == b->placement_count && a->run_count == b->run_count);
+	assert_true(a->gate_count == b->gate_count && a->cut_count == b->cut_count);
+	for (uint32_t i = 0; i < a->placement_count; i++) {
+		const struct eco_placement *p = &a->placements[i], *q = &b->placements[i];
+		assert_memory_equal(p->at, q->at, sizeof p->at);
+		assert_true(p->turn == q->turn && p->scale == q->scale && p->path == q->path);
+	}
+	for (uint32_t i = 0; i < a->run_count; i++)
+		assert_memory_equal(&a->runs[i], &b->runs[i], sizeof *a->runs);
+	for (uint32_t i = 0; i < a->gate_count; i++)
+		assert_true(a->gates[i].plant == b->gates[i].plant && a->gates[i].end == b->gates[i].end);
+	for (uint32_t i = 0; i < a->cut_count; i++)
+		assert_true(wire_same_cut(&a->cuts[i], &b->cuts[i]));
 }
 
 /* What sorting leaves to do: identical cuts, overlapping runs and second gates go. */
