@@ -97,8 +97,6 @@ UNIT_TEST(texels_wrap)
 	soup_free(&soup);
 }
 
-/* ---- Palettes ---- */
-
 /* ---- Means, against brute force ---- */
 
 /* Blotches of colour, holes with a colour of their own that must never show. */

@@ -17,7 +17,8 @@
 
 static struct scene_builder scene;
 
-struct server {
+/* Of the test under way: begin makes them anew. */
+static struct server {
 	int listener;
 	uint16_t port;
 	const char *head;                /* status line and headers, without Content-Length */
@@ -25,7 +26,10 @@ struct server {
 	const uint8_t *body; size_t size, declared;
 	char heard[8192]; size_t heard_size;
 	pthread_t thread;
-};
+} server;
+static struct view_store *store;
+static struct view_fetch_result result;
+static struct eco_error error;
 
 static size_t content_length(const char *text)
 {
@@ -39,7 +43,7 @@ static const char busy_answer[] = "HTTP/1.1 503 Busy\r\nRetry-After: 0\r\nConten
 /* Reads one request whole, sends the answer, closes. */
 static void *serve(void *ctx)
 {
-	struct server *s = ctx;
+	struct server *s = &server;
 	char head[512], *end = NULL;
 	for (uint32_t i = 0; i < s->busy; i++) {
 		int refused = accept(s->listener, NULL, NULL);
@@ -73,53 +77,49 @@ static void *serve(void *ctx)
 	return NULL;
 }
 
-static void start_busy(struct server *s, uint32_t busy, const char *head, const void *body, size_t size,
+static void begin(void)
+{
+	view_store_free(store);
+	assert_int_equal(view_store_new(&store, &(struct view_store_options){ 0 }, NULL), ECO_OK);
+	result = (struct view_fetch_result){ 0 };
+	error = (struct eco_error){ 0 };
+}
+
+static void start_busy(uint32_t busy, const char *head, const void *body, size_t size,
 	size_t declared)
 {
 	struct sockaddr_in at = { .sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
 	socklen_t length = sizeof at;
+	begin();
+	struct server *s = &server;
 	*s = (struct server){ .head = head, .busy = busy, .body = body, .size = size, .declared = declared };
 	s->listener = socket(AF_INET, SOCK_STREAM, 0);
 	assert_int_equal(bind(s->listener, (struct sockaddr *)&at, sizeof at), 0);
 	assert_int_equal(listen(s->listener, 4), 0);
 	getsockname(s->listener, (struct sockaddr *)&at, &length);
 	s->port = ntohs(at.sin_port);
-	assert_int_equal(pthread_create(&s->thread, NULL, serve, s), 0);
+	assert_int_equal(pthread_create(&s->thread, NULL, serve, NULL), 0);
 }
 
-static void start(struct server *s, const char *head, const void *body, size_t size, size_t declared)
+static void start(const char *head, const void *body, size_t size, size_t declared)
 {
-	start_busy(s, 0, head, body, size, declared);
+	start_busy(0, head, body, size, declared);
 }
 
-static void stop(struct server *s)
-{
-	pthread_join(s->thread, NULL);
-	close(s->listener);
-}
-
-static enum eco_code ask(struct server *s, struct view_store *store, uint64_t body_max,
-	struct view_fetch_result *result, struct eco_error *error)
+static enum eco_code ask(uint64_t body_max)
 {
 	char url[64];
 	struct view_fetch *fetch;
 	struct eco_request request = { .view = scene_view(), .vertices = 1000, .bytes = 5000000 };
-	snprintf(url, sizeof url, "http://127.0.0.1:%u/v1/scenes/test/", s->port);
+	snprintf(url, sizeof url, "http://127.0.0.1:%u/v1/scenes/test/", server.port);
 	struct view_fetch_options options = { .url = url, .body_max = body_max, .rule = "deussen",
-		.patience_ms = s->busy ? 20000 : 0 };
-	assert_int_equal(view_fetch_new(&fetch, &options, error), ECO_OK);
-	enum eco_code code = view_fetch_stream(fetch, store, &request, result, error);
+		.patience_ms = server.busy ? 20000 : 0 };
+	assert_int_equal(view_fetch_new(&fetch, &options, &error), ECO_OK);
+	enum eco_code code = view_fetch_stream(fetch, store, &request, &result, &error);
 	view_fetch_free(fetch);
-	stop(s);
+	pthread_join(server.thread, NULL);
+	close(server.listener);
 	return code;
-}
-
-static struct view_store *new_store(void)
-{
-	struct view_store *store;
-	struct view_store_options options = { 0 };
-	assert_int_equal(view_store_new(&store, &options, NULL), ECO_OK);
-	return store;
 }
 
 static void good_stream(struct eco_plan *plan, struct eco_writer *w)
@@ -134,40 +134,30 @@ static const char ok[] = "HTTP/1.1 200 OK\r\nContent-Type: application/octet-str
 
 UNIT_TEST(stream_arrives_in_pieces)
 {
-	struct server s;
 	struct eco_plan plan;
 	struct eco_writer w;
-	struct view_fetch_result result;
-	struct eco_error error = { 0 };
-	struct view_store *store = new_store();
 	good_stream(&plan, &w);
-	start(&s, ok, w.bytes, w.size, w.size);
-	assert_int_equal(ask(&s, store, 0, &result, &error), ECO_OK);
+	start(ok, w.bytes, w.size, w.size);
+	assert_int_equal(ask(0), ECO_OK);
 	assert_true(result.status == 200 && result.bytes == w.size && result.plan_ms == 7.25
 		&& !result.nothing);
 	assert_true(result.first_byte_ms <= result.stream_ms);
 	assert_true(view_store_plan(store)->vertices == plan.vertices);
-	assert_non_null(strstr(s.heard, "POST "
+	assert_non_null(strstr(server.heard, "POST "
 		"/v1/scenes/test/stream?eye=-22,-19,6.5&target=0,0,2.5&up=0,0,"
 		"1&fov_y_deg=45&width=480&height=320"
 		"&vertices=1000&bytes=5000000&rule=deussen HTTP/1.1\r\n"));
-	assert_int_equal(content_length(s.heard), 4);
-	view_store_free(store);
+	assert_int_equal(content_length(server.heard), 4);
 	eco_writer_free(&w);
 	eco_plan_free(&plan);
 }
 
 UNIT_TEST(nothing_fits_is_no_failure)
 {
-	struct server s;
-	struct view_fetch_result result;
-	struct eco_error error = { 0 };
-	struct view_store *store = new_store();
-	start(&s, "HTTP/1.1 204 No Content\r\n", NULL, 0, 0);
-	assert_int_equal(ask(&s, store, 0, &result, &error), ECO_OK);
+	start("HTTP/1.1 204 No Content\r\n", NULL, 0, 0);
+	assert_int_equal(ask(0), ECO_OK);
 	assert_true(result.nothing && result.bytes == 0 && isnan(result.plan_ms));
 	assert_null(view_store_plan(store));
-	view_store_free(store);
 }
 
 UNIT_TEST(problems_become_readable_errors)
@@ -185,56 +175,41 @@ UNIT_TEST(problems_become_readable_errors)
 			"the server answered 302" STRANGER },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-		struct server s;
-		struct view_fetch_result result;
-		struct eco_error error = { 0 };
-		struct view_store *store = new_store();
-		start(&s, rows[i].head, rows[i].body, strlen(rows[i].body), strlen(rows[i].body));
-		assert_int_equal(ask(&s, store, 0, &result, &error), rows[i].code);
+		start(rows[i].head, rows[i].body, strlen(rows[i].body), strlen(rows[i].body));
+		assert_int_equal(ask(0), rows[i].code);
 		const char *says = strstr(error.text, "/v1/scenes/");        /* behind whose fault it is */
 		assert_non_null(says);
 		assert_string_equal(strstr(says, ": ") + 2, rows[i].text);
-		view_store_free(store);
 	}
 }
 
 UNIT_TEST(a_busy_server_is_asked_again)
 {
-	struct server s;
 	struct eco_plan plan;
 	struct eco_writer w;
-	struct view_fetch_result result;
-	struct eco_error error = { 0 };
-	struct view_store *store = new_store();
 	good_stream(&plan, &w);
-	start_busy(&s, 3, ok, w.bytes, w.size, w.size);
-	assert_int_equal(ask(&s, store, 0, &result, &error), ECO_OK);
+	start_busy(3, ok, w.bytes, w.size, w.size);
+	assert_int_equal(ask(0), ECO_OK);
 	assert_int_equal(error.code, ECO_OK);
 	assert_true(result.status == 200 && result.bytes == w.size && view_store_plan(store)->vertices
 		== plan.vertices);
-	start(&s, "HTTP/1.1 503 Busy\r\nRetry-After: 2\r\n", "", 0, 0);
-	assert_int_equal(ask(&s, store, 0, &result, &error), ECO_IO);
+	start("HTTP/1.1 503 Busy\r\nRetry-After: 2\r\n", "", 0, 0);
+	assert_int_equal(ask(0), ECO_IO);
 	assert_true(result.status == 503 && result.retry_ms == 2000);
-	view_store_free(store);
 	eco_writer_free(&w);
 	eco_plan_free(&plan);
 }
 
 UNIT_TEST(huge_problem_does_not_fill_memory)
 {
-	struct server s;
-	struct view_fetch_result result;
-	struct eco_error error = { 0 };
-	struct view_store *store = new_store();
 	size_t size = 1 << 20;
 	char *body = malloc(size);
 	memset(body, ' ', size);
-	start(&s, "HTTP/1.1 500 Oops\r\n", body, size, size);
-	assert_int_equal(ask(&s, store, 0, &result, &error), ECO_IO);
+	start("HTTP/1.1 500 Oops\r\n", body, size, size);
+	assert_int_equal(ask(0), ECO_IO);
 	assert_non_null(strstr(error.text, "the server answered 500"));
 	assert_true(result.bytes < size);
 	free(body);
-	view_store_free(store);
 }
 
 UNIT_TEST(cut_or_damaged_streams_are_refused)
@@ -243,19 +218,14 @@ UNIT_TEST(cut_or_damaged_streams_are_refused)
 	struct eco_writer w;
 	good_stream(&plan, &w);
 	for (int i = 0; i < 4; i++) {
-		struct server s;
-		struct view_fetch_result result;
-		struct eco_error error = { 0 };
-		struct view_store *store = new_store();
 		size_t half = w.size / 2;
 		if (i == 3)
 			w.bytes[half] ^= 4;
 		/* cut in the connection; cut in the answer; cut by the client's limit; damaged */
-		start(&s, ok, w.bytes, i < 2 ? half : w.size, i == 1 ? half : w.size);
-		enum eco_code code = ask(&s, store, i == 2 ? half : 0, &result, &error);
+		start(ok, w.bytes, i < 2 ? half : w.size, i == 1 ? half : w.size);
+		enum eco_code code = ask(i == 2 ? half : 0);
 		assert_int_equal(code, i == 0 ? ECO_IO : i == 2 ? ECO_TOO_LARGE : ECO_DAMAGED);
 		assert_false(view_store_complete(store));
-		view_store_free(store);
 	}
 	eco_writer_free(&w);
 	eco_plan_free(&plan);
@@ -267,21 +237,18 @@ UNIT_TEST(stop_flag_and_bad_urls_end_at_once)
 	static const char *const bad[] = { "", "ftp://x/", "localhost:8080", "http://x/?a=b", "http://x/ y",
 		"file:///etc/passwd" };
 	struct view_fetch *fetch;
-	struct eco_error error = { 0 };
 	for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
 		struct view_fetch_options options = { .url = bad[i] };
 		assert_int_equal(view_fetch_new(&fetch, &options, NULL), ECO_BAD_USAGE);
 		assert_null(fetch);
 	}
+	begin();
 	struct view_fetch_options options = { .url = "http://127.0.0.1:9/v1/scenes/x", .stop = &flag };
-	struct view_fetch_result result;
 	struct eco_request request = { .view = scene_view(), .vertices = 1000, .bytes = ECO_BYTES_UNBOUNDED };
-	struct view_store *store = new_store();
 	assert_int_equal(view_fetch_new(&fetch, &options, NULL), ECO_OK);
 	enum eco_code code = view_fetch_stream(fetch, store, &request, &result, &error);
 	assert_true(code == ECO_INTERRUPTED || code == ECO_IO);
 	view_fetch_free(fetch);
-	view_store_free(store);
 }
 
 static int set_up(void **state)
@@ -292,6 +259,7 @@ static int set_up(void **state)
 
 static int tear_down(void **state)
 {
+	view_store_free(store);
 	scene_free(&scene);
 	view_fetch_teardown();
 	return 0;

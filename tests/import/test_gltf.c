@@ -10,24 +10,23 @@
 
 #define CHUNK_JSON ",\"meshes\":[]"
 
+static struct eco_gltf *doc;
 static uint8_t *file_bytes;          /* of the open document */
 
-static struct eco_gltf *open_good(const char *rest)
+static void open_good(const char *rest)
 {
 	struct eco_error error = { .code = ECO_OK };
-	struct eco_gltf *doc;
 	size_t size = gw_glb_bytes(rest, ' ', &file_bytes);
 	assert_ok(eco_gltf_open_memory(&doc, "build/tmp/gltf/x.glb", file_bytes, size, &error), error);
-	return doc;
 }
 
-static void close_good(struct eco_gltf *doc)
+static void close_good(void)
 {
 	eco_gltf_close(doc);
 	free(file_bytes);
 }
 
-static void expect_floats(struct eco_gltf *doc, int accessor, uint32_t components, const double *wanted,
+static void expect_floats(int accessor, uint32_t components, const double *wanted,
 	uint64_t wanted_count)
 {
 	struct eco_error error = { .code = ECO_OK };
@@ -41,7 +40,7 @@ static void expect_floats(struct eco_gltf *doc, int accessor, uint32_t component
 	free(values);
 }
 
-static void expect_refused(struct eco_gltf *doc, int accessor, enum eco_code wanted, const char *says)
+static void expect_refused(int accessor, enum eco_code wanted, const char *says)
 {
 	struct eco_error error = { .code = ECO_OK };
 	double *values;
@@ -56,7 +55,6 @@ static void expect_refused(struct eco_gltf *doc, int accessor, enum eco_code wan
 
 UNIT_TEST(json_may_be_padded_with_zeros_or_begin_with_a_mark)
 {
-	struct eco_gltf *doc;
 	uint8_t *bytes;
 	size_t size;
 	char text[130000];
@@ -80,7 +78,6 @@ UNIT_TEST(a_document_that_is_cut_off_is_refused)
 	size = gw_glb_bytes(CHUNK_JSON, ' ', &bytes);
 	for (size_t at = 0; at < size; at++) {
 		struct eco_error error = { .code = ECO_OK };
-		struct eco_gltf *doc;
 		uint8_t *cut = malloc(at + 1);
 		memcpy(cut, bytes, at);
 		assert_int_not_equal(eco_gltf_open_memory(&doc, "cut.glb", cut, at, &error), ECO_OK);
@@ -105,7 +102,6 @@ UNIT_TEST(what_is_no_gltf_2_is_named)
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_error error = { .code = ECO_OK };
-		struct eco_gltf *doc;
 		assert_int_equal(eco_gltf_open_memory(&doc, "n.gltf", (const uint8_t *)cases[i].text,
 			strlen(cases[i].text), &error), cases[i].code);
 		if (!strstr(error.text, cases[i].says))
@@ -124,14 +120,13 @@ UNIT_TEST(buffers_are_found_beside_or_within)
 	input_bytes("gltf", "two words.bin", p, sizeof p);
 	for (size_t i = 0; i < sizeof uris / sizeof *uris; i++) {
 		struct eco_error error = { .code = ECO_OK };
-		struct eco_gltf *doc;
 		char buffer[200];
 		gw_begin();
 		gw_floats(p, 1, "VEC3", 3);
 		snprintf(buffer, sizeof buffer, ",\"uri\":\"%s\"", uris[i]);
 		assert_ok(eco_gltf_open(&doc, input_text("gltf", "b.gltf", gw_json(buffer, CHUNK_JSON)),
 			&error), error);
-		expect_floats(doc, 0, 3, (const double[]){ 1, 2, 3 }, 1);
+		expect_floats(0, 3, (const double[]){ 1, 2, 3 }, 1);
 		eco_gltf_close(doc);
 	}
 }
@@ -147,12 +142,11 @@ UNIT_TEST(a_buffer_that_is_missing_is_told_when_it_is_needed)
 	};
 	static const float p[3] = { 1, 2, 3 };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		struct eco_gltf *doc;
 		gw_begin();
 		gw_floats(p, 1, "VEC3", 3);
 		assert_int_equal(eco_gltf_open(&doc,
 			input_text("gltf", "b.gltf", gw_json(cases[i].buffer, CHUNK_JSON)), NULL), ECO_OK);
-		expect_refused(doc, 0, cases[i].code, cases[i].says);
+		expect_refused(0, cases[i].code, cases[i].says);
 		eco_gltf_close(doc);
 	}
 }
@@ -181,13 +175,12 @@ UNIT_TEST(numbers_of_every_type_are_read)
 	};
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		struct eco_gltf *doc;
 		gw_begin();
 		gw_accessor(gw_view(cases[i].from, cases[i].size, ""), cases[i].type, 4, "SCALAR",
 			cases[i].normalized ? ",\"normalized\":true" : "");
-		doc = open_good("");
-		expect_floats(doc, 0, 1, cases[i].wanted, 4);
-		close_good(doc);
+		open_good("");
+		expect_floats(0, 1, cases[i].wanted, 4);
+		close_good();
 	}
 }
 
@@ -196,16 +189,15 @@ UNIT_TEST(strides_offsets_and_columns_are_kept)
 	static const float interleaved[10] = { 9, 1, 2, 9, 9, 3, 4, 9, 5, 6 };
 	static const uint8_t columns[2 * 12] = { 1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0, 11, 12, 13, 0, 14, 15,
 		16, 0, 17, 18, 19, 0 };
-	struct eco_gltf *doc;
 	gw_begin();
 	gw_accessor(gw_view(interleaved, sizeof interleaved, ",\"byteStride\":16.0"), GLTF_FLOAT, 2, "VEC2",
 		",\"byteOffset\":4");
 	gw_accessor(gw_view(columns, sizeof columns, ""), GLTF_UBYTE, 2, "MAT3", "");
-	doc = open_good("");
-	expect_floats(doc, 0, 2, (const double[]){ 1, 2, 3, 4 }, 2);
-	expect_floats(doc, 1, 9, (const double[]){ 1, 2, 3, 4, 5, 6, 7, 8, 9, 11, 12, 13, 14, 15, 16, 17, 18,
+	open_good("");
+	expect_floats(0, 2, (const double[]){ 1, 2, 3, 4 }, 2);
+	expect_floats(1, 9, (const double[]){ 1, 2, 3, 4, 5, 6, 7, 8, 9, 11, 12, 13, 14, 15, 16, 17, 18,
 		19 }, 2);
-	close_good(doc);
+	close_good();
 }
 
 UNIT_TEST(sparse_accessors_are_filled_in)
@@ -215,7 +207,6 @@ UNIT_TEST(sparse_accessors_are_filled_in)
 	static const uint32_t words[2] = { 1, 9 };
 	char sparse[3][300];
 	int v, i8, i32;
-	struct eco_gltf *doc;
 	gw_begin();
 	v = gw_view(values, sizeof values, "");
 	i8 = gw_view(bytes, sizeof bytes, "");
@@ -230,13 +221,13 @@ UNIT_TEST(sparse_accessors_are_filled_in)
 	gw_accessor(-1, GLTF_FLOAT, 4, "SCALAR", "");
 	gw_accessor(-1, GLTF_FLOAT, 4, "SCALAR", sparse[1]);
 	gw_accessor(-1, GLTF_FLOAT, 4, "SCALAR", sparse[2]);
-	doc = open_good("");
-	expect_floats(doc, 0, 1, (const double[]){ 1, 20, 3, 40 }, 4);
-	expect_floats(doc, 1, 1, (const double[]){ 0, 20, 0, 40 }, 4);
-	expect_floats(doc, 2, 1, (const double[]){ 0, 0, 0, 0 }, 4);
-	expect_refused(doc, 3, ECO_DAMAGED, "names element 9 of 4");
-	expect_floats(doc, 4, 1, (const double[]){ 0, 20, 0, 0 }, 4);
-	close_good(doc);
+	open_good("");
+	expect_floats(0, 1, (const double[]){ 1, 20, 3, 40 }, 4);
+	expect_floats(1, 1, (const double[]){ 0, 20, 0, 40 }, 4);
+	expect_floats(2, 1, (const double[]){ 0, 0, 0, 0 }, 4);
+	expect_refused(3, ECO_DAMAGED, "names element 9 of 4");
+	expect_floats(4, 1, (const double[]){ 0, 20, 0, 0 }, 4);
+	close_good();
 }
 
 UNIT_TEST(accessors_beyond_their_bytes_are_refused)
@@ -254,7 +245,6 @@ UNIT_TEST(accessors_beyond_their_bytes_are_refused)
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct eco_error error = { .code = ECO_OK };
-		struct eco_gltf *doc;
 		uint8_t *bytes;
 		size_t size;
 		gw_begin();
@@ -262,7 +252,7 @@ UNIT_TEST(accessors_beyond_their_bytes_are_refused)
 			cases[i].more);
 		size = gw_glb_bytes("", ' ', &bytes);
 		if (eco_gltf_open_memory(&doc, "x.glb", bytes, size, &error) == ECO_OK)
-			expect_refused(doc, 0, cases[i].code, cases[i].says);
+			expect_refused(0, cases[i].code, cases[i].says);
 		eco_gltf_close(doc);
 		free(bytes);
 	}
@@ -276,7 +266,6 @@ UNIT_TEST(views_compressed_with_meshopt_are_unpacked)
 	unsigned triangles[300], list[100];
 	unsigned char packed[8192];
 	double wanted[400], corners[300];
-	struct eco_gltf *doc;
 	for (unsigned i = 0; i < 100; i++)
 		for (unsigned k = 0; k < 4; k++)
 			wanted[i * 4 + k] = (double)(places[i][k] = (float)(i * k) * 0.25f - 3);
@@ -296,11 +285,11 @@ UNIT_TEST(views_compressed_with_meshopt_are_unpacked)
 		gw_accessor(gw_packed(packed, meshopt_encodeIndexSequence(packed, sizeof packed, list, 100),
 			100, 4, "INDICES", "NONE", extension), GLTF_UINT, 100, "SCALAR", "");
 	}
-	doc = open_good("");
+	open_good("");
 	for (int e = 0; e < 2; e++) {
 		double *values;
 		uint64_t count;
-		expect_floats(doc, e * 3, 4, wanted, 100);
+		expect_floats(e * 3, 4, wanted, 100);
 		assert_int_equal(eco_gltf_read_floats(doc, (uint32_t)e * 3 + 1, 1, &values, &count, NULL),
 			ECO_OK);
 		/* triangles keep their order, and may begin at another corner */
@@ -314,7 +303,7 @@ UNIT_TEST(views_compressed_with_meshopt_are_unpacked)
 			assert_true(values[i] == list[i]);
 		free(values);
 	}
-	close_good(doc);
+	close_good();
 }
 
 UNIT_TEST(filters_of_meshopt_are_undone)
@@ -326,7 +315,6 @@ UNIT_TEST(filters_of_meshopt_are_undone)
 	unsigned char filtered[64], packed[512];
 	double *values;
 	uint64_t count;
-	struct eco_gltf *doc;
 	gw_begin();
 	meshopt_encodeFilterOct(filtered, 4, 8, 16, normals[0]);
 	gw_accessor(gw_packed(packed, meshopt_encodeVertexBuffer(packed, sizeof packed, filtered, 4, 8), 4, 8,
@@ -340,7 +328,7 @@ UNIT_TEST(filters_of_meshopt_are_undone)
 	gw_accessor(gw_packed(packed, meshopt_encodeVertexBuffer(packed, sizeof packed, filtered, 2, 12), 2,
 		12, "ATTRIBUTES", "EXPONENTIAL",
 		"EXT_meshopt_compression"), GLTF_FLOAT, 2, "VEC3", "");
-	doc = open_good("");
+	open_good("");
 	assert_int_equal(eco_gltf_read_floats(doc, 0, 4, &values, &count, NULL), ECO_OK);
 	for (int i = 0; i < 16; i++)
 		assert_true(i % 4 == 3 || fabs(values[i] - (double)normals[i / 4][i % 4]) < 1e-3);
@@ -349,8 +337,8 @@ UNIT_TEST(filters_of_meshopt_are_undone)
 	for (int i = 0; i < 8; i++)
 		assert_true(fabs(values[i] - (double)turns[i / 4][i % 4]) < 1e-3);
 	free(values);
-	expect_floats(doc, 2, 3, (const double[]){ 1, 2, 3, -400, 0.25, 0 }, 2);
-	close_good(doc);
+	expect_floats(2, 3, (const double[]){ 1, 2, 3, -400, 0.25, 0 }, 2);
+	close_good();
 }
 
 /* Written by meshoptimizer 1.3 at its highest level: 20 vertices of 12 bytes whose channels are of the three
@@ -377,7 +365,6 @@ UNIT_TEST(the_second_version_of_the_meshopt_codec_is_read)
 		0x0f, 0x00, 0x00 };
 	static const double colors[16] = { 1, 0, 0, 1, 0.2, 0.6, 0.1, 0.5, 1, 1, 1, 0, 0, 0, 0, 1 };
 	uint32_t words[60];
-	struct eco_gltf *doc;
 	const uint8_t *bytes;
 	size_t size;
 
@@ -390,7 +377,7 @@ UNIT_TEST(the_second_version_of_the_meshopt_codec_is_read)
 		GLTF_USHORT, 4, "VEC4", ",\"normalized\":true");
 	for (size_t cut = 0; cut < sizeof golden; cut++)
 		gw_packed(golden, cut, 20, 12, "ATTRIBUTES", "NONE", "KHR_meshopt_compression");
-	doc = open_good("");
+	open_good("");
 	assert_int_equal(eco_gltf_view(doc, 0, &bytes, &size, NULL), ECO_OK);
 	assert_int_equal(size, sizeof words);
 	memcpy(words, bytes, sizeof words);
@@ -409,7 +396,7 @@ UNIT_TEST(the_second_version_of_the_meshopt_codec_is_read)
 	}
 	for (uint32_t cut = 0; cut < sizeof golden; cut++)
 		assert_int_equal(eco_gltf_view(doc, cut + 3, &bytes, &size, NULL), ECO_DAMAGED);
-	close_good(doc);
+	close_good();
 }
 
 UNIT_TEST(meshopt_that_makes_no_sense_is_refused)
@@ -430,14 +417,13 @@ UNIT_TEST(meshopt_that_makes_no_sense_is_refused)
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		const uint8_t *view;
-		struct eco_gltf *doc;
 		size_t size;
 		gw_begin();
 		gw_packed(bytes, sizeof bytes, cases[i].count, cases[i].stride, cases[i].mode,
 			cases[i].filter, "EXT_meshopt_compression");
-		doc = open_good("");
+		open_good("");
 		assert_int_equal(eco_gltf_view(doc, 0, &view, &size, NULL), cases[i].code);
-		close_good(doc);
+		close_good();
 	}
 }
 
@@ -446,10 +432,9 @@ UNIT_TEST(meshopt_that_makes_no_sense_is_refused)
 UNIT_TEST(nodes_stand_where_their_ancestors_put_them)
 {
 	struct eco_error error = { .code = ECO_OK };
-	struct eco_gltf *doc;
 	double m[16], p[3];
 	gw_begin();
-	doc = open_good(",\"nodes\":[{\"children\":[1],\"translation\":[0,2,0],\"scale\":[2,2,2]},"
+	open_good(",\"nodes\":[{\"children\":[1],\"translation\":[0,2,0],\"scale\":[2,2,2]},"
 		"{\"children\":[2],\"rotation\":[0,0.6,0,0.6]},"
 		"{\"matrix\":[1,0,0,0, 0,1,0,0, 0,0,1,0, "
 		"5,6,7,1]},{\"children\":[4]},{\"children\":[3]},{\"rotation\":[0,0,0,0]},{\"scale\":[1,"
@@ -464,7 +449,7 @@ UNIT_TEST(nodes_stand_where_their_ancestors_put_them)
 	assert_true(m[0] == 1 && m[5] == 1);
 	assert_int_equal(eco_gltf_node_matrix(doc, 6, m, NULL), ECO_DAMAGED);
 	assert_int_equal(eco_gltf_node_matrix(doc, 7, m, NULL), ECO_DAMAGED);
-	close_good(doc);
+	close_good();
 }
 
 static enum eco_code note_node(void *ctx, uint32_t node, const double world[16])
@@ -492,12 +477,11 @@ UNIT_TEST(what_a_viewer_would_show_is_walked)
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		char order[200] = "";
-		struct eco_gltf *doc;
 		gw_begin();
-		doc = open_good(cases[i].rest);
+		open_good(cases[i].rest);
 		assert_int_equal(eco_gltf_walk(doc, note_node, order, NULL), cases[i].code);
 		assert_string_equal(order, cases[i].order);
-		close_good(doc);
+		close_good();
 	}
 }
 
@@ -516,10 +500,9 @@ UNIT_TEST(a_tree_that_is_none_ends)
 		",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"children\":[0,0]}]" };
 
 	for (size_t i = 0; i < 2; i++) {
-		struct eco_gltf *doc;
 		gw_begin();
-		doc = open_good(cases[i]);
+		open_good(cases[i]);
 		assert_int_equal(eco_gltf_walk(doc, ignore_node, NULL, NULL), ECO_TOO_LARGE);
-		close_good(doc);
+		close_good();
 	}
 }

@@ -17,33 +17,13 @@ static void check_report(const struct inventory *in, const char *says)
 			fail_msg("%s\n  wanted ... %s", in->report, one);
 }
 
-static void expect(const char *scene, const char *text, const char *entry, const char *plants,
-	const char *says)
+/* `plants` NULL: an error that holds `says`. */
+static void expect_file(const char *file, const char *scene, const char *text, const char *entry,
+	const char *plants, const char *says)
 {
 	const struct inventory *in;
-	input_text("positions", "rows.csv", text);
-	in = inventory_of("positions", scene, "rows.csv", entry);
-	if (in->error[0] != 0)
-		fail_msg("%s", in->error);
-	assert_string_equal(in->plants, plants);
-	check_report(in, says);
-}
-
-static void expect_error(const char *scene, const char *text, const char *entry, const char *says)
-{
-	const struct inventory *in;
-	input_text("positions", "rows.csv", text);
-	in = inventory_of("positions", scene, "rows.csv", entry);
-	if (!strstr(in->error, says))
-		fail_msg("%s\n  wanted ... %s", in->error, says);
-}
-
-static void expect_json(const char *scene, const char *text, const char *entry, const char *plants,
-	const char *says)
-{
-	const struct inventory *in;
-	input_text("positions", "rows.geojson", text);
-	in = inventory_of("positions", scene, "rows.geojson", entry);
+	input_text("positions", file, text);
+	in = inventory_of("positions", scene, file, entry);
 	if (!plants) {
 		if (!strstr(in->error, says))
 			fail_msg("%s\n  wanted ... %s", in->error, says);
@@ -53,6 +33,23 @@ static void expect_json(const char *scene, const char *text, const char *entry, 
 		fail_msg("%s", in->error);
 	assert_string_equal(in->plants, plants);
 	check_report(in, says);
+}
+
+static void expect(const char *scene, const char *text, const char *entry, const char *plants,
+	const char *says)
+{
+	expect_file("rows.csv", scene, text, entry, plants, says);
+}
+
+static void expect_error(const char *scene, const char *text, const char *entry, const char *says)
+{
+	expect_file("rows.csv", scene, text, entry, NULL, says);
+}
+
+static void expect_json(const char *scene, const char *text, const char *entry, const char *plants,
+	const char *says)
+{
+	expect_file("rows.geojson", scene, text, entry, plants, says);
 }
 
 /* ---- Columns ---- */
