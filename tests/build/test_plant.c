@@ -99,18 +99,18 @@ static uint32_t stored_triangles(struct corners *out)
 
 static uint32_t source_triangles(struct corners *out)
 {
+	const struct eco_model *model = &soup.model;
 	const struct eco_list *list = &plant.lists[0].list;
-	for (uint32_t t = 0; t < soup.model.triangle_count; t++) {
+	for (uint32_t t = 0; t < model->triangle_count; t++) {
 		int32_t p[3][3];
 		for (int k = 0; k < 3; k++)
 			for (int a = 0; a < 3; a++)
-				p[k][a] =
-					(int32_t)floor((soup.model.position[3 * soup.model.index[3 * t + k] + a]
+				p[k][a] = (int32_t)floor((model->position[3 * model->index[3 * t + k] + a]
 					- list->grid_origin[a]) / list->grid_step[a] + 0.5);
 		add_triangle(&out[t], p[0], p[1], p[2]);
 	}
-	qsort(out, soup.model.triangle_count, sizeof *out, compare_corners);
-	return soup.model.triangle_count;
+	qsort(out, model->triangle_count, sizeof *out, compare_corners);
+	return model->triangle_count;
 }
 
 UNIT_TEST(every_triangle_is_stored_once)

@@ -23,17 +23,20 @@ static int make_files(void **state)
 	folder_make(ROOT);
 	main_progress_quiet(true);
 	file_write_text(ROOT "/any.obj", "this is never read\n");
-	file_write_text(ROOT "/rows.csv", "x,y,sp,h\n0,0,oak,10\n10,0,oak,\n20,5,ash,7\n,5,ash,7\nabc,5,ash,7\n3,"
+	file_write_text(ROOT "/rows.csv",
+		"x,y,sp,h\n0,0,oak,10\n10,0,oak,\n20,5,ash,7\n,5,ash,7\nabc,5,ash,7\n3,"
 		"3,stump,1\n4,4,stump,1\n5,5,weed,1\n");
 	file_write_text(ROOT "/one.json", "{" PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [1, 2], "
 		"\"height_m\": 4, \"scale\": 2},"
 		"{\"from\": \"rows.csv\", \"x\": \"x\", \"y\": \"y\", \"species\": \"sp\", \"map\": "
 		"{\"oak\": \"oak\", \"ash\": \"ash\", \"stump\": null},"
 		"\"height_m\": {\"column\": \"h\"}}]}");
-	file_write_text(ROOT "/plot.json", "{" PLANTS ", \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0]}, "
+	file_write_text(ROOT "/plot.json",
+		"{" PLANTS ", \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0]}, "
 		"{\"plant\": \"oak\", \"at\": [10, 0]},"
 		"{\"plant\": \"ash\", \"at\": [0, 10]}]}");
-	file_write_text(ROOT "/block.json", "{\"children\": [{\"eco\": \"plot.json\", \"at\": [0, 0]}, {\"eco\": "
+	file_write_text(ROOT "/block.json",
+		"{\"children\": [{\"eco\": \"plot.json\", \"at\": [0, 0]}, {\"eco\": "
 		"\"plot.json\", \"at\": [100, 0], "
 		"\"yaw_deg\": 90, \"scale\": 2}]}");
 	file_write_text(ROOT "/nested.json", "{" PLANTS ", \"instances\": [{\"plant\": \"elm\", \"at\": [5, "

@@ -52,7 +52,8 @@ static void write_card(void)
 				: (uint8_t[4]){ 10, 10, 220, y < 16 ? 0 : 255 }, 4);
 	assert_int_equal(eco_png_write(&(struct eco_pixels){ 32, 32, 4, rgba }, ROOT "/card.png", NULL),
 		ECO_OK);
-	file_write_text(ROOT "/card.obj", "mtllib card.mtl\nusemtl leaf\nv -1 0 0\nv 1 0 0\nv 1 2 0\nv -1 2 0\nvt 0 0\nvt 1 0\nvt 1 "
+	file_write_text(ROOT "/card.obj",
+		"mtllib card.mtl\nusemtl leaf\nv -1 0 0\nv 1 0 0\nv 1 2 0\nv -1 2 0\nvt 0 0\nvt 1 0\nvt 1 "
 		"1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n");
 	file_write_text(ROOT "/card.mtl", "newmtl leaf\nmap_Kd card.png\n");
 }
@@ -220,7 +221,8 @@ UNIT_TEST(test_pictures_get_no_worse_as_budgets_grow)
 	struct eco_generate_options generate = { .name = "forest", .folder = ROOT "/forest", .plants = 20,
 		.seed = 1 };
 	assert_int_equal(eco_generate(&generate, NULL), ECO_OK);
-	file_write_text(ROOT "/beech.json", "{\"plants\": {\"beech\": {\"model\": \"forest/models/beech.obj\", "
+	file_write_text(ROOT "/beech.json",
+		"{\"plants\": {\"beech\": {\"model\": \"forest/models/beech.obj\", "
 		"\"height_m\": 15}},"
 		" \"instances\": [{\"plant\": \"beech\", \"at\": [0, 0]}]}");
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

@@ -1,5 +1,5 @@
 /* glTF models: what a viewer would show at rest is what arrives; the rest is counted, said, or refused by
- * name. Longer than 600 lines: a small file for each case stands in it. */
+ * name. */
 #include <math.h>
 
 #include "ecofiles/format/draco_shim.h"

@@ -1,5 +1,4 @@
-/* Ground: rasters as they come, what they lack, and heights exactly on the triangles that are drawn.
- * Longer than 600 lines: a raster is made for each case. */
+/* Ground: rasters as they come, what they lack, and heights exactly on the triangles that are drawn. */
 #include <gdal.h>
 #include <math.h>
 #include <ogr_srs_api.h>

@@ -178,7 +178,8 @@ UNIT_TEST(alpha_modes_and_linear_colours_mean_what_gltf_says)
 
 /* Three triangles beside each other, one for each of the materials (JSON); their texture 0 is `rgba`, one
  * row. */
-static void import_textured(struct eco_model *model, const char *materials, const uint8_t *rgba, uint32_t width)
+static void import_textured(struct eco_model *model, const char *materials, const uint8_t *rgba,
+	uint32_t width)
 {
 	char meshes[2000] = "", nodes[2000] = "", text[8000];
 	size_t mesh = 0, node = 0;
@@ -197,7 +198,8 @@ static void import_textured(struct eco_model *model, const char *materials, cons
 	import_high(model, input_text(TEST_FOLDER, "row.gltf", text), 0);
 }
 
-static void assert_texel(const struct eco_model *model, const char *material, uint32_t x, const uint8_t wanted[4])
+static void assert_texel(const struct eco_model *model, const char *material, uint32_t x,
+	const uint8_t wanted[4])
 {
 	const struct eco_material *of = material_of(model, material);
 	const uint8_t *texel;

@@ -1,6 +1,5 @@
 /* Inventories as scenes ask for them: coordinates, species, filters, sizes, and what is said of rows that
- * cannot be used or were guessed at. Formats are tested in test_rows*.c, texts in test_inventory_text.c.
- * Longer than 600 lines: the inventories stand in it. */
+ * cannot be used or were guessed at. Formats are tested in test_rows*.c, texts in test_inventory_text.c. */
 #include "tests/support/inventory_scene.h"
 #include "tests/support/unit_test.h"
 

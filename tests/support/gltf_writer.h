@@ -3,7 +3,6 @@
 #define TESTS_GLTF_WRITER_H
 
 #include <stdarg.h>
-#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,12 +2,9 @@
 #ifndef TESTS_INPUT_FILES_H
 #define TESTS_INPUT_FILES_H
 
-#include <errno.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "tests/support/files.h"

@@ -1,4 +1,5 @@
 #include "tests/support/scratch.h"
+
 #include "tests/support/files.h"
 
 char scratch_root[256];
