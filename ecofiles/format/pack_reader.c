@@ -99,7 +99,8 @@ static enum eco_code read_frame(struct opened *o, struct eco_error *error)
 	at = ECO_PACK_HEADER_BYTES + count * ECO_PACK_SECTION_BYTES;
 	for (uint32_t i = 0; i < count && code == ECO_OK; i++) {
 		struct eco_section s;
-		if (!eco_section_read(&r, &s))
+		eco_section_read(&r, &s);
+		if (r.failed)
 			return eco_fail(error, ECO_DAMAGED, "section record %u does not end with zero", i);
 		code = check_section(&s, last_kind, at, file_size, error);
 		if (!code)

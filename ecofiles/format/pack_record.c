@@ -1,8 +1,9 @@
-/* Each record field by field, in the order of the structs of pack.h and list.h: this file defines the
- * bytes. */
+/* Each record as a table of its fields, in their order in the file: this file defines the bytes. Values are as
+ * wide as in the structs of pack.h and list.h. */
 #include "ecofiles/format/pack_record.h"
 
 #include <assert.h>
+#include <stddef.h>
 #include <string.h>
 
 const struct eco_section_info eco_section_info[ECO_SECTION_KIND_END] = {
@@ -24,391 +25,199 @@ const struct eco_section_info eco_section_info[ECO_SECTION_KIND_END] = {
 	[ECO_SECTION_CHUNK_DATA] = { "CHUNK_DATA", 0 },
 };
 
-static void write_zeros(struct eco_writer *w, unsigned count)
+/* ---- Fields ---- */
+
+/* `count` values of `width` bytes, which lie at `at` in the record's struct. FLAG: a bool. NAME: text that is
+ * filled up with zeros, so that equal scenes are equal bytes. ZEROS: `count` bytes that are in no struct. */
+struct field { enum { VALUES, FLAG, NAME, ZEROS } kind; uint8_t width, count; uint16_t at; };
+
+#define MEMBER(record, member) ((struct eco_##record *)0)->member
+#define FIELD(kind, record, member) \
+	{ kind, sizeof MEMBER(record, member), 1, offsetof(struct eco_##record, member) }
+#define ONE(record, member) FIELD(VALUES, record, member)
+#define ARRAY(record, member) { VALUES, sizeof MEMBER(record, member)[0], \
+	sizeof MEMBER(record, member) / sizeof MEMBER(record, member)[0], offsetof(struct eco_##record, member) }
+#define ZERO_BYTES(count) { ZEROS, 1, count, 0 }
+
+static void write_value(struct eco_writer *w, const uint8_t *from, unsigned width)
+{
+	uint16_t u16;
+	uint32_t u32;
+	uint64_t u64;
+	switch (width) {
+	case 1: eco_write_u8(w, *from); break;
+	case 2: memcpy(&u16, from, 2); eco_write_u16(w, u16); break;
+	case 4: memcpy(&u32, from, 4); eco_write_u32(w, u32); break;
+	default: memcpy(&u64, from, 8); eco_write_u64(w, u64);
+	}
+}
+
+static void read_value(struct eco_reader *r, uint8_t *to, unsigned width)
+{
+	uint16_t u16;
+	uint32_t u32;
+	uint64_t u64;
+	switch (width) {
+	case 1: *to = eco_read_u8(r); break;
+	case 2: u16 = eco_read_u16(r); memcpy(to, &u16, 2); break;
+	case 4: u32 = eco_read_u32(r); memcpy(to, &u32, 4); break;
+	default: u64 = eco_read_u64(r); memcpy(to, &u64, 8);
+	}
+}
+
+static void write_zeros(struct eco_writer *w, size_t count)
 {
 	while (count-- > 0)
 		eco_write_u8(w, 0);
 }
 
-static void read_zeros(struct eco_reader *r, unsigned count)
+static void read_zeros(struct eco_reader *r, size_t count)
 {
 	while (count-- > 0)
 		if (eco_read_u8(r) != 0)
 			r->failed = true;
 }
 
-static void write_f64s(struct eco_writer *w, const double *v, unsigned count)
-{
-	for (unsigned i = 0; i < count; i++)
-		eco_write_f64(w, v[i]);
-}
-
-static void read_f64s(struct eco_reader *r, double *v, unsigned count)
-{
-	for (unsigned i = 0; i < count; i++)
-		v[i] = eco_read_f64(r);
-}
-
-static void write_u32s(struct eco_writer *w, const uint32_t *v, unsigned count)
-{
-	for (unsigned i = 0; i < count; i++)
-		eco_write_u32(w, v[i]);
-}
-
-static void read_u32s(struct eco_reader *r, uint32_t *v, unsigned count)
-{
-	for (unsigned i = 0; i < count; i++)
-		v[i] = eco_read_u32(r);
-}
-
-/* Names are filled up with zeros, so that equal scenes are equal bytes. */
-static void write_name(struct eco_writer *w, const char *name, size_t size)
-{
-	size_t length = strnlen(name, size - 1);
-	eco_write_bytes(w, name, length);
-	write_zeros(w, (unsigned)(size - length));
-}
-
 static void read_name(struct eco_reader *r, char *name, size_t size)
 {
 	const uint8_t *bytes = eco_read_bytes(r, size);
-	size_t length;
-	memset(name, 0, size);
-	if (!bytes)
-		return;
-	length = strnlen((const char *)bytes, size);
-	for (size_t i = length; i < size; i++)
-		if (bytes[i] != 0)
-			r->failed = true;
+	size_t length = bytes ? strnlen((const char *)bytes, size) : 0;
+	for (size_t i = length; bytes && i < size; i++)
+		r->failed |= bytes[i] != 0;
 	if (length == size)
 		r->failed = true;
-	else
+	else if (bytes)
 		memcpy(name, bytes, length);
 }
 
-void eco_section_write(struct eco_writer *w, const struct eco_section *section)
+static void write_fields(struct eco_writer *w, const struct field *f, size_t count, const void *record)
 {
-	eco_write_u32(w, section->kind);
-	eco_write_u32(w, section->count);
-	eco_write_u64(w, section->offset);
-	eco_write_u64(w, section->size);
-	eco_write_u64(w, section->hash);
-	eco_write_u32(w, section->record_bytes);
-	eco_write_u32(w, 0);
+	for (const struct field *end = f + count; f < end; f++) {
+		const uint8_t *from = (const uint8_t *)record + f->at;
+		size_t length = f->kind == NAME ? strnlen((const char *)from, f->width - 1u) : 0;
+		if (f->kind == ZEROS) {
+			write_zeros(w, f->count);
+		} else if (f->kind == NAME) {
+			eco_write_bytes(w, from, length);
+			write_zeros(w, f->width - length);
+		} else {
+			for (unsigned i = 0; i < f->count; i++)
+				write_value(w, from + i * f->width, f->width);
+		}
+	}
 }
 
-bool eco_section_read(struct eco_reader *r, struct eco_section *section)
+static void read_fields(struct eco_reader *r, const struct field *f, size_t count, void *record)
 {
-	section->kind = eco_read_u32(r);
-	section->count = eco_read_u32(r);
-	section->offset = eco_read_u64(r);
-	section->size = eco_read_u64(r);
-	section->hash = eco_read_u64(r);
-	section->record_bytes = eco_read_u32(r);
-	return eco_read_u32(r) == 0 && !r->failed;
+	for (const struct field *end = f + count; f < end; f++) {
+		uint8_t *to = (uint8_t *)record + f->at;
+		if (f->kind == ZEROS) {
+			read_zeros(r, f->count);
+		} else if (f->kind == NAME) {
+			read_name(r, (char *)to, f->width);
+		} else {
+			for (unsigned i = 0; i < f->count; i++)
+				read_value(r, to + i * f->width, f->width);
+			if (f->kind == FLAG && *to > 1) {
+				r->failed = true;
+				*to = 1;
+			}
+		}
+	}
 }
 
-void eco_scene_write(struct eco_writer *w, const struct eco_scene *scene)
-{
-	write_name(w, scene->name, sizeof scene->name);
-	eco_write_u32(w, scene->needs);
-	eco_write_u32(w, scene->root);
-	eco_write_u32(w, scene->ground_columns);
-	eco_write_u32(w, scene->ground_rows);
-	eco_write_f64(w, scene->near_m);
-}
+/* ---- Records ---- */
 
-void eco_scene_read(struct eco_reader *r, struct eco_scene *scene)
-{
-	read_name(r, scene->name, sizeof scene->name);
-	scene->needs = eco_read_u32(r);
-	scene->root = eco_read_u32(r);
-	scene->ground_columns = eco_read_u32(r);
-	scene->ground_rows = eco_read_u32(r);
-	scene->near_m = eco_read_f64(r);
-}
+static const struct field section_fields[] = {
+	ONE(section, kind), ONE(section, count), ONE(section, offset), ONE(section, size), ONE(section, hash),
+	ONE(section, record_bytes), ZERO_BYTES(4),
+};
 
-void eco_plant_write(struct eco_writer *w, const struct eco_plant *plant)
-{
-	write_name(w, plant->name, sizeof plant->name);
-	eco_write_f32(w, plant->height_m);
-	eco_write_u32(w, plant->anchor_first);
-	eco_write_u32(w, plant->anchor_count);
-	eco_write_u32(w, plant->ladder_first);
-	eco_write_u32(w, plant->ladder_count);
-	eco_write_f32(w, plant->area);
-	eco_write_u32(w, plant->triangles);
-}
+static const struct field scene_fields[] = {
+	FIELD(NAME, scene, name), ONE(scene, needs), ONE(scene, root), ONE(scene, ground_columns),
+	ONE(scene, ground_rows), ONE(scene, near_m),
+};
 
-void eco_plant_read(struct eco_reader *r, struct eco_plant *plant)
-{
-	read_name(r, plant->name, sizeof plant->name);
-	plant->height_m = eco_read_f32(r);
-	plant->anchor_first = eco_read_u32(r);
-	plant->anchor_count = eco_read_u32(r);
-	plant->ladder_first = eco_read_u32(r);
-	plant->ladder_count = eco_read_u32(r);
-	plant->area = eco_read_f32(r);
-	plant->triangles = eco_read_u32(r);
-}
+static const struct field plant_fields[] = {
+	FIELD(NAME, plant, name), ONE(plant, height_m), ONE(plant, anchor_first), ONE(plant, anchor_count),
+	ONE(plant, ladder_first), ONE(plant, ladder_count), ONE(plant, area), ONE(plant, triangles),
+};
 
-void eco_anchor_write(struct eco_writer *w, const struct eco_anchor *anchor)
-{
-	for (unsigned i = 0; i < 3; i++)
-		eco_write_f32(w, anchor->center[i]);
-	eco_write_f32(w, anchor->radius);
-}
+static const struct field anchor_fields[] = { ARRAY(anchor, center), ONE(anchor, radius) };
 
-void eco_anchor_read(struct eco_reader *r, struct eco_anchor *anchor)
-{
-	for (unsigned i = 0; i < 3; i++)
-		anchor->center[i] = eco_read_f32(r);
-	anchor->radius = eco_read_f32(r);
-}
+static const struct field ladder_fields[] = {
+	ONE(ladder, plant), ONE(ladder, anchor), ONE(ladder, organ), ONE(ladder, flags),
+	ONE(ladder, level_count), ZERO_BYTES(1), ONE(ladder, points), ONE(ladder, lines), ONE(ladder, simple),
+	ONE(ladder, triangles), ARRAY(ladder, level_end), ONE(ladder, total), ONE(ladder, before),
+	ONE(ladder, importance), ONE(ladder, area), ONE(ladder, length), ONE(ladder, epsilon),
+	ONE(ladder, curve_first), ONE(ladder, curve_count),
+};
 
-void eco_ladder_write(struct eco_writer *w, const struct eco_ladder *ladder)
-{
-	eco_write_u32(w, ladder->plant);
-	eco_write_u32(w, ladder->anchor);
-	eco_write_u8(w, ladder->organ);
-	eco_write_u8(w, ladder->flags);
-	eco_write_u8(w, ladder->level_count);
-	write_zeros(w, 1);
-	eco_write_u32(w, ladder->points);
-	eco_write_u32(w, ladder->lines);
-	eco_write_u32(w, ladder->simple);
-	eco_write_u32(w, ladder->triangles);
-	write_u32s(w, ladder->level_end, ECO_LEVELS_MAX);
-	eco_write_u32(w, ladder->total);
-	eco_write_u32(w, ladder->before);
-	eco_write_f32(w, ladder->importance);
-	eco_write_f32(w, ladder->area);
-	eco_write_f32(w, ladder->length);
-	eco_write_f32(w, ladder->epsilon);
-	eco_write_u32(w, ladder->curve_first);
-	eco_write_u32(w, ladder->curve_count);
-}
+static const struct field curve_fields[] = {
+	ONE(curve, share), ONE(curve, scale), ONE(curve, reach), ONE(curve, fp), ONE(curve, fn),
+};
 
-void eco_ladder_read(struct eco_reader *r, struct eco_ladder *ladder)
-{
-	ladder->plant = eco_read_u32(r);
-	ladder->anchor = eco_read_u32(r);
-	ladder->organ = eco_read_u8(r);
-	ladder->flags = eco_read_u8(r);
-	ladder->level_count = eco_read_u8(r);
-	ladder->reserved = 0;
-	read_zeros(r, 1);
-	ladder->points = eco_read_u32(r);
-	ladder->lines = eco_read_u32(r);
-	ladder->simple = eco_read_u32(r);
-	ladder->triangles = eco_read_u32(r);
-	read_u32s(r, ladder->level_end, ECO_LEVELS_MAX);
-	ladder->total = eco_read_u32(r);
-	ladder->before = eco_read_u32(r);
-	ladder->importance = eco_read_f32(r);
-	ladder->area = eco_read_f32(r);
-	ladder->length = eco_read_f32(r);
-	ladder->epsilon = eco_read_f32(r);
-	ladder->curve_first = eco_read_u32(r);
-	ladder->curve_count = eco_read_u32(r);
-}
+static const struct field tile_fields[] = {
+	ARRAY(tile, low), ARRAY(tile, high), ONE(tile, area), ONE(tile, instance_count), ONE(tile, summary),
+	ONE(tile, group_first), ONE(tile, group_count), ONE(tile, child_first), ONE(tile, child_count),
+};
 
-void eco_curve_write(struct eco_writer *w, const struct eco_curve *curve)
-{
-	eco_write_f32(w, curve->share);
-	eco_write_f32(w, curve->scale);
-	eco_write_f32(w, curve->reach);
-	eco_write_f32(w, curve->fp);
-	eco_write_f32(w, curve->fn);
-}
+static const struct field ground_tile_fields[] = {
+	ONE(ground_tile, list), ONE(ground_tile, column), ONE(ground_tile, row), ONE(ground_tile, level),
+	ONE(ground_tile, child_count), ZERO_BYTES(2), ONE(ground_tile, child_first), ONE(ground_tile, error_m),
+	ONE(ground_tile, low_m), ONE(ground_tile, high_m),
+};
 
-void eco_curve_read(struct eco_reader *r, struct eco_curve *curve)
-{
-	curve->share = eco_read_f32(r);
-	curve->scale = eco_read_f32(r);
-	curve->reach = eco_read_f32(r);
-	curve->fp = eco_read_f32(r);
-	curve->fn = eco_read_f32(r);
-}
+static const struct field group_fields[] = {
+	ONE(group, tile), ONE(group, plant), ONE(group, list), ONE(group, place_first),
+};
 
-void eco_tile_write(struct eco_writer *w, const struct eco_tile *tile)
-{
-	write_f64s(w, tile->low, 3);
-	write_f64s(w, tile->high, 3);
-	eco_write_f64(w, tile->area);
-	eco_write_u64(w, tile->instance_count);
-	eco_write_u32(w, tile->summary);
-	eco_write_u32(w, tile->group_first);
-	eco_write_u32(w, tile->group_count);
-	eco_write_u32(w, tile->child_first);
-	eco_write_u32(w, tile->child_count);
-}
+static const struct field child_fields[] = {
+	ONE(child, tile), FIELD(FLAG, child, placed), ZERO_BYTES(3), ARRAY(child, at), ONE(child, turn),
+	ZERO_BYTES(2), ONE(child, scale),
+};
 
-void eco_tile_read(struct eco_reader *r, struct eco_tile *tile)
-{
-	read_f64s(r, tile->low, 3);
-	read_f64s(r, tile->high, 3);
-	tile->area = eco_read_f64(r);
-	tile->instance_count = eco_read_u64(r);
-	tile->summary = eco_read_u32(r);
-	tile->group_first = eco_read_u32(r);
-	tile->group_count = eco_read_u32(r);
-	tile->child_first = eco_read_u32(r);
-	tile->child_count = eco_read_u32(r);
-}
+static const struct field list_fields[] = {
+	ONE(list, kind), ONE(list, coder), ONE(list, attributes), ONE(list, level), ONE(list, owner),
+	ONE(list, plant), ARRAY(list, grid_origin), ARRAY(list, grid_step), ONE(list, unit_area),
+	ONE(list, palette_first), ONE(list, palette_count), ONE(list, image), ONE(list, partner),
+	ONE(list, columns), ONE(list, primitive_count), ONE(list, element_count), ONE(list, chunk_first),
+	ONE(list, chunk_count),
+};
 
-void eco_ground_tile_write(struct eco_writer *w, const struct eco_ground_tile *tile)
-{
-	eco_write_u32(w, tile->list);
-	eco_write_u32(w, tile->column);
-	eco_write_u32(w, tile->row);
-	eco_write_u8(w, tile->level);
-	eco_write_u8(w, tile->child_count);
-	write_zeros(w, 2);
-	eco_write_u32(w, tile->child_first);
-	eco_write_f32(w, tile->error_m);
-	eco_write_f32(w, tile->low_m);
-	eco_write_f32(w, tile->high_m);
-}
+static const struct field chunk_fields[] = {
+	ARRAY(chunk, id.bytes), ONE(chunk, offset), ONE(chunk, size_bytes), ONE(chunk, primitive_count),
+	ONE(chunk, element_count),
+};
 
-void eco_ground_tile_read(struct eco_reader *r, struct eco_ground_tile *tile)
-{
-	tile->list = eco_read_u32(r);
-	tile->column = eco_read_u32(r);
-	tile->row = eco_read_u32(r);
-	tile->level = eco_read_u8(r);
-	tile->child_count = eco_read_u8(r);
-	read_zeros(r, 2);
-	tile->child_first = eco_read_u32(r);
-	tile->error_m = eco_read_f32(r);
-	tile->low_m = eco_read_f32(r);
-	tile->high_m = eco_read_f32(r);
-}
+static const struct field place_fields[] = {
+	ARRAY(place, position), ONE(place, turn), ZERO_BYTES(2), ONE(place, scale),
+};
 
-void eco_group_write(struct eco_writer *w, const struct eco_group *group)
-{
-	eco_write_u32(w, group->tile);
-	eco_write_u32(w, group->plant);
-	eco_write_u32(w, group->list);
-	eco_write_u64(w, group->place_first);
-}
-
-void eco_group_read(struct eco_reader *r, struct eco_group *group)
-{
-	group->tile = eco_read_u32(r);
-	group->plant = eco_read_u32(r);
-	group->list = eco_read_u32(r);
-	group->place_first = eco_read_u64(r);
-}
-
-void eco_child_write(struct eco_writer *w, const struct eco_child *child)
-{
-	eco_write_u32(w, child->tile);
-	eco_write_u8(w, child->placed);
-	write_zeros(w, 3);
-	write_f64s(w, child->at, 3);
-	eco_write_u16(w, child->turn);
-	write_zeros(w, 2);
-	eco_write_f32(w, child->scale);
-}
-
-void eco_child_read(struct eco_reader *r, struct eco_child *child)
-{
-	uint8_t placed;
-	child->tile = eco_read_u32(r);
-	placed = eco_read_u8(r);
-	if (placed > 1)
-		r->failed = true;
-	child->placed = placed != 0;
-	read_zeros(r, 3);
-	read_f64s(r, child->at, 3);
-	child->turn = eco_read_u16(r);
-	read_zeros(r, 2);
-	child->scale = eco_read_f32(r);
-}
-
-void eco_list_write(struct eco_writer *w, const struct eco_list *list)
-{
-	eco_write_u8(w, list->kind);
-	eco_write_u8(w, list->coder);
-	eco_write_u8(w, list->attributes);
-	eco_write_u8(w, list->level);
-	eco_write_u32(w, list->owner);
-	eco_write_u32(w, list->plant);
-	write_f64s(w, list->grid_origin, 3);
-	write_f64s(w, list->grid_step, 3);
-	eco_write_f32(w, list->unit_area);
-	eco_write_u32(w, list->palette_first);
-	eco_write_u32(w, list->palette_count);
-	eco_write_u32(w, list->image);
-	eco_write_u32(w, list->partner);
-	eco_write_u32(w, list->columns);
-	eco_write_u32(w, list->primitive_count);
-	eco_write_u32(w, list->element_count);
-	eco_write_u32(w, list->chunk_first);
-	eco_write_u32(w, list->chunk_count);
-}
-
-void eco_list_read(struct eco_reader *r, struct eco_list *list)
-{
-	list->kind = eco_read_u8(r);
-	list->coder = eco_read_u8(r);
-	list->attributes = eco_read_u8(r);
-	list->level = eco_read_u8(r);
-	list->owner = eco_read_u32(r);
-	list->plant = eco_read_u32(r);
-	read_f64s(r, list->grid_origin, 3);
-	read_f64s(r, list->grid_step, 3);
-	list->unit_area = eco_read_f32(r);
-	list->palette_first = eco_read_u32(r);
-	list->palette_count = eco_read_u32(r);
-	list->image = eco_read_u32(r);
-	list->partner = eco_read_u32(r);
-	list->columns = eco_read_u32(r);
-	list->primitive_count = eco_read_u32(r);
-	list->element_count = eco_read_u32(r);
-	list->chunk_first = eco_read_u32(r);
-	list->chunk_count = eco_read_u32(r);
-}
-
-void eco_chunk_write(struct eco_writer *w, const struct eco_chunk *chunk)
-{
-	eco_write_bytes(w, chunk->id.bytes, sizeof chunk->id.bytes);
-	eco_write_u64(w, chunk->offset);
-	eco_write_u32(w, chunk->size_bytes);
-	eco_write_u32(w, chunk->primitive_count);
-	eco_write_u32(w, chunk->element_count);
-}
-
-void eco_chunk_read(struct eco_reader *r, struct eco_chunk *chunk)
-{
-	const uint8_t *id = eco_read_bytes(r, sizeof chunk->id.bytes);
-	if (id)
-		memcpy(chunk->id.bytes, id, sizeof chunk->id.bytes);
-	chunk->offset = eco_read_u64(r);
-	chunk->size_bytes = eco_read_u32(r);
-	chunk->primitive_count = eco_read_u32(r);
-	chunk->element_count = eco_read_u32(r);
-}
-
-void eco_place_write(struct eco_writer *w, const struct eco_place *place)
-{
-	for (unsigned i = 0; i < 3; i++)
-		eco_write_u32(w, (uint32_t)place->position[i]);
-	eco_write_u16(w, place->turn);
-	write_zeros(w, 2);
-	eco_write_u32(w, place->scale);
-}
+/* eco_NAME_write and eco_NAME_read of each record. What is in the struct but not in the pack is read as 0. */
+#define WRITE(name) \
+	void eco_##name##_write(struct eco_writer *w, const struct eco_##name *name) \
+	{ \
+		write_fields(w, name##_fields, sizeof name##_fields / sizeof *name##_fields, name); \
+	}
+#define WRITE_AND_READ(name) WRITE(name) \
+	void eco_##name##_read(struct eco_reader *r, struct eco_##name *name) \
+	{ \
+		memset(name, 0, sizeof *name); \
+		read_fields(r, name##_fields, sizeof name##_fields / sizeof *name##_fields, name); \
+	}
+WRITE_AND_READ(section) WRITE_AND_READ(scene) WRITE_AND_READ(plant) WRITE_AND_READ(anchor)
+WRITE_AND_READ(ladder) WRITE_AND_READ(curve) WRITE_AND_READ(tile) WRITE_AND_READ(ground_tile)
+WRITE_AND_READ(group) WRITE_AND_READ(child) WRITE_AND_READ(list) WRITE_AND_READ(chunk)
+WRITE(place)
 
 struct eco_place eco_place_read(const struct eco_scene *scene, uint64_t index)
 {
-	const uint8_t *p;
-	uint32_t word[5];
 	assert(index < scene->place_count);
-	p = scene->places + index * ECO_PLACE_BYTES;
-	for (unsigned i = 0; i < 5; i++)
-		word[i] = (uint32_t)p[4 * i] | (uint32_t)p[4 * i + 1] << 8 | (uint32_t)p[4 * i + 2] << 16
-			| (uint32_t)p[4 * i + 3] << 24;
+	const uint8_t *p = scene->places + index * ECO_PLACE_BYTES;
+	uint32_t word[5];
+	for (unsigned i = 0; i < 5; i++, p += 4)
+		word[i] = (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
 	return (struct eco_place){
 		.position = { (int32_t)word[0], (int32_t)word[1], (int32_t)word[2] },
 		.turn = (uint16_t)word[3],

@@ -30,8 +30,7 @@ struct eco_section {
 	uint32_t record_bytes;
 };
 void eco_section_write(struct eco_writer *w, const struct eco_section *section);
-/* False where the last field is not zero. */
-bool eco_section_read(struct eco_reader *r, struct eco_section *section);
+void eco_section_read(struct eco_reader *r, struct eco_section *section);
 
 /* Tables of a scene whose sections hold their records unchanged, in the order of the sections: X(SECTION,
  * table, record). Not among them: chunks, whose offsets are known last, and the ground, whose table and
