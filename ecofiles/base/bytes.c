@@ -7,12 +7,11 @@
 
 static const uint8_t *take(struct eco_reader *r, size_t count)
 {
-	const uint8_t *p;
 	if (r->failed || r->at > r->size || count > r->size - r->at) {
 		r->failed = true;
 		return NULL;
 	}
-	p = r->bytes + r->at;
+	const uint8_t *p = r->bytes + r->at;
 	r->at += count;
 	return p;
 }

@@ -267,8 +267,6 @@ static _Noreturn void child(struct eco_guard *g, eco_guard_work *work, void *ctx
 	pid_t parent)
 {
 	struct eco_error error = { .code = ECO_OK };
-	enum eco_code code;
-	FILE *out;
 	prctl(PR_SET_PDEATHSIG, SIGKILL);
 	if (getppid() != parent)
 		_exit(1);                    /* the parent died before prctl */
@@ -278,8 +276,8 @@ static _Noreturn void child(struct eco_guard *g, eco_guard_work *work, void *ctx
 	close_others(to, life);
 	silence();
 	confine(g, g->stream == NULL ? g->limits.memory_bytes : 0);
-	out = fdopen(to, "wb");
-	code = out == NULL ? eco_fail(&error, ECO_NO_MEMORY, "%s: out of memory", g->what)
+	FILE *out = fdopen(to, "wb");
+	enum eco_code code = out == NULL ? eco_fail(&error, ECO_NO_MEMORY, "%s: out of memory", g->what)
 		: work(ctx, out, &error);
 	if (out && fflush(out) != 0 && !code)
 		code = eco_fail(&error, ECO_IO, "%s: the result could not be handed over: %s", g->what,
@@ -542,7 +540,6 @@ enum eco_code eco_guard_finish(struct eco_guard *g, struct eco_error *error)
 {
 	struct eco_error ignored = { .code = ECO_OK };
 	bool ended;
-	enum eco_code code;
 	if (!g)
 		return ECO_OK;
 	ended = g->ended;
@@ -550,7 +547,7 @@ enum eco_code eco_guard_finish(struct eco_guard *g, struct eco_error *error)
 	shut(&g->data);
 	if (!ended)
 		kill(g->pid, SIGKILL);
-	code = reap(g, ended ? error : &ignored);
+	enum eco_code code = reap(g, ended ? error : &ignored);
 	free_guard(g);
 	return ended || code == ECO_INTERRUPTED ? code : ECO_OK;
 }

@@ -298,10 +298,9 @@ bool eco_json_required(const struct eco_json *object, const char *key)
 
 static bool number_in(const struct eco_json *at, double low, double high, double *out)
 {
-	double number;
 	if (!json_is_number(at->value))
 		return bad(at, "a number");
-	number = json_number_value(at->value);
+	double number = json_number_value(at->value);
 	if (!(number >= low && number <= high))
 		return eco_json_fail(at, ECO_BAD_INPUT, "%s is %.17g, it must be between %.17g and %.17g",
 			at->key != NULL ? at->key : "the number", number, low, high);

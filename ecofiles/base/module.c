@@ -54,18 +54,16 @@ static enum eco_code load(enum eco_module module, struct eco_error *error)
 	const char *file = modules[module].file, *given = getenv(ECO_MODULES_VARIABLE);
 	bool chosen = given != NULL && *given != 0;
 	char path[PATH_MAX];
-	const uint32_t *table;
-	void *handle;
 	if (!(chosen ? is_there(given, file, path) : find_beside(file, path)))
 		return eco_fail(error, ECO_NOT_FOUND, "%s, needed for %s, is not %s%.200s: make builds it; "
 			"" ECO_MODULES_VARIABLE
 			" names the folder that holds it", file, modules[module].for_what,
 			chosen ? "in " : "beside the program nor in the folder above", chosen ? given : "");
-	handle = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+	void *handle = dlopen(path, RTLD_NOW | RTLD_LOCAL);
 	if (!handle)
 		return eco_fail(error, ECO_NOT_FOUND, "%s, needed for %s, cannot be loaded: %.250s (package "
 			"%s installed?)", file, modules[module].for_what, dlerror(), modules[module].package);
-	table = dlsym(handle, modules[module].symbol);
+	const uint32_t *table = dlsym(handle, modules[module].symbol);
 	/* the module stays mapped even so: libraries such as these do not survive unloading */
 	if (!table || *table != ECO_MODULE_VERSION)
 		return eco_fail(error, ECO_NOT_FOUND, "%.200s is not that of this version of the program: "
@@ -76,11 +74,10 @@ static enum eco_code load(enum eco_module module, struct eco_error *error)
 
 const void *eco_module(enum eco_module module, struct eco_error *error)
 {
-	const void *table;
 	lock();
 	if (!loaded[module])
 		load(module, error);
-	table = loaded[module];
+	const void *table = loaded[module];
 	unlock();
 	return table;
 }

@@ -89,14 +89,13 @@ static void emit(uint32_t **to, uint32_t a, uint32_t b, uint32_t c)
 
 void eco_polygon_split(const double *corners, uint32_t n, uint32_t *scratch, uint32_t *triangles)
 {
-	struct flat f;
 	uint32_t from = 1;
 	if (n == 3 || n > CLIPPED_MAX) {
 		for (uint32_t i = 2; i < n; i++)
 			emit(&triangles, 0, i - 1, i);
 		return;
 	}
-	f = flatten(corners, n);
+	struct flat f = flatten(corners, n);
 	for (uint32_t i = 0; i < n; i++)
 		scratch[i] = i;
 	while (n > 3) {

@@ -57,9 +57,8 @@ void eco_turn_sincos(uint16_t turn, double *sine, double *cosine)
 
 uint16_t eco_turn_from_deg(double degrees)
 {
-	double steps;
 	assert(isfinite(degrees));
 	/* fmod is exact in IEEE arithmetic, unlike the rest of libm. */
-	steps = floor(fmod(degrees, 360.0) / 360.0 * 65536.0 + 0.5);
+	double steps = floor(fmod(degrees, 360.0) / 360.0 * 65536.0 + 0.5);
 	return (uint16_t)(int32_t)steps;
 }

@@ -468,10 +468,9 @@ static enum eco_code read_options(struct seen *s, struct eco_error *error)
 
 static enum eco_code see(struct seen *s, struct eco_error *error)
 {
-	enum eco_code code;
 	if (!main_progress("reading", eco_path_last(s->options.paths[0]), 0))
 		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
-	code = eco_model_import(&s->model, &s->options, error);
+	enum eco_code code = eco_model_import(&s->model, &s->options, error);
 	if (!code && !main_progress("looking at it", eco_path_last(s->options.paths[0]), 0.7))
 		code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	if (!code)

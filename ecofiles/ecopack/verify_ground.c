@@ -19,12 +19,11 @@ struct decoded {
 static bool decode(struct decoded *d, const struct eco_pack *pack, uint32_t id)
 {
 	const struct eco_scene *s = &pack->scene;
-	const struct eco_chunk *chunk;
 	const uint8_t *bytes;
 	size_t size;
 	*d = (struct decoded){ .tile = &s->ground[id], .list = &s->lists[s->ground[id].list] };
 	eco_ground_spans(&d->x, &d->y, d->tile, s->ground_columns, s->ground_rows);
-	chunk = &s->chunks[d->list->chunk_first];
+	const struct eco_chunk *chunk = &s->chunks[d->list->chunk_first];
 	return eco_pack_payload(pack, d->list->chunk_first, &bytes, &size, NULL) == ECO_OK
 		&& eco_chunk_decode(d->list, chunk, 0, bytes, size, &d->samples, NULL) == ECO_OK
 		&& d->samples.element_count == d->x.count * d->y.count;

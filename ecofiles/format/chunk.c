@@ -157,9 +157,8 @@ enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes
 		return eco_fail(error, ECO_DAMAGED, "chunk: %u streams", payload->stream_count);
 	for (uint32_t i = 0; i < payload->stream_count; i++) {
 		struct eco_stream *s = &payload->streams[i];
-		uint8_t flags;
 		s->corners = eco_read_u8(&r);
-		flags = eco_read_u8(&r);
+		uint8_t flags = eco_read_u8(&r);
 		s->predictors = eco_read_u16(&r);
 		s->elements = eco_read_u32(&r);
 		s->size = eco_read_u32(&r);

@@ -246,9 +246,8 @@ enum eco_code eco_chunk_decode(const struct eco_list *list, const struct eco_chu
 {
 	struct eco_payload payload;
 	uint32_t corner_count = 0;
-	enum eco_code code;
 	memset(elements, 0, sizeof *elements);
-	code = check_expected(list, chunk, size_bytes, error);
+	enum eco_code code = check_expected(list, chunk, size_bytes, error);
 	if (!code)
 		code = eco_payload_read(&payload, bytes, size_bytes, error);
 	if (!code)

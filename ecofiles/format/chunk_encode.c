@@ -175,14 +175,12 @@ static enum eco_code add_stream(struct eco_payload *payload, const struct eco_ch
 {
 	const struct eco_elements *e = source->elements;
 	struct eco_stream *stream = &payload->streams[payload->stream_count];
-	struct eco_rows_shape shape;
 	struct eco_chunk_rows rows;
-	enum eco_code code;
 	uint8_t *bytes;
 	*stream = (struct eco_stream){ .corners = stored->corners, .elements = count,
 		.shift = e->exact ? ECO_EXACT_SHIFT : 0 };
-	shape = eco_payload_shape(source->list, payload->coder, stream);
-	code = eco_rows_make(&rows, &shape, error);
+	struct eco_rows_shape shape = eco_payload_shape(source->list, payload->coder, stream);
+	enum eco_code code = eco_rows_make(&rows, &shape, error);
 	if (code)
 		return code;
 	for (uint32_t i = 0; i < count; i++) {
@@ -305,12 +303,11 @@ enum eco_code eco_chunk_encode(const struct eco_chunk_input *input, uint8_t **by
 	struct eco_payload payload = { .coder = input->list->coder };
 	uint32_t count = input->end - input->first;
 	struct stored *stored = NULL;
-	enum eco_code code;
 	*bytes = NULL;
 	*size_bytes = 0;
 	assert(input->list->coder != ECO_CODER_FORM && input->list->coder != ECO_CODER_BYTES);
 	assert(!order || input->list->coder == ECO_CODER_ELEMENTS || input->list->coder == ECO_CODER_ROWS);
-	code = check_input(input, error);
+	enum eco_code code = check_input(input, error);
 	if (!code)
 		code = find_elements(input, &stored, error);
 	if (code == ECO_OK && (payload.coder == ECO_CODER_ELEMENTS || payload.coder == ECO_CODER_MESH))
@@ -362,10 +359,9 @@ enum eco_code eco_chunk_encode_form(const struct eco_chunk_input *partner, const
 	struct eco_payload payload = { .coder = ECO_CODER_FORM };
 	uint32_t count = partner->end - partner->first;
 	struct stored *stored = NULL, *form = NULL;
-	enum eco_code code;
 	*bytes = NULL;
 	*size_bytes = 0;
-	code = check_input(partner, error);
+	enum eco_code code = check_input(partner, error);
 	if (!code)
 		code = check_forms(partner, list, forms, error);
 	if (!code)

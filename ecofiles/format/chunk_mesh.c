@@ -262,14 +262,13 @@ static enum eco_code encode_positions(const int32_t *position, uint32_t triangle
 {
 	uint32_t vertex_count = 0, corner_count = 3 * triangles;
 	uint8_t *bytes;
-	enum eco_code code;
 	s->vertices = malloc(sizeof(int32_t) * 3 * corner_count);
 	s->decoded = malloc(sizeof(int32_t) * 3 * corner_count);
 	s->index = malloc(sizeof(uint32_t) * corner_count);
 	s->vertex = malloc(sizeof(uint32_t) * corner_count);
 	if (!s->vertices || !s->decoded || !s->index || !s->vertex)
 		return eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for %u triangles", triangles);
-	code = weld(position, corner_count, s->vertices, s->index, &vertex_count, error);
+	enum eco_code code = weld(position, corner_count, s->vertices, s->index, &vertex_count, error);
 	for (uint32_t i = 0; code == ECO_OK && i < triangles; i++)
 		if (degenerate(s->index + 3 * (size_t)i))
 			return eco_fail(error, ECO_BAD_INPUT, "chunk: two corners of mesh triangle %u "
@@ -299,12 +298,11 @@ enum eco_code eco_mesh_encode(const struct eco_list *list, const struct eco_elem
 	const int32_t *position = elements->position + 9 * (size_t)first;
 	struct eco_stream *side = payload->streams, *mesh = payload->streams + (list->attributes != 0);
 	struct scratch s = { 0 };
-	enum eco_code code;
 	payload->stream_count = list->attributes != 0 ? 2 : 1;
 	side->corners = 1;
 	mesh->corners = 3;
 	side->elements = mesh->elements = end - first;
-	code = encode_positions(position, end - first, &s, mesh, fits, error);
+	enum eco_code code = encode_positions(position, end - first, &s, mesh, fits, error);
 	if (code == ECO_OK && *fits && list->attributes != 0)
 		code = encode_side(list, elements, first, end - first, s.matches, s.vertex, side, fits,
 			error);
@@ -354,13 +352,12 @@ enum eco_code eco_mesh_decode(const struct eco_list *list, const struct eco_payl
 {
 	const struct eco_stream *mesh = &payload->streams[payload->stream_count - 1];
 	uint32_t *vertex = malloc(sizeof(uint32_t) * 3 * elements->element_count);
-	enum eco_code code;
 	if (!vertex)
 		return eco_fail(error, ECO_NO_MEMORY, "chunk: out of memory for %u triangles",
 			elements->element_count);
 	memset(elements->corners, 3, elements->element_count);
-	code = eco_draco_decode_mesh(mesh->bytes, mesh->size, mesh->elements, elements->position, vertex,
-		error);
+	enum eco_code code = eco_draco_decode_mesh(mesh->bytes, mesh->size, mesh->elements,
+		elements->position, vertex, error);
 	for (size_t i = 0; code == ECO_OK && i < 9 * (size_t)elements->element_count; i++)
 		if (elements->position[i] < -ECO_ROWS_VALUE_MAX || elements->position[i] > ECO_ROWS_VALUE_MAX)
 			code = eco_fail(error, ECO_DAMAGED, "chunk: a position of the mesh is out of bounds");

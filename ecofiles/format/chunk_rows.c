@@ -65,7 +65,6 @@ enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_rows_s
 	struct eco_error *error)
 {
 	uint32_t per_row = 0;
-	int32_t *at;
 	assert(shape->corners >= 1 && shape->corners <= ECO_ROWS_CORNERS_MAX && shape->extra_count
 		<= ECO_ROWS_EXTRA_MAX);
 	memset(rows, 0, sizeof *rows);
@@ -85,7 +84,7 @@ enum eco_code eco_rows_make(struct eco_chunk_rows *rows, const struct eco_rows_s
 	rows->storage = calloc((size_t)per_row * shape->rows, sizeof *rows->storage);
 	if (!rows->storage)
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory for %u rows of a chunk", shape->rows);
-	at = rows->storage;
+	int32_t *at = rows->storage;
 	for (uint32_t i = 0; i < rows->column_count; i++) {
 		rows->columns[i].values = at;
 		at += (size_t)rows->columns[i].components * shape->rows;
@@ -177,10 +176,10 @@ static uint64_t predictor_cost(const struct eco_chunk_rows *rows, unsigned corne
 	uint64_t bits = 0;
 	for (uint32_t row = 0; row < rows->shape.rows; row += step)
 		for (unsigned axis = 0; axis < 3; axis++) {
-			int32_t v;
 			for (unsigned k = 1; k <= corner; k++)
 				position[3 * k + axis] = rows->columns[k].values[3 * (size_t)row + axis];
-			v = minus(position[3 * corner + axis], predict(predictor, position, corner, axis));
+			int32_t v = minus(position[3 * corner + axis],
+				predict(predictor, position, corner, axis));
 			bits += bit_length(v < 0 ? 0u - (uint32_t)v : (uint32_t)v);
 		}
 	return bits;
@@ -380,12 +379,11 @@ enum eco_code eco_rows_encode(struct eco_chunk_rows *rows, uint8_t **bytes, size
 {
 	struct eco_draco_column wide[2 * ECO_ROWS_COLUMNS_MAX];
 	int32_t *storage = NULL;
-	enum eco_code code;
 	rows->shape.predictors = choose_predictors(rows);
 	take_predictions(rows);
 	take_uv_shift(rows);
 	take_ground(rows);
-	code = choose_differences(rows, error);
+	enum eco_code code = choose_differences(rows, error);
 	if (code == ECO_OK && !rows->shape.wide)
 		return eco_draco_encode_rows(rows->shape.order, rows->columns, rows->column_count,
 			rows->shape.rows, bytes, size, error);

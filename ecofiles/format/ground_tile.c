@@ -19,11 +19,10 @@ void eco_ground_spans(struct eco_ground_span *x, struct eco_ground_span *y,
 
 uint32_t eco_ground_span_at(const struct eco_ground_span *s, uint32_t i)
 {
-	uint64_t at;
 	if (i < s->before)
 		return s->low - s->stride;
 	i -= s->before;
-	at = (uint64_t)s->low + (uint64_t)(i < s->inner ? i : i - s->inner) * s->stride;
+	uint64_t at = (uint64_t)s->low + (uint64_t)(i < s->inner ? i : i - s->inner) * s->stride;
 	if (i < s->inner)
 		return at < s->high ? (uint32_t)at : s->high;
 	at = (uint64_t)s->high + s->stride;

@@ -51,7 +51,6 @@ enum eco_code eco_image_read_memory(struct eco_image *image, const void *bytes, 
 {
 	struct eco_error inner = { .code = ECO_OK };
 	const char *kind = name_for(bytes, size_bytes);
-	enum eco_code code;
 	*image = (struct eco_image){ .rgba = NULL };
 	if (size_bytes == 0)
 		return eco_fail(error, ECO_BAD_INPUT, "%s: an empty picture", name);
@@ -60,25 +59,23 @@ enum eco_code eco_image_read_memory(struct eco_image *image, const void *bytes, 
 			size_bytes, ECO_IMAGE_FILE_MAX);
 	if (eco_png_is(bytes, size_bytes))
 		return eco_png_decode(image, bytes, size_bytes, name, error);
-	code = decode(image, kind != NULL ? kind : name, bytes, size_bytes, &inner);
+	enum eco_code code = decode(image, kind != NULL ? kind : name, bytes, size_bytes, &inner);
 	return code == ECO_OK ? code : eco_fail(error, code, "%.120s: %.380s", name, inner.text);
 }
 
 static enum eco_code read_open(struct eco_image *image, FILE *file, const char *path, struct eco_error *error)
 {
 	struct stat status;
-	uint8_t *bytes;
-	size_t size;
 	enum eco_code code;
 	if (fstat(fileno(file), &status) != 0 || !S_ISREG(status.st_mode))
 		return eco_fail(error, ECO_IO, "%s: not a regular file", path);
 	if (status.st_size > (off_t)ECO_IMAGE_FILE_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "%s: %lld bytes, at most %u are possible", path,
 			(long long)status.st_size, ECO_IMAGE_FILE_MAX);
-	bytes = malloc((size_t)status.st_size + 1);
+	uint8_t *bytes = malloc((size_t)status.st_size + 1);
 	if (!bytes)
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
-	size = fread(bytes, 1, (size_t)status.st_size, file);
+	size_t size = fread(bytes, 1, (size_t)status.st_size, file);
 	if (ferror(file))
 		code = eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
 	else if (eco_png_is(bytes, size) || name_for(bytes, size) || size == 0)
@@ -93,12 +90,11 @@ static enum eco_code read_open(struct eco_image *image, FILE *file, const char *
 enum eco_code eco_image_read(struct eco_image *image, const char *path, struct eco_error *error)
 {
 	FILE *file = fopen(path, "rb");
-	enum eco_code code;
 	*image = (struct eco_image){ .rgba = NULL };
 	if (!file)
 		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", path,
 			strerror(errno));
-	code = read_open(image, file, path, error);
+	enum eco_code code = read_open(image, file, path, error);
 	fclose(file);
 	return code;
 }
@@ -112,12 +108,11 @@ void eco_image_free(struct eco_image *image)
 enum eco_code eco_pixels_compare(const struct eco_pixels *a, const struct eco_pixels *b, uint64_t *differing,
 	struct eco_error *error)
 {
-	const struct eco_image_module *module;
 	char text[300];
 	assert(a->width == b->width && a->height == b->height && a->channels == 3 && b->channels == 3);
 	assert(a->width > 0 && a->height > 0 && (uint64_t)a->width * a->height <= ECO_PIXELS_MAX);
 	*differing = 0;
-	module = eco_module(ECO_MODULE_IMAGE, error);
+	const struct eco_image_module *module = eco_module(ECO_MODULE_IMAGE, error);
 	if (!module)
 		return ECO_NOT_FOUND;
 	if (module->compare(a->bytes, b->bytes, a->width, a->height, a->channels, differing, text,
@@ -137,7 +132,6 @@ enum eco_code eco_png_write(const struct eco_pixels *pixels, const char *path, s
 	char beside[4096];
 	uint8_t *bytes;
 	size_t size;
-	FILE *file;
 	enum eco_code code = eco_png_encode_fast(pixels, &bytes, &size, error);
 	if (code)
 		return code;
@@ -145,7 +139,7 @@ enum eco_code eco_png_write(const struct eco_pixels *pixels, const char *path, s
 		free(bytes);
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s...: the path is too long", path);
 	}
-	file = fopen(beside, "wb");
+	FILE *file = fopen(beside, "wb");
 	if (!file || !write_all(file, bytes, size) || rename(beside, path) != 0) {
 		code = eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
 		if (file)

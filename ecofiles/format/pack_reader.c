@@ -208,7 +208,6 @@ static enum eco_code open_bytes(struct eco_pack **pack, const uint8_t *bytes, si
 	struct eco_error *error)
 {
 	struct opened *o = calloc(1, sizeof *o);
-	enum eco_code code;
 	*pack = NULL;
 	if (!o) {
 		if (mapped)
@@ -218,7 +217,7 @@ static enum eco_code open_bytes(struct eco_pack **pack, const uint8_t *bytes, si
 	o->pack.map = bytes;
 	o->pack.map_size = size;
 	o->mapped = mapped;
-	code = read_frame(o, error);
+	enum eco_code code = read_frame(o, error);
 	if (!code)
 		code = read_tables(o, error);
 	if (!code)
@@ -242,8 +241,6 @@ enum eco_code eco_pack_open(struct eco_pack **pack, const char *path, struct eco
 {
 	struct eco_error inner = { 0 };
 	struct stat status;
-	enum eco_code code;
-	void *map;
 	int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
 	*pack = NULL;
 	if (file < 0)
@@ -258,12 +255,12 @@ enum eco_code eco_pack_open(struct eco_pack **pack, const char *path, struct eco
 		return eco_fail(error, ECO_DAMAGED, "%s: %lld bytes are too few for a pack", path,
 			(long long)status.st_size);
 	}
-	map = mmap(NULL, (size_t)status.st_size, PROT_READ, MAP_SHARED, file, 0);
+	void *map = mmap(NULL, (size_t)status.st_size, PROT_READ, MAP_SHARED, file, 0);
 	close(file);
 	if (map == MAP_FAILED)
 		return eco_fail(error, ECO_IO, "%s: cannot map %lld bytes: %s", path,
 			(long long)status.st_size, strerror(errno));
-	code = open_bytes(pack, map, (size_t)status.st_size, true, &inner);
+	enum eco_code code = open_bytes(pack, map, (size_t)status.st_size, true, &inner);
 	if (code)
 		return eco_fail(error, code, "%s: %s", path, inner.text);
 	return ECO_OK;
@@ -295,15 +292,13 @@ enum eco_code eco_pack_payload(const struct eco_pack *pack, uint32_t chunk, cons
 	size_t *size_bytes, struct eco_error *error)
 {
 	const struct eco_scene *scene = &pack->scene;
-	const struct eco_chunk *c;
-	struct eco_chunk_id id;
 	*bytes = NULL;
 	*size_bytes = 0;
 	if (chunk >= scene->chunk_count)
 		return eco_fail(error, ECO_NOT_FOUND, "chunk %u of %u is not there", chunk,
 			scene->chunk_count);
-	c = &scene->chunks[chunk];
-	id = eco_chunk_hash(pack->map + c->offset, c->size_bytes);
+	const struct eco_chunk *c = &scene->chunks[chunk];
+	struct eco_chunk_id id = eco_chunk_hash(pack->map + c->offset, c->size_bytes);
 	if (memcmp(id.bytes, c->id.bytes, sizeof id.bytes) != 0)
 		return eco_fail(error, ECO_DAMAGED, "chunk %u of list %u, bytes [%llu, +%u): its hash does "
 			"not match; restore the pack", chunk, list_of_chunk(scene, chunk),

@@ -206,11 +206,10 @@ static enum eco_code add_chunk(struct eco_pack_writer *w, const uint8_t *bytes, 
 	struct eco_chunk chunk = { .id = eco_chunk_hash(bytes, size), .offset = w->spooled,
 		.size_bytes = (uint32_t)size,
 		.element_count = elements, .primitive_count = primitives };
-	uint32_t slot;
 	if (w->chunk_count >= ECO_NONE / 4 || !grow_chunks(w) || !grow_ids(w))
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for %u chunks", w->path,
 			w->chunk_count);
-	slot = id_slot(w, &chunk);
+	uint32_t slot = id_slot(w, &chunk);
 	if (w->ids.slots[slot] != 0) {
 		chunk.offset = w->chunks[w->ids.slots[slot] - 1].offset;
 	} else {
@@ -289,11 +288,10 @@ static enum eco_code add_form_chunks(struct eco_pack_writer *w, const struct eco
 static enum eco_code add_list(struct eco_pack_writer *w, const struct eco_list *list, uint32_t chunk_first,
 	uint32_t *list_id, struct eco_error *error)
 {
-	struct eco_list *stored;
 	if (!grow_lists(w))
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for %u lists", w->path,
 			w->list_count);
-	stored = &w->lists[w->list_count];
+	struct eco_list *stored = &w->lists[w->list_count];
 	*stored = *list;
 	stored->chunk_first = chunk_first;
 	stored->chunk_count = w->chunk_count - chunk_first;
@@ -312,7 +310,6 @@ enum eco_code eco_pack_add_list(struct eco_pack_writer *writer, const struct eco
 {
 	bool form = list->coder == ECO_CODER_FORM;
 	uint32_t chunk_first = writer->chunk_count, last = end_count > 0 ? ends[end_count - 1] : 0;
-	enum eco_code code;
 	*list_id = ECO_NONE;
 	if (list->coder == ECO_CODER_BYTES || form != (partner_elements != NULL))
 		return eco_fail(error, ECO_BAD_INPUT, "list %u: coder %u does not go with %s partner",
@@ -323,8 +320,8 @@ enum eco_code eco_pack_add_list(struct eco_pack_writer *writer, const struct eco
 	if (last != elements->element_count)
 		return eco_fail(error, ECO_BAD_INPUT, "list %u: chunks end at element %u of %u",
 			writer->list_count, last, elements->element_count);
-	code = form ? add_form_chunks(writer, list, elements, partner_elements, ends, end_count, error)
-		: add_plain_chunks(writer, list, elements, ends, end_count, error);
+	enum eco_code code = form ? add_form_chunks(writer, list, elements, partner_elements, ends, end_count,
+		error) : add_plain_chunks(writer, list, elements, ends, end_count, error);
 	if (!code)
 		code = add_list(writer, list, chunk_first, list_id, error);
 	for (int axis = 0; axis < 3 && !code && elements->exact; axis++)
@@ -375,13 +372,12 @@ enum eco_code eco_pack_add_bytes(struct eco_pack_writer *writer, const struct ec
 	const void *bytes, size_t size, uint32_t *list_id, struct eco_error *error)
 {
 	uint32_t chunk_first = writer->chunk_count;
-	enum eco_code code;
 	*list_id = ECO_NONE;
 	assert(list->coder == ECO_CODER_BYTES);
 	if (size == 0 || size > ECO_CHUNK_BYTES_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "list %u: a file of %zu bytes; 1 to %u fit",
 			writer->list_count, size, ECO_CHUNK_BYTES_MAX);
-	code = add_chunk(writer, bytes, size, 1, 1, error);
+	enum eco_code code = add_chunk(writer, bytes, size, 1, 1, error);
 	return code == ECO_OK ? add_list(writer, list, chunk_first, list_id, error) : code;
 }
 

@@ -165,9 +165,6 @@ enum eco_code eco_source_parse_as(struct eco_source *source, const char *json, s
 {
 	struct eco_error local = { .code = ECO_OK };
 	struct eco_json_file file = { path, json, size, error != NULL ? error : &local };
-	struct eco_json top;
-	json_t *root;
-	bool good;
 	*source = (struct eco_source){ .path = strdup(path), .on_disk = on_disk };
 	if (!source->path)
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
@@ -176,9 +173,9 @@ enum eco_code eco_source_parse_as(struct eco_source *source, const char *json, s
 		return eco_fail(error, ECO_TOO_LARGE, "%s: %zu bytes, at most %u are possible; keep many "
 			"plants in a CSV file (\"from\")", path, size, ECO_SOURCE_BYTES_MAX);
 	}
-	root = eco_json_open(&file);
-	top = eco_json_root(&file, root);
-	good = root != NULL && parse_document(source, &top);
+	json_t *root = eco_json_open(&file);
+	struct eco_json top = eco_json_root(&file, root);
+	bool good = root != NULL && parse_document(source, &top);
 	json_decref(root);
 	if (good)
 		return ECO_OK;

@@ -239,12 +239,11 @@ static size_t count_variants(const json_t *plants)
 bool eco_scene_parse_plants(struct eco_source *source, const struct eco_json *top)
 {
 	struct eco_json node = eco_json_member(top, "plants"), entry = { .file = NULL };
-	size_t count;
 	if (!node.value)
 		return true;
 	if (!json_is_object(node.value))
 		return eco_json_object(&node, plant_fields);
-	count = count_variants(node.value);
+	size_t count = count_variants(node.value);
 	if (count > PLANTS_MAX)
 		return eco_json_fail(&node, ECO_TOO_LARGE, "%zu models, at most %u are possible", count,
 			PLANTS_MAX);

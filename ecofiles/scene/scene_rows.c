@@ -247,10 +247,9 @@ static bool parse_height_source(const struct eco_source *source, const struct ec
 	struct eco_positions_spec *spec)
 {
 	struct eco_size *size = &spec->heights[spec->height_count++];
-	double number;
 	if (json_is_object(at->value))
 		return parse_height_object(source, at, size, &spec->levels);
-	number = json_is_number(at->value) ? json_number_value(at->value) : NAN;
+	double number = json_is_number(at->value) ? json_number_value(at->value) : NAN;
 	size->kind = ECO_SIZE_NUMBER;
 	size->value_m = number;
 	if (number >= 0.001 && number <= 1000)

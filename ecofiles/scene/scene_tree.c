@@ -41,10 +41,9 @@ static enum eco_code fail_at_child(struct walk *walk, uint32_t source, uint32_t 
 	struct eco_json_file file = { .name = walk->sources->items[source].path, .error = walk->error };
 	char *json;
 	if (read_text(file.name, &json, &file.size, &unread) == ECO_OK) {
-		json_t *root;
 		struct eco_json top, children, item, eco;
 		file.text = json;
-		root = eco_json_open(&file);
+		json_t *root = eco_json_open(&file);
 		top = eco_json_root(&file, root);
 		if (root) {
 			children = eco_json_member(&top, "children");
@@ -75,11 +74,10 @@ static void chain_text(const struct walk *walk, uint32_t again, char *text, size
 static enum eco_code add_source(struct walk *walk, const char *path, char *real, uint32_t *index)
 {
 	struct eco_sources *sources = walk->sources;
-	enum eco_code code;
 	char *text;
 	size_t size = 0;
 	*index = sources->count;
-	code = read_text(path, &text, &size, walk->error);
+	enum eco_code code = read_text(path, &text, &size, walk->error);
 	if (!code)
 		code = eco_source_parse_as(&sources->items[*index], text, size, path, true, walk->error);
 	free(text);
@@ -99,7 +97,6 @@ static enum eco_code walk_child(struct walk *walk, uint32_t parent, uint32_t num
 	struct eco_source_child *child = &sources->items[parent].children[number];
 	char *real = realpath(child->eco, NULL), text[360];
 	uint32_t index = 0;
-	enum eco_code code;
 	if (!real)
 		return fail_at_child(walk, parent, number, ECO_IO, strerror(errno));
 	while (index < sources->count && strcmp(walk->real[index], real) != 0)
@@ -118,7 +115,7 @@ static enum eco_code walk_child(struct walk *walk, uint32_t parent, uint32_t num
 			ECO_SOURCES_MAX, DEPTH_MAX);
 		return fail_at_child(walk, parent, number, ECO_TOO_LARGE, text);
 	}
-	code = add_source(walk, child->eco, real, &index);
+	enum eco_code code = add_source(walk, child->eco, real, &index);
 	if (code)
 		return code;
 	child->source = index;
@@ -137,12 +134,11 @@ static enum eco_code walk_source(struct walk *walk, uint32_t index)
 	walk->chain[walk->depth++] = index;
 	for (uint32_t i = 0; i < source->child_count; i++) {
 		struct eco_source_child *child = &source->children[i];
-		enum eco_code code;
 		if (i > 0 && strcmp(child->eco, child[-1].eco) == 0) {
 			child->source = child[-1].source;
 			continue;
 		}
-		code = walk_child(walk, index, i);
+		enum eco_code code = walk_child(walk, index, i);
 		if (code)
 			return code;
 	}
@@ -180,11 +176,10 @@ static enum eco_code load(struct walk *walk, const char *path)
 {
 	char *real = realpath(path, NULL);
 	uint32_t root;
-	enum eco_code code;
 	if (!real)
 		return eco_fail(walk->error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", path,
 			strerror(errno));
-	code = add_source(walk, path, real, &root);
+	enum eco_code code = add_source(walk, path, real, &root);
 	if (!code)
 		code = walk_source(walk, root);
 	return code == ECO_OK ? order_sources(walk) : code;

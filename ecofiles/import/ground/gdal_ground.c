@@ -61,10 +61,9 @@ static enum eco_code check_scene_crs(struct job *job, struct eco_error *error)
 {
 	const char *text = job->options->scene_crs;
 	double unit;
-	enum eco_code code;
 	if (!text)
 		return ECO_OK;
-	code = make_crs(&job->scene_crs, text, "the scene", error);
+	enum eco_code code = make_crs(&job->scene_crs, text, "the scene", error);
 	if (code)
 		return code;
 	split_vertical(job->scene_crs, job->scene_vertical, &unit);
@@ -236,7 +235,6 @@ static enum eco_code find_place(struct ground_raster *r, const struct job *job, 
 
 static enum eco_code open_raster(struct ground_raster *r, struct job *job, struct eco_error *error)
 {
-	enum eco_code code;
 	r->file = GDALOpenEx(r->path, GDAL_OF_RASTER | GDAL_OF_READONLY, NULL, NULL, NULL);
 	if (!r->file)
 		return gdal_fail(r->path, "not a raster that GDAL can read", error);
@@ -247,7 +245,7 @@ static enum eco_code open_raster(struct ground_raster *r, struct job *job, struc
 	if (r->columns < 2 || r->rows < 2)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: %d x %d samples are no ground, at least 2 x "
 			"2 are needed", r->path, r->columns, r->rows);
-	code = raster_crs(r, job, error);
+	enum eco_code code = raster_crs(r, job, error);
 	if (code == ECO_OK && !job->options->keep_missing)
 		code = check_vertical(r, job, error);
 	if (!code)
@@ -317,10 +315,9 @@ static bool on_grid(const struct ground_samples *s, const struct frame *f, int64
 /* The first raster with a height at a place wins. */
 static void put(struct eco_ground *g, int64_t column, int64_t row, float metres, double origin_z)
 {
-	float *to;
 	if (column < 0 || row < 0 || column >= g->columns || row >= g->rows || isnan(metres))
 		return;
-	to = &g->height_m[(size_t)row * g->columns + (size_t)column];
+	float *to = &g->height_m[(size_t)row * g->columns + (size_t)column];
 	if (isnan(*to))
 		*to = (float)((double)metres - origin_z);
 }
@@ -366,7 +363,6 @@ static GDALDatasetH warp(GDALDatasetH from, const struct ground_raster *r, const
 	char *arguments[24] = { "-of", "MEM", "-ot", "Float32", "-r", "bilinear", "-et", "0.01", "-novshift",
 		"-dstnodata", "nan", "-te", bounds[0], bounds[1], bounds[2], bounds[3], "-ts", size[0],
 		size[1], NULL };
-	GDALWarpAppOptions *options;
 	GDALDatasetH to = NULL;
 	int usage = 0;
 
@@ -381,7 +377,7 @@ static GDALDatasetH warp(GDALDatasetH from, const struct ground_raster *r, const
 		arguments[20] = wkt;
 		arguments[21] = NULL;
 	}
-	options = GDALWarpAppOptionsNew(arguments, NULL);
+	GDALWarpAppOptions *options = GDALWarpAppOptionsNew(arguments, NULL);
 	if (options)
 		to = GDALWarp("", NULL, 1, &from, options, &usage);
 	GDALWarpAppOptionsFree(options);
@@ -394,16 +390,14 @@ static enum eco_code put_resampled(struct eco_ground *g, const struct ground_sam
 {
 	int64_t first[2], end[2];
 	GDALDatasetH from, to = NULL;
-	float *line;
-	bool good;
 	reach(r, f, first, end);
 	if (first[0] >= end[0] || first[1] >= end[1])
 		return ECO_OK;
-	line = malloc((size_t)(end[0] - first[0]) * sizeof *line);
+	float *line = malloc((size_t)(end[0] - first[0]) * sizeof *line);
 	from = wrap(s, r->crs);
 	if (from && line)
 		to = warp(from, r, job, f, first, end);
-	good = to != NULL;
+	bool good = to != NULL;
 	for (int64_t y = 0; good && y < end[1] - first[1]; y++) {
 		int width = (int)(end[0] - first[0]);
 		good = GDALRasterIO(GDALGetRasterBand(to, 1), GF_Read, 0, (int)y, width, 1, line, width, 1,
@@ -442,7 +436,6 @@ static enum eco_code add_raster(struct eco_ground *g, struct job *job, const str
 static enum eco_code merge(struct eco_ground *g, struct job *job, struct eco_error *error)
 {
 	struct frame frame;
-	size_t count;
 	enum eco_code code = place_frame(&frame, job, error);
 	if (code)
 		return code;
@@ -452,7 +445,7 @@ static enum eco_code merge(struct eco_ground *g, struct job *job, struct eco_err
 	g->step_y_m = frame.step[1];
 	g->x_m = frame.low[0] + frame.step[0] / 2 - job->options->origin[0];
 	g->y_m = frame.low[1] + frame.step[1] / 2 - job->options->origin[1];
-	count = (size_t)g->columns * g->rows;
+	size_t count = (size_t)g->columns * g->rows;
 	g->height_m = malloc(count * sizeof *g->height_m);
 	if (!g->height_m)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u x %u samples of ground", g->columns,
@@ -502,13 +495,11 @@ enum eco_code gdal_ground_read(struct eco_ground_job *asked, FILE *out, struct e
 {
 	struct job job = { .asked = asked, .options = asked->options };
 	struct eco_ground ground = { .height_m = NULL };
-	enum eco_code code;
-	size_t count;
 	CPLPushErrorHandler(CPLQuietErrorHandler);
 	CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
 	GDALAllRegister();
-	code = import(&ground, &job, error);
-	count = (size_t)ground.columns * ground.rows;
+	enum eco_code code = import(&ground, &job, error);
+	size_t count = (size_t)ground.columns * ground.rows;
 	if (code == ECO_OK && (fwrite(&asked->notes, sizeof asked->notes, 1, out) != 1
 			|| fwrite(&ground, sizeof ground, 1, out) != 1
 		|| fwrite(ground.height_m, sizeof *ground.height_m, count, out) != count))

@@ -25,11 +25,10 @@ enum eco_code gdal_raster_write(const struct eco_raster *raster, const char *pat
 {
 	OGRSpatialReferenceH crs = OSRNewSpatialReference(NULL);
 	char *wkt = NULL;
-	GDALDriverH driver;
 	GDALDatasetH file;
 	enum eco_code code;
 	GDALAllRegister();
-	driver = GDALGetDriverByName("GTiff");
+	GDALDriverH driver = GDALGetDriverByName("GTiff");
 	if (!driver || OSRImportFromEPSG(crs, raster->epsg) != OGRERR_NONE || OSRExportToWkt(crs, &wkt)
 			!= OGRERR_NONE) {
 		code = eco_fail(error, ECO_NOT_FOUND, "GDAL cannot write GeoTIFF in EPSG:%d: is proj-data "

@@ -391,7 +391,6 @@ static enum eco_code pick_band(GDALRasterBandH *band, const struct ground_raster
 	const struct eco_ground_source *source, struct ground_notes *notes, struct eco_error *error)
 {
 	int count = GDALGetRasterCount(r->file), wanted = source->band > 0 ? (int)source->band : 1;
-	const char *name;
 	if (wanted > count)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it has %d band%s, not a band %d", r->path,
 			count, count == 1 ? "" : "s", wanted);
@@ -404,7 +403,7 @@ static enum eco_code pick_band(GDALRasterBandH *band, const struct ground_raster
 	if (GDALGetRasterColorInterpretation(*band) == GCI_RedBand || GDALGetRasterColorTable(*band))
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it holds colours, not heights; if one of its "
 			"bands is heights, say which: \"band\": 1", r->path);
-	name = GDALGetDescription(*band);
+	const char *name = GDALGetDescription(*band);
 	if (count > 1)
 		ground_note(notes, "%.200s: band 1 of %d%s%.60s%s is taken for heights; for another add "
 			"\"band\" to the ground", r->path, count, name[0] != 0 ? " (" : "", name,

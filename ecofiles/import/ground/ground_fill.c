@@ -84,7 +84,6 @@ enum eco_code eco_ground_fill(struct eco_ground *ground, struct eco_error *error
 {
 	size_t count = (size_t)ground->columns * ground->rows, missing = 0;
 	struct fill f = { .ground = ground };
-	bool ready;
 	for (size_t i = 0; i < count; i++)
 		missing += isnan(ground->height_m[i]);
 	ground->filled = missing;
@@ -95,7 +94,7 @@ enum eco_code eco_ground_fill(struct eco_ground *ground, struct eco_error *error
 	f.queued = calloc(count / 64 + 1, sizeof *f.queued);
 	f.queue = malloc(missing * sizeof *f.queue);
 	f.values = malloc(missing * sizeof *f.values);
-	ready = f.queued != NULL && f.queue && f.values;
+	bool ready = f.queued != NULL && f.queue && f.values;
 	if (ready) {
 		grow(&f);
 		level(&f);

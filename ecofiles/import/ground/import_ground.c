@@ -77,17 +77,15 @@ enum eco_code eco_ground_import(struct eco_ground *ground, const struct eco_grou
 	struct eco_error verdict = { .code = ECO_OK };
 	struct eco_guard *guard;
 	FILE *result;
-	bool whole;
-	enum eco_code code;
 	*ground = (struct eco_ground){ .height_m = NULL };
 	if (job.side_max < 2 || job.side_max > ECO_GROUND_SIDE_MAX)
 		job.side_max = ECO_GROUND_SIDE_MAX;
-	code = check_files(options->source, error);
+	enum eco_code code = check_files(options->source, error);
 	if (!code)
 		code = eco_guard_start(&guard, work, &job, options->source->heights[0], NULL, &result, error);
 	if (code)
 		return code;
-	whole = get_ground(result, ground, &job);
+	bool whole = get_ground(result, ground, &job);
 	code = eco_guard_finish(guard, &verdict);
 	if (code)
 		eco_fail(error, code, "%s", verdict.text);

@@ -149,10 +149,9 @@ static void read_material(struct reader *r, uint32_t index, uint32_t *channel, b
 	const struct aiMaterial *from = r->scene->mMaterials[index];
 	struct eco_material *to = &r->images.model->materials[index];
 	struct aiColor4D color;
-	bool lost;
 	name_of(from, to->name);
 	color_of(from, &color);
-	lost = !invisible && !read_image(r, from, to, color.a, channel);
+	bool lost = !invisible && !read_image(r, from, to, color.a, channel);
 	to->rgb[0] = byte_of(r, color.r);
 	to->rgb[1] = byte_of(r, color.g);
 	to->rgb[2] = byte_of(r, color.b);

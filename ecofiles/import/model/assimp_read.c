@@ -30,10 +30,9 @@ struct stream {
 static size_t stream_read(struct aiFile *file, char *to, size_t size, size_t count)
 {
 	struct stream *s = (struct stream *)file->UserData;
-	size_t whole;
 	if (s->disk)
 		return fread(to, size, count, s->disk);
-	whole = size == 0 ? 0 : (s->size - s->at) / size;
+	size_t whole = size == 0 ? 0 : (s->size - s->at) / size;
 	if (whole > count)
 		whole = count;
 	memcpy(to, s->bytes + s->at, whole * size);
@@ -169,10 +168,9 @@ static void add_vertices(struct soup *s, const struct aiMesh *mesh, const struct
 {
 	struct eco_model *m = s->model;
 	uint32_t channel = s->channel[mesh->mMaterialIndex];
-	const struct aiVector3D *uv;
 	if (channel >= AI_MAX_NUMBER_OF_TEXTURECOORDS || !mesh->mTextureCoords[channel])
 		channel = 0;
-	uv = mesh->mTextureCoords[channel];
+	const struct aiVector3D *uv = mesh->mTextureCoords[channel];
 	for (unsigned i = 0; i < mesh->mNumVertices; i++) {
 		float *to = &m->uv[((size_t)m->vertex_count + i) * 2];
 		double place[3];
@@ -326,7 +324,6 @@ static void add_mesh(struct soup *s, const struct aiNode *node, unsigned index,
 	const struct aiMesh *mesh = s->scene->mMeshes[index];
 	struct eco_model *m = s->model;
 	uint64_t triangles = mesh_triangles(mesh);
-	uint32_t whole;
 	m->triangles_in += (uint32_t)triangles;
 	if (s->invisible[mesh->mMaterialIndex]) {
 		m->dropped[ECO_DROP_TRANSPARENT] += (uint32_t)triangles;
@@ -334,7 +331,7 @@ static void add_mesh(struct soup *s, const struct aiNode *node, unsigned index,
 		return;
 	}
 	add_part(s, node, mesh);
-	whole = mesh_material(s, mesh);
+	uint32_t whole = mesh_material(s, mesh);
 	add_vertices(s, mesh, world);
 	for (unsigned i = 0; i < mesh->mNumFaces; i++)
 		if (mesh->mFaces[i].mNumIndices == 3)
@@ -454,11 +451,10 @@ static enum eco_code reserve(struct soup *s, struct eco_model_frame *frame, uint
 		.high = { -INFINITY, -INFINITY, -INFINITY } };
 	const char *path = s->file->path;
 	double extent = 0;
-	enum eco_code code;
 	if (!walk(s->scene, count_mesh, &t))
 		return eco_fail(s->error, ECO_TOO_LARGE, "%.300s: no nodes, or more than %u", path,
 			NODES_MAX);
-	code = check_totals(&t, path, triangles_max, s->error);
+	enum eco_code code = check_totals(&t, path, triangles_max, s->error);
 	if (code)
 		return code;
 	if (t.low[0] <= t.high[0]) {
@@ -549,11 +545,10 @@ static enum eco_code read_scene(struct soup *s, struct eco_model_frame *frame, u
 static const struct aiScene *import_scene(const struct eco_model_file *file, struct aiFileIO *io)
 {
 	struct aiPropertyStore *settings = aiCreatePropertyStore();
-	const struct aiScene *scene;
 	if (!settings)
 		return aiImportFileEx(file->path, 0, io);
 	aiSetImportPropertyInteger(settings, AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, 1);
-	scene = aiImportFileExWithProperties(file->path, 0, io, settings);
+	const struct aiScene *scene = aiImportFileExWithProperties(file->path, 0, io, settings);
 	aiReleasePropertyStore(settings);
 	return scene;
 }

@@ -169,11 +169,10 @@ static enum eco_code read_beside(const struct eco_gltf *doc, uint32_t index, con
 	struct gltf_bytes *to, struct eco_error *error)
 {
 	char path[4096];
-	enum eco_code code;
 	if (!eco_model_find_beside(doc->path, uri, path, sizeof path))
 		return eco_fail(error, ECO_NOT_FOUND, "%.250s: buffer %u: no file %.150s beside it",
 			doc->path, index, uri);
-	code = eco_file_read(path, ECO_GLTF_FILE_MAX, &to->owned, &to->size, error);
+	enum eco_code code = eco_file_read(path, ECO_GLTF_FILE_MAX, &to->owned, &to->size, error);
 	to->bytes = to->owned;
 	return code;
 }
@@ -201,11 +200,10 @@ static enum eco_code read_buffer(const struct eco_gltf *doc, uint32_t index, str
 enum eco_code gltf_buffer_range(struct eco_gltf *doc, uint32_t buffer, uint64_t offset, uint64_t size,
 	const uint8_t **bytes, struct eco_error *error)
 {
-	struct gltf_bytes *b;
 	enum eco_code code;
 	if (buffer >= doc->buffer_count)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: names a buffer that is not there", doc->path);
-	b = &doc->buffers[buffer];
+	struct gltf_bytes *b = &doc->buffers[buffer];
 	if (!b->bytes && (code = read_buffer(doc, buffer, b, error)) != ECO_OK)
 		return code;
 	if (offset > b->size || size > b->size - offset)
@@ -257,7 +255,6 @@ static enum eco_code refuse_version_1(const struct eco_gltf *doc, struct eco_err
 static enum eco_code open_binary(struct eco_gltf *doc, const uint8_t *bytes, size_t size, size_t *length,
 	struct eco_error *error)
 {
-	size_t at, left;
 	if (size >= 8 && u32_at(bytes + 4) == 1)
 		return refuse_version_1(doc, error);
 	if (size < 20 || u32_at(bytes + 4) != 2 || u32_at(bytes + 16) != CHUNK_JSON)
@@ -267,8 +264,8 @@ static enum eco_code open_binary(struct eco_gltf *doc, const uint8_t *bytes, siz
 		return eco_fail(error, ECO_DAMAGED, "%.300s: cut off: says it has %u bytes, there are %zu",
 			doc->path, u32_at(bytes + 8), size);
 	*length = u32_at(bytes + 12);
-	at = 20 + ((*length + 3) & ~(size_t)3);
-	left = at < size ? size - at : 0;
+	size_t at = 20 + ((*length + 3) & ~(size_t)3);
+	size_t left = at < size ? size - at : 0;
 	if (left >= 8 && u32_at(bytes + at + 4) == CHUNK_BIN) {
 		if (u32_at(bytes + at) > left - 8)
 			return eco_fail(error, ECO_DAMAGED, "%.300s: cut off: its binary chunk says %u "
@@ -337,13 +334,12 @@ enum eco_code eco_gltf_open_memory(struct eco_gltf **doc, const char *name, cons
 	struct eco_error *error)
 {
 	struct eco_gltf *d = calloc(1, sizeof *d);
-	enum eco_code code;
 	*doc = NULL;
 	if (!d || !(d->path = strdup(name))) {
 		free(d);
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", name);
 	}
-	code = parse(d, bytes, size, error);
+	enum eco_code code = parse(d, bytes, size, error);
 	if (!code)
 		code = take_arrays(d, error);
 	if (code)

@@ -128,12 +128,11 @@ static enum eco_code substitute(struct eco_gltf *doc, uint32_t index, const json
 		type = eco_gltf_whole(indices, "componentType", 0);
 	const uint8_t *where, *what;
 	size_t stride = dense_stride(a);
-	enum eco_code code;
 	if (count > a->count || (type != 5121 && type != 5123 && type != 5125))
 		return eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u: its sparse part does not fit it",
 			doc->path, index);
-	code = locate(doc, index, indices, count, component_bytes(type), component_bytes(type), &where,
-		error);
+	enum eco_code code = locate(doc, index, indices, count, component_bytes(type), component_bytes(type),
+		&where, error);
 	if (!code)
 		code = locate(doc, index, values, count, element_bytes(a), stride, &what, error);
 	if (code)
@@ -157,12 +156,11 @@ enum eco_code eco_gltf_accessor_open(struct eco_gltf *doc, uint32_t accessor, ui
 {
 	const json_t *json = eco_gltf_item(doc, "accessors", accessor),
 		*sparse = json_object_get(json, "sparse");
-	enum eco_code code;
 	*a = (struct eco_gltf_accessor){ .bytes = NULL };
 	if (!json)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: names accessor %u, which is not there",
 			doc->path, accessor);
-	code = read_shape(doc, accessor, json, a, error);
+	enum eco_code code = read_shape(doc, accessor, json, a, error);
 	if (code == ECO_OK && components != 0 && a->components != components)
 		code = eco_fail(error, ECO_DAMAGED, "%.300s: accessor %u has %u components, its use needs %u",
 			doc->path, accessor, a->components, components);
@@ -222,12 +220,11 @@ void eco_gltf_element(const struct eco_gltf_accessor *a, uint64_t i, double *val
 
 uint32_t eco_gltf_element_index(const struct eco_gltf_accessor *a, uint64_t i)
 {
-	double value;
 	if (!a->bytes)
 		return 0;
 	if (a->type == 5121 || a->type == 5123 || a->type == 5125)
 		return whole_at(a->bytes + i * a->stride, a->type);
-	value = component(a->bytes + i * a->stride, a->type, false);
+	double value = component(a->bytes + i * a->stride, a->type, false);
 	return value >= 0 && value < ECO_NONE ? (uint32_t)value : ECO_NONE;
 }
 

@@ -110,11 +110,10 @@ enum eco_code gltf_meshopt_unpack(struct eco_gltf *doc, uint32_t index, const js
 	struct gltf_bytes *to, struct eco_error *error)
 {
 	struct packed p;
-	uint8_t *bytes;
 	enum eco_code code = read_packed(doc, index, extension, &p, error);
 	if (code)
 		return code;
-	bytes = can_be(&p) ? malloc((size_t)(p.count * p.stride) + 1) : NULL;
+	uint8_t *bytes = can_be(&p) ? malloc((size_t)(p.count * p.stride) + 1) : NULL;
 	if (!bytes && can_be(&p))
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for bufferView %u", doc->path,
 			index);

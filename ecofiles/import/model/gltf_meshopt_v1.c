@@ -157,10 +157,9 @@ static uint32_t clamped(double value, uint32_t most)
 static void undo_color(uint32_t y, int32_t co, int32_t cg, uint32_t a, uint32_t most, uint32_t rgba[4])
 {
 	uint32_t scale = a;
-	double unit;
 	for (int shift = 1; shift <= 8; shift *= 2)
 		scale |= scale >> shift;
-	unit = scale == 0 ? 0 : (double)most / scale;
+	double unit = scale == 0 ? 0 : (double)most / scale;
 	rgba[0] = clamped(((int32_t)y + co - cg) * unit, most);
 	rgba[1] = clamped(((int32_t)y + cg) * unit, most);
 	rgba[2] = clamped(((int32_t)y - co - cg) * unit, most);

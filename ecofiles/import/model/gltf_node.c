@@ -50,11 +50,10 @@ enum eco_code eco_gltf_node_local(const struct eco_gltf *doc, uint32_t node, dou
 {
 	const json_t *json = eco_gltf_item(doc, "nodes", node);
 	double t[3] = { 0, 0, 0 }, q[4] = { 0, 0, 0, 1 }, s[3] = { 1, 1, 1 };
-	bool good;
 	if (!json)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: names node %u, which is not there", doc->path,
 			node);
-	good = eco_gltf_numbers(json, "translation", t, 3) && eco_gltf_numbers(json, "rotation", q, 4)
+	bool good = eco_gltf_numbers(json, "translation", t, 3) && eco_gltf_numbers(json, "rotation", q, 4)
 		&& eco_gltf_numbers(json, "scale", s, 3);
 	eco_gltf_compose(matrix, t, q, s);
 	if (json_array_size(json_object_get(json, "matrix")) == 16)
@@ -203,10 +202,10 @@ static enum eco_code open_one(struct eco_gltf *doc, uint32_t node, const json_t 
 	uint32_t components, struct eco_gltf_instances *all, struct eco_gltf_accessor *a,
 	struct eco_error *error)
 {
-	enum eco_code code;
 	if (!json_object_get(attributes, name))
 		return ECO_OK;
-	code = eco_gltf_accessor_open(doc, eco_gltf_index(attributes, name), components, a, error);
+	enum eco_code code = eco_gltf_accessor_open(doc, eco_gltf_index(attributes, name), components, a,
+		error);
 	if (code)
 		return code;
 	if (all->count != UINT64_MAX && all->count != a->count)
@@ -223,12 +222,11 @@ enum eco_code eco_gltf_instances_open(struct eco_gltf *doc, uint32_t node, bool 
 	const json_t *extension = eco_gltf_extension(eco_gltf_item(doc, "nodes", node),
 		"EXT_mesh_gpu_instancing");
 	const json_t *attributes = json_object_get(extension, "attributes");
-	enum eco_code code;
 	*there = extension != NULL;
 	if (!extension)
 		return ECO_OK;
 	*all = (struct eco_gltf_instances){ .count = UINT64_MAX };
-	code = open_one(doc, node, attributes, "TRANSLATION", 3, all, &all->translation, error);
+	enum eco_code code = open_one(doc, node, attributes, "TRANSLATION", 3, all, &all->translation, error);
 	if (!code)
 		code = open_one(doc, node, attributes, "ROTATION", 4, all, &all->rotation, error);
 	if (!code)

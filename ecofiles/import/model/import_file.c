@@ -225,9 +225,7 @@ enum eco_code eco_model_file_check(const char *path, struct eco_error *error)
 	struct stat status;
 	bool holds_zip = eco_path_ends_with(path, ".zae") || eco_path_ends_with(path, ".3mf")
 		|| eco_path_ends_with(path, ".usdz");
-	char *head;
 	size_t size;
-	enum eco_code code;
 	if (stat(path, &status) != 0)
 		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.400s: %s", path,
 			strerror(errno));
@@ -237,8 +235,8 @@ enum eco_code eco_model_file_check(const char *path, struct eco_error *error)
 		return eco_fail(error, ECO_IO, "%.400s: not a regular file", path);
 	if (access(path, R_OK) != 0)
 		return eco_fail(error, ECO_IO, "%.400s: %s", path, strerror(errno));
-	head = eco_file_read_head(path, &size);
-	code = head == NULL ? eco_fail(error, ECO_NO_MEMORY, "%.400s: out of memory", path)
+	char *head = eco_file_read_head(path, &size);
+	enum eco_code code = head == NULL ? eco_fail(error, ECO_NO_MEMORY, "%.400s: out of memory", path)
 		: eco_file_check_head(path, head, size, holds_zip, "a model", error);
 	free(head);
 	for (size_t i = 0; code == ECO_OK && i < sizeof others / sizeof *others; i++)

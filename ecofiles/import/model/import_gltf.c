@@ -59,10 +59,9 @@ static enum eco_code out_of_memory(struct soup *s)
 static bool grow(void **items, uint32_t count, uint32_t *room, size_t size)
 {
 	uint32_t wanted = *room < 16 ? 16 : *room * 2;
-	void *grown;
 	if (count < *room)
 		return true;
-	grown = wanted > *room ? realloc(*items, wanted * size) : NULL;
+	void *grown = wanted > *room ? realloc(*items, wanted * size) : NULL;
 	if (!grown)
 		return false;
 	*items = grown;
@@ -128,12 +127,10 @@ static enum eco_code read_piece(struct soup *s, struct shape *shape, const json_
 		.primitive = primitive,
 		.weights = shape->weights, .mesh = shape->mesh, .number = number,
 		.triangles_max = s->triangles_max, .counts = &s->counts };
-	struct piece *piece;
-	enum eco_code code;
 	if (!grow((void **)&s->pieces, s->piece_count, &s->piece_room, sizeof *s->pieces))
 		return out_of_memory(s);
-	piece = &s->pieces[s->piece_count];
-	code = gltf_surface_read(&piece->surface, &source, s->error);
+	struct piece *piece = &s->pieces[s->piece_count];
+	enum eco_code code = gltf_surface_read(&piece->surface, &source, s->error);
 	if (code)
 		return code;
 	s->piece_count++;
@@ -149,7 +146,6 @@ static enum eco_code find_shape(struct soup *s, uint32_t mesh, const json_t *nod
 {
 	const json_t *json = eco_gltf_item(s->doc, "meshes", mesh),
 		*weights = json_object_get(node, "weights"), *primitives;
-	struct shape *shape;
 	enum eco_code code = ECO_OK;
 	if (!json)
 		return eco_fail(s->error, ECO_DAMAGED, "%.300s: names mesh %u, which is not there",
@@ -161,7 +157,7 @@ static enum eco_code find_shape(struct soup *s, uint32_t mesh, const json_t *nod
 			return ECO_OK;
 	if (!grow((void **)&s->shapes, s->shape_count, &s->shape_room, sizeof *s->shapes))
 		return out_of_memory(s);
-	shape = &s->shapes[s->shape_count];
+	struct shape *shape = &s->shapes[s->shape_count];
 	*shape = (struct shape){ .mesh = mesh, .weights = weights, .first = s->piece_count,
 		.next = s->first_shape[mesh] };
 	primitives = json_object_get(json, "primitives");
@@ -175,13 +171,12 @@ static enum eco_code find_shape(struct soup *s, uint32_t mesh, const json_t *nod
 
 static enum eco_code add_place(struct soup *s, uint32_t shape, uint32_t node, const double world[16])
 {
-	struct place *place;
 	s->triangles += s->shapes[shape].triangles;
 	if (too_many(s, s->triangles) != ECO_OK)
 		return ECO_TOO_LARGE;
 	if (!grow((void **)&s->places, s->place_count, &s->place_room, sizeof *s->places))
 		return out_of_memory(s);
-	place = &s->places[s->place_count++];
+	struct place *place = &s->places[s->place_count++];
 	place->shape = shape;
 	place->node = node;
 	memcpy(place->world, world, sizeof place->world);
@@ -211,10 +206,9 @@ static enum eco_code visit(void *ctx, uint32_t node, const double world[16])
 	const json_t *json = eco_gltf_item(s->doc, "nodes", node);
 	uint32_t shape = ECO_NONE;
 	bool instanced = false;
-	enum eco_code code;
 	if (!json_object_get(json, "mesh"))
 		return ECO_OK;
-	code = find_shape(s, eco_gltf_index(json, "mesh"), json, &shape);
+	enum eco_code code = find_shape(s, eco_gltf_index(json, "mesh"), json, &shape);
 	if (!code)
 		code = add_instances(s, shape, node, world, &instanced);
 	if (code == ECO_OK && !instanced && s->shapes[shape].triangles > 0)

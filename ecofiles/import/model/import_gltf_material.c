@@ -148,14 +148,13 @@ static bool embedded(void *ctx, const char *name, struct eco_image *image, enum 
 	struct eco_error *error)
 {
 	struct eco_gltf *doc = ctx;
-	const json_t *json;
 	const uint8_t *bytes;
 	const char *uri;
 	unsigned index;
 	size_t size;
 	if (sscanf(name, "images[%u] ", &index) != 1)
 		return false;
-	json = eco_gltf_item(doc, "images", index);
+	const json_t *json = eco_gltf_item(doc, "images", index);
 	uri = eco_gltf_text(json, "uri");
 	if (!json || (*uri != 0 && strncasecmp(uri, "data:", 5) != 0))
 		return false;

@@ -20,11 +20,10 @@ enum eco_code gltf_skin_read(struct gltf_skin *skin, struct eco_gltf *doc, uint3
 	const json_t *json = eco_gltf_item(doc, "skins", index), *joints = json_object_get(json, "joints");
 	size_t count = json_array_size(joints);
 	struct eco_gltf_accessor inverse;
-	enum eco_code code;
 	if (!json)
 		return eco_fail(error, ECO_DAMAGED, "%.300s: names skin %u, which is not there",
 			eco_gltf_path(doc), index);
-	code = read_inverse(doc, json, &inverse, error);
+	enum eco_code code = read_inverse(doc, json, &inverse, error);
 	if (code)
 		return code;
 	skin->matrix = count < ECO_NONE ? malloc((count + 1) * 16 * sizeof *skin->matrix) : NULL;

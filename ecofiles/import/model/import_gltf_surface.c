@@ -72,11 +72,10 @@ static enum eco_code open_attribute(struct reader *r, enum attribute which, cons
 {
 	const json_t *attributes = json_object_get(r->from->primitive, "attributes");
 	struct attribute_values *v = &r->values[which];
-	enum eco_code code;
 	if (!json_object_get(attributes, name))
 		return ECO_OK;
-	code = eco_gltf_accessor_open(r->from->doc, eco_gltf_index(attributes, name), 0, &v->accessor,
-		r->error);
+	enum eco_code code = eco_gltf_accessor_open(r->from->doc, eco_gltf_index(attributes, name), 0,
+		&v->accessor, r->error);
 	if (code)
 		return code;
 	if (!components_fit(which, v->accessor.components))
@@ -133,9 +132,8 @@ static uint32_t match_attributes(struct reader *r, const json_t *ids, const stru
 	uint32_t count = 0;
 	for (int i = 0; i < ATTRIBUTES; i++) {
 		char name[32];
-		uint32_t id;
 		name_of((enum attribute)i, look, name);
-		id = eco_gltf_index(ids, name);
+		uint32_t id = eco_gltf_index(ids, name);
 		if (id == ECO_NONE && i == TEXCOORD)
 			id = eco_gltf_index(ids, "TEXCOORD_0");
 		if (id == ECO_NONE || !r->values[i].there)
@@ -243,12 +241,11 @@ static enum eco_code read_triangles(struct reader *r, uint64_t mode)
 
 static enum eco_code open_indices(struct reader *r)
 {
-	enum eco_code code;
 	r->index_count = r->vertex_count;
 	if (!json_object_get(r->from->primitive, "indices"))
 		return ECO_OK;
-	code = eco_gltf_accessor_open(r->from->doc, eco_gltf_index(r->from->primitive, "indices"), 1,
-		&r->indices, r->error);
+	enum eco_code code = eco_gltf_accessor_open(r->from->doc,
+		eco_gltf_index(r->from->primitive, "indices"), 1, &r->indices, r->error);
 	r->index_count = r->indices.count;
 	r->indexed = true;
 	return code;
@@ -354,10 +351,10 @@ static bool take_memory(struct reader *r)
 static enum eco_code add_target(struct reader *r, const json_t *target, double weight, const uint32_t *source)
 {
 	struct eco_gltf_accessor a;
-	enum eco_code code;
 	if (!json_object_get(target, "POSITION"))
 		return ECO_OK;
-	code = eco_gltf_accessor_open(r->from->doc, eco_gltf_index(target, "POSITION"), 3, &a, r->error);
+	enum eco_code code = eco_gltf_accessor_open(r->from->doc, eco_gltf_index(target, "POSITION"), 3, &a,
+		r->error);
 	if (code)
 		return code;
 	for (uint32_t v = 0; v < r->to->vertex_count; v++) {
@@ -394,7 +391,6 @@ static enum eco_code add_targets(struct reader *r, const uint32_t *source)
 static enum eco_code read_vertices(struct reader *r, const struct gltf_look *look)
 {
 	uint32_t *source = NULL;
-	enum eco_code code;
 	if (!compact(r, &source) || !take_memory(r)) {
 		free(source);
 		return fail(r, ECO_NO_MEMORY, "out of memory");
@@ -403,7 +399,7 @@ static enum eco_code read_vertices(struct reader *r, const struct gltf_look *loo
 		take_vertex(r, look, source[v], v);
 		take_joints(r, source[v], v);
 	}
-	code = add_targets(r, source);
+	enum eco_code code = add_targets(r, source);
 	free(source);
 	return code;
 }
@@ -411,12 +407,11 @@ static enum eco_code read_vertices(struct reader *r, const struct gltf_look *loo
 /* Counts points and lines, which are not drawn. */
 static enum eco_code count_others(struct reader *r, uint64_t mode)
 {
-	uint64_t n;
 	enum eco_code code = open_attribute(r, POSITION, "POSITION");
 	r->vertex_count = r->values[POSITION].accessor.count;
 	if (!code)
 		code = open_indices(r);
-	n = r->index_count;
+	uint64_t n = r->index_count;
 	if (mode == POINTS)
 		r->from->counts->points += n;
 	else
@@ -429,15 +424,13 @@ static enum eco_code read_primitive(struct reader *r)
 	const json_t *draco = eco_gltf_extension(r->from->primitive, "KHR_draco_mesh_compression");
 	uint64_t mode = eco_gltf_whole(r->from->primitive, "mode", TRIANGLES);
 	uint64_t material = eco_gltf_whole(r->from->primitive, "material", UINT64_MAX);
-	const struct gltf_look *look;
-	enum eco_code code;
 	r->to->material = material < r->from->look_count ? (uint32_t)material : r->from->look_count;
-	look = &r->from->looks[r->to->material];
+	const struct gltf_look *look = &r->from->looks[r->to->material];
 	if (mode > TRIANGLE_FAN)
 		return fail(r, ECO_DAMAGED, "its mode is none that glTF knows");
 	if (mode < TRIANGLES)
 		return count_others(r, mode);
-	code = open_attributes(r, look);
+	enum eco_code code = open_attributes(r, look);
 	if (code == ECO_OK && !r->values[POSITION].there) {
 		r->from->counts->shapeless++;
 		return ECO_OK;
@@ -454,9 +447,8 @@ enum eco_code gltf_surface_read(struct gltf_surface *surface, const struct gltf_
 	struct eco_error *error)
 {
 	struct reader r = { .from = source, .to = surface, .error = error };
-	enum eco_code code;
 	*surface = (struct gltf_surface){ .position = NULL };
-	code = read_primitive(&r);
+	enum eco_code code = read_primitive(&r);
 	for (int i = 0; i < ATTRIBUTES; i++) {
 		eco_gltf_accessor_close(&r.values[i].accessor);
 		free(r.values[i].draco);

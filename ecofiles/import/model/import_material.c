@@ -10,9 +10,8 @@ void eco_note(struct eco_notes *notes, const char *format, ...)
 {
 	va_list arguments;
 	size_t left = sizeof notes->text - notes->used;
-	int wanted;
 	va_start(arguments, format);
-	wanted = vsnprintf(notes->text + notes->used, left, format, arguments);
+	int wanted = vsnprintf(notes->text + notes->used, left, format, arguments);
 	va_end(arguments);
 	if (wanted < 0 || (size_t)wanted + 2 > left) {
 		notes->text[notes->used] = 0;

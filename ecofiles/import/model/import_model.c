@@ -176,11 +176,10 @@ static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 {
 	const struct job *job = ctx;
 	struct head *head = calloc(1, sizeof *head);
-	enum eco_code code;
 	if (!head)
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", job->path);
 	head->frame.convention = ECO_UP_Y;
-	code = eco_model_file_check(job->path, error);
+	enum eco_code code = eco_model_file_check(job->path, error);
 	if (code == ECO_OK && eco_path_ends_with(job->path, ".obj"))
 		code = eco_obj_read(&head->model, &head->frame, job->path, job->triangles_max, &head->notes,
 			error);

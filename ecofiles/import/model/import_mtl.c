@@ -65,7 +65,6 @@ static char *read_numbers(char *at, int most, double *keep)
 static char *map_name(char *at, struct eco_mtl_material *m)
 {
 	const struct option *o;
-	size_t length;
 	for (at = skip_space(at); (o = option_at(at));) {
 		at = skip_space(skip_word(at));
 		if (o->numbers > 0)
@@ -75,7 +74,7 @@ static char *map_name(char *at, struct eco_mtl_material *m)
 		for (int i = 0; i < o->words; i++)
 			at = skip_space(skip_word(at));
 	}
-	length = strlen(at);
+	size_t length = strlen(at);
 	if (length >= 2 && at[0] == '"' && at[length - 1] == '"') {
 		at[length - 1] = 0;
 		at++;
@@ -111,10 +110,9 @@ static void read_color(char *rest, struct eco_mtl_material *m)
 static void read_share(char *rest, double *to, bool *has)
 {
 	char *word = eco_obj_word(&rest), *end;
-	double share;
 	if (word && strcmp(word, "-halo") == 0)
 		word = eco_obj_word(&rest);
-	share = word != NULL ? strtod(word, &end) : 0;
+	double share = word != NULL ? strtod(word, &end) : 0;
 	if (!word || *end != 0 || !isfinite(share))
 		return;
 	*to = share;

@@ -129,10 +129,9 @@ static bool grow_names(struct eco_obj_names *n)
  * ran out. */
 static uint32_t name_number(struct eco_obj_names *n, const char *name, uint32_t most)
 {
-	uint32_t slot;
 	if ((n->mask == 0 || n->count >= (n->mask + 1) / 2) && !grow_names(n))
 		return ECO_NONE;
-	slot = hash_text(name) & n->mask;
+	uint32_t slot = hash_text(name) & n->mask;
 	while (n->table[slot] != 0 && strcmp(n->items[n->table[slot] - 1], name) != 0)
 		slot = (slot + 1) & n->mask;
 	if (n->table[slot] != 0)

@@ -222,12 +222,10 @@ static uint32_t vertex_of(struct maker *m, struct eco_obj_corner corner, uint32_
 	struct eco_model *to = m->model;
 	const double *place = place_of(m->obj, corner.v);
 	uint32_t transform, slot, v;
-	struct eco_obj_corner key;
-	uint64_t h;
 	if (!place)
 		return ECO_NONE;
-	key = key_of(m, corner, material, &transform);
-	h = (key.v * 0x9e3779b97f4a7c15u) ^ (key.vt * 0xc2b2ae3d27d4eb4fu)
+	struct eco_obj_corner key = key_of(m, corner, material, &transform);
+	uint64_t h = (key.v * 0x9e3779b97f4a7c15u) ^ (key.vt * 0xc2b2ae3d27d4eb4fu)
 		^ (transform * 0x165667b19e3779f9u);
 	h ^= h >> 29;
 	h *= 0xbf58476d1ce4e5b9u;

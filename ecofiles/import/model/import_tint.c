@@ -35,7 +35,6 @@ uint32_t eco_tints_get(struct eco_tints *t, uint32_t material, const uint8_t rgb
 	struct eco_model *m = t->model;
 	uint64_t key = (uint64_t)material << 24 | (uint64_t)rgb[0] << 16 | (uint64_t)rgb[1] << 8 | rgb[2];
 	uint32_t slot = (uint32_t)((key * 0x9e3779b97f4a7c15u) >> 40) % (4 * ECO_TINTS_MAX);
-	struct eco_material *to;
 	if (rgb[0] == 255 && rgb[1] == 255 && rgb[2] == 255)
 		return material;
 	while (t->table[slot] != 0 && t->key[t->table[slot] - 1] != key)
@@ -50,7 +49,7 @@ uint32_t eco_tints_get(struct eco_tints *t, uint32_t material, const uint8_t rgb
 	if (m->materials[material].name[0] == 0)
 		snprintf(m->materials[material].name, sizeof m->materials[material].name, "vertex colours %u",
 			(unsigned)material + 1);
-	to = &m->materials[m->material_count];
+	struct eco_material *to = &m->materials[m->material_count];
 	*to = m->materials[material];
 	to->colourless = false;
 	for (int k = 0; k < 3; k++)
@@ -117,13 +116,12 @@ static bool copy_image(struct tints *t, uint32_t source, uint32_t *copy)
 {
 	struct eco_model *m = t->model;
 	struct eco_image *images = realloc(m->images, ((size_t)m->image_count + 1) * sizeof *images), *to;
-	size_t pixels;
 	if (!images)
 		return false;
 	m->images = images;
 	to = &images[m->image_count];
 	*to = images[source];
-	pixels = (size_t)to->width * to->height;
+	size_t pixels = (size_t)to->width * to->height;
 	to->rgba = malloc(pixels * 4 + 1);
 	if (!to->rgba)
 		return false;

@@ -21,10 +21,9 @@
 static uint32_t *table_new(uint64_t entries, uint32_t *mask)
 {
 	size_t size = 16;
-	uint32_t *table;
 	while (size < entries * 2)
 		size *= 2;
-	table = malloc(size * sizeof *table);
+	uint32_t *table = malloc(size * sizeof *table);
 	if (table)
 		memset(table, 0xff, size * sizeof *table);
 	*mask = (uint32_t)(size - 1);
@@ -171,9 +170,8 @@ bool eco_components_find(struct eco_components *c, const struct eco_model *m, co
 	bool by_material)
 {
 	uint32_t *parent = malloc(((size_t)m->triangle_count + 1) * sizeof *parent);
-	bool good;
 	*c = (struct eco_components){ .of = malloc(((size_t)m->triangle_count + 1) * sizeof *c->of) };
-	good = parent != NULL && c->of && join_triangles(m, place, by_material, parent)
+	bool good = parent != NULL && c->of && join_triangles(m, place, by_material, parent)
 		&& list_components(c, m, parent);
 	free(parent);
 	if (!good)
@@ -196,10 +194,9 @@ static uint32_t next_letter(const char **at, const char *end)
 {
 	const unsigned char *p = (const unsigned char *)*at;
 	size_t bytes = eco_utf8_bytes(*at, (size_t)(end - *at));
-	uint32_t c;
 	if (*at >= end)
 		return 0;
-	c = bytes > 1 ? *p & (0x7fu >> bytes) : *p;
+	uint32_t c = bytes > 1 ? *p & (0x7fu >> bytes) : *p;
 	for (size_t i = 1; i < bytes; i++)
 		c = c << 6 | (p[i] & 0x3fu);
 	*at += bytes > 0 ? bytes : 1;

@@ -303,12 +303,11 @@ static enum eco_code stand(struct stance *s, struct eco_model *m, const struct e
 	const struct eco_model_options *options, const char *what, struct eco_notes *notes,
 	struct eco_error *error)
 {
-	enum eco_code code;
 	measure(s);
 	find_wood(s);
 	find_foot(s);
 	find_ground(s, frame);
-	code = find_scale(m, s->high - s->foot[2], frame->unit_m, options, what, notes, error);
+	enum eco_code code = find_scale(m, s->high - s->foot[2], frame->unit_m, options, what, notes, error);
 	if (code)
 		return code;
 	for (int k = 0; k < 3; k++) {

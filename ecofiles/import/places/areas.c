@@ -189,12 +189,11 @@ bool eco_area_holds(const struct eco_areas *areas, uint32_t index, double x, dou
 {
 	const struct eco_area *area = &areas->items[index];
 	const struct eco_edge *edges = areas->edges + area->edge_first;
-	uint32_t s;
 	bool inside = false;
 	if (area->ring_edges == 0 || x < area->low[0] || x > area->high[0] || y < area->low[1]
 			|| y > area->high[1])
 		return false;
-	s = strip_of(area, y);
+	uint32_t s = strip_of(area, y);
 	for (uint32_t i = area->strip_first[s]; i < area->strip_first[s + 1]; i++)
 		if (crosses(&edges[area->strip[i]], x, y))
 			inside = !inside;
@@ -288,7 +287,6 @@ static enum eco_code index_boxes(struct eco_areas *areas, struct eco_error *erro
 {
 	struct eco_area_boxes *b = &areas->boxes;
 	double high[2] = { -INFINITY, -INFINITY };
-	uint32_t *at;
 	b->low[0] = b->low[1] = INFINITY;
 	for (uint32_t i = 0; i < areas->count; i++)
 		for (int k = 0; k < 2; k++) {
@@ -299,7 +297,7 @@ static enum eco_code index_boxes(struct eco_areas *areas, struct eco_error *erro
 	for (int k = 0; k < 2; k++)
 		b->step[k] = high[k] > b->low[k] ? (high[k] - b->low[k]) / b->side : 1;
 	b->first = calloc((size_t)b->side * b->side + 1, sizeof *b->first);
-	at = calloc((size_t)b->side * b->side + 1, sizeof *at);
+	uint32_t *at = calloc((size_t)b->side * b->side + 1, sizeof *at);
 	if (b->first && at) {
 		fill_boxes(areas, b->first + 1, true);
 		for (uint32_t c = 0; c < b->side * b->side; c++)
@@ -315,10 +313,9 @@ static enum eco_code index_boxes(struct eco_areas *areas, struct eco_error *erro
 bool eco_areas_hold(const struct eco_areas *areas, double x, double y)
 {
 	const struct eco_area_boxes *b = &areas->boxes;
-	uint32_t cell;
 	if (areas->count == 0)
 		return false;
-	cell = box_column(b, 1, y) * b->side + box_column(b, 0, x);
+	uint32_t cell = box_column(b, 1, y) * b->side + box_column(b, 0, x);
 	for (uint32_t i = b->first[cell]; i < b->first[cell + 1]; i++)
 		if (eco_area_holds(areas, b->member[i], x, y))
 			return true;

@@ -53,9 +53,8 @@ static void quiet(void)
 
 bool gdal_rows_knows(const char *path)
 {
-	GDALDriverH driver;
 	quiet();
-	driver = GDALIdentifyDriverEx(path, GDAL_OF_VECTOR, NULL, NULL);
+	GDALDriverH driver = GDALIdentifyDriverEx(path, GDAL_OF_VECTOR, NULL, NULL);
 	CPLPopErrorHandler();
 	return driver && strcmp(GDALGetDriverShortName(driver), "CSV") != 0;
 }
@@ -204,9 +203,8 @@ static void look_at_some(struct ogr_rows *r)
 		if (!feature)
 			break;
 		if (geometry && !OGR_G_IsEmpty(geometry)) {
-			bool is_beyond;
 			OGR_G_GetEnvelope(geometry, &box);
-			is_beyond = fabs(box.MinX) > 360 || fabs(box.MaxX) > 360 || fabs(box.MinY) > 90
+			bool is_beyond = fabs(box.MinX) > 360 || fabs(box.MaxX) > 360 || fabs(box.MinY) > 90
 				|| fabs(box.MaxY) > 90;
 			beyond += is_beyond;
 			within += !is_beyond;
@@ -272,12 +270,11 @@ static void take_point(struct eco_rows_place *place, OGRGeometryH point)
 static enum eco_code take_area(struct ogr_rows *r, OGRGeometryH geometry, struct eco_error *error)
 {
 	OGRGeometryH straight = OGR_G_GetLinearGeometry(geometry, 0, NULL);
-	size_t size;
 	enum eco_code code = ECO_OK;
 	if (!straight)
 		return gdal_says(r->path, ECO_BAD_INPUT, "a geometry cannot be read", error);
 	OGR_G_FlattenTo2D(straight);
-	size = (size_t)OGR_G_WkbSize(straight);
+	size_t size = (size_t)OGR_G_WkbSize(straight);
 	if (size > AREA_BYTES_MAX) {
 		code = eco_fail(error, ECO_TOO_LARGE, "%.300s: a geometry of %zu bytes, at most %u are "
 			"possible; simplify it", r->path, size, AREA_BYTES_MAX);
@@ -417,7 +414,6 @@ static enum eco_code take_fields(struct ogr_rows *r, struct eco_error *error)
 static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *error)
 {
 	struct ogr_rows *r = (struct ogr_rows *)rows;
-	enum eco_code code;
 	*more = true;
 	if (next_vertex(r)) {
 		take_own(r);
@@ -436,7 +432,7 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 	}
 	rows->row++;
 	rows->line++;
-	code = take_geometry(r, error);
+	enum eco_code code = take_geometry(r, error);
 	return code == ECO_OK ? take_fields(r, error) : code;
 }
 
@@ -500,7 +496,6 @@ enum eco_code gdal_rows_open(struct eco_rows **rows, const struct eco_rows_sourc
 	struct eco_error *error)
 {
 	struct ogr_rows *r = calloc(1, sizeof *r);
-	enum eco_code code;
 	_Static_assert(offsetof(struct ogr_rows, rows) == 0, "struct eco_rows is the start of struct "
 		"ogr_rows");
 	*rows = NULL;
@@ -513,7 +508,7 @@ enum eco_code gdal_rows_open(struct eco_rows **rows, const struct eco_rows_sourc
 	r->rows.where = "feature";
 	r->areas = source->areas;
 	r->vertices = source->vertices;
-	code = open_data(r, source, error);
+	enum eco_code code = open_data(r, source, error);
 	if (!code)
 		code = find_layer(r, source->layer, error);
 	if (!code) {

@@ -84,7 +84,6 @@ static enum eco_code take_row(struct reading *r, struct eco_areas *areas, bool s
 	const struct eco_rows_place *place = &r->rows->place;
 	double number = 0;
 	bool kept;
-	enum eco_code code;
 	r->input->features += surfaces;
 	if (surfaces && !passes(r))
 		return skip(r, ECO_AREA_FILTERED), ECO_OK;
@@ -94,7 +93,7 @@ static enum eco_code take_row(struct reading *r, struct eco_areas *areas, bool s
 			|| !(number >= 0)))
 		return skip(r, ECO_AREA_NO_NUMBER), ECO_OK;
 	r->converted = r->near = true;
-	code = eco_areas_add_wkb(areas, place->wkb, place->wkb_bytes, convert, r, &kept, error);
+	enum eco_code code = eco_areas_add_wkb(areas, place->wkb, place->wkb_bytes, convert, r, &kept, error);
 	if (code)
 		return code;
 	if (!kept)
@@ -207,9 +206,8 @@ static enum eco_code read_mask(struct eco_scatter_input *input, const struct eco
 		.nodata = -1e30, .has_nodata = true };
 	struct eco_ground raster = { .columns = 0 };
 	struct eco_mask *mask = &input->mask;
-	enum eco_code code;
 
-	code = eco_ground_import(&raster,
+	enum eco_code code = eco_ground_import(&raster,
 		&(struct eco_ground_options){ .source = &source, .scene_crs = frame->crs,
 		.origin = { frame->origin[0], frame->origin[1], 0 }, .side_max = MASK_SIDE_MAX,
 		.keep_missing = true, .warn = mask_note,

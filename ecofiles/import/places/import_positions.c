@@ -105,9 +105,8 @@ static bool read_plant(struct eco_positions *p, struct eco_position *record)
 	const struct eco_species *species = &p->spec->fallback;
 	char text[256] = "";
 	if (p->column[ECO_COLUMN_SPECIES] != ECO_NONE) {
-		uint32_t key;
 		shown(field(p, p->column[ECO_COLUMN_SPECIES]), text, sizeof text);
-		key = eco_species_find(p->species, text, p->rows->line);
+		uint32_t key = eco_species_find(p->species, text, p->rows->line);
 		if (key < p->spec->map_count)
 			species = &p->spec->map[key];
 	}
@@ -422,12 +421,11 @@ static double read_scale(struct eco_positions *p)
 
 static enum verdict read_row(struct eco_positions *p, struct eco_position *record, struct eco_error *error)
 {
-	enum verdict verdict;
 	if (p->rows->field_count < p->fields_needed)
 		return skip(p, ECO_SKIP_SHORT_ROW, p->rows->field_count > 0 ? p->rows->fields[0] : "");
 	if (!passes_filters(p) || !read_plant(p, record))
 		return SKIPPED;
-	verdict = read_place(p, record, error);
+	enum verdict verdict = read_place(p, record, error);
 	if (verdict == GOOD)
 		verdict = check_sizes(p, error);
 	if (verdict != GOOD)
@@ -530,14 +528,13 @@ enum eco_code eco_positions_open(struct eco_positions **reader, const struct eco
 	const struct eco_frame *frame, struct eco_error *error)
 {
 	struct eco_positions *p = calloc(1, sizeof *p);
-	enum eco_code code;
 	*reader = NULL;
 	if (!p)
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	p->spec = spec;
 	p->frame = *frame;
 	p->species = eco_species_open(spec);
-	code = start_places(p, error);
+	enum eco_code code = start_places(p, error);
 	if (code == ECO_OK && (!p->species || spec->height_count > ECO_HEIGHT_SOURCES_MAX
 			|| spec->filter_count > ECO_FILTERS_MAX))
 		code = eco_fail(error, ECO_NO_MEMORY, "out of memory");
@@ -556,10 +553,9 @@ enum eco_code eco_positions_next(struct eco_positions *reader, struct eco_positi
 	struct eco_error *error)
 {
 	struct eco_error own = { .code = ECO_OK };
-	enum eco_code code;
 	if (!error)
 		error = &own;
-	code = wants_levels(reader) ? find_levels(reader, error) : ECO_OK;
+	enum eco_code code = wants_levels(reader) ? find_levels(reader, error) : ECO_OK;
 	if (!code)
 		code = read_record(reader, record, error);
 	if (code != ECO_OK || record->plant == ECO_NONE)

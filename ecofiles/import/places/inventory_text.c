@@ -188,9 +188,8 @@ static size_t number_at(const char *text, char decimal, double *number)
 
 bool eco_text_number(const char *text, char decimal, double *number)
 {
-	size_t bytes;
 	text = skip_spaces(text);
-	bytes = number_at(text, decimal, number);
+	size_t bytes = number_at(text, decimal, number);
 	return bytes > 0 && *skip_spaces(text + bytes) == 0;
 }
 
@@ -275,10 +274,9 @@ static void take_inches(const char **text, char decimal, double unit_m, double *
 
 static bool take_measure(const char **text, char decimal, double *number, double *unit_m)
 {
-	double unit;
 	if (!take_number(text, decimal, number))
 		return false;
-	unit = take_unit(text);
+	double unit = take_unit(text);
 	take_inches(text, decimal, unit, number);
 	if (unit != 0 && *unit_m != 0 && unit != *unit_m)
 		return false;
@@ -330,12 +328,10 @@ static const char *behind_class(const char *folded)
 enum eco_size_form eco_text_size(const char *text, char decimal, double *number, double *unit_m)
 {
 	char folded[80];
-	const char *behind;
-	enum eco_size_form form;
 	*unit_m = 0;
 	if (eco_text_fold(text, folded, sizeof folded) + 1 >= sizeof folded)
 		return ECO_FORM_NONE;
-	form = size_at(folded, decimal, number, unit_m);
-	behind = form == ECO_FORM_NONE ? behind_class(folded) : NULL;
+	enum eco_size_form form = size_at(folded, decimal, number, unit_m);
+	const char *behind = form == ECO_FORM_NONE ? behind_class(folded) : NULL;
 	return behind ? size_at(behind, decimal, number, unit_m) : form;
 }

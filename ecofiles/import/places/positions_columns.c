@@ -81,7 +81,6 @@ enum eco_code eco_positions_open_rows(struct eco_positions *p, struct eco_error 
 		s->crown.column };
 	struct eco_rows_source source = { .path = s->path, .layer = s->layer, .separator = s->separator,
 		.wanted = wanted };
-	enum eco_code code;
 	for (int i = 0; i < ECO_COLUMN_FIXED; i++)
 		if (fixed[i])
 			wanted[source.wanted_count++] = fixed[i];
@@ -92,6 +91,6 @@ enum eco_code eco_positions_open_rows(struct eco_positions *p, struct eco_error 
 		wanted[source.wanted_count++] = s->filters[i].column;
 	eco_rows_close(p->rows);
 	p->rows = NULL;
-	code = eco_rows_open(&p->rows, &source, error);
+	enum eco_code code = eco_rows_open(&p->rows, &source, error);
 	return code == ECO_OK ? find_columns(p, error) : code;
 }

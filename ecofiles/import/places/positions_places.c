@@ -47,11 +47,10 @@ static bool grow(struct part *part)
 bool eco_place_set_add(struct eco_place_set *set, const double at[3], bool *known)
 {
 	uint64_t hash = 0, *slot;
-	struct part *part;
 	for (int k = 0; k < 3; k++)
 		hash = eco_mix(hash, (uint64_t)(int64_t)floor(at[k] * 1000 + 0.5));
 	hash += hash == 0;
-	part = &set->parts[hash % PARTS];
+	struct part *part = &set->parts[hash % PARTS];
 	if (part->count * 5ull >= part->capacity * 4ull && !grow(part))
 		return false;
 	slot = slot_of(part, hash);

@@ -41,12 +41,11 @@ double eco_size_read(const struct eco_size *size, const char *text, char decimal
 {
 	const struct eco_allometry *rule = NULL;
 	double number, unit_m, metres;
-	enum eco_size_form form;
 	if (size->kind == ECO_SIZE_NUMBER)
 		return size->value_m;
 	if (size->kind == ECO_SIZE_DBH && !(rule = rule_of(size, plant)))
 		return NAN;
-	form = eco_text_size(text, decimal, &number, &unit_m);
+	enum eco_size_form form = eco_text_size(text, decimal, &number, &unit_m);
 	remarks->unread |= form == ECO_FORM_NONE && !eco_text_is_missing(text);
 	if (form == ECO_FORM_NONE || !(number > 0))
 		return NAN;

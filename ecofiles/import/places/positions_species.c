@@ -95,10 +95,9 @@ static uint32_t match(const struct eco_species_table *t, const char *folded)
 static struct known *slot_of(const struct eco_species_table *t, const char *text, size_t length)
 {
 	uint64_t hash = length;
-	uint32_t at;
 	for (size_t i = 0; i < length; i++)
 		hash = (hash ^ (unsigned char)text[i]) * 0x100000001b3u;
-	at = (uint32_t)(eco_mix(0, hash) % SLOTS);
+	uint32_t at = (uint32_t)(eco_mix(0, hash) % SLOTS);
 	while (t->known[at].text
 			&& (strncmp(t->known[at].text, text, length) != 0 || t->known[at].text[length] != 0))
 		at = at + 1 == SLOTS ? 0 : at + 1;

@@ -55,7 +55,6 @@ static PJ *horizontal_of(PJ_CONTEXT *context, const PJ *crs)
 static enum eco_code vertical_of(PJ_CONTEXT *context, const PJ *crs, const char *stated, PJ **vertical,
 	bool *ellipsoid, const char *whose, struct eco_error *error)
 {
-	PJ_TYPE type;
 	*vertical = NULL;
 	*ellipsoid = false;
 	if (!stated) {
@@ -69,7 +68,7 @@ static enum eco_code vertical_of(PJ_CONTEXT *context, const PJ *crs, const char 
 		return ECO_OK;
 	}
 	*vertical = parse(context, stated);
-	type = *vertical != NULL ? proj_get_type(*vertical) : PJ_TYPE_UNKNOWN;
+	PJ_TYPE type = *vertical != NULL ? proj_get_type(*vertical) : PJ_TYPE_UNKNOWN;
 	if (type == PJ_TYPE_VERTICAL_CRS)
 		return ECO_OK;
 	proj_destroy(*vertical);
@@ -168,7 +167,6 @@ static enum eco_code pair_heights(struct eco_crs_path *c, const struct eco_crs_r
 {
 	enum eco_code code = vertical_of(c->context, c->from, r->vertical, &h->from, &h->from_ellipsoid,
 		r->path, error);
-	bool has_from, has_to;
 	if (!code)
 		code = vertical_of(c->context, c->to, r->frame->vertical, &h->to, &h->to_ellipsoid,
 			"the scene", error);
@@ -180,8 +178,8 @@ static enum eco_code pair_heights(struct eco_crs_path *c, const struct eco_crs_r
 			"take its twin in metres, such "
 			"as \"EPSG:5703\" (NAVD88)", r->frame->vertical != NULL ? r->frame->vertical
 			: proj_get_name(h->to));
-	has_from = h->from != NULL || h->from_ellipsoid;
-	has_to = h->to != NULL || h->to_ellipsoid;
+	bool has_from = h->from != NULL || h->from_ellipsoid;
+	bool has_to = h->to != NULL || h->to_ellipsoid;
 	if (has_from && !has_to)
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its heights (z) have a vertical datum "
 			"(\"%.80s\"), the scene's have none; add \"vertical\": "
@@ -304,10 +302,9 @@ static void degrees_of(const struct eco_crs_path *c, const double xyz[3], double
 static enum eco_code open_conversion(struct eco_crs_path *c, const struct eco_crs_request *r,
 	struct eco_error *error)
 {
-	PJ *raw;
 	if (!c->convert_z && same(c->context, c->from, c->to))
 		return ECO_OK;
-	raw = proj_create_crs_to_crs_from_pj(c->context, c->from, c->to, NULL,
+	PJ *raw = proj_create_crs_to_crs_from_pj(c->context, c->from, c->to, NULL,
 		c->convert_z ? (const char *const[]){ "ALLOW_BALLPARK=NO", NULL } : NULL);
 	c->conversion = raw != NULL ? proj_normalize_for_visualization(c->context, raw) : NULL;
 	proj_destroy(raw);
@@ -360,7 +357,6 @@ static enum eco_code check_operation(struct eco_crs_path *c, const double xyz[3]
 static enum eco_code open_parts(struct eco_crs_path *c, const struct eco_crs_request *r,
 	struct eco_error *error)
 {
-	enum eco_code code;
 	c->request = *r;
 	c->use_z = r->use_z;
 	c->context = proj_context_create();
@@ -371,7 +367,7 @@ static enum eco_code open_parts(struct eco_crs_path *c, const struct eco_crs_req
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	proj_log_level(c->context, PJ_LOG_NONE);
 	proj_context_set_enable_network(c->context, 0);
-	code = parse_frame(c, r, error);
+	enum eco_code code = parse_frame(c, r, error);
 	if (!code)
 		code = parse_source(c, r, error);
 	if (!code)
@@ -402,13 +398,12 @@ enum eco_code proj_crs_convert(struct eco_crs_path *c, double xyz[3], bool *conv
 	struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
-	PJ_COORD to;
 	*converted = true;
 	*why = "";
 	if (!c->conversion)
 		return ECO_OK;
 	proj_errno_reset(c->conversion);
-	to = proj_trans(c->conversion, PJ_FWD,
+	PJ_COORD to = proj_trans(c->conversion, PJ_FWD,
 		proj_coord(xyz[0], xyz[1], c->convert_z ? xyz[2] : 0, HUGE_VAL));
 	*converted = isfinite(to.xyz.x) && isfinite(to.xyz.y) && (!c->convert_z || isfinite(to.xyz.z));
 	if (!*converted && proj_errno(c->conversion) != 0)

@@ -65,7 +65,6 @@ static enum eco_code read_head(const char *path, struct head *head, struct eco_e
 	static const char *const zips[] = { "xlsx", "ods", "kmz", NULL },
 		*const shapes[] = { "shx", "prj", "cpg", "sbn", "sbx", "qix", NULL };
 	struct stat file;
-	FILE *in;
 	if (stat(path, &file) != 0)
 		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", path,
 			strerror(errno));
@@ -76,7 +75,7 @@ static enum eco_code read_head(const char *path, struct head *head, struct eco_e
 	}
 	if (!S_ISREG(file.st_mode))
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it is not a file", path);
-	in = fopen(path, "rb");
+	FILE *in = fopen(path, "rb");
 	if (!in)
 		return eco_fail(error, ECO_IO, "%.300s: %s", path, strerror(errno));
 	head->size = fread(head->bytes, 1, HEAD_BYTES, in);
@@ -144,13 +143,11 @@ enum eco_code eco_rows_open_here(struct eco_rows **rows, const struct eco_rows_s
 		*const tab[] = { "tab", NULL };
 	static const char *const gltf_names[] = { "gltf", "glb", NULL };
 	struct head *head = malloc(sizeof *head);
-	enum eco_code code;
-	unsigned char sign;
 	*rows = NULL;
 	if (!head)
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", source->path);
-	code = read_head(source->path, head, error);
-	sign = first_sign(head);
+	enum eco_code code = read_head(source->path, head, error);
+	unsigned char sign = first_sign(head);
 	if (code)
 		;
 	else if (has_extension(source->path, gltf_names))

@@ -145,9 +145,8 @@ static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 	const struct eco_rows_source *source = ctx;
 	struct eco_rows *rows = NULL;
 	struct eco_writer m = { .bytes = NULL };
-	enum eco_code code;
 	setvbuf(out, NULL, _IOFBF, WRITE_BUFFER);
-	code = eco_rows_open_here(&rows, source, error);
+	enum eco_code code = eco_rows_open_here(&rows, source, error);
 	if (!code)
 		code = send_rows(rows, source, &m, out, error);
 	eco_rows_close(rows);
@@ -229,14 +228,13 @@ static enum eco_code get_head(struct child *c, struct eco_error *error)
 	struct eco_reader *r = &c->reader;
 	uint8_t flags = eco_read_u8(r);
 	uint32_t columns = eco_read_u32(r);
-	const char *crs;
 	snprintf(c->where, sizeof c->where, "%.31s", get_text(r));
 	rows->where = c->where;
 	rows->has_geometry = flags & 1;
 	rows->has_z = flags >> 1 & 1;
 	rows->local = flags >> 2 & 1;
 	rows->degrees_doubted = flags >> 3 & 1;
-	crs = get_text(r);
+	const char *crs = get_text(r);
 	snprintf(rows->no_crs, sizeof rows->no_crs, "%.111s", get_text(r));
 	if (r->failed || columns > ECO_COLUMNS_MAX || strlen(crs) > ECO_ROWS_CRS_BYTES)
 		return damaged(c, error);

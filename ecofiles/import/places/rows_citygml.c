@@ -432,7 +432,6 @@ static void close_citygml(struct eco_rows *rows)
 /* What is known behind the last tree: the CRS and the order of its axes. */
 static enum eco_code settle(struct citygml *c, struct eco_error *error)
 {
-	const struct eco_proj_module *proj;
 	char note[300] = "";
 	if (c->tree_count == 0)
 		return eco_fail(error, ECO_BAD_INPUT, "%.300s: no SolitaryVegetationObject in it, so no "
@@ -443,7 +442,7 @@ static enum eco_code settle(struct citygml *c, struct eco_error *error)
 			"polygons, \"scatter\" fills them with plants", (unsigned long long)c->covers);
 	if (c->crs.code[0] == 0)
 		return ECO_OK;
-	proj = eco_module(ECO_MODULE_PROJ, error);
+	const struct eco_proj_module *proj = eco_module(ECO_MODULE_PROJ, error);
 	if (!proj)
 		return ECO_NOT_FOUND;
 	proj->citygml_settle(&c->crs, note, sizeof note);
@@ -456,7 +455,6 @@ static enum eco_code settle(struct citygml *c, struct eco_error *error)
 static enum eco_code read_citygml(struct citygml *c, struct eco_error *error)
 {
 	FILE *file = fopen(c->path, "rb");
-	enum eco_code code;
 	if (!file)
 		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", c->path,
 			strerror(errno));
@@ -465,7 +463,7 @@ static enum eco_code read_citygml(struct citygml *c, struct eco_error *error)
 	XML_SetCharacterDataHandler(c->parser, on_text);
 	XML_SetStartDoctypeDeclHandler(c->parser, on_doctype);
 	XML_SetUnknownEncodingHandler(c->parser, on_encoding, NULL);
-	code = walk(c, file, error);
+	enum eco_code code = walk(c, file, error);
 	fclose(file);
 	return code == ECO_OK ? settle(c, error) : code;
 }

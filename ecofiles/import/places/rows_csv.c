@@ -35,12 +35,11 @@ static enum eco_code put(struct csv *csv, char c, struct eco_error *error)
 {
 	if (csv->used == csv->capacity) {
 		size_t capacity = csv->capacity == 0 ? 4096 : csv->capacity * 2;
-		char *grown;
 		if (csv->used >= ECO_ROW_BYTES_MAX)
 			return eco_fail(error, ECO_TOO_LARGE, "%.300s:%llu: a row of more than %u bytes; is "
 				"a quote not closed?", csv->path, (unsigned long long)csv->rows.line,
 				ECO_ROW_BYTES_MAX);
-		grown = realloc(csv->text, capacity);
+		char *grown = realloc(csv->text, capacity);
 		if (!grown)
 			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", csv->path);
 		csv->text = grown;
@@ -200,13 +199,12 @@ static bool read_wkt_point(const char *text, double at[3])
 {
 	const char *semicolon = strncasecmp(text, "SRID=", 5) == 0 ? strchr(text, ';') : NULL;
 	char number[3][40];
-	int count;
 	text = semicolon != NULL ? semicolon + 1 : text;
 	text += strspn(text, " ");
 	if (strncasecmp(text, "POINT", 5) != 0)
 		return false;
 	text += 5 + strspn(text + 5, " ZzMm");
-	count = sscanf(text, "(%39[0-9.eE+-]%*[ ]%39[0-9.eE+-]%*[ ]%39[0-9.eE+-]", number[0], number[1],
+	int count = sscanf(text, "(%39[0-9.eE+-]%*[ ]%39[0-9.eE+-]%*[ ]%39[0-9.eE+-]", number[0], number[1],
 		number[2]);
 	for (int k = 0; k < 3; k++)
 		if (k >= count || !eco_text_number(number[k], '.', &at[k]))
@@ -278,9 +276,8 @@ static void close_csv(struct eco_rows *rows)
 /* A copy without surrounding spaces, malloc'ed. */
 static char *trimmed(const char *name)
 {
-	size_t size;
 	name += strspn(name, " \t\r");
-	size = strlen(name);
+	size_t size = strlen(name);
 	while (size > 0 && strchr(" \t\r", name[size - 1]))
 		size--;
 	return strndup(name, size);
@@ -321,11 +318,9 @@ static enum eco_code begin_file(struct csv *csv, struct eco_error *error)
 {
 	char *head = malloc(SNIFF_BYTES + 1);
 	const char *text = head;
-	size_t size;
-	bool good;
 	if (!head)
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", csv->path);
-	size = fread(head, 1, SNIFF_BYTES, csv->file);
+	size_t size = fread(head, 1, SNIFF_BYTES, csv->file);
 	head[size] = 0;
 	if (size >= 3 && memcmp(head, "\xef\xbb\xbf", 3) == 0)
 		text += 3;
@@ -343,7 +338,7 @@ static enum eco_code begin_file(struct csv *csv, struct eco_error *error)
 	}
 	if (!memchr(head, '\n', size) && memchr(head, '\r', size))
 		csv->line_end = '\r';
-	good = !ferror(csv->file) && fseek(csv->file, (long)(text - head), SEEK_SET) == 0;
+	bool good = !ferror(csv->file) && fseek(csv->file, (long)(text - head), SEEK_SET) == 0;
 	free(head);
 	return good ? ECO_OK : eco_fail(error, ECO_IO, "%.300s: %s", csv->path, strerror(errno));
 }

@@ -327,10 +327,9 @@ static void close_gltf(struct eco_rows *rows)
 static enum eco_code find_holders(struct gltf_rows *g, struct eco_error *error)
 {
 	size_t nodes = json_array_size(json_object_get(eco_gltf_json(g->doc), "nodes"));
-	enum eco_code code;
 	for (size_t i = 0; i < nodes && !g->instanced; i++)
 		g->instanced = holds_instances(g->doc, (uint32_t)i);
-	code = eco_gltf_walk(g->doc, visit, g, error);
+	enum eco_code code = eco_gltf_walk(g->doc, visit, g, error);
 	if (code == ECO_NO_MEMORY)
 		return eco_fail(error, code, "%.300s: out of memory", eco_gltf_path(g->doc));
 	if (code == ECO_OK && g->holder_count == 0)
@@ -342,7 +341,6 @@ static enum eco_code find_holders(struct gltf_rows *g, struct eco_error *error)
 enum eco_code eco_rows_open_gltf(struct eco_rows **rows, const char *path, struct eco_error *error)
 {
 	struct gltf_rows *g = calloc(1, sizeof *g);
-	enum eco_code code;
 	_Static_assert(offsetof(struct gltf_rows, rows) == 0, "struct eco_rows is the start of struct "
 		"gltf_rows");
 	*rows = NULL;
@@ -352,7 +350,7 @@ enum eco_code eco_rows_open_gltf(struct eco_rows **rows, const char *path, struc
 	g->rows.close = close_gltf;
 	g->rows.where = "instance";
 	g->rows.has_geometry = g->rows.has_z = g->rows.local = true;
-	code = eco_gltf_open(&g->doc, path, error);
+	enum eco_code code = eco_gltf_open(&g->doc, path, error);
 	if (!code)
 		code = find_holders(g, error);
 	if (!code)

@@ -230,10 +230,9 @@ static enum eco_code add_place(struct eco_scatter *s, const double at[2], uint32
 	double share = (double)(bits >> 40) / (1 << 24);
 	if (s->count == s->capacity) {
 		uint64_t wanted = s->capacity ? 2 * s->capacity : 1024;
-		struct eco_scatter_place *grown;
 		if (s->count >= ECO_SCATTER_PLANTS_MAX)
 			return too_many(s);
-		grown = realloc(s->places, wanted * sizeof *grown);
+		struct eco_scatter_place *grown = realloc(s->places, wanted * sizeof *grown);
 		if (!grown)
 			return no_memory(s);
 		s->places = grown;
@@ -287,12 +286,10 @@ static enum eco_code take_candidates(struct eco_scatter *s, struct filling *f)
 	struct candidates *c = &s->candidates;
 	qsort(c->items, c->count, sizeof *c->items, candidate_order);
 	for (size_t i = 0; i < c->count && f->placed < f->wanted; i++) {
-		uint32_t plant;
-		enum eco_code code;
 		if (!is_clear(s, c->items[i].at) || is_near(s, c->items[i].at, f->distance))
 			continue;
-		plant = next_plant(s->spec, f->total, f->given, f->placed);
-		code = add_place(s, c->items[i].at, plant);
+		uint32_t plant = next_plant(s->spec, f->total, f->given, f->placed);
+		enum eco_code code = add_place(s, c->items[i].at, plant);
 		if (code)
 			return code;
 		f->given[plant]++;
@@ -482,7 +479,6 @@ enum eco_code eco_scatter_open(struct eco_scatter **scatter, const struct eco_sc
 {
 	struct eco_error own = { .code = ECO_OK };
 	struct eco_scatter *s = calloc(1, sizeof *s);
-	enum eco_code code;
 	*scatter = NULL;
 	if (!s)
 		return eco_fail(error, ECO_NO_MEMORY, "%.200s: no memory", spec->path);
@@ -490,7 +486,8 @@ enum eco_code eco_scatter_open(struct eco_scatter **scatter, const struct eco_sc
 	*s = (struct eco_scatter){ .spec = spec, .lattice = make_lattice(), .progress = progress, .ctx = ctx,
 		.error = error != NULL ? error : &own };
 	s->grid.cell_m = fmax(spec->distance_m, 1);
-	code = s->lattice != NULL ? eco_scatter_read(&s->input, spec, frame, s->error) : no_memory(s);
+	enum eco_code code = s->lattice != NULL ? eco_scatter_read(&s->input, spec, frame, s->error)
+		: no_memory(s);
 	if (!code)
 		code = s->input.mask.share != NULL ? place_by_mask(s) : place_in_areas(s);
 	free(s->candidates.items);
