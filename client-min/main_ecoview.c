@@ -289,7 +289,7 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 		f->predicted_q = eco_predicted_q(&view_store_plan(v->store)->prediction);
 	}
 	step(v, f->frame, "draw");
-	code = draw(v, v->store, eye, v->gl == NULL, &v->picture, error);
+	code = draw(v, v->store, eye, !v->gl, &v->picture, error);
 	if (code)
 		return code;
 	note_under_ground(v, f->frame);

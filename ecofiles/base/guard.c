@@ -104,14 +104,14 @@ static double wish(const char *variable, double least, double most)
 {
 	const char *text = getenv(variable);
 	char *end = NULL;
-	double value = text != NULL ? strtod(text, &end) : 0;
+	double value = text ? strtod(text, &end) : 0;
 	return text && end != text && *end == 0 && value > 0 ? value < least ? least : value > most ? most
 		: value : 0;
 }
 
 static struct eco_guard_limits effective(const struct eco_guard_limits *asked)
 {
-	struct eco_guard_limits l = asked != NULL ? *asked : (struct eco_guard_limits){ 0 };
+	struct eco_guard_limits l = asked ? *asked : (struct eco_guard_limits){ 0 };
 	uint64_t machine = (uint64_t)sysconf(_SC_PHYS_PAGES) * (uint64_t)sysconf(_SC_PAGESIZE);
 	double memory_gb = wish(ECO_GUARD_MEMORY_VARIABLE, 0.1, 1e6),
 		cpu_s = wish(ECO_GUARD_SECONDS_VARIABLE, 1, 1e9);
@@ -275,9 +275,9 @@ static _Noreturn void child(struct eco_guard *g, eco_guard_work *work, void *ctx
 	life = lift(life);
 	close_others(to, life);
 	silence();
-	confine(g, g->stream == NULL ? g->limits.memory_bytes : 0);
+	confine(g, !g->stream ? g->limits.memory_bytes : 0);
 	FILE *out = fdopen(to, "wb");
-	enum eco_code code = out == NULL ? eco_fail(&error, ECO_NO_MEMORY, "%s: out of memory", g->what)
+	enum eco_code code = !out ? eco_fail(&error, ECO_NO_MEMORY, "%s: out of memory", g->what)
 		: work(ctx, out, &error);
 	if (out && fflush(out) != 0 && !code)
 		code = eco_fail(&error, ECO_IO, "%s: the result could not be handed over: %s", g->what,
@@ -465,7 +465,7 @@ enum eco_code eco_guard_run(eco_guard_work *work, void *ctx, const char *what,
 	const struct eco_guard_limits *limits, FILE **result, struct eco_error *error)
 {
 	struct eco_guard *g = new_guard(what, limits, error);
-	int memory = g != NULL ? memfd_create("eco-guard", MFD_CLOEXEC) : -1;
+	int memory = g ? memfd_create("eco-guard", MFD_CLOEXEC) : -1;
 	FILE *out = memory >= 0 ? fdopen(memory, "w+b") : NULL;
 	enum eco_code code;
 	*result = NULL;

@@ -77,7 +77,7 @@ static int refuse_others(scmp_filter_ctx filter)
 bool eco_guard_filter(void)
 {
 	scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ALLOW);
-	int failed = filter == NULL;
+	int failed = !filter;
 	if (failed)
 		return false;
 	for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)

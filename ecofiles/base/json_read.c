@@ -98,7 +98,7 @@ struct eco_json eco_json_member(const struct eco_json *object, const char *key)
 bool eco_json_next(const struct eco_json *object, struct eco_json *member)
 {
 	json_t *value = (json_t *)object->value;
-	bool first = member->parent == NULL;
+	bool first = !member->parent;
 	void *at = first ? json_object_iter(value)
 		: json_object_iter_next(value, json_object_key_to_iter(member->key));
 	*member = (struct eco_json){ object->file, object, json_object_iter_key(at),
@@ -236,8 +236,8 @@ bool eco_json_no_memory(const struct eco_json *at)
 
 static bool bad(const struct eco_json *at, const char *wanted)
 {
-	const char *what = at->key != NULL ? at->key : at->parent != NULL ? "this" : "the document";
-	const char *mark = at->key != NULL ? "\"" : "";
+	const char *what = at->key ? at->key : at->parent ? "this" : "the document";
+	const char *mark = at->key ? "\"" : "";
 	return eco_json_fail(at, ECO_BAD_INPUT, "%s%s%s must be %s, not %s", mark, what, mark, wanted,
 		type_name(at->value));
 }
@@ -303,7 +303,7 @@ static bool number_in(const struct eco_json *at, double low, double high, double
 	double number = json_number_value(at->value);
 	if (!(number >= low && number <= high))
 		return eco_json_fail(at, ECO_BAD_INPUT, "%s is %.17g, it must be between %.17g and %.17g",
-			at->key != NULL ? at->key : "the number", number, low, high);
+			at->key ? at->key : "the number", number, low, high);
 	*out = number;
 	return true;
 }

@@ -52,7 +52,7 @@ static bool find_beside(const char *file, char path[PATH_MAX])
 static enum eco_code load(enum eco_module module, struct eco_error *error)
 {
 	const char *file = modules[module].file, *given = getenv(ECO_MODULES_VARIABLE);
-	bool chosen = given != NULL && *given != 0;
+	bool chosen = given && *given != 0;
 	char path[PATH_MAX];
 	if (!(chosen ? is_there(given, file, path) : find_beside(file, path)))
 		return eco_fail(error, ECO_NOT_FOUND, "%s, needed for %s, is not %s%.200s: make builds it; "

@@ -150,8 +150,8 @@ static enum eco_code find_elements(const struct eco_chunk_input *input, struct s
 				"kind %u cannot have", input->ordinal, input->first + i, corners,
 				input->list->kind);
 		if (!values_fit(position, 3 * (size_t)corners)
-				|| (e->exact != NULL && !exact_fits(e, corner_at, corners))
-		    || (e->uv != NULL && !values_fit(e->uv + 2 * corner_at, 2 * (size_t)corners))
+				|| (e->exact && !exact_fits(e, corner_at, corners))
+		    || (e->uv && !values_fit(e->uv + 2 * corner_at, 2 * (size_t)corners))
 		    || (e->extra != NULL
 		&& !values_fit(e->extra + (size_t)e->extra_count * (input->first + i), e->extra_count)))
 			return eco_fail(error, ECO_TOO_LARGE, "chunk %u: a value of element %u exceeds %d; "

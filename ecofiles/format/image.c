@@ -59,7 +59,7 @@ enum eco_code eco_image_read_memory(struct eco_image *image, const void *bytes, 
 			size_bytes, ECO_IMAGE_FILE_MAX);
 	if (eco_png_is(bytes, size_bytes))
 		return eco_png_decode(image, bytes, size_bytes, name, error);
-	enum eco_code code = decode(image, kind != NULL ? kind : name, bytes, size_bytes, &inner);
+	enum eco_code code = decode(image, kind ? kind : name, bytes, size_bytes, &inner);
 	return code == ECO_OK ? code : eco_fail(error, code, "%.120s: %.380s", name, inner.text);
 }
 

@@ -36,7 +36,7 @@ static void on_warning(png_structp png, const char *text)
 
 static void need(struct coding *c, const void *memory)
 {
-	c->no_memory |= memory == NULL;
+	c->no_memory |= !memory;
 	if (!memory)
 		png_error(c->png, "out of memory");
 }
@@ -113,7 +113,7 @@ enum eco_code eco_png_decode(struct eco_image *image, const uint8_t *bytes, size
 	enum eco_code code;
 	*image = (struct eco_image){ .rgba = NULL };
 	c.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &c, on_error, on_warning);
-	c.info = c.png != NULL ? png_create_info_struct(c.png) : NULL;
+	c.info = c.png ? png_create_info_struct(c.png) : NULL;
 	if (!c.info)
 		code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", name);
 	else if (try_read(&c, image))
@@ -189,10 +189,10 @@ static enum eco_code encode(const struct eco_pixels *pixels, int filters, uint8_
 		return eco_fail(error, ECO_TOO_LARGE, "a picture of %u x %u pixels: 1 to %u are possible",
 			pixels->width, pixels->height, ECO_PIXELS_MAX);
 	c.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &c, on_error, on_warning);
-	c.info = c.png != NULL ? png_create_info_struct(c.png) : NULL;
+	c.info = c.png ? png_create_info_struct(c.png) : NULL;
 	if (!c.info || !try_write(&c, pixels, filters)) {
 		code = eco_fail(error, ECO_NO_MEMORY, "a picture of %u x %u pixels cannot be written: %s",
-			pixels->width, pixels->height, c.info == NULL ? "out of memory" : c.text);
+			pixels->width, pixels->height, !c.info ? "out of memory" : c.text);
 	} else {
 		*bytes = c.bytes;
 		*size_bytes = c.used;

@@ -36,7 +36,7 @@ static void add_body(struct body *bodies, uint32_t *count, enum eco_section_kind
 	body.section.kind = kind;
 	body.section.count = record_bytes == 0 ? 0 : (uint32_t)records;
 	body.section.record_bytes = record_bytes;
-	body.section.hash = body.bytes == NULL ? 0 : XXH3_64bits(body.bytes, body.section.size);
+	body.section.hash = !body.bytes ? 0 : XXH3_64bits(body.bytes, body.section.size);
 	bodies[(*count)++] = body;
 }
 
@@ -48,7 +48,7 @@ static uint32_t make_bodies(const struct eco_scene *s, const char *meta_json, ui
 	uint32_t count = 0;
 	struct body body;
 	add_body(bodies, &count, ECO_SECTION_META, 0, (struct body){ .bytes = (const uint8_t *)meta_json,
-		.section.size = meta_json == NULL ? 0 : strlen(meta_json) });
+		.section.size = !meta_json ? 0 : strlen(meta_json) });
 	body = (struct body){ 0 };
 	eco_scene_write(&body.owned, s);
 	add_body(bodies, &count, ECO_SECTION_SCENE, 1, body);

@@ -313,7 +313,7 @@ enum eco_code eco_pack_add_list(struct eco_pack_writer *writer, const struct eco
 	*list_id = ECO_NONE;
 	if (list->coder == ECO_CODER_BYTES || form != (partner_elements != NULL))
 		return eco_fail(error, ECO_BAD_INPUT, "list %u: coder %u does not go with %s partner",
-			writer->list_count, list->coder, partner_elements != NULL ? "a" : "no");
+			writer->list_count, list->coder, partner_elements ? "a" : "no");
 	if (form && list->partner >= writer->list_count)
 		return eco_fail(error, ECO_BAD_INPUT, "list %u: its partner %u must be added before it",
 			writer->list_count, list->partner);
@@ -422,11 +422,11 @@ static bool join(struct eco_elements *all, const struct eco_elements *part)
 	size_t before = all->element_count, count = before + part->element_count, extra = part->extra_count;
 	uint8_t *corners = realloc(all->corners, count);
 	int32_t *position, *values;
-	all->corners = corners != NULL ? corners : all->corners;
+	all->corners = corners ? corners : all->corners;
 	position = realloc(all->position, 3 * count * sizeof *position);
-	all->position = position != NULL ? position : all->position;
+	all->position = position ? position : all->position;
 	values = realloc(all->extra, (extra * count + 1) * sizeof *values);
-	all->extra = values != NULL ? values : all->extra;
+	all->extra = values ? values : all->extra;
 	if (!corners || !position || !values)
 		return false;
 	memcpy(corners + before, part->corners, part->element_count);
@@ -459,7 +459,7 @@ enum eco_code eco_pack_read_points(struct eco_pack_writer *writer, uint32_t list
 	for (uint32_t i = 0; i < list->chunk_count && code == ECO_OK; i++) {
 		const struct eco_chunk *chunk = &writer->chunks[list->chunk_first + i];
 		uint8_t *bytes = malloc(chunk->size_bytes);
-		code = bytes == NULL ? eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", writer->path)
+		code = !bytes ? eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", writer->path)
 			: read_spool(writer, chunk, bytes, error);
 		if (!code)
 			code = join_chunk(points, list, chunk, i, bytes, error);

@@ -117,7 +117,7 @@ static bool parse_children(struct eco_source *source, const struct eco_json *top
 
 static bool parse_name(struct eco_source *source, const struct eco_json *top)
 {
-	const char *slash = strrchr(source->path, '/'), *name = slash != NULL ? slash + 1 : source->path;
+	const char *slash = strrchr(source->path, '/'), *name = slash ? slash + 1 : source->path;
 	struct eco_json node = eco_json_member(top, "name");
 	size_t bytes = strcspn(name, ".");
 	if (node.value) {
@@ -164,7 +164,7 @@ enum eco_code eco_source_parse_as(struct eco_source *source, const char *json, s
 	bool on_disk, struct eco_error *error)
 {
 	struct eco_error local = { .code = ECO_OK };
-	struct eco_json_file file = { path, json, size, error != NULL ? error : &local };
+	struct eco_json_file file = { path, json, size, error ? error : &local };
 	*source = (struct eco_source){ .path = strdup(path), .on_disk = on_disk };
 	if (!source->path)
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
@@ -175,7 +175,7 @@ enum eco_code eco_source_parse_as(struct eco_source *source, const char *json, s
 	}
 	json_t *root = eco_json_open(&file);
 	struct eco_json top = eco_json_root(&file, root);
-	bool good = root != NULL && parse_document(source, &top);
+	bool good = root && parse_document(source, &top);
 	json_decref(root);
 	if (good)
 		return ECO_OK;

@@ -9,7 +9,7 @@
 static char *path_beside(const char *base, const char *relative)
 {
 	const char *slash = strrchr(base, '/');
-	size_t folder = slash != NULL && *relative != '/' ? (size_t)(slash - base) + 1 : 0;
+	size_t folder = slash && *relative != '/' ? (size_t)(slash - base) + 1 : 0;
 	char *path = malloc(folder + strlen(relative) + 1);
 	if (path) {
 		memcpy(path, base, folder);

@@ -13,7 +13,7 @@ static bool parse_meaning(struct eco_ground_source *ground, const struct eco_jso
 	struct eco_json nodata = eco_json_member(at, "nodata"), scale = eco_json_member(at, "scale");
 	uint64_t band = 1;
 	ground->no_holes = json_is_null(nodata.value);
-	ground->has_nodata = nodata.value != NULL && !ground->no_holes;
+	ground->has_nodata = nodata.value && !ground->no_holes;
 	ground->has_offset = eco_json_member(at, "offset").value != NULL;
 	if (!eco_json_whole(at, "band", 1, 65535, &band)
 			|| !eco_json_number(at, "scale", -1e6, 1e6, &ground->scale)

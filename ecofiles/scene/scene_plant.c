@@ -172,9 +172,9 @@ static bool parse_rule(const struct eco_json *at, struct eco_part_rule *rule)
 	if ((name != NULL) + (component > 0) + (size.value != NULL) != 1)
 		return eco_json_fail(at, ECO_BAD_INPUT, "a rule has exactly one of \"name\": \"pot*\", "
 			"\"component\": 1, \"size\": [0, 0.1]");
-	rule->kind = name != NULL ? ECO_PART_NAME : component > 0 ? ECO_PART_COMPONENT : ECO_PART_SIZE;
+	rule->kind = name ? ECO_PART_NAME : component > 0 ? ECO_PART_COMPONENT : ECO_PART_SIZE;
 	rule->component = (uint32_t)component;
-	rule->name = name != NULL ? strdup(name) : NULL;
+	rule->name = name ? strdup(name) : NULL;
 	return !name || rule->name || eco_json_no_memory(at);
 }
 

@@ -58,7 +58,7 @@ static bool parse_numbers(const struct eco_source *source, const struct eco_json
 		return eco_json_fail(at, ECO_BAD_INPUT, "say how many: \"density_per_ha\": {\"oak\": 120, "
 			"\"ash\": 40}; or \"mix\": {\"oak\": 3, \"ash\": 1} with "
 			"\"density_column\" (plants a hectare) or \"count_column\" (plants in the area)");
-	return parse_plants(source, density.value != NULL ? &density : &mix, spec);
+	return parse_plants(source, density.value ? &density : &mix, spec);
 }
 
 static bool parse_height(const struct eco_json *at, struct eco_scatter_spec *spec)

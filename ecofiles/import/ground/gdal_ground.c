@@ -78,7 +78,7 @@ static enum eco_code check_scene_crs(struct job *job, struct eco_error *error)
 static enum eco_code raster_crs(struct ground_raster *r, struct job *job, struct eco_error *error)
 {
 	const struct eco_ground_options *o = job->options;
-	OGRSpatialReferenceH file = GDALGetSpatialRef(r->file), own = file != NULL ? OSRClone(file) : NULL;
+	OGRSpatialReferenceH file = GDALGetSpatialRef(r->file), own = file ? OSRClone(file) : NULL;
 	const char *stated = o->source->crs;
 	enum eco_code code = ECO_OK;
 	if (own)
@@ -116,7 +116,7 @@ static bool same_datum(const char *a, const char *b)
 	OGRSpatialReferenceH x = OSRNewSpatialReference(NULL), y = OSRNewSpatialReference(NULL);
 	const char *name_x = OSRSetFromUserInput(x, a) == OGRERR_NONE ? OSRGetName(x) : a;
 	const char *name_y = OSRSetFromUserInput(y, b) == OGRERR_NONE ? OSRGetName(y) : b;
-	bool same = strcasecmp(a, b) == 0 || (name_x != NULL && name_y && strcasecmp(name_x, name_y) == 0);
+	bool same = strcasecmp(a, b) == 0 || (name_x && name_y && strcasecmp(name_x, name_y) == 0);
 	OSRDestroySpatialReference(x);
 	OSRDestroySpatialReference(y);
 	return same;
@@ -126,7 +126,7 @@ static bool same_datum(const char *a, const char *b)
 static enum eco_code check_vertical(const struct ground_raster *r, struct job *job, struct eco_error *error)
 {
 	const struct eco_ground_source *source = job->options->source;
-	const char *own = source->vertical != NULL ? source->vertical : r->vertical;
+	const char *own = source->vertical ? source->vertical : r->vertical;
 	const char *scene = job->options->scene_vertical;
 	if (!scene && job->scene_vertical[0] != 0)
 		scene = job->scene_vertical;
@@ -183,7 +183,7 @@ static enum eco_code suggest(struct ground_raster *r, const struct job *job, str
 {
 	GDALDriverH memory = GDALGetDriverByName("MEM");
 	/* GDAL only needs a raster of this place and size, without samples */
-	GDALDatasetH frame = memory != NULL ? GDALCreate(memory, "", r->columns, r->rows, 0, GDT_Byte, NULL)
+	GDALDatasetH frame = memory ? GDALCreate(memory, "", r->columns, r->rows, 0, GDT_Byte, NULL)
 		: NULL;
 	char *from = NULL, *to = NULL;
 	double t[6];
@@ -325,7 +325,7 @@ static void put(struct eco_ground *g, int64_t column, int64_t row, float metres,
 static GDALDatasetH wrap(const struct ground_samples *s, OGRSpatialReferenceH crs)
 {
 	GDALDriverH driver = GDALGetDriverByName("MEM");
-	GDALDatasetH data = driver != NULL ? GDALCreate(driver, "", (int)s->columns, (int)s->rows, 0,
+	GDALDatasetH data = driver ? GDALCreate(driver, "", (int)s->columns, (int)s->rows, 0,
 		GDT_Float32, NULL) : NULL;
 	char pointer[64], text[96];
 	char *options[] = { text, NULL };

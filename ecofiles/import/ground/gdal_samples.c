@@ -78,7 +78,7 @@ static double unit_of(const struct ground_raster *r, GDALRasterBandH band,
 	const struct eco_ground_source *source, struct ground_notes *notes)
 {
 	const char *name = GDALGetRasterUnitType(band);
-	double unit = name != NULL ? unit_named(name) : 0;
+	double unit = name ? unit_named(name) : 0;
 	if (source->unit_m > 0)
 		return source->unit_m;
 	if (name && name[0] != 0 && unit == 0)
@@ -305,7 +305,7 @@ static bool find_holes(struct meaning *m, struct rows *rows, struct ground_notes
 	const char *path = rows->raster->path;
 	struct census *c = calloc(1, sizeof *c);
 	double value;
-	bool good = c != NULL && take_census(c, rows, m);
+	bool good = c && take_census(c, rows, m);
 	for (size_t s = 0; good && s < SUSPECTS; s++)
 		if (stands_out(c, s))
 			add_hole(m, suspects[s], path, c->suspect[s].samples, notes);

@@ -94,7 +94,7 @@ enum eco_code eco_ground_fill(struct eco_ground *ground, struct eco_error *error
 	f.queued = calloc(count / 64 + 1, sizeof *f.queued);
 	f.queue = malloc(missing * sizeof *f.queue);
 	f.values = malloc(missing * sizeof *f.values);
-	bool ready = f.queued != NULL && f.queue && f.values;
+	bool ready = f.queued && f.queue && f.values;
 	if (ready) {
 		grow(&f);
 		level(&f);

@@ -81,14 +81,14 @@ static void collada_frame(const char *path, struct eco_model_frame *frame, doubl
 {
 	size_t size;
 	char *head = eco_path_ends_with(path, ".dae") ? eco_file_read_head(path, &size) : NULL;
-	const char *unit = head != NULL ? strstr(head, "<unit") : NULL,
-		*up = head != NULL ? strstr(head, "<up_axis>") : NULL;
-	const char *end = unit != NULL ? strchr(unit, '>') : NULL, *meter = unit != NULL
+	const char *unit = head ? strstr(head, "<unit") : NULL,
+		*up = head ? strstr(head, "<up_axis>") : NULL;
+	const char *end = unit ? strchr(unit, '>') : NULL, *meter = unit
 		? strstr(unit, "meter=") : NULL;
 	frame->unit_m = 1;
 	if (meter && end && meter < end && strtod(meter + 7, NULL) >= 1e-6 && strtod(meter + 7, NULL) <= 1e6)
 		frame->unit_m = strtod(meter + 7, NULL);
-	frame->up = up != NULL && strncmp(up + 9 + strspn(up + 9, " \t\r\n"), "Z_UP", 4) == 0 ? ECO_UP_Z
+	frame->up = up && strncmp(up + 9 + strspn(up + 9, " \t\r\n"), "Z_UP", 4) == 0 ? ECO_UP_Z
 		: ECO_UP_Y;
 	free(head);
 	set_axes(axes, up_from_y, 1 / frame->unit_m);
@@ -100,7 +100,7 @@ void assimp_frame(const struct aiScene *scene, const char *path, struct eco_mode
 	const char *format = metadata_text(scene, "SourceAsset_Format"), *dot = strrchr(path, '.');
 	bool z = eco_path_ends_with(path, ".ply") || eco_path_ends_with(path, ".stl")
 		|| eco_path_ends_with(path, ".3ds");
-	snprintf(frame->format, sizeof frame->format, "%.60s", *format != 0 ? format : dot != NULL ? dot + 1
+	snprintf(frame->format, sizeof frame->format, "%.60s", *format != 0 ? format : dot ? dot + 1
 		: "unknown");
 	if (strstr(frame->format, " Importer"))
 		*strstr(frame->format, " Importer") = 0;

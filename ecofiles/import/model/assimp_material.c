@@ -135,7 +135,7 @@ static bool read_image(struct reader *r, const struct aiMaterial *from, struct e
 		return true;
 	mask = texture_name(from, aiTextureType_OPACITY, NULL);
 	wanted.texture = texture;
-	wanted.opacity = mask != NULL && strcmp(mask, texture) != 0 ? mask : NULL;
+	wanted.opacity = mask && strcmp(mask, texture) != 0 ? mask : NULL;
 	if (opacity * 255 + ALPHA_SLACK >= 127.5)
 		wanted.gain = opacity;
 	to->image = eco_images_get(&r->images, &wanted, &to->cutout);

@@ -219,7 +219,7 @@ static bool one_color(const struct aiMesh *mesh)
 static uint32_t mesh_material(struct soup *s, const struct aiMesh *mesh)
 {
 	const struct aiColor4D *colors = mesh->mColors[0];
-	bool one = colors == NULL || one_color(mesh);
+	bool one = !colors || one_color(mesh);
 	double sum[3] = { 0, 0, 0 };
 	uint8_t rgb[3];
 	if (!colors || mesh->mNumVertices == 0)
@@ -349,7 +349,7 @@ static bool walk(const struct aiScene *scene, visit_mesh *visit, void *ctx)
 {
 	struct entry { const struct aiNode *node; struct aiMatrix4x4 world; } *stack = malloc(sizeof *stack);
 	size_t count = 1, capacity = 1, seen = 0;
-	bool good = stack != NULL && scene->mRootNode;
+	bool good = stack && scene->mRootNode;
 	if (good)
 		stack[0] = (struct entry){ scene->mRootNode, scene->mRootNode->mTransformation };
 	while (good && count > 0) {

@@ -211,10 +211,10 @@ static double component(const uint8_t *p, uint32_t type, bool normalized)
 
 void eco_gltf_element(const struct eco_gltf_accessor *a, uint64_t i, double *values)
 {
-	const uint8_t *p = a->bytes != NULL ? a->bytes + i * a->stride : NULL;
+	const uint8_t *p = a->bytes ? a->bytes + i * a->stride : NULL;
 	size_t bytes = component_bytes(a->type);
 	for (uint32_t c = 0; c < a->components; c++)
-		values[c] = p == NULL ? 0 : component(p + c / a->rows * a->column_bytes + c % a->rows * bytes,
+		values[c] = !p ? 0 : component(p + c / a->rows * a->column_bytes + c % a->rows * bytes,
 			a->type, a->normalized);
 }
 

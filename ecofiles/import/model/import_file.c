@@ -68,7 +68,7 @@ bool eco_model_find_beside(const char *model, const char *name, char *path, size
 {
 	const char *slash = strrchr(model, '/'), *last;
 	char plain[1024], folder[4096];
-	if (snprintf(folder, sizeof folder, "%.*s", slash != NULL ? (int)(slash - model) + 1 : 0, model)
+	if (snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - model) + 1 : 0, model)
 			>= (int)sizeof folder
 		|| snprintf(plain, sizeof plain, "%s", name) >= (int)sizeof plain)
 		return false;
@@ -130,7 +130,7 @@ char *eco_file_read_head(const char *path, size_t *size)
 {
 	char *head = malloc(HEAD_BYTES + 1);
 	FILE *file = fopen(path, "rb");
-	*size = head != NULL && file ? fread(head, 1, HEAD_BYTES, file) : 0;
+	*size = head && file ? fread(head, 1, HEAD_BYTES, file) : 0;
 	if (head)
 		head[*size] = 0;
 	if (file)
@@ -142,7 +142,7 @@ bool eco_file_head_has(const char *path, size_t bytes, const char *word)
 {
 	size_t size;
 	char *head = eco_file_read_head(path, &size);
-	bool has = head != NULL && memmem(head, size < bytes ? size : bytes, word, strlen(word));
+	bool has = head && memmem(head, size < bytes ? size : bytes, word, strlen(word));
 	free(head);
 	return has;
 }
@@ -236,7 +236,7 @@ enum eco_code eco_model_file_check(const char *path, struct eco_error *error)
 	if (access(path, R_OK) != 0)
 		return eco_fail(error, ECO_IO, "%.400s: %s", path, strerror(errno));
 	char *head = eco_file_read_head(path, &size);
-	enum eco_code code = head == NULL ? eco_fail(error, ECO_NO_MEMORY, "%.400s: out of memory", path)
+	enum eco_code code = !head ? eco_fail(error, ECO_NO_MEMORY, "%.400s: out of memory", path)
 		: eco_file_check_head(path, head, size, holds_zip, "a model", error);
 	free(head);
 	for (size_t i = 0; code == ECO_OK && i < sizeof others / sizeof *others; i++)

@@ -107,7 +107,7 @@ static enum eco_code check_required(const struct soup *s)
 		if (!name || !is_handled(name))
 			return eco_fail(s->error, ECO_UNSUPPORTED,
 				"%.200s: requires the glTF extension %.100s, which is not supported; export "
-				"without it", eco_gltf_path(s->doc), name != NULL ? name : "(not a name)");
+				"without it", eco_gltf_path(s->doc), name ? name : "(not a name)");
 	}
 	return ECO_OK;
 }

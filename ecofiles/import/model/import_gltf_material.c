@@ -34,7 +34,7 @@ static void factor_of(const json_t *material, double rgba[4])
 {
 	const json_t *old = old_style(material);
 	double read[4] = { 1, 1, 1, 1 };
-	if (!(old != NULL ? eco_gltf_numbers(old, "diffuseFactor", read, 4)
+	if (!(old ? eco_gltf_numbers(old, "diffuseFactor", read, 4)
 		: eco_gltf_numbers(json_object_get(material, "pbrMetallicRoughness"), "baseColorFactor", read,
 		4)))
 		read[0] = read[1] = read[2] = read[3] = 1;

@@ -283,7 +283,7 @@ static bool compact(struct reader *r, uint32_t **source)
 static bool has_value(const struct reader *r, enum attribute which, uint32_t vertex)
 {
 	const struct attribute_values *v = &r->values[which];
-	return v->there && (v->draco != NULL || vertex < v->accessor.count);
+	return v->there && (v->draco || vertex < v->accessor.count);
 }
 
 static void take_vertex(struct reader *r, const struct gltf_look *look, uint32_t from, uint32_t to)
@@ -341,9 +341,9 @@ static bool take_memory(struct reader *r)
 	s->color = r->values[COLOR].there ? malloc(n * 3 * sizeof *s->color) : NULL;
 	s->joint = s->influences > 0 ? malloc(n * s->influences * sizeof *s->joint) : NULL;
 	s->weight = s->influences > 0 ? malloc(n * s->influences * sizeof *s->weight) : NULL;
-	return s->position && (s->uv != NULL || !r->values[TEXCOORD].there)
-		&& (s->color != NULL || !r->values[COLOR].there)
-		&& (s->influences == 0 || (s->joint != NULL && s->weight));
+	return s->position && (s->uv || !r->values[TEXCOORD].there)
+		&& (s->color || !r->values[COLOR].there)
+		&& (s->influences == 0 || (s->joint && s->weight));
 }
 
 /* ---- Morph targets: the default weights, which are mostly 0 ---- */
@@ -437,9 +437,9 @@ static enum eco_code read_primitive(struct reader *r)
 	}
 	r->vertex_count = r->values[POSITION].accessor.count;
 	if (!code)
-		code = draco != NULL ? open_draco(r, draco, look) : open_indices(r);
+		code = draco ? open_draco(r, draco, look) : open_indices(r);
 	if (!code)
-		code = read_triangles(r, draco != NULL ? TRIANGLES : mode);
+		code = read_triangles(r, draco ? TRIANGLES : mode);
 	return code == ECO_OK ? read_vertices(r, look) : code;
 }
 

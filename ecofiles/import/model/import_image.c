@@ -128,7 +128,7 @@ uint32_t eco_images_get(struct eco_images *images, const struct eco_image_wanted
 		*key = (struct eco_image_key){ .texture = strdup(wanted->texture), .opacity = wanted->opacity
 			? strdup(wanted->opacity) : NULL,
 			.alpha = wanted->alpha, .gain = wanted->gain };
-		if (!key->texture || (wanted->opacity != NULL && !key->opacity)) {
+		if (!key->texture || (wanted->opacity && !key->opacity)) {
 			free(key->texture);
 			free(key->opacity);
 			return ECO_NONE;

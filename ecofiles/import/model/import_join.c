@@ -24,7 +24,7 @@ static struct sums add_up(const struct eco_model_piece *pieces, uint32_t count)
 		s.triangles_in += m->triangles_in;
 		s.materials += m->material_count;
 		s.images += m->image_count;
-		s.parts += m->part != NULL ? m->part_count : 1;
+		s.parts += m->part ? m->part_count : 1;
 		s.uv |= m->uv != NULL;
 	}
 	return s;
@@ -40,7 +40,7 @@ static bool take_memory(struct eco_model *m, const struct sums *s)
 	m->materials = malloc((s->materials + 1) * sizeof *m->materials);
 	m->images = calloc((size_t)s->images + 1, sizeof *m->images);
 	m->parts = calloc((size_t)s->parts + 1, sizeof *m->parts);
-	return m->position && (m->uv != NULL || !s->uv) && m->index && m->material && m->part
+	return m->position && (m->uv || !s->uv) && m->index && m->material && m->part
 		&& m->materials && m->images && m->parts;
 }
 
@@ -103,7 +103,7 @@ static void append_parts(struct eco_model *m, const struct eco_model_piece *piec
 {
 	const struct eco_model *from = &piece->model;
 	for (uint32_t i = 0; i < from->triangle_count; i++)
-		m->part[m->triangle_count + i] = m->part_count + (from->part != NULL ? from->part[i] : 0);
+		m->part[m->triangle_count + i] = m->part_count + (from->part ? from->part[i] : 0);
 	for (uint32_t i = 0; i < from->part_count && from->part; i++)
 		name_part(&m->parts[m->part_count++], piece->path, from->parts[i].name, several);
 	if (!from->part)

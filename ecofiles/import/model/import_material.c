@@ -53,7 +53,7 @@ void eco_model_see_grey(struct eco_model *model)
 	const uint8_t *first = NULL;
 	for (uint32_t t = 0; t < model->triangle_count; t++) {
 		const struct eco_material *m = &model->materials[model->material[t]];
-		if (m->image != ECO_NONE || (first != NULL && memcmp(first, m->rgb, 3) != 0))
+		if (m->image != ECO_NONE || (first && memcmp(first, m->rgb, 3) != 0))
 			return;
 		first = m->rgb;
 	}

@@ -81,7 +81,7 @@ static bool get_images(FILE *in, struct eco_model *m, uint32_t count)
 static bool references_fit(struct eco_model *m)
 {
 	for (uint32_t i = 0; i < m->triangle_count; i++)
-		if (m->material[i] >= m->material_count || (m->part != NULL && m->part[i] >= m->part_count))
+		if (m->material[i] >= m->material_count || (m->part && m->part[i] >= m->part_count))
 			return false;
 	for (uint32_t i = 0; i < m->material_count; i++) {
 		if (m->materials[i].image != ECO_NONE && m->materials[i].image >= m->image_count)
@@ -116,8 +116,8 @@ static bool frame_fits(struct eco_model_frame *frame)
 static bool get_parts(FILE *in, struct eco_model *m, uint32_t count)
 {
 	m->part = get(in, (size_t)m->triangle_count * sizeof *m->part);
-	m->parts = m->part != NULL ? get(in, (size_t)count * sizeof *m->parts) : NULL;
-	m->part_count = m->parts != NULL ? count : 0;
+	m->parts = m->part ? get(in, (size_t)count * sizeof *m->parts) : NULL;
+	m->part_count = m->parts ? count : 0;
 	return m->parts;
 }
 
@@ -159,7 +159,7 @@ static enum eco_code read_with_assimp(struct head *head, const struct job *job, 
 	const struct eco_assimp_module *assimp = eco_module(ECO_MODULE_ASSIMP, error);
 	struct eco_model_file file = { .path = job->path };
 	double base[3] = { 0, 0, 0 };
-	enum eco_code code = assimp != NULL ? ECO_OK : ECO_NOT_FOUND;
+	enum eco_code code = assimp ? ECO_OK : ECO_NOT_FOUND;
 	file.linear_colors = written_by_blender(job->path);
 	if (code == ECO_OK && eco_path_ends_with(job->path, ".ply"))
 		code = eco_ply_prepare(&file, base, error);
@@ -242,7 +242,7 @@ static enum eco_code read_piece(struct eco_model_piece *piece, const struct eco_
 	struct eco_guard_limits limits = limits_for(piece->path);
 	struct head *head = calloc(1, sizeof *head);
 	FILE *result = NULL;
-	enum eco_code code = head == NULL ? eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory",
+	enum eco_code code = !head ? eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory",
 		piece->path)
 		: eco_guard_run(work, &job, piece->path, &limits, &result, error);
 

@@ -68,7 +68,7 @@ static char *map_name(char *at, struct eco_mtl_material *m)
 	for (at = skip_space(at); (o = option_at(at));) {
 		at = skip_space(skip_word(at));
 		if (o->numbers > 0)
-			at = read_numbers(at, o->numbers, m == NULL ? NULL : strcmp(o->name, "-s") == 0
+			at = read_numbers(at, o->numbers, !m ? NULL : strcmp(o->name, "-s") == 0
 				? m->uv_scale
 				: strcmp(o->name, "-o") == 0 ? m->uv_offset : NULL);
 		for (int i = 0; i < o->words; i++)
@@ -112,7 +112,7 @@ static void read_share(char *rest, double *to, bool *has)
 	char *word = eco_obj_word(&rest), *end;
 	if (word && strcmp(word, "-halo") == 0)
 		word = eco_obj_word(&rest);
-	double share = word != NULL ? strtod(word, &end) : 0;
+	double share = word ? strtod(word, &end) : 0;
 	if (!word || *end != 0 || !isfinite(share))
 		return;
 	*to = share;

@@ -277,7 +277,7 @@ static void read_comment(struct eco_obj *o, const char *text)
 		{ "met", 1 }, { "inch", 0.0254 }, { "foot", 0.3048 }, { "feet", 0.3048 }, { "mm", 0.001 },
 		{ "cm", 0.01 }, { "km", 1000 }, { "in", 0.0254 },
 		{ "ft", 0.3048 }, { "m", 1 } };
-	const char *unit = strcasestr(text, "unit"), *word = unit != NULL ? strpbrk(unit, ":=") : NULL;
+	const char *unit = strcasestr(text, "unit"), *word = unit ? strpbrk(unit, ":=") : NULL;
 	size_t letters = 0;
 	if (!word || o->unit_m > 0)
 		return;

@@ -171,7 +171,7 @@ static enum eco_code make_materials(struct maker *m)
 	}
 	for (uint32_t i = 0; i < count; i++) {
 		m->of[i] = eco_mtl_find(&m->mtl, o->materials.items[i]);
-		m->invisible[i] = m->of[i] != NULL && eco_mtl_alpha(m->of[i]) * 255 + ALPHA_SLACK < 127.5;
+		m->invisible[i] = m->of[i] && eco_mtl_alpha(m->of[i]) * 255 + ALPHA_SLACK < 127.5;
 	}
 	note_unknown(m);
 	eco_model_see_invisible(m->invisible, count, o->notes);
@@ -249,7 +249,7 @@ static void color_of(const struct maker *m, uint32_t v, float rgb[3])
 	const float *color = v < m->obj->color.count ? (const float *)m->obj->color.items + (size_t)v * 3
 		: NULL;
 	for (int k = 0; k < 3; k++)
-		rgb[k] = color != NULL && color[0] >= 0 ? color[k] * m->color_scale : (float)GREY;
+		rgb[k] = color && color[0] >= 0 ? color[k] * m->color_scale : (float)GREY;
 }
 
 static void byte_color(const double rgb[3], double share, uint8_t to[3])
@@ -315,7 +315,7 @@ static void split_face(struct maker *m, const struct eco_obj_corner *c, uint32_t
 	bool sound = n > 3;
 	for (uint32_t i = 0; i < n && sound; i++) {
 		const double *p = place_of(m->obj, c[i].v);
-		sound = p != NULL && isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
+		sound = p && isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
 		for (int k = 0; k < 3 && sound; k++)
 			m->corners[i * 3 + (uint32_t)k] = p[k] - m->base[k];
 	}

@@ -67,7 +67,7 @@ static bool read_header(struct ply *p)
 	while (at < p->size) {
 		const uint8_t *end = memchr(p->bytes + at, '\n', p->size - at);
 		char line[256], word[3][64] = { "", "", "" };
-		size_t length = end != NULL ? (size_t)(end - (p->bytes + at)) : p->size - at;
+		size_t length = end ? (size_t)(end - (p->bytes + at)) : p->size - at;
 		snprintf(line, sizeof line, "%.*s", length < 255 ? (int)length : 255,
 			(const char *)p->bytes + at);
 		at += length + 1;

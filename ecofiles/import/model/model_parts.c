@@ -171,7 +171,7 @@ bool eco_components_find(struct eco_components *c, const struct eco_model *m, co
 {
 	uint32_t *parent = malloc(((size_t)m->triangle_count + 1) * sizeof *parent);
 	*c = (struct eco_components){ .of = malloc(((size_t)m->triangle_count + 1) * sizeof *c->of) };
-	bool good = parent != NULL && c->of && join_triangles(m, place, by_material, parent)
+	bool good = parent && c->of && join_triangles(m, place, by_material, parent)
 		&& list_components(c, m, parent);
 	free(parent);
 	if (!good)

@@ -109,7 +109,7 @@ static int longest_layer(struct ogr_rows *r, int count)
 		uint64_t bytes = 0;
 		while ((feature = OGR_L_GetNextFeature(layer))) {
 			OGRGeometryH geometry = OGR_F_GetGeometryRef(feature);
-			bytes += geometry != NULL ? (uint64_t)OGR_G_WkbSize(geometry) : 0;
+			bytes += geometry ? (uint64_t)OGR_G_WkbSize(geometry) : 0;
 			OGR_F_Destroy(feature);
 		}
 		longest = bytes > most ? i : longest;
@@ -161,7 +161,7 @@ static bool is_shapefile(const struct ogr_rows *r)
 static enum eco_code take_crs(struct ogr_rows *r, struct eco_error *error)
 {
 	OGRSpatialReferenceH crs = OGR_L_GetSpatialRef(r->layer);
-	const char *authority = crs != NULL ? OSRGetAuthorityName(crs, NULL) : NULL, *number = crs != NULL
+	const char *authority = crs ? OSRGetAuthorityName(crs, NULL) : NULL, *number = crs
 		? OSRGetAuthorityCode(crs, NULL) : NULL;
 	const char *options[] = { "FORMAT=WKT2_2019", NULL };
 	char *wkt = NULL, text[64];
@@ -198,7 +198,7 @@ static void look_at_some(struct ogr_rows *r)
 	OGR_L_ResetReading(r->layer);
 	for (int i = 0; i < LOOKED_AT; i++) {
 		OGRFeatureH feature = OGR_L_GetNextFeature(r->layer);
-		OGRGeometryH geometry = feature != NULL ? OGR_F_GetGeometryRef(feature) : NULL;
+		OGRGeometryH geometry = feature ? OGR_F_GetGeometryRef(feature) : NULL;
 		OGREnvelope box;
 		if (!feature)
 			break;
@@ -213,7 +213,7 @@ static void look_at_some(struct ogr_rows *r)
 		OGR_F_Destroy(feature);
 	}
 	OGR_L_ResetReading(r->layer);
-	r->rows.degrees_doubted = crs != NULL && OSRIsGeographic(crs) && beyond > within;
+	r->rows.degrees_doubted = crs && OSRIsGeographic(crs) && beyond > within;
 }
 
 /* ---- Columns ---- */
@@ -312,7 +312,7 @@ static void take_vertex(struct ogr_rows *r)
 /* To the next point of the feature; false after its last. */
 static bool next_vertex(struct ogr_rows *r)
 {
-	int count = r->points == NULL ? 0 : wkbFlatten(OGR_G_GetGeometryType(r->points)) == wkbMultiPoint
+	int count = !r->points ? 0 : wkbFlatten(OGR_G_GetGeometryType(r->points)) == wkbMultiPoint
 		? OGR_G_GetGeometryCount(r->points)
 		: OGR_G_GetPointCount(r->points);
 
@@ -332,7 +332,7 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 {
 	struct eco_rows_place *place = &r->rows.place;
 	OGRGeometryH geometry = OGR_F_GetGeometryRef(r->feature);
-	OGRwkbGeometryType type = geometry != NULL ? wkbFlatten(OGR_G_GetGeometryType(geometry)) : wkbUnknown;
+	OGRwkbGeometryType type = geometry ? wkbFlatten(OGR_G_GetGeometryType(geometry)) : wkbUnknown;
 	*place = (struct eco_rows_place){ .kind = r->rows.has_geometry ? ECO_PLACE_EMPTY : ECO_PLACE_NONE,
 		.yaw_deg = NAN, .scale = NAN };
 	r->points = r->lines = NULL;
@@ -348,7 +348,7 @@ static enum eco_code take_geometry(struct ogr_rows *r, struct eco_error *error)
 		take_vertex(r);
 	} else if (r->vertices && (type == wkbLineString || type == wkbMultiLineString)) {
 		r->lines = type == wkbMultiLineString ? geometry : NULL;
-		r->points = r->lines != NULL ? OGR_G_GetGeometryRef(geometry, 0) : geometry;
+		r->points = r->lines ? OGR_G_GetGeometryRef(geometry, 0) : geometry;
 		r->line = 0;
 		r->point = -1;
 		next_vertex(r);

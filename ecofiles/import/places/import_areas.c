@@ -115,7 +115,7 @@ static enum eco_code read_rows(struct reading *r, struct eco_areas *areas, bool 
 	bool more = true;
 	r->number_column = ECO_NONE;
 	if (surfaces)
-		code = eco_rows_find_column(r->rows, r->path, s->density_column != NULL ? s->density_column
+		code = eco_rows_find_column(r->rows, r->path, s->density_column ? s->density_column
 			: s->count_column, &r->number_column, error);
 	for (uint32_t i = 0; surfaces && i < s->filter_count && code == ECO_OK; i++)
 		code = eco_rows_find_column(r->rows, r->path, s->filters[i].column, &r->filter_column[i],
@@ -232,7 +232,7 @@ enum eco_code eco_scatter_read(struct eco_scatter_input *input, const struct eco
 {
 	struct eco_error no_areas = { .code = ECO_OK }, no_mask = { .code = ECO_OK };
 	enum eco_code code = read_areas(input, &input->areas, spec, frame, &no_areas);
-	bool columns = spec->density_column != NULL || spec->count_column || spec->filter_count > 0
+	bool columns = spec->density_column || spec->count_column || spec->filter_count > 0
 		|| spec->layer;
 	if (code == ECO_BAD_INPUT && input->features == 0 && !columns) {
 		if (read_mask(input, spec, frame, &no_mask) == ECO_OK)

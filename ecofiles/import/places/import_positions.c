@@ -113,7 +113,7 @@ static bool read_plant(struct eco_positions *p, struct eco_position *record)
 	record->plant = record->variant_first = species->plant;
 	record->variant_count = species->variant_count;
 	if (species->plant == ECO_NONE)
-		count(p, species->name != NULL ? ECO_SKIP_LEFT_OUT : ECO_SKIP_UNKNOWN_SPECIES, text);
+		count(p, species->name ? ECO_SKIP_LEFT_OUT : ECO_SKIP_UNKNOWN_SPECIES, text);
 	return species->plant != ECO_NONE;
 }
 
@@ -459,7 +459,7 @@ static enum eco_code read_record(struct eco_positions *p, struct eco_position *r
 			note_far(p);
 		}
 	}
-	return verdict == GOOD ? ECO_OK : error != NULL ? error->code : ECO_BAD_INPUT;
+	return verdict == GOOD ? ECO_OK : error ? error->code : ECO_BAD_INPUT;
 }
 
 static enum eco_code start_places(struct eco_positions *p, struct eco_error *error)
@@ -520,7 +520,7 @@ static enum eco_code open_crs(struct eco_positions *p, struct eco_error *error)
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its numbers cannot be degrees, which this "
 			"format means unless it says otherwise; add "
 			"\"crs\": \"%.80s\" to its entry, or the CRS that they are in", p->spec->path,
-			p->frame.crs != NULL ? p->frame.crs : "EPSG:...");
+			p->frame.crs ? p->frame.crs : "EPSG:...");
 	return eco_crs_open(&p->crs, &request, error);
 }
 
@@ -569,7 +569,7 @@ enum eco_code eco_positions_next(struct eco_positions *reader, struct eco_positi
 const struct eco_skipped *eco_positions_skipped(const struct eco_positions *reader, uint64_t *rows)
 {
 	if (rows)
-		*rows = reader->rows != NULL ? reader->rows->row : 0;
+		*rows = reader->rows ? reader->rows->row : 0;
 	return reader->skipped;
 }
 
@@ -578,7 +578,7 @@ void eco_positions_counted(const struct eco_positions *reader, struct eco_positi
 	*counts = (struct eco_positions_counts){ .plants = reader->plants, .skipped = reader->skipped,
 		.filters = reader->filtered,
 		.low = { reader->low[0], reader->low[1] }, .high = { reader->high[0], reader->high[1] },
-		.where = reader->rows != NULL ? reader->rows->where : "line", .rows = reader->rows != NULL
+		.where = reader->rows ? reader->rows->where : "line", .rows = reader->rows
 		? reader->rows->row : 0 };
 	eco_species_counted(reader->species, counts);
 }

@@ -44,13 +44,13 @@ static enum eco_code no_coordinates(const struct eco_positions *p, struct eco_er
 	return eco_fail(error, ECO_BAD_INPUT, "%.120s: it has no geometry, so its entry must name the "
 		"columns with easting or longitude and northing "
 		"or latitude: add \"x\": \"%.40s\", \"y\": \"%.40s\"; there are: %s", p->spec->path,
-		x != NULL && y ? x : "...", x != NULL && y ? y : "...", there);
+		x && y ? x : "...", x && y ? y : "...", there);
 }
 
 static enum eco_code find_columns(struct eco_positions *p, struct eco_error *error)
 {
 	const struct eco_positions_spec *s = p->spec;
-	bool geometry_z = s->z != NULL && strcmp(s->z, "geometry") == 0 && p->rows->has_geometry;
+	bool geometry_z = s->z && strcmp(s->z, "geometry") == 0 && p->rows->has_geometry;
 	const char *names[ECO_COLUMN_FIXED] = { s->x, s->y, geometry_z ? NULL : s->z, s->species, s->yaw_deg,
 		s->scale, s->crown.column };
 	enum eco_code code = ECO_OK;

@@ -17,27 +17,27 @@ struct eco_crs {
 
 char *eco_crs_short_name(const char *crs)
 {
-	const char *quote = strlen(crs) > 80 ? strchr(crs, '"') : NULL, *end = quote != NULL
+	const char *quote = strlen(crs) > 80 ? strchr(crs, '"') : NULL, *end = quote
 		? strchr(quote + 1, '"') : NULL;
 	return end ? strndup(quote + 1, (size_t)(end - quote - 1)) : strdup(crs);
 }
 
 static enum eco_code plain_metres(const struct eco_crs_request *r, struct eco_error *error)
 {
-	const char *crs = r->stated != NULL ? r->stated : r->of_file, *vertical = r->vertical,
+	const char *crs = r->stated ? r->stated : r->of_file, *vertical = r->vertical,
 		*other = r->frame->vertical;
 	char *name;
 	if (crs) {
 		name = eco_crs_short_name(crs);
 		eco_fail(error, ECO_BAD_INPUT, "%.200s is in %.80s, but the scene has no CRS; add \"crs\": "
 			"\"%.80s\" (if it is one in metres) and \"origin\" "
-			"to the scene", r->path, name != NULL ? name : "?", strlen(crs) <= 80 ? crs
+			"to the scene", r->path, name ? name : "?", strlen(crs) <= 80 ? crs
 			: "EPSG:...");
 		free(name);
 		return ECO_BAD_INPUT;
 	}
 	if (!r->use_z || (!vertical && !other)
-			|| (vertical != NULL && other && strcasecmp(vertical, other) == 0))
+			|| (vertical && other && strcasecmp(vertical, other) == 0))
 		return ECO_OK;
 	return eco_fail(error, ECO_BAD_INPUT, "%.200s: heights are converted between vertical datums only "
 		"in a scene with a CRS; add \"crs\" and "
@@ -70,7 +70,7 @@ enum eco_code eco_crs_open(struct eco_crs **crs, const struct eco_crs_request *r
 	else if (!request->stated && !request->of_file)
 		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: its CRS is not stated%s; add \"crs\": "
 			"\"%.80s\" to its entry if it is the scene's", request->path,
-			request->no_crs_says != NULL ? request->no_crs_says : "", frame->crs);
+			request->no_crs_says ? request->no_crs_says : "", frame->crs);
 	else
 		code = open_path(c, request, error);
 	if (!code)

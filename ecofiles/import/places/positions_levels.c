@@ -96,7 +96,7 @@ void eco_levels_make(struct eco_levels *levels, uint32_t count)
 double eco_levels_height(const struct eco_levels *levels, uint32_t plant, double height_m)
 {
 	const struct plant_levels *l = levels_of(levels, plant);
-	uint32_t level = l != NULL ? l->bin[centimetres(height_m)] : 0;
+	uint32_t level = l ? l->bin[centimetres(height_m)] : 0;
 	return level > 0 ? level / 100.0 : height_m;
 }
 

@@ -50,7 +50,7 @@ double eco_size_read(const struct eco_size *size, const char *text, char decimal
 	if (form == ECO_FORM_NONE || !(number > 0))
 		return NAN;
 	metres = number * (unit_m != 0 ? unit_m : size->unit_m) * size->factor;
-	remarks->implausible |= rule != NULL && metres > DBH_PLAUSIBLE_M;
+	remarks->implausible |= rule && metres > DBH_PLAUSIBLE_M;
 	if (rule)
 		metres = by_allometry(rule, metres);
 	metres = to_millimetres(metres);

@@ -24,7 +24,7 @@ static bool north_first(PJ_CONTEXT *context, const PJ *flat)
 {
 	PJ *axes = proj_crs_get_coordinate_system(context, flat);
 	const char *direction = NULL;
-	bool north = axes != NULL && proj_cs_get_axis_info(context, axes, 0, NULL, NULL, &direction, NULL,
+	bool north = axes && proj_cs_get_axis_info(context, axes, 0, NULL, NULL, &direction, NULL,
 		NULL, NULL, NULL) && direction && strcasecmp(direction, "north") == 0;
 
 	proj_destroy(axes);

@@ -68,7 +68,7 @@ static enum eco_code vertical_of(PJ_CONTEXT *context, const PJ *crs, const char 
 		return ECO_OK;
 	}
 	*vertical = parse(context, stated);
-	PJ_TYPE type = *vertical != NULL ? proj_get_type(*vertical) : PJ_TYPE_UNKNOWN;
+	PJ_TYPE type = *vertical ? proj_get_type(*vertical) : PJ_TYPE_UNKNOWN;
 	if (type == PJ_TYPE_VERTICAL_CRS)
 		return ECO_OK;
 	proj_destroy(*vertical);
@@ -94,8 +94,8 @@ bool proj_is_metric_map(PJ_CONTEXT *context, const PJ *crs)
 	bool metric = false;
 	if (flat && proj_get_type(flat) == PJ_TYPE_BOUND_CRS)
 		base = proj_get_source_crs(context, flat);
-	if (flat && proj_get_type(base != NULL ? base : flat) == PJ_TYPE_PROJECTED_CRS)
-		metric = fabs(axis_unit(context, base != NULL ? base : flat) - 1) <= 1e-9;
+	if (flat && proj_get_type(base ? base : flat) == PJ_TYPE_PROJECTED_CRS)
+		metric = fabs(axis_unit(context, base ? base : flat) - 1) <= 1e-9;
 	proj_destroy(base);
 	proj_destroy(flat);
 	return metric;
@@ -133,13 +133,13 @@ static enum eco_code parse_frame(struct eco_crs_path *c, const struct eco_crs_re
 static enum eco_code parse_source(struct eco_crs_path *c, const struct eco_crs_request *r,
 	struct eco_error *error)
 {
-	const char *text = r->stated != NULL ? r->stated : r->of_file;
+	const char *text = r->stated ? r->stated : r->of_file;
 	PJ *of_file = NULL;
 	c->from = parse(c->context, text);
 	if (!c->from)
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s: no conversion from CRS \"%.80s\" to "
 			"\"%.80s\": PROJ does not know it%s", r->path, c->from_name, c->to_name,
-			r->stated != NULL ? "; write a code such as \"EPSG:4326\""
+			r->stated ? "; write a code such as \"EPSG:4326\""
 			: "; add \"crs\": \"EPSG:...\" to its entry");
 	if (is_local(c->from))
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its CRS \"%.80s\" is a local one that has no "
@@ -151,7 +151,7 @@ static enum eco_code parse_source(struct eco_crs_path *c, const struct eco_crs_r
 	if (!of_file || !same(c->context, of_file, c->from)) {
 		char *name = eco_crs_short_name(r->of_file);
 		r->note(r->ctx, "the file says CRS \"%.80s\", its entry says \"%.80s\": the entry's is taken",
-			name != NULL ? name : "?", c->from_name);
+			name ? name : "?", c->from_name);
 		free(name);
 	}
 	proj_destroy(of_file);
@@ -176,34 +176,34 @@ static enum eco_code pair_heights(struct eco_crs_path *c, const struct eco_crs_r
 		return eco_fail(error, ECO_BAD_INPUT, "the scene's vertical datum \"%.80s\" does not count "
 			"in metres, as scenes do; "
 			"take its twin in metres, such "
-			"as \"EPSG:5703\" (NAVD88)", r->frame->vertical != NULL ? r->frame->vertical
+			"as \"EPSG:5703\" (NAVD88)", r->frame->vertical ? r->frame->vertical
 			: proj_get_name(h->to));
-	bool has_from = h->from != NULL || h->from_ellipsoid;
-	bool has_to = h->to != NULL || h->to_ellipsoid;
+	bool has_from = h->from || h->from_ellipsoid;
+	bool has_to = h->to || h->to_ellipsoid;
 	if (has_from && !has_to)
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its heights (z) have a vertical datum "
 			"(\"%.80s\"), the scene's have none; add \"vertical\": "
 			"\"EPSG:...\" to the scene, the same one if the heights are to stay as they are",
-			r->path, r->vertical != NULL ? r->vertical : h->from != NULL ? proj_get_name(h->from)
+			r->path, r->vertical ? r->vertical : h->from ? proj_get_name(h->from)
 			: "ellipsoid");
 	if (has_to && !has_from)
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s: the scene's heights have a vertical datum "
 			"(\"%.80s\"), these (z) have none; add \"vertical\": "
 			"\"EPSG:...\" to its entry, the same one if the heights are to stay as they are",
-			r->path, r->frame->vertical != NULL ? r->frame->vertical : h->to != NULL
+			r->path, r->frame->vertical ? r->frame->vertical : h->to
 			? proj_get_name(h->to) : "ellipsoid");
 	if (!has_from)
 		r->note(r->ctx, "its heights (z) are taken for metres above the zero of the scene's: "
 			"neither says a vertical datum; if they differ, add "
 			"\"vertical\": \"EPSG:...\" to the scene and to its entry");
 	c->convert_z = has_from && !(h->from_ellipsoid && h->to_ellipsoid && same(c->context, c->from, c->to))
-		&& !(h->from != NULL && h->to && same(c->context, h->from, h->to));
+		&& !(h->from && h->to && same(c->context, h->from, h->to));
 	return ECO_OK;
 }
 
 static PJ *with_height(PJ_CONTEXT *context, PJ *flat, PJ *vertical)
 {
-	PJ *whole = vertical != NULL ? proj_create_compound_crs(context, "compound", flat, vertical)
+	PJ *whole = vertical ? proj_create_compound_crs(context, "compound", flat, vertical)
 		: proj_crs_promote_to_3D(context, NULL, flat);
 	proj_destroy(flat);
 	return whole;
@@ -306,7 +306,7 @@ static enum eco_code open_conversion(struct eco_crs_path *c, const struct eco_cr
 		return ECO_OK;
 	PJ *raw = proj_create_crs_to_crs_from_pj(c->context, c->from, c->to, NULL,
 		c->convert_z ? (const char *const[]){ "ALLOW_BALLPARK=NO", NULL } : NULL);
-	c->conversion = raw != NULL ? proj_normalize_for_visualization(c->context, raw) : NULL;
+	c->conversion = raw ? proj_normalize_for_visualization(c->context, raw) : NULL;
 	proj_destroy(raw);
 	if (!c->conversion) {
 		char names[200];
@@ -332,8 +332,8 @@ static enum eco_code check_operation(struct eco_crs_path *c, const double xyz[3]
 	double longitude, latitude;
 	char names[200];
 	PJ *used = converted ? proj_trans_get_last_used_operation(c->conversion) : NULL;
-	bool ballpark = used != NULL && proj_coordoperation_has_ballpark_transformation(c->context, used);
-	double accuracy = used != NULL ? proj_coordoperation_get_accuracy(c->context, used) : -1;
+	bool ballpark = used && proj_coordoperation_has_ballpark_transformation(c->context, used);
+	double accuracy = used ? proj_coordoperation_get_accuracy(c->context, used) : -1;
 	proj_destroy(used);
 	degrees_of(c, xyz, &longitude, &latitude);
 	missing_grids(c, longitude, latitude, names, sizeof names);
@@ -361,7 +361,7 @@ static enum eco_code open_parts(struct eco_crs_path *c, const struct eco_crs_req
 	c->use_z = r->use_z;
 	c->context = proj_context_create();
 	c->path = strdup(r->path);
-	c->from_name = eco_crs_short_name(r->stated != NULL ? r->stated : r->of_file);
+	c->from_name = eco_crs_short_name(r->stated ? r->stated : r->of_file);
 	c->to_name = eco_crs_short_name(r->frame->crs);
 	if (!c->context || !c->path || !c->from_name || !c->to_name)
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
@@ -379,7 +379,7 @@ enum eco_code proj_crs_open(struct eco_crs_path **path, const struct eco_crs_req
 	struct eco_error *error)
 {
 	struct eco_crs_path *c = calloc(1, sizeof *c);
-	enum eco_code code = c != NULL ? open_parts(c, request, error)
+	enum eco_code code = c ? open_parts(c, request, error)
 		: eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	if (code) {
 		proj_crs_close(c);

@@ -47,7 +47,7 @@ enum eco_code eco_rows_find_column(const struct eco_rows *rows, const char *path
 
 static bool has_extension(const char *path, const char *const *extensions)
 {
-	const char *slash = strrchr(path, '/'), *name = slash != NULL ? slash + 1 : path,
+	const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path,
 		*dot = strrchr(name, '.');
 	for (; *extensions; extensions++)
 		if (dot ? strcasecmp(dot + 1, *extensions) == 0 : **extensions == 0)

@@ -62,7 +62,7 @@ static void put_head(const struct eco_rows *rows, struct eco_writer *m)
 		<< 3));
 	eco_write_u32(m, rows->column_count);
 	put_text(m, rows->where);
-	put_text(m, rows->crs != NULL ? rows->crs : "");
+	put_text(m, rows->crs ? rows->crs : "");
 	put_text(m, rows->no_crs);
 	for (uint32_t i = 0; i < rows->column_count; i++)
 		put_text(m, rows->columns[i]);
@@ -103,7 +103,7 @@ static void put_row(const struct eco_rows *rows, const bool *wanted, struct eco_
 static void find_wanted(const struct eco_rows *rows, const struct eco_rows_source *source, bool *wanted)
 {
 	for (uint32_t i = 0; i < rows->column_count; i++) {
-		wanted[i] = source->wanted == NULL;
+		wanted[i] = !source->wanted;
 		for (uint32_t k = 0; source->wanted && k < source->wanted_count; k++)
 			wanted[i] |= strcmp(rows->columns[i], source->wanted[k]) == 0;
 	}
@@ -114,7 +114,7 @@ static enum eco_code send_rows(struct eco_rows *rows, const struct eco_rows_sour
 {
 	bool *wanted = calloc(rows->column_count + 1u, sizeof *wanted), more = true;
 	uint32_t notes = 0, most = message_most(source->areas);
-	enum eco_code code = wanted != NULL ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "out of memory");
+	enum eco_code code = wanted ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	if (!code) {
 		find_wanted(rows, source, wanted);
 		put_head(rows, m);
@@ -210,7 +210,7 @@ static const char *get_text(struct eco_reader *r)
 {
 	const char *text = (const char *)r->bytes + r->at;
 	const char *end = r->failed ? NULL : memchr(text, 0, r->size - r->at);
-	r->failed = end == NULL;
+	r->failed = !end;
 	if (!end)
 		return "";
 	r->at += (size_t)(end - text) + 1;

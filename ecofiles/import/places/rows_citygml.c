@@ -120,7 +120,7 @@ static void set_field(struct citygml *c, const char *name, const char *text, boo
 {
 	uint32_t column = column_of(c, name);
 	struct field *field = &c->values[column];
-	if (column >= c->rows.column_count || (field->text != NULL && (generic || !field->generic)))
+	if (column >= c->rows.column_count || (field->text && (generic || !field->generic)))
 		return;
 	c->row_bytes += strlen(text);
 	if (c->row_bytes > ECO_ROW_BYTES_MAX) {
@@ -207,7 +207,7 @@ static void begin_part(struct citygml *c, const char *name, const XML_Char **att
 		c->apart = c->depth;
 	else if (ends_with(name, "Attribute") && !is(name, "genericAttribute")) {
 		c->generic = c->depth;
-		snprintf(c->generic_name, sizeof c->generic_name, "%.255s", label != NULL ? label : "");
+		snprintf(c->generic_name, sizeof c->generic_name, "%.255s", label ? label : "");
 	}
 }
 
@@ -373,7 +373,7 @@ static enum eco_code walk(struct citygml *c, FILE *file, struct eco_error *error
 	c->error = error;
 	while (size == CHUNK_BYTES) {
 		void *buffer = XML_GetBuffer(c->parser, CHUNK_BYTES);
-		size = buffer != NULL ? fread(buffer, 1, CHUNK_BYTES, file) : 0;
+		size = buffer ? fread(buffer, 1, CHUNK_BYTES, file) : 0;
 		if (ferror(file))
 			return eco_fail(error, ECO_IO, "%.300s: %s", c->path, strerror(errno));
 		if (!buffer || XML_ParseBuffer(c->parser, (int)size, size < CHUNK_BYTES) == XML_STATUS_ERROR)
@@ -489,7 +489,7 @@ enum eco_code eco_rows_open_citygml(struct eco_rows **rows, const char *path, st
 	if (!c->path || !c->rows.columns || !c->rows.fields || !c->values || !c->parser)
 		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", path);
 	else
-		code = read_citygml(c, error != NULL ? error : &own);
+		code = read_citygml(c, error ? error : &own);
 	if (!code)
 		*rows = &c->rows;
 	else

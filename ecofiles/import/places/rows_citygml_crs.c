@@ -13,7 +13,7 @@ static bool german(const char *name, char *code, size_t size)
 	static const struct { const char *name; int code; } heights[] =
 		{ { "DHHN92", 5783 }, { "DHHN2016", 7837 }, { "DHHN85", 5784 } };
 	const char *utm = strstr(name, "ETRS89_UTM"), *star;
-	int zone = utm != NULL ? atoi(utm + 10) : 0;
+	int zone = utm ? atoi(utm + 10) : 0;
 	if (strncasecmp(name, "urn:adv:crs:", 12) != 0 || zone < 28 || zone > 38)
 		return false;
 	snprintf(code, size, "EPSG:%d", 25800 + zone);

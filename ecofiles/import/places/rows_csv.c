@@ -199,7 +199,7 @@ static bool read_wkt_point(const char *text, double at[3])
 {
 	const char *semicolon = strncasecmp(text, "SRID=", 5) == 0 ? strchr(text, ';') : NULL;
 	char number[3][40];
-	text = semicolon != NULL ? semicolon + 1 : text;
+	text = semicolon ? semicolon + 1 : text;
 	text += strspn(text, " ");
 	if (strncasecmp(text, "POINT", 5) != 0)
 		return false;

@@ -392,7 +392,7 @@ static enum eco_code place_in_areas(struct eco_scatter *s)
 	struct eco_areas *areas = &s->input.areas;
 	uint32_t *order = malloc((areas->count + 1u) * sizeof *order);
 	uint64_t *given = malloc((s->spec->plant_count + 1u) * sizeof *given);
-	enum eco_code code = order != NULL && given ? ECO_OK : no_memory(s);
+	enum eco_code code = order && given ? ECO_OK : no_memory(s);
 	for (uint32_t i = 0; code == ECO_OK && i < areas->count; i++)
 		order[i] = i;
 	if (!code)
@@ -484,12 +484,12 @@ enum eco_code eco_scatter_open(struct eco_scatter **scatter, const struct eco_sc
 		return eco_fail(error, ECO_NO_MEMORY, "%.200s: no memory", spec->path);
 	assert(spec->plant_count > 0);
 	*s = (struct eco_scatter){ .spec = spec, .lattice = make_lattice(), .progress = progress, .ctx = ctx,
-		.error = error != NULL ? error : &own };
+		.error = error ? error : &own };
 	s->grid.cell_m = fmax(spec->distance_m, 1);
-	enum eco_code code = s->lattice != NULL ? eco_scatter_read(&s->input, spec, frame, s->error)
+	enum eco_code code = s->lattice ? eco_scatter_read(&s->input, spec, frame, s->error)
 		: no_memory(s);
 	if (!code)
-		code = s->input.mask.share != NULL ? place_by_mask(s) : place_in_areas(s);
+		code = s->input.mask.share ? place_by_mask(s) : place_in_areas(s);
 	free(s->candidates.items);
 	s->candidates = (struct candidates){ .items = NULL };
 	s->error = NULL;
@@ -547,7 +547,7 @@ void eco_scatter_report(const struct eco_scatter *s, void (*say)(void *ctx, cons
 	if (s->short_areas > 0) {
 		snprintf(line, sizeof line, "  %llu area%s no room for as many plants as wanted, at %g m "
 			"from each other%s", (unsigned long long)s->short_areas, s->short_areas == 1 ? " has"
-			: "s have", s->spec->distance_m, s->spec->clear_of != NULL
+			: "s have", s->spec->distance_m, s->spec->clear_of
 			? " and away from \"clear_of\"" : "");
 		say(ctx, line);
 	}
