@@ -54,7 +54,7 @@ static enum eco_code write_model(const struct gen_layout *layout, const char *na
 	struct gen_random random = { seed };
 	snprintf(folder, sizeof folder, "%s/models", layout->options->folder);
 	mesh.detail = layout->options->detail > 0 ? layout->options->detail : 1;
-	plant->grow(&mesh, &random);
+	plant->grow(&mesh, plant->kind, &random);
 	enum eco_code code = gen_mesh_write(&mesh, folder, name, error);
 	gen_mesh_free(&mesh);
 	if (!code && plant->texture)

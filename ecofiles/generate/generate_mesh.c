@@ -98,31 +98,30 @@ void gen_mesh_free(struct gen_mesh *mesh)
 	*mesh = (struct gen_mesh){ 0 };
 }
 
-uint8_t gen_material(struct gen_mesh *mesh, const char *name, uint8_t r, uint8_t g, uint8_t b,
-	const char *texture)
+uint8_t gen_material(struct gen_mesh *mesh, const char *name, uint32_t rgb, const char *texture)
 {
 	assert(mesh->material_count < GEN_MATERIALS_MAX);
 	struct gen_material *m = &mesh->materials[mesh->material_count];
 	snprintf(m->name, sizeof m->name, "%s", name);
-	m->rgb[0] = r;
-	m->rgb[1] = g;
-	m->rgb[2] = b;
+	for (int k = 0; k < 3; k++)
+		m->rgb[k] = (uint8_t)(rgb >> (16 - 8 * k));
 	m->texture = texture;
 	return (uint8_t)mesh->material_count++;
 }
 
-uint8_t gen_material_shades(struct gen_mesh *mesh, const char *name, const uint8_t dark[3],
-	const uint8_t bright[3], uint32_t count)
+uint8_t gen_material_shades(struct gen_mesh *mesh, const char *name, uint32_t dark, uint32_t bright,
+	uint32_t count)
 {
 	uint8_t first = (uint8_t)mesh->material_count;
 	for (uint32_t i = 0; i < count; i++) {
 		char shade[40];
-		uint8_t c[3];
-		for (int k = 0; k < 3; k++)
-			c[k] = (uint8_t)((dark[k] * (count - 1 - i) + bright[k] * i + (count - 1) / 2)
-				/ (count - 1));
+		uint32_t rgb = 0;
+		for (int bit = 16; bit >= 0; bit -= 8) {
+			uint32_t sum = (dark >> bit & 255) * (count - 1 - i) + (bright >> bit & 255) * i;
+			rgb |= (sum + (count - 1) / 2) / (count - 1) << bit;
+		}
 		snprintf(shade, sizeof shade, "%.24s-%u", name, i);
-		gen_material(mesh, shade, c[0], c[1], c[2], NULL);
+		gen_material(mesh, shade, rgb, NULL);
 	}
 	return first;
 }
@@ -366,8 +365,7 @@ enum eco_code gen_mesh_write(const struct gen_mesh *mesh, const char *folder, co
 			return eco_fail(error, ECO_NO_MEMORY, "generating %s: no memory", name);
 		part ? print_obj(mesh, name, out) : print_mtl(mesh, out);
 		enum eco_code code = fclose(out) ? eco_fail(error, ECO_NO_MEMORY, "generating %s: no memory",
-			name)
-			: gen_file_write(path, text, size, error);
+			name) : gen_file_write(path, text, size, error);
 		free(text);
 		if (code)
 			return code;

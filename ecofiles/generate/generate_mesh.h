@@ -59,11 +59,11 @@ struct gen_mesh {
 };
 void gen_mesh_free(struct gen_mesh *mesh);
 
-uint8_t gen_material(struct gen_mesh *mesh, const char *name, uint8_t r, uint8_t g, uint8_t b,
-	const char *texture);
+/* rgb, dark, bright: 0xRRGGBB */
+uint8_t gen_material(struct gen_mesh *mesh, const char *name, uint32_t rgb, const char *texture);
 /* `count` materials from the dark colour to the bright one, named NAME-0, ...; returns the first. */
-uint8_t gen_material_shades(struct gen_mesh *mesh, const char *name, const uint8_t dark[3],
-	const uint8_t bright[3], uint32_t count);
+uint8_t gen_material_shades(struct gen_mesh *mesh, const char *name, uint32_t dark, uint32_t bright,
+	uint32_t count);
 
 /* A closed tube through points; radius 0 at the last point is a tip. */
 struct gen_tube { const struct gen_v3 *points; const double *radius; uint32_t count, sides; };

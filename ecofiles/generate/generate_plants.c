@@ -18,22 +18,23 @@ static double detail_of(const struct gen_mesh *mesh) { return mesh->detail > 0 ?
 /* ---- Broad-leaved trees ---- */
 
 struct foliage {
-	uint8_t leaf, bark;
 	uint32_t shades, twigs, leaves;          /* per shoot; per twig */
 	double twig_m, leaf_m, width_m, spread;  /* spread: how far twigs fan out */
 	enum gen_leaf_shape shape;
 };
 
-static void grow_twig(struct gen_mesh *mesh, const struct foliage *f, const struct gen_shoot *shoot,
-	struct gen_random *random)
+/* A kind of broad-leaved trees. Leaves are shades from dark to bright; cards have the texture's colours. */
+struct broad { struct gen_crown crown; struct foliage foliage; uint32_t bark, dark, bright; };
+
+static void grow_twig(struct gen_mesh *mesh, const struct foliage *f, uint8_t bark, uint8_t leaf,
+	const struct gen_shoot *shoot, struct gen_random *random)
 {
-	struct gen_v3 way =
-		gen_unit(gen_add(gen_mad(shoot->along, gen_random_way(random), f->spread),
+	struct gen_v3 way = gen_unit(gen_add(gen_mad(shoot->along, gen_random_way(random), f->spread),
 		gen_v3(0, 0, 0.15)));
 	double length = f->twig_m * gen_random_in(random, 0.7, 1.2);
 	struct gen_v3 points[2] = { shoot->at, gen_mad(shoot->at, way, length) };
 	double radius[2] = { 0.006, 0 };
-	gen_tube(mesh, f->bark, &(struct gen_tube){ points, radius, 2, 3 });
+	gen_tube(mesh, bark, &(struct gen_tube){ points, radius, 2, 3 });
 	struct gen_v3 across = gen_across(way);
 	for (uint32_t i = 0; i < f->leaves; i++) {
 		double t = (i + 1.0) / f->leaves;
@@ -44,92 +45,65 @@ static void grow_twig(struct gen_mesh *mesh, const struct foliage *f, const stru
 			gen_mul(gen_random_way(random), 0.6));
 		double size = gen_random_in(random, 0.8, 1.15);
 		uint32_t shade = shade_of(shoot->light, f->shades, random);
-		gen_leaf(mesh, (uint8_t)(f->leaf + (f->shape == GEN_LEAF_CARD ? 0 : shade)),
-			&(struct gen_leaf){ .cell = shade,
-			.at = gen_mad(shoot->at, way, length * t), .along = along, .face = face,
-			.length = f->leaf_m * size,
-			.width = f->width_m * size, .bend = 0.18, .shape = f->shape });
+		gen_leaf(mesh, (uint8_t)(leaf + (f->shape == GEN_LEAF_CARD ? 0 : shade)),
+			&(struct gen_leaf){ .cell = shade, .at = gen_mad(shoot->at, way, length * t),
+			.along = along, .face = face, .length = f->leaf_m * size, .width = f->width_m * size,
+			.bend = 0.18, .shape = f->shape });
 	}
 }
 
-static void grow_broad(struct gen_mesh *mesh, const struct gen_crown *crown, const struct foliage *f,
-	struct gen_random *random)
+static void grow_broad(struct gen_mesh *mesh, const void *kind, struct gen_random *random)
 {
+	const struct broad *tree = kind;
 	struct gen_shoot shoots[SHOOTS_MAX];
-	struct foliage fine = *f;
+	struct foliage fine = tree->foliage;
 	double detail = detail_of(mesh);
-	fine.twigs = (uint32_t)(f->twigs * detail + 0.5);
+	uint8_t bark = gen_material(mesh, "bark", tree->bark, NULL);
+	uint8_t leaf = fine.shape == GEN_LEAF_CARD ? gen_material(mesh, "leaf", 0xffffff, "spray.png")
+		: gen_material_shades(mesh, "leaf", tree->dark, tree->bright, fine.shades);
+	fine.twigs = (uint32_t)(fine.twigs * detail + 0.5);
 	fine.twigs += fine.twigs == 0;
 	fine.leaf_m /= sqrt(detail);
 	fine.width_m /= sqrt(detail);
-	gen_tree(mesh, f->bark, crown, random, shoots);
-	for (uint32_t i = 0; i < crown->shoots; i++)
+	gen_tree(mesh, bark, &tree->crown, random, shoots);
+	for (uint32_t i = 0; i < tree->crown.shoots; i++)
 		for (uint32_t k = 0; k < fine.twigs; k++)
-			grow_twig(mesh, &fine, &shoots[i], random);
+			grow_twig(mesh, &fine, bark, leaf, &shoots[i], random);
 }
 
-static void oak(struct gen_mesh *mesh, struct gen_random *random)
-{
-	uint8_t bark = gen_material(mesh, "bark", 88, 72, 56, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 34, 58, 22 },
-		(uint8_t[]){ 116, 148, 54 }, 6);
-	grow_broad(mesh, &(struct gen_crown){ .height = 14, .base = 3.0, .radius = 6.2, .trunk_radius = 0.38,
-		.lean = 0.5, .lobes = 17,
-		.shoots = 260 }, &(struct foliage){ .leaf = leaf, .bark = bark, .shades = 6, .twigs = 5,
-		.leaves = 5, .twig_m = 0.75,
-		.leaf_m = 0.38, .width_m = 0.27, .spread = 0.9, .shape = GEN_LEAF_HEXAGON }, random);
-}
+static const struct broad oak = {
+	{ .height = 14, .base = 3.0, .radius = 6.2, .trunk_radius = 0.38, .lean = 0.5, .lobes = 17,
+		.shoots = 260 },
+	{ .shades = 6, .twigs = 5, .leaves = 5, .twig_m = 0.75, .leaf_m = 0.38, .width_m = 0.27,
+		.spread = 0.9, .shape = GEN_LEAF_HEXAGON },
+	.bark = 0x584838, .dark = 0x223a16, .bright = 0x749436 };
 
-static void birch(struct gen_mesh *mesh, struct gen_random *random)
-{
-	uint8_t bark = gen_material(mesh, "bark", 205, 202, 192, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 66, 90, 30 },
-		(uint8_t[]){ 164, 182, 76 }, 5);
-	grow_broad(mesh, &(struct gen_crown){ .height = 13, .base = 2.8, .radius = 2.7, .trunk_radius = 0.14,
-		.lean = 0.6, .lobes = 11,
+static const struct broad birch = {
+	{ .height = 13, .base = 2.8, .radius = 2.7, .trunk_radius = 0.14, .lean = 0.6, .lobes = 11,
 		.shoots = 170, .cone = 0.45 },
-		&(struct foliage){ .leaf = leaf, .bark = bark, .shades = 5, .twigs = 5, .leaves = 6,
-		.twig_m = 0.8, .leaf_m = 0.21, .width_m = 0.17, .spread = 0.8, .shape = GEN_LEAF_RHOMB },
-		random);
-}
+	{ .shades = 5, .twigs = 5, .leaves = 6, .twig_m = 0.8, .leaf_m = 0.21, .width_m = 0.17,
+		.spread = 0.8, .shape = GEN_LEAF_RHOMB },
+	.bark = 0xcdcac0, .dark = 0x425a1e, .bright = 0xa4b64c };
 
-static void linden(struct gen_mesh *mesh, struct gen_random *random)
-{
-	uint8_t bark = gen_material(mesh, "bark", 96, 84, 70, NULL);
-	uint8_t leaf = gen_material(mesh, "leaf", 255, 255, 255, "spray.png");
-	grow_broad(mesh, &(struct gen_crown){ .height = 12, .base = 2.6, .radius = 3.9, .trunk_radius = 0.22,
-		.lean = 0.25, .lobes = 13,
+static const struct broad linden = {
+	{ .height = 12, .base = 2.6, .radius = 3.9, .trunk_radius = 0.22, .lean = 0.25, .lobes = 13,
 		.shoots = 190, .cone = 0.3 },
-		&(struct foliage){ .leaf = leaf, .bark = bark, .shades = 4, .twigs = 4, .leaves = 3,
-		.twig_m = 0.55, .leaf_m = 0.62, .width_m = 0.52, .spread = 0.9, .shape = GEN_LEAF_CARD },
-		random);
-}
+	{ .shades = 4, .twigs = 4, .leaves = 3, .twig_m = 0.55, .leaf_m = 0.62, .width_m = 0.52,
+		.spread = 0.9, .shape = GEN_LEAF_CARD }, .bark = 0x605446 };
 
 /* A beech grown in a stand: a long stem, and a narrow crown above its neighbours' shade. */
-static void beech(struct gen_mesh *mesh, struct gen_random *random)
-{
-	uint8_t bark = gen_material(mesh, "bark", 128, 124, 114, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 36, 64, 24 },
-		(uint8_t[]){ 124, 160, 58 }, 6);
-	grow_broad(mesh, &(struct gen_crown){ .height = 22, .base = 8.5, .radius = 3.6, .trunk_radius = 0.24,
-		.lean = 0.8, .lobes = 13,
+static const struct broad beech = {
+	{ .height = 22, .base = 8.5, .radius = 3.6, .trunk_radius = 0.24, .lean = 0.8, .lobes = 13,
 		.shoots = 200, .cone = 0.2 },
-		&(struct foliage){ .leaf = leaf, .bark = bark, .shades = 6, .twigs = 5, .leaves = 5,
-		.twig_m = 0.8,
-		.leaf_m = 0.36, .width_m = 0.24, .spread = 0.9, .shape = GEN_LEAF_HEXAGON }, random);
-}
+	{ .shades = 6, .twigs = 5, .leaves = 5, .twig_m = 0.8, .leaf_m = 0.36, .width_m = 0.24,
+		.spread = 0.9, .shape = GEN_LEAF_HEXAGON },
+	.bark = 0x807c72, .dark = 0x244018, .bright = 0x7ca03a };
 
-static void maple(struct gen_mesh *mesh, struct gen_random *random)
-{
-	uint8_t bark = gen_material(mesh, "bark", 104, 94, 80, NULL);
-	uint8_t leaf = gen_material(mesh, "leaf", 255, 255, 255, "spray.png");
-	grow_broad(mesh, &(struct gen_crown){ .height = 20, .base = 7, .radius = 3.2, .trunk_radius = 0.2,
-		.lean = 0.6, .lobes = 12,
+static const struct broad maple = {
+	{ .height = 20, .base = 7, .radius = 3.2, .trunk_radius = 0.2, .lean = 0.6, .lobes = 12,
 		.shoots = 170, .cone = 0.35 },
-		&(struct foliage){ .leaf = leaf, .bark = bark, .shades = 4, .twigs = 4, .leaves = 3,
-		.twig_m = 0.6, .leaf_m = 0.66, .width_m = 0.55, .spread = 0.9, .shape = GEN_LEAF_CARD },
-		random);
-}
+	{ .shades = 4, .twigs = 4, .leaves = 3, .twig_m = 0.6, .leaf_m = 0.66, .width_m = 0.55,
+		.spread = 0.9, .shape = GEN_LEAF_CARD }, .bark = 0x685e50 };
 
 /* ---- Conifers ---- */
 
@@ -137,12 +111,13 @@ struct whorls {
 	double height, base, radius, trunk_radius;
 	double droop_deg, rise_deg;              /* lowest and topmost branches */
 	double gap_m, needle_m, needle_width;
-	uint32_t branches, shades;
-	uint8_t bark, leaf;
+	uint32_t branches;
+	uint32_t bark, dark, bright;             /* colours: needles from dark to bright */
 };
+#define NEEDLE_SHADES 5
 
-static void grow_bough(struct gen_mesh *mesh, const struct whorls *w, struct gen_v3 at, double azimuth,
-	double elevation, double length, struct gen_random *random)
+static void grow_bough(struct gen_mesh *mesh, const struct whorls *w, uint8_t bark, struct gen_v3 at,
+	double azimuth, double elevation, double length, struct gen_random *random)
 {
 	struct gen_v3 points[5];
 	double radius[5];
@@ -150,12 +125,11 @@ static void grow_bough(struct gen_mesh *mesh, const struct whorls *w, struct gen
 	for (int i = 0; i < 5; i++) {
 		double t = i / 4.0;
 		if (i)
-			points[i] =
-				gen_mad(points[i - 1], gen_heading(azimuth, elevation - 14 * t + 26 * t * t),
-				length / 4);
+			points[i] = gen_mad(points[i - 1],
+				gen_heading(azimuth, elevation - 14 * t + 26 * t * t), length / 4);
 		radius[i] = i == 4 ? 0 : (0.006 + 0.007 * length) * (1 - t);
 	}
-	gen_tube(mesh, w->bark, &(struct gen_tube){ points, radius, 5, 3 });
+	gen_tube(mesh, bark, &(struct gen_tube){ points, radius, 5, 3 });
 	double detail = detail_of(mesh);
 	uint32_t sprays = 2 * (uint32_t)(length / 0.16 * detail) + 3;
 	for (uint32_t i = 0; i < sprays; i++) {
@@ -170,7 +144,7 @@ static void grow_bough(struct gen_mesh *mesh, const struct whorls *w, struct gen
 		out.z += gen_random_in(random, -0.35, 0.10);
 		double size = w->needle_m * (1.15 - 0.55 * t) * gen_random_in(random, 0.8,
 			1.2) * (0.4 + 0.6 * gen_clamp(length, 0, 1));
-		gen_leaf(mesh, (uint8_t)(w->leaf + shade_of(0.25 + 0.55 * t, w->shades, random)),
+		gen_leaf(mesh, (uint8_t)(bark + 1 + shade_of(0.25 + 0.55 * t, NEEDLE_SHADES, random)),
 			&(struct gen_leaf){ .at = foot, .along = out,
 			.face = gen_add(gen_v3(0, 0, 1), gen_mul(gen_random_way(random), 0.5)),
 			.length = size / sqrt(detail),
@@ -178,18 +152,21 @@ static void grow_bough(struct gen_mesh *mesh, const struct whorls *w, struct gen
 	}
 }
 
-static void grow_conifer(struct gen_mesh *mesh, const struct whorls *w, struct gen_random *random)
+static void grow_conifer(struct gen_mesh *mesh, const void *kind, struct gen_random *random)
 {
 	enum { RINGS = 12 };
+	const struct whorls *w = kind;
 	struct gen_v3 points[RINGS];
 	double radius[RINGS], z = w->base;
+	uint8_t bark = gen_material(mesh, "bark", w->bark, NULL);
+	gen_material_shades(mesh, "needles", w->dark, w->bright, NEEDLE_SHADES);   /* they follow the bark */
 	for (int i = 0; i < RINGS; i++) {
 		double t = i / (RINGS - 1.0);
 		points[i] = gen_v3(gen_random_in(random, -0.01, 0.01) * (i > 0),
 			gen_random_in(random, -0.01, 0.01) * (i > 0), t * w->height);
 		radius[i] = i + 1 == RINGS ? 0 : w->trunk_radius * (1 - t) * (i ? 1 : 1.4);
 	}
-	gen_tube(mesh, w->bark, &(struct gen_tube){ points, radius, RINGS, 8 });
+	gen_tube(mesh, bark, &(struct gen_tube){ points, radius, RINGS, 8 });
 	for (uint32_t ring = 0; z < w->height - 0.12; ring++) {
 		double t = (z - w->base) / (w->height - w->base), left = 1 - t;
 		uint32_t n = (uint32_t)(w->branches * (0.55 + 0.45 * left) + gen_random_unit(random));
@@ -197,47 +174,32 @@ static void grow_conifer(struct gen_mesh *mesh, const struct whorls *w, struct g
 			double length = w->radius * (0.10 + 0.90 * left) * gen_smooth(-0.18, 0.14,
 				t) * gen_random_in(random, 0.78, 1.06);
 			double azimuth = 137.5 * ring + 360.0 * i / n + gen_random_in(random, -12, 12);
-			grow_bough(mesh, w, gen_v3(0, 0, z + gen_random_in(random, -0.06, 0.06)), azimuth,
-				w->droop_deg + (w->rise_deg - w->droop_deg) * t * t
+			grow_bough(mesh, w, bark, gen_v3(0, 0, z + gen_random_in(random, -0.06, 0.06)),
+				azimuth, w->droop_deg + (w->rise_deg - w->droop_deg) * t * t
 				+ gen_random_in(random, -5, 5), length, random);
 		}
 		z += w->gap_m * (0.70 + 0.50 * left);
 	}
 }
 
-static void spruce(struct gen_mesh *mesh, struct gen_random *random)
-{
-	uint8_t bark = gen_material(mesh, "bark", 84, 66, 52, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "needles", (uint8_t[]){ 20, 44, 30 },
-		(uint8_t[]){ 72, 104, 66 }, 5);
-	grow_conifer(mesh, &(struct whorls){ .height = 16, .base = 0.9, .radius = 3.7, .trunk_radius = 0.22,
-		.droop_deg = -14, .rise_deg = 48,
-		.gap_m = 0.5, .needle_m = 0.74, .needle_width = 0.12, .branches = 7, .shades = 5,
-		.bark = bark, .leaf = leaf }, random);
-}
+static const struct whorls spruce = { .height = 16, .base = 0.9, .radius = 3.7, .trunk_radius = 0.22,
+	.droop_deg = -14, .rise_deg = 48, .gap_m = 0.5, .needle_m = 0.74, .needle_width = 0.12, .branches = 7,
+	.bark = 0x544234, .dark = 0x142c1e, .bright = 0x486842 };
 
-static void pine(struct gen_mesh *mesh, struct gen_random *random)
-{
-	uint8_t bark = gen_material(mesh, "bark", 136, 90, 60, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "needles", (uint8_t[]){ 38, 60, 40 },
-		(uint8_t[]){ 102, 128, 84 }, 5);
-	grow_conifer(mesh, &(struct whorls){ .height = 17, .base = 8.2, .radius = 3.6, .trunk_radius = 0.24,
-		.droop_deg = 4, .rise_deg = 52,
-		.gap_m = 0.5, .needle_m = 0.72, .needle_width = 0.16, .branches = 6, .shades = 5,
-		.bark = bark, .leaf = leaf }, random);
-}
+static const struct whorls pine = { .height = 17, .base = 8.2, .radius = 3.6, .trunk_radius = 0.24,
+	.droop_deg = 4, .rise_deg = 52, .gap_m = 0.5, .needle_m = 0.72, .needle_width = 0.16, .branches = 6,
+	.bark = 0x885a3c, .dark = 0x263c28, .bright = 0x668054 };
 
 /* ---- Palms, ferns ---- */
 
-static void palm(struct gen_mesh *mesh, struct gen_random *random)
+static void palm(struct gen_mesh *mesh, const void *kind, struct gen_random *random)
 {
+	(void)kind;
 	enum { RINGS = 22 };
-	uint8_t bark = gen_material(mesh, "bark", 124, 104, 80, NULL),
-		rib = gen_material(mesh, "rib", 150, 150, 84, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaflet", (uint8_t[]){ 40, 70, 30 },
-		(uint8_t[]){ 138, 166, 70 }, 5);
-	uint8_t dry = gen_material_shades(mesh, "dry", (uint8_t[]){ 120, 98, 58 },
-		(uint8_t[]){ 158, 136, 84 }, 2);
+	uint8_t bark = gen_material(mesh, "bark", 0x7c6850, NULL),
+		rib = gen_material(mesh, "rib", 0x969654, NULL);
+	uint8_t leaf = gen_material_shades(mesh, "leaflet", 0x28461e, 0x8aa646, 5);
+	uint8_t dry = gen_material_shades(mesh, "dry", 0x78623a, 0x9e8854, 2);
 	struct gen_v3 points[RINGS], lean = gen_heading(gen_random_in(random, 0, 360), 0);
 	double radius[RINGS], height = 7.2;
 	for (int i = 0; i < RINGS; i++) {
@@ -262,11 +224,11 @@ static void palm(struct gen_mesh *mesh, struct gen_random *random)
 	}
 }
 
-static void fern(struct gen_mesh *mesh, struct gen_random *random)
+static void fern(struct gen_mesh *mesh, const void *kind, struct gen_random *random)
 {
-	uint8_t rib = gen_material(mesh, "rib", 96, 92, 46, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaflet", (uint8_t[]){ 44, 74, 28 },
-		(uint8_t[]){ 126, 162, 62 }, 4);
+	(void)kind;
+	uint8_t rib = gen_material(mesh, "rib", 0x605c2e, NULL);
+	uint8_t leaf = gen_material_shades(mesh, "leaflet", 0x2c4a1c, 0x7ea23e, 4);
 	for (uint32_t i = 0; i < 11; i++)
 		gen_frond(mesh,
 			&(struct gen_frond){ .azimuth_deg = 137.5 * i,
@@ -342,22 +304,22 @@ static void grow_bush(struct gen_mesh *mesh, const struct bush *b, struct gen_ra
 		grow_stem(mesh, b, i, random);
 }
 
-static void shrub(struct gen_mesh *mesh, struct gen_random *random)
+static void shrub(struct gen_mesh *mesh, const void *kind, struct gen_random *random)
 {
-	uint8_t bark = gen_material(mesh, "bark", 92, 74, 56, NULL);
-	uint8_t leaf = gen_material(mesh, "leaf", 255, 255, 255, "leaf.png");
+	(void)kind;
+	uint8_t bark = gen_material(mesh, "bark", 0x5c4a38, NULL);
+	uint8_t leaf = gen_material(mesh, "leaf", 0xffffff, "leaf.png");
 	grow_bush(mesh, &(struct bush){ .height = 2.1, .radius = 1.1, .stems = 34, .leaves = 40,
 		.leaf_m = 0.15, .width_m = 0.1,
 		.bark = bark, .leaf = leaf, .shades = 4, .shape = GEN_LEAF_CARD }, random);
 }
 
-static void azalea(struct gen_mesh *mesh, struct gen_random *random)
+static void azalea(struct gen_mesh *mesh, const void *kind, struct gen_random *random)
 {
-	uint8_t bark = gen_material(mesh, "bark", 88, 66, 52, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 26, 52, 30 },
-		(uint8_t[]){ 80, 116, 60 }, 4);
-	uint8_t flower = gen_material_shades(mesh, "flower", (uint8_t[]){ 196, 58, 120 },
-		(uint8_t[]){ 242, 150, 190 }, 3);
+	(void)kind;
+	uint8_t bark = gen_material(mesh, "bark", 0x584234, NULL);
+	uint8_t leaf = gen_material_shades(mesh, "leaf", 0x1a341e, 0x50743c, 4);
+	uint8_t flower = gen_material_shades(mesh, "flower", 0xc43a78, 0xf296be, 3);
 	grow_bush(mesh, &(struct bush){ .height = 1.4, .radius = 1.0, .stems = 48, .leaves = 26,
 		.leaf_m = 0.11, .width_m = 0.045,
 		.bark = bark, .leaf = leaf, .shades = 4, .flower = flower, .flower_shades = 3,
@@ -366,45 +328,40 @@ static void azalea(struct gen_mesh *mesh, struct gen_random *random)
 
 /* ---- Grass and flowers ---- */
 
-static void grow_blades(struct gen_mesh *mesh, uint8_t leaf, uint32_t shades, uint32_t count, double height,
-	double spread, double width, struct gen_random *random)
+struct blades { uint32_t dark, bright, count; double height, spread, width; };
+
+static void grow_blades(struct gen_mesh *mesh, const void *kind, struct gen_random *random)
 {
-	for (uint32_t i = 0; i < count; i++) {
+	enum { SHADES = 5 };
+	const struct blades *b = kind;
+	uint8_t leaf = gen_material_shades(mesh, "blade", b->dark, b->bright, SHADES);
+	for (uint32_t i = 0; i < b->count; i++) {
 		double r = sqrt(gen_random_unit(random)), azimuth = 137.5 * i;
 		struct gen_v3 out = gen_heading(azimuth + gen_random_in(random, -40, 40), 0);
-		gen_leaf(mesh, (uint8_t)(leaf + shade_of(gen_random_unit(random), shades, random)),
-			&(struct gen_leaf){
-			.at = gen_mul(gen_heading(azimuth, 0), spread * r),
-			.along =
-			gen_add(gen_v3(0, 0, 1), gen_mul(out, 0.10 + 0.45 * r * gen_random_unit(random))),
-			.face = gen_mul(out, -1), .length = height * gen_random_in(random, 0.55, 1.05),
-			.width = width,
-			.bend = gen_random_in(random, 0.1, 0.55), .shape = GEN_LEAF_BLADE });
+		gen_leaf(mesh, (uint8_t)(leaf + shade_of(gen_random_unit(random), SHADES, random)),
+			&(struct gen_leaf){ .at = gen_mul(gen_heading(azimuth, 0), b->spread * r),
+			.along = gen_add(gen_v3(0, 0, 1),
+			gen_mul(out, 0.10 + 0.45 * r * gen_random_unit(random))),
+			.face = gen_mul(out, -1), .length = b->height * gen_random_in(random, 0.55, 1.05),
+			.width = b->width, .bend = gen_random_in(random, 0.1, 0.55),
+			.shape = GEN_LEAF_BLADE });
 	}
 }
 
-static void grass(struct gen_mesh *mesh, struct gen_random *random)
-{
-	uint8_t leaf = gen_material_shades(mesh, "blade", (uint8_t[]){ 74, 104, 36 },
-		(uint8_t[]){ 176, 186, 92 }, 5);
-	grow_blades(mesh, leaf, 5, 110, 0.62, 0.22, 0.011, random);
-}
-
-static void turf(struct gen_mesh *mesh, struct gen_random *random)
-{
-	uint8_t leaf = gen_material_shades(mesh, "blade", (uint8_t[]){ 62, 98, 32 },
-		(uint8_t[]){ 140, 168, 70 }, 5);
-	grow_blades(mesh, leaf, 5, 220, 0.26, 0.75, 0.010, random);
-}
+static const struct blades grass = { 0x4a6824, 0xb0ba5c, 110, 0.62, 0.22, 0.011 };
+static const struct blades turf = { 0x3e6220, 0x8ca846, 220, 0.26, 0.75, 0.010 };
 
 /* Several stems, each with a head of petals around a button. */
-static void grow_flower(struct gen_mesh *mesh, struct gen_random *random, uint8_t petal,
-	uint32_t petal_shades, uint8_t button, uint32_t petals, double petal_m, double petal_width,
-	double cup)
+struct flower { uint32_t dark, bright, button, petals; double petal_m, petal_width, cup; };
+
+static void grow_flower(struct gen_mesh *mesh, const void *kind, struct gen_random *random)
 {
-	uint8_t stem = gen_material(mesh, "stem", 92, 124, 56, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 58, 92, 40 },
-		(uint8_t[]){ 112, 146, 66 }, 3);
+	enum { SHADES = 3 };
+	const struct flower *f = kind;
+	uint8_t petal = gen_material_shades(mesh, "petal", f->dark, f->bright, SHADES);
+	uint8_t button = gen_material(mesh, "button", f->button, NULL);
+	uint8_t stem = gen_material(mesh, "stem", 0x5c7c38, NULL);
+	uint8_t leaf = gen_material_shades(mesh, "leaf", 0x3a5c28, 0x709242, 3);
 	for (uint32_t i = 0; i < 9; i++) {
 		double azimuth = 137.5 * i, r = sqrt((i + 0.5) / 9),
 			height = gen_random_in(random, 0.34, 0.56);
@@ -423,18 +380,17 @@ static void grow_flower(struct gen_mesh *mesh, struct gen_random *random, uint8_
 				.face = gen_mul(gen_heading(azimuth + 137.5 * k, 0), -1),
 				.length = 0.17 - 0.02 * k, .width = 0.026, .bend = 0.3,
 				.shape = GEN_LEAF_HEXAGON });
-		struct gen_v3 up =
-			gen_unit(gen_add(gen_v3(0, 0, 1),
+		struct gen_v3 up = gen_unit(gen_add(gen_v3(0, 0, 1),
 			gen_add(gen_mul(out, 0.4 * r), gen_mul(gen_random_way(random), 0.25))));
 		struct gen_v3 across = gen_across(up), head = points[3];
-		for (uint32_t k = 0; k < petals; k++) {
-			struct gen_v3 way = gen_turned(across, up, 360.0 * k / petals);
-			gen_leaf(mesh, (uint8_t)(petal + shade_of(0.5, petal_shades, random)),
+		for (uint32_t k = 0; k < f->petals; k++) {
+			struct gen_v3 way = gen_turned(across, up, 360.0 * k / f->petals);
+			gen_leaf(mesh, (uint8_t)(petal + shade_of(0.5, SHADES, random)),
 				&(struct gen_leaf){ .at = gen_mad(head, way, 0.008),
-				.along = gen_add(way, gen_mul(up, cup)),
-				.face = gen_sub(up, gen_mul(way, cup)),
-				.length = petal_m * gen_random_in(random, 0.9, 1.1),
-				.width = petal_width, .bend = 0.1, .shape = GEN_LEAF_HEXAGON });
+				.along = gen_add(way, gen_mul(up, f->cup)),
+				.face = gen_sub(up, gen_mul(way, f->cup)),
+				.length = f->petal_m * gen_random_in(random, 0.9, 1.1),
+				.width = f->petal_width, .bend = 0.1, .shape = GEN_LEAF_HEXAGON });
 		}
 		struct gen_v3 cone[3] = { gen_mad(head, up, -0.006), gen_mad(head, up, 0.006),
 			gen_mad(head, up, 0.014) };
@@ -443,29 +399,9 @@ static void grow_flower(struct gen_mesh *mesh, struct gen_random *random, uint8_
 	}
 }
 
-static void daisy(struct gen_mesh *mesh, struct gen_random *random)
-{
-	uint8_t petal = gen_material_shades(mesh, "petal", (uint8_t[]){ 214, 212, 206 },
-		(uint8_t[]){ 250, 249, 244 }, 3);
-	uint8_t button = gen_material(mesh, "button", 232, 184, 38, NULL);
-	grow_flower(mesh, random, petal, 3, button, 14, 0.046, 0.014, 0.12);
-}
-
-static void poppy(struct gen_mesh *mesh, struct gen_random *random)
-{
-	uint8_t petal = gen_material_shades(mesh, "petal", (uint8_t[]){ 172, 22, 18 },
-		(uint8_t[]){ 226, 60, 34 }, 3);
-	uint8_t button = gen_material(mesh, "button", 44, 40, 36, NULL);
-	grow_flower(mesh, random, petal, 3, button, 5, 0.062, 0.066, 0.55);
-}
-
-static void cornflower(struct gen_mesh *mesh, struct gen_random *random)
-{
-	uint8_t petal = gen_material_shades(mesh, "petal", (uint8_t[]){ 52, 66, 178 },
-		(uint8_t[]){ 104, 122, 226 }, 3);
-	uint8_t button = gen_material(mesh, "button", 72, 48, 120, NULL);
-	grow_flower(mesh, random, petal, 3, button, 9, 0.040, 0.020, 0.45);
-}
+static const struct flower daisy = { 0xd6d4ce, 0xfaf9f4, 0xe8b826, 14, 0.046, 0.014, 0.12 };
+static const struct flower poppy = { 0xac1612, 0xe23c22, 0x2c2824, 5, 0.062, 0.066, 0.55 };
+static const struct flower cornflower = { 0x3442b2, 0x687ae2, 0x483078, 9, 0.040, 0.020, 0.45 };
 
 /* A head on a tall stalk: rays around a disc of florets in a spiral, as in nature. */
 static void grow_head(struct gen_mesh *mesh, uint8_t ray, uint8_t floret, struct gen_v3 at,
@@ -493,16 +429,14 @@ static void grow_head(struct gen_mesh *mesh, uint8_t ray, uint8_t floret, struct
 	}
 }
 
-static void sunflower(struct gen_mesh *mesh, struct gen_random *random)
+static void sunflower(struct gen_mesh *mesh, const void *kind, struct gen_random *random)
 {
+	(void)kind;
 	enum { RINGS = 7, LEAVES = 22 };
-	uint8_t stem = gen_material(mesh, "stem", 96, 124, 62, NULL);
-	uint8_t leaf = gen_material_shades(mesh, "leaf", (uint8_t[]){ 46, 82, 34 },
-		(uint8_t[]){ 116, 148, 70 }, 4);
-	uint8_t ray = gen_material_shades(mesh, "petal", (uint8_t[]){ 226, 150, 16 },
-		(uint8_t[]){ 252, 206, 44 }, 3);
-	uint8_t floret = gen_material_shades(mesh, "floret", (uint8_t[]){ 62, 42, 26 },
-		(uint8_t[]){ 132, 88, 34 }, 2);
+	uint8_t stem = gen_material(mesh, "stem", 0x607c3e, NULL);
+	uint8_t leaf = gen_material_shades(mesh, "leaf", 0x2e5222, 0x749446, 4);
+	uint8_t ray = gen_material_shades(mesh, "petal", 0xe29610, 0xfcce2c, 3);
+	uint8_t floret = gen_material_shades(mesh, "floret", 0x3e2a1a, 0x845822, 2);
 	double azimuth = gen_random_in(random, 0, 360), radius[RINGS];
 	struct gen_v3 points[RINGS], south = gen_heading(azimuth, 0);
 	for (int i = 0; i < RINGS; i++) {
@@ -533,14 +467,14 @@ static void sunflower(struct gen_mesh *mesh, struct gen_random *random)
 }
 
 const struct gen_plant gen_plants[] = {
-	{ "oak", NULL, oak }, { "birch", NULL, birch }, { "linden", "spray.png", linden },
-		{ "beech", NULL, beech },
-	{ "maple", "spray.png", maple }, { "spruce", NULL, spruce }, { "pine", NULL, pine },
-	{ "palm", NULL, palm }, { "fern", NULL, fern }, { "shrub", "leaf.png", shrub },
-	{ "azalea", NULL, azalea }, { "grass", NULL, grass },
-	{ "turf", NULL, turf }, { "daisy", NULL, daisy }, { "poppy", NULL, poppy },
-	{ "cornflower", NULL, cornflower },
-	{ "sunflower", NULL, sunflower },
+	{ "oak", NULL, grow_broad, &oak }, { "birch", NULL, grow_broad, &birch },
+	{ "linden", "spray.png", grow_broad, &linden }, { "beech", NULL, grow_broad, &beech },
+	{ "maple", "spray.png", grow_broad, &maple }, { "spruce", NULL, grow_conifer, &spruce },
+	{ "pine", NULL, grow_conifer, &pine }, { "palm", NULL, palm, NULL }, { "fern", NULL, fern, NULL },
+	{ "shrub", "leaf.png", shrub, NULL }, { "azalea", NULL, azalea, NULL },
+	{ "grass", NULL, grow_blades, &grass }, { "turf", NULL, grow_blades, &turf },
+	{ "daisy", NULL, grow_flower, &daisy }, { "poppy", NULL, grow_flower, &poppy },
+	{ "cornflower", NULL, grow_flower, &cornflower }, { "sunflower", NULL, sunflower, NULL },
 };
 const uint32_t gen_plant_count = sizeof gen_plants / sizeof *gen_plants;
 

@@ -8,7 +8,8 @@
 struct gen_plant {
 	const char *name;            /* of the model's files */
 	const char *texture;         /* file that gen_texture_write paints, or NULL */
-	void (*grow)(struct gen_mesh *mesh, struct gen_random *random);
+	void (*grow)(struct gen_mesh *mesh, const void *kind, struct gen_random *random);
+	const void *kind;            /* what `grow` tells from others that it grows, or NULL */
 };
 
 extern const struct gen_plant gen_plants[];

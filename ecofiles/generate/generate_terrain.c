@@ -31,9 +31,8 @@ double gen_noise(uint64_t seed, double x, double y)
 
 double gen_terrain_height(const struct gen_terrain *t, double x, double y)
 {
-	return t->hill_m * gen_noise(t->seed, x / t->hill_length_m, y / t->hill_length_m)
-		+ t->bump_m * gen_noise(t->seed + 1, x / t->bump_length_m + 0.37,
-		y / t->bump_length_m + 0.61);
+	return t->hill_m * gen_noise(t->seed, x / t->hill_length_m, y / t->hill_length_m) + t->bump_m
+		* gen_noise(t->seed + 1, x / t->bump_length_m + 0.37, y / t->bump_length_m + 0.61);
 }
 
 enum eco_code gen_terrain_write(const struct gen_terrain *terrain, double half_m, double step_m,

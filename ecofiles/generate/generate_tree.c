@@ -155,8 +155,7 @@ static void scatter_lobes(const struct gen_crown *crown, struct gen_random *rand
 		double t = 0.10 + 0.70 * (i + 0.5) / crown->lobes, width = crown_width(crown, t);
 		size[i] = width * gen_random_in(random, 0.42, 0.58);
 		double azimuth = 137.50776405 * i + gen_random_in(random, -25, 25);
-		lobe[i] =
-			gen_mul(gen_heading(azimuth, 0),
+		lobe[i] = gen_mul(gen_heading(azimuth, 0),
 			(width - size[i]) * gen_random_in(random, 0.8, 1.05));
 		lobe[i].z = crown->base + t * span;
 	}
@@ -185,8 +184,7 @@ static void scatter_shoots(const struct gen_crown *crown, struct gen_random *ran
 		at.z = gen_clamp(lobe[k].z + way.z * gen_clamp(size[k], 0, 0.21 * span) * depth, crown->base,
 			crown->height);
 		struct gen_v3 out = gen_sub(at, middle);
-		double reach =
-			gen_length(gen_v3(out.x / crown->radius, out.y / crown->radius,
+		double reach = gen_length(gen_v3(out.x / crown->radius, out.y / crown->radius,
 			out.z / (0.58 * span)));
 		shoots[i] = (struct gen_shoot){ at, gen_unit(gen_add(gen_unit(out), gen_mul(way, 0.5))),
 			gen_clamp(0.55 * reach * reach + 0.45 * (at.z - crown->base) / span, 0, 1) };
@@ -226,9 +224,7 @@ void gen_frond(struct gen_mesh *mesh, const struct gen_frond *frond, struct gen_
 	radius[0] = frond->rib_radius;
 	for (int i = 1; i < RIB_POINTS; i++) {
 		double t = (double)i / (RIB_POINTS - 1);
-		rib[i] =
-			gen_mad(rib[i - 1],
-			gen_heading(frond->azimuth_deg,
+		rib[i] = gen_mad(rib[i - 1], gen_heading(frond->azimuth_deg,
 			frond->elevation_deg - frond->sink_deg * t * (0.4 + 0.6 * t)), step);
 		radius[i] = i + 1 == RIB_POINTS ? 0 : frond->rib_radius * (1 - 0.85 * t);
 	}

@@ -78,8 +78,8 @@ static void grow(struct gen_mesh *mesh)
 {
 	struct gen_random random = { .state = 6143 };
 	struct gen_shoot shoots[SHOOTS];
-	uint8_t bark = gen_material(mesh, "bark", 88, 72, 56, NULL),
-		leaf = gen_material(mesh, "leaf", 76, 110, 40, NULL);
+	uint8_t bark = gen_material(mesh, "bark", 0x584838, NULL),
+		leaf = gen_material(mesh, "leaf", 0x4c6e28, NULL);
 	uint32_t left = BENCH_CROWN_LEAVES;
 	gen_tree(mesh, bark,
 		&(struct gen_crown){ .height = 12, .base = 2.6, .radius = 4.6, .trunk_radius = 0.3,

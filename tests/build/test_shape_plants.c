@@ -34,7 +34,7 @@ static void build(struct lod_plant *plant, const char *name, uint64_t seed)
 		.grid_bits = 14 };
 	folder_make(FOLDER);
 	assert_non_null(kind);
-	kind->grow(&mesh, &random);
+	kind->grow(&mesh, kind->kind, &random);
 	assert_int_equal(gen_mesh_write(&mesh, FOLDER, name, &error), ECO_OK);
 	gen_mesh_free(&mesh);
 	if (kind->texture)

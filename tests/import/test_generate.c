@@ -218,8 +218,9 @@ UNIT_TEST(test_detail_multiplies_leaves)
 		{ { "oak", 2.6, 4.2 }, { "spruce", 2.2, 4.2 }, { "palm", 2.2, 4.2 } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct gen_mesh once = { 0 }, fine = { .detail = 4 };
-		gen_plant_find(cases[i].name)->grow(&once, &(struct gen_random){ 5 });
-		gen_plant_find(cases[i].name)->grow(&fine, &(struct gen_random){ 5 });
+		const struct gen_plant *plant = gen_plant_find(cases[i].name);
+		plant->grow(&once, plant->kind, &(struct gen_random){ 5 });
+		plant->grow(&fine, plant->kind, &(struct gen_random){ 5 });
 		double times = (double)fine.face_count / once.face_count;
 		if (!(times >= cases[i].least && times <= cases[i].most))
 			fail_msg("%s: %g times the faces", cases[i].name, times);
@@ -245,7 +246,8 @@ UNIT_TEST(test_plants_have_believable_sizes)
 		struct gen_mesh mesh = { 0 };
 		struct gen_random random = { 99 };
 		double high = 0, low = 0, wide = 0;
-		gen_plant_find(sizes[i].name)->grow(&mesh, &random);
+		const struct gen_plant *plant = gen_plant_find(sizes[i].name);
+		plant->grow(&mesh, plant->kind, &random);
 		assert_false(mesh.failed);
 		for (uint32_t k = 0; k < mesh.count; k++) {
 			const struct gen_v3 *p = &mesh.position[k];
