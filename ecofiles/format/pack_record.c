@@ -1,5 +1,5 @@
-/* Each record as a table of its fields, in their order in the file: this file defines the bytes. Values are as
- * wide as in the structs of pack.h and list.h. */
+/* Each record as a table of its fields, in their order in the file: this file defines the bytes. Values are
+ * as wide as in the structs of pack.h and list.h. */
 #include "ecofiles/format/pack_record.h"
 
 #include <assert.h>
@@ -36,7 +36,8 @@ struct field { enum { VALUES, FLAG, NAME, ZEROS } kind; uint8_t width, count; ui
 	{ kind, sizeof MEMBER(record, member), 1, offsetof(struct eco_##record, member) }
 #define ONE(record, member) FIELD(VALUES, record, member)
 #define ARRAY(record, member) { VALUES, sizeof MEMBER(record, member)[0], \
-	sizeof MEMBER(record, member) / sizeof MEMBER(record, member)[0], offsetof(struct eco_##record, member) }
+	sizeof MEMBER(record, member) / sizeof MEMBER(record, member)[0], \
+	offsetof(struct eco_##record, member) }
 #define ZERO_BYTES(count) { ZEROS, 1, count, 0 }
 
 static void write_value(struct eco_writer *w, const uint8_t *from, unsigned width)
@@ -164,8 +165,8 @@ static const struct field tile_fields[] = {
 
 static const struct field ground_tile_fields[] = {
 	ONE(ground_tile, list), ONE(ground_tile, column), ONE(ground_tile, row), ONE(ground_tile, level),
-	ONE(ground_tile, child_count), ZERO_BYTES(2), ONE(ground_tile, child_first), ONE(ground_tile, error_m),
-	ONE(ground_tile, low_m), ONE(ground_tile, high_m),
+	ONE(ground_tile, child_count), ZERO_BYTES(2), ONE(ground_tile, child_first),
+	ONE(ground_tile, error_m), ONE(ground_tile, low_m), ONE(ground_tile, high_m),
 };
 
 static const struct field group_fields[] = {

@@ -11,6 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "ecofiles/base/room.h"
 #include "ecofiles/format/chunk.h"
 #include "ecofiles/format/pack_record.h"
 #include "ecofiles/format/pack_writer.h"
@@ -172,41 +173,15 @@ static bool grow_ids(struct eco_pack_writer *w)
 	return true;
 }
 
-static bool grow_chunks(struct eco_pack_writer *w)
-{
-	uint32_t capacity = w->chunk_capacity == 0 ? 64 : 2 * w->chunk_capacity;
-	struct eco_chunk *chunks;
-	if (w->chunk_count < w->chunk_capacity)
-		return true;
-	chunks = realloc(w->chunks, capacity * sizeof *chunks);
-	if (!chunks)
-		return false;
-	w->chunks = chunks;
-	w->chunk_capacity = capacity;
-	return true;
-}
-
-static bool grow_lists(struct eco_pack_writer *w)
-{
-	uint32_t capacity = w->list_capacity == 0 ? 64 : 2 * w->list_capacity;
-	struct eco_list *lists;
-	if (w->list_count < w->list_capacity)
-		return true;
-	lists = realloc(w->lists, capacity * sizeof *lists);
-	if (!lists)
-		return false;
-	w->lists = lists;
-	w->list_capacity = capacity;
-	return true;
-}
-
 static enum eco_code add_chunk(struct eco_pack_writer *w, const uint8_t *bytes, size_t size,
 	uint32_t elements, uint32_t primitives, struct eco_error *error)
 {
 	struct eco_chunk chunk = { .id = eco_chunk_hash(bytes, size), .offset = w->spooled,
 		.size_bytes = (uint32_t)size,
 		.element_count = elements, .primitive_count = primitives };
-	if (w->chunk_count >= ECO_NONE / 4 || !grow_chunks(w) || !grow_ids(w))
+	if (w->chunk_count >= ECO_NONE / 4
+			|| !eco_room(&w->chunks, &w->chunk_capacity, w->chunk_count, sizeof *w->chunks)
+			|| !grow_ids(w))
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for %u chunks", w->path,
 			w->chunk_count);
 	uint32_t slot = id_slot(w, &chunk);
@@ -288,7 +263,7 @@ static enum eco_code add_form_chunks(struct eco_pack_writer *w, const struct eco
 static enum eco_code add_list(struct eco_pack_writer *w, const struct eco_list *list, uint32_t chunk_first,
 	uint32_t *list_id, struct eco_error *error)
 {
-	if (!grow_lists(w))
+	if (!eco_room(&w->lists, &w->list_capacity, w->list_count, sizeof *w->lists))
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for %u lists", w->path,
 			w->list_count);
 	struct eco_list *stored = &w->lists[w->list_count];
