@@ -24,7 +24,7 @@ struct map_kind {                /* plants of one name, in whatever file */
 
 /* metres from the origin; height 0: not known */
 struct map_point { float x, y, height_m; uint32_t kind; };
-struct map_points { struct map_point *items; uint64_t count, capacity; };
+struct map_points { struct map_point *items; uint32_t count, capacity; };
 
 struct map_bounds { double low[2], high[2]; };   /* low > high: empty */
 
@@ -47,7 +47,7 @@ struct map {
 	uint64_t *totals;            /* per source, with nested files */
 	struct map_points points;    /* to be drawn: the outer file's, and nested files' if not too many */
 	uint64_t not_expanded;       /* plants drawn only as outlines of their files */
-	struct map_left *left;       uint32_t left_count;
+	struct map_left *left;       uint32_t left_count, left_capacity;
 	struct map_outline *outlines; uint32_t outline_count, outline_capacity;
 	/* areas of scattered plants, and features they keep clear of */
 	struct map_edges areas, clear_of;

@@ -198,30 +198,6 @@ static enum eco_code draw_density(struct map *m)
 
 /* ---- Dots ---- */
 
-struct layer { float *rgba; uint32_t width, height; };   /* premultiplied */
-
-/* Draws a disc with a smooth rim over the layer. */
-static void stamp(struct layer *layer, double x, double y, double radius, struct eco_color color)
-{
-	int x0 = (int)fmax(floor(x - radius - 0.5), 0),
-		x1 = (int)fmin(ceil(x + radius + 0.5), (double)layer->width);
-	int y0 = (int)fmax(floor(y - radius - 0.5), 0),
-		y1 = (int)fmin(ceil(y + radius + 0.5), (double)layer->height);
-	for (int j = y0; j < y1; j++)
-		for (int i = x0; i < x1; i++) {
-			double dx = i + 0.5 - x, dy = j + 0.5 - y, cover = radius - sqrt(dx * dx + dy * dy)
-				+ 0.5;
-			if (!(cover > 0))
-				continue;
-			float a = (float)(fmin(cover, 1) * color.a),
-				*to = layer->rgba + 4 * ((size_t)j * layer->width + (size_t)i);
-			to[0] = to[0] * (1 - a) + a * (float)color.r;
-			to[1] = to[1] * (1 - a) + a * (float)color.g;
-			to[2] = to[2] * (1 - a) + a * (float)color.b;
-			to[3] = to[3] * (1 - a) + a;
-		}
-}
-
 static int by_height(const void *a, const void *b)
 {
 	const struct map_point *x = a, *y = b;
@@ -240,41 +216,17 @@ double map_radius(const struct map *m, double height_m)
 	return fmin(fmax(m->dot * fmin(fmax(ratio, 0.5), 2.2), RADIUS_LEAST), 2 * RADIUS_MOST);
 }
 
-static void flatten(const struct layer *layer, uint8_t *rgba)
+static void draw_dots(struct map *m)
 {
-	for (size_t i = 0; i < (size_t)layer->width * layer->height; i++) {
-		const float *from = layer->rgba + 4 * i;
-		for (int k = 0; k < 3 && from[3] > 0; k++)
-			rgba[4 * i + (size_t)k] = (uint8_t)(255 * fminf(from[k] / from[3], 1) + 0.5f);
-		rgba[4 * i + 3] = (uint8_t)(255 * fminf(from[3], 1) + 0.5f);
-	}
-}
-
-static enum eco_code draw_dots(struct map *m)
-{
-	struct layer layer = { .width = (uint32_t)m->width, .height = (uint32_t)m->height };
-	size_t pixels = (size_t)layer.width * layer.height;
-	layer.rgba = calloc(pixels, 4 * sizeof *layer.rgba);
-	uint8_t *rgba = calloc(pixels, 4);
-	if (!layer.rgba || !rgba) {
-		free(layer.rgba);
-		free(rgba);
-		return map_no_memory(m);
-	}
 	qsort(m->points.items, m->points.count, sizeof *m->points.items, by_height);
 	for (uint64_t i = 0; i < m->points.count; i++) {
 		const struct map_point *p = &m->points.items[i];
-		double x = map_x(m, (double)p->x) - m->x, y = map_y(m, (double)p->y) - m->y,
+		double x = map_x(m, (double)p->x), y = map_y(m, (double)p->y),
 			radius = map_radius(m, (double)p->height_m);
 		if (radius >= 2)
-			stamp(&layer, x, y, radius + 0.7, (struct eco_color){ 1, 1, 1, 0.75 });
-		stamp(&layer, x, y, radius, color_of(m, p->kind));
+			eco_chart_disc(m->chart, x, y, radius + 0.7, (struct eco_color){ 1, 1, 1, 0.75 });
+		eco_chart_disc(m->chart, x, y, radius, color_of(m, p->kind));
 	}
-	flatten(&layer, rgba);
-	eco_chart_pixels(m->chart, m->x, m->y, layer.width, layer.height, rgba, true);
-	free(layer.rgba);
-	free(rgba);
-	return ECO_OK;
 }
 
 /* ---- All ---- */
@@ -320,8 +272,10 @@ enum eco_code map_draw_places(struct map *m)
 	enum eco_code code = look_at_density(m, &density);
 	m->is_density = density > DENSE;
 	m->dot = density > 0 ? fmin(fmax(0.34 / sqrt(density), RADIUS_LEAST), RADIUS_MOST) : RADIUS_MOST;
-	if (!code && m->points.count)
-		code = m->is_density ? draw_density(m) : draw_dots(m);
+	if (!code && m->is_density)
+		code = draw_density(m);
+	else if (!code)
+		draw_dots(m);
 	if (!code)
 		code = draw_edges(m, &m->clear_of, 2, (struct eco_color){ 0.75, 0.2, 0.1, 0.55 });
 	if (!code)

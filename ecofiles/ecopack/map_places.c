@@ -13,6 +13,7 @@
 #include "ecofiles/import/places/areas.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/base/phrase.h"
+#include "ecofiles/base/room.h"
 
 #define EXPANDED_MAX 4000000u    /* plants of nested files drawn one by one */
 #define OUTLINES_MAX 4000u
@@ -20,31 +21,15 @@
 #define POINTS_MAX 500000000u
 #define KINDS_MAX 1000000u
 
-/* Room for one more item; false: no memory. */
-static bool reserve(void **items, uint64_t count, uint64_t *capacity, uint64_t most, size_t size)
-{
-	if (count < *capacity)
-		return true;
-	uint64_t wanted = *capacity ? 2 * *capacity : 64;
-	void *bigger = wanted <= most ? realloc(*items, wanted * size) : NULL;
-	if (!bigger)
-		return false;
-	*items = bigger;
-	*capacity = wanted;
-	return true;
-}
-
 /* Adds a line to the legend. */
 static enum eco_code say(struct map *m, enum map_left_kind kind, uint64_t count, const char *format, ...)
 	__attribute__((format(printf, 4, 5)));
 static enum eco_code say(struct map *m, enum map_left_kind kind, uint64_t count, const char *format, ...)
 {
-	struct map_left *bigger = realloc(m->left, (m->left_count + 1u) * sizeof *bigger);
 	va_list args;
-	if (!bigger)
+	if (!eco_room(&m->left, &m->left_capacity, m->left_count, sizeof *m->left))
 		return map_no_memory(m);
-	m->left = bigger;
-	struct map_left *left = &bigger[m->left_count++];
+	struct map_left *left = &m->left[m->left_count++];
 	*left = (struct map_left){ .count = count, .kind = kind };
 	va_start(args, format);
 	vsnprintf(left->text, sizeof left->text, format, args);
@@ -54,7 +39,8 @@ static enum eco_code say(struct map *m, enum map_left_kind kind, uint64_t count,
 
 static enum eco_code add_point(struct map *m, struct map_points *points, const struct map_point *point)
 {
-	if (!reserve((void **)&points->items, points->count, &points->capacity, POINTS_MAX, sizeof *point))
+	if (points->count >= POINTS_MAX
+			|| !eco_room(&points->items, &points->capacity, points->count, sizeof *point))
 		return map_no_memory(m);
 	points->items[points->count++] = *point;
 	return ECO_OK;
@@ -99,10 +85,12 @@ static enum eco_code find_kinds(struct map *m)
 	return good ? ECO_OK : map_no_memory(m);
 }
 
+/* height_m: NAN where the plant's own counts; scale multiplies it. */
 static enum eco_code add_plant(struct map *m, uint32_t source, uint32_t plant, const double at[2],
-	double height_m)
+	double height_m, double scale)
 {
-	struct map_point point = { (float)at[0], (float)at[1], isnan(height_m) ? 0 : (float)height_m,
+	double height = isnan(height_m) ? m->sources.items[source].plants[plant].height_m : height_m;
+	struct map_point point = { (float)at[0], (float)at[1], height > 0 ? (float)(height * scale) : 0,
 		m->kind_of[source][plant] };
 	if (source == 0 && m->has_ground) {
 		double z;
@@ -117,9 +105,7 @@ static enum eco_code add_instances(struct map *m, uint32_t source)
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < s->instance_count && !code; i++) {
 		const struct eco_source_instance *one = &s->instances[i];
-		double own = s->plants[one->plant].height_m, height = isnan(one->height_m) ? own
-			: one->height_m;
-		code = add_plant(m, source, one->plant, one->at, height > 0 ? height * one->scale : NAN);
+		code = add_plant(m, source, one->plant, one->at, one->height_m, one->scale);
 		if (i % 4096 == 0 && !main_progress("reading positions", s->path, 0))
 			code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
 	}
@@ -127,12 +113,6 @@ static enum eco_code add_instances(struct map *m, uint32_t source)
 }
 
 /* ---- Inventories ---- */
-
-static const char *file_of(const char *path)
-{
-	const char *slash = strrchr(path, '/');
-	return slash ? slash + 1 : path;
-}
 
 #define DETAILS 8u               /* species listed of those left out */
 
@@ -181,7 +161,7 @@ static enum eco_code say_rows(struct map *m, const struct eco_positions *reader,
 	struct eco_positions_counts counts;
 	char rows[32], plants[32];
 	eco_positions_counted(reader, &counts);
-	enum eco_code code = say(m, MAP_FILE, counts.rows, "%.80s: %s row%s, %s plant%s", file_of(spec->path),
+	enum eco_code code = say(m, MAP_FILE, counts.rows, "%.80s: %s row%s, %s plant%s", eco_path_last(spec->path),
 		eco_phrase_count(counts.rows, rows), counts.rows == 1 ? "" : "s",
 		eco_phrase_count(counts.plants, plants), counts.plants == 1 ? "" : "s");
 	for (int k = 0; k < ECO_SKIP_COUNT && !code; k++) {
@@ -212,8 +192,7 @@ static enum eco_code add_rows(struct map *m, uint32_t source, const struct eco_p
 		code = eco_positions_next(reader, &row, m->error);
 		if (code || row.plant == ECO_NONE)
 			break;
-		double own = s->plants[row.plant].height_m, height = isnan(row.height_m) ? own : row.height_m;
-		code = add_plant(m, source, row.plant, row.at, height > 0 ? height * row.scale : NAN);
+		code = add_plant(m, source, row.plant, row.at, row.height_m, row.scale);
 	}
 	if (!code) {
 		eco_positions_report(reader, main_note_text, NULL);
@@ -227,16 +206,13 @@ static enum eco_code add_rows(struct map *m, uint32_t source, const struct eco_p
 
 static enum eco_code add_edges(struct map *m, struct map_edges *edges, const struct eco_areas *areas)
 {
-	uint64_t capacity = edges->capacity;
 	for (uint32_t i = 0; i < areas->edge_count && edges->count < EDGES_MAX; i++) {
 		const struct eco_edge *e = &areas->edges[i];
-		if (!reserve((void **)&edges->ends, edges->count, &capacity, UINT32_MAX,
-				4 * sizeof *edges->ends))
+		if (!eco_room(&edges->ends, &edges->capacity, edges->count, 4 * sizeof *edges->ends))
 			return map_no_memory(m);
 		memcpy(edges->ends + 4 * (size_t)edges->count++,
 			(const double[]){ e->a[0], e->a[1], e->b[0], e->b[1] }, 4 * sizeof *edges->ends);
 	}
-	edges->capacity = (uint32_t)capacity;
 	return ECO_OK;
 }
 
@@ -262,12 +238,10 @@ static enum eco_code add_scattered(struct map *m, uint32_t source, const struct 
 	struct eco_scatter_place place;
 	enum eco_code code = eco_scatter_open(&scatter, spec, &frame, scatter_progress, spec->path, m->error);
 	while (!code && eco_scatter_next(scatter, &place)) {
-		double own = s->plants[place.plant].height_m, height = isnan(place.height_m) ? own
-			: place.height_m;
-		code = add_plant(m, source, place.plant, place.at, height > 0 ? height : NAN);
+		code = add_plant(m, source, place.plant, place.at, place.height_m, 1);
 	}
 	if (!code)
-		code = say(m, MAP_FILE, 0, "%.80s, scattered", file_of(spec->path));
+		code = say(m, MAP_FILE, 0, "%.80s, scattered", eco_path_last(spec->path));
 	if (!code)
 		eco_scatter_report(scatter, say_scatter, m);
 	/* nested files' areas would have to be turned; their plants show them */
@@ -359,12 +333,10 @@ static enum eco_code count_kinds(struct map *m)
 
 static enum eco_code add_bounds(struct map *m, uint32_t source, const struct turned *t)
 {
-	uint64_t capacity = m->outline_capacity;
 	if (m->outline_count == OUTLINES_MAX || map_is_empty(&m->bounds[source]))
 		return ECO_OK;
-	if (!reserve((void **)&m->outlines, m->outline_count, &capacity, UINT32_MAX, sizeof *m->outlines))
+	if (!eco_room(&m->outlines, &m->outline_capacity, m->outline_count, sizeof *m->outlines))
 		return map_no_memory(m);
-	m->outline_capacity = (uint32_t)capacity;
 	struct map_outline *outline = &m->outlines[m->outline_count++];
 	corners_of(t, &m->bounds[source], outline->corners);
 	snprintf(outline->name, sizeof outline->name, "%s", m->sources.items[source].name);
