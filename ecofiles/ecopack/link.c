@@ -192,13 +192,12 @@ static enum eco_code add_outer(struct link *l, const struct lod_tiles *tiles)
 		for (uint32_t c = 0; c < tile->child_count; c++) {
 			const struct link_part *part = node->child_count ? NULL
 				: &l->parts[tiles->order[node->item_first + c]];
-			struct eco_child *child = make_append(m, &m->children, sizeof *child);
-			if (!child)
-				return ECO_NO_MEMORY;
-			*child = part ? (struct eco_child){ .tile = part->tile_first + part->pack->scene.root,
+			struct eco_child child = part ? (struct eco_child){ .tile = part->tile_first + part->pack->scene.root,
 				.placed = true,
 				.at = { part->at[0], part->at[1], part->at[2] },
 				.scale = 1 } : (struct eco_child){ .tile = node->child[c], .scale = 1 };
+			if (make_add(m, &m->children, &child, 1, sizeof child))
+				return ECO_NO_MEMORY;
 		}
 	}
 	return ECO_OK;
@@ -237,11 +236,10 @@ static enum eco_code add_tile(struct link *l, struct link_part *part, uint32_t i
 	tile->group_first = (uint32_t)m->groups.count;
 	tile->child_first = (uint32_t)m->children.count;
 	for (uint32_t c = 0; c < tile->child_count; c++) {
-		struct eco_child *child = make_append(m, &m->children, sizeof *child);
-		if (!child)
+		struct eco_child child = s->children[s->tiles[id].child_first + c];
+		child.tile += part->tile_first;
+		if (make_add(m, &m->children, &child, 1, sizeof child))
 			return ECO_NO_MEMORY;
-		*child = s->children[s->tiles[id].child_first + c];
-		child->tile += part->tile_first;
 	}
 	return add_groups(l, part, &s->tiles[id]);
 }

@@ -113,10 +113,8 @@ static void name_plant(struct link *l, struct eco_plant *plant)
 static enum eco_code copy_colors(struct link *l, struct link_part *part, const struct range *range)
 {
 	for (uint32_t i = range->first; i < range->end; i++) {
-		uint8_t (*color)[3] = make_append(&l->m, &l->m.palette, sizeof *color);
-		if (!color)
+		if (make_add(&l->m, &l->m.palette, part->pack->scene.palette[i], 1, 3))
 			return ECO_NO_MEMORY;
-		memcpy(*color, part->pack->scene.palette[i], sizeof *color);
 		part->color_of[i] = (uint32_t)l->m.palette.count - 1;
 	}
 	if (l->m.palette.count > COLORS_MAX)
@@ -124,8 +122,6 @@ static enum eco_code copy_colors(struct link *l, struct link_part *part, const s
 			"the parts share models", part->path, COLORS_MAX);
 	return ECO_OK;
 }
-
-static uint32_t moved(const uint32_t *of, uint32_t index) { return index == ECO_NONE ? ECO_NONE : of[index]; }
 
 /* Ladders of a plant may share curves; all of them are adjacent. */
 static struct range curves_of(const struct eco_scene *s, uint32_t plant)
@@ -149,37 +145,13 @@ static enum eco_code copy_tables(struct link *l, struct link_part *part, uint32_
 	struct eco_plant *whole = &m->table[m->plant_count];
 	*whole = s->plants[plant];
 	name_plant(l, whole);
-	whole->anchor_first = (uint32_t)m->anchors.count;
-	whole->ladder_first = (uint32_t)m->ladders.count;
-	for (uint32_t i = 0; i < whole->anchor_count; i++) {
-		struct eco_anchor *anchor = make_append(m, &m->anchors, sizeof *anchor);
-		if (!anchor)
-			return ECO_NO_MEMORY;
-		*anchor = s->anchors[s->plants[plant].anchor_first + i];
-	}
+	const struct eco_plant *from = &s->plants[plant];
 	struct range curves = curves_of(s, plant);
-	uint32_t curve_first = (uint32_t)m->curves.count;
-	for (uint32_t i = curves.first; i < curves.end; i++) {
-		struct eco_curve *curve = make_append(m, &m->curves, sizeof *curve);
-		if (!curve)
-			return ECO_NO_MEMORY;
-		*curve = s->curves[i];
-	}
-	for (uint32_t i = 0; i < whole->ladder_count; i++) {
-		const struct eco_ladder *from = &s->ladders[s->plants[plant].ladder_first + i];
-		struct eco_ladder *ladder = make_append(m, &m->ladders, sizeof *ladder);
-		if (!ladder)
-			return ECO_NO_MEMORY;
-		*ladder = *from;
-		ladder->plant = m->plant_count;
-		ladder->anchor = whole->anchor_first + from->anchor - s->plants[plant].anchor_first;
-		ladder->points = moved(part->list_of, from->points);
-		ladder->lines = moved(part->list_of, from->lines);
-		ladder->simple = moved(part->list_of, from->simple);
-		ladder->triangles = moved(part->list_of, from->triangles);
-		ladder->curve_first = curve_first + from->curve_first - curves.first;
-	}
-	return ECO_OK;
+	return make_add_plant(m, m->plant_count, &(struct make_tables){
+		.anchors = s->anchors + from->anchor_first, .anchor_first = from->anchor_first,
+		.curves = s->curves + curves.first, .curve_first = curves.first,
+		.curve_count = curves.end - curves.first, .ladders = s->ladders + from->ladder_first,
+		.ladder_count = from->ladder_count }, part->list_of);
 }
 
 static enum eco_code keep_meta(struct link *l, struct link_part *part, uint32_t plant)

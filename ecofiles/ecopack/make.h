@@ -89,6 +89,20 @@ struct make {
 
 /* Room for one more record; NULL: no memory, and m->error is set. */
 void *make_append(struct make *m, struct make_array *array, size_t size);
+/* Appends `count` records. */
+enum eco_code make_add(struct make *m, struct make_array *array, const void *records, uint32_t count,
+	size_t size);
+
+/* A plant's tables where it comes from: their ladders count anchors from anchor_first and curves from
+ * curve_first. */
+struct make_tables {
+	const struct eco_anchor *anchors; uint32_t anchor_first;
+	const struct eco_curve *curves;   uint32_t curve_first, curve_count;
+	const struct eco_ladder *ladders; uint32_t ladder_count;
+};
+/* Appends them for m->table[id]. lists: per list of the plant, its list in the pack. */
+enum eco_code make_add_plant(struct make *m, uint32_t id, const struct make_tables *from,
+	const uint32_t *lists);
 
 bool make_append_bytes(struct make *m, const uint8_t *bytes, size_t size);    /* to m->places */
 

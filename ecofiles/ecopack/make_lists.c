@@ -2,6 +2,7 @@
 #include "ecofiles/ecopack/make.h"
 
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 void *make_append(struct make *m, struct make_array *array, size_t size)
@@ -20,17 +21,52 @@ void *make_append(struct make *m, struct make_array *array, size_t size)
 	return (uint8_t *)array->items + size * array->count++;
 }
 
+enum eco_code make_add(struct make *m, struct make_array *array, const void *records, uint32_t count,
+	size_t size)
+{
+	for (uint32_t i = 0; i < count; i++) {
+		void *added = make_append(m, array, size);
+		if (!added)
+			return ECO_NO_MEMORY;
+		memcpy(added, (const uint8_t *)records + i * size, size);
+	}
+	return ECO_OK;
+}
+
+static uint32_t moved(const uint32_t *to, uint32_t index) { return index == ECO_NONE ? ECO_NONE : to[index]; }
+
+enum eco_code make_add_plant(struct make *m, uint32_t id, const struct make_tables *from, const uint32_t *lists)
+{
+	struct eco_plant *plant = &m->table[id];
+	uint32_t curve_first = (uint32_t)m->curves.count;
+	plant->anchor_first = (uint32_t)m->anchors.count;
+	plant->ladder_first = (uint32_t)m->ladders.count;
+	plant->ladder_count = from->ladder_count;
+	enum eco_code code = make_add(m, &m->anchors, from->anchors, plant->anchor_count, sizeof *from->anchors);
+	if (!code)
+		code = make_add(m, &m->curves, from->curves, from->curve_count, sizeof *from->curves);
+	for (uint32_t i = 0; i < from->ladder_count && !code; i++) {
+		struct eco_ladder ladder = from->ladders[i];
+		ladder.plant = id;
+		ladder.anchor += plant->anchor_first - from->anchor_first;
+		ladder.curve_first += curve_first - from->curve_first;
+		ladder.points = moved(lists, ladder.points);
+		ladder.lines = moved(lists, ladder.lines);
+		ladder.simple = moved(lists, ladder.simple);
+		ladder.triangles = moved(lists, ladder.triangles);
+		code = make_add(m, &m->ladders, &ladder, 1, sizeof ladder);
+	}
+	return code;
+}
+
 enum eco_code make_keep_list(struct make *m, uint32_t list_id)
 {
 	static const uint32_t needs[] = { [ECO_LIST_TRIANGLES] = ECO_NEED_TRIANGLES,
 		[ECO_LIST_LINES] = ECO_NEED_LINES, [ECO_LIST_POINTS] = ECO_NEED_POINTS,
 		[ECO_LIST_GROUND] = ECO_NEED_GROUND, [ECO_LIST_IMAGE] = ECO_NEED_TEXTURES };
-	struct eco_list *stored = make_append(m, &m->lists, sizeof *stored);
-	if (!stored)
-		return ECO_NO_MEMORY;
-	*stored = *eco_pack_list(m->writer, list_id);
+	const struct eco_list *stored = eco_pack_list(m->writer, list_id);
 	m->scene.needs |= needs[stored->kind];
-	return ECO_OK;
+	return make_add(m, &m->lists, stored, 1, sizeof *stored);
 }
 
 enum eco_code make_add_list(struct make *m, const struct eco_list *list, const struct eco_elements *elements,

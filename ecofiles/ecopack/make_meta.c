@@ -71,16 +71,10 @@ static json_t *searches_json(const struct lod_plant *plant)
 	return searches;
 }
 
-static const char *file_of(const char *path)
-{
-	const char *slash = strrchr(path, '/');
-	return slash ? slash + 1 : path;
-}
-
 static json_t *plant_json(const struct make_plant *plant)
 {
 	return json_pack("{s:s, s:s, s:f, s:I, s:I, s:o, s:o, s:I, s:f, s:o, s:[f,f,f], s:f}", "name",
-		plant->name, "model", file_of(plant->path),
+		plant->name, "model", basename(plant->path),
 		"height_m", floor((double)plant->built.plant.height_m * 1e4 + 0.5) / 1e4, "triangles_in",
 		(json_int_t)plant->built.triangles_in,
 		"triangles_stored", (json_int_t)plant->built.triangles_stored, "dropped", dropped_json(plant),

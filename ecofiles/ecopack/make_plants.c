@@ -440,47 +440,14 @@ static enum eco_code pack_lists(struct packing *p)
 	return ECO_OK;
 }
 
-static uint32_t moved(const uint32_t *ids, uint32_t index)
-{
-	return index == ECO_NONE ? ECO_NONE : ids[index];
-}
-
 static enum eco_code pack_tables(struct packing *p)
 {
 	struct make *m = p->m;
 	const struct lod_plant *built = &m->plants[p->id].built;
-	struct eco_plant *plant = &m->table[p->id];
-	*plant = built->plant;
-	plant->anchor_first = (uint32_t)m->anchors.count;
-	plant->ladder_first = (uint32_t)m->ladders.count;
-	plant->ladder_count = built->ladder_count;
-	uint32_t curve_first = (uint32_t)m->curves.count;
-	for (uint32_t i = 0; i < built->plant.anchor_count; i++) {
-		struct eco_anchor *anchor = make_append(m, &m->anchors, sizeof *anchor);
-		if (!anchor)
-			return ECO_NO_MEMORY;
-		*anchor = built->anchors[i];
-	}
-	for (uint32_t i = 0; i < built->curve_count; i++) {
-		struct eco_curve *curve = make_append(m, &m->curves, sizeof *curve);
-		if (!curve)
-			return ECO_NO_MEMORY;
-		*curve = built->curves[i];
-	}
-	for (uint32_t i = 0; i < built->ladder_count; i++) {
-		struct eco_ladder *ladder = make_append(m, &m->ladders, sizeof *ladder);
-		if (!ladder)
-			return ECO_NO_MEMORY;
-		*ladder = built->ladders[i];
-		ladder->plant = p->id;
-		ladder->anchor += plant->anchor_first;
-		ladder->points = moved(p->lists, ladder->points);
-		ladder->lines = moved(p->lists, ladder->lines);
-		ladder->simple = moved(p->lists, ladder->simple);
-		ladder->triangles = moved(p->lists, ladder->triangles);
-		ladder->curve_first += curve_first;
-	}
-	return ECO_OK;
+	m->table[p->id] = built->plant;
+	return make_add_plant(m, p->id, &(struct make_tables){ .anchors = built->anchors,
+		.curves = built->curves, .curve_count = built->curve_count, .ladders = built->ladders,
+		.ladder_count = built->ladder_count }, p->lists);
 }
 
 static enum eco_code pack_plant(struct make *m, uint32_t id)
@@ -492,13 +459,8 @@ static enum eco_code pack_plant(struct make *m, uint32_t id)
 	enum eco_code code = p.lists && p.images ? ECO_OK : eco_fail(m->error, ECO_NO_MEMORY, "%s: no memory",
 		plant->name);
 	plant->palette_first = (uint32_t)m->palette.count;
-	for (uint32_t i = 0; i < built->palette_count && !code; i++) {
-		uint8_t (*color)[3] = make_append(m, &m->palette, sizeof *color);
-		if (!color)
-			code = ECO_NO_MEMORY;
-		else
-			memcpy(*color, built->palette[i], sizeof *color);
-	}
+	if (!code)
+		code = make_add(m, &m->palette, built->palette, built->palette_count, 3);
 	if (!code && m->palette.count > COLORS_MAX)
 		code = eco_fail(m->error, ECO_TOO_LARGE, "%s: with it the scene has more than %u colours; "
 			"use fewer models, or split the scene", plant->name, COLORS_MAX);

@@ -45,15 +45,6 @@ static void instance_grid(const struct make *m, const struct stand *stand, struc
 	}
 }
 
-static void write_place(struct eco_writer *w, const int32_t position[3], const int32_t extra[2])
-{
-	for (int i = 0; i < 3; i++)
-		eco_write_u32(w, (uint32_t)position[i]);
-	eco_write_u16(w, (uint16_t)extra[0]);
-	eco_write_u16(w, 0);
-	eco_write_u32(w, (uint32_t)extra[1]);
-}
-
 bool make_append_bytes(struct make *m, const uint8_t *bytes, size_t size)
 {
 	struct make_array *places = &m->places;
@@ -95,7 +86,8 @@ static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct ec
 				/ made->list.grid_step[axis] + 0.5);
 		e.extra[2 * (size_t)k] = p->turn;
 		e.extra[2 * (size_t)k + 1] = (int32_t)floor(p->scale * 65536 + 0.5);
-		write_place(&made->twin, e.position + 3 * (size_t)k, e.extra + 2 * (size_t)k);
+		struct eco_place twin = eco_place_of(&e, k);
+		eco_place_write(&made->twin, &twin);
 	}
 	for (uint32_t end = 0; end < count && end_count < 512;)
 		ends[end_count++] = end = count - end > ECO_CHUNK_ELEMENTS_MAX ? end + ECO_CHUNK_ELEMENTS_MAX
@@ -136,11 +128,7 @@ static void drop_stand(void *result)
 
 static enum eco_code add_child(struct make *m, const struct eco_child *child)
 {
-	struct eco_child *added = make_append(m, &m->children, sizeof *added);
-	if (!added)
-		return ECO_NO_MEMORY;
-	*added = *child;
-	return ECO_OK;
+	return make_add(m, &m->children, child, 1, sizeof *child);
 }
 
 static enum eco_code add_nested(struct make *m, uint32_t source, const struct make_nested *item)
@@ -150,15 +138,6 @@ static enum eco_code add_nested(struct make *m, uint32_t source, const struct ma
 	return add_child(m, &(struct eco_child){ .tile = m->ecos[child->source].tile_first, .placed = true,
 		.at = { item->at[0], item->at[1], item->at[2] }, .turn = eco_turn_from_deg(child->yaw_deg),
 		.scale = (float)child->scale });
-}
-
-static enum eco_code add_stand_of(struct make *m, const struct stand *stand)
-{
-	struct stand *added = make_append(m, &m->stands, sizeof *added);
-	if (!added)
-		return ECO_NO_MEMORY;
-	*added = *stand;
-	return ECO_OK;
 }
 
 /* A leaf's items are sorted by plant, nested eco files last. */
@@ -176,7 +155,8 @@ static enum eco_code add_leaf(struct make *m, uint32_t source, const struct lod_
 		while (end < node->item_count && order[end] < eco->place_count
 				&& eco->places[order[end]].plant == eco->places[order[first]].plant)
 			end++;
-		code = add_stand_of(m, &(struct stand){ eco, order + first, id, end - first });
+		code = make_add(m, &m->stands, &(struct stand){ eco, order + first, id, end - first }, 1,
+			sizeof(struct stand));
 	}
 	return code;
 }
@@ -230,22 +210,10 @@ static enum eco_code add_tiles(struct make *m)
 void make_refer(struct make *m)
 {
 	struct eco_scene *s = &m->scene;
-	s->anchors = m->anchors.items;
-	s->anchor_count = (uint32_t)m->anchors.count;
-	s->ladders = m->ladders.items;
-	s->ladder_count = (uint32_t)m->ladders.count;
-	s->curves = m->curves.items;
-	s->curve_count = (uint32_t)m->curves.count;
-	s->tiles = m->tiles.items;
-	s->tile_count = (uint32_t)m->tiles.count;
-	s->groups = m->groups.items;
-	s->group_count = (uint32_t)m->groups.count;
-	s->children = m->children.items;
-	s->child_count = (uint32_t)m->children.count;
-	s->lists = m->lists.items;
-	s->list_count = (uint32_t)m->lists.count;
-	s->palette = m->palette.items;
-	s->palette_count = (uint32_t)m->palette.count;
+#define REFER(table, record) s->table = m->table.items, s->record##_count = (uint32_t)m->table.count;
+	REFER(anchors, anchor) REFER(ladders, ladder) REFER(curves, curve) REFER(tiles, tile)
+	REFER(groups, group) REFER(children, child) REFER(lists, list) REFER(palette, palette)
+#undef REFER
 	s->places = m->places.items;
 	s->place_count = m->places.count / ECO_PLACE_BYTES;
 }
