@@ -55,8 +55,7 @@ void srv_describe_health(struct srv_json *json, const struct srv_store *store)
 void srv_describe_scenes(struct srv_json *json, const struct srv_store *store)
 {
 	srv_json_open(json, '{');
-	srv_json_key(json, "scenes");
-	srv_json_open(json, '[');
+	srv_json_key_open(json, "scenes", '[');
 	for (uint32_t i = 0; i < store->count; i++) {
 		const struct srv_scene *scene = &store->scenes[i];
 		srv_json_open(json, '{');
@@ -73,8 +72,7 @@ void srv_describe_scenes(struct srv_json *json, const struct srv_store *store)
 
 static void describe_needs(struct srv_json *json, uint32_t needs)
 {
-	srv_json_key(json, "needs");
-	srv_json_open(json, '[');
+	srv_json_key_open(json, "needs", '[');
 	for (size_t i = 0; i < sizeof need_names / sizeof *need_names; i++)
 		if (needs & need_names[i].bit)
 			srv_json_text(json, need_names[i].name);
@@ -83,8 +81,7 @@ static void describe_needs(struct srv_json *json, uint32_t needs)
 
 static void describe_links(struct srv_json *json, const struct srv_scene *scene)
 {
-	srv_json_key(json, "links");
-	srv_json_open(json, '{');
+	srv_json_key_open(json, "links", '{');
 	key_url(json, "self", scene, "");
 	key_url(json, "plan", scene, "/plan{?eye,target,up,fov_y_deg,width,height,vertices,bytes,ground_px,"
 		"rule,pack}");
@@ -132,8 +129,7 @@ void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene)
 
 static void describe_prediction(struct srv_json *json, const struct eco_prediction *prediction)
 {
-	srv_json_key(json, "prediction");
-	srv_json_open(json, '{');
+	srv_json_key_open(json, "prediction", '{');
 	srv_json_key_number(json, "tp_px", prediction->tp);
 	srv_json_key_number(json, "fp_px", prediction->fp);
 	srv_json_key_number(json, "fn_px", prediction->fn);
@@ -143,8 +139,7 @@ static void describe_prediction(struct srv_json *json, const struct eco_predicti
 
 static void describe_steps(struct srv_json *json, const struct srv_stream *stream)
 {
-	srv_json_key(json, "steps");
-	srv_json_open(json, '[');
+	srv_json_key_open(json, "steps", '[');
 	for (uint32_t i = 0; i < stream->step_count; i++) {
 		srv_json_open(json, '{');
 		srv_json_key_count(json, "vertices", stream->steps[i].plan.vertices);
@@ -184,8 +179,7 @@ static void describe_ground(struct srv_json *json, const struct srv_stream *stre
  * and share. */
 static void describe_who(struct srv_json *json, const struct eco_scene *scene, const struct eco_cut *cut)
 {
-	srv_json_key(json, "who");
-	srv_json_open(json, '{');
+	srv_json_key_open(json, "who", '{');
 	if (cut->anchor == ECO_NONE) {
 		srv_json_key_count(json, "placement", cut->placement);
 		if (scene->lists[cut->list].kind != ECO_LIST_GROUND)
@@ -210,8 +204,7 @@ static void describe_who(struct srv_json *json, const struct eco_scene *scene, c
 
 static void describe_cuts(struct srv_json *json, const struct eco_scene *scene, const struct eco_plan *plan)
 {
-	srv_json_key(json, "cuts");
-	srv_json_open(json, '[');
+	srv_json_key_open(json, "cuts", '[');
 	for (uint32_t i = 0; i < plan->cut_count; i++) {
 		const struct eco_cut *cut = &plan->cuts[i];
 		uint8_t kind = scene->lists[cut->list].kind;
@@ -233,8 +226,7 @@ static void describe_cuts(struct srv_json *json, const struct eco_scene *scene, 
 
 static void describe_placements(struct srv_json *json, const struct eco_plan *plan)
 {
-	srv_json_key(json, "placements");
-	srv_json_open(json, '[');
+	srv_json_key_open(json, "placements", '[');
 	for (uint32_t i = 0; i < plan->placement_count; i++) {
 		srv_json_open(json, '{');
 		srv_json_key(json, "at");
@@ -249,8 +241,7 @@ static void describe_placements(struct srv_json *json, const struct eco_plan *pl
 
 static void describe_runs(struct srv_json *json, const struct eco_plan *plan)
 {
-	srv_json_key(json, "runs");
-	srv_json_open(json, '[');
+	srv_json_key_open(json, "runs", '[');
 	for (uint32_t i = 0; i < plan->run_count; i++) {
 		srv_json_open(json, '{');
 		srv_json_key_count(json, "placement", plan->runs[i].placement);
@@ -264,8 +255,7 @@ static void describe_runs(struct srv_json *json, const struct eco_plan *plan)
 
 static void describe_gates(struct srv_json *json, const struct eco_scene *scene, const struct eco_plan *plan)
 {
-	srv_json_key(json, "gates");
-	srv_json_open(json, '[');
+	srv_json_key_open(json, "gates", '[');
 	for (uint32_t i = 0; i < plan->gate_count; i++) {
 		uint32_t plant = plan->gates[i].plant;
 		srv_json_open(json, '{');
@@ -310,12 +300,10 @@ static void describe_row(struct srv_json *json, const struct eco_scene *scene,
 static void describe_explanation(struct srv_json *json, const struct eco_scene *scene,
 	const struct lod_explanation *why)
 {
-	srv_json_key(json, "explanation");
-	srv_json_open(json, '{');
+	srv_json_key_open(json, "explanation", '{');
 	srv_json_key_number(json, "lambda", why->lambda);
 	srv_json_key_count(json, "omitted", why->omitted);
-	srv_json_key(json, "rows");
-	srv_json_open(json, '[');
+	srv_json_key_open(json, "rows", '[');
 	for (uint32_t i = 0; i < why->count; i++)
 		describe_row(json, scene, why, &why->rows[i]);
 	srv_json_close(json, ']');

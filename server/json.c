@@ -114,6 +114,12 @@ void srv_json_point(struct srv_json *json, const double value[3])
 	srv_json_close(json, ']');
 }
 
+void srv_json_key_open(struct srv_json *json, const char *key, char bracket)
+{
+	srv_json_key(json, key);
+	srv_json_open(json, bracket);
+}
+
 void srv_json_key_text(struct srv_json *json, const char *key, const char *text)
 {
 	srv_json_key(json, key);

@@ -29,6 +29,7 @@ void srv_json_point(struct srv_json *json, const double value[3]);
 
 /* "key": value in one call. Numbers are the shortest that read back the same; those that are not finite are
  * null. */
+void srv_json_key_open(struct srv_json *json, const char *key, char bracket);
 void srv_json_key_text(struct srv_json *json, const char *key, const char *text);
 void srv_json_key_count(struct srv_json *json, const char *key, uint64_t value);
 void srv_json_key_number(struct srv_json *json, const char *key, double value);

@@ -30,20 +30,13 @@ const struct srv_problem_row srv_problem_rows[SRV_PROBLEM_COUNT] = {
 enum srv_problem srv_problem_of(enum eco_code code)
 {
 	switch (code) {
-	case ECO_OK:
-		return SRV_PROBLEM_NONE;
-	case ECO_BAD_INPUT:
-		return SRV_PROBLEM_PARAMETER;
-	case ECO_TOO_LARGE:
-		return SRV_PROBLEM_LIMIT;
-	case ECO_NO_MEMORY:
-		return SRV_PROBLEM_BUSY;
-	case ECO_INTERRUPTED:
-		return SRV_PROBLEM_STOPPING;
-	case ECO_DAMAGED:
-		return SRV_PROBLEM_DAMAGED;
-	default:
-		return SRV_PROBLEM_INTERNAL;
+	case ECO_OK: return SRV_PROBLEM_NONE;
+	case ECO_BAD_INPUT: return SRV_PROBLEM_PARAMETER;
+	case ECO_TOO_LARGE: return SRV_PROBLEM_LIMIT;
+	case ECO_NO_MEMORY: return SRV_PROBLEM_BUSY;
+	case ECO_INTERRUPTED: return SRV_PROBLEM_STOPPING;
+	case ECO_DAMAGED: return SRV_PROBLEM_DAMAGED;
+	default: return SRV_PROBLEM_INTERNAL;
 	}
 }
 

@@ -144,18 +144,13 @@ static json_t *plant_json(const struct eco_scene *s, const struct totals *t, con
 				"curve_share_scale_fp_fn", curve_json(s, l)));
 	}
 	json_object_set_new(plant, "name", json_string(p->name));
-	json_object_set_new(plant, "triangles", json_integer(p->triangles));
-	json_object_set_new(plant, "area_m2", json_real((double)p->area));
 	const struct eco_anchor *whole = &s->anchors[p->anchor_first];
-	json_object_set_new(plant, "center_m",
-		json_pack("[f,f,f]", (double)whole->center[0], (double)whole->center[1],
-		(double)whole->center[2]));
-	json_object_set_new(plant, "radius_m", json_real((double)whole->radius));
-	json_object_set_new(plant, "half_a_pixel_m", json_real(nearest_m(s, meta, id)));
-	json_object_set_new(plant, "cells", json_integer(p->anchor_count - 1));
-	json_object_set_new(plant, "ladders", json_integer(p->ladder_count));
-	json_object_set_new(plant, "bytes", json_integer((json_int_t)t->plant_bytes[id]));
-	json_object_set_new(plant, "whole_plant_ladders", ladders);
+	json_object_update_new(plant, json_pack("{s:I, s:f, s:[f,f,f], s:f, s:f, s:I, s:I, s:I, s:o}",
+		"triangles", (json_int_t)p->triangles, "area_m2", (double)p->area,
+		"center_m", (double)whole->center[0], (double)whole->center[1], (double)whole->center[2],
+		"radius_m", (double)whole->radius, "half_a_pixel_m", nearest_m(s, meta, id),
+		"cells", (json_int_t)p->anchor_count - 1, "ladders", (json_int_t)p->ladder_count,
+		"bytes", (json_int_t)t->plant_bytes[id], "whole_plant_ladders", ladders));
 	if (from)
 		json_object_set_new(plant, "triangles_dropped", json_integer(dropped_sum(from)));
 	return plant;

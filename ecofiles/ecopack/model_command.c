@@ -32,9 +32,7 @@ struct seen {
 	uint32_t note_count;
 };
 
-static const char *const organ_names[] = { "wood", "foliage", "flower" };
-
-static const char *organ_name(uint8_t organ) { return organ < ECO_ORGAN_COUNT ? organ_names[organ] : "-"; }
+static const char *organ_name(uint8_t organ) { return organ < ECO_ORGAN_COUNT ? eco_organ_names[organ] : "-"; }
 
 /* ---- Facts about the model ---- */
 
@@ -301,7 +299,7 @@ static void print_organs(const struct seen *s)
 	organ_areas(s, ECO_NONE, area);
 	printf("  organs     ");
 	for (int i = 0; i < ECO_ORGAN_COUNT; i++)
-		printf("%s %.4g m2 %s", i ? "," : "", area[i], organ_names[i]);
+		printf("%s %.4g m2 %s", i ? "," : "", area[i], eco_organ_names[i]);
 	printf("\n");
 }
 
@@ -340,7 +338,7 @@ static json_t *organs_json(const double area[ECO_ORGAN_COUNT])
 {
 	json_t *organs = json_object();
 	for (int i = 0; i < ECO_ORGAN_COUNT; i++)
-		json_object_set_new(organs, organ_names[i], json_real(area[i]));
+		json_object_set_new(organs, eco_organ_names[i], json_real(area[i]));
 	return organs;
 }
 
@@ -351,12 +349,9 @@ static json_t *materials_json(const struct seen *s)
 	json_t *all = json_array();
 	for (uint32_t i = 0; use && i < m->material_count; i++) {
 		const struct eco_material *material = &m->materials[i];
-		json_t *one = json_object();
-		json_object_set_new(one, "name", text_json(material->name));
-		json_object_set_new(one, "color", rgb_json(material->rgb));
-		json_object_set_new(one, "triangles", json_integer(use[i].triangles));
-		json_object_set_new(one, "area_m2", json_real(use[i].area));
-		json_object_set_new(one, "organs_m2", organs_json(use[i].organ));
+		json_t *one = json_pack("{s:o, s:o, s:I, s:f, s:o}", "name", text_json(material->name), "color",
+			rgb_json(material->rgb), "triangles", (json_int_t)use[i].triangles, "area_m2",
+			use[i].area, "organs_m2", organs_json(use[i].organ));
 		if (material->image != ECO_NONE) {
 			json_object_set_new(one, "texture",
 				json_pack("[I,I]", (json_int_t)m->images[material->image].width,
@@ -374,14 +369,10 @@ static json_t *parts_json(const struct seen *s)
 	const struct eco_model *m = &s->model;
 	struct use *use = m->part ? uses_of(s, m->part, m->part_count) : NULL;
 	json_t *all = json_array();
-	for (uint32_t i = 0; use && i < m->part_count; i++) {
-		json_t *one = json_object();
-		json_object_set_new(one, "name", text_json(m->parts[i].name));
-		json_object_set_new(one, "triangles", json_integer(use[i].triangles));
-		json_object_set_new(one, "area_m2", json_real(use[i].area));
-		json_object_set_new(one, "organs_m2", organs_json(use[i].organ));
-		json_array_append_new(all, one);
-	}
+	for (uint32_t i = 0; use && i < m->part_count; i++)
+		json_array_append_new(all, json_pack("{s:o, s:I, s:f, s:o}", "name",
+			text_json(m->parts[i].name), "triangles", (json_int_t)use[i].triangles, "area_m2",
+			use[i].area, "organs_m2", organs_json(use[i].organ)));
 	free(use);
 	return all;
 }
@@ -393,18 +384,13 @@ static json_t *components_json(const struct seen *s)
 		const struct eco_component *c = &s->components.items[i];
 		double area[ECO_ORGAN_COUNT];
 		organ_areas(s, i, area);
-		json_t *one = json_object();
-		json_object_set_new(one, "component", json_integer(i + 1));
-		json_object_set_new(one, "triangles", json_integer(c->triangle_count));
-		json_object_set_new(one, "area_m2", json_real(c->area));
-		json_object_set_new(one, "size",
-			json_real(s->diagonal > 0 ? eco_component_diagonal(c) / s->diagonal : 0));
-		json_object_set_new(one, "z_m", json_pack("[f,f]", c->low[2], c->high[2]));
-		json_object_set_new(one, "organ", json_string(organ_name(largest_organ(area))));
-		json_object_set_new(one, "material",
-			text_json(s->model.materials[s->model.material[c->first]].name));
-		json_object_set_new(one, "part", text_json(part_of(s, c->first)));
-		json_array_append_new(all, one);
+		json_array_append_new(all, json_pack("{s:I, s:I, s:f, s:f, s:[f,f], s:s, s:o, s:o}",
+			"component", (json_int_t)i + 1, "triangles", (json_int_t)c->triangle_count,
+			"area_m2", c->area, "size",
+			s->diagonal > 0 ? eco_component_diagonal(c) / s->diagonal : 0.0,
+			"z_m", c->low[2], c->high[2], "organ", organ_name(largest_organ(area)),
+			"material", text_json(s->model.materials[s->model.material[c->first]].name),
+			"part", text_json(part_of(s, c->first))));
 	}
 	return all;
 }
@@ -413,33 +399,23 @@ static void print_json(const struct seen *s)
 {
 	const struct eco_model *m = &s->model;
 	double area[ECO_ORGAN_COUNT];
-	json_t *top = json_object(), *dropped = json_object(), *notes = json_array();
+	json_t *dropped = json_object(), *notes = json_array();
 	organ_areas(s, ECO_NONE, area);
 	for (int i = 0; i < ECO_DROP_COUNT; i++)
 		json_object_set_new(dropped, eco_drop_names[i], json_integer(m->dropped[i]));
 	for (uint32_t i = 0; i < s->note_count; i++)
 		json_array_append_new(notes, text_json(s->notes[i]));
-	json_object_set_new(top, "format", text_json(m->source.format));
-	json_object_set_new(top, "size_m",
-		json_pack("[f,f,f]", m->source.size[0] * m->scale, m->source.size[1] * m->scale,
-		m->source.size[2] * m->scale));
-	json_object_set_new(top, "height_m", json_real(eco_model_height(m)));
-	json_object_set_new(top, "below_m", json_real(m->source.below * m->scale));
-	json_object_set_new(top, "unit_m", json_real(m->scale));
-	json_object_set_new(top, "unit", json_string(how_text(m->source.unit_how)));
-	json_object_set_new(top, "up", json_string(eco_up_name(m->source.up)));
-	json_object_set_new(top, "up_found", json_string(how_text(m->source.up_how)));
-	json_object_set_new(top, "foot", json_pack("[f,f,f]", m->foot[0], m->foot[1], m->foot[2]));
-	json_object_set_new(top, "triangles_in", json_integer(m->triangles_in));
-	json_object_set_new(top, "triangles_kept", json_integer(m->triangle_count));
-	json_object_set_new(top, "triangles_dropped", dropped);
-	json_object_set_new(top, "organs_m2", organs_json(area));
-	json_object_set_new(top, "materials", materials_json(s));
-	json_object_set_new(top, "parts", parts_json(s));
-	json_object_set_new(top, "component_count", json_integer(s->components.count));
-	json_object_set_new(top, "components", components_json(s));
-	json_object_set_new(top, "notes", notes);
-	json_object_set_new(top, "plant", plant_json(s));
+	json_t *top = json_pack("{s:o, s:[f,f,f], s:f, s:f, s:f, s:s, s:s, s:s, s:[f,f,f], s:I, s:I, s:o, "
+		"s:o, s:o, s:o, s:I, s:o, s:o, s:o}", "format", text_json(m->source.format),
+		"size_m", m->source.size[0] * m->scale, m->source.size[1] * m->scale,
+		m->source.size[2] * m->scale, "height_m", eco_model_height(m),
+		"below_m", m->source.below * m->scale, "unit_m", m->scale,
+		"unit", how_text(m->source.unit_how), "up", eco_up_name(m->source.up),
+		"up_found", how_text(m->source.up_how), "foot", m->foot[0], m->foot[1], m->foot[2],
+		"triangles_in", (json_int_t)m->triangles_in, "triangles_kept", (json_int_t)m->triangle_count,
+		"triangles_dropped", dropped, "organs_m2", organs_json(area), "materials", materials_json(s),
+		"parts", parts_json(s), "component_count", (json_int_t)s->components.count,
+		"components", components_json(s), "notes", notes, "plant", plant_json(s));
 	json_dumpf(top, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
 	putchar('\n');
 	json_decref(top);

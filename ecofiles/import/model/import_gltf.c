@@ -11,6 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/room.h"
+
 #define COARSE 1e-4                  /* share of the extent: a coarser rounding of coordinates is reported */
 #define ONE_COLOR 0.02f
 
@@ -53,20 +55,6 @@ struct soup {
 static enum eco_code out_of_memory(struct soup *s)
 {
 	return eco_fail(s->error, ECO_NO_MEMORY, "%.300s: out of memory", eco_gltf_path(s->doc));
-}
-
-/* Room for one more item. */
-static bool grow(void **items, uint32_t count, uint32_t *room, size_t size)
-{
-	uint32_t wanted = *room < 16 ? 16 : *room * 2;
-	if (count < *room)
-		return true;
-	void *grown = wanted > *room ? realloc(*items, wanted * size) : NULL;
-	if (!grown)
-		return false;
-	*items = grown;
-	*room = wanted;
-	return true;
 }
 
 /* ---- Required extensions ---- */
@@ -127,7 +115,7 @@ static enum eco_code read_piece(struct soup *s, struct shape *shape, const json_
 		.primitive = primitive,
 		.weights = shape->weights, .mesh = shape->mesh, .number = number,
 		.triangles_max = s->triangles_max, .counts = &s->counts };
-	if (!grow((void **)&s->pieces, s->piece_count, &s->piece_room, sizeof *s->pieces))
+	if (!eco_room(&s->pieces, &s->piece_room, s->piece_count, sizeof *s->pieces))
 		return out_of_memory(s);
 	struct piece *piece = &s->pieces[s->piece_count];
 	enum eco_code code = gltf_surface_read(&piece->surface, &source, s->error);
@@ -155,7 +143,7 @@ static enum eco_code find_shape(struct soup *s, uint32_t mesh, const json_t *nod
 	for (*found = s->first_shape[mesh]; *found != ECO_NONE; *found = s->shapes[*found].next)
 		if (s->shapes[*found].weights == weights || json_equal(s->shapes[*found].weights, weights))
 			return ECO_OK;
-	if (!grow((void **)&s->shapes, s->shape_count, &s->shape_room, sizeof *s->shapes))
+	if (!eco_room(&s->shapes, &s->shape_room, s->shape_count, sizeof *s->shapes))
 		return out_of_memory(s);
 	struct shape *shape = &s->shapes[s->shape_count];
 	*shape = (struct shape){ .mesh = mesh, .weights = weights, .first = s->piece_count,
@@ -174,7 +162,7 @@ static enum eco_code add_place(struct soup *s, uint32_t shape, uint32_t node, co
 	s->triangles += s->shapes[shape].triangles;
 	if (too_many(s, s->triangles) != ECO_OK)
 		return ECO_TOO_LARGE;
-	if (!grow((void **)&s->places, s->place_count, &s->place_room, sizeof *s->places))
+	if (!eco_room(&s->places, &s->place_room, s->place_count, sizeof *s->places))
 		return out_of_memory(s);
 	struct place *place = &s->places[s->place_count++];
 	place->shape = shape;
