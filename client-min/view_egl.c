@@ -66,9 +66,8 @@ static bool open_device(struct view_egl *egl, bool software)
 
 static bool open_surfaceless(struct view_egl *egl)
 {
-	return epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless") &&
-		open_display(egl, eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY,
-		NULL));
+	return epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless") && open_display(egl,
+		eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL));
 }
 
 enum eco_code view_egl_open(struct view_egl *egl, struct eco_error *error)

@@ -52,9 +52,8 @@ static enum eco_code reserve(struct view_gpu *gpu, struct view_gpu_list *g, cons
 	if (texels <= g->room)
 		return ECO_OK;
 	if (texels > gpu->texels_max)
-		return eco_fail(error, ECO_TOO_LARGE, "list %u needs %llu texels, the graphics driver "
-			"allows %llu: use --reference=cpu or fewer "
-			"vertices", list->id, (unsigned long long)texels,
+		return eco_fail(error, ECO_TOO_LARGE, "list %u needs %llu texels, the graphics driver allows "
+			"%llu: use --reference=cpu or fewer vertices", list->id, (unsigned long long)texels,
 			(unsigned long long)gpu->texels_max);
 	uint64_t whole = (uint64_t)list->list.primitive_count * view_record_texels(&list->list),
 		room = texels + texels / 2;

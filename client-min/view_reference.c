@@ -308,8 +308,7 @@ static void tell_apart(const struct lod_raster *raster, struct view_picture *pic
 		uint32_t hash = (uint32_t)(picture->owner[i] * 0x9E3779B97F4A7C15u >> 56);
 		float tone = clear * (picture->owner[i] ? 0.8f + 0.35f * (float)hash / 255 : 1);
 		for (int k = 0; k < 3; k++)
-			picture->rgb[3 * i + (size_t)k] =
-				(uint8_t)fminf(255,
+			picture->rgb[3 * i + (size_t)k] = (uint8_t)fminf(255,
 				raster->rgb[3 * i + (size_t)k] * tone + air[k] * (1 - clear));
 	}
 }

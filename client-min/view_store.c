@@ -256,8 +256,7 @@ static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list
 				id);
 		return ECO_OK;
 	}
-	enum eco_code code =
-		account(store,
+	enum eco_code code = account(store,
 		sizeof *held + palette_bytes + (uint64_t)list->chunk_count * sizeof *held->marks, error);
 	if (code)
 		return code;
@@ -493,8 +492,7 @@ static enum eco_code check_plan(const struct view_store *store, const struct eco
 			return eco_fail(error, ECO_DAMAGED, "cut %u of the plan draws [%u,%u) of list %u, "
 				"of which %u are held", i, cut->first, cut->end, cut->list, held);
 		if (ground
-				&& (cut->anchor != ECO_NONE || cut->first
-				|| cut->end != list->list.primitive_count))
+			&& (cut->anchor != ECO_NONE || cut->first || cut->end != list->list.primitive_count))
 			return eco_fail(error, ECO_DAMAGED, "cut %u of the plan draws a part of list %u, a "
 				"tile of ground", i, cut->list);
 		if (cut->anchor == ECO_NONE && cut->placement >= plan->placement_count)

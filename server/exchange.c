@@ -179,9 +179,8 @@ static bool prepare_plan(struct srv_exchange *exchange)
 	const struct eco_chunk_id *pack = &exchange->scene->pack->id;
 	if (exchange->query.has_pack && memcmp(pack->bytes, exchange->query.pack.bytes, sizeof pack->bytes)
 			!= 0) {
-		make_problem(exchange, SRV_PROBLEM_PACK_CHANGED, "the pack is not the one that 'pack' "
-			"names: forget what was held of it "
-			"and ask again without holdings", false);
+		make_problem(exchange, SRV_PROBLEM_PACK_CHANGED, "the pack is not the one that 'pack' names: "
+			"forget what was held of it and ask again without holdings", false);
 		return false;
 	}
 	if (exchange->method != SRV_METHOD_POST) {

@@ -59,9 +59,8 @@ static enum eco_code scene_index(struct srv_scene *scene, struct eco_error *erro
 static enum eco_code check_name(const struct srv_store *store, const char *name, struct eco_error *error)
 {
 	if (!srv_name_valid(name))
-		return eco_fail(error, ECO_BAD_USAGE, "'%.80s' cannot name a scene: use 1 to 63 of a-z, "
-			"0-9, '_' and '-', the first a letter "
-			"or digit, as in NAME=OUT.eco", name);
+		return eco_fail(error, ECO_BAD_USAGE, "'%.80s' cannot name a scene: use 1 to 63 of a-z, 0-9, "
+			"'_' and '-', the first a letter or digit, as in NAME=OUT.eco", name);
 	if (srv_store_find(store, name))
 		return eco_fail(error, ECO_BAD_USAGE, "two scenes are named '%s': give one of them another "
 			"name, as in NAME=OUT.eco", name);

@@ -50,10 +50,9 @@ enum eco_code srv_holdings_check(const struct eco_scene *scene, const struct eco
 				"lists; send the holdings of this pack, or "
 				"none", item->list, scene->list_count);
 		if (item->chunks > scene->lists[item->list].chunk_count)
-			return eco_fail(error, ECO_BAD_INPUT, "%u chunks of list %u are said to be held, "
-				"but it has %u; send the holdings of "
-				"this pack, or none", item->chunks, item->list,
-				scene->lists[item->list].chunk_count);
+			return eco_fail(error, ECO_BAD_INPUT, "%u chunks of list %u are said to be held, but "
+				"it has %u; send the holdings of this pack, or none", item->chunks,
+				item->list, scene->lists[item->list].chunk_count);
 	}
 	return ECO_OK;
 }

@@ -57,11 +57,9 @@ static enum eco_code parse_path(struct srv_target *target, const char *raw, size
 		size_t first = at;
 		for (; at < size && raw[at] != '/'; at++) {
 			if (!is_segment_byte(raw[at]))
-				return eco_fail(error, ECO_BAD_INPUT,
-					"'%c' at offset %zu is not allowed in a path: paths consist of "
-					"letters, "
-					"digits, '.', '_', '-' and '/', without percent-encoding",
-					printable(raw[at]), at);
+				return eco_fail(error, ECO_BAD_INPUT, "'%c' at offset %zu is not allowed in "
+					"a path: paths consist of letters, digits, '.', '_', '-' and '/', "
+					"without percent-encoding", printable(raw[at]), at);
 			*(*out)++ = raw[at];
 		}
 		if (at == first)

@@ -29,8 +29,7 @@ enum eco_code srv_trace_set(const char *names, struct eco_error *error)
 	for (const char *at = names; at && *at;) {
 		size_t size = strcspn(at, ","), i = 0;
 		while (i < SRV_TRACE_COUNT
-				&& (strlen(trace_rows[i].name) != size || memcmp(trace_rows[i].name, at, size)
-				!= 0))
+			&& (strlen(trace_rows[i].name) != size || memcmp(trace_rows[i].name, at, size) != 0))
 			i++;
 		if (i == SRV_TRACE_COUNT)
 			return unknown(at, size, error);

@@ -347,9 +347,8 @@ static enum eco_code killed(const struct eco_guard *g, int number, double cpu_s,
 		return no_time(g, error);
 	if (number == SIGXFSZ && getrlimit(RLIMIT_FSIZE, &files) == 0
 			&& files.rlim_cur < g->limits.memory_bytes)
-		return eco_fail(error, ECO_IO, "%s: what is in it takes more than the %llu bytes that a "
-			"file may have here (ulimit -f): allow more", g->what,
-			(unsigned long long)files.rlim_cur);
+		return eco_fail(error, ECO_IO, "%s: what is in it takes more than the %llu bytes that a file "
+			"may have here (ulimit -f): allow more", g->what, (unsigned long long)files.rlim_cur);
 	if (number == SIGXFSZ)
 		return eco_fail(error, ECO_TOO_LARGE, "%s: it unpacks to more than %.3g GB; if the file is "
 			"to be trusted, %s=%.0f allows more", g->what, (double)g->limits.memory_bytes / 1e9,

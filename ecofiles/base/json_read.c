@@ -183,9 +183,8 @@ static size_t find(const struct eco_json *at, bool key)
 		bool object = json_is_object(path[depth]->parent->value);
 		offset = enter(text, size, offset, path[depth]->index, object);
 		if (object && !(key && depth == 0))
-			offset =
-				skip_space(text, size, skip_space(text, size, skip_string(text, size, offset))
-				+ 1);
+			offset = skip_space(text, size,
+				skip_space(text, size, skip_string(text, size, offset)) + 1);
 	}
 	return offset < size ? offset : size;
 }

@@ -61,8 +61,7 @@ static enum eco_code read_size(const struct eco_option *o, const char *text, str
 	unsigned w = 0, h = 0;
 	int used = 0;
 	if (text[0] < '0' || text[0] > '9' || sscanf(text, "%9ux%9u%n", &w, &h, &used) != 2 || text[used]
-			|| w < o->low || h < o->low || w > o->high ||
-		h > o->high)
+		|| w < o->low || h < o->low || w > o->high || h > o->high)
 		return eco_fail(error, ECO_BAD_USAGE, "--%s %.100s: must be WIDTHxHEIGHT, each from %.0f to "
 			"%.0f", o->name, text, o->low, o->high);
 	((uint32_t *)o->value)[0] = w;

@@ -193,9 +193,8 @@ int32_t eco_range_near(struct eco_range *r, struct eco_near *near, struct eco_sc
 		bits = usual - steps(r, near->less[part], usual, usual - bits);
 	if (bits > 1) {
 		uint32_t from = bits + ECO_NEAR_STEPS / 2 > usual ? bits + ECO_NEAR_STEPS / 2 - usual : 0;
-		uint32_t half =
-			code_bit(r, &near->half[part][from < ECO_NEAR_STEPS ? from : ECO_NEAR_STEPS - 1],
-			size >> (bits - 2) & 1);
+		uint32_t half = code_bit(r, &near->half[part][from < ECO_NEAR_STEPS ? from
+			: ECO_NEAR_STEPS - 1], size >> (bits - 2) & 1);
 		size = (2 | half) << (bits - 2) | (uint32_t)eco_range_raw(r, bits - 2,
 			size & ((1u << (bits - 2)) - 1));
 	} else {

@@ -183,8 +183,7 @@ static void tell(struct main_cache *cache, const char *path, int reason)
 	pthread_mutex_unlock(&cache->lock);
 	if (first)
 		main_note("%s: cannot keep finished plants there (%s); they will be built again next time. "
-			"--cache DIR names another folder, "
-			"--no-cache none", path, strerror(reason));
+			"--cache DIR names another folder, --no-cache none", path, strerror(reason));
 }
 
 void main_cache_put(struct main_cache *cache, const struct main_cache_key *key, const uint8_t *bytes,

@@ -123,8 +123,7 @@ static double nearest_m(const struct eco_scene *s, const json_t *meta, uint32_t 
 	double most = json_number_value(json_object_get(meta_plant(meta, plant), "half_a_pixel_m"));
 	for (uint32_t i = 0; i < s->list_count; i++)
 		if (s->lists[i].owner == plant
-				&& (s->lists[i].kind == ECO_LIST_TRIANGLES
-				|| s->lists[i].kind == ECO_LIST_LINES))
+			&& (s->lists[i].kind == ECO_LIST_TRIANGLES || s->lists[i].kind == ECO_LIST_LINES))
 			most = fmax(most, lod_grid_nearest_m(&s->lists[i], LOD_GRID_PIXEL_RAD));
 	return most;
 }
@@ -221,8 +220,7 @@ static void print_plants(const struct eco_scene *s, const struct totals *t, cons
 {
 	char text[32];
 	fprintf(out, "\n%-20s %8s %10s %10s %8s %6s %5s %8s %9s %9s  %s\n", "plant", "height", "triangles",
-		"stored", "dropped", "cells", "bits",
-		"1/2 px", "area m2", "bytes", "organs (elements)");
+		"stored", "dropped", "cells", "bits", "1/2 px", "area m2", "bytes", "organs (elements)");
 	for (uint32_t i = 0; i < s->plant_count; i++) {
 		const struct eco_plant *p = &s->plants[i];
 		const json_t *from = meta_plant(meta, i);

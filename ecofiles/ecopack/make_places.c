@@ -21,9 +21,8 @@ static enum eco_code add_place(struct make *m, struct make_eco *eco, const struc
 {
 	if (!(place->scale >= SCALE_LEAST && place->scale <= SCALE_MOST))
 		return eco_fail(m->error, ECO_BAD_INPUT, "%s at [%g, %g]: it would be scaled by %g; heights "
-			"must be within 1/4096 and 4000 times "
-			"the model's %g m (is the model's unit metres?)", m->plants[place->plant].name,
-			place->at[0], place->at[1], place->scale,
+			"must be within 1/4096 and 4000 times the model's %g m (is the model's unit metres?)",
+			m->plants[place->plant].name, place->at[0], place->at[1], place->scale,
 			(double)m->plants[place->plant].built.plant.height_m);
 	if (eco->place_count == PLACES_MAX || !eco_room(&eco->places, &eco->place_capacity, eco->place_count,
 			sizeof *eco->places))
@@ -76,8 +75,7 @@ static uint32_t fitting_variant(const struct make *m, uint32_t source, const str
 		return m->plant_of[source][row->plant];
 	for (uint32_t i = 0; i < row->variant_count; i++) {
 		const struct make_plant *plant = &m->plants[m->plant_of[source][row->variant_first + i]];
-		double ratio =
-			row->height_m * plant->reach
+		double ratio = row->height_m * plant->reach
 			/ (row->crown_radius_m * (double)plant->built.plant.height_m);
 		double off = fmax(ratio, 1 / ratio);
 		/* among equals, the one that the hash took */

@@ -53,8 +53,7 @@ static enum eco_code add_summary(void *ctx, uint64_t i, void *result, struct eco
 	struct summary_list *made = result;
 	enum eco_code code = ECO_OK;
 	if (summing->done++ % 64 == 0
-			&& !main_progress("summing up tiles", NULL,
-			(double)summing->done / (double)m->tiles.count))
+		&& !main_progress("summing up tiles", NULL, (double)summing->done / (double)m->tiles.count))
 		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	if (made->any) {
 		uint32_t tile = summing->first + (uint32_t)i,

@@ -83,8 +83,7 @@ enum eco_code map_frame(struct map *m, uint32_t pixels)
 		return code;
 	if (map_is_empty(&b))
 		return eco_fail(m->error, ECO_BAD_INPUT, "%s: there is nothing to show: no plant has a "
-			"usable place (what was left out: see "
-			"\"instances\")", m->sources.items[0].path);
+			"usable place (what was left out: see \"instances\")", m->sources.items[0].path);
 	double side = fmax(fmax(b.high[0] - b.low[0], b.high[1] - b.low[1]), 1), spare = 0.03 * side;
 	for (int k = 0; k < 2; k++) {            /* neither side is less than a third of the other */
 		double middle = (b.low[k] + b.high[k]) / 2, half = fmax((b.high[k] - b.low[k]) / 2, side / 6)

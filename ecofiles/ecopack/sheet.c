@@ -321,9 +321,8 @@ static void draw_head(struct sheet *s, uint32_t page)
 		snprintf(text + strlen(text), sizeof text - strlen(text), ", page %u of %u", page + 1,
 			s->page_count);
 	eco_chart_text(s->chart, MARGIN, MARGIN + 40, &style, text);
-	eco_chart_text(s->chart, column_x(s, 0), MARGIN + 20, &style,
-		"Shares are of the vertices of full detail. Q compares what is covered "
-		"with full detail: 1 is no wrong pixel.");
+	eco_chart_text(s->chart, column_x(s, 0), MARGIN + 20, &style, "Shares are of the vertices of full "
+		"detail. Q compares what is covered with full detail: 1 is no wrong pixel.");
 	for (uint32_t i = 0; i < s->column_count + 2; i++)
 		eco_chart_text(s->chart, column_x(s, i) + s->pixels / 2.0, HEAD - 10, &head,
 			i == 0 ? "organs" : i == 1 ? "full detail" : s->columns[i - 2].title);

@@ -255,8 +255,7 @@ static enum eco_code make_batch(const struct sheet_plant *p, const struct eco_cu
 	b->geometry.size = sized ? malloc(4 * (size_t)count + 1) : NULL;
 	b->area = list->list->unit_area * cut->scale;
 	if (!b->geometry.position || !b->geometry.color || (textured && !b->geometry.uv)
-			|| (sized && !b->geometry.size) ||
-		(list->list->kind == ECO_LIST_LINES && !b->geometry.width))
+		|| (sized && !b->geometry.size) || (list->list->kind == ECO_LIST_LINES && !b->geometry.width))
 		return no_memory(p, error);
 	for (uint32_t c = 0; c < list->chunk_count && b->count < count; c++, from = end) {
 		end = from + list->chunks[c].primitive_count;

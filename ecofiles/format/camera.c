@@ -167,9 +167,8 @@ static bool check_frames(const struct eco_json *keyframes, const struct eco_came
 		double time_s = eco_camera_frame(camera, i, &view);
 		if (eco_view_check(&view, &cause)) {
 			struct eco_json node = eco_json_item(keyframes, segment(camera, time_s));
-			return eco_json_fail(&node, ECO_BAD_INPUT,
-				"frame %u at %g s, from this keyframe on, cannot be drawn: %s", i, time_s,
-				cause.text);
+			return eco_json_fail(&node, ECO_BAD_INPUT, "frame %u at %g s, from this keyframe on, "
+				"cannot be drawn: %s", i, time_s, cause.text);
 		}
 	}
 	return true;
@@ -182,9 +181,8 @@ static bool read_script(const struct eco_json *root, struct eco_camera *camera)
 			|| !eco_json_required(root, "keyframes"))
 		return false;
 	struct eco_json keyframes = eco_json_member(root, "keyframes");
-	if (!eco_json_number(root, "fps", FPS_LEAST, FPS_MOST, &camera->fps)
-			|| !read_keys(&keyframes, camera) ||
-		!count_frames(root, camera))
+	if (!eco_json_number(root, "fps", FPS_LEAST, FPS_MOST, &camera->fps) || !read_keys(&keyframes, camera)
+		|| !count_frames(root, camera))
 		return false;
 	set_slopes(camera);
 	return check_frames(&keyframes, camera);

@@ -49,8 +49,7 @@ static bool nearest_miss(const struct eco_frame *f, const int64_t guess[3], cons
 			return false;
 		tried[0] = (int32_t)first;
 		for (int a = 1; a < 3; a++)
-			tried[a] =
-				(int32_t)floor_div(along[a] - ECO_LATTICE_STEP * (tried[0] & 1)
+			tried[a] = (int32_t)floor_div(along[a] - ECO_LATTICE_STEP * (tried[0] & 1)
 				+ ECO_LATTICE_STEP, 2 * ECO_LATTICE_STEP);
 		if (!eco_corner_place(f, guess, tried, from, there) || distance2(there, exact) >= best)
 			continue;
@@ -96,9 +95,8 @@ static uint32_t plan_with(const struct eco_shapes_codec *c, struct eco_leaf *l, 
 			continue;
 		if (plain) {
 			for (int i = 0; i < 3; i++) {
-				miss[i] =
-					(int32_t)floor_div((int64_t)l->exact[3 * k + (uint32_t)i] - at[i - 3]
-					+ (1 << ECO_EXACT_SHIFT >> 1), 1 << ECO_EXACT_SHIFT);
+				miss[i] = (int32_t)floor_div((int64_t)l->exact[3 * k + (uint32_t)i]
+					- at[i - 3] + (1 << ECO_EXACT_SHIFT >> 1), 1 << ECO_EXACT_SHIFT);
 				at[i] = at[i - 3] + miss[i] * (1 << ECO_EXACT_SHIFT);
 			}
 		} else {

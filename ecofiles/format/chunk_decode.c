@@ -10,8 +10,7 @@
 
 /* Checks the declared counts before anything is allocated from them. */
 static enum eco_code check_expected(const struct eco_list *list, const struct eco_chunk *chunk,
-size_t size_bytes,
-	struct eco_error *error)
+	size_t size_bytes, struct eco_error *error)
 {
 	enum eco_code code = eco_list_check_coding(list, error);
 	if (code)

@@ -317,9 +317,8 @@ static void code_placed(struct eco_shapes_codec *c, struct eco_leaf *l)
 
 uint32_t eco_corners_slot(const struct eco_shapes_codec *c, const int32_t key[3])
 {
-	uint32_t slot =
-		((uint32_t)key[0] * 0x9e3779b1u ^ (uint32_t)key[1] * 0x85ebca6bu
-		^ (uint32_t)key[2] * 0xc2b2ae35u);
+	uint32_t slot = ((uint32_t)key[0] * 0x9e3779b1u ^ (uint32_t)key[1] * 0x85ebca6bu ^ (uint32_t)key[2]
+		* 0xc2b2ae35u);
 	slot = (slot ^ slot >> 15) & c->slot_mask;
 	while (c->slots[slot] != UINT32_MAX
 			&& memcmp(c->keys + 3 * (size_t)c->slots[slot], key, 3 * sizeof *key) != 0)

@@ -53,8 +53,7 @@ enum eco_code eco_draco_decode_rows(enum eco_draco_order order, const uint8_t *b
 /* Edgebreaker at its slowest speed. `position` 3 per vertex, within ECO_DRACO_VALUE_MAX of each other;
  * `index` 3 per face. Draco reorders faces and vertices and may drop faces: decode to see what was kept. */
 enum eco_code eco_draco_encode_mesh(const int32_t *position, uint32_t vertices, const uint32_t *index,
-uint32_t faces,
-	uint8_t **bytes, size_t *size, struct eco_error *error);
+	uint32_t faces, uint8_t **bytes, size_t *size, struct eco_error *error);
 
 /* Decodes exactly `faces` faces: position 9 per face, `vertex` 3 per face (in [0, 3 * faces)); the same
  * vertex number means the same position. ECO_DAMAGED otherwise. */

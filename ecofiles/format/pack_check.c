@@ -263,8 +263,7 @@ static enum eco_code check_ladder(const struct eco_scene *s, uint32_t id, struct
 	if (l->anchor < plant->anchor_first || l->anchor - plant->anchor_first >= plant->anchor_count)
 		return BAD("ladder %u: anchor %u is not one of plant %u", id, l->anchor, l->plant);
 	if (l->organ >= ECO_ORGAN_COUNT || (l->flags & ~(ECO_LADDER_FAR | ECO_LADDER_NEAR | ECO_LADDER_ABOVE))
-			|| l->reserved != 0
-	    || ((l->flags & ECO_LADDER_FAR) && (l->flags & ECO_LADDER_NEAR)))
+		|| l->reserved != 0 || ((l->flags & ECO_LADDER_FAR) && (l->flags & ECO_LADDER_NEAR)))
 		return BAD("ladder %u: organ %u, flags %#x, reserved %u", id, l->organ, l->flags,
 			l->reserved);
 	if (!ladder_list_fits(s, l->points, ECO_LIST_POINTS, l->plant)
@@ -285,8 +284,7 @@ static enum eco_code check_ladder(const struct eco_scene *s, uint32_t id, struct
 	if (l->before > l->total)
 		return BAD("ladder %u: %u of %u before it", id, l->before, l->total);
 	if (!within(l->importance, 0, SCALE_MAX) || !within(l->area, 0, AREA_MAX)
-			|| !within(l->length, 0, AREA_MAX)
-	    || !within(l->epsilon, 0, RADIUS_MAX))
+		|| !within(l->length, 0, AREA_MAX) || !within(l->epsilon, 0, RADIUS_MAX))
 		return BAD("ladder %u: importance, area, length or epsilon is not finite or negative", id);
 	if (check_ladder_levels(s, id, error) != ECO_OK)
 		return ECO_DAMAGED;
@@ -446,8 +444,7 @@ static enum eco_code check_ground_tile(const struct eco_scene *s, uint32_t id, s
 	    || memcmp(list->grid_step, first->grid_step, sizeof list->grid_step) != 0)
 		return BAD("ground tile %u: the grid of list %u is not that of the others", id, t->list);
 	if (!within(t->error_m, 0, METRES_MAX) || !within(t->low_m, -METRES_MAX, METRES_MAX)
-			|| !within(t->high_m, -METRES_MAX, METRES_MAX)
-	    || t->low_m > t->high_m)
+		|| !within(t->high_m, -METRES_MAX, METRES_MAX) || t->low_m > t->high_m)
 		return BAD("ground tile %u: error %g m, heights %g to %g m", id, (double)t->error_m,
 			(double)t->low_m, (double)t->high_m);
 	return ECO_OK;

@@ -83,9 +83,8 @@ static enum eco_code read_frame(struct opened *o, struct eco_error *error)
 		return eco_fail(error, ECO_DAMAGED, "not a pack: it does not begin with %s", ECO_PACK_MAGIC);
 	if (version != ECO_PACK_VERSION)
 		return eco_fail(error, ECO_UNSUPPORTED, "a pack of version %u; this program reads version "
-			"%u: %s", version, ECO_PACK_VERSION, version < ECO_PACK_VERSION
-			? "build it again from its scene, with ecopack make"
-			: "it was built by a newer program");
+			"%u: %s", version, ECO_PACK_VERSION, version < ECO_PACK_VERSION ? "build it again "
+			"from its scene, with ecopack make" : "it was built by a newer program");
 	if (file_size != o->pack.map_size)
 		return eco_fail(error, ECO_DAMAGED, "%zu bytes instead of %llu: truncated or extended; "
 			"fetch it or build it again", o->pack.map_size, (unsigned long long)file_size);
@@ -190,8 +189,7 @@ static enum eco_code check_chunk_data(const struct opened *o, struct eco_error *
 	for (uint32_t i = 0; i < scene->chunk_count; i++) {
 		const struct eco_chunk *c = &scene->chunks[i];
 		if (c->offset < data->offset || c->offset > end || c->size_bytes > data->offset + data->size
-				- c->offset
-		    || (c->offset < end && c->size_bytes > end - c->offset))
+			- c->offset || (c->offset < end && c->size_bytes > end - c->offset))
 			return eco_fail(error, ECO_DAMAGED, "chunk %u: bytes [%llu, +%u) neither follow the "
 				"payloads before nor are among them", i, (unsigned long long)c->offset,
 				c->size_bytes);

@@ -153,8 +153,7 @@ static bool parse_document(struct eco_source *source, const struct eco_json *top
 		return false;
 	if (source->crs && !origin.value)
 		return eco_json_fail(top, ECO_BAD_INPUT, "\"origin\" is missing: a scene with a CRS needs "
-			"the point that is its 0, 0, 0, such as "
-			"\"origin\": [747375, 4308510, 0]");
+			"the point that is its 0, 0, 0, such as \"origin\": [747375, 4308510, 0]");
 	return parse_tile(source, top) && eco_scene_parse_ground(source, top)
 		&& eco_scene_parse_plants(source, top) && parse_instances(source, top)
 		&& parse_children(source, top);

@@ -60,8 +60,7 @@ bool eco_scene_parse_crs(const struct eco_source *source, const struct eco_json 
 	if (!*crs || source->crs)
 		return true;
 	return eco_json_fail(&node, ECO_BAD_INPUT, "the scene has no CRS to convert to: add \"crs\": "
-		"\"%.80s\" and \"origin\" to the scene, or leave this "
-		"one out", *crs);
+		"\"%.80s\" and \"origin\" to the scene, or leave this one out", *crs);
 }
 
 bool eco_scene_copy_text(const struct eco_json *at, const char *key, size_t bytes_max, char **out)

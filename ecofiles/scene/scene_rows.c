@@ -118,9 +118,8 @@ static bool parse_species(const struct eco_source *source, const struct eco_json
 		return false;
 	if (plant.value) {
 		if (spec->species || map.value)
-			return eco_json_fail(&plant, ECO_BAD_INPUT,
-				"\"plant\" makes every row this plant: leave out \"species\" and \"map\", "
-				"or \"plant\"");
+			return eco_json_fail(&plant, ECO_BAD_INPUT, "\"plant\" makes every row this plant: "
+				"leave out \"species\" and \"map\", or \"plant\"");
 		return eco_source_plant_of(source, &plant, &spec->fallback.plant)
 			&& species_set(source, &plant, "*", &spec->fallback);
 	}
@@ -198,8 +197,7 @@ static bool parse_allometry(const struct eco_source *source, const struct eco_js
 	if (size->rule_count > 0)
 		return true;
 	return eco_json_fail(at, ECO_BAD_INPUT, "a height from dbh needs \"max\" (m) and \"rate\" (per mm), "
-		"here or \"per_plant\": "
-		"h = 1.3 + (max - 1.3) (1 - exp(-rate * dbh))");
+		"here or \"per_plant\": h = 1.3 + (max - 1.3) (1 - exp(-rate * dbh))");
 }
 
 /* A height's object: one member names its source. */
@@ -230,8 +228,7 @@ static bool parse_height_object(const struct eco_source *source, const struct ec
 	}
 	if (kinds != 1)
 		return eco_json_fail(at, ECO_BAD_INPUT, "a height comes from exactly one of column, value, "
-			"from_dbh, from_girth, from_dbh_mm, from_dbh_cm, "
-			"from_dbh_in");
+			"from_dbh, from_girth, from_dbh_mm, from_dbh_cm, from_dbh_in");
 	if (from[which].kind == ECO_SIZE_DBH && from[which].unit_m > 0 && unit.value)
 		return eco_json_fail(&unit, ECO_BAD_INPUT, "\"%s\" says the unit: leave out \"unit\", or "
 			"write \"from_dbh\"", from[which].key);
@@ -292,8 +289,7 @@ static bool parse_crown(const struct eco_json *at, struct eco_positions_spec *sp
 		return true;
 	spec->crown.unit_m = 1;
 	if (!eco_json_object(&crown, crown_fields) || !eco_json_required(&crown, "column")
-			|| !eco_json_required(&crown, "is")
-		|| !eco_json_text(&crown, "is", 16, &is)
+		|| !eco_json_required(&crown, "is") || !eco_json_text(&crown, "is", 16, &is)
 		|| !eco_scene_copy_text(&crown, "column", ECO_COLUMN_BYTES, &spec->crown.column)
 		|| !eco_scene_parse_unit(&crown, &spec->crown.unit_m))
 		return false;
@@ -364,9 +360,8 @@ static bool parse_place(const struct eco_source *source, const struct eco_json *
 	if (!source->crs || spec->crs || !spec->x)
 		return true;
 	return eco_json_fail(at, ECO_BAD_INPUT, "\"crs\" is missing: the scene is in %.80s, so these rows "
-		"need theirs, such as \"crs\": "
-		"\"%.80s\", or \"EPSG:4326\" for degrees",
-		source->crs, source->crs);
+		"need theirs, such as \"crs\": \"%.80s\", or \"EPSG:4326\" for degrees", source->crs,
+		source->crs);
 }
 
 bool eco_scene_parse_rows(const struct eco_source *source, const struct eco_json *at,

@@ -68,9 +68,8 @@ static enum eco_code check_scene_crs(struct job *job, struct eco_error *error)
 		return code;
 	split_vertical(job->scene_crs, job->scene_vertical, &unit);
 	if (!OSRIsProjected(job->scene_crs) || fabs(OSRGetLinearUnits(job->scene_crs, NULL) - 1) > 1e-9)
-		return eco_fail(error, ECO_BAD_INPUT, "the scene's CRS \"%.100s\" is not one in metres; "
-			"take a projected one such as the UTM zone, "
-			"\"EPSG:32617\"", text);
+		return eco_fail(error, ECO_BAD_INPUT, "the scene's CRS \"%.100s\" is not one in metres; take "
+			"a projected one such as the UTM zone, \"EPSG:32617\"", text);
 	return ECO_OK;
 }
 
@@ -183,8 +182,7 @@ static enum eco_code suggest(struct ground_raster *r, const struct job *job, str
 {
 	GDALDriverH memory = GDALGetDriverByName("MEM");
 	/* GDAL only needs a raster of this place and size, without samples */
-	GDALDatasetH frame = memory ? GDALCreate(memory, "", r->columns, r->rows, 0, GDT_Byte, NULL)
-		: NULL;
+	GDALDatasetH frame = memory ? GDALCreate(memory, "", r->columns, r->rows, 0, GDT_Byte, NULL) : NULL;
 	char *from = NULL, *to = NULL;
 	double t[6];
 	int columns = 0, rows = 0;

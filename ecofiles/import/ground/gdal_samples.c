@@ -383,8 +383,7 @@ static void say_range(const struct ground_samples *samples, const char *path, st
 		ground_note(notes, "%.200s: every height is %.9g m; is it the right band?", path, low);
 	else if (high > HEIGHT_ODD_M || low < -DEPTH_ODD_M)
 		ground_note(notes, "%.200s: heights from %.9g to %.9g m are not of this Earth; are "
-			"\"scale\", \"offset\" or \"unit\" missing in the "
-			"ground?", path, low, high);
+			"\"scale\", \"offset\" or \"unit\" missing in the ground?", path, low, high);
 }
 
 static enum eco_code pick_band(GDALRasterBandH *band, const struct ground_raster *r,

@@ -23,10 +23,9 @@ static bool get_ground(FILE *in, struct eco_ground *ground, struct eco_ground_jo
 	struct eco_ground head;
 	size_t count;
 	if (fread(&job->notes, sizeof job->notes, 1, in) != 1 || fread(&head, sizeof head, 1, in) != 1
-			|| head.columns < 2 || head.rows < 2
-		|| head.columns > job->side_max || head.rows > job->side_max || !(head.step_x_m > 0)
-		|| !(head.step_y_m > 0) || !isfinite(head.x_m) || !isfinite(head.y_m)
-		|| job->notes.count > GROUND_NOTES_MAX)
+		|| head.columns < 2 || head.rows < 2 || head.columns > job->side_max
+		|| head.rows > job->side_max || !(head.step_x_m > 0) || !(head.step_y_m > 0)
+		|| !isfinite(head.x_m) || !isfinite(head.y_m) || job->notes.count > GROUND_NOTES_MAX)
 		return false;
 	for (uint32_t i = 0; i < job->notes.count; i++)
 		job->notes.text[i][GROUND_NOTE_BYTES - 1] = 0;

@@ -88,8 +88,7 @@ static void collada_frame(const char *path, struct eco_model_frame *frame, doubl
 	frame->unit_m = 1;
 	if (meter && end && meter < end && strtod(meter + 7, NULL) >= 1e-6 && strtod(meter + 7, NULL) <= 1e6)
 		frame->unit_m = strtod(meter + 7, NULL);
-	frame->up = up && strncmp(up + 9 + strspn(up + 9, " \t\r\n"), "Z_UP", 4) == 0 ? ECO_UP_Z
-		: ECO_UP_Y;
+	frame->up = up && strncmp(up + 9 + strspn(up + 9, " \t\r\n"), "Z_UP", 4) == 0 ? ECO_UP_Z : ECO_UP_Y;
 	free(head);
 	set_axes(axes, up_from_y, 1 / frame->unit_m);
 }

@@ -230,8 +230,7 @@ enum eco_code eco_gltf_view(struct eco_gltf *doc, uint32_t view, const uint8_t *
 			eco_gltf_whole(json, "byteOffset", 0), length, bytes, error);
 	}
 	if (!doc->views[view].bytes
-			&& (code = gltf_meshopt_unpack(doc, view, packed, &doc->views[view], error))
-			!= ECO_OK)
+		&& (code = gltf_meshopt_unpack(doc, view, packed, &doc->views[view], error)) != ECO_OK)
 		return code;
 	*bytes = doc->views[view].bytes;
 	*size = doc->views[view].size;

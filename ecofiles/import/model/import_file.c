@@ -69,8 +69,7 @@ bool eco_model_find_beside(const char *model, const char *name, char *path, size
 	const char *slash = strrchr(model, '/'), *last;
 	char plain[1024], folder[4096];
 	if (snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - model) + 1 : 0, model)
-			>= (int)sizeof folder
-		|| snprintf(plain, sizeof plain, "%s", name) >= (int)sizeof plain)
+		>= (int)sizeof folder || snprintf(plain, sizeof plain, "%s", name) >= (int)sizeof plain)
 		return false;
 	if (is_there(path, size, *name != '/' ? folder : "",
 			name))      /* a percent sign or backslash may be meant as such */

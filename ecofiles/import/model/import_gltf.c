@@ -87,8 +87,7 @@ static enum eco_code check_required(const struct soup *s)
 	for (size_t i = 0; i < json_array_size(required); i++) {
 		const char *name = json_string_value(json_array_get(required, i));
 		if (name
-				&& (strcmp(name, "KHR_texture_basisu") == 0
-				|| strcmp(name, "EXT_texture_avif") == 0))
+			&& (strcmp(name, "KHR_texture_basisu") == 0 || strcmp(name, "EXT_texture_avif") == 0))
 			return eco_fail(s->error, ECO_UNSUPPORTED,
 				"%.200s: requires the glTF extension %s, which is not supported; export with "
 				"PNG, JPEG or WebP textures", eco_gltf_path(s->doc), name);
@@ -488,9 +487,8 @@ static enum eco_code check_totals(const struct soup *s)
 	const char *path = eco_gltf_path(s->doc);
 	if (s->triangles == 0 && s->counts.points + s->counts.lines > 0)
 		return eco_fail(s->error, ECO_BAD_INPUT, "%.300s: no triangles in it, only %llu points and "
-			"%llu lines; a point cloud has no surfaces: make a "
-			"mesh of it first", path, (unsigned long long)s->counts.points,
-			(unsigned long long)s->counts.lines);
+			"%llu lines; a point cloud has no surfaces: make a mesh of it first", path,
+			(unsigned long long)s->counts.points, (unsigned long long)s->counts.lines);
 	if (s->triangles == 0)
 		return eco_fail(s->error, ECO_BAD_INPUT, "%.300s: no triangles in its scene", path);
 	return ECO_OK;

@@ -162,8 +162,7 @@ static enum eco_code open_draco(struct reader *r, const json_t *extension, const
 	if (count == 0 || which[0] != POSITION)
 		return fail(r, ECO_DAMAGED, "its Draco stream has no positions");
 	if (eco_draco_decode_gltf(bytes, size, faces, faces > UINT32_MAX / 3 ? UINT32_MAX : 3 * faces, wanted,
-			count, &mesh,
-		&inner) != ECO_OK)
+		count, &mesh, &inner) != ECO_OK)
 		return fail(r, inner.code, inner.text);
 	for (uint32_t i = 0; i < count; i++)
 		r->values[which[i]].draco = wanted[i].values;
@@ -341,8 +340,7 @@ static bool take_memory(struct reader *r)
 	s->color = r->values[COLOR].there ? malloc(n * 3 * sizeof *s->color) : NULL;
 	s->joint = s->influences > 0 ? malloc(n * s->influences * sizeof *s->joint) : NULL;
 	s->weight = s->influences > 0 ? malloc(n * s->influences * sizeof *s->weight) : NULL;
-	return s->position && (s->uv || !r->values[TEXCOORD].there)
-		&& (s->color || !r->values[COLOR].there)
+	return s->position && (s->uv || !r->values[TEXCOORD].there) && (s->color || !r->values[COLOR].there)
 		&& (s->influences == 0 || (s->joint && s->weight));
 }
 
@@ -362,9 +360,8 @@ static enum eco_code add_target(struct reader *r, const json_t *target, double w
 		if (source[v] < a.count)
 			eco_gltf_element(&a, source[v], delta);
 		for (int k = 0; k < 3; k++)
-			r->to->position[(size_t)v * 3 + (size_t)k] =
-				(float)((double)r->to->position[(size_t)v * 3 + (size_t)k]
-				+ weight * delta[k]);
+			r->to->position[(size_t)v * 3 + (size_t)k] = (float)((double)r->to->position[(size_t)v
+				* 3 + (size_t)k] + weight * delta[k]);
 	}
 	eco_gltf_accessor_close(&a);
 	return ECO_OK;

@@ -242,8 +242,7 @@ static enum eco_code read_piece(struct eco_model_piece *piece, const struct eco_
 	struct eco_guard_limits limits = limits_for(piece->path);
 	struct head *head = calloc(1, sizeof *head);
 	FILE *result = NULL;
-	enum eco_code code = !head ? eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory",
-		piece->path)
+	enum eco_code code = !head ? eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", piece->path)
 		: eco_guard_run(work, &job, piece->path, &limits, &result, error);
 
 	if (code == ECO_OK && !get_model(result, head, triangles_max))

@@ -252,9 +252,8 @@ static enum eco_code read_face(struct eco_obj *o, char *rest)
 		return ECO_OK;
 	}
 	if (n > ECO_POLYGON_CORNERS_MAX)
-		return eco_fail(o->error, ECO_TOO_LARGE, "%.300s: line %u: a polygon of %zu corners, at "
-			"most %u are possible", o->text.path, o->text.line, n,
-			(unsigned)ECO_POLYGON_CORNERS_MAX);
+		return eco_fail(o->error, ECO_TOO_LARGE, "%.300s: line %u: a polygon of %zu corners, at most "
+			"%u are possible", o->text.path, o->text.line, n, (unsigned)ECO_POLYGON_CORNERS_MAX);
 	o->triangles += n - 2;
 	if (o->triangles > o->triangles_max || first > UINT32_MAX)
 		return eco_fail(o->error, ECO_TOO_LARGE, "%.300s: %llu triangles by line %u, at most %u "
@@ -356,9 +355,8 @@ static enum eco_code read_text(struct eco_obj *o)
 			"file, or an empty one", o->text.path);
 	if (o->faces.count == 0)
 		return eco_fail(o->error, ECO_BAD_INPUT, "%.300s: no triangles in it, only %zu vertices and "
-			"%llu points or lines; a point cloud has no "
-			"surfaces: make a mesh of it first", o->text.path, o->place.count,
-			(unsigned long long)o->loose);
+			"%llu points or lines; a point cloud has no surfaces: make a mesh of it first",
+			o->text.path, o->place.count, (unsigned long long)o->loose);
 	return ECO_OK;
 }
 

@@ -414,9 +414,8 @@ static bool take_memory(struct maker *m)
 	m->split = malloc(ECO_POLYGON_CORNERS_MAX * 4 * sizeof *m->split);
 	if (m->table)
 		memset(m->table, 0xff, table * sizeof *m->table);
-	return to->position && to->uv && to->index && to->material && to->part && to->parts
-		&& m->key && m->transform && m->table && m->corners && m->split
-		&& eco_tints_start(&m->tints, to);
+	return to->position && to->uv && to->index && to->material && to->part && to->parts && m->key
+		&& m->transform && m->table && m->corners && m->split && eco_tints_start(&m->tints, to);
 }
 
 static void tell(const struct maker *m)

@@ -119,8 +119,7 @@ static bool join_triangles(const struct eco_model *m, const uint32_t *place, boo
 static void add_to(struct eco_component *c, const struct eco_model *m, uint32_t triangle)
 {
 	for (int i = 0; i < 9; i++) {
-		double p =
-			m->position[(size_t)m->index[(size_t)triangle * 3 + (size_t)(i / 3)] * 3
+		double p = m->position[(size_t)m->index[(size_t)triangle * 3 + (size_t)(i / 3)] * 3
 			+ (size_t)(i % 3)];
 		bool first = c->triangle_count == 0 && i < 3;
 		c->low[i % 3] = first ? p : fmin(c->low[i % 3], p);

@@ -337,9 +337,8 @@ static enum eco_code add_link(struct eco_areas *s, int64_t x, int64_t y, uint32_
 {
 	if (s->link_count == LINKS_MAX
 			|| !eco_room(&s->links, &s->link_capacity, s->link_count, sizeof *s->links))
-		return eco_fail(error, s->link_count == LINKS_MAX ? ECO_TOO_LARGE : ECO_NO_MEMORY,
-			"no room for the features to keep clear of; simplify "
-			"them, or take a larger distance");
+		return eco_fail(error, s->link_count == LINKS_MAX ? ECO_TOO_LARGE : ECO_NO_MEMORY, "no room "
+			"for the features to keep clear of; simplify them, or take a larger distance");
 	s->links[s->link_count++] = (struct eco_area_link){ x, y, edge, ECO_AREA_POINTS_MAX };
 	return ECO_OK;
 }

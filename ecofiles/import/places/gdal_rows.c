@@ -477,18 +477,15 @@ static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source 
 	quiet();
 	CPLErrorReset();
 	if (lacks_part(source->path, "shx"))
-		return eco_fail(error, ECO_NOT_FOUND, "%.300s: a Shapefile is several files, and its .shx "
-			"is not beside it; copy all of "
-			"them (.shp, .shx, .dbf, "
-			".prj, .cpg)", r->path);
+		return eco_fail(error, ECO_NOT_FOUND, "%.300s: a Shapefile is several files, and its .shx is "
+			"not beside it; copy all of them (.shp, .shx, .dbf, .prj, .cpg)", r->path);
 	if (lacks_part(source->path, "dbf"))
 		eco_rows_note(&r->rows, "its .dbf is not beside it, so it has no columns");
 	r->data = GDALOpenEx(source->path, GDAL_OF_VECTOR | GDAL_OF_READONLY, NULL, options, NULL);
 	if (!r->data)
 		return gdal_says(r->path, ECO_BAD_INPUT, source->vertices ? "GDAL cannot read it: it is "
 			"damaged, or breaks off near its beginning" : "not a table that can be read (CSV, "
-			"GeoJSON, GeoPackage, Shapefile, GML, KML, FlatGeobuf, CityGML, "
-			"glTF)", error);
+			"GeoJSON, GeoPackage, Shapefile, GML, KML, FlatGeobuf, CityGML, glTF)", error);
 	return ECO_OK;
 }
 

@@ -174,10 +174,8 @@ static enum eco_code make_shares(struct eco_mask *mask, const struct eco_ground 
 	for (size_t i = 0; i < count; i++)
 		most = fmax(most, raster->height_m[i]);
 	if (full == 0 && most > BYTE_FULL)
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its values go up to %g; add \"full\": %g, "
-			"the value that means the whole "
-			"density", spec->path, most,
-			most);
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its values go up to %g; add \"full\": %g, the "
+			"value that means the whole density", spec->path, most, most);
 	if (full == 0 && most > 1)
 		note(input, "its values go up to %g: 255 is taken for the whole density; \"full\" states "
 			"another", most);
@@ -188,9 +186,8 @@ static enum eco_code make_shares(struct eco_mask *mask, const struct eco_ground 
 		return eco_fail(error, ECO_NO_MEMORY, "%.200s: out of memory", spec->path);
 	for (uint32_t row = 0; row < raster->rows; row++)
 		for (uint32_t column = 0; column < raster->columns; column++) {
-			double share =
-				raster->height_m[(size_t)(raster->rows - 1 - row) * raster->columns + column]
-				/ full;
+			double share = raster->height_m[(size_t)(raster->rows - 1 - row) * raster->columns
+				+ column] / full;
 			mask->share[(size_t)row * raster->columns + column] =
 				(float)(share > 0 ? share < 1 ? share : 1 : 0);
 		}
@@ -232,8 +229,7 @@ enum eco_code eco_scatter_read(struct eco_scatter_input *input, const struct eco
 {
 	struct eco_error no_areas = { .code = ECO_OK }, no_mask = { .code = ECO_OK };
 	enum eco_code code = read_areas(input, &input->areas, spec, frame, &no_areas);
-	bool columns = spec->density_column || spec->count_column || spec->filter_count > 0
-		|| spec->layer;
+	bool columns = spec->density_column || spec->count_column || spec->filter_count > 0 || spec->layer;
 	if (code == ECO_BAD_INPUT && input->features == 0 && !columns) {
 		if (read_mask(input, spec, frame, &no_mask) == ECO_OK)
 			code = ECO_OK;

@@ -224,10 +224,9 @@ static enum verdict refuse_degrees(const struct eco_positions *p, const double x
 		return GOOD;
 	zone = zone < 1 ? 1 : zone > 60 ? 60 : zone;
 	eco_fail(error, ECO_BAD_INPUT, "%.150s: \"%.40s\" and \"%.40s\" are degrees, and the scene is in "
-		"plain metres; add \"crs\": \"EPSG:4326\" to its "
-		"entry, and \"crs\": \"EPSG:%d\" (the UTM zone of %.2f, %.2f) and an \"origin\" in it to "
-		"the scene", p->spec->path, p->spec->x, p->spec->y, (xyz[1] < 0 ? 32700 : 32600) + zone,
-		xyz[0], xyz[1]);
+		"plain metres; add \"crs\": \"EPSG:4326\" to its entry, and \"crs\": \"EPSG:%d\" (the UTM "
+		"zone of %.2f, %.2f) and an \"origin\" in it to the scene", p->spec->path, p->spec->x,
+		p->spec->y, (xyz[1] < 0 ? 32700 : 32600) + zone, xyz[0], xyz[1]);
 	return FAILED;
 }
 
@@ -267,10 +266,9 @@ static void note_far(struct eco_positions *p)
 		return;
 	if (eco_crs_convert(p->crs, swapped, &converted, &why, &error) == ECO_OK && converted
 			&& hypot(swapped[0], swapped[1]) <= FAR_M)
-		add_note(p, "its plants stand %.0f km and more from the scene's origin, and would be near "
-			"it with their "
-			"coordinates swapped: x is easting "
-			"or longitude, y is northing or latitude", p->nearest_m / 1000);
+		add_note(p, "its plants stand %.0f km and more from the scene's origin, and would be near it "
+			"with their coordinates swapped: x is easting or longitude, y is northing or "
+			"latitude", p->nearest_m / 1000);
 	else
 		add_note(p, "its plants stand %.0f km and more from the scene's origin; are x, y, crs and "
 			"the origin what they should be?", p->nearest_m / 1000);
@@ -518,9 +516,8 @@ static enum eco_code open_crs(struct eco_positions *p, struct eco_error *error)
 
 	if (p->from_geometry && rows->degrees_doubted && !p->spec->crs)
 		return eco_fail(error, ECO_BAD_INPUT, "%.200s: its numbers cannot be degrees, which this "
-			"format means unless it says otherwise; add "
-			"\"crs\": \"%.80s\" to its entry, or the CRS that they are in", p->spec->path,
-			p->frame.crs ? p->frame.crs : "EPSG:...");
+			"format means unless it says otherwise; add \"crs\": \"%.80s\" to its entry, or the "
+			"CRS that they are in", p->spec->path, p->frame.crs ? p->frame.crs : "EPSG:...");
 	return eco_crs_open(&p->crs, &request, error);
 }
 

@@ -58,10 +58,9 @@ static enum eco_code find_columns(struct eco_positions *p, struct eco_error *err
 	if (!s->x && !p->rows->has_geometry)
 		return no_coordinates(p, error);
 	if (geometry_z && (!p->from_geometry || !p->rows->has_z))
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: \"z\": \"geometry\", but %s; leave \"z\" "
-			"out, and the plants stand on the ground", p->spec->path,
-			p->from_geometry ? "its points have no heights"
-			: "its coordinates come from columns");
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: \"z\": \"geometry\", but %s; leave \"z\" out, "
+			"and the plants stand on the ground", p->spec->path, p->from_geometry
+			? "its points have no heights" : "its coordinates come from columns");
 	p->use_z = s->z != NULL;
 	p->fields_needed = 0;
 	for (int i = 0; code == ECO_OK && i < ECO_COLUMN_FIXED; i++)

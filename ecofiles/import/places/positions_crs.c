@@ -36,8 +36,7 @@ static enum eco_code plain_metres(const struct eco_crs_request *r, struct eco_er
 		free(name);
 		return ECO_BAD_INPUT;
 	}
-	if (!r->use_z || (!vertical && !other)
-			|| (vertical && other && strcasecmp(vertical, other) == 0))
+	if (!r->use_z || (!vertical && !other) || (vertical && other && strcasecmp(vertical, other) == 0))
 		return ECO_OK;
 	return eco_fail(error, ECO_BAD_INPUT, "%.200s: heights are converted between vertical datums only "
 		"in a scene with a CRS; add \"crs\" and "

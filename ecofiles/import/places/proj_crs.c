@@ -124,9 +124,8 @@ static enum eco_code parse_frame(struct eco_crs_path *c, const struct eco_crs_re
 		return eco_fail(error, ECO_BAD_INPUT, "the scene's CRS \"%.100s\" is not known; write a "
 			"code such as \"EPSG:26917\"", r->frame->crs);
 	if (!proj_is_metric_map(c->context, c->to))
-		return eco_fail(error, ECO_BAD_INPUT, "the scene's CRS \"%.100s\" is not one in metres; "
-			"take a projected one such as the UTM zone, "
-			"\"EPSG:32617\"", r->frame->crs);
+		return eco_fail(error, ECO_BAD_INPUT, "the scene's CRS \"%.100s\" is not one in metres; take "
+			"a projected one such as the UTM zone, \"EPSG:32617\"", r->frame->crs);
 	return ECO_OK;
 }
 
@@ -174,10 +173,8 @@ static enum eco_code pair_heights(struct eco_crs_path *c, const struct eco_crs_r
 		return code;
 	if (h->to && fabs(axis_unit(c->context, h->to) - 1) > 1e-9)
 		return eco_fail(error, ECO_BAD_INPUT, "the scene's vertical datum \"%.80s\" does not count "
-			"in metres, as scenes do; "
-			"take its twin in metres, such "
-			"as \"EPSG:5703\" (NAVD88)", r->frame->vertical ? r->frame->vertical
-			: proj_get_name(h->to));
+			"in metres, as scenes do; take its twin in metres, such as \"EPSG:5703\" (NAVD88)",
+			r->frame->vertical ? r->frame->vertical : proj_get_name(h->to));
 	bool has_from = h->from || h->from_ellipsoid;
 	bool has_to = h->to || h->to_ellipsoid;
 	if (has_from && !has_to)
@@ -343,9 +340,8 @@ static enum eco_code check_operation(struct eco_crs_path *c, const double xyz[3]
 			"(projsync --file NAME, or the package proj-data, brings it)", c->path, names);
 	if (ballpark)
 		r->note(r->ctx, "no conversion between the datums of \"%.80s\" and \"%.80s\" is known%s%s: "
-			"they are taken for one, places may be off by "
-			"up to some hundred metres", c->from_name, c->to_name, names[0] != 0 ? " without "
-			: "", names);
+			"they are taken for one, places may be off by up to some hundred metres",
+			c->from_name, c->to_name, names[0] != 0 ? " without " : "", names);
 	else if (names[0] != 0 && converted && !c->convert_z)
 		r->note(r->ctx, "PROJ lacks %s: places are converted to about %g m only", names,
 			accuracy >= 0 ? accuracy : 0);

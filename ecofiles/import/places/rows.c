@@ -47,8 +47,7 @@ enum eco_code eco_rows_find_column(const struct eco_rows *rows, const char *path
 
 static bool has_extension(const char *path, const char *const *extensions)
 {
-	const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path,
-		*dot = strrchr(name, '.');
+	const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
 	for (; *extensions; extensions++)
 		if (dot ? strcasecmp(dot + 1, *extensions) == 0 : **extensions == 0)
 			return true;
@@ -107,8 +106,7 @@ static unsigned char first_sign(const struct head *head)
 static bool is_utf16(const struct head *head)
 {
 	if (head->size >= 2
-			&& (memcmp(head->bytes, "\xff\xfe", 2) == 0 || memcmp(head->bytes, "\xfe\xff", 2)
-			== 0))
+		&& (memcmp(head->bytes, "\xff\xfe", 2) == 0 || memcmp(head->bytes, "\xfe\xff", 2) == 0))
 		return true;
 	return head->size >= 4
 		&& ((head->bytes[1] == 0 && head->bytes[3] == 0 && head->bytes[0] >= ' '

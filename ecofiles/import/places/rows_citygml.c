@@ -202,8 +202,7 @@ static void begin_part(struct citygml *c, const char *name, const XML_Char **att
 	else if (c->relative == 0 && (is(name, "relativeGMLGeometry") || is(name, "relativeGeometry")))
 		c->relative = c->depth;
 	else if (c->apart == 0
-			&& (ends_with(name, "TerrainIntersection")
-			|| ends_with(name, "TerrainIntersectionCurve")))
+		&& (ends_with(name, "TerrainIntersection") || ends_with(name, "TerrainIntersectionCurve")))
 		c->apart = c->depth;
 	else if (ends_with(name, "Attribute") && !is(name, "genericAttribute")) {
 		c->generic = c->depth;

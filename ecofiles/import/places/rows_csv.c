@@ -87,9 +87,8 @@ static enum eco_code read_field(struct csv *csv, int *c, struct eco_error *error
 	for (; code == ECO_OK && *c != EOF; *c = get(csv)) {
 		if (*c == 0)
 			return eco_fail(error, ECO_BAD_INPUT, "%.300s:%llu: a zero byte; the file is not "
-				"plain text (a spreadsheet, "
-				"UTF-16?), save it as CSV in UTF-8",
-				csv->path, (unsigned long long)csv->line);
+				"plain text (a spreadsheet, UTF-16?), save it as CSV in UTF-8", csv->path,
+				(unsigned long long)csv->line);
 		if (quoted && *c == '"') {
 			if (peek(csv) == '"')
 				code = put(csv, (char)get(csv), error);

@@ -166,8 +166,7 @@ static void set_json(struct gltf_rows *g, uint32_t column, const json_t *value)
 /* Extends the box by the bounds stated in the file, without reading vertices. */
 static void add_to_box(const struct eco_gltf *doc, const json_t *primitive, struct box *box)
 {
-	const json_t *accessor =
-		eco_gltf_item(doc, "accessors",
+	const json_t *accessor = eco_gltf_item(doc, "accessors",
 		eco_gltf_whole(json_object_get(primitive, "attributes"), "POSITION", UINT64_MAX));
 	static const double most[] = { 127, 255, 32767, 65535 };
 	uint64_t type = eco_gltf_whole(accessor, "componentType", 0);

@@ -486,8 +486,7 @@ enum eco_code eco_scatter_open(struct eco_scatter **scatter, const struct eco_sc
 	*s = (struct eco_scatter){ .spec = spec, .lattice = make_lattice(), .progress = progress, .ctx = ctx,
 		.error = error ? error : &own };
 	s->grid.cell_m = fmax(spec->distance_m, 1);
-	enum eco_code code = s->lattice ? eco_scatter_read(&s->input, spec, frame, s->error)
-		: no_memory(s);
+	enum eco_code code = s->lattice ? eco_scatter_read(&s->input, spec, frame, s->error) : no_memory(s);
 	if (!code)
 		code = s->input.mask.share ? place_by_mask(s) : place_in_areas(s);
 	free(s->candidates.items);
