@@ -106,11 +106,10 @@ uint32_t eco_holdings_chunks(const struct eco_holdings *holdings, uint32_t list)
 /* Owners, for owner_q: 64 bits that name a plant or a summary point, 0 is "nothing" (layout in plan.c). A
  * plant's owner has the key of its leaf tile, its species and its index in the instance list. A summary
  * point's has the leaf tile's key (16 bits) and the species, and matches any such plant. A key is a sum of
- * hashes: of the leaf tile and of every eco_child with `placed` above it. So it can be built from the leaf
- * up (when summaries are merged) and from the root down (eco_placement.path is the sum over the children).
- * Summaries store keys relative to their own tile's, which needs only differences of tile ids
- * (eco_owner_leaf is linear): so a summary stays true where tiles before it come or go, as when packs are
- * linked. */
+ * hashes: of the leaf tile and of every eco_child with `placed` above it. So it can be built from the leaf up
+ * (when summaries are merged) and from the root down (eco_placement.path is the sum over the children).
+ * Summaries store keys relative to their own tile's, which needs only differences of tile ids (eco_owner_leaf
+ * is linear): so a summary stays true where tiles before it come or go, as when packs are linked. */
 uint32_t eco_owner_leaf(uint32_t tile);
 uint32_t eco_owner_child(uint32_t number);
 /* The step that `child` of `tile` adds to a key: 0 if it is not placed, or is all that the root has (so

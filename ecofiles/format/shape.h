@@ -82,9 +82,8 @@ struct eco_shapes_input {
 	const size_t *at;
 };
 #define ECO_SHAPE_NONE UINT32_MAX
-/* Fills shapes, and of[i] (end - first values) with the shape of element first + i, or ECO_SHAPE_NONE;
- * shapes of fewer than `uses` elements are dropped. Steps are set to the finest of use. False: out of
- * memory. */
+/* Fills shapes, and of[i] (end - first values) with the shape of element first + i, or ECO_SHAPE_NONE; shapes
+ * of fewer than `uses` elements are dropped. Steps are set to the finest of use. False: out of memory. */
 bool eco_shapes_find(struct eco_shapes *shapes, const struct eco_shapes_input *input, uint32_t uses,
 uint32_t *of);
 void eco_shapes_free(struct eco_shapes *shapes);

@@ -16,9 +16,8 @@ extern const struct gen_plant gen_plants[];
 extern const uint32_t gen_plant_count;
 const struct gen_plant *gen_plant_find(const char *name);                      /* NULL: no such plant */
 
-/* Woody skeletons (generate_tree.c). A crown is a union of lobes. Shoots grow from the nearest older wood
- * to points in the lobes; the wood's cross-section is the sum of those of the shoots it carries (da
- * Vinci). */
+/* Woody skeletons (generate_tree.c). A crown is a union of lobes. Shoots grow from the nearest older wood to
+ * points in the lobes; the wood's cross-section is the sum of those of the shoots it carries (da Vinci). */
 struct gen_crown {
 	double height, base, radius;         /* m: top, lowest leaves, greatest half width */
 	double trunk_radius, lean;           /* m at the foot; sideways metres at the top */

@@ -1,7 +1,6 @@
-/* From assimp's scene to a soup. Node transforms are applied here, in double, during the walk: assimp's
- * own pre-transformation would copy meshes, and round places far from the origin to floats. polygon.c
- * splits polygons into exactly n - 2 triangles: assimp's own clipper leaves some concave ones, and loses
- * others. */
+/* From assimp's scene to a soup. Node transforms are applied here, in double, during the walk: assimp's own
+ * pre-transformation would copy meshes, and round places far from the origin to floats. polygon.c splits
+ * polygons into exactly n - 2 triangles: assimp's own clipper leaves some concave ones, and loses others. */
 #include "ecofiles/import/model/assimp_module.h"
 
 #include <assimp/cfileio.h>

@@ -133,9 +133,8 @@ static int64_t square_of(int64_t cell)
 	return cell >= 0 ? cell / LATTICE_CELLS : -((LATTICE_CELLS - 1 - cell) / LATTICE_CELLS);
 }
 
-/* Visits all places of the box with ranks below rank_end, cell row by cell row. In an area only as far as
- * the area reaches in that row, with a cell to spare: a road across the country is a small part of its
- * box. */
+/* Visits all places of the box with ranks below rank_end, cell row by cell row. In an area only as far as the
+ * area reaches in that row, with a cell to spare: a road across the country is a small part of its box. */
 static bool sweep_box(const struct sweep *w)
 {
 	double cell = w->side / LATTICE_CELLS;
