@@ -122,12 +122,10 @@ static const struct eco_option option_table[] = {
 
 static const struct eco_command command = { .name = "ecoview", .options = option_table,
 	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--ground-px X] "
-	"[--rule NAME] [--reference[=cpu|egl]] [--tint kind] "
-		"[--frames A..B] [--explain FILE.csv]",
+	"[--rule NAME] [--reference[=cpu|egl]] [--tint kind] [--frames A..B] [--explain FILE.csv]",
 	.says = "Streams a scene along a camera script and draws every frame as a PNG.",
-	.notes = "Writes frame-0000.png, ...; with --reference also reference-0000.png, "
-	"frame-0000.mask.png, reference-0000.mask.png and "
-		"pr-0000.png (light: right, orange: too much, blue: missing).\n" };
+	.notes = "Writes frame-0000.png, ...; with --reference also reference-0000.png, frame-0000.mask.png, "
+	"reference-0000.mask.png and pr-0000.png (light: right, orange: too much, blue: missing).\n" };
 
 static enum eco_code read_line(int argc, char **argv, struct options *o, struct eco_error *error)
 {

@@ -7,8 +7,7 @@
 #include <unistd.h>
 
 static const char *const columns[] = { "list", "first", "end", "tile", "plant", "band", "distance_m",
-	"share_first", "share_end", "plants",
-	"vertices", "gain_px", "next_lambda", "why", "reason" };
+	"share_first", "share_end", "plants", "vertices", "gain_px", "next_lambda", "why", "reason" };
 #define COLUMNS (sizeof columns / sizeof *columns)
 
 enum eco_code view_explain_open(struct view_explain *explain, const char *path, struct eco_error *error)

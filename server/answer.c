@@ -224,9 +224,8 @@ static void answer_outside(struct srv_answer *answer, size_t size, const char *i
 {
 	char text[80];
 	snprintf(text, sizeof text, "the chunk has %zu bytes", size);
-	srv_answer_problem(answer,
-		&(struct srv_problem_details){ .problem = SRV_PROBLEM_RANGE, .detail = text,
-		.instance = instance });
+	srv_answer_problem(answer, &(struct srv_problem_details){ .problem = SRV_PROBLEM_RANGE,
+		.detail = text, .instance = instance });
 	snprintf(text, sizeof text, "bytes */%zu", size);
 	add_header(answer, MHD_HTTP_HEADER_CONTENT_RANGE, text);
 }
@@ -241,9 +240,8 @@ void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32
 	enum eco_code code = srv_scene_payload(scene, chunk, &bytes, &size, &error);
 	if (code) {
 		srv_trace(SRV_TRACE_CACHE, "%s: chunk %u refused: %s", scene->name, chunk, error.text);
-		srv_answer_problem(answer,
-			&(struct srv_problem_details){ .problem = srv_problem_of(code), .detail = error.text,
-			.instance = instance });
+		srv_answer_problem(answer, &(struct srv_problem_details){ .problem = srv_problem_of(code),
+			.detail = error.text, .instance = instance });
 		return;
 	}
 	srv_etag_of(etag, &scene->pack->scene.chunks[chunk].id);

@@ -67,9 +67,8 @@ static void make_problem(struct srv_exchange *exchange, enum srv_problem problem
 	bool close)
 {
 	char path[SRV_TARGET_BYTES_MAX];
-	srv_answer_problem(&exchange->answer,
-		&(struct srv_problem_details){ .problem = problem, .detail = detail,
-		.instance = path_of(exchange, path), .close = close,
+	srv_answer_problem(&exchange->answer, &(struct srv_problem_details){ .problem = problem,
+		.detail = detail, .instance = path_of(exchange, path), .close = close,
 		.allow = problem == SRV_PROBLEM_METHOD && exchange->route ? exchange->route->allow : NULL });
 }
 
@@ -132,9 +131,8 @@ static void plan_job(void *argument)
 	struct srv_exchange *exchange = argument;
 	struct srv_host *host = exchange->host;
 	struct srv_stream_input input = { .scene = exchange->scene, .request = &exchange->query.request,
-		.rule = exchange->query.rule,
-		.holdings = &exchange->holdings, .body_max = host->config.response_max,
-		.tiles_max = host->config.tiles_max,
+		.rule = exchange->query.rule, .holdings = &exchange->holdings,
+		.body_max = host->config.response_max, .tiles_max = host->config.tiles_max,
 		.placements_max = host->config.placements_max, .cancelled = srv_work_cancelled(host->work) };
 	struct srv_stream stream;
 	struct eco_error error = { 0 };

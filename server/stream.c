@@ -85,9 +85,8 @@ static struct lod_planner_input planner_input(const struct srv_stream_input *inp
 	const struct eco_request *request)
 {
 	return (struct lod_planner_input){ .scene = &input->scene->pack->scene,
-		.tables = input->scene->tables, .request = request,
-		.holdings = input->holdings, .tiles_max = input->tiles_max,
-		.placements_max = input->placements_max, .rule = input->rule,
+		.tables = input->scene->tables, .request = request, .holdings = input->holdings,
+		.tiles_max = input->tiles_max, .placements_max = input->placements_max, .rule = input->rule,
 		.ignore_occlusion = input->ignore_occlusion };
 }
 

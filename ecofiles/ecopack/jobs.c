@@ -88,8 +88,7 @@ enum eco_code main_jobs_run(const struct main_jobs *jobs, struct eco_error *erro
 	enum eco_code code = ECO_OK;
 	for (uint64_t first = 0; first < jobs->count && !code; first += ROUND) {
 		struct round r = { .jobs = jobs, .first = first, .count = jobs->count - first < ROUND
-			? (uint32_t)(jobs->count - first) : ROUND,
-			.stage = main_times_now() };
+			? (uint32_t)(jobs->count - first) : ROUND, .stage = main_times_now() };
 		r.done = calloc(r.count, sizeof *r.done);
 		r.results = calloc(r.count, jobs->result_size);
 		if (r.done && r.results) {

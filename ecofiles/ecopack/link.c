@@ -171,9 +171,8 @@ static void whole_item(const struct link_part *part, struct lod_tile_item *item)
 	double x = fmax(fabs(root->low[0]), fabs(root->high[0])),
 		y = fmax(fabs(root->low[1]), fabs(root->high[1]));
 	*item = (struct lod_tile_item){ .at = { part->at[0], part->at[1], part->at[2] },
-		.reach = sqrt(x * x + y * y), .below = -root->low[2],
-		.above = root->high[2], .plant = ECO_NONE,
-		.weight = make_nested_weight(root->instance_count) };
+		.reach = sqrt(x * x + y * y), .below = -root->low[2], .above = root->high[2],
+		.plant = ECO_NONE, .weight = make_nested_weight(root->instance_count) };
 }
 
 /* Adds the tiles above the parts. */

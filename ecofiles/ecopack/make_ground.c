@@ -62,9 +62,8 @@ enum eco_code make_ground_read(struct make *m)
 	if (!main_progress("reading ground", NULL, 0))
 		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
 	struct eco_ground_options options = { .source = &source->ground, .scene_crs = source->crs,
-		.scene_vertical = source->vertical,
-		.origin = { source->origin[0], source->origin[1], source->origin[2] },
-		.warn = main_note_text };
+		.scene_vertical = source->vertical, .origin = { source->origin[0], source->origin[1],
+		source->origin[2] }, .warn = main_note_text };
 	enum eco_code code = eco_ground_import(&m->ground, &options, m->error);
 	if (code)
 		return code;

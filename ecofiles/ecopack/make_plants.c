@@ -264,8 +264,7 @@ static enum eco_code build_or_recall(struct job *job, const struct eco_model *mo
 	struct make *m = job->work->m;
 	struct make_plant *plant = &m->plants[job->plant];
 	struct lod_plant_options options = { .name = plant->name, .seed = 1, .order = m->options->order,
-		.progress = tell, .stage = enter,
-		.each = each, .ctx = job };
+		.progress = tell, .stage = enter, .each = each, .ctx = job };
 	struct main_cache_key key;
 	memcpy(options.importance, plant->source->importance, sizeof options.importance);
 	main_times_stage(MAIN_STAGE_CACHE);
@@ -297,11 +296,9 @@ static enum eco_code build_plant(struct job *job, struct eco_error *error)
 	main_times_stage(MAIN_STAGE_MODELS);
 	enum eco_code code = eco_model_import(&model,
 		&(struct eco_model_options){ .paths = (const char *const *)plant->source->models,
-		.path_count = plant->source->model_count,
-			.height_m = plant->source->height_m, .unit_m = plant->source->unit_m,
-			.up = plant->source->up,
-			.rules = plant->source->parts, .rule_count = plant->source->part_count, .warn = warn,
-			.ctx = plant }, error);
+		.path_count = plant->source->model_count, .height_m = plant->source->height_m,
+		.unit_m = plant->source->unit_m, .up = plant->source->up, .rules = plant->source->parts,
+		.rule_count = plant->source->part_count, .warn = warn, .ctx = plant }, error);
 	main_times_stage(MAIN_STAGE_NONE);
 	pthread_mutex_unlock(&job->work->libraries);
 	if (code)
@@ -393,8 +390,7 @@ static enum eco_code pack_images(struct packing *p)
 	struct make_plant *plant = &p->m->plants[p->id];
 	for (uint32_t i = 0; i < plant->built.image_count; i++) {
 		struct eco_list list = { .kind = ECO_LIST_IMAGE, .coder = ECO_CODER_BYTES, .owner = p->id,
-			.plant = ECO_NONE, .image = ECO_NONE,
-			.partner = ECO_NONE, .grid_step = { 1, 1, 1 } };
+			.plant = ECO_NONE, .image = ECO_NONE, .partner = ECO_NONE, .grid_step = { 1, 1, 1 } };
 		enum eco_code code = eco_pack_add_bytes(p->m->writer, &list, plant->images[i].bytes,
 			plant->images[i].size, &p->images[i], p->m->error);
 		struct eco_list *stored = code ? NULL : make_append(p->m, &p->m->lists, sizeof *stored);

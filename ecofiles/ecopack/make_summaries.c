@@ -28,11 +28,9 @@ static enum eco_code encode_summary(void *ctx, uint64_t i, void *result, struct 
 		made->any = true;
 		return ECO_OK;
 	}
-	enum eco_code code =
-		lod_summary_make(&summary,
-		&(struct lod_summary_input){ .scene = scene, .pools = summing->pools, .tile = tile,
-		.count = lod_summary_count(&scene->tiles[tile]), .seed = 1,
-		.roots = (const struct lod_summary_root *const *)summing->roots }, error);
+	enum eco_code code = lod_summary_make(&summary, &(struct lod_summary_input){ .scene = scene,
+		.pools = summing->pools, .tile = tile, .count = lod_summary_count(&scene->tiles[tile]),
+		.seed = 1, .roots = (const struct lod_summary_root *const *)summing->roots }, error);
 	made->any = !code && summary.count > 0;
 	if (made->any)
 		code = lod_summary_list(&summary, scene, tile, scene->palette_count, &made->list, &elements,

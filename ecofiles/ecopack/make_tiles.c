@@ -68,14 +68,12 @@ static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct ec
 	struct stand_list *made = result;
 	uint32_t count = stand->count, end_count = 0, ends[512];
 	struct eco_elements e = { .element_count = count, .corner_count = count, .primitive_count = count,
-		.extra_count = 2,
-		.corners = malloc(count), .position = malloc(3 * sizeof(int32_t) * count),
+		.extra_count = 2, .corners = malloc(count), .position = malloc(3 * sizeof(int32_t) * count),
 		.extra = malloc(2 * sizeof(int32_t) * count) };
 	enum eco_code code = e.corners && e.position && e.extra ? ECO_OK : ECO_NO_MEMORY;
 	made->list = (struct eco_list){ .kind = ECO_LIST_INSTANCES, .coder = ECO_CODER_ROWS,
-		.attributes = ECO_ATTR_PLACE,
-		.owner = stand->tile, .plant = stand->eco->places[stand->items[0]].plant, .image = ECO_NONE,
-		.partner = ECO_NONE };
+		.attributes = ECO_ATTR_PLACE, .owner = stand->tile,
+		.plant = stand->eco->places[stand->items[0]].plant, .image = ECO_NONE, .partner = ECO_NONE };
 	instance_grid(m, stand, &made->list);
 	for (uint32_t k = 0; k < count && !code; k++) {
 		const struct make_place *p = &stand->eco->places[stand->items[k]];

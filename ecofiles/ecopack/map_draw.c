@@ -239,9 +239,8 @@ static void draw_outlines(struct map *m)
 			x += points[2 * k] = map_x(m, m->outlines[i].corners[2 * k]);
 			y += points[2 * k + 1] = map_y(m, m->outlines[i].corners[2 * k + 1]);
 		}
-		eco_chart_path(m->chart,
-			&(struct eco_chart_path){ .points = points, .count = 4, .closed = true, .line = 1,
-			.color = ECO_COLOR(0x707070),
+		eco_chart_path(m->chart, &(struct eco_chart_path){ .points = points, .count = 4,
+			.closed = true, .line = 1, .color = ECO_COLOR(0x707070),
 			.fill = { 0.5, 0.5, 0.5, m->not_expanded ? 0.15 : 0 } });
 		if (m->outline_count <= NAMED_MOST)
 			eco_chart_text(m->chart, x / 4, y / 4, &style, m->outlines[i].name);

@@ -423,11 +423,9 @@ static enum eco_code read_ground(struct map *m)
 	struct eco_source *s = &m->sources.items[0];
 	if (!s->ground.height_count)
 		return ECO_OK;
-	enum eco_code code =
-		eco_ground_import(&m->ground,
-		&(struct eco_ground_options){ .source = &s->ground, .scene_crs = s->crs,
-		.scene_vertical = s->vertical, .origin = { s->origin[0], s->origin[1], s->origin[2] },
-		.side_max = 2048, .warn = main_note_text }, m->error);
+	enum eco_code code = eco_ground_import(&m->ground, &(struct eco_ground_options){ .source = &s->ground,
+		.scene_crs = s->crs, .scene_vertical = s->vertical, .origin = { s->origin[0], s->origin[1],
+		s->origin[2] }, .side_max = 2048, .warn = main_note_text }, m->error);
 	m->has_ground = !code;
 	return code;
 }

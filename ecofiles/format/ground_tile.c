@@ -6,8 +6,7 @@ static void span_of(struct eco_ground_span *s, uint32_t samples, uint8_t level, 
 	uint32_t low = index * side, last = samples - 1, high = last - low > side ? low + side : last;
 	uint32_t inner = (high - low + stride - 1) / stride + 1, before = low > 0;
 	*s = (struct eco_ground_span){ .low = low, .high = high, .stride = stride, .inner = inner,
-		.count = inner + before + (high < last),
-		.before = before, .last = last };
+		.count = inner + before + (high < last), .before = before, .last = last };
 }
 
 void eco_ground_spans(struct eco_ground_span *x, struct eco_ground_span *y,

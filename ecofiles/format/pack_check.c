@@ -458,8 +458,7 @@ static enum eco_code check_ground_children(const struct eco_scene *s, uint32_t i
 	for (uint32_t quarter = 0; quarter < 4 && t->level > 0; quarter++) {
 		const struct eco_ground_tile *c = &s->ground[t->child_first + found];
 		struct eco_ground_tile there = { .level = (uint8_t)(t->level - 1),
-			.column = 2 * t->column + quarter % 2,
-			.row = 2 * t->row + quarter / 2 };
+			.column = 2 * t->column + quarter % 2, .row = 2 * t->row + quarter / 2 };
 
 		if (!eco_ground_on_grid(&there, s->ground_columns, s->ground_rows))
 			continue;

@@ -174,9 +174,8 @@ static enum eco_code write_file(struct eco_pack_writer *w, const struct eco_scen
 			code = eco_fail(error, ECO_NO_MEMORY, "%s: out of memory for section %s", w->path,
 				eco_section_info[bodies[i].section.kind].name);
 	if (w->spooled > 0) {
-		bodies[count] =
-			(struct body){ .section = { .kind = ECO_SECTION_CHUNK_DATA, .offset = chunk_data,
-			.size = w->spooled } };
+		bodies[count] = (struct body){ .section = { .kind = ECO_SECTION_CHUNK_DATA,
+			.offset = chunk_data, .size = w->spooled } };
 		file_size = chunk_data + w->spooled;
 	}
 	if (!code)

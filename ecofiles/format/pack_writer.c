@@ -176,8 +176,7 @@ static enum eco_code add_chunk(struct eco_pack_writer *w, const uint8_t *bytes, 
 	uint32_t elements, uint32_t primitives, struct eco_error *error)
 {
 	struct eco_chunk chunk = { .id = eco_chunk_hash(bytes, size), .offset = w->spooled,
-		.size_bytes = (uint32_t)size,
-		.element_count = elements, .primitive_count = primitives };
+		.size_bytes = (uint32_t)size, .element_count = elements, .primitive_count = primitives };
 	if (w->chunk_count >= ECO_NONE / 4
 			|| !eco_room(&w->chunks, &w->chunk_capacity, w->chunk_count, sizeof *w->chunks)
 			|| !grow_ids(w))

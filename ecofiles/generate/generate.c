@@ -60,9 +60,8 @@ enum eco_code eco_generate(const struct eco_generate_options *options, struct ec
 		code = make_folder(models, error);
 	if (code)
 		return code;
-	struct gen_layout layout =
-		{ .options = options,
+	struct gen_layout layout = { .options = options,
 		.plants = (uint32_t)(options->plants ? options->plants : eco_generate_kinds[kind].plants),
-			.random = { options->seed * 0x9E3779B97F4A7C15u + kind } };
+		.random = { options->seed * 0x9E3779B97F4A7C15u + kind } };
 	return layouts[kind](&layout, error);
 }

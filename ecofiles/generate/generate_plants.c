@@ -321,9 +321,8 @@ static void azalea(struct gen_mesh *mesh, const void *kind, struct gen_random *r
 	uint8_t leaf = gen_material_shades(mesh, "leaf", 0x1a341e, 0x50743c, 4);
 	uint8_t flower = gen_material_shades(mesh, "flower", 0xc43a78, 0xf296be, 3);
 	grow_bush(mesh, &(struct bush){ .height = 1.4, .radius = 1.0, .stems = 48, .leaves = 26,
-		.leaf_m = 0.11, .width_m = 0.045,
-		.bark = bark, .leaf = leaf, .shades = 4, .flower = flower, .flower_shades = 3,
-		.shape = GEN_LEAF_HEXAGON }, random);
+		.leaf_m = 0.11, .width_m = 0.045, .bark = bark, .leaf = leaf, .shades = 4, .flower = flower,
+		.flower_shades = 3, .shape = GEN_LEAF_HEXAGON }, random);
 }
 
 /* ---- Grass and flowers ---- */
@@ -424,8 +423,7 @@ static void grow_head(struct gen_mesh *mesh, uint8_t ray, uint8_t floret, struct
 		gen_leaf(mesh, (uint8_t)(floret + (r > 0.6 * disc)),
 			&(struct gen_leaf){ .at = gen_mad(spot, face, 0.012 * (1 - r / disc)),
 			.along = gen_mad(face, way, 0.7), .face = gen_mad(way, face, -0.7), .length = 0.011,
-			.width = 0.007, .bend = 0.1,
-			.shape = GEN_LEAF_HEXAGON });
+			.width = 0.007, .bend = 0.1, .shape = GEN_LEAF_HEXAGON });
 	}
 }
 

@@ -95,8 +95,7 @@ static uint32_t plant_avenue(struct gen_layout *layout, double stretch, uint32_t
 enum eco_code gen_park(struct gen_layout *layout, struct eco_error *error)
 {
 	static const char *const names[] = { "oak", "linden", "birch", "spruce", "palm", "shrub", "azalea",
-		"grass", "turf", "daisy", "poppy",
-		"cornflower", NULL };
+		"grass", "turf", "daisy", "poppy", "cornflower", NULL };
 	double share = (double)layout->plants / PARK_PLANTS, stretch = share > 1 ? sqrt(share) : 1;
 	struct gen_terrain terrain = { layout->options->seed + 11, 9, 105, 0.5, 21 };
 	struct gen_stand stand;

@@ -201,25 +201,22 @@ enum eco_code gen_grove(struct gen_layout *layout, struct eco_error *error)
 		{ "maple", 0.20, 5.5, 13, 21, 0 }, { "spruce", 0.20, 4.5, 10, 19, 50 },
 		{ "birch", 0.18, 4, 9, 15, 40 } };
 	return write_stand(layout, &(struct stand_kind){ .name = "grove", .stocks = stocks, .count = 6,
-		.plant_m2 = 52, .ride_m = 3,
-		.terrain = { 43, 9, 190, 0.3, 60 }, .tile = 64 }, error);
+		.plant_m2 = 52, .ride_m = 3, .terrain = { 43, 9, 190, 0.3, 60 }, .tile = 64 }, error);
 }
 
 enum eco_code gen_palms(struct gen_layout *layout, struct eco_error *error)
 {
 	static const struct stock stocks[] = { { "palm", 1, 4.2, 5, 10, 0 } };
 	return write_stand(layout, &(struct stand_kind){ .name = "palms", .stocks = stocks, .count = 1,
-		.plant_m2 = 27, .ride_m = 2,
-		.terrain = { 47, 4, 160, 0.4, 30 }, .tile = 64 }, error);
+		.plant_m2 = 27, .ride_m = 2, .terrain = { 47, 4, 160, 0.4, 30 }, .tile = 64 }, error);
 }
 
 enum eco_code gen_sunflowers(struct gen_layout *layout, struct eco_error *error)
 {
 	static const struct stock stocks[] = { { "sunflower", 1, 0.42, 1.3, 2.1, 0 } };
 	return write_stand(layout, &(struct stand_kind){ .name = "sunflowers", .stocks = stocks, .count = 1,
-		.plant_m2 = 0.42, .ride_m = 0.9,
-		.terrain = { 53, 3, 130, 0.1, 25 }, .lone = "maple", .lone_room_m = 9, .lone_m = 17,
-		.tile = 128 }, error);
+		.plant_m2 = 0.42, .ride_m = 0.9, .terrain = { 53, 3, 130, 0.1, 25 }, .lone = "maple",
+		.lone_room_m = 9, .lone_m = 17, .tile = 128 }, error);
 }
 
 enum eco_code gen_outdoor(struct gen_layout *layout, struct eco_error *error)
@@ -233,6 +230,5 @@ enum eco_code gen_outdoor(struct gen_layout *layout, struct eco_error *error)
 		{ "poppy", 0.14, 0.4, 0.35, 0.6, 10 }, { "daisy", 0.14, 0.4, 0.35, 0.6, 12 },
 		{ "cornflower", 0.12, 0.4, 0.35, 0.6, 9 } };
 	return write_stand(layout, &(struct stand_kind){ .name = "outdoor", .stocks = stocks, .count = 13,
-		.plant_m2 = 6, .ride_m = 1.8,
-		.terrain = { 59, 16, 240, 0.4, 40 }, .tile = 128 }, error);
+		.plant_m2 = 6, .ride_m = 1.8, .terrain = { 59, 16, 240, 0.4, 40 }, .tile = 128 }, error);
 }

@@ -107,8 +107,7 @@ static void paint_spray(struct canvas *canvas, uint32_t shade)
 			light = 0.88 + 0.24 * grain(i, 7 + shade);
 		struct gen_v3 way = gen_unit(gen_v3(side * (1.05 - 0.45 * t), 0.42 + 0.35 * t, 0));
 		struct stroke s = { .x = 0.5, .y = 0.08 + 0.60 * t, .way_x = way.x, .way_y = way.y,
-			.length = i == 8 ? 0.33 : 0.44 - 0.06 * t,
-			.width = 0.27, .teeth = 0.16 };
+			.length = i == 8 ? 0.33 : 0.44 - 0.06 * t, .width = 0.27, .teeth = 0.16 };
 		for (int c = 0; c < 3; c++)
 			s.rgb[c] = (uint8_t)gen_clamp(leaf_rgb[shade][c] * light, 0, 255);
 		paint_leaf(canvas, &s);

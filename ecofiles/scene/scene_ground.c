@@ -5,8 +5,7 @@
 #include <stdlib.h>
 
 static const char *const ground_fields[] = { "heights", "crs", "vertical", "band", "scale", "offset", "unit",
-	"nodata", "north_west",
-	"pixel", NULL };
+	"nodata", "north_west", "pixel", NULL };
 
 static bool parse_meaning(struct eco_ground_source *ground, const struct eco_json *at)
 {

@@ -15,8 +15,7 @@ static const char *const row_fields[] = { "from", "layer", "x", "y", "z", "crs",
 	"decimal", "species", "map", "plant",
 	"only", "skip", "height_m", "crown_m", "levels", "scale", "yaw_deg", "duplicates", "seed", NULL };
 static const char *const height_fields[] = { "column", "unit", "value", "from_dbh", "from_girth",
-	"from_dbh_mm", "from_dbh_cm", "from_dbh_in",
-	"max", "rate", "shape", "per_plant", "levels", NULL };
+	"from_dbh_mm", "from_dbh_cm", "from_dbh_in", "max", "rate", "shape", "per_plant", "levels", NULL };
 static const char *const rule_fields[] = { "max", "rate", "shape", NULL };
 static const char *const crown_fields[] = { "column", "unit", "is", NULL };
 

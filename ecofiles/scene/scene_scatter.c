@@ -9,9 +9,8 @@
 #define DENSITY_MAX 1e8              /* plants a hectare: ten thousand a square metre */
 
 static const char *const scatter_fields[] = { "scatter", "layer", "crs", "density_per_ha", "mix",
-	"density_column", "count_column", "full",
-	"distance_m", "clear_of", "clear_layer", "clear_crs", "clear_m", "only", "skip", "height_m", "seed",
-	NULL };
+	"density_column", "count_column", "full", "distance_m", "clear_of", "clear_layer", "clear_crs",
+	"clear_m", "only", "skip", "height_m", "seed", NULL };
 static const char *const height_fields[] = { "min", "max", NULL };
 
 static bool parse_plant(const struct eco_source *source, const struct eco_json *at,

@@ -98,8 +98,7 @@ static void meaning_of(struct meaning *m, const struct ground_raster *r, GDALRas
 	int has_no_data = 0, has_scale = 0, has_offset = 0;
 	double no_data = GDALGetRasterNoDataValue(band, &has_no_data);
 	*m = (struct meaning){ .scale = GDALGetRasterScale(band, &has_scale),
-		.offset = GDALGetRasterOffset(band, &has_offset),
-		.unit_m = unit_of(r, band, source, notes) };
+		.offset = GDALGetRasterOffset(band, &has_offset), .unit_m = unit_of(r, band, source, notes) };
 	if (!has_scale || !isfinite(m->scale) || m->scale == 0)
 		m->scale = 1;
 	if (!has_offset || !isfinite(m->offset))
@@ -127,8 +126,7 @@ static bool rows_open(struct rows *rows, const struct ground_raster *r, GDALRast
 {
 	int flags = GDALGetMaskFlags(band);
 	*rows = (struct rows){ .raster = r, .band = band,
-		.raw = malloc((size_t)r->columns * sizeof *rows->raw),
-		.there = malloc((size_t)r->columns) };
+		.raw = malloc((size_t)r->columns * sizeof *rows->raw), .there = malloc((size_t)r->columns) };
 	if (masked && flags & (GMF_PER_DATASET | GMF_ALPHA))
 		rows->mask = GDALGetMaskBand(band);
 	return rows->raw && rows->there;

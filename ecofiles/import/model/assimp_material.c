@@ -166,9 +166,8 @@ enum eco_code assimp_materials(struct eco_model *model, const struct aiScene *sc
 	const struct eco_model_file *file, uint32_t *channel, bool *invisible, struct eco_notes *notes,
 	struct eco_error *error)
 {
-	struct reader r = { .scene = scene, .file = file,
-		.images = { .model = model, .path = file->path, .notes = notes, .embedded = embedded,
-		.ctx = (void *)scene } };
+	struct reader r = { .scene = scene, .file = file, .images = { .model = model, .path = file->path,
+		.notes = notes, .embedded = embedded, .ctx = (void *)scene } };
 
 	model->materials = calloc((size_t)scene->mNumMaterials + 1, sizeof *model->materials);
 	if (!model->materials || !eco_images_start(&r.images)) {

@@ -62,13 +62,10 @@ static enum eco_code out_of_memory(struct soup *s)
 /* Extensions that are read, or that do not change a plant at rest; every KHR_materials_* only changes
  * shading, which is not computed here. */
 static const char *const handled[] = { "KHR_draco_mesh_compression", "KHR_mesh_quantization",
-	"EXT_meshopt_compression",
-	"KHR_meshopt_compression", "EXT_mesh_gpu_instancing", "EXT_texture_webp", "KHR_texture_transform",
-	"KHR_lights_punctual",
-	"KHR_node_visibility", "KHR_animation_pointer", "KHR_xmp", "KHR_xmp_json_ld",
-	"EXT_mesh_primitive_restart",
-	"KHR_mesh_primitive_restart", "EXT_mesh_features", "EXT_instance_features", "EXT_structural_metadata",
-	"EXT_lights_image_based",
+	"EXT_meshopt_compression", "KHR_meshopt_compression", "EXT_mesh_gpu_instancing", "EXT_texture_webp",
+	"KHR_texture_transform", "KHR_lights_punctual", "KHR_node_visibility", "KHR_animation_pointer",
+	"KHR_xmp", "KHR_xmp_json_ld", "EXT_mesh_primitive_restart", "KHR_mesh_primitive_restart",
+	"EXT_mesh_features", "EXT_instance_features", "EXT_structural_metadata", "EXT_lights_image_based",
 	"EXT_lights_ies", "MSFT_lod", "FB_ngon_encoding", "GODOT_single_root" };
 
 static bool is_handled(const char *name)
@@ -111,8 +108,7 @@ static enum eco_code too_many(struct soup *s, uint64_t triangles)
 static enum eco_code read_piece(struct soup *s, struct shape *shape, const json_t *primitive, uint32_t number)
 {
 	struct gltf_surface_source source = { .doc = s->doc, .looks = s->looks, .look_count = s->look_count,
-		.primitive = primitive,
-		.weights = shape->weights, .mesh = shape->mesh, .number = number,
+		.primitive = primitive, .weights = shape->weights, .mesh = shape->mesh, .number = number,
 		.triangles_max = s->triangles_max, .counts = &s->counts };
 	if (!eco_room(&s->pieces, &s->piece_room, s->piece_count, sizeof *s->pieces))
 		return out_of_memory(s);

@@ -126,8 +126,7 @@ uint32_t eco_images_get(struct eco_images *images, const struct eco_image_wanted
 	if (i == m->image_count) {
 		struct eco_image_key *key = &images->keys[i];
 		*key = (struct eco_image_key){ .texture = strdup(wanted->texture), .opacity = wanted->opacity
-			? strdup(wanted->opacity) : NULL,
-			.alpha = wanted->alpha, .gain = wanted->gain };
+			? strdup(wanted->opacity) : NULL, .alpha = wanted->alpha, .gain = wanted->gain };
 		if (!key->texture || (wanted->opacity && !key->opacity)) {
 			free(key->texture);
 			free(key->opacity);

@@ -395,8 +395,7 @@ enum eco_code eco_obj_read(struct eco_model *model, struct eco_model_frame *fram
 	uint32_t triangles_max, struct eco_notes *notes, struct eco_error *error)
 {
 	struct eco_obj o = { .text = { .path = path }, .error = error, .notes = notes,
-		.triangles_max = triangles_max, .material = ECO_NONE,
-		.part = ECO_NONE };
+		.triangles_max = triangles_max, .material = ECO_NONE, .part = ECO_NONE };
 	uint8_t *bytes;
 	size_t size;
 	enum eco_code code = eco_file_read(path, ECO_MODEL_FILE_MAX, &bytes, &size, error);

@@ -138,9 +138,8 @@ static void make_material(struct maker *m, uint32_t i, struct eco_images *images
 	if (!from || m->invisible[i] || !from->texture)
 		return;
 	const double alpha = eco_mtl_alpha(from);
-	struct eco_image_wanted wanted =
-		{ .texture = from->texture, .gain = alpha * 255 + ALPHA_SLACK >= 127.5 && alpha < 1
-		? (float)alpha : 1 };
+	struct eco_image_wanted wanted = { .texture = from->texture,
+		.gain = alpha * 255 + ALPHA_SLACK >= 127.5 && alpha < 1 ? (float)alpha : 1 };
 
 	if (from->opacity && strcmp(from->opacity, from->texture) != 0)
 		wanted.opacity = from->opacity;

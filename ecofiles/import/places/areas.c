@@ -108,8 +108,7 @@ enum eco_code eco_areas_add_wkb(struct eco_areas *areas, const uint8_t *wkb, siz
 {
 	struct eco_error own = { .code = ECO_OK };
 	struct reading r = { .areas = areas, .wkb = { .bytes = wkb, .size = size }, .convert = convert,
-		.ctx = ctx, .kept = true,
-		.error = error ? error : &own };
+		.ctx = ctx, .kept = true, .error = error ? error : &own };
 	struct eco_area area = { .edge_first = areas->edge_count };
 	enum eco_code code = ECO_OK;
 

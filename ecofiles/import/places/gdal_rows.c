@@ -471,8 +471,7 @@ static enum eco_code open_data(struct ogr_rows *r, const struct eco_rows_source 
 	struct eco_error *error)
 {
 	const char *options[] = { "AUTODETECT_TYPE=NO", source->vertices ? "FLATTEN_NESTED_ATTRIBUTES=YES"
-		: NULL,
-		"NESTED_ATTRIBUTE_SEPARATOR=.", NULL };
+		: NULL, "NESTED_ATTRIBUTE_SEPARATOR=.", NULL };
 
 	quiet();
 	CPLErrorReset();

@@ -139,11 +139,9 @@ static enum eco_code read_areas(struct eco_scatter_input *input, struct eco_area
 		.areas = true };
 	enum eco_code code = eco_rows_open(&r.rows, &source, error);
 	if (!code)
-		code = eco_crs_open(&r.crs,
-			&(struct eco_crs_request){ .path = r.path, .stated = surfaces ? spec->crs
-			: spec->clear_crs,
-			.of_file = r.rows->crs, .local = r.rows->local, .frame = frame, .note = note,
-			.ctx = input }, error);
+		code = eco_crs_open(&r.crs, &(struct eco_crs_request){ .path = r.path, .stated = surfaces
+			? spec->crs : spec->clear_crs, .of_file = r.rows->crs, .local = r.rows->local,
+			.frame = frame, .note = note, .ctx = input }, error);
 	if (code == ECO_OK && r.rows->degrees_doubted && !(surfaces ? spec->crs : spec->clear_crs))
 		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: its numbers cannot be degrees, as its format "
 			"says; add \"%s\": \"EPSG:...\", the CRS "
@@ -204,11 +202,9 @@ static enum eco_code read_mask(struct eco_scatter_input *input, const struct eco
 	struct eco_ground raster = { .columns = 0 };
 	struct eco_mask *mask = &input->mask;
 
-	enum eco_code code = eco_ground_import(&raster,
-		&(struct eco_ground_options){ .source = &source, .scene_crs = frame->crs,
-		.origin = { frame->origin[0], frame->origin[1], 0 }, .side_max = MASK_SIDE_MAX,
-		.keep_missing = true, .warn = mask_note,
-		.ctx = input }, error);
+	enum eco_code code = eco_ground_import(&raster, &(struct eco_ground_options){ .source = &source,
+		.scene_crs = frame->crs, .origin = { frame->origin[0], frame->origin[1], 0 },
+		.side_max = MASK_SIDE_MAX, .keep_missing = true, .warn = mask_note, .ctx = input }, error);
 	if (code)
 		return code;
 	*mask = (struct eco_mask){ .columns = raster.columns, .rows = raster.rows,

@@ -30,13 +30,10 @@ static const char *likely_column(const struct eco_rows *rows, const char *const 
 static enum eco_code no_coordinates(const struct eco_positions *p, struct eco_error *error)
 {
 	static const char *const eastings[] = { "lon", "longitude", "long", "lng", "decimallongitude", "x",
-		"easting", "rechtswert",
-		"ostwert", "utm_e", "xcoord",
-		"point_x", "x_coord", "coord_x", NULL };
+		"easting", "rechtswert", "ostwert", "utm_e", "xcoord", "point_x", "x_coord", "coord_x",
+		NULL };
 	static const char *const northings[] = { "lat", "latitude", "decimallatitude", "y", "northing",
-		"hochwert", "nordwert",
-		"utm_n", "ycoord", "point_y",
-		"y_coord", "coord_y", NULL };
+		"hochwert", "nordwert", "utm_n", "ycoord", "point_y", "y_coord", "coord_y", NULL };
 	const char *x = likely_column(p->rows, eastings), *y = likely_column(p->rows, northings);
 	char there[200];
 

@@ -261,8 +261,7 @@ static void set_place(struct gltf_rows *g, const double m[16])
 	snprintf(g->text[Z], TEXT_BYTES, "%.15g", at[1]);
 	snprintf(g->text[YAW], TEXT_BYTES, "%.4f", yaw < 0 ? yaw + 360 : yaw + 0.0);
 	g->rows.place = (struct eco_rows_place){ .kind = ECO_PLACE_POINT, .at = { at[0], 0 - at[2], at[1] },
-		.yaw_deg = yaw,
-		.scale = g->box.quantized ? NAN : cbrt(fabs(volume)) };
+		.yaw_deg = yaw, .scale = g->box.quantized ? NAN : cbrt(fabs(volume)) };
 }
 
 static void set_further(struct gltf_rows *g)

@@ -304,8 +304,7 @@ static enum eco_code clear_share(struct eco_scatter *s, struct filling *f)
 	const struct eco_area *area = &s->input.areas.items[f->area];
 	const struct candidates *c = &s->candidates;
 	struct sweep w = { .scatter = s, .side = side_for((double)f->wanted / area->size_m2),
-		.wants = area_wants, .area = f->area,
-		.rank_end = ECO_BLUE_NOISE_POINTS };
+		.wants = area_wants, .area = f->area, .rank_end = ECO_BLUE_NOISE_POINTS };
 	size_t clear = 0;
 
 	if (s->input.clear.count == 0 || s->spec->count_column)
