@@ -18,6 +18,8 @@
 #define FORMS_MAX 8u                     /* of one list: each of its chunks is compared with each */
 #define MEMORY_MAX_DEFAULT ((uint64_t)8 << 30)
 
+#define BAD(...) eco_fail(error, ECO_DAMAGED, __VA_ARGS__)
+
 struct view_store {
 	struct view_store_options options;
 	struct view_store_stats stats;
@@ -113,10 +115,9 @@ static enum eco_code on_scene(void *ctx, const struct eco_scene *scene, const st
 {
 	struct view_store *store = ctx;
 	if (store->has_scene && memcmp(&store->pack, pack, sizeof *pack) != 0)
-		return eco_fail(error, ECO_DAMAGED, "the scene changed on the server since the first frame: "
-			"start again");
+		return BAD("the scene changed on the server since the first frame: start again");
 	if (!(scene->near_m > 0))
-		return eco_fail(error, ECO_DAMAGED, "the scene's near plane is not positive");
+		return BAD("the scene's near plane is not positive");
 	store->has_scene = true;
 	store->pack = *pack;
 	store->near_m = scene->near_m;
@@ -136,12 +137,11 @@ static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *pl
 		if (held->plant.anchor_first != plant->anchor_first || held->plant.anchor_count
 				!= plant->anchor_count ||
 			memcmp(held->anchors, anchors, plant->anchor_count * sizeof *anchors) != 0)
-			return eco_fail(error, ECO_DAMAGED, "plant %u was described twice, and differently",
-				id);
+			return BAD("plant %u was described twice, and differently", id);
 		return ECO_OK;
 	}
 	if (plant->anchor_count == 0 || plant->anchor_first > UINT32_MAX - plant->anchor_count)
-		return eco_fail(error, ECO_DAMAGED, "plant %u has no anchors, or too many", id);
+		return BAD("plant %u has no anchors, or too many", id);
 	size_t anchor_bytes = (size_t)plant->anchor_count * sizeof *anchors;
 	enum eco_code code = account(store, sizeof *held + anchor_bytes, error);
 	if (code)
@@ -182,11 +182,10 @@ static enum eco_code check_form(const struct view_list *form, const struct view_
 	struct eco_error *error)
 {
 	if (of->list.kind != ECO_LIST_TRIANGLES || of->list.coder != ECO_CODER_ELEMENTS)
-		return eco_fail(error, ECO_DAMAGED, "list %u is a form of list %u, which is not one of fans",
-			form->id, of->id);
+		return BAD("list %u is a form of list %u, which is not one of fans", form->id, of->id);
 	if (form->list.chunk_count != of->list.chunk_count || form->list.element_count
 			!= of->list.element_count)
-		return eco_fail(error, ECO_DAMAGED, "list %u is a form of list %u: %u elements in %u chunks "
+		return BAD("list %u is a form of list %u: %u elements in %u chunks "
 			"for %u in %u", form->id, of->id, form->list.element_count, form->list.chunk_count,
 			of->list.element_count, of->list.chunk_count);
 	return ECO_OK;
@@ -197,9 +196,8 @@ static enum eco_code check_form_chunk(const struct view_list *list, uint32_t ord
 	const struct view_list *other, struct eco_error *error)
 {
 	if (ordinal < other->chunk_count && elements != other->marks[ordinal].elements)
-		return eco_fail(error, ECO_DAMAGED, "chunk %u of list %u ends at element %u, that of list "
-			"%u at %u: they are forms of the same", ordinal, list->id, elements, other->id,
-			other->marks[ordinal].elements);
+		return BAD("chunk %u of list %u ends at element %u, that of list %u at %u: they are forms of "
+			"the same", ordinal, list->id, elements, other->id, other->marks[ordinal].elements);
 	return ECO_OK;
 }
 
@@ -236,8 +234,7 @@ static enum eco_code bind_forms(struct view_store *store, struct view_list *list
 	for (uint32_t i = first; i < store->list_count; i = store->lists[i]->next_form)
 		count++;
 	if (count == FORMS_MAX)
-		return eco_fail(error, ECO_DAMAGED, "list %u has more than %u forms", list->list.partner,
-			FORMS_MAX);
+		return BAD("list %u has more than %u forms", list->list.partner, FORMS_MAX);
 	list->next_form = first;
 	return view_table_put(&store->form_table, list->list.partner, index) ? ECO_OK
 		: no_memory(error, "a list");
@@ -252,8 +249,7 @@ static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list
 	if (held) {
 		if (!same_record(&held->list, list)
 				|| (palette_bytes && memcmp(held->palette, palette, palette_bytes) != 0))
-			return eco_fail(error, ECO_DAMAGED, "list %u was described twice, and differently",
-				id);
+			return BAD("list %u was described twice, and differently", id);
 		return ECO_OK;
 	}
 	enum eco_code code = account(store,
@@ -335,7 +331,7 @@ static enum eco_code check_codes(const struct view_list *list, const struct eco_
 	for (uint32_t i = 0, at = eco_list_extra_at(&list->list, attribute); i < more->element_count;
 			i++, extra += more->extra_count)
 		if (extra[at] < 0 || (uint32_t)extra[at] >= codes)
-			return eco_fail(error, ECO_DAMAGED, "list %u, chunk %u: %s code %d is not below %u",
+			return BAD("list %u, chunk %u: %s code %d is not below %u",
 				list->id, list->chunk_count, attribute == ECO_ATTR_SIZE ? "size" : "growth",
 				extra[at], codes);
 	return ECO_OK;
@@ -355,12 +351,10 @@ static enum eco_code check_values(const struct view_list *list, const struct eco
 	for (uint32_t i = 0; (color || width) && i < more->element_count; i++) {
 		const int32_t *extra = more->extra + (size_t)i * more->extra_count;
 		if (color && (extra[0] < 0 || (uint32_t)extra[0] >= list->list.palette_count))
-			return eco_fail(error, ECO_DAMAGED, "list %u, chunk %u: colour %d is outside the "
-				"palette of %u", list->id, list->chunk_count, extra[0],
-				list->list.palette_count);
+			return BAD("list %u, chunk %u: colour %d is outside the palette of %u", list->id,
+				list->chunk_count, extra[0], list->list.palette_count);
 		if (width && extra[color] < 0)
-			return eco_fail(error, ECO_DAMAGED, "list %u, chunk %u: negative line width",
-				list->id, list->chunk_count);
+			return BAD("list %u, chunk %u: negative line width", list->id, list->chunk_count);
 	}
 	return ECO_OK;
 }
@@ -372,7 +366,7 @@ static enum eco_code append(struct view_store *store, struct view_list *list, co
 	bool uv = list->list.attributes & ECO_ATTR_UV;
 	uint32_t extra_count = eco_list_extra_count(&list->list);
 	if (more->extra_count != extra_count || (more->uv != NULL) != uv)
-		return eco_fail(error, ECO_DAMAGED, "list %u, chunk %u: attributes differ from the list's",
+		return BAD("list %u, chunk %u: attributes differ from the list's",
 			list->id, list->chunk_count);
 	enum eco_code code = check_values(list, more, error);
 	e->extra_count = extra_count;
@@ -439,22 +433,19 @@ static enum eco_code on_chunk(void *ctx, uint32_t id, uint32_t ordinal, const st
 	struct view_store *store = ctx;
 	uint32_t index = view_table_get(&store->list_table, id);
 	if (index == UINT32_MAX)
-		return eco_fail(error, ECO_DAMAGED, "chunk %u of list %u came before the list's description",
-			ordinal, id);
+		return BAD("chunk %u of list %u came before the list's description", ordinal, id);
 	struct view_list *list = store->lists[index];
 	if (ordinal < list->chunk_count) {
 		store->stats.chunks_twice++;
-		return eco_fail(error, ECO_DAMAGED, "chunk %u of list %u was sent again, though the client "
-			"holds it", ordinal, id);
+		return BAD("chunk %u of list %u was sent again, though the client holds it", ordinal, id);
 	}
 	if (ordinal != list->chunk_count || ordinal >= list->list.chunk_count)
-		return eco_fail(error, ECO_DAMAGED, "chunk %u of list %u came where chunk %u of %u was due",
+		return BAD("chunk %u of list %u came where chunk %u of %u was due",
 			ordinal, id, list->chunk_count, list->list.chunk_count);
 	struct view_mark before = ordinal ? list->marks[ordinal - 1] : (struct view_mark){ 0 };
 	if (chunk->primitive_count > list->list.primitive_count - before.primitives ||
 		chunk->element_count > list->list.element_count - before.elements)
-		return eco_fail(error, ECO_DAMAGED, "chunk %u of list %u holds more than the list declares",
-			ordinal, id);
+		return BAD("chunk %u of list %u holds more than the list declares", ordinal, id);
 	struct eco_error cause = { 0 };
 	enum eco_code code = eco_chunk_check(&list->list, chunk, &cause);
 	if (code)
@@ -485,30 +476,29 @@ static enum eco_code check_plan(const struct view_store *store, const struct eco
 		const struct view_list *list = view_store_list(store, cut->list);
 		bool ground = list && list->list.kind == ECO_LIST_GROUND;
 		if (!list || (!eco_list_vertices(&list->list) && !ground))
-			return eco_fail(error, ECO_DAMAGED, "cut %u of the plan draws list %u, which %s", i,
+			return BAD("cut %u of the plan draws list %u, which %s", i,
 				cut->list, list ? "is not drawable" : "was not sent");
 		uint32_t held = list->chunk_count ? list->marks[list->chunk_count - 1].primitives : 0;
 		if (cut->first > cut->end || cut->end > held)
-			return eco_fail(error, ECO_DAMAGED, "cut %u of the plan draws [%u,%u) of list %u, "
+			return BAD("cut %u of the plan draws [%u,%u) of list %u, "
 				"of which %u are held", i, cut->first, cut->end, cut->list, held);
 		if (ground
 			&& (cut->anchor != ECO_NONE || cut->first || cut->end != list->list.primitive_count))
-			return eco_fail(error, ECO_DAMAGED, "cut %u of the plan draws a part of list %u, a "
+			return BAD("cut %u of the plan draws a part of list %u, a "
 				"tile of ground", i, cut->list);
 		if (cut->anchor == ECO_NONE && cut->placement >= plan->placement_count)
-			return eco_fail(error, ECO_DAMAGED, "cut %u of the plan lies in placement %u of %u",
+			return BAD("cut %u of the plan lies in placement %u of %u",
 				i, cut->placement, plan->placement_count);
 		const struct view_list *image = list->list.image == ECO_NONE ? NULL
 			: view_store_list(store, list->list.image);
 		if (list->list.image != ECO_NONE
 				&& (!image || image->list.kind != ECO_LIST_IMAGE || !image->chunk_count))
-			return eco_fail(error, ECO_DAMAGED, "list %u needs image %u, which was not sent",
-				cut->list, list->list.image);
+			return BAD("list %u needs image %u, which was not sent", cut->list, list->list.image);
 	}
 	for (uint32_t i = 0; i < plan->run_count; i++)
 		if (plan->runs[i].placement >= plan->placement_count || plan->runs[i].list_first
 				> plan->runs[i].list_end)
-			return eco_fail(error, ECO_DAMAGED, "run %u of the plan makes no sense", i);
+			return BAD("run %u of the plan makes no sense", i);
 	return ECO_OK;
 }
 
@@ -532,7 +522,7 @@ static enum eco_code on_end(void *ctx, uint64_t vertices, struct eco_error *erro
 	struct view_store *store = ctx;
 	uint64_t planned = store->has_plan ? store->plan.vertices : 0;
 	if (vertices != planned)
-		return eco_fail(error, ECO_DAMAGED, "the stream ends with %llu vertices, its last plan has "
+		return BAD("the stream ends with %llu vertices, its last plan has "
 			"%llu", (unsigned long long)vertices, (unsigned long long)planned);
 	store->complete = true;
 	return ECO_OK;

@@ -90,6 +90,8 @@ enum eco_code eco_list_check_coding(const struct eco_list *list, struct eco_erro
 {
 	static const struct { uint8_t coders, attributes; } allowed[] = {
 #define CODER(name) (1u << ECO_CODER_##name)
+
+#define BAD(...) eco_fail(error, ECO_DAMAGED, __VA_ARGS__)
 		[ECO_LIST_TRIANGLES] = { CODER(ELEMENTS) | CODER(MESH) | CODER(FORM),
 			ECO_ATTR_COLOR | ECO_ATTR_UV | ECO_ATTR_GROWTH },
 		[ECO_LIST_LINES] =
@@ -103,16 +105,14 @@ enum eco_code eco_list_check_coding(const struct eco_list *list, struct eco_erro
 	};
 
 	if (list->kind < ECO_LIST_TRIANGLES || list->kind > ECO_LIST_IMAGE)
-		return eco_fail(error, ECO_DAMAGED, "list: kind %u is unknown", list->kind);
+		return BAD("list: kind %u is unknown", list->kind);
 	if (list->coder < ECO_CODER_ELEMENTS || list->coder > ECO_CODER_BYTES
 			|| !(allowed[list->kind].coders >> list->coder & 1))
-		return eco_fail(error, ECO_DAMAGED, "list: kind %u cannot have coder %u", list->kind,
-			list->coder);
+		return BAD("list: kind %u cannot have coder %u", list->kind, list->coder);
 	if (list->attributes & ~allowed[list->kind].attributes)
-		return eco_fail(error, ECO_DAMAGED, "list: kind %u cannot have attributes %#x", list->kind,
-			list->attributes);
+		return BAD("list: kind %u cannot have attributes %#x", list->kind, list->attributes);
 	if (list->kind == ECO_LIST_INSTANCES && !(list->attributes & ECO_ATTR_PLACE))
-		return eco_fail(error, ECO_DAMAGED, "list: instances lack yaw and scale");
+		return BAD("list: instances lack yaw and scale");
 	return ECO_OK;
 }
 
@@ -144,8 +144,7 @@ enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes
 	payload->stream_count = eco_read_u8(&r);
 	reserved = eco_read_u8(&r);
 	if (r.failed || version != PAYLOAD_VERSION || (reserved != 0 && payload->coder != ECO_CODER_SHAPES))
-		return eco_fail(error, ECO_DAMAGED, "chunk: version %u of a payload of %zu bytes is unknown",
-			version, size);
+		return BAD("chunk: version %u of a payload of %zu bytes is unknown", version, size);
 	if (payload->coder == ECO_CODER_SHAPES && payload->stream_count == 0 && size > r.at) {
 		payload->stream_count = 1;
 		payload->streams[0] = (struct eco_stream){ .zeros = reserved, .bytes = bytes + r.at,
@@ -154,7 +153,7 @@ enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes
 	}
 	if (payload->coder == ECO_CODER_SHAPES || payload->stream_count < 1
 			|| payload->stream_count > ECO_PAYLOAD_STREAMS_MAX)
-		return eco_fail(error, ECO_DAMAGED, "chunk: %u streams", payload->stream_count);
+		return BAD("chunk: %u streams", payload->stream_count);
 	for (uint32_t i = 0; i < payload->stream_count; i++) {
 		struct eco_stream *s = &payload->streams[i];
 		s->corners = eco_read_u8(&r);
@@ -164,7 +163,7 @@ enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes
 		s->size = eco_read_u32(&r);
 		if (r.failed || s->corners <= last_corners || s->corners > ECO_CORNERS_MAX || s->elements == 0
 				|| s->elements > ECO_CHUNK_ELEMENTS_MAX || s->size == 0)
-			return eco_fail(error, ECO_DAMAGED, "chunk: record of stream %u is impossible", i);
+			return BAD("chunk: record of stream %u is impossible", i);
 		s->wide = flags & 1;
 		s->shift = flags >> 1 & 7;
 		s->uv_shift = flags >> 4;
@@ -173,8 +172,7 @@ enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes
 	for (uint32_t i = 0; i < payload->stream_count; i++)
 		payload->streams[i].bytes = eco_read_bytes(&r, payload->streams[i].size);
 	if (r.failed || r.at != r.size)
-		return eco_fail(error, ECO_DAMAGED, "chunk: the streams do not fill the payload's %zu bytes",
-			size);
+		return BAD("chunk: the streams do not fill the payload's %zu bytes", size);
 	return ECO_OK;
 }
 

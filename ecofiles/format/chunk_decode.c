@@ -8,6 +8,8 @@
 
 #include "ecofiles/format/chunk_payload.h"
 
+#define BAD(...) eco_fail(error, ECO_DAMAGED, __VA_ARGS__)
+
 /* Checks the declared counts before anything is allocated from them. */
 static enum eco_code check_expected(const struct eco_list *list, const struct eco_chunk *chunk,
 	size_t size_bytes, struct eco_error *error)
@@ -18,11 +20,10 @@ static enum eco_code check_expected(const struct eco_list *list, const struct ec
 	if (list->coder == ECO_CODER_BYTES)
 		return eco_fail(error, ECO_UNSUPPORTED, "chunk: a file has no elements to decode");
 	if (chunk->element_count < 1 || chunk->element_count > ECO_CHUNK_ELEMENTS_MAX)
-		return eco_fail(error, ECO_DAMAGED, "chunk: %u elements are not in 1..%u",
+		return BAD("chunk: %u elements are not in 1..%u",
 			chunk->element_count, ECO_CHUNK_ELEMENTS_MAX);
 	if (size_bytes != chunk->size_bytes || size_bytes > ECO_CHUNK_BYTES_MAX)
-		return eco_fail(error, ECO_DAMAGED, "chunk: %zu bytes instead of %u", size_bytes,
-			chunk->size_bytes);
+		return BAD("chunk: %zu bytes instead of %u", size_bytes, chunk->size_bytes);
 	return ECO_OK;
 }
 
@@ -34,7 +35,7 @@ static enum eco_code check_shapes(const struct eco_chunk *chunk, const struct ec
 	const uint64_t elements = chunk->element_count, most = (ECO_CORNERS_MAX - 2) * elements;
 	if (payload->coder != ECO_CODER_SHAPES || chunk->primitive_count < elements
 			|| chunk->primitive_count > most)
-		return eco_fail(error, ECO_DAMAGED, "chunk: %u leaves cannot have %u triangles",
+		return BAD("chunk: %u leaves cannot have %u triangles",
 			chunk->element_count, chunk->primitive_count);
 	*corner_count = (uint32_t)(chunk->primitive_count + 2 * elements);
 	return ECO_OK;
@@ -52,10 +53,9 @@ static enum eco_code check_payload(const struct eco_list *list, const struct eco
 			&& list->kind == ECO_LIST_TRIANGLES)
 		return check_shapes(chunk, payload, corner_count, error);
 	if (payload->coder != list->coder && !plain_mesh)
-		return eco_fail(error, ECO_DAMAGED, "chunk: coder %u in a list of coder %u", payload->coder,
-			list->coder);
+		return BAD("chunk: coder %u in a list of coder %u", payload->coder, list->coder);
 	if (list->coder == ECO_CODER_FORM && payload->stream_count != 1)
-		return eco_fail(error, ECO_DAMAGED, "chunk: forms of %u corner counts, where all should "
+		return BAD("chunk: forms of %u corner counts, where all should "
 			"have one", payload->stream_count);
 	for (uint32_t i = 0; i < payload->stream_count; i++) {
 		const struct eco_stream *s = &payload->streams[i];
@@ -66,7 +66,7 @@ static enum eco_code check_payload(const struct eco_list *list, const struct eco
 		&& (mesh || payload->coder == ECO_CODER_KD || payload->coder == ECO_CODER_ROWS))
 		|| (s->uv_shift != 0
 		&& (mesh || (!(list->attributes & ECO_ATTR_UV) && list->kind != ECO_LIST_GROUND))))
-			return eco_fail(error, ECO_DAMAGED, "chunk: stream %u of %u corners does not belong "
+			return BAD("chunk: stream %u of %u corners does not belong "
 				"to the list", i, s->corners);
 		if (side)
 			continue;
@@ -75,12 +75,12 @@ static enum eco_code check_payload(const struct eco_list *list, const struct eco
 		primitives += (uint64_t)s->elements * eco_corners_primitives(s->corners);
 	}
 	if (elements != chunk->element_count || primitives != chunk->primitive_count)
-		return eco_fail(error, ECO_DAMAGED, "chunk: %llu elements and %llu primitives instead of %u "
+		return BAD("chunk: %llu elements and %llu primitives instead of %u "
 			"and %u", (unsigned long long)elements, (unsigned long long)primitives,
 			chunk->element_count, chunk->primitive_count);
 	if (mesh && (payload->stream_count != (list->attributes != 0 ? 2u : 1u)
 	    || payload->streams[0].elements != payload->streams[payload->stream_count - 1].elements))
-		return eco_fail(error, ECO_DAMAGED, "chunk: attributes of the mesh are missing");
+		return BAD("chunk: attributes of the mesh are missing");
 	*corner_count = (uint32_t)corners;
 	return ECO_OK;
 }
@@ -144,8 +144,7 @@ static enum eco_code decode_stream(const struct eco_list *list, const struct eco
 		};
 
 		if (!eco_rows_get(&rows, i, &row))
-			code = eco_fail(error, ECO_DAMAGED, "chunk: a value of stored row %u is out of "
-				"bounds", i);
+			code = BAD("chunk: a value of stored row %u is out of bounds", i);
 		elements->corners[element] = stream->corners;
 	}
 	eco_rows_free(&rows);
@@ -234,7 +233,7 @@ static enum eco_code check_streams(const struct eco_payload *payload, struct eco
 			: eco_draco_rows_start(s->bytes, s->size, order, s->elements);
 
 		if (!good)
-			return eco_fail(error, ECO_DAMAGED, "chunk: stream %u does not start as a stream of "
+			return BAD("chunk: stream %u does not start as a stream of "
 				"%u elements", i, s->elements);
 	}
 	return ECO_OK;

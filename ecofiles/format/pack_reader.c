@@ -15,6 +15,8 @@
 #include "ecofiles/format/chunk.h"
 #include "ecofiles/format/pack_record.h"
 
+#define BAD(...) eco_fail(error, ECO_DAMAGED, __VA_ARGS__)
+
 /* Owned by an open pack; `pack` comes first. */
 struct opened {
 	struct eco_pack pack;
@@ -28,16 +30,15 @@ static enum eco_code check_section(const struct eco_section *s, uint32_t last_ki
 {
 	uint32_t record_bytes;
 	if (s->kind <= last_kind || s->kind >= ECO_SECTION_KIND_END)
-		return eco_fail(error, ECO_DAMAGED, "section kind %u after kind %u", s->kind, last_kind);
+		return BAD("section kind %u after kind %u", s->kind, last_kind);
 	record_bytes = eco_section_info[s->kind].record_bytes;
 	if (s->record_bytes != record_bytes || s->size == 0 || s->size > file_size
 	    || (record_bytes == 0 ? s->count != 0 : s->size != (uint64_t)s->count * record_bytes))
-		return eco_fail(error, ECO_DAMAGED, "section %s: %u records of %u bytes in %llu bytes",
-			eco_section_info[s->kind].name, s->count, s->record_bytes,
-			(unsigned long long)s->size);
+		return BAD("section %s: %u records of %u bytes in %llu bytes", eco_section_info[s->kind].name,
+			s->count, s->record_bytes, (unsigned long long)s->size);
 	if (s->offset != (at + ECO_PACK_ALIGN - 1) / ECO_PACK_ALIGN * ECO_PACK_ALIGN || s->offset > file_size
 	    || s->size > file_size - s->offset)
-		return eco_fail(error, ECO_DAMAGED, "section %s: bytes [%llu, +%llu) do not follow byte "
+		return BAD("section %s: bytes [%llu, +%llu) do not follow byte "
 			"%llu of %llu", eco_section_info[s->kind].name, (unsigned long long)s->offset,
 			(unsigned long long)s->size, (unsigned long long)at, (unsigned long long)file_size);
 	return ECO_OK;
@@ -48,13 +49,12 @@ static enum eco_code check_bytes(const uint8_t *map, const struct eco_section *s
 {
 	for (; at < s->offset; at++)
 		if (map[at] != 0)
-			return eco_fail(error, ECO_DAMAGED, "padding at byte %llu is not zero",
-				(unsigned long long)at);
+			return BAD("padding at byte %llu is not zero", (unsigned long long)at);
 	if (s->kind == ECO_SECTION_CHUNK_DATA) {
 		if (s->hash != 0)
-			return eco_fail(error, ECO_DAMAGED, "section CHUNK_DATA has a hash of its own");
+			return BAD("section CHUNK_DATA has a hash of its own");
 	} else if (XXH3_64bits(map + s->offset, s->size) != s->hash) {
-		return eco_fail(error, ECO_DAMAGED, "section %s, bytes [%llu, +%llu): its hash does not "
+		return BAD("section %s, bytes [%llu, +%llu): its hash does not "
 			"match", eco_section_info[s->kind].name, (unsigned long long)s->offset,
 			(unsigned long long)s->size);
 	}
@@ -80,27 +80,26 @@ static enum eco_code read_frame(struct opened *o, struct eco_error *error)
 	uint64_t file_size = eco_read_u64(&r), hash = eco_read_u64(&r), at;
 	enum eco_code code = ECO_OK;
 	if (r.failed || memcmp(magic, ECO_PACK_MAGIC, 8) != 0)
-		return eco_fail(error, ECO_DAMAGED, "not a pack: it does not begin with %s", ECO_PACK_MAGIC);
+		return BAD("not a pack: it does not begin with %s", ECO_PACK_MAGIC);
 	if (version != ECO_PACK_VERSION)
 		return eco_fail(error, ECO_UNSUPPORTED, "a pack of version %u; this program reads version "
 			"%u: %s", version, ECO_PACK_VERSION, version < ECO_PACK_VERSION ? "build it again "
 			"from its scene, with ecopack make" : "it was built by a newer program");
 	if (file_size != o->pack.map_size)
-		return eco_fail(error, ECO_DAMAGED, "%zu bytes instead of %llu: truncated or extended; "
+		return BAD("%zu bytes instead of %llu: truncated or extended; "
 			"fetch it or build it again", o->pack.map_size, (unsigned long long)file_size);
 	if (count < 1 || count >= ECO_SECTION_KIND_END
 			|| ECO_PACK_HEADER_BYTES + count * ECO_PACK_SECTION_BYTES > file_size)
-		return eco_fail(error, ECO_DAMAGED, "%u sections in %llu bytes", count,
-			(unsigned long long)file_size);
+		return BAD("%u sections in %llu bytes", count, (unsigned long long)file_size);
 	if (header_hash(map, count * ECO_PACK_SECTION_BYTES) != hash)
-		return eco_fail(error, ECO_DAMAGED, "header: its hash does not match");
+		return BAD("header: its hash does not match");
 	o->pack.id = eco_chunk_hash(map + ECO_PACK_HEADER_BYTES, count * ECO_PACK_SECTION_BYTES);
 	at = ECO_PACK_HEADER_BYTES + count * ECO_PACK_SECTION_BYTES;
 	for (uint32_t i = 0; i < count && code == ECO_OK; i++) {
 		struct eco_section s;
 		eco_section_read(&r, &s);
 		if (r.failed)
-			return eco_fail(error, ECO_DAMAGED, "section record %u does not end with zero", i);
+			return BAD("section record %u does not end with zero", i);
 		code = check_section(&s, last_kind, at, file_size, error);
 		if (!code)
 			code = check_bytes(map, &s, at, error);
@@ -111,8 +110,7 @@ static enum eco_code read_frame(struct opened *o, struct eco_error *error)
 		}
 	}
 	if (code == ECO_OK && at != file_size)
-		return eco_fail(error, ECO_DAMAGED, "%llu bytes follow the last section",
-			(unsigned long long)(file_size - at));
+		return BAD("%llu bytes follow the last section", (unsigned long long)(file_size - at));
 	return code;
 }
 
@@ -132,7 +130,7 @@ static enum eco_code read_table(struct opened *o, enum eco_section_kind kind, si
 	for (uint32_t i = 0; i < s->count; i++) {
 		read(&r, records + i * size);
 		if (r.failed)
-			return eco_fail(error, ECO_DAMAGED, "section %s: record %u has an impossible field",
+			return BAD("section %s: record %u has an impossible field",
 				eco_section_info[kind].name, i);
 	}
 	return ECO_OK;
@@ -154,11 +152,10 @@ static enum eco_code read_tables(struct opened *o, struct eco_error *error)
 		.size = s[ECO_SECTION_SCENE].size };
 	enum eco_code code = ECO_OK;
 	if (s[ECO_SECTION_SCENE].count != 1)
-		return eco_fail(error, ECO_DAMAGED, "section SCENE has %u records instead of 1",
-			s[ECO_SECTION_SCENE].count);
+		return BAD("section SCENE has %u records instead of 1", s[ECO_SECTION_SCENE].count);
 	eco_scene_read(&r, scene);
 	if (r.failed)
-		return eco_fail(error, ECO_DAMAGED, "section SCENE has an impossible field");
+		return BAD("section SCENE has an impossible field");
 #define TABLE(kind, field, name) \
 	if (!code) \
 		code = read_table(o, ECO_SECTION_##kind, sizeof *scene->field, (const void **)&scene->field, \
@@ -190,14 +187,13 @@ static enum eco_code check_chunk_data(const struct opened *o, struct eco_error *
 		const struct eco_chunk *c = &scene->chunks[i];
 		if (c->offset < data->offset || c->offset > end || c->size_bytes > data->offset + data->size
 			- c->offset || (c->offset < end && c->size_bytes > end - c->offset))
-			return eco_fail(error, ECO_DAMAGED, "chunk %u: bytes [%llu, +%u) neither follow the "
-				"payloads before nor are among them", i, (unsigned long long)c->offset,
-				c->size_bytes);
+			return BAD("chunk %u: bytes [%llu, +%u) neither follow the payloads before nor are "
+				"among them", i, (unsigned long long)c->offset, c->size_bytes);
 		if (c->offset == end)
 			end += c->size_bytes;
 	}
 	if (end != data->offset + data->size)
-		return eco_fail(error, ECO_DAMAGED, "section CHUNK_DATA: %llu bytes belong to no chunk",
+		return BAD("section CHUNK_DATA: %llu bytes belong to no chunk",
 			(unsigned long long)(data->offset + data->size - end));
 	return ECO_OK;
 }
@@ -250,8 +246,7 @@ enum eco_code eco_pack_open(struct eco_pack **pack, const char *path, struct eco
 	}
 	if (status.st_size < (off_t)ECO_PACK_HEADER_BYTES) {
 		close(file);
-		return eco_fail(error, ECO_DAMAGED, "%s: %lld bytes are too few for a pack", path,
-			(long long)status.st_size);
+		return BAD("%s: %lld bytes are too few for a pack", path, (long long)status.st_size);
 	}
 	void *map = mmap(NULL, (size_t)status.st_size, PROT_READ, MAP_SHARED, file, 0);
 	close(file);
@@ -298,7 +293,7 @@ enum eco_code eco_pack_payload(const struct eco_pack *pack, uint32_t chunk, cons
 	const struct eco_chunk *c = &scene->chunks[chunk];
 	struct eco_chunk_id id = eco_chunk_hash(pack->map + c->offset, c->size_bytes);
 	if (memcmp(id.bytes, c->id.bytes, sizeof id.bytes) != 0)
-		return eco_fail(error, ECO_DAMAGED, "chunk %u of list %u, bytes [%llu, +%u): its hash does "
+		return BAD("chunk %u of list %u, bytes [%llu, +%u): its hash does "
 			"not match; restore the pack", chunk, list_of_chunk(scene, chunk),
 			(unsigned long long)c->offset, c->size_bytes);
 	*bytes = pack->map + c->offset;

@@ -55,6 +55,8 @@ static int gate_order(const void *a, const void *b)
 }
 
 #define CUT_KEYS 9
+
+#define BAD(...) eco_fail(error, ECO_DAMAGED, __VA_ARGS__)
 static void cut_keys(const struct eco_cut *cut, uint32_t keys[CUT_KEYS])
 {
 	bool summary = cut->anchor == ECO_NONE;
@@ -99,13 +101,11 @@ static enum eco_code check_head(const struct eco_plan *plan, struct eco_error *e
 {
 	const struct eco_prediction *p = &plan->prediction;
 	if (plan->vertices > ECO_VERTICES_MAX)
-		return eco_fail(error, ECO_DAMAGED, "the plan has %llu vertices",
-			(unsigned long long)plan->vertices);
+		return BAD("the plan has %llu vertices", (unsigned long long)plan->vertices);
 	if (!isfinite(plan->sample_distance) || plan->sample_distance < 0)
-		return eco_fail(error, ECO_DAMAGED, "the plan's sample distance is not a finite number from "
-			"0 on");
+		return BAD("the plan's sample distance is not a finite number from 0 on");
 	if (!isfinite(p->tp) || !isfinite(p->fp) || !isfinite(p->fn))
-		return eco_fail(error, ECO_DAMAGED, "the plan's prediction is not finite");
+		return BAD("the plan's prediction is not finite");
 	if (plan->placement_count > ECO_PLAN_ITEMS_MAX || plan->run_count > ECO_PLAN_ITEMS_MAX ||
 		plan->gate_count > ECO_PLAN_ITEMS_MAX || plan->cut_count > ECO_PLAN_ITEMS_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "the plan has %u placements, %u runs, %u gates, %u "
@@ -120,11 +120,9 @@ static enum eco_code check_placements(const struct eco_plan *plan, struct eco_er
 		const struct eco_placement *p = &plan->placements[i];
 		for (int axis = 0; axis < 3; axis++)
 			if (!within(p->at[axis], -1e12, 1e12))
-				return eco_fail(error, ECO_DAMAGED,
-					"placement %u of the plan lies beyond 1e12 m", i);
+				return BAD("placement %u of the plan lies beyond 1e12 m", i);
 		if (!within(p->scale, 0, 1e12) || p->scale == 0)
-			return eco_fail(error, ECO_DAMAGED, "placement %u of the plan has a scale outside "
-				"(0, 1e12]", i);
+			return BAD("placement %u of the plan has a scale outside (0, 1e12]", i);
 	}
 	return ECO_OK;
 }
@@ -134,18 +132,16 @@ static enum eco_code check_runs(const struct eco_plan *plan, struct eco_error *e
 	for (uint32_t i = 0; i < plan->run_count; i++) {
 		const struct eco_run *run = &plan->runs[i], *before = i ? run - 1 : NULL;
 		if (run->placement >= plan->placement_count)
-			return eco_fail(error, ECO_DAMAGED, "run %u of the plan lies in placement %u of %u",
+			return BAD("run %u of the plan lies in placement %u of %u",
 				i, run->placement, plan->placement_count);
 		if (run->list_first >= run->list_end)
-			return eco_fail(error, ECO_DAMAGED, "run %u of the plan, [%u,%u), is empty", i,
+			return BAD("run %u of the plan, [%u,%u), is empty", i,
 				run->list_first, run->list_end);
 		if (run->left >= ECO_SHARE_ONE)
-			return eco_fail(error, ECO_DAMAGED, "run %u of the plan leaves out all of its plants",
-				i);
+			return BAD("run %u of the plan leaves out all of its plants", i);
 		if (before && (run->placement < before->placement ||
 				(run->placement == before->placement && run->list_first < before->list_end)))
-			return eco_fail(error, ECO_DAMAGED, "run %u of the plan overlaps the run before it "
-				"or is out of order", i);
+			return BAD("run %u of the plan overlaps the run before it or is out of order", i);
 	}
 	return ECO_OK;
 }
@@ -155,10 +151,10 @@ static enum eco_code check_gates(const struct eco_plan *plan, struct eco_error *
 	for (uint32_t i = 0; i < plan->gate_count; i++) {
 		const struct eco_gate *gate = &plan->gates[i];
 		if (gate->end > ECO_GATE_OPEN)
-			return eco_fail(error, ECO_DAMAGED, "gate %u of the plan ends in band %u of %u", i,
+			return BAD("gate %u of the plan ends in band %u of %u", i,
 				gate->end / ECO_SHARE_ONE, ECO_BANDS);
 		if (i && gate->plant <= gate[-1].plant)
-			return eco_fail(error, ECO_DAMAGED, "gate %u of the plan is out of order", i);
+			return BAD("gate %u of the plan is out of order", i);
 	}
 	return ECO_OK;
 }
@@ -167,23 +163,22 @@ static enum eco_code check_cut(const struct eco_plan *plan, uint32_t i, struct e
 {
 	const struct eco_cut *cut = &plan->cuts[i];
 	if (cut->first >= cut->end)
-		return eco_fail(error, ECO_DAMAGED, "cut %u of the plan, [%u,%u), is empty", i, cut->first,
-			cut->end);
+		return BAD("cut %u of the plan, [%u,%u), is empty", i, cut->first, cut->end);
 	if (cut->list == ECO_NONE)
-		return eco_fail(error, ECO_DAMAGED, "cut %u of the plan has no list", i);
+		return BAD("cut %u of the plan has no list", i);
 	if (!within(cut->scale, 0, 1e12) || signbit(cut->scale))
-		return eco_fail(error, ECO_DAMAGED, "cut %u of the plan has a scale outside [0, 1e12]", i);
+		return BAD("cut %u of the plan has a scale outside [0, 1e12]", i);
 	if (cut->anchor == ECO_NONE) {
 		if (cut->placement >= plan->placement_count)
-			return eco_fail(error, ECO_DAMAGED, "cut %u of the plan lies in placement %u of %u",
+			return BAD("cut %u of the plan lies in placement %u of %u",
 				i, cut->placement, plan->placement_count);
 		return ECO_OK;
 	}
 	if (cut->band_first >= cut->band_end || cut->band_end > ECO_BANDS)
-		return eco_fail(error, ECO_DAMAGED, "cut %u of the plan has bands [%u,%u) of %u", i,
+		return BAD("cut %u of the plan has bands [%u,%u) of %u", i,
 			cut->band_first, cut->band_end, ECO_BANDS);
 	if (cut->share_first >= cut->share_end || cut->share_end > ECO_SHARE_ONE)
-		return eco_fail(error, ECO_DAMAGED, "cut %u of the plan has the share [%u,%u) of %u", i,
+		return BAD("cut %u of the plan has the share [%u,%u) of %u", i,
 			cut->share_first, cut->share_end, ECO_SHARE_ONE);
 	return ECO_OK;
 }
@@ -200,8 +195,7 @@ enum eco_code eco_plan_check(const struct eco_plan *plan, struct eco_error *erro
 	for (uint32_t i = 0; !code && i < plan->cut_count; i++) {
 		code = check_cut(plan, i, error);
 		if (!code && i && cut_order(&plan->cuts[i - 1], &plan->cuts[i]) >= 0)
-			code = eco_fail(error, ECO_DAMAGED, "cut %u of the plan repeats the one before it "
-				"or is out of order", i);
+			code = BAD("cut %u of the plan repeats the one before it or is out of order", i);
 	}
 	return code;
 }

@@ -17,6 +17,8 @@
 #define NEEDS_ALL ((uint32_t)(2 * ECO_NEED_PLACEMENTS - 1))
 #define ATTRIBUTES_ALL (2u * ECO_ATTR_SIZE - 1)
 
+#define BAD(...) eco_fail(e, ECO_DAMAGED, __VA_ARGS__)
+
 struct eco_wire_parser {
 	struct eco_wire_events events;
 	void *ctx;
@@ -54,9 +56,9 @@ static bool read_string(struct eco_reader *r, char text[64])
 static enum eco_code whole(const struct eco_reader *r, struct eco_error *e)
 {
 	if (r->failed)
-		return eco_fail(e, ECO_DAMAGED, "its fields end early");
+		return BAD("its fields end early");
 	if (r->at != r->size)
-		return eco_fail(e, ECO_DAMAGED, "%zu bytes follow its last field", r->size - r->at);
+		return BAD("%zu bytes follow its last field", r->size - r->at);
 	return ECO_OK;
 }
 
@@ -64,7 +66,7 @@ static enum eco_code check_list_id(const struct eco_wire_parser *p, uint32_t lis
 	struct eco_error *e)
 {
 	if (list >= p->list_count)
-		return eco_fail(e, ECO_DAMAGED, "%s is list %u of %u", what, list, p->list_count);
+		return BAD("%s is list %u of %u", what, list, p->list_count);
 	return ECO_OK;
 }
 
@@ -89,17 +91,16 @@ static enum eco_code read_scene(struct eco_wire_parser *p, struct eco_reader *r,
 	if (whole(r, e) != ECO_OK)
 		return ECO_DAMAGED;
 	if (!named)
-		return eco_fail(e, ECO_DAMAGED, "the scene's name is too long or not UTF-8");
+		return BAD("the scene's name is too long or not UTF-8");
 	if (!isfinite(scene.near_m) || scene.near_m <= 0)
-		return eco_fail(e, ECO_DAMAGED, "the near plane is not a positive number");
+		return BAD("the near plane is not a positive number");
 	if (scene.needs & ~NEEDS_ALL)
 		return eco_fail(e, ECO_UNSUPPORTED, "the scene needs features 0x%x, which this program does "
 			"not know", scene.needs & ~NEEDS_ALL);
 	if ((scene.ground_columns == 0) != (scene.ground_rows == 0) || scene.ground_columns == 1
 			|| scene.ground_rows == 1
 		|| scene.ground_columns > ECO_GROUND_SIDE_MAX || scene.ground_rows > ECO_GROUND_SIDE_MAX)
-		return eco_fail(e, ECO_DAMAGED, "the ground has %u x %u samples", scene.ground_columns,
-			scene.ground_rows);
+		return BAD("the ground has %u x %u samples", scene.ground_columns, scene.ground_rows);
 	memcpy(pack_id.bytes, id, sizeof pack_id.bytes);
 	p->plant_count = scene.plant_count;
 	p->list_count = scene.list_count;
@@ -123,7 +124,7 @@ static enum eco_code read_anchors(struct eco_wire_parser *p, struct eco_reader *
 	for (uint32_t i = 0; i < plant->anchor_count && !code; i++) {
 		eco_anchor_read(r, &anchors[i]);
 		if (!r->failed && !anchor_sound(&anchors[i]))
-			code = eco_fail(e, ECO_DAMAGED, "anchor %u of plant %u is not a sphere", i, id);
+			code = BAD("anchor %u of plant %u is not a sphere", i, id);
 	}
 	if (!code)
 		code = whole(r, e);
@@ -144,16 +145,15 @@ static enum eco_code read_plant(struct eco_wire_parser *p, struct eco_reader *r,
 	if (r->failed)
 		return whole(r, e);
 	if (id >= p->plant_count)
-		return eco_fail(e, ECO_DAMAGED, "it describes plant %u of %u", id, p->plant_count);
+		return BAD("it describes plant %u of %u", id, p->plant_count);
 	if (!named)
-		return eco_fail(e, ECO_DAMAGED, "the name of plant %u is too long or not UTF-8", id);
+		return BAD("the name of plant %u is too long or not UTF-8", id);
 	if (!isfinite(plant.height_m) || plant.height_m < 0)
-		return eco_fail(e, ECO_DAMAGED, "the height of plant %u is not a finite number from 0 on",
-			id);
+		return BAD("the height of plant %u is not a finite number from 0 on", id);
 	/* an anchor takes at least four floats: allocate no more than can be there */
 	if (plant.anchor_count == 0 || plant.anchor_count > (r->size - r->at) / 16 ||
 		plant.anchor_first > ECO_NONE - plant.anchor_count)
-		return eco_fail(e, ECO_DAMAGED, "plant %u has %u anchors from %u, in %zu bytes", id,
+		return BAD("plant %u has %u anchors from %u, in %zu bytes", id,
 			plant.anchor_count, plant.anchor_first, r->size - r->at);
 	return read_anchors(p, r, id, &plant, e);
 }
@@ -174,11 +174,11 @@ static enum eco_code check_form(uint32_t id, const struct eco_list *list, struct
 	bool triangles = list->kind == ECO_LIST_TRIANGLES, drawn = triangles || list->kind == ECO_LIST_LINES
 		|| list->kind == ECO_LIST_POINTS;
 	if (list->partner == ECO_NONE || list->partner == id)
-		return eco_fail(e, ECO_DAMAGED, "list %u holds forms of the elements of list %#x, which is "
+		return BAD("list %u holds forms of the elements of list %#x, which is "
 			"no other list", id, list->partner);
 	if (!drawn || (list->primitive_count != list->element_count &&
 		(!triangles || list->primitive_count != 2 * (uint64_t)list->element_count)))
-		return eco_fail(e, ECO_DAMAGED, "list %u: %u forms of kind %u cannot have %u primitives", id,
+		return BAD("list %u: %u forms of kind %u cannot have %u primitives", id,
 			list->element_count, list->kind, list->primitive_count);
 	return ECO_OK;
 }
@@ -198,29 +198,25 @@ static enum eco_code check_list(const struct eco_wire_parser *p, uint32_t id, co
 		return eco_fail(e, ECO_UNSUPPORTED, "list %u has attributes 0x%x and level %u, which this "
 			"program does not know", id, list->attributes, list->level);
 	if ((list->kind == ECO_LIST_IMAGE) != (list->coder == ECO_CODER_BYTES))
-		return eco_fail(e, ECO_DAMAGED, "list %u: kind %u cannot have coder %u", id, list->kind,
-			list->coder);
+		return BAD("list %u: kind %u cannot have coder %u", id, list->kind, list->coder);
 	if (!grid_sound(list))
-		return eco_fail(e, ECO_DAMAGED, "list %u: its grid or unit area is not finite or negative",
-			id);
+		return BAD("list %u: its grid or unit area is not finite or negative", id);
 	if (list->kind == ECO_LIST_GROUND && !p->ground)
-		return eco_fail(e, ECO_DAMAGED, "list %u is ground, but the scene has none", id);
+		return BAD("list %u is ground, but the scene has none", id);
 	if (list->kind == ECO_LIST_INSTANCES && list->plant >= p->plant_count)
-		return eco_fail(e, ECO_DAMAGED, "list %u plants plant %u of %u", id, list->plant,
-			p->plant_count);
+		return BAD("list %u plants plant %u of %u", id, list->plant, p->plant_count);
 	if ((list->image != ECO_NONE && list->image >= p->list_count)
 			|| (list->partner != ECO_NONE && list->partner >= p->list_count))
-		return eco_fail(e, ECO_DAMAGED, "list %u names image %u and partner %u of %u lists", id,
+		return BAD("list %u names image %u and partner %u of %u lists", id,
 			list->image, list->partner, p->list_count);
 	if (list->coder == ECO_CODER_FORM && check_form(id, list, e) != ECO_OK)
 		return ECO_DAMAGED;
 	if (list->element_count > list->primitive_count && list->kind != ECO_LIST_IMAGE)
-		return eco_fail(e, ECO_DAMAGED, "list %u: %u elements with %u primitives", id,
+		return BAD("list %u: %u elements with %u primitives", id,
 			list->element_count, list->primitive_count);
 	if (list->chunk_count > ECO_HOLDINGS_MAX
 			|| (list->kind != ECO_LIST_IMAGE && list->chunk_count > list->element_count))
-		return eco_fail(e, ECO_DAMAGED, "list %u: %u chunks of %u elements", id, list->chunk_count,
-			list->element_count);
+		return BAD("list %u: %u chunks of %u elements", id, list->chunk_count, list->element_count);
 	return ECO_OK;
 }
 
@@ -237,7 +233,7 @@ static enum eco_code read_list(struct eco_wire_parser *p, struct eco_reader *r, 
 	if (code)
 		return code;
 	if (list.palette_count > (r->size - r->at) / 3)
-		return eco_fail(e, ECO_DAMAGED, "list %u: a palette of %u colours in %zu bytes", id,
+		return BAD("list %u: a palette of %u colours in %zu bytes", id,
 			list.palette_count, r->size - r->at);
 	const uint8_t *palette = eco_read_bytes(r, 3 * (size_t)list.palette_count);
 	code = whole(r, e);
@@ -250,15 +246,13 @@ static enum eco_code check_chunk(const struct eco_wire_parser *p, uint32_t list,
 	const struct eco_chunk *chunk, struct eco_error *e)
 {
 	if (chunk->size_bytes == 0 || chunk->size_bytes > ECO_CHUNK_BYTES_MAX)
-		return eco_fail(e, ECO_DAMAGED, "chunk %u of list %u has %u bytes", ordinal, list,
-			chunk->size_bytes);
+		return BAD("chunk %u of list %u has %u bytes", ordinal, list, chunk->size_bytes);
 	if (chunk->element_count > ECO_CHUNK_ELEMENTS_MAX ||
 		chunk->primitive_count > (ECO_CORNERS_MAX - 2) * (uint64_t)chunk->element_count + 1)
-		return eco_fail(e, ECO_DAMAGED, "chunk %u of list %u has %u elements and %u primitives",
+		return BAD("chunk %u of list %u has %u elements and %u primitives",
 			ordinal, list, chunk->element_count, chunk->primitive_count);
 	if (ordinal >= ECO_HOLDINGS_MAX || (list == p->last_list && ordinal != p->last_ordinal + 1))
-		return eco_fail(e, ECO_DAMAGED, "chunk %u of list %u follows chunk %u", ordinal, list,
-			p->last_ordinal);
+		return BAD("chunk %u of list %u follows chunk %u", ordinal, list, p->last_ordinal);
 	return ECO_OK;
 }
 
@@ -282,8 +276,7 @@ static enum eco_code read_chunk(struct eco_wire_parser *p, struct eco_reader *r,
 	/* the frame's hash covers the way from the server; this hash covers what the server was given */
 	struct eco_chunk_id actual = eco_chunk_hash(payload, chunk.size_bytes);
 	if (memcmp(actual.bytes, chunk.id.bytes, sizeof actual.bytes) != 0)
-		return eco_fail(e, ECO_DAMAGED, "the payload of chunk %u of list %u does not match its id",
-			ordinal, list);
+		return BAD("the payload of chunk %u of list %u does not match its id", ordinal, list);
 	p->last_list = list;
 	p->last_ordinal = ordinal;
 	return p->events.chunk ? p->events.chunk(p->ctx, list, ordinal, &chunk, payload, e) : ECO_OK;
@@ -294,15 +287,15 @@ static enum eco_code check_plan_ids(const struct eco_wire_parser *p, const struc
 {
 	for (uint32_t i = 0; i < plan->run_count; i++)
 		if (plan->runs[i].list_end > p->list_count)
-			return eco_fail(e, ECO_DAMAGED, "run %u of the plan ends at list %u of %u", i,
+			return BAD("run %u of the plan ends at list %u of %u", i,
 				plan->runs[i].list_end, p->list_count);
 	for (uint32_t i = 0; i < plan->gate_count; i++)
 		if (plan->gates[i].plant >= p->plant_count)
-			return eco_fail(e, ECO_DAMAGED, "gate %u of the plan is of plant %u of %u", i,
+			return BAD("gate %u of the plan is of plant %u of %u", i,
 				plan->gates[i].plant, p->plant_count);
 	for (uint32_t i = 0; i < plan->cut_count; i++)
 		if (plan->cuts[i].list >= p->list_count)
-			return eco_fail(e, ECO_DAMAGED, "cut %u of the plan draws list %u of %u", i,
+			return BAD("cut %u of the plan draws list %u of %u", i,
 				plan->cuts[i].list, p->list_count);
 	return ECO_OK;
 }
@@ -330,10 +323,10 @@ static enum eco_code read_end(struct eco_wire_parser *p, struct eco_reader *r, s
 	if (code)
 		return code;
 	if (vertices != p->vertices)
-		return eco_fail(e, ECO_DAMAGED, "it states %llu vertices, the last plan has %llu",
+		return BAD("it states %llu vertices, the last plan has %llu",
 			(unsigned long long)vertices, (unsigned long long)p->vertices);
 	if (bytes != came)
-		return eco_fail(e, ECO_DAMAGED, "it states %llu bytes, %llu came", (unsigned long long)bytes,
+		return BAD("it states %llu bytes, %llu came", (unsigned long long)bytes,
 			(unsigned long long)came);
 	return p->events.end ? p->events.end(p->ctx, vertices, e) : ECO_OK;
 }
@@ -361,14 +354,14 @@ static enum eco_code check_header(struct eco_wire_parser *p, struct eco_error *e
 	uint32_t first = eco_read_u32(&r), type = first & 0xFF, least, most;
 	p->payload_size = eco_read_u32(&r);
 	if (first > 0xFF || !eco_frame_name(type))
-		return eco_fail(e, ECO_DAMAGED, "it is of type 0x%x, which does not exist", first);
+		return BAD("it is of type 0x%x, which does not exist", first);
 	if (!may_follow(type, p->last_type))
-		return eco_fail(e, ECO_DAMAGED, "a %s frame cannot %s%s", eco_frame_name(type),
+		return BAD("a %s frame cannot %s%s", eco_frame_name(type),
 			p->last_type ? "follow a frame of type " :
 			"be the first", p->last_type ? eco_frame_name(p->last_type) : "");
 	eco_frame_limits(type, &least, &most);
 	if (p->payload_size < least || p->payload_size > most)
-		return eco_fail(e, ECO_DAMAGED, "a %s frame of %u bytes: [%u, %u] is possible",
+		return BAD("a %s frame of %u bytes: [%u, %u] is possible",
 			eco_frame_name(type), p->payload_size, least, most);
 	return ECO_OK;
 }
@@ -379,8 +372,7 @@ static enum eco_code read_frame(struct eco_wire_parser *p, const uint8_t *payloa
 	struct eco_reader r = { .bytes = payload, .size = p->payload_size };
 	uint32_t type = p->header[0];
 	if (eco_frame_hash(p->header, p->number, payload, p->payload_size) != eco_read_u64(&header))
-		return eco_fail(e, ECO_DAMAGED, "its hash does not match: it was damaged, or a frame is "
-			"missing before it");
+		return BAD("its hash does not match: it was damaged, or a frame is missing before it");
 	enum eco_code code = readers[type](p, &r, e);
 	if (code)
 		return code;
@@ -415,7 +407,7 @@ static enum eco_code feed_some(struct eco_wire_parser *p, const uint8_t *bytes, 
 	struct eco_error *e)
 {
 	if (p->last_type == ECO_FRAME_END)
-		return eco_fail(e, ECO_DAMAGED, "%zu bytes follow the end of the stream", size);
+		return BAD("%zu bytes follow the end of the stream", size);
 	if (p->header_have < ECO_FRAME_HEADER_BYTES) {
 		size_t missing = ECO_FRAME_HEADER_BYTES - p->header_have;
 		*used = size < missing ? size : missing;

@@ -431,16 +431,9 @@ static enum eco_code check_totals(const struct totals *t, const char *path, uint
 static bool take_memory(struct soup *s, const struct totals *t)
 {
 	struct eco_model *m = s->model;
-	m->position = malloc((t->vertices + 1) * 3 * sizeof *m->position);
-	m->uv = malloc((t->vertices + 1) * 2 * sizeof *m->uv);
-	m->index = malloc((t->triangles + 1) * 3 * sizeof *m->index);
-	m->material = malloc((t->triangles + 1) * sizeof *m->material);
-	m->part = malloc((t->triangles + 1) * sizeof *m->part);
-	m->parts = malloc((t->meshes + 1) * sizeof *m->parts);
 	s->corners = malloc(ECO_POLYGON_CORNERS_MAX * 3 * sizeof *s->corners);
 	s->split = malloc(ECO_POLYGON_CORNERS_MAX * 4 * sizeof *s->split);
-	return m->position && m->uv && m->index && m->material && m->part && m->parts
-		&& s->corners && s->split && eco_tints_start(&s->tints, m);
+	return eco_model_reserve(m, t->vertices, t->triangles, t->meshes) && s->corners && s->split && eco_tints_start(&s->tints, m);
 }
 
 static enum eco_code reserve(struct soup *s, struct eco_model_frame *frame, uint32_t triangles_max,
@@ -526,12 +519,7 @@ static enum eco_code read_scene(struct soup *s, struct eco_model_frame *frame, u
 	}
 	if (!code)
 		walk(s->scene, add_mesh_of, s);
-	if (s->hidden > 0)
-		eco_note(notes, "%llu triangles have materials with alpha below 0.5 (d, Tr, opacity): they "
-			"are left out", (unsigned long long)s->hidden);
-	if (s->averaged > 0)
-		eco_note(notes, "%u textured meshes have vertex colours that differ: each is drawn in their "
-			"mean", s->averaged);
+	eco_note_colors(notes, s->hidden, "d, Tr, opacity", s->averaged);
 	eco_tints_end(&s->tints);
 	free(s->corners);
 	free(s->split);

@@ -354,17 +354,9 @@ static uint32_t triangle_material(struct soup *s, const struct piece *piece, con
 
 static bool take_memory(struct soup *s)
 {
-	struct eco_model *m = s->model;
-	m->position = malloc((s->vertices + 1) * 3 * sizeof *m->position);
-	m->uv = calloc(s->vertices + 1, 2 * sizeof *m->uv);
-	m->index = malloc((s->triangles + 1) * 3 * sizeof *m->index);
-	m->material = malloc((s->triangles + 1) * sizeof *m->material);
-	m->part = malloc((s->triangles + 1) * sizeof *m->part);
-	m->parts =
-		malloc((s->place_count < ECO_MODEL_PARTS_MAX ? s->place_count + 1u : ECO_MODEL_PARTS_MAX)
-		* sizeof *m->parts);
-	return m->position && m->uv && m->index && m->material && m->part && m->parts
-		&& eco_tints_start(&s->tints, m);
+	uint32_t parts = s->place_count < ECO_MODEL_PARTS_MAX ? s->place_count : ECO_MODEL_PARTS_MAX;
+	return eco_model_reserve(s->model, s->vertices, s->triangles, parts)
+		&& eco_tints_start(&s->tints, s->model);
 }
 
 /* NODE, MESH or NODE/MESH: some programs show one, some the other. */
@@ -453,12 +445,7 @@ static void tell(struct soup *s)
 	if (s->counts.faint > 0)
 		eco_note(s->notes, "%llu vertices have colours with alpha below 0.5, which is not applied",
 			(unsigned long long)s->counts.faint);
-	if (s->hidden > 0)
-		eco_note(s->notes, "%llu triangles have materials with alpha below 0.5 (baseColorFactor): "
-			"they are left out", (unsigned long long)s->hidden);
-	if (s->averaged > 0)
-		eco_note(s->notes, "%u textured meshes have vertex colours that differ: each is drawn in "
-			"their mean", s->averaged);
+	eco_note_colors(s->notes, s->hidden, "baseColorFactor", s->averaged);
 }
 
 static enum eco_code prepare(struct soup *s)

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 void eco_note(struct eco_notes *notes, const char *format, ...)
@@ -20,6 +21,27 @@ void eco_note(struct eco_notes *notes, const char *format, ...)
 	notes->used += (size_t)wanted;
 	notes->text[notes->used++] = '\n';
 	notes->text[notes->used] = 0;
+}
+
+void eco_note_colors(struct eco_notes *notes, uint64_t hidden, const char *fields, uint32_t averaged)
+{
+	if (hidden > 0)
+		eco_note(notes, "%llu triangles have materials with alpha below 0.5 (%s): they are left out",
+			(unsigned long long)hidden, fields);
+	if (averaged > 0)
+		eco_note(notes, "%u textured meshes have vertex colours that differ: each is drawn in their "
+			"mean", averaged);
+}
+
+bool eco_model_reserve(struct eco_model *m, uint64_t vertices, uint64_t triangles, uint64_t parts)
+{
+	m->position = malloc((vertices + 1) * 3 * sizeof *m->position);
+	m->uv = calloc(vertices + 1, 2 * sizeof *m->uv);
+	m->index = malloc((triangles + 1) * 3 * sizeof *m->index);
+	m->material = malloc((triangles + 1) * sizeof *m->material);
+	m->part = malloc((triangles + 1) * sizeof *m->part);
+	m->parts = calloc(parts + 1, sizeof *m->parts);
+	return m->position && m->uv && m->index && m->material && m->part && m->parts;
 }
 
 uint8_t eco_srgb_from_linear(double linear)

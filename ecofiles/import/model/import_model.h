@@ -28,6 +28,9 @@ struct eco_notes {
 	size_t used;
 };
 void eco_note(struct eco_notes *notes, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* Triangles hidden because their materials are transparent, as `fields` of the file say; and textured meshes
+ * that got the mean of their vertex colours. Nothing for 0. */
+void eco_note_colors(struct eco_notes *notes, uint64_t hidden, const char *fields, uint32_t averaged);
 
 /* The frame of a file's numbers. Positions are Z up if `up` is known (turned already), else as in the
  * file. */
@@ -58,6 +61,10 @@ enum eco_code eco_model_file_check(const char *path, struct eco_error *error);
 bool eco_model_find_beside(const char *model, const char *name, char *path, size_t size);
 
 /* ---- Readers ---- */
+
+/* Makes a soup's arrays, with a bit to spare: uv is 0, the rest is not set. False: no memory for one, which
+ * is NULL then. */
+bool eco_model_reserve(struct eco_model *model, uint64_t vertices, uint64_t triangles, uint64_t parts);
 
 /* glTF 2.0 and GLB: the scene that a viewer would show, with instances, at rest. Refuses by name required
  * extensions that are not read. */

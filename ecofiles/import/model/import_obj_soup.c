@@ -399,12 +399,7 @@ static bool take_memory(struct maker *m)
 	size_t triangles = (size_t)o->triangles, vertices = o->corners.count, table = 16;
 	while (table < vertices * 2)
 		table *= 2;
-	to->position = malloc((vertices + 1) * 3 * sizeof *to->position);
-	to->uv = malloc((vertices + 1) * 2 * sizeof *to->uv);
-	to->index = malloc((triangles + 1) * 3 * sizeof *to->index);
-	to->material = malloc((triangles + 1) * sizeof *to->material);
-	to->part = malloc((triangles + 1) * sizeof *to->part);
-	to->parts = calloc((size_t)o->parts.count + 1, sizeof *to->parts);
+	bool good = eco_model_reserve(to, vertices, triangles, o->parts.count);
 	m->key = malloc((vertices + 1) * sizeof *m->key);
 	m->transform = malloc((vertices + 1) * sizeof *m->transform);
 	m->table = malloc(table * sizeof *m->table);
@@ -413,19 +408,14 @@ static bool take_memory(struct maker *m)
 	m->split = malloc(ECO_POLYGON_CORNERS_MAX * 4 * sizeof *m->split);
 	if (m->table)
 		memset(m->table, 0xff, table * sizeof *m->table);
-	return to->position && to->uv && to->index && to->material && to->part && to->parts && m->key
+	return good && m->key
 		&& m->transform && m->table && m->corners && m->split && eco_tints_start(&m->tints, to);
 }
 
 static void tell(const struct maker *m)
 {
 	struct eco_notes *notes = m->obj->notes;
-	if (m->hidden > 0)
-		eco_note(notes, "%llu triangles have materials with alpha below 0.5 (d, Tr, opacity): they "
-			"are left out", (unsigned long long)m->hidden);
-	if (m->averaged > 0)
-		eco_note(notes, "%u textured meshes have vertex colours that differ: each is drawn in their "
-			"mean", m->averaged);
+	eco_note_colors(notes, m->hidden, "d, Tr, opacity", m->averaged);
 	if (m->missing_uv > 0)
 		eco_note(notes, "%llu corners name texture coordinates that are not there",
 			(unsigned long long)m->missing_uv);
