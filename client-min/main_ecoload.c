@@ -105,33 +105,23 @@ static json_t *times_json(const struct view_times *times)
 	return o;
 }
 
-static json_t *count_json(uint64_t v)
-{
-	return json_integer((json_int_t)v);
-}
-
 static void print_json(const struct view_load_report *r, const struct options *options)
 {
-	json_t *o = json_object(), *failures = json_object();
-	json_object_set_new(o, "clients", json_integer(options->load.clients));
-	json_object_set_new(o, "seconds", json_real(r->seconds));
-	json_object_set_new(o, "requests", count_json(r->requests));
-	json_object_set_new(o, "requests_per_s", json_real((double)r->requests / r->seconds));
-	json_object_set_new(o, "bytes", count_json(r->bytes));
-	json_object_set_new(o, "bytes_per_s", json_real((double)r->bytes / r->seconds));
-	json_object_set_new(o, "latency_ms", times_json(&r->latency));
-	json_object_set_new(o, "first_byte_ms", times_json(&r->first_byte));
-	json_object_set_new(o, "vertices", count_json(r->vertices));
-	json_object_set_new(o, "chunks", count_json(r->chunks));
-	json_object_set_new(o, "chunks_twice", count_json(r->chunks_twice));
-	json_object_set_new(o, "nothing", count_json(r->nothing));
-	json_object_set_new(o, "vertex_violations", count_json(r->vertex_violations));
-	json_object_set_new(o, "byte_violations", count_json(r->byte_violations));
+	json_t *failures = json_object();
 	for (int i = 0; i < VIEW_LOAD_FAILURES; i++)
-		json_object_set_new(failures, view_load_failure_names[i], count_json(r->failures[i]));
-	json_object_set_new(o, "failures", failures);
-	json_object_set_new(o, "first_failure", r->first_failure[0] ? json_string(r->first_failure)
-		: json_null());
+		json_object_set_new(failures, view_load_failure_names[i],
+			json_integer((json_int_t)r->failures[i]));
+	json_t *o = json_pack("{s:I, s:f, s:I, s:f, s:I, s:f, s:o, s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:o, "
+		"s:s?}",
+		"clients", (json_int_t)options->load.clients, "seconds", r->seconds,
+		"requests", (json_int_t)r->requests, "requests_per_s", (double)r->requests / r->seconds,
+		"bytes", (json_int_t)r->bytes, "bytes_per_s", (double)r->bytes / r->seconds,
+		"latency_ms", times_json(&r->latency), "first_byte_ms", times_json(&r->first_byte),
+		"vertices", (json_int_t)r->vertices, "chunks", (json_int_t)r->chunks,
+		"chunks_twice", (json_int_t)r->chunks_twice, "nothing", (json_int_t)r->nothing,
+		"vertex_violations", (json_int_t)r->vertex_violations,
+		"byte_violations", (json_int_t)r->byte_violations, "failures", failures,
+		"first_failure", r->first_failure[0] ? r->first_failure : NULL);
 	json_dumpf(o, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
 	putchar('\n');
 	json_decref(o);

@@ -191,10 +191,10 @@ static enum eco_code add_outer(struct link *l, const struct lod_tiles *tiles)
 		for (uint32_t c = 0; c < tile->child_count; c++) {
 			const struct link_part *part = node->child_count ? NULL
 				: &l->parts[tiles->order[node->item_first + c]];
-			struct eco_child child = part ? (struct eco_child){ .tile = part->tile_first + part->pack->scene.root,
-				.placed = true,
-				.at = { part->at[0], part->at[1], part->at[2] },
-				.scale = 1 } : (struct eco_child){ .tile = node->child[c], .scale = 1 };
+			struct eco_child child = { .placed = part, .scale = 1,
+				.tile = part ? part->tile_first + part->pack->scene.root : node->child[c] };
+			if (part)
+				memcpy(child.at, part->at, sizeof child.at);
 			if (make_add(m, &m->children, &child, 1, sizeof child))
 				return ECO_NO_MEMORY;
 		}

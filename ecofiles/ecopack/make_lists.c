@@ -35,14 +35,16 @@ enum eco_code make_add(struct make *m, struct make_array *array, const void *rec
 
 static uint32_t moved(const uint32_t *to, uint32_t index) { return index == ECO_NONE ? ECO_NONE : to[index]; }
 
-enum eco_code make_add_plant(struct make *m, uint32_t id, const struct make_tables *from, const uint32_t *lists)
+enum eco_code make_add_plant(struct make *m, uint32_t id, const struct make_tables *from,
+	const uint32_t *lists)
 {
 	struct eco_plant *plant = &m->table[id];
 	uint32_t curve_first = (uint32_t)m->curves.count;
 	plant->anchor_first = (uint32_t)m->anchors.count;
 	plant->ladder_first = (uint32_t)m->ladders.count;
 	plant->ladder_count = from->ladder_count;
-	enum eco_code code = make_add(m, &m->anchors, from->anchors, plant->anchor_count, sizeof *from->anchors);
+	enum eco_code code = make_add(m, &m->anchors, from->anchors, plant->anchor_count,
+		sizeof *from->anchors);
 	if (!code)
 		code = make_add(m, &m->curves, from->curves, from->curve_count, sizeof *from->curves);
 	for (uint32_t i = 0; i < from->ladder_count && !code; i++) {

@@ -161,8 +161,8 @@ static enum eco_code say_rows(struct map *m, const struct eco_positions *reader,
 	struct eco_positions_counts counts;
 	char rows[32], plants[32];
 	eco_positions_counted(reader, &counts);
-	enum eco_code code = say(m, MAP_FILE, counts.rows, "%.80s: %s row%s, %s plant%s", eco_path_last(spec->path),
-		eco_phrase_count(counts.rows, rows), counts.rows == 1 ? "" : "s",
+	enum eco_code code = say(m, MAP_FILE, counts.rows, "%.80s: %s row%s, %s plant%s",
+		eco_path_last(spec->path), eco_phrase_count(counts.rows, rows), counts.rows == 1 ? "" : "s",
 		eco_phrase_count(counts.plants, plants), counts.plants == 1 ? "" : "s");
 	for (int k = 0; k < ECO_SKIP_COUNT && !code; k++) {
 		if (!counts.skipped[k].count)

@@ -92,25 +92,18 @@ static void verify_chunk(struct verify *v, uint32_t list_id, uint32_t ordinal, u
 	struct eco_elements elements = { 0 };
 	const uint8_t *bytes;
 	size_t size;
-	if (eco_pack_payload(v->pack, id, &bytes, &size, &error)) {
-		complain(v, "list %u, chunk %u, offset %" PRIu64 ": %s", list_id, ordinal, chunk->offset,
-			error.text);
-		return;
-	}
-	if (list->coder == ECO_CODER_BYTES) {
-		if (size < 8 || memcmp(bytes, "\x89PNG\r\n\x1a\n", 8) != 0)
-			complain(v, "list %u, chunk %u, offset %" PRIu64 ": is not a PNG file", list_id,
-				ordinal, chunk->offset);
-		return;
-	}
-	if (eco_chunk_decode(list, chunk, ordinal, bytes, size, &elements, &error)) {
-		complain(v, "list %u, chunk %u, offset %" PRIu64 ": %s", list_id, ordinal, chunk->offset,
-			error.text);
-		return;
-	}
-	const char *bad = elements.element_count != chunk->element_count || elements.primitive_count
-		!= chunk->primitive_count
-		? "decodes to other counts than its record says" : bad_values(s, list, &elements);
+	const char *bad = NULL;
+	if (eco_pack_payload(v->pack, id, &bytes, &size, &error))
+		bad = error.text;
+	else if (list->coder == ECO_CODER_BYTES)
+		bad = size < 8 || memcmp(bytes, "\x89PNG\r\n\x1a\n", 8) != 0 ? "is not a PNG file" : NULL;
+	else if (eco_chunk_decode(list, chunk, ordinal, bytes, size, &elements, &error))
+		bad = error.text;
+	else if (elements.element_count != chunk->element_count
+			|| elements.primitive_count != chunk->primitive_count)
+		bad = "decodes to other counts than its record says";
+	else
+		bad = bad_values(s, list, &elements);
 	if (bad)
 		complain(v, "list %u, chunk %u, offset %" PRIu64 ": %s", list_id, ordinal, chunk->offset,
 			bad);

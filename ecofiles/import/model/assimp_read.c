@@ -430,10 +430,10 @@ static enum eco_code check_totals(const struct totals *t, const char *path, uint
 
 static bool take_memory(struct soup *s, const struct totals *t)
 {
-	struct eco_model *m = s->model;
 	s->corners = malloc(ECO_POLYGON_CORNERS_MAX * 3 * sizeof *s->corners);
 	s->split = malloc(ECO_POLYGON_CORNERS_MAX * 4 * sizeof *s->split);
-	return eco_model_reserve(m, t->vertices, t->triangles, t->meshes) && s->corners && s->split && eco_tints_start(&s->tints, m);
+	return eco_model_reserve(s->model, t->vertices, t->triangles, t->meshes) && s->corners && s->split
+		&& eco_tints_start(&s->tints, s->model);
 }
 
 static enum eco_code reserve(struct soup *s, struct eco_model_frame *frame, uint32_t triangles_max,
