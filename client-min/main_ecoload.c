@@ -107,12 +107,12 @@ static json_t *times_json(const struct view_times *times)
 
 static void print_json(const struct view_load_report *r, const struct options *options)
 {
-	json_t *failures = json_object();
+	json_t *failures = json_object(), *first = r->first_failure[0] ? json_string(r->first_failure) : NULL;
 	for (int i = 0; i < VIEW_LOAD_FAILURES; i++)
 		json_object_set_new(failures, view_load_failure_names[i],
 			json_integer((json_int_t)r->failures[i]));
 	json_t *o = json_pack("{s:I, s:f, s:I, s:f, s:I, s:f, s:o, s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:o, "
-		"s:s?}",
+		"s:o}",
 		"clients", (json_int_t)options->load.clients, "seconds", r->seconds,
 		"requests", (json_int_t)r->requests, "requests_per_s", (double)r->requests / r->seconds,
 		"bytes", (json_int_t)r->bytes, "bytes_per_s", (double)r->bytes / r->seconds,
@@ -121,7 +121,7 @@ static void print_json(const struct view_load_report *r, const struct options *o
 		"chunks_twice", (json_int_t)r->chunks_twice, "nothing", (json_int_t)r->nothing,
 		"vertex_violations", (json_int_t)r->vertex_violations,
 		"byte_violations", (json_int_t)r->byte_violations, "failures", failures,
-		"first_failure", r->first_failure[0] ? r->first_failure : NULL);
+		"first_failure", first ? first : json_null());
 	json_dumpf(o, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
 	putchar('\n');
 	json_decref(o);

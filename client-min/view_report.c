@@ -91,16 +91,19 @@ static json_t *number(double v)
 	return isfinite(v) ? json_real(v) : json_null();
 }
 
+/* null also where the text is not UTF-8 */
+static json_t *text_json(const char *text)
+{
+	json_t *value = text ? json_string(text) : NULL;
+	return value ? value : json_null();
+}
+
 static json_t *frame_json(const struct view_frame *f)
 {
-	json_t *o = json_object();
-	json_object_set_new(o, "frame", json_integer(f->frame));
-	json_object_set_new(o, "time_s", number(f->time_s));
-	json_object_set_new(o, "budget_vertices", json_integer((json_int_t)f->budget_vertices));
-	json_object_set_new(o, "vertices", json_integer((json_int_t)f->vertices));
-	json_object_set_new(o, "budget_bytes", f->budget_bytes == ECO_BYTES_UNBOUNDED ? json_null()
-		: json_integer((json_int_t)f->budget_bytes));
-	json_object_set_new(o, "bytes", json_integer((json_int_t)f->bytes));
+	json_t *o = json_pack("{s:I, s:o, s:I, s:I, s:o, s:I}", "frame", (json_int_t)f->frame,
+		"time_s", number(f->time_s), "budget_vertices", (json_int_t)f->budget_vertices,
+		"vertices", (json_int_t)f->vertices, "budget_bytes", f->budget_bytes == ECO_BYTES_UNBOUNDED
+		? json_null() : json_integer((json_int_t)f->budget_bytes), "bytes", (json_int_t)f->bytes);
 	for (size_t i = 0; i < MEASURES; i++)
 		json_object_set_new(o, measures[i].name, number(measure(f, i)));
 	return o;
@@ -108,16 +111,14 @@ static json_t *frame_json(const struct view_frame *f)
 
 static json_t *summary_json(const struct view_report *report)
 {
-	json_t *o = json_object();
 	uint64_t vertices = 0, bytes = 0;
 	for (uint32_t i = 0; i < report->count; i++) {
 		vertices += report->frames[i].vertices;
 		bytes += report->frames[i].bytes;
 	}
-	json_object_set_new(o, "frames", json_integer(report->count));
-	json_object_set_new(o, "mean_vertices",
-		number(report->count ? (double)vertices / report->count : NAN));
-	json_object_set_new(o, "total_bytes", json_integer((json_int_t)bytes));
+	json_t *o = json_pack("{s:I, s:o, s:I}", "frames", (json_int_t)report->count,
+		"mean_vertices", number(report->count ? (double)vertices / report->count : NAN),
+		"total_bytes", (json_int_t)bytes);
 	for (size_t m = 0; m < MEASURES; m++) {
 		double sum = 0;
 		uint32_t n = 0;
@@ -135,24 +136,17 @@ static json_t *summary_json(const struct view_report *report)
 
 static json_t *report_json(const struct view_report *report)
 {
-	json_t *o = json_object(), *frames = json_array();
+	json_t *frames = json_array(), *programs = json_array();
 	for (uint32_t i = 0; i < report->count; i++)
 		json_array_append_new(frames, frame_json(&report->frames[i]));
-	json_t *scene = report->scene ? json_string(report->scene) : NULL;
-	json_object_set_new(o, "scene", scene ? scene : json_null());
-	json_object_set_new(o, "renderer", report->renderer ? json_string(report->renderer) : json_null());
-	json_object_set_new(o, "reference", report->reference ? json_string(report->reference) : json_null());
-	json_object_set_new(o, "width", json_integer(report->width));
-	json_object_set_new(o, "height", json_integer(report->height));
-	json_object_set_new(o, "complete", json_boolean(report->complete));
-	json_t *programs = json_array();
 	for (uint32_t i = 0; i < VIEW_PROGRAM_COUNT; i++)
 		if (report->programs >> i & 1)
 			json_array_append_new(programs, json_string(view_program_names[i]));
-	json_object_set_new(o, "shaders", programs);
-	json_object_set_new(o, "frames", frames);
-	json_object_set_new(o, "summary", summary_json(report));
-	return o;
+	return json_pack("{s:o, s:o, s:o, s:I, s:I, s:b, s:o, s:o, s:o}", "scene", text_json(report->scene),
+		"renderer", text_json(report->renderer), "reference", text_json(report->reference),
+		"width", (json_int_t)report->width, "height", (json_int_t)report->height,
+		"complete", (int)report->complete, "shaders", programs, "frames", frames,
+		"summary", summary_json(report));
 }
 
 enum eco_code view_report_write(const struct view_report *report, const char *dir, struct eco_error *error)
