@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
+#include "ecofiles/ecopack/chart.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/scene/scene.h"
@@ -30,9 +30,8 @@ struct camera {                          /* what the command line says, and the 
 static enum eco_code open_scene(struct camera *c, struct eco_error *error)
 {
 	if (c->o.crs && (c->scene || !c->origin_given))
-		return eco_fail(error, ECO_BAD_USAGE, c->scene ? "--scene and --crs say the same thing; "
-			"take one of them" :
-			"--crs needs --origin X,Y,Z, the point that is 0, 0, 0 in the scene");
+		return eco_fail(error, ECO_BAD_USAGE, c->scene ? "--scene and --crs say the same thing; take one of "
+			"them" : "--crs needs --origin X,Y,Z, the point that is 0, 0, 0 in the scene");
 	if (!c->scene)
 		return ECO_OK;
 	enum eco_code code = eco_sources_load(&c->sources, c->scene, error);
@@ -40,8 +39,7 @@ static enum eco_code open_scene(struct camera *c, struct eco_error *error)
 		return code;
 	const struct eco_source *scene = &c->sources.items[0];
 	struct eco_ground_options ground = { .source = &scene->ground, .scene_crs = scene->crs,
-		.scene_vertical = scene->vertical,
-		.warn = main_note_text };
+		.scene_vertical = scene->vertical, .warn = main_note_text };
 	c->o.has_ground = true;
 	c->o.crs = scene->crs;
 	memcpy(c->o.origin, scene->origin, sizeof ground.origin);
@@ -62,11 +60,11 @@ static void say_repairs(const struct eco_track *track, const struct eco_track_re
 		{ r->stamps_equal, "fixes have the time of the one before: spread evenly" },
 		{ r->untimed ? 0 : r->stamps_missing, "fixes have no time: interpolated by distance" },
 		{ r->heights_missing, "fixes have no height: interpolated" },
-		{ r->jumped, "positions are left out: jumps, or parts that a jump separates from the "
-			"longest" },
-		{ r->retimed, "steps take another time than recorded: short leaps, and minutes without "
-			"motion" },
+		{ r->jumped, "positions are left out: jumps, or parts that a jump separates from the longest" },
+		{ r->retimed, "steps take another time than recorded: short leaps, and minutes without motion" },
 	};
+	for (uint32_t i = 0; i < track->note_count; i++)
+		main_note("%s", track->notes[i]);
 	if (track->skipped)
 		main_note("%" PRIu64 " records have no position, or none that can be: left out (the first: "
 			"number or line %u)", track->skipped, track->skipped_line);
@@ -79,22 +77,21 @@ static void say_repairs(const struct eco_track *track, const struct eco_track_re
 static void say_guesses(const struct camera *c, const struct eco_flight *f, const struct eco_track_report *r)
 {
 	if (f->smooth_s > 0 && isnan(c->o.smooth_s))
-		main_note("smoothed with %.2g s (--smooth S; 0: not at all), which moves no position by "
-			"more than %.2f m", f->smooth_s, f->moved_m);
+		main_note("smoothed with %.2g s (--smooth S; 0: not at all), which moves no position by more than "
+			"%.2f m", f->smooth_s, f->moved_m);
 	if (!f->yaw_recorded && !c->o.look_at_given)
-		main_note("no directions were recorded: the camera looks where it goes, %g degrees above "
-			"level (--pitch DEG, or --look-at X,Y,Z)", f->pitch_deg);
+		main_note("no directions were recorded: the camera looks where it goes, %g degrees above level "
+			"(--pitch DEG, or --look-at X,Y,Z)", f->pitch_deg);
 	else if (!f->pitch_recorded && isnan(c->o.pitch_deg) && !c->o.look_at_given)
-		main_note("only its yaw was recorded: %g degrees of pitch are taken (--pitch DEG)",
-			f->pitch_deg);
+		main_note("only its yaw was recorded: %g degrees of pitch are taken (--pitch DEG)", f->pitch_deg);
 	if (r->untimed && f->count > 1)
 		main_note("no times were recorded: %g m a second are taken (--speed X)", ECO_TRACK_PACE_M_S);
 	if (!r->has_height)
 		main_note("no heights were recorded: the camera is %g m above the ground (--clearance)",
 			c->o.clearance_m);
 	else if (r->height == ECO_HEIGHTS_ABSOLUTE && c->o.crs && !c->o.to_given)
-		main_note("heights are taken as metres above the zero of the scene's heights; another datum "
-			"is not converted (--height rel)");
+		main_note("heights are taken as metres above the zero of the scene's heights; another datum is not "
+			"converted (--height rel)");
 	else if (r->height == ECO_HEIGHTS_RELATIVE && !c->o.to_given)
 		main_note("heights are above take-off, which is %s (--height abs)",
 			c->o.ground ? "on the scene's ground" : "z = 0");
@@ -103,20 +100,19 @@ static void say_guesses(const struct camera *c, const struct eco_flight *f, cons
 static void say_moved(const struct camera *c, const struct eco_flight *flight,
 	const struct eco_flight_moved *moved)
 {
-	double far_m = INFINITY;
+	double far_m = INFINITY, percent = 100.0 / flight->count;
 	for (uint32_t i = 0; i < flight->count; i++)
 		far_m = fmin(far_m, hypot(flight->samples[i].eye[0], flight->samples[i].eye[1]));
 	if (moved->raised)
-		main_note("%.1f %% of the way is less than %g m above the ground, up to %.1f m below that: "
-			"raised (--clearance M)", 100.0 * moved->raised / flight->count, c->o.clearance_m,
-			moved->raised_m);
+		main_note("%.1f %% of the way is less than %g m above the ground, up to %.1f m below that: raised "
+			"(--clearance M)", moved->raised * percent, c->o.clearance_m, moved->raised_m);
 	if (moved->off_ground)
 		main_note("%.0f %% of the way is beyond the border of the scene's ground",
-			100.0 * moved->off_ground / flight->count);
+			moved->off_ground * percent);
 	if ((c->scene || c->o.crs) && far_m > FAR_M)
-		main_note("the track is %.0f km from the scene's origin, so its pictures show nothing of "
-			"it: add --to X,Y,Z to bring its first fix "
-			"there, or --track-crs EPSG:... if its x and y are in a CRS", far_m / 1000);
+		main_note("the track is %.0f km from the scene's origin, so its pictures show nothing of it: add "
+			"--to X,Y,Z to bring its first fix there, or --track-crs EPSG:... if its x and y are in a "
+			"CRS", far_m / 1000);
 }
 
 static void print_summary(const struct camera *c, const struct eco_track *track,
@@ -124,9 +120,9 @@ static void print_summary(const struct camera *c, const struct eco_track *track,
 {
 	double low[3], high[3];
 	eco_flight_box(f, low, high);
-	printf("%s: %" PRIu64 " records, %" PRIu64 " positions kept, %" PRIu64 " repeated, %" PRIu64
-		" jumps, %" PRIu64 " without a usable one\n", c->input, track->records, r->kept, r->repeated,
-		r->jumped, track->skipped);
+	printf("%s: %" PRIu64 " records, %" PRIu64 " positions kept, %" PRIu64 " repeated, %" PRIu64 " jumps, %"
+		PRIu64 " without a usable one\n", c->input, track->records, r->kept, r->repeated, r->jumped,
+		track->skipped);
 	printf("  %.1f s, %.1f m long\n  x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f\n", s->length_s,
 		f->length_m, low[0], high[0], low[1], high[1], low[2], high[2]);
 	printf("%s: %u keyframe%s, %u frame%s at %g a second, within %.3f m and %.2f degrees of the track\n",
@@ -141,35 +137,23 @@ static enum eco_code may_write(const char *path, struct eco_error *error)
 	struct stat status;
 	struct eco_camera *camera = NULL;
 	if (stat(path, &status) != 0)
-		return errno == ENOENT ? ECO_OK
-			: eco_fail(error, ECO_IO, "%.300s: %s", path, strerror(errno));
+		return errno == ENOENT ? ECO_OK : eco_fail(error, ECO_IO, "%.300s: %s", path, strerror(errno));
 	bool replaced = S_ISREG(status.st_mode)
-		&& (status.st_size == 0 || eco_camera_load(&camera, path, NULL) == ECO_OK);
+		&& (!status.st_size || eco_camera_load(&camera, path, NULL) == ECO_OK);
 	eco_camera_free(camera);
-	return replaced ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "%.300s is there and is no camera script; "
-		"it is kept. Take another name", path);
+	return replaced ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "%.300s is there and is no camera script; it is "
+		"kept. Take another name", path);
 }
 
 /* Reads the script as any reader would, before it is written. */
-static enum eco_code write_script(const struct camera *c, const char *text, size_t size, const char *name,
+static enum eco_code write_script(const struct camera *c, uint8_t *text, size_t size, const char *name,
 	struct eco_error *error)
 {
-	char beside[4096];
+	const struct eco_chart_file file = { text, size };
 	struct eco_camera *camera;
-	enum eco_code code = eco_camera_parse(&camera, text, size, name, error);
+	enum eco_code code = eco_camera_parse(&camera, (const char *)text, size, name, error);
 	eco_camera_free(camera);
-	if (code)
-		return code;
-	if (snprintf(beside, sizeof beside, "%s.tmp-%ld", c->output, (long)getpid()) >= (int)sizeof beside)
-		return eco_fail(error, ECO_BAD_USAGE, "%.300s: the path is too long", c->output);
-	FILE *file = fopen(beside, "wb");
-	bool good = file && fwrite(text, 1, size, file) == size;
-	good = file && fclose(file) == 0 && good && rename(beside, c->output) == 0;
-	if (good)
-		return ECO_OK;
-	eco_fail(error, ECO_IO, "%.300s: %s", c->output, strerror(errno));
-	unlink(beside);
-	return ECO_IO;
+	return code ? code : eco_chart_write(&file, c->output, error);
 }
 
 static enum eco_code copy_script(const struct camera *c, struct eco_error *error)
@@ -178,33 +162,26 @@ static enum eco_code copy_script(const struct camera *c, struct eco_error *error
 	uint8_t *text;
 	enum eco_code code = eco_file_read(c->input, SCRIPT_BYTES_MAX, &text, &size, error);
 	if (!code)
-		code = write_script(c, (const char *)text, size, c->input, error);
+		code = write_script(c, text, size, c->input, error);
 	if (!code)
-		main_note("%s is a camera script already: it was checked and copied; nothing else was done "
-			"to it", c->input);
+		main_note("%s is a camera script already: it was checked and copied; nothing else was done to it",
+			c->input);
 	free(text);
 	return code;
 }
 
 /* ---- From the track to the script ---- */
 
-static void lift(struct eco_flight *flight, double by_m)
+static void move_flight(struct camera *c, struct eco_flight *flight, bool local,
+	const struct eco_track_report *r)
 {
-	for (uint32_t i = 0; i < flight->count; i++)
-		flight->samples[i].eye[2] += by_m;
-}
-
-static void move_flight(struct camera *c, struct eco_flight *flight, const struct eco_track *track,
-	bool local, const struct eco_track_report *r)
-{
-	const double *from = track->has_home ? track->home : flight->samples[0].eye;
-	double ground = 0, low[3], high[3];
+	double *eye = flight->samples[0].eye, ground = 0, low[3], high[3];
 	struct eco_flight_moved moved;
 	c->o.from_ground = !r->has_height && c->scene;
 	/* heights above take-off count from the ground there */
 	if (!c->o.to_given && r->height == ECO_HEIGHTS_RELATIVE && c->o.ground
-			&& eco_ground_height(&c->ground, from[0], from[1], &ground))
-		lift(flight, ground);
+			&& eco_ground_height(&c->ground, eye[0], eye[1], &ground))
+		eco_flight_lift(flight, ground);
 	if (local) {
 		c->o.to_given = true;
 		c->o.to[2] = r->height == ECO_HEIGHTS_ABSOLUTE ? 0 : NAN;
@@ -213,39 +190,34 @@ static void move_flight(struct camera *c, struct eco_flight *flight, const struc
 	eco_flight_box(flight, low, high);
 	/* without a scene the ground is unknown: take it as z = 0, and keep the whole track above */
 	if (local && !c->scene)
-		lift(flight, fmax(0, c->o.clearance_m - low[2]));
+		eco_flight_lift(flight, fmax(0, c->o.clearance_m - low[2]));
 	if (local)
-		main_note("nothing says where the scene is (--scene SCENE.json, or --crs and --origin, or "
-			"--to X,Y,Z): the first fix is the origin of "
-			"the script's metres, x east, y north, and the lowest eye is at least %g m above z "
-			"= 0 (--clearance)", c->o.clearance_m);
+		main_note("nothing says where the scene is (--scene SCENE.json, or --crs and --origin, or --to "
+			"X,Y,Z): the first fix is the origin of the script's metres, x east, y north, and the lowest "
+			"eye is at least %g m above z = 0 (--clearance)", c->o.clearance_m);
 	say_moved(c, flight, &moved);
 }
 
 static enum eco_code convert(struct camera *c, struct eco_track *track, struct eco_error *error)
 {
-	struct eco_track_report report;
+	struct eco_track_report report = { 0 };
 	struct eco_flight flight = { 0 };
 	struct eco_script script = { 0 };
 	bool local = track->degrees && !c->o.crs && !c->o.to_given;
+	main_note("%s: read as %s", c->input, eco_track_format_names[track->format]);
 	enum eco_code code = eco_track_place(track, &c->o, error);
 	if (!code)
 		code = eco_track_clean(track, &c->o, &report, error);
-	main_note("%s: read as %s", c->input, eco_track_format_names[track->format]);
-	for (uint32_t i = 0; i < track->note_count; i++)
-		main_note("%s", track->notes[i]);
+	say_repairs(track, &report);
 	if (!code)
 		code = eco_flight_make(&flight, track, &c->o, error);
 	if (!code) {
-		say_repairs(track, &report);
 		say_guesses(c, &flight, &report);
-		move_flight(c, &flight, track, local, &report);
+		move_flight(c, &flight, local, &report);
 		code = eco_script_fit(&script, &flight, &c->o, error);
 	}
 	if (!code)
-		code = write_script(c, script.text, script.size, c->output, error);
-	if (!code && script.fps < 30 && !(c->o.fps > 0))
-		main_note("%g frames a second, as the track is long (--fps N, --speed X)", script.fps);
+		code = write_script(c, (uint8_t *)script.text, script.size, c->output, error);
 	if (!code && !main_is_quiet)
 		print_summary(c, track, &report, &flight, &script);
 	free(script.text);
@@ -258,7 +230,7 @@ static enum eco_code camera_make(struct camera *c, struct eco_error *error)
 	struct eco_track track = { 0 };
 	enum eco_code code = may_write(c->output, error);
 	if (!code)
-		code = eco_track_read(&track, c->input, &c->o, error);
+		code = eco_track_read(&track, c->input, error);
 	if (!code && track.format == ECO_TRACK_SCRIPT)
 		return copy_script(c, error);
 	if (!code)
@@ -288,16 +260,13 @@ static const char *const heights[] = { "default", "abs", "rel", NULL };
 
 static const struct eco_option options[] = {
 	{ "the recorded track", 0, ECO_OPTION_INPUT, "TRACK", &given.input, .is_required = true },
-	{ "output", 'o', ECO_OPTION_TEXT, "CAMERA.json", &given.output, .is_required = true,
-		.help = "the camera script, which appears complete or not at all and replaces nothing but "
-		"another" },
-	{ "node", 0, ECO_OPTION_TEXT, "NAME", &given.o.node, .help = "the glTF camera, or its node" },
+	{ "output", 'o', ECO_OPTION_TEXT, "CAMERA.json", &given.output, .is_required = true, .help = "the camera "
+		"script, which appears complete or not at all and replaces nothing but another" },
 	{ .help = "Placing" },
 	{ "scene", 0, ECO_OPTION_TEXT, "SCENE.json", &given.scene, .help = "its CRS, origin and ground" },
 	{ "crs", 0, ECO_OPTION_TEXT, "CRS", &given.o.crs, .help = "with --origin, the same without a scene" },
 	{ "origin", 0, ECO_OPTION_NUMBERS, "X,Y,Z", given.o.origin, -1e9, 1e9, .count = 3,
-		.given = &given.origin_given,
-		.help = "the point of --crs that is 0, 0, 0 in the scene" },
+		.given = &given.origin_given, .help = "the point of --crs that is 0, 0, 0 in the scene" },
 	{ "track-crs", 0, ECO_OPTION_TEXT, "CRS", &given.o.track_crs, .help = "of a track in metres" },
 	{ "to", 0, ECO_OPTION_NUMBERS, "X,Y,Z", given.o.to, -1e7, 1e7, .count = 3, .given = &given.o.to_given,
 		.help = "where the first fix goes in the scene, for a track recorded elsewhere" },
@@ -313,17 +282,17 @@ static const struct eco_option options[] = {
 	{ "pitch", 0, ECO_OPTION_NUMBER, "DEG", &given.o.pitch_deg, -90, 90,
 		.help = "up from level, instead of what was recorded" },
 	{ "look-at", 0, ECO_OPTION_NUMBERS, "X,Y,Z", given.o.look_at, -1e9, 1e9, .count = 3,
-		.given = &given.o.look_at_given,
-		.help = "always there" },
+		.given = &given.o.look_at_given, .help = "always there" },
 	{ "fov", 0, ECO_OPTION_NUMBER, "DEG", &given.o.fov_y_deg, 1, 170,
 		.help = "height of the view; what was recorded, else 60" },
 	{ "fps", 0, ECO_OPTION_NUMBER, "N", &given.o.fps, 0.001, 1000,
 		.help = "frames a second; 30, or fewer if the track is long" },
 	{ "speed", 0, ECO_OPTION_NUMBER, "X", &given.o.speed, 1e-4, 1e5, .help = "times as fast" },
 	{ "max-keyframes", 0, ECO_OPTION_COUNT, "N", &given.o.keys_max, 2, 200000,
-		.help = "at most; 8000 if not given" }, { 0 } };
+		.help = "at most; 8000 if not given" },
+	{ 0 } };
 
-const struct main_command main_command_camera = { { "ecopack camera", "TRACK -o CAMERA.json [--scene "
-	"SCENE.json] [--to X,Y,Z] ...",
+const struct main_command main_command_camera = { { "ecopack camera",
+	"TRACK -o CAMERA.json [--scene SCENE.json] [--to X,Y,Z] ...",
 	"Makes a camera script of a recorded track: a drone's SRT, GPX, KML, GeoJSON, CSV, a glTF camera",
 	options, main_common, NULL, NULL }, run_camera };

@@ -65,7 +65,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
 	struct eco_track track;
 	struct eco_error error = { 0 };
-	enum eco_code code = eco_track_parse(&track, bytes, size, "nowhere/track", NULL, &error);
+	enum eco_code code = eco_track_parse(&track, bytes, size, "nowhere/track", &error);
 	assert(code == error.code && (code == ECO_OK || !track.fixes));
 	for (uint32_t i = 0; i < track.count; i++)
 		assert(isfinite(track.fixes[i].at[0]) && isfinite(track.fixes[i].at[1]));

@@ -188,7 +188,7 @@ UNIT_TEST(still_cameras_are_one_keyframe)
 {
 	struct eco_track track = track_of("{\"asset\": {\"version\": \"2.0\"}, \"cameras\": "
 		"[{\"perspective\": {\"yfov\": 0.8}}], \"nodes\": [{\"camera\": 0, "
-		"\"translation\": [5, 7, -6]}]}", "t.gltf", NULL);
+		"\"translation\": [5, 7, -6]}]}", "t.gltf");
 	struct eco_script script;
 	cleaned(&track);
 	struct eco_flight f = flight_of(&track);
@@ -247,7 +247,7 @@ static void compare_with_table(const char *folder, const char *name)
 	uint32_t within = 0, seen = 0;
 	snprintf(path, sizeof path, "%s/%s", folder, name);
 	snprintf(table, sizeof table, "%s/%s.csv", folder, name);
-	if (eco_track_read(&track, path, NULL, &error) || eco_track_read(&wanted, table, NULL, &error) ||
+	if (eco_track_read(&track, path, &error) || eco_track_read(&wanted, table, &error) ||
 		eco_track_place(&track, &track_defaults, &error)
 		|| eco_track_clean(&track, &track_defaults, &report, &error))
 		fail_msg("%s", error.text);

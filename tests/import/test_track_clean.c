@@ -192,9 +192,8 @@ static void heights_are_absolute_relative_or_interpolated(void **state)
 
 static void degrees_become_metres_of_the_scene(void **state)
 {
-	struct eco_track track = track_of("t,lon,lat,alt,yaw\n0,15,50,300,0\n1,15.001,50,301,0\n", "a.csv",
-		NULL), grid = track_of("t,lon,lat,yaw\n0,16.5,50,0\n", "b.csv", NULL),
-		metres = track_of("t,x,y\n0,500010,5538630\n", "c.csv", NULL);
+	struct eco_track track = track_of("t,lon,lat,alt,yaw\n0,15,50,300,0\n1,15.001,50,301,0\n", "a.csv"), grid = track_of("t,lon,lat,yaw\n0,16.5,50,0\n", "b.csv"),
+		metres = track_of("t,x,y\n0,500010,5538630\n", "c.csv");
 	struct eco_track_options utm = { .crs = "EPSG:32633", .origin = { 500000, 5538630, 290 } };
 	struct eco_error error = { 0 };
 	if (eco_track_place(&track, &utm, &error))
@@ -212,7 +211,7 @@ static void degrees_become_metres_of_the_scene(void **state)
 	assert_int_equal(eco_track_place(&metres, &far, &error), ECO_OK);
 	assert_true(near(metres.fixes[0].at[0], 10, 1e-6) && near(metres.fixes[0].at[1], 0, 1e-6));
 	eco_track_free(&grid);
-	grid = track_of("t,lon,lat\n0,16.5,50\n1,16.5,50.001\n", "b.csv", NULL);
+	grid = track_of("t,lon,lat\n0,16.5,50\n1,16.5,50.001\n", "b.csv");
 	assert_int_equal(eco_track_place(&grid, &(struct eco_track_options){ .crs = "EPSG:4326" }, &error),
 		ECO_BAD_INPUT);
 	assert_non_null(strstr(error.text, "not one in metres"));

@@ -11,12 +11,11 @@
 
 #define DEG 57.29577951308232
 
-static inline struct eco_track track_of(const char *text, const char *path,
-	const struct eco_track_options *options)
+static inline struct eco_track track_of(const char *text, const char *path)
 {
 	struct eco_track track;
 	struct eco_error error = { 0 };
-	if (eco_track_parse(&track, (const uint8_t *)text, strlen(text), path, options, &error))
+	if (eco_track_parse(&track, (const uint8_t *)text, strlen(text), path, &error))
 		fail_msg("%s: %s", path, error.text);
 	return track;
 }

@@ -100,6 +100,11 @@ enum eco_code eco_gltf_node_local(const struct eco_gltf *doc, uint32_t node, dou
 /* To the world: the product over its ancestors. Cycles are errors. */
 enum eco_code eco_gltf_node_matrix(struct eco_gltf *doc, uint32_t node, double matrix[16],
 	struct eco_error *error);
+/* The node above it, of which eco_gltf_node_matrix was asked before; ECO_NONE: a root. */
+uint32_t eco_gltf_parent(const struct eco_gltf *doc, uint32_t node);
+/* Places a node anew, for an animation: "translation", "rotation" or "scale" of `count` finite numbers. */
+enum eco_code eco_gltf_place_node(struct eco_gltf *doc, uint32_t node, const char *path, const double *values,
+	uint32_t count, struct eco_error *error);
 /* a * b; out may be either */
 void eco_gltf_multiply(double out[16], const double a[16], const double b[16]);
 /* Translation, rotation (a quaternion, normalized here) and scale as a matrix. */

@@ -1,13 +1,12 @@
 /* Recorded tracks: where a camera, a drone or a walker was, as files of other programs have it, made into a
  * camera script.
  *
- *   eco_track_read(&track, path, &options, &error);              any format -> fixes, as recorded track_*.c,
- *                                                                one a format
- *   eco_track_place(&track, &options, &error);                   degrees -> metres track_place.c
- *   eco_track_clean(&track, &options, &report, &error);          stamps, repeats, jumps, gaps track_clean.c
- *   eco_flight_make(&flight, &track, &options, &error);          even, smooth motion track_flight.c
- *   eco_flight_move(&flight, &options, &moved);                  to where the scene is track_move.c
- *   eco_script_fit(&script, &flight, &options, &error);          CAMERA.json, of few keyframes track_script.c
+ *   eco_track_read(&track, path, &error);                       any format -> fixes, as recorded
+ *   eco_track_place(&track, &options, &error);                  degrees -> metres
+ *   eco_track_clean(&track, &options, &report, &error);         stamps, repeats, jumps, gaps
+ *   eco_flight_make(&flight, &track, &options, &error);         even, smooth motion
+ *   eco_flight_move(&flight, &options, &moved);                 to where the scene is
+ *   eco_script_fit(&script, &flight, &options, &error);         CAMERA.json, of few keyframes
  *
  * A position and its look are recorded at rates of their own (a GPS with 5 fixes a second in a film with 60
  * frames), so they are two series until a flight samples both evenly. Angles are a drone's: yaw clockwise
@@ -21,8 +20,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "ecofiles/import/ground/ground.h"
 #include "ecofiles/base/status.h"
+#include "ecofiles/import/ground/ground.h"
 
 #define ECO_TRACK_BYTES_MAX (1u << 30)
 #define ECO_TRACK_FIXES_MAX (1u << 24)
@@ -36,23 +35,16 @@ enum eco_track_height {
 	ECO_HEIGHTS_ABSOLUTE, ECO_HEIGHTS_RELATIVE
 };
 
-struct eco_track_options {       /* begin with ECO_TRACK_DEFAULTS */
-	const char *node;            /* glTF: name of the camera or its node; NULL: the first */
-	/* where the scene is */
-	/* NULL: metres east and north of the track's middle, or of its own zero if it is in metres */
+struct eco_track_options {       /* begin with ECO_TRACK_DEFAULTS; NaN: not stated */
+	/* where the scene is; NULL: metres from the track's middle, or from its own zero if it is in metres */
 	const char *crs;
 	double origin[3];            /* of the scene, in crs */
-	/* of fixes that are metres; NULL: metres from the origin. Degrees are WGS 84 */
-	const char *track_crs;
+	const char *track_crs;       /* of fixes that are metres; NULL: metres from the origin */
 	int height;                  /* enum eco_track_height */
-	/* motion; NaN: not stated */
-	/* standard deviation of the filter; NaN: by the rounding, rate and speed of the track */
-	double smooth_s;
-	/* replaces what was recorded; NaN: that, else level, or a little down for drones */
-	double pitch_deg;
+	double smooth_s;             /* NaN: by the rounding, rate and speed of the track */
+	double pitch_deg;            /* replaces what was recorded; NaN: that, else level, or a drone's */
 	double fov_y_deg;            /* NaN: as recorded, else 60 */
 	double speed;                /* 0: 1 */
-	/* moving */
 	/* the first eye goes to `to`, whatever `crs` says; z NaN: heights stay */
 	bool to_given;
 	double to[3], turn_deg;      /* counter-clockwise, about the first eye */
@@ -61,9 +53,8 @@ struct eco_track_options {       /* begin with ECO_TRACK_DEFAULTS */
 	const struct eco_ground *ground;     /* NULL: the ground is z = 0 */
 	double clearance_m;
 	bool look_at_given; double look_at[3];
-	/* script; 0: the default */
-	double fps;                  /* 30, or less if that were more than ECO_SCRIPT_FRAMES frames */
-	uint64_t keys_max;           /* 8000 */
+	double fps;                  /* 0: 30, or less if that were more than ECO_SCRIPT_FRAMES frames */
+	uint64_t keys_max;           /* 0: 8000 */
 };
 #define ECO_TRACK_DEFAULTS { .smooth_s = NAN, .pitch_deg = NAN, .fov_y_deg = NAN, .clearance_m = 1.7 }
 
@@ -78,28 +69,28 @@ enum eco_track_format {
 };
 extern const char *const eco_track_format_names[ECO_TRACK_FORMATS];  /* for people */
 
+/* A record: the same numbers by name, and for what treats them alike. time_s: since 1970 where the file has
+ * dates, else since a zero of its own. at: degrees east and north and metres, or metres x, y, z; only at[2]
+ * may be NaN. above_m: above take-off. */
+#define ECO_FIX_NUMBERS 9
 struct eco_fix {
-	/* since 1970 where the file has dates, else since a zero of its own; NaN */
-	double time_s;
-	/* degrees east and north and metres, or metres (x, y, z); NaN only at[2] */
-	double at[3];
-	double above_m;              /* height above take-off; NaN */
-	double yaw_deg, pitch_deg, roll_deg, fov_y_deg;      /* each may be NaN */
+	union {
+		struct { double time_s, at[3], above_m, yaw_deg, pitch_deg, roll_deg, fov_y_deg; };
+		double n[ECO_FIX_NUMBERS];
+	};
 	uint32_t line;               /* of the file, or number of the record, from 1 */
 	bool of_line;                /* GDAL: a vertex of a line, not a point */
 };
 
 struct eco_track {
 	enum eco_track_format format;
+	/* bits, as the bytes come from a child process */
 	unsigned degrees : 1;        /* at[0], at[1] are degrees east and north, WGS 84 */
 	unsigned timed : 1;          /* some fixes have a time */
-	/* looks are exact (poses of a camera), so nothing is smoothed unless asked for */
-	unsigned posed : 1;
-	unsigned has_home : 1;       /* take-off, as at[]; z may be NaN */
-	double home[3];
+	unsigned posed : 1;          /* poses of a camera are exact: nothing is smoothed unless asked for */
 	/* the step in which positions were written (rounding); 0: too small to matter; set by placing */
 	double still_m;
-	struct eco_fix *fixes;       uint32_t count;
+	struct eco_fix *fixes;       uint32_t count, capacity;
 	/* skipped: those without a usable position; the first is in skipped_line */
 	uint64_t records, skipped;
 	uint32_t skipped_line;
@@ -109,12 +100,11 @@ struct eco_track {
 /* Reads a file in a child process with limits (guard.h). A file without a usable fix is an error that says
  * what was found instead. format ECO_TRACK_SCRIPT: nothing else is set. Free with eco_track_free, which takes
  * a zeroed one too. */
-enum eco_code eco_track_read(struct eco_track *track, const char *path,
-	const struct eco_track_options *options, struct eco_error *error);
+enum eco_code eco_track_read(struct eco_track *track, const char *path, struct eco_error *error);
 /* The same from memory, in this process. Files that a glTF names are looked for beside `path`; GDAL opens
  * `path` itself. */
 enum eco_code eco_track_parse(struct eco_track *track, const uint8_t *bytes, size_t size, const char *path,
-	const struct eco_track_options *options, struct eco_error *error);
+	struct eco_error *error);
 void eco_track_free(struct eco_track *track);
 
 /* A sentence for the user, of a struct eco_track; beyond ECO_TRACK_NOTES_MAX the last says that there are
@@ -147,10 +137,14 @@ enum eco_code eco_track_clean(struct eco_track *track, const struct eco_track_op
 
 /* ---- Even and smooth ---- */
 
-/* look and up: units, at right angles; all of it as numbers, for what treats them alike */
+/* look and up: units, at right angles; again by name and all alike */
 #define ECO_SAMPLE_NUMBERS 10
-struct eco_sample { union { struct { double eye[3], look[3], up[3], fov_y_deg; };
-	double n[ECO_SAMPLE_NUMBERS]; }; };
+struct eco_sample {
+	union {
+		struct { double eye[3], look[3], up[3], fov_y_deg; };
+		double n[ECO_SAMPLE_NUMBERS];
+	};
+};
 
 struct eco_flight {
 	double step_s;               /* sample i is at i * step_s */
@@ -170,6 +164,8 @@ void eco_flight_box(const struct eco_flight *flight, double low[3], double high[
 double eco_distance(const double a[3], const double b[3]);
 double eco_angle_deg(const double a[3], const double b[3]);
 
+void eco_flight_lift(struct eco_flight *flight, double by_m);
+
 struct eco_flight_moved { uint32_t raised; double raised_m; uint32_t off_ground; };
 /* In this order: turned and moved, set on the ground, raised above it, made to look at. */
 void eco_flight_move(struct eco_flight *flight, const struct eco_track_options *options,
@@ -187,7 +183,6 @@ struct eco_script {
 /* Within 0.05 m (less if the scene is small) and 0.5 degrees (1 if looks are made up), if keys_max keyframes
  * suffice. Fails if they do not suffice to tell from which side the camera turns about. */
 enum eco_code eco_script_fit(struct eco_script *script, const struct eco_flight *flight,
-const struct eco_track_options *options,
-	struct eco_error *error);
+	const struct eco_track_options *options, struct eco_error *error);
 
 #endif

@@ -1,8 +1,8 @@
 /* What recorders get wrong, undone in an order in which each step can rely on those before: heights, time
  * stamps, repeated positions, jumps, gaps.
  *
- * The order of the file is trusted above its stamps, as recorders append; only a file that is shorter when
- * sorted by time, way by way, is taken to be unsorted. A position may be repeated because the GPS is slower
+ * The order of the file is trusted above its stamps, as recorders append; only a file most of whose steps run
+ * back, or that runs back often, is taken to be unsorted. A position may be repeated because the GPS is slower
  * than the recording (motion then goes on from first to first), because it was rounded (then the middle of
  * the repeats is nearest to the truth) or because the camera stands (then it is kept at both ends).
  * Positions, heights and looks are told apart: a fix loses only what it does not say. */
@@ -13,7 +13,6 @@
 
 /* from the middle stamp: of another recording, or of a clock that was not set */
 #define FAR_S (30 * 86400.0)
-#define WINDOW_S 1.0                     /* speeds are measured over */
 #define STAND_S 1.5                      /* a repeat that lasts longer may be a stand */
 #define ROUNDED_M 0.5                    /* positions in steps of more are rounded roughly */
 #define STAMPS_AHEAD 5u                  /* stamps that are asked whether one before them is right */
@@ -31,51 +30,11 @@ struct clean {
 	double limit_m_s, limit_m;                   /* a jump is faster and farther */
 };
 
-/* ---- Measures ---- */
-
-double track_distance(const struct eco_fix *a, const struct eco_fix *b)
-{
-	double dz = b->at[2] - a->at[2], flat = hypot(b->at[0] - a->at[0], b->at[1] - a->at[1]);
-	return isnan(dz) ? flat : hypot(flat, dz);
-}
-
-static int by_value(const void *a, const void *b)
-{
-	double x = *(const double *)a, y = *(const double *)b;
-	return (x > y) - (x < y);
-}
-
-double track_quantile(double *values, uint32_t count, double share)
-{
-	if (count)
-		qsort(values, count, sizeof *values, by_value);
-	return count ? values[(uint32_t)(share * (count - 1))] : 0;
-}
-
-uint32_t track_speeds(const struct eco_track *track, double *speeds)
-{
-	const struct eco_fix *f = track->fixes, *last = NULL;
-	uint32_t count = 0, still = 0;
-	double window_s = track->count ? fmin(WINDOW_S, (f[track->count - 1].time_s - f[0].time_s) / 8) : 0;
-	for (uint32_t i = 0; i < track->count; i++) {
-		if (isnan(f[i].at[0]) || (last && !(f[i].time_s - last->time_s >= window_s)))
-			continue;
-		double d = last ? track_distance(last, &f[i]) : 0;
-		if (d > 0)
-			speeds[count++] = d / fmax(f[i].time_s - last->time_s, 1e-9);
-		last = &f[i];
-	}
-	/* a slow drift is no motion either */
-	for (double high = track_quantile(speeds, count, 0.9); still < count && speeds[still] < 0.1 * high; )
-		still++;
-	memmove(speeds, speeds + still, (count - still) * sizeof *speeds);
-	return count - still;
-}
-
 /* ---- Heights ---- */
 
 static enum eco_code choose_heights(struct clean *c, int wanted, struct eco_error *error)
 {
+	struct eco_track_report *r = c->report;
 	uint32_t absolute = 0, relative = 0;
 	double first = 0;
 	for (uint32_t i = c->count; i-- > 0; ) {
@@ -87,14 +46,13 @@ static enum eco_code choose_heights(struct clean *c, int wanted, struct eco_erro
 	if (wanted && !above && !absolute)
 		return eco_fail(error, ECO_BAD_INPUT, "--height: the track has no heights of this kind%s",
 			relative ? ", only above take-off" : "");
-	c->report->has_height = above || absolute;
-	c->report->height = above || wanted == ECO_HEIGHTS_RELATIVE ? ECO_HEIGHTS_RELATIVE
-		: ECO_HEIGHTS_ABSOLUTE;
+	r->has_height = above || absolute;
+	r->height = above || wanted == ECO_HEIGHTS_RELATIVE ? ECO_HEIGHTS_RELATIVE : ECO_HEIGHTS_ABSOLUTE;
+	/* take-off is where it begins */
+	double zero = wanted == ECO_HEIGHTS_RELATIVE ? first : 0;
 	for (uint32_t i = 0; i < c->count; i++) {
-		/* take-off is where it begins */
-		c->f[i].at[2] = above ? c->f[i].above_m
-			: c->f[i].at[2] - (wanted == ECO_HEIGHTS_RELATIVE ? first : 0);
-		c->report->heights_missing += c->report->has_height && isnan(c->f[i].at[2]);
+		c->f[i].at[2] = above ? c->f[i].above_m : c->f[i].at[2] - zero;
+		r->heights_missing += r->has_height && isnan(c->f[i].at[2]);
 	}
 	return ECO_OK;
 }
@@ -182,35 +140,43 @@ static void spread_equal(struct clean *c, double step_s)
 	}
 }
 
-/* The time that the step to fix i takes at the track's own speed. */
-static double guess_s(const struct clean *c, uint32_t i, double s_per_m, double step_s)
+/* Seconds from the first fix to each at the track's own speed, in scratch. */
+static void guess_times(struct clean *c, double step_s)
 {
-	double s = track_distance(&c->f[i - 1], &c->f[i]) * s_per_m;
-	return s_per_m > 0 ? fmin(fmax(s, 0.01 * step_s), 20 * step_s) : step_s;
+	const struct eco_fix *f = c->f;
+	double *guess = c->scratch;
+	uint32_t speeds = 0;
+	for (uint32_t i = 1; i < c->count; i++) {
+		double d = track_distance(&f[i - 1], &f[i]), s = f[i].time_s - f[i - 1].time_s;
+		if (s > 0 && d > 0)
+			guess[speeds++] = s / d;
+	}
+	double s_per_m = track_quantile(guess, speeds, 0.5);
+	guess[0] = 0;
+	for (uint32_t i = 1; i < c->count; i++) {
+		double s = track_distance(&f[i - 1], &f[i]) * s_per_m;
+		guess[i] = guess[i - 1] + (s_per_m > 0 ? fmin(fmax(s, 0.01 * step_s), 20 * step_s) : step_s);
+	}
 }
 
 /* Between two stamps by distance; before the first and behind the last at the track's own speed. */
 static void fill_missing(struct clean *c, double step_s)
 {
 	struct eco_fix *f = c->f;
-	uint32_t speeds = 0, next = 0;
-	for (uint32_t i = 1; i < c->count; i++)
-		if (f[i].time_s > f[i - 1].time_s && track_distance(&f[i - 1], &f[i]) > 0)
-			c->scratch[speeds++] = (f[i].time_s - f[i - 1].time_s) / track_distance(&f[i - 1],
-				&f[i]);
-	double s_per_m = track_quantile(c->scratch, speeds, 0.5);
-	while (isnan(f[next].time_s))
-		next++;
-	for (uint32_t i = next; i-- > 0; )
-		f[i].time_s = f[i + 1].time_s - guess_s(c, i + 1, s_per_m, step_s);
-	for (uint32_t last = next; last < c->count; last = next) {
-		for (next = last + 1; next < c->count && isnan(f[next].time_s); next++)
-			f[next].time_s = f[next - 1].time_s + guess_s(c, next, s_per_m, step_s);
-		double from_s = f[last].time_s, guessed_s = next < c->count ? f[next - 1].time_s
-			+ guess_s(c, next, s_per_m, step_s) - from_s : 0;
-		for (uint32_t k = last + 1; k < next && next < c->count; k++)
-			f[k].time_s = from_s
-				+ (f[k].time_s - from_s) * ((f[next].time_s - from_s) / guessed_s);
+	const double *guess = c->scratch;
+	uint32_t last = ECO_NONE, next = 0;
+	guess_times(c, step_s);
+	for (uint32_t i = 0; i < c->count; i++) {
+		for (next = next > i ? next : i; next < c->count && isnan(f[next].time_s); )
+			next++;
+		if (next == i) {
+			last = i;
+			continue;
+		}
+		uint32_t from = last == ECO_NONE ? next : last;
+		double pace = last == ECO_NONE || next == c->count ? 1
+			: (f[next].time_s - f[last].time_s) / (guess[next] - guess[last]);
+		f[i].time_s = f[from].time_s + (guess[i] - guess[from]) * pace;
 	}
 }
 
@@ -259,8 +225,8 @@ static void merge_repeats(struct clean *c)
 	double long_s = fmax(STAND_S, 4 * track_quantile(c->scratch, runs, 0.5));
 	for (uint32_t i = 0, end; i < c->count; i = end) {
 		end = run_end(c, i);
-		bool stands = c->f[end - 1].time_s - c->f[i].time_s > long_s,
-			rounded = c->track->still_m > ROUNDED_M && !stands;
+		bool stands = c->f[end - 1].time_s - c->f[i].time_s > long_s;
+		bool rounded = c->track->still_m > ROUNDED_M && !stands;
 		uint32_t first = rounded && i > 0 && end < c->count ? i + (end - i) / 2 : i;
 		for (uint32_t k = i; k < end; k++) {
 			struct eco_fix fix = c->f[k];
@@ -285,8 +251,8 @@ static double distance(const struct clean *c, uint32_t a, uint32_t b)
 /* Metres a second from place a to b; rounding is taken off. */
 static double speed(const struct clean *c, uint32_t a, uint32_t b)
 {
-	return fmax(0, distance(c, a, b) - 3 * c->track->still_m) / fmax(c->place[b]->time_s
-		- c->place[a]->time_s, 1e-3);
+	double took_s = fmax(c->place[b]->time_s - c->place[a]->time_s, 1e-3);
+	return fmax(0, distance(c, a, b) - 3 * c->track->still_m) / took_s;
 }
 
 static bool is_far(const struct clean *c, uint32_t a, uint32_t b)
@@ -313,14 +279,15 @@ static void find_limits(struct clean *c)
 static void drop_spikes(struct clean *c)
 {
 	uint32_t kept = 1;
-	for (uint32_t i = 1, back; i < c->places; i++) {
-		for (back = i; back < c->places && back <= i + AHEAD && is_far(c, kept - 1, i); back++) {
-			double seconds = c->place[back]->time_s - c->place[kept - 1]->time_s;
-			if (back > i && distance(c, kept - 1, back) < fmax(1.5 * c->high_m_s * seconds,
-					c->limit_m))
-				break;
+	for (uint32_t i = 1; i < c->places; i++) {
+		const uint32_t last = kept - 1;
+		uint32_t back = i;
+		bool far = is_far(c, last, i), comes = false;
+		while (far && !comes && ++back < c->places && back <= i + AHEAD) {
+			double way_m = 1.5 * c->high_m_s * (c->place[back]->time_s - c->place[last]->time_s);
+			comes = distance(c, last, back) < fmax(way_m, c->limit_m);
 		}
-		for (; back < c->places && back <= i + AHEAD && i < back; i++)
+		for (; comes && i < back; i++)
 			for (int k = 0; k < 3; k++)
 				c->place[i]->at[k] = NAN;
 		c->place[kept++] = c->place[i];
@@ -343,8 +310,9 @@ static struct eco_fix *keep_longest(struct clean *c)
 	uint32_t first = 0, best = 0, count = 0;
 	double length = 0, longest = -1, most_m = fmax(GLIDE_S * c->middle_m_s, 3 * c->limit_m);
 	for (uint32_t i = 1; i <= c->places; i++) {
-		if (i < c->places && !(leaps(c, i) && distance(c, i - 1, i) >= most_m)) {
-			length += distance(c, i - 1, i);
+		double step = i < c->places ? distance(c, i - 1, i) : INFINITY;
+		if (i < c->places && !(step >= most_m && leaps(c, i))) {
+			length += step;
 			continue;
 		}
 		/* what has a place or two is no part */
@@ -358,7 +326,7 @@ static struct eco_fix *keep_longest(struct clean *c)
 		length = 0;
 	}
 	struct eco_fix *end = best + count < c->places ? c->place[best + count] : c->f + c->count;
-	memmove(c->place, c->place + best, count * sizeof *c->place);
+	memmove(c->place, c->place + best, count * sizeof(struct eco_fix *));
 	c->places = count;
 	return end;
 }
@@ -375,7 +343,7 @@ static double takes_s(const struct clean *c, uint32_t i)
 	return took_s > PAUSE_S && d <= 0.05 * c->middle_m_s * took_s ? PAUSE_S : took_s;
 }
 
-/* Times count from 0; looks between two places go along. */
+/* Times count from 0 and ascend; looks between two places go along. */
 static void retime(struct clean *c, const struct eco_fix *end)
 {
 	double now_s = 0;
@@ -384,13 +352,15 @@ static void retime(struct clean *c, const struct eco_fix *end)
 	for (uint32_t i = 0; i < c->places; i++) {
 		bool more = i + 1 < c->places;
 		const struct eco_fix *next = more ? c->place[i + 1] : end;
-		double from_s = c->place[i]->time_s, took_s = more ? next->time_s - from_s : 1,
-			step_s = more ? c->scratch[i] : 1;
+		double from_s = c->place[i]->time_s, took_s = more ? next->time_s - from_s : 1;
+		double step_s = more ? c->scratch[i] : 1;
 		c->report->retimed += step_s != took_s && !c->report->untimed;
 		for (struct eco_fix *fix = c->place[i]; fix < next; fix++)
 			fix->time_s = now_s + (fix->time_s - from_s) * (took_s > 0 ? step_s / took_s : 0);
 		now_s += step_s;
 	}
+	for (struct eco_fix *fix = c->place[0] + 1; fix < end; fix++)
+		fix->time_s = fix->time_s > fix[-1].time_s ? fix->time_s : fix[-1].time_s + 1e-6;
 }
 
 static void drop_jumps(struct clean *c)
@@ -400,14 +370,10 @@ static void drop_jumps(struct clean *c)
 			c->place[c->places++] = &c->f[i];
 	find_limits(c);
 	drop_spikes(c);
-	struct eco_fix *first, *end = keep_longest(c);
+	const struct eco_fix *end = keep_longest(c);
 	retime(c, end);
-	first = c->place[0];
-	c->track->count = (uint32_t)(end - first);
-	memmove(c->f, first, c->track->count * sizeof *first);
-	for (uint32_t i = 1; i < c->track->count; i++)
-		c->f[i].time_s = c->f[i].time_s > c->f[i - 1].time_s ? c->f[i].time_s : c->f[i - 1].time_s
-			+ 1e-6;
+	c->track->count = (uint32_t)(end - c->place[0]);
+	memmove(c->f, c->place[0], c->track->count * sizeof *c->f);
 	c->report->kept = c->places;
 	c->report->jumped = c->report->fixes - c->report->repeated - c->places;
 }
@@ -421,8 +387,8 @@ enum eco_code eco_track_clean(struct eco_track *track, const struct eco_track_op
 		return eco_fail(error, ECO_BAD_INPUT, "the track has no fixes");
 	c.scratch = malloc((track->count + 1) * sizeof *c.scratch);
 	c.place = malloc(track->count * sizeof(struct eco_fix *));
-	enum eco_code code = c.scratch && c.place ? choose_heights(&c, options->height, error) :
-		eco_fail(error, ECO_NO_MEMORY, "no memory for %u fixes", track->count);
+	enum eco_code code = c.scratch && c.place ? choose_heights(&c, options->height, error)
+		: eco_fail(error, ECO_NO_MEMORY, "no memory for %u fixes", track->count);
 	if (!code) {
 		repair_stamps(&c);
 		merge_repeats(&c);

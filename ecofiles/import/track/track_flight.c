@@ -24,33 +24,32 @@
 #define TURN_MOST_DEG 170.0              /* between two samples */
 #define FLIGHT_PITCH_DEG (-15.0)
 
-enum { EYE = 0, LOOK = 3, UP = 6, FOV = 9 };
-
 struct work {
 	struct eco_flight *flight;
 	const struct eco_track *track;
 	const struct eco_track_options *options;
-	struct eco_sample *known;            /* what each fix says, NaN where it says nothing */
 	double *time_s, *value; uint32_t count;      /* of one number, where it is known */
 	double *column, *scratch;            /* one a sample */
-	double *yaw;                         /* of the motion, one a sample */
+	double *angles[3];                   /* yaw, pitch, roll of each sample */
 	double speed_m_s, slow_m_s;          /* median while it moves; and what most of it is faster than */
 };
 
 /* ---- Between fixes ---- */
 
-/* Takes number n wherever it is known: w->time_s, w->value. Returns the median step, 0 if there is none. */
-static double collect(struct work *w, int n)
+/* Takes number n of the fixes wherever it is known: w->time_s, w->value. Rounded heights stay on a step;
+ * between steps they go on. Angles turn the short way. Returns the median step, 0 if there is none. */
+static double collect(struct work *w, enum track_role n)
 {
 	w->count = 0;
-	for (uint32_t i = 0; i < w->track->count; i++)
-		/* rounded heights stay on a step; between steps they go on */
-		if (!isnan(w->known[i].n[n])
-				&& !(n == 2 && !w->track->posed && w->count
-				&& w->known[i].n[n] == w->value[w->count - 1])) {
-			w->time_s[w->count] = w->track->fixes[i].time_s;
-			w->value[w->count++] = w->known[i].n[n];
-		}
+	for (uint32_t i = 0; i < w->track->count; i++) {
+		double value = w->track->fixes[i].n[n], last = w->count ? w->value[w->count - 1] : value;
+		bool stays = n == TRACK_Z && !w->track->posed && w->count && value == last;
+		if (isnan(value) || stays)
+			continue;
+		bool turns = n >= TRACK_YAW && n <= TRACK_ROLL;
+		w->time_s[w->count] = w->track->fixes[i].time_s;
+		w->value[w->count++] = turns ? last + remainder(value - last, 360) : value;
+	}
 	for (uint32_t i = 1; i < w->count; i++)
 		w->scratch[i - 1] = w->time_s[i] - w->time_s[i - 1];
 	return track_quantile(w->scratch, w->count ? w->count - 1 : 0, 0.5);
@@ -73,10 +72,10 @@ static double value_at(const struct work *w, double time_s, uint32_t *at)
 		++*at;
 	if (*at + 1 >= w->count || time_s <= w->time_s[*at])
 		return w->value[*at];
-	double a = w->value[*at], b = w->value[*at + 1], h = w->time_s[*at + 1] - w->time_s[*at],
-		t = (time_s - w->time_s[*at]) / h, r = 1 - t;
-	return a + t * t * (3 - 2 * t) * (b - a)
-		+ h * t * r * (r * slope(w, *at, (b - a) / h) - t * slope(w, *at + 1, (b - a) / h));
+	double a = w->value[*at], rise = w->value[*at + 1] - a, h = w->time_s[*at + 1] - w->time_s[*at];
+	double t = (time_s - w->time_s[*at]) / h, r = 1 - t;
+	return a + t * t * (3 - 2 * t) * rise
+		+ h * t * r * (r * slope(w, *at, rise / h) - t * slope(w, *at + 1, rise / h));
 }
 
 /* ---- Smoothing of evenly spaced values ---- */
@@ -91,8 +90,8 @@ static double mirrored(const double *v, int64_t last, int64_t i)
 static void smooth(const struct work *w, double *v, double sigma_s)
 {
 	int64_t last = (int64_t)w->flight->count - 1;
-	double weight[RADIUS_MAX], sum = 0,
-		sigma = fmin(sigma_s / w->flight->step_s, fmin(SIGMA_MAX, (double)last / SPAN));
+	double weight[RADIUS_MAX], sum = 0;
+	double sigma = fmin(sigma_s / w->flight->step_s, fmin(SIGMA_MAX, (double)last / SPAN));
 	int64_t radius = (int64_t)floor(SPAN * sigma + 1e-9);
 	if (!(sigma > 0.2))
 		return;
@@ -110,22 +109,22 @@ static void smooth(const struct work *w, double *v, double sigma_s)
 	memcpy(v, w->scratch, w->flight->count * sizeof *v);
 }
 
-/* Number n of all samples, of what was collected. */
-static void sample(struct work *w, int n, double sigma_s)
+/* What was collected, at each sample. */
+static void sample(struct work *w, double *column, double sigma_s)
 {
 	uint32_t at = 0;
 	for (uint32_t i = 0; i < w->flight->count; i++)
-		w->column[i] = value_at(w, i * w->flight->step_s, &at);
-	smooth(w, w->column, sigma_s);
-	for (uint32_t i = 0; i < w->flight->count; i++)
-		w->flight->samples[i].n[n] = w->column[i];
+		column[i] = value_at(w, i * w->flight->step_s, &at);
+	smooth(w, column, sigma_s);
 }
 
 /* ---- What the recording is like ---- */
 
-static double default_smoothing(const struct work *w, double step_s)
+static double choose_smoothing(const struct work *w, double step_s)
 {
 	double v = w->slow_m_s, rounding_s = 1.5 * w->track->still_m / v;
+	if (!isnan(w->options->smooth_s))
+		return w->options->smooth_s;
 	if (w->track->posed || !(v > 0))
 		return 0;
 	/* where each fix is off by a part of the way to the next, several are needed to know better */
@@ -134,188 +133,163 @@ static double default_smoothing(const struct work *w, double step_s)
 	return fmin(fmax(0.4 * step_s, fmax(rounding_s, fmin(GPS_NOISE_M / v, 2))), SMOOTH_MOST_S);
 }
 
-/* Fine enough for what is recorded and for the filter, coarse enough to be few. */
-static void choose_samples(struct work *w, double place_s, uint32_t looks)
+/* Fine enough for what is recorded and for the filter, coarse enough to be few; a script has no finer times
+ * than microseconds. */
+static void choose_samples(struct work *w, double step_s, uint32_t looks)
 {
-	double length = w->track->fixes[w->track->count - 1].time_s, step = place_s > 0 ? place_s / 4
-		: length;
+	double length = w->track->fixes[w->track->count - 1].time_s, step = step_s > 0 ? step_s / 4 : length;
 	step = looks ? fmin(step, length / looks) : step;
-	step = fmax(fmax(step, w->flight->smooth_s / 20),
-		fmax(w->track->posed ? STEP_LEAST_S : LOOK_S / 50, length / (SAMPLES_MAX - 1)));
-	/* a script has no finer times */
+	step = fmax(fmax(step, w->flight->smooth_s / 20), fmax(w->track->posed ? STEP_LEAST_S : LOOK_S / 50,
+		length / (SAMPLES_MAX - 1)));
 	bool moves = length >= 1e-6 && step > 0;
 	w->flight->count = moves ? (uint32_t)fmax(ceil(length / step - 1e-9), 1) + 1 : 1;
 	w->flight->step_s = moves ? length / (w->flight->count - 1) : 1;
 }
 
-/* ---- Directions ---- */
-
-static void axes_of(double yaw_deg, double pitch_deg, double roll_deg, struct eco_sample *s)
+/* Returns how many looks were recorded. */
+static uint32_t learn(struct work *w)
 {
-	double sy = sin(yaw_deg / TRACK_DEG), cy = cos(yaw_deg / TRACK_DEG), sp = sin(pitch_deg / TRACK_DEG),
-		cp = cos(pitch_deg / TRACK_DEG), sr = sin(roll_deg / TRACK_DEG),
-		cr = cos(roll_deg / TRACK_DEG);
-	const double right[3] = { cy, -sy, 0 }, level[3] = { -sp * sy, -sp * cy, cp },
-		look[3] = { cp * sy, cp * cy, sp };
-	memcpy(s->look, look, sizeof look);
-	for (int i = 0; i < 3; i++)
-		s->up[i] = cr * level[i] + sr * right[i];
+	const struct eco_track *track = w->track;
+	struct eco_flight *f = w->flight;
+	bool pitch_given = !isnan(w->options->pitch_deg);
+	uint32_t looks = 0;
+	for (uint32_t i = 0; i < track->count; i++) {
+		bool yaw = !isnan(track->fixes[i].yaw_deg), pitch = !isnan(track->fixes[i].pitch_deg);
+		f->yaw_recorded |= yaw;
+		f->pitch_recorded |= pitch && !pitch_given;
+		looks += yaw || pitch;
+	}
+	uint32_t speeds = track_speeds(track, w->scratch);
+	w->speed_m_s = track_quantile(w->scratch, speeds, 0.5);
+	w->slow_m_s = track_quantile(w->scratch, speeds, 0.25);
+	f->pitch_deg = pitch_given ? w->options->pitch_deg
+		: track->format == ECO_TRACK_SRT ? FLIGHT_PITCH_DEG : 0;
+	return looks;
 }
+
+/* ---- Directions ---- */
 
 /* Yaw of the motion at each sample; where it stands, from before to after. */
 static void follow_path(struct work *w)
 {
 	const struct eco_flight *f = w->flight;
-	uint32_t n = f->count, last = n;
-	double sigma_s = fmax(w->track->posed ? 0 : LOOK_S, f->smooth_s),
-		*v[2] = { w->column, w->scratch + n };
+	uint32_t n = f->count, last = ECO_NONE;
+	double sigma_s = fmax(w->track->posed ? 0 : LOOK_S, f->smooth_s), *v[2] = { w->column, w->scratch + n };
 	for (int axis = 0; axis < 2; axis++) {
 		for (uint32_t i = 0; i < n; i++) {
 			uint32_t a = i ? i - 1 : 0, b = i + 1 < n ? i + 1 : i;
-			v[axis][i] = b > a
-				? (f->samples[b].eye[axis] - f->samples[a].eye[axis]) / ((b - a) * f->step_s)
-				: 0;
+			double way = f->samples[b].eye[axis] - f->samples[a].eye[axis];
+			v[axis][i] = b > a ? way / ((b - a) * f->step_s) : 0;
 		}
 		smooth(w, v[axis], sigma_s);
 	}
 	for (uint32_t i = 0; i < n; i++) {
-		bool moves = hypot(v[0][i], v[1][i]) > 0.15 * w->speed_m_s;
-		double before = last < n ? w->yaw[last] : 0, yaw = moves ? atan2(v[0][i], v[1][i]) * TRACK_DEG
-			: before;
-		yaw = last < n ? before + remainder(yaw - before, 360) : yaw;
-		if (!moves && i + 1 < n)
+		if (!(hypot(v[0][i], v[1][i]) > 0.15 * w->speed_m_s))
 			continue;
-		for (uint32_t k = last < n ? last + 1 : 0; k <= i; k++)
-			w->yaw[k] = last < n ? before + (yaw - before) * (k - last) / (i - last) : yaw;
+		double yaw = atan2(v[0][i], v[1][i]) * TRACK_DEG, before = last == ECO_NONE ? yaw : w->angles[0][last];
+		yaw = before + remainder(yaw - before, 360);
+		for (uint32_t k = last + 1; k <= i; k++)
+			w->angles[0][k] = last == ECO_NONE ? yaw : before + (yaw - before) * (k - last) / (i - last);
 		last = i;
 	}
-	smooth(w, w->yaw, sigma_s / 2);
+	for (uint32_t k = last + 1; k < n; k++)
+		w->angles[0][k] = last == ECO_NONE ? 0 : w->angles[0][last];
+	smooth(w, w->angles[0], sigma_s / 2);
 }
 
-/* Recorded looks, what they lack taken from the path and the options; without any, along the path. */
-static void set_looks(struct work *w)
+/* Recorded angles; else yaw along the path, the pitch that was asked for, and level. */
+static void sample_angles(struct work *w)
 {
 	struct eco_flight *f = w->flight;
-	for (uint32_t i = 0; i < w->track->count; i++) {
-		const struct eco_fix *fix = &w->track->fixes[i];
-		double at = fmin(fmax(fix->time_s / f->step_s, 0), f->count - 1),
-			pitch = isnan(w->options->pitch_deg) ? fix->pitch_deg : NAN;
-		uint32_t k = (uint32_t)at, next = k + 1 < f->count ? k + 1 : k;
-		double along = w->yaw[k] + (w->yaw[next] - w->yaw[k]) * (at - k);
-		if (!isnan(fix->yaw_deg) || !isnan(fix->pitch_deg))
-			axes_of(isnan(fix->yaw_deg) ? along : fix->yaw_deg, isnan(pitch) ? f->pitch_deg
-				: pitch, isnan(fix->roll_deg) ? 0 : fix->roll_deg, &w->known[i]);
+	bool exact = w->track->posed && isnan(w->options->smooth_s);
+	follow_path(w);
+	for (int k = 0; k < 3; k++) {
+		double step_s = collect(w, TRACK_YAW + k);
+		if (w->count && (k != 1 || f->pitch_recorded))
+			sample(w, w->angles[k], exact ? 0 : fmin(f->smooth_s, fmax(0.6 * step_s, 0.1)));
+		for (uint32_t i = 0; k == 1 && !f->pitch_recorded && i < f->count; i++)
+			w->angles[k][i] = f->pitch_deg;
 	}
-	double step_s = collect(w, LOOK), sigma_s = w->track->posed && isnan(w->options->smooth_s) ? 0
-		: fmin(f->smooth_s, fmax(0.6 * step_s, 0.1));
-	for (int n = LOOK; w->count && n < FOV; n++) {
-		collect(w, n);
-		sample(w, n, sigma_s);
-	}
-	for (uint32_t i = 0; !w->count && i < f->count; i++)
-		axes_of(w->yaw[i], f->pitch_deg, 0, &f->samples[i]);
 }
 
-static void set_unit(double v[3], const double otherwise[3])
+/* Look and up by the angles. A look that turns about from one sample to the next would cancel halfway in a
+ * script: it passes through a side. */
+static void set_axes(const struct work *w, uint32_t i)
 {
-	double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-	for (int i = 0; i < 3; i++)
-		v[i] = length > 1e-6 ? v[i] / length : otherwise[i];
-}
-
-/* Units at right angles again, after each number was interpolated by itself. A look that turns about from one
- * sample to the next would cancel halfway: it passes through a side. */
-static void straighten(struct eco_sample *s, const struct eco_sample *before)
-{
-	const double *l = before->look, *u = before->up;
-	set_unit(s->look, l);
-	if (eco_angle_deg(s->look, l) > TURN_MOST_DEG)
-		memcpy(s->look,
-			(double[]){ l[1] * u[2] - l[2] * u[1], l[2] * u[0] - l[0] * u[2],
-			l[0] * u[1] - l[1] * u[0] }, sizeof s->look);
-	double dot = s->up[0] * s->look[0] + s->up[1] * s->look[1] + s->up[2] * s->look[2];
-	for (int i = 0; i < 3; i++)
-		s->up[i] -= dot * s->look[i];
-	set_unit(s->up, u);
+	struct eco_sample *s = &w->flight->samples[i];
+	double yaw = w->angles[0][i] / TRACK_DEG, pitch = w->angles[1][i] / TRACK_DEG,
+		roll = w->angles[2][i] / TRACK_DEG;
+	if (i) {
+		struct eco_sample turned = { .look = { cos(pitch) * sin(yaw), cos(pitch) * cos(yaw), sin(pitch) } };
+		yaw -= eco_angle_deg(turned.look, s[-1].look) > TURN_MOST_DEG ? 90 / TRACK_DEG : 0;
+	}
+	double sy = sin(yaw), cy = cos(yaw), sp = sin(pitch), cp = cos(pitch);
+	const double right[3] = { cy, -sy, 0 }, level[3] = { -sp * sy, -sp * cy, cp };
+	const double look[3] = { cp * sy, cp * cy, sp };
+	memcpy(s->look, look, sizeof look);
+	for (int k = 0; k < 3; k++)
+		s->up[k] = cos(roll) * level[k] + sin(roll) * right[k];
 }
 
 /* ---- All of it ---- */
 
-static void make_samples(struct work *w)
+static void sample_eyes(struct work *w)
 {
-	static const struct eco_sample first = { .look = { 0, 1, 0 }, .up = { 0, 0, 1 } };
 	struct eco_flight *f = w->flight;
-	for (int n = EYE; n < LOOK; n++) {
-		double step_s = collect(w, n), sigma_s = f->smooth_s;
+	for (int k = 0; k < 3; k++) {
+		double step_s = collect(w, TRACK_X + k), sigma_s = f->smooth_s;
 		/* rounded heights stay on a step for longer than positions */
-		if (n == 2 && w->count > 2 && !w->track->posed && isnan(w->options->smooth_s))
+		if (k == 2 && w->count > 2 && !w->track->posed && isnan(w->options->smooth_s))
 			sigma_s = fmin(fmax(sigma_s, 0.6 * step_s), SMOOTH_MOST_S);
 		if (w->count)
-			sample(w, n, sigma_s);
-	}
-	follow_path(w);
-	set_looks(w);
-	collect(w, FOV);
-	for (uint32_t i = 0, at = 0; i < f->count; i++) {
-		f->samples[i].fov_y_deg = w->count ? value_at(w, i * f->step_s, &at)
-			: isnan(w->options->fov_y_deg) ? FOV_DEG : w->options->fov_y_deg;
-		straighten(&f->samples[i], i ? &f->samples[i - 1] : &first);
-		f->length_m += i ? eco_distance(f->samples[i].eye, f->samples[i - 1].eye) : 0;
+			sample(w, w->column, sigma_s);
+		for (uint32_t i = 0; w->count && i < f->count; i++)
+			f->samples[i].eye[k] = w->column[i];
 	}
 	for (uint32_t i = 0; i < w->track->count; i++) {
-		uint32_t k = (uint32_t)fmin(w->track->fixes[i].time_s / f->step_s + 0.5, f->count - 1);
-		f->moved_m =
-			fmax(f->moved_m,
-			hypot(w->known[i].eye[0] - f->samples[k].eye[0],
-			w->known[i].eye[1] - f->samples[k].eye[1]));
+		const struct eco_fix *fix = &w->track->fixes[i];
+		uint32_t k = (uint32_t)fmin(fix->time_s / f->step_s + 0.5, f->count - 1);
+		const double *eye = f->samples[k].eye;
+		f->moved_m = fmax(f->moved_m, hypot(fix->at[0] - eye[0], fix->at[1] - eye[1]));
 	}
 }
 
-/* Returns how many looks were recorded. */
-static uint32_t learn(struct work *w)
+static void make_samples(struct work *w)
 {
 	struct eco_flight *f = w->flight;
-	bool pitch_given = !isnan(w->options->pitch_deg);
-	uint32_t looks = 0;
-	for (uint32_t i = 0; i < w->track->count; i++) {
-		const struct eco_fix *fix = &w->track->fixes[i];
-		for (int n = 0; n < ECO_SAMPLE_NUMBERS; n++)
-			w->known[i].n[n] = n < LOOK ? fix->at[n] : NAN;
-		w->known[i].fov_y_deg = isnan(w->options->fov_y_deg) ? fix->fov_y_deg : NAN;
-		f->yaw_recorded |= !isnan(fix->yaw_deg);
-		f->pitch_recorded |= !isnan(fix->pitch_deg) && !pitch_given;
-		looks += !isnan(fix->yaw_deg) || !isnan(fix->pitch_deg);
+	double fov_deg = isnan(w->options->fov_y_deg) ? FOV_DEG : w->options->fov_y_deg;
+	sample_eyes(w);
+	sample_angles(w);
+	collect(w, TRACK_FOV);
+	bool recorded = w->count && isnan(w->options->fov_y_deg);
+	for (uint32_t i = 0, at = 0; i < f->count; i++) {
+		struct eco_sample *s = &f->samples[i];
+		s->fov_y_deg = recorded ? value_at(w, i * f->step_s, &at) : fov_deg;
+		set_axes(w, i);
+		f->length_m += i ? eco_distance(s->eye, s[-1].eye) : 0;
 	}
-	uint32_t speeds = track_speeds(w->track, w->scratch);
-	w->speed_m_s = track_quantile(w->scratch, speeds, 0.5);
-	w->slow_m_s = track_quantile(w->scratch, speeds, 0.25);
-	f->pitch_deg = pitch_given ? w->options->pitch_deg : w->track->format == ECO_TRACK_SRT
-		? FLIGHT_PITCH_DEG : 0;
-	return looks;
 }
 
 enum eco_code eco_flight_make(struct eco_flight *flight, const struct eco_track *track,
 	const struct eco_track_options *options, struct eco_error *error)
 {
 	size_t fixes = track->count, most = SAMPLES_MAX;
-	struct work w = { .flight = flight, .track = track, .options = options,
-		.known = malloc((fixes + 1) * sizeof *w.known) };
-	/* two of fixes; five of samples, of which three, or one of fixes, serve as scratch */
-	double *rows = malloc((2 * fixes + 2 * most + (fixes > 3 * most ? fixes : 3 * most)) * sizeof *rows);
+	struct work w = { .flight = flight, .track = track, .options = options };
+	/* time_s and value of fixes; column and angles of samples; scratch of two of samples or one of fixes */
+	double *rows = calloc(2 * fixes + 4 * most + (fixes > 2 * most ? fixes : 2 * most), sizeof *rows);
 	*flight = (struct eco_flight){ .samples = calloc(most, sizeof *flight->samples) };
-	enum eco_code code = w.known && rows && flight->samples ? ECO_OK
+	enum eco_code code = rows && flight->samples ? ECO_OK
 		: eco_fail(error, ECO_NO_MEMORY, "no memory for %zu fixes", fixes);
 	if (!code) {
 		w.time_s = rows;
 		w.value = rows + fixes;
 		w.column = w.value + fixes;
-		w.yaw = w.column + most;
-		w.scratch = w.yaw + most;
-		memset(w.yaw, 0, most * sizeof *w.yaw);
+		for (int k = 0; k < 3; k++)
+			w.angles[k] = w.column + (k + 1) * most;
+		w.scratch = w.angles[2] + most;
 		uint32_t looks = learn(&w);
-		double step_s = collect(&w, EYE);
-		flight->smooth_s = isnan(options->smooth_s) ? default_smoothing(&w, step_s)
-			: options->smooth_s;
+		double step_s = collect(&w, TRACK_X);
+		flight->smooth_s = choose_smoothing(&w, step_s);
 		choose_samples(&w, step_s, looks);
 		code = w.count ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "the track has no position left");
 	}
@@ -323,7 +297,6 @@ enum eco_code eco_flight_make(struct eco_flight *flight, const struct eco_track 
 		make_samples(&w);
 	else
 		eco_flight_free(flight);
-	free(w.known);
 	free(rows);
 	return code;
 }

@@ -4,29 +4,6 @@
 
 #include "ecofiles/import/track/track_read.h"
 
-double eco_distance(const double a[3], const double b[3])
-{
-	return sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1])
-		+ (b[2] - a[2]) * (b[2] - a[2]));
-}
-
-double eco_angle_deg(const double a[3], const double b[3])
-{
-	double cross[3] = { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
-	return atan2(sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]),
-		a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) * TRACK_DEG;
-}
-
-void eco_flight_box(const struct eco_flight *f, double low[3], double high[3])
-{
-	memcpy(low, f->samples[0].eye, 3 * sizeof *low);
-	memcpy(high, low, 3 * sizeof *high);
-	for (uint32_t i = 0; i < 3 * f->count; i++) {
-		low[i % 3] = fmin(low[i % 3], f->samples[i / 3].eye[i % 3]);
-		high[i % 3] = fmax(high[i % 3], f->samples[i / 3].eye[i % 3]);
-	}
-}
-
 static void turn(double v[2], double sine, double cosine)
 {
 	double x = v[0];
@@ -80,6 +57,12 @@ static void look_at(struct eco_flight *f, const double at[3])
 			s->up[k] = flat > 1e-6 ? ((k == 2) - s->look[2] * s->look[k]) / flat : i
 				? before->up[k] : k == 1;
 	}
+}
+
+void eco_flight_lift(struct eco_flight *flight, double by_m)
+{
+	for (uint32_t i = 0; i < flight->count; i++)
+		flight->samples[i].eye[2] += by_m;
 }
 
 void eco_flight_move(struct eco_flight *flight, const struct eco_track_options *options,

@@ -49,8 +49,7 @@ static bool convert_fix(struct eco_crs *crs, struct eco_fix *fix, bool degrees)
 	if (!convert(crs, fix->at))
 		return false;
 	if (degrees && !isnan(fix->yaw_deg) && convert(crs, north))
-		fix->yaw_deg += atan2(side * (north[0] - fix->at[0]), side * (north[1] - fix->at[1]))
-			* TRACK_DEG;
+		fix->yaw_deg += atan2(side * (north[0] - fix->at[0]), side * (north[1] - fix->at[1])) * TRACK_DEG;
 	return true;
 }
 
@@ -66,10 +65,8 @@ static enum eco_code convert_all(struct eco_crs *crs, struct eco_track *track, c
 		eco_track_note(track, "%u fixes lie where the scene's CRS is not good and are left out",
 			track->count - kept);
 	track->count = kept;
-	track->has_home = track->has_home && convert(crs, track->home);
-	return kept ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "no fix lies where the CRS \"%.100s\" is "
-		"good; --to 0,0,50 moves the track to the "
-		"scene", name);
+	return kept ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "no fix lies where the CRS \"%.100s\" is good; "
+		"--to 0,0,50 moves the track to the scene", name);
 }
 
 enum eco_code eco_track_place(struct eco_track *track, const struct eco_track_options *options,
@@ -78,32 +75,26 @@ enum eco_code eco_track_place(struct eco_track *track, const struct eco_track_op
 	char plane[200];
 	bool own = track->degrees && (options->to_given || !options->crs);
 	struct eco_frame to = { .crs = own ? plane : options->crs };
-	struct eco_crs_request request = { .path = "the track", .stated = track->degrees ? "EPSG:4326"
-		: options->track_crs, .frame = &to,
-		.note = eco_track_note, .ctx = track };
+	struct eco_crs_request request = { .path = "the track", .frame = &to, .note = eco_track_note, .ctx = track,
+		.stated = track->degrees ? "EPSG:4326" : options->track_crs };
 	struct eco_crs *crs = NULL;
 	if (!track->count)
 		return eco_fail(error, ECO_BAD_INPUT, "the track has no fixes");
 	if (!track->degrees && options->track_crs && !options->crs)
-		return eco_fail(error, ECO_BAD_INPUT, "--track-crs says that the track is in %.80s, but no "
-			"CRS of the scene is known: add --scene "
-			"SCENE.json, or --crs and --origin", options->track_crs);
+		return eco_fail(error, ECO_BAD_INPUT, "--track-crs says that the track is in %.80s, but no CRS of the "
+			"scene is known: add --scene SCENE.json, or --crs and --origin", options->track_crs);
 	find_step(track);
 	if (options->crs && !own)
 		memcpy(to.origin, options->origin, sizeof to.origin);
 	const double *middle = track->fixes[track->count / 2].at;
 	snprintf(plane, sizeof plane, "+proj=aeqd +lat_0=%.9f +lon_0=%.9f +datum=WGS84 +units=m +type=crs",
 		middle[1], middle[0]);
-	enum eco_code code = ECO_OK;
-	if (request.stated) {
-		code = eco_crs_open(&crs, &request, error);
-		if (!code)
-			code = convert_all(crs, track, to.crs, error);
-		eco_crs_close(crs);
-	}
+	enum eco_code code = request.stated ? eco_crs_open(&crs, &request, error) : ECO_OK;
+	if (crs)
+		code = convert_all(crs, track, to.crs, error);
+	eco_crs_close(crs);
 	for (uint32_t i = 0; !code && i < track->count; i++)
 		track->fixes[i].at[2] -= to.origin[2];
-	track->home[2] -= to.origin[2];
 	track->degrees &= code != ECO_OK;
 	return code;
 }

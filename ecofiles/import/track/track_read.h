@@ -1,5 +1,5 @@
-/* What the parts of this room share: texts with numbers and dates as people write them, tables, fixes as they
- * come, distances. */
+/* What the parts of this room share: fixes as they come, texts with numbers and dates as people write them,
+ * tables, distances. */
 #ifndef ECO_TRACK_READ_H
 #define ECO_TRACK_READ_H
 
@@ -8,10 +8,11 @@
 #define TRACK_DEG 57.29577951308232
 
 struct track_input {
-	const char *text;            /* ended by 0 beyond size */
+	/* followed by 0; readers of text cut it into lines and fields by writing zeros, and it holds no
+	 * other zeros then */
+	char *text;
 	size_t size;
 	const char *path;            /* for messages; GDAL opens it */
-	const char *node;
 };
 
 typedef enum eco_code track_reader(struct eco_track *track, const struct track_input *in,
@@ -26,35 +27,33 @@ enum eco_code track_add(struct eco_track *track, const struct eco_fix *fix, stru
 
 /* ---- Texts ---- */
 
-struct track_text { const char *text, *end; };   /* not ended by 0 */
-struct track_line { const char *text, *end; uint32_t number; };
-/* The next line, without its end; false after the last. *line is zeroed before the first. */
+struct track_line { char *text, *next; uint32_t number; };
+/* Cuts off the next line; false after the last. *line is zeroed before the first. */
 bool track_next_line(const struct track_input *in, struct track_line *line);
-/* Case does not matter. */
-bool track_is(const char *text, const char *end, const char *word);
-bool track_holds(const char *text, const char *end, const char *word);
 
-/* Each of these moves *text behind what it reads (after spaces), or returns false and leaves it. No locale,
- * no "nan". */
-bool track_number(const char **text, const char *end, double *value);
-/* 2020-04-02T15:19:58.720Z, with +02:00, 2020/04/02 15:19:58, 2017.8.5 14:11:51,393,525; without a zone taken
- * for UTC. Seconds since 1970. */
-bool track_date_time(const char **text, const char *end, double *time_s);
+/* Each of these moves *text behind what it reads (after spaces), or returns false and leaves it. No "nan". */
+bool track_number(const char **text, double *value);
 /* 15:19:58.72 or 15:19:58,720,764 or 9:05; seconds since midnight. */
-bool track_clock(const char **text, const char *end, double *time_s);
+bool track_clock(const char **text, double *time_s);
+/* 2020-04-02T15:19:58.720Z, with +02:00, 2020/04/02 15:19:58, 2017.8.5 14:11:51,393,525; without a zone taken
+ * for UTC. Seconds since 1970; NaN: none of these. */
+double track_date_time(const char *text);
 
 /* ---- Tables: columns by the names that recorders give them ---- */
 
-enum track_role { TRACK_TIME, TRACK_DATE, TRACK_LON, TRACK_LAT, TRACK_X, TRACK_Y, TRACK_UP, TRACK_ABOVE,
-	TRACK_YAW, TRACK_PITCH, TRACK_ROLL, TRACK_FOV, TRACK_ROLES };
+/* The first are the numbers of a fix, in their order. */
+enum track_role { TRACK_TIME, TRACK_X, TRACK_Y, TRACK_Z, TRACK_ABOVE, TRACK_YAW, TRACK_PITCH, TRACK_ROLL,
+	TRACK_FOV, TRACK_LON, TRACK_LAT, TRACK_DATE, TRACK_ROLES };
 struct track_table {
-	int column[TRACK_ROLES];             /* -1: none */
+	uint32_t column[TRACK_ROLES];        /* ECO_NONE: none */
 	double unit[TRACK_ROLES];            /* NaN: not stated */
 	bool degrees;                        /* it has longitudes and latitudes */
 };
+/* The meaning of one name, as drones' logs and spreadsheets have it; TRACK_ROLES: none. */
+enum track_role track_role_of(const char *name);
 /* Which column means what. False if there is no position among them. */
-bool track_find_columns(struct track_table *table, const struct track_text *names, uint32_t count);
-struct eco_fix track_row(const struct track_table *table, const struct track_text *fields, uint32_t count,
+bool track_find_columns(struct track_table *table, const char *const *names, uint32_t count);
+struct eco_fix track_row(const struct track_table *table, const char *const *fields, uint32_t count,
 	uint32_t line);
 
 /* ---- Measures ---- */

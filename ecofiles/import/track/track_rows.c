@@ -8,44 +8,32 @@
 #include "ecofiles/import/places/rows.h"
 #include "ecofiles/import/track/track_read.h"
 
-/* Degrees, as its format or its "crs" says, unless its numbers cannot be such. */
-static bool is_degrees(const struct eco_rows *rows)
-{
-	bool wgs84 = !rows->crs || strstr("EPSG:4326 EPSG:4979 OGC:CRS84", rows->crs) != NULL;
-	return wgs84 && !rows->degrees_doubted;
-}
-
-static const char *field_named(const struct eco_rows *rows, const char *name)
+/* A placemark's height may count from the ground. */
+static bool is_from_ground(const struct eco_rows *rows)
 {
 	for (uint32_t i = 0; i < rows->field_count; i++)
-		if (strcmp(rows->columns[i], name) == 0)
-			return rows->fields[i];
-	return "";
+		if (strcmp(rows->columns[i], "altitudeMode") == 0)
+			return strstr(rows->fields[i], "relativeTo") != NULL;
+	return false;
 }
 
-static struct track_text text_of(const char *text)
+static enum eco_code read_rows(struct eco_track *track, struct eco_rows *rows, struct eco_error *error)
 {
-	return (struct track_text){ text, text + strlen(text) };
-}
-
-static enum eco_code read_rows(struct eco_track *track, const struct track_table *table,
-	struct eco_rows *rows, struct eco_error *error)
-{
-	struct track_text fields[ECO_COLUMNS_MAX];
-	const struct eco_rows_place *place = &rows->place;
+	struct track_table table;
 	bool more = true;
 	enum eco_code code;
+	track_find_columns(&table, (const char *const *)rows->columns, rows->column_count);
 	while (!(code = rows->next(rows, &more, error)) && more) {
-		for (uint32_t i = 0; i < rows->field_count; i++)
-			fields[i] = text_of(rows->fields[i]);
-		struct eco_fix fix = track_row(table, fields, rows->field_count, (uint32_t)rows->line);
-		bool there = place->kind == ECO_PLACE_POINT,
-			from_ground = strstr(field_named(rows, "altitudeMode"), "relativeTo") != NULL;
-		double z = there && !isnan(place->at[2]) ? place->at[2] : fix.at[2];
+		struct eco_fix fix = track_row(&table, rows->fields, rows->field_count, (uint32_t)rows->line);
+		const struct eco_rows_place *place = &rows->place;
+		bool there = place->kind == ECO_PLACE_POINT;
 		fix.at[0] = there ? place->at[0] : NAN;
 		fix.at[1] = there ? place->at[1] : NAN;
-		fix.at[2] = from_ground ? NAN : z;
-		fix.above_m = from_ground ? z : fix.above_m;
+		fix.at[2] = there && !isnan(place->at[2]) ? place->at[2] : fix.at[2];
+		if (is_from_ground(rows)) {
+			fix.above_m = fix.at[2];
+			fix.at[2] = NAN;
+		}
 		fix.of_line = place->what[0] != 0;
 		code = track_add(track, &fix, error);
 		if (code)
@@ -58,21 +46,18 @@ static enum eco_code read_layer(struct eco_track *track, const struct track_inpu
 	struct eco_error *error)
 {
 	struct eco_rows_source source = { .path = in->path, .layer = layer, .vertices = true };
-	struct track_table table;
-	struct track_text names[ECO_COLUMNS_MAX];
 	struct eco_rows *rows;
 	enum eco_code code = eco_rows_open_here(&rows, &source, error);
 	if (code)
 		return code;
-	for (uint32_t i = 0; i < rows->column_count; i++)
-		names[i] = text_of(rows->columns[i]);
-	track_find_columns(&table, names, rows->column_count);
-	track->degrees = is_degrees(rows);
+	/* as its format or its "crs" says, unless its numbers cannot be such */
+	bool wgs84 = !rows->crs || strstr("EPSG:4326 EPSG:4979 OGC:CRS84", rows->crs) != NULL;
+	bool stated = rows->crs && !rows->degrees_doubted;
+	track->degrees = wgs84 && !rows->degrees_doubted;
 	if (!track->degrees)
-		eco_track_note(track, "its coordinates are no degrees: metres from the scene's origin, "
-			"unless --track-crs says a CRS%s%.80s", rows->crs && !rows->degrees_doubted
-			? ", as it does: " : "", rows->crs && !rows->degrees_doubted ? rows->crs : "");
-	code = read_rows(track, &table, rows, error);
+		eco_track_note(track, "its coordinates are no degrees: metres from the scene's origin, unless "
+			"--track-crs says a CRS%s%.80s", stated ? ", as it does: " : "", stated ? rows->crs : "");
+	code = read_rows(track, rows, error);
 	for (uint32_t i = 0; i < rows->note_count; i++)
 		eco_track_note(track, "%s", rows->notes[i]);
 	eco_rows_close(rows);
@@ -100,8 +85,7 @@ static void keep_lines(struct eco_track *track)
 	track->timed = timed[of_line];
 }
 
-/* A file that breaks off, as a recorder whose battery died leaves it, or is damaged, is read until there
- * without a word. */
+/* GDAL reads a file that breaks off, as a recorder whose battery died leaves it, until there without a word. */
 static void check_points(struct eco_track *track, const struct track_input *in, const char *word)
 {
 	uint64_t points = 0;
@@ -112,20 +96,18 @@ static void check_points(struct eco_track *track, const struct track_input *in, 
 			(unsigned long long)track->records, (unsigned long long)points);
 }
 
-/* What has times, of which none arrived. */
+/* No time arrived: refuses what has some, whether it was read or not. */
 static enum eco_code check_times(const struct track_input *in, enum eco_code code, struct eco_error *error)
 {
-	static const struct { const char *word, *says; } times[] =
-		{ { ":FlyTo>", "a tour's cameras (gx:FlyTo)" },
-		{ "when>", "times (<when>, of a gx:Track)" },
+	static const struct { const char *word, *says; } times[] = {
+		{ ":FlyTo>", "a tour's cameras (gx:FlyTo)" }, { "when>", "times (<when>, of a gx:Track)" },
 		{ "\"coordTimes\"", "times (\"coordTimes\", in lists within lists or of another length)" },
 		{ "\"times\"", "times (\"times\")" } };
 	for (size_t i = 0; i < sizeof times / sizeof *times; i++)
 		if (strstr(in->text, times[i].word)) {
 			*error = (struct eco_error){ 0 };
-			return eco_fail(error, ECO_UNSUPPORTED, "%.200s: it has %s, which do not arrive "
-				"through GDAL; convert it to GPX or CSV "
-				"(GPSBabel does)", in->path, times[i].says);
+			return eco_fail(error, ECO_UNSUPPORTED, "%.200s: it has %s, which do not arrive through "
+				"GDAL; convert it to GPX or CSV (GPSBabel does)", in->path, times[i].says);
 		}
 	return code;
 }

@@ -11,7 +11,7 @@
 #define ERROR_M 0.05
 #define KEYS_MAX 8000u
 #define AHEAD_M 10.0                     /* of the target; any number does, as splines are linear */
-enum { EYE = 0, LOOK = 3, UP = 6, FOV = 9 };
+enum { LOOK = 3, UP = 6, FOV = 9 };      /* of a sample's numbers */
 
 struct fit {
 	const struct eco_flight *flight;
@@ -33,8 +33,8 @@ static void errors_at(const struct fit *f, uint32_t i, uint32_t sample, double *
 	double h = f->key[i + 1] - f->key[i], s = (sample - f->key[i]) / h, r = 1 - s, at[ECO_SAMPLE_NUMBERS];
 	double per_a = 1.0 / (f->key[i + 1] - f->key[before]), per_b = 1.0 / (f->key[after] - f->key[i]);
 	for (int n = 0; n < ECO_SAMPLE_NUMBERS; n++) {
-		double slope_a = (b[n] - numbers(f, before)[n]) * per_a,
-			slope_b = (numbers(f, after)[n] - a[n]) * per_b;
+		double slope_a = (b[n] - numbers(f, before)[n]) * per_a;
+		double slope_b = (numbers(f, after)[n] - a[n]) * per_b;
 		at[n] = a[n] + s * s * (3 - 2 * s) * (b[n] - a[n]) + h * s * r * (r * slope_a - s * slope_b);
 	}
 	*m = eco_distance(at, is);
@@ -81,7 +81,9 @@ static bool refine(struct fit *f, double bound, uint32_t keys_max)
 	return added;
 }
 
-static void choose_errors(struct fit *f)
+/* Coarse to fine, so that few keyframes go where they are needed most. False if they do not suffice to turn
+ * about. */
+static bool choose_keys(struct fit *f, uint32_t keys_max)
 {
 	double low[3], high[3], size = 0;
 	eco_flight_box(f->flight, low, high);
@@ -90,17 +92,24 @@ static void choose_errors(struct fit *f)
 	/* a small scene shows finer */
 	f->error_m = size > 0 ? fmin(ERROR_M, size / 1000) : ERROR_M;
 	f->error_deg = f->flight->yaw_recorded ? 0.5 : 1;
+	if (f->flight->count > 1)
+		f->key[f->count++] = f->flight->count - 1;
+	for (double bound = 1024; bound >= 1; bound /= 4)
+		while (f->count > 1 && refine(f, bound, keys_max))
+			;
+	for (uint32_t i = 1; i < f->count; i++)
+		if (eco_angle_deg(numbers(f, i - 1) + LOOK, numbers(f, i) + LOOK) > 175)
+			return false;
+	return true;
 }
 
 /* ---- Script ---- */
 
-static void put_vector(FILE *out, const char *name, const double from[3], double times, const double v[3],
-	double parts)
+static void put_vector(FILE *out, const char *name, const double v[3], double parts)
 {
 	fprintf(out, ", \"%s\": [", name);
 	for (int k = 0; k < 3; k++)
-		fprintf(out, "%s%.15g", k ? ", " : "",
-			round(((from ? from[k] : 0) + times * v[k]) * parts) / parts + 0);
+		fprintf(out, "%s%.15g", k ? ", " : "", round(v[k] * parts) / parts + 0);
 	fputs("]", out);
 }
 
@@ -114,31 +123,17 @@ static enum eco_code write_keys(struct eco_script *script, const struct fit *f, 
 	fprintf(out, "{\"fps\": %.15g, \"keyframes\": [\n", round(script->fps * 1e4) / 1e4);
 	for (uint32_t i = 0; i < f->count; i++) {
 		const double *n = numbers(f, i);
+		const double target[3] = { n[0] + AHEAD_M * n[LOOK], n[1] + AHEAD_M * n[LOOK + 1],
+			n[2] + AHEAD_M * n[LOOK + 2] };
 		fprintf(out, "  {\"time_s\": %.15g", round(f->key[i] * f->flight->step_s * 1e6) / 1e6);
-		put_vector(out, "eye", NULL, 1, n + EYE, fine);
-		put_vector(out, "target", n + EYE, AHEAD_M, n + LOOK, fine);
-		put_vector(out, "up", NULL, 1, n + UP, 1e5);
-		fprintf(out, ", \"fov_y_deg\": %.15g}%s\n", round(n[FOV] * 1e3) / 1e3, i + 1 < f->count ? ","
-			: "");
+		put_vector(out, "eye", n, fine);
+		put_vector(out, "target", target, fine);
+		put_vector(out, "up", n + UP, 1e5);
+		fprintf(out, ", \"fov_y_deg\": %.15g}%s\n", round(n[FOV] * 1e3) / 1e3,
+			i + 1 < f->count ? "," : "");
 	}
 	fputs("]}\n", out);
 	return fclose(out) == 0 ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "out of memory");
-}
-
-/* Coarse to fine, so that few keyframes go where they are needed most. False if they do not suffice to turn
- * about. */
-static bool choose_keys(struct fit *f, uint32_t keys_max)
-{
-	choose_errors(f);
-	if (f->flight->count > 1)
-		f->key[f->count++] = f->flight->count - 1;
-	for (double bound = 1024; bound >= 1; bound /= 4)
-		while (f->count > 1 && refine(f, bound, keys_max))
-			;
-	for (uint32_t i = 1; i < f->count; i++)
-		if (eco_angle_deg(numbers(f, i - 1) + LOOK, numbers(f, i) + LOOK) > 175)
-			return false;
-	return true;
 }
 
 enum eco_code eco_script_fit(struct eco_script *script, const struct eco_flight *flight,

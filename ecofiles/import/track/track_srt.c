@@ -8,190 +8,131 @@
  *   0.0°, 110.4°)
  *   GPS(36.6146,-6.1120,0.0M) BAROMETER:0.3M                                      latitude first
  *
- * So names are found one by one and not line by line. The third number of GPS() is the number of satellites
- * if it is whole, the height if it has decimals or "m", a precision if it has "M". The file is walked twice:
- * first to learn in which order coordinates stand. */
+ * So names are found one by one and not line by line; those of one value are the names of columns, too. The
+ * third number of GPS() is the number of satellites if it is whole, the height if it has decimals or "m"; drones
+ * that write it with "M" mean a precision, and have the latitude first. */
+#include <ctype.h>
+#include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 #include "ecofiles/import/track/track_read.h"
 
-#define VALUES 4
+#define NAME_BYTES 32
 
-struct value { double number; char unit; bool whole; };      /* the letter behind it; 0: none */
-
-struct srt {
-	struct eco_track *track;     /* NULL: only looking */
-	const struct track_input *in;
-	bool latitude_first, big_first, big_second, metre_capital;   /* what was seen */
-	struct eco_fix fix;          /* the record being read, and what it says besides */
-	double home_z, focal_mm, zoom;
-	bool open;
+struct values {
+	double number[3]; int count; /* NaN: "n/a" */
+	char unit;                   /* of the last: what follows it, or '.' for decimals */
 };
 
-static void read_one(const char **text, const char *end, struct value *v)
+struct srt {
+	struct eco_track *track;
+	struct eco_fix fix;          /* the record being read */
+	bool open;                   /* it says something */
+};
+
+static double read_one(const char **text, char *unit)
 {
-	const char *from = *text, *at = from;
-	*v = (struct value){ .number = NAN };
-	if (track_number(&at, end, &v->number)) {
-		v->whole = !memchr(from, '.', (size_t)(at - from));
-		v->unit = at < end && *at && strchr("mMf", *at) ? *at : 0;
-	}
-	*text = at;
+	const char *from = *text;
+	double number = NAN;
+	bool found = track_number(text, &number);
+	bool decimals = found && memchr(from, '.', (size_t)(*text - from));
+	*unit = found && **text && strchr("mM", **text) ? **text : decimals ? '.' : 0;
+	return number;
 }
 
-/* Behind a name: `: 1.5`, `(1, 2, 3)`, ` 1.5m`. Returns how many there are; *text is moved behind them. */
-static int read_values(const char **text, const char *end, struct value v[VALUES])
+/* Behind a name: `: 1.5`, `(1, 2, 3)`, ` 1.5m`. *text is moved behind them. */
+static struct values read_values(const char **text)
 {
-	const char *at = *text;
-	int count = 0;
-	while (at < end && (*at == ' ' || *at == ':'))
-		at++;
-	if (at == end || *at != '(')
-		read_one(&at, end, &v[count++]);
+	struct values v = { .number = { NAN, NAN, NAN } };
+	*text += strspn(*text, " :");
+	if (**text != '(')
+		v.number[v.count++] = read_one(text, &v.unit);
 	else
 		do {
-			at++;
-			read_one(&at, end, &v[count < VALUES ? count++ : VALUES - 1]);
-			while (at < end && *at != ',' && *at != ')')
-				at++;
-		} while (at < end && *at == ',');
-	*text = at;
-	return count;
+			++*text;
+			v.number[v.count++] = read_one(text, &v.unit);
+			*text += strcspn(*text, ",)\r\n");
+		} while (**text == ',' && v.count < 3);
+	return v;
 }
 
-/* Of GPS() and HOME(): also looks in which order they stand. */
-static void set_place(struct srt *s, const struct value *v, int count, double at[2])
+/* What a name and its values say of the record. */
+static void set_values(struct srt *s, const char *name, const struct values *v)
 {
-	if (count < 2)
+	double *n = s->fix.n;
+	enum track_role role = track_role_of(name);
+	if (strcasecmp(name, "gps") == 0 || strcasecmp(name, "rtk") == 0) {
+		bool latitude_first = (v->count == 3 && v->unit == 'M') || fabs(v->number[1]) > 90;
+		n[TRACK_X] = v->number[latitude_first];
+		n[TRACK_Y] = v->number[!latitude_first];
+		if (v->count == 3 && (v->unit == 'm' || v->unit == '.'))
+			n[TRACK_Z] = v->number[2];
+	} else if (strcasecmp(name, "g.pry") == 0) {
+		n[TRACK_PITCH] = v->number[0];
+		n[TRACK_ROLL] = v->number[1];
+		n[TRACK_YAW] = v->number[2];
+	} else if (strcasecmp(name, "h") == 0 || strcasecmp(name, "hb") == 0)
+		n[TRACK_ABOVE] = v->number[0];
+	else if (role == TRACK_LON || role == TRACK_LAT)
+		n[TRACK_X + (role - TRACK_LON)] = v->number[0];
+	else if (role >= TRACK_Z && role < TRACK_LON)
+		n[role] = v->number[0];
+	else
 		return;
-	s->big_first |= fabs(v[0].number) > 90;
-	s->big_second |= fabs(v[1].number) > 90;
-	s->metre_capital |= count > 2 && v[2].unit == 'M';
-	for (int i = 0; i < 2; i++)
-		at[(i == 0) == s->latitude_first] = v[i].number;
+	s->open = true;
 }
 
-static void set_home(struct srt *s, const struct value *v, int count)
+/* A name is letters and underlines, and dots within. */
+static size_t name_length(const char *text)
 {
-	double home[3] = { NAN, NAN, count > 2 && (v[2].unit || !v[2].whole) ? v[2].number : NAN };
-	set_place(s, v, count, home);
-	s->home_z = home[2];
-	if (!s->track || isnan(home[0]) || isnan(home[1]) || (home[0] == 0 && home[1] == 0))
-		return;
-	s->track->has_home = true;
-	memcpy(s->track->home, home, sizeof home);
+	size_t i = 0;
+	while (isalpha((unsigned char)text[i]) || text[i] == '_'
+			|| (i && text[i] == '.' && isalpha((unsigned char)text[i + 1])))
+		i++;
+	return i;
 }
 
-enum name { LATITUDE, LONGITUDE, ALTITUDE, ABOVE, GPS, HOME, GIMBAL, YAW, PITCH, ROLL, FOCAL, ZOOM };
-
-static void set_values(struct srt *s, enum name name, const struct value *v, int count)
+static void read_names(struct srt *s, const char *text)
 {
-	double x = v->number;
-	switch (name) {
-	case LATITUDE: s->fix.at[1] = x; break;
-	case LONGITUDE: s->fix.at[0] = x; break;
-	case ALTITUDE: s->fix.at[2] = x; break;
-	case ABOVE: s->fix.above_m = x; break;
-	case GPS:
-		set_place(s, v, count, s->fix.at);
-		if (count > 2 && v[2].unit != 'M' && (v[2].unit == 'm' || !v[2].whole))
-			s->fix.at[2] = v[2].number;
-		break;
-	case HOME: set_home(s, v, count); break;
-	case GIMBAL:
-		s->fix.pitch_deg = x;
-		s->fix.roll_deg = count > 2 ? v[1].number : NAN;
-		s->fix.yaw_deg = count > 2 ? v[2].number : NAN;
-		break;
-	case YAW: s->fix.yaw_deg = x; break;
-	case PITCH: s->fix.pitch_deg = x; break;
-	case ROLL: s->fix.roll_deg = x; break;
-	/* 240 is 24.0 mm, 24.00 is too */
-	case FOCAL: s->focal_mm = v->whole ? x / 10 : x; break;
-	case ZOOM: s->zoom = v->whole && x >= 1000 ? x / 10000 : x; break;
+	while (*text) {
+		size_t length = name_length(text);
+		char name[NAME_BYTES];
+		if (length && length < NAME_BYTES) {
+			snprintf(name, sizeof name, "%.*s", (int)length, text);
+			const char *behind = text + length;
+			struct values v = read_values(&behind);
+			set_values(s, name, &v);
+		}
+		text += length + !length;
 	}
 }
-
-static bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
-
-static void read_names(struct srt *s, const char *text, const char *end)
-{
-	static const struct { const char *word; enum name name; } names[] =
-		{ { "latitude", LATITUDE }, { "lat", LATITUDE },
-		{ "longitude", LONGITUDE }, { "longtitude", LONGITUDE }, { "lon", LONGITUDE },
-		{ "lng", LONGITUDE }, { "altitude", ALTITUDE },
-		{ "abs_alt", ALTITUDE }, { "rel_alt", ABOVE }, { "barometer", ABOVE }, { "hb", ABOVE },
-		{ "h", ABOVE }, { "gps", GPS }, { "rtk", GPS },
-		{ "home", HOME }, { "g.pry", GIMBAL }, { "gb_yaw", YAW }, { "gb_pitch", PITCH },
-		{ "gb_roll", ROLL },
-		{ "gimbal_yaw", YAW }, { "gimbal_pitch", PITCH }, { "gimbal_roll", ROLL },
-		{ "focal_len", FOCAL }, { "dzoom_ratio", ZOOM } };
-	while (text < end) {
-		const char *from = text;
-		size_t i = 0;
-		while (text < end
-				&& (is_letter(*text)
-				|| (text > from && *text == '.' && text + 1 < end && is_letter(text[1]))))
-			text++;
-		while (i < sizeof names / sizeof *names && !track_is(from, text, names[i].word))
-			i++;
-		if (i < sizeof names / sizeof *names) {
-			struct value v[VALUES];
-			int count = read_values(&text, end, v);
-			s->open = true;
-			set_values(s, names[i].name, v, count);
-		} else
-			text += text == from;
-	}
-}
-
-/* ---- Records ---- */
 
 static enum eco_code close_record(struct srt *s, uint32_t next_line, struct eco_error *error)
 {
-	/* a 35 mm equivalent, of a film 16 : 9 of 36 mm width */
-	double mm = s->focal_mm * (s->zoom > 0 ? s->zoom : 1);
-	struct eco_fix fix = s->fix;
-	bool open = s->open && s->track;
-	fix.at[2] = isnan(fix.at[2]) ? s->home_z + fix.above_m : fix.at[2];
-	fix.fov_y_deg = mm >= 8 && mm <= 3000 ? 2 * atan(36.0 * 9 / 16 / 2 / mm) * TRACK_DEG : NAN;
+	enum eco_code code = s->open ? track_add(s->track, &s->fix, error) : ECO_OK;
 	s->fix = track_fix(next_line);
-	s->home_z = s->focal_mm = s->zoom = NAN;
 	s->open = false;
-	return open ? track_add(s->track, &fix, error) : ECO_OK;
-}
-
-static enum eco_code walk(struct srt *s, struct eco_error *error)
-{
-	struct track_line line = { 0 };
-	enum eco_code code = close_record(s, 1, error);
-	while (!code && track_next_line(s->in, &line)) {
-		const char *at = line.text, *end = line.end;
-		double time_s = NAN;
-		while (end > at && (end[-1] == ' ' || end[-1] == '\t'))
-			end--;
-		bool index = at < end && strspn(at, "0123456789") == (size_t)(end - at);
-		/* 00:00:00,016 --> 00:00:00,033 */
-		if (index || (track_clock(&at, end, &time_s) && track_holds(at, end, "-->"))) {
-			code = close_record(s, line.number, error);
-			s->fix.time_s = time_s;
-			continue;
-		}
-		read_names(s, line.text, end);
-	}
-	return code ? code : close_record(s, 0, error);
+	return code;
 }
 
 enum eco_code track_read_srt(struct eco_track *track, const struct track_input *in, struct eco_error *error)
 {
-	struct srt s = { .in = in };
-	walk(&s, NULL);
-	s.latitude_first = !s.big_first && (s.big_second || s.metre_capital);
-	if (s.latitude_first)
-		eco_track_note(track, "GPS(a, b) is taken for latitude, longitude, %s",
-			s.big_second ? "as b is beyond 90" :
-			"as drones that write heights with a capital M have it");
+	struct srt s = { .track = track, .fix = track_fix(1) };
+	struct track_line line = { 0 };
+	enum eco_code code = ECO_OK;
 	track->degrees = true;
-	s.track = track;
-	return walk(&s, error);
+	while (!code && track_next_line(in, &line)) {
+		const char *at = line.text;
+		double time_s = NAN;
+		size_t digits = strspn(at, "0123456789");
+		bool index = digits && !at[digits + strspn(at + digits, " \t")];
+		/* 00:00:00,016 --> 00:00:00,033 */
+		if (index || (track_clock(&at, &time_s) && strstr(at, "-->"))) {
+			code = close_record(&s, line.number, error);
+			s.fix.time_s = time_s;
+		} else
+			read_names(&s, line.text);
+	}
+	return code ? code : close_record(&s, 0, error);
 }
