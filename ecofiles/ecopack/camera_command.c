@@ -56,8 +56,7 @@ static void say_repairs(const struct eco_track *track, const struct eco_track_re
 	const struct { uint64_t count; const char *says; } lines[] = {
 		{ r->stamps_wrong, "times are years from the others, or run back: interpolated" },
 		{ r->sorted, "file is not in the order of its times: sorted" },
-		{ r->clock_resets, "times the clock was set back: it goes on from there" },
-		{ r->stamps_equal, "fixes have the time of the one before: spread evenly" },
+		{ r->stamps_equal, "fixes have the time of the one before: interpolated by distance" },
 		{ r->untimed ? 0 : r->stamps_missing, "fixes have no time: interpolated by distance" },
 		{ r->heights_missing, "fixes have no height: interpolated" },
 		{ r->jumped, "positions are left out: jumps, or parts that a jump separates from the longest" },

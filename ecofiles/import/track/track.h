@@ -120,18 +120,18 @@ struct eco_track_report {
 	uint64_t fixes;              /* before cleaning; kept + repeated + jumped */
 	uint64_t kept, repeated, jumped;
 	/* repairs of what was kept */
-	uint64_t stamps_missing, stamps_wrong, stamps_equal, clock_resets, heights_missing, retimed;
+	uint64_t stamps_missing, stamps_wrong, stamps_equal, heights_missing, retimed;
 	uint32_t parts;              /* between jumps that do not come back: only the longest is kept */
 	bool sorted, untimed, has_height;
 	enum eco_track_height height;        /* what was taken */
 };
 
-/* In this order: stamps that cannot be (years from the others, before or behind their neighbours) are
- * forgotten, unsorted files are sorted, a clock that was set back goes on, equal stamps are spread, unknown
- * ones interpolated. Repeated positions become one, two where the camera stands. A step much faster than the
- * track's own speeds is a jump: the fixes beyond are dropped if the track comes back within a few; a short
- * one gets time; else the longest part is kept. Gaps of more than a minute without motion become one. at[2]
- * becomes the height asked for. Times then count from 0 and ascend. */
+/* In this order: unsorted files are sorted; stamps that cannot be (years from the others, before, like or
+ * behind their neighbours) are forgotten, and unknown ones interpolated by distance. Repeated positions become
+ * one, two where the camera stands. A step much faster than the track's own speeds is a jump: the fixes beyond
+ * are dropped if the track comes back within a few; a short one gets time; else the longest part is kept. Gaps
+ * of more than a minute without motion become one. at[2] becomes the height asked for. Times then count from
+ * 0 and ascend. */
 enum eco_code eco_track_clean(struct eco_track *track, const struct eco_track_options *options,
 	struct eco_track_report *report, struct eco_error *error);
 

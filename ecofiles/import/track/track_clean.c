@@ -16,6 +16,7 @@
 #define STAND_S 1.5                      /* a repeat that lasts longer may be a stand */
 #define ROUNDED_M 0.5                    /* positions in steps of more are rounded roughly */
 #define STAMPS_AHEAD 5u                  /* stamps that are asked whether one before them is right */
+#define SLOW_MOST 20.0                   /* times slower than usual between stamps; else it stood */
 #define AHEAD 10u                        /* positions within which a track comes back from a jump */
 #define GLIDE_S 20.0                     /* a leap that takes longer at the track's own speed ends a part */
 #define PAUSE_S 60.0                     /* a gap without motion is shortened to it */
@@ -99,57 +100,44 @@ static int by_time(const void *a, const void *b)
 	return s != t ? (s > t) - (s < t) : (x->line > y->line) - (x->line < y->line);
 }
 
-/* The next few stamps say which one is wrong where one runs back: it, if they go on from the one before; the
- * one that ran ahead, if they lie between; else the clock was set back, and goes on. */
-static void order_stamps(struct clean *c, double step_s)
+/* The next few stamps say which one is wrong where one runs back: it, or the one that ran ahead, which they lie
+ * behind. A stamp like the one before is forgotten, too: clocks of whole seconds have several fixes in each. */
+static void forget_unordered(struct clean *c)
 {
-	double last_s = -INFINITY, offset_s = 0;
+	double last_s = -INFINITY;
 	for (uint32_t i = 0; i < c->count; i++) {
-		double t = c->f[i].time_s += offset_s;
+		double t = c->f[i].time_s;
 		uint32_t seen = 0, after_last = 0, after_this = 0;
 		for (uint32_t k = i + 1; k < c->count && seen < STAMPS_AHEAD && !isnan(t); k++) {
 			seen += !isnan(c->f[k].time_s);
-			after_last += c->f[k].time_s + offset_s >= last_s;
-			after_this += c->f[k].time_s + offset_s >= t;
+			after_last += c->f[k].time_s >= last_s;
+			after_this += c->f[k].time_s >= t;
 		}
-		bool back = t < last_s, goes_on = 2 * after_last > seen;
-		if (goes_on && (back || 2 * after_this < seen)) {
-			c->f[i].time_s = NAN;
-			c->report->stamps_wrong++;
-		} else if (back) {
-			offset_s += last_s - t + step_s;
-			c->f[i].time_s = last_s += step_s;
-			c->report->clock_resets++;
-		} else
-			last_s = isnan(t) ? last_s : t;
-	}
-}
-
-/* A clock of whole seconds and several fixes in each: evenly until the next, but after the last of them may
- * come a pause. */
-static void spread_equal(struct clean *c, double step_s)
-{
-	for (uint32_t i = 0, end; i < c->count; i = end) {
-		double t = c->f[i].time_s;
-		for (end = i + 1; end < c->count && c->f[end].time_s == t; )
-			end++;
-		double room_s = end < c->count ? fmin(c->f[end].time_s - t, step_s * (end - i)) : step_s;
-		for (uint32_t k = i + 1; k < end; k++)
-			c->f[k].time_s = t + (isnan(room_s) ? step_s : room_s) * (k - i) / (end - i);
-		c->report->stamps_equal += end - i - 1;
+		bool ahead = 2 * after_last > seen && 2 * after_this < seen;
+		if (!isnan(t) && t > last_s && !ahead) {
+			last_s = t;
+			continue;
+		}
+		c->report->stamps_equal += t == last_s;
+		c->report->stamps_wrong += !isnan(t) && t != last_s;
+		c->f[i].time_s = NAN;
 	}
 }
 
 /* Seconds from the first fix to each at the track's own speed, in scratch. */
 static void guess_times(struct clean *c, double step_s)
 {
-	const struct eco_fix *f = c->f;
-	double *guess = c->scratch;
+	const struct eco_fix *f = c->f, *last = NULL;
+	double *guess = c->scratch, way_m = 0;
 	uint32_t speeds = 0;
-	for (uint32_t i = 1; i < c->count; i++) {
-		double d = track_distance(&f[i - 1], &f[i]), s = f[i].time_s - f[i - 1].time_s;
-		if (s > 0 && d > 0)
-			guess[speeds++] = s / d;
+	for (uint32_t i = 0; i < c->count; i++) {
+		way_m += i ? track_distance(&f[i - 1], &f[i]) : 0;
+		if (isnan(f[i].time_s))
+			continue;
+		if (last && way_m > 0)
+			guess[speeds++] = (f[i].time_s - last->time_s) / way_m;
+		last = &f[i];
+		way_m = 0;
 	}
 	double s_per_m = track_quantile(guess, speeds, 0.5);
 	guess[0] = 0;
@@ -159,7 +147,8 @@ static void guess_times(struct clean *c, double step_s)
 	}
 }
 
-/* Between two stamps by distance; before the first and behind the last at the track's own speed. */
+/* Between two stamps by distance, but no slower than a stand would be noticed; before the first and behind the
+ * last at the track's own speed. */
 static void fill_missing(struct clean *c, double step_s)
 {
 	struct eco_fix *f = c->f;
@@ -176,7 +165,7 @@ static void fill_missing(struct clean *c, double step_s)
 		uint32_t from = last == ECO_NONE ? next : last;
 		double pace = last == ECO_NONE || next == c->count ? 1
 			: (f[next].time_s - f[last].time_s) / (guess[next] - guess[last]);
-		f[i].time_s = f[from].time_s + (guess[i] - guess[from]) * pace;
+		f[i].time_s = f[from].time_s + (guess[i] - guess[from]) * fmin(pace, SLOW_MOST);
 	}
 }
 
@@ -198,8 +187,7 @@ static void repair_stamps(struct clean *c)
 	if (c->report->sorted)
 		qsort(c->f, c->count, sizeof *c->f, by_time);
 	double step_s = count_steps(c, &forward, &backward);
-	order_stamps(c, step_s);
-	spread_equal(c, count_steps(c, &forward, &backward));
+	forget_unordered(c);
 	fill_missing(c, step_s);
 }
 
@@ -304,78 +292,76 @@ static bool leaps(const struct clean *c, uint32_t i)
 		&& !(i > 1 && speed(c, i - 2, i - 1) > third);
 }
 
-/* The longest part between leaps that are too long to be glided over. Returns where its repeats end. */
-static struct eco_fix *keep_longest(struct clean *c)
-{
-	uint32_t first = 0, best = 0, count = 0;
-	double length = 0, longest = -1, most_m = fmax(GLIDE_S * c->middle_m_s, 3 * c->limit_m);
-	for (uint32_t i = 1; i <= c->places; i++) {
-		double step = i < c->places ? distance(c, i - 1, i) : INFINITY;
-		if (i < c->places && !(step >= most_m && leaps(c, i))) {
-			length += step;
-			continue;
-		}
-		/* what has a place or two is no part */
-		c->report->parts += i - first > 2;
-		if (length > longest) {
-			best = first;
-			count = i - first;
-			longest = length;
-		}
-		first = i;
-		length = 0;
-	}
-	struct eco_fix *end = best + count < c->places ? c->place[best + count] : c->f + c->count;
-	memmove(c->place, c->place + best, count * sizeof(struct eco_fix *));
-	c->places = count;
-	return end;
-}
-
-/* How long the step from place i takes: as recorded, but a leap as long as it would at the track's own speed,
- * and a gap without motion no longer than PAUSE_S. */
+/* How long the step to place i takes: as recorded, but a leap as long as it would at the track's own speed, and
+ * a gap without motion no longer than PAUSE_S. INFINITY: a leap that is too long to be glided over. */
 static double takes_s(const struct clean *c, uint32_t i)
 {
-	double took_s = c->place[i + 1]->time_s - c->place[i]->time_s, d = distance(c, i, i + 1);
+	double took_s = c->place[i]->time_s - c->place[i - 1]->time_s, d = distance(c, i - 1, i);
+	bool leap = leaps(c, i);
+	if (leap && d >= fmax(GLIDE_S * c->middle_m_s, 3 * c->limit_m))
+		return INFINITY;
 	if (c->report->untimed)
 		return d / ECO_TRACK_PACE_M_S;
-	if (leaps(c, i + 1))
+	if (leap)
 		return fmax(took_s, d / c->high_m_s);
 	return took_s > PAUSE_S && d <= 0.05 * c->middle_m_s * took_s ? PAUSE_S : took_s;
 }
 
-/* Times count from 0 and ascend; looks between two places go along. */
-static void retime(struct clean *c, const struct eco_fix *end)
+/* Finds the longest part: places from *first, before *end. Leaves in scratch how long each step takes. */
+static void find_longest(struct clean *c, uint32_t *first, uint32_t *end)
 {
+	double length = 0, longest = -1;
+	for (uint32_t i = 1, start = 0; i <= c->places; i++) {
+		c->scratch[i] = i < c->places ? takes_s(c, i) : INFINITY;
+		if (isfinite(c->scratch[i])) {
+			length += distance(c, i - 1, i);
+			continue;
+		}
+		/* what has a place or two is no part */
+		c->report->parts += i - start > 2;
+		if (length > longest) {
+			*first = start;
+			*end = i;
+			longest = length;
+		}
+		start = i;
+		length = 0;
+	}
+}
+
+/* Times of a part count from 0 and ascend; looks between two places go along. Only the part is kept. */
+static void retime(struct clean *c, uint32_t first, uint32_t end)
+{
+	struct eco_fix *begin = c->place[first], *stop = end < c->places ? c->place[end] : c->f + c->count;
 	double now_s = 0;
-	for (uint32_t i = 0; i + 1 < c->places; i++)
-		c->scratch[i] = takes_s(c, i);
-	for (uint32_t i = 0; i < c->places; i++) {
-		bool more = i + 1 < c->places;
-		const struct eco_fix *next = more ? c->place[i + 1] : end;
+	for (uint32_t i = first; i < end; i++) {
+		bool more = i + 1 < end;
+		const struct eco_fix *next = more ? c->place[i + 1] : stop;
 		double from_s = c->place[i]->time_s, took_s = more ? next->time_s - from_s : 1;
-		double step_s = more ? c->scratch[i] : 1;
+		double step_s = more ? c->scratch[i + 1] : 1;
 		c->report->retimed += step_s != took_s && !c->report->untimed;
 		for (struct eco_fix *fix = c->place[i]; fix < next; fix++)
 			fix->time_s = now_s + (fix->time_s - from_s) * (took_s > 0 ? step_s / took_s : 0);
 		now_s += step_s;
 	}
-	for (struct eco_fix *fix = c->place[0] + 1; fix < end; fix++)
+	for (struct eco_fix *fix = begin + 1; fix < stop; fix++)
 		fix->time_s = fix->time_s > fix[-1].time_s ? fix->time_s : fix[-1].time_s + 1e-6;
+	c->track->count = (uint32_t)(stop - begin);
+	memmove(c->f, begin, c->track->count * sizeof *c->f);
+	c->report->kept = end - first;
+	c->report->jumped = c->report->fixes - c->report->repeated - c->report->kept;
 }
 
 static void drop_jumps(struct clean *c)
 {
+	uint32_t first = 0, end = 0;
 	for (uint32_t i = 0; i < c->count; i++)
 		if (!isnan(c->f[i].at[0]))
 			c->place[c->places++] = &c->f[i];
 	find_limits(c);
 	drop_spikes(c);
-	const struct eco_fix *end = keep_longest(c);
-	retime(c, end);
-	c->track->count = (uint32_t)(end - c->place[0]);
-	memmove(c->f, c->place[0], c->track->count * sizeof *c->f);
-	c->report->kept = c->places;
-	c->report->jumped = c->report->fixes - c->report->repeated - c->places;
+	find_longest(c, &first, &end);
+	retime(c, first, end);
 }
 
 enum eco_code eco_track_clean(struct eco_track *track, const struct eco_track_options *options,

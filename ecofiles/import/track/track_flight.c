@@ -24,13 +24,15 @@
 #define TURN_MOST_DEG 170.0              /* between two samples */
 #define FLIGHT_PITCH_DEG (-15.0)
 
+/* A sample's numbers while it is made: angles are where look will be, the way's direction where up will be. */
+enum { EYE = 0, YAW = 3, PITCH = 4, WAY = 6, FOV = 9 };
+
 struct work {
 	struct eco_flight *flight;
 	const struct eco_track *track;
 	const struct eco_track_options *options;
 	double *time_s, *value; uint32_t count;      /* of one number, where it is known */
-	double *column, *scratch;            /* one a sample */
-	double *angles[3];                   /* yaw, pitch, roll of each sample */
+	double *scratch;                     /* one a sample, and one a fix */
 	double speed_m_s, slow_m_s;          /* median while it moves; and what most of it is faster than */
 };
 
@@ -86,11 +88,12 @@ static double mirrored(const double *v, int64_t last, int64_t i)
 	return i < 0 ? 2 * v[0] - v[-i] : i <= last ? v[i] : 2 * v[last] - v[2 * last - i];
 }
 
-/* A filter twice: 2 G - G * G, and G * G is a Gaussian again. */
-static void smooth(const struct work *w, double *v, double sigma_s)
+/* Filters number n of all samples twice: 2 G - G * G, and G * G is a Gaussian again. */
+static void smooth(const struct work *w, int n, double sigma_s)
 {
+	struct eco_sample *s = w->flight->samples;
+	double weight[RADIUS_MAX], sum = 0, *v = w->scratch;
 	int64_t last = (int64_t)w->flight->count - 1;
-	double weight[RADIUS_MAX], sum = 0;
 	double sigma = fmin(sigma_s / w->flight->step_s, fmin(SIGMA_MAX, (double)last / SPAN));
 	int64_t radius = (int64_t)floor(SPAN * sigma + 1e-9);
 	if (!(sigma > 0.2))
@@ -100,22 +103,23 @@ static void smooth(const struct work *w, double *v, double sigma_s)
 		weight[k] = 2 * exp(-x * x / 2) - sqrt(0.5) * exp(-x * x / 4);
 		sum += weight[k] * (k ? 2 : 1);
 	}
+	for (int64_t i = 0; i <= last; i++)
+		v[i] = s[i].n[n];
 	for (int64_t i = 0; i <= last; i++) {
 		double value = weight[0] * v[i];
 		for (int64_t k = 1; k <= radius; k++)
 			value += weight[k] * (mirrored(v, last, i - k) + mirrored(v, last, i + k));
-		w->scratch[i] = value / sum;
+		s[i].n[n] = value / sum;
 	}
-	memcpy(v, w->scratch, w->flight->count * sizeof *v);
 }
 
-/* What was collected, at each sample. */
-static void sample(struct work *w, double *column, double sigma_s)
+/* Number n of all samples, of what was collected. */
+static void sample(struct work *w, int n, double sigma_s)
 {
 	uint32_t at = 0;
 	for (uint32_t i = 0; i < w->flight->count; i++)
-		column[i] = value_at(w, i * w->flight->step_s, &at);
-	smooth(w, column, sigma_s);
+		w->flight->samples[i].n[n] = value_at(w, i * w->flight->step_s, &at);
+	smooth(w, n, sigma_s);
 }
 
 /* ---- What the recording is like ---- */
@@ -173,57 +177,41 @@ static uint32_t learn(struct work *w)
 static void follow_path(struct work *w)
 {
 	const struct eco_flight *f = w->flight;
+	struct eco_sample *s = f->samples;
 	uint32_t n = f->count, last = ECO_NONE;
-	double sigma_s = fmax(w->track->posed ? 0 : LOOK_S, f->smooth_s), *v[2] = { w->column, w->scratch + n };
+	double sigma_s = fmax(w->track->posed ? 0 : LOOK_S, f->smooth_s);
 	for (int axis = 0; axis < 2; axis++) {
 		for (uint32_t i = 0; i < n; i++) {
 			uint32_t a = i ? i - 1 : 0, b = i + 1 < n ? i + 1 : i;
-			double way = f->samples[b].eye[axis] - f->samples[a].eye[axis];
-			v[axis][i] = b > a ? way / ((b - a) * f->step_s) : 0;
+			s[i].n[WAY + axis] = b > a ? (s[b].eye[axis] - s[a].eye[axis]) / ((b - a) * f->step_s) : 0;
 		}
-		smooth(w, v[axis], sigma_s);
+		smooth(w, WAY + axis, sigma_s);
 	}
 	for (uint32_t i = 0; i < n; i++) {
-		if (!(hypot(v[0][i], v[1][i]) > 0.15 * w->speed_m_s))
+		const double *way = s[i].n + WAY;
+		if (!(hypot(way[0], way[1]) > 0.15 * w->speed_m_s))
 			continue;
-		double yaw = atan2(v[0][i], v[1][i]) * TRACK_DEG, before = last == ECO_NONE ? yaw : w->angles[0][last];
-		yaw = before + remainder(yaw - before, 360);
+		double yaw = atan2(way[0], way[1]) * TRACK_DEG, before = last == ECO_NONE ? yaw : s[last].n[YAW];
+		double turn = remainder(yaw - before, 360);
 		for (uint32_t k = last + 1; k <= i; k++)
-			w->angles[0][k] = last == ECO_NONE ? yaw : before + (yaw - before) * (k - last) / (i - last);
+			s[k].n[YAW] = last == ECO_NONE ? yaw : before + turn * (k - last) / (i - last);
 		last = i;
 	}
 	for (uint32_t k = last + 1; k < n; k++)
-		w->angles[0][k] = last == ECO_NONE ? 0 : w->angles[0][last];
-	smooth(w, w->angles[0], sigma_s / 2);
-}
-
-/* Recorded angles; else yaw along the path, the pitch that was asked for, and level. */
-static void sample_angles(struct work *w)
-{
-	struct eco_flight *f = w->flight;
-	bool exact = w->track->posed && isnan(w->options->smooth_s);
-	follow_path(w);
-	for (int k = 0; k < 3; k++) {
-		double step_s = collect(w, TRACK_YAW + k);
-		if (w->count && (k != 1 || f->pitch_recorded))
-			sample(w, w->angles[k], exact ? 0 : fmin(f->smooth_s, fmax(0.6 * step_s, 0.1)));
-		for (uint32_t i = 0; k == 1 && !f->pitch_recorded && i < f->count; i++)
-			w->angles[k][i] = f->pitch_deg;
-	}
+		s[k].n[YAW] = last == ECO_NONE ? 0 : s[last].n[YAW];
+	smooth(w, YAW, sigma_s / 2);
 }
 
 /* Look and up by the angles. A look that turns about from one sample to the next would cancel halfway in a
  * script: it passes through a side. */
-static void set_axes(const struct work *w, uint32_t i)
+static void set_axes(struct eco_sample *s, const struct eco_sample *before)
 {
-	struct eco_sample *s = &w->flight->samples[i];
-	double yaw = w->angles[0][i] / TRACK_DEG, pitch = w->angles[1][i] / TRACK_DEG,
-		roll = w->angles[2][i] / TRACK_DEG;
-	if (i) {
-		struct eco_sample turned = { .look = { cos(pitch) * sin(yaw), cos(pitch) * cos(yaw), sin(pitch) } };
-		yaw -= eco_angle_deg(turned.look, s[-1].look) > TURN_MOST_DEG ? 90 / TRACK_DEG : 0;
-	}
-	double sy = sin(yaw), cy = cos(yaw), sp = sin(pitch), cp = cos(pitch);
+	double yaw = s->n[YAW] / TRACK_DEG, pitch = s->n[PITCH] / TRACK_DEG, roll = s->n[PITCH + 1] / TRACK_DEG;
+	double sp = sin(pitch), cp = cos(pitch);
+	const double wanted[3] = { cp * sin(yaw), cp * cos(yaw), sp };
+	if (before && eco_angle_deg(wanted, before->look) > TURN_MOST_DEG)
+		yaw -= 90 / TRACK_DEG;
+	double sy = sin(yaw), cy = cos(yaw);
 	const double right[3] = { cy, -sy, 0 }, level[3] = { -sp * sy, -sp * cy, cp };
 	const double look[3] = { cp * sy, cp * cy, sp };
 	memcpy(s->look, look, sizeof look);
@@ -242,62 +230,65 @@ static void sample_eyes(struct work *w)
 		if (k == 2 && w->count > 2 && !w->track->posed && isnan(w->options->smooth_s))
 			sigma_s = fmin(fmax(sigma_s, 0.6 * step_s), SMOOTH_MOST_S);
 		if (w->count)
-			sample(w, w->column, sigma_s);
-		for (uint32_t i = 0; w->count && i < f->count; i++)
-			f->samples[i].eye[k] = w->column[i];
+			sample(w, EYE + k, sigma_s);
 	}
 	for (uint32_t i = 0; i < w->track->count; i++) {
 		const struct eco_fix *fix = &w->track->fixes[i];
-		uint32_t k = (uint32_t)fmin(fix->time_s / f->step_s + 0.5, f->count - 1);
-		const double *eye = f->samples[k].eye;
+		const double *eye = f->samples[(uint32_t)fmin(fix->time_s / f->step_s + 0.5, f->count - 1)].eye;
 		f->moved_m = fmax(f->moved_m, hypot(fix->at[0] - eye[0], fix->at[1] - eye[1]));
 	}
 }
 
-static void make_samples(struct work *w)
+/* Recorded angles and fields of view; else yaw along the path, the pitch that was asked for, level, and FOV_DEG. */
+static void sample_looks(struct work *w)
 {
 	struct eco_flight *f = w->flight;
 	double fov_deg = isnan(w->options->fov_y_deg) ? FOV_DEG : w->options->fov_y_deg;
-	sample_eyes(w);
-	sample_angles(w);
-	collect(w, TRACK_FOV);
-	bool recorded = w->count && isnan(w->options->fov_y_deg);
-	for (uint32_t i = 0, at = 0; i < f->count; i++) {
-		struct eco_sample *s = &f->samples[i];
-		s->fov_y_deg = recorded ? value_at(w, i * f->step_s, &at) : fov_deg;
-		set_axes(w, i);
-		f->length_m += i ? eco_distance(s->eye, s[-1].eye) : 0;
+	bool exact = w->track->posed && isnan(w->options->smooth_s);
+	for (uint32_t i = 0; i < f->count; i++) {
+		f->samples[i].n[PITCH] = f->pitch_deg;
+		f->samples[i].fov_y_deg = fov_deg;
 	}
+	for (int k = 0; k < 3; k++) {
+		double step_s = collect(w, TRACK_YAW + k);
+		if (w->count && (k != 1 || f->pitch_recorded))
+			sample(w, YAW + k, exact ? 0 : fmin(f->smooth_s, fmax(0.6 * step_s, 0.1)));
+	}
+	collect(w, TRACK_FOV);
+	if (w->count && isnan(w->options->fov_y_deg))
+		sample(w, FOV, 0);
 }
 
 enum eco_code eco_flight_make(struct eco_flight *flight, const struct eco_track *track,
 	const struct eco_track_options *options, struct eco_error *error)
 {
-	size_t fixes = track->count, most = SAMPLES_MAX;
-	struct work w = { .flight = flight, .track = track, .options = options };
-	/* time_s and value of fixes; column and angles of samples; scratch of two of samples or one of fixes */
-	double *rows = calloc(2 * fixes + 4 * most + (fixes > 2 * most ? fixes : 2 * most), sizeof *rows);
-	*flight = (struct eco_flight){ .samples = calloc(most, sizeof *flight->samples) };
-	enum eco_code code = rows && flight->samples ? ECO_OK
+	size_t fixes = track->count;
+	struct work w = { .flight = flight, .track = track, .options = options,
+		.time_s = malloc((3 * fixes + SAMPLES_MAX) * sizeof *w.time_s) };
+	*flight = (struct eco_flight){ .samples = calloc(SAMPLES_MAX, sizeof *flight->samples) };
+	w.value = w.time_s + fixes;
+	w.scratch = w.value + fixes;
+	enum eco_code code = w.time_s && flight->samples ? ECO_OK
 		: eco_fail(error, ECO_NO_MEMORY, "no memory for %zu fixes", fixes);
+	uint32_t looks = code ? 0 : learn(&w);
+	double step_s = code ? 0 : collect(&w, TRACK_X);
+	if (!code && !w.count)
+		code = eco_fail(error, ECO_BAD_INPUT, "the track has no position left");
 	if (!code) {
-		w.time_s = rows;
-		w.value = rows + fixes;
-		w.column = w.value + fixes;
-		for (int k = 0; k < 3; k++)
-			w.angles[k] = w.column + (k + 1) * most;
-		w.scratch = w.angles[2] + most;
-		uint32_t looks = learn(&w);
-		double step_s = collect(&w, TRACK_X);
 		flight->smooth_s = choose_smoothing(&w, step_s);
 		choose_samples(&w, step_s, looks);
-		code = w.count ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "the track has no position left");
+		sample_eyes(&w);
+		follow_path(&w);
+		sample_looks(&w);
 	}
-	if (!code)
-		make_samples(&w);
-	else
+	for (uint32_t i = 0; !code && i < flight->count; i++) {
+		struct eco_sample *s = &flight->samples[i];
+		set_axes(s, i ? s - 1 : NULL);
+		flight->length_m += i ? eco_distance(s->eye, s[-1].eye) : 0;
+	}
+	if (code)
 		eco_flight_free(flight);
-	free(rows);
+	free(w.time_s);
 	return code;
 }
 
