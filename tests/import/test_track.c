@@ -10,13 +10,15 @@
 #include "tests/support/track_made.h"
 #include "tests/support/unit_test.h"
 
-static void fails(const char *text, const char *path, const char *says)
+/* The error names the file, and says so. */
+static void fails(const char *text, const char *name, const char *says)
 {
 	struct eco_track track;
 	struct eco_error error = { 0 };
-	assert_int_not_equal(eco_track_parse(&track, (const uint8_t *)text, strlen(text), path, &error), ECO_OK);
+	const char *path = input_text(program_invocation_short_name, name, text);
+	assert_int_not_equal(eco_track_read(&track, path, &error), ECO_OK);
 	assert_null(track.fixes);
-	if (!strstr(error.text, says))
+	if (!strstr(error.text, says) || !strstr(error.text, name))
 		fail_msg("%s\n  wanted ... %s", error.text, says);
 }
 
@@ -91,28 +93,9 @@ static void subtitles_of_every_drone_are_read(void **state)
 
 /* ---- Through GDAL: files, in the child ---- */
 
-static struct eco_track track_in(const char *name, const char *text)
-{
-	struct eco_track track;
-	struct eco_error error = { 0 };
-	if (eco_track_read(&track, input_text("track", name, text), &error))
-		fail_msg("%s: %s", name, error.text);
-	return track;
-}
-
-static void fails_in(const char *name, const char *text, const char *says)
-{
-	struct eco_track track;
-	struct eco_error error = { 0 };
-	assert_int_not_equal(eco_track_read(&track, input_text("track", name, text), &error), ECO_OK);
-	assert_null(track.fixes);
-	if (!strstr(error.text, says) || !strstr(error.text, name))
-		fail_msg("%s\n  wanted ... %s", error.text, says);
-}
-
 static void gpx_tracks_win_over_way_points(void **state)
 {
-	struct eco_track track = track_in("a.gpx", "<?xml version=\"1.0\"?><gpx><wpt lat=\"1\" "
+	struct eco_track track = track_of("<?xml version=\"1.0\"?><gpx><wpt lat=\"1\" "
 		"lon=\"2\"><name>x</name></wpt><rte><rtept lat=\"3\" "
 		"lon=\"4\"/></rte>"
 		"<trk><trkseg></trkseg><trkseg><trkpt lat=\"45.5\" lon=\"14.25\"><ele> 733.6 "
@@ -120,7 +103,7 @@ static void gpx_tracks_win_over_way_points(void **state)
 		"<time>2010-10-03T09:36:30.25Z</time><extensions><heading>12.5</heading></extensions>"
 		"</trkpt></trkseg><trkseg>"
 		"<trkpt lat='46' "
-		"lon='15'><time>2010-10-03T11:36:31+02:00</time></trkpt></trkseg></trk></gpx>");
+		"lon='15'><time>2010-10-03T11:36:31+02:00</time></trkpt></trkseg></trk></gpx>", "a.gpx");
 	assert_int_equal(track.format, ECO_TRACK_GPX);
 	assert_true(track.count == 3 && track.degrees && track.timed);
 	assert_true(track.fixes[0].at[1] == 45.5 && track.fixes[0].at[0] == 14.25 && track.fixes[0].at[2]
@@ -129,15 +112,15 @@ static void gpx_tracks_win_over_way_points(void **state)
 		&& track.fixes[2].time_s == 1286098591);
 	assert_true(track.fixes[1].yaw_deg == 12.5 && isnan(track.fixes[0].yaw_deg));
 	eco_track_free(&track);
-	track = track_in("b.gpx", "<gpx><wpt lat='9' lon='9'/><rte><rtept lat='3' "
-		"lon='4'><time>2010-10-03T09:36:30Z</time></rtept></rte></gpx>");
+	track = track_of("<gpx><wpt lat='9' lon='9'/><rte><rtept lat='3' "
+		"lon='4'><time>2010-10-03T09:36:30Z</time></rtept></rte></gpx>", "b.gpx");
 	assert_true(track.count == 1 && track.fixes[0].at[0] == 4 && track.fixes[0].time_s == 1286098590);
 	eco_track_free(&track);
-	fails_in("bad.gpx", "<gpx version='1.1'><trk><trkseg><trkpt lat='1' lon='2'></trk>",
+	fails("<gpx version='1.1'><trk><trkseg><trkpt lat='1' lon='2'></trk>", "bad.gpx",
 		"GDAL cannot read it");
-	fails_in("cut.gpx", "<gpx version='1.1'><trk><trkseg><trkpt lat='1' lon='2'></trkpt><trkpt lat='1' "
-		"lon='3'><ele>5", "GDAL cannot read it");
-	fails_in("none.gpx", "<gpx></gpx>", "no fix found");
+	fails("<gpx version='1.1'><trk><trkseg><trkpt lat='1' lon='2'></trkpt><trkpt lat='1' "
+		"lon='3'><ele>5", "cut.gpx", "GDAL cannot read it");
+	fails("<gpx></gpx>", "none.gpx", "no fix found");
 }
 
 /* A recorder whose battery died leaves a file without an end. */
@@ -152,7 +135,7 @@ static void gpx_that_breaks_off_is_read_until_there(void **state)
 		used += (size_t)snprintf(text + used, room - used,
 			"<trkpt lat='1.%04d' lon='2'><time>2020-01-01T%02d:%02d:%02dZ</time></trkpt>\n", i,
 			i / 3600, i / 60 % 60, i % 60);
-	struct eco_track track = track_in("long.gpx", text);
+	struct eco_track track = track_of(text, "long.gpx");
 	assert_true(track.count > 4000 && track.fixes[track.count - 1].time_s - track.fixes[0].time_s
 		== track.count - 1 && says(&track, "of its 5000 points"));
 	eco_track_free(&track);
@@ -161,38 +144,38 @@ static void gpx_that_breaks_off_is_read_until_there(void **state)
 
 static void kml_points_have_times_and_lines_win_over_points_without(void **state)
 {
-	struct eco_track track = track_in("a.kml", "<kml "
+	struct eco_track track = track_of("<kml "
 		"xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Folder><name>way</name><Placemark>"
 		"<TimeStamp>"
 		"<when>2010-05-28T02:02:09.5Z</when></TimeStamp><Point><altitudeMode>absolute</altitudeMode>"
 		"<coordinates>-122.2,37.3,156</coordinates></Point>"
 		"</Placemark><Placemark><TimeStamp><when>2010-05-28T04:02:35+02:00</when></TimeStamp><Point>"
 		"<coordinates>-122.1,37.4,157</coordinates></Point>"
-		"</Placemark></Folder></Document></kml>");
+		"</Placemark></Folder></Document></kml>", "a.kml");
 	assert_int_equal(track.format, ECO_TRACK_KML);
 	assert_true(track.count == 2 && track.fixes[1].at[0] == -122.1 && track.fixes[1].at[2] == 157);
 	assert_true(track.fixes[0].time_s == 1275012129.5 && track.fixes[1].time_s - track.fixes[0].time_s
 		== 25.5);
 	eco_track_free(&track);
-	track = track_in("b.kml", "<kml><Document><Placemark><Point><coordinates>9,9,9</coordinates></Point>"
+	track = track_of("<kml><Document><Placemark><Point><coordinates>9,9,9</coordinates></Point>"
 		"</Placemark><Placemark><LineString><altitudeMode>"
 		"relativeToGround</altitudeMode><coordinates>\n 1,2,3\n 1.5,2.5,4 "
-		"</coordinates></LineString></Placemark></Document></kml>");
+		"</coordinates></LineString></Placemark></Document></kml>", "b.kml");
 	assert_true(track.count == 2 && track.fixes[1].at[0] == 1.5 && track.fixes[1].above_m == 4
 		&& isnan(track.fixes[1].at[2]) && !track.timed);
 	assert_true(says(&track, "positions beside them are left out"));
 	eco_track_free(&track);
 	/* their times and angles do not arrive */
-	fails_in("gx.kml", "<kml xmlns='http://www.opengis.net/kml/2.2' "
+	fails("<kml xmlns='http://www.opengis.net/kml/2.2' "
 		"xmlns:gx='http://www.google.com/kml/ext/2.2'><Placemark><gx:Track>"
 		"<when>2010-05-28T02:02:09Z</when><when>2010-05-28T02:02:35Z</when><gx:coord>-122.2 37.3 "
 		"156</gx:coord><gx:coord>-122.1 37.4 157</gx:coord>"
-		"</gx:Track></Placemark></kml>", "<when>, of a gx:Track), which do not arrive through GDAL; "
+		"</gx:Track></Placemark></kml>", "gx.kml", "<when>, of a gx:Track), which do not arrive through GDAL; "
 		"convert it to GPX or CSV");
-	fails_in("tour.kml", "<kml xmlns='http://www.opengis.net/kml/2.2' "
+	fails("<kml xmlns='http://www.opengis.net/kml/2.2' "
 		"xmlns:gx='http://www.google.com/kml/ext/2.2'><gx:Tour><gx:Playlist><gx:FlyTo>"
 		"<gx:duration>2</gx:duration><Camera><longitude>10</longitude><latitude>50</latitude>"
-		"</Camera></gx:FlyTo></gx:Playlist></gx:Tour></kml>", "gx:FlyTo");
+		"</Camera></gx:FlyTo></gx:Playlist></gx:Tour></kml>", "tour.kml", "gx:FlyTo");
 }
 
 static void geojson_lines_with_and_without_times(void **state)
@@ -206,7 +189,7 @@ static void geojson_lines_with_and_without_times(void **state)
 		"\"2020-01-01T00:00:02Z\"]}},"
 		"\"geometry\":{\"type\":\"LineString\",\"coordinates\":[[10,50,3],[10.1,50,4]]}}" };
 	for (size_t i = 0; i < 2; i++) {
-		struct eco_track track = track_in("a.json", lines[i]);
+		struct eco_track track = track_of(lines[i], "a.json");
 		assert_int_equal(track.format, ECO_TRACK_GEOJSON);
 		assert_true(track.count == 2 && track.fixes[0].time_s == 1577836800 && track.fixes[1].time_s
 			== 1577836802);
@@ -214,36 +197,36 @@ static void geojson_lines_with_and_without_times(void **state)
 			== 10.1 && track.degrees);
 		eco_track_free(&track);
 	}
-	struct eco_track track = track_in("b.geojson", "{\"type\":\"FeatureCollection\","
+	struct eco_track track = track_of("{\"type\":\"FeatureCollection\","
 		"\"features\":[{\"type\":\"Feature\",\"properties\":{\"timestamp\":"
 		"1577836800000,\"heading\":270,\"altitude\":7},\"geometry\":{\"type\":\"Point\","
 		"\"coordinates\":[10,50]}},{\"type\":\"Feature\",\"properties\":"
 		"{\"timestamp\":1577836801500,\"heading\":271,\"altitude\":8},"
-		"\"geometry\":{\"type\":\"Point\",\"coordinates\":[10,51]}}]}");
+		"\"geometry\":{\"type\":\"Point\",\"coordinates\":[10,51]}}]}", "b.geojson");
 	assert_true(track.count == 2 && track.fixes[0].time_s == 1577836800 && track.fixes[1].time_s
 		== 1577836801.5);
 	assert_true(track.fixes[0].yaw_deg == 270 && track.fixes[0].at[2] == 7);
 	eco_track_free(&track);
-	track = track_in("t.geojson", "{\"type\":\"Feature\","
+	track = track_of("{\"type\":\"Feature\","
 		"\"properties\":{\"time\":\"2020-01-01T01:00:00.25+01:00\"},\"geometry\":{\"type\":\"Point\","
-		"\"coordinates\":[10,50]}}");
+		"\"coordinates\":[10,50]}}", "t.geojson");
 	assert_true(track.count == 1 && track.fixes[0].time_s == 1577836800.25);
 	eco_track_free(&track);
-	track = track_in("c.json", "{\"type\":\"LineString\",\"coordinates\":[[500000,5500000],[500001,"
-		"5500000]]}");
+	track = track_of("{\"type\":\"LineString\",\"coordinates\":[[500000,5500000],[500001,"
+		"5500000]]}", "c.json");
 	assert_true(!track.degrees && track.count == 2 && says(&track, "--track-crs"));
 	eco_track_free(&track);
-	fails_in("nested.json", "{\"type\":\"Feature\","
+	fails("{\"type\":\"Feature\","
 		"\"properties\":{\"coordTimes\":[[\"2020-01-01T00:00:00Z\",\"2020-01-01T00:00:01Z\"]]},"
 		"\"geometry\":"
-		"{\"type\":\"MultiLineString\",\"coordinates\":[[[10,50],[11,50]]]}}", "coordTimes");
-	fails_in("short.json", "{\"type\":\"Feature\","
+		"{\"type\":\"MultiLineString\",\"coordinates\":[[[10,50],[11,50]]]}}", "nested.json", "coordTimes");
+	fails("{\"type\":\"Feature\","
 		"\"properties\":{\"coordTimes\":[\"2020-01-01T00:00:00Z\"]},"
 		"\"geometry\":{\"type\":\"LineString\","
-		"\"coordinates\":[[10,50],[11,50]]}}", "coordTimes");
-	fails_in("d.json", "{\"a\": 1}", "no track that is known");
-	fails_in("e.json", "{\"type\": \"LineString\", \"coordinates\": [[1, 2],]}", "e.json:1:");
-	fails_in("f.json", "{\"type\": \"Polygon\", \"coordinates\": [[[0,0],[1,0],[1,1],[0,0]]]}",
+		"\"coordinates\":[[10,50],[11,50]]}}", "short.json", "coordTimes");
+	fails("{\"a\": 1}", "d.json", "no track that is known");
+	fails("{\"type\": \"LineString\", \"coordinates\": [[1, 2],]}", "e.json", "e.json:1:");
+	fails("{\"type\": \"Polygon\", \"coordinates\": [[[0,0],[1,0],[1,1],[0,0]]]}", "f.json",
 		"no usable fix");
 }
 
@@ -317,8 +300,8 @@ static void tables_are_read_by_the_names_of_their_columns(void **state)
 			FIX(1577836800.5, 10, 50, NAN, NAN, NAN, NAN) },
 		{ "whole ten-millionths", "t,lat,lon\n0,500000000,100000000\n", true,
 			FIX(0, 10, 50, NAN, NAN, NAN, NAN) },
-		{ "spaces, comment as header", "# t east north up\n 1.0   2.0  3.0   4.0\n", false,
-			FIX(1, 2, 3, 4, NAN, NAN, NAN) },
+		{ "preamble, comments, spaces", "log of 2020\n# t, east, north, up\n# a comment\n 1.0 , 2.0,3.0 ,4.0\n",
+			false, FIX(1, 2, 3, 4, NAN, NAN, NAN) },
 		{ "west in 0 to 360", "t,lon,lat\n0,350,50\n", true, FIX(0, -10, 50, NAN, NAN, NAN, NAN) },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
@@ -334,7 +317,7 @@ static void what_is_no_track_is_said_to_be_none(void **state)
 {
 	static const struct { const char *text, *path, *says; } rows[] = {
 		{ "", "a.srt", "empty" }, { " \n\n", "a.gpx", "empty" }, { "PK\3\4xxxx", "a.kmz", "unzip" },
-		{ "\xff\xfet", "a.csv", "no columns" }, { "\nhello\nworld\n", "a.txt", "a.txt:2: no format" },
+		{ "\xff\xfet", "a.csv", "no columns" }, { "\nhello\nworld\n", "a.txt", "a.txt: no format" },
 		{ "hello\n", "a.txt", "begins \"hello\"" },
 		{ "a,b,c\n1,2,3\n", "a.csv", "name its columns in the first line" },
 		{ "t,lon,lat\n1,NA,\n2,500,3\n", "a.csv", "a.csv:2: read as CSV" },
@@ -357,10 +340,8 @@ static void files_are_read_in_a_child_to_the_same_track(void **state)
 	static const char text[] = "1\n00:00:00,000 --> 00:00:01,000\nHOME(8.2,47.4) GPS(8.2,47.4,12.5m) "
 		"BAROMETER:3\n\n2\n00:00:01,000 --> "
 		"00:00:02,000\nGPS(n/a,n/a,n/a)\n";
-	struct eco_track track, same = track_of(text, "a.srt");
-	struct eco_error error = { 0 };
-	if (eco_track_read(&track, input_text("track", "a.srt", text), &error))
-		fail_msg("%s", error.text);
+	struct eco_track track = track_of(text, "a.srt"), same;
+	assert_int_equal(eco_track_parse(&same, (const uint8_t *)text, strlen(text), "a.srt", NULL), ECO_OK);
 	assert_true(track.count == same.count && track.records == 2 && track.skipped == 1
 		&& track.skipped_line == 6);
 	assert_memory_equal(track.fixes, same.fixes, sizeof *same.fixes);

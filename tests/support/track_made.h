@@ -7,16 +7,18 @@
 #include <string.h>
 
 #include "ecofiles/import/track/track.h"
+#include "tests/support/input_files.h"
 #include "tests/support/unit_test.h"
 
 #define DEG 57.29577951308232
 
-static inline struct eco_track track_of(const char *text, const char *path)
+/* Of a file with this text, read in the child. */
+static inline struct eco_track track_of(const char *text, const char *name)
 {
 	struct eco_track track;
 	struct eco_error error = { 0 };
-	if (eco_track_parse(&track, (const uint8_t *)text, strlen(text), path, &error))
-		fail_msg("%s: %s", path, error.text);
+	if (eco_track_read(&track, input_text(program_invocation_short_name, name, text), &error))
+		fail_msg("%s: %s", name, error.text);
 	return track;
 }
 

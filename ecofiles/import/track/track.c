@@ -25,7 +25,7 @@ const char *const eco_track_format_names[ECO_TRACK_FORMATS] = { "a drone's subti
 	"GeoJSON", "CSV", "a glTF camera", "a camera script" };
 
 static track_reader *const readers[ECO_TRACK_FORMATS] = { track_read_srt, track_read_rows, track_read_rows,
-	track_read_rows, track_read_csv, track_read_gltf, NULL };
+	track_read_rows, track_read_rows, track_read_gltf, NULL };
 
 /* ---- Fixes ---- */
 

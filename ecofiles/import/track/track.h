@@ -62,7 +62,7 @@ struct eco_track_options {       /* begin with ECO_TRACK_DEFAULTS; NaN: not stat
 
 enum eco_track_format {
 	ECO_TRACK_SRT,               /* subtitles of a drone's film */
-	ECO_TRACK_GPX, ECO_TRACK_KML, ECO_TRACK_GEOJSON,     /* through GDAL, which opens the file itself */
+	ECO_TRACK_GPX, ECO_TRACK_KML, ECO_TRACK_GEOJSON,     /* through GDAL */
 	ECO_TRACK_CSV, ECO_TRACK_GLTF,
 	ECO_TRACK_SCRIPT,            /* a camera script of our own: no fixes, to be taken as it is */
 	ECO_TRACK_FORMATS
@@ -101,8 +101,8 @@ struct eco_track {
  * what was found instead. format ECO_TRACK_SCRIPT: nothing else is set. Free with eco_track_free, which takes
  * a zeroed one too. */
 enum eco_code eco_track_read(struct eco_track *track, const char *path, struct eco_error *error);
-/* The same from memory, in this process. Files that a glTF names are looked for beside `path`; GDAL opens
- * `path` itself. */
+/* The same from memory, in this process. Files that a glTF names are looked for beside `path`; tables are
+ * read from `path` itself. */
 enum eco_code eco_track_parse(struct eco_track *track, const uint8_t *bytes, size_t size, const char *path,
 	struct eco_error *error);
 void eco_track_free(struct eco_track *track);

@@ -8,16 +8,15 @@
 #define TRACK_DEG 57.29577951308232
 
 struct track_input {
-	/* followed by 0; readers of text cut it into lines and fields by writing zeros, and it holds no
-	 * other zeros then */
+	/* followed by 0; a reader of text may cut it into lines by writing zeros, and it holds no others */
 	char *text;
 	size_t size;
-	const char *path;            /* for messages; GDAL opens it */
+	const char *path;            /* for messages; tables are read from it */
 };
 
 typedef enum eco_code track_reader(struct eco_track *track, const struct track_input *in,
 	struct eco_error *error);
-track_reader track_read_srt, track_read_rows, track_read_csv, track_read_gltf;
+track_reader track_read_srt, track_read_rows, track_read_gltf;
 
 /* All NaN, at line `line`. */
 struct eco_fix track_fix(uint32_t line);

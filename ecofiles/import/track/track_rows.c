@@ -1,5 +1,5 @@
-/* GPX, KML and GeoJSON, as GDAL hands them over: a row for each position, its columns by their names. GDAL
- * 3.6 hands over the times of GPX (trkpt, rtept, wpt), of KML's placemarks (TimeStamp) and of GeoJSON's
+/* Tables (rows.h): CSV; and GPX, KML and GeoJSON as GDAL hands them over, with a row for each position. GDAL 3.6
+ * hands over the times of GPX (trkpt, rtept, wpt), of KML's placemarks (TimeStamp) and of GeoJSON's
  * features ("time", "timestamp") and lines ("coordTimes", "coordinateProperties.times"), but not those of
  * KML's gx:Track: a file that has times of which none arrives is refused. */
 #include <stdio.h>
@@ -7,6 +7,8 @@
 
 #include "ecofiles/import/places/rows.h"
 #include "ecofiles/import/track/track_read.h"
+
+#define HEADER_ROWS 50u
 
 /* A placemark's height may count from the ground. */
 static bool is_from_ground(const struct eco_rows *rows)
@@ -17,29 +19,65 @@ static bool is_from_ground(const struct eco_rows *rows)
 	return false;
 }
 
-static enum eco_code read_rows(struct eco_track *track, struct eco_rows *rows, struct eco_error *error)
+/* A geometry says more than columns do. */
+static void take_place(struct eco_fix *fix, const struct eco_rows *rows)
 {
-	struct track_table table;
+	const struct eco_rows_place *place = &rows->place;
+	bool there = place->kind == ECO_PLACE_POINT;
+	fix->at[0] = there ? place->at[0] : NAN;
+	fix->at[1] = there ? place->at[1] : NAN;
+	fix->at[2] = there && !isnan(place->at[2]) ? place->at[2] : fix->at[2];
+	if (is_from_ground(rows)) {
+		fix->above_m = fix->at[2];
+		fix->at[2] = NAN;
+	}
+	fix->of_line = place->what[0] != 0;
+}
+
+static enum eco_code read_rows(struct eco_track *track, const struct track_table *table, struct eco_rows *rows,
+	struct eco_error *error)
+{
 	bool more = true;
 	enum eco_code code;
-	track_find_columns(&table, (const char *const *)rows->columns, rows->column_count);
 	while (!(code = rows->next(rows, &more, error)) && more) {
-		struct eco_fix fix = track_row(&table, rows->fields, rows->field_count, (uint32_t)rows->line);
-		const struct eco_rows_place *place = &rows->place;
-		bool there = place->kind == ECO_PLACE_POINT;
-		fix.at[0] = there ? place->at[0] : NAN;
-		fix.at[1] = there ? place->at[1] : NAN;
-		fix.at[2] = there && !isnan(place->at[2]) ? place->at[2] : fix.at[2];
-		if (is_from_ground(rows)) {
-			fix.above_m = fix.at[2];
-			fix.at[2] = NAN;
-		}
-		fix.of_line = place->what[0] != 0;
-		code = track_add(track, &fix, error);
-		if (code)
+		struct eco_fix fix = track_row(table, rows->fields, rows->field_count, (uint32_t)rows->line);
+		if (rows->has_geometry)
+			take_place(&fix, rows);
+		else if (*rows->fields[0] == '#')
+			continue;
+		if ((code = track_add(track, &fix, error)))
 			return code;
 	}
 	return code;
+}
+
+/* The header is the first row in which a position is found, so that preambles may precede it. */
+static enum eco_code find_header(struct track_table *table, struct eco_rows *rows, const char *path,
+	struct eco_error *error)
+{
+	bool more = true, found = track_find_columns(table, (const char *const *)rows->columns, rows->column_count);
+	enum eco_code code = ECO_OK;
+	char list[200];
+	eco_rows_list_columns(rows, list, sizeof list);
+	while (!code && !found && !rows->has_geometry && more && rows->row < HEADER_ROWS)
+		if (!(code = rows->next(rows, &more, error)) && more)
+			found = track_find_columns(table, rows->fields, rows->field_count);
+	return code || found || rows->has_geometry ? code : eco_fail(error, ECO_BAD_INPUT, "%.200s: no format is "
+		"known that looks like this, and as a table it has no columns for a position; it begins \"%s\". If "
+		"it is a table, name its columns in the first line: t,lon,lat,alt or t,x,y,z, and yaw,pitch", path,
+		list);
+}
+
+/* As the format of a geometry or its "crs" says, unless its numbers cannot be such. */
+static bool is_degrees(struct eco_track *track, const struct eco_rows *rows)
+{
+	bool wgs84 = !rows->crs || strstr("EPSG:4326 EPSG:4979 OGC:CRS84", rows->crs) != NULL;
+	bool stated = rows->crs && !rows->degrees_doubted;
+	if (wgs84 && !rows->degrees_doubted)
+		return true;
+	eco_track_note(track, "its coordinates are no degrees: metres from the scene's origin, unless --track-crs "
+		"says a CRS%s%.80s", stated ? ", as it does: " : "", stated ? rows->crs : "");
+	return false;
 }
 
 static enum eco_code read_layer(struct eco_track *track, const struct track_input *in, const char *layer,
@@ -47,17 +85,15 @@ static enum eco_code read_layer(struct eco_track *track, const struct track_inpu
 {
 	struct eco_rows_source source = { .path = in->path, .layer = layer, .vertices = true };
 	struct eco_rows *rows;
-	enum eco_code code = eco_rows_open_here(&rows, &source, error);
+	struct track_table table;
+	enum eco_code code = track->format == ECO_TRACK_CSV ? eco_rows_open_csv(&rows, in->path, 0, error)
+		: eco_rows_open_here(&rows, &source, error);
 	if (code)
 		return code;
-	/* as its format or its "crs" says, unless its numbers cannot be such */
-	bool wgs84 = !rows->crs || strstr("EPSG:4326 EPSG:4979 OGC:CRS84", rows->crs) != NULL;
-	bool stated = rows->crs && !rows->degrees_doubted;
-	track->degrees = wgs84 && !rows->degrees_doubted;
-	if (!track->degrees)
-		eco_track_note(track, "its coordinates are no degrees: metres from the scene's origin, unless "
-			"--track-crs says a CRS%s%.80s", stated ? ", as it does: " : "", stated ? rows->crs : "");
-	code = read_rows(track, rows, error);
+	code = find_header(&table, rows, in->path, error);
+	track->degrees = rows->has_geometry ? is_degrees(track, rows) : table.degrees;
+	if (!code)
+		code = read_rows(track, &table, rows, error);
 	for (uint32_t i = 0; i < rows->note_count; i++)
 		eco_track_note(track, "%s", rows->notes[i]);
 	eco_rows_close(rows);
@@ -117,6 +153,8 @@ enum eco_code track_read_rows(struct eco_track *track, const struct track_input 
 	static const char *const layers[] = { "track_points", "route_points", "waypoints" },
 		*const points[] = { "<trkpt", "<rtept", "<wpt" };
 	enum eco_code code = ECO_OK;
+	if (track->format == ECO_TRACK_CSV)
+		return read_layer(track, in, NULL, error);
 	if (track->format != ECO_TRACK_GPX) {
 		code = read_layer(track, in, NULL, error);
 		keep_lines(track);

@@ -1,13 +1,10 @@
 /* Tables: columns found by the names that drones' logs and spreadsheets give them, and what a row says. CSV
- * and what GDAL hands over are both tables, and subtitles have the same names. In a CSV the header is the
- * first line in which a position is found, so preambles and comments may precede it.
+ * and what GDAL hands over are both tables, and subtitles have the same names.
  *
  * A name is compared in lower case without what is no letter or digit; a unit in brackets or behind the last
  * underline is taken off and used ("height_above_takeoff(feet)", "x_east_m", "OSD.height [m]"). Each meaning
  * has a list of names, best first (a gimbal's pitch before an aircraft's). */
 #include <ctype.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -15,8 +12,6 @@
 
 #define NAME_BYTES 64u
 #define NAMES_MAX 20
-#define FIELDS_MAX 512u
-#define HEADER_LINES 50u
 
 static const char *const names[TRACK_ROLES][NAMES_MAX] = {
 	[TRACK_TIME] = { "t", "time", "timestamp", "times", "seconds", "elapsed", "elapsedtime", "unixtime",
@@ -135,7 +130,7 @@ bool track_find_columns(struct track_table *t, const char *const *columns, uint3
 static double number_of(const char *field)
 {
 	double value;
-	return track_number(&field, &value) && !*field ? value : NAN;
+	return track_number(&field, &value) && !field[strspn(field, " \t")] ? value : NAN;
 }
 
 /* Seconds since 1970, or their thousandths, millionths, billionths; a date; a clock, perhaps of a date. */
@@ -166,78 +161,4 @@ struct eco_fix track_row(const struct track_table *t, const char *const *fields,
 		fix.at[i] = value[TRACK_LON + i] * (fabs(value[TRACK_LON + i]) > 1000 ? 1e-7 : 1);
 	fix.time_s = time_of(text[TRACK_TIME], text[TRACK_DATE], t->unit[TRACK_TIME]);
 	return fix;
-}
-
-/* ---- CSV ---- */
-
-/* Without spaces and quotes around it. */
-static const char *trim(char *text, char *end)
-{
-	text += strspn(text, " \t");
-	while (end > text && (end[-1] == ' ' || end[-1] == '\t'))
-		end--;
-	bool quoted = end - text >= 2 && *text == '"' && end[-1] == '"';
-	end[quoted ? -1 : 0] = 0;
-	return text + quoted;
-}
-
-/* Cuts a line into fields; returns how many. A separator of ' ' is any number of spaces. */
-static uint32_t split(char *line, char separator, const char **fields)
-{
-	uint32_t count = 0;
-	for (char *at = line; count < FIELDS_MAX; at++) {
-		at += separator == ' ' ? strspn(at, " \t") : 0;
-		char *from = at;
-		bool quoted = false;
-		for (; *at && (quoted || !(*at == separator || (separator == ' ' && *at == '\t'))); at++)
-			quoted ^= *at == '"';
-		bool last = !*at;
-		if (separator != ' ' || at > from)
-			fields[count++] = trim(from, at);
-		if (last)
-			break;
-	}
-	return count;
-}
-
-/* Finds the header: *line is read then. */
-static enum eco_code find_header(struct track_table *t, const struct track_input *in, struct track_line *line,
-	char *separator, const char **fields, struct eco_error *error)
-{
-	char begins[161] = "";
-	uint32_t first = 0;
-	while (line->number < HEADER_LINES && track_next_line(in, line)) {
-		char *header = line->text + strspn(line->text, "#% \t");
-		if (!*begins) {
-			first = line->number;
-			snprintf(begins, sizeof begins, "%s", line->text);
-		}
-		const char *mark = ";\t,|";
-		while (*mark && !strchr(header, *mark))
-			mark++;
-		*separator = *mark ? *mark : ' ';
-		if (track_find_columns(t, fields, split(header, *separator, fields)))
-			return ECO_OK;
-	}
-	return eco_fail(error, ECO_BAD_INPUT, "%.200s:%u: no format is known that looks like this, and as a table "
-		"it has no columns for a position; it begins \"%s\". If it is a table, name its columns in the "
-		"first line: t,lon,lat,alt or t,x,y,z, and yaw,pitch", in->path, first, begins);
-}
-
-enum eco_code track_read_csv(struct eco_track *track, const struct track_input *in, struct eco_error *error)
-{
-	struct track_table table;
-	struct track_line line = { 0 };
-	const char *fields[FIELDS_MAX];
-	char separator = 0;
-	enum eco_code code = find_header(&table, in, &line, &separator, fields, error);
-	track->degrees = table.degrees;
-	while (!code && track_next_line(in, &line)) {
-		if (strchr("#", line.text[strspn(line.text, " \t")]))
-			continue;
-		uint32_t count = split(line.text, separator, fields);
-		struct eco_fix fix = track_row(&table, fields, count, line.number);
-		code = track_add(track, &fix, error);
-	}
-	return code;
 }
