@@ -127,23 +127,12 @@ static void forget_unordered(struct clean *c)
 /* Seconds from the first fix to each at the track's own speed, in scratch. */
 static void guess_times(struct clean *c, double step_s)
 {
-	const struct eco_fix *f = c->f, *last = NULL;
-	double *guess = c->scratch, way_m = 0;
-	uint32_t speeds = 0;
-	for (uint32_t i = 0; i < c->count; i++) {
-		way_m += i ? track_distance(&f[i - 1], &f[i]) : 0;
-		if (isnan(f[i].time_s))
-			continue;
-		if (last && way_m > 0)
-			guess[speeds++] = (f[i].time_s - last->time_s) / way_m;
-		last = &f[i];
-		way_m = 0;
-	}
-	double s_per_m = track_quantile(guess, speeds, 0.5);
-	guess[0] = 0;
+	uint32_t speeds = track_speeds(c->track, c->scratch);
+	double m_s = track_quantile(c->scratch, speeds, 0.5);
+	c->scratch[0] = 0;
 	for (uint32_t i = 1; i < c->count; i++) {
-		double s = track_distance(&f[i - 1], &f[i]) * s_per_m;
-		guess[i] = guess[i - 1] + (s_per_m > 0 ? fmin(fmax(s, 0.01 * step_s), 20 * step_s) : step_s);
+		double s = m_s > 0 ? track_distance(&c->f[i - 1], &c->f[i]) / m_s : step_s;
+		c->scratch[i] = c->scratch[i - 1] + fmin(fmax(s, 0.01 * step_s), 20 * step_s);
 	}
 }
 

@@ -150,25 +150,22 @@ static void choose_samples(struct work *w, double step_s, uint32_t looks)
 	w->flight->step_s = moves ? length / (w->flight->count - 1) : 1;
 }
 
-/* Returns how many looks were recorded. */
+/* How fast it is, and which angles it has. Returns how many looks were recorded. */
 static uint32_t learn(struct work *w)
 {
-	const struct eco_track *track = w->track;
 	struct eco_flight *f = w->flight;
 	bool pitch_given = !isnan(w->options->pitch_deg);
-	uint32_t looks = 0;
-	for (uint32_t i = 0; i < track->count; i++) {
-		bool yaw = !isnan(track->fixes[i].yaw_deg), pitch = !isnan(track->fixes[i].pitch_deg);
-		f->yaw_recorded |= yaw;
-		f->pitch_recorded |= pitch && !pitch_given;
-		looks += yaw || pitch;
-	}
-	uint32_t speeds = track_speeds(track, w->scratch);
+	uint32_t speeds = track_speeds(w->track, w->scratch);
 	w->speed_m_s = track_quantile(w->scratch, speeds, 0.5);
 	w->slow_m_s = track_quantile(w->scratch, speeds, 0.25);
 	f->pitch_deg = pitch_given ? w->options->pitch_deg
-		: track->format == ECO_TRACK_SRT ? FLIGHT_PITCH_DEG : 0;
-	return looks;
+		: w->track->format == ECO_TRACK_SRT ? FLIGHT_PITCH_DEG : 0;
+	collect(w, TRACK_YAW);
+	uint32_t yaws = w->count;
+	collect(w, TRACK_PITCH);
+	f->yaw_recorded = yaws > 0;
+	f->pitch_recorded = w->count && !pitch_given;
+	return yaws > w->count ? yaws : w->count;
 }
 
 /* ---- Directions ---- */
@@ -259,6 +256,19 @@ static void sample_looks(struct work *w)
 		sample(w, FOV, 0);
 }
 
+static void make_samples(struct work *w)
+{
+	struct eco_flight *f = w->flight;
+	sample_eyes(w);
+	follow_path(w);
+	sample_looks(w);
+	for (uint32_t i = 0; i < f->count; i++) {
+		struct eco_sample *s = &f->samples[i];
+		set_axes(s, i ? s - 1 : NULL);
+		f->length_m += i ? eco_distance(s->eye, s[-1].eye) : 0;
+	}
+}
+
 enum eco_code eco_flight_make(struct eco_flight *flight, const struct eco_track *track,
 	const struct eco_track_options *options, struct eco_error *error)
 {
@@ -266,27 +276,20 @@ enum eco_code eco_flight_make(struct eco_flight *flight, const struct eco_track 
 	struct work w = { .flight = flight, .track = track, .options = options,
 		.time_s = malloc((3 * fixes + SAMPLES_MAX) * sizeof *w.time_s) };
 	*flight = (struct eco_flight){ .samples = calloc(SAMPLES_MAX, sizeof *flight->samples) };
-	w.value = w.time_s + fixes;
-	w.scratch = w.value + fixes;
 	enum eco_code code = w.time_s && flight->samples ? ECO_OK
 		: eco_fail(error, ECO_NO_MEMORY, "no memory for %zu fixes", fixes);
-	uint32_t looks = code ? 0 : learn(&w);
-	double step_s = code ? 0 : collect(&w, TRACK_X);
-	if (!code && !w.count)
-		code = eco_fail(error, ECO_BAD_INPUT, "the track has no position left");
 	if (!code) {
+		w.value = w.time_s + fixes;
+		w.scratch = w.value + fixes;
+		uint32_t looks = learn(&w);
+		double step_s = collect(&w, TRACK_X);
 		flight->smooth_s = choose_smoothing(&w, step_s);
 		choose_samples(&w, step_s, looks);
-		sample_eyes(&w);
-		follow_path(&w);
-		sample_looks(&w);
+		code = w.count ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "the track has no position left");
 	}
-	for (uint32_t i = 0; !code && i < flight->count; i++) {
-		struct eco_sample *s = &flight->samples[i];
-		set_axes(s, i ? s - 1 : NULL);
-		flight->length_m += i ? eco_distance(s->eye, s[-1].eye) : 0;
-	}
-	if (code)
+	if (!code)
+		make_samples(&w);
+	else
 		eco_flight_free(flight);
 	free(w.time_s);
 	return code;

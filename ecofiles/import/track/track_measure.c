@@ -54,7 +54,7 @@ uint32_t track_speeds(const struct eco_track *track, double *speeds)
 	uint32_t count = 0, still = 0;
 	double window_s = track->count ? fmin(WINDOW_S, (f[track->count - 1].time_s - f[0].time_s) / 8) : 0;
 	for (uint32_t i = 0; i < track->count; i++) {
-		if (isnan(f[i].at[0]) || (last && !(f[i].time_s - last->time_s >= window_s)))
+		if (isnan(f[i].at[0]) || isnan(f[i].time_s) || (last && !(f[i].time_s - last->time_s >= window_s)))
 			continue;
 		double d = last ? track_distance(last, &f[i]) : 0;
 		if (d > 0)

@@ -24,9 +24,9 @@ struct fit {
 
 static const double *numbers(const struct fit *f, uint32_t key) { return f->flight->samples[f->key[key]].n; }
 
-/* Metres to the flight at a sample within the stretch from keyframe i, and degrees of look, roll and field of
- * view. */
-static void errors_at(const struct fit *f, uint32_t i, uint32_t sample, double *m, double *deg)
+/* How far the spline within the stretch from keyframe i is from the flight at a sample, in metres or degrees of
+ * look, roll and field of view, as a share of what is wanted. */
+static double error_at(struct fit *f, uint32_t i, uint32_t sample)
 {
 	uint32_t before = i ? i - 1 : 0, after = i + 2 < f->count ? i + 2 : i + 1;
 	const double *a = numbers(f, i), *b = numbers(f, i + 1), *is = f->flight->samples[sample].n;
@@ -37,26 +37,24 @@ static void errors_at(const struct fit *f, uint32_t i, uint32_t sample, double *
 		double slope_b = (numbers(f, after)[n] - a[n]) * per_b;
 		at[n] = a[n] + s * s * (3 - 2 * s) * (b[n] - a[n]) + h * s * r * (r * slope_a - s * slope_b);
 	}
-	*m = eco_distance(at, is);
-	*deg = fmax(fmax(eco_angle_deg(at + LOOK, is + LOOK), eco_angle_deg(at + UP, is + UP)),
-		fabs(at[FOV] - is[FOV]));
+	static const double none[3];
+	double m = eco_distance(at, is), look_deg = eco_angle_deg(at + LOOK, is + LOOK);
+	double deg = fmax(fmax(look_deg, eco_angle_deg(at + UP, is + UP)), fabs(at[FOV] - is[FOV]));
 	/* looks that nearly cancel each other are no looks */
-	if (at[LOOK] * at[LOOK] + at[LOOK + 1] * at[LOOK + 1] + at[LOOK + 2] * at[LOOK + 2] < 0.01)
-		*deg = 180;
+	deg = eco_distance(at + LOOK, none) < 0.1 ? 180 : deg;
+	f->worst_m = fmax(f->worst_m, m);
+	f->worst_deg = fmax(f->worst_deg, deg);
+	return fmax(m / f->error_m, deg / f->error_deg);
 }
 
-/* The sample that is worst in stretch i, against what is wanted; its share of that. */
+/* The sample that is worst in stretch i, and its error. */
 static double worst_of(struct fit *f, uint32_t i, uint32_t *worst)
 {
 	double most = 0;
 	for (uint32_t sample = f->key[i] + 1; sample < f->key[i + 1]; sample++) {
-		double m, deg;
-		errors_at(f, i, sample, &m, &deg);
-		f->worst_m = fmax(f->worst_m, m);
-		f->worst_deg = fmax(f->worst_deg, deg);
-		double share = fmax(m / f->error_m, deg / f->error_deg);
-		*worst = share > most ? sample : *worst;
-		most = fmax(most, share);
+		double error = error_at(f, i, sample);
+		*worst = error > most ? sample : *worst;
+		most = fmax(most, error);
 	}
 	return most;
 }
