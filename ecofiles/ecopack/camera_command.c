@@ -58,7 +58,6 @@ static void say_repairs(const struct eco_track *track, const struct eco_track_re
 		{ r->sorted, "file is not in the order of its times: sorted" },
 		{ r->stamps_equal, "fixes have the time of the one before: interpolated by distance" },
 		{ r->untimed ? 0 : r->stamps_missing, "fixes have no time: interpolated by distance" },
-		{ r->heights_missing, "fixes have no height: interpolated" },
 		{ r->jumped, "positions are left out: jumps, or parts that a jump separates from the longest" },
 		{ r->retimed, "steps take another time than recorded: short leaps, and minutes without motion" },
 	};
@@ -73,7 +72,7 @@ static void say_repairs(const struct eco_track *track, const struct eco_track_re
 }
 
 /* Says which values stand in for what was not recorded. */
-static void say_guesses(const struct camera *c, const struct eco_flight *f, const struct eco_track_report *r)
+static void say_guesses(const struct camera *c, const struct eco_track *track, const struct eco_flight *f, bool untimed)
 {
 	if (f->smooth_s > 0 && isnan(c->o.smooth_s))
 		main_note("smoothed with %.2g s (--smooth S; 0: not at all), which moves no position by more than "
@@ -83,15 +82,15 @@ static void say_guesses(const struct camera *c, const struct eco_flight *f, cons
 			"(--pitch DEG, or --look-at X,Y,Z)", f->pitch_deg);
 	else if (!f->pitch_recorded && isnan(c->o.pitch_deg) && !c->o.look_at_given)
 		main_note("only its yaw was recorded: %g degrees of pitch are taken (--pitch DEG)", f->pitch_deg);
-	if (r->untimed && f->count > 1)
+	if (untimed && f->count > 1)
 		main_note("no times were recorded: %g m a second are taken (--speed X)", ECO_TRACK_PACE_M_S);
-	if (!r->has_height)
+	if (!track->has_height)
 		main_note("no heights were recorded: the camera is %g m above the ground (--clearance)",
 			c->o.clearance_m);
-	else if (r->height == ECO_HEIGHTS_ABSOLUTE && c->o.crs && !c->o.to_given)
+	else if (track->height == ECO_HEIGHTS_ABSOLUTE && c->o.crs && !c->o.to_given)
 		main_note("heights are taken as metres above the zero of the scene's heights; another datum is not "
 			"converted (--height rel)");
-	else if (r->height == ECO_HEIGHTS_RELATIVE && !c->o.to_given)
+	else if (track->height == ECO_HEIGHTS_RELATIVE && !c->o.to_given)
 		main_note("heights are above take-off, which is %s (--height abs)",
 			c->o.ground ? "on the scene's ground" : "z = 0");
 }
@@ -171,19 +170,18 @@ static enum eco_code copy_script(const struct camera *c, struct eco_error *error
 
 /* ---- From the track to the script ---- */
 
-static void move_flight(struct camera *c, struct eco_flight *flight, bool local,
-	const struct eco_track_report *r)
+static void move_flight(struct camera *c, struct eco_flight *flight, const struct eco_track *track, bool local)
 {
 	double *eye = flight->samples[0].eye, ground = 0, low[3], high[3];
 	struct eco_flight_moved moved;
-	c->o.from_ground = !r->has_height && c->scene;
+	c->o.from_ground = !track->has_height && c->scene;
 	/* heights above take-off count from the ground there */
-	if (!c->o.to_given && r->height == ECO_HEIGHTS_RELATIVE && c->o.ground
+	if (!c->o.to_given && track->height == ECO_HEIGHTS_RELATIVE && c->o.ground
 			&& eco_ground_height(&c->ground, eye[0], eye[1], &ground))
 		eco_flight_lift(flight, ground);
 	if (local) {
 		c->o.to_given = true;
-		c->o.to[2] = r->height == ECO_HEIGHTS_ABSOLUTE ? 0 : NAN;
+		c->o.to[2] = track->height == ECO_HEIGHTS_ABSOLUTE ? 0 : NAN;
 	}
 	eco_flight_move(flight, &c->o, &moved);
 	eco_flight_box(flight, low, high);
@@ -206,13 +204,13 @@ static enum eco_code convert(struct camera *c, struct eco_track *track, struct e
 	main_note("%s: read as %s", c->input, eco_track_format_names[track->format]);
 	enum eco_code code = eco_track_place(track, &c->o, error);
 	if (!code)
-		code = eco_track_clean(track, &c->o, &report, error);
+		code = eco_track_clean(track, &report, error);
 	say_repairs(track, &report);
 	if (!code)
 		code = eco_flight_make(&flight, track, &c->o, error);
 	if (!code) {
-		say_guesses(c, &flight, &report);
-		move_flight(c, &flight, local, &report);
+		say_guesses(c, track, &flight, report.untimed);
+		move_flight(c, &flight, track, local);
 		code = eco_script_fit(&script, &flight, &c->o, error);
 	}
 	if (!code)

@@ -47,7 +47,7 @@ static void fly(struct eco_track *track)
 	struct eco_script script = { 0 };
 	static const struct eco_track_options defaults = ECO_TRACK_DEFAULTS, few = { .keys_max = 100 };
 	to_metres(track);
-	if (eco_track_clean(track, &defaults, &report, NULL))
+	if (eco_track_clean(track, &report, NULL))
 		return;
 	assert(report.fixes == report.kept + report.repeated + report.jumped && report.kept > 0);
 	for (uint32_t i = 1; i < track->count; i++)

@@ -249,7 +249,7 @@ static void compare_with_table(const char *folder, const char *name)
 	snprintf(table, sizeof table, "%s/%s.csv", folder, name);
 	if (eco_track_read(&track, path, &error) || eco_track_read(&wanted, table, &error) ||
 		eco_track_place(&track, &track_defaults, &error)
-		|| eco_track_clean(&track, &track_defaults, &report, &error))
+		|| eco_track_clean(&track, &report, &error))
 		fail_msg("%s", error.text);
 	struct eco_flight f = flight_of(&track);
 	/* the table's zero is the file's first fix, which may lie in another part */

@@ -155,7 +155,7 @@ static void without_times_a_pace_is_taken(void **state)
 	put(&m, NAN, 30, 40, NAN);
 	put(&m, NAN, 30, 90, NAN);
 	struct eco_track_report report = cleaned(&m.track);
-	assert_true(report.untimed && !report.has_height && near(m.track.fixes[1].time_s, 5, 1e-9)
+	assert_true(report.untimed && near(m.track.fixes[1].time_s, 5, 1e-9)
 		&& near(m.track.fixes[2].time_s, 10, 1e-9));
 	eco_track_free(&m.track);
 }
@@ -172,20 +172,23 @@ static void heights_are_absolute_relative_or_interpolated(void **state)
 			m.track.fixes[i].above_m = i == 4 ? NAN : 5 + i;
 		}
 		struct eco_track_options options = track_defaults;
-		struct eco_track_report report;
 		options.height = rows[k].wanted;
-		assert_int_equal(eco_track_clean(&m.track, &options, &report, NULL), ECO_OK);
-		assert_true(report.height == rows[k].taken && report.heights_missing == 1
+		assert_int_equal(eco_track_place(&m.track, &options, NULL), ECO_OK);
+		assert_true(m.track.height == rows[k].taken && says(&m.track, "1 fixes have no height")
 			&& m.track.fixes[0].at[2] == rows[k].first);
 		eco_track_free(&m.track);
 	}
-	struct made m = straight(10);
+	struct made m = straight(10), flat = made_track(1);
 	struct eco_track_options options = track_defaults;
-	struct eco_track_report report;
 	options.height = ECO_HEIGHTS_RELATIVE;
-	assert_int_equal(eco_track_clean(&m.track, &options, &report, NULL), ECO_OK);
-	assert_true(report.height == ECO_HEIGHTS_RELATIVE && m.track.fixes[0].at[2] == 0);
+	assert_int_equal(eco_track_place(&m.track, &options, NULL), ECO_OK);
+	assert_true(m.track.height == ECO_HEIGHTS_RELATIVE && m.track.fixes[0].at[2] == 0);
+	put(&flat, 0, 0, 0, NAN);
+	assert_int_equal(eco_track_place(&flat.track, &options, NULL), ECO_BAD_INPUT);
+	assert_int_equal(eco_track_place(&flat.track, &track_defaults, NULL), ECO_OK);
+	assert_true(!flat.track.has_height);
 	eco_track_free(&m.track);
+	eco_track_free(&flat.track);
 }
 
 /* ---- Places ---- */

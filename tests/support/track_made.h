@@ -72,7 +72,7 @@ static inline struct eco_track_report cleaned(struct eco_track *track)
 {
 	struct eco_track_report report;
 	struct eco_error error = { 0 };
-	if (eco_track_clean(track, &track_defaults, &report, &error))
+	if (eco_track_clean(track, &report, &error))
 		fail_msg("%s", error.text);
 	assert_int_equal(report.fixes, report.kept + report.repeated + report.jumped);
 	assert_true(track->fixes[0].time_s == 0);

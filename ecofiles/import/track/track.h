@@ -2,8 +2,8 @@
  * camera script.
  *
  *   eco_track_read(&track, path, &error);                       any format -> fixes, as recorded
- *   eco_track_place(&track, &options, &error);                  degrees -> metres
- *   eco_track_clean(&track, &options, &report, &error);         stamps, repeats, jumps, gaps
+ *   eco_track_place(&track, &options, &error);                  degrees -> metres, heights
+ *   eco_track_clean(&track, &report, &error);                   stamps, repeats, jumps, gaps
  *   eco_flight_make(&flight, &track, &options, &error);         even, smooth motion
  *   eco_flight_move(&flight, &options, &moved);                 to where the scene is
  *   eco_script_fit(&script, &flight, &options, &error);         CAMERA.json, of few keyframes
@@ -88,6 +88,8 @@ struct eco_track {
 	unsigned degrees : 1;        /* at[0], at[1] are degrees east and north, WGS 84 */
 	unsigned timed : 1;          /* some fixes have a time */
 	unsigned posed : 1;          /* poses of a camera are exact: nothing is smoothed unless asked for */
+	unsigned has_height : 1;     /* of the kind `height`, which placing chose */
+	enum eco_track_height height;
 	/* the step in which positions were written (rounding); 0: too small to matter; set by placing */
 	double still_m;
 	struct eco_fix *fixes;       uint32_t count, capacity;
@@ -111,8 +113,8 @@ void eco_track_free(struct eco_track *track);
  * more. */
 void eco_track_note(void *track, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* at[] becomes metres from the origin, yaw counts from the frame's north (which is not true north); still_m
- * is found. Errors: a CRS that is not known, not projected or not in metres; no fix that it holds. */
+/* at[] becomes metres from the origin, of the height asked for; yaw counts from the frame's north (which is not
+ * true north); still_m is found. Errors: no height of the kind asked for; a CRS that is not known, not projected or not in metres; no fix that it holds. */
 enum eco_code eco_track_place(struct eco_track *track, const struct eco_track_options *options,
 	struct eco_error *error);
 
@@ -120,20 +122,17 @@ struct eco_track_report {
 	uint64_t fixes;              /* before cleaning; kept + repeated + jumped */
 	uint64_t kept, repeated, jumped;
 	/* repairs of what was kept */
-	uint64_t stamps_missing, stamps_wrong, stamps_equal, heights_missing, retimed;
+	uint64_t stamps_missing, stamps_wrong, stamps_equal, retimed;
 	uint32_t parts;              /* between jumps that do not come back: only the longest is kept */
-	bool sorted, untimed, has_height;
-	enum eco_track_height height;        /* what was taken */
+	bool sorted, untimed;
 };
 
 /* In this order: unsorted files are sorted; stamps that cannot be (years from the others, before, like or
  * behind their neighbours) are forgotten, and unknown ones interpolated by distance. Repeated positions become
  * one, two where the camera stands. A step much faster than the track's own speeds is a jump: the fixes beyond
  * are dropped if the track comes back within a few; a short one gets time; else the longest part is kept. Gaps
- * of more than a minute without motion become one. at[2] becomes the height asked for. Times then count from
- * 0 and ascend. */
-enum eco_code eco_track_clean(struct eco_track *track, const struct eco_track_options *options,
-	struct eco_track_report *report, struct eco_error *error);
+ * of more than a minute without motion become one. Times then count from 0 and ascend. */
+enum eco_code eco_track_clean(struct eco_track *track, struct eco_track_report *report, struct eco_error *error);
 
 /* ---- Even and smooth ---- */
 

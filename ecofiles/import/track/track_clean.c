@@ -1,5 +1,5 @@
-/* What recorders get wrong, undone in an order in which each step can rely on those before: heights, time
- * stamps, repeated positions, jumps, gaps.
+/* What recorders get wrong, undone in an order in which each step can rely on those before: time stamps,
+ * repeated positions, jumps, gaps.
  *
  * The order of the file is trusted above its stamps, as recorders append; only a file most of whose steps run
  * back, or that runs back often, is taken to be unsorted. A position may be repeated because the GPS is slower
@@ -30,33 +30,6 @@ struct clean {
 	double middle_m_s, high_m_s;                 /* speeds: median, and what nine tenths are below */
 	double limit_m_s, limit_m;                   /* a jump is faster and farther */
 };
-
-/* ---- Heights ---- */
-
-static enum eco_code choose_heights(struct clean *c, int wanted, struct eco_error *error)
-{
-	struct eco_track_report *r = c->report;
-	uint32_t absolute = 0, relative = 0;
-	double first = 0;
-	for (uint32_t i = c->count; i-- > 0; ) {
-		absolute += !isnan(c->f[i].at[2]);
-		relative += !isnan(c->f[i].above_m);
-		first = isnan(c->f[i].at[2]) ? first : c->f[i].at[2];
-	}
-	bool above = wanted != ECO_HEIGHTS_ABSOLUTE && relative && (relative >= c->count / 2 || !absolute);
-	if (wanted && !above && !absolute)
-		return eco_fail(error, ECO_BAD_INPUT, "--height: the track has no heights of this kind%s",
-			relative ? ", only above take-off" : "");
-	r->has_height = above || absolute;
-	r->height = above || wanted == ECO_HEIGHTS_RELATIVE ? ECO_HEIGHTS_RELATIVE : ECO_HEIGHTS_ABSOLUTE;
-	/* take-off is where it begins */
-	double zero = wanted == ECO_HEIGHTS_RELATIVE ? first : 0;
-	for (uint32_t i = 0; i < c->count; i++) {
-		c->f[i].at[2] = above ? c->f[i].above_m : c->f[i].at[2] - zero;
-		r->heights_missing += r->has_height && isnan(c->f[i].at[2]);
-	}
-	return ECO_OK;
-}
 
 /* ---- Stamps ---- */
 
@@ -353,8 +326,7 @@ static void drop_jumps(struct clean *c)
 	retime(c, first, end);
 }
 
-enum eco_code eco_track_clean(struct eco_track *track, const struct eco_track_options *options,
-	struct eco_track_report *report, struct eco_error *error)
+enum eco_code eco_track_clean(struct eco_track *track, struct eco_track_report *report, struct eco_error *error)
 {
 	struct clean c = { .f = track->fixes, .count = track->count, .track = track, .report = report };
 	*report = (struct eco_track_report){ .fixes = track->count };
@@ -362,7 +334,7 @@ enum eco_code eco_track_clean(struct eco_track *track, const struct eco_track_op
 		return eco_fail(error, ECO_BAD_INPUT, "the track has no fixes");
 	c.scratch = malloc((track->count + 1) * sizeof *c.scratch);
 	c.place = malloc(track->count * sizeof(struct eco_fix *));
-	enum eco_code code = c.scratch && c.place ? choose_heights(&c, options->height, error)
+	enum eco_code code = c.scratch && c.place ? ECO_OK
 		: eco_fail(error, ECO_NO_MEMORY, "no memory for %u fixes", track->count);
 	if (!code) {
 		repair_stamps(&c);

@@ -203,17 +203,10 @@ static void follow_path(struct work *w)
  * script: it passes through a side. */
 static void set_axes(struct eco_sample *s, const struct eco_sample *before)
 {
-	double yaw = s->n[YAW] / TRACK_DEG, pitch = s->n[PITCH] / TRACK_DEG, roll = s->n[PITCH + 1] / TRACK_DEG;
-	double sp = sin(pitch), cp = cos(pitch);
-	const double wanted[3] = { cp * sin(yaw), cp * cos(yaw), sp };
-	if (before && eco_angle_deg(wanted, before->look) > TURN_MOST_DEG)
-		yaw -= 90 / TRACK_DEG;
-	double sy = sin(yaw), cy = cos(yaw);
-	const double right[3] = { cy, -sy, 0 }, level[3] = { -sp * sy, -sp * cy, cp };
-	const double look[3] = { cp * sy, cp * cy, sp };
-	memcpy(s->look, look, sizeof look);
-	for (int k = 0; k < 3; k++)
-		s->up[k] = cos(roll) * level[k] + sin(roll) * right[k];
+	const double yaw_deg = s->n[YAW], pitch_deg = s->n[PITCH], roll_deg = s->n[PITCH + 1];
+	track_axes(yaw_deg, pitch_deg, roll_deg, s->look, s->up);
+	if (before && eco_angle_deg(s->look, before->look) > TURN_MOST_DEG)
+		track_axes(yaw_deg - 90, pitch_deg, roll_deg, s->look, s->up);
 }
 
 /* ---- All of it ---- */

@@ -19,6 +19,17 @@ double eco_angle_deg(const double a[3], const double b[3])
 		a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) * TRACK_DEG;
 }
 
+void track_axes(double yaw_deg, double pitch_deg, double roll_deg, double look[3], double up[3])
+{
+	double yaw = yaw_deg / TRACK_DEG, pitch = pitch_deg / TRACK_DEG, roll = roll_deg / TRACK_DEG;
+	double sy = sin(yaw), cy = cos(yaw), sp = sin(pitch), cp = cos(pitch);
+	const double ahead[3] = { cp * sy, cp * cy, sp }, right[3] = { cy, -sy, 0 }, level[3] = { -sp * sy, -sp * cy, cp };
+	for (int k = 0; k < 3; k++) {
+		look[k] = ahead[k];
+		up[k] = cos(roll) * level[k] + sin(roll) * right[k];
+	}
+}
+
 void eco_flight_box(const struct eco_flight *f, double low[3], double high[3])
 {
 	memcpy(low, f->samples[0].eye, 3 * sizeof *low);

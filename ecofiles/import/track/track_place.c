@@ -1,4 +1,4 @@
-/* Fixes in metres of the frame, and the steps in which their numbers were written. Degrees go to the scene's
+/* Fixes in metres of the frame, with the heights that are asked for, and the steps in which their numbers were written. Degrees go to the scene's
  * CRS, or to a plane of the track's own (azimuthal equidistant about its middle), where it will be moved. */
 #include <stdio.h>
 #include <string.h>
@@ -69,6 +69,33 @@ static enum eco_code convert_all(struct eco_crs *crs, struct eco_track *track, c
 		"--to 0,0,50 moves the track to the scene", name);
 }
 
+/* at[2] becomes the height that is asked for. */
+static enum eco_code choose_heights(struct eco_track *track, int wanted, struct eco_error *error)
+{
+	struct eco_fix *f = track->fixes;
+	uint32_t absolute = 0, relative = 0;
+	double first = 0;
+	for (uint32_t i = track->count; i-- > 0; ) {
+		absolute += !isnan(f[i].at[2]);
+		relative += !isnan(f[i].above_m);
+		first = isnan(f[i].at[2]) ? first : f[i].at[2];
+	}
+	bool above = wanted != ECO_HEIGHTS_ABSOLUTE && relative && (relative >= track->count / 2 || !absolute);
+	if (wanted && !above && !absolute)
+		return eco_fail(error, ECO_BAD_INPUT, "--height: the track has no heights of this kind%s",
+			relative ? ", only above take-off" : "");
+	track->has_height = above || absolute;
+	track->height = above || wanted == ECO_HEIGHTS_RELATIVE ? ECO_HEIGHTS_RELATIVE : ECO_HEIGHTS_ABSOLUTE;
+	/* take-off is where it begins */
+	double zero = wanted == ECO_HEIGHTS_RELATIVE ? first : 0;
+	for (uint32_t i = 0; i < track->count; i++)
+		f[i].at[2] = above ? f[i].above_m : f[i].at[2] - zero;
+	uint32_t known = above ? relative : absolute;
+	if (track->has_height && known < track->count)
+		eco_track_note(track, "%u fixes have no height: interpolated", track->count - known);
+	return ECO_OK;
+}
+
 enum eco_code eco_track_place(struct eco_track *track, const struct eco_track_options *options,
 	struct eco_error *error)
 {
@@ -96,5 +123,5 @@ enum eco_code eco_track_place(struct eco_track *track, const struct eco_track_op
 	for (uint32_t i = 0; !code && i < track->count; i++)
 		track->fixes[i].at[2] -= to.origin[2];
 	track->degrees &= code != ECO_OK;
-	return code;
+	return code ? code : choose_heights(track, options->height, error);
 }

@@ -62,6 +62,8 @@ double track_distance(const struct eco_fix *a, const struct eco_fix *b);
 /* Speeds over a second or more, so that rounding and noise do not pass for motion; stands are left out. At
  * most track->count, ascending; returns how many. */
 uint32_t track_speeds(const struct eco_track *track, double *speeds);
+/* Units at right angles. */
+void track_axes(double yaw_deg, double pitch_deg, double roll_deg, double look[3], double up[3]);
 /* Sorts; 0 if there are none. */
 double track_quantile(double *values, uint32_t count, double share);
 
