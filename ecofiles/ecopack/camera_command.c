@@ -30,8 +30,8 @@ struct camera {                          /* what the command line says, and the 
 static enum eco_code open_scene(struct camera *c, struct eco_error *error)
 {
 	if (c->o.crs && (c->scene || !c->origin_given))
-		return eco_fail(error, ECO_BAD_USAGE, c->scene ? "--scene and --crs say the same thing; take one of "
-			"them" : "--crs needs --origin X,Y,Z, the point that is 0, 0, 0 in the scene");
+		return eco_fail(error, ECO_BAD_USAGE, c->scene ? "--scene and --crs say the same thing; take "
+			"one of them" : "--crs needs --origin X,Y,Z, the point that is 0, 0, 0 in the scene");
 	if (!c->scene)
 		return ECO_OK;
 	enum eco_code code = eco_sources_load(&c->sources, c->scene, error);
@@ -58,8 +58,10 @@ static void say_repairs(const struct eco_track *track, const struct eco_track_re
 		{ r->sorted, "file is not in the order of its times: sorted" },
 		{ r->stamps_equal, "fixes have the time of the one before: interpolated by distance" },
 		{ r->untimed ? 0 : r->stamps_missing, "fixes have no time: interpolated by distance" },
-		{ r->jumped, "positions are left out: jumps, or parts that a jump separates from the longest" },
-		{ r->retimed, "steps take another time than recorded: short leaps, and minutes without motion" },
+		{ r->jumped, "positions are left out: jumps, or parts that a jump separates from the "
+			"longest" },
+		{ r->retimed, "steps take another time than recorded: short leaps, and minutes without "
+			"motion" },
 	};
 	for (uint32_t i = 0; i < track->note_count; i++)
 		main_note("%s", track->notes[i]);
@@ -72,24 +74,26 @@ static void say_repairs(const struct eco_track *track, const struct eco_track_re
 }
 
 /* Says which values stand in for what was not recorded. */
-static void say_guesses(const struct camera *c, const struct eco_track *track, const struct eco_flight *f, bool untimed)
+static void say_guesses(const struct camera *c, const struct eco_track *track, const struct eco_flight *f,
+	bool untimed)
 {
 	if (f->smooth_s > 0 && isnan(c->o.smooth_s))
-		main_note("smoothed with %.2g s (--smooth S; 0: not at all), which moves no position by more than "
-			"%.2f m", f->smooth_s, f->moved_m);
+		main_note("smoothed with %.2g s (--smooth S; 0: not at all), which moves no position by more "
+			"than %.2f m", f->smooth_s, f->moved_m);
 	if (!f->yaw_recorded && !c->o.look_at_given)
-		main_note("no directions were recorded: the camera looks where it goes, %g degrees above level "
-			"(--pitch DEG, or --look-at X,Y,Z)", f->pitch_deg);
+		main_note("no directions were recorded: the camera looks where it goes, %g degrees above "
+			"level (--pitch DEG, or --look-at X,Y,Z)", f->pitch_deg);
 	else if (!f->pitch_recorded && isnan(c->o.pitch_deg) && !c->o.look_at_given)
-		main_note("only its yaw was recorded: %g degrees of pitch are taken (--pitch DEG)", f->pitch_deg);
+		main_note("only its yaw was recorded: %g degrees of pitch are taken (--pitch DEG)",
+			f->pitch_deg);
 	if (untimed && f->count > 1)
 		main_note("no times were recorded: %g m a second are taken (--speed X)", ECO_TRACK_PACE_M_S);
 	if (!track->has_height)
 		main_note("no heights were recorded: the camera is %g m above the ground (--clearance)",
 			c->o.clearance_m);
 	else if (track->height == ECO_HEIGHTS_ABSOLUTE && c->o.crs && !c->o.to_given)
-		main_note("heights are taken as metres above the zero of the scene's heights; another datum is not "
-			"converted (--height rel)");
+		main_note("heights are taken as metres above the zero of the scene's heights; another datum "
+			"is not converted (--height rel)");
 	else if (track->height == ECO_HEIGHTS_RELATIVE && !c->o.to_given)
 		main_note("heights are above take-off, which is %s (--height abs)",
 			c->o.ground ? "on the scene's ground" : "z = 0");
@@ -102,15 +106,15 @@ static void say_moved(const struct camera *c, const struct eco_flight *flight,
 	for (uint32_t i = 0; i < flight->count; i++)
 		far_m = fmin(far_m, hypot(flight->samples[i].eye[0], flight->samples[i].eye[1]));
 	if (moved->raised)
-		main_note("%.1f %% of the way is less than %g m above the ground, up to %.1f m below that: raised "
-			"(--clearance M)", moved->raised * percent, c->o.clearance_m, moved->raised_m);
+		main_note("%.1f %% of the way is less than %g m above the ground, up to %.1f m below that: "
+			"raised (--clearance M)", moved->raised * percent, c->o.clearance_m, moved->raised_m);
 	if (moved->off_ground)
 		main_note("%.0f %% of the way is beyond the border of the scene's ground",
 			moved->off_ground * percent);
 	if ((c->scene || c->o.crs) && far_m > FAR_M)
-		main_note("the track is %.0f km from the scene's origin, so its pictures show nothing of it: add "
-			"--to X,Y,Z to bring its first fix there, or --track-crs EPSG:... if its x and y are in a "
-			"CRS", far_m / 1000);
+		main_note("the track is %.0f km from the scene's origin, so its pictures show nothing of it: "
+			"add --to X,Y,Z to bring its first fix there, or --track-crs EPSG:... if its x and y "
+			"are in a CRS", far_m / 1000);
 }
 
 static void print_summary(const struct camera *c, const struct eco_track *track,
@@ -118,9 +122,9 @@ static void print_summary(const struct camera *c, const struct eco_track *track,
 {
 	double low[3], high[3];
 	eco_flight_box(f, low, high);
-	printf("%s: %" PRIu64 " records, %" PRIu64 " positions kept, %" PRIu64 " repeated, %" PRIu64 " jumps, %"
-		PRIu64 " without a usable one\n", c->input, track->records, r->kept, r->repeated, r->jumped,
-		track->skipped);
+	printf("%s: %" PRIu64 " records, %" PRIu64 " positions kept, %" PRIu64 " repeated, %" PRIu64
+		" jumps, %" PRIu64 " without a usable one\n", c->input, track->records, r->kept, r->repeated,
+		r->jumped, track->skipped);
 	printf("  %.1f s, %.1f m long\n  x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f\n", s->length_s,
 		f->length_m, low[0], high[0], low[1], high[1], low[2], high[2]);
 	printf("%s: %u keyframe%s, %u frame%s at %g a second, within %.3f m and %.2f degrees of the track\n",
@@ -135,12 +139,13 @@ static enum eco_code may_write(const char *path, struct eco_error *error)
 	struct stat status;
 	struct eco_camera *camera = NULL;
 	if (stat(path, &status) != 0)
-		return errno == ENOENT ? ECO_OK : eco_fail(error, ECO_IO, "%.300s: %s", path, strerror(errno));
+		return errno == ENOENT ? ECO_OK : eco_fail(error, ECO_IO, "%.300s: %s", path,
+			strerror(errno));
 	bool replaced = S_ISREG(status.st_mode)
 		&& (!status.st_size || eco_camera_load(&camera, path, NULL) == ECO_OK);
 	eco_camera_free(camera);
-	return replaced ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "%.300s is there and is no camera script; it is "
-		"kept. Take another name", path);
+	return replaced ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "%.300s is there and is no camera script; "
+		"it is kept. Take another name", path);
 }
 
 /* Reads the script as any reader would, before it is written. */
@@ -162,15 +167,16 @@ static enum eco_code copy_script(const struct camera *c, struct eco_error *error
 	if (!code)
 		code = write_script(c, text, size, c->input, error);
 	if (!code)
-		main_note("%s is a camera script already: it was checked and copied; nothing else was done to it",
-			c->input);
+		main_note("%s is a camera script already: it was checked and copied; nothing else was done "
+			"to it", c->input);
 	free(text);
 	return code;
 }
 
 /* ---- From the track to the script ---- */
 
-static void move_flight(struct camera *c, struct eco_flight *flight, const struct eco_track *track, bool local)
+static void move_flight(struct camera *c, struct eco_flight *flight, const struct eco_track *track,
+	bool local)
 {
 	double *eye = flight->samples[0].eye, ground = 0, low[3], high[3];
 	struct eco_flight_moved moved;
@@ -189,9 +195,9 @@ static void move_flight(struct camera *c, struct eco_flight *flight, const struc
 	if (local && !c->scene)
 		eco_flight_lift(flight, fmax(0, c->o.clearance_m - low[2]));
 	if (local)
-		main_note("nothing says where the scene is (--scene SCENE.json, or --crs and --origin, or --to "
-			"X,Y,Z): the first fix is the origin of the script's metres, x east, y north, and the lowest "
-			"eye is at least %g m above z = 0 (--clearance)", c->o.clearance_m);
+		main_note("nothing says where the scene is (--scene SCENE.json, or --crs and --origin, or "
+			"--to X,Y,Z): the first fix is the origin of the script's metres, x east, y north, "
+			"and the lowest eye is at least %g m above z = 0 (--clearance)", c->o.clearance_m);
 	say_moved(c, flight, &moved);
 }
 
@@ -257,8 +263,8 @@ static const char *const heights[] = { "default", "abs", "rel", NULL };
 
 static const struct eco_option options[] = {
 	{ "the recorded track", 0, ECO_OPTION_INPUT, "TRACK", &given.input, .is_required = true },
-	{ "output", 'o', ECO_OPTION_TEXT, "CAMERA.json", &given.output, .is_required = true, .help = "the camera "
-		"script, which appears complete or not at all and replaces nothing but another" },
+	{ "output", 'o', ECO_OPTION_TEXT, "CAMERA.json", &given.output, .is_required = true, .help = "the "
+		"camera script, which appears complete or not at all and replaces nothing but another" },
 	{ .help = "Placing" },
 	{ "scene", 0, ECO_OPTION_TEXT, "SCENE.json", &given.scene, .help = "its CRS, origin and ground" },
 	{ "crs", 0, ECO_OPTION_TEXT, "CRS", &given.o.crs, .help = "with --origin, the same without a scene" },

@@ -170,7 +170,7 @@ static void kml_points_have_times_and_lines_win_over_points_without(void **state
 		"xmlns:gx='http://www.google.com/kml/ext/2.2'><Placemark><gx:Track>"
 		"<when>2010-05-28T02:02:09Z</when><when>2010-05-28T02:02:35Z</when><gx:coord>-122.2 37.3 "
 		"156</gx:coord><gx:coord>-122.1 37.4 157</gx:coord>"
-		"</gx:Track></Placemark></kml>", "gx.kml", "<when>, of a gx:Track), which do not arrive through GDAL; "
+		"</gx:Track></Placemark></kml>", "gx.kml", "(of gx:Track) do not arrive through GDAL; "
 		"convert it to GPX or CSV");
 	fails("<kml xmlns='http://www.opengis.net/kml/2.2' "
 		"xmlns:gx='http://www.google.com/kml/ext/2.2'><gx:Tour><gx:Playlist><gx:FlyTo>"
@@ -219,7 +219,8 @@ static void geojson_lines_with_and_without_times(void **state)
 	fails("{\"type\":\"Feature\","
 		"\"properties\":{\"coordTimes\":[[\"2020-01-01T00:00:00Z\",\"2020-01-01T00:00:01Z\"]]},"
 		"\"geometry\":"
-		"{\"type\":\"MultiLineString\",\"coordinates\":[[[10,50],[11,50]]]}}", "nested.json", "coordTimes");
+		"{\"type\":\"MultiLineString\",\"coordinates\":[[[10,50],[11,50]]]}}", "nested.json",
+		"coordTimes");
 	fails("{\"type\":\"Feature\","
 		"\"properties\":{\"coordTimes\":[\"2020-01-01T00:00:00Z\"]},"
 		"\"geometry\":{\"type\":\"LineString\","
@@ -300,8 +301,8 @@ static void tables_are_read_by_the_names_of_their_columns(void **state)
 			FIX(1577836800.5, 10, 50, NAN, NAN, NAN, NAN) },
 		{ "whole ten-millionths", "t,lat,lon\n0,500000000,100000000\n", true,
 			FIX(0, 10, 50, NAN, NAN, NAN, NAN) },
-		{ "preamble, comments, spaces", "log of 2020\n# t, east, north, up\n# a comment\n 1.0 , 2.0,3.0 ,4.0\n",
-			false, FIX(1, 2, 3, 4, NAN, NAN, NAN) },
+		{ "preamble, comments, spaces", "log of 2020\n# t, east, north, up\n# a comment\n 1.0 , "
+			"2.0,3.0 ,4.0\n", false, FIX(1, 2, 3, 4, NAN, NAN, NAN) },
 		{ "west in 0 to 360", "t,lon,lat\n0,350,50\n", true, FIX(0, -10, 50, NAN, NAN, NAN, NAN) },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
@@ -323,7 +324,8 @@ static void what_is_no_track_is_said_to_be_none(void **state)
 		{ "t,lon,lat\n1,NA,\n2,500,3\n", "a.csv", "a.csv:2: read as CSV" },
 		{ "t,lon,lat\n", "a.csv", "no fix found" }, { "1\n", "a.srt", "no fix found" },
 		{ "<html></html>", "a.kml", "a web page, not a track" },
-		{ "<osm/>", "a.xml", "neither GPX nor KML" }, { "1 0 0 4 0 1 0 5\n", "00.txt", "name its columns" },
+		{ "<osm/>", "a.xml", "neither GPX nor KML" }, { "1 0 0 4 0 1 0 5\n", "00.txt", "name its "
+			"columns" },
 		{ "{\"frames\": []}", "poses.json", "no track that is known" },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)

@@ -195,7 +195,8 @@ static void heights_are_absolute_relative_or_interpolated(void **state)
 
 static void degrees_become_metres_of_the_scene(void **state)
 {
-	struct eco_track track = track_of("t,lon,lat,alt,yaw\n0,15,50,300,0\n1,15.001,50,301,0\n", "a.csv"), grid = track_of("t,lon,lat,yaw\n0,16.5,50,0\n", "b.csv"),
+	struct eco_track track = track_of("t,lon,lat,alt,yaw\n0,15,50,300,0\n1,15.001,50,301,0\n", "a.csv"),
+		grid = track_of("t,lon,lat,yaw\n0,16.5,50,0\n", "b.csv"),
 		metres = track_of("t,x,y\n0,500010,5538630\n", "c.csv");
 	struct eco_track_options utm = { .crs = "EPSG:32633", .origin = { 500000, 5538630, 290 } };
 	struct eco_error error = { 0 };

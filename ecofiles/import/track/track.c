@@ -18,8 +18,8 @@
 #define HEIGHT_MAX_M 1e5
 #define SECONDS_MAX 1e11
 #define HEAD_BYTES 4096u
-#define FORMATS "Read are SRT (a drone writes it beside its film), GPX, KML, GeoJSON, CSV in UTF-8, glTF and camera " \
-	"scripts; GPSBabel converts other logs of GPS to GPX"
+#define FORMATS "Read are SRT (a drone writes it beside its film), GPX, KML, GeoJSON, CSV in UTF-8, glTF " \
+	"and camera scripts; GPSBabel converts other logs of GPS to GPX"
 
 const char *const eco_track_format_names[ECO_TRACK_FORMATS] = { "a drone's subtitles (SRT)", "GPX", "KML",
 	"GeoJSON", "CSV", "a glTF camera", "a camera script" };
@@ -101,8 +101,8 @@ static enum eco_code json_format(const struct track_input *in, enum eco_track_fo
 		: json_is_string(json_object_get(root, "type")) ? ECO_TRACK_GEOJSON : ECO_TRACK_FORMATS;
 	json_decref(root);
 	return *format < ECO_TRACK_FORMATS ? ECO_OK : eco_fail(error, ECO_UNSUPPORTED,
-		"%.300s: JSON, but no track that is known: no GeoJSON (\"type\"), no glTF (\"asset\"), no camera "
-		"script (\"keyframes\")", in->path);
+		"%.300s: JSON, but no track that is known: no GeoJSON (\"type\"), no glTF (\"asset\"), no "
+		"camera script (\"keyframes\")", in->path);
 }
 
 /* ECO_TRACK_FORMATS: XML that is none of them. */
@@ -153,8 +153,8 @@ static enum eco_code read_text(struct eco_track *track, struct track_input *in, 
 		return code;
 	const char *name = eco_track_format_names[track->format];
 	return !track->skipped ? eco_fail(error, ECO_BAD_INPUT, "%.250s: no fix found; it was read as %s",
-		in->path, name) : eco_fail(error, ECO_BAD_INPUT, "%.250s:%u: read as %s, it has %llu records and no "
-		"usable fix: no position, or one that cannot be", in->path, track->skipped_line, name,
+		in->path, name) : eco_fail(error, ECO_BAD_INPUT, "%.250s:%u: read as %s, it has %llu records "
+		"and no usable fix: no position, or one that cannot be", in->path, track->skipped_line, name,
 		(unsigned long long)track->records);
 }
 

@@ -36,7 +36,8 @@ enum eco_track_height {
 };
 
 struct eco_track_options {       /* begin with ECO_TRACK_DEFAULTS; NaN: not stated */
-	/* where the scene is; NULL: metres from the track's middle, or from its own zero if it is in metres */
+	/* where the scene is; NULL: metres from the track's middle, or from its own zero if it is in metres
+	 */
 	const char *crs;
 	double origin[3];            /* of the scene, in crs */
 	const char *track_crs;       /* of fixes that are metres; NULL: metres from the origin */
@@ -113,8 +114,9 @@ void eco_track_free(struct eco_track *track);
  * more. */
 void eco_track_note(void *track, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* at[] becomes metres from the origin, of the height asked for; yaw counts from the frame's north (which is not
- * true north); still_m is found. Errors: no height of the kind asked for; a CRS that is not known, not projected or not in metres; no fix that it holds. */
+/* at[] becomes metres from the origin, of the height asked for; yaw counts from the frame's north (which is
+ * not true north); still_m is found. Errors: no height of the kind asked for; a CRS that is not known, not
+ * projected or not in metres; no fix that it holds. */
 enum eco_code eco_track_place(struct eco_track *track, const struct eco_track_options *options,
 	struct eco_error *error);
 
@@ -128,11 +130,12 @@ struct eco_track_report {
 };
 
 /* In this order: unsorted files are sorted; stamps that cannot be (years from the others, before, like or
- * behind their neighbours) are forgotten, and unknown ones interpolated by distance. Repeated positions become
- * one, two where the camera stands. A step much faster than the track's own speeds is a jump: the fixes beyond
- * are dropped if the track comes back within a few; a short one gets time; else the longest part is kept. Gaps
- * of more than a minute without motion become one. Times then count from 0 and ascend. */
-enum eco_code eco_track_clean(struct eco_track *track, struct eco_track_report *report, struct eco_error *error);
+ * behind their neighbours) are forgotten, and unknown ones interpolated by distance. Repeated positions
+ * become one, two where the camera stands. A step much faster than the track's own speeds is a jump: the
+ * fixes beyond are dropped if the track comes back within a few; a short one gets time; else the longest part
+ * is kept. Gaps of more than a minute without motion become one. Times then count from 0 and ascend. */
+enum eco_code eco_track_clean(struct eco_track *track, struct eco_track_report *report,
+	struct eco_error *error);
 
 /* ---- Even and smooth ---- */
 

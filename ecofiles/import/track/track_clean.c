@@ -2,17 +2,16 @@
  * repeated positions, jumps, gaps.
  *
  * The order of the file is trusted above its stamps, as recorders append; only a file most of whose steps run
- * back, or that runs back often, is taken to be unsorted. A position may be repeated because the GPS is slower
- * than the recording (motion then goes on from first to first), because it was rounded (then the middle of
- * the repeats is nearest to the truth) or because the camera stands (then it is kept at both ends).
+ * back, or that runs back often, is taken to be unsorted. A position may be repeated because the GPS is
+ * slower than the recording (motion then goes on from first to first), because it was rounded (then the
+ * middle of the repeats is nearest to the truth) or because the camera stands (then it is kept at both ends).
  * Positions, heights and looks are told apart: a fix loses only what it does not say. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/import/track/track_read.h"
 
-/* from the middle stamp: of another recording, or of a clock that was not set */
-#define FAR_S (30 * 86400.0)
+#define FAR_S (30 * 86400.0)             /* from the middle stamp: another recording, or a clock not set */
 #define STAND_S 1.5                      /* a repeat that lasts longer may be a stand */
 #define ROUNDED_M 0.5                    /* positions in steps of more are rounded roughly */
 #define STAMPS_AHEAD 5u                  /* stamps that are asked whether one before them is right */
@@ -73,8 +72,9 @@ static int by_time(const void *a, const void *b)
 	return s != t ? (s > t) - (s < t) : (x->line > y->line) - (x->line < y->line);
 }
 
-/* The next few stamps say which one is wrong where one runs back: it, or the one that ran ahead, which they lie
- * behind. A stamp like the one before is forgotten, too: clocks of whole seconds have several fixes in each. */
+/* The next few stamps say which one is wrong where one runs back: it, or the one that ran ahead, which they
+ * lie behind. A stamp like the one before is forgotten, too: clocks of whole seconds have several fixes in
+ * each. */
 static void forget_unordered(struct clean *c)
 {
 	double last_s = -INFINITY;
@@ -109,8 +109,8 @@ static void guess_times(struct clean *c, double step_s)
 	}
 }
 
-/* Between two stamps by distance, but no slower than a stand would be noticed; before the first and behind the
- * last at the track's own speed. */
+/* Between two stamps by distance, but no slower than a stand would be noticed; before the first and behind
+ * the last at the track's own speed. */
 static void fill_missing(struct clean *c, double step_s)
 {
 	struct eco_fix *f = c->f;
@@ -131,8 +131,7 @@ static void fill_missing(struct clean *c, double step_s)
 	}
 }
 
-/* Every fix gets a time, in file order not descending. Without any, a step is a second until retime knows
- * better. */
+/* Every fix gets a time, in file order not descending. Without any, a step is a second until retime. */
 static void repair_stamps(struct clean *c)
 {
 	uint32_t forward, backward;
@@ -141,10 +140,11 @@ static void repair_stamps(struct clean *c)
 	forget_bogus(c);
 	count_steps(c, &forward, &backward);
 	c->report->untimed = forward + backward == 0;
-	for (uint32_t i = 0; i < c->count && c->report->untimed; i++)
-		c->f[i].time_s = i;
-	if (c->report->untimed)
+	if (c->report->untimed) {
+		for (uint32_t i = 0; i < c->count; i++)
+			c->f[i].time_s = i;
 		return;
+	}
 	c->report->sorted = backward > forward || (backward >= 3 && backward > forward / 20);
 	if (c->report->sorted)
 		qsort(c->f, c->count, sizeof *c->f, by_time);
@@ -254,8 +254,8 @@ static bool leaps(const struct clean *c, uint32_t i)
 		&& !(i > 1 && speed(c, i - 2, i - 1) > third);
 }
 
-/* How long the step to place i takes: as recorded, but a leap as long as it would at the track's own speed, and
- * a gap without motion no longer than PAUSE_S. INFINITY: a leap that is too long to be glided over. */
+/* How long the step to place i takes: as recorded, but a leap as long as it would at the track's own speed,
+ * and a gap without motion no longer than PAUSE_S. INFINITY: a leap that is too long to be glided over. */
 static double takes_s(const struct clean *c, uint32_t i)
 {
 	double took_s = c->place[i]->time_s - c->place[i - 1]->time_s, d = distance(c, i - 1, i);
@@ -326,7 +326,8 @@ static void drop_jumps(struct clean *c)
 	retime(c, first, end);
 }
 
-enum eco_code eco_track_clean(struct eco_track *track, struct eco_track_report *report, struct eco_error *error)
+enum eco_code eco_track_clean(struct eco_track *track, struct eco_track_report *report,
+	struct eco_error *error)
 {
 	struct clean c = { .f = track->fixes, .count = track->count, .track = track, .report = report };
 	*report = (struct eco_track_report){ .fixes = track->count };

@@ -24,8 +24,8 @@
 #define TURN_MOST_DEG 170.0              /* between two samples */
 #define FLIGHT_PITCH_DEG (-15.0)
 
-/* A sample's numbers while it is made: angles are where look will be, the way's direction where up will be. */
-enum { EYE = 0, YAW = 3, PITCH = 4, WAY = 6, FOV = 9 };
+/* A sample's numbers while it is made: angles are where look will be, the way's direction where up is. */
+enum { EYE = 0, YAW = 3, PITCH = 4, ROLL = 5, WAY = 6, FOV = 9 };
 
 struct work {
 	struct eco_flight *flight;
@@ -48,8 +48,8 @@ static double collect(struct work *w, enum track_role n)
 		bool stays = n == TRACK_Z && !w->track->posed && w->count && value == last;
 		if (isnan(value) || stays)
 			continue;
-		bool turns = n >= TRACK_YAW && n <= TRACK_ROLL;
 		w->time_s[w->count] = w->track->fixes[i].time_s;
+		bool turns = n >= TRACK_YAW && n <= TRACK_ROLL;
 		w->value[w->count++] = turns ? last + remainder(value - last, 360) : value;
 	}
 	for (uint32_t i = 1; i < w->count; i++)
@@ -180,7 +180,8 @@ static void follow_path(struct work *w)
 	for (int axis = 0; axis < 2; axis++) {
 		for (uint32_t i = 0; i < n; i++) {
 			uint32_t a = i ? i - 1 : 0, b = i + 1 < n ? i + 1 : i;
-			s[i].n[WAY + axis] = b > a ? (s[b].eye[axis] - s[a].eye[axis]) / ((b - a) * f->step_s) : 0;
+			double way = s[b].eye[axis] - s[a].eye[axis];
+			s[i].n[WAY + axis] = b > a ? way / ((b - a) * f->step_s) : 0;
 		}
 		smooth(w, WAY + axis, sigma_s);
 	}
@@ -188,7 +189,8 @@ static void follow_path(struct work *w)
 		const double *way = s[i].n + WAY;
 		if (!(hypot(way[0], way[1]) > 0.15 * w->speed_m_s))
 			continue;
-		double yaw = atan2(way[0], way[1]) * TRACK_DEG, before = last == ECO_NONE ? yaw : s[last].n[YAW];
+		double yaw = atan2(way[0], way[1]) * TRACK_DEG;
+		double before = last == ECO_NONE ? yaw : s[last].n[YAW];
 		double turn = remainder(yaw - before, 360);
 		for (uint32_t k = last + 1; k <= i; k++)
 			s[k].n[YAW] = last == ECO_NONE ? yaw : before + turn * (k - last) / (i - last);
@@ -203,7 +205,7 @@ static void follow_path(struct work *w)
  * script: it passes through a side. */
 static void set_axes(struct eco_sample *s, const struct eco_sample *before)
 {
-	const double yaw_deg = s->n[YAW], pitch_deg = s->n[PITCH], roll_deg = s->n[PITCH + 1];
+	const double yaw_deg = s->n[YAW], pitch_deg = s->n[PITCH], roll_deg = s->n[ROLL];
 	track_axes(yaw_deg, pitch_deg, roll_deg, s->look, s->up);
 	if (before && eco_angle_deg(s->look, before->look) > TURN_MOST_DEG)
 		track_axes(yaw_deg - 90, pitch_deg, roll_deg, s->look, s->up);
@@ -224,12 +226,14 @@ static void sample_eyes(struct work *w)
 	}
 	for (uint32_t i = 0; i < w->track->count; i++) {
 		const struct eco_fix *fix = &w->track->fixes[i];
-		const double *eye = f->samples[(uint32_t)fmin(fix->time_s / f->step_s + 0.5, f->count - 1)].eye;
+		uint32_t nearest = (uint32_t)fmin(fix->time_s / f->step_s + 0.5, f->count - 1);
+		const double *eye = f->samples[nearest].eye;
 		f->moved_m = fmax(f->moved_m, hypot(fix->at[0] - eye[0], fix->at[1] - eye[1]));
 	}
 }
 
-/* Recorded angles and fields of view; else yaw along the path, the pitch that was asked for, level, and FOV_DEG. */
+/* Recorded angles and fields of view; else yaw along the path, the pitch that was asked for, level, and
+ * FOV_DEG. */
 static void sample_looks(struct work *w)
 {
 	struct eco_flight *f = w->flight;

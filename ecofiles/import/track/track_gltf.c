@@ -39,8 +39,8 @@ static enum eco_code read_channel(struct eco_gltf *doc, struct channel *c, const
 		return eco_fail(error, ECO_UNSUPPORTED, "an animation of its camera, of node %u, is curves "
 			"(CUBICSPLINE): have the exporter sample animations", c->node);
 	c->stepped = strcmp(kind, "STEP") == 0;
-	enum eco_code code = eco_gltf_read_floats(doc, eco_gltf_index(sampler, "input"), 1, &c->times, &c->count,
-		error);
+	enum eco_code code = eco_gltf_read_floats(doc, eco_gltf_index(sampler, "input"), 1, &c->times,
+		&c->count, error);
 	if (!code)
 		code = eco_gltf_read_floats(doc, eco_gltf_index(sampler, "output"), components(c->path),
 			&c->values, &values, error);
@@ -51,8 +51,9 @@ static enum eco_code read_channel(struct eco_gltf *doc, struct channel *c, const
 		good = isfinite(c->values[i]);
 	if (code || good)
 		return code;
-	return eco_fail(error, ECO_DAMAGED, "an animation of node %u has %llu times for %llu values, or times that "
-		"do not ascend", c->node, (unsigned long long)c->count, (unsigned long long)values);
+	return eco_fail(error, ECO_DAMAGED, "an animation of node %u has %llu times for %llu values, or "
+		"times that do not ascend", c->node, (unsigned long long)c->count,
+		(unsigned long long)values);
 }
 
 static bool moves_camera(const struct motion *m, uint32_t node)
@@ -118,29 +119,24 @@ static void sample(const struct channel *c, double time_s, double out[4])
 
 /* ---- Poses ---- */
 
-/* Where the camera is, to Z up, and its yaw, pitch and roll, from its matrix; a matrix without directions
- * leaves no position. */
+/* Where the camera is, to Z up, and its angles, from its matrix; a matrix without directions leaves no
+ * position. Straight down or up, yaw is where the picture's upper edge points. */
 static void set_pose(struct eco_fix *fix, const double m[16])
 {
-	double back = sqrt(m[8] * m[8] + m[9] * m[9] + m[10] * m[10]),
-		top = sqrt(m[4] * m[4] + m[5] * m[5] + m[6] * m[6]);
-	double look[3] = { -m[8] / back, m[10] / back, -m[9] / back },
-		up[3] = { m[4] / top, -m[6] / top, m[5] / top };
+	double back = sqrt(m[8] * m[8] + m[9] * m[9] + m[10] * m[10]);
+	double top = sqrt(m[4] * m[4] + m[5] * m[5] + m[6] * m[6]);
+	const double look[3] = { -m[8] / back, m[10] / back, -m[9] / back };
+	const double up[3] = { m[4] / top, -m[6] / top, m[5] / top };
 	double flat = hypot(look[0], look[1]), sign = look[2] < 0 ? 1 : -1;
+	bool steep = flat < 1e-6;
 	if (!(back > 3e-5 && back < 3e4 && top > 3e-5 && top < 3e4))
 		return;
 	fix->at[0] = m[12];
 	fix->at[1] = -m[14];
 	fix->at[2] = m[13];
+	fix->yaw_deg = (steep ? atan2(sign * up[0], sign * up[1]) : atan2(look[0], look[1])) * TRACK_DEG;
 	fix->pitch_deg = atan2(look[2], flat) * TRACK_DEG;
-	/* straight down or up, yaw is where the picture's upper edge points */
-	fix->yaw_deg = (flat < 1e-6 ? atan2(sign * up[0], sign * up[1]) : atan2(look[0], look[1]))
-		* TRACK_DEG;
-	/* up along the horizontal right, and upright to it and the look */
-	double sine = (up[0] * look[1] - up[1] * look[0]) / flat;
-	fix->roll_deg = flat < 1e-6 ? 0
-		: atan2(sine, up[2] * flat - look[2] * (up[0] * look[0] + up[1] * look[1]) / flat)
-		* TRACK_DEG;
+	fix->roll_deg = steep ? 0 : atan2(up[0] * look[1] - up[1] * look[0], up[2]) * TRACK_DEG;
 }
 
 static enum eco_code add_pose(struct eco_track *track, struct motion *m, double time_s,
@@ -194,7 +190,8 @@ static enum eco_code read_camera(struct eco_track *track, struct motion *m, cons
 	if (!cameras)
 		return eco_fail(error, ECO_NOT_FOUND, "%.250s: no node of it has a camera", path);
 	if (cameras > 1)
-		eco_track_note(track, "it has %u cameras; the first, of node %u, is taken", cameras, m->camera);
+		eco_track_note(track, "it has %u cameras; the first, of node %u, is taken", cameras,
+			m->camera);
 	m->fov_y_deg = eco_gltf_number(json_object_get(camera, "perspective"), "yfov", NAN) * TRACK_DEG;
 	/* refuses nodes that are below themselves */
 	enum eco_code code = eco_gltf_node_matrix(m->doc, m->camera, rest, error);
@@ -207,7 +204,8 @@ static enum eco_code read_camera(struct eco_track *track, struct motion *m, cons
 enum eco_code track_read_gltf(struct eco_track *track, const struct track_input *in, struct eco_error *error)
 {
 	struct motion m = { 0 };
-	enum eco_code code = eco_gltf_open_memory(&m.doc, in->path, (const uint8_t *)in->text, in->size, error);
+	enum eco_code code = eco_gltf_open_memory(&m.doc, in->path, (const uint8_t *)in->text, in->size,
+		error);
 	track->posed = true;
 	if (!code)
 		code = read_camera(track, &m, in->path, error);

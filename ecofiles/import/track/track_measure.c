@@ -23,7 +23,8 @@ void track_axes(double yaw_deg, double pitch_deg, double roll_deg, double look[3
 {
 	double yaw = yaw_deg / TRACK_DEG, pitch = pitch_deg / TRACK_DEG, roll = roll_deg / TRACK_DEG;
 	double sy = sin(yaw), cy = cos(yaw), sp = sin(pitch), cp = cos(pitch);
-	const double ahead[3] = { cp * sy, cp * cy, sp }, right[3] = { cy, -sy, 0 }, level[3] = { -sp * sy, -sp * cy, cp };
+	const double ahead[3] = { cp * sy, cp * cy, sp }, right[3] = { cy, -sy, 0 };
+	const double level[3] = { -sp * sy, -sp * cy, cp };
 	for (int k = 0; k < 3; k++) {
 		look[k] = ahead[k];
 		up[k] = cos(roll) * level[k] + sin(roll) * right[k];
@@ -65,11 +66,12 @@ uint32_t track_speeds(const struct eco_track *track, double *speeds)
 	uint32_t count = 0, still = 0;
 	double window_s = track->count ? fmin(WINDOW_S, (f[track->count - 1].time_s - f[0].time_s) / 8) : 0;
 	for (uint32_t i = 0; i < track->count; i++) {
-		if (isnan(f[i].at[0]) || isnan(f[i].time_s) || (last && !(f[i].time_s - last->time_s >= window_s)))
+		double took_s = last ? f[i].time_s - last->time_s : window_s;
+		if (isnan(f[i].at[0]) || isnan(f[i].time_s) || !(took_s >= window_s))
 			continue;
 		double d = last ? track_distance(last, &f[i]) : 0;
 		if (d > 0)
-			speeds[count++] = d / fmax(f[i].time_s - last->time_s, 1e-9);
+			speeds[count++] = d / fmax(took_s, 1e-9);
 		last = &f[i];
 	}
 	/* a slow drift is no motion either */

@@ -11,8 +11,7 @@ static void turn(double v[2], double sine, double cosine)
 	v[1] = sine * x + cosine * v[1];
 }
 
-/* Turned about the first eye, which then goes to `to`. Heights above the ground are no heights to be moved.
- */
+/* Turned about the first eye, which then goes to `to`. Heights above the ground are not moved. */
 static void place(struct eco_flight *f, const struct eco_track_options *m)
 {
 	double first[3], to[3], sine = sin(m->turn_deg / TRACK_DEG), cosine = cos(m->turn_deg / TRACK_DEG);

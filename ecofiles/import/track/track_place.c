@@ -1,5 +1,6 @@
-/* Fixes in metres of the frame, with the heights that are asked for, and the steps in which their numbers were written. Degrees go to the scene's
- * CRS, or to a plane of the track's own (azimuthal equidistant about its middle), where it will be moved. */
+/* Fixes in metres of the frame, with the heights that are asked for, and the steps in which their numbers
+ * were written. Degrees go to the scene's CRS, or to a plane of the track's own (azimuthal equidistant about
+ * its middle), where it will be moved. */
 #include <stdio.h>
 #include <string.h>
 
@@ -49,7 +50,8 @@ static bool convert_fix(struct eco_crs *crs, struct eco_fix *fix, bool degrees)
 	if (!convert(crs, fix->at))
 		return false;
 	if (degrees && !isnan(fix->yaw_deg) && convert(crs, north))
-		fix->yaw_deg += atan2(side * (north[0] - fix->at[0]), side * (north[1] - fix->at[1])) * TRACK_DEG;
+		fix->yaw_deg += TRACK_DEG
+			* atan2(side * (north[0] - fix->at[0]), side * (north[1] - fix->at[1]));
 	return true;
 }
 
@@ -80,7 +82,8 @@ static enum eco_code choose_heights(struct eco_track *track, int wanted, struct 
 		relative += !isnan(f[i].above_m);
 		first = isnan(f[i].at[2]) ? first : f[i].at[2];
 	}
-	bool above = wanted != ECO_HEIGHTS_ABSOLUTE && relative && (relative >= track->count / 2 || !absolute);
+	bool most = relative && (relative >= track->count / 2 || !absolute);
+	bool above = wanted != ECO_HEIGHTS_ABSOLUTE && most;
 	if (wanted && !above && !absolute)
 		return eco_fail(error, ECO_BAD_INPUT, "--height: the track has no heights of this kind%s",
 			relative ? ", only above take-off" : "");
@@ -102,14 +105,15 @@ enum eco_code eco_track_place(struct eco_track *track, const struct eco_track_op
 	char plane[200];
 	bool own = track->degrees && (options->to_given || !options->crs);
 	struct eco_frame to = { .crs = own ? plane : options->crs };
-	struct eco_crs_request request = { .path = "the track", .frame = &to, .note = eco_track_note, .ctx = track,
-		.stated = track->degrees ? "EPSG:4326" : options->track_crs };
+	struct eco_crs_request request = { .path = "the track", .frame = &to, .note = eco_track_note,
+		.ctx = track, .stated = track->degrees ? "EPSG:4326" : options->track_crs };
 	struct eco_crs *crs = NULL;
 	if (!track->count)
 		return eco_fail(error, ECO_BAD_INPUT, "the track has no fixes");
 	if (!track->degrees && options->track_crs && !options->crs)
-		return eco_fail(error, ECO_BAD_INPUT, "--track-crs says that the track is in %.80s, but no CRS of the "
-			"scene is known: add --scene SCENE.json, or --crs and --origin", options->track_crs);
+		return eco_fail(error, ECO_BAD_INPUT, "--track-crs says that the track is in %.80s, but no "
+			"CRS of the scene is known: add --scene SCENE.json, or --crs and --origin",
+			options->track_crs);
 	find_step(track);
 	if (options->crs && !own)
 		memcpy(to.origin, options->origin, sizeof to.origin);

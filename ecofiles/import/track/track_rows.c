@@ -1,5 +1,5 @@
-/* Tables (rows.h): CSV; and GPX, KML and GeoJSON as GDAL hands them over, with a row for each position. GDAL 3.6
- * hands over the times of GPX (trkpt, rtept, wpt), of KML's placemarks (TimeStamp) and of GeoJSON's
+/* Tables (rows.h): CSV; and GPX, KML and GeoJSON as GDAL hands them over, with a row for each position. GDAL
+ * 3.6 hands over the times of GPX (trkpt, rtept, wpt), of KML's placemarks (TimeStamp) and of GeoJSON's
  * features ("time", "timestamp") and lines ("coordTimes", "coordinateProperties.times"), but not those of
  * KML's gx:Track: a file that has times of which none arrives is refused. */
 #include <stdio.h>
@@ -34,8 +34,8 @@ static void take_place(struct eco_fix *fix, const struct eco_rows *rows)
 	fix->of_line = place->what[0] != 0;
 }
 
-static enum eco_code read_rows(struct eco_track *track, const struct track_table *table, struct eco_rows *rows,
-	struct eco_error *error)
+static enum eco_code read_rows(struct eco_track *track, const struct track_table *table,
+	struct eco_rows *rows, struct eco_error *error)
 {
 	bool more = true;
 	enum eco_code code;
@@ -55,17 +55,18 @@ static enum eco_code read_rows(struct eco_track *track, const struct track_table
 static enum eco_code find_header(struct track_table *table, struct eco_rows *rows, const char *path,
 	struct eco_error *error)
 {
-	bool more = true, found = track_find_columns(table, (const char *const *)rows->columns, rows->column_count);
+	bool more = true, found = track_find_columns(table, (const char *const *)rows->columns,
+		rows->column_count);
 	enum eco_code code = ECO_OK;
 	char list[200];
 	eco_rows_list_columns(rows, list, sizeof list);
 	while (!code && !found && !rows->has_geometry && more && rows->row < HEADER_ROWS)
 		if (!(code = rows->next(rows, &more, error)) && more)
 			found = track_find_columns(table, rows->fields, rows->field_count);
-	return code || found || rows->has_geometry ? code : eco_fail(error, ECO_BAD_INPUT, "%.200s: no format is "
-		"known that looks like this, and as a table it has no columns for a position; it begins \"%s\". If "
-		"it is a table, name its columns in the first line: t,lon,lat,alt or t,x,y,z, and yaw,pitch", path,
-		list);
+	return code || found || rows->has_geometry ? code : eco_fail(error, ECO_BAD_INPUT, "%.200s: no "
+		"format is known that looks like this, and as a table it has no columns for a position; it "
+		"begins \"%s\". If it is a table, name its columns in the first line: t,lon,lat,alt or "
+		"t,x,y,z, and yaw,pitch", path, list);
 }
 
 /* As the format of a geometry or its "crs" says, unless its numbers cannot be such. */
@@ -75,8 +76,8 @@ static bool is_degrees(struct eco_track *track, const struct eco_rows *rows)
 	bool stated = rows->crs && !rows->degrees_doubted;
 	if (wgs84 && !rows->degrees_doubted)
 		return true;
-	eco_track_note(track, "its coordinates are no degrees: metres from the scene's origin, unless --track-crs "
-		"says a CRS%s%.80s", stated ? ", as it does: " : "", stated ? rows->crs : "");
+	eco_track_note(track, "its coordinates are no degrees: metres from the scene's origin, unless "
+		"--track-crs says a CRS%s%.80s", stated ? ", as it does: " : "", stated ? rows->crs : "");
 	return false;
 }
 
@@ -121,7 +122,7 @@ static void keep_lines(struct eco_track *track)
 	track->timed = timed[of_line];
 }
 
-/* GDAL reads a file that breaks off, as a recorder whose battery died leaves it, until there without a word. */
+/* GDAL says nothing of a file that breaks off, as a recorder whose battery died leaves it. */
 static void check_points(struct eco_track *track, const struct track_input *in, const char *word)
 {
 	uint64_t points = 0;
@@ -135,15 +136,12 @@ static void check_points(struct eco_track *track, const struct track_input *in, 
 /* No time arrived: refuses what has some, whether it was read or not. */
 static enum eco_code check_times(const struct track_input *in, enum eco_code code, struct eco_error *error)
 {
-	static const struct { const char *word, *says; } times[] = {
-		{ ":FlyTo>", "a tour's cameras (gx:FlyTo)" }, { "when>", "times (<when>, of a gx:Track)" },
-		{ "\"coordTimes\"", "times (\"coordTimes\", in lists within lists or of another length)" },
-		{ "\"times\"", "times (\"times\")" } };
-	for (size_t i = 0; i < sizeof times / sizeof *times; i++)
-		if (strstr(in->text, times[i].word)) {
+	static const char *const words[] = { "gx:FlyTo", "gx:Track", "\"coordTimes\"", "\"times\"" };
+	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+		if (strstr(in->text, words[i])) {
 			*error = (struct eco_error){ 0 };
-			return eco_fail(error, ECO_UNSUPPORTED, "%.200s: it has %s, which do not arrive through "
-				"GDAL; convert it to GPX or CSV (GPSBabel does)", in->path, times[i].says);
+			return eco_fail(error, ECO_UNSUPPORTED, "%.200s: its times (of %.12s) do not arrive "
+				"through GDAL; convert it to GPX or CSV (GPSBabel does)", in->path, words[i]);
 		}
 	return code;
 }

@@ -24,8 +24,8 @@ struct fit {
 
 static const double *numbers(const struct fit *f, uint32_t key) { return f->flight->samples[f->key[key]].n; }
 
-/* How far the spline within the stretch from keyframe i is from the flight at a sample, in metres or degrees of
- * look, roll and field of view, as a share of what is wanted. */
+/* How far the spline within the stretch from keyframe i is from the flight at a sample, in metres or degrees
+ * of look, roll and field of view, as a share of what is wanted. */
 static double error_at(struct fit *f, uint32_t i, uint32_t sample)
 {
 	uint32_t before = i ? i - 1 : 0, after = i + 2 < f->count ? i + 2 : i + 1;

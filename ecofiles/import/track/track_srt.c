@@ -9,8 +9,8 @@
  *   GPS(36.6146,-6.1120,0.0M) BAROMETER:0.3M                                      latitude first
  *
  * So names are found one by one and not line by line; those of one value are the names of columns, too. The
- * third number of GPS() is the number of satellites if it is whole, the height if it has decimals or "m"; drones
- * that write it with "M" mean a precision, and have the latitude first. */
+ * third number of GPS() is the number of satellites if it is whole, the height if it has decimals or "m";
+ * drones that write it with "M" mean a precision, and have the latitude first. */
 #include <ctype.h>
 #include <stdio.h>
 #include <string.h>

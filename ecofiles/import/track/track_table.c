@@ -146,7 +146,8 @@ static double time_of(const char *time, const char *date, double unit)
 	return track_clock(&time, &time_s) ? time_s + (isnan(date_s) ? 0 : date_s) : date_s;
 }
 
-struct eco_fix track_row(const struct track_table *t, const char *const *fields, uint32_t count, uint32_t line)
+struct eco_fix track_row(const struct track_table *t, const char *const *fields, uint32_t count,
+	uint32_t line)
 {
 	struct eco_fix fix = track_fix(line);
 	const char *text[TRACK_ROLES];

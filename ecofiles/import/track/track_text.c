@@ -72,8 +72,9 @@ double track_date_time(const char *text)
 	struct tm day = { 0 };
 	char mark = 0, again = 0;
 	int used = 0;
-	if (sscanf(text, " %4d%c%2d%c%2d%n", &day.tm_year, &mark, &day.tm_mon, &again, &day.tm_mday, &used) < 5
-			|| day.tm_year < 1000 || !strchr("-./", mark) || again != mark || day.tm_mon < 1
+	int found = sscanf(text, " %4d%c%2d%c%2d%n", &day.tm_year, &mark, &day.tm_mon, &again, &day.tm_mday,
+		&used);
+	if (found < 5 || day.tm_year < 1000 || !strchr("-./", mark) || again != mark || day.tm_mon < 1
 			|| day.tm_mon > 12 || day.tm_mday < 1 || day.tm_mday > 31)
 		return NAN;
 	day.tm_year -= 1900;
