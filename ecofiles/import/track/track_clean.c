@@ -230,8 +230,7 @@ static void drop_spikes(struct clean *c)
 {
 	uint32_t kept = 1;
 	for (uint32_t i = 1; i < c->places; i++) {
-		const uint32_t last = kept - 1;
-		uint32_t back = i;
+		uint32_t last = kept - 1, back = i;
 		bool far = is_far(c, last, i), comes = false;
 		while (far && !comes && ++back < c->places && back <= i + AHEAD) {
 			double way_m = 1.5 * c->high_m_s * (c->place[back]->time_s - c->place[last]->time_s);

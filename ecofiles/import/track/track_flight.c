@@ -237,11 +237,10 @@ static void sample_eyes(struct work *w)
 static void sample_looks(struct work *w)
 {
 	struct eco_flight *f = w->flight;
-	double fov_deg = isnan(w->options->fov_y_deg) ? FOV_DEG : w->options->fov_y_deg;
 	bool exact = w->track->posed && isnan(w->options->smooth_s);
 	for (uint32_t i = 0; i < f->count; i++) {
 		f->samples[i].n[PITCH] = f->pitch_deg;
-		f->samples[i].fov_y_deg = fov_deg;
+		f->samples[i].fov_y_deg = isnan(w->options->fov_y_deg) ? FOV_DEG : w->options->fov_y_deg;
 	}
 	for (int k = 0; k < 3; k++) {
 		double step_s = collect(w, TRACK_YAW + k);
@@ -290,10 +289,4 @@ enum eco_code eco_flight_make(struct eco_flight *flight, const struct eco_track 
 		eco_flight_free(flight);
 	free(w.time_s);
 	return code;
-}
-
-void eco_flight_free(struct eco_flight *flight)
-{
-	free(flight->samples);
-	*flight = (struct eco_flight){ 0 };
 }

@@ -1,4 +1,4 @@
-/* Distances, angles and speeds, of fixes and of flights. */
+/* Distances, angles and speeds, of fixes and of flights; a flight's end. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -79,4 +79,10 @@ uint32_t track_speeds(const struct eco_track *track, double *speeds)
 		still++;
 	memmove(speeds, speeds + still, (count - still) * sizeof *speeds);
 	return count - still;
+}
+
+void eco_flight_free(struct eco_flight *flight)
+{
+	free(flight->samples);
+	*flight = (struct eco_flight){ 0 };
 }

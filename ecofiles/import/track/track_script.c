@@ -37,11 +37,10 @@ static double error_at(struct fit *f, uint32_t i, uint32_t sample)
 		double slope_b = (numbers(f, after)[n] - a[n]) * per_b;
 		at[n] = a[n] + s * s * (3 - 2 * s) * (b[n] - a[n]) + h * s * r * (r * slope_a - s * slope_b);
 	}
-	static const double none[3];
 	double m = eco_distance(at, is), look_deg = eco_angle_deg(at + LOOK, is + LOOK);
 	double deg = fmax(fmax(look_deg, eco_angle_deg(at + UP, is + UP)), fabs(at[FOV] - is[FOV]));
 	/* looks that nearly cancel each other are no looks */
-	deg = eco_distance(at + LOOK, none) < 0.1 ? 180 : deg;
+	deg = eco_distance(at + LOOK, (double[3]){ 0 }) < 0.1 ? 180 : deg;
 	f->worst_m = fmax(f->worst_m, m);
 	f->worst_deg = fmax(f->worst_deg, deg);
 	return fmax(m / f->error_m, deg / f->error_deg);
