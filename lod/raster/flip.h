@@ -1,0 +1,26 @@
+/* The error that people see between two pictures when they flip from one to the other (FLIP: Andersson,
+ * Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild, "FLIP: A Difference Evaluator for Alternating
+ * Images", 2020), for low dynamic range, at 67.02 pixels per degree: a screen 3840 pixels and 0.7 m wide, seen
+ * from 0.7 m.
+ *
+ * It judges pictures only; nothing that is stored or sent depends on it. Sums run in one fixed order and
+ * nothing is fused, so compilers agree. exp, pow and cbrt are those of the C library: two libraries may differ
+ * in the last bits of a double. */
+#ifndef LOD_FLIP_H
+#define LOD_FLIP_H
+
+#include <stdint.h>
+
+#include "ecofiles/base/status.h"
+
+/* `test` is compared with `reference`: sRGB, 3 bytes a pixel, rows without gaps. */
+struct lod_flip_input {
+	uint32_t width, height;
+	const uint8_t *test, *reference;
+	float *error;                        /* receives a number in [0, 1] a pixel; may be NULL */
+};
+/* The mean error of all pixels, 0 to 1; 0 for pictures that are the same. A picture is worked on in bands, so
+ * that memory grows with its width only. */
+enum eco_code lod_flip(const struct lod_flip_input *input, double *mean, struct eco_error *error);
+
+#endif
