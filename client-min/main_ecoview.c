@@ -17,9 +17,6 @@
 #include "ecofiles/base/options.h"
 #include "ecofiles/format/image.h"
 
-/* Reference triangles that a software renderer may be given for the coloured picture of a reference. */
-#define COLORED_VERTICES_MAX ((uint64_t)3 * 60000000)
-
 #define PATIENCE_MS 60000                /* with a server that has too much to do */
 
 enum engine { ENGINE_NONE, ENGINE_AUTO, ENGINE_CPU, ENGINE_EGL };
@@ -42,7 +39,7 @@ struct viewer {                          /* everything that lives as long as the
 	struct view_fetch *fetch;
 	/* the reference has a store of its own: it must not count as held by the frames */
 	struct view_store *store, *full;
-	struct view_gl *gl;                      /* NULL: no OpenGL; pictures are then flat */
+	struct view_gl *gl;                      /* NULL: all is drawn in software */
 	struct view_picture picture, reference;
 	struct view_report report;
 	struct view_explain explain;
@@ -202,41 +199,19 @@ static void step(struct viewer *v, uint32_t frame, const char *what)
 	view_progress_show(&v->progress, v->part++, v->parts, text);
 }
 
-/* Draws a store's plan into `picture`: with OpenGL (colours, mask, owners), in software, or mask in software
- * and colours with OpenGL where that is affordable. */
+/* Draws a store's plan into `picture`, with OpenGL if there is one. */
 static enum eco_code draw(struct viewer *v, const struct view_store *store, const struct lod_eye *eye,
-	bool software, struct view_picture *picture, struct eco_error *error)
+	struct view_picture *picture, struct eco_error *error)
 {
 	struct view_selection selection;
 	enum eco_code code = view_select_make(&selection, store, eye, error);
 	if (code)
 		return code;
-	double near_m = view_store_near_m(store) > 0 ? view_store_near_m(store) : 0.1;
-	struct view_gl_job job = { store, &selection, eye, near_m, v->options.tint };
-	double spent = 0;
-	if (v->gl && (!software || view_gl_hardware(v->gl) || selection.vertices <= COLORED_VERTICES_MAX)) {
-		code = view_gl_draw(v->gl, &job, picture, error);
-		spent = picture->draw_ms;
-	} else {
-		software = true;
-		memset(picture->rgb, 0, (size_t)picture->width * picture->height * 3);
-	}
-	if (!code && software) {
-		struct view_picture flat;
-		struct view_reference_job reference = { store, &selection, eye, near_m, 0, &interrupted };
-		code = view_picture_init(&flat, picture->width, picture->height, error);
-		if (!code)
-			code = view_reference_draw(&reference, &flat, error);
-		if (!code && spent > 0)
-			memcpy(flat.rgb, picture->rgb, (size_t)picture->width * picture->height * 3);
-		if (code) {
-			view_picture_free(&flat);
-		} else {
-			view_picture_free(picture);
-			*picture = flat;
-		}
-	}
-	double ground_m;
+	double near_m = view_store_near_m(store) > 0 ? view_store_near_m(store) : 0.1, ground_m;
+	enum view_tint tint = (enum view_tint)v->options.tint;
+	code = v->gl ? view_gl_draw(v->gl, &(struct view_gl_job){ store, &selection, eye, near_m, tint }, picture,
+		error) : view_reference_draw(&(struct view_reference_job){ store, &selection, eye, near_m, 0,
+		&interrupted, tint }, picture, error);
 	v->under_m = view_ground_height(&selection.ground, eye->at[0], eye->at[1], &ground_m)
 		? ground_m - eye->at[2] : 0;
 	view_select_free(&selection);
@@ -287,7 +262,7 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 		f->predicted_q = eco_predicted_q(&view_store_plan(v->store)->prediction);
 	}
 	step(v, f->frame, "draw");
-	code = draw(v, v->store, eye, !v->gl, &v->picture, error);
+	code = draw(v, v->store, eye, &v->picture, error);
 	if (code)
 		return code;
 	note_under_ground(v, f->frame);
@@ -321,7 +296,7 @@ static enum eco_code score_frame(struct viewer *v, const struct eco_request *req
 	if (code)
 		return code;
 	step(v, f->frame, "draw the reference");
-	code = draw(v, v->full, eye, v->options.reference == ENGINE_CPU, &v->reference, error);
+	code = draw(v, v->full, eye, &v->reference, error);
 	if (code)
 		return code;
 	struct lod_score score;
@@ -392,20 +367,25 @@ static enum eco_code all_frames(struct viewer *v, struct eco_error *error)
 
 /* ---- Life ---- */
 
-static enum eco_code open_gl(struct viewer *v, struct eco_error *error)
+/* Whatever is compared is drawn alike, so that no difference between renderers counts as error. */
+static enum eco_code open_engine(struct viewer *v, struct eco_error *error)
 {
 	struct view_gl_options options = { v->options.width, v->options.height };
 	struct eco_error why = { 0 };
-	if (view_gl_open(&v->gl, &options, &why)) {
-		if (v->options.reference == ENGINE_EGL)
+	enum engine *engine = &v->options.reference;
+	if (*engine != ENGINE_CPU && view_gl_open(&v->gl, &options, &why)) {
+		if (*engine == ENGINE_EGL)
 			return eco_fail(error, why.code, "--reference=egl: %s", why.text);
-		fprintf(stderr, "ecoview: %s; pictures are drawn in software, with flat colours\n", why.text);
+		fprintf(stderr, "ecoview: %s; pictures are drawn in software\n", why.text);
 	}
-	if (v->options.reference == ENGINE_AUTO)
-		v->options.reference = v->gl && view_gl_hardware(v->gl) ? ENGINE_EGL : ENGINE_CPU;
+	if (*engine == ENGINE_AUTO)
+		*engine = v->gl && view_gl_hardware(v->gl) ? ENGINE_EGL : ENGINE_CPU;
+	if (*engine == ENGINE_CPU) {
+		view_gl_close(v->gl);
+		v->gl = NULL;
+	}
 	v->report.renderer = v->gl ? view_gl_renderer(v->gl) : "software";
-	v->report.reference = v->options.reference == ENGINE_NONE ? NULL : v->options.reference == ENGINE_CPU
-		? "cpu" : "egl";
+	v->report.reference = *engine == ENGINE_NONE ? NULL : *engine == ENGINE_CPU ? "cpu" : "egl";
 	v->report.width = v->options.width;
 	v->report.height = v->options.height;
 	return ECO_OK;
@@ -425,7 +405,7 @@ static enum eco_code start(struct viewer *v, struct eco_error *error)
 	if (!code)
 		code = view_fetch_new(&v->fetch, &fetch, error);
 	if (!code)
-		code = open_gl(v, error);
+		code = open_engine(v, error);
 	if (!code)
 		code = view_store_new(&v->store, &store, error);
 	if (!code && o->reference)

@@ -10,9 +10,8 @@
 #include "client-min/view_record.h"
 #include "client-min/view_shade.h"
 
-#define INSTANCE_TEXELS 5
+#define INSTANCE_TEXELS 4
 #define QUADS 16384u                     /* a draw call: 16-bit indices */
-#define HAZE_M 5200.0
 
 struct view_gl {
 	uint32_t width, height;
@@ -20,7 +19,7 @@ struct view_gl {
 	struct view_gpu gpu;
 	struct view_shader shaders[VIEW_PROGRAM_COUNT];
 	unsigned quads;                  /* index buffer: two triangles of four vertices, QUADS times */
-	unsigned framebuffer, color, owner, depth, vertex_array, shade;
+	unsigned framebuffer, color, seen, depth, vertex_array;
 	struct view_gpu_stream instances, members;
 };
 
@@ -55,7 +54,7 @@ static enum eco_code make_target(struct view_gl *gl, struct eco_error *error)
 	glGenFramebuffers(1, &gl->framebuffer);
 	glBindFramebuffer(GL_FRAMEBUFFER, gl->framebuffer);
 	gl->color = texture_target(GL_RGBA8, gl->width, gl->height, GL_COLOR_ATTACHMENT0);
-	gl->owner = texture_target(GL_RG32UI, gl->width, gl->height, GL_COLOR_ATTACHMENT1);
+	gl->seen = texture_target(GL_RGBA32UI, gl->width, gl->height, GL_COLOR_ATTACHMENT1);
 	gl->depth = texture_target(GL_DEPTH_COMPONENT32F, gl->width, gl->height, GL_DEPTH_ATTACHMENT);
 	glDrawBuffers(2, (const GLenum[]){ GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1 });
 	if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
@@ -115,14 +114,14 @@ void view_gl_close(struct view_gl *gl)
 	if (!gl)
 		return;
 	if (gl->egl.display) {
-		const unsigned textures[] = { gl->color, gl->owner, gl->depth, gl->shade,
-			gl->instances.texture, gl->members.texture };
+		const unsigned textures[] = { gl->color, gl->seen, gl->depth, gl->instances.texture,
+			gl->members.texture };
 		const unsigned buffers[] = { gl->instances.buffer, gl->members.buffer, gl->quads };
 		view_egl_use(&gl->egl);
 		view_gpu_free(&gl->gpu);
 		for (int i = 0; i < VIEW_PROGRAM_COUNT; i++)
 			glDeleteProgram(gl->shaders[i].program);
-		glDeleteTextures(6, textures);
+		glDeleteTextures(5, textures);
 		glDeleteBuffers(3, buffers);
 		glDeleteVertexArrays(1, &gl->vertex_array);
 		glDeleteFramebuffers(1, &gl->framebuffer);
@@ -173,15 +172,10 @@ static void put_instance(uint32_t *words, const struct lod_eye *eye, const struc
 		put_float(words++, a[2] * place->scale);
 		put_float(words++, a[0] * offset[0] + a[1] * offset[1] + a[2] * offset[2]);
 	}
-	struct view_shape shape = plant ? view_shape_of(plant) : (struct view_shape){ 0, 1, 0 };
 	*words++ = (uint32_t)p->owner;
 	*words++ = (uint32_t)(p->owner >> 32);
-	put_float(words++, p->hash / (double)ECO_SHARE_ONE);
 	put_float(words++, place->scale);
-	put_float(words++, shape.center_z);
-	put_float(words++, shape.half_width);
-	put_float(words++, shape.half_height);
-	*words = 0;
+	put_float(words, plant ? view_shape_of(plant).half_width : 0);
 }
 
 static enum eco_code upload_selection(struct frame *f)
@@ -214,15 +208,13 @@ static void set_camera(const struct frame *f, const struct view_shader *s)
 	for (int i = 0; i < 3; i++)
 		glUniform3f(s->uniform[names[i]], (float)axes[i][0], (float)axes[i][1], (float)axes[i][2]);
 	glUniform4f(s->uniform[VIEW_U_LENS], (float)(1 / eye->tan_x), (float)(1 / eye->tan_y),
-		(float)f->job->near_m, (float)view_shade_haze_m(HAZE_M, eye->at[2]));
+		(float)f->job->near_m, 0);
 	glUniform1i(s->uniform[VIEW_U_RECORDS], 0);
 	glUniform1i(s->uniform[VIEW_U_INSTANCES], 1);
 	glUniform1i(s->uniform[VIEW_U_MEMBERS], 2);
 	glUniform1i(s->uniform[VIEW_U_TEXTURE], 3);
 	glUniform1i(s->uniform[VIEW_U_ALPHA], 4);
-	glUniform1i(s->uniform[VIEW_U_SHADE], 5);
-	glUniform4f(s->uniform[VIEW_U_TINT], f->job->tint == VIEW_TINT_UNSHADED, 0, 0,
-		f->job->tint == VIEW_TINT_KIND);
+	glUniform4f(s->uniform[VIEW_U_TINT], 0, 0, 0, 0);
 	float sides[ECO_SIZES];
 	for (uint32_t code = 0; code < ECO_SIZES; code++)
 		sides[code] = sqrtf(eco_size(code));
@@ -255,39 +247,7 @@ static void bind(unsigned unit, unsigned target, unsigned texture)
 
 /* ---- Drawing ---- */
 
-static enum eco_code draw_sky(struct frame *f)
-{
-	const struct view_shader *s;
-	enum eco_code code = use(f, VIEW_PROGRAM_SKY, &s);
-	if (code)
-		return code;
-	glDisable(GL_DEPTH_TEST);
-	glDrawArrays(GL_TRIANGLES, 0, 3);
-	glEnable(GL_DEPTH_TEST);
-	return ECO_OK;
-}
-
-static enum eco_code upload_shade(struct frame *f, struct view_shade *shade)
-{
-	enum eco_code code = view_shade_make(shade, f->job->store, f->job->selection, f->error);
-	if (code)
-		return code;
-	if (!f->gl->shade) {
-		glGenTextures(1, &f->gl->shade);
-		glBindTexture(GL_TEXTURE_2D, f->gl->shade);
-		glTexStorage2D(GL_TEXTURE_2D, 1, GL_RG8, VIEW_SHADE_PIXELS, VIEW_SHADE_PIXELS);
-		glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-		glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-	}
-	glBindTexture(GL_TEXTURE_2D, f->gl->shade);
-	glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-	glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, VIEW_SHADE_PIXELS, VIEW_SHADE_PIXELS, GL_RG, GL_UNSIGNED_BYTE,
-		shade->texels);
-	bind(5, GL_TEXTURE_2D, f->gl->shade);
-	return ECO_OK;
-}
-
-static void set_ground(const struct frame *f, const struct view_shader *s, const struct view_shade *shade)
+static void set_ground(const struct frame *f, const struct view_shader *s)
 {
 	const struct view_ground *ground = &f->job->selection->ground;
 	const struct lod_eye *eye = f->job->eye;
@@ -299,9 +259,6 @@ static void set_ground(const struct frame *f, const struct view_shader *s, const
 	glUniform3fv(s->uniform[VIEW_U_ORIGIN], 1, origin);
 	glUniform3iv(s->uniform[VIEW_U_ANCHOR], 1, ground->anchor);
 	glUniform3fv(s->uniform[VIEW_U_STEP], 1, ground->step);
-	glUniform4f(s->uniform[VIEW_U_SHADE_BOX], (float)(shade->low[0] - ground->origin[0]),
-		(float)(shade->low[1] - ground->origin[1]), (float)(1 / shade->size_m),
-		(float)(1 / shade->size_m));
 }
 
 static enum eco_code draw_tile(struct frame *f, const struct view_shader *s,
@@ -325,16 +282,11 @@ static enum eco_code draw_ground(struct frame *f)
 {
 	const struct view_ground *ground = &f->job->selection->ground;
 	const struct view_shader *s;
-	struct view_shade shade;
-	enum eco_code code = upload_shade(f, &shade);
-	if (code)
-		return code;
-	code = use(f, VIEW_PROGRAM_GROUND, &s);
+	enum eco_code code = use(f, VIEW_PROGRAM_GROUND, &s);
 	if (!code)
-		set_ground(f, s, &shade);
+		set_ground(f, s);
 	for (uint32_t i = 0; i < ground->count && !code; i++)
 		code = draw_tile(f, s, &ground->tiles[i]);
-	view_shade_free(&shade);
 	return code;
 }
 
@@ -352,16 +304,8 @@ static enum view_program program_of(const struct eco_list *list)
 
 static void set_tint(const struct view_shader *s, enum view_role role)
 {
-	static const float colors[VIEW_ROLE_COUNT][3] = {
-		[VIEW_ROLE_TRIANGLES] = { 0.10f, 0.62f, 0.16f }, [VIEW_ROLE_LINES] = { 0.86f, 0.10f, 0.10f },
-		[VIEW_ROLE_SIMPLE] = { 0.42f, 0.80f, 0.10f }, [VIEW_ROLE_POINTS] = { 0.12f, 0.28f, 0.95f },
-		[VIEW_ROLE_BLEND_TRIANGLES] = { 1.0f, 0.86f, 0.10f },
-		[VIEW_ROLE_BLEND_SIMPLE] = { 1.0f, 0.68f, 0.08f },
-		[VIEW_ROLE_BLEND_LINES] = { 0.95f, 0.32f, 0.10f },
-		[VIEW_ROLE_BLEND_POINTS] = { 1.0f, 0.50f, 0.05f },
-		[VIEW_ROLE_SUMMARY] = { 0.45f, 0.62f, 1.0f },
-	};
-	glUniform4f(s->uniform[VIEW_U_TINT], colors[role][0], colors[role][1], colors[role][2], 1);
+	const uint8_t *c = view_tint_colors[role];
+	glUniform4f(s->uniform[VIEW_U_TINT], c[0] / 255.0f, c[1] / 255.0f, c[2] / 255.0f, 1);
 }
 
 /* Scale as the vertex shader wants it: of edges, by growth code or of a line, or half the side of a point's
@@ -422,7 +366,8 @@ static enum eco_code draw_cut(struct frame *f, uint32_t index)
 	glUniform1i(s->uniform[VIEW_U_FIRST_MEMBER], (int)first_member);
 	set_scale(s, &list->list, cut->scale);
 	if (list->list.kind == ECO_LIST_POINTS)
-		glUniform1f(s->uniform[VIEW_U_LEVEL], (float)eco_level_share(list->list.level));
+		glUniform1ui(s->uniform[VIEW_U_LEVEL],
+			view_surface_cloud(0, eco_level_share(list->list.level)) >> 16 & 255);
 	if (which == VIEW_PROGRAM_SUMMARY)
 		glUniform1ui(s->uniform[VIEW_U_PATH],
 			view_record_path(selection->instances[selection->members[first_member]].path));
@@ -444,25 +389,26 @@ static enum eco_code read_back(struct frame *f)
 {
 	struct view_picture *picture = f->picture;
 	size_t pixels = (size_t)picture->width * picture->height;
-	uint8_t *rgba = malloc(pixels * 8);
-	if (!rgba)
+	uint32_t *words = malloc(pixels * 16);
+	if (!words)
 		return eco_fail(f->error, ECO_NO_MEMORY, "no memory for a picture");
 	glPixelStorei(GL_PACK_ALIGNMENT, 1);
 	glReadBuffer(GL_COLOR_ATTACHMENT0);
 	glReadPixels(0, 0, (GLsizei)picture->width, (GLsizei)picture->height, GL_RGBA, GL_UNSIGNED_BYTE,
-		rgba);
+		words);
 	for (size_t i = 0; i < pixels; i++)
-		memcpy(picture->rgb + 3 * i, rgba + 4 * i, 3);
+		memcpy(picture->rgb + 3 * i, words + i, 3);
 	glReadBuffer(GL_COLOR_ATTACHMENT1);
-	glReadPixels(0, 0, (GLsizei)picture->width, (GLsizei)picture->height, GL_RG_INTEGER, GL_UNSIGNED_INT,
-		rgba);
+	glReadPixels(0, 0, (GLsizei)picture->width, (GLsizei)picture->height, GL_RGBA_INTEGER,
+		GL_UNSIGNED_INT, words);
 	for (size_t i = 0; i < pixels; i++) {
-		uint32_t words[2];
-		memcpy(words, rgba + 8 * i, sizeof words);
-		picture->owner[i] = words[0] | (uint64_t)words[1] << 32;
+		const uint32_t *seen = words + 4 * i;
+		picture->owner[i] = seen[0] | (uint64_t)seen[1] << 32;
 		picture->cover[i] = picture->owner[i] ? 255 : 0;
+		picture->surface[i] = seen[2];
+		memcpy(&picture->depth[i], &seen[3], sizeof picture->depth[i]);
 	}
-	free(rgba);
+	free(words);
 	GLenum failed = glGetError();
 	return failed ? eco_fail(f->error, ECO_IO, "the graphics driver reports error 0x%x", failed) : ECO_OK;
 }
@@ -489,8 +435,6 @@ enum eco_code view_gl_draw(struct view_gl *gl, const struct view_gl_job *job, st
 	view_egl_use(&gl->egl);
 	clear();
 	enum eco_code code = upload_selection(&f);
-	if (!code)
-		code = draw_sky(&f);
 	if (!code && job->selection->ground.count)
 		code = draw_ground(&f);
 	bind(1, GL_TEXTURE_BUFFER, gl->instances.texture);
@@ -499,6 +443,9 @@ enum eco_code view_gl_draw(struct view_gl *gl, const struct view_gl_job *job, st
 		code = draw_cut(&f, c);
 	if (!code)
 		code = read_back(&f);
+	if (!code)
+		code = view_light_picture(&(struct view_light_job){ job->store, job->selection, job->eye,
+			job->tint, 0 }, picture, error);
 	picture->draw_ms = view_clock_ms() - start;
 	return code;
 }

@@ -5,12 +5,13 @@
  *                                                   only extended
  *   view_gl_close(gl);
  *
- * One pass writes colour and owner; the mask is "owner is not 0", so it cannot depend on shading. No
+ * One pass writes what view_light.h needs; the mask is "owner is not 0", so it cannot depend on shading. No
  * multisampling, depth is near / distance (reversed, infinite far plane), formulas are those of
  * lod/raster/raster.h. One thread. */
 #ifndef VIEW_GL_H
 #define VIEW_GL_H
 
+#include "client-min/view_light.h"
 #include "client-min/view_picture.h"
 #include "client-min/view_select.h"
 
@@ -26,9 +27,6 @@ const char *view_gl_renderer(const struct view_gl *gl);
 bool view_gl_hardware(const struct view_gl *gl);
 /* bit i: enum view_program i was needed, and compiled */
 uint32_t view_gl_programs(const struct view_gl *gl);
-
-/* By representation; or in their own colours, every leaf lit as if it were alone. */
-enum view_tint { VIEW_TINT_NONE, VIEW_TINT_KIND, VIEW_TINT_UNSHADED };
 
 struct view_gl_job {
 	const struct view_store *store;

@@ -80,6 +80,27 @@ uint32_t view_ground_sample(const struct view_ground_tile *tile, uint32_t column
 	return (row + tile->y.before) * tile->x.count + column + tile->x.before;
 }
 
+/* Rise from sample a to sample b, a metre along `axis`; 0 where they are one. */
+static double slope(const struct view_list *list, const int32_t *a, const int32_t *b, int axis)
+{
+	double along = ((double)b[axis] - a[axis]) * list->list.grid_step[axis];
+	return along > 0 ? ((double)b[2] - a[2]) * list->list.grid_step[2] / along : 0;
+}
+
+void view_ground_normal(const struct view_list *list, uint32_t sample, float normal[3])
+{
+	uint32_t columns = list->list.columns, rows = list->elements.element_count / columns,
+		c = sample % columns, r = sample / columns;
+	const int32_t *p = list->elements.position + 3 * (size_t)sample;
+	double x = -slope(list, c > 0 ? p - 3 : p, c + 1 < columns ? p + 3 : p, 0);
+	double y = -slope(list, r > 0 ? p - 3 * (size_t)columns : p, r + 1 < rows ? p + 3 * (size_t)columns : p,
+		1);
+	double length = sqrt(x * x + y * y + 1);
+	normal[0] = (float)(x / length);
+	normal[1] = (float)(y / length);
+	normal[2] = (float)(1 / length);
+}
+
 /* The sample of the span's inner ones at or before `at`, but for the last, and how far `at` is on the way to
  * the next; false outside. */
 static bool find_cell(const struct eco_ground_span *span, double at, uint32_t *sample, double *share)

@@ -11,7 +11,9 @@ enum eco_code view_picture_init(struct view_picture *picture, uint32_t width, ui
 	picture->rgb = calloc(pixels, 3);
 	picture->cover = calloc(pixels, 1);
 	picture->owner = calloc(pixels, sizeof *picture->owner);
-	if (picture->rgb && picture->cover && picture->owner)
+	picture->depth = calloc(pixels, sizeof *picture->depth);
+	picture->surface = calloc(pixels, sizeof *picture->surface);
+	if (picture->rgb && picture->cover && picture->owner && picture->depth && picture->surface)
 		return ECO_OK;
 	view_picture_free(picture);
 	return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture of %u x %u pixels", width, height);
@@ -22,6 +24,8 @@ void view_picture_free(struct view_picture *picture)
 	free(picture->rgb);
 	free(picture->cover);
 	free(picture->owner);
+	free(picture->depth);
+	free(picture->surface);
 	*picture = (struct view_picture){ 0 };
 }
 

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "client-min/view_ground.h"
 #include "client-min/view_select.h"
 #include "lod/geometry.h"
 
@@ -130,33 +131,21 @@ static void write_triangle(const struct view_list *list, const struct scratch *s
 	put(out, bits(uv[3]), bits(uv[4]), bits(uv[5]), 0);
 }
 
-static uint32_t packed_normal(double x, double y)
+static uint32_t packed_normal(const float n[3])
 {
-	double length = sqrt(x * x + y * y + 1);
-	int16_t a = (int16_t)floor(x / length * 32767 + 0.5), b = (int16_t)floor(y / length * 32767 + 0.5);
+	int16_t a = (int16_t)floorf(n[0] * 32767 + 0.5f), b = (int16_t)floorf(n[1] * 32767 + 0.5f);
 	return (uint32_t)(uint16_t)a | (uint32_t)(uint16_t)b << 16;
 }
 
-/* Rise from sample a to sample b, a metre along `axis`; 0 where they are one. */
-static double slope(const struct view_list *list, const int32_t *a, const int32_t *b, int axis)
-{
-	double along = ((double)b[axis] - a[axis]) * list->list.grid_step[axis];
-	return along > 0 ? ((double)b[2] - a[2]) * list->list.grid_step[2] / along : 0;
-}
-
-/* Normals from the samples on either side: what the ring is for. */
 static void write_ground(const struct view_list *list, const struct eco_elements *e, uint32_t *out)
 {
-	uint32_t columns = list->list.columns, rows = e->element_count / columns;
-	for (uint32_t r = 0, i = 0; r < rows; r++)
-		for (uint32_t c = 0; c < columns; c++, i++) {
-			const int32_t *p = e->position + 3 * (size_t)i;
-			const int32_t *west = c > 0 ? p - 3 : p, *east = c + 1 < columns ? p + 3 : p;
-			const int32_t *south = r > 0 ? p - 3 * (size_t)columns : p, *north = r + 1 < rows
-				? p + 3 * (size_t)columns : p;
-			put(&out, (uint32_t)p[0], (uint32_t)p[1], (uint32_t)p[2],
-				packed_normal(-slope(list, west, east, 0), -slope(list, south, north, 1)));
-		}
+	uint32_t first = (uint32_t)((e->position - list->elements.position) / 3);
+	for (uint32_t i = 0; i < e->element_count; i++) {
+		const int32_t *p = e->position + 3 * (size_t)i;
+		float normal[3];
+		view_ground_normal(list, first + i, normal);
+		put(&out, (uint32_t)p[0], (uint32_t)p[1], (uint32_t)p[2], packed_normal(normal));
+	}
 }
 
 enum eco_code view_record_write(const struct view_list *list, uint32_t first_chunk, uint32_t end_chunk,

@@ -1,185 +1,77 @@
 /* What costs is triangles, and most of a forest is hidden behind the rest of it. So plants are taken in order
  * of distance, dealt to the threads in turn, and each thread asks its own coarse depth before it touches a
  * plant, and again before it touches a cell. Geometry is made once per cut and shared by all plants that draw
- * it. */
+ * it. The rasteriser notes which primitive is nearest; colours and surfaces are looked up once a pixel, when
+ * all is drawn, and then lit.
+ *
+ * Items number the ground's triangles first, TILE_TRIANGLES a tile, then the primitives of all cuts. */
 #include "client-min/view_reference.h"
 
-#include <assert.h>
-#include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_shade.h"
-#include "client-min/view_table.h"
-#include "lod/geometry.h"
-#include "lod/light.h"
-#include "lod/raster/raster.h"
-#include "lod/raster/texel.h"
+#include "client-min/view_mesh.h"
+#include "client-min/view_owners.h"
 
 #define THREADS_MAX 64u
-#define HAZE_M 3000.0
 #define HIDE_TRIANGLES 24u               /* fewer are drawn sooner than asked about */
-
-struct mesh {                            /* geometry of one cut */
-	struct lod_raster_batch batch;
-	struct lod_geometry geometry;
-	uint8_t *rgb;
-	uint8_t kind;
-	float center[3], radius;         /* object space */
-	bool by_point;                   /* a summary: each point has its own owner */
-};
+#define TILE_TRIANGLES (2 * ECO_GROUND_CELLS * ECO_GROUND_CELLS)
+#define SAMPLES_MAX (1u << 22)           /* in one raster of a picture that is drawn in parts */
 
 struct scene {
 	const struct view_reference_job *job;
 	const struct eco_plan *plan;
-	struct mesh *meshes;             /* per cut */
+	struct view_mesh *meshes;        /* per cut */
+	uint32_t *items;                 /* per cut: number of its first item; and the end */
 	uint32_t *order;                 /* instances, near to far */
-	uint8_t ground_rgb[ECO_GROUND_CELLS * ECO_GROUND_CELLS * 2][3];
+	struct view_owners owners;
 };
 
 struct worker {
 	const struct scene *scene;
 	struct lod_raster raster;
 	uint32_t number, count;
-	float ground[ECO_GROUND_CELLS * ECO_GROUND_CELLS * 18];      /* one tile's triangles */
+	struct view_picture *picture;    /* that is looked up */
+	const struct lod_raster *drawn;
+	struct view_coverage *coverage;  /* that is counted */
+	float ground[9 * TILE_TRIANGLES];        /* one tile's */
 	pthread_t thread;
 	bool started;
 };
 
-/* ---- Geometry ---- */
+/* ---- Drawing ---- */
 
 static enum eco_code no_memory(struct eco_error *error)
 {
-	return eco_fail(error, ECO_NO_MEMORY, "no memory for the reference's geometry");
+	return eco_fail(error, ECO_NO_MEMORY, "no memory for the reference");
 }
-
-static void bound_sphere(struct mesh *mesh, uint32_t vertices)
-{
-	float low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
-	const float *p = mesh->geometry.position;
-	for (uint32_t i = 0; i < vertices; i++)
-		for (int k = 0; k < 3; k++) {
-			low[k] = fminf(low[k], p[3 * (size_t)i + k]);
-			high[k] = fmaxf(high[k], p[3 * (size_t)i + k]);
-		}
-	double square = 0;
-	for (int k = 0; k < 3; k++) {
-		mesh->center[k] = 0.5f * (low[k] + high[k]);
-		square += 0.25 * ((double)high[k] - low[k]) * ((double)high[k] - low[k]);
-	}
-	mesh->radius = (float)(sqrt(square) * 1.0001);
-	float largest = mesh->geometry.size ? 0 : 1;
-	for (uint32_t i = 0; mesh->geometry.size && i < mesh->batch.count; i++)
-		largest = fmaxf(largest, mesh->geometry.size[i]);
-	if (mesh->kind == ECO_LIST_POINTS)
-		mesh->radius += sqrtf(mesh->batch.area * largest);
-	for (uint32_t i = 0; mesh->kind == ECO_LIST_LINES && i < mesh->batch.count; i++)
-		mesh->radius = fmaxf(mesh->radius, (float)(sqrt(square) * 1.0001) + mesh->geometry.width[i]);
-}
-
-/* a side of the lattice of texels that a triangle's colour is the mean of */
-#define TEXEL_STEPS 5
-
-static void add_texel(struct lod_light *light, const struct eco_image *image, double u, double v)
-{
-	const uint8_t *texel = lod_texel_at(image, u, v);
-	if (texel[3] >= 128)
-		lod_light_add(light, texel, 1);
-}
-
-/* Mean light of a triangle's opaque texels; `rgb` stays where there is none. */
-static void texture_color(const struct eco_image *image, const float *uv, uint8_t rgb[3])
-{
-	struct lod_light light = { .weight = 0 };
-	for (int i = 0; i < TEXEL_STEPS; i++)
-		for (int j = 0; i + j < TEXEL_STEPS; j++) {
-			double a = (i + 1.0 / 3) / TEXEL_STEPS, b = (j + 1.0 / 3) / TEXEL_STEPS,
-				c = 1 - a - b;
-			add_texel(&light, image, a * uv[0] + b * uv[2] + c * uv[4],
-				a * uv[1] + b * uv[3] + c * uv[5]);
-		}
-	lod_light_mean(&light, rgb);
-}
-
-static void color_mesh(struct mesh *mesh, const struct view_list *list, const struct view_list *image)
-{
-	static const uint8_t plain[3] = { 95, 127, 79 };
-	struct lod_light all = { .weight = 0 };
-	uint8_t mean[3] = { 255, 255, 255 };
-	size_t texels = mesh->geometry.uv ? (size_t)image->image.width * image->image.height : 0;
-	for (size_t i = 0; i < texels; i++)
-		if (image->image.rgba[4 * i + 3] >= 128)
-			lod_light_add(&all, image->image.rgba + 4 * i, 1);
-	lod_light_mean(&all, mean);
-	for (uint32_t i = 0; i < mesh->batch.count; i++) {
-		int32_t c = mesh->geometry.color[i];
-		const uint8_t *rgb = c >= 0 && (uint32_t)c < list->list.palette_count ? list->palette[c]
-			: image ? mean : plain;
-		memcpy(mesh->rgb + 3 * (size_t)i, rgb, 3);
-		if (mesh->geometry.uv)
-			texture_color(&image->image, mesh->geometry.uv + 6 * (size_t)i,
-				mesh->rgb + 3 * (size_t)i);
-	}
-}
-
-static enum eco_code make_mesh(struct mesh *mesh, const struct view_reference_job *job,
-	const struct eco_cut *cut, struct eco_error *error)
-{
-	const struct view_list *list = view_store_list(job->store, cut->list);
-	uint32_t count = cut->end - cut->first, corners = eco_list_vertices(&list->list);
-	const struct view_list *image = list->list.image == ECO_NONE ? NULL
-		: view_store_list(job->store, list->list.image);
-	bool textured = image && image->image.rgba && list->list.attributes & ECO_ATTR_UV, cutout = textured
-		&& image->cutout;
-	mesh->kind = list->list.kind;
-	mesh->geometry.position = malloc(12u * (size_t)count * corners + 1);
-	mesh->geometry.uv = textured ? malloc(24u * (size_t)count + 1) : NULL;
-	mesh->geometry.width = mesh->kind == ECO_LIST_LINES ? malloc(4u * (size_t)count + 1) : NULL;
-	mesh->geometry.color = malloc(4u * (size_t)count + 1);
-	bool sized = list->list.attributes & ECO_ATTR_SIZE;
-	mesh->geometry.size = sized ? malloc(4u * (size_t)count + 1) : NULL;
-	mesh->rgb = malloc(3u * (size_t)count + 1);
-	if (!mesh->geometry.position || !mesh->geometry.color || !mesh->rgb
-			|| (textured && !mesh->geometry.uv) || (sized && !mesh->geometry.size) ||
-		(mesh->kind == ECO_LIST_LINES && !mesh->geometry.width))
-		return no_memory(error);
-	uint32_t written = lod_list_geometry(&list->list, &list->elements, cut->first, cut->end, cut->scale,
-		&mesh->geometry);
-	assert(written == count);
-	mesh->batch = (struct lod_raster_batch){ .count = count, .position = mesh->geometry.position,
-		.uv = cutout ? mesh->geometry.uv : NULL,
-		.cutout = cutout ? &image->image : NULL, .width = mesh->geometry.width,
-		.area = list->list.unit_area * cut->scale,
-		.size = mesh->geometry.size, .rgb = mesh->rgb };
-	mesh->by_point = mesh->kind == ECO_LIST_POINTS && list->list.attributes & ECO_ATTR_PLANT;
-	color_mesh(mesh, list, image);
-	bound_sphere(mesh, count * corners);
-	return ECO_OK;
-}
-
-/* ---- Drawing ---- */
 
 static bool stopped(const struct view_reference_job *job)
 {
 	return job->stop && *job->stop;
 }
 
-/* Two triangles a cell, their diagonal from south-west to north-east; in single floats, as OpenGL has them.
- */
+/* Two triangles a cell, their diagonal from south-west to north-east. */
+static const uint32_t cell_corners[6][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 0 }, { 1, 1 }, { 0, 1 } };
+
+/* In single floats, as OpenGL has them. */
+static void sample_at(const struct view_ground *ground, const struct view_ground_tile *tile, uint32_t sample,
+	float out[3])
+{
+	const int32_t *at = tile->list->elements.position + 3 * (size_t)sample;
+	for (int k = 0; k < 3; k++)
+		out[k] = (float)(at[k] - ground->anchor[k]) * ground->step[k];
+}
+
 static uint32_t tile_triangles(const struct view_ground *ground, const struct view_ground_tile *tile,
 	float *out)
 {
-	static const uint32_t corner[6][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 0 }, { 1, 1 }, { 0, 1 } };
 	for (uint32_t y = 0; y + 1 < tile->y.inner; y++)
 		for (uint32_t x = 0; x + 1 < tile->x.inner; x++)
-			for (int c = 0; c < 6; c++) {
-				const int32_t *at = tile->list->elements.position
-					+ 3 * (size_t)view_ground_sample(tile, x + corner[c][0],
-					y + corner[c][1]);
-				for (int k = 0; k < 3; k++)
-					*out++ = (float)(at[k] - ground->anchor[k]) * ground->step[k];
-			}
+			for (int c = 0; c < 6; c++, out += 3)
+				sample_at(ground, tile, view_ground_sample(tile, x + cell_corners[c][0],
+					y + cell_corners[c][1]), out);
 	return 2 * (tile->x.inner - 1) * (tile->y.inner - 1);
 }
 
@@ -190,37 +82,39 @@ static void draw_ground(struct worker *w)
 	memcpy(place.at, ground->at, sizeof place.at);
 	lod_raster_object(&w->raster, &place);
 	for (uint32_t i = 0; i < ground->count && !stopped(w->scene->job); i++) {
-		struct lod_raster_batch batch = { .position = w->ground, .rgb = w->scene->ground_rgb[0] };
+		struct lod_raster_batch batch = { .position = w->ground, .item = i * TILE_TRIANGLES };
 		batch.count = tile_triangles(ground, &ground->tiles[i], w->ground);
 		lod_raster_triangles(&w->raster, &batch);
 	}
 }
 
 /* Summary points name their plants one by one. */
-static void draw_summary(struct worker *w, const struct mesh *mesh, const struct eco_cut *cut, uint32_t path)
+static void draw_summary(struct worker *w, const struct view_mesh *mesh, struct lod_raster_batch batch,
+	uint32_t first, uint32_t path)
 {
-	const struct view_list *list = view_store_list(w->scene->job->store, cut->list);
-	struct lod_raster_batch batch = mesh->batch;
 	for (uint32_t i = 0; i < mesh->batch.count;) {
-		uint64_t owner = view_summary_owner(list, cut->first + i, path);
 		uint32_t end = i + 1;
-		while (end < mesh->batch.count && view_summary_owner(list, cut->first + end, path) == owner)
+		batch.owner = view_summary_owner(mesh->list, first + i, path);
+		while (end < mesh->batch.count && view_summary_owner(mesh->list, first + end, path) == batch.owner)
 			end++;
-		batch.owner = owner;
 		batch.count = end - i;
-		batch.position = mesh->batch.position + 3 * (size_t)i;
-		batch.rgb = mesh->batch.rgb + 3 * (size_t)i;
-		batch.size = mesh->batch.size ? mesh->batch.size + i : NULL;
 		lod_raster_points(&w->raster, &batch);
+		batch.position += 3 * (size_t)batch.count;
+		if (batch.size)
+			batch.size += batch.count;
+		batch.item += batch.count;
 		i = end;
 	}
 }
 
 static void draw_mesh(struct worker *w, const struct view_instance *instance, uint32_t cut)
 {
-	const struct mesh *mesh = &w->scene->meshes[cut];
+	const struct view_mesh *mesh = &w->scene->meshes[cut];
+	struct lod_raster_batch batch = mesh->batch;
+	batch.owner = instance->owner;
+	batch.item = w->scene->items[cut];
 	if (mesh->by_point) {
-		draw_summary(w, mesh, &w->scene->plan->cuts[cut], instance->path);
+		draw_summary(w, mesh, batch, w->scene->plan->cuts[cut].first, instance->path);
 		return;
 	}
 	if (mesh->batch.count >= HIDE_TRIANGLES) {
@@ -229,31 +123,204 @@ static void draw_mesh(struct worker *w, const struct view_instance *instance, ui
 		if (lod_raster_hides(&w->raster, center, mesh->radius * instance->place.scale))
 			return;
 	}
-	struct lod_raster_batch batch = mesh->batch;
-	batch.owner = instance->owner;
-	if (mesh->kind == ECO_LIST_TRIANGLES)
+	if (mesh->list->list.kind == ECO_LIST_TRIANGLES)
 		lod_raster_triangles(&w->raster, &batch);
-	else if (mesh->kind == ECO_LIST_LINES)
+	else if (mesh->list->list.kind == ECO_LIST_LINES)
 		lod_raster_lines(&w->raster, &batch);
 	else
 		lod_raster_points(&w->raster, &batch);
 }
 
-static void *work(void *ctx)
+/* The ground, and every count-th instance from `first` on. */
+static void draw_instances(struct worker *w, uint32_t first, uint32_t count)
 {
-	struct worker *w = ctx;
 	const struct scene *scene = w->scene;
 	const struct view_selection *s = scene->job->selection;
 	lod_raster_camera(&w->raster, scene->job->eye, scene->job->near_m);
 	draw_ground(w);
-	for (uint32_t n = w->number; n < s->instance_count && !stopped(scene->job); n += w->count) {
+	for (uint32_t n = first; n < s->instance_count && !stopped(scene->job); n += count) {
 		uint32_t i = scene->order[n];
 		lod_raster_object(&w->raster, &s->instances[i].place);
 		for (uint32_t p = s->cut_first[i]; p < s->cut_first[i + 1]; p++)
 			draw_mesh(w, &s->instances[i], s->cuts[p]);
 	}
+}
+
+static void *draw_share(void *ctx)
+{
+	struct worker *w = ctx;
+	draw_instances(w, w->number, w->count);
 	return NULL;
 }
+
+/* ---- Looking up ---- */
+
+/* From the eye to the world's point that is seen at (x, y) in the middle of a pixel; 1 forward. */
+static void ray_of(const struct view_reference_job *job, const struct view_picture *picture, double x, double y,
+	double ray[3])
+{
+	const struct lod_eye *eye = job->eye;
+	double u = ((x + 0.5) / picture->width * 2 - 1) * eye->tan_x,
+		v = (1 - (y + 0.5) / picture->height * 2) * eye->tan_y;
+	for (int k = 0; k < 3; k++)
+		ray[k] = eye->forward[k] + u * eye->right[k] + v * eye->up[k];
+}
+
+static void into_plant(const struct lod_place *place, const double v[3], double out[3])
+{
+	out[0] = v[0] * place->cosine + v[1] * place->sine;
+	out[1] = v[1] * place->cosine - v[0] * place->sine;
+	out[2] = v[2];
+}
+
+static void rays_of(const struct view_reference_job *job, const struct view_picture *picture, uint32_t x,
+	uint32_t y, const struct lod_place *place, struct view_rays *rays)
+{
+	double ray[3], from[3];
+	for (int k = 0; k < 3; k++)
+		from[k] = (job->eye->at[k] - place->at[k]) / place->scale;
+	into_plant(place, from, rays->eye);
+	for (int i = 0; i < 3; i++) {
+		ray_of(job, picture, x + (i == 1), y + (i == 2), ray);
+		into_plant(place, ray, rays->ray[i]);
+	}
+}
+
+struct facet { float corner[3][3], normal[3][3]; uint32_t item; bool made; };    /* of the ground */
+
+static void find_facet(const struct view_ground *ground, uint32_t item, struct facet *f)
+{
+	const struct view_ground_tile *tile = &ground->tiles[item / TILE_TRIANGLES];
+	uint32_t triangle = item % TILE_TRIANGLES, columns = tile->x.inner - 1;
+	f->item = item;
+	f->made = true;
+	for (uint32_t c = 0; c < 3; c++) {
+		const uint32_t *at = cell_corners[3 * (triangle & 1) + c];
+		uint32_t sample = view_ground_sample(tile, triangle / 2 % columns + at[0],
+			triangle / 2 / columns + at[1]);
+		sample_at(ground, tile, sample, f->corner[c]);
+		view_ground_normal(tile->list, sample, f->normal[c]);
+	}
+}
+
+/* The samples' normals, mixed by where the pixel lies between them as seen from above. `f` is that of the pixel
+ * before. */
+static uint32_t look_ground(const struct view_reference_job *job, const struct view_picture *picture, uint32_t x,
+	uint32_t y, uint32_t item, struct facet *f)
+{
+	const struct view_ground *ground = &job->selection->ground;
+	double ray[3], p[2], share[3], sum = 0;
+	float mixed[3] = { 0, 0, 0 };
+	if (!f->made || f->item != item)
+		find_facet(ground, item, f);
+	ray_of(job, picture, x, y, ray);
+	for (int k = 0; k < 2; k++)
+		p[k] = job->eye->at[k] - ground->at[k] + ray[k] / picture->depth[(size_t)y * picture->width + x];
+	for (int c = 0; c < 3; c++) {
+		const float *a = f->corner[(c + 1) % 3], *b = f->corner[(c + 2) % 3];
+		double at = ((double)b[0] - a[0]) * (p[1] - a[1]) - ((double)b[1] - a[1]) * (p[0] - a[0]);
+		sum += share[c] = at > 0 ? at : 0;
+	}
+	for (int c = 0; c < 3; c++)
+		for (int k = 0; k < 3; k++)
+			mixed[k] += (float)(sum > 0 ? share[c] / sum : 1.0 / 3) * f->normal[c][k];
+	return view_surface_direction(VIEW_FACET, mixed);
+}
+
+static uint32_t cut_of(const struct scene *scene, uint32_t item, uint32_t last)
+{
+	if (item >= scene->items[last] && item < scene->items[last + 1])
+		return last;                     /* as the pixel before */
+	uint32_t low = 0, high = scene->job->selection->cut_count - 1;
+	while (low < high) {
+		uint32_t middle = low + (high - low) / 2;
+		if (item >= scene->items[middle + 1])
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low;
+}
+
+static void look_plant(const struct scene *scene, struct view_picture *picture, uint32_t x, uint32_t y,
+	uint32_t item, uint32_t *cut)
+{
+	size_t i = (size_t)y * picture->width + x;
+	struct view_rays rays;
+	*cut = cut_of(scene, item, *cut);
+	const struct view_mesh *mesh = &scene->meshes[*cut];
+	if (mesh->image)
+		rays_of(scene->job, picture, x, y, &view_owners_find(&scene->owners, picture->owner[i])->place,
+			&rays);
+	view_mesh_look(mesh, item - scene->items[*cut], &rays, picture->rgb + 3 * i, &picture->surface[i]);
+	if (scene->job->tint == VIEW_TINT_KIND)
+		memcpy(picture->rgb + 3 * i, view_tint_colors[scene->job->selection->roles[*cut]], 3);
+}
+
+static void *look_up(void *ctx)
+{
+	const struct worker *w = ctx;
+	struct view_picture *picture = w->picture;
+	struct facet facet = { .made = false };
+	uint32_t cut = 0;
+	for (uint32_t y = w->number; y < picture->height; y += w->count)
+		for (uint32_t x = 0; x < picture->width; x++) {
+			size_t i = (size_t)y * picture->width + x;
+			if (picture->owner[i])
+				look_plant(w->scene, picture, x, y, w->drawn->item[i], &cut);
+			else if (picture->depth[i] > 0)
+				picture->surface[i] = look_ground(w->scene->job, picture, x, y,
+					w->drawn->item[i], &facet);
+		}
+	return NULL;
+}
+
+/* ---- Counting samples ---- */
+
+/* Parts of whole pixels, whose samples fit one raster. */
+static void part_size(const struct view_coverage *c, uint32_t part[2])
+{
+	uint32_t side = 4096 / c->samples, most = SAMPLES_MAX / (c->samples * c->samples);
+	part[0] = c->width < side ? c->width : side;
+	part[1] = most / part[0] < c->height ? most / part[0] : c->height;
+}
+
+static void count_samples(const struct view_coverage *c, const struct lod_raster *raster, uint32_t left,
+	uint32_t top)
+{
+	uint32_t rows = raster->height / c->samples, columns = raster->width / c->samples;
+	rows = rows < c->height - top ? rows : c->height - top;
+	columns = columns < c->width - left ? columns : c->width - left;
+	for (uint32_t y = 0; y < rows * c->samples; y++) {
+		const uint8_t *cover = raster->cover + (size_t)y * raster->width;
+		uint8_t *out = c->count + (size_t)(top + y / c->samples) * c->width + left;
+		for (uint32_t x = 0; x < columns; x++)
+			for (uint32_t k = 0; k < c->samples; k++)
+				out[x] += *cover++ & 1;
+	}
+}
+
+/* Each thread draws whole parts, so that all that is in front hides what is behind. */
+static void *count_parts(void *ctx)
+{
+	struct worker *w = ctx;
+	const struct view_coverage *c = w->coverage;
+	uint32_t part[2], number = 0;
+	part_size(c, part);
+	for (uint32_t top = 0; top < c->height; top += part[1])
+		for (uint32_t left = 0; left < c->width; left += part[0]) {
+			if (number++ % w->count != w->number)
+				continue;
+			lod_raster_clear(&w->raster);
+			lod_raster_window(&w->raster, c->width * c->samples, c->height * c->samples,
+				left * c->samples, top * c->samples);
+			draw_instances(w, 0, 1);
+			count_samples(c, &w->raster, left, top);
+		}
+	return NULL;
+}
+
+/* ---- Work ---- */
 
 static int by_distance(const void *a, const void *b, void *ctx)
 {
@@ -263,111 +330,151 @@ static int by_distance(const void *a, const void *b, void *ctx)
 	return dx < dy ? -1 : dx > dy ? 1 : x < y ? -1 : x > y;
 }
 
-static enum eco_code prepare(struct scene *scene, struct eco_error *error)
+static enum eco_code make_meshes(struct scene *scene, struct eco_error *error)
 {
 	const struct view_selection *s = scene->job->selection;
+	uint64_t items = (uint64_t)s->ground.count * TILE_TRIANGLES;
+	enum eco_code code = ECO_OK;
+	for (uint32_t c = 0; c < s->cut_count && !code; c++) {
+		scene->items[c] = (uint32_t)items;
+		if (s->member_first[c] == s->member_first[c + 1])
+			continue;
+		uint32_t plant = s->instances[s->members[s->member_first[c]]].plant;
+		code = view_mesh_make(&scene->meshes[c], scene->job->store, &scene->plan->cuts[c],
+			plant == ECO_NONE ? NULL : view_store_plant(scene->job->store, plant), error);
+		items += scene->meshes[c].batch.count;
+	}
+	scene->items[s->cut_count] = (uint32_t)items;
+	return code || items <= UINT32_MAX ? code
+		: eco_fail(error, ECO_TOO_LARGE, "lists of %llu primitives are too long to be drawn in software",
+		(unsigned long long)items);
+}
+
+static enum eco_code scene_make(struct scene *scene, const struct view_reference_job *job,
+	struct eco_error *error)
+{
+	static const struct eco_plan nothing;
+	const struct view_selection *s = job->selection;
+	*scene = (struct scene){ .job = job, .plan = view_store_plan(job->store) };
+	if (!scene->plan)
+		scene->plan = &nothing;
 	scene->meshes = calloc((size_t)s->cut_count + 1, sizeof *scene->meshes);
+	scene->items = calloc((size_t)s->cut_count + 1, sizeof *scene->items);
 	scene->order = malloc(((size_t)s->instance_count + 1) * sizeof *scene->order);
-	if (!scene->meshes || !scene->order)
+	if (!scene->meshes || !scene->items || !scene->order)
 		return no_memory(error);
 	for (uint32_t i = 0; i < s->instance_count; i++)
 		scene->order[i] = i;
 	qsort_r(scene->order, s->instance_count, sizeof *scene->order, by_distance, s->instances);
-	for (size_t i = 0; i < sizeof scene->ground_rgb / sizeof *scene->ground_rgb; i++)
-		memcpy(scene->ground_rgb[i], (const uint8_t[3]){ 112, 108, 72 }, 3);
-	enum eco_code code = ECO_OK;
-	for (uint32_t c = 0; c < s->cut_count && !code; c++)
-		if (s->member_first[c] != s->member_first[c + 1])
-			code = make_mesh(&scene->meshes[c], scene->job, &scene->plan->cuts[c], error);
-	return code;
+	enum eco_code code = view_owners_make(&scene->owners, s, error);
+	return code ? code : make_meshes(scene, error);
 }
 
 static void scene_free(struct scene *scene)
 {
-	for (uint32_t c = 0; scene->meshes && c < scene->job->selection->cut_count; c++) {
-		struct mesh *m = &scene->meshes[c];
-		free(m->geometry.position);
-		free(m->geometry.uv);
-		free(m->geometry.width);
-		free(m->geometry.color);
-		free(m->geometry.size);
-		free(m->rgb);
-	}
+	for (uint32_t c = 0; scene->meshes && c < scene->job->selection->cut_count; c++)
+		view_mesh_free(&scene->meshes[c]);
 	free(scene->meshes);
+	free(scene->items);
 	free(scene->order);
+	view_owners_free(&scene->owners);
 }
 
-/* Flat colours made legible: each plant a little lighter or darker than the next, haze with distance, sky
- * where nothing is. */
-static void tell_apart(const struct lod_raster *raster, struct view_picture *picture, float haze_m)
+static void run(struct worker *workers, void *(*work)(void *))
 {
-	static const float air[3] = { 186, 204, 222 };
-	size_t pixels = (size_t)picture->width * picture->height;
-	for (size_t i = 0; i < pixels; i++) {
-		float clear = raster->depth[i] > 0 ? expf(-1 / (haze_m * raster->depth[i])) : 0;
-		uint32_t hash = (uint32_t)(picture->owner[i] * 0x9E3779B97F4A7C15u >> 56);
-		float tone = clear * (picture->owner[i] ? 0.8f + 0.35f * (float)hash / 255 : 1);
-		for (int k = 0; k < 3; k++)
-			picture->rgb[3 * i + (size_t)k] = (uint8_t)fminf(255,
-				raster->rgb[3 * i + (size_t)k] * tone + air[k] * (1 - clear));
-	}
-}
-
-static enum eco_code run(struct worker *workers, uint32_t count, struct view_picture *picture,
-	struct eco_error *error)
-{
-	struct lod_raster_options options = { .width = picture->width, .height = picture->height,
-		.owner = true, .rgb = true };
-	for (uint32_t i = 0; i < count; i++) {
-		enum eco_code code = lod_raster_init(&workers[i].raster, &options, error);
-		if (code)
-			return code;
-	}
+	uint32_t count = workers[0].count;
 	for (uint32_t i = 1; i < count; i++)
 		workers[i].started = pthread_create(&workers[i].thread, NULL, work, &workers[i]) == 0;
-	work(&workers[0]);
-	for (uint32_t i = 1; i < count; i++) {
+	for (uint32_t i = 0; i < count; i++)
+		if (!workers[i].started)
+			work(&workers[i]);
+	for (uint32_t i = 0; i < count; i++)
 		if (workers[i].started)
 			pthread_join(workers[i].thread, NULL);
-		else
-			work(&workers[i]);
-		lod_raster_merge(&workers[0].raster, &workers[i].raster);
+}
+
+static enum eco_code workers_make(struct worker **workers, const struct scene *scene,
+	const struct lod_raster_options *options, struct eco_error *error)
+{
+	uint32_t threads = scene->job->threads, count = !threads ? 2 : threads < THREADS_MAX ? threads : THREADS_MAX;
+	*workers = calloc(count, sizeof **workers);
+	enum eco_code code = *workers ? ECO_OK : no_memory(error);
+	for (uint32_t i = 0; i < count && !code; i++) {
+		(*workers)[i].scene = scene;
+		(*workers)[i].number = i;
+		(*workers)[i].count = count;
+		code = lod_raster_init(&(*workers)[i].raster, options, error);
 	}
+	return code;
+}
+
+static void workers_free(struct worker *workers)
+{
+	for (uint32_t i = 0, count = workers ? workers[0].count : 0; i < count; i++)
+		lod_raster_free(&workers[i].raster);
+	free(workers);
+}
+
+static void draw_picture(struct worker *workers, struct view_picture *picture)
+{
+	const struct lod_raster *drawn = &workers[0].raster;
 	size_t pixels = (size_t)picture->width * picture->height;
-	memcpy(picture->cover, workers[0].raster.cover, pixels);
-	memcpy(picture->owner, workers[0].raster.owner, pixels * sizeof *picture->owner);
-	tell_apart(&workers[0].raster, picture,
-		(float)view_shade_haze_m(HAZE_M, workers[0].scene->job->eye->at[2]));
-	return ECO_OK;
+	run(workers, draw_share);
+	for (uint32_t i = 0; i < workers[0].count; i++) {
+		if (i)
+			lod_raster_merge(&workers[0].raster, &workers[i].raster);
+		workers[i].picture = picture;
+		workers[i].drawn = drawn;
+	}
+	memcpy(picture->cover, drawn->cover, pixels);
+	memcpy(picture->owner, drawn->owner, pixels * sizeof *picture->owner);
+	memcpy(picture->depth, drawn->depth, pixels * sizeof *picture->depth);
+	run(workers, look_up);
 }
 
 enum eco_code view_reference_draw(const struct view_reference_job *job, struct view_picture *picture,
 	struct eco_error *error)
 {
-	static const struct eco_plan nothing;
-	struct scene scene = { .job = job, .plan = view_store_plan(job->store) };
-	uint32_t count = job->threads ? job->threads < THREADS_MAX ? job->threads : THREADS_MAX : 2;
-	struct worker *workers = calloc(count, sizeof *workers);
+	struct lod_raster_options options = { .width = picture->width, .height = picture->height,
+		.owner = true, .item = true };
+	struct view_light_job light = { job->store, job->selection, job->eye, job->tint, job->threads };
+	struct scene scene;
+	struct worker *workers = NULL;
 	double start = view_clock_ms();
-	if (!workers)
-		return no_memory(error);
-	if (!scene.plan)
-		scene.plan = &nothing;
-	for (uint32_t i = 0; i < count; i++) {
-		workers[i].scene = &scene;
-		workers[i].number = i;
-		workers[i].count = count;
-	}
-	enum eco_code code = prepare(&scene, error);
+	enum eco_code code = scene_make(&scene, job, error);
 	if (!code)
-		code = run(workers, count, picture, error);
+		code = workers_make(&workers, &scene, &options, error);
+	if (!code)
+		draw_picture(workers, picture);
+	workers_free(workers);
+	scene_free(&scene);
+	if (!code)
+		code = view_light_picture(&light, picture, error);
 	if (!code && stopped(job))
 		code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
-	for (uint32_t i = 0; i < count; i++)
-		lod_raster_free(&workers[i].raster);
-	free(workers);
-	scene_free(&scene);
 	picture->vertices = job->selection->vertices;
 	picture->draw_ms = view_clock_ms() - start;
 	return code;
+}
+
+enum eco_code view_reference_count(const struct view_reference_job *job, struct view_coverage *coverage,
+	struct eco_error *error)
+{
+	uint32_t part[2];
+	struct scene scene;
+	struct worker *workers = NULL;
+	part_size(coverage, part);
+	struct lod_raster_options options = { .width = part[0] * coverage->samples,
+		.height = part[1] * coverage->samples, .silhouette = true };
+	memset(coverage->count, 0, (size_t)coverage->width * coverage->height);
+	enum eco_code code = scene_make(&scene, job, error);
+	if (!code)
+		code = workers_make(&workers, &scene, &options, error);
+	for (uint32_t i = 0; !code && i < workers[0].count; i++)
+		workers[i].coverage = coverage;
+	if (!code)
+		run(workers, count_parts);
+	workers_free(workers);
+	scene_free(&scene);
+	return !code && stopped(job) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : code;
 }

@@ -1,11 +1,12 @@
 /* Drawing a selection in software: the reference that pictures are scored against, and what draws where there
- * is no OpenGL. Plants front to back, hidden ones skipped, by `threads` rasterisers whose pictures are
- * merged: the same pixels whatever the number. */
+ * is no OpenGL. Plants front to back, hidden ones skipped, by several threads: the same pixels whatever their
+ * number. */
 #ifndef VIEW_REFERENCE_H
 #define VIEW_REFERENCE_H
 
 #include <signal.h>
 
+#include "client-min/view_light.h"
 #include "client-min/view_picture.h"
 #include "client-min/view_select.h"
 
@@ -16,11 +17,21 @@ struct view_reference_job {
 	double near_m;
 	uint32_t threads;                        /* 0: 2 */
 	const volatile sig_atomic_t *stop;       /* not 0: end with ECO_INTERRUPTED; may be NULL */
+	enum view_tint tint;
 };
 
-/* Fills cover, owner, flat colours in rgb, vertices (those of the selection: hidden ones count as drawn) and
- * draw_ms. */
+/* Fills the picture, lit (view_light.h); vertices are those of the selection: hidden ones count as drawn. */
 enum eco_code view_reference_draw(const struct view_reference_job *job, struct view_picture *picture,
+	struct eco_error *error);
+
+/* How much of each pixel plants cover: of samples x samples, evenly spread in it. Memory is bounded, whatever
+ * the picture's size. */
+#define VIEW_SAMPLES_MAX 15u
+struct view_coverage {
+	uint32_t width, height, samples;
+	uint8_t *count;                          /* one a pixel, the caller's: 0 to samples^2 */
+};
+enum eco_code view_reference_count(const struct view_reference_job *job, struct view_coverage *coverage,
 	struct eco_error *error);
 
 #endif

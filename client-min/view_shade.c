@@ -5,7 +5,7 @@
 
 #define REACH_M 450.0                    /* plants further away cast no shadow that is worth a texel */
 #define AIR_M 1200.0                     /* of dust and vapour, not of air itself */
-#define SUN_X 0.693                      /* metres of shadow a metre of height, away from the shaders' SUN */
+#define SUN_X 0.693                      /* metres of shadow a metre of height, away from view_light.c's SUN */
 #define SUN_Y 0.577
 
 struct view_shape view_shape_of(const struct view_plant *plant)
@@ -108,6 +108,27 @@ enum eco_code view_shade_make(struct view_shade *shade, const struct view_store 
 			cast(shade, p, view_store_plant(store, p->plant));
 	}
 	return ECO_OK;
+}
+
+void view_shade_at(const struct view_shade *shade, const double world[2], float taken[2])
+{
+	double at[2];
+	uint32_t from[2], to[2];
+	taken[0] = taken[1] = 0;
+	for (int k = 0; k < 2; k++) {
+		double share = (world[k] - shade->low[k]) / shade->size_m;
+		if (!shade->texels || !(share > 0 && share < 1))
+			return;
+		double texel = fmin(fmax(share * VIEW_SHADE_PIXELS - 0.5, 0), VIEW_SHADE_PIXELS - 1);
+		from[k] = (uint32_t)texel;
+		to[k] = from[k] + 1 < VIEW_SHADE_PIXELS ? from[k] + 1 : from[k];
+		at[k] = texel - from[k];
+	}
+	const uint8_t *south = shade->texels + 2 * (size_t)from[1] * VIEW_SHADE_PIXELS,
+		*north = shade->texels + 2 * (size_t)to[1] * VIEW_SHADE_PIXELS;
+	for (int c = 0; c < 2; c++)
+		taken[c] = (float)(((1 - at[1]) * ((1 - at[0]) * south[2 * from[0] + c] + at[0] * south[2 * to[0] + c])
+			+ at[1] * ((1 - at[0]) * north[2 * from[0] + c] + at[0] * north[2 * to[0] + c])) / 255);
 }
 
 void view_shade_free(struct view_shade *shade)

@@ -16,6 +16,8 @@ struct view_shade {
 };
 enum eco_code view_shade_make(struct view_shade *shade, const struct view_store *store,
 	const struct view_selection *selection, struct eco_error *error);
+/* Shares of sunlight and skylight taken at a place, bilinear; none outside the square, or without texels. */
+void view_shade_at(const struct view_shade *shade, const double world[2], float taken[2]);
 void view_shade_free(struct view_shade *shade);
 
 /* Metres after which haze hides all but 1/e, where it is `sea_m` at z = 0: air thins with height, so from far

@@ -12,7 +12,7 @@
 #include "lod/build/tone.h"
 
 #define SEED 0x5EEDu
-#define NAMES (1u << 24)         /* a pixel's colour names the primitive there; 0: none */
+#define NAMES (1u << 24)         /* primitives that are looked at one by one */
 
 /* ---- Primitives ---- */
 
@@ -158,13 +158,13 @@ static bool sphere_of(const struct patches *patches, double center[3], double *r
 	return *radius > 0 && isfinite(*radius);
 }
 
-static void draw_parts(struct lod_raster *raster, const struct patches *patches, const uint8_t (*names)[3])
+static void draw_parts(struct lod_raster *raster, const struct patches *patches)
 {
 	for (uint32_t i = 0; i < patches->part_count; i++) {
 		const struct part *part = &patches->parts[i];
 		struct lod_raster_batch batch = { .count = part->count, .position = part->position,
 			.width = part->width, .area = part->unit_area,
-			.size = part->size, .rgb = names[part->first], .owner = 1 };
+			.size = part->size, .item = part->first, .owner = 1 };
 		(part->corners == 1 ? lod_raster_points : part->corners == 2 ? lod_raster_lines
 			: lod_raster_triangles)(raster, &batch);
 	}
@@ -176,19 +176,10 @@ static bool count_seen(const struct patches *patches, uint32_t *seen)
 {
 	struct lod_raster raster;
 	double directions[LOD_TONE_VIEWS][3], center[3], radius;
-	if (patches->count >= NAMES - 1 || !sphere_of(patches, center, &radius))
+	struct lod_raster_options options = { .width = LOD_TONE_PIXELS, .height = LOD_TONE_PIXELS, .item = true };
+	if (patches->count >= NAMES - 1 || !sphere_of(patches, center, &radius)
+			|| lod_raster_init(&raster, &options, NULL))
 		return false;
-	uint8_t (*names)[3] = malloc(patches->count * sizeof *names);
-	if (!names
-			|| lod_raster_init(&raster,
-			&(struct lod_raster_options){ .width = LOD_TONE_PIXELS, .height = LOD_TONE_PIXELS,
-			.rgb = true }, NULL)) {
-		free(names);
-		return false;
-	}
-	for (uint32_t i = 0; i < patches->count; i++)
-		for (int byte = 0; byte < 3; byte++)
-			names[i][byte] = (uint8_t)((i + 1) >> 8 * byte);
 	lod_directions_spread(directions, LOD_TONE_VIEWS, 1);
 	uint64_t hits = 0;
 	for (uint32_t v = 0; v < LOD_TONE_VIEWS; v++) {
@@ -197,18 +188,15 @@ static bool count_seen(const struct patches *patches, uint32_t *seen)
 		lod_raster_clear(&raster);
 		lod_raster_camera(&raster, &eye, (LOD_TONE_AWAY - 4) * radius);
 		lod_raster_object(&raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
-		draw_parts(&raster, patches, (const uint8_t (*)[3])names);
+		draw_parts(&raster, patches);
 		for (size_t i = 0; i < (size_t)LOD_TONE_PIXELS * LOD_TONE_PIXELS; i++) {
-			uint32_t name = (uint32_t)raster.rgb[3 * i] | (uint32_t)raster.rgb[3 * i + 1] << 8
-				| (uint32_t)raster.rgb[3 * i + 2] << 16;
-			if (!raster.cover[i] || !name)
+			if (!raster.cover[i])
 				continue;
-			seen[name - 1]++;
+			seen[raster.item[i]]++;
 			hits++;
 		}
 	}
 	lod_raster_free(&raster);
-	free(names);
 	return hits > 0;
 }
 

@@ -44,33 +44,29 @@ static double sphere(const struct lod_mesh *mesh, double center[3])
 	return far > 0 ? sqrt(far) : 1;
 }
 
-/* The colour of a triangle is the number + 1 of its element, 0 for none. */
-static void draw_named(struct lod_raster *raster, const struct lod_mesh *mesh, const uint8_t (*names)[3])
+static void draw_mesh(struct lod_raster *raster, const struct lod_mesh *mesh)
 {
 	float position[9 * BATCH];
-	uint8_t rgb[3 * BATCH];
 	for (uint32_t t = 0, n = 0; t < mesh->triangle_count; t++) {
 		for (uint32_t c = 0; c < 3; c++)
 			for (uint32_t a = 0; a < 3; a++)
 				position[9 * n + 3 * c + a] = (float)(mesh->origin[a]
 					+ mesh->step * mesh->grid[3 * (size_t)mesh->index[3 * (size_t)t + c]
 					+ a]);
-		memcpy(rgb + 3 * n, names[t], 3);
 		if (++n < BATCH && t + 1 < mesh->triangle_count)
 			continue;
-		lod_raster_triangles(raster,
-			&(struct lod_raster_batch){ .count = n, .position = position, .rgb = rgb,
-			.owner = 1 });
+		lod_raster_triangles(raster, &(struct lod_raster_batch){ .count = n, .position = position,
+			.item = t + 1 - n, .owner = 1 });
 		n = 0;
 	}
 }
 
-static void count_named(const struct lod_raster *raster, uint32_t *seen)
+/* names: by triangle, the number + 1 of its element, 0 for none. */
+static void count_named(const struct lod_raster *raster, const uint32_t *names, uint32_t *seen)
 {
 	for (size_t i = 0; i < (size_t)PIXELS * PIXELS; i++) {
-		uint32_t name = (uint32_t)raster->rgb[3 * i] | (uint32_t)raster->rgb[3 * i + 1] << 8
-			| (uint32_t)raster->rgb[3 * i + 2] << 16;
-		if (raster->cover[i] && name)
+		uint32_t name = raster->cover[i] ? names[raster->item[i]] : 0;
+		if (name)
 			seen[name - 1]++;
 	}
 }
@@ -85,15 +81,13 @@ void lod_tone_seen(uint32_t *seen, const struct lod_tone_input *input, struct lo
 		seen[i] = 1;
 	if (count >= 1u << 24
 			|| lod_raster_init(&raster,
-			&(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .rgb = true }, NULL))
+			&(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .item = true }, NULL))
 		return;
 	struct lod_arena_piece *mark = arena->last;
-	uint8_t (*names)[3] = lod_arena_take(arena, mesh->triangle_count, sizeof *names);
+	uint32_t *names = lod_arena_take(arena, mesh->triangle_count, sizeof *names);
 	for (uint32_t i = 0; i < count; i++)
 		for (uint32_t k = 0; k + 2 < input->elements->items[i].corners; k++)
-			for (int byte = 0; byte < 3; byte++)
-				names[input->elements->items[i].triangle[k]][byte] =
-					(uint8_t)((i + 1) >> 8 * byte);
+			names[input->elements->items[i].triangle[k]] = i + 1;
 	memset(seen, 0, count * sizeof *seen);
 	lod_directions_spread(directions, VIEWS, 1);
 	for (uint32_t v = 0; v < VIEWS; v++) {
@@ -102,8 +96,8 @@ void lod_tone_seen(uint32_t *seen, const struct lod_tone_input *input, struct lo
 		lod_raster_clear(&raster);
 		lod_raster_camera(&raster, &eye, (AWAY - 4) * radius);
 		lod_raster_object(&raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
-		draw_named(&raster, mesh, (const uint8_t (*)[3])names);
-		count_named(&raster, seen);
+		draw_mesh(&raster, mesh);
+		count_named(&raster, names, seen);
 	}
 	lod_raster_free(&raster);
 	lod_arena_release(arena, mark);

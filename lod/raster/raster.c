@@ -28,11 +28,11 @@ static bool allocate(struct lod_raster *raster, const struct lod_raster_options 
 	raster->depth = malloc(pixels * sizeof *raster->depth);
 	raster->cover = malloc(pixels);
 	raster->owner = options->owner ? malloc(pixels * sizeof *raster->owner) : NULL;
-	raster->rgb = options->rgb ? malloc(3 * pixels) : NULL;
+	raster->item = options->item ? malloc(pixels * sizeof *raster->item) : NULL;
 	state->block = malloc(blocks * sizeof *state->block);
 	state->stale = malloc(blocks);
 	return raster->depth && raster->cover && (raster->owner || !options->owner)
-		&& (raster->rgb || !options->rgb) && state->block && state->stale;
+		&& (raster->item || !options->item) && state->block && state->stale;
 }
 
 enum eco_code lod_raster_init(struct lod_raster *raster, const struct lod_raster_options *options,
@@ -52,7 +52,8 @@ enum eco_code lod_raster_init(struct lod_raster *raster, const struct lod_raster
 	raster->height = options->height;
 	raster->state->place.cosine = raster->state->place.scale = 1;
 	raster->state->silhouette = options->silhouette;
-	assert(!options->silhouette || (!options->owner && !options->rgb));
+	lod_raster_window(raster, raster->width, raster->height, 0, 0);
+	assert(!options->silhouette || (!options->owner && !options->item));
 	lod_raster_clear(raster);
 	return ECO_OK;
 }
@@ -67,7 +68,7 @@ void lod_raster_free(struct lod_raster *raster)
 	free(raster->depth);
 	free(raster->cover);
 	free(raster->owner);
-	free(raster->rgb);
+	free(raster->item);
 	memset(raster, 0, sizeof *raster);
 }
 
@@ -79,8 +80,8 @@ void lod_raster_clear(struct lod_raster *raster)
 	memset(raster->cover, 0, pixels);
 	if (raster->owner)
 		memset(raster->owner, 0, pixels * sizeof *raster->owner);
-	if (raster->rgb)
-		memset(raster->rgb, 0, 3 * pixels);
+	if (raster->item)
+		memset(raster->item, 0, pixels * sizeof *raster->item);
 	memset(raster->state->block, 0, blocks * sizeof *raster->state->block);
 	memset(raster->state->stale, 0, blocks);
 }
@@ -90,9 +91,18 @@ void lod_raster_clear(struct lod_raster *raster)
 /* 1/256 pixels from the picture's middle per unit on the image plane at distance 1; y down. */
 static void plane_scale(const struct lod_raster *raster, double scale[3])
 {
-	scale[0] = raster->width * (LOD_SUBPIXEL / 2) / raster->state->eye.tan_x;
-	scale[1] = -(raster->height * (LOD_SUBPIXEL / 2) / raster->state->eye.tan_y);
+	scale[0] = raster->state->full[0] * (LOD_SUBPIXEL / 2) / raster->state->eye.tan_x;
+	scale[1] = -(raster->state->full[1] * (LOD_SUBPIXEL / 2) / raster->state->eye.tan_y);
 	scale[2] = 1;
+}
+
+void lod_raster_window(struct lod_raster *raster, uint32_t width, uint32_t height, uint32_t x, uint32_t y)
+{
+	struct lod_raster_state *state = raster->state;
+	state->full[0] = width;
+	state->full[1] = height;
+	state->shift[0] = (x + 0.5 * raster->width - 0.5 * width) * LOD_SUBPIXEL;
+	state->shift[1] = (y + 0.5 * raster->height - 0.5 * height) * LOD_SUBPIXEL;
 }
 
 void lod_raster_camera(struct lod_raster *raster, const struct lod_eye *eye, double near_m)
@@ -107,6 +117,8 @@ void lod_raster_camera(struct lod_raster *raster, const struct lod_eye *eye, dou
 	memset(state->project, 0, sizeof state->project);
 	for (int i = 0; i < 3; i++)
 		state->project[i][i] = (float)scale[i];
+	for (int i = 0; i < 2; i++)
+		state->project[i][2] = (float)(0 - state->shift[i]);
 	state->focal = (float)-scale[1];
 	struct lod_place place = state->place;
 	lod_raster_object(raster, &place);
@@ -119,19 +131,22 @@ void lod_raster_object(struct lod_raster *raster, const struct lod_place *place)
 	const double *axes[3] = { eye->right, eye->up, eye->forward };
 	double offset[3] = { place->at[0] - eye->at[0], place->at[1] - eye->at[1],
 		place->at[2] - eye->at[2] };
-	double sine = place->sine * place->scale, cosine = place->cosine * place->scale, scale[3];
+	double sine = place->sine * place->scale, cosine = place->cosine * place->scale, scale[3], row[3][4];
 	plane_scale(raster, scale);
 	state->place = *place;
 	for (int i = 0; i < 3; i++) {
 		const double *axis = axes[i];
-		double row[4] = { axis[0] * cosine + axis[1] * sine, axis[1] * cosine - axis[0] * sine,
-			axis[2] * place->scale, axis[0] * offset[0] + axis[1] * offset[1]
-			+ axis[2] * offset[2] };
-		for (int k = 0; k < 4; k++) {
-			state->view[i][k] = (float)row[k];
-			state->clip[i][k] = (float)(row[k] * scale[i]);
-		}
+		row[i][0] = axis[0] * cosine + axis[1] * sine;
+		row[i][1] = axis[1] * cosine - axis[0] * sine;
+		row[i][2] = axis[2] * place->scale;
+		row[i][3] = axis[0] * offset[0] + axis[1] * offset[1] + axis[2] * offset[2];
 	}
+	for (int i = 0; i < 3; i++)
+		for (int k = 0; k < 4; k++) {
+			double shift = i < 2 ? state->shift[i] * row[2][k] : 0;
+			state->view[i][k] = (float)row[i][k];
+			state->clip[i][k] = (float)(row[i][k] * scale[i] - shift);
+		}
 }
 
 /* ---- Coarse depth ---- */
@@ -199,6 +214,7 @@ bool lod_raster_hides(struct lod_raster *raster, const double center[3], double 
 {
 	const struct lod_eye *eye = &raster->state->eye;
 	double d[3] = { center[0] - eye->at[0], center[1] - eye->at[1], center[2] - eye->at[2] };
+	const struct lod_raster_state *state = raster->state;
 	double x = 0, y = 0, z = 0;
 	for (int i = 0; i < 3; i++) {
 		x += d[i] * eye->right[i];
@@ -211,14 +227,16 @@ bool lod_raster_hides(struct lod_raster *raster, const double center[3], double 
 		return true;
 	if (z - radius <= raster->state->near_m)
 		return false;
-	double across[2], upward[2], half_x = 0.5 * raster->width, half_y = 0.5 * raster->height;
+	double across[2], upward[2], half_x = 0.5 * state->full[0], half_y = 0.5 * state->full[1];
+	double middle_x = 0.5 * raster->width - state->shift[0] / LOD_SUBPIXEL,
+		middle_y = 0.5 * raster->height - state->shift[1] / LOD_SUBPIXEL;
 	sphere_slopes(x, z, radius, across);
 	sphere_slopes(y, z, radius, upward);
 	uint32_t columns[2], rows[2];
-	if (!pixel_range(half_x + half_x * across[0] / eye->tan_x, half_x + half_x * across[1] / eye->tan_x,
+	if (!pixel_range(middle_x + half_x * across[0] / eye->tan_x, middle_x + half_x * across[1] / eye->tan_x,
 			raster->width, columns)
-		|| !pixel_range(half_y - half_y * upward[1] / eye->tan_y,
-		half_y - half_y * upward[0] / eye->tan_y, raster->height, rows))
+		|| !pixel_range(middle_y - half_y * upward[1] / eye->tan_y,
+		middle_y - half_y * upward[0] / eye->tan_y, raster->height, rows))
 		return true;
 	return lod_blocks_hide(raster, columns, rows, (float)(1.000001 / (z - radius)));
 }
@@ -228,7 +246,7 @@ bool lod_raster_hides(struct lod_raster *raster, const double center[3], double 
 void lod_raster_merge(struct lod_raster *into, const struct lod_raster *from)
 {
 	assert(into->width == from->width && into->height == from->height);
-	assert(!into->owner == !from->owner && !into->rgb == !from->rgb);
+	assert(!into->owner == !from->owner && !into->item == !from->item);
 	size_t pixels = (size_t)into->width * into->height;
 	for (size_t i = 0; i < pixels; i++) {
 		if (!(into->owner ? lod_sample_wins(from->depth[i], from->owner[i], into->depth[i],
@@ -239,8 +257,8 @@ void lod_raster_merge(struct lod_raster *into, const struct lod_raster *from)
 		into->cover[i] = from->cover[i];
 		if (into->owner)
 			into->owner[i] = from->owner[i];
-		if (into->rgb)
-			memcpy(into->rgb + 3 * i, from->rgb + 3 * i, 3);
+		if (into->item)
+			into->item[i] = from->item[i];
 	}
 	memset(into->state->stale, 1, (size_t)into->state->blocks_x * into->state->blocks_y);
 }

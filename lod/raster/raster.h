@@ -41,18 +41,21 @@ struct lod_raster {
 	float *depth;                /* 1 / view distance: 0 empty, greater is nearer; row 0 at the top */
 	uint64_t *owner; /* of the nearest plant sample; 0: nothing or ground; NULL if not asked for */
 	uint8_t *cover;              /* 255 if a plant is nearest, 0 if ground or nothing is */
-	uint8_t *rgb;                /* 3 per pixel, or NULL; flat colours, no shading */
+	uint32_t *item;              /* number of the nearest primitive, see lod_raster_batch; NULL if not asked for */
 	/* private */
 	struct lod_raster_state *state;
 };
-/* silhouette: only `cover` of a picture without ground is wanted. Depth becomes infinite at covered pixels,
- * so they are not tested again; in a dense crown nearly all samples fall on such pixels. */
-struct lod_raster_options { uint32_t width, height; bool owner, rgb, silhouette; };
+/* silhouette: only `cover` is wanted, and all ground is drawn before any plant. Depth becomes infinite at
+ * covered pixels, so they are not tested again; in a dense crown nearly all samples fall on such pixels. */
+struct lod_raster_options { uint32_t width, height; bool owner, item, silhouette; };
 enum eco_code lod_raster_init(struct lod_raster *raster, const struct lod_raster_options *options,
 	struct eco_error *error);
 void lod_raster_free(struct lod_raster *raster);
 void lod_raster_clear(struct lod_raster *raster);
 void lod_raster_camera(struct lod_raster *raster, const struct lod_eye *eye, double near_m);
+/* From the next lod_raster_camera on: what is drawn is a part of a picture of width x height pixels, that
+ * from column x and row y on. So a picture of any size is drawn in parts. */
+void lod_raster_window(struct lod_raster *raster, uint32_t width, uint32_t height, uint32_t x, uint32_t y);
 void lod_raster_object(struct lod_raster *raster, const struct lod_place *place);
 
 /* One batch: a range of one list. Positions are in object space. */
@@ -65,7 +68,7 @@ struct lod_raster_batch {
 	const float *width;          /* lines: full width in object units, one each */
 	float area;                  /* points: area of the square in object units^2 */
 	const float *size;           /* points: factors of `area`, one each, or NULL: all 1 */
-	const uint8_t *rgb;          /* 3 per primitive or NULL */
+	uint32_t item;               /* number of the first primitive; those after it count on */
 	uint64_t owner;              /* 0 draws ground, which hides and is not covered */
 };
 void lod_raster_triangles(struct lod_raster *raster, const struct lod_raster_batch *batch);
@@ -80,8 +83,8 @@ bool lod_raster_hides(struct lod_raster *raster, const double center[3], double 
 
 /* Merges one finished picture into another of the same size and options by the rule of drawing. Threads may
  * share a scene in any way, each with its own raster and its own hiding; the merged picture is that of one
- * thread. (An exception are colours: if one owner has samples of different colours at equal depth, those of
- * `into` stay.) */
+ * thread. (An exception are items: if one owner has samples of several at equal depth, those of `into`
+ * stay.) */
 void lod_raster_merge(struct lod_raster *into, const struct lod_raster *from);
 
 /* Precision and Recall of covered pixels (Neubert 2011, eq. 1 and 4). Owners may be NULL: then owner_q = q.
@@ -103,5 +106,14 @@ struct lod_score_input {
 	const uint64_t *owner, *reference_owner;
 };
 void lod_score(struct lod_score *score, const struct lod_score_input *input);
+
+/* Q of how much of each pixel is covered, by counts of as many samples a pixel in both pictures: with a and b
+ * for a pixel's shares, P = sum min(a, b) / sum a and R = sum min(a, b) / sum b. Where all is covered wholly or
+ * not at all it is q. */
+double lod_soft_q(const uint8_t *count, const uint8_t *reference_count, size_t pixels);
+/* The best q that a picture reaches whose geometry does not repeat what single samples of the reference hit by
+ * chance: that of the reference's own counts, where the pixels covered most stand for all, about as many as are
+ * covered in `reference`. Exact geometry may exceed it. */
+double lod_q_ceiling(const uint8_t *reference_count, const uint8_t *reference, size_t pixels);
 
 #endif

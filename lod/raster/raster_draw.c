@@ -16,8 +16,7 @@
 struct soup {                        /* triangles in the space that `matrix` projects from */
 	const float (*matrix)[4];
 	const float *position, *uv;
-	const uint8_t *rgb;
-	uint32_t count, per_primitive;   /* triangles that share a colour */
+	uint32_t count, item, per_item;  /* number of the first triangles' item; triangles that share one */
 };
 
 struct screen {                      /* the four-wide constants of a batch */
@@ -207,8 +206,7 @@ static void draw_each(struct lod_paint *paint, const struct soup *soup, const st
 	for (unsigned all = lanes.small | lanes.large | lanes.clip; all; all &= all - 1) {
 		unsigned lane = (unsigned)__builtin_ctz(all);
 		uint32_t triangle = first + lane;
-		if (soup->rgb)
-			paint->rgb = soup->rgb + 3 * (size_t)(triangle / soup->per_primitive);
+		paint->item = soup->item + triangle / soup->per_item;
 		if (lanes.clip >> lane & 1)
 			draw_clipped(paint, soup, triangle);
 		else if (lanes.large >> lane & 1 || paint->cutout)
@@ -242,7 +240,7 @@ static void draw_soup(struct lod_paint *paint, const struct soup *soup)
 {
 	struct screen screen;
 	screen_make(&screen, paint->raster, soup->matrix);
-	bool plain = !paint->cutout && !soup->rgb;
+	bool plain = !paint->cutout && !paint->raster->item;
 	for (uint32_t first = 0; first < soup->count; first += 4) {
 		const float *position = soup->position + 9 * (size_t)first;
 		uint32_t here = soup->count - first < 4 ? soup->count - first : 4;
@@ -271,15 +269,14 @@ static void draw_soup(struct lod_paint *paint, const struct soup *soup)
 static struct lod_paint paint_make(struct lod_raster *raster, const struct lod_raster_batch *batch)
 {
 	return (struct lod_paint){ .raster = raster, .owner = batch->owner, .cover = batch->owner ? 255 : 0,
-		.silhouette = raster->state->silhouette };
+		.silhouette = raster->state->silhouette && batch->owner };
 }
 
 void lod_raster_triangles(struct lod_raster *raster, const struct lod_raster_batch *batch)
 {
 	struct lod_paint paint = paint_make(raster, batch);
-	struct soup soup = { .matrix = raster->state->clip, .position = batch->position, .rgb = batch->rgb,
-		.count = batch->count,
-		.per_primitive = 1 };
+	struct soup soup = { .matrix = raster->state->clip, .position = batch->position, .count = batch->count,
+		.item = batch->item, .per_item = 1 };
 	if (batch->cutout && batch->uv && batch->cutout->width && batch->cutout->height) {
 		paint.cutout = batch->cutout;
 		soup.uv = batch->uv;
@@ -321,25 +318,19 @@ static bool line_quad(const struct lod_raster_state *state, const float *ends, f
 	return true;
 }
 
+/* A line that has no quad gets one at the eye, which the near plane takes away: so items count on. */
 void lod_raster_lines(struct lod_raster *raster, const struct lod_raster_batch *batch)
 {
 	struct lod_paint paint = paint_make(raster, batch);
 	float quads[LINES_AT_ONCE * 18];
-	uint8_t rgb[LINES_AT_ONCE * 3];
 	for (uint32_t first = 0; first < batch->count; first += LINES_AT_ONCE) {
-		uint32_t end = batch->count - first < LINES_AT_ONCE ? batch->count : first + LINES_AT_ONCE,
-			kept = 0;
-		for (uint32_t i = first; i < end; i++) {
-			if (!line_quad(raster->state, batch->position + 6 * (size_t)i, batch->width[i],
-					quads + 18 * kept))
-				continue;
-			if (batch->rgb)
-				memcpy(rgb + 3 * kept, batch->rgb + 3 * (size_t)i, 3);
-			kept++;
-		}
-		struct soup soup = { .matrix = raster->state->project, .position = quads,
-			.rgb = batch->rgb ? rgb : NULL,
-			.count = 2 * kept, .per_primitive = 2 };
+		uint32_t here = batch->count - first < LINES_AT_ONCE ? batch->count - first : LINES_AT_ONCE;
+		for (uint32_t i = 0; i < here; i++)
+			if (!line_quad(raster->state, batch->position + 6 * (size_t)(first + i),
+					batch->width[first + i], quads + 18 * i))
+				memset(quads + 18 * i, 0, 18 * sizeof *quads);
+		struct soup soup = { .matrix = raster->state->project, .position = quads, .count = 2 * here,
+			.item = batch->item + first, .per_item = 2 };
 		draw_soup(&paint, &soup);
 	}
 }
@@ -413,8 +404,7 @@ void lod_raster_points(struct lod_raster *raster, const struct lod_raster_batch 
 		project_points(&screen, c, half_w * side, &boxes);
 		for (unsigned draw = boxes.draw & ((1u << here) - 1); draw; draw &= draw - 1) {
 			unsigned lane = (unsigned)__builtin_ctz(draw);
-			if (batch->rgb)
-				paint.rgb = batch->rgb + 3 * (size_t)(first + lane);
+			paint.item = batch->item + first + lane;
 			lod_fill_box(&paint, boxes.x0[lane], boxes.y0[lane], boxes.x1[lane], boxes.y1[lane],
 				boxes.z[lane]);
 		}

@@ -19,6 +19,8 @@ struct lod_raster_state {
 	struct lod_eye eye;
 	struct lod_place place;
 	double near_m;
+	double full[2];                  /* pixels of the picture that this is a part of */
+	double shift[2];                 /* from its middle to the part's, 1/256 pixel */
 	float near_w;
 	float clip[3][4]; /* object -> x w, y w in 1/256 pixel from the picture's middle (y down), and w */
 	float view[3][4];                /* object -> right, up, forward; metres from the eye */
@@ -34,7 +36,7 @@ struct lod_raster_state {
 struct lod_paint {
 	const struct lod_raster *raster;
 	const struct eco_image *cutout;
-	const uint8_t *rgb;              /* of the primitive being drawn, or NULL */
+	uint32_t item;                   /* of the primitive being drawn */
 	uint64_t owner;
 	uint8_t cover;
 	bool silhouette;
@@ -86,10 +88,8 @@ static inline bool lod_paint_pixel(const struct lod_paint *paint, size_t i, floa
 	raster->depth[i] = paint->silhouette ? INFINITY : z;
 	if (raster->owner)
 		raster->owner[i] = paint->owner;
-	if (raster->rgb) {
-		for (int c = 0; c < 3; c++)
-			raster->rgb[3 * i + c] = paint->rgb ? paint->rgb[c] : 0;
-	}
+	if (raster->item)
+		raster->item[i] = paint->item;
 	raster->cover[i] = paint->cover;
 	return true;
 }

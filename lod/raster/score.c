@@ -97,3 +97,45 @@ void lod_score(struct lod_score *score, const struct lod_score_input *input)
 	score->skill = skill_of(score);
 	score->owner_q = quality(ratio(score->tp_owner, covered), ratio(score->tp_owner, wanted));
 }
+
+double lod_soft_q(const uint8_t *count, const uint8_t *reference_count, size_t pixels)
+{
+	uint64_t both = 0, covered = 0, wanted = 0;
+	for (size_t i = 0; i < pixels; i++) {
+		both += count[i] < reference_count[i] ? count[i] : reference_count[i];
+		covered += count[i];
+		wanted += reference_count[i];
+	}
+	return quality(ratio(both, covered), ratio(both, wanted));
+}
+
+/* The count from which on about `wanted` pixels have as many: of two that are as near, the higher. */
+static uint32_t equal_area(const uint64_t pixels_with[256], uint64_t wanted)
+{
+	uint32_t count = 256;
+	for (uint64_t area = 0; count > 1; count--) {
+		uint64_t next = area + pixels_with[count - 1];
+		if (next > wanted && next - wanted >= wanted - area)
+			break;
+		area = next;
+		if (area >= wanted)
+			return count - 1;
+	}
+	return count;
+}
+
+double lod_q_ceiling(const uint8_t *reference_count, const uint8_t *reference, size_t pixels)
+{
+	uint64_t pixels_with[256] = { 0 }, wanted = 0, covered = 0, both = 0;
+	for (size_t i = 0; i < pixels; i++) {
+		pixels_with[reference_count[i]]++;
+		wanted += reference[i] != 0;
+	}
+	uint32_t least = equal_area(pixels_with, wanted);
+	for (size_t i = 0; i < pixels; i++) {
+		bool is_covered = reference_count[i] >= least;
+		covered += is_covered;
+		both += is_covered && reference[i];
+	}
+	return quality(ratio(both, covered), ratio(both, wanted));
+}

@@ -1,5 +1,5 @@
-/* Colours of a plan against those of full detail, drawn as a viewer draws them (OpenGL) and flat, by the
- * rasteriser. What is measured:
+/* Colours of a plan against those of full detail, drawn as a viewer draws them: by OpenGL, and in software. What
+ * is measured:
  *
  *   rms          root mean square of sRGB bytes / 255 over the pixels that either covers; wrong pixels are in
  *                it
@@ -124,7 +124,7 @@ static enum eco_code draw(const struct frame *frame, struct view_gl *gl, enum vi
 		near_m, tint }, picture, error)
 		: view_reference_draw(&(struct view_reference_job){ .store = frame->store,
 		.selection = &frame->selection, .eye = &frame->eye,
-		.near_m = near_m }, picture, error);
+		.near_m = near_m, .tint = tint }, picture, error);
 }
 
 /* Plain mean of an image's bytes, whatever is clear. */

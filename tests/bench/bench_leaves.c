@@ -54,7 +54,7 @@ enum eco_code bench_leaves_open(struct bench_leaves *leaves, struct eco_model *m
 	if (!code)
 		code = lod_raster_init(&leaves->ids,
 			&(struct lod_raster_options){ .width = pixels, .height = pixels, .owner = true,
-			.rgb = true }, error);
+			.item = true }, error);
 	if (!code && !(leaves->mask = calloc((size_t)pixels * (pixels + 63) / 64 + 1, sizeof *leaves->mask)))
 		code = eco_fail(error, ECO_NO_MEMORY, "no memory for a mask of %u x %u pixels", pixels,
 			pixels);
@@ -102,6 +102,19 @@ double bench_wrong_q(const struct bench_wrong *wrong)
 
 /* ---- Whose pixels ---- */
 
+/* The item of a leaf's first triangle: its light in the upper bits, so that the others' have it, too. */
+static uint32_t lit_item(double light) { return (uint32_t)(255 * light) << 8; }
+
+void bench_leaves_color(const struct bench_leaves *leaves, size_t pixel, uint8_t rgb[3])
+{
+	double light = leaves->ids.item[pixel] >> 8;
+	const uint8_t wood[3] = { 96, 78, 60 }, green[3] = { (uint8_t)(40 + 70 * light / 255),
+		(uint8_t)(70 + 100 * light / 255), (uint8_t)(25 + 45 * light / 255) };
+	memset(rgb, 0, 3);
+	if (leaves->ids.cover[pixel])
+		memcpy(rgb, leaves->ids.owner[pixel] == BENCH_WOOD ? wood : green, 3);
+}
+
 /* Another shape for the leaf, opaque, about the mean of its own corners. */
 static void draw_shape(struct bench_leaves *leaves, const struct lod_eye *eye, uint32_t i, float scale,
 	const struct lod_simple *shape)
@@ -111,10 +124,7 @@ static void draw_shape(struct bench_leaves *leaves, const struct lod_eye *eye, u
 	double light = lod_v3_length(n) > 0
 		? fabs(lod_v3_dot(lod_v3_unit(n),
 		(struct lod_v3){ eye->forward[0], eye->forward[1], eye->forward[2] })) : 0;
-	const uint8_t green[3] = { (uint8_t)(40 + 70 * light), (uint8_t)(70 + 100 * light),
-		(uint8_t)(25 + 45 * light) };
 	float position[18], center[3] = { 0, 0, 0 }, root = sqrtf(scale);
-	uint8_t rgb[6];
 	for (uint32_t c = 0; c < shape->corners; c++)
 		for (int a = 0; a < 3; a++)
 			center[a] += shape->corner[c][a] / shape->corners;
@@ -124,11 +134,10 @@ static void draw_shape(struct bench_leaves *leaves, const struct lod_eye *eye, u
 			for (int a = 0; a < 3; a++)
 				position[9 * t + 3 * (uint32_t)k + (uint32_t)a] = center[a]
 					+ root * (shape->corner[corner[k]][a] - center[a]);
-		memcpy(rgb + 3 * t, green, 3);
 	}
 	lod_raster_triangles(&leaves->ids,
-		&(struct lod_raster_batch){ .count = shape->corners - 2u, .position = position, .rgb = rgb,
-		.owner = i + 1 });
+		&(struct lod_raster_batch){ .count = shape->corners - 2u, .position = position,
+		.item = lit_item(light), .owner = i + 1 });
 }
 
 static void draw_leaf(struct bench_leaves *leaves, const struct lod_eye *eye, uint32_t i, float scale)
@@ -136,14 +145,11 @@ static void draw_leaf(struct bench_leaves *leaves, const struct lod_eye *eye, ui
 	const struct lod_foliage *f = &leaves->foliage;
 	uint32_t corners = f->first[i + 1] - f->first[i], count = corners - 2;
 	float position[9 * (ECO_CORNERS_MAX - 2)], uv[6 * (ECO_CORNERS_MAX - 2)], root = sqrtf(scale);
-	uint8_t rgb[3 * (ECO_CORNERS_MAX - 2)];
 	const float center[3] = { (float)f->center[i].x, (float)f->center[i].y, (float)f->center[i].z };
 	struct lod_v3 n = lod_v3_unit(f->normal[i]);
 	double light = fabs(n.x * eye->forward[0] + n.y * eye->forward[1] + n.z * eye->forward[2]);
 	for (uint32_t t = 0; t < count; t++) {
 		const uint32_t corner[3] = { 0, t + 1, t + 2 };
-		const uint8_t green[3] = { (uint8_t)(40 + 70 * light), (uint8_t)(70 + 100 * light),
-			(uint8_t)(25 + 45 * light) };
 		for (int k = 0; k < 3; k++) {
 			const float *p = f->corner[f->first[i] + corner[k]];
 			for (int a = 0; a < 3; a++)
@@ -151,12 +157,11 @@ static void draw_leaf(struct bench_leaves *leaves, const struct lod_eye *eye, ui
 					: center[a] + root * (p[a] - center[a]);
 			memcpy(uv + 6 * t + 2 * k, f->uv[f->first[i] + corner[k]], 2 * sizeof *uv);
 		}
-		memcpy(rgb + 3 * t, green, 3);
 	}
 	lod_raster_triangles(&leaves->ids,
 		&(struct lod_raster_batch){ .count = count, .position = position, .uv = uv,
 		.cutout = f->cutout[i],
-		.rgb = rgb, .owner = i + 1 });
+		.item = lit_item(light), .owner = i + 1 });
 }
 
 void bench_leaves_ids(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
@@ -168,15 +173,10 @@ void bench_leaves_ids(struct bench_leaves *leaves, const struct lod_sights *sigh
 	lod_raster_clear(&leaves->ids);
 	lod_raster_camera(&leaves->ids, eye, sights->near_m);
 	lod_raster_object(&leaves->ids, &place);
-	if (f->wood_count) {
-		uint8_t *brown = malloc(3 * f->wood_count);
-		for (uint64_t i = 0; brown && i < f->wood_count; i++)
-			memcpy(brown + 3 * i, (const uint8_t[]){ 96, 78, 60 }, 3);
+	if (f->wood_count)
 		lod_raster_triangles(&leaves->ids,
 			&(struct lod_raster_batch){ .count = (uint32_t)f->wood_count, .position = f->wood,
-			.rgb = brown, .owner = BENCH_WOOD });
-		free(brown);
-	}
+			.owner = BENCH_WOOD });
 	uint32_t count = drawing ? drawing->count : f->count;
 	for (uint32_t k = 0; k < count; k++) {
 		uint32_t i = drawing ? drawing->order[k] : k;

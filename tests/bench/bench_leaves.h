@@ -34,10 +34,11 @@ void bench_leaves_compare(struct bench_leaves *leaves, const struct lod_sights *
 double bench_wrong_share(const struct bench_wrong *wrong);          /* (fp + fn) / pixels */
 double bench_wrong_q(const struct bench_wrong *wrong);              /* Q of the sums */
 
-/* Draws into leaves->ids: owner i + 1 for element i, BENCH_WOOD for the wood; colours by how a leaf faces the
- * eye. NULL draws all. */
+/* Draws into leaves->ids: owner i + 1 for element i, BENCH_WOOD for the wood. NULL draws all. */
 #define BENCH_WOOD (UINT64_C(1) << 40)
 void bench_leaves_ids(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,
 	const struct lod_sights_drawing *drawing);
+/* Colour of a pixel there: of a leaf by how it faces the eye. */
+void bench_leaves_color(const struct bench_leaves *leaves, size_t pixel, uint8_t rgb[3]);
 
 #endif

@@ -328,7 +328,8 @@ static void keep(const struct bench_leaves *leaves, struct picture *picture)
 {
 	size_t n = (size_t)leaves->pixels * leaves->pixels;
 	memcpy(picture->owner, leaves->ids.owner, n * sizeof *picture->owner);
-	memcpy(picture->rgb, leaves->ids.rgb, 3 * n);
+	for (size_t i = 0; i < n; i++)
+		bench_leaves_color(leaves, i, picture->rgb + 3 * i);
 }
 
 /* Of `shown` and `wanted` pixels so many show the leaf that they should. */
@@ -356,8 +357,10 @@ static void add_beside(const struct bench_leaves *leaves, const struct picture *
 		wanted += b;
 		right += a && b && shown->owner[i] == reference->owner[i];
 		either += a || b;
+		uint8_t rgb[3];
+		bench_leaves_color(leaves, i, rgb);
 		for (int k = 0; k < 3 && (a || b); k++) {
-			double is = a ? shown->rgb[3 * i + (size_t)k] : 0,
+			double is = a ? rgb[k] : 0,
 				was = b ? reference->rgb[3 * i + (size_t)k] : 0;
 			if (a && shown->owner[i] != BENCH_WOOD && leafy)
 				is = mean[k] / (double)leafy + contrast * (is - mean[k] / (double)leafy);

@@ -103,7 +103,7 @@ static enum eco_code draw(struct bench_still *still, const struct view_selection
 {
 	double near_m = view_store_near_m(still->store) > 0 ? view_store_near_m(still->store) : 0.1;
 	return view_reference_draw(&(struct view_reference_job){ still->store, selection, eye, near_m, 0,
-		NULL }, picture, error);
+		NULL, VIEW_TINT_NONE }, picture, error);
 }
 
 enum eco_code bench_still_draw(struct bench_still *still, const struct eco_request *request,

@@ -57,7 +57,7 @@ static double flip(const uint8_t *test, const uint8_t *reference, uint32_t width
 	return mean;
 }
 
-static void means_are_those_of_its_authors(void **state)
+UNIT_TEST(means_are_those_of_its_authors)
 {
 	static const struct { void (*pattern)(uint32_t, uint32_t, uint8_t *, uint8_t *); double mean; } pairs[] = {
 		{ stripes, 0.373118 }, { flat, 0.363236 }, { shifted, 0.214213 }, { noisy, 0.119011 } };
@@ -69,14 +69,14 @@ static void means_are_those_of_its_authors(void **state)
 	}
 }
 
-static void same_pictures_have_no_error(void **state)
+UNIT_TEST(same_pictures_have_no_error)
 {
 	make(stripes);
 	assert_true(flip(a, a, WIDTH, HEIGHT, NULL) == 0);
 	assert_true(flip(a, a, 1, 1, NULL) == 0);
 }
 
-static void black_and_white_are_as_far_as_can_be(void **state)
+UNIT_TEST(black_and_white_are_as_far_as_can_be)
 {
 	memset(a, 0, sizeof a);
 	memset(b, 255, sizeof b);
@@ -85,7 +85,7 @@ static void black_and_white_are_as_far_as_can_be(void **state)
 }
 
 /* Bands and rows of four leave no seams: a picture's part has the errors of the whole, away from its borders. */
-static void error_is_local(void **state)
+UNIT_TEST(error_is_local)
 {
 	enum { LEFT = 13, TOP = 37, PART = 90, MARGIN = 10 };
 	static float whole[WIDTH * HEIGHT], part[PART * PART];
@@ -105,15 +105,4 @@ static void error_is_local(void **state)
 	for (uint32_t y = MARGIN; y < PART - MARGIN; y++)
 		assert_memory_equal(part + y * PART + MARGIN, whole + (TOP + y) * WIDTH + LEFT + MARGIN,
 			(PART - 2 * MARGIN) * sizeof *part);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(means_are_those_of_its_authors),
-		cmocka_unit_test(same_pictures_have_no_error),
-		cmocka_unit_test(black_and_white_are_as_far_as_can_be),
-		cmocka_unit_test(error_is_local),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -95,3 +95,52 @@ UNIT_TEST(predicted_q_is_computed_as_q_is)
 	assert_true(eco_predicted_q(&(struct eco_prediction){ 10, 0, 0 }) == 1);
 	assert_true(eco_predicted_q(&(struct eco_prediction){ 0, 0, 5 }) == 0);
 }
+
+UNIT_TEST(soft_q_of_half_covered_pixels)
+{
+	static const struct { uint8_t count[4], reference[4]; double precision, recall; } soft[] = {
+		{ { 16, 16, 0, 0 }, { 16, 16, 0, 0 }, 1, 1 },
+		{ { 8, 8, 0, 0 }, { 8, 8, 0, 0 }, 1, 1 },        /* a mask would see all or nothing */
+		{ { 16, 0, 0, 0 }, { 8, 8, 0, 0 }, 0.5, 0.5 },
+		{ { 16, 16, 0, 0 }, { 8, 8, 0, 0 }, 0.5, 1 },
+		{ { 4, 0, 0, 0 }, { 16, 0, 0, 0 }, 1, 0.25 },
+		{ { 12, 4, 0, 16 }, { 8, 8, 16, 0 }, 12.0 / 32, 12.0 / 32 },
+		{ { 0, 0, 0, 0 }, { 0, 0, 0, 0 }, 1, 1 },
+		{ { 0, 0, 0, 0 }, { 3, 0, 0, 0 }, 1, 0 },
+	};
+	for (size_t i = 0; i < sizeof soft / sizeof *soft; i++)
+		NEAR(lod_soft_q(soft[i].count, soft[i].reference, 4),
+			1 - hypot(1 - soft[i].precision, 1 - soft[i].recall));
+}
+
+/* Where all is covered wholly or not at all, soft Q is Q. */
+UNIT_TEST(soft_q_of_masks_is_q)
+{
+	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+		uint8_t cover[8], reference[8];
+		uint32_t n = mask_of(rows[i].cover, cover);
+		mask_of(rows[i].reference, reference);
+		struct lod_score score;
+		lod_score(&score, &(struct lod_score_input){ .width = n, .height = 1, .cover = cover,
+			.reference = reference });
+		for (uint32_t k = 0; k < n; k++) {
+			cover[k] = cover[k] ? 16 : 0;
+			reference[k] = reference[k] ? 16 : 0;
+		}
+		NEAR(lod_soft_q(cover, reference, n), score.q);
+	}
+}
+
+UNIT_TEST(ceiling_is_of_equal_area)
+{
+	static const struct { uint8_t count[6], reference[6]; double q; } ceilings[] = {
+		{ { 64, 64, 64, 64, 64, 64 }, { 1, 1, 1, 1, 1, 1 }, 1 },         /* a square that fills the screen */
+		{ { 64, 64, 40, 20, 0, 0 }, { 1, 1, 1, 0, 0, 0 }, 1 },
+		{ { 64, 40, 30, 10, 0, 0 }, { 1, 0, 1, 1, 0, 0 }, 1 - M_SQRT2 / 3 },      /* the second for the fourth */
+		{ { 64, 10, 10, 10, 10, 10 }, { 1, 1, 0, 0, 0, 0 }, 0.5 },       /* one, not six, is nearer to two */
+		{ { 0, 0, 0, 0, 0, 0 }, { 0, 0, 0, 0, 0, 0 }, 1 },
+		{ { 9, 0, 0, 0, 0, 0 }, { 0, 0, 0, 0, 0, 0 }, 1 },
+	};
+	for (size_t i = 0; i < sizeof ceilings / sizeof *ceilings; i++)
+		NEAR(lod_q_ceiling(ceilings[i].count, ceilings[i].reference, 6), ceilings[i].q);
+}

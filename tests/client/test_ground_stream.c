@@ -9,6 +9,7 @@
 #include "client-min/view_reference.h"
 #include "client-min/view_select.h"
 #include "server/stream.h"
+#include "lod/raster/flip.h"
 #include "tests/support/files.h"
 #include "tests/support/ground_tiles.h"
 #include "tests/support/scene_packs.h"
@@ -266,7 +267,11 @@ UNIT_TEST(opengl_and_software_draw_the_same_ground)
 				&a, &error))
 			fail_msg("%s", error.text);
 		assert_int_equal(view_reference_draw(&(struct view_reference_job){ held, &selection, &eye,
-			0.05, 2, NULL }, &b, NULL), ECO_OK);
+			0.05, 2, NULL, VIEW_TINT_NONE }, &b, NULL), ECO_OK);
+		struct lod_flip_input pair = { 480, 320, a.rgb, b.rgb, NULL };
+		double seen = 1;
+		assert_int_equal(lod_flip(&pair, &seen, NULL), ECO_OK);
+		assert_true(seen < 0.01);
 		for (uint32_t p = 0; p < 480 * 320; p++) {
 			wrong += a.cover[p] != b.cover[p];
 			owners += a.owner[p] != b.owner[p];

@@ -1,4 +1,5 @@
-/* The two ways to draw agree: OpenGL and the software rasteriser, pixel by pixel, mask and owners. */
+/* The two ways to draw agree: OpenGL and the software rasteriser, pixel by pixel, mask and owners, and as people
+ * see them. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,11 +8,13 @@
 #include "client-min/view_gl.h"
 #include "client-min/view_reference.h"
 #include "ecofiles/format/image.h"
+#include "lod/raster/flip.h"
 #include "lod/raster/raster.h"
 #include "tests/support/files.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
+#define SEEN 0.005                       /* mean error that people see: textures are filtered in two ways */
 #define TOLERANCE 0.0005                 /* of all pixels: vertices that floats snap to another 1/256 pixel */
 
 static struct scene_builder scene;
@@ -60,7 +63,8 @@ static int close_all(void **state)
 static void draw_software(const struct scene_held *d, const struct eco_view *view, uint32_t threads,
 	struct view_picture *picture)
 {
-	struct view_reference_job job = { d->store, &d->selection, &d->eye, 0.1, threads, NULL };
+	struct view_reference_job job = { d->store, &d->selection, &d->eye, 0.1, threads, NULL,
+		VIEW_TINT_NONE };
 	assert_int_equal(view_picture_init(picture, view->width, view->height, NULL), ECO_OK);
 	assert_int_equal(view_reference_draw(&job, picture, NULL), ECO_OK);
 }
@@ -94,6 +98,19 @@ static void compare(const struct view_picture *a, const struct view_picture *b, 
 	*owners = (double)owner / pixels;
 }
 
+/* Mean error seen, and mean difference of bytes. */
+static double error_seen(const struct view_picture *a, const struct view_picture *b, double *difference)
+{
+	struct lod_flip_input input = { a->width, a->height, a->rgb, b->rgb, NULL };
+	size_t bytes = 3 * (size_t)a->width * a->height;
+	double mean = 1, sum = 0;
+	assert_int_equal(lod_flip(&input, &mean, NULL), ECO_OK);
+	for (size_t i = 0; i < bytes; i++)
+		sum += abs(a->rgb[i] - b->rgb[i]);
+	*difference = sum / (double)bytes;
+	return mean;
+}
+
 UNIT_TEST(opengl_and_software_agree)
 {
 	static const double eyes[][6] = { { -22, -19, 6.5, 0, 0, 2.5 }, { 0, -40, 30, 0, 0, 0 },
@@ -104,7 +121,7 @@ UNIT_TEST(opengl_and_software_agree)
 	for (size_t i = 0; i < sizeof eyes / sizeof eyes[0]; i++) {
 		struct eco_view view = scene_view();
 		struct view_picture soft, hard;
-		double masks, owners;
+		double masks, owners, difference;
 		char name[32];
 		memcpy(view.eye, eyes[i], sizeof view.eye);
 		memcpy(view.target, eyes[i] + 3, sizeof view.target);
@@ -113,13 +130,15 @@ UNIT_TEST(opengl_and_software_agree)
 		draw_software(&d, &view, 2, &soft);
 		draw_gl(&d, &view, &hard);
 		compare(&soft, &hard, &masks, &owners);
+		double seen = error_seen(&soft, &hard, &difference);
 		print_message("view %zu: %llu vertices, masks differ in %.4f %%, owners in %.4f %% of "
-			"pixels\n", i, (unsigned long long)hard.vertices, 100 * masks, 100 * owners);
+			"pixels, bytes by %.4f, error seen %.5f\n", i, (unsigned long long)hard.vertices,
+			100 * masks, 100 * owners, difference, seen);
 		snprintf(name, sizeof name, "reference-gl-%zu", i);
 		save(name, &hard);
 		snprintf(name, sizeof name, "reference-cpu-%zu", i);
 		save(name, &soft);
-		assert_true(masks <= TOLERANCE && owners <= TOLERANCE);
+		assert_true(masks <= TOLERANCE && owners <= TOLERANCE && seen <= SEEN && difference < 0.1);
 		assert_true(hard.vertices == d.plan.vertices && soft.vertices == d.plan.vertices);
 		view_picture_free(&soft);
 		view_picture_free(&hard);
@@ -139,6 +158,7 @@ UNIT_TEST(threads_do_not_change_the_picture)
 		draw_software(&d, &view, threads, &many);
 		compare(&one, &many, &masks, &owners);
 		assert_true(masks == 0 && owners == 0);
+		assert_memory_equal(one.rgb, many.rgb, 3 * view.width * view.height);
 		view_picture_free(&many);
 	}
 	view_picture_free(&one);
@@ -173,10 +193,51 @@ UNIT_TEST(software_stops_when_told)
 	static volatile sig_atomic_t stop = 1;
 	struct scene_held d = scene_hold_view(&scene, view, 1);
 	scene_select(&d);
-	struct view_reference_job job = { d.store, &d.selection, &d.eye, 0.1, 2, &stop };
+	struct view_reference_job job = { d.store, &d.selection, &d.eye, 0.1, 2, &stop,
+		VIEW_TINT_NONE };
 	assert_int_equal(view_picture_init(&p, view.width, view.height, NULL), ECO_OK);
 	assert_int_equal(view_reference_draw(&job, &p, NULL), ECO_INTERRUPTED);
 	view_picture_free(&p);
+	scene_release(&d);
+}
+
+static uint64_t sum_of(const uint8_t *counts, uint32_t pixels)
+{
+	uint64_t sum = 0;
+	for (uint32_t i = 0; i < pixels; i++)
+		sum += counts[i];
+	return sum;
+}
+
+/* One sample a pixel is the mask; more are about as many; parts and threads leave no trace. */
+UNIT_TEST(samples_count_what_is_covered)
+{
+	struct eco_view view = scene_view();
+	struct view_picture p;
+	uint32_t pixels = view.width * view.height;
+	uint8_t *counts = malloc(2 * (size_t)pixels), *again = counts + pixels;
+	struct scene_held d = scene_hold_view(&scene, view, 1);
+	scene_select(&d);
+	draw_software(&d, &view, 2, &p);
+	struct view_reference_job job = { d.store, &d.selection, &d.eye, 0.1, 1, NULL, VIEW_TINT_NONE };
+	struct view_coverage coverage = { view.width, view.height, 1, counts };
+	assert_int_equal(view_reference_count(&job, &coverage, NULL), ECO_OK);
+	for (uint32_t i = 0; i < pixels; i++)
+		assert_int_equal(counts[i], p.cover[i] != 0);
+	double covered = (double)sum_of(counts, pixels);
+	for (coverage.samples = 4; coverage.samples <= 8; coverage.samples += 4) {
+		coverage.count = counts;
+		job.threads = 1;
+		assert_int_equal(view_reference_count(&job, &coverage, NULL), ECO_OK);
+		coverage.count = again;
+		job.threads = 3;
+		assert_int_equal(view_reference_count(&job, &coverage, NULL), ECO_OK);
+		assert_memory_equal(counts, again, pixels);
+		double samples = (double)sum_of(counts, pixels) / (coverage.samples * coverage.samples);
+		assert_true(samples > 0.99 * covered && samples < 1.01 * covered);
+	}
+	view_picture_free(&p);
+	free(counts);
 	scene_release(&d);
 }
 

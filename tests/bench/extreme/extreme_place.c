@@ -72,7 +72,7 @@ void extreme_at_site(struct extreme *x)
 		struct seen here = { 0 }, there = { 0 };
 		good = see(x, world, &origin, &request, &here) && see(x, &moved, site, &request, &there);
 		if (good)
-			compare(x, &here, &there, !(site->scale > 0) && site->at[2] == 0);
+			compare(x, &here, &there, !(site->scale > 0) && site->at[2] == 0 && !site->turn);
 		free_seen(&here);
 		free_seen(&there);
 	}

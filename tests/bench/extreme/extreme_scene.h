@@ -83,8 +83,8 @@ bool extreme_draw(struct extreme *x, const struct extreme_world *world, const st
 	struct view_picture *picture);
 uint64_t extreme_covered(const struct view_picture *picture);
 /* Share of pixels in which another plant is nearest, or none; or, where asked for, whose colour differs: haze
- * is so many metres deep and high, so that colours are not to be asked for where the metre or the height is
- * another. */
+ * is so many metres deep and high, and the sun stands still, so that colours are not to be asked for where
+ * the metre or the height is another, or the scene is turned. */
 double extreme_pixels_differ(const struct view_picture *a, const struct view_picture *b, bool colours);
 
 #endif

@@ -1,0 +1,45 @@
+/* Light: from what is seen in each pixel (its own colour, its surface, its depth, its owner) to the colours of
+ * a picture. All that draws, OpenGL and software, ends here, so that a plan looks the same whoever draws it.
+ *
+ * A sun and a sky. A leaf reflects on its lit side and lets light through on the other, always seen from the
+ * visible side; a crown shades itself towards its dark side and its inside. A point or line stands for leaves
+ * of every direction, so it gets the mean of the same expressions over directions, and a plant keeps its tone
+ * when its representation changes; a summary's point, which does not know where in a crown it is, gets the mean
+ * over a crown as well, and so does a point as large as a crown. Masks and scores know nothing of it.
+ *
+ * Only +, -, *, / and square roots of floats in a fixed order: the same pixels give the same bytes
+ * everywhere. */
+#ifndef VIEW_LIGHT_H
+#define VIEW_LIGHT_H
+
+#include "client-min/view_picture.h"
+#include "client-min/view_select.h"
+
+/* A pixel's surface, in plant space (the ground's is the world's), as 32 bits; the vertex shaders in
+ * view_shader.c write the same:
+ *
+ *   30..31   0 facet, 1 axis (what is round about it: blades, bark), 2 cloud (leaves of all directions)
+ *    0..29   facet and axis: direction, either way, as an octahedron's x and y: 15 bits each, [-1, 1]
+ *            cloud: 0..15 half its side over half the width of its plant, at most 1 (65535), 16..23 the share
+ *            of leaves that lie level (255: all) */
+enum view_surface { VIEW_FACET, VIEW_AXIS, VIEW_CLOUD };
+/* Of any length; facet or axis. */
+uint32_t view_surface_direction(enum view_surface kind, const float direction[3]);
+uint32_t view_surface_cloud(double reach, double level);
+
+/* By representation; or in their own colours, every leaf lit as if it were alone. */
+enum view_tint { VIEW_TINT_NONE, VIEW_TINT_KIND, VIEW_TINT_UNSHADED };
+extern const uint8_t view_tint_colors[VIEW_ROLE_COUNT][3];       /* sRGB, for VIEW_TINT_KIND */
+
+struct view_light_job {
+	const struct view_store *store;
+	const struct view_selection *selection;  /* that was drawn */
+	const struct lod_eye *eye;
+	enum view_tint tint;
+	uint32_t threads;                        /* 0: 2 */
+};
+/* Replaces the own colours in picture->rgb by what is seen. The ground needs none: it has its own. */
+enum eco_code view_light_picture(const struct view_light_job *job, struct view_picture *picture,
+	struct eco_error *error);
+
+#endif

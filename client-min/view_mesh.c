@@ -1,0 +1,170 @@
+#include "client-min/view_mesh.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "client-min/view_light.h"
+#include "client-min/view_shade.h"
+#include "client-min/view_texture.h"
+#include "lod/light.h"
+
+/* ---- Geometry ---- */
+
+static enum eco_code no_memory(struct eco_error *error)
+{
+	return eco_fail(error, ECO_NO_MEMORY, "no memory for the geometry of a picture");
+}
+
+static void bound_sphere(struct view_mesh *mesh, uint32_t vertices)
+{
+	float low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
+	const float *p = mesh->geometry.position;
+	for (uint32_t i = 0; i < vertices; i++)
+		for (int k = 0; k < 3; k++) {
+			low[k] = fminf(low[k], p[3 * (size_t)i + k]);
+			high[k] = fmaxf(high[k], p[3 * (size_t)i + k]);
+		}
+	double square = 0;
+	for (int k = 0; k < 3; k++) {
+		mesh->center[k] = 0.5f * (low[k] + high[k]);
+		square += 0.25 * ((double)high[k] - low[k]) * ((double)high[k] - low[k]);
+	}
+	mesh->radius = (float)(sqrt(square) * 1.0001);
+	float largest = mesh->geometry.size ? 0 : 1;
+	for (uint32_t i = 0; mesh->geometry.size && i < mesh->batch.count; i++)
+		largest = fmaxf(largest, mesh->geometry.size[i]);
+	if (mesh->list->list.kind == ECO_LIST_POINTS)
+		mesh->radius += sqrtf(mesh->batch.area * largest);
+	for (uint32_t i = 0; mesh->list->list.kind == ECO_LIST_LINES && i < mesh->batch.count; i++)
+		mesh->radius = fmaxf(mesh->radius, (float)(sqrt(square) * 1.0001) + mesh->geometry.width[i]);
+}
+
+static bool allocate(struct view_mesh *mesh, uint32_t count)
+{
+	const struct eco_list *list = &mesh->list->list;
+	bool lines = list->kind == ECO_LIST_LINES, sized = list->attributes & ECO_ATTR_SIZE;
+	struct lod_geometry *g = &mesh->geometry;
+	g->position = malloc(12u * (size_t)count * eco_list_vertices(list) + 1);
+	g->uv = mesh->image ? malloc(24u * (size_t)count + 1) : NULL;
+	g->width = lines ? malloc(4u * (size_t)count + 1) : NULL;
+	g->color = malloc(4u * (size_t)count + 1);
+	g->size = sized ? malloc(4u * (size_t)count + 1) : NULL;
+	return g->position && g->color && (g->uv || !mesh->image) && (g->width || !lines) && (g->size || !sized);
+}
+
+enum eco_code view_mesh_make(struct view_mesh *mesh, const struct view_store *store,
+	const struct eco_cut *cut, const struct view_plant *plant, struct eco_error *error)
+{
+	const struct view_list *list = mesh->list = view_store_list(store, cut->list);
+	uint32_t count = cut->end - cut->first;
+	const struct view_list *image = list->list.image == ECO_NONE ? NULL
+		: view_store_list(store, list->list.image);
+	if (image && image->image.rgba && list->list.attributes & ECO_ATTR_UV)
+		mesh->image = image;
+	if (!allocate(mesh, count))
+		return no_memory(error);
+	uint32_t written = lod_list_geometry(&list->list, &list->elements, cut->first, cut->end, cut->scale,
+		&mesh->geometry);
+	assert(written == count);
+	bool cutout = mesh->image && image->cutout;
+	mesh->batch = (struct lod_raster_batch){ .count = count, .position = mesh->geometry.position,
+		.uv = cutout ? mesh->geometry.uv : NULL,
+		.cutout = cutout ? &image->image : NULL, .width = mesh->geometry.width,
+		.area = list->list.unit_area * cut->scale,
+		.size = mesh->geometry.size };
+	mesh->by_point = list->list.kind == ECO_LIST_POINTS && list->list.attributes & ECO_ATTR_PLANT;
+	mesh->half_width = plant ? view_shape_of(plant).half_width : 0;
+	bound_sphere(mesh, count * eco_list_vertices(&list->list));
+	return ECO_OK;
+}
+
+void view_mesh_free(struct view_mesh *mesh)
+{
+	free(mesh->geometry.position);
+	free(mesh->geometry.uv);
+	free(mesh->geometry.width);
+	free(mesh->geometry.color);
+	free(mesh->geometry.size);
+	*mesh = (struct view_mesh){ .list = NULL };
+}
+
+/* ---- Looks ---- */
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+	for (int k = 0; k < 3; k++)
+		out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+/* uv where a ray meets the triangle's plane, but not beyond the triangle: pixels at its edges reach out. */
+static void find_uv(const float *p, const float *uv, const double eye[3], const double ray[3], double out[2])
+{
+	double side[2][3], from[3], q[3], r[3];
+	for (int k = 0; k < 3; k++) {
+		side[0][k] = (double)p[3 + k] - p[k];
+		side[1][k] = (double)p[6 + k] - p[k];
+		from[k] = eye[k] - p[k];
+	}
+	cross(ray, side[1], q);                  /* Möller and Trumbore 1997 */
+	cross(from, side[0], r);
+	double whole = lod_dot(side[0], q), b = lod_dot(from, q) / whole, c = lod_dot(ray, r) / whole;
+	b = b > 0 ? b < 1 ? b : 1 : 0;
+	c = c > 0 ? c < 1 - b ? c : 1 - b : 0;
+	for (int k = 0; k < 2; k++)
+		out[k] = (1 - b - c) * uv[k] + b * uv[2 + k] + c * uv[4 + k];
+}
+
+static void look_textured(const struct view_mesh *mesh, uint32_t triangle, const struct view_rays *rays,
+	uint8_t rgb[3])
+{
+	double uv[3][2], light[3];
+	for (int i = 0; i < 3; i++)
+		find_uv(mesh->geometry.position + 9 * (size_t)triangle, mesh->geometry.uv + 6 * (size_t)triangle,
+			rays->eye, rays->ray[i], uv[i]);
+	view_texture_mean(&mesh->image->image, uv, light);
+	for (int k = 0; k < 3; k++)
+		rgb[k] = lod_light_byte(light[k] * lod_light_of[rgb[k]] / 65535);
+}
+
+static uint32_t facet_of(const float *p)
+{
+	const double a[3] = { p[3] - p[0], p[4] - p[1], p[5] - p[2] }, b[3] = { p[6] - p[0], p[7] - p[1],
+		p[8] - p[2] };
+	double n[3];
+	cross(a, b, n);
+	double length = sqrt(lod_dot(n, n)), part = length > 0 ? 1 / length : 0;
+	return view_surface_direction(VIEW_FACET, (const float[3]){ (float)(n[0] * part), (float)(n[1] * part),
+		(float)(n[2] * part) });
+}
+
+static uint32_t axis_of(const float *p)
+{
+	return view_surface_direction(VIEW_AXIS, (const float[3]){ p[3] - p[0], p[4] - p[1], p[5] - p[2] });
+}
+
+static uint32_t cloud_of(const struct view_mesh *mesh, uint32_t point)
+{
+	double area = mesh->batch.area * (mesh->batch.size ? (double)mesh->batch.size[point] : 1);
+	return view_surface_cloud(mesh->half_width > 0 ? 0.5 * sqrt(area) / mesh->half_width : 1,
+		eco_level_share(mesh->list->list.level));
+}
+
+void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const struct view_rays *rays,
+	uint8_t rgb[3], uint32_t *surface)
+{
+	static const uint8_t plain[3] = { 95, 127, 79 }, white[3] = { 255, 255, 255 };
+	const struct eco_list *list = &mesh->list->list;
+	int32_t color = mesh->geometry.color[primitive];
+	memcpy(rgb, color >= 0 && (uint32_t)color < list->palette_count ? mesh->list->palette[color]
+		: list->image != ECO_NONE ? white : plain, 3);
+	if (mesh->image)
+		look_textured(mesh, primitive, rays, rgb);
+	if (list->kind == ECO_LIST_TRIANGLES)
+		*surface = facet_of(mesh->geometry.position + 9 * (size_t)primitive);
+	else if (list->kind == ECO_LIST_LINES)
+		*surface = axis_of(mesh->geometry.position + 6 * (size_t)primitive);
+	else
+		*surface = cloud_of(mesh, primitive);
+}

@@ -1,0 +1,30 @@
+/* The geometry of a cut in memory, for drawing in software: made once, shared by all plants that draw it; and
+ * how a primitive of it looks at a pixel where it is nearest. */
+#ifndef VIEW_MESH_H
+#define VIEW_MESH_H
+
+#include "client-min/view_select.h"
+#include "lod/geometry.h"
+#include "lod/raster/raster.h"
+
+struct view_mesh {                       /* owns its geometry; zero is empty */
+	const struct view_list *list, *image;    /* image: NULL if there is no texture */
+	struct lod_raster_batch batch;
+	struct lod_geometry geometry;
+	float center[3], radius;         /* of all that is drawn, object space */
+	float half_width;                /* of the plant; 0: a summary's */
+	bool by_point;                   /* a summary: each point has its own owner */
+};
+
+/* `plant` is whose the cut is; NULL: a summary's. What has been made so far is freed by view_mesh_free. */
+enum eco_code view_mesh_make(struct view_mesh *mesh, const struct view_store *store,
+	const struct eco_cut *cut, const struct view_plant *plant, struct eco_error *error);
+void view_mesh_free(struct view_mesh *mesh);
+
+/* The eye, and rays through a pixel's centre, one pixel to the right and one down: object space, any length. */
+struct view_rays { double eye[3], ray[3][3]; };
+/* Own colour and surface (view_light.h) of a primitive. `rays` is read only if the mesh has an image. */
+void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const struct view_rays *rays,
+	uint8_t rgb[3], uint32_t *surface);
+
+#endif
