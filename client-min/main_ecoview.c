@@ -8,9 +8,11 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "client-min/view_compare.h"
 #include "client-min/view_explain.h"
 #include "client-min/view_fetch.h"
 #include "client-min/view_gl.h"
+#include "client-min/view_measure.h"
 #include "client-min/view_progress.h"
 #include "client-min/view_reference.h"
 #include "client-min/view_report.h"
@@ -26,7 +28,7 @@ struct options {
 	uint32_t size[2], width, height;
 	uint64_t vertices, bytes;
 	double ground_px;
-	bool has_frames;
+	bool has_frames, compare;
 	uint64_t frame_first, frame_last;
 	enum engine reference;
 	int tint;                                /* enum view_tint */
@@ -41,6 +43,8 @@ struct viewer {                          /* everything that lives as long as the
 	struct view_store *store, *full;
 	struct view_gl *gl;                      /* NULL: all is drawn in software */
 	struct view_picture picture, reference;
+	float *error_map;                        /* of the two, if they are compared */
+	double ceiling;                          /* of the reference */
 	struct view_report report;
 	struct view_explain explain;
 	struct view_progress progress;
@@ -108,6 +112,10 @@ static const struct eco_option option_table[] = {
 		.has_optional_value = true,
 		.help = "also draw everything at full detail, and score; by default with OpenGL on "
 		"hardware, else in software" },
+	{ "compare", 0, ECO_OPTION_FLAG, NULL, &given.compare,
+		.help =
+		"with the reference: also ours, full detail and the error that people see (FLIP) side by "
+		"side, with their numbers, as compare-0000.png" },
 	{ "tint", 0, ECO_OPTION_CHOICE, "kind", &given.tint, .choices = tints,
 		.help = "colour by representation: green triangles, red lines, blue points, yellow and "
 		"orange blends" },
@@ -119,10 +127,15 @@ static const struct eco_option option_table[] = {
 
 static const struct eco_command command = { .name = "ecoview", .options = option_table,
 	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--ground-px X] "
-	"[--rule NAME] [--reference[=cpu|egl]] [--tint kind] [--frames A..B] [--explain FILE.csv]",
+	"[--rule NAME] [--reference[=cpu|egl]] [--compare] [--tint kind] [--frames A..B] "
+	"[--explain FILE.csv]",
 	.says = "Streams a scene along a camera script and draws every frame as a PNG.",
 	.notes = "Writes frame-0000.png, ...; with --reference also reference-0000.png, frame-0000.mask.png, "
-	"reference-0000.mask.png and pr-0000.png (light: right, orange: too much, blue: missing).\n" };
+	"reference-0000.mask.png and pr-0000.png (light: right, orange: too much, blue: missing).\n\n"
+	"Scores: P and R, Precision and Recall of covered pixels; Q, 1 less the distance of P and R from 1; "
+	"skill, the gain over a picture with all covered; owner_q, Q where only the right plant counts; "
+	"soft_q, Q of how much of each pixel is covered; ceiling, the best Q without the reference's own "
+	"chance; picture_error, what people see of the difference (mean FLIP), 0 to 1.\n" };
 
 static enum eco_code read_line(int argc, char **argv, struct options *o, struct eco_error *error)
 {
@@ -130,6 +143,8 @@ static enum eco_code read_line(int argc, char **argv, struct options *o, struct 
 	*o = given;
 	o->width = given.size[0];
 	o->height = given.size[1];
+	if (!code && o->compare && !o->reference)
+		code = eco_fail(error, ECO_BAD_USAGE, "--compare: needs --reference");
 	if (!code && (uint64_t)o->width * o->height > ECO_PIXELS_MAX)
 		code = eco_fail(error, ECO_BAD_USAGE, "--size %ux%u: a picture has at most %u pixels",
 			o->width, o->height, ECO_PIXELS_MAX);
@@ -138,18 +153,24 @@ static enum eco_code read_line(int argc, char **argv, struct options *o, struct 
 
 /* ---- Files ---- */
 
-static enum eco_code save(const struct viewer *v, const char *format, uint32_t frame, const uint8_t *bytes,
-	uint32_t channels, struct eco_error *error)
+static enum eco_code save_pixels(const struct viewer *v, const char *format, uint32_t frame,
+	const struct eco_pixels *pixels, struct eco_error *error)
 {
 	char name[64], path[4096];
 	snprintf(name, sizeof name, format, frame);
 	if (snprintf(path, sizeof path, "%s/%s", v->options.dir, name) >= (int)sizeof path)
 		return eco_fail(error, ECO_BAD_USAGE, "-o: the folder's name is too long");
-	struct eco_pixels pixels = { v->options.width, v->options.height, channels, bytes };
-	return eco_png_write(&pixels, path, error);
+	return eco_png_write(pixels, path, error);
 }
 
-static enum eco_code save_comparison(struct viewer *v, uint32_t frame, struct eco_error *error)
+static enum eco_code save(const struct viewer *v, const char *format, uint32_t frame, const uint8_t *bytes,
+	uint32_t channels, struct eco_error *error)
+{
+	struct eco_pixels pixels = { v->options.width, v->options.height, channels, bytes };
+	return save_pixels(v, format, frame, &pixels, error);
+}
+
+static enum eco_code save_masks(struct viewer *v, uint32_t frame, struct eco_error *error)
 {
 	uint32_t count = v->options.width * v->options.height;
 	uint8_t *rgb = malloc((size_t)count * 3);
@@ -163,6 +184,30 @@ static enum eco_code save_comparison(struct viewer *v, uint32_t frame, struct ec
 		code = save(v, "reference-%04u.mask.png", frame, v->reference.cover, 1, error);
 	if (!code)
 		code = save(v, "pr-%04u.png", frame, rgb, 3, error);
+	free(rgb);
+	return code;
+}
+
+static enum eco_code save_comparison(struct viewer *v, const struct view_frame *f, struct eco_error *error)
+{
+	char ours[160], full[160], wrong[80];
+	uint32_t size[2];
+	uint8_t *rgb;
+	if (!v->error_map)
+		return ECO_OK;
+	snprintf(ours, sizeof ours,
+		"ours: %llu of %llu vertices, %llu bytes\nQ %.4f  soft_q %.4f  ceiling %.4f",
+		(unsigned long long)f->vertices, (unsigned long long)f->budget_vertices,
+		(unsigned long long)f->bytes, f->q, f->soft_q, f->ceiling);
+	snprintf(full, sizeof full, "full: %llu vertices\nP %.4f  R %.4f  skill %.4f  owner_q %.4f",
+		(unsigned long long)v->reference.vertices, f->precision, f->recall, f->skill, f->owner_q);
+	snprintf(wrong, sizeof wrong, "picture_error %.4f\nblack: none, pale yellow: 1", f->picture_error);
+	struct view_compare compare = { &v->picture, &v->reference, v->error_map, { ours, full, wrong } };
+	enum eco_code code = view_compare_draw(&compare, &rgb, size, error);
+	if (code)
+		return code;
+	code = save_pixels(v, "compare-%04u.png", f->frame, &(struct eco_pixels){ size[0], size[1], 3, rgb },
+		error);
 	free(rgb);
 	return code;
 }
@@ -199,6 +244,15 @@ static void step(struct viewer *v, uint32_t frame, const char *what)
 	view_progress_show(&v->progress, v->part++, v->parts, text);
 }
 
+/* What scores need beside the pictures. */
+static enum eco_code count_samples(struct viewer *v, const struct view_reference_job *job,
+	struct view_picture *picture, struct eco_error *error)
+{
+	enum eco_code code = view_measure_soft(job, picture, error);
+	return code || picture != &v->reference ? code
+		: view_measure_ceiling(job, picture, &v->ceiling, error);
+}
+
 /* Draws a store's plan into `picture`, with OpenGL if there is one. */
 static enum eco_code draw(struct viewer *v, const struct view_store *store, const struct lod_eye *eye,
 	struct view_picture *picture, struct eco_error *error)
@@ -208,10 +262,13 @@ static enum eco_code draw(struct viewer *v, const struct view_store *store, cons
 	if (code)
 		return code;
 	double near_m = view_store_near_m(store) > 0 ? view_store_near_m(store) : 0.1, ground_m;
-	enum view_tint tint = (enum view_tint)v->options.tint;
-	code = v->gl ? view_gl_draw(v->gl, &(struct view_gl_job){ store, &selection, eye, near_m, tint }, picture,
-		error) : view_reference_draw(&(struct view_reference_job){ store, &selection, eye, near_m, 0,
-		&interrupted, tint }, picture, error);
+	struct view_reference_job job = { store, &selection, eye, near_m, 0, &interrupted,
+		(enum view_tint)v->options.tint };
+	code = !v->gl ? view_reference_draw(&job, picture, error)
+		: view_gl_draw(v->gl, &(struct view_gl_job){ store, &selection, eye, near_m, job.tint },
+		picture, error);
+	if (!code && v->options.reference)
+		code = count_samples(v, &job, picture, error);
 	v->under_m = view_ground_height(&selection.ground, eye->at[0], eye->at[1], &ground_m)
 		? ground_m - eye->at[2] : 0;
 	view_select_free(&selection);
@@ -299,14 +356,17 @@ static enum eco_code score_frame(struct viewer *v, const struct eco_request *req
 	code = draw(v, v->full, eye, &v->reference, error);
 	if (code)
 		return code;
-	struct lod_score score;
-	struct lod_score_input input = { v->options.width, v->options.height, v->picture.cover,
-		v->reference.cover, v->picture.owner, v->reference.owner };
-	lod_score(&score, &input);
-	view_frame_score(f, &score);
+	struct view_measures measures;
+	code = view_measure_pair(&v->picture, &v->reference, v->error_map, &measures, error);
+	if (code)
+		return code;
+	if (v->options.tint)             /* colours that stand for something else */
+		measures.picture_error = NAN;
+	view_frame_score(f, &measures, v->ceiling);
 	note_summaries(v, f);
 	f->reference_ms = view_clock_ms() - start;
-	return save_comparison(v, f->frame, error);
+	code = save_masks(v, f->frame, error);
+	return code ? code : save_comparison(v, f, error);
 }
 
 static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_error *error)
@@ -414,6 +474,10 @@ static enum eco_code start(struct viewer *v, struct eco_error *error)
 		code = view_picture_init(&v->picture, o->width, o->height, error);
 	if (!code && o->reference)
 		code = view_picture_init(&v->reference, o->width, o->height, error);
+	if (!code && o->compare)
+		v->error_map = malloc((size_t)o->width * o->height * sizeof *v->error_map);
+	if (!code && o->compare && !v->error_map)
+		code = eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
 	return code;
 }
 
@@ -421,6 +485,7 @@ static void finish(struct viewer *v)
 {
 	view_picture_free(&v->picture);
 	view_picture_free(&v->reference);
+	free(v->error_map);
 	view_gl_close(v->gl);
 	view_report_free(&v->report);
 	view_explain_close(&v->explain, false, NULL);

@@ -92,9 +92,9 @@ void view_ground_normal(const struct view_list *list, uint32_t sample, float nor
 	uint32_t columns = list->list.columns, rows = list->elements.element_count / columns,
 		c = sample % columns, r = sample / columns;
 	const int32_t *p = list->elements.position + 3 * (size_t)sample;
+	size_t row = 3 * (size_t)columns;
 	double x = -slope(list, c > 0 ? p - 3 : p, c + 1 < columns ? p + 3 : p, 0);
-	double y = -slope(list, r > 0 ? p - 3 * (size_t)columns : p, r + 1 < rows ? p + 3 * (size_t)columns : p,
-		1);
+	double y = -slope(list, r > 0 ? p - row : p, r + 1 < rows ? p + row : p, 1);
 	double length = sqrt(x * x + y * y + 1);
 	normal[0] = (float)(x / length);
 	normal[1] = (float)(y / length);

@@ -29,7 +29,10 @@ const uint8_t view_tint_colors[VIEW_ROLE_COUNT][3] = {
 
 static struct vec add(struct vec a, struct vec b) { return (struct vec){ a.x + b.x, a.y + b.y, a.z + b.z }; }
 static struct vec scale(struct vec a, float t) { return (struct vec){ a.x * t, a.y * t, a.z * t }; }
-static struct vec times(struct vec a, struct vec b) { return (struct vec){ a.x * b.x, a.y * b.y, a.z * b.z }; }
+static struct vec times(struct vec a, struct vec b)
+{
+	return (struct vec){ a.x * b.x, a.y * b.y, a.z * b.z };
+}
 static float dot(struct vec a, struct vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 static float length(struct vec a) { return sqrtf(dot(a, a)); }
 static struct vec unit(struct vec a) { return scale(a, 1 / fmaxf(length(a), 1e-20f)); }
@@ -86,7 +89,8 @@ uint32_t view_surface_cloud(double reach, double level)
 
 static struct vec direction_of(uint32_t surface)
 {
-	float x = (float)(surface & 32767) / 32767 * 2 - 1, y = (float)(surface >> 15 & 32767) / 32767 * 2 - 1;
+	float x = (float)(surface & 32767) / 32767 * 2 - 1;
+	float y = (float)(surface >> 15 & 32767) / 32767 * 2 - 1;
 	float z = 1 - fabsf(x) - fabsf(y), under = z < 0 ? -z : 0;
 	return unit((struct vec){ x + (x < 0 ? under : -under), y + (y < 0 ? under : -under), z });
 }
@@ -158,8 +162,8 @@ static struct sunny cloud_sun(float level, struct vec to_eye, float *facing)
 		mix(all.through, fmaxf(-side * SUN.z, 0), shows) };
 }
 
-/* What a crown leaves of the light: shade of the sun's, open of the sky's; rise: height of the direction out of
- * the crown. */
+/* What a crown leaves of the light: shade of the sun's, open of the sky's; rise: height of the direction out
+ * of the crown. */
 struct crown { float shade, open, rise; };
 
 static struct crown crown_at(struct vec d, float outer, float height)
@@ -169,8 +173,8 @@ static struct crown crown_at(struct vec d, float outer, float height)
 	return (struct crown){ shade, mix(0.45f, 1, outer) * mix(0.65f, 1, height), d.z };
 }
 
-/* The mean over what is seen of a crown: crown_at integrated over ellipsoids full of leaves, on their stems, of
- * which an eye sees 1/e through a sixth of their radius; within 0.05. */
+/* The mean over what is seen of a crown: crown_at integrated over ellipsoids full of leaves, on their stems,
+ * of which an eye sees 1/e through a sixth of their radius; within 0.05. */
 static struct crown crown_mean(struct vec to_eye)
 {
 	return (struct crown){ 0.61f + 0.25f * dot(to_eye, SUN), 0.75f + 0.12f * to_eye.z,
@@ -201,7 +205,8 @@ static struct crown crown_of(const struct plant *p, const double world[3], struc
 	float out = length(inside);
 	struct crown at = crown_at(turned(p, scale(inside, 1 / fmaxf(out, 1e-4f))), clamp(out),
 		clamp(local.z / (2 * p->shape.half_height)));
-	return (struct crown){ mix(at.shade, mean.shade, t), mix(at.open, mean.open, t), mix(at.rise, mean.rise, t) };
+	return (struct crown){ mix(at.shade, mean.shade, t), mix(at.open, mean.open, t),
+		mix(at.rise, mean.rise, t) };
 }
 
 /* facing: height of the mean normal. */
@@ -233,7 +238,9 @@ static float noise(double x, double y)
 	float u = (float)(x - (double)i), v = (float)(y - (double)j);
 	u = u * u * (3 - 2 * u);
 	v = v * v * (3 - 2 * v);
-	return mix(mix(hash_at(i, j), hash_at(i + 1, j), u), mix(hash_at(i, j + 1), hash_at(i + 1, j + 1), u), v);
+	float south = mix(hash_at(i, j), hash_at(i + 1, j), u),
+		north = mix(hash_at(i, j + 1), hash_at(i + 1, j + 1), u);
+	return mix(south, north, v);
 }
 
 /* Octaves fade out where a period comes near a pixel, so that far ground does not sparkle. */
@@ -250,8 +257,8 @@ static struct vec ground_albedo(double x, double y, float up, float distance)
 		+ octave(x * 38, y * 31, 1 - distance / 14) * 0.4f;
 	float mid = 0.6f * octave(tx * 1.3, ty * 1.3, near) + 0.4f * octave(x * 0.47, y * 0.47, near);
 	float wide = 0.65f * noise(tx * 0.045 + 7, ty * 0.045 + 7) + 0.35f * noise(x * 0.13, y * 0.13);
-	struct vec grass = blend((struct vec){ 0.070f, 0.098f, 0.026f }, (struct vec){ 0.150f, 0.148f, 0.050f },
-		clamp(0.55f * wide + 0.45f * mid));
+	struct vec grass = blend((struct vec){ 0.070f, 0.098f, 0.026f },
+		(struct vec){ 0.150f, 0.148f, 0.050f }, clamp(0.55f * wide + 0.45f * mid));
 	grass = scale(grass, 0.72f + 0.38f * mid + 0.7f * (fine - 0.5f));
 	struct vec soil = scale((struct vec){ 0.150f, 0.112f, 0.072f }, 0.75f + 0.5f * mid);
 	return blend(grass, soil, clamp(smoothstep(0.10f, 0.42f, 1 - up)
@@ -315,7 +322,8 @@ static struct vec plant_color(const struct lamp *lamp, const struct plant *p, si
 		sunny = facet_sun(n);
 		facing = n.z;
 	}
-	float leaf = smoothstep(0, 0.25f, (albedo.y - fmaxf(albedo.x * 0.9f, albedo.z)) / fmaxf(albedo.y, 1e-4f));
+	float green = albedo.y - fmaxf(albedo.x * 0.9f, albedo.z),
+		leaf = smoothstep(0, 0.25f, green / fmaxf(albedo.y, 1e-4f));
 	float tone = p->hash * 16 - floorf(p->hash * 16) - 0.5f, warm = 0.16f * (p->hash - 0.5f) * leaf;
 	struct crown crown = lamp->job->tint == VIEW_TINT_UNSHADED
 		? crown_at(unit(add(to_eye, (struct vec){ 0, 0, 0.8f })), 0.88f, 0.75f)

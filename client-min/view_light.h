@@ -1,11 +1,12 @@
-/* Light: from what is seen in each pixel (its own colour, its surface, its depth, its owner) to the colours of
- * a picture. All that draws, OpenGL and software, ends here, so that a plan looks the same whoever draws it.
+/* Light: from what is seen in each pixel (its own colour, its surface, its depth, its owner) to the colours
+ * of a picture. All that draws, OpenGL and software, ends here, so that a plan looks the same whoever draws
+ * it.
  *
  * A sun and a sky. A leaf reflects on its lit side and lets light through on the other, always seen from the
  * visible side; a crown shades itself towards its dark side and its inside. A point or line stands for leaves
  * of every direction, so it gets the mean of the same expressions over directions, and a plant keeps its tone
- * when its representation changes; a summary's point, which does not know where in a crown it is, gets the mean
- * over a crown as well, and so does a point as large as a crown. Masks and scores know nothing of it.
+ * when its representation changes; a summary's point, which does not know where in a crown it is, gets the
+ * mean over a crown as well, and so does a point as large as a crown. Masks and scores know nothing of it.
  *
  * Only +, -, *, / and square roots of floats in a fixed order: the same pixels give the same bytes
  * everywhere. */

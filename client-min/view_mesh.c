@@ -51,7 +51,8 @@ static bool allocate(struct view_mesh *mesh, uint32_t count)
 	g->width = lines ? malloc(4u * (size_t)count + 1) : NULL;
 	g->color = malloc(4u * (size_t)count + 1);
 	g->size = sized ? malloc(4u * (size_t)count + 1) : NULL;
-	return g->position && g->color && (g->uv || !mesh->image) && (g->width || !lines) && (g->size || !sized);
+	return g->position && g->color && (g->uv || !mesh->image) && (g->width || !lines)
+		&& (g->size || !sized);
 }
 
 enum eco_code view_mesh_make(struct view_mesh *mesh, const struct view_store *store,
@@ -119,10 +120,10 @@ static void find_uv(const float *p, const float *uv, const double eye[3], const 
 static void look_textured(const struct view_mesh *mesh, uint32_t triangle, const struct view_rays *rays,
 	uint8_t rgb[3])
 {
+	const float *p = mesh->geometry.position + 9 * (size_t)triangle;
 	double uv[3][2], light[3];
 	for (int i = 0; i < 3; i++)
-		find_uv(mesh->geometry.position + 9 * (size_t)triangle, mesh->geometry.uv + 6 * (size_t)triangle,
-			rays->eye, rays->ray[i], uv[i]);
+		find_uv(p, mesh->geometry.uv + 6 * (size_t)triangle, rays->eye, rays->ray[i], uv[i]);
 	view_texture_mean(&mesh->image->image, uv, light);
 	for (int k = 0; k < 3; k++)
 		rgb[k] = lod_light_byte(light[k] * lod_light_of[rgb[k]] / 65535);
@@ -135,8 +136,8 @@ static uint32_t facet_of(const float *p)
 	double n[3];
 	cross(a, b, n);
 	double length = sqrt(lod_dot(n, n)), part = length > 0 ? 1 / length : 0;
-	return view_surface_direction(VIEW_FACET, (const float[3]){ (float)(n[0] * part), (float)(n[1] * part),
-		(float)(n[2] * part) });
+	const float normal[3] = { (float)(n[0] * part), (float)(n[1] * part), (float)(n[2] * part) };
+	return view_surface_direction(VIEW_FACET, normal);
 }
 
 static uint32_t axis_of(const float *p)

@@ -21,7 +21,7 @@ enum eco_code view_mesh_make(struct view_mesh *mesh, const struct view_store *st
 	const struct eco_cut *cut, const struct view_plant *plant, struct eco_error *error);
 void view_mesh_free(struct view_mesh *mesh);
 
-/* The eye, and rays through a pixel's centre, one pixel to the right and one down: object space, any length. */
+/* The eye, and rays through a pixel's centre, one pixel to the right and one down: object space. */
 struct view_rays { double eye[3], ray[3][3]; };
 /* Own colour and surface (view_light.h) of a primitive. `rays` is read only if the mesh has an image. */
 void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const struct view_rays *rays,

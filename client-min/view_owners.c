@@ -10,7 +10,8 @@ enum eco_code view_owners_make(struct view_owners *owners, const struct view_sel
 	uint64_t room = 16;
 	while (room < 2 * (uint64_t)selection->instance_count)
 		room *= 2;
-	*owners = (struct view_owners){ selection, calloc(room, sizeof *owners->slots), (uint32_t)(room - 1) };
+	*owners = (struct view_owners){ selection, calloc(room, sizeof *owners->slots),
+		(uint32_t)(room - 1) };
 	if (!owners->slots)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for the owners of a picture");
 	for (uint32_t i = 0; i < selection->instance_count; i++) {

@@ -26,6 +26,7 @@ void view_picture_free(struct view_picture *picture)
 	free(picture->owner);
 	free(picture->depth);
 	free(picture->surface);
+	free(picture->soft);
 	*picture = (struct view_picture){ 0 };
 }
 

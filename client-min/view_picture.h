@@ -1,5 +1,5 @@
-/* A drawn frame in memory, whoever drew it: colours, the mask of covered pixels, whose they are, and what light
- * needs to know of them (view_light.h). Row 0 is the top. */
+/* A drawn frame in memory, whoever drew it: colours, the mask of covered pixels, whose they are, and what
+ * light needs to know of them (view_light.h). Row 0 is the top. */
 #ifndef VIEW_PICTURE_H
 #define VIEW_PICTURE_H
 
@@ -15,6 +15,7 @@ struct view_picture {                    /* owns its arrays */
 	uint64_t *owner;                 /* 0: nothing or ground */
 	float *depth;                    /* 1 / distance forward of the eye; 0: the sky */
 	uint32_t *surface;               /* view_light.h; of a plant or the ground */
+	uint8_t *soft;                   /* samples covered (view_measure.h); NULL until counted */
 	uint64_t vertices;               /* counted at the draw calls */
 	double draw_ms;
 };

@@ -92,10 +92,11 @@ static void draw_ground(struct worker *w)
 static void draw_summary(struct worker *w, const struct view_mesh *mesh, struct lod_raster_batch batch,
 	uint32_t first, uint32_t path)
 {
+	const struct view_list *list = mesh->list;
 	for (uint32_t i = 0; i < mesh->batch.count;) {
 		uint32_t end = i + 1;
-		batch.owner = view_summary_owner(mesh->list, first + i, path);
-		while (end < mesh->batch.count && view_summary_owner(mesh->list, first + end, path) == batch.owner)
+		batch.owner = view_summary_owner(list, first + i, path);
+		while (end < mesh->batch.count && view_summary_owner(list, first + end, path) == batch.owner)
 			end++;
 		batch.count = end - i;
 		lod_raster_points(&w->raster, &batch);
@@ -156,8 +157,8 @@ static void *draw_share(void *ctx)
 /* ---- Looking up ---- */
 
 /* From the eye to the world's point that is seen at (x, y) in the middle of a pixel; 1 forward. */
-static void ray_of(const struct view_reference_job *job, const struct view_picture *picture, double x, double y,
-	double ray[3])
+static void ray_of(const struct view_reference_job *job, const struct view_picture *picture, double x,
+	double y, double ray[3])
 {
 	const struct lod_eye *eye = job->eye;
 	double u = ((x + 0.5) / picture->width * 2 - 1) * eye->tan_x,
@@ -203,19 +204,19 @@ static void find_facet(const struct view_ground *ground, uint32_t item, struct f
 	}
 }
 
-/* The samples' normals, mixed by where the pixel lies between them as seen from above. `f` is that of the pixel
- * before. */
-static uint32_t look_ground(const struct view_reference_job *job, const struct view_picture *picture, uint32_t x,
-	uint32_t y, uint32_t item, struct facet *f)
+/* The samples' normals, mixed by where the pixel lies between them as seen from above. `f` is that of the
+ * pixel before. */
+static uint32_t look_ground(const struct view_reference_job *job, const struct view_picture *picture,
+	uint32_t x, uint32_t y, uint32_t item, struct facet *f)
 {
 	const struct view_ground *ground = &job->selection->ground;
-	double ray[3], p[2], share[3], sum = 0;
+	double ray[3], p[2], share[3], sum = 0, depth = picture->depth[(size_t)y * picture->width + x];
 	float mixed[3] = { 0, 0, 0 };
 	if (!f->made || f->item != item)
 		find_facet(ground, item, f);
 	ray_of(job, picture, x, y, ray);
 	for (int k = 0; k < 2; k++)
-		p[k] = job->eye->at[k] - ground->at[k] + ray[k] / picture->depth[(size_t)y * picture->width + x];
+		p[k] = job->eye->at[k] - ground->at[k] + ray[k] / depth;
 	for (int c = 0; c < 3; c++) {
 		const float *a = f->corner[(c + 1) % 3], *b = f->corner[(c + 2) % 3];
 		double at = ((double)b[0] - a[0]) * (p[1] - a[1]) - ((double)b[1] - a[1]) * (p[0] - a[0]);
@@ -250,8 +251,8 @@ static void look_plant(const struct scene *scene, struct view_picture *picture, 
 	*cut = cut_of(scene, item, *cut);
 	const struct view_mesh *mesh = &scene->meshes[*cut];
 	if (mesh->image)
-		rays_of(scene->job, picture, x, y, &view_owners_find(&scene->owners, picture->owner[i])->place,
-			&rays);
+		rays_of(scene->job, picture, x, y,
+			&view_owners_find(&scene->owners, picture->owner[i])->place, &rays);
 	view_mesh_look(mesh, item - scene->items[*cut], &rays, picture->rgb + 3 * i, &picture->surface[i]);
 	if (scene->job->tint == VIEW_TINT_KIND)
 		memcpy(picture->rgb + 3 * i, view_tint_colors[scene->job->selection->roles[*cut]], 3);
@@ -345,9 +346,8 @@ static enum eco_code make_meshes(struct scene *scene, struct eco_error *error)
 		items += scene->meshes[c].batch.count;
 	}
 	scene->items[s->cut_count] = (uint32_t)items;
-	return code || items <= UINT32_MAX ? code
-		: eco_fail(error, ECO_TOO_LARGE, "lists of %llu primitives are too long to be drawn in software",
-		(unsigned long long)items);
+	return code || items <= UINT32_MAX ? code : eco_fail(error, ECO_TOO_LARGE, "%llu primitives are too "
+		"many to be drawn in software", (unsigned long long)items);
 }
 
 static enum eco_code scene_make(struct scene *scene, const struct view_reference_job *job,
@@ -396,7 +396,8 @@ static void run(struct worker *workers, void *(*work)(void *))
 static enum eco_code workers_make(struct worker **workers, const struct scene *scene,
 	const struct lod_raster_options *options, struct eco_error *error)
 {
-	uint32_t threads = scene->job->threads, count = !threads ? 2 : threads < THREADS_MAX ? threads : THREADS_MAX;
+	uint32_t count = scene->job->threads ? scene->job->threads : 2;
+	count = count < THREADS_MAX ? count : THREADS_MAX;
 	*workers = calloc(count, sizeof **workers);
 	enum eco_code code = *workers ? ECO_OK : no_memory(error);
 	for (uint32_t i = 0; i < count && !code; i++) {

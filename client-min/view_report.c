@@ -17,6 +17,9 @@ static const struct { const char *name; size_t offset; } measures[] = {
 	{ "q", offsetof(struct view_frame, q) },
 	{ "skill", offsetof(struct view_frame, skill) },
 	{ "owner_q", offsetof(struct view_frame, owner_q) },
+	{ "soft_q", offsetof(struct view_frame, soft_q) },
+	{ "ceiling", offsetof(struct view_frame, ceiling) },
+	{ "picture_error", offsetof(struct view_frame, picture_error) },
 	{ "predicted_q", offsetof(struct view_frame, predicted_q) },
 	{ "plan_ms", offsetof(struct view_frame, plan_ms) },
 	{ "first_byte_ms", offsetof(struct view_frame, first_byte_ms) },
@@ -44,13 +47,17 @@ struct view_frame view_frame_empty(uint32_t frame, double time_s, const struct e
 	return f;
 }
 
-void view_frame_score(struct view_frame *frame, const struct lod_score *score)
+void view_frame_score(struct view_frame *frame, const struct view_measures *of, double ceiling)
 {
+	const struct lod_score *score = &of->score;
 	frame->precision = score->precision;
 	frame->recall = score->recall;
 	frame->q = score->q;
 	frame->skill = score->skill;
 	frame->owner_q = score->owner_q;
+	frame->soft_q = of->soft_q;
+	frame->ceiling = ceiling;
+	frame->picture_error = of->picture_error;
 }
 
 enum eco_code view_report_add(struct view_report *report, const struct view_frame *frame,
@@ -80,6 +87,9 @@ void view_report_line(const struct view_frame *f, FILE *out)
 	print_score(out, "Q", f->q);
 	print_score(out, "skill", f->skill);
 	print_score(out, "owner_q", f->owner_q);
+	print_score(out, "soft_q", f->soft_q);
+	print_score(out, "ceiling", f->ceiling);
+	print_score(out, "picture_error", f->picture_error);
 	fputc('\n', out);
 	fflush(out);
 }

@@ -5,15 +5,15 @@
 
 #include <stdio.h>
 
+#include "client-min/view_measure.h"
 #include "ecofiles/format/plan.h"
-#include "lod/raster/raster.h"
 
 struct view_frame {
 	uint32_t frame;
 	double time_s;
 	uint64_t budget_vertices, vertices;
 	uint64_t budget_bytes, bytes;            /* ECO_BYTES_UNBOUNDED: null */
-	double precision, recall, q, skill, owner_q, predicted_q;
+	double precision, recall, q, skill, owner_q, soft_q, ceiling, picture_error, predicted_q;
 	double plan_ms, first_byte_ms, stream_ms, decode_ms, draw_ms, reference_ms;
 	/* tiles that even the reference shows as points: 0 where it is full detail */
 	double reference_summaries;
@@ -31,7 +31,7 @@ struct view_report {                             /* owns `frames` */
 
 /* A frame with everything that may be missing set to NaN. */
 struct view_frame view_frame_empty(uint32_t frame, double time_s, const struct eco_request *request);
-void view_frame_score(struct view_frame *frame, const struct lod_score *score);
+void view_frame_score(struct view_frame *frame, const struct view_measures *measures, double ceiling);
 
 enum eco_code view_report_add(struct view_report *report, const struct view_frame *frame,
 	struct eco_error *error);

@@ -5,7 +5,7 @@
 
 #define REACH_M 450.0                    /* plants further away cast no shadow that is worth a texel */
 #define AIR_M 1200.0                     /* of dust and vapour, not of air itself */
-#define SUN_X 0.693                      /* metres of shadow a metre of height, away from view_light.c's SUN */
+#define SUN_X 0.693                      /* metres of shadow a metre of height, away from the SUN of light */
 #define SUN_Y 0.577
 
 struct view_shape view_shape_of(const struct view_plant *plant)
@@ -126,9 +126,11 @@ void view_shade_at(const struct view_shade *shade, const double world[2], float 
 	}
 	const uint8_t *south = shade->texels + 2 * (size_t)from[1] * VIEW_SHADE_PIXELS,
 		*north = shade->texels + 2 * (size_t)to[1] * VIEW_SHADE_PIXELS;
-	for (int c = 0; c < 2; c++)
-		taken[c] = (float)(((1 - at[1]) * ((1 - at[0]) * south[2 * from[0] + c] + at[0] * south[2 * to[0] + c])
-			+ at[1] * ((1 - at[0]) * north[2 * from[0] + c] + at[0] * north[2 * to[0] + c])) / 255);
+	for (int c = 0; c < 2; c++) {
+		double a = south[2 * from[0] + c] + at[0] * (south[2 * to[0] + c] - south[2 * from[0] + c]);
+		double b = north[2 * from[0] + c] + at[0] * (north[2 * to[0] + c] - north[2 * from[0] + c]);
+		taken[c] = (float)((a + at[1] * (b - a)) / 255);
+	}
 }
 
 void view_shade_free(struct view_shade *shade)

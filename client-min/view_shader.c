@@ -7,8 +7,8 @@
  * by the root of their area factor: what each growth code comes to at the cut's scale is a uniform, as is the
  * side of a point of each size code.
  *
- * What is drawn is not a picture yet, but what view_light.h makes one of: a pixel's own colour, and its owner,
- * surface and 1 / distance. */
+ * What is drawn is not a picture yet, but what view_light.h makes one of: a pixel's own colour, and its
+ * owner, surface and 1 / distance. */
 #include "client-min/view_shader.h"
 
 #include <epoxy/gl.h>
@@ -33,7 +33,8 @@ static const char common[] =
 	"uint surface_direction(uint kind, vec3 d) {\n"
 	"	d /= max(abs(d.x) + abs(d.y) + abs(d.z), 1e-30);\n"
 	"	vec2 at = d.xy;\n"
-	"	if (d.z < 0.0) at = (1.0 - abs(at.yx)) * vec2(at.x < 0.0 ? -1.0 : 1.0, at.y < 0.0 ? -1.0 : 1.0);\n"
+	"	vec2 side = vec2(at.x < 0.0 ? -1.0 : 1.0, at.y < 0.0 ? -1.0 : 1.0);\n"
+	"	if (d.z < 0.0) at = (1.0 - abs(at.yx)) * side;\n"
 	"	uvec2 whole = uvec2((at * 0.5 + 0.5) * 32767.0 + 0.5);\n"
 	"	return kind << 30 | whole.y << 15 | whole.x;\n"
 	"}\n";
@@ -89,7 +90,8 @@ static const char vertex_triangles[] =
 	"	vec3 at_corner = corner == 0 ? a : corner == 1 ? b : c, n = cross(b - a, c - a);\n"
 	"	float edge = u_edges[t0.w >> 24];\n"
 	"	if (edge != 1.0) at_corner = center + (at_corner - center) * edge;\n"
-	"	v_seen = uvec4(p.owner, surface_direction(FACET, n / max(length(n), 1e-20)), color_of(t0.w));\n"
+	"	n /= max(length(n), 1e-20);\n"
+	"	v_seen = uvec4(p.owner, surface_direction(FACET, n), color_of(t0.w));\n"
 	"	v_uv = vec2(0.0);\n"
 	"#if TEXELS == 5\n"
 	"	uvec4 t4 = texelFetch(u_records, at + 4);\n"
@@ -130,9 +132,10 @@ static const char vertex_points[] =
 	"	uvec4 t1 = texelFetch(u_records, at + 1);\n"
 	"	p.owner = uvec2(t1.x, (t1.y & ~t1.z) | ((t1.y + u_path) & t1.z));\n"
 	"#endif\n"
-	"	float reach = u_scale * u_sides[t0.w >> 24], part = p.half_width > 0.0 ? min(reach / p.half_width, "
-	"1.0) : 1.0;\n"
-	"	v_seen = uvec4(p.owner, CLOUD << 30 | u_level << 16 | uint(part * 65535.0 + 0.5), color_of(t0.w));\n"
+	"	float reach = u_scale * u_sides[t0.w >> 24];\n"
+	"	float part = p.half_width > 0.0 ? min(reach / p.half_width, 1.0) : 1.0;\n"
+	"	uint cloud = CLOUD << 30 | u_level << 16 | uint(part * 65535.0 + 0.5);\n"
+	"	v_seen = uvec4(p.owner, cloud, color_of(t0.w));\n"
 	"	gl_Position = project(view_of(p, xyz(t0)));\n"
 	"	gl_Position.xy += sign * (reach * p.scale) * u_lens.xy;\n"
 	"}\n";
@@ -179,7 +182,8 @@ static const char fragment_plant[] =
 	"in vec2 v_uv;\n"
 	"uniform sampler2D u_texture, u_alpha;\n"
 	"uniform vec4 u_tint;\n"
-	"vec3 light_of(vec3 c) { return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c)); }\n"
+	"vec3 light_of(vec3 c) { return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, "
+	"c)); }\n"
 	"vec3 bytes_of(vec3 c) { return mix(c * 12.92, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, "
 	"step(0.0031308, c)); }\n"
 	"#endif\n"
@@ -202,28 +206,32 @@ static const char fragment_ground[] =
 	"in vec3 v_normal;\n"
 	"void main() {\n"
 	"	o_color = vec4(0.0, 0.0, 0.0, 1.0);\n"
-	"	o_seen = uvec4(0u, 0u, surface_direction(FACET, v_normal), floatBitsToUint(gl_FragCoord.w));\n"
+	"	uint surface = surface_direction(FACET, v_normal);\n"
+	"	o_seen = uvec4(0u, 0u, surface, floatBitsToUint(gl_FragCoord.w));\n"
 	"}\n";
 
-static const struct { const char *name, *defines, *shared, *vertex, *fragment; } programs[VIEW_PROGRAM_COUNT] = {
+static const struct { const char *name, *defines, *shared, *vertex, *fragment;
+	} programs[VIEW_PROGRAM_COUNT] = {
 	[VIEW_PROGRAM_TRIANGLES] = { "triangles", "#define TEXELS 4\n", vertex_plant, vertex_triangles,
 		fragment_plant },
-	[VIEW_PROGRAM_TEXTURED] = { "textured triangles", "#define TEXELS 5\n", vertex_plant, vertex_triangles,
-		fragment_plant },
+	[VIEW_PROGRAM_TEXTURED] = { "textured triangles", "#define TEXELS 5\n", vertex_plant,
+		vertex_triangles, fragment_plant },
 	[VIEW_PROGRAM_LINES] = { "lines", "#define TEXELS 3\n"
 		"#define LINE_SCALE float width = uintBitsToFloat(t0.w); { vec3 m = 0.5 * (a + b); a = m + "
 		"(a - m) * u_scale;"
-		" b = m + (b - m) * u_scale; width *= u_scale; }\n", vertex_plant, vertex_lines, fragment_plant },
-	[VIEW_PROGRAM_POINTS] = { "points", "#define TEXELS 1\n", vertex_plant, vertex_points, fragment_plant },
+		" b = m + (b - m) * u_scale; width *= u_scale; }\n", vertex_plant, vertex_lines,
+		fragment_plant },
+	[VIEW_PROGRAM_POINTS] = { "points", "#define TEXELS 1\n", vertex_plant, vertex_points,
+		fragment_plant },
 	[VIEW_PROGRAM_SUMMARY] = { "summary points", "#define TEXELS 2\n", vertex_plant, vertex_points,
 		fragment_plant },
 	[VIEW_PROGRAM_GROUND] = { "ground", "", "", vertex_ground, fragment_ground },
 };
 
 static const char *const uniform_names[VIEW_UNIFORM_COUNT] = { "u_right", "u_up", "u_forward", "u_lens",
-	"u_origin", "u_first_member", "u_scale", "u_tint", "u_columns", "u_records", "u_instances", "u_members",
-	"u_alpha", "u_texture", "u_path", "u_anchor", "u_step", "u_inner", "u_seam", "u_edges", "u_sides",
-	"u_level" };
+	"u_origin", "u_first_member", "u_scale", "u_tint", "u_columns", "u_records", "u_instances",
+	"u_members", "u_alpha", "u_texture", "u_path", "u_anchor", "u_step", "u_inner", "u_seam", "u_edges",
+	"u_sides", "u_level" };
 
 static unsigned compile(unsigned type, const char *const *parts, int count, const char *name,
 	struct eco_error *error)
@@ -267,9 +275,10 @@ enum eco_code view_shader_compile(struct view_shader *shader, enum view_program 
 {
 	const char *start = dialect->es ? head_es : head_desktop;
 	const char *depth = dialect->depth_zero_to_one ? "#define ZERO_TO_ONE 1\n" : "";
-	const char *vs[] = { start, depth, programs[which].defines, common, vertex_common, programs[which].shared,
-		programs[which].vertex };
-	const char *fs[] = { start, programs[which].defines, common, fragment_common, programs[which].fragment };
+	const char *vs[] = { start, depth, programs[which].defines, common, vertex_common,
+		programs[which].shared, programs[which].vertex };
+	const char *fs[] = { start, programs[which].defines, common, fragment_common,
+		programs[which].fragment };
 	unsigned vertex = compile(GL_VERTEX_SHADER, vs, 7, programs[which].name, error);
 	unsigned fragment = vertex ? compile(GL_FRAGMENT_SHADER, fs, 5, programs[which].name, error) : 0;
 	enum eco_code code = vertex && fragment ? link(shader, vertex, fragment, programs[which].name, error)

@@ -11,9 +11,9 @@
  * An atlas keeps apart what lies far apart: with one mean for all of it, leaves took the colour of bark. */
 uint8_t *view_texture_fill(const struct eco_image *image);
 
-/* The mean light (1/65535) of the opaque texels under a pixel, which in software takes the place of filtering:
- * uv at the pixel's centre, and one pixel to the right and one down. A pixel within a texel mixes it with its
- * neighbours. Where nothing is opaque it is the texel at the centre. */
+/* The mean light (1/65535) of the opaque texels under a pixel, which in software takes the place of
+ * filtering: uv at the pixel's centre, and one pixel to the right and one down. A pixel within a texel mixes
+ * it with its neighbours. Where nothing is opaque it is the texel at the centre. */
 void view_texture_mean(const struct eco_image *image, const double uv[3][2], double light[3]);
 
 #endif

@@ -176,7 +176,8 @@ static bool count_seen(const struct patches *patches, uint32_t *seen)
 {
 	struct lod_raster raster;
 	double directions[LOD_TONE_VIEWS][3], center[3], radius;
-	struct lod_raster_options options = { .width = LOD_TONE_PIXELS, .height = LOD_TONE_PIXELS, .item = true };
+	struct lod_raster_options options = { .width = LOD_TONE_PIXELS, .height = LOD_TONE_PIXELS,
+		.item = true };
 	if (patches->count >= NAMES - 1 || !sphere_of(patches, center, &radius)
 			|| lod_raster_init(&raster, &options, NULL))
 		return false;

@@ -81,7 +81,8 @@ void lod_tone_seen(uint32_t *seen, const struct lod_tone_input *input, struct lo
 		seen[i] = 1;
 	if (count >= 1u << 24
 			|| lod_raster_init(&raster,
-			&(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .item = true }, NULL))
+			&(struct lod_raster_options){ .width = PIXELS, .height = PIXELS, .item = true },
+			NULL))
 		return;
 	struct lod_arena_piece *mark = arena->last;
 	uint32_t *names = lod_arena_take(arena, mesh->triangle_count, sizeof *names);

@@ -20,7 +20,7 @@
 
 #define PI 3.14159265358979323846
 #define PIXELS_PER_DEGREE (0.7 * 3840 / 0.7 * (PI / 180))
-#define REACH 10                         /* pixels of the widest filter: 3 deviations of the blur of blue-yellow */
+#define REACH 10                         /* pixels of the widest filter: 3 deviations of blue-yellow's */
 #define TAPS (2 * REACH + 1)
 #define BAND 64u                         /* rows */
 
@@ -78,7 +78,7 @@ static void add_filter(struct filters *f, enum channel from, enum filtered to, c
 	f->all[f->count++] = (struct filter){ from, to, across, down, (float)weight };
 }
 
-/* Contrast sensitivity (table 1 of the paper): luminance and red-green are one Gaussian, blue-yellow is two. */
+/* Contrast sensitivity (table 1 of the paper): luminance and red-green are one Gaussian, blue-yellow two. */
 static void make_blurs(struct filters *f)
 {
 	static const double a[2] = { 34.1, 13.5 }, b[2] = { 0.04, 0.025 };
@@ -231,7 +231,8 @@ static void load(struct band *band, const uint8_t *rgb, uint32_t height, uint32_
 {
 	for (uint32_t r = 0; r < band->rows + 2 * REACH; r++) {
 		int64_t y = (int64_t)first + r - REACH, last = (int64_t)height - 1;
-		const uint8_t *row = rgb + 3 * (size_t)band->width * (size_t)(y < 0 ? 0 : y > last ? last : y);
+		y = y < 0 ? 0 : y > last ? last : y;
+		const uint8_t *row = rgb + 3 * (size_t)band->width * (size_t)y;
 		for (uint32_t x = 0; x < band->width; x++)
 			opponent_of(row + 3 * (size_t)x, band->channels + (size_t)r * band->width + x,
 				band->stride);

@@ -233,8 +233,8 @@ bool lod_raster_hides(struct lod_raster *raster, const double center[3], double 
 	sphere_slopes(x, z, radius, across);
 	sphere_slopes(y, z, radius, upward);
 	uint32_t columns[2], rows[2];
-	if (!pixel_range(middle_x + half_x * across[0] / eye->tan_x, middle_x + half_x * across[1] / eye->tan_x,
-			raster->width, columns)
+	if (!pixel_range(middle_x + half_x * across[0] / eye->tan_x,
+			middle_x + half_x * across[1] / eye->tan_x, raster->width, columns)
 		|| !pixel_range(middle_y - half_y * upward[1] / eye->tan_y,
 		middle_y - half_y * upward[0] / eye->tan_y, raster->height, rows))
 		return true;

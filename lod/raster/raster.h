@@ -41,7 +41,7 @@ struct lod_raster {
 	float *depth;                /* 1 / view distance: 0 empty, greater is nearer; row 0 at the top */
 	uint64_t *owner; /* of the nearest plant sample; 0: nothing or ground; NULL if not asked for */
 	uint8_t *cover;              /* 255 if a plant is nearest, 0 if ground or nothing is */
-	uint32_t *item;              /* number of the nearest primitive, see lod_raster_batch; NULL if not asked for */
+	uint32_t *item;              /* of the nearest primitive (lod_raster_batch); NULL if not asked for */
 	/* private */
 	struct lod_raster_state *state;
 };
@@ -108,12 +108,12 @@ struct lod_score_input {
 void lod_score(struct lod_score *score, const struct lod_score_input *input);
 
 /* Q of how much of each pixel is covered, by counts of as many samples a pixel in both pictures: with a and b
- * for a pixel's shares, P = sum min(a, b) / sum a and R = sum min(a, b) / sum b. Where all is covered wholly or
- * not at all it is q. */
+ * for a pixel's shares, P = sum min(a, b) / sum a and R = sum min(a, b) / sum b. Where all is covered wholly
+ * or not at all it is q. */
 double lod_soft_q(const uint8_t *count, const uint8_t *reference_count, size_t pixels);
-/* The best q that a picture reaches whose geometry does not repeat what single samples of the reference hit by
- * chance: that of the reference's own counts, where the pixels covered most stand for all, about as many as are
- * covered in `reference`. Exact geometry may exceed it. */
+/* The best q that a picture reaches whose geometry does not repeat what single samples of the reference hit
+ * by chance: that of the reference's own counts, where the pixels covered most stand for all, about as many
+ * as are covered in `reference`. Exact geometry may exceed it. */
 double lod_q_ceiling(const uint8_t *reference_count, const uint8_t *reference, size_t pixels);
 
 #endif

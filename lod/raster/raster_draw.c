@@ -275,8 +275,8 @@ static struct lod_paint paint_make(struct lod_raster *raster, const struct lod_r
 void lod_raster_triangles(struct lod_raster *raster, const struct lod_raster_batch *batch)
 {
 	struct lod_paint paint = paint_make(raster, batch);
-	struct soup soup = { .matrix = raster->state->clip, .position = batch->position, .count = batch->count,
-		.item = batch->item, .per_item = 1 };
+	struct soup soup = { .matrix = raster->state->clip, .position = batch->position,
+		.count = batch->count, .item = batch->item, .per_item = 1 };
 	if (batch->cutout && batch->uv && batch->cutout->width && batch->cutout->height) {
 		paint.cutout = batch->cutout;
 		soup.uv = batch->uv;

@@ -38,8 +38,8 @@ static inline void paint_four(const struct lod_paint *paint, size_t i, lod_f4 z)
 		memcpy(raster->owner + i,
 			(const uint64_t[4]){ paint->owner, paint->owner, paint->owner, paint->owner }, 32);
 	if (raster->item)
-		memcpy(raster->item + i, (const uint32_t[4]){ paint->item, paint->item, paint->item, paint->item },
-			16);
+		memcpy(raster->item + i,
+			(const uint32_t[4]){ paint->item, paint->item, paint->item, paint->item }, 16);
 }
 
 /* Paints pixels [first, end) of row y; `left` is the column at which the depth is `base`. */

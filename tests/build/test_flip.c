@@ -49,18 +49,21 @@ static void make(void (*pattern)(uint32_t, uint32_t, uint8_t *, uint8_t *))
 		pattern(i % WIDTH, i / WIDTH, a + 3 * i, b + 3 * i);
 }
 
-static double flip(const uint8_t *test, const uint8_t *reference, uint32_t width, uint32_t height, float *error)
+static double flip(const uint8_t *test, const uint8_t *reference, uint32_t width, uint32_t height,
+	float *error)
 {
 	double mean = NAN;
-	assert_int_equal(lod_flip(&(struct lod_flip_input){ width, height, test, reference, error }, &mean, NULL),
+	assert_int_equal(lod_flip(&(struct lod_flip_input){ width, height, test, reference, error }, &mean,
+		NULL),
 		ECO_OK);
 	return mean;
 }
 
 UNIT_TEST(means_are_those_of_its_authors)
 {
-	static const struct { void (*pattern)(uint32_t, uint32_t, uint8_t *, uint8_t *); double mean; } pairs[] = {
-		{ stripes, 0.373118 }, { flat, 0.363236 }, { shifted, 0.214213 }, { noisy, 0.119011 } };
+	static const struct pair { void (*pattern)(uint32_t, uint32_t, uint8_t *, uint8_t *); double mean;
+		} pairs[] = { { stripes, 0.373118 }, { flat, 0.363236 }, { shifted, 0.214213 },
+		{ noisy, 0.119011 } };
 	for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
 		make(pairs[i].pattern);
 		double mean = flip(b, a, WIDTH, HEIGHT, NULL);
@@ -84,7 +87,7 @@ UNIT_TEST(black_and_white_are_as_far_as_can_be)
 	assert_true(mean > 0.9 && mean <= 1);
 }
 
-/* Bands and rows of four leave no seams: a picture's part has the errors of the whole, away from its borders. */
+/* Bands and rows of four leave no seams: a part has the errors of the whole, away from its borders. */
 UNIT_TEST(error_is_local)
 {
 	enum { LEFT = 13, TOP = 37, PART = 90, MARGIN = 10 };

@@ -134,10 +134,10 @@ UNIT_TEST(soft_q_of_masks_is_q)
 UNIT_TEST(ceiling_is_of_equal_area)
 {
 	static const struct { uint8_t count[6], reference[6]; double q; } ceilings[] = {
-		{ { 64, 64, 64, 64, 64, 64 }, { 1, 1, 1, 1, 1, 1 }, 1 },         /* a square that fills the screen */
+		{ { 64, 64, 64, 64, 64, 64 }, { 1, 1, 1, 1, 1, 1 }, 1 },     /* all of the screen */
 		{ { 64, 64, 40, 20, 0, 0 }, { 1, 1, 1, 0, 0, 0 }, 1 },
-		{ { 64, 40, 30, 10, 0, 0 }, { 1, 0, 1, 1, 0, 0 }, 1 - M_SQRT2 / 3 },      /* the second for the fourth */
-		{ { 64, 10, 10, 10, 10, 10 }, { 1, 1, 0, 0, 0, 0 }, 0.5 },       /* one, not six, is nearer to two */
+		{ { 64, 40, 30, 10, 0, 0 }, { 1, 0, 1, 1, 0, 0 }, 1 - M_SQRT2 / 3 },       /* 2 for 4 */
+		{ { 64, 10, 10, 10, 10, 10 }, { 1, 1, 0, 0, 0, 0 }, 0.5 },   /* 1, not 6, is nearer to 2 */
 		{ { 0, 0, 0, 0, 0, 0 }, { 0, 0, 0, 0, 0, 0 }, 1 },
 		{ { 9, 0, 0, 0, 0, 0 }, { 0, 0, 0, 0, 0, 0 }, 1 },
 	};

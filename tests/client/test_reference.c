@@ -1,5 +1,5 @@
-/* The two ways to draw agree: OpenGL and the software rasteriser, pixel by pixel, mask and owners, and as people
- * see them. */
+/* The two ways to draw agree: OpenGL and the software rasteriser, pixel by pixel, mask and owners, and as
+ * people see them. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

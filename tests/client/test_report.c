@@ -30,7 +30,7 @@ UNIT_TEST(line_shows_dashes_for_what_is_not_known)
 	view_report_line(&f, out);
 	fclose(out);
 	assert_string_equal(text, "frame 0007  vertices 999 of 1000  bytes 1234  P -  R -  Q 0.2500  skill "
-		"-  owner_q -\n");
+		"-  owner_q -  soft_q -  ceiling -  picture_error -\n");
 	free(text);
 }
 
@@ -48,18 +48,20 @@ UNIT_TEST(report_has_every_figure)
 {
 	static const char *const names[] = { "frame", "time_s", "budget_vertices", "vertices", "budget_bytes",
 		"bytes", "precision", "recall",
-		"q", "skill", "owner_q", "predicted_q", "plan_ms", "first_byte_ms", "stream_ms", "decode_ms",
+		"q", "skill", "owner_q", "soft_q", "ceiling", "picture_error", "predicted_q", "plan_ms",
+		"first_byte_ms", "stream_ms", "decode_ms",
 		"draw_ms", "reference_ms",
 		"reference_summaries" };
 	struct view_report report = { .scene = "park", .renderer = "software", .width = 800, .height = 600,
 		.complete = true };
-	struct lod_score score = { .precision = 0.5, .recall = 0.75, .q = 0.4, .skill = NAN, .owner_q = 0.3 };
+	struct view_measures measures = { .score = { .precision = 0.5, .recall = 0.75, .q = 0.4, .skill = NAN,
+		.owner_q = 0.3 }, .soft_q = 0.6, .picture_error = 0.1 };
 	for (uint32_t i = 0; i < 3; i++) {
 		struct view_frame f = view_frame_empty(i, i / 2.0, &request);
 		f.vertices = 900 + i;
 		f.bytes = 10;
 		if (i < 2)
-			view_frame_score(&f, &score);
+			view_frame_score(&f, &measures, 0.9);
 		assert_int_equal(view_report_add(&report, &f, NULL), ECO_OK);
 	}
 	json_t *root = written(&report), *frames = json_object_get(root, "frames"),
@@ -74,7 +76,10 @@ UNIT_TEST(report_has_every_figure)
 	assert_true(json_is_null(json_object_get(last, "q"))
 		&& json_is_null(json_object_get(last, "plan_ms")));
 	assert_true(json_real_value(json_object_get(first, "recall")) == 0.75);
+	assert_true(json_real_value(json_object_get(first, "soft_q")) == 0.6);
+	assert_true(json_real_value(json_object_get(first, "ceiling")) == 0.9);
 	assert_true(json_real_value(json_object_get(summary, "mean_q")) == 0.4);
+	assert_true(json_real_value(json_object_get(summary, "mean_picture_error")) == 0.1);
 	assert_true(json_is_null(json_object_get(summary, "mean_skill")));
 	assert_int_equal(json_integer_value(json_object_get(summary, "total_bytes")), 30);
 	assert_string_equal(json_string_value(json_object_get(root, "renderer")), "software");

@@ -36,7 +36,7 @@ stop_serving
 jq -n --slurpfile aerial "$OUT/aerial/report.json" --slurpfile eye "$OUT/eye/report.json" --slurpfile step "$OUT/step/report.json" \
 	--slurpfile plan "$OUT/aerial-plan.json" '
 	def of: .[0].frames[0] | {budget_vertices, vertices, used: (.vertices / .budget_vertices), violation: (.vertices > .budget_vertices),
-		bytes, precision, recall, q, skill, owner_q, predicted_q, plan_ms, stream_ms, decode_ms, draw_ms, reference_ms};
+		bytes, precision, recall, q, skill, owner_q, soft_q, ceiling, picture_error, predicted_q, plan_ms, stream_ms, decode_ms, draw_ms, reference_ms};
 	{aerial: ($aerial | of), eye: ($eye | of),
 	 step_of_1_m: ($step[0].frames | {first_bytes: .[0].bytes, step_bytes: .[1].bytes, back_bytes: .[2].bytes, share: (.[1].bytes / .[0].bytes)}),
 	 visible_plants: $plan[0].visible_plants, plan_bytes: $plan[0].plan_bytes,
