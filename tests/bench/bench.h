@@ -148,12 +148,15 @@ struct bench_frame {
 	struct eco_request request;
 	struct lod_score score;
 	double predicted_q, colour_rms;      /* of sRGB bytes / 255 over pixels covered in either */
+	double soft_q, ceiling, picture_error;       /* view_measure.h; NaN unless asked for */
 	uint64_t vertices, bytes, plan_bytes;
 	double plan_ms, decode_ms, draw_ms;
 };
 struct bench_client;                 /* a pack open for many frames: a server's half and a viewer's half */
 enum eco_code bench_client_open(struct bench_client **client, const char *pack, struct eco_error *error);
 void bench_client_close(struct bench_client *client);
+/* From now on frames have soft_q, ceiling and picture_error, too: they take a few times longer. */
+void bench_client_see(struct bench_client *client);
 /* Full detail of the request's view, or the nearest to it that a plan may come, drawn by the CPU rasteriser
  * and kept for this view. */
 enum eco_code bench_client_reference(struct bench_client *client, const struct eco_request *request,

@@ -8,8 +8,8 @@
 #include <string.h>
 
 #include "client-min/view_gl.h"
+#include "client-min/view_measure.h"
 #include "client-min/view_picture.h"
-#include "client-min/view_reference.h"
 #include "client-min/view_report.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_fetch.h"
@@ -19,8 +19,8 @@ struct bench_client {
 	struct view_store *full;             /* holds full detail of all views so far */
 	struct view_picture reference;
 	struct eco_view of;                  /* that the reference is drawn of */
-	bool has_reference;
-	double reference_ms;
+	bool has_reference, sees;
+	double reference_ms, ceiling;
 };
 
 enum eco_code bench_client_open(struct bench_client **client, const char *pack, struct eco_error *error)
@@ -50,18 +50,13 @@ void bench_client_close(struct bench_client *client)
 	free(client);
 }
 
+void bench_client_see(struct bench_client *client) { client->sees = true; }
+
 /* ---- Drawing ---- */
 
 static double near_of(const struct view_store *store)
 {
 	return view_store_near_m(store) > 0 ? view_store_near_m(store) : 0.1;
-}
-
-static enum eco_code draw_software(const struct view_store *store, const struct view_selection *selection,
-	const struct lod_eye *eye, struct view_picture *picture, struct eco_error *error)
-{
-	return view_reference_draw(&(struct view_reference_job){ .store = store, .selection = selection,
-		.eye = eye, .near_m = near_of(store) }, picture, error);
 }
 
 /* NaN where there is no OpenGL. */
@@ -83,20 +78,29 @@ static double time_gl(const struct view_store *store, const struct view_selectio
 	return ms;
 }
 
-/* What the store's plan shows of a view. `gl_ms` may be NULL: not asked for; NaN where there is no OpenGL. */
+/* What is asked for beside a picture: NULL, or where to put it. */
+struct beside { double *gl_ms, *ceiling; bool soft; };           /* gl_ms: NaN where there is no OpenGL */
+
+/* What the store's plan shows of a view. */
 static enum eco_code draw(const struct view_store *store, const struct eco_view *view,
-	struct view_picture *picture, double *gl_ms, struct eco_error *error)
+	struct view_picture *picture, const struct beside *beside, struct eco_error *error)
 {
 	struct view_selection selection = { 0 };
 	struct lod_eye eye;
 	lod_eye_make(&eye, view);
+	struct view_reference_job job = { .store = store, .selection = &selection, .eye = &eye,
+		.near_m = near_of(store) };
 	enum eco_code code = view_select_make(&selection, store, &eye, error);
 	if (!code)
 		code = view_picture_init(picture, view->width, view->height, error);
 	if (!code)
-		code = draw_software(store, &selection, &eye, picture, error);
-	if (!code && gl_ms)
-		*gl_ms = time_gl(store, &selection, &eye, view);
+		code = view_reference_draw(&job, picture, error);
+	if (!code && beside->soft)
+		code = view_measure_soft(&job, picture, error);
+	if (!code && beside->ceiling)
+		code = view_measure_ceiling(&job, picture, beside->ceiling, error);
+	if (!code && beside->gl_ms)
+		*beside->gl_ms = time_gl(store, &selection, &eye, view);
 	view_select_free(&selection);
 	return code;
 }
@@ -109,13 +113,15 @@ enum eco_code bench_client_reference(struct bench_client *client, const struct e
 	struct eco_request full = { .view = request->view, .vertices = ECO_VERTICES_MAX,
 		.bytes = ECO_BYTES_UNBOUNDED,
 		.ground_px = ECO_GROUND_PX_MIN };
+	struct beside beside = { NULL, client->sees ? &client->ceiling : NULL, client->sees };
 	enum eco_code code = ECO_OK;
 	if (!client->has_reference || memcmp(&client->of, &request->view, sizeof client->of)) {
 		client->has_reference = false;
 		view_picture_free(&client->reference);
 		code = bench_fetch(NULL, &client->scenes.scenes[0], &full, client->full, error);
 		if (!code)
-			code = draw(client->full, &request->view, &client->reference, NULL, error);
+			code = draw(client->full, &request->view, &client->reference,
+				&beside, error);
 		client->of = request->view;
 		client->has_reference = !code;
 		client->reference_ms = client->reference.draw_ms;
@@ -149,15 +155,23 @@ static double colour_rms(const struct view_picture *a, const struct view_picture
 	return count ? sqrt(sum / (double)count) : 0;
 }
 
-static void score(struct bench_frame *frame, const struct view_picture *picture,
-	const struct view_picture *reference)
+static enum eco_code score(const struct bench_client *client, struct bench_frame *frame,
+	const struct view_picture *picture, struct eco_error *error)
 {
-	lod_score(&frame->score,
-		&(struct lod_score_input){ .width = picture->width, .height = picture->height,
-		.cover = picture->cover,
-		.reference = reference->cover, .owner = picture->owner,
-		.reference_owner = reference->owner });
+	const struct view_picture *reference = &client->reference;
+	struct view_measures measures = { .soft_q = NAN, .picture_error = NAN };
+	enum eco_code code = ECO_OK;
+	if (client->sees)
+		code = view_measure_pair(picture, reference, NULL, &measures, error);
+	else
+		lod_score(&measures.score, &(struct lod_score_input){ picture->width, picture->height,
+			picture->cover, reference->cover, picture->owner, reference->owner });
+	frame->score = measures.score;
+	frame->soft_q = measures.soft_q;
+	frame->picture_error = measures.picture_error;
+	frame->ceiling = client->sees ? client->ceiling : NAN;
 	frame->colour_rms = colour_rms(picture, reference);
+	return code;
 }
 
 enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame *frame,
@@ -174,10 +188,12 @@ enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame
 	if (!code)
 		code = bench_fetch(&fetch, &client->scenes.scenes[0], &frame->request, store, error);
 	if (!code)
-		code = draw(store, &frame->request.view, &drawn, &gl_ms, error);
+		code = draw(store, &frame->request.view, &drawn,
+			&(struct beside){ &gl_ms, NULL, client->sees }, error);
+	if (!code)
+		code = score(client, frame, &drawn, error);
 	if (!code) {
 		const struct eco_plan *plan = view_store_plan(store);
-		score(frame, &drawn, &client->reference);
 		frame->predicted_q = plan ? eco_predicted_q(&plan->prediction) : NAN;
 		frame->vertices = drawn.vertices;
 		frame->bytes = fetch.bytes;

@@ -31,9 +31,12 @@ static double times_of(const json_t *row, double bits_a_ms)
 
 /* ---- All frames of a scene ---- */
 
-enum figure { QUALITY, PRECISION, RECALL, WRONG, SKILL, OWNER, COLOUR, PREDICTED, VERTICES, BYTES, PLAN,
+enum figure { QUALITY, PRECISION, RECALL, WRONG, SKILL, OWNER, SOFT, CEILING, SEEN, COLOUR, PREDICTED,
+	VERTICES, BYTES, PLAN,
 	DECODE, DRAW, TOTAL_10, TOTAL_100, SENT_10, SENT_100, FIGURES };
-static const char *const figure_keys[FIGURES] = { "q", "p", "r", "wrong", "skill", "owner_q", "colour",
+static const char *const figure_keys[FIGURES] = { "q", "p", "r", "wrong", "skill", "owner_q", "soft_q",
+	"ceiling",
+	"picture_error", "colour",
 	"predicted_q", "vertices", "bytes", "plan_ms",
 	"decode_ms", "draw_ms", NULL, NULL, NULL, NULL };
 
@@ -83,11 +86,14 @@ static void write_row(struct bench_table *table, const struct study *s, uint32_t
 	uint32_t budget, const json_t *row)
 {
 	double bits = 8 * bench_shot_number(row, "bytes");
-	bench_table_row(table, "%s,%s,%u,%llu,%.5f,%.5f,%.5f,%.0f,%.4f,%.4f,%.4f,%.4f,%.2f,%.2f,%.2f,%.2f,"
+	bench_table_row(table,
+		"%s,%s,%u,%llu,%.5f,%.5f,%.5f,%.0f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.2f,%.2f,%.2f,%.2f,"
 		"%.2f,%.2f,%.2f,%.0f,%.0f", s->scene, bench_methods[method].name, view,
 		(unsigned long long)s->vertices[budget], 1 - bench_shot_number(row, "q"),
 		bench_shot_number(row, "p"), bench_shot_number(row, "r"), bench_shot_number(row, "wrong"),
 		bench_shot_number(row, "skill"), bench_shot_number(row, "owner_q"),
+		bench_shot_number(row, "soft_q"), bench_shot_number(row, "ceiling"),
+		bench_shot_number(row, "picture_error"),
 		bench_shot_number(row, "colour"), bench_shot_number(row, "predicted_q"),
 		bench_shot_number(row, "plan_ms"), bits / NARROW, bits / WIDE,
 		bench_shot_number(row, "decode_ms"), bench_shot_number(row, "draw_ms"), times_of(row, NARROW),
@@ -145,18 +151,20 @@ static void write_means(struct bench *bench, const struct study *s)
 	char name[64];
 	snprintf(name, sizeof name, "frames_%s", s->scene);
 	struct bench_table *table = bench_table_open(bench, name, "budget,method,1-Q,P,R,wrong "
-		"pixels,skill,owner_q,colour RMS,plan ms,transfer at "
+		"pixels,skill,owner_q,soft Q,ceiling,picture error,colour RMS,plan ms,transfer at "
 		"10 Mbit/s ms,transfer at 100 Mbit/s ms,decode ms,draw ms,total at 10 Mbit/s ms,total at "
 		"100 Mbit/s ms,vertices,bytes,predicted Q", true);
 	for (uint32_t b = 0; b < s->budgets; b++)
 		for (uint32_t m = 0; m < BENCH_METHODS; m++) {
 			const struct means *a = &s->all[m][b];
 			if (s->done[m])
-				bench_table_row(table, "%llu,%s,%.4f,%.4f,%.4f,%.0f,%.3f,%.3f,%.4f,%.1f,"
+				bench_table_row(table,
+					"%llu,%s,%.4f,%.4f,%.4f,%.0f,%.3f,%.3f,%.4f,%.4f,%.4f,%.4f,%.1f,"
 					"%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.0f,%.0f,%.4f",
 					(unsigned long long)s->vertices[b], bench_methods[m].name,
 					1 - mean(a, QUALITY), mean(a, PRECISION), mean(a, RECALL),
-					mean(a, WRONG), mean(a, SKILL), mean(a, OWNER), mean(a, COLOUR),
+					mean(a, WRONG), mean(a, SKILL), mean(a, OWNER), mean(a, SOFT),
+					mean(a, CEILING), mean(a, SEEN), mean(a, COLOUR),
 					mean(a, PLAN), mean(a, SENT_10), mean(a, SENT_100), mean(a, DECODE),
 					mean(a, DRAW), mean(a, TOTAL_10), mean(a, TOTAL_100),
 					mean(a, VERTICES), mean(a, BYTES), mean(a, PREDICTED));
@@ -486,7 +494,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		"+ 3 triangles): 640 trees 2.10 M, palms 1.76 M, outdoor 2.48 M, sunflowers 2.19 M; Neubert "
 		"2011: 5,000 trees 26 M.", BENCH_SHOT_WIDTH, BENCH_SHOT_HEIGHT);
 	struct tables tables = { .frames = bench_table_open(bench, "frames", "scene,method,view,budget,1-Q,"
-		"P,R,wrong pixels,skill,owner_q,colour RMS,"
+		"P,R,wrong pixels,skill,owner_q,soft Q,ceiling,picture error,colour RMS,"
 		"predicted Q,plan ms,transfer at 10 Mbit/s ms,transfer at 100 Mbit/s ms,decode ms,draw "
 		"ms,total at 10 Mbit/s ms,total at 100 Mbit/s ms,"
 		"vertices,bytes", false) };

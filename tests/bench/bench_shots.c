@@ -113,6 +113,9 @@ static json_t *row_of(const struct bench_frame *frame)
 	bench_shot_set(row, "skill", frame->score.skill);
 	bench_shot_set(row, "owner_q", frame->score.owner_q);
 	bench_shot_set(row, "colour", frame->colour_rms);
+	bench_shot_set(row, "soft_q", frame->soft_q);
+	bench_shot_set(row, "ceiling", frame->ceiling);
+	bench_shot_set(row, "picture_error", frame->picture_error);
 	bench_shot_set(row, "predicted_q", frame->predicted_q);
 	bench_shot_set(row, "plan_ms", frame->plan_ms);
 	bench_shot_set(row, "decode_ms", frame->decode_ms);
@@ -128,8 +131,10 @@ static enum eco_code shoot(struct bench *bench, const char *scene, const struct 
 	struct bench_client *client = NULL;
 	double reference_ms;
 	enum eco_code code = bench_client_open(&client, pack, error);
-	if (!code)
+	if (!code) {
+		bench_client_see(client);
 		code = bench_client_reference(client, request, &reference_ms, error);
+	}
 	json_t *made = json_array();
 	for (uint32_t i = 0; i < count && !code; i++) {
 		struct bench_frame frame = { .method = method->name, .rule = method->rule,
