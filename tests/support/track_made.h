@@ -2,6 +2,7 @@
 #ifndef TESTS_TRACK_MADE_H
 #define TESTS_TRACK_MADE_H
 
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
