@@ -91,6 +91,21 @@ static void subtitles_of_every_drone_are_read(void **state)
 	}
 }
 
+static void focal_lengths_are_fields_of_view(void **state)
+{
+	static const struct { const char *text; double mm; } rows[] = { { "[focal_len : 240]", 24 },
+		{ "[focal_len: 24.00]", 24 }, { "[focal_len: 40.00] [dzoom_ratio: 2.00]", 80 },
+		{ "[focal_len : 240] [dzoom_ratio: 10000, delta:0]", 24 }, { "[iso: 100]", NAN } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		char text[300];
+		snprintf(text, sizeof text, "1\n00:00:00,000 --> 00:00:00,033\n%s [latitude: 1] [longitude: "
+			"2]\n", rows[i].text);
+		struct eco_track track = track_of(text, "film.srt");
+		assert_true(near(track.fixes[0].fov_y_deg, 2 * atan(10.125 / rows[i].mm) * DEG, 1e-9));
+		eco_track_free(&track);
+	}
+}
+
 /* ---- Through GDAL: files, in the child ---- */
 
 static void gpx_tracks_win_over_way_points(void **state)
@@ -170,8 +185,14 @@ static void kml_points_have_times_and_lines_win_over_points_without(void **state
 		"xmlns:gx='http://www.google.com/kml/ext/2.2'><Placemark><gx:Track>"
 		"<when>2010-05-28T02:02:09Z</when><when>2010-05-28T02:02:35Z</when><gx:coord>-122.2 37.3 "
 		"156</gx:coord><gx:coord>-122.1 37.4 157</gx:coord>"
-		"</gx:Track></Placemark></kml>", "gx.kml", "(of gx:Track) do not arrive through GDAL; "
-		"convert it to GPX or CSV");
+		"</gx:Track></Placemark></kml>", "gx.kml", "(of <when>, of a gx:Track) do not arrive through "
+		"GDAL; convert it to GPX or CSV");
+	fails("<kml xmlns='http://www.opengis.net/kml/2.3'><Placemark><Track>"
+		"<when>2010-05-28T02:02:09Z</when><coord>-122.2 37.3 156</coord></Track></Placemark></kml>",
+		"track23.kml", "do not arrive");
+	fails("<kml xmlns='http://www.opengis.net/kml/2.2'><Placemark><TimeStamp><when>in May</when>"
+		"</TimeStamp><Point><coordinates>9,9,9</coordinates></Point></Placemark></kml>", "may.kml",
+		"do not arrive");
 	fails("<kml xmlns='http://www.opengis.net/kml/2.2' "
 		"xmlns:gx='http://www.google.com/kml/ext/2.2'><gx:Tour><gx:Playlist><gx:FlyTo>"
 		"<gx:duration>2</gx:duration><Camera><longitude>10</longitude><latitude>50</latitude>"
@@ -322,7 +343,11 @@ static void what_is_no_track_is_said_to_be_none(void **state)
 		{ "hello\n", "a.txt", "begins \"hello\"" },
 		{ "a,b,c\n1,2,3\n", "a.csv", "name its columns in the first line" },
 		{ "t,lon,lat\n1,NA,\n2,500,3\n", "a.csv", "a.csv:2: read as CSV" },
-		{ "t,lon,lat\n", "a.csv", "no fix found" }, { "1\n", "a.srt", "no fix found" },
+		{ "t,lon,lat\n", "a.csv", "no fix found; it was read as CSV. Read are SRT" },
+		{ "1\n", "a.srt", "no fix found" },
+		{ "$GPRMC,081836,A,3751.65,S,14507.36,E,000.0,360.0,130998,011.3,E*62\n", "log.nmea",
+			"GPSBabel converts other logs" },
+		{ "AXXX001\nHFDTE270418\nB1101355206343N00006198WA0058700558\n", "a.igc", "Read are SRT" },
 		{ "<html></html>", "a.kml", "a web page, not a track" },
 		{ "<osm/>", "a.xml", "neither GPX nor KML" }, { "1 0 0 4 0 1 0 5\n", "00.txt", "name its "
 			"columns" },
@@ -355,6 +380,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(subtitles_of_every_drone_are_read),
+		cmocka_unit_test(focal_lengths_are_fields_of_view),
 		cmocka_unit_test(gpx_tracks_win_over_way_points),
 		cmocka_unit_test(gpx_that_breaks_off_is_read_until_there),
 		cmocka_unit_test(kml_points_have_times_and_lines_win_over_points_without),

@@ -18,8 +18,6 @@
 #define HEIGHT_MAX_M 1e5
 #define SECONDS_MAX 1e11
 #define HEAD_BYTES 4096u
-#define FORMATS "Read are SRT (a drone writes it beside its film), GPX, KML, GeoJSON, CSV in UTF-8, glTF " \
-	"and camera scripts; GPSBabel converts other logs of GPS to GPX"
 
 const char *const eco_track_format_names[ECO_TRACK_FORMATS] = { "a drone's subtitles (SRT)", "GPX", "KML",
 	"GeoJSON", "CSV", "a glTF camera", "a camera script" };
@@ -129,8 +127,8 @@ static enum eco_code find_format(struct track_input *in, enum eco_track_format *
 	if (code || strncmp(in->text, "glTF", 4) == 0)
 		return code;
 	if (memchr(in->text, 0, head))
-		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: this is binary, or text in UTF-16. " FORMATS,
-			in->path);
+		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: this is binary, or text in UTF-16. "
+			TRACK_FORMATS, in->path);
 	if (in->text[blank] == '{')
 		return json_format(in, format, error);
 	/* a recorder that lost power leaves blocks of zeros */
@@ -138,7 +136,7 @@ static enum eco_code find_format(struct track_input *in, enum eco_track_format *
 		*zero = ' ';
 	*format = text_format(in);
 	return *format < ECO_TRACK_FORMATS ? ECO_OK : eco_fail(error, ECO_UNSUPPORTED,
-		"%.300s: XML, but neither GPX nor KML. " FORMATS, in->path);
+		"%.300s: XML, but neither GPX nor KML. " TRACK_FORMATS, in->path);
 }
 
 /* ---- Reading ---- */
@@ -152,10 +150,10 @@ static enum eco_code read_text(struct eco_track *track, struct track_input *in, 
 	if (code || track->count)
 		return code;
 	const char *name = eco_track_format_names[track->format];
-	return !track->skipped ? eco_fail(error, ECO_BAD_INPUT, "%.250s: no fix found; it was read as %s",
-		in->path, name) : eco_fail(error, ECO_BAD_INPUT, "%.250s:%u: read as %s, it has %llu records "
-		"and no usable fix: no position, or one that cannot be", in->path, track->skipped_line, name,
-		(unsigned long long)track->records);
+	return !track->skipped ? eco_fail(error, ECO_BAD_INPUT, "%.250s: no fix found; it was read as %s. "
+		TRACK_FORMATS, in->path, name) : eco_fail(error, ECO_BAD_INPUT, "%.250s:%u: read as %s, it "
+		"has %llu records and no usable fix: no position, or one that cannot be", in->path,
+		track->skipped_line, name, (unsigned long long)track->records);
 }
 
 enum eco_code eco_track_parse(struct eco_track *track, const uint8_t *bytes, size_t size, const char *path,

@@ -97,7 +97,8 @@ static void forget_unordered(struct clean *c)
 	}
 }
 
-/* Seconds from the first fix to each at the track's own speed, in scratch. */
+/* Seconds from the first fix to each, in scratch, at the speed that the track has where it moves: a stand
+ * leaves no distance, so the pace with stands in it would be too slow. */
 static void guess_times(struct clean *c, double step_s)
 {
 	uint32_t speeds = track_speeds(c->track, c->scratch);

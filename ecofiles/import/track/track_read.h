@@ -7,6 +7,10 @@
 
 #define TRACK_DEG 57.29577951308232
 
+/* The end of messages about files of another kind. */
+#define TRACK_FORMATS "Read are SRT (a drone writes it beside its film), GPX, KML, GeoJSON, CSV in UTF-8, " \
+	"glTF and camera scripts; GPSBabel converts other logs of GPS to GPX"
+
 struct track_input {
 	/* followed by 0; a reader of text may cut it into lines by writing zeros, and it holds no others */
 	char *text;

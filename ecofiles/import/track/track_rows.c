@@ -63,10 +63,10 @@ static enum eco_code find_header(struct track_table *table, struct eco_rows *row
 	while (!code && !found && !rows->has_geometry && more && rows->row < HEADER_ROWS)
 		if (!(code = rows->next(rows, &more, error)) && more)
 			found = track_find_columns(table, rows->fields, rows->field_count);
-	return code || found || rows->has_geometry ? code : eco_fail(error, ECO_BAD_INPUT, "%.200s: no "
+	return code || found || rows->has_geometry ? code : eco_fail(error, ECO_BAD_INPUT, "%.100s: no "
 		"format is known that looks like this, and as a table it has no columns for a position; it "
-		"begins \"%s\". If it is a table, name its columns in the first line: t,lon,lat,alt or "
-		"t,x,y,z, and yaw,pitch", path, list);
+		"begins \"%.60s\". If it is one, name its columns in the first line: t,lon,lat,alt or "
+		"t,x,y,z, and yaw,pitch. " TRACK_FORMATS, path, list);
 }
 
 /* As the format of a geometry or its "crs" says, unless its numbers cannot be such. */
@@ -136,12 +136,14 @@ static void check_points(struct eco_track *track, const struct track_input *in, 
 /* No time arrived: refuses what has some, whether it was read or not. */
 static enum eco_code check_times(const struct track_input *in, enum eco_code code, struct eco_error *error)
 {
-	static const char *const words[] = { "gx:FlyTo", "gx:Track", "\"coordTimes\"", "\"times\"" };
+	static const char *const words[][2] = { { ":FlyTo>", "gx:FlyTo" },
+		{ "when>", "<when>, of a gx:Track" }, { "\"coordTimes\"", "coordTimes" }, { "\"times\"", "times" } };
 	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
-		if (strstr(in->text, words[i])) {
+		if (strstr(in->text, words[i][0])) {
 			*error = (struct eco_error){ 0 };
-			return eco_fail(error, ECO_UNSUPPORTED, "%.200s: its times (of %.12s) do not arrive "
-				"through GDAL; convert it to GPX or CSV (GPSBabel does)", in->path, words[i]);
+			return eco_fail(error, ECO_UNSUPPORTED, "%.200s: its times (of %s) do not arrive "
+				"through GDAL; convert it to GPX or CSV (GPSBabel does)", in->path,
+				words[i][1]);
 		}
 	return code;
 }

@@ -6,6 +6,7 @@
  *   HOME(149.0251,-20.2532) 2017.08.05 14:11:51  GPS(149.0251,-20.2533,16) BAROMETER:1.9
  *   GPS (-58.8517, -34.2379, 15), HOME (-58.8475, -34.2327, -57.98m), D 698.70m, H 85.80m, G.PRY (-24.4°,
  *   0.0°, 110.4°)
+ *   [focal_len: 24.00] [dzoom_ratio: 10000, delta:0]                              35 mm equivalent
  *   GPS(36.6146,-6.1120,0.0M) BAROMETER:0.3M                                      latitude first
  *
  * So names are found one by one and not line by line; those of one value are the names of columns, too. The
@@ -28,6 +29,7 @@ struct values {
 struct srt {
 	struct eco_track *track;
 	struct eco_fix fix;          /* the record being read */
+	double focal_mm, zoom;       /* of it; as on film of 36 mm width */
 	bool open;                   /* it says something */
 };
 
@@ -74,6 +76,10 @@ static void set_values(struct srt *s, const char *name, const struct values *v)
 		n[TRACK_YAW] = v->number[2];
 	} else if (strcasecmp(name, "h") == 0 || strcasecmp(name, "hb") == 0)
 		n[TRACK_ABOVE] = v->number[0];
+	else if (strcasecmp(name, "focal_len") == 0)         /* 240 is 24.0 mm, 24.00 is too */
+		s->focal_mm = v->number[0] / (v->unit == '.' ? 1 : 10);
+	else if (strcasecmp(name, "dzoom_ratio") == 0)       /* so are 10000 and 1.00 */
+		s->zoom = v->number[0] / (v->number[0] >= 1000 ? 10000 : 1);
 	else if (role == TRACK_LON || role == TRACK_LAT)
 		n[TRACK_X + (role - TRACK_LON)] = v->number[0];
 	else if (role >= TRACK_Z && role < TRACK_LON)
@@ -110,9 +116,11 @@ static void read_names(struct srt *s, const char *text)
 
 static enum eco_code close_record(struct srt *s, uint32_t next_line, struct eco_error *error)
 {
+	double mm = s->focal_mm * (s->zoom > 0 ? s->zoom : 1);
+	if (mm >= 8 && mm <= 3000)           /* films are 16 : 9 */
+		s->fix.fov_y_deg = 2 * atan(36.0 * 9 / 16 / 2 / mm) * TRACK_DEG;
 	enum eco_code code = s->open ? track_add(s->track, &s->fix, error) : ECO_OK;
-	s->fix = track_fix(next_line);
-	s->open = false;
+	*s = (struct srt){ .track = s->track, .fix = track_fix(next_line) };
 	return code;
 }
 
