@@ -6,7 +6,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "ecofiles/ecopack/chart.h"
+#include "ecofiles/base/file_write.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/scene/scene.h"
@@ -152,11 +152,10 @@ static enum eco_code may_write(const char *path, struct eco_error *error)
 static enum eco_code write_script(const struct camera *c, uint8_t *text, size_t size, const char *name,
 	struct eco_error *error)
 {
-	const struct eco_chart_file file = { text, size };
 	struct eco_camera *camera;
 	enum eco_code code = eco_camera_parse(&camera, (const char *)text, size, name, error);
 	eco_camera_free(camera);
-	return code ? code : eco_chart_write(&file, c->output, error);
+	return code ? code : eco_file_write(c->output, text, size, error);
 }
 
 static enum eco_code copy_script(const struct camera *c, struct eco_error *error)

@@ -178,23 +178,6 @@ const char *eco_chart_length_text(double metres, char text[32])
 
 /* ---- Files ---- */
 
-enum eco_code eco_chart_write(const struct eco_chart_file *file, const char *path, struct eco_error *error)
-{
-	char beside[4096];
-	if (snprintf(beside, sizeof beside, "%s.tmp-%ld", path, (long)getpid()) >= (int)sizeof beside)
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s...: the path is too long", path);
-	FILE *out = fopen(beside, "wb");
-	bool good = out && fwrite(file->bytes, 1, file->size, out) == file->size;
-	if (out && fclose(out) != 0)
-		good = false;
-	if (good && rename(beside, path) == 0)
-		return ECO_OK;
-	enum eco_code code = eco_fail(error, ECO_IO, "%.400s: %s", path, strerror(errno));
-	if (out)
-		unlink(beside);
-	return code;
-}
-
 static enum eco_code check_folder(const char *path, struct eco_error *error)
 {
 	const char *slash = strrchr(path, '/');

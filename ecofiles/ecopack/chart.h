@@ -4,7 +4,7 @@
  *   eco_chart_new(&chart, width, height, &error);       white
  *   eco_chart_box, _line, _disc, _text, _pixels, ...    pixels from the top left; later covers earlier
  *   eco_chart_png(chart, &file, &error);                a whole PNG file in memory
- *   eco_chart_write(&file, path, &error);               appears complete or not at all
+ *   eco_file_write(path, file.bytes, file.size, &error);        file_write.h
  *   eco_chart_free(chart);
  *
  * Drawing never fails: shapes are clipped, and eco_chart_png reports a lack of memory. Texts are UTF-8
@@ -88,8 +88,6 @@ const char *eco_chart_length_text(double metres, char text[32]);
 
 struct eco_chart_file { uint8_t *bytes; size_t size; };  /* owned: free(bytes) */
 enum eco_code eco_chart_png(struct eco_chart *chart, struct eco_chart_file *file, struct eco_error *error);
-/* Writes path.tmp-PID, then renames it. */
-enum eco_code eco_chart_write(const struct eco_chart_file *file, const char *path, struct eco_error *error);
 /* Whether a picture may be written at `path`: its folder exists, and the path is free, a PNG or an empty
  * file. Call it before the work begins. */
 enum eco_code eco_chart_may_write(const char *path, struct eco_error *error);

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/file_write.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/map.h"
 #include "ecofiles/ecopack/progress.h"
@@ -406,7 +407,7 @@ static enum eco_code run_map(int argc, char **argv, struct eco_error *error)
 	if (!code)
 		code = eco_chart_png(m.chart, &file, error);
 	if (!code)
-		code = eco_chart_write(&file, given.output, error);
+		code = eco_file_write(given.output, file.bytes, file.size, error);
 	main_progress_end();
 	if (!code && !main_is_quiet)
 		print_map(&m, given.output);

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/file_write.h"
 #include "ecofiles/ecopack/chart.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/progress.h"
@@ -387,7 +388,7 @@ static enum eco_code make_pages(struct sheet *s, struct eco_error *error)
 	main_progress_end();
 	for (uint32_t i = 0; i < s->page_count && !code; i++) {
 		page_path(s, i, path);
-		code = eco_chart_write(&s->pages[i], path, error);
+		code = eco_file_write(path, s->pages[i].bytes, s->pages[i].size, error);
 		if (!code && !main_is_quiet)
 			printf("%s\n", path);
 	}

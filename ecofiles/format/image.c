@@ -1,4 +1,4 @@
-/* Chooses a picture's reader by its first bytes, and writes files so that a reader never sees half of one. */
+/* Chooses a picture's reader by its first bytes. */
 #include "ecofiles/format/image.h"
 
 #include <assert.h>
@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include "ecofiles/format/image_png.h"
+#include "ecofiles/base/file_write.h"
 #include "ecofiles/base/module.h"
 
 static enum eco_code decode(struct eco_image *image, const char *name, const void *bytes, size_t size,
@@ -121,30 +121,14 @@ enum eco_code eco_pixels_compare(const struct eco_pixels *a, const struct eco_pi
 	return ECO_OK;
 }
 
-static bool write_all(FILE *file, const uint8_t *bytes, size_t size)
-{
-	bool good = fwrite(bytes, 1, size, file) == size;
-	return fclose(file) == 0 && good;
-}
-
 enum eco_code eco_png_write(const struct eco_pixels *pixels, const char *path, struct eco_error *error)
 {
-	char beside[4096];
 	uint8_t *bytes;
 	size_t size;
 	enum eco_code code = eco_png_encode_fast(pixels, &bytes, &size, error);
 	if (code)
 		return code;
-	if (snprintf(beside, sizeof beside, "%s.tmp-%ld", path, (long)getpid()) >= (int)sizeof beside) {
-		free(bytes);
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s...: the path is too long", path);
-	}
-	FILE *file = fopen(beside, "wb");
-	if (!file || !write_all(file, bytes, size) || rename(beside, path) != 0) {
-		code = eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
-		if (file)
-			unlink(beside);
-	}
+	code = eco_file_write(path, bytes, size, error);
 	free(bytes);
 	return code;
 }

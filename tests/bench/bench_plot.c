@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/file_write.h"
 #include "ecofiles/ecopack/chart.h"
 #include "tests/bench/bench.h"
 
@@ -209,7 +210,7 @@ static enum eco_code write_chart(struct bench *bench, struct eco_chart *chart, c
 	enum eco_code code = eco_chart_png(chart, &png, error);
 	snprintf(path, sizeof path, "%s/%s", bench->out, file);
 	if (!code)
-		code = eco_chart_write(&png, path, error);
+		code = eco_file_write(path, png.bytes, png.size, error);
 	free(png.bytes);
 	return code;
 }

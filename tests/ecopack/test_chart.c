@@ -11,6 +11,7 @@
 
 #include "ecofiles/base/phrase.h"
 
+#include "ecofiles/base/file_write.h"
 #include "ecofiles/ecopack/chart.h"
 #include "tests/support/files.h"
 #include "tests/support/unit_test.h"
@@ -105,7 +106,7 @@ UNIT_TEST(test_shapes_lie_where_they_were_drawn)
 	eco_chart_clip_off(chart);
 	eco_chart_pixels(chart, 12, 1, 2, 2, pixels, true);
 	struct eco_chart_file file = png_of(chart);
-	assert_int_equal(eco_chart_write(&file, ROOT "/shapes.png", NULL), ECO_OK);
+	assert_int_equal(eco_file_write(ROOT "/shapes.png", file.bytes, file.size, NULL), ECO_OK);
 	free(file.bytes);
 	static const struct { int x, y; uint32_t rgb; } expected[] =
 		{ { 5, 5, 0x123456 }, { 11, 5, 0xffffff }, { 30, 15, 0x00ff00 },
@@ -185,8 +186,8 @@ UNIT_TEST(test_a_file_that_cannot_be_written_leaves_nothing)
 {
 	struct eco_chart_file file = png_of(blank(4, 4));
 	struct eco_error error = { 0 };
-	assert_int_equal(eco_chart_write(&file, ROOT "/nowhere/x.png", &error), ECO_IO);
-	assert_int_equal(eco_chart_write(&file, ROOT, NULL), ECO_IO);            /* a folder */
+	assert_int_equal(eco_file_write(ROOT "/nowhere/x.png", file.bytes, file.size, &error), ECO_IO);
+	assert_int_equal(eco_file_write(ROOT, file.bytes, file.size, NULL), ECO_IO);       /* a folder */
 	char beside[200];
 	snprintf(beside, sizeof beside, ROOT ".tmp-%ld", (long)getpid());
 	assert_int_not_equal(access(beside, F_OK), 0);

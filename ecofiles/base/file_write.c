@@ -1,0 +1,24 @@
+#include "ecofiles/base/file_write.h"
+
+#include <errno.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+enum eco_code eco_file_write(const char *path, const void *bytes, size_t size, struct eco_error *error)
+{
+	char beside[4096];
+	if (snprintf(beside, sizeof beside, "%s.tmp-%ld", path, (long)getpid()) >= (int)sizeof beside)
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s...: the path is too long", path);
+	FILE *out = fopen(beside, "wb");
+	bool good = out && fwrite(bytes, 1, size, out) == size;
+	if (out && fclose(out) != 0)
+		good = false;
+	if (good && rename(beside, path) == 0)
+		return ECO_OK;
+	enum eco_code code = eco_fail(error, ECO_IO, "%.400s: %s", path, strerror(errno));
+	if (out)
+		unlink(beside);
+	return code;
+}
