@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 
 #include "ecofiles/base/file_write.h"
+#include "ecofiles/base/guard.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/scene/scene.h"
@@ -51,7 +52,7 @@ static enum eco_code open_scene(struct camera *c, struct eco_error *error)
 
 /* ---- Reports ---- */
 
-static void say_repairs(const struct eco_track *track, const struct eco_track_report *r)
+static void say_repairs(struct eco_track *track, const struct eco_track_report *r)
 {
 	const struct { uint64_t count; const char *says; } lines[] = {
 		{ r->stamps_wrong, "times are years from the others, or run back: interpolated" },
@@ -63,71 +64,69 @@ static void say_repairs(const struct eco_track *track, const struct eco_track_re
 		{ r->retimed, "steps take another time than recorded: short leaps, and minutes without "
 			"motion" },
 	};
-	for (uint32_t i = 0; i < track->note_count; i++)
-		main_note("%s", track->notes[i]);
 	if (track->skipped)
-		main_note("%" PRIu64 " records have no position, or none that can be: left out (the first: "
+		eco_track_note(track, "%" PRIu64 " records have no position, or none that can be: left out (the first: "
 			"number or line %u)", track->skipped, track->skipped_line);
 	for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
 		if (lines[i].count)
-			main_note("%" PRIu64 " %s", lines[i].count, lines[i].says);
+			eco_track_note(track, "%" PRIu64 " %s", lines[i].count, lines[i].says);
 }
 
 /* Says which values stand in for what was not recorded. */
-static void say_guesses(const struct camera *c, const struct eco_track *track, const struct eco_flight *f,
+static void say_guesses(const struct camera *c, struct eco_track *track, const struct eco_flight *f,
 	bool untimed)
 {
 	if (f->smooth_s > 0 && isnan(c->o.smooth_s))
-		main_note("smoothed with %.2g s (--smooth S; 0: not at all), which moves no position by more "
+		eco_track_note(track, "smoothed with %.2g s (--smooth S; 0: not at all), which moves no position by more "
 			"than %.2f m", f->smooth_s, f->moved_m);
 	if (!f->yaw_recorded && !c->o.look_at_given)
-		main_note("no directions were recorded: the camera looks where it goes, %g degrees above "
+		eco_track_note(track, "no directions were recorded: the camera looks where it goes, %g degrees above "
 			"level (--pitch DEG, or --look-at X,Y,Z)", f->pitch_deg);
 	else if (!f->pitch_recorded && isnan(c->o.pitch_deg) && !c->o.look_at_given)
-		main_note("only its yaw was recorded: %g degrees of pitch are taken (--pitch DEG)",
+		eco_track_note(track, "only its yaw was recorded: %g degrees of pitch are taken (--pitch DEG)",
 			f->pitch_deg);
 	if (untimed && f->count > 1)
-		main_note("no times were recorded: %g m a second are taken (--speed X)", ECO_TRACK_PACE_M_S);
+		eco_track_note(track, "no times were recorded: %g m a second are taken (--speed X)", ECO_TRACK_PACE_M_S);
 	if (!track->has_height)
-		main_note("no heights were recorded: the camera is %g m above the ground (--clearance)",
+		eco_track_note(track, "no heights were recorded: the camera is %g m above the ground (--clearance)",
 			c->o.clearance_m);
 	else if (track->height == ECO_HEIGHTS_ABSOLUTE && c->o.crs && !c->o.to_given)
-		main_note("heights are taken as metres above the zero of the scene's heights; another datum "
+		eco_track_note(track, "heights are taken as metres above the zero of the scene's heights; another datum "
 			"is not converted (--height rel)");
 	else if (track->height == ECO_HEIGHTS_RELATIVE && !c->o.to_given)
-		main_note("heights are above take-off, which is %s (--height abs)",
+		eco_track_note(track, "heights are above take-off, which is %s (--height abs)",
 			c->o.ground ? "on the scene's ground" : "z = 0");
 }
 
-static void say_moved(const struct camera *c, const struct eco_flight *flight,
+static void say_moved(const struct camera *c, struct eco_track *track, const struct eco_flight *flight,
 	const struct eco_flight_moved *moved)
 {
 	double far_m = INFINITY, percent = 100.0 / flight->count;
 	for (uint32_t i = 0; i < flight->count; i++)
 		far_m = fmin(far_m, hypot(flight->samples[i].eye[0], flight->samples[i].eye[1]));
 	if (moved->raised)
-		main_note("%.1f %% of the way is less than %g m above the ground, up to %.1f m below that: "
+		eco_track_note(track, "%.1f %% of the way is less than %g m above the ground, up to %.1f m below that: "
 			"raised (--clearance M)", moved->raised * percent, c->o.clearance_m, moved->raised_m);
 	if (moved->off_ground)
-		main_note("%.0f %% of the way is beyond the border of the scene's ground",
+		eco_track_note(track, "%.0f %% of the way is beyond the border of the scene's ground",
 			moved->off_ground * percent);
 	if ((c->scene || c->o.crs) && far_m > FAR_M)
-		main_note("the track is %.0f km from the scene's origin, so its pictures show nothing of it: "
+		eco_track_note(track, "the track is %.0f km from the scene's origin, so its pictures show nothing of it: "
 			"add --to X,Y,Z to bring its first fix there, or --track-crs EPSG:... if its x and y "
 			"are in a CRS", far_m / 1000);
 }
 
-static void print_summary(const struct camera *c, const struct eco_track *track,
+static void write_summary(const struct camera *c, const struct eco_track *track,
 	const struct eco_track_report *r, const struct eco_flight *f, const struct eco_script *s)
 {
 	double low[3], high[3];
 	eco_flight_box(f, low, high);
-	printf("%s: %" PRIu64 " records, %" PRIu64 " positions kept, %" PRIu64 " repeated, %" PRIu64
+	fprintf(track->notes, "%s: %" PRIu64 " records, %" PRIu64 " positions kept, %" PRIu64 " repeated, %" PRIu64
 		" jumps, %" PRIu64 " without a usable one\n", c->input, track->records, r->kept, r->repeated,
 		r->jumped, track->skipped);
-	printf("  %.1f s, %.1f m long\n  x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f\n", s->length_s,
+	fprintf(track->notes, "  %.1f s, %.1f m long\n  x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f\n", s->length_s,
 		f->length_m, low[0], high[0], low[1], high[1], low[2], high[2]);
-	printf("%s: %u keyframe%s, %u frame%s at %g a second, within %.3f m and %.2f degrees of the track\n",
+	fprintf(track->notes, "%s: %u keyframe%s, %u frame%s at %g a second, within %.3f m and %.2f degrees of the track\n",
 		c->output, s->keys, s->keys == 1 ? "" : "s", s->frames, s->frames == 1 ? "" : "s", s->fps,
 		s->error_m, s->error_deg);
 }
@@ -148,34 +147,9 @@ static enum eco_code may_write(const char *path, struct eco_error *error)
 		"it is kept. Take another name", path);
 }
 
-/* Reads the script as any reader would, before it is written. */
-static enum eco_code write_script(const struct camera *c, uint8_t *text, size_t size, const char *name,
-	struct eco_error *error)
-{
-	struct eco_camera *camera;
-	enum eco_code code = eco_camera_parse(&camera, (const char *)text, size, name, error);
-	eco_camera_free(camera);
-	return code ? code : eco_file_write(c->output, text, size, error);
-}
-
-static enum eco_code copy_script(const struct camera *c, struct eco_error *error)
-{
-	size_t size;
-	uint8_t *text;
-	enum eco_code code = eco_file_read(c->input, SCRIPT_BYTES_MAX, &text, &size, error);
-	if (!code)
-		code = write_script(c, text, size, c->input, error);
-	if (!code)
-		main_note("%s is a camera script already: it was checked and copied; nothing else was done "
-			"to it", c->input);
-	free(text);
-	return code;
-}
-
 /* ---- From the track to the script ---- */
 
-static void move_flight(struct camera *c, struct eco_flight *flight, const struct eco_track *track,
-	bool local)
+static void move_flight(struct camera *c, struct eco_flight *flight, struct eco_track *track, bool local)
 {
 	double *eye = flight->samples[0].eye, ground = 0, low[3], high[3];
 	struct eco_flight_moved moved;
@@ -194,10 +168,10 @@ static void move_flight(struct camera *c, struct eco_flight *flight, const struc
 	if (local && !c->scene)
 		eco_flight_lift(flight, fmax(0, c->o.clearance_m - low[2]));
 	if (local)
-		main_note("nothing says where the scene is (--scene SCENE.json, or --crs and --origin, or "
+		eco_track_note(track, "nothing says where the scene is (--scene SCENE.json, or --crs and --origin, or "
 			"--to X,Y,Z): the first fix is the origin of the script's metres, x east, y north, "
 			"and the lowest eye is at least %g m above z = 0 (--clearance)", c->o.clearance_m);
-	say_moved(c, flight, &moved);
+	say_moved(c, track, flight, &moved);
 }
 
 static enum eco_code convert(struct camera *c, struct eco_track *track, struct eco_error *error)
@@ -206,7 +180,6 @@ static enum eco_code convert(struct camera *c, struct eco_track *track, struct e
 	struct eco_flight flight = { 0 };
 	struct eco_script script = { 0 };
 	bool local = track->degrees && !c->o.crs && !c->o.to_given;
-	main_note("%s: read as %s", c->input, eco_track_format_names[track->format]);
 	enum eco_code code = eco_track_place(track, &c->o, error);
 	if (!code)
 		code = eco_track_clean(track, &report, error);
@@ -218,32 +191,80 @@ static enum eco_code convert(struct camera *c, struct eco_track *track, struct e
 		move_flight(c, &flight, track, local);
 		code = eco_script_fit(&script, &flight, &c->o, error);
 	}
-	if (!code)
-		code = write_script(c, (uint8_t *)script.text, script.size, c->output, error);
-	if (!code && !main_is_quiet)
-		print_summary(c, track, &report, &flight, &script);
+	if (!code) {
+		fprintf(track->notes, "%c%s%c", 0, script.text, 0);
+		write_summary(c, track, &report, &flight, &script);
+	}
 	free(script.text);
 	eco_flight_free(&flight);
 	return code;
 }
 
+/* A camera script is handed back as it is. */
+static enum eco_code copy_script(const struct camera *c, struct eco_track *track, struct eco_error *error)
+{
+	size_t size;
+	uint8_t *text;
+	enum eco_code code = eco_file_read(c->input, SCRIPT_BYTES_MAX, &text, &size, error);
+	if (!code)
+		fprintf(track->notes, "%s is a camera script already: it is checked and copied; nothing else "
+			"is done to it\n%c%s", c->input, 0, (const char *)text);
+	free(text);
+	return code;
+}
+
+/* All that has to do with a stranger's file, in a child (guard.h). Hands back notes, a line each, behind a 0
+ * the script, and behind another the summary. */
+static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
+{
+	struct camera *c = ctx;
+	struct eco_track track = { .notes = out };
+	enum eco_code code = eco_track_read(&track, c->input, error);
+	if (!code)
+		code = track.format == ECO_TRACK_SCRIPT ? copy_script(c, &track, error)
+			: convert(c, &track, error);
+	eco_track_free(&track);
+	return code;
+}
+
+/* The script is read as any reader would, before it is written. */
+static enum eco_code take(const struct camera *c, struct eco_guard *guard, FILE *from, struct eco_error *error)
+{
+	char *notes = calloc(1, SCRIPT_BYTES_MAX + 3);       /* three texts, whatever the child says */
+	struct eco_camera *camera = NULL;
+	size_t size = notes ? fread(notes, 1, SCRIPT_BYTES_MAX, from) : 0;
+	enum eco_code code = eco_guard_finish(guard, error);
+	if (!notes || size == SCRIPT_BYTES_MAX)
+		code = eco_fail(error, ECO_TOO_LARGE, "%.300s: its script is too large", c->input);
+	char *script = notes ? notes + strlen(notes) + 1 : NULL;
+	for (char *note = notes ? strtok(notes, "\n") : NULL; note; note = strtok(NULL, "\n"))
+		main_note("%s", note);
+	if (!code)
+		code = eco_camera_parse(&camera, script, strlen(script), c->input, error);
+	eco_camera_free(camera);
+	if (!code)
+		code = eco_file_write(c->output, script, strlen(script), error);
+	if (!code && !main_is_quiet)
+		fputs(script + strlen(script) + 1, stdout);
+	free(notes);
+	return code;
+}
+
 static enum eco_code camera_make(struct camera *c, struct eco_error *error)
 {
-	struct eco_track track = { 0 };
+	struct eco_guard *guard;
+	FILE *from;
 	enum eco_code code = may_write(c->output, error);
-	if (!code)
-		code = eco_track_read(&track, c->input, error);
-	if (!code && track.format == ECO_TRACK_SCRIPT)
-		return copy_script(c, error);
 	if (!code)
 		code = open_scene(c, error);
 	if (!code)
-		code = convert(c, &track, error);
+		code = eco_guard_start(&guard, work, c, c->input, NULL, &from, error);
+	if (!code)
+		code = take(c, guard, from, error);
 	if (c->o.ground)
 		eco_ground_free(&c->ground);
 	if (c->o.has_ground)
 		eco_sources_free(&c->sources);
-	eco_track_free(&track);
 	return code;
 }
 

@@ -138,6 +138,21 @@ expect 0 'rows: 2 plants' make "$DIR/rows.json" -o "$DIR/rows.eco"
 expect 0 '4 inventory rows read' info "$DIR/rows.eco"
 expect 0 'all is well' verify "$DIR/rows.eco"
 
+# ---- A recorded camera: notes, script and summary come from a child ----
+printf 't,lon,lat,alt\n0,10,50,5\n1,10.0001,50,5\n2,10.0002,50,NA\n' >"$DIR/walk.csv"
+expect 0 'walk.csv: read as CSV' camera "$DIR/walk.csv" -o "$DIR/walk.json"
+expect 0 'walk.json: .*keyframes?, 61 frames' camera "$DIR/walk.csv" -o "$DIR/walk.json"
+expect 0 'smoothed with' camera "$DIR/walk.csv" -o "$DIR/walk.json"
+expect 0 'is a camera script already' camera "$DIR/walk.json" -o "$DIR/again.json"
+cmp -s "$DIR/walk.json" "$DIR/again.json" || complain "a copied camera script differs"
+echo '{"keyframes": 1}' >"$DIR/broken.json"
+expect 1 'broken.json' camera "$DIR/broken.json" -o "$DIR/none.json"
+expect 2 'is no camera script; it is kept' camera "$DIR/walk.csv" -o "$DIR/walk.csv"
+printf 'AXXX001\nHFDTE270418\nB1101355206343N00006198WA0058700558\n' >"$DIR/a.igc"
+expect 1 'Read are SRT .*GPSBabel' camera "$DIR/a.igc" -o "$DIR/none.json"
+expect 1 'walk.csv: read as CSV' camera "$DIR/walk.csv" --height rel --crs EPSG:1 --origin 0,0,0 -o "$DIR/none.json"
+[ ! -e "$DIR/none.json" ] || complain "a camera script was written in spite of an error"
+
 # ---- Errors name file, place and what ----
 expect 1 'nowhere.json' make "$DIR/nowhere.json" -o "$DIR/x.eco"
 printf '{ "name": "x",\n  "plant": {} }\n' >"$DIR/bad.json"

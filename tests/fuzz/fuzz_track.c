@@ -64,7 +64,6 @@ static void fly(struct eco_track *track)
 	eco_flight_free(&flight);
 }
 
-/* Tables are read from a file. */
 static int file_of(const uint8_t *bytes, size_t size, char path[64])
 {
 	int file = memfd_create("track", 0);
@@ -75,11 +74,11 @@ static int file_of(const uint8_t *bytes, size_t size, char path[64])
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
-	struct eco_track track;
+	struct eco_track track = { 0 };
 	struct eco_error error = { 0 };
 	char path[64];
 	int file = file_of(bytes, size, path);
-	enum eco_code code = eco_track_parse(&track, bytes, size, path, &error);
+	enum eco_code code = eco_track_read(&track, path, &error);
 	close(file);
 	assert(code == error.code && (code == ECO_OK || !track.fixes));
 	for (uint32_t i = 0; i < track.count; i++)

@@ -240,8 +240,8 @@ static double nearest(const struct eco_flight *f, double x, double y)
 
 static void compare_with_table(const char *folder, const char *name)
 {
-	char path[1000], table[1000];
-	struct eco_track track, wanted;
+	char path[1300], table[1300];
+	struct eco_track track = { 0 }, wanted = { 0 };
 	struct eco_track_report report;
 	struct eco_error error = { 0 };
 	uint32_t within = 0, seen = 0;

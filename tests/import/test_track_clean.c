@@ -173,8 +173,10 @@ static void heights_are_absolute_relative_or_interpolated(void **state)
 		}
 		struct eco_track_options options = track_defaults;
 		options.height = rows[k].wanted;
+		m.track.notes = fmemopen(track_notes, sizeof track_notes, "w");
 		assert_int_equal(eco_track_place(&m.track, &options, NULL), ECO_OK);
-		assert_true(m.track.height == rows[k].taken && says(&m.track, "1 fixes have no height")
+		fclose(m.track.notes);
+		assert_true(m.track.height == rows[k].taken && strstr(track_notes, "1 fixes have no height")
 			&& m.track.fixes[0].at[2] == rows[k].first);
 		eco_track_free(&m.track);
 	}

@@ -13,27 +13,24 @@
 
 #define DEG 57.29577951308232
 
-/* Of a file with this text, read in the child. */
+static char track_notes[8192];           /* of the track that was read last */
+
+/* Of a file with this text. */
 static inline struct eco_track track_of(const char *text, const char *name)
 {
-	struct eco_track track;
+	FILE *notes = fmemopen(track_notes, sizeof track_notes, "w");
+	struct eco_track track = { .notes = notes };
 	struct eco_error error = { 0 };
 	if (eco_track_read(&track, input_text(program_invocation_short_name, name, text), &error))
 		fail_msg("%s: %s", name, error.text);
+	fclose(notes);
+	track.notes = NULL;
 	return track;
 }
 
 static inline bool near(double a, double b, double most)
 {
 	return (isnan(a) && isnan(b)) || fabs(a - b) <= most;
-}
-
-static inline bool says(const struct eco_track *track, const char *text)
-{
-	for (uint32_t i = 0; i < track->note_count; i++)
-		if (strstr(track->notes[i], text))
-			return true;
-	return false;
 }
 
 /* ---- In metres ---- */

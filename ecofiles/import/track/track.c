@@ -1,15 +1,11 @@
 /* Which reader a file is for, by what it holds, and the readers' common ground: fixes are checked where they
- * are taken, so that no reader can let an impossible one through. Reading happens in a child process; what it
- * hands back is checked once more. */
-#include <errno.h>
+ * are taken, so that no reader can let an impossible one through. */
 #include <jansson.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
-#include "ecofiles/base/guard.h"
 #include "ecofiles/base/room.h"
 #include "ecofiles/import/model/import_file.h"
 #include "ecofiles/import/track/track_read.h"
@@ -19,7 +15,7 @@
 #define SECONDS_MAX 1e11
 #define HEAD_BYTES 4096u
 
-const char *const eco_track_format_names[ECO_TRACK_FORMATS] = { "a drone's subtitles (SRT)", "GPX", "KML",
+static const char *const format_names[ECO_TRACK_FORMATS] = { "a drone's subtitles (SRT)", "GPX", "KML",
 	"GeoJSON", "CSV", "a glTF camera", "a camera script" };
 
 static track_reader *const readers[ECO_TRACK_FORMATS] = { track_read_srt, track_read_rows, track_read_rows,
@@ -71,10 +67,8 @@ void eco_track_note(void *of, const char *format, ...)
 	struct eco_track *track = of;
 	va_list args;
 	va_start(args, format);
-	if (track->note_count < ECO_TRACK_NOTES_MAX)
-		vsnprintf(track->notes[track->note_count++], ECO_TRACK_NOTE_BYTES, format, args);
-	else
-		strcpy(track->notes[ECO_TRACK_NOTES_MAX - 1], "there is more to say of this file");
+	if (track->notes && vfprintf(track->notes, format, args) >= 0)
+		putc('\n', track->notes);
 	va_end(args);
 }
 
@@ -146,97 +140,34 @@ static enum eco_code read_text(struct eco_track *track, struct track_input *in, 
 	enum eco_code code = find_format(in, &track->format, error);
 	if (code || track->format == ECO_TRACK_SCRIPT)
 		return code;
+	const char *name = format_names[track->format];
+	eco_track_note(track, "%s: read as %s", in->path, name);
 	code = readers[track->format](track, in, error);
 	if (code || track->count)
 		return code;
-	const char *name = eco_track_format_names[track->format];
 	return !track->skipped ? eco_fail(error, ECO_BAD_INPUT, "%.250s: no fix found; it was read as %s. "
 		TRACK_FORMATS, in->path, name) : eco_fail(error, ECO_BAD_INPUT, "%.250s:%u: read as %s, it "
 		"has %llu records and no usable fix: no position, or one that cannot be", in->path,
 		track->skipped_line, name, (unsigned long long)track->records);
 }
 
-enum eco_code eco_track_parse(struct eco_track *track, const uint8_t *bytes, size_t size, const char *path,
-	struct eco_error *error)
+enum eco_code eco_track_read(struct eco_track *track, const char *path, struct eco_error *error)
 {
 	struct eco_error cause = { 0 };
-	size_t mark = size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
-	struct track_input in = { .text = malloc(size - mark + 1), .size = size - mark, .path = path };
-	*track = (struct eco_track){ 0 };
-	if (!in.text)
-		return eco_fail(error, ECO_NO_MEMORY, "%.300s: no memory for it", path);
-	memcpy(in.text, bytes + mark, in.size);
-	in.text[in.size] = 0;
-	enum eco_code code = read_text(track, &in, &cause);
-	free(in.text);
+	uint8_t *bytes;
+	struct track_input in = { .path = path };
+	*track = (struct eco_track){ .notes = track->notes };
+	enum eco_code code = eco_file_read(path, ECO_TRACK_BYTES_MAX, &bytes, &in.size, &cause);
+	if (!code) {
+		size_t mark = in.size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+		in.text = (char *)bytes + mark;
+		in.size -= mark;
+		code = read_text(track, &in, &cause);
+	}
+	free(bytes);
 	if (!code)
 		return ECO_OK;
 	eco_track_free(track);
 	bool named = strstr(cause.text, path) || strlen(path) > 200;
 	return eco_fail(error, cause.code, "%.300s%s%s", named ? "" : path, named ? "" : ": ", cause.text);
-}
-
-/* ---- In a child ---- */
-
-static enum eco_code read_in_child(void *ctx, FILE *out, struct eco_error *error)
-{
-	const char *path = ctx;
-	struct eco_track track = { 0 };
-	uint8_t *bytes = NULL;
-	size_t size;
-	enum eco_code code = eco_file_read(path, ECO_TRACK_BYTES_MAX, &bytes, &size, error);
-	if (!code)
-		code = eco_track_parse(&track, bytes, size, path, error);
-	if (!code && (fwrite(&track, sizeof track, 1, out) != 1
-			|| fwrite(track.fixes, sizeof *track.fixes, track.count, out) != track.count))
-		code = eco_fail(error, ECO_IO, "%.300s: %s", path, strerror(errno));
-	eco_track_free(&track);
-	free(bytes);
-	return code;
-}
-
-/* The child has read a stranger's file: nothing that it says is believed. */
-static enum eco_code take(struct eco_track *track, FILE *from, struct eco_error *error)
-{
-	struct eco_track said;
-	struct eco_fix fix;
-	enum eco_code code = ECO_OK;
-	if (fread(&said, sizeof said, 1, from) != 1 || (uint32_t)said.format >= ECO_TRACK_FORMATS
-			|| said.note_count > ECO_TRACK_NOTES_MAX)
-		return eco_fail(error, ECO_DAMAGED, "its reader handed back nonsense");
-	*track = said;
-	track->fixes = NULL;
-	track->count = track->capacity = 0;
-	track->timed = false;
-	for (uint32_t i = 0; i < track->note_count; i++)
-		track->notes[i][ECO_TRACK_NOTE_BYTES - 1] = 0;
-	while (!code && track->count < said.count && fread(&fix, sizeof fix, 1, from) == 1)
-		code = track_add(track, &fix, error);
-	track->records = said.records;
-	if (!code && (track->count != said.count || (!said.count && track->format != ECO_TRACK_SCRIPT)))
-		code = eco_fail(error, ECO_DAMAGED, "its reader gave up in the middle");
-	return code;
-}
-
-enum eco_code eco_track_read(struct eco_track *track, const char *path, struct eco_error *error)
-{
-	struct stat status;
-	struct eco_error cause = { 0 };
-	FILE *from;
-	*track = (struct eco_track){ 0 };
-	if (stat(path, &status) != 0)
-		return eco_fail(error, ECO_IO, "%.300s: %s", path, strerror(errno));
-	if (!S_ISREG(status.st_mode))
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: this is no file%s", path,
-			S_ISDIR(status.st_mode) ? " but a folder" : "");
-	struct eco_guard_limits limits = eco_guard_limits_for((uint64_t)status.st_size);
-	enum eco_code code = eco_guard_run(read_in_child, (void *)path, path, &limits, &from, error);
-	if (code)
-		return code;
-	code = take(track, from, &cause);
-	fclose(from);
-	if (!code)
-		return ECO_OK;
-	eco_track_free(track);
-	return eco_fail(error, cause.code, "%.300s: %s", path, cause.text);
 }

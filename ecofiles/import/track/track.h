@@ -19,14 +19,13 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "ecofiles/base/status.h"
 #include "ecofiles/import/ground/ground.h"
 
 #define ECO_TRACK_BYTES_MAX (1u << 30)
 #define ECO_TRACK_FIXES_MAX (1u << 24)
-#define ECO_TRACK_NOTES_MAX 24u
-#define ECO_TRACK_NOTE_BYTES 300u
 #define ECO_TRACK_PACE_M_S 10.0          /* of tracks without any time */
 #define ECO_SCRIPT_FRAMES 20000u
 
@@ -68,7 +67,6 @@ enum eco_track_format {
 	ECO_TRACK_SCRIPT,            /* a camera script of our own: no fixes, to be taken as it is */
 	ECO_TRACK_FORMATS
 };
-extern const char *const eco_track_format_names[ECO_TRACK_FORMATS];  /* for people */
 
 /* A record: the same numbers by name, and for what treats them alike. time_s: since 1970 where the file has
  * dates, else since a zero of its own. at: degrees east and north and metres, or metres x, y, z; only at[2]
@@ -85,11 +83,10 @@ struct eco_fix {
 
 struct eco_track {
 	enum eco_track_format format;
-	/* bits, as the bytes come from a child process */
-	unsigned degrees : 1;        /* at[0], at[1] are degrees east and north, WGS 84 */
-	unsigned timed : 1;          /* some fixes have a time */
-	unsigned posed : 1;          /* poses of a camera are exact: nothing is smoothed unless asked for */
-	unsigned has_height : 1;     /* of the kind `height`, which placing chose */
+	bool degrees;                /* at[0], at[1] are degrees east and north, WGS 84 */
+	bool timed;                  /* some fixes have a time */
+	bool posed;                  /* poses of a camera are exact: nothing is smoothed unless asked for */
+	bool has_height;             /* of the kind `height`, which placing chose */
 	enum eco_track_height height;
 	/* the step in which positions were written (rounding); 0: too small to matter; set by placing */
 	double still_m;
@@ -97,21 +94,16 @@ struct eco_track {
 	/* skipped: those without a usable position; the first is in skipped_line */
 	uint64_t records, skipped;
 	uint32_t skipped_line;
-	char notes[ECO_TRACK_NOTES_MAX][ECO_TRACK_NOTE_BYTES];       uint32_t note_count;
+	FILE *notes;                 /* lines for the user are written there; NULL: nowhere */
 };
 
-/* Reads a file in a child process with limits (guard.h). A file without a usable fix is an error that says
- * what was found instead. format ECO_TRACK_SCRIPT: nothing else is set. Free with eco_track_free, which takes
- * a zeroed one too. */
+/* Reads a file, of which all but track->notes is set, in this process: it is a stranger's, so call this in a
+ * child with limits (guard.h). A file without a usable fix is an error that says what was found instead.
+ * format ECO_TRACK_SCRIPT: nothing else is set. Free with eco_track_free, which takes a zeroed one too. */
 enum eco_code eco_track_read(struct eco_track *track, const char *path, struct eco_error *error);
-/* The same from memory, in this process. Files that a glTF names are looked for beside `path`; tables are
- * read from `path` itself. */
-enum eco_code eco_track_parse(struct eco_track *track, const uint8_t *bytes, size_t size, const char *path,
-	struct eco_error *error);
 void eco_track_free(struct eco_track *track);
 
-/* A sentence for the user, of a struct eco_track; beyond ECO_TRACK_NOTES_MAX the last says that there are
- * more. */
+/* A sentence for the user, of a struct eco_track. */
 void eco_track_note(void *track, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* at[] becomes metres from the origin, of the height asked for; yaw counts from the frame's north (which is
