@@ -1,5 +1,4 @@
 /* ecopack camera: turns a recorded track into a camera script, and reports what it changed. */
-#include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,6 +23,7 @@ struct camera {                          /* what the command line says, and the 
 	bool origin_given;
 	struct eco_ground ground;
 	struct eco_sources sources;
+	FILE *out;                           /* of the child: notes, script, summary */
 };
 
 /* ---- The scene ---- */
@@ -52,68 +52,69 @@ static enum eco_code open_scene(struct camera *c, struct eco_error *error)
 
 /* ---- Reports ---- */
 
-static void say_repairs(struct eco_track *track, const struct eco_track_report *r)
+static void say_repairs(const struct camera *c, const struct eco_track *track,
+	const struct eco_track_report *r)
 {
 	const struct { uint64_t count; const char *says; } lines[] = {
 		{ r->stamps_wrong, "times are years from the others, or run back: interpolated" },
 		{ r->sorted, "file is not in the order of its times: sorted" },
 		{ r->stamps_equal, "fixes have the time of the one before: interpolated by distance" },
 		{ r->untimed ? 0 : r->stamps_missing, "fixes have no time: interpolated by distance" },
-		{ r->jumped, "positions are left out: jumps, or parts that a jump separates from the "
-			"longest" },
-		{ r->retimed, "steps take another time than recorded: short leaps, and minutes without "
-			"motion" },
+		{ r->jumped, "positions are left out: jumps, and all parts but the longest" },
+		{ r->retimed, "steps take another time than recorded: short leaps, minutes without motion" },
 	};
 	if (track->skipped)
-		eco_track_note(track, "%" PRIu64 " records have no position, or none that can be: left out (the first: "
-			"number or line %u)", track->skipped, track->skipped_line);
+		fprintf(c->out, "%" PRIu64 " records have no position, or none that can be: left out (the "
+			"first: number or line %u)\n", track->skipped, track->skipped_line);
 	for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
 		if (lines[i].count)
-			eco_track_note(track, "%" PRIu64 " %s", lines[i].count, lines[i].says);
+			fprintf(c->out, "%" PRIu64 " %s\n", lines[i].count, lines[i].says);
 }
 
 /* Says which values stand in for what was not recorded. */
-static void say_guesses(const struct camera *c, struct eco_track *track, const struct eco_flight *f,
+static void say_guesses(const struct camera *c, const struct eco_track *track, const struct eco_flight *f,
 	bool untimed)
 {
 	if (f->smooth_s > 0 && isnan(c->o.smooth_s))
-		eco_track_note(track, "smoothed with %.2g s (--smooth S; 0: not at all), which moves no position by more "
-			"than %.2f m", f->smooth_s, f->moved_m);
+		fprintf(c->out, "smoothed with %.2g s (--smooth S; 0: not at all), which moves no position "
+			"by more than %.2f m\n", f->smooth_s, f->moved_m);
 	if (!f->yaw_recorded && !c->o.look_at_given)
-		eco_track_note(track, "no directions were recorded: the camera looks where it goes, %g degrees above "
-			"level (--pitch DEG, or --look-at X,Y,Z)", f->pitch_deg);
+		fprintf(c->out, "no directions were recorded: the camera looks where it goes, %g degrees "
+			"above level (--pitch DEG, or --look-at X,Y,Z)\n", f->pitch_deg);
 	else if (!f->pitch_recorded && isnan(c->o.pitch_deg) && !c->o.look_at_given)
-		eco_track_note(track, "only its yaw was recorded: %g degrees of pitch are taken (--pitch DEG)",
+		fprintf(c->out, "only its yaw was recorded: %g degrees of pitch are taken (--pitch DEG)\n",
 			f->pitch_deg);
 	if (untimed && f->count > 1)
-		eco_track_note(track, "no times were recorded: %g m a second are taken (--speed X)", ECO_TRACK_PACE_M_S);
+		fprintf(c->out, "no times were recorded: %g m a second are taken (--speed X)\n",
+			ECO_TRACK_PACE_M_S);
 	if (!track->has_height)
-		eco_track_note(track, "no heights were recorded: the camera is %g m above the ground (--clearance)",
-			c->o.clearance_m);
+		fprintf(c->out, "no heights were recorded: the camera is %g m above the ground "
+			"(--clearance)\n", c->o.clearance_m);
 	else if (track->height == ECO_HEIGHTS_ABSOLUTE && c->o.crs && !c->o.to_given)
-		eco_track_note(track, "heights are taken as metres above the zero of the scene's heights; another datum "
-			"is not converted (--height rel)");
+		fprintf(c->out, "heights are taken as metres above the zero of the scene's heights; another "
+			"datum is not converted (--height rel)\n");
 	else if (track->height == ECO_HEIGHTS_RELATIVE && !c->o.to_given)
-		eco_track_note(track, "heights are above take-off, which is %s (--height abs)",
+		fprintf(c->out, "heights are above take-off, which is %s (--height abs)\n",
 			c->o.ground ? "on the scene's ground" : "z = 0");
 }
 
-static void say_moved(const struct camera *c, struct eco_track *track, const struct eco_flight *flight,
+static void say_moved(const struct camera *c, const struct eco_flight *flight,
 	const struct eco_flight_moved *moved)
 {
 	double far_m = INFINITY, percent = 100.0 / flight->count;
 	for (uint32_t i = 0; i < flight->count; i++)
 		far_m = fmin(far_m, hypot(flight->samples[i].eye[0], flight->samples[i].eye[1]));
 	if (moved->raised)
-		eco_track_note(track, "%.1f %% of the way is less than %g m above the ground, up to %.1f m below that: "
-			"raised (--clearance M)", moved->raised * percent, c->o.clearance_m, moved->raised_m);
+		fprintf(c->out, "%.1f %% of the way is less than %g m above the ground, up to %.1f m below "
+			"that: raised (--clearance M)\n", moved->raised * percent, c->o.clearance_m,
+			moved->raised_m);
 	if (moved->off_ground)
-		eco_track_note(track, "%.0f %% of the way is beyond the border of the scene's ground",
+		fprintf(c->out, "%.0f %% of the way is beyond the border of the scene's ground\n",
 			moved->off_ground * percent);
 	if ((c->scene || c->o.crs) && far_m > FAR_M)
-		eco_track_note(track, "the track is %.0f km from the scene's origin, so its pictures show nothing of it: "
-			"add --to X,Y,Z to bring its first fix there, or --track-crs EPSG:... if its x and y "
-			"are in a CRS", far_m / 1000);
+		fprintf(c->out, "the track is %.0f km from the scene's origin, so its pictures show nothing "
+			"of it: add --to X,Y,Z to bring its first fix there, or --track-crs EPSG:... if its "
+			"x and y are in a CRS\n", far_m / 1000);
 }
 
 static void write_summary(const struct camera *c, const struct eco_track *track,
@@ -121,14 +122,14 @@ static void write_summary(const struct camera *c, const struct eco_track *track,
 {
 	double low[3], high[3];
 	eco_flight_box(f, low, high);
-	fprintf(track->notes, "%s: %" PRIu64 " records, %" PRIu64 " positions kept, %" PRIu64 " repeated, %" PRIu64
+	fprintf(c->out, "%s: %" PRIu64 " records, %" PRIu64 " positions kept, %" PRIu64 " repeated, %" PRIu64
 		" jumps, %" PRIu64 " without a usable one\n", c->input, track->records, r->kept, r->repeated,
 		r->jumped, track->skipped);
-	fprintf(track->notes, "  %.1f s, %.1f m long\n  x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f\n", s->length_s,
-		f->length_m, low[0], high[0], low[1], high[1], low[2], high[2]);
-	fprintf(track->notes, "%s: %u keyframe%s, %u frame%s at %g a second, within %.3f m and %.2f degrees of the track\n",
-		c->output, s->keys, s->keys == 1 ? "" : "s", s->frames, s->frames == 1 ? "" : "s", s->fps,
-		s->error_m, s->error_deg);
+	fprintf(c->out, "  %.1f s, %.1f m long\n  x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f\n",
+		s->length_s, f->length_m, low[0], high[0], low[1], high[1], low[2], high[2]);
+	fprintf(c->out, "%s: %u keyframe%s, %u frame%s at %g a second, within %.3f m and %.2f degrees of the "
+		"track\n", c->output, s->keys, s->keys == 1 ? "" : "s", s->frames, s->frames == 1 ? "" : "s",
+		s->fps, s->error_m, s->error_deg);
 }
 
 /* ---- Output: appears complete or not at all, and replaces nothing but a camera script ---- */
@@ -137,19 +138,17 @@ static enum eco_code may_write(const char *path, struct eco_error *error)
 {
 	struct stat status;
 	struct eco_camera *camera = NULL;
-	if (stat(path, &status) != 0)
-		return errno == ENOENT ? ECO_OK : eco_fail(error, ECO_IO, "%.300s: %s", path,
-			strerror(errno));
-	bool replaced = S_ISREG(status.st_mode)
-		&& (!status.st_size || eco_camera_load(&camera, path, NULL) == ECO_OK);
+	bool may = stat(path, &status) != 0 || (S_ISREG(status.st_mode)
+		&& (!status.st_size || eco_camera_load(&camera, path, NULL) == ECO_OK));
 	eco_camera_free(camera);
-	return replaced ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "%.300s is there and is no camera script; "
+	return may ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "%.300s is there and is no camera script; "
 		"it is kept. Take another name", path);
 }
 
 /* ---- From the track to the script ---- */
 
-static void move_flight(struct camera *c, struct eco_flight *flight, struct eco_track *track, bool local)
+static void move_flight(struct camera *c, struct eco_flight *flight, const struct eco_track *track,
+	bool local)
 {
 	double *eye = flight->samples[0].eye, ground = 0, low[3], high[3];
 	struct eco_flight_moved moved;
@@ -168,10 +167,11 @@ static void move_flight(struct camera *c, struct eco_flight *flight, struct eco_
 	if (local && !c->scene)
 		eco_flight_lift(flight, fmax(0, c->o.clearance_m - low[2]));
 	if (local)
-		eco_track_note(track, "nothing says where the scene is (--scene SCENE.json, or --crs and --origin, or "
-			"--to X,Y,Z): the first fix is the origin of the script's metres, x east, y north, "
-			"and the lowest eye is at least %g m above z = 0 (--clearance)", c->o.clearance_m);
-	say_moved(c, track, flight, &moved);
+		fprintf(c->out, "nothing says where the scene is (--scene SCENE.json, or --crs and --origin, "
+			"or --to X,Y,Z): the first fix is the origin of the script's metres, x east, y "
+			"north, and the lowest eye is at least %g m above z = 0 (--clearance)\n",
+			c->o.clearance_m);
+	say_moved(c, flight, &moved);
 }
 
 static enum eco_code convert(struct camera *c, struct eco_track *track, struct eco_error *error)
@@ -183,7 +183,7 @@ static enum eco_code convert(struct camera *c, struct eco_track *track, struct e
 	enum eco_code code = eco_track_place(track, &c->o, error);
 	if (!code)
 		code = eco_track_clean(track, &report, error);
-	say_repairs(track, &report);
+	say_repairs(c, track, &report);
 	if (!code)
 		code = eco_flight_make(&flight, track, &c->o, error);
 	if (!code) {
@@ -192,7 +192,7 @@ static enum eco_code convert(struct camera *c, struct eco_track *track, struct e
 		code = eco_script_fit(&script, &flight, &c->o, error);
 	}
 	if (!code) {
-		fprintf(track->notes, "%c%s%c", 0, script.text, 0);
+		fprintf(c->out, "%c%s%c", 0, script.text, 0);
 		write_summary(c, track, &report, &flight, &script);
 	}
 	free(script.text);
@@ -201,14 +201,14 @@ static enum eco_code convert(struct camera *c, struct eco_track *track, struct e
 }
 
 /* A camera script is handed back as it is. */
-static enum eco_code copy_script(const struct camera *c, struct eco_track *track, struct eco_error *error)
+static enum eco_code copy_script(const struct camera *c, struct eco_error *error)
 {
 	size_t size;
 	uint8_t *text;
 	enum eco_code code = eco_file_read(c->input, SCRIPT_BYTES_MAX, &text, &size, error);
 	if (!code)
-		fprintf(track->notes, "%s is a camera script already: it is checked and copied; nothing else "
-			"is done to it\n%c%s", c->input, 0, (const char *)text);
+		fprintf(c->out, "%s is a camera script already: it is checked and copied; nothing else is "
+			"done to it\n%c%s", c->input, 0, (const char *)text);
 	free(text);
 	return code;
 }
@@ -218,27 +218,29 @@ static enum eco_code copy_script(const struct camera *c, struct eco_track *track
 static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 {
 	struct camera *c = ctx;
-	struct eco_track track = { .notes = out };
+	struct eco_track track = { .notes = c->out = out };
 	enum eco_code code = eco_track_read(&track, c->input, error);
 	if (!code)
-		code = track.format == ECO_TRACK_SCRIPT ? copy_script(c, &track, error)
-			: convert(c, &track, error);
+		code = track.format == ECO_TRACK_SCRIPT ? copy_script(c, error) : convert(c, &track, error);
 	eco_track_free(&track);
 	return code;
 }
 
 /* The script is read as any reader would, before it is written. */
-static enum eco_code take(const struct camera *c, struct eco_guard *guard, FILE *from, struct eco_error *error)
+static enum eco_code take(const struct camera *c, struct eco_guard *guard, FILE *from,
+	struct eco_error *error)
 {
 	char *notes = calloc(1, SCRIPT_BYTES_MAX + 3);       /* three texts, whatever the child says */
 	struct eco_camera *camera = NULL;
 	size_t size = notes ? fread(notes, 1, SCRIPT_BYTES_MAX, from) : 0;
 	enum eco_code code = eco_guard_finish(guard, error);
-	if (!notes || size == SCRIPT_BYTES_MAX)
-		code = eco_fail(error, ECO_TOO_LARGE, "%.300s: its script is too large", c->input);
-	char *script = notes ? notes + strlen(notes) + 1 : NULL;
-	for (char *note = notes ? strtok(notes, "\n") : NULL; note; note = strtok(NULL, "\n"))
+	if (!notes)
+		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
+	char *script = notes + strlen(notes) + 1;
+	for (char *note = strtok(notes, "\n"); note; note = strtok(NULL, "\n"))
 		main_note("%s", note);
+	if (!code && size == SCRIPT_BYTES_MAX)
+		code = eco_fail(error, ECO_TOO_LARGE, "%.300s: its script is too large", c->input);
 	if (!code)
 		code = eco_camera_parse(&camera, script, strlen(script), c->input, error);
 	eco_camera_free(camera);
@@ -250,11 +252,17 @@ static enum eco_code take(const struct camera *c, struct eco_guard *guard, FILE 
 	return code;
 }
 
-static enum eco_code camera_make(struct camera *c, struct eco_error *error)
+static struct camera given;
+
+static enum eco_code run_camera(int argc, char **argv, struct eco_error *error)
 {
+	struct camera *c = &given;
 	struct eco_guard *guard;
 	FILE *from;
-	enum eco_code code = may_write(c->output, error);
+	given = (struct camera){ .o = ECO_TRACK_DEFAULTS };
+	enum eco_code code = main_read(&main_command_camera, argc, argv, error);
+	if (!code)
+		code = may_write(c->output, error);
 	if (!code)
 		code = open_scene(c, error);
 	if (!code)
@@ -269,15 +277,6 @@ static enum eco_code camera_make(struct camera *c, struct eco_error *error)
 }
 
 /* ---- Options ---- */
-
-static struct camera given;
-
-static enum eco_code run_camera(int argc, char **argv, struct eco_error *error)
-{
-	given = (struct camera){ .o = ECO_TRACK_DEFAULTS };
-	enum eco_code code = main_read(&main_command_camera, argc, argv, error);
-	return code ? code : camera_make(&given, error);
-}
 
 static const char *const heights[] = { "default", "abs", "rel", NULL };
 

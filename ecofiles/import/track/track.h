@@ -35,9 +35,7 @@ enum eco_track_height {
 };
 
 struct eco_track_options {       /* begin with ECO_TRACK_DEFAULTS; NaN: not stated */
-	/* where the scene is; NULL: metres from the track's middle, or from its own zero if it is in metres
-	 */
-	const char *crs;
+	const char *crs;             /* of the scene; NULL: metres from the track's middle, or its own zero */
 	double origin[3];            /* of the scene, in crs */
 	const char *track_crs;       /* of fixes that are metres; NULL: metres from the origin */
 	int height;                  /* enum eco_track_height */

@@ -97,8 +97,7 @@ static void forget_unordered(struct clean *c)
 	}
 }
 
-/* Seconds from the first fix to each, in scratch, at the speed that the track has where it moves: a stand
- * leaves no distance, so the pace with stands in it would be too slow. */
+/* Seconds from the first fix to each, in scratch, at the speed of moving: a stand leaves no distance. */
 static void guess_times(struct clean *c, double step_s)
 {
 	uint32_t speeds = track_speeds(c->track, c->scratch);

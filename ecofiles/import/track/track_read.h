@@ -30,10 +30,6 @@ enum eco_code track_add(struct eco_track *track, const struct eco_fix *fix, stru
 
 /* ---- Texts ---- */
 
-struct track_line { char *text, *next; uint32_t number; };
-/* Cuts off the next line; false after the last. *line is zeroed before the first. */
-bool track_next_line(const struct track_input *in, struct track_line *line);
-
 /* Each of these moves *text behind what it reads (after spaces), or returns false and leaves it. No "nan". */
 bool track_number(const char **text, double *value);
 /* 15:19:58.72 or 15:19:58,720,764 or 9:05; seconds since midnight. */

@@ -136,8 +136,8 @@ static void check_points(struct eco_track *track, const struct track_input *in, 
 /* No time arrived: refuses what has some, whether it was read or not. */
 static enum eco_code check_times(const struct track_input *in, enum eco_code code, struct eco_error *error)
 {
-	static const char *const words[][2] = { { ":FlyTo>", "gx:FlyTo" },
-		{ "when>", "<when>, of a gx:Track" }, { "\"coordTimes\"", "coordTimes" }, { "\"times\"", "times" } };
+	static const char *const words[][2] = { { ":FlyTo>", "gx:FlyTo" }, { "\"times\"", "times" },
+		{ "when>", "<when>, of a gx:Track" }, { "\"coordTimes\"", "coordTimes" } };
 	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
 		if (strstr(in->text, words[i][0])) {
 			*error = (struct eco_error){ 0 };

@@ -127,20 +127,25 @@ static enum eco_code close_record(struct srt *s, uint32_t next_line, struct eco_
 enum eco_code track_read_srt(struct eco_track *track, const struct track_input *in, struct eco_error *error)
 {
 	struct srt s = { .track = track, .fix = track_fix(1) };
-	struct track_line line = { 0 };
 	enum eco_code code = ECO_OK;
+	uint32_t line = 1;
 	track->degrees = true;
-	while (!code && track_next_line(in, &line)) {
-		const char *at = line.text;
+	/* a line ends with CR LF, LF, or the CR of old Macs */
+	for (char *text = in->text, *end; !code && *text; text = end, line++) {
+		const char *at = text;
 		double time_s = NAN;
+		end = text + strcspn(text, "\r\n");
+		size_t ending = strncmp(end, "\r\n", 2) == 0 ? 2 : *end != 0;
+		*end = 0;
+		end += ending;
 		size_t digits = strspn(at, "0123456789");
 		bool index = digits && !at[digits + strspn(at + digits, " \t")];
 		/* 00:00:00,016 --> 00:00:00,033 */
 		if (index || (track_clock(&at, &time_s) && strstr(at, "-->"))) {
-			code = close_record(&s, line.number, error);
+			code = close_record(&s, line, error);
 			s.fix.time_s = time_s;
 		} else
-			read_names(&s, line.text);
+			read_names(&s, text);
 	}
 	return code ? code : close_record(&s, 0, error);
 }

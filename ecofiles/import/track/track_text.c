@@ -1,23 +1,10 @@
-/* Texts of recordings: lines, numbers, clocks and dates. */
+/* Texts of recordings: numbers, clocks and dates. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
 #include "ecofiles/import/track/track_read.h"
-
-/* A line ends with CR LF, LF, or the CR of old Macs. */
-bool track_next_line(const struct track_input *in, struct track_line *line)
-{
-	char *start = line->number ? line->next : in->text, *end = start + strcspn(start, "\r\n");
-	if (!*start)
-		return false;
-	*line = (struct track_line){ start, end, line->number + 1 };
-	if (*end)
-		line->next += strncmp(end, "\r\n", 2) == 0 ? 2 : 1;
-	*end = 0;
-	return true;
-}
 
 bool track_number(const char **text, double *value)
 {
