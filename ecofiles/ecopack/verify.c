@@ -9,6 +9,7 @@
 #include "ecofiles/ecopack/inspect.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/format/pack.h"
+#include "ecofiles/format/splat.h"
 
 struct verify {
 	const struct eco_pack *pack;
@@ -51,6 +52,9 @@ static const char *bad_values(const struct eco_scene *s, const struct eco_list *
 		if (list->attributes & ECO_ATTR_SIZE
 				&& !in_range(extra[eco_list_extra_at(list, ECO_ATTR_SIZE)], ECO_SIZES))
 			return "has a size code that does not exist";
+		if (list->attributes & ECO_ATTR_SPLAT
+				&& !eco_splat_good(extra + eco_list_extra_at(list, ECO_ATTR_SPLAT)))
+			return "has a splat code that does not exist";
 		if (place && (!in_range(extra[0], 65536) || extra[1] <= 0))
 			return "holds an impossible turn or scale";
 	}

@@ -32,7 +32,7 @@
 #include "ecofiles/format/list.h"
 
 #define ECO_ROWS_CORNERS_MAX ECO_CORNERS_MAX
-#define ECO_ROWS_EXTRA_MAX 6
+#define ECO_ROWS_EXTRA_MAX 12
 #define ECO_ROWS_COLUMNS_MAX (3 + 2 * ECO_ROWS_CORNERS_MAX + ECO_ROWS_EXTRA_MAX)
 #define ECO_ROWS_PREDICTORS 8u
 

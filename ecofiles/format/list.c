@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "ecofiles/format/pack.h"
+#include "ecofiles/format/splat.h"
 
 const char *const eco_organ_names[ECO_ORGAN_COUNT] = {
 	[ECO_ORGAN_WOOD] = "wood",
@@ -32,7 +33,8 @@ uint32_t eco_list_extra_count(const struct eco_list *list)
 		+ (list->attributes & ECO_ATTR_PLANT ? 2u : 0u)
 		+ (list->attributes & ECO_ATTR_PLACE ? 2u : 0u)
 		+ (list->attributes & ECO_ATTR_GROWTH ? 1u : 0u)
-		+ (list->attributes & ECO_ATTR_SIZE ? 1u : 0u);
+		+ (list->attributes & ECO_ATTR_SIZE ? 1u : 0u)
+		+ (list->attributes & ECO_ATTR_SPLAT ? ECO_SPLAT_CODES : 0u);
 }
 
 /* Attributes come in the order of their bits. */

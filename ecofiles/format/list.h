@@ -58,7 +58,8 @@ enum eco_attr {
 	ECO_ATTR_PLANT = 8,
 	ECO_ATTR_PLACE = 16,     /* instances: yaw in 1/65536 turns, then scale in 1/65536 (two values) */
 	ECO_ATTR_GROWTH = 32,    /* triangles: how far it follows its cut's scale, a code for eco_growth */
-	ECO_ATTR_SIZE = 64       /* points: this point's area is unit_area * eco_size(code) */
+	ECO_ATTR_SIZE = 64,      /* points: this point's area is unit_area * eco_size(code) */
+	ECO_ATTR_SPLAT = 128     /* points: an ellipsoid, ECO_SPLAT_CODES values (splat.h) */
 };
 #define ECO_UV_ONE 4096
 
@@ -72,7 +73,8 @@ struct eco_list {
 	double grid_step[3];         /* metres; position = origin + integer * step */
 	float unit_area;             /* points and summaries: projected area (m^2, random
 	                              * orientation: area / 2) of one point when all are drawn: a splat is a
-	                              * screen-facing square of area unit_area * scale */
+	                              * screen-facing square of area unit_area * scale. Splats: the
+	                              * square of their unit of length */
 	uint32_t palette_first, palette_count;
 	uint32_t image;              /* list id of the texture, or ECO_NONE */
 	uint32_t partner;            /* FORM: list id of the elements in their finest form; else ECO_NONE */
@@ -96,7 +98,7 @@ struct eco_chunk {
 /* Elements in draw order: input of the encoder and output of the decoder. Owns its arrays. */
 struct eco_elements {
 	uint32_t element_count, corner_count, primitive_count;
-	uint32_t extra_count;        /* values per element: 2 for PLANT and PLACE, 1 for the others */
+	uint32_t extra_count;        /* values per element: 2 for PLANT and PLACE, 7 for SPLAT, else 1 */
 	uint8_t *corners;            /* per element */
 	int32_t *position;           /* 3 per corner */
 	int32_t *uv;                 /* 2 per corner, or NULL */

@@ -12,7 +12,7 @@
  * File (little-endian, sections 64-byte aligned, padding zero):
  *
  *   0    8  "ECOPACK1"
- *   8    u32 version = 7      12  u32 section count n
+ *   8    u32 version = 8      12  u32 section count n
  *   16   u64 file size        24  u64 XXH3-64 of bytes [0,24) and of the section table
  *   32   n * 40-byte section records:
  *          u32 kind, u32 record count, u64 offset, u64 size, u64 XXH3-64 of the section's bytes (0 for
@@ -57,13 +57,16 @@ struct eco_anchor {
 	float radius;
 };
 
-#define ECO_LEVELS_MAX 6
+#define ECO_LEVELS_MAX 8
 enum eco_ladder_flag {
 	/* drawn where the plant's cells are not (its band: at or beyond the gate) */
 	ECO_LADDER_FAR = 1,
 	ECO_LADDER_NEAR = 2,         /* a cell: drawn only where the plant's band is below the gate */
 	/* a second curve, measured from above, has the same shares and reaches */
-	ECO_LADDER_ABOVE = 4
+	ECO_LADDER_ABOVE = 4,
+	/* shows the whole plant, all organs: where it is drawn, no other ladder of the plant is. At the
+	 * plant's first anchor */
+	ECO_LADDER_WHOLE = 8
 };
 
 /* A sequence of sets of cuts over the lists of one organ at one anchor, in ascending vertices:
@@ -74,6 +77,9 @@ enum eco_ladder_flag {
  *           (`reach`).
  *   wood:   the first p/2 lines -> level 0 -> ... -> the last level: triangles [level_end[i-1], level_end[i])
  *   plain:  the first p/3 triangles, scaled                                   (triangles only, no levels)
+ *   splats: `points` with ECO_ATTR_SPLAT in levels; a level has a whole multiple, m, of the splats of the one
+ *           before it, and splats [m i, m (i + 1)) stand for splat i of that one. The first p of a level
+ *           give way to their children: [0, m p) of the next level with [p, all) of this one
  * lod/ladder.h turns (ladder, vertices) into cuts. Absent lists are ECO_NONE; a FAR ladder may have lines
  * only. */
 struct eco_ladder {

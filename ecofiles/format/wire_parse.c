@@ -15,7 +15,7 @@
 #include "ecofiles/base/utf8.h"
 
 #define NEEDS_ALL ((uint32_t)(2 * ECO_NEED_PLACEMENTS - 1))
-#define ATTRIBUTES_ALL (2u * ECO_ATTR_SIZE - 1)
+#define ATTRIBUTES_ALL (2u * ECO_ATTR_SPLAT - 1)
 
 #define BAD(...) eco_fail(e, ECO_DAMAGED, __VA_ARGS__)
 
