@@ -1,10 +1,12 @@
 #include <assert.h>
 #include <math.h>
-#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
 
+#include "ecofiles/format/splat.h"
 #include "lod/geometry.h"
 
-struct target { const struct eco_list *list; const struct eco_elements *elements; struct lod_geometry *out;
+struct target { const struct eco_list *list; const struct eco_elements *elements; const struct lod_geometry *out;
 	double edge; };
 
 static double edge_of(float area_factor)
@@ -68,8 +70,83 @@ static void put_line(const struct target *t, uint32_t written, const int32_t *po
 	t->out->width[written] = (float)(width * t->edge);
 }
 
+static void put_splat(const struct target *t, uint32_t written, const int32_t *extra)
+{
+	struct eco_splat splat;
+	if (!t->out->half || !(t->list->attributes & ECO_ATTR_SPLAT) || !extra)
+		return;
+	eco_splat_read(&splat, extra + eco_list_extra_at(t->list, ECO_ATTR_SPLAT),
+		sqrtf(t->list->unit_area) * (float)t->edge);
+	memcpy(t->out->half + 9 * (size_t)written, splat.half, sizeof splat.half);
+	t->out->opacity[written] = splat.opacity;
+}
+
+/* Takes the next `each` floats a primitive. */
+static float *lay(float **floats, uint32_t count, uint32_t each)
+{
+	float *at = *floats;
+	*floats += (size_t)each * count;
+	return each ? at : NULL;
+}
+
+void lod_geometry_lay(struct lod_geometry *geometry, const struct eco_list *list, uint32_t count, bool uv,
+	float *floats)
+{
+	bool splats = list->attributes & ECO_ATTR_SPLAT;
+	uint32_t vertices = eco_list_vertices(list);
+	geometry->position = lay(&floats, count, 3 * vertices);
+	geometry->uv = lay(&floats, count, uv ? 2 * vertices : 0);
+	geometry->width = lay(&floats, count, list->kind == ECO_LIST_LINES);
+	geometry->size = lay(&floats, count, (list->attributes & ECO_ATTR_SIZE) != 0);
+	geometry->half = lay(&floats, count, splats ? 9 : 0);
+	geometry->opacity = lay(&floats, count, splats);
+}
+
+size_t lod_geometry_floats(const struct eco_list *list, uint32_t count, bool uv)
+{
+	uint32_t vertices = eco_list_vertices(list), each = 3 * vertices + (uv ? 2 * vertices : 0)
+		+ (list->kind == ECO_LIST_LINES) + ((list->attributes & ECO_ATTR_SIZE) != 0)
+		+ (list->attributes & ECO_ATTR_SPLAT ? 10 : 0);
+	return (size_t)each * count;
+}
+
+bool lod_geometry_make(struct lod_geometry *geometry, const struct eco_list *list, uint32_t count, bool uv)
+{
+	float *floats = malloc(lod_geometry_floats(list, count, uv) * sizeof *floats + 1);
+	*geometry = (struct lod_geometry){ .color = malloc(count * sizeof *geometry->color + 1) };
+	if (floats)
+		lod_geometry_lay(geometry, list, count, uv, floats);
+	if (floats && geometry->color)
+		return true;
+	free(floats);
+	free(geometry->color);
+	*geometry = (struct lod_geometry){ .color = NULL };
+	return false;
+}
+
+void lod_geometry_free(struct lod_geometry *geometry)
+{
+	free(geometry->position);
+	free(geometry->color);
+	*geometry = (struct lod_geometry){ .color = NULL };
+}
+
+/* `each` values further on. */
+static float *further(float *at, size_t first, uint32_t each) { return at ? at + first * each : NULL; }
+
+struct lod_geometry lod_geometry_from(const struct lod_geometry *geometry, const struct eco_list *list,
+	uint32_t first)
+{
+	uint32_t vertices = eco_list_vertices(list);
+	return (struct lod_geometry){ .position = further(geometry->position, first, 3 * vertices),
+		.uv = further(geometry->uv, first, 2 * vertices), .width = further(geometry->width, first, 1),
+		.size = further(geometry->size, first, 1), .half = further(geometry->half, first, 9),
+		.opacity = further(geometry->opacity, first, 1),
+		.color = geometry->color ? geometry->color + first : NULL };
+}
+
 uint32_t lod_list_geometry(const struct eco_list *list, const struct eco_elements *elements, uint32_t first,
-	uint32_t end, float scale, struct lod_geometry *out)
+	uint32_t end, float scale, const struct lod_geometry *out)
 {
 	struct target t = { list, elements, out, edge_of(scale) };
 	bool growth = list->attributes & ECO_ATTR_GROWTH;
@@ -92,10 +169,11 @@ uint32_t lod_list_geometry(const struct eco_list *list, const struct eco_element
 		for (uint32_t i = 0; i < count; i++, primitive++) {
 			if (primitive < first || primitive >= end)
 				continue;
-			if (corners == 1)
+			if (corners == 1) {
 				put_corner(&(struct target){ list, elements, out, 1 },
 					out->position + 3 * (size_t)written, position, center);
-			else if (corners == 2)
+				put_splat(&t, written, extra);
+			} else if (corners == 2)
 				put_line(&t, written, position, extra, center);
 			else
 				put_triangle(&t, written, position, uv, i, center);

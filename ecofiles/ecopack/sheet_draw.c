@@ -30,23 +30,13 @@ static void raster_batch(struct lod_raster *raster, const struct sheet_plant *p,
 	bool one_by_one)
 {
 	const struct sheet_list *image = b->geometry.uv ? &p->lists[b->list->image] : NULL;
-	uint32_t corners = eco_list_vertices(b->list->list), step = one_by_one ? 1 : b->count;
+	uint32_t step = one_by_one ? 1 : b->count;
 	for (uint32_t i = 0; i < b->count; i += step) {
-		struct lod_raster_batch batch =
-			{ .count = step, .position = b->geometry.position + 3 * (size_t)corners * i,
-				.width = b->geometry.width ? b->geometry.width + i : NULL, .area = b->area,
-				.size = b->geometry.size ? b->geometry.size + i : NULL,
-				.owner = (uint64_t)b->first + i + 1 };
-		if (image && image->cutout) {
-			batch.cutout = &image->picture;
-			batch.uv = b->geometry.uv + 6 * (size_t)i;
-		}
-		if (b->list->list->kind == ECO_LIST_TRIANGLES)
-			lod_raster_triangles(raster, &batch);
-		else if (b->list->list->kind == ECO_LIST_LINES)
-			lod_raster_lines(raster, &batch);
-		else
-			lod_raster_points(raster, &batch);
+		struct lod_geometry from = lod_geometry_from(&b->geometry, b->list->list, i);
+		lod_raster_list(raster, b->list->list, &from,
+			&(struct lod_raster_batch){ .count = step, .area = b->area,
+			.cutout = image && image->cutout ? &image->picture : NULL,
+			.owner = (uint64_t)b->first + i + 1 });
 	}
 }
 

@@ -244,18 +244,11 @@ static enum eco_code make_batch(const struct sheet_plant *p, const struct eco_cu
 	struct eco_error *error)
 {
 	const struct sheet_list *list = b->list = &p->lists[cut->list];
-	uint32_t count = cut->end - cut->first, corners = eco_list_vertices(list->list), from = 0, end;
+	uint32_t count = cut->end - cut->first, from = 0, end;
 	bool textured = list->list->kind == ECO_LIST_TRIANGLES && list->image != ECO_NONE
 		&& list->list->attributes & ECO_ATTR_UV && p->lists[list->image].picture.rgba;
-	b->geometry.position = malloc(12 * (size_t)count * corners + 1);
-	b->geometry.uv = textured ? malloc(24 * (size_t)count + 1) : NULL;
-	b->geometry.width = list->list->kind == ECO_LIST_LINES ? malloc(4 * (size_t)count + 1) : NULL;
-	b->geometry.color = malloc(4 * (size_t)count + 1);
-	bool sized = list->list->attributes & ECO_ATTR_SIZE;
-	b->geometry.size = sized ? malloc(4 * (size_t)count + 1) : NULL;
 	b->area = list->list->unit_area * cut->scale;
-	if (!b->geometry.position || !b->geometry.color || (textured && !b->geometry.uv)
-		|| (sized && !b->geometry.size) || (list->list->kind == ECO_LIST_LINES && !b->geometry.width))
+	if (!lod_geometry_make(&b->geometry, list->list, count, textured))
 		return no_memory(p, error);
 	for (uint32_t c = 0; c < list->chunk_count && b->count < count; c++, from = end) {
 		end = from + list->chunks[c].primitive_count;
@@ -263,10 +256,7 @@ static enum eco_code make_batch(const struct sheet_plant *p, const struct eco_cu
 			: end;
 		if (first >= last)
 			continue;
-		struct lod_geometry at = { b->geometry.position + 3 * (size_t)corners * b->count,
-			textured ? b->geometry.uv + 6 * (size_t)b->count : NULL,
-			b->geometry.width ? b->geometry.width + b->count : NULL, b->geometry.color + b->count,
-			b->geometry.size ? b->geometry.size + b->count : NULL };
+		struct lod_geometry at = lod_geometry_from(&b->geometry, list->list, b->count);
 		b->count += lod_list_geometry(list->list, &list->chunks[c], first - from, last - from,
 			cut->scale, &at);
 	}
@@ -340,13 +330,8 @@ enum eco_code sheet_drawing_make(struct sheet_drawing *drawing, const struct she
 
 void sheet_drawing_free(struct sheet_drawing *drawing)
 {
-	for (uint32_t i = 0; i < drawing->count; i++) {
-		free(drawing->batches[i].geometry.position);
-		free(drawing->batches[i].geometry.uv);
-		free(drawing->batches[i].geometry.width);
-		free(drawing->batches[i].geometry.color);
-		free(drawing->batches[i].geometry.size);
-	}
+	for (uint32_t i = 0; i < drawing->count; i++)
+		lod_geometry_free(&drawing->batches[i].geometry);
 	free(drawing->batches);
 	*drawing = (struct sheet_drawing){ 0 };
 }

@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "ecofiles/format/view.h"
+#include "lod/geometry.h"
 #include "lod/raster/raster_state.h"
 
 #define BLOCK (1u << LOD_BLOCK_SHIFT)
@@ -261,4 +262,26 @@ void lod_raster_merge(struct lod_raster *into, const struct lod_raster *from)
 			into->item[i] = from->item[i];
 	}
 	memset(into->state->stale, 1, (size_t)into->state->blocks_x * into->state->blocks_y);
+}
+
+/* ---- Lists ---- */
+
+void lod_raster_list(struct lod_raster *raster, const struct eco_list *list,
+	const struct lod_geometry *geometry, const struct lod_raster_batch *given)
+{
+	struct lod_raster_batch batch = *given;
+	batch.position = geometry->position;
+	batch.uv = geometry->uv;
+	batch.width = geometry->width;
+	batch.size = geometry->size;
+	batch.half = geometry->half;
+	batch.opacity = geometry->opacity;
+	if (list->kind == ECO_LIST_TRIANGLES)
+		lod_raster_triangles(raster, &batch);
+	else if (list->kind == ECO_LIST_LINES)
+		lod_raster_lines(raster, &batch);
+	else if (geometry->half)
+		lod_raster_splats(raster, &batch);
+	else
+		lod_raster_points(raster, &batch);
 }

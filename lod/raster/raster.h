@@ -5,12 +5,12 @@
  *   lod_raster_init(&r, &options, &error);           once; then lod_raster_clear for each picture
  *   lod_raster_camera(&r, &eye, near_m);             world -> pixels
  *   lod_raster_object(&r, &place);                   object -> world, for the batches that follow
- *   lod_raster_triangles / _lines / _points          filled by GL's rules
+ *   lod_raster_triangles / _lines / _points / _splats    filled by GL's rules
  *
  * It agrees with OpenGL: window coordinates snapped to 1/256 pixel, centre sampling, top-left rule, triangles
  * clipped at the near plane, both sides drawn, depth tested per pixel. The nearer sample wins; at equal
  * depths the smaller owner wins (or ground where owners are not kept), and within one owner the first. All
- * coverage decisions after the snapping are integer. Depth, cover and owner of a picture do not depend on the
+ * coverage decisions after the snapping are integer, but for splats. Depth, cover and owner of a picture do not depend on the
  * order of drawing. An object is not thread-safe; different objects are independent.
  *
  * A client that draws the same by other means computes the following. v(p) is an object point in metres along
@@ -23,6 +23,8 @@
  *   point     h = sqrt(area * size) * scale * H / (2 tan_y) / w / 2 around the pixel position (x, y) of its
  *             centre: the pixels with centres in [x-h, x+h) x [y-h, y+h), bounds rounded to 1/256; all at
  *             the depth of the centre. There may be none.
+ *   splat     the ellipse of lod/splat.h around the centre's pixel position, at the depth of the centre;
+ *             drawn whole or not at all, by its centre's w
  *   texel     column = floor(u * width) modulo width, row = floor(v * height) modulo height, from the
  *             image's top left; opaque from alpha 128 on; u, v perspective-correct
  * `scale` is that of the place. Samples are compared by 1/w, which is linear on the screen; no sample lies
@@ -61,19 +63,25 @@ void lod_raster_object(struct lod_raster *raster, const struct lod_place *place)
 /* One batch: a range of one list. Positions are in object space. */
 struct lod_raster_batch {
 	uint32_t count;              /* triangles, lines or points */
-	const float *position;       /* 3 per vertex; triangles: 3 vertices each, lines: 2, points: 1 */
+	const float *position;       /* 3 per vertex; triangles: 3 vertices each, lines: 2, points, splats: 1 */
 	const float *uv;             /* triangles only, 2 per vertex, or NULL */
 	const struct eco_image *cutout;   /* samples with alpha < 0.5 (nearest texel, wrapping) are left out;
 	                                   * NULL: opaque */
 	const float *width;          /* lines: full width in object units, one each */
 	float area;                  /* points: area of the square in object units^2 */
 	const float *size;           /* points: factors of `area`, one each, or NULL: all 1 */
+	const float *half, *opacity; /* splats: three half axes (9), and 1; each */
 	uint32_t item;               /* number of the first primitive; those after it count on */
 	uint64_t owner;              /* 0 draws ground, which hides and is not covered */
 };
 void lod_raster_triangles(struct lod_raster *raster, const struct lod_raster_batch *batch);
 void lod_raster_lines(struct lod_raster *raster, const struct lod_raster_batch *batch);
 void lod_raster_points(struct lod_raster *raster, const struct lod_raster_batch *batch);
+void lod_raster_splats(struct lod_raster *raster, const struct lod_raster_batch *batch);
+/* One of these, by the list's kind; geometry as lod_list_geometry wrote it, `area` for the cut's scale. */
+struct lod_geometry;
+void lod_raster_list(struct lod_raster *raster, const struct eco_list *list,
+	const struct lod_geometry *geometry, const struct lod_raster_batch *batch);
 
 /* True if a world-space sphere is certainly hidden behind what has been drawn (coarse depth, ground
  * included), or outside the picture. Leaving out the contents of such a sphere changes no pixel. The sphere

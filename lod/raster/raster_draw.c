@@ -266,15 +266,9 @@ static void draw_soup(struct lod_paint *paint, const struct soup *soup)
 	}
 }
 
-static struct lod_paint paint_make(struct lod_raster *raster, const struct lod_raster_batch *batch)
-{
-	return (struct lod_paint){ .raster = raster, .owner = batch->owner, .cover = batch->owner ? 255 : 0,
-		.silhouette = raster->state->silhouette && batch->owner };
-}
-
 void lod_raster_triangles(struct lod_raster *raster, const struct lod_raster_batch *batch)
 {
-	struct lod_paint paint = paint_make(raster, batch);
+	struct lod_paint paint = lod_paint_make(raster, batch);
 	struct soup soup = { .matrix = raster->state->clip, .position = batch->position,
 		.count = batch->count, .item = batch->item, .per_item = 1 };
 	if (batch->cutout && batch->uv && batch->cutout->width && batch->cutout->height) {
@@ -321,7 +315,7 @@ static bool line_quad(const struct lod_raster_state *state, const float *ends, f
 /* A line that has no quad gets one at the eye, which the near plane takes away: so items count on. */
 void lod_raster_lines(struct lod_raster *raster, const struct lod_raster_batch *batch)
 {
-	struct lod_paint paint = paint_make(raster, batch);
+	struct lod_paint paint = lod_paint_make(raster, batch);
 	float quads[LINES_AT_ONCE * 18];
 	for (uint32_t first = 0; first < batch->count; first += LINES_AT_ONCE) {
 		uint32_t here = batch->count - first < LINES_AT_ONCE ? batch->count - first : LINES_AT_ONCE;
@@ -381,7 +375,7 @@ static inline void project_points(const struct screen *screen, const lod_f4 c[3]
 
 void lod_raster_points(struct lod_raster *raster, const struct lod_raster_batch *batch)
 {
-	struct lod_paint paint = paint_make(raster, batch);
+	struct lod_paint paint = lod_paint_make(raster, batch);
 	const struct lod_raster_state *state = raster->state;
 	if (!(batch->area > 0))
 		return;

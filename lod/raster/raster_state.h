@@ -42,6 +42,13 @@ struct lod_paint {
 	bool silhouette;
 };
 
+/* Of the batch's first primitive. */
+static inline struct lod_paint lod_paint_make(struct lod_raster *raster, const struct lod_raster_batch *batch)
+{
+	return (struct lod_paint){ .raster = raster, .owner = batch->owner, .cover = batch->owner ? 255 : 0,
+		.silhouette = raster->state->silhouette && batch->owner };
+}
+
 struct lod_corner { int32_t x, y; float z, u, v; };      /* x, y in 1/256 pixel from the top left; z = 1/w */
 
 /* Four triangles, one a lane; arrays are indexed by corner, as lod_corner. first, last: pixels with centres
@@ -56,6 +63,9 @@ void lod_fill_triangle(const struct lod_paint *paint, const struct lod_corner co
 void lod_fill_small(const struct lod_paint *paint, const struct lod_four *four, unsigned lanes);
 /* Fills the box [x0, x1) x [y0, y1) (1/256 pixel) at depth z. */
 void lod_fill_box(const struct lod_paint *paint, int32_t x0, int32_t y0, int32_t x1, int32_t y1, float z);
+
+/* Fills pixels [from, to) of a row at depth z; from < to. */
+void lod_fill_row(const struct lod_paint *paint, uint32_t row, uint32_t from, uint32_t to, float z);
 
 /* True if all pixels of columns x[0] to x[1] and rows y[0] to y[1] are certainly nearer than 1/nearest. */
 bool lod_blocks_hide(struct lod_raster *raster, const uint32_t x[2], const uint32_t y[2], float nearest);

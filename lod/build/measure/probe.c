@@ -14,11 +14,11 @@
 #define PIXELS_AT_ONCE (1u << 22)    /* of all pictures drawn at a time */
 #define SHARED_PRIMITIVES 8192u      /* fewer primitives are drawn faster than threads start */
 
-struct lod_drawing {                 /* one cut, as triangles, lines or points; offsets into `floats` */
-	uint8_t kind;
+struct lod_drawing {                 /* one cut; `floats`: where its geometry begins in the probe's floats */
+	const struct eco_list *list;
 	uint32_t count;
-	size_t position, uv, width, size;    /* width of lines, size of points; `sized`: points differ */
-	bool sized;
+	size_t floats;
+	bool uv;
 	const struct eco_image *cutout;
 	float area;
 };
@@ -218,29 +218,22 @@ enum eco_code lod_probe_add(struct lod_probe *probe, const struct eco_cut *cut, 
 {
 	const struct lod_list_draft *draft = &probe->plant->lists[cut->list];
 	const struct eco_list *list = &draft->list;
-	size_t count = cut->end - cut->first, corners = eco_list_vertices(list);
+	uint32_t count = cut->end - cut->first;
 	bool holes = list->image != ECO_NONE && (list->attributes & ECO_ATTR_UV) && probe->cut[list->image];
-	size_t positions = 3 * corners * count, uvs = holes ? 2 * corners * count : 0, widths = corners == 2
-		? count : 0;
-	bool sized = list->attributes & ECO_ATTR_SIZE;
-	size_t sizes = sized ? count : 0;
+	size_t floats = lod_geometry_floats(list, count, holes);
+	struct lod_geometry geometry = { .color = NULL };
 	if (!count)
 		return ECO_OK;
-	if (!reserve(probe, positions + uvs + widths + sizes))
-		return eco_fail(error, ECO_NO_MEMORY, "no memory to measure %zu primitives", count);
+	if (!reserve(probe, floats))
+		return eco_fail(error, ECO_NO_MEMORY, "no memory to measure %u primitives", count);
 	struct lod_drawing *drawing = &probe->drawings[probe->drawing_count++];
-	*drawing = (struct lod_drawing){ .kind = list->kind, .position = probe->float_count,
-		.uv = probe->float_count + positions,
-		.width = probe->float_count + positions + uvs, .size = probe->float_count + positions + uvs
-		+ widths, .sized = sized,
+	*drawing = (struct lod_drawing){ .list = list, .floats = probe->float_count, .uv = holes,
 		.area = list->unit_area * cut->scale,
 		.cutout = holes ? &probe->model->images[probe->plant->images[list->image]] : NULL };
-	struct lod_geometry geometry = { probe->floats + drawing->position,
-		holes ? probe->floats + drawing->uv : NULL, widths ? probe->floats + drawing->width : NULL,
-		NULL, sized ? probe->floats + drawing->size : NULL };
+	lod_geometry_lay(&geometry, list, count, holes, probe->floats + drawing->floats);
 	drawing->count = lod_list_geometry(list, &draft->elements, cut->first, cut->end, cut->scale,
 		&geometry);
-	probe->float_count += positions + uvs + widths + sizes;
+	probe->float_count += floats;
 	probe->primitive_count += drawing->count;
 	return ECO_OK;
 }
@@ -251,17 +244,12 @@ static void draw_all(const struct lod_probe *probe, struct lod_raster *raster)
 {
 	for (uint32_t i = 0; i < probe->drawing_count; i++) {
 		const struct lod_drawing *drawing = &probe->drawings[i];
-		struct lod_raster_batch batch =
-			{ .count = drawing->count, .position = probe->floats + drawing->position,
-			.uv = drawing->cutout ? probe->floats + drawing->uv : NULL, .cutout = drawing->cutout,
-				.width = probe->floats + drawing->width, .area = drawing->area,
-				.size = drawing->sized ? probe->floats + drawing->size : NULL, .owner = 1 };
-		if (drawing->kind == ECO_LIST_TRIANGLES)
-			lod_raster_triangles(raster, &batch);
-		else if (drawing->kind == ECO_LIST_LINES)
-			lod_raster_lines(raster, &batch);
-		else
-			lod_raster_points(raster, &batch);
+		struct lod_geometry geometry = { .color = NULL };
+		lod_geometry_lay(&geometry, drawing->list, drawing->count, drawing->uv,
+			probe->floats + drawing->floats);
+		lod_raster_list(raster, drawing->list, &geometry,
+			&(struct lod_raster_batch){ .count = drawing->count, .cutout = drawing->cutout,
+			.area = drawing->area, .owner = 1 });
 	}
 }
 

@@ -1,0 +1,62 @@
+/* Drawing of splats, shared by the rasteriser and by what fits splats.
+ *
+ * The ellipsoid's half axes h_k are projected linearly at its centre, which is exact far away: in pixels d_k =
+ * J h_k. The picture of the ellipsoid is the ellipse x^T C^-1 x <= 1 with C = sum d_k d_k^T (an ellipsoid is
+ * the image of a ball; Zwicker and others 2001, EWA volume splatting, eq. 24, without their filter). Where it
+ * is not opaque a fixed hash of pixel and splat says which pixels it covers. All of it lies at the depth of
+ * the centre. */
+#ifndef LOD_SPLAT_H
+#define LOD_SPLAT_H
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
+
+/* The ellipse around (0, 0), pixels: row y holds the pixels with |x - lean y| <= half sqrt(1 - (y / high)^2). */
+struct lod_ellipse { float wide, high, lean, half; };
+
+/* From the half axes in pixels, x to the right. False where nothing can be covered. */
+static inline bool lod_ellipse_make(struct lod_ellipse *ellipse, const float across[3], const float down[3])
+{
+	float xx = 0, xy = 0, yy = 0;
+	for (int k = 0; k < 3; k++) {
+		xx += across[k] * across[k];
+		xy += across[k] * down[k];
+		yy += down[k] * down[k];
+	}
+	if (!(xx > 0 && yy > 0 && xx < 1e30f && yy < 1e30f))
+		return false;
+	ellipse->wide = sqrtf(xx);
+	ellipse->high = sqrtf(yy);
+	ellipse->lean = xy / yy;
+	float rest = xx - ellipse->lean * xy;
+	ellipse->half = rest > 0 ? sqrtf(rest) : 0;
+	return true;
+}
+
+/* Half the length of the row at height y, pixels; negative beyond the ellipse. */
+static inline float lod_ellipse_row(const struct lod_ellipse *ellipse, float y)
+{
+	float t = y / ellipse->high, rest = 1 - t * t;
+	return rest >= 0 ? ellipse->half * sqrtf(rest) : -1;
+}
+
+/* The salt of a splat, from its centre in object space. */
+static inline uint32_t lod_splat_salt(const float centre[3])
+{
+	uint32_t bits[3];
+	memcpy(bits, centre, sizeof bits);
+	return bits[0] * 0x9E3779B1u ^ bits[1] * 0x85EBCA77u ^ bits[2] * 0xC2B2AE3Du;
+}
+
+/* Whether a splat of an opacity covers the pixel: opaque ones all, others a share of them. */
+static inline bool lod_splat_covers(uint32_t salt, uint32_t column, uint32_t row, float opacity)
+{
+	uint32_t hash = salt + column * 0x9E3779B9u + row * 0x7FEB352Du;
+	hash = (hash ^ hash >> 16) * 0x21F0AAADu;
+	hash = (hash ^ hash >> 15) * 0x735A2D97u;
+	return (float)(hash >> 24) < opacity * 256;
+}
+
+#endif

@@ -1,0 +1,173 @@
+/* Splats in the rasteriser: ellipses of the right size, place, lean and depth, and shares of pixels. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/format/view.h"
+#include "lod/raster/raster.h"
+#include "tests/support/unit_test.h"
+
+#define SIDE 400u
+
+static struct lod_raster raster;
+
+/* A camera at (0, -100, 0) that looks north; `half_m` metres from the picture's middle to its edge at y = 0. */
+static void look(double half_m)
+{
+	struct eco_view view = { .eye = { 0, -100, 0 }, .target = { 0, 0, 0 }, .up = { 0, 0, 1 },
+		.fov_y_deg = 360 / M_PI * atan(half_m / 100), .width = SIDE, .height = SIDE };
+	struct lod_eye eye;
+	lod_eye_make(&eye, &view);
+	lod_raster_clear(&raster);
+	lod_raster_camera(&raster, &eye, 0.1);
+	lod_raster_object(&raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
+}
+
+static void draw(const float centre[3], const float half[9], float opacity, uint64_t owner)
+{
+	lod_raster_splats(&raster, &(struct lod_raster_batch){ .count = 1, .position = centre, .half = half,
+		.opacity = &opacity, .owner = owner });
+}
+
+static uint32_t covered(void)
+{
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < SIDE * SIDE; i++)
+		count += raster.cover[i] != 0;
+	return count;
+}
+
+static int set_up(void **state)
+{
+	(void)state;
+	return lod_raster_init(&raster, &(struct lod_raster_options){ .width = SIDE, .height = SIDE,
+		.owner = true }, NULL) != ECO_OK;
+}
+
+static int tear_down(void **state)
+{
+	(void)state;
+	lod_raster_free(&raster);
+	return 0;
+}
+
+static void a_ball_is_a_disc(void **state)
+{
+	const float centre[3] = { 0.5f, 0, 1 }, half[9] = { 2, 0, 0, 0, 2, 0, 0, 0, 2 };
+	double pixels_a_metre = SIDE / 2 / 10.0, radius = 2 * pixels_a_metre;
+	look(10);
+	draw(centre, half, 1, 7);
+	assert_float_equal(covered(), M_PI * radius * radius, 0.01 * M_PI * radius * radius);
+	for (uint32_t y = 0; y < SIDE; y++)
+		for (uint32_t x = 0; x < SIDE; x++) {
+			double dx = x + 0.5 - SIDE / 2 - 0.5 * pixels_a_metre,
+				dy = y + 0.5 - SIDE / 2 + 1 * pixels_a_metre, r = sqrt(dx * dx + dy * dy);
+			if (fabs(r - radius) > 0.05 * pixels_a_metre)
+				assert_int_equal(raster.cover[y * SIDE + x] != 0, r < radius);
+		}
+}
+
+/* Against the definition, pixel by pixel, for axes of all kinds. */
+static void ellipses_lean_as_their_axes(void **state)
+{
+	srand(3);
+	look(10);
+	for (int k = 0; k < 200; k++) {
+		float centre[3], half[9], c[2][2] = { { 0 } };
+		double px = SIDE / 20.0;
+		for (int i = 0; i < 9; i++)
+			half[i] = (float)rand() / (float)RAND_MAX * 3 - 1.5f;
+		for (int i = 0; i < 3; i++)
+			centre[i] = i == 1 ? 0 : (float)rand() / (float)RAND_MAX * 10 - 5;
+		for (int i = 0; i < 3; i++) {
+			/* the camera is 100 m away: depth moves the projection of a half axis a little */
+			double dx = (half[3 * i] - half[3 * i + 1] * centre[0] / 100) * px,
+				dy = -(half[3 * i + 2] - half[3 * i + 1] * centre[2] / 100) * px;
+			c[0][0] += (float)(dx * dx), c[0][1] += (float)(dx * dy), c[1][1] += (float)(dy * dy);
+		}
+		double det = (double)c[0][0] * c[1][1] - (double)c[0][1] * c[0][1];
+		lod_raster_clear(&raster);
+		draw(centre, half, 1, 1);
+		for (uint32_t y = 0; y < SIDE; y++)
+			for (uint32_t x = 0; x < SIDE; x++) {
+				double dx = x + 0.5 - SIDE / 2 - centre[0] * px,
+					dy = y + 0.5 - SIDE / 2 + centre[2] * px;
+				double q = (c[1][1] * dx * dx - 2 * c[0][1] * dx * dy + c[0][0] * dy * dy) / det;
+				if (fabs(q - 1) > 0.01)
+					assert_int_equal(raster.cover[y * SIDE + x] != 0, q < 1);
+			}
+	}
+}
+
+static void opacity_is_a_share_of_pixels(void **state)
+{
+	const float half[9] = { 6, 0, 0, 0, 6, 0, 0, 0, 6 };
+	uint32_t all = 0;
+	for (int k = 16; k > 0; k--) {
+		uint32_t here = 0;
+		for (int i = 0; i < 8; i++) {
+			const float centre[3] = { (float)i * 0.1f, 0, (float)i * 0.07f };
+			look(10);
+			draw(centre, half, (float)k / 16, 1);
+			here += covered();
+		}
+		all = k == 16 ? here : all;
+		assert_float_equal(here, all * (k / 16.0), 0.02 * all);
+	}
+}
+
+/* Two splats of half opacity cover three quarters: their pixels do not depend on each other. */
+static void splats_do_not_share_their_pixels(void **state)
+{
+	const float half[9] = { 6, 0, 0, 0, 6, 0, 0, 0, 6 }, a[3] = { 0, 0, 0 }, b[3] = { 0.01f, 0.5f, 0.01f };
+	look(10);
+	draw(a, half, 1, 1);
+	uint32_t all = covered();
+	look(10);
+	draw(a, half, 0.5f, 1);
+	draw(b, half, 0.5f, 2);
+	assert_float_equal(covered(), 0.75 * all, 0.02 * all);
+}
+
+static void the_nearer_centre_wins_whatever_the_order(void **state)
+{
+	const float half[9] = { 2, 0, 0, 0, 2, 0, 0, 0, 2 }, near[3] = { 0, -1, 0 }, far[3] = { 1, 1, 0 };
+	uint64_t *first = malloc(SIDE * SIDE * sizeof *first);
+	look(10);
+	draw(near, half, 0.7f, 1);
+	draw(far, half, 1, 2);
+	memcpy(first, raster.owner, SIDE * SIDE * sizeof *first);
+	look(10);
+	draw(far, half, 1, 2);
+	draw(near, half, 0.7f, 1);
+	assert_memory_equal(first, raster.owner, SIDE * SIDE * sizeof *first);
+	assert_int_equal(raster.owner[SIDE / 2 * SIDE + SIDE / 2 + 50], 2);
+	free(first);
+}
+
+static void what_cannot_be_drawn_is_left_out(void **state)
+{
+	static const float behind[3] = { 0, -101, 0 }, here[3] = { 0, 0, 0 }, wild[3] = { 1e30f, 0, 1e30f },
+		ball[9] = { 1, 0, 0, 0, 1, 0, 0, 0, 1 }, none[9] = { 0 },
+		bad[9] = { INFINITY, 0, 0, 0, NAN, 0, 0, 0, 1 };
+	look(10);
+	draw(behind, ball, 1, 1);
+	draw(here, none, 1, 1);
+	draw(here, bad, 1, 1);
+	draw(wild, ball, 1, 1);
+	draw(here, ball, 0, 1);
+	assert_int_equal(covered(), 0);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_ball_is_a_disc),
+		cmocka_unit_test(ellipses_lean_as_their_axes),
+		cmocka_unit_test(opacity_is_a_share_of_pixels),
+		cmocka_unit_test(splats_do_not_share_their_pixels),
+		cmocka_unit_test(the_nearer_centre_wins_whatever_the_order),
+		cmocka_unit_test(what_cannot_be_drawn_is_left_out),
+	};
+	return cmocka_run_group_tests(tests, set_up, tear_down);
+}
