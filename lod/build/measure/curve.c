@@ -18,6 +18,8 @@
  * Its curve is measured over the whole: each ladder draws its part of the elements that the share reaches, as
  * if all cells were at one distance. All these ladders share the curve.
  *
+ * The curve of a ladder that shows the whole plant is measured against all its organs together.
+ *
  * Two steps fit curves to a planner. Scales are smoothed over neighbouring shares, since a jump would be
  * visible. The error is made non-increasing by the least-squares monotone fit (pool adjacent violators),
  * since more vertices must not look worse to the planner. All arithmetic is +, -, *, / and sqrt in fixed
@@ -96,11 +98,12 @@ static void sample_levels(struct lod_curve_organ *curve)
 static void choose_samples(struct lod_curve_organ *curve)
 {
 	curve->sample_count = 0;
-	if (!curve->forms) {
+	double unit = curve->whole ? 1 : curve->unit[0]; /* vertices of the smallest step */
+	if (!curve->forms && !curve->whole) {
 		sample_levels(curve);
 		return;
 	}
-	sample_geometrically(curve, curve->full / curve->unit[0], curve->unit[0] / curve->full);
+	sample_geometrically(curve, curve->full / unit, unit / curve->full);
 	add_sample(curve, 1, false);
 }
 
@@ -165,19 +168,18 @@ static void make_monotone(struct lod_curve_organ *curve)
 static enum eco_code keep_reference(struct lod_curve_organ *curve, bool *any, struct eco_error *error)
 {
 	const struct lod_plant *plant = curve->probe->plant;
+	const struct eco_ladder *first = lod_curve_member(curve, 0);
+	const struct eco_curve all = { .share = 1, .scale = 1, .reach = 1 };
 	enum eco_code code = ECO_OK;
-	if (!curve->far_only) {
-		code = lod_curve_draw(curve, 1, 1, 0, error);
-	} else {
-		const struct eco_ladder *far = lod_curve_member(curve, 0);
-		const struct eco_curve all = { .share = 1, .scale = 1, .reach = 1 };
-		lod_probe_clear(curve->probe);
-		for (uint32_t i = 0; i < plant->ladder_count && !code; i++) {
-			const struct eco_ladder *ladder = &plant->ladders[i];
-			if (ladder->organ == far->organ && !(ladder->flags & ECO_LADDER_FAR))
-				code = lod_curve_add(curve, ladder, &all, error);
-		}
+	lod_probe_clear(curve->probe);
+	for (uint32_t i = 0; i < plant->ladder_count && !code; i++) {
+		const struct eco_ladder *ladder = &plant->ladders[i];
+		bool full = !(ladder->flags & (ECO_LADDER_FAR | ECO_LADDER_WHOLE));
+		if (full && (curve->whole || (curve->far_only && ladder->organ == first->organ)))
+			code = lod_curve_add(curve, ladder, &all, error);
 	}
+	if (!code && !curve->far_only && !curve->whole)
+		code = lod_curve_draw(curve, 1, 1, 0, error);
 	*any = !code && lod_probe_keep(curve->probe);
 	return code;
 }
@@ -292,7 +294,7 @@ static uint32_t image_of(const struct lod_plant *plant, const struct eco_ladder 
 static bool same_curve(const struct lod_plant *plant, const struct eco_ladder *a, const struct eco_ladder *b)
 {
 	bool far = a->flags & ECO_LADDER_FAR;
-	return a->organ == b->organ && far == (bool)(b->flags & ECO_LADDER_FAR)
+	return !((a->flags | b->flags) & ECO_LADDER_WHOLE) && a->organ == b->organ && far == (bool)(b->flags & ECO_LADDER_FAR)
 		&& (far || image_of(plant, a) == image_of(plant, b));
 }
 
@@ -310,7 +312,7 @@ static void add_unit(struct lod_curve_organ *curve, uint32_t list)
 static void sum_up(struct lod_curve_organ *curve)
 {
 	const struct eco_ladder *first = lod_curve_member(curve, 0);
-	curve->forms = first->organ != ECO_ORGAN_WOOD && first->level_count == 0
+	curve->forms = !curve->whole && first->organ != ECO_ORGAN_WOOD && first->level_count == 0
 		&& lod_curve_primitives(curve, first->triangles);
 	for (uint32_t i = 0; i < curve->member_count; i++) {
 		const struct eco_ladder *ladder = lod_curve_member(curve, i);
@@ -340,7 +342,8 @@ static void gather(struct lod_curve_organ *curve, struct lod_probe *probe, uint3
 		curve->members[curve->member_count++] = i;
 	}
 	curve->far_only = plant->ladders[first].flags & ECO_LADDER_FAR;
-	curve->scaled = plant->ladders[first].organ != ECO_ORGAN_WOOD;
+	curve->whole = plant->ladders[first].flags & ECO_LADDER_WHOLE;
+	curve->scaled = plant->ladders[first].organ != ECO_ORGAN_WOOD && !curve->whole;
 	sum_up(curve);
 	if (curve->full > 0)
 		choose_samples(curve);

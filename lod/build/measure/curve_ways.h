@@ -37,6 +37,7 @@ struct lod_curve_organ {             /* ladders that share one curve */
 	struct lod_probe *probe;
 	uint32_t *members, member_count; /* indices of ladders; [0] is the whole plant's if there is one */
 	bool far_only;               /* FAR ladders: measured against the organ's other ladders */
+	bool whole;                  /* a WHOLE ladder: measured against all others */
 	bool scaled;                 /* not wood */
 	bool forms;                  /* leaves in several forms */
 	double unit[LOD_CURVE_FORMS_MAX];    /* forms: mean vertices of an element, coarsest first */
