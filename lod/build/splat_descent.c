@@ -1,0 +1,126 @@
+#include "lod/build/splat_descent.h"
+
+#include <math.h>
+#include <string.h>
+
+#define BATCHES 4u               /* a round over all views is so many steps */
+#define MEMORY_1 0.9f            /* Adam's */
+#define MEMORY_2 0.99f
+
+struct moment { struct splat_params first, second; };
+
+struct state {
+	struct splat_descent *d;
+	struct splat_softness soft;
+	struct moment *moments;
+	struct splat_params **gradient;      /* per view of a batch */
+	struct splat_picture *pictures;      /* the same */
+	double *loss;
+	uint32_t batch, batches, room;       /* views batch, batch + batches, ... */
+	float size;                          /* of the splats in the mean at first */
+};
+
+static void view_piece(void *pieces, uint32_t i)
+{
+	struct state *s = pieces;
+	const struct splat_descent *d = s->d;
+	memset(s->gradient[i], 0, d->count * sizeof **s->gradient);
+	s->loss[i] = splat_view_loss(d->views, s->batch + i * s->batches, d->splats, d->count, &s->soft,
+		&s->pictures[i], s->gradient[i]);
+}
+
+/* Mean loss of a batch; gradients are summed in the order of views. */
+static double batch_gradient(struct state *s)
+{
+	const struct splat_descent *d = s->d;
+	uint32_t views = (d->views->count - s->batch + s->batches - 1) / s->batches;
+	if (d->options->each)
+		d->options->each(d->options->ctx, views, view_piece, s);
+	else
+		for (uint32_t i = 0; i < views; i++)
+			view_piece(s, i);
+	double loss = s->loss[0];
+	for (uint32_t i = 1; i < views; i++) {
+		loss += s->loss[i];
+		for (uint32_t k = 0; k < d->count; k++)
+			for (uint32_t j = 0; j < SPLAT_PARAMS; j++)
+				s->gradient[0][k].v[j] += s->gradient[i][k].v[j];
+	}
+	return loss / views;
+}
+
+static float size_of(const struct splat_params *splat)
+{
+	float square = 0;
+	for (uint32_t j = SPLAT_AXES; j < SPLAT_OPACITY; j++)
+		square += splat->v[j] * splat->v[j];
+	return sqrtf(square / 3);
+}
+
+static void step_splat(const struct state *s, struct splat_params *splat, struct moment *moment,
+	const struct splat_params *gradient, float rate, float mend_1, float mend_2)
+{
+	float size = size_of(splat);
+	size = size > 0.5f * s->size ? size : 0.5f * s->size;
+	for (uint32_t j = 0; j < SPLAT_PARAMS; j++) {
+		float g = gradient->v[j], *a = &moment->first.v[j], *b = &moment->second.v[j];
+		*a = MEMORY_1 * *a + (1 - MEMORY_1) * g;
+		*b = MEMORY_2 * *b + (1 - MEMORY_2) * g * g;
+		float by = *a * mend_1 / (sqrtf(*b * mend_2) + 1e-12f);
+		splat->v[j] -= rate * (j < SPLAT_OPACITY ? size : 1) * by;
+	}
+	float *opacity = &splat->v[SPLAT_OPACITY];
+	*opacity = s->d->opaque || *opacity > 1 ? 1 : *opacity < 0.0625f ? 0.0625f : *opacity;
+}
+
+static void prepare(struct state *s, struct lod_arena *arena)
+{
+	struct splat_descent *d = s->d;
+	size_t pixels = (size_t)d->views->pixels * d->views->stride;
+	s->moments = lod_arena_take(arena, d->count, sizeof *s->moments);
+	s->gradient = lod_arena_take(arena, s->room, sizeof *s->gradient);
+	s->pictures = lod_arena_take(arena, s->room, sizeof *s->pictures);
+	s->loss = lod_arena_take(arena, s->room, sizeof *s->loss);
+	for (uint32_t i = 0; i < s->room; i++) {
+		s->gradient[i] = lod_arena_take(arena, d->count, sizeof **s->gradient);
+		s->pictures[i].free = lod_arena_take(arena, pixels, sizeof(float));
+		s->pictures[i].weight = lod_arena_take(arena, pixels, sizeof(float));
+	}
+	for (uint32_t k = 0; k < d->count; k++)
+		s->size += size_of(&d->splats[k]) / (float)d->count;
+}
+
+static bool told(const struct splat_descent *d, double share)
+{
+	return !d->options->progress
+		|| d->options->progress(d->options->ctx, (d->level + share) / d->levels);
+}
+
+bool splat_descend(struct splat_descent *d, struct lod_arena *arena)
+{
+	const struct lod_arena_piece *mark = arena->last;
+	uint32_t batches = d->views->count < BATCHES ? 1 : BATCHES;
+	struct state s = { .d = d, .batches = batches, .room = (d->views->count + batches - 1) / batches };
+	uint32_t steps = 200;
+	float fall_1 = 1, fall_2 = 1;
+	bool go = true;
+	prepare(&s, arena);
+	for (uint32_t i = 0; i < steps && go; i++) {
+		float at = (float)i / (float)steps, rate = 0.08f * (1 - at) * (1 - at) + 0.002f;
+		s.soft = (struct splat_softness){ .edge_px = 0.6f, .least = 0.6f * (1 - at) * (1 - at),
+			.blur_px2 = 0.2f, .chance = 0 };
+		s.batch = i % s.batches;
+		batch_gradient(&s);
+		fall_1 *= MEMORY_1;
+		fall_2 *= MEMORY_2;
+		for (uint32_t k = 0; k < d->count; k++)
+			step_splat(&s, &d->splats[k], &s.moments[k], &s.gradient[0][k], rate, 1 / (1 - fall_1),
+				1 / (1 - fall_2));
+		go = told(d, at);
+	}
+	s.soft = (struct splat_softness){ .edge_px = 0.3f };
+	for (s.batch = 0; s.batch < s.batches; s.batch++)
+		d->loss += batch_gradient(&s) / s.batches;
+	lod_arena_release(arena, mark);
+	return go;
+}

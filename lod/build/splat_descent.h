@@ -1,0 +1,21 @@
+/* Gradient descent of one level of splats: Adam (Kingma and Ba 2015) on batches of views, with falling steps
+ * and edges that grow sharper. */
+#ifndef LOD_SPLAT_DESCENT_H
+#define LOD_SPLAT_DESCENT_H
+
+#include "lod/build/splat_state.h"
+
+struct splat_descent {
+	const struct splat_views *views;
+	struct splat_params *splats;     /* a level; in: where it begins, out: where it ends */
+	uint32_t count;
+	bool opaque;
+	uint32_t level, levels;          /* for progress */
+	const struct lod_splats_options *options;
+	double loss;                     /* out: mean 1 - soft Q of all views */
+};
+
+/* False if progress says stop. */
+bool splat_descend(struct splat_descent *descent, struct lod_arena *arena);
+
+#endif

@@ -1,0 +1,223 @@
+/* Fitting levels of splats to a plant's pictures.
+ *
+ * The points of the plant's visible surface are divided into 1, 3, 12, ... parts of equal numbers, each part
+ * of a level within one of the level before; so children stand where their parent stands. A level begins with
+ * the moments of its parts. Then gradient descent (Adam: Kingma and Ba 2015) moves all its splats freely, so
+ * that the mean Q of the views rises. */
+#include "lod/build/splat_fit.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lod/build/splat_descent.h"
+#include "lod/sort.h"
+
+#define FIRST_SPREAD 1.6         /* half axes over standard deviations: of a shell between a ball and a disc */
+
+static const uint32_t level_size[LOD_SPLAT_LEVELS] = { 1, 3, 12, 48, 192, 768, 3072 };
+
+struct part { uint32_t first, end; };    /* of the points */
+
+struct fit {
+	const struct lod_splats_options *options;
+	struct lod_arena arena;
+	struct splat_views views;
+	float (*point)[3];               uint32_t point_count;
+	struct part *parts[LOD_SPLAT_LEVELS];
+	struct splat_params *level[LOD_SPLAT_LEVELS];
+	struct lod_splats *splats;
+};
+
+/* ---- Parts ---- */
+
+static void moments(const float (*point)[3], uint32_t count, double mean[3], double value[3],
+	double vector[3][3])
+{
+	double square[3][3] = { { 0 } };
+	memset(mean, 0, 3 * sizeof *mean);
+	for (uint32_t i = 0; i < count; i++)
+		for (int k = 0; k < 3; k++)
+			mean[k] += point[i][k];
+	for (int k = 0; k < 3 && count; k++)
+		mean[k] /= count;
+	for (uint32_t i = 0; i < count; i++)
+		for (int k = 0; k < 3; k++)
+			for (int j = 0; j < 3; j++)
+				square[k][j] += (point[i][k] - mean[k]) * (point[i][j] - mean[j]) / count;
+	splat_eigen((const double (*)[3])square, value, vector);
+}
+
+/* Sorts the points of a part along its longest axis. */
+static void sort_part(struct fit *fit, struct part part)
+{
+	double mean[3], value[3], vector[3][3];
+	uint32_t count = part.end - part.first;
+	const struct lod_arena_piece *mark = fit->arena.last;
+	struct lod_keyed *keyed = lod_arena_take(&fit->arena, count, sizeof *keyed);
+	float (*copy)[3] = lod_arena_take(&fit->arena, count, sizeof *copy);
+	moments((const float (*)[3])(fit->point + part.first), count, mean, value, vector);
+	memcpy(copy, fit->point + part.first, count * sizeof *copy);
+	for (uint32_t i = 0; i < count; i++)
+		keyed[i] = (struct lod_keyed){ lod_sort_key(copy[i][0] * vector[0][0] + copy[i][1] * vector[0][1]
+			+ copy[i][2] * vector[0][2]), i };
+	lod_sort(&fit->arena, keyed, count);
+	for (uint32_t i = 0; i < count; i++)
+		memcpy(fit->point[part.first + i], copy[keyed[i].value], sizeof *copy);
+	lod_arena_release(&fit->arena, mark);
+}
+
+/* Into two halves of halves, or into thirds, each along its own longest axis. */
+static void divide(struct fit *fit, struct part part, struct part *to, uint32_t count)
+{
+	uint32_t by = count % 2 ? count : 2, each = count / by;
+	if (count == 1) {
+		*to = part;
+		return;
+	}
+	sort_part(fit, part);
+	uint64_t points = part.end - part.first;
+	for (uint32_t i = 0; i < by; i++)
+		divide(fit, (struct part){ part.first + (uint32_t)(points * i / by),
+			part.first + (uint32_t)(points * (i + 1) / by) }, to + i * each, each);
+}
+
+static void first_shape(struct fit *fit, const struct part *part, const struct splat_params *parent,
+	struct splat_params *splat)
+{
+	double mean[3], value[3], vector[3][3];
+	uint32_t count = part->end - part->first;
+	moments((const float (*)[3])(fit->point + part->first), count, mean, value, vector);
+	if (!count && parent) {
+		*splat = *parent;
+		return;
+	}
+	double longest = FIRST_SPREAD * sqrt(value[0] > 0 ? value[0] : 0), least = 0.2 * longest;
+	least = least > 0.002 ? least : 0.002;
+	for (int k = 0; k < 3; k++) {
+		double length = value[k] > 0 ? FIRST_SPREAD * sqrt(value[k]) : 0;
+		length = length > least ? length : least;
+		splat->v[k] = (float)mean[k];
+		for (int i = 0; i < 3; i++)
+			splat->v[SPLAT_AXES + 3 * k + i] = (float)(length * vector[k][i]);
+	}
+	splat->v[SPLAT_OPACITY] = fit->options->opaque ? 1 : 0.8f;
+}
+
+/* ---- Levels ---- */
+
+static void start_level(struct fit *fit, uint32_t level)
+{
+	uint32_t size = level_size[level];
+	fit->level[level] = lod_arena_take(&fit->arena, size, sizeof **fit->level);
+	fit->parts[level] = lod_arena_take(&fit->arena, size, sizeof **fit->parts);
+	if (!level)
+		fit->parts[0][0] = (struct part){ 0, fit->point_count };
+	uint32_t children = level ? size / level_size[level - 1] : 1;
+	for (uint32_t i = 0; level && i < level_size[level - 1]; i++)
+		divide(fit, fit->parts[level - 1][i], fit->parts[level] + i * children, children);
+	for (uint32_t i = 0; i < size; i++)
+		first_shape(fit, &fit->parts[level][i], level ? &fit->level[level - 1][i / children] : NULL,
+			&fit->level[level][i]);
+}
+
+static uint32_t count_levels(const struct fit *fit, const struct eco_model *model)
+{
+	uint32_t most = fit->options->levels ? fit->options->levels : LOD_SPLAT_LEVELS - (model->triangle_count < 24000);
+	most = most < LOD_SPLAT_LEVELS ? most : LOD_SPLAT_LEVELS;
+	uint32_t count = 1;
+	while (count < most && level_size[count] <= model->triangle_count / 2)
+		count++;
+	return count;
+}
+
+/* The points of all views become one array. */
+static bool gather(struct fit *fit)
+{
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < fit->views.count; i++)
+		count += fit->views.items[i].sample_count;
+	fit->point = lod_arena_take(&fit->arena, count, sizeof *fit->point);
+	for (uint32_t i = 0; i < fit->views.count; i++) {
+		const struct splat_view *view = &fit->views.items[i];
+		if (view->sample_count)
+			memcpy(fit->point + fit->point_count, view->sample, view->sample_count * sizeof *view->sample);
+		fit->point_count += view->sample_count;
+	}
+	return count > 0;
+}
+
+static void place(struct lod_splats *splats, const struct splat_views *views)
+{
+	splats->radius = views->radius;
+	splats->step = views->radius / 1024;
+	splats->unit = (float)(views->radius / 16);
+	for (int k = 0; k < 3; k++) {
+		splats->center[k] = views->center[k];
+		splats->origin[k] = views->center[k] - LOD_SPLAT_GRID / 2 * splats->step;
+	}
+}
+
+static void store(struct fit *fit, uint32_t levels)
+{
+	struct lod_splats *splats = fit->splats;
+	uint32_t count = 0;
+	for (uint32_t l = 0; l < levels; l++)
+		splats->level_end[l] = count += level_size[l];
+	splats->items = lod_arena_own(&fit->arena, count, sizeof *splats->items);
+	for (uint32_t l = 0; l < levels; l++) {
+		struct lod_splat *to = splats->items + lod_splats_first(splats, l);
+		for (uint32_t i = 0; i < level_size[l]; i++) {
+			splat_store(&to[i], &fit->level[l][i], splats);
+			splat_restore(&fit->level[l][i], &to[i], splats);
+		}
+		splat_color_level(&fit->views, fit->level[l], level_size[l],
+			l ? splats->items + lod_splats_first(splats, l - 1) : NULL,
+			l ? level_size[l] / level_size[l - 1] : 1, &fit->arena, to);
+	}
+	splats->level_count = levels;
+}
+
+static enum eco_code run(struct fit *fit, const struct eco_model *model, struct eco_error *error)
+{
+	enum eco_code code = splat_views_make(&fit->views, model, fit->options, &fit->arena, error);
+	if (code || !gather(fit))
+		return code;
+	place(fit->splats, &fit->views);
+	uint32_t levels = count_levels(fit, model);
+	for (uint32_t l = 0; l < levels; l++) {
+		start_level(fit, l);
+		struct splat_descent descent = { .views = &fit->views, .splats = fit->level[l],
+			.count = level_size[l], .opaque = fit->options->opaque, .level = l, .levels = levels,
+			.options = fit->options };
+		if (!splat_descend(&descent, &fit->arena))
+			return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+		fit->splats->loss[l] = descent.loss;
+	}
+	store(fit, levels);
+	return ECO_OK;
+}
+
+enum eco_code lod_splats_fit(struct lod_splats *splats, const struct eco_model *model,
+	const struct lod_splats_options *options, struct eco_error *error)
+{
+	struct fit *fit = calloc(1, sizeof *fit);
+	memset(splats, 0, sizeof *splats);
+	if (!fit)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory to fit splats");
+	fit->options = options;
+	fit->splats = splats;
+	enum eco_code code = setjmp(fit->arena.failed)
+		? eco_fail(error, ECO_NO_MEMORY, "no memory to fit splats") : run(fit, model, error);
+	lod_arena_free(&fit->arena);
+	free(fit);
+	if (code)
+		lod_splats_free(splats);
+	return code;
+}
+
+void lod_splats_free(struct lod_splats *splats)
+{
+	free(splats->items);
+	memset(splats, 0, sizeof *splats);
+}

@@ -1,0 +1,62 @@
+/* Levels of splats (ecofiles/format/splat.h) that look like a whole plant: each level is fitted to the plant's
+ * coverage in views all around, by gradient descent.
+ *
+ *   lod_splats_fit(&splats, model, &options, &error);
+ *   splats.items[lod_splats_first(&splats, l) .. splats.level_end[l])       level l, in draw order
+ *   lod_splats_free(&splats);
+ *
+ * Levels follow the rule of struct eco_ladder (format/pack.h): level l + 1 has m times the splats of level l,
+ * and its splats [m i, m (i + 1)) stand for splat i of level l. Within this rule splats stand in the order in
+ * which they should give way to their children.
+ *
+ * All that decides is + - * / and square roots in a fixed order: the same bytes on every machine and with any
+ * number of threads. */
+#ifndef LOD_SPLAT_FIT_H
+#define LOD_SPLAT_FIT_H
+
+#include "ecofiles/format/model.h"
+#include "ecofiles/format/splat.h"
+#include "lod/build/plant.h"
+
+#define LOD_SPLAT_LEVELS 7u              /* 1, 3, 12, 48, 192, 768, 3072 splats */
+
+struct lod_splat {
+	int32_t at[3];                   /* centre = origin + at * step; 0 <= at < LOD_SPLAT_GRID */
+	int32_t code[ECO_SPLAT_CODES];   /* of the shape, in units of `unit` */
+	float center[3];                 /* what at and code say, plant space, metres */
+	struct eco_splat shape;
+	uint8_t rgb[3];                  /* sRGB */
+};
+#define LOD_SPLAT_GRID 4096              /* steps of 1/1024 of the radius */
+
+struct lod_splats {                      /* owns its items */
+	struct lod_splat *items;
+	uint32_t level_count, level_end[LOD_SPLAT_LEVELS];
+	double origin[3], step;
+	float unit;                      /* metres: sqrt(unit_area) of a list of these splats */
+	double radius, center[3];        /* of the plant's bounding sphere */
+	double loss[LOD_SPLAT_LEVELS];   /* 1 - soft Q of each level in the views that it was fitted to */
+};
+
+struct lod_splats_options {
+	bool opaque;                     /* all opacities 1 */
+	uint32_t levels;                 /* at most; 0: as many as the plant's triangles suggest */
+	uint32_t views, pixels;          /* fitted to; 0: 44 views of 80 pixels; pixels: a multiple of 4 */
+	const uint8_t (*rgb)[3];         /* per triangle of the model; NULL: from materials and textures */
+	/* as in lod_plant_options */
+	bool (*progress)(void *ctx, double share);
+	lod_each *each;
+	void *ctx;
+};
+
+/* A model that shows nothing gives no levels. ECO_INTERRUPTED where progress says so. */
+enum eco_code lod_splats_fit(struct lod_splats *splats, const struct eco_model *model,
+	const struct lod_splats_options *options, struct eco_error *error);
+void lod_splats_free(struct lod_splats *splats);
+
+static inline uint32_t lod_splats_first(const struct lod_splats *splats, uint32_t level)
+{
+	return level ? splats->level_end[level - 1] : 0;
+}
+
+#endif

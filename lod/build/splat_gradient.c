@@ -1,0 +1,250 @@
+/* One picture of splats, its Q against the plant's, and the gradient of that.
+ *
+ * A splat is an ellipse on the screen: q = x^T C^-1 x <= 1, C = P A A^T P^T. Its edge is softened to a ramp
+ * t = (1 + w - q) / 2w, smoothed by t^2 (3 - 2t), so that a pixel beside it pulls, and the area stays that of
+ * the ellipse. What splats leave free is multiplied, so that their order does not matter. */
+#include <math.h>
+#include <string.h>
+
+#include "lod/build/splat_state.h"
+#include "lod/lanes.h"
+
+#define MOST 0.99f               /* of a pixel that one splat may cover: what others cover is known by division */
+#define LEAST_PX2 0.01f          /* square of a half axis on the screen */
+
+struct ellipse {                 /* one splat in one view */
+	float x, y, b[2][3];         /* centre; half axes on the screen, pixels */
+	float c[3], m[3], det, soft_det;     /* C without blur; inverse with blur: xx, xy, yy */
+	float amp, alpha, high, slope;       /* alpha: opacity * amp * MOST; t = high - slope q */
+	int32_t x0, x1, y0, y1;      /* pixels, half open; empty if it is outside */
+};
+
+static float dot3(const double a[3], const float *b)
+{
+	return (float)a[0] * b[0] + (float)a[1] * b[1] + (float)a[2] * b[2];
+}
+
+static int32_t clamp_to(float at, uint32_t pixels)
+{
+	return at <= 0 ? 0 : at >= (float)pixels ? (int32_t)pixels : (int32_t)at;
+}
+
+static void project(struct ellipse *e, const struct splat_views *views, const struct splat_view *view,
+	const struct splat_params *splat, const struct splat_softness *soft)
+{
+	float s = views->scale, middle = 0.5f * (float)views->pixels, c[3] = { LEAST_PX2, 0, LEAST_PX2 };
+	e->x = middle + s * dot3(view->right, splat->v);
+	e->y = middle + s * dot3(view->down, splat->v);
+	for (int k = 0; k < 3; k++) {
+		e->b[0][k] = s * dot3(view->right, splat->v + SPLAT_AXES + 3 * k);
+		e->b[1][k] = s * dot3(view->down, splat->v + SPLAT_AXES + 3 * k);
+		c[0] += e->b[0][k] * e->b[0][k];
+		c[1] += e->b[0][k] * e->b[1][k];
+		c[2] += e->b[1][k] * e->b[1][k];
+	}
+	memcpy(e->c, c, sizeof c);
+	e->det = c[0] * c[2] - c[1] * c[1];
+	c[0] += soft->blur_px2;
+	c[2] += soft->blur_px2;
+	e->soft_det = c[0] * c[2] - c[1] * c[1];
+	e->m[0] = c[2] / e->soft_det;
+	e->m[1] = -c[1] / e->soft_det;
+	e->m[2] = c[0] / e->soft_det;
+	float least = LEAST_PX2 * LEAST_PX2;
+	e->det = e->det > least ? e->det : least;
+	e->amp = sqrtf(e->det / e->soft_det);
+	e->alpha = splat->v[SPLAT_OPACITY] * e->amp * MOST;
+	float thin = sqrtf(2 * e->soft_det / (c[0] + c[2])), wide = 2 * soft->edge_px / thin;
+	wide = wide > soft->least ? wide : soft->least;
+	wide = wide < 1 ? wide : 1;
+	e->high = (1 + wide) / (2 * wide);
+	e->slope = 1 / (2 * wide);
+	float half_x = sqrtf(c[0] * (1 + wide)), half_y = sqrtf(c[2] * (1 + wide));
+	e->x0 = clamp_to(e->x - half_x + 0.5f, views->pixels);
+	e->x1 = clamp_to(e->x + half_x + 0.5f, views->pixels);
+	e->y0 = clamp_to(e->y - half_y + 0.5f, views->pixels);
+	e->y1 = clamp_to(e->y + half_y + 0.5f, views->pixels);
+}
+
+static inline lod_f4 ramp(const struct ellipse *e, lod_f4 dx, float dy)
+{
+	lod_f4 q = (lod_f4_all(e->m[0]) * dx + lod_f4_all(2 * e->m[1] * dy)) * dx
+		+ lod_f4_all(e->m[2] * dy * dy);
+	lod_f4 t = lod_f4_all(e->high) - lod_f4_all(e->slope) * q;
+	return lod_f4_min(lod_f4_max(t, lod_f4_all(0)), lod_f4_all(1));
+}
+
+static inline lod_f4 smooth(lod_f4 t)
+{
+	return t * t * (lod_f4_all(3) - lod_f4_all(2) * t);
+}
+
+static const lod_f4 steps = { 0, 1, 2, 3 };
+
+static void draw(const struct ellipse *e, float *free, uint32_t stride)
+{
+	lod_f4 one = lod_f4_all(1), alpha = lod_f4_all(e->alpha);
+	for (int32_t y = e->y0; y < e->y1; y++) {
+		float dy = (float)y + 0.5f - e->y, *row = free + (size_t)y * stride;
+		for (int32_t x = e->x0; x < e->x1; x += 4) {
+			lod_f4 dx = steps + lod_f4_all((float)x + 0.5f - e->x);
+			lod_f4 s = smooth(ramp(e, dx, dy));
+			lod_f4_store(row + x, lod_f4_load(row + x) * (one - alpha * s));
+		}
+	}
+}
+
+static float sum4(lod_f4 v) { return v[0] + v[1] + (v[2] + v[3]); }
+
+/* `weight`: derivative of the loss by what is left free, times that. */
+static void pull(const struct ellipse *e, const struct splat_views *views, const struct splat_view *view,
+	const float *weight, float opacity, struct splat_params *gradient)
+{
+	lod_f4 one = lod_f4_all(1), alpha = lod_f4_all(e->alpha), zero = lod_f4_all(0);
+	lod_f4 sx = zero, sy = zero, sxx = zero, sxy = zero, syy = zero, so = zero;
+	for (int32_t y = e->y0; y < e->y1; y++) {
+		float dy = (float)y + 0.5f - e->y;
+		const float *row = weight + (size_t)y * views->stride;
+		lod_f4 rx = zero, r = zero;
+		for (int32_t x = e->x0; x < e->x1; x += 4) {
+			lod_f4 dx = steps + lod_f4_all((float)x + 0.5f - e->x), t = ramp(e, dx, dy),
+				s = smooth(t), u = lod_f4_load(row + x) / (one - alpha * s);
+			so += u * s;
+			u = u * t * (one - t);
+			r += u;
+			rx += u * dx;
+			sxx += u * dx * dx;
+		}
+		lod_f4 d = lod_f4_all(dy);
+		sx += rx;
+		sy += r * d;
+		sxy += rx * d;
+		syy += r * d * d;
+	}
+	/* w = dL/dq = -6 alpha slope u t (1 - t) */
+	float factor = -6 * e->alpha * e->slope, o = sum4(so), x = factor * sum4(sx), y = factor * sum4(sy),
+		xx = factor * sum4(sxx), xy = factor * sum4(sxy), yy = factor * sum4(syy);
+	const float *m = e->m;
+	float gx = -2 * (m[0] * x + m[1] * y), gy = -2 * (m[1] * x + m[2] * y);
+	/* G = dL/dC = -M S M, and through the amplitude alpha (C^-1 - M) / 2 */
+	float p[2][2] = { { m[0] * xx + m[1] * xy, m[0] * xy + m[1] * yy },
+		{ m[1] * xx + m[2] * xy, m[1] * xy + m[2] * yy } };
+	float half = 0.5f * e->alpha * o;
+	float g[3] = { -(p[0][0] * m[0] + p[0][1] * m[1]) + half * (e->c[2] / e->det - m[0]),
+		-(p[0][0] * m[1] + p[0][1] * m[2]) + half * (-e->c[1] / e->det - m[1]),
+		-(p[1][0] * m[1] + p[1][1] * m[2]) + half * (e->c[0] / e->det - m[2]) };
+	float scale = views->scale;
+	for (int k = 0; k < 3; k++) {
+		float bx = 2 * scale * (g[0] * e->b[0][k] + g[1] * e->b[1][k]),
+			by = 2 * scale * (g[1] * e->b[0][k] + g[2] * e->b[1][k]);
+		for (int i = 0; i < 3; i++)
+			gradient->v[SPLAT_AXES + 3 * k + i] += bx * (float)view->right[i]
+				+ by * (float)view->down[i];
+	}
+	for (int i = 0; i < 3; i++)
+		gradient->v[i] += scale * (gx * (float)view->right[i] + gy * (float)view->down[i]);
+	gradient->v[SPLAT_OPACITY] += opacity > 0 ? o * e->alpha / opacity : 0;
+}
+
+struct sums { double drawn, both, covered; };
+
+static struct sums count_view(const struct splat_views *views, const struct splat_view *view,
+	const float *left, float chance)
+{
+	struct sums sums = { 0, 0, view->covered };
+	for (uint32_t y = 0; y < views->pixels; y++) {
+		const float *row = left + (size_t)y * views->stride, *wanted = view->cover
+			+ (size_t)y * views->stride;
+		lod_f4 drawn = lod_f4_all(0), both = drawn, one = lod_f4_all(1);
+		for (uint32_t x = 0; x < views->pixels; x += 4) {
+			lod_f4 a = one - lod_f4_load(row + x), b = lod_f4_load(wanted + x);
+			drawn += a;
+			both += lod_f4_all(1 - chance) * lod_f4_min(a, b) + lod_f4_all(chance) * a * b;
+		}
+		sums.drawn += sum4(drawn);
+		sums.both += sum4(both);
+	}
+	return sums;
+}
+
+/* Turns what is left free into weights: derivative by it, times it. */
+static void weigh(const struct splat_views *views, const struct splat_view *view,
+	const struct splat_picture *picture, float chance, float by_drawn, float by_both)
+{
+	for (uint32_t y = 0; y < views->pixels; y++) {
+		size_t row = (size_t)y * views->stride;
+		lod_f4 one = lod_f4_all(1);
+		for (uint32_t x = 0; x < views->pixels; x += 4) {
+			lod_f4 left = lod_f4_load(picture->free + row + x), b = lod_f4_load(view->cover + row + x);
+			lod_f4 share = lod_f4_select(one - left < b, lod_f4_all(1 - chance), lod_f4_all(0))
+				+ lod_f4_all(chance) * b;
+			lod_f4_store(picture->weight + row + x, left
+				* (lod_f4_all(by_drawn) + lod_f4_all(by_both) * share));
+		}
+	}
+}
+
+/* What is in front gets the colour that the plant shows there. */
+static void add_light(const struct ellipse *e, const struct splat_views *views, const struct splat_view *view,
+	float *left, struct lod_light *light)
+{
+	for (int32_t y = e->y0; y < e->y1; y++) {
+		float dy = (float)y + 0.5f - e->y, *row = left + (size_t)y * views->stride;
+		const float *cover = view->cover + (size_t)y * views->stride;
+		for (int32_t x = e->x0; x < e->x1; x += 4) {
+			lod_f4 dx = steps + lod_f4_all((float)x + 0.5f - e->x), free = lod_f4_load(row + x),
+				drawn = free * lod_f4_all(e->alpha) * smooth(ramp(e, dx, dy));
+			lod_f4_store(row + x, free - drawn);
+			for (int32_t i = 0; i < 4 && x + i < e->x1; i++) {
+				double weight = (double)drawn[i] * cover[x + i];
+				const float *from = view->light[(size_t)y * views->pixels + (size_t)(x + i)];
+				for (int k = 0; k < 3; k++)
+					light->sum[k] += weight * from[k];
+				light->weight += weight;
+			}
+		}
+	}
+}
+
+void splat_view_light(const struct splat_views *views, uint32_t view_index, const struct splat_params *splats,
+	const struct lod_keyed *order, uint32_t count, const struct splat_picture *picture, struct lod_light *light)
+{
+	const struct splat_view *view = &views->items[view_index];
+	struct ellipse e;
+	for (size_t i = 0; i < (size_t)views->pixels * views->stride; i++)
+		picture->free[i] = 1;
+	for (uint32_t i = 0; i < count; i++) {
+		uint32_t at = order[i].value;
+		project(&e, views, view, &splats[at], &(struct splat_softness){ .edge_px = 0.5f });
+		add_light(&e, views, view, picture->free, &light[at]);
+	}
+}
+
+double splat_view_loss(const struct splat_views *views, uint32_t view_index, const struct splat_params *splats,
+	uint32_t count, const struct splat_softness *soft, const struct splat_picture *picture,
+	struct splat_params *gradient)
+{
+	const struct splat_view *view = &views->items[view_index];
+	size_t all = (size_t)views->pixels * views->stride;
+	struct ellipse e;
+	for (size_t i = 0; i < all; i++)
+		picture->free[i] = 1;
+	for (uint32_t i = 0; i < count; i++) {
+		project(&e, views, view, &splats[i], soft);
+		draw(&e, picture->free, views->stride);
+	}
+	struct sums sums = count_view(views, view, picture->free, soft->chance);
+	if (!(sums.covered > 0))
+		return 0;
+	double drawn = sums.drawn > 1e-3 ? sums.drawn : 1e-3, p = 1 - sums.both / drawn,
+		r = 1 - sums.both / sums.covered, loss = sqrt(p * p + r * r);
+	if (!gradient || !(loss > 1e-6))
+		return loss;
+	weigh(views, view, picture, soft->chance, (float)(p * sums.both / (drawn * drawn) / loss),
+		(float)(-(p / drawn + r / sums.covered) / loss));
+	for (uint32_t i = 0; i < count; i++) {
+		project(&e, views, view, &splats[i], soft);
+		pull(&e, views, view, picture->weight, splats[i].v[SPLAT_OPACITY], &gradient[i]);
+	}
+	return loss;
+}

@@ -1,0 +1,79 @@
+/* The inside of fitting splats, shared by splat_fit.c (levels), splat_views.c (the plant's pictures),
+ * splat_gradient.c (one picture of splats and its gradient) and splat_order.c.
+ *
+ * Everything is in units of the plant's bounding sphere: its centre is 0, its radius 1. */
+#ifndef LOD_SPLAT_STATE_H
+#define LOD_SPLAT_STATE_H
+
+#include "lod/arena.h"
+#include "lod/build/splat_fit.h"
+#include "lod/light.h"
+#include "lod/sort.h"
+
+/* What is fitted of a splat: 0..2 centre, 3 + 3 k + i half axis k, 12 opacity. Half axes need not be
+ * orthogonal while they are fitted: the ellipsoid is the image of the unit ball. */
+#define SPLAT_PARAMS 13u
+#define SPLAT_AXES 3u
+#define SPLAT_OPACITY 12u
+struct splat_params { float v[SPLAT_PARAMS]; };
+
+struct splat_view {
+	double right[3], down[3], forward[3];
+	float *cover;                /* share of each pixel that the plant covers; rows of `stride` */
+	float (*light)[3];           /* mean light of that share, in 1/65535; `pixels` a row */
+	double covered;              /* sum of cover */
+	float (*sample)[3];          /* points of the visible surface */
+	uint32_t sample_count;
+};
+
+struct splat_views {
+	uint32_t count, pixels, stride;
+	float scale;                 /* pixels a radius */
+	struct splat_view *items;
+	double center[3], radius;    /* of the model, metres */
+};
+
+/* Draws the model in all views. `views->covered` is 0 everywhere if it shows nothing. */
+enum eco_code splat_views_make(struct splat_views *views, const struct eco_model *model,
+	const struct lod_splats_options *options, struct lod_arena *arena, struct eco_error *error);
+
+/* How soft edges are, while splats are fitted. */
+struct splat_softness {
+	float edge_px;               /* half the width of the ramp across an edge */
+	float least;                 /* least half width of the ramp, of x^T C^-1 x around 1; at most 1 */
+	float blur_px2;              /* added to the square of half axes on the screen; the area stays */
+	float chance;                /* in [0, 1]: how much of the objective counts pixels as either covered or
+	                              * not, by chance as the plant covers it, not as a share */
+};
+
+/* A picture of splats, scratch: share that is left free, rows of stride. */
+struct splat_picture { float *free; float *weight; };
+
+/* 1 - Q of the picture of the splats in one view; adds its gradient to `gradient` (may be NULL), one for each
+ * splat. */
+double splat_view_loss(const struct splat_views *views, uint32_t view, const struct splat_params *splats,
+	uint32_t count, const struct splat_softness *soft, const struct splat_picture *picture,
+	struct splat_params *gradient);
+
+/* Adds the light that the plant shows where a splat is in front, to the light of each splat. `order`: from the
+ * nearest to the farthest, by index. */
+void splat_view_light(const struct splat_views *views, uint32_t view, const struct splat_params *splats,
+	const struct lod_keyed *order, uint32_t count, const struct splat_picture *picture, struct lod_light *light);
+
+/* The colours of a level: means of that light over all views. A splat that is nowhere in front gets that of
+ * its parent, in `parents` (NULL in the first level), or grey. */
+void splat_color_level(const struct splat_views *views, const struct splat_params *splats, uint32_t count,
+	const struct lod_splat *parents, uint32_t children, struct lod_arena *arena, struct lod_splat *out);
+
+/* ---- Shapes (splat_shape.c) ---- */
+
+/* Eigenvectors of a symmetric matrix (rows) and its eigenvalues, falling. */
+void splat_eigen(const double matrix[3][3], double value[3], double vector[3][3]);
+/* Half axes made orthogonal. */
+void splat_orthogonal(struct splat_params *splat);
+
+/* Codes and what they say. */
+void splat_store(struct lod_splat *out, const struct splat_params *splat, const struct lod_splats *splats);
+void splat_restore(struct splat_params *out, const struct lod_splat *splat, const struct lod_splats *splats);
+
+#endif

@@ -1,0 +1,258 @@
+/* Pictures of a plant all around: how much of each pixel it covers, in which colour, and points of its visible
+ * surface. */
+#include <math.h>
+#include <string.h>
+
+#include "ecofiles/base/mix.h"
+#include "lod/build/splat_state.h"
+#include "lod/build/weld.h"
+#include "lod/light.h"
+#include "lod/raster/raster.h"
+#include "lod/raster/texel.h"
+
+#define SIDE 4u                  /* samples a pixel: SIDE x SIDE */
+#define FRAME 1.04               /* half the picture over the radius */
+#define AWAY 512.0               /* of the camera, radii: as good as orthographic */
+#define LOW (-0.2)               /* heights of views on the unit sphere */
+#define HIGH 0.95
+#define SAMPLES 49152u           /* of the surface, in all views */
+#define SOUP 512u
+
+struct drawing {
+	struct splat_views *views;
+	const struct eco_model *model;
+	const uint8_t (*rgb)[3];     /* per triangle */
+	struct lod_raster *rasters;
+	uint32_t raster_count;
+	struct lod_arena *arena;
+};
+
+/* ---- Colours of triangles ---- */
+
+static void color_triangle(uint8_t rgb[3], const struct eco_model *model, uint32_t t,
+	struct lod_texels *texels)
+{
+	const struct eco_material *material = lod_mesh_material(model, model->material[t]);
+	memcpy(rgb, material->rgb, 3);
+	if (!model->uv || material->image >= model->image_count)
+		return;
+	int32_t uv[6];
+	for (int i = 0; i < 6; i++) {
+		float at = model->uv[2 * (size_t)model->index[3 * (size_t)t + (size_t)i / 2] + (size_t)i % 2]
+			* (float)ECO_UV_ONE;
+		uv[i] = at > -1e9f && at < 1e9f ? (int32_t)floorf(at + 0.5f) : 0;
+	}
+	lod_texels_mean(&texels[material->image], material->rgb, uv, rgb);
+}
+
+static const uint8_t (*color_all(const struct eco_model *model, struct lod_arena *arena))[3]
+{
+	uint8_t (*rgb)[3] = lod_arena_take(arena, model->triangle_count, sizeof *rgb);
+	struct lod_texels *texels = lod_arena_take(arena, model->image_count, sizeof *texels);
+	bool *cut = lod_arena_take(arena, model->image_count, sizeof *cut);
+	for (uint32_t i = 0; i < model->material_count; i++)
+		if (model->materials[i].image < model->image_count)
+			cut[model->materials[i].image] |= model->materials[i].cutout;
+	for (uint32_t i = 0; i < model->image_count; i++)
+		lod_texels_open(&texels[i], &model->images[i], cut[i], arena);
+	enum eco_drop why;
+	for (uint32_t t = 0; t < model->triangle_count; t++)
+		if (lod_mesh_usable(model, t, &why))
+			color_triangle(rgb[t], model, t, texels);
+	return (const uint8_t (*)[3])rgb;
+}
+
+/* ---- Views ---- */
+
+static bool bounds(struct splat_views *views, const struct eco_model *model)
+{
+	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY },
+		far2 = 0;
+	for (int pass = 0; pass < 2; pass++)
+		for (size_t i = 0; i < 3 * (size_t)model->triangle_count; i++) {
+			enum eco_drop why;
+			if (!lod_mesh_usable(model, (uint32_t)(i / 3), &why))
+				continue;
+			const float *p = model->position + 3 * (size_t)model->index[i];
+			double d2 = 0;
+			for (int k = 0; k < 3; k++) {
+				low[k] = p[k] < low[k] ? p[k] : low[k];
+				high[k] = p[k] > high[k] ? p[k] : high[k];
+				double middle = (low[k] + high[k]) / 2;
+				d2 += (p[k] - middle) * (p[k] - middle);
+			}
+			far2 = pass && d2 > far2 ? d2 : far2;
+		}
+	for (int k = 0; k < 3; k++)
+		views->center[k] = low[k] <= high[k] ? (low[k] + high[k]) / 2 : 0;
+	views->radius = sqrt(far2);
+	return far2 > 0;
+}
+
+/* Each view is a golden angle on from the last; the spiral begins elsewhere than that of curves (probe.c). */
+static void look(struct splat_views *views)
+{
+	const double turn_x = -0.7373688780783197, turn_y = 0.6754902942615238;
+	double x = 0.6, y = 0.8;
+	for (uint32_t i = 0; i < views->count; i++) {
+		struct splat_view *view = &views->items[i];
+		double z = LOW + (HIGH - LOW) * (i + 0.5) / views->count, flat = sqrt(1 - z * z);
+		view->right[0] = -y, view->right[1] = x;
+		view->down[0] = z * x, view->down[1] = z * y, view->down[2] = -flat;
+		view->forward[0] = -flat * x, view->forward[1] = -flat * y, view->forward[2] = -z;
+		double next = x * turn_x - y * turn_y;
+		y = x * turn_y + y * turn_x;
+		x = next;
+	}
+}
+
+static void start(const struct splat_views *views, const struct splat_view *view, struct lod_raster *raster)
+{
+	struct lod_eye eye = { .tan_x = FRAME / AWAY, .tan_y = FRAME / AWAY,
+		.pixel_rad = 2 * FRAME / AWAY / raster->height };
+	for (int k = 0; k < 3; k++) {
+		eye.at[k] = views->center[k] - AWAY * views->radius * view->forward[k];
+		eye.forward[k] = view->forward[k];
+		eye.right[k] = view->right[k];
+		eye.up[k] = -view->down[k];
+	}
+	lod_raster_clear(raster);
+	lod_raster_camera(raster, &eye, (AWAY - 2) * views->radius);
+	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
+}
+
+/* ---- Drawing ---- */
+
+/* Triangles [first, first + count) of the model. */
+struct soup { uint32_t first, count; float position[SOUP * 9], uv[SOUP * 6]; };
+
+static void flush(const struct drawing *d, struct lod_raster *raster, struct soup *soup, uint32_t material_index)
+{
+	const struct eco_material *material = lod_mesh_material(d->model, material_index);
+	const struct eco_image *image = material->cutout && d->model->uv
+		&& material->image < d->model->image_count ? &d->model->images[material->image] : NULL;
+	struct lod_raster_batch batch = { .count = soup->count, .position = soup->position,
+		.uv = image ? soup->uv : NULL, .cutout = image, .item = soup->first, .owner = 1 };
+	if (soup->count)
+		lod_raster_triangles(raster, &batch);
+	soup->count = 0;
+}
+
+static void draw_model(const struct drawing *d, struct lod_raster *raster)
+{
+	const struct eco_model *model = d->model;
+	struct soup soup;
+	soup.count = 0;
+	for (uint32_t t = 0; t < model->triangle_count; t++) {
+		enum eco_drop why;
+		bool good = lod_mesh_usable(model, t, &why);
+		soup.first = soup.count ? soup.first : t;
+		for (uint32_t i = 0; i < 3 && good; i++) {
+			size_t vertex = model->index[3 * (size_t)t + i];
+			memcpy(soup.position + 9 * soup.count + 3 * i, model->position + 3 * vertex,
+				3 * sizeof(float));
+			if (model->uv)
+				memcpy(soup.uv + 6 * soup.count + 2 * i, model->uv + 2 * vertex, 2 * sizeof(float));
+		}
+		soup.count += good;
+		if (!good || soup.count == SOUP || t + 1 == model->triangle_count
+				|| model->material[t + 1] != model->material[t])
+			flush(d, raster, &soup, model->material[t]);
+	}
+}
+
+static void reduce_pixel(const struct drawing *d, struct splat_view *view, const struct lod_raster *raster,
+	uint32_t x, uint32_t y)
+{
+	struct lod_light light = { .weight = 0 };
+	for (uint32_t s = 0; s < SIDE * SIDE; s++) {
+		size_t i = (size_t)(SIDE * y + s / SIDE) * raster->width + SIDE * x + s % SIDE;
+		if (raster->cover[i])
+			lod_light_add(&light, d->rgb[raster->item[i]], 1);
+	}
+	view->cover[(size_t)y * d->views->stride + x] = (float)(light.weight / (SIDE * SIDE));
+	view->covered += light.weight / (SIDE * SIDE);
+	for (int k = 0; k < 3; k++)
+		view->light[(size_t)y * d->views->pixels + x][k] = light.weight > 0
+			? (float)(light.sum[k] / light.weight) : 0;
+}
+
+/* The point that a sample shows, in radii from the centre. */
+static void surface_point(float out[3], const struct splat_views *views, const struct splat_view *view,
+	const struct lod_raster *raster, uint32_t x, uint32_t y)
+{
+	double w = 1 / (double)raster->depth[(size_t)y * raster->width + x] / views->radius, scale = FRAME / AWAY * w,
+		right = ((x + 0.5) / raster->width * 2 - 1) * scale, down = ((y + 0.5) / raster->height * 2 - 1) * scale;
+	for (int k = 0; k < 3; k++)
+		out[k] = (float)(right * view->right[k] + down * view->down[k] + (w - AWAY) * view->forward[k]);
+}
+
+/* The same number of samples for the same area on the screen in every view, by chance. */
+static void take_samples(struct splat_views *views, uint32_t index, const struct lod_raster *raster)
+{
+	struct splat_view *view = &views->items[index];
+	uint32_t room = SAMPLES / views->count;
+	uint64_t seed = 0x51A7 + index;
+	for (uint32_t tries = 0; tries < 8 * room && view->sample_count < room; tries++) {
+		uint64_t bits = eco_mix_next(&seed);
+		uint32_t x = (uint32_t)(bits & 0xffffffff) % raster->width,
+			y = (uint32_t)(bits >> 32) % raster->height;
+		if (raster->cover[(size_t)y * raster->width + x])
+			surface_point(view->sample[view->sample_count++], views, view, raster, x, y);
+	}
+}
+
+static void draw_part(void *pieces, uint32_t part)
+{
+	struct drawing *d = pieces;
+	struct lod_raster *raster = &d->rasters[part];
+	for (uint32_t i = part; i < d->views->count; i += d->raster_count) {
+		struct splat_view *view = &d->views->items[i];
+		start(d->views, view, raster);
+		draw_model(d, raster);
+		for (uint32_t y = 0; y < d->views->pixels; y++)
+			for (uint32_t x = 0; x < d->views->pixels; x++)
+				reduce_pixel(d, view, raster, x, y);
+		take_samples(d->views, i, raster);
+	}
+}
+
+static void allocate(struct splat_views *views, struct lod_arena *arena)
+{
+	size_t pixels = views->pixels;
+	for (uint32_t i = 0; i < views->count; i++) {
+		struct splat_view *view = &views->items[i];
+		view->cover = lod_arena_take(arena, pixels * views->stride, sizeof *view->cover);
+		view->light = lod_arena_take(arena, pixels * pixels, sizeof *view->light);
+		view->sample = lod_arena_take(arena, SAMPLES / views->count, sizeof *view->sample);
+	}
+}
+
+enum eco_code splat_views_make(struct splat_views *views, const struct eco_model *model,
+	const struct lod_splats_options *options, struct lod_arena *arena, struct eco_error *error)
+{
+	uint32_t pixels = options->pixels ? options->pixels : 80, parts = options->each ? 4 : 1;
+	*views = (struct splat_views){ .count = options->views ? options->views : 44, .pixels = pixels,
+		.stride = pixels + 4, .scale = (float)(pixels / (2 * FRAME)) };
+	views->items = lod_arena_take(arena, views->count, sizeof *views->items);
+	look(views);
+	if (!bounds(views, model))
+		return ECO_OK;
+	allocate(views, arena);
+	struct drawing d = { views, model, options->rgb ? options->rgb : color_all(model, arena),
+		lod_arena_take(arena, parts, sizeof *d.rasters), 0, arena };
+	enum eco_code code = ECO_OK;
+	while (!code && d.raster_count < parts) {
+		code = lod_raster_init(&d.rasters[d.raster_count], &(struct lod_raster_options){
+			.width = SIDE * pixels, .height = SIDE * pixels, .item = true }, error);
+		d.raster_count += !code;
+	}
+	if (!code && options->each)
+		options->each(options->ctx, d.raster_count, draw_part, &d);
+	else
+		for (uint32_t part = 0; part < d.raster_count && !code; part++)
+			draw_part(&d, part);
+	for (uint32_t i = 0; i < d.raster_count; i++)
+		lod_raster_free(&d.rasters[i]);
+	return code;
+}
