@@ -1,8 +1,10 @@
-/* Ladders: a number of vertices of an organ at an anchor -> cuts. There are two kinds (struct eco_ladder):
+/* Ladders: a number of vertices of an organ at an anchor -> cuts. There are three kinds (struct eco_ladder):
  *
  *   forms    the elements of one list in several forms, each cheaper than the next: lod/forms.h
  *   levels   points or lines first, then the triangles, or the levels of simplified wood one after the other.
- *            A level is skipped if it draws no more vertices than the one before it, so a ladder ascends. */
+ *            A level is skipped if it draws no more vertices than the one before it, so a ladder ascends.
+ *   splats   one list of points in levels, each level with several children for each splat of the one before
+ *            it: splats give way to their children one by one, so every state is a pair of runs. */
 #include "lod/ladder.h"
 
 #include <assert.h>
@@ -10,6 +12,49 @@
 static uint64_t primitives(const struct eco_scene *scene, uint32_t list)
 {
 	return list == ECO_NONE ? 0 : scene->lists[list].primitive_count;
+}
+
+/* ---- Splats ---- */
+
+/* A state: the first `p` splats of `level` have given way to their children; below the first level its first
+ * `p` splats alone are drawn. */
+struct splats { uint32_t level, p; };
+
+static uint32_t splat_level_first(const struct eco_ladder *ladder, uint32_t level)
+{
+	return level ? ladder->level_end[level - 1] : 0;
+}
+
+static uint32_t splat_level_size(const struct eco_ladder *ladder, uint32_t level)
+{
+	return ladder->level_end[level] - splat_level_first(ladder, level);
+}
+
+/* Vertices added where a splat of a level gives way to its children. */
+static uint32_t splat_step(const struct eco_ladder *ladder, uint32_t level)
+{
+	return splat_level_size(ladder, level + 1) / splat_level_size(ladder, level) - 1;
+}
+
+static struct splats splats_floor(const struct eco_ladder *ladder, uint64_t vertices)
+{
+	uint32_t level = ladder->level_count - 1;
+	if (vertices < splat_level_size(ladder, 0))
+		return (struct splats){ 0, (uint32_t)vertices };
+	while (splat_level_size(ladder, level) > vertices)
+		level--;
+	uint64_t more = vertices - splat_level_size(ladder, level);
+	return (struct splats){ level, level + 1 < ladder->level_count
+		? (uint32_t)(more / splat_step(ladder, level)) : 0 };
+}
+
+static uint64_t splats_vertices(const struct eco_ladder *ladder, uint64_t vertices, bool next)
+{
+	struct splats s = splats_floor(ladder, vertices);
+	if (vertices < splat_level_size(ladder, 0))
+		return vertices + next;
+	return splat_level_size(ladder, s.level)
+		+ (uint64_t)splat_step(ladder, s.level) * (s.p + (uint64_t)next);
 }
 
 /* ---- Levels ---- */
@@ -52,6 +97,8 @@ static uint64_t full_of(const struct eco_scene *scene, const struct eco_ladder *
 	uint32_t levels = level_count(scene, ladder);
 	if (levels)
 		return level_vertices(scene, ladder, levels - 1);
+	if (eco_ladder_has_splats(scene, ladder))
+		return splat_level_size(ladder, ladder->level_count - 1);
 	return first_unit(scene, ladder) * primitives(scene, first_list(scene, ladder));
 }
 
@@ -90,12 +137,21 @@ static uint64_t levels_next(const struct eco_scene *scene, const struct eco_ladd
 	return UINT64_MAX;
 }
 
-/* ---- Both kinds ---- */
+uint64_t lod_way_level_above(const struct lod_way *way, uint64_t vertices)
+{
+	const struct eco_ladder *ladder = way->ladder;
+	for (uint32_t level = 0; way->has_splats && level < ladder->level_count; level++)
+		if (splat_level_size(ladder, level) > vertices)
+			return splat_level_size(ladder, level);
+	return UINT64_MAX;
+}
+
+/* ---- All kinds ---- */
 
 void lod_way_begin(struct lod_way *way, const struct eco_scene *scene, const struct eco_ladder *ladder)
 {
 	*way = (struct lod_way){ .scene = scene, .ladder = ladder, .full = full_of(scene, ladder),
-		.stage_end = UINT64_MAX };
+		.stage_end = UINT64_MAX, .has_splats = eco_ladder_has_splats(scene, ladder) };
 	way->has_forms = lod_forms_find(&way->forms, scene, ladder);
 }
 
@@ -115,6 +171,8 @@ uint64_t lod_way_floor(const struct lod_way *way, uint64_t vertices)
 {
 	if (vertices >= way->full)
 		return way->full;
+	if (way->has_splats)
+		return splats_vertices(way->ladder, vertices, false);
 	if (!way->has_forms)
 		return levels_floor(way->scene, way->ladder, vertices);
 	struct lod_forms_state s = lod_forms_floor(&way->forms, vertices);
@@ -125,6 +183,8 @@ uint64_t lod_way_next(const struct lod_way *way, uint64_t vertices)
 {
 	if (vertices >= way->full)
 		return UINT64_MAX;
+	if (way->has_splats)
+		return splats_vertices(way->ladder, vertices, true);
 	return way->has_forms ? lod_forms_next(&way->forms, vertices)
 		: levels_next(way->scene, way->ladder, vertices);
 }
@@ -182,6 +242,8 @@ uint64_t lod_way_stage_end(const struct lod_way *way)
 {
 	if (way->stage_end != UINT64_MAX)
 		return way->stage_end;
+	if (way->has_splats)
+		return way->full;
 	if (!way->has_forms)
 		return first_floor(way->scene, way->ladder, UINT64_MAX);
 	uint64_t all = way->forms.total == way->forms.own ? way->full : lod_forms_all_drawn(&way->forms);
@@ -191,6 +253,8 @@ uint64_t lod_way_stage_end(const struct lod_way *way)
 double lod_way_share(const struct lod_way *way, uint64_t vertices)
 {
 	const struct eco_ladder *ladder = way->ladder;
+	if (way->has_splats)
+		return vertices < way->full ? (double)vertices / (double)way->full : 1;
 	if (vertices >= way->full && ladder->before == 0
 			&& !(way->has_forms && way->forms.own < way->forms.total))
 		return 1;
@@ -207,6 +271,8 @@ double lod_way_share(const struct lod_way *way, uint64_t vertices)
 uint64_t lod_way_vertices(const struct lod_way *way, double share)
 {
 	const struct eco_ladder *ladder = way->ladder;
+	if (way->has_splats)
+		return lod_way_floor(way, (uint64_t)(share * (double)way->full + 0.5));
 	if (way->has_forms)
 		return lod_forms_of_share(&way->forms, share);
 	double all = (double)primitives(way->scene, first_list(way->scene, ladder));
@@ -217,6 +283,8 @@ uint64_t lod_way_vertices(const struct lod_way *way, double share)
 
 double lod_way_density(const struct lod_way *way, uint64_t vertices)
 {
+	if (way->has_splats)
+		return 1;
 	if (!way->has_forms) {
 		double shown = (double)vertices / (double)first_unit(way->scene, way->ladder),
 			total = way->ladder->total;
@@ -279,6 +347,18 @@ static uint32_t forms_cuts(const struct lod_forms *forms, uint64_t vertices, flo
 		lod_forms_range_end(forms, s.stage, s.e), scale);
 }
 
+static uint32_t splats_cuts(const struct eco_ladder *ladder, uint64_t vertices,
+	struct eco_cut cuts[LOD_LADDER_CUTS_MAX])
+{
+	struct splats s = splats_floor(ladder, vertices);
+	uint32_t first = splat_level_first(ladder, s.level), end = ladder->level_end[s.level], count = 0;
+	if (vertices < splat_level_size(ladder, 0))
+		return put(cuts, ladder->points, 0, vertices, 1);
+	if (s.p)
+		count = put(cuts, ladder->points, end, end + (splat_step(ladder, s.level) + 1ull) * s.p, 1);
+	return count + put(cuts + count, ladder->points, first + s.p, end, 1);
+}
+
 uint32_t lod_way_cuts(const struct lod_way *way, uint64_t vertices, double density, double above,
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX])
 {
@@ -287,6 +367,10 @@ uint32_t lod_way_cuts(const struct lod_way *way, uint64_t vertices, double densi
 	if (vertices == 0)
 		return 0;
 	assert(density > 0);
+	if (way->has_splats) {
+		assert(lod_way_floor(way, vertices) == vertices);
+		return splats_cuts(ladder, vertices, cuts);
+	}
 	if (way->has_forms)
 		return forms_cuts(&way->forms, vertices, scale_at(way, vertices, density, above), cuts);
 	if (vertices <= first_floor(scene, ladder, UINT64_MAX))

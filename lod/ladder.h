@@ -1,5 +1,5 @@
 /* Ladders: how many vertices of an organ at an anchor -> which cuts. Pure rules; struct eco_ladder has the
- * lists, ladder.c the two kinds.
+ * lists, ladder.c the three kinds.
  *
  * A way is a ladder prepared for questions. Each question walks along the ladder's curve (about a microsecond
  * a sample). A caller with many questions keeps the legs of the walk, and bisection gives the same answers:
@@ -18,7 +18,7 @@
 struct lod_way {
 	const struct eco_scene *scene;
 	const struct eco_ladder *ladder;
-	bool has_forms;
+	bool has_forms, has_splats;  /* neither: levels */
 	struct lod_forms forms;
 	uint64_t full;               /* vertices of full detail */
 	uint64_t stage_end;          /* if kept, else UINT64_MAX */
@@ -37,11 +37,16 @@ uint64_t lod_way_floor(const struct lod_way *way, uint64_t vertices);
 uint64_t lod_ladder_next(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices);
 uint64_t lod_way_next(const struct lod_way *way, uint64_t vertices);
 
+/* Splats: vertices of the smallest level with more than `vertices`. UINT64_MAX at the end, and of other
+ * ladders. */
+uint64_t lod_way_level_above(const struct lod_way *way, uint64_t vertices);
+
 /* The cuts that draw exactly `vertices` (a value that floor returns), to the primitive: writes at most 2 cuts
  * with list, first, end and scale, the rest zero; returns their number. `density`, in (0, 1], is the share of
  * the region's elements (or lines) that the picture shows in any form, the coarse list included: each is
  * scaled to stand for 1 / density. It is lod_ladder_density, except for a whole-plant list beside cells that
- * show more: there it is theirs. `above` is that of lod_ladder_curve_seen; lod_ladder_cuts takes 0. */
+ * show more: there it is theirs. `above` is that of lod_ladder_curve_seen; lod_ladder_cuts takes 0. Splats
+ * have density 1 and scale 1. */
 #define LOD_LADDER_CUTS_MAX 2
 uint32_t lod_ladder_cuts(const struct eco_scene *scene, const struct eco_ladder *ladder, uint64_t vertices,
 	double density, struct eco_cut cuts[LOD_LADDER_CUTS_MAX]);
@@ -53,7 +58,7 @@ double lod_way_density(const struct lod_way *way, uint64_t vertices);
 /* The end of the first stage, beyond which this ladder alone does not suffice. Leaves: the vertices at which
  * a whole-plant list draws all its elements while the cells hold more (without cells: full detail). Unless
  * cells are drawn the list stops there, since an eighth of the leaves in full detail shows less of a plant
- * than the same leaves as points. Wood: the end of the lines. */
+ * than the same leaves as points. Wood: the end of the lines. Splats: their end. */
 uint64_t lod_ladder_stage_end(const struct eco_scene *scene, const struct eco_ladder *ladder);
 uint64_t lod_way_stage_end(const struct lod_way *way);
 

@@ -199,6 +199,12 @@ struct eco_scene {
 	const struct eco_ground_tile *ground; uint32_t ground_count;
 };
 
+/* Are a ladder's points splats in levels? */
+static inline bool eco_ladder_has_splats(const struct eco_scene *scene, const struct eco_ladder *ladder)
+{
+	return ladder->points != ECO_NONE && (scene->lists[ladder->points].attributes & ECO_ATTR_SPLAT);
+}
+
 struct eco_place eco_place_read(const struct eco_scene *scene, uint64_t index);      /* index < place_count */
 /* The same for an instance of a decoded list. */
 struct eco_place eco_place_of(const struct eco_elements *instances, uint32_t index);

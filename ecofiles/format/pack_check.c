@@ -213,6 +213,9 @@ static enum eco_code check_curve(const struct eco_scene *s, uint32_t ladder_id, 
 		if (!within(c->scale, 0, SCALE_MAX) || !within(c->reach, 0, 1) || !within(c->fp, 0, SCALE_MAX)
 				|| !within(c->fn, 0, SCALE_MAX))
 			return BAD("ladder %u: curve sample %u is not finite or negative", ladder_id, i);
+		if (c->reach < 1 && eco_ladder_has_splats(s, ladder))
+			return BAD("ladder %u: reach %g of curve sample %u of splats is not 1", ladder_id,
+				(double)c->reach, i);
 		last = c->share;
 	}
 	return ECO_OK;
@@ -233,23 +236,62 @@ static bool ladder_form_fits(const struct eco_scene *s, uint32_t list, uint32_t 
 	return list == ECO_NONE || s->lists[list].partner == ECO_NONE || s->lists[list].partner == triangles;
 }
 
+/* Each level has a whole multiple of the splats of the one before it; together they are the list. */
+static enum eco_code check_splat_levels(const struct eco_scene *s, uint32_t id, struct eco_error *error)
+{
+	const struct eco_ladder *l = &s->ladders[id];
+	uint32_t before = 0, first = 0;
+	if (l->lines != ECO_NONE || l->simple != ECO_NONE || l->triangles != ECO_NONE)
+		return BAD("ladder %u: lists %#x, %#x and %#x beside the splats of list %u", id, l->lines,
+			l->simple, l->triangles, l->points);
+	for (uint32_t i = 0; i < l->level_count; i++) {
+		uint32_t size = l->level_end[i] - first;
+		if (before && (size % before != 0 || size == before))
+			return BAD("ladder %u: level %u has %u splats for the %u of the level before", id, i,
+				size, before);
+		before = size;
+		first = l->level_end[i];
+	}
+	if (l->level_count == 0 || first != s->lists[l->points].primitive_count)
+		return BAD("ladder %u: its %u levels end at %u of %u splats", id, l->level_count, first,
+			s->lists[l->points].primitive_count);
+	return ECO_OK;
+}
+
 static enum eco_code check_ladder_levels(const struct eco_scene *s, uint32_t id, struct eco_error *error)
 {
 	const struct eco_ladder *l = &s->ladders[id];
-	uint32_t last = 0;
-	if (l->level_count > ECO_LEVELS_MAX || (l->level_count > 0 && l->triangles == ECO_NONE))
-		return BAD("ladder %u: %u levels of list %#x", id, l->level_count, l->triangles);
+	bool splats = eco_ladder_has_splats(s, l);
+	uint32_t last = 0, list = splats ? l->points : l->triangles;
+	if (l->level_count > ECO_LEVELS_MAX || (l->level_count > 0 && list == ECO_NONE))
+		return BAD("ladder %u: %u levels of list %#x", id, l->level_count, list);
 	for (uint32_t i = 0; i < ECO_LEVELS_MAX; i++) {
 		if (i >= l->level_count && l->level_end[i] != 0)
 			return BAD("ladder %u: level %u is not one of its %u but ends at %u", id, i,
 				l->level_count, l->level_end[i]);
 		if (i < l->level_count
 				&& (l->level_end[i] <= last
-				|| l->level_end[i] > s->lists[l->triangles].primitive_count))
-			return BAD("ladder %u: level %u ends at %u of %u triangles, the level before at %u",
-				id, i, l->level_end[i], s->lists[l->triangles].primitive_count, last);
+				|| l->level_end[i] > s->lists[list].primitive_count))
+			return BAD("ladder %u: level %u ends at %u of %u %s, the level before at %u", id, i,
+				l->level_end[i], s->lists[list].primitive_count,
+				splats ? "splats" : "triangles", last);
 		last = l->level_end[i];
 	}
+	return splats ? check_splat_levels(s, id, error) : ECO_OK;
+}
+
+/* A ladder that shows the whole plant is at the plant's first anchor, near and far alike. */
+static enum eco_code check_ladder_flags(const struct eco_scene *s, uint32_t id, struct eco_error *error)
+{
+	const struct eco_ladder *l = &s->ladders[id];
+	uint32_t place = l->flags & (ECO_LADDER_FAR | ECO_LADDER_NEAR | ECO_LADDER_WHOLE);
+	if (l->organ >= ECO_ORGAN_COUNT || l->flags >= 2 * ECO_LADDER_WHOLE || l->reserved != 0
+			|| (place & (place - 1)))
+		return BAD("ladder %u: organ %u, flags %#x, reserved %u", id, l->organ, l->flags,
+			l->reserved);
+	if ((l->flags & ECO_LADDER_WHOLE) && l->anchor != s->plants[l->plant].anchor_first)
+		return BAD("ladder %u: shows the whole plant %u at anchor %u, which is a cell", id, l->plant,
+			l->anchor);
 	return ECO_OK;
 }
 
@@ -262,10 +304,8 @@ static enum eco_code check_ladder(const struct eco_scene *s, uint32_t id, struct
 	plant = &s->plants[l->plant];
 	if (l->anchor < plant->anchor_first || l->anchor - plant->anchor_first >= plant->anchor_count)
 		return BAD("ladder %u: anchor %u is not one of plant %u", id, l->anchor, l->plant);
-	if (l->organ >= ECO_ORGAN_COUNT || (l->flags & ~(ECO_LADDER_FAR | ECO_LADDER_NEAR | ECO_LADDER_ABOVE))
-		|| l->reserved != 0 || ((l->flags & ECO_LADDER_FAR) && (l->flags & ECO_LADDER_NEAR)))
-		return BAD("ladder %u: organ %u, flags %#x, reserved %u", id, l->organ, l->flags,
-			l->reserved);
+	if (check_ladder_flags(s, id, error) != ECO_OK)
+		return ECO_DAMAGED;
 	if (!ladder_list_fits(s, l->points, ECO_LIST_POINTS, l->plant)
 			|| !ladder_list_fits(s, l->lines, ECO_LIST_LINES, l->plant)
 	    || !ladder_list_fits(s, l->simple, ECO_LIST_TRIANGLES, l->plant)

@@ -245,7 +245,6 @@ static bool names_list(const struct lod_plant *plant, uint32_t list, uint8_t kin
 static enum eco_code check_ladder(const struct lod_plant *plant, const struct eco_ladder *l,
 	struct eco_error *error)
 {
-	uint32_t wood = l->triangles;
 	if (l->plant != 0 || l->anchor >= plant->plant.anchor_count || l->organ >= ECO_ORGAN_COUNT
 			|| l->level_count > ECO_LEVELS_MAX)
 		return BAD("a ladder of plant %u, anchor %u, organ %u with %u levels", l->plant, l->anchor,
@@ -254,9 +253,11 @@ static enum eco_code check_ladder(const struct lod_plant *plant, const struct ec
 	    || !names_list(plant, l->simple, ECO_LIST_TRIANGLES)
 	|| !names_list(plant, l->triangles, ECO_LIST_TRIANGLES))
 		return BAD("a ladder of lists that are not there or of another kind");
+	bool splats = l->points != ECO_NONE && (plant->lists[l->points].list.attributes & ECO_ATTR_SPLAT);
+	uint32_t levels = splats ? l->points : l->triangles;
 	if (l->level_count > 0
-			&& (wood == ECO_NONE || l->level_end[l->level_count - 1]
-			> plant->lists[wood].elements.primitive_count))
+			&& (levels == ECO_NONE || l->level_end[l->level_count - 1]
+			> plant->lists[levels].elements.primitive_count))
 		return BAD("a ladder's levels end beyond their list");
 	if (l->curve_first > plant->curve_count || l->curve_count > plant->curve_count
 	    || eco_ladder_samples(l) > plant->curve_count - l->curve_first)

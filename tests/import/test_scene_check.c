@@ -11,16 +11,18 @@
 
 #define PATH "build/tmp/test_scene_check.eco"
 
-/* Each breaks a copy of the small pack's scene, and puts itself among the cases. */
-#define BREAK(id, what) \
+/* Each breaks a copy of the small pack's scene, or the scene of splats, and puts itself among the cases. */
+#define BREAK_OF(of_splats, id, what) \
 	static void break_##id(struct scene_builder *l) { what; } \
 	__attribute__((constructor)) static void add_##id(void) \
 	{ \
-		cases[case_count++] = (struct broken){ #id, break_##id }; \
+		cases[case_count++] = (struct broken){ #id, break_##id, of_splats }; \
 	}
-#define BREAKS 129u
+#define BREAK(id, what) BREAK_OF(false, id, what)
+#define BREAK_SPLATS(id, what) BREAK_OF(true, id, what)
+#define BREAKS 145u
 
-static struct broken { const char *name; void (*apply)(struct scene_builder *); } cases[BREAKS];
+static struct broken { const char *name; void (*apply)(struct scene_builder *); bool splats; } cases[BREAKS];
 static size_t case_count;
 
 BREAK(name, memset(l->scene.name, 'x', sizeof l->scene.name))
@@ -63,7 +65,7 @@ BREAK(center, l->anchors[0].center[2] = NAN)
 BREAK(ladder_plant, l->ladders[2].plant = 1)
 BREAK(ladder_anchor, l->ladders[2].anchor = 2)
 BREAK(organ, l->ladders[0].organ = ECO_ORGAN_COUNT)
-BREAK(flags, l->ladders[0].flags = 8)
+BREAK(flags, l->ladders[0].flags = 16)
 BREAK(above_range, l->ladders[0].flags |= ECO_LADDER_ABOVE)
 BREAK(above_share, l->ladders[0].flags |= ECO_LADDER_ABOVE; l->ladders[0].curve_count = 1)
 BREAK(both_flags, l->ladders[0].flags = 3)
@@ -157,6 +159,55 @@ BREAK(simple_kind, l->ladders[0].simple = 2)
 BREAK(reach, l->curves[1].reach = 1.1f)
 BREAK(reach_nan, l->curves[1].reach = NAN)
 
+/* ---- Splats ---- */
+
+enum { SPLATS, WOOD, WHOLE = 0, ORGAN };
+
+/* A plant of wood, with one cell, and all of it as 4, 8 and 24 splats. */
+static void make_splats(struct scene_builder *l)
+{
+	*l = (struct scene_builder){ .scene = { .needs = 511, .near_m = 0.1 },
+		.like = { .grid_step = { 0.01, 0.01, 0.01 }, .unit_area = 0.01f } };
+	scene_add_bare(l, &(struct scene_row){ .kind = ECO_LIST_POINTS, .coder = ECO_CODER_ELEMENTS,
+		.attributes = ECO_ATTR_SPLAT, .other = ECO_NONE }, 36, 36);
+	scene_add_bare(l, &(struct scene_row){ .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS,
+		.other = ECO_NONE }, 50, 50);
+	scene_add_plant(l, (struct eco_plant){ .height_m = 10 });
+	scene_add_anchor(l, (struct eco_anchor){ { 0, 0, 5 }, 6 });
+	scene_add_anchor(l, (struct eco_anchor){ { 0, 0, 8 }, 2 });
+	struct eco_ladder whole = scene_ladder(0, 0, ECO_ORGAN_FOLIAGE), wood = scene_ladder(0, 0,
+		ECO_ORGAN_WOOD);
+	whole.flags = ECO_LADDER_WHOLE;
+	whole.points = SPLATS;
+	whole.level_count = 3;
+	whole.curve_count = 2;
+	memcpy(whole.level_end, (uint32_t[3]){ 4, 12, 36 }, sizeof(uint32_t[3]));
+	wood.triangles = WOOD;
+	scene_add_ladder(l, whole);
+	scene_add_ladder(l, wood);
+	scene_add_curve(l, (struct eco_curve){ 0.1f, 1, 1, 0.5f, 0.5f });
+	scene_add_curve(l, (struct eco_curve){ 1, 1, 1, 0.1f, 0.1f });
+	scene_add_tile(l, (struct eco_tile){ .summary = ECO_NONE });
+}
+
+BREAK_SPLATS(whole_near, l->ladders[WHOLE].flags |= ECO_LADDER_NEAR)
+BREAK_SPLATS(whole_far, l->ladders[WHOLE].flags |= ECO_LADDER_FAR)
+BREAK_SPLATS(whole_cell, l->ladders[WHOLE].anchor = 1)
+BREAK_SPLATS(whole_flags, l->ladders[WHOLE].flags |= 16)
+BREAK_SPLATS(splats_beside_triangles, l->ladders[WHOLE].triangles = WOOD)
+BREAK_SPLATS(splats_level_size, l->ladders[WHOLE].level_end[1] = 13)
+BREAK_SPLATS(splats_level_same, l->ladders[WHOLE].level_end[0] = 6)
+BREAK_SPLATS(splats_level_smaller, l->ladders[WHOLE].level_end[1] = 20)
+BREAK_SPLATS(splats_level_order, l->ladders[WHOLE].level_end[1] = 4)
+BREAK_SPLATS(splats_left_over, l->ladders[WHOLE].level_end[2] = 28)
+BREAK_SPLATS(splats_too_few, l->ladders[WHOLE].level_end[2] = 44)
+BREAK_SPLATS(splats_level_rest, l->ladders[WHOLE].level_end[3] = 36)
+BREAK_SPLATS(splats_levels, l->ladders[WHOLE].level_count = ECO_LEVELS_MAX + 1)
+BREAK_SPLATS(splats_no_level, l->ladders[WHOLE].level_count = 0; memset(l->ladders[WHOLE].level_end, 0,
+	sizeof l->ladders[WHOLE].level_end))
+BREAK_SPLATS(splats_reach, l->curves[0].reach = 0.5f)
+BREAK_SPLATS(splats_kind, l->lists[SPLATS].kind = ECO_LIST_LINES)
+
 UNIT_TEST(every_inconsistency_is_found)
 {
 	struct eco_error error = { 0 };
@@ -170,7 +221,10 @@ UNIT_TEST(every_inconsistency_is_found)
 	assert_int_equal(case_count, BREAKS);
 	for (size_t i = 0; i < case_count; i++) {
 		struct scene_builder l;
-		scene_copy(&l, &pack->scene);
+		if (cases[i].splats)
+			make_splats(&l);
+		else
+			scene_copy(&l, &pack->scene);
 		error = (struct eco_error){ 0 };
 		assert_int_equal(eco_scene_check(&l.scene, &error), ECO_OK);
 		cases[i].apply(&l);

@@ -23,8 +23,8 @@ static uint64_t drawn(const struct eco_cut *cuts, uint32_t count)
 
 UNIT_TEST(every_step_draws_what_it_says)
 {
-	for (uint64_t seed = 1; seed < 40; seed++) {
-		random_scene_make(&scene, seed, 0);
+	for (uint64_t seed = 1; seed < 80; seed++) {
+		(seed < 40 ? random_scene_make : random_scene_splats)(&scene, seed, 0);
 		for (uint32_t l = 0; l < scene.scene.ladder_count; l++) {
 			const struct eco_ladder *ladder = &scene.ladders[l];
 			uint64_t v = 0, full = lod_ladder_full(&scene.scene, ladder), steps = 0;
@@ -87,6 +87,80 @@ UNIT_TEST(forms_give_way_from_the_front)
 			assert_int_equal(cuts[1].end, per * k);
 		}
 	}
+}
+
+/* The level that a splat belongs to. */
+static uint32_t level_of(const struct eco_ladder *ladder, uint32_t splat)
+{
+	uint32_t level = 0;
+	while (ladder->level_end[level] <= splat)
+		level++;
+	return level;
+}
+
+/* How fine splat `i` of the first level is drawn: the level of each of its descendants, summed over those of
+ * the last level; levels count from 1, and nothing drawn counts 0. */
+static uint64_t fineness(const struct eco_ladder *ladder, const struct eco_cut *cuts, uint32_t count,
+	uint32_t i)
+{
+	uint32_t roots = ladder->level_end[0], last = ladder->level_count - 1;
+	uint32_t all = (ladder->level_end[last] - (last ? ladder->level_end[last - 1] : 0)) / roots;
+	uint64_t sum = 0;
+	for (uint32_t c = 0; c < count; c++)
+		for (uint32_t splat = cuts[c].first; splat < cuts[c].end; splat++) {
+			uint32_t level = level_of(ladder, splat), first = level ? ladder->level_end[level - 1]
+				: 0, each = (ladder->level_end[level] - first) / roots;
+			if ((splat - first) / each == i)
+				sum += (level + 1ull) * (all / each);
+		}
+	return sum;
+}
+
+/* Splats give way to their children from the front: a larger number of vertices draws no splat coarser, no
+ * splat beside its children, and everything from the first level's end on. */
+UNIT_TEST(splats_give_way_to_their_children)
+{
+	uint32_t tried = 0;
+	for (uint64_t seed = 1; seed < 60; seed++) {
+		random_scene_splats(&scene, seed, 0);
+		for (uint32_t l = 0; l < scene.scene.ladder_count; l++) {
+			const struct eco_ladder *ladder = &scene.ladders[l];
+			if (!(ladder->flags & ECO_LADDER_WHOLE))
+				continue;
+			uint32_t roots = ladder->level_end[0], last = ladder->level_count - 1, each =
+				(ladder->level_end[last] - (last ? ladder->level_end[last - 1] : 0)) / roots;
+			uint64_t had[64] = { 0 }, before = 0;
+			assert_true(roots <= 64);
+			for (uint64_t v = lod_ladder_next(&scene.scene, ladder, 0); v != UINT64_MAX;
+					before = v, v = lod_ladder_next(&scene.scene, ladder, v), tried++) {
+				struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+				uint32_t count = lod_ladder_cuts(&scene.scene, ladder, v, 0.5, cuts);
+				assert_true(v <= before + 3);
+				assert_int_equal(drawn(cuts, count), v);
+				for (uint32_t c = 0; c < count; c++) {
+					assert_true(cuts[c].scale == 1 && cuts[c].list == ladder->points);
+					assert_int_equal(level_of(ladder, cuts[c].first),
+						level_of(ladder, cuts[c].end - 1));
+				}
+				if (count == 2)
+					assert_int_equal(level_of(ladder, cuts[0].first),
+						level_of(ladder, cuts[1].first) + 1);
+				for (uint32_t i = 0; i < roots; i++) {
+					uint64_t now = fineness(ladder, cuts, count, i);
+					assert_true(now >= had[i] && (now >= each || v < roots));
+					assert_true(now <= (last + 1ull) * each);
+					had[i] = now;
+				}
+				assert_true(lod_ladder_density(&scene.scene, ladder, v) == 1);
+				assert_int_equal(lod_ladder_vertices(&scene.scene, ladder,
+					lod_ladder_share(&scene.scene, ladder, v)), v);
+			}
+			for (uint32_t i = 0; i < roots; i++)
+				assert_int_equal(had[i], (last + 1ull) * each);
+			assert_int_equal(lod_ladder_stage_end(&scene.scene, ladder), before);
+		}
+	}
+	assert_true(tried > 2000);
 }
 
 static double elements_of(const struct eco_list *list, double primitives)

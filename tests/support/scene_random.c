@@ -137,6 +137,31 @@ static void add_ladder(struct scene_builder *b, const struct random_sizes *sizes
 	scene_add_ladder(b, l);
 }
 
+/* A few levels, and a curve that ends with an error: a small one or a large one. */
+static void add_splats(struct scene_builder *b, const struct random_sizes *sizes, uint32_t anchor)
+{
+	static const float shares[4] = { 0.004f, 0.03f, 0.2f, 1 };
+	struct eco_ladder l = scene_ladder(b->scene.plant_count - 1, anchor, ECO_ORGAN_FOLIAGE);
+	uint32_t size = 1 + random_below(b, 1 + sizes->elements / 16), end = 0,
+		levels = 1 + random_below(b, 4);
+	while (l.level_count < levels) {
+		l.level_end[l.level_count++] = end += size;
+		size *= 2 + random_below(b, 3);
+	}
+	l.points = add_list(b, ECO_LIST_POINTS, end, l.plant, ECO_NONE);
+	b->lists[l.points].attributes = ECO_ATTR_SPLAT;
+	l.flags = ECO_LADDER_WHOLE;
+	l.total = end;
+	l.curve_first = b->scene.curve_count;
+	l.curve_count = 4;
+	float first = (float)random_real(b, 0.1, 0.5), last = first * (float)random_real(b, 0, 1);
+	for (int i = 0; i < 4; i++) {
+		float error = first + (last - first) * (float)i / 3;
+		scene_add_curve(b, (struct eco_curve){ shares[i], 1, 1, error, error });
+	}
+	scene_add_ladder(b, l);
+}
+
 static void add_plant(struct scene_builder *b, const struct random_sizes *sizes)
 {
 	uint32_t cells = random_below(b, 2) ? 0 : 2 + random_below(b, sizes->cells - 1);
@@ -146,6 +171,8 @@ static void add_plant(struct scene_builder *b, const struct random_sizes *sizes)
 	uint32_t anchor = scene_add_anchor(b, (struct eco_anchor){ { 0, 0, h / 2 }, h / 2 });
 	add_ladder(b, sizes, anchor, kind, 0, 0);
 	add_ladder(b, sizes, anchor, WOOD, cells ? ECO_LADDER_FAR : 0, 0);
+	if (sizes->splats && random_below(b, 4))
+		add_splats(b, sizes, anchor);
 	for (uint32_t c = 0; c < cells; c++) {
 		anchor =
 			scene_add_anchor(b,
@@ -219,6 +246,12 @@ void random_scene_make(struct scene_builder *b, uint64_t seed, uint32_t nested)
 {
 	random_scene_sized(b, seed, nested, (struct random_sizes){ .species = 4, .leaves = 4, .elements = 300,
 		.places = 40, .cells = 7 });
+}
+
+void random_scene_splats(struct scene_builder *b, uint64_t seed, uint32_t nested)
+{
+	random_scene_sized(b, seed, nested, (struct random_sizes){ .species = 4, .leaves = 4, .elements = 300,
+		.places = 40, .cells = 7, .splats = true });
 }
 
 struct eco_view random_view(struct scene_builder *b)

@@ -1,6 +1,6 @@
 /* Small random scenes for tests of the planner and of what evaluates its plans: tables only. Every kind of
- * ladder (points, simple forms and triangles, blades, wood with levels, plain triangles), plants with and
- * without cells, tiles in two levels, nested placements.
+ * ladder (points, simple forms and triangles, blades, wood with levels, plain triangles, splats), plants with
+ * and without cells, tiles in two levels, nested placements.
  *
  *   random_scene_make(&b, seed, nested);      b is empty or an earlier scene; scene_free(&b)
  *   random_pack_make(seed, nested, factor)    such a scene as an open pack with payloads: random bytes under
@@ -11,8 +11,8 @@
 #include "ecofiles/format/view.h"
 #include "tests/support/scene_builder.h"
 
-/* at most; leaves: exactly, up to 4 */
-struct random_sizes { uint32_t species, leaves, elements, places, cells; };
+/* at most; leaves: exactly, up to 4; splats: most plants have a ladder of splats for the whole plant too */
+struct random_sizes { uint32_t species, leaves, elements, places, cells; bool splats; };
 
 uint64_t random_bits(struct scene_builder *b);
 double random_real(struct scene_builder *b, double low, double high);
@@ -21,6 +21,8 @@ uint32_t random_below(struct scene_builder *b, uint32_t n);
 /* `nested` adds placed copies of one eco file under the root. */
 void random_scene_sized(struct scene_builder *b, uint64_t seed, uint32_t nested, struct random_sizes sizes);
 void random_scene_make(struct scene_builder *b, uint64_t seed, uint32_t nested);
+/* The same, with splats. */
+void random_scene_splats(struct scene_builder *b, uint64_t seed, uint32_t nested);
 /* A list of elements of one to four triangles; and another form of one, of one to four `corners` each. */
 uint32_t random_fans(struct scene_builder *b, uint32_t elements, uint32_t owner);
 uint32_t random_form(struct scene_builder *b, uint8_t kind, uint32_t of, uint32_t corners);
