@@ -17,7 +17,7 @@ static const struct { uint32_t bit; const char *name; } need_names[] = {
 	{ ECO_NEED_POINTS, "points" }, { ECO_NEED_LINES, "lines" }, { ECO_NEED_TRIANGLES, "triangles" },
 	{ ECO_NEED_TEXTURES, "textures" }, { ECO_NEED_CUTOUTS, "cutouts" }, { ECO_NEED_GROUND, "ground" },
 	{ ECO_NEED_CELLS, "cells" }, { ECO_NEED_SUMMARIES, "summaries" },
-	{ ECO_NEED_PLACEMENTS, "placements" },
+	{ ECO_NEED_PLACEMENTS, "placements" }, { ECO_NEED_SPLATS, "splats" },
 };
 
 static void key_id(struct srv_json *json, const char *key, const struct eco_chunk_id *id)

@@ -13,7 +13,7 @@ enum { KIND_SUMMARIES = ECO_LIST_IMAGE + 1, KIND_COUNT };
 static const char *const kind_names[KIND_COUNT] = { "", "triangles", "lines", "points", "instances", "ground",
 	"images", "summaries" };
 static const char *const need_names[] = { "points", "lines", "triangles", "textures", "cutouts", "ground",
-	"cells", "summaries", "placements" };
+	"cells", "summaries", "placements", "splats" };
 
 struct kind_total { uint64_t lists, chunks, primitives, bytes; };
 

@@ -63,11 +63,8 @@ enum eco_code make_add_plant(struct make *m, uint32_t id, const struct make_tabl
 
 enum eco_code make_keep_list(struct make *m, uint32_t list_id)
 {
-	static const uint32_t needs[] = { [ECO_LIST_TRIANGLES] = ECO_NEED_TRIANGLES,
-		[ECO_LIST_LINES] = ECO_NEED_LINES, [ECO_LIST_POINTS] = ECO_NEED_POINTS,
-		[ECO_LIST_GROUND] = ECO_NEED_GROUND, [ECO_LIST_IMAGE] = ECO_NEED_TEXTURES };
 	const struct eco_list *stored = eco_pack_list(m->writer, list_id);
-	m->scene.needs |= needs[stored->kind];
+	m->scene.needs |= eco_list_needs(stored);
 	return make_add(m, &m->lists, stored, 1, sizeof *stored);
 }
 

@@ -211,7 +211,7 @@ static void enter(void *ctx, enum lod_plant_stage stage)
 {
 	static const enum main_stage stages[] = { [LOD_STAGE_ELEMENTS] = MAIN_STAGE_ELEMENTS,
 		[LOD_STAGE_ORDERS] = MAIN_STAGE_ORDERS, [LOD_STAGE_LISTS] = MAIN_STAGE_LISTS,
-		[LOD_STAGE_CURVES] = MAIN_STAGE_CURVES };
+		[LOD_STAGE_SPLATS] = MAIN_STAGE_SPLATS, [LOD_STAGE_CURVES] = MAIN_STAGE_CURVES };
 	(void)ctx;
 	main_times_stage(stages[stage]);
 }

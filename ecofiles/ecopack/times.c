@@ -12,7 +12,8 @@ static const char *const names[MAIN_STAGE_COUNT] =
 	{ [MAIN_STAGE_SCENE] = "scene", [MAIN_STAGE_GROUND] = "ground",
 		[MAIN_STAGE_MODELS] = "reading models", [MAIN_STAGE_CACHE] = "cache",
 		[MAIN_STAGE_ELEMENTS] = "organs and elements", [MAIN_STAGE_ORDERS] = "orders",
-		[MAIN_STAGE_LISTS] = "levels lines points", [MAIN_STAGE_CURVES] = "curves and scales",
+		[MAIN_STAGE_LISTS] = "levels lines points", [MAIN_STAGE_SPLATS] = "splats",
+		[MAIN_STAGE_CURVES] = "curves and scales",
 		[MAIN_STAGE_TEXTURES] = "textures", [MAIN_STAGE_PACKING] = "packing plants",
 		[MAIN_STAGE_POSITIONS] = "positions", [MAIN_STAGE_TILES] = "tiles",
 		[MAIN_STAGE_SUMMARIES] = "summaries", [MAIN_STAGE_WRITING] = "writing" };

@@ -15,6 +15,7 @@ enum main_stage {
 	MAIN_STAGE_ELEMENTS,         /* welding, organs, elements */
 	MAIN_STAGE_ORDERS,
 	MAIN_STAGE_LISTS,            /* cells, points, lines, levels */
+	MAIN_STAGE_SPLATS,           /* fitted to whole plants */
 	MAIN_STAGE_CURVES,           /* scales s_opt, and fineness of grids */
 	MAIN_STAGE_TEXTURES,
 	MAIN_STAGE_PACKING,          /* the plants' lists */

@@ -134,12 +134,12 @@ static enum eco_code verify_lists(struct verify *v, struct eco_error *error)
 	return ECO_OK;
 }
 
-/* Levels must end with a chunk, so that a prefix of chunks is a level. */
+/* Levels of wood must end with a chunk, so that a prefix of chunks is a level. */
 static void verify_ladder(struct verify *v, uint32_t id)
 {
 	const struct eco_scene *s = &v->pack->scene;
 	const struct eco_ladder *l = &s->ladders[id];
-	for (uint32_t k = 0; k < l->level_count; k++) {
+	for (uint32_t k = 0; k < l->level_count && l->triangles != ECO_NONE; k++) {
 		const struct eco_list *list = &s->lists[l->triangles];
 		uint32_t end = 0;
 		for (uint32_t c = 0; c < list->chunk_count && end < l->level_end[k]; c++)

@@ -44,7 +44,8 @@
 enum eco_need {                  /* what a scene uses; a reader skips what is not listed */
 	ECO_NEED_POINTS = 1, ECO_NEED_LINES = 2, ECO_NEED_TRIANGLES = 4, ECO_NEED_TEXTURES = 8,
 		ECO_NEED_CUTOUTS = 16,
-	ECO_NEED_GROUND = 32, ECO_NEED_CELLS = 64, ECO_NEED_SUMMARIES = 128, ECO_NEED_PLACEMENTS = 256
+	ECO_NEED_GROUND = 32, ECO_NEED_CELLS = 64, ECO_NEED_SUMMARIES = 128, ECO_NEED_PLACEMENTS = 256,
+	ECO_NEED_SPLATS = 512, ECO_NEEDS_ALL = 1023
 };
 
 enum eco_organ { ECO_ORGAN_WOOD, ECO_ORGAN_FOLIAGE, ECO_ORGAN_FLOWER, ECO_ORGAN_COUNT };
@@ -205,6 +206,8 @@ static inline bool eco_ladder_has_splats(const struct eco_scene *scene, const st
 	return ladder->points != ECO_NONE && (scene->lists[ladder->points].attributes & ECO_ATTR_SPLAT);
 }
 
+/* What a list makes a scene need; cells, cut-outs and placements come from elsewhere. */
+uint32_t eco_list_needs(const struct eco_list *list);
 struct eco_place eco_place_read(const struct eco_scene *scene, uint64_t index);      /* index < place_count */
 /* The same for an instance of a decoded list. */
 struct eco_place eco_place_of(const struct eco_elements *instances, uint32_t index);

@@ -554,15 +554,12 @@ static enum eco_code check_needs(const struct eco_scene *s, struct eco_error *er
 			{ ECO_NEED_TRIANGLES, "triangles" },
 		{ ECO_NEED_TEXTURES, "textures" }, { ECO_NEED_GROUND, "ground" }, { ECO_NEED_CELLS, "cells" },
 		{ ECO_NEED_SUMMARIES, "summaries" }, { ECO_NEED_PLACEMENTS, "placements" },
+		{ ECO_NEED_SPLATS, "splats" },
 	};
-	static const uint32_t of_kind[] = { [ECO_LIST_TRIANGLES] = ECO_NEED_TRIANGLES,
-		[ECO_LIST_LINES] = ECO_NEED_LINES, [ECO_LIST_POINTS] = ECO_NEED_POINTS,
-		[ECO_LIST_GROUND] = ECO_NEED_GROUND, [ECO_LIST_IMAGE] = ECO_NEED_TEXTURES };
 	uint32_t used = 0;
 
 	for (uint32_t i = 0; i < s->list_count; i++)
-		used |= s->lists[i].attributes & ECO_ATTR_PLANT ? (uint32_t)ECO_NEED_SUMMARIES
-			: of_kind[s->lists[i].kind];
+		used |= eco_list_needs(&s->lists[i]);
 	for (uint32_t i = 0; i < s->plant_count; i++)
 		used |= s->plants[i].anchor_count > 1 ? ECO_NEED_CELLS : 0;
 	for (uint32_t i = 0; i < s->child_count; i++)
@@ -578,7 +575,7 @@ enum eco_code eco_scene_check(const struct eco_scene *s, struct eco_error *error
 {
 	if (!name_ends(s->name))
 		return BAD("scene: its name has no end");
-	if (s->needs >= 2 * ECO_NEED_PLACEMENTS)
+	if (s->needs > ECO_NEEDS_ALL)
 		return eco_fail(error, ECO_UNSUPPORTED, "scene: needs %#x that this program does not know",
 			s->needs);
 	if (!within(s->near_m, 1e-9, METRES_MAX))

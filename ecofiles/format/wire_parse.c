@@ -14,7 +14,6 @@
 #include "ecofiles/format/chunk.h"
 #include "ecofiles/base/utf8.h"
 
-#define NEEDS_ALL ((uint32_t)(2 * ECO_NEED_PLACEMENTS - 1))
 #define ATTRIBUTES_ALL (2u * ECO_ATTR_SPLAT - 1)
 
 #define BAD(...) eco_fail(e, ECO_DAMAGED, __VA_ARGS__)
@@ -94,9 +93,9 @@ static enum eco_code read_scene(struct eco_wire_parser *p, struct eco_reader *r,
 		return BAD("the scene's name is too long or not UTF-8");
 	if (!isfinite(scene.near_m) || scene.near_m <= 0)
 		return BAD("the near plane is not a positive number");
-	if (scene.needs & ~NEEDS_ALL)
+	if (scene.needs & ~(uint32_t)ECO_NEEDS_ALL)
 		return eco_fail(e, ECO_UNSUPPORTED, "the scene needs features 0x%x, which this program does "
-			"not know", scene.needs & ~NEEDS_ALL);
+			"not know", scene.needs & ~(uint32_t)ECO_NEEDS_ALL);
 	if ((scene.ground_columns == 0) != (scene.ground_rows == 0) || scene.ground_columns == 1
 			|| scene.ground_rows == 1
 		|| scene.ground_columns > ECO_GROUND_SIDE_MAX || scene.ground_rows > ECO_GROUND_SIDE_MAX)

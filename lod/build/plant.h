@@ -49,7 +49,8 @@ struct lod_plant {
  * all are done. */
 typedef void lod_each(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces);
 
-enum lod_plant_stage { LOD_STAGE_ELEMENTS, LOD_STAGE_ORDERS, LOD_STAGE_LISTS, LOD_STAGE_CURVES };
+enum lod_plant_stage { LOD_STAGE_ELEMENTS, LOD_STAGE_ORDERS, LOD_STAGE_LISTS, LOD_STAGE_SPLATS,
+	LOD_STAGE_CURVES };
 
 struct lod_plant_options {
 	const char *name;
@@ -61,6 +62,7 @@ struct lod_plant_options {
 	uint32_t cell_triangles;             /* a cell of more triangles is split (octree); 0: 4096 */
 	uint32_t grid_bits;                  /* of the largest extent; 0: chosen by measurement, 12 to 18 */
 	uint32_t views, pixels;              /* for curves; 0: 12 views of 256 pixels */
+	bool no_splats;                      /* no ladder for the plant as a whole */
 	/* called now and then with the share done, in [0,1]; returns false to stop with ECO_INTERRUPTED; may
 	 * be NULL */
 	bool (*progress)(void *ctx, double share);

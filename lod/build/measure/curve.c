@@ -34,6 +34,7 @@
 
 #include "lod/build/measure/curve_ways.h"
 #include "lod/build/grid.h"
+#include "lod/build/plant_splats.h"
 #include "lod/ladder.h"
 
 #define SAMPLES_MOST 42u             /* of LOD_CURVE_SAMPLES_MAX: the others are for levels */
@@ -447,5 +448,9 @@ enum eco_code lod_plant_measure(struct lod_plant *plant, const struct eco_model 
 	if (options->stage)
 		options->stage(options->ctx, LOD_STAGE_CURVES);
 	enum eco_code code = options->grid_bits ? ECO_OK : lod_grid_choose(plant, model, options, error);
+	if (!code && !options->no_splats)
+		code = lod_plant_add_splats(plant, model, options, error);
+	if (!code && options->stage)
+		options->stage(options->ctx, LOD_STAGE_CURVES);
 	return code ? code : lod_curve_measure(plant, model, options, error);
 }
