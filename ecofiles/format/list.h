@@ -72,9 +72,9 @@ struct eco_list {
 	double grid_origin[3];       /* metres; plant space, tile's eco space, or scene space for ground */
 	double grid_step[3];         /* metres; position = origin + integer * step */
 	float unit_area;             /* points and summaries: projected area (m^2, random
-	                              * orientation: area / 2) of one point when all are drawn: a splat is a
-	                              * screen-facing square of area unit_area * scale. Splats: the
-	                              * square of their unit of length */
+	                              * orientation: area / 2) of one point when all are drawn: it is a ball
+	                              * whose disc has the area unit_area * scale. Splats: the square of
+	                              * their unit of length */
 	uint32_t palette_first, palette_count;
 	uint32_t image;              /* list id of the texture, or ECO_NONE */
 	uint32_t partner;            /* FORM: list id of the elements in their finest form; else ECO_NONE */

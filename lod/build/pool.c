@@ -165,7 +165,7 @@ static void draw_parts(struct lod_raster *raster, const struct patches *patches)
 		struct lod_raster_batch batch = { .count = part->count, .position = part->position,
 			.width = part->width, .area = part->unit_area,
 			.size = part->size, .item = part->first, .owner = 1 };
-		(part->corners == 1 ? lod_raster_points : part->corners == 2 ? lod_raster_lines
+		(part->corners == 1 ? lod_raster_splats : part->corners == 2 ? lod_raster_lines
 			: lod_raster_triangles)(raster, &batch);
 	}
 }

@@ -280,8 +280,6 @@ void lod_raster_list(struct lod_raster *raster, const struct eco_list *list,
 		lod_raster_triangles(raster, &batch);
 	else if (list->kind == ECO_LIST_LINES)
 		lod_raster_lines(raster, &batch);
-	else if (geometry->half)
-		lod_raster_splats(raster, &batch);
 	else
-		lod_raster_points(raster, &batch);
+		lod_raster_splats(raster, &batch);
 }

@@ -24,7 +24,8 @@
  *             centre: the pixels with centres in [x-h, x+h) x [y-h, y+h), bounds rounded to 1/256; all at
  *             the depth of the centre. There may be none.
  *   splat     the ellipse of lod/splat.h around the centre's pixel position, at the depth of the centre;
- *             drawn whole or not at all, by its centre's w
+ *             drawn whole or not at all, by its centre's w. Without half axes it is a ball, whose disc has
+ *             the area area * size: so are the points of packs
  *   texel     column = floor(u * width) modulo width, row = floor(v * height) modulo height, from the
  *             image's top left; opaque from alpha 128 on; u, v perspective-correct
  * `scale` is that of the place. Samples are compared by 1/w, which is linear on the screen; no sample lies
@@ -68,9 +69,9 @@ struct lod_raster_batch {
 	const struct eco_image *cutout;   /* samples with alpha < 0.5 (nearest texel, wrapping) are left out;
 	                                   * NULL: opaque */
 	const float *width;          /* lines: full width in object units, one each */
-	float area;                  /* points: area of the square in object units^2 */
+	float area;                  /* points: area of the square in object units^2; balls: of the disc */
 	const float *size;           /* points: factors of `area`, one each, or NULL: all 1 */
-	const float *half, *opacity; /* splats: three half axes (9), and 1; each */
+	const float *half, *opacity; /* splats: three half axes (9), and 1, each; NULL: balls, opaque */
 	uint32_t item;               /* number of the first primitive; those after it count on */
 	uint64_t owner;              /* 0 draws ground, which hides and is not covered */
 };

@@ -14,24 +14,42 @@ static float row_of(const float row[4], const float p[3])
 	return row[0] * p[0] + row[1] * p[1] + row[2] * p[2];
 }
 
-static bool project(const struct lod_raster_state *state, const float centre[3], const float half[9],
-	struct disc *disc)
+/* Sets what follows from the centre, and x, y and depth per metre at it. */
+static bool place(const struct lod_raster_state *state, const float centre[3], struct disc *disc, float at[2])
 {
 	const float (*m)[4] = state->clip;
-	float w = row_of(m[2], centre) + m[2][3], across[3], down[3];
+	float w = row_of(m[2], centre) + m[2][3];
 	if (!(w >= state->near_w))
 		return false;
 	disc->z = 1 / w;
-	float x = (row_of(m[0], centre) + m[0][3]) * disc->z, y = (row_of(m[1], centre) + m[1][3]) * disc->z,
-		pixel = disc->z * (1.0f / LOD_SUBPIXEL);
-	disc->x = x * (1.0f / LOD_SUBPIXEL);
-	disc->y = y * (1.0f / LOD_SUBPIXEL);
+	for (int k = 0; k < 2; k++)
+		at[k] = (row_of(m[k], centre) + m[k][3]) * disc->z;
+	disc->x = at[0] * (1.0f / LOD_SUBPIXEL);
+	disc->y = at[1] * (1.0f / LOD_SUBPIXEL);
+	return fabsf(at[0]) < 1e30f && fabsf(at[1]) < 1e30f;
+}
+
+static bool project(const struct lod_raster_state *state, const float half[9], const float at[2],
+	struct disc *disc)
+{
+	const float (*m)[4] = state->clip;
+	float across[3], down[3], pixel = disc->z * (1.0f / LOD_SUBPIXEL);
 	for (int k = 0; k < 3; k++) {
 		float nearer = row_of(m[2], half + 3 * k);
-		across[k] = (row_of(m[0], half + 3 * k) - nearer * x) * pixel;
-		down[k] = (row_of(m[1], half + 3 * k) - nearer * y) * pixel;
+		across[k] = (row_of(m[0], half + 3 * k) - nearer * at[0]) * pixel;
+		down[k] = (row_of(m[1], half + 3 * k) - nearer * at[1]) * pixel;
 	}
-	return fabsf(x) < 1e30f && fabsf(y) < 1e30f && lod_ellipse_make(&disc->ellipse, across, down);
+	return lod_ellipse_make(&disc->ellipse, across, down);
+}
+
+/* The same for a ball: its half axes may be those of the view. */
+static bool project_ball(const struct lod_raster_state *state, float radius, const float at[2],
+	struct disc *disc)
+{
+	float pixel = radius * disc->z * (1.0f / LOD_SUBPIXEL);
+	const float across[3] = { state->project[0][0] * pixel, 0, -at[0] * pixel },
+		down[3] = { 0, state->project[1][1] * pixel, -at[1] * pixel };
+	return lod_ellipse_make(&disc->ellipse, across, down);
 }
 
 /* The first pixel whose centre is at or after `at`, from the picture's first, clamped to [0, size]. */
@@ -76,11 +94,18 @@ static void fill_disc(const struct lod_paint *paint, const struct disc *disc)
 
 void lod_raster_splats(struct lod_raster *raster, const struct lod_raster_batch *batch)
 {
+	const struct lod_raster_state *state = raster->state;
 	struct lod_paint paint = lod_paint_make(raster, batch);
+	float radius = (float)(sqrt((double)batch->area / 3.14159265358979) * state->place.scale);
 	for (uint32_t i = 0; i < batch->count; i++) {
 		const float *centre = batch->position + 3 * (size_t)i;
-		struct disc disc = { .opacity = batch->opacity[i], .salt = lod_splat_salt(centre) };
-		if (!project(raster->state, centre, batch->half + 9 * (size_t)i, &disc))
+		struct disc disc = { .opacity = batch->opacity ? batch->opacity[i] : 1,
+			.salt = lod_splat_salt(centre) };
+		float at[2];
+		if (!place(state, centre, &disc, at) || !(batch->half
+				? project(state, batch->half + 9 * (size_t)i, at, &disc)
+				: project_ball(state, batch->size ? radius * sqrtf(batch->size[i]) : radius, at,
+				&disc)))
 			continue;
 		paint.item = batch->item + i;
 		fill_disc(&paint, &disc);

@@ -158,7 +158,7 @@ static bool draw_cut(struct lod_raster *raster, const struct view_store *store,
 		lod_raster_object(raster, &s->instances[s->members[m]].place);
 		(list->list.kind == ECO_LIST_TRIANGLES ? lod_raster_triangles : list->list.kind
 			== ECO_LIST_LINES ? lod_raster_lines
-			: lod_raster_points)(raster, &batch);
+			: lod_raster_splats)(raster, &batch);
 	}
 	free(g.position);
 	free(g.width);
