@@ -209,6 +209,7 @@ static void set_camera(const struct frame *f, const struct view_shader *s)
 		glUniform3f(s->uniform[names[i]], (float)axes[i][0], (float)axes[i][1], (float)axes[i][2]);
 	glUniform4f(s->uniform[VIEW_U_LENS], (float)(1 / eye->tan_x), (float)(1 / eye->tan_y),
 		(float)f->job->near_m, 0);
+	glUniform2f(s->uniform[VIEW_U_HALF], 0.5f * (float)f->picture->width, 0.5f * (float)f->picture->height);
 	glUniform1i(s->uniform[VIEW_U_RECORDS], 0);
 	glUniform1i(s->uniform[VIEW_U_INSTANCES], 1);
 	glUniform1i(s->uniform[VIEW_U_MEMBERS], 2);
@@ -296,7 +297,8 @@ static enum view_program program_of(const struct eco_list *list)
 	case ECO_LIST_LINES:
 		return VIEW_PROGRAM_LINES;
 	case ECO_LIST_POINTS:
-		return list->attributes & ECO_ATTR_PLANT ? VIEW_PROGRAM_SUMMARY : VIEW_PROGRAM_POINTS;
+		return list->attributes & ECO_ATTR_SPLAT ? VIEW_PROGRAM_SPLATS
+			: list->attributes & ECO_ATTR_PLANT ? VIEW_PROGRAM_SUMMARY : VIEW_PROGRAM_POINTS;
 	default:
 		return view_record_texels(list) == 5 ? VIEW_PROGRAM_TEXTURED : VIEW_PROGRAM_TRIANGLES;
 	}
@@ -308,16 +310,17 @@ static void set_tint(const struct view_shader *s, enum view_role role)
 	glUniform4f(s->uniform[VIEW_U_TINT], c[0] / 255.0f, c[1] / 255.0f, c[2] / 255.0f, 1);
 }
 
-/* Scale as the vertex shader wants it: of edges, by growth code or of a line, or half the side of a point's
- * square. */
+/* Scale as the vertex shader wants it: of edges, by growth code or of a line or splat, or the radius of a
+ * point. */
 static void set_scale(const struct view_shader *s, const struct eco_list *list, float scale)
 {
 	float edges[ECO_GROWTHS];
 	for (uint32_t code = 0; code < ECO_GROWTHS; code++)
 		edges[code] = sqrtf(eco_growth(code, scale));
 	glUniform1fv(s->uniform[VIEW_U_EDGES], ECO_GROWTHS, edges);
-	glUniform1f(s->uniform[VIEW_U_SCALE], list->kind == ECO_LIST_POINTS
-		? (float)(0.5 * sqrt((double)list->unit_area * scale)) : sqrtf(scale));
+	bool ball = list->kind == ECO_LIST_POINTS && !(list->attributes & ECO_ATTR_SPLAT);
+	glUniform1f(s->uniform[VIEW_U_SCALE],
+		ball ? (float)sqrt((double)list->unit_area * scale / 3.14159265358979) : sqrtf(scale));
 }
 
 static enum eco_code bind_images(struct frame *f, const struct view_list *list)

@@ -17,6 +17,20 @@ static enum eco_code no_memory(struct eco_error *error)
 	return eco_fail(error, ECO_NO_MEMORY, "no memory for the geometry of a picture");
 }
 
+static float length_of(const float v[3]) { return sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+
+/* How far a line or a point reaches from its corners; of a splat, its longest half axis. */
+static float reach_of(const struct view_mesh *mesh, uint32_t i)
+{
+	const struct lod_geometry *g = &mesh->geometry;
+	if (g->width)
+		return g->width[i];
+	if (g->half)
+		return fmaxf(length_of(g->half + 9 * (size_t)i), fmaxf(length_of(g->half + 9 * (size_t)i + 3),
+			length_of(g->half + 9 * (size_t)i + 6)));
+	return sqrtf(mesh->batch.area * 0.3183f * (g->size ? g->size[i] : 1));
+}
+
 static void bound_sphere(struct view_mesh *mesh, uint32_t vertices)
 {
 	float low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
@@ -32,27 +46,10 @@ static void bound_sphere(struct view_mesh *mesh, uint32_t vertices)
 		square += 0.25 * ((double)high[k] - low[k]) * ((double)high[k] - low[k]);
 	}
 	mesh->radius = (float)(sqrt(square) * 1.0001);
-	float largest = mesh->geometry.size ? 0 : 1;
-	for (uint32_t i = 0; mesh->geometry.size && i < mesh->batch.count; i++)
-		largest = fmaxf(largest, mesh->geometry.size[i]);
-	if (mesh->list->list.kind == ECO_LIST_POINTS)
-		mesh->radius += sqrtf(mesh->batch.area * largest);
-	for (uint32_t i = 0; mesh->list->list.kind == ECO_LIST_LINES && i < mesh->batch.count; i++)
-		mesh->radius = fmaxf(mesh->radius, (float)(sqrt(square) * 1.0001) + mesh->geometry.width[i]);
-}
-
-static bool allocate(struct view_mesh *mesh, uint32_t count)
-{
-	const struct eco_list *list = &mesh->list->list;
-	bool lines = list->kind == ECO_LIST_LINES, sized = list->attributes & ECO_ATTR_SIZE;
-	struct lod_geometry *g = &mesh->geometry;
-	g->position = malloc(12u * (size_t)count * eco_list_vertices(list) + 1);
-	g->uv = mesh->image ? malloc(24u * (size_t)count + 1) : NULL;
-	g->width = lines ? malloc(4u * (size_t)count + 1) : NULL;
-	g->color = malloc(4u * (size_t)count + 1);
-	g->size = sized ? malloc(4u * (size_t)count + 1) : NULL;
-	return g->position && g->color && (g->uv || !mesh->image) && (g->width || !lines)
-		&& (g->size || !sized);
+	float largest = 0;
+	for (uint32_t i = 0; mesh->list->list.kind != ECO_LIST_TRIANGLES && i < mesh->batch.count; i++)
+		largest = fmaxf(largest, reach_of(mesh, i));
+	mesh->radius += largest;
 }
 
 enum eco_code view_mesh_make(struct view_mesh *mesh, const struct view_store *store,
@@ -64,17 +61,14 @@ enum eco_code view_mesh_make(struct view_mesh *mesh, const struct view_store *st
 		: view_store_list(store, list->list.image);
 	if (image && image->image.rgba && list->list.attributes & ECO_ATTR_UV)
 		mesh->image = image;
-	if (!allocate(mesh, count))
+	if (!lod_geometry_make(&mesh->geometry, &list->list, count, mesh->image))
 		return no_memory(error);
 	uint32_t written = lod_list_geometry(&list->list, &list->elements, cut->first, cut->end, cut->scale,
 		&mesh->geometry);
 	assert(written == count);
 	bool cutout = mesh->image && image->cutout;
-	mesh->batch = (struct lod_raster_batch){ .count = count, .position = mesh->geometry.position,
-		.uv = cutout ? mesh->geometry.uv : NULL,
-		.cutout = cutout ? &image->image : NULL, .width = mesh->geometry.width,
-		.area = list->list.unit_area * cut->scale,
-		.size = mesh->geometry.size };
+	mesh->batch = (struct lod_raster_batch){ .count = count, .cutout = cutout ? &image->image : NULL,
+		.area = list->list.unit_area * cut->scale };
 	mesh->by_point = list->list.kind == ECO_LIST_POINTS && list->list.attributes & ECO_ATTR_PLANT;
 	mesh->half_width = plant ? view_shape_of(plant).half_width : 0;
 	bound_sphere(mesh, count * eco_list_vertices(&list->list));
@@ -83,11 +77,7 @@ enum eco_code view_mesh_make(struct view_mesh *mesh, const struct view_store *st
 
 void view_mesh_free(struct view_mesh *mesh)
 {
-	free(mesh->geometry.position);
-	free(mesh->geometry.uv);
-	free(mesh->geometry.width);
-	free(mesh->geometry.color);
-	free(mesh->geometry.size);
+	lod_geometry_free(&mesh->geometry);
 	*mesh = (struct view_mesh){ .list = NULL };
 }
 
@@ -147,8 +137,8 @@ static uint32_t axis_of(const float *p)
 
 static uint32_t cloud_of(const struct view_mesh *mesh, uint32_t point)
 {
-	double area = mesh->batch.area * (mesh->batch.size ? (double)mesh->batch.size[point] : 1);
-	return view_surface_cloud(mesh->half_width > 0 ? 0.5 * sqrt(area) / mesh->half_width : 1,
+	double reach = (double)reach_of(mesh, point);
+	return view_surface_cloud(mesh->half_width > 0 ? reach / mesh->half_width : 1,
 		eco_level_share(mesh->list->list.level));
 }
 

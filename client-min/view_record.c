@@ -9,6 +9,7 @@
 
 #include "client-min/view_ground.h"
 #include "client-min/view_select.h"
+#include "ecofiles/format/splat.h"
 #include "lod/geometry.h"
 
 static uint32_t bits(float v)
@@ -52,7 +53,7 @@ uint32_t view_record_texels(const struct eco_list *list)
 	case ECO_LIST_LINES:
 		return 2;
 	case ECO_LIST_POINTS:
-		return list->attributes & ECO_ATTR_PLANT ? 2 : 1;
+		return list->attributes & ECO_ATTR_SPLAT ? 4 : list->attributes & ECO_ATTR_PLANT ? 2 : 1;
 	default:
 		return 1;
 	}
@@ -73,21 +74,15 @@ struct scratch { struct lod_geometry g; float *twice; uint8_t *code; };
 
 static void scratch_free(struct scratch *s)
 {
-	free(s->g.position);
-	free(s->g.uv);
-	free(s->g.width);
-	free(s->g.color);
+	lod_geometry_free(&s->g);
 	free(s->twice);
 	free(s->code);
 }
 
-static bool scratch_make(struct scratch *s, uint32_t count)
+static bool scratch_make(struct scratch *s, const struct eco_list *list, uint32_t count)
 {
-	*s = (struct scratch){ { .position = malloc(36u * (size_t)count + 1),
-		.uv = malloc(24u * (size_t)count + 1),
-		.width = malloc(4u * (size_t)count + 1), .color = malloc(4u * (size_t)count + 1) },
-		malloc(36u * (size_t)count + 1), malloc((size_t)count + 1) };
-	if (s->g.position && s->g.uv && s->g.width && s->g.color && s->twice && s->code)
+	*s = (struct scratch){ .twice = malloc(36u * (size_t)count + 1), .code = malloc((size_t)count + 1) };
+	if (lod_geometry_make(&s->g, list, count, view_record_texels(list) == 5) && s->twice && s->code)
 		return true;
 	scratch_free(s);
 	return false;
@@ -116,7 +111,7 @@ static void write_triangle(const struct view_list *list, const struct scratch *s
 	uint32_t **out)
 {
 	const float *p = s->g.position + 9 * (size_t)i, *twice = s->twice + 9 * (size_t)i,
-		*uv = s->g.uv + 6 * (size_t)i;
+		*uv = s->g.uv ? s->g.uv + 6 * (size_t)i : NULL;
 	float center[3];
 	for (int k = 0; k < 3; k++)
 		center[k] = 2 * p[k] - twice[k];
@@ -158,7 +153,7 @@ enum eco_code view_record_write(const struct view_list *list, uint32_t first_chu
 		return ECO_OK;
 	}
 	struct scratch s;
-	if (!scratch_make(&s, count))
+	if (!scratch_make(&s, &list->list, count))
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for the geometry of list %u", list->id);
 	struct lod_geometry twice = { .position = s.twice };
 	struct eco_list plain = list->list;              /* whose elements all grow by the factor */
@@ -176,7 +171,11 @@ enum eco_code view_record_write(const struct view_list *list, uint32_t first_chu
 			put_point(&words, s.g.position + 6 * (size_t)i, bits(s.g.width[i]));
 			put_point(&words, s.g.position + 6 * (size_t)i + 3, packed_color(list, s.g.color[i]));
 		} else {
+			if (s.g.half)
+				s.code[i] = (uint8_t)(s.g.opacity[i] * ECO_SPLAT_OPACITIES);
 			put_point(&words, s.g.position + 3 * (size_t)i, color_word(list, &s, i));
+			for (uint32_t k = 0; k < 3 && s.g.half; k++)
+				put_point(&words, s.g.half + 9 * (size_t)i + 3 * k, 0);
 			if (texels == 2) {
 				uint64_t owner = view_summary_owner(list, first_point + i, 0);
 				put(&words, (uint32_t)owner, (uint32_t)(owner >> 32), key_mask(), 0);

@@ -6,12 +6,13 @@
  *              with uv, { v1, u2, v2, 0 }
  *   line       { a.xyz, width } { b.xyz, colour }
  *   point      { p.xyz, colour } and, in summaries, { owner low, owner high, key mask, 0 }
+ *   splat      { p.xyz, colour } { half axis.xyz, 0 } three times
  *   ground     { column, row, height as whole steps; normal.x, .y as two signed 1/32767 }
  *
  * A summary point's owner is that of placement path 0; the key's field lies in the high word, where a path is
  * added modulo its mask. Floats are stored as their bits; colour is r | g << 8 | b << 16 | code << 24, sRGB;
  * code is the growth code of the triangle's element (ECO_GROWTH_PLAIN where the list has none), the size code
- * of a point (ECO_SIZE_ONE). What codes mean, the shader is told in uniforms that eco_growth and eco_size
+ * of a point (ECO_SIZE_ONE), the opacity of a splat in 1/16. What codes mean, the shader is told in uniforms that eco_growth and eco_size
  * filled: neither is written twice. */
 #ifndef VIEW_RECORD_H
 #define VIEW_RECORD_H

@@ -93,17 +93,16 @@ static void draw_summary(struct worker *w, const struct view_mesh *mesh, struct 
 	uint32_t first, uint32_t path)
 {
 	const struct view_list *list = mesh->list;
+	uint32_t item = batch.item;
 	for (uint32_t i = 0; i < mesh->batch.count;) {
 		uint32_t end = i + 1;
 		batch.owner = view_summary_owner(list, first + i, path);
 		while (end < mesh->batch.count && view_summary_owner(list, first + end, path) == batch.owner)
 			end++;
+		struct lod_geometry from = lod_geometry_from(&mesh->geometry, &list->list, i);
 		batch.count = end - i;
-		lod_raster_points(&w->raster, &batch);
-		batch.position += 3 * (size_t)batch.count;
-		if (batch.size)
-			batch.size += batch.count;
-		batch.item += batch.count;
+		batch.item = item + i;
+		lod_raster_list(&w->raster, &list->list, &from, &batch);
 		i = end;
 	}
 }
@@ -124,12 +123,7 @@ static void draw_mesh(struct worker *w, const struct view_instance *instance, ui
 		if (lod_raster_hides(&w->raster, center, mesh->radius * instance->place.scale))
 			return;
 	}
-	if (mesh->list->list.kind == ECO_LIST_TRIANGLES)
-		lod_raster_triangles(&w->raster, &batch);
-	else if (mesh->list->list.kind == ECO_LIST_LINES)
-		lod_raster_lines(&w->raster, &batch);
-	else
-		lod_raster_points(&w->raster, &batch);
+	lod_raster_list(&w->raster, &mesh->list->list, &mesh->geometry, &batch);
 }
 
 /* The ground, and every count-th instance from `first` on. */

@@ -91,7 +91,8 @@ static enum view_role plain_role(const struct walk *w, const struct eco_cut *cut
 	case ECO_LIST_LINES:
 		return VIEW_ROLE_LINES;
 	case ECO_LIST_POINTS:
-		return cut->anchor == ECO_NONE ? VIEW_ROLE_SUMMARY : VIEW_ROLE_POINTS;
+		return cut->anchor == ECO_NONE ? VIEW_ROLE_SUMMARY : list_of(w, cut)->attributes
+			& ECO_ATTR_SPLAT ? VIEW_ROLE_SPLATS : VIEW_ROLE_POINTS;
 	default:
 		return list_of(w, cut)->partner == ECO_NONE ? VIEW_ROLE_TRIANGLES : VIEW_ROLE_SIMPLE;
 	}

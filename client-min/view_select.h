@@ -34,6 +34,7 @@ enum view_role {
 	VIEW_ROLE_BLEND_TRIANGLES, VIEW_ROLE_BLEND_SIMPLE, VIEW_ROLE_BLEND_LINES, VIEW_ROLE_BLEND_POINTS,
 	                                                          /* the first elements of a list in one form,
 	                                                           * those after them in another */
+	VIEW_ROLE_SPLATS,            /* of a whole plant */
 	VIEW_ROLE_SUMMARY, VIEW_ROLE_COUNT
 };
 

@@ -17,7 +17,7 @@
 #include "ecofiles/format/list.h"
 
 const char *const view_program_names[VIEW_PROGRAM_COUNT] = { "triangles", "textured", "lines", "points",
-	"summary", "ground" };
+	"summary", "splats", "ground" };
 
 #define TEXT(macro) TEXT_OF(macro)
 #define TEXT_OF(value) #value
@@ -116,28 +116,57 @@ static const char vertex_lines[] =
 	"	gl_Position = len2 > 0.0 && half_width > 0.0 ? project(view) : vec4(2.0, 2.0, 2.0, 1.0);\n"
 	"}\n";
 
-/* u_level: eco_level_share, in 1/255.
- *
- * The clip-space square is the picture-space square: x and y offsets of one size in pixels need one focal
- * length. */
+/* u_level: eco_level_share, in 1/255. Ellipses as lod/splat.h has them: the quad holds the ellipse, whose
+ * pixels the fragment shader tells. */
 static const char vertex_points[] =
 	"uniform float u_sides[" TEXT(ECO_SIZES) "];\n"
 	"uniform uint u_level;\n"
+	"uniform vec2 u_half;            // of the picture, pixels\n"
+	"flat out vec4 v_ellipse;        // x, y of the centre, lean, half\n"
+	"flat out vec2 v_shown;          // height, opacity\n"
+	"flat out uint v_salt;\n"
 	"void main() {\n"
 	"	Plant p = plant_of_member();\n"
 	"	int corner = gl_VertexID & 3, at = (gl_VertexID >> 2) * TEXELS;\n"
 	"	uvec4 t0 = texelFetch(u_records, at);\n"
-	"	vec2 sign = vec2(corner == 1 || corner == 2 ? 1.0 : -1.0, corner >= 2 ? 1.0 : -1.0);\n"
+	"	vec3 view = view_of(p, xyz(t0));\n"
+	"	vec2 focal = u_lens.xy * u_half, middle = vec2(view.x, -view.y) * focal / view.z;\n"
+	"	mat3 axes;                      // half axes in view space, y down\n"
+	"	float reach = u_scale;\n"
+	"#if TEXELS == 4\n"
+	"	float longest = 0.0;\n"
+	"	for (int k = 0; k < 3; k++) {\n"
+	"		vec3 h = xyz(texelFetch(u_records, at + 1 + k));\n"
+	"		axes[k] = vec3(dot(p.row[0].xyz, h), -dot(p.row[1].xyz, h), dot(p.row[2].xyz, h)) * u_scale;\n"
+	"		longest = max(longest, length(h));\n"
+	"	}\n"
+	"	reach *= longest;\n"
+	"	v_shown.y = float(t0.w >> 24) / 16.0;\n"
+	"#else\n"
+	"	reach *= u_sides[t0.w >> 24];\n"
+	"	axes = mat3(reach * p.scale);\n"
+	"	v_shown.y = 1.0;\n"
+	"#endif\n"
 	"#if TEXELS == 2\n"
 	"	uvec4 t1 = texelFetch(u_records, at + 1);\n"
 	"	p.owner = uvec2(t1.x, (t1.y & ~t1.z) | ((t1.y + u_path) & t1.z));\n"
 	"#endif\n"
-	"	float reach = u_scale * u_sides[t0.w >> 24];\n"
-	"	float part = p.half_width > 0.0 ? min(reach / p.half_width, 1.0) : 1.0;\n"
-	"	uint cloud = CLOUD << 30 | u_level << 16 | uint(part * 65535.0 + 0.5);\n"
-	"	v_seen = uvec4(p.owner, cloud, color_of(t0.w));\n"
-	"	gl_Position = project(view_of(p, xyz(t0)));\n"
-	"	gl_Position.xy += sign * (reach * p.scale) * u_lens.xy;\n"
+	"	float xx = 0.0, xy = 0.0, yy = 0.0;\n"
+	"	for (int k = 0; k < 3; k++) {\n"
+	"		vec2 d = (axes[k].xy * focal - axes[k].z * middle) / view.z;\n"
+	"		xx += d.x * d.x, xy += d.x * d.y, yy += d.y * d.y;\n"
+	"	}\n"
+	"	float lean = xy / yy, part = p.half_width > 0.0 ? min(reach / p.half_width, 1.0) : 1.0;\n"
+	"	bool there = view.z >= u_lens.z && xx > 0.0 && yy > 0.0 && xx < 1e30 && yy < 1e30;\n"
+	"	vec2 size = vec2(sqrt(xx), sqrt(yy)), sign = vec2(corner == 1 || corner == 2 ? 1.0 : -1.0, "
+	"corner >= 2 ? 1.0 : -1.0);\n"
+	"	v_ellipse = vec4(middle, lean, sqrt(max(xx - lean * xy, 0.0)));\n"
+	"	v_shown.x = size.y;\n"
+	"	v_salt = t0.x * 0x9E3779B1u ^ t0.y * 0x85EBCA77u ^ t0.z * 0xC2B2AE3Du;\n"
+	"	v_seen = uvec4(p.owner, CLOUD << 30 | u_level << 16 | uint(part * 65535.0 + 0.5), color_of(t0.w));\n"
+	"	gl_Position = project(view);\n"
+	"	gl_Position.xy = (middle + sign * (size + 1.0)) / u_half * gl_Position.w;\n"
+	"	if (!there) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);\n"
 	"}\n";
 
 static const char vertex_ground[] =
@@ -178,6 +207,22 @@ static const char fragment_common[] =
 
 static const char fragment_plant[] =
 	"flat in uvec4 v_seen;\n"
+	"#ifdef ELLIPSE\n"
+	"flat in vec4 v_ellipse;\n"
+	"flat in vec2 v_shown;\n"
+	"flat in uint v_salt;\n"
+	"uniform vec2 u_half;\n"
+	"bool covered() {\n"
+	"	uvec2 pixel = uvec2(gl_FragCoord.xy);\n"
+	"	vec2 at = gl_FragCoord.xy - u_half - v_ellipse.xy;\n"
+	"	float t = at.y / v_shown.x, rest = 1.0 - t * t, x = at.x - v_ellipse.z * at.y;\n"
+	"	uint hash = v_salt + pixel.x * 0x9E3779B9u + pixel.y * 0x7FEB352Du;\n"
+	"	hash = (hash ^ hash >> 16) * 0x21F0AAADu;\n"
+	"	hash = (hash ^ hash >> 15) * 0x735A2D97u;\n"
+	"	float half_row = v_ellipse.w * sqrt(max(rest, 0.0));\n"
+	"	return rest >= 0.0 && x >= -half_row && x < half_row && float(hash >> 24) < v_shown.y * 256.0;\n"
+	"}\n"
+	"#endif\n"
 	"#if TEXELS == 5\n"
 	"in vec2 v_uv;\n"
 	"uniform sampler2D u_texture, u_alpha;\n"
@@ -188,6 +233,9 @@ static const char fragment_plant[] =
 	"step(0.0031308, c)); }\n"
 	"#endif\n"
 	"void main() {\n"
+	"#ifdef ELLIPSE\n"
+	"	if (!covered()) discard;\n"
+	"#endif\n"
 	"	vec3 color = vec3(v_seen.w & 255u, v_seen.w >> 8 & 255u, v_seen.w >> 16 & 255u) / 255.0;\n"
 	"#if TEXELS == 5\n"
 	/* coverage by the nearest texel, as the rasteriser; colour from a filtered copy whose clear texels
@@ -210,8 +258,8 @@ static const char fragment_ground[] =
 	"	o_seen = uvec4(0u, 0u, surface, floatBitsToUint(gl_FragCoord.w));\n"
 	"}\n";
 
-static const struct { const char *name, *defines, *shared, *vertex, *fragment;
-	} programs[VIEW_PROGRAM_COUNT] = {
+#define ELLIPSES(texels) "#define TEXELS " #texels "\n#define ELLIPSE 1\n"
+static const struct { const char *name, *defines, *shared, *vertex, *fragment; } programs[VIEW_PROGRAM_COUNT] = {
 	[VIEW_PROGRAM_TRIANGLES] = { "triangles", "#define TEXELS 4\n", vertex_plant, vertex_triangles,
 		fragment_plant },
 	[VIEW_PROGRAM_TEXTURED] = { "textured triangles", "#define TEXELS 5\n", vertex_plant,
@@ -219,19 +267,17 @@ static const struct { const char *name, *defines, *shared, *vertex, *fragment;
 	[VIEW_PROGRAM_LINES] = { "lines", "#define TEXELS 3\n"
 		"#define LINE_SCALE float width = uintBitsToFloat(t0.w); { vec3 m = 0.5 * (a + b); a = m + "
 		"(a - m) * u_scale;"
-		" b = m + (b - m) * u_scale; width *= u_scale; }\n", vertex_plant, vertex_lines,
-		fragment_plant },
-	[VIEW_PROGRAM_POINTS] = { "points", "#define TEXELS 1\n", vertex_plant, vertex_points,
-		fragment_plant },
-	[VIEW_PROGRAM_SUMMARY] = { "summary points", "#define TEXELS 2\n", vertex_plant, vertex_points,
-		fragment_plant },
+		" b = m + (b - m) * u_scale; width *= u_scale; }\n", vertex_plant, vertex_lines, fragment_plant },
+	[VIEW_PROGRAM_POINTS] = { "points", ELLIPSES(1), vertex_plant, vertex_points, fragment_plant },
+	[VIEW_PROGRAM_SUMMARY] = { "summary points", ELLIPSES(2), vertex_plant, vertex_points, fragment_plant },
+	[VIEW_PROGRAM_SPLATS] = { "splats", ELLIPSES(4), vertex_plant, vertex_points, fragment_plant },
 	[VIEW_PROGRAM_GROUND] = { "ground", "", "", vertex_ground, fragment_ground },
 };
 
 static const char *const uniform_names[VIEW_UNIFORM_COUNT] = { "u_right", "u_up", "u_forward", "u_lens",
-	"u_origin", "u_first_member", "u_scale", "u_tint", "u_columns", "u_records", "u_instances",
-	"u_members", "u_alpha", "u_texture", "u_path", "u_anchor", "u_step", "u_inner", "u_seam", "u_edges",
-	"u_sides", "u_level" };
+	"u_origin", "u_first_member", "u_scale", "u_tint", "u_columns", "u_records", "u_instances", "u_members",
+	"u_alpha", "u_texture", "u_path", "u_anchor", "u_step", "u_inner", "u_seam", "u_edges", "u_sides",
+	"u_level", "u_half" };
 
 static unsigned compile(unsigned type, const char *const *parts, int count, const char *name,
 	struct eco_error *error)
