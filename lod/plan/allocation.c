@@ -37,6 +37,56 @@ static double lagrangian(const struct lod_cost *cost, double fp_weight, double l
 	return fp_weight * cost->fp + cost->fn + lambda * cost->vertices;
 }
 
+/* How far the coarse choice has given way to the fine one, given what each saves: 0 to 1, and 1 where the
+ * fine one saves much more. */
+static double fine_share(const struct lod_allocation *m, double fine, double coarse)
+{
+	if (m->few_plants || !(fine > 0))
+		return fine > coarse;
+	double share = 0.5 + (fine - coarse) / (2 * TIE_SHARE * fine);
+	return share < 0 ? 0 : share > 1 ? 1 : share;
+}
+
+static struct lod_cost whole_cost(const struct lod_allocation *m, uint32_t ladder_choice)
+{
+	const struct lod_ladder_choice *choice = &m->ladder_choices[ladder_choice];
+	struct lod_cost cost = { 0 };
+	add_at(&cost, &choice->hull, choice->weight_px, choice->position);
+	return cost;
+}
+
+/* Share of far plants that draw the ladder which costs `whole`, in place of organs that cost `organs`. */
+static double whole_share(const struct lod_allocation *m, const struct lod_slot_choice *choice,
+	const struct lod_cost *organs, const struct lod_cost *whole)
+{
+	if (m->whole_rule != LOD_WHOLE_BY_LAMBDA)
+		return m->whole_rule == LOD_WHOLE_ALL;
+	return m->lambda <= 0 ? 0 : 1 - fine_share(m,
+		choice->weight_px[0] - lagrangian(organs, choice->fp_weight, m->lambda),
+		choice->weight_px[0] - lagrangian(whole, choice->fp_weight, m->lambda));
+}
+
+/* Takes the best of the ladders that show the whole plant, and blends it with the organs, in cost[0]. */
+static void relax_whole(struct lod_allocation *m, struct lod_slot_choice *choice)
+{
+	uint32_t end = choice->ladder_choice_first + choice->ladder_choice_count;
+	struct lod_cost organs = choice->cost[0], best = { 0 };
+	double least = INFINITY;
+	for (uint32_t i = end - choice->whole_count; i < end; i++) {
+		struct lod_cost cost = whole_cost(m, i);
+		double l = lagrangian(&cost, choice->fp_weight, m->lambda);
+		if (l < least) {
+			least = l;
+			best = cost;
+			choice->whole = i;
+		}
+	}
+	double share = choice->whole_share = whole_share(m, choice, &organs, &best);
+	choice->cost[0] = (struct lod_cost){ 0 };
+	add_cost(&choice->cost[0], &organs, 1, 1 - share, 1 - share);
+	add_cost(&choice->cost[0], &best, 1, share, share);
+}
+
 static void relax_slots(struct lod_allocation *m)
 {
 	for (uint32_t s = 0; s < m->p->visible.slot_count; s++) {
@@ -50,13 +100,15 @@ static void relax_slots(struct lod_allocation *m)
 			ladder_choice->position = ladder_choice->weight_px > 0
 				? lod_hull_position(&ladder_choice->hull,
 				m->lambda / ladder_choice->weight_px, ladder_choice->position) : 0;
-			if (ladder_choice->when != LOD_NEAR)
+			if (ladder_choice->when < LOD_NEAR)
 				add_at(&slot_choice->cost[0], &ladder_choice->hull, ladder_choice->weight_px,
 					ladder_choice->position);
-			if (ladder_choice->when != LOD_FAR)
+			if (ladder_choice->when == LOD_ALWAYS || ladder_choice->when == LOD_NEAR)
 				add_at(&slot_choice->cost[1], &ladder_choice->hull, ladder_choice->weight_px,
 					ladder_choice->position);
 		}
+		if (slot_choice->whole_count)
+			relax_whole(m, slot_choice);
 	}
 }
 
@@ -66,16 +118,6 @@ static void sum_cells(struct lod_allocation *m, const struct lod_tally *t, struc
 	(void)m;
 	add_cost(&whole->cells, &cell->cost[1], 1, t->count, t->count);
 	whole->cells_weight_px += t->count * cell->weight_px[1];
-}
-
-/* How far the coarse choice has given way to the fine one, given what each saves: 0 to 1, and 1 where the
- * fine one saves much more. */
-static double fine_share(const struct lod_allocation *m, double fine, double coarse)
-{
-	if (m->few_plants || !(fine > 0))
-		return fine > coarse;
-	double share = 0.5 + (fine - coarse) / (2 * TIE_SHARE * fine);
-	return share < 0 ? 0 : share > 1 ? 1 : share;
 }
 
 struct bands { double plants, near, far; }; /* bands of one plant that decide together: what they save with
@@ -135,13 +177,21 @@ static uint32_t gate_of(const struct lod_allocation *m, uint32_t plant, double n
 	return gate;
 }
 
+static bool plant_has_whole(const struct lod_planner *p, uint32_t plant)
+{
+	uint32_t count;
+	lod_plan_tables_whole(p->tables, p->scene->plants[plant].anchor_first, &count);
+	return count > 0;
+}
+
 /* Sums the cells of each band, then sets each plant's gate. */
 static void relax_gates(struct lod_allocation *m)
 {
 	struct lod_planner *p = m->p;
 	lod_allocation_cells(m, sum_cells);
 	for (uint32_t plant = 0; plant < p->scene->plant_count; plant++) {
-		double near = m->lambda <= 0 ? INFINITY : count_near(m, plant);
+		bool whole = m->whole_rule == LOD_WHOLE_ALL && plant_has_whole(p, plant);
+		double near = whole ? 0 : m->lambda <= 0 ? INFINITY : count_near(m, plant);
 		p->gates[plant] = gate_of(m, plant, near);
 	}
 }
@@ -248,6 +298,20 @@ void lod_allocation_compare(const struct lod_allocation *m, uint32_t n, double *
 	*plants = choice->weight_px - lagrangian(&fine, 1, m->lambda);
 	*summary = choice->weight_px * lod_summary_hull_gain_bound(&choice->summary,
 		m->lambda / choice->weight_px);
+}
+
+void lod_allocation_compare_whole(const struct lod_allocation *m, uint32_t slot, double *organs,
+	double *whole)
+{
+	const struct lod_slot_choice *choice = &m->slot_choices[slot];
+	uint32_t first = choice->ladder_choice_first;
+	struct lod_cost cost = { 0 }, best = whole_cost(m, choice->whole);
+	for (uint32_t i = first; i < first + choice->ladder_choice_count; i++)
+		if (m->ladder_choices[i].when < LOD_NEAR)
+			add_at(&cost, &m->ladder_choices[i].hull, m->ladder_choices[i].weight_px,
+				m->ladder_choices[i].position);
+	*organs = choice->weight_px[0] - lagrangian(&cost, choice->fp_weight, m->lambda);
+	*whole = choice->weight_px[0] - lagrangian(&best, choice->fp_weight, m->lambda);
 }
 
 static void widen_range(const struct lod_hull *hull, double weight_px, double *high, double *low)
@@ -361,10 +425,23 @@ static void fix_summary(struct lod_tile_choice *choice, double points)
 		choice->summary.hull.fp_weight };
 }
 
+/* Beyond the gate, the plants of the greatest hashes draw a ladder that shows the whole plant. */
+static void fix_whole(struct lod_allocation *m)
+{
+	struct lod_visible_tree *visible = &m->p->visible;
+	for (uint32_t s = 0; m->has_whole && s < visible->slot_count; s++) {
+		struct lod_slot *slot = &visible->slots[s];
+		uint32_t near = lod_near_end(m->p->gates[slot->plant], slot->band);
+		double organs = 1 - m->slot_choices[s].whole_share;
+		slot->whole_from = organs > 0 ? near + (uint32_t)(organs * (ECO_SHARE_ONE - near)) : 0;
+	}
+}
+
 void lod_allocation_fix(struct lod_allocation *m)
 {
 	struct lod_visible_tree *visible = &m->p->visible;
 	find_drawn_by(m);
+	fix_whole(m);
 	for (uint32_t n = 0; n < visible->node_count; n++)
 		m->tile_choices[n].weight = n == 0;
 	for (uint32_t n = 0; n < visible->node_count; n++) {

@@ -8,7 +8,8 @@
  * 1974):
  *
  * - a ladder of a slot takes the steps of its hull whose slope is above lambda
- * - a band of a plant draws its cells where they save more than the whole plant's lists do
+ * - plants of a slot draw a ladder that shows the whole plant where that saves more than their organs do
+ * - a band of a plant draws its cells where they save more than that
  * - a tile, from the leaves of the tree up, draws its plants and its children's choices where these beat its
  *   summary
  *
@@ -22,15 +23,19 @@
  * Ties are blended. Where a tile's plants and its summary save nearly the same, the tile is open in part: a
  * share of its plants is drawn, chosen by hash, beside its summary, whose points disappear as the last plants
  * appear. A gate blends in the same way: a share of the plants draws cells, the nearest bands first, within a
- * band by hash. So no tile and no gate switches at once between two pictures of a moving camera. */
+ * band by hash. So does a ladder that shows the whole plant: of a slot's plants beyond the gate those of the
+ * greatest hashes draw it. So no tile and no gate switches at once between two pictures of a moving camera. */
 #ifndef LOD_ALLOCATION_H
 #define LOD_ALLOCATION_H
 
 #include "lod/plan/planner_state.h"
 #include "lod/plan/summary_hull.h"
 
-enum lod_when { LOD_ALWAYS, LOD_FAR, LOD_NEAR }; /* LOD_NEAR: only where the plant's cells are drawn; LOD_FAR:
-                                                  * only where they are not */
+enum lod_when {
+	LOD_ALWAYS,
+	LOD_FAR, LOD_NEAR,           /* only where the plant's cells are not drawn; only where they are */
+	LOD_WHOLE                    /* in place of all else that is drawn of a plant whose cells are not */
+};
 
 struct lod_cost {                    /* wrong pixels seen; above_*: the same seen from above; a slot choice's
                                       * fp is without its fp_weight */
@@ -50,13 +55,17 @@ struct lod_ladder_choice {           /* one ladder for all plants of a slot: a c
 struct lod_slot_choice {             /* per plant of a slot; [0]: a far plant, [1]: a near one, which draws
                                       * cells */
 	uint32_t ladder_choice_first, ladder_choice_count;
+	uint32_t whole_count;        /* the last of these are LOD_WHOLE */
 	double seen, unoccluded;     /* mean pixels seen of a plant or cell; of these, unoccluded ones */
 	double fp_weight;            /* weight of a false positive: unoccluded / seen */
 	double own, parts;           /* only in lod_allocation_make: seen of its own lists beside cells; of
 	                              * its cells, before scaling */
 	double weight_px[2];         /* wrong pixels where nothing is drawn; [1] without the cells' */
 	double absent;               /* added where nothing of its foliage is drawn (LOD_ABSENT_WEIGHT) */
-	struct lod_cost cost[2];     /* at the last lambda */
+	struct lod_cost cost[2];     /* at the last lambda; [0] blends what draws organs and what does not */
+	uint32_t whole;              /* at the last lambda: the ladder choice that shows the whole plant best;
+	                              * ECO_NONE: there is none */
+	double whole_share;          /* of far plants that draw it */
 	struct lod_cost cells;       /* at the last lambda: all cells of all its plants */
 	double cells_weight_px;      /* wrong pixels where none of these is drawn */
 };
@@ -82,6 +91,10 @@ struct lod_tile_choice {
 	struct lod_cost cost;        /* of the blend that is chosen */
 };
 
+/* Which far plants draw a ladder that shows the whole plant: those for which it saves more at lambda; or all
+ * that have one, and no cells; or none. */
+enum lod_whole_rule { LOD_WHOLE_BY_LAMBDA, LOD_WHOLE_ALL, LOD_WHOLE_NONE };
+
 struct lod_allocation {
 	struct lod_planner *p;
 	struct lod_slot_choice *slot_choices; /* per slot */
@@ -95,6 +108,8 @@ struct lod_allocation {
 	uint32_t *slot_of;           /* per plant and band: slot of whole plants + 1 */
 	uint8_t *gates_counted;      /* per plant: bands whose cells were counted */
 	bool few_plants;             /* in view: tiles and gates are not blended, single plants decide */
+	bool has_whole;              /* some plants in view have a ladder that shows the whole plant */
+	enum lod_whole_rule whole_rule;
 	double lambda;
 	struct lod_cost cost;        /* at the last lambda */
 };
@@ -128,6 +143,11 @@ enum eco_code lod_allocation_predict(struct lod_allocation *allocation, struct e
  * its summary saves. The tile is open and has a summary. */
 void lod_allocation_compare(const struct lod_allocation *allocation, uint32_t node, double *plants,
 	double *summary);
+
+/* After relax: what a far plant of the slot saves at lambda, vertices paid, by its organs and by the ladder
+ * of slot_choice.whole, which is there. */
+void lod_allocation_compare_whole(const struct lod_allocation *allocation, uint32_t slot, double *organs,
+	double *whole);
 
 /* Makes the gates and tiles of the last lambda those of p, and counts plants anew. */
 void lod_allocation_fix(struct lod_allocation *allocation);

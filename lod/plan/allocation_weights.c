@@ -121,6 +121,50 @@ static bool add_ladder_choices(struct lod_allocation *m, uint32_t s, uint32_t id
 	return add_ladder_choice(m, &choice);
 }
 
+/* The hull of a ladder that shows the whole plant, for a slot. At 0 vertices as much is wrong as where nothing
+ * of its organs is drawn, which depends on how they show; its table assumes the most. */
+static bool whole_hull(struct lod_allocation *m, const struct lod_hull *from, uint64_t to, double absent,
+	struct lod_hull *hull)
+{
+	struct lod_hull_point *points = take_points(m, from->count + 1);
+	if (!points)
+		return false;
+	m->block_used += from->count + 1;
+	memcpy(points, from->points, from->count * sizeof *points);
+	points->fn += absent - LOD_ABSENT_WEIGHT;
+	points->above_fn += (float)(absent - LOD_ABSENT_WEIGHT);
+	double fp_weight = hull->fp_weight;
+	*hull = (struct lod_hull){ points, from->count, LOD_FP_WEIGHT_LEAST };
+	lod_hull_reduce(hull, LOD_HULL_SLOPE_RATIO);
+	hull->fp_weight = 1;
+	lod_hull_reduce(hull, LOD_HULL_SLOPE_RATIO);
+	lod_hull_complete(hull, to);
+	hull->fp_weight = fp_weight;
+	return true;
+}
+
+/* Ladders that show the whole plant weigh as much as all its organs together. */
+static bool add_whole_choices(struct lod_allocation *m, uint32_t s)
+{
+	struct lod_slot_choice *slot_choice = &m->slot_choices[s];
+	uint32_t count;
+	const uint32_t *ladders = lod_plan_tables_whole(m->p->tables, m->p->visible.slots[s].anchor, &count);
+	double weight_px = slot_choice->weight_px[0], absent = weight_px > 0 ? slot_choice->absent / weight_px
+		: 0;
+	for (uint32_t i = 0; i < count; i++) {
+		const struct lod_plan_tables_ladder *table = lod_plan_tables_ladder(m->p->tables, ladders[i]);
+		struct lod_ladder_choice choice = { .slot = s, .ladder = ladders[i], .when = LOD_WHOLE,
+			.weight_px = weight_px, .hull.fp_weight = slot_choice->fp_weight };
+		if (!table || !whole_hull(m, &table->hull[0], table->way.full, absent, &choice.hull)
+				|| !add_ladder_choice(m, &choice))
+			return false;
+		m->has_whole = true;
+		slot_choice->whole_count++;
+		slot_choice->ladder_choice_count++;
+	}
+	return true;
+}
+
 static enum eco_code make_slot_choice(struct lod_allocation *m, uint32_t s, struct eco_error *error)
 {
 	const struct eco_scene *scene = m->p->scene;
@@ -131,6 +175,7 @@ static enum eco_code make_slot_choice(struct lod_allocation *m, uint32_t s, stru
 	const uint32_t *ladders = lod_plan_tables_anchor(m->p->tables, slot->anchor, &count);
 	bool good = true;
 	slot_choice->fp_weight = fp_weight_of(slot_choice->unoccluded, slot_choice->seen);
+	slot_choice->whole = ECO_NONE;
 	slot_choice->ladder_choice_first = m->ladder_choice_count;
 	for (uint32_t i = 0; good && i < count; i++) {
 		uint32_t id = ladders[i];
@@ -149,6 +194,7 @@ static enum eco_code make_slot_choice(struct lod_allocation *m, uint32_t s, stru
 		slot_choice->own += ladder_choice->when == LOD_NEAR
 			? ladder_choice->weight_px / importance_of(ladder) : 0;
 	}
+	good = good && add_whole_choices(m, s);
 	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u ladder choices",
 		m->ladder_choice_count);
 }

@@ -12,7 +12,7 @@
 const char *const lod_why_names[LOD_WHY_COUNT] = {
 	[LOD_WHY_STEP] = "next step", [LOD_WHY_ROOM] = "no room", [LOD_WHY_PART] = "within a step",
 		[LOD_WHY_LEFT_OVER] = "left over",
-	[LOD_WHY_ALL] = "all", [LOD_WHY_DISTANCE] = "sample distance", [LOD_WHY_SUMMARY] = "summary",
+	[LOD_WHY_ALL] = "all", [LOD_WHY_WHOLE] = "whole plant", [LOD_WHY_DISTANCE] = "sample distance", [LOD_WHY_SUMMARY] = "summary",
 	[LOD_WHY_FAR] = "far", [LOD_WHY_GIVES_WAY] = "gives way", [LOD_WHY_PLANTS] = "plants",
 	[LOD_WHY_GROUND] = "ground",
 };
@@ -44,6 +44,17 @@ static void explain_summary(const struct lod_fill *fill, uint32_t n, struct lod_
 	}
 }
 
+/* Compares a ladder that shows the whole plant with the plant's organs. */
+static void explain_whole(const struct lod_fill *fill, uint32_t s, struct lod_reason *reason)
+{
+	const struct lod_slot *slot = &fill->allocation->p->visible.slots[s];
+	double organs, whole;
+	lod_allocation_compare_whole(fill->allocation, s, &organs, &whole);
+	reason->why = LOD_WHY_WHOLE;
+	reason->margin = fmax(0, more_by(whole, organs));
+	reason->share = (double)slot->whole / (double)(slot->count - slot->near);
+}
+
 /* Do plants draw a number of vertices between hull points, or a step that saves less than lambda? */
 static bool beyond_lambda(const struct lod_fill *fill, const struct lod_candidate *candidate)
 {
@@ -55,6 +66,12 @@ static bool beyond_lambda(const struct lod_fill *fill, const struct lod_candidat
 		|| last * LOD_HULL_BLUR < fill->lambda * (1 - ROUNDING);
 }
 
+static const struct lod_ladder_choice *choice_of(const struct lod_fill *fill,
+	const struct lod_candidate *candidate)
+{
+	return &fill->allocation->ladder_choices[candidate->ladder_choice];
+}
+
 struct lod_reason lod_explain_candidate(const struct lod_fill *fill, const struct lod_candidate *candidate)
 {
 	struct lod_reason reason = { .next = lod_candidate_next(candidate), .ahead = candidate->ahead,
@@ -63,6 +80,8 @@ struct lod_reason lod_explain_candidate(const struct lod_fill *fill, const struc
 		- lod_fill_wrong_of(fill, candidate);
 	if (candidate->ladder_choice == ECO_NONE)
 		explain_summary(fill, candidate->node, &reason);
+	else if (choice_of(fill, candidate)->when == LOD_WHOLE)
+		explain_whole(fill, choice_of(fill, candidate)->slot, &reason);
 	else if (lod_candidate_ended(candidate))
 		reason.why = LOD_WHY_ALL;
 	else if (beyond_lambda(fill, candidate))
@@ -151,6 +170,17 @@ static void say_margin(char *text, size_t size, const char *winner, const char *
 		snprintf(text, size, "%s are drawn: %s would save nothing here", winner, loser);
 }
 
+static void say_whole(char *text, size_t size, const struct lod_reason *reason)
+{
+	if (reason->share < 1)
+		snprintf(text, size, "splats of the whole plant save nearly as much as its organs: %.3g %% of the "
+			"plants are drawn so", 100 * reason->share);
+	else if (reason->margin > 0)
+		say_margin(text, size, "splats of the whole plant", "its organs", reason->margin);
+	else
+		snprintf(text, size, "splats of the whole plant leave less wrong at this budget than its organs");
+}
+
 void lod_explain_text(char *text, size_t size, const struct lod_explanation *explanation,
 	const struct lod_explained *row)
 {
@@ -176,6 +206,9 @@ void lod_explain_text(char *text, size_t size, const struct lod_explanation *exp
 		return;
 	case LOD_WHY_ALL:
 		snprintf(text, size, "all of it is drawn");
+		return;
+	case LOD_WHY_WHOLE:
+		say_whole(text, size, reason);
 		return;
 	case LOD_WHY_DISTANCE:
 		snprintf(text, size, "the sample distance of %.3g rad asks for it",

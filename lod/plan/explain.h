@@ -22,6 +22,7 @@ enum lod_why {
 	LOD_WHY_LEFT_OVER,           /* added from the rest of the budget, which no lambda or sample distance
 	                              * uses */
 	LOD_WHY_ALL,                 /* the hull has ended: everything is drawn */
+	LOD_WHY_WHOLE,               /* a ladder that shows the whole plant saves more than its organs */
 	LOD_WHY_SUMMARY,             /* a tile's summary saves more than its plants and children */
 	LOD_WHY_FAR,                 /* a tile's summary is fine enough: its plants are not counted */
 	LOD_WHY_GIVES_WAY,           /* summary and plants save nearly the same: both are drawn in part */
@@ -38,9 +39,11 @@ struct lod_reason {
 	double gain;                 /* saved by its ladder or summary for all its plants, compared with
 	                              * nothing drawn; 0 with Deussen's rule */
 	double next;                 /* saved per vertex by the next step of the hull; 0: there is none */
-	double margin;               /* PART, GIVES_WAY: share of the plants. SUMMARY, PLANTS: how much more
-	                              * is saved, as a share; INFINITY: the other choice saves nothing.
-	                              * GROUND: error in pixels */
+	double margin;               /* PART, GIVES_WAY: share of the plants. SUMMARY, PLANTS, WHOLE: how much
+	                              * more is saved, as a share; INFINITY: the other choice saves nothing;
+	                              * WHOLE: 0 where it saves no more at lambda, but leaves less wrong at
+	                              * the budget. GROUND: error in pixels */
+	double share;                /* WHOLE: of the slot's plants beyond the gate, that draw it */
 	uint64_t ahead, between;     /* plants that draw more than the others of the slot */
 };
 

@@ -47,12 +47,22 @@ static bool summary_alone(const struct lod_node *node)
 	return node->state == LOD_SUMMARY && node->points >= 1;
 }
 
-/* Near plants are the first of the slot by hash, far plants the others. */
-static uint64_t plants_of(const struct lod_planner *p, const struct lod_ladder_choice *choice)
+/* By hash, near plants are the first of the slot, and those that draw a ladder for the whole plant the last. */
+static uint64_t plants_of(const struct lod_allocation *m, uint32_t ladder_choice)
 {
-	const struct lod_slot *slot = &p->visible.slots[choice->slot];
-	return choice->when == LOD_NEAR ? slot->near : choice->when == LOD_FAR ? slot->count - slot->near
-		: slot->count;
+	const struct lod_ladder_choice *choice = &m->ladder_choices[ladder_choice];
+	const struct lod_slot *slot = &m->p->visible.slots[choice->slot];
+	uint64_t others = slot->count - slot->whole;
+	switch (choice->when) {
+	case LOD_NEAR:
+		return slot->near;
+	case LOD_FAR:
+		return others - slot->near;
+	case LOD_WHOLE:
+		return m->slot_choices[choice->slot].whole == ladder_choice ? slot->whole : 0;
+	default:
+		return others;
+	}
 }
 
 enum eco_code lod_fill_make(struct lod_fill *fill, struct lod_allocation *m, struct eco_error *error)
@@ -69,7 +79,7 @@ enum eco_code lod_fill_make(struct lod_fill *fill, struct lod_allocation *m, str
 	sum_seen(m, m->scratch);
 	for (uint32_t i = 0; i < m->ladder_choice_count; i++) {
 		const struct lod_ladder_choice *o = &m->ladder_choices[i];
-		uint64_t count = plants_of(p, o);
+		uint64_t count = plants_of(m, i);
 		if (count)
 			fill->candidates[fill->candidate_count++] =
 				(struct lod_candidate){ .ladder_choice = i, .node = ECO_NONE,
@@ -249,7 +259,8 @@ static const uint16_t *hashes_of(struct lod_fill *fill, const struct lod_candida
 	if (!fill->sorted[choice->slot])
 		qsort(hashes, slot->count, sizeof *hashes, ascending);
 	fill->sorted[choice->slot] = 1;
-	return choice->when == LOD_FAR ? hashes + slot->near : hashes;
+	return choice->when == LOD_FAR ? hashes + slot->near : choice->when == LOD_WHOLE
+		? hashes + (slot->count - slot->whole) : hashes;
 }
 
 /* Plants of one hash are treated alike: the greatest number of plants up to `wanted` that a range of hashes
@@ -503,15 +514,16 @@ static void find_densities(const struct lod_fill *fill, double (*drawn)[ECO_ORGA
 		}
 }
 
-/* In the band where the gate ends, the plants with the smallest hashes draw cells and the others do not. */
+/* In the band where the gate ends, the plants with the smallest hashes draw cells and the others do not. Of
+ * those the ones with the greatest hashes may draw a ladder for the whole plant. */
 static void find_hashes(const struct lod_planner *p, const struct lod_ladder_choice *choice,
 	struct lod_entry *entry)
 {
 	const struct lod_slot *slot = &p->visible.slots[choice->slot];
-	uint32_t place = eco_gate_place(slot->band, 0), gate = p->gates[slot->plant];
-	uint32_t end = gate < place ? 0 : gate - place < ECO_SHARE_ONE ? gate - place : ECO_SHARE_ONE;
-	entry->first = choice->when == LOD_FAR ? end : 0;
-	entry->end = choice->when == LOD_NEAR ? end : ECO_SHARE_ONE;
+	uint32_t near = lod_near_end(p->gates[slot->plant], slot->band),
+		whole = slot->whole_from > near ? slot->whole_from : near;
+	entry->first = choice->when == LOD_FAR ? near : choice->when == LOD_WHOLE ? whole : 0;
+	entry->end = choice->when == LOD_NEAR ? near : choice->when == LOD_WHOLE ? ECO_SHARE_ONE : whole;
 }
 
 static enum eco_code add_entries(struct lod_fill *fill, struct eco_error *error)
@@ -569,6 +581,8 @@ static enum eco_code add_entries(struct lod_fill *fill, struct eco_error *error)
 /* From the curve, which is no straight line between hull points. */
 static double error_at(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t vertices)
 {
+	if (vertices == candidate->hull->points->vertices)
+		return lod_hull_error(candidate->hull, candidate->hull->points);
 	struct lod_hull_point point = lod_hull_point_at(way_of(fill, candidate), vertices);
 	return lod_hull_error(candidate->hull, &point);
 }

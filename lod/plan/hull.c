@@ -58,6 +58,8 @@ static double share_beside(const struct lod_way *way, uint64_t vertices)
 
 double lod_hull_absent(const struct eco_ladder *ladder)
 {
+	if (ladder->flags & ECO_LADDER_WHOLE)
+		return LOD_ABSENT_WEIGHT;
 	return ladder->organ != ECO_ORGAN_WOOD && !ladder->before && ladder->curve_count ? LOD_ABSENT_WEIGHT
 		: 0;
 }
@@ -68,7 +70,7 @@ struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vert
 	const struct eco_ladder *ladder = way->ladder;
 	const struct eco_plant *plant = &scene->plants[ladder->plant];
 	bool coarse = plant->anchor_count > 1 && ladder->anchor == plant->anchor_first
-		&& !(ladder->flags & ECO_LADDER_FAR);
+		&& !(ladder->flags & (ECO_LADDER_FAR | ECO_LADDER_WHOLE));
 	bool alone = ladder->anchor == plant->anchor_first && vertices == lod_way_stage_end(way);
 	double share = alone ? share_alone(way, vertices) : coarse && way->full ? share_beside(way, vertices)
 		: lod_way_share(way, vertices);
@@ -92,8 +94,10 @@ uint32_t lod_hull_sample(struct lod_hull_point points[LOD_HULL_POINTS_MAX], cons
 	while (at < to && count < LOD_HULL_POINTS_MAX - 2) {
 		uint64_t next = lod_way_next(way, at), further = lod_way_floor(way, at + at / GROWTH + 1);
 		next = further > next ? further : next;
-		if (at < stage && next > stage) /* the curve often bends where a stage ends */
+		uint64_t level = lod_way_level_above(way, at);
+		if (at < stage && next > stage) /* the curve often bends where a stage or a level ends */
 			next = stage;
+		next = next < level ? next : level;
 		at = next < to ? next : to;
 		points[count++] = lod_hull_point_at(way, at);
 	}

@@ -45,7 +45,8 @@ struct lod_hull {
 uint32_t lod_hull_sample(struct lod_hull_point points[LOD_HULL_POINTS_MAX], const struct lod_way *way,
 	uint64_t from, uint64_t to);
 
-/* Error added at 0 vertices: LOD_ABSENT_WEIGHT or 0. */
+/* Error added at 0 vertices: LOD_ABSENT_WEIGHT or 0. For a ladder that shows the whole plant it is the most
+ * that it can be; what it is depends on the plant's organs as they are seen (allocation_weights.c). */
 double lod_hull_absent(const struct eco_ladder *ladder);
 /* Errors at `vertices`, a value that lod_way_floor returns. */
 struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vertices);

@@ -21,6 +21,12 @@ struct lod_plan_tables {
 
 /* ---- Ladders of anchors ---- */
 
+static bool is_whole(const struct lod_plan_tables *tables, uint32_t ladder)
+{
+	return tables->scene->ladders[ladder].flags & ECO_LADDER_WHOLE;
+}
+
+/* By anchor; at an anchor those of organs come first. */
 static void sort_ladders(struct lod_plan_tables *tables)
 {
 	const struct eco_scene *scene = tables->scene;
@@ -29,14 +35,27 @@ static void sort_ladders(struct lod_plan_tables *tables)
 		first[scene->ladders[i].anchor + 2]++;
 	for (uint32_t i = 2; i <= scene->anchor_count + 1; i++)
 		first[i] += first[i - 1];
-	for (uint32_t i = 0; i < scene->ladder_count; i++)
-		tables->ladder_order[first[scene->ladders[i].anchor + 1]++] = i;
+	for (int whole = 0; whole < 2; whole++)
+		for (uint32_t i = 0; i < scene->ladder_count; i++)
+			if (is_whole(tables, i) == whole)
+				tables->ladder_order[first[scene->ladders[i].anchor + 1]++] = i;
 }
 
 const uint32_t *lod_plan_tables_anchor(const struct lod_plan_tables *tables, uint32_t anchor, uint32_t *count)
 {
+	const uint32_t *ladders = tables->ladder_order + tables->ladder_first[anchor];
 	*count = tables->ladder_first[anchor + 1] - tables->ladder_first[anchor];
-	return tables->ladder_order + tables->ladder_first[anchor];
+	while (*count && is_whole(tables, ladders[*count - 1]))
+		--*count;
+	return ladders;
+}
+
+const uint32_t *lod_plan_tables_whole(const struct lod_plan_tables *tables, uint32_t anchor, uint32_t *count)
+{
+	uint32_t organs;
+	const uint32_t *ladders = lod_plan_tables_anchor(tables, anchor, &organs);
+	*count = tables->ladder_first[anchor + 1] - tables->ladder_first[anchor] - organs;
+	return ladders + organs;
 }
 
 /* ---- Plants as proxy shapes ---- */
@@ -45,8 +64,10 @@ const uint32_t *lod_plan_tables_anchor(const struct lod_plan_tables *tables, uin
 static double anchor_area(const struct lod_plan_tables *tables, uint32_t anchor)
 {
 	double area = 0;
-	for (uint32_t i = tables->ladder_first[anchor]; i < tables->ladder_first[anchor + 1]; i++)
-		area += tables->scene->ladders[tables->ladder_order[i]].area;
+	uint32_t count;
+	const uint32_t *ladders = lod_plan_tables_anchor(tables, anchor, &count);
+	for (uint32_t i = 0; i < count; i++)
+		area += tables->scene->ladders[ladders[i]].area;
 	return area;
 }
 
@@ -141,7 +162,8 @@ static void hulls_of(const struct eco_scene *scene, const struct lod_way *way, s
 {
 	const struct eco_ladder *ladder = way->ladder;
 	const struct eco_plant *plant = &scene->plants[ladder->plant];
-	bool coarse = plant->anchor_count > 1 && ladder->anchor == plant->anchor_first;
+	bool coarse = plant->anchor_count > 1 && ladder->anchor == plant->anchor_first
+		&& !(ladder->flags & ECO_LADDER_WHOLE);
 	uint64_t end = coarse ? lod_way_stage_end(way) : way->full;
 	make_hull(hulls, 0, way, 0, end);
 	if (coarse && !(ladder->flags & ECO_LADDER_FAR))

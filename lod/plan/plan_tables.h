@@ -25,9 +25,10 @@ struct lod_plan_tables_ladder {
 /* NULL without memory; a ladder once returned stays. */
 const struct lod_plan_tables_ladder *lod_plan_tables_ladder(struct lod_plan_tables *tables, uint32_t ladder);
 
-/* The ladders of an anchor, in the scene's order. */
+/* The ladders of an anchor's organs, in the scene's order; and its ladders that show the whole plant. */
 const uint32_t *lod_plan_tables_anchor(const struct lod_plan_tables *tables, uint32_t anchor,
 	uint32_t *count);
+const uint32_t *lod_plan_tables_whole(const struct lod_plan_tables *tables, uint32_t anchor, uint32_t *count);
 /* Per plant, at scale 1; and the mean over plants of the crown's ellipse over the plant's area. */
 const struct lod_proxy_shape *lod_plan_tables_proxy_shapes(const struct lod_plan_tables *tables);
 double lod_plan_tables_ellipse(const struct lod_plan_tables *tables);

@@ -98,7 +98,7 @@ static uint32_t gate_at(const struct lod_planner *p, uint32_t plant, double d)
 		double r = lod_band_distance_m((uint8_t)band), wanted;
 		for (uint32_t i = 0; i < pl->ladder_count; i++) {
 			const struct eco_ladder *ladder = &scene->ladders[pl->ladder_first + i];
-			if (ladder->anchor != pl->anchor_first)
+			if (ladder->anchor != pl->anchor_first || ladder->flags & ECO_LADDER_WHOLE)
 				continue;
 			uint64_t points = lod_planner_count(scene, ladder->points), limit = points ? points
 				: 2 * lod_planner_count(scene, ladder->lines);

@@ -30,8 +30,9 @@ static double entry_density(const struct lod_planner *p, const struct lod_entry 
  * they miss the more they do (lod/EXPERIMENTS.md, Larger leaves among other plants). */
 static double grown(const struct lod_planner *p, const struct lod_entry *entry, uint64_t vertices)
 {
-	double among = entry->among > 0 && p->scene->ladders[entry->ladder].organ != ECO_ORGAN_WOOD
-		? entry->among * entry->among : 0;
+	const struct eco_ladder *ladder = &p->scene->ladders[entry->ladder];
+	double among = entry->among > 0 && ladder->organ != ECO_ORGAN_WOOD
+		&& !(ladder->flags & ECO_LADDER_WHOLE) ? entry->among * entry->among : 0;
 	double missed = among > 0 ? lod_planner_curve(p, entry, vertices).fn / MISSED : 0;
 	return 1 + GROWTH * among * among * fmin(1, missed);
 }

@@ -197,7 +197,7 @@ static enum eco_code find_slot(struct lod_visible_tree *visible, uint32_t plant,
 				sizeof *visible->slots))
 			return no_memory(error);
 		visible->slots[visible->slot_count++] = (struct lod_slot){ .anchor = at.anchor,
-			.plant = plant, .band = at.band,
+			.plant = plant, .band = at.band, .whole_from = ECO_SHARE_ONE,
 			.cell = at.anchor != visible->scene->plants[plant].anchor_first };
 		*entry = visible->slot_count;
 	}
@@ -327,11 +327,13 @@ static void add_counts(struct lod_visible_tree *visible, const struct lod_node *
 		bool near = eco_gate_place(slot->cell ? t->whole_band : slot->band, 0) < gates[slot->plant];
 		slot->count += !slot->cell || near ? t->count : 0;
 		slot->near += !slot->cell && near ? t->count : 0;
+		slot->whole += !near && slot->whole_from == 0 ? t->count : 0;
 	}
 	visible->plants += node->plants;
 }
 
-/* Must its plants be counted one by one: are some left to its summary, or does a gate end among them? */
+/* Must its plants be counted one by one: are some left to its summary, does a gate end among them, or do some
+ * of them draw their organs and others not? */
 static bool is_split(const struct lod_visible_tree *visible, const struct lod_node *node,
 	const uint32_t *gates)
 {
@@ -339,7 +341,9 @@ static bool is_split(const struct lod_visible_tree *visible, const struct lod_no
 	for (uint32_t i = 0; i < node->tally_count && !split; i++) {
 		const struct lod_slot *slot = &visible->slots[node->tallies[i].slot];
 		uint32_t gate = gates[slot->plant];
-		split = !slot->cell && gate % ECO_SHARE_ONE && gate / ECO_SHARE_ONE == slot->band;
+		split = !slot->cell
+			&& ((gate % ECO_SHARE_ONE && gate / ECO_SHARE_ONE == slot->band)
+			|| (slot->whole_from > 0 && slot->whole_from < ECO_SHARE_ONE));
 	}
 	return split;
 }
@@ -367,9 +371,10 @@ static void add_part(struct lod_visible_tree *visible, const struct lod_node *no
 				struct lod_slot *slot =
 					&visible->slots[lod_visible_tree_slot(visible,
 					visible->scratch[a].anchor, visible->scratch[a].band)];
+				bool near = eco_gate_place(slot->band, hash) < gates[group->plant];
 				slot->count++;
-				slot->near += a == 0 && eco_gate_place(slot->band, hash)
-					< gates[group->plant];
+				slot->near += a == 0 && near;
+				slot->whole += a == 0 && !near && hash >= slot->whole_from;
 			}
 			visible->plants += n > 0;
 		}
@@ -380,7 +385,7 @@ static void forget_counts(struct lod_visible_tree *visible)
 {
 	visible->plants = 0;
 	for (uint32_t i = 0; i < visible->slot_count; i++)
-		visible->slots[i].count = visible->slots[i].near = 0;
+		visible->slots[i].count = visible->slots[i].near = visible->slots[i].whole = 0;
 }
 
 void lod_visible_tree_recount(struct lod_visible_tree *visible, const uint32_t *gates)

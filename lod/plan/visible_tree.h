@@ -46,6 +46,9 @@ struct lod_slot {
 	bool cell;                   /* anchor is not the whole plant */
 	uint64_t count;              /* at the last count */
 	uint64_t near;               /* of whole plants, at the last count: those that draw cells */
+	uint32_t whole_from;         /* beyond the gate, plants with a hash from here on draw a ladder that
+	                              * shows the whole plant; ECO_SHARE_ONE: none */
+	uint64_t whole;              /* at the last recount: how many */
 	double above, above_count;   /* sum of lod_seen_above over plants ever counted; their number */
 	uint32_t last_node, last_tally; /* where the slot was last counted */
 };
@@ -84,7 +87,15 @@ double lod_summary_points(const struct lod_node *node, double sample_distance);
 enum eco_code lod_visible_tree_count(struct lod_visible_tree *visible, double sample_distance,
 	const uint32_t *gates, struct eco_error *error);
 
-/* Counts again after the caller changed nodes' states or lowered gates, to any place in a band. */
+/* In a band, plants with a hash below this are before the gate. */
+static inline uint32_t lod_near_end(uint32_t gate, uint8_t band)
+{
+	uint32_t place = eco_gate_place(band, 0);
+	return gate < place ? 0 : gate - place < ECO_SHARE_ONE ? gate - place : ECO_SHARE_ONE;
+}
+
+/* Counts again after the caller changed nodes' states, slots' whole_from, or lowered gates, to any place in a
+ * band. */
 void lod_visible_tree_recount(struct lod_visible_tree *visible, const uint32_t *gates);
 
 /* The slot of an anchor in a band, or ECO_NONE. */

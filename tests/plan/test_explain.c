@@ -92,8 +92,8 @@ static void check_rows(const struct eco_plan *plan, const struct lod_explanation
 UNIT_TEST(rows_add_up_to_the_plan)
 {
 	uint64_t seen[LOD_WHY_COUNT] = { 0 };
-	for (uint64_t seed = 1; seed <= 60; seed++) {
-		random_scene_make(&scene, seed, seed % 3 ? 0 : 4);
+	for (uint64_t seed = 1; seed <= 80; seed++) {
+		(seed <= 40 ? random_scene_make : random_scene_splats)(&scene, seed, seed % 3 ? 0 : 4);
 		for (int i = 0; i < 10; i++) {
 			lod_rule *rule = i % 5 == 4 ? lod_rule_deussen : lod_rule_optimal;
 			struct eco_request request = request_of((uint64_t)1 << (3 + 2 * i));
@@ -111,7 +111,7 @@ UNIT_TEST(rows_add_up_to_the_plan)
 		print_message("          %s: %llu\n", lod_why_names[w], (unsigned long long)seen[w]);
 	assert_true(seen[LOD_WHY_STEP] && seen[LOD_WHY_LEFT_OVER] && seen[LOD_WHY_ALL]
 		&& seen[LOD_WHY_DISTANCE] && seen[LOD_WHY_PLANTS]);
-	assert_true(seen[LOD_WHY_SUMMARY] && seen[LOD_WHY_PART]);
+	assert_true(seen[LOD_WHY_SUMMARY] && seen[LOD_WHY_PART] && seen[LOD_WHY_WHOLE]);
 }
 
 UNIT_TEST(a_plan_is_the_same_with_and_without)
@@ -145,6 +145,12 @@ UNIT_TEST(words_are_plain)
 		{ { .why = LOD_WHY_SUMMARY, .margin = INFINITY },
 			"summary points are drawn: plants would save nothing here" },
 		{ { .why = LOD_WHY_ALL }, "all of it is drawn" },
+		{ { .why = LOD_WHY_WHOLE, .margin = 0.12, .share = 1 },
+			"splats of the whole plant beat its organs by 12 %" },
+		{ { .why = LOD_WHY_WHOLE, .share = 1 },
+			"splats of the whole plant leave less wrong at this budget than its organs" },
+		{ { .why = LOD_WHY_WHOLE, .share = 0.4 },
+			"splats of the whole plant save nearly as much as its organs: 40 % of the plants are drawn so" },
 	};
 	const struct lod_explanation why = { .lambda = 1.05 };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
