@@ -31,6 +31,8 @@
 #define LAMBDA_TRIES 8           /* of the search between two grid lambdas, ... */
 #define LAMBDA_SLACK 0.001       /* ... which ends when no more than this share of the budget is unused */
 #define SMALL_SCENE 64u          /* ladder choices, and tiles: below, steps are swapped */
+#define LOWER_TRIES 12           /* of the search below a lambda at which every curve ends, ... */
+#define LOWER_FACTOR 2.0         /* ... which begins with steps of this factor */
 #define TILES_PX 0.5             /* sample distance to which tiles are opened, ... */
 #define CELLS_PX 1.0             /* ... and cells; less at finer levels */
 #define FINER_OCTAVES 3          /* from one level to the next */
@@ -237,13 +239,15 @@ static double exact_lambda(const struct lambda_search *s, uint64_t budget)
 	return high;
 }
 
-static enum eco_code fill_budget(const struct lambda_search *s, uint64_t budget, struct eco_error *error)
+/* Entries for the structure of a lambda. */
+static enum eco_code fill_structure(const struct lambda_search *s, double lambda, uint64_t budget,
+	struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
 	struct lod_fill fill = { 0 };
 	bool small = m->few_plants && m->ladder_choice_count < SMALL_SCENE && m->p->visible.node_count
 		< SMALL_SCENE;
-	double wrong, lambda = s->index == LAMBDA_COUNT ? lambda_at(s->index) : exact_lambda(s, budget);
+	double wrong;
 	enum eco_code code = fix_structure(s, lambda, budget, &fill, &wrong, error);
 	if (!code && !(wrong < INFINITY)) { /* hull points are whole, so a lambda that fits in the mean may
 	                                     * not fit; choosing nothing does */
@@ -258,6 +262,86 @@ static enum eco_code fill_budget(const struct lambda_search *s, uint64_t budget,
 	m->p->cheapest = fill.cheapest;
 	m->p->wrong = fill.wrong + closed_wrong(m);
 	lod_fill_free(&fill);
+	return code;
+}
+
+/* Far plants that draw a ladder for the whole plant. */
+static uint64_t count_whole(const struct lod_planner *p)
+{
+	uint64_t sum = 0;
+	for (uint32_t s = 0; s < p->visible.slot_count; s++)
+		sum += p->visible.slots[s].whole;
+	return sum;
+}
+
+/* One way to fill the budget: a lambda, and which plants draw a ladder for the whole plant. */
+struct trial { double lambda, wrong; enum lod_whole_rule rule; };
+
+static enum eco_code try_structure(const struct lambda_search *s, uint64_t budget, struct trial *trial,
+	struct eco_error *error)
+{
+	s->allocation->whole_rule = trial->rule;
+	enum eco_code code = fill_structure(s, trial->lambda, budget, error);
+	trial->wrong = s->allocation->p->wrong;
+	return code;
+}
+
+/* Where few plants are in view, a lambda may be far from the best choice for one of them between a ladder for
+ * the whole plant and its organs. So all of them and none of them draw it, too, and what leaves least wrong
+ * is kept. */
+static enum eco_code try_whole(const struct lambda_search *s, uint64_t budget, struct trial *best,
+	struct eco_error *error)
+{
+	static const enum lod_whole_rule rules[] = { LOD_WHOLE_ALL, LOD_WHOLE_NONE };
+	struct trial last = *best;
+	enum eco_code code = ECO_OK;
+	for (int i = 0; i < 2 && !code; i++) {
+		last = (struct trial){ .lambda = best->lambda, .rule = rules[i] };
+		code = try_structure(s, budget, &last, error);
+		if (!code && last.wrong < best->wrong)
+			*best = last;
+	}
+	if (!code && last.rule != best->rule)
+		code = try_structure(s, budget, best, error);
+	return code;
+}
+
+/* Every curve has ended and some of the budget is left, while plants draw ladders for the whole plant that
+ * end in coarser pictures than their organs: at a lower lambda more of them draw their organs. The lambda
+ * found is the highest at which something gains, and the better of the two is kept. */
+static enum eco_code lower_whole(const struct lambda_search *s, uint64_t budget, struct trial *best,
+	struct eco_error *error)
+{
+	const struct lod_planner *p = s->allocation->p;
+	struct trial high = *best, low = *best, last = *best;
+	enum eco_code code = ECO_OK;
+	for (int i = 0; i < LOWER_TRIES && !code; i++) {
+		bool bracket = low.lambda < high.lambda;
+		last.lambda = bracket ? sqrt(low.lambda * high.lambda) : high.lambda / LOWER_FACTOR;
+		code = try_structure(s, budget, &last, error);
+		bool ended = p->cheapest == UINT64_MAX && p->vertices < budget && count_whole(p) > 0;
+		high = ended ? last : high;
+		low = ended && !bracket ? last : ended ? low : last;
+		if (!code && last.wrong < best->wrong)
+			*best = last;
+	}
+	if (!code && last.lambda != best->lambda)
+		code = try_structure(s, budget, best, error);
+	return code;
+}
+
+static enum eco_code fill_budget(const struct lambda_search *s, uint64_t budget, struct eco_error *error)
+{
+	struct lod_allocation *m = s->allocation;
+	struct trial best = { .lambda = s->index == LAMBDA_COUNT ? lambda_at(s->index)
+		: exact_lambda(s, budget) };
+	enum eco_code code = try_structure(s, budget, &best, error);
+	if (code || !m->has_whole || !(best.lambda > 0))
+		return code;
+	if (m->few_plants)
+		return try_whole(s, budget, &best, error);
+	if (m->p->cheapest == UINT64_MAX && m->p->vertices < budget && count_whole(m->p))
+		code = lower_whole(s, budget, &best, error);
 	return code;
 }
 
@@ -352,7 +436,7 @@ enum eco_code lod_rule_optimal(struct lod_planner *p, struct eco_error *error)
 		bool all = complete(p);
 		p->level = (uint32_t)(level - COARSEST);
 		code = plan_level(p, &predicts, error);
-		if (code || all || p->cheapest != UINT64_MAX || level < asked || level >= FINER_TIMES)
+		if (code || all || p->cheapest != UINT64_MAX || count_whole(p) || level < asked || level >= FINER_TIMES)
 			break;
 		asked = ++level;
 		code = open_possible(p, &level, error);

@@ -64,11 +64,21 @@ static void check_cuts(const struct eco_plan *plan)
 	}
 }
 
+/* Cuts of ladders that show the whole plant. */
+static uint32_t count_whole(const struct eco_plan *plan)
+{
+	uint32_t sum = 0;
+	for (uint32_t i = 0; i < plan->cut_count; i++)
+		sum += plan->cuts[i].anchor != ECO_NONE
+			&& (scene.lists[plan->cuts[i].list].attributes & ECO_ATTR_SPLAT);
+	return sum;
+}
+
 UNIT_TEST(never_above_the_budget_and_counted_as_drawn)
 {
-	uint64_t unused = 0, asked = 0, ended = 0;
-	for (uint64_t seed = 1; seed <= 60; seed++) {
-		random_scene_make(&scene, seed, seed % 3 ? 0 : 5);
+	uint64_t unused = 0, asked = 0, ended = 0, whole = 0;
+	for (uint64_t seed = 1; seed <= 120; seed++) {
+		(seed <= 60 ? random_scene_make : random_scene_splats)(&scene, seed, seed % 3 ? 0 : 5);
 		for (int i = 0; i < 20; i++) {
 			struct eco_request request = random_request(&scene);
 			struct eco_plan plan, all;
@@ -85,6 +95,8 @@ UNIT_TEST(never_above_the_budget_and_counted_as_drawn)
 			/* left over is less than any step takes; or everything that can be seen is as it
 			 * should be */
 			assert_true(request.vertices - plan.vertices < stats.cheapest);
+			assert_int_equal(count_whole(&all), 0);
+			whole += count_whole(&plan) > 0;
 			ended += stats.cheapest == UINT64_MAX;
 			if (stats.cheapest != UINT64_MAX) {
 				asked += request.vertices;
@@ -96,7 +108,54 @@ UNIT_TEST(never_above_the_budget_and_counted_as_drawn)
 	}
 	print_message("          unused of what could be used: %.4f %%; in %llu plans every curve has "
 		"ended\n", 100.0 * (double)unused / (double)asked, (unsigned long long)ended);
+	print_message("          %llu plans draw whole plants by one ladder\n", (unsigned long long)whole);
 	assert_true(unused * 200 <= asked);
+	assert_true(whole > 200);
+}
+
+/* Along growing budgets nothing predicted gets worse. */
+UNIT_TEST(more_budget_is_never_predicted_to_be_worse)
+{
+	for (uint64_t seed = 1; seed <= 60; seed++) {
+		random_scene_splats(&scene, 700 + seed, seed % 3 ? 0 : 5);
+		struct eco_request request = random_request(&scene);
+		double last = INFINITY;
+		for (request.vertices = 0; request.vertices < 400000;
+				request.vertices += 1 + request.vertices / 3) {
+			struct eco_plan plan;
+			plan_it(&plan, &request);
+			double wrong = plan.prediction.fp + plan.prediction.fn;
+			assert_true(wrong <= last);
+			last = wrong;
+			eco_plan_free(&plan);
+		}
+	}
+}
+
+/* No plant draws both a ladder for the whole plant and anything else. */
+UNIT_TEST(a_whole_plant_is_drawn_alone)
+{
+	uint64_t alone = 0, beside = 0;
+	for (uint64_t seed = 1; seed <= 80; seed++) {
+		random_scene_splats(&scene, 900 + seed, 0);
+		struct eco_request request = random_request(&scene);
+		struct eco_plan plan;
+		plan_it(&plan, &request);
+		for (uint32_t i = 0; i < plan.cut_count; i++)
+			for (uint32_t k = 0; k < plan.cut_count; k++) {
+				const struct eco_cut *a = &plan.cuts[i], *b = &plan.cuts[k];
+				if (a->anchor == ECO_NONE || a->anchor != b->anchor || a->list == b->list
+						|| !(scene.lists[a->list].attributes & ECO_ATTR_SPLAT))
+					continue;
+				bool bands = a->band_first < b->band_end && b->band_first < a->band_end;
+				assert_false(bands && a->share_first < b->share_end
+					&& b->share_first < a->share_end);
+				beside += bands;
+				alone += !bands;
+			}
+		eco_plan_free(&plan);
+	}
+	assert_true(alone && beside);
 }
 
 UNIT_TEST(both_rules_keep_the_budget_and_predict)
@@ -104,7 +163,7 @@ UNIT_TEST(both_rules_keep_the_budget_and_predict)
 	static lod_rule *const rules[] = { lod_rule_optimal, lod_rule_deussen };
 	uint64_t drawn[2] = { 0 };
 	for (uint64_t seed = 1; seed <= 40; seed++) {
-		random_scene_make(&scene, 400 + seed, seed % 3 ? 0 : 5);
+		(seed % 2 ? random_scene_make : random_scene_splats)(&scene, 400 + seed, seed % 3 ? 0 : 5);
 		for (int i = 0; i < 20; i++) {
 			struct eco_request request = random_request(&scene);
 			struct eco_plan plan;
@@ -127,8 +186,8 @@ UNIT_TEST(both_rules_keep_the_budget_and_predict)
 
 UNIT_TEST(same_request_same_bytes)
 {
-	for (uint64_t seed = 100; seed < 110; seed++) {
-		random_scene_make(&scene, seed, 3);
+	for (uint64_t seed = 100; seed < 120; seed++) {
+		(seed < 110 ? random_scene_make : random_scene_splats)(&scene, seed, 3);
 		struct eco_request request = random_request(&scene);
 		struct eco_writer bytes[2] = { { 0 }, { 0 } };
 		for (int i = 0; i < 2; i++) {
@@ -236,8 +295,8 @@ UNIT_TEST(a_bounded_walk_still_answers)
 
 UNIT_TEST(needs_cover_every_cut)
 {
-	for (uint64_t seed = 200; seed < 220; seed++) {
-		random_scene_make(&scene, seed, 2);
+	for (uint64_t seed = 200; seed < 240; seed++) {
+		(seed < 220 ? random_scene_make : random_scene_splats)(&scene, seed, 2);
 		struct eco_request request = random_request(&scene);
 		struct eco_plan plan;
 		struct eco_holdings needs;
