@@ -10,6 +10,7 @@
 #include "tests/support/scene_random.h"
 
 #define BUDGET_MOST 600u
+#define WHOLE_MOST 8u            /* slots whose plants may be drawn whole or not */
 #define FREE_MOST 16u            /* tiles that may be opened or not */
 
 struct search {
@@ -19,6 +20,7 @@ struct search {
 	double least[BUDGET_MOST + 1], next[BUDGET_MOST + 1];
 	uint64_t budget;
 	uint32_t free_nodes[FREE_MOST], free_count;
+	uint32_t whole_slots[WHOLE_MOST], whole_count;
 	struct bench_best *out;
 };
 
@@ -29,7 +31,7 @@ static double error_at(const struct search *s, const struct lod_candidate *candi
 {
 	const struct lod_hull *hull = candidate->hull;
 	uint32_t i = 0;
-	if (candidate->ladder_choice != ECO_NONE) {
+	if (candidate->ladder_choice != ECO_NONE && vertices > hull->points->vertices) {
 		struct lod_hull_point point =
 			lod_hull_point_at(lod_planner_way(&s->planner,
 			s->allocation.ladder_choices[candidate->ladder_choice].ladder), vertices);
@@ -96,13 +98,25 @@ static enum eco_code try_structure(struct search *s, struct eco_error *error)
 	return code;
 }
 
+static enum eco_code try_whole(struct search *s, uint32_t i, struct eco_error *error)
+{
+	if (i == s->whole_count)
+		return try_structure(s, error);
+	enum eco_code code = ECO_OK;
+	for (int share = 0; share < 2 && !code; share++) {
+		s->allocation.slot_choices[s->whole_slots[i]].whole_share = share;
+		code = try_whole(s, i + 1, error);
+	}
+	return code;
+}
+
 static enum eco_code try_tiles(struct search *s, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
 	for (uint32_t choice = 0; choice < 1u << s->free_count && !code; choice++) {
 		for (uint32_t i = 0; i < s->free_count; i++)
 			s->allocation.tile_choices[s->free_nodes[i]].share = choice >> i & 1;
-		code = try_structure(s, error);
+		code = try_whole(s, 0, error);
 	}
 	return code;
 }
@@ -133,6 +147,19 @@ static void find_free(struct search *s)
 	}
 }
 
+static void find_whole(struct search *s)
+{
+	struct lod_allocation *m = &s->allocation;
+	for (uint32_t i = 0; i < s->planner.visible.slot_count; i++) {
+		struct lod_slot_choice *choice = &m->slot_choices[i];
+		if (!choice->whole_count || !m->counts[i] || s->whole_count == WHOLE_MOST)
+			continue;
+		choice->whole = choice->ladder_choice_first + choice->ladder_choice_count - 1;
+		s->whole_slots[s->whole_count++] = i;
+	}
+	s->out->whole_slots = s->whole_count;
+}
+
 static enum eco_code find_best(struct search *s, const struct lod_planner_input *input, uint32_t level,
 	struct eco_error *error)
 {
@@ -144,6 +171,7 @@ static enum eco_code find_best(struct search *s, const struct lod_planner_input 
 		s->out->empty = s->allocation.tile_choices ? s->allocation.tile_choices[0].weight_px : 0;
 		if (!code) {
 			find_free(s);
+			find_whole(s);
 			code = try_gates(s, 0, error);
 		}
 		lod_allocation_free(&s->allocation);
@@ -154,12 +182,11 @@ static enum eco_code find_best(struct search *s, const struct lod_planner_input 
 
 /* ---- Scenes ---- */
 
-static void make_scene(struct scene_builder *r, uint64_t seed, struct eco_request *request)
+static void make_scene(struct scene_builder *r, uint64_t seed, bool splats, struct eco_request *request)
 {
 	random_scene_sized(r, seed, 0,
-		(struct random_sizes){ .species = 2, .leaves = 2 + (uint32_t)(seed % 2), .elements = 40,
-		.places = 4,
-		.cells = 3 });
+		(struct random_sizes){ .species = 2, .leaves = splats ? 1 : 2 + (uint32_t)(seed % 2),
+		.elements = 40, .places = splats ? 2 : 4, .cells = 3, .splats = splats });
 	for (uint32_t i = 0; i < r->scene.ladder_count; i++)
 		if (!(r->ladders[i].flags & ECO_LADDER_NEAR))
 			r->plants[r->ladders[i].plant].area += r->ladders[i].area;
@@ -173,7 +200,7 @@ static void make_scene(struct scene_builder *r, uint64_t seed, struct eco_reques
 		.bytes = ECO_BYTES_UNBOUNDED };
 }
 
-enum eco_code bench_best_find(uint64_t seed, struct bench_best *best, struct eco_error *error)
+enum eco_code bench_best_find(uint64_t seed, bool splats, struct bench_best *best, struct eco_error *error)
 {
 	struct scene_builder scene = { 0 };
 	struct search *search = calloc(1, sizeof *search);
@@ -183,7 +210,7 @@ enum eco_code bench_best_find(uint64_t seed, struct bench_best *best, struct eco
 	enum eco_code code = search ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for a small scene");
 	*best = (struct bench_best){ .best = INFINITY };
 	if (!code) {
-		make_scene(&scene, seed, &request);
+		make_scene(&scene, seed, splats, &request);
 		struct lod_planner_input input = { .scene = &scene.scene, .request = &request,
 			.stats = &stats };
 		*search = (struct search){ .budget = best->vertices = request.vertices, .out = best };

@@ -32,7 +32,7 @@ static enum eco_code small_scenes(struct bench *bench, json_t **unit, struct eco
 		SMALL_SCENES);
 	for (uint32_t i = 0; i < SMALL_SCENES && !code; i++)
 		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
-			: bench_best_find(i + 1, &found[i], error);
+			: bench_best_find(i + 1, false, &found[i], error);
 	if (!code)
 		*unit = bench_keep(bench, "planner-best", NULL, gaps_of(found, SMALL_SCENES));
 	free(found);
