@@ -137,7 +137,8 @@ static uint32_t axis_of(const float *p)
 
 static uint32_t cloud_of(const struct view_mesh *mesh, uint32_t point)
 {
-	double reach = (double)reach_of(mesh, point);
+	/* a splat's near side says where in the crown a pixel is */
+	double reach = mesh->geometry.half ? 0 : (double)reach_of(mesh, point);
 	return view_surface_cloud(mesh->half_width > 0 ? reach / mesh->half_width : 1,
 		eco_level_share(mesh->list->list.level));
 }

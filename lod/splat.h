@@ -3,8 +3,8 @@
  * The ellipsoid's half axes h_k are projected linearly at its centre, which is exact far away: in pixels d_k =
  * J h_k. The picture of the ellipsoid is the ellipse x^T C^-1 x <= 1 with C = sum d_k d_k^T (an ellipsoid is
  * the image of a ball; Zwicker and others 2001, EWA volume splatting, eq. 24, without their filter). Where it
- * is not opaque a fixed hash of pixel and splat says which pixels it covers. All of it lies at the depth of
- * the centre. */
+ * is not opaque a fixed hash of pixel and splat says which pixels it covers. Its depth is that of the side
+ * of the ellipsoid that faces the eye. */
 #ifndef LOD_SPLAT_H
 #define LOD_SPLAT_H
 
@@ -13,17 +13,24 @@
 #include <stdint.h>
 #include <string.h>
 
-/* The ellipse around (0, 0), pixels: row y holds the pixels with |x - lean y| <= half sqrt(1 - (y / high)^2). */
-struct lod_ellipse { float wide, high, lean, half; };
+/* The ellipse around (0, 0), pixels: row y holds the pixels with |x - lean y| <= half sqrt(1 - (y / high)^2).
+ * With u = (x - lean y) / half and v = y / high the ellipsoid's near side is aside u + below v - bulge
+ * sqrt(1 - u^2 - v^2) metres farther than its centre. */
+struct lod_ellipse { float wide, high, lean, half, aside, below, bulge; };
 
-/* From the half axes in pixels, x to the right. False where nothing can be covered. */
-static inline bool lod_ellipse_make(struct lod_ellipse *ellipse, const float across[3], const float down[3])
+/* From the half axes: in pixels to the right and down, and metres farther away. False where nothing can be
+ * covered. */
+static inline bool lod_ellipse_make(struct lod_ellipse *ellipse, const float across[3], const float down[3],
+	const float farther[3])
 {
-	float xx = 0, xy = 0, yy = 0;
+	float xx = 0, xy = 0, yy = 0, xz = 0, yz = 0, zz = 0;
 	for (int k = 0; k < 3; k++) {
 		xx += across[k] * across[k];
 		xy += across[k] * down[k];
 		yy += down[k] * down[k];
+		xz += across[k] * farther[k];
+		yz += down[k] * farther[k];
+		zz += farther[k] * farther[k];
 	}
 	if (!(xx > 0 && yy > 0 && xx < 1e30f && yy < 1e30f))
 		return false;
@@ -32,6 +39,10 @@ static inline bool lod_ellipse_make(struct lod_ellipse *ellipse, const float acr
 	ellipse->lean = xy / yy;
 	float rest = xx - ellipse->lean * xy;
 	ellipse->half = rest > 0 ? sqrtf(rest) : 0;
+	ellipse->below = yz / ellipse->high;
+	ellipse->aside = rest > 0 ? (xz - ellipse->lean * yz) / ellipse->half : 0;
+	rest = zz - ellipse->aside * ellipse->aside - ellipse->below * ellipse->below;
+	ellipse->bulge = rest > 0 ? sqrtf(rest) : 0;
 	return true;
 }
 
@@ -40,6 +51,14 @@ static inline float lod_ellipse_row(const struct lod_ellipse *ellipse, float y)
 {
 	float t = y / ellipse->high, rest = 1 - t * t;
 	return rest >= 0 ? ellipse->half * sqrtf(rest) : -1;
+}
+
+/* How much farther than the centre the near side is at (x, y), metres. */
+static inline float lod_ellipse_farther(const struct lod_ellipse *ellipse, float x, float y)
+{
+	float u = ellipse->half > 0 ? (x - ellipse->lean * y) / ellipse->half : 0, v = y / ellipse->high,
+		rest = 1 - u * u - v * v;
+	return ellipse->aside * u + ellipse->below * v - ellipse->bulge * (rest > 0 ? sqrtf(rest) : 0);
 }
 
 /* The salt of a splat, from its centre in object space. */

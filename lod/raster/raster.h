@@ -23,8 +23,8 @@
  *   point     h = sqrt(area * size) * scale * H / (2 tan_y) / w / 2 around the pixel position (x, y) of its
  *             centre: the pixels with centres in [x-h, x+h) x [y-h, y+h), bounds rounded to 1/256; all at
  *             the depth of the centre. There may be none.
- *   splat     the ellipse of lod/splat.h around the centre's pixel position, at the depth of the centre;
- *             drawn whole or not at all, by its centre's w. Without half axes it is a ball, whose disc has
+ *   splat     the ellipse of lod/splat.h around the centre's pixel position, at the depth of its near
+ *             side, but no nearer than near_m; drawn whole or not at all, by its centre's w. Without half axes it is a ball, whose disc has
  *             the area area * size: so are the points of packs
  *   texel     column = floor(u * width) modulo width, row = floor(v * height) modulo height, from the
  *             image's top left; opaque from alpha 128 on; u, v perspective-correct

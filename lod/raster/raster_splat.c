@@ -5,7 +5,7 @@
 
 struct disc {                        /* a projected splat; pixels from the picture's middle */
 	struct lod_ellipse ellipse;
-	float x, y, z, opacity;
+	float x, y, w, near_w, opacity; /* w: metres away */
 	uint32_t salt;
 };
 
@@ -18,12 +18,12 @@ static float row_of(const float row[4], const float p[3])
 static bool place(const struct lod_raster_state *state, const float centre[3], struct disc *disc, float at[2])
 {
 	const float (*m)[4] = state->clip;
-	float w = row_of(m[2], centre) + m[2][3];
-	if (!(w >= state->near_w))
+	disc->w = row_of(m[2], centre) + m[2][3];
+	disc->near_w = state->near_w;
+	if (!(disc->w >= state->near_w))
 		return false;
-	disc->z = 1 / w;
 	for (int k = 0; k < 2; k++)
-		at[k] = (row_of(m[k], centre) + m[k][3]) * disc->z;
+		at[k] = (row_of(m[k], centre) + m[k][3]) / disc->w;
 	disc->x = at[0] * (1.0f / LOD_SUBPIXEL);
 	disc->y = at[1] * (1.0f / LOD_SUBPIXEL);
 	return fabsf(at[0]) < 1e30f && fabsf(at[1]) < 1e30f;
@@ -33,23 +33,23 @@ static bool project(const struct lod_raster_state *state, const float half[9], c
 	struct disc *disc)
 {
 	const float (*m)[4] = state->clip;
-	float across[3], down[3], pixel = disc->z * (1.0f / LOD_SUBPIXEL);
+	float across[3], down[3], farther[3], pixel = 1.0f / LOD_SUBPIXEL / disc->w;
 	for (int k = 0; k < 3; k++) {
-		float nearer = row_of(m[2], half + 3 * k);
-		across[k] = (row_of(m[0], half + 3 * k) - nearer * at[0]) * pixel;
-		down[k] = (row_of(m[1], half + 3 * k) - nearer * at[1]) * pixel;
+		farther[k] = row_of(m[2], half + 3 * k);
+		across[k] = (row_of(m[0], half + 3 * k) - farther[k] * at[0]) * pixel;
+		down[k] = (row_of(m[1], half + 3 * k) - farther[k] * at[1]) * pixel;
 	}
-	return lod_ellipse_make(&disc->ellipse, across, down);
+	return lod_ellipse_make(&disc->ellipse, across, down, farther);
 }
 
 /* The same for a ball: its half axes may be those of the view. */
 static bool project_ball(const struct lod_raster_state *state, float radius, const float at[2],
 	struct disc *disc)
 {
-	float pixel = radius * disc->z * (1.0f / LOD_SUBPIXEL);
+	float pixel = radius * (1.0f / LOD_SUBPIXEL) / disc->w;
 	const float across[3] = { state->project[0][0] * pixel, 0, -at[0] * pixel },
-		down[3] = { 0, state->project[1][1] * pixel, -at[1] * pixel };
-	return lod_ellipse_make(&disc->ellipse, across, down);
+		down[3] = { 0, state->project[1][1] * pixel, -at[1] * pixel }, farther[3] = { 0, 0, radius };
+	return lod_ellipse_make(&disc->ellipse, across, down, farther);
 }
 
 /* The first pixel whose centre is at or after `at`, from the picture's first, clamped to [0, size]. */
@@ -59,18 +59,24 @@ static uint32_t pixel_from(float at, uint32_t size)
 	return first > 0 ? first < (float)size ? (uint32_t)first : size : 0;
 }
 
-static void fill_row(const struct lod_paint *paint, const struct disc *disc, uint32_t row, uint32_t from,
+/* Where only the cover is wanted, all of it may be at the depth of the centre. */
+static void fill_row(const struct lod_paint *paint, const struct disc *disc, uint32_t row, float y, uint32_t from,
 	uint32_t to)
 {
-	if (disc->opacity >= 1) {
-		lod_fill_row(paint, row, from, to, disc->z);
+	if (disc->opacity >= 1 && paint->silhouette) {
+		lod_fill_row(paint, row, from, to, 1 / disc->w);
 		return;
 	}
 	bool any = false;
 	size_t first = (size_t)row * paint->raster->width;
-	for (uint32_t x = from; x < to; x++)
-		if (lod_splat_covers(disc->salt, x, row, disc->opacity))
-			any |= lod_paint_pixel(paint, first + x, disc->z);
+	float left = 0.5f - 0.5f * (float)paint->raster->width - disc->x;
+	for (uint32_t x = from; x < to; x++) {
+		if (disc->opacity < 1 && !lod_splat_covers(disc->salt, x, row, disc->opacity))
+			continue;
+		float w = disc->w + (paint->silhouette ? 0
+			: lod_ellipse_farther(&disc->ellipse, (float)x + left, y));
+		any |= lod_paint_pixel(paint, first + x, 1 / (w > disc->near_w ? w : disc->near_w));
+	}
 	if (any)
 		lod_mark_stale(paint, row, from, to);
 }
@@ -88,7 +94,7 @@ static void fill_disc(const struct lod_paint *paint, const struct disc *disc)
 			continue;
 		uint32_t from = pixel_from(x - half, raster->width), to = pixel_from(x + half, raster->width);
 		if (from < to)
-			fill_row(paint, disc, row, from, to);
+			fill_row(paint, disc, row, y, from, to);
 	}
 }
 
