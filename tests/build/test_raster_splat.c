@@ -51,7 +51,7 @@ static int tear_down(void **state)
 	return 0;
 }
 
-static void a_ball_is_a_disc(void **state)
+UNIT_TEST(a_ball_is_a_disc)
 {
 	const float centre[3] = { 0.5f, 0, 1 }, half[9] = { 2, 0, 0, 0, 2, 0, 0, 0, 2 };
 	double pixels_a_metre = SIDE / 2 / 10.0, radius = 2 * pixels_a_metre;
@@ -68,7 +68,7 @@ static void a_ball_is_a_disc(void **state)
 }
 
 /* Against the definition, pixel by pixel, for axes of all kinds. */
-static void ellipses_lean_as_their_axes(void **state)
+UNIT_TEST(ellipses_lean_as_their_axes)
 {
 	srand(3);
 	look(10);
@@ -99,7 +99,7 @@ static void ellipses_lean_as_their_axes(void **state)
 	}
 }
 
-static void opacity_is_a_share_of_pixels(void **state)
+UNIT_TEST(opacity_is_a_share_of_pixels)
 {
 	const float half[9] = { 6, 0, 0, 0, 6, 0, 0, 0, 6 };
 	uint32_t all = 0;
@@ -117,7 +117,7 @@ static void opacity_is_a_share_of_pixels(void **state)
 }
 
 /* Two splats of half opacity cover three quarters: their pixels do not depend on each other. */
-static void splats_do_not_share_their_pixels(void **state)
+UNIT_TEST(splats_do_not_share_their_pixels)
 {
 	const float half[9] = { 6, 0, 0, 0, 6, 0, 0, 0, 6 }, a[3] = { 0, 0, 0 }, b[3] = { 0.01f, 0.5f, 0.01f };
 	look(10);
@@ -129,7 +129,7 @@ static void splats_do_not_share_their_pixels(void **state)
 	assert_float_equal(covered(), 0.75 * all, 0.02 * all);
 }
 
-static void the_nearer_centre_wins_whatever_the_order(void **state)
+UNIT_TEST(the_nearer_centre_wins_whatever_the_order)
 {
 	const float half[9] = { 2, 0, 0, 0, 2, 0, 0, 0, 2 }, near[3] = { 0, -1, 0 }, far[3] = { 1, 1, 0 };
 	uint64_t *first = malloc(SIDE * SIDE * sizeof *first);
@@ -145,7 +145,7 @@ static void the_nearer_centre_wins_whatever_the_order(void **state)
 	free(first);
 }
 
-static void what_cannot_be_drawn_is_left_out(void **state)
+UNIT_TEST(what_cannot_be_drawn_is_left_out)
 {
 	static const float behind[3] = { 0, -101, 0 }, here[3] = { 0, 0, 0 }, wild[3] = { 1e30f, 0, 1e30f },
 		ball[9] = { 1, 0, 0, 0, 1, 0, 0, 0, 1 }, none[9] = { 0 },
@@ -161,13 +161,5 @@ static void what_cannot_be_drawn_is_left_out(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_ball_is_a_disc),
-		cmocka_unit_test(ellipses_lean_as_their_axes),
-		cmocka_unit_test(opacity_is_a_share_of_pixels),
-		cmocka_unit_test(splats_do_not_share_their_pixels),
-		cmocka_unit_test(the_nearer_centre_wins_whatever_the_order),
-		cmocka_unit_test(what_cannot_be_drawn_is_left_out),
-	};
-	return cmocka_run_group_tests(tests, set_up, tear_down);
+	return unit_tests_run(set_up, tear_down);
 }

@@ -57,7 +57,7 @@ static float extent(const struct eco_splat *splat, const float d[3])
 	return sqrtf(sum);
 }
 
-static void ellipsoids_survive_their_codes(void **context)
+UNIT_TEST(ellipsoids_survive_their_codes)
 {
 	for (int i = 0; i < 5000; i++) {
 		const float unit = 0.3f, length[3] = { exp2f(6 * uniform() - 3), exp2f(6 * uniform() - 3),
@@ -88,7 +88,7 @@ static void ellipsoids_survive_their_codes(void **context)
 	}
 }
 
-static void degenerate_ellipsoids_have_codes(void **context)
+UNIT_TEST(degenerate_ellipsoids_have_codes)
 {
 	static const struct eco_splat cases[] = { { { { 0 } }, 1 }, { { { 1, 2, 3 } }, 0.5f },
 		{ { { 1, 0, 0 }, { 2, 0, 0 }, { 3, 0, 0 } }, 1 }, { { { 1e30f, 0, 0 }, { 0, 1e-30f, 0 } }, 2 },
@@ -105,7 +105,7 @@ static void degenerate_ellipsoids_have_codes(void **context)
 	}
 }
 
-static void codes_out_of_range_are_named_and_read_without_harm(void **context)
+UNIT_TEST(codes_out_of_range_are_named_and_read_without_harm)
 {
 	const int32_t good[ECO_SPLAT_CODES] = { 64, 0, 127, 64, 0, 127, 15 };
 	assert_true(eco_splat_good(good));
@@ -120,14 +120,4 @@ static void codes_out_of_range_are_named_and_read_without_harm(void **context)
 			eco_splat_read(&splat, code, 1);
 			assert_true(isfinite(splat.half[0][0]) && splat.opacity <= 1);
 		}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(ellipsoids_survive_their_codes),
-		cmocka_unit_test(degenerate_ellipsoids_have_codes),
-		cmocka_unit_test(codes_out_of_range_are_named_and_read_without_harm),
-	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }
