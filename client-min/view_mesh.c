@@ -137,10 +137,37 @@ static uint32_t axis_of(const float *p)
 
 static uint32_t cloud_of(const struct view_mesh *mesh, uint32_t point)
 {
-	/* a splat's near side says where in the crown a pixel is */
-	double reach = mesh->geometry.half ? 0 : (double)reach_of(mesh, point);
+	double reach = (double)reach_of(mesh, point);
 	return view_surface_cloud(mesh->half_width > 0 ? reach / mesh->half_width : 1,
 		eco_level_share(mesh->list->list.level));
+}
+
+/* The normal where the ray meets the ellipsoid, or passes it most closely: pixels at its rim reach out. In the
+ * space where it is a ball of radius 1, eye and ray are measured along its half axes. */
+static uint32_t facet_of_splat(const struct view_mesh *mesh, uint32_t splat, const struct view_rays *rays)
+{
+	const float *center = mesh->geometry.position + 3 * (size_t)splat;
+	double from[3], ray[3], square[3], normal[3] = { 0 };
+	for (int k = 0; k < 3; k++) {
+		const float *half = mesh->geometry.half + 9 * (size_t)splat + 3 * k;
+		from[k] = ray[k] = square[k] = 0;
+		for (int i = 0; i < 3; i++) {
+			from[k] += (rays->eye[i] - center[i]) * half[i];
+			ray[k] += rays->ray[0][i] * half[i];
+			square[k] += (double)half[i] * half[i];
+		}
+		from[k] /= square[k];
+		ray[k] /= square[k];
+	}
+	double along = lod_dot(from, ray), length = lod_dot(ray, ray),
+		rest = along * along - length * (lod_dot(from, from) - 1),
+		t = -(along + (rest > 0 ? sqrt(rest) : 0)) / length;
+	for (int k = 0; k < 9; k++)
+		normal[k % 3] += (double)mesh->geometry.half[9 * (size_t)splat + (size_t)k] / square[k / 3]
+			* (from[k / 3] + t * ray[k / 3]);
+	length = sqrt(lod_dot(normal, normal));
+	return view_surface_direction(VIEW_FACET, (const float[3]){ (float)(normal[0] / length),
+		(float)(normal[1] / length), (float)(normal[2] / length) });
 }
 
 void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const struct view_rays *rays,
@@ -157,6 +184,8 @@ void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const stru
 		*surface = facet_of(mesh->geometry.position + 9 * (size_t)primitive);
 	else if (list->kind == ECO_LIST_LINES)
 		*surface = axis_of(mesh->geometry.position + 6 * (size_t)primitive);
+	else if (mesh->geometry.half)
+		*surface = facet_of_splat(mesh, primitive, rays);
 	else
 		*surface = cloud_of(mesh, primitive);
 }

@@ -23,7 +23,8 @@ void view_mesh_free(struct view_mesh *mesh);
 
 /* The eye, and rays through a pixel's centre, one pixel to the right and one down: object space. */
 struct view_rays { double eye[3], ray[3][3]; };
-/* Own colour and surface (view_light.h) of a primitive. `rays` is read only if the mesh has an image. */
+/* Own colour and surface (view_light.h) of a primitive. `rays` is read only if the mesh has an image or
+ * splats. */
 void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const struct view_rays *rays,
 	uint8_t rgb[3], uint32_t *surface);
 

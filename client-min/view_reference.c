@@ -244,7 +244,7 @@ static void look_plant(const struct scene *scene, struct view_picture *picture, 
 	struct view_rays rays;
 	*cut = cut_of(scene, item, *cut);
 	const struct view_mesh *mesh = &scene->meshes[*cut];
-	if (mesh->image)
+	if (mesh->image || mesh->geometry.half)
 		rays_of(scene->job, picture, x, y,
 			&view_owners_find(&scene->owners, picture->owner[i])->place, &rays);
 	view_mesh_look(mesh, item - scene->items[*cut], &rays, picture->rgb + 3 * i, &picture->surface[i]);
