@@ -59,8 +59,8 @@ static struct lod_cost whole_cost(const struct lod_allocation *m, uint32_t ladde
 static double whole_share(const struct lod_allocation *m, const struct lod_slot_choice *choice,
 	const struct lod_cost *organs, const struct lod_cost *whole)
 {
-	if (m->whole_rule != LOD_WHOLE_BY_LAMBDA)
-		return m->whole_rule == LOD_WHOLE_ALL;
+	if (choice->whole_rule != LOD_WHOLE_BY_LAMBDA)
+		return choice->whole_rule == LOD_WHOLE_ALL;
 	return m->lambda <= 0 ? 0 : 1 - fine_share(m,
 		choice->weight_px[0] - lagrangian(organs, choice->fp_weight, m->lambda),
 		choice->weight_px[0] - lagrangian(whole, choice->fp_weight, m->lambda));
@@ -148,6 +148,8 @@ static double count_near(const struct lod_allocation *m, uint32_t plant)
 		if (s == ECO_NONE)
 			continue;
 		const struct lod_slot_choice *choice = &m->slot_choices[s];
+		if (choice->whole_rule == LOD_WHOLE_ALL)
+			break;
 		double plants = (double)m->counts[s], fp_weight = choice->fp_weight,
 			weight_px = plants * choice->weight_px[0];
 		bands[count++] =
@@ -177,21 +179,13 @@ static uint32_t gate_of(const struct lod_allocation *m, uint32_t plant, double n
 	return gate;
 }
 
-static bool plant_has_whole(const struct lod_planner *p, uint32_t plant)
-{
-	uint32_t count;
-	lod_plan_tables_whole(p->tables, p->scene->plants[plant].anchor_first, &count);
-	return count > 0;
-}
-
 /* Sums the cells of each band, then sets each plant's gate. */
 static void relax_gates(struct lod_allocation *m)
 {
 	struct lod_planner *p = m->p;
 	lod_allocation_cells(m, sum_cells);
 	for (uint32_t plant = 0; plant < p->scene->plant_count; plant++) {
-		bool whole = m->whole_rule == LOD_WHOLE_ALL && plant_has_whole(p, plant);
-		double near = whole ? 0 : m->lambda <= 0 ? INFINITY : count_near(m, plant);
+		double near = m->lambda <= 0 ? INFINITY : count_near(m, plant);
 		p->gates[plant] = gate_of(m, plant, near);
 	}
 }

@@ -52,6 +52,10 @@ struct lod_ladder_choice {           /* one ladder for all plants of a slot: a c
 	double position;             /* on the hull, at the last lambda */
 };
 
+/* Which plants of a slot draw a ladder that shows the whole plant: the share of far plants that saves most at
+ * lambda; or all of them, and no cells; or none. */
+enum lod_whole_rule { LOD_WHOLE_BY_LAMBDA, LOD_WHOLE_ALL, LOD_WHOLE_NONE };
+
 struct lod_slot_choice {             /* per plant of a slot; [0]: a far plant, [1]: a near one, which draws
                                       * cells */
 	uint32_t ladder_choice_first, ladder_choice_count;
@@ -66,6 +70,8 @@ struct lod_slot_choice {             /* per plant of a slot; [0]: a far plant, [
 	uint32_t whole;              /* at the last lambda: the ladder choice that shows the whole plant best;
 	                              * ECO_NONE: there is none */
 	double whole_share;          /* of far plants that draw it */
+	uint8_t whole_rule;          /* an enum lod_whole_rule, and the one of the best fill so far */
+	uint8_t best_rule;
 	struct lod_cost cells;       /* at the last lambda: all cells of all its plants */
 	double cells_weight_px;      /* wrong pixels where none of these is drawn */
 };
@@ -91,10 +97,6 @@ struct lod_tile_choice {
 	struct lod_cost cost;        /* of the blend that is chosen */
 };
 
-/* Which far plants draw a ladder that shows the whole plant: those for which it saves more at lambda; or all
- * that have one, and no cells; or none. */
-enum lod_whole_rule { LOD_WHOLE_BY_LAMBDA, LOD_WHOLE_ALL, LOD_WHOLE_NONE };
-
 struct lod_allocation {
 	struct lod_planner *p;
 	struct lod_slot_choice *slot_choices; /* per slot */
@@ -109,7 +111,6 @@ struct lod_allocation {
 	uint8_t *gates_counted;      /* per plant: bands whose cells were counted */
 	bool few_plants;             /* in view: tiles and gates are not blended, single plants decide */
 	bool has_whole;              /* some plants in view have a ladder that shows the whole plant */
-	enum lod_whole_rule whole_rule;
 	double lambda;
 	struct lod_cost cost;        /* at the last lambda */
 };

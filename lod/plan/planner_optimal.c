@@ -31,6 +31,7 @@
 #define LAMBDA_TRIES 8           /* of the search between two grid lambdas, ... */
 #define LAMBDA_SLACK 0.001       /* ... which ends when no more than this share of the budget is unused */
 #define SMALL_SCENE 64u          /* ladder choices, and tiles: below, steps are swapped */
+#define TOGGLE_PASSES 2          /* over all slots, where few plants are in view */
 #define LOWER_TRIES 12           /* of the search below a lambda at which every curve ends, ... */
 #define LOWER_FACTOR 2.0         /* ... which begins with steps of this factor */
 #define TILES_PX 0.5             /* sample distance to which tiles are opened, ... */
@@ -239,14 +240,17 @@ static double exact_lambda(const struct lambda_search *s, uint64_t budget)
 	return high;
 }
 
+static bool is_small(const struct lod_allocation *m)
+{
+	return m->few_plants && m->ladder_choice_count < SMALL_SCENE && m->p->visible.node_count < SMALL_SCENE;
+}
+
 /* Entries for the structure of a lambda. */
 static enum eco_code fill_structure(const struct lambda_search *s, double lambda, uint64_t budget,
 	struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
 	struct lod_fill fill = { 0 };
-	bool small = m->few_plants && m->ladder_choice_count < SMALL_SCENE && m->p->visible.node_count
-		< SMALL_SCENE;
 	double wrong;
 	enum eco_code code = fix_structure(s, lambda, budget, &fill, &wrong, error);
 	if (!code && !(wrong < INFINITY)) { /* hull points are whole, so a lambda that fits in the mean may
@@ -256,7 +260,7 @@ static enum eco_code fill_structure(const struct lambda_search *s, double lambda
 	}
 	m->p->converged = fill.converged;
 	if (!code)
-		code = lod_fill_finish(&fill, budget, small, error);
+		code = lod_fill_finish(&fill, budget, is_small(m), error);
 	if (!code)
 		lod_explain_tiles(&fill);
 	m->p->cheapest = fill.cheapest;
@@ -265,84 +269,129 @@ static enum eco_code fill_structure(const struct lambda_search *s, double lambda
 	return code;
 }
 
-/* Far plants that draw a ladder for the whole plant. */
-static uint64_t count_whole(const struct lod_planner *p)
+/* Do plants draw a ladder for the whole plant? */
+static bool draws_whole(const struct lod_planner *p)
 {
-	uint64_t sum = 0;
 	for (uint32_t s = 0; s < p->visible.slot_count; s++)
-		sum += p->visible.slots[s].whole;
-	return sum;
+		if (p->visible.slots[s].whole)
+			return true;
+	return false;
 }
 
-/* One way to fill the budget: a lambda, and which plants draw a ladder for the whole plant. */
-struct trial { double lambda, wrong; enum lod_whole_rule rule; };
-
-static enum eco_code try_structure(const struct lambda_search *s, uint64_t budget, struct trial *trial,
-	struct eco_error *error)
+/* Has every curve ended, with some of the budget left, while plants draw ladders for the whole plant? */
+static bool ends_whole(const struct lod_planner *p)
 {
-	s->allocation->whole_rule = trial->rule;
-	enum eco_code code = fill_structure(s, trial->lambda, budget, error);
-	trial->wrong = s->allocation->p->wrong;
-	return code;
+	return p->cheapest == UINT64_MAX && p->vertices < p->input->request->vertices && draws_whole(p);
 }
 
-/* Where few plants are in view, a lambda may be far from the best choice for one of them between a ladder for
- * the whole plant and its organs. So all of them and none of them draw it, too, and what leaves least wrong
- * is kept. */
-static enum eco_code try_whole(const struct lambda_search *s, uint64_t budget, struct trial *best,
-	struct eco_error *error)
+/* Fills the budget for a lambda and the slots' whole_rule. Returns whether less is wrong than `*least`, which
+ * it then sets. */
+static bool improves(const struct lambda_search *s, double lambda, uint64_t budget, double *least,
+	enum eco_code *code, struct eco_error *error)
 {
-	static const enum lod_whole_rule rules[] = { LOD_WHOLE_ALL, LOD_WHOLE_NONE };
-	struct trial last = *best;
-	enum eco_code code = ECO_OK;
-	for (int i = 0; i < 2 && !code; i++) {
-		last = (struct trial){ .lambda = best->lambda, .rule = rules[i] };
-		code = try_structure(s, budget, &last, error);
-		if (!code && last.wrong < best->wrong)
-			*best = last;
+	const struct lod_planner *p = s->allocation->p;
+	*code = fill_structure(s, lambda, budget, error);
+	if (*code || !(p->wrong < *least))
+		return false;
+	*least = p->wrong;
+	return true;
+}
+
+/* Rules of all slots that have a choice: `to` says which. */
+enum rules { RULES_ALL, RULES_NONE, RULES_AS_FILLED, RULES_BEST, RULES_KEEP };
+
+static void set_rules(struct lod_allocation *m, enum rules to)
+{
+	for (uint32_t i = 0; i < m->p->visible.slot_count; i++) {
+		struct lod_slot_choice *choice = &m->slot_choices[i];
+		uint8_t filled = m->p->visible.slots[i].whole ? LOD_WHOLE_ALL : LOD_WHOLE_NONE;
+		const uint8_t rules[] = { LOD_WHOLE_ALL, LOD_WHOLE_NONE, filled, choice->best_rule,
+			choice->whole_rule };
+		if (choice->whole_count)
+			*(to == RULES_KEEP ? &choice->best_rule : &choice->whole_rule) = rules[to];
 	}
-	if (!code && last.rule != best->rule)
-		code = try_structure(s, budget, best, error);
+}
+
+/* Tries each slot the other way round. */
+static enum eco_code toggle_slots(const struct lambda_search *s, double lambda, uint64_t budget,
+	double *least, struct eco_error *error)
+{
+	struct lod_allocation *m = s->allocation;
+	enum eco_code code = ECO_OK;
+	bool better = true;
+	for (int pass = 0; pass < TOGGLE_PASSES && better; pass++) {
+		better = false;
+		for (uint32_t i = 0; i < m->p->visible.slot_count && !code; i++) {
+			struct lod_slot_choice *choice = &m->slot_choices[i];
+			if (!choice->whole_count || !m->counts[i])
+				continue;
+			set_rules(m, RULES_BEST);
+			choice->whole_rule = choice->best_rule == LOD_WHOLE_ALL ? LOD_WHOLE_NONE
+				: LOD_WHOLE_ALL;
+			if (improves(s, lambda, budget, least, &code, error)) {
+				set_rules(m, RULES_KEEP);
+				better = true;
+			}
+		}
+	}
 	return code;
 }
 
-/* Every curve has ended and some of the budget is left, while plants draw ladders for the whole plant that
- * end in coarser pictures than their organs: at a lower lambda more of them draw their organs. The lambda
- * found is the highest at which something gains, and the better of the two is kept. */
-static enum eco_code lower_whole(const struct lambda_search *s, uint64_t budget, struct trial *best,
+/* Where few plants are in view, lambda may be far from the best choice for one of them between a ladder for
+ * the whole plant and its organs. So all slots, and none, draw it too, in small scenes each slot is tried the
+ * other way round, and what leaves least wrong is kept. */
+static enum eco_code try_whole(const struct lambda_search *s, double lambda, uint64_t budget,
+	struct eco_error *error)
+{
+	struct lod_allocation *m = s->allocation;
+	double least = m->p->wrong;
+	enum eco_code code = ECO_OK;
+	set_rules(m, RULES_AS_FILLED);
+	set_rules(m, RULES_KEEP);
+	for (enum rules rules = RULES_ALL; rules <= RULES_NONE && !code; rules++) {
+		set_rules(m, rules);
+		if (improves(s, lambda, budget, &least, &code, error))
+			set_rules(m, RULES_KEEP);
+	}
+	if (!code && is_small(m))
+		code = toggle_slots(s, lambda, budget, &least, error);
+	set_rules(m, RULES_BEST);
+	return code ? code : fill_structure(s, lambda, budget, error);
+}
+
+/* Ladders for the whole plant end in coarser pictures than the plant's organs. Where they leave some of the
+ * budget, at a lower lambda more plants draw their organs: searches the highest lambda that leaves nothing,
+ * and keeps what leaves least wrong. */
+static enum eco_code lower_whole(const struct lambda_search *s, double lambda, uint64_t budget,
 	struct eco_error *error)
 {
 	const struct lod_planner *p = s->allocation->p;
-	struct trial high = *best, low = *best, last = *best;
+	double high = lambda, low = lambda, tried = lambda, best = lambda, least = p->wrong;
 	enum eco_code code = ECO_OK;
 	for (int i = 0; i < LOWER_TRIES && !code; i++) {
-		bool bracket = low.lambda < high.lambda;
-		last.lambda = bracket ? sqrt(low.lambda * high.lambda) : high.lambda / LOWER_FACTOR;
-		code = try_structure(s, budget, &last, error);
-		bool ended = p->cheapest == UINT64_MAX && p->vertices < budget && count_whole(p) > 0;
-		high = ended ? last : high;
-		low = ended && !bracket ? last : ended ? low : last;
-		if (!code && last.wrong < best->wrong)
-			*best = last;
+		tried = low < high ? sqrt(low * high) : high / LOWER_FACTOR;
+		if (improves(s, tried, budget, &least, &code, error))
+			best = tried;
+		if (ends_whole(p)) {
+			low = low < high ? low : tried;
+			high = tried;
+		} else {
+			low = tried;
+		}
 	}
-	if (!code && last.lambda != best->lambda)
-		code = try_structure(s, budget, best, error);
-	return code;
+	return code || tried == best ? code : fill_structure(s, best, budget, error);
 }
 
 static enum eco_code fill_budget(const struct lambda_search *s, uint64_t budget, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
-	struct trial best = { .lambda = s->index == LAMBDA_COUNT ? lambda_at(s->index)
-		: exact_lambda(s, budget) };
-	enum eco_code code = try_structure(s, budget, &best, error);
-	if (code || !m->has_whole || !(best.lambda > 0))
+	double lambda = s->index == LAMBDA_COUNT ? lambda_at(s->index) : exact_lambda(s, budget);
+	enum eco_code code = fill_structure(s, lambda, budget, error);
+	if (code || !m->has_whole || !(lambda > 0))
 		return code;
 	if (m->few_plants)
-		return try_whole(s, budget, &best, error);
-	if (m->p->cheapest == UINT64_MAX && m->p->vertices < budget && count_whole(m->p))
-		code = lower_whole(s, budget, &best, error);
-	return code;
+		return try_whole(s, lambda, budget, error);
+	return ends_whole(m->p) ? lower_whole(s, lambda, budget, error) : ECO_OK;
 }
 
 /* ---- Levels of detail ---- */
@@ -436,7 +485,7 @@ enum eco_code lod_rule_optimal(struct lod_planner *p, struct eco_error *error)
 		bool all = complete(p);
 		p->level = (uint32_t)(level - COARSEST);
 		code = plan_level(p, &predicts, error);
-		if (code || all || p->cheapest != UINT64_MAX || count_whole(p) || level < asked || level >= FINER_TIMES)
+		if (code || all || p->cheapest != UINT64_MAX || draws_whole(p) || level < asked || level >= FINER_TIMES)
 			break;
 		asked = ++level;
 		code = open_possible(p, &level, error);

@@ -1,5 +1,6 @@
 #include "tests/support/scene_random.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -140,7 +141,6 @@ static void add_ladder(struct scene_builder *b, const struct random_sizes *sizes
 /* A few levels, and a curve that ends with an error: a small one or a large one. */
 static void add_splats(struct scene_builder *b, const struct random_sizes *sizes, uint32_t anchor)
 {
-	static const float shares[4] = { 0.004f, 0.03f, 0.2f, 1 };
 	struct eco_ladder l = scene_ladder(b->scene.plant_count - 1, anchor, ECO_ORGAN_FOLIAGE);
 	uint32_t size = 1 + random_below(b, 1 + sizes->elements / 16), end = 0,
 		levels = 1 + random_below(b, 4);
@@ -153,11 +153,11 @@ static void add_splats(struct scene_builder *b, const struct random_sizes *sizes
 	l.flags = ECO_LADDER_WHOLE;
 	l.total = end;
 	l.curve_first = b->scene.curve_count;
-	l.curve_count = 4;
+	l.curve_count = 11;
 	float first = (float)random_real(b, 0.1, 0.5), last = first * (float)random_real(b, 0, 1);
-	for (int i = 0; i < 4; i++) {
-		float error = first + (last - first) * (float)i / 3;
-		scene_add_curve(b, (struct eco_curve){ shares[i], 1, 1, error, error });
+	for (int i = 0; i < 11; i++) {
+		float error = first + (last - first) * (float)i / 10;
+		scene_add_curve(b, (struct eco_curve){ ldexpf(1, i - 10), 1, 1, error, error });
 	}
 	scene_add_ladder(b, l);
 }
