@@ -8,6 +8,8 @@
  *   the lambda that does (the dual solution)
  * - fix the gates and open tiles of that lambda, and use the budget to the last vertex for them
  *   (lod/plan/fill_budget.h)
+ * - where few plants are in view and have a ladder that shows the whole plant, fill the budget with and without
+ *   it, and keep what leaves less wrong
  * - in small scenes, also swap steps between choices (lod/plan/swap_steps.h). Trying other gates and tiles
  *   there was measured and is not worth it (lod/EXPERIMENTS.md, "Small scenes")
  *
