@@ -126,20 +126,19 @@ static bool add_ladder_choices(struct lod_allocation *m, uint32_t s, uint32_t id
 static bool whole_hull(struct lod_allocation *m, const struct lod_hull *from, uint64_t to, double absent,
 	struct lod_hull *hull)
 {
-	struct lod_hull_point *points = take_points(m, from->count + 1);
-	if (!points)
-		return false;
-	m->block_used += from->count + 1;
+	struct lod_hull_point points[LOD_HULL_POINTS_MAX];
 	memcpy(points, from->points, from->count * sizeof *points);
 	points->fn += absent - LOD_ABSENT_WEIGHT;
 	points->above_fn += (float)(absent - LOD_ABSENT_WEIGHT);
-	double fp_weight = hull->fp_weight;
-	*hull = (struct lod_hull){ points, from->count, LOD_FP_WEIGHT_LEAST };
-	lod_hull_reduce(hull, LOD_HULL_SLOPE_RATIO);
-	hull->fp_weight = 1;
-	lod_hull_reduce(hull, LOD_HULL_SLOPE_RATIO);
+	hull->points = points;
+	hull->count = from->count;
+	lod_hull_reduce_here(hull, LOD_HULL_SLOPE_RATIO);
 	lod_hull_complete(hull, to);
-	hull->fp_weight = fp_weight;
+	hull->points = take_points(m, hull->count);
+	if (!hull->points)
+		return false;
+	m->block_used += hull->count;
+	memcpy(hull->points, points, hull->count * sizeof *points);
 	return true;
 }
 

@@ -13,7 +13,7 @@ static void set_slopes(const struct lod_hull_point *from, struct lod_hull_point 
 	to->fp_slope = (from->fp - to->fp) / vertices;
 }
 
-void lod_hull_reduce(struct lod_hull *hull, double ratio)
+static void reduce(struct lod_hull *hull, double ratio, bool falls)
 {
 	struct lod_hull_point *a = hull->points;
 	uint32_t kept = 1;
@@ -21,8 +21,10 @@ void lod_hull_reduce(struct lod_hull *hull, double ratio)
 	a[0].fp_slope = 0;
 	for (uint32_t i = 1; i < hull->count; i++) {
 		a[kept] = a[i];
-		a[kept].fn = fmin(a[kept].fn, a[kept - 1].fn); /* noise of the measurement */
-		a[kept].above_fn = fminf(a[kept].above_fn, a[kept - 1].above_fn);
+		if (falls) {                 /* what rises is noise of the measurement */
+			a[kept].fn = fmin(a[kept].fn, a[kept - 1].fn);
+			a[kept].above_fn = fminf(a[kept].above_fn, a[kept - 1].above_fn);
+		}
 		for (;; kept--, a[kept] = a[kept + 1]) {
 			set_slopes(&a[kept - 1], &a[kept]);
 			if (kept == 1 || ratio * lod_hull_slope(hull, kept) < lod_hull_slope(hull, kept - 1))
@@ -32,6 +34,9 @@ void lod_hull_reduce(struct lod_hull *hull, double ratio)
 	}
 	hull->count = kept;
 }
+
+void lod_hull_reduce(struct lod_hull *hull, double ratio) { reduce(hull, ratio, true); }
+void lod_hull_reduce_here(struct lod_hull *hull, double ratio) { reduce(hull, ratio, false); }
 
 /* Share of a whole-plant list that is drawn without cells: all of the list is only a share of the plant,
  * though the curve goes on. */

@@ -8,6 +8,9 @@
  * one hull gives way to the next. So a hull keeps the points that are on the hull of the least weight and on
  * that of the greatest. A slope is linear in the weight, so these points are convex at every weight between.
  *
+ * Ladders that show the whole plant trade one error for the other, so each slot has a hull of its own, at its
+ * weight.
+ *
  *   hull.count = lod_hull_sample(hull.points, &way, from, to)   points[0] is `from`
  *   lod_hull_reduce(&hull, ratio)                               keeps the hull at hull.fp_weight, in place
  *   lod_hull_complete(&hull, to)
@@ -55,6 +58,9 @@ struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vert
  * whose slopes are less than `ratio` times apart become one. Reduced again at another weight, a hull is
  * convex at both weights and between. */
 void lod_hull_reduce(struct lod_hull *hull, double ratio);
+/* The same where false negatives may become more as false positives become fewer, as with splats: a hull at
+ * hull->fp_weight alone. */
+void lod_hull_reduce_here(struct lod_hull *hull, double ratio);
 #define LOD_HULL_SLOPE_RATIO 1.25 /* for ladders: where a curve is nearly straight more points save nothing,
                                    * but more plants change as a camera moves */
 /* Appends `to` as the last point, so that a budget for everything draws everything. Needs room for one. */

@@ -152,6 +152,8 @@ static void make_hull(struct hulls *hulls, int beside, const struct lod_way *way
 	struct lod_hull *hull = &hulls->hull[beside];
 	*hull = (struct lod_hull){ hulls->points[beside], 0, LOD_FP_WEIGHT_LEAST };
 	hull->count = lod_hull_sample(hull->points, way, from, to);
+	if (way->ladder->flags & ECO_LADDER_WHOLE)
+		return;
 	lod_hull_reduce(hull, LOD_HULL_SLOPE_RATIO);
 	hull->fp_weight = 1;
 	lod_hull_reduce(hull, LOD_HULL_SLOPE_RATIO);

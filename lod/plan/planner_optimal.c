@@ -286,16 +286,37 @@ static bool ends_whole(const struct lod_planner *p)
 	return p->cheapest == UINT64_MAX && p->vertices < p->input->request->vertices && draws_whole(p);
 }
 
-/* Fills the budget for a lambda and the slots' whole_rule. Returns whether less is wrong than `*least`, which
- * it then sets. */
-static bool improves(const struct lambda_search *s, double lambda, uint64_t budget, double *least,
+/* The lambda that uses the budget, with the slots' whole_rule. */
+static double lambda_of_rules(const struct lambda_search *s, uint64_t budget)
+{
+	struct lod_allocation *m = s->allocation;
+	int fits = s->first - 1, over = s->last + 1;
+	while (over - fits > 1) {
+		int middle = (fits + over) / 2;
+		lod_allocation_relax(m, lambda_at(middle));
+		*(m->cost.vertices <= (double)budget ? &fits : &over) = middle;
+	}
+	double high = lambda_at(fits), low = lambda_at(over);
+	for (int i = 0; i < LAMBDA_TRIES && low > 0; i++) {
+		double middle = sqrt(low * high);
+		lod_allocation_relax(m, middle);
+		*(m->cost.vertices <= (double)budget ? &high : &low) = middle;
+	}
+	return high;
+}
+
+struct best { double wrong, lambda; }; /* fill so far */
+
+/* Fills the budget for a lambda and the slots' whole_rule. Returns whether less is wrong than in the best fill
+ * so far, and sets that. */
+static bool improves(const struct lambda_search *s, double lambda, uint64_t budget, struct best *best,
 	enum eco_code *code, struct eco_error *error)
 {
 	const struct lod_planner *p = s->allocation->p;
 	*code = fill_structure(s, lambda, budget, error);
-	if (*code || !(p->wrong < *least))
+	if (*code || !(p->wrong < best->wrong))
 		return false;
-	*least = p->wrong;
+	*best = (struct best){ p->wrong, lambda };
 	return true;
 }
 
@@ -315,8 +336,8 @@ static void set_rules(struct lod_allocation *m, enum rules to)
 }
 
 /* Tries each slot the other way round. */
-static enum eco_code toggle_slots(const struct lambda_search *s, double lambda, uint64_t budget,
-	double *least, struct eco_error *error)
+static enum eco_code toggle_slots(const struct lambda_search *s, uint64_t budget, struct best *best,
+	struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
 	enum eco_code code = ECO_OK;
@@ -330,7 +351,7 @@ static enum eco_code toggle_slots(const struct lambda_search *s, double lambda, 
 			set_rules(m, RULES_BEST);
 			choice->whole_rule = choice->best_rule == LOD_WHOLE_ALL ? LOD_WHOLE_NONE
 				: LOD_WHOLE_ALL;
-			if (improves(s, lambda, budget, least, &code, error)) {
+			if (improves(s, lambda_of_rules(s, budget), budget, best, &code, error)) {
 				set_rules(m, RULES_KEEP);
 				better = true;
 			}
@@ -346,19 +367,19 @@ static enum eco_code try_whole(const struct lambda_search *s, double lambda, uin
 	struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
-	double least = m->p->wrong;
+	struct best best = { m->p->wrong, lambda };
 	enum eco_code code = ECO_OK;
 	set_rules(m, RULES_AS_FILLED);
 	set_rules(m, RULES_KEEP);
 	for (enum rules rules = RULES_ALL; rules <= RULES_NONE && !code; rules++) {
 		set_rules(m, rules);
-		if (improves(s, lambda, budget, &least, &code, error))
+		if (improves(s, lambda_of_rules(s, budget), budget, &best, &code, error))
 			set_rules(m, RULES_KEEP);
 	}
 	if (!code && is_small(m))
-		code = toggle_slots(s, lambda, budget, &least, error);
+		code = toggle_slots(s, budget, &best, error);
 	set_rules(m, RULES_BEST);
-	return code ? code : fill_structure(s, lambda, budget, error);
+	return code ? code : fill_structure(s, best.lambda, budget, error);
 }
 
 /* Ladders for the whole plant end in coarser pictures than the plant's organs. Where they leave some of the
@@ -368,12 +389,12 @@ static enum eco_code lower_whole(const struct lambda_search *s, double lambda, u
 	struct eco_error *error)
 {
 	const struct lod_planner *p = s->allocation->p;
-	double high = lambda, low = lambda, tried = lambda, best = lambda, least = p->wrong;
+	struct best best = { p->wrong, lambda };
+	double high = lambda, low = lambda, tried = lambda;
 	enum eco_code code = ECO_OK;
 	for (int i = 0; i < LOWER_TRIES && !code; i++) {
 		tried = low < high ? sqrt(low * high) : high / LOWER_FACTOR;
-		if (improves(s, tried, budget, &least, &code, error))
-			best = tried;
+		improves(s, tried, budget, &best, &code, error);
 		if (ends_whole(p)) {
 			low = low < high ? low : tried;
 			high = tried;
@@ -381,7 +402,7 @@ static enum eco_code lower_whole(const struct lambda_search *s, double lambda, u
 			low = tried;
 		}
 	}
-	return code || tried == best ? code : fill_structure(s, best, budget, error);
+	return code || tried == best.lambda ? code : fill_structure(s, best.lambda, budget, error);
 }
 
 static enum eco_code fill_budget(const struct lambda_search *s, uint64_t budget, struct eco_error *error)
