@@ -138,7 +138,8 @@ static void add_ladder(struct scene_builder *b, const struct random_sizes *sizes
 	scene_add_ladder(b, l);
 }
 
-/* A few levels, and a curve that ends with an error: a small one or a large one. */
+/* A few levels, and a curve that ends with an error, a small one or a large one. With more splats some miss
+ * more and cover less that is wrong. */
 static void add_splats(struct scene_builder *b, const struct random_sizes *sizes, uint32_t anchor)
 {
 	struct eco_ladder l = scene_ladder(b->scene.plant_count - 1, anchor, ECO_ORGAN_FOLIAGE);
@@ -155,9 +156,11 @@ static void add_splats(struct scene_builder *b, const struct random_sizes *sizes
 	l.curve_first = b->scene.curve_count;
 	l.curve_count = 11;
 	float first = (float)random_real(b, 0.1, 0.5), last = first * (float)random_real(b, 0, 1);
+	float trade = random_below(b, 2) ? 0.09f : 0;
 	for (int i = 0; i < 11; i++) {
 		float error = first + (last - first) * (float)i / 10;
-		scene_add_curve(b, (struct eco_curve){ ldexpf(1, i - 10), 1, 1, error, error });
+		scene_add_curve(b, (struct eco_curve){ ldexpf(1, i - 10), 1, 1,
+			error * (1 - trade * (float)i), error * (1 + trade * (float)i) });
 	}
 	scene_add_ladder(b, l);
 }
