@@ -24,7 +24,8 @@
  * share of its plants is drawn, chosen by hash, beside its summary, whose points disappear as the last plants
  * appear. A gate blends in the same way: a share of the plants draws cells, the nearest bands first, within a
  * band by hash. So does a ladder that shows the whole plant: of a slot's plants beyond the gate those of the
- * greatest hashes draw it. So no tile and no gate switches at once between two pictures of a moving camera. */
+ * greatest hashes draw it. So no tile, gate or slot switches at once between two pictures of a moving
+ * camera. */
 #ifndef LOD_ALLOCATION_H
 #define LOD_ALLOCATION_H
 

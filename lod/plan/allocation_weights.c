@@ -121,8 +121,8 @@ static bool add_ladder_choices(struct lod_allocation *m, uint32_t s, uint32_t id
 	return add_ladder_choice(m, &choice);
 }
 
-/* The hull of a ladder that shows the whole plant, for a slot. At 0 vertices as much is wrong as where nothing
- * of its organs is drawn, which depends on how they show; its table assumes the most. */
+/* The hull of a ladder that shows the whole plant, for a slot. At 0 vertices as much is wrong as where
+ * nothing of its organs is drawn, which depends on how they show; its table assumes the most. */
 static bool whole_hull(struct lod_allocation *m, const struct lod_hull *from, uint64_t to, double absent,
 	struct lod_hull *hull)
 {

@@ -12,7 +12,8 @@
 const char *const lod_why_names[LOD_WHY_COUNT] = {
 	[LOD_WHY_STEP] = "next step", [LOD_WHY_ROOM] = "no room", [LOD_WHY_PART] = "within a step",
 		[LOD_WHY_LEFT_OVER] = "left over",
-	[LOD_WHY_ALL] = "all", [LOD_WHY_WHOLE] = "whole plant", [LOD_WHY_DISTANCE] = "sample distance", [LOD_WHY_SUMMARY] = "summary",
+	[LOD_WHY_ALL] = "all", [LOD_WHY_WHOLE] = "whole plant",
+	[LOD_WHY_DISTANCE] = "sample distance", [LOD_WHY_SUMMARY] = "summary",
 	[LOD_WHY_FAR] = "far", [LOD_WHY_GIVES_WAY] = "gives way", [LOD_WHY_PLANTS] = "plants",
 	[LOD_WHY_GROUND] = "ground",
 };
@@ -173,12 +174,13 @@ static void say_margin(char *text, size_t size, const char *winner, const char *
 static void say_whole(char *text, size_t size, const struct lod_reason *reason)
 {
 	if (reason->share < 1)
-		snprintf(text, size, "splats of the whole plant save nearly as much as its organs: %.3g %% of the "
-			"plants are drawn so", 100 * reason->share);
+		snprintf(text, size, "splats of the whole plant save nearly as much as its organs: %.3g %% "
+			"of the plants are drawn so", 100 * reason->share);
 	else if (reason->margin > 0)
 		say_margin(text, size, "splats of the whole plant", "its organs", reason->margin);
 	else
-		snprintf(text, size, "splats of the whole plant leave less wrong at this budget than its organs");
+		snprintf(text, size, "splats of the whole plant leave less wrong at this budget than its "
+			"organs");
 }
 
 void lod_explain_text(char *text, size_t size, const struct lod_explanation *explanation,

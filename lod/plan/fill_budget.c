@@ -47,7 +47,8 @@ static bool summary_alone(const struct lod_node *node)
 	return node->state == LOD_SUMMARY && node->points >= 1;
 }
 
-/* By hash, near plants are the first of the slot, and those that draw a ladder for the whole plant the last. */
+/* By hash, near plants are the first of the slot, and those that draw a ladder for the whole plant the
+ * last. */
 static uint64_t plants_of(const struct lod_allocation *m, uint32_t ladder_choice)
 {
 	const struct lod_ladder_choice *choice = &m->ladder_choices[ladder_choice];

@@ -8,8 +8,8 @@
  *   the lambda that does (the dual solution)
  * - fix the gates and open tiles of that lambda, and use the budget to the last vertex for them
  *   (lod/plan/fill_budget.h)
- * - where few plants are in view and have a ladder that shows the whole plant, fill the budget with and without
- *   it, and keep what leaves less wrong
+ * - where few plants are in view and have a ladder that shows the whole plant, fill the budget with and
+ *   without it, and keep what leaves less wrong
  * - in small scenes, also swap steps between choices (lod/plan/swap_steps.h). Trying other gates and tiles
  *   there was measured and is not worth it (lod/EXPERIMENTS.md, "Small scenes")
  *
@@ -244,7 +244,8 @@ static double exact_lambda(const struct lambda_search *s, uint64_t budget)
 
 static bool is_small(const struct lod_allocation *m)
 {
-	return m->few_plants && m->ladder_choice_count < SMALL_SCENE && m->p->visible.node_count < SMALL_SCENE;
+	return m->few_plants && m->ladder_choice_count < SMALL_SCENE
+		&& m->p->visible.node_count < SMALL_SCENE;
 }
 
 /* Entries for the structure of a lambda. */
@@ -307,8 +308,8 @@ static double lambda_of_rules(const struct lambda_search *s, uint64_t budget)
 
 struct best { double wrong, lambda; }; /* fill so far */
 
-/* Fills the budget for a lambda and the slots' whole_rule. Returns whether less is wrong than in the best fill
- * so far, and sets that. */
+/* Fills the budget for a lambda and the slots' whole_rule. Returns whether less is wrong than in the best
+ * fill so far, and sets that. */
 static bool improves(const struct lambda_search *s, double lambda, uint64_t budget, struct best *best,
 	enum eco_code *code, struct eco_error *error)
 {
@@ -508,7 +509,8 @@ enum eco_code lod_rule_optimal(struct lod_planner *p, struct eco_error *error)
 		bool all = complete(p);
 		p->level = (uint32_t)(level - COARSEST);
 		code = plan_level(p, &predicts, error);
-		if (code || all || p->cheapest != UINT64_MAX || draws_whole(p) || level < asked || level >= FINER_TIMES)
+		bool more = p->cheapest == UINT64_MAX && !draws_whole(p);
+		if (code || all || !more || level < asked || level >= FINER_TIMES)
 			break;
 		asked = ++level;
 		code = open_possible(p, &level, error);

@@ -26,7 +26,7 @@ static struct broken { const char *name; void (*apply)(struct scene_builder *); 
 static size_t case_count;
 
 BREAK(name, memset(l->scene.name, 'x', sizeof l->scene.name))
-BREAK(needs, l->scene.needs = 512)
+BREAK(needs, l->scene.needs = ECO_NEEDS_ALL + 1)
 BREAK(missing_need, l->scene.needs = 511 & ~ECO_NEED_LINES)
 BREAK(missing_cells, l->scene.needs = 511 & ~ECO_NEED_CELLS)
 BREAK(root, l->scene.root = 2)
@@ -166,7 +166,7 @@ enum { SPLATS, WOOD, WHOLE = 0, ORGAN };
 /* A plant of wood, with one cell, and all of it as 4, 8 and 24 splats. */
 static void make_splats(struct scene_builder *l)
 {
-	*l = (struct scene_builder){ .scene = { .needs = 511, .near_m = 0.1 },
+	*l = (struct scene_builder){ .scene = { .needs = ECO_NEEDS_ALL, .near_m = 0.1 },
 		.like = { .grid_step = { 0.01, 0.01, 0.01 }, .unit_area = 0.01f } };
 	scene_add_bare(l, &(struct scene_row){ .kind = ECO_LIST_POINTS, .coder = ECO_CODER_ELEMENTS,
 		.attributes = ECO_ATTR_SPLAT, .other = ECO_NONE }, 36, 36);
