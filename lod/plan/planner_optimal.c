@@ -306,7 +306,7 @@ static double lambda_of_rules(const struct lambda_search *s, uint64_t budget)
 	return high;
 }
 
-struct best { double wrong, lambda; }; /* fill so far */
+struct best { double wrong, lambda; }; /* the best fill so far */
 
 /* Fills the budget for a lambda and the slots' whole_rule. Returns whether less is wrong than in the best
  * fill so far, and sets that. */
@@ -322,15 +322,15 @@ static bool improves(const struct lambda_search *s, double lambda, uint64_t budg
 }
 
 /* Rules of all slots that have a choice: `to` says which. */
-enum rules { RULES_ALL, RULES_NONE, RULES_AS_FILLED, RULES_BEST, RULES_KEEP };
+enum rules { RULES_BY_LAMBDA, RULES_ALL, RULES_NONE, RULES_AS_FILLED, RULES_BEST, RULES_KEEP };
 
 static void set_rules(struct lod_allocation *m, enum rules to)
 {
 	for (uint32_t i = 0; i < m->p->visible.slot_count; i++) {
 		struct lod_slot_choice *choice = &m->slot_choices[i];
 		uint8_t filled = m->p->visible.slots[i].whole ? LOD_WHOLE_ALL : LOD_WHOLE_NONE;
-		const uint8_t rules[] = { LOD_WHOLE_ALL, LOD_WHOLE_NONE, filled, choice->best_rule,
-			choice->whole_rule };
+		const uint8_t rules[] = { LOD_WHOLE_BY_LAMBDA, LOD_WHOLE_ALL, LOD_WHOLE_NONE, filled,
+			choice->best_rule, choice->whole_rule };
 		if (choice->whole_count)
 			*(to == RULES_KEEP ? &choice->best_rule : &choice->whole_rule) = rules[to];
 	}
@@ -368,7 +368,8 @@ static enum eco_code try_whole(const struct lambda_search *s, double lambda, uin
 	struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
-	struct best best = { m->p->wrong, lambda };
+	double wrong = m->p->wrong;
+	struct best best = { wrong, lambda };
 	enum eco_code code = ECO_OK;
 	set_rules(m, RULES_AS_FILLED);
 	set_rules(m, RULES_KEEP);
@@ -379,19 +380,19 @@ static enum eco_code try_whole(const struct lambda_search *s, double lambda, uin
 	}
 	if (!code && is_small(m))
 		code = toggle_slots(s, budget, &best, error);
-	set_rules(m, RULES_BEST);
+	set_rules(m, best.wrong < wrong ? RULES_BEST : RULES_BY_LAMBDA);
 	return code ? code : fill_structure(s, best.lambda, budget, error);
 }
 
 /* Ladders for the whole plant end in coarser pictures than the plant's organs. Where they leave some of the
  * budget, at a lower lambda more plants draw their organs: searches the highest lambda that leaves nothing,
  * and keeps what leaves least wrong. */
-static enum eco_code lower_whole(const struct lambda_search *s, double lambda, uint64_t budget,
+static enum eco_code lower_whole(const struct lambda_search *s, double *lambda, uint64_t budget,
 	struct eco_error *error)
 {
 	const struct lod_planner *p = s->allocation->p;
-	struct best best = { p->wrong, lambda };
-	double high = lambda, low = lambda, tried = lambda;
+	struct best best = { p->wrong, *lambda };
+	double high = *lambda, low = *lambda, tried = *lambda;
 	enum eco_code code = ECO_OK;
 	for (int i = 0; i < LOWER_TRIES && !code; i++) {
 		tried = low < high ? sqrt(low * high) : high / LOWER_FACTOR;
@@ -403,6 +404,7 @@ static enum eco_code lower_whole(const struct lambda_search *s, double lambda, u
 			low = tried;
 		}
 	}
+	*lambda = best.lambda;
 	return code || tried == best.lambda ? code : fill_structure(s, best.lambda, budget, error);
 }
 
@@ -413,9 +415,9 @@ static enum eco_code fill_budget(const struct lambda_search *s, uint64_t budget,
 	enum eco_code code = fill_structure(s, lambda, budget, error);
 	if (code || !m->has_whole || !(lambda > 0))
 		return code;
-	if (m->few_plants)
-		return try_whole(s, lambda, budget, error);
-	return ends_whole(m->p) ? lower_whole(s, lambda, budget, error) : ECO_OK;
+	if (ends_whole(m->p))
+		code = lower_whole(s, &lambda, budget, error);
+	return code || !m->few_plants ? code : try_whole(s, lambda, budget, error);
 }
 
 /* ---- Levels of detail ---- */

@@ -63,7 +63,7 @@ UNIT_TEST(plans_with_splats_are_close_to_the_best_there_is)
 	print_message("          above the best, of what is wrong with nothing drawn: mean %.4f %%, at most "
 		"%.4f %%, above .5 %% in %u of %u\n", 100 * sum / count, 100 * worst, above, count);
 	assert_true(count > SPLAT_SCENES / 3);
-	assert_true(sum / count <= 0.005 && worst <= 0.1);
+	assert_true(sum / count <= 0.002 && worst <= 0.05);
 }
 
 UNIT_TEST(the_best_is_found_again)
