@@ -9,9 +9,9 @@
 #include "ecofiles/format/pack.h"
 #include "lod/build/grid.h"
 
-enum { KIND_SUMMARIES = ECO_LIST_IMAGE + 1, KIND_COUNT };
+enum { KIND_SUMMARIES = ECO_LIST_IMAGE + 1, KIND_SPLATS, KIND_COUNT };
 static const char *const kind_names[KIND_COUNT] = { "", "triangles", "lines", "points", "instances", "ground",
-	"images", "summaries" };
+	"images", "summaries", "splats" };
 static const char *const need_names[] = { "points", "lines", "triangles", "textures", "cutouts", "ground",
 	"cells", "summaries", "placements", "splats" };
 
@@ -44,8 +44,8 @@ static enum eco_code count_up(const struct eco_pack *pack, struct totals *t, str
 		return eco_fail(error, ECO_NO_MEMORY, "no memory");
 	for (uint32_t i = 0; i < s->list_count; i++) {
 		const struct eco_list *list = &s->lists[i];
-		bool summary = list->attributes & ECO_ATTR_PLANT;
-		struct kind_total *kind = &t->kind[summary ? KIND_SUMMARIES : list->kind];
+		struct kind_total *kind = &t->kind[list->attributes & ECO_ATTR_PLANT ? KIND_SUMMARIES
+			: list->attributes & ECO_ATTR_SPLAT ? KIND_SPLATS : list->kind];
 		if (list->kind == ECO_LIST_TRIANGLES)
 			count_shapes(pack, list, t);
 		kind->lists++;

@@ -111,6 +111,8 @@ enum eco_code eco_list_check_coding(const struct eco_list *list, struct eco_erro
 		return BAD("list: kind %u cannot have coder %u", list->kind, list->coder);
 	if (list->attributes & ~allowed[list->kind].attributes)
 		return BAD("list: kind %u cannot have attributes %#x", list->kind, list->attributes);
+	if (list->attributes & ECO_ATTR_SPLAT && list->attributes & (ECO_ATTR_SIZE | ECO_ATTR_UV))
+		return BAD("list: splats cannot have attributes %#x", list->attributes);
 	if (list->kind == ECO_LIST_INSTANCES && !(list->attributes & ECO_ATTR_PLACE))
 		return BAD("list: instances lack yaw and scale");
 	return ECO_OK;

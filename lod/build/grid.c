@@ -62,7 +62,7 @@ static enum eco_code add_full_detail(struct lod_probe *probe, struct eco_error *
 	for (uint32_t i = 0; i < probe->plant->ladder_count && !code; i++) {
 		const struct eco_ladder *ladder = &probe->plant->ladders[i];
 		struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
-		uint32_t count = ladder->flags & ECO_LADDER_FAR ? 0
+		uint32_t count = ladder->flags & (ECO_LADDER_FAR | ECO_LADDER_WHOLE) ? 0
 			: lod_ladder_cuts(&probe->scene, ladder, lod_ladder_full(&probe->scene, ladder), 1,
 			cuts);
 		for (uint32_t k = 0; k < count && !code; k++)

@@ -6,10 +6,10 @@
 
 #define SWEEPS 12
 
-/* One rotation of Jacobi's method: makes a[p][q] zero. */
+/* One rotation of Jacobi's method: makes a[p][q] zero, if it is not as good as zero. */
 static void rotate(double a[3][3], double v[3][3], int p, int q)
 {
-	if (!(fabs(a[p][q]) > 0))
+	if (!(fabs(a[p][q]) > 1e-15 * (fabs(a[p][p]) + fabs(a[q][q]))))
 		return;
 	double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]),
 		t = (theta < 0 ? -1 : 1) / (fabs(theta) + sqrt(theta * theta + 1)), c = 1 / sqrt(t * t + 1), s = t * c;

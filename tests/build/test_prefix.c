@@ -9,7 +9,7 @@
 
 #define VIEWS 7u                 /* none of the curves' */
 #define PIXELS 128u
-#define LITTLE 0.01              /* of Q */
+#define LITTLE 0.0125            /* of Q */
 
 static const struct { const char *what; uint32_t leaves; bool textured; double from; } crowns[] = {
 	{ "solid leaves", 900, false, 0.005 }, { "leaves cut out of quads", 700, true, 0.05 } };

@@ -25,6 +25,7 @@ for scene in bare leaves; do
 	for need in textures cutouts ground cells placements; do lacks $scene 3 $need; done
 	lacks $scene 4 images
 	lacks $scene 4 ground
+	has $scene 3 splats
 done
 lacks bare 4 points
 for need in cutouts ground cells placements; do lacks textures 3 $need; done
