@@ -12,9 +12,9 @@
 #include <string.h>
 
 #include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk_payload.h"
 #include "ecofiles/base/utf8.h"
 
-#define ATTRIBUTES_ALL (2u * ECO_ATTR_SPLAT - 1)
 
 #define BAD(...) eco_fail(e, ECO_DAMAGED, __VA_ARGS__)
 
@@ -191,11 +191,13 @@ static enum eco_code check_list(const struct eco_wire_parser *p, uint32_t id, co
 	if (list->coder < ECO_CODER_ELEMENTS || list->coder > ECO_CODER_BYTES)
 		return eco_fail(e, ECO_UNSUPPORTED, "list %u has coder %u, which this program does not know",
 			id, list->coder);
-	if ((list->attributes & ~ATTRIBUTES_ALL)
-			|| (list->level && list->kind != ECO_LIST_POINTS
-			&& (list->kind != ECO_LIST_GROUND || list->level >= ECO_GROUND_LEVELS)))
-		return eco_fail(e, ECO_UNSUPPORTED, "list %u has attributes 0x%x and level %u, which this "
-			"program does not know", id, list->attributes, list->level);
+	struct eco_error why;
+	if (eco_list_check_coding(list, &why))
+		return BAD("list %u: %s", id, why.text);
+	if (list->level && list->kind != ECO_LIST_POINTS
+			&& (list->kind != ECO_LIST_GROUND || list->level >= ECO_GROUND_LEVELS))
+		return eco_fail(e, ECO_UNSUPPORTED, "list %u has level %u, which this program does not know",
+			id, list->level);
 	if ((list->kind == ECO_LIST_IMAGE) != (list->coder == ECO_CODER_BYTES))
 		return BAD("list %u: kind %u cannot have coder %u", id, list->kind, list->coder);
 	if (!grid_sound(list))

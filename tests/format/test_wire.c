@@ -218,7 +218,7 @@ static void put_faulty_list(struct eco_writer *w, uint32_t *number, enum fault f
 	struct eco_list list = wire_random_list(3);
 	list.kind = fault == FAULT_LIST_KIND ? 9 : list.kind;
 	list.coder = fault == FAULT_LIST_CODER ? ECO_CODER_BYTES : list.coder;
-	list.attributes = fault == FAULT_LIST_ATTRIBUTES ? ECO_ATTR_PLACE : list.attributes;
+	list.attributes = fault == FAULT_LIST_ATTRIBUTES ? ECO_ATTR_GROWTH : list.attributes;
 	if (fault >= FAULT_FORM_KIND && fault <= FAULT_FORM_COUNT) {
 		list.coder = ECO_CODER_FORM;
 		list.kind = fault == FAULT_FORM_KIND ? ECO_LIST_INSTANCES : ECO_LIST_POINTS;

@@ -217,7 +217,7 @@ struct eco_list wire_random_list(uint32_t id)
 	static const uint8_t coders[WIRE_RANDOM_LISTS] = { ECO_CODER_ELEMENTS, ECO_CODER_FORM,
 		ECO_CODER_ELEMENTS, ECO_CODER_ROWS, ECO_CODER_BYTES, ECO_CODER_ROWS };
 	static const uint8_t attributes[WIRE_RANDOM_LISTS] = { ECO_ATTR_COLOR | ECO_ATTR_GROWTH,
-		ECO_ATTR_COLOR | ECO_ATTR_SIZE, ECO_ATTR_COLOR };
+		ECO_ATTR_COLOR | ECO_ATTR_SIZE, ECO_ATTR_COLOR, ECO_ATTR_PLACE };
 	return (struct eco_list){ .kind = kinds[id], .coder = coders[id], .attributes = attributes[id],
 		.plant = id == 3 ? 1 : ECO_NONE,
 		.grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 0.01f, .palette_count = id < 3 ? 2 : 0,

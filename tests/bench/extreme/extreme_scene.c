@@ -185,7 +185,7 @@ static void add_plant(struct packing *p, uint32_t id)
 		l.triangles = moved(lists, l.triangles);
 		scene_add_ladder(b, l);
 	}
-	b->scene.needs |= plant->plant.anchor_count > 1 ? ECO_NEED_CELLS : 0;
+	b->scene.needs |= ECO_NEED_SPLATS | (plant->plant.anchor_count > 1 ? ECO_NEED_CELLS : 0);
 }
 
 /* The tile grows by what is within these bounds. */
