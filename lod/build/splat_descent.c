@@ -3,9 +3,17 @@
 #include <math.h>
 #include <string.h>
 
+#include "ecofiles/base/mix.h"
+
 #define BATCHES 4u               /* a round over all views is so many steps */
 #define MEMORY_1 0.9f            /* Adam's */
 #define MEMORY_2 0.99f
+#define STEPS 300u
+#define RATE 0.08f               /* of a splat's size, in the first step */
+#define LEAST_RATE 0.002f
+/* how much of the objective is hard Q (struct splat_softness): that of opaque splats is what they are for */
+#define CHANCE 0.1f
+#define CHANCE_OPAQUE 0.4f
 
 struct moment { struct splat_params first, second; };
 
@@ -15,6 +23,8 @@ struct state {
 	struct moment *moments;
 	struct splat_params **gradient;      /* per view of a batch */
 	struct splat_picture *pictures;      /* the same */
+	struct splat_params *drawn;          /* what a step draws */
+	uint32_t drawn_count, moving;        /* the first `moving` are of the level */
 	double *loss;
 	uint32_t batch, batches, room;       /* views batch, batch + batches, ... */
 	float size;                          /* of the splats in the mean at first */
@@ -25,8 +35,20 @@ static void view_piece(void *pieces, uint32_t i)
 	struct state *s = pieces;
 	const struct splat_descent *d = s->d;
 	memset(s->gradient[i], 0, d->count * sizeof **s->gradient);
-	s->loss[i] = splat_view_loss(d->views, s->batch + i * s->batches, d->splats, d->count, &s->soft,
-		&s->pictures[i], s->gradient[i]);
+	s->loss[i] = splat_view_loss(d->views, s->batch + i * s->batches, s->drawn, s->drawn_count, s->moving,
+		&s->soft, &s->pictures[i], s->gradient[i]);
+}
+
+/* The whole level, or the children of the first `parents` with the other parents. */
+static void choose_drawn(struct state *s, uint32_t parents)
+{
+	const struct splat_descent *d = s->d;
+	uint32_t all = d->parents ? d->count / d->children : parents, rest = all - parents;
+	s->moving = d->parents ? parents * d->children : d->count;
+	s->drawn_count = s->moving + rest;
+	memcpy(s->drawn, d->splats, s->moving * sizeof *s->drawn);
+	if (rest)
+		memcpy(s->drawn + s->moving, d->parents + parents, rest * sizeof *s->drawn);
 }
 
 /* Mean loss of a batch; gradients are summed in the order of views. */
@@ -42,7 +64,7 @@ static double batch_gradient(struct state *s)
 	double loss = s->loss[0];
 	for (uint32_t i = 1; i < views; i++) {
 		loss += s->loss[i];
-		for (uint32_t k = 0; k < d->count; k++)
+		for (uint32_t k = 0; k < s->moving; k++)
 			for (uint32_t j = 0; j < SPLAT_PARAMS; j++)
 				s->gradient[0][k].v[j] += s->gradient[i][k].v[j];
 	}
@@ -80,6 +102,8 @@ static void prepare(struct state *s, struct lod_arena *arena)
 	s->moments = lod_arena_take(arena, d->count, sizeof *s->moments);
 	s->gradient = lod_arena_take(arena, s->room, sizeof *s->gradient);
 	s->pictures = lod_arena_take(arena, s->room, sizeof *s->pictures);
+	size_t parents = d->parents ? d->count / d->children : 0;
+	s->drawn = lod_arena_take(arena, d->count + parents, sizeof *s->drawn);
 	s->loss = lod_arena_take(arena, s->room, sizeof *s->loss);
 	for (uint32_t i = 0; i < s->room; i++) {
 		s->gradient[i] = lod_arena_take(arena, d->count, sizeof **s->gradient);
@@ -101,23 +125,28 @@ bool splat_descend(struct splat_descent *d, struct lod_arena *arena)
 	const struct lod_arena_piece *mark = arena->last;
 	uint32_t batches = d->views->count < BATCHES ? 1 : BATCHES;
 	struct state s = { .d = d, .batches = batches, .room = (d->views->count + batches - 1) / batches };
-	uint32_t steps = 200;
+	uint32_t whole = d->parents ? d->count / d->children : 0;
+	uint64_t seed = d->count;
 	float fall_1 = 1, fall_2 = 1;
 	bool go = true;
 	prepare(&s, arena);
-	for (uint32_t i = 0; i < steps && go; i++) {
-		float at = (float)i / (float)steps, rate = 0.08f * (1 - at) * (1 - at) + 0.002f;
-		s.soft = (struct splat_softness){ .edge_px = 0.6f, .least = 0.6f * (1 - at) * (1 - at),
-			.blur_px2 = 0.2f, .chance = 0 };
+	for (uint32_t i = (uint32_t)(d->from * STEPS); i < (uint32_t)(d->to * STEPS) && go; i++) {
+		float at = (float)i / STEPS, rest = (1 - at) * (1 - at);
+		s.soft = (struct splat_softness){ .edge_px = 0.8f, .least = 0.6f * rest, .blur_px2 = 0.2f,
+			.chance = d->opaque ? CHANCE_OPAQUE : CHANCE };
 		s.batch = i % s.batches;
+		bool blend = d->parents && i / s.batches % 2;
+		choose_drawn(&s, blend ? 1 + (uint32_t)(eco_mix_next(&seed) % whole) : whole);
 		batch_gradient(&s);
 		fall_1 *= MEMORY_1;
 		fall_2 *= MEMORY_2;
-		for (uint32_t k = 0; k < d->count; k++)
-			step_splat(&s, &d->splats[k], &s.moments[k], &s.gradient[0][k], rate, 1 / (1 - fall_1),
-				1 / (1 - fall_2));
+		for (uint32_t k = 0; k < s.moving; k++)
+			step_splat(&s, &d->splats[k], &s.moments[k], &s.gradient[0][k],
+				RATE * rest + LEAST_RATE, 1 / (1 - fall_1), 1 / (1 - fall_2));
 		go = told(d, at);
 	}
+	choose_drawn(&s, whole);
+	d->loss = 0;
 	s.soft = (struct splat_softness){ .edge_px = 0.3f };
 	for (s.batch = 0; s.batch < s.batches; s.batch++)
 		d->loss += batch_gradient(&s) / s.batches;

@@ -9,6 +9,11 @@ struct splat_descent {
 	const struct splat_views *views;
 	struct splat_params *splats;     /* a level; in: where it begins, out: where it ends */
 	uint32_t count;
+	/* The level before, as it ended, or NULL: then some steps draw parents whose turn has not come with
+	 * the children of the others, so that pictures between two levels are good, too. */
+	const struct splat_params *parents;
+	uint32_t children;
+	float from, to;                  /* of the whole descent: in [0, 1] */
 	bool opaque;
 	uint32_t level, levels;          /* for progress */
 	const struct lod_splats_options *options;

@@ -1,9 +1,10 @@
 /* Fitting levels of splats to a plant's pictures.
  *
- * The points of the plant's visible surface are divided into 1, 3, 12, ... parts of equal numbers, each part
- * of a level within one of the level before; so children stand where their parent stands. A level begins with
- * the moments of its parts. Then gradient descent (Adam: Kingma and Ba 2015) moves all its splats freely, so
- * that the mean Q of the views rises. */
+ * The points of the plant's visible surface are divided among the splats of a level, rather evenly, and those
+ * of each splat among its children; so children begin where their parent stands, with the moments of their
+ * points. Then gradient descent (Adam: Kingma and Ba 2015) moves all splats of a level freely, so that the
+ * mean Q of the views rises, at last also that of pictures between two levels. Measurements:
+ * lod/EXPERIMENTS.md, Splats. */
 #include "lod/build/splat_fit.h"
 
 #include <math.h>
@@ -13,7 +14,14 @@
 #include "lod/build/splat_descent.h"
 #include "lod/sort.h"
 
-#define FIRST_SPREAD 1.6         /* half axes over standard deviations: of a shell between a ball and a disc */
+#define FIRST_SPREAD 1.6         /* half axes over standard deviations */
+
+#define LARGE_PLANT 24000u       /* triangles: it has a level more */
+#define FEW_POINTS 3u            /* fewer say nothing about a shape */
+#define LEAST_HALF 0.01          /* half an axis, where points are given to splats */
+#define ROUNDS 6u                /* of prices, for levels of at most so many splats */
+#define PRICED 192u
+#define ALONE 0.6f               /* of a descent: then between levels, too */
 
 static const uint32_t level_size[LOD_SPLAT_LEVELS] = { 1, 3, 12, 48, 192, 768, 3072 };
 
@@ -59,8 +67,8 @@ static void sort_part(struct fit *fit, struct part part)
 	moments((const float (*)[3])(fit->point + part.first), count, mean, value, vector);
 	memcpy(copy, fit->point + part.first, count * sizeof *copy);
 	for (uint32_t i = 0; i < count; i++)
-		keyed[i] = (struct lod_keyed){ lod_sort_key(copy[i][0] * vector[0][0] + copy[i][1] * vector[0][1]
-			+ copy[i][2] * vector[0][2]), i };
+		keyed[i] = (struct lod_keyed){ lod_sort_key(copy[i][0] * vector[0][0]
+			+ copy[i][1] * vector[0][1] + copy[i][2] * vector[0][2]), i };
 	lod_sort(&fit->arena, keyed, count);
 	for (uint32_t i = 0; i < count; i++)
 		memcpy(fit->point[part.first + i], copy[keyed[i].value], sizeof *copy);
@@ -82,14 +90,27 @@ static void divide(struct fit *fit, struct part part, struct part *to, uint32_t 
 			part.first + (uint32_t)(points * (i + 1) / by) }, to + i * each, each);
 }
 
+/* A quarter of a splat: at one of four places in the plane of its longer axes. */
+static void shrink(const struct splat_params *parent, uint32_t which, struct splat_params *splat)
+{
+	struct splat_params straight = *parent;
+	splat_orthogonal(&straight);
+	*splat = straight;
+	for (int i = 0; i < 3; i++)
+		splat->v[i] += (which & 1 ? 0.5f : -0.5f) * straight.v[SPLAT_AXES + i]
+			+ (which & 2 ? 0.5f : -0.5f) * straight.v[SPLAT_AXES + 3 + i];
+	for (uint32_t j = SPLAT_AXES; j < SPLAT_OPACITY; j++)
+		splat->v[j] *= 0.6f;
+}
+
 static void first_shape(struct fit *fit, const struct part *part, const struct splat_params *parent,
-	struct splat_params *splat)
+	uint32_t which, struct splat_params *splat)
 {
 	double mean[3], value[3], vector[3][3];
 	uint32_t count = part->end - part->first;
 	moments((const float (*)[3])(fit->point + part->first), count, mean, value, vector);
-	if (!count && parent) {
-		*splat = *parent;
+	if (count < FEW_POINTS && parent) {
+		shrink(parent, which, splat);
 		return;
 	}
 	double longest = FIRST_SPREAD * sqrt(value[0] > 0 ? value[0] : 0), least = 0.2 * longest;
@@ -104,6 +125,64 @@ static void first_shape(struct fit *fit, const struct part *part, const struct s
 	splat->v[SPLAT_OPACITY] = fit->options->opaque ? 1 : 0.8f;
 }
 
+struct sharing {
+	const struct splat_params *splats;
+	double (*inverse)[3][3], *price; /* a splat with a high price takes fewer points */
+	uint32_t count, *taken;
+};
+
+/* Each point to the splat that holds it most, at its price. */
+static void share_once(const struct fit *fit, struct sharing *s, struct lod_keyed *keyed)
+{
+	memset(s->taken, 0, s->count * sizeof *s->taken);
+	for (uint32_t p = 0; p < fit->point_count; p++) {
+		double least = INFINITY;
+		keyed[p] = (struct lod_keyed){ 0, p };
+		for (uint32_t i = 0; i < s->count; i++) {
+			double q = s->price[i] * splat_distance2(&s->splats[i],
+				(const double (*)[3])s->inverse[i], fit->point[p]);
+			if (q < least) {
+				least = q;
+				keyed[p].key = i;
+			}
+		}
+		s->taken[keyed[p].key]++;
+	}
+}
+
+/* Points go to the splats that hold them, so children begin where their parent has gone; rather evenly, as
+ * each parent has the same number of children. */
+static void share_points(struct fit *fit, uint32_t level)
+{
+	const struct lod_arena_piece *mark = fit->arena.last;
+	struct sharing s = { .splats = fit->level[level], .count = level_size[level] };
+	s.inverse = lod_arena_take(&fit->arena, s.count, sizeof *s.inverse);
+	s.price = lod_arena_take(&fit->arena, s.count, sizeof *s.price);
+	s.taken = lod_arena_take(&fit->arena, s.count, sizeof *s.taken);
+	struct lod_keyed *keyed = lod_arena_take(&fit->arena, fit->point_count, sizeof *keyed);
+	float (*copy)[3] = lod_arena_take(&fit->arena, fit->point_count, sizeof *copy);
+	for (uint32_t i = 0; i < s.count; i++) {
+		splat_inverse(&s.splats[i], LEAST_HALF, s.inverse[i]);
+		s.price[i] = 1;
+	}
+	double mean = (double)fit->point_count / s.count;
+	uint32_t rounds = s.count > PRICED ? 0 : ROUNDS;
+	for (uint32_t round = 0; round <= rounds; round++) {
+		for (uint32_t i = 0; round && i < s.count; i++)
+			s.price[i] *= (s.taken[i] + mean) / (2 * mean);
+		share_once(fit, &s, keyed);
+	}
+	lod_sort(&fit->arena, keyed, fit->point_count);
+	memcpy(copy, fit->point, fit->point_count * sizeof *copy);
+	for (uint32_t p = 0, i = 0; i < s.count; i++) {
+		fit->parts[level][i].first = p;
+		for (; p < fit->point_count && keyed[p].key == i; p++)
+			memcpy(fit->point[p], copy[keyed[p].value], sizeof *copy);
+		fit->parts[level][i].end = p;
+	}
+	lod_arena_release(&fit->arena, mark);
+}
+
 /* ---- Levels ---- */
 
 static void start_level(struct fit *fit, uint32_t level)
@@ -114,16 +193,19 @@ static void start_level(struct fit *fit, uint32_t level)
 	if (!level)
 		fit->parts[0][0] = (struct part){ 0, fit->point_count };
 	uint32_t children = level ? size / level_size[level - 1] : 1;
+	if (level)
+		share_points(fit, level - 1);
 	for (uint32_t i = 0; level && i < level_size[level - 1]; i++)
 		divide(fit, fit->parts[level - 1][i], fit->parts[level] + i * children, children);
 	for (uint32_t i = 0; i < size; i++)
 		first_shape(fit, &fit->parts[level][i], level ? &fit->level[level - 1][i / children] : NULL,
-			&fit->level[level][i]);
+			i % children, &fit->level[level][i]);
 }
 
 static uint32_t count_levels(const struct fit *fit, const struct eco_model *model)
 {
-	uint32_t most = fit->options->levels ? fit->options->levels : LOD_SPLAT_LEVELS - (model->triangle_count < 24000);
+	uint32_t most = fit->options->levels ? fit->options->levels
+		: LOD_SPLAT_LEVELS - (model->triangle_count < LARGE_PLANT);
 	most = most < LOD_SPLAT_LEVELS ? most : LOD_SPLAT_LEVELS;
 	uint32_t count = 1;
 	while (count < most && level_size[count] <= model->triangle_count / 2)
@@ -141,7 +223,8 @@ static bool gather(struct fit *fit)
 	for (uint32_t i = 0; i < fit->views.count; i++) {
 		const struct splat_view *view = &fit->views.items[i];
 		if (view->sample_count)
-			memcpy(fit->point + fit->point_count, view->sample, view->sample_count * sizeof *view->sample);
+			memcpy(fit->point + fit->point_count, view->sample,
+				view->sample_count * sizeof *view->sample);
 		fit->point_count += view->sample_count;
 	}
 	return count > 0;
@@ -178,6 +261,55 @@ static void store(struct fit *fit, uint32_t levels)
 	splats->level_count = levels;
 }
 
+/* Puts groups of `size` splats and of parts in an order. */
+static void permute(struct fit *fit, uint32_t level, const uint32_t *order, uint32_t size)
+{
+	uint32_t count = level_size[level];
+	const struct lod_arena_piece *mark = fit->arena.last;
+	struct splat_params *splats = lod_arena_take(&fit->arena, count, sizeof *splats);
+	struct part *parts = lod_arena_take(&fit->arena, count, sizeof *parts);
+	memcpy(splats, fit->level[level], count * sizeof *splats);
+	memcpy(parts, fit->parts[level], count * sizeof *parts);
+	for (uint32_t i = 0; i < count; i++) {
+		uint32_t from = order[i / size] * size + i % size;
+		fit->level[level][i] = splats[from];
+		fit->parts[level][i] = parts[from];
+	}
+	lod_arena_release(&fit->arena, mark);
+}
+
+static void order_parents(struct fit *fit, uint32_t level)
+{
+	uint32_t parents = level_size[level - 1], children = level_size[level] / parents;
+	const struct lod_arena_piece *mark = fit->arena.last;
+	uint32_t *order = lod_arena_take(&fit->arena, parents, sizeof *order);
+	splat_order_find(&fit->views, fit->level[level - 1], parents,
+		level > 1 ? parents / level_size[level - 2] : 1, fit->level[level], children,
+		&fit->arena, order);
+	permute(fit, level - 1, order, 1);
+	permute(fit, level, order, children);
+	lod_arena_release(&fit->arena, mark);
+}
+
+/* A level descends by itself; then parents are put in order; then it descends between the levels, too. */
+static bool descend(struct fit *fit, uint32_t level, uint32_t levels)
+{
+	struct splat_descent descent = { .views = &fit->views, .splats = fit->level[level],
+		.count = level_size[level], .opaque = fit->options->opaque, .level = level, .levels = levels,
+		.options = fit->options, .to = level ? ALONE : 1 };
+	bool go = splat_descend(&descent, &fit->arena);
+	if (go && level) {
+		order_parents(fit, level);
+		descent.parents = fit->level[level - 1];
+		descent.children = level_size[level] / level_size[level - 1];
+		descent.from = ALONE;
+		descent.to = 1;
+		go = splat_descend(&descent, &fit->arena);
+	}
+	fit->splats->loss[level] = descent.loss;
+	return go;
+}
+
 static enum eco_code run(struct fit *fit, const struct eco_model *model, struct eco_error *error)
 {
 	enum eco_code code = splat_views_make(&fit->views, model, fit->options, &fit->arena, error);
@@ -187,12 +319,8 @@ static enum eco_code run(struct fit *fit, const struct eco_model *model, struct 
 	uint32_t levels = count_levels(fit, model);
 	for (uint32_t l = 0; l < levels; l++) {
 		start_level(fit, l);
-		struct splat_descent descent = { .views = &fit->views, .splats = fit->level[l],
-			.count = level_size[l], .opaque = fit->options->opaque, .level = l, .levels = levels,
-			.options = fit->options };
-		if (!splat_descend(&descent, &fit->arena))
+		if (!descend(fit, l, levels))
 			return eco_fail(error, ECO_INTERRUPTED, "interrupted");
-		fit->splats->loss[l] = descent.loss;
 	}
 	store(fit, levels);
 	return ECO_OK;

@@ -9,7 +9,7 @@
 #include "lod/build/splat_state.h"
 #include "lod/lanes.h"
 
-#define MOST 0.99f               /* of a pixel that one splat may cover: what others cover is known by division */
+#define MOST 0.99f               /* of a pixel that one splat may cover: division tells what others cover */
 #define LEAST_PX2 0.01f          /* square of a half axis on the screen */
 
 struct ellipse {                 /* one splat in one view */
@@ -175,7 +175,8 @@ static void weigh(const struct splat_views *views, const struct splat_view *view
 		size_t row = (size_t)y * views->stride;
 		lod_f4 one = lod_f4_all(1);
 		for (uint32_t x = 0; x < views->pixels; x += 4) {
-			lod_f4 left = lod_f4_load(picture->free + row + x), b = lod_f4_load(view->cover + row + x);
+			lod_f4 left = lod_f4_load(picture->free + row + x),
+				b = lod_f4_load(view->cover + row + x);
 			lod_f4 share = lod_f4_select(one - left < b, lod_f4_all(1 - chance), lod_f4_all(0))
 				+ lod_f4_all(chance) * b;
 			lod_f4_store(picture->weight + row + x, left
@@ -197,7 +198,8 @@ static void add_light(const struct ellipse *e, const struct splat_views *views, 
 			lod_f4_store(row + x, free - drawn);
 			for (int32_t i = 0; i < 4 && x + i < e->x1; i++) {
 				double weight = (double)drawn[i] * cover[x + i];
-				const float *from = view->light[(size_t)y * views->pixels + (size_t)(x + i)];
+				const float *from = view->light[(size_t)y * views->pixels
+					+ (size_t)(x + i)];
 				for (int k = 0; k < 3; k++)
 					light->sum[k] += weight * from[k];
 				light->weight += weight;
@@ -207,7 +209,8 @@ static void add_light(const struct ellipse *e, const struct splat_views *views, 
 }
 
 void splat_view_light(const struct splat_views *views, uint32_t view_index, const struct splat_params *splats,
-	const struct lod_keyed *order, uint32_t count, const struct splat_picture *picture, struct lod_light *light)
+	const struct lod_keyed *order, uint32_t count, const struct splat_picture *picture,
+	struct lod_light *light)
 {
 	const struct splat_view *view = &views->items[view_index];
 	struct ellipse e;
@@ -220,29 +223,73 @@ void splat_view_light(const struct splat_views *views, uint32_t view_index, cons
 	}
 }
 
-double splat_view_loss(const struct splat_views *views, uint32_t view_index, const struct splat_params *splats,
-	uint32_t count, const struct splat_softness *soft, const struct splat_picture *picture,
-	struct splat_params *gradient)
+void splat_view_draw(const struct splat_views *views, uint32_t view, const struct splat_params *splats,
+	uint32_t count, const struct splat_softness *soft, float *left)
+{
+	struct ellipse e;
+	for (size_t i = 0; i < (size_t)views->pixels * views->stride; i++)
+		left[i] = 1;
+	for (uint32_t i = 0; i < count; i++) {
+		project(&e, views, &views->items[view], &splats[i], soft);
+		draw(&e, left, views->stride);
+	}
+}
+
+static void draw_back(const struct ellipse *e, float *left, uint32_t stride)
+{
+	lod_f4 one = lod_f4_all(1), alpha = lod_f4_all(e->alpha);
+	for (int32_t y = e->y0; y < e->y1; y++) {
+		float dy = (float)y + 0.5f - e->y, *row = left + (size_t)y * stride;
+		for (int32_t x = e->x0; x < e->x1; x += 4) {
+			lod_f4 dx = steps + lod_f4_all((float)x + 0.5f - e->x);
+			lod_f4_store(row + x, lod_f4_load(row + x) / (one - alpha * smooth(ramp(e, dx, dy))));
+		}
+	}
+}
+
+void splat_view_replace(const struct splat_views *views, uint32_t view, const struct splat_params *parent,
+	const struct splat_params *children, uint32_t count, const struct splat_softness *soft, float *left)
+{
+	struct ellipse e;
+	project(&e, views, &views->items[view], parent, soft);
+	draw_back(&e, left, views->stride);
+	for (uint32_t i = 0; i < count; i++) {
+		project(&e, views, &views->items[view], &children[i], soft);
+		draw(&e, left, views->stride);
+	}
+}
+
+static double loss_of(const struct sums *sums, double *drawn, double *p, double *r)
+{
+	*drawn = sums->drawn > 1e-3 ? sums->drawn : 1e-3;
+	*p = 1 - sums->both / *drawn;
+	*r = 1 - sums->both / sums->covered;
+	return sqrt(*p * *p + *r * *r);
+}
+
+double splat_view_score(const struct splat_views *views, uint32_t view, const float *left, float chance)
+{
+	double drawn, p, r;
+	struct sums sums = count_view(views, &views->items[view], left, chance);
+	return sums.covered > 0 ? loss_of(&sums, &drawn, &p, &r) : 0;
+}
+
+double splat_view_loss(const struct splat_views *views, uint32_t view_index,
+	const struct splat_params *splats, uint32_t count, uint32_t moving, const struct splat_softness *soft,
+	const struct splat_picture *picture, struct splat_params *gradient)
 {
 	const struct splat_view *view = &views->items[view_index];
-	size_t all = (size_t)views->pixels * views->stride;
 	struct ellipse e;
-	for (size_t i = 0; i < all; i++)
-		picture->free[i] = 1;
-	for (uint32_t i = 0; i < count; i++) {
-		project(&e, views, view, &splats[i], soft);
-		draw(&e, picture->free, views->stride);
-	}
+	splat_view_draw(views, view_index, splats, count, soft, picture->free);
 	struct sums sums = count_view(views, view, picture->free, soft->chance);
 	if (!(sums.covered > 0))
 		return 0;
-	double drawn = sums.drawn > 1e-3 ? sums.drawn : 1e-3, p = 1 - sums.both / drawn,
-		r = 1 - sums.both / sums.covered, loss = sqrt(p * p + r * r);
-	if (!gradient || !(loss > 1e-6))
+	double drawn, p, r, loss = loss_of(&sums, &drawn, &p, &r);
+	if (!(loss > 1e-6))
 		return loss;
 	weigh(views, view, picture, soft->chance, (float)(p * sums.both / (drawn * drawn) / loss),
 		(float)(-(p / drawn + r / sums.covered) / loss));
-	for (uint32_t i = 0; i < count; i++) {
+	for (uint32_t i = 0; i < moving; i++) {
 		project(&e, views, view, &splats[i], soft);
 		pull(&e, views, view, picture->weight, splats[i].v[SPLAT_OPACITY], &gradient[i]);
 	}

@@ -12,7 +12,8 @@ static void rotate(double a[3][3], double v[3][3], int p, int q)
 	if (!(fabs(a[p][q]) > 1e-15 * (fabs(a[p][p]) + fabs(a[q][q]))))
 		return;
 	double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]),
-		t = (theta < 0 ? -1 : 1) / (fabs(theta) + sqrt(theta * theta + 1)), c = 1 / sqrt(t * t + 1), s = t * c;
+		t = (theta < 0 ? -1 : 1) / (fabs(theta) + sqrt(theta * theta + 1)),
+		c = 1 / sqrt(t * t + 1), s = t * c;
 	for (int k = 0; k < 3; k++) {
 		double x = a[k][p], y = a[k][q];
 		a[k][p] = c * x - s * y;
@@ -69,10 +70,26 @@ void splat_orthogonal(struct splat_params *splat)
 	}
 }
 
+void splat_inverse(const struct splat_params *splat, double least, double inverse[3][3])
+{
+	struct splat_params straight = *splat;
+	splat_orthogonal(&straight);
+	memset(inverse, 0, 9 * sizeof inverse[0][0]);
+	for (int k = 0; k < 3; k++) {
+		const float *half = straight.v + SPLAT_AXES + 3 * k;
+		double square = (double)half[0] * half[0] + (double)half[1] * half[1]
+			+ (double)half[2] * half[2], wide = square > least * least ? square : least * least;
+		/* a turn of length 1, where the axis has one */
+		for (int i = 0; i < 3; i++)
+			for (int j = 0; j < 3; j++)
+				inverse[i][j] += square > 0 ? half[i] * (double)half[j] / square / wide : 0;
+	}
+}
+
 static int32_t nearest(double at)
 {
 	double low = floor(at + 0.5);
-	return low < 0 ? 0 : low > LOD_SPLAT_GRID - 1 ? LOD_SPLAT_GRID - 1 : (int32_t)low;
+	return !(low >= 0) ? 0 : low > LOD_SPLAT_GRID - 1 ? LOD_SPLAT_GRID - 1 : (int32_t)low;
 }
 
 void splat_store(struct lod_splat *out, const struct splat_params *splat, const struct lod_splats *splats)

@@ -42,23 +42,39 @@ struct splat_softness {
 	float edge_px;               /* half the width of the ramp across an edge */
 	float least;                 /* least half width of the ramp, of x^T C^-1 x around 1; at most 1 */
 	float blur_px2;              /* added to the square of half axes on the screen; the area stays */
-	float chance;                /* in [0, 1]: how much of the objective counts pixels as either covered or
-	                              * not, by chance as the plant covers it, not as a share */
+	float chance;                /* in [0, 1]: how much of the objective is the Q that is expected of
+	                              * one sample a pixel; the rest is soft Q */
 };
 
 /* A picture of splats, scratch: share that is left free, rows of stride. */
 struct splat_picture { float *free; float *weight; };
 
-/* 1 - Q of the picture of the splats in one view; adds its gradient to `gradient` (may be NULL), one for each
- * splat. */
-double splat_view_loss(const struct splat_views *views, uint32_t view, const struct splat_params *splats,
-	uint32_t count, const struct splat_softness *soft, const struct splat_picture *picture,
-	struct splat_params *gradient);
+/* Draws splats over nothing: the share of each pixel that they leave free. */
+void splat_view_draw(const struct splat_views *views, uint32_t view, const struct splat_params *splats,
+	uint32_t count, const struct splat_softness *soft, float *left);
+/* Takes a splat out of that picture and puts others in. */
+void splat_view_replace(const struct splat_views *views, uint32_t view, const struct splat_params *parent,
+	const struct splat_params *children, uint32_t count, const struct splat_softness *soft, float *left);
+/* 1 - Q of that picture. */
+double splat_view_score(const struct splat_views *views, uint32_t view, const float *left, float chance);
 
-/* Adds the light that the plant shows where a splat is in front, to the light of each splat. `order`: from the
- * nearest to the farthest, by index. */
+/* 1 - Q of the picture of the splats in one view; adds its gradient to `gradient`, one for each of the first
+ * `moving` splats. */
+double splat_view_loss(const struct splat_views *views, uint32_t view, const struct splat_params *splats,
+	uint32_t count, uint32_t moving, const struct splat_softness *soft,
+	const struct splat_picture *picture, struct splat_params *gradient);
+
+/* The order in which a level's splats should give way to their children, within groups of `siblings`: each
+ * time the one whose children raise Q most. `children` of each; order[i]: the splat that is i-th. */
+void splat_order_find(const struct splat_views *views, const struct splat_params *parents, uint32_t count,
+	uint32_t siblings, const struct splat_params *level, uint32_t children, struct lod_arena *arena,
+	uint32_t *order);
+
+/* Adds the light that the plant shows where a splat is in front, to the light of each splat. `order`: from
+ * the nearest to the farthest, by index. */
 void splat_view_light(const struct splat_views *views, uint32_t view, const struct splat_params *splats,
-	const struct lod_keyed *order, uint32_t count, const struct splat_picture *picture, struct lod_light *light);
+	const struct lod_keyed *order, uint32_t count, const struct splat_picture *picture,
+	struct lod_light *light);
 
 /* The colours of a level: means of that light over all views. A splat that is nowhere in front gets that of
  * its parent, in `parents` (NULL in the first level), or grey. */
@@ -71,6 +87,18 @@ void splat_color_level(const struct splat_views *views, const struct splat_param
 void splat_eigen(const double matrix[3][3], double value[3], double vector[3][3]);
 /* Half axes made orthogonal. */
 void splat_orthogonal(struct splat_params *splat);
+
+/* Inverse of the sum of its half axes' squares, which are no shorter than `least`; and x^T of that x around
+ * its centre: 1 on the ellipsoid. */
+void splat_inverse(const struct splat_params *splat, double least, double inverse[3][3]);
+static inline double splat_distance2(const struct splat_params *splat, const double inverse[3][3],
+	const float point[3])
+{
+	double d[3] = { point[0] - splat->v[0], point[1] - splat->v[1], point[2] - splat->v[2] }, sum = 0;
+	for (int i = 0; i < 3; i++)
+		sum += d[i] * (inverse[i][0] * d[0] + inverse[i][1] * d[1] + inverse[i][2] * d[2]);
+	return sum;
+}
 
 /* Codes and what they say. */
 void splat_store(struct lod_splat *out, const struct splat_params *splat, const struct lod_splats *splats);

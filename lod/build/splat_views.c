@@ -1,5 +1,5 @@
-/* Pictures of a plant all around: how much of each pixel it covers, in which colour, and points of its visible
- * surface. */
+/* Pictures of a plant all around: how much of each pixel it covers, in which colour, and points of its
+ * visible surface. */
 #include <math.h>
 #include <string.h>
 
@@ -126,7 +126,8 @@ static void start(const struct splat_views *views, const struct splat_view *view
 /* Triangles [first, first + count) of the model. */
 struct soup { uint32_t first, count; float position[SOUP * 9], uv[SOUP * 6]; };
 
-static void flush(const struct drawing *d, struct lod_raster *raster, struct soup *soup, uint32_t material_index)
+static void flush(const struct drawing *d, struct lod_raster *raster, struct soup *soup,
+	uint32_t material_index)
 {
 	const struct eco_material *material = lod_mesh_material(d->model, material_index);
 	const struct eco_image *image = material->cutout && d->model->uv
@@ -152,7 +153,8 @@ static void draw_model(const struct drawing *d, struct lod_raster *raster)
 			memcpy(soup.position + 9 * soup.count + 3 * i, model->position + 3 * vertex,
 				3 * sizeof(float));
 			if (model->uv)
-				memcpy(soup.uv + 6 * soup.count + 2 * i, model->uv + 2 * vertex, 2 * sizeof(float));
+				memcpy(soup.uv + 6 * soup.count + 2 * i, model->uv + 2 * vertex,
+					2 * sizeof(float));
 		}
 		soup.count += good;
 		if (!good || soup.count == SOUP || t + 1 == model->triangle_count
@@ -181,10 +183,12 @@ static void reduce_pixel(const struct drawing *d, struct splat_view *view, const
 static void surface_point(float out[3], const struct splat_views *views, const struct splat_view *view,
 	const struct lod_raster *raster, uint32_t x, uint32_t y)
 {
-	double w = 1 / (double)raster->depth[(size_t)y * raster->width + x] / views->radius, scale = FRAME / AWAY * w,
-		right = ((x + 0.5) / raster->width * 2 - 1) * scale, down = ((y + 0.5) / raster->height * 2 - 1) * scale;
+	double w = 1 / (double)raster->depth[(size_t)y * raster->width + x] / views->radius,
+		scale = FRAME / AWAY * w, right = ((x + 0.5) / raster->width * 2 - 1) * scale,
+		down = ((y + 0.5) / raster->height * 2 - 1) * scale;
 	for (int k = 0; k < 3; k++)
-		out[k] = (float)(right * view->right[k] + down * view->down[k] + (w - AWAY) * view->forward[k]);
+		out[k] = (float)(right * view->right[k] + down * view->down[k]
+			+ (w - AWAY) * view->forward[k]);
 }
 
 /* The same number of samples for the same area on the screen in every view, by chance. */
@@ -231,8 +235,8 @@ static void allocate(struct splat_views *views, struct lod_arena *arena)
 enum eco_code splat_views_make(struct splat_views *views, const struct eco_model *model,
 	const struct lod_splats_options *options, struct lod_arena *arena, struct eco_error *error)
 {
-	uint32_t pixels = options->pixels ? options->pixels : 80, parts = options->each ? 4 : 1;
-	*views = (struct splat_views){ .count = options->views ? options->views : 44, .pixels = pixels,
+	uint32_t pixels = options->pixels ? options->pixels : 160, parts = options->each ? 4 : 1;
+	*views = (struct splat_views){ .count = options->views ? options->views : 55, .pixels = pixels,
 		.stride = pixels + 4, .scale = (float)(pixels / (2 * FRAME)) };
 	views->items = lod_arena_take(arena, views->count, sizeof *views->items);
 	look(views);

@@ -1,0 +1,270 @@
+/* Splats fitted to plants. */
+#include "lod/build/splat_fit.h"
+
+#include <pthread.h>
+#include <string.h>
+
+#include "lod/build/splat_state.h"
+#include "tests/support/plant_models.h"
+#include "tests/support/unit_test.h"
+
+static const struct lod_splats_options quick = { .views = 12, .pixels = 40 };
+
+static void fit(struct lod_splats *splats, const struct eco_model *model,
+	const struct lod_splats_options *options)
+{
+	struct eco_error error = { 0 };
+	assert_ok(lod_splats_fit(splats, model, options, &error), error);
+}
+
+static void make_tree(struct soup *soup)
+{
+	soup_tree(soup, 300, 25, false);
+}
+
+UNIT_TEST(levels_have_their_sizes_and_come_closer_and_closer)
+{
+	static const uint32_t ends[] = { 1, 4, 16, 64, 256 };
+	struct soup soup;
+	struct lod_splats splats;
+	make_tree(&soup);
+	fit(&splats, &soup.model, &quick);
+	assert_in_range(splats.level_count, 5, LOD_SPLAT_LEVELS);
+	for (uint32_t level = 0; level < 5; level++) {
+		assert_int_equal(splats.level_end[level], ends[level]);
+		assert_true(!level || splats.loss[level] < splats.loss[level - 1]);
+	}
+	for (uint32_t i = 0; i < splats.level_end[splats.level_count - 1]; i++) {
+		const struct lod_splat *splat = &splats.items[i];
+		assert_true(eco_splat_good(splat->code));
+		for (int k = 0; k < 3; k++)
+			assert_in_range(splat->at[k], 0, LOD_SPLAT_GRID - 1);
+	}
+	lod_splats_free(&splats);
+	soup_free(&soup);
+}
+
+UNIT_TEST(a_ball_is_one_splat)
+{
+	struct soup soup;
+	struct lod_splats splats;
+	soup_begin(&soup);
+	soup_ball(&soup, soup_material(&soup, 200, 30, 10, ECO_NONE, false), (struct lod_v3){ 1, 2, 3 },
+		0.5, 24);
+	fit(&splats, &soup.model, &(struct lod_splats_options){ .levels = 1 });
+	assert_int_equal(splats.level_count, 1);
+	assert_true(splats.loss[0] < 0.05);
+	const struct lod_splat *splat = splats.items;
+	static const float center[3] = { 1, 2, 3 };
+	static const uint8_t red[3] = { 200, 30, 10 };
+	for (int k = 0; k < 3; k++) {
+		const float *half = splat->shape.half[k];
+		double length = sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2]);
+		assert_true(length > 0.46 && length < 0.54);
+		assert_true(fabsf(splat->center[k] - center[k]) < 0.02f);
+		assert_in_range(splat->rgb[k], red[k] - 1, red[k] + 1);
+	}
+	assert_true(splat->shape.opacity > 0.9f);
+	lod_splats_free(&splats);
+	soup_free(&soup);
+}
+
+UNIT_TEST(opaque_splats_are_opaque)
+{
+	struct soup soup;
+	struct lod_splats splats;
+	struct lod_splats_options options = quick;
+	options.opaque = true;
+	options.levels = 4;
+	make_tree(&soup);
+	fit(&splats, &soup.model, &options);
+	for (uint32_t i = 0; i < splats.level_end[3]; i++)
+		assert_int_equal(splats.items[i].code[6], ECO_SPLAT_OPACITIES - 1);
+	lod_splats_free(&splats);
+	soup_free(&soup);
+}
+
+/* ---- Threads and progress ---- */
+
+struct half { uint32_t first, count; void (*piece)(void *pieces, uint32_t i); void *pieces; };
+
+static void *run_half(void *half_of)
+{
+	const struct half *half = half_of;
+	for (uint32_t i = half->first; i < half->count; i += 2)
+		half->piece(half->pieces, i);
+	return NULL;
+}
+
+static void in_two_threads(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces)
+{
+	struct half halves[2] = { { 0, count, piece, pieces }, { 1, count, piece, pieces } };
+	pthread_t other;
+	(void)ctx;
+	assert_int_equal(pthread_create(&other, NULL, run_half, &halves[1]), 0);
+	run_half(&halves[0]);
+	pthread_join(other, NULL);
+}
+
+UNIT_TEST(threads_do_not_change_a_byte)
+{
+	struct soup soup;
+	struct lod_splats one, two;
+	struct lod_splats_options options = quick;
+	make_tree(&soup);
+	options.levels = 4;
+	fit(&one, &soup.model, &options);
+	options.each = in_two_threads;
+	fit(&two, &soup.model, &options);
+	assert_int_equal(one.level_count, two.level_count);
+	for (uint32_t i = 0; i < one.level_end[one.level_count - 1]; i++) {
+		assert_memory_equal(one.items[i].at, two.items[i].at, sizeof one.items[i].at);
+		assert_memory_equal(one.items[i].code, two.items[i].code, sizeof one.items[i].code);
+		assert_memory_equal(one.items[i].rgb, two.items[i].rgb, 3);
+	}
+	lod_splats_free(&one);
+	lod_splats_free(&two);
+	soup_free(&soup);
+}
+
+struct watch { double last, stop_at; };
+
+static bool watched(void *ctx, double share)
+{
+	struct watch *watch = ctx;
+	assert_true(share >= watch->last && share <= 1);
+	watch->last = share;
+	return share < watch->stop_at;
+}
+
+UNIT_TEST(progress_rises_and_can_stop_it)
+{
+	struct soup soup;
+	struct lod_splats splats;
+	struct eco_error error = { 0 };
+	struct watch watch = { 0, 2 };
+	struct lod_splats_options options = quick;
+	make_tree(&soup);
+	options.levels = 3;
+	options.progress = watched;
+	options.ctx = &watch;
+	fit(&splats, &soup.model, &options);
+	assert_true(watch.last > 0.9);
+	lod_splats_free(&splats);
+	watch = (struct watch){ 0, 0.5 };
+	assert_int_equal(lod_splats_fit(&splats, &soup.model, &options, &error), ECO_INTERRUPTED);
+	assert_null(splats.items);
+	assert_true(watch.last < 0.6);
+	soup_free(&soup);
+}
+
+/* ---- Models that are hardly any ---- */
+
+UNIT_TEST(nothing_gives_no_levels)
+{
+	struct soup soup;
+	struct lod_splats splats;
+	soup_begin(&soup);
+	fit(&splats, &soup.model, &quick);
+	assert_int_equal(splats.level_count, 0);
+	soup_free(&soup);
+	soup_begin(&soup);           /* a triangle without area: too thin for any sample */
+	uint32_t material = soup_material(&soup, 9, 9, 9, ECO_NONE, false), v[3];
+	for (uint32_t i = 0; i < 3; i++)
+		v[i] = soup_vertex(&soup, (struct lod_v3){ i, 0, 0 }, 0, 0);
+	soup_triangle(&soup, material, v[0], v[1], v[2]);
+	fit(&splats, &soup.model, &quick);
+	assert_int_equal(splats.level_count, 0);
+	soup_free(&soup);
+}
+
+UNIT_TEST(one_triangle_is_a_plant)
+{
+	struct soup soup;
+	struct lod_splats splats;
+	struct lod_splats_options options = quick;
+	soup_begin(&soup);
+	uint32_t material = soup_material(&soup, 9, 99, 9, ECO_NONE, false);
+	uint32_t a = soup_vertex(&soup, (struct lod_v3){ 0, 0, 0 }, 0, 0),
+		b = soup_vertex(&soup, (struct lod_v3){ 1, 0, 0 }, 1, 0),
+		c = soup_vertex(&soup, (struct lod_v3){ 0, 1, 0.2 }, 0, 1);
+	soup_triangle(&soup, material, a, b, c);
+	fit(&splats, &soup.model, &options);
+	assert_int_equal(splats.level_count, 1);
+	assert_true(splats.loss[0] < 0.5);
+	lod_splats_free(&splats);
+	soup_free(&soup);
+}
+
+UNIT_TEST(a_row_of_specks_is_a_plant)
+{
+	struct soup soup;
+	struct lod_splats splats;
+	soup_begin(&soup);
+	uint32_t material = soup_material(&soup, 9, 99, 9, ECO_NONE, false);
+	for (uint32_t i = 0; i < 40; i++)
+		soup_quad(&soup, material, (struct lod_v3){ 0, 0, 0.1 * i }, (struct lod_v3){ 1e-4, 0, 0 },
+			(struct lod_v3){ 0, 0, 1e-4 });
+	fit(&splats, &soup.model, &quick);
+	for (uint32_t l = 0; l < splats.level_count; l++)
+		assert_true(splats.loss[l] >= 0 && splats.loss[l] <= 1.5);
+	lod_splats_free(&splats);
+	soup_free(&soup);
+}
+
+UNIT_TEST(clear_leaves_are_no_plant)
+{
+	struct soup soup;
+	struct lod_splats splats;
+	soup_begin(&soup);
+	uint32_t image = soup_disc_image(&soup, 16);
+	memset(soup.model.images[image].rgba, 0, 16 * 16 * 4);
+	uint32_t material = soup_material(&soup, 255, 255, 255, image, true);
+	soup_quad(&soup, material, (struct lod_v3){ 0, 0, 1 }, (struct lod_v3){ 1, 0, 0 },
+		(struct lod_v3){ 0, 0, 1 });
+	fit(&splats, &soup.model, &quick);
+	assert_int_equal(splats.level_count, 0);
+	soup_free(&soup);
+}
+
+/* ---- The gradient ---- */
+
+/* Differences of the loss in each parameter say the same. */
+UNIT_TEST(the_gradient_is_that_of_the_loss)
+{
+	enum { PIXELS = 40, STRIDE = PIXELS + 4, COUNT = 3 };
+	static float cover[PIXELS * STRIDE], left[PIXELS * STRIDE], weight[PIXELS * STRIDE];
+	struct splat_view view = { .right = { 0.8, 0.6, 0 }, .down = { 0, 0, -1 },
+		.forward = { -0.6, 0.8, 0 }, .cover = cover };
+	struct splat_views views = { .count = 1, .pixels = PIXELS, .stride = STRIDE, .scale = 18,
+		.items = &view };
+	struct splat_softness soft = { .edge_px = 1.5f, .least = 0.5f, .blur_px2 = 0.3f, .chance = 1 };
+	struct splat_picture picture = { left, weight };
+	struct splat_params splats[COUNT] = {
+		{ { 0.1f, 0, 0.1f, 0.3f, 0.1f, 0, 0, 0.4f, 0.1f, 0, 0, 0.2f, 0.8f } },
+		{ { -0.3f, 0.2f, 0.2f, 0.2f, 0, 0, 0, 0.1f, 0, 0.1f, 0, 0.5f, 0.6f } },
+		{ { 0.3f, -0.2f, -0.3f, 0.1f, 0, 0.1f, 0, 0.2f, 0, 0, 0.1f, 0.3f, 0.9f } } };
+	for (uint32_t i = 0; i < PIXELS * STRIDE; i++) {
+		uint32_t x = i % STRIDE, y = i / STRIDE;
+		cover[i] = x < PIXELS ? (float)((x * 7 + y * 3) % 17 < 9 && x > 8 && y < 30) * 0.75f : 0;
+		view.covered += cover[i];
+	}
+	struct splat_params gradient[COUNT] = { 0 };
+	splat_view_loss(&views, 0, splats, COUNT, COUNT, &soft, &picture, gradient);
+	for (uint32_t i = 0; i < COUNT; i++)
+		for (uint32_t j = 0; j < SPLAT_PARAMS; j++) {
+			struct splat_params unused[COUNT] = { 0 };
+			float at = splats[i].v[j], step = 2e-3f;
+			double loss[2];
+			for (int k = 0; k < 2; k++) {
+				splats[i].v[j] = k ? at + step : at - step;
+				loss[k] = splat_view_loss(&views, 0, splats, COUNT, COUNT, &soft, &picture,
+					unused);
+			}
+			splats[i].v[j] = at;
+			double slope = (loss[1] - loss[0]) / (2.0 * step),
+				error = fabs(slope - gradient[i].v[j]);
+			if (error > 0.01 + 0.1 * fabs(slope))
+				fail_msg("splat %u, parameter %u: %g, not %g", i, j, gradient[i].v[j], slope);
+		}
+}
