@@ -118,7 +118,7 @@ static const struct eco_option option_table[] = {
 		"side, with their numbers, as compare-0000.png" },
 	{ "tint", 0, ECO_OPTION_CHOICE, "kind", &given.tint, .choices = tints,
 		.help = "colour by representation: green triangles, red lines, blue points, yellow and "
-		"orange blends" },
+		"orange blends, violet ellipsoids for whole plants" },
 	{ "explain", 0, ECO_OPTION_TEXT, "FILE.csv", &given.explain,
 		.help = "a table of why each cut of each frame is what it is; the server plans twice for "
 		"it" },
