@@ -1,8 +1,10 @@
 /* Drawing of splats, shared by the rasteriser and by what fits splats.
  *
- * The ellipsoid's half axes h_k are projected linearly at its centre, which is exact far away: in pixels d_k =
- * J h_k. The picture of the ellipsoid is the ellipse x^T C^-1 x <= 1 with C = sum d_k d_k^T (an ellipsoid is
- * the image of a ball; Zwicker and others 2001, EWA volume splatting, eq. 24, without their filter). Where it
+ * Half axes h_k are taken to the picture linearly at the centre, whose distance is w: in pixels d_k = J h_k,
+ * and q_k, the part of h_k along the line of sight over w. With C = sum d_k d_k^T, s = sum q_k d_k and r = sum
+ * q_k^2 the outline in perspective is the ellipse (x + s / (1 - r))^T E^-1 (x + s / (1 - r)) <= 1 around the
+ * centre's pixel, E = (C (1 - r) + s s^T) / (1 - r)^2: the dual conic of the ellipsoid (Hartley and Zisserman
+ * 2004, section 8.3), written without differences of large numbers. Where it
  * is not opaque a fixed hash of pixel and splat says which pixels it covers. Its depth is that of the side
  * of the ellipsoid that faces the eye. */
 #ifndef LOD_SPLAT_H
@@ -13,15 +15,16 @@
 #include <stdint.h>
 #include <string.h>
 
-/* The ellipse around (0, 0), pixels: row y holds the pixels with |x - lean y| <= half sqrt(1 - (y / high)^2).
- * With u = (x - lean y) / half and v = y / high the ellipsoid's near side is aside u + below v - bulge
- * sqrt(1 - u^2 - v^2) metres farther than its centre. */
-struct lod_ellipse { float wide, high, lean, half, aside, below, bulge; };
+/* The ellipse around (x, y) from the pixel of the ellipsoid's centre: the row y lower than that holds the pixels
+ * with |x - lean y| <= half sqrt(1 - (y / high)^2). With u = (x - lean y) / half and v = y / high the
+ * ellipsoid's near side is aside u + below v - bulge sqrt(1 - u^2 - v^2) metres farther than its centre (linearly
+ * at the centre). */
+struct lod_ellipse { float x, y, wide, high, lean, half, aside, below, bulge; };
 
-/* From the half axes: in pixels to the right and down, and metres farther away. False where nothing can be
- * covered. */
+/* From the half axes, in pixels to the right and down, and farther away over the centre's distance w. False where
+ * nothing can be covered, and where the ellipsoid reaches the eye's plane. */
 static inline bool lod_ellipse_make(struct lod_ellipse *ellipse, const float across[3], const float down[3],
-	const float farther[3])
+	const float farther[3], float w)
 {
 	float xx = 0, xy = 0, yy = 0, xz = 0, yz = 0, zz = 0;
 	for (int k = 0; k < 3; k++) {
@@ -32,8 +35,14 @@ static inline bool lod_ellipse_make(struct lod_ellipse *ellipse, const float acr
 		yz += down[k] * farther[k];
 		zz += farther[k] * farther[k];
 	}
-	if (!(xx > 0 && yy > 0 && xx < 1e30f && yy < 1e30f))
+	if (!(xx > 0 && yy > 0 && xx < 1e30f && yy < 1e30f && zz < 1))
 		return false;
+	float part = 1 / (1 - zz);
+	ellipse->x = -xz * part;
+	ellipse->y = -yz * part;
+	xx = (xx + xz * xz * part) * part;
+	xy = (xy + xz * yz * part) * part;
+	yy = (yy + yz * yz * part) * part;
 	ellipse->wide = sqrtf(xx);
 	ellipse->high = sqrtf(yy);
 	ellipse->lean = xy / yy;
@@ -42,7 +51,9 @@ static inline bool lod_ellipse_make(struct lod_ellipse *ellipse, const float acr
 	ellipse->below = yz / ellipse->high;
 	ellipse->aside = rest > 0 ? (xz - ellipse->lean * yz) / ellipse->half : 0;
 	rest = zz - ellipse->aside * ellipse->aside - ellipse->below * ellipse->below;
-	ellipse->bulge = rest > 0 ? sqrtf(rest) : 0;
+	ellipse->bulge = rest > 0 ? w * sqrtf(rest) : 0;
+	ellipse->aside *= w;
+	ellipse->below *= w;
 	return true;
 }
 

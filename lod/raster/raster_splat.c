@@ -5,7 +5,7 @@
 
 struct disc {                        /* a projected splat; pixels from the picture's middle */
 	struct lod_ellipse ellipse;
-	float x, y, w, near_w, opacity; /* w: metres away */
+	float x, y, w, near_w, opacity; /* x, y: the ellipse's middle; w: metres away */
 	uint32_t salt;
 };
 
@@ -24,8 +24,6 @@ static bool place(const struct lod_raster_state *state, const float centre[3], s
 		return false;
 	for (int k = 0; k < 2; k++)
 		at[k] = (row_of(m[k], centre) + m[k][3]) / disc->w;
-	disc->x = at[0] * (1.0f / LOD_SUBPIXEL);
-	disc->y = at[1] * (1.0f / LOD_SUBPIXEL);
 	return fabsf(at[0]) < 1e30f && fabsf(at[1]) < 1e30f;
 }
 
@@ -33,13 +31,14 @@ static bool project(const struct lod_raster_state *state, const float half[9], c
 	struct disc *disc)
 {
 	const float (*m)[4] = state->clip;
-	float across[3], down[3], farther[3], pixel = 1.0f / LOD_SUBPIXEL / disc->w;
+	float across[3], down[3], farther[3], pixel = 1.0f / LOD_SUBPIXEL / disc->w, near = 1 / disc->w;
 	for (int k = 0; k < 3; k++) {
 		farther[k] = row_of(m[2], half + 3 * k);
 		across[k] = (row_of(m[0], half + 3 * k) - farther[k] * at[0]) * pixel;
 		down[k] = (row_of(m[1], half + 3 * k) - farther[k] * at[1]) * pixel;
+		farther[k] *= near;
 	}
-	return lod_ellipse_make(&disc->ellipse, across, down, farther);
+	return lod_ellipse_make(&disc->ellipse, across, down, farther, disc->w);
 }
 
 /* The same for a ball: its half axes may be those of the view. */
@@ -48,8 +47,8 @@ static bool project_ball(const struct lod_raster_state *state, float radius, con
 {
 	float pixel = radius * (1.0f / LOD_SUBPIXEL) / disc->w;
 	const float across[3] = { state->project[0][0] * pixel, 0, -at[0] * pixel },
-		down[3] = { 0, state->project[1][1] * pixel, -at[1] * pixel }, farther[3] = { 0, 0, radius };
-	return lod_ellipse_make(&disc->ellipse, across, down, farther);
+		down[3] = { 0, state->project[1][1] * pixel, -at[1] * pixel }, farther[3] = { 0, 0, radius / disc->w };
+	return lod_ellipse_make(&disc->ellipse, across, down, farther, disc->w);
 }
 
 /* The first pixel whose centre is at or after `at`, from the picture's first, clamped to [0, size]. */
@@ -113,6 +112,8 @@ void lod_raster_splats(struct lod_raster *raster, const struct lod_raster_batch 
 				: project_ball(state, batch->size ? radius * sqrtf(batch->size[i]) : radius, at,
 				&disc)))
 			continue;
+		disc.x = at[0] * (1.0f / LOD_SUBPIXEL) + disc.ellipse.x;
+		disc.y = at[1] * (1.0f / LOD_SUBPIXEL) + disc.ellipse.y;
 		paint.item = batch->item + i;
 		fill_disc(&paint, &disc);
 	}
