@@ -12,7 +12,7 @@
 #define RATE 0.08f               /* of a splat's size, in the first step */
 #define LEAST_RATE 0.002f
 /* how much of the objective is hard Q (struct splat_softness): that of opaque splats is what they are for */
-#define CHANCE 0.1f
+#define CHANCE 0.03f
 #define CHANCE_OPAQUE 0.4f
 
 struct moment { struct splat_params first, second; };

@@ -21,7 +21,7 @@
 #define LEAST_HALF 0.01          /* half an axis, where points are given to splats */
 #define ROUNDS 6u                /* of prices, for levels of at most so many splats */
 #define PRICED 192u
-#define ALONE 0.6f               /* of a descent: then between levels, too */
+#define ALONE 0.4f               /* of a descent: then between levels, too */
 
 static const uint32_t level_size[LOD_SPLAT_LEVELS] = { 1, 3, 12, 48, 192, 768, 3072 };
 

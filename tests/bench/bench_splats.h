@@ -1,0 +1,54 @@
+/* One plant drawn with few vertices, against the whole plant: what the section `splats` measures. */
+#ifndef TESTS_BENCH_SPLATS_H
+#define TESTS_BENCH_SPLATS_H
+
+#include "ecofiles/format/model.h"
+#include "lod/build/plant.h"
+#include "lod/build/splat_fit.h"
+#include "lod/raster/raster.h"
+
+#define BENCH_SPLATS_VIEWS 24u           /* of elevation -10 to 60 degrees, as good as orthographic */
+#define BENCH_SPLATS_SIZES 2u            /* projected heights, pixels: 64 and 256 */
+
+struct bench_splats_size {
+	uint32_t side;                   /* pictures of side x side pixels */
+	struct lod_raster raster, fine;      /* one sample a pixel; 4 x 4 */
+	uint8_t *hard[BENCH_SPLATS_VIEWS], *soft[BENCH_SPLATS_VIEWS];    /* of the whole plant */
+	uint8_t *count;                  /* scratch: samples a pixel */
+};
+struct bench_splats_pictures {
+	const struct eco_model *model;
+	double center[3], radius;
+	struct lod_eye eyes[BENCH_SPLATS_VIEWS];
+	struct bench_splats_size sizes[BENCH_SPLATS_SIZES];
+	double ceiling;                  /* mean lod_q_ceiling of all pictures */
+};
+/* Means over views and sizes. */
+struct bench_splats_q { double hard, soft; };
+
+/* Draws the whole plant in all pictures. */
+enum eco_code bench_splats_open(struct bench_splats_pictures *pictures, const struct eco_model *model,
+	struct eco_error *error);
+void bench_splats_close(struct bench_splats_pictures *pictures);
+
+/* Scores what `draw` draws, in one size (0, 1) or all (BENCH_SPLATS_SIZES). */
+void bench_splats_score(struct bench_splats_pictures *pictures, uint32_t size,
+	void (*draw)(const void *what, struct lod_raster *raster), const void *what,
+	struct bench_splats_q *q);
+/* The picture of one view, 3 bytes a pixel, row by row with `stride` pixels: white where nothing is, else
+ * `rgb` by item, dark grey if it is NULL. `draw` NULL: the whole plant. */
+void bench_splats_paint(struct bench_splats_pictures *pictures, uint32_t view,
+	void (*draw)(const void *what, struct lod_raster *raster), const void *what, const uint8_t (*rgb)[3],
+	uint8_t *to, uint32_t stride);
+
+/* The state of levels with at most so many vertices: its splats from `items`. `to` has room for as many. */
+uint32_t bench_splats_state(const struct lod_splats *splats, uint32_t vertices, struct lod_splat *to);
+struct bench_splats_drawn { const struct lod_splat *items; uint32_t count; };
+void bench_splats_draw(const void *drawn, struct lod_raster *raster);
+
+/* Square points, and lines for wood that has no points, of a built plant: the beginnings of its lists, each
+ * organ by its area. `growth`: areas of points over those that keep the sum. */
+struct bench_points_drawn { const struct lod_plant *plant; uint32_t vertices; double growth; };
+void bench_points_draw(const void *drawn, struct lod_raster *raster);
+
+#endif
