@@ -9,6 +9,7 @@
 #define MEMORY_1 0.9f            /* Adam's */
 #define MEMORY_2 0.99f
 #define STEPS 300u
+#define ALONE 0.4f              /* of a descent: then between levels, too */
 #define RATE 0.08f               /* of a splat's size, in the first step */
 #define LEAST_RATE 0.002f
 /* how much of the objective is hard Q (struct splat_softness): that of opaque splats is what they are for */
@@ -24,7 +25,8 @@ struct state {
 	struct splat_params **gradient;      /* per view of a batch */
 	struct splat_picture *pictures;      /* the same */
 	struct splat_params *drawn;          /* what a step draws */
-	uint32_t drawn_count, moving;        /* the first `moving` are of the level */
+	uint32_t drawn_count, moving;        /* the first `moving` are of the level: splats index[i] */
+	uint32_t *index;
 	double *loss;
 	uint32_t batch, batches, room;       /* views batch, batch + batches, ... */
 	float size;                          /* of the splats in the mean at first */
@@ -39,16 +41,34 @@ static void view_piece(void *pieces, uint32_t i)
 		&s->soft, &s->pictures[i], s->gradient[i]);
 }
 
-/* The whole level, or the children of the first `parents` with the other parents. */
-static void choose_drawn(struct state *s, uint32_t parents)
+static void draw_level(struct state *s)
+{
+	s->moving = s->drawn_count = s->d->count;
+	memcpy(s->drawn, s->d->splats, s->moving * sizeof *s->drawn);
+	for (uint32_t i = 0; i < s->moving; i++)
+		s->index[i] = i;
+}
+
+/* A random share of the parents has given way to its children. */
+static void draw_between(struct state *s, uint64_t *seed)
 {
 	const struct splat_descent *d = s->d;
-	uint32_t all = d->parents ? d->count / d->children : parents, rest = all - parents;
-	s->moving = d->parents ? parents * d->children : d->count;
-	s->drawn_count = s->moving + rest;
-	memcpy(s->drawn, d->splats, s->moving * sizeof *s->drawn);
-	if (rest)
-		memcpy(s->drawn + s->moving, d->parents + parents, rest * sizeof *s->drawn);
+	double share = eco_mix_unit(eco_mix_next(seed));
+	s->moving = 0;
+	s->drawn_count = d->count;           /* parents that stay are gathered behind all children */
+	for (uint32_t i = 0; i < d->count / d->children; i++) {
+		if (eco_mix_unit(eco_mix_next(seed)) >= share) {
+			s->drawn[s->drawn_count++] = d->parents[i];
+			continue;
+		}
+		for (uint32_t k = i * d->children; k < (i + 1) * d->children; k++) {
+			s->drawn[s->moving] = d->splats[k];
+			s->index[s->moving++] = k;
+		}
+	}
+	uint32_t stay = s->drawn_count - d->count;
+	memmove(s->drawn + s->moving, s->drawn + d->count, stay * sizeof *s->drawn);
+	s->drawn_count = s->moving + stay;
 }
 
 /* Mean loss of a batch; gradients are summed in the order of views. */
@@ -104,6 +124,7 @@ static void prepare(struct state *s, struct lod_arena *arena)
 	s->pictures = lod_arena_take(arena, s->room, sizeof *s->pictures);
 	size_t parents = d->parents ? d->count / d->children : 0;
 	s->drawn = lod_arena_take(arena, d->count + parents, sizeof *s->drawn);
+	s->index = lod_arena_take(arena, d->count, sizeof *s->index);
 	s->loss = lod_arena_take(arena, s->room, sizeof *s->loss);
 	for (uint32_t i = 0; i < s->room; i++) {
 		s->gradient[i] = lod_arena_take(arena, d->count, sizeof **s->gradient);
@@ -125,27 +146,28 @@ bool splat_descend(struct splat_descent *d, struct lod_arena *arena)
 	const struct lod_arena_piece *mark = arena->last;
 	uint32_t batches = d->views->count < BATCHES ? 1 : BATCHES;
 	struct state s = { .d = d, .batches = batches, .room = (d->views->count + batches - 1) / batches };
-	uint32_t whole = d->parents ? d->count / d->children : 0;
 	uint64_t seed = d->count;
 	float fall_1 = 1, fall_2 = 1;
 	bool go = true;
 	prepare(&s, arena);
-	for (uint32_t i = (uint32_t)(d->from * STEPS); i < (uint32_t)(d->to * STEPS) && go; i++) {
+	for (uint32_t i = 0; i < STEPS && go; i++) {
 		float at = (float)i / STEPS, rest = (1 - at) * (1 - at);
 		s.soft = (struct splat_softness){ .edge_px = 0.8f, .least = 0.6f * rest, .blur_px2 = 0.2f,
 			.chance = d->opaque ? CHANCE_OPAQUE : CHANCE };
 		s.batch = i % s.batches;
-		bool blend = d->parents && i / s.batches % 2;
-		choose_drawn(&s, blend ? 1 + (uint32_t)(eco_mix_next(&seed) % whole) : whole);
+		if (d->parents && at > ALONE && i / s.batches % 2)
+			draw_between(&s, &seed);
+		else
+			draw_level(&s);
 		batch_gradient(&s);
 		fall_1 *= MEMORY_1;
 		fall_2 *= MEMORY_2;
 		for (uint32_t k = 0; k < s.moving; k++)
-			step_splat(&s, &d->splats[k], &s.moments[k], &s.gradient[0][k],
+			step_splat(&s, &d->splats[s.index[k]], &s.moments[s.index[k]], &s.gradient[0][k],
 				RATE * rest + LEAST_RATE, 1 / (1 - fall_1), 1 / (1 - fall_2));
 		go = told(d, at);
 	}
-	choose_drawn(&s, whole);
+	draw_level(&s);
 	d->loss = 0;
 	s.soft = (struct splat_softness){ .edge_px = 0.3f };
 	for (s.batch = 0; s.batch < s.batches; s.batch++)

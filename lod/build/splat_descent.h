@@ -9,11 +9,10 @@ struct splat_descent {
 	const struct splat_views *views;
 	struct splat_params *splats;     /* a level; in: where it begins, out: where it ends */
 	uint32_t count;
-	/* The level before, as it ended, or NULL: then some steps draw parents whose turn has not come with
-	 * the children of the others, so that pictures between two levels are good, too. */
+	/* The level before, as it ended, or NULL: then some steps draw some of it with the children of the
+	 * others, so that pictures between two levels are good, too. */
 	const struct splat_params *parents;
-	uint32_t children;
-	float from, to;                  /* of the whole descent: in [0, 1] */
+	uint32_t children;               /* of each parent */
 	bool opaque;
 	uint32_t level, levels;          /* for progress */
 	const struct lod_splats_options *options;

@@ -21,7 +21,6 @@
 #define LEAST_HALF 0.01          /* half an axis, where points are given to splats */
 #define ROUNDS 6u                /* of prices, for levels of at most so many splats */
 #define PRICED 192u
-#define ALONE 0.4f               /* of a descent: then between levels, too */
 
 static const uint32_t level_size[LOD_SPLAT_LEVELS] = { 1, 3, 12, 48, 192, 768, 3072 };
 
@@ -261,53 +260,65 @@ static void store(struct fit *fit, uint32_t levels)
 	splats->level_count = levels;
 }
 
-/* Puts groups of `size` splats and of parts in an order. */
-static void permute(struct fit *fit, uint32_t level, const uint32_t *order, uint32_t size)
-{
-	uint32_t count = level_size[level];
-	const struct lod_arena_piece *mark = fit->arena.last;
-	struct splat_params *splats = lod_arena_take(&fit->arena, count, sizeof *splats);
-	struct part *parts = lod_arena_take(&fit->arena, count, sizeof *parts);
-	memcpy(splats, fit->level[level], count * sizeof *splats);
-	memcpy(parts, fit->parts[level], count * sizeof *parts);
-	for (uint32_t i = 0; i < count; i++) {
-		uint32_t from = order[i / size] * size + i % size;
-		fit->level[level][i] = splats[from];
-		fit->parts[level][i] = parts[from];
-	}
-	lod_arena_release(&fit->arena, mark);
-}
-
-static void order_parents(struct fit *fit, uint32_t level)
-{
-	uint32_t parents = level_size[level - 1], children = level_size[level] / parents;
-	const struct lod_arena_piece *mark = fit->arena.last;
-	uint32_t *order = lod_arena_take(&fit->arena, parents, sizeof *order);
-	splat_order_find(&fit->views, fit->level[level - 1], parents,
-		level > 1 ? parents / level_size[level - 2] : 1, fit->level[level], children,
-		&fit->arena, order);
-	permute(fit, level - 1, order, 1);
-	permute(fit, level, order, children);
-	lod_arena_release(&fit->arena, mark);
-}
-
-/* A level descends by itself; then parents are put in order; then it descends between the levels, too. */
 static bool descend(struct fit *fit, uint32_t level, uint32_t levels)
 {
 	struct splat_descent descent = { .views = &fit->views, .splats = fit->level[level],
 		.count = level_size[level], .opaque = fit->options->opaque, .level = level, .levels = levels,
-		.options = fit->options, .to = level ? ALONE : 1 };
-	bool go = splat_descend(&descent, &fit->arena);
-	if (go && level) {
-		order_parents(fit, level);
+		.options = fit->options };
+	if (level) {
 		descent.parents = fit->level[level - 1];
 		descent.children = level_size[level] / level_size[level - 1];
-		descent.from = ALONE;
-		descent.to = 1;
-		go = splat_descend(&descent, &fit->arena);
 	}
+	bool go = splat_descend(&descent, &fit->arena);
 	fit->splats->loss[level] = descent.loss;
 	return go;
+}
+
+/* ---- Order ---- */
+
+/* What each splat gains and all that descend from it: a group's order is that of its descendants, too. */
+static void sum_gains(struct fit *fit, uint32_t levels, double *gain[LOD_SPLAT_LEVELS])
+{
+	for (uint32_t l = 0; l < levels; l++)
+		gain[l] = lod_arena_take(&fit->arena, level_size[l], sizeof **gain);
+	for (uint32_t l = levels - 1; l-- > 0;) {
+		uint32_t children = level_size[l + 1] / level_size[l];
+		splat_gains(&fit->views, fit->level[l], level_size[l], fit->level[l + 1], children,
+			&fit->arena, gain[l]);
+		for (uint32_t i = 0; i < level_size[l + 1]; i++)
+			gain[l][i / children] += gain[l + 1][i];
+	}
+}
+
+/* Sorts the splats of a level within their groups, most gain first; groups stand as their parents do. */
+static void order_level(struct fit *fit, uint32_t level, const double *gain, const uint32_t *parents,
+	uint32_t *order)
+{
+	uint32_t siblings = level_size[level] / level_size[level - 1];
+	for (uint32_t i = 0; i < level_size[level]; i++) {
+		uint32_t splat = parents[i / siblings] * siblings + i % siblings, at = i;
+		for (; at % siblings && gain[order[at - 1]] < gain[splat]; at--)
+			order[at] = order[at - 1];
+		order[at] = splat;
+	}
+	const struct lod_arena_piece *mark = fit->arena.last;
+	struct splat_params *copy = lod_arena_take(&fit->arena, level_size[level], sizeof *copy);
+	memcpy(copy, fit->level[level], level_size[level] * sizeof *copy);
+	for (uint32_t i = 0; i < level_size[level]; i++)
+		fit->level[level][i] = copy[order[i]];
+	lod_arena_release(&fit->arena, mark);
+}
+
+static void order_all(struct fit *fit, uint32_t levels)
+{
+	double *gain[LOD_SPLAT_LEVELS];
+	uint32_t *order[LOD_SPLAT_LEVELS];
+	sum_gains(fit, levels, gain);
+	for (uint32_t l = 0; l < levels; l++) {
+		order[l] = lod_arena_take(&fit->arena, level_size[l], sizeof **order);
+		if (l)
+			order_level(fit, l, gain[l], order[l - 1], order[l]);
+	}
 }
 
 static enum eco_code run(struct fit *fit, const struct eco_model *model, struct eco_error *error)
@@ -322,6 +333,7 @@ static enum eco_code run(struct fit *fit, const struct eco_model *model, struct 
 		if (!descend(fit, l, levels))
 			return eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	}
+	order_all(fit, levels);
 	store(fit, levels);
 	return ECO_OK;
 }

@@ -247,14 +247,17 @@ static void draw_back(const struct ellipse *e, float *left, uint32_t stride)
 	}
 }
 
-void splat_view_replace(const struct splat_views *views, uint32_t view, const struct splat_params *parent,
-	const struct splat_params *children, uint32_t count, const struct splat_softness *soft, float *left)
+void splat_view_replace(const struct splat_views *views, uint32_t view, const struct splat_params *out,
+	uint32_t out_count, const struct splat_params *in, uint32_t in_count,
+	const struct splat_softness *soft, float *left)
 {
 	struct ellipse e;
-	project(&e, views, &views->items[view], parent, soft);
-	draw_back(&e, left, views->stride);
-	for (uint32_t i = 0; i < count; i++) {
-		project(&e, views, &views->items[view], &children[i], soft);
+	for (uint32_t i = 0; i < out_count; i++) {
+		project(&e, views, &views->items[view], &out[i], soft);
+		draw_back(&e, left, views->stride);
+	}
+	for (uint32_t i = 0; i < in_count; i++) {
+		project(&e, views, &views->items[view], &in[i], soft);
 		draw(&e, left, views->stride);
 	}
 }

@@ -52,9 +52,10 @@ struct splat_picture { float *free; float *weight; };
 /* Draws splats over nothing: the share of each pixel that they leave free. */
 void splat_view_draw(const struct splat_views *views, uint32_t view, const struct splat_params *splats,
 	uint32_t count, const struct splat_softness *soft, float *left);
-/* Takes a splat out of that picture and puts others in. */
-void splat_view_replace(const struct splat_views *views, uint32_t view, const struct splat_params *parent,
-	const struct splat_params *children, uint32_t count, const struct splat_softness *soft, float *left);
+/* Takes some out of that picture and puts others in. */
+void splat_view_replace(const struct splat_views *views, uint32_t view, const struct splat_params *out,
+	uint32_t out_count, const struct splat_params *in, uint32_t in_count,
+	const struct splat_softness *soft, float *left);
 /* 1 - Q of that picture. */
 double splat_view_score(const struct splat_views *views, uint32_t view, const float *left, float chance);
 
@@ -64,11 +65,9 @@ double splat_view_loss(const struct splat_views *views, uint32_t view, const str
 	uint32_t count, uint32_t moving, const struct splat_softness *soft,
 	const struct splat_picture *picture, struct splat_params *gradient);
 
-/* The order in which a level's splats should give way to their children, within groups of `siblings`: each
- * time the one whose children raise Q most. `children` of each; order[i]: the splat that is i-th. */
-void splat_order_find(const struct splat_views *views, const struct splat_params *parents, uint32_t count,
-	uint32_t siblings, const struct splat_params *level, uint32_t children, struct lod_arena *arena,
-	uint32_t *order);
+/* gain[i]: how much 1 - Q falls where splat i of a level gives way to its children in the next. */
+void splat_gains(const struct splat_views *views, const struct splat_params *parents, uint32_t count,
+	const struct splat_params *level, uint32_t children, struct lod_arena *arena, double *gain);
 
 /* Adds the light that the plant shows where a splat is in front, to the light of each splat. `order`: from
  * the nearest to the farthest, by index. */
