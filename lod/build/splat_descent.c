@@ -12,6 +12,9 @@
 #define ALONE 0.4f              /* of a descent: then between levels, too */
 #define RATE 0.08f               /* of a splat's size, in the first step */
 #define LEAST_RATE 0.002f
+#define SETTLE_STEPS 40u
+#define SETTLE_RATE 0.008f
+#define SETTLE_FROM 0.9          /* of all the work */
 /* how much of the objective is hard Q (struct splat_softness): that of opaque splats is what they are for */
 #define CHANCE 0.03f
 #define CHANCE_OPAQUE 0.4f
@@ -105,6 +108,8 @@ static void step_splat(const struct state *s, struct splat_params *splat, struct
 	float size = size_of(splat);
 	size = size > 0.5f * s->size ? size : 0.5f * s->size;
 	for (uint32_t j = 0; j < SPLAT_PARAMS; j++) {
+		if (s->d->settle && j >= SPLAT_AXES && j < SPLAT_OPACITY)
+			continue;
 		float g = gradient->v[j], *a = &moment->first.v[j], *b = &moment->second.v[j];
 		*a = MEMORY_1 * *a + (1 - MEMORY_1) * g;
 		*b = MEMORY_2 * *b + (1 - MEMORY_2) * g * g;
@@ -137,8 +142,9 @@ static void prepare(struct state *s, struct lod_arena *arena)
 
 static bool told(const struct splat_descent *d, double share)
 {
-	return !d->options->progress
-		|| d->options->progress(d->options->ctx, (d->level + share) / d->levels);
+	double all = (d->level + share) / d->levels;
+	return !d->options->progress || d->options->progress(d->options->ctx,
+		d->settle ? SETTLE_FROM + (1 - SETTLE_FROM) * all : SETTLE_FROM * all);
 }
 
 bool splat_descend(struct splat_descent *d, struct lod_arena *arena)
@@ -150,10 +156,11 @@ bool splat_descend(struct splat_descent *d, struct lod_arena *arena)
 	float fall_1 = 1, fall_2 = 1;
 	bool go = true;
 	prepare(&s, arena);
-	for (uint32_t i = 0; i < STEPS && go; i++) {
-		float at = (float)i / STEPS, rest = (1 - at) * (1 - at);
-		s.soft = (struct splat_softness){ .edge_px = 0.8f, .least = 0.6f * rest, .blur_px2 = 0.2f,
-			.chance = d->opaque ? CHANCE_OPAQUE : CHANCE };
+	uint32_t steps = d->settle ? SETTLE_STEPS : STEPS;
+	for (uint32_t i = 0; i < steps && go; i++) {
+		float at = (float)i / (float)steps, rest = (1 - at) * (1 - at);
+		s.soft = (struct splat_softness){ .edge_px = 0.8f, .least = d->settle ? 0 : 0.6f * rest,
+			.blur_px2 = 0.2f, .chance = d->opaque ? CHANCE_OPAQUE : CHANCE };
 		s.batch = i % s.batches;
 		if (d->parents && at > ALONE && i / s.batches % 2)
 			draw_between(&s, &seed);
@@ -164,7 +171,8 @@ bool splat_descend(struct splat_descent *d, struct lod_arena *arena)
 		fall_2 *= MEMORY_2;
 		for (uint32_t k = 0; k < s.moving; k++)
 			step_splat(&s, &d->splats[s.index[k]], &s.moments[s.index[k]], &s.gradient[0][k],
-				RATE * rest + LEAST_RATE, 1 / (1 - fall_1), 1 / (1 - fall_2));
+				d->settle ? SETTLE_RATE * rest : RATE * rest + LEAST_RATE, 1 / (1 - fall_1),
+				1 / (1 - fall_2));
 		go = told(d, at);
 	}
 	draw_level(&s);

@@ -240,32 +240,12 @@ static void place(struct lod_splats *splats, const struct splat_views *views)
 	}
 }
 
-static void store(struct fit *fit, uint32_t levels)
-{
-	struct lod_splats *splats = fit->splats;
-	uint32_t count = 0;
-	for (uint32_t l = 0; l < levels; l++)
-		splats->level_end[l] = count += level_size[l];
-	splats->items = lod_arena_own(&fit->arena, count, sizeof *splats->items);
-	for (uint32_t l = 0; l < levels; l++) {
-		struct lod_splat *to = splats->items + lod_splats_first(splats, l);
-		for (uint32_t i = 0; i < level_size[l]; i++) {
-			splat_store(&to[i], &fit->level[l][i], splats);
-			splat_restore(&fit->level[l][i], &to[i], splats);
-		}
-		splat_color_level(&fit->views, fit->level[l], level_size[l],
-			l ? splats->items + lod_splats_first(splats, l - 1) : NULL,
-			l ? level_size[l] / level_size[l - 1] : 1, &fit->arena, to);
-	}
-	splats->level_count = levels;
-}
-
-static bool descend(struct fit *fit, uint32_t level, uint32_t levels)
+static bool descend(struct fit *fit, uint32_t level, uint32_t levels, bool settle)
 {
 	struct splat_descent descent = { .views = &fit->views, .splats = fit->level[level],
 		.count = level_size[level], .opaque = fit->options->opaque, .level = level, .levels = levels,
-		.options = fit->options };
-	if (level) {
+		.options = fit->options, .settle = settle };
+	if (level && !settle) {
 		descent.parents = fit->level[level - 1];
 		descent.children = level_size[level] / level_size[level - 1];
 	}
@@ -321,6 +301,38 @@ static void order_all(struct fit *fit, uint32_t levels)
 	}
 }
 
+/* ---- Rounding ---- */
+
+static void round_level(struct fit *fit, uint32_t level, struct lod_splat *to)
+{
+	for (uint32_t i = 0; i < level_size[level]; i++) {
+		splat_store(&to[i], &fit->level[level][i], fit->splats);
+		splat_restore(&fit->level[level][i], &to[i], fit->splats);
+	}
+}
+
+/* Half axes are rounded by 5 %: what can be told more finely settles around them. */
+static bool store(struct fit *fit, uint32_t levels)
+{
+	struct lod_splats *splats = fit->splats;
+	uint32_t count = 0;
+	for (uint32_t l = 0; l < levels; l++)
+		splats->level_end[l] = count += level_size[l];
+	splats->items = lod_arena_own(&fit->arena, count, sizeof *splats->items);
+	for (uint32_t l = 0; l < levels; l++) {
+		struct lod_splat *to = splats->items + lod_splats_first(splats, l);
+		round_level(fit, l, to);
+		if (!descend(fit, l, levels, true))
+			return false;
+		round_level(fit, l, to);
+		splat_color_level(&fit->views, fit->level[l], level_size[l],
+			l ? splats->items + lod_splats_first(splats, l - 1) : NULL,
+			l ? level_size[l] / level_size[l - 1] : 1, &fit->arena, to);
+	}
+	splats->level_count = levels;
+	return true;
+}
+
 static enum eco_code run(struct fit *fit, const struct eco_model *model, struct eco_error *error)
 {
 	enum eco_code code = splat_views_make(&fit->views, model, fit->options, &fit->arena, error);
@@ -330,12 +342,11 @@ static enum eco_code run(struct fit *fit, const struct eco_model *model, struct 
 	uint32_t levels = count_levels(fit, model);
 	for (uint32_t l = 0; l < levels; l++) {
 		start_level(fit, l);
-		if (!descend(fit, l, levels))
+		if (!descend(fit, l, levels, false))
 			return eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	}
 	order_all(fit, levels);
-	store(fit, levels);
-	return ECO_OK;
+	return store(fit, levels) ? ECO_OK : eco_fail(error, ECO_INTERRUPTED, "interrupted");
 }
 
 enum eco_code lod_splats_fit(struct lod_splats *splats, const struct eco_model *model,

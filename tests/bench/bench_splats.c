@@ -6,7 +6,7 @@
  *   dip          how far pictures between two levels lie below the line between these levels, at most
  *
  * Beside opaque splats and splats with opacity stand square points of the pack's order, grown by the best of
- * five factors. */
+ * eight factors. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -137,7 +137,7 @@ static enum eco_code study_splats(struct work *w, const struct eco_model *model,
 static enum eco_code study_points(struct work *w, const struct eco_model *model, json_t *row,
 	struct eco_error *error)
 {
-	static const double growths[] = { 1, 0.7, 0.5, 0.35, 0.25 };
+	static const double growths[] = { 8, 4, 2, 1, 0.5, 0.25, 0.12, 0.06 };
 	struct lod_plant plant;
 	struct lod_plant_options options = { .name = w->model->name, .grid_bits = 12 };
 	enum eco_code code = lod_plant_build(&plant, model, &options, error);
