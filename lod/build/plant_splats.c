@@ -94,7 +94,10 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 	const struct lod_plant_options *options, struct eco_error *error)
 {
 	struct lod_splats splats;
-	struct lod_splats_options fit = { .progress = options->progress, .each = options->each,
+	/* a build with small curves is a draft in its splats, too */
+	bool small = options->pixels && options->pixels < 160;
+	struct lod_splats_options fit = { .views = small ? 12 : 0, .pixels = small ? 48 : 0,
+		.progress = options->progress, .each = options->each,
 		.ctx = options->ctx };
 	if (options->stage)
 		options->stage(options->ctx, LOD_STAGE_SPLATS);
