@@ -20,10 +20,12 @@ const struct eco_generate_kind eco_generate_kinds[] = {
 	{ "sunflowers", "a field of sunflowers around an old tree", 13001 },
 	{ "outdoor", "groups of trees, shrubs and patches of grasses and flowers on hills", 40000 },
 	{ "billion", "a forest of any size: hectares of a thousand plants in blocks of blocks", 1000000000 },
+	{ "city", "trees of alpha-cut cards along the streets of a grid", 4000 },
 	{ NULL, NULL, 0 },
 };
 static enum eco_code (*const layouts[])(struct gen_layout *, struct eco_error *) =
-	{ gen_park, gen_forest, gen_meadow, gen_grove, gen_palms, gen_sunflowers, gen_outdoor, gen_billion };
+	{ gen_park, gen_forest, gen_meadow, gen_grove, gen_palms, gen_sunflowers, gen_outdoor, gen_billion,
+	gen_city };
 
 static enum eco_code make_folder(const char *path, struct eco_error *error)
 {
@@ -44,7 +46,7 @@ enum eco_code eco_generate(const struct eco_generate_options *options, struct ec
 		kind++;
 	if (!eco_generate_kinds[kind].name)
 		return eco_fail(error, ECO_BAD_USAGE, "no scene is called %s: generate park, forest, "
-			"meadow, grove, palms, sunflowers, outdoor or billion", options->name);
+			"meadow, grove, palms, sunflowers, outdoor, billion or city", options->name);
 	uint64_t most = eco_generate_kinds[kind].plants > ECO_GENERATE_NAMED_MAX ? ECO_GENERATE_PLANTS_MAX
 		: ECO_GENERATE_NAMED_MAX;
 	if (options->plants > most)

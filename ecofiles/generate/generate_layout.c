@@ -102,6 +102,19 @@ void gen_print_plants(FILE *out, const char *const names[])
 	fputs("\n  },\n", out);
 }
 
+void gen_print_listed(FILE *out, const char *name, uint32_t tile_instances, const char *const names[])
+{
+	gen_print_head(out, name, tile_instances);
+	gen_print_plants(out, names);
+	fputs("  \"instances\": [\n    {\"from\": \"plants.csv\", \"x\": \"easting\", \"y\": \"northing\", "
+		"\"crs\": \""
+		GEN_CRS "\", \"species\": \"plant\",\n"
+		"     \"map\": {", out);
+	for (uint32_t i = 0; names[i]; i++)
+		fprintf(out, "%s\"%s\": \"%s\"", i ? ", " : "", names[i], names[i]);
+	fputs("}, \"height_m\": {\"column\": \"height_m\"}, \"seed\": 1}\n  ]\n}\n", out);
+}
+
 enum eco_code gen_write_camera(const struct gen_layout *layout, const struct gen_terrain *terrain,
 	const struct gen_look *looks, uint32_t count, struct eco_error *error)
 {

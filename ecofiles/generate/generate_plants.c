@@ -105,6 +105,55 @@ static const struct broad maple = {
 	{ .shades = 4, .twigs = 4, .leaves = 3, .twig_m = 0.6, .leaf_m = 0.66, .width_m = 0.55,
 		.spread = 0.9, .shape = GEN_LEAF_CARD }, .bark = 0x685e50 };
 
+/* ---- Trees of cards, as games and cities have them ---- */
+
+struct cards {
+	double height, base, radius, trunk_radius, card_m;
+	uint32_t boughs, cards;                  /* cards: per bough */
+	uint32_t bark;
+};
+
+/* Two cards cross at the end of a bough, and the others stand anyhow along its outer half. */
+static void grow_card_bough(struct gen_mesh *mesh, const struct cards *tree, const struct gen_v3 points[2],
+	double light, struct gen_random *random)
+{
+	double detail = detail_of(mesh);
+	struct gen_v3 along = gen_sub(points[1], points[0]), way = gen_unit(along),
+		side = gen_turned(gen_across(way), way, gen_random_in(random, 0, 360));
+	gen_tube(mesh, 0, &(struct gen_tube){ points, (double[]){ 0.05, 0 }, 2, 3 });
+	for (uint32_t k = 0; k < 2 || k < tree->cards * detail; k++) {
+		double size = tree->card_m * gen_random_in(random, 0.8, 1.2) / sqrt(detail);
+		struct gen_v3 out = k < 2 ? way : gen_unit(gen_add(way, gen_random_way(random))),
+			foot = gen_mad(points[0], along, k < 2 ? 1 : gen_random_in(random, 0.5, 1));
+		gen_leaf(mesh, 1, &(struct gen_leaf){ .at = gen_mad(foot, out, -0.4 * size), .along = out,
+			.face = k < 2 ? gen_turned(side, way, 90 * k) : gen_random_way(random),
+			.length = size, .width = size, .cell = shade_of(light, 4, random),
+			.shape = GEN_LEAF_CARD });
+	}
+}
+
+/* Boughs around a trunk, longest in the middle of the crown, rising towards its top. */
+static void grow_cards(struct gen_mesh *mesh, const void *kind, struct gen_random *random)
+{
+	const struct cards *tree = kind;
+	struct gen_v3 top = gen_mad(gen_v3(0, 0, 0.9 * tree->height), gen_random_way(random), 0.3);
+	gen_material(mesh, "bark", tree->bark, NULL);
+	gen_material(mesh, "leaf", 0xffffff, "branch.png");
+	gen_tube(mesh, 0, &(struct gen_tube){ (struct gen_v3[]){ gen_v3(0, 0, 0), gen_mul(top, 0.4), top },
+		(double[]){ tree->trunk_radius, 0.7 * tree->trunk_radius, 0 }, 3, 6 });
+	for (uint32_t i = 0; i < tree->boughs; i++) {
+		double t = (i + gen_random_unit(random)) / tree->boughs, low = tree->base / tree->height,
+			reach = tree->radius * 2 * sqrt((0.06 + t) * (1.06 - t))
+			* gen_random_in(random, 0.6, 0.95);
+		struct gen_v3 foot = gen_mul(top, low + (0.98 - low) * t);
+		struct gen_v3 points[2] = { foot, gen_mad(foot, gen_heading(137.5 * i, 5 + 55 * t), reach) };
+		grow_card_bough(mesh, tree, points, 0.25 + 0.6 * t, random);
+	}
+}
+
+static const struct cards street_tree = { .height = 11, .base = 2.8, .radius = 2.9, .trunk_radius = 0.2,
+	.card_m = 1.15, .boughs = 34, .cards = 8, .bark = 0x5e5244 };
+
 /* ---- Conifers ---- */
 
 struct whorls {
@@ -473,6 +522,9 @@ const struct gen_plant gen_plants[] = {
 	{ "grass", NULL, grow_blades, &grass }, { "turf", NULL, grow_blades, &turf },
 	{ "daisy", NULL, grow_flower, &daisy }, { "poppy", NULL, grow_flower, &poppy },
 	{ "cornflower", NULL, grow_flower, &cornflower }, { "sunflower", NULL, sunflower, NULL },
+	{ "cards-1", "branch.png", grow_cards, &street_tree },
+	{ "cards-2", "branch.png", grow_cards, &street_tree },
+	{ "cards-3", "branch.png", grow_cards, &street_tree },
 };
 const uint32_t gen_plant_count = sizeof gen_plants / sizeof *gen_plants;
 

@@ -54,6 +54,8 @@ enum eco_code gen_write_models(const struct gen_layout *layout, const char *cons
 	struct eco_error *error);
 void gen_print_head(FILE *out, const char *name, uint32_t tile_instances);
 void gen_print_plants(FILE *out, const char *const names[]);
+/* A whole scene.json whose plants stand in plants.csv (plant, easting, northing, height_m). */
+void gen_print_listed(FILE *out, const char *name, uint32_t tile_instances, const char *const names[]);
 
 /* A camera script. Eye and target in metres above the ground below them. */
 struct gen_look { double time_s, eye[3], target[3], fov_deg; };
@@ -84,5 +86,6 @@ enum eco_code gen_palms(struct gen_layout *layout, struct eco_error *error);
 enum eco_code gen_sunflowers(struct gen_layout *layout, struct eco_error *error);
 enum eco_code gen_outdoor(struct gen_layout *layout, struct eco_error *error);
 enum eco_code gen_billion(struct gen_layout *layout, struct eco_error *error);
+enum eco_code gen_city(struct gen_layout *layout, struct eco_error *error);
 
 #endif

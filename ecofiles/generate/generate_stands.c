@@ -135,19 +135,6 @@ static void make_looks(double half_m, double tall_m, struct gen_look looks[FLIGH
 	}
 }
 
-static void print_scene(FILE *out, const struct stand_kind *kind, const char *const names[])
-{
-	gen_print_head(out, kind->name, kind->tile);
-	gen_print_plants(out, names);
-	fputs("  \"instances\": [\n    {\"from\": \"plants.csv\", \"x\": \"easting\", \"y\": \"northing\", "
-		"\"crs\": \""
-		GEN_CRS "\", \"species\": \"plant\",\n"
-		"     \"map\": {", out);
-	for (uint32_t i = 0; names[i]; i++)
-		fprintf(out, "%s\"%s\": \"%s\"", i ? ", " : "", names[i], names[i]);
-	fputs("}, \"height_m\": {\"column\": \"height_m\"}, \"seed\": 1}\n  ]\n}\n", out);
-}
-
 #define NAMES_MAX 16
 
 static void list_names(const struct stand_kind *kind, const char *names[NAMES_MAX])
@@ -186,7 +173,7 @@ static enum eco_code write_stand(struct gen_layout *layout, const struct stand_k
 	if (!code)
 		code = write_plants(layout, kind, half_m, error);
 	if (!code && !(code = gen_text_open(&text, error))) {
-		print_scene(text.out, kind, names);
+		gen_print_listed(text.out, kind->name, kind->tile, names);
 		code = gen_text_write(&text, layout, "scene.json", error);
 	}
 	return code;

@@ -114,10 +114,33 @@ static void paint_spray(struct canvas *canvas, uint32_t shade)
 	}
 }
 
+/* A branch with nine twigs of nine small leaves: much of the card is empty. */
+static void paint_branch(struct canvas *canvas, uint32_t shade)
+{
+	paint_stalk(canvas, 0.5, 0, 0.5, 0.84, 0.016);
+	for (uint32_t i = 0; i < 81; i++) {
+		uint32_t twig = i / 9, place = i % 9;
+		double side = twig == 8 ? 0 : twig % 2 ? 1 : -1, foot = 0.12 + 0.075 * twig,
+			t = (place + 1) / 9.0,
+			leans = place == 8 ? 0 : place % 2 ? 1 : -1, light = 0.8 + 0.4 * grain(i, 31 + shade),
+			reach = twig == 8 ? 0.2 : 0.44 - 0.025 * twig;
+		struct gen_v3 out = gen_unit(gen_v3(side, 0.35 + 0.08 * twig, 0)),
+			way = gen_unit(gen_v3(out.x - 0.9 * leans * out.y, out.y + 0.9 * leans * out.x, 0));
+		if (!place)
+			paint_stalk(canvas, 0.5, foot, 0.5 + reach * out.x, foot + reach * out.y, 0.009);
+		struct stroke s = { .x = 0.5 + reach * t * out.x, .y = foot + reach * t * out.y,
+			.way_x = way.x, .way_y = way.y, .length = 0.072, .width = 0.03 };
+		for (int c = 0; c < 3; c++)
+			s.rgb[c] = (uint8_t)gen_clamp(leaf_rgb[shade][c] * light, 0, 255);
+		paint_leaf(canvas, &s);
+	}
+}
+
 static const struct painting { const char *name; uint32_t size;
 	void (*paint)(struct canvas *canvas, uint32_t shade); } paintings[] = {
 	{ "leaf.png", 64, paint_single },
 	{ "spray.png", 128, paint_spray },
+	{ "branch.png", 128, paint_branch },
 };
 
 enum eco_code gen_texture_write(const char *folder, const char *name, struct eco_error *error)

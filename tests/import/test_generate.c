@@ -83,6 +83,8 @@ static const struct { const char *name; uint32_t plants; const char *files[12]; 
 	{ "scene.json", "camera.json", "plants.csv", "models/pine.obj", "models/fern.obj" } },
 	{ "billion", 230000, { "scene.json", "camera.json", "dem.tif", "hectare-0.json", "hectare-2.json",
 	"block-1-1.json", "models/beech.obj" } },
+	{ "city", 150, { "scene.json", "camera.json", "dem.tif", "plants.csv", "models/cards-1.obj",
+	"models/cards-3.obj", "models/branch.png" } },
 };
 #define SCENES (sizeof scenes / sizeof *scenes)
 
@@ -162,7 +164,7 @@ UNIT_TEST(test_measured_scenes_have_exactly_as_many_as_asked)
 {
 	static const struct { const char *name; uint32_t plants; } cases[] =
 		{ { "grove", 1 }, { "grove", 257 }, { "palms", 83 }, { "sunflowers", 1 },
-		{ "sunflowers", 900 }, { "outdoor", 1000 } };
+		{ "sunflowers", 900 }, { "outdoor", 1000 }, { "city", 1 }, { "city", 700 } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		const char *folder = fresh("exact");
 		size_t size, lines = 0;
@@ -215,7 +217,8 @@ UNIT_TEST(test_blocks_of_blocks_hold_any_number)
 UNIT_TEST(test_detail_multiplies_leaves)
 {
 	static const struct { const char *name; double least, most; } cases[] =
-		{ { "oak", 2.6, 4.2 }, { "spruce", 2.2, 4.2 }, { "palm", 2.2, 4.2 } };
+		{ { "oak", 2.6, 4.2 }, { "spruce", 2.2, 4.2 }, { "palm", 2.2, 4.2 },
+		{ "cards-1", 1.6, 4.2 } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct gen_mesh once = { 0 }, fine = { .detail = 4 };
 		const struct gen_plant *plant = gen_plant_find(cases[i].name);
@@ -240,7 +243,8 @@ UNIT_TEST(test_plants_have_believable_sizes)
 		{ "azalea", 1, 2, 1.8, 2000 }, { "grass", 0.4, 0.9, 1, 200 }, { "turf", 0.15, 0.4, 1.2, 300 },
 		{ "daisy", 0.3, 0.8, 0.6, 300 },
 		{ "poppy", 0.3, 0.8, 0.6, 300 }, { "cornflower", 0.3, 0.8, 0.6, 300 },
-		{ "sunflower", 1.4, 2.1, 0.7, 1000 } };
+		{ "sunflower", 1.4, 2.1, 0.7, 1000 }, { "cards-1", 9, 13, 5, 300 },
+		{ "cards-2", 9, 13, 5, 300 }, { "cards-3", 9, 13, 5, 300 } };
 	assert_int_equal(sizeof sizes / sizeof *sizes, gen_plant_count);
 	for (uint32_t i = 0; i < gen_plant_count; i++) {
 		struct gen_mesh mesh = { 0 };
@@ -266,6 +270,25 @@ UNIT_TEST(test_plants_have_believable_sizes)
 					< mesh.material_count);
 		gen_mesh_free(&mesh);
 	}
+}
+
+/* Trees stand beside the middles of streets, 90 m apart, and not on them. */
+UNIT_TEST(test_trees_of_a_city_line_its_streets)
+{
+	const char *folder = fresh("streets");
+	size_t size, count = 0;
+	double x, y;
+	generate("city", folder, 500, 2);            /* five blocks each way: streets at multiples of 90 m */
+	char *text = (char *)file_read(in(folder, "plants.csv"), &size), *line = strchr(text, '\n') + 1;
+	for (; *line; line = strchr(line, '\n') + 1, count++) {
+		assert_int_equal(sscanf(line, "%*[^,],%lf,%lf", &x, &y), 2);
+		double from_x = fabs(remainder(x - GEN_EASTING, 90)),
+			from_y = fabs(remainder(y - GEN_NORTHING, 90));
+		assert_true(fmin(from_x, from_y) > 4 && fmin(from_x, from_y) < 8);
+	}
+	free(text);
+	assert_int_equal(count, 500);
+	remove_folder(folder);
 }
 
 UNIT_TEST(test_ground_is_smooth)
