@@ -111,7 +111,8 @@ enum eco_code bench_models(struct bench *bench, struct bench_model **models, uin
 enum eco_code bench_model_read(struct bench *bench, const struct bench_model *model, struct eco_model *out,
 	struct eco_error *error);
 
-/* Names of the scenes: crown, trees640, palms, outdoor, sunflowers, trees1276, trees5000, scbi. */
+/* Names of the scenes: crown, trees640, palms, outdoor, sunflowers, trees1276, trees5000, park, city, cards-1 to
+ * cards-3, scbi. */
 extern const char *const bench_scene_names[];
 /* The pack of a scene, built with `ecopack` if it is not there (order: "greedy", "combined", ...; NULL: the
  * default). Writes its path. ECO_NOT_FOUND where the scene needs data that is not there (scbi). */
@@ -148,15 +149,18 @@ struct bench_frame {
 	struct eco_request request;
 	struct lod_score score;
 	double predicted_q, colour_rms;      /* of sRGB bytes / 255 over pixels covered in either */
-	double soft_q, ceiling, picture_error;       /* view_measure.h; NaN unless asked for */
+	/* view_measure.h, and bench_widest.h; NaN unless asked for */
+	double soft_q, ceiling, picture_error, widest_px;
 	uint64_t vertices, bytes, plan_bytes;
 	double plan_ms, decode_ms, draw_ms;
 };
 struct bench_client;                 /* a pack open for many frames: a server's half and a viewer's half */
 enum eco_code bench_client_open(struct bench_client **client, const char *pack, struct eco_error *error);
 void bench_client_close(struct bench_client *client);
-/* From now on frames have soft_q, ceiling and picture_error, too: they take a few times longer. */
+/* From now on frames have soft_q, ceiling, picture_error and widest_px, too: they take a few times longer. */
 void bench_client_see(struct bench_client *client);
+/* From now on OpenGL draws nothing: draw_ms is the rasteriser's. */
+void bench_client_untimed(struct bench_client *client);
 /* Full detail of the request's view, or the nearest to it that a plan may come, drawn by the CPU rasteriser
  * and kept for this view. */
 enum eco_code bench_client_reference(struct bench_client *client, const struct eco_request *request,
@@ -167,5 +171,9 @@ uint32_t bench_client_summaries(const struct bench_client *client);
  * those of a first visit. */
 enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame *frame,
 	struct view_picture *picture, struct eco_error *error);
+/* That picture beside full detail of the same view and the error that people see, as `file` of the report's
+ * folder, with words under each (ASCII). Only of a client that sees. */
+enum eco_code bench_client_compare(struct bench_client *client, struct bench *bench, const char *file,
+	const struct view_picture *picture, const char *const words[3], struct eco_error *error);
 
 #endif

@@ -7,19 +7,21 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "client-min/view_compare.h"
 #include "client-min/view_gl.h"
 #include "client-min/view_measure.h"
 #include "client-min/view_picture.h"
 #include "client-min/view_report.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_fetch.h"
+#include "tests/bench/bench_widest.h"
 
 struct bench_client {
 	struct srv_store scenes;
 	struct view_store *full;             /* holds full detail of all views so far */
 	struct view_picture reference;
 	struct eco_view of;                  /* that the reference is drawn of */
-	bool has_reference, sees;
+	bool has_reference, sees, untimed;
 	double reference_ms, ceiling;
 };
 
@@ -51,6 +53,7 @@ void bench_client_close(struct bench_client *client)
 }
 
 void bench_client_see(struct bench_client *client) { client->sees = true; }
+void bench_client_untimed(struct bench_client *client) { client->untimed = true; }
 
 /* ---- Drawing ---- */
 
@@ -79,7 +82,7 @@ static double time_gl(const struct view_store *store, const struct view_selectio
 }
 
 /* What is asked for beside a picture: NULL, or where to put it. */
-struct beside { double *gl_ms, *ceiling; bool soft; };           /* gl_ms: NaN where there is no OpenGL */
+struct beside { double *gl_ms, *ceiling, *widest_px; bool soft; };   /* gl_ms: NaN where there is no OpenGL */
 
 /* What the store's plan shows of a view. */
 static enum eco_code draw(const struct view_store *store, const struct eco_view *view,
@@ -99,6 +102,8 @@ static enum eco_code draw(const struct view_store *store, const struct eco_view 
 		code = view_measure_soft(&job, picture, error);
 	if (!code && beside->ceiling)
 		code = view_measure_ceiling(&job, picture, beside->ceiling, error);
+	if (!code && beside->widest_px)
+		*beside->widest_px = bench_widest_px(store, &selection, &eye, picture);
 	if (!code && beside->gl_ms)
 		*beside->gl_ms = time_gl(store, &selection, &eye, view);
 	view_select_free(&selection);
@@ -113,7 +118,7 @@ enum eco_code bench_client_reference(struct bench_client *client, const struct e
 	struct eco_request full = { .view = request->view, .vertices = ECO_VERTICES_MAX,
 		.bytes = ECO_BYTES_UNBOUNDED,
 		.ground_px = ECO_GROUND_PX_MIN };
-	struct beside beside = { NULL, client->sees ? &client->ceiling : NULL, client->sees };
+	struct beside beside = { .ceiling = client->sees ? &client->ceiling : NULL, .soft = client->sees };
 	enum eco_code code = ECO_OK;
 	if (!client->has_reference || memcmp(&client->of, &request->view, sizeof client->of)) {
 		client->has_reference = false;
@@ -182,14 +187,16 @@ enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame
 	struct view_store *store = NULL;
 	struct view_picture drawn = { 0 };
 	double gl_ms = NAN;
+	struct beside beside = { .gl_ms = client->untimed ? NULL : &gl_ms,
+		.widest_px = client->sees ? &frame->widest_px : NULL, .soft = client->sees };
+	frame->widest_px = NAN;
 	enum eco_code code = bench_client_reference(client, &frame->request, NULL, error);
 	if (!code)
 		code = view_store_new(&store, &options, error);
 	if (!code)
 		code = bench_fetch(&fetch, &client->scenes.scenes[0], &frame->request, store, error);
 	if (!code)
-		code = draw(store, &frame->request.view, &drawn,
-			&(struct beside){ &gl_ms, NULL, client->sees }, error);
+		code = draw(store, &frame->request.view, &drawn, &beside, error);
 	if (!code)
 		code = score(client, frame, &drawn, error);
 	if (!code) {
@@ -207,5 +214,25 @@ enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame
 		*picture = drawn;
 	else
 		view_picture_free(&drawn);
+	return code;
+}
+
+enum eco_code bench_client_compare(struct bench_client *client, struct bench *bench, const char *file,
+	const struct view_picture *picture, const char *const words[3], struct eco_error *error)
+{
+	struct view_measures measures;
+	uint32_t size[2];
+	uint8_t *rgb = NULL;
+	float *map = malloc((size_t)picture->width * picture->height * sizeof *map);
+	enum eco_code code = map ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
+	if (!code)
+		code = view_measure_pair(picture, &client->reference, map, &measures, error);
+	if (!code)
+		code = view_compare_draw(&(struct view_compare){ picture, &client->reference, map,
+			{ words[0], words[1], words[2] } }, &rgb, size, error);
+	if (!code)
+		code = bench_picture_write(bench, file, size[0], size[1], rgb, error);
+	free(rgb);
+	free(map);
 	return code;
 }

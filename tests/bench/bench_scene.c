@@ -23,7 +23,7 @@
 
 #define PATH 1024
 
-enum origin { GENERATED, CROWN, SCBI };
+enum origin { GENERATED, CROWN, CARDS, SCBI };
 static const struct scene { const char *name; enum origin origin; const char *kind; unsigned plants;
 	double detail; enum bench_quick quick; } scenes[] = {
 	{ "crown", CROWN, NULL, 1, 1, BENCH_ALL_ORDERS },
@@ -33,10 +33,15 @@ static const struct scene { const char *name; enum origin origin; const char *ki
 	{ "sunflowers", GENERATED, "sunflowers", 13001, 1, BENCH_FULL_ONLY },
 	{ "trees1276", GENERATED, "grove", 1276, 1, BENCH_ONE_ORDER },
 	{ "trees5000", GENERATED, "grove", 5000, 7, BENCH_ALL_ORDERS },
+	{ "park", GENERATED, "park", 60, 1, BENCH_FULL_ONLY },
+	{ "city", GENERATED, "city", 4000, 1, BENCH_FULL_ONLY },
+	{ "cards-1", CARDS, NULL, 1, 1, BENCH_FULL_ONLY },
+	{ "cards-2", CARDS, NULL, 1, 1, BENCH_FULL_ONLY },
+	{ "cards-3", CARDS, NULL, 1, 1, BENCH_FULL_ONLY },
 	{ "scbi", SCBI, NULL, 0, 1, BENCH_ALL_ORDERS } };
 #define SCENES (sizeof scenes / sizeof *scenes)
 const char *const bench_scene_names[] = { "crown", "trees640", "palms", "outdoor", "sunflowers", "trees1276",
-	"trees5000", "scbi", NULL };
+	"trees5000", "park", "city", "cards-1", "cards-2", "cards-3", "scbi", NULL };
 
 static const struct scene *find(const char *name)
 {
@@ -146,6 +151,20 @@ static enum eco_code make_crown(struct bench *bench, const char *folder, struct 
 	return code ? code : bench_file_write(path, scene, sizeof scene - 1, error);
 }
 
+/* One tree of the city's, by its name. */
+static enum eco_code make_cards(struct bench *bench, const char *name, const char *folder,
+	struct eco_error *error)
+{
+	char path[PATH], scene[256];
+	snprintf(path, sizeof path, "%s/scene.json", folder);
+	int size = snprintf(scene, sizeof scene, "{\"name\": \"%s\", \"plants\": {\"tree\": {\"model\": "
+		"\"models/%s.obj\", \"unit\": \"m\"}},\n \"instances\": [{\"plant\": \"tree\", \"at\": "
+		"[0, 0, 0]}]}\n", name, name);
+	enum eco_code code = bench_command(bench, error, "'%s/ecopack' generate city -o '%s' --plants 1 "
+		"--quiet", bench->build, folder);
+	return code ? code : bench_file_write(path, scene, (size_t)size, error);
+}
+
 static enum eco_code make_scbi(struct bench *bench, const char *folder, struct eco_error *error)
 {
 	char path[PATH];
@@ -192,6 +211,7 @@ static enum eco_code make_folder(struct bench *bench, const struct scene *s, cha
 			"%g --quiet", bench->build, s->kind, folder, s->plants, s->detail);
 	else if (!code)
 		code = s->origin == CROWN ? make_crown(bench, folder, error)
+			: s->origin == CARDS ? make_cards(bench, s->name, folder, error)
 			: make_scbi(bench, folder, error);
 	code = code ? code : stamp_write(scene, stamp, error);
 	bench_unlock(locked);

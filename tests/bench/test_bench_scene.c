@@ -115,6 +115,19 @@ UNIT_TEST_BETWEEN(test_failures_are_said_and_leave_no_stamp, set_up, tear_down)
 	assert_int_equal(bench_scene(&bench, "palms", NULL, path, &error), ECO_OK);
 }
 
+UNIT_TEST_BETWEEN(test_a_card_tree_is_a_scene_of_its_own, set_up, tear_down)
+{
+	struct eco_error error = { 0 };
+	char path[512], text[512] = "";
+	assert_int_equal(bench_scene(&bench, "cards-2", NULL, path, &error), ECO_OK);
+	assert_int_equal(access(path, R_OK), 0);
+	FILE *file = fopen(ROOT "/cache/scenes/cards-2/scene.json", "r");
+	assert_non_null(file);
+	assert_true(fread(text, 1, sizeof text - 1, file) > 0);
+	fclose(file);
+	assert_non_null(strstr(text, "models/cards-2.obj"));
+}
+
 UNIT_TEST_BETWEEN(test_views_run_from_first_to_last_of_the_script, set_up, tear_down)
 {
 	struct eco_request requests[7];
