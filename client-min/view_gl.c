@@ -209,7 +209,8 @@ static void set_camera(const struct frame *f, const struct view_shader *s)
 		glUniform3f(s->uniform[names[i]], (float)axes[i][0], (float)axes[i][1], (float)axes[i][2]);
 	glUniform4f(s->uniform[VIEW_U_LENS], (float)(1 / eye->tan_x), (float)(1 / eye->tan_y),
 		(float)f->job->near_m, 0);
-	glUniform2f(s->uniform[VIEW_U_HALF], 0.5f * (float)f->picture->width, 0.5f * (float)f->picture->height);
+	glUniform2f(s->uniform[VIEW_U_HALF], 0.5f * (float)f->picture->width,
+		0.5f * (float)f->picture->height);
 	glUniform1i(s->uniform[VIEW_U_RECORDS], 0);
 	glUniform1i(s->uniform[VIEW_U_INSTANCES], 1);
 	glUniform1i(s->uniform[VIEW_U_MEMBERS], 2);

@@ -142,8 +142,8 @@ static uint32_t cloud_of(const struct view_mesh *mesh, uint32_t point)
 		eco_level_share(mesh->list->list.level));
 }
 
-/* The normal where the ray meets the ellipsoid, or passes it most closely: pixels at its rim reach out. In the
- * space where it is a ball of radius 1, eye and ray are measured along its half axes. */
+/* The normal where the ray meets the ellipsoid, or passes it most closely: pixels at its rim reach out. In
+ * the space where it is a ball of radius 1, eye and ray are measured along its half axes. */
 static uint32_t facet_of_splat(const struct view_mesh *mesh, uint32_t splat, const struct view_rays *rays)
 {
 	const float *center = mesh->geometry.position + 3 * (size_t)splat;

@@ -133,13 +133,15 @@ static const char vertex_points[] =
 	"	uvec4 t0 = texelFetch(u_records, at);\n"
 	"	vec3 view = view_of(p, xyz(t0));\n"
 	"	vec2 focal = u_lens.xy * u_half, middle = vec2(view.x, -view.y) * focal / view.z;\n"
-	"	mat3 axes, to_plant = mat3(0.0); // half axes in view space, y down; columns: normals of plant space\n"
+	"	mat3 axes, to_plant = mat3(0.0); // half axes in view space, y down; columns: normals of "
+	"plant space\n"
 	"	float reach = u_scale;\n"
 	"#if TEXELS == 4\n"
 
 	"	for (int k = 0; k < 3; k++) {\n"
 	"		vec3 h = xyz(texelFetch(u_records, at + 1 + k));\n"
-	"		axes[k] = vec3(dot(p.row[0].xyz, h), -dot(p.row[1].xyz, h), dot(p.row[2].xyz, h)) * u_scale;\n"
+	"		axes[k] = vec3(dot(p.row[0].xyz, h), -dot(p.row[1].xyz, h), dot(p.row[2].xyz, h)) * "
+	"u_scale;\n"
 	"		to_plant[k] = h / max(dot(h, h), 1e-30);\n"
 
 	"	}\n"
@@ -164,7 +166,8 @@ static const char vertex_points[] =
 	"		to_z += d * q, zz += q * q;\n"
 	"	}\n"
 	"	float part = 1.0 / (1.0 - zz);\n"
-	"	bool there = view.z >= u_lens.z && zz < 1.0 && xx > 0.0 && yy > 0.0 && xx < 1e30 && yy < 1e30;\n"
+	"	bool there = view.z >= u_lens.z && zz < 1.0 && xx > 0.0 && yy > 0.0 && xx < 1e30 && yy < "
+	"1e30;\n"
 	"	xx = (xx + to_z.x * to_z.x * part) * part;\n"
 	"	xy = (xy + to_z.x * to_z.y * part) * part;\n"
 	"	yy = (yy + to_z.y * to_z.y * part) * part;\n"
@@ -173,19 +176,23 @@ static const char vertex_points[] =
 	"	vec2 size = vec2(sqrt(xx), sqrt(yy)), sign = vec2(corner == 1 || corner == 2 ? 1.0 : -1.0, "
 	"corner >= 2 ? 1.0 : -1.0);\n"
 	"	v_ellipse = vec4(middle, lean, sqrt(max(xx - lean * xy, 0.0)));\n"
-	"	vec2 slope = vec2(v_ellipse.w > 0.0 ? (to_z.x - lean * to_z.y) / v_ellipse.w : 0.0, to_z.y / size.y);\n"
+	"	vec2 slope = vec2(v_ellipse.w > 0.0 ? (to_z.x - lean * to_z.y) / v_ellipse.w : 0.0, to_z.y "
+	"/ size.y);\n"
 	"	float bulge = sqrt(max(zz - dot(slope, slope), 0.0));\n"
 	"	v_near_side = view.z * vec4(1.0, slope, bulge);\n"
 	"	v_shown.x = size.y;\n"
-	/* the point at (u, v) of the near side, in a space where the ellipsoid is a ball, is this matrix times (u,
-	 * v, sqrt(1 - u^2 - v^2)); and so is its normal, which `to_plant` takes to plant space */
+	/* the point at (u, v) of the near side, in a space where the ellipsoid is a ball, is this matrix
+	 * times (u, v, sqrt(1 - u^2 - v^2)); and so is its normal, which `to_plant` takes to plant space */
 	"#if TEXELS == 4\n"
-	"	vec3 e_u = v_ellipse.w > 0.0 ? (across - lean * down) / v_ellipse.w : vec3(0.0), e_v = down / size.y;\n"
-	"	vec3 farther = vec3(axes[0].z, axes[1].z, axes[2].z) / view.z - slope.x * e_u - slope.y * e_v;\n"
+	"	vec3 e_u = v_ellipse.w > 0.0 ? (across - lean * down) / v_ellipse.w : vec3(0.0), e_v = down "
+	"/ size.y;\n"
+	"	vec3 farther = vec3(axes[0].z, axes[1].z, axes[2].z) / view.z - slope.x * e_u - slope.y * "
+	"e_v;\n"
 	"	v_normals = to_plant * mat3(e_u, e_v, farther / -max(bulge, 1e-30));\n"
 	"#endif\n"
 	"	v_salt = t0.x * 0x9E3779B1u ^ t0.y * 0x85EBCA77u ^ t0.z * 0xC2B2AE3Du;\n"
-	"	v_seen = uvec4(p.owner, CLOUD << 30 | u_level << 16 | uint(cloud * 65535.0 + 0.5), color_of(t0.w));\n"
+	"	v_seen = uvec4(p.owner, CLOUD << 30 | u_level << 16 | uint(cloud * 65535.0 + 0.5), "
+	"color_of(t0.w));\n"
 	"	gl_Position = project(view);\n"
 	"	gl_Position.xy = (middle + sign * (size + 1.0)) / u_half * gl_Position.w;\n"
 	"	if (!there) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);\n"
@@ -244,12 +251,16 @@ static const char fragment_plant[] =
 	"	uint hash = v_salt + pixel.x * 0x9E3779B9u + pixel.y * 0x7FEB352Du;\n"
 	"	hash = (hash ^ hash >> 16) * 0x21F0AAADu;\n"
 	"	hash = (hash ^ hash >> 15) * 0x735A2D97u;\n"
-	"	float half_row = v_ellipse.w * sqrt(max(rest, 0.0)), u = v_ellipse.w > 0.0 ? x / v_ellipse.w : 0.0;\n"
-	"	if (rest < 0.0 || x < -half_row || x >= half_row || float(hash >> 24) >= v_shown.y * 256.0) return 0.0;\n"
+	"	float half_row = v_ellipse.w * sqrt(max(rest, 0.0)), u = v_ellipse.w > 0.0 ? x / "
+	"v_ellipse.w : 0.0;\n"
+	"	if (rest < 0.0 || x < -half_row || x >= half_row || float(hash >> 24) >= v_shown.y * 256.0) "
+	"return 0.0;\n"
 	"#if TEXELS == 4\n"
-	"	surface = surface_direction(FACET, normalize(v_normals * vec3(u, v, sqrt(max(rest - u * u, 0.0)))));\n"
+	"	surface = surface_direction(FACET, normalize(v_normals * vec3(u, v, sqrt(max(rest - u * u, "
+	"0.0)))));\n"
 	"#endif\n"
-	"	float far = v_near_side.x + v_near_side.y * u + v_near_side.z * v - v_near_side.w * sqrt(max(rest - u * u, "
+	"	float far = v_near_side.x + v_near_side.y * u + v_near_side.z * v - v_near_side.w * "
+	"sqrt(max(rest - u * u, "
 	"0.0));\n"
 	"	return 1.0 / max(far, u_lens.z);\n"
 	"}\n"
@@ -294,7 +305,8 @@ static const char fragment_ground[] =
 	"}\n";
 
 #define ELLIPSES(texels) "#define TEXELS " #texels "\n#define ELLIPSE 1\n"
-static const struct { const char *name, *defines, *shared, *vertex, *fragment; } programs[VIEW_PROGRAM_COUNT] = {
+static const struct { const char *name, *defines, *shared, *vertex, *fragment;
+	} programs[VIEW_PROGRAM_COUNT] = {
 	[VIEW_PROGRAM_TRIANGLES] = { "triangles", "#define TEXELS 4\n", vertex_plant, vertex_triangles,
 		fragment_plant },
 	[VIEW_PROGRAM_TEXTURED] = { "textured triangles", "#define TEXELS 5\n", vertex_plant,
@@ -302,15 +314,17 @@ static const struct { const char *name, *defines, *shared, *vertex, *fragment; }
 	[VIEW_PROGRAM_LINES] = { "lines", "#define TEXELS 3\n"
 		"#define LINE_SCALE float width = uintBitsToFloat(t0.w); { vec3 m = 0.5 * (a + b); a = m + "
 		"(a - m) * u_scale;"
-		" b = m + (b - m) * u_scale; width *= u_scale; }\n", vertex_plant, vertex_lines, fragment_plant },
+		" b = m + (b - m) * u_scale; width *= u_scale; }\n", vertex_plant, vertex_lines,
+		fragment_plant },
 	[VIEW_PROGRAM_POINTS] = { "points", ELLIPSES(1), vertex_plant, vertex_points, fragment_plant },
-	[VIEW_PROGRAM_SUMMARY] = { "summary points", ELLIPSES(2), vertex_plant, vertex_points, fragment_plant },
-	[VIEW_PROGRAM_SPLATS] = { "splats", ELLIPSES(4), vertex_plant, vertex_points, fragment_plant },
-	[VIEW_PROGRAM_GROUND] = { "ground", "", "", vertex_ground, fragment_ground },
+	[VIEW_PROGRAM_SUMMARY] = { "summary points", ELLIPSES(2), vertex_plant, vertex_points,
+	fragment_plant }, [VIEW_PROGRAM_SPLATS] = { "splats", ELLIPSES(4), vertex_plant, vertex_points,
+	fragment_plant }, [VIEW_PROGRAM_GROUND] = { "ground", "", "", vertex_ground, fragment_ground },
 };
 
 static const char *const uniform_names[VIEW_UNIFORM_COUNT] = { "u_right", "u_up", "u_forward", "u_lens",
-	"u_origin", "u_first_member", "u_scale", "u_tint", "u_columns", "u_records", "u_instances", "u_members",
+	"u_origin", "u_first_member", "u_scale", "u_tint", "u_columns", "u_records", "u_instances",
+	"u_members",
 	"u_alpha", "u_texture", "u_path", "u_anchor", "u_step", "u_inner", "u_seam", "u_edges", "u_sides",
 	"u_level", "u_half" };
 

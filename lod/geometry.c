@@ -6,7 +6,8 @@
 #include "ecofiles/format/splat.h"
 #include "lod/geometry.h"
 
-struct target { const struct eco_list *list; const struct eco_elements *elements; const struct lod_geometry *out;
+struct target { const struct eco_list *list; const struct eco_elements *elements;
+	const struct lod_geometry *out;
 	double edge; };
 
 static double edge_of(float area_factor)

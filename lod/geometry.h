@@ -17,7 +17,8 @@ struct lod_geometry {
 	int32_t *color;              /* palette index of a primitive, or -1 */
 };
 
-/* Room for `count` primitives, in memory of its own; false without memory. uv: also for those of triangles. */
+/* Room for `count` primitives, in memory of its own; false without memory. uv: also for those of triangles.
+ */
 bool lod_geometry_make(struct lod_geometry *geometry, const struct eco_list *list, uint32_t count, bool uv);
 void lod_geometry_free(struct lod_geometry *geometry);
 /* The same without `color`, in lod_geometry_floats floats of the caller. */
@@ -28,9 +29,10 @@ void lod_geometry_lay(struct lod_geometry *geometry, const struct eco_list *list
 struct lod_geometry lod_geometry_from(const struct lod_geometry *geometry, const struct eco_list *list,
 	uint32_t first);
 
-/* Writes the geometry of primitives [first, end) of a decoded list: fans become triangles, elements are scaled
- * by an area factor about their centre (edges by sqrt(eco_growth(code, scale)), or by sqrt(scale) without
- * GROWTH). Where buffers are NULL nothing is written, but for `position`. Returns the number of primitives. */
+/* Writes the geometry of primitives [first, end) of a decoded list: fans become triangles, elements are
+ * scaled by an area factor about their centre (edges by sqrt(eco_growth(code, scale)), or by sqrt(scale)
+ * without GROWTH). Where buffers are NULL nothing is written, but for `position`. Returns the number of
+ * primitives. */
 uint32_t lod_list_geometry(const struct eco_list *list, const struct eco_elements *elements, uint32_t first,
 	uint32_t end, float scale, const struct lod_geometry *out);
 

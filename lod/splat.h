@@ -1,12 +1,12 @@
 /* Drawing of splats, shared by the rasteriser and by what fits splats.
  *
  * Half axes h_k are taken to the picture linearly at the centre, whose distance is w: in pixels d_k = J h_k,
- * and q_k, the part of h_k along the line of sight over w. With C = sum d_k d_k^T, s = sum q_k d_k and r = sum
- * q_k^2 the outline in perspective is the ellipse (x + s / (1 - r))^T E^-1 (x + s / (1 - r)) <= 1 around the
- * centre's pixel, E = (C (1 - r) + s s^T) / (1 - r)^2: the dual conic of the ellipsoid (Hartley and Zisserman
- * 2004, section 8.3), written without differences of large numbers. Where it
- * is not opaque a fixed hash of pixel and splat says which pixels it covers. Its depth is that of the side
- * of the ellipsoid that faces the eye. */
+ * and q_k, the part of h_k along the line of sight over w. With C = sum d_k d_k^T, s = sum q_k d_k and r =
+ * sum q_k^2 the outline in perspective is the ellipse (x + s / (1 - r))^T E^-1 (x + s / (1 - r)) <= 1 around
+ * the centre's pixel, E = (C (1 - r) + s s^T) / (1 - r)^2: the dual conic of the ellipsoid (Hartley and
+ * Zisserman 2004, section 8.3), written without differences of large numbers. Where it is not opaque a fixed
+ * hash of pixel and splat says which pixels it covers. Its depth is that of the side of the ellipsoid that
+ * faces the eye. */
 #ifndef LOD_SPLAT_H
 #define LOD_SPLAT_H
 
@@ -15,14 +15,14 @@
 #include <stdint.h>
 #include <string.h>
 
-/* The ellipse around (x, y) from the pixel of the ellipsoid's centre: the row y lower than that holds the pixels
- * with |x - lean y| <= half sqrt(1 - (y / high)^2). With u = (x - lean y) / half and v = y / high the
- * ellipsoid's near side is aside u + below v - bulge sqrt(1 - u^2 - v^2) metres farther than its centre (linearly
- * at the centre). */
+/* The ellipse around (x, y) from the pixel of the ellipsoid's centre: the row y lower than that holds the
+ * pixels with |x - lean y| <= half sqrt(1 - (y / high)^2). With u = (x - lean y) / half and v = y / high the
+ * ellipsoid's near side is aside u + below v - bulge sqrt(1 - u^2 - v^2) metres farther than its centre
+ * (linearly at the centre). */
 struct lod_ellipse { float x, y, wide, high, lean, half, aside, below, bulge; };
 
-/* From the half axes, in pixels to the right and down, and farther away over the centre's distance w. False where
- * nothing can be covered, and where the ellipsoid reaches the eye's plane. */
+/* From the half axes, in pixels to the right and down, and farther away over the centre's distance w. False
+ * where nothing can be covered, and where the ellipsoid reaches the eye's plane. */
 static inline bool lod_ellipse_make(struct lod_ellipse *ellipse, const float across[3], const float down[3],
 	const float farther[3], float w)
 {

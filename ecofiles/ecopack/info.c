@@ -53,7 +53,8 @@ static enum eco_code count_up(const struct eco_pack *pack, struct totals *t, str
 		kind->primitives += list->primitive_count;
 		for (uint32_t c = 0; c < list->chunk_count; c++) {
 			kind->bytes += s->chunks[list->chunk_first + c].size_bytes;
-			if (!(list->attributes & ECO_ATTR_PLANT) && list->kind != ECO_LIST_INSTANCES && list->owner < s->plant_count)
+			if (!(list->attributes & ECO_ATTR_PLANT) && list->kind != ECO_LIST_INSTANCES
+					&& list->owner < s->plant_count)
 				t->plant_bytes[list->owner] += s->chunks[list->chunk_first + c].size_bytes;
 		}
 	}

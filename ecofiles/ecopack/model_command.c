@@ -353,8 +353,8 @@ static json_t *materials_json(const struct seen *s)
 	for (uint32_t i = 0; use && i < m->material_count; i++) {
 		const struct eco_material *material = &m->materials[i];
 		json_t *one = json_pack("{s:o, s:o, s:I, s:f, s:o}", "name", text_json(material->name),
-			"color", rgb_json(material->rgb), "triangles", (json_int_t)use[i].triangles, "area_m2",
-			use[i].area, "organs_m2", organs_json(use[i].organ));
+			"color", rgb_json(material->rgb), "triangles", (json_int_t)use[i].triangles,
+			"area_m2", use[i].area, "organs_m2", organs_json(use[i].organ));
 		if (material->image != ECO_NONE) {
 			json_object_set_new(one, "texture",
 				json_pack("[I,I]", (json_int_t)m->images[material->image].width,

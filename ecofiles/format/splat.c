@@ -143,5 +143,6 @@ void eco_splat_write(int32_t code[ECO_SPLAT_CODES], const struct eco_splat *spla
 		code[k] = length_code(unit > 0 ? length[orders[chosen][k]] / unit : 0);
 		code[3 + k] = clamp((int32_t)floorf(v * ECO_SPLAT_TURN + 0.5f) + 64, ECO_SPLAT_TURNS);
 	}
-	code[6] = clamp((int32_t)floorf(splat->opacity * ECO_SPLAT_OPACITIES + 0.5f) - 1, ECO_SPLAT_OPACITIES);
+	code[6] = clamp((int32_t)floorf(splat->opacity * ECO_SPLAT_OPACITIES + 0.5f) - 1,
+		ECO_SPLAT_OPACITIES);
 }

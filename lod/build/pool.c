@@ -45,7 +45,8 @@ static uint32_t list_of(const struct lod_plant *plant, const struct eco_ladder *
 {
 	uint32_t list = l->points != ECO_NONE ? l->points : l->triangles != ECO_NONE ? l->triangles
 		: l->lines;
-	if (list == ECO_NONE || l->flags & ECO_LADDER_WHOLE || ((l->flags & ECO_LADDER_FAR) && organ_has(plant, l->organ, ECO_LADDER_NEAR)))
+	if (list == ECO_NONE || l->flags & ECO_LADDER_WHOLE
+			|| ((l->flags & ECO_LADDER_FAR) && organ_has(plant, l->organ, ECO_LADDER_NEAR)))
 		return ECO_NONE;
 	uint32_t all = plant->lists[list].elements.primitive_count;
 	*first = list == l->triangles && l->level_count > 1 ? l->level_end[l->level_count - 2] : 0;

@@ -10,8 +10,8 @@
  * It agrees with OpenGL: window coordinates snapped to 1/256 pixel, centre sampling, top-left rule, triangles
  * clipped at the near plane, both sides drawn, depth tested per pixel. The nearer sample wins; at equal
  * depths the smaller owner wins (or ground where owners are not kept), and within one owner the first. All
- * coverage decisions after the snapping are integer, but for splats. Depth, cover and owner of a picture do not depend on the
- * order of drawing. An object is not thread-safe; different objects are independent.
+ * coverage decisions after the snapping are integer, but for splats. Depth, cover and owner of a picture do
+ * not depend on the order of drawing. An object is not thread-safe; different objects are independent.
  *
  * A client that draws the same by other means computes the following. v(p) is an object point in metres along
  * right, up and forward from the eye; the picture has W x H pixels; depth is w = forward; everything with w <
@@ -24,7 +24,8 @@
  *             centre: the pixels with centres in [x-h, x+h) x [y-h, y+h), bounds rounded to 1/256; all at
  *             the depth of the centre. There may be none.
  *   splat     the ellipse of lod/splat.h around the centre's pixel position, at the depth of its near
- *             side, but no nearer than near_m; drawn whole or not at all, by its centre's w. Without half axes it is a ball, whose disc has
+ *             side, but no nearer than near_m; drawn whole or not at all, by its centre's w. Without half
+ *             axes it is a ball, whose disc has
  *             the area area * size: so are the points of packs
  *   texel     column = floor(u * width) modulo width, row = floor(v * height) modulo height, from the
  *             image's top left; opaque from alpha 128 on; u, v perspective-correct
@@ -64,7 +65,8 @@ void lod_raster_object(struct lod_raster *raster, const struct lod_place *place)
 /* One batch: a range of one list. Positions are in object space. */
 struct lod_raster_batch {
 	uint32_t count;              /* triangles, lines or points */
-	const float *position;       /* 3 per vertex; triangles: 3 vertices each, lines: 2, points, splats: 1 */
+	/* 3 per vertex; triangles: 3 vertices each, lines: 2, points, splats: 1 */
+	const float *position;
 	const float *uv;             /* triangles only, 2 per vertex, or NULL */
 	const struct eco_image *cutout;   /* samples with alpha < 0.5 (nearest texel, wrapping) are left out;
 	                                   * NULL: opaque */

@@ -47,7 +47,8 @@ static bool project_ball(const struct lod_raster_state *state, float radius, con
 {
 	float pixel = radius * (1.0f / LOD_SUBPIXEL) / disc->w;
 	const float across[3] = { state->project[0][0] * pixel, 0, -at[0] * pixel },
-		down[3] = { 0, state->project[1][1] * pixel, -at[1] * pixel }, farther[3] = { 0, 0, radius / disc->w };
+		down[3] = { 0, state->project[1][1] * pixel, -at[1] * pixel },
+		farther[3] = { 0, 0, radius / disc->w };
 	return lod_ellipse_make(&disc->ellipse, across, down, farther, disc->w);
 }
 
@@ -59,8 +60,8 @@ static uint32_t pixel_from(float at, uint32_t size)
 }
 
 /* Where only the cover is wanted, all of it may be at the depth of the centre. */
-static void fill_row(const struct lod_paint *paint, const struct disc *disc, uint32_t row, float y, uint32_t from,
-	uint32_t to)
+static void fill_row(const struct lod_paint *paint, const struct disc *disc, uint32_t row, float y,
+	uint32_t from, uint32_t to)
 {
 	if (disc->opacity >= 1 && paint->silhouette) {
 		lod_fill_row(paint, row, from, to, 1 / disc->w);
@@ -109,8 +110,8 @@ void lod_raster_splats(struct lod_raster *raster, const struct lod_raster_batch 
 		float at[2];
 		if (!place(state, centre, &disc, at) || !(batch->half
 				? project(state, batch->half + 9 * (size_t)i, at, &disc)
-				: project_ball(state, batch->size ? radius * sqrtf(batch->size[i]) : radius, at,
-				&disc)))
+				: project_ball(state, batch->size ? radius * sqrtf(batch->size[i]) : radius,
+				at, &disc)))
 			continue;
 		disc.x = at[0] * (1.0f / LOD_SUBPIXEL) + disc.ellipse.x;
 		disc.y = at[1] * (1.0f / LOD_SUBPIXEL) + disc.ellipse.y;

@@ -111,8 +111,8 @@ enum eco_code bench_models(struct bench *bench, struct bench_model **models, uin
 enum eco_code bench_model_read(struct bench *bench, const struct bench_model *model, struct eco_model *out,
 	struct eco_error *error);
 
-/* Names of the scenes: crown, trees640, palms, outdoor, sunflowers, trees1276, trees5000, park, city, cards-1 to
- * cards-3, scbi. */
+/* Names of the scenes: crown, trees640, palms, outdoor, sunflowers, trees1276, trees5000, park, city, cards-1
+ * to cards-3, scbi. */
 extern const char *const bench_scene_names[];
 /* The pack of a scene, built with `ecopack` if it is not there (order: "greedy", "combined", ...; NULL: the
  * default). Writes its path. ECO_NOT_FOUND where the scene needs data that is not there (scbi). */

@@ -14,7 +14,7 @@
 #include "client-min/view_report.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_fetch.h"
-#include "tests/bench/bench_widest.h"
+#include "tests/bench/pictures/bench_widest.h"
 
 struct bench_client {
 	struct srv_store scenes;

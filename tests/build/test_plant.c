@@ -568,7 +568,8 @@ UNIT_TEST(geometry_of_a_range_is_part_of_the_whole)
 		float *all = calloc(n, 36), *part = calloc(n, 36), *uv = calloc(n, 24), *width = calloc(n, 4);
 		int32_t *color = calloc(n, 4);
 		assert_int_equal(lod_list_geometry(&d->list, &d->elements, 0, n, 2,
-			&(struct lod_geometry){ .position = all, .uv = uv, .width = width, .color = color }), n);
+			&(struct lod_geometry){ .position = all, .uv = uv, .width = width, .color = color }),
+			n);
 		for (uint32_t first = 0; first < n; first += n / 3 + 1) {
 			uint32_t end = first + n / 5 < n ? first + n / 5 : n;
 			assert_int_equal(lod_list_geometry(&d->list, &d->elements, first, end, 2,

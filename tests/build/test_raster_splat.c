@@ -11,7 +11,8 @@
 
 static struct lod_raster raster;
 
-/* A camera at (0, -100, 0) that looks north; `half_m` metres from the picture's middle to its edge at y = 0. */
+/* A camera at (0, -100, 0) that looks north; `half_m` metres from the picture's middle to its edge at y = 0.
+ */
 static void look(double half_m)
 {
 	struct eco_view view = { .eye = { 0, -100, 0 }, .target = { 0, 0, 0 }, .up = { 0, 0, 1 },
@@ -92,14 +93,16 @@ UNIT_TEST(ellipses_lean_as_their_axes)
 			for (uint32_t x = 0; x < SIDE; x++) {
 				double dx = x + 0.5 - SIDE / 2 - centre[0] * px,
 					dy = y + 0.5 - SIDE / 2 + centre[2] * px;
-				double q = (c[1][1] * dx * dx - 2 * c[0][1] * dx * dy + c[0][0] * dy * dy) / det;
+				double q = (c[1][1] * dx * dx - 2 * c[0][1] * dx * dy + c[0][0] * dy * dy)
+					/ det;
 				if (fabs(q - 1) > 0.08)
 					assert_int_equal(raster.cover[y * SIDE + x] != 0, q < 1);
 			}
 	}
 }
 
-/* Close by, against rays: the outline is that of the ellipsoid in perspective, wherever it is in the picture. */
+/* Close by, against rays: the outline is that of the ellipsoid in perspective, wherever it is in the picture.
+ */
 UNIT_TEST(ellipsoids_close_by_have_their_outline)
 {
 	uint32_t drawn = 0;
@@ -121,7 +124,9 @@ UNIT_TEST(ellipsoids_close_by_have_their_outline)
 				inverse[j][i] = m[(i + 1) % 3][(j + 1) % 3] * m[(i + 2) % 3][(j + 2) % 3]
 					- m[(i + 1) % 3][(j + 2) % 3] * m[(i + 2) % 3][(j + 1) % 3];
 		det = m[0][0] * inverse[0][0] + m[0][1] * inverse[1][0] + m[0][2] * inverse[2][0];
-		double reach = sqrt(half[1] * (double)half[1] + half[4] * (double)half[4] + half[7] * (double)half[7]);
+		double reach =
+			sqrt(half[1] * (double)half[1] + half[4] * (double)half[4]
+			+ half[7] * (double)half[7]);
 		if (fabs(det) < 50 || center[1] + 100 - reach < 5)
 			continue;
 		lod_raster_clear(&raster);
@@ -129,11 +134,13 @@ UNIT_TEST(ellipsoids_close_by_have_their_outline)
 		for (uint32_t y = 0; y < SIDE; y += 3)
 			for (uint32_t x = 0; x < SIDE; x += 3) {
 				double ray[3] = { (x + 0.5 - SIDE / 2) / (SIDE / 2) * 0.6, 1,
-					-(y + 0.5 - SIDE / 2) / (SIDE / 2) * 0.6 }, o[3], d[3], od = 0, dd = 0, oo = 0;
+					-(y + 0.5 - SIDE / 2) / (SIDE / 2) * 0.6 }, o[3], d[3], od = 0,
+					dd = 0, oo = 0;
 				for (int i = 0; i < 3; i++) {
 					o[i] = d[i] = 0;
 					for (int j = 0; j < 3; j++) {
-						o[i] += inverse[i][j] / det * ((j == 1 ? -100 : 0) - (double)center[j]);
+						o[i] += inverse[i][j] / det
+							* ((j == 1 ? -100 : 0) - (double)center[j]);
 						d[i] += inverse[i][j] / det * ray[j];
 					}
 					od += o[i] * d[i], dd += d[i] * d[i], oo += o[i] * o[i];
@@ -167,7 +174,8 @@ UNIT_TEST(opacity_is_a_share_of_pixels)
 /* Two splats of half opacity cover three quarters: their pixels do not depend on each other. */
 UNIT_TEST(splats_do_not_share_their_pixels)
 {
-	const float half[9] = { 6, 0, 0, 0, 6, 0, 0, 0, 6 }, a[3] = { 0, 0, 0 }, b[3] = { 0.01f, 0.5f, 0.01f };
+	const float half[9] = { 6, 0, 0, 0, 6, 0, 0, 0, 6 }, a[3] = { 0, 0, 0 },
+		b[3] = { 0.01f, 0.5f, 0.01f };
 	look(10);
 	draw(a, half, 1, 1);
 	uint32_t all = covered();

@@ -1,10 +1,10 @@
 /* Splats fitted to plants. */
-#include "lod/build/splat_fit.h"
+#include "lod/build/splat/splat_fit.h"
 
 #include <pthread.h>
 #include <string.h>
 
-#include "lod/build/splat_state.h"
+#include "lod/build/splat/splat_state.h"
 #include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"
 

@@ -213,8 +213,9 @@ static struct course course_of(const struct eco_pack *pack)
 /* A tree that is large enough to be cut into cells, in two orders. Where cells took over too early Q fell by
  * 0.13, where the whole plant's list went into full detail before them by 0.027. Where that list was scaled
  * to other amounts than cells are drawn with, the mean was 0.886 and 0.862. Where what cells leave wrong was
- * divided by what is wrong without them, and not by all of the plant, Q was expected 0.12 too low. With splats
- * it is expected .032 off: their curve is a mean over directions, and this is the view from the south. */
+ * divided by what is wrong without them, and not by all of the plant, Q was expected 0.12 too low. With
+ * splats it is expected .032 off: their curve is a mean over directions, and this is the view from the south.
+ */
 UNIT_TEST(test_pictures_get_no_worse_as_budgets_grow)
 {
 	static const struct { enum lod_order_method order; double mean; } cases[] =

@@ -91,7 +91,8 @@ UNIT_TEST(ellipsoids_survive_their_codes)
 UNIT_TEST(degenerate_ellipsoids_have_codes)
 {
 	static const struct eco_splat cases[] = { { { { 0 } }, 1 }, { { { 1, 2, 3 } }, 0.5f },
-		{ { { 1, 0, 0 }, { 2, 0, 0 }, { 3, 0, 0 } }, 1 }, { { { 1e30f, 0, 0 }, { 0, 1e-30f, 0 } }, 2 },
+		{ { { 1, 0, 0 }, { 2, 0, 0 }, { 3, 0, 0 } }, 1 },
+		{ { { 1e30f, 0, 0 }, { 0, 1e-30f, 0 } }, 2 },
 		{ { { 0, 0, 1 }, { 0, 0, 1 }, { 0, 0, 1 } }, -1 }, { { { 0 }, { 0 }, { 0, 0, -2 } }, 1 } };
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		int32_t code[ECO_SPLAT_CODES];

@@ -150,7 +150,8 @@ UNIT_TEST(words_are_plain)
 		{ { .why = LOD_WHY_WHOLE, .share = 1 },
 			"splats of the whole plant leave less wrong at this budget than its organs" },
 		{ { .why = LOD_WHY_WHOLE, .share = 0.4 },
-			"splats of the whole plant save nearly as much as its organs: 40 % of the plants are drawn "
+			"splats of the whole plant save nearly as much as its organs: 40 % of the plants "
+			"are drawn "
 			"so" },
 	};
 	const struct lod_explanation why = { .lambda = 1.05 };

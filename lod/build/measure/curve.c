@@ -34,7 +34,7 @@
 
 #include "lod/build/measure/curve_ways.h"
 #include "lod/build/grid.h"
-#include "lod/build/plant_splats.h"
+#include "lod/build/splat/plant_splats.h"
 #include "lod/ladder.h"
 
 #define SAMPLES_MOST 42u             /* of LOD_CURVE_SAMPLES_MAX: the others are for levels */
@@ -295,7 +295,8 @@ static uint32_t image_of(const struct lod_plant *plant, const struct eco_ladder 
 static bool same_curve(const struct lod_plant *plant, const struct eco_ladder *a, const struct eco_ladder *b)
 {
 	bool far = a->flags & ECO_LADDER_FAR;
-	return !((a->flags | b->flags) & ECO_LADDER_WHOLE) && a->organ == b->organ && far == (bool)(b->flags & ECO_LADDER_FAR)
+	return !((a->flags | b->flags) & ECO_LADDER_WHOLE) && a->organ == b->organ
+		&& far == (bool)(b->flags & ECO_LADDER_FAR)
 		&& (far || image_of(plant, a) == image_of(plant, b));
 }
 

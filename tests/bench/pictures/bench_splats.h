@@ -4,7 +4,7 @@
 
 #include "ecofiles/format/model.h"
 #include "lod/build/plant.h"
-#include "lod/build/splat_fit.h"
+#include "lod/build/splat/splat_fit.h"
 #include "lod/raster/raster.h"
 
 #define BENCH_SPLATS_VIEWS 24u           /* of elevation -10 to 60 degrees, as good as orthographic */

@@ -13,7 +13,7 @@
 #include <time.h>
 
 #include "tests/bench/bench.h"
-#include "tests/bench/bench_splats.h"
+#include "tests/bench/pictures/bench_splats.h"
 
 #define BUDGETS 4u
 static const uint32_t budgets[BUDGETS] = { 12, 48, 200, 1000 };
@@ -320,4 +320,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 }
 
 const struct bench_section bench_splats = { .name = "splats", .title = "Plants of few splats", .run = run,
-	.objects = BENCH_OBJECTS_PLANTS "tests/bench/bench_splats*.o" };
+	.objects = BENCH_OBJECTS_PLANTS "tests/bench/pictures/bench_splats*.o" };

@@ -8,8 +8,8 @@
 #include "client-min/view_picture.h"
 #include "tests/bench/bench_shots.h"
 
-#define VIEWS "tests/bench/pictures.json"
-#define START "tests/bench/pictures_start.csv"
+#define VIEWS "tests/bench/pictures/pictures.json"
+#define START "tests/bench/pictures/pictures_start.csv"
 #define STARTS_MAX 256u
 #define SEEN_LEAST 5e-4          /* picture errors below are none */
 #define FINE_VERTICES 100000u    /* from here on no point may be wide */
@@ -304,4 +304,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 
 const struct bench_section bench_pictures = { "pictures", "What people see at small budgets", run,
 	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_frame.o tests/bench/bench_pictures.o "
-	"tests/bench/bench_widest.o" };
+	"tests/bench/pictures/bench_widest.o" };

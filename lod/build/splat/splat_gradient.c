@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "lod/build/splat_state.h"
+#include "lod/build/splat/splat_state.h"
 #include "lod/lanes.h"
 
 #define MOST 0.99f               /* of a pixel that one splat may cover: division tells what others cover */

@@ -1,4 +1,4 @@
-#include "tests/bench/bench_widest.h"
+#include "tests/bench/pictures/bench_widest.h"
 
 #include <math.h>
 

@@ -5,13 +5,13 @@
  * points. Then gradient descent (Adam: Kingma and Ba 2015) moves all splats of a level freely, so that the
  * mean Q of the views rises, at last also that of pictures between two levels. Measurements:
  * lod/EXPERIMENTS.md, Splats. */
-#include "lod/build/splat_fit.h"
+#include "lod/build/splat/splat_fit.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "lod/build/splat_descent.h"
+#include "lod/build/splat/splat_descent.h"
 #include "lod/sort.h"
 
 #define FIRST_SPREAD 1.6         /* half axes over standard deviations */

@@ -6,7 +6,7 @@
 #include "ecofiles/base/turn.h"
 #include "lod/build/weld.h"
 #include "lod/geometry.h"
-#include "tests/bench/bench_splats.h"
+#include "tests/bench/pictures/bench_splats.h"
 
 #define AWAY 512.0               /* of the camera, radii */
 #define FRAME 1.02

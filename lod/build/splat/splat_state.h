@@ -6,7 +6,7 @@
 #define LOD_SPLAT_STATE_H
 
 #include "lod/arena.h"
-#include "lod/build/splat_fit.h"
+#include "lod/build/splat/splat_fit.h"
 #include "lod/light.h"
 #include "lod/sort.h"
 

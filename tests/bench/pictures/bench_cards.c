@@ -19,7 +19,8 @@ static const double shares[] = { 1, 2, 4, 8, 16, 64, 256 };          /* one of s
 static void look_from(struct eco_view *view, uint32_t way, double height_px)
 {
 	double turn = (way + 0.37) * M_PI * (3 - sqrt(5)),
-		rise = (-10 + 70 * (way + 0.5) / WAYS) * M_PI / 180, side = 1.6, tan_half = tan(FOV_DEG * M_PI / 360), far_m = side * HEIGHT_M / (2 * tan_half);
+		rise = (-10 + 70 * (way + 0.5) / WAYS) * M_PI / 180, side = 1.6,
+		tan_half = tan(FOV_DEG * M_PI / 360), far_m = side * HEIGHT_M / (2 * tan_half);
 	uint32_t px = (uint32_t)(side * height_px + 0.5);
 	*view = (struct eco_view){ .eye = { far_m * cos(rise) * cos(turn), far_m * cos(rise) * sin(turn),
 		CENTER_M + far_m * sin(rise) }, .target = { 0, 0, CENTER_M }, .up = { 0, 0, 1 },

@@ -3,7 +3,7 @@
 #ifndef LOD_SPLAT_DESCENT_H
 #define LOD_SPLAT_DESCENT_H
 
-#include "lod/build/splat_state.h"
+#include "lod/build/splat/splat_state.h"
 
 struct splat_descent {
 	const struct splat_views *views;

@@ -1,7 +1,7 @@
 /* Colours of splats. */
 #include <string.h>
 
-#include "lod/build/splat_state.h"
+#include "lod/build/splat/splat_state.h"
 
 static void sort_by_depth(const struct splat_view *view, const struct splat_params *splats, uint32_t count,
 	struct lod_arena *arena, struct lod_keyed *order)

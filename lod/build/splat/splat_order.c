@@ -2,7 +2,7 @@
  * children, as it is the less the more its neighbours cover. */
 #include <string.h>
 
-#include "lod/build/splat_state.h"
+#include "lod/build/splat/splat_state.h"
 
 #define VIEW_STEP 4u             /* every fourth view decides */
 

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "lod/build/splat_state.h"
+#include "lod/build/splat/splat_state.h"
 
 #define SWEEPS 12
 

@@ -1,9 +1,9 @@
-#include "lod/build/plant_splats.h"
+#include "lod/build/splat/plant_splats.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "lod/build/splat_fit.h"
+#include "lod/build/splat/splat_fit.h"
 
 #define FIRST_CHUNK 16u          /* splats: the levels up to here are one chunk */
 
@@ -28,7 +28,8 @@ static struct eco_list list_of(const struct lod_plant *plant, const struct lod_s
 {
 	struct eco_list list = { .kind = ECO_LIST_POINTS, .coder = ECO_CODER_ROWS,
 		.attributes = ECO_ATTR_COLOR | ECO_ATTR_SPLAT, .plant = ECO_NONE, .image = ECO_NONE,
-		.partner = ECO_NONE, .palette_count = plant->palette_count, .unit_area = splats->unit * splats->unit,
+		.partner = ECO_NONE, .palette_count = plant->palette_count,
+		.unit_area = splats->unit * splats->unit,
 		.element_count = count, .primitive_count = count };
 	for (int k = 0; k < 3; k++) {
 		list.grid_origin[k] = splats->origin[k];
@@ -57,7 +58,8 @@ static void put_elements(struct lod_list_draft *draft, const struct lod_plant *p
 			draft->ends[draft->end_count++] = splats->level_end[level];
 }
 
-/* Appends an empty list with room for its elements; NULL without memory. What was allocated is the plant's. */
+/* Appends an empty list with room for its elements; NULL without memory. What was allocated is the plant's.
+ */
 static struct lod_list_draft *add_list(struct lod_plant *plant, const struct eco_list *list, uint32_t ends)
 {
 	struct lod_list_draft *lists = realloc(plant->lists, (plant->list_count + 1u) * sizeof *lists);

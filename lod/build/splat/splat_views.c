@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "ecofiles/base/mix.h"
-#include "lod/build/splat_state.h"
+#include "lod/build/splat/splat_state.h"
 #include "lod/build/weld.h"
 #include "lod/light.h"
 #include "lod/raster/raster.h"
