@@ -137,13 +137,11 @@ static const char vertex_points[] =
 	"plant space\n"
 	"	float reach = u_scale;\n"
 	"#if TEXELS == 4\n"
-
 	"	for (int k = 0; k < 3; k++) {\n"
 	"		vec3 h = xyz(texelFetch(u_records, at + 1 + k));\n"
 	"		axes[k] = vec3(dot(p.row[0].xyz, h), -dot(p.row[1].xyz, h), dot(p.row[2].xyz, h)) * "
 	"u_scale;\n"
 	"		to_plant[k] = h / max(dot(h, h), 1e-30);\n"
-
 	"	}\n"
 	"	v_shown.y = float(t0.w >> 24) / 16.0;\n"
 	"#else\n"
