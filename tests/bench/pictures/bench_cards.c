@@ -106,4 +106,5 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 }
 
 const struct bench_section bench_cards = { "cards", "Trees of cards", run,
-	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_frame.o tests/bench/bench_cards.o" };
+	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_frame.o "
+	"tests/bench/pictures/bench_cards.o" };

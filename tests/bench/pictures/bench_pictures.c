@@ -303,5 +303,5 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 }
 
 const struct bench_section bench_pictures = { "pictures", "What people see at small budgets", run,
-	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_frame.o tests/bench/bench_pictures.o "
-	"tests/bench/pictures/bench_widest.o" };
+	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_frame.o "
+	"tests/bench/pictures/bench_pictures.o tests/bench/pictures/bench_widest.o" };
