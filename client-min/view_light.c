@@ -1,15 +1,14 @@
 #include "client-min/view_light.h"
 
 #include <math.h>
-#include <pthread.h>
 #include <stdlib.h>
 
 #include "client-min/view_owners.h"
 #include "client-min/view_shade.h"
+#include "client-min/view_threads.h"
 #include "lod/light.h"
 
 #define HAZE_M 5200.0
-#define THREADS_MAX 64u
 #define PI 3.1415927f
 
 struct vec { float x, y, z; };
@@ -279,12 +278,11 @@ struct lamp {                            /* of one picture */
 	struct view_picture *picture;
 	struct view_shade shade;
 	struct view_owners owners;
+	uint32_t threads;
 	float haze_m;
 	struct vec right, up, forward;   /* the image plane's half extents, and its middle */
 	uint8_t bytes[65536];            /* lod_light_byte of every light */
 };
-
-struct worker { const struct lamp *lamp; uint32_t number, count; pthread_t thread; bool started; };
 
 static void find_plant(const struct lamp *lamp, uint64_t owner, struct plant *p)
 {
@@ -388,14 +386,13 @@ static void light_pixel(const struct lamp *lamp, struct plant *plant, uint32_t x
 	picture->rgb[3 * i + 2] = encode(lamp, color.z);
 }
 
-static void *work(void *ctx)
+static void light_rows(void *ctx, uint32_t first)
 {
-	const struct worker *w = ctx;
+	const struct lamp *lamp = ctx;
 	struct plant plant = { .owner = 0 };
-	for (uint32_t y = w->number; y < w->lamp->picture->height; y += w->count)
-		for (uint32_t x = 0; x < w->lamp->picture->width; x++)
-			light_pixel(w->lamp, &plant, x, y);
-	return NULL;
+	for (uint32_t y = first; y < lamp->picture->height; y += lamp->threads)
+		for (uint32_t x = 0; x < lamp->picture->width; x++)
+			light_pixel(lamp, &plant, x, y);
 }
 
 static struct vec axis_of(const double axis[3], double t)
@@ -403,28 +400,12 @@ static struct vec axis_of(const double axis[3], double t)
 	return (struct vec){ (float)(axis[0] * t), (float)(axis[1] * t), (float)(axis[2] * t) };
 }
 
-static void light_rows(const struct lamp *lamp)
-{
-	uint32_t count = lamp->job->threads ? lamp->job->threads : 2;
-	struct worker workers[THREADS_MAX];
-	count = count < THREADS_MAX ? count : THREADS_MAX;
-	for (uint32_t i = 0; i < count; i++) {
-		workers[i] = (struct worker){ .lamp = lamp, .number = i, .count = count };
-		workers[i].started = i && pthread_create(&workers[i].thread, NULL, work, &workers[i]) == 0;
-	}
-	for (uint32_t i = 0; i < count; i++)
-		if (!workers[i].started)
-			work(&workers[i]);
-	for (uint32_t i = 0; i < count; i++)
-		if (workers[i].started)
-			pthread_join(workers[i].thread, NULL);
-}
-
 static void lamp_init(struct lamp *lamp, const struct view_light_job *job, struct view_picture *picture)
 {
 	const struct lod_eye *eye = job->eye;
 	lamp->job = job;
 	lamp->picture = picture;
+	lamp->threads = view_thread_count(job->threads);
 	lamp->haze_m = (float)view_shade_haze_m(HAZE_M, eye->at[2]);
 	lamp->right = axis_of(eye->right, eye->tan_x);
 	lamp->up = axis_of(eye->up, eye->tan_y);
@@ -447,7 +428,7 @@ enum eco_code view_light_picture(const struct view_light_job *job, struct view_p
 	if (!code && job->selection->ground.count)
 		code = view_shade_make(&lamp->shade, job->store, job->selection, error);
 	if (!code)
-		light_rows(lamp);
+		view_threads_run(lamp->threads, light_rows, lamp);
 	view_shade_free(&lamp->shade);
 	view_owners_free(&lamp->owners);
 	free(lamp);

@@ -7,14 +7,13 @@
  * Items number the ground's triangles first, TILE_TRIANGLES a tile, then the primitives of all cuts. */
 #include "client-min/view_reference.h"
 
-#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "client-min/view_mesh.h"
 #include "client-min/view_owners.h"
+#include "client-min/view_threads.h"
 
-#define THREADS_MAX 64u
 #define HIDE_TRIANGLES 24u               /* fewer are drawn sooner than asked about */
 #define TILE_TRIANGLES (2 * ECO_GROUND_CELLS * ECO_GROUND_CELLS)
 #define SAMPLES_MAX (1u << 22)           /* in one raster of a picture that is drawn in parts */
@@ -31,13 +30,11 @@ struct scene {
 struct worker {
 	const struct scene *scene;
 	struct lod_raster raster;
-	uint32_t number, count;
+	uint32_t count;                  /* of workers */
 	struct view_picture *picture;    /* that is looked up */
 	const struct lod_raster *drawn;
 	struct view_coverage *coverage;  /* that is counted */
 	float ground[9 * TILE_TRIANGLES];        /* one tile's */
-	pthread_t thread;
-	bool started;
 };
 
 /* ---- Drawing ---- */
@@ -141,11 +138,10 @@ static void draw_instances(struct worker *w, uint32_t first, uint32_t count)
 	}
 }
 
-static void *draw_share(void *ctx)
+static void draw_share(void *workers, uint32_t number)
 {
-	struct worker *w = ctx;
-	draw_instances(w, w->number, w->count);
-	return NULL;
+	struct worker *w = (struct worker *)workers + number;
+	draw_instances(w, number, w->count);
 }
 
 /* ---- Looking up ---- */
@@ -252,13 +248,13 @@ static void look_plant(const struct scene *scene, struct view_picture *picture, 
 		memcpy(picture->rgb + 3 * i, view_tint_colors[scene->job->selection->roles[*cut]], 3);
 }
 
-static void *look_up(void *ctx)
+static void look_up(void *workers, uint32_t number)
 {
-	const struct worker *w = ctx;
+	const struct worker *w = (struct worker *)workers + number;
 	struct view_picture *picture = w->picture;
 	struct facet facet = { .made = false };
 	uint32_t cut = 0;
-	for (uint32_t y = w->number; y < picture->height; y += w->count)
+	for (uint32_t y = number; y < picture->height; y += w->count)
 		for (uint32_t x = 0; x < picture->width; x++) {
 			size_t i = (size_t)y * picture->width + x;
 			if (picture->owner[i])
@@ -267,7 +263,6 @@ static void *look_up(void *ctx)
 				picture->surface[i] = look_ground(w->scene->job, picture, x, y,
 					w->drawn->item[i], &facet);
 		}
-	return NULL;
 }
 
 /* ---- Counting samples ---- */
@@ -296,15 +291,15 @@ static void count_samples(const struct view_coverage *c, const struct lod_raster
 }
 
 /* Each thread draws whole parts, so that all that is in front hides what is behind. */
-static void *count_parts(void *ctx)
+static void count_parts(void *workers, uint32_t number)
 {
-	struct worker *w = ctx;
+	struct worker *w = (struct worker *)workers + number;
 	const struct view_coverage *c = w->coverage;
-	uint32_t part[2], number = 0;
+	uint32_t part[2], parts = 0;
 	part_size(c, part);
 	for (uint32_t top = 0; top < c->height; top += part[1])
 		for (uint32_t left = 0; left < c->width; left += part[0]) {
-			if (number++ % w->count != w->number)
+			if (parts++ % w->count != number)
 				continue;
 			lod_raster_clear(&w->raster);
 			lod_raster_window(&w->raster, c->width * c->samples, c->height * c->samples,
@@ -312,7 +307,6 @@ static void *count_parts(void *ctx)
 			draw_instances(w, 0, 1);
 			count_samples(c, &w->raster, left, top);
 		}
-	return NULL;
 }
 
 /* ---- Work ---- */
@@ -374,29 +368,14 @@ static void scene_free(struct scene *scene)
 	view_owners_free(&scene->owners);
 }
 
-static void run(struct worker *workers, void *(*work)(void *))
-{
-	uint32_t count = workers[0].count;
-	for (uint32_t i = 1; i < count; i++)
-		workers[i].started = pthread_create(&workers[i].thread, NULL, work, &workers[i]) == 0;
-	for (uint32_t i = 0; i < count; i++)
-		if (!workers[i].started)
-			work(&workers[i]);
-	for (uint32_t i = 0; i < count; i++)
-		if (workers[i].started)
-			pthread_join(workers[i].thread, NULL);
-}
-
 static enum eco_code workers_make(struct worker **workers, const struct scene *scene,
 	const struct lod_raster_options *options, struct eco_error *error)
 {
-	uint32_t count = scene->job->threads ? scene->job->threads : 2;
-	count = count < THREADS_MAX ? count : THREADS_MAX;
+	uint32_t count = view_thread_count(scene->job->threads);
 	*workers = calloc(count, sizeof **workers);
 	enum eco_code code = *workers ? ECO_OK : no_memory(error);
 	for (uint32_t i = 0; i < count && !code; i++) {
 		(*workers)[i].scene = scene;
-		(*workers)[i].number = i;
 		(*workers)[i].count = count;
 		code = lod_raster_init(&(*workers)[i].raster, options, error);
 	}
@@ -414,7 +393,7 @@ static void draw_picture(struct worker *workers, struct view_picture *picture)
 {
 	const struct lod_raster *drawn = &workers[0].raster;
 	size_t pixels = (size_t)picture->width * picture->height;
-	run(workers, draw_share);
+	view_threads_run(workers[0].count, draw_share, workers);
 	for (uint32_t i = 0; i < workers[0].count; i++) {
 		if (i)
 			lod_raster_merge(&workers[0].raster, &workers[i].raster);
@@ -424,7 +403,7 @@ static void draw_picture(struct worker *workers, struct view_picture *picture)
 	memcpy(picture->cover, drawn->cover, pixels);
 	memcpy(picture->owner, drawn->owner, pixels * sizeof *picture->owner);
 	memcpy(picture->depth, drawn->depth, pixels * sizeof *picture->depth);
-	run(workers, look_up);
+	view_threads_run(workers[0].count, look_up, workers);
 }
 
 enum eco_code view_reference_draw(const struct view_reference_job *job, struct view_picture *picture,
@@ -468,7 +447,7 @@ enum eco_code view_reference_count(const struct view_reference_job *job, struct 
 	for (uint32_t i = 0; !code && i < workers[0].count; i++)
 		workers[i].coverage = coverage;
 	if (!code)
-		run(workers, count_parts);
+		view_threads_run(workers[0].count, count_parts, workers);
 	workers_free(workers);
 	scene_free(&scene);
 	return !code && stopped(job) ? eco_fail(error, ECO_INTERRUPTED, "interrupted") : code;
