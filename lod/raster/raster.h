@@ -25,12 +25,12 @@
  *             the depth of the centre. There may be none.
  *   splat     the ellipse of lod/splat.h around the centre's pixel position, at the depth of its near
  *             side, but no nearer than near_m; drawn whole or not at all, by its centre's w. Without half
- *             axes it is a ball, whose disc has
- *             the area area * size: so are the points of packs
+ *             axes it is a ball, whose disc has the area area * size: so are the points of packs
  *   texel     column = floor(u * width) modulo width, row = floor(v * height) modulo height, from the
  *             image's top left; opaque from alpha 128 on; u, v perspective-correct
- * `scale` is that of the place. Samples are compared by 1/w, which is linear on the screen; no sample lies
- * nearer than the corners of its primitive. */
+ * `scale` is that of the place. Samples are compared by 1/w, which for triangles and lines is linear on the
+ * screen; none of their samples lies nearer than their nearest corner, and no sample of a splat lies nearer
+ * than its ellipsoid. */
 #ifndef LOD_RASTER_H
 #define LOD_RASTER_H
 
@@ -88,8 +88,9 @@ void lod_raster_list(struct lod_raster *raster, const struct eco_list *list,
 
 /* True if a world-space sphere is certainly hidden behind what has been drawn (coarse depth, ground
  * included), or outside the picture. Leaving out the contents of such a sphere changes no pixel. The sphere
- * must hold all that would be drawn, grown by the scale: half a line's width, and 0.71 sqrt(area) around
- * points. Objects may be up to a thousand radii across. */
+ * must hold all that would be drawn: half a line's width around its ends, a ball's radius or a splat's
+ * longest half axis around its centre, 0.71 sqrt(area * size) around a point; each times the place's scale.
+ * Objects may be up to a thousand radii across. */
 bool lod_raster_hides(struct lod_raster *raster, const double center[3], double radius);
 
 /* Merges one finished picture into another of the same size and options by the rule of drawing. Threads may
