@@ -10,6 +10,7 @@
 #include "ecofiles/ecopack/make.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/base/mix.h"
+#include "tests/support/files.h"
 #include "tests/support/scratch.h"
 #include "tests/support/unit_test.h"
 
@@ -111,15 +112,7 @@ static void make_parts(void)
 	make("part2.json", "part2.eco", true);
 }
 
-static bool same(const char *a, const char *b)
-{
-	size_t na, nb;
-	char *x = read_all(a, &na), *y = read_all(b, &nb);
-	bool equal = na == nb && memcmp(x, y, na) == 0;
-	free(x);
-	free(y);
-	return equal;
-}
+static bool same(const char *a, const char *b) { return files_alike(in_root(a), in_root(b)); }
 
 UNIT_TEST(linked_parts_equal_the_whole)
 {
