@@ -32,15 +32,22 @@ static const struct row rows[] = {
 	{ "", "", 1, 1, NAN },
 };
 
+/* Fills both masks; returns their length. */
+static uint32_t score_row(const struct row *row, struct lod_score *score, uint8_t *cover, uint8_t *reference)
+{
+	uint32_t n = mask_of(row->cover, cover);
+	mask_of(row->reference, reference);
+	lod_score(score, &(struct lod_score_input){ .width = n, .height = 1, .cover = cover,
+		.reference = reference });
+	return n;
+}
+
 UNIT_TEST(known_masks_have_known_scores)
 {
 	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
 		uint8_t cover[8], reference[8];
-		uint32_t n = mask_of(rows[i].cover, cover);
-		mask_of(rows[i].reference, reference);
 		struct lod_score score;
-		lod_score(&score, &(struct lod_score_input){ .width = n, .height = 1, .cover = cover,
-			.reference = reference });
+		uint32_t n = score_row(&rows[i], &score, cover, reference);
 		NEAR(score.precision, rows[i].precision);
 		NEAR(score.recall, rows[i].recall);
 		NEAR(score.q, 1 - hypot(1 - score.precision, 1 - score.recall));
@@ -118,11 +125,8 @@ UNIT_TEST(soft_q_of_masks_is_q)
 {
 	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
 		uint8_t cover[8], reference[8];
-		uint32_t n = mask_of(rows[i].cover, cover);
-		mask_of(rows[i].reference, reference);
 		struct lod_score score;
-		lod_score(&score, &(struct lod_score_input){ .width = n, .height = 1, .cover = cover,
-			.reference = reference });
+		uint32_t n = score_row(&rows[i], &score, cover, reference);
 		for (uint32_t k = 0; k < n; k++) {
 			cover[k] = cover[k] ? 16 : 0;
 			reference[k] = reference[k] ? 16 : 0;
