@@ -147,6 +147,16 @@ static bool told(const struct splat_descent *d, double share)
 		d->settle ? SETTLE_FROM + (1 - SETTLE_FROM) * all : SETTLE_FROM * all);
 }
 
+static double mean_loss(struct state *s)
+{
+	double loss = 0;
+	draw_level(s);
+	s->soft = (struct splat_softness){ .edge_px = 0.3f };
+	for (s->batch = 0; s->batch < s->batches; s->batch++)
+		loss += batch_gradient(s) / s->batches;
+	return loss;
+}
+
 bool splat_descend(struct splat_descent *d, struct lod_arena *arena)
 {
 	const struct lod_arena_piece *mark = arena->last;
@@ -175,11 +185,8 @@ bool splat_descend(struct splat_descent *d, struct lod_arena *arena)
 				1 / (1 - fall_2));
 		go = told(d, at);
 	}
-	draw_level(&s);
-	d->loss = 0;
-	s.soft = (struct splat_softness){ .edge_px = 0.3f };
-	for (s.batch = 0; s.batch < s.batches; s.batch++)
-		d->loss += batch_gradient(&s) / s.batches;
+	if (go && d->settle)
+		d->loss = mean_loss(&s);
 	lod_arena_release(arena, mark);
 	return go;
 }

@@ -17,7 +17,7 @@ struct splat_descent {
 	bool settle;                     /* shapes stay, as they have been rounded; a few steps of the rest */
 	uint32_t level, levels;          /* for progress */
 	const struct lod_splats_options *options;
-	double loss;                     /* out: mean 1 - soft Q of all views */
+	double loss;                     /* out, where shapes settle: mean 1 - soft Q of all views */
 };
 
 /* False if progress says stop. */

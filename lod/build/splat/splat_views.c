@@ -24,7 +24,6 @@ struct drawing {
 	const uint8_t (*rgb)[3];     /* per triangle */
 	struct lod_raster *rasters;
 	uint32_t raster_count;
-	struct lod_arena *arena;
 };
 
 /* ---- Colours of triangles ---- */
@@ -244,7 +243,7 @@ enum eco_code splat_views_make(struct splat_views *views, const struct eco_model
 		return ECO_OK;
 	allocate(views, arena);
 	struct drawing d = { views, model, options->rgb ? options->rgb : color_all(model, arena),
-		lod_arena_take(arena, parts, sizeof *d.rasters), 0, arena };
+		lod_arena_take(arena, parts, sizeof *d.rasters), 0 };
 	enum eco_code code = ECO_OK;
 	while (!code && d.raster_count < parts) {
 		code = lod_raster_init(&d.rasters[d.raster_count], &(struct lod_raster_options){
