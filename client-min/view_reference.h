@@ -26,9 +26,8 @@ enum eco_code view_reference_draw(const struct view_reference_job *job, struct v
 
 /* How much of each pixel plants cover: of samples x samples, evenly spread in it. Memory is bounded, whatever
  * the picture's size. */
-#define VIEW_SAMPLES_MAX 15u
 struct view_coverage {
-	uint32_t width, height, samples;
+	uint32_t width, height, samples;         /* samples: at most 15 */
 	uint8_t *count;                          /* one a pixel, the caller's: 0 to samples^2 */
 };
 enum eco_code view_reference_count(const struct view_reference_job *job, struct view_coverage *coverage,

@@ -96,7 +96,7 @@ static struct eco_placement wire_random_placement(struct wire_random *r)
 	return p;
 }
 
-bool wire_same_cut(const struct eco_cut *a, const struct eco_cut *b)
+static bool same_cut(const struct eco_cut *a, const struct eco_cut *b)
 {
 	return a->list == b->list && a->first == b->first && a->end == b->end && a->scale == b->scale
 		&& a->placement == b->placement && a->anchor == b->anchor && a->band_first == b->band_first
@@ -121,7 +121,7 @@ void assert_same_plan(const struct eco_plan *a, const struct eco_plan *b)
 	for (uint32_t i = 0; i < a->gate_count; i++)
 		assert_true(a->gates[i].plant == b->gates[i].plant && a->gates[i].end == b->gates[i].end);
 	for (uint32_t i = 0; i < a->cut_count; i++)
-		assert_true(wire_same_cut(&a->cuts[i], &b->cuts[i]));
+		assert_true(same_cut(&a->cuts[i], &b->cuts[i]));
 }
 
 /* What sorting leaves to do: identical cuts, overlapping runs and second gates go. */
@@ -140,7 +140,7 @@ static void wire_random_prune(struct eco_plan *plan)
 	plan->gate_count = kept;
 	kept = 0;
 	for (uint32_t i = 0; i < plan->cut_count; i++)
-		if (!kept || !wire_same_cut(&plan->cuts[i], &plan->cuts[kept - 1]))
+		if (!kept || !same_cut(&plan->cuts[i], &plan->cuts[kept - 1]))
 			plan->cuts[kept++] = plan->cuts[i];
 	plan->cut_count = kept;
 }

@@ -15,7 +15,6 @@ struct wire_random { uint64_t state; };
 uint32_t wire_random_below(struct wire_random *r, uint32_t n);
 /* Small numbers are more likely than large ones: every length of a varint occurs. */
 uint32_t wire_random_size(struct wire_random *r, uint32_t most);
-bool wire_same_cut(const struct eco_cut *a, const struct eco_cut *b);
 void assert_same_plan(const struct eco_plan *a, const struct eco_plan *b);
 /* A sorted plan of up to `most` items an array that names lists below `lists` and plants below `plants`. */
 struct eco_plan wire_random_plan(struct wire_random *r, uint32_t most, uint32_t lists, uint32_t plants);

@@ -51,7 +51,7 @@
 
 struct weights { int64_t right, wrong, second; };
 
-struct candidate { int64_t score; uint32_t element; uint8_t code; bool known; };
+struct candidate { int64_t score; uint32_t element; uint8_t code; };
 
 struct ranking {
 	struct lod_crown crown;
