@@ -3,7 +3,6 @@
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "client-min/view_load.h"
 #include "client-min/view_progress.h"

@@ -2,7 +2,6 @@
 
 #include <epoxy/gl.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "client-min/view_record.h"
 #include "client-min/view_texture.h"

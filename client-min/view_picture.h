@@ -3,7 +3,6 @@
 #ifndef VIEW_PICTURE_H
 #define VIEW_PICTURE_H
 
-#include <stdbool.h>
 #include <stdint.h>
 
 #include "ecofiles/base/status.h"

@@ -4,7 +4,6 @@
 #define VIEW_PROGRESS_H
 
 #include <stdbool.h>
-#include <stdint.h>
 
 struct view_progress { const char *program; bool terminal, drawn; double last_ms; };
 

@@ -3,7 +3,6 @@
  * indexed by anchor and sorted by band, so that an instance costs the cuts that it draws and little else. */
 #include "client-min/view_select.h"
 
-#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

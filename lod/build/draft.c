@@ -1,7 +1,6 @@
 #include "lod/build/draft.h"
 
 #include <assert.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/base/room.h"

@@ -1,7 +1,6 @@
 #include "lod/build/tone.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "lod/build/foliage.h"

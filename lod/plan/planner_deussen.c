@@ -24,8 +24,6 @@
 #include "lod/plan/planner_state.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "ecofiles/base/room.h"
 #include "lod/ladder.h"

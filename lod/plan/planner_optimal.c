@@ -19,8 +19,6 @@
 #include "lod/plan/planner_state.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "lod/plan/allocation.h"
 #include "lod/plan/explain_state.h"

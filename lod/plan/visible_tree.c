@@ -1,7 +1,6 @@
 /* The visible part of the tile tree, opened lazily: see lod/plan/visible_tree.h. */
 #include "lod/plan/visible_tree.h"
 
-#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

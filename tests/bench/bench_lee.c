@@ -11,7 +11,6 @@
  * built from 16 or 24 directions in a cone and tested with others in it; one static list is built from
  * directions all around. Lee's orders are made anew for each view. */
 #include <math.h>
-#include <string.h>
 
 #include "tests/bench/baseline/lee.h"
 #include "tests/bench/bench.h"

@@ -2,7 +2,6 @@
  * are drawn on. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "ecofiles/base/file_write.h"
 #include "ecofiles/ecopack/chart.h"

@@ -1,7 +1,6 @@
 /* Random requests over five scenes: what must hold whatever is asked for (requests.c says what). It is a
  * program of its own, so that a crash is one violation and not the end of the bench. */
 #include <math.h>
-#include <string.h>
 
 #include "tests/bench/bench.h"
 

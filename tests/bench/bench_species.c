@@ -2,7 +2,6 @@
  * protocol (2011, section 5) for the orders of that paper and for ours. bench_savings.h says how. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "tests/bench/bench_savings.h"
 

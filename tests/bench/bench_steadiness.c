@@ -20,7 +20,6 @@
  * frame. Drawn by the software rasteriser: the same bits everywhere. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "tests/bench/bench_shots.h"
 #include "tests/bench/bench_still.h"

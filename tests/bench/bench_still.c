@@ -1,7 +1,6 @@
 #include "tests/bench/bench_still.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "client-min/view_reference.h"
 #include "tests/bench/bench_fetch.h"

@@ -1,6 +1,5 @@
 /* The error that people see: the figures of its authors' own program, and what must hold for any pictures. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "lod/raster/flip.h"

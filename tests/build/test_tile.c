@@ -1,7 +1,6 @@
 /* Tiling: every thing in one leaf, bounds that hold bodies, leaves of few, order that a pack can rely on. */
 #include <stdbool.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "ecofiles/base/mix.h"
 #include "ecofiles/format/model.h"

@@ -1,8 +1,6 @@
 /* Trees of alpha-cut cards at shares of their vertices, one at a time: three seeds of `ecopack generate
  * city`, two heights in pixels, from all around and between 10 degrees below and 60 above the horizon. */
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "tests/bench/bench_shots.h"
 
