@@ -132,19 +132,6 @@ static void write_summary(const struct camera *c, const struct eco_track *track,
 		s->fps, s->error_m, s->error_deg);
 }
 
-/* ---- Output: appears complete or not at all, and replaces nothing but a camera script ---- */
-
-static enum eco_code may_write(const char *path, struct eco_error *error)
-{
-	struct stat status;
-	struct eco_camera *camera = NULL;
-	bool may = stat(path, &status) != 0 || (S_ISREG(status.st_mode)
-		&& (!status.st_size || eco_camera_load(&camera, path, NULL) == ECO_OK));
-	eco_camera_free(camera);
-	return may ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "%.300s is there and is no camera script; "
-		"it is kept. Take another name", path);
-}
-
 /* ---- From the track to the script ---- */
 
 static void move_flight(struct camera *c, struct eco_flight *flight, const struct eco_track *track,
@@ -200,19 +187,6 @@ static enum eco_code convert(struct camera *c, struct eco_track *track, struct e
 	return code;
 }
 
-/* A camera script is handed back as it is. */
-static enum eco_code copy_script(const struct camera *c, struct eco_error *error)
-{
-	size_t size;
-	uint8_t *text;
-	enum eco_code code = eco_file_read(c->input, SCRIPT_BYTES_MAX, &text, &size, error);
-	if (!code)
-		fprintf(c->out, "%s is a camera script already: it is checked and copied; nothing else is "
-			"done to it\n%c%s", c->input, 0, (const char *)text);
-	free(text);
-	return code;
-}
-
 /* All that has to do with a stranger's file, in a child (guard.h). Hands back notes, a line each, behind a 0
  * the script, and behind another the summary. */
 static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
@@ -220,8 +194,11 @@ static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
 	struct camera *c = ctx;
 	struct eco_track track = { .notes = c->out = out };
 	enum eco_code code = eco_track_read(&track, c->input, error);
-	if (!code)
-		code = track.format == ECO_TRACK_SCRIPT ? copy_script(c, error) : convert(c, &track, error);
+	if (!code && track.format == ECO_TRACK_SCRIPT)
+		fprintf(out, "%s is a camera script already: it is checked and copied; nothing else is done "
+			"to it\n%c%s", c->input, 0, track.text);
+	else if (!code)
+		code = convert(c, &track, error);
 	eco_track_free(&track);
 	return code;
 }
@@ -250,6 +227,18 @@ static enum eco_code take(const struct camera *c, struct eco_guard *guard, FILE 
 		fputs(script + strlen(script) + 1, stdout);
 	free(notes);
 	return code;
+}
+
+/* The output replaces nothing but a camera script. */
+static enum eco_code may_write(const char *path, struct eco_error *error)
+{
+	struct stat status;
+	struct eco_camera *camera = NULL;
+	bool may = stat(path, &status) != 0 || (S_ISREG(status.st_mode)
+		&& (!status.st_size || eco_camera_load(&camera, path, NULL) == ECO_OK));
+	eco_camera_free(camera);
+	return may ? ECO_OK : eco_fail(error, ECO_BAD_USAGE, "%.300s is there and is no camera script; "
+		"it is kept. Take another name", path);
 }
 
 static struct camera given;

@@ -23,14 +23,6 @@ static track_reader *const readers[ECO_TRACK_FORMATS] = { track_read_srt, track_
 
 /* ---- Fixes ---- */
 
-struct eco_fix track_fix(uint32_t line)
-{
-	struct eco_fix fix = { .line = line };
-	for (int i = 0; i < ECO_FIX_NUMBERS; i++)
-		fix.n[i] = NAN;
-	return fix;
-}
-
 /* Whether it has a place on Earth, or in its metres; longitudes up to 360 are brought below 180. A receiver
  * without a fix writes 0, 0. */
 static bool check_position(bool degrees, double at[3])
@@ -51,9 +43,11 @@ enum eco_code track_add(struct eco_track *track, const struct eco_fix *fix, stru
 		return ECO_OK;
 	}
 	if (track->count == ECO_TRACK_FIXES_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "more than %u fixes", ECO_TRACK_FIXES_MAX);
+		return eco_fail(error, ECO_TOO_LARGE, "%.300s: more than %u fixes", track->path,
+			ECO_TRACK_FIXES_MAX);
 	if (!eco_room(&track->fixes, &track->capacity, track->count, sizeof f))
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u fixes", track->count);
+		return eco_fail(error, ECO_NO_MEMORY, "%.300s: no memory for %u fixes", track->path,
+			track->count);
 	for (int i = 0; i < ECO_FIX_NUMBERS; i++)
 		f.n[i] = fabs(f.n[i]) <= most[i] ? f.n[i] : NAN;
 	f.fov_y_deg = f.fov_y_deg > 0.01 ? f.fov_y_deg : NAN;
@@ -64,7 +58,7 @@ enum eco_code track_add(struct eco_track *track, const struct eco_fix *fix, stru
 
 void eco_track_note(void *of, const char *format, ...)
 {
-	struct eco_track *track = of;
+	const struct eco_track *track = of;
 	va_list args;
 	va_start(args, format);
 	if (track->notes && vfprintf(track->notes, format, args) >= 0)
@@ -75,99 +69,91 @@ void eco_track_note(void *of, const char *format, ...)
 void eco_track_free(struct eco_track *track)
 {
 	free(track->fixes);
+	free(track->text);
 	*track = (struct eco_track){ 0 };
 }
 
-/* ---- What a file is ---- */
+/* ---- What a file is: by content, then by the name's end ---- */
 
-static enum eco_code json_format(const struct track_input *in, enum eco_track_format *format,
-	struct eco_error *error)
+static enum eco_code find_json(struct eco_track *track, struct eco_error *error)
 {
 	json_error_t problem;
-	json_t *root = json_loadb(in->text, in->size, JSON_DECODE_INT_AS_REAL, &problem);
+	json_t *root = json_loadb(track->text, track->size, JSON_DECODE_INT_AS_REAL, &problem);
 	if (!root)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s:%d:%d: %s", in->path, problem.line,
+		return eco_fail(error, ECO_BAD_INPUT, "%.300s:%d:%d: %s", track->path, problem.line,
 			problem.column, problem.text);
-	*format = json_object_get(root, "keyframes") ? ECO_TRACK_SCRIPT
+	track->format = json_object_get(root, "keyframes") ? ECO_TRACK_SCRIPT
 		: json_is_object(json_object_get(root, "asset")) ? ECO_TRACK_GLTF
 		: json_is_string(json_object_get(root, "type")) ? ECO_TRACK_GEOJSON : ECO_TRACK_FORMATS;
 	json_decref(root);
-	return *format < ECO_TRACK_FORMATS ? ECO_OK : eco_fail(error, ECO_UNSUPPORTED,
+	return track->format < ECO_TRACK_FORMATS ? ECO_OK : eco_fail(error, ECO_UNSUPPORTED,
 		"%.300s: JSON, but no track that is known: no GeoJSON (\"type\"), no glTF (\"asset\"), no "
-		"camera script (\"keyframes\")", in->path);
+		"camera script (\"keyframes\")", track->path);
 }
 
-/* ECO_TRACK_FORMATS: XML that is none of them. */
-static enum eco_track_format text_format(const struct track_input *in)
+static enum eco_code find_text(struct eco_track *track, const char *text, struct eco_error *error)
 {
 	char head[HEAD_BYTES + 1];
-	snprintf(head, sizeof head, "%.*s", (int)HEAD_BYTES, in->text);
-	if (head[strspn(head, " \t\r\n")] == '<')
-		return strcasestr(head, "<gpx") ? ECO_TRACK_GPX : strcasestr(head, "<kml") ? ECO_TRACK_KML
-			: ECO_TRACK_FORMATS;
+	snprintf(head, sizeof head, "%.*s", (int)HEAD_BYTES, text);
 	bool subtitles = strstr(head, " --> ") || strcasestr(head, "[latitude") || strcasestr(head, "HOME(")
-		|| eco_path_ends_with(in->path, ".srt");
-	return subtitles ? ECO_TRACK_SRT : ECO_TRACK_CSV;
+		|| eco_path_ends_with(track->path, ".srt");
+	track->format = head[strspn(head, " \t\r\n")] != '<' ? subtitles ? ECO_TRACK_SRT : ECO_TRACK_CSV
+		: strcasestr(head, "<gpx") ? ECO_TRACK_GPX : strcasestr(head, "<kml") ? ECO_TRACK_KML
+		: ECO_TRACK_FORMATS;
+	return track->format < ECO_TRACK_FORMATS ? ECO_OK : eco_fail(error, ECO_UNSUPPORTED,
+		"%.300s: XML, but neither GPX nor KML. " TRACK_FORMATS, track->path);
 }
 
-/* By content, then by the name's end. */
-static enum eco_code find_format(struct track_input *in, enum eco_track_format *format,
-	struct eco_error *error)
+static enum eco_code find_format(struct eco_track *track, struct eco_error *error)
 {
-	size_t blank = strspn(in->text, " \t\r\n"), head = in->size < HEAD_BYTES ? in->size : HEAD_BYTES;
-	enum eco_code code = eco_file_check_head(in->path, in->text, blank < in->size ? in->size : 0, false,
-		"a track", error);
-	*format = ECO_TRACK_GLTF;
-	if (code || strncmp(in->text, "glTF", 4) == 0)
+	size_t blank = strspn(track->text, " \t\r\n"), length = strlen(track->text);
+	enum eco_code code = eco_file_check_head(track->path, track->text, blank < track->size ? track->size
+		: 0, false, "a track", error);
+	track->format = ECO_TRACK_GLTF;
+	if (code || strncmp(track->text, "glTF", 4) == 0)
 		return code;
-	if (memchr(in->text, 0, head))
+	if (length < track->size && length < HEAD_BYTES)
 		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: this is binary, or text in UTF-16. "
-			TRACK_FORMATS, in->path);
-	if (in->text[blank] == '{')
-		return json_format(in, format, error);
+			TRACK_FORMATS, track->path);
+	if (track->text[blank] == '{')
+		return find_json(track, error);
 	/* a recorder that lost power leaves blocks of zeros */
-	for (char *zero = in->text; (zero = memchr(zero, 0, in->size - (size_t)(zero - in->text))) != NULL; )
-		*zero = ' ';
-	*format = text_format(in);
-	return *format < ECO_TRACK_FORMATS ? ECO_OK : eco_fail(error, ECO_UNSUPPORTED,
-		"%.300s: XML, but neither GPX nor KML. " TRACK_FORMATS, in->path);
+	for (size_t i = 0; (i += strlen(track->text + i)) < track->size; )
+		track->text[i] = ' ';
+	return find_text(track, track->text, error);
 }
 
 /* ---- Reading ---- */
 
-static enum eco_code read_text(struct eco_track *track, struct track_input *in, struct eco_error *error)
+static enum eco_code read_text(struct eco_track *track, struct eco_error *error)
 {
-	enum eco_code code = find_format(in, &track->format, error);
+	enum eco_code code = find_format(track, error);
 	if (code || track->format == ECO_TRACK_SCRIPT)
 		return code;
 	const char *name = format_names[track->format];
-	eco_track_note(track, "%s: read as %s", in->path, name);
-	code = readers[track->format](track, in, error);
+	eco_track_note(track, "%s: read as %s", track->path, name);
+	code = readers[track->format](track, error);
 	if (code || track->count)
 		return code;
 	return !track->skipped ? eco_fail(error, ECO_BAD_INPUT, "%.250s: no fix found; it was read as %s. "
-		TRACK_FORMATS, in->path, name) : eco_fail(error, ECO_BAD_INPUT, "%.250s:%u: read as %s, it "
-		"has %llu records and no usable fix: no position, or one that cannot be", in->path,
+		TRACK_FORMATS, track->path, name) : eco_fail(error, ECO_BAD_INPUT, "%.250s:%u: read as %s, "
+		"it has %llu records and no usable fix: no position, or one that cannot be", track->path,
 		track->skipped_line, name, (unsigned long long)track->records);
 }
 
 enum eco_code eco_track_read(struct eco_track *track, const char *path, struct eco_error *error)
 {
-	struct eco_error cause = { 0 };
 	uint8_t *bytes;
-	struct track_input in = { .path = path };
-	*track = (struct eco_track){ .notes = track->notes };
-	enum eco_code code = eco_file_read(path, ECO_TRACK_BYTES_MAX, &bytes, &in.size, &cause);
-	if (!code) {
-		size_t mark = in.size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
-		in.text = (char *)bytes + mark;
-		in.size -= mark;
-		code = read_text(track, &in, &cause);
+	*track = (struct eco_track){ .notes = track->notes, .path = path };
+	enum eco_code code = eco_file_read(path, ECO_TRACK_BYTES_MAX, &bytes, &track->size, error);
+	track->text = (char *)bytes;
+	if (!code && strncmp(track->text, "\xef\xbb\xbf", 3) == 0) {
+		memmove(track->text, track->text + 3, track->size - 2);
+		track->size -= 3;
 	}
-	free(bytes);
 	if (!code)
-		return ECO_OK;
-	eco_track_free(track);
-	bool named = strstr(cause.text, path) || strlen(path) > 200;
-	return eco_fail(error, cause.code, "%.300s%s%s", named ? "" : path, named ? "" : ": ", cause.text);
+		code = read_text(track, error);
+	if (code)
+		eco_track_free(track);
+	return code;
 }

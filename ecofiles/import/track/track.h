@@ -62,7 +62,7 @@ enum eco_track_format {
 	ECO_TRACK_SRT,               /* subtitles of a drone's film */
 	ECO_TRACK_GPX, ECO_TRACK_KML, ECO_TRACK_GEOJSON,     /* through GDAL */
 	ECO_TRACK_CSV, ECO_TRACK_GLTF,
-	ECO_TRACK_SCRIPT,            /* a camera script of our own: no fixes, to be taken as it is */
+	ECO_TRACK_SCRIPT,            /* our own: no fixes, `text` is to be taken as it is */
 	ECO_TRACK_FORMATS
 };
 
@@ -92,12 +92,15 @@ struct eco_track {
 	/* skipped: those without a usable position; the first is in skipped_line */
 	uint64_t records, skipped;
 	uint32_t skipped_line;
+	const char *path;            /* for messages; tables are read from it */
+	/* the file's, followed by 0; a reader of text may cut it by writing zeros, and it holds no others */
+	char *text; size_t size;
 	FILE *notes;                 /* lines for the user are written there; NULL: nowhere */
 };
 
 /* Reads a file, of which all but track->notes is set, in this process: it is a stranger's, so call this in a
  * child with limits (guard.h). A file without a usable fix is an error that says what was found instead.
- * format ECO_TRACK_SCRIPT: nothing else is set. Free with eco_track_free, which takes a zeroed one too. */
+ * `path` must outlive the track. Free with eco_track_free, which takes a zeroed one too. */
 enum eco_code eco_track_read(struct eco_track *track, const char *path, struct eco_error *error);
 void eco_track_free(struct eco_track *track);
 

@@ -14,6 +14,7 @@
 struct channel {
 	uint32_t node;
 	const char *path;                    /* "translation", "rotation" or "scale" */
+	uint32_t width;                      /* numbers of a value */
 	bool stepped;                        /* a value holds until the next */
 	double *times, *values;
 	uint64_t count;
@@ -28,32 +29,28 @@ struct motion {
 
 /* ---- Animations ---- */
 
-static uint32_t components(const char *path) { return strcmp(path, "rotation") == 0 ? 4 : 3; }
-
 static enum eco_code read_channel(struct eco_gltf *doc, struct channel *c, const json_t *sampler,
 	struct eco_error *error)
 {
 	const char *kind = eco_gltf_text(sampler, "interpolation");
 	uint64_t values = 0;
 	if (strcmp(kind, "CUBICSPLINE") == 0)
-		return eco_fail(error, ECO_UNSUPPORTED, "an animation of its camera, of node %u, is curves "
-			"(CUBICSPLINE): have the exporter sample animations", c->node);
+		return eco_fail(error, ECO_UNSUPPORTED, "%.250s: an animation of its camera, of node %u, is "
+			"curves (CUBICSPLINE): have the exporter sample animations", eco_gltf_path(doc),
+			c->node);
 	c->stepped = strcmp(kind, "STEP") == 0;
 	enum eco_code code = eco_gltf_read_floats(doc, eco_gltf_index(sampler, "input"), 1, &c->times,
 		&c->count, error);
 	if (!code)
-		code = eco_gltf_read_floats(doc, eco_gltf_index(sampler, "output"), components(c->path),
-			&c->values, &values, error);
-	bool good = !code && c->count && values == c->count;
-	for (uint64_t i = 0; good && i < c->count; i++)
-		good = isfinite(c->times[i]) && (!i || c->times[i] >= c->times[i - 1]);
-	for (uint64_t i = 0; good && i < c->count * components(c->path); i++)
-		good = isfinite(c->values[i]);
-	if (code || good)
-		return code;
-	return eco_fail(error, ECO_DAMAGED, "an animation of node %u has %llu times for %llu values, or "
-		"times that do not ascend", c->node, (unsigned long long)c->count,
-		(unsigned long long)values);
+		code = eco_gltf_read_floats(doc, eco_gltf_index(sampler, "output"), c->width, &c->values,
+			&values, error);
+	bool good = c->count && values == c->count;
+	for (uint64_t i = 0; good && i < c->count * c->width; i++)
+		good = isfinite(c->values[i]) && (i >= c->count || (isfinite(c->times[i])
+			&& (!i || c->times[i] >= c->times[i - 1])));
+	return code || good ? code : eco_fail(error, ECO_DAMAGED, "%.250s: an animation of node %u has %llu "
+		"times for %llu values, or times that do not ascend", eco_gltf_path(doc), c->node,
+		(unsigned long long)c->count, (unsigned long long)values);
 }
 
 static bool moves_camera(const struct motion *m, uint32_t node)
@@ -72,15 +69,18 @@ static enum eco_code take_channel(struct motion *m, const json_t *animation, con
 	const json_t *target = json_object_get(json, "target"), *sampler = json_array_get(
 		json_object_get(animation, "samplers"), eco_gltf_index(json, "sampler"));
 	struct channel c = { .node = eco_gltf_index(target, "node") };
-	for (int i = 0; i < 3; i++)
-		c.path = strcmp(eco_gltf_text(target, "path"), paths[i]) == 0 ? paths[i] : c.path;
+	for (uint32_t i = 0; i < 3; i++)
+		if (strcmp(eco_gltf_text(target, "path"), paths[i]) == 0) {
+			c.path = paths[i];
+			c.width = i == 1 ? 4 : 3;
+		}
 	if (!sampler || !c.path || !moves_camera(m, c.node))
 		return ECO_OK;
 	for (uint32_t i = 0; i < m->count; i++)
 		if (m->channels[i].node == c.node && m->channels[i].path == c.path)
 			return ECO_OK;
 	if (!eco_room(&m->channels, &m->capacity, m->count, sizeof c))
-		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
+		return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", eco_gltf_path(m->doc));
 	m->channels[m->count] = c;
 	return read_channel(m->doc, &m->channels[m->count++], sampler, error);
 }
@@ -107,7 +107,7 @@ static void sample(const struct channel *c, double time_s, double out[4])
 		uint64_t middle = low + (high - low) / 2;
 		*(c->times[middle] <= time_s ? &low : &high) = middle;
 	}
-	uint32_t n = components(c->path);
+	const uint32_t n = c->width;
 	const double *a = c->values + low * n, *b = c->values + high * n;
 	double h = c->times[high] - c->times[low];
 	double s = h > 0 ? fmin(fmax((time_s - c->times[low]) / h, 0), 1) : 0;
@@ -143,12 +143,12 @@ static enum eco_code add_pose(struct eco_track *track, struct motion *m, double 
 	struct eco_error *error)
 {
 	double matrix[16], value[4];
-	struct eco_fix fix = track_fix(track->count + 1);
+	struct eco_fix fix = TRACK_FIX(track->count + 1);
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; !code && i < m->count; i++) {
 		const struct channel *c = &m->channels[i];
 		sample(c, time_s, value);
-		code = eco_gltf_place_node(m->doc, c->node, c->path, value, components(c->path), error);
+		code = eco_gltf_place_node(m->doc, c->node, c->path, value, c->width, error);
 	}
 	if (code || (code = eco_gltf_node_matrix(m->doc, m->camera, matrix, error)))
 		return code;
@@ -175,8 +175,7 @@ static enum eco_code add_poses(struct eco_track *track, struct motion *m, struct
 	return code;
 }
 
-static enum eco_code read_camera(struct eco_track *track, struct motion *m, const char *path,
-	struct eco_error *error)
+static enum eco_code read_camera(struct eco_track *track, struct motion *m, struct eco_error *error)
 {
 	const json_t *root = eco_gltf_json(m->doc), *node, *animation, *channel, *camera = NULL;
 	uint32_t cameras = 0;
@@ -188,7 +187,7 @@ static enum eco_code read_camera(struct eco_track *track, struct motion *m, cons
 			m->camera = (uint32_t)i;
 		}
 	if (!cameras)
-		return eco_fail(error, ECO_NOT_FOUND, "%.250s: no node of it has a camera", path);
+		return eco_fail(error, ECO_NOT_FOUND, "%.250s: no node of it has a camera", track->path);
 	if (cameras > 1)
 		eco_track_note(track, "it has %u cameras; the first, of node %u, is taken", cameras,
 			m->camera);
@@ -201,14 +200,14 @@ static enum eco_code read_camera(struct eco_track *track, struct motion *m, cons
 	return code ? code : add_poses(track, m, error);
 }
 
-enum eco_code track_read_gltf(struct eco_track *track, const struct track_input *in, struct eco_error *error)
+enum eco_code track_read_gltf(struct eco_track *track, struct eco_error *error)
 {
 	struct motion m = { 0 };
-	enum eco_code code = eco_gltf_open_memory(&m.doc, in->path, (const uint8_t *)in->text, in->size,
-		error);
+	enum eco_code code = eco_gltf_open_memory(&m.doc, track->path, (const uint8_t *)track->text,
+		track->size, error);
 	track->posed = true;
 	if (!code)
-		code = read_camera(track, &m, in->path, error);
+		code = read_camera(track, &m, error);
 	for (uint32_t i = 0; i < m.count; i++) {
 		free(m.channels[i].times);
 		free(m.channels[i].values);

@@ -10,26 +10,19 @@
 #define METRES_PER_DEGREE 111195.0
 #define NORTH_STEP_DEG 1e-3              /* to see where north is in a grid */
 
-/* The least difference of neighbours beyond `least`; 0 if there is none. */
-static double least_step(const struct eco_track *track, int axis, double least)
-{
-	double step = INFINITY;
-	for (uint32_t i = 1; i < track->count; i++) {
-		double d = fabs(track->fixes[i].at[axis] - track->fixes[i - 1].at[axis]);
-		step = d > least && d < step ? d : step;
-	}
-	return isfinite(step) ? step : 0;
-}
-
+/* The least difference of neighbours is the step of rounding; a degree of longitude is shorter. */
 static void find_step(struct eco_track *track)
 {
-	double least = track->degrees ? 1e-9 : 1e-6, x = least_step(track, 0, least),
-		y = least_step(track, 1, least);
-	/* a degree of longitude is shorter; the larger of two steps says how rough the recording is, unless
-	 * it does not move that way */
-	double scale = track->degrees ? METRES_PER_DEGREE : 1, narrow = track->degrees
-		? cos(track->fixes[0].at[1] / TRACK_DEG) : 1;
-	track->still_m = (x > 0 && y > 0 ? fmin(x * narrow, y) : fmax(x * narrow, y)) * scale;
+	const struct eco_fix *f = track->fixes;
+	double least = track->degrees ? 1e-9 : 1e-6, step[2] = { INFINITY, INFINITY };
+	for (uint32_t i = 1; i < track->count; i++)
+		for (int k = 0; k < 2; k++) {
+			double d = fabs(f[i].at[k] - f[i - 1].at[k]);
+			step[k] = d > least ? fmin(d, step[k]) : step[k];
+		}
+	double narrow = track->degrees ? cos(f[0].at[1] / TRACK_DEG) : 1;
+	double finer = fmin(step[0] * narrow, step[1]);
+	track->still_m = isfinite(finer) ? finer * (track->degrees ? METRES_PER_DEGREE : 1) : 0;
 }
 
 static bool convert(struct eco_crs *crs, double at[2])
@@ -82,8 +75,8 @@ static enum eco_code choose_heights(struct eco_track *track, int wanted, struct 
 		relative += !isnan(f[i].above_m);
 		first = isnan(f[i].at[2]) ? first : f[i].at[2];
 	}
-	bool most = relative && (relative >= track->count / 2 || !absolute);
-	bool above = wanted != ECO_HEIGHTS_ABSOLUTE && most;
+	bool above = wanted != ECO_HEIGHTS_ABSOLUTE && relative
+		&& (relative >= track->count / 2 || !absolute);
 	if (wanted && !above && !absolute)
 		return eco_fail(error, ECO_BAD_INPUT, "--height: the track has no heights of this kind%s",
 			relative ? ", only above take-off" : "");

@@ -11,19 +11,12 @@
 #define TRACK_FORMATS "Read are SRT (a drone writes it beside its film), GPX, KML, GeoJSON, CSV in UTF-8, " \
 	"glTF and camera scripts; GPSBabel converts other logs of GPS to GPX"
 
-struct track_input {
-	/* followed by 0; a reader of text may cut it into lines by writing zeros, and it holds no others */
-	char *text;
-	size_t size;
-	const char *path;            /* for messages; tables are read from it */
-};
-
-typedef enum eco_code track_reader(struct eco_track *track, const struct track_input *in,
-	struct eco_error *error);
+typedef enum eco_code track_reader(struct eco_track *track, struct eco_error *error);
 track_reader track_read_srt, track_read_rows, track_read_gltf;
 
-/* All NaN, at line `line`. */
-struct eco_fix track_fix(uint32_t line);
+/* Nothing is known of it yet. */
+#define TRACK_FIX(at_line) \
+	(struct eco_fix){ .n = { NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN }, .line = at_line }
 /* Checks and takes: what has no position, or an impossible one, is counted instead. Each call is one record.
  * ECO_TOO_LARGE or ECO_NO_MEMORY. */
 enum eco_code track_add(struct eco_track *track, const struct eco_fix *fix, struct eco_error *error);
@@ -34,22 +27,20 @@ enum eco_code track_add(struct eco_track *track, const struct eco_fix *fix, stru
 bool track_number(const char **text, double *value);
 /* 15:19:58.72 or 15:19:58,720,764 or 9:05; seconds since midnight. */
 bool track_clock(const char **text, double *time_s);
-/* 2020-04-02T15:19:58.720Z, with +02:00, 2020/04/02 15:19:58, 2017.8.5 14:11:51,393,525; without a zone taken
- * for UTC. Seconds since 1970; NaN: none of these. */
-double track_date_time(const char *text);
 
 /* ---- Tables: columns by the names that recorders give them ---- */
 
 /* The first are the numbers of a fix, in their order. */
 enum track_role { TRACK_TIME, TRACK_X, TRACK_Y, TRACK_Z, TRACK_ABOVE, TRACK_YAW, TRACK_PITCH, TRACK_ROLL,
-	TRACK_FOV, TRACK_LON, TRACK_LAT, TRACK_DATE, TRACK_ROLES };
+	TRACK_FOV, TRACK_LON, TRACK_LAT, TRACK_DATE, TRACK_MODE, TRACK_ROLES };
 struct track_table {
 	uint32_t column[TRACK_ROLES];        /* ECO_NONE: none */
 	double unit[TRACK_ROLES];            /* NaN: not stated */
 	bool degrees;                        /* it has longitudes and latitudes */
 };
-/* The meaning of one name, as drones' logs and spreadsheets have it; TRACK_ROLES: none. */
-enum track_role track_role_of(const char *name);
+/* The meaning of one name, as drones' logs and spreadsheets have it; TRACK_ROLES: none. rank: how good a name
+ * for it, 0 the best; unit: the factor of what the name states, or NaN. */
+enum track_role track_role_of(const char *name, uint32_t *rank, double *unit);
 /* Which column means what. False if there is no position among them. */
 bool track_find_columns(struct track_table *table, const char *const *names, uint32_t count);
 struct eco_fix track_row(const struct track_table *table, const char *const *fields, uint32_t count,

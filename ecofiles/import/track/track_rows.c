@@ -10,24 +10,15 @@
 
 #define HEADER_ROWS 50u
 
-/* A placemark's height may count from the ground. */
-static bool is_from_ground(const struct eco_rows *rows)
-{
-	for (uint32_t i = 0; i < rows->field_count; i++)
-		if (strcmp(rows->columns[i], "altitudeMode") == 0)
-			return strstr(rows->fields[i], "relativeTo") != NULL;
-	return false;
-}
-
-/* A geometry says more than columns do. */
-static void take_place(struct eco_fix *fix, const struct eco_rows *rows)
+/* A geometry says more than columns do. A placemark's height may count from the ground. */
+static void take_place(struct eco_fix *fix, const struct track_table *table, const struct eco_rows *rows)
 {
 	const struct eco_rows_place *place = &rows->place;
+	uint32_t mode = table->column[TRACK_MODE];
 	bool there = place->kind == ECO_PLACE_POINT;
-	fix->at[0] = there ? place->at[0] : NAN;
-	fix->at[1] = there ? place->at[1] : NAN;
-	fix->at[2] = there && !isnan(place->at[2]) ? place->at[2] : fix->at[2];
-	if (is_from_ground(rows)) {
+	for (int k = 0; k < 3; k++)
+		fix->at[k] = there && !isnan(place->at[k]) ? place->at[k] : k < 2 ? NAN : fix->at[k];
+	if (mode < rows->field_count && strstr(rows->fields[mode], "relativeTo")) {
 		fix->above_m = fix->at[2];
 		fix->at[2] = NAN;
 	}
@@ -42,7 +33,7 @@ static enum eco_code read_rows(struct eco_track *track, const struct track_table
 	while (!(code = rows->next(rows, &more, error)) && more) {
 		struct eco_fix fix = track_row(table, rows->fields, rows->field_count, (uint32_t)rows->line);
 		if (rows->has_geometry)
-			take_place(&fix, rows);
+			take_place(&fix, table, rows);
 		else if (*rows->fields[0] == '#')
 			continue;
 		if ((code = track_add(track, &fix, error)))
@@ -81,17 +72,16 @@ static bool is_degrees(struct eco_track *track, const struct eco_rows *rows)
 	return false;
 }
 
-static enum eco_code read_layer(struct eco_track *track, const struct track_input *in, const char *layer,
-	struct eco_error *error)
+static enum eco_code read_layer(struct eco_track *track, const char *layer, struct eco_error *error)
 {
-	struct eco_rows_source source = { .path = in->path, .layer = layer, .vertices = true };
+	struct eco_rows_source source = { .path = track->path, .layer = layer, .vertices = true };
 	struct eco_rows *rows;
 	struct track_table table;
-	enum eco_code code = track->format == ECO_TRACK_CSV ? eco_rows_open_csv(&rows, in->path, 0, error)
+	enum eco_code code = track->format == ECO_TRACK_CSV ? eco_rows_open_csv(&rows, track->path, 0, error)
 		: eco_rows_open_here(&rows, &source, error);
 	if (code)
 		return code;
-	code = find_header(&table, rows, in->path, error);
+	code = find_header(&table, rows, track->path, error);
 	track->degrees = rows->has_geometry ? is_degrees(track, rows) : table.degrees;
 	if (!code)
 		code = read_rows(track, &table, rows, error);
@@ -123,10 +113,10 @@ static void keep_lines(struct eco_track *track)
 }
 
 /* GDAL says nothing of a file that breaks off, as a recorder whose battery died leaves it. */
-static void check_points(struct eco_track *track, const struct track_input *in, const char *word)
+static void check_points(struct eco_track *track, const char *word)
 {
 	uint64_t points = 0;
-	for (const char *at = in->text; (at = strstr(at, word)) != NULL; at++)
+	for (const char *at = track->text; (at = strstr(at, word)) != NULL; at++)
 		points++;
 	if (track->records < points)
 		eco_track_note(track, "the file breaks off or is damaged: %llu of its %llu points are read",
@@ -134,35 +124,35 @@ static void check_points(struct eco_track *track, const struct track_input *in, 
 }
 
 /* No time arrived: refuses what has some, whether it was read or not. */
-static enum eco_code check_times(const struct track_input *in, enum eco_code code, struct eco_error *error)
+static enum eco_code check_times(const struct eco_track *track, enum eco_code code, struct eco_error *error)
 {
 	static const char *const words[][2] = { { ":FlyTo>", "gx:FlyTo" }, { "\"times\"", "times" },
 		{ "when>", "<when>, of a gx:Track" }, { "\"coordTimes\"", "coordTimes" } };
 	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
-		if (strstr(in->text, words[i][0])) {
+		if (strstr(track->text, words[i][0])) {
 			*error = (struct eco_error){ 0 };
 			return eco_fail(error, ECO_UNSUPPORTED, "%.200s: its times (of %s) do not arrive "
-				"through GDAL; convert it to GPX or CSV (GPSBabel does)", in->path,
+				"through GDAL; convert it to GPX or CSV (GPSBabel does)", track->path,
 				words[i][1]);
 		}
 	return code;
 }
 
-enum eco_code track_read_rows(struct eco_track *track, const struct track_input *in, struct eco_error *error)
+enum eco_code track_read_rows(struct eco_track *track, struct eco_error *error)
 {
 	static const char *const layers[] = { "track_points", "route_points", "waypoints" },
 		*const points[] = { "<trkpt", "<rtept", "<wpt" };
 	enum eco_code code = ECO_OK;
 	if (track->format == ECO_TRACK_CSV)
-		return read_layer(track, in, NULL, error);
+		return read_layer(track, NULL, error);
 	if (track->format != ECO_TRACK_GPX) {
-		code = read_layer(track, in, NULL, error);
+		code = read_layer(track, NULL, error);
 		keep_lines(track);
-		return track->timed ? code : check_times(in, code, error);
+		return track->timed ? code : check_times(track, code, error);
 	}
 	for (int i = 0; !code && !track->count && i < 3; i++) {
-		code = read_layer(track, in, layers[i], error);
-		check_points(track, in, points[i]);
+		code = read_layer(track, layers[i], error);
+		check_points(track, points[i]);
 	}
 	return code;
 }

@@ -12,7 +12,6 @@
  * So names are found one by one and not line by line; those of one value are the names of columns, too. The
  * third number of GPS() is the number of satellites if it is whole, the height if it has decimals or "m";
  * drones that write it with "M" mean a precision, and have the latitude first. */
-#include <ctype.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
@@ -20,6 +19,7 @@
 #include "ecofiles/import/track/track_read.h"
 
 #define NAME_BYTES 32
+#define LETTERS "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_."      /* of names */
 
 struct values {
 	double number[3]; int count; /* NaN: "n/a" */
@@ -33,37 +33,28 @@ struct srt {
 	bool open;                   /* it says something */
 };
 
-static double read_one(const char **text, char *unit)
-{
-	const char *from = *text;
-	double number = NAN;
-	bool found = track_number(text, &number);
-	bool decimals = found && memchr(from, '.', (size_t)(*text - from));
-	*unit = found && **text && strchr("mM", **text) ? **text : decimals ? '.' : 0;
-	return number;
-}
-
-/* Behind a name: `: 1.5`, `(1, 2, 3)`, ` 1.5m`. *text is moved behind them. */
-static struct values read_values(const char **text)
+/* Behind a name: `: 1.5`, `(1, 2, 3)`, ` 1.5m`. */
+static struct values read_values(const char *text)
 {
 	struct values v = { .number = { NAN, NAN, NAN } };
-	*text += strspn(*text, " :");
-	if (**text != '(')
-		v.number[v.count++] = read_one(text, &v.unit);
-	else
-		do {
-			++*text;
-			v.number[v.count++] = read_one(text, &v.unit);
-			*text += strcspn(*text, ",)\r\n");
-		} while (**text == ',' && v.count < 3);
+	text += strspn(text, " :(");
+	for (const char *from = text; v.count < 3 && track_number(&text, &v.number[v.count]); from = ++text) {
+		bool decimals = memchr(from, '.', (size_t)(text - from));
+		v.unit = *text == 'm' || *text == 'M' ? *text : decimals ? '.' : 0;
+		v.count++;
+		text += strcspn(text, ",) ]");
+		if (*text != ',')
+			break;
+	}
 	return v;
 }
 
 /* What a name and its values say of the record. */
 static void set_values(struct srt *s, const char *name, const struct values *v)
 {
-	double *n = s->fix.n;
-	enum track_role role = track_role_of(name);
+	double *n = s->fix.n, unit;
+	uint32_t rank;
+	enum track_role role = track_role_of(name, &rank, &unit);
 	if (strcasecmp(name, "gps") == 0 || strcasecmp(name, "rtk") == 0) {
 		bool latitude_first = (v->count == 3 && v->unit == 'M') || fabs(v->number[1]) > 90;
 		n[TRACK_X] = v->number[latitude_first];
@@ -74,9 +65,7 @@ static void set_values(struct srt *s, const char *name, const struct values *v)
 		n[TRACK_PITCH] = v->number[0];
 		n[TRACK_ROLL] = v->number[1];
 		n[TRACK_YAW] = v->number[2];
-	} else if (strcasecmp(name, "h") == 0 || strcasecmp(name, "hb") == 0)
-		n[TRACK_ABOVE] = v->number[0];
-	else if (strcasecmp(name, "focal_len") == 0)         /* 240 is 24.0 mm, 24.00 is too */
+	} else if (strcasecmp(name, "focal_len") == 0)       /* 240 is 24.0 mm, 24.00 is too */
 		s->focal_mm = v->number[0] / (v->unit == '.' ? 1 : 10);
 	else if (strcasecmp(name, "dzoom_ratio") == 0)       /* so are 10000 and 1.00 */
 		s->zoom = v->number[0] / (v->number[0] >= 1000 ? 10000 : 1);
@@ -89,28 +78,16 @@ static void set_values(struct srt *s, const char *name, const struct values *v)
 	s->open = true;
 }
 
-/* A name is letters and underlines, and dots within. */
-static size_t name_length(const char *text)
-{
-	size_t i = 0;
-	while (isalpha((unsigned char)text[i]) || text[i] == '_'
-			|| (i && text[i] == '.' && isalpha((unsigned char)text[i + 1])))
-		i++;
-	return i;
-}
-
 static void read_names(struct srt *s, const char *text)
 {
-	while (*text) {
-		size_t length = name_length(text);
+	for (size_t length; *text; text += length + !length) {
 		char name[NAME_BYTES];
-		if (length && length < NAME_BYTES) {
-			snprintf(name, sizeof name, "%.*s", (int)length, text);
-			const char *behind = text + length;
-			struct values v = read_values(&behind);
-			set_values(s, name, &v);
-		}
-		text += length + !length;
+		length = strspn(text, LETTERS);
+		if (!length || length >= NAME_BYTES)
+			continue;
+		snprintf(name, sizeof name, "%.*s", (int)length, text);
+		struct values v = read_values(text + length);
+		set_values(s, name, &v);
 	}
 }
 
@@ -120,26 +97,22 @@ static enum eco_code close_record(struct srt *s, uint32_t next_line, struct eco_
 	if (mm >= 8 && mm <= 3000)           /* films are 16 : 9 */
 		s->fix.fov_y_deg = 2 * atan(36.0 * 9 / 16 / 2 / mm) * TRACK_DEG;
 	enum eco_code code = s->open ? track_add(s->track, &s->fix, error) : ECO_OK;
-	*s = (struct srt){ .track = s->track, .fix = track_fix(next_line) };
+	*s = (struct srt){ .track = s->track, .fix = TRACK_FIX(next_line) };
 	return code;
 }
 
-enum eco_code track_read_srt(struct eco_track *track, const struct track_input *in, struct eco_error *error)
+enum eco_code track_read_srt(struct eco_track *track, struct eco_error *error)
 {
-	struct srt s = { .track = track, .fix = track_fix(1) };
+	struct srt s = { .track = track, .fix = TRACK_FIX(1) };
 	enum eco_code code = ECO_OK;
 	uint32_t line = 1;
+	char *rest = track->text;
 	track->degrees = true;
-	/* a line ends with CR LF, LF, or the CR of old Macs */
-	for (char *text = in->text, *end; !code && *text; text = end, line++) {
+	for (const char *text; !code && (text = strsep(&rest, "\n")); line++) {
 		const char *at = text;
 		double time_s = NAN;
-		end = text + strcspn(text, "\r\n");
-		size_t ending = strncmp(end, "\r\n", 2) == 0 ? 2 : *end != 0;
-		*end = 0;
-		end += ending;
 		size_t digits = strspn(at, "0123456789");
-		bool index = digits && !at[digits + strspn(at + digits, " \t")];
+		bool index = digits && !at[digits + strspn(at + digits, " \t\r")];
 		/* 00:00:00,016 --> 00:00:00,033 */
 		if (index || (track_clock(&at, &time_s) && strstr(at, "-->"))) {
 			code = close_record(&s, line, error);

@@ -5,34 +5,35 @@
  * underline is taken off and used ("height_above_takeoff(feet)", "x_east_m", "OSD.height [m]"). Each meaning
  * has a list of names, best first (a gimbal's pitch before an aircraft's). */
 #include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <time.h>
 
 #include "ecofiles/import/track/track_read.h"
 
 #define NAME_BYTES 64u
-#define NAMES_MAX 20
+#define OF_PART 1000u                    /* added to the rank of a name that is a part of its column's */
 
-static const char *const names[TRACK_ROLES][NAMES_MAX] = {
-	[TRACK_TIME] = { "t", "time", "timestamp", "times", "seconds", "elapsed", "elapsedtime", "unixtime",
-		"epoch", "datetime", "datetimeutc", "utc", "gpstime", "offsettime", "flytime", "millisecond",
-		"coordtimes", "coordinatetimes" },
-	[TRACK_X] = { "east", "easting", "x", "xeast", "e", "utmx", "px", "posx", "positionx", "camerax" },
-	[TRACK_Y] = { "north", "northing", "y", "ynorth", "n", "utmy", "py", "posy", "positiony", "cameray" },
-	[TRACK_Z] = { "up", "z", "zup", "pz", "posz", "positionz", "cameraz", "altitude", "alt",
-		"altitudeabovesealevel", "altmsl", "absalt", "gpsaltitude", "gpsalt", "elevation", "ele",
-		"elev", "height" },
-	[TRACK_ABOVE] = { "relalt", "relativealtitude", "heightabovetakeoff", "relativeheight", "osdheight",
-		"heightagl", "agl", "barometer" },
-	[TRACK_YAW] = { "gimbalyaw", "gimbalheading", "gbyaw", "camerayaw", "cameraheading", "yaw", "heading",
-		"compassheading", "bearing", "direction", "course", "track" },
-	[TRACK_PITCH] = { "gimbalpitch", "gbpitch", "camerapitch", "gimbalpitchangle", "pitch", "tilt" },
-	[TRACK_ROLL] = { "gimbalroll", "gbroll", "cameraroll", "roll" },
-	[TRACK_FOV] = { "fovy", "fov", "fieldofview", "verticalfov" },
-	[TRACK_LON] = { "lon", "longitude", "lng", "long", "longtitude", "gpslongitude", "gpslon",
-		"positionlong" },
-	[TRACK_LAT] = { "lat", "latitude", "gpslatitude", "gpslat", "positionlat" },
-	[TRACK_DATE] = { "date", "day", "gpsdate", "dateutc" },
+/* each between spaces */
+static const char *const names[TRACK_ROLES] = {
+	[TRACK_TIME] = " t time timestamp times seconds elapsed elapsedtime unixtime epoch datetime "
+		"datetimeutc utc gpstime offsettime flytime millisecond coordtimes coordinatetimes ",
+	[TRACK_X] = " east easting x xeast e utmx px posx positionx camerax ",
+	[TRACK_Y] = " north northing y ynorth n utmy py posy positiony cameray ",
+	[TRACK_Z] = " up z zup pz posz positionz cameraz altitude alt altitudeabovesealevel altmsl absalt "
+		"gpsaltitude gpsalt elevation ele elev height ",
+	[TRACK_ABOVE] = " relalt relativealtitude heightabovetakeoff relativeheight osdheight heightagl agl "
+		"barometer h hb ",
+	[TRACK_YAW] = " gimbalyaw gimbalheading gbyaw camerayaw cameraheading yaw heading compassheading "
+		"bearing direction course track ",
+	[TRACK_PITCH] = " gimbalpitch gbpitch camerapitch gimbalpitchangle pitch tilt ",
+	[TRACK_ROLL] = " gimbalroll gbroll cameraroll roll ",
+	[TRACK_FOV] = " fovy fov fieldofview verticalfov ",
+	[TRACK_LON] = " lon longitude lng long longtitude gpslongitude gpslon positionlong ",
+	[TRACK_LAT] = " lat latitude gpslatitude gpslat positionlat ",
+	[TRACK_DATE] = " date day gpsdate dateutc ", [TRACK_MODE] = " altitudemode ",
 };
 
 /* ---- Names ---- */
@@ -51,77 +52,109 @@ static double unit_of(const char *text, size_t length)
 	return NAN;
 }
 
-/* Letters and digits in lower case, without the unit. `part`: only what follows the last dot
- * ("OSD.latitude"). Returns the unit's factor. */
-static double plain_name(const char *text, bool part, char name[NAME_BYTES])
+/* The role of a name as it is, and how good the name is for it: 0 the best. */
+static enum track_role find_role(const char *text, uint32_t *rank, double *unit)
 {
-	for (const char *dot = text; part && (dot = strpbrk(dot, "./:")) != NULL; )
-		text = ++dot;
-	const char *end = text + strcspn(text, "([");
-	double unit = *end ? unit_of(end + 1, strcspn(end + 1, ")]")) : NAN;
-	if (!*end) {
-		const char *last = end;
-		while (last > text && last[-1] != '_' && last[-1] != ' ')
-			last--;
-		unit = last > text ? unit_of(last, (size_t)(end - last)) : NAN;
-		end = isnan(unit) ? end : last;
-	}
-	size_t length = 0;
-	for (; text < end && length < NAME_BYTES - 1; text++)
+	char word[NAME_BYTES] = " ";
+	const char *end = text + strcspn(text, "(["), *last = end, *at = NULL;
+	*unit = *end ? unit_of(end + 1, strcspn(end + 1, ")]")) : NAN;
+	while (!*end && last > text && last[-1] != '_' && last[-1] != ' ')
+		last--;
+	if (!*end && last > text && !isnan(*unit = unit_of(last, (size_t)(end - last))))
+		end = last;
+	size_t length = 1;
+	for (; text < end && length < NAME_BYTES - 2; text++)
 		if (isalnum((unsigned char)*text))
-			name[length++] = (char)tolower((unsigned char)*text);
-	name[length] = 0;
-	return unit;
-}
-
-/* How good a name is for a role: 0 the best, NAMES_MAX none. */
-static int rank(enum track_role role, const char *plain)
-{
-	int i = 0;
-	while (i < NAMES_MAX && names[role][i] && strcmp(names[role][i], plain) != 0)
-		i++;
-	return i < NAMES_MAX && names[role][i] ? i : NAMES_MAX;
-}
-
-enum track_role track_role_of(const char *name)
-{
-	char plain[NAME_BYTES];
+			word[length++] = (char)tolower((unsigned char)*text);
+	word[length] = ' ';
 	enum track_role role = 0;
-	plain_name(name, false, plain);
-	while (role < TRACK_ROLES && rank(role, plain) == NAMES_MAX)
+	while (role < TRACK_ROLES && !(at = strstr(names[role], word)))
 		role++;
+	*rank = at ? (uint32_t)(at - names[role]) : 0;
 	return role;
 }
 
-static void find_role(struct track_table *t, const char *const *columns, uint32_t count, enum track_role role,
-	bool part)
+enum track_role track_role_of(const char *name, uint32_t *rank, double *unit)
 {
-	char name[NAME_BYTES];
-	int best = NAMES_MAX;
-	for (uint32_t c = 0; c < count; c++) {
-		bool taken = false;
-		for (int other = 0; other < TRACK_ROLES; other++)
-			taken |= other != (int)role && t->column[other] == c;
-		double unit = plain_name(columns[c], part, name);
-		if (taken || rank(role, name) >= best)
-			continue;
-		best = rank(role, name);
-		t->column[role] = c;
-		t->unit[role] = unit;
-	}
+	enum track_role role = find_role(name, rank, unit);
+	const char *part = name + strlen(name);
+	while (part > name && !strchr("./:", part[-1]))
+		part--;
+	if (role < TRACK_ROLES || part == name)
+		return role;
+	role = find_role(part, rank, unit);
+	*rank += OF_PART;
+	return role;
 }
 
 bool track_find_columns(struct track_table *t, const char *const *columns, uint32_t count)
 {
+	uint32_t rank, best[TRACK_ROLES];
+	double unit;
 	for (int role = 0; role < TRACK_ROLES; role++) {
-		t->column[role] = ECO_NONE;
+		t->column[role] = best[role] = ECO_NONE;
 		t->unit[role] = NAN;
 	}
-	for (int i = 0; i < 2 * TRACK_ROLES; i++)
-		if (t->column[i % TRACK_ROLES] == ECO_NONE)
-			find_role(t, columns, count, i % TRACK_ROLES, i >= TRACK_ROLES);
+	for (uint32_t c = 0; c < count; c++) {
+		enum track_role role = track_role_of(columns[c], &rank, &unit);
+		if (role == TRACK_ROLES || rank >= best[role])
+			continue;
+		t->column[role] = c;
+		t->unit[role] = unit;
+		best[role] = rank;
+	}
 	t->degrees = t->column[TRACK_LON] != ECO_NONE && t->column[TRACK_LAT] != ECO_NONE;
 	return t->degrees || (t->column[TRACK_X] != ECO_NONE && t->column[TRACK_Y] != ECO_NONE);
+}
+
+/* ---- Numbers, clocks and dates ---- */
+
+bool track_number(const char **text, double *value)
+{
+	const char *at = *text + strspn(*text, " \t");
+	char *stop = NULL;
+	double number = *at && strchr("+-.0123456789", *at) ? strtod(at, &stop) : NAN;
+	if (!isfinite(number) || stop == at)
+		return false;
+	*value = number;
+	*text = stop;
+	return true;
+}
+
+bool track_clock(const char **text, double *time_s)
+{
+	unsigned hour, minute, second = 0;
+	int used = 0;
+	double place = 1;
+	if (sscanf(*text, " %4u:%2u%n:%2u%n", &hour, &minute, &used, &second, &used) < 2 || hour > 9999
+			|| minute > 59 || second > 60)
+		return false;
+	*time_s = hour * 3600.0 + minute * 60 + second;
+	/* .72 or ,720, or thousandths and millionths: ,720,764 */
+	const char *at = *text + used;
+	while ((*at == '.' || *at == ',') && isdigit((unsigned char)at[1]))
+		for (at++; isdigit((unsigned char)*at); at++)
+			*time_s += (place /= 10) * (*at - '0');
+	*text = at;
+	return true;
+}
+
+/* 2020-04-02T15:19:58.720Z, with +02:00, 2020/04/02 15:19:58, 2017.8.5 14:11:51,393,525; without a zone taken
+ * for UTC. Seconds since 1970; NaN: none of these. */
+static double date_time(const char *text)
+{
+	static const char *const forms[] = { " %Y-%m-%d", " %Y/%m/%d", " %Y.%m.%d" };
+	struct tm day = { 0 }, zone = { 0 };
+	double clock_s = 0;
+	const char *at = NULL;
+	for (int i = 0; i < 3 && !at; i++)
+		at = strptime(text, forms[i], &day);
+	if (!at || day.tm_year < 1000 - 1900)
+		return NAN;
+	at += *at && strchr("Tt_", *at);
+	track_clock(&at, &clock_s);
+	strptime(at, "%z", &zone);
+	return (double)(timegm(&day) - zone.tm_gmtoff) + clock_s;
 }
 
 /* ---- Rows ---- */
@@ -136,11 +169,11 @@ static double number_of(const char *field)
 /* Seconds since 1970, or their thousandths, millionths, billionths; a date; a clock, perhaps of a date. */
 static double time_of(const char *time, const char *date, double unit)
 {
-	double time_s = number_of(time), size = fabs(time_s), date_s = track_date_time(date);
+	double time_s = number_of(time), size = fabs(time_s), date_s = date_time(date);
 	if (!isnan(time_s))
 		return time_s * (!isnan(unit) ? unit : size > 1e17 ? 1e-9 : size > 1e14 ? 1e-6
 			: size > 1e11 ? 1e-3 : 1);
-	time_s = track_date_time(time);
+	time_s = date_time(time);
 	if (!isnan(time_s))
 		return time_s;
 	return track_clock(&time, &time_s) ? time_s + (isnan(date_s) ? 0 : date_s) : date_s;
@@ -149,7 +182,7 @@ static double time_of(const char *time, const char *date, double unit)
 struct eco_fix track_row(const struct track_table *t, const char *const *fields, uint32_t count,
 	uint32_t line)
 {
-	struct eco_fix fix = track_fix(line);
+	struct eco_fix fix = TRACK_FIX(line);
 	const char *text[TRACK_ROLES];
 	double value[TRACK_ROLES];
 	for (int role = 0; role < TRACK_ROLES; role++) {
