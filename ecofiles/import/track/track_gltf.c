@@ -85,21 +85,8 @@ static enum eco_code take_channel(struct motion *m, const json_t *animation, con
 	return read_channel(m->doc, &m->channels[m->count++], sampler, error);
 }
 
-/* Quaternions along the shorter great circle. */
-static void blend(const double *a, const double *b, double s, bool rotation, double *out)
-{
-	double dot = rotation ? a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] : 1,
-		sign = dot < 0 ? -1 : 1, wa = 1 - s, wb = s;
-	if (dot * sign < 0.9999) {
-		double angle = acos(dot * sign), sine = sin(angle);
-		wa = sin((1 - s) * angle) / sine;
-		wb = sin(s * angle) / sine;
-	}
-	for (uint32_t i = 0; i < (rotation ? 4 : 3); i++)
-		out[i] = wa * a[i] + sign * wb * b[i];
-}
-
-/* The value at a time; before the first and behind the last the node rests. */
+/* The value at a time, quaternions along the shorter great circle; before the first and behind the last the
+ * node rests. */
 static void sample(const struct channel *c, double time_s, double out[4])
 {
 	uint64_t low = 0, high = c->count - 1;
@@ -109,12 +96,16 @@ static void sample(const struct channel *c, double time_s, double out[4])
 	}
 	const uint32_t n = c->width;
 	const double *a = c->values + low * n, *b = c->values + high * n;
-	double h = c->times[high] - c->times[low];
+	double h = c->times[high] - c->times[low], dot = 0;
 	double s = h > 0 ? fmin(fmax((time_s - c->times[low]) / h, 0), 1) : 0;
-	if (s == 1 || s == 0 || c->stepped)
-		memcpy(out, s == 1 ? b : a, n * sizeof *out);
-	else
-		blend(a, b, s, n == 4, out);
+	s = c->stepped ? floor(s) : s;
+	for (uint32_t i = 0; i < n; i++)
+		dot += a[i] * b[i];
+	double sign = n == 4 && dot < 0 ? -1 : 1, angle = n == 4 ? acos(fmin(dot * sign, 1)) : 0;
+	double sine = sin(angle), wa = sine > 0.01 ? sin((1 - s) * angle) / sine : 1 - s;
+	double wb = sine > 0.01 ? sin(s * angle) / sine : s;
+	for (uint32_t i = 0; i < n; i++)
+		out[i] = wa * a[i] + sign * wb * b[i];
 }
 
 /* ---- Poses ---- */
@@ -161,15 +152,14 @@ static enum eco_code add_pose(struct eco_track *track, struct motion *m, double 
 /* From the first key to the last. */
 static enum eco_code add_poses(struct eco_track *track, struct motion *m, struct eco_error *error)
 {
-	double from_s = INFINITY, to_s = -INFINITY;
+	double from_s = m->count ? INFINITY : 0, to_s = -from_s;
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < m->count; i++) {
 		from_s = fmin(from_s, m->channels[i].times[0]);
 		to_s = fmax(to_s, m->channels[i].times[m->channels[i].count - 1]);
 	}
-	if (!(from_s < to_s))
-		return add_pose(track, m, isfinite(from_s) ? from_s : 0, error);
-	double steps = fmin(fmax(ceil((to_s - from_s) * SAMPLES_PER_S - 1e-6), 8), SAMPLES_MAX);
+	double samples = fmin(fmax(ceil((to_s - from_s) * SAMPLES_PER_S - 1e-6), 8), SAMPLES_MAX);
+	double steps = from_s < to_s ? samples : 0;
 	for (uint32_t i = 0; !code && i <= steps; i++)
 		code = add_pose(track, m, i < steps ? from_s + (to_s - from_s) * (i / steps) : to_s, error);
 	return code;
