@@ -98,19 +98,23 @@ static void say_guesses(const struct camera *c, const struct eco_track *track, c
 			c->o.ground ? "on the scene's ground" : "z = 0");
 }
 
-static void say_moved(const struct camera *c, const struct eco_flight *flight,
-	const struct eco_flight_moved *moved)
+static void say_moved(const struct camera *c, const struct eco_track *track, const struct eco_flight *f)
 {
-	double far_m = INFINITY, percent = 100.0 / flight->count;
-	for (uint32_t i = 0; i < flight->count; i++)
-		far_m = fmin(far_m, hypot(flight->samples[i].eye[0], flight->samples[i].eye[1]));
-	if (moved->raised)
+	double far_m = INFINITY, percent = 100.0 / f->count;
+	for (uint32_t i = 0; i < f->count; i++)
+		far_m = fmin(far_m, hypot(f->samples[i].eye[0], f->samples[i].eye[1]));
+	if (track->local)
+		fprintf(c->out, "nothing says where the scene is (--scene SCENE.json, or --crs and --origin, "
+			"or --to X,Y,Z): the first fix is the origin of the script's metres, x east, y "
+			"north, and the lowest eye is at least %g m above z = 0 (--clearance)\n",
+			c->o.clearance_m);
+	if (f->raised)
 		fprintf(c->out, "%.1f %% of the way is less than %g m above the ground, up to %.1f m below "
-			"that: raised (--clearance M)\n", moved->raised * percent, c->o.clearance_m,
-			moved->raised_m);
-	if (moved->off_ground)
+			"that: raised (--clearance M)\n", f->raised * percent, c->o.clearance_m,
+			f->raised_m);
+	if (f->off_ground)
 		fprintf(c->out, "%.0f %% of the way is beyond the border of the scene's ground\n",
-			moved->off_ground * percent);
+			f->off_ground * percent);
 	if ((c->scene || c->o.crs) && far_m > FAR_M)
 		fprintf(c->out, "the track is %.0f km from the scene's origin, so its pictures show nothing "
 			"of it: add --to X,Y,Z to bring its first fix there, or --track-crs EPSG:... if its "
@@ -134,39 +138,11 @@ static void write_summary(const struct camera *c, const struct eco_track *track,
 
 /* ---- From the track to the script ---- */
 
-static void move_flight(struct camera *c, struct eco_flight *flight, const struct eco_track *track,
-	bool local)
-{
-	double *eye = flight->samples[0].eye, ground = 0, low[3], high[3];
-	struct eco_flight_moved moved;
-	c->o.from_ground = !track->has_height && c->scene;
-	/* heights above take-off count from the ground there */
-	if (!c->o.to_given && track->height == ECO_HEIGHTS_RELATIVE && c->o.ground
-			&& eco_ground_height(&c->ground, eye[0], eye[1], &ground))
-		eco_flight_lift(flight, ground);
-	if (local) {
-		c->o.to_given = true;
-		c->o.to[2] = track->height == ECO_HEIGHTS_ABSOLUTE ? 0 : NAN;
-	}
-	eco_flight_move(flight, &c->o, &moved);
-	eco_flight_box(flight, low, high);
-	/* without a scene the ground is unknown: take it as z = 0, and keep the whole track above */
-	if (local && !c->scene)
-		eco_flight_lift(flight, fmax(0, c->o.clearance_m - low[2]));
-	if (local)
-		fprintf(c->out, "nothing says where the scene is (--scene SCENE.json, or --crs and --origin, "
-			"or --to X,Y,Z): the first fix is the origin of the script's metres, x east, y "
-			"north, and the lowest eye is at least %g m above z = 0 (--clearance)\n",
-			c->o.clearance_m);
-	say_moved(c, flight, &moved);
-}
-
 static enum eco_code convert(struct camera *c, struct eco_track *track, struct eco_error *error)
 {
 	struct eco_track_report report = { 0 };
 	struct eco_flight flight = { 0 };
 	struct eco_script script = { 0 };
-	bool local = track->degrees && !c->o.crs && !c->o.to_given;
 	enum eco_code code = eco_track_place(track, &c->o, error);
 	if (!code)
 		code = eco_track_clean(track, &report, error);
@@ -175,7 +151,8 @@ static enum eco_code convert(struct camera *c, struct eco_track *track, struct e
 		code = eco_flight_make(&flight, track, &c->o, error);
 	if (!code) {
 		say_guesses(c, track, &flight, report.untimed);
-		move_flight(c, &flight, track, local);
+		eco_flight_move(&flight, track, &c->o);
+		say_moved(c, track, &flight);
 		code = eco_script_fit(&script, &flight, &c->o, error);
 	}
 	if (!code) {

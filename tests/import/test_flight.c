@@ -114,23 +114,23 @@ UNIT_TEST(flights_are_moved_turned_and_kept_above_ground)
 	float heights[4] = { 0, 0, 40, 40 };
 	struct eco_ground ground = { .columns = 2, .rows = 2, .x_m = -1000, .y_m = 0, .step_x_m = 2000,
 		.step_y_m = 100, .height_m = heights };
-	struct eco_flight_moved moved;
 	cleaned(&m.track);
 	struct eco_flight f = flight_of(&m.track);
 	struct eco_track_options move = { .speed = 2, .turn_deg = 90, .to_given = true, .to = { 7, 8, 9 },
 		.ground = &ground, .has_ground = true,
 		.clearance_m = 2 };
 	double step_s = f.step_s;
-	eco_flight_move(&f, &move, &moved);
+	m.track.has_height = true;
+	eco_flight_move(&f, &m.track, &move);
 	const struct eco_sample *last = &f.samples[f.count - 1];
 	assert_true(near(f.step_s, step_s / 2, 1e-12));
 	/* 100 m along x are 100 m along y; the ground rises by 0.4 a metre */
 	assert_true(near(f.samples[0].eye[0], 7, 0.3) && near(last->eye[1], 108, 0.5)
 		&& near(last->look[1], 1, 1e-3));
 	assert_true(near(f.samples[f.count / 2].eye[2], 0.4 * f.samples[f.count / 2].eye[1] + 2, 1e-4)
-		&& moved.raised > 0);
+		&& f.raised > 0);
 	move = (struct eco_track_options){ .look_at_given = true, .look_at = { 7, 1000, 20 } };
-	eco_flight_move(&f, &move, &moved);
+	eco_flight_move(&f, &m.track, &move);
 	assert_true(f.samples[0].look[1] > 0.99);
 	eco_flight_free(&f);
 	eco_track_free(&m.track);

@@ -43,11 +43,10 @@ struct eco_track_options {       /* begin with ECO_TRACK_DEFAULTS; NaN: not stat
 	double pitch_deg;            /* replaces what was recorded; NaN: that, else level, or a drone's */
 	double fov_y_deg;            /* NaN: as recorded, else 60 */
 	double speed;                /* 0: 1 */
-	/* the first eye goes to `to`, whatever `crs` says; z NaN: heights stay */
+	/* the first eye goes to `to`, whatever `crs` says */
 	bool to_given;
 	double to[3], turn_deg;      /* counter-clockwise, about the first eye */
-	bool has_ground;             /* eyes stay clearance_m above it */
-	bool from_ground;            /* eyes' heights count from it */
+	bool has_ground;             /* of a scene: eyes stay clearance_m above it */
 	const struct eco_ground *ground;     /* NULL: the ground is z = 0 */
 	double clearance_m;
 	bool look_at_given; double look_at[3];
@@ -86,6 +85,7 @@ struct eco_track {
 	bool posed;                  /* poses of a camera are exact: nothing is smoothed unless asked for */
 	bool has_height;             /* of the kind `height`, which placing chose */
 	enum eco_track_height height;
+	bool local;                  /* nothing says where its degrees are in the scene; set by placing */
 	/* the step in which positions were written (rounding); 0: too small to matter; set by placing */
 	double still_m;
 	struct eco_fix *fixes;       uint32_t count, capacity;
@@ -147,6 +147,7 @@ struct eco_flight {
 	double length_m, smooth_s, moved_m;          /* smoothing took no fix farther than moved_m */
 	bool yaw_recorded, pitch_recorded;
 	double pitch_deg;            /* taken where none was recorded */
+	uint32_t raised, off_ground; double raised_m;        /* samples; by moving */
 };
 
 /* At least one sample. Where no yaw was recorded, the camera looks where it goes; where it stands, as before
@@ -159,12 +160,10 @@ void eco_flight_box(const struct eco_flight *flight, double low[3], double high[
 double eco_distance(const double a[3], const double b[3]);
 double eco_angle_deg(const double a[3], const double b[3]);
 
-void eco_flight_lift(struct eco_flight *flight, double by_m);
-
-struct eco_flight_moved { uint32_t raised; double raised_m; uint32_t off_ground; };
-/* In this order: turned and moved, set on the ground, raised above it, made to look at. */
-void eco_flight_move(struct eco_flight *flight, const struct eco_track_options *options,
-	struct eco_flight_moved *moved);
+/* In this order: turned and moved, set on the ground, raised above it, made to look at. A local track begins
+ * at 0, 0. Heights above take-off count from the ground there, as heights that were not recorded do. */
+void eco_flight_move(struct eco_flight *flight, const struct eco_track *track,
+	const struct eco_track_options *options);
 
 /* ---- Script ---- */
 

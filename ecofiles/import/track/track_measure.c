@@ -96,14 +96,20 @@ static void turn(double v[2], double sine, double cosine)
 	v[1] = sine * x + cosine * v[1];
 }
 
-/* Turned about the first eye, which then goes to `to`. Heights above the ground are not moved. */
-static void place(struct eco_flight *f, const struct eco_track_options *m)
+/* Turned about the first eye, which then goes to `to`. Heights that count from the ground stay. */
+static void place(struct eco_flight *f, const struct eco_track *track, const struct eco_track_options *m)
 {
-	double first[3], to[3], sine = sin(m->turn_deg / TRACK_DEG), cosine = cos(m->turn_deg / TRACK_DEG);
+	double first[3], to[3], ground = 0;
+	double sine = sin(m->turn_deg / TRACK_DEG), cosine = cos(m->turn_deg / TRACK_DEG);
+	bool relative = track->height == ECO_HEIGHTS_RELATIVE, goes = m->to_given || track->local;
+	bool stays = (m->has_ground && !track->has_height) || (track->local && relative);
 	for (int k = 0; k < 3; k++) {
 		first[k] = f->samples[0].eye[k];
-		to[k] = m->to_given && !isnan(m->to[k]) && !(k == 2 && m->from_ground) ? m->to[k] : first[k];
+		to[k] = goes && !(k == 2 && stays) ? m->to[k] : first[k];
 	}
+	if (!m->to_given && relative && m->ground
+			&& eco_ground_height(m->ground, first[0], first[1], &ground))
+		to[2] += ground;
 	for (struct eco_sample *s = f->samples; s < f->samples + f->count; s++) {
 		for (int k = 0; k < 3; k++)
 			s->eye[k] -= first[k];
@@ -115,15 +121,19 @@ static void place(struct eco_flight *f, const struct eco_track_options *m)
 	}
 }
 
-static void stand(struct eco_flight *f, const struct eco_track_options *m, struct eco_flight_moved *moved)
+static void stand(struct eco_flight *f, const struct eco_track *track, const struct eco_track_options *m)
 {
-	for (uint32_t i = 0; i < f->count && m->has_ground; i++) {
+	double low[3], high[3];
+	eco_flight_box(f, low, high);
+	/* without a scene the ground is unknown: take it as z = 0, and keep the whole track above */
+	double lift = track->local && !m->has_ground ? fmax(0, m->clearance_m - low[2]) : 0;
+	for (uint32_t i = 0; i < f->count; i++) {
 		double *eye = f->samples[i].eye, ground = 0;
-		moved->off_ground += m->ground && !eco_ground_height(m->ground, eye[0], eye[1], &ground);
-		eye[2] += m->from_ground ? ground : 0;
-		double lacks = ground + m->clearance_m - eye[2];
-		moved->raised += lacks > 0;
-		moved->raised_m = fmax(moved->raised_m, lacks);
+		f->off_ground += m->ground && !eco_ground_height(m->ground, eye[0], eye[1], &ground);
+		eye[2] += m->has_ground && !track->has_height ? ground : lift;
+		double lacks = m->has_ground ? ground + m->clearance_m - eye[2] : 0;
+		f->raised += lacks > 0;
+		f->raised_m = fmax(f->raised_m, lacks);
 		eye[2] += fmax(lacks, 0);
 	}
 }
@@ -143,18 +153,11 @@ static void look_at(struct eco_flight *f, const double at[3])
 	}
 }
 
-void eco_flight_lift(struct eco_flight *flight, double by_m)
+void eco_flight_move(struct eco_flight *flight, const struct eco_track *track,
+	const struct eco_track_options *options)
 {
-	for (uint32_t i = 0; i < flight->count; i++)
-		flight->samples[i].eye[2] += by_m;
-}
-
-void eco_flight_move(struct eco_flight *flight, const struct eco_track_options *options,
-	struct eco_flight_moved *moved)
-{
-	*moved = (struct eco_flight_moved){ 0 };
-	place(flight, options);
-	stand(flight, options, moved);
+	place(flight, track, options);
+	stand(flight, track, options);
 	if (options->look_at_given)
 		look_at(flight, options->look_at);
 	flight->step_s /= options->speed > 0 ? options->speed : 1;

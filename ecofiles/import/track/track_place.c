@@ -97,6 +97,7 @@ enum eco_code eco_track_place(struct eco_track *track, const struct eco_track_op
 {
 	char plane[200];
 	bool own = track->degrees && (options->to_given || !options->crs);
+	track->local = own && !options->to_given;
 	struct eco_frame to = { .crs = own ? plane : options->crs };
 	struct eco_crs_request request = { .path = "the track", .frame = &to, .note = eco_track_note,
 		.ctx = track, .stated = track->degrees ? "EPSG:4326" : options->track_crs };
