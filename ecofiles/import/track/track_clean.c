@@ -39,8 +39,8 @@ static void forget_bogus(struct clean *c)
 		if (!isnan(c->f[i].time_s))
 			c->scratch[count++] = c->f[i].time_s;
 	double middle = track_quantile(c->scratch, count, 0.5);
-	for (uint32_t i = 0; i < count; i++)
-		far += fabs(c->scratch[i] - middle) > FAR_S;
+	for (uint32_t i = 0; i < c->count; i++)
+		far += fabs(c->f[i].time_s - middle) > FAR_S;
 	/* many are no accident */
 	for (uint32_t i = 0; 4 * far < count && i < c->count; i++)
 		if (fabs(c->f[i].time_s - middle) > FAR_S) {
@@ -115,19 +115,15 @@ static void fill_missing(struct clean *c, double step_s)
 {
 	struct eco_fix *f = c->f;
 	const double *guess = c->scratch;
-	uint32_t last = ECO_NONE, next = 0;
 	guess_times(c, step_s);
-	for (uint32_t i = 0; i < c->count; i++) {
-		for (next = next > i ? next : i; next < c->count && isnan(f[next].time_s); )
-			next++;
-		if (next == i) {
-			last = i;
-			continue;
-		}
-		uint32_t from = last == ECO_NONE ? next : last;
-		double pace = last == ECO_NONE || next == c->count ? 1
-			: (f[next].time_s - f[last].time_s) / (guess[next] - guess[last]);
-		f[i].time_s = f[from].time_s + (guess[i] - guess[from]) * fmin(pace, SLOW_MOST);
+	for (uint32_t i = 0, end; i < c->count; i = end + 1) {
+		for (end = i; end < c->count && isnan(f[end].time_s); )
+			end++;
+		uint32_t from = i ? i - 1 : end;
+		double pace = !i || end == c->count ? 1
+			: (f[end].time_s - f[from].time_s) / (guess[end] - guess[from]);
+		for (uint32_t k = i; k < end; k++)
+			f[k].time_s = f[from].time_s + (guess[k] - guess[from]) * fmin(pace, SLOW_MOST);
 	}
 }
 
@@ -330,8 +326,6 @@ enum eco_code eco_track_clean(struct eco_track *track, struct eco_track_report *
 {
 	struct clean c = { .f = track->fixes, .count = track->count, .track = track, .report = report };
 	*report = (struct eco_track_report){ .fixes = track->count };
-	if (!track->count)
-		return eco_fail(error, ECO_BAD_INPUT, "the track has no fixes");
 	c.scratch = malloc((track->count + 1) * sizeof *c.scratch);
 	c.place = malloc(track->count * sizeof(struct eco_fix *));
 	enum eco_code code = c.scratch && c.place ? ECO_OK

@@ -281,11 +281,8 @@ enum eco_code eco_flight_make(struct eco_flight *flight, const struct eco_track 
 		double step_s = collect(&w, TRACK_X);
 		flight->smooth_s = choose_smoothing(&w, step_s);
 		choose_samples(&w, step_s, looks);
-		code = w.count ? ECO_OK : eco_fail(error, ECO_BAD_INPUT, "the track has no position left");
-	}
-	if (!code)
 		make_samples(&w);
-	else
+	} else
 		eco_flight_free(flight);
 	free(w.time_s);
 	return code;

@@ -142,14 +142,13 @@ static void stand(struct eco_flight *f, const struct eco_track *track, const str
 static void look_at(struct eco_flight *f, const double at[3])
 {
 	for (uint32_t i = 0; i < f->count; i++) {
-		struct eco_sample *s = &f->samples[i], *before = i ? s - 1 : s;
-		double length = eco_distance(s->eye, at);
-		for (int k = 0; k < 3; k++)
-			s->look[k] = length < 1e-6 ? before->look[k] : (at[k] - s->eye[k]) / length;
-		double flat = sqrt(fmax(0, 1 - s->look[2] * s->look[2]));
-		for (int k = 0; k < 3; k++)
-			s->up[k] = flat > 1e-6 ? ((k == 2) - s->look[2] * s->look[k]) / flat : i
-				? before->up[k] : k == 1;
+		struct eco_sample *s = &f->samples[i];
+		const double x = at[0] - s->eye[0], y = at[1] - s->eye[1], z = at[2] - s->eye[2];
+		track_axes(atan2(x, y) * TRACK_DEG, atan2(z, hypot(x, y)) * TRACK_DEG, 0, s->look, s->up);
+		for (int k = 0; k < 3 && i && eco_distance(s->eye, at) < 1e-6; k++) {
+			s->look[k] = s[-1].look[k];
+			s->up[k] = s[-1].up[k];
+		}
 	}
 }
 

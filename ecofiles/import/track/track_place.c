@@ -39,12 +39,11 @@ static bool convert(struct eco_crs *crs, double at[2])
 /* The bearing of true north in the grid is added to bearings. */
 static bool convert_fix(struct eco_crs *crs, struct eco_fix *fix, bool degrees)
 {
-	double side = fix->at[1] > 89 ? -1 : 1, north[2] = { fix->at[0], fix->at[1] + side * NORTH_STEP_DEG };
+	double north[2] = { fix->at[0], fix->at[1] + NORTH_STEP_DEG };
 	if (!convert(crs, fix->at))
 		return false;
 	if (degrees && !isnan(fix->yaw_deg) && convert(crs, north))
-		fix->yaw_deg += TRACK_DEG
-			* atan2(side * (north[0] - fix->at[0]), side * (north[1] - fix->at[1]));
+		fix->yaw_deg += TRACK_DEG * atan2(north[0] - fix->at[0], north[1] - fix->at[1]);
 	return true;
 }
 
@@ -102,8 +101,6 @@ enum eco_code eco_track_place(struct eco_track *track, const struct eco_track_op
 	struct eco_crs_request request = { .path = "the track", .frame = &to, .note = eco_track_note,
 		.ctx = track, .stated = track->degrees ? "EPSG:4326" : options->track_crs };
 	struct eco_crs *crs = NULL;
-	if (!track->count)
-		return eco_fail(error, ECO_BAD_INPUT, "the track has no fixes");
 	if (!track->degrees && options->track_crs && !options->crs)
 		return eco_fail(error, ECO_BAD_INPUT, "--track-crs says that the track is in %.80s, but no "
 			"CRS of the scene is known: add --scene SCENE.json, or --crs and --origin",

@@ -63,12 +63,11 @@ static enum eco_code find_header(struct track_table *table, struct eco_rows *row
 /* As the format of a geometry or its "crs" says, unless its numbers cannot be such. */
 static bool is_degrees(struct eco_track *track, const struct eco_rows *rows)
 {
-	bool wgs84 = !rows->crs || strstr("EPSG:4326 EPSG:4979 OGC:CRS84", rows->crs) != NULL;
-	bool stated = rows->crs && !rows->degrees_doubted;
-	if (wgs84 && !rows->degrees_doubted)
+	const char *stated = rows->crs && !rows->degrees_doubted ? rows->crs : NULL;
+	if (stated ? strstr("EPSG:4326 EPSG:4979 OGC:CRS84", stated) != NULL : !rows->degrees_doubted)
 		return true;
 	eco_track_note(track, "its coordinates are no degrees: metres from the scene's origin, unless "
-		"--track-crs says a CRS%s%.80s", stated ? ", as it does: " : "", stated ? rows->crs : "");
+		"--track-crs says a CRS%s%.80s", stated ? ", as it does: " : "", stated ? stated : "");
 	return false;
 }
 
