@@ -1,5 +1,4 @@
 /* ecopack camera: turns a recorded track into a camera script, and reports what it changed. */
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -52,10 +51,10 @@ static enum eco_code open_scene(struct camera *c, struct eco_error *error)
 
 /* ---- Reports ---- */
 
-static void say_repairs(const struct camera *c, const struct eco_track *track,
-	const struct eco_track_report *r)
+static void say_repairs(const struct camera *c, const struct eco_track *track)
 {
-	const struct { uint64_t count; const char *says; } lines[] = {
+	const struct eco_track_report *r = &track->report;
+	const struct { uint32_t count; const char *says; } lines[] = {
 		{ r->stamps_wrong, "times are years from the others, or run back: interpolated" },
 		{ r->sorted, "file is not in the order of its times: sorted" },
 		{ r->stamps_equal, "fixes have the time of the one before: interpolated by distance" },
@@ -64,16 +63,15 @@ static void say_repairs(const struct camera *c, const struct eco_track *track,
 		{ r->retimed, "steps take another time than recorded: short leaps, minutes without motion" },
 	};
 	if (track->skipped)
-		fprintf(c->out, "%" PRIu64 " records have no position, or none that can be: left out (the "
-			"first: number or line %u)\n", track->skipped, track->skipped_line);
+		fprintf(c->out, "%u records have no position, or none that can be: left out (the first: "
+			"number or line %u)\n", track->skipped, track->skipped_line);
 	for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
 		if (lines[i].count)
-			fprintf(c->out, "%" PRIu64 " %s\n", lines[i].count, lines[i].says);
+			fprintf(c->out, "%u %s\n", lines[i].count, lines[i].says);
 }
 
 /* Says which values stand in for what was not recorded. */
-static void say_guesses(const struct camera *c, const struct eco_track *track, const struct eco_flight *f,
-	bool untimed)
+static void say_guesses(const struct camera *c, const struct eco_track *track, const struct eco_flight *f)
 {
 	if (f->smooth_s > 0 && isnan(c->o.smooth_s))
 		fprintf(c->out, "smoothed with %.2g s (--smooth S; 0: not at all), which moves no position "
@@ -84,7 +82,7 @@ static void say_guesses(const struct camera *c, const struct eco_track *track, c
 	else if (!f->pitch_recorded && isnan(c->o.pitch_deg) && !c->o.look_at_given)
 		fprintf(c->out, "only its yaw was recorded: %g degrees of pitch are taken (--pitch DEG)\n",
 			f->pitch_deg);
-	if (untimed && f->count > 1)
+	if (track->report.untimed && f->count > 1)
 		fprintf(c->out, "no times were recorded: %g m a second are taken (--speed X)\n",
 			ECO_TRACK_PACE_M_S);
 	if (!track->has_height)
@@ -122,13 +120,13 @@ static void say_moved(const struct camera *c, const struct eco_track *track, con
 }
 
 static void write_summary(const struct camera *c, const struct eco_track *track,
-	const struct eco_track_report *r, const struct eco_flight *f, const struct eco_script *s)
+	const struct eco_flight *f, const struct eco_script *s)
 {
 	double low[3], high[3];
 	eco_flight_box(f, low, high);
-	fprintf(c->out, "%s: %" PRIu64 " records, %" PRIu64 " positions kept, %" PRIu64 " repeated, %" PRIu64
-		" jumps, %" PRIu64 " without a usable one\n", c->input, track->records, r->kept, r->repeated,
-		r->jumped, track->skipped);
+	fprintf(c->out, "%s: %u records, %u positions kept, %u repeated, %u jumps, %u without a usable one\n",
+		c->input, track->records, track->report.kept, track->report.repeated, track->report.jumped,
+		track->skipped);
 	fprintf(c->out, "  %.1f s, %.1f m long\n  x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f\n",
 		s->length_s, f->length_m, low[0], high[0], low[1], high[1], low[2], high[2]);
 	fprintf(c->out, "%s: %u keyframe%s, %u frame%s at %g a second, within %.3f m and %.2f degrees of the "
@@ -140,24 +138,23 @@ static void write_summary(const struct camera *c, const struct eco_track *track,
 
 static enum eco_code convert(struct camera *c, struct eco_track *track, struct eco_error *error)
 {
-	struct eco_track_report report = { 0 };
 	struct eco_flight flight = { 0 };
 	struct eco_script script = { 0 };
 	enum eco_code code = eco_track_place(track, &c->o, error);
 	if (!code)
-		code = eco_track_clean(track, &report, error);
-	say_repairs(c, track, &report);
+		code = eco_track_clean(track, error);
+	say_repairs(c, track);
 	if (!code)
 		code = eco_flight_make(&flight, track, &c->o, error);
 	if (!code) {
-		say_guesses(c, track, &flight, report.untimed);
+		say_guesses(c, track, &flight);
 		eco_flight_move(&flight, track, &c->o);
 		say_moved(c, track, &flight);
 		code = eco_script_fit(&script, &flight, &c->o, error);
 	}
 	if (!code) {
 		fprintf(c->out, "%c%s%c", 0, script.text, 0);
-		write_summary(c, track, &report, &flight, &script);
+		write_summary(c, track, &flight, &script);
 	}
 	free(script.text);
 	eco_flight_free(&flight);

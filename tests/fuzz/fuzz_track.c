@@ -42,13 +42,13 @@ static void play(const struct eco_script *script)
 
 static void fly(struct eco_track *track)
 {
-	struct eco_track_report report;
 	struct eco_flight flight;
 	struct eco_script script = { 0 };
 	static const struct eco_track_options defaults = ECO_TRACK_DEFAULTS, few = { .keys_max = 100 };
 	to_metres(track);
-	if (eco_track_clean(track, &report, NULL))
+	if (eco_track_clean(track, NULL))
 		return;
+	const struct eco_track_report report = track->report;
 	assert(report.fixes == report.kept + report.repeated + report.jumped && report.kept > 0);
 	for (uint32_t i = 1; i < track->count; i++)
 		assert(track->fixes[i].time_s > track->fixes[i - 1].time_s);

@@ -242,18 +242,18 @@ static void compare_with_table(const char *folder, const char *name)
 {
 	char path[1300], table[1300];
 	struct eco_track track = { 0 }, wanted = { 0 };
-	struct eco_track_report report;
 	struct eco_error error = { 0 };
 	uint32_t within = 0, seen = 0;
 	snprintf(path, sizeof path, "%s/%s", folder, name);
 	snprintf(table, sizeof table, "%s/%s.csv", folder, name);
 	if (eco_track_read(&track, path, &error) || eco_track_read(&wanted, table, &error) ||
 		eco_track_place(&track, &track_defaults, &error)
-		|| eco_track_clean(&track, &report, &error))
+		|| eco_track_clean(&track, &error))
 		fail_msg("%s", error.text);
 	struct eco_flight f = flight_of(&track);
 	/* the table's zero is the file's first fix, which may lie in another part */
 	double zero[2] = { 0 };
+	const struct eco_track_report report = track.report;
 	if (report.parts <= 1)
 		memcpy(zero, f.samples[0].eye, sizeof zero);
 	for (uint32_t i = 0; report.parts <= 1 && i < wanted.count && i < report.kept; i++, seen++)

@@ -137,8 +137,8 @@ static enum eco_code read_text(struct eco_track *track, struct eco_error *error)
 		return code;
 	return !track->skipped ? eco_fail(error, ECO_BAD_INPUT, "%.250s: no fix found; it was read as %s. "
 		TRACK_FORMATS, track->path, name) : eco_fail(error, ECO_BAD_INPUT, "%.250s:%u: read as %s, "
-		"it has %llu records and no usable fix: no position, or one that cannot be", track->path,
-		track->skipped_line, name, (unsigned long long)track->records);
+		"it has %u records and no usable fix: no position, or one that cannot be", track->path,
+		track->skipped_line, name, track->records);
 }
 
 enum eco_code eco_track_read(struct eco_track *track, const char *path, struct eco_error *error)

@@ -3,7 +3,7 @@
  *
  *   eco_track_read(&track, path, &error);                       any format -> fixes, as recorded
  *   eco_track_place(&track, &options, &error);                  degrees -> metres, heights
- *   eco_track_clean(&track, &report, &error);                   stamps, repeats, jumps, gaps
+ *   eco_track_clean(&track, &error);                            stamps, repeats, jumps, gaps
  *   eco_flight_make(&flight, &track, &options, &error);         even, smooth motion
  *   eco_flight_move(&flight, &options, &moved);                 to where the scene is
  *   eco_script_fit(&script, &flight, &options, &error);         CAMERA.json, of few keyframes
@@ -78,6 +78,15 @@ struct eco_fix {
 	bool of_line;                /* GDAL: a vertex of a line, not a point */
 };
 
+/* What cleaning found. */
+struct eco_track_report {
+	uint32_t fixes, kept, repeated, jumped;      /* before cleaning: kept + repeated + jumped */
+	/* repairs of what was kept */
+	uint32_t stamps_missing, stamps_wrong, stamps_equal, retimed;
+	uint32_t parts;              /* between jumps that do not come back: only the longest is kept */
+	bool sorted, untimed;
+};
+
 struct eco_track {
 	enum eco_track_format format;
 	bool degrees;                /* at[0], at[1] are degrees east and north, WGS 84 */
@@ -90,8 +99,8 @@ struct eco_track {
 	double still_m;
 	struct eco_fix *fixes;       uint32_t count, capacity;
 	/* skipped: those without a usable position; the first is in skipped_line */
-	uint64_t records, skipped;
-	uint32_t skipped_line;
+	uint32_t records, skipped, skipped_line;
+	struct eco_track_report report;
 	const char *path;            /* for messages; tables are read from it */
 	/* the file's, followed by 0; a reader of text may cut it by writing zeros, and it holds no others */
 	char *text; size_t size;
@@ -113,22 +122,12 @@ void eco_track_note(void *track, const char *format, ...) __attribute__((format(
 enum eco_code eco_track_place(struct eco_track *track, const struct eco_track_options *options,
 	struct eco_error *error);
 
-struct eco_track_report {
-	uint64_t fixes;              /* before cleaning; kept + repeated + jumped */
-	uint64_t kept, repeated, jumped;
-	/* repairs of what was kept */
-	uint64_t stamps_missing, stamps_wrong, stamps_equal, retimed;
-	uint32_t parts;              /* between jumps that do not come back: only the longest is kept */
-	bool sorted, untimed;
-};
-
 /* In this order: unsorted files are sorted; stamps that cannot be (years from the others, before, like or
  * behind their neighbours) are forgotten, and unknown ones interpolated by distance. Repeated positions
  * become one, two where the camera stands. A step much faster than the track's own speeds is a jump: the
  * fixes beyond are dropped if the track comes back within a few; a short one gets time; else the longest part
  * is kept. Gaps of more than a minute without motion become one. Times then count from 0 and ascend. */
-enum eco_code eco_track_clean(struct eco_track *track, struct eco_track_report *report,
-	struct eco_error *error);
+enum eco_code eco_track_clean(struct eco_track *track, struct eco_error *error);
 
 /* ---- Even and smooth ---- */
 

@@ -321,11 +321,11 @@ static void drop_jumps(struct clean *c)
 	retime(c, first, end);
 }
 
-enum eco_code eco_track_clean(struct eco_track *track, struct eco_track_report *report,
-	struct eco_error *error)
+enum eco_code eco_track_clean(struct eco_track *track, struct eco_error *error)
 {
-	struct clean c = { .f = track->fixes, .count = track->count, .track = track, .report = report };
-	*report = (struct eco_track_report){ .fixes = track->count };
+	struct clean c = { .f = track->fixes, .count = track->count, .track = track,
+		.report = &track->report };
+	track->report = (struct eco_track_report){ .fixes = track->count };
 	c.scratch = malloc((track->count + 1) * sizeof *c.scratch);
 	c.place = malloc(track->count * sizeof(struct eco_fix *));
 	enum eco_code code = c.scratch && c.place ? ECO_OK

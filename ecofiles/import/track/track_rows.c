@@ -114,12 +114,12 @@ static void keep_lines(struct eco_track *track)
 /* GDAL says nothing of a file that breaks off, as a recorder whose battery died leaves it. */
 static void check_points(struct eco_track *track, const char *word)
 {
-	uint64_t points = 0;
+	uint32_t points = 0;
 	for (const char *at = track->text; (at = strstr(at, word)) != NULL; at++)
 		points++;
 	if (track->records < points)
-		eco_track_note(track, "the file breaks off or is damaged: %llu of its %llu points are read",
-			(unsigned long long)track->records, (unsigned long long)points);
+		eco_track_note(track, "the file breaks off or is damaged: %u of its %u points are read",
+			track->records, points);
 }
 
 /* No time arrived: refuses what has some, whether it was read or not. */
