@@ -1,7 +1,6 @@
 /* From rows of texts to plants in the scene: the plant of a row (filters, species), its place (columns or
  * geometry, through positions_crs.c), and its size (positions_size.c). Each step counts the rows it leaves
- * out, with the first line of each reason. Formats are behind rows.h. Longer than 600 lines by one: the
- * steps of a row in their order. */
+ * out, with the first line of each reason. Formats are behind rows.h. */
 #include "ecofiles/import/places/positions.h"
 
 #include <ctype.h>
