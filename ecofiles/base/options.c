@@ -220,7 +220,7 @@ enum eco_code eco_command_read(const struct eco_command *command, int argc, char
 
 /* ---- Help ---- */
 
-/* Of a word; what stands in brackets is one. */
+/* A text in brackets is one word. */
 static unsigned word_length(const char *text)
 {
 	size_t length = 0;
@@ -267,7 +267,7 @@ static bool left_of(const struct eco_option *o, char left[64])
 	return true;
 }
 
-/* Where explanations begin: behind the longest row that leaves room for them. */
+/* The column in which explanations begin: behind the longest row that leaves room for them. */
 static unsigned help_column(const struct eco_option *table)
 {
 	char left[64];

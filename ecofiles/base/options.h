@@ -1,19 +1,18 @@
 /* Command lines of all programs. One table says what is read, checked and stored, and what --help prints.
  *
- * static struct { const char *scene, *pack; uint64_t jobs; } given; static const struct eco_option options[]
- * = {
- * 		{ "the scene file", 0, ECO_OPTION_INPUT, "SCENE.json", &given.scene, .is_required = true },
- * 		{ "output", 'o', ECO_OPTION_TEXT, "OUT.eco", &given.pack, .help = "the pack to write",
- *   .is_required = true },
- * 		{ "jobs", 0, ECO_OPTION_COUNT, "N", &given.jobs, 1, 64, .help = "threads; one for each
- *   processor if not given" }, { 0 } };
- * static const struct eco_command command = { "program", "SCENE.json -o OUT.eco [--jobs N]", "Packs a
- * scene.", options };
+ *	static struct { const char *scene, *pack; uint64_t jobs; } given;
+ *	static const struct eco_option options[] = {
+ *		{ "the scene file", 0, ECO_OPTION_INPUT, "SCENE.json", &given.scene, .is_required = true },
+ *		{ "output", 'o', ECO_OPTION_TEXT, "OUT.eco", &given.pack, .is_required = true },
+ *		{ "jobs", 0, ECO_OPTION_COUNT, "N", &given.jobs, 1, 64, .help = "threads" }, { 0 } };
+ *	static const struct eco_command command = { "program", "SCENE.json -o OUT.eco [--jobs N]",
+ *		"Packs a scene.", options };
  *
- * 	if (eco_command_answers(&command, argc - 1, argv + 1))      // --help or --version was printed
- * 		return eco_command_end(&command, ECO_OK, &error);
- * code = eco_command_read(&command, argc - 1, argv + 1, &error); ... return eco_command_end(&command, code,
- * &error);
+ *	if (eco_command_answers(&command, argc - 1, argv + 1))      // --help or --version was printed
+ *		return eco_command_end(&command, ECO_OK, &error);
+ *	code = eco_command_read(&command, argc - 1, argv + 1, &error);
+ *	...
+ *	return eco_command_end(&command, code, &error);
  *
  * Read as --name VALUE, --name=VALUE, -l VALUE, -lVALUE. Options may stand anywhere; after -- there are none.
  * The last one given holds. */

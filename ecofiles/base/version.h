@@ -1,5 +1,5 @@
-/* What --version prints of every program; it also stands in packs (META) and in the validators of computed
- * answers. */
+/* The version of all programs, which --version prints; it also stands in packs (META) and in the validators
+ * of computed answers. */
 #ifndef ECO_VERSION_H
 #define ECO_VERSION_H
 

@@ -206,7 +206,7 @@ static inline bool eco_ladder_has_splats(const struct eco_scene *scene, const st
 	return ladder->points != ECO_NONE && (scene->lists[ladder->points].attributes & ECO_ATTR_SPLAT);
 }
 
-/* What a list makes a scene need; cells, cut-outs and placements come from elsewhere. */
+/* The needs that a list gives a scene; cells, cut-outs and placements come from elsewhere. */
 uint32_t eco_list_needs(const struct eco_list *list);
 struct eco_place eco_place_read(const struct eco_scene *scene, uint64_t index);      /* index < place_count */
 /* The same for an instance of a decoded list. */

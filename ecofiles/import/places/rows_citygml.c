@@ -428,7 +428,7 @@ static void close_citygml(struct eco_rows *rows)
 	free(c);
 }
 
-/* What is known behind the last tree: the CRS and the order of its axes. */
+/* Settles what only the end of the file tells: the CRS and the order of its axes. */
 static enum eco_code settle(struct citygml *c, struct eco_error *error)
 {
 	char note[300] = "";

@@ -1,4 +1,4 @@
-/* Where a plant of a city's model stands: the reference point of an implicit geometry, moved as its matrix
+/* The place of a plant in a city's model: the reference point of an implicit geometry, moved as its matrix
  * says; else the middle of the lowest part of its geometry. The middle of the whole would follow a crown that
  * leans over a street. */
 #include "ecofiles/import/places/rows_citygml.h"
@@ -77,7 +77,7 @@ void eco_citygml_shape_matrix(struct eco_citygml_shape *shape, const char *text)
 	shape->has_matrix = count == 16;
 }
 
-/* Of a trunk's foot, of the lower edges of crossed pictures. */
+/* The middle of a trunk's foot, or of the lower edges of crossed pictures. */
 static void find_foot(const struct eco_citygml_shape *shape, double foot[3])
 {
 	double least = INFINITY, most = -INFINITY, low[2] = { INFINITY, INFINITY },

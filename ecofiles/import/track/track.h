@@ -78,7 +78,7 @@ struct eco_fix {
 	bool of_line;                /* GDAL: a vertex of a line, not a point */
 };
 
-/* What cleaning found. */
+/* Counted by cleaning. */
 struct eco_track_report {
 	uint32_t fixes, kept, repeated, jumped;      /* before cleaning: kept + repeated + jumped */
 	/* repairs of what was kept */

@@ -1,4 +1,4 @@
-/* What recorders get wrong, undone in an order in which each step can rely on those before: time stamps,
+/* Errors of recorders, undone in an order in which each step can rely on those before: time stamps,
  * repeated positions, jumps, gaps.
  *
  * The order of the file is trusted above its stamps, as recorders append; only a file most of whose steps run

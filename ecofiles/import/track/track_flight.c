@@ -66,7 +66,7 @@ static double slope(const struct work *w, uint32_t i, double chord)
 	return a * b <= 0 ? 0 : 3 * (h0 + h1) / ((2 * h1 + h0) / a + (h1 + 2 * h0) / b);
 }
 
-/* What was collected, at time_s, which does not descend from call to call: *at is where the last one was
+/* The collected number at time_s, which does not descend from call to call: *at is where the last one was
  * found, 0 before. */
 static double value_at(const struct work *w, double time_s, uint32_t *at)
 {

@@ -1,4 +1,4 @@
-/* What the parts of this room share: fixes as they come, texts with numbers and dates as people write them,
+/* Shared by the parts of this room: fixes as they come, texts with numbers and dates as people write them,
  * tables, distances. */
 #ifndef ECO_TRACK_READ_H
 #define ECO_TRACK_READ_H

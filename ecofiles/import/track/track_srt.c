@@ -49,7 +49,7 @@ static struct values read_values(const char *text)
 	return v;
 }
 
-/* What a name and its values say of the record. */
+/* Takes into the record what a name and its values say. */
 static void set_values(struct srt *s, const char *name, const struct values *v)
 {
 	double *n = s->fix.n, unit;
