@@ -15,11 +15,10 @@
 #define SECONDS_MAX 1e11
 #define HEAD_BYTES 4096u
 
-static const char *const format_names[ECO_TRACK_FORMATS] = { "a drone's subtitles (SRT)", "GPX", "KML",
-	"GeoJSON", "CSV", "a glTF camera", "a camera script" };
-
-static track_reader *const readers[ECO_TRACK_FORMATS] = { track_read_srt, track_read_rows, track_read_rows,
-	track_read_rows, track_read_rows, track_read_gltf, NULL };
+static const struct { const char *name; track_reader *read; } formats[ECO_TRACK_FORMATS] = {
+	{ "a drone's subtitles (SRT)", track_read_srt }, { "GPX", track_read_rows },
+	{ "KML", track_read_rows }, { "GeoJSON", track_read_rows }, { "CSV", track_read_rows },
+	{ "a glTF camera", track_read_gltf }, { "a camera script", NULL } };
 
 /* ---- Fixes ---- */
 
@@ -130,9 +129,9 @@ static enum eco_code read_text(struct eco_track *track, struct eco_error *error)
 	enum eco_code code = find_format(track, error);
 	if (code || track->format == ECO_TRACK_SCRIPT)
 		return code;
-	const char *name = format_names[track->format];
+	const char *name = formats[track->format].name;
 	eco_track_note(track, "%s: read as %s", track->path, name);
-	code = readers[track->format](track, error);
+	code = formats[track->format].read(track, error);
 	if (code || track->count)
 		return code;
 	return !track->skipped ? eco_fail(error, ECO_BAD_INPUT, "%.250s: no fix found; it was read as %s. "

@@ -2,7 +2,6 @@
  * 3.6 hands over the times of GPX (trkpt, rtept, wpt), of KML's placemarks (TimeStamp) and of GeoJSON's
  * features ("time", "timestamp") and lines ("coordTimes", "coordinateProperties.times"), but not those of
  * KML's gx:Track: a file that has times of which none arrives is refused. */
-#include <stdio.h>
 #include <string.h>
 
 #include "ecofiles/import/places/rows.h"

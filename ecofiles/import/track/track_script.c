@@ -17,7 +17,7 @@ struct fit {
 	const struct eco_flight *flight;
 	uint32_t *key, *next, count;         /* samples that are keyframes, ascending */
 	double error_m, error_deg;           /* wanted */
-	double worst_m, worst_deg;
+	struct eco_script *script;           /* its errors are the worst so far */
 };
 
 /* ---- The spline, as in camera.c ---- */
@@ -41,8 +41,8 @@ static double error_at(struct fit *f, uint32_t i, uint32_t sample)
 	double deg = fmax(fmax(look_deg, eco_angle_deg(at + UP, is + UP)), fabs(at[FOV] - is[FOV]));
 	/* looks that nearly cancel each other are no looks */
 	deg = eco_distance(at + LOOK, (double[3]){ 0 }) < 0.1 ? 180 : deg;
-	f->worst_m = fmax(f->worst_m, m);
-	f->worst_deg = fmax(f->worst_deg, deg);
+	f->script->error_m = fmax(f->script->error_m, m);
+	f->script->error_deg = fmax(f->script->error_deg, deg);
 	return fmax(m / f->error_m, deg / f->error_deg);
 }
 
@@ -63,7 +63,7 @@ static double worst_of(struct fit *f, uint32_t i, uint32_t *worst)
 static bool refine(struct fit *f, double bound, uint32_t keys_max)
 {
 	uint32_t count = 0, *swap = f->key;
-	f->worst_m = f->worst_deg = 0;
+	f->script->error_m = f->script->error_deg = 0;
 	for (uint32_t i = 0; i < f->count; i++) {
 		uint32_t worst = 0;
 		f->next[count++] = f->key[i];
@@ -114,7 +114,7 @@ static enum eco_code write_keys(struct eco_script *script, const struct fit *f, 
 {
 	FILE *out = open_memstream(&script->text, &script->size);
 	/* a tenth of a millimetre, finer in scenes that are small */
-	double fine = f->worst_m > 0 && f->worst_m < 1e-3 ? 1e6 : 1e4;
+	double fine = script->error_m > 0 && script->error_m < 1e-3 ? 1e6 : 1e4;
 	if (!out)
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
 	fprintf(out, "{\"fps\": %.15g, \"keyframes\": [\n", round(script->fps * 1e4) / 1e4);
@@ -139,7 +139,7 @@ enum eco_code eco_script_fit(struct eco_script *script, const struct eco_flight 
 	uint32_t most = options->keys_max ? (uint32_t)options->keys_max : KEYS_MAX,
 		room = (most < flight->count ? most : flight->count) + 4;
 	uint32_t *owned = calloc(2 * (size_t)room, sizeof *owned);
-	struct fit f = { .flight = flight, .key = owned, .next = owned + room, .count = 1 };
+	struct fit f = { .flight = flight, .key = owned, .next = owned + room, .count = 1, .script = script };
 	double length_s = (flight->count - 1) * flight->step_s,
 		fps = length_s > 0 ? ECO_SCRIPT_FRAMES / length_s : 30;
 	*script = (struct eco_script){ .length_s = length_s };
@@ -152,8 +152,6 @@ enum eco_code eco_script_fit(struct eco_script *script, const struct eco_flight 
 		: 1 / ceil(1 / fps);
 	script->frames = (uint32_t)fmin(floor(length_s * script->fps + 1e-6) + 1, UINT32_MAX);
 	script->keys = f.count;
-	script->error_m = f.worst_m;
-	script->error_deg = f.worst_deg;
 	if (!code)
 		code = write_keys(script, &f, error);
 	free(owned);
