@@ -1,5 +1,6 @@
 #include "lod/build/palette.h"
 
+#include <assert.h>
 #include <string.h>
 
 #include "lod/light.h"
@@ -20,7 +21,7 @@ static uint32_t channel(uint32_t bin, int axis)
 }
 
 /* All colours if they are few enough: entry i is the i-th new one. */
-static bool take_all(struct lod_palette *p, const uint8_t (*rgb)[3], uint32_t count)
+static bool take_all(struct lod_palette *p, uint32_t most, const uint8_t (*rgb)[3], uint32_t count)
 {
 	p->count = 0;
 	for (uint32_t i = 0; i < count; i++) {
@@ -31,7 +32,7 @@ static bool take_all(struct lod_palette *p, const uint8_t (*rgb)[3], uint32_t co
 			k++;
 		if (k < p->count)
 			continue;
-		if (p->count == LOD_PALETTE_MAX)
+		if (p->count == most)
 			return false;
 		memcpy(p->rgb[p->count++], rgb[i], 3);
 	}
@@ -87,11 +88,12 @@ static void cut(uint16_t *bins, const struct tally *tally, struct box *box, stru
 	*box = (struct box){ box->first, at, before };
 }
 
-void lod_palette_make(struct lod_palette *p, const uint8_t (*rgb)[3], const uint32_t *weights, uint32_t count,
-	struct lod_arena *arena)
+void lod_palette_make(struct lod_palette *p, uint32_t most_colors, const uint8_t (*rgb)[3],
+	const uint32_t *weights, uint32_t count, struct lod_arena *arena)
 {
+	assert(most_colors >= 1 && most_colors <= LOD_PALETTE_MAX);
 	memset(p, 0, sizeof *p);
-	p->exact = take_all(p, rgb, count);
+	p->exact = take_all(p, most_colors, rgb, count);
 	if (p->exact)
 		return;
 	struct lod_arena_piece *mark = arena->last;
@@ -111,7 +113,7 @@ void lod_palette_make(struct lod_palette *p, const uint8_t (*rgb)[3], const uint
 			bins[boxes[0].end++] = (uint16_t)b;
 			boxes[0].weight += tally[b].weight;
 		}
-	for (p->count = 1; p->count < LOD_PALETTE_MAX; p->count++) {
+	for (p->count = 1; p->count < most_colors; p->count++) {
 		uint32_t best = 0;
 		uint64_t most = 0;
 		int axis, best_axis = 0;

@@ -284,7 +284,7 @@ static void make_palette(struct lod_build *b)
 		memcpy(rgb[count], b->point[i].rgb, 3);
 		weights[count++] = (uint32_t)(b->area[i] * unit);
 	}
-	lod_palette_make(&b->palette, (const uint8_t (*)[3])rgb, weights, count, &b->arena);
+	lod_palette_make(&b->palette, LOD_PALETTE_MAX, (const uint8_t (*)[3])rgb, weights, count, &b->arena);
 	lod_arena_release(&b->arena, mark);
 	b->plant->palette = lod_arena_own(&b->arena, b->palette.count, sizeof *b->plant->palette);
 	memcpy(b->plant->palette, b->palette.rgb, b->palette.count * sizeof *b->plant->palette);

@@ -220,7 +220,7 @@ UNIT_TEST(few_colours_are_kept_exactly)
 		memcpy(rgb[i], colour, 3);
 		weights[i] = i;
 	}
-	lod_palette_make(&palette, (const uint8_t (*)[3])rgb, weights, 200, &arena);
+	lod_palette_make(&palette, LOD_PALETTE_MAX, (const uint8_t (*)[3])rgb, weights, 200, &arena);
 	assert_int_equal(palette.count, 64);
 	for (uint32_t i = 0; i < 200; i++)
 		assert_memory_equal(palette.rgb[lod_palette_index(&palette, rgb[i])], rgb[i], 3);
@@ -242,7 +242,7 @@ UNIT_TEST(many_colours_are_cut_to_near_ones)
 		memcpy(rgb[i], colour, 3);
 		weights[i] = 1;
 	}
-	lod_palette_make(&palette, (const uint8_t (*)[3])rgb, weights, 30000, &arena);
+	lod_palette_make(&palette, LOD_PALETTE_MAX, (const uint8_t (*)[3])rgb, weights, 30000, &arena);
 	assert_in_range(palette.count, 32, LOD_PALETTE_MAX);
 	for (uint32_t i = 0; i < 30000; i++) {
 		const uint8_t *entry = palette.rgb[lod_palette_index(&palette, rgb[i])];

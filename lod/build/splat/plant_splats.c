@@ -1,35 +1,22 @@
 #include "lod/build/splat/plant_splats.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "lod/build/grid.h"
+#include "lod/build/organ.h"
+#include "lod/build/palette.h"
 #include "lod/build/splat/splat_fit.h"
 
 #define FIRST_CHUNK 16u          /* splats: the levels up to here are one chunk */
+#define COLORS 16u               /* more would be no better to see: lod/EXPERIMENTS.md, Splats, Colours */
 
-static uint32_t nearest_color(const struct lod_plant *plant, const uint8_t rgb[3])
-{
-	uint32_t best = 0, least = UINT32_MAX;
-	for (uint32_t i = 0; i < plant->palette_count; i++) {
-		uint32_t square = 0;
-		for (int k = 0; k < 3; k++) {
-			int32_t d = plant->palette[i][k] - rgb[k];
-			square += (uint32_t)(d * d);
-		}
-		if (square < least) {
-			least = square;
-			best = i;
-		}
-	}
-	return best;
-}
-
-static struct eco_list list_of(const struct lod_plant *plant, const struct lod_splats *splats, uint32_t count)
+static struct eco_list list_of(const struct lod_splats *splats, uint32_t count)
 {
 	struct eco_list list = { .kind = ECO_LIST_POINTS, .coder = ECO_CODER_ROWS,
 		.attributes = ECO_ATTR_COLOR | ECO_ATTR_SPLAT, .plant = ECO_NONE, .image = ECO_NONE,
-		.partner = ECO_NONE, .palette_count = plant->palette_count,
-		.unit_area = splats->unit * splats->unit,
+		.partner = ECO_NONE, .unit_area = splats->unit * splats->unit,
 		.element_count = count, .primitive_count = count };
 	for (int k = 0; k < 3; k++) {
 		list.grid_origin[k] = splats->origin[k];
@@ -38,8 +25,7 @@ static struct eco_list list_of(const struct lod_plant *plant, const struct lod_s
 	return list;
 }
 
-static void put_elements(struct lod_list_draft *draft, const struct lod_plant *plant,
-	const struct lod_splats *splats)
+static void put_elements(struct lod_list_draft *draft, const struct lod_splats *splats)
 {
 	struct eco_elements *e = &draft->elements;
 	uint32_t count = draft->list.element_count;
@@ -49,7 +35,6 @@ static void put_elements(struct lod_list_draft *draft, const struct lod_plant *p
 		int32_t *extra = e->extra + (size_t)e->extra_count * i;
 		e->corners[i] = 1;
 		memcpy(e->position + 3 * (size_t)i, splat->at, sizeof splat->at);
-		extra[0] = (int32_t)nearest_color(plant, splat->rgb);
 		memcpy(extra + 1, splat->code, sizeof splat->code);
 	}
 	for (uint32_t level = 0; level < splats->level_count; level++)
@@ -57,6 +42,100 @@ static void put_elements(struct lod_list_draft *draft, const struct lod_plant *p
 				|| splats->level_end[level + 1] > FIRST_CHUNK)
 			draft->ends[draft->end_count++] = splats->level_end[level];
 }
+
+/* ---- Colours ---- */
+
+static bool has_colorless(const struct eco_model *model)
+{
+	bool any = false;
+	for (uint32_t i = 0; i < model->material_count; i++)
+		any = any || model->materials[i].colourless;
+	return any;
+}
+
+/* Colours of the model's triangles, the usual ones of their organs where the file says none; NULL if it says
+ * all. The caller frees them. */
+static enum eco_code organ_colors(uint8_t (**rgb)[3], const struct eco_model *model, struct eco_error *error)
+{
+	struct lod_arena arena = { 0 };
+	struct lod_mesh mesh;
+	struct lod_organs organs;
+	*rgb = NULL;
+	if (!has_colorless(model))
+		return ECO_OK;
+	if (setjmp(arena.failed)) {
+		lod_arena_free(&arena);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for the colours of %u triangles",
+			model->triangle_count);
+	}
+	lod_weld(&mesh, model, lod_grid_bits_least(model), &arena);
+	lod_organs_find(&organs, &mesh, model, &arena);
+	*rgb = lod_arena_own(&arena, model->triangle_count, sizeof **rgb);
+	for (uint32_t t = 0; t < model->triangle_count; t++)
+		memcpy((*rgb)[t], lod_mesh_material(model, model->material[t])->rgb, sizeof **rgb);
+	for (uint32_t t = 0; t < mesh.triangle_count; t++)
+		memcpy((*rgb)[mesh.source[t]], organs.rgb[t], sizeof **rgb);
+	lod_arena_free(&arena);
+	return ECO_OK;
+}
+
+/* The share of a splat in the plant's picture, in 2^-20 of its radius squared: the mean area of its three
+ * sections, times opacity. */
+static uint32_t shown(const struct lod_splat *splat, double radius)
+{
+	double length[3], sum = 0;
+	for (int k = 0; k < 3; k++) {
+		const float *half = splat->shape.half[k];
+		length[k] = sqrt((double)half[0] * (double)half[0] + (double)half[1] * (double)half[1]
+			+ (double)half[2] * (double)half[2]) / radius;
+	}
+	for (int k = 0; k < 3; k++)
+		sum += length[k] * length[(k + 1) % 3] / 3;
+	sum *= (double)splat->shape.opacity * (1 << 20);
+	return sum < 1u << 24 ? (uint32_t)sum : 1u << 24;
+}
+
+static bool append_colors(struct lod_plant *plant, const struct lod_palette *palette)
+{
+	uint8_t (*all)[3] = realloc(plant->palette, (plant->palette_count + palette->count) * sizeof *all);
+	if (!all)
+		return false;
+	memcpy(all + plant->palette_count, palette->rgb, palette->count * sizeof *all);
+	plant->palette = all;
+	plant->palette_count += palette->count;
+	return true;
+}
+
+/* A splat mixes leaves, wood and flowers, so its colour may be far from every colour of the plant: splats
+ * have a palette of their own. False without memory. */
+static bool color_elements(struct lod_list_draft *draft, struct lod_plant *plant,
+	const struct lod_splats *splats)
+{
+	struct lod_arena arena = { 0 };
+	uint32_t count = draft->list.element_count;
+	if (setjmp(arena.failed)) {
+		lod_arena_free(&arena);
+		return false;
+	}
+	uint8_t (*rgb)[3] = lod_arena_take(&arena, count, sizeof *rgb);
+	uint32_t *weights = lod_arena_take(&arena, count, sizeof *weights);
+	struct lod_palette *palette = lod_arena_take(&arena, 1, sizeof *palette);
+	for (uint32_t i = 0; i < count; i++) {
+		memcpy(rgb[i], splats->items[i].rgb, sizeof rgb[i]);
+		weights[i] = shown(&splats->items[i], splats->radius);
+	}
+	lod_palette_make(palette, COLORS, (const uint8_t (*)[3])rgb, weights, count, &arena);
+	draft->list.palette_first = plant->palette_count;
+	draft->list.palette_count = palette->count;
+	for (uint32_t i = 0; i < count; i++)
+		draft->elements.extra[(size_t)draft->elements.extra_count * i] =
+			(int32_t)lod_palette_index(palette, rgb[i]);
+	bool good = append_colors(plant, palette);
+	lod_arena_free(&arena);
+	return good;
+}
+
+/* ---- The ladder ---- */
 
 /* Appends an empty list with room for its elements; NULL without memory. What was allocated is the plant's.
  */
@@ -96,6 +175,7 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 	const struct lod_plant_options *options, struct eco_error *error)
 {
 	struct lod_splats splats;
+	uint8_t (*rgb)[3];
 	/* a build with small curves is a draft in its splats, too */
 	bool small = options->pixels && options->pixels < 160;
 	struct lod_splats_options fit = { .views = small ? 12 : 0, .pixels = small ? 48 : 0,
@@ -103,15 +183,19 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 		.ctx = options->ctx };
 	if (options->stage)
 		options->stage(options->ctx, LOD_STAGE_SPLATS);
-	enum eco_code code = lod_splats_fit(&splats, model, &fit, error);
+	enum eco_code code = organ_colors(&rgb, model, error);
+	fit.rgb = (const uint8_t (*)[3])rgb;
+	if (!code)
+		code = lod_splats_fit(&splats, model, &fit, error);
+	free(rgb);
 	if (code)
 		return code;
 	if (splats.level_count) {
-		struct eco_list list = list_of(plant, &splats, splats.level_end[splats.level_count - 1]);
+		struct eco_list list = list_of(&splats, splats.level_end[splats.level_count - 1]);
 		struct lod_list_draft *draft = add_list(plant, &list, splats.level_count);
 		if (draft)
-			put_elements(draft, plant, &splats);
-		if (!draft || !add_ladder(plant, &splats))
+			put_elements(draft, &splats);
+		if (!draft || !color_elements(draft, plant, &splats) || !add_ladder(plant, &splats))
 			code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u splats", list.element_count);
 	}
 	lod_splats_free(&splats);
