@@ -3,7 +3,7 @@
  *
  *   plants      plants that several parts share are stored once                           link_plants.c
  *   tiles       a tree over the parts, then the parts' tiles, renumbered
- *   payloads    copied without decoding, except summaries whose plants or colours are renumbered
+ *   payloads    copied without decoding, except summaries whose plants are renumbered
  *   summaries   of the tiles above the parts, from the parts' own
  *
  * So linking takes about as long as copying. The parts' order is that of an outer scene's children: see
@@ -298,15 +298,11 @@ static enum eco_code add_renamed(struct link *l, struct link_part *part, uint32_
 		ends[i] = end += s->chunks[old->chunk_first + i].element_count;
 	for (uint32_t i = 0; i < points.element_count && !code; i++) {
 		int32_t *extra = points.extra + (size_t)points.extra_count * i;
-		uint32_t color = (uint32_t)extra[0] + old->palette_first;
-		if (extra[0] < 0 || color >= s->palette_count || extra[1] < 0
-				|| (uint32_t)extra[1] >= s->plant_count)
+		if ((uint32_t)extra[0] >= old->palette_count || (uint32_t)extra[1] >= s->plant_count)
 			code = eco_fail(l->m.error, ECO_DAMAGED, "%s: list %u names a plant or a colour "
 				"that is not there", part->path, list);
-		else {
-			extra[0] = (int32_t)part->color_of[color];
+		else
 			extra[1] = (int32_t)part->plant_of[extra[1]];
-		}
 	}
 	if (!code)
 		code = eco_pack_encode(&encoded, record, &points, ends, old->chunk_count, l->m.error);
@@ -323,11 +319,13 @@ static bool is_ours(const struct eco_list *summary)
 		== (ECO_ATTR_COLOR | ECO_ATTR_PLANT);
 }
 
-/* Adds the part's summaries, renumbered. */
+/* Adds the part's summaries, with their colours; plants are renumbered. */
 static enum eco_code part_summaries(struct link *l, struct link_part *part)
 {
 	const struct eco_scene *s = &part->pack->scene;
 	enum eco_code code = ECO_OK;
+	const struct eco_list *before = NULL;        /* neighbours have one palette */
+	uint32_t colors = 0;
 	for (uint32_t i = 0; i < s->list_count && !code; i++) {
 		if (!(s->lists[i].attributes & ECO_ATTR_PLANT))
 			continue;
@@ -335,10 +333,16 @@ static enum eco_code part_summaries(struct link *l, struct link_part *part)
 			return eco_fail(l->m.error, ECO_UNSUPPORTED,
 				"%s: list %u is a summary that ecopack did not make", part->path, i);
 		struct eco_list record = s->lists[i];
+		if (!before || before->palette_first != record.palette_first
+				|| before->palette_count != record.palette_count)
+			code = make_add_colors(&l->m, s->palette + record.palette_first, record.palette_count,
+				&colors);
+		before = &s->lists[i];
 		record.owner += part->tile_first;
-		record.palette_first = 0;
-		record.palette_count = (uint32_t)l->m.palette.count;
-		code = part->renamed ? add_renamed(l, part, i, &record) : link_copy(l, part, i, &record);
+		record.palette_first = colors;
+		if (!code)
+			code = part->renamed ? add_renamed(l, part, i, &record)
+				: link_copy(l, part, i, &record);
 		if (!code)
 			((struct eco_tile *)l->m.tiles.items)[record.owner].summary = part->list_of[i];
 		if (!code && i % 256 == 0

@@ -14,7 +14,7 @@ struct link_part {
 	uint32_t *plant_of;          /* plant of the part -> plant of the whole */
 	uint32_t *color_of;          /* the same for colours */
 	uint32_t *list_of;           /* the same for lists; ECO_NONE: not taken (yet) */
-	bool renamed;                /* plants or colours are renumbered, so summaries must be rewritten */
+	bool renamed;                /* plants are renumbered, so summaries must be rewritten */
 	uint32_t tile_first;
 };
 

@@ -11,8 +11,6 @@
 #include "ecofiles/format/pack_record.h"
 #include "ecofiles/base/utf8.h"
 
-#define COLORS_MAX 65535u        /* summaries name colours by 16 bits */
-
 struct range { uint32_t first, end; };
 
 static bool of_plant(const struct eco_list *list, uint32_t plant)
@@ -25,15 +23,19 @@ static bool of_plant(const struct eco_list *list, uint32_t plant)
 static struct range colors_of(const struct eco_scene *s, uint32_t plant)
 {
 	struct range range = { s->palette_count, s->palette_count };
+	uint32_t last = 0;           /* colours of summaries follow */
 	for (uint32_t i = 0; i < s->list_count; i++) {
 		const struct eco_list *list = &s->lists[i];
 		bool plants = list->owner != ECO_NONE && of_plant(list, list->owner) && list->palette_count
 			> 0;
+		if (plants && list->palette_first + list->palette_count > last)
+			last = list->palette_first + list->palette_count;
 		if (plants && list->owner == plant && list->palette_first < range.first)
 			range.first = list->palette_first;
 		else if (plants && list->owner > plant && list->palette_first < range.end)
 			range.end = list->palette_first;
 	}
+	range.end = range.end < last ? range.end : last;
 	return range.first < range.end ? range : (struct range){ range.end, range.end };
 }
 
@@ -117,9 +119,6 @@ static enum eco_code copy_colors(struct link *l, struct link_part *part, const s
 			return ECO_NO_MEMORY;
 		part->color_of[i] = (uint32_t)l->m.palette.count - 1;
 	}
-	if (l->m.palette.count > COLORS_MAX)
-		return eco_fail(l->m.error, ECO_TOO_LARGE, "%s: with it there are more than %u colours; let "
-			"the parts share models", part->path, COLORS_MAX);
 	return ECO_OK;
 }
 
@@ -206,8 +205,7 @@ enum eco_code link_plants(struct link *l, struct link_part *part)
 				part->color_of[i] = first + i - colors.first;
 		}
 		l->m.plants[same].palette_first = first;
-		part->renamed = part->renamed || same != plant
-			|| (colors.first < colors.end && first != colors.first);
+		part->renamed = part->renamed || same != plant;
 	}
 	return code;
 }

@@ -17,6 +17,7 @@
 #include "ecofiles/format/pack.h"
 #include "ecofiles/scene/scene.h"
 #include "lod/build/plant.h"
+#include "lod/build/summary_palette.h"
 #include "lod/build/tile.h"
 
 struct make_options {
@@ -104,6 +105,9 @@ struct make_tables {
 enum eco_code make_add_plant(struct make *m, uint32_t id, const struct make_tables *from,
 	const uint32_t *lists);
 
+/* Finds a run of colours in the scene's palette, or appends it. */
+enum eco_code make_add_colors(struct make *m, const uint8_t (*rgb)[3], uint32_t count, uint32_t *first);
+
 bool make_append_bytes(struct make *m, const uint8_t *bytes, size_t size);    /* to m->places */
 
 /* Adds a list that the writer has to m->lists, and its requirements to the scene's needs. */
@@ -125,8 +129,8 @@ void make_kept_open(struct make *m);
 /* instance list of the old pack, or ECO_NONE */
 uint32_t make_kept_stand(const struct make *m, const uint8_t *places, size_t size);
 void make_kept_tiles(struct make *m);                /* once all tables but summaries are there */
-/* list of the old pack, or ECO_NONE */
-uint32_t make_kept_summary(const struct make *m, uint32_t tile);
+/* list of the old pack that has these colours, or ECO_NONE */
+uint32_t make_kept_summary(const struct make *m, uint32_t tile, const uint8_t (*rgb)[3], uint32_t count);
 const struct eco_list *make_kept_list(const struct make *m, uint32_t old);
 enum eco_code make_kept_take(struct make *m, uint32_t old, struct eco_list *record, uint32_t *list_id);
 uint64_t make_kept_count(const struct make *m);      /* lists taken */
@@ -169,13 +173,13 @@ void make_refer(struct make *m);                     /* points m->scene to the t
 void make_add_up(struct make *m, uint32_t tiles_end);
 double make_near_m(const struct make *m);            /* near plane of the finished scene */
 
-/* Summaries, a range of tiles at a time; nested eco files come before the files that nest them. */
-struct lod_pool;
-struct lod_summary_root;
+/* Summaries, an eco file's tiles at a time; nested eco files come before the files that nest them. */
 struct make_summing {
 	struct make *m;
 	struct lod_pool *pools;      /* per plant; NULL where all points come from roots */
 	struct lod_summary_root **roots;         /* per tile: kept root, or NULL */
+	struct lod_summary_palette palette;      /* of this range */
+	uint32_t palette_first;      /* where it lies in the scene's */
 	uint32_t first;
 	uint64_t done;
 };

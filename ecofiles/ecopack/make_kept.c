@@ -63,6 +63,7 @@ static bool of_plant(const struct eco_list *list)
 static XXH128_hash_t hash_plants(const struct eco_scene *s, const struct eco_chunk *chunks, bool *failed)
 {
 	struct eco_writer w = { 0 };
+	uint32_t colors_end = 0;
 	for (uint32_t i = 0; i < s->plant_count; i++)
 		eco_plant_write(&w, &s->plants[i]);
 	for (uint32_t i = 0; i < s->anchor_count; i++)
@@ -73,13 +74,15 @@ static XXH128_hash_t hash_plants(const struct eco_scene *s, const struct eco_chu
 		struct eco_list list = s->lists[i];
 		if (!of_plant(&list))
 			continue;
+		if (list.palette_count && list.palette_first + list.palette_count > colors_end)
+			colors_end = list.palette_first + list.palette_count;
 		list.chunk_first = 0;
 		eco_list_write(&w, &list);
 		for (uint32_t c = 0; c < list.chunk_count; c++)
 			eco_write_bytes(&w, chunks[s->lists[i].chunk_first + c].id.bytes,
 				sizeof chunks->id.bytes);
 	}
-	eco_write_bytes(&w, s->palette, 3 * (size_t)s->palette_count);
+	eco_write_bytes(&w, s->palette, 3 * (size_t)colors_end);     /* those of summaries follow */
 	XXH128_hash_t hash = w.failed ? (XXH128_hash_t){ 0 } : XXH3_128bits(w.bytes, w.size);
 	*failed = *failed || w.failed;
 	eco_writer_free(&w);
@@ -225,9 +228,16 @@ void make_kept_tiles(struct make *m)
 	}
 }
 
-uint32_t make_kept_summary(const struct make *m, uint32_t tile)
+uint32_t make_kept_summary(const struct make *m, uint32_t tile, const uint8_t (*rgb)[3], uint32_t count)
 {
-	return m->kept && m->kept->summary_of ? sound(m->kept, m->kept->summary_of[tile]) : ECO_NONE;
+	uint32_t old = m->kept && m->kept->summary_of ? m->kept->summary_of[tile] : ECO_NONE;
+	if (old == ECO_NONE)
+		return ECO_NONE;
+	const struct eco_scene *s = &m->kept->pack->scene;
+	const struct eco_list *list = &s->lists[old];
+	bool same = list->palette_count == count
+		&& memcmp(s->palette + list->palette_first, rgb, count * sizeof *rgb) == 0;
+	return same ? sound(m->kept, old) : ECO_NONE;
 }
 
 enum eco_code make_kept_take(struct make *m, uint32_t old, struct eco_list *record, uint32_t *list_id)

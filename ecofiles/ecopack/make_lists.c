@@ -33,6 +33,19 @@ enum eco_code make_add(struct make *m, struct make_array *array, const void *rec
 	return ECO_OK;
 }
 
+enum eco_code make_add_colors(struct make *m, const uint8_t (*rgb)[3], uint32_t count, uint32_t *first)
+{
+	const uint8_t (*palette)[3] = m->palette.items;
+	size_t size = count * sizeof *rgb;
+	*first = 0;
+	while (*first + (uint64_t)count <= m->palette.count && memcmp(palette[*first], rgb, size) != 0)
+		++*first;
+	if (*first + (uint64_t)count <= m->palette.count)
+		return ECO_OK;
+	*first = (uint32_t)m->palette.count;
+	return make_add(m, &m->palette, rgb, count, sizeof *rgb);
+}
+
 static uint32_t moved(const uint32_t *to, uint32_t index) { return index == ECO_NONE ? ECO_NONE : to[index]; }
 
 enum eco_code make_add_plant(struct make *m, uint32_t id, const struct make_tables *from,

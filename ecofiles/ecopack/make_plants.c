@@ -15,8 +15,6 @@
 #include "ecofiles/ecopack/times.h"
 #include "ecofiles/import/model/model_import.h"
 
-#define COLORS_MAX 65535u        /* summaries name colours by 16 bits */
-
 /* ---- Distinct plants ---- */
 
 static bool same_rules(const struct eco_source_plant *a, const struct eco_source_plant *b)
@@ -457,9 +455,6 @@ static enum eco_code pack_plant(struct make *m, uint32_t id)
 	plant->palette_first = (uint32_t)m->palette.count;
 	if (!code)
 		code = make_add(m, &m->palette, built->palette, built->palette_count, 3);
-	if (!code && m->palette.count > COLORS_MAX)
-		code = eco_fail(m->error, ECO_TOO_LARGE, "%s: with it the scene has more than %u colours; "
-			"use fewer models, or split the scene", plant->name, COLORS_MAX);
 	if (!code)
 		code = pack_images(&p);
 	if (!code)

@@ -23,17 +23,19 @@ static enum eco_code encode_summary(void *ctx, uint64_t i, void *result, struct 
 	struct lod_summary summary;
 	struct eco_elements elements;
 	uint32_t ends[64], tile = summing->first + (uint32_t)i;
-	made->kept = make_kept_summary(summing->m, tile);
+	made->kept = make_kept_summary(summing->m, tile, (const uint8_t (*)[3])summing->palette.rgb,
+		summing->palette.count);
 	if (made->kept != ECO_NONE) {
 		made->any = true;
 		return ECO_OK;
 	}
 	enum eco_code code = lod_summary_make(&summary, &(struct lod_summary_input){ .scene = scene,
 		.pools = summing->pools, .tile = tile, .count = lod_summary_count(&scene->tiles[tile]),
-		.seed = 1, .roots = (const struct lod_summary_root *const *)summing->roots }, error);
+		.seed = 1, .roots = (const struct lod_summary_root *const *)summing->roots,
+		.color_of = summing->palette.color_of }, error);
 	made->any = !code && summary.count > 0;
 	if (made->any)
-		code = lod_summary_list(&summary, scene, tile, scene->palette_count, &made->list, &elements,
+		code = lod_summary_list(&summary, scene, tile, summing->palette.count, &made->list, &elements,
 			error);
 	free(summary.points);
 	if (code || !made->any)
@@ -60,6 +62,7 @@ static enum eco_code add_summary(void *ctx, uint64_t i, void *result, struct eco
 			made->list = *make_kept_list(m, made->kept);
 			made->list.owner = tile;
 		}
+		made->list.palette_first = summing->palette_first;
 		code = made->kept != ECO_NONE ? make_kept_take(m, made->kept, &made->list, list)
 			: make_add_encoded(m, &made->list, &made->encoded, list);
 		m->scene.needs |= ECO_NEED_SUMMARIES;
@@ -77,9 +80,28 @@ enum eco_code make_summing_begin(struct make_summing *summing, struct make *m)
 	return summing->roots ? ECO_OK : eco_fail(m->error, ECO_NO_MEMORY, "no memory for summaries");
 }
 
+static enum eco_code choose_colors(struct make_summing *summing, uint32_t first, uint32_t count)
+{
+	struct make *m = summing->m;
+	struct lod_summary_palette *palette = &summing->palette;
+	make_refer(m);
+	free(palette->color_of);
+	enum eco_code code = lod_summary_palette_make(palette,
+		&(struct lod_summary_input){ .scene = &m->scene, .pools = summing->pools,
+		.roots = (const struct lod_summary_root *const *)summing->roots }, first, count, m->error);
+	if (!code)
+		code = make_add_colors(m, (const uint8_t (*)[3])palette->rgb, palette->count,
+			&summing->palette_first);
+	make_refer(m);
+	return code;
+}
+
 enum eco_code make_summing_run(struct make_summing *summing, uint32_t first, uint32_t count)
 {
 	summing->first = first;
+	enum eco_code code = choose_colors(summing, first, count);
+	if (code)
+		return code;
 	return main_jobs_run(&(struct main_jobs){ .count = count, .threads = make_threads(summing->m),
 		.result_size = sizeof(struct summary_list), .work = encode_summary, .take = add_summary,
 		.drop = drop_summary, .ctx = summing }, summing->m->error);
@@ -95,7 +117,13 @@ enum eco_code make_summing_keep(struct make_summing *summing, uint32_t tile)
 			: eco_fail(m->error, ECO_NO_MEMORY, "no memory for summaries");
 	summing->roots[tile] = root;
 	root->list = m->scene.lists[list];
-	return eco_pack_read_points(m->writer, list, &root->elements, m->error);
+	enum eco_code code = eco_pack_read_points(m->writer, list, &root->elements, m->error);
+	const struct eco_elements *e = &root->elements;
+	for (uint32_t i = 0; i < e->element_count && !code; i++)
+		if ((uint32_t)e->extra[(size_t)i * e->extra_count] >= root->list.palette_count)
+			code = eco_fail(m->error, ECO_DAMAGED,
+				"the summary of tile %u names a colour that is not there", tile);
+	return code;
 }
 
 void make_summing_end(struct make_summing *summing)
@@ -103,6 +131,7 @@ void make_summing_end(struct make_summing *summing)
 	for (uint32_t i = 0; summing->pools && i < summing->m->plant_count; i++)
 		lod_pool_free(&summing->pools[i]);
 	free(summing->pools);
+	free(summing->palette.color_of);
 	for (uint64_t i = 0; summing->roots && i < summing->m->tiles.count; i++) {
 		if (summing->roots[i])
 			eco_elements_free(&summing->roots[i]->elements);

@@ -16,7 +16,7 @@
 
 /* ---- Primitives ---- */
 
-struct patch { double weight; uint16_t color; uint8_t organ; };
+struct patch { double weight; uint32_t color; uint8_t organ; };
 
 struct part {                    /* primitives of one list, consecutive in `patches` */
 	uint32_t corners;            /* 1: points, 2: lines, 3: triangles */
@@ -95,7 +95,7 @@ static bool add_part(struct patches *patches, const struct lod_list_draft *draft
 	for (uint32_t i = 0; good && i < count; i++) {
 		uint32_t in_list = color[i] > 0 ? (uint32_t)color[i] : 0;
 		patches->items[patches->count++] = (struct patch){ area_of(part, i),
-			(uint16_t)(palette_first + draft->list.palette_first + in_list), organ };
+			palette_first + draft->list.palette_first + in_list, organ };
 	}
 	free(color);
 	return good;
@@ -218,7 +218,7 @@ static double weigh(struct patches *patches, const struct lod_plant *plant)
 
 /* ---- Points ---- */
 
-struct pooled { float at[3]; uint16_t color; };
+struct pooled { float at[3]; uint32_t color; };
 
 static void point_on(const struct patches *patches, uint32_t patch, uint32_t number, float out[3])
 {
@@ -301,7 +301,7 @@ enum eco_code lod_pool_make(struct lod_pool *pool, const struct lod_plant *plant
 		else                     /* nothing to take points from: the plant's middle */
 			points[0] =
 				(struct pooled){ { plant->anchors[0].center[0], plant->anchors[0].center[1],
-				plant->anchors[0].center[2] }, (uint16_t)palette_first };
+				plant->anchors[0].center[2] }, palette_first };
 		for (uint32_t i = 0; i < pool->count; i++) {
 			memcpy(pool->position[i], points[i].at, sizeof points[i].at);
 			pool->color[i] = points[i].color;

@@ -113,6 +113,11 @@ static void count_level(struct drawing *d, uint8_t code)
 	d->leveled += code > 0;
 }
 
+static uint16_t color_of(const struct drawing *d, uint32_t color)
+{
+	return d->input->color_of ? d->input->color_of[color] : (uint16_t)color;
+}
+
 /* The first `count` points of a tile's own sequence. */
 static void draw_points(struct drawing *d, const struct visit *visit, const struct eco_tile *tile,
 	uint32_t places, uint32_t count)
@@ -136,7 +141,7 @@ static void draw_points(struct drawing *d, const struct visit *visit, const stru
 		lod_place_point(&stands, pool->position[pick], point->at);
 		point->plant = group->plant;
 		point->key = (uint16_t)(eco_owner_leaf(visit->tile - d->input->tile) + visit->placement.path);
-		point->color = pool->color[pick];
+		point->color = color_of(d, pool->color[pick]);
 		count_level(d, pool->level);
 	}
 }
@@ -172,7 +177,7 @@ static void take_points(struct drawing *d, const struct visit *visit, const stru
 		for (int i = 0; i < 3; i++)
 			inside[i] = (float)(list->grid_origin[i] + list->grid_step[i] * at[i]);
 		lod_place_point(&stands, inside, point->at);
-		point->color = (uint16_t)((uint32_t)extra[0] + list->palette_first);
+		point->color = color_of(d, (uint32_t)extra[0] + list->palette_first);
 		point->plant = (uint32_t)extra[1];
 		point->key = (uint16_t)((uint32_t)extra[2] + eco_owner_leaf(visit->tile - d->input->tile)
 			+ visit->placement.path);

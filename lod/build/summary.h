@@ -2,6 +2,7 @@
  * proportion to the plants' areas, so that a few thousand stand for a hillside.
  *
  *   lod_pool_make(&pool, &plant, palette_first, count, &error);     once per plant (lod/build/pool.h)
+ *   lod_summary_palette_make(&palette, &input, first, count, &error);  once per eco file
  *   lod_summary_make(&summary, &input, &error);                     once per tile
  *   lod_summary_list(&summary, &scene, tile, &list, &elements, ...) as a list to be packed
  *
@@ -21,7 +22,7 @@
 #define LOD_SUMMARY_LEAST 64u
 #define LOD_SUMMARY_MOST 4096u
 
-/* In the tile's coordinates; key: ecofiles/format/plan.h. */
+/* In the tile's coordinates; key: ecofiles/format/plan.h; color: index into the list's palette. */
 struct lod_summary_point { double at[3]; uint32_t plant; uint16_t key, color; };
 struct lod_summary { struct lod_summary_point *points; uint32_t count; uint8_t level; };
 
@@ -38,6 +39,9 @@ struct lod_summary_input {
 	uint64_t seed;
 	/* Per tile, NULL for a tile to descend into; may itself be NULL. */
 	const struct lod_summary_root *const *roots;
+	/* Per colour of the scene, as pools and roots name it: that of a point (summary_palette.h). NULL: the
+	 * same, of at most 65536. */
+	const uint16_t *color_of;
 };
 /* About four points a plant, within bounds. */
 uint32_t lod_summary_count(const struct eco_tile *tile);
@@ -47,7 +51,7 @@ enum eco_code lod_summary_make(struct lod_summary *summary, const struct lod_sum
 	struct eco_error *error);
 
 /* The summary as a list with a grid step of at most 1/4096 of the tile; the writer sets counts and chunks.
- * `palette_count`: the scene's. */
+ * `palette_count`: colours that points name; the caller sets the list's palette_first. */
 enum eco_code lod_summary_list(const struct lod_summary *summary, const struct eco_scene *scene,
 	uint32_t tile, uint32_t palette_count, struct eco_list *list, struct eco_elements *elements,
 	struct eco_error *error);

@@ -19,7 +19,7 @@ struct world {
 	struct scene_builder b;
 	struct lod_pool pools[2];
 	float pool_at[2][16][3];
-	uint16_t pool_color[2][16];
+	uint32_t pool_color[2][16];
 };
 
 static void add_group(struct scene_builder *b, uint32_t tile, uint32_t plant, uint32_t count, double x,
@@ -44,7 +44,7 @@ static void make_pool(struct world *to, int p)
 	for (int i = 0; i < 16; i++) {
 		to->pool_at[p][i][0] = (float)(i % 4) * 0.1f;
 		to->pool_at[p][i][2] = p == 0 ? 0.1f : 2.0f;
-		to->pool_color[p][i] = (uint16_t)(10 * p + i % 3);
+		to->pool_color[p][i] = (uint32_t)(10 * p + i % 3);
 	}
 	to->pools[p] = (struct lod_pool){ 16, to->pool_at[p], to->pool_color[p], (uint8_t)(100 + p) };
 }
@@ -77,7 +77,8 @@ static struct lod_summary summary_of(const struct world *w, uint32_t tile, uint3
 {
 	struct lod_summary s;
 	assert_int_equal(lod_summary_make(&s,
-		&(struct lod_summary_input){ &w->b.scene, w->pools, tile, count, 7, NULL }, NULL), ECO_OK);
+		&(struct lod_summary_input){ .scene = &w->b.scene, .pools = w->pools, .tile = tile,
+		.count = count, .seed = 7 }, NULL), ECO_OK);
 	return s;
 }
 

@@ -23,10 +23,26 @@ static char cache[300];
 struct plant { double x, y; int kind; double scale; };
 static struct { struct plant plants[MOST]; uint32_t count; } parts[PARTS];
 
-static void write_model(const char *name, double height, int leaves)
+/* Each model has a colour and a height of its own. */
+static const struct model { const char *name; double height; int leaves; uint8_t rgb[3]; } models[] = {
+	{ "a", 4, 60, { 40, 120, 30 } },
+	{ "b", 1.5, 25, { 190, 170, 20 } },
+	{ "c", 2.5, 40, { 180, 20, 60 } } };
+#define MODELS (sizeof models / sizeof *models)
+
+static void write_model(const struct model *model)
 {
+	char name[16];
+	double height = model->height;
+	snprintf(name, sizeof name, "%s.mtl", model->name);
 	FILE *file = open_text(name);
-	write_leaves(file, height, leaves);
+	fprintf(file, "newmtl m\nKd %f %f %f\n", model->rgb[0] / 255.0, model->rgb[1] / 255.0,
+		model->rgb[2] / 255.0);
+	assert_int_equal(fclose(file), 0);
+	snprintf(name, sizeof name, "%s.obj", model->name);
+	file = open_text(name);
+	fprintf(file, "mtllib %s.mtl\nusemtl m\n", model->name);
+	write_leaves(file, height, model->leaves);
 	fprintf(file, "v 0 0 0\nv 0.05 0 0\nv 0 %f 0\nf -3 -2 -1\n", height);
 	assert_int_equal(fclose(file), 0);
 }
@@ -124,6 +140,59 @@ UNIT_TEST(linked_parts_equal_the_whole)
 	assert_true(same("linked.eco", "whole.eco"));
 }
 
+static const uint8_t *color_of_height(double height)
+{
+	const uint8_t *rgb = NULL;
+	for (size_t i = 0; i < MODELS; i++)
+		rgb = fabs(models[i].height - height) < 0.3 ? models[i].rgb : rgb;
+	assert_non_null(rgb);
+	return rgb;
+}
+
+/* Points of summaries have the colours of their plants, of a palette of their own. */
+static void check_summary(const struct eco_pack *pack, uint32_t list)
+{
+	const struct eco_scene *s = &pack->scene;
+	const struct eco_list *l = &s->lists[list];
+	struct eco_elements e = { 0 };
+	struct eco_error error = { 0 };
+	assert_in_range(l->palette_count, 1, 32);
+	assert_ok(eco_pack_points(pack, list, &e, &error), error);
+	for (uint32_t i = 0; i < e.element_count; i++) {
+		const int32_t *extra = e.extra + (size_t)e.extra_count * i;
+		assert_in_range(extra[0], 0, l->palette_count - 1);
+		const uint8_t *rgb = s->palette[l->palette_first + (uint32_t)extra[0]],
+			*wanted = color_of_height((double)s->plants[extra[1]].height_m);
+		for (int k = 0; k < 3; k++)
+			assert_in_range(rgb[k] + 2, wanted[k], wanted[k] + 4);
+	}
+	eco_elements_free(&e);
+}
+
+/* Returns the number of palettes that the pack's summaries have. */
+static uint32_t check_summaries(const char *name)
+{
+	struct eco_pack *pack = NULL;
+	struct eco_error error = { 0 };
+	uint32_t summaries = 0, seen[16], palettes = 0;
+	assert_ok(eco_pack_open(&pack, in_root(name), &error), error);
+	for (uint32_t i = 0; i < pack->scene.list_count; i++) {
+		if (!(pack->scene.lists[i].attributes & ECO_ATTR_PLANT))
+			continue;
+		uint32_t first = pack->scene.lists[i].palette_first, k = 0;
+		check_summary(pack, i);
+		summaries++;
+		while (k < palettes && seen[k] != first)
+			k++;
+		assert_true(k < 16);
+		seen[k] = first;
+		palettes = k == palettes ? k + 1 : palettes;
+	}
+	assert_int_equal(summaries, pack->scene.tile_count);
+	eco_pack_close(pack);
+	return palettes;
+}
+
 /* Parts with plants of their own: numbers and colours change, and what is alike is there once. */
 UNIT_TEST(parts_keep_plants_of_their_own)
 {
@@ -143,6 +212,28 @@ UNIT_TEST(parts_keep_plants_of_their_own)
 	assert_int_equal(pack->scene.plant_count, 3);
 	assert_int_equal(pack->scene.tiles[0].instance_count, PARTS * PLANTS);
 	eco_pack_close(pack);
+	check_summaries("part1.eco");
+	check_summaries("linked.eco");
+}
+
+/* A part places a file of other plants, turned and scaled, twice: the whole knows it by its summary. */
+UNIT_TEST(summaries_of_nested_files_keep_their_colours)
+{
+	struct eco_error error = { 0 };
+	write_parts(10);
+	write_part(2, "\"b\": {\"model\": \"c.obj\", \"unit\": \"m\"}, "
+		"\"a\": {\"model\": \"b.obj\", \"unit\": \"m\"}");
+	rename(in_root("part2.json"), in_root("inner.json"));
+	write_text("part2.json", "{\"name\": \"p\", \"plants\": {" BOTH "}, "
+		"\"instances\": [{\"plant\": \"a\", \"at\": [1, 2, 0]}], "
+		"\"children\": [{\"eco\": \"inner.json\", \"at\": [9, 9, 0], \"yaw_deg\": 90}, "
+		"{\"eco\": \"inner.json\", \"at\": [200, 9, 0], \"scale\": 2}]}");
+	make_parts();
+	make("whole.json", "whole.eco", true);
+	assert_ok(link_parts("linked.eco", &error), error);
+	assert_true(check_summaries("whole.eco") <= 5);      /* one for a file at most */
+	assert_int_equal(check_summaries("linked.eco"), check_summaries("whole.eco"));
+	assert_int_equal(check_summaries("part2.eco"), 2);
 }
 
 UNIT_TEST(parts_of_other_frames_are_refused)
@@ -308,9 +399,8 @@ static int set_up(void **state)
 	scratch_open("link");
 	snprintf(cache, sizeof cache, "%s/cache", scratch_root);
 	main_progress_quiet(true);
-	write_model("a.obj", 4, 60);
-	write_model("b.obj", 1.5, 25);
-	write_model("c.obj", 2.5, 40);
+	for (size_t i = 0; i < MODELS; i++)
+		write_model(&models[i]);
 	return 0;
 }
 
