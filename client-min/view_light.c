@@ -10,6 +10,7 @@
 
 #define HAZE_M 5200.0
 #define PI 3.1415927f
+#define ALL_DIRECTIONS 0.2122066f        /* 2 / (3 pi): see round_sun */
 
 struct vec { float x, y, z; };
 
@@ -149,13 +150,21 @@ static struct sunny axis_sun(struct vec axis, struct vec n)
 	return round_sun(dot(n, across) / fmaxf(l, 1e-6f), 0.25f * l);
 }
 
+/* A splat is half a surface and half a cloud: of balls in a crown mostly the outer sides show, and all facet
+ * would be too bright there; as a cloud alone it has no form (lod/EXPERIMENTS.md, Light of splats). */
+static struct sunny ball_sun(struct vec n, struct vec to_eye)
+{
+	struct sunny facet = facet_sun(n), all = round_sun(dot(to_eye, SUN), ALL_DIRECTIONS);
+	return (struct sunny){ mix(facet.on, all.on, 0.5f), mix(facet.through, all.through, 0.5f) };
+}
+
 /* level: the share of leaves that lie level, among those of all directions (eco_level_share). What is seen of
  * the two is by the area that they show. */
 static struct sunny cloud_sun(float level, struct vec to_eye, float *facing)
 {
 	float lying = level * fabsf(to_eye.z), shows = lying / (lying + fmaxf(0.5f * (1 - level), 1e-3f)),
 		side = to_eye.z < 0 ? -1 : 1;
-	struct sunny all = round_sun(dot(to_eye, SUN), 0.2122066f);
+	struct sunny all = round_sun(dot(to_eye, SUN), ALL_DIRECTIONS);
 	*facing = mix(0.667f * to_eye.z, side, shows);
 	return (struct sunny){ mix(all.on, fmaxf(side * SUN.z, 0), shows),
 		mix(all.through, fmaxf(-side * SUN.z, 0), shows) };
@@ -317,8 +326,9 @@ static struct vec plant_color(const struct lamp *lamp, const struct plant *p, si
 	} else {
 		n = turned(p, direction_of(surface));
 		n = dot(n, to_eye) < 0 ? scale(n, -1) : n;
-		sunny = facet_sun(n);
-		facing = n.z;
+		bool ball = surface >> 30 == VIEW_BALL;
+		sunny = ball ? ball_sun(n, to_eye) : facet_sun(n);
+		facing = ball ? mix(n.z, 0.667f * to_eye.z, 0.5f) : n.z;
 	}
 	float green = albedo.y - fmaxf(albedo.x * 0.9f, albedo.z),
 		leaf = smoothstep(0, 0.25f, green / fmaxf(albedo.y, 1e-4f));

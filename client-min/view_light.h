@@ -19,12 +19,13 @@
 /* A pixel's surface, in plant space (the ground's is the world's), as 32 bits; the vertex shaders in
  * view_shader.c write the same:
  *
- *   30..31   0 facet, 1 axis (what is round about it: blades, bark), 2 cloud (leaves of all directions)
- *    0..29   facet and axis: direction, either way, as an octahedron's x and y: 15 bits each, [-1, 1]
+ *   30..31   0 facet, 1 axis (what is round about it: blades, bark), 2 cloud (leaves of all directions),
+ *            3 ball (leaves around a middle: on their sunny side they are lit more)
+ *    0..29   facet, axis, ball: direction, either way, as an octahedron's x and y: 15 bits each, [-1, 1]
  *            cloud: 0..15 half its side over half the width of its plant, at most 1 (65535), 16..23 the share
  *            of leaves that lie level (255: all) */
-enum view_surface { VIEW_FACET, VIEW_AXIS, VIEW_CLOUD };
-/* Of any length; facet or axis. */
+enum view_surface { VIEW_FACET, VIEW_AXIS, VIEW_CLOUD, VIEW_BALL };
+/* Of any length; not of a cloud. */
 uint32_t view_surface_direction(enum view_surface kind, const float direction[3]);
 uint32_t view_surface_cloud(double reach, double level);
 

@@ -143,7 +143,7 @@ static uint32_t cloud_of(const struct view_mesh *mesh, uint32_t point)
 
 /* The normal where the ray meets the ellipsoid, or passes it most closely: pixels at its rim reach out. In
  * the space where it is a ball of radius 1, eye and ray are measured along its half axes. */
-static uint32_t facet_of_splat(const struct view_mesh *mesh, uint32_t splat, const struct view_rays *rays)
+static uint32_t ball_of(const struct view_mesh *mesh, uint32_t splat, const struct view_rays *rays)
 {
 	const float *center = mesh->geometry.position + 3 * (size_t)splat;
 	double from[3], ray[3], square[3], normal[3] = { 0 };
@@ -165,7 +165,7 @@ static uint32_t facet_of_splat(const struct view_mesh *mesh, uint32_t splat, con
 		normal[k % 3] += (double)mesh->geometry.half[9 * (size_t)splat + (size_t)k] / square[k / 3]
 			* (from[k / 3] + t * ray[k / 3]);
 	length = sqrt(lod_dot(normal, normal));
-	return view_surface_direction(VIEW_FACET, (const float[3]){ (float)(normal[0] / length),
+	return view_surface_direction(VIEW_BALL, (const float[3]){ (float)(normal[0] / length),
 		(float)(normal[1] / length), (float)(normal[2] / length) });
 }
 
@@ -184,7 +184,7 @@ void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const stru
 	else if (list->kind == ECO_LIST_LINES)
 		*surface = axis_of(mesh->geometry.position + 6 * (size_t)primitive);
 	else if (mesh->geometry.half)
-		*surface = facet_of_splat(mesh, primitive, rays);
+		*surface = ball_of(mesh, primitive, rays);
 	else
 		*surface = cloud_of(mesh, primitive);
 }

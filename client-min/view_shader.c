@@ -29,7 +29,7 @@ static const char head_es[] = "#version 320 es\n"
 
 /* view_surface_direction; the words are those of view_light.h. */
 static const char common[] =
-	"const uint FACET = 0u, AXIS = 1u, CLOUD = 2u;\n"
+	"const uint FACET = 0u, AXIS = 1u, CLOUD = 2u, BALL = 3u;\n"
 	"uint surface_direction(uint kind, vec3 d) {\n"
 	"	d /= max(abs(d.x) + abs(d.y) + abs(d.z), 1e-30);\n"
 	"	vec2 at = d.xy;\n"
@@ -254,7 +254,7 @@ static const char fragment_plant[] =
 	"	if (rest < 0.0 || x < -half_row || x >= half_row || float(hash >> 24) >= v_shown.y * 256.0) "
 	"return 0.0;\n"
 	"#if TEXELS == 4\n"
-	"	surface = surface_direction(FACET, normalize(v_normals * vec3(u, v, sqrt(max(rest - u * u, "
+	"	surface = surface_direction(BALL, normalize(v_normals * vec3(u, v, sqrt(max(rest - u * u, "
 	"0.0)))));\n"
 	"#endif\n"
 	"	float far = v_near_side.x + v_near_side.y * u + v_near_side.z * v - v_near_side.w * "
