@@ -17,6 +17,7 @@ static void add_at(struct lod_cost *cost, const struct lod_hull *hull, double we
 	const struct lod_hull_point *a = &hull->points[whole], *b = part > 0 ? a + 1 : a;
 	cost->fp += weight_px * (a->fp + part * (b->fp - a->fp));
 	cost->fn += weight_px * (a->fn + part * (b->fn - a->fn));
+	cost->detail += weight_px * (a->detail + part * (b->detail - a->detail));
 	cost->above_fp += weight_px * (a->above_fp + part * (b->above_fp - a->above_fp));
 	cost->above_fn += weight_px * (a->above_fn + part * (b->above_fn - a->above_fn));
 	cost->vertices += (double)a->vertices + part * (double)(b->vertices - a->vertices);
@@ -27,6 +28,7 @@ static void add_cost(struct lod_cost *sum, const struct lod_cost *cost, double f
 {
 	sum->fp += seen * fp_weight * cost->fp;
 	sum->fn += seen * cost->fn;
+	sum->detail += seen * cost->detail;
 	sum->above_fp += seen * fp_weight * cost->above_fp;
 	sum->above_fn += seen * cost->above_fn;
 	sum->vertices += times * cost->vertices;
@@ -34,7 +36,7 @@ static void add_cost(struct lod_cost *sum, const struct lod_cost *cost, double f
 
 static double lagrangian(const struct lod_cost *cost, double fp_weight, double lambda)
 {
-	return fp_weight * cost->fp + cost->fn + lambda * cost->vertices;
+	return fp_weight * cost->fp + cost->fn + cost->detail + lambda * cost->vertices;
 }
 
 /* How far the coarse choice has given way to the fine one, given what each saves: 0 to 1, and 1 where the
@@ -230,6 +232,7 @@ static void blend(struct lod_tile_choice *choice, const struct lod_cost *fine)
 	double s = choice->share, points = choice->has_summary ? points_share(s) : 0;
 	choice->cost.fp = s * fine->fp + (1 - s) * choice->cost.fp;
 	choice->cost.fn = s * fine->fn + (1 - s) * choice->cost.fn;
+	choice->cost.detail = s * fine->detail + (1 - s) * choice->cost.detail;
 	choice->cost.vertices = s * fine->vertices + points * choice->cost.vertices;
 }
 
@@ -406,17 +409,18 @@ static void fix_summary(struct lod_tile_choice *choice, double points)
 	double part = choice->position - whole,
 		all = (double)a->vertices + (part > 0 ? part * (double)(a[1].vertices - a->vertices) : 0);
 	choice->partial[0] = (struct lod_hull_point){ .vertices = (uint64_t)(points * floor(all)),
-		.fp = a->fp, .fn = a->fn };
+		.fp = a->fp, .fn = a->fn, .detail = a->detail };
 	if (part > 0) {
 		choice->partial[0].fp += part * (a[1].fp - a->fp);
 		choice->partial[0].fn += part * (a[1].fn - a->fn);
+		choice->partial[0].detail += part * (a[1].detail - a->detail);
 	}
 	choice->partial[1] = choice->partial[0];
 	choice->partial[1].vertices = (uint64_t)all;
 	choice->partial[1].fn_slope = LAST_SLOPE;
 	choice->partial_hull = (struct lod_hull){ choice->partial,
 		choice->partial[1].vertices > choice->partial[0].vertices ? 2 : 1,
-		choice->summary.hull.fp_weight };
+		choice->summary.hull.fp_weight, 0 };
 }
 
 /* Beyond the gate, the plants of the greatest hashes draw a ladder that shows the whole plant. */

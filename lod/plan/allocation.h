@@ -40,7 +40,7 @@ enum lod_when {
 
 struct lod_cost {                    /* wrong pixels seen; above_*: the same seen from above; a slot choice's
                                       * fp is without its fp_weight */
-	double fp, fn, vertices;
+	double fp, fn, detail, vertices;
 	double above_fp, above_fn;
 };
 

@@ -9,6 +9,8 @@
 #include "lod/ladder.h"
 
 #define PI 3.14159265358979323846
+#define LOG_2 0.69314718055994530942
+#define SPLATTED 0.5             /* lod/EXPERIMENTS.md, Width of splats */
 #define BLOCK 4096u              /* hull points allocated at once */
 #define FEW_PLANTS 40            /* in view: fewer than this change one by one in any case */
 #define SMOOTH_BANDS 3           /* on either side count towards a slot's mean, ... */
@@ -97,6 +99,48 @@ static double anchor_pixels(const struct lod_allocation *m, const struct lod_slo
 	return sum;
 }
 
+/* log2 of the mean width of an element, in pixels: an outline is half of what a leaf has, in the mean over
+ * directions. */
+static double element_octave(const struct lod_allocation *m, const struct eco_ladder *ladder, uint8_t band)
+{
+	double px = 1 / (lod_band_distance_m(band) * m->p->visible.eye.pixel_rad);
+	double square = ladder->total ? 0.5 * (double)ladder->area / ladder->total * px * px : 1;
+	return square > 0 ? 0.5 * lod_log(square) / LOG_2 : 0;
+}
+
+static bool own_points(struct lod_allocation *m, struct lod_hull *hull, const struct lod_hull_point *points)
+{
+	hull->points = take_points(m, hull->count);
+	if (!hull->points)
+		return false;
+	m->block_used += hull->count;
+	memcpy(hull->points, points, hull->count * sizeof *points);
+	return true;
+}
+
+/* The hull of an organ's ladder at a band. Its table is that of elements larger than a pixel; of smaller ones
+ * the octaves up to a pixel cost nothing. */
+static bool slot_hull(struct lod_allocation *m, const struct lod_hull *from, const struct eco_ladder *ladder,
+	uint8_t band, struct lod_hull *hull)
+{
+	struct lod_hull_point points[LOD_HULL_POINTS_MAX];
+	uint64_t to = from->points[from->count - 1].vertices;
+	*hull = *from;
+	hull->slack = fmax(0, -element_octave(m, ladder, band));
+	if (!(hull->slack > 0))
+		return true;
+	memcpy(points, from->points, from->count * sizeof *points);
+	for (uint32_t i = 0; i < from->count; i++)
+		lod_hull_set_detail(&points[i], hull->slack);
+	hull->points = points;
+	for (int i = 0; i < 2; i++) {
+		hull->fp_weight = i ? 1 : LOD_FP_WEIGHT_LEAST;
+		lod_hull_reduce(hull, 1);
+	}
+	lod_hull_complete(hull, to);
+	return own_points(m, hull, points);
+}
+
 static bool add_ladder_choices(struct lod_allocation *m, uint32_t s, uint32_t id, double weight_px)
 {
 	const struct eco_scene *scene = m->p->scene;
@@ -105,8 +149,9 @@ static bool add_ladder_choices(struct lod_allocation *m, uint32_t s, uint32_t id
 	const struct lod_plan_tables_ladder *table = lod_plan_tables_ladder(m->p->tables, id);
 	if (!table)
 		return false;
-	struct lod_ladder_choice choice = { .slot = s, .ladder = id, .weight_px = weight_px,
-		.hull = table->hull[0] };
+	struct lod_ladder_choice choice = { .slot = s, .ladder = id, .weight_px = weight_px };
+	if (!slot_hull(m, &table->hull[0], ladder, slot->band, &choice.hull))
+		return false;
 	choice.hull.fp_weight = m->slot_choices[s].fp_weight;
 	choice.when = slot->cell || scene->plants[slot->plant].anchor_count < 2 ? LOD_ALWAYS : LOD_FAR;
 	if (!add_ladder_choice(m, &choice))
@@ -128,18 +173,34 @@ static bool whole_hull(struct lod_allocation *m, const struct lod_hull *from, ui
 {
 	struct lod_hull_point points[LOD_HULL_POINTS_MAX];
 	memcpy(points, from->points, from->count * sizeof *points);
+	for (uint32_t i = 0; i < from->count; i++)
+		lod_hull_set_detail(&points[i], hull->slack);
 	points->fn += absent - LOD_ABSENT_WEIGHT;
 	points->above_fn += (float)(absent - LOD_ABSENT_WEIGHT);
 	hull->points = points;
 	hull->count = from->count;
 	lod_hull_reduce_here(hull, LOD_HULL_SLOPE_RATIO);
 	lod_hull_complete(hull, to);
-	hull->points = take_points(m, hull->count);
-	if (!hull->points)
-		return false;
-	m->block_used += hull->count;
-	memcpy(hull->points, points, hull->count * sizeof *points);
-	return true;
+	return own_points(m, hull, points);
+}
+
+/* Octaves of one splat for the whole plant that nobody sees, less than 0: n splats are as wide as n parts of
+ * SPLATTED of its crown's outline, and leaves or a pixel are the limit. */
+static double whole_slack(const struct lod_allocation *m, const struct lod_slot *slot)
+{
+	const struct lod_proxy_shape *shape = &lod_plan_tables_proxy_shapes(m->p->tables)[slot->plant];
+	double px = 1 / (lod_band_distance_m(slot->band) * m->p->visible.eye.pixel_rad), sum = 0, area = 0;
+	uint32_t count;
+	const uint32_t *ladders = lod_plan_tables_anchor(m->p->tables, slot->anchor, &count);
+	for (uint32_t i = 0; i < count; i++) {
+		const struct eco_ladder *ladder = &m->p->scene->ladders[ladders[i]];
+		if (ladder->organ == ECO_ORGAN_WOOD)
+			continue;
+		sum += (double)ladder->area * fmax(0, element_octave(m, ladder, slot->band));
+		area += (double)ladder->area;
+	}
+	double outline = SPLATTED * PI * shape->crown_across * shape->crown_up * px * px;
+	return (area > 0 ? sum / area : 0) - 0.5 * lod_log(fmax(1, outline)) / LOG_2;
 }
 
 /* Ladders that show the whole plant weigh as much as all its organs together. */
@@ -153,7 +214,8 @@ static bool add_whole_choices(struct lod_allocation *m, uint32_t s)
 	for (uint32_t i = 0; i < count; i++) {
 		const struct lod_plan_tables_ladder *table = lod_plan_tables_ladder(m->p->tables, ladders[i]);
 		struct lod_ladder_choice choice = { .slot = s, .ladder = ladders[i], .when = LOD_WHOLE,
-			.weight_px = weight_px, .hull.fp_weight = slot_choice->fp_weight };
+			.weight_px = weight_px, .hull.fp_weight = slot_choice->fp_weight,
+			.hull.slack = whole_slack(m, &m->p->visible.slots[s]) };
 		if (!table || !whole_hull(m, &table->hull[0], table->way.full, absent, &choice.hull)
 				|| !add_ladder_choice(m, &choice))
 			return false;

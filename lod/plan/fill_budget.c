@@ -584,7 +584,8 @@ static double error_at(const struct lod_fill *fill, const struct lod_candidate *
 {
 	if (vertices == candidate->hull->points->vertices)
 		return lod_hull_error(candidate->hull, candidate->hull->points);
-	struct lod_hull_point point = lod_hull_point_at(way_of(fill, candidate), vertices);
+	struct lod_hull_point point = lod_hull_point_at(way_of(fill, candidate), vertices,
+		candidate->hull->slack);
 	return lod_hull_error(candidate->hull, &point);
 }
 

@@ -3,13 +3,14 @@
 
 #include <math.h>
 
+#define LOG_2 0.69314718055994530942
 #define GROWTH 4u                /* samples grow by a quarter: curves are smooth */
 
 /* Slopes of the step between two points. */
 static void set_slopes(const struct lod_hull_point *from, struct lod_hull_point *to)
 {
 	double vertices = (double)(to->vertices - from->vertices);
-	to->fn_slope = (from->fn - to->fn) / vertices;
+	to->fn_slope = (from->fn + from->detail - to->fn - to->detail) / vertices;
 	to->fp_slope = (from->fp - to->fp) / vertices;
 }
 
@@ -69,7 +70,25 @@ double lod_hull_absent(const struct eco_ladder *ladder)
 		: 0;
 }
 
-struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vertices)
+/* Where half of the elements are drawn, each as large as two, what is seen is half an octave coarser. Wood
+ * has none: of a tree the thinnest twigs go first, and the others are drawn as they are. */
+static double octaves_of(const struct lod_way *way, uint64_t vertices)
+{
+	if (way->has_splats)
+		return vertices ? -0.5 * lod_log((double)vertices) / LOG_2 : 0;
+	double share = way->has_forms ? lod_way_density(way, vertices) : lod_way_share(way, vertices);
+	if (way->ladder->organ == ECO_ORGAN_WOOD || !(share > 0 && share < 1))
+		return 0;
+	return 0.5 * lod_log(1 / share) / LOG_2;
+}
+
+void lod_hull_set_detail(struct lod_hull_point *point, double slack)
+{
+	double seen = (double)point->octaves - slack, covered = fmax(0, 1 - point->fn);
+	point->detail = seen > 0 ? covered * fmin(1, LOD_OCTAVE_WEIGHT * seen) : 0;
+}
+
+struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vertices, double slack)
 {
 	const struct eco_scene *scene = way->scene;
 	const struct eco_ladder *ladder = way->ladder;
@@ -79,23 +98,25 @@ struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vert
 	bool alone = ladder->anchor == plant->anchor_first && vertices == lod_way_stage_end(way);
 	double share = alone ? share_alone(way, vertices) : coarse && way->full ? share_beside(way, vertices)
 		: lod_way_share(way, vertices);
-	if (ladder->curve_count == 0) /* not measured */
-		return (struct lod_hull_point){ .vertices = vertices, .fn = 1 - share,
-			.above_fn = (float)(1 - share) };
-	struct eco_curve curve = lod_ladder_curve(scene, ladder, share),
+	struct eco_curve curve = { .fn = (float)(1 - share) }, above = curve; /* not measured */
+	if (ladder->curve_count) {
+		curve = lod_ladder_curve(scene, ladder, share);
 		above = lod_ladder_curve_seen(scene, ladder, share, 1);
-	double absent = vertices == 0 ? lod_hull_absent(ladder) : 0;
-	return (struct lod_hull_point){ .vertices = vertices, .fp = curve.fp, .fn = curve.fn + absent,
-		.above_fp = above.fp,
+	}
+	double absent = vertices == 0 && ladder->curve_count ? lod_hull_absent(ladder) : 0;
+	struct lod_hull_point point = { .vertices = vertices, .fp = curve.fp, .fn = curve.fn + absent,
+		.octaves = (float)octaves_of(way, vertices), .above_fp = above.fp,
 		.above_fn = (float)(above.fn + absent) };
+	lod_hull_set_detail(&point, slack);
+	return point;
 }
 
 uint32_t lod_hull_sample(struct lod_hull_point points[LOD_HULL_POINTS_MAX], const struct lod_way *way,
-	uint64_t from, uint64_t to)
+	uint64_t from, uint64_t to, double slack)
 {
 	uint64_t stage = lod_way_stage_end(way), at = from;
 	uint32_t count = 1;
-	points[0] = lod_hull_point_at(way, from);
+	points[0] = lod_hull_point_at(way, from, slack);
 	while (at < to && count < LOD_HULL_POINTS_MAX - 2) {
 		uint64_t next = lod_way_next(way, at), further = lod_way_floor(way, at + at / GROWTH + 1);
 		next = further > next ? further : next;
@@ -104,10 +125,10 @@ uint32_t lod_hull_sample(struct lod_hull_point points[LOD_HULL_POINTS_MAX], cons
 			next = stage;
 		next = next < level ? next : level;
 		at = next < to ? next : to;
-		points[count++] = lod_hull_point_at(way, at);
+		points[count++] = lod_hull_point_at(way, at, slack);
 	}
 	if (at < to)
-		points[count++] = lod_hull_point_at(way, to);
+		points[count++] = lod_hull_point_at(way, to, slack);
 	return count;
 }
 
@@ -116,7 +137,7 @@ void lod_hull_complete(struct lod_hull *hull, uint64_t to)
 	const struct lod_hull_point *last = &hull->points[hull->count - 1];
 	if (last->vertices < to)
 		hull->points[hull->count++] = (struct lod_hull_point){ .vertices = to, .fp = last->fp,
-			.fn = last->fn,
+			.fn = last->fn, .detail = last->detail, .octaves = last->octaves,
 			.above_fp = last->above_fp, .above_fn = last->above_fn };
 }
 

@@ -8,6 +8,9 @@
  * one hull gives way to the next. So a hull keeps the points that are on the hull of the least weight and on
  * that of the greatest. A slope is linear in the weight, so these points are convex at every weight between.
  *
+ * Elements smaller than a pixel lose no detail, and how large they are depends on the band: there a hull is
+ * made again, of points of the table's.
+ *
  * Ladders that show the whole plant trade one error for the other, so each slot has a hull of its own, at its
  * weight.
  *
@@ -34,25 +37,34 @@ struct lod_hull_point {
 	uint64_t vertices;           /* a value that lod_way_floor returns */
 	double fp, fn;               /* errors over covered pixels; neither fn nor fn + fp_weight * fp rises;
 	                              * points[0] includes lod_hull_absent */
+	double detail;               /* what covered pixels lose in colour and texture, at the hull's slack */
+	float octaves;               /* how much wider than in full detail elements are, log2; of splats: one
+	                              * of n over the only one */
 	float above_fp, above_fn;    /* the same seen from above: used only by predictions */
-	double fn_slope, fp_slope;   /* of the step that ends here */
+	double fn_slope, fp_slope;   /* of the step that ends here; fn_slope with detail */
 };
 
 struct lod_hull {
 	struct lod_hull_point *points;  uint32_t count; /* count >= 1 */
 	double fp_weight;            /* weight of a false positive; a false negative weighs 1 */
+	double slack;                /* octaves that nobody sees: up to the width of a pixel, or of full
+	                              * detail */
 };
 
 /* Samples a ladder from `from` to `to` vertices, both values that lod_way_floor returns. Returns the number
  * of points, at most LOD_HULL_POINTS_MAX - 1. */
 uint32_t lod_hull_sample(struct lod_hull_point points[LOD_HULL_POINTS_MAX], const struct lod_way *way,
-	uint64_t from, uint64_t to);
+	uint64_t from, uint64_t to, double slack);
 
 /* Error added at 0 vertices: LOD_ABSENT_WEIGHT or 0. For a ladder that shows the whole plant it is the most
  * that it can be; what it is depends on the plant's organs as they are seen (allocation_weights.c). */
 double lod_hull_absent(const struct eco_ladder *ladder);
 /* Errors at `vertices`, a value that lod_way_floor returns. */
-struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vertices);
+struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vertices, double slack);
+/* Sets detail from octaves, fn and slack: each octave that is seen costs LOD_OCTAVE_WEIGHT of a covered
+ * pixel. */
+#define LOD_OCTAVE_WEIGHT 0.1
+void lod_hull_set_detail(struct lod_hull_point *point, double slack);
 
 /* Reduces points in ascending vertices to their lower convex hull at hull->fp_weight, in place. Two steps
  * whose slopes are less than `ratio` times apart become one. Reduced again at another weight, a hull is
@@ -76,7 +88,7 @@ static inline double lod_hull_slope(const struct lod_hull *hull, uint32_t i)
 /* The error of a point at the hull's fp_weight. */
 static inline double lod_hull_error(const struct lod_hull *hull, const struct lod_hull_point *point)
 {
-	return point->fn + hull->fp_weight * point->fp;
+	return point->fn + point->detail + hull->fp_weight * point->fp;
 }
 #define LOD_HULL_BLUR 1.25
 /* Position in [0, count - 1]. All plants take a step whose slope is above LOD_HULL_BLUR * lambda, none take

@@ -150,8 +150,8 @@ struct hulls {                       /* of one ladder, while they are made */
 static void make_hull(struct hulls *hulls, int beside, const struct lod_way *way, uint64_t from, uint64_t to)
 {
 	struct lod_hull *hull = &hulls->hull[beside];
-	*hull = (struct lod_hull){ hulls->points[beside], 0, LOD_FP_WEIGHT_LEAST };
-	hull->count = lod_hull_sample(hull->points, way, from, to);
+	*hull = (struct lod_hull){ hulls->points[beside], 0, LOD_FP_WEIGHT_LEAST, beside ? INFINITY : 0 };
+	hull->count = lod_hull_sample(hull->points, way, from, to, hull->slack);
 	if (way->ladder->flags & ECO_LADDER_WHOLE)
 		return;
 	lod_hull_reduce(hull, LOD_HULL_SLOPE_RATIO);

@@ -19,8 +19,8 @@
 struct lod_plan_tables_ladder {
 	struct lod_way way;
 	struct lod_hull hull[2];     /* [0] alone; [1] beside cells, empty unless it is a whole-plant list
-	                              * that is drawn there. A ladder that shows the whole plant has samples
-	                              * in [0], not reduced */
+	                              * that is drawn there; of elements larger than a pixel. A ladder that
+	                              * shows the whole plant has samples in [0], not reduced */
 };
 
 /* NULL without memory; a ladder once returned stays. */

@@ -1,4 +1,4 @@
-/* The default rule: the fewest expected wrong pixels within a budget of vertices.
+/* The default rule: the least expected error within a budget of vertices.
  *
  * The expected error of what is drawn comes from a ladder's measured curve or a summary's computed one, times
  * the pixels seen. Pixels seen are found once, before any budget (lod/plan/visibility.h). So the objective is
@@ -108,7 +108,8 @@ static enum eco_code evaluate(struct lambda_search *s, int at, const struct eval
 	lod_allocation_relax(m, lambda_at(index_of(s, at)));
 	result->outcome.vertices = within(m->cost.vertices, before->outcome.vertices,
 		after->outcome.vertices);
-	result->outcome.wrong = within(m->cost.fp + m->cost.fn, after->outcome.wrong, before->outcome.wrong);
+	result->outcome.wrong = within(m->cost.fp + m->cost.fn + m->cost.detail, after->outcome.wrong,
+		before->outcome.wrong);
 	if (predicts)
 		code = lod_allocation_predict(m, &result->prediction, error);
 	if (wrong_of(&result->prediction) > wrong_of(&before->prediction))

@@ -14,7 +14,7 @@
  *
  * Errors are over the tile's weight_px, and lambda is divided by it. A pixel that a splat covers belongs to
  * the wrong plant (lod/plan/visibility.h), so fn is LOD_OWNER_WEIGHT for covered pixels and 1 for missed
- * ones, times `pixels`. */
+ * ones, times `pixels`. Detail is what splats wider than a pixel lose. */
 #ifndef LOD_SUMMARY_HULL_H
 #define LOD_SUMMARY_HULL_H
 

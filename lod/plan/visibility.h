@@ -35,7 +35,7 @@
 #include "lod/eye.h"
 
 #define LOD_SCREEN_COLUMNS 96u
-#define LOD_OWNER_WEIGHT 0.15
+#define LOD_OWNER_WEIGHT 0.5
 
 struct lod_visibility {
 	float x, y;                  /* centre, in cells from the top left */

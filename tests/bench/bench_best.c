@@ -34,7 +34,8 @@ static double error_at(const struct search *s, const struct lod_candidate *candi
 	if (candidate->ladder_choice != ECO_NONE && vertices > hull->points->vertices) {
 		struct lod_hull_point point =
 			lod_hull_point_at(lod_planner_way(&s->planner,
-			s->allocation.ladder_choices[candidate->ladder_choice].ladder), vertices);
+			s->allocation.ladder_choices[candidate->ladder_choice].ladder), vertices,
+			hull->slack);
 		return lod_hull_error(hull, &point);
 	}
 	while (i + 1 < hull->count && hull->points[i + 1].vertices <= vertices)

