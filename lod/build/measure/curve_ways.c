@@ -48,7 +48,8 @@ enum eco_code lod_curve_add(const struct lod_curve_organ *curve, const struct ec
 	probe->scene.curve_count = 2;
 	uint64_t vertices = lod_ladder_vertices(&probe->scene, &measured, sample->share);
 	double density = lod_ladder_density(&probe->scene, &measured, vertices);
-	if (curve->forms && density < sample->reach)         /* a whole-plant list: the cells show the rest */
+	/* a whole-plant list: the cells show the rest */
+	if ((curve->forms || curve->whole) && density < sample->reach)
 		density = sample->reach;
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 	uint32_t count = lod_ladder_cuts(&probe->scene, &measured, vertices, density, cuts);
