@@ -9,15 +9,15 @@
 #define MEMORY_1 0.9f            /* Adam's */
 #define MEMORY_2 0.99f
 #define STEPS 300u
+/* more steps gain .001 of Q in levels of 192 splats, and less than that in finer ones */
+#define STEPS_192 400u
+#define STEPS_768 200u
 #define ALONE 0.4f              /* of a descent: then between levels, too */
 #define RATE 0.08f               /* of a splat's size, in the first step */
 #define LEAST_RATE 0.002f
 #define SETTLE_STEPS 40u
 #define SETTLE_RATE 0.008f
 #define SETTLE_FROM 0.9          /* of all the work */
-/* how much of the objective is hard Q (struct splat_softness): that of opaque splats is what they are for */
-#define CHANCE 0.03f
-#define CHANCE_OPAQUE 0.4f
 
 struct moment { struct splat_params first, second; };
 
@@ -166,11 +166,12 @@ bool splat_descend(struct splat_descent *d, struct lod_arena *arena)
 	float fall_1 = 1, fall_2 = 1;
 	bool go = true;
 	prepare(&s, arena);
-	uint32_t steps = d->settle ? SETTLE_STEPS : STEPS;
+	uint32_t steps = d->settle ? SETTLE_STEPS : d->count >= 768 ? STEPS_768 : d->count >= 192 ? STEPS_192
+		: STEPS;
 	for (uint32_t i = 0; i < steps && go; i++) {
 		float at = (float)i / (float)steps, rest = (1 - at) * (1 - at);
 		s.soft = (struct splat_softness){ .edge_px = 0.8f, .least = d->settle ? 0 : 0.6f * rest,
-			.blur_px2 = 0.2f, .chance = d->opaque ? CHANCE_OPAQUE : CHANCE };
+			.blur_px2 = 0.2f, .chance = d->chance };
 		s.batch = i % s.batches;
 		if (d->parents && at > ALONE && i / s.batches % 2)
 			draw_between(&s, &seed);
@@ -185,7 +186,7 @@ bool splat_descend(struct splat_descent *d, struct lod_arena *arena)
 				1 / (1 - fall_2));
 		go = told(d, at);
 	}
-	if (go && d->settle)
+	if (go)
 		d->loss = mean_loss(&s);
 	lod_arena_release(arena, mark);
 	return go;

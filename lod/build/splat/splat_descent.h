@@ -14,10 +14,11 @@ struct splat_descent {
 	const struct splat_params *parents;
 	uint32_t children;               /* of each parent */
 	bool opaque;
+	float chance;                    /* struct splat_softness */
 	bool settle;                     /* shapes stay, as they have been rounded; a few steps of the rest */
 	uint32_t level, levels;          /* for progress */
 	const struct lod_splats_options *options;
-	double loss;                     /* out, where shapes settle: mean 1 - soft Q of all views */
+	double loss;                     /* out: mean 1 - soft Q of all views */
 };
 
 /* False if progress says stop. */

@@ -17,12 +17,26 @@
 #define FIRST_SPREAD 1.6         /* half axes over standard deviations */
 
 #define LARGE_PLANT 24000u       /* triangles: it has a level more */
+#define ENOUGH 0.01              /* loss: no finer level */
+#define PAYS 0.98                /* a last level has at most so much of the loss of the one before it */
+#define PAYS_LEAST 0.002
+#define MOST_SHARE 0.8           /* of the plant's vertices that a level may take (lod/EXPERIMENTS.md) */
 #define FEW_POINTS 3u            /* fewer say nothing about a shape */
 #define LEAST_HALF 0.01          /* half an axis, where points are given to splats */
 #define ROUNDS 6u                /* of prices, for levels of at most so many splats */
 #define PRICED 192u
+#define MOST_SIBLINGS 4u
 
 static const uint32_t level_size[LOD_SPLAT_LEVELS] = { 1, 3, 12, 48, 192, 768, 3072 };
+#define CHANCE_OPAQUE 0.4f
+#define CHANCE_FEW 0.1f          /* at least, for levels of at most so many splats */
+#define FEW_SPLATS 12u
+#define CHANCE 0.03f
+#define FEW_TRIANGLES 4096u
+/* How much of the objective is hard Q (struct splat_softness) for plants of so few triangles, by the mean
+ * cover of the pixels that they cover at all (lod/EXPERIMENTS.md, Thin plants). */
+static const struct { double cover, chance; } chances[] = { { 0.4, 0.2 }, { 0.5, 0.7 }, { 0.65, 0.7 },
+	{ 0.72, 0.03 }, { 1, 0.03 } };
 
 struct part { uint32_t first, end; };    /* of the points */
 
@@ -34,6 +48,7 @@ struct fit {
 	struct part *parts[LOD_SPLAT_LEVELS];
 	struct splat_params *level[LOD_SPLAT_LEVELS];
 	struct lod_splats *splats;
+	float chance;                    /* how much of the objective is hard Q */
 };
 
 /* ---- Parts ---- */
@@ -207,7 +222,7 @@ static uint32_t count_levels(const struct fit *fit, const struct eco_model *mode
 		: LOD_SPLAT_LEVELS - (model->triangle_count < LARGE_PLANT);
 	most = most < LOD_SPLAT_LEVELS ? most : LOD_SPLAT_LEVELS;
 	uint32_t count = 1;
-	while (count < most && level_size[count] <= model->triangle_count / 2)
+	while (count < most && level_size[count] <= MOST_SHARE * 3 * model->triangle_count)
 		count++;
 	return count;
 }
@@ -240,11 +255,37 @@ static void place(struct lod_splats *splats, const struct splat_views *views)
 	}
 }
 
+/* Hard Q of opaque splats is what they are for. Thin plants of few triangles get it, too: all of their splats
+ * are few beside the pixels that they are drawn in, and opacity adds noise to noise. */
+static float chance_of(const struct fit *fit, const struct eco_model *model)
+{
+	double sum = 0, cover;
+	uint64_t pixels = 0;
+	uint32_t i = 1;
+	if (fit->options->opaque || model->triangle_count >= FEW_TRIANGLES)
+		return fit->options->opaque ? CHANCE_OPAQUE : CHANCE;
+	for (uint32_t v = 0; v < fit->views.count; v++) {
+		const struct splat_view *view = &fit->views.items[v];
+		sum += view->covered;
+		for (size_t p = 0; p < (size_t)fit->views.pixels * fit->views.stride; p++)
+			pixels += view->cover[p] > 0;
+	}
+	cover = sum / (double)(pixels + !pixels);
+	cover = cover > chances[0].cover ? cover : chances[0].cover;
+	while (i + 1 < sizeof chances / sizeof *chances && cover > chances[i].cover)
+		i++;
+	double part = (cover - chances[i - 1].cover) / (chances[i].cover - chances[i - 1].cover);
+	return (float)(chances[i - 1].chance + (chances[i].chance - chances[i - 1].chance)
+		* (part < 1 ? part : 1));
+}
+
 static bool descend(struct fit *fit, uint32_t level, uint32_t levels, bool settle)
 {
 	struct splat_descent descent = { .views = &fit->views, .splats = fit->level[level],
-		.count = level_size[level], .opaque = fit->options->opaque, .level = level, .levels = levels,
-		.options = fit->options, .settle = settle };
+		.count = level_size[level], .opaque = fit->options->opaque, .chance = fit->chance,
+		.level = level, .levels = levels, .options = fit->options, .settle = settle };
+	if (level_size[level] <= FEW_SPLATS && descent.chance < CHANCE_FEW)
+		descent.chance = CHANCE_FEW;
 	if (level && !settle) {
 		descent.parents = fit->level[level - 1];
 		descent.children = level_size[level] / level_size[level - 1];
@@ -256,30 +297,84 @@ static bool descend(struct fit *fit, uint32_t level, uint32_t levels, bool settl
 
 /* ---- Order ---- */
 
-/* What each splat gains and all that descend from it: a group's order is that of its descendants, too. */
-static void sum_gains(struct fit *fit, uint32_t levels, double *gain[LOD_SPLAT_LEVELS])
+/* gain[l][m][i]: what the descendants in level m of splat i of level l gain when they give way. */
+struct family { double *gain[LOD_SPLAT_LEVELS][LOD_SPLAT_LEVELS]; };
+
+static void find_gains(struct fit *fit, uint32_t levels, struct family *family)
 {
 	for (uint32_t l = 0; l < levels; l++)
-		gain[l] = lod_arena_take(&fit->arena, level_size[l], sizeof **gain);
+		for (uint32_t m = l; m < levels; m++)
+			family->gain[l][m] = lod_arena_take(&fit->arena, level_size[l],
+				sizeof *family->gain[l][m]);
 	for (uint32_t l = levels - 1; l-- > 0;) {
 		uint32_t children = level_size[l + 1] / level_size[l];
 		splat_gains(&fit->views, fit->level[l], level_size[l], fit->level[l + 1], children,
-			&fit->arena, gain[l]);
-		for (uint32_t i = 0; i < level_size[l + 1]; i++)
-			gain[l][i / children] += gain[l + 1][i];
+			&fit->arena, family->gain[l][l]);
+		for (uint32_t m = l + 1; m < levels; m++)
+			for (uint32_t i = 0; i < level_size[l + 1]; i++)
+				family->gain[l][m][i / children] += family->gain[l + 1][m][i];
 	}
 }
 
-/* Sorts the splats of a level within their groups, most gain first; groups stand as their parents do. */
-static void order_level(struct fit *fit, uint32_t level, const double *gain, const uint32_t *parents,
-	uint32_t *order)
+struct siblings {
+	const struct family *family;
+	uint32_t level, levels, first, count;
+	uint32_t order[MOST_SIBLINGS], best[MOST_SIBLINGS];
+	double least;                    /* what pictures between two levels lose in the best order */
+};
+
+/* How far, at most, what has been gained lies below an even rise; squares of that, over all levels. */
+static double dips_of(const struct siblings *s)
 {
-	uint32_t siblings = level_size[level] / level_size[level - 1];
-	for (uint32_t i = 0; i < level_size[level]; i++) {
-		uint32_t splat = parents[i / siblings] * siblings + i % siblings, at = i;
-		for (; at % siblings && gain[order[at - 1]] < gain[splat]; at--)
-			order[at] = order[at - 1];
-		order[at] = splat;
+	double sum = 0;
+	for (uint32_t m = s->level; m < s->levels; m++) {
+		const double *gain = s->family->gain[s->level][m] + s->first;
+		double all = 0, so_far = 0, worst = 0;
+		for (uint32_t i = 0; i < s->count; i++)
+			all += gain[i];
+		for (uint32_t i = 0; i < s->count; i++) {
+			so_far += gain[s->order[i]];
+			double dip = all * (i + 1) / s->count - so_far;
+			worst = dip > worst ? dip : worst;
+		}
+		sum += worst * worst;
+	}
+	return sum;
+}
+
+/* All orders of the siblings from `at` on. */
+static void try_orders(struct siblings *s, uint32_t at)
+{
+	if (at == s->count) {
+		double dips = dips_of(s);
+		if (dips < s->least) {
+			s->least = dips;
+			memcpy(s->best, s->order, sizeof s->best);
+		}
+		return;
+	}
+	for (uint32_t i = at; i < s->count; i++) {
+		uint32_t kept = s->order[at];
+		s->order[at] = s->order[i];
+		s->order[i] = kept;
+		try_orders(s, at + 1);
+		s->order[i] = s->order[at];
+		s->order[at] = kept;
+	}
+}
+
+/* Sorts the splats of a level within their groups; groups stand as their parents do, so the order of siblings
+ * is that of all that descends from them, too. */
+static void order_level(struct fit *fit, const struct family *family, uint32_t level, uint32_t levels,
+	const uint32_t *parents, uint32_t *order)
+{
+	uint32_t count = level_size[level] / level_size[level - 1];
+	for (uint32_t i = 0; i < level_size[level]; i += count) {
+		struct siblings s = { .family = family, .level = level, .levels = levels, .count = count,
+			.first = parents[i / count] * count, .order = { 0, 1, 2, 3 }, .least = INFINITY };
+		try_orders(&s, 0);
+		for (uint32_t k = 0; k < count; k++)
+			order[i + k] = s.first + s.best[k];
 	}
 	const struct lod_arena_piece *mark = fit->arena.last;
 	struct splat_params *copy = lod_arena_take(&fit->arena, level_size[level], sizeof *copy);
@@ -291,13 +386,13 @@ static void order_level(struct fit *fit, uint32_t level, const double *gain, con
 
 static void order_all(struct fit *fit, uint32_t levels)
 {
-	double *gain[LOD_SPLAT_LEVELS];
+	struct family *family = lod_arena_take(&fit->arena, 1, sizeof *family);
 	uint32_t *order[LOD_SPLAT_LEVELS];
-	sum_gains(fit, levels, gain);
+	find_gains(fit, levels, family);
 	for (uint32_t l = 0; l < levels; l++) {
 		order[l] = lod_arena_take(&fit->arena, level_size[l], sizeof **order);
 		if (l)
-			order_level(fit, l, gain[l], order[l - 1], order[l]);
+			order_level(fit, family, l, levels, order[l - 1], order[l]);
 	}
 }
 
@@ -333,18 +428,28 @@ static bool store(struct fit *fit, uint32_t levels)
 	return true;
 }
 
+static bool pays(double before, double loss)
+{
+	return loss <= PAYS * before && loss <= before - PAYS_LEAST;
+}
+
 static enum eco_code run(struct fit *fit, const struct eco_model *model, struct eco_error *error)
 {
 	enum eco_code code = splat_views_make(&fit->views, model, fit->options, &fit->arena, error);
 	if (code || !gather(fit))
 		return code;
 	place(fit->splats, &fit->views);
+	fit->chance = chance_of(fit, model);
 	uint32_t levels = count_levels(fit, model);
 	for (uint32_t l = 0; l < levels; l++) {
 		start_level(fit, l);
 		if (!descend(fit, l, levels, false))
 			return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+		if (fit->splats->loss[l] < ENOUGH)
+			levels = l + 1;
 	}
+	while (levels > 1 && !pays(fit->splats->loss[levels - 2], fit->splats->loss[levels - 1]))
+		levels--;
 	order_all(fit, levels);
 	return store(fit, levels) ? ECO_OK : eco_fail(error, ECO_INTERRUPTED, "interrupted");
 }

@@ -46,7 +46,7 @@ void splat_gains(const struct splat_views *views, const struct splat_params *par
 	const struct lod_arena_piece *mark = arena->last;
 	size_t pixels = (size_t)views->pixels * views->stride;
 	struct gains g = { .views = views, .parents = parents, .level = level, .count = count,
-		.children = children, .soft = { .edge_px = 0.6f, .blur_px2 = 0.2f, .chance = 0.25f },
+		.children = children, .soft = { .edge_px = 0.6f, .blur_px2 = 0.2f, .chance = 0.6f },
 		.gain = gain };
 	g.coarse = lod_arena_take(arena, pixels, sizeof *g.coarse);
 	g.fine = lod_arena_take(arena, pixels, sizeof *g.fine);
