@@ -1,0 +1,150 @@
+/* Whether more vertices look better: each plant alone with 1, 2, 4, ... vertices, as the planner draws it.
+ * Models of the data folder, generated plants, and the city's card trees. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/bench/bench.h"
+#include "tests/support/plant_walk.h"
+
+#define FALL 0.005               /* of Q that is allowed */
+#define QUICK 12u                /* plants of the data folder, and generated ones, in the quick bench */
+static const char *const cards[] = { "cards-1", "cards-2", "cards-3" };
+#define CARDS (sizeof cards / sizeof *cards)
+static const double shares[] = { 2, 4, 8, 16, 32, 64 };      /* one of so many vertices */
+#define SHARES (sizeof shares / sizeof *shares)
+
+/* A pack of one model, built anew: its plant comes from the cache. */
+static enum eco_code pack_model(struct bench *bench, const struct bench_model *model, char pack[512],
+	struct eco_error *error)
+{
+	char scene[512];
+	snprintf(scene, sizeof scene, "%.400s/packs/alone-%.60s.json", bench->cache, model->name);
+	snprintf(pack, 512, "%.400s/packs/alone-%.60s.eco", bench->cache, model->name);
+	enum eco_code code = bench_command(bench, error, "mkdir -p '%s/packs'", bench->cache);
+	FILE *out = code ? NULL : fopen(scene, "wb");
+	if (!code && !out)
+		return eco_fail(error, ECO_IO, "%s cannot be written", scene);
+	if (!code) {
+		json_t *made = json_pack("{s:s, s:{s:{s:s}}, s:[{s:s, s:[i,i,i]}]}", "name", model->name,
+			"plants", "plant", "model", model->path, "instances", "plant", "plant", "at", 0, 0,
+			0);
+		json_dumpf(made, out, 0);
+		json_decref(made);
+		fclose(out);
+		code = bench_command(bench, error, "'%s/ecopack' make '%s' -o '%s' --quiet --cache "
+			"'%s/plants' --cache-mb 16384", bench->build, scene, pack, bench->cache);
+	}
+	return code;
+}
+
+static enum eco_code study(struct bench *bench, const char *name, const char *path, json_t **unit,
+	struct eco_error *error)
+{
+	char stamp[40], key[80];
+	snprintf(stamp, sizeof stamp, "pack %016llx", (unsigned long long)bench_file_hash(path));
+	snprintf(key, sizeof key, "monotone-%s", name);
+	if ((*unit = bench_recall(bench, key, stamp)))
+		return ECO_OK;
+	struct eco_pack *pack;
+	struct plant_walk walk;
+	enum eco_code code = eco_pack_open(&pack, path, error);
+	if (code)
+		return code;
+	code = plant_walk(&walk, pack, 0, &(struct plant_walk_options){ .views = 24, .pixels = 128 }, error);
+	eco_pack_close(pack);
+	if (code)
+		return code;
+	json_t *vertices = json_array(), *q = json_array(), *soft = json_array();
+	for (uint32_t i = 0; i < walk.count; i++) {
+		json_array_append_new(vertices, json_integer((json_int_t)walk.vertices[i]));
+		json_array_append_new(q, json_real(walk.q[i]));
+		json_array_append_new(soft, json_real(walk.soft_q[i]));
+	}
+	*unit = bench_keep(bench, key, stamp, json_pack("{s:o, s:o, s:o, s:f, s:I}", "vertices", vertices,
+		"q", q, "soft", soft, "fall", walk.fall, "at", (json_int_t)walk.fall_at));
+	return ECO_OK;
+}
+
+/* Q at a share of all vertices, between two counts. */
+static double q_at(json_t *unit, const char *what, double share)
+{
+	json_t *vertices = json_object_get(unit, "vertices"), *q = json_object_get(unit, what);
+	size_t n = json_array_size(vertices);
+	double at = share * json_number_value(json_array_get(vertices, n - 1));
+	for (size_t i = 1; i < n; i++) {
+		double low = json_number_value(json_array_get(vertices, i - 1)),
+			high = json_number_value(json_array_get(vertices, i)),
+			below = json_number_value(json_array_get(q, i - 1)),
+			above = json_number_value(json_array_get(q, i));
+		if (at <= high)
+			return at < low ? below : below + (above - below) * (at - low) / (high - low);
+	}
+	return 1;
+}
+
+struct sums { uint32_t plants, fallen; double worst; };
+
+static void add_row(struct bench_table *table, const char *name, json_t *unit, struct sums *sums)
+{
+	double fall = json_number_value(json_object_get(unit, "fall")), q[2][SHARES];
+	for (size_t i = 0; i < SHARES; i++) {
+		q[0][i] = q_at(unit, "q", 1 / shares[i]);
+		q[1][i] = q_at(unit, "soft", 1 / shares[i]);
+	}
+	sums->plants++;
+	sums->fallen += fall > FALL;
+	sums->worst = fmax(sums->worst, fall);
+	bench_table_row(table, "%s,%.4f,%lld,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f",
+		name, fall, (long long)json_integer_value(json_object_get(unit, "at")), q[0][0], q[0][1],
+		q[0][2], q[0][3], q[0][4], q[0][5], q[1][0], q[1][1], q[1][2], q[1][3], q[1][4], q[1][5]);
+}
+
+static enum eco_code study_all(struct bench *bench, const struct bench_model *models, uint32_t count,
+	struct bench_table *table, struct sums *sums, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	uint32_t seen[2] = { 0, 0 };
+	for (uint32_t i = 0; i < CARDS + count && !code; i++) {
+		const struct bench_model *model = i < CARDS ? NULL : &models[i - CARDS];
+		const char *name = model ? model->name : cards[i];
+		char pack[512];
+		json_t *unit;
+		if (model && !bench->full && seen[model->generated]++ >= QUICK)
+			continue;
+		bench_progress(bench, (double)i / (CARDS + count), name);
+		code = model ? pack_model(bench, model, pack, error) : bench_scene(bench, name, NULL, pack,
+			error);
+		if (!code)
+			code = study(bench, name, pack, &unit, error);
+		if (!code)
+			add_row(table, name, unit, sums);
+		if (bench_stopped(bench))
+			code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	}
+	return code;
+}
+
+static enum eco_code run(struct bench *bench, struct eco_error *error)
+{
+	struct bench_model *models = NULL;
+	uint32_t count = 0;
+	struct sums sums = { 0 };
+	enum eco_code code = bench_models(bench, &models, &count, error);
+	if (code)
+		return code;
+	struct bench_table *table = bench_table_open(bench, "monotone", "plant,fall,at vertices,Q at 1/2,"
+		"Q at 1/4,Q at 1/8,Q at 1/16,Q at 1/32,Q at 1/64,soft at 1/2,soft at 1/4,soft at 1/8,"
+		"soft at 1/16,soft at 1/32,soft at 1/64", true);
+	code = study_all(bench, models, count, table, &sums, error);
+	bench_table_close(table);
+	free(models);
+	bench_say(bench, "Fall: the most that Q lies below that of fewer vertices; %u of %u plants fall by "
+		"more than %g.", sums.fallen, sums.plants, FALL);
+	if (!code)
+		bench_key(bench, "monotone_fall", sums.plants ? sums.worst : NAN, "<= 0.005");
+	return code;
+}
+
+const struct bench_section bench_monotone = { "monotone", "Whether more vertices look better", run,
+	.objects = BENCH_OBJECTS_PLANTS "tests-support.a tests/bench/pictures/bench_monotone.o" };

@@ -1,0 +1,98 @@
+/* More vertices look no worse: a generated tree of cards, and a crown of few triangles, each
+ * alone with 1, 2, 4, ... vertices. */
+#include <math.h>
+#include <stdio.h>
+
+#include "ecofiles/ecopack/make.h"
+#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/generate/generate.h"
+#include "tests/support/files.h"
+#include "tests/support/plant_walk.h"
+#include "tests/support/unit_test.h"
+
+#define ROOT "build/tmp/test_monotone"
+#define AROUND 16
+#define RINGS 9
+
+/* A bumpy ball on a trunk. */
+static void write_crown(const char *path)
+{
+	FILE *file = fopen(path, "wb");
+	assert_non_null(file);
+	fputs("mtllib crown.mtl\nusemtl bark\nv -.2 0 -.2\nv .2 0 -.2\nv 0 0 .2\nv -.2 3 -.2\nv .2 3 -.2\nv "
+		"0 3 .2\nf 1 2 5 4\nf 2 3 6 5\nf 3 1 4 6\nusemtl leaves\n", file);
+	for (int i = 0; i <= RINGS; i++)
+		for (int k = 0; k < AROUND; k++) {
+			double down = M_PI * i / RINGS, turn = 2 * M_PI * k / AROUND,
+				r = 2 + 0.3 * sin(5 * turn + 3 * i) * sin(down);
+			fprintf(file, "v %.4f %.4f %.4f\n", r * sin(down) * cos(turn), 5 + r * cos(down),
+				r * sin(down) * sin(turn));
+		}
+	for (int i = 0; i < RINGS; i++)
+		for (int k = 0; k < AROUND; k++) {
+			int a = 7 + i * AROUND, next = (k + 1) % AROUND;
+			fprintf(file, "f %d %d %d %d\n", a + k, a + next, a + next + AROUND, a + k + AROUND);
+		}
+	assert_int_equal(fclose(file), 0);
+	file_write_text(ROOT "/crown.mtl", "newmtl bark\nKd .4 .3 .2\nnewmtl leaves\nKd .2 .5 .1\n");
+}
+
+static void walk(const char *scene, uint32_t least_splats)
+{
+	struct eco_error error = { 0 };
+	struct eco_pack *pack;
+	struct plant_walk walk;
+	if (make_pack(&(struct make_options){ .scene = scene, .pack = ROOT "/plant.eco", .jobs = 1 }, &error))
+		fail_msg("%s", error.text);
+	assert_ok(eco_pack_open(&pack, ROOT "/plant.eco", &error), error);
+	uint32_t splats = 0;
+	for (uint32_t i = 0; i < pack->scene.list_count; i++)
+		splats += pack->scene.lists[i].attributes & ECO_ATTR_SPLAT
+			? pack->scene.lists[i].element_count : 0;
+	assert_true(splats >= least_splats);
+	assert_ok(plant_walk(&walk, pack, 0, &(struct plant_walk_options){ .views = 12, .pixels = 96 },
+		&error), error);
+	if (!(walk.fall <= 0.005))
+		fail_msg("%s: Q falls by %f at %llu vertices", scene, walk.fall,
+			(unsigned long long)walk.fall_at);
+	assert_true(walk.q[walk.count - 1] == 1 && walk.soft_q[walk.count - 1] == 1);
+	eco_pack_close(pack);
+}
+
+static void write_scene(const char *path, const char *model)
+{
+	char text[300];
+	snprintf(text, sizeof text, "{\"plants\": {\"plant\": {\"model\": \"%s\"}}, \"instances\": "
+		"[{\"plant\": \"plant\", \"at\": [0, 0, 0]}]}", model);
+	file_write_text(path, text);
+}
+
+static int make_models(void **state)
+{
+	struct eco_error error = { 0 };
+	folder_make(ROOT);
+	main_progress_quiet(true);
+	if (eco_generate(&(struct eco_generate_options){ .name = "city", .folder = ROOT, .plants = 3,
+			.detail = 0.3, .seed = 1 }, &error))
+		fail_msg("%s", error.text);
+	write_crown(ROOT "/crown.obj");
+	return 0;
+}
+
+/* Its textures hold more than its triangles: more splats than half of them. */
+UNIT_TEST(a_tree_of_cards_never_falls)
+{
+	write_scene(ROOT "/cards.json", "models/cards-1.obj");
+	walk(ROOT "/cards.json", 1 + 3 + 12 + 48 + 192);
+}
+
+UNIT_TEST(a_crown_of_few_triangles_never_falls)
+{
+	write_scene(ROOT "/round.json", "crown.obj");
+	walk(ROOT "/round.json", 1 + 3 + 12 + 48);
+}
+
+int main(void)
+{
+	return unit_tests_run(make_models, NULL);
+}

@@ -1,0 +1,147 @@
+#include "tests/support/plant_walk.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/ecopack/sheet.h"
+
+#define AWAY 64.0                /* of the camera, radii */
+#define FRAME 1.03
+#define SIDE 4u                  /* samples a pixel: SIDE x SIDE */
+
+struct walker {
+	struct sheet_plant plant;
+	uint32_t pixels;
+	struct lod_eye fine_eye;
+	struct lod_raster raster, fine;
+	uint8_t *cover, *count, *soft;       /* of full detail; of what is drawn and of full detail */
+};
+
+static void look(struct walker *w, uint32_t view, uint32_t views)
+{
+	struct sheet_plant *p = &w->plant;
+	const struct eco_anchor *whole = &p->scene.anchors[p->scene.plants[p->number].anchor_first];
+	double turn = (view + 0.37) * M_PI * (3 - sqrt(5)),
+		rise = (-10 + 70 * (view + 0.5) / views) * M_PI / 180, away = AWAY * whole->radius;
+	const double from[3] = { cos(rise) * cos(turn), cos(rise) * sin(turn), sin(rise) };
+	p->view = (struct eco_view){ .up = { 0, 0, 1 }, .fov_y_deg = 2 * atan(FRAME / AWAY) * 180 / M_PI,
+		.width = w->pixels, .height = w->pixels };
+	for (int k = 0; k < 3; k++) {
+		p->view.target[k] = whole->center[k];
+		p->view.eye[k] = whole->center[k] + away * from[k];
+	}
+	lod_eye_make(&p->eye, &p->view);
+	struct eco_view fine = p->view;
+	fine.width = fine.height = SIDE * w->pixels;
+	lod_eye_make(&w->fine_eye, &fine);
+}
+
+static void draw(struct lod_raster *raster, const struct sheet_plant *p, const struct lod_eye *eye,
+	const struct sheet_drawing *drawing)
+{
+	lod_raster_clear(raster);
+	lod_raster_camera(raster, eye, p->scene.near_m);
+	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
+	for (uint32_t i = 0; i < drawing->count; i++) {
+		const struct sheet_batch *b = &drawing->batches[i];
+		const struct sheet_list *image = b->geometry.uv ? &p->lists[b->list->image] : NULL;
+		lod_raster_list(raster, b->list->list, &b->geometry, &(struct lod_raster_batch){
+			.count = b->count, .area = b->area, .owner = 1,
+			.cutout = image && image->cutout ? &image->picture : NULL });
+	}
+}
+
+static void count_samples(const struct walker *w)
+{
+	memset(w->count, 0, (size_t)w->pixels * w->pixels);
+	for (uint32_t y = 0; y < w->fine.height; y++)
+		for (uint32_t x = 0; x < w->fine.width; x++)
+			w->count[(size_t)(y / SIDE) * w->pixels + x / SIDE] +=
+				w->fine.cover[(size_t)y * w->fine.width + x] & 1;
+}
+
+/* One state in the view; the first of a view is full detail. */
+static enum eco_code shoot(struct walker *w, uint64_t vertices, bool full, double *q, double *soft_q,
+	struct eco_error *error)
+{
+	struct sheet_drawing drawing;
+	enum eco_code code = sheet_drawing_make(&drawing, &w->plant, vertices, error);
+	if (code)
+		return code;
+	draw(&w->raster, &w->plant, &w->plant.eye, &drawing);
+	draw(&w->fine, &w->plant, &w->fine_eye, &drawing);
+	sheet_drawing_free(&drawing);
+	size_t pixels = (size_t)w->pixels * w->pixels;
+	count_samples(w);
+	if (full) {
+		memcpy(w->cover, w->raster.cover, pixels);
+		memcpy(w->soft, w->count, pixels);
+	}
+	struct lod_score score;
+	lod_score(&score, &(struct lod_score_input){ .width = w->pixels, .height = w->pixels,
+		.cover = w->raster.cover, .reference = w->cover });
+	*q += score.q;
+	*soft_q += lod_soft_q(w->count, w->soft, pixels);
+	return ECO_OK;
+}
+
+static enum eco_code walk_views(struct walker *w, struct plant_walk *walk, uint32_t views,
+	struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	for (uint32_t view = 0; view < views && !code; view++) {
+		look(w, view, views);
+		for (uint32_t i = walk->count; i-- > 0 && !code;)
+			code = shoot(w, i + 1 < walk->count ? walk->vertices[i] : ECO_VERTICES_MAX,
+				i + 1 == walk->count, &walk->q[i], &walk->soft_q[i], error);
+	}
+	double best = -INFINITY;
+	for (uint32_t i = 0; i < walk->count; i++) {
+		walk->q[i] /= views;
+		walk->soft_q[i] /= views;
+		best = fmax(best, walk->q[i]);
+		if (best - walk->q[i] > walk->fall) {
+			walk->fall = best - walk->q[i];
+			walk->fall_at = walk->vertices[i];
+		}
+	}
+	return code;
+}
+
+static enum eco_code make_rasters(struct walker *w, struct eco_error *error)
+{
+	size_t pixels = (size_t)w->pixels * w->pixels;
+	w->cover = malloc(pixels);
+	w->count = malloc(pixels);
+	w->soft = malloc(pixels);
+	if (!w->cover || !w->count || !w->soft)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for pictures");
+	enum eco_code code = lod_raster_init(&w->raster, &(struct lod_raster_options){ .width = w->pixels,
+		.height = w->pixels, .silhouette = true }, error);
+	return code ? code : lod_raster_init(&w->fine, &(struct lod_raster_options){
+		.width = SIDE * w->pixels, .height = SIDE * w->pixels, .silhouette = true }, error);
+}
+
+enum eco_code plant_walk(struct plant_walk *walk, const struct eco_pack *pack, uint32_t number,
+	const struct plant_walk_options *options, struct eco_error *error)
+{
+	struct walker w = { .pixels = options->pixels };
+	*walk = (struct plant_walk){ 0 };
+	enum eco_code code = sheet_plant_open(&w.plant, pack, number, options->pixels, error);
+	if (code)
+		return code;
+	for (uint64_t v = 1; v < w.plant.full && walk->count + 1 < PLANT_WALK_MAX; v *= 2)
+		walk->vertices[walk->count++] = v;
+	walk->vertices[walk->count++] = w.plant.full;
+	code = make_rasters(&w, error);
+	if (!code)
+		code = walk_views(&w, walk, options->views, error);
+	lod_raster_free(&w.raster);
+	lod_raster_free(&w.fine);
+	free(w.cover);
+	free(w.count);
+	free(w.soft);
+	sheet_plant_close(&w.plant);
+	return code;
+}
