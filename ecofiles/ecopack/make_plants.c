@@ -180,14 +180,15 @@ static enum eco_code keep_images(struct make_plant *plant, const struct eco_mode
 	return ECO_OK;
 }
 
-/* Bounds of the stored plant: distance from the axis, and heights. */
+/* Bounds of the stored plant: distance from the axis, and heights. Splats stand around these, and may lie a
+ * little beyond. */
 static void measure_body(struct make_plant *plant)
 {
 	double square = 0, low = 0, high = 0, wide = 0;
 	for (uint32_t i = 0; i < plant->built.list_count; i++) {
 		const struct eco_list *list = &plant->built.lists[i].list;
 		const struct eco_elements *e = &plant->built.lists[i].elements;
-		for (uint32_t c = 0; c < e->corner_count; c++) {
+		for (uint32_t c = 0; c < e->corner_count && !(list->attributes & ECO_ATTR_SPLAT); c++) {
 			double p[3];
 			for (int axis = 0; axis < 3; axis++)
 				p[axis] = list->grid_origin[axis]
