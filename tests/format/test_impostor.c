@@ -1,0 +1,203 @@
+/* Impostors: levels survive their bytes, strangers' bytes do no harm, directions are those of the format. */
+#include "ecofiles/format/impostor.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <xxhash.h>
+
+#include "tests/support/unit_test.h"
+
+static const struct eco_impostor_body body = { { 0.5f, -1, 4 }, 3, 4, 0.75f };
+static uint32_t state;
+
+static uint32_t number(uint32_t below)
+{
+	state = state * 1664525u + 1013904223u;
+	return (state >> 8) % below;
+}
+
+/* A disc with random holes in each tile, on a slope. */
+static void fill(struct eco_impostor_level *level, uint32_t which, uint32_t holes)
+{
+	struct eco_error error = { 0 };
+	assert_ok(eco_impostor_level_make(level, which, &error), error);
+	const struct eco_impostor_size *size = &eco_impostor_sizes[which];
+	uint32_t tiles = eco_impostor_tiles(size->set), side = size->texels;
+	state = 7 + which;
+	for (uint32_t i = 0; i < tiles * side * side; i++) {
+		double x = (i % side + 0.5) / side - 0.5, y = (i / side % side + 0.5) / side - 0.5;
+		level->texel[i] = x * x + y * y < 0.2 && number(16) >= holes;
+	}
+	for (uint32_t i = 0; i < tiles * size->depths * size->depths; i++)
+		level->depth[i] = (uint8_t)((i % size->depths + number(2)) * (size->depth_codes - 1)
+			/ size->depths);
+	for (uint32_t i = 0; i < 3 * eco_impostor_tiles(ECO_IMPOSTOR_FEW) * size->colors * size->colors; i++)
+		level->color[i] = (uint8_t)(i % 3 * 8 + number(5));
+}
+
+static void write(struct eco_writer *w, const struct eco_impostor_level *level)
+{
+	struct eco_error error = { 0 };
+	size_t shape = 0;
+	assert_ok(eco_impostor_level_write(w, &body, level, &shape, &error), error);
+	assert_in_range(shape, 4, w->size);
+}
+
+static void assert_same(const struct eco_impostor_level *a, const struct eco_impostor_level *b)
+{
+	assert_int_equal(a->level, b->level);
+	const struct eco_impostor_size *size = &eco_impostor_sizes[a->level];
+	size_t tiles = eco_impostor_tiles(size->set), few = eco_impostor_tiles(ECO_IMPOSTOR_FEW);
+	assert_memory_equal(a->texel, b->texel, tiles * size->texels * size->texels);
+	assert_memory_equal(a->depth, b->depth, tiles * size->depths * size->depths);
+	assert_memory_equal(a->color, b->color, few * size->colors * size->colors * 3);
+}
+
+UNIT_TEST(levels_survive_their_bytes)
+{
+	for (uint32_t which = 0; which < ECO_IMPOSTOR_LEVELS; which++)
+		for (uint32_t holes = 0; holes <= 16; holes += 4) {
+			struct eco_impostor_level level, back;
+			struct eco_writer w = { 0 };
+			struct eco_error error = { 0 };
+			fill(&level, which, holes);
+			eco_write_u8(&w, 99);                /* what is there before stays */
+			write(&w, &level);
+			assert_ok(eco_impostor_level_read(&back, &body, w.bytes + 1, w.size - 1, &error),
+				error);
+			assert_int_equal(w.bytes[0], 99);
+			assert_same(&level, &back);
+			eco_impostor_level_free(&level);
+			eco_impostor_level_free(&back);
+			eco_writer_free(&w);
+		}
+}
+
+/* On every machine. */
+UNIT_TEST(bytes_are_always_the_same)
+{
+	static const uint64_t golden[ECO_IMPOSTOR_LEVELS] = {
+		UINT64_C(0xfcbf3f8b250e66dd), UINT64_C(0xb2fbaa636d712ae2),
+		UINT64_C(0x2c5fff0185b7cede), UINT64_C(0xd519f7a49966d1ce), UINT64_C(0x1c27c6cd59f2569) };
+	for (uint32_t which = 0; which < ECO_IMPOSTOR_LEVELS; which++) {
+		struct eco_impostor_level level;
+		struct eco_writer w = { 0 };
+		fill(&level, which, 3);
+		write(&w, &level);
+		assert_int_equal(XXH3_64bits(w.bytes, w.size), golden[which]);
+		eco_impostor_level_free(&level);
+		eco_writer_free(&w);
+	}
+}
+
+/* Whatever is read is in range. */
+static void assert_in_bounds(const struct eco_impostor_level *level)
+{
+	const struct eco_impostor_size *size = &eco_impostor_sizes[level->level];
+	uint32_t tiles = eco_impostor_tiles(size->set);
+	for (uint32_t i = 0; i < tiles * size->texels * size->texels; i++)
+		assert_in_range(level->texel[i], 0, 1);
+	for (uint32_t i = 0; i < tiles * size->depths * size->depths; i++)
+		assert_in_range(level->depth[i], 0, size->depth_codes - 1);
+	for (uint32_t i = 0; i < 3 * eco_impostor_tiles(ECO_IMPOSTOR_FEW) * size->colors * size->colors; i++)
+		assert_in_range(level->color[i], 0, ECO_IMPOSTOR_COLORS - 1);
+}
+
+static bool try_read(const uint8_t *bytes, size_t size)
+{
+	struct eco_impostor_level level;
+	struct eco_error error = { 0 };
+	enum eco_code code = eco_impostor_level_read(&level, &body, bytes, size, &error);
+	if (code) {
+		assert_int_equal(code, ECO_DAMAGED);
+		assert_true(error.text[0] && !level.texel && !level.depth && !level.color);
+		return false;
+	}
+	assert_in_bounds(&level);
+	eco_impostor_level_free(&level);
+	return true;
+}
+
+UNIT_TEST(damaged_bytes_are_named_or_harmless)
+{
+	for (uint32_t which = 0; which < 3; which++) {
+		struct eco_impostor_level level;
+		struct eco_writer w = { 0 };
+		uint32_t read = 0;
+		fill(&level, which, 3);
+		write(&w, &level);
+		for (size_t size = 0; size < w.size; size += 1 + size / 16)
+			read += try_read(w.bytes, size);
+		assert_int_equal(read, 0);
+		for (uint32_t i = 0; i < 300; i++) {
+			size_t at = i < 8 ? i : number((uint32_t)w.size);
+			uint8_t before = w.bytes[at];
+			w.bytes[at] ^= (uint8_t)(1u << number(8));
+			try_read(w.bytes, w.size);
+			w.bytes[at] = before;
+		}
+		eco_write_u8(&w, 0);
+		assert_false(try_read(w.bytes, w.size));
+		eco_impostor_level_free(&level);
+		eco_writer_free(&w);
+	}
+	for (uint32_t i = 0; i < 300; i++) {
+		uint8_t bytes[64];
+		for (size_t k = 0; k < sizeof bytes; k++)
+			bytes[k] = (uint8_t)number(k ? 256 : ECO_IMPOSTOR_LEVELS + 1);
+		bytes[1] &= 63;
+		try_read(bytes, number(sizeof bytes + 1));
+	}
+}
+
+UNIT_TEST(bodies_survive_and_those_that_no_plant_has_are_named)
+{
+	static const struct eco_impostor_body bad[] = { { { NAN, 0, 0 }, 1, 1, 0 },
+		{ { 0, 0, 1e30f }, 1, 1, 0 }, { { 0 }, 0, 1, 0 }, { { 0 }, 1, -1, 0 },
+		{ { 0 }, INFINITY, 1, 0 },
+		{ { 0 }, 1, 1, -1 },
+		{ { 0 }, 1, 1, NAN } };
+	struct eco_impostor_body back;
+	struct eco_error error = { 0 };
+	for (size_t i = 0; i <= sizeof bad / sizeof *bad; i++) {
+		struct eco_writer w = { 0 };
+		eco_impostor_body_write(&w, i ? &bad[i - 1] : &body);
+		assert_int_equal(w.size, ECO_IMPOSTOR_BODY_BYTES);
+		struct eco_reader r = { .bytes = w.bytes, .size = w.size };
+		assert_int_equal(eco_impostor_body_read(&r, &back, &error), i ? ECO_DAMAGED : ECO_OK);
+		assert_true(i || memcmp(&back, &body, sizeof body) == 0);
+		r = (struct eco_reader){ .bytes = w.bytes, .size = w.size - 1 };
+		assert_int_equal(eco_impostor_body_read(&r, &back, &error), ECO_DAMAGED);
+		eco_writer_free(&w);
+	}
+}
+
+static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+UNIT_TEST(axes_are_frames_of_directions_above_the_horizon)
+{
+	for (int set = 0; set < 2; set++) {
+		struct eco_impostor_axes axes[ECO_IMPOSTOR_TILES_MAX];
+		struct eco_impostor_rings rings;
+		uint32_t tiles = eco_impostor_tiles(set);
+		assert_in_range(tiles, 1, ECO_IMPOSTOR_TILES_MAX);
+		eco_impostor_axes(set, axes);
+		eco_impostor_rings(set, &rings);
+		for (uint32_t k = 0; k < rings.count; k++)
+			for (uint32_t i = 0; i < rings.items[k].stored; i++)
+				assert_float_equal(axes[rings.items[k].first + i].toward[2],
+					rings.items[k].sine, 1e-12);
+		for (uint32_t i = 0; i < tiles; i++) {
+			const struct eco_impostor_axes *a = &axes[i];
+			assert_float_equal(dot(a->toward, a->toward), 1, 1e-9);
+			assert_float_equal(dot(a->up, a->up), 1, 1e-9);
+			assert_float_equal(dot(a->right, a->up), 0, 1e-9);
+			assert_float_equal(dot(a->right, a->toward), 0, 1e-9);
+			assert_float_equal(a->toward[0] * a->right[1] - a->toward[1] * a->right[0], a->up[2],
+				1e-9);
+			for (uint32_t j = 0; j < i; j++)
+				assert_true(fabs(dot(a->toward, axes[j].toward)) < 0.985);
+		}
+	}
+}
