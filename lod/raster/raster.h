@@ -26,6 +26,8 @@
  *   splat     the ellipse of lod/splat.h around the centre's pixel position, at the depth of its near
  *             side, but no nearer than near_m; drawn whole or not at all, by its centre's w. Without half
  *             axes it is a ball, whose disc has the area area * size: so are the points of packs
+ *   impostor  the rays through pixel centres within the outline of the ball around it that meet it
+ *             (lod/impostor.h)
  *   texel     column = floor(u * width) modulo width, row = floor(v * height) modulo height, from the
  *             image's top left; opaque from alpha 128 on; u, v perspective-correct
  * `scale` is that of the place. Samples are compared by 1/w, which for triangles and lines is linear on the
@@ -81,6 +83,11 @@ void lod_raster_triangles(struct lod_raster *raster, const struct lod_raster_bat
 void lod_raster_lines(struct lod_raster *raster, const struct lod_raster_batch *batch);
 void lod_raster_points(struct lod_raster *raster, const struct lod_raster_batch *batch);
 void lod_raster_splats(struct lod_raster *raster, const struct lod_raster_batch *batch);
+/* One impostor (lod/impostor.h); pixels have the items batch->item + cell. As a splat it is drawn whole or
+ * not at all, and not where the eye is in the ball around it. Only owner and item of the batch count. */
+struct lod_impostor;
+void lod_raster_impostor(struct lod_raster *raster, const struct lod_impostor *impostor,
+	const struct lod_raster_batch *batch);
 /* One of these, by the list's kind; geometry as lod_list_geometry wrote it, `area` for the cut's scale. */
 struct lod_geometry;
 void lod_raster_list(struct lod_raster *raster, const struct eco_list *list,

@@ -52,8 +52,19 @@ static bool project_ball(const struct lod_raster_state *state, float radius, con
 	return lod_ellipse_make(&disc->ellipse, across, down, farther, disc->w);
 }
 
-/* The first pixel whose centre is at or after `at`, from the picture's first, clamped to [0, size]. */
-static uint32_t pixel_from(float at, uint32_t size)
+bool lod_ball_outline(const struct lod_raster_state *state, const float centre[3], float radius,
+	struct lod_outline *outline)
+{
+	struct disc disc;
+	float at[2];
+	if (!place(state, centre, &disc, at) || !project_ball(state, radius, at, &disc))
+		return false;
+	*outline = (struct lod_outline){ disc.ellipse, at[0] * (1.0f / LOD_SUBPIXEL) + disc.ellipse.x,
+		at[1] * (1.0f / LOD_SUBPIXEL) + disc.ellipse.y };
+	return true;
+}
+
+uint32_t lod_outline_from(float at, uint32_t size)
 {
 	float first = ceilf(at + 0.5f * (float)size - 0.5f);
 	return first > 0 ? first < (float)size ? (uint32_t)first : size : 0;
@@ -84,15 +95,16 @@ static void fill_row(const struct lod_paint *paint, const struct disc *disc, uin
 static void fill_disc(const struct lod_paint *paint, const struct disc *disc)
 {
 	const struct lod_raster *raster = paint->raster;
-	uint32_t top = pixel_from(disc->y - disc->ellipse.high, raster->height),
-		bottom = pixel_from(disc->y + disc->ellipse.high, raster->height);
+	uint32_t top = lod_outline_from(disc->y - disc->ellipse.high, raster->height),
+		bottom = lod_outline_from(disc->y + disc->ellipse.high, raster->height);
 	bottom += bottom < raster->height;
 	for (uint32_t row = top; row < bottom; row++) {
 		float y = (float)row + 0.5f - 0.5f * (float)raster->height - disc->y,
 			half = lod_ellipse_row(&disc->ellipse, y), x = disc->x + disc->ellipse.lean * y;
 		if (half < 0)
 			continue;
-		uint32_t from = pixel_from(x - half, raster->width), to = pixel_from(x + half, raster->width);
+		uint32_t from = lod_outline_from(x - half, raster->width),
+			to = lod_outline_from(x + half, raster->width);
 		if (from < to)
 			fill_row(paint, disc, row, y, from, to);
 	}

@@ -1,0 +1,62 @@
+/* Drawing of impostors (ecofiles/format/impostor.h), shared by the rasteriser and by what measures them.
+ *
+ *   lod_impostor_open(&impostor, &body, &level, &error);         once a level
+ *   lod_impostor_look(&look, &impostor, eye);                    once a picture and plant
+ *   if (lod_impostor_hit(&impostor, &look, ray, &hit)) ...       each pixel
+ *
+ * A ray is looked up in four tiles: the two nearest on each of the rings above and below the eye's elevation.
+ * In each it first meets the plane through the plant's middle; the depth there moves it to where it meets the
+ * plant. The texels there, linear between them, are mixed by how near the directions are; what exceeds
+ * LOD_IMPOSTOR_LEAST is covered. So a picture changes smoothly with the eye, without blending. Small pictures
+ * are not filtered, either: nor are those of full detail.
+ *
+ * Everything is + - * / and square roots of single floats in a fixed order. The choice of tiles depends on
+ * the eye alone: in OpenGL it is the work of a vertex. */
+#ifndef LOD_IMPOSTOR_H
+#define LOD_IMPOSTOR_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "ecofiles/format/impostor.h"
+
+/* Less than half, as means of several tiles are lower than each of them. */
+#define LOD_IMPOSTOR_LEAST 0.45f
+#define LOD_IMPOSTOR_LOOKED 4u           /* tiles that a ray is looked up in */
+
+/* (x, y, z) of a tile = axis . point from the centre: x and y in [-1, 1], z in radii. */
+struct lod_impostor_tile { float axis[3][3]; };
+
+struct lod_impostor {                    /* owns its arrays */
+	struct eco_impostor_body body;
+	struct eco_impostor_size size;
+	float radius;
+	uint8_t *texel;                  /* 1: covered, else 0 */
+	float *depth;
+	uint8_t (*rgb)[3];               /* sRGB, of cells: few tiles * colors * colors */
+	uint32_t cell_count;
+	struct eco_impostor_rings rings, color_rings;
+	struct lod_impostor_tile tile[ECO_IMPOSTOR_TILES_MAX], color_tile[ECO_IMPOSTOR_TILES_MAX];
+};
+/* The level is not needed afterwards. */
+enum eco_code lod_impostor_open(struct lod_impostor *impostor, const struct eco_impostor_body *body,
+	const struct eco_impostor_level *level, struct eco_error *error);
+void lod_impostor_close(struct lod_impostor *impostor);
+
+/* From one eye. */
+struct lod_impostor_look {
+	uint32_t tile[LOD_IMPOSTOR_LOOKED], color_tile;
+	float weight[LOD_IMPOSTOR_LOOKED];
+	float eye[3];
+	float from[LOD_IMPOSTOR_LOOKED][3];      /* the eye in each tile */
+};
+/* eye: from the body's centre, plant space. */
+void lod_impostor_look(struct lod_impostor_look *look, const struct lod_impostor *impostor,
+	const float eye[3]);
+
+struct lod_impostor_hit { float along; uint32_t cell; };
+/* Whether eye + along * ray meets the plant, and where; which of `rgb` is its colour. */
+bool lod_impostor_hit(const struct lod_impostor *impostor, const struct lod_impostor_look *look,
+	const float ray[3], struct lod_impostor_hit *hit);
+
+#endif
