@@ -4,11 +4,10 @@
 #include <string.h>
 
 #include "ecofiles/base/mix.h"
+#include "lod/build/model_draw.h"
 #include "lod/build/splat/splat_state.h"
 #include "lod/build/weld.h"
 #include "lod/light.h"
-#include "lod/raster/raster.h"
-#include "lod/raster/texel.h"
 
 #define SIDE 4u                  /* samples a pixel: SIDE x SIDE */
 #define FRAME 1.04               /* half the picture over the radius */
@@ -16,7 +15,6 @@
 #define LOW (-0.2)               /* heights of views on the unit sphere */
 #define HIGH 0.95
 #define SAMPLES 49152u           /* of the surface, in all views */
-#define SOUP 512u
 
 struct drawing {
 	struct splat_views *views;
@@ -25,41 +23,6 @@ struct drawing {
 	struct lod_raster *rasters;
 	uint32_t raster_count;
 };
-
-/* ---- Colours of triangles ---- */
-
-static void color_triangle(uint8_t rgb[3], const struct eco_model *model, uint32_t t,
-	struct lod_texels *texels)
-{
-	const struct eco_material *material = lod_mesh_material(model, model->material[t]);
-	memcpy(rgb, material->rgb, 3);
-	if (!model->uv || material->image >= model->image_count)
-		return;
-	int32_t uv[6];
-	for (int i = 0; i < 6; i++) {
-		float at = model->uv[2 * (size_t)model->index[3 * (size_t)t + (size_t)i / 2] + (size_t)i % 2]
-			* (float)ECO_UV_ONE;
-		uv[i] = at > -1e9f && at < 1e9f ? (int32_t)floorf(at + 0.5f) : 0;
-	}
-	lod_texels_mean(&texels[material->image], material->rgb, uv, rgb);
-}
-
-static const uint8_t (*color_all(const struct eco_model *model, struct lod_arena *arena))[3]
-{
-	uint8_t (*rgb)[3] = lod_arena_take(arena, model->triangle_count, sizeof *rgb);
-	struct lod_texels *texels = lod_arena_take(arena, model->image_count, sizeof *texels);
-	bool *cut = lod_arena_take(arena, model->image_count, sizeof *cut);
-	for (uint32_t i = 0; i < model->material_count; i++)
-		if (model->materials[i].image < model->image_count)
-			cut[model->materials[i].image] |= model->materials[i].cutout;
-	for (uint32_t i = 0; i < model->image_count; i++)
-		lod_texels_open(&texels[i], &model->images[i], cut[i], arena);
-	enum eco_drop why;
-	for (uint32_t t = 0; t < model->triangle_count; t++)
-		if (lod_mesh_usable(model, t, &why))
-			color_triangle(rgb[t], model, t, texels);
-	return (const uint8_t (*)[3])rgb;
-}
 
 /* ---- Views ---- */
 
@@ -122,46 +85,6 @@ static void start(const struct splat_views *views, const struct splat_view *view
 
 /* ---- Drawing ---- */
 
-/* Triangles [first, first + count) of the model. */
-struct soup { uint32_t first, count; float position[SOUP * 9], uv[SOUP * 6]; };
-
-static void flush(const struct drawing *d, struct lod_raster *raster, struct soup *soup,
-	uint32_t material_index)
-{
-	const struct eco_material *material = lod_mesh_material(d->model, material_index);
-	const struct eco_image *image = material->cutout && d->model->uv
-		&& material->image < d->model->image_count ? &d->model->images[material->image] : NULL;
-	struct lod_raster_batch batch = { .count = soup->count, .position = soup->position,
-		.uv = image ? soup->uv : NULL, .cutout = image, .item = soup->first, .owner = 1 };
-	if (soup->count)
-		lod_raster_triangles(raster, &batch);
-	soup->count = 0;
-}
-
-static void draw_model(const struct drawing *d, struct lod_raster *raster)
-{
-	const struct eco_model *model = d->model;
-	struct soup soup;
-	soup.count = 0;
-	for (uint32_t t = 0; t < model->triangle_count; t++) {
-		enum eco_drop why;
-		bool good = lod_mesh_usable(model, t, &why);
-		soup.first = soup.count ? soup.first : t;
-		for (uint32_t i = 0; i < 3 && good; i++) {
-			size_t vertex = model->index[3 * (size_t)t + i];
-			memcpy(soup.position + 9 * soup.count + 3 * i, model->position + 3 * vertex,
-				3 * sizeof(float));
-			if (model->uv)
-				memcpy(soup.uv + 6 * soup.count + 2 * i, model->uv + 2 * vertex,
-					2 * sizeof(float));
-		}
-		soup.count += good;
-		if (!good || soup.count == SOUP || t + 1 == model->triangle_count
-				|| model->material[t + 1] != model->material[t])
-			flush(d, raster, &soup, model->material[t]);
-	}
-}
-
 static void reduce_pixel(const struct drawing *d, struct splat_view *view, const struct lod_raster *raster,
 	uint32_t x, uint32_t y)
 {
@@ -212,7 +135,7 @@ static void draw_part(void *pieces, uint32_t part)
 	for (uint32_t i = part; i < d->views->count; i += d->raster_count) {
 		struct splat_view *view = &d->views->items[i];
 		start(d->views, view, raster);
-		draw_model(d, raster);
+		lod_model_draw(d->model, raster);
 		for (uint32_t y = 0; y < d->views->pixels; y++)
 			for (uint32_t x = 0; x < d->views->pixels; x++)
 				reduce_pixel(d, view, raster, x, y);
@@ -242,7 +165,7 @@ enum eco_code splat_views_make(struct splat_views *views, const struct eco_model
 	if (!bounds(views, model))
 		return ECO_OK;
 	allocate(views, arena);
-	struct drawing d = { views, model, options->rgb ? options->rgb : color_all(model, arena),
+	struct drawing d = { views, model, options->rgb ? options->rgb : lod_model_colors(model, arena),
 		lod_arena_take(arena, parts, sizeof *d.rasters), 0 };
 	enum eco_code code = ECO_OK;
 	while (!code && d.raster_count < parts) {
