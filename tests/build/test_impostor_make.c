@@ -1,0 +1,178 @@
+/* Impostors of plants: what they keep of a model. */
+#include "lod/build/impostor/impostor_make.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lod/build/impostor/impostor_state.h"
+#include "lod/build/model_draw.h"
+#include "tests/support/plant_models.h"
+#include "tests/support/unit_test.h"
+
+static void make(struct lod_impostors *impostors, const struct eco_model *model,
+	const struct lod_impostors_options *options)
+{
+	struct eco_error error = { 0 };
+	assert_ok(lod_impostors_make(impostors, model, options, &error), error);
+}
+
+static void write_all(struct eco_writer *w, const struct lod_impostors *impostors)
+{
+	struct eco_error error = { 0 };
+	eco_impostor_body_write(w, &impostors->body);
+	for (uint32_t i = 0; i < impostors->level_count; i++)
+		assert_ok(eco_impostor_level_write(w, &impostors->body, &impostors->levels[i], NULL, &error),
+			error);
+}
+
+/* Texels over those that are covered, over all tiles of a level. */
+static double kept_area(const struct lod_impostors *impostors, const struct eco_model *model, uint32_t which)
+{
+	const struct eco_impostor_size *size = &eco_impostor_sizes[which];
+	uint32_t tiles = eco_impostor_tiles(size->set), samples = VIEW_TEXELS * VIEW_SAMPLES;
+	struct lod_arena arena = { 0 };
+	struct impostor_view *views;
+	struct eco_error error = { 0 };
+	double kept = 0, covered = 0;
+	assert_false(setjmp(arena.failed));
+	assert_ok(impostor_views_make(&views, size->set, &impostors->body, model,
+		&(struct lod_impostors_options){ .levels = 0 }, lod_model_colors(model, &arena), &arena,
+		&error), error);
+	for (uint32_t i = 0; i < tiles; i++)
+		for (uint32_t k = 0; k < VIEW_TEXELS * VIEW_TEXELS; k++)
+			covered += (double)views[i].count[k] / (samples * samples);
+	for (uint32_t i = 0; i < tiles * size->texels * size->texels; i++)
+		kept += (double)impostors->levels[which].texel[i] / (size->texels * size->texels);
+	lod_arena_free(&arena);
+	return kept / covered;
+}
+
+UNIT_TEST(every_level_covers_what_the_plant_covers)
+{
+	struct soup soup;
+	struct lod_impostors impostors;
+	for (int textured = 0; textured < 2; textured++) {
+		soup_tree(&soup, 300, 25, textured);
+		make(&impostors, &soup.model, &(struct lod_impostors_options){ .levels = 0 });
+		assert_int_equal(impostors.level_count, ECO_IMPOSTOR_LEVELS);
+		for (uint32_t i = 0; i < ECO_IMPOSTOR_LEVELS; i++)
+			assert_float_equal(kept_area(&impostors, &soup.model, i), 1, 0.02);
+		lod_impostors_free(&impostors);
+		soup_free(&soup);
+	}
+}
+
+/* A ball of radius 1 in its cylinder: the tile from the side is a disc, as deep as it is wide. */
+UNIT_TEST(a_ball_is_discs_of_its_colour)
+{
+	static const uint8_t red[3] = { 200, 30, 10 };
+	struct soup soup;
+	struct lod_impostors impostors;
+	soup_begin(&soup);
+	soup_ball(&soup, soup_material(&soup, red[0], red[1], red[2], ECO_NONE, false),
+		(struct lod_v3){ 1, 2, 3 }, 1, 48);
+	make(&impostors, &soup.model, &(struct lod_impostors_options){ .levels = 0 });
+	assert_float_equal(impostors.body.center[2], 3, 1e-3);
+	assert_float_equal(impostors.body.wide, 1, 0.01);
+	assert_float_equal(impostors.body.high, 1, 0.01);
+	assert_float_equal(impostors.body.thick, 1, 0.2);
+	const struct eco_impostor_level *level = &impostors.levels[2];
+	uint32_t side = eco_impostor_sizes[2].texels;
+	for (uint32_t i = 0; i < side * side; i++) {
+		double x = (i % side + 0.5) / side * 2 - 1, y = (i / side + 0.5) / side * 2 - 1,
+			r = x * x + y * y;
+		if (r < 0.88 || r > 1.12)
+			assert_int_equal(level->texel[i], r < 1);
+	}
+	uint32_t cells = eco_impostor_tiles(ECO_IMPOSTOR_FEW) * 8 * 8;
+	for (uint32_t i = 0; i < 3 * cells; i++)
+		assert_in_range(eco_impostor_color(level->color[i]) + 4, red[i % 3], red[i % 3] + 8u);
+	lod_impostors_free(&impostors);
+	soup_free(&soup);
+}
+
+struct half { uint32_t first, count; void (*piece)(void *pieces, uint32_t i); void *pieces; };
+
+static void *run_half(void *half_of)
+{
+	struct half *half = half_of;
+	for (uint32_t i = half->first; i < half->count; i += 2)
+		half->piece(half->pieces, i);
+	return NULL;
+}
+
+static void in_two_threads(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces)
+{
+	struct half halves[2] = { { 0, count, piece, pieces }, { 1, count, piece, pieces } };
+	pthread_t other;
+	(void)ctx;
+	assert_int_equal(pthread_create(&other, NULL, run_half, &halves[1]), 0);
+	run_half(&halves[0]);
+	pthread_join(other, NULL);
+}
+
+UNIT_TEST(threads_do_not_change_a_byte)
+{
+	struct soup soup;
+	struct lod_impostors one, two;
+	struct eco_writer first = { 0 }, second = { 0 };
+	soup_tree(&soup, 200, 25, true);
+	make(&one, &soup.model, &(struct lod_impostors_options){ .levels = 4 });
+	make(&two, &soup.model, &(struct lod_impostors_options){ .levels = 4, .each = in_two_threads });
+	assert_int_equal(one.level_count, 4);
+	write_all(&first, &one);
+	write_all(&second, &two);
+	assert_int_equal(first.size, second.size);
+	assert_memory_equal(first.bytes, second.bytes, first.size);
+	eco_writer_free(&first);
+	eco_writer_free(&second);
+	lod_impostors_free(&one);
+	lod_impostors_free(&two);
+	soup_free(&soup);
+}
+
+static bool stop(void *ctx, double share)
+{
+	return ++*(int *)ctx < 3 && share <= 1;
+}
+
+UNIT_TEST(it_stops_when_asked)
+{
+	struct soup soup;
+	struct lod_impostors impostors;
+	struct eco_error error = { 0 };
+	int calls = 0;
+	soup_tree(&soup, 20, 0, false);
+	assert_int_equal(lod_impostors_make(&impostors, &soup.model,
+		&(struct lod_impostors_options){ .progress = stop, .ctx = &calls }, &error), ECO_INTERRUPTED);
+	assert_int_equal(impostors.level_count, 0);
+	soup_free(&soup);
+}
+
+UNIT_TEST(plants_without_extent_have_impostors_too)
+{
+	struct soup soup;
+	struct lod_impostors impostors;
+	struct eco_error error = { 0 };
+	const struct eco_model nothing = { 0 };
+	make(&impostors, &nothing, &(struct lod_impostors_options){ .levels = 0 });
+	assert_int_equal(impostors.level_count, 0);
+	for (int flat = 0; flat < 3; flat++) {
+		soup_begin(&soup);
+		soup_quad(&soup, soup_material(&soup, 9, 99, 9, ECO_NONE, false), (struct lod_v3){ 0, 0, 1 },
+			(struct lod_v3){ flat == 0, flat == 1, flat == 2 },
+			(struct lod_v3){ flat == 1, flat == 2, flat == 0 });
+		make(&impostors, &soup.model, &(struct lod_impostors_options){ .levels = 2 });
+		assert_int_equal(impostors.level_count, 2);
+		assert_true(eco_impostor_body_good(&impostors.body));
+		struct eco_writer w = { 0 };
+		write_all(&w, &impostors);
+		struct eco_impostor_level back;
+		assert_int_equal(eco_impostor_level_read(&back, &impostors.body,
+			w.bytes + ECO_IMPOSTOR_BODY_BYTES, w.size, &error), ECO_DAMAGED);
+		eco_writer_free(&w);
+		lod_impostors_free(&impostors);
+		soup_free(&soup);
+	}
+}

@@ -1,0 +1,279 @@
+/* Impostors in the rasteriser: outlines from directions that no tile has, depths and owners. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/format/view.h"
+#include "lod/build/impostor/impostor_make.h"
+#include "lod/build/model_draw.h"
+#include "lod/impostor.h"
+#include "lod/raster/raster.h"
+#include "tests/support/plant_models.h"
+#include "tests/support/unit_test.h"
+
+#define SIDE 300u
+#define BEST (ECO_IMPOSTOR_LEVELS - 1)
+
+static struct lod_raster raster, whole;
+static const struct lod_place origin = { .cosine = 1, .scale = 1 };
+
+/* From `far` metres to a point, that many degrees around and up; half_m: from the middle of the picture to
+ * its edge there. */
+static void look(struct lod_raster *r, const double at[3], double turn_deg, double up_deg, double far,
+	double half_m)
+{
+	double turn = turn_deg * M_PI / 180, up = up_deg * M_PI / 180;
+	struct eco_view view = { .target = { at[0], at[1], at[2] }, .up = { 0, 0, 1 },
+		.eye = { at[0] + far * cos(up) * cos(turn), at[1] + far * cos(up) * sin(turn),
+			at[2] + far * sin(up) },
+		.fov_y_deg = 360 / M_PI * atan(half_m / far), .width = SIDE, .height = SIDE };
+	struct lod_eye eye;
+	lod_eye_make(&eye, &view);
+	lod_raster_clear(r);
+	lod_raster_camera(r, &eye, 0.1);
+	lod_raster_object(r, &origin);
+}
+
+static void open_level(struct lod_impostor *impostor, const struct eco_model *model, uint32_t which)
+{
+	struct lod_impostors made;
+	struct eco_error error = { 0 };
+	assert_ok(lod_impostors_make(&made, model, &(struct lod_impostors_options){ .levels = which + 1 },
+		&error), error);
+	assert_int_equal(made.level_count, which + 1);
+	assert_ok(lod_impostor_open(impostor, &made.body, &made.levels[which], &error), error);
+	lod_impostors_free(&made);
+}
+
+static void draw(struct lod_raster *r, const struct lod_impostor *impostor, uint64_t owner)
+{
+	lod_raster_impostor(r, impostor, &(struct lod_raster_batch){ .count = 1, .owner = owner, .item = 5 });
+}
+
+/* The mean Q over directions all around, from afar or in perspective. */
+static double mean_q(const struct eco_model *model, const struct lod_impostor *impostor, double far)
+{
+	const double at[3] = { impostor->body.center[0], impostor->body.center[1], impostor->body.center[2] };
+	double mean = 0;
+	for (int i = 0; i < 12; i++) {
+		double turn = 137.5 * i + 11, up = -25 + 10 * i;
+		struct lod_score score;
+		look(&whole, at, turn, up, far, 1.3 * impostor->radius);
+		lod_model_draw(model, &whole);
+		look(&raster, at, turn, up, far, 1.3 * impostor->radius);
+		draw(&raster, impostor, 1);
+		lod_score(&score, &(struct lod_score_input){ .width = SIDE, .height = SIDE,
+			.cover = raster.cover, .reference = whole.cover });
+		mean += score.q / 12;
+	}
+	return mean;
+}
+
+static void make_ball(struct soup *soup)
+{
+	soup_begin(soup);
+	soup_ball(soup, soup_material(soup, 200, 30, 10, ECO_NONE, false), (struct lod_v3){ 1, 2, 3 }, 1, 48);
+}
+
+static void make_box(struct soup *soup)
+{
+	soup_begin(soup);
+	uint32_t grey = soup_material(soup, 90, 90, 90, ECO_NONE, false);
+	for (int axis = 0; axis < 3; axis++)
+		for (int side = -1; side <= 1; side += 2) {
+			double n[3] = { 0 }, u[3] = { 0 }, v[3] = { 0 };
+			n[axis] = side, u[(axis + 1) % 3] = v[(axis + 2) % 3] = 2;
+			soup_quad(soup, grey, (struct lod_v3){ n[0], 0.5 * n[1], 2 + 2 * n[2] },
+				(struct lod_v3){ u[0], 0.5 * u[1], 2 * u[2] },
+				(struct lod_v3){ v[0], 0.5 * v[1], 2 * v[2] });
+		}
+}
+
+UNIT_TEST(balls_boxes_and_trees_keep_their_outlines)
+{
+	static const struct { double far[3], near[3]; } least[] = {
+		{ { .96, .97, .98 }, { .95, .96, .97 } },
+		{ { .92, .94, .96 }, { .91, .93, .94 } },
+		{ { .30, .33, .41 }, { .29, .31, .39 } } };
+	for (int kind = 0; kind < 3; kind++) {
+		struct soup soup;
+		if (kind == 0)
+			make_ball(&soup);
+		else if (kind == 1)
+			make_box(&soup);
+		else
+			soup_tree(&soup, 400, 0, false);
+		for (uint32_t level = 2; level <= BEST; level++) {
+			struct lod_impostor impostor;
+			open_level(&impostor, &soup.model, level);
+			double far = mean_q(&soup.model, &impostor, 300 * impostor.radius),
+				near = mean_q(&soup.model, &impostor, 6 * impostor.radius);
+			assert_true(far > least[kind].far[level - 2]);
+			assert_true(near > least[kind].near[level - 2]);
+			lod_impostor_close(&impostor);
+		}
+		soup_free(&soup);
+	}
+}
+
+/* Those of the model, but at the outline, where depths change fast. */
+UNIT_TEST(depths_are_those_of_the_near_side)
+{
+	struct soup soup;
+	struct lod_impostor impostor;
+	const double at[3] = { 1, 2, 3 };
+	double off = 0, pixels = 0;
+	make_ball(&soup);
+	open_level(&impostor, &soup.model, BEST);
+	for (int i = 0; i < 8; i++) {
+		look(&whole, at, 50 * i, 12 * i - 10, 12, 1.3);
+		lod_model_draw(&soup.model, &whole);
+		look(&raster, at, 50 * i, 12 * i - 10, 12, 1.3);
+		draw(&raster, &impostor, 1);
+		for (uint32_t k = 0; k < SIDE * SIDE; k++)
+			if (raster.cover[k] && whole.cover[k]) {
+				double miss = fabs(1 / raster.depth[k] - 1 / whole.depth[k]);
+				assert_true(miss < 0.75);
+				off += miss;
+				pixels++;
+			}
+	}
+	assert_true(off / pixels < 0.15);
+	lod_impostor_close(&impostor);
+	soup_free(&soup);
+}
+
+UNIT_TEST(the_nearer_plant_owns_the_pixels_whatever_the_order)
+{
+	struct soup soup;
+	struct lod_impostor impostor;
+	const double at[3] = { 1, 2, 3 };
+	uint64_t *first = malloc(SIDE * SIDE * sizeof *first);
+	uint32_t count[3] = { 0 };
+	make_ball(&soup);
+	open_level(&impostor, &soup.model, BEST);
+	for (int order = 0; order < 2; order++) {
+		look(&raster, at, 0, 10, 30, 2.5);
+		for (int i = 0; i < 2; i++) {
+			/* one a radius farther away and to the side: they cross */
+			bool far = i != order;
+			lod_raster_object(&raster, &(struct lod_place){
+				.at = { far ? -1 : 0, far ? 1 : 0, 0 }, .cosine = 1, .scale = 1 });
+			draw(&raster, &impostor, far ? 2 : 1);
+		}
+		if (order)
+			assert_memory_equal(first, raster.owner, SIDE * SIDE * sizeof *first);
+		else
+			memcpy(first, raster.owner, SIDE * SIDE * sizeof *first);
+	}
+	for (uint32_t k = 0; k < SIDE * SIDE; k++)
+		count[raster.owner[k]]++;
+	assert_int_equal(raster.owner[SIDE / 2 * SIDE + SIDE / 2], 1);
+	/* a disc, and what a disc a radius aside shows of itself: 61 % at least */
+	assert_true(count[2] > 0.55 * count[1] && count[2] < 0.75 * count[1]);
+	free(first);
+	lod_impostor_close(&impostor);
+	soup_free(&soup);
+}
+
+/* Nothing lies outside of what the plant covers, grown by two texels: tiles do not leak into each other. */
+UNIT_TEST(tiles_do_not_leak)
+{
+	struct soup soup;
+	make_box(&soup);
+	for (uint32_t level = 0; level < ECO_IMPOSTOR_LEVELS; level++) {
+		struct lod_impostor impostor;
+		open_level(&impostor, &soup.model, level);
+		const double at[3] = { 0, 0, 2 };
+		double grown = 1 + 4.0 / eco_impostor_sizes[level].texels;
+		for (int i = 0; i < 8; i++) {
+			look(&raster, at, 45 * i, 11 * i, 300, 4);
+			draw(&raster, &impostor, 1);
+			look(&whole, at, 45 * i, 11 * i, 300, 4);
+			double size = impostor.radius * grown * SIDE / 8, middle = SIDE / 2.0;
+			for (uint32_t k = 0; k < SIDE * SIDE; k++) {
+				double x = k % SIDE + 0.5 - middle, y = k / SIDE + 0.5 - middle;
+				if (x * x + y * y > size * size || fabs(x) > 1.12 * grown * SIDE / 8)
+					assert_int_equal(raster.cover[k], 0);
+			}
+		}
+		lod_impostor_close(&impostor);
+	}
+	soup_free(&soup);
+}
+
+/* A plant that is placed, turned and scaled looks as if the eye moved the other way; and in parts as in
+ * whole. */
+UNIT_TEST(places_and_parts_of_pictures_change_nothing)
+{
+	struct soup soup;
+	struct lod_impostor impostor;
+	struct lod_raster part;
+	const double at[3] = { 0, 0, 3 }, moved[3] = { 1000, -500, 16 };
+	uint32_t differ = 0;
+	soup_tree(&soup, 200, 20, false);
+	open_level(&impostor, &soup.model, 3);
+	look(&whole, at, 30, 20, 40, 5);
+	draw(&whole, &impostor, 1);
+	look(&raster, moved, 120, 20, 80, 10);
+	lod_raster_object(&raster, &(struct lod_place){ .at = { 1000, -500, 10 }, .sine = 1, .scale = 2 });
+	draw(&raster, &impostor, 1);
+	for (uint32_t k = 0; k < SIDE * SIDE; k++)
+		differ += raster.cover[k] != whole.cover[k] || raster.item[k] != whole.item[k];
+	assert_true(differ < 20);
+	assert_int_equal(lod_raster_init(&part, &(struct lod_raster_options){ .width = 100, .height = 60,
+		.owner = true, .item = true }, NULL), ECO_OK);
+	lod_raster_window(&part, SIDE, SIDE, 90, 130);
+	look(&part, at, 30, 20, 40, 5);
+	draw(&part, &impostor, 1);
+	differ = 0;
+	for (uint32_t k = 0; k < 6000; k++) {
+		size_t i = (130 + k / 100) * SIDE + 90 + k % 100;
+		differ += part.cover[k] != whole.cover[i] || part.item[k] != whole.item[i];
+	}
+	assert_true(differ < 10);
+	lod_raster_free(&part);
+	lod_impostor_close(&impostor);
+	soup_free(&soup);
+}
+
+UNIT_TEST(what_cannot_be_drawn_is_left_out)
+{
+	struct soup soup;
+	struct lod_impostor impostor;
+	const double at[3] = { 1, 2, 3 };
+	make_ball(&soup);
+	open_level(&impostor, &soup.model, 1);
+	for (int i = 0; i < 3; i++) {
+		look(&raster, at, 0, 10, i < 2 ? 0.5 + i * 0.5 : 30, 2);
+		if (i == 2)                                  /* behind the eye */
+			lod_raster_object(&raster, &(struct lod_place){ .at = { 60, 0, 0 }, .cosine = 1,
+				.scale = 1 });
+		draw(&raster, &impostor, 1);
+		for (uint32_t k = 0; k < SIDE * SIDE; k++)
+			assert_int_equal(raster.cover[k], 0);
+	}
+	lod_impostor_close(&impostor);
+	soup_free(&soup);
+}
+
+static int set_up(void **state)
+{
+	const struct lod_raster_options options = { .width = SIDE, .height = SIDE, .owner = true,
+		.item = true };
+	(void)state;
+	return lod_raster_init(&raster, &options, NULL) || lod_raster_init(&whole, &options, NULL);
+}
+
+static int tear_down(void **state)
+{
+	(void)state;
+	lod_raster_free(&raster);
+	lod_raster_free(&whole);
+	return 0;
+}
+
+int main(void)
+{
+	return unit_tests_run(set_up, tear_down);
+}
