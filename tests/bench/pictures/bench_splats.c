@@ -6,13 +6,14 @@
  *   dip          how far pictures between two levels lie below the line between these levels, at most
  *
  * Beside opaque splats and splats with opacity stand square points of the pack's order, grown by the best of
- * eight factors. */
+ * eight factors; and impostors of one vertex (bench_impostors.c). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
 #include "tests/bench/bench.h"
+#include "tests/bench/pictures/bench_impostors.h"
 #include "tests/bench/pictures/bench_splats.h"
 
 #define BUDGETS 4u
@@ -23,6 +24,7 @@ enum kind { OPAQUE, OPACITY, POINTS, KINDS };
 static const char *const kind_names[KINDS] = { "opaque splats", "splats with opacity", "square points" };
 enum group { FOLIAGE, BARE, CONIFER, GENERATED, GROUPS };
 static const char *const group_names[GROUPS] = { "foliage", "bare", "conifer", "generated" };
+static const double heights_px[BENCH_SPLATS_SIZES] = { 64, 256 };
 static const double wanted[2][2][BUDGETS] = { { { .66, .74, .78, .795 }, { .67, .76, .815, .85 } },
 	{ { .64, .72, .765, .79 }, { .70, .80, .855, .885 } } };
 
@@ -107,8 +109,9 @@ static enum eco_code paint(struct work *w, const struct lod_splats *splats, cons
 	return code;
 }
 
+/* `few`: gets what few pixels show of them, where it is not NULL. */
 static enum eco_code study_splats(struct work *w, const struct eco_model *model, bool opaque, json_t *row,
-	struct eco_error *error)
+	json_t *few, struct eco_error *error)
 {
 	struct lod_splats splats;
 	clock_t begun = clock();
@@ -130,6 +133,8 @@ static enum eco_code study_splats(struct work *w, const struct eco_model *model,
 		code = paint(w, &splats, file, error);
 	if (!code)
 		json_array_append_new(row, json_pack("[f, f]", worst_dip(w, &splats), seconds));
+	if (!code && few)
+		code = bench_few_splats(model, &splats, few, error);
 	lod_splats_free(&splats);
 	return code;
 }
@@ -174,18 +179,21 @@ static enum eco_code study_plant(struct bench *bench, const struct bench_model *
 		free(w.drawn);
 		return code;
 	}
-	json_t *rows[KINDS];
+	json_t *rows[KINDS], *few = json_array(), *impostors = json_array();
 	for (int k = 0; k < KINDS; k++)
 		rows[k] = json_array();
-	code = bench_splats_open(&w.pictures, &model, error);
+	code = bench_splats_open(&w.pictures, &model, heights_px, error);
 	double ceiling = w.pictures.ceiling;
 	if (!code)
-		code = study_splats(&w, &model, true, rows[OPAQUE], error);
+		code = study_splats(&w, &model, true, rows[OPAQUE], NULL, error);
 	if (!code)
-		code = study_splats(&w, &model, false, rows[OPACITY], error);
+		code = study_splats(&w, &model, false, rows[OPACITY], few, error);
 	if (!code)
 		code = study_points(&w, &model, rows[POINTS], error);
-	*result = json_pack("{s:f, s:[o,o,o]}", "ceiling", ceiling, "rows", rows[0], rows[1], rows[2]);
+	if (!code)
+		code = bench_impostors_study(bench, of->name, &w.pictures, impostors, few, error);
+	*result = json_pack("{s:f, s:[o,o,o], s:o, s:o}", "ceiling", ceiling, "rows", rows[0], rows[1],
+		rows[2], "impostors", impostors, "few", few);
 	bench_splats_close(&w.pictures);
 	eco_model_free(&model);
 	free(w.drawn);
@@ -265,7 +273,8 @@ static void write_keys(struct bench *bench, const struct sums *s)
 #define COLUMNS "hard 12,hard 48,hard 200,hard 1000,soft 12,soft 48,soft 200,soft 1000,ceiling,"
 
 static enum eco_code study_all(struct bench *bench, const struct bench_model *models, uint32_t count,
-	struct bench_table *table, struct sums sums[GROUPS], struct eco_error *error)
+	struct bench_table *table, struct sums sums[GROUPS], struct bench_impostors impostors[GROUPS],
+	struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < count && !code; i++) {
@@ -286,8 +295,12 @@ static enum eco_code study_all(struct bench *bench, const struct bench_model *mo
 		}
 		if (!code) {
 			add_plant(table, &models[i], result, &sums[group]);
+			bench_impostors_add(&impostors[group], models[i].name,
+				json_object_get(result, "impostors"), json_object_get(result, "few"));
 			snprintf(file, sizeof file, "splats-%s-opacity.png", models[i].name);
 			bench_picture(bench, file, "full detail; splats with opacity: 12, 48, 200, 1000");
+			snprintf(file, sizeof file, "impostors-%s.png", models[i].name);
+			bench_picture(bench, file, "full detail; impostors of one vertex, from level 0 on");
 		}
 		if (bench_stopped(bench))
 			code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
@@ -300,12 +313,14 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	struct bench_model *models = NULL;
 	uint32_t count = 0;
 	struct sums sums[GROUPS] = { 0 };
+	static struct bench_impostors impostors[GROUPS];
 	enum eco_code code = bench_models(bench, &models, &count, error);
 	if (code)
 		return code;
 	struct bench_table *table = bench_table_open(bench, "splats", "plant,kind," COLUMNS
 		"dip,fit CPU s", true);
-	code = study_all(bench, models, count, table, sums, error);
+	memset(impostors, 0, sizeof impostors);
+	code = study_all(bench, models, count, table, sums, impostors, error);
 	bench_table_close(table);
 	free(models);
 	if (code)
@@ -316,8 +331,11 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	write_means(table, sums);
 	bench_table_close(table);
 	write_keys(bench, &sums[FOLIAGE]);
+	bench_impostors_write(bench, impostors, group_names, GROUPS);
+	bench_impostors_keys(bench, &impostors[FOLIAGE]);
 	return ECO_OK;
 }
 
 const struct bench_section bench_splats = { .name = "splats", .title = "Plants of few splats", .run = run,
-	.objects = BENCH_OBJECTS_PLANTS "tests/bench/pictures/bench_splats*.o" };
+	.objects = BENCH_OBJECTS_PLANTS "tests/bench/pictures/bench_splats*.o "
+		"tests/bench/pictures/bench_impostors*.o" };

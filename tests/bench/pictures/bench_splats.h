@@ -8,7 +8,7 @@
 #include "lod/raster/raster.h"
 
 #define BENCH_SPLATS_VIEWS 24u           /* of elevation -10 to 60 degrees, as good as orthographic */
-#define BENCH_SPLATS_SIZES 2u            /* projected heights, pixels: 64 and 256 */
+#define BENCH_SPLATS_SIZES 2u            /* projected heights */
 
 struct bench_splats_size {
 	uint32_t side;                   /* pictures of side x side pixels */
@@ -26,9 +26,9 @@ struct bench_splats_pictures {
 /* Means over views and sizes. */
 struct bench_splats_q { double hard, soft; };
 
-/* Draws the whole plant in all pictures. */
+/* Draws the whole plant in all pictures, in which it is that high. */
 enum eco_code bench_splats_open(struct bench_splats_pictures *pictures, const struct eco_model *model,
-	struct eco_error *error);
+	const double heights_px[BENCH_SPLATS_SIZES], struct eco_error *error);
 void bench_splats_close(struct bench_splats_pictures *pictures);
 
 /* Scores what `draw` draws, in one size (0, 1) or all (BENCH_SPLATS_SIZES). */

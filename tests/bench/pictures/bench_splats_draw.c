@@ -12,7 +12,6 @@
 #define FRAME 1.02
 #define SOUP 1024u
 #define SIDE 4u                  /* samples a pixel: SIDE x SIDE; twice that for the ceiling */
-static const double heights_px[BENCH_SPLATS_SIZES] = { 64, 256 };
 
 /* ---- Views ---- */
 
@@ -147,7 +146,7 @@ static enum eco_code make_size(struct bench_splats_pictures *p, struct bench_spl
 }
 
 enum eco_code bench_splats_open(struct bench_splats_pictures *p, const struct eco_model *model,
-	struct eco_error *error)
+	const double heights_px[BENCH_SPLATS_SIZES], struct eco_error *error)
 {
 	*p = (struct bench_splats_pictures){ .model = model };
 	double height = bound(p);
