@@ -10,7 +10,6 @@
 
 #define PI 3.14159265358979323846
 #define LOG_2 0.69314718055994530942
-#define SPLATTED 0.5             /* lod/EXPERIMENTS.md, Width of splats */
 #define BLOCK 4096u              /* hull points allocated at once */
 #define FEW_PLANTS 40            /* in view: fewer than this change one by one in any case */
 #define SMOOTH_BANDS 3           /* on either side count towards a slot's mean, ... */
@@ -185,7 +184,7 @@ static bool whole_hull(struct lod_allocation *m, const struct lod_hull *from, ui
 }
 
 /* Octaves of one splat for the whole plant that nobody sees, less than 0: n splats are as wide as n parts of
- * SPLATTED of its crown's outline, and leaves or a pixel are the limit. */
+ * its crown's outline, and leaves or a pixel are the limit (lod/EXPERIMENTS.md, Width of splats). */
 static double whole_slack(const struct lod_allocation *m, const struct lod_slot *slot)
 {
 	const struct lod_proxy_shape *shape = &lod_plan_tables_proxy_shapes(m->p->tables)[slot->plant];
@@ -199,7 +198,7 @@ static double whole_slack(const struct lod_allocation *m, const struct lod_slot 
 		sum += (double)ladder->area * fmax(0, element_octave(m, ladder, slot->band));
 		area += (double)ladder->area;
 	}
-	double outline = SPLATTED * PI * shape->crown_across * shape->crown_up * px * px;
+	double outline = PI * shape->crown_across * shape->crown_up * px * px;
 	return (area > 0 ? sum / area : 0) - 0.5 * lod_log(fmax(1, outline)) / LOG_2;
 }
 

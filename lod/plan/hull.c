@@ -85,7 +85,7 @@ static double octaves_of(const struct lod_way *way, uint64_t vertices)
 void lod_hull_set_detail(struct lod_hull_point *point, double slack)
 {
 	double seen = (double)point->octaves - slack, covered = fmax(0, 1 - point->fn);
-	point->detail = seen > 0 ? covered * fmin(1, LOD_OCTAVE_WEIGHT * seen) : 0;
+	point->detail = seen > 0 ? covered * fmin(LOD_DETAIL_MOST, LOD_OCTAVE_WEIGHT * seen) : 0;
 }
 
 struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vertices, double slack)

@@ -62,8 +62,9 @@ double lod_hull_absent(const struct eco_ladder *ladder);
 /* Errors at `vertices`, a value that lod_way_floor returns. */
 struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vertices, double slack);
 /* Sets detail from octaves, fn and slack: each octave that is seen costs LOD_OCTAVE_WEIGHT of a covered
- * pixel. */
+ * pixel, all of them LOD_DETAIL_MOST: a plant as one splat is better than as a few leaves. */
 #define LOD_OCTAVE_WEIGHT 0.1
+#define LOD_DETAIL_MOST 0.3
 void lod_hull_set_detail(struct lod_hull_point *point, double slack);
 
 /* Reduces points in ascending vertices to their lower convex hull at hull->fp_weight, in place. Two steps
