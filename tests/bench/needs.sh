@@ -177,6 +177,6 @@ for name in bare leaves textures cutouts ground everything; do
 	resident=$(sed -n 's/^VmHWM:[^0-9]*\([0-9]*\) kB/\1/p' /proc/$server/status)
 	mapped=$(sed -n 's/.* \(\/.*\.so[^ ]*\)$/\1/p' /proc/$server/maps | sort -u | wc -l)
 	stop
-	budget=20000
+	budget=1000000
 	echo "$name,$(wc -c <"$DIR/$name.eco" | tr -d ' '),$sections,$lists,$stream,$resident,$mapped,$ready,$viewer,${modules% },$shaders,$packer,${viewing% }"
 done
