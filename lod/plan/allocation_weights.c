@@ -9,7 +9,6 @@
 #include "lod/ladder.h"
 
 #define PI 3.14159265358979323846
-#define LOG_2 0.69314718055994530942
 #define BLOCK 4096u              /* hull points allocated at once */
 #define FEW_PLANTS 40            /* in view: fewer than this change one by one in any case */
 #define SMOOTH_BANDS 3           /* on either side count towards a slot's mean, ... */
@@ -103,8 +102,7 @@ static double anchor_pixels(const struct lod_allocation *m, const struct lod_slo
 static double element_octave(const struct lod_allocation *m, const struct eco_ladder *ladder, uint8_t band)
 {
 	double px = 1 / (lod_band_distance_m(band) * m->p->visible.eye.pixel_rad);
-	double square = ladder->total ? 0.5 * (double)ladder->area / ladder->total * px * px : 1;
-	return square > 0 ? 0.5 * lod_log(square) / LOG_2 : 0;
+	return ladder->total ? lod_octaves(0.5 * (double)ladder->area / ladder->total * px * px) : 0;
 }
 
 static bool own_points(struct lod_allocation *m, struct lod_hull *hull, const struct lod_hull_point *points)
@@ -199,7 +197,7 @@ static double whole_slack(const struct lod_allocation *m, const struct lod_slot 
 		area += (double)ladder->area;
 	}
 	double outline = PI * shape->crown_across * shape->crown_up * px * px;
-	return (area > 0 ? sum / area : 0) - 0.5 * lod_log(fmax(1, outline)) / LOG_2;
+	return (area > 0 ? sum / area : 0) - lod_octaves(fmax(1, outline));
 }
 
 /* Ladders that show the whole plant weigh as much as all its organs together. */

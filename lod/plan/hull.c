@@ -3,7 +3,6 @@
 
 #include <math.h>
 
-#define LOG_2 0.69314718055994530942
 #define GROWTH 4u                /* samples grow by a quarter: curves are smooth */
 
 /* Slopes of the step between two points. */
@@ -75,11 +74,9 @@ double lod_hull_absent(const struct eco_ladder *ladder)
 static double octaves_of(const struct lod_way *way, uint64_t vertices)
 {
 	if (way->has_splats)
-		return vertices ? -0.5 * lod_log((double)vertices) / LOG_2 : 0;
+		return -lod_octaves((double)vertices);
 	double share = way->has_forms ? lod_way_density(way, vertices) : lod_way_share(way, vertices);
-	if (way->ladder->organ == ECO_ORGAN_WOOD || !(share > 0 && share < 1))
-		return 0;
-	return 0.5 * lod_log(1 / share) / LOG_2;
+	return way->ladder->organ == ECO_ORGAN_WOOD || share >= 1 ? 0 : -lod_octaves(share);
 }
 
 void lod_hull_set_detail(struct lod_hull_point *point, double slack)

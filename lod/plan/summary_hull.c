@@ -5,7 +5,6 @@
 
 #include "lod/plan/visibility.h"
 
-#define LOG_2 0.69314718055994530942
 #define LAST_STEP 64             /* the last step's slope is seldom less than the mean slope over this */
 
 static bool is_evaluated(const struct lod_summary_hull *summary, uint32_t i)
@@ -39,8 +38,8 @@ static void evaluate(struct lod_summary_hull *summary, uint32_t i)
 	struct eco_curve curve = lod_summary_curve(&summary->view, n);
 	sample->fp = summary->pixels * curve.fp + lod_summary_outside(&summary->view, n);
 	sample->fn = summary->pixels * (curve.fn + LOD_OWNER_WEIGHT * (1 - curve.fn));
-	struct lod_hull_point covered = { .fn = curve.fn, .octaves = (float)(0.5 * lod_log(summary->view.area
-		/ n) / LOG_2) };
+	struct lod_hull_point covered = { .fn = curve.fn,
+		.octaves = (float)lod_octaves(summary->view.area / n) };
 	lod_hull_set_detail(&covered, 0);
 	sample->detail = summary->pixels * covered.detail;
 	summary->evaluated |= 1u << i;

@@ -49,6 +49,8 @@ double lod_log(double x)
 	return 2 * sum + exponent * 0.69314718055994531;
 }
 
+double lod_octaves(double x) { return x > 0 ? 0.5 * lod_log(x) / 0.69314718055994530942 : 0; }
+
 /* ---- Visibilities ---- */
 
 void lod_screen_init(struct lod_screen *screen, const struct lod_eye *eye, const struct eco_view *view,

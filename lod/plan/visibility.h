@@ -111,5 +111,7 @@ enum eco_code lod_screen_expect(const struct lod_screen *screen, lod_wrong_fn wr
 /* e^-x for x >= 0 and log x for x > 0, the same on every machine, to about nine digits. */
 double lod_exp_minus(double x);
 double lod_log(double x);
+/* log2 of the side of a square of area x; 0 where there is none. */
+double lod_octaves(double x);
 
 #endif

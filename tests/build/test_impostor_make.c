@@ -1,13 +1,13 @@
 /* Impostors of plants: what they keep of a model. */
 #include "lod/build/impostor/impostor_make.h"
 
-#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "lod/build/impostor/impostor_state.h"
 #include "lod/build/model_draw.h"
 #include "tests/support/plant_models.h"
+#include "tests/support/two_threads.h"
 #include "tests/support/unit_test.h"
 
 static void make(struct lod_impostors *impostors, const struct eco_model *model,
@@ -90,26 +90,6 @@ UNIT_TEST(a_ball_is_discs_of_its_colour)
 		assert_in_range(eco_impostor_color(level->color[i]) + 4, red[i % 3], red[i % 3] + 8u);
 	lod_impostors_free(&impostors);
 	soup_free(&soup);
-}
-
-struct half { uint32_t first, count; void (*piece)(void *pieces, uint32_t i); void *pieces; };
-
-static void *run_half(void *half_of)
-{
-	struct half *half = half_of;
-	for (uint32_t i = half->first; i < half->count; i += 2)
-		half->piece(half->pieces, i);
-	return NULL;
-}
-
-static void in_two_threads(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces)
-{
-	struct half halves[2] = { { 0, count, piece, pieces }, { 1, count, piece, pieces } };
-	pthread_t other;
-	(void)ctx;
-	assert_int_equal(pthread_create(&other, NULL, run_half, &halves[1]), 0);
-	run_half(&halves[0]);
-	pthread_join(other, NULL);
 }
 
 UNIT_TEST(threads_do_not_change_a_byte)

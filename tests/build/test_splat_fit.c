@@ -1,11 +1,11 @@
 /* Splats fitted to plants. */
 #include "lod/build/splat/splat_fit.h"
 
-#include <pthread.h>
 #include <string.h>
 
 #include "lod/build/splat/splat_state.h"
 #include "tests/support/plant_models.h"
+#include "tests/support/two_threads.h"
 #include "tests/support/unit_test.h"
 
 static const struct lod_splats_options quick = { .views = 12, .pixels = 40 };
@@ -85,26 +85,6 @@ UNIT_TEST(opaque_splats_are_opaque)
 }
 
 /* ---- Threads and progress ---- */
-
-struct half { uint32_t first, count; void (*piece)(void *pieces, uint32_t i); void *pieces; };
-
-static void *run_half(void *half_of)
-{
-	const struct half *half = half_of;
-	for (uint32_t i = half->first; i < half->count; i += 2)
-		half->piece(half->pieces, i);
-	return NULL;
-}
-
-static void in_two_threads(void *ctx, uint32_t count, void (*piece)(void *pieces, uint32_t i), void *pieces)
-{
-	struct half halves[2] = { { 0, count, piece, pieces }, { 1, count, piece, pieces } };
-	pthread_t other;
-	(void)ctx;
-	assert_int_equal(pthread_create(&other, NULL, run_half, &halves[1]), 0);
-	run_half(&halves[0]);
-	pthread_join(other, NULL);
-}
 
 UNIT_TEST(threads_do_not_change_a_byte)
 {
