@@ -23,7 +23,8 @@ const uint8_t view_tint_colors[VIEW_ROLE_COUNT][3] = {
 	[VIEW_ROLE_SIMPLE] = { 107, 204, 26 }, [VIEW_ROLE_POINTS] = { 31, 71, 242 },
 	[VIEW_ROLE_BLEND_TRIANGLES] = { 255, 219, 26 }, [VIEW_ROLE_BLEND_SIMPLE] = { 255, 173, 20 },
 	[VIEW_ROLE_BLEND_LINES] = { 242, 82, 26 }, [VIEW_ROLE_BLEND_POINTS] = { 255, 128, 13 },
-	[VIEW_ROLE_SPLATS] = { 150, 60, 200 }, [VIEW_ROLE_SUMMARY] = { 115, 158, 255 } };
+	[VIEW_ROLE_SPLATS] = { 150, 60, 200 }, [VIEW_ROLE_IMPOSTORS] = { 230, 90, 220 },
+	 [VIEW_ROLE_SUMMARY] = { 115, 158, 255 } };
 
 /* ---- Arithmetic ---- */
 

@@ -58,6 +58,13 @@ enum eco_code view_mesh_make(struct view_mesh *mesh, const struct view_store *st
 	uint32_t count = cut->end - cut->first;
 	const struct view_list *image = list->list.image == ECO_NONE ? NULL
 		: view_store_list(store, list->list.image);
+	if (list->list.kind == ECO_LIST_IMPOSTOR) {
+		mesh->impostor = &list->impostors[cut->first];
+		mesh->batch.count = mesh->impostor->cell_count;
+		memcpy(mesh->center, mesh->impostor->body.center, sizeof mesh->center);
+		mesh->radius = mesh->impostor->radius;
+		return ECO_OK;
+	}
 	if (image && image->image.rgba && list->list.attributes & ECO_ATTR_UV)
 		mesh->image = image;
 	if (!lod_geometry_make(&mesh->geometry, &list->list, count, mesh->image))
@@ -172,6 +179,12 @@ static uint32_t ball_of(const struct view_mesh *mesh, uint32_t splat, const stru
 void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const struct view_rays *rays,
 	uint8_t rgb[3], uint32_t *surface)
 {
+	if (mesh->impostor) {
+		memcpy(rgb, mesh->impostor->rgb[primitive], 3);
+		*surface = view_surface_cloud(1.0 / mesh->impostor->size.texels,
+			eco_level_share(mesh->list->list.level));
+		return;
+	}
 	static const uint8_t plain[3] = { 95, 127, 79 }, white[3] = { 255, 255, 255 };
 	const struct eco_list *list = &mesh->list->list;
 	int32_t color = mesh->geometry.color[primitive];

@@ -11,6 +11,7 @@ struct view_mesh {                       /* owns its geometry; zero is empty */
 	const struct view_list *list, *image;    /* image: NULL if there is no texture */
 	struct lod_raster_batch batch;
 	struct lod_geometry geometry;
+	const struct lod_impostor *impostor;     /* NULL: none; its cells are primitives */
 	float center[3], radius;         /* of all that is drawn, object space */
 	float half_width;                /* of the plant; 0: a summary's */
 	bool by_point;                   /* a summary: each point has its own owner */

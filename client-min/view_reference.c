@@ -120,7 +120,10 @@ static void draw_mesh(struct worker *w, const struct view_instance *instance, ui
 		if (lod_raster_hides(&w->raster, center, mesh->radius * instance->place.scale))
 			return;
 	}
-	lod_raster_list(&w->raster, &mesh->list->list, &mesh->geometry, &batch);
+	if (mesh->impostor)
+		lod_raster_impostor(&w->raster, mesh->impostor, &batch);
+	else
+		lod_raster_list(&w->raster, &mesh->list->list, &mesh->geometry, &batch);
 }
 
 /* The ground, and every count-th instance from `first` on. */

@@ -92,6 +92,8 @@ static enum view_role plain_role(const struct walk *w, const struct eco_cut *cut
 	case ECO_LIST_POINTS:
 		return cut->anchor == ECO_NONE ? VIEW_ROLE_SUMMARY : list_of(w, cut)->attributes
 			& ECO_ATTR_SPLAT ? VIEW_ROLE_SPLATS : VIEW_ROLE_POINTS;
+	case ECO_LIST_IMPOSTOR:
+		return VIEW_ROLE_IMPOSTORS;
 	default:
 		return list_of(w, cut)->partner == ECO_NONE ? VIEW_ROLE_TRIANGLES : VIEW_ROLE_SIMPLE;
 	}

@@ -35,6 +35,7 @@ enum view_role {
 	                                                          /* the first elements of a list in one form,
 	                                                           * those after them in another */
 	VIEW_ROLE_SPLATS,            /* of a whole plant */
+	VIEW_ROLE_IMPOSTORS,
 	VIEW_ROLE_SUMMARY, VIEW_ROLE_COUNT
 };
 

@@ -60,6 +60,9 @@ static void list_free(struct view_list *list)
 {
 	eco_elements_free(&list->elements);
 	eco_image_free(&list->image);
+	for (uint32_t i = 0; list->impostors && i < list->chunk_count; i++)
+		lod_impostor_close(&list->impostors[i]);
+	free(list->impostors);
 	free(list->marks);
 	free(list->palette);
 	free(list);
@@ -403,6 +406,36 @@ static enum eco_code decode_image(struct view_store *store, struct view_list *li
 	return account(store, texels * 4, error);
 }
 
+static enum eco_code decode_impostor(struct view_store *store, struct view_list *list,
+	const struct eco_chunk *chunk, const uint8_t *payload, struct eco_error *error)
+{
+	struct eco_impostor_body body;
+	struct eco_impostor_level level;
+	struct eco_error cause = { 0 };
+	uint32_t count = list->chunk_count;
+	enum eco_code code = eco_impostor_level_read(&level, &body, payload, chunk->size_bytes, &cause);
+	if (!code && level.level != count) {
+		eco_impostor_level_free(&level);
+		return BAD("list %u, chunk %u: level %u of an impostor", list->id, count, level.level);
+	}
+	if (code)
+		return eco_fail(error, code, "list %u, chunk %u: %s", list->id, count, cause.text);
+	struct lod_impostor *more = realloc(list->impostors, (count + (size_t)1) * sizeof *more);
+	if (more) {
+		list->impostors = more;
+		code = lod_impostor_open(&more[count], &body, &level, error);
+	} else {
+		code = no_memory(error, "an impostor");
+	}
+	eco_impostor_level_free(&level);
+	if (code)
+		return code;
+	code = account(store, sizeof *more + lod_impostor_bytes(&more[count]), error);
+	if (code)
+		lod_impostor_close(&more[count]);
+	return code;
+}
+
 /* Ground is one chunk, every sample in its place: then whoever draws it needs no checks of its own. */
 static enum eco_code check_ground(const struct view_store *store, struct view_list *list,
 	struct eco_error *error)
@@ -455,6 +488,7 @@ static enum eco_code on_chunk(void *ctx, uint32_t id, uint32_t ordinal, const st
 		return code;
 	double start = view_clock_ms();
 	code = list->list.kind == ECO_LIST_IMAGE ? decode_image(store, list, chunk, payload, error)
+		: list->list.kind == ECO_LIST_IMPOSTOR ? decode_impostor(store, list, chunk, payload, error)
 		: decode_elements(store, list, chunk, payload, error);
 	store->stats.decode_ms += view_clock_ms() - start;
 	if (code)
@@ -482,6 +516,9 @@ static enum eco_code check_plan(const struct view_store *store, const struct eco
 		if (cut->first > cut->end || cut->end > held)
 			return BAD("cut %u of the plan draws [%u,%u) of list %u, "
 				"of which %u are held", i, cut->first, cut->end, cut->list, held);
+		if (list->list.kind == ECO_LIST_IMPOSTOR && cut->end != cut->first + 1)
+			return BAD("cut %u of the plan draws %u levels of list %u, an impostor, not one", i,
+				cut->end - cut->first, cut->list);
 		if (ground
 			&& (cut->anchor != ECO_NONE || cut->first || cut->end != list->list.primitive_count))
 			return BAD("cut %u of the plan draws a part of list %u, a "

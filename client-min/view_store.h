@@ -17,6 +17,7 @@
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/format/wire.h"
+#include "lod/impostor.h"
 
 /* Chunks end here; geometry of a chunk can be made without walking the list. All exclusive, running totals.
  */
@@ -33,6 +34,7 @@ struct view_list {                       /* owned by the store; address is stabl
 	uint32_t element_room, corner_room;      /* what the arrays have space for */
 	struct eco_image image;          /* lists of kind IMAGE, once their chunk is here */
 	bool cutout;                     /* the image has texels with alpha < 0.5 */
+	struct lod_impostor *impostors;  /* lists of kind IMPOSTOR: one for each chunk held */
 	/* lists of kind GROUND, once their chunk is here: level, column and row */
 	struct eco_ground_tile tile;
 };

@@ -23,6 +23,10 @@
 /* Less than half, as means of several tiles are lower than each of them. */
 #define LOD_IMPOSTOR_LEAST 0.45f
 #define LOD_IMPOSTOR_LOOKED 4u           /* tiles that a ray is looked up in */
+/* Across, in pixels: plants that are larger in the picture are not drawn as impostors. */
+#define LOD_IMPOSTOR_PIXELS 192u
+/* The level, of so many, that shows a plant which is `pixels` across; ECO_NONE where it is too large. */
+uint32_t lod_impostor_level(uint32_t levels, double pixels);
 
 /* (x, y, z) of a tile = axis . point from the centre: x and y in [-1, 1], z in radii. */
 struct lod_impostor_tile { float axis[3][3]; };
@@ -41,6 +45,7 @@ struct lod_impostor {                    /* owns its arrays */
 /* The level is not needed afterwards. */
 enum eco_code lod_impostor_open(struct lod_impostor *impostor, const struct eco_impostor_body *body,
 	const struct eco_impostor_level *level, struct eco_error *error);
+size_t lod_impostor_bytes(const struct lod_impostor *impostor); /* of its arrays */
 void lod_impostor_close(struct lod_impostor *impostor);
 
 /* From one eye. */

@@ -4,6 +4,22 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/format/list.h"
+
+/* Pixels of a plant over texels across, up to which a level serves. Even small plants look better in more
+ * directions, but bytes count (lod/EXPERIMENTS.md, Impostors, Small pictures). */
+#define PIXELS_OF_TEXEL 1.0
+
+uint32_t lod_impostor_level(uint32_t levels, double pixels)
+{
+	uint32_t level = 0;
+	if (!levels || pixels > LOD_IMPOSTOR_PIXELS)
+		return ECO_NONE;
+	while (level + 1 < levels && eco_impostor_sizes[level].texels * PIXELS_OF_TEXEL < pixels)
+		level++;
+	return level;
+}
+
 static float dot(const float a[3], const float b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /* ---- Opening ---- */
@@ -50,6 +66,14 @@ enum eco_code lod_impostor_open(struct lod_impostor *impostor, const struct eco_
 	make_tiles(impostor->tile, size->set, body, impostor->radius);
 	make_tiles(impostor->color_tile, ECO_IMPOSTOR_FEW, body, impostor->radius);
 	return ECO_OK;
+}
+
+size_t lod_impostor_bytes(const struct lod_impostor *impostor)
+{
+	const struct eco_impostor_size *size = &impostor->size;
+	size_t tiles = eco_impostor_tiles(size->set);
+	return tiles * size->texels * size->texels + tiles * size->depths * size->depths * sizeof(float)
+		+ impostor->cell_count * sizeof *impostor->rgb;
 }
 
 void lod_impostor_close(struct lod_impostor *impostor)

@@ -11,6 +11,7 @@
 static const char *const kind_names[] = {
 	[ECO_LIST_TRIANGLES] = "triangles", [ECO_LIST_LINES] = "lines", [ECO_LIST_POINTS] = "points",
 	[ECO_LIST_INSTANCES] = "instances", [ECO_LIST_GROUND] = "ground", [ECO_LIST_IMAGE] = "image",
+	[ECO_LIST_IMPOSTOR] = "impostor",
 };
 
 static const struct { uint32_t bit; const char *name; } need_names[] = {
@@ -18,6 +19,7 @@ static const struct { uint32_t bit; const char *name; } need_names[] = {
 	{ ECO_NEED_TEXTURES, "textures" }, { ECO_NEED_CUTOUTS, "cutouts" }, { ECO_NEED_GROUND, "ground" },
 	{ ECO_NEED_CELLS, "cells" }, { ECO_NEED_SUMMARIES, "summaries" },
 	{ ECO_NEED_PLACEMENTS, "placements" }, { ECO_NEED_SPLATS, "splats" },
+	{ ECO_NEED_IMPOSTORS, "impostors" },
 };
 
 static void key_id(struct srv_json *json, const char *key, const struct eco_chunk_id *id)

@@ -9,11 +9,11 @@
 #include "ecofiles/format/pack.h"
 #include "lod/build/grid.h"
 
-enum { KIND_SUMMARIES = ECO_LIST_IMAGE + 1, KIND_SPLATS, KIND_COUNT };
+enum { KIND_SUMMARIES = ECO_LIST_IMPOSTOR + 1, KIND_SPLATS, KIND_COUNT };
 static const char *const kind_names[KIND_COUNT] = { "", "triangles", "lines", "points", "instances", "ground",
-	"images", "summaries", "splats" };
+	"images", "impostors", "summaries", "splats" };
 static const char *const need_names[] = { "points", "lines", "triangles", "textures", "cutouts", "ground",
-	"cells", "summaries", "placements", "splats" };
+	"cells", "summaries", "placements", "splats", "impostors" };
 
 struct kind_total { uint64_t lists, chunks, primitives, bytes; };
 

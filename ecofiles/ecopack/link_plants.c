@@ -50,6 +50,7 @@ static void write_ladder(struct eco_writer *w, const struct eco_scene *s, uint32
 	l.points = since(l.points, list_first);
 	l.lines = since(l.lines, list_first);
 	l.simple = since(l.simple, list_first);
+	l.impostor = since(l.impostor, list_first);
 	l.triangles = since(l.triangles, list_first);
 	l.curve_first = 0;
 	eco_ladder_write(w, &l);

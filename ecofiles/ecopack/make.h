@@ -34,7 +34,6 @@ enum eco_code make_pack(const struct make_options *options, struct eco_error *er
 
 /* ---- Inside ---- */
 
-struct make_png { uint8_t *bytes; size_t size; };
 
 struct make_plant {              /* a model on its way into the pack */
 	const struct eco_source_plant *source;   /* the first source plant that names it */
@@ -42,7 +41,7 @@ struct make_plant {              /* a model on its way into the pack */
 	char name[64];
 	uint32_t palette_first;      /* in the scene's palette */
 	struct lod_plant built;
-	struct make_png *images;     /* one per built.images */
+	struct eco_bytes *images;    /* PNG files, one per built.images */
 	bool cutout;
 	double reach, low, high;     /* bounds: within reach of the axis, z from low to high */
 	uint32_t triangles_in, dropped[ECO_DROP_COUNT];

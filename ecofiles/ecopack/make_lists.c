@@ -69,6 +69,7 @@ enum eco_code make_add_plant(struct make *m, uint32_t id, const struct make_tabl
 		ladder.lines = moved(lists, ladder.lines);
 		ladder.simple = moved(lists, ladder.simple);
 		ladder.triangles = moved(lists, ladder.triangles);
+		ladder.impostor = moved(lists, ladder.impostor);
 		code = make_add(m, &m->ladders, &ladder, 1, sizeof ladder);
 	}
 	return code;

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "ecofiles/format/image.h"
+#include "ecofiles/format/impostor.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/ecopack/times.h"
 #include "ecofiles/import/model/model_import.h"
@@ -170,7 +171,7 @@ static enum eco_code keep_images(struct make_plant *plant, const struct eco_mode
 		const struct eco_image *image = &model->images[id];
 		enum eco_code code =
 			eco_png_encode(&(struct eco_pixels){ image->width, image->height, 4, image->rgba },
-			&plant->images[i].bytes, &plant->images[i].size, error);
+			&plant->images[i].at, &plant->images[i].size, error);
 		if (code)
 			return code;
 		for (uint32_t k = 0; k < model->material_count; k++)
@@ -390,8 +391,8 @@ static enum eco_code pack_images(struct packing *p)
 	for (uint32_t i = 0; i < plant->built.image_count; i++) {
 		struct eco_list list = { .kind = ECO_LIST_IMAGE, .coder = ECO_CODER_BYTES, .owner = p->id,
 			.plant = ECO_NONE, .image = ECO_NONE, .partner = ECO_NONE, .grid_step = { 1, 1, 1 } };
-		enum eco_code code = eco_pack_add_bytes(p->m->writer, &list, plant->images[i].bytes,
-			plant->images[i].size, &p->images[i], p->m->error);
+		enum eco_code code = eco_pack_add_bytes(p->m->writer, &list, &plant->images[i], 1,
+			&p->images[i], p->m->error);
 		struct eco_list *stored = code ? NULL : make_append(p->m, &p->m->lists, sizeof *stored);
 		if (!stored)
 			return code ? code : ECO_NO_MEMORY;
@@ -435,6 +436,21 @@ static enum eco_code pack_lists(struct packing *p)
 	return ECO_OK;
 }
 
+/* The list after those of the draft. */
+static enum eco_code pack_impostor(struct packing *p)
+{
+	const struct lod_plant *built = &p->m->plants[p->id].built;
+	struct eco_list list = { .kind = ECO_LIST_IMPOSTOR, .coder = ECO_CODER_BYTES, .owner = p->id,
+		.level = built->impostor_level, .plant = ECO_NONE, .image = ECO_NONE, .partner = ECO_NONE,
+		.grid_step = { 1, 1, 1 } };
+	uint32_t *id = &p->lists[built->list_count];
+	if (!built->impostor_count)
+		return ECO_OK;
+	enum eco_code code = eco_pack_add_bytes(p->m->writer, &list, built->impostor, built->impostor_count,
+		id, p->m->error);
+	return code ? code : make_keep_list(p->m, *id);
+}
+
 static enum eco_code pack_tables(struct packing *p)
 {
 	struct make *m = p->m;
@@ -460,6 +476,8 @@ static enum eco_code pack_plant(struct make *m, uint32_t id)
 		code = pack_images(&p);
 	if (!code)
 		code = pack_lists(&p);
+	if (!code)
+		code = pack_impostor(&p);
 	if (!code)
 		code = pack_tables(&p);
 	m->scene.needs |= built->image_count ? ECO_NEED_TEXTURES : 0;
@@ -495,7 +513,7 @@ void make_plants_free(struct make *m)
 	for (uint32_t i = 0; i < m->plant_count; i++) {
 		struct make_plant *plant = &m->plants[i];
 		for (uint32_t k = 0; plant->images && k < plant->built.image_count; k++)
-			free(plant->images[k].bytes);
+			free(plant->images[k].at);
 		free(plant->images);
 		free(plant->path);
 		lod_plant_free(&plant->built);

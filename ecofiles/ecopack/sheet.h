@@ -13,6 +13,7 @@
 #include "ecofiles/format/pack.h"
 #include "lod/build/plant.h"
 #include "lod/geometry.h"
+#include "lod/impostor.h"
 #include "lod/raster/raster.h"
 
 #define SHEET_SAMPLES 3u         /* samples a pixel and axis */
@@ -22,6 +23,7 @@ struct sheet_list {              /* a list of the plant, decoded */
 	const uint8_t (*palette)[3];
 	struct eco_elements *chunks; /* as many as the list has */
 	uint32_t chunk_count;
+	struct lod_impostor *impostors;      /* of a list of kind IMPOSTOR: one a chunk */
 	uint32_t image;              /* index of the texture's sheet_list, or ECO_NONE */
 	struct eco_image picture;    /* of a list of kind IMAGE */
 	bool cutout;                 /* the picture has transparent pixels */
@@ -63,9 +65,10 @@ enum eco_code sheet_plant_draw(struct sheet_plant *plant, uint64_t vertices, enu
 
 /* ---- Shared by its two files ---- */
 
-struct sheet_batch {             /* one cut, as triangles, lines or points */
+struct sheet_batch {             /* one cut, as triangles, lines, points or an impostor */
 	const struct sheet_list *list;
 	struct lod_geometry geometry;
+	const struct lod_impostor *impostor;     /* its cells are the primitives; NULL: none */
 	uint32_t count, first;       /* primitives; number of the first in the drawing */
 	float area;                  /* points */
 };

@@ -30,6 +30,11 @@ static void raster_batch(struct lod_raster *raster, const struct sheet_plant *p,
 	bool one_by_one)
 {
 	const struct sheet_list *image = b->geometry.uv ? &p->lists[b->list->image] : NULL;
+	if (b->impostor) {
+		lod_raster_impostor(raster, b->impostor,
+			&(struct lod_raster_batch){ .owner = (uint64_t)b->first + 1 });
+		return;
+	}
 	uint32_t step = one_by_one ? 1 : b->count;
 	for (uint32_t i = 0; i < b->count; i += step) {
 		struct lod_geometry from = lod_geometry_from(&b->geometry, b->list->list, i);
@@ -122,9 +127,11 @@ static void color_primitive(const struct sheet_batch *b, uint32_t i, enum sheet_
 	static const uint8_t plain[ECO_ORGAN_COUNT][3] = { { 120, 96, 72 }, { 95, 127, 79 },
 		{ 220, 190, 200 } };
 	const uint8_t white[3] = { 255, 255, 255 }, *from = b->geometry.uv ? white : plain[b->list->organ];
-	int32_t color = b->geometry.color[i];
+	int32_t color = b->impostor ? -1 : b->geometry.color[i];
 	if (colors == SHEET_ORGANS)
 		from = sheet_organ_rgb[b->list->organ];
+	else if (b->impostor)
+		from = b->impostor->rgb[i];
 	else if (color >= 0 && (uint32_t)color < b->list->list->palette_count)
 		from = b->list->palette[color];
 	memcpy(rgb, from, 3);
@@ -178,6 +185,7 @@ static void add_sample(const struct light *light, const struct sheet_plant *p, c
 	}
 	uint32_t primitive = (uint32_t)(r->owner[at] - 1);
 	const struct sheet_batch *b = batch_of(d, primitive);
+	primitive += b->impostor ? r->item[at] : 0;
 	double x = (2 * ((double)(at % r->width) + 0.5) / r->width - 1) * light->eye->tan_x, ray[3];
 	double y = (1 - 2 * ((double)(at / r->width) + 0.5) / r->height) * light->eye->tan_y;
 	for (int k = 0; k < 3; k++)

@@ -25,6 +25,19 @@ static enum eco_code no_memory(const struct sheet_plant *p, struct eco_error *er
 
 /* ---- Lists ---- */
 
+static enum eco_code decode_impostor(struct sheet_list *to, uint32_t chunk, const uint8_t *bytes, size_t size,
+	struct eco_error *error)
+{
+	struct eco_impostor_body body;
+	struct eco_impostor_level level;
+	enum eco_code code = eco_impostor_level_read(&level, &body, bytes, size, error);
+	if (code)
+		return code;
+	code = lod_impostor_open(&to->impostors[chunk], &body, &level, error);
+	eco_impostor_level_free(&level);
+	return code;
+}
+
 static enum eco_code decode_list(struct sheet_plant *p, uint32_t id, struct eco_error *error)
 {
 	const struct eco_scene *s = &p->pack->scene;
@@ -32,8 +45,10 @@ static enum eco_code decode_list(struct sheet_plant *p, uint32_t id, struct eco_
 	struct sheet_list *to = &p->lists[id];
 	*to = (struct sheet_list){ .list = list, .palette = s->palette + list->palette_first,
 		.image = list->image,
-		.chunks = calloc(list->chunk_count + 1u, sizeof *to->chunks) };
-	if (!to->chunks)
+		.chunks = calloc(list->chunk_count + 1u, sizeof *to->chunks),
+		.impostors = list->kind == ECO_LIST_IMPOSTOR
+			? calloc(list->chunk_count + 1u, sizeof *to->impostors) : NULL };
+	if (!to->chunks || (list->kind == ECO_LIST_IMPOSTOR && !to->impostors))
 		return no_memory(p, error);
 	if (list->kind == ECO_LIST_IMAGE) {
 		to->chunk_count = list->chunk_count ? 1 : 0;
@@ -46,7 +61,8 @@ static enum eco_code decode_list(struct sheet_plant *p, uint32_t id, struct eco_
 		size_t size;
 		code = eco_pack_payload(p->pack, list->chunk_first + c, &bytes, &size, error);
 		if (!code)
-			code = eco_chunk_decode(list, chunk, c, bytes, size, &to->chunks[c], error);
+			code = to->impostors ? decode_impostor(to, c, bytes, size, error)
+				: eco_chunk_decode(list, chunk, c, bytes, size, &to->chunks[c], error);
 		to->chunk_count += !code;
 	}
 	return code;
@@ -59,8 +75,9 @@ static enum eco_code decode_lists(struct sheet_plant *p, struct eco_error *error
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = plant->ladder_first; i < plant->ladder_first + plant->ladder_count && !code; i++) {
 		const struct eco_ladder *ladder = &s->ladders[i];
-		const uint32_t ids[] = { ladder->points, ladder->lines, ladder->simple, ladder->triangles };
-		for (int k = 0; k < 4 && !code; k++) {
+		const uint32_t ids[] = { ladder->points, ladder->lines, ladder->simple, ladder->triangles,
+			ladder->impostor };
+		for (int k = 0; k < 5 && !code; k++) {
 			if (ids[k] == ECO_NONE || p->lists[ids[k]].list)
 				continue;
 			code = decode_list(p, ids[k], error);
@@ -196,7 +213,7 @@ static void set_view(struct sheet_plant *p, const double target[3], double half,
 /* Extends low and high by the batch's corners as seen, in tangents. */
 static void see_batch(const struct lod_eye *eye, const struct sheet_batch *b, double low[2], double high[2])
 {
-	size_t corners = (size_t)b->count * eco_list_vertices(b->list->list);
+	size_t corners = b->impostor ? 0 : (size_t)b->count * eco_list_vertices(b->list->list);
 	for (size_t i = 0; i < corners; i++) {
 		const float *q = b->geometry.position + 3 * i;
 		double d[3] = { q[0] - eye->at[0], q[1] - eye->at[1], q[2] - eye->at[2] };
@@ -248,6 +265,11 @@ static enum eco_code make_batch(const struct sheet_plant *p, const struct eco_cu
 	bool textured = list->list->kind == ECO_LIST_TRIANGLES && list->image != ECO_NONE
 		&& list->list->attributes & ECO_ATTR_UV && p->lists[list->image].picture.rgba;
 	b->area = list->list->unit_area * cut->scale;
+	if (list->impostors) {
+		b->impostor = &list->impostors[cut->first];
+		b->count = b->impostor->cell_count;
+		return ECO_OK;
+	}
 	if (!lod_geometry_make(&b->geometry, list->list, count, textured))
 		return no_memory(p, error);
 	for (uint32_t c = 0; c < list->chunk_count && b->count < count; c++, from = end) {
@@ -300,7 +322,7 @@ static enum eco_code add_cuts(struct sheet_drawing *d, const struct sheet_plant 
 		code = make_batch(p, cut, b, error);
 		b->first = d->primitives;
 		d->primitives += b->count;
-		d->vertices += (uint64_t)b->count * eco_list_vertices(b->list->list);
+		d->vertices += (uint64_t)(cut->end - cut->first) * eco_list_vertices(b->list->list);
 	}
 	return code;
 }
@@ -350,7 +372,8 @@ enum eco_code sheet_plant_open(struct sheet_plant *plant, const struct eco_pack 
 	enum eco_code code = plant->lists && plant->reference ? ECO_OK : no_memory(plant, error);
 	if (!code)
 		code = lod_raster_init(&plant->fine,
-			&(struct lod_raster_options){ .width = fine, .height = fine, .owner = true }, error);
+			&(struct lod_raster_options){ .width = fine, .height = fine, .owner = true,
+			.item = true }, error);
 	if (!code)
 		code = lod_raster_init(&plant->coarse,
 			&(struct lod_raster_options){ .width = pixels, .height = pixels }, error);
@@ -372,6 +395,9 @@ void sheet_plant_close(struct sheet_plant *plant)
 	for (uint32_t i = 0; plant->lists && i < plant->list_count; i++) {
 		for (uint32_t c = 0; c < plant->lists[i].chunk_count && plant->lists[i].chunks; c++)
 			eco_elements_free(&plant->lists[i].chunks[c]);
+		for (uint32_t c = 0; c < plant->lists[i].chunk_count && plant->lists[i].impostors; c++)
+			lod_impostor_close(&plant->lists[i].impostors[c]);
+		free(plant->lists[i].impostors);
 		free(plant->lists[i].chunks);
 		eco_image_free(&plant->lists[i].picture);
 	}

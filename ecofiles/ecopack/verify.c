@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "ecofiles/format/chunk.h"
+#include "ecofiles/format/impostor.h"
 #include "ecofiles/ecopack/inspect.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/format/pack.h"
@@ -86,6 +87,18 @@ static void say(void *ctx, const char *text)
 	complain(ctx, "%s", text);
 }
 
+/* NULL, or what is wrong: in `error` or constant. */
+static const char *bad_impostor(const uint8_t *bytes, size_t size, uint32_t ordinal, struct eco_error *error)
+{
+	struct eco_impostor_body body;
+	struct eco_impostor_level level;
+	if (eco_impostor_level_read(&level, &body, bytes, size, error))
+		return error->text;
+	bool good = level.level == ordinal;
+	eco_impostor_level_free(&level);
+	return good ? NULL : "holds another level of an impostor than its number says";
+}
+
 static void verify_chunk(struct verify *v, uint32_t list_id, uint32_t ordinal, uint32_t first)
 {
 	const struct eco_scene *s = &v->pack->scene;
@@ -99,6 +112,8 @@ static void verify_chunk(struct verify *v, uint32_t list_id, uint32_t ordinal, u
 	const char *bad = NULL;
 	if (eco_pack_payload(v->pack, id, &bytes, &size, &error))
 		bad = error.text;
+	else if (list->kind == ECO_LIST_IMPOSTOR)
+		bad = bad_impostor(bytes, size, ordinal, &error);
 	else if (list->coder == ECO_CODER_BYTES)
 		bad = size < 8 || memcmp(bytes, "\x89PNG\r\n\x1a\n", 8) != 0 ? "is not a PNG file" : NULL;
 	else if (eco_chunk_decode(list, chunk, ordinal, bytes, size, &elements, &error))

@@ -10,9 +10,8 @@
 #define SIZE_MAX_M 1e6f
 
 const struct eco_impostor_size eco_impostor_sizes[ECO_IMPOSTOR_LEVELS] = {
-	{ ECO_IMPOSTOR_FEW, 8, 4, 8, 2 }, { ECO_IMPOSTOR_FEW, 16, 4, 8, 4 },
-	{ ECO_IMPOSTOR_FEW, 32, 8, 16, 8 },
-	{ ECO_IMPOSTOR_MANY, 32, 8, 8, 8 }, { ECO_IMPOSTOR_MANY, 64, 16, 16, 16 } };
+	{ ECO_IMPOSTOR_FEW, 16, 4, 8, 4 }, { ECO_IMPOSTOR_MANY, 32, 8, 8, 8 },
+	{ ECO_IMPOSTOR_MANY, 64, 16, 16, 16 } };
 
 /* ---- Bodies ---- */
 

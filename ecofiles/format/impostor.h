@@ -16,15 +16,14 @@
  * Levels are alternatives, each complete in itself, the smallest first:
  *
  *   level  directions  texels     depths           colours (always of ECO_IMPOSTOR_FEW)
- *   0      few         8 x 8      4 x 4 of 8       2 x 2
- *   1      few         16 x 16    4 x 4 of 8       4 x 4
- *   2      few         32 x 32    8 x 8 of 16      8 x 8
- *   3      many        32 x 32    8 x 8 of 8       8 x 8
- *   4      many        64 x 64    16 x 16 of 16    16 x 16
+ *   0      few         16 x 16    4 x 4 of 8       4 x 4
+ *   1      many        32 x 32    8 x 8 of 8       8 x 8
+ *   2      many        64 x 64    16 x 16 of 16    16 x 16
  *
- * Bytes of a level:
- *   0         u8       level
- *   1         varint   n: bytes of texels and depths
+ * In a list of impostors a level is a primitive and a chunk (list.h). Bytes of a level:
+ *   0         24       the body
+ *   24        u8       level
+ *   25        varint   n: bytes of texels and depths
  *   ..        u8       zeros at the end of these that are not stored
  *   ..        n bytes  a range coder's stream (ecofiles/base/range.h)
  *   ..        u8       zeros that are not stored of the colours
@@ -41,7 +40,7 @@
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/base/status.h"
 
-#define ECO_IMPOSTOR_LEVELS 5u
+#define ECO_IMPOSTOR_LEVELS 3u
 #define ECO_IMPOSTOR_TEXELS_MAX 64u      /* a side */
 #define ECO_IMPOSTOR_TILES_MAX 95u
 #define ECO_IMPOSTOR_RINGS_MAX 7u
@@ -117,9 +116,9 @@ uint8_t eco_impostor_predict(const struct eco_impostor_cells *cells, uint32_t ti
  * range. ECO_NO_MEMORY. */
 enum eco_code eco_impostor_level_write(struct eco_writer *w, const struct eco_impostor_body *body,
 	const struct eco_impostor_level *level, size_t *shape_bytes, struct eco_error *error);
-/* Reads what was written with the same body, all `size` bytes. Values are in range whatever the bytes say;
- * what could not have been written is ECO_DAMAGED. */
-enum eco_code eco_impostor_level_read(struct eco_impostor_level *level, const struct eco_impostor_body *body,
+/* Reads what was written, all `size` bytes, and sets *body. Values are in range whatever the bytes say; what
+ * could not have been written is ECO_DAMAGED. */
+enum eco_code eco_impostor_level_read(struct eco_impostor_level *level, struct eco_impostor_body *body,
 	const uint8_t *bytes, size_t size, struct eco_error *error);
 
 static inline float eco_impostor_depth(uint8_t code, uint32_t depth_codes)

@@ -287,6 +287,7 @@ enum eco_code eco_impostor_level_write(struct eco_writer *w, const struct eco_im
 		eco_range_write(&codec->range, &color);
 		code_colors(codec);
 		zeros[1] = eco_range_end(&codec->range);
+		eco_impostor_body_write(w, body);
 		eco_write_u8(w, (uint8_t)level->level);
 		eco_write_varint(w, shape.size);
 		eco_write_u8(w, (uint8_t)zeros[0]);
@@ -306,31 +307,34 @@ enum eco_code eco_impostor_level_write(struct eco_writer *w, const struct eco_im
 /* The streams of a level: where they are, and the zeros that are not stored. */
 struct streams { const uint8_t *bytes[2]; size_t size[2]; uint32_t zeros[2]; };
 
-static bool find_streams(struct streams *s, const uint8_t *bytes, size_t size, uint32_t *level)
+static bool find_streams(struct streams *s, struct eco_reader *r, uint32_t *level)
 {
-	struct eco_reader r = { .bytes = bytes, .size = size };
-	*level = eco_read_u8(&r);
-	uint64_t shape = eco_read_varint(&r);
-	s->zeros[0] = eco_read_u8(&r);
-	if (r.failed || *level >= ECO_IMPOSTOR_LEVELS || shape > size - r.at)
+	*level = eco_read_u8(r);
+	uint64_t shape = eco_read_varint(r);
+	s->zeros[0] = eco_read_u8(r);
+	if (r->failed || *level >= ECO_IMPOSTOR_LEVELS || shape > r->size - r->at)
 		return false;
 	s->size[0] = (size_t)shape;
-	s->bytes[0] = eco_read_bytes(&r, s->size[0]);
-	s->zeros[1] = eco_read_u8(&r);
-	s->size[1] = size - r.at;
-	s->bytes[1] = eco_read_bytes(&r, s->size[1]);
-	return !r.failed;
+	s->bytes[0] = eco_read_bytes(r, s->size[0]);
+	s->zeros[1] = eco_read_u8(r);
+	s->size[1] = r->size - r->at;
+	s->bytes[1] = eco_read_bytes(r, s->size[1]);
+	return !r->failed;
 }
 
-enum eco_code eco_impostor_level_read(struct eco_impostor_level *level, const struct eco_impostor_body *body,
+enum eco_code eco_impostor_level_read(struct eco_impostor_level *level, struct eco_impostor_body *body,
 	const uint8_t *bytes, size_t size, struct eco_error *error)
 {
+	struct eco_reader r = { .bytes = bytes, .size = size };
 	struct streams streams;
 	uint32_t number;
 	*level = (struct eco_impostor_level){ .level = 0 };
-	if (!find_streams(&streams, bytes, size, &number))
-		return eco_fail(error, ECO_DAMAGED, "impostor: its %zu bytes are not a level", size);
-	enum eco_code code = eco_impostor_level_make(level, number, error);
+	enum eco_code code = eco_impostor_body_read(&r, body, error);
+	if (!code && !find_streams(&streams, &r, &number))
+		code = eco_fail(error, ECO_DAMAGED, "impostor: its %zu bytes are not a level", size);
+	if (code)
+		return code;
+	code = eco_impostor_level_make(level, number, error);
 	struct codec *codec = code ? NULL : codec_make(body, level);
 	if (!code && !codec)
 		code = eco_fail(error, ECO_NO_MEMORY, "no memory to read an impostor");

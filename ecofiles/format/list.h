@@ -6,7 +6,8 @@
  *             3 to 6 (a leaf: a fan of 1 to 4 triangles 0-1-2, 0-2-3, ... around corner 0)
  *   primitive the unit of ranges: a point, a line, a triangle, an instance, a ground sample; a fan of n
  *             corners has n-2
- *   vertices  the unit of budgets: point 1, line 2, triangle 3 (for each primitive drawn; instances multiply)
+ *   vertices  the unit of budgets: point 1, impostor 1 (it is drawn as a point), line 2, triangle 3 (for each
+ *             primitive drawn; instances multiply)
  *
  * Ranges [first, end) are in primitives of the list's draw order (after decoding and permuting). */
 #ifndef ECO_LIST_H
@@ -26,7 +27,10 @@ enum eco_list_kind {
 	ECO_LIST_INSTANCES,      /* plants of one species in one tile */
 	/* one tile of the ground: samples row by row from the south-west, `columns` wide (ground_tile.h) */
 	ECO_LIST_GROUND,
-	ECO_LIST_IMAGE           /* one chunk: a PNG file */
+	ECO_LIST_IMAGE,          /* one chunk: a PNG file */
+	/* a plant's impostors (impostor.h): primitive, element and chunk k is level k. Levels are
+	 * alternatives: a cut draws one of them, though what is fetched is a prefix */
+	ECO_LIST_IMPOSTOR
 };
 
 /* Coders: the ways from a payload to elements. All integers inside come from Draco's lossless integer
@@ -42,7 +46,7 @@ enum eco_list_kind {
  *             ELEMENTS.
  *   ROWS      one sequential point cloud, order kept, no permutation (instances, ground).
  *   MESH      edgebreaker; triangles in the decoder's order, every element has 3 corners, no permutation.
- *   BYTES     the payload is a file (PNG).
+ *   BYTES     the payload is a file (PNG), or a level of an impostor.
  *   SHAPES    a coder of chunks, not of lists: in a chunk of an ELEMENTS list of triangles, elements of one
  *             shape are stored as placings of it (shape.h). */
 enum eco_coder { ECO_CODER_ELEMENTS = 1, ECO_CODER_FORM, ECO_CODER_KD, ECO_CODER_ROWS, ECO_CODER_MESH,
@@ -65,7 +69,7 @@ enum eco_attr {
 
 struct eco_list {
 	uint8_t kind, coder, attributes;
-	uint8_t level;               /* ground: samples are 2^level apart; points: how level their leaves lie
+	uint8_t level;               /* ground: samples are 2^level apart; points, impostors: how level their leaves lie
 	                              * (eco_level_share); else 0 */
 	uint32_t owner;              /* plant id; tile id for instances, summaries; ECO_NONE for ground */
 	uint32_t plant;              /* instances: the plant planted; else ECO_NONE */

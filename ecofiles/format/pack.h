@@ -12,7 +12,7 @@
  * File (little-endian, sections 64-byte aligned, padding zero):
  *
  *   0    8  "ECOPACK1"
- *   8    u32 version = 8      12  u32 section count n
+ *   8    u32 version = 9      12  u32 section count n
  *   16   u64 file size        24  u64 XXH3-64 of bytes [0,24) and of the section table
  *   32   n * 40-byte section records:
  *          u32 kind, u32 record count, u64 offset, u64 size, u64 XXH3-64 of the section's bytes (0 for
@@ -45,7 +45,7 @@ enum eco_need {                  /* what a scene uses; a reader skips what is no
 	ECO_NEED_POINTS = 1, ECO_NEED_LINES = 2, ECO_NEED_TRIANGLES = 4, ECO_NEED_TEXTURES = 8,
 		ECO_NEED_CUTOUTS = 16,
 	ECO_NEED_GROUND = 32, ECO_NEED_CELLS = 64, ECO_NEED_SUMMARIES = 128, ECO_NEED_PLACEMENTS = 256,
-	ECO_NEED_SPLATS = 512, ECO_NEEDS_ALL = 1023
+	ECO_NEED_SPLATS = 512, ECO_NEED_IMPOSTORS = 1024, ECO_NEEDS_ALL = 2047
 };
 
 enum eco_organ { ECO_ORGAN_WOOD, ECO_ORGAN_FOLIAGE, ECO_ORGAN_FLOWER, ECO_ORGAN_COUNT };
@@ -80,7 +80,8 @@ enum eco_ladder_flag {
  *   plain:  the first p/3 triangles, scaled                                   (triangles only, no levels)
  *   splats: `points` with ECO_ATTR_SPLAT in levels; a level has a whole multiple, m, of the splats of the one
  *           before it, and splats [m i, m (i + 1)) stand for splat i of that one. The first p of a level
- *           give way to their children: [0, m p) of the next level with [p, all) of this one
+ *           give way to their children: [0, m p) of the next level with [p, all) of this one. With `impostor`
+ *           one vertex is a level of it in place of a splat, up to LOD_IMPOSTOR_PIXELS (lod/impostor.h)
  * lod/ladder.h turns (ladder, vertices) into cuts. Absent lists are ECO_NONE; a FAR ladder may have lines
  * only. */
 struct eco_ladder {
@@ -88,7 +89,7 @@ struct eco_ladder {
 	uint8_t organ, flags;
 	uint8_t level_count;         /* 0: the triangles list is one level */
 	uint8_t reserved;
-	uint32_t points, lines, simple, triangles;
+	uint32_t points, lines, simple, triangles, impostor;
 	uint32_t level_end[ECO_LEVELS_MAX];
 	uint32_t total, before;      /* points (or lines) in this anchor's region: all, and those that the
 	                              * whole-plant ladder of the same organ and texture already holds (0 in
@@ -108,7 +109,8 @@ static inline uint32_t eco_ladder_samples(const struct eco_ladder *ladder)
 
 /* One sample of a ladder's curve, measured on the whole organ (for cells: the curve of the organ, by
  * density). Samples run geometrically from one element up to everything; `share` strictly ascends in (0,
- * 1]. */
+ * 1]. Of a ladder with an impostor of n levels, the first n samples are these levels: their shares are 1/n,
+ * 2/n, ... of a vertex. */
 struct eco_curve {
 	/* Neubert's lambda: vertices drawn / vertices of the ladder at full detail */
 	float share;
@@ -279,9 +281,10 @@ enum eco_code eco_pack_encode(struct eco_encoded *encoded, const struct eco_list
 enum eco_code eco_pack_add_encoded(struct eco_pack_writer *writer, const struct eco_list *list,
 	const struct eco_encoded *encoded, uint32_t *list_id, struct eco_error *error);
 void eco_encoded_free(struct eco_encoded *encoded);
-/* Adds a list of one BYTES chunk. */
+/* Adds a list of BYTES chunks, one a file. */
+struct eco_bytes { uint8_t *at; size_t size; };
 enum eco_code eco_pack_add_bytes(struct eco_pack_writer *writer, const struct eco_list *list,
-	const void *bytes, size_t size, uint32_t *list_id, struct eco_error *error);
+	const struct eco_bytes *files, uint32_t file_count, uint32_t *list_id, struct eco_error *error);
 /* Adds a list of another pack, with its payloads, after checking them. In `list` the references to other
  * lists, tiles, plants and colours are those of the new pack. */
 enum eco_code eco_pack_add_copied(struct eco_pack_writer *writer, const struct eco_list *list,

@@ -8,6 +8,7 @@
 #include "ecofiles/format/chunk.h"
 #include "ecofiles/format/chunk_payload.h"
 #include "ecofiles/format/ground_tile.h"
+#include "ecofiles/format/impostor.h"
 #include "ecofiles/format/pack.h"
 
 #define METRES_MAX 1e12
@@ -51,7 +52,7 @@ enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *erro
 	enum eco_code code = eco_list_check_coding(list, error);
 	if (code)
 		return code;
-	if (list->level != 0 && list->kind != ECO_LIST_POINTS
+	if (list->level != 0 && list->kind != ECO_LIST_POINTS && list->kind != ECO_LIST_IMPOSTOR
 			&& (list->kind != ECO_LIST_GROUND || list->level >= ECO_GROUND_LEVELS))
 		return BAD("list: level %u of kind %u", list->level, list->kind);
 	for (int i = 0; i < 3; i++)
@@ -78,6 +79,10 @@ enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *erro
 	    || (list->chunk_count == 0) != (list->primitive_count == 0))
 		return BAD("list: %u primitives of %u elements in %u chunks are impossible",
 			list->primitive_count, list->element_count, list->chunk_count);
+	if (list->kind == ECO_LIST_IMPOSTOR && (list->primitive_count > ECO_IMPOSTOR_LEVELS
+			|| list->primitive_count != list->chunk_count))
+		return BAD("list: %u levels of an impostor in %u chunks; at most %u, a chunk each",
+			list->primitive_count, list->chunk_count, ECO_IMPOSTOR_LEVELS);
 	if (list->coder == ECO_CODER_FORM && list->primitive_count != list->element_count
 	    && (list->kind != ECO_LIST_TRIANGLES || list->primitive_count != 2ull * list->element_count))
 		return BAD("list: %u forms cannot have %u primitives: all are points, lines, triangles or "
@@ -230,6 +235,15 @@ static bool ladder_list_fits(const struct eco_scene *s, uint32_t list, uint8_t k
 		&& !(s->lists[list].attributes & ECO_ATTR_PLANT);
 }
 
+/* An impostor is one vertex of a ladder with splats, in place of the first one. */
+static bool ladder_impostor_fits(const struct eco_scene *s, const struct eco_ladder *l)
+{
+	return l->impostor == ECO_NONE || (ladder_list_fits(s, l->impostor, ECO_LIST_IMPOSTOR, l->plant)
+		&& s->lists[l->impostor].primitive_count && (l->flags & ECO_LADDER_WHOLE)
+		&& eco_ladder_has_splats(s, l)
+		&& l->curve_count >= s->lists[l->impostor].primitive_count);
+}
+
 /* A list with a partner must be a form of the ladder's triangles. */
 static bool ladder_form_fits(const struct eco_scene *s, uint32_t list, uint32_t triangles)
 {
@@ -321,6 +335,9 @@ static enum eco_code check_ladder(const struct eco_scene *s, uint32_t id, struct
 	if (l->simple != ECO_NONE && s->lists[l->simple].coder != ECO_CODER_FORM)
 		return BAD("ladder %u: list %u of simple forms has coder %u", id, l->simple,
 			s->lists[l->simple].coder);
+	if (!ladder_impostor_fits(s, l))
+		return BAD("ladder %u: list %#x is no impostor of plant %u beside splats with its samples", id,
+			l->impostor, l->plant);
 	if (l->before > l->total)
 		return BAD("ladder %u: %u of %u before it", id, l->before, l->total);
 	if (!within(l->importance, 0, SCALE_MAX) || !within(l->area, 0, AREA_MAX)

@@ -12,7 +12,7 @@ const struct eco_section_info eco_section_info[ECO_SECTION_KIND_END] = {
 	[ECO_SECTION_SCENE] = { "SCENE", 88 },
 	[ECO_SECTION_PLANTS] = { "PLANTS", 92 },
 	[ECO_SECTION_ANCHORS] = { "ANCHORS", 16 },
-	[ECO_SECTION_LADDERS] = { "LADDERS", 92 },
+	[ECO_SECTION_LADDERS] = { "LADDERS", 96 },
 	[ECO_SECTION_CURVES] = { "CURVES", 20 },
 	[ECO_SECTION_TILES] = { "TILES", 84 },
 	[ECO_SECTION_GROUPS] = { "GROUPS", 20 },
@@ -149,7 +149,7 @@ static const struct field anchor_fields[] = { ARRAY(anchor, center), ONE(anchor,
 static const struct field ladder_fields[] = {
 	ONE(ladder, plant), ONE(ladder, anchor), ONE(ladder, organ), ONE(ladder, flags),
 	ONE(ladder, level_count), ZERO_BYTES(1), ONE(ladder, points), ONE(ladder, lines), ONE(ladder, simple),
-	ONE(ladder, triangles), ARRAY(ladder, level_end), ONE(ladder, total), ONE(ladder, before),
+	ONE(ladder, triangles), ONE(ladder, impostor), ARRAY(ladder, level_end), ONE(ladder, total), ONE(ladder, before),
 	ONE(ladder, importance), ONE(ladder, area), ONE(ladder, length), ONE(ladder, epsilon),
 	ONE(ladder, curve_first), ONE(ladder, curve_count),
 };

@@ -342,15 +342,17 @@ enum eco_code eco_pack_add_encoded(struct eco_pack_writer *writer, const struct 
 }
 
 enum eco_code eco_pack_add_bytes(struct eco_pack_writer *writer, const struct eco_list *list,
-	const void *bytes, size_t size, uint32_t *list_id, struct eco_error *error)
+	const struct eco_bytes *files, uint32_t file_count, uint32_t *list_id, struct eco_error *error)
 {
 	uint32_t chunk_first = writer->chunk_count;
+	enum eco_code code = ECO_OK;
 	*list_id = ECO_NONE;
 	assert(list->coder == ECO_CODER_BYTES);
-	if (size == 0 || size > ECO_CHUNK_BYTES_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "list %u: a file of %zu bytes; 1 to %u fit",
-			writer->list_count, size, ECO_CHUNK_BYTES_MAX);
-	enum eco_code code = add_chunk(writer, bytes, size, 1, 1, error);
+	for (uint32_t i = 0; i < file_count && !code; i++)
+		code = files[i].size > 0 && files[i].size <= ECO_CHUNK_BYTES_MAX
+			? add_chunk(writer, files[i].at, files[i].size, 1, 1, error)
+			: eco_fail(error, ECO_TOO_LARGE, "list %u: a file of %zu bytes; 1 to %u fit",
+			writer->list_count, files[i].size, ECO_CHUNK_BYTES_MAX);
 	return code == ECO_OK ? add_list(writer, list, chunk_first, list_id, error) : code;
 }
 

@@ -11,6 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/format/impostor.h"
+
 #include "ecofiles/format/chunk.h"
 #include "ecofiles/format/chunk_payload.h"
 #include "ecofiles/base/utf8.h"
@@ -185,7 +187,7 @@ static enum eco_code check_form(uint32_t id, const struct eco_list *list, struct
 static enum eco_code check_list(const struct eco_wire_parser *p, uint32_t id, const struct eco_list *list,
 	struct eco_error *e)
 {
-	if (list->kind < ECO_LIST_TRIANGLES || list->kind > ECO_LIST_IMAGE)
+	if (list->kind < ECO_LIST_TRIANGLES || list->kind > ECO_LIST_IMPOSTOR)
 		return eco_fail(e, ECO_UNSUPPORTED, "list %u is of kind %u, which this program does not know",
 			id, list->kind);
 	if (list->coder < ECO_CODER_ELEMENTS || list->coder > ECO_CODER_BYTES)
@@ -194,12 +196,10 @@ static enum eco_code check_list(const struct eco_wire_parser *p, uint32_t id, co
 	struct eco_error why;
 	if (eco_list_check_coding(list, &why))
 		return BAD("list %u: %s", id, why.text);
-	if (list->level && list->kind != ECO_LIST_POINTS
+	if (list->level && list->kind != ECO_LIST_POINTS && list->kind != ECO_LIST_IMPOSTOR
 			&& (list->kind != ECO_LIST_GROUND || list->level >= ECO_GROUND_LEVELS))
 		return eco_fail(e, ECO_UNSUPPORTED, "list %u has level %u, which this program does not know",
 			id, list->level);
-	if ((list->kind == ECO_LIST_IMAGE) != (list->coder == ECO_CODER_BYTES))
-		return BAD("list %u: kind %u cannot have coder %u", id, list->kind, list->coder);
 	if (!grid_sound(list))
 		return BAD("list %u: its grid or unit area is not finite or negative", id);
 	if (list->kind == ECO_LIST_GROUND && !p->ground)
@@ -212,6 +212,11 @@ static enum eco_code check_list(const struct eco_wire_parser *p, uint32_t id, co
 			list->image, list->partner, p->list_count);
 	if (list->coder == ECO_CODER_FORM && check_form(id, list, e) != ECO_OK)
 		return ECO_DAMAGED;
+	if (list->kind == ECO_LIST_IMPOSTOR && (list->primitive_count > ECO_IMPOSTOR_LEVELS
+			|| list->primitive_count != list->chunk_count
+			|| list->primitive_count != list->element_count))
+		return BAD("list %u: %u levels of an impostor in %u chunks", id, list->primitive_count,
+			list->chunk_count);
 	if (list->element_count > list->primitive_count && list->kind != ECO_LIST_IMAGE)
 		return BAD("list %u: %u elements with %u primitives", id,
 			list->element_count, list->primitive_count);

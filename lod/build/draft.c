@@ -19,7 +19,7 @@ struct eco_ladder *lod_draft_ladder(struct lod_draft *draft)
 		longjmp(draft->arena->failed, 1);
 	struct eco_ladder *ladder = &plant->ladders[plant->ladder_count++];
 	*ladder = (struct eco_ladder){ .points = ECO_NONE, .lines = ECO_NONE, .simple = ECO_NONE,
-		.triangles = ECO_NONE, .importance = 1 };
+		.triangles = ECO_NONE, .impostor = ECO_NONE, .importance = 1 };
 	return ladder;
 }
 

@@ -441,5 +441,8 @@ void lod_plant_free(struct lod_plant *plant)
 	free(plant->lists);
 	free(plant->palette);
 	free(plant->images);
+	for (uint32_t i = 0; i < plant->impostor_count; i++)
+		free(plant->impostor[i].at);
+	free(plant->impostor);
 	memset(plant, 0, sizeof *plant);
 }

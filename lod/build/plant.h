@@ -39,6 +39,10 @@ struct lod_plant {
 	struct eco_curve *curves;            uint32_t curve_count;
 	struct lod_list_draft *lists;        uint32_t list_count;
 	uint8_t (*palette)[3];               uint32_t palette_count;
+	/* levels of its impostor as bytes (ecofiles/format/impostor.h); a ladder that has it names the list
+	 * after `lists` */
+	struct eco_bytes *impostor;          uint32_t impostor_count;
+	uint8_t impostor_level;              /* code for eco_level_share, as in its lists of points */
 	uint32_t *images;                    uint32_t image_count; /* indices of the model's images in use */
 	struct lod_organ_stats organ[ECO_ORGAN_COUNT];
 	uint32_t triangles_in, triangles_stored, dropped[ECO_DROP_COUNT];   /* in = stored + sum of dropped */

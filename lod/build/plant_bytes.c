@@ -6,9 +6,11 @@
 #include <string.h>
 
 #include "ecofiles/format/chunk_payload.h"
+#include "ecofiles/format/impostor.h"
 #include "ecofiles/format/pack_record.h"
 
 #define BAD(...) eco_fail(error, ECO_DAMAGED, __VA_ARGS__)
+#define COUNTS 7
 
 /* ---- Writing ---- */
 
@@ -49,8 +51,8 @@ static void write_list(struct eco_writer *w, const struct lod_list_draft *draft)
 void lod_plant_write(struct eco_writer *w, const struct lod_plant *plant)
 {
 	struct eco_plant nameless = plant->plant;
-	const uint32_t counts[] = { plant->plant.anchor_count, plant->ladder_count, plant->curve_count,
-		plant->list_count, plant->palette_count, plant->image_count };
+	const uint32_t counts[COUNTS] = { plant->plant.anchor_count, plant->ladder_count, plant->curve_count,
+		plant->list_count, plant->palette_count, plant->image_count, plant->impostor_count };
 	memset(nameless.name, 0, sizeof nameless.name);
 	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
 		eco_write_u32(w, counts[i]);
@@ -80,6 +82,12 @@ void lod_plant_write(struct eco_writer *w, const struct lod_plant *plant)
 	}
 	for (uint32_t i = 0; i < plant->list_count; i++)
 		write_list(w, &plant->lists[i]);
+	for (uint32_t i = 0; i < plant->impostor_count; i++) {
+		eco_write_varint(w, plant->impostor[i].size);
+		eco_write_bytes(w, plant->impostor[i].at, plant->impostor[i].size);
+	}
+	if (plant->impostor_count)
+		eco_write_u8(w, plant->impostor_level);
 }
 
 /* ---- Reading ---- */
@@ -253,6 +261,9 @@ static enum eco_code check_ladder(const struct lod_plant *plant, const struct ec
 	    || !names_list(plant, l->simple, ECO_LIST_TRIANGLES)
 	|| !names_list(plant, l->triangles, ECO_LIST_TRIANGLES))
 		return BAD("a ladder of lists that are not there or of another kind");
+	if (l->impostor != ECO_NONE && (l->impostor != plant->list_count || !plant->impostor_count
+			|| l->curve_count < plant->impostor_count))
+		return BAD("a ladder of an impostor that is not there, or without its samples");
 	bool splats = l->points != ECO_NONE && (plant->lists[l->points].list.attributes & ECO_ATTR_SPLAT);
 	uint32_t levels = splats ? l->points : l->triangles;
 	if (l->level_count > 0
@@ -265,7 +276,7 @@ static enum eco_code check_ladder(const struct lod_plant *plant, const struct ec
 	return ECO_OK;
 }
 
-static enum eco_code check_tables(const struct lod_plant *plant, const uint32_t counts[6],
+static enum eco_code check_tables(const struct lod_plant *plant, const uint32_t counts[COUNTS],
 	struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
@@ -282,7 +293,7 @@ static enum eco_code check_tables(const struct lod_plant *plant, const uint32_t 
 }
 
 /* Reads the tables before the lists; false if memory or bytes do not suffice. */
-static bool read_tables(struct lod_plant *plant, struct eco_reader *r, const uint32_t counts[6])
+static bool read_tables(struct lod_plant *plant, struct eco_reader *r, const uint32_t counts[COUNTS])
 {
 	eco_plant_read(r, &plant->plant);
 	plant->anchors = room(r, counts[0], eco_section_info[ECO_SECTION_ANCHORS].record_bytes,
@@ -329,19 +340,47 @@ static bool read_tables(struct lod_plant *plant, struct eco_reader *r, const uin
 		&& plant->lists && !r->failed;
 }
 
+static enum eco_code read_impostor(struct lod_plant *plant, uint32_t count, struct eco_reader *r,
+	struct eco_error *error)
+{
+	struct eco_impostor_body body;
+	struct eco_impostor_level level;
+	plant->impostor = count <= ECO_IMPOSTOR_LEVELS ? calloc(count + 1u, sizeof *plant->impostor) : NULL;
+	if (!plant->impostor)
+		return BAD("%u levels of an impostor", count);
+	for (uint32_t i = 0; i < count; i++) {
+		uint64_t size = eco_read_varint(r);
+		const uint8_t *bytes = size <= r->size - r->at ? eco_read_bytes(r, (size_t)size) : NULL;
+		struct eco_bytes *to = &plant->impostor[i];
+		if (r->failed || !bytes || !(to->at = malloc((size_t)size + 1)))
+			return BAD("level %u of an impostor is cut off", i);
+		plant->impostor_count++;
+		to->size = (size_t)size;
+		memcpy(to->at, bytes, to->size);
+		enum eco_code code = eco_impostor_level_read(&level, &body, to->at, to->size, error);
+		if (code || level.level != i)
+			return code ? code : BAD("level %u of an impostor is level %u", i, level.level);
+		eco_impostor_level_free(&level);
+	}
+	plant->impostor_level = count ? eco_read_u8(r) : 0;
+	return ECO_OK;
+}
+
 enum eco_code lod_plant_read(struct lod_plant *plant, const uint8_t *bytes, size_t size,
 	struct eco_error *error)
 {
 	struct eco_reader r = { bytes, size, 0, false };
-	uint32_t counts[6];
+	uint32_t counts[COUNTS];
 	enum eco_code code = ECO_OK;
 	*plant = (struct lod_plant){ 0 };
-	for (int i = 0; i < 6; i++)
+	for (int i = 0; i < COUNTS; i++)
 		counts[i] = eco_read_u32(&r);
 	if (!read_tables(plant, &r, counts))
 		code = BAD("a plant's tables are cut off");
 	for (uint32_t i = 0; i < plant->list_count && !code; i++)
 		code = read_list(plant, &plant->lists[i], &r, error);
+	if (!code)
+		code = read_impostor(plant, counts[6], &r, error);
 	if (!code && (r.failed || r.at != r.size))
 		code = BAD("%zu bytes after a plant's end", r.size - r.at);
 	if (!code)

@@ -6,7 +6,7 @@
  * Little-endian. Records are those of a pack (pack_record.h); a varint is that of bytes.h; a delta is a
  * zigzag varint of the difference to the value before it, 0 before the first.
  *
- *   u32 x 6      numbers of anchors, ladders, curves, lists, colours, images
+ *   u32 x 7      numbers of anchors, ladders, curves, lists, colours, images, levels of an impostor
  *   .            PLANT record without a name, then ANCHORS, LADDERS, CURVES, PALETTE (3 bytes a colour),
  *                u32 an image
  *   .            per organ: u32 components, elements, triangles, f64 area
@@ -17,6 +17,8 @@
  *                u8 corners of each element
  *                position: a delta each, to the same axis of the corner before; exact: a zigzag varint each,
  *                to the position; uv as position; extra: a delta to the same value of the element before
+ *
+ *   per level of the impostor: varint size, bytes; then, if there are levels, u8 how level leaves lie
  *
  * There is no version: the owner of such bytes knows the program that wrote them. */
 #ifndef LOD_PLANT_BYTES_H

@@ -420,7 +420,7 @@ static void fix_summary(struct lod_tile_choice *choice, double points)
 	choice->partial[1].fn_slope = LAST_SLOPE;
 	choice->partial_hull = (struct lod_hull){ choice->partial,
 		choice->partial[1].vertices > choice->partial[0].vertices ? 2 : 1,
-		choice->summary.hull.fp_weight, 0 };
+		choice->summary.hull.fp_weight, 0, ECO_NONE };
 }
 
 /* Beyond the gate, the plants of the greatest hashes draw a ladder that shows the whole plant. */

@@ -109,6 +109,8 @@ struct lod_allocation {
 	double *scratch;             /* per slot */
 	struct lod_hull_point **blocks;          uint32_t block_count, block_capacity, block_used;
 	uint32_t *slot_of;           /* per plant and band: slot of whole plants + 1 */
+	double *plant_seen;          /* per plant: pixels of those that may be drawn as impostors */
+	uint8_t *impostor_levels;    /* per plant: levels that are worth their bytes */
 	uint8_t *gates_counted;      /* per plant: bands whose cells were counted */
 	bool few_plants;             /* in view: tiles and gates are not blended, single plants decide */
 	bool has_whole;              /* some plants in view have a ladder that shows the whole plant */

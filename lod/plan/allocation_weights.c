@@ -7,6 +7,7 @@
 
 #include "ecofiles/base/room.h"
 #include "lod/ladder.h"
+#include "lod/plan/impostor_worth.h"
 
 #define PI 3.14159265358979323846
 #define BLOCK 4096u              /* hull points allocated at once */
@@ -164,20 +165,30 @@ static bool add_ladder_choices(struct lod_allocation *m, uint32_t s, uint32_t id
 }
 
 /* The hull of a ladder that shows the whole plant, for a slot. At 0 vertices as much is wrong as where
- * nothing of its organs is drawn, which depends on how they show; its table assumes the most. */
-static bool whole_hull(struct lod_allocation *m, const struct lod_hull *from, uint64_t to, double absent,
+ * nothing of its organs is drawn, which depends on how they show; its table assumes the most. Which level of
+ * an impostor one vertex is, if any, depends on the band. */
+static bool whole_hull(struct lod_allocation *m, const struct lod_plan_tables_ladder *table, double absent,
 	struct lod_hull *hull)
 {
 	struct lod_hull_point points[LOD_HULL_POINTS_MAX];
-	memcpy(points, from->points, from->count * sizeof *points);
-	for (uint32_t i = 0; i < from->count; i++)
-		lod_hull_set_detail(&points[i], hull->slack);
+	const struct lod_hull *from = &table->hull[0];
+	uint32_t levels = lod_hull_impostor_levels(&table->way);
+	hull->count = 0;
+	for (uint32_t i = 0; i < from->count; i++) {
+		struct lod_hull_point *point = &points[hull->count];
+		bool impostor = from->points[i].vertices == 1 && levels;
+		if (impostor && hull->impostor == ECO_NONE)
+			continue;
+		*point = impostor ? lod_hull_point_at(&table->way, 1, hull->slack, hull->impostor)
+			: from->points[i];
+		lod_hull_set_detail(point, hull->slack);
+		hull->count++;
+	}
 	points->fn += absent - LOD_ABSENT_WEIGHT;
 	points->above_fn += (float)(absent - LOD_ABSENT_WEIGHT);
 	hull->points = points;
-	hull->count = from->count;
 	lod_hull_reduce_here(hull, LOD_HULL_SLOPE_RATIO);
-	lod_hull_complete(hull, to);
+	lod_hull_complete(hull, table->way.full);
 	return own_points(m, hull, points);
 }
 
@@ -213,8 +224,10 @@ static bool add_whole_choices(struct lod_allocation *m, uint32_t s)
 		struct lod_ladder_choice choice = { .slot = s, .ladder = ladders[i], .when = LOD_WHOLE,
 			.weight_px = weight_px, .hull.fp_weight = slot_choice->fp_weight,
 			.hull.slack = whole_slack(m, &m->p->visible.slots[s]) };
-		if (!table || !whole_hull(m, &table->hull[0], table->way.full, absent, &choice.hull)
-				|| !add_ladder_choice(m, &choice))
+		if (!table)
+			return false;
+		choice.hull.impostor = lod_impostor_of_slot(m, &m->p->visible.slots[s], &table->way);
+		if (!whole_hull(m, table, absent, &choice.hull) || !add_ladder_choice(m, &choice))
 			return false;
 		m->has_whole = true;
 		slot_choice->whole_count++;
@@ -533,8 +546,10 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 	m->drawn_by = calloc(nodes + 1, sizeof *m->drawn_by);
 	m->slot_of = calloc((size_t)scene->plant_count * ECO_BANDS + 1, sizeof *m->slot_of);
 	m->gates_counted = malloc(scene->plant_count + 1u);
+	m->plant_seen = calloc(scene->plant_count + 1u, sizeof *m->plant_seen);
+	m->impostor_levels = calloc(scene->plant_count + 1u, 1);
 	if (!m->slot_choices || !m->scratch || !m->counts || !m->tile_choices || !m->drawn_by || !m->slot_of
-			|| !m->gates_counted)
+			|| !m->gates_counted || !m->plant_seen || !m->impostor_levels)
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u slots", slots);
 	for (uint32_t i = 0; i < scene->plant_count; i++)
 		m->gates_counted[i] = (uint8_t)(p->gates[i] / ECO_SHARE_ONE);
@@ -548,6 +563,7 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 	if (code)
 		return code;
 	measure_plants(m);
+	lod_impostor_worth(m);
 	for (uint32_t s = 0; !code && s < slots; s++)
 		if (!p->visible.slots[s].cell)
 			code = make_slot_choice(m, s, error);
@@ -574,5 +590,7 @@ void lod_allocation_free(struct lod_allocation *m)
 	free(m->ladder_choices);
 	free(m->slot_of);
 	free(m->gates_counted);
+	free(m->plant_seen);
+	free(m->impostor_levels);
 	*m = (struct lod_allocation){ 0 };
 }

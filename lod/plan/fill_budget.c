@@ -292,6 +292,28 @@ static const struct lod_way *way_of(const struct lod_fill *fill, const struct lo
 		fill->allocation->ladder_choices[candidate->ladder_choice].ladder);
 }
 
+/* Does the candidate's step begin with an impostor? Then it is taken whole: a few splats are worse. */
+static bool leaps(const struct lod_candidate *candidate)
+{
+	return candidate->ladder_choice != ECO_NONE && candidate->hull->impostor != ECO_NONE
+		&& candidate->low == 1;
+}
+
+/* What a plant may draw on the way from candidate->low to candidate->high: the most up to `vertices`, and the
+ * least beyond `at`. */
+static uint64_t part_floor(const struct lod_fill *fill, const struct lod_candidate *candidate,
+	uint64_t vertices)
+{
+	if (leaps(candidate))
+		return vertices < candidate->high ? candidate->low : candidate->high;
+	return lod_way_floor(way_of(fill, candidate), vertices);
+}
+
+static uint64_t part_next(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t at)
+{
+	return leaps(candidate) ? candidate->high : lod_way_next(way_of(fill, candidate), at);
+}
+
 /* All plants have `vertices`, at the next hull point or on the way to it. */
 static void reach(struct lod_candidate *candidate, uint64_t vertices)
 {
@@ -320,15 +342,14 @@ static uint64_t fill_plants(struct lod_fill *fill, struct lod_candidate *candida
  * further. */
 static uint64_t fill_evenly(struct lod_fill *fill, struct lod_candidate *candidate, uint64_t left)
 {
-	const struct lod_way *way = way_of(fill, candidate);
 	uint64_t each = left / candidate->count, spent = 0,
-		to = lod_way_floor(way, each < candidate->high - candidate->low ? candidate->low + each
-		: candidate->high);
+		to = part_floor(fill, candidate, each < candidate->high - candidate->low
+		? candidate->low + each : candidate->high);
 	if (to > candidate->low) {
 		spent = (to - candidate->low) * candidate->count;
 		candidate->low = to;
 	}
-	uint64_t next = lod_way_next(way, candidate->low);
+	uint64_t next = part_next(fill, candidate, candidate->low);
 	if (next < candidate->high && next - candidate->low <= left - spent) {
 		uint64_t plants = share_floor(fill, candidate, (left - spent) / (next - candidate->low));
 		if (plants > 0) {
@@ -346,7 +367,7 @@ static uint64_t fill_one_part(struct lod_fill *fill, struct lod_candidate *candi
 {
 	uint64_t plants = candidate->between ? 0 : lod_fill_share_next(fill, candidate, candidate->ahead)
 		- candidate->ahead;
-	uint64_t to = plants ? lod_way_floor(way_of(fill, candidate), candidate->low + left / plants) : 0;
+	uint64_t to = plants ? part_floor(fill, candidate, candidate->low + left / plants) : 0;
 	if (to <= candidate->low)
 		return 0;
 	candidate->middle = to;
@@ -359,7 +380,7 @@ static uint64_t fill_thinly(struct lod_fill *fill, struct lod_candidate *candida
 {
 	uint64_t had = candidate->ahead * (candidate->high - candidate->low),
 		plants = lod_fill_share_next(fill, candidate, candidate->ahead);
-	uint64_t to = lod_way_floor(way_of(fill, candidate), candidate->low + (had + left) / plants);
+	uint64_t to = part_floor(fill, candidate, candidate->low + (had + left) / plants);
 	if (to <= candidate->low || to >= candidate->high || plants * (to - candidate->low) <= had)
 		return 0;
 	uint64_t spent = plants * (to - candidate->low) - had;
@@ -432,7 +453,7 @@ static uint64_t part_cost(struct lod_fill *fill, const struct lod_candidate *can
 	uint64_t plants = candidate->between ? candidate->between
 		: lod_fill_share_next(fill, candidate, candidate->ahead) - candidate->ahead;
 	uint64_t at = candidate->between ? candidate->middle : candidate->low;
-	return plants * (lod_way_next(way_of(fill, candidate), at) - at);
+	return plants * (part_next(fill, candidate, at) - at);
 }
 
 /* Vertices of the cheapest addition that gains. */
@@ -451,7 +472,7 @@ static uint64_t cheapest_step(struct lod_fill *fill)
 				* (candidate->high - candidate->low);
 		else if (candidate->ladder_choice != ECO_NONE)
 			cost = lod_fill_share_next(fill, candidate,
-				0) * (lod_way_next(way_of(fill, candidate), candidate->low) - candidate->low);
+				0) * (part_next(fill, candidate, candidate->low) - candidate->low);
 		cheapest = cost < cheapest ? cost : cheapest;
 	}
 	return cheapest;
@@ -542,7 +563,7 @@ static enum eco_code add_entries(struct lod_fill *fill, struct eco_error *error)
 	for (uint32_t i = 0; !code && i < fill->candidate_count; i++) {
 		const struct lod_candidate *candidate = &fill->candidates[i];
 		struct lod_entry entry = { .slot = ECO_NONE, .ladder = candidate->node,
-			.count = candidate->count, .vertices = candidate->low };
+			.count = candidate->count, .vertices = candidate->low, .impostor = ECO_NONE };
 		if (candidate->ladder_choice == ECO_NONE) {
 			const struct lod_node *node = &p->visible.nodes[candidate->node];
 			entry.full = lod_planner_count(p->scene, p->scene->tiles[node->tile].summary);
@@ -556,6 +577,7 @@ static enum eco_code add_entries(struct lod_fill *fill, struct eco_error *error)
 				1 - (m->slot_choices[o->slot].seen > 0
 				? m->slot_choices[o->slot].unoccluded / m->slot_choices[o->slot].seen : 1);
 			entry.ladder = o->ladder;
+			entry.impostor = o->hull.impostor;
 			entry.full = lod_planner_way(p, o->ladder)->full;
 			double organ = o->when == LOD_NEAR ? all[o->slot][ladder->organ] : 0;
 			find_hashes(p, o, &entry);
@@ -585,7 +607,7 @@ static double error_at(const struct lod_fill *fill, const struct lod_candidate *
 	if (vertices == candidate->hull->points->vertices)
 		return lod_hull_error(candidate->hull, candidate->hull->points);
 	struct lod_hull_point point = lod_hull_point_at(way_of(fill, candidate), vertices,
-		candidate->hull->slack);
+		candidate->hull->slack, candidate->hull->impostor);
 	return lod_hull_error(candidate->hull, &point);
 }
 

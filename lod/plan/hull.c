@@ -3,6 +3,10 @@
 
 #include <math.h>
 
+#include "ecofiles/format/impostor.h"
+
+/* Of a texel's outline, for its detail: what is mixed from several directions is less sharp than texels. */
+#define TEXEL_DETAIL 0.5
 #define GROWTH 4u                /* samples grow by a quarter: curves are smooth */
 
 /* Slopes of the step between two points. */
@@ -81,12 +85,29 @@ static double octaves_of(const struct lod_way *way, uint64_t vertices)
 
 void lod_hull_set_detail(struct lod_hull_point *point, double slack)
 {
-	double seen = (double)point->octaves - slack, covered = fmax(0, 1 - point->fn);
-	point->detail = seen > 0 ? covered * fmin(LOD_DETAIL_MOST, LOD_OCTAVE_WEIGHT * seen) : 0;
+	double seen = (double)point->octaves - slack;
+	point->detail = seen > 0 ? fmin(LOD_DETAIL_MOST, LOD_OCTAVE_WEIGHT * seen) : 0;
 }
 
-struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vertices, double slack)
+/* A level of the ladder's impostor: texels are as wide as so many parts of the outline. */
+static struct lod_hull_point impostor_point(const struct lod_way *way, uint32_t level, double slack)
 {
+	double share = (level + 1.0) / lod_hull_impostor_levels(way) / (double)way->full,
+		texels = eco_impostor_sizes[level].texels;
+	struct eco_curve curve = lod_ladder_curve(way->scene, way->ladder, share),
+		above = lod_ladder_curve_seen(way->scene, way->ladder, share, 1);
+	struct lod_hull_point point = { .vertices = 1, .fp = curve.fp, .fn = curve.fn,
+		.octaves = (float)-lod_octaves(texels * texels * TEXEL_DETAIL), .above_fp = above.fp,
+		.above_fn = above.fn };
+	lod_hull_set_detail(&point, slack);
+	return point;
+}
+
+struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vertices, double slack,
+	uint32_t impostor)
+{
+	if (vertices == 1 && impostor < lod_hull_impostor_levels(way))
+		return impostor_point(way, impostor, slack);
 	const struct eco_scene *scene = way->scene;
 	const struct eco_ladder *ladder = way->ladder;
 	const struct eco_plant *plant = &scene->plants[ladder->plant];
@@ -113,7 +134,7 @@ uint32_t lod_hull_sample(struct lod_hull_point points[LOD_HULL_POINTS_MAX], cons
 {
 	uint64_t stage = lod_way_stage_end(way), at = from;
 	uint32_t count = 1;
-	points[0] = lod_hull_point_at(way, from, slack);
+	points[0] = lod_hull_point_at(way, from, slack, ECO_NONE);
 	while (at < to && count < LOD_HULL_POINTS_MAX - 2) {
 		uint64_t next = lod_way_next(way, at), further = lod_way_floor(way, at + at / GROWTH + 1);
 		next = further > next ? further : next;
@@ -122,10 +143,10 @@ uint32_t lod_hull_sample(struct lod_hull_point points[LOD_HULL_POINTS_MAX], cons
 			next = stage;
 		next = next < level ? next : level;
 		at = next < to ? next : to;
-		points[count++] = lod_hull_point_at(way, at, slack);
+		points[count++] = lod_hull_point_at(way, at, slack, ECO_NONE);
 	}
 	if (at < to)
-		points[count++] = lod_hull_point_at(way, to, slack);
+		points[count++] = lod_hull_point_at(way, to, slack, ECO_NONE);
 	return count;
 }
 

@@ -49,6 +49,7 @@ struct lod_hull {
 	double fp_weight;            /* weight of a false positive; a false negative weighs 1 */
 	double slack;                /* octaves that nobody sees: up to the width of a pixel, or of full
 	                              * detail */
+	uint32_t impostor;           /* level of the ladder's impostor that is one vertex; ECO_NONE: a splat */
 };
 
 /* Samples a ladder from `from` to `to` vertices, both values that lod_way_floor returns. Returns the number
@@ -59,8 +60,15 @@ uint32_t lod_hull_sample(struct lod_hull_point points[LOD_HULL_POINTS_MAX], cons
 /* Error added at 0 vertices: LOD_ABSENT_WEIGHT or 0. For a ladder that shows the whole plant it is the most
  * that it can be; what it is depends on the plant's organs as they are seen (allocation_weights.c). */
 double lod_hull_absent(const struct eco_ladder *ladder);
-/* Errors at `vertices`, a value that lod_way_floor returns. */
-struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vertices, double slack);
+/* Errors at `vertices`, a value that lod_way_floor returns; `slack` and `impostor` are the hull's. */
+struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vertices, double slack,
+	uint32_t impostor);
+/* Levels of a ladder's impostor; 0: it has none. */
+static inline uint32_t lod_hull_impostor_levels(const struct lod_way *way)
+{
+	uint32_t list = way->ladder->impostor;
+	return list == ECO_NONE ? 0 : way->scene->lists[list].primitive_count;
+}
 /* Sets detail from octaves, fn and slack: each octave that is seen costs LOD_OCTAVE_WEIGHT of a covered
  * pixel, all of them LOD_DETAIL_MOST: a plant as one splat is better than as a few leaves. */
 #define LOD_OCTAVE_WEIGHT 0.1

@@ -150,7 +150,8 @@ struct hulls {                       /* of one ladder, while they are made */
 static void make_hull(struct hulls *hulls, int beside, const struct lod_way *way, uint64_t from, uint64_t to)
 {
 	struct lod_hull *hull = &hulls->hull[beside];
-	*hull = (struct lod_hull){ hulls->points[beside], 0, LOD_FP_WEIGHT_LEAST, beside ? INFINITY : 0 };
+	*hull = (struct lod_hull){ hulls->points[beside], 0, LOD_FP_WEIGHT_LEAST, beside ? INFINITY : 0,
+		ECO_NONE };
 	hull->count = lod_hull_sample(hull->points, way, from, to, hull->slack);
 	if (way->ladder->flags & ECO_LADDER_WHOLE)
 		return;

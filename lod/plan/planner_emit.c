@@ -56,6 +56,10 @@ static void add_cuts(const struct lod_planner *p, const struct lod_entry *entry,
 		return;
 	uint32_t count = lod_way_cuts(lod_planner_way(p, entry->ladder), part->vertices,
 		entry_density(p, entry, part->vertices), above_of(slot), cuts);
+	uint32_t impostor = p->scene->ladders[entry->ladder].impostor;
+	if (part->vertices == 1 && impostor != ECO_NONE && entry->impostor != ECO_NONE)
+		cuts[0] = (struct eco_cut){ .list = impostor,
+			.first = entry->impostor, .end = entry->impostor + 1, .scale = 1 };
 	double growth = grown(p, entry, part->vertices);
 	for (uint32_t i = 0; i < count; i++) {
 		cuts[i].scale = eco_wire_scale_round((float)(growth * (double)cuts[i].scale));

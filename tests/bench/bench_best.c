@@ -35,7 +35,7 @@ static double error_at(const struct search *s, const struct lod_candidate *candi
 		struct lod_hull_point point =
 			lod_hull_point_at(lod_planner_way(&s->planner,
 			s->allocation.ladder_choices[candidate->ladder_choice].ladder), vertices,
-			hull->slack);
+			hull->slack, hull->impostor);
 		return lod_hull_error(hull, &point);
 	}
 	while (i + 1 < hull->count && hull->points[i + 1].vertices <= vertices)

@@ -159,7 +159,7 @@ static struct eco_ladder *add_ladder(struct crown *crown, uint32_t points, uint3
 {
 	struct eco_ladder *ladder = &crown->ladders[crown->plant.ladder_count++];
 	*ladder = (struct eco_ladder){ .organ = ECO_ORGAN_FOLIAGE, .points = points, .lines = ECO_NONE,
-		.simple = ECO_NONE,
+		.simple = ECO_NONE, .impostor = ECO_NONE,
 		.triangles = triangles, .importance = 1 };
 	ladder->total = crown->lists[triangles != ECO_NONE ? triangles : points].list.element_count;
 	return ladder;

@@ -59,12 +59,13 @@ UNIT_TEST(levels_survive_their_bytes)
 	for (uint32_t which = 0; which < ECO_IMPOSTOR_LEVELS; which++)
 		for (uint32_t holes = 0; holes <= 16; holes += 4) {
 			struct eco_impostor_level level, back;
+			struct eco_impostor_body read;
 			struct eco_writer w = { 0 };
 			struct eco_error error = { 0 };
 			fill(&level, which, holes);
 			eco_write_u8(&w, 99);                /* what is there before stays */
 			write(&w, &level);
-			assert_ok(eco_impostor_level_read(&back, &body, w.bytes + 1, w.size - 1, &error),
+			assert_ok(eco_impostor_level_read(&back, &read, w.bytes + 1, w.size - 1, &error),
 				error);
 			assert_int_equal(w.bytes[0], 99);
 			assert_same(&level, &back);
@@ -78,8 +79,7 @@ UNIT_TEST(levels_survive_their_bytes)
 UNIT_TEST(bytes_are_always_the_same)
 {
 	static const uint64_t golden[ECO_IMPOSTOR_LEVELS] = {
-		UINT64_C(0xfcbf3f8b250e66dd), UINT64_C(0xb2fbaa636d712ae2),
-		UINT64_C(0x2c5fff0185b7cede), UINT64_C(0xd519f7a49966d1ce), UINT64_C(0x1c27c6cd59f2569) };
+		UINT64_C(0x9048373c90c6788a), UINT64_C(0xc98d0653bcbd5906), UINT64_C(0x65a6e5fb04ce386e) };
 	for (uint32_t which = 0; which < ECO_IMPOSTOR_LEVELS; which++) {
 		struct eco_impostor_level level;
 		struct eco_writer w = { 0 };
@@ -107,8 +107,9 @@ static void assert_in_bounds(const struct eco_impostor_level *level)
 static bool try_read(const uint8_t *bytes, size_t size)
 {
 	struct eco_impostor_level level;
+	struct eco_impostor_body read;
 	struct eco_error error = { 0 };
-	enum eco_code code = eco_impostor_level_read(&level, &body, bytes, size, &error);
+	enum eco_code code = eco_impostor_level_read(&level, &read, bytes, size, &error);
 	if (code) {
 		assert_int_equal(code, ECO_DAMAGED);
 		assert_true(error.text[0] && !level.texel && !level.depth && !level.color);

@@ -33,13 +33,10 @@ static void look_around(const struct lod_impostor *impostor)
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
 	struct eco_error error = { 0 };
-	struct eco_reader r = { .bytes = bytes, .size = size };
 	struct eco_impostor_body body;
 	struct eco_impostor_level level, again;
 	struct lod_impostor impostor;
-	if (eco_impostor_body_read(&r, &body, &error))
-		return 0;
-	enum eco_code code = eco_impostor_level_read(&level, &body, bytes + r.at, size - r.at, &error);
+	enum eco_code code = eco_impostor_level_read(&level, &body, bytes, size, &error);
 	assert(code == error.code);
 	if (code)
 		return 0;

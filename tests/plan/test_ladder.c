@@ -66,7 +66,7 @@ UNIT_TEST(forms_give_way_from_the_front)
 		uint32_t coarse = random_form(&scene, kind, triangles, rows[i].corners),
 			per = rows[i].corners == 4 ? 2 : 1;
 		struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .points = ECO_NONE,
-			.lines = ECO_NONE, .simple = ECO_NONE,
+			.lines = ECO_NONE, .simple = ECO_NONE, .impostor = ECO_NONE,
 			.triangles = triangles, .total = k };
 		*(kind == ECO_LIST_POINTS ? &ladder.points : kind == ECO_LIST_LINES ? &ladder.lines
 			: &ladder.simple) = coarse;
@@ -242,6 +242,7 @@ UNIT_TEST(four_forms_follow_each_other)
 			chunk->primitive_count = 4 * chunk->element_count;
 		}
 		struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .triangles = triangles, .total = k,
+			.impostor = ECO_NONE,
 			.curve_count = 5,
 			.points = random_form(&scene, ECO_LIST_POINTS, triangles, 1),
 			.lines = random_form(&scene, ECO_LIST_LINES, triangles, 2),
@@ -292,7 +293,7 @@ UNIT_TEST(amounts_can_be_drawn_where_leaves_are_cheaper_than_their_forms)
 			fans->primitive_count += chunk->primitive_count;
 		}
 		struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .triangles = triangles,
-			.lines = ECO_NONE, .total = k, .curve_count = 5,
+			.lines = ECO_NONE, .impostor = ECO_NONE, .total = k, .curve_count = 5,
 			.points = random_form(&scene, ECO_LIST_POINTS, triangles, 1),
 			.simple = random_form(&scene, ECO_LIST_TRIANGLES, triangles, 2) };
 		for (uint32_t i = 0; i < 5; i++)
@@ -324,7 +325,7 @@ static struct eco_ladder points_and_fans(uint32_t k, uint32_t each)
 		scene.chunks[fans->chunk_first + c].primitive_count =
 			each * scene.chunks[fans->chunk_first + c].element_count;
 	fans->primitive_count = each * k;
-	return (struct eco_ladder){ .organ = ECO_ORGAN_FOLIAGE, .lines = ECO_NONE, .simple = ECO_NONE,
+	return (struct eco_ladder){ .organ = ECO_ORGAN_FOLIAGE, .lines = ECO_NONE, .simple = ECO_NONE, .impostor = ECO_NONE,
 		.triangles = triangles, .total = k,
 		.points = random_form(&scene, ECO_LIST_POINTS, triangles, 1) };
 }
@@ -378,7 +379,7 @@ UNIT_TEST(cells_draw_what_the_whole_plant_list_does_not)
 	random_scene_make(&scene, 3, 0);
 	const uint32_t k = 300, before = 100;
 	uint32_t triangles = random_fans(&scene, k, 0);
-	struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .lines = ECO_NONE, .simple = ECO_NONE,
+	struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .lines = ECO_NONE, .simple = ECO_NONE, .impostor = ECO_NONE,
 		.triangles = triangles, .before = before,
 		.total = before + k, .points = random_form(&scene, ECO_LIST_POINTS, triangles, 1),
 		.curve_count = 4 };

@@ -46,7 +46,10 @@ static void draw(struct lod_raster *raster, const struct sheet_plant *p, const s
 	for (uint32_t i = 0; i < drawing->count; i++) {
 		const struct sheet_batch *b = &drawing->batches[i];
 		const struct sheet_list *image = b->geometry.uv ? &p->lists[b->list->image] : NULL;
-		lod_raster_list(raster, b->list->list, &b->geometry, &(struct lod_raster_batch){
+		if (b->impostor)
+			lod_raster_impostor(raster, b->impostor, &(struct lod_raster_batch){ .owner = 1 });
+		else
+			lod_raster_list(raster, b->list->list, &b->geometry, &(struct lod_raster_batch){
 			.count = b->count, .area = b->area, .owner = 1,
 			.cutout = image && image->cutout ? &image->picture : NULL });
 	}

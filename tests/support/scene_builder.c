@@ -108,7 +108,7 @@ struct eco_ladder scene_ladder(uint32_t plant, uint32_t anchor, enum eco_organ o
 {
 	return (struct eco_ladder){ .plant = plant, .anchor = anchor, .organ = (uint8_t)organ,
 		.points = ECO_NONE, .lines = ECO_NONE,
-		.simple = ECO_NONE, .triangles = ECO_NONE, .importance = 1 };
+		.simple = ECO_NONE, .triangles = ECO_NONE, .impostor = ECO_NONE, .importance = 1 };
 }
 
 /* ---- Lists ---- */
@@ -274,7 +274,8 @@ enum eco_code scene_write(struct scene_builder *b, const char *path, const char 
 		const struct eco_list *list = &b->lists[id];
 		struct scene_ends ends = ends_of(b, id);
 		if (list->kind == ECO_LIST_IMAGE)
-			code = eco_pack_add_bytes(w, list, b->image, b->image_size, &stored, error);
+			code = eco_pack_add_bytes(w, list,
+				&(struct eco_bytes){ (uint8_t *)b->image, b->image_size }, 1, &stored, error);
 		else
 			code = eco_pack_add_list(w, list, &b->elements[id], ends.ends, ends.count,
 				list->coder == ECO_CODER_FORM ? &b->elements[list->partner] : NULL, &stored,

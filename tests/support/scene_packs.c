@@ -234,6 +234,7 @@ static void small_ladder(struct scene_builder *b, uint32_t anchor, struct eco_la
 	l.anchor = anchor;
 	l.importance = l.area = l.length = 1;
 	l.total = l.total ? l.total : 1;
+	l.impostor = ECO_NONE;
 	scene_add_ladder(b, l);
 }
 

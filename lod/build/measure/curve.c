@@ -34,6 +34,7 @@
 
 #include "lod/build/measure/curve_ways.h"
 #include "lod/build/grid.h"
+#include "lod/build/impostor/plant_impostor.h"
 #include "lod/build/splat/plant_splats.h"
 #include "lod/ladder.h"
 
@@ -351,18 +352,54 @@ static void gather(struct lod_curve_organ *curve, struct lod_probe *probe, uint3
 		choose_samples(curve);
 }
 
+/* The first samples of a ladder with an impostor are its levels. */
+static enum eco_code append_impostor(struct lod_plant *plant, const struct lod_curve_organ *curve,
+	struct eco_error *error)
+{
+	struct lod_probe *probe = curve->probe;
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < plant->impostor_count && !code; i++) {
+		struct lod_impostor impostor;
+		struct lod_probe_result result;
+		code = lod_plant_open_impostor(&impostor, plant, i, error);
+		if (code)
+			break;
+		lod_probe_clear(probe);
+		lod_probe_add_impostor(probe, &impostor);
+		lod_probe_compare(probe, 1, &result);
+		lod_probe_clear(probe);
+		lod_impostor_close(&impostor);
+		plant->curves[plant->curve_count++] = (struct eco_curve){ .scale = 1, .reach = 1,
+			.share = (float)((i + 1.0) / plant->impostor_count / curve->full),
+			.fp = (float)result.fp, .fn = (float)result.fn };
+	}
+	return code;
+}
+
+static bool has_impostor(const struct lod_curve_organ *curve)
+{
+	return curve->probe->plant->impostor_count
+		&& lod_curve_member(curve, 0)->impostor != ECO_NONE;
+}
+
 static enum eco_code append(struct lod_plant *plant, const struct lod_curve_organ *curve,
 	struct eco_error *error)
 {
-	struct eco_curve *grown =
-		realloc(plant->curves, (plant->curve_count + curve->sample_count + 1) * sizeof *grown);
+	uint32_t most = curve->sample_count + plant->impostor_count + 1;
+	struct eco_curve *grown = realloc(plant->curves, (plant->curve_count + most) * sizeof *grown);
 	if (!grown)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for curves");
 	plant->curves = grown;
+	bool impostor = curve->sample_count && has_impostor(curve);
+	enum eco_code code = impostor ? append_impostor(plant, curve, error) : ECO_OK;
+	if (code)
+		return code;
 	plant->solved[LOD_SOLVER_SCALE].runs += curve->solved.runs;
 	plant->solved[LOD_SOLVER_SCALE].converged += curve->solved.converged;
 	for (uint32_t i = 0; i < curve->sample_count; i++) {
 		const struct lod_curve_sample *s = &curve->samples[i];
+		if (impostor && !(s->share * curve->full > 1.5))
+			continue;                        /* one splat, which the impostor replaces */
 		plant->curves[plant->curve_count++] = (struct eco_curve){ .share = (float)s->share,
 			.scale = curve->scaled ? (float)lod_curve_scale(s->step) : 1,
 			.reach = (float)s->reach, .fp = (float)s->fp, .fn = (float)s->fn };
@@ -373,15 +410,16 @@ static enum eco_code append(struct lod_plant *plant, const struct lod_curve_orga
 static enum eco_code measure_both(struct lod_plant *plant, struct lod_curve_organ *curve,
 	struct progress *progress, struct eco_error *error)
 {
-	uint32_t first = plant->curve_count, count = 0;
+	uint32_t first = plant->curve_count, count = 0, samples = 0;
 	enum eco_code code = measure_curve(curve, false, progress, error);
 	if (!code)
 		code = append(plant, curve, error);
-	count = curve->sample_count;
+	count = plant->curve_count - first;
+	samples = curve->sample_count;
 	lod_probe_look(curve->probe, LOD_PROBE_ABOVE);
 	if (!code)
 		code = measure_curve(curve, true, progress, error);
-	bool above = !code && curve->sample_count == count;
+	bool above = !code && curve->sample_count == samples;
 	if (above)
 		code = append(plant, curve, error);
 	lod_probe_look(curve->probe, LOD_PROBE_AROUND);

@@ -196,6 +196,13 @@ void lod_probe_clear(struct lod_probe *probe)
 	probe->drawing_count = 0;
 	probe->float_count = 0;
 	probe->primitive_count = 0;
+	probe->impostor = NULL;
+}
+
+void lod_probe_add_impostor(struct lod_probe *probe, const struct lod_impostor *impostor)
+{
+	probe->impostor = impostor;
+	probe->primitive_count++;
 }
 
 static bool reserve(struct lod_probe *probe, size_t floats)
@@ -251,6 +258,8 @@ static void draw_all(const struct lod_probe *probe, struct lod_raster *raster)
 			&(struct lod_raster_batch){ .count = drawing->count, .cutout = drawing->cutout,
 			.area = drawing->area, .owner = 1 });
 	}
+	if (probe->impostor)
+		lod_raster_impostor(raster, probe->impostor, &(struct lod_raster_batch){ .owner = 1 });
 }
 
 #define SOUP 512u

@@ -18,6 +18,7 @@
 
 #include "ecofiles/format/plan.h"
 #include "lod/build/plant.h"
+#include "lod/impostor.h"
 #include "lod/raster/raster.h"
 
 struct lod_probe_options {
@@ -44,6 +45,7 @@ struct lod_probe {
 	struct lod_drawing *drawings;    uint32_t drawing_count, drawing_capacity;
 	float *floats;                   size_t float_count, float_capacity;
 	uint64_t primitive_count;        /* of the drawings */
+	const struct lod_impostor *impostor;     /* drawn with them; NULL: none */
 	struct lod_score *scores;        /* per view, of the last comparison */
 };
 
@@ -60,6 +62,8 @@ void lod_probe_look(struct lod_probe *probe, double low, double high);
 
 /* Adds a cut (list, first, end, scale) of the plant's lists. */
 enum eco_code lod_probe_add(struct lod_probe *probe, const struct eco_cut *cut, struct eco_error *error);
+/* Adds an impostor, which must stay until lod_probe_clear. */
+void lod_probe_add_impostor(struct lod_probe *probe, const struct lod_impostor *impostor);
 /* The ranges added so far become the reference. False if it covers nothing in any view. */
 bool lod_probe_keep(struct lod_probe *probe);
 /* The same with the source model's triangles, as imported. */

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "lod/build/grid.h"
+#include "lod/build/impostor/plant_impostor.h"
 #include "lod/build/organ.h"
 #include "lod/build/palette.h"
 #include "lod/build/splat/splat_fit.h"
@@ -165,7 +166,8 @@ static bool add_ladder(struct lod_plant *plant, const struct lod_splats *splats)
 	struct eco_ladder *ladder = &ladders[plant->ladder_count++];
 	*ladder = (struct eco_ladder){ .organ = ECO_ORGAN_FOLIAGE, .flags = ECO_LADDER_WHOLE,
 		.level_count = (uint8_t)splats->level_count, .points = plant->list_count - 1,
-		.lines = ECO_NONE, .simple = ECO_NONE, .triangles = ECO_NONE, .importance = 1 };
+		.lines = ECO_NONE, .simple = ECO_NONE, .triangles = ECO_NONE, .impostor = ECO_NONE,
+		.importance = 1 };
 	memcpy(ladder->level_end, splats->level_end, splats->level_count * sizeof *ladder->level_end);
 	plant->plant.ladder_count = plant->ladder_count;
 	return true;
@@ -187,9 +189,10 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 	fit.rgb = (const uint8_t (*)[3])rgb;
 	if (!code)
 		code = lod_splats_fit(&splats, model, &fit, error);
-	free(rgb);
-	if (code)
+	if (code) {
+		free(rgb);
 		return code;
+	}
 	if (splats.level_count) {
 		struct eco_list list = list_of(&splats, splats.level_end[splats.level_count - 1]);
 		struct lod_list_draft *draft = add_list(plant, &list, splats.level_count);
@@ -197,7 +200,10 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 			put_elements(draft, &splats);
 		if (!draft || !color_elements(draft, plant, &splats) || !add_ladder(plant, &splats))
 			code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u splats", list.element_count);
+		if (!code)
+			code = lod_plant_add_impostor(plant, model, (const uint8_t (*)[3])rgb, options, error);
 	}
+	free(rgb);
 	lod_splats_free(&splats);
 	return code;
 }

@@ -183,6 +183,7 @@ static void add_plant(struct packing *p, uint32_t id)
 		l.lines = moved(lists, l.lines);
 		l.simple = moved(lists, l.simple);
 		l.triangles = moved(lists, l.triangles);
+		l.impostor = moved(lists, l.impostor);
 		scene_add_ladder(b, l);
 	}
 	b->scene.needs |= ECO_NEED_SPLATS | (plant->plant.anchor_count > 1 ? ECO_NEED_CELLS : 0);

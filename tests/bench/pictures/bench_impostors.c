@@ -73,12 +73,13 @@ static enum eco_code open_level(struct lod_impostor *impostor, const struct lod_
 {
 	struct eco_writer w = { 0 };
 	struct eco_impostor_level level = { 0 };
+	struct eco_impostor_body body;
 	size_t shape = 0;
 	enum eco_code code = eco_impostor_level_write(&w, &made->body, &made->levels[which], &shape, error);
 	if (!code)
-		code = eco_impostor_level_read(&level, &made->body, w.bytes, w.size, error);
+		code = eco_impostor_level_read(&level, &body, w.bytes, w.size, error);
 	if (!code)
-		code = lod_impostor_open(impostor, &made->body, &level, error);
+		code = lod_impostor_open(impostor, &body, &level, error);
 	bytes[0] = (double)shape;
 	bytes[1] = (double)(w.size - shape);
 	eco_impostor_level_free(&level);
