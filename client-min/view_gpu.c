@@ -56,7 +56,7 @@ static enum eco_code reserve(struct view_gpu *gpu, struct view_gpu_list *g, cons
 			(unsigned long long)gpu->texels_max);
 	uint64_t whole = (uint64_t)list->list.primitive_count * view_record_texels(&list->list),
 		room = texels + texels / 2;
-	room = room < whole ? room : whole;
+	room = list->list.kind == ECO_LIST_IMPOSTOR ? texels : room < whole ? room : whole;
 	room = room > gpu->texels_max ? gpu->texels_max : room < texels ? texels : room;
 	unsigned bigger;
 	while (glGetError())
@@ -84,8 +84,7 @@ static enum eco_code reserve(struct view_gpu *gpu, struct view_gpu_list *g, cons
 static enum eco_code upload_chunks(struct view_gpu_list *g, const struct view_list *list, uint32_t first,
 	uint32_t end, struct eco_error *error)
 {
-	struct eco_elements e = view_list_chunks(list, first, end);
-	uint64_t texels = (uint64_t)e.primitive_count * view_record_texels(&list->list);
+	uint64_t texels = view_record_span(list, first, end);
 	uint32_t *words = malloc(texels * VIEW_TEXEL_BYTES + 1);
 	enum eco_code code = words ? view_record_write(list, first, end, words, error)
 		: out_of_memory(list, error);
@@ -103,13 +102,11 @@ static enum eco_code upload_chunks(struct view_gpu_list *g, const struct view_li
 static enum eco_code extend(struct view_gpu *gpu, struct view_gpu_list *g, const struct view_list *list,
 	struct eco_error *error)
 {
-	uint32_t per = view_record_texels(&list->list);
-	enum eco_code code = reserve(gpu, g, list, (uint64_t)list->elements.primitive_count * per, error);
+	enum eco_code code = reserve(gpu, g, list, view_record_span(list, 0, list->chunk_count), error);
 	while (!code && g->chunks < list->chunk_count) {
-		uint32_t end = g->chunks + 1, start = g->chunks ? list->marks[g->chunks - 1].primitives : 0;
+		uint32_t end = g->chunks + 1;
 		while (end < list->chunk_count
-				&& (uint64_t)(list->marks[end].primitives - start) * per * VIEW_TEXEL_BYTES
-				< UPLOAD_BYTES)
+				&& view_record_span(list, g->chunks, end + 1) * VIEW_TEXEL_BYTES < UPLOAD_BYTES)
 			end++;
 		code = upload_chunks(g, list, g->chunks, end, error);
 	}

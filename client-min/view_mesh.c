@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "client-min/view_impostor.h"
 #include "client-min/view_light.h"
 #include "client-min/view_shade.h"
 #include "client-min/view_texture.h"
@@ -181,8 +182,7 @@ void view_mesh_look(const struct view_mesh *mesh, uint32_t primitive, const stru
 {
 	if (mesh->impostor) {
 		memcpy(rgb, mesh->impostor->rgb[primitive], 3);
-		*surface = view_surface_cloud(1.0 / mesh->impostor->size.texels,
-			eco_level_share(mesh->list->list.level));
+		*surface = view_impostor_surface(&mesh->list->list, mesh->impostor);
 		return;
 	}
 	static const uint8_t plain[3] = { 95, 127, 79 }, white[3] = { 255, 255, 255 };

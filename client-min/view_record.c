@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "client-min/view_ground.h"
+#include "client-min/view_impostor.h"
 #include "client-min/view_select.h"
 #include "ecofiles/format/splat.h"
 #include "lod/geometry.h"
@@ -57,6 +58,17 @@ uint32_t view_record_texels(const struct eco_list *list)
 	default:
 		return 1;
 	}
+}
+
+uint64_t view_record_span(const struct view_list *list, uint32_t first_chunk, uint32_t end_chunk)
+{
+	uint64_t texels = 0;
+	if (list->list.kind != ECO_LIST_IMPOSTOR)
+		return (uint64_t)view_list_chunks(list, first_chunk, end_chunk).primitive_count
+			* view_record_texels(&list->list);
+	for (uint32_t i = first_chunk; i < end_chunk; i++)
+		texels += view_impostor_texels(&list->impostors[i]);
+	return texels;
 }
 
 static void put(uint32_t **out, uint32_t a, uint32_t b, uint32_t c, uint32_t d)
@@ -143,9 +155,21 @@ static void write_ground(const struct view_list *list, const struct eco_elements
 	}
 }
 
+static void write_impostors(const struct view_list *list, uint32_t first, uint32_t end, uint32_t *out)
+{
+	for (uint32_t i = first; i < end; i++) {
+		view_impostor_write(&list->impostors[i], out);
+		out += 4 * (size_t)view_impostor_texels(&list->impostors[i]);
+	}
+}
+
 enum eco_code view_record_write(const struct view_list *list, uint32_t first_chunk, uint32_t end_chunk,
 	uint32_t *words, struct eco_error *error)
 {
+	if (list->list.kind == ECO_LIST_IMPOSTOR) {
+		write_impostors(list, first_chunk, end_chunk, words);
+		return ECO_OK;
+	}
 	struct eco_elements e = view_list_chunks(list, first_chunk, end_chunk);
 	uint32_t count = e.primitive_count, texels = view_record_texels(&list->list);
 	if (list->list.kind == ECO_LIST_GROUND) {

@@ -8,6 +8,7 @@
  *   point      { p.xyz, colour } and, in summaries, { owner low, owner high, key mask, 0 }
  *   splat      { p.xyz, colour } { half axis.xyz, 0 } three times
  *   ground     { column, row, height as whole steps; normal.x, .y as two signed 1/32767 }
+ *   impostor   a level: see view_impostor.h
  *
  * A summary point's owner is that of placement path 0; the key's field lies in the high word, where a path is
  * added modulo its mask. Floats are stored as their bits; colour is r | g << 8 | b << 16 | code << 24, sRGB;
@@ -21,9 +22,12 @@
 
 #define VIEW_TEXEL_BYTES 16u
 
-uint32_t view_record_texels(const struct eco_list *list);        /* per primitive */
+/* Per primitive; not of impostors, whose levels differ. */
+uint32_t view_record_texels(const struct eco_list *list);
+/* The texels of chunks [first, end). */
+uint64_t view_record_span(const struct view_list *list, uint32_t first_chunk, uint32_t end_chunk);
 
-/* Writes the records of chunks [first, end) of a list: view_record_texels * primitives * 4 words. */
+/* Writes the records of chunks [first, end) of a list: view_record_span * 4 words. */
 enum eco_code view_record_write(const struct view_list *list, uint32_t first_chunk, uint32_t end_chunk,
 	uint32_t *words, struct eco_error *error);
 
