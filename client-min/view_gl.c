@@ -7,6 +7,7 @@
 
 #include "client-min/view_egl.h"
 #include "client-min/view_gpu.h"
+#include "client-min/view_impostor.h"
 #include "client-min/view_record.h"
 #include "client-min/view_shade.h"
 
@@ -20,6 +21,8 @@ struct view_gl {
 	struct view_shader shaders[VIEW_PROGRAM_COUNT];
 	unsigned quads;                  /* index buffer: two triangles of four vertices, QUADS times */
 	unsigned framebuffer, color, seen, depth, vertex_array;
+	float point_max;                 /* pixels across */
+	int viewport_max[2];
 	struct view_gpu_stream instances, members;
 };
 
@@ -71,6 +74,16 @@ static enum eco_code make_target(struct view_gl *gl, struct eco_error *error)
 	return ECO_OK;
 }
 
+static void prepare_points(struct view_gl *gl)
+{
+	float range[2] = { 0, 0 };
+	glGetFloatv(GL_ALIASED_POINT_SIZE_RANGE, range);
+	glGetIntegerv(GL_MAX_VIEWPORT_DIMS, gl->viewport_max);
+	gl->point_max = range[1];
+	if (!gl->egl.dialect.es)
+		glEnable(GL_PROGRAM_POINT_SIZE);
+}
+
 static enum eco_code make_quads(struct view_gl *gl, struct eco_error *error)
 {
 	static const uint16_t corner[6] = { 0, 1, 2, 0, 2, 3 };
@@ -98,6 +111,7 @@ enum eco_code view_gl_open(struct view_gl **out, const struct view_gl_options *o
 	enum eco_code code = view_egl_open(&gl->egl, error);
 	if (!code) {
 		view_gpu_init(&gl->gpu);
+		prepare_points(gl);
 		code = make_target(gl, error);
 		if (!code)
 			code = make_quads(gl, error);
@@ -300,6 +314,8 @@ static enum view_program program_of(const struct eco_list *list)
 	case ECO_LIST_POINTS:
 		return list->attributes & ECO_ATTR_SPLAT ? VIEW_PROGRAM_SPLATS
 			: list->attributes & ECO_ATTR_PLANT ? VIEW_PROGRAM_SUMMARY : VIEW_PROGRAM_POINTS;
+	case ECO_LIST_IMPOSTOR:
+		return VIEW_PROGRAM_IMPOSTORS;
 	default:
 		return view_record_texels(list) == 5 ? VIEW_PROGRAM_TEXTURED : VIEW_PROGRAM_TRIANGLES;
 	}
@@ -346,6 +362,81 @@ static void draw_quads(uint32_t first, uint32_t end, uint32_t members)
 	}
 }
 
+/* How wide or high the largest outline of the balls around these plants is. Balls that reach the eye's plane
+ * are not drawn. */
+static double widest_px(const struct frame *f, const struct lod_impostor *impostor, const uint32_t *members,
+	uint32_t count)
+{
+	const struct lod_eye *eye = f->job->eye;
+	const double *axes[2] = { eye->right, eye->up },
+		focal[2] = { f->picture->width / eye->tan_x, f->picture->height / eye->tan_y };
+	double widest = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		const struct lod_place *place = &f->job->selection->instances[members[i]].place;
+		double r = impostor->radius * place->scale, center[3];
+		lod_place_point(place, impostor->body.center, center);
+		for (int k = 0; k < 3; k++)
+			center[k] -= eye->at[k];
+		double far = lod_dot(center, eye->forward);
+		for (int k = 0; k < 2 && far > r; k++) {
+			double aside = lod_dot(center, axes[k]);
+			widest = fmax(widest, focal[k] * r * sqrt(aside * aside + far * far - r * r)
+				/ (far * far - r * r));
+		}
+	}
+	return widest;
+}
+
+/* Each plant is a point; those too large for the driver's points follow as two triangles each. While points
+ * are drawn the viewport is larger than the picture by half a point on all sides, as drivers may leave out
+ * points whose middle is beside it. */
+static void draw_level(const struct frame *f, const struct view_shader *s, double widest, uint32_t count)
+{
+	const struct view_gl *gl = f->gl;
+	int width = (int)gl->width, height = (int)gl->height;
+	float most = gl->point_max;
+	int margin = (int)ceil(0.5 * fmin(widest, most));
+	if (width + 2 * margin > gl->viewport_max[0] || height + 2 * margin > gl->viewport_max[1])
+		most = 0;
+	glUniform1f(s->uniform[VIEW_U_POINT_MAX], most);
+	if (most > 0) {
+		glUniform1i(s->uniform[VIEW_U_CORNERS], 1);
+		glUniform2f(s->uniform[VIEW_U_WINDOW], 0.5f * (float)width + (float)margin,
+			0.5f * (float)height + (float)margin);
+		glViewport(-margin, -margin, width + 2 * margin, height + 2 * margin);
+		glDrawArrays(GL_POINTS, 0, (GLsizei)count);
+		glViewport(0, 0, width, height);
+	}
+	if (widest > most) {
+		glUniform1i(s->uniform[VIEW_U_CORNERS], 4);
+		glUniform2f(s->uniform[VIEW_U_WINDOW], 0.5f * (float)width, 0.5f * (float)height);
+		draw_quads(0, count, 1);
+	}
+}
+
+static void draw_impostors(const struct frame *f, const struct view_shader *s, const struct view_list *list,
+	uint32_t level, uint32_t first_member, uint32_t count)
+{
+	const struct lod_impostor *impostor = &list->impostors[level];
+	glUniform1i(s->uniform[VIEW_U_FIRST_RECORD], (int)view_record_span(list, 0, level));
+	glUniform1ui(s->uniform[VIEW_U_SURFACE], view_impostor_surface(&list->list, impostor));
+	/* with a pixel around the outline, and another for what floats round */
+	draw_level(f, s, widest_px(f, impostor, f->job->selection->members + first_member, count) + 4, count);
+}
+
+static void draw_primitives(const struct frame *f, const struct view_shader *s, const struct view_list *list,
+	const struct eco_cut *cut, uint32_t first_member, uint32_t members)
+{
+	if (list->list.kind == ECO_LIST_TRIANGLES)
+		glDrawArraysInstanced(GL_TRIANGLES, (GLint)(cut->first * 3),
+			(GLsizei)((cut->end - cut->first) * 3), (GLsizei)members);
+	else if (list->list.kind == ECO_LIST_IMPOSTOR)
+		draw_impostors(f, s, list, cut->first, first_member, members);
+	else
+		draw_quads(cut->first, cut->end, members);
+	f->picture->vertices += (uint64_t)(cut->end - cut->first) * eco_list_vertices(&list->list) * members;
+}
+
 static enum eco_code draw_cut(struct frame *f, uint32_t index)
 {
 	const struct view_selection *selection = f->job->selection;
@@ -380,12 +471,7 @@ static enum eco_code draw_cut(struct frame *f, uint32_t index)
 	if ((uint64_t)cut->end * 4 > INT32_MAX)
 		return eco_fail(f->error, ECO_TOO_LARGE, "list %u is too long for the graphics driver: use "
 			"--reference=cpu", list->id);
-	if (list->list.kind == ECO_LIST_TRIANGLES)
-		glDrawArraysInstanced(GL_TRIANGLES, (GLint)(cut->first * 3),
-			(GLsizei)((cut->end - cut->first) * 3), (GLsizei)members);
-	else
-		draw_quads(cut->first, cut->end, members);
-	f->picture->vertices += (uint64_t)(cut->end - cut->first) * eco_list_vertices(&list->list) * members;
+	draw_primitives(f, s, list, cut, first_member, members);
 	return ECO_OK;
 }
 

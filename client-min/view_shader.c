@@ -14,10 +14,11 @@
 #include <epoxy/gl.h>
 #include <stdio.h>
 
+#include "client-min/view_shader_impostor.h"
 #include "ecofiles/format/list.h"
 
 const char *const view_program_names[VIEW_PROGRAM_COUNT] = { "triangles", "textured", "lines", "points",
-	"summary", "splats", "ground" };
+	"summary", "splats", "ground", "impostors" };
 
 #define TEXT(macro) TEXT_OF(macro)
 #define TEXT_OF(value) #value
@@ -59,8 +60,8 @@ static const char vertex_plant[] =
 	"uniform uint u_path;            // summaries: what the placement adds to the owner\n"
 	"vec3 xyz(uvec4 t) { return uintBitsToFloat(t.xyz); }\n"
 	"struct Plant { vec4 row[3]; uvec2 owner; float scale, half_width; };\n"
-	"Plant plant_of_member() {\n"
-	"	int at = int(texelFetch(u_members, u_first_member + gl_InstanceID).x) * 4;\n"
+	"Plant plant_of_member(int member) {\n"
+	"	int at = int(texelFetch(u_members, u_first_member + member).x) * 4;\n"
 	"	Plant p;\n"
 	"	for (int k = 0; k < 3; k++) p.row[k] = uintBitsToFloat(texelFetch(u_instances, at + k));\n"
 	"	uvec4 t = texelFetch(u_instances, at + 3);\n"
@@ -80,7 +81,7 @@ static const char vertex_triangles[] =
 	"uniform float u_edges[" TEXT(ECO_GROWTHS) "];\n"
 	"out vec2 v_uv;\n"
 	"void main() {\n"
-	"	Plant p = plant_of_member();\n"
+	"	Plant p = plant_of_member(gl_InstanceID);\n"
 	"	int corner = gl_VertexID % 3, at = gl_VertexID / 3 * TEXELS;\n"
 	"	uvec4 t0 = texelFetch(u_records, at), t1 = texelFetch(u_records, at + 1), t2 = "
 	"texelFetch(u_records, at + 2);\n"
@@ -102,7 +103,7 @@ static const char vertex_triangles[] =
 
 static const char vertex_lines[] =
 	"void main() {\n"
-	"	Plant p = plant_of_member();\n"
+	"	Plant p = plant_of_member(gl_InstanceID);\n"
 	"	int corner = gl_VertexID & 3, at = (gl_VertexID >> 2) * 2;\n"
 	"	uvec4 t0 = texelFetch(u_records, at), t1 = texelFetch(u_records, at + 1);\n"
 	"	vec3 a = xyz(t0), b = xyz(t1);\n"
@@ -128,7 +129,7 @@ static const char vertex_points[] =
 	"flat out mat3 v_normals;\n"
 	"flat out uint v_salt;\n"
 	"void main() {\n"
-	"	Plant p = plant_of_member();\n"
+	"	Plant p = plant_of_member(gl_InstanceID);\n"
 	"	int corner = gl_VertexID & 3, at = (gl_VertexID >> 2) * TEXELS;\n"
 	"	uvec4 t0 = texelFetch(u_records, at);\n"
 	"	vec3 view = view_of(p, xyz(t0));\n"
@@ -318,13 +319,16 @@ static const struct { const char *name, *defines, *shared, *vertex, *fragment;
 	[VIEW_PROGRAM_SUMMARY] = { "summary points", ELLIPSES(2), vertex_plant, vertex_points,
 	fragment_plant }, [VIEW_PROGRAM_SPLATS] = { "splats", ELLIPSES(4), vertex_plant, vertex_points,
 	fragment_plant }, [VIEW_PROGRAM_GROUND] = { "ground", "", "", vertex_ground, fragment_ground },
+	[VIEW_PROGRAM_IMPOSTORS] = { "impostors", "", vertex_plant, view_shader_impostor_vertex,
+		view_shader_impostor_fragment },
 };
 
 static const char *const uniform_names[VIEW_UNIFORM_COUNT] = { "u_right", "u_up", "u_forward", "u_lens",
 	"u_origin", "u_first_member", "u_scale", "u_tint", "u_columns", "u_records", "u_instances",
 	"u_members",
 	"u_alpha", "u_texture", "u_path", "u_anchor", "u_step", "u_inner", "u_seam", "u_edges", "u_sides",
-	"u_level", "u_half" };
+	"u_level", "u_half", "u_first_record", "u_window", "u_corners",
+	"u_point_max", "u_surface" };
 
 static unsigned compile(unsigned type, const char *const *parts, int count, const char *name,
 	struct eco_error *error)
