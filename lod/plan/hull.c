@@ -5,8 +5,9 @@
 
 #include "ecofiles/format/impostor.h"
 
-/* Of a texel's outline, for its detail: what is mixed from several directions is less sharp than texels. */
-#define TEXEL_DETAIL 0.5
+/* Splats that are as sharp as a texel. A crown's inside is coarser than its outline: cells of depth and
+ * colour are 4 texels wide, and four directions are mixed (lod/EXPERIMENTS.md, Impostors in scenes). */
+#define SPLATS_PER_TEXEL (1.0 / 64)
 #define GROWTH 4u                /* samples grow by a quarter: curves are smooth */
 
 /* Slopes of the step between two points. */
@@ -86,10 +87,11 @@ static double octaves_of(const struct lod_way *way, uint64_t vertices)
 void lod_hull_set_detail(struct lod_hull_point *point, double slack)
 {
 	double seen = (double)point->octaves - slack;
-	point->detail = seen > 0 ? fmin(LOD_DETAIL_MOST, LOD_OCTAVE_WEIGHT * seen) : 0;
+	point->detail = seen > 0 ? fmin(LOD_DETAIL_MOST, LOD_OCTAVE_WEIGHT * seen)
+		+ LOD_SLAB_WEIGHT * fmax(0, seen - LOD_SLAB_OCTAVES) : 0;
 }
 
-/* A level of the ladder's impostor: texels are as wide as so many parts of the outline. */
+/* A level of the ladder's impostor: as sharp as splats that are as many as its cells. */
 static struct lod_hull_point impostor_point(const struct lod_way *way, uint32_t level, double slack)
 {
 	double share = (level + 1.0) / lod_hull_impostor_levels(way) / (double)way->full,
@@ -97,7 +99,7 @@ static struct lod_hull_point impostor_point(const struct lod_way *way, uint32_t 
 	struct eco_curve curve = lod_ladder_curve(way->scene, way->ladder, share),
 		above = lod_ladder_curve_seen(way->scene, way->ladder, share, 1);
 	struct lod_hull_point point = { .vertices = 1, .fp = curve.fp, .fn = curve.fn,
-		.octaves = (float)-lod_octaves(texels * texels * TEXEL_DETAIL), .above_fp = above.fp,
+		.octaves = (float)-lod_octaves(texels * texels * SPLATS_PER_TEXEL), .above_fp = above.fp,
 		.above_fn = above.fn };
 	lod_hull_set_detail(&point, slack);
 	return point;

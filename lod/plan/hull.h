@@ -37,7 +37,7 @@ struct lod_hull_point {
 	uint64_t vertices;           /* a value that lod_way_floor returns */
 	double fp, fn;               /* errors over covered pixels; neither fn nor fn + fp_weight * fp rises;
 	                              * points[0] includes lod_hull_absent */
-	double detail;               /* what covered pixels lose in colour and texture, at the hull's slack */
+	double detail;               /* lost in colour and texture, at the hull's slack */
 	float octaves;               /* how much wider than in full detail elements are, log2; of splats: one
 	                              * of n over the only one */
 	float above_fp, above_fn;    /* the same seen from above: used only by predictions */
@@ -69,10 +69,14 @@ static inline uint32_t lod_hull_impostor_levels(const struct lod_way *way)
 	uint32_t list = way->ladder->impostor;
 	return list == ECO_NONE ? 0 : way->scene->lists[list].primitive_count;
 }
-/* Sets detail from octaves, fn and slack: each octave that is seen costs LOD_OCTAVE_WEIGHT of a covered
- * pixel, all of them LOD_DETAIL_MOST: a plant as one splat is better than as a few leaves. */
+/* Sets detail from octaves and slack: each octave that is seen costs LOD_OCTAVE_WEIGHT of a pixel, all of
+ * them LOD_DETAIL_MOST: a plant as one splat is better than as a few leaves. So do pixels that are missed,
+ * or a few leaves that cover little would be better than a splat that covers all. Beyond LOD_SLAB_OCTAVES,
+ * 12 times as wide, each costs LOD_SLAB_WEIGHT more: a slab hides what is around it. */
 #define LOD_OCTAVE_WEIGHT 0.1
 #define LOD_DETAIL_MOST 0.3
+#define LOD_SLAB_OCTAVES 3.58
+#define LOD_SLAB_WEIGHT 0.15
 void lod_hull_set_detail(struct lod_hull_point *point, double slack);
 
 /* Reduces points in ascending vertices to their lower convex hull at hull->fp_weight, in place. Two steps

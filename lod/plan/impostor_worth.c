@@ -1,7 +1,5 @@
 #include "lod/plan/impostor_worth.h"
 
-#include <string.h>
-
 #include "lod/impostor.h"
 
 /* Across, of the whole plant's sphere. */
@@ -24,16 +22,14 @@ static double level_error(const struct eco_scene *scene, const struct eco_ladder
 	return (double)sample->fp + (double)sample->fn;
 }
 
-/* Levels, from the smallest on, of which each is worth its bytes; `seen`: pixels of all plants of that kind,
- * `a_byte`: pixels that a byte saves elsewhere. */
-static uint8_t levels_worth(const struct eco_scene *scene, const struct eco_ladder *ladder, double seen,
-	double a_byte)
+/* Levels, from the smallest on, of which each is worth its bytes; `seen`: pixels of all plants of that kind. */
+static uint8_t levels_worth(const struct eco_scene *scene, const struct eco_ladder *ladder, double seen)
 {
 	const struct eco_list *list = &scene->lists[ladder->impostor];
 	uint32_t level = 1;
 	while (level < list->primitive_count
 			&& seen * (level_error(scene, ladder, level - 1) - level_error(scene, ladder, level))
-			>= a_byte * scene->chunks[list->chunk_first + level].size_bytes)
+			>= LOD_IMPOSTOR_WORTH * scene->chunks[list->chunk_first + level].size_bytes)
 		level++;
 	return (uint8_t)level;
 }
@@ -42,21 +38,18 @@ void lod_impostor_worth(struct lod_allocation *m)
 {
 	const struct lod_planner *p = m->p;
 	const struct eco_scene *scene = p->scene;
-	double all = 0;
 	for (uint32_t s = 0; s < p->visible.slot_count; s++) {
 		const struct lod_slot *slot = &p->visible.slots[s];
 		double pixels = slot->cell ? 0 : m->slot_choices[s].seen * (double)m->counts[s];
-		all += pixels;
 		if (slot_pixels(m, slot) <= LOD_IMPOSTOR_PIXELS)
 			m->plant_seen[slot->plant] += pixels;
 	}
-	double a_byte = LOD_IMPOSTOR_WORTH * all / (double)p->input->request->vertices;
 	for (uint32_t i = 0; i < scene->plant_count; i++) {
 		uint32_t count;
 		const uint32_t *whole = lod_plan_tables_whole(p->tables, scene->plants[i].anchor_first, &count);
 		for (uint32_t k = 0; k < count; k++)
 			if (scene->ladders[whole[k]].impostor != ECO_NONE)
 				m->impostor_levels[i] = levels_worth(scene, &scene->ladders[whole[k]],
-					m->plant_seen[i], a_byte);
+					m->plant_seen[i]);
 	}
 }

@@ -1,16 +1,15 @@
 /* Which levels of impostors are worth their bytes.
  *
  * All levels are one vertex, and the larger one is better at every size. But its bytes are paid once for all
- * plants of a kind, and where few of these are seen they buy more elsewhere. A level is used if the pixels
- * that it sets right are worth at least as much as what its bytes would bring as vertices: about a tenth of
- * a vertex a byte, which saves LOD_IMPOSTOR_WORTH of the pixels seen over the budget. */
+ * plants of a kind, and where few of these are seen they buy more elsewhere. So a level is used if a byte of
+ * it sets at least LOD_IMPOSTOR_WORTH of a pixel right, whatever the budget is: with a larger one nothing may
+ * become worse. */
 #ifndef LOD_IMPOSTOR_WORTH_H
 #define LOD_IMPOSTOR_WORTH_H
 
 #include "lod/plan/allocation.h"
 
-#include <stdlib.h>
-#define LOD_IMPOSTOR_WORTH (getenv("WORTH") ? atof(getenv("WORTH")) : 0.01)
+#define LOD_IMPOSTOR_WORTH 0.1
 
 /* Sets allocation->impostor_levels, per plant, from the pixels that its slots show. */
 void lod_impostor_worth(struct lod_allocation *allocation);

@@ -20,7 +20,7 @@
 	}
 #define BREAK(id, what) BREAK_OF(false, id, what)
 #define BREAK_SPLATS(id, what) BREAK_OF(true, id, what)
-#define BREAKS 145u
+#define BREAKS 152
 
 static struct broken { const char *name; void (*apply)(struct scene_builder *); bool splats; } cases[BREAKS];
 static size_t case_count;
@@ -161,7 +161,7 @@ BREAK(reach_nan, l->curves[1].reach = NAN)
 
 /* ---- Splats ---- */
 
-enum { SPLATS, WOOD, WHOLE = 0, ORGAN };
+enum { SPLATS, WOOD, IMPOSTOR, WHOLE = 0, ORGAN };
 
 /* A plant of wood, with one cell, and all of it as 4, 8 and 24 splats. */
 static void make_splats(struct scene_builder *l)
@@ -172,6 +172,8 @@ static void make_splats(struct scene_builder *l)
 		.attributes = ECO_ATTR_SPLAT, .other = ECO_NONE }, 36, 36);
 	scene_add_bare(l, &(struct scene_row){ .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS,
 		.other = ECO_NONE }, 50, 50);
+	scene_add_bare(l, &(struct scene_row){ .kind = ECO_LIST_IMPOSTOR, .coder = ECO_CODER_BYTES,
+		.other = ECO_NONE }, 1, 1);
 	scene_add_plant(l, (struct eco_plant){ .height_m = 10 });
 	scene_add_anchor(l, (struct eco_anchor){ { 0, 0, 5 }, 6 });
 	scene_add_anchor(l, (struct eco_anchor){ { 0, 0, 8 }, 2 });
@@ -179,6 +181,7 @@ static void make_splats(struct scene_builder *l)
 		ECO_ORGAN_WOOD);
 	whole.flags = ECO_LADDER_WHOLE;
 	whole.points = SPLATS;
+	whole.impostor = IMPOSTOR;
 	whole.level_count = 3;
 	whole.curve_count = 2;
 	memcpy(whole.level_end, (uint32_t[3]){ 4, 12, 36 }, sizeof(uint32_t[3]));
@@ -206,6 +209,13 @@ BREAK_SPLATS(splats_levels, l->ladders[WHOLE].level_count = ECO_LEVELS_MAX + 1)
 BREAK_SPLATS(splats_no_level, l->ladders[WHOLE].level_count = 0; memset(l->ladders[WHOLE].level_end, 0,
 	sizeof l->ladders[WHOLE].level_end))
 BREAK_SPLATS(splats_reach, l->curves[0].reach = 0.5f)
+BREAK_SPLATS(impostor_kind, l->ladders[WHOLE].impostor = WOOD)
+BREAK_SPLATS(impostor_of_organ, l->ladders[ORGAN].impostor = IMPOSTOR)
+BREAK_SPLATS(impostor_without_splats, l->lists[SPLATS].attributes = 0)
+BREAK_SPLATS(impostor_without_samples, l->ladders[WHOLE].curve_count = 0)
+BREAK_SPLATS(impostor_missing, l->ladders[WHOLE].impostor = 3)
+BREAK_SPLATS(impostor_levels, l->lists[IMPOSTOR].primitive_count = l->lists[IMPOSTOR].element_count = 2)
+BREAK_SPLATS(impostor_coder, l->lists[IMPOSTOR].coder = ECO_CODER_ROWS)
 BREAK_SPLATS(splats_kind, l->lists[SPLATS].kind = ECO_LIST_LINES)
 
 UNIT_TEST(every_inconsistency_is_found)

@@ -5,22 +5,20 @@
 #include "tests/support/scene_random.h"
 #include "tests/support/unit_test.h"
 
-static double detail_of(double octaves, double fn, double slack)
+static double detail_of(double octaves, double slack)
 {
-	struct lod_hull_point point = { .octaves = (float)octaves, .fn = fn };
+	struct lod_hull_point point = { .octaves = (float)octaves };
 	lod_hull_set_detail(&point, slack);
 	return point.detail;
 }
 
 UNIT_TEST(detail_grows_with_octaves_that_are_seen)
 {
-	assert_true(detail_of(2, 0, 2) == 0 && detail_of(-3, 0, 0) == 0 && detail_of(1, 0, INFINITY) == 0);
-	assert_true(fabs(detail_of(2, 0, 0) - 2 * LOD_OCTAVE_WEIGHT) < 1e-9);
-	assert_true(fabs(detail_of(2, 0, 1) - LOD_OCTAVE_WEIGHT) < 1e-9);
-	assert_true(detail_of(50, 0, 0) == LOD_DETAIL_MOST);
-	/* of what is covered alone; a plant that is absent has an fn above 1 */
-	assert_true(fabs(detail_of(1, 0.25, 0) - 0.75 * LOD_OCTAVE_WEIGHT) < 1e-9);
-	assert_true(detail_of(1, 2, 0) == 0);
+	assert_true(detail_of(2, 2) == 0 && detail_of(-3, 0) == 0 && detail_of(1, INFINITY) == 0);
+	assert_true(fabs(detail_of(2, 0) - 2 * LOD_OCTAVE_WEIGHT) < 1e-9);
+	assert_true(fabs(detail_of(2, 1) - LOD_OCTAVE_WEIGHT) < 1e-9);
+	assert_true(detail_of(LOD_SLAB_OCTAVES, 0) == LOD_DETAIL_MOST);
+	assert_true(fabs(detail_of(LOD_SLAB_OCTAVES + 2, 0) - LOD_DETAIL_MOST - 2 * LOD_SLAB_WEIGHT) < 1e-6);
 }
 
 /* Steps of a ladder whose curve finds nothing wrong, however little is drawn. */
@@ -28,7 +26,7 @@ static uint32_t steps(const struct eco_scene *scene, const struct eco_ladder *la
 {
 	struct lod_way way;
 	struct lod_hull_point points[LOD_HULL_POINTS_MAX];
-	struct lod_hull hull = { points, 0, 1, slack };
+	struct lod_hull hull = { points, 0, 1, slack, ECO_NONE };
 	lod_way_begin(&way, scene, ladder);
 	hull.count = lod_hull_sample(points, &way, lod_way_next(&way, 0), way.full, slack);
 	lod_hull_reduce(&hull, LOD_HULL_SLOPE_RATIO);

@@ -57,6 +57,8 @@ static void check_cuts(const struct eco_plan *plan)
 		assert_true(cut->end <= scene.scene.lists[cut->list].primitive_count);
 		assert_true(cut->scale > 0 && isfinite(cut->scale));
 		assert_true(cut->share_first < cut->share_end && cut->share_end <= ECO_SHARE_ONE);
+		if (scene.lists[cut->list].kind == ECO_LIST_IMPOSTOR)
+			assert_true(cut->end == cut->first + 1 && cut->scale == 1);
 		if (cut->anchor != ECO_NONE)
 			assert_true(cut->band_first < cut->band_end && cut->band_end <= ECO_BANDS);
 		else
@@ -70,7 +72,8 @@ static uint32_t count_whole(const struct eco_plan *plan)
 	uint32_t sum = 0;
 	for (uint32_t i = 0; i < plan->cut_count; i++)
 		sum += plan->cuts[i].anchor != ECO_NONE
-			&& (scene.lists[plan->cuts[i].list].attributes & ECO_ATTR_SPLAT);
+			&& (scene.lists[plan->cuts[i].list].kind == ECO_LIST_IMPOSTOR
+			|| scene.lists[plan->cuts[i].list].attributes & ECO_ATTR_SPLAT);
 	return sum;
 }
 

@@ -20,7 +20,6 @@ struct shot { struct seen *plants; uint32_t count, moving; };
 static void see_plant(const struct eco_plan *plan, const struct eco_scene *s,
 	const struct lod_anchor_band *at, uint32_t anchors, uint32_t hash, struct seen *seen)
 {
-	static const uint32_t per[] = { 0, 3, 2, 1 };
 	for (uint32_t a = 0; a < anchors; a++)
 		for (uint32_t c = 0; c < plan->cut_count; c++) {
 			const struct eco_cut *cut = &plan->cuts[c];
@@ -29,10 +28,12 @@ static void see_plant(const struct eco_plan *plan, const struct eco_scene *s,
 					|| hash >= cut->share_end)
 				continue;
 			assert_true(seen->count < sizeof seen->pieces / sizeof *seen->pieces);
-			uint64_t vertices = (uint64_t)(cut->end - cut->first) * per[s->lists[cut->list].kind];
+			uint64_t vertices = (uint64_t)(cut->end - cut->first)
+				* eco_list_vertices(&s->lists[cut->list]);
 			seen->pieces[seen->count++] = (struct piece){ cut->list, cut->first, cut->end,
 				cut->scale, vertices,
-				s->lists[cut->list].attributes & ECO_ATTR_SPLAT };
+				s->lists[cut->list].attributes & ECO_ATTR_SPLAT
+				|| s->lists[cut->list].kind == ECO_LIST_IMPOSTOR };
 			seen->vertices += vertices;
 		}
 }

@@ -7,6 +7,7 @@
 #include "ecofiles/base/mix.h"
 #include "ecofiles/format/chunk.h"
 #include "ecofiles/format/ground_tile.h"
+#include "ecofiles/format/impostor.h"
 
 /* The order in which C evaluates operands and initialisers is open: an expression that draws twice is as the
  * compiler has it. */
@@ -29,10 +30,10 @@ static uint32_t add_list(struct scene_builder *b, uint8_t kind, uint32_t primiti
 		scene_list(b, &(struct scene_row){ .kind = kind, .owner = owner, .other = ECO_NONE });
 	list.plant = plant;
 	list.chunk_first = b->scene.chunk_count;
-	list.chunk_count = primitives > 1 ? 2 : 1;
+	list.chunk_count = kind == ECO_LIST_IMPOSTOR ? primitives : primitives > 1 ? 2 : 1;
 	list.primitive_count = list.element_count = primitives;
 	for (uint32_t i = 0, left = primitives; i < list.chunk_count; i++) {
-		uint32_t n = i + 1 == list.chunk_count ? left : left / 3 + 1;
+		uint32_t n = i + 1 == list.chunk_count ? left : left / 3 + 1; /* 1 of levels: at most 3 */
 		scene_add_chunk(b,
 			(struct eco_chunk){ .primitive_count = n, .element_count = n, .size_bytes = 10 * n });
 		left -= n;
@@ -138,6 +139,18 @@ static void add_ladder(struct scene_builder *b, const struct random_sizes *sizes
 	scene_add_ladder(b, l);
 }
 
+/* An impostor of a few levels, with their samples. */
+static void add_impostor(struct scene_builder *b, struct eco_ladder *l, uint32_t full)
+{
+	uint32_t levels = 1 + random_below(b, ECO_IMPOSTOR_LEVELS);
+	float error = (float)random_real(b, 0.1, 0.5);
+	l->impostor = add_list(b, ECO_LIST_IMPOSTOR, levels, l->plant, ECO_NONE);
+	for (uint32_t i = 0; i < levels; i++, error *= 0.8f)
+		scene_add_curve(b, (struct eco_curve){ (float)((i + 1.0) / levels / full), 1, 1, error,
+			error });
+	l->curve_count += levels;
+}
+
 /* A few levels, and a curve that ends with an error, a small one or a large one. With more splats some miss
  * more and cover less that is wrong. */
 static void add_splats(struct scene_builder *b, const struct random_sizes *sizes, uint32_t anchor)
@@ -155,10 +168,16 @@ static void add_splats(struct scene_builder *b, const struct random_sizes *sizes
 	l.total = end;
 	l.curve_first = b->scene.curve_count;
 	l.curve_count = 11;
+	if (end > 1 && random_below(b, 2))
+		add_impostor(b, &l, end);
 	float first = (float)random_real(b, 0.1, 0.5), last = first * (float)random_real(b, 0, 1);
 	float trade = random_below(b, 2) ? 0.09f : 0;
 	for (int i = 0; i < 11; i++) {
 		float error = first + (last - first) * (float)i / 10;
+		if (l.impostor != ECO_NONE && ldexpf((float)end, i - 10) < 1.5f) {
+			l.curve_count--;
+			continue;
+		}
 		scene_add_curve(b, (struct eco_curve){ ldexpf(1, i - 10), 1, 1,
 			error * (1 - trade * (float)i), error * (1 + trade * (float)i) });
 	}
@@ -304,7 +323,7 @@ static void finish_lists(struct scene_builder *b)
 	static const uint8_t coders[] = { [ECO_LIST_TRIANGLES] = ECO_CODER_ELEMENTS,
 		[ECO_LIST_LINES] = ECO_CODER_ELEMENTS, [ECO_LIST_POINTS] = ECO_CODER_KD,
 		[ECO_LIST_INSTANCES] = ECO_CODER_ROWS, [ECO_LIST_GROUND] = ECO_CODER_ROWS,
-		[ECO_LIST_IMAGE] = ECO_CODER_BYTES };
+		[ECO_LIST_IMAGE] = ECO_CODER_BYTES, [ECO_LIST_IMPOSTOR] = ECO_CODER_BYTES };
 	uint32_t image = add_list(b, ECO_LIST_IMAGE, 1, 0, ECO_NONE);
 	for (uint32_t i = 0; i < b->scene.list_count; i++) {
 		struct eco_list *list = &b->lists[i];
