@@ -25,8 +25,6 @@ struct camera {                          /* what the command line says, and the 
 	FILE *out;                           /* of the child: notes, script, summary */
 };
 
-/* ---- The scene ---- */
-
 static enum eco_code open_scene(struct camera *c, struct eco_error *error)
 {
 	if (c->o.crs && (c->scene || !c->origin_given))
@@ -134,18 +132,14 @@ static void write_summary(const struct camera *c, const struct eco_track *track,
 		s->fps, s->error_m, s->error_deg);
 }
 
-/* ---- From the track to the script ---- */
-
 static enum eco_code convert(struct camera *c, struct eco_track *track, struct eco_error *error)
 {
 	struct eco_flight flight = { 0 };
 	struct eco_script script = { 0 };
 	enum eco_code code = eco_track_place(track, &c->o, error);
-	if (!code)
-		code = eco_track_clean(track, error);
+	code = code ? code : eco_track_clean(track, error);
 	say_repairs(c, track);
-	if (!code)
-		code = eco_flight_make(&flight, track, &c->o, error);
+	code = code ? code : eco_flight_make(&flight, track, &c->o, error);
 	if (!code) {
 		say_guesses(c, track, &flight);
 		eco_flight_move(&flight, track, &c->o);
@@ -192,11 +186,9 @@ static enum eco_code take(const struct camera *c, struct eco_guard *guard, FILE 
 		main_note("%s", note);
 	if (!code && size == SCRIPT_BYTES_MAX)
 		code = eco_fail(error, ECO_TOO_LARGE, "%.300s: its script is too large", c->input);
-	if (!code)
-		code = eco_camera_parse(&camera, script, strlen(script), c->input, error);
+	code = code ? code : eco_camera_parse(&camera, script, strlen(script), c->input, error);
 	eco_camera_free(camera);
-	if (!code)
-		code = eco_file_write(c->output, script, strlen(script), error);
+	code = code ? code : eco_file_write(c->output, script, strlen(script), error);
 	if (!code && !main_is_quiet)
 		fputs(script + strlen(script) + 1, stdout);
 	free(notes);
@@ -224,22 +216,15 @@ static enum eco_code run_camera(int argc, char **argv, struct eco_error *error)
 	FILE *from;
 	given = (struct camera){ .o = ECO_TRACK_DEFAULTS };
 	enum eco_code code = main_read(&main_command_camera, argc, argv, error);
-	if (!code)
-		code = may_write(c->output, error);
-	if (!code)
-		code = open_scene(c, error);
-	if (!code)
-		code = eco_guard_start(&guard, work, c, c->input, NULL, &from, error);
-	if (!code)
-		code = take(c, guard, from, error);
+	code = code ? code : may_write(c->output, error);
+	code = code ? code : open_scene(c, error);
+	code = code ? code : eco_guard_start(&guard, work, c, c->input, NULL, &from, error);
+	code = code ? code : take(c, guard, from, error);
 	if (c->o.ground)
 		eco_ground_free(&c->ground);
-	if (c->o.has_ground)
-		eco_sources_free(&c->sources);
+	eco_sources_free(&c->sources);
 	return code;
 }
-
-/* ---- Options ---- */
 
 static const char *const heights[] = { "default", "abs", "rel", NULL };
 
@@ -273,8 +258,6 @@ static const struct eco_option options[] = {
 	{ "fps", 0, ECO_OPTION_NUMBER, "N", &given.o.fps, 0.001, 1000,
 		.help = "frames a second; 30, or fewer if the track is long" },
 	{ "speed", 0, ECO_OPTION_NUMBER, "X", &given.o.speed, 1e-4, 1e5, .help = "times as fast" },
-	{ "max-keyframes", 0, ECO_OPTION_COUNT, "N", &given.o.keys_max, 2, 200000,
-		.help = "at most; 8000 if not given" },
 	{ 0 } };
 
 const struct main_command main_command_camera = { { "ecopack camera",

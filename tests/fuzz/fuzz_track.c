@@ -44,7 +44,7 @@ static void fly(struct eco_track *track)
 {
 	struct eco_flight flight;
 	struct eco_script script = { 0 };
-	static const struct eco_track_options defaults = ECO_TRACK_DEFAULTS, few = { .keys_max = 100 };
+	static const struct eco_track_options defaults = ECO_TRACK_DEFAULTS;
 	to_metres(track);
 	if (eco_track_clean(track, NULL))
 		return;
@@ -58,7 +58,7 @@ static void fly(struct eco_track *track)
 		for (int k = 0; k < 3; k++)
 			assert(isfinite(flight.samples[i].eye[k]) && isfinite(flight.samples[i].look[k])
 				&& isfinite(flight.samples[i].up[k]));
-	if (flight.count <= FIXES_MAX && eco_script_fit(&script, &flight, &few, NULL) == ECO_OK)
+	if (flight.count <= FIXES_MAX && eco_script_fit(&script, &flight, &defaults, NULL) == ECO_OK)
 		play(&script);
 	free(script.text);
 	eco_flight_free(&flight);

@@ -152,7 +152,7 @@ static void gpx_that_breaks_off_is_read_until_there(void **state)
 			i / 3600, i / 60 % 60, i % 60);
 	struct eco_track track = track_of(text, "long.gpx");
 	assert_true(track.count > 4000 && track.fixes[track.count - 1].time_s - track.fixes[0].time_s
-		== track.count - 1 && strstr(track_notes, "of its 5000 points"));
+		== track.count - 1);
 	eco_track_free(&track);
 	free(text);
 }
@@ -308,9 +308,6 @@ static void tables_are_read_by_the_names_of_their_columns(void **state)
 			"gimbal_heading(degrees),gimbal_pitch(degrees)\n1500,2020-01-01 "
 			"00:00:00,50,10,100,1000,1,2,-170.5,-30\n", true,
 			FIX(1.5, 10, 50, 304.8, 30.48, -170.5, -30) },
-		{ "flight log", "sep=,\nOSD.flyTime [s],OSD.latitude,OSD.longitude,OSD.height "
-			"[m],GIMBAL.pitch,GIMBAL.yaw [360]\n2,50,10,30,-12,350\n",
-			true, FIX(2, 10, 50, NAN, 30, 350, -12) },
 		{ "metres", "t_s,x_east_m,y_north_m,z_up_m,yaw_deg,pitch_deg,roll_deg\n0.5,1,2,3,110,,\n",
 			false, FIX(0.5, 1, 2, 3, NAN, 110, NAN) },
 		{ "quoted, tabs, CRLF",

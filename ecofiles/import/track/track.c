@@ -22,22 +22,20 @@ static const struct { const char *name; track_reader *read; } formats[ECO_TRACK_
 
 /* ---- Fixes ---- */
 
-/* Whether it has a place on Earth, or in its metres; longitudes up to 360 are brought below 180. A receiver
- * without a fix writes 0, 0. */
-static bool check_position(bool degrees, double at[3])
-{
-	at[0] -= degrees && at[0] > 180 && at[0] <= 360 ? 360 : 0;
-	return fabs(at[0]) <= (degrees ? 180 : METRES_MAX) && fabs(at[1]) <= (degrees ? 90 : METRES_MAX)
-		&& !(degrees && at[0] == 0 && at[1] == 0);
-}
-
+/* Longitudes up to 360 are brought below 180. A receiver without a fix writes 0, 0. */
 enum eco_code track_add(struct eco_track *track, const struct eco_fix *fix, struct eco_error *error)
 {
-	const double most[ECO_FIX_NUMBERS] = { SECONDS_MAX, METRES_MAX, METRES_MAX,
-		track->degrees ? HEIGHT_MAX_M : METRES_MAX, HEIGHT_MAX_M, 1e6, 180, 360, 179 };
+	const bool degrees = track->degrees;
+	const double most[ECO_FIX_NUMBERS] = { SECONDS_MAX, degrees ? 180 : METRES_MAX,
+		degrees ? 90 : METRES_MAX, degrees ? HEIGHT_MAX_M : METRES_MAX, HEIGHT_MAX_M, 1e6, 180, 360,
+		179 };
 	struct eco_fix f = *fix;
 	track->records++;
-	if (!check_position(track->degrees, f.at)) {
+	f.at[0] -= degrees && f.at[0] > 180 && f.at[0] <= 360 ? 360 : 0;
+	for (int i = 0; i < ECO_FIX_NUMBERS; i++)
+		f.n[i] = fabs(f.n[i]) <= most[i] ? f.n[i] : NAN;
+	f.fov_y_deg = f.fov_y_deg > 0.01 ? f.fov_y_deg : NAN;
+	if (isnan(f.at[0] + f.at[1]) || (degrees && f.at[0] == 0 && f.at[1] == 0)) {
 		track->skipped_line = track->skipped++ ? track->skipped_line : f.line;
 		return ECO_OK;
 	}
@@ -47,9 +45,6 @@ enum eco_code track_add(struct eco_track *track, const struct eco_fix *fix, stru
 	if (!eco_room(&track->fixes, &track->capacity, track->count, sizeof f))
 		return eco_fail(error, ECO_NO_MEMORY, "%.300s: no memory for %u fixes", track->path,
 			track->count);
-	for (int i = 0; i < ECO_FIX_NUMBERS; i++)
-		f.n[i] = fabs(f.n[i]) <= most[i] ? f.n[i] : NAN;
-	f.fov_y_deg = f.fov_y_deg > 0.01 ? f.fov_y_deg : NAN;
 	track->timed |= !isnan(f.time_s);
 	track->fixes[track->count++] = f;
 	return ECO_OK;
@@ -90,10 +85,13 @@ static enum eco_code find_json(struct eco_track *track, struct eco_error *error)
 		"camera script (\"keyframes\")", track->path);
 }
 
-static enum eco_code find_text(struct eco_track *track, const char *text, struct eco_error *error)
+static enum eco_code find_text(struct eco_track *track, struct eco_error *error)
 {
 	char head[HEAD_BYTES + 1];
-	snprintf(head, sizeof head, "%.*s", (int)HEAD_BYTES, text);
+	/* a recorder that lost power leaves blocks of zeros */
+	for (size_t i = 0; (i += strlen(track->text + i)) < track->size; )
+		track->text[i] = ' ';
+	snprintf(head, sizeof head, "%.*s", (int)HEAD_BYTES, track->text);
 	bool subtitles = strstr(head, " --> ") || strcasestr(head, "[latitude") || strcasestr(head, "HOME(")
 		|| eco_path_ends_with(track->path, ".srt");
 	track->format = head[strspn(head, " \t\r\n")] != '<' ? subtitles ? ECO_TRACK_SRT : ECO_TRACK_CSV
@@ -114,15 +112,8 @@ static enum eco_code find_format(struct eco_track *track, struct eco_error *erro
 	if (length < track->size && length < HEAD_BYTES)
 		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: this is binary, or text in UTF-16. "
 			TRACK_FORMATS, track->path);
-	if (track->text[blank] == '{')
-		return find_json(track, error);
-	/* a recorder that lost power leaves blocks of zeros */
-	for (size_t i = 0; (i += strlen(track->text + i)) < track->size; )
-		track->text[i] = ' ';
-	return find_text(track, track->text, error);
+	return track->text[blank] == '{' ? find_json(track, error) : find_text(track, error);
 }
-
-/* ---- Reading ---- */
 
 static enum eco_code read_text(struct eco_track *track, struct eco_error *error)
 {
@@ -150,8 +141,7 @@ enum eco_code eco_track_read(struct eco_track *track, const char *path, struct e
 		memmove(track->text, track->text + 3, track->size - 2);
 		track->size -= 3;
 	}
-	if (!code)
-		code = read_text(track, error);
+	code = code ? code : read_text(track, error);
 	if (code)
 		eco_track_free(track);
 	return code;

@@ -1,17 +1,9 @@
 /* Recorded tracks: where a camera, a drone or a walker was, as files of other programs have it, made into a
- * camera script.
+ * camera script: by eco_track_read, _place, _clean, eco_flight_make, _move and eco_script_fit, in this order.
  *
- *   eco_track_read(&track, path, &error);                       any format -> fixes, as recorded
- *   eco_track_place(&track, &options, &error);                  degrees -> metres, heights
- *   eco_track_clean(&track, &error);                            stamps, repeats, jumps, gaps
- *   eco_flight_make(&flight, &track, &options, &error);         even, smooth motion
- *   eco_flight_move(&flight, &options, &moved);                 to where the scene is
- *   eco_script_fit(&script, &flight, &options, &error);         CAMERA.json, of few keyframes
- *
- * A position and its look are recorded at rates of their own (a GPS with 5 fixes a second in a film with 60
- * frames), so they are two series until a flight samples both evenly. Angles are a drone's: yaw clockwise
- * from north (+Y), pitch up from the horizon, roll to the right; NaN is what was not recorded, everywhere.
- * Nothing is repaired in silence: a counter or a note says it. */
+ * Positions and looks are recorded at rates of their own, so they are two series until a flight samples both
+ * evenly. Angles are a drone's: yaw clockwise from north (+Y), pitch up from the horizon, roll to the right;
+ * NaN is what was not recorded, everywhere. A counter or a note says each repair. */
 #ifndef ECO_TRACK_H
 #define ECO_TRACK_H
 
@@ -43,15 +35,13 @@ struct eco_track_options {       /* begin with ECO_TRACK_DEFAULTS; NaN: not stat
 	double pitch_deg;            /* replaces what was recorded; NaN: that, else level, or a drone's */
 	double fov_y_deg;            /* NaN: as recorded, else 60 */
 	double speed;                /* 0: 1 */
-	/* the first eye goes to `to`, whatever `crs` says */
-	bool to_given;
+	bool to_given;               /* the first eye goes to `to`, whatever `crs` says */
 	double to[3], turn_deg;      /* counter-clockwise, about the first eye */
 	bool has_ground;             /* of a scene: eyes stay clearance_m above it */
 	const struct eco_ground *ground;     /* NULL: the ground is z = 0 */
 	double clearance_m;
 	bool look_at_given; double look_at[3];
 	double fps;                  /* 0: 30, or less if that were more than ECO_SCRIPT_FRAMES frames */
-	uint64_t keys_max;           /* 0: 8000 */
 };
 #define ECO_TRACK_DEFAULTS { .smooth_s = NAN, .pitch_deg = NAN, .fov_y_deg = NAN, .clearance_m = 1.7 }
 
@@ -65,9 +55,8 @@ enum eco_track_format {
 	ECO_TRACK_FORMATS
 };
 
-/* A record: the same numbers by name, and for what treats them alike. time_s: since 1970 where the file has
- * dates, else since a zero of its own. at: degrees east and north and metres, or metres x, y, z; only at[2]
- * may be NaN. above_m: above take-off. */
+/* time_s: since 1970 where the file has dates, else since a zero of its own. at: degrees east and north and
+ * metres, or metres x, y, z; only at[2] may be NaN. above_m: above take-off. */
 #define ECO_FIX_NUMBERS 9
 struct eco_fix {
 	union {
@@ -81,7 +70,6 @@ struct eco_fix {
 /* Counted by cleaning. */
 struct eco_track_report {
 	uint32_t fixes, kept, repeated, jumped;      /* before cleaning: kept + repeated + jumped */
-	/* repairs of what was kept */
 	uint32_t stamps_missing, stamps_wrong, stamps_equal, retimed;
 	uint32_t parts;              /* between jumps that do not come back: only the longest is kept */
 	bool sorted, untimed;
@@ -95,15 +83,12 @@ struct eco_track {
 	bool has_height;             /* of the kind `height`, which placing chose */
 	enum eco_track_height height;
 	bool local;                  /* nothing says where its degrees are in the scene; set by placing */
-	/* the step in which positions were written (rounding); 0: too small to matter; set by placing */
-	double still_m;
+	double still_m;              /* the step to which positions are rounded; set by placing */
 	struct eco_fix *fixes;       uint32_t count, capacity;
-	/* skipped: those without a usable position; the first is in skipped_line */
-	uint32_t records, skipped, skipped_line;
+	uint32_t records, skipped, skipped_line;     /* without a usable position; the first of them */
 	struct eco_track_report report;
 	const char *path;            /* for messages; tables are read from it */
-	/* the file's, followed by 0; a reader of text may cut it by writing zeros, and it holds no others */
-	char *text; size_t size;
+	char *text; size_t size;     /* the file's and then its only 0; readers may cut it by zeros */
 	FILE *notes;                 /* lines for the user are written there; NULL: nowhere */
 };
 
@@ -122,19 +107,13 @@ void eco_track_note(void *track, const char *format, ...) __attribute__((format(
 enum eco_code eco_track_place(struct eco_track *track, const struct eco_track_options *options,
 	struct eco_error *error);
 
-/* In this order: unsorted files are sorted; stamps that cannot be (years from the others, before, like or
- * behind their neighbours) are forgotten, and unknown ones interpolated by distance. Repeated positions
- * become one, two where the camera stands. A step much faster than the track's own speeds is a jump: the
- * fixes beyond are dropped if the track comes back within a few; a short one gets time; else the longest part
- * is kept. Gaps of more than a minute without motion become one. Times then count from 0 and ascend. */
+/* Repairs time stamps, repeated positions, jumps and gaps, and counts what it repairs (track_clean.c). Times
+ * then count from 0 and ascend. */
 enum eco_code eco_track_clean(struct eco_track *track, struct eco_error *error);
 
-/* ---- Even and smooth ---- */
-
-/* look and up: units, at right angles; again by name and all alike */
 #define ECO_SAMPLE_NUMBERS 10
 struct eco_sample {
-	union {
+	union {                      /* look and up: units, at right angles */
 		struct { double eye[3], look[3], up[3], fov_y_deg; };
 		double n[ECO_SAMPLE_NUMBERS];
 	};
@@ -149,8 +128,7 @@ struct eco_flight {
 	uint32_t raised, off_ground; double raised_m;        /* samples; by moving */
 };
 
-/* At least one sample. Where no yaw was recorded, the camera looks where it goes; where it stands, as before
- * and after. */
+/* At least one sample. A camera without a recorded yaw looks where it goes. */
 enum eco_code eco_flight_make(struct eco_flight *flight, const struct eco_track *track,
 	const struct eco_track_options *options, struct eco_error *error);
 void eco_flight_free(struct eco_flight *flight);
@@ -159,12 +137,10 @@ void eco_flight_box(const struct eco_flight *flight, double low[3], double high[
 double eco_distance(const double a[3], const double b[3]);
 double eco_angle_deg(const double a[3], const double b[3]);
 
-/* In this order: turned and moved, set on the ground, raised above it, made to look at. A local track begins
- * at 0, 0. Heights above take-off count from the ground there, as heights that were not recorded do. */
+/* Turns and moves it, sets it on the ground, raises it above, and makes it look at a point, in this order. A
+ * local track begins at 0, 0. Heights above take-off, and those not recorded, count from the ground there. */
 void eco_flight_move(struct eco_flight *flight, const struct eco_track *track,
 	const struct eco_track_options *options);
-
-/* ---- Script ---- */
 
 struct eco_script {
 	char *text; size_t size;     /* JSON; free */
@@ -173,7 +149,7 @@ struct eco_script {
 	double error_m, error_deg;   /* the script's spline leaves the flight by no more, at any sample */
 };
 
-/* Within 0.05 m (less if the scene is small) and 0.5 degrees (1 if looks are made up), if keys_max keyframes
+/* Within 0.05 m (less if the scene is small) and 0.5 degrees (1 if looks are made up), if 8000 keyframes
  * suffice. Fails if they do not suffice to tell from which side the camera turns about. */
 enum eco_code eco_script_fit(struct eco_script *script, const struct eco_flight *flight,
 	const struct eco_track_options *options, struct eco_error *error);

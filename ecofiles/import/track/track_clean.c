@@ -1,11 +1,10 @@
-/* Errors of recorders, undone in an order in which each step can rely on those before: time stamps,
- * repeated positions, jumps, gaps.
+/* Errors of recorders, undone in an order in which each step can rely on those before: time stamps, repeated
+ * positions, jumps, gaps. Positions, heights and looks are told apart: a fix loses only what it does not say.
  *
  * The order of the file is trusted above its stamps, as recorders append; only a file most of whose steps run
- * back, or that runs back often, is taken to be unsorted. A position may be repeated because the GPS is
- * slower than the recording (motion then goes on from first to first), because it was rounded (then the
- * middle of the repeats is nearest to the truth) or because the camera stands (then it is kept at both ends).
- * Positions, heights and looks are told apart: a fix loses only what it does not say. */
+ * back, or that runs back often, is sorted. A position may be repeated because the GPS is slower than the
+ * recording (motion then goes on from first to first), because it was rounded (then the middle of the repeats
+ * is nearest to the truth) or because the camera stands (then it is kept at both ends). */
 #include <stdlib.h>
 #include <string.h>
 
@@ -72,9 +71,8 @@ static int by_time(const void *a, const void *b)
 	return s != t ? (s > t) - (s < t) : (x->line > y->line) - (x->line < y->line);
 }
 
-/* The next few stamps say which one is wrong where one runs back: it, or the one that ran ahead, which they
- * lie behind. A stamp like the one before is forgotten, too: clocks of whole seconds have several fixes in
- * each. */
+/* The next few stamps say which one is wrong where one runs back: it, or the one before. A stamp like the one
+ * before is forgotten, too: clocks of whole seconds have several fixes in each. */
 static void forget_unordered(struct clean *c)
 {
 	double last_s = -INFINITY;
@@ -109,8 +107,7 @@ static void guess_times(struct clean *c, double step_s)
 	}
 }
 
-/* Between two stamps by distance, but no slower than a stand would be noticed; before the first and behind
- * the last at the track's own speed. */
+/* Between two stamps by distance, but not much slower than usual; else at the track's own speed. */
 static void fill_missing(struct clean *c, double step_s)
 {
 	struct eco_fix *f = c->f;
@@ -160,8 +157,6 @@ static uint32_t run_end(const struct clean *c, uint32_t first)
 	return end;
 }
 
-/* Some fixes of each run keep their position: the first (or the middle, where it was rounded), and the last
- * where the camera stands. */
 static void merge_repeats(struct clean *c)
 {
 	uint32_t runs = 0, kept = 0;
@@ -220,8 +215,7 @@ static void find_limits(struct clean *c)
 	c->limit_m = fmax(8 * track_quantile(c->scratch, steps, 0.5), c->track->posed ? 0 : 8);
 }
 
-/* Drops the places from which the track comes back within a few to where it can have come from the last good
- * one. */
+/* Drops the places from which the track soon comes back to where it can have come from the last good one. */
 static void drop_spikes(struct clean *c)
 {
 	uint32_t kept = 1;
@@ -240,8 +234,7 @@ static void drop_spikes(struct clean *c)
 	c->places = kept;
 }
 
-/* Whether the step to place i is a jump: a fast step is none where a ride goes on, or was on, at a third of
- * it. */
+/* Whether the step to place i is a jump and no ride, which goes on, or was on, at a third of its speed. */
 static bool leaps(const struct clean *c, uint32_t i)
 {
 	double third = speed(c, i - 1, i) / 3;
@@ -323,11 +316,10 @@ static void drop_jumps(struct clean *c)
 
 enum eco_code eco_track_clean(struct eco_track *track, struct eco_error *error)
 {
-	struct clean c = { .f = track->fixes, .count = track->count, .track = track,
-		.report = &track->report };
+	struct clean c = { .f = track->fixes, .count = track->count, .track = track, .report = &track->report,
+		.scratch = malloc((track->count + 1) * sizeof(double)),
+		.place = malloc(track->count * sizeof(struct eco_fix *)) };
 	track->report = (struct eco_track_report){ .fixes = track->count };
-	c.scratch = malloc((track->count + 1) * sizeof *c.scratch);
-	c.place = malloc(track->count * sizeof(struct eco_fix *));
 	enum eco_code code = c.scratch && c.place ? ECO_OK
 		: eco_fail(error, ECO_NO_MEMORY, "no memory for %u fixes", track->count);
 	if (!code) {

@@ -1,12 +1,8 @@
-/* From fixes to even, smooth motion.
- *
- * Between fixes: piecewise cubics whose slopes are the weighted harmonic means of the neighbours' (Fritsch
- * and Butland 1984), which never leave the range of two fixes, so that uneven times and stands cause no
- * overshoot. Then a Gaussian filter, and what it took off is filtered and given back (Tukey's twicing), which
- * bends curves far less than the filter alone would.
- *
- * The filter spans a few steps of rounding (4 decimals of a degree are 11 m) at the track's speed, and much
- * of the time between fixes. */
+/* From fixes to even, smooth motion. Between fixes: piecewise cubics whose slopes are the weighted harmonic
+ * means of the neighbours' (Fritsch and Butland 1984), which never leave the range of two fixes, so that
+ * uneven times and stands cause no overshoot. Then a Gaussian filter, and what it took off is filtered and
+ * given back (Tukey's twicing), which bends curves far less. The filter spans a few steps of rounding (4
+ * decimals of a degree are 11 m) at the track's speed, and much of the time between fixes. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -66,8 +62,7 @@ static double slope(const struct work *w, uint32_t i, double chord)
 	return a * b <= 0 ? 0 : 3 * (h0 + h1) / ((2 * h1 + h0) / a + (h1 + 2 * h0) / b);
 }
 
-/* The collected number at time_s, which does not descend from call to call: *at is where the last one was
- * found, 0 before. */
+/* The collected number at time_s, which does not descend from call to call; *at is 0 before the first. */
 static double value_at(const struct work *w, double time_s, uint32_t *at)
 {
 	while (*at + 1 < w->count && w->time_s[*at + 1] <= time_s)
@@ -122,8 +117,6 @@ static void sample(struct work *w, int n, double sigma_s)
 	smooth(w, n, sigma_s);
 }
 
-/* ---- What the recording is like ---- */
-
 static double choose_smoothing(const struct work *w, double step_s)
 {
 	double v = w->slow_m_s, rounding_s = 1.5 * w->track->still_m / v;
@@ -168,8 +161,6 @@ static uint32_t learn(struct work *w)
 	return yaws > w->count ? yaws : w->count;
 }
 
-/* ---- Directions ---- */
-
 /* Yaw of the motion at each sample; where it stands, from before to after. */
 static void follow_path(struct work *w)
 {
@@ -201,8 +192,7 @@ static void follow_path(struct work *w)
 	smooth(w, YAW, sigma_s / 2);
 }
 
-/* Look and up by the angles. A look that turns about from one sample to the next would cancel halfway in a
- * script: it passes through a side. */
+/* A look that turns about between two samples would cancel halfway in a script: it passes through a side. */
 static void set_axes(struct eco_sample *s, const struct eco_sample *before)
 {
 	const double yaw_deg = s->n[YAW], pitch_deg = s->n[PITCH], roll_deg = s->n[ROLL];
@@ -210,8 +200,6 @@ static void set_axes(struct eco_sample *s, const struct eco_sample *before)
 	if (before && eco_angle_deg(s->look, before->look) > TURN_MOST_DEG)
 		track_axes(yaw_deg - 90, pitch_deg, roll_deg, s->look, s->up);
 }
-
-/* ---- All of it ---- */
 
 static void sample_eyes(struct work *w)
 {
@@ -232,8 +220,7 @@ static void sample_eyes(struct work *w)
 	}
 }
 
-/* Recorded angles and fields of view; else yaw along the path, the pitch that was asked for, level, and
- * FOV_DEG. */
+/* Recorded angles and fields of view, else the defaults; yaw along the path is there already. */
 static void sample_looks(struct work *w)
 {
 	struct eco_flight *f = w->flight;

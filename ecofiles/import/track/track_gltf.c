@@ -27,8 +27,6 @@ struct motion {
 	struct channel *channels; uint32_t count, capacity;
 };
 
-/* ---- Animations ---- */
-
 static enum eco_code read_channel(struct eco_gltf *doc, struct channel *c, const json_t *sampler,
 	struct eco_error *error)
 {
@@ -85,8 +83,7 @@ static enum eco_code take_channel(struct motion *m, const json_t *animation, con
 	return read_channel(m->doc, &m->channels[m->count++], sampler, error);
 }
 
-/* The value at a time, quaternions along the shorter great circle; before the first and behind the last the
- * node rests. */
+/* The value at a time, quaternions along the shorter great circle; the node rests before and after. */
 static void sample(const struct channel *c, double time_s, double out[4])
 {
 	uint64_t low = 0, high = c->count - 1;
@@ -108,10 +105,8 @@ static void sample(const struct channel *c, double time_s, double out[4])
 		out[i] = wa * a[i] + sign * wb * b[i];
 }
 
-/* ---- Poses ---- */
-
-/* Where the camera is, to Z up, and its angles, from its matrix; a matrix without directions leaves no
- * position. Straight down or up, yaw is where the picture's upper edge points. */
+/* Position and angles of the camera, Z up; a matrix without directions leaves no position. Straight down or
+ * up, yaw is where the picture's upper edge points. */
 static void set_pose(struct eco_fix *fix, const double m[16])
 {
 	double back = sqrt(m[8] * m[8] + m[9] * m[9] + m[10] * m[10]);
@@ -196,8 +191,7 @@ enum eco_code track_read_gltf(struct eco_track *track, struct eco_error *error)
 	enum eco_code code = eco_gltf_open_memory(&m.doc, track->path, (const uint8_t *)track->text,
 		track->size, error);
 	track->posed = true;
-	if (!code)
-		code = read_camera(track, &m, error);
+	code = code ? code : read_camera(track, &m, error);
 	for (uint32_t i = 0; i < m.count; i++) {
 		free(m.channels[i].times);
 		free(m.channels[i].values);

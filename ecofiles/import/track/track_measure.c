@@ -87,15 +87,6 @@ void eco_flight_free(struct eco_flight *flight)
 	*flight = (struct eco_flight){ 0 };
 }
 
-/* ---- Flights where the scene is ---- */
-
-static void turn(double v[2], double sine, double cosine)
-{
-	double x = v[0];
-	v[0] = cosine * x - sine * v[1];
-	v[1] = sine * x + cosine * v[1];
-}
-
 /* Turned about the first eye, which then goes to `to`. Heights that count from the ground stay. */
 static void place(struct eco_flight *f, const struct eco_track *track, const struct eco_track_options *m)
 {
@@ -113,9 +104,11 @@ static void place(struct eco_flight *f, const struct eco_track *track, const str
 	for (struct eco_sample *s = f->samples; s < f->samples + f->count; s++) {
 		for (int k = 0; k < 3; k++)
 			s->eye[k] -= first[k];
-		turn(s->eye, sine, cosine);
-		turn(s->look, sine, cosine);
-		turn(s->up, sine, cosine);
+		for (double *v = s->n; v < s->n + 9; v += 3) {       /* eye, look, up */
+			double x = v[0];
+			v[0] = cosine * x - sine * v[1];
+			v[1] = sine * x + cosine * v[1];
+		}
 		for (int k = 0; k < 3; k++)
 			s->eye[k] += to[k];
 	}
@@ -145,10 +138,8 @@ static void look_at(struct eco_flight *f, const double at[3])
 		struct eco_sample *s = &f->samples[i];
 		const double x = at[0] - s->eye[0], y = at[1] - s->eye[1], z = at[2] - s->eye[2];
 		track_axes(atan2(x, y) * TRACK_DEG, atan2(z, hypot(x, y)) * TRACK_DEG, 0, s->look, s->up);
-		for (int k = 0; k < 3 && i && eco_distance(s->eye, at) < 1e-6; k++) {
-			s->look[k] = s[-1].look[k];
-			s->up[k] = s[-1].up[k];
-		}
+		if (i && eco_distance(s->eye, at) < 1e-6)
+			memcpy(s->n + 3, s[-1].n + 3, 6 * sizeof *s->n);
 	}
 }
 

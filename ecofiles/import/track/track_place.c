@@ -1,6 +1,5 @@
-/* Fixes in metres of the frame, with the heights that are asked for, and the steps in which their numbers
- * were written. Degrees go to the scene's CRS, or to a plane of the track's own (azimuthal equidistant about
- * its middle), where it will be moved. */
+/* Fixes in metres of the frame, with the heights that are asked for. Degrees go to the scene's CRS, or to a
+ * plane of the track's own (azimuthal equidistant about its middle), where it will be moved. */
 #include <stdio.h>
 #include <string.h>
 
@@ -20,8 +19,7 @@ static void find_step(struct eco_track *track)
 			double d = fabs(f[i].at[k] - f[i - 1].at[k]);
 			step[k] = d > least ? fmin(d, step[k]) : step[k];
 		}
-	double narrow = track->degrees ? cos(f[0].at[1] / TRACK_DEG) : 1;
-	double finer = fmin(step[0] * narrow, step[1]);
+	double finer = fmin(step[0] * (track->degrees ? cos(f[0].at[1] / TRACK_DEG) : 1), step[1]);
 	track->still_m = isfinite(finer) ? finer * (track->degrees ? METRES_PER_DEGREE : 1) : 0;
 }
 

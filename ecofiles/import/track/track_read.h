@@ -1,5 +1,4 @@
-/* Shared by the parts of this room: fixes as they come, texts with numbers and dates as people write them,
- * tables, distances. */
+/* Shared by the parts of this room: fixes as they come, numbers and clocks in texts, tables, distances. */
 #ifndef ECO_TRACK_READ_H
 #define ECO_TRACK_READ_H
 
@@ -20,8 +19,6 @@ track_reader track_read_srt, track_read_rows, track_read_gltf;
 /* Checks and takes: what has no position, or an impossible one, is counted instead. Each call is one record.
  * ECO_TOO_LARGE or ECO_NO_MEMORY. */
 enum eco_code track_add(struct eco_track *track, const struct eco_fix *fix, struct eco_error *error);
-
-/* ---- Texts ---- */
 
 /* Each of these moves *text behind what it reads (after spaces), or returns false and leaves it. No "nan". */
 bool track_number(const char **text, double *value);
@@ -45,8 +42,6 @@ enum track_role track_role_of(const char *name, uint32_t *rank, double *unit);
 bool track_find_columns(struct track_table *table, const char *const *names, uint32_t count);
 struct eco_fix track_row(const struct track_table *table, const char *const *fields, uint32_t count,
 	uint32_t line);
-
-/* ---- Measures ---- */
 
 /* Metres; without heights, in the plane. */
 double track_distance(const struct eco_fix *a, const struct eco_fix *b);

@@ -1,7 +1,5 @@
 /* Tables (rows.h): CSV; and GPX, KML and GeoJSON as GDAL hands them over, with a row for each position. GDAL
- * 3.6 hands over the times of GPX (trkpt, rtept, wpt), of KML's placemarks (TimeStamp) and of GeoJSON's
- * features ("time", "timestamp") and lines ("coordTimes", "coordinateProperties.times"), but not those of
- * KML's gx:Track: a file that has times of which none arrives is refused. */
+ * 3.6 does not hand over the times of KML's gx:Track: a file that has times is refused if none arrives. */
 #include <string.h>
 
 #include "ecofiles/import/places/rows.h"
@@ -81,8 +79,7 @@ static enum eco_code read_layer(struct eco_track *track, const char *layer, stru
 		return code;
 	code = find_header(&table, rows, track->path, error);
 	track->degrees = rows->has_geometry ? is_degrees(track, rows) : table.degrees;
-	if (!code)
-		code = read_rows(track, &table, rows, error);
+	code = code ? code : read_rows(track, &table, rows, error);
 	for (uint32_t i = 0; i < rows->note_count; i++)
 		eco_track_note(track, "%s", rows->notes[i]);
 	eco_rows_close(rows);
@@ -110,17 +107,6 @@ static void keep_lines(struct eco_track *track)
 	track->timed = timed[of_line];
 }
 
-/* GDAL says nothing of a file that breaks off, as a recorder whose battery died leaves it. */
-static void check_points(struct eco_track *track, const char *word)
-{
-	uint32_t points = 0;
-	for (const char *at = track->text; (at = strstr(at, word)) != NULL; at++)
-		points++;
-	if (track->records < points)
-		eco_track_note(track, "the file breaks off or is damaged: %u of its %u points are read",
-			track->records, points);
-}
-
 /* No time arrived: refuses what has some, whether it was read or not. */
 static enum eco_code check_times(const struct eco_track *track, enum eco_code code, struct eco_error *error)
 {
@@ -138,8 +124,7 @@ static enum eco_code check_times(const struct eco_track *track, enum eco_code co
 
 enum eco_code track_read_rows(struct eco_track *track, struct eco_error *error)
 {
-	static const char *const layers[] = { "track_points", "route_points", "waypoints" },
-		*const points[] = { "<trkpt", "<rtept", "<wpt" };
+	static const char *const layers[] = { "track_points", "route_points", "waypoints" };
 	enum eco_code code = ECO_OK;
 	if (track->format == ECO_TRACK_CSV)
 		return read_layer(track, NULL, error);
@@ -148,9 +133,7 @@ enum eco_code track_read_rows(struct eco_track *track, struct eco_error *error)
 		keep_lines(track);
 		return track->timed ? code : check_times(track, code, error);
 	}
-	for (int i = 0; !code && !track->count && i < 3; i++) {
+	for (int i = 0; !code && !track->count && i < 3; i++)
 		code = read_layer(track, layers[i], error);
-		check_points(track, points[i]);
-	}
 	return code;
 }

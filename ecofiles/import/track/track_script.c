@@ -15,17 +15,16 @@ enum { LOOK = 3, UP = 6, FOV = 9 };      /* of a sample's numbers */
 
 struct fit {
 	const struct eco_flight *flight;
-	uint32_t *key, *next, count;         /* samples that are keyframes, ascending */
+	uint32_t *key, count;                /* samples that are keyframes, ascending */
+	bool *is_key;                        /* of each sample */
 	double error_m, error_deg;           /* wanted */
 	struct eco_script *script;           /* its errors are the worst so far */
 };
 
-/* ---- The spline, as in camera.c ---- */
-
 static const double *numbers(const struct fit *f, uint32_t key) { return f->flight->samples[f->key[key]].n; }
 
-/* How far the spline within the stretch from keyframe i is from the flight at a sample, in metres or degrees
- * of look, roll and field of view, as a share of what is wanted. */
+/* How far the spline (of camera.c) within the stretch from keyframe i is from the flight at a sample, in
+ * metres or degrees of look, roll and field of view, as a share of the error wanted. */
 static double error_at(struct fit *f, uint32_t i, uint32_t sample)
 {
 	uint32_t before = i ? i - 1 : 0, after = i + 2 < f->count ? i + 2 : i + 1;
@@ -58,29 +57,25 @@ static double worst_of(struct fit *f, uint32_t i, uint32_t *worst)
 	return most;
 }
 
-/* One more keyframe in each stretch that is off by more than `bound` times what is wanted. False when nothing
- * was added. */
-static bool refine(struct fit *f, double bound, uint32_t keys_max)
+/* Adds a keyframe to each stretch that is off by more than `bound` times the error wanted. */
+static bool refine(struct fit *f, double bound)
 {
-	uint32_t count = 0, *swap = f->key;
+	uint32_t added = 0, worst = 0;
 	f->script->error_m = f->script->error_deg = 0;
-	for (uint32_t i = 0; i < f->count; i++) {
-		uint32_t worst = 0;
-		f->next[count++] = f->key[i];
-		if (i + 1 < f->count && worst_of(f, i, &worst) > bound && count + (f->count - i - 1)
-				< keys_max)
-			f->next[count++] = worst;
-	}
-	bool added = count > f->count;
-	f->key = f->next;
-	f->next = swap;
-	f->count = count;
-	return added;
+	f->count = 0;
+	for (uint32_t sample = 0; sample < f->flight->count; sample++)
+		if (f->is_key[sample])
+			f->key[f->count++] = sample;
+	for (uint32_t i = 0; i + 1 < f->count; i++)
+		if (worst_of(f, i, &worst) > bound && f->count + added < KEYS_MAX) {
+			f->is_key[worst] = true;
+			added++;
+		}
+	return added > 0;
 }
 
-/* Coarse to fine, so that few keyframes go where they are needed most. False if they do not suffice to turn
- * about. */
-static bool choose_keys(struct fit *f, uint32_t keys_max)
+/* Coarse to fine, so that keyframes go where they are needed most. False: too few are left to turn about. */
+static bool choose_keys(struct fit *f)
 {
 	double low[3], high[3], size = 0;
 	eco_flight_box(f->flight, low, high);
@@ -89,18 +84,15 @@ static bool choose_keys(struct fit *f, uint32_t keys_max)
 	/* a small scene shows finer */
 	f->error_m = size > 0 ? fmin(ERROR_M, size / 1000) : ERROR_M;
 	f->error_deg = f->flight->yaw_recorded ? 0.5 : 1;
-	if (f->flight->count > 1)
-		f->key[f->count++] = f->flight->count - 1;
+	f->is_key[0] = f->is_key[f->flight->count - 1] = true;
 	for (double bound = 1024; bound >= 1; bound /= 4)
-		while (f->count > 1 && refine(f, bound, keys_max))
+		while (refine(f, bound))
 			;
 	for (uint32_t i = 1; i < f->count; i++)
 		if (eco_angle_deg(numbers(f, i - 1) + LOOK, numbers(f, i) + LOOK) > 175)
 			return false;
 	return true;
 }
-
-/* ---- Script ---- */
 
 static void put_vector(FILE *out, const char *name, const double v[3], double parts)
 {
@@ -136,18 +128,18 @@ static enum eco_code write_keys(struct eco_script *script, const struct fit *f, 
 enum eco_code eco_script_fit(struct eco_script *script, const struct eco_flight *flight,
 	const struct eco_track_options *options, struct eco_error *error)
 {
-	uint32_t most = options->keys_max ? (uint32_t)options->keys_max : KEYS_MAX,
-		room = (most < flight->count ? most : flight->count) + 4;
-	uint32_t *owned = calloc(2 * (size_t)room, sizeof *owned);
-	struct fit f = { .flight = flight, .key = owned, .next = owned + room, .count = 1, .script = script };
+	uint32_t *owned = calloc(flight->count, sizeof *owned + sizeof(bool));
 	double length_s = (flight->count - 1) * flight->step_s,
 		fps = length_s > 0 ? ECO_SCRIPT_FRAMES / length_s : 30;
 	*script = (struct eco_script){ .length_s = length_s };
-	enum eco_code code = owned ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for %u keyframes",
-		most);
-	if (!code && !choose_keys(&f, most))
+	if (!owned)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u keyframes", flight->count);
+	struct fit f = { .flight = flight, .key = owned, .script = script,
+		.is_key = (bool *)(owned + flight->count) };
+	enum eco_code code = ECO_OK;
+	if (!choose_keys(&f))
 		code = eco_fail(error, ECO_TOO_LARGE, "the camera turns about too often for %u keyframes "
-			"(--max-keyframes N, --smooth S)", most);
+			"(--smooth S)", KEYS_MAX);
 	script->fps = options->fps > 0 ? options->fps : fps >= 30 ? 30 : fps >= 1 ? floor(fps)
 		: 1 / ceil(1 / fps);
 	script->frames = (uint32_t)fmin(floor(length_s * script->fps + 1e-6) + 1, UINT32_MAX);

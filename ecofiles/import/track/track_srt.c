@@ -1,13 +1,8 @@
-/* Subtitles that drones write beside their films, in all the dialects met: a record is an index, a time line
- * and one or more lines of NAME: VALUE or NAME(VALUE, VALUE, ...), with or without brackets and HTML.
+/* Subtitles that drones write beside their films: a record is an index, a time line and lines of NAME: VALUE
+ * or NAME(VALUE, VALUE, ...), with or without brackets and HTML, in many dialects (all are in test_track.c).
  *
  *   [latitude : 31.45] [longtitude : 74.39] [altitude: 213.9]                     (the misspelling is theirs)
- *   [rel_alt: 1.5 abs_alt: 213.9] [gb_yaw: -67.6 gb_pitch: -30.0 gb_roll: 0.0]
- *   HOME(149.0251,-20.2532) 2017.08.05 14:11:51  GPS(149.0251,-20.2533,16) BAROMETER:1.9
- *   GPS (-58.8517, -34.2379, 15), HOME (-58.8475, -34.2327, -57.98m), D 698.70m, H 85.80m, G.PRY (-24.4°,
- *   0.0°, 110.4°)
- *   [focal_len: 24.00] [dzoom_ratio: 10000, delta:0]                              35 mm equivalent
- *   GPS(36.6146,-6.1120,0.0M) BAROMETER:0.3M                                      latitude first
+ *   GPS (-58.8517, -34.2379, 15), D 698.70m, H 85.80m, G.PRY (-24.4°, 0.0°, 110.4°)
  *
  * So names are found one by one and not line by line; those of one value are the names of columns, too. The
  * third number of GPS() is the number of satellites if it is whole, the height if it has decimals or "m";
@@ -62,17 +57,14 @@ static void set_values(struct srt *s, const char *name, const struct values *v)
 		if (v->count == 3 && (v->unit == 'm' || v->unit == '.'))
 			n[TRACK_Z] = v->number[2];
 	} else if (strcasecmp(name, "g.pry") == 0) {
-		n[TRACK_PITCH] = v->number[0];
-		n[TRACK_ROLL] = v->number[1];
+		memcpy(n + TRACK_PITCH, v->number, 2 * sizeof *n);
 		n[TRACK_YAW] = v->number[2];
 	} else if (strcasecmp(name, "focal_len") == 0)       /* 240 is 24.0 mm, 24.00 is too */
 		s->focal_mm = v->number[0] / (v->unit == '.' ? 1 : 10);
 	else if (strcasecmp(name, "dzoom_ratio") == 0)       /* so are 10000 and 1.00 */
 		s->zoom = v->number[0] / (v->number[0] >= 1000 ? 10000 : 1);
-	else if (role == TRACK_LON || role == TRACK_LAT)
-		n[TRACK_X + (role - TRACK_LON)] = v->number[0];
-	else if (role >= TRACK_Z && role < TRACK_LON)
-		n[role] = v->number[0];
+	else if (role >= TRACK_Z && role <= TRACK_LAT)
+		n[role < TRACK_LON ? role : TRACK_X + (role - TRACK_LON)] = v->number[0];
 	else
 		return;
 	s->open = true;

@@ -1,9 +1,7 @@
-/* Tables: columns found by the names that drones' logs and spreadsheets give them, and what a row says. CSV
- * and what GDAL hands over are both tables, and subtitles have the same names.
- *
- * A name is compared in lower case without what is no letter or digit; a unit in brackets or behind the last
- * underline is taken off and used ("height_above_takeoff(feet)", "x_east_m", "OSD.height [m]"). Each meaning
- * has a list of names, best first (a gimbal's pitch before an aircraft's). */
+/* Tables: columns found by the names that drones' logs and spreadsheets give them, and the fix of a row. CSV
+ * and GDAL's layers are tables, and subtitles have the same names. A name is compared in lower case, by its
+ * letters and digits; a unit in brackets or behind the last underline is taken off and used
+ * ("height_above_takeoff(feet)", "x_east_m"). */
 #include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,18 +12,18 @@
 #include "ecofiles/import/track/track_read.h"
 
 #define NAME_BYTES 64u
-#define OF_PART 1000u                    /* added to the rank of a name that is a part of its column's */
 
-/* each between spaces */
+/* each between spaces, the best first (a gimbal's pitch before an aircraft's) */
 static const char *const names[TRACK_ROLES] = {
 	[TRACK_TIME] = " t time timestamp times seconds elapsed elapsedtime unixtime epoch datetime "
-		"datetimeutc utc gpstime offsettime flytime millisecond coordtimes coordinatetimes ",
+		"datetimeutc utc gpstime offsettime flytime millisecond coordtimes coordinatetimes "
+		"coordinatepropertiestimes ",
 	[TRACK_X] = " east easting x xeast e utmx px posx positionx camerax ",
 	[TRACK_Y] = " north northing y ynorth n utmy py posy positiony cameray ",
 	[TRACK_Z] = " up z zup pz posz positionz cameraz altitude alt altitudeabovesealevel altmsl absalt "
 		"gpsaltitude gpsalt elevation ele elev height ",
-	[TRACK_ABOVE] = " relalt relativealtitude heightabovetakeoff relativeheight osdheight heightagl agl "
-		"barometer h hb ",
+	[TRACK_ABOVE] = " relalt relativealtitude heightabovetakeoff relativeheight heightagl agl barometer "
+		"h hb ",
 	[TRACK_YAW] = " gimbalyaw gimbalheading gbyaw camerayaw cameraheading yaw heading compassheading "
 		"bearing direction course track ",
 	[TRACK_PITCH] = " gimbalpitch gbpitch camerapitch gimbalpitchangle pitch tilt ",
@@ -36,24 +34,22 @@ static const char *const names[TRACK_ROLES] = {
 	[TRACK_DATE] = " date day gpsdate dateutc ", [TRACK_MODE] = " altitudemode ",
 };
 
-/* ---- Names ---- */
-
 /* The factor to seconds, metres and degrees; NaN: no unit. */
 static double unit_of(const char *text, size_t length)
 {
-	static const struct { const char *name; double factor; } units[] = {
-		{ "s", 1 }, { "sec", 1 }, { "seconds", 1 }, { "ms", 1e-3 }, { "msec", 1e-3 },
-		{ "millisecond", 1e-3 }, { "milliseconds", 1e-3 }, { "us", 1e-6 }, { "ns", 1e-9 }, { "m", 1 },
-		{ "meters", 1 }, { "metres", 1 }, { "ft", 0.3048 }, { "feet", 0.3048 }, { "deg", 1 },
-		{ "degrees", 1 }, { "360", 1 }, { "rad", TRACK_DEG }, { "radians", TRACK_DEG } };
+	static const struct { const char *names; double factor; } units[] = {
+		{ " s sec seconds m meters metres deg degrees 360 ", 1 }, { " ft feet ", 0.3048 },
+		{ " ms msec millisecond milliseconds ", 1e-3 }, { " us ", 1e-6 }, { " ns ", 1e-9 },
+		{ " rad radians ", TRACK_DEG } };
+	char word[NAME_BYTES];
+	snprintf(word, sizeof word, " %.*s ", (int)length, text);
 	for (size_t i = 0; i < sizeof units / sizeof *units; i++)
-		if (strlen(units[i].name) == length && strncasecmp(text, units[i].name, length) == 0)
+		if (strcasestr(units[i].names, word))
 			return units[i].factor;
 	return NAN;
 }
 
-/* The role of a name as it is, and how good the name is for it: 0 the best. */
-static enum track_role find_role(const char *text, uint32_t *rank, double *unit)
+enum track_role track_role_of(const char *text, uint32_t *rank, double *unit)
 {
 	char word[NAME_BYTES] = " ";
 	const char *end = text + strcspn(text, "(["), *last = end, *at = NULL;
@@ -71,19 +67,6 @@ static enum track_role find_role(const char *text, uint32_t *rank, double *unit)
 	while (role < TRACK_ROLES && !(at = strstr(names[role], word)))
 		role++;
 	*rank = at ? (uint32_t)(at - names[role]) : 0;
-	return role;
-}
-
-enum track_role track_role_of(const char *name, uint32_t *rank, double *unit)
-{
-	enum track_role role = find_role(name, rank, unit);
-	const char *part = name + strlen(name);
-	while (part > name && !strchr("./:", part[-1]))
-		part--;
-	if (role < TRACK_ROLES || part == name)
-		return role;
-	role = find_role(part, rank, unit);
-	*rank += OF_PART;
 	return role;
 }
 
@@ -156,8 +139,6 @@ static double date_time(const char *text)
 	strptime(at, "%z", &zone);
 	return (double)(timegm(&day) - zone.tm_gmtoff) + clock_s;
 }
-
-/* ---- Rows ---- */
 
 /* The whole of the field, or NaN. */
 static double number_of(const char *field)
