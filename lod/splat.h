@@ -64,7 +64,7 @@ static inline float lod_ellipse_row(const struct lod_ellipse *ellipse, float y)
 	return rest >= 0 ? ellipse->half * sqrtf(rest) : -1;
 }
 
-/* How much farther than the centre the near side is at (x, y), metres. */
+/* Distance of the near side at (x, y) behind the centre, metres; negative in front of it. */
 static inline float lod_ellipse_farther(const struct lod_ellipse *ellipse, float x, float y)
 {
 	float u = ellipse->half > 0 ? (x - ellipse->lean * y) / ellipse->half : 0, v = y / ellipse->high,

@@ -1,4 +1,4 @@
-/* Which foliage is flowers, by colour (Deussen 2002, 4.3). Private to the finder of organs.
+/* Flowers among the foliage, found by colour (Deussen 2002, 4.3). Private to the finder of organs.
  *
  * Candidates are components of a colour that no leaf has in summer. Pink, violet and blue are not leaf
  * colours in autumn either. Pale and warm colours must stand out against green; warm ones in the majority are

@@ -30,7 +30,7 @@ struct lod_build {
 	struct lod_cells cells;
 	struct lod_palette palette;
 	struct lod_draft draft;
-	/* Of wood; other triangles are in the cells of their elements. 0 without cells. */
+	/* Cells of wood's triangles; other triangles are in the cells of their elements. 0 without cells. */
 	uint32_t *cell_of_triangle;
 	uint32_t group_count;
 	struct lod_group *groups;

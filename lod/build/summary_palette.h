@@ -20,8 +20,8 @@ struct lod_summary_palette {
 	uint16_t *color_of;          /* per colour of the scene: its entry, 0 if no point has it; owned */
 };
 
-/* Colours of points in tiles [tile_first, tile_first + tile_count), which are all of one eco file. Of `input`
- * the tile, its count and color_of are not read. */
+/* Colours of points in tiles [tile_first, tile_first + tile_count), which are all of one eco file. The tile,
+ * its count and color_of of `input` are not read. */
 enum eco_code lod_summary_palette_make(struct lod_summary_palette *palette,
 	const struct lod_summary_input *input, uint32_t tile_first, uint32_t tile_count,
 	struct eco_error *error);

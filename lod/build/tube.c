@@ -12,7 +12,8 @@
 #define RING_RADII 4.0           /* largest distance of a ring of border from its centre */
 #define FOOT 0.03                /* of a component's height: height of a closed trunk's foot */
 #define FOOT_WIDTH 0.2           /* of the same: radius of that foot */
-/* Of a ring's diameter, or a mean radius: a shorter bone at an end is part of the line before it. */
+/* Share of a ring's diameter. A bone at an end is part of the line before it if it is no longer than that, or
+ * than the mean radius. */
 #define STUB 0.75
 #define TIP_DEPTH 0.2            /* of a slab: the extent of a piece's end */
 

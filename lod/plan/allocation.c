@@ -39,8 +39,8 @@ static double lagrangian(const struct lod_cost *cost, double fp_weight, double l
 	return fp_weight * cost->fp + cost->fn + cost->detail + lambda * cost->vertices;
 }
 
-/* How far the coarse choice has given way to the fine one, given what each saves: 0 to 1, and 1 where the
- * fine one saves much more. */
+/* Share of the fine choice, given what it and the coarse one save: 0 to 1, and 1 where the fine one saves
+ * much more. */
 static double fine_share(const struct lod_allocation *m, double fine, double coarse)
 {
 	if (m->few_plants || !(fine > 0))
@@ -212,7 +212,7 @@ static struct lod_cost plants_cost(const struct lod_allocation *m, uint32_t n)
 	return sum;
 }
 
-/* How far a tile is open, given what its plants and children save, and what its summary saves. */
+/* Open share of a tile, given what its plants and children save, and what its summary saves. */
 static double open_share(const struct lod_allocation *m, const struct lod_tile_choice *choice, double plants,
 	double summary)
 {

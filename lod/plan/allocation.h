@@ -53,8 +53,8 @@ struct lod_ladder_choice {           /* one ladder for all plants of a slot: a c
 	double position;             /* on the hull, at the last lambda */
 };
 
-/* Which plants of a slot draw a ladder that shows the whole plant: the share of far plants that saves most at
- * lambda; or all of them, and no cells; or none. */
+/* Rule for a slot's ladder that shows the whole plant: drawn by the share of far plants that saves most at
+ * lambda; by all plants, without cells; or by none. */
 enum lod_whole_rule { LOD_WHOLE_BY_LAMBDA, LOD_WHOLE_ALL, LOD_WHOLE_NONE };
 
 struct lod_slot_choice {             /* per plant of a slot; [0]: a far plant, [1]: a near one, which draws

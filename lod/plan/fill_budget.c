@@ -536,8 +536,8 @@ static void find_densities(const struct lod_fill *fill, double (*drawn)[ECO_ORGA
 		}
 }
 
-/* In the band where the gate ends, the plants with the smallest hashes draw cells and the others do not. Of
- * those the ones with the greatest hashes may draw a ladder for the whole plant. */
+/* In the band where the gate ends, the plants with the smallest hashes draw cells and the others do not. The
+ * others with the greatest hashes may draw a ladder for the whole plant. */
 static void find_hashes(const struct lod_planner *p, const struct lod_ladder_choice *choice,
 	struct lod_entry *entry)
 {

@@ -1,4 +1,4 @@
-/* What planning needs of a scene, whatever the view and the budget: the ladders of each anchor, a proxy shape
+/* Tables of a scene for planning, whatever the view and the budget: the ladders of each anchor, a proxy shape
  * of each plant, and the way and the hulls of each ladder.
  *
  *   lod_plan_tables_make(&tables, scene, &error);        when a scene is opened; takes milliseconds

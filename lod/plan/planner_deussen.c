@@ -328,8 +328,8 @@ static enum eco_code best_structure(struct lod_planner *p, int solved, int *best
 	return ECO_OK;
 }
 
-/* Wrong pixels summed over organs as if nothing overlapped, then shrunk to the picture. Of a picture that is
- * asked to hold t times its pixels the share t / (1 + t) is covered. */
+/* Wrong pixels summed over organs as if nothing overlapped, then shrunk to the picture. A picture that is
+ * asked to hold t times its pixels is covered by the share t / (1 + t). */
 static struct eco_prediction predict(const struct lod_planner *p)
 {
 	const struct eco_view *view = &p->input->request->view;

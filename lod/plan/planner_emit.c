@@ -37,7 +37,7 @@ static double grown(const struct lod_planner *p, const struct lod_entry *entry, 
 	return 1 + GROWTH * among * among * fmin(1, missed);
 }
 
-/* How far from above the slot's plants are seen, the rounded mean. */
+/* Mean degree of the view from above onto the slot's plants, rounded. */
 static double above_of(const struct lod_slot *slot)
 {
 	return slot->above_count > 0 ? floor(ABOVE_STEPS * slot->above / slot->above_count + 0.5)

@@ -197,7 +197,7 @@ static double closed_wrong(const struct lod_allocation *m)
 	return sum;
 }
 
-/* What the gates and tiles of a lambda leave wrong when filled to the budget: INFINITY where they do not
+/* Wrong pixels left by the gates and tiles of a lambda when filled to the budget: INFINITY where they do not
  * fit. */
 static enum eco_code fix_structure(const struct lambda_search *s, double lambda, uint64_t budget,
 	struct lod_fill *fill, double *wrong, struct eco_error *error)

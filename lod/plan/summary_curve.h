@@ -21,8 +21,9 @@ struct lod_summary_view {
  */
 struct eco_curve lod_summary_curve(const struct lod_summary_view *view, double n);
 
-/* Pixels around the tile that the first n points cover, over weight_px. What hides the tile need not hide
- * these splats: large splats of a tile behind a hill stand out above it. 0 if wide and high are unknown. */
+/* Pixels around the tile that the first n points cover, over weight_px. Plants and ground that hide the tile
+ * need not hide these splats: large splats of a tile behind a hill stand out above it. 0 if wide and high are
+ * unknown. */
 double lod_summary_outside(const struct lod_summary_view *view, double n);
 
 #endif

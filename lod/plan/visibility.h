@@ -1,6 +1,6 @@
-/* How much of each plant shows among the others (its visibility), and which pixels all plants together are
- * expected to cover. Both are computed on a coarse grid of cells over the picture from proxy shapes, where
- * plants stand and how dense they are. Nothing is drawn.
+/* Visibility of each plant: how much of it shows among the others; and the pixels that all plants together
+ * are expected to cover. Both are computed on a coarse grid of cells over the picture from proxy shapes,
+ * where plants stand and how dense they are. Nothing is drawn.
  *
  *   lod_screen_init(&screen, &eye, &view, ground);
  *   lod_screen_add(&screen, center, &proxy_shape)         for each plant, and each tile that is not opened

@@ -233,7 +233,7 @@ static enum eco_code tally(struct lod_visible_tree *visible, struct lod_node *no
 	return ECO_OK;
 }
 
-/* How far from above a plant's middle is seen. */
+/* Degree of the view from above onto a plant's middle (lod_seen_above). */
 static double seen_above(const struct lod_visible_tree *visible, const struct lod_place *place,
 	uint32_t plant)
 {

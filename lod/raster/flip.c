@@ -171,7 +171,7 @@ static void lab_of(const double rgb[3], double lab[3])
 	lab[2] = 0.01 * lab[0] * 200 * (xyz[1] - xyz[2]);
 }
 
-/* What a screen can show of a blurred colour. */
+/* L*a*b* of a blurred colour, clamped to the colours of a screen. */
 static void seen_lab(const float *seen, size_t stride, double lab[3])
 {
 	static const double m[3][3] = { { 3.241003275, -1.537398934, -0.498615861 },

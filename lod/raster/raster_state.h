@@ -43,7 +43,7 @@ struct lod_paint {
 	bool silhouette;
 };
 
-/* Of the batch's first primitive. */
+/* The paint of the batch's first primitive. */
 static inline struct lod_paint lod_paint_make(struct lod_raster *raster, const struct lod_raster_batch *batch)
 {
 	return (struct lod_paint){ .raster = raster, .owner = batch->owner, .cover = batch->owner ? 255 : 0,

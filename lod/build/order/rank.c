@@ -32,8 +32,8 @@
 /* Share of the elements up to which they are picked as points. */
 #define POINTS_MOST 0.35
 #define POINTS_LEAST 0.06                /* if leaves show more */
-/* Of the loss of as many vertices as leaves: many points must lose less, as curves have simple leaves,
- * too. */
+/* Share of the loss of leaves of as many vertices that points may have: they must lose less, as curves have
+ * simple leaves, too. */
 #define POINTS_LOSS 0.95
 /* Views of a trial; rounding of the stride makes them up to nine. */
 #define TRIAL_VIEWS 5u

@@ -107,7 +107,7 @@ struct prints {
 	const struct lod_eye *eye;
 	double area;                 /* of its point */
 	uint32_t pixels, count, used;
-	/* Of an edge, for the leaf and for its point: 1 + its place below, or 0. */
+	/* Slot of an edge, for the leaf and for its point: 1 + its place below, or 0. */
 	uint8_t slot[2][LOD_CROWN_EDGES];
 	struct print items[PRINTS];
 	struct lod_footprint drawn;

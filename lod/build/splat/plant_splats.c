@@ -138,8 +138,7 @@ static bool color_elements(struct lod_list_draft *draft, struct lod_plant *plant
 
 /* ---- The ladder ---- */
 
-/* Appends an empty list with room for its elements; NULL without memory. What was allocated is the plant's.
- */
+/* Appends an empty list with room for its elements; NULL without memory. The memory is the plant's. */
 static struct lod_list_draft *add_list(struct lod_plant *plant, const struct eco_list *list, uint32_t ends)
 {
 	struct lod_list_draft *lists = realloc(plant->lists, (plant->list_count + 1u) * sizeof *lists);

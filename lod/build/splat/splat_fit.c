@@ -33,8 +33,8 @@ static const uint32_t level_size[LOD_SPLAT_LEVELS] = { 1, 3, 12, 48, 192, 768, 3
 #define FEW_SPLATS 12u
 #define CHANCE 0.03f
 #define FEW_TRIANGLES 4096u
-/* How much of the objective is hard Q (struct splat_softness) for plants of so few triangles, by the mean
- * cover of the pixels that they cover at all (lod/EXPERIMENTS.md, Thin plants). */
+/* Share of hard Q in the objective (chance of struct splat_softness) for plants of so few triangles, by the
+ * mean cover of the pixels that they cover at all (lod/EXPERIMENTS.md, Thin plants). */
 static const struct { double cover, chance; } chances[] = { { 0.4, 0.2 }, { 0.5, 0.7 }, { 0.65, 0.7 },
 	{ 0.72, 0.03 }, { 1, 0.03 } };
 
@@ -323,7 +323,7 @@ struct siblings {
 	double least;                    /* what pictures between two levels lose in the best order */
 };
 
-/* How far, at most, what has been gained lies below an even rise; squares of that, over all levels. */
+/* The greatest distance of the gain below an even rise, squared and summed over all levels. */
 static double dips_of(const struct siblings *s)
 {
 	double sum = 0;

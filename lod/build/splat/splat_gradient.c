@@ -1,8 +1,8 @@
 /* One picture of splats, its Q against the plant's, and the gradient of that.
  *
- * A splat is an ellipse on the screen: q = x^T C^-1 x <= 1, C = P A A^T P^T. Its edge is softened to a ramp
- * t = (1 + w - q) / 2w, smoothed by t^2 (3 - 2t), so that a pixel beside it pulls, and the area stays that of
- * the ellipse. What splats leave free is multiplied, so that their order does not matter. */
+ * A splat is an ellipse on the screen: q = x^T C^-1 x <= 1, C = P A A^T P^T. Its edge is softened to a ramp t
+ * = (1 + w - q) / 2w, smoothed by t^2 (3 - 2t), so that a pixel beside it pulls, and the area stays that of
+ * the ellipse. The shares that splats leave free are multiplied, so that their order does not matter. */
 #include <math.h>
 #include <string.h>
 
@@ -185,7 +185,7 @@ static void weigh(const struct splat_views *views, const struct splat_view *view
 	}
 }
 
-/* What is in front gets the colour that the plant shows there. */
+/* An ellipse gets the colour that the plant shows where nothing is in front of the ellipse. */
 static void add_light(const struct ellipse *e, const struct splat_views *views, const struct splat_view *view,
 	float *left, struct lod_light *light)
 {

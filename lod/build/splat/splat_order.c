@@ -1,4 +1,4 @@
-/* What a splat gains when it gives way to its children: the mean of the gain among parents and the gain among
+/* The gain of a splat that gives way to its children: the mean of the gain among parents and the gain among
  * children, as it is the less the more its neighbours cover. */
 #include <string.h>
 

@@ -10,7 +10,7 @@
 #include "lod/light.h"
 #include "lod/sort.h"
 
-/* What is fitted of a splat: 0..2 centre, 3 + 3 k + i half axis k, 12 opacity. Half axes need not be
+/* The fitted numbers of a splat: 0..2 centre, 3 + 3 k + i half axis k, 12 opacity. Half axes need not be
  * orthogonal while they are fitted: the ellipsoid is the image of the unit ball. */
 #define SPLAT_PARAMS 13u
 #define SPLAT_AXES 3u
@@ -37,7 +37,7 @@ struct splat_views {
 enum eco_code splat_views_make(struct splat_views *views, const struct eco_model *model,
 	const struct lod_splats_options *options, struct lod_arena *arena, struct eco_error *error);
 
-/* How soft edges are, while splats are fitted. */
+/* Softness of edges while splats are fitted. */
 struct splat_softness {
 	float edge_px;               /* half the width of the ramp across an edge */
 	float least;                 /* least half width of the ramp, of x^T C^-1 x around 1; at most 1 */
