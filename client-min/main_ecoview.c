@@ -244,7 +244,7 @@ static void step(struct viewer *v, uint32_t frame, const char *what)
 	view_progress_show(&v->progress, v->part++, v->parts, text);
 }
 
-/* What scores need beside the pictures. */
+/* Counts the samples that scores need beside the pictures. */
 static enum eco_code count_samples(struct viewer *v, const struct view_reference_job *job,
 	struct view_picture *picture, struct eco_error *error)
 {
@@ -328,8 +328,8 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	return check_budgets(f, error);
 }
 
-/* Where more plants are in view than a plan looks at, the best that can be asked for is not all there is:
- * then the score is against that. */
+/* A view of more plants than a plan looks at cannot be asked for in full detail: then the score is against
+ * the best plan. */
 static void note_summaries(struct viewer *v, struct view_frame *f)
 {
 	f->reference_summaries = view_store_summaries(v->full);

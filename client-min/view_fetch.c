@@ -227,7 +227,7 @@ void view_fetch_free(struct view_fetch *fetch)
 
 /* ---- One request ---- */
 
-/* What is neither a stream nor a problem comes from some other server, or from one in between. */
+/* An answer that is neither a stream nor a problem comes from some other server, or from one in between. */
 static enum eco_code stranger(const struct view_fetch *fetch, enum eco_code code, const char *type,
 	struct eco_error *error)
 {

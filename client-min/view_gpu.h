@@ -1,5 +1,5 @@
-/* What of a store lies on the GPU: a buffer texture of records per list, extended as chunks arrive, and
- * images as textures. */
+/* The part of a store that lies on the GPU: a buffer texture of records per list, extended as chunks arrive,
+ * and images as textures. */
 #ifndef VIEW_GPU_H
 #define VIEW_GPU_H
 

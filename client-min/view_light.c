@@ -159,8 +159,8 @@ static struct sunny ball_sun(struct vec n, struct vec to_eye)
 	return (struct sunny){ mix(facet.on, all.on, 0.5f), mix(facet.through, all.through, 0.5f) };
 }
 
-/* level: the share of leaves that lie level, among those of all directions (eco_level_share). What is seen of
- * the two is by the area that they show. */
+/* level: the share of leaves that lie level, among those of all directions (eco_level_share). Both are
+ * weighted by the area that they show. */
 static struct sunny cloud_sun(float level, struct vec to_eye, float *facing)
 {
 	float lying = level * fabsf(to_eye.z), shows = lying / (lying + fmaxf(0.5f * (1 - level), 1e-3f)),
@@ -171,8 +171,8 @@ static struct sunny cloud_sun(float level, struct vec to_eye, float *facing)
 		mix(all.through, fmaxf(-side * SUN.z, 0), shows) };
 }
 
-/* What a crown leaves of the light: shade of the sun's, open of the sky's; rise: height of the direction out
- * of the crown. */
+/* Shares of light that a crown lets through: shade of the sun's, open of the sky's; rise: height of the
+ * direction out of the crown. */
 struct crown { float shade, open, rise; };
 
 static struct crown crown_at(struct vec d, float outer, float height)
@@ -190,7 +190,7 @@ static struct crown crown_mean(struct vec to_eye)
 		0.25f + 0.48f * to_eye.z };
 }
 
-/* Whose a pixel is. Summaries' points have no place in a plant: half_height is 0. */
+/* The plant of a pixel. Summaries' points have no place in a plant: half_height is 0. */
 struct plant { uint64_t owner; struct lod_place place; struct view_shape shape; float hash; };
 
 static struct vec turned(const struct plant *p, struct vec v)

@@ -25,7 +25,7 @@
  *            cloud: 0..15 half its side over half the width of its plant, at most 1 (65535), 16..23 the share
  *            of leaves that lie level (255: all) */
 enum view_surface { VIEW_FACET, VIEW_AXIS, VIEW_CLOUD, VIEW_BALL };
-/* Of any length; not of a cloud. */
+/* The direction may have any length; a cloud has none. */
 uint32_t view_surface_direction(enum view_surface kind, const float direction[3]);
 uint32_t view_surface_cloud(double reach, double level);
 

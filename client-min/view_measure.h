@@ -1,4 +1,4 @@
-/* How right a picture is: what ecoview and ecobench say of one.
+/* Measures of a picture's error, for ecoview and ecobench.
  *
  *   view_measure_soft(&job, &picture, &error);         for both pictures
  *   view_measure_ceiling(&job, &reference, &ceiling, &error);

@@ -1,4 +1,4 @@
-/* Which instance of a selection an owner is: what a picture's pixels name. Open addressing. */
+/* Table of a selection's instances by owner, the number that a picture's pixels hold. Open addressing. */
 #ifndef VIEW_OWNERS_H
 #define VIEW_OWNERS_H
 

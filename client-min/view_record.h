@@ -13,7 +13,7 @@
  * A summary point's owner is that of placement path 0; the key's field lies in the high word, where a path is
  * added modulo its mask. Floats are stored as their bits; colour is r | g << 8 | b << 16 | code << 24, sRGB;
  * code is the growth code of the triangle's element (ECO_GROWTH_PLAIN where the list has none), the size code
- * of a point (ECO_SIZE_ONE), the opacity of a splat in 1/16. What codes mean, the shader is told in uniforms
+ * of a point (ECO_SIZE_ONE), the opacity of a splat in 1/16. The shader gets the meaning of codes in uniforms
  * that eco_growth and eco_size filled: neither is written twice. */
 #ifndef VIEW_RECORD_H
 #define VIEW_RECORD_H
@@ -31,7 +31,7 @@ uint64_t view_record_span(const struct view_list *list, uint32_t first_chunk, ui
 enum eco_code view_record_write(const struct view_list *list, uint32_t first_chunk, uint32_t end_chunk,
 	uint32_t *words, struct eco_error *error);
 
-/* What placement path `path` adds to the high word of a summary point's owner. */
+/* The part of the high word of a summary point's owner that placement path `path` adds. */
 uint32_t view_record_path(uint32_t path);
 
 #endif

@@ -1,8 +1,8 @@
-/* What costs is triangles, and most of a forest is hidden behind the rest of it. So plants are taken in order
- * of distance, dealt to the threads in turn, and each thread asks its own coarse depth before it touches a
- * plant, and again before it touches a cell. Geometry is made once per cut and shared by all plants that draw
- * it. The rasteriser notes which primitive is nearest; colours and surfaces are looked up once a pixel, when
- * all is drawn, and then lit.
+/* Triangles take most of the time, and most of a forest is hidden behind the rest of it. So plants are taken
+ * in order of distance, dealt to the threads in turn, and each thread asks its own coarse depth before it
+ * touches a plant, and again before it touches a cell. Geometry is made once per cut and shared by all plants
+ * that draw it. The rasteriser notes which primitive is nearest; colours and surfaces are looked up once a
+ * pixel, when all is drawn, and then lit.
  *
  * Items number the ground's triangles first, TILE_TRIANGLES a tile, then the primitives of all cuts. */
 #include "client-min/view_reference.h"

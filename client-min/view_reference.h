@@ -24,8 +24,8 @@ struct view_reference_job {
 enum eco_code view_reference_draw(const struct view_reference_job *job, struct view_picture *picture,
 	struct eco_error *error);
 
-/* How much of each pixel plants cover: of samples x samples, evenly spread in it. Memory is bounded, whatever
- * the picture's size. */
+/* Cover of each pixel by plants: the number of covered ones among samples x samples, evenly spread in it.
+ * Memory is bounded, whatever the picture's size. */
 struct view_coverage {
 	uint32_t width, height, samples;         /* samples: at most 15 */
 	uint8_t *count;                          /* one a pixel, the caller's: 0 to samples^2 */

@@ -1,4 +1,4 @@
-/* What a frame came to, as a line for people and as report.json for scripts. NaN is null: not applicable, or
+/* Figures of a frame, as a line for people and as report.json for scripts. NaN is null: not applicable, or
  * not measured. */
 #ifndef VIEW_REPORT_H
 #define VIEW_REPORT_H

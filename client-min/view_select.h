@@ -1,4 +1,4 @@
-/* Which instances each cut of a plan draws: the client's half of the rule in ecofiles/format/plan.h.
+/* Instances that each cut of a plan draws: the client's half of the rule in ecofiles/format/plan.h.
  *
  *   view_select_make(&selection, store, &eye, &error);   instances in sight, and for each the cuts that apply
  *                                                        to it
@@ -27,7 +27,7 @@ struct view_instance {
 	double distance_m;               /* from the eye to the plant's centre; 0 for a list drawn once */
 };
 
-/* What a cut shows, for pictures that tell representations apart. */
+/* Representation that a cut draws, for pictures that tell representations apart. */
 enum view_role {
 	/* simple: triangles that are forms of others */
 	VIEW_ROLE_TRIANGLES, VIEW_ROLE_SIMPLE, VIEW_ROLE_LINES, VIEW_ROLE_POINTS,

@@ -14,7 +14,8 @@ struct level { uint32_t width, height; uint8_t *texels; };
 
 static size_t count_of(const struct level *level) { return (size_t)level->width * level->height; }
 
-/* Each texel is the mean of up to four, by how much of them is opaque. What is opaque at all stays so. */
+/* Each texel is the mean of up to four, by how much of them is opaque. The mean is not clear if one of the
+ * four is not. */
 static void pull(const struct level *fine, const struct level *coarse)
 {
 	for (uint32_t y = 0; y < coarse->height; y++)
@@ -35,7 +36,7 @@ static void pull(const struct level *fine, const struct level *coarse)
 		}
 }
 
-/* What is clear takes the colour of the coarser level. */
+/* Clear texels take the colour of the coarser level. */
 static void push(const struct level *coarse, const struct level *fine)
 {
 	for (uint32_t y = 0; y < fine->height; y++)

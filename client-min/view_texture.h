@@ -1,5 +1,5 @@
-/* What a graphics card is given for a cut-out image: filtering and mip levels mix clear texels in, whatever
- * colour the file has there. */
+/* A cut-out image as a graphics card needs it: filtering and mip levels mix clear texels in, whatever colour
+ * the file has there. */
 #ifndef CLIENT_VIEW_TEXTURE_H
 #define CLIENT_VIEW_TEXTURE_H
 
