@@ -84,7 +84,7 @@ void srv_answer_json(struct srv_answer *answer, struct srv_json *json, const cha
 
 #define BLOCK_BYTES (128u << 10)
 
-/* What a response reads its body from: pieces, and where it stands in them. */
+/* Source of a response's body: its pieces, and the position in them. */
 struct body_reader {
 	struct srv_body body;
 	uint32_t piece;

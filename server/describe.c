@@ -36,7 +36,7 @@ static void key_url(struct srv_json *json, const char *key, const struct srv_sce
 	srv_json_key_text(json, key, url);
 }
 
-/* Of the PLAN frame's payload: what a view costs a client that holds every chunk. */
+/* Size of the PLAN frame's payload: the bytes of a view for a client that holds every chunk. */
 static uint64_t plan_bytes(const struct eco_plan *plan)
 {
 	struct eco_writer w = { 0 };

@@ -291,8 +291,8 @@ static bool is_octets(const char *type)
 		&& strchr(" \t;", type[sizeof octets - 1]);
 }
 
-/* What is wrong with the head alone, worst first: where the request ends, then what it asks for. Without a
- * body only the former is judged here; the latter can wait for answer_request, which keeps the connection. */
+/* The worst problem of the head alone: framing and target first, then route and method. Without a body the
+ * latter two wait for answer_request, which keeps the connection. */
 static enum srv_problem judge_head(struct srv_exchange *exchange, bool takes_body, struct eco_error *error)
 {
 	enum srv_problem problem = srv_framing_check(&exchange->framing, error);

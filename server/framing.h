@@ -1,4 +1,4 @@
-/* Where a request ends, decided by us. The HTTP library accepts Content-Length beside Transfer-Encoding, two
+/* The end of a request, decided by us. The HTTP library accepts Content-Length beside Transfer-Encoding, two
  * lengths, and odd header names; a proxy in front may read such a request in another way, and what one takes
  * for a body the other takes for a second request (smuggling). So: no Transfer-Encoding at all, at most one
  * Content-Length, bodies only where a route takes one; anything else is answered and the connection closed.
@@ -6,8 +6,7 @@
  *   struct srv_framing framing = { 0 };
  *   srv_framing_header(&framing, name, name_size, value, value_size);      each header, in order
  *   problem = srv_framing_check(&framing, &error);
- *   problem = srv_framing_body(&framing, takes_body, body_max, &error);
- * */
+ *   problem = srv_framing_body(&framing, takes_body, body_max, &error); */
 #ifndef SRV_FRAMING_H
 #define SRV_FRAMING_H
 

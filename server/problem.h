@@ -1,5 +1,5 @@
-/* What can go wrong with a request, as RFC 9457 problem documents. One table: type, status, title; the detail
- * is written where the problem is found and says what, which parameter and what to do. */
+/* Problems of requests, as RFC 9457 problem documents. One table: type, status, title; the detail is written
+ * where the problem is found and says what, which parameter and what to do. */
 #ifndef SRV_PROBLEM_H
 #define SRV_PROBLEM_H
 

@@ -1,4 +1,4 @@
-/* What a plan or stream request asks, from its parameters.
+/* Parameters of a plan or stream request.
  *
  *   eye=x,y,z  target=x,y,z  width=  height=  vertices=       required
  *   up=x,y,z (0,0,1)  fov_y_deg= (45)  bytes= (unbounded)  ground_px= (1)  rule=optimal|deussen (optimal)

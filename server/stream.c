@@ -236,7 +236,8 @@ static uint64_t missing_ground_bytes(const struct srv_stream *stream, const stru
 	return sum;
 }
 
-/* How coarse the ground is when plants give way too. `step` is the plan for 0 vertices; *bytes its body. */
+/* Makes the ground coarser until it leaves room, when plants give way too. `step` is the plan for 0 vertices;
+ * *bytes its body. */
 static enum eco_code scarce_ground(struct srv_stream *stream, struct srv_emit *dry, struct srv_step *step,
 	uint64_t *bytes, struct eco_error *error)
 {
