@@ -40,7 +40,7 @@ both() { # NAME RUNNER PROGRAMS: the two orders at a time
 	done
 }
 
-# What is said goes through a pipe: a confined child that writes to a file is ended, and valgrind does so with its notes (--).
+# Messages go through a pipe: a confined child that writes to a file is ended, and valgrind does so with its notes (--).
 one() { # NAME RUNNER PROGRAMS ORDER
 	{
 		$2 "$3/ecopack" make "$out/scene/scene.json" -o "$out/packs/$1-$4.eco" --order "$4" --no-cache --quiet >/dev/null &&

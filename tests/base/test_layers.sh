@@ -30,7 +30,7 @@ names() { grep -Fqx "$1 includes $2, which $3" "$DIR/said" || complain "no word 
 
 layers && complain "is content with nothing"
 
-# What is allowed: its own room, public headers of rooms that it may use, headers that are not ours; programs may include anything.
+# Allowed are its own room, public headers of rooms that it may use, headers that are not ours; programs may include anything.
 source lod/plan/planner.c /usr/include/math.h ecofiles/base/status.h ecofiles/format/list.h lod/vector.h lod/plan/planner.h lod/plan/planner_state.h
 source lod/build/plant.c lod/build/grid.h lod/build/order/order.h lod/raster/raster.h ./ecofiles/base/bytes.h
 source ecofiles/format/draco_shim.cpp ecofiles/format/draco_shim.h
@@ -66,7 +66,7 @@ names lod/light ecofiles/stray.h "is in no room"
 grep -q '^ecofiles/stray lies in no room' "$DIR/said" || complain "no word of a source in no room: $(cat "$DIR/said")"
 [ "$(tail -n 1 "$DIR/said")" = "layers: 15 sources, 12 stray" ] || complain "counts $(tail -n 1 "$DIR/said")"
 
-# What a compiler itself writes, of an include by way of another header.
+# Lines that a compiler itself writes, of an include by way of another header.
 rm -rf "$DIR/out" "$DIR"/[cels]*/
 mkdir -p "$DIR/lod/plan" "$DIR/lod/build" "$DIR/out/obj/lod/plan"
 echo '#include "lod/build/grid.h"' >"$DIR/lod/plan/planner.h"

@@ -14,7 +14,7 @@ static uint32_t next(uint32_t *state)
 	return *state >> 8;
 }
 
-/* Of all kinds, as many as `count`; reading, compares with what was written. */
+/* Codes `count` numbers of each kind; when reading, compares them with those written. */
 static void code_mixed(struct eco_range *r, uint32_t count, bool writing)
 {
 	static const int32_t numbers[] = { 0, 1, -1, 5, -700, 1 << 30, INT32_MAX, -INT32_MAX };

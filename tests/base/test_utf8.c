@@ -1,4 +1,4 @@
-/* What counts as UTF-8, byte by byte. */
+/* Valid UTF-8, byte by byte. */
 #include <string.h>
 
 #include "ecofiles/base/utf8.h"

@@ -32,14 +32,14 @@ struct bench {
 struct bench_section {
 	const char *name, *title;
 	enum eco_code (*run)(struct bench *bench, struct eco_error *error);
-	/* What its figures come from: patterns of object files and archives below BUILD/obj, words with
-	 * blanks between. NULL: the whole program. */
+	/* Sources of its figures: patterns of object files and archives below BUILD/obj, words with blanks
+	 * between. NULL: the whole program. */
 	const char *objects;
 	/* Whether it runs by itself, as what it makes is for others, or as it measures time. Such sections
 	 * wait for all before them. */
 	bool alone;
 };
-/* What all plans, streams and pictures come from. */
+/* Objects that make all plans, streams and pictures. */
 #define BENCH_OBJECTS_FRAMES "ecofiles-*.a lod*.a server.a client-min.a tests/bench/bench_fetch.o " \
 	"tests/bench/bench_scene.o "
 #define BENCH_OBJECTS_PLANTS "ecofiles-*.a lod*.a tests-bench-baseline.a tests/bench/bench_leaves.o " \
@@ -54,8 +54,8 @@ void bench_progress(struct bench *bench, double share, const char *what);
 enum eco_code bench_command(struct bench *bench, struct eco_error *error, const char *format,
 	...) __attribute__((format(printf, 3, 4)));
 
-/* What an earlier run kept under this name and stamp (borrowed until the section ends), or NULL. `stamp` may
- * be NULL. */
+/* The unit that an earlier run kept under this name and stamp (borrowed until the section ends), or NULL.
+ * `stamp` may be NULL. */
 json_t *bench_recall(struct bench *bench, const char *unit, const char *stamp);
 /* Units from here on come from these objects (see bench_section): for units that more than one section uses.
  * Returns those before, to put back. */
@@ -96,7 +96,7 @@ void bench_picture(struct bench *bench, const char *file, const char *caption);
 enum eco_code bench_picture_write(struct bench *bench, const char *file, uint32_t width, uint32_t height,
 	const uint8_t *rgb, struct eco_error *error);
 
-/* Of a file's bytes; 0 where it cannot be read. */
+/* Hash of a file's bytes; 0 where it cannot be read. */
 uint64_t bench_file_hash(const char *path);
 
 /* ---- Scenes and plants (bench_scene.c) ---- */
@@ -118,9 +118,9 @@ extern const char *const bench_scene_names[];
  * default). Writes its path. ECO_NOT_FOUND where the scene needs data that is not there (scbi). */
 enum eco_code bench_scene(struct bench *bench, const char *name, const char *order, char path[512],
 	struct eco_error *error);
-/* What the pack holds, as a stamp of units: the same for the same bytes. Borrowed until the next call. */
+/* Stamp of the pack's content for units: the same for the same bytes. Borrowed until the next call. */
 const char *bench_pack_stamp(const char *path);
-/* What it took to build: processor seconds and wall-clock seconds; NaN where that is not known. */
+/* Time that its build took: processor seconds and wall-clock seconds; NaN where that is not known. */
 void bench_pack_times(const char *path, double *cpu_s, double *wall_s);
 /* The packs that random requests are asked of, CACHE/requests/NAME.eco, where they are not there
  * (bench_requests.c). */
@@ -165,7 +165,7 @@ void bench_client_untimed(struct bench_client *client);
  * and kept for this view. */
 enum eco_code bench_client_reference(struct bench_client *client, const struct eco_request *request,
 	double *draw_ms, struct eco_error *error);
-/* Of the last reference: tiles that even there are points; 0: it is full detail. */
+/* Tiles that are points even in the last reference; 0: it is full detail. */
 uint32_t bench_client_summaries(const struct bench_client *client);
 /* `picture` may be NULL; if not, the caller owns what is written there. Draws from an empty client: bytes are
  * those of a first visit. */

@@ -1,5 +1,5 @@
 /* Colours of a plan against those of full detail, drawn as a viewer draws them: by OpenGL, and in software.
- * What is measured:
+ * Measures:
  *
  *   rms          root mean square of sRGB bytes / 255 over the pixels that either covers; wrong pixels are in
  *                it

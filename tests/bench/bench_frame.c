@@ -1,8 +1,8 @@
-/* One picture, each step timed, and scored. What is compared is drawn twice by the same rasteriser: the
- * picture within its budget and full detail, so that no difference between renderers counts as error. The
- * time of drawing is OpenGL's where there is one: of the second time that the same picture is drawn, when its
- * shaders are compiled and its data is on the card, as in all but the first frame of a viewer; else the
- * rasteriser's. */
+/* One picture, each step timed, and scored. The same rasteriser draws both pictures that are compared, the
+ * one within its budget and full detail, so that no difference between renderers counts as error. The time of
+ * drawing is OpenGL's where there is one: of the second time that the same picture is drawn, when its shaders
+ * are compiled and its data is on the card, as in all but the first frame of a viewer; else the rasteriser's.
+ */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -81,10 +81,10 @@ static double time_gl(const struct view_store *store, const struct view_selectio
 	return ms;
 }
 
-/* What is asked for beside a picture: NULL, or where to put it. */
+/* Figures asked for beside a picture: NULL, or where to put them. */
 struct beside { double *gl_ms, *ceiling, *widest_px; bool soft; };   /* gl_ms: NaN where there is no OpenGL */
 
-/* What the store's plan shows of a view. */
+/* Draws the store's plan for a view. */
 static enum eco_code draw(const struct view_store *store, const struct eco_view *view,
 	struct view_picture *picture, const struct beside *beside, struct eco_error *error)
 {

@@ -190,7 +190,8 @@ static void write_occlusion(struct bench_table *table, const struct study *s)
 /* how much worse ours is than the stochastic order, in the mean of a scene; the worst scene */
 struct lost { double owner, colour; };
 
-/* What ours has in a view where its Q is `q`: between the two budgets around it. NaN where it has no such. */
+/* Our figure in a view at the budget where our Q is `q`, between the two budgets around it. NaN where there
+ * is none. */
 static double ours_at(const struct study *s, uint32_t view, double q, enum figure figure)
 {
 	const struct means *m = s->view[BENCH_OURS][view];

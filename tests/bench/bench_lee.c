@@ -123,8 +123,8 @@ static void note_worst(struct worst *worst, const char *name, const json_t *unit
 
 /* ---- Report ---- */
 
-/* Of all lists of a width: an order is n log2 n bits, and three more a leaf say how far it follows the scale.
- */
+/* Size of all lists of a width: an order is n log2 n bits, and three more a leaf say how far it follows the
+ * scale. */
 static double lists_mb(const json_t *unit, enum bench_lee_width width)
 {
 	double leaves = (double)json_integer_value(json_object_get(unit, "leaves"));

@@ -136,7 +136,7 @@ static void wait_for(struct run *run, uint32_t most)
 	}
 }
 
-/* What it comes to: 0, 1, or 130. */
+/* Returns the exit status: 0, 1, or 130. */
 static int run_sections(struct bench *bench, const struct bench_section *const *sections, const char *only,
 	uint32_t jobs)
 {

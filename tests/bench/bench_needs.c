@@ -1,4 +1,4 @@
-/* What a feature costs, and that a scene which does not use it does not pay: the table of
+/* Costs of each feature, and that a scene which does not use it does not pay: the table of
  * tests/bench/needs.sh, which tests/ecopack/test_needs.sh holds to its counts. */
 #include <stdlib.h>
 #include <string.h>

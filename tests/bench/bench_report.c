@@ -150,7 +150,7 @@ static bool is_nan(const char *cell, size_t size)
 	return (size == 3 && !strncmp(cell, "nan", 3)) || (size == 4 && !strncmp(cell, "-nan", 4));
 }
 
-/* Where the cell after this one begins, or NULL. */
+/* Start of the cell after this one, or NULL. */
 static const char *next_cell(const char *at)
 {
 	at += strcspn(at, ",");

@@ -121,8 +121,8 @@ static void count_vertices(struct study *s)
 		s->simple[k + 1] = s->simple[k] + 3;
 }
 
-/* What Cook's corrections ask for. Depth complexity: leaves' projected area over what they cover; contrast:
- * how many leaves a pixel has room for. */
+/* Measures that Cook's corrections need. Depth complexity: leaves' projected area over what they cover;
+ * contrast: how many leaves a pixel has room for. */
 static void measure_share(struct study *s)
 {
 	const struct lod_foliage *f = &s->leaves.foliage;
@@ -179,7 +179,8 @@ static struct lod_sights_drawing prepare(struct study *s, enum bench_method meth
 	return drawing;
 }
 
-/* Where it is not above `least`, a figure that is not either: views that cannot make it so are not drawn. */
+/* Q over all views. If it is not above `least`, any figure that is not either: views that cannot lift it
+ * above are not drawn. */
 static double q_of(struct study *s, const struct lod_sights *sights, const struct lod_sights_drawing *drawing,
 	double least)
 {
@@ -239,7 +240,7 @@ static void place(const struct study *s, enum bench_method method, struct row *r
 	row->fine = low;
 }
 
-/* Climbs from row->step, in strides of four eighths, two and one. What was tried is not tried again. */
+/* Climbs from row->step, in strides of four eighths, two and one. No step is tried twice. */
 static double climb(struct study *s, enum bench_method method, struct row *row)
 {
 	bool tried[2 * STEPS_MOST + 1] = { false };
@@ -332,7 +333,7 @@ static void keep(const struct bench_leaves *leaves, struct picture *picture)
 		bench_leaves_color(leaves, i, picture->rgb + 3 * i);
 }
 
-/* Of `shown` and `wanted` pixels so many show the leaf that they should. */
+/* Q of pixels that show the leaf that they should: `right` of `shown`, and of `wanted`. */
 static double owner_q(double right, double shown, double wanted)
 {
 	double p = shown > 0 ? right / shown : 1, r = wanted > 0 ? right / wanted : 1;

@@ -75,7 +75,7 @@ void bench_unlock(int file)
 		close(file);
 }
 
-/* Of a file: its bytes where it is small, else size and time. */
+/* Stamp of a file: of its bytes where it is small, else of size and time. */
 static uint64_t stamp_of_file(const char *path)
 {
 	struct stat status;
@@ -95,7 +95,7 @@ static uint64_t stamp_of_program(const struct bench *bench)
 	return kept;
 }
 
-/* What stands beside `what`, or "". */
+/* The stamp beside the file `what`, or "". */
 static void stamp_read(const char *what, char text[512])
 {
 	char path[PATH + 32];

@@ -10,7 +10,7 @@
 #define BENCH_BUDGETS_MAX 16u
 #define BENCH_SHOT_VIEWS_MAX 12u
 
-/* How plants were ordered, and how the budget is spent. */
+/* A method to order plants, and to spend the budget. */
 struct bench_method {
 	const char *name, *order;            /* order NULL: the default */
 	lod_rule *rule;
@@ -28,7 +28,7 @@ bool bench_shot_scene(struct bench *bench, const char *scene, char pack[512], en
 
 /* Vertices, ascending: a common grid, and what the literature drew of this scene. */
 uint32_t bench_budgets(const struct bench *bench, const char *scene, uint64_t budgets[BENCH_BUDGETS_MAX]);
-/* How many views of a scene this run looks at, at most BENCH_SHOT_VIEWS_MAX; their requests are those of
+/* Number of a scene's views that this run looks at, at most BENCH_SHOT_VIEWS_MAX; their requests are those of
  * bench_scene_views, at our size. */
 uint32_t bench_shot_views(struct bench *bench, const char *scene,
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX]);

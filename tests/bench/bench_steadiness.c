@@ -1,6 +1,6 @@
-/* What moves in a picture that should stand still: slow cameras, a plan for every frame, and beside each
- * picture the full detail of the same view. Two measures (Neubert 2011, section 4.3 fights the same with
- * hysteresis, which a stateless server does not have):
+/* Motion in pictures that should stand still: slow cameras, a plan for every frame, and beside each picture
+ * the full detail of the same view. Two measures (Neubert 2011, section 4.3 fights the same with hysteresis,
+ * which a stateless server does not have):
  *
  *   pixels    that change from one frame to the next, over those that change in full detail: leaves move
  *             against each other there too. What
@@ -143,7 +143,7 @@ static uint64_t unlike(const struct bench_plants *in, const struct bench_plant *
 	return sum;
 }
 
-/* How much of a plant switches, of [0]'s and [1]'s. */
+/* Switching share of a plant, between its cuts in [0] and those in [1]. */
 static double switched(const struct bench_plants some[2], const struct bench_plant *a,
 	const struct bench_plant *b)
 {

@@ -1,5 +1,5 @@
-/* How long planning takes, and how that grows: the planner alone, in memory, beside what this machine needs
- * to copy memory. */
+/* Time of planning, and how it grows: the planner alone, in memory, beside what this machine needs to copy
+ * memory. */
 #ifndef TESTS_BENCH_TIMES_H
 #define TESTS_BENCH_TIMES_H
 

@@ -241,7 +241,7 @@ static void write_file(const char *path, const struct bytes *b)
 		stop("cannot be written", path);
 }
 
-/* What the model names beside itself is beside its mutants too. */
+/* Links the files that the model names beside its mutants, too. */
 static void link_neighbours(const char *path, const char *folder)
 {
 	char home[PATH_MAX], from[2 * PATH_MAX], to[2 * PATH_MAX], *slash;
@@ -311,7 +311,7 @@ static void confess(int number)
 
 /* ---- One mutant ---- */
 
-/* What the model holds is walked: an index out of bounds would crash here. */
+/* Walks all that the model holds: an index out of bounds would crash here. */
 static void look_at(const struct eco_model *m)
 {
 	volatile double sum = 0;

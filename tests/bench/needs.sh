@@ -1,9 +1,9 @@
 #!/bin/sh
-# What each feature of a scene costs, and that it costs nothing where it is not used: six scenes, each with one thing more than the one
+# Costs of each feature of a scene, and that it costs nothing where it is not used: six scenes, each with one thing more than the one
 # before, from bare lines to everything. BUILD is the folder of the programs, DIR where to work. Prints a CSV table.
 # With `features` after DIR: scenes of one feature each, and the modules that each takes.
 #
-# Which modules ecopack needs for a scene is found by giving it none (ECO_MODULES), then those that it asks for: what is not there cannot
+# The modules that ecopack needs for a scene are found by giving it none (ECO_MODULES), then those that it asks for: one not there cannot
 # be loaded. It loads most of them in a child process, which may write nothing that could be looked at.
 set -eu
 BUILD=${BUILD:-build}

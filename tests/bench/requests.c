@@ -1,5 +1,5 @@
 /* Random views and budgets against packs, through everything but the socket: plan, stream, parse, decode,
- * select. What must hold whatever is asked for is checked for each:
+ * select. Each is checked for what must hold for any request:
  *
  *   vertices     what is drawn is within the budget, counted by the client that draws it, and is what the
  *                plan says: in every state that
@@ -41,8 +41,9 @@ static const char *const violation_names[] = { "vertices", "bytes", "twice", "sa
 #define DESCRIBED_MOST 8
 /* Sums of many doubles in another order. */
 #define ROUNDING 1e-9
-/* Of what is wrong with nothing drawn: how much worse than another plan that fits a plan may be. Plants of
- * one hash cannot be told apart, and what is left is spent on what is next, however little of it fits. */
+/* A plan may be worse than another that fits by this share of what is wrong with nothing drawn. Plants of one
+ * hash cannot be told apart, and the rest of a budget is spent on the next step, however little of it fits.
+ */
 #define WORSE_MOST 0.01
 #define WHOLE_MOST 0.05          /* of the pixels that are covered, and one more */
 

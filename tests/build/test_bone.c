@@ -4,7 +4,7 @@
 #include "tests/support/unit_test.h"
 
 static struct lod_arena arena;
-/* What the test under way makes, until finish. */
+/* Made by the test under way, until finish. */
 static struct soup soup;
 static struct { struct lod_mesh mesh; struct lod_organs organs; struct lod_bones bones; double area, length,
 	error, surface; } made;

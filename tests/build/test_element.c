@@ -3,7 +3,7 @@
 #include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"
 
-/* What the test under way makes, until finish. */
+/* Made by the test under way, until finish. */
 static struct soup soup;
 static struct { struct lod_arena arena; struct lod_mesh mesh; struct lod_organs organs;
 	struct lod_elements elements; } made;

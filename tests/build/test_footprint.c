@@ -26,8 +26,8 @@ static struct eco_image holed(void)
 	return (struct eco_image){ 16, 16, rgba };
 }
 
-/* How many pixels differ from what lod_visibilities_draw makes of each element alone; `covered` counts its
- * pixels. */
+/* Number of pixels that differ from what lod_visibilities_draw makes of each element alone; `covered` counts
+ * its pixels. */
 static uint64_t differing(const struct lod_foliage *f, const struct lod_mask *mask, float scale,
 	uint64_t *covered)
 {
@@ -148,8 +148,8 @@ UNIT_TEST(gains_count_right_wrong_and_second)
 	assert_int_equal(gain.right + gain.wrong, 0);
 }
 
-/* Of cut-outs only what can make a difference is looked up: on canvases that are covered here and there, the
- * whole footprint counts the same. */
+/* Cut-outs are looked up only where that can make a difference: on canvases that are covered here and there,
+ * the whole footprint counts the same. */
 UNIT_TEST(gains_of_cutouts_are_those_of_their_footprints)
 {
 	uint64_t reference[256], times[256][2], dice = 9;

@@ -7,7 +7,7 @@
 
 static struct lod_arena arena;
 
-/* What the test under way makes, until finish. */
+/* Made by the test under way, until finish. */
 static struct soup soup;
 static struct { struct lod_mesh mesh; struct lod_organs organs; } found;
 

@@ -8,7 +8,7 @@
 
 /* ---- Plants to try ---- */
 
-/* What the test under way makes, until finish. */
+/* Made by the test under way, until finish. */
 static struct soup soup;
 static struct lod_plant plant;
 

@@ -82,7 +82,7 @@ UNIT_TEST(mixed_colours_are_kept)
 	}
 }
 
-/* What has no colour in its file is drawn in its organ's: in splats, too. */
+/* A mesh without a colour in its file is drawn in its organ's: in splats, too. */
 UNIT_TEST(splats_of_colourless_models_are_not_grey)
 {
 	struct soup soup;

@@ -1,5 +1,5 @@
-/* What a plant's ladders draw for more and more vertices, on views that took no part in making lists and
- * curves: no fewer right pixels for more vertices, and the scale of the curve is about the best. */
+/* A plant's ladders for more and more vertices, on views that took no part in making lists and curves: no
+ * fewer right pixels for more vertices, and the scale of the curve is about the best. */
 
 #include "lod/ladder.h"
 #include "lod/build/plant.h"

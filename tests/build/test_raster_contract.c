@@ -1,4 +1,4 @@
-/* What the rasteriser promises about depth, batches, merging, hiding, cut-outs, lines and points. */
+/* The rasteriser's promises about depth, batches, merging, hiding, cut-outs, lines and points. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

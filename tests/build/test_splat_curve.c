@@ -17,7 +17,7 @@ static const struct eco_ladder *whole_of(const struct lod_plant *plant)
 	return NULL;
 }
 
-/* Of a plant with cells, too: its whole-plant lists do not stand for what the cells hold. */
+/* This holds for a plant with cells, too: its whole-plant lists do not stand for what the cells hold. */
 UNIT_TEST(the_curve_of_splats_compares_with_the_whole_plant)
 {
 	struct soup soup;

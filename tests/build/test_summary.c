@@ -193,7 +193,7 @@ UNIT_TEST(test_parents_merge_children)
 	free(leaf.points);
 }
 
-/* Of nested eco files their stored summaries are enough; one that has none is left out. */
+/* The stored summaries of nested eco files are enough; a file that has none is left out. */
 UNIT_TEST(test_nested_summaries_stand_for_their_files)
 {
 	static struct world w;

@@ -1,4 +1,4 @@
-/* What is drawn of an image's clear texels where they are mixed with others. */
+/* Drawing of an image's clear texels where they are mixed with others. */
 #include <stdlib.h>
 #include <string.h>
 

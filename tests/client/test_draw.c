@@ -176,7 +176,7 @@ static void held_stream(const struct view_store *store, const struct eco_plan *p
 	scene_stream(&scene, plan, held, w);
 }
 
-/* What was uploaded for an earlier frame is extended; the picture is that of a context that has seen nothing
+/* Data uploaded for an earlier frame is extended; the picture is that of a context that has seen nothing
  * before. */
 UNIT_TEST(uploads_in_parts_draw_the_same)
 {

@@ -17,7 +17,7 @@
 
 static struct scene_builder scene;
 
-/* Of the test under way: begin makes them anew. */
+/* The server of the test under way: begin makes it anew. */
 static struct server {
 	int listener;
 	uint16_t port;

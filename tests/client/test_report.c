@@ -1,4 +1,4 @@
-/* What the viewer says: figures of frames, report.json, command lines, and the little arithmetic behind them.
+/* Output of the viewer: figures of frames, report.json, command lines, and the little arithmetic behind them.
  */
 #include <jansson.h>
 #include <math.h>

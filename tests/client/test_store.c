@@ -1,5 +1,5 @@
-/* What a client holds, and which instances a plan's cuts draw: streams of a small scene, whole, repeated and
- * wrong. */
+/* The store of a client, and the instances that a plan's cuts draw: streams of a small scene, whole, repeated
+ * and wrong. */
 #include <stdlib.h>
 #include <string.h>
 

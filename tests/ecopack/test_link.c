@@ -301,8 +301,8 @@ UNIT_TEST(edited_packs_equal_full_builds)
 	}
 }
 
-/* What did not change is taken from the old pack: a plant at the edge of one part leaves the others' lists
- * alone. */
+/* Parts that did not change are taken from the old pack: a plant at the edge of one part leaves the others'
+ * lists alone. */
 UNIT_TEST(only_what_depends_on_a_change_is_built)
 {
 	struct make m = { .options = &(struct make_options){ .pack = in_root("whole.eco") } };

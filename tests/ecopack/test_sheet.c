@@ -176,7 +176,7 @@ static double expected_q(const struct sheet_plant *plant, uint64_t vertices)
 
 struct course { double mean, fall, gap; };
 
-/* How Q goes as budgets grow, as a mean over four sides: one view's Q alone trembles by 0.02. Its mean over
+/* Course of Q as budgets grow, as a mean over four sides: one view's Q alone trembles by 0.02. Its mean over
  * budgets, how far it falls at most below what fewer vertices gave, and how far it is in the mean from what
  * was expected of one of them. */
 static struct course course_of(const struct eco_pack *pack)

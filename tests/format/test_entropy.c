@@ -1,4 +1,4 @@
-/* What stands in for Draco's count of symbols gives Draco's result to the bit, so that streams are the same.
+/* The replacement of Draco's count of symbols gives Draco's result to the bit, so that streams are the same.
  */
 #include "tests/support/unit_test.h"
 

@@ -165,8 +165,8 @@ UNIT_TEST(leaves_of_one_shape_are_placed)
 		}
 }
 
-/* What is not placed begins where its rounded corner says, on the finer grid, and is nowhere further off than
- * rounding may put it. */
+/* An element that is not placed begins where its rounded corner says, on the finer grid, and is nowhere
+ * further off than rounding may put it. */
 static void compare_corners(const struct crown *c, const struct eco_elements *out, const uint32_t *order)
 {
 	size_t from[LEAVES + 1] = { 0 }, corner = 0;

@@ -1,4 +1,4 @@
-/* Holdings: what a stranger posts. What is accepted is sorted, and has exactly these bytes. */
+/* Holdings that a stranger posts. If they are accepted they are sorted, and have exactly these bytes. */
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>

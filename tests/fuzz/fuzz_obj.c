@@ -1,5 +1,5 @@
-/* Our own readers of models' text: OBJ, MTL, and the head of PLY. What is read is a soup that adds up, and
- * whose references fit; then it is cleaned as any other, with rules that look at all of it. */
+/* Our own readers of models' text: OBJ, MTL, and the head of PLY. They read a soup that adds up, and whose
+ * references fit; then it is cleaned as any other, with rules that look at all of it. */
 #include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>

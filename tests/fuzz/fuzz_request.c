@@ -1,5 +1,5 @@
 /* A request: target, headers, body, as the daemon takes them apart. First line the target, then "name: value"
- * lines, an empty line, the body. What is accepted must be within all bounds that later code relies on. */
+ * lines, an empty line, the body. An accepted request must be within all bounds that later code relies on. */
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>

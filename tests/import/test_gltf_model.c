@@ -11,7 +11,7 @@
 #include "tests/support/input_files.h"
 #include "tests/support/unit_test.h"
 
-/* What the test looks at; reading the next frees it. */
+/* The model that the test looks at; reading the next frees it. */
 static struct eco_model m;
 
 /* ---- Models: as they are read, before anything is dropped or moved ---- */

@@ -15,7 +15,7 @@ static void note(void *ctx, const char *text)
 	snprintf(warnings + strlen(warnings), sizeof warnings - strlen(warnings), "%s\n", text);
 }
 
-/* What a test says of its ground; the first NULL of `paths` ends them. */
+/* A test's ground; the first NULL of `paths` ends them. */
 struct given {
 	const char *path, *paths[4], *crs, *scene_crs, *vertical, *scene_vertical;
 	double origin[3], scale, offset, unit_m, nodata, corner[2], pixel[2];

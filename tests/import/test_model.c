@@ -12,7 +12,7 @@
 #include "tests/support/model_small.h"
 #include "tests/support/unit_test.h"
 
-/* What the test looks at; reading the next frees it. */
+/* The model that the test looks at; reading the next frees it. */
 static struct eco_model m;
 
 /* ---- OBJ ---- */

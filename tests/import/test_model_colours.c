@@ -11,7 +11,7 @@
 
 #define TRIANGLE_UV "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3\n"
 
-/* What the test looks at; reading the next frees it. */
+/* The model that the test looks at; reading the next frees it. */
 static struct eco_model m;
 
 static void write_png(const char *name, const uint8_t *rgba, uint32_t width, uint32_t height)

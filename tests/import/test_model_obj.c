@@ -5,7 +5,7 @@
 
 #define TRIANGLE "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
 
-/* What the test looks at; reading the next frees it. */
+/* The model that the test looks at; reading the next frees it. */
 static struct eco_model m;
 
 /* ---- OBJ: the text ---- */

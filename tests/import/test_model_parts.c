@@ -5,7 +5,7 @@
 #include "ecofiles/import/model/model_parts.h"
 #include "ecofiles/format/pack.h"
 
-/* What the test looks at; reading the next frees it. */
+/* The model that the test looks at; reading the next frees it. */
 static struct eco_model m;
 
 UNIT_TEST(names_fit_patterns_whole_or_between_slashes)

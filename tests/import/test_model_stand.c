@@ -1,10 +1,10 @@
-/* Where plants stand: plants of tubes, boxes and cards, each with the oddity that its name says. */
+/* Standing places of plants: tubes, boxes and cards, each with the oddity that its name says. */
 #include "ecofiles/import/model/model_import.h"
 #include "tests/support/model_try.h"
 
 #include "ecofiles/format/pack.h"
 
-/* What the test looks at; reading the next frees it. */
+/* The model that the test looks at; reading the next frees it. */
 static struct eco_model m;
 
 static char text[200000];
@@ -176,7 +176,7 @@ UNIT_TEST(grass_of_cards_stands_in_its_middle)
 	expect_foot(2, 2, 0);
 }
 
-/* What rules call wood is the stem, whatever it looks like. */
+/* A part that rules call wood is the stem, whatever it looks like. */
 UNIT_TEST(wood_by_rule_is_what_stands)
 {
 	const struct eco_part_rule rule = { .kind = ECO_PART_NAME, .name = (char *)"thin",

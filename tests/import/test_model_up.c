@@ -1,4 +1,4 @@
-/* Which axis of a soup points up, by its shape. */
+/* The axis of a soup that points up, by its shape. */
 #include "ecofiles/import/model/model_up.h"
 #include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"

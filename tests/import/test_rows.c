@@ -18,7 +18,8 @@ static struct eco_rows *open_good(const struct eco_rows_source *source)
 	return rows;
 }
 
-/* Of a file of this name and text, with a note that says this (NULL: none), and this CRS (NULL: none). */
+/* Reads a file of this name and text; it has a note that says this (NULL: none), and this CRS (NULL: none).
+ */
 static void expect(const char *name, const char *text, const char *wanted, const char *note, const char *crs)
 {
 	struct eco_rows_source source = { .path = input_text("rows", name, text) };

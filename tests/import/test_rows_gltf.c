@@ -74,8 +74,8 @@ UNIT_TEST(a_row_for_each_node_with_a_mesh)
 		"0,0,0,Ash.001,ash,0.0000,2,,12,,ash" }, 2);
 }
 
-/* Of floats, and of 16-bit fractions from -1 to 1 about the middle of the same mesh, which is 4 wide and 10
- * high. */
+/* Heights from floats, and from 16-bit fractions from -1 to 1 about the middle of the same mesh, which is 4
+ * wide and 10 high. */
 UNIT_TEST(heights_are_those_of_meshes_however_packed)
 {
 	static const float f[2][3] = { { 0, 0, 0 }, { 4, 10, 4 } };

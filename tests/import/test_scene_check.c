@@ -1,5 +1,5 @@
-/* What a scene's tables must agree on: a small pack's are sound, and each way to break one of them is found
- * and said. */
+/* Agreement of a scene's tables: a small pack's are sound, and each way to break one of them is found and
+ * said. */
 #include <math.h>
 #include <string.h>
 #include <sys/stat.h>

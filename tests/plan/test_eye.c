@@ -1,4 +1,4 @@
-/* What a view sees: frame, bands, culling; against plain arithmetic. */
+/* Frame, bands and culling of a view, against plain arithmetic. */
 #include <math.h>
 #include <string.h>
 

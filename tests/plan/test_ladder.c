@@ -98,8 +98,8 @@ static uint32_t level_of(const struct eco_ladder *ladder, uint32_t splat)
 	return level;
 }
 
-/* How fine splat `i` of the first level is drawn: the level of each of its descendants, summed over those of
- * the last level; levels count from 1, and nothing drawn counts 0. */
+/* Fineness in which splat `i` of the first level is drawn: the level of each of its descendants, summed over
+ * those of the last level; levels count from 1, and nothing drawn counts 0. */
 static uint64_t fineness(const struct eco_ladder *ladder, const struct eco_cut *cuts, uint32_t count,
 	uint32_t i)
 {

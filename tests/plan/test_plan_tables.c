@@ -1,4 +1,4 @@
-/* What the planner keeps of a scene: the same answers as without, whoever asks first. */
+/* The planner's tables of a scene: with them it gives the same answers as without, whoever asks first. */
 #include <pthread.h>
 
 #include "lod/plan/planner.h"

@@ -1,5 +1,5 @@
-/* What must always hold for a plan, on random scenes, views and budgets; checked by a simple twin that
- * evaluates the rules plant by plant, as a client would. */
+/* Invariants of plans, on random scenes, views and budgets; checked by a simple twin that evaluates the rules
+ * plant by plant, as a client would. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
-/* What switches while a camera moves slowly: few of like plants at a time. Nothing is remembered from picture
- * to picture, so it has to come from thresholds that differ from plant to plant. */
+/* Switches while a camera moves slowly: few of like plants at a time. Nothing is remembered from picture to
+ * picture, so it has to come from thresholds that differ from plant to plant. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

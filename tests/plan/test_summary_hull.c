@@ -44,7 +44,7 @@ static void begin(struct pair *pair, uint64_t *state)
 			&& pair->all.samples[i].fn <= pair->all.samples[i - 1].fn;
 }
 
-/* What is left wrong at a lambda, and the vertices. */
+/* Error left at a lambda, and the vertices. */
 static struct lod_hull_point bought(const struct lod_summary_hull *points, double lambda)
 {
 	double position = lod_hull_position(&points->hull, lambda, 0), part = position - floor(position);

@@ -1,4 +1,4 @@
-/* What shows of plants: what ground hides, from the side and from above, and what is around the eye. */
+/* Visibility of plants: hidden by ground, seen from the side and from above, and around the eye. */
 #include <math.h>
 #include <string.h>
 

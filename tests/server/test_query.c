@@ -1,5 +1,5 @@
-/* What comes in as text: targets, parameters, ranges, entity tags, headers. Tables of what is accepted and
- * what is refused. */
+/* Parsing of text that comes in: targets, parameters, ranges, entity tags, headers. Tables of what is
+ * accepted and what is refused. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
-/* What the daemon refuses, and that it says why; what must not get through. A table row for each rule of
- * HTTP. */
+/* Requests that the daemon refuses, and that it says why; requests that must not get through. A table row for
+ * each rule of HTTP. */
 #include "tests/support/serve_daemon.h"
 
 #include "ecofiles/format/wire.h"
@@ -106,8 +106,9 @@ UNIT_TEST(holdings_of_another_scene_are_refused)
 	eco_writer_free(&w);
 }
 
-/* What must not be read as two requests: a refusal (`status` 0: any), nothing after it, and the connection is
- * closed. (Where libmicrohttpd 0.9.75 itself refuses, it sends its head twice; so heads are not counted.) */
+/* A request that must not be read as two: a refusal (`status` 0: any), nothing after it, and the connection
+ * is closed. (Where libmicrohttpd 0.9.75 itself refuses, it sends its head twice; so heads are not counted.)
+ */
 UNIT_TEST(smuggling_is_refused_and_closed)
 {
 #define SECOND "GET /healthz HTTP/1.1\r\n" HOST "\r\n"

@@ -31,7 +31,7 @@ struct eco_chunk kind_chunk(const struct eco_elements *e, uint32_t first, uint32
 /* Forms are coded as those of triangles that all lie in one place, which keeps their order. */
 enum eco_code kind_encode(const struct eco_chunk_input *input, uint8_t **bytes, size_t *size, uint32_t *order,
 	struct eco_error *error);
-/* What was decoded is [first, end) of what went in: in `order`, or in any. */
+/* The decoded elements are [first, end) of those encoded: in `order`, or in any. */
 void assert_same_elements(const struct kind *k, const struct eco_elements *in, uint32_t first, uint32_t end,
 	const struct eco_elements *out, const uint32_t *order);
 bool kind_ordered(const struct kind *k);

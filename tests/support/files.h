@@ -1,4 +1,4 @@
-/* Files that tests write and read as a whole. Where that fails the program ends, and says which. */
+/* Files that tests write and read as a whole. If that fails the program ends, and says which. */
 #ifndef TESTS_FILES_H
 #define TESTS_FILES_H
 

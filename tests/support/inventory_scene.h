@@ -14,7 +14,8 @@
 struct inventory { char plants[8000], report[8000], error[600]; };
 
 /* `scene`: its fields before "plants", each with its comma; `entry`: fields of the entry, after "from".
- * Plants are oak, ash and elm; elm has three variants. What fails is in `error`, which is empty otherwise. */
+ * Plants are oak, ash and elm; elm has three variants. The message of a failure is in `error`, which is empty
+ * otherwise. */
 const struct inventory *inventory_of(const char *test, const char *scene, const char *file,
 	const char *entry);
 

@@ -10,8 +10,8 @@
 
 extern char import_said[8000];
 
-/* Of one file, or of options->paths where `path` is NULL; every triangle is kept or counted. What the model
- * was before is freed: it is a whole one or all zero. */
+/* Imports one file, or options->paths where `path` is NULL; every triangle is kept or counted. The model is
+ * freed first: it is a whole one or all zero. */
 void import_file(struct eco_model *model, const char *path, const struct eco_model_options *options);
 void import_refuses(const char *path, enum eco_code wanted, const char *says);
 void import_says(const char *text);

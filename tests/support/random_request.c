@@ -60,8 +60,8 @@ static bool random_in_plant(struct dice *r, const struct eco_scene *scene, doubl
 	return true;
 }
 
-/* Where the eye is and where it looks: anywhere near and far, inside plants, on corners of the scene, beyond
- * the horizon, straight down with an up that is of no use. */
+/* Eye and target: anywhere near and far, inside plants, on corners of the scene, beyond the horizon, straight
+ * down with an up that is of no use. */
 static void random_view(struct dice *r, const struct eco_scene *scene, struct eco_view *v)
 {
 	const struct eco_tile *root = &scene->tiles[scene->root];

@@ -61,8 +61,8 @@ void scene_add_place(struct scene_builder *b, struct eco_place place);
 /* A ladder without lists, of neutral importance. */
 struct eco_ladder scene_ladder(uint32_t plant, uint32_t anchor, enum eco_organ organ);
 
-/* What a list is, and so many elements of so many corners, if any. `other`: forms: what they are forms of;
- * instances: the plant; otherwise the texture. */
+/* Kind and attributes of a list, and so many elements of so many corners, if any. `other`: forms: what they
+ * are forms of; instances: the plant; otherwise the texture. */
 struct scene_row { uint8_t kind, coder, attributes; uint32_t owner, other, count; uint8_t corners; };
 struct eco_list scene_list(const struct scene_builder *b, const struct scene_row *row);
 /* A list with these elements, which are the builder's from then on. */

@@ -24,7 +24,7 @@ void stream_reader_free(struct stream_reader *r);
 /* Reads one whole stream on top of what is held already; counts restart. */
 enum eco_code stream_reader_read(struct stream_reader *r, const void *bytes, size_t size,
 	uint64_t budget_vertices, struct eco_error *error);
-/* What is held, as the body of the next request. */
+/* The holdings, as the body of the next request. */
 struct eco_writer stream_reader_holdings(const struct stream_reader *r);
 
 #endif

@@ -15,7 +15,7 @@
 
 static char track_notes[8192];           /* of the track that was read last */
 
-/* Of a file with this text. */
+/* The track of a file with this text. */
 static inline struct eco_track track_of(const char *text, const char *name)
 {
 	FILE *notes = fmemopen(track_notes, sizeof track_notes, "w");

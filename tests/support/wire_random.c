@@ -124,7 +124,7 @@ void assert_same_plan(const struct eco_plan *a, const struct eco_plan *b)
 		assert_true(same_cut(&a->cuts[i], &b->cuts[i]));
 }
 
-/* What sorting leaves to do: identical cuts, overlapping runs and second gates go. */
+/* Removes identical cuts, overlapping runs and second gates, which sorting leaves. */
 static void wire_random_prune(struct eco_plan *plan)
 {
 	uint32_t kept = 0;

@@ -22,8 +22,7 @@ double lod_cook_scale_depth(uint32_t kept, uint32_t count, double share)
 {
 	if (kept == 0 || kept >= count || !(share > 0) || share > 1)
 		return lod_cook_scale(kept < count ? kept : count, count);
-	/* What is left uncovered, not what is covered: it is what both sides differ in where crowns are
-	 * dense. */
+	/* The uncovered share, and not the covered one: in dense crowns the two sides differ in it. */
 	double left = power(1 - share, count), low = 1, high = fmin((double)count / kept, 1 / share);
 	for (int i = 0; i < HALVINGS; i++) {
 		double s = (low + high) / 2;

@@ -39,7 +39,7 @@ extern const struct extreme_case extreme_cases[EXTREME_CASES];
 
 /* Adds to what was measured. */
 void extreme_say(struct extreme *x, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* What must hold, and what to say where it does not; returns `holds`. */
+/* A condition that must hold, and what to say if it does not; returns `holds`. */
 bool extreme_must(struct extreme *x, bool holds, const char *format,
 	...) __attribute__((format(printf, 3, 4)));
 /* An answer that must be ECO_OK. */

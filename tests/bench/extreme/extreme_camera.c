@@ -167,7 +167,8 @@ static bool draw_cut(struct lod_raster *raster, const struct view_store *store,
 	return good;
 }
 
-/* What covers, and nothing else: five bytes a pixel, so that the largest picture takes 1.3 GB and not 7. */
+/* Draws the cover and nothing else: five bytes a pixel, so that the largest picture takes 1.3 GB and not 7.
+ */
 static bool silhouette(struct extreme *x, const struct extreme_world *world, const struct eco_view *view,
 	struct lod_raster *raster)
 {

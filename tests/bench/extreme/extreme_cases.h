@@ -1,4 +1,4 @@
-/* What extreme cases do, by kind: extreme_cases.c says which of it is made of what, and what must hold. */
+/* Actions of extreme cases, by kind: extreme_cases.c says which case is made of which, and what must hold. */
 #ifndef TESTS_BENCH_EXTREME_CASES_H
 #define TESTS_BENCH_EXTREME_CASES_H
 

@@ -351,7 +351,7 @@ void extreme_orders(struct extreme *x)
 	extreme_say(x, "%zu arrangements by 4 orders at 3 heights: finite", sizeof rows / sizeof *rows);
 }
 
-/* Of the least that can be drawn: leaves grow, but not without end. */
+/* Shares down to the least that can be drawn: leaves grow, but not without end. */
 void extreme_lambda_to_0(struct extreme *x)
 {
 	static const double shares[] = { 0, 1e-308, 1e-30, 1e-9, 1e-4 };

@@ -43,7 +43,7 @@ static struct point *corners_of(const struct lod_plant *plant, const struct eco_
 	return points;
 }
 
-/* How far the source's corners are from where they are stored, at most; those that are nowhere near are
+/* The greatest distance of the source's corners from where they are stored; those that are nowhere near are
  * counted. */
 static double farthest(const struct eco_model *model, const struct eco_list *grid, const struct point *points,
 	size_t count, uint32_t *lost)
@@ -94,7 +94,8 @@ static struct source *sources_of(const struct eco_model *model, const struct eco
 	return sources;
 }
 
-/* How far a list's corners are from the nearest corner of the model that is at the same place of the grid. */
+/* The greatest distance of a list's corners from the nearest corner of the model at the same place of the
+ * grid. */
 static double list_error(const struct lod_list_draft *d, const struct eco_model *model,
 	const struct source *sources)
 {

@@ -36,7 +36,7 @@ struct extreme_stand {
 	bool summaries;
 };
 
-/* Where a stand is. plain: by the numbers of its tiles and lists, not by a transform. Zero: at the origin. */
+/* Site of a stand. plain: by the numbers of its tiles and lists, not by a transform. Zero: at the origin. */
 struct extreme_site { double at[3]; uint16_t turn; double scale; bool plain; };
 
 struct extreme_world { struct srv_store store; struct srv_scene *scene; };

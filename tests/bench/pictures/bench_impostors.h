@@ -12,7 +12,7 @@
 #define BENCH_FEW_ROWS (BENCH_FEW_SPLATS + ECO_IMPOSTOR_LEVELS)
 
 struct bench_impostor { double shape_bytes, color_bytes, hard, soft; };
-/* Of one kind of plants. */
+/* Figures of one kind of plants. */
 #define BENCH_IMPOSTOR_PLANTS 32u        /* at most; others are left out */
 struct bench_impostors {
 	uint32_t count;

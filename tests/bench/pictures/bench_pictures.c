@@ -1,6 +1,6 @@
-/* What people see at small budgets: picture error (FLIP), soft Q and the rest, of scenes and cameras that
- * nothing was chosen on (pictures.json), beside the figures of the commit before splats (pictures_start.csv).
- * Every picture stands in the report, beside full detail and its error. */
+/* Pictures at small budgets as people see them: picture error (FLIP), soft Q and the rest, of scenes and
+ * cameras that nothing was chosen on (pictures.json), beside the figures of the commit before splats
+ * (pictures_start.csv). Every picture stands in the report, beside full detail and its error. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
