@@ -135,5 +135,7 @@ enum eco_code track_read_rows(struct eco_track *track, struct eco_error *error)
 	}
 	for (int i = 0; !code && !track->count && i < 3; i++)
 		code = read_layer(track, layers[i], error);
+	if (!strstr(track->text, "</gpx>"))       /* GDAL is silent where a recorder's battery died */
+		eco_track_note(track, "the file breaks off: %u points are read", track->records);
 	return code;
 }
