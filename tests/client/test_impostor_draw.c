@@ -7,10 +7,8 @@
 #include "client-min/view_gl.h"
 #include "client-min/view_reference.h"
 #include "ecofiles/format/image.h"
-#include "lod/build/impostor/impostor_make.h"
 #include "tests/support/files.h"
 #include "tests/support/plan_twin.h"
-#include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
@@ -18,7 +16,6 @@
 #define LEVELS ECO_IMPOSTOR_LEVELS
 
 static struct scene_builder scene;
-static struct lod_impostor levels[LEVELS];
 static struct view_gl *gl;
 
 static int open_all(void **state)
@@ -26,17 +23,9 @@ static int open_all(void **state)
 	struct eco_view view = scene_view();
 	struct view_gl_options options = { view.width, view.height };
 	struct eco_error error = { 0 };
-	struct lod_impostors made;
-	struct soup soup;
 	scene_make(&scene, NULL, 0);
-	soup_tree(&soup, 1500, 30, false);
-	assert_ok(lod_impostors_make(&made, &soup.model, &(struct lod_impostors_options){ 0 }, &error),
-		error);
-	assert_int_equal(made.level_count, LEVELS);
-	for (uint32_t i = 0; i < LEVELS; i++)
-		assert_ok(lod_impostor_open(&levels[i], &made.body, &made.levels[i], &error), error);
-	lod_impostors_free(&made);
-	soup_free(&soup);
+	scene_make_impostor(&scene, 1500);
+	assert_int_equal(scene.lists[L_IMPOSTOR].chunk_count, LEVELS);
 	if (view_gl_open(&gl, &options, &error))
 		print_message("OpenGL tests are skipped: %s\n", error.text);
 	else
@@ -47,8 +36,6 @@ static int open_all(void **state)
 static int close_all(void **state)
 {
 	view_gl_close(gl);
-	for (uint32_t i = 0; i < LEVELS; i++)
-		lod_impostor_close(&levels[i]);
 	scene_free(&scene);
 	return 0;
 }
@@ -70,12 +57,13 @@ static void plant(struct eco_plan *plan, uint32_t side)
 	}
 }
 
-/* A plan that draws one primitive of a list for each tree. */
+/* A plan that draws a level for each tree, and the store that holds its stream: that level and those before. */
 static struct scene_held hold(const struct eco_view *view, uint32_t level, uint32_t groves)
 {
 	struct scene_held h = { .view = *view };
-	struct eco_cut cut = scene_rule(A_TREE, L_POINTS, level, level + 1, 1, 0, ECO_BANDS);
+	struct eco_cut cut = scene_rule(A_TREE, L_IMPOSTOR, level, level + 1, 1, 0, ECO_BANDS);
 	struct eco_plan *plan = &h.plan;
+	struct eco_error error = { 0 };
 	lod_eye_make(&h.eye, view);
 	scene_plan(&scene, view, 1, plan);
 	memset(plan->cuts, 0, plan->cut_count * sizeof *plan->cuts);
@@ -83,30 +71,19 @@ static struct scene_held hold(const struct eco_view *view, uint32_t level, uint3
 	plan->cut_count = 1;
 	plant(plan, groves);
 	plan->vertices = plan_twin_vertices(&scene.scene, plan, view, &plan->visible_plants);
-	h.store = scene_store(&scene, plan, NULL);
-	assert_non_null(h.store);
+	h.store = scene_store(&scene, plan, &error);
+	if (!h.store)
+		fail_msg("%s", error.text);
+	assert_int_equal(view_store_list(h.store, L_IMPOSTOR)->chunk_count, level + 1);
 	scene_select(&h);
 	return h;
-}
-
-/* The store's list of points, one primitive each, becomes one of impostors while `draw` draws. */
-static void draw_impostors(const struct scene_held *h, uint32_t held,
-	void (*draw)(const struct scene_held *h, struct view_picture *picture), struct view_picture *picture)
-{
-	struct view_list *list = (struct view_list *)view_store_list(h->store, L_POINTS), kept = *list;
-	struct eco_error error = { 0 };
-	list->list.kind = ECO_LIST_IMPOSTOR;
-	list->impostors = levels;
-	list->chunk_count = held;
-	assert_ok(view_picture_init(picture, h->view.width, h->view.height, &error), error);
-	draw(h, picture);
-	*list = kept;
 }
 
 static void draw_gl(const struct scene_held *h, struct view_picture *picture)
 {
 	struct view_gl_job job = { h->store, &h->selection, &h->eye, 0.1, VIEW_TINT_NONE };
 	struct eco_error error = { 0 };
+	assert_ok(view_picture_init(picture, h->view.width, h->view.height, &error), error);
 	assert_ok(view_gl_draw(gl, &job, picture, &error), error);
 }
 
@@ -114,6 +91,7 @@ static void draw_software(const struct scene_held *h, struct view_picture *pictu
 {
 	struct view_reference_job job = { h->store, &h->selection, &h->eye, 0.1, 2, NULL, VIEW_TINT_NONE };
 	struct eco_error error = { 0 };
+	assert_ok(view_picture_init(picture, h->view.width, h->view.height, &error), error);
 	assert_ok(view_reference_draw(&job, picture, &error), error);
 }
 
@@ -153,8 +131,8 @@ static void assert_agree(const char *name, struct eco_view view, uint32_t level,
 {
 	struct view_picture soft, hard;
 	struct scene_held h = hold(&view, level, groves);
-	draw_impostors(&h, level + 1, draw_software, &soft);
-	draw_impostors(&h, level + 1, draw_gl, &hard);
+	draw_software(&h, &soft);
+	draw_gl(&h, &hard);
 	struct difference d = compare(&soft, &hard);
 	print_message("%s: %llu plants cover %.2f %%; owners differ in %.4f %%, depths in %.4f %%, "
 		"colours in %.4f %% of pixels\n", name, (unsigned long long)hard.vertices, 100 * d.covered,

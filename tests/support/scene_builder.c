@@ -206,6 +206,14 @@ enum eco_code scene_add_heights(struct scene_builder *b, const struct eco_ground
 
 /* ---- Chunks ---- */
 
+static void *copy_of(const void *rows, size_t size)
+{
+	void *copy = malloc(size + 1);
+	if (!copy)
+		abort();
+	return size ? memcpy(copy, rows, size) : copy;
+}
+
 static struct scene_ends ends_of(const struct scene_builder *b, uint32_t id)
 {
 	static uint32_t ends[SCENE_CHUNKS_MAX];
@@ -255,12 +263,18 @@ void scene_encode(struct scene_builder *b)
 	for (uint32_t id = 0; id < b->scene.list_count; id++) {
 		b->lists[id].chunk_first = b->scene.chunk_count;
 		b->lists[id].chunk_count = b->lists[id].primitive_count = b->lists[id].element_count = 0;
-		if (b->lists[id].kind != ECO_LIST_IMAGE)
+		if (b->lists[id].coder != ECO_CODER_BYTES)
 			encode_list(b, id);
-		else if (b->image)
-			put_chunk(b, id, memcpy(malloc(b->image_size), b->image, b->image_size),
-				b->image_size, 1, 1);
+		else if (b->lists[id].kind == ECO_LIST_IMAGE && b->image)
+			scene_add_files(b, id, &(struct eco_bytes){ (uint8_t *)b->image, b->image_size }, 1);
 	}
+}
+
+void scene_add_files(struct scene_builder *b, uint32_t list, const struct eco_bytes *files, uint32_t count)
+{
+	b->lists[list].chunk_first = b->scene.chunk_count;
+	for (uint32_t i = 0; i < count; i++)
+		put_chunk(b, list, copy_of(files[i].at, files[i].size), files[i].size, 1, 1);
 }
 
 enum eco_code scene_write(struct scene_builder *b, const char *path, const char *meta,
@@ -288,14 +302,6 @@ enum eco_code scene_write(struct scene_builder *b, const char *path, const char 
 	else
 		code = eco_pack_commit(w, &b->scene, meta, error);
 	return code;
-}
-
-static void *copy_of(const void *rows, size_t size)
-{
-	void *copy = malloc(size + 1);
-	if (!copy)
-		abort();
-	return size ? memcpy(copy, rows, size) : copy;
 }
 
 void scene_copy(struct scene_builder *b, const struct eco_scene *scene)

@@ -81,8 +81,10 @@ void scene_add_instances(struct scene_builder *b, uint32_t list);
 enum eco_code scene_add_heights(struct scene_builder *b, const struct eco_ground *ground,
 	struct eco_error *error);
 
-/* Chunks and payloads of all lists, in memory. */
+/* Chunks and payloads of all lists, in memory; those of impostors have none. */
 void scene_encode(struct scene_builder *b);
+/* After that: chunks of a list of files, one each, of copies of their bytes. The list has none so far. */
+void scene_add_files(struct scene_builder *b, uint32_t list, const struct eco_bytes *files, uint32_t count);
 /* Writes the pack; with `keep` not NULL leaves the writer there, with all lists added, instead of committing.
  */
 enum eco_code scene_write(struct scene_builder *b, const char *path, const char *meta,

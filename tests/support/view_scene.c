@@ -6,8 +6,10 @@
 
 #include "ecofiles/base/turn.h"
 #include "ecofiles/format/chunk.h"
+#include "lod/build/impostor/impostor_make.h"
 #include "tests/support/ground_tiles.h"
 #include "tests/support/plan_twin.h"
+#include "tests/support/plant_models.h"
 
 /* ---- Elements ---- */
 
@@ -158,6 +160,7 @@ static const struct scene_row rows[L_COUNT] = {
 	[L_GROUND] = { ECO_LIST_GROUND, ECO_CODER_ROWS, 0, ECO_NONE, ECO_NONE, 0, 0 },
 	[L_SUMMARY] = { ECO_LIST_POINTS, ECO_CODER_KD, COLOR | ECO_ATTR_PLANT, 5, ECO_NONE, 400, 1 },
 	[L_SIMPLE] = { ECO_LIST_TRIANGLES, ECO_CODER_FORM, COLOR | ECO_ATTR_GROWTH, 0, L_HIGH, 260, 3 },
+	[L_IMPOSTOR] = { ECO_LIST_IMPOSTOR, ECO_CODER_BYTES, 0, 0, ECO_NONE, 0, 0 },
 };
 
 static uint32_t split_64(uint32_t count, uint32_t *ends) { return eco_chunk_split(count, 64, ends, 64); }
@@ -196,6 +199,27 @@ void scene_make(struct scene_builder *b, const uint8_t *png, size_t png_size)
 	fill_ground(b);
 	fill_summary(b);
 	scene_encode(b);
+}
+
+void scene_make_impostor(struct scene_builder *b, uint32_t leaves)
+{
+	struct soup soup;
+	struct lod_impostors made;
+	struct eco_bytes files[ECO_IMPOSTOR_LEVELS];
+	soup_tree(&soup, leaves, leaves / 50, false);
+	if (lod_impostors_make(&made, &soup.model, &(struct lod_impostors_options){ 0 }, NULL))
+		abort();
+	for (uint32_t i = 0; i < made.level_count; i++) {
+		struct eco_writer w = { 0 };
+		if (eco_impostor_level_write(&w, &made.body, &made.levels[i], NULL, NULL))
+			abort();
+		files[i] = (struct eco_bytes){ w.bytes, w.size };
+	}
+	scene_add_files(b, L_IMPOSTOR, files, made.level_count);
+	for (uint32_t i = 0; i < made.level_count; i++)
+		free(files[i].at);
+	lod_impostors_free(&made);
+	soup_free(&soup);
 }
 
 struct eco_view scene_view(void)

@@ -1,6 +1,7 @@
 /* A small scene for tests of the client, and streams of it as a server would write them: a tree with wood,
  * lines, leaves that grow by codes, a point for each, and two cells, one with simple forms too; a bush of
- * textured cut-outs; both planted on a hilly ground, some in a nested placement; a summary.
+ * textured cut-outs; both planted on a hilly ground, some in a nested placement; a summary. The tree may have
+ * an impostor, too.
  *
  *   scene_make(&b, png, size);                scene_free(&b)
  *   scene_plan(&b, &view, 1, &plan);          cuts of every kind
@@ -14,11 +15,14 @@
 #include "tests/support/scene_builder.h"
 
 enum { L_WOOD, L_LINES, L_LEAVES, L_POINTS, L_LOW, L_LOW_POINTS, L_HIGH, L_HIGH_POINTS, L_BUSH, L_IMAGE,
-	L_TREES, L_BUSHES, L_GROUND, L_SUMMARY, L_SIMPLE, L_COUNT };
+	L_TREES, L_BUSHES, L_GROUND, L_SUMMARY, L_SIMPLE, L_IMPOSTOR, L_COUNT };
 enum { A_TREE, A_LOW, A_HIGH, A_BUSH, A_COUNT };
 
 /* `png`: of the bush; NULL: the bush has no image. */
 void scene_make(struct scene_builder *b, const uint8_t *png, size_t png_size);
+/* Gives the tree its impostor, all levels, which is that of another tree of so many leaves. The plan of
+ * scene_plan does not draw it. */
+void scene_make_impostor(struct scene_builder *b, uint32_t leaves);
 struct eco_view scene_view(void);
 
 /* A cut of so many primitives where an anchor is in these bands. */
