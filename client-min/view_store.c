@@ -406,34 +406,37 @@ static enum eco_code decode_image(struct view_store *store, struct view_list *li
 	return account(store, texels * 4, error);
 }
 
-static enum eco_code decode_impostor(struct view_store *store, struct view_list *list,
-	const struct eco_chunk *chunk, const uint8_t *payload, struct eco_error *error)
+/* Opens a payload as the level after those that the list holds, in list->impostors, which has room for it. */
+static enum eco_code open_level(const struct view_list *list, const struct eco_chunk *chunk,
+	const uint8_t *payload, struct eco_error *error)
 {
 	struct eco_impostor_body body;
 	struct eco_impostor_level level;
+	enum eco_code code = eco_impostor_level_read(&level, &body, payload, chunk->size_bytes, error);
+	if (!code && level.level != list->chunk_count)
+		code = BAD("level %u of an impostor", level.level);
+	if (!code)
+		code = lod_impostor_open(&list->impostors[list->chunk_count], &body, &level, error);
+	eco_impostor_level_free(&level);
+	return code;
+}
+
+static enum eco_code decode_impostor(struct view_store *store, struct view_list *list,
+	const struct eco_chunk *chunk, const uint8_t *payload, struct eco_error *error)
+{
 	struct eco_error cause = { 0 };
 	uint32_t count = list->chunk_count;
-	enum eco_code code = eco_impostor_level_read(&level, &body, payload, chunk->size_bytes, &cause);
-	if (!code && level.level != count) {
-		eco_impostor_level_free(&level);
-		return BAD("list %u, chunk %u: level %u of an impostor", list->id, count, level.level);
-	}
-	if (code)
-		return eco_fail(error, code, "list %u, chunk %u: %s", list->id, count, cause.text);
 	struct lod_impostor *more = realloc(list->impostors, (count + (size_t)1) * sizeof *more);
-	if (more) {
-		list->impostors = more;
-		code = lod_impostor_open(&more[count], &body, &level, error);
-	} else {
-		code = no_memory(error, "an impostor");
+	if (!more)
+		return no_memory(error, "an impostor");
+	list->impostors = more;
+	enum eco_code code = open_level(list, chunk, payload, &cause);
+	if (!code) {
+		code = account(store, sizeof *more + lod_impostor_bytes(&more[count]), &cause);
+		if (code)
+			lod_impostor_close(&more[count]);
 	}
-	eco_impostor_level_free(&level);
-	if (code)
-		return code;
-	code = account(store, sizeof *more + lod_impostor_bytes(&more[count]), error);
-	if (code)
-		lod_impostor_close(&more[count]);
-	return code;
+	return code ? eco_fail(error, code, "list %u, chunk %u: %s", list->id, count, cause.text) : ECO_OK;
 }
 
 /* Ground is one chunk, every sample in its place: then whoever draws it needs no checks of its own. */
