@@ -358,9 +358,11 @@ static enum eco_code read_impostor(struct lod_plant *plant, uint32_t count, stru
 		to->size = (size_t)size;
 		memcpy(to->at, bytes, to->size);
 		enum eco_code code = eco_impostor_level_read(&level, &body, to->at, to->size, error);
-		if (code || level.level != i)
-			return code ? code : BAD("level %u of an impostor is level %u", i, level.level);
+		if (!code && level.level != i)
+			code = BAD("level %u of an impostor is level %u", i, level.level);
 		eco_impostor_level_free(&level);
+		if (code)
+			return code;
 	}
 	plant->impostor_level = count ? eco_read_u8(r) : 0;
 	return ECO_OK;
