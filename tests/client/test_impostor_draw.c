@@ -57,7 +57,8 @@ static void plant(struct eco_plan *plan, uint32_t side)
 	}
 }
 
-/* A plan that draws a level for each tree, and the store that holds its stream: that level and those before. */
+/* A plan that draws a level for each tree, and the store that holds its stream: that level and those before
+ * it. */
 static struct scene_held hold(const struct eco_view *view, uint32_t level, uint32_t groves)
 {
 	struct scene_held h = { .view = *view };

@@ -1,0 +1,323 @@
+/* Streams of impostors: what a store holds of them, level by level, and which it refuses. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/format/chunk.h"
+#include "lod/impostor.h"
+#include "tests/support/plan_twin.h"
+#include "tests/support/unit_test.h"
+#include "tests/support/view_scene.h"
+
+#define LEVELS ECO_IMPOSTOR_LEVELS
+#define LIST "list 15"
+_Static_assert(L_IMPOSTOR == 15, "LIST says which it is");
+
+static struct scene_builder scene;
+
+static int make_scene(void **state)
+{
+	scene_make(&scene, NULL, 0);
+	scene_make_impostor(&scene, 200);
+	assert_int_equal(scene.lists[L_IMPOSTOR].chunk_count, LEVELS);
+	return 0;
+}
+
+static int free_scene(void **state)
+{
+	scene_free(&scene);
+	return 0;
+}
+
+/* Every tree as the levels [first, end) of its impostor, and nothing else. */
+static struct eco_plan plan_levels(uint32_t first, uint32_t end)
+{
+	struct eco_view view = scene_view();
+	struct eco_plan plan;
+	scene_plan(&scene, &view, 1, &plan);
+	plan.cuts[0] = scene_rule(A_TREE, L_IMPOSTOR, first, end, 1, 0, ECO_BANDS);
+	plan.cut_count = 1;
+	plan.vertices = plan_twin_vertices(&scene.scene, &plan, &view, &plan.visible_plants);
+	return plan;
+}
+
+static const uint8_t *payload_of(uint32_t level, size_t *size)
+{
+	uint32_t chunk = scene.lists[L_IMPOSTOR].chunk_first + level;
+	*size = scene.chunks[chunk].size_bytes;
+	return scene.payloads[chunk];
+}
+
+/* ---- What is held ---- */
+
+static void assert_level(const struct lod_impostor *held, uint32_t level)
+{
+	struct eco_impostor_body body;
+	struct eco_impostor_level read;
+	struct lod_impostor twin;
+	struct eco_error error = { 0 };
+	size_t size;
+	const uint8_t *payload = payload_of(level, &size);
+	assert_ok(eco_impostor_level_read(&read, &body, payload, size, &error), error);
+	assert_ok(lod_impostor_open(&twin, &body, &read, &error), error);
+	const struct eco_impostor_size *s = &eco_impostor_sizes[level];
+	size_t tiles = eco_impostor_tiles(s->set);
+	assert_memory_equal(&held->size, s, sizeof *s);
+	assert_true(held->radius == twin.radius && held->cell_count == twin.cell_count);
+	assert_memory_equal(held->texel, twin.texel, tiles * s->texels * s->texels);
+	assert_memory_equal(held->depth, twin.depth, tiles * s->depths * s->depths * sizeof *twin.depth);
+	assert_memory_equal(held->rgb, twin.rgb, twin.cell_count * sizeof *twin.rgb);
+	lod_impostor_close(&twin);
+	eco_impostor_level_free(&read);
+}
+
+/* A plan of one level needs those before it, too; what is held already is not sent again. */
+UNIT_TEST(levels_are_held_as_a_prefix_and_extended)
+{
+	struct eco_plan small = plan_levels(0, 1), large = plan_levels(LEVELS - 1, LEVELS);
+	struct eco_error error = { 0 };
+	struct eco_holdings holdings;
+	struct eco_writer w;
+	struct view_store *store = scene_store(&scene, &small, &error);
+	assert_string_equal(error.text, "");
+	const struct view_list *list = view_store_list(store, L_IMPOSTOR);
+	assert_int_equal(list->chunk_count, 1);
+	uint64_t before = view_store_stats(store)->memory_bytes, more = 0;
+	uint32_t held[L_COUNT];
+	assert_ok(view_store_holdings(store, &holdings, &error), error);
+	for (uint32_t id = 0; id < L_COUNT; id++)
+		held[id] = eco_holdings_chunks(&holdings, id);
+	free(holdings.items);
+	assert_int_equal(held[L_IMPOSTOR], 1);
+	scene_stream(&scene, &large, held, &w);
+	assert_ok(scene_feed(store, &w, &error), error);
+	assert_int_equal(list->chunk_count, LEVELS);
+	for (uint32_t i = 0; i < LEVELS; i++) {
+		assert_level(&list->impostors[i], i);
+		assert_int_equal(list->marks[i].primitives, i + 1);
+		more += i ? sizeof *list->impostors + lod_impostor_bytes(&list->impostors[i]) : 0;
+	}
+	assert_true(view_store_stats(store)->memory_bytes == before + more);
+	eco_writer_free(&w);
+	view_store_free(store);
+	eco_plan_free(&small);
+	eco_plan_free(&large);
+}
+
+UNIT_TEST(a_tree_is_one_vertex_whatever_its_level)
+{
+	for (uint32_t level = 0; level < LEVELS; level++) {
+		struct scene_held h = { .view = scene_view(), .plan = plan_levels(level, level + 1) };
+		lod_eye_make(&h.eye, &h.view);
+		h.store = scene_store(&scene, &h.plan, NULL);
+		assert_non_null(h.store);
+		scene_select(&h);
+		uint32_t trees = h.selection.member_first[1];
+		assert_int_equal(h.selection.roles[0], VIEW_ROLE_IMPOSTORS);
+		assert_true(trees > 10 && h.selection.vertices == trees && h.plan.vertices == trees);
+		scene_release(&h);
+	}
+}
+
+/* ---- What is refused ---- */
+
+enum fault { SOUND, SWAPPED, TWICE, NO_BODY, NO_LEVEL, CUT_OFF, ONE_BYTE, TWO_PRIMITIVES, TWO_ELEMENTS,
+	NOT_HELD, BOTH_LEVELS, TOO_MANY_CHUNKS, OTHER_LIST, FAULTS };
+
+static const struct { enum eco_code code; const char *says; } faults[FAULTS] = {
+	[SOUND] = { ECO_OK, "" },
+	[SWAPPED] = { ECO_DAMAGED, LIST ", chunk 0: level 1 of an impostor" },
+	[TWICE] = { ECO_DAMAGED, LIST ", chunk 1: level 0 of an impostor" },
+	[NO_BODY] = { ECO_DAMAGED, LIST ", chunk 1: " },
+	[NO_LEVEL] = { ECO_DAMAGED, LIST ", chunk 1: impostor: " },
+	[CUT_OFF] = { ECO_DAMAGED, LIST ", chunk 1: impostor: level 1 is damaged" },
+	[ONE_BYTE] = { ECO_DAMAGED, LIST ", chunk 1: impostor: " },
+	[TWO_PRIMITIVES] = { ECO_DAMAGED, LIST ", chunk 0: chunk: 1 elements cannot have 2 primitives" },
+	[TWO_ELEMENTS] = { ECO_DAMAGED, LIST ", chunk 0: chunk: a file is one element, not 2" },
+	[NOT_HELD] = { ECO_DAMAGED, "cut 0 of the plan draws [2,3) of " LIST ", of which 2 are held" },
+	[BOTH_LEVELS] = { ECO_DAMAGED, "cut 0 of the plan draws 2 levels of " LIST ", an impostor, not one" },
+	[TOO_MANY_CHUNKS] = { ECO_DAMAGED, LIST ": 4 levels of an impostor in 4 chunks" },
+	[OTHER_LIST] = { ECO_DAMAGED, LIST " was described twice" },
+};
+
+/* The scene, with a list, chunks and payloads of impostors that may be written to. */
+struct forged {
+	struct scene_builder b;
+	struct eco_list lists[L_COUNT];
+	struct eco_chunk *chunks;
+	uint8_t **payloads, *made[2];        /* made: of the first two levels, or NULL */
+	uint32_t first;                      /* chunk of the list */
+};
+
+static void forge(struct forged *f)
+{
+	uint32_t count = scene.scene.chunk_count;
+	*f = (struct forged){ .b = scene, .first = scene.lists[L_IMPOSTOR].chunk_first };
+	f->b.scene.lists = f->b.lists = memcpy(f->lists, scene.lists, sizeof f->lists);
+	f->chunks = malloc(count * sizeof *f->chunks);
+	f->payloads = malloc(count * sizeof *f->payloads);
+	f->b.scene.chunks = f->b.chunks = memcpy(f->chunks, scene.chunks, count * sizeof *f->chunks);
+	f->b.payloads = memcpy(f->payloads, scene.payloads, count * sizeof *f->payloads);
+}
+
+static void forged_free(struct forged *f)
+{
+	free(f->chunks);
+	free(f->payloads);
+	free(f->made[0]);
+	free(f->made[1]);
+}
+
+/* Chunk `to` has the payload of level `from`, or its first bytes, under a hash that is right. */
+static void put_level(struct forged *f, uint32_t to, uint32_t from, size_t size)
+{
+	size_t whole;
+	const uint8_t *payload = payload_of(from, &whole);
+	struct eco_chunk *chunk = &f->chunks[f->first + to];
+	free(f->made[to]);
+	f->made[to] = memcpy(malloc(whole), payload, whole);
+	chunk->size_bytes = (uint32_t)(size < whole ? size : whole);
+	chunk->id = eco_chunk_hash(f->made[to], chunk->size_bytes);
+	f->payloads[f->first + to] = f->made[to];
+}
+
+static void damage(struct forged *f, enum fault fault)
+{
+	struct eco_chunk *chunks = f->chunks + f->first;
+	struct eco_list *list = &f->lists[L_IMPOSTOR];
+	const float none = NAN;
+	put_level(f, 1, 1, SIZE_MAX);
+	switch (fault) {
+	case SWAPPED:
+	case TWICE:
+		put_level(f, fault == TWICE, fault == SWAPPED, SIZE_MAX);
+		break;
+	case NO_BODY:
+		memcpy(f->made[1], &none, sizeof none);
+		break;
+	case NO_LEVEL:
+		f->made[1][24] = LEVELS;
+		break;
+	case CUT_OFF:
+	case ONE_BYTE:
+		put_level(f, 1, 1, fault == ONE_BYTE ? 1 : chunks[1].size_bytes - 1);
+		break;
+	case TWO_PRIMITIVES:
+	case TWO_ELEMENTS:
+		chunks[0].primitive_count = 2;
+		chunks[0].element_count += fault == TWO_ELEMENTS;
+		break;
+	case TOO_MANY_CHUNKS:
+		list->primitive_count = list->element_count = list->chunk_count = LEVELS + 1;
+		break;
+	default:
+		break;
+	}
+	chunks[1].id = eco_chunk_hash(f->payloads[f->first + 1], chunks[1].size_bytes);
+}
+
+/* Two levels, and a plan of the second. */
+static struct eco_writer stream_of(struct forged *f, enum fault fault)
+{
+	struct eco_plan plan = plan_levels(fault == NOT_HELD ? 2 : fault != BOTH_LEVELS,
+		fault == NOT_HELD ? 3 : 2);
+	struct eco_writer w = { 0 };
+	uint32_t number = 0;
+	plan.run_count = 0;
+	plan.vertices = 0;
+	scene_frame(&w, &scene, ECO_FRAME_SCENE, &number, 0, 0);
+	scene_frame(&w, &scene, ECO_FRAME_PLANT, &number, 0, 0);
+	scene_frame(&w, &f->b, ECO_FRAME_LIST, &number, L_IMPOSTOR, 0);
+	if (fault == OTHER_LIST) {
+		f->lists[L_IMPOSTOR].level = 7;
+		scene_frame(&w, &f->b, ECO_FRAME_LIST, &number, L_IMPOSTOR, 0);
+	}
+	for (uint32_t i = 0; i < 2; i++)
+		scene_frame(&w, &f->b, ECO_FRAME_CHUNK, &number, L_IMPOSTOR, i);
+	scene_plan_frame(&w, &plan, &number);
+	scene_end_frame(&w, 0, &number);
+	eco_plan_free(&plan);
+	return w;
+}
+
+static struct view_store *feed(struct forged *f, enum fault fault, uint64_t memory_max, enum eco_code *code,
+	struct eco_error *error)
+{
+	struct view_store *store;
+	struct view_store_options options = { .memory_max = memory_max };
+	struct eco_writer w = stream_of(f, fault);
+	assert_int_equal(view_store_new(&store, &options, NULL), ECO_OK);
+	*code = scene_feed(store, &w, error);
+	eco_writer_free(&w);
+	return store;
+}
+
+UNIT_TEST(wrong_levels_are_refused_by_list_and_chunk)
+{
+	for (int fault = 0; fault < FAULTS; fault++) {
+		struct forged f;
+		struct eco_error error = { 0 };
+		enum eco_code code;
+		forge(&f);
+		damage(&f, (enum fault)fault);
+		struct view_store *store = feed(&f, (enum fault)fault, 0, &code, &error);
+		if (code != faults[fault].code || !strstr(error.text, faults[fault].says))
+			fail_msg("fault %d: code %d, '%s'", fault, code, error.text);
+		view_store_free(store);
+		forged_free(&f);
+	}
+}
+
+/* Each byte of a level changed, under a hash that is right: refused with list and chunk, or another level
+ * that can be drawn. */
+UNIT_TEST(changed_bytes_are_refused_or_harmless)
+{
+	uint32_t refused = 0, tried = 0;
+	size_t size;
+	payload_of(0, &size);
+	for (size_t at = 0; at < size; at += at < 64 ? 1 : 7) {
+		struct forged f;
+		struct eco_error error = { 0 };
+		enum eco_code code;
+		forge(&f);
+		put_level(&f, 0, 0, SIZE_MAX);
+		f.made[0][at] ^= (uint8_t)(1u << at % 8);
+		f.chunks[f.first].id = eco_chunk_hash(f.made[0], size);
+		struct view_store *store = feed(&f, SOUND, 0, &code, &error);
+		tried++;
+		refused += code != ECO_OK;
+		if (code && (code != ECO_DAMAGED || !strstr(error.text, LIST ", chunk 0: ")))
+			fail_msg("byte %zu: code %d, '%s'", at, code, error.text);
+		assert_int_equal(view_store_list(store, L_IMPOSTOR)->chunk_count, code ? 0 : 2);
+		view_store_free(store);
+		forged_free(&f);
+	}
+	print_message("of %u levels with a byte changed, %u are refused\n", tried, refused);
+	assert_true(refused > tried / 2);
+}
+
+UNIT_TEST(levels_count_against_the_memory_limit)
+{
+	struct forged f;
+	struct eco_error error = { 0 };
+	enum eco_code code;
+	forge(&f);
+	struct view_store *store = feed(&f, SOUND, 0, &code, &error);
+	assert_ok(code, error);
+	uint64_t most = view_store_stats(store)->memory_bytes - 1;
+	view_store_free(store);
+	store = feed(&f, SOUND, most, &code, &error);
+	assert_int_equal(code, ECO_TOO_LARGE);
+	assert_non_null(strstr(error.text, LIST ", chunk 1: "));
+	assert_non_null(strstr(error.text, "ask for fewer vertices"));
+	assert_true(view_store_stats(store)->memory_bytes <= most);
+	assert_int_equal(view_store_list(store, L_IMPOSTOR)->chunk_count, 1);
+	assert_level(&view_store_list(store, L_IMPOSTOR)->impostors[0], 0);
+	view_store_free(store);
+	forged_free(&f);
+}
+
+int main(void)
+{
+	return unit_tests_run(make_scene, free_scene);
+}
