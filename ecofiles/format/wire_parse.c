@@ -193,7 +193,7 @@ static enum eco_code check_list(const struct eco_wire_parser *p, uint32_t id, co
 	if (list->coder < ECO_CODER_ELEMENTS || list->coder > ECO_CODER_BYTES)
 		return eco_fail(e, ECO_UNSUPPORTED, "list %u has coder %u, which this program does not know",
 			id, list->coder);
-	struct eco_error why;
+	struct eco_error why = { 0 };
 	if (eco_list_check_coding(list, &why))
 		return BAD("list %u: %s", id, why.text);
 	if (list->level && list->kind != ECO_LIST_POINTS && list->kind != ECO_LIST_IMPOSTOR
