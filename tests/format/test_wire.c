@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "ecofiles/format/impostor.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/wire_random.h"
 
@@ -303,6 +304,69 @@ UNIT_TEST(impossible_contents_are_refused)
 			fail_msg("fault %d: code %d %s", fault, code, error.text);
 		if (fault)
 			assert_true(strncmp(error.text, "stream, frame ", 14) == 0);
+		eco_writer_free(&told.w);
+		eco_writer_free(&w);
+	}
+}
+
+/* ---- Lists of impostors ---- */
+
+static struct eco_writer impostor_stream(const struct eco_list *list)
+{
+	struct eco_writer w = { 0 };
+	uint32_t number = 0;
+	wire_put_scene(&w, &number, ECO_WIRE_VERSION);
+	struct eco_frame_mark mark = eco_frame_begin(&w, ECO_FRAME_LIST, number++);
+	eco_write_u32(&w, 3);
+	eco_list_write(&w, list);
+	eco_frame_end(&w, mark);
+	put_faulty_plan(&w, &number, FAULT_NONE);
+	wire_put_end(&w, &number, 77, 0);
+	assert_false(w.failed);
+	return w;
+}
+
+/* As many levels as there may be, each a chunk, a primitive and an element. */
+UNIT_TEST(lists_of_impostors_have_a_chunk_for_each_level)
+{
+	enum { MOST = ECO_IMPOSTOR_LEVELS, BYTES = ECO_CODER_BYTES, ROWS = ECO_CODER_ROWS,
+		FORM = ECO_CODER_FORM };
+	static const struct {
+		uint8_t coder, attributes;
+		uint32_t primitives, elements, chunks;
+		const char *says;
+	} rows[] = {
+		{ BYTES, 0, 1, 1, 1, NULL },
+		{ BYTES, 0, 2, 2, 2, NULL },
+		{ BYTES, 0, MOST, MOST, MOST, NULL },
+		{ BYTES, 0, MOST + 1, MOST + 1, MOST + 1, "list 3: 4 levels of an impostor in 4 chunks" },
+		{ BYTES, 0, UINT32_MAX, UINT32_MAX, UINT32_MAX, "list 3" },
+		{ BYTES, 0, MOST, MOST, MOST - 1, "list 3: 3 levels of an impostor in 2 chunks" },
+		{ BYTES, 0, MOST - 1, MOST - 1, MOST, "list 3: 2 levels of an impostor in 3 chunks" },
+		{ BYTES, 0, MOST, MOST, 0, "list 3: 3 levels of an impostor in 0 chunks" },
+		{ BYTES, 0, MOST, MOST - 1, MOST, "list 3: 3 levels of an impostor" },
+		{ BYTES, 0, 1, 2, 1, "list 3" },
+		{ ROWS, 0, MOST, MOST, MOST, "list 3: list: kind 7 cannot have coder 4" },
+		{ FORM, 0, MOST, MOST, MOST, "list 3: list: kind 7 cannot have coder 2" },
+		{ BYTES, ECO_ATTR_COLOR, MOST, MOST, MOST, "list 3: list: kind 7 cannot have attributes" },
+		{ BYTES, ECO_ATTR_SPLAT, MOST, MOST, MOST, "list 3: list: kind 7 cannot have attributes" },
+	};
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct eco_list list = wire_random_list(4);
+		struct told told = { 0 };
+		struct eco_error error = { 0 };
+		list.kind = ECO_LIST_IMPOSTOR;
+		list.coder = rows[i].coder;
+		list.attributes = rows[i].attributes;
+		list.level = 200;                        /* how level leaves lie: any */
+		list.primitive_count = rows[i].primitives;
+		list.element_count = rows[i].elements;
+		list.chunk_count = rows[i].chunks;
+		struct eco_writer w = impostor_stream(&list);
+		enum eco_code code = parse(w.bytes, w.size, 0, &told, &error);
+		if (code != (rows[i].says ? ECO_DAMAGED : ECO_OK)
+				|| (rows[i].says && !strstr(error.text, rows[i].says)))
+			fail_msg("row %zu: code %d, '%s'", i, code, error.text);
 		eco_writer_free(&told.w);
 		eco_writer_free(&w);
 	}
