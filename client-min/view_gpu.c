@@ -106,7 +106,8 @@ static enum eco_code extend(struct view_gpu *gpu, struct view_gpu_list *g, const
 	while (!code && g->chunks < list->chunk_count) {
 		uint32_t end = g->chunks + 1;
 		while (end < list->chunk_count
-				&& view_record_span(list, g->chunks, end + 1) * VIEW_TEXEL_BYTES < UPLOAD_BYTES)
+				&& view_record_span(list, g->chunks, end + 1) * VIEW_TEXEL_BYTES
+				< UPLOAD_BYTES)
 			end++;
 		code = upload_chunks(g, list, g->chunks, end, error);
 	}

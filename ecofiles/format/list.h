@@ -69,8 +69,8 @@ enum eco_attr {
 
 struct eco_list {
 	uint8_t kind, coder, attributes;
-	uint8_t level;               /* ground: samples are 2^level apart; points, impostors: how level their leaves lie
-	                              * (eco_level_share); else 0 */
+	uint8_t level;               /* ground: samples are 2^level apart; points and impostors: how level
+	                              * their leaves lie (eco_level_share); else 0 */
 	uint32_t owner;              /* plant id; tile id for instances, summaries; ECO_NONE for ground */
 	uint32_t plant;              /* instances: the plant planted; else ECO_NONE */
 	double grid_origin[3];       /* metres; plant space, tile's eco space, or scene space for ground */

@@ -1,6 +1,7 @@
 /* The one place that distrusts a scene's tables: everything after it (planner, wire, client) may index
  * without checks. Work is linear in the tables. Ranges that could overlap are bounded by their sum:
- * otherwise a small file whose ranges all cover one large table would cost the product. */
+ * otherwise a small file whose ranges all cover one large table would cost the product. Longer than 600 lines:
+ * one table's checks rely on another's. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -336,8 +337,8 @@ static enum eco_code check_ladder(const struct eco_scene *s, uint32_t id, struct
 		return BAD("ladder %u: list %u of simple forms has coder %u", id, l->simple,
 			s->lists[l->simple].coder);
 	if (!ladder_impostor_fits(s, l))
-		return BAD("ladder %u: list %#x is no impostor of plant %u beside splats with its samples", id,
-			l->impostor, l->plant);
+		return BAD("ladder %u: list %#x is no impostor of plant %u, beside splats and with its "
+			"samples", id, l->impostor, l->plant);
 	if (l->before > l->total)
 		return BAD("ladder %u: %u of %u before it", id, l->before, l->total);
 	if (!within(l->importance, 0, SCALE_MAX) || !within(l->area, 0, AREA_MAX)

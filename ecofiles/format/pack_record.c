@@ -149,8 +149,9 @@ static const struct field anchor_fields[] = { ARRAY(anchor, center), ONE(anchor,
 static const struct field ladder_fields[] = {
 	ONE(ladder, plant), ONE(ladder, anchor), ONE(ladder, organ), ONE(ladder, flags),
 	ONE(ladder, level_count), ZERO_BYTES(1), ONE(ladder, points), ONE(ladder, lines), ONE(ladder, simple),
-	ONE(ladder, triangles), ONE(ladder, impostor), ARRAY(ladder, level_end), ONE(ladder, total), ONE(ladder, before),
-	ONE(ladder, importance), ONE(ladder, area), ONE(ladder, length), ONE(ladder, epsilon),
+	ONE(ladder, triangles), ONE(ladder, impostor), ARRAY(ladder, level_end), ONE(ladder, total),
+	ONE(ladder, before), ONE(ladder, importance), ONE(ladder, area), ONE(ladder, length),
+	ONE(ladder, epsilon),
 	ONE(ladder, curve_first), ONE(ladder, curve_count),
 };
 

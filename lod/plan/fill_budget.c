@@ -292,11 +292,22 @@ static const struct lod_way *way_of(const struct lod_fill *fill, const struct lo
 		fill->allocation->ladder_choices[candidate->ladder_choice].ladder);
 }
 
-/* Does the candidate's step begin with an impostor? Then it is taken whole: a few splats are worse. */
-static bool leaps(const struct lod_candidate *candidate)
+/* From the curve, which is no straight line between hull points. */
+static double error_at(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t vertices)
 {
-	return candidate->ladder_choice != ECO_NONE && candidate->hull->impostor != ECO_NONE
-		&& candidate->low == 1;
+	if (vertices == candidate->hull->points->vertices)
+		return lod_hull_error(candidate->hull, candidate->hull->points);
+	struct lod_hull_point point = lod_hull_point_at(way_of(fill, candidate), vertices,
+		candidate->hull->slack, candidate->hull->impostor);
+	return lod_hull_error(candidate->hull, &point);
+}
+
+/* A few splats show less than an impostor does. Is this state, beyond that of an impostor, no better? */
+static bool is_worse(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t vertices)
+{
+	return candidate->hull->impostor != ECO_NONE && candidate->low == 1 && vertices < candidate->high
+		&& error_at(fill, candidate, vertices) >= lod_hull_error(candidate->hull,
+		lod_candidate_point(candidate));
 }
 
 /* What a plant may draw on the way from candidate->low to candidate->high: the most up to `vertices`, and the
@@ -304,14 +315,16 @@ static bool leaps(const struct lod_candidate *candidate)
 static uint64_t part_floor(const struct lod_fill *fill, const struct lod_candidate *candidate,
 	uint64_t vertices)
 {
-	if (leaps(candidate))
-		return vertices < candidate->high ? candidate->low : candidate->high;
-	return lod_way_floor(way_of(fill, candidate), vertices);
+	uint64_t to = lod_way_floor(way_of(fill, candidate), vertices);
+	return is_worse(fill, candidate, to) ? candidate->low : to;
 }
 
 static uint64_t part_next(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t at)
 {
-	return leaps(candidate) ? candidate->high : lod_way_next(way_of(fill, candidate), at);
+	uint64_t next = lod_way_next(way_of(fill, candidate), at);
+	while (is_worse(fill, candidate, next))
+		next = lod_way_next(way_of(fill, candidate), next);
+	return next;
 }
 
 /* All plants have `vertices`, at the next hull point or on the way to it. */
@@ -599,16 +612,6 @@ static enum eco_code add_entries(struct lod_fill *fill, struct eco_error *error)
 	}
 	free(drawn);
 	return code;
-}
-
-/* From the curve, which is no straight line between hull points. */
-static double error_at(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t vertices)
-{
-	if (vertices == candidate->hull->points->vertices)
-		return lod_hull_error(candidate->hull, candidate->hull->points);
-	struct lod_hull_point point = lod_hull_point_at(way_of(fill, candidate), vertices,
-		candidate->hull->slack, candidate->hull->impostor);
-	return lod_hull_error(candidate->hull, &point);
 }
 
 double lod_fill_wrong_of(const struct lod_fill *fill, const struct lod_candidate *candidate)

@@ -87,8 +87,7 @@ static double octaves_of(const struct lod_way *way, uint64_t vertices)
 void lod_hull_set_detail(struct lod_hull_point *point, double slack)
 {
 	double seen = (double)point->octaves - slack;
-	point->detail = seen > 0 ? fmin(LOD_DETAIL_MOST, LOD_OCTAVE_WEIGHT * seen)
-		+ LOD_SLAB_WEIGHT * fmax(0, seen - LOD_SLAB_OCTAVES) : 0;
+	point->detail = seen > 0 ? fmin(LOD_DETAIL_MOST, LOD_OCTAVE_WEIGHT * seen) : 0;
 }
 
 /* A level of the ladder's impostor: as sharp as splats that are as many as its cells. */

@@ -49,7 +49,7 @@ struct lod_hull {
 	double fp_weight;            /* weight of a false positive; a false negative weighs 1 */
 	double slack;                /* octaves that nobody sees: up to the width of a pixel, or of full
 	                              * detail */
-	uint32_t impostor;           /* level of the ladder's impostor that is one vertex; ECO_NONE: a splat */
+	uint32_t impostor;           /* level of the ladder's impostor that is one vertex; ECO_NONE: none */
 };
 
 /* Samples a ladder from `from` to `to` vertices, both values that lod_way_floor returns. Returns the number
@@ -71,12 +71,9 @@ static inline uint32_t lod_hull_impostor_levels(const struct lod_way *way)
 }
 /* Sets detail from octaves and slack: each octave that is seen costs LOD_OCTAVE_WEIGHT of a pixel, all of
  * them LOD_DETAIL_MOST: a plant as one splat is better than as a few leaves. So do pixels that are missed,
- * or a few leaves that cover little would be better than a splat that covers all. Beyond LOD_SLAB_OCTAVES,
- * 12 times as wide, each costs LOD_SLAB_WEIGHT more: a slab hides what is around it. */
+ * or a few leaves that cover little would be better than a splat that covers all. */
 #define LOD_OCTAVE_WEIGHT 0.1
-#define LOD_DETAIL_MOST 0.3
-#define LOD_SLAB_OCTAVES 3.58
-#define LOD_SLAB_WEIGHT 0.15
+#define LOD_DETAIL_MOST 0.15
 void lod_hull_set_detail(struct lod_hull_point *point, double slack);
 
 /* Reduces points in ascending vertices to their lower convex hull at hull->fp_weight, in place. Two steps

@@ -22,7 +22,8 @@ static double level_error(const struct eco_scene *scene, const struct eco_ladder
 	return (double)sample->fp + (double)sample->fn;
 }
 
-/* Levels, from the smallest on, of which each is worth its bytes; `seen`: pixels of all plants of that kind. */
+/* Levels, from the smallest on, of which each is worth its bytes; `seen`: pixels of all plants of that
+ * kind. */
 static uint8_t levels_worth(const struct eco_scene *scene, const struct eco_ladder *ladder, double seen)
 {
 	const struct eco_list *list = &scene->lists[ladder->impostor];
@@ -46,7 +47,8 @@ void lod_impostor_worth(struct lod_allocation *m)
 	}
 	for (uint32_t i = 0; i < scene->plant_count; i++) {
 		uint32_t count;
-		const uint32_t *whole = lod_plan_tables_whole(p->tables, scene->plants[i].anchor_first, &count);
+		const uint32_t *whole = lod_plan_tables_whole(p->tables, scene->plants[i].anchor_first,
+			&count);
 		for (uint32_t k = 0; k < count; k++)
 			if (scene->ladders[whole[k]].impostor != ECO_NONE)
 				m->impostor_levels[i] = levels_worth(scene, &scene->ladders[whole[k]],

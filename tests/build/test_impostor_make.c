@@ -78,7 +78,7 @@ UNIT_TEST(a_ball_is_discs_of_its_colour)
 	assert_float_equal(impostors.body.high, 1, 0.01);
 	assert_float_equal(impostors.body.thick, 1, 0.2);
 	const struct eco_impostor_level *level = &impostors.levels[1];
-	uint32_t side = eco_impostor_sizes[2].texels;
+	uint32_t side = eco_impostor_sizes[1].texels;
 	for (uint32_t i = 0; i < side * side; i++) {
 		double x = (i % side + 0.5) / side * 2 - 1, y = (i / side + 0.5) / side * 2 - 1,
 			r = x * x + y * y;

@@ -412,7 +412,8 @@ UNIT_TEST(bad_lists_are_refused)
 	assert_int_equal(id, ECO_NONE);
 	list.kind = ECO_LIST_IMAGE;
 	list.coder = ECO_CODER_BYTES;
-	assert_int_equal(eco_pack_add_bytes(w, &list, &(struct eco_bytes){ NULL, 0 }, 1, &id, NULL), ECO_TOO_LARGE);
+	const struct eco_bytes nothing = { NULL, 0 };
+	assert_int_equal(eco_pack_add_bytes(w, &list, &nothing, 1, &id, NULL), ECO_TOO_LARGE);
 	eco_pack_abort(w);
 	eco_elements_free(&e);
 	assert_int_equal(count_files(), 0);

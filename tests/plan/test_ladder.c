@@ -325,7 +325,8 @@ static struct eco_ladder points_and_fans(uint32_t k, uint32_t each)
 		scene.chunks[fans->chunk_first + c].primitive_count =
 			each * scene.chunks[fans->chunk_first + c].element_count;
 	fans->primitive_count = each * k;
-	return (struct eco_ladder){ .organ = ECO_ORGAN_FOLIAGE, .lines = ECO_NONE, .simple = ECO_NONE, .impostor = ECO_NONE,
+	return (struct eco_ladder){ .organ = ECO_ORGAN_FOLIAGE, .lines = ECO_NONE, .simple = ECO_NONE,
+		.impostor = ECO_NONE,
 		.triangles = triangles, .total = k,
 		.points = random_form(&scene, ECO_LIST_POINTS, triangles, 1) };
 }
@@ -379,7 +380,8 @@ UNIT_TEST(cells_draw_what_the_whole_plant_list_does_not)
 	random_scene_make(&scene, 3, 0);
 	const uint32_t k = 300, before = 100;
 	uint32_t triangles = random_fans(&scene, k, 0);
-	struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .lines = ECO_NONE, .simple = ECO_NONE, .impostor = ECO_NONE,
+	struct eco_ladder ladder = { .organ = ECO_ORGAN_FOLIAGE, .lines = ECO_NONE, .simple = ECO_NONE,
+		.impostor = ECO_NONE,
 		.triangles = triangles, .before = before,
 		.total = before + k, .points = random_form(&scene, ECO_LIST_POINTS, triangles, 1),
 		.curve_count = 4 };

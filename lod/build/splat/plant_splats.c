@@ -200,7 +200,8 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 		if (!draft || !color_elements(draft, plant, &splats) || !add_ladder(plant, &splats))
 			code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u splats", list.element_count);
 		if (!code)
-			code = lod_plant_add_impostor(plant, model, (const uint8_t (*)[3])rgb, options, error);
+			code = lod_plant_add_impostor(plant, model, (const uint8_t (*)[3])rgb, options,
+				error);
 	}
 	free(rgb);
 	lod_splats_free(&splats);
