@@ -72,7 +72,7 @@ uint32_t scene_add_list(struct scene_builder *b, struct eco_list row)
 	b->elements = room_for(b->elements, b->scene.list_count, sizeof *b->elements);
 	b->elements[b->scene.list_count] = (struct eco_elements){ 0 };
 	b->ends = room_for(b->ends, b->scene.list_count, sizeof *b->ends);
-	b->ends[b->scene.list_count] = (struct scene_ends){ NULL, 0 };
+	b->ends[b->scene.list_count] = (struct scene_ends){ NULL, 0, NULL };
 	return ADD(lists, list_count, row);
 }
 
@@ -223,7 +223,7 @@ static struct scene_ends ends_of(const struct scene_builder *b, uint32_t id)
 		return b->ends[id];
 	ends[0] = count;
 	return (struct scene_ends){ ends, b->split && list->kind != ECO_LIST_GROUND ? b->split(count, ends)
-		: 1 };
+		: 1, NULL };
 }
 
 static void put_chunk(struct scene_builder *b, uint32_t list, uint8_t *payload, size_t size,
@@ -290,6 +290,8 @@ enum eco_code scene_write(struct scene_builder *b, const char *path, const char 
 		if (list->kind == ECO_LIST_IMAGE)
 			code = eco_pack_add_bytes(w, list,
 				&(struct eco_bytes){ (uint8_t *)b->image, b->image_size }, 1, &stored, error);
+		else if (list->kind == ECO_LIST_IMPOSTOR)
+			code = eco_pack_add_bytes(w, list, ends.files, ends.count, &stored, error);
 		else
 			code = eco_pack_add_list(w, list, &b->elements[id], ends.ends, ends.count,
 				list->coder == ECO_CODER_FORM ? &b->elements[list->partner] : NULL, &stored,

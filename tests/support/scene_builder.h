@@ -32,8 +32,8 @@ struct scene_builder {
 	uint8_t (*palette)[3];
 	struct eco_writer places;
 	struct eco_elements *elements;       /* of each list; empty where only tables are asked for */
-	/* of each list: where its chunks end; NULL: see split */
-	struct scene_ends { const uint32_t *ends; uint32_t count; } *ends;
+	/* of each list: where its chunks end; NULL: see split. Of impostors, their files: one a chunk */
+	struct scene_ends { const uint32_t *ends; uint32_t count; const struct eco_bytes *files; } *ends;
 	uint8_t **payloads;                  /* of each chunk; NULL unless scene_encode made it */
 	const void *image;                   /* bytes of all image lists; NULL: they have no chunk */
 	size_t image_size;

@@ -47,8 +47,10 @@ bool impostor_body_find(struct eco_impostor_body *body, const struct eco_model *
 		body->center[k] = 0.5f * (low[k] + high[k]);
 	for (size_t i = 0; i < corners; i++) {
 		const float *at = model->position + 3 * (size_t)model->index[i];
-		float x = at[0] - body->center[0], y = at[1] - body->center[1], d2 = x * x + y * y;
-		wide2 = d2 > wide2 && usable(model, i) ? d2 : wide2;
+		if (!usable(model, i))
+			continue;
+		float x = at[0] - body->center[0], y = at[1] - body->center[1];
+		wide2 = fmaxf(wide2, x * x + y * y);
 	}
 	body->wide = fmaxf(sqrtf(wide2), EXTENT_MIN);
 	body->high = fmaxf(0.5f * (high[2] - low[2]), EXTENT_MIN);

@@ -148,7 +148,22 @@ static uint32_t add_list(struct packing *p, uint32_t id, uint32_t i, const uint3
 	list.palette_first += list.palette_count ? p->palette_first[id] : 0;
 	list.partner = list.partner == ECO_NONE ? ECO_NONE : lists[list.partner];
 	uint32_t added = scene_add_made(&p->b, list, draft->elements);
-	p->b.ends[added] = (struct scene_ends){ like->ends, like->end_count };
+	p->b.ends[added] = (struct scene_ends){ like->ends, like->end_count, NULL };
+	return added;
+}
+
+static uint32_t add_impostor(struct packing *p, uint32_t id)
+{
+	const struct lod_plant *plant = &p->stand->plants[id];
+	struct scene_row row = { .kind = ECO_LIST_IMPOSTOR, .coder = ECO_CODER_BYTES, .owner = id,
+		.other = ECO_NONE };
+	if (!plant->impostor_count)
+		return ECO_NONE;
+	struct eco_list list = scene_list(&p->b, &row);
+	for (int k = 0; k < 3; k++)
+		list.grid_step[k] = 1;
+	uint32_t added = scene_add_list(&p->b, list);
+	p->b.ends[added] = (struct scene_ends){ NULL, plant->impostor_count, plant->impostor };
 	return added;
 }
 
@@ -162,13 +177,14 @@ static void add_plant(struct packing *p, uint32_t id)
 {
 	const struct lod_plant *plant = &p->stand->plants[id];
 	struct scene_builder *b = &p->b;
-	uint32_t lists[LISTS_MOST], anchors = b->scene.anchor_count, curves = b->scene.curve_count;
+	uint32_t lists[LISTS_MOST + 1], anchors = b->scene.anchor_count, curves = b->scene.curve_count;
 	p->palette_first[id] = b->scene.palette_count;
 	scene_add_colors(b, plant->palette, plant->palette_count);
 	for (int forms = 0; forms < 2; forms++)
 		for (uint32_t i = 0; i < plant->list_count; i++)
 			if ((plant->lists[i].list.partner != ECO_NONE) == forms)
 				lists[i] = add_list(p, id, i, lists);
+	lists[plant->list_count] = add_impostor(p, id);
 	scene_add_plant(b, plant->plant);
 	for (uint32_t i = 0; i < plant->plant.anchor_count; i++)
 		scene_add_anchor(b, plant->anchors[i]);
@@ -186,7 +202,7 @@ static void add_plant(struct packing *p, uint32_t id)
 		l.impostor = moved(lists, l.impostor);
 		scene_add_ladder(b, l);
 	}
-	b->scene.needs |= ECO_NEED_SPLATS | (plant->plant.anchor_count > 1 ? ECO_NEED_CELLS : 0);
+	b->scene.needs |= ECO_NEED_SPLATS | ECO_NEED_IMPOSTORS | (plant->plant.anchor_count > 1 ? ECO_NEED_CELLS : 0);
 }
 
 /* The tile grows by what is within these bounds. */
