@@ -343,8 +343,6 @@ static bool read_tables(struct lod_plant *plant, struct eco_reader *r, const uin
 static enum eco_code read_impostor(struct lod_plant *plant, uint32_t count, struct eco_reader *r,
 	struct eco_error *error)
 {
-	struct eco_impostor_body body;
-	struct eco_impostor_level level;
 	plant->impostor = count <= ECO_IMPOSTOR_LEVELS ? calloc(count + 1u, sizeof *plant->impostor) : NULL;
 	if (!plant->impostor)
 		return BAD("%u levels of an impostor", count);
@@ -357,15 +355,25 @@ static enum eco_code read_impostor(struct lod_plant *plant, uint32_t count, stru
 		plant->impostor_count++;
 		to->size = (size_t)size;
 		memcpy(to->at, bytes, to->size);
-		enum eco_code code = eco_impostor_level_read(&level, &body, to->at, to->size, error);
-		if (!code && level.level != i)
-			code = BAD("level %u of an impostor is level %u", i, level.level);
-		eco_impostor_level_free(&level);
-		if (code)
-			return code;
 	}
 	plant->impostor_level = count ? eco_read_u8(r) : 0;
 	return ECO_OK;
+}
+
+/* Decodes the levels, which takes longer than all else: after it. */
+static enum eco_code check_impostor(const struct lod_plant *plant, struct eco_error *error)
+{
+	struct eco_impostor_body body;
+	struct eco_impostor_level level;
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < plant->impostor_count && !code; i++) {
+		code = eco_impostor_level_read(&level, &body, plant->impostor[i].at, plant->impostor[i].size,
+			error);
+		if (!code && level.level != i)
+			code = BAD("level %u of an impostor is level %u", i, level.level);
+		eco_impostor_level_free(&level);
+	}
+	return code;
 }
 
 enum eco_code lod_plant_read(struct lod_plant *plant, const uint8_t *bytes, size_t size,
@@ -387,6 +395,8 @@ enum eco_code lod_plant_read(struct lod_plant *plant, const uint8_t *bytes, size
 		code = BAD("%zu bytes after a plant's end", r.size - r.at);
 	if (!code)
 		code = check_tables(plant, counts, error);
+	if (!code)
+		code = check_impostor(plant, error);
 	if (code)
 		lod_plant_free(plant);
 	return code ? ECO_DAMAGED : ECO_OK;
