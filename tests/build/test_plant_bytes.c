@@ -3,12 +3,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/format/impostor.h"
 #include "lod/build/plant_bytes.h"
 #include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"
 
 /* A stem, coloured leaves and textured ones; cells where there are many. */
-static void make_plant(struct lod_plant *plant, uint32_t leaves, uint32_t cell_triangles)
+static void make_plant_with(struct lod_plant *plant, uint32_t leaves, uint32_t cell_triangles, bool no_splats)
 {
 	struct soup soup;
 	struct eco_error error = { 0 };
@@ -30,11 +31,16 @@ static void make_plant(struct lod_plant *plant, uint32_t leaves, uint32_t cell_t
 			(struct lod_v3){ 0, soup_random(&soup, -0.05, 0.05), 0.05 });
 	}
 	const struct lod_plant_options options = { .name = "a name", .seed = 1, .grid_bits = 12,
-		.cell_triangles = cell_triangles, .views = 3, .pixels = 48 };
+		.cell_triangles = cell_triangles, .views = 3, .pixels = 48, .no_splats = no_splats };
 	if (lod_plant_build(plant, &soup.model, &options, &error)
 			|| lod_plant_measure(plant, &soup.model, &options, &error))
 		fail_msg("%s", error.text);
 	soup_free(&soup);
+}
+
+static void make_plant(struct lod_plant *plant, uint32_t leaves, uint32_t cell_triangles)
+{
+	make_plant_with(plant, leaves, cell_triangles, false);
 }
 
 UNIT_TEST(what_is_read_is_what_was_written)
@@ -59,6 +65,14 @@ UNIT_TEST(what_is_read_is_what_was_written)
 				3 * (size_t)a->corner_count * sizeof *a->position);
 			assert_int_equal(a->extra_count, b->extra_count);
 			assert_int_equal(a->uv != NULL, b->uv != NULL);
+		}
+		assert_true(plant.impostor_count > 0);
+		assert_int_equal(again.impostor_count, plant.impostor_count);
+		assert_int_equal(again.impostor_level, plant.impostor_level);
+		for (uint32_t l = 0; l < plant.impostor_count; l++) {
+			assert_int_equal(again.impostor[l].size, plant.impostor[l].size);
+			assert_memory_equal(again.impostor[l].at, plant.impostor[l].at,
+				plant.impostor[l].size);
 		}
 		assert_true(rows[i][1] == 0 || plant.plant.anchor_count > 1);
 		lod_plant_write(&second, &again);
@@ -93,18 +107,18 @@ UNIT_TEST(every_truncation_is_refused)
 	lod_plant_free(&plant);
 }
 
-/* A changed byte is refused, or makes another plant that can be written. */
-UNIT_TEST(changed_bytes_are_refused_or_harmless)
+/* A changed byte is refused, or makes another plant that can be written. Returns the number refused. */
+static uint32_t change_bytes(const struct lod_plant *plant, size_t from, int changes, int in_order)
 {
-	struct lod_plant plant, again;
+	struct lod_plant again;
 	struct eco_writer w = { 0 };
 	uint64_t random = 9;
 	uint32_t refused = 0;
-	make_plant(&plant, 40, 0);
-	lod_plant_write(&w, &plant);
-	for (int i = 0; i < 20000; i++) {
+	lod_plant_write(&w, plant);
+	assert_true(from < w.size);
+	for (int i = 0; i < changes; i++) {
 		random = lod_mix(random);
-		size_t at = i < 6000 ? (size_t)i % w.size : random % w.size;
+		size_t at = from + (i < in_order ? (size_t)i : (size_t)random) % (w.size - from);
 		uint8_t before = w.bytes[at];
 		w.bytes[at] = (uint8_t)(random >> 40);
 		if (lod_plant_read(&again, w.bytes, w.size, NULL) == ECO_OK) {
@@ -116,11 +130,134 @@ UNIT_TEST(changed_bytes_are_refused_or_harmless)
 		} else {
 			refused++;
 			assert_null(again.lists);
+			assert_null(again.impostor);
 		}
 		lod_plant_free(&again);
 		w.bytes[at] = before;
 	}
-	assert_true(refused > 1000);
+	eco_writer_free(&w);
+	return refused;
+}
+
+/* Thousands of changes without the impostor, as its levels take long to read; then some within these, which
+ * come last. */
+UNIT_TEST(changed_bytes_are_refused_or_harmless)
+{
+	struct lod_plant plant;
+	struct eco_writer w = { 0 };
+	make_plant(&plant, 40, 0);
+	struct eco_ladder *whole = &plant.ladders[plant.ladder_count - 1];
+	uint32_t levels = plant.impostor_count, list = whole->impostor;
+	assert_true(levels > 0 && list == plant.list_count);
+	plant.impostor_count = 0;
+	whole->impostor = ECO_NONE;
+	lod_plant_write(&w, &plant);
+	assert_true(change_bytes(&plant, 0, 20000, 6000) > 1000);
+	plant.impostor_count = levels;
+	whole->impostor = list;
+	assert_true(change_bytes(&plant, w.size, 400, 100) > 200);
 	eco_writer_free(&w);
 	lod_plant_free(&plant);
+}
+
+/* ---- Impostors ---- */
+
+static struct eco_ladder *whole_of(const struct lod_plant *plant)
+{
+	struct eco_ladder *last = &plant->ladders[plant->ladder_count - 1];
+	assert_true(last->flags & ECO_LADDER_WHOLE);
+	return last;
+}
+
+/* Each breaks the plant before it is written; the pointers that it writes over are kept by the caller. */
+static void swap_levels(struct lod_plant *p)
+{
+	struct eco_bytes first = p->impostor[0];
+	p->impostor[0] = p->impostor[1];
+	p->impostor[1] = first;
+}
+static void repeat_level(struct lod_plant *p) { p->impostor[1] = p->impostor[0]; }
+static void number_level(struct lod_plant *p) { p->impostor[1].at[24] = ECO_IMPOSTOR_LEVELS; }
+static void cut_level(struct lod_plant *p) { p->impostor[1].size--; }
+static void empty_level(struct lod_plant *p) { p->impostor[0].size = 0; }
+static void drop_levels(struct lod_plant *p) { p->impostor_count = 0; }
+static void name_splats(struct lod_plant *p) { whole_of(p)->impostor = whole_of(p)->points; }
+static void name_nothing(struct lod_plant *p) { whole_of(p)->impostor = p->list_count + 1; }
+static void drop_samples(struct lod_plant *p) { whole_of(p)->curve_count = 0; }
+static void drop_sample(struct lod_plant *p) { whole_of(p)->curve_count = p->impostor_count - 1; }
+
+static const struct { void (*apply)(struct lod_plant *plant); const char *says; } breaks[] = {
+	{ swap_levels, "level 0 of an impostor is level 1" },
+	{ repeat_level, "level 1 of an impostor is level 0" },
+	{ number_level, "impostor" },
+	{ cut_level, "impostor: level 1 is damaged" },
+	{ empty_level, "impostor" },
+	{ drop_levels, "a ladder of an impostor that is not there" },
+	{ name_splats, "a ladder of an impostor that is not there" },
+	{ name_nothing, "a ladder of an impostor that is not there" },
+	{ drop_samples, "or without its samples" },
+	{ drop_sample, "or without its samples" },
+};
+
+UNIT_TEST(impostors_that_do_not_fit_are_refused)
+{
+	struct lod_plant plant, again;
+	make_plant(&plant, 20, 0);
+	assert_int_equal(plant.impostor_count, 2);       /* a draft's */
+	struct eco_bytes kept[2] = { plant.impostor[0], plant.impostor[1] };
+	struct eco_ladder whole = *whole_of(&plant);
+	uint8_t number = kept[1].at[24];
+	for (size_t i = 0; i < sizeof breaks / sizeof *breaks; i++) {
+		struct eco_writer w = { 0 };
+		struct eco_error error = { 0 };
+		breaks[i].apply(&plant);
+		lod_plant_write(&w, &plant);
+		enum eco_code code = lod_plant_read(&again, w.bytes, w.size, &error);
+		if (code != ECO_DAMAGED || !strstr(error.text, breaks[i].says))
+			fail_msg("row %zu: code %d, '%s'", i, code, error.text);
+		assert_true(!again.impostor && !again.impostor_count && !again.lists);
+		eco_writer_free(&w);
+		plant.impostor_count = 2;
+		memcpy(plant.impostor, kept, sizeof kept);
+		plant.impostor[1].at[24] = number;
+		*whole_of(&plant) = whole;
+	}
+	lod_plant_free(&plant);
+}
+
+/* The number of levels is the last of seven. */
+UNIT_TEST(no_number_of_levels_is_believed)
+{
+	static const uint32_t numbers[] = { 0, 1, 3, 4, 1000, UINT32_MAX };
+	struct lod_plant plant, again;
+	struct eco_writer w = { 0 };
+	make_plant(&plant, 5, 0);
+	lod_plant_write(&w, &plant);
+	assert_int_equal(w.bytes[24], plant.impostor_count);
+	for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+		struct eco_error error = { 0 };
+		for (int k = 0; k < 4; k++)
+			w.bytes[24 + k] = (uint8_t)(numbers[i] >> 8 * k);
+		assert_int_equal(lod_plant_read(&again, w.bytes, w.size, &error), ECO_DAMAGED);
+		assert_true(error.text[0] && !again.impostor);
+	}
+	eco_writer_free(&w);
+	lod_plant_free(&plant);
+}
+
+UNIT_TEST(plants_without_splats_have_no_impostor)
+{
+	struct lod_plant plant, again;
+	struct eco_writer w = { 0 };
+	struct eco_error error = { 0 };
+	make_plant_with(&plant, 60, 0, true);
+	assert_true(!plant.impostor_count && plant.ladder_count > 0);
+	for (uint32_t i = 0; i < plant.ladder_count; i++)
+		assert_int_equal(plant.ladders[i].impostor, ECO_NONE);
+	lod_plant_write(&w, &plant);
+	assert_ok(lod_plant_read(&again, w.bytes, w.size, &error), error);
+	assert_int_equal(again.impostor_count, 0);
+	lod_plant_free(&again);
+	lod_plant_free(&plant);
+	eco_writer_free(&w);
 }

@@ -1,4 +1,5 @@
 /* The curve of a plant's splats. */
+#include "lod/build/impostor/plant_impostor.h"
 #include "lod/build/measure/curve.h"
 #include "lod/build/measure/probe.h"
 #include "tests/support/plant_models.h"
@@ -46,4 +47,83 @@ UNIT_TEST(the_curve_of_splats_compares_with_the_whole_plant)
 	lod_probe_free(&probe);
 	lod_plant_free(&plant);
 	soup_free(&soup);
+}
+
+/* ---- Impostors ---- */
+
+static void assert_sample(const struct eco_curve *sample, double share)
+{
+	assert_true(sample->share == (float)share && sample->scale == 1 && sample->reach == 1);
+	assert_true(sample->fp >= 0 && sample->fn >= 0 && sample->fn <= 1);
+	assert_in_range(1000 * ((double)sample->fp + (double)sample->fn), 0, 2000);
+}
+
+/* The error of a level as a probe measures it that draws nothing else. */
+static struct lod_probe_result drawn_level(const struct lod_plant *plant, const struct soup *soup,
+	const struct lod_plant_options *options, uint32_t level)
+{
+	const struct lod_probe_options size = { options->views, options->pixels, NULL, NULL };
+	struct lod_probe probe;
+	struct lod_probe_result result;
+	struct lod_impostor impostor;
+	struct eco_error error = { 0 };
+	assert_ok(lod_probe_init(&probe, plant, &soup->model, &size, &error), error);
+	assert_true(lod_probe_keep_model(&probe));
+	assert_ok(lod_plant_open_impostor(&impostor, plant, level, &error), error);
+	lod_probe_clear(&probe);
+	lod_probe_add_impostor(&probe, &impostor);
+	lod_probe_compare(&probe, 1, &result);
+	lod_impostor_close(&impostor);
+	lod_probe_free(&probe);
+	return result;
+}
+
+static void check_samples(const struct lod_plant *plant, const struct soup *soup,
+	const struct lod_plant_options *options)
+{
+	const struct eco_ladder *whole = whole_of(plant);
+	uint32_t levels = plant->impostor_count;
+	double full = whole->level_end[whole->level_count - 1]
+		- (whole->level_count > 1 ? whole->level_end[whole->level_count - 2] : 0);
+	assert_int_equal(whole->impostor, plant->list_count);
+	assert_true(whole->curve_count > levels);
+	for (uint32_t from = 0; from < eco_ladder_samples(whole); from += whole->curve_count) {
+		const struct eco_curve *samples = plant->curves + whole->curve_first + from;
+		for (uint32_t i = 0; i < levels; i++)
+			assert_sample(&samples[i], (i + 1.0) / levels / full);
+		for (uint32_t i = 1; i < whole->curve_count; i++)
+			assert_true(samples[i].share > samples[i - 1].share);
+		/* after them come splats: no sample of one is left */
+		assert_true((double)samples[levels].share * full > 1.5);
+		assert_true(samples[whole->curve_count - 1].share == 1);
+	}
+	for (uint32_t i = 0; i < levels; i++) {
+		const struct eco_curve *sample = &plant->curves[whole->curve_first + i];
+		struct lod_probe_result result = drawn_level(plant, soup, options, i);
+		double measured = (double)sample->fp + (double)sample->fn, drawn = result.fp + result.fn;
+		assert_true(measured > 0.99 * drawn && measured < 1.01 * drawn);
+	}
+}
+
+/* A draft has two levels, a plant all. */
+UNIT_TEST(the_first_samples_are_the_levels_of_the_impostor)
+{
+	static const uint32_t pixels[] = { 96, 160 }, levels[] = { 2, ECO_IMPOSTOR_LEVELS };
+	for (int i = 0; i < 2; i++) {
+		struct lod_plant_options options = quick;
+		struct soup soup;
+		struct lod_plant plant;
+		struct eco_error error = { 0 };
+		options.pixels = pixels[i];
+		soup_tree(&soup, 300, 20, false);
+		assert_ok(lod_plant_build(&plant, &soup.model, &options, &error), error);
+		assert_ok(lod_plant_measure(&plant, &soup.model, &options, &error), error);
+		assert_int_equal(plant.impostor_count, levels[i]);
+		for (uint32_t k = 0; k < plant.ladder_count; k++)
+			assert_true(plant.ladders[k].flags & ECO_LADDER_WHOLE
+				|| plant.ladders[k].impostor == ECO_NONE);
+		check_samples(&plant, &soup, &options);
+		lod_plant_free(&plant);
+		soup_free(&soup);
+	}
 }
