@@ -33,7 +33,7 @@ static uint32_t add_list(struct scene_builder *b, uint8_t kind, uint32_t primiti
 	list.chunk_count = kind == ECO_LIST_IMPOSTOR ? primitives : primitives > 1 ? 2 : 1;
 	list.primitive_count = list.element_count = primitives;
 	for (uint32_t i = 0, left = primitives; i < list.chunk_count; i++) {
-		uint32_t n = i + 1 == list.chunk_count ? left : left / 3 + 1; /* 1 of levels: at most 3 */
+		uint32_t n = kind == ECO_LIST_IMPOSTOR ? 1 : i + 1 == list.chunk_count ? left : left / 3 + 1;
 		scene_add_chunk(b,
 			(struct eco_chunk){ .primitive_count = n, .element_count = n, .size_bytes = 10 * n });
 		left -= n;
