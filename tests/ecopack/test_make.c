@@ -10,9 +10,11 @@
 #include "ecofiles/ecopack/inspect.h"
 #include "ecofiles/ecopack/make.h"
 #include "ecofiles/ecopack/progress.h"
+#include "ecofiles/format/impostor.h"
 #include "lod/eye.h"
 #include "tests/support/files.h"
 #include "tests/support/pack_resign.h"
+#include "tests/support/scene_packs.h"
 #include "tests/support/scratch.h"
 #include "tests/support/unit_test.h"
 
@@ -473,6 +475,117 @@ UNIT_TEST(test_info_speaks_json)
 		"instances"), "primitives")), 120);
 	assert_true(json_integer_value(json_object_get(info, "curve_samples")) > 0);
 	json_decref(info);
+	fclose(out);
+}
+
+/* ---- Impostors ---- */
+
+/* The first list of impostors with two levels or more. */
+static uint32_t impostor_of(const struct eco_scene *s)
+{
+	for (uint32_t i = 0; i < s->list_count; i++)
+		if (s->lists[i].kind == ECO_LIST_IMPOSTOR && s->lists[i].chunk_count > 1)
+			return i;
+	fail_msg("no impostor of two levels");
+	return 0;
+}
+
+/* A small pack with these as the levels of an impostor, under hashes that are right: what verify says of a
+ * chunk of them; NULL: nothing of any. */
+static void verify_says(const struct eco_bytes *levels, uint32_t count, uint32_t chunk, const char *says)
+{
+	struct eco_list list = { .kind = ECO_LIST_IMPOSTOR, .coder = ECO_CODER_BYTES, .plant = ECO_NONE,
+		.image = ECO_NONE, .partner = ECO_NONE, .grid_step = { 1, 1, 1 } };
+	struct scene_builder b;
+	struct eco_pack_writer *w;
+	struct inspect_counts counts;
+	struct eco_error error = { 0 };
+	char line[256], wanted[64];
+	bool found = false;
+	uint32_t id;
+	assert_ok(small_pack_write(&b, in_root("hurt.eco"), &w, &error), error);
+	assert_ok(eco_pack_add_bytes(w, &list, levels, count, &id, &error), error);
+	b.scene.needs |= ECO_NEED_IMPOSTORS;
+	assert_ok(eco_pack_commit(w, &b.scene, SMALL_PACK_META, &error), error);
+	scene_free(&b);
+	FILE *out = tmpfile();
+	inspect_verify(in_root("hurt.eco"), out, &counts, &error);
+	rewind(out);
+	snprintf(wanted, sizeof wanted, "list %u, chunk %u, offset ", id, chunk);
+	while (fgets(line, sizeof line, out)) {
+		assert_true(says || strncmp(line, "list ", 5) || (uint32_t)atoi(line + 5) != id);
+		found = found || (says && !strncmp(line, wanted, strlen(wanted)) && strstr(line, says));
+	}
+	if (says && !found)
+		fail_msg("verify says nothing like '%s...%s'", wanted, says);
+	assert_true(!says || counts.damaged > 0);
+	fclose(out);
+}
+
+/* What a hash does not tell: the bytes of a level are no level, or another one. */
+UNIT_TEST(test_damaged_impostors_are_named)
+{
+	struct eco_error error = { 0 };
+	struct eco_bytes levels[2];
+	write_slope();
+	struct eco_pack *pack = made("slope.json", "whole.eco");
+	uint32_t first = pack->scene.lists[impostor_of(&pack->scene)].chunk_first;
+	for (uint32_t i = 0; i < 2; i++) {
+		const uint8_t *payload;
+		size_t size;
+		assert_ok(eco_pack_payload(pack, first + i, &payload, &size, &error), error);
+		levels[i] = (struct eco_bytes){ memcpy(malloc(size), payload, size), size };
+	}
+	eco_pack_close(pack);
+	verify_says(levels, 2, 0, NULL);
+	verify_says((struct eco_bytes[2]){ levels[1], levels[0] }, 2, 0,
+		"holds another level of an impostor than its number says");
+	verify_says((struct eco_bytes[2]){ levels[0], levels[0] }, 2, 1,
+		"holds another level of an impostor than its number says");
+	verify_says((struct eco_bytes[2]){ levels[0], { levels[1].at, levels[1].size - 1 } }, 2, 1,
+		"impostor: level 1 is damaged");
+	verify_says((struct eco_bytes[2]){ levels[0], { levels[1].at, 20 } }, 2, 1, "impostor");
+	levels[0].at[24] = ECO_IMPOSTOR_LEVELS;
+	verify_says(levels, 2, 0, "impostor: its ");
+	free(levels[0].at);
+	free(levels[1].at);
+}
+
+UNIT_TEST(test_info_counts_impostors)
+{
+	write_slope();
+	struct eco_pack *pack = made("slope.json", "info.eco");
+	const struct eco_scene *s = &pack->scene;
+	uint32_t lists = 0, levels = 0;
+	for (uint32_t i = 0; i < s->list_count; i++)
+		if (s->lists[i].kind == ECO_LIST_IMPOSTOR) {
+			lists++;
+			levels += s->lists[i].chunk_count;
+		}
+	assert_int_equal(lists, s->plant_count);
+	assert_true(s->needs & ECO_NEED_IMPOSTORS);
+	eco_pack_close(pack);
+	FILE *out = tmpfile();
+	char text[20000] = { 0 };
+	assert_int_equal(inspect_info(in_root("info.eco"), true, out, NULL), ECO_OK);
+	rewind(out);
+	json_t *info = json_loadf(out, 0, NULL), *need;
+	json_t *kind = json_object_get(json_object_get(info, "lists"), "impostors");
+	assert_int_equal(json_integer_value(json_object_get(kind, "lists")), lists);
+	assert_int_equal(json_integer_value(json_object_get(kind, "chunks")), levels);
+	assert_int_equal(json_integer_value(json_object_get(kind, "primitives")), levels);
+	assert_true(json_integer_value(json_object_get(kind, "bytes")) > 0);
+	size_t i, needed = 0;
+	json_array_foreach(json_object_get(info, "needs"), i, need)
+		needed += strcmp(json_string_value(need), "impostors") == 0;
+	assert_int_equal(needed, 1);
+	json_decref(info);
+	fclose(out);
+	out = tmpfile();
+	assert_int_equal(inspect_info(in_root("info.eco"), false, out, NULL), ECO_OK);
+	rewind(out);
+	assert_true(fread(text, 1, sizeof text - 1, out) > 0);
+	assert_non_null(strstr(text, "\nimpostors "));
 	fclose(out);
 }
 
