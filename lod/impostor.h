@@ -25,8 +25,6 @@
 #define LOD_IMPOSTOR_LOOKED 4u           /* tiles that a ray is looked up in */
 /* Across, in pixels: plants that are larger in the picture are not drawn as impostors. */
 #define LOD_IMPOSTOR_PIXELS 192u
-/* The level, of so many, that shows a plant which is `pixels` across; ECO_NONE where it is too large. */
-uint32_t lod_impostor_level(uint32_t levels, double pixels);
 
 /* (x, y, z) of a tile = axis . point from the centre: x and y in [-1, 1], z in radii. */
 struct lod_impostor_tile { float axis[3][3]; };

@@ -4,22 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/list.h"
-
-/* Pixels of a plant over texels across, up to which a level serves. Even small plants look better in more
- * directions, but bytes count (lod/EXPERIMENTS.md, Impostors, Small pictures). */
-#define PIXELS_OF_TEXEL 1.0
-
-uint32_t lod_impostor_level(uint32_t levels, double pixels)
-{
-	uint32_t level = 0;
-	if (!levels || pixels > LOD_IMPOSTOR_PIXELS)
-		return ECO_NONE;
-	while (level + 1 < levels && eco_impostor_sizes[level].texels * PIXELS_OF_TEXEL < pixels)
-		level++;
-	return level;
-}
-
 static float dot(const float a[3], const float b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /* ---- Opening ---- */

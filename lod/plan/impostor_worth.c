@@ -2,6 +2,18 @@
 
 #include "lod/impostor.h"
 
+/* Even small plants look better in more directions, but bytes count (lod/EXPERIMENTS.md, Impostors, Small
+ * pictures). */
+uint32_t lod_impostor_level(uint32_t levels, double pixels)
+{
+	uint32_t level = 0;
+	if (!levels || pixels > LOD_IMPOSTOR_PIXELS)
+		return ECO_NONE;
+	while (level + 1 < levels && eco_impostor_sizes[level].texels < pixels)
+		level++;
+	return level;
+}
+
 /* Across, of the whole plant's sphere. */
 static double slot_pixels(const struct lod_allocation *m, const struct lod_slot *slot)
 {

@@ -11,6 +11,8 @@
 
 #define LOD_IMPOSTOR_WORTH 0.1
 
+/* The level, of so many, that shows a plant which is `pixels` across; ECO_NONE where it is too large. */
+uint32_t lod_impostor_level(uint32_t levels, double pixels);
 /* Sets allocation->impostor_levels, per plant, from the pixels that its slots show. */
 void lod_impostor_worth(struct lod_allocation *allocation);
 /* The level for the plants of a slot; ECO_NONE where the ladder has none, or where they are too large. */
