@@ -174,12 +174,12 @@ static void say_margin(char *text, size_t size, const char *winner, const char *
 static void say_whole(char *text, size_t size, const struct lod_reason *reason)
 {
 	if (reason->share < 1)
-		snprintf(text, size, "splats of the whole plant save nearly as much as its organs: %.3g %% "
+		snprintf(text, size, "splats or an impostor save nearly as much as its organs: %.3g %% "
 			"of the plants are drawn so", 100 * reason->share);
 	else if (reason->margin > 0)
-		say_margin(text, size, "splats of the whole plant", "its organs", reason->margin);
+		say_margin(text, size, "splats or an impostor", "its organs", reason->margin);
 	else
-		snprintf(text, size, "splats of the whole plant leave less wrong at this budget than its "
+		snprintf(text, size, "splats or an impostor leave less wrong at this budget than its "
 			"organs");
 }
 

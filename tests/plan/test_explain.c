@@ -146,11 +146,11 @@ UNIT_TEST(words_are_plain)
 			"summary points are drawn: plants would save nothing here" },
 		{ { .why = LOD_WHY_ALL }, "all of it is drawn" },
 		{ { .why = LOD_WHY_WHOLE, .margin = 0.12, .share = 1 },
-			"splats of the whole plant beat its organs by 12 %" },
+			"splats or an impostor beat its organs by 12 %" },
 		{ { .why = LOD_WHY_WHOLE, .share = 1 },
-			"splats of the whole plant leave less wrong at this budget than its organs" },
+			"splats or an impostor leave less wrong at this budget than its organs" },
 		{ { .why = LOD_WHY_WHOLE, .share = 0.4 },
-			"splats of the whole plant save nearly as much as its organs: 40 % of the plants "
+			"splats or an impostor save nearly as much as its organs: 40 % of the plants "
 			"are drawn "
 			"so" },
 	};
