@@ -57,15 +57,26 @@ static struct lod_cost whole_cost(const struct lod_allocation *m, uint32_t ladde
 	return cost;
 }
 
-/* Share of far plants that draw the ladder which costs `whole`, in place of organs that cost `organs`. */
+/* Above what a plant has where nothing is drawn. */
+static double q_gained(const struct lod_slot_choice *choice, const struct lod_cost *cost)
+{
+	double weight_px = choice->weight_px[0];
+	return weight_px > 0 ? lod_hull_q(choice->fp_weight * cost->fp / weight_px, cost->fn / weight_px)
+		- lod_hull_q(0, 1) : 0;
+}
+
+/* Share of far plants that draw the ladder which costs `whole`, in place of organs that cost `organs`. Organs
+ * are sharper, but must not have a lower Q: no picture gets worse with more vertices. */
 static double whole_share(const struct lod_allocation *m, const struct lod_slot_choice *choice,
 	const struct lod_cost *organs, const struct lod_cost *whole)
 {
+	double weight_px = choice->weight_px[0], fp_weight = choice->fp_weight;
 	if (choice->whole_rule != LOD_WHOLE_BY_LAMBDA)
 		return choice->whole_rule == LOD_WHOLE_ALL;
-	return m->lambda <= 0 ? 0 : 1 - fine_share(m,
-		choice->weight_px[0] - lagrangian(organs, choice->fp_weight, m->lambda),
-		choice->weight_px[0] - lagrangian(whole, choice->fp_weight, m->lambda));
+	return m->lambda <= 0 ? 0 : 1 - fmin(fine_share(m,
+		weight_px - lagrangian(organs, fp_weight, m->lambda),
+		weight_px - lagrangian(whole, fp_weight, m->lambda)),
+		fine_share(m, q_gained(choice, organs), q_gained(choice, whole)));
 }
 
 /* Takes the best of the ladders that show the whole plant, and blends it with the organs, in cost[0]. */

@@ -129,7 +129,7 @@ static bool slot_hull(struct lod_allocation *m, const struct lod_hull *from, con
 		return true;
 	memcpy(points, from->points, from->count * sizeof *points);
 	for (uint32_t i = 0; i < from->count; i++)
-		lod_hull_set_detail(&points[i], hull->slack);
+		lod_hull_set_detail(&points[i], hull->slack, LOD_DETAIL_MOST);
 	hull->points = points;
 	for (int i = 0; i < 2; i++) {
 		hull->fp_weight = i ? 1 : LOD_FP_WEIGHT_LEAST;
@@ -166,13 +166,15 @@ static bool add_ladder_choices(struct lod_allocation *m, uint32_t s, uint32_t id
 
 /* The hull of a ladder that shows the whole plant, for a slot. At 0 vertices as much is wrong as where
  * nothing of its organs is drawn, which depends on how they show; its table assumes the most. Which level of
- * an impostor one vertex is, if any, depends on the band. */
+ * an impostor one vertex is, if any, depends on the band. Splats that cover less than it does are no choice,
+ * however sharp they are. */
 static bool whole_hull(struct lod_allocation *m, const struct lod_plan_tables_ladder *table, double absent,
 	struct lod_hull *hull)
 {
 	struct lod_hull_point points[LOD_HULL_POINTS_MAX];
 	const struct lod_hull *from = &table->hull[0];
 	uint32_t levels = lod_hull_impostor_levels(&table->way);
+	double least = INFINITY;
 	hull->count = 0;
 	for (uint32_t i = 0; i < from->count; i++) {
 		struct lod_hull_point *point = &points[hull->count];
@@ -181,8 +183,10 @@ static bool whole_hull(struct lod_allocation *m, const struct lod_plan_tables_la
 			continue;
 		*point = impostor ? lod_hull_point_at(&table->way, 1, hull->slack, hull->impostor)
 			: from->points[i];
-		lod_hull_set_detail(point, hull->slack);
-		hull->count++;
+		lod_hull_set_detail(point, hull->slack, LOD_DETAIL_MOST_WHOLE);
+		double uncovered = lod_hull_uncovered(hull, point);
+		hull->count += uncovered <= least;
+		least = fmin(least, uncovered);
 	}
 	points->fn += absent - LOD_ABSENT_WEIGHT;
 	points->above_fn += (float)(absent - LOD_ABSENT_WEIGHT);

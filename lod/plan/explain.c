@@ -179,8 +179,7 @@ static void say_whole(char *text, size_t size, const struct lod_reason *reason)
 	else if (reason->margin > 0)
 		say_margin(text, size, "splats or an impostor", "its organs", reason->margin);
 	else
-		snprintf(text, size, "splats or an impostor leave less wrong at this budget than its "
-			"organs");
+		snprintf(text, size, "splats or an impostor have a higher Q at this budget than its organs");
 }
 
 void lod_explain_text(char *text, size_t size, const struct lod_explanation *explanation,

@@ -141,17 +141,18 @@ static void fill_at(struct lod_fill *fill, double lambda)
 	}
 }
 
-static double candidate_wrong(const struct lod_candidate *candidate)
+typedef double (*error_part)(const struct lod_hull *hull, const struct lod_hull_point *point);
+
+static double candidate_wrong(const struct lod_candidate *candidate, error_part error)
 {
 	const struct lod_hull_point *a = lod_candidate_point(candidate);
-	double now = lod_hull_error(candidate->hull, a), part = 0;
+	double now = error(candidate->hull, a), part = 0;
 	if (!lod_candidate_ended(candidate))
 		part = ((double)(candidate->low - a->vertices)
 			+ (double)candidate->ahead / (double)candidate->count * (double)(candidate->high
 			- candidate->low))
 			/ (double)(a[1].vertices - a->vertices);
-	return candidate->seen * (part > 0 ? now + part * (lod_hull_error(candidate->hull, a + 1) - now)
-		: now);
+	return candidate->seen * (part > 0 ? now + part * (error(candidate->hull, a + 1) - now) : now);
 }
 
 /* A tile that draws nothing, or only its plants, is no candidate: the caller adds what it leaves wrong. */
@@ -159,7 +160,7 @@ static void sum_wrong(struct lod_fill *fill)
 {
 	fill->wrong = 0;
 	for (uint32_t i = 0; i < fill->candidate_count; i++)
-		fill->wrong += candidate_wrong(&fill->candidates[i]);
+		fill->wrong += candidate_wrong(&fill->candidates[i], lod_hull_error);
 }
 
 void lod_fill_search(struct lod_fill *fill, double lambda, uint64_t budget)
@@ -293,21 +294,22 @@ static const struct lod_way *way_of(const struct lod_fill *fill, const struct lo
 }
 
 /* From the curve, which is no straight line between hull points. */
-static double error_at(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t vertices)
+static double error_at(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t vertices,
+	error_part error)
 {
 	if (vertices == candidate->hull->points->vertices)
-		return lod_hull_error(candidate->hull, candidate->hull->points);
+		return error(candidate->hull, candidate->hull->points);
 	struct lod_hull_point point = lod_hull_point_at(way_of(fill, candidate), vertices,
 		candidate->hull->slack, candidate->hull->impostor);
-	return lod_hull_error(candidate->hull, &point);
+	return error(candidate->hull, &point);
 }
 
-/* A few splats show less than an impostor does. Is this state, beyond that of an impostor, no better? */
+/* A few splats cover less than an impostor does. Does this state, beyond that of an impostor? */
 static bool is_worse(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t vertices)
 {
 	return candidate->hull->impostor != ECO_NONE && candidate->low == 1 && vertices < candidate->high
-		&& error_at(fill, candidate, vertices) >= lod_hull_error(candidate->hull,
-		lod_candidate_point(candidate));
+		&& error_at(fill, candidate, vertices, lod_hull_uncovered)
+		> lod_hull_uncovered(candidate->hull, lod_candidate_point(candidate));
 }
 
 /* What a plant may draw on the way from candidate->low to candidate->high: the most up to `vertices`, and the
@@ -614,22 +616,27 @@ static enum eco_code add_entries(struct lod_fill *fill, struct eco_error *error)
 	return code;
 }
 
-double lod_fill_wrong_of(const struct lod_fill *fill, const struct lod_candidate *candidate)
+static double wrong_of(const struct lod_fill *fill, const struct lod_candidate *candidate, error_part error)
 {
 	const struct lod_hull_point *a = lod_candidate_point(candidate);
 	bool at_steps = lod_candidate_ended(candidate)
 		|| (!candidate->between && candidate->low == a->vertices
 		&& (!candidate->ahead || candidate->high == a[1].vertices));
 	if (candidate->ladder_choice == ECO_NONE || at_steps)
-		return candidate_wrong(candidate);
-	double now = error_at(fill, candidate, candidate->low), wrong = now;
+		return candidate_wrong(candidate, error);
+	double now = error_at(fill, candidate, candidate->low, error), wrong = now;
 	if (candidate->ahead)
 		wrong += (double)candidate->ahead / (double)candidate->count
-			* (error_at(fill, candidate, candidate->high) - now);
+			* (error_at(fill, candidate, candidate->high, error) - now);
 	if (candidate->between)
 		wrong += (double)candidate->between / (double)candidate->count
-			* (error_at(fill, candidate, candidate->middle) - now);
+			* (error_at(fill, candidate, candidate->middle, error) - now);
 	return candidate->seen * wrong;
+}
+
+double lod_fill_wrong_of(const struct lod_fill *fill, const struct lod_candidate *candidate)
+{
+	return wrong_of(fill, candidate, lod_hull_error);
 }
 
 void lod_fill_sum(struct lod_fill *fill)
@@ -637,6 +644,26 @@ void lod_fill_sum(struct lod_fill *fill)
 	fill->wrong = 0;
 	for (uint32_t i = 0; i < fill->candidate_count; i++)
 		fill->wrong += lod_fill_wrong_of(fill, &fill->candidates[i]);
+}
+
+static double weighted_fp(const struct lod_hull *hull, const struct lod_hull_point *point)
+{
+	return hull->fp_weight * point->fp;
+}
+
+static double plain_fn(const struct lod_hull *hull, const struct lod_hull_point *point)
+{
+	(void)hull;
+	return point->fn;
+}
+
+static void sum_coverage(struct lod_fill *fill)
+{
+	fill->fp = fill->fn = 0;
+	for (uint32_t i = 0; i < fill->candidate_count; i++) {
+		fill->fp += wrong_of(fill, &fill->candidates[i], weighted_fp);
+		fill->fn += wrong_of(fill, &fill->candidates[i], plain_fn);
+	}
 }
 
 enum eco_code lod_fill_finish(struct lod_fill *fill, uint64_t budget, bool swaps, struct eco_error *error)
@@ -648,5 +675,6 @@ enum eco_code lod_fill_finish(struct lod_fill *fill, uint64_t budget, bool swaps
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u candidates",
 			fill->candidate_count);
 	fill->cheapest = cheapest_step(fill);
+	sum_coverage(fill);
 	return add_entries(fill, error);
 }

@@ -84,10 +84,16 @@ static double octaves_of(const struct lod_way *way, uint64_t vertices)
 	return way->ladder->organ == ECO_ORGAN_WOOD || share >= 1 ? 0 : -lod_octaves(share);
 }
 
-void lod_hull_set_detail(struct lod_hull_point *point, double slack)
+void lod_hull_set_detail(struct lod_hull_point *point, double slack, double most)
 {
 	double seen = (double)point->octaves - slack;
-	point->detail = seen > 0 ? fmin(LOD_DETAIL_MOST, LOD_OCTAVE_WEIGHT * seen) : 0;
+	point->detail = seen > 0 ? fmin(most, LOD_OCTAVE_WEIGHT * seen) : 0;
+}
+
+double lod_hull_q(double fp, double fn)
+{
+	double recall = fmax(0, 1 - fn), covered = recall + fp, precision = covered > 0 ? recall / covered : 0;
+	return 1 - sqrt((1 - precision) * (1 - precision) + (1 - recall) * (1 - recall));
 }
 
 /* A level of the ladder's impostor: as sharp as splats that are as many as its cells. */
@@ -100,7 +106,7 @@ static struct lod_hull_point impostor_point(const struct lod_way *way, uint32_t 
 	struct lod_hull_point point = { .vertices = 1, .fp = curve.fp, .fn = curve.fn,
 		.octaves = (float)-lod_octaves(texels * texels * SPLATS_PER_TEXEL), .above_fp = above.fp,
 		.above_fn = above.fn };
-	lod_hull_set_detail(&point, slack);
+	lod_hull_set_detail(&point, slack, LOD_DETAIL_MOST_WHOLE);
 	return point;
 }
 
@@ -126,7 +132,7 @@ struct lod_hull_point lod_hull_point_at(const struct lod_way *way, uint64_t vert
 	struct lod_hull_point point = { .vertices = vertices, .fp = curve.fp, .fn = curve.fn + absent,
 		.octaves = (float)octaves_of(way, vertices), .above_fp = above.fp,
 		.above_fn = (float)(above.fn + absent) };
-	lod_hull_set_detail(&point, slack);
+	lod_hull_set_detail(&point, slack, way->has_splats ? LOD_DETAIL_MOST_WHOLE : LOD_DETAIL_MOST);
 	return point;
 }
 

@@ -70,11 +70,12 @@ static inline uint32_t lod_hull_impostor_levels(const struct lod_way *way)
 	return list == ECO_NONE ? 0 : way->scene->lists[list].primitive_count;
 }
 /* Sets detail from octaves and slack: each octave that is seen costs LOD_OCTAVE_WEIGHT of a pixel, all of
- * them LOD_DETAIL_MOST: a plant as one splat is better than as a few leaves. So do pixels that are missed,
- * or a few leaves that cover little would be better than a splat that covers all. */
+ * them at most `most`. Splats for a whole plant are up to ten octaves wider than leaves, the elements of an
+ * organ few (lod/EXPERIMENTS.md, Impostors in scenes). */
 #define LOD_OCTAVE_WEIGHT 0.1
-#define LOD_DETAIL_MOST 0.15
-void lod_hull_set_detail(struct lod_hull_point *point, double slack);
+#define LOD_DETAIL_MOST 0.15       /* of an organ, or a summary */
+#define LOD_DETAIL_MOST_WHOLE 0.4  /* of a ladder that shows the whole plant */
+void lod_hull_set_detail(struct lod_hull_point *point, double slack, double most);
 
 /* Reduces points in ascending vertices to their lower convex hull at hull->fp_weight, in place. Two steps
  * whose slopes are less than `ratio` times apart become one. Reduced again at another weight, a hull is
@@ -100,6 +101,13 @@ static inline double lod_hull_error(const struct lod_hull *hull, const struct lo
 {
 	return point->fn + point->detail + hull->fp_weight * point->fp;
 }
+static inline double lod_hull_uncovered(const struct lod_hull *hull, const struct lod_hull_point *point)
+{
+	return point->fn + hull->fp_weight * point->fp; /* without detail */
+}
+/* Expected Q, from wrong pixels over all that should be covered; at least 1 - sqrt(2). */
+double lod_hull_q(double fp, double fn);
+
 #define LOD_HULL_BLUR 1.25
 /* Position in [0, count - 1]. All plants take a step whose slope is above LOD_HULL_BLUR * lambda, none take
  * one whose slope is below lambda / LOD_HULL_BLUR, and a growing share of them in between: so a slot changes

@@ -247,6 +247,13 @@ static bool is_small(const struct lod_allocation *m)
 		&& m->p->visible.node_count < SMALL_SCENE;
 }
 
+/* Q of all plants in view together. */
+static double q_of(const struct lod_allocation *m, const struct lod_fill *fill)
+{
+	double pixels = m->tile_choices[0].pixels;
+	return pixels > 0 ? lod_hull_q(fill->fp / pixels, (fill->fn + closed_wrong(m)) / pixels) : 1;
+}
+
 /* Entries for the structure of a lambda. */
 static enum eco_code fill_structure(const struct lambda_search *s, double lambda, uint64_t budget,
 	struct eco_error *error)
@@ -267,6 +274,7 @@ static enum eco_code fill_structure(const struct lambda_search *s, double lambda
 		lod_explain_tiles(&fill);
 	m->p->cheapest = fill.cheapest;
 	m->p->wrong = fill.wrong + closed_wrong(m);
+	m->p->q = q_of(m, &fill);
 	lod_fill_free(&fill);
 	return code;
 }
@@ -307,16 +315,19 @@ static double lambda_of_rules(const struct lambda_search *s, uint64_t budget)
 
 struct best { double wrong, lambda; }; /* the best fill so far */
 
-/* Fills the budget for a lambda and the slots' whole_rule. Returns whether less is wrong than in the best
- * fill so far, and sets that. */
-static bool improves(const struct lambda_search *s, double lambda, uint64_t budget, struct best *best,
-	enum eco_code *code, struct eco_error *error)
+/* Fills the budget for a lambda and the slots' whole_rule. Returns whether it is better than the best fill so
+ * far, and sets that: less is wrong, or Q is higher. */
+enum aim { AIM_WRONG, AIM_Q };
+
+static bool improves(const struct lambda_search *s, double lambda, uint64_t budget, enum aim aim,
+	struct best *best, enum eco_code *code, struct eco_error *error)
 {
 	const struct lod_planner *p = s->allocation->p;
 	*code = fill_structure(s, lambda, budget, error);
-	if (*code || !(p->wrong < best->wrong))
+	double wrong = aim == AIM_Q ? 1 - p->q : p->wrong;
+	if (*code || !(wrong < best->wrong))
 		return false;
-	*best = (struct best){ p->wrong, lambda };
+	*best = (struct best){ wrong, lambda };
 	return true;
 }
 
@@ -351,7 +362,7 @@ static enum eco_code toggle_slots(const struct lambda_search *s, uint64_t budget
 			set_rules(m, RULES_BEST);
 			choice->whole_rule = choice->best_rule == LOD_WHOLE_ALL ? LOD_WHOLE_NONE
 				: LOD_WHOLE_ALL;
-			if (improves(s, lambda_of_rules(s, budget), budget, best, &code, error)) {
+			if (improves(s, lambda_of_rules(s, budget), budget, AIM_Q, best, &code, error)) {
 				set_rules(m, RULES_KEEP);
 				better = true;
 			}
@@ -362,24 +373,24 @@ static enum eco_code toggle_slots(const struct lambda_search *s, uint64_t budget
 
 /* Where few plants are in view, lambda may be far from the best choice for one of them between a ladder for
  * the whole plant and its organs. So all slots, and none, draw it too, in small scenes each slot is tried the
- * other way round, and what leaves least wrong is kept. */
+ * other way round, and what has the highest Q is kept. */
 static enum eco_code try_whole(const struct lambda_search *s, double lambda, uint64_t budget,
 	struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
-	double wrong = m->p->wrong;
-	struct best best = { wrong, lambda };
+	double before = 1 - m->p->q;
+	struct best best = { before, lambda };
 	enum eco_code code = ECO_OK;
 	set_rules(m, RULES_AS_FILLED);
 	set_rules(m, RULES_KEEP);
 	for (enum rules rules = RULES_ALL; rules <= RULES_NONE && !code; rules++) {
 		set_rules(m, rules);
-		if (improves(s, lambda_of_rules(s, budget), budget, &best, &code, error))
+		if (improves(s, lambda_of_rules(s, budget), budget, AIM_Q, &best, &code, error))
 			set_rules(m, RULES_KEEP);
 	}
 	if (!code && is_small(m))
 		code = toggle_slots(s, budget, &best, error);
-	set_rules(m, best.wrong < wrong ? RULES_BEST : RULES_BY_LAMBDA);
+	set_rules(m, best.wrong < before ? RULES_BEST : RULES_BY_LAMBDA);
 	return code ? code : fill_structure(s, best.lambda, budget, error);
 }
 
@@ -395,7 +406,7 @@ static enum eco_code lower_whole(const struct lambda_search *s, double *lambda, 
 	enum eco_code code = ECO_OK;
 	for (int i = 0; i < LOWER_TRIES && !code; i++) {
 		tried = low < high ? sqrt(low * high) : high / LOWER_FACTOR;
-		improves(s, tried, budget, &best, &code, error);
+		improves(s, tried, budget, AIM_WRONG, &best, &code, error);
 		if (ends_whole(p)) {
 			low = low < high ? low : tried;
 			high = tried;

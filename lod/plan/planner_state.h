@@ -43,6 +43,7 @@ struct lod_planner {
 	uint32_t level;
 	bool converged;              /* as in lod_planner_stats */
 	double wrong;                /* lod_rule_optimal: the objective that the entries reach */
+	double q;                    /* the same: Q of all plants in view together, as if none hid another */
 	uint64_t candidates, gains, looks; /* as in lod_planner_stats */
 	struct eco_prediction prediction;
 	double sample_distance;      /* lod_rule_deussen; only reported */

@@ -40,7 +40,7 @@ static void evaluate(struct lod_summary_hull *summary, uint32_t i)
 	sample->fn = summary->pixels * (curve.fn + LOD_OWNER_WEIGHT * (1 - curve.fn));
 	struct lod_hull_point covered = { .fn = curve.fn,
 		.octaves = (float)lod_octaves(summary->view.area / n) };
-	lod_hull_set_detail(&covered, 0);
+	lod_hull_set_detail(&covered, 0, LOD_DETAIL_MOST);
 	sample->detail = summary->pixels * covered.detail;
 	summary->evaluated |= 1u << i;
 	++*summary->gains;

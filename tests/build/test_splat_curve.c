@@ -127,3 +127,36 @@ UNIT_TEST(the_first_samples_are_the_levels_of_the_impostor)
 		soup_free(&soup);
 	}
 }
+
+static void few_leaves(struct soup *soup, bool textured)
+{
+	soup_begin(soup);
+	uint32_t leaf = soup_material(soup, 60, 150, 40, textured ? soup_disc_image(soup, 256) : ECO_NONE,
+		textured);
+	for (uint32_t i = 0; i < 40; i++)
+		soup_leaf(soup, leaf, (struct lod_v3){ 0, 0, 0.1 * i }, 1, 0.2);
+}
+
+/* Unless the plant has a picture, which is larger still. */
+UNIT_TEST(levels_larger_than_the_plant_are_left_out)
+{
+	struct lod_plant_options options = quick;
+	uint32_t levels[2];
+	options.pixels = 160;
+	for (int textured = 0; textured < 2; textured++) {
+		struct soup soup;
+		struct lod_plant plant;
+		struct eco_error error = { 0 };
+		few_leaves(&soup, textured);
+		assert_ok(lod_plant_build(&plant, &soup.model, &options, &error), error);
+		assert_ok(lod_plant_measure(&plant, &soup.model, &options, &error), error);
+		levels[textured] = plant.impostor_count;
+		for (uint32_t i = 1; i < plant.impostor_count && !textured; i++)
+			assert_true(plant.impostor[i].size <= 12u * soup.model.triangle_count);
+		check_samples(&plant, &soup, &options);
+		lod_plant_free(&plant);
+		soup_free(&soup);
+	}
+	assert_in_range(levels[0], 1, ECO_IMPOSTOR_LEVELS - 1);
+	assert_int_equal(levels[1], ECO_IMPOSTOR_LEVELS);
+}

@@ -148,7 +148,7 @@ UNIT_TEST(words_are_plain)
 		{ { .why = LOD_WHY_WHOLE, .margin = 0.12, .share = 1 },
 			"splats or an impostor beat its organs by 12 %" },
 		{ { .why = LOD_WHY_WHOLE, .share = 1 },
-			"splats or an impostor leave less wrong at this budget than its organs" },
+			"splats or an impostor have a higher Q at this budget than its organs" },
 		{ { .why = LOD_WHY_WHOLE, .share = 0.4 },
 			"splats or an impostor save nearly as much as its organs: 40 % of the plants "
 			"are drawn "

@@ -8,7 +8,7 @@
 static double detail_of(double octaves, double slack)
 {
 	struct lod_hull_point point = { .octaves = (float)octaves };
-	lod_hull_set_detail(&point, slack);
+	lod_hull_set_detail(&point, slack, LOD_DETAIL_MOST);
 	return point.detail;
 }
 

@@ -6,6 +6,10 @@
 
 #define DRAFT_PIXELS 160u        /* of curves: below, a build is a draft */
 #define DRAFT_LEVELS 2u
+/* A triangle takes about 6 bytes in a pack, a texel of an image about 0.4. Beyond the first, levels that need
+ * more than twice the bytes of all of them are left out: the plant itself is sooner there. */
+#define BYTES_OF_TRIANGLE 12u
+#define BYTES_OF_TEXEL 1u
 
 static enum eco_code write_level(struct eco_bytes *bytes, const struct lod_impostors *made, uint32_t level,
 	struct eco_error *error)
@@ -17,6 +21,14 @@ static enum eco_code write_level(struct eco_bytes *bytes, const struct lod_impos
 	else
 		*bytes = (struct eco_bytes){ w.bytes, w.size };
 	return code;
+}
+
+static size_t level_bytes_most(const struct eco_model *model)
+{
+	size_t bytes = (size_t)BYTES_OF_TRIANGLE * model->triangle_count;
+	for (uint32_t i = 0; i < model->image_count; i++)
+		bytes += (size_t)BYTES_OF_TEXEL * model->images[i].width * model->images[i].height;
+	return bytes;
 }
 
 /* How level the plant's leaves lie, as its points say; 0 where it has none. */
@@ -43,6 +55,10 @@ enum eco_code lod_plant_add_impostor(struct lod_plant *plant, const struct eco_m
 		code = eco_fail(error, ECO_NO_MEMORY, "no memory for an impostor");
 	for (uint32_t i = 0; i < made.level_count && !code; i++) {
 		code = write_level(&plant->impostor[i], &made, i, error);
+		if (!code && i && plant->impostor[i].size > level_bytes_most(model)) {
+			free(plant->impostor[i].at);
+			break;
+		}
 		plant->impostor_count += !code;
 	}
 	lod_impostors_free(&made);
