@@ -1,7 +1,7 @@
 /* The one place that distrusts a scene's tables: everything after it (planner, wire, client) may index
  * without checks. Work is linear in the tables. Ranges that could overlap are bounded by their sum:
- * otherwise a small file whose ranges all cover one large table would cost the product. Longer than 600 lines:
- * one table's checks rely on another's. */
+ * otherwise a small file whose ranges all cover one large table would cost the product. Longer than 600
+ * lines: one table's checks rely on another's. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -202,7 +202,8 @@ static void add_plant(struct packing *p, uint32_t id)
 		l.impostor = moved(lists, l.impostor);
 		scene_add_ladder(b, l);
 	}
-	b->scene.needs |= ECO_NEED_SPLATS | ECO_NEED_IMPOSTORS | (plant->plant.anchor_count > 1 ? ECO_NEED_CELLS : 0);
+	b->scene.needs |= ECO_NEED_SPLATS | ECO_NEED_IMPOSTORS;
+	b->scene.needs |= plant->plant.anchor_count > 1 ? ECO_NEED_CELLS : 0;
 }
 
 /* The tile grows by what is within these bounds. */
