@@ -8,8 +8,8 @@
  * 1974):
  *
  * - a ladder of a slot takes the steps of its hull whose slope is above lambda
- * - plants of a slot draw a ladder that shows the whole plant where that saves more than their organs do, or has the
- *   higher Q
+ * - plants of a slot draw a ladder that shows the whole plant where that saves more than their organs do, or
+ *   has the higher Q
  * - a band of a plant draws its cells where they save more than that
  * - a tile, from the leaves of the tree up, draws its plants and its children's choices where these beat its
  *   summary

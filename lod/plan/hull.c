@@ -92,7 +92,8 @@ void lod_hull_set_detail(struct lod_hull_point *point, double slack, double most
 
 double lod_hull_q(double fp, double fn)
 {
-	double recall = fmax(0, 1 - fn), covered = recall + fp, precision = covered > 0 ? recall / covered : 0;
+	double recall = fmax(0, 1 - fn), covered = recall + fp,
+		precision = covered > 0 ? recall / covered : 0;
 	return 1 - sqrt((1 - precision) * (1 - precision) + (1 - recall) * (1 - recall));
 }
 
