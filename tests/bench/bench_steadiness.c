@@ -3,18 +3,14 @@
  * which a stateless server does not have):
  *
  *   pixels    that change from one frame to the next, over those that change in full detail: leaves move
- *             against each other there too. What
- *             changes only in ours is shown beside it
- *   switches the share of like plants (one model, in view in both frames) whose cuts change from one frame to
- *   the next, be it by one
- *             leaf; the worst frame counts. A plant that is drawn in parts, as near ones are, counts with the
- *             part that changes. Leaves
- *             that grow by less than a sixteenth of their area blend, and do not switch. Where only few of a
- *             model are in view a single
- *             plant would be a large share: those do not count. Plants of a model at all distances are like
- *             here, as few are at one distance;
- *             beside it stands the same for those within an octave of distance, and how many change by more
- *             than an eighth of what they draw
+ *             against each other there too. What changes only in ours is shown beside it
+ *   switches  the share of like plants (one model, in view in both frames) whose cuts change from one frame
+ *             to the next, be it by one leaf; the worst frame counts. A plant that is drawn in parts, as near
+ *             ones are, counts with the part that changes. Leaves that grow by less than a sixteenth of their
+ *             area blend, and do not switch. Where only few of a model are in view a single plant would be a
+ *             large share: those do not count. Plants of a model at all distances are like here, as few are
+ *             at one distance; beside it stands the same for those within an octave of distance, how many
+ *             change by more than an eighth of what they draw, and the share of vertices that change
  *
  * Cameras move towards what they look at, around it, and zoom, all by about the same angle of the picture a
  * frame. Drawn by the software rasteriser: the same bits everywhere. */
@@ -52,6 +48,7 @@ struct sums {
 	/* plants; models in frames, and those of which too many switch */
 	uint64_t like, models, over;
 	double switched;
+	uint64_t vertices, vertices_changed; /* of like plants */
 };
 
 /* ---- Cameras ---- */
@@ -144,12 +141,14 @@ static uint64_t unlike(const struct bench_plants *in, const struct bench_plant *
 }
 
 /* Switching share of a plant, between its cuts in [0] and those in [1]. */
-static double switched(const struct bench_plants some[2], const struct bench_plant *a,
+static double switched(struct sums *sums, const struct bench_plants some[2], const struct bench_plant *a,
 	const struct bench_plant *b)
 {
 	uint64_t from = unlike(&some[0], a, &some[1], b), to = unlike(&some[1], b, &some[0], a),
-		all = a->vertices > b->vertices ? a->vertices : b->vertices;
-	return all ? (double)(from > to ? from : to) / (double)all : 0;
+		all = a->vertices > b->vertices ? a->vertices : b->vertices, most = from > to ? from : to;
+	sums->vertices += all;
+	sums->vertices_changed += most;
+	return all ? (double)most / (double)all : 0;
 }
 
 struct likes { uint32_t all, jumped; double switched; };
@@ -177,7 +176,7 @@ static bool count_switches(struct sums *sums, uint32_t plant_count, const struct
 		b = b ? b : &none;
 		struct likes *like = &likes[plant->plant],
 			*near = &octaves[plant->plant * (size_t)OCTAVES + plant->band / 4];
-		double part = switched(some, a, b);
+		double part = switched(sums, some, a, b);
 		like->all++;
 		near->all++;
 		like->switched += part;
@@ -259,12 +258,14 @@ static enum eco_code run_camera(struct bench *bench, struct reel *reels, const s
 
 static json_t *json_of(const struct sums *s)
 {
-	double reference = s->reference ? (double)s->reference : 1, like = s->like ? (double)s->like : 1;
-	return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "ours",
+	double reference = s->reference ? (double)s->reference : 1, like = s->like ? (double)s->like : 1,
+		vertices = s->vertices ? (double)s->vertices : 1;
+	return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "ours",
 		(double)s->ours / (double)s->pixels, "reference", (double)s->reference / (double)s->pixels,
 		"ratio", (double)s->ours / reference, "beyond", (double)s->beyond / reference, "worst_pair",
 		s->worst_pair, "worst_switch", s->worst_switch, "worst_octave", s->worst_octave, "worst_jump",
-		s->worst_jump, "switched", s->switched / like, "over",
+		s->worst_jump, "switched", s->switched / like,
+		"vertices", (double)s->vertices_changed / vertices, "over",
 		s->models ? (double)s->over / (double)s->models : 0);
 }
 
@@ -302,10 +303,11 @@ static void add_rows(struct bench_table *table, struct worst *worst, const char 
 {
 	for (size_t b = 0; b < BUDGETS; b++) {
 		const json_t *row = json_array_get(unit, b);
-		bench_table_row(table, "%s,%s,%llu,%.3f,%.3f,%.3f,%.3f,%.3f,%.2f,%.2f,%.1f,%.2f,%.2f", scene,
+		bench_table_row(table, "%s,%s,%llu,%.3f,%.3f,%.3f,%.3f,%.3f,%.2f,%.2f,%.2f,%.1f,%.2f,%.2f", scene,
 			motion_names[motion], (unsigned long long)budgets[b], 100 * number(row, "ours"),
 			100 * number(row, "reference"), number(row, "ratio"), number(row, "beyond"),
 			number(row, "worst_pair"), 100 * number(row, "switched"),
+			100 * number(row, "vertices"),
 			100 * number(row, "worst_switch"), 100 * number(row, "over"),
 			100 * number(row, "worst_octave"), 100 * number(row, "worst_jump"));
 		if (!(number(row, "ratio") <= worst->ratio)) {
@@ -353,8 +355,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	enum eco_code code = ECO_OK;
 	struct bench_table *table = bench_table_open(bench, "steadiness",
 		"scene,camera,vertices,changed %,reference changed %,ratio,only ours over "
-		"reference,worst frame,plants switched %,worst model and frame %,models and frames over 5 "
-		"%,worst octave of distance %,by over 1/8 of a plant %", true);
+		"reference,worst frame,plants switched %,vertices switched %,worst model and frame %,"
+		"models and frames over 5 %,worst octave of distance %,by over 1/8 of a plant %", true);
 	for (size_t i = 0; i < SCENES && !code; i++) {
 		if (!scenes[i].quick && !bench->full)
 			continue;
