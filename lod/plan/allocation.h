@@ -30,6 +30,7 @@
 #ifndef LOD_ALLOCATION_H
 #define LOD_ALLOCATION_H
 
+#include "ecofiles/format/impostor.h"
 #include "lod/plan/planner_state.h"
 #include "lod/plan/summary_hull.h"
 
@@ -78,6 +79,11 @@ struct lod_slot_choice {             /* per plant of a slot; [0]: a far plant, [
 	double cells_weight_px;      /* wrong pixels where none of these is drawn */
 };
 
+struct lod_impostor_use {
+	uint32_t levels;             /* that some plant may draw */
+	double from_px[ECO_IMPOSTOR_LEVELS]; /* of each, across: it shows plants that are larger */
+};
+
 struct lod_tile_choice {
 		bool open, has_summary;      /* its plants were counted; it has a summary that can be drawn */
 	double closed_most;          /* share of its plants that may be left to the summary */
@@ -111,7 +117,7 @@ struct lod_allocation {
 	struct lod_hull_point **blocks;          uint32_t block_count, block_capacity, block_used;
 	uint32_t *slot_of;           /* per plant and band: slot of whole plants + 1 */
 	double *plant_seen;          /* per plant: pixels of those that may be drawn as impostors */
-	uint8_t *impostor_levels;    /* per plant: levels that are worth their bytes */
+	struct lod_impostor_use *impostors;  /* per plant */
 	uint8_t *gates_counted;      /* per plant: bands whose cells were counted */
 	bool few_plants;             /* in view: tiles and gates are not blended, single plants decide */
 	bool has_whole;              /* some plants in view have a ladder that shows the whole plant */

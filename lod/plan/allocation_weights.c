@@ -551,9 +551,9 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 	m->slot_of = calloc((size_t)scene->plant_count * ECO_BANDS + 1, sizeof *m->slot_of);
 	m->gates_counted = malloc(scene->plant_count + 1u);
 	m->plant_seen = calloc(scene->plant_count + 1u, sizeof *m->plant_seen);
-	m->impostor_levels = calloc(scene->plant_count + 1u, 1);
+	m->impostors = calloc(scene->plant_count + 1u, sizeof *m->impostors);
 	if (!m->slot_choices || !m->scratch || !m->counts || !m->tile_choices || !m->drawn_by || !m->slot_of
-			|| !m->gates_counted || !m->plant_seen || !m->impostor_levels)
+			|| !m->gates_counted || !m->plant_seen || !m->impostors)
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u slots", slots);
 	for (uint32_t i = 0; i < scene->plant_count; i++)
 		m->gates_counted[i] = (uint8_t)(p->gates[i] / ECO_SHARE_ONE);
@@ -595,6 +595,6 @@ void lod_allocation_free(struct lod_allocation *m)
 	free(m->slot_of);
 	free(m->gates_counted);
 	free(m->plant_seen);
-	free(m->impostor_levels);
+	free(m->impostors);
 	*m = (struct lod_allocation){ 0 };
 }

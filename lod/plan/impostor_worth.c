@@ -1,17 +1,17 @@
 #include "lod/plan/impostor_worth.h"
 
+#include <math.h>
+
 #include "lod/impostor.h"
 
 /* Even small plants look better in more directions, but bytes count (lod/EXPERIMENTS.md, Impostors, Small
- * pictures). */
-uint32_t lod_impostor_level(uint32_t levels, double pixels)
+ * pictures): a level begins where the one before has fewer texels than pixels. */
+double lod_impostor_from(uint32_t level, double times)
 {
-	uint32_t level = 0;
-	if (!levels || pixels > LOD_IMPOSTOR_PIXELS)
-		return ECO_NONE;
-	while (level + 1 < levels && eco_impostor_sizes[level].texels < pixels)
-		level++;
-	return level;
+	double least = level ? eco_impostor_sizes[level - 1].texels : 0;
+	if (level && !(times >= 1))
+		return INFINITY;
+	return level && times < 2 ? least + (2 - times) * (LOD_IMPOSTOR_PIXELS - least) : least;
 }
 
 /* Across, of the whole plant's sphere. */
@@ -24,8 +24,14 @@ static double slot_pixels(const struct lod_allocation *m, const struct lod_slot 
 uint32_t lod_impostor_of_slot(const struct lod_allocation *m, const struct lod_slot *slot,
 	const struct lod_way *way)
 {
-	uint32_t levels = lod_hull_impostor_levels(way), worth = m->impostor_levels[slot->plant];
-	return lod_impostor_level(levels < worth ? levels : worth, slot_pixels(m, slot));
+	const struct lod_impostor_use *use = &m->impostors[slot->plant];
+	double pixels = slot_pixels(m, slot);
+	uint32_t level = 0;
+	if (!lod_hull_impostor_levels(way) || pixels > LOD_IMPOSTOR_PIXELS)
+		return ECO_NONE;
+	while (level + 1 < use->levels && use->from_px[level + 1] < pixels)
+		level++;
+	return level;
 }
 
 static double level_error(const struct eco_scene *scene, const struct eco_ladder *ladder, uint32_t level)
@@ -34,17 +40,22 @@ static double level_error(const struct eco_scene *scene, const struct eco_ladder
 	return (double)sample->fp + (double)sample->fn;
 }
 
-/* Levels, from the smallest on, of which each is worth its bytes; `seen`: pixels of all plants of that
- * kind. */
-static uint8_t levels_worth(const struct eco_scene *scene, const struct eco_ladder *ladder, double seen)
+/* `seen`: pixels of all plants of that kind. */
+static struct lod_impostor_use use_of(const struct eco_scene *scene, const struct eco_ladder *ladder,
+	double seen)
 {
 	const struct eco_list *list = &scene->lists[ladder->impostor];
-	uint32_t level = 1;
-	while (level < list->primitive_count
-			&& seen * (level_error(scene, ladder, level - 1) - level_error(scene, ladder, level))
-			>= LOD_IMPOSTOR_WORTH * scene->chunks[list->chunk_first + level].size_bytes)
-		level++;
-	return (uint8_t)level;
+	struct lod_impostor_use use = { .levels = 1 };
+	for (uint32_t level = 1; level < list->primitive_count; level++) {
+		double right = seen * (level_error(scene, ladder, level - 1) - level_error(scene, ladder, level)),
+			bytes = scene->chunks[list->chunk_first + level].size_bytes,
+			from = lod_impostor_from(level, right / (LOD_IMPOSTOR_WORTH * bytes));
+		if (!(from < INFINITY))
+			break;
+		use.from_px[level] = fmax(from, use.from_px[level - 1]);
+		use.levels++;
+	}
+	return use;
 }
 
 void lod_impostor_worth(struct lod_allocation *m)
@@ -63,7 +74,6 @@ void lod_impostor_worth(struct lod_allocation *m)
 			&count);
 		for (uint32_t k = 0; k < count; k++)
 			if (scene->ladders[whole[k]].impostor != ECO_NONE)
-				m->impostor_levels[i] = levels_worth(scene, &scene->ladders[whole[k]],
-					m->plant_seen[i]);
+				m->impostors[i] = use_of(scene, &scene->ladders[whole[k]], m->plant_seen[i]);
 	}
 }

@@ -1,4 +1,5 @@
 /* Impostors in plans: which levels are worth their bytes, where they are drawn and what they need. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,6 +27,17 @@ static struct eco_request request_of(uint64_t seed, uint64_t vertices)
 
 /* ---- Levels by pixels ---- */
 
+/* Where levels are worth their bytes many times. */
+static uint32_t level_of(uint32_t levels, double pixels)
+{
+	uint32_t level = 0;
+	if (!levels || pixels > LOD_IMPOSTOR_PIXELS)
+		return ECO_NONE;
+	while (level + 1 < levels && lod_impostor_from(level + 1, 100) < pixels)
+		level++;
+	return level;
+}
+
 UNIT_TEST(larger_plants_have_larger_levels_up_to_a_size)
 {
 	static const struct { uint32_t levels; double pixels; uint32_t level; } rows[] = {
@@ -37,7 +49,22 @@ UNIT_TEST(larger_plants_have_larger_levels_up_to_a_size)
 		{ 0, 1, ECO_NONE }, { 0, 193, ECO_NONE },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
-		assert_int_equal(lod_impostor_level(rows[i].levels, rows[i].pixels), rows[i].level);
+		assert_int_equal(level_of(rows[i].levels, rows[i].pixels), rows[i].level);
+}
+
+/* The largest plants first, the others as it becomes worth more. */
+UNIT_TEST(a_level_begins_little_by_little)
+{
+	assert_true(lod_impostor_from(0, 0) == 0 && lod_impostor_from(0, 3) == 0);
+	for (uint32_t level = 1; level < ECO_IMPOSTOR_LEVELS; level++) {
+		assert_true(lod_impostor_from(level, 0.999) == INFINITY);
+		assert_true(lod_impostor_from(level, NAN) == INFINITY);
+		assert_true(lod_impostor_from(level, 1) == LOD_IMPOSTOR_PIXELS);
+		assert_true(lod_impostor_from(level, 2) == eco_impostor_sizes[level - 1].texels);
+		for (double times = 1; times < 3; times += 0.01)
+			assert_in_range(1000 * (lod_impostor_from(level, times)
+				- lod_impostor_from(level, times + 0.01)), 0, 2000);
+	}
 }
 
 /* ---- Levels by bytes ---- */
@@ -58,11 +85,17 @@ static void check_slots(const struct lod_allocation *m)
 		uint32_t list = scene.ladders[choice->ladder].impostor;
 		if (choice->when != LOD_WHOLE)
 			continue;
+		const struct lod_impostor_use *use = &m->impostors[slot->plant];
+		double pixels = across_px(&m->p->visible.eye, slot->anchor, slot->band);
 		uint32_t levels = list == ECO_NONE ? 0 : scene.lists[list].primitive_count,
-			worth = m->impostor_levels[slot->plant];
-		assert_true(!levels || (worth >= 1 && worth <= levels));
-		assert_int_equal(choice->hull.impostor, lod_impostor_level(levels ? worth : 0,
-			across_px(&m->p->visible.eye, slot->anchor, slot->band)));
+			level = choice->hull.impostor;
+		assert_true(!levels || (use->levels >= 1 && use->levels <= levels));
+		assert_int_equal(level == ECO_NONE, !levels || pixels > LOD_IMPOSTOR_PIXELS);
+		if (level == ECO_NONE)
+			continue;
+		assert_true(level < use->levels && level <= level_of(levels, pixels));
+		assert_true(!level || pixels > use->from_px[level]);
+		assert_true(level + 1 == use->levels || pixels <= use->from_px[level + 1]);
 	}
 }
 
@@ -77,7 +110,8 @@ static struct chosen choose(const struct eco_request *request)
 	assert_ok(lod_planner_open_level(&p, 4, &error), error);
 	assert_ok(lod_allocation_make(&m, &p, &error), error);
 	assert_true(scene.scene.plant_count <= PLANTS_MAX);
-	memcpy(chosen.levels, m.impostor_levels, scene.scene.plant_count);
+	for (uint32_t i = 0; i < scene.scene.plant_count; i++)
+		chosen.levels[i] = (uint8_t)m.impostors[i].levels;
 	memcpy(chosen.seen, m.plant_seen, scene.scene.plant_count * sizeof *m.plant_seen);
 	check_slots(&m);
 	lod_allocation_free(&m);
@@ -187,7 +221,7 @@ static uint32_t check_cut(const struct eco_plan *plan, const struct eco_request 
 		smallest = across_px(&eye, cut->anchor, (uint8_t)(cut->band_end - 1));
 	assert_true(cut->end == cut->first + 1 && cut->end <= list->primitive_count && cut->scale == 1);
 	assert_true(largest <= LOD_IMPOSTOR_PIXELS);
-	assert_true(cut->first <= lod_impostor_level(list->primitive_count, smallest));
+	assert_true(cut->first <= level_of(list->primitive_count, smallest));
 	return 1;
 }
 
