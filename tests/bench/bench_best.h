@@ -22,7 +22,8 @@ struct bench_best {
  * cells is tried, and for each the best amounts of every single plant and summary are found by dynamic
  * programming over vertices: all amounts that a ladder can draw, by the planner's own objective. With
  * `splats` scenes are smaller still, some plants have a ladder of splats for the whole plant, and for each
- * slot both choices are tried: all its plants draw that, or none. */
+ * slot both choices are tried: all its plants draw that, or none. The planner itself keeps splats where
+ * organs have the lower Q. */
 enum eco_code bench_best_find(uint64_t seed, bool splats, struct bench_best *best, struct eco_error *error);
 
 #endif

@@ -43,6 +43,7 @@ UNIT_TEST(plans_are_close_to_the_best_there_is)
 	assert_true(sum / count <= 0.01 && worst <= 0.05);
 }
 
+/* Not by the objective alone: where organs have the lower Q, a plant keeps its splats. */
 UNIT_TEST(plans_with_splats_are_close_to_the_best_there_is)
 {
 	double sum = 0, worst = 0;
@@ -63,7 +64,7 @@ UNIT_TEST(plans_with_splats_are_close_to_the_best_there_is)
 	print_message("          above the best, of what is wrong with nothing drawn: mean %.4f %%, at most "
 		"%.4f %%, above .5 %% in %u of %u\n", 100 * sum / count, 100 * worst, above, count);
 	assert_true(count > SPLAT_SCENES / 3);
-	assert_true(sum / count <= 0.002 && worst <= 0.05);
+	assert_true(sum / count <= 0.01 && worst <= 0.25 && above < count / 6);
 }
 
 UNIT_TEST(the_best_is_found_again)

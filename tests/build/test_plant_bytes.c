@@ -202,7 +202,7 @@ static const struct { void (*apply)(struct lod_plant *plant); const char *says; 
 UNIT_TEST(impostors_that_do_not_fit_are_refused)
 {
 	struct lod_plant plant, again;
-	make_plant(&plant, 20, 0);
+	make_plant(&plant, 200, 0);
 	assert_int_equal(plant.impostor_count, 2);       /* a draft's */
 	struct eco_bytes kept[2] = { plant.impostor[0], plant.impostor[1] };
 	struct eco_ladder whole = *whole_of(&plant);
@@ -231,7 +231,7 @@ UNIT_TEST(no_number_of_levels_is_believed)
 	static const uint32_t numbers[] = { 0, 1, 3, 4, 1000, UINT32_MAX };
 	struct lod_plant plant, again;
 	struct eco_writer w = { 0 };
-	make_plant(&plant, 5, 0);
+	make_plant(&plant, 200, 0);
 	lod_plant_write(&w, &plant);
 	assert_int_equal(w.bytes[24], plant.impostor_count);
 	for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {

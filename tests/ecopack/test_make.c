@@ -522,13 +522,28 @@ static void verify_says(const struct eco_bytes *levels, uint32_t count, uint32_t
 	fclose(out);
 }
 
+/* So many leaves on a sphere: a plant worth two levels. */
+static void write_sphere(const char *name, uint32_t leaves)
+{
+	FILE *file = open_text(name);
+	for (uint32_t i = 0; i < leaves; i++) {
+		double z = (i + 0.5) / leaves * 2 - 1, r = sqrt(1 - z * z), x = r * cos(2.4 * i),
+			y = r * sin(2.4 * i);
+		fprintf(file, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\nf -4 -3 -2 -1\n", x, z + 1, y,
+			x + 0.1, z + 1, y, x + 0.1, z + 1.1, y + 0.05, x, z + 1.1, y);
+	}
+	assert_int_equal(fclose(file), 0);
+}
+
 /* What a hash does not tell: the bytes of a level are no level, or another one. */
 UNIT_TEST(test_damaged_impostors_are_named)
 {
 	struct eco_error error = { 0 };
 	struct eco_bytes levels[2];
-	write_slope();
-	struct eco_pack *pack = made("slope.json", "whole.eco");
+	write_sphere("many.obj", 400);
+	write_text("levels.json", "{\"name\": \"levels\", \"plants\": {\"a\": {\"model\": \"many.obj\"}}, "
+		"\"instances\": [{\"plant\": \"a\", \"at\": [0, 0, 0]}]}");
+	struct eco_pack *pack = made("levels.json", "levels.eco");
 	uint32_t first = pack->scene.lists[impostor_of(&pack->scene)].chunk_first;
 	for (uint32_t i = 0; i < 2; i++) {
 		const uint8_t *payload;
