@@ -57,12 +57,11 @@ static struct lod_cost whole_cost(const struct lod_allocation *m, uint32_t ladde
 	return cost;
 }
 
-/* Above what a plant has where nothing is drawn. */
-static double q_gained(const struct lod_slot_choice *choice, const struct lod_cost *cost)
+/* Above what a plant has where nothing is drawn. Errors count `more` times. */
+static double q_gained(const struct lod_slot_choice *choice, const struct lod_cost *cost, double more)
 {
-	double weight_px = choice->weight_px[0];
-	return weight_px > 0 ? lod_hull_q(choice->fp_weight * cost->fp / weight_px, cost->fn / weight_px)
-		- lod_hull_q(0, 1) : 0;
+	double each = choice->weight_px[0] > 0 ? more / choice->weight_px[0] : 0;
+	return lod_hull_q(each * choice->fp_weight * cost->fp, each * cost->fn) - lod_hull_q(0, 1);
 }
 
 /* Share of far plants that draw the ladder which costs `whole`, in place of organs that cost `organs`. Organs
@@ -76,7 +75,7 @@ static double whole_share(const struct lod_allocation *m, const struct lod_slot_
 	return m->lambda <= 0 ? 0 : 1 - fmin(fine_share(m,
 		weight_px - lagrangian(organs, fp_weight, m->lambda),
 		weight_px - lagrangian(whole, fp_weight, m->lambda)),
-		fine_share(m, q_gained(choice, organs), q_gained(choice, whole)));
+		fine_share(m, q_gained(choice, organs, LOD_ORGANS_MORE), q_gained(choice, whole, 1)));
 }
 
 /* Takes the best of the ladders that show the whole plant, and blends it with the organs, in cost[0]. */

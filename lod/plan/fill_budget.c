@@ -659,10 +659,15 @@ static double plain_fn(const struct lod_hull *hull, const struct lod_hull_point 
 
 static void sum_coverage(struct lod_fill *fill)
 {
+	const struct lod_ladder_choice *choices = fill->allocation->ladder_choices;
 	fill->fp = fill->fn = 0;
 	for (uint32_t i = 0; i < fill->candidate_count; i++) {
-		fill->fp += wrong_of(fill, &fill->candidates[i], weighted_fp);
-		fill->fn += wrong_of(fill, &fill->candidates[i], plain_fn);
+		const struct lod_candidate *candidate = &fill->candidates[i];
+		bool organ = candidate->ladder_choice != ECO_NONE
+			&& choices[candidate->ladder_choice].when != LOD_WHOLE;
+		double more = organ ? LOD_ORGANS_MORE : 1;
+		fill->fp += more * wrong_of(fill, candidate, weighted_fp);
+		fill->fn += more * wrong_of(fill, candidate, plain_fn);
 	}
 }
 
