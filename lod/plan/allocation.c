@@ -75,7 +75,7 @@ static double whole_share(const struct lod_allocation *m, const struct lod_slot_
 	return m->lambda <= 0 ? 0 : 1 - fmin(fine_share(m,
 		weight_px - lagrangian(organs, fp_weight, m->lambda),
 		weight_px - lagrangian(whole, fp_weight, m->lambda)),
-		fine_share(m, q_gained(choice, organs, LOD_ORGANS_MORE), q_gained(choice, whole, 1)));
+		fine_share(m, q_gained(choice, organs, choice->more), q_gained(choice, whole, 1)));
 }
 
 /* Takes the best of the ladders that show the whole plant, and blends it with the organs, in cost[0]. */

@@ -69,6 +69,7 @@ struct lod_slot_choice {             /* per plant of a slot; [0]: a far plant, [
 	                              * its cells, before scaling */
 	double weight_px[2];         /* wrong pixels where nothing is drawn; [1] without the cells' */
 	double absent;               /* added where nothing of its foliage is drawn (LOD_ABSENT_WEIGHT) */
+	double more;                 /* lod_hull_more, the mean over a far plant's ladders */
 	struct lod_cost cost[2];     /* at the last lambda; [0] blends what draws organs and what does not */
 	uint32_t whole;              /* at the last lambda: the ladder choice that shows the whole plant best;
 	                              * ECO_NONE: there is none */

@@ -264,11 +264,14 @@ static enum eco_code make_slot_choice(struct lod_allocation *m, uint32_t s, stru
 		const struct eco_ladder *ladder = &scene->ladders[ladder_choice->ladder];
 		slot_choice->weight_px[0] += ladder_choice->when == LOD_NEAR ? 0 : ladder_choice->weight_px;
 		slot_choice->weight_px[1] += ladder_choice->when == LOD_FAR ? 0 : ladder_choice->weight_px;
+		slot_choice->more += ladder_choice->when == LOD_NEAR ? 0
+			: ladder_choice->weight_px * lod_hull_more(ladder);
 		slot_choice->absent += ladder_choice->when == LOD_NEAR ? 0
 			: ladder_choice->weight_px * lod_hull_absent(ladder);
 		slot_choice->own += ladder_choice->when == LOD_NEAR
 			? ladder_choice->weight_px / importance_of(ladder) : 0;
 	}
+	slot_choice->more = slot_choice->weight_px[0] > 0 ? slot_choice->more / slot_choice->weight_px[0] : 1;
 	good = good && add_whole_choices(m, s);
 	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u ladder choices",
 		m->ladder_choice_count);

@@ -660,12 +660,12 @@ static double plain_fn(const struct lod_hull *hull, const struct lod_hull_point 
 static void sum_coverage(struct lod_fill *fill)
 {
 	const struct lod_ladder_choice *choices = fill->allocation->ladder_choices;
+	const struct eco_scene *scene = fill->allocation->p->scene;
 	fill->fp = fill->fn = 0;
 	for (uint32_t i = 0; i < fill->candidate_count; i++) {
 		const struct lod_candidate *candidate = &fill->candidates[i];
-		bool organ = candidate->ladder_choice != ECO_NONE
-			&& choices[candidate->ladder_choice].when != LOD_WHOLE;
-		double more = organ ? LOD_ORGANS_MORE : 1;
+		double more = candidate->ladder_choice == ECO_NONE ? 1
+			: lod_hull_more(&scene->ladders[choices[candidate->ladder_choice].ladder]);
 		fill->fp += more * wrong_of(fill, candidate, weighted_fp);
 		fill->fn += more * wrong_of(fill, candidate, plain_fn);
 	}

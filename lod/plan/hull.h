@@ -107,8 +107,13 @@ static inline double lod_hull_uncovered(const struct lod_hull *hull, const struc
 }
 /* Expected Q, from wrong pixels over all that should be covered; at least 1 - sqrt(2). */
 double lod_hull_q(double fp, double fn);
-/* Of organs for that: drawn together they are up to a third more wrong than the sum of each drawn alone. */
+/* Errors of foliage and flowers count so often for that: drawn with other organs they are up to a third more
+ * wrong than alone. */
 #define LOD_ORGANS_MORE 1.2
+static inline double lod_hull_more(const struct eco_ladder *ladder)
+{
+	return ladder->organ == ECO_ORGAN_WOOD || (ladder->flags & ECO_LADDER_WHOLE) ? 1 : LOD_ORGANS_MORE;
+}
 
 #define LOD_HULL_BLUR 1.25
 /* Position in [0, count - 1]. All plants take a step whose slope is above LOD_HULL_BLUR * lambda, none take

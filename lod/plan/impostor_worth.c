@@ -47,8 +47,8 @@ static struct lod_impostor_use use_of(const struct eco_scene *scene, const struc
 	const struct eco_list *list = &scene->lists[ladder->impostor];
 	struct lod_impostor_use use = { .levels = 1 };
 	for (uint32_t level = 1; level < list->primitive_count; level++) {
-		double right = seen * (level_error(scene, ladder, level - 1) - level_error(scene, ladder, level)),
-			bytes = scene->chunks[list->chunk_first + level].size_bytes,
+		double less = level_error(scene, ladder, level - 1) - level_error(scene, ladder, level),
+			right = seen * less, bytes = scene->chunks[list->chunk_first + level].size_bytes,
 			from = lod_impostor_from(level, right / (LOD_IMPOSTOR_WORTH * bytes));
 		if (!(from < INFINITY))
 			break;

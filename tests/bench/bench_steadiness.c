@@ -303,8 +303,8 @@ static void add_rows(struct bench_table *table, struct worst *worst, const char 
 {
 	for (size_t b = 0; b < BUDGETS; b++) {
 		const json_t *row = json_array_get(unit, b);
-		bench_table_row(table, "%s,%s,%llu,%.3f,%.3f,%.3f,%.3f,%.3f,%.2f,%.2f,%.2f,%.1f,%.2f,%.2f", scene,
-			motion_names[motion], (unsigned long long)budgets[b], 100 * number(row, "ours"),
+		bench_table_row(table, "%s,%s,%llu,%.3f,%.3f,%.3f,%.3f,%.3f,%.2f,%.2f,%.2f,%.1f,%.2f,%.2f",
+			scene, motion_names[motion], (unsigned long long)budgets[b], 100 * number(row, "ours"),
 			100 * number(row, "reference"), number(row, "ratio"), number(row, "beyond"),
 			number(row, "worst_pair"), 100 * number(row, "switched"),
 			100 * number(row, "vertices"),
