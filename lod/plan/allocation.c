@@ -65,7 +65,7 @@ static double q_gained(const struct lod_slot_choice *choice, const struct lod_co
 }
 
 /* Share of far plants that draw the ladder which costs `whole`, in place of organs that cost `organs`. Organs
- * are sharper, but must not have a lower Q: no picture gets worse with more vertices. */
+ * are sharper, but must not have a lower Q, which would fall as vertices grow. */
 static double whole_share(const struct lod_allocation *m, const struct lod_slot_choice *choice,
 	const struct lod_cost *organs, const struct lod_cost *whole)
 {

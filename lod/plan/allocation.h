@@ -80,7 +80,7 @@ struct lod_slot_choice {             /* per plant of a slot; [0]: a far plant, [
 	double cells_weight_px;      /* wrong pixels where none of these is drawn */
 };
 
-struct lod_impostor_use {
+struct lod_impostor_use {            /* levels of a plant's impostor, lod/plan/impostor_worth.h */
 	uint32_t levels;             /* that some plant may draw */
 	double from_px[ECO_IMPOSTOR_LEVELS]; /* of each, across: it shows plants that are larger */
 };

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "ecofiles/format/impostor.h"
+#include "ecofiles/format/plan.h"
 
 /* Splats that are as sharp as a texel. A crown's inside is coarser than its outline: cells of depth and
  * colour are 4 texels wide, and four directions are mixed (lod/EXPERIMENTS.md, Impostors in scenes). */
@@ -92,9 +93,8 @@ void lod_hull_set_detail(struct lod_hull_point *point, double slack, double most
 
 double lod_hull_q(double fp, double fn)
 {
-	double recall = fmax(0, 1 - fn), covered = recall + fp,
-		precision = covered > 0 ? recall / covered : 0;
-	return 1 - sqrt((1 - precision) * (1 - precision) + (1 - recall) * (1 - recall));
+	double right = 1 - fn;
+	return right > 0 ? eco_predicted_q(&(struct eco_prediction){ right, fp, fn }) : 1 - sqrt(2);
 }
 
 /* A level of the ladder's impostor: as sharp as splats that are as many as its cells. */

@@ -70,8 +70,8 @@ static inline uint32_t lod_hull_impostor_levels(const struct lod_way *way)
 	return list == ECO_NONE ? 0 : way->scene->lists[list].primitive_count;
 }
 /* Sets detail from octaves and slack: each octave that is seen costs LOD_OCTAVE_WEIGHT of a pixel, all of
- * them at most `most`. Splats for a whole plant are up to ten octaves wider than leaves, the elements of an
- * organ few (lod/EXPERIMENTS.md, Impostors in scenes). */
+ * them at most `most`. Splats for a whole plant may be many octaves wider than leaves, the elements of an
+ * organ are few (lod/EXPERIMENTS.md, Impostors in scenes). */
 #define LOD_OCTAVE_WEIGHT 0.1
 #define LOD_DETAIL_MOST 0.15       /* of an organ, or a summary */
 #define LOD_DETAIL_MOST_WHOLE 0.4  /* of a ladder that shows the whole plant */
@@ -105,10 +105,11 @@ static inline double lod_hull_uncovered(const struct lod_hull *hull, const struc
 {
 	return point->fn + hull->fp_weight * point->fp; /* without detail */
 }
-/* Expected Q, from wrong pixels over all that should be covered; at least 1 - sqrt(2). */
+/* eco_predicted_q, from wrong pixels over all that should be covered; the least, 1 - sqrt(2), where none of
+ * them is. */
 double lod_hull_q(double fp, double fn);
-/* Errors of foliage and flowers count so often for that: drawn with other organs they are up to a third more
- * wrong than alone. */
+/* Errors of foliage and flowers count so often for that: organs drawn together are more wrong than the sum of
+ * each drawn alone, those of a palm by a third (lod/EXPERIMENTS.md, Impostors in scenes). */
 #define LOD_ORGANS_MORE 1.2
 static inline double lod_hull_more(const struct eco_ladder *ladder)
 {

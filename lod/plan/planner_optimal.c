@@ -247,7 +247,7 @@ static bool is_small(const struct lod_allocation *m)
 		&& m->p->visible.node_count < SMALL_SCENE;
 }
 
-/* Q of all plants in view together. */
+/* For lod_planner.q. */
 static double q_of(const struct lod_allocation *m, const struct lod_fill *fill)
 {
 	double pixels = m->tile_choices[0].pixels;
@@ -315,10 +315,10 @@ static double lambda_of_rules(const struct lambda_search *s, uint64_t budget)
 
 struct best { double wrong, lambda; }; /* the best fill so far */
 
-/* Fills the budget for a lambda and the slots' whole_rule. Returns whether it is better than the best fill so
- * far, and sets that: less is wrong, or Q is higher. */
-enum aim { AIM_WRONG, AIM_Q };
+enum aim { AIM_WRONG, AIM_Q };           /* less is wrong, or Q is higher; best.wrong is 1 - Q then */
 
+/* Fills the budget for a lambda and the slots' whole_rule. Returns whether it is better than the best fill so
+ * far, and sets that. */
 static bool improves(const struct lambda_search *s, double lambda, uint64_t budget, enum aim aim,
 	struct best *best, enum eco_code *code, struct eco_error *error)
 {

@@ -43,7 +43,9 @@ struct lod_planner {
 	uint32_t level;
 	bool converged;              /* as in lod_planner_stats */
 	double wrong;                /* lod_rule_optimal: the objective that the entries reach */
-	double q;                    /* the same: Q of all plants in view together, as if none hid another */
+	double q;                    /* the same: Q of the pixels seen of all plants, by which few plants choose
+	                              * between organs and splats; errors count as in lod_hull_more, and twice
+	                              * where nothing is drawn */
 	uint64_t candidates, gains, looks; /* as in lod_planner_stats */
 	struct eco_prediction prediction;
 	double sample_distance;      /* lod_rule_deussen; only reported */

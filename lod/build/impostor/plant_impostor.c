@@ -6,8 +6,8 @@
 
 #define DRAFT_PIXELS 160u        /* of curves: below, a build is a draft */
 #define DRAFT_LEVELS 2u
-/* A triangle takes about 6 bytes in a pack, a texel of an image about 0.4. Beyond the first, levels that need
- * more than twice the bytes of all of them are left out: the plant itself is sooner there. */
+/* A triangle takes about 6 bytes in a pack, a texel of an image 0.4 to 0.7. Beyond the first, levels that need
+ * about twice the bytes of all of them are left out: the plant itself is sooner there. */
 #define BYTES_OF_TRIANGLE 12u
 #define BYTES_OF_TEXEL 1u
 
@@ -57,6 +57,7 @@ enum eco_code lod_plant_add_impostor(struct lod_plant *plant, const struct eco_m
 		code = write_level(&plant->impostor[i], &made, i, error);
 		if (!code && i && plant->impostor[i].size > level_bytes_most(model)) {
 			free(plant->impostor[i].at);
+			plant->impostor[i] = (struct eco_bytes){ 0 };
 			break;
 		}
 		plant->impostor_count += !code;
