@@ -3,8 +3,8 @@
  * The points of the plant's visible surface are divided among the splats of a level, rather evenly, and those
  * of each splat among its children; so children begin where their parent stands, with the moments of their
  * points. Then gradient descent (Adam: Kingma and Ba 2015) moves all splats of a level freely, so that the
- * mean Q of the views rises, at last also that of pictures between two levels. Measurements:
- * lod/EXPERIMENTS.md, Splats. */
+ * mean Q of the views rises, at last also that of pictures between two levels. Plants of blades have levels
+ * and parts of their own (splat_blades.c). Measurements: lod/EXPERIMENTS.md, Splats. */
 #include "lod/build/splat/splat_fit.h"
 
 #include <math.h>
@@ -27,7 +27,8 @@
 #define PRICED 192u
 #define MOST_SIBLINGS 4u
 
-static const uint32_t level_size[LOD_SPLAT_LEVELS] = { 1, 3, 12, 48, 192, 768, 3072 };
+#define USUAL_LEVELS 7u
+static const uint32_t usual_size[USUAL_LEVELS] = { 1, 3, 12, 48, 192, 768, 3072 };
 #define CHANCE_OPAQUE 0.4f
 #define CHANCE_FEW 0.1f          /* at least, for levels of at most so many splats */
 #define FEW_SPLATS 12u
@@ -35,17 +36,17 @@ static const uint32_t level_size[LOD_SPLAT_LEVELS] = { 1, 3, 12, 48, 192, 768, 3
 #define FEW_TRIANGLES 4096u
 /* Share of hard Q in the objective (chance of struct splat_softness) for plants of so few triangles, by the
  * mean cover of the pixels that they cover at all (lod/EXPERIMENTS.md, Thin plants). */
-static const struct { double cover, chance; } chances[] = { { 0.4, 0.2 }, { 0.5, 0.7 }, { 0.65, 0.7 },
+static const struct { double cover, chance; } chances[] = { { 0.4, 0.4 }, { 0.5, 0.7 }, { 0.65, 0.7 },
 	{ 0.72, 0.03 }, { 1, 0.03 } };
-
-struct part { uint32_t first, end; };    /* of the points */
 
 struct fit {
 	const struct lod_splats_options *options;
 	struct lod_arena arena;
 	struct splat_views views;
-	float (*point)[3];               uint32_t point_count;
-	struct part *parts[LOD_SPLAT_LEVELS];
+	struct splat_points points;
+	uint32_t size[LOD_SPLAT_LEVELS], most;   /* splats of each level; levels at most */
+	struct splat_blades blades;      /* levels 0: it is no plant of blades */
+	struct splat_part *parts[LOD_SPLAT_LEVELS];
 	struct splat_params *level[LOD_SPLAT_LEVELS];
 	struct lod_splats *splats;
 	float chance;                    /* how much of the objective is hard Q */
@@ -53,54 +54,18 @@ struct fit {
 
 /* ---- Parts ---- */
 
-static void moments(const float (*point)[3], uint32_t count, double mean[3], double value[3],
-	double vector[3][3])
-{
-	double square[3][3] = { { 0 } };
-	memset(mean, 0, 3 * sizeof *mean);
-	for (uint32_t i = 0; i < count; i++)
-		for (int k = 0; k < 3; k++)
-			mean[k] += point[i][k];
-	for (int k = 0; k < 3 && count; k++)
-		mean[k] /= count;
-	for (uint32_t i = 0; i < count; i++)
-		for (int k = 0; k < 3; k++)
-			for (int j = 0; j < 3; j++)
-				square[k][j] += (point[i][k] - mean[k]) * (point[i][j] - mean[j]) / count;
-	splat_eigen((const double (*)[3])square, value, vector);
-}
-
-/* Sorts the points of a part along its longest axis. */
-static void sort_part(struct fit *fit, struct part part)
-{
-	double mean[3], value[3], vector[3][3];
-	uint32_t count = part.end - part.first;
-	const struct lod_arena_piece *mark = fit->arena.last;
-	struct lod_keyed *keyed = lod_arena_take(&fit->arena, count, sizeof *keyed);
-	float (*copy)[3] = lod_arena_take(&fit->arena, count, sizeof *copy);
-	moments((const float (*)[3])(fit->point + part.first), count, mean, value, vector);
-	memcpy(copy, fit->point + part.first, count * sizeof *copy);
-	for (uint32_t i = 0; i < count; i++)
-		keyed[i] = (struct lod_keyed){ lod_sort_key(copy[i][0] * vector[0][0]
-			+ copy[i][1] * vector[0][1] + copy[i][2] * vector[0][2]), i };
-	lod_sort(&fit->arena, keyed, count);
-	for (uint32_t i = 0; i < count; i++)
-		memcpy(fit->point[part.first + i], copy[keyed[i].value], sizeof *copy);
-	lod_arena_release(&fit->arena, mark);
-}
-
 /* Into two halves of halves, or into thirds, each along its own longest axis. */
-static void divide(struct fit *fit, struct part part, struct part *to, uint32_t count)
+static void divide(struct fit *fit, struct splat_part part, struct splat_part *to, uint32_t count)
 {
 	uint32_t by = count % 2 ? count : 2, each = count / by;
 	if (count == 1) {
 		*to = part;
 		return;
 	}
-	sort_part(fit, part);
+	splat_sort_along(fit->points.at + part.first, part.end - part.first, &fit->arena);
 	uint64_t points = part.end - part.first;
 	for (uint32_t i = 0; i < by; i++)
-		divide(fit, (struct part){ part.first + (uint32_t)(points * i / by),
+		divide(fit, (struct splat_part){ part.first + (uint32_t)(points * i / by),
 			part.first + (uint32_t)(points * (i + 1) / by) }, to + i * each, each);
 }
 
@@ -117,12 +82,12 @@ static void shrink(const struct splat_params *parent, uint32_t which, struct spl
 		splat->v[j] *= 0.6f;
 }
 
-static void first_shape(struct fit *fit, const struct part *part, const struct splat_params *parent,
+static void first_shape(struct fit *fit, const struct splat_part *part, const struct splat_params *parent,
 	uint32_t which, struct splat_params *splat)
 {
 	double mean[3], value[3], vector[3][3];
 	uint32_t count = part->end - part->first;
-	moments((const float (*)[3])(fit->point + part->first), count, mean, value, vector);
+	splat_moments((const float (*)[3])(fit->points.at + part->first), count, mean, value, vector);
 	if (count < FEW_POINTS && parent) {
 		shrink(parent, which, splat);
 		return;
@@ -149,12 +114,12 @@ struct sharing {
 static void share_once(const struct fit *fit, struct sharing *s, struct lod_keyed *keyed)
 {
 	memset(s->taken, 0, s->count * sizeof *s->taken);
-	for (uint32_t p = 0; p < fit->point_count; p++) {
+	for (uint32_t p = 0; p < fit->points.count; p++) {
 		double least = INFINITY;
 		keyed[p] = (struct lod_keyed){ 0, p };
 		for (uint32_t i = 0; i < s->count; i++) {
 			double q = s->price[i] * splat_distance2(&s->splats[i],
-				(const double (*)[3])s->inverse[i], fit->point[p]);
+				(const double (*)[3])s->inverse[i], fit->points.at[p]);
 			if (q < least) {
 				least = q;
 				keyed[p].key = i;
@@ -169,29 +134,29 @@ static void share_once(const struct fit *fit, struct sharing *s, struct lod_keye
 static void share_points(struct fit *fit, uint32_t level)
 {
 	const struct lod_arena_piece *mark = fit->arena.last;
-	struct sharing s = { .splats = fit->level[level], .count = level_size[level] };
+	struct sharing s = { .splats = fit->level[level], .count = fit->size[level] };
 	s.inverse = lod_arena_take(&fit->arena, s.count, sizeof *s.inverse);
 	s.price = lod_arena_take(&fit->arena, s.count, sizeof *s.price);
 	s.taken = lod_arena_take(&fit->arena, s.count, sizeof *s.taken);
-	struct lod_keyed *keyed = lod_arena_take(&fit->arena, fit->point_count, sizeof *keyed);
-	float (*copy)[3] = lod_arena_take(&fit->arena, fit->point_count, sizeof *copy);
+	struct lod_keyed *keyed = lod_arena_take(&fit->arena, fit->points.count, sizeof *keyed);
+	float (*copy)[3] = lod_arena_take(&fit->arena, fit->points.count, sizeof *copy);
 	for (uint32_t i = 0; i < s.count; i++) {
 		splat_inverse(&s.splats[i], LEAST_HALF, s.inverse[i]);
 		s.price[i] = 1;
 	}
-	double mean = (double)fit->point_count / s.count;
+	double mean = (double)fit->points.count / s.count;
 	uint32_t rounds = s.count > PRICED ? 0 : ROUNDS;
 	for (uint32_t round = 0; round <= rounds; round++) {
 		for (uint32_t i = 0; round && i < s.count; i++)
 			s.price[i] *= (s.taken[i] + mean) / (2 * mean);
 		share_once(fit, &s, keyed);
 	}
-	lod_sort(&fit->arena, keyed, fit->point_count);
-	memcpy(copy, fit->point, fit->point_count * sizeof *copy);
+	lod_sort(&fit->arena, keyed, fit->points.count);
+	memcpy(copy, fit->points.at, fit->points.count * sizeof *copy);
 	for (uint32_t p = 0, i = 0; i < s.count; i++) {
 		fit->parts[level][i].first = p;
-		for (; p < fit->point_count && keyed[p].key == i; p++)
-			memcpy(fit->point[p], copy[keyed[p].value], sizeof *copy);
+		for (; p < fit->points.count && keyed[p].key == i; p++)
+			memcpy(fit->points.at[p], copy[keyed[p].value], sizeof *copy);
 		fit->parts[level][i].end = p;
 	}
 	lod_arena_release(&fit->arena, mark);
@@ -199,30 +164,57 @@ static void share_points(struct fit *fit, uint32_t level)
 
 /* ---- Levels ---- */
 
+static void choose_sizes(struct fit *fit, const struct eco_model *model)
+{
+	memcpy(fit->size, usual_size, sizeof usual_size);
+	fit->most = fit->options->levels ? USUAL_LEVELS : USUAL_LEVELS - (model->triangle_count < LARGE_PLANT);
+	if (model->triangle_count < FEW_TRIANGLES
+			&& splat_blades_find(&fit->blades, &fit->points, model, &fit->arena)) {
+		memcpy(fit->size, fit->blades.size, sizeof fit->size);
+		fit->most = fit->blades.levels;
+	}
+}
+
+static void find_parts(struct fit *fit, uint32_t level)
+{
+	struct splat_part *parts = fit->parts[level];
+	if (fit->blades.levels && level <= fit->blades.level) {
+		for (uint32_t i = 0; i < fit->size[level]; i++)
+			parts[i] = splat_blades_part(&fit->blades, level, i);
+		return;
+	}
+	if (!level) {
+		parts[0] = (struct splat_part){ 0, fit->points.count };
+		return;
+	}
+	uint32_t children = fit->size[level] / fit->size[level - 1];
+	if (!fit->blades.levels)
+		share_points(fit, level - 1);
+	for (uint32_t i = 0; i < fit->size[level - 1]; i++)
+		divide(fit, fit->parts[level - 1][i], parts + i * children, children);
+}
+
 static void start_level(struct fit *fit, uint32_t level)
 {
-	uint32_t size = level_size[level];
+	uint32_t size = fit->size[level], children = level ? size / fit->size[level - 1] : 1;
+	bool blades = fit->blades.levels && level <= fit->blades.level;
 	fit->level[level] = lod_arena_take(&fit->arena, size, sizeof **fit->level);
 	fit->parts[level] = lod_arena_take(&fit->arena, size, sizeof **fit->parts);
-	if (!level)
-		fit->parts[0][0] = (struct part){ 0, fit->point_count };
-	uint32_t children = level ? size / level_size[level - 1] : 1;
-	if (level)
-		share_points(fit, level - 1);
-	for (uint32_t i = 0; level && i < level_size[level - 1]; i++)
-		divide(fit, fit->parts[level - 1][i], fit->parts[level] + i * children, children);
-	for (uint32_t i = 0; i < size; i++)
-		first_shape(fit, &fit->parts[level][i], level ? &fit->level[level - 1][i / children] : NULL,
-			i % children, &fit->level[level][i]);
+	find_parts(fit, level);
+	for (uint32_t i = 0; i < size; i++) {
+		struct splat_part part = blades ? splat_blades_start(&fit->blades, level, i)
+			: fit->parts[level][i];
+		first_shape(fit, &part, level ? &fit->level[level - 1][i / children] : NULL, i % children,
+			&fit->level[level][i]);
+	}
 }
 
 static uint32_t count_levels(const struct fit *fit, const struct eco_model *model)
 {
-	uint32_t most = fit->options->levels ? fit->options->levels
-		: LOD_SPLAT_LEVELS - (model->triangle_count < LARGE_PLANT);
-	most = most < LOD_SPLAT_LEVELS ? most : LOD_SPLAT_LEVELS;
+	uint32_t most = fit->options->levels && fit->options->levels < fit->most ? fit->options->levels
+		: fit->most;
 	uint32_t count = 1;
-	while (count < most && level_size[count] <= MOST_SHARE * 3 * model->triangle_count)
+	while (count < most && fit->size[count] <= MOST_SHARE * 3 * model->triangle_count)
 		count++;
 	return count;
 }
@@ -233,13 +225,15 @@ static bool gather(struct fit *fit)
 	uint32_t count = 0;
 	for (uint32_t i = 0; i < fit->views.count; i++)
 		count += fit->views.items[i].sample_count;
-	fit->point = lod_arena_take(&fit->arena, count, sizeof *fit->point);
+	fit->points.at = lod_arena_take(&fit->arena, count, sizeof *fit->points.at);
+	fit->points.triangle = lod_arena_take(&fit->arena, count, sizeof *fit->points.triangle);
 	for (uint32_t i = 0; i < fit->views.count; i++) {
 		const struct splat_view *view = &fit->views.items[i];
-		if (view->sample_count)
-			memcpy(fit->point + fit->point_count, view->sample,
-				view->sample_count * sizeof *view->sample);
-		fit->point_count += view->sample_count;
+		memcpy(fit->points.at + fit->points.count, view->sample,
+			view->sample_count * sizeof *view->sample);
+		memcpy(fit->points.triangle + fit->points.count, view->triangle,
+			view->sample_count * sizeof *view->triangle);
+		fit->points.count += view->sample_count;
 	}
 	return count > 0;
 }
@@ -282,13 +276,13 @@ static float chance_of(const struct fit *fit, const struct eco_model *model)
 static bool descend(struct fit *fit, uint32_t level, uint32_t levels, bool settle)
 {
 	struct splat_descent descent = { .views = &fit->views, .splats = fit->level[level],
-		.count = level_size[level], .opaque = fit->options->opaque, .chance = fit->chance,
+		.count = fit->size[level], .opaque = fit->options->opaque, .chance = fit->chance,
 		.level = level, .levels = levels, .options = fit->options, .settle = settle };
-	if (level_size[level] <= FEW_SPLATS && descent.chance < CHANCE_FEW)
+	if (fit->size[level] <= FEW_SPLATS && descent.chance < CHANCE_FEW)
 		descent.chance = CHANCE_FEW;
 	if (level && !settle) {
 		descent.parents = fit->level[level - 1];
-		descent.children = level_size[level] / level_size[level - 1];
+		descent.children = fit->size[level] / fit->size[level - 1];
 	}
 	bool go = splat_descend(&descent, &fit->arena);
 	fit->splats->loss[level] = descent.loss;
@@ -304,14 +298,14 @@ static void find_gains(struct fit *fit, uint32_t levels, struct family *family)
 {
 	for (uint32_t l = 0; l < levels; l++)
 		for (uint32_t m = l; m < levels; m++)
-			family->gain[l][m] = lod_arena_take(&fit->arena, level_size[l],
+			family->gain[l][m] = lod_arena_take(&fit->arena, fit->size[l],
 				sizeof *family->gain[l][m]);
 	for (uint32_t l = levels - 1; l-- > 0;) {
-		uint32_t children = level_size[l + 1] / level_size[l];
-		splat_gains(&fit->views, fit->level[l], level_size[l], fit->level[l + 1], children,
+		uint32_t children = fit->size[l + 1] / fit->size[l];
+		splat_gains(&fit->views, fit->level[l], fit->size[l], fit->level[l + 1], children,
 			&fit->arena, family->gain[l][l]);
 		for (uint32_t m = l + 1; m < levels; m++)
-			for (uint32_t i = 0; i < level_size[l + 1]; i++)
+			for (uint32_t i = 0; i < fit->size[l + 1]; i++)
 				family->gain[l][m][i / children] += family->gain[l + 1][m][i];
 	}
 }
@@ -368,8 +362,8 @@ static void try_orders(struct siblings *s, uint32_t at)
 static void order_level(struct fit *fit, const struct family *family, uint32_t level, uint32_t levels,
 	const uint32_t *parents, uint32_t *order)
 {
-	uint32_t count = level_size[level] / level_size[level - 1];
-	for (uint32_t i = 0; i < level_size[level]; i += count) {
+	uint32_t count = fit->size[level] / fit->size[level - 1];
+	for (uint32_t i = 0; i < fit->size[level]; i += count) {
 		struct siblings s = { .family = family, .level = level, .levels = levels, .count = count,
 			.first = parents[i / count] * count, .order = { 0, 1, 2, 3 }, .least = INFINITY };
 		try_orders(&s, 0);
@@ -377,9 +371,9 @@ static void order_level(struct fit *fit, const struct family *family, uint32_t l
 			order[i + k] = s.first + s.best[k];
 	}
 	const struct lod_arena_piece *mark = fit->arena.last;
-	struct splat_params *copy = lod_arena_take(&fit->arena, level_size[level], sizeof *copy);
-	memcpy(copy, fit->level[level], level_size[level] * sizeof *copy);
-	for (uint32_t i = 0; i < level_size[level]; i++)
+	struct splat_params *copy = lod_arena_take(&fit->arena, fit->size[level], sizeof *copy);
+	memcpy(copy, fit->level[level], fit->size[level] * sizeof *copy);
+	for (uint32_t i = 0; i < fit->size[level]; i++)
 		fit->level[level][i] = copy[order[i]];
 	lod_arena_release(&fit->arena, mark);
 }
@@ -390,7 +384,7 @@ static void order_all(struct fit *fit, uint32_t levels)
 	uint32_t *order[LOD_SPLAT_LEVELS];
 	find_gains(fit, levels, family);
 	for (uint32_t l = 0; l < levels; l++) {
-		order[l] = lod_arena_take(&fit->arena, level_size[l], sizeof **order);
+		order[l] = lod_arena_take(&fit->arena, fit->size[l], sizeof **order);
 		if (l)
 			order_level(fit, family, l, levels, order[l - 1], order[l]);
 	}
@@ -400,7 +394,7 @@ static void order_all(struct fit *fit, uint32_t levels)
 
 static void round_level(struct fit *fit, uint32_t level, struct lod_splat *to)
 {
-	for (uint32_t i = 0; i < level_size[level]; i++) {
+	for (uint32_t i = 0; i < fit->size[level]; i++) {
 		splat_store(&to[i], &fit->level[level][i], fit->splats);
 		splat_restore(&fit->level[level][i], &to[i], fit->splats);
 	}
@@ -412,7 +406,7 @@ static bool store(struct fit *fit, uint32_t levels)
 	struct lod_splats *splats = fit->splats;
 	uint32_t count = 0;
 	for (uint32_t l = 0; l < levels; l++)
-		splats->level_end[l] = count += level_size[l];
+		splats->level_end[l] = count += fit->size[l];
 	splats->items = lod_arena_own(&fit->arena, count, sizeof *splats->items);
 	for (uint32_t l = 0; l < levels; l++) {
 		struct lod_splat *to = splats->items + lod_splats_first(splats, l);
@@ -420,9 +414,9 @@ static bool store(struct fit *fit, uint32_t levels)
 		if (!descend(fit, l, levels, true))
 			return false;
 		round_level(fit, l, to);
-		splat_color_level(&fit->views, fit->level[l], level_size[l],
+		splat_color_level(&fit->views, fit->level[l], fit->size[l],
 			l ? splats->items + lod_splats_first(splats, l - 1) : NULL,
-			l ? level_size[l] / level_size[l - 1] : 1, &fit->arena, to);
+			l ? fit->size[l] / fit->size[l - 1] : 1, &fit->arena, to);
 	}
 	splats->level_count = levels;
 	return true;
@@ -439,6 +433,7 @@ static enum eco_code run(struct fit *fit, const struct eco_model *model, struct 
 	if (code || !gather(fit))
 		return code;
 	place(fit->splats, &fit->views);
+	choose_sizes(fit, model);
 	fit->chance = chance_of(fit, model);
 	uint32_t levels = count_levels(fit, model);
 	for (uint32_t l = 0; l < levels; l++) {

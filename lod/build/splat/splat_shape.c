@@ -1,4 +1,4 @@
-/* Shapes of splats: orthogonal half axes, and the codes that are stored. */
+/* Shapes of splats: moments of points, orthogonal half axes, and the codes that are stored. */
 #include <math.h>
 #include <string.h>
 
@@ -52,6 +52,40 @@ void splat_eigen(const double matrix[3][3], double value[3], double vector[3][3]
 		value[i] = a[order[i]][order[i]];
 		memcpy(vector[i], v[order[i]], sizeof vector[i]);
 	}
+}
+
+void splat_moments(const float (*point)[3], uint32_t count, double mean[3], double value[3],
+	double vector[3][3])
+{
+	double square[3][3] = { { 0 } };
+	memset(mean, 0, 3 * sizeof *mean);
+	for (uint32_t i = 0; i < count; i++)
+		for (int k = 0; k < 3; k++)
+			mean[k] += point[i][k];
+	for (int k = 0; k < 3 && count; k++)
+		mean[k] /= count;
+	for (uint32_t i = 0; i < count; i++)
+		for (int k = 0; k < 3; k++)
+			for (int j = 0; j < 3; j++)
+				square[k][j] += (point[i][k] - mean[k]) * (point[i][j] - mean[j]) / count;
+	splat_eigen((const double (*)[3])square, value, vector);
+}
+
+void splat_sort_along(float (*point)[3], uint32_t count, struct lod_arena *arena)
+{
+	double mean[3], value[3], vector[3][3];
+	const struct lod_arena_piece *mark = arena->last;
+	struct lod_keyed *keyed = lod_arena_take(arena, count, sizeof *keyed);
+	float (*copy)[3] = lod_arena_take(arena, count, sizeof *copy);
+	splat_moments((const float (*)[3])point, count, mean, value, vector);
+	memcpy(copy, point, count * sizeof *copy);
+	for (uint32_t i = 0; i < count; i++)
+		keyed[i] = (struct lod_keyed){ lod_sort_key(copy[i][0] * vector[0][0]
+			+ copy[i][1] * vector[0][1] + copy[i][2] * vector[0][2]), i };
+	lod_sort(arena, keyed, count);
+	for (uint32_t i = 0; i < count; i++)
+		memcpy(point[i], copy[keyed[i].value], sizeof *copy);
+	lod_arena_release(arena, mark);
 }
 
 void splat_orthogonal(struct splat_params *splat)

@@ -1,5 +1,5 @@
 /* The inside of fitting splats, shared by splat_fit.c (levels), splat_views.c (the plant's pictures),
- * splat_gradient.c (one picture of splats and its gradient) and splat_order.c.
+ * splat_gradient.c (one picture of splats and its gradient), splat_blades.c and splat_order.c.
  *
  * Everything is in units of the plant's bounding sphere: its centre is 0, its radius 1. */
 #ifndef LOD_SPLAT_STATE_H
@@ -23,6 +23,7 @@ struct splat_view {
 	float (*light)[3];           /* mean light of that share, in 1/65535; `pixels` a row */
 	double covered;              /* sum of cover */
 	float (*sample)[3];          /* points of the visible surface */
+	uint32_t *triangle;          /* of the model, that each shows */
 	uint32_t sample_count;
 };
 
@@ -36,6 +37,10 @@ struct splat_views {
 /* Draws the model in all views. `views->covered` is 0 everywhere if it shows nothing. */
 enum eco_code splat_views_make(struct splat_views *views, const struct eco_model *model,
 	const struct lod_splats_options *options, struct lod_arena *arena, struct eco_error *error);
+
+/* Those of all views. */
+struct splat_points { float (*at)[3]; uint32_t *triangle, count; };
+struct splat_part { uint32_t first, end; };      /* some of them */
 
 /* Softness of edges while splats are fitted. */
 struct splat_softness {
@@ -84,6 +89,11 @@ void splat_color_level(const struct splat_views *views, const struct splat_param
 
 /* Eigenvectors of a symmetric matrix (rows) and its eigenvalues, falling. */
 void splat_eigen(const double matrix[3][3], double value[3], double vector[3][3]);
+/* Mean of points and eigenvectors of their second moments, the longest first. */
+void splat_moments(const float (*point)[3], uint32_t count, double mean[3], double value[3],
+	double vector[3][3]);
+/* Sorts points along their longest axis. */
+void splat_sort_along(float (*point)[3], uint32_t count, struct lod_arena *arena);
 /* Half axes made orthogonal. */
 void splat_orthogonal(struct splat_params *splat);
 
@@ -102,5 +112,21 @@ static inline double splat_distance2(const struct splat_params *splat, const dou
 /* Codes and what they say. */
 void splat_store(struct lod_splat *out, const struct splat_params *splat, const struct lod_splats *splats);
 void splat_restore(struct splat_params *out, const struct lod_splat *splat, const struct lod_splats *splats);
+
+/* ---- Plants of blades (splat_blades.c) ---- */
+
+struct splat_blades {
+	uint32_t levels, level;      /* all; the one with a splat for each blade */
+	uint32_t size[LOD_SPLAT_LEVELS];
+	struct splat_part *parts;    /* points of each splat of that level */
+};
+
+/* Whether nearly all of the plant are blades, each a component of its own. Then it sorts the points, but not
+ * their triangles, by the parts. */
+bool splat_blades_find(struct splat_blades *blades, const struct splat_points *points,
+	const struct eco_model *model, struct lod_arena *arena);
+/* The points of splat i of a level up to that of the blades; those that its descent begins with. */
+struct splat_part splat_blades_part(const struct splat_blades *blades, uint32_t level, uint32_t i);
+struct splat_part splat_blades_start(const struct splat_blades *blades, uint32_t level, uint32_t i);
 
 #endif

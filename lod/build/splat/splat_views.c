@@ -123,8 +123,10 @@ static void take_samples(struct splat_views *views, uint32_t index, const struct
 		uint64_t bits = eco_mix_next(&seed);
 		uint32_t x = (uint32_t)(bits & 0xffffffff) % raster->width,
 			y = (uint32_t)(bits >> 32) % raster->height;
-		if (raster->cover[(size_t)y * raster->width + x])
-			surface_point(view->sample[view->sample_count++], views, view, raster, x, y);
+		if (!raster->cover[(size_t)y * raster->width + x])
+			continue;
+		view->triangle[view->sample_count] = raster->item[(size_t)y * raster->width + x];
+		surface_point(view->sample[view->sample_count++], views, view, raster, x, y);
 	}
 }
 
@@ -151,6 +153,7 @@ static void allocate(struct splat_views *views, struct lod_arena *arena)
 		view->cover = lod_arena_take(arena, pixels * views->stride, sizeof *view->cover);
 		view->light = lod_arena_take(arena, pixels * pixels, sizeof *view->light);
 		view->sample = lod_arena_take(arena, SAMPLES / views->count, sizeof *view->sample);
+		view->triangle = lod_arena_take(arena, SAMPLES / views->count, sizeof *view->triangle);
 	}
 }
 
