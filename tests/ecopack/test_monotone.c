@@ -1,4 +1,4 @@
-/* More vertices look no worse: a generated tree of cards, and a crown of few triangles, each
+/* More vertices look no worse: a generated tree of cards, a crown of few triangles, and fields of blades, each
  * alone with 1, 2, 4, ... vertices. */
 #include <math.h>
 #include <stdio.h>
@@ -37,7 +37,39 @@ static void write_crown(const char *path)
 	file_write_text(ROOT "/crown.mtl", "newmtl bark\nKd .4 .3 .2\nnewmtl leaves\nKd .2 .5 .1\n");
 }
 
-static void walk(const char *scene, uint32_t least_splats)
+struct field { const char *name; uint32_t count, turn; double height, spread, width, q[2]; };
+
+/* Bent blades of three triangles. */
+static void write_blades(const char *path, const struct field *field)
+{
+	FILE *file = fopen(path, "wb");
+	assert_non_null(file);
+	for (uint32_t i = 0; i < field->count; i++) {
+		double turn = 2.39996 * i, face = field->turn * i,
+			r = field->spread * sqrt((i + 0.5) / field->count),
+			high = field->height * (0.6 + 0.4 * (i * 7 % 11) / 10), half = field->width / 2,
+			x = r * cos(turn), z = r * sin(turn), side = half * sin(face), deep = half * cos(face),
+			mx = x + 0.1 * high * cos(face), mz = z - 0.1 * high * sin(face);
+		fprintf(file, "v %.5f 0 %.5f\nv %.5f 0 %.5f\nv %.5f %.5f %.5f\nv %.5f %.5f %.5f\nv %.5f %.5f "
+			"%.5f\nf -5 -4 -3\nf -5 -3 -2\nf -2 -3 -1\n", x - side, z - deep, x + side, z + deep,
+			mx + side, 0.6 * high, mz + deep, mx - side, 0.6 * high, mz - deep,
+			x + 0.4 * high * cos(face), 0.9 * high, z - 0.4 * high * sin(face));
+	}
+	assert_int_equal(fclose(file), 0);
+}
+
+/* Q with a share of the vertices, between two counts. */
+static double q_at(const struct plant_walk *walk, double share)
+{
+	double at = share * (double)walk->vertices[walk->count - 1];
+	uint32_t i = 1;
+	while (i + 1 < walk->count && (double)walk->vertices[i] < at)
+		i++;
+	double low = (double)walk->vertices[i - 1], part = (at - low) / ((double)walk->vertices[i] - low);
+	return walk->q[i - 1] + part * (walk->q[i] - walk->q[i - 1]);
+}
+
+static struct plant_walk walk(const char *scene, uint32_t least_splats)
 {
 	struct eco_error error = { 0 };
 	struct eco_pack *pack;
@@ -57,6 +89,7 @@ static void walk(const char *scene, uint32_t least_splats)
 			(unsigned long long)walk.fall_at);
 	assert_true(walk.q[walk.count - 1] == 1 && walk.soft_q[walk.count - 1] == 1);
 	eco_pack_close(pack);
+	return walk;
 }
 
 static void write_scene(const char *path, const char *model)
@@ -90,6 +123,24 @@ UNIT_TEST(a_crown_of_few_triangles_never_falls)
 {
 	write_scene(ROOT "/round.json", "crown.obj");
 	walk(ROOT "/round.json", 1 + 3 + 12 + 48);
+}
+
+/* Blades that are thinner than a pixel: a picture that is off by a quarter of a pixel has a Q of .4 or .5. */
+UNIT_TEST(fields_of_blades_hold)
+{
+	static const struct field fields[] = { { "turf", 220, 1, 0.26, 0.75, 0.012, { 0.5, 0.3 } },
+		{ "reeds", 90, 3, 1.6, 0.5, 0.02, { 0.5, 0.3 } } };
+	for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
+		char model[60], scene[100], path[100];
+		snprintf(model, sizeof model, "%s.obj", fields[i].name);
+		snprintf(scene, sizeof scene, ROOT "/%s.json", fields[i].name);
+		snprintf(path, sizeof path, ROOT "/%s", model);
+		write_blades(path, &fields[i]);
+		write_scene(scene, model);
+		struct plant_walk walked = walk(scene, fields[i].count);
+		assert_true(q_at(&walked, 1.0 / 8) > fields[i].q[0]);
+		assert_true(q_at(&walked, 1.0 / 16) > fields[i].q[1]);
+	}
 }
 
 int main(void)
