@@ -1,5 +1,5 @@
-/* More vertices look no worse: a generated tree of cards, a crown of few triangles, and fields of blades, each
- * alone with 1, 2, 4, ... vertices. */
+/* More vertices look no worse: a generated tree of cards, a crown of few triangles, and fields of blades,
+ * each alone with 1, 2, 4, ... vertices. */
 #include <math.h>
 #include <stdio.h>
 
@@ -48,7 +48,8 @@ static void write_blades(const char *path, const struct field *field)
 		double turn = 2.39996 * i, face = field->turn * i,
 			r = field->spread * sqrt((i + 0.5) / field->count),
 			high = field->height * (0.6 + 0.4 * (i * 7 % 11) / 10), half = field->width / 2,
-			x = r * cos(turn), z = r * sin(turn), side = half * sin(face), deep = half * cos(face),
+			x = r * cos(turn), z = r * sin(turn), side = half * sin(face),
+			deep = half * cos(face),
 			mx = x + 0.1 * high * cos(face), mz = z - 0.1 * high * sin(face);
 		fprintf(file, "v %.5f 0 %.5f\nv %.5f 0 %.5f\nv %.5f %.5f %.5f\nv %.5f %.5f %.5f\nv %.5f %.5f "
 			"%.5f\nf -5 -4 -3\nf -5 -3 -2\nf -2 -3 -1\n", x - side, z - deep, x + side, z + deep,

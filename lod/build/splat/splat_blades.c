@@ -1,11 +1,10 @@
 /* Plants of blades: grass, turf, reeds.
  *
- * Blades are thinner than a pixel, and a splat is right where it lies on one blade and wrong nearly everywhere
- * where it covers two. A descent does not find this by itself: parts of equally many points mix blades, and
- * no small step leads from a splat across two blades to one along either. So one level has a splat for each
- * blade. The two levels before it begin with the blades that show most, alone, since a half of all blades
- * drawn well beats all of them drawn as haze; coarser levels begin with all points of their blades.
- * Figures: lod/EXPERIMENTS.md, Splats, Blades. */
+ * Blades are thinner than a pixel. A splat is right where it lies on one blade, and mostly wrong where it
+ * covers two. A descent does not find this by itself: parts of equally many points mix blades, and no small
+ * step leads from a splat across two blades to one along either. So one level has a splat for each blade. The
+ * two levels before it begin with the blades that show most, one for each splat; coarser levels begin with
+ * all points of their blades. Figures: lod/EXPERIMENTS.md, Splats, Blades. */
 #include <math.h>
 #include <string.h>
 
@@ -16,8 +15,8 @@
 #define BLADES_LEAST 48u         /* fewer are found by the usual start */
 #define BLADES_MOST 1024u
 #define LONG2 16                 /* square of a blade's length over its width */
+#define ALONE_LEVELS 2u          /* before that of the blades */
 #define LONG_SHARE 0.9           /* of all points: lie on such blades */
-#define ALONE_LEVELS 2u
 
 struct blade { struct splat_part part; double mean[3], length; };
 

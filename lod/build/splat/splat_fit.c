@@ -29,6 +29,7 @@
 
 #define USUAL_LEVELS 7u
 static const uint32_t usual_size[USUAL_LEVELS] = { 1, 3, 12, 48, 192, 768, 3072 };
+#define SPARSE 0.4               /* cover: blades stand apart (splat_blades.c) */
 #define CHANCE_OPAQUE 0.4f
 #define CHANCE_FEW 0.1f          /* at least, for levels of at most so many splats */
 #define FEW_SPLATS 12u
@@ -49,6 +50,7 @@ struct fit {
 	struct splat_part *parts[LOD_SPLAT_LEVELS];
 	struct splat_params *level[LOD_SPLAT_LEVELS];
 	struct lod_splats *splats;
+	double cover;                    /* mean cover of the pixels that the plant covers at all */
 	float chance;                    /* how much of the objective is hard Q */
 };
 
@@ -167,7 +169,8 @@ static void share_points(struct fit *fit, uint32_t level)
 static void choose_sizes(struct fit *fit, const struct eco_model *model)
 {
 	memcpy(fit->size, usual_size, sizeof usual_size);
-	fit->most = fit->options->levels ? USUAL_LEVELS : USUAL_LEVELS - (model->triangle_count < LARGE_PLANT);
+	bool small = model->triangle_count < LARGE_PLANT;
+	fit->most = fit->options->levels ? USUAL_LEVELS : USUAL_LEVELS - small;
 	if (model->triangle_count < FEW_TRIANGLES
 			&& splat_blades_find(&fit->blades, &fit->points, model, &fit->arena)) {
 		memcpy(fit->size, fit->blades.size, sizeof fit->size);
@@ -249,22 +252,28 @@ static void place(struct lod_splats *splats, const struct splat_views *views)
 	}
 }
 
+/* The mean cover of the pixels that the plant covers at all. */
+static double cover_of(const struct splat_views *views)
+{
+	double sum = 0;
+	uint64_t pixels = 0;
+	for (uint32_t v = 0; v < views->count; v++) {
+		const struct splat_view *view = &views->items[v];
+		sum += view->covered;
+		for (size_t p = 0; p < (size_t)views->pixels * views->stride; p++)
+			pixels += view->cover[p] > 0;
+	}
+	return sum / (double)(pixels + !pixels);
+}
+
 /* Hard Q of opaque splats is what they are for. Thin plants of few triangles get it, too: all of their splats
  * are few beside the pixels that they are drawn in, and opacity adds noise to noise. */
 static float chance_of(const struct fit *fit, const struct eco_model *model)
 {
-	double sum = 0, cover;
-	uint64_t pixels = 0;
+	double cover = fit->cover;
 	uint32_t i = 1;
 	if (fit->options->opaque || model->triangle_count >= FEW_TRIANGLES)
 		return fit->options->opaque ? CHANCE_OPAQUE : CHANCE;
-	for (uint32_t v = 0; v < fit->views.count; v++) {
-		const struct splat_view *view = &fit->views.items[v];
-		sum += view->covered;
-		for (size_t p = 0; p < (size_t)fit->views.pixels * fit->views.stride; p++)
-			pixels += view->cover[p] > 0;
-	}
-	cover = sum / (double)(pixels + !pixels);
 	cover = cover > chances[0].cover ? cover : chances[0].cover;
 	while (i + 1 < sizeof chances / sizeof *chances && cover > chances[i].cover)
 		i++;
@@ -287,6 +296,17 @@ static bool descend(struct fit *fit, uint32_t level, uint32_t levels, bool settl
 	bool go = splat_descend(&descent, &fit->arena);
 	fit->splats->loss[level] = descent.loss;
 	return go;
+}
+
+/* ---- Blades ---- */
+
+/* Where pixels are covered little, half of the blades drawn well are better than haze: the level before that
+ * of the blades becomes half of its splats. Where blades are dense, splats that stand for two are better. */
+static void keep_heads(struct fit *fit)
+{
+	uint32_t level = fit->blades.level, half = level - 1, each = fit->size[level] / fit->size[half];
+	for (uint32_t i = 0; i < fit->size[half]; i++)
+		fit->level[half][i] = fit->level[level][(size_t)i * each];
 }
 
 /* ---- Order ---- */
@@ -434,12 +454,15 @@ static enum eco_code run(struct fit *fit, const struct eco_model *model, struct 
 		return code;
 	place(fit->splats, &fit->views);
 	choose_sizes(fit, model);
+	fit->cover = cover_of(&fit->views);
 	fit->chance = chance_of(fit, model);
 	uint32_t levels = count_levels(fit, model);
 	for (uint32_t l = 0; l < levels; l++) {
 		start_level(fit, l);
 		if (!descend(fit, l, levels, false))
 			return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+		if (fit->blades.levels && l == fit->blades.level && fit->cover < SPARSE)
+			keep_heads(fit);
 		if (fit->splats->loss[l] < ENOUGH)
 			levels = l + 1;
 	}
