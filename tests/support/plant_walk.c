@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "ecofiles/ecopack/sheet.h"
+#include "lod/ladder.h"
 
 #define AWAY 64.0                /* of the camera, radii */
 #define FRAME 1.03
@@ -12,6 +13,9 @@
 
 struct walker {
 	struct sheet_plant plant;
+	struct eco_scene all;        /* the plant's scene before it was left one kind */
+	struct eco_ladder *ladders;  /* that kind's */
+	struct eco_curve *curves;
 	uint32_t pixels;
 	struct lod_eye fine_eye;
 	struct lod_raster raster, fine;
@@ -69,7 +73,11 @@ static enum eco_code shoot(struct walker *w, uint64_t vertices, bool full, doubl
 	struct eco_error *error)
 {
 	struct sheet_drawing drawing;
+	struct eco_scene scene = w->plant.scene;
+	if (full)
+		w->plant.scene = w->all;
 	enum eco_code code = sheet_drawing_make(&drawing, &w->plant, vertices, error);
+	w->plant.scene = scene;
 	if (code)
 		return code;
 	draw(&w->raster, &w->plant, &w->plant.eye, &drawing);
@@ -88,6 +96,65 @@ static enum eco_code shoot(struct walker *w, uint64_t vertices, bool full, doubl
 	*soft_q += lod_soft_q(w->count, w->soft, pixels);
 	return ECO_OK;
 }
+
+/* ---- One kind alone ---- */
+
+/* The planner takes what has no errors to save for useless: its scale stays. */
+static void spoil(struct eco_curve *curve, uint32_t count)
+{
+	for (uint32_t i = 0; i < count; i++)
+		curve[i].fp = curve[i].fn = 1;
+}
+
+static uint32_t curves_of(const struct eco_ladder *ladder)
+{
+	return ladder->curve_count * (ladder->flags & ECO_LADDER_ABOVE ? 2 : 1);
+}
+
+/* The errors of splats, which follow those of an impostor: its shares are at most that of one vertex. */
+static void spoil_splats(struct walker *w, const struct eco_ladder *ladder)
+{
+	struct eco_curve *curve = w->curves + ladder->curve_first;
+	struct lod_way way;
+	lod_way_begin(&way, &w->all, ladder);
+	for (uint32_t i = 0; i < curves_of(ladder); i++)
+		if ((double)curve[i].share * (double)way.full > 1.5)
+			spoil(&curve[i], 1);
+}
+
+/* Leaves the planner one kind. Organs stay in the scene, as what they cover is what counts, but save nothing
+ * if they are not that kind. */
+static enum eco_code leave_one(struct walker *w, enum plant_kind kind, struct eco_error *error)
+{
+	struct eco_scene *scene = &w->plant.scene;
+	uint32_t kept = 0;
+	w->all = *scene;
+	if (kind == PLANT_ANY)
+		return ECO_OK;
+	w->ladders = calloc(scene->ladder_count + 1u, sizeof *w->ladders);
+	w->curves = calloc(scene->curve_count + 1u, sizeof *w->curves);
+	if (!w->ladders || !w->curves)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u ladders", scene->ladder_count);
+	memcpy(w->curves, scene->curves, scene->curve_count * sizeof *w->curves);
+	for (uint32_t i = 0; i < scene->ladder_count; i++) {
+		struct eco_ladder *ladder = &w->ladders[kept];
+		*ladder = scene->ladders[i];
+		bool whole = ladder->flags & ECO_LADDER_WHOLE;
+		if (!whole && kind != PLANT_ORGANS)
+			spoil(w->curves + ladder->curve_first, curves_of(ladder));
+		if (whole && kind == PLANT_SPLATS)
+			ladder->impostor = ECO_NONE;
+		if (whole && kind == PLANT_IMPOSTOR)
+			spoil_splats(w, ladder);
+		kept += !whole || kind != PLANT_ORGANS;
+	}
+	scene->ladders = w->ladders;
+	scene->ladder_count = kept;
+	scene->curves = w->curves;
+	return ECO_OK;
+}
+
+/* ---- Views ---- */
 
 static enum eco_code walk_views(struct walker *w, struct plant_walk *walk, uint32_t views,
 	struct eco_error *error)
@@ -139,12 +206,53 @@ enum eco_code plant_walk(struct plant_walk *walk, const struct eco_pack *pack, u
 	walk->vertices[walk->count++] = w.plant.full;
 	code = make_rasters(&w, error);
 	if (!code)
+		code = leave_one(&w, options->kind, error);
+	if (!code)
 		code = walk_views(&w, walk, options->views, error);
 	lod_raster_free(&w.raster);
 	lod_raster_free(&w.fine);
 	free(w.cover);
 	free(w.count);
 	free(w.soft);
+	free(w.ladders);
+	free(w.curves);
 	sheet_plant_close(&w.plant);
 	return code;
+}
+
+enum eco_code plant_regret(struct plant_regret *regret, const struct eco_pack *pack, uint32_t number,
+	const struct plant_walk_options *options, struct eco_error *error)
+{
+	struct plant_walk walk[PLANT_KINDS];
+	*regret = (struct plant_regret){ 0 };
+	for (enum plant_kind k = PLANT_ANY; k < PLANT_KINDS; k++) {
+		struct plant_walk_options one = *options;
+		one.kind = k;
+		enum eco_code code = plant_walk(&walk[k], pack, number, &one, error);
+		if (code)
+			return code;
+	}
+	for (uint32_t i = 0; i + 1 < walk->count; i++) {
+		double below = 0;
+		enum plant_kind best = PLANT_ANY;
+		if (walk->vertices[i] < PLANT_REGRET_LEAST
+				|| 2 * walk->vertices[i] > walk->vertices[walk->count - 1])
+			continue;
+		for (enum plant_kind k = PLANT_ORGANS; k < PLANT_KINDS; k++)
+			if (walk[k].q[i] - walk->q[i] > below) {
+				below = walk[k].q[i] - walk->q[i];
+				best = k;
+			}
+		regret->count++;
+		regret->within += below <= PLANT_REGRET_FREE;
+		regret->mean += below;
+		if (below > regret->worst) {
+			regret->worst = below;
+			regret->worst_at = walk->vertices[i];
+			regret->best = best;
+		}
+	}
+	if (regret->count)
+		regret->mean /= regret->count;
+	return ECO_OK;
 }
