@@ -13,6 +13,7 @@
 #include "ecofiles/base/mix.h"
 
 #define PAYLOAD_VERSION 1u
+#define PAYLOAD_PACKED 2u
 
 struct eco_chunk_id eco_chunk_hash(const uint8_t *bytes, size_t size_bytes)
 {
@@ -129,6 +130,8 @@ struct eco_rows_shape eco_payload_shape(const struct eco_list *list, uint8_t cod
 		.extra_count = (uint8_t)eco_list_extra_count(list),
 		.uv = (list->attributes & ECO_ATTR_UV) != 0,
 		.wide = stream->wide,
+		.packed = stream->packed,
+		.zeros = stream->zeros,
 		.uv_shift = stream->uv_shift,
 		.shift = stream->shift,
 		.split = coder == ECO_CODER_ROWS,
@@ -137,12 +140,37 @@ struct eco_rows_shape eco_payload_shape(const struct eco_list *list, uint8_t cod
 	};
 }
 
+/* What follows the version in PAYLOAD_PACKED. */
+static enum eco_code read_packed(struct eco_payload *payload, struct eco_reader *r, struct eco_error *error)
+{
+	struct eco_stream *s = &payload->streams[0];
+	payload->coder = eco_read_u8(r);
+	payload->stream_count = 1;
+	s->packed = true;
+	s->corners = eco_read_u8(r);
+	s->zeros = eco_read_u8(r);
+	uint8_t flags = eco_read_u8(r);
+	s->shift = flags >> 1 & 7;
+	s->uv_shift = flags >> 4;
+	s->predictors = s->corners > 2 ? eco_read_u16(r) : 0;
+	bool known = payload->coder == ECO_CODER_ELEMENTS || payload->coder == ECO_CODER_FORM
+		|| payload->coder == ECO_CODER_ROWS;
+	if (r->failed || !known || (flags & 1) || s->corners < 1 || s->corners > ECO_CORNERS_MAX)
+		return BAD("chunk: packed rows of coder %u with %u corners are impossible", payload->coder,
+			s->corners);
+	s->bytes = r->bytes + r->at;
+	s->size = r->size - r->at;
+	return ECO_OK;
+}
+
 enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes, size_t size,
 	struct eco_error *error)
 {
 	struct eco_reader r = { .bytes = bytes, .size = size };
 	uint8_t version = eco_read_u8(&r), last_corners = 0, reserved;
 	memset(payload, 0, sizeof *payload);
+	if (!r.failed && version == PAYLOAD_PACKED)
+		return read_packed(payload, &r, error);
 	payload->coder = eco_read_u8(&r);
 	payload->stream_count = eco_read_u8(&r);
 	reserved = eco_read_u8(&r);
@@ -179,23 +207,44 @@ enum eco_code eco_payload_read(struct eco_payload *payload, const uint8_t *bytes
 	return ECO_OK;
 }
 
+static void write_packed(struct eco_writer *w, const struct eco_payload *payload)
+{
+	const struct eco_stream *s = &payload->streams[0];
+	eco_write_u8(w, PAYLOAD_PACKED);
+	eco_write_u8(w, payload->coder);
+	eco_write_u8(w, s->corners);
+	eco_write_u8(w, s->zeros);
+	eco_write_u8(w, (uint8_t)(s->shift << 1 | s->uv_shift << 4));
+	if (s->corners > 2)
+		eco_write_u16(w, s->predictors);
+}
+
+static void write_records(struct eco_writer *w, const struct eco_payload *payload)
+{
+	eco_write_u8(w, PAYLOAD_VERSION);
+	eco_write_u8(w, payload->coder);
+	eco_write_u8(w, payload->coder == ECO_CODER_SHAPES ? 0 : (uint8_t)payload->stream_count);
+	eco_write_u8(w, payload->coder == ECO_CODER_SHAPES ? payload->streams[0].zeros : 0);
+	for (uint32_t i = 0; i < payload->stream_count && payload->coder != ECO_CODER_SHAPES; i++) {
+		const struct eco_stream *s = &payload->streams[i];
+		eco_write_u8(w, s->corners);
+		eco_write_u8(w, (uint8_t)(s->wide | s->shift << 1 | s->uv_shift << 4));
+		eco_write_u16(w, s->predictors);
+		eco_write_u32(w, s->elements);
+		eco_write_u32(w, (uint32_t)s->size);
+	}
+}
+
 enum eco_code eco_payload_write(const struct eco_payload *payload, uint8_t **bytes, size_t *size,
 	struct eco_error *error)
 {
 	struct eco_writer w = { 0 };
 	assert(payload->stream_count >= 1 && payload->stream_count <= ECO_PAYLOAD_STREAMS_MAX);
-	eco_write_u8(&w, PAYLOAD_VERSION);
-	eco_write_u8(&w, payload->coder);
-	eco_write_u8(&w, payload->coder == ECO_CODER_SHAPES ? 0 : (uint8_t)payload->stream_count);
-	eco_write_u8(&w, payload->coder == ECO_CODER_SHAPES ? payload->streams[0].zeros : 0);
-	for (uint32_t i = 0; i < payload->stream_count && payload->coder != ECO_CODER_SHAPES; i++) {
-		const struct eco_stream *s = &payload->streams[i];
-		eco_write_u8(&w, s->corners);
-		eco_write_u8(&w, (uint8_t)(s->wide | s->shift << 1 | s->uv_shift << 4));
-		eco_write_u16(&w, s->predictors);
-		eco_write_u32(&w, s->elements);
-		eco_write_u32(&w, (uint32_t)s->size);
-	}
+	assert(payload->stream_count == 1 || !payload->streams[0].packed);
+	if (payload->streams[0].packed)
+		write_packed(&w, payload);
+	else
+		write_records(&w, payload);
 	for (uint32_t i = 0; i < payload->stream_count; i++)
 		eco_write_bytes(&w, payload->streams[i].bytes, payload->streams[i].size);
 	if (w.failed || w.size > ECO_CHUNK_BYTES_MAX) {

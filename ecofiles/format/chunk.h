@@ -1,7 +1,7 @@
 /* A chunk's payload: elements <-> bytes, through Draco.
  *
  * Payload (all little-endian). BYTES: the file itself. Everything else:
- *   0   u8   1 (version)
+ *   0   u8   1 (version); 2: packed rows, below
  *   1   u8   coder (enum eco_coder)
  *   2   u8   stream count s, 1..4, or 0 (SHAPES)
  *   3   u8   0, or the bytes left off at the end (SHAPES)
@@ -24,6 +24,12 @@
  *             corner along the curve, and its extra values. Any other element has its corners, each one
  *             either a corner that was there before or the miss of a prediction, and texture coordinates.
  *             shape.h and chunk_corners.h define the values.
+ * Packed rows, the only stream of a payload: a chunk of few rows of ELEMENTS, FORM or ROWS has this form
+ * where it is smaller (leaves as ELEMENTS do not):
+ *   0   u8   2      1   u8   coder      2   u8   corners      3   u8   the bytes left off at the end
+ *   4   u8   flags, never `wide`; then u16 predictors if corners > 2
+ *   .   one range-coded stream of the columns that a Draco stream of the chunk would have (chunk_columns.h)
+ *
  * A chunk of an ELEMENTS list of triangles has coder SHAPES where that is smaller. A chunk of a MESH list
  * has coder ELEMENTS (one stream of corners = 3, drawn in stored order) where edgebreaker would lose or
  * alter a triangle, or is larger.

@@ -228,7 +228,7 @@ static enum eco_code check_streams(const struct eco_payload *payload, struct eco
 	enum eco_draco_order order = payload->coder == ECO_CODER_KD ? ECO_DRACO_KD : ECO_DRACO_SEQUENTIAL;
 	for (uint32_t i = 0; i < payload->stream_count && payload->coder != ECO_CODER_SHAPES; i++) {
 		const struct eco_stream *s = &payload->streams[i];
-		bool good = payload->coder == ECO_CODER_MESH && s->corners == 3
+		bool good = s->packed ? true : payload->coder == ECO_CODER_MESH && s->corners == 3
 			? eco_draco_mesh_start(s->bytes, s->size, s->elements)
 			: eco_draco_rows_start(s->bytes, s->size, order, s->elements);
 
@@ -248,6 +248,8 @@ enum eco_code eco_chunk_decode(const struct eco_list *list, const struct eco_chu
 	enum eco_code code = check_expected(list, chunk, size_bytes, error);
 	if (!code)
 		code = eco_payload_read(&payload, bytes, size_bytes, error);
+	if (!code && payload.streams[0].packed)
+		payload.streams[0].elements = chunk->element_count;
 	if (!code)
 		code = check_payload(list, chunk, &payload, &corner_count, error);
 	if (!code)

@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/format/chunk_columns.h"
 #include "ecofiles/format/chunk_payload.h"
 
 #define KEPT_FIRST 96u           /* a chunk that begins before this element keeps its order */
@@ -169,9 +170,34 @@ static enum eco_code find_elements(const struct eco_chunk_input *input, struct s
 	return ECO_OK;
 }
 
-/* Encodes stored elements of one corner count as the payload's next stream. */
+/* Packs the rows where that is smaller than the stream that is there, which must be the only one. */
+static enum eco_code try_packed(const struct eco_chunk_rows *rows, struct eco_stream *stream,
+	struct eco_error *error)
+{
+	const size_t record = 11;    /* bytes that the streams' records take more */
+	uint8_t *bytes, zeros;
+	size_t size;
+	if (rows->shape.rows > ECO_COLUMNS_ROWS_MAX || rows->shape.order != ECO_DRACO_SEQUENTIAL)
+		return ECO_OK;
+	enum eco_code code = eco_columns_encode(rows, &bytes, &size, &zeros, error);
+	if (code)
+		return code;
+	if (size >= stream->size + record) {
+		free(bytes);
+		return ECO_OK;
+	}
+	free((void *)stream->bytes);
+	stream->bytes = bytes;
+	stream->size = size;
+	stream->zeros = zeros;
+	stream->packed = true;
+	stream->wide = false;
+	return ECO_OK;
+}
+
+/* Encodes stored elements of one corner count as the payload's next stream; alone: the only one. */
 static enum eco_code add_stream(struct eco_payload *payload, const struct eco_chunk_input *source,
-	const struct stored *stored, uint32_t count, struct eco_error *error)
+	const struct stored *stored, uint32_t count, bool alone, struct eco_error *error)
 {
 	const struct eco_elements *e = source->elements;
 	struct eco_stream *stream = &payload->streams[payload->stream_count];
@@ -201,6 +227,9 @@ static enum eco_code add_stream(struct eco_payload *payload, const struct eco_ch
 		stream->predictors = rows.shape.predictors;
 		payload->stream_count++;
 	}
+	/* leaves have SHAPES, which finds more in them */
+	if (!code && alone && (shape.corners < 3 || payload->coder == ECO_CODER_FORM))
+		code = try_packed(&rows, stream, error);
 	eco_rows_free(&rows);
 	return code;
 }
@@ -213,7 +242,7 @@ static enum eco_code add_streams(struct eco_payload *payload, const struct eco_c
 	for (uint32_t first = 0, end; code == ECO_OK && first < count; first = end) {
 		for (end = first + 1; end < count && stored[end].corners == stored[first].corners; end++)
 			;
-		code = add_stream(payload, source, stored + first, end - first, error);
+		code = add_stream(payload, source, stored + first, end - first, end - first == count, error);
 	}
 	return code;
 }
@@ -375,7 +404,7 @@ enum eco_code eco_chunk_encode_form(const struct eco_chunk_input *partner, const
 	if (!code) {
 		for (uint32_t i = 0; i < count; i++)
 			stored[i] = form[stored[i].element];
-		code = add_stream(&payload, &own, stored, count, error);
+		code = add_stream(&payload, &own, stored, count, true, error);
 	}
 	if (!code)
 		code = eco_payload_write(&payload, bytes, size_bytes, error);

@@ -14,8 +14,9 @@ struct eco_stream {
 	uint8_t uv_shift;
 	uint8_t shift;               /* of positions */
 	uint16_t predictors;
-	uint8_t zeros;               /* SHAPES: bytes at the end that are zero and not stored */
-	uint32_t elements;
+	bool packed;                 /* as chunk_columns.h says; then it is the only stream */
+	uint8_t zeros;               /* SHAPES, packed: bytes at the end that are zero and not stored */
+	uint32_t elements;           /* packed: eco_payload_read leaves it 0, the chunk's record says it */
 	const uint8_t *bytes;        /* reading: within the payload; writing: malloc'ed */
 	size_t size;
 };

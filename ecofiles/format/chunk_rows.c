@@ -10,6 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/format/chunk_columns.h"
+
 /* Corner k relative to corner 0 is predicted as the sum of these eighths times corners k-1, k-2, k-3 and
  * k-4 relative to corner 0. */
 static const int8_t predictors[ECO_ROWS_PREDICTORS][4] = {
@@ -429,7 +431,9 @@ enum eco_code eco_rows_decode(struct eco_chunk_rows *rows, const uint8_t *bytes,
 		if (predictor_of(rows->shape.predictors, k) >= ECO_ROWS_PREDICTORS)
 			return eco_fail(error, ECO_DAMAGED, "chunk: predictor %u of corner %u is unknown",
 				predictor_of(rows->shape.predictors, k), k);
-	if (rows->shape.wide)
+	if (rows->shape.packed)
+		code = eco_columns_decode(rows, bytes, size, rows->shape.zeros, error);
+	else if (rows->shape.wide)
 		code = decode_wide(rows, bytes, size, error);
 	else
 		code = eco_draco_decode_rows(rows->shape.order, bytes, size, rows->columns,

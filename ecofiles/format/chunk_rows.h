@@ -43,6 +43,8 @@ struct eco_rows_shape {
 	uint8_t extra_count;
 	bool uv;
 	bool wide;
+	bool packed;                 /* decoding: coded as chunk_columns.h says, not by Draco */
+	uint8_t zeros;               /* packed: bytes left off at the end */
 	uint8_t uv_shift;            /* 0..15; ground: low bits of heights */
 	uint8_t shift;               /* 0..7: eco_rows_get gives 2^shift times the value; not with `split` */
 	bool split;                  /* one corner only */

@@ -180,6 +180,26 @@ UNIT_TEST(equal_texture_coordinates_are_free)
 	eco_elements_free(&in);
 }
 
+/* Draco's tables of symbols would take more than the rows: three quarters of the bytes of few plants. */
+UNIT_TEST(few_rows_take_few_bytes)
+{
+	static const struct { uint32_t count; size_t most; } rows[] = { { 1, 28 }, { 8, 110 }, { 60, 700 } };
+	static const struct kind k = { "places", ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 1, 1, 60,
+		0, 65535, SCATTERED };
+	const struct eco_list list = kind_list(&k);
+	struct eco_elements in = kind_elements(&k, k.count, 4);
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		const struct eco_chunk_input input = { &list, &in, 0, rows[i].count, 0 };
+		uint8_t *bytes;
+		size_t size;
+		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
+		assert_int_equal(bytes[0], 2);           /* packed */
+		assert_in_range(size, 4, rows[i].most);
+		free(bytes);
+	}
+	eco_elements_free(&in);
+}
+
 UNIT_TEST(permutations_are_fair_and_fixed)
 {
 	static const uint32_t golden[8] = { 6, 5, 0, 2, 1, 4, 7, 3 };
