@@ -57,6 +57,7 @@ void srv_emit_restart(struct srv_emit *emit, const struct eco_holdings *holdings
 		if (item->chunks && plant != ECO_NONE)
 			emit->known[plant] = true;
 	}
+	emit->record = (struct eco_wire_record){ { 0 } };
 	emit->frames.size = 0;
 	emit->payload_count = emit->number = 0;
 	emit->bytes = emit->chunk_count = emit->chunk_bytes = 0;
@@ -162,7 +163,7 @@ static enum eco_code emit_list(struct srv_emit *emit, uint32_t list, uint32_t ch
 	enum eco_code code = ECO_OK;
 	if (emit->have[list] == 0 && chunks > 0) {
 		struct eco_frame_mark mark = begin(emit, ECO_FRAME_LIST);
-		eco_wire_write_list(&emit->frames, &emit->scene->pack->scene, list);
+		eco_wire_write_list(&emit->frames, &emit->scene->pack->scene, list, &emit->record);
 		end(emit, mark);
 	}
 	for (; !code && emit->have[list] < chunks; emit->have[list]++)

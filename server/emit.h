@@ -28,6 +28,7 @@ struct srv_emit {
 	struct eco_writer frames;            /* dry: the current frame only */
 	struct srv_payload *payloads;        uint32_t payload_count, payload_capacity;
 	uint32_t number;                     /* of the next frame */
+	struct eco_wire_record record;       /* of the last LIST */
 	uint64_t bytes;                      /* so far */
 	uint64_t chunk_count, chunk_bytes;
 };

@@ -10,16 +10,20 @@
  *   8   u64 XXH3-64 of bytes [0,8), of the frame's number in the stream (u32, from 0) and of the payload
  *   16  n bytes
  *
- * SCENE  u32 version = 8, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, u32 ground rows,
+ * SCENE  u32 version = 9, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, u32 ground rows,
  *        u32 plant count, u32 list count, str name
  * PLANT  u32 plant, str name, f32 height, u32 anchor first, u32 anchor count, anchors
  *                                                        once per plant of which the client has nothing
- * LIST   u32 list, the list record of pack.h (eco_list_write), its palette (3 bytes a colour)
+ * LIST   v list, squeezed record (below), palette (3 bytes a colour)
  *                                                                before the list's first chunk
- * CHUNK  u32 list, u32 ordinal, u8[16] id, u32 primitives, u32 elements, payload
+ * CHUNK  v list, v ordinal, u8[16] id, v primitives, v elements, payload
  *                                                                ordinals ascending per list
  * PLAN   below; replaces the plan before it. Each `list` in it is held up to its `end`. END    u64
  * vertices of the last plan, u64 bytes of the body, END included
+ *
+ * v: varint. A squeezed record is that of pack.h (eco_list_write), most of whose bytes are those of the LIST
+ * before: a bit for each byte, from the low end, 1 if it differs from the same byte of the stream's LIST
+ * before (the first: from 0); then those that differ. No bit is set in vain.
  *
  * str: varint length (at most 63), UTF-8 without NUL. Holdings (body of a POST): u32 count, then per list,
  * ascending: varint list delta (from the list before; the first from 0), varint chunks (at least 1). A
@@ -68,8 +72,11 @@
 
 enum eco_frame_type { ECO_FRAME_SCENE = 1, ECO_FRAME_PLANT, ECO_FRAME_LIST, ECO_FRAME_CHUNK, ECO_FRAME_PLAN,
 ECO_FRAME_END };
-#define ECO_WIRE_VERSION 8u
+#define ECO_WIRE_VERSION 9u
 #define ECO_FRAME_HEADER_BYTES 16u
+#define ECO_WIRE_RECORD_BYTES 100u       /* of a list */
+/* The record of the LIST frame before; zeros where a stream begins. */
+struct eco_wire_record { uint8_t bytes[ECO_WIRE_RECORD_BYTES]; };
 #define ECO_FRAME_PAYLOAD_MAX (1u << 27)
 #define ECO_END_FRAME_BYTES (ECO_FRAME_HEADER_BYTES + 16u)
 
@@ -88,7 +95,11 @@ void eco_frame_end(struct eco_writer *w, struct eco_frame_mark mark);
 void eco_wire_write_scene(struct eco_writer *w, const struct eco_scene *scene,
 	const struct eco_chunk_id *pack_id);
 void eco_wire_write_plant(struct eco_writer *w, const struct eco_scene *scene, uint32_t plant);
-void eco_wire_write_list(struct eco_writer *w, const struct eco_scene *scene, uint32_t list);
+/* *before: becomes the list's. */
+void eco_wire_write_list(struct eco_writer *w, const struct eco_scene *scene, uint32_t list,
+	struct eco_wire_record *before);
+/* A squeezed record: the part of a LIST frame between the list's number and its palette. */
+void eco_wire_write_record(struct eco_writer *w, const struct eco_list *list, struct eco_wire_record *before);
 /* Writes only the fields before the payload; the caller appends the payload. */
 void eco_wire_write_chunk(struct eco_writer *w, const struct eco_scene *scene, uint32_t list,
 	uint32_t ordinal);

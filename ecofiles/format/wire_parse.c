@@ -35,6 +35,7 @@ struct eco_wire_parser {
 
 	uint32_t last_type;                  /* 0 before the first frame */
 	uint32_t last_list, last_ordinal;    /* of the last CHUNK; ECO_NONE before it */
+	struct eco_wire_record record;       /* of the last LIST */
 	uint64_t vertices;                   /* of the last PLAN */
 	uint32_t plant_count, list_count;
 	bool ground;
@@ -226,11 +227,37 @@ static enum eco_code check_list(const struct eco_wire_parser *p, uint32_t id, co
 	return ECO_OK;
 }
 
+/* A varint of at most 32 bits; else `r` fails. */
+static uint32_t read_count(struct eco_reader *r)
+{
+	uint64_t value = eco_read_varint(r);
+	r->failed |= value > UINT32_MAX;
+	return (uint32_t)value;
+}
+
+/* A list's record, squeezed as wire.h says; else `r` fails. */
+static void read_record(struct eco_reader *r, struct eco_wire_record *record, struct eco_list *list)
+{
+	const uint32_t size = (ECO_WIRE_RECORD_BYTES + 7) / 8;
+	const uint8_t *bits = eco_read_bytes(r, size);
+	for (uint32_t i = 0; bits && i < ECO_WIRE_RECORD_BYTES; i++)
+		if (bits[i / 8] >> i % 8 & 1) {
+			uint8_t byte = eco_read_u8(r);
+			r->failed |= byte == record->bytes[i];
+			record->bytes[i] = byte;
+		}
+	r->failed |= !bits || bits[size - 1] >> (1 + (ECO_WIRE_RECORD_BYTES - 1) % 8);
+	struct eco_reader inside = { .bytes = record->bytes, .size = sizeof record->bytes };
+	if (!r->failed)
+		eco_list_read(&inside, list);
+	r->failed |= inside.failed;
+}
+
 static enum eco_code read_list(struct eco_wire_parser *p, struct eco_reader *r, struct eco_error *e)
 {
 	struct eco_list list = { 0 };
-	uint32_t id = eco_read_u32(r);
-	eco_list_read(r, &list);
+	uint32_t id = read_count(r);
+	read_record(r, &p->record, &list);
 	if (r->failed)
 		return whole(r, e);
 	enum eco_code code = check_list_id(p, id, "it", e);
@@ -265,10 +292,10 @@ static enum eco_code check_chunk(const struct eco_wire_parser *p, uint32_t list,
 static enum eco_code read_chunk(struct eco_wire_parser *p, struct eco_reader *r, struct eco_error *e)
 {
 	struct eco_chunk chunk = { 0 };
-	uint32_t list = eco_read_u32(r), ordinal = eco_read_u32(r);
+	uint32_t list = read_count(r), ordinal = read_count(r);
 	const uint8_t *id = eco_read_bytes(r, sizeof chunk.id.bytes);
-	chunk.primitive_count = eco_read_u32(r);
-	chunk.element_count = eco_read_u32(r);
+	chunk.primitive_count = read_count(r);
+	chunk.element_count = read_count(r);
 	if (r->failed)
 		return whole(r, e);
 	memcpy(chunk.id.bytes, id, sizeof chunk.id.bytes);

@@ -43,12 +43,31 @@ void eco_wire_write_plant(struct eco_writer *w, const struct eco_scene *scene, u
 		eco_anchor_write(w, &scene->anchors[p->anchor_first + i]);
 }
 
-void eco_wire_write_list(struct eco_writer *w, const struct eco_scene *scene, uint32_t list)
+void eco_wire_write_record(struct eco_writer *w, const struct eco_list *list, struct eco_wire_record *before)
+{
+	struct eco_wire_record record;
+	uint8_t bits[(ECO_WIRE_RECORD_BYTES + 7) / 8] = { 0 };
+	eco_list_write(w, list);
+	if (w->failed)
+		return;
+	w->size -= sizeof record.bytes;
+	memcpy(record.bytes, w->bytes + w->size, sizeof record.bytes);
+	for (uint32_t i = 0; i < sizeof record.bytes; i++)
+		bits[i / 8] |= (uint8_t)((record.bytes[i] != before->bytes[i]) << i % 8);
+	eco_write_bytes(w, bits, sizeof bits);
+	for (uint32_t i = 0; i < sizeof record.bytes; i++)
+		if (bits[i / 8] >> i % 8 & 1)
+			eco_write_u8(w, record.bytes[i]);
+	*before = record;
+}
+
+void eco_wire_write_list(struct eco_writer *w, const struct eco_scene *scene, uint32_t list,
+	struct eco_wire_record *before)
 {
 	assert(list < scene->list_count);
 	const struct eco_list *l = &scene->lists[list];
-	eco_write_u32(w, list);
-	eco_list_write(w, l);
+	eco_write_varint(w, list);
+	eco_wire_write_record(w, l, before);
 	if (l->palette_count)
 		eco_write_bytes(w, scene->palette + l->palette_first, 3 * (size_t)l->palette_count);
 }
@@ -58,11 +77,11 @@ void eco_wire_write_chunk(struct eco_writer *w, const struct eco_scene *scene, u
 {
 	assert(list < scene->list_count && ordinal < scene->lists[list].chunk_count);
 	const struct eco_chunk *chunk = &scene->chunks[scene->lists[list].chunk_first + ordinal];
-	eco_write_u32(w, list);
-	eco_write_u32(w, ordinal);
+	eco_write_varint(w, list);
+	eco_write_varint(w, ordinal);
 	eco_write_bytes(w, chunk->id.bytes, sizeof chunk->id.bytes);
-	eco_write_u32(w, chunk->primitive_count);
-	eco_write_u32(w, chunk->element_count);
+	eco_write_varint(w, chunk->primitive_count);
+	eco_write_varint(w, chunk->element_count);
 }
 
 void eco_wire_write_end(struct eco_writer *w, uint64_t vertices, uint64_t body_bytes)

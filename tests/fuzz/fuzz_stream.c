@@ -106,9 +106,16 @@ static void mend(struct eco_writer *w, struct eco_frame_mark mark, uint8_t type)
 {
 	uint8_t *payload = w->bytes + mark.at + ECO_FRAME_HEADER_BYTES;
 	size_t size = w->size - mark.at - ECO_FRAME_HEADER_BYTES;
-	if (type == ECO_FRAME_CHUNK && size > 32) {
-		struct eco_chunk_id id = eco_chunk_hash(payload + 32, size - 32);
-		memcpy(payload + 8, id.bytes, sizeof id.bytes);
+	struct eco_reader r = { .bytes = payload, .size = size };
+	eco_read_varint(&r);
+	eco_read_varint(&r);
+	size_t at = r.at;
+	eco_read_bytes(&r, sizeof(struct eco_chunk_id));
+	eco_read_varint(&r);
+	eco_read_varint(&r);
+	if (type == ECO_FRAME_CHUNK && !r.failed && r.at < size) {
+		struct eco_chunk_id id = eco_chunk_hash(payload + r.at, size - r.at);
+		memcpy(payload + at, id.bytes, sizeof id.bytes);
 	}
 	for (size_t i = 0; type == ECO_FRAME_END && size == 16 && i < 8; i++)
 		payload[8 + i] = (uint8_t)((uint64_t)w->size >> (8 * i));

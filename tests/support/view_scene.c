@@ -279,6 +279,10 @@ void scene_plan(const struct scene_builder *b, const struct eco_view *view, doub
 void scene_frame(struct eco_writer *w, const struct scene_builder *s, enum eco_frame_type type,
 	uint32_t *number, uint32_t a, uint32_t b)
 {
+	/* of the last LIST of the stream that is being written */
+	static struct eco_wire_record before;
+	if (*number == 0)
+		memset(&before, 0, sizeof before);
 	struct eco_frame_mark mark = eco_frame_begin(w, type, (*number)++);
 	static const struct eco_chunk_id pack = { { 1, 2, 3 } };
 	if (type == ECO_FRAME_SCENE) {
@@ -286,7 +290,7 @@ void scene_frame(struct eco_writer *w, const struct scene_builder *s, enum eco_f
 	} else if (type == ECO_FRAME_PLANT) {
 		eco_wire_write_plant(w, &s->scene, a);
 	} else if (type == ECO_FRAME_LIST) {
-		eco_wire_write_list(w, &s->scene, a);
+		eco_wire_write_list(w, &s->scene, a, &before);
 	} else {
 		uint32_t chunk = s->lists[a].chunk_first + b;
 		eco_wire_write_chunk(w, &s->scene, a, b);

@@ -227,6 +227,9 @@ struct eco_list wire_random_list(uint32_t id)
 		.chunk_count = id == 4 ? 1 : 9 };
 }
 
+/* Of the last LIST of the stream that is being written. */
+static struct eco_wire_record record_before;
+
 static void wire_put_list(struct eco_writer *w, uint32_t *number, uint32_t id, const struct eco_list *list)
 {
 	static const uint8_t palette[2][3] = { { 10, 100, 20 }, { 90, 80, 30 } };
@@ -235,7 +238,7 @@ static void wire_put_list(struct eco_writer *w, uint32_t *number, uint32_t id, c
 		.palette_count = 2 };
 	lists[id] = *list;
 	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_LIST, (*number)++);
-	eco_wire_write_list(w, &scene, id);
+	eco_wire_write_list(w, &scene, id, &record_before);
 	eco_frame_end(w, mark);
 }
 
@@ -275,6 +278,7 @@ void wire_random_stream(struct wire_random *r, struct eco_writer *w, uint32_t st
 		{ { -1, 2, 14 }, 2.5f } };
 	uint32_t number = 0, ordinals[WIRE_RANDOM_LISTS] = { 0 };
 	uint64_t vertices = 0;
+	memset(&record_before, 0, sizeof record_before);
 	wire_put_scene(w, &number, ECO_WIRE_VERSION);
 	wire_put_plant(w, &number, 0, anchors, 3);
 	wire_put_plant(w, &number, 1, anchors, 1);
