@@ -103,6 +103,32 @@ UNIT_TEST(splats_of_colourless_models_are_not_grey)
 	soup_free(&soup);
 }
 
+/* A beginning of a level is drawn alone, and fetched without the rest: no chunk but the first is more than a
+ * quarter of its level and of 96 splats. Chunks end where levels do. */
+UNIT_TEST(a_part_of_a_level_is_fetched_in_part)
+{
+	struct soup soup;
+	struct lod_plant plant;
+	soup_tree(&soup, 3000, 0, false);
+	build(&plant, &soup);
+	const struct lod_list_draft *list = splats_of(&plant);
+	const struct eco_ladder *ladder = &plant.ladders[plant.ladder_count - 1];
+	uint32_t i = 0, first = 0;
+	assert_true(ladder->flags & ECO_LADDER_WHOLE);
+	for (uint32_t level = 0; level < ladder->level_count; level++) {
+		uint32_t end = ladder->level_end[level],
+			size = end - (level ? ladder->level_end[level - 1] : 0);
+		for (; i < list->end_count && list->ends[i] <= end; first = list->ends[i++])
+			assert_true(!first || list->ends[i] - first < 96
+				|| list->ends[i] - first <= size / 4);
+		assert_true(end <= 16 || first == end);
+	}
+	assert_int_equal(i, list->end_count);
+	assert_true(ladder->level_end[ladder->level_count - 1] > 500 && list->end_count > 8);
+	lod_plant_free(&plant);
+	soup_free(&soup);
+}
+
 int main(void)
 {
 	return unit_tests_run(NULL, NULL);

@@ -11,6 +11,10 @@
 #include "lod/build/splat/splat_fit.h"
 
 #define FIRST_CHUNK 16u          /* splats: the levels up to here are one chunk */
+/* A beginning of a level takes the places of the first of its parents, and plants draw it alone: so a level
+ * is cut into up to LEVEL_CHUNKS chunks of at least LEAST_CHUNK splats. */
+#define LEVEL_CHUNKS 16u
+#define LEAST_CHUNK 48u
 #define COLORS 16u               /* more would be no better to see: lod/EXPERIMENTS.md, Splats, Colours */
 
 static struct eco_list list_of(const struct lod_splats *splats, uint32_t count)
@@ -24,6 +28,16 @@ static struct eco_list list_of(const struct lod_splats *splats, uint32_t count)
 		list.grid_step[k] = splats->step;
 	}
 	return list;
+}
+
+/* Chunks from the last end to that of a level. */
+static void add_ends(struct lod_list_draft *draft, uint32_t end)
+{
+	uint32_t first = draft->end_count ? draft->ends[draft->end_count - 1] : 0, count = end - first,
+		chunks = first ? count / LEAST_CHUNK : 1;
+	chunks = chunks < 1 ? 1 : chunks > LEVEL_CHUNKS ? LEVEL_CHUNKS : chunks;
+	for (uint32_t i = 1; i <= chunks; i++)
+		draft->ends[draft->end_count++] = first + (uint32_t)((uint64_t)count * i / chunks);
 }
 
 static void put_elements(struct lod_list_draft *draft, const struct lod_splats *splats)
@@ -41,7 +55,7 @@ static void put_elements(struct lod_list_draft *draft, const struct lod_splats *
 	for (uint32_t level = 0; level < splats->level_count; level++)
 		if (splats->level_end[level] > FIRST_CHUNK || level + 1 == splats->level_count
 				|| splats->level_end[level + 1] > FIRST_CHUNK)
-			draft->ends[draft->end_count++] = splats->level_end[level];
+			add_ends(draft, splats->level_end[level]);
 }
 
 /* ---- Colours ---- */
@@ -194,7 +208,8 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 	}
 	if (splats.level_count) {
 		struct eco_list list = list_of(&splats, splats.level_end[splats.level_count - 1]);
-		struct lod_list_draft *draft = add_list(plant, &list, splats.level_count);
+		struct lod_list_draft *draft = add_list(plant, &list,
+			splats.level_count * LEVEL_CHUNKS);
 		if (draft)
 			put_elements(draft, &splats);
 		if (!draft || !color_elements(draft, plant, &splats) || !add_ladder(plant, &splats))
