@@ -49,7 +49,7 @@ static struct lod_impostor_use use_of(const struct eco_scene *scene, const struc
 	for (uint32_t level = 1; level < list->primitive_count; level++) {
 		double less = level_error(scene, ladder, level - 1) - level_error(scene, ladder, level),
 			right = seen * less, bytes = scene->chunks[list->chunk_first + level].size_bytes,
-			from = lod_impostor_from(level, right / (LOD_IMPOSTOR_WORTH * bytes));
+			from = lod_impostor_from(level, right / (lod_impostor_worth_least(level) * bytes));
 		if (!(from < INFINITY))
 			break;
 		use.from_px[level] = fmax(from, use.from_px[level - 1]);

@@ -162,7 +162,7 @@ static uint32_t levels_worth(const struct eco_ladder *l, double seen, uint32_t b
 		const struct eco_curve *at = &scene.curves[l->curve_first + level], *before = at - 1;
 		double wrong = (double)at->fp + (double)at->fn,
 			more = (double)before->fp + (double)before->fn;
-		if (seen * (more - wrong) < LOD_IMPOSTOR_WORTH * bytes)
+		if (seen * (more - wrong) < lod_impostor_worth_least(level) * bytes)
 			break;
 	}
 	return level;
