@@ -167,14 +167,14 @@ static bool add_ladder_choices(struct lod_allocation *m, uint32_t s, uint32_t id
 /* The hull of a ladder that shows the whole plant, for a slot. At 0 vertices as much is wrong as where
  * nothing of its organs is drawn, which depends on how they show; its table assumes the most. Which level of
  * an impostor one vertex is, if any, depends on the band. Splats that cover less than it does are no choice,
- * however sharp they are. */
+ * however sharp they are, nor are splats whose Q is lower (lod/EXPERIMENTS.md, Small scenes with splats). */
 static bool whole_hull(struct lod_allocation *m, const struct lod_plan_tables_ladder *table, double absent,
 	struct lod_hull *hull)
 {
 	struct lod_hull_point points[LOD_HULL_POINTS_MAX];
 	const struct lod_hull *from = &table->hull[0];
 	uint32_t levels = lod_hull_impostor_levels(&table->way);
-	double least = INFINITY;
+	double least = INFINITY, best = -INFINITY;
 	hull->count = 0;
 	for (uint32_t i = 0; i < from->count; i++) {
 		struct lod_hull_point *point = &points[hull->count];
@@ -184,15 +184,20 @@ static bool whole_hull(struct lod_allocation *m, const struct lod_plan_tables_la
 		*point = impostor ? lod_hull_point_at(&table->way, 1, hull->slack, hull->impostor)
 			: from->points[i];
 		lod_hull_set_detail(point, hull->slack, LOD_DETAIL_MOST_WHOLE);
-		double uncovered = lod_hull_uncovered(hull, point);
-		hull->count += uncovered <= least;
-		least = fmin(least, uncovered);
+		double uncovered = lod_hull_uncovered(hull, point), q = lod_hull_own_q(point);
+		if (uncovered > least || q < best)
+			continue;
+		hull->count++;
+		least = uncovered;
+		best = fmax(best, impostor ? q + LOD_HULL_Q_MORE : q - LOD_HULL_Q_FALL);
 	}
 	points->fn += absent - LOD_ABSENT_WEIGHT;
 	points->above_fn += (float)(absent - LOD_ABSENT_WEIGHT);
 	hull->points = points;
+	bool ends = points[hull->count - 1].vertices == from->points[from->count - 1].vertices;
 	lod_hull_reduce_here(hull, LOD_HULL_SLOPE_RATIO);
-	lod_hull_complete(hull, table->way.full);
+	if (ends)
+		lod_hull_complete(hull, table->way.full);
 	return own_points(m, hull, points);
 }
 

@@ -304,12 +304,22 @@ static double error_at(const struct lod_fill *fill, const struct lod_candidate *
 	return error(candidate->hull, &point);
 }
 
-/* A few splats cover less than an impostor does. Does this state, beyond that of an impostor? */
+static double own_q(const struct lod_hull *hull, const struct lod_hull_point *point)
+{
+	(void)hull;
+	return lod_hull_own_q(point);
+}
+
+/* A few splats cover less than an impostor does, or have a lower Q. Does this state, beyond that of an
+ * impostor? */
 static bool is_worse(const struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t vertices)
 {
-	return candidate->hull->impostor != ECO_NONE && candidate->low == 1 && vertices < candidate->high
-		&& error_at(fill, candidate, vertices, lod_hull_uncovered)
-		> lod_hull_uncovered(candidate->hull, lod_candidate_point(candidate));
+	if (candidate->hull->impostor == ECO_NONE || candidate->low != 1 || vertices >= candidate->high)
+		return false;
+	const struct lod_hull_point *here = lod_candidate_point(candidate);
+	return error_at(fill, candidate, vertices, lod_hull_uncovered)
+			> lod_hull_uncovered(candidate->hull, here)
+		|| error_at(fill, candidate, vertices, own_q) < lod_hull_own_q(here) + LOD_HULL_Q_MORE;
 }
 
 /* What a plant may draw on the way from candidate->low to candidate->high: the most up to `vertices`, and the

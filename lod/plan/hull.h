@@ -108,6 +108,16 @@ static inline double lod_hull_uncovered(const struct lod_hull *hull, const struc
 /* eco_predicted_q, from wrong pixels over all that should be covered; the least, 1 - sqrt(2), where none of
  * them is. */
 double lod_hull_q(double fp, double fn);
+/* Q where false positives count in full. fp_weight supposes less, as some of them lie outside the picture or
+ * over other plants, but those of a few large splats lie around the crown. */
+static inline double lod_hull_own_q(const struct lod_hull_point *point)
+{
+	return lod_hull_q(point->fp, point->fn);
+}
+/* Curves of an impostor and of splats are off by up to so much, each by an error of its own: splats that come
+ * after an impostor must be better by that. Those that come after splats may be as much worse as noise is. */
+#define LOD_HULL_Q_MORE 0.01
+#define LOD_HULL_Q_FALL 0.002
 /* Errors of foliage and flowers count so often for that: organs drawn together are more wrong than the sum of
  * each drawn alone, those of a palm by a third (lod/EXPERIMENTS.md, Impostors in scenes). */
 #define LOD_ORGANS_MORE 1.2

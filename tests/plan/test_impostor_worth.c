@@ -77,6 +77,18 @@ static double across_px(const struct lod_eye *eye, uint32_t anchor, uint8_t band
 	return 2 * (double)scene.anchors[anchor].radius / (lod_band_distance_m(band) * eye->pixel_rad);
 }
 
+/* After an impostor come splats only where their Q is higher, and no splats are much worse than fewer. */
+static void check_whole_hull(const struct lod_hull *hull)
+{
+	double best = -INFINITY;
+	for (uint32_t i = 0; i < hull->count; i++) {
+		double q = lod_hull_own_q(&hull->points[i]);
+		bool impostor = hull->points[i].vertices == 1 && hull->impostor != ECO_NONE;
+		assert_true(q >= best);
+		best = fmax(best, impostor ? q + LOD_HULL_Q_MORE : q - LOD_HULL_Q_FALL);
+	}
+}
+
 static void check_slots(const struct lod_allocation *m)
 {
 	for (uint32_t c = 0; c < m->ladder_choice_count; c++) {
@@ -85,6 +97,7 @@ static void check_slots(const struct lod_allocation *m)
 		uint32_t list = scene.ladders[choice->ladder].impostor;
 		if (choice->when != LOD_WHOLE)
 			continue;
+		check_whole_hull(&choice->hull);
 		const struct lod_impostor_use *use = &m->impostors[slot->plant];
 		double pixels = across_px(&m->p->visible.eye, slot->anchor, slot->band);
 		uint32_t levels = list == ECO_NONE ? 0 : scene.lists[list].primitive_count,
