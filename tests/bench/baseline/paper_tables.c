@@ -1,0 +1,278 @@
+/* Q of a plant's leaves over lambda and scale, drawn alone and without wood from some directions, against
+ * all of its leaves: Neubert 2011, section 3. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "client-min/view_reference.h"
+#include "lod/raster/raster.h"
+#include "tests/bench/baseline/cook.h"
+#include "tests/bench/baseline/paper_neubert.h"
+
+#define VIEWS 3u
+#define SIDE 128u
+#define SCALES 13u /* tried from near 1 to Cook's and one beyond, in proportion */
+
+struct paper_tables {
+	struct paper_table *plants;
+};
+
+/* The leaves of a plant as one selection. */
+struct alone {
+	struct paper_scene *s;
+	uint32_t plant;
+	struct view_picture full[VIEWS];
+	double radius, covered_m2, area;
+};
+
+static void view_of(const struct alone *a, uint32_t number, struct eco_view *view)
+{
+	const struct eco_anchor *whole = &a->s->scene->anchors[a->s->scene->plants[a->plant].anchor_first];
+	double turn = 0.4 + number * 2.1, away = 4 * a->radius, up[VIEWS] = { 0, 0.3, 0.9 };
+	*view = (struct eco_view){ .up = { 0, 0, 1 }, .fov_y_deg = 30, .width = SIDE, .height = SIDE };
+	for (int k = 0; k < 3; k++)
+		view->target[k] = (double)whole->center[k];
+	view->eye[0] = view->target[0] + away * cos(turn) * cos(up[number]);
+	view->eye[1] = view->target[1] + away * sin(turn) * cos(up[number]);
+	view->eye[2] = view->target[2] + away * sin(up[number]);
+}
+
+static enum eco_code plan_leaves(const struct alone *a, double lambda, double scale, struct eco_plan *plan,
+	struct eco_error *error)
+{
+	const struct eco_scene *scene = a->s->scene;
+	const struct eco_plant *of = &scene->plants[a->plant];
+	*plan = (struct eco_plan){ .cuts = calloc(of->ladder_count + 1u, sizeof *plan->cuts),
+		.placements = calloc(1, sizeof *plan->placements),
+		.placement_count = 1 };
+	if (!plan->cuts || !plan->placements) {
+		eco_plan_free(plan);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a plant");
+	}
+	plan->placements[0].scale = 1;
+	for (uint32_t i = of->ladder_first; i < of->ladder_first + of->ladder_count; i++) {
+		const struct eco_ladder *l = &scene->ladders[i];
+		double own = paper_is_leaves(l) ? lambda * l->total - l->before : 0;
+		if (!(own >= 0.5) || !scene->lists[l->triangles].element_count)
+			continue;
+		plan->cuts[plan->cut_count++] = (struct eco_cut){ .list = l->triangles,
+			.anchor = l->anchor,
+			.end = paper_triangles(a->s, l->triangles, (uint32_t)(own + 0.5)),
+			.scale = (float)scale,
+			.band_end = ECO_BANDS,
+			.share_end = ECO_SHARE_ONE };
+	}
+	return ECO_OK;
+}
+
+static enum eco_code draw(const struct alone *a, double lambda, double scale, uint32_t number,
+	struct view_picture *picture, struct eco_error *error)
+{
+	struct eco_plan plan;
+	struct eco_view view;
+	struct lod_eye eye;
+	struct view_instance instance = { .place = { .cosine = 1, .scale = 1 },
+		.plant = a->plant,
+		.owner = eco_owner_instance(1, a->plant, 0) };
+	view_of(a, number, &view);
+	lod_eye_make(&eye, &view);
+	enum eco_code code = plan_leaves(a, lambda, scale, &plan, error);
+	if (code)
+		return code;
+	uint32_t count = plan.cut_count, *index = calloc(3u * (count + 2), sizeof *index),
+		 first[2] = { 0, count };
+	uint8_t *roles = calloc(count + 1, 1);
+	struct view_selection selection = { .instances = &instance,
+		.instance_count = 1,
+		.cut_count = count,
+		.cut_first = first,
+		.cuts = index,
+		.member_first = index + count + 1,
+		.members = index + 2 * count + 3,
+		.roles = roles };
+	for (uint32_t i = 0; index && i < count; i++) {
+		index[i] = i;
+		selection.member_first[i + 1] = i + 1;
+	}
+	struct view_reference_job job = { .store = a->s->store,
+		.selection = &selection,
+		.eye = &eye,
+		.near_m = 0.01 };
+	code = index && roles ? view_store_events.plan(a->s->store, &plan, error)
+			      : eco_fail(error, ECO_NO_MEMORY, "no memory for a plant");
+	if (!code)
+		code = view_picture_init(picture, SIDE, SIDE, error);
+	if (!code)
+		code = view_reference_draw(&job, picture, error);
+	free(index);
+	free(roles);
+	return code;
+}
+
+static enum eco_code measure(const struct alone *a, double lambda, double scale, double *q,
+	struct eco_error *error)
+{
+	double sum = 0;
+	enum eco_code code = ECO_OK;
+	for (uint32_t v = 0; v < VIEWS && !code; v++) {
+		struct view_picture picture = { 0 };
+		struct lod_score score;
+		code = draw(a, lambda, scale, v, &picture, error);
+		if (!code) {
+			lod_score(&score,
+				&(struct lod_score_input){ SIDE, SIDE, picture.cover, a->full[v].cover,
+					picture.owner, a->full[v].owner });
+			sum += score.q;
+		}
+		view_picture_free(&picture);
+	}
+	*q = sum / VIEWS;
+	return code;
+}
+
+static enum eco_code draw_full(struct alone *a, struct eco_error *error)
+{
+	uint64_t covered = 0;
+	enum eco_code code = ECO_OK;
+	for (uint32_t v = 0; v < VIEWS && !code; v++) {
+		code = draw(a, 1, 1, v, &a->full[v], error);
+		for (uint32_t i = 0; i < SIDE * SIDE && !code; i++)
+			covered += a->full[v].cover[i] != 0;
+	}
+	double pixel = 2 * tan(15 * M_PI / 180) * 4 * a->radius / SIDE;
+	a->covered_m2 = (double)covered / VIEWS * pixel * pixel;
+	return code;
+}
+
+static enum eco_code fill_row(const struct alone *a, struct paper_table *t, uint32_t row,
+	struct eco_error *error)
+{
+	double lambda = t->lambda[row], cook = 1 / lambda;
+	uint32_t kept = (uint32_t)fmax(1, lambda * t->leaves + 0.5);
+	t->s_cook[row] = lod_cook_scale_depth(kept, (uint32_t)t->leaves, t->share);
+	enum eco_code code = measure(a, lambda, t->s_cook[row], &t->q_cook[row], error);
+	t->s_opt[row] = t->s_cook[row];
+	t->q_opt[row] = t->q_cook[row];
+	for (uint32_t i = 0; i < SCALES && !code && lambda < 1; i++) {
+		double q, s = pow(cook, (double)(i + 1) / (SCALES - 1));
+		code = measure(a, lambda, s, &q, error);
+		if (q > t->q_opt[row]) {
+			t->q_opt[row] = q;
+			t->s_opt[row] = s;
+		}
+	}
+	return code;
+}
+
+static enum eco_code make_table(struct paper_scene *s, uint32_t plant, struct paper_table *t,
+	struct eco_error *error)
+{
+	const struct eco_plant *of = &s->scene->plants[plant];
+	struct alone a = { .s = s,
+		.plant = plant,
+		.radius = (double)s->scene->anchors[of->anchor_first].radius };
+	for (uint32_t i = of->ladder_first; i < of->ladder_first + of->ladder_count; i++)
+		if (paper_is_leaves(&s->scene->ladders[i]) &&
+			s->scene->ladders[i].anchor == of->anchor_first) {
+			t->leaves += s->scene->ladders[i].total;
+			a.area += (double)s->scene->ladders[i].area;
+		}
+	if (t->leaves < 2)
+		return ECO_OK;
+	enum eco_code code = draw_full(&a, error);
+	t->share = lod_cook_share((uint32_t)t->leaves, a.area / 2, a.covered_m2);
+	double low = 1 / t->leaves;
+	for (uint32_t i = 0; i < PAPER_LAMBDAS && !code; i++) {
+		t->lambda[i] = pow(low, 1 - (double)i / (PAPER_LAMBDAS - 1));
+		code = fill_row(&a, t, i, error);
+	}
+	for (uint32_t v = 0; v < VIEWS; v++)
+		view_picture_free(&a.full[v]);
+	return code;
+}
+
+enum eco_code paper_tables_make(struct paper_tables **out, struct paper_scene *scene, struct eco_error *error)
+{
+	struct paper_tables *t = *out = calloc(1, sizeof *t);
+	uint32_t n = scene->scene->plant_count;
+	enum eco_code code = ECO_OK;
+	if (t)
+		t->plants = calloc(n + 1, sizeof *t->plants);
+	if (!t || !t->plants)
+		code = eco_fail(error, ECO_NO_MEMORY, "no memory for tables of %u plants", n);
+	for (uint32_t i = 0; i < n && !code; i++)
+		code = make_table(scene, i, &t->plants[i], error);
+	if (code) {
+		paper_tables_free(t);
+		*out = NULL;
+	}
+	return code;
+}
+
+void paper_tables_free(struct paper_tables *tables)
+{
+	if (tables)
+		free(tables->plants);
+	free(tables);
+}
+
+/* ---- Looking up ---- */
+
+const struct paper_table *paper_tables_of(const struct paper_tables *tables, uint32_t plant)
+{
+	return &tables->plants[plant];
+}
+
+/* Linear in log lambda between two rows. */
+static double look(const struct paper_table *t, const double *values, double lambda)
+{
+	uint32_t i = 0;
+	if (lambda <= t->lambda[0])
+		return values[0];
+	while (i + 2 < PAPER_LAMBDAS && lambda > t->lambda[i + 1])
+		i++;
+	double at = log(lambda / t->lambda[i]) / log(t->lambda[i + 1] / t->lambda[i]);
+	return values[i] + fmin(1, at) * (values[i + 1] - values[i]);
+}
+
+double paper_table_optimal(const struct paper_table *t, double lambda)
+{
+	if (t->leaves < 2 || lambda <= t->lambda[0] || lambda >= 1)
+		return lambda;
+	double asked = look(t, t->q_cook, lambda);
+	for (uint32_t i = 0; i < PAPER_LAMBDAS; i++) {
+		if (t->q_opt[i] < asked)
+			continue;
+		double low = i ? t->q_opt[i - 1] : t->q_opt[0],
+		       share = i ? (asked - low) / (t->q_opt[i] - low) : 0;
+		double found =
+			i ? t->lambda[i - 1] * pow(t->lambda[i] / t->lambda[i - 1], share) : t->lambda[0];
+		return fmin(found, lambda);
+	}
+	return lambda;
+}
+
+double paper_tables_optimal(const struct paper_tables *tables, uint32_t plant, double lambda)
+{
+	return paper_table_optimal(&tables->plants[plant], lambda);
+}
+
+double paper_tables_scale(const struct paper_tables *tables, uint32_t plant, double lambda)
+{
+	const struct paper_table *t = &tables->plants[plant];
+	double logs[PAPER_LAMBDAS];
+	if (t->leaves < 2)
+		return 1 / lambda;
+	for (uint32_t i = 0; i < PAPER_LAMBDAS; i++)
+		logs[i] = log(t->s_opt[i]);
+	return exp(look(t, logs, lambda));
+}
+
+double paper_tables_cook(const struct paper_tables *tables, uint32_t plant, double lambda)
+{
+	const struct paper_table *t = &tables->plants[plant];
+	if (t->leaves < 2)
+		return 1 / lambda;
+	return lod_cook_scale_depth((uint32_t)fmax(1, lambda * t->leaves + 0.5), (uint32_t)t->leaves,
+		t->share);
+}
