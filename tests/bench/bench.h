@@ -165,6 +165,12 @@ void bench_client_untimed(struct bench_client *client);
  * and kept for this view. */
 enum eco_code bench_client_reference(struct bench_client *client, const struct eco_request *request,
 	double *draw_ms, struct eco_error *error);
+/* The last reference. */
+const struct view_picture *bench_client_full(const struct bench_client *client);
+/* Scores a picture of the last reference's view that was drawn elsewhere: fills score, soft_q, picture_error,
+ * ceiling and colour_rms. A client that sees wants its soft counts. */
+enum eco_code bench_client_score(const struct bench_client *client, struct bench_frame *frame,
+	const struct view_picture *picture, struct eco_error *error);
 /* Tiles that are points even in the last reference; 0: it is full detail. */
 uint32_t bench_client_summaries(const struct bench_client *client);
 /* `picture` may be NULL; if not, the caller owns what is written there. Draws from an empty client: bytes are

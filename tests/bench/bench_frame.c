@@ -141,6 +141,8 @@ uint32_t bench_client_summaries(const struct bench_client *client)
 	return view_store_summaries(client->full);
 }
 
+const struct view_picture *bench_client_full(const struct bench_client *client) { return &client->reference; }
+
 /* ---- Frames ---- */
 
 /* Root mean square over all channels of the pixels that one of both covers. */
@@ -160,7 +162,7 @@ static double colour_rms(const struct view_picture *a, const struct view_picture
 	return count ? sqrt(sum / (double)count) : 0;
 }
 
-static enum eco_code score(const struct bench_client *client, struct bench_frame *frame,
+enum eco_code bench_client_score(const struct bench_client *client, struct bench_frame *frame,
 	const struct view_picture *picture, struct eco_error *error)
 {
 	const struct view_picture *reference = &client->reference;
@@ -198,7 +200,7 @@ enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame
 	if (!code)
 		code = draw(store, &frame->request.view, &drawn, &beside, error);
 	if (!code)
-		code = score(client, frame, &drawn, error);
+		code = bench_client_score(client, frame, &drawn, error);
 	if (!code) {
 		const struct eco_plan *plan = view_store_plan(store);
 		frame->predicted_q = plan ? eco_predicted_q(&plan->prediction) : NAN;

@@ -155,8 +155,7 @@ static enum eco_code versus_deussen(struct bench *bench, struct eco_error *error
 	}
 	bench_table_close(table);
 	bench_say(bench, "Both rules draw the same lists, each primitive as large as was measured for its "
-		"list. On the 5,000 trees no choice leaves 30 %% fewer "
-		"wrong pixels: lod/EXPERIMENTS.md, \"Room for improvement\".");
+		"list.");
 	if (!code)
 		bench_key(bench, "versus_deussen", worst, ">= 0.3: fewer wrong pixels than by Deussen's "
 			"rule, same lists and vertices, worst scene");

@@ -13,7 +13,7 @@ const struct bench_method bench_methods[BENCH_METHODS] = {
 	[BENCH_UNOCCLUDED] = { .name = "occlusion ignored", .rule = lod_rule_optimal,
 	.ignore_occlusion = true }, [BENCH_COMBINED] = { .name = "combined order", .order = "combined",
 	.rule = lod_rule_optimal, .full_only = true },
-	[BENCH_DEUSSEN_2002] = { .name = "Deussen 2002", .order = "stochastic", .rule = lod_rule_deussen,
+	[BENCH_DEUSSEN_2002] = { .name = "Deussen's rule on the stochastic order", .order = "stochastic", .rule = lod_rule_deussen,
 	.full_only = true }, [BENCH_DENSITY_ORDER] = { .name = "density order", .order = "density",
 	.rule = lod_rule_optimal, .full_only = true },
 	[BENCH_ORIENTATION_ORDER] = { .name = "orientation order", .order = "orientation",

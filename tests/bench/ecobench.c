@@ -5,13 +5,14 @@
 
 extern const struct bench_section bench_packs, bench_frames, bench_species, bench_path, bench_lee,
 	bench_scale, bench_planner, bench_colour, bench_steadiness, bench_requests, bench_extreme,
-	bench_needs, bench_hierarchy, bench_splats, bench_pictures, bench_cards, bench_monotone;
+	bench_needs, bench_hierarchy, bench_splats, bench_pictures, bench_cards, bench_monotone,
+	bench_rules;
 
 int main(int argc, char **argv)
 {
 	static const struct bench_section *const sections[] = { &bench_packs, &bench_frames, &bench_pictures,
-		&bench_cards, &bench_monotone, &bench_species, &bench_path, &bench_lee, &bench_scale,
-		&bench_hierarchy, &bench_colour, &bench_steadiness, &bench_extreme, &bench_splats,
-		&bench_requests, &bench_needs, &bench_planner, NULL };
+		&bench_cards, &bench_monotone, &bench_rules, &bench_species, &bench_path, &bench_lee,
+		&bench_scale, &bench_hierarchy, &bench_colour, &bench_steadiness, &bench_extreme,
+		&bench_splats, &bench_requests, &bench_needs, &bench_planner, NULL };
 	return bench_main(argc, argv, sections);
 }
