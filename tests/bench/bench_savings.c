@@ -12,6 +12,7 @@
 #include "lod/build/order/rank.h"
 #include "lod/sort.h"
 #include "tests/bench/baseline/cook.h"
+#include "tests/bench/bench_collapse_plant.h"
 #include "tests/bench/bench_leaves.h"
 
 #define PIXELS 256u
@@ -33,8 +34,8 @@
 #define BESIDES ((BENCH_DISTANCES - BESIDE_FIRST + BESIDE_STRIDE - 1) / BESIDE_STRIDE)
 
 const char *const bench_method_names[BENCH_METHODS] = { "stochastic", "density", "orientation", "combined",
-	"greedy at one scale", "greedy",
-	"greedy with simpler leaves" };
+	"leaf collapse", "greedy at one scale", "greedy", "greedy with simpler leaves" };
+const double bench_shares[BENCH_SHARES] = { 0.02, 0.05, 0.1, 0.2, 0.3, 0.5 };
 
 /* elements [0, fine) as they are, [fine, count) triangles */
 struct row { double lambda, step, count, fine, q; int way; };
@@ -46,6 +47,8 @@ struct study {
 	/* vertices of the first i of the order; simple: as triangles */
 	uint64_t *full[BENCH_METHODS], *simple;
 	uint8_t *growth;
+	struct bench_collapse_plant collapse;
+	uint32_t *stands;            /* per leaf: the element that shows it in a level of `collapse` */
 	struct lod_simple *triangle, *shape;
 	float *factor;
 	/* lod_cook_share of a leaf; leaves that a pixel has room for, in the pictures of the measurement */
@@ -101,16 +104,41 @@ static enum eco_code make_orders(struct bench *bench, struct study *s, struct ec
 	enum eco_code code = lod_rank_make(&rank, f, &options, arena, error);
 	if (code)
 		return code;
+	bench_collapse_make(&s->collapse, f, &(struct bench_collapse_options){ 0 }, arena);
+	bench_collapse_extend(&s->collapse, &s->leaves.foliage, arena);
+	s->order[BENCH_COLLAPSE] = lod_arena_take(arena, f->count, sizeof *s->order[BENCH_COLLAPSE]);
+	s->stands = lod_arena_take(arena, f->count, sizeof *s->stands);
 	s->order[BENCH_PLAIN] = s->order[BENCH_PRUNED] = s->order[BENCH_TRIANGLES] = rank.order;
 	s->growth = rank.growth;
 	s->triangle = rank.simple;
 	return ECO_OK;
 }
 
+/* The level of so many leaves. Below the coarsest one there is none: a part of that is drawn. */
+static uint32_t collapse_row(const struct study *s, uint32_t count)
+{
+	const struct lod_collapse *forest = s->collapse.sectors.forest;
+	return (uint32_t)(lod_collapse_level_of(forest, count) - forest->level);
+}
+
+static void count_collapse(struct study *s)
+{
+	const struct lod_collapse *forest = s->collapse.sectors.forest;
+	uint64_t *full = lod_arena_take(&s->leaves.arena, (size_t)s->n + 1, sizeof *full);
+	for (uint32_t k = 0; k <= s->n; k++) {
+		uint64_t vertices = s->collapse.vertices[0][collapse_row(s, k)];
+		full[k] = k < forest->roots ? vertices * k / forest->roots : vertices;
+	}
+	s->full[BENCH_COLLAPSE] = full;
+}
+
 static void count_vertices(struct study *s)
 {
 	const uint32_t *first = s->leaves.foliage.first;
+	count_collapse(s);
 	for (int m = 0; m < BENCH_METHODS; m++) {
+		if (m == BENCH_COLLAPSE)
+			continue;
 		s->full[m] = lod_arena_take(&s->leaves.arena, (size_t)s->n + 1, sizeof *s->full[m]);
 		for (uint32_t k = 0; k < s->n; k++)
 			s->full[m][k + 1] = s->full[m][k]
@@ -148,16 +176,31 @@ static uint32_t whole(double x, uint32_t most)
 	return x < 1 ? 1 : x > most ? most : (uint32_t)(x + 0.5);
 }
 
-/* Cook's scale times so many eighths of an octave; 1 where all leaves are drawn as they are. */
-static double scale_of(const struct study *s, const struct row *row)
+/* Cook's scale times so many eighths of an octave; 1 where all leaves are drawn as they are. Quads of leaf
+ * collapse are as large as they should be without it. */
+static double scale_of(const struct study *s, enum bench_method method, const struct row *row)
 {
-	return row->fine >= s->n ? 1 : s->n / fmin(row->count, s->n) * exp2(row->step / 8);
+	double cook = method == BENCH_COLLAPSE ? 1 : s->n / fmin(row->count, s->n);
+	return row->fine >= s->n ? 1 : cook * exp2(row->step / 8);
+}
+
+/* A level's leaves as they are, and its quads at the scale. */
+static struct lod_sights_drawing prepare_collapse(struct study *s, uint32_t count, float scale)
+{
+	uint32_t row = collapse_row(s, count), *order = s->order[BENCH_COLLAPSE],
+		all = bench_collapse_order(&s->collapse, 0, row, order);
+	for (uint32_t k = 0; k < all; k++)
+		s->factor[order[k]] = order[k] < s->n ? 1 : scale;
+	return (struct lod_sights_drawing){ .order = order, .count = count < all ? count : all,
+		.factor = s->factor };
 }
 
 static struct lod_sights_drawing prepare(struct study *s, enum bench_method method, const struct row *row)
 {
 	uint32_t count = whole(row->count, s->n), fine = row->fine < 0.5 ? 0 : whole(row->fine, count);
-	float scale = (float)scale_of(s, row);
+	float scale = (float)scale_of(s, method, row);
+	if (method == BENCH_COLLAPSE)
+		return prepare_collapse(s, count, scale);
 	struct lod_sights_drawing drawing = { .order = s->order[method], .count = count, .scale = scale };
 	if (method >= BENCH_PRUNED) {
 		float by_code[ECO_GROWTHS];
@@ -340,8 +383,9 @@ static double owner_q(double right, double shown, double wanted)
 	return 1 - sqrt((1 - p) * (1 - p) + (1 - r) * (1 - r));
 }
 
-static void add_beside(const struct bench_leaves *leaves, const struct picture *reference, double contrast,
-	struct bench_beside *sum)
+/* `stands`: per leaf, the element whose pixels are right for it; NULL: the leaf itself. */
+static void add_beside(const struct bench_leaves *leaves, const struct picture *reference,
+	const uint32_t *stands, double contrast, struct bench_beside *sum)
 {
 	const struct lod_raster *shown = &leaves->ids;
 	size_t n = (size_t)leaves->pixels * leaves->pixels, covered = 0, wanted = 0, right = 0, either = 0,
@@ -356,7 +400,9 @@ static void add_beside(const struct bench_leaves *leaves, const struct picture *
 		bool a = shown->owner[i] != 0, b = reference->owner[i] != 0;
 		covered += a;
 		wanted += b;
-		right += a && b && shown->owner[i] == reference->owner[i];
+		right += a && b && (!stands || reference->owner[i] == BENCH_WOOD
+			? shown->owner[i] == reference->owner[i]
+			: shown->owner[i] == stands[reference->owner[i] - 1] + UINT64_C(1));
 		either += a || b;
 		uint8_t rgb[3];
 		bench_leaves_color(leaves, i, rgb);
@@ -390,14 +436,18 @@ static void compare_beside(struct study *s, const struct bench_reach *at, uint32
 		const struct lod_sights_drawing drawing = { .order = s->order[BENCH_STOCHASTIC],
 			.count = kept, .scale = (float)lod_cook_scale(kept, s->n) };
 		bench_leaves_ids(&s->leaves, &s->tests, view, &drawing);
-		add_beside(&s->leaves, &b->reference, 1, &b->cook[0]);
-		add_beside(&s->leaves, &b->reference, lod_cook_contrast(kept, s->n, s->per_pixel),
+		add_beside(&s->leaves, &b->reference, NULL, 1, &b->cook[0]);
+		add_beside(&s->leaves, &b->reference, NULL, lod_cook_contrast(kept, s->n, s->per_pixel),
 			&b->cook[1]);
 		for (int m = 0; m < BENCH_METHODS; m++) {
 			const struct row row = reach(s, (enum bench_method)m, at->cook_q[d]);
 			const struct lod_sights_drawing ours = prepare(s, (enum bench_method)m, &row);
 			bench_leaves_ids(&s->leaves, &s->tests, view, &ours);
-			add_beside(&s->leaves, &b->reference, 1, &b->method[m]);
+			if (m == BENCH_COLLAPSE)
+				bench_collapse_shown(&s->collapse, 0, collapse_row(s, ours.count), s->stands,
+					&s->leaves.arena);
+			add_beside(&s->leaves, &b->reference, m == BENCH_COLLAPSE ? s->stands : NULL, 1,
+				&b->method[m]);
 		}
 	}
 }
@@ -442,6 +492,19 @@ static void measure_cook(struct study *s, enum bench_spacing spacing, uint32_t v
 	}
 }
 
+/* Q where so much is drawn: between the rows around it. Rows are by falling lambda. */
+static double q_at(const struct study *s, enum bench_method method, double lambda)
+{
+	const struct row *rows = s->rows[method];
+	uint32_t i = 0;
+	while (i + 1 < s->row_count && rows[i + 1].lambda > lambda)
+		i++;
+	if (i + 1 == s->row_count)
+		return rows[i].q;
+	double t = (lambda - rows[i + 1].lambda) / (rows[i].lambda - rows[i + 1].lambda);
+	return rows[i + 1].q + t * (rows[i].q - rows[i + 1].q);
+}
+
 static enum eco_code run_study(struct bench *bench, struct study *s, struct bench_savings *savings,
 	struct eco_error *error)
 {
@@ -451,7 +514,7 @@ static enum eco_code run_study(struct bench *bench, struct study *s, struct benc
 	if (code)
 		return code;
 	count_vertices(s);
-	s->factor = lod_arena_take(&s->leaves.arena, s->n, sizeof *s->factor);
+	s->factor = lod_arena_take(&s->leaves.arena, (size_t)s->n + s->collapse.quads, sizeof *s->factor);
 	s->shape = lod_arena_take(&s->leaves.arena, s->n, sizeof *s->shape);
 	lod_directions_spread(directions, TUNING_VIEWS, TUNING_SEED);
 	code = lod_sights_make(&s->tuning, &s->leaves.foliage, (const double (*)[3])directions, TUNING_VIEWS,
@@ -473,6 +536,9 @@ static enum eco_code run_study(struct bench *bench, struct study *s, struct benc
 			at->lambda[i % BENCH_METHODS][d] = reach(s, (enum bench_method)(i % BENCH_METHODS),
 				at->cook_q[d]).lambda;
 		}
+	for (uint32_t i = 0; i < BENCH_METHODS * BENCH_SHARES && !code; i++)
+		savings->q[i / BENCH_SHARES][i % BENCH_SHARES] = q_at(s,
+			(enum bench_method)(i / BENCH_SHARES), bench_shares[i % BENCH_SHARES]);
 	return code ? code : measure_beside(bench, s, savings, error);
 }
 
@@ -505,17 +571,17 @@ enum eco_code bench_savings_measure(struct bench *bench, struct bench_savings *s
 
 /* ---- Kept ---- */
 
-static json_t *pack_row(const double *values)
+static json_t *pack_row(const double *values, uint32_t count)
 {
 	json_t *row = json_array();
-	for (uint32_t d = 0; d < BENCH_DISTANCES; d++)
+	for (uint32_t d = 0; d < count; d++)
 		json_array_append_new(row, json_real(values[d]));
 	return row;
 }
 
-static void read_row(const json_t *row, double *values)
+static void read_row(const json_t *row, double *values, uint32_t count)
 {
-	for (uint32_t d = 0; d < BENCH_DISTANCES; d++)
+	for (uint32_t d = 0; d < count; d++)
 		values[d] = json_number_value(json_array_get(row, d));
 }
 
@@ -524,15 +590,15 @@ static json_t *pack(const struct bench_savings *s)
 	json_t *methods = json_array(), *spacings = json_array();
 	for (int m = 0; m < BENCH_METHODS; m++)
 		json_array_append_new(methods,
-			json_pack("{s:f,s:f}", "owner_q", s->beside[m].owner_q, "colour_rms",
-			s->beside[m].colour_rms));
+			json_pack("{s:f,s:f,s:o}", "owner_q", s->beside[m].owner_q, "colour_rms",
+			s->beside[m].colour_rms, "q", pack_row(s->q[m], BENCH_SHARES)));
 	for (int g = 0; g < BENCH_SPACINGS; g++) {
 		json_t *lambdas = json_array();
 		for (int m = 0; m < BENCH_METHODS; m++)
-			json_array_append_new(lambdas, pack_row(s->at[g].lambda[m]));
+			json_array_append_new(lambdas, pack_row(s->at[g].lambda[m], BENCH_DISTANCES));
 		json_array_append_new(spacings,
-			json_pack("{s:o,s:o,s:o}", "cook_lambda", pack_row(s->at[g].cook_lambda), "cook_q",
-			pack_row(s->at[g].cook_q), "lambda", lambdas));
+			json_pack("{s:o,s:o,s:o}", "cook_lambda", pack_row(s->at[g].cook_lambda,
+			BENCH_DISTANCES), "cook_q", pack_row(s->at[g].cook_q, BENCH_DISTANCES), "lambda", lambdas));
 	}
 	return json_pack("{s:i,s:i,s:o,s:f,s:f,s:o}", "elements", (int)s->elements, "vertices",
 		(int)s->vertices, "spacings", spacings,
@@ -551,16 +617,17 @@ static void unpack(struct bench_savings *s, const json_t *kept)
 		.cook = { number(kept, "owner_q"), number(kept, "colour_rms") } };
 	for (int g = 0; g < BENCH_SPACINGS; g++) {
 		const json_t *spacing = json_array_get(json_object_get(kept, "spacings"), (size_t)g);
-		read_row(json_object_get(spacing, "cook_lambda"), s->at[g].cook_lambda);
-		read_row(json_object_get(spacing, "cook_q"), s->at[g].cook_q);
+		read_row(json_object_get(spacing, "cook_lambda"), s->at[g].cook_lambda, BENCH_DISTANCES);
+		read_row(json_object_get(spacing, "cook_q"), s->at[g].cook_q, BENCH_DISTANCES);
 		for (int m = 0; m < BENCH_METHODS; m++)
 			read_row(json_array_get(json_object_get(spacing, "lambda"), (size_t)m),
-				s->at[g].lambda[m]);
+				s->at[g].lambda[m], BENCH_DISTANCES);
 	}
 	for (int m = 0; m < BENCH_METHODS; m++) {
 		const json_t *method = json_array_get(json_object_get(kept, "methods"), (size_t)m);
 		s->beside[m] = (struct bench_beside){ number(method, "owner_q"),
 			number(method, "colour_rms") };
+		read_row(json_object_get(method, "q"), s->q[m], BENCH_SHARES);
 	}
 }
 

@@ -19,11 +19,11 @@
 #define BENCH_DISTANCES 20u
 #define BENCH_ELEMENTS_LEAST 500u
 
-/* PLAIN: our order, made for leaves, drawn without its growth codes. PRUNED: with one a leaf. TRIANGLES: and
+/* COLLAPSE: levels of leaf collapse with its textures, quads scaled. PLAIN: our order, made for leaves, drawn without its growth codes. PRUNED: with one a leaf. TRIANGLES: and
  * with leaves as one triangle where that serves better. Packs draw the list's beginning as points, and their
  * order is made for that (rank.h); here it is not. */
-enum bench_method { BENCH_STOCHASTIC, BENCH_DENSITY, BENCH_ORIENTATION, BENCH_COMBINED, BENCH_PLAIN,
-	BENCH_PRUNED, BENCH_TRIANGLES, BENCH_METHODS };
+enum bench_method { BENCH_STOCHASTIC, BENCH_DENSITY, BENCH_ORIENTATION, BENCH_COMBINED, BENCH_COLLAPSE,
+	BENCH_PLAIN, BENCH_PRUNED, BENCH_TRIANGLES, BENCH_METHODS };
 extern const char *const bench_method_names[BENCH_METHODS];
 
 /* Means over some of the distances. */
@@ -34,10 +34,15 @@ enum bench_spacing { BENCH_EVEN, BENCH_NEAR, BENCH_SPACINGS };
 struct bench_reach { double cook_lambda[BENCH_DISTANCES], cook_q[BENCH_DISTANCES],
 	lambda[BENCH_METHODS][BENCH_DISTANCES]; };
 
+/* Shares of all vertices at which the Q of all methods is kept, beside what Cook reaches. */
+#define BENCH_SHARES 6u
+extern const double bench_shares[BENCH_SHARES];
+
 struct bench_savings {
 	uint32_t elements, vertices;         /* foliage; below BENCH_ELEMENTS_LEAST nothing else is set */
 	struct bench_reach at[BENCH_SPACINGS];
 	struct bench_beside cook, beside[BENCH_METHODS];
+	double q[BENCH_METHODS][BENCH_SHARES];   /* each at its best scale; of test views */
 };
 
 double bench_distance(enum bench_spacing spacing, uint32_t i);

@@ -96,7 +96,7 @@ static double percent(const struct totals *t, const double *sums, int method)
 
 static void write_means(struct bench *bench, const struct summary *sum)
 {
-	static const char *const printed[BENCH_METHODS] = { "10.1", "17.4", "40.7", "30.1", "-", "-", "-" };
+	static const char *const printed[BENCH_METHODS] = { "10.1", "17.4", "40.7", "30.1", "-", "-", "-", "-" };
 	struct bench_table *table = bench_table_open(bench, "species_means",
 		"order (each with its best scale),mean of savings %,of all vertices %,"
 		"paper's distances: mean %,paper's distances: of all vertices %,generated plants: mean "
@@ -258,4 +258,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 }
 
 const struct bench_section bench_species = { "species", "Geometry saved against Cook at equal quality", run,
-	.objects = BENCH_OBJECTS_PLANTS "tests/bench/bench_savings.o" };
+	.objects = BENCH_OBJECTS_PLANTS BENCH_OBJECTS_SAVINGS };

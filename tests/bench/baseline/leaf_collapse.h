@@ -1,0 +1,124 @@
+/* Leaf collapse (Hidalgo, Abad, Camahort, "Simplification for Efficient Rendering of Tree Foliage", 2007): the
+ * two leaves whose cost is least become one quad, again and again. The baseline of ecobench.
+ *
+ *   lod_collapse_make(&collapse, &leaves, NULL, &arena);             collapses; a binary forest
+ *   const struct lod_collapse_level *level = lod_collapse_level_of(&collapse, 500);
+ *   draw collapse.place[0 .. level->a) and collapse.place[level->b .. level->b + level->c)
+ *
+ * One array of places holds all levels: the original leaves in [0, leaves), the quads that collapses made in
+ * [leaves, leaves + made). A level is two runs of it. The next finer level puts the children of one quad in
+ * its place: of the quad that was placed first, not of the one that costs most. Else the quads that are left
+ * would not be one run (section 4 of the paper, figure 4).
+ *
+ * Cost terms are in [0, 1] each, and a cost is their weighted sum:
+ *
+ *   distance      of the centres, over the greatest one allowed
+ *   angle         between the planes, over 90 degrees: a leaf has no back
+ *   leaves        |m - n| / (m + n) for leaves that stand for m and n of the original ones
+ *   area          |A - B| / (A + B)
+ *   interiority   from the point between the centres to the tree's axis, over the crown's radius: inner
+ *                 leaves collapse first
+ *
+ * The paper prints no weights and no cut-offs: lod_collapse_defaults says those that did best on generated
+ * plants (lod/EXPERIMENTS.md, Leaf collapse). Two cases that it leaves open: normals that oppose each other
+ * are turned to one side first, and where the projected centres coincide the main axis is that of the larger
+ * leaf. */
+#ifndef TESTS_BENCH_BASELINE_LEAF_COLLAPSE_H
+#define TESTS_BENCH_BASELINE_LEAF_COLLAPSE_H
+
+#include <stdint.h>
+
+#include "ecofiles/format/list.h"
+#include "lod/arena.h"
+#include "lod/vector.h"
+
+enum lod_collapse_term { LOD_COLLAPSE_DISTANCE, LOD_COLLAPSE_ANGLE, LOD_COLLAPSE_LEAVES, LOD_COLLAPSE_AREA,
+	LOD_COLLAPSE_INTERIORITY, LOD_COLLAPSE_TERMS };
+
+struct lod_collapse_options {
+	double weight[LOD_COLLAPSE_TERMS];
+	double distance_most;        /* cut-off, over the radius of a ball around the crown; > 0 */
+	double angle_most_rad;       /* cut-off, at most pi / 2 */
+	uint32_t leaves_most;        /* a quad stands for no more leaves than that; 0: any number */
+};
+extern const struct lod_collapse_options lod_collapse_defaults;
+
+/* Leaf i has corners [first[i], first[i + 1]), 3 to ECO_CORNERS_MAX: a fan around the first. All finite. */
+struct lod_collapse_leaves {
+	uint32_t count;
+	const uint32_t *first;
+	const float (*corner)[3];
+	const double *opaque_area;   /* per leaf, or NULL: all of it is opaque */
+	double axis_x, axis_y;       /* the tree's axis is vertical and passes there */
+};
+
+/* Node i is leaf i of the input, or a quad where i >= leaves. */
+struct lod_collapse_node {
+	struct lod_v3 center, normal;        /* unit, or 0 for a leaf without area */
+	double area;                 /* of the polygon */
+	uint32_t represents, parent; /* leaves; a node, or ECO_NONE */
+	/* Half of the main axis and of the other; a quad's corners are center +- half[0] +- half[1]. */
+	struct lod_v3 half[2];
+	double opaque_area;          /* the sum of all leaves that it stands for */
+	uint32_t child[2];           /* nodes, or ECO_NONE */
+};
+
+struct lod_collapse_level { uint32_t a, b, c; };
+
+struct lod_collapse {                /* arrays of an arena */
+	uint32_t leaves, made;       /* originals; quads, in the order of their collapses */
+	struct lod_collapse_node *node;      /* leaves + made */
+	uint32_t *place;                     /* leaves + made nodes, in the order of the vertex array */
+	struct lod_collapse_level *level;    /* made + 1, the coarsest first: level i has roots + i leaves */
+	uint32_t roots;
+};
+
+/* options NULL: lod_collapse_defaults. Near-linear in the count for leaves that are spread; no more than
+ * LOD_COLLAPSE_LOOKS candidates are looked at for one leaf, so that leaves on one spot do not take long. */
+#define LOD_COLLAPSE_LOOKS 4096u
+void lod_collapse_make(struct lod_collapse *collapse, const struct lod_collapse_leaves *leaves,
+	const struct lod_collapse_options *options, struct lod_arena *arena);
+
+/* The level of so many leaves, or the nearest to it that there is. */
+const struct lod_collapse_level *lod_collapse_level_of(const struct lod_collapse *collapse, uint32_t count);
+static inline uint32_t lod_collapse_count(const struct lod_collapse_level *level)
+{
+	return level->a + level->c;
+}
+
+/* shown[leaf] becomes the node that stands for the leaf at that level. */
+void lod_collapse_shown(const struct lod_collapse *collapse, const struct lod_collapse_level *level,
+	uint32_t *shown);
+
+/* The corners of a node, in turn around it: 4 for a quad. Returns how many. */
+uint32_t lod_collapse_corners(const struct lod_collapse *collapse, const struct lod_collapse_leaves *leaves,
+	uint32_t node, struct lod_v3 corner[ECO_CORNERS_MAX]);
+
+/* ---- Sectors (section 4.1): a forest each ---- */
+
+/* leaf[first[s] .. first[s + 1]) are the leaves of sector s; its forest counts them from 0. Sector 0 holds the
+ * innermost leaves, the others are wedges around the axis. All have as many leaves, within one: so wedges are
+ * narrow where the foliage is dense. */
+struct lod_collapse_sectors {
+	uint32_t count, *first, *leaf;
+	struct lod_collapse *forest;
+	struct lod_collapse_leaves *leaves;  /* of each, with arrays of the arena */
+};
+/* count >= 1. */
+void lod_collapse_sectors_make(struct lod_collapse_sectors *sectors, uint32_t count,
+	const struct lod_collapse_leaves *leaves, const struct lod_collapse_options *options,
+	struct lod_arena *arena);
+
+/* ---- Parts ---- */
+
+/* Leaf i of the input as a node. */
+void lod_collapse_node_of(struct lod_collapse_node *node, const struct lod_collapse_leaves *leaves, uint32_t i);
+
+/* Extent of a crown, that costs are over. */
+struct lod_collapse_crown { double radius, across, axis_x, axis_y; };
+
+/* INFINITY beyond a cut-off. */
+double lod_collapse_cost(const struct lod_collapse_node *a, const struct lod_collapse_node *b,
+	const struct lod_collapse_crown *crown, const struct lod_collapse_options *options);
+
+#endif
