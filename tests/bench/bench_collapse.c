@@ -3,7 +3,7 @@
  * levels at distances (5), sectors (6). What the paper has no figure for is the time of the search for pairs.
  *
  * The paper compares with nothing and gives no count of leaves, no time and no frame rate; its scenes of
- * millions of trees are a matter of the renderer. What can be measured is Q: of levels drawn as the paper says
+ * millions of trees are a matter of the renderer. The section measures Q: of levels drawn as the paper says
  * (quads of the printed size), of levels whose quads are scaled as all other methods here are
  * (bench_savings.h), without textures, and by sectors that each have a level by how they face the eye. */
 #include <math.h>
@@ -50,8 +50,8 @@ static json_t *pack(const struct bench_collapse_q *q)
 			l->q[1], l->q[2], l->q[3] };
 		json_array_append_new(levels, pack_row(row, 4 + BENCH_COLLAPSE_SIZES));
 	}
-	return json_pack("{s:o,s:o,s:o}", "kinds", kinds, "levels", levels, "plant", pack_row((const double[5]){
-		q->leaves, q->quads, q->roots, q->seconds, q->least }, 5));
+	const double plant[5] = { q->leaves, q->quads, q->roots, q->seconds, q->least };
+	return json_pack("{s:o,s:o,s:o}", "kinds", kinds, "levels", levels, "plant", pack_row(plant, 5));
 }
 
 static void unpack(struct bench_collapse_q *q, const json_t *kept)
@@ -120,8 +120,9 @@ static void write_plant(const struct tables *t, struct sums *sums, const struct 
 	}
 	for (uint32_t i = 0; i < q->level_count; i++) {
 		const struct bench_collapse_level *l = &q->level[i];
-		bench_table_row(t->levels, "%s,%u,%u,%u,%u,%llu,%.3f,%.3f,%.3f,%.3f", model->name, l->a + l->c,
-			l->a, l->b, l->c, (unsigned long long)l->vertices, l->q[0], l->q[1], l->q[2], l->q[3]);
+		bench_table_row(t->levels, "%s,%u,%u,%u,%u,%llu,%.3f,%.3f,%.3f,%.3f", model->name,
+			l->a + l->c, l->a, l->b, l->c, (unsigned long long)l->vertices, l->q[0], l->q[1],
+			l->q[2], l->q[3]);
 	}
 }
 
@@ -184,15 +185,16 @@ static enum eco_code write_means(struct bench *bench, const struct sums *sums, s
 			y[row][i] = sums->count[row][i] ? sums->q[row][i] / sums->count[row][i] : NAN;
 		bench_table_row(table, "%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%u", row_name(row), y[row][0],
 			y[row][1], y[row][2], y[row][3], y[row][4], y[row][5], sums->count[row][0]);
-		series[row] = (struct bench_series){ row_name(row), bench_shares, y[row], BENCH_SHARES, false };
+		series[row] = (struct bench_series){ row_name(row), bench_shares, y[row], BENCH_SHARES,
+			false };
 	}
 	bench_table_close(table);
 	bench_key(bench, "collapse_q_10", y[BENCH_COLLAPSE][2], "Q of leaf collapse at 10 % of the vertices");
 	bench_key(bench, "collapse_greedy_q_10", y[BENCH_PRUNED][2], "beside it: the greedy order");
 	bench_key(bench, "collapse_splats_q_10", y[BENCH_METHODS + (int)BENCH_COLLAPSE_SPLATS][2],
 		"beside it: splats");
-	return bench_plot(bench, &(struct bench_plot){ .name = "collapse", .title = "Q at equal vertices, mean "
-		"over plants", .x = "share of the vertices", .y = "Q", .log_x = true, .series = series,
+	return bench_plot(bench, &(struct bench_plot){ .name = "collapse", .title = "Q at equal vertices, "
+		"mean over plants", .x = "share of the vertices", .y = "Q", .log_x = true, .series = series,
 		.series_count = ROWS }, error);
 }
 
@@ -259,7 +261,8 @@ static void write_chain(struct bench *bench, struct lod_arena *arena)
 		char run[2][128];
 		write_places(&c, 0, l->a, run[0], sizeof run[0]);
 		write_places(&c, l->b, l->c, run[1], sizeof run[1]);
-		bench_table_row(table, "%u,%u,%u,%u,%u,%s,%s", i, l->a + l->c, l->a, l->b, l->c, run[0], run[1]);
+		bench_table_row(table, "%u,%u,%u,%u,%u,%s,%s", i, l->a + l->c, l->a, l->b, l->c, run[0],
+			run[1]);
 	}
 	bench_table_close(table);
 }
@@ -279,7 +282,8 @@ static void write_times(struct bench *bench, struct lod_arena *arena)
 		bench_table_row(table, "%u,%.2f,%u,%u,%.1f", counts[i], seconds, c.made, c.roots,
 			1e6 * seconds / counts[i]);
 		if (counts[i] == 300000)
-			bench_key(bench, "collapse_300k_s", seconds, "<= 60: processor time of 300,000 leaves");
+			bench_key(bench, "collapse_300k_s", seconds,
+				"<= 60: processor time of 300,000 leaves");
 		lod_arena_release(arena, mark);
 	}
 	bench_table_close(table);
@@ -306,8 +310,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	enum eco_code code = sums ? bench_collapse_draw_pair(bench, "collapse-pair.png", error)
 		: eco_fail(error, ECO_NO_MEMORY, "no memory for sums");
 	if (!code) {
-		bench_picture(bench, "collapse-pair.png", "two leaves; the sides of what encloses them (dark) and "
-			"the quad (red), whose area is the mean of both areas' sum and of what encloses them; "
+		bench_picture(bench, "collapse-pair.png", "two leaves; what encloses them (dark) and the "
+			"quad (red), whose area is the mean of both areas' sum and of what encloses them; "
 			"the quad with its texture");
 		code = study_plants(bench, sums, error);
 	}
@@ -317,9 +321,9 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		code = write_made(bench, error);
 	if (!code)
 		bench_say(bench, "Rows of orders and of leaf collapse have each their best scale; those as "
-			"printed, without textures and by sectors have the paper's sizes. Splats show wood and "
-			"leaves together, one vertex each, over wood that is drawn whole as in all other rows. "
-			"Where a coarsest level has more vertices than asked for there is no figure.");
+			"printed, without textures and by sectors have the paper's sizes. Splats show wood "
+			"and leaves together, one vertex each, over wood that is drawn whole as in all other "
+			"rows. There is no figure where a coarsest level has more vertices than asked for.");
 	free(sums);
 	return code;
 }

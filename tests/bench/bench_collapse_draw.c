@@ -49,22 +49,29 @@ static bool inside(const struct flat *p, uint32_t count, double x, double y)
 {
 	bool in = false;
 	for (uint32_t i = 0, j = count - 1; i < count; j = i++)
-		if ((p[i].y > y) != (p[j].y > y) && x < (p[j].x - p[i].x) * (y - p[i].y) / (p[j].y - p[i].y) + p[i].x)
+		if ((p[i].y > y) != (p[j].y > y) && x < p[i].x + (p[j].x - p[i].x) * (y - p[i].y)
+				/ (p[j].y - p[i].y))
 			in = !in;
 	return in;
 }
 
-static void outline(uint8_t *rgb, uint32_t width, uint32_t panel, double half_x, double half_y,
+static void mark(uint8_t *rgb, uint32_t width, uint32_t panel, int x, int y, const uint8_t color[3])
+{
+	if (x >= 0 && y >= 0 && x < (int)PANEL && y < (int)PANEL)
+		memcpy(rgb + 3 * ((size_t)y * width + panel * PANEL + (uint32_t)x), color, 3);
+}
+
+static void outline(uint8_t *rgb, uint32_t width, uint32_t panel, struct flat low, struct flat high,
 	const uint8_t color[3])
 {
-	for (int i = -(int)half_x; i <= (int)half_x; i++)
-		for (int s = -1; s <= 1; s += 2)
-			memcpy(rgb + 3 * ((size_t)(PANEL / 2 + s * (int)half_y) * width
-				+ (uint32_t)((int)(panel * PANEL + PANEL / 2) + i)), color, 3);
-	for (int i = -(int)half_y; i <= (int)half_y; i++)
-		for (int s = -1; s <= 1; s += 2)
-			memcpy(rgb + 3 * ((size_t)((int)PANEL / 2 + i) * width
-				+ (uint32_t)((int)(panel * PANEL + PANEL / 2) + s * (int)half_x)), color, 3);
+	for (int x = (int)low.x; x <= (int)high.x; x++) {
+		mark(rgb, width, panel, x, (int)low.y, color);
+		mark(rgb, width, panel, x, (int)high.y, color);
+	}
+	for (int y = (int)low.y; y <= (int)high.y; y++) {
+		mark(rgb, width, panel, (int)low.x, y, color);
+		mark(rgb, width, panel, (int)high.x, y, color);
+	}
 }
 
 static void fill(uint8_t *rgb, uint32_t width, uint32_t panel, const struct flat *p, uint32_t count)
@@ -102,7 +109,7 @@ static void paint_pair(uint8_t *rgb, uint32_t width, struct lod_arena *arena)
 	struct lod_collapse c;
 	struct lod_collapse_atlas atlas;
 	struct lod_collapse_shape *shape = lod_arena_take(arena, 1, sizeof *shape);
-	double low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY };
+	struct flat low = { INFINITY, INFINITY }, high = { -INFINITY, -INFINITY };
 	lod_collapse_make(&c, &leaves, &options, arena);
 	lod_collapse_shape_make(shape, corner, NULL, 4, NULL);
 	lod_collapse_atlas_make(&atlas, &c, 1, shape, green, arena);
@@ -110,18 +117,19 @@ static void paint_pair(uint8_t *rgb, uint32_t width, struct lod_arena *arena)
 		struct flat flat[4];
 		for (uint32_t k = 0; k < 4; k++) {
 			flat[k] = flatten(&c, lod_v3_of(corner[4 * i + k]));
-			low[0] = fmin(low[0], flat[k].x), low[1] = fmin(low[1], flat[k].y);
-			high[0] = fmax(high[0], flat[k].x), high[1] = fmax(high[1], flat[k].y);
+			low = (struct flat){ fmin(low.x, flat[k].x), fmin(low.y, flat[k].y) };
+			high = (struct flat){ fmax(high.x, flat[k].x), fmax(high.y, flat[k].y) };
 		}
 		fill(rgb, width, 0, flat, 4);
 		fill(rgb, width, 1, flat, 4);
 	}
 	double half_x = SCALE * lod_v3_length(c.node[2].half[0]), half_y = SCALE
 		* lod_v3_length(c.node[2].half[1]);
-	/* its sides; it is drawn about the quad's centre */
-	outline(rgb, width, 1, (high[0] - low[0]) / 2, (high[1] - low[1]) / 2, line);
-	outline(rgb, width, 1, half_x, half_y, red);
-	outline(rgb, width, 2, half_x, half_y, red);
+	const struct flat quad[2] = { { PANEL / 2 - half_x, PANEL / 2 - half_y },
+		{ PANEL / 2 + half_x, PANEL / 2 + half_y } };
+	outline(rgb, width, 1, low, high, line);
+	outline(rgb, width, 1, quad[0], quad[1], red);
+	outline(rgb, width, 2, quad[0], quad[1], red);
 	fill_tile(rgb, width, 2, &atlas, half_x, half_y);
 }
 
@@ -199,7 +207,8 @@ static void dot(uint8_t *rgb, int x, int y, const uint8_t color[3])
 	for (int dy = -DOT; dy <= DOT; dy++)
 		for (int dx = -DOT; dx <= DOT; dx++)
 			if (x + dx >= 0 && y + dy >= 0 && x + dx < (int)TOP_SIDE && y + dy < (int)TOP_SIDE)
-				memcpy(rgb + 3 * ((size_t)(y + dy) * TOP_SIDE + (uint32_t)(x + dx)), color, 3);
+				memcpy(rgb + 3 * ((size_t)(y + dy) * TOP_SIDE + (uint32_t)(x + dx)),
+					color, 3);
 }
 
 enum eco_code bench_collapse_draw_sectors(struct bench *bench, const char *file,

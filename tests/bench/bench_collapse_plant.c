@@ -26,7 +26,8 @@ static uint32_t median_leaf(const struct lod_foliage *f, struct lod_arena *arena
 	return median;
 }
 
-static void make_atlas(struct bench_collapse_plant *plant, const struct lod_foliage *f, struct lod_arena *arena)
+static void make_atlas(struct bench_collapse_plant *plant, const struct lod_foliage *f,
+	struct lod_arena *arena)
 {
 	struct lod_collapse_shape *shape = lod_arena_take(arena, 1, sizeof *shape);
 	if (f->count) {
@@ -105,7 +106,8 @@ static void fill_quad(const struct bench_collapse_plant *plant, uint32_t sector,
 void bench_collapse_extend(const struct bench_collapse_plant *plant, struct lod_foliage *f,
 	struct lod_arena *arena)
 {
-	size_t n = plant->leaves, all = n + plant->quads, corners = f->first[n], room = corners + 4 * plant->quads;
+	size_t n = plant->leaves, all = n + plant->quads, corners = f->first[n],
+		room = corners + 4 * (size_t)plant->quads;
 	f->first = grown(arena, f->first, n + 1, all + 1, sizeof *f->first);
 	f->triangle_first = grown(arena, f->triangle_first, n + 1, all + 1, sizeof *f->triangle_first);
 	f->corner = grown(arena, f->corner, corners, room, sizeof *f->corner);

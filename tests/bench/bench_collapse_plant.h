@@ -1,5 +1,5 @@
-/* A plant's foliage with the quads of leaf collapse behind its leaves, so that one level is drawn as any other
- * choice of elements is (lod/build/foliage.h).
+/* A plant's foliage with the quads of leaf collapse behind its leaves, so that one level is drawn as any
+ * other choice of elements is (lod/build/foliage.h).
  *
  *   bench_collapse_make(&plant, &foliage, &options, &arena);
  *   bench_collapse_extend(&plant, &foliage, &arena);     element n + k is quad k; foliage.count stays n

@@ -171,9 +171,10 @@ static enum eco_code measure_sectors(struct study *s, struct eco_error *error)
 		struct bench_wrong sum = { 0 };
 		bool fits = true;
 		for (uint32_t v = 0; v < s->views && fits; v++) {
-			uint32_t count = order_sectors(s, &plant, v, bench_shares[i] * (double)s->vertices, &fits);
-			bench_leaves_compare(&s->leaves, &s->tests[0], v,
-				&(struct lod_sights_drawing){ .order = s->order, .count = count, .scale = 1 }, &sum);
+			const struct lod_sights_drawing drawing = { .order = s->order, .scale = 1,
+				.count = order_sectors(s, &plant, v, bench_shares[i] * (double)s->vertices,
+				&fits) };
+			bench_leaves_compare(&s->leaves, &s->tests[0], v, &drawing, &sum);
 		}
 		s->q->q[BENCH_COLLAPSE_SECTORS][i] = fits ? bench_wrong_q(&sum) : NAN;
 	}
@@ -208,11 +209,13 @@ static enum eco_code measure_splats(struct study *s, struct eco_error *error)
 {
 	struct lod_splats splats;
 	struct lod_splat *items = lod_arena_take(&s->leaves.arena, SPLATS_MOST, sizeof *items);
-	enum eco_code code = lod_splats_fit(&splats, &s->leaves.model, &(struct lod_splats_options){ 0 }, error);
+	const struct lod_splats_options options = { 0 };
+	enum eco_code code = lod_splats_fit(&splats, &s->leaves.model, &options, error);
 	for (uint32_t i = 0; i < BENCH_SHARES && !code && splats.level_count; i++) {
 		struct bench_wrong sum = { 0 };
 		double room = fmin(bench_shares[i] * (double)s->vertices, SPLATS_MOST);
-		struct bench_splats_drawn drawn = { items, bench_splats_state(&splats, (uint32_t)room, items) };
+		struct bench_splats_drawn drawn = { items,
+			bench_splats_state(&splats, (uint32_t)room, items) };
 		for (uint32_t v = 0; v < s->views; v++)
 			compare_splats(s, &drawn, v, &sum);
 		s->q->q[BENCH_COLLAPSE_SPLATS][i] = bench_wrong_q(&sum);

@@ -1,7 +1,7 @@
-/* The forest, its line of places, and sectors. Every leaf keeps its best partner in a heap. A partner that is
- * gone by the time the leaf comes up is looked for anew then, and not before: a leaf's cost only rises by that,
- * and a new quad looks for the best partner among all that are there, so the pair that comes up is the
- * cheapest of all. */
+/* The forest, its line of places, and sectors. A heap holds every leaf with its best partner. Where that
+ * partner is gone by the time the leaf comes up, the next best is looked for then, and not before: the leaf's
+ * cost only rises by that. A new quad looks for its best partner among all that are there. So the pair that
+ * comes up is the cheapest of all. */
 #include "tests/bench/baseline/leaf_collapse.h"
 
 #include <string.h>
@@ -27,7 +27,10 @@ static void settle(struct work *w, uint32_t id)
 {
 	double cost;
 	w->partner[id] = lod_collapse_search_best(&w->search, id, &cost);
-	w->heap[0] = w->partner[id] != ECO_NONE ? (struct lod_heap_item){ -cost, id } : w->heap[--w->heap_count];
+	if (w->partner[id] != ECO_NONE)
+		w->heap[0] = (struct lod_heap_item){ -cost, id };
+	else
+		w->heap[0] = w->heap[--w->heap_count];
 	lod_heap_sift(w->heap, w->heap_count, 0);
 }
 
@@ -107,7 +110,8 @@ void lod_collapse_place(struct lod_collapse *collapse, struct lod_arena *arena)
 		const struct lod_collapse_node *split = &collapse->node[collapse->place[n + i]];
 		place(collapse, &line, split->child[0]);
 		place(collapse, &line, split->child[1]);
-		collapse->level[i + 1] = (struct lod_collapse_level){ line.p, n + i + 1, line.q - (n + i + 1) };
+		uint32_t b = n + i + 1;
+		collapse->level[i + 1] = (struct lod_collapse_level){ line.p, b, line.q - b };
 	}
 }
 
@@ -117,30 +121,30 @@ const struct lod_collapse_level *lod_collapse_level_of(const struct lod_collapse
 	return &collapse->level[i < collapse->made ? i : collapse->made];
 }
 
-/* Parents have greater numbers than their children: from the last node on, each knows who shows its parent. */
+/* The leaves below a node: down to the first child, then on to the next that is not done. */
+static void show_below(const struct lod_collapse *collapse, uint32_t root, uint32_t *shown)
+{
+	uint32_t id = root, from = ECO_NONE;
+	for (;;) {
+		const struct lod_collapse_node *node = &collapse->node[id];
+		uint32_t next = id < collapse->leaves || from == node->child[1] ? ECO_NONE
+			: from == node->child[0] ? node->child[1] : node->child[0];
+		if (id < collapse->leaves)
+			shown[id] = root;
+		if (next == ECO_NONE && id == root)
+			return;
+		from = next == ECO_NONE ? id : ECO_NONE;
+		id = next == ECO_NONE ? node->parent : next;
+	}
+}
+
 void lod_collapse_shown(const struct lod_collapse *collapse, const struct lod_collapse_level *level,
 	uint32_t *shown)
 {
-	for (uint32_t i = 0; i < collapse->leaves; i++)
-		shown[i] = ECO_NONE;
-	for (uint32_t run = 0; run < 2; run++) {
-		uint32_t first = run ? level->b : 0, count = run ? level->c : level->a;
-		for (uint32_t k = 0; k < count; k++) {
-			/* the leaves below: down to the first child, then on to the next that is not done */
-			uint32_t root = collapse->place[first + k], id = root, from = ECO_NONE;
-			for (;;) {
-				const struct lod_collapse_node *node = &collapse->node[id];
-				uint32_t next = id < collapse->leaves || from == node->child[1] ? ECO_NONE
-					: from == node->child[0] ? node->child[1] : node->child[0];
-				if (id < collapse->leaves)
-					shown[id] = root;
-				if (next == ECO_NONE && id == root)
-					break;
-				from = next == ECO_NONE ? id : ECO_NONE;
-				id = next == ECO_NONE ? node->parent : next;
-			}
-		}
-	}
+	for (uint32_t i = 0; i < level->a; i++)
+		show_below(collapse, collapse->place[i], shown);
+	for (uint32_t i = level->b; i < level->b + level->c; i++)
+		show_below(collapse, collapse->place[i], shown);
 }
 
 /* ---- Sectors ---- */

@@ -1,5 +1,5 @@
-/* Leaf collapse (Hidalgo, Abad, Camahort, "Simplification for Efficient Rendering of Tree Foliage", 2007): the
- * two leaves whose cost is least become one quad, again and again. The baseline of ecobench.
+/* Leaf collapse (Hidalgo, Abad, Camahort, "Simplification for Efficient Rendering of Tree Foliage", 2007):
+ * the two leaves whose cost is least become one quad, again and again. A baseline of ecobench.
  *
  *   lod_collapse_make(&collapse, &leaves, NULL, &arena);             collapses; a binary forest
  *   const struct lod_collapse_level *level = lod_collapse_level_of(&collapse, 500);
@@ -96,9 +96,9 @@ uint32_t lod_collapse_corners(const struct lod_collapse *collapse, const struct 
 
 /* ---- Sectors (section 4.1): a forest each ---- */
 
-/* leaf[first[s] .. first[s + 1]) are the leaves of sector s; its forest counts them from 0. Sector 0 holds the
- * innermost leaves, the others are wedges around the axis. All have as many leaves, within one: so wedges are
- * narrow where the foliage is dense. */
+/* leaf[first[s] .. first[s + 1]) are the leaves of sector s; its forest counts them from 0. Sector 0 holds
+ * the innermost leaves, the others are wedges around the axis. All have as many leaves, within one: so
+ * wedges are narrow where the foliage is dense. */
 struct lod_collapse_sectors {
 	uint32_t count, *first, *leaf;
 	struct lod_collapse *forest;
@@ -112,7 +112,8 @@ void lod_collapse_sectors_make(struct lod_collapse_sectors *sectors, uint32_t co
 /* ---- Parts ---- */
 
 /* Leaf i of the input as a node. */
-void lod_collapse_node_of(struct lod_collapse_node *node, const struct lod_collapse_leaves *leaves, uint32_t i);
+void lod_collapse_node_of(struct lod_collapse_node *node, const struct lod_collapse_leaves *leaves,
+	uint32_t i);
 
 /* Extent of a crown, that costs are over. */
 struct lod_collapse_crown { double radius, across, axis_x, axis_y; };

@@ -32,7 +32,8 @@ static bool within(const struct flat t[3], double x, double y, double weight[3])
 	return weight[0] >= 0 && weight[1] >= 0 && weight[2] >= 0;
 }
 
-static bool covered(const struct flat *at, uint32_t corners, double x, double y, const struct eco_image *cutout)
+static bool covered(const struct flat *at, uint32_t corners, double x, double y,
+	const struct eco_image *cutout)
 {
 	for (uint32_t k = 1; k + 1 < corners; k++) {
 		const struct flat t[3] = { at[0], at[k], at[k + 1] };
@@ -170,7 +171,8 @@ struct sheet {                   /* a tile being painted */
 };
 
 /* The leaves, `grow` times as long, in white on black; returns the opaque share. */
-static double paint(const struct sheet *sheet, const struct lod_collapse_shape *shape, double grow, bool *texel)
+static double paint(const struct sheet *sheet, const struct lod_collapse_shape *shape, double grow,
+	bool *texel)
 {
 	uint32_t opaque = 0, side = sheet->side;
 	for (uint32_t i = 0; i < side * side; i++) {
@@ -181,7 +183,8 @@ static double paint(const struct sheet *sheet, const struct lod_collapse_shape *
 			const struct leaf *leaf = &sheet->leaves[k];
 			double dx = (x - leaf->x) / grow, dy = (y - leaf->y) / grow;
 			double u = dx * leaf->along[0] + dy * leaf->along[1],
-				v = shape->wide > 0 ? (dy * leaf->along[0] - dx * leaf->along[1]) / shape->wide : 2;
+				aside = dy * leaf->along[0] - dx * leaf->along[1],
+				v = shape->wide > 0 ? aside / shape->wide : 2;
 			if (fabs(u) < 1 && fabs(v) < 1)
 				texel[i] = shape->opaque[(uint32_t)((v + 1) / 2 * LOD_COLLAPSE_SHAPE)]
 					[(uint32_t)((u + 1) / 2 * LOD_COLLAPSE_SHAPE)];
@@ -283,7 +286,8 @@ static void make_tile(struct lod_collapse_atlas *atlas, uint32_t index, const st
 static void make_tiles(struct lod_collapse_atlas *atlas, const struct count *count, struct choice *choice,
 	const struct lod_collapse_shape *shape, const uint8_t rgb[3])
 {
-	choice->pairs = commonest(&count->pair[0][0], DISTANCES * TURNS, LOD_COLLAPSE_PAIR_TILES, choice->pair);
+	choice->pairs = commonest(&count->pair[0][0], DISTANCES * TURNS, LOD_COLLAPSE_PAIR_TILES,
+		choice->pair);
 	for (uint32_t i = 0; i < choice->pairs; i++)
 		make_tile(atlas, i, &count->pair[0][0] + choice->pair[i], shape, rgb);
 	for (uint32_t c = 0; c < LOD_COLLAPSE_CLASSES; c++) {
@@ -320,11 +324,13 @@ static uint32_t nearest(const struct lod_collapse_atlas *atlas, const struct cho
 }
 
 void lod_collapse_atlas_make(struct lod_collapse_atlas *atlas, const struct lod_collapse *forests,
-	uint32_t count, const struct lod_collapse_shape *shape, const uint8_t rgb[3], struct lod_arena *arena)
+	uint32_t count, const struct lod_collapse_shape *shape, const uint8_t rgb[3],
+	struct lod_arena *arena)
 {
 	struct choice choice;
-	*atlas = (struct lod_collapse_atlas){ .image = { WIDTH, HEIGHT,
-		lod_arena_take(arena, (size_t)WIDTH * HEIGHT, 4) }, .of = lod_arena_take(arena, count, sizeof *atlas->of) };
+	*atlas = (struct lod_collapse_atlas){
+		.image = { WIDTH, HEIGHT, lod_arena_take(arena, (size_t)WIDTH * HEIGHT, 4) },
+		.of = lod_arena_take(arena, count, sizeof *atlas->of) };
 	struct count *counted = lod_arena_take(arena, 1, sizeof *counted);
 	for (uint32_t s = 0; s < count; s++)
 		count_quads(counted, &forests[s]);

@@ -1,8 +1,8 @@
 /* Textures of the quads that leaf collapse makes (section 3.3 of the paper, figure 2): an atlas of alpha
  * textures, and the tile of each quad.
  *
- *   first level   quads of two original leaves. The commonest pairs of distance and relative orientation get a
- *                 tile each, that shows two leaves so
+ *   first level   quads of two original leaves. The commonest pairs of distance and relative orientation
+ *                 get a tile each, that shows two leaves so
  *   below         quads by how many leaves they stand for and how much of them is leaf: the commonest
  *                 densities of each class of counts get a tile each, that shows leaves strewn at that density
  *
@@ -45,7 +45,8 @@ struct lod_collapse_atlas {
 };
 /* `count` forests of one tree share it. rgb: of the leaves. */
 void lod_collapse_atlas_make(struct lod_collapse_atlas *atlas, const struct lod_collapse *forests,
-	uint32_t count, const struct lod_collapse_shape *shape, const uint8_t rgb[3], struct lod_arena *arena);
+	uint32_t count, const struct lod_collapse_shape *shape, const uint8_t rgb[3],
+	struct lod_arena *arena);
 
 /* Texture coordinates of a quad's corners, in the order of lod_collapse_corners. */
 void lod_collapse_atlas_uv(const struct lod_collapse_atlas *atlas, uint32_t tile, float uv[4][2]);

@@ -92,7 +92,8 @@ static void find_axes(struct lod_collapse_node *node, const struct lod_collapse_
 	node->half[1] = lod_v3_scale(across, wide);
 }
 
-void lod_collapse_node_of(struct lod_collapse_node *node, const struct lod_collapse_leaves *leaves, uint32_t i)
+void lod_collapse_node_of(struct lod_collapse_node *node, const struct lod_collapse_leaves *leaves,
+	uint32_t i)
 {
 	struct lod_v3 sum = { 0, 0, 0 }, first = leaf_corner(leaves, i, 0);
 	uint32_t corners = leaves->first[i + 1] - leaves->first[i];

@@ -118,14 +118,16 @@ void lod_collapse_search_add(struct lod_collapse_search *s, uint32_t id)
 		return;
 	}
 	s->alive++;
-	for (uint32_t box = 0;; box = s->box[box].side[lod_v3_axis(at, (int)s->box[box].axis) >= s->box[box].at]) {
-		s->box[box].alive++;
-		widen(&s->box[box], at);
-		if (s->box[box].side[0] == ECO_NONE) {
-			put(s, box, id);
-			return;
-		}
+	uint32_t index = 0;
+	for (;;) {
+		struct lod_collapse_box *box = &s->box[index];
+		box->alive++;
+		widen(box, at);
+		if (box->side[0] == ECO_NONE)
+			break;
+		index = box->side[lod_v3_axis(at, (int)box->axis) >= box->at];
 	}
+	put(s, index, id);
 }
 
 /* ---- Searching ---- */
@@ -136,8 +138,8 @@ struct look {                    /* of one leaf */
 	double cost, most, per_m, inner, per_inner;
 };
 
-/* The least cost of a partner that is `apart` metres away or more. Interiority falls by half of the way, until
- * the point between the two is on the axis. */
+/* The least cost of a partner that is `apart` metres away or more. Interiority falls by half of the way,
+ * until the point between the two is on the axis. */
 static double bound(const struct look *look, double apart)
 {
 	if (look->per_m < look->per_inner / 2)               /* farther ones may cost less */
