@@ -330,4 +330,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 
 const struct bench_section bench_collapse = { "collapse", "Leaf collapse against orders and splats", run,
 	.objects = BENCH_OBJECTS_PLANTS BENCH_OBJECTS_SAVINGS "tests/bench/bench_collapse*.o "
-	"tests/bench/pictures/bench_splats*.o" };
+	"tests/bench/pictures/bench_splats*.o", .alone = true };
