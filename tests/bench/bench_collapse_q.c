@@ -9,7 +9,11 @@
 #include "tests/bench/bench_leaves.h"
 #include "tests/bench/pictures/bench_splats.h"
 
-#define TEST_SEED 90217u                 /* views of bench_savings.c */
+#define TEST_SEED 90217u                 /* views of bench_savings.c, these and those that scales are from */
+#define TUNING_SEED 7411u
+#define TUNING_VIEWS 5u
+#define STEP_LOW (-16)                   /* eighths of an octave of area */
+#define STEP_HIGH 8
 #define SPLATS_MOST 8192u
 #define PIXELS 256u
 #define PASSES 8                         /* of giving what full sectors leave to the others */
@@ -23,9 +27,10 @@ struct study {
 	const char *name;
 	struct bench_leaves leaves;
 	struct lod_foliage bare;             /* without quads */
-	struct lod_sights tests[BENCH_COLLAPSE_SIZES];
+	struct lod_sights tuning, tests[BENCH_COLLAPSE_SIZES];
 	uint64_t vertices;
 	uint32_t views, *order;
+	float *factor;                       /* per element, with quads */
 	struct bench_collapse_q *q;
 };
 
@@ -56,6 +61,35 @@ static void measure_shares(struct study *s, const struct bench_collapse_plant *p
 		uint32_t row = bench_collapse_row(plant, 0, bench_shares[i] * (double)s->vertices);
 		q[i] = plant->vertices[0][row] > bench_shares[i] * (double)s->vertices ? NAN
 			: q_of(s, &s->tests[0], bench_collapse_order(plant, 0, row, s->order));
+	}
+}
+
+static double scaled_q(struct study *s, const struct lod_sights *sights, uint32_t count, double step)
+{
+	struct bench_wrong sum = { 0 };
+	const struct lod_sights_drawing drawing = { .order = s->order, .count = count, .factor = s->factor };
+	for (uint32_t k = 0; k < count; k++)
+		s->factor[s->order[k]] = s->order[k] < s->bare.count ? 1 : (float)exp2(step / 8);
+	for (uint32_t v = 0; v < sights->count; v++)
+		bench_leaves_compare(&s->leaves, sights, v, &drawing, &sum);
+	return bench_wrong_q(&sum);
+}
+
+/* As measure_shares, with quads at their best scale. */
+static void measure_scaled(struct study *s, const struct bench_collapse_plant *plant, double *q)
+{
+	s->factor = lod_arena_take(&s->leaves.arena, (size_t)plant->leaves + plant->quads, sizeof *s->factor);
+	for (uint32_t i = 0; i < BENCH_SHARES; i++) {
+		double vertices = bench_shares[i] * (double)s->vertices, best = -INFINITY, best_step = 0;
+		uint32_t row = bench_collapse_row(plant, 0, vertices),
+			count = bench_collapse_order(plant, 0, row, s->order);
+		for (int step = STEP_LOW; step <= STEP_HIGH; step += 2) {
+			double now = scaled_q(s, &s->tuning, count, step);
+			best_step = now > best ? step : best_step;
+			best = fmax(best, now);
+		}
+		q[i] = (double)plant->vertices[0][row] > vertices ? NAN
+			: scaled_q(s, &s->tests[0], count, best_step);
 	}
 }
 
@@ -92,7 +126,7 @@ static enum eco_code measure_forest(struct study *s, struct eco_error *error)
 	struct bench_collapse_plant plant;
 	char file[128];
 	grow(s, &plant, &(struct bench_collapse_options){ .solid = true });
-	measure_shares(s, &plant, s->q->q[BENCH_COLLAPSE_SOLID]);
+	measure_scaled(s, &plant, s->q->q[BENCH_COLLAPSE_SOLID]);
 	grow(s, &plant, &(struct bench_collapse_options){ .solid = false });
 	s->q->quads = plant.quads;
 	s->q->roots = plant.sectors.forest->roots;
@@ -230,7 +264,9 @@ static enum eco_code measure_splats(struct study *s, struct eco_error *error)
 static enum eco_code run_study(struct study *s, struct eco_error *error)
 {
 	double directions[12][3];
-	enum eco_code code = ECO_OK;
+	lod_directions_spread(directions, TUNING_VIEWS, TUNING_SEED);
+	enum eco_code code = lod_sights_make(&s->tuning, &s->leaves.foliage,
+		(const double (*)[3])directions, TUNING_VIEWS, PIXELS, &s->leaves.arena, error);
 	lod_directions_spread(directions, s->views, TEST_SEED);
 	for (uint32_t z = 0; z < BENCH_COLLAPSE_SIZES && !code; z++)
 		code = lod_sights_make(&s->tests[z], &s->leaves.foliage, (const double (*)[3])directions,

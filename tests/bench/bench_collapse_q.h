@@ -5,9 +5,9 @@
 
 #include "tests/bench/bench_savings.h"
 
-/* PRINTED: quads as large as the paper has them. SOLID: and without textures. SECTORS: a level each, the
- * finer the more a sector faces the eye. SPLATS: of the whole plant, as many as there are vertices; wood is
- * whole there, too. */
+/* PRINTED: quads as large as the paper has them. SOLID: opaque quads, at the scale that is best in other
+ * views. SECTORS: quads of the printed size; each sector has a level, the finer the more it faces the eye.
+ * SPLATS: of the whole plant, as many as there are vertices; wood is whole there, too. */
 enum bench_collapse_kind { BENCH_COLLAPSE_PRINTED, BENCH_COLLAPSE_SOLID, BENCH_COLLAPSE_SECTORS,
 	BENCH_COLLAPSE_SPLATS, BENCH_COLLAPSE_KINDS };
 extern const char *const bench_collapse_kind_names[BENCH_COLLAPSE_KINDS];
