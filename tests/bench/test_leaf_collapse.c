@@ -445,6 +445,18 @@ UNIT_TEST(sectors_hold_every_leaf_once_the_innermost_in_the_first)
 	assert_true(inner <= outer);
 }
 
+/* A sector is smaller than the crown; its leaves may be as far apart as if there were no sectors. */
+UNIT_TEST(cut_offs_of_sectors_are_over_the_whole_crown)
+{
+	strew(400, 13);
+	make(NULL);
+	uint32_t roots = collapse.roots, divided_roots = 0;
+	struct lod_collapse_sectors s = divided(4);
+	for (uint32_t k = 0; k < 4; k++)
+		divided_roots += s.forest[k].roots;
+	assert_true(divided_roots >= roots && divided_roots < roots * 5 / 4);
+}
+
 /* ---- Textures ---- */
 
 static struct lod_foliage foliage;

@@ -65,8 +65,10 @@ static void run(struct work *w, const struct lod_collapse_leaves *leaves)
 	}
 }
 
-void lod_collapse_make(struct lod_collapse *collapse, const struct lod_collapse_leaves *leaves,
-	const struct lod_collapse_options *options, struct lod_arena *arena)
+/* crown NULL: that of these leaves. */
+static void make_in(struct lod_collapse *collapse, const struct lod_collapse_leaves *leaves,
+	const struct lod_collapse_crown *crown, const struct lod_collapse_options *options,
+	struct lod_arena *arena)
 {
 	size_t n = leaves->count, room = n ? 2 * n - 1 : 0;
 	*collapse = (struct lod_collapse){ .leaves = leaves->count,
@@ -76,13 +78,22 @@ void lod_collapse_make(struct lod_collapse *collapse, const struct lod_collapse_
 	struct lod_arena_piece *mark = arena->last;
 	struct work w = { .collapse = collapse, .heap = lod_arena_take(arena, n, sizeof *w.heap),
 		.partner = lod_arena_take(arena, room, sizeof *w.partner) };
-	lod_collapse_extent(&w.search.crown, collapse, leaves);
+	if (crown)
+		w.search.crown = *crown;
+	else
+		lod_collapse_extent(&w.search.crown, collapse->node, leaves);
 	lod_collapse_search_make(&w.search, collapse, options ? options : &lod_collapse_defaults,
 		(uint32_t)room, leaves->count, arena);
 	start(&w, leaves->count);
 	run(&w, leaves);
 	lod_arena_release(arena, mark);
 	lod_collapse_place(collapse, arena);
+}
+
+void lod_collapse_make(struct lod_collapse *collapse, const struct lod_collapse_leaves *leaves,
+	const struct lod_collapse_options *options, struct lod_arena *arena)
+{
+	make_in(collapse, leaves, NULL, options, arena);
 }
 
 /* ---- Places ---- */
@@ -168,16 +179,17 @@ static void sort_leaves(uint32_t *leaf, const double *key, uint32_t count, struc
 	lod_arena_release(arena, mark);
 }
 
-/* leaf[] becomes sector after sector. */
+/* leaf[] becomes sector after sector. Writes the whole crown's extent. */
 static void divide(struct lod_collapse_sectors *sectors, const struct lod_collapse_leaves *leaves,
-	struct lod_arena *arena)
+	struct lod_collapse_crown *crown, struct lod_arena *arena)
 {
 	uint32_t n = leaves->count;
+	struct lod_arena_piece *mark = arena->last;
+	struct lod_collapse_node *node = lod_arena_take(arena, n, sizeof *node);
 	double *away = lod_arena_take(arena, n, sizeof *away), *turn = lod_arena_take(arena, n, sizeof *turn);
 	for (uint32_t i = 0; i < n; i++) {
-		struct lod_collapse_node node;
-		lod_collapse_node_of(&node, leaves, i);
-		double x = node.center.x - leaves->axis_x, y = node.center.y - leaves->axis_y;
+		lod_collapse_node_of(&node[i], leaves, i);
+		double x = node[i].center.x - leaves->axis_x, y = node[i].center.y - leaves->axis_y;
 		away[i] = x * x + y * y;
 		turn[i] = turn_of(x, y);
 		sectors->leaf[i] = i;
@@ -186,6 +198,8 @@ static void divide(struct lod_collapse_sectors *sectors, const struct lod_collap
 		sectors->first[s] = (uint32_t)((uint64_t)n * s / sectors->count);
 	sort_leaves(sectors->leaf, away, n, arena);
 	sort_leaves(sectors->leaf + sectors->first[1], turn, n - sectors->first[1], arena);
+	lod_collapse_extent(crown, node, leaves);
+	lod_arena_release(arena, mark);
 }
 
 static void copy_leaves(struct lod_collapse_leaves *to, const struct lod_collapse_leaves *from,
@@ -217,11 +231,12 @@ void lod_collapse_sectors_make(struct lod_collapse_sectors *sectors, uint32_t co
 		.leaf = lod_arena_take(arena, leaves->count, sizeof *sectors->leaf),
 		.forest = lod_arena_take(arena, count, sizeof *sectors->forest),
 		.leaves = lod_arena_take(arena, count, sizeof *sectors->leaves) };
-	divide(sectors, leaves, arena);
+	struct lod_collapse_crown crown;
+	divide(sectors, leaves, &crown, arena);
 	for (uint32_t s = 0; s < count; s++) {
 		uint32_t first = sectors->first[s];
 		copy_leaves(&sectors->leaves[s], leaves, sectors->leaf + first, sectors->first[s + 1] - first,
 			arena);
-		lod_collapse_make(&sectors->forest[s], &sectors->leaves[s], options, arena);
+		make_in(&sectors->forest[s], &sectors->leaves[s], &crown, options, arena);
 	}
 }

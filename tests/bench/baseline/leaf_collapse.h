@@ -98,7 +98,7 @@ uint32_t lod_collapse_corners(const struct lod_collapse *collapse, const struct 
 
 /* leaf[first[s] .. first[s + 1]) are the leaves of sector s; its forest counts them from 0. Sector 0 holds
  * the innermost leaves, the others are wedges around the axis. All have as many leaves, within one: so
- * wedges are narrow where the foliage is dense. */
+ * wedges are narrow where the foliage is dense. Costs and cut-offs are over the whole crown. */
 struct lod_collapse_sectors {
 	uint32_t count, *first, *leaf;
 	struct lod_collapse *forest;

@@ -52,13 +52,13 @@ double lod_collapse_cost(const struct lod_collapse_node *a, const struct lod_col
 	return lod_collapse_cost_below(a, b, crown, options, INFINITY);
 }
 
-void lod_collapse_extent(struct lod_collapse_crown *crown, const struct lod_collapse *collapse,
+void lod_collapse_extent(struct lod_collapse_crown *crown, const struct lod_collapse_node *node,
 	const struct lod_collapse_leaves *leaves)
 {
 	struct lod_v3 low = { 0, 0, 0 }, high = low;
 	*crown = (struct lod_collapse_crown){ .axis_x = leaves->axis_x, .axis_y = leaves->axis_y };
-	for (uint32_t i = 0; i < collapse->leaves; i++) {
-		struct lod_v3 at = collapse->node[i].center;
+	for (uint32_t i = 0; i < leaves->count; i++) {
+		struct lod_v3 at = node[i].center;
 		double x = at.x - crown->axis_x, y = at.y - crown->axis_y;
 		low = i ? (struct lod_v3){ fmin(low.x, at.x), fmin(low.y, at.y), fmin(low.z, at.z) } : at;
 		high = i ? (struct lod_v3){ fmax(high.x, at.x), fmax(high.y, at.y), fmax(high.z, at.z) } : at;

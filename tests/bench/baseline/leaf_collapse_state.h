@@ -13,7 +13,8 @@ double lod_collapse_cost_below(const struct lod_collapse_node *a, const struct l
 /* The quad in place of nodes a and b, as the last node. Sets the parents of both. */
 void lod_collapse_pair(struct lod_collapse *collapse, const struct lod_collapse_leaves *leaves, uint32_t a,
 	uint32_t b);
-void lod_collapse_extent(struct lod_collapse_crown *crown, const struct lod_collapse *collapse,
+/* From a node for each leaf. */
+void lod_collapse_extent(struct lod_collapse_crown *crown, const struct lod_collapse_node *node,
 	const struct lod_collapse_leaves *leaves);
 /* Fills place and level from the finished forest. */
 void lod_collapse_place(struct lod_collapse *collapse, struct lod_arena *arena);
