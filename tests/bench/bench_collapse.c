@@ -174,19 +174,28 @@ static enum eco_code study_plants(struct bench *bench, struct sums *sums, struct
 	return code;
 }
 
+/* As many as there are colours. */
+static bool is_plotted(int row)
+{
+	return row == BENCH_STOCHASTIC || row == BENCH_COLLAPSE || row >= BENCH_PRUNED;
+}
+
+/* A mean stands where all plants have a figure. */
 static enum eco_code write_means(struct bench *bench, const struct sums *sums, struct eco_error *error)
 {
 	double y[ROWS][BENCH_SHARES];
 	struct bench_series series[ROWS];
+	uint32_t plants = sums->read + sums->made, plotted = 0;
 	struct bench_table *table = bench_table_open(bench, "collapse_means", "method,Q at 2 %,Q at 5 %,Q at "
-		"10 %,Q at 20 %,Q at 30 %,Q at 50 % of the vertices,plants at 2 %", true);
+		"10 %,Q at 20 %,Q at 30 %,Q at 50 % of the vertices,plants", true);
 	for (int row = 0; row < ROWS; row++) {
 		for (uint32_t i = 0; i < BENCH_SHARES; i++)
-			y[row][i] = sums->count[row][i] ? sums->q[row][i] / sums->count[row][i] : NAN;
+			y[row][i] = plants && sums->count[row][i] == plants ? sums->q[row][i] / plants : NAN;
 		bench_table_row(table, "%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%u", row_name(row), y[row][0],
-			y[row][1], y[row][2], y[row][3], y[row][4], y[row][5], sums->count[row][0]);
-		series[row] = (struct bench_series){ row_name(row), bench_shares, y[row], BENCH_SHARES,
-			false };
+			y[row][1], y[row][2], y[row][3], y[row][4], y[row][5], plants);
+		if (is_plotted(row))
+			series[plotted++] = (struct bench_series){ row_name(row), bench_shares, y[row],
+				BENCH_SHARES, false };
 	}
 	bench_table_close(table);
 	bench_key(bench, "collapse_q_10", y[BENCH_COLLAPSE][2], "Q of leaf collapse at 10 % of the vertices");
@@ -195,7 +204,7 @@ static enum eco_code write_means(struct bench *bench, const struct sums *sums, s
 		"beside it: splats");
 	return bench_plot(bench, &(struct bench_plot){ .name = "collapse", .title = "Q at equal vertices, "
 		"mean over plants", .x = "share of the vertices", .y = "Q", .log_x = true, .series = series,
-		.series_count = ROWS }, error);
+		.series_count = plotted }, error);
 }
 
 /* ---- Made leaves: an example of a chain, and times ---- */
