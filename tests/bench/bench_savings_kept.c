@@ -29,8 +29,9 @@ static json_t *pack(const struct bench_savings *s)
 		for (int m = 0; m < BENCH_METHODS; m++)
 			json_array_append_new(lambdas, pack_row(s->at[g].lambda[m], BENCH_DISTANCES));
 		json_array_append_new(spacings,
-			json_pack("{s:o,s:o,s:o}", "cook_lambda", pack_row(s->at[g].cook_lambda,
-			BENCH_DISTANCES), "cook_q", pack_row(s->at[g].cook_q, BENCH_DISTANCES), "lambda", lambdas));
+			json_pack("{s:o,s:o,s:o}",
+			"cook_lambda", pack_row(s->at[g].cook_lambda, BENCH_DISTANCES),
+			"cook_q", pack_row(s->at[g].cook_q, BENCH_DISTANCES), "lambda", lambdas));
 	}
 	return json_pack("{s:i,s:i,s:o,s:f,s:f,s:o}", "elements", (int)s->elements, "vertices",
 		(int)s->vertices, "spacings", spacings,
