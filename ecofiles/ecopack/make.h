@@ -38,6 +38,7 @@ enum eco_code make_pack(const struct make_options *options, struct eco_error *er
 struct make_plant {              /* a model on its way into the pack */
 	const struct eco_source_plant *source;   /* the first source plant that names it */
 	char *path;                  /* canonical paths of its files, one a line */
+	double importance;           /* of its eco file */
 	char name[64];
 	uint32_t palette_first;      /* in the scene's palette */
 	struct lod_plant built;

@@ -97,6 +97,8 @@ static void add_model(XXH3_state_t *hash, const struct eco_model *model)
 	add(hash, model->material, triangles * sizeof *model->material);
 	add(hash, model->part, triangles * sizeof *model->part);
 	add(hash, model->organ, triangles * sizeof *model->organ);
+	add(hash, model->importance, triangles);
+	add(hash, model->importances, model->importance_count * sizeof *model->importances);
 	ADD(hash, model->dropped);
 	for (uint32_t i = 0; i < model->material_count; i++) {
 		const struct eco_material *m = &model->materials[i];

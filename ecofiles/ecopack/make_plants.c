@@ -26,6 +26,7 @@ static bool same_rules(const struct eco_source_plant *a, const struct eco_source
 		const struct eco_part_rule *p = &a->parts[i], *q = &b->parts[i];
 		if (p->kind != q->kind || p->component != q->component || p->size[0] != q->size[0]
 				|| p->size[1] != q->size[1] || p->is != q->is
+				|| p->importance != q->importance
 			|| (p->kind == ECO_PART_NAME && strcmp(p->name, q->name) != 0))
 			return false;
 	}
@@ -33,11 +34,11 @@ static bool same_rules(const struct eco_source_plant *a, const struct eco_source
 }
 
 static bool same_plant(const struct make_plant *plant, const struct eco_source_plant *source,
-	const char *path)
+	double importance, const char *path)
 {
 	const struct eco_source_plant *s = plant->source;
-	return strcmp(plant->path, path) == 0 && s->height_m == source->height_m
-		&& s->unit_m == source->unit_m && s->up == source->up
+	return strcmp(plant->path, path) == 0 && plant->importance == importance
+		&& s->height_m == source->height_m && s->unit_m == source->unit_m && s->up == source->up
 		&& memcmp(s->importance, source->importance, sizeof source->importance) == 0
 		&& same_rules(s, source);
 }
@@ -79,19 +80,21 @@ static void name_plant(struct make *m, struct make_plant *plant)
 	memcpy(plant->name, name, sizeof name);
 }
 
-static enum eco_code find_plant(struct make *m, const struct eco_source_plant *source, uint32_t *found)
+/* `importance`: of the eco file that names it. */
+static enum eco_code find_plant(struct make *m, const struct eco_source_plant *source, double importance,
+	uint32_t *found)
 {
 	char *path = paths_of(source);
 	if (!path)
 		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for plants");
 	for (*found = 0; *found < m->plant_count; ++*found) {
-		if (same_plant(&m->plants[*found], source, path)) {
+		if (same_plant(&m->plants[*found], source, importance, path)) {
 			free(path);
 			return ECO_OK;
 		}
 	}
 	struct make_plant *plant = &m->plants[m->plant_count++];
-	*plant = (struct make_plant){ .source = source, .path = path };
+	*plant = (struct make_plant){ .source = source, .path = path, .importance = importance };
 	name_plant(m, plant);
 	return ECO_OK;
 }
@@ -112,7 +115,8 @@ static enum eco_code find_plants(struct make *m)
 			return eco_fail(m->error, ECO_NO_MEMORY, "no memory for %u plants",
 				source->plant_count);
 		for (uint32_t i = 0; i < source->plant_count; i++) {
-			enum eco_code code = find_plant(m, &source->plants[i], &m->plant_of[s][i]);
+			enum eco_code code = find_plant(m, &source->plants[i], source->importance,
+				&m->plant_of[s][i]);
 			if (code)
 				return code;
 		}
@@ -456,6 +460,8 @@ static enum eco_code pack_tables(struct packing *p)
 	struct make *m = p->m;
 	const struct lod_plant *built = &m->plants[p->id].built;
 	m->table[p->id] = built->plant;
+	for (uint32_t l = 0; l < built->ladder_count; l++)
+		built->ladders[l].importance *= (float)m->plants[p->id].importance;
 	return make_add_plant(m, p->id, &(struct make_tables){ .anchors = built->anchors,
 		.curves = built->curves, .curve_count = built->curve_count, .ladders = built->ladders,
 		.ladder_count = built->ladder_count }, p->lists);

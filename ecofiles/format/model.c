@@ -34,6 +34,7 @@ void eco_model_free(struct eco_model *model)
 	free(model->material);
 	free(model->part);
 	free(model->organ);
+	free(model->importance);
 	free(model->parts);
 	*model = (struct eco_model){ .position = NULL };
 }

@@ -46,6 +46,7 @@ struct eco_part {            /* a mesh, object or group of the file, as it names
 };
 
 #define ECO_ORGAN_FOUND 255u     /* no rule says: lod/build/organ.h finds it */
+#define ECO_IMPORTANCES_MAX 255u /* distinct numbers that rules give */
 
 /* The meaning taken for the file's numbers. Up: the file's axis that points up; FOUND: from the format, else
  * by shape, Y or Z. */
@@ -74,6 +75,9 @@ struct eco_model {           /* owns all its arrays; zero-initialised is empty *
 	uint32_t *material;      /* 1 per triangle */
 	uint32_t *part;          /* 1 per triangle, index into parts; NULL without parts */
 	uint8_t *organ;          /* 1 per triangle: enum eco_organ (pack.h) or ECO_ORGAN_FOUND; or NULL */
+	/* 1 per triangle: index into importances, [0]: no rule says; or NULL */
+	uint8_t *importance;
+	float importances[ECO_IMPORTANCES_MAX + 1]; uint32_t importance_count;
 	struct eco_material *materials;
 	struct eco_image *images;
 	struct eco_part *parts;  uint32_t part_count;

@@ -17,7 +17,7 @@
 #define YAW_MAX 1e6
 
 static const char *const scene_fields[] = { "name", "crs", "vertical", "origin", "ground", "plants",
-	"instances", "children", "tile", NULL };
+	"instances", "children", "tile", "importance", NULL };
 static const char *const instance_fields[] = { "plant", "at", "yaw_deg", "scale", "height_m", NULL };
 static const char *const child_fields[] = { "eco", "at", "yaw_deg", "scale", NULL };
 static const char *const tile_fields[] = { "instances", NULL };
@@ -149,7 +149,9 @@ static bool parse_document(struct eco_source *source, const struct eco_json *top
 	if (!eco_json_object(top, scene_fields) || !parse_name(source, top)
 			|| !eco_scene_copy_text(top, "crs", ECO_PATH_BYTES, &source->crs)
 		|| !eco_scene_copy_text(top, "vertical", ECO_PATH_BYTES, &source->vertical)
-		|| !eco_json_numbers(top, "origin", 2, 3, -1e9, 1e9, source->origin))
+		|| !eco_json_numbers(top, "origin", 2, 3, -1e9, 1e9, source->origin)
+		|| !eco_json_number(top, "importance", ECO_IMPORTANCE_LEAST, ECO_IMPORTANCE_MOST,
+			&source->importance))
 		return false;
 	if (source->crs && !origin.value)
 		return eco_json_fail(top, ECO_BAD_INPUT, "\"origin\" is missing: a scene with a CRS needs "
@@ -164,7 +166,7 @@ enum eco_code eco_source_parse_as(struct eco_source *source, const char *json, s
 {
 	struct eco_error local = { .code = ECO_OK };
 	struct eco_json_file file = { path, json, size, error ? error : &local };
-	*source = (struct eco_source){ .path = strdup(path), .on_disk = on_disk };
+	*source = (struct eco_source){ .path = strdup(path), .importance = 1, .on_disk = on_disk };
 	if (!source->path)
 		return eco_fail(error, ECO_NO_MEMORY, "%s: out of memory", path);
 	if (size > ECO_SOURCE_BYTES_MAX) {

@@ -62,6 +62,7 @@ struct eco_source {
 	char name[64];
 	char *crs;                           /* NULL: none, coordinates are plain metres */
 	double origin[3];
+	double importance;                   /* factor of its own plants' importances */
 	char *vertical;                      /* datum of all heights; NULL: not stated */
 	struct eco_ground_source ground;     /* height_count 0: none. Only the outermost file has ground */
 	uint32_t tile_instances;             /* a tile is split above this many */

@@ -7,6 +7,8 @@
 
 #define ECO_PATH_BYTES 4096u
 #define ECO_METRES_MAX 1e7           /* largest coordinate of anything placed */
+#define ECO_IMPORTANCE_LEAST 0.01
+#define ECO_IMPORTANCE_MOST 100.0
 
 /* Fields of several parts (scene_field.c). */
 

@@ -16,7 +16,7 @@
 static const char *const plant_fields[] = { "model", "variants", "height_m", "unit", "up", "parts",
 	"importance", NULL };
 static const char *const importance_fields[] = { "wood", "foliage", "flower", NULL };
-static const char *const rule_fields[] = { "name", "component", "size", "is", NULL };
+static const char *const rule_fields[] = { "name", "component", "size", "is", "importance", NULL };
 
 /* ---- Names ---- */
 
@@ -130,7 +130,8 @@ static bool parse_importance(const struct eco_json *at, float importance[ECO_ORG
 		return false;
 	for (int i = 0; i < ECO_ORGAN_COUNT; i++) {
 		double number = 1;
-		if (!eco_json_number(&node, importance_fields[i], 0.01, 100, &number))
+		if (!eco_json_number(&node, importance_fields[i], ECO_IMPORTANCE_LEAST,
+				ECO_IMPORTANCE_MOST, &number))
 			return false;
 		importance[i] = (float)number;
 	}
@@ -143,6 +144,9 @@ static bool parse_is(const struct eco_json *at, uint8_t *is)
 {
 	struct eco_json node = eco_json_member(at, "is");
 	const char *name = NULL;
+	*is = ECO_ORGAN_FOUND;
+	if (!node.value && eco_json_member(at, "importance").value)
+		return true;             /* the organ is found, and weighs more or less */
 	if (!eco_json_required(at, "is") || !eco_json_text(at, "is", 16, &name))
 		return false;
 	if (strcmp(name, "left out") == 0) {
@@ -163,7 +167,10 @@ static bool parse_rule(const struct eco_json *at, struct eco_part_rule *rule)
 	struct eco_json size = eco_json_member(at, "size");
 	const char *name = NULL;
 	uint64_t component = 0;
+	double importance = 0;
 	if (!eco_json_object(at, rule_fields) || !parse_is(at, &rule->is)
+			|| !eco_json_number(at, "importance", ECO_IMPORTANCE_LEAST, ECO_IMPORTANCE_MOST,
+				&importance)
 			|| !eco_json_text(at, "name", 255, &name)
 		|| !eco_json_whole(at, "component", 1, UINT32_MAX, &component)
 		|| !eco_json_numbers(at, "size", 2, 2, 0, 1e9, rule->size))
@@ -173,6 +180,7 @@ static bool parse_rule(const struct eco_json *at, struct eco_part_rule *rule)
 			"\"component\": 1, \"size\": [0, 0.1]");
 	rule->kind = name ? ECO_PART_NAME : component > 0 ? ECO_PART_COMPONENT : ECO_PART_SIZE;
 	rule->component = (uint32_t)component;
+	rule->importance = (float)importance;
 	rule->name = name ? strdup(name) : NULL;
 	return !name || rule->name || eco_json_no_memory(at);
 }

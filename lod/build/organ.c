@@ -451,7 +451,7 @@ static void prepare(struct finder *f, struct lod_arena *arena)
 static void apply_rules(struct finder *f)
 {
 	for (uint32_t i = 0; i < f->count; i++) {
-		uint8_t rule = f->mesh->rule[f->shape[i].first];
+		uint8_t rule = (uint8_t)f->mesh->rule[f->shape[i].first];
 		f->fixed[i] = rule != ECO_ORGAN_FOUND;
 		f->organ[i] = f->fixed[i] ? rule : f->organ[i];
 	}
@@ -464,6 +464,7 @@ static void describe_components(struct lod_organs *organs, const struct finder *
 		struct lod_component *c = &organs->components[i];
 		*c = (struct lod_component){ .triangle_count = b->triangle_count, .material = b->material,
 			.organ = f->organ[i], .area = b->area,
+			.importance = (uint8_t)(f->mesh->rule[b->first] >> 8),
 			.radius = b->radius, .length = b->length, .turn = b->turn };
 		/* A tube open at both ends has little border; a sheet's border is a good part of all its
 		 * edges. */

@@ -34,6 +34,7 @@
 struct lod_component {
 	uint32_t triangle_count, material;
 	uint8_t organ;               /* enum eco_organ */
+	uint8_t importance;          /* that a rule gives: its number in the model's importances */
 	bool closed;                 /* no border to speak of: each ray hits it twice, its area counts half */
 	double area;                 /* m^2, all triangles, both sides of a closed component */
 	bool stout;                  /* no tube: a pot, a stump, soil */

@@ -55,13 +55,16 @@ static uint32_t image_of(const struct lod_build *b, uint32_t material)
 	return image ? (uint32_t)(image - b->model->images) : ECO_NONE;
 }
 
-static struct lod_group *find_group(struct lod_build *b, uint8_t organ, uint32_t model_image)
+static struct lod_group *find_group(struct lod_build *b, const struct lod_component *c)
 {
+	uint32_t model_image = image_of(b, c->material);
 	struct lod_group *g = b->groups;
-	while (g < b->groups + b->group_count && (g->organ != organ || g->model_image != model_image))
+	while (g < b->groups + b->group_count && (g->organ != c->organ
+			|| g->rule != c->importance || g->model_image != model_image))
 		g++;
 	if (g == b->groups + b->group_count) {
-		*g = (struct lod_group){ .organ = organ, .model_image = model_image, .image = ECO_NONE };
+		*g = (struct lod_group){ .organ = c->organ, .rule = c->importance, .model_image = model_image,
+			.image = ECO_NONE };
 		b->group_count++;
 	}
 	return g;
@@ -84,7 +87,8 @@ static void number_images(struct lod_build *b)
 	}
 }
 
-/* The importance that the user asked for; for leaves from their colours if the user asked for none. */
+/* The importance that the user asked for: a rule's before an organ's; for leaves from their colours if the
+ * user asked for none. */
 static void find_importance(struct lod_build *b)
 {
 	const float *asked = b->options->importance;
@@ -108,26 +112,30 @@ static void find_importance(struct lod_build *b)
 	for (uint32_t g = 0; g < b->group_count && !any; g++)
 		if (b->groups[g].organ != ECO_ORGAN_WOOD)
 			b->groups[g].importance = (float)lod_salience_of(plant, &groups[g]);
+	for (uint32_t g = 0; g < b->group_count; g++)
+		if (b->groups[g].rule)
+			b->groups[g].importance = b->model->importances[b->groups[g].rule];
 	lod_arena_release(&b->arena, mark);
 }
 
 static void find_groups(struct lod_build *b)
 {
 	const struct lod_mesh *mesh = &b->mesh;
-	b->groups = lod_arena_take(&b->arena, ECO_ORGAN_COUNT * ((size_t)b->model->image_count + 1),
+	size_t rules = b->model->importance ? b->model->importance_count : 1;
+	b->groups = lod_arena_take(&b->arena, rules * ECO_ORGAN_COUNT * ((size_t)b->model->image_count + 1),
 		sizeof *b->groups);
 	b->group_of_component = lod_arena_take(&b->arena, mesh->component_count,
 		sizeof *b->group_of_component);
 	for (uint32_t c = 0; c < mesh->component_count; c++)
 		if (b->organs.components[c].organ == ECO_ORGAN_WOOD) {
 			struct lod_group *group =
-				find_group(b, ECO_ORGAN_WOOD, image_of(b, b->organs.components[c].material));
+				find_group(b, &b->organs.components[c]);
 			b->group_of_component[c] = (uint32_t)(group - b->groups);
 		}
 	for (uint32_t i = 0; i < b->elements.count; i++) {
 		const struct lod_component *c =
 			&b->organs.components[mesh->component[b->elements.items[b->order[i]].triangle[0]]];
-		struct lod_group *group = find_group(b, c->organ, image_of(b, c->material));
+		struct lod_group *group = find_group(b, c);
 		group->first = group->end == 0 ? i : group->first;
 		group->end = i + 1;
 	}

@@ -47,7 +47,8 @@ static uint64_t group_key(const struct lod_build *b, uint32_t element)
 	const struct lod_component *c =
 		&b->organs.components[b->mesh.component[b->elements.items[element].triangle[0]]];
 	const struct eco_image *image = lod_mesh_image(b->model, c->material);
-	return (uint64_t)c->organ << 32 | (image ? (uint32_t)(image - b->model->images) + 1 : 0);
+	return (uint64_t)c->organ << 40 | (uint64_t)c->importance << 32
+		| (image ? (uint32_t)(image - b->model->images) + 1 : 0);
 }
 
 static void sort_by(struct lod_build *b, const double *survival)

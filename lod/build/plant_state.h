@@ -6,9 +6,11 @@
 #include "lod/build/draft.h"
 #include "lod/build/foliage.h"
 
-/* A group: elements, or wood, of one organ and texture. Its members share ladders. */
+/* A group: elements, or wood, of one organ, texture and importance that a rule gives. Its members share
+ * ladders. */
 struct lod_group {
 	uint8_t organ;
+	uint8_t rule;                /* its number in the model's importances */
 	uint32_t image, model_image; /* of the plant and of the model, or ECO_NONE */
 	uint32_t first, end;         /* leaves: in build.order */
 	bool blades;                 /* leaves: lines beside points */

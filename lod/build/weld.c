@@ -281,7 +281,9 @@ static void note_rules(struct lod_mesh *mesh, const struct eco_model *model, str
 	mesh->rule = lod_arena_take(arena, mesh->triangle_count, sizeof *mesh->rule);
 	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
 		uint8_t organ = model->organ ? model->organ[mesh->source[t]] : ECO_ORGAN_FOUND;
-		mesh->rule[t] = organ < ECO_ORGAN_COUNT ? organ : ECO_ORGAN_FOUND;
+		uint8_t importance = model->importance ? model->importance[mesh->source[t]] : 0;
+		mesh->rule[t] = (uint16_t)(importance << 8
+			| (organ < ECO_ORGAN_COUNT ? organ : ECO_ORGAN_FOUND));
 	}
 }
 
@@ -337,11 +339,13 @@ static uint32_t *list_around(const struct lod_mesh *mesh, uint32_t **first, stru
 }
 
 /* Joins triangles of one material and rule that meet in a vertex. */
-static void join_all(const struct lod_mesh *mesh, uint32_t *parent, uint32_t material_count,
+static void join_all(const struct lod_mesh *mesh, uint32_t *parent, const struct eco_model *model,
 	struct lod_arena *arena)
 {
 	uint32_t *first, *around = list_around(mesh, &first, arena);
-	size_t kinds = ((size_t)material_count + 1) * KINDS_OF_RULE;
+	uint32_t material_count = model->material_count,
+		rules = KINDS_OF_RULE * (model->importance ? model->importance_count : 1);
+	size_t kinds = ((size_t)material_count + 1) * rules;
 	uint32_t *seen = lod_arena_take(arena, kinds, sizeof *seen); /* vertex + 1, by material and rule */
 	uint32_t *mate = lod_arena_take(arena, kinds, sizeof *mate);
 	for (uint32_t t = 0; t < mesh->triangle_count; t++)
@@ -350,8 +354,9 @@ static void join_all(const struct lod_mesh *mesh, uint32_t *parent, uint32_t mat
 		for (uint32_t i = first[v]; i < first[v + 1]; i++) {
 			uint32_t t = around[i], material = mesh->material[t] == ECO_NONE ? material_count
 				: mesh->material[t];
-			uint32_t rule = mesh->rule[t] == ECO_ORGAN_FOUND ? ECO_ORGAN_COUNT : mesh->rule[t];
-			size_t m = (size_t)material * KINDS_OF_RULE + rule;
+			uint32_t organ = mesh->rule[t] & 255u, rule = mesh->rule[t] >> 8;
+			rule = rule * KINDS_OF_RULE + (organ == ECO_ORGAN_FOUND ? ECO_ORGAN_COUNT : organ);
+			size_t m = (size_t)material * rules + rule;
 			if (seen[m] == v + 1)
 				eco_union_join(parent, mate[m], t);
 			seen[m] = v + 1;
@@ -375,7 +380,7 @@ void lod_mesh_number(struct lod_mesh *mesh, uint32_t *parent)
 		mesh->member[mesh->member_first[mesh->component[t] + 1]++] = t;
 }
 
-static void find_components(struct lod_mesh *mesh, uint32_t material_count, struct lod_arena *arena)
+static void find_components(struct lod_mesh *mesh, const struct eco_model *model, struct lod_arena *arena)
 {
 	uint32_t n = mesh->triangle_count;
 	mesh->component = lod_arena_take(arena, n, sizeof *mesh->component);
@@ -383,7 +388,7 @@ static void find_components(struct lod_mesh *mesh, uint32_t material_count, stru
 	mesh->member_first = lod_arena_take(arena, (size_t)n + 2, sizeof *mesh->member_first);
 	struct lod_arena_piece *mark = arena->last;
 	uint32_t *parent = lod_arena_take(arena, n, sizeof *parent);
-	join_all(mesh, parent, material_count, arena);
+	join_all(mesh, parent, model, arena);
 	lod_mesh_number(mesh, parent);
 	lod_arena_release(arena, mark);
 }
@@ -406,5 +411,5 @@ void lod_weld(struct lod_mesh *mesh, const struct eco_model *model, uint32_t bit
 	note_rules(mesh, model, arena);
 	mark_collapsed(mesh);
 	lod_weld_neighbours(mesh, arena);
-	find_components(mesh, model->material_count, arena);
+	find_components(mesh, model, arena);
 }

@@ -25,7 +25,9 @@ struct lod_mesh {
 	uint32_t *index;             /* 3 per triangle */
 	uint32_t *material;          /* per triangle: index into the model's materials, or ECO_NONE */
 	uint32_t *source;            /* per triangle: its index in the model */
-	uint8_t *rule;               /* per triangle: enum eco_organ of a rule, or ECO_ORGAN_FOUND */
+	/* per triangle: enum eco_organ of a rule, or ECO_ORGAN_FOUND; << 8 | its number in the model's
+	 * importances */
+	uint16_t *rule;
 	int32_t *uv;                 /* 6 per triangle in 1/ECO_UV_ONE, zero if its material has no image */
 	bool *collapsed;             /* per triangle: used for decisions, but not stored: it has no area on
 	                              * the grid, or it is a rim that only closes its leaf (a line over

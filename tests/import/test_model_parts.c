@@ -107,6 +107,28 @@ UNIT_TEST(a_pot_is_left_out_before_foot_and_height_are_found)
 	assert_int_equal(import_said[0], 0);
 }
 
+UNIT_TEST(rules_give_importances)
+{
+	const struct eco_part_rule rules[] =
+		{ { .kind = ECO_PART_NAME, .name = (char *)"clay", .is = ECO_ORGAN_WOOD, .importance = 2 },
+		{ .kind = ECO_PART_NAME, .name = (char *)"soil", .is = ECO_PART_LEFT_OUT, .importance = 9 },
+		{ .kind = ECO_PART_NAME, .name = (char *)"bark", .is = ECO_ORGAN_FOUND, .importance = 0.5f },
+		{ .kind = ECO_PART_COMPONENT, .component = 3, .is = ECO_ORGAN_FLOWER, .importance = 2 } };
+	import_with(&m, rules, 4, 0);
+	assert_non_null(m.importance);
+	for (uint32_t i = 0; i < m.triangle_count; i++) {
+		const char *material = m.materials[m.material[i]].name;
+		float given = m.importances[m.importance[i]];
+		assert_true(m.importance[i] < m.importance_count);
+		assert_true(given == (strcmp(material, "clay") == 0 ? 2 : strcmp(material, "bark") == 0 ? 0.5f
+			: 0));
+		assert_true(strcmp(material, "bark") != 0 || m.organ[i] == ECO_ORGAN_FOUND);
+	}
+	import_with(&m, rules + 1, 1, 0);
+	for (uint32_t i = 0; i < m.triangle_count; i++)
+		assert_true(m.importances[m.importance[i]] == 0);
+}
+
 UNIT_TEST(the_first_rule_that_fits_counts)
 {
 	const struct eco_part_rule rules[] =

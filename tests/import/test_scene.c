@@ -159,6 +159,11 @@ static const struct { const char *json, *place, *says; } bad[] = {
 		"plants\": a23456789b23456789c23456789d23456789-1, "
 		"a23456789b23456789c23456789d23456789-2, a23456789b23456789c23456789d23456789-3, "
 		"a23456789b23456789c23456789d23456789-4, ..." },
+	{ "{\"importance\": 0}", ":1:16:", "between 0.01 and 100" },
+	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"parts\": [{\"name\": \"p\", \"importance\": "
+		"101}]}}}", ":1:73:", "between 0.01 and 100" },
+	{ "{\"plants\": {\"oak\": {\"model\": \"o\", \"parts\": [{\"name\": \"p\"}]}}}", ":1:45:",
+		"\"is\" is missing" },
 	{ "{" PLANTS ", \"instances\": [{\"plant\": \"oak\"}]}", ":1:", "\"at\" is missing" },
 	{ "{" PLANTS ", \"instances\": [{\"plant\": \"oak\", \"at\": [0, 0], \"scale\": 0}]}", ":1:",
 		"between" },

@@ -8,8 +8,8 @@
 
 #include "ecofiles/format/model.h"
 
-/* One rule about parts of a plant: {"name": "pot*", "is": "left out"}. The first rule that fits a triangle
- * counts. */
+/* One rule about parts of a plant: {"name": "pot*", "is": "left out"}, {"name": "petal*", "importance": 3}.
+ * The first rule that fits a triangle counts. */
 enum eco_part_kind { ECO_PART_NAME, ECO_PART_COMPONENT, ECO_PART_SIZE };
 #define ECO_PART_LEFT_OUT 254u
 struct eco_part_rule {
@@ -18,7 +18,8 @@ struct eco_part_rule {
 	char *name;
 	uint32_t component;      /* connected component, from 1 by falling area, as in `ecopack model` */
 	double size[2];          /* range of a component's diagonal, in the whole file's */
-	uint8_t is;              /* enum eco_organ (pack.h) or ECO_PART_LEFT_OUT */
+	uint8_t is;              /* enum eco_organ (pack.h), ECO_ORGAN_FOUND or ECO_PART_LEFT_OUT */
+	float importance;        /* 0: as the organ's */
 };
 
 struct eco_model_options {

@@ -252,6 +252,7 @@ struct rules {
 	uint32_t *of_material, *of_part, *of_component;      /* the first rule that fits, or ECO_NONE */
 	struct eco_components components;
 	double diagonal;             /* of the whole model */
+	uint8_t *importance;         /* per rule: its number in model->importances */
 };
 
 static uint32_t rule_of_name(struct rules *r, const char *name)
@@ -330,12 +331,32 @@ static uint32_t earlier(uint32_t a, uint32_t b)
 	return a < b ? a : b;                /* ECO_NONE is the largest */
 }
 
+/* Numbers the distinct importances of the rules; false: too many. */
+static bool number_importances(struct rules *r)
+{
+	struct eco_model *m = r->model;
+	m->importance_count = 1;
+	m->importances[0] = 0;
+	for (uint32_t i = 0; i < r->count; i++) {
+		uint32_t k = 0;
+		while (k < m->importance_count && m->importances[k] != r->rules[i].importance)
+			k++;
+		if (k > ECO_IMPORTANCES_MAX)
+			return false;
+		if (k == m->importance_count)
+			m->importances[m->importance_count++] = r->rules[i].importance;
+		r->importance[i] = (uint8_t)k;
+	}
+	return true;
+}
+
 static bool apply(struct rules *r)
 {
 	struct eco_model *m = r->model;
 	uint32_t kept = 0;
 	m->organ = malloc((size_t)m->triangle_count + 1);
-	if (!m->organ)
+	m->importance = m->importance_count > 1 ? malloc((size_t)m->triangle_count + 1) : NULL;
+	if (!m->organ || (m->importance_count > 1 && !m->importance))
 		return false;
 	for (uint32_t i = 0; i < m->triangle_count; i++) {
 		uint32_t rule = earlier(r->of_material[m->material[i]], r->of_component[r->components.of[i]]);
@@ -351,6 +372,8 @@ static bool apply(struct rules *r)
 		m->material[kept] = m->material[i];
 		if (m->part)
 			m->part[kept] = m->part[i];
+		if (m->importance)
+			m->importance[kept] = rule == ECO_NONE ? 0 : r->importance[rule];
 		m->organ[kept++] = is;
 	}
 	m->triangle_count = kept;
@@ -414,7 +437,11 @@ enum eco_code eco_model_apply_rules(struct eco_model *model, const uint32_t *pla
 	enum eco_code code = ECO_OK;
 	if (count == 0)
 		return ECO_OK;
-	if (!match_all(&r, place) || !apply(&r))
+	r.importance = malloc((size_t)count + 1);
+	if (r.importance && !number_importances(&r))
+		code = eco_fail(error, ECO_TOO_LARGE, "%.300s: the rules in \"parts\" give more than %u "
+			"different importances", what, ECO_IMPORTANCES_MAX);
+	else if (!r.importance || !match_all(&r, place) || !apply(&r))
 		code = eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory for the rules about its parts",
 			what);
 	for (uint32_t i = 0; code == ECO_OK && i < count; i++)
@@ -424,6 +451,7 @@ enum eco_code eco_model_apply_rules(struct eco_model *model, const uint32_t *pla
 		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: the rules in \"parts\" leave out all of it",
 			what);
 	eco_components_free(&r.components);
+	free(r.importance);
 	free(r.fitted);
 	free(r.of_material);
 	free(r.of_part);

@@ -40,8 +40,8 @@ double eco_triangle_area(const struct eco_model *model, uint32_t triangle);
 bool eco_part_name_fits(const char *pattern, const char *name);
 
 /* Applies the first rule that fits each triangle: drops and counts it (ECO_DROP_LEFT_OUT), or sets
- * model->organ. Notes rules that fit nothing, with the names there are. Fails if no triangle is left;
- * errors name `what`. */
+ * model->organ and, where a rule gives one, model->importance. Notes rules that fit nothing, with the names
+ * there are. Fails if no triangle is left; errors name `what`. */
 enum eco_code eco_model_apply_rules(struct eco_model *model, const uint32_t *place,
 const struct eco_part_rule *rules, uint32_t count,
 	const char *what, struct eco_notes *notes, struct eco_error *error);

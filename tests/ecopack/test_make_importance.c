@@ -1,0 +1,179 @@
+/* Importance from scene files to plans: of an organ, of a part that a rule names, and of an eco file. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "ecofiles/ecopack/make.h"
+#include "ecofiles/ecopack/progress.h"
+#include "lod/plan/planner.h"
+#include "tests/support/plan_twin.h"
+#include "tests/support/scratch.h"
+#include "tests/support/unit_test.h"
+
+#define LEAVES 300
+#define PETALS 60
+
+static void write_blades(FILE *file, const char *name, int count, double low, double high, int *vertices)
+{
+	fprintf(file, "o %s\n", name);
+	for (int i = 0; i < count; i++) {
+		double turn = 2.4 * i, z = low + (high - low) * i / count;
+		double r = 0.2 + 0.8 * (i * 37 % 100) / 100, x = r * cos(turn), y = r * sin(turn);
+		fprintf(file, "v %f %f %f\nv %f %f %f\nv %f %f %f\nv %f %f %f\n", x, z, y, x + 0.1, z, y,
+			x + 0.1, z + 0.1, y + 0.05, x, z + 0.1, y + 0.05);
+		fprintf(file, "f %d %d %d %d\n", *vertices + 1, *vertices + 2, *vertices + 3, *vertices + 4);
+		*vertices += 4;
+	}
+}
+
+/* Leaves and petals of one form and colour: nothing but the rules tells them apart. */
+static void write_plant(void)
+{
+	int vertices = 0;
+	FILE *file = open_text("plant.obj");
+	write_blades(file, "leaves", LEAVES, 0, 1.5, &vertices);
+	write_blades(file, "petals", PETALS, 1.5, 2, &vertices);
+	assert_int_equal(fclose(file), 0);
+}
+
+static struct eco_pack *made(const char *scene, const char *text)
+{
+	char from[512], to[512];
+	struct eco_error error = { 0 };
+	struct eco_pack *pack = NULL;
+	write_text(scene, text);
+	snprintf(from, sizeof from, "%s/%s", scratch_root, scene);
+	snprintf(to, sizeof to, "%s/%.200s.eco", scratch_root, scene);
+	assert_ok(make_pack(&(struct make_options){ .scene = from, .pack = to,
+		.order = LOD_ORDER_STOCHASTIC }, &error), error);
+	assert_ok(eco_pack_open(&pack, to, &error), error);
+	return pack;
+}
+
+/* One plant of these rules. */
+static struct eco_pack *made_one(const char *scene, const char *rules)
+{
+	char text[1000];
+	snprintf(text, sizeof text, "{\"plants\": {\"a\": {\"model\": \"plant.obj\", \"up\": \"y\"%s}}, "
+		"\"instances\": [{\"plant\": \"a\", \"at\": [0, 0]}]}", rules);
+	return made(scene, text);
+}
+
+static bool draws(const struct eco_ladder *l, uint32_t list)
+{
+	return l->points == list || l->lines == list || l->simple == list || l->triangles == list;
+}
+
+/* Vertices of a plan that the lists of ladders of so many elements (0: of any) take, and of at least this
+ * importance. */
+static uint64_t drawn(const struct eco_scene *scene, uint64_t vertices, uint32_t total, float least)
+{
+	struct eco_request request = { .view = { .eye = { 4, 0, 2 }, .target = { 0, 0, 1 }, .up = { 0, 0, 1 },
+		.fov_y_deg = 45, .width = 400, .height = 300 }, .vertices = vertices,
+		.bytes = ECO_BYTES_UNBOUNDED };
+	struct lod_planner_input input = { .scene = scene, .request = &request };
+	struct eco_error error = { 0 };
+	struct eco_plan plan, part;
+	assert_ok(lod_plan(&plan, &input, &error), error);
+	part = plan;
+	part.cut_count = 0;
+	part.cuts = calloc(plan.cut_count + 1, sizeof *part.cuts);
+	assert_non_null(part.cuts);
+	for (uint32_t i = 0; i < plan.cut_count; i++) {
+		bool counts = false;
+		for (uint32_t l = 0; l < scene->ladder_count; l++)
+			counts = counts || (scene->ladders[l].importance >= least
+				&& (!total || scene->ladders[l].total == total)
+				&& draws(&scene->ladders[l], plan.cuts[i].list));
+		if (counts)
+			part.cuts[part.cut_count++] = plan.cuts[i];
+	}
+	uint64_t sum = plan_twin_vertices(scene, &part, &request.view, NULL);
+	free(part.cuts);
+	eco_plan_free(&plan);
+	return sum;
+}
+
+static uint32_t elements_of(const struct eco_scene *scene, float importance)
+{
+	uint32_t sum = 0;
+	for (uint32_t l = 0; l < scene->ladder_count; l++)
+		if (!(scene->ladders[l].flags & ECO_LADDER_WHOLE)
+				&& scene->ladders[l].importance == importance)
+			sum += scene->ladders[l].total;
+	return sum;
+}
+
+/* ---- The tests ---- */
+
+UNIT_TEST(a_named_part_has_an_importance_of_its_own)
+{
+	static const char *const rules[] = { "0.3", "1", "4" };
+	uint64_t last = 0;
+	for (int i = 0; i < 3; i++) {
+		char text[200];
+		snprintf(text, sizeof text, ", \"parts\": [{\"name\": \"petal*\", \"importance\": %s}]",
+			rules[i]);
+		struct eco_pack *pack = made_one("part.json", text);
+		assert_int_equal(elements_of(&pack->scene, (float)atof(rules[i])),
+			PETALS + (i == 1 ? LEAVES : 0));
+		assert_int_equal(elements_of(&pack->scene, 1), LEAVES + (i == 1 ? PETALS : 0));
+		uint64_t now = drawn(&pack->scene, 400, PETALS, 0);
+		assert_true(now > 1.3 * (double)last);
+		last = now;
+		eco_pack_close(pack);
+	}
+}
+
+UNIT_TEST(a_rule_s_importance_wins_over_the_organ_s)
+{
+	struct eco_pack *pack = made_one("organ.json", ", \"importance\": {\"foliage\": 2, \"flower\": 4}, "
+		"\"parts\": [{\"name\": \"petal*\", \"is\": \"flower\"}]");
+	assert_int_equal(elements_of(&pack->scene, 4), PETALS);
+	assert_int_equal(elements_of(&pack->scene, 2), LEAVES);
+	eco_pack_close(pack);
+	pack = made_one("both.json", ", \"importance\": {\"foliage\": 2}, "
+		"\"parts\": [{\"name\": \"petal*\", \"is\": \"flower\", \"importance\": 0.5}]");
+	assert_int_equal(elements_of(&pack->scene, 0.5f), PETALS);
+	assert_int_equal(elements_of(&pack->scene, 2), LEAVES);
+	eco_pack_close(pack);
+}
+
+UNIT_TEST(an_eco_file_s_importance_multiplies_that_of_its_plants)
+{
+	uint64_t last = 0;
+	for (int i = 0; i < 3; i++) {
+		char text[400];
+		snprintf(text, sizeof text, "{\"importance\": %d, \"plants\": {\"a\": {\"model\": "
+			"\"plant.obj\", \"up\": \"y\", \"importance\": {\"foliage\": 1.5, \"flower\": 1.5}}}, "
+			"\"instances\": [{\"plant\": \"a\", \"at\": [0, 0.5]}]}", 1 << 2 * i);
+		write_text("inner.json", text);
+		struct eco_pack *pack = made("outer.json", "{\"plants\": {\"a\": {\"model\": \"plant.obj\", "
+			"\"up\": \"y\", \"importance\": {\"foliage\": 1.49, \"flower\": 1.49}}}, "
+			"\"instances\": [{\"plant\": \"a\", \"at\": [0, -0.5]}], "
+			"\"children\": [{\"eco\": \"inner.json\", \"at\": [0, 0]}]}");
+		assert_int_equal(elements_of(&pack->scene, 1.5f * (float)(1 << 2 * i)), LEAVES + PETALS);
+		assert_int_equal(elements_of(&pack->scene, 1.49f), LEAVES + PETALS);
+		uint64_t now = drawn(&pack->scene, 800, 0, 1.5f);
+		assert_true(now >= last);
+		/* at the end nearly all of 800 */
+		assert_true(i < 2 || now > 700);
+		last = now;
+		eco_pack_close(pack);
+	}
+}
+
+static int prepare(void **state)
+{
+	scratch_open("importance");
+	main_progress_quiet(true);
+	write_plant();
+	return 0;
+}
+
+static int clean_up(void **state)
+{
+	scratch_remove(scratch_root);
+	return 0;
+}
+
+int main(void) { return unit_tests_run(prepare, clean_up); }

@@ -1,0 +1,178 @@
+/* Importance (Deussen 2002, 4.3 and 6.2): an important ladder keeps more of its elements at an equal budget,
+ * and its share grows with its importance. Both rules are asked. The tests fail when either takes all ladders
+ * for equally important. */
+#include <stdlib.h>
+
+#include "lod/plan/planner.h"
+#include "tests/support/plan_twin.h"
+#include "tests/support/scene_builder.h"
+#include "tests/support/unit_test.h"
+
+#define SIDE 8u                  /* places along a side of the stand */
+#define PLACE_M 6.0
+#define SPECIES 2u
+
+enum { LEAVES, FLOWERS, LADDERS };
+
+static struct scene_builder scene;
+static uint32_t ladder_of_list[4 * LADDERS * SPECIES];
+static lod_rule *const rules[] = { lod_rule_optimal, lod_rule_deussen };
+
+static const struct eco_curve falling[] = { { 0.002f, 1, 0.005f, 0.45f, 0.6f },
+	{ 0.02f, 1, 0.05f, 0.3f, 0.4f }, { 0.1f, 1, 0.3f, 0.2f, 0.2f },
+	{ 0.3f, 1, 0.8f, 0.08f, 0.09f }, { 1, 1, 1, 0, 0 } };
+
+/* ---- A stand of two species in turn, each with many leaves and a few flowers, in tables ---- */
+
+static uint32_t add_list(uint8_t kind, uint8_t coder, uint32_t plant, uint32_t of, uint32_t count)
+{
+	uint32_t list = scene_add_bare(&scene, &(struct scene_row){ kind, coder, 0, plant, of, 0, 0 },
+		kind == ECO_LIST_POINTS ? count : 2 * count, count);
+	ladder_of_list[list] = scene.scene.ladder_count;
+	return list;
+}
+
+static void add_ladder(uint32_t plant, uint32_t anchor, uint32_t organ, uint32_t count, float area)
+{
+	struct eco_ladder l = scene_ladder(plant, anchor, organ == FLOWERS ? ECO_ORGAN_FLOWER
+		: ECO_ORGAN_FOLIAGE);
+	l.area = area;
+	l.length = 20;
+	l.total = count;
+	l.curve_first = scene.scene.curve_count;
+	l.curve_count = sizeof falling / sizeof *falling;
+	l.triangles = add_list(ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, plant, ECO_NONE, count);
+	l.points = add_list(ECO_LIST_POINTS, ECO_CODER_FORM, plant, l.triangles, count);
+	for (uint32_t i = 0; i < l.curve_count; i++)
+		scene_add_curve(&scene, falling[i]);
+	scene_add_ladder(&scene, l);
+}
+
+static void add_species(void)
+{
+	uint32_t plant = scene_add_plant(&scene, (struct eco_plant){ .height_m = 6, .area = 60 });
+	uint32_t anchor = scene_add_anchor(&scene, (struct eco_anchor){ { 0, 0, 3 }, 3 });
+	add_ladder(plant, anchor, LEAVES, 4000, 50);
+	add_ladder(plant, anchor, FLOWERS, 1000, 10);
+}
+
+static void add_places(uint32_t plant)
+{
+	uint32_t count = SIDE * SIDE / SPECIES;
+	uint32_t list = scene_add_bare(&scene, &(struct scene_row){ ECO_LIST_INSTANCES, ECO_CODER_ROWS, 0, 0,
+		plant, 0, 0 }, count, count);
+	scene_add_group(&scene, (struct eco_group){ 0, plant, list, scene.scene.place_count });
+	for (uint32_t i = 0; i < SIDE * SIDE; i++)
+		if ((i % SIDE + i / SIDE) % SPECIES == plant)
+			scene_add_place(&scene, (struct eco_place){ { (int32_t)(1000 * PLACE_M * (i % SIDE)),
+				(int32_t)(1000 * PLACE_M * (i / SIDE)), 0 }, 0, 65536 });
+}
+
+static int stand_make(void **state)
+{
+	double size = SIDE * PLACE_M;
+	scene = (struct scene_builder){ .scene.near_m = 0.1,
+		.like = { .grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 1e-3f } };
+	for (uint32_t i = 0; i < SPECIES; i++)
+		add_species();
+	scene_add_tile(&scene, (struct eco_tile){ .low = { -3, -3, 0 }, .high = { size + 3, size + 3, 6 },
+		.summary = ECO_NONE, .instance_count = SIDE * SIDE, .area = 60.0 * SIDE * SIDE });
+	for (uint32_t i = 0; i < SPECIES; i++)
+		add_places(i);
+	return 0;
+}
+
+static int stand_free(void **state)
+{
+	scene_free(&scene);
+	return 0;
+}
+
+#define IMPORTANCE_TEST(name) UNIT_TEST_BETWEEN(name, stand_make, stand_free)
+
+/* ---- Shares of a plan ---- */
+
+/* All of the stand in view. */
+static struct eco_request request_of(uint64_t vertices)
+{
+	double size = SIDE * PLACE_M;
+	return (struct eco_request){ .view = { .eye = { size / 2, -0.6 * size, 0.5 * size },
+		.target = { size / 2, size / 2, 0 }, .up = { 0, 0, 1 }, .fov_y_deg = 60, .width = 800,
+		.height = 600 }, .vertices = vertices, .bytes = ECO_BYTES_UNBOUNDED };
+}
+
+/* The share of the budget that the lists of these ladders take: of ladder i where bit i is set. */
+static double share_of(lod_rule *rule, uint64_t vertices, unsigned ladders)
+{
+	struct eco_request request = request_of(vertices);
+	struct lod_planner_input input = { .scene = &scene.scene, .request = &request, .rule = rule };
+	struct eco_error error = { 0 };
+	struct eco_plan plan, part;
+	assert_ok(lod_plan(&plan, &input, &error), error);
+	assert_true(plan.vertices <= vertices);
+	part = plan;
+	part.cut_count = 0;
+	part.cuts = calloc(plan.cut_count + 1, sizeof *part.cuts);
+	assert_non_null(part.cuts);
+	for (uint32_t i = 0; i < plan.cut_count; i++)
+		if (ladders >> ladder_of_list[plan.cuts[i].list] & 1)
+			part.cuts[part.cut_count++] = plan.cuts[i];
+	uint64_t drawn = plan_twin_vertices(&scene.scene, &part, &request.view, NULL);
+	free(part.cuts);
+	eco_plan_free(&plan);
+	return (double)drawn / (double)vertices;
+}
+
+/* Sets the importance of these ladders, and leaves the others' at 1. */
+static void set_importance(unsigned ladders, float importance)
+{
+	for (uint32_t i = 0; i < LADDERS * SPECIES; i++)
+		scene.ladders[i].importance = ladders >> i & 1 ? importance : 1;
+}
+
+/* The share never falls as importance grows; at eight times the importance it is more than `more` times as
+ * large, at an eighth of it less than half as large. */
+static void check_growth(unsigned ladders, double more)
+{
+	static const float importances[] = { 0.125f, 0.25f, 0.5f, 1, 2, 4, 8 };
+	static const uint64_t budgets[] = { 10000, 40000, 120000 };
+	for (int r = 0; r < 2; r++)
+		for (int b = 0; b < 3; b++) {
+			double last = 0, first = 1, neutral = 0;
+			for (int i = 0; i < 7; i++) {
+				set_importance(ladders, importances[i]);
+				double share = share_of(rules[r], budgets[b], ladders);
+				assert_true(share >= last);
+				last = share;
+				first = i == 0 ? share : first;
+				neutral = importances[i] == 1 ? share : neutral;
+			}
+			assert_true(last > more * neutral && first < 0.5 * neutral);
+		}
+}
+
+/* ---- The tests ---- */
+
+IMPORTANCE_TEST(an_important_organ_keeps_more_of_its_elements)
+{
+	check_growth(1u << FLOWERS | 1u << (LADDERS + FLOWERS), 1.5);
+}
+
+/* One ladder of many, as that of a part that a rule names. */
+IMPORTANCE_TEST(an_important_part_of_one_species_keeps_more) { check_growth(1u << FLOWERS, 1.5); }
+
+/* All ladders of a species, as those of an eco file's plants. */
+IMPORTANCE_TEST(plants_of_an_important_eco_file_keep_more)
+{
+	check_growth(1u << LEAVES | 1u << FLOWERS, 1.3);
+}
+
+IMPORTANCE_TEST(plants_that_are_all_as_important_share_alike)
+{
+	double share = share_of(lod_rule_optimal, 40000, 1u << LEAVES | 1u << FLOWERS);
+	assert_true(share > 0.4 && share < 0.6);
+	for (int i = 0; i < LADDERS * (int)SPECIES; i++)
+		scene.ladders[i].importance = 5;
+	double scaled = share_of(lod_rule_optimal, 40000, 1u << LEAVES | 1u << FLOWERS);
+	assert_true(scaled > share - 0.01 && scaled < share + 0.01);
+}
