@@ -15,7 +15,7 @@
 
 /* ---- make ---- */
 
-static struct { struct make_options make; uint64_t jobs, cache_mb; int order; bool times, uncached;
+static struct { struct make_options make; uint64_t jobs, cache_mb, models; int order; bool times, uncached;
 	} make_given;
 
 static void print_times(bool by_stage)
@@ -41,6 +41,7 @@ static enum eco_code run_make(int argc, char **argv, struct eco_error *error)
 			make->cache);
 	make->order = (enum lod_order_method)make_given.order;
 	make->jobs = (uint32_t)make_given.jobs;
+	make->models = (uint32_t)make_given.models;
 	make->cache_bytes = make_given.cache_mb << 20;
 	if (make_given.uncached)
 		make->cache = NULL;
@@ -67,6 +68,10 @@ static const struct eco_option make_options[] = {
 		"stochastic, density, orientation, combined" },
 	{ "jobs", 0, ECO_OPTION_COUNT, "N", &make_given.jobs, 1, 64,
 		.help = "threads; as many as there are processors if not given" },
+	{ "models", 0, ECO_OPTION_COUNT, "N", &make_given.models, 1, 65536,
+		.help = "so many of the models stand for all: those that look most like the others, by what "
+		"of the picture differs, and by the plants that use them; only these are built. Each plant "
+		"keeps its height" },
 	{ "times", 0, ECO_OPTION_FLAG, NULL, &make_given.times, .help = "where the time went, and the "
 		"memory, by stage" },
 	{ "cache", 0, ECO_OPTION_TEXT, "DIR", &make_given.make.cache,

@@ -1,6 +1,7 @@
 /* From a scene source to a pack.
  *
  *   sources     eco_sources_load: the scene file and the files it nests, each once
+ *   few         a few models are chosen to stand for all, if asked for (few.h)               make_few.c
  *   ground      eco_ground_import, rounded to the pack's grid, cut into tiles                make_ground.c
  *   plants      distinct models, in parallel: import, lod_plant_build, lod_plant_measure     make_plants.c
  *               or taken from the cache of finished plants                                   make_cache.c
@@ -24,6 +25,7 @@ struct make_options {
 	const char *scene, *pack;
 	uint32_t jobs;               /* threads; 0: as many as there are processors */
 	enum lod_order_method order; /* of leaves */
+	uint32_t models;             /* so many models stand for all; 0: as the scene says */
 	/* folder of finished plants; NULL or "": none. Does not change the pack */
 	const char *cache;
 	uint64_t cache_bytes;        /* the cache's bound; 0: 2 GiB */
@@ -47,7 +49,15 @@ struct make_plant {              /* a model on its way into the pack */
 	double reach, low, high;     /* bounds: within reach of the axis, z from low to high */
 	uint32_t triangles_in, dropped[ECO_DROP_COUNT];
 	double foot[3], scale;       /* as the model was re-based (struct eco_model) */
+	/* of few models: the height by which places were scaled, 0: none were; the models that it stands for,
+	 * itself the first */
+	double looked_m;
+	struct make_stood_for *stood_for;
+	uint32_t stood_count;
 };
+
+/* A model that another stands for; the plants that use it. */
+struct make_stood_for { char name[64]; uint64_t plants; double difference; };
 
 struct make_place { double at[3], scale; uint32_t plant; uint16_t turn; };
 struct make_nested { double at[3]; uint32_t child; };        /* place of a child of the source */
@@ -72,6 +82,7 @@ struct make {
 	struct make_plant *plants;   uint32_t plant_count;
 	struct main_cache cache;
 	uint32_t **plant_of;         /* [source][plant of the source] */
+	uint32_t models_given;       /* few models: as many as there were; 0: all are built */
 	struct eco_ground ground;    bool has_ground;
 	double ground_low_m, ground_step_m;      /* its heights are whole steps above this */
 	struct eco_ground_tile *ground_tiles;
@@ -145,6 +156,11 @@ enum eco_code make_ground_read(struct make *m);      /* reports errors before pl
 enum eco_code make_ground_pack(struct make *m);
 void make_ground_free(struct make *m);
 enum eco_code make_plants(struct make *m);           /* finds, builds and packs them */
+/* Files of a plant to a model, as its scene asks for. `warns`: what is odd about them is said. */
+enum eco_code make_import(struct make_plant *plant, struct eco_model *model, bool warns,
+	struct eco_error *error);
+/* Reads places and looks of all models, and leaves as many plants as are asked for, to be built. */
+enum eco_code make_few(struct make *m);
 void make_plants_free(struct make *m);
 
 /* Call it before any library is loaded on demand: it hashes the libraries that are loaded. */
@@ -162,7 +178,10 @@ void make_cache_put(struct main_cache *cache, const struct main_cache_key *key,
 
 /* opens each inventory and takes its first plant; reads areas and masks */
 enum eco_code make_places_check(struct make *m);
-enum eco_code make_places(struct make *m);           /* fills m->ecos except the tiles */
+/* Fills m->ecos with places, by the heights and reaches of m->plants. */
+enum eco_code make_places_read(struct make *m);
+/* Reads the places unless they are there, and tiles them. */
+enum eco_code make_places(struct make *m);
 void make_places_drop(struct make *m);               /* frees the parts of m->ecos that only tiles need */
 void make_places_free(struct make *m);
 /* a nested eco file's weight when tiles are split (lod/build/tile.h) */

@@ -276,23 +276,43 @@ enum eco_code make_places_check(struct make *m)
 	return ECO_OK;
 }
 
-enum eco_code make_places(struct make *m)
+enum eco_code make_places_read(struct make *m)
 {
 	m->ecos = calloc(m->sources.count, sizeof *m->ecos);
 	if (!m->ecos)
 		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for %u eco files", m->sources.count);
-	/* nested files come after the files that nest them, and are needed first */
 	for (uint32_t s = m->sources.count; s-- > 0;) {
 		enum eco_code code = place_instances(m, s);
 		if (!code)
 			code = place_rows(m, s);
 		if (!code)
 			code = place_scatters(m, s);
-		if (!code)
-			code = tile_places(m, s);
 		if (code)
 			return code;
 	}
+	return ECO_OK;
+}
+
+/* Places that were read before the plants were built are scaled to the heights as built. */
+static void rescale(struct make *m, struct make_eco *eco)
+{
+	for (uint32_t i = 0; i < eco->place_count; i++) {
+		const struct make_plant *plant = &m->plants[eco->places[i].plant];
+		if (plant->looked_m > 0)
+			eco->places[i].scale *= plant->looked_m / (double)plant->built.plant.height_m;
+	}
+}
+
+enum eco_code make_places(struct make *m)
+{
+	enum eco_code code = m->ecos ? ECO_OK : make_places_read(m);
+	/* nested files come after the files that nest them, and are needed first */
+	for (uint32_t s = m->sources.count; s-- > 0 && !code;) {
+		rescale(m, &m->ecos[s]);
+		code = tile_places(m, s);
+	}
+	if (code)
+		return code;
 	if (m->off_ground)
 		main_note("%s: %llu plant%s or nested scene%s stand%s beyond its border, at the height of "
 			"the border's nearest point", m->sources.items[0].ground.heights[0],

@@ -288,6 +288,16 @@ static enum eco_code build_or_recall(struct job *job, const struct eco_model *mo
 	return code;
 }
 
+enum eco_code make_import(struct make_plant *plant, struct eco_model *model, bool warns,
+	struct eco_error *error)
+{
+	return eco_model_import(model,
+		&(struct eco_model_options){ .paths = (const char *const *)plant->source->models,
+		.path_count = plant->source->model_count, .height_m = plant->source->height_m,
+		.unit_m = plant->source->unit_m, .up = plant->source->up, .rules = plant->source->parts,
+		.rule_count = plant->source->part_count, .warn = warns ? warn : NULL, .ctx = plant }, error);
+}
+
 static enum eco_code build_plant(struct job *job, struct eco_error *error)
 {
 	struct make_plant *plant = &job->work->m->plants[job->plant];
@@ -298,11 +308,7 @@ static enum eco_code build_plant(struct job *job, struct eco_error *error)
 		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	pthread_mutex_lock(&job->work->libraries);
 	main_times_stage(MAIN_STAGE_MODELS);
-	enum eco_code code = eco_model_import(&model,
-		&(struct eco_model_options){ .paths = (const char *const *)plant->source->models,
-		.path_count = plant->source->model_count, .height_m = plant->source->height_m,
-		.unit_m = plant->source->unit_m, .up = plant->source->up, .rules = plant->source->parts,
-		.rule_count = plant->source->part_count, .warn = warn, .ctx = plant }, error);
+	enum eco_code code = make_import(plant, &model, true, error);
 	main_times_stage(MAIN_STAGE_NONE);
 	pthread_mutex_unlock(&job->work->libraries);
 	if (code)
@@ -498,6 +504,8 @@ enum eco_code make_plants(struct make *m)
 {
 	enum eco_code code = find_plants(m);
 	if (!code)
+		code = make_few(m);
+	if (!code)
 		code = build_plants(m);
 	main_times_stage(MAIN_STAGE_PACKING);
 	m->table = code ? NULL : calloc(m->plant_count + 1u, sizeof *m->table);
@@ -522,6 +530,7 @@ void make_plants_free(struct make *m)
 			free(plant->images[k].at);
 		free(plant->images);
 		free(plant->path);
+		free(plant->stood_for);
 		lod_plant_free(&plant->built);
 	}
 	for (uint32_t s = 0; m->plant_of && s < m->sources.count; s++)
