@@ -63,9 +63,8 @@ static bool draws(const struct eco_ladder *l, uint32_t list)
 	return l->points == list || l->lines == list || l->simple == list || l->triangles == list;
 }
 
-/* Vertices of a plan that the lists of ladders of so many elements (0: of any) take, and of at least this
- * importance. */
-static uint64_t drawn(const struct eco_scene *scene, uint64_t vertices, uint32_t total, float least)
+/* Vertices of a plan that the lists of a plant's ladders of so many elements take, 0: all lists of the plant. */
+static uint64_t drawn(const struct eco_scene *scene, uint64_t vertices, uint32_t plant, uint32_t total)
 {
 	struct eco_request request = { .view = { .eye = { 4, 0, 2 }, .target = { 0, 0, 1 }, .up = { 0, 0, 1 },
 		.fov_y_deg = 45, .width = 400, .height = 300 }, .vertices = vertices,
@@ -79,10 +78,9 @@ static uint64_t drawn(const struct eco_scene *scene, uint64_t vertices, uint32_t
 	part.cuts = calloc(plan.cut_count + 1, sizeof *part.cuts);
 	assert_non_null(part.cuts);
 	for (uint32_t i = 0; i < plan.cut_count; i++) {
-		bool counts = false;
+		bool counts = total == 0 && scene->lists[plan.cuts[i].list].owner == plant;
 		for (uint32_t l = 0; l < scene->ladder_count; l++)
-			counts = counts || (scene->ladders[l].importance >= least
-				&& (!total || scene->ladders[l].total == total)
+			counts = counts || (scene->ladders[l].plant == plant && scene->ladders[l].total == total
 				&& draws(&scene->ladders[l], plan.cuts[i].list));
 		if (counts)
 			part.cuts[part.cut_count++] = plan.cuts[i];
@@ -117,7 +115,7 @@ UNIT_TEST(a_named_part_has_an_importance_of_its_own)
 		assert_int_equal(elements_of(&pack->scene, (float)atof(rules[i])),
 			PETALS + (i == 1 ? LEAVES : 0));
 		assert_int_equal(elements_of(&pack->scene, 1), LEAVES + (i == 1 ? PETALS : 0));
-		uint64_t now = drawn(&pack->scene, 133, PETALS, 0);
+		uint64_t now = drawn(&pack->scene, 133, 0, PETALS);
 		assert_true(now > 1.3 * (double)last);
 		last = now;
 		eco_pack_close(pack);
@@ -153,9 +151,10 @@ UNIT_TEST(an_eco_file_s_importance_multiplies_that_of_its_plants)
 			"\"children\": [{\"eco\": \"inner.json\", \"at\": [0, 0]}]}");
 		assert_int_equal(elements_of(&pack->scene, 1.5f * (i ? 16.0f : 1.0f)), LEAVES + PETALS);
 		assert_int_equal(elements_of(&pack->scene, 1.49f), LEAVES + PETALS);
+		uint32_t inner = pack->scene.ladders[0].importance == 1.49f;
 		uint64_t now = 0;
 		for (uint64_t vertices = 60; vertices < 1200; vertices *= 2)
-			now += drawn(&pack->scene, vertices, 0, 1.5f);
+			now += drawn(&pack->scene, vertices, inner, 0);
 		assert_true(now > 1.1 * (double)last);
 		last = now;
 		eco_pack_close(pack);
