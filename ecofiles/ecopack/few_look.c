@@ -14,6 +14,8 @@
 #define CLEAR 100.0                  /* bytes: colours that far apart have nothing in common (salience.c) */
 #define LEAF_OCTAVES 32.0            /* of area, for a difference of 1 */
 #define LEAF_MOST 0.25
+#define HEIGHT_OCTAVES 16.0          /* of natural height, for a difference of 1 */
+#define HEIGHT_MOST 0.25
 
 struct sums { double area, square, rgb[3]; };
 
@@ -128,6 +130,7 @@ double few_difference(const struct few_look *a, const struct few_look *b)
 	}
 	if (a->leaf > 0 && b->leaf > 0)
 		leaf = fmin(LEAF_MOST, fabs(octaves(a->leaf) - octaves(b->leaf)) / LEAF_OCTAVES);
-	double rows = either > 0 ? wrong / either : 0;
-	return 1 - (1 - rows) * (1 - leaf);
+	double rows = either > 0 ? wrong / either : 0, height = fmin(HEIGHT_MOST,
+		fabs(octaves(a->height_m) - octaves(b->height_m)) / HEIGHT_OCTAVES);
+	return 1 - (1 - rows) * (1 - leaf) * (1 - height);
 }
