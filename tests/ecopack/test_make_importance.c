@@ -31,7 +31,7 @@ static void write_plant(void)
 	int vertices = 0;
 	FILE *file = open_text("plant.obj");
 	write_blades(file, "leaves", LEAVES, 0, 1.5, &vertices);
-	write_blades(file, "petals", PETALS, 1.5, 2, &vertices);
+	write_blades(file, "top", PETALS, 1.5, 2, &vertices);
 	assert_int_equal(fclose(file), 0);
 }
 
@@ -109,7 +109,7 @@ UNIT_TEST(a_named_part_has_an_importance_of_its_own)
 	uint64_t last = 0;
 	for (int i = 0; i < 3; i++) {
 		char text[200];
-		snprintf(text, sizeof text, ", \"parts\": [{\"name\": \"petal*\", \"importance\": %s}]",
+		snprintf(text, sizeof text, ", \"parts\": [{\"name\": \"top*\", \"importance\": %s}]",
 			rules[i]);
 		struct eco_pack *pack = made_one("part.json", text);
 		assert_int_equal(elements_of(&pack->scene, (float)atof(rules[i])),
@@ -125,12 +125,12 @@ UNIT_TEST(a_named_part_has_an_importance_of_its_own)
 UNIT_TEST(a_rule_s_importance_wins_over_the_organ_s)
 {
 	struct eco_pack *pack = made_one("organ.json", ", \"importance\": {\"foliage\": 2, \"flower\": 4}, "
-		"\"parts\": [{\"name\": \"petal*\", \"is\": \"flower\"}]");
+		"\"parts\": [{\"name\": \"top*\", \"is\": \"flower\"}]");
 	assert_int_equal(elements_of(&pack->scene, 4), PETALS);
 	assert_int_equal(elements_of(&pack->scene, 2), LEAVES);
 	eco_pack_close(pack);
 	pack = made_one("both.json", ", \"importance\": {\"foliage\": 2}, "
-		"\"parts\": [{\"name\": \"petal*\", \"is\": \"flower\", \"importance\": 0.5}]");
+		"\"parts\": [{\"name\": \"top*\", \"is\": \"flower\", \"importance\": 0.5}]");
 	assert_int_equal(elements_of(&pack->scene, 0.5f), PETALS);
 	assert_int_equal(elements_of(&pack->scene, 2), LEAVES);
 	eco_pack_close(pack);
@@ -141,17 +141,17 @@ UNIT_TEST(an_eco_file_s_importance_multiplies_that_of_its_plants)
 	uint64_t last = 0;
 	for (int i = 0; i < 2; i++) {
 		char text[400];
-		snprintf(text, sizeof text, "{\"importance\": %d, \"plants\": {\"a\": {\"model\": "
+		snprintf(text, sizeof text, "{\"importance\": %s, \"plants\": {\"a\": {\"model\": "
 			"\"plant.obj\", \"up\": \"y\", \"importance\": {\"foliage\": 1.5, \"flower\": 1.5}}}, "
-			"\"instances\": [{\"plant\": \"a\", \"at\": [0, 0.5]}]}", i ? 16 : 1);
+			"\"instances\": [{\"plant\": \"a\", \"at\": [0, 0.5]}]}", i ? "16" : "0.5");
 		write_text("inner.json", text);
 		struct eco_pack *pack = made("outer.json", "{\"plants\": {\"a\": {\"model\": \"plant.obj\", "
-			"\"up\": \"y\", \"importance\": {\"foliage\": 1.49, \"flower\": 1.49}}}, "
+			"\"up\": \"y\", \"importance\": {\"foliage\": 1.5, \"flower\": 1.5}}}, "
 			"\"instances\": [{\"plant\": \"a\", \"at\": [0, -0.5]}], "
 			"\"children\": [{\"eco\": \"inner.json\", \"at\": [0, 0]}]}");
-		assert_int_equal(elements_of(&pack->scene, 1.5f * (i ? 16.0f : 1.0f)), LEAVES + PETALS);
-		assert_int_equal(elements_of(&pack->scene, 1.49f), LEAVES + PETALS);
-		uint32_t inner = pack->scene.ladders[0].importance == 1.49f;
+		assert_int_equal(elements_of(&pack->scene, 1.5f * (i ? 16.0f : 0.5f)), LEAVES + PETALS);
+		assert_int_equal(elements_of(&pack->scene, 1.5f), LEAVES + PETALS);
+		uint32_t inner = pack->scene.ladders[0].importance == 1.5f;
 		uint64_t now = 0;
 		for (uint64_t vertices = 60; vertices < 1200; vertices *= 2)
 			now += drawn(&pack->scene, vertices, inner, 0);
