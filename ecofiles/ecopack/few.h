@@ -27,7 +27,8 @@ struct few_look {
 enum eco_code few_look(struct few_look *look, const struct eco_model *model, struct eco_error *error);
 
 /* The share of pixels that either covers and the other does not, or covers in another colour; a little more
- * where one has far larger leaves, or is far larger by nature: no tree should stand for a poppy. Symmetric. */
+ * where one has far larger leaves, or is far larger by nature: no tree should stand for a poppy.
+ * Symmetric. */
 double few_difference(const struct few_look *a, const struct few_look *b);
 
 /* k-medoids: sets stand_in[i] to the model that stands for model i, itself where it is kept, so that the sum

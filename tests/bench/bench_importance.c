@@ -1,6 +1,7 @@
 /* Importance of flowers (Deussen 2002, 4.3 and figure 4): a flowering shrub and poppies drawn at small
  * budgets, with flowers as important as leaves and more. Measured is the share of the reference's flower
- * pixels, those clearly more red than green, that a picture shows as such, beside Q of all that is covered. */
+ * pixels, those clearly more red than green, that a picture shows as such, beside Q of all that is
+ * covered. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -43,7 +44,8 @@ static enum eco_code make_pack(struct bench *bench, double importance, char path
 	snprintf(scene, sizeof scene, "%s/importance/flower%g.json", bench->cache, importance);
 	file_write_text(scene, text);
 	return bench_command(bench, error, "program=$(realpath '%s/ecopack'); cd '%s/importance' && { [ -d "
-		"park ] || \"$program\" generate park -o park --plants 20 --quiet; } && \"$program\" make flower%g.json -o flower%g.eco --quiet",
+		"park ] || \"$program\" generate park -o park --plants 20 --quiet; } && "
+		"\"$program\" make flower%g.json -o flower%g.eco --quiet",
 		bench->build, bench->cache, importance, importance);
 }
 

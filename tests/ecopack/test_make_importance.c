@@ -63,7 +63,8 @@ static bool draws(const struct eco_ladder *l, uint32_t list)
 	return l->points == list || l->lines == list || l->simple == list || l->triangles == list;
 }
 
-/* Vertices of a plan that the lists of a plant's ladders of so many elements take, 0: all lists of the plant. */
+/* Vertices of a plan that the lists of a plant's ladders of so many elements take, 0: all lists of the
+ * plant. */
 static uint64_t drawn(const struct eco_scene *scene, uint64_t vertices, uint32_t plant, uint32_t total)
 {
 	struct eco_request request = { .view = { .eye = { 4, 0, 2 }, .target = { 0, 0, 1 }, .up = { 0, 0, 1 },
@@ -80,7 +81,8 @@ static uint64_t drawn(const struct eco_scene *scene, uint64_t vertices, uint32_t
 	for (uint32_t i = 0; i < plan.cut_count; i++) {
 		bool counts = total == 0 && scene->lists[plan.cuts[i].list].owner == plant;
 		for (uint32_t l = 0; l < scene->ladder_count; l++)
-			counts = counts || (scene->ladders[l].plant == plant && scene->ladders[l].total == total
+			counts = counts || (scene->ladders[l].plant == plant
+				&& scene->ladders[l].total == total
 				&& draws(&scene->ladders[l], plan.cuts[i].list));
 		if (counts)
 			part.cuts[part.cut_count++] = plan.cuts[i];
@@ -142,7 +144,8 @@ UNIT_TEST(an_eco_file_s_importance_multiplies_that_of_its_plants)
 	for (int i = 0; i < 2; i++) {
 		char text[400];
 		snprintf(text, sizeof text, "{\"importance\": %s, \"plants\": {\"a\": {\"model\": "
-			"\"plant.obj\", \"up\": \"y\", \"importance\": {\"foliage\": 1.5, \"flower\": 1.5}}}, "
+			"\"plant.obj\", \"up\": \"y\", "
+			"\"importance\": {\"foliage\": 1.5, \"flower\": 1.5}}}, "
 			"\"instances\": [{\"plant\": \"a\", \"at\": [0, 0.5]}]}", i ? "16" : "0.5");
 		write_text("inner.json", text);
 		struct eco_pack *pack = made("outer.json", "{\"plants\": {\"a\": {\"model\": \"plant.obj\", "
