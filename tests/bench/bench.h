@@ -178,6 +178,11 @@ uint32_t bench_client_summaries(const struct bench_client *client);
  * those of a first visit. */
 enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame *frame,
 	struct view_picture *picture, struct eco_error *error);
+/* Milliseconds in which OpenGL draws a selection the second time; NaN where there is no OpenGL. */
+struct view_store;
+struct view_selection;
+double bench_gl_ms(const struct view_store *store, const struct view_selection *selection,
+	const struct eco_view *view);
 /* That picture beside full detail of the same view and the error that people see, as `file` of the report's
  * folder, with words under each (ASCII). Only of a client that sees. */
 enum eco_code bench_client_compare(struct bench_client *client, struct bench *bench, const char *file,

@@ -62,18 +62,19 @@ static double near_of(const struct view_store *store)
 	return view_store_near_m(store) > 0 ? view_store_near_m(store) : 0.1;
 }
 
-/* NaN where there is no OpenGL. */
-static double time_gl(const struct view_store *store, const struct view_selection *selection,
-	const struct lod_eye *eye, const struct eco_view *view)
+double bench_gl_ms(const struct view_store *store, const struct view_selection *selection,
+	const struct eco_view *view)
 {
+	struct lod_eye eye;
 	struct view_picture picture = { 0 };
 	struct view_gl *gl = NULL;
 	struct eco_error why = { 0 };
+	lod_eye_make(&eye, view);
 	bool drawn = !view_gl_open(&gl, &(struct view_gl_options){ view->width, view->height }, &why) &&
 		!view_picture_init(&picture, view->width, view->height, &why);
 	for (int i = 0; i < 2 && drawn; i++)
 		drawn = !view_gl_draw(gl,
-			&(struct view_gl_job){ store, selection, eye, near_of(store), VIEW_TINT_NONE },
+			&(struct view_gl_job){ store, selection, &eye, near_of(store), VIEW_TINT_NONE },
 			&picture, &why);
 	double ms = drawn ? picture.draw_ms : NAN;
 	view_gl_close(gl);
@@ -105,7 +106,7 @@ static enum eco_code draw(const struct view_store *store, const struct eco_view 
 	if (!code && beside->widest_px)
 		*beside->widest_px = bench_widest_px(store, &selection, &eye, picture);
 	if (!code && beside->gl_ms)
-		*beside->gl_ms = time_gl(store, &selection, &eye, view);
+		*beside->gl_ms = bench_gl_ms(store, &selection, view);
 	view_select_free(&selection);
 	return code;
 }

@@ -18,9 +18,8 @@ static bool near(double a, double b)
 
 UNIT_TEST(points_follow_equation_1_and_the_splat_factor)
 {
-	assert_true(near(paper_deussen_points(40, 10, 0.01), PAPER_SPLAT_FACTOR * 0.2 / 1e-4));
-	assert_true(near(paper_deussen_points(40, 20, 0.01) * 4, paper_deussen_points(40, 10, 0.01)));
-	assert_true(PAPER_SPLAT_FACTOR >= 1.2 && PAPER_SPLAT_FACTOR <= 1.5);
+	assert_true(near(paper_deussen_points(40, 10, 0.01, 1.2), 1.2 * 0.2 / 1e-4));
+	assert_true(near(paper_deussen_points(40, 20, 0.01, 1.5) * 4, paper_deussen_points(40, 10, 0.01, 1.5)));
 }
 
 /* Half the surface is seen; together they cover c_p times that. */
@@ -28,7 +27,7 @@ UNIT_TEST(splats_cover_the_projected_area_and_the_splat_factor)
 {
 	double area = 7, k = 500, all = area / 2 / (2 * k);
 	for (double p = 1; p < 3 * k; p *= 1.7)
-		assert_true(near(p * all * paper_deussen_scale(p, k), PAPER_SPLAT_FACTOR * area / 2));
+		assert_true(near(p * all * paper_deussen_scale(p, k, 1.4), 1.4 * area / 2));
 }
 
 UNIT_TEST(a_blend_draws_exactly_p_vertices)

@@ -2,12 +2,22 @@
  * splats; no curve that was measured. Occlusion is ignored, tiles far away are points (6.2), and plants in
  * whose list of points there are not enough show cells, each at its own distance (6.1). */
 #include <math.h>
+#include <stdlib.h>
 
 #include "tests/bench/baseline/paper_rules.h"
 
-double paper_deussen_points(double area, double r, double d)
+#define SPLAT_FACTOR 1.3
+
+/* The rule at one sample distance. */
+struct rule {
+	struct paper *p;
+	double d, splat_factor;
+	double *mean_m; /* per plant: the distance at which all its cells are drawn; NULL: each at its own */
+};
+
+double paper_deussen_points(double area, double r, double d, double splat_factor)
 {
-	return PAPER_SPLAT_FACTOR * area / (2 * r * r) / (d * d);
+	return splat_factor * area / (2 * r * r) / (d * d);
 }
 
 double paper_deussen_lines(double width, double r, double d)
@@ -24,9 +34,9 @@ struct paper_blend paper_deussen_blend(double p, uint32_t k)
 	return (struct paper_blend){ triangles, 2 * triangles, 2 * k };
 }
 
-double paper_deussen_scale(double p, double k)
+double paper_deussen_scale(double p, double k, double splat_factor)
 {
-	return PAPER_SPLAT_FACTOR * 2 * k / p;
+	return splat_factor * 2 * k / p;
 }
 
 /* ---- One ladder ---- */
@@ -36,13 +46,14 @@ struct region {
 }; /* total, before: triangles or lines */
 
 /* Its own list holds `count` triangles after the `before` ones of the region that the whole plant's holds. */
-static void add_points(struct paper *p, const struct lod_slot *slot, uint32_t ladder, const struct region *of,
-	double d)
+static void add_points(const struct rule *rule, const struct lod_slot *slot, uint32_t ladder,
+	const struct region *of)
 {
+	struct paper *p = rule->p;
 	uint32_t list = p->s->scene->ladders[ladder].triangles,
 		 count = p->s->scene->lists[list].primitive_count;
 	uint32_t points = p->s->points[ladder];
-	double asked = paper_deussen_points(of->area, of->r, d), own = asked - 2 * of->before;
+	double asked = paper_deussen_points(of->area, of->r, rule->d, rule->splat_factor), own = asked - 2 * of->before;
 	struct paper_blend blend = { .end = (uint32_t)fmin(fmax(0, own), 2.0 * count) };
 	/* triangles of the region as a whole are blended, not those of a part */
 	if (asked >= 2 * of->total)
@@ -53,7 +64,7 @@ static void add_points(struct paper *p, const struct lod_slot *slot, uint32_t la
 		&(struct eco_cut){ .list = points,
 			.first = blend.first,
 			.end = blend.end,
-			.scale = (float)paper_deussen_scale(asked, k) });
+			.scale = (float)paper_deussen_scale(asked, k, rule->splat_factor) });
 }
 
 static uint32_t last_level(const struct eco_ladder *ladder, uint32_t *end, uint32_t all)
@@ -73,9 +84,11 @@ static const struct paper_lines *lines_at(const struct paper *p, uint32_t ladder
 	return lines + (int)fmin(fmax(0, step), PAPER_WIDTHS - 1);
 }
 
-static void add_lines(struct paper *p, const struct lod_slot *slot, uint32_t ladder, const struct region *of,
-	double d)
+static void add_lines(const struct rule *rule, const struct lod_slot *slot, uint32_t ladder,
+	const struct region *of)
 {
+	struct paper *p = rule->p;
+	double d = rule->d;
 	const struct eco_ladder *l = &p->s->scene->ladders[ladder];
 	const struct paper_lines *lines = lines_at(p, ladder, d * of->r);
 	double q = lines ? paper_deussen_lines(lines->thin, of->r, d) : 2;
@@ -107,27 +120,30 @@ static struct region region_of(const struct paper *p, const struct eco_ladder *l
 	return (struct region){ r, (double)l->area, each * l->total, each * l->before };
 }
 
-static void add_ladder(struct paper *p, const struct lod_slot *slot, uint32_t ladder, double d)
+static void add_ladder(const struct rule *rule, const struct lod_slot *slot, uint32_t ladder)
 {
+	const struct paper *p = rule->p;
 	const struct eco_ladder *l = &p->s->scene->ladders[ladder];
-	double r = lod_band_distance_m(slot->band);
+	double r = rule->mean_m ? rule->mean_m[slot->plant] : lod_band_distance_m(slot->band);
 	bool points = p->s->points[ladder] != ECO_NONE;
 	struct region of = region_of(p, l, r, points);
 	if (points)
-		add_points(p, slot, ladder, &of, d);
+		add_points(rule, slot, ladder, &of);
 	else
-		add_lines(p, slot, ladder, &of, d);
+		add_lines(rule, slot, ladder, &of);
 }
 
 /* ---- Cells ---- */
 
 /* Whether the whole plant's lists do not suffice at this distance. */
-static bool wants_cells(const struct paper *p, const struct eco_ladder *l, double r, double d)
+static bool wants_cells(const struct rule *rule, const struct eco_ladder *l, double r)
 {
+	const struct paper *p = rule->p;
+	double d = rule->d;
 	if (l->flags & ECO_LADDER_WHOLE)
 		return false;
 	if (p->s->points[l - p->s->scene->ladders] != ECO_NONE)
-		return paper_deussen_points((double)l->area, r, d) >
+		return paper_deussen_points((double)l->area, r, d, rule->splat_factor) >
 			2.0 * p->s->scene->lists[l->triangles].primitive_count;
 	/* all lines of the region, of which the whole plant's list may hold a few */
 	double area = (double)l->area * (l->organ == ECO_ORGAN_WOOD ? 0.5 : 1);
@@ -135,24 +151,49 @@ static bool wants_cells(const struct paper *p, const struct eco_ladder *l, doubl
 	return q * l->total > (double)lod_planner_count(p->s->scene, l->lines) || (double)l->epsilon / r >= d;
 }
 
-static uint32_t gate_of(const struct paper *p, uint32_t plant, double d)
+static uint32_t gate_of(const struct rule *rule, uint32_t plant)
 {
-	const struct eco_scene *scene = p->s->scene;
+	const struct eco_scene *scene = rule->p->s->scene;
 	const struct eco_plant *of = &scene->plants[plant];
 	for (int band = ECO_BANDS - 1; band >= 0 && of->anchor_count > 1; band--)
 		for (uint32_t i = of->ladder_first; i < of->ladder_first + of->ladder_count; i++)
 			if (scene->ladders[i].anchor == of->anchor_first &&
-				wants_cells(p, &scene->ladders[i], lod_band_distance_m((uint8_t)band), d))
+				wants_cells(rule, &scene->ladders[i], lod_band_distance_m((uint8_t)band)))
 				return (uint32_t)(band + 1) * ECO_SHARE_ONE;
 	return 0;
 }
 
-enum eco_code paper_deussen(struct paper *p, double d, void *unused, struct eco_error *error)
+/* Of each plant's instances and their cells: that of the plant itself where its model stands once. */
+static enum eco_code find_means(struct rule *rule, struct eco_error *error)
 {
-	(void)unused;
+	const struct paper *p = rule->p;
+	uint32_t plants = p->s->scene->plant_count;
+	double *count = calloc(plants + 1u, sizeof *count);
+	rule->mean_m = calloc(plants + 1u, sizeof *rule->mean_m);
+	if (!count || !rule->mean_m) {
+		free(count);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u distances", plants);
+	}
+	for (uint32_t i = 0; i < p->p.visible.slot_count; i++) {
+		const struct lod_slot *slot = &p->p.visible.slots[i];
+		rule->mean_m[slot->plant] += (double)slot->count * lod_band_distance_m(slot->band);
+		count[slot->plant] += (double)slot->count;
+	}
+	for (uint32_t i = 0; i < plants; i++)
+		rule->mean_m[i] /= fmax(1, count[i]);
+	free(count);
+	return ECO_OK;
+}
+
+enum eco_code paper_deussen(struct paper *p, double d, void *deussen, struct eco_error *error)
+{
+	const struct paper_deussen *how = deussen;
+	struct rule rule = { p, d, how && how->splat_factor > 0 ? how->splat_factor : SPLAT_FACTOR, NULL };
 	for (uint32_t i = 0; i < p->s->scene->plant_count; i++)
-		p->p.gates[i] = gate_of(p, i, d);
+		p->p.gates[i] = gate_of(&rule, i);
 	enum eco_code code = paper_open(p, d, error);
+	if (!code && how && how->whole)
+		code = find_means(&rule, error);
 	for (uint32_t i = 0; i < p->p.visible.slot_count && !code; i++) {
 		const struct lod_slot *slot = &p->p.visible.slots[i];
 		uint32_t count;
@@ -160,7 +201,8 @@ enum eco_code paper_deussen(struct paper *p, double d, void *unused, struct eco_
 			slot->count ? lod_plan_tables_anchor(p->s->tables, slot->anchor, &count) : NULL;
 		for (uint32_t k = 0; ladders && k < count; k++)
 			if (paper_applies(p, &p->s->scene->ladders[ladders[k]], slot))
-				add_ladder(p, slot, ladders[k], d);
+				add_ladder(&rule, slot, ladders[k]);
 	}
+	free(rule.mean_m);
 	return code;
 }

@@ -17,10 +17,14 @@
 
 /* ---- Deussen 2002, section 5 ---- */
 
-#define PAPER_SPLAT_FACTOR 1.3 /* c_p */
+struct paper_deussen {
+	double splat_factor; /* c_p, 1.2 to 1.5; 0: 1.3 */
+	/* without the octree (6.1): all cells of a plant at its mean distance, over all instances of it */
+	bool whole;
+};
 
 /* Points that a surface needs at distance r: c_p A / (2 r^2) / d'^2, equation 1 without its misprint. */
-double paper_deussen_points(double area, double r, double d);
+double paper_deussen_points(double area, double r, double d, double splat_factor);
 /* q of equation 2: the share of lines that cover the wood or blades when each is as wide as d'; above 1 they
  * are polygons. width: A / l. */
 double paper_deussen_lines(double width, double r, double d);
@@ -32,10 +36,10 @@ struct paper_blend {
 };
 struct paper_blend paper_deussen_blend(double p, uint32_t k);
 /* Area factor of a point where all 2k would cover the projected area together: each of p covers c_p / p. */
-double paper_deussen_scale(double p, double k);
+double paper_deussen_scale(double p, double k, double splat_factor);
 
-/* d: the sample distance; the third parameter is not used. */
-enum eco_code paper_deussen(struct paper *p, double d, void *unused, struct eco_error *error);
+/* d: the sample distance. deussen: struct paper_deussen, or NULL. */
+enum eco_code paper_deussen(struct paper *p, double d, void *deussen, struct eco_error *error);
 
 /* ---- Cook 2007, and Neubert 2011 ---- */
 
