@@ -331,7 +331,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	if (!code)
 		bench_say(bench, "Rows of orders, of leaf collapse and of its quads without textures have "
 			"each their best scale; those as printed and by sectors have the paper's sizes, "
-			"which are too large: quads reach beyond the crown. Splats show wood and leaves together, "
+			"which are too large: quads reach beyond the crown. Splats show wood and leaves "
+			"together, "
 			"one vertex each, over wood that is drawn whole as in all other rows. There is no "
 			"figure where a coarsest level has more vertices than asked for.");
 	free(sums);

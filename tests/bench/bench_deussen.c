@@ -1,6 +1,6 @@
 /* Deussen 2002 as printed on scenes of his kinds: table 1 with its columns (triangles, lines, points, frames
  * a second), figure 5's sweep of the sample distance d' and the splat factor c_p, and the octree of complex
- * plants (6.1) on and off. Packs are those of the stochastic order, with his lists (baseline/paper_scene.h). */
+ * plants (6.1) on and off. Packs are those of the stochastic order, with his lists (paper_scene.h). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,8 +17,9 @@ struct drawn {
 static const struct {
 	const char *key;
 	size_t at;
-} figures[] = { { "triangles", offsetof(struct drawn, triangles) }, { "lines", offsetof(struct drawn, lines) },
-	{ "points", offsetof(struct drawn, points) }, { "vertices", offsetof(struct drawn, vertices) },
+} figures[] = { { "triangles", offsetof(struct drawn, triangles) },
+	{ "lines", offsetof(struct drawn, lines) }, { "points", offsetof(struct drawn, points) },
+	{ "vertices", offsetof(struct drawn, vertices) },
 	{ "full", offsetof(struct drawn, full) }, { "wrong", offsetof(struct drawn, wrong) },
 	{ "p", offsetof(struct drawn, p) }, { "r", offsetof(struct drawn, r) },
 	{ "q", offsetof(struct drawn, q) }, { "ms", offsetof(struct drawn, ms) },
@@ -185,7 +186,8 @@ static enum eco_code write_table(struct bench *bench, struct eco_error *error)
 	enum eco_code code = ECO_OK;
 	bench_head(bench, "Elements drawn (table 1)");
 	struct bench_table *table = bench_table_open(bench, "deussen_elements",
-		"scene,rule,triangles in sight at full detail,triangles,lines,points,vertices,frames/s,Q,d' px",
+		"scene,rule,triangles in sight at full detail,triangles,lines,points,vertices,frames/s,"
+		"Q,d' px",
 		true);
 	for (size_t i = 0; i < SCENES && !code; i++) {
 		struct study s = { .bench = bench };
@@ -211,9 +213,9 @@ static enum eco_code write_table(struct bench *bench, struct eco_error *error)
 			write_table_rows(table, &printed[i], &sum, views);
 	}
 	bench_table_close(table);
-	bench_say(bench, "The budget is what the paper's elements come to (3 triangles + 2 lines + points); d' "
-		"is the least that fits. Frames a second are of OpenGL on this machine, at the second time; "
-		"the paper's are of a GeForce3. Triangles are those in sight, not of the whole scene.");
+	bench_say(bench, "The budget is what the paper's elements come to (3 triangles + 2 lines + points); "
+		"d' is the least that fits. Frames a second are of OpenGL on this machine, at the second "
+		"time; the paper's are of a GeForce3. Triangles are those in sight, not of the whole scene.");
 	return code;
 }
 

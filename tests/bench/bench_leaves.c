@@ -5,6 +5,7 @@
 
 #include "ecofiles/format/pack.h"
 #include "lod/build/element.h"
+#include "lod/sort.h"
 
 /* of the grid that tells which triangles are too small to count (lod/build/weld.h) */
 #define GRID_BITS 14u
@@ -71,6 +72,25 @@ void bench_leaves_close(struct bench_leaves *leaves)
 	eco_model_free(&leaves->model);
 	free(leaves->mask);
 	memset(leaves, 0, sizeof *leaves);
+}
+
+uint32_t *bench_leaves_order(struct bench_leaves *leaves, enum lod_order_method method)
+{
+	const struct lod_foliage *f = &leaves->foliage;
+	struct lod_arena *arena = &leaves->arena;
+	uint32_t *order = lod_arena_take(arena, f->count, sizeof *order);
+	struct lod_arena_piece *mark = arena->last;
+	double *survival = lod_arena_take(arena, f->count, sizeof *survival);
+	struct lod_keyed *items = lod_arena_take(arena, f->count, sizeof *items);
+	lod_order_survival_by(survival, method,
+		&(struct lod_order_input){ f->count, f->center, f->normal, f->high.z - f->low.z, 1 }, arena);
+	for (uint32_t i = 0; i < f->count; i++)
+		items[i] = (struct lod_keyed){ ~lod_sort_key(survival[i]), i };
+	lod_sort(arena, items, f->count);
+	for (uint32_t i = 0; i < f->count; i++)
+		order[i] = items[i].value;
+	lod_arena_release(arena, mark);
+	return order;
 }
 
 void bench_leaves_compare(struct bench_leaves *leaves, const struct lod_sights *sights, uint32_t view,

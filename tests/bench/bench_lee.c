@@ -15,6 +15,7 @@
 #include "tests/bench/baseline/lee.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_crown.h"
+#include "tests/bench/bench_lee_layers.h"
 #include "tests/bench/bench_lee_study.h"
 
 #define LEAVES_LEAST 1000u
@@ -269,10 +270,11 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		bench_say(bench, "Lists per sector are many: lists MB is what all of a width take as n log2 "
 			"n + 3 n bits each, side and top views.");
 		write_keys(bench, worst);
+		code = bench_lee_layers(bench, error);
 	}
 	return code;
 }
 
 const struct bench_section bench_lee = { "lee", "Which leaves to keep: Lee's orders and ours", run,
 	.objects = BENCH_OBJECTS_PLANTS "tests/bench/bench_lee.o tests/bench/bench_lee_study.o "
-	"tests/bench/bench_crown.o" };
+	"tests/bench/bench_lee_layers.o tests/bench/bench_crown.o" };

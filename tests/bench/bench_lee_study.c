@@ -11,9 +11,7 @@
 #include "ecofiles/format/list.h"
 #include "lod/build/cell.h"
 #include "lod/build/order/cover.h"
-#include "lod/build/order/order.h"
 #include "lod/build/order/rank.h"
-#include "lod/sort.h"
 #include "tests/bench/baseline/lee.h"
 #include "tests/bench/bench_leaves.h"
 #include "tests/support/cone_views.h"
@@ -64,30 +62,11 @@ struct study {
 
 /* ---- Which leaves ---- */
 
-static void sort_by(uint32_t *order, const double *survival, uint32_t count, struct lod_arena *arena)
-{
-	struct lod_arena_piece *mark = arena->last;
-	struct lod_keyed *items = lod_arena_take(arena, count, sizeof *items);
-	for (uint32_t i = 0; i < count; i++)
-		items[i] = (struct lod_keyed){ lod_sort_key(-survival[i]), i };
-	lod_sort(arena, items, count);
-	for (uint32_t i = 0; i < count; i++)
-		order[i] = items[i].value;
-	lod_arena_release(arena, mark);
-}
-
 static void make_baselines(struct study *s)
 {
-	const struct lod_foliage *f = &s->leaves.foliage;
-	struct lod_arena *arena = &s->leaves.arena;
-	double *survival = lod_arena_take(arena, f->count, sizeof *survival);
-	const struct lod_order_input input = { f->count, f->center, f->normal, f->high.z - f->low.z, 1 };
-	for (int m = LEE_STOCHASTIC; m <= LEE_COMBINED; m++) {
-		lod_order_survival_by(survival, m == LEE_STOCHASTIC ? LOD_ORDER_STOCHASTIC
-			: LOD_ORDER_COMBINED, &input, arena);
-		s->fixed[m][0] = s->fixed[m][1] = lod_arena_take(arena, f->count, sizeof(uint32_t));
-		sort_by(s->fixed[m][0], survival, f->count, arena);
-	}
+	for (int m = LEE_STOCHASTIC; m <= LEE_COMBINED; m++)
+		s->fixed[m][0] = s->fixed[m][1] = bench_leaves_order(&s->leaves, m == LEE_STOCHASTIC
+			? LOD_ORDER_STOCHASTIC : LOD_ORDER_COMBINED);
 }
 
 static void make_groups(struct study *s)

@@ -1,4 +1,5 @@
-/* report.html for people and summary.json for programs, from the records that the sections left.
+/* report.html and papers.html for people and summary.json for programs, from the records that the sections
+ * left.
  *
  * summary.json: every key at the top with its figure (null where it could not be reached), and beside them
  * "bars": what each should be, "reached": whether it is, "about": when, where and how. The report is one page
@@ -10,6 +11,9 @@
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
+
+#include "tests/bench/bench_html.h"
+#include "tests/bench/bench_papers.h"
 
 #define PATH 1024
 
@@ -86,159 +90,7 @@ static json_t *about(const struct bench *bench)
 		bench->data);
 }
 
-/* ---- HTML ---- */
-
-static void escape(FILE *out, const char *text, size_t size)
-{
-	for (size_t i = 0; i < size && text[i]; i++)
-		switch (text[i]) {
-		case '<': fputs("&lt;", out); break;
-		case '>': fputs("&gt;", out); break;
-		case '&': fputs("&amp;", out); break;
-		case '"': fputs("&quot;", out); break;
-		default: fputc(text[i], out);
-		}
-}
-
-static void escape_all(FILE *out, const char *text)
-{
-	escape(out, text ? text : "", text ? strlen(text) : 0);
-}
-
-static const char style[] =
-	":root{color-scheme:light "
-	"dark;--ink:#22261f;--soft:#667;--line:#ddd9cf;--page:#fbfaf6;--card:#fff;"
-	"--good:#19703a;--bad:#a8322a}\n"
-	"@media(prefers-color-scheme:dark){:root{--ink:#e6e4dc;--soft:#9aa;--line:#3a3d38;--page:#181a17;"
-	"--card:#20231f;--good:#6cc98a;--bad:#f08a80}}\n"
-	"*{box-sizing:border-box}body{font:16px/1.55 system-ui,sans-serif;margin:0 "
-	"auto;max-width:62rem;padding:1rem;color:var(--ink);background:var(--page)}\n"
-	"h1{font-size:1.6rem;line-height:1.2;margin:.6rem 0}h2{font-size:1.2rem;margin:2.4rem 0 "
-	".4rem;padding-top:.8rem;border-top:1px solid var(--line)}\n"
-	"h3{font-size:1.02rem;margin:1.6rem 0 .3rem}p{margin:.6rem "
-	"0;max-width:46rem}small,.soft{color:var(--soft)}a{color:inherit}\n"
-	"nav{display:flex;flex-wrap:wrap;gap:.2rem .9rem;font-size:.9rem;margin:.8rem 0}\n"
-	".wide{overflow-x:auto;margin:.7rem "
-	"0}"
-	"table{border-collapse:collapse;font-size:.86rem;"
-	"font-variant-numeric:tabular-nums;background:var(--card)}\n"
-	"th,td{padding:.22rem .65rem;border-bottom:1px solid "
-	"var(--line);text-align:left;white-space:nowrap}"
-	"th{font-weight:600;vertical-align:bottom;white-space:normal}\n"
-	"td.n,th.n{text-align:right}.good{color:var(--good);font-weight:600}"
-	".bad{color:var(--bad);font-weight:600}\n"
-	"figure{margin:1rem "
-	"0}img{max-width:100%;height:auto;display:block;border-radius:4px;background:#fff}"
-	"figcaption{font-size:.86rem;color:var(--soft);margin-top:.3rem}\n"
-	"details{margin:.7rem "
-	"0}summary{cursor:pointer;color:var(--soft);font-size:.9rem}.note{border-left:3px solid "
-	"var(--bad);padding-left:.7rem}\n";
-
-static bool looks_like_number(const char *cell, size_t size)
-{
-	bool digit = false;
-	for (size_t i = 0; i < size; i++) {
-		digit |= cell[i] >= '0' && cell[i] <= '9';
-		if (!strchr("0123456789.+-eE% x", cell[i]))
-			return false;
-	}
-	return digit || size == 0 || (size == 1 && *cell == '-');
-}
-
-static bool is_nan(const char *cell, size_t size)
-{
-	return (size == 3 && !strncmp(cell, "nan", 3)) || (size == 4 && !strncmp(cell, "-nan", 4));
-}
-
-/* Start of the cell after this one, or NULL. */
-static const char *next_cell(const char *at)
-{
-	at += strcspn(at, ",");
-	return *at ? at + 1 : NULL;
-}
-
-static void print_cells(FILE *out, const char *line)
-{
-	for (const char *at = line; at; at = next_cell(at)) {
-		size_t size = strcspn(at, ",");
-		bool none = is_nan(at, size);
-		fputs(none || looks_like_number(at, size) ? "<td class=\"n\">" : "<td>", out);
-		if (none)
-			fputs("\xe2\x80\x93", out);
-		else
-			escape(out, at, size);
-	}
-}
-
-/* Names of columns, those of numbers above their numbers. `row`: one of the table, or NULL. */
-static void print_names(FILE *out, const char *columns, const char *row)
-{
-	for (const char *at = columns; at; at = next_cell(at)) {
-		size_t size = row ? strcspn(row, ",") : 0;
-		fputs(row && (is_nan(row, size) || looks_like_number(row, size)) ? "<th class=\"n\">"
-			: "<th>", out);
-		escape(out, at, strcspn(at, ","));
-		row = row ? next_cell(row) : NULL;
-	}
-}
-
-#define ROWS_OPEN 24u            /* longer tables are folded */
-
-static void print_table(FILE *out, const json_t *item)
-{
-	const char *name = json_string_value(json_object_get(item, "name"));
-	json_t *rows = json_object_get(item, "rows"), *row;
-	size_t i;
-	if (!json_is_true(json_object_get(item, "show"))) {
-		fputs("<p class=\"soft\">Table: <a href=\"", out);
-		escape_all(out, name);
-		fputs(".csv\">", out);
-		escape_all(out, name);
-		fputs(".csv</a></p>\n", out);
-		return;
-	}
-	bool folded = json_array_size(rows) > ROWS_OPEN;
-	if (folded)
-		fprintf(out, "<details><summary>%zu rows</summary>", json_array_size(rows));
-	fputs("<div class=\"wide\"><table><tr>", out);
-	print_names(out, json_string_value(json_object_get(item, "columns")),
-		json_string_value(json_array_get(rows, 0)));
-	json_array_foreach(rows, i, row) {
-		fputs("<tr>", out);
-		print_cells(out, json_string_value(row));
-	}
-	fputs("</table></div>", out);
-	if (folded)
-		fputs("</details>", out);
-	fputs("<p class=\"soft\"><small>As a file: <a href=\"", out);
-	escape_all(out, name);
-	fputs(".csv\">", out);
-	escape_all(out, name);
-	fputs(".csv</a></small></p>\n", out);
-}
-
-static void print_item(FILE *out, const json_t *item)
-{
-	const char *kind = json_string_value(json_object_get(item, "kind"));
-	if (!kind)
-		return;
-	if (!strcmp(kind, "table"))
-		print_table(out, item);
-	else if (!strcmp(kind, "picture")) {
-		fputs("<figure><img loading=\"lazy\" src=\"", out);
-		escape_all(out, json_string_value(json_object_get(item, "file")));
-		fputs("\" alt=\"", out);
-		escape_all(out, json_string_value(json_object_get(item, "caption")));
-		fputs("\"><figcaption>", out);
-		escape_all(out, json_string_value(json_object_get(item, "caption")));
-		fputs("</figcaption></figure>\n", out);
-	} else {
-		const char *tag = strcmp(kind, "head") ? "p" : "h3";
-		fprintf(out, "<%s>", tag);
-		escape_all(out, json_string_value(json_object_get(item, "text")));
-		fprintf(out, "</%s>\n", tag);
-	}
-}
+/* ---- The page ---- */
 
 static void print_figure(FILE *out, const json_t *value)
 {
@@ -254,17 +106,17 @@ static void print_figure(FILE *out, const json_t *value)
 static void print_key(FILE *out, const json_t *key, const json_t *reached, const char *section)
 {
 	fputs("<tr><td>", out);
-	escape_all(out, json_string_value(json_object_get(key, "key")));
+	bench_html_text(out, json_string_value(json_object_get(key, "key")));
 	fputs("<td class=\"n\">", out);
 	print_figure(out, json_object_get(key, "value"));
 	fputs("<td>", out);
-	escape_all(out, json_string_value(json_object_get(key, "bar")));
+	bench_html_text(out, json_string_value(json_object_get(key, "bar")));
 	fputs(json_is_true(reached) ? "<td class=\"good\">met" : json_is_false(reached)
 		? "<td class=\"bad\">not met" : "<td>", out);
 	fputs("<td><a href=\"#", out);
-	escape_all(out, section);
+	bench_html_text(out, section);
 	fputs("\">", out);
-	escape_all(out, section);
+	bench_html_text(out, section);
 	fputs("</a>", out);
 }
 
@@ -333,15 +185,15 @@ static void print_section(FILE *out, const struct bench *bench, const struct ben
 	size_t i;
 	json_t *item;
 	fputs("<h2 id=\"", out);
-	escape_all(out, name);
+	bench_html_text(out, name);
 	fputs("\">", out);
-	escape_all(out, json_string_value(json_object_get(record, "title")));
+	bench_html_text(out, json_string_value(json_object_get(record, "title")));
 	fputs("</h2>\n", out);
 	if (state && strcmp(state, "done")) {
 		fprintf(out, "<p class=\"note\">This section is not complete (%s)", state);
 		if (why && strcmp(why, state)) {
 			fputs(": ", out);
-			escape_all(out, why);
+			bench_html_text(out, why);
 		}
 		fputs(".</p>\n", out);
 	}
@@ -352,7 +204,7 @@ static void print_section(FILE *out, const struct bench *bench, const struct ben
 		fputs("<p class=\"soft\"><small>Quick run: fewer frames, plants or methods than with "
 			"FULL=1.</small></p>\n", out);
 	json_array_foreach(json_object_get(record, "items"), i, item)
-		print_item(out, item);
+		bench_html_item(out, item);
 	fprintf(out, "<p class=\"soft\"><small>%.0f s in this run; its pieces of work took %.0f s of "
 		"processor time, those of earlier runs included.</small></p>\n",
 		json_number_value(json_object_get(record, "seconds")),
@@ -367,10 +219,10 @@ static void print_page(FILE *out, const struct bench *bench, const struct bench_
 	fprintf(out, "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" "
 		"content=\"width=device-width,initial-scale=1\">"
 		"<title>ecobench</title><style>\n%s</style>\n<h1>ecobench: error against run time</h1>\n",
-		style);
+		bench_html_style);
 	fprintf(out, "<p>%s run, %s, ", bench->full ? "Full" : "Quick",
 		json_string_value(json_object_get(machine, "when")));
-	escape_all(out, json_string_value(json_object_get(machine, "processor")));
+	bench_html_text(out, json_string_value(json_object_get(machine, "processor")));
 	fprintf(out, ", %d cores. ", (int)json_integer_value(json_object_get(machine, "cores")));
 	fputs("Vertices are points + 2 \xc2\xb7 lines + 3 \xc2\xb7 triangles, instances counted. P = "
 		"tp/(tp+fp) and R = tp/(tp+fn) over covered pixels; "
@@ -380,9 +232,9 @@ static void print_page(FILE *out, const struct bench *bench, const struct bench_
 		"and bars</a>", out);
 	json_array_foreach(records, i, record) {
 		fputs("<a href=\"#", out);
-		escape_all(out, json_string_value(json_object_get(record, "name")));
+		bench_html_text(out, json_string_value(json_object_get(record, "name")));
 		fputs("\">", out);
-		escape_all(out, json_string_value(json_object_get(record, "title")));
+		bench_html_text(out, json_string_value(json_object_get(record, "title")));
 		fputs("</a>", out);
 	}
 	fputs("</nav>\n", out);
@@ -440,6 +292,21 @@ static json_t *summary_of(const struct bench *bench, const struct bench_section 
 	return summary;
 }
 
+#define PAPERS "tests/bench/papers.json"
+
+/* Not where ecobench runs elsewhere than in the source tree. */
+static enum eco_code write_papers(const struct bench *bench, const json_t *records, struct eco_error *error)
+{
+	json_t *papers = bench_json_read(PAPERS);
+	uint32_t missing = 0;
+	enum eco_code code = papers ? bench_papers_write(bench, papers, records, &missing, error) : ECO_OK;
+	if (missing)
+		bench_note(bench, "papers.html: %u tables or pictures of " PAPERS " are in no section "
+			"that is done", missing);
+	json_decref(papers);
+	return code;
+}
+
 enum eco_code bench_report_write(struct bench *bench, const struct bench_section *const *sections,
 	struct eco_error *error)
 {
@@ -456,6 +323,7 @@ enum eco_code bench_report_write(struct bench *bench, const struct bench_section
 		code = bench_file_write(path, bytes, size, error);
 		free(bytes);
 	}
+	code = code ? code : write_papers(bench, records, error);
 	char *text = json_dumps(summary, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
 	snprintf(path, sizeof path, "%s/summary.json", bench->out);
 	if (!code && text)

@@ -8,9 +8,7 @@
 #include <string.h>
 
 #include "ecofiles/format/list.h"
-#include "lod/build/order/order.h"
 #include "lod/build/order/rank.h"
-#include "lod/sort.h"
 #include "tests/bench/baseline/cook.h"
 #include "tests/bench/bench_collapse_plant.h"
 #include "tests/bench/bench_leaves.h"
@@ -65,18 +63,6 @@ double bench_distance(enum bench_spacing spacing, uint32_t i)
 
 /* ---- Orders ---- */
 
-static void sort_by(uint32_t *order, const double *survival, uint32_t count, struct lod_arena *arena)
-{
-	struct lod_arena_piece *mark = arena->last;
-	struct lod_keyed *items = lod_arena_take(arena, count, sizeof *items);
-	for (uint32_t i = 0; i < count; i++)
-		items[i] = (struct lod_keyed){ ~lod_sort_key(survival[i]), i };
-	lod_sort(arena, items, count);
-	for (uint32_t i = 0; i < count; i++)
-		order[i] = items[i].value;
-	lod_arena_release(arena, mark);
-}
-
 static bool rank_goes_on(void *ctx, double share)
 {
 	struct bench *bench = ctx;
@@ -90,14 +76,8 @@ static enum eco_code make_orders(struct bench *bench, struct study *s, struct ec
 		LOD_ORDER_ORIENTATION, LOD_ORDER_COMBINED };
 	const struct lod_foliage *f = &s->leaves.foliage;
 	struct lod_arena *arena = &s->leaves.arena;
-	double *survival = lod_arena_take(arena, f->count, sizeof *survival);
-	for (int m = BENCH_STOCHASTIC; m <= BENCH_COMBINED; m++) {
-		lod_order_survival_by(survival, methods[m],
-			&(struct lod_order_input){ f->count, f->center, f->normal, f->high.z - f->low.z, 1 },
-			arena);
-		s->order[m] = lod_arena_take(arena, f->count, sizeof *s->order[m]);
-		sort_by(s->order[m], survival, f->count, arena);
-	}
+	for (int m = BENCH_STOCHASTIC; m <= BENCH_COMBINED; m++)
+		s->order[m] = bench_leaves_order(&s->leaves, methods[m]);
 	struct lod_rank_options options = { .seed = 1, .leaves = true, .progress = rank_goes_on,
 		.ctx = bench };
 	struct lod_rank rank;

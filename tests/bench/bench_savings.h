@@ -21,8 +21,8 @@
 
 /* COLLAPSE: levels of leaf collapse with its textures, quads scaled; a pixel of a quad is right for the owner
  * of any leaf that the quad stands for. PLAIN: our order, made for leaves, drawn without its growth codes.
- * PRUNED: with one a leaf. TRIANGLES: and with leaves as one triangle where that serves better. Packs draw the
- * list's beginning as points, and their order is made for that (rank.h); here it is not. */
+ * PRUNED: with one a leaf. TRIANGLES: and with leaves as one triangle where that serves better. Packs draw
+ * the list's beginning as points, and their order is made for that (rank.h); here it is not. */
 enum bench_method { BENCH_STOCHASTIC, BENCH_DENSITY, BENCH_ORIENTATION, BENCH_COMBINED, BENCH_COLLAPSE,
 	BENCH_PLAIN, BENCH_PRUNED, BENCH_TRIANGLES, BENCH_METHODS };
 extern const char *const bench_method_names[BENCH_METHODS];

@@ -19,7 +19,8 @@ static bool near(double a, double b)
 UNIT_TEST(points_follow_equation_1_and_the_splat_factor)
 {
 	assert_true(near(paper_deussen_points(40, 10, 0.01, 1.2), 1.2 * 0.2 / 1e-4));
-	assert_true(near(paper_deussen_points(40, 20, 0.01, 1.5) * 4, paper_deussen_points(40, 10, 0.01, 1.5)));
+	assert_true(near(paper_deussen_points(40, 20, 0.01, 1.5) * 4,
+		paper_deussen_points(40, 10, 0.01, 1.5)));
 }
 
 /* Half the surface is seen; together they cover c_p times that. */

@@ -53,7 +53,8 @@ static void add_points(const struct rule *rule, const struct lod_slot *slot, uin
 	uint32_t list = p->s->scene->ladders[ladder].triangles,
 		 count = p->s->scene->lists[list].primitive_count;
 	uint32_t points = p->s->points[ladder];
-	double asked = paper_deussen_points(of->area, of->r, rule->d, rule->splat_factor), own = asked - 2 * of->before;
+	double asked = paper_deussen_points(of->area, of->r, rule->d, rule->splat_factor);
+	double own = asked - 2 * of->before;
 	struct paper_blend blend = { .end = (uint32_t)fmin(fmax(0, own), 2.0 * count) };
 	/* triangles of the region as a whole are blended, not those of a part */
 	if (asked >= 2 * of->total)

@@ -1,5 +1,5 @@
-/* Whether more vertices look better, and whether the planner chooses the best kind: each plant alone with 1, 2,
- * 4, ... vertices, as the planner draws it; then drawn by its organs, its splats or its impostor alone.
+/* Whether more vertices look better, and whether the planner chooses the best kind: each plant alone with 1,
+ * 2, 4, ... vertices, as the planner draws it; then drawn by its organs, its splats or its impostor alone.
  * Models of the data folder, generated plants, and the city's card trees. */
 #include <math.h>
 #include <stdlib.h>
@@ -56,8 +56,8 @@ static enum eco_code study(struct bench *bench, const char *name, const char *pa
 		return code;
 	code = plant_walk(&walk, pack, 0, &(struct plant_walk_options){ .views = 24, .pixels = 128 }, error);
 	if (!code)
-		code = plant_regret(&regret, pack, 0, &(struct plant_walk_options){ .views = 8, .pixels = 128 },
-			error);
+		code = plant_regret(&regret, pack, 0,
+			&(struct plant_walk_options){ .views = 8, .pixels = 128 }, error);
 	eco_pack_close(pack);
 	if (code)
 		return code;
@@ -67,7 +67,8 @@ static enum eco_code study(struct bench *bench, const char *name, const char *pa
 		json_array_append_new(q, json_real(walk.q[i]));
 		json_array_append_new(soft, json_real(walk.soft_q[i]));
 	}
-	*unit = bench_keep(bench, key, stamp, json_pack("{s:o, s:o, s:o, s:f, s:I, s:f, s:f, s:I, s:s, s:i, s:i}",
+	*unit = bench_keep(bench, key, stamp, json_pack(
+		"{s:o, s:o, s:o, s:f, s:I, s:f, s:f, s:I, s:s, s:i, s:i}",
 		"vertices", vertices, "q", q, "soft", soft, "fall", walk.fall, "at",
 		(json_int_t)walk.fall_at, "regret", regret.mean, "worst regret", regret.worst, "regret at",
 		(json_int_t)regret.worst_at, "better", kinds[regret.best], "budgets", (int)regret.count,
@@ -163,9 +164,10 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	free(models);
 	bench_say(bench, "Fall: the most that Q lies below that of fewer vertices; %u of %u plants fall by "
 		"more than %g.", sums.fallen, sums.plants, FALL);
-	bench_say(bench, "Regret: how far Q lies below that of the best kind alone, at 8, 16, ... vertices up to "
-		"half of full detail, 8 views; mean %.4f, within %g at %u of %u budgets.",
-		sums.budgets ? sums.regret / sums.budgets : NAN, PLANT_REGRET_FREE, sums.within, sums.budgets);
+	bench_say(bench, "Regret: how far Q lies below that of the best kind alone, at 8, 16, ... vertices up "
+		"to half of full detail, 8 views; mean %.4f, within %g at %u of %u budgets.",
+		sums.budgets ? sums.regret / sums.budgets : NAN, PLANT_REGRET_FREE, sums.within,
+		sums.budgets);
 	if (!code)
 		bench_key(bench, "choice_regret", sums.budgets ? sums.regret / sums.budgets : NAN,
 			"<= 0.005: mean over plants and budgets");
