@@ -232,6 +232,8 @@ static bool gather(struct fit *fit)
 	fit->points.triangle = lod_arena_take(&fit->arena, count, sizeof *fit->points.triangle);
 	for (uint32_t i = 0; i < fit->views.count; i++) {
 		const struct splat_view *view = &fit->views.items[i];
+		if (!view->sample_count)
+			continue;
 		memcpy(fit->points.at + fit->points.count, view->sample,
 			view->sample_count * sizeof *view->sample);
 		memcpy(fit->points.triangle + fit->points.count, view->triangle,
