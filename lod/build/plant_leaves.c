@@ -72,8 +72,8 @@ static void order_by_survival(struct lod_build *b, enum lod_order_method method)
 	for (uint32_t i = 0; i < n; i++)
 		normal[i] = lod_element_normal(&b->elements.items[i], &b->mesh);
 	lod_order_survival_by(survival, method,
-		&(struct lod_order_input){ n, b->center, normal, (double)b->mesh.high[2] - b->mesh.low[2],
-		b->options->seed }, &b->arena);
+		&(struct lod_order_input){ .count = n, .center = b->center, .normal = normal,
+		.height = (double)b->mesh.high[2] - b->mesh.low[2], .seed = b->options->seed }, &b->arena);
 	sort_by(b, survival);
 	lod_arena_release(&b->arena, mark);
 }

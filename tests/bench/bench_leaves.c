@@ -74,7 +74,7 @@ void bench_leaves_close(struct bench_leaves *leaves)
 	memset(leaves, 0, sizeof *leaves);
 }
 
-uint32_t *bench_leaves_order(struct bench_leaves *leaves, enum lod_order_method method)
+uint32_t *bench_leaves_order(struct bench_leaves *leaves, enum lod_order_method method, double noise)
 {
 	const struct lod_foliage *f = &leaves->foliage;
 	struct lod_arena *arena = &leaves->arena;
@@ -83,7 +83,8 @@ uint32_t *bench_leaves_order(struct bench_leaves *leaves, enum lod_order_method 
 	double *survival = lod_arena_take(arena, f->count, sizeof *survival);
 	struct lod_keyed *items = lod_arena_take(arena, f->count, sizeof *items);
 	lod_order_survival_by(survival, method,
-		&(struct lod_order_input){ f->count, f->center, f->normal, f->high.z - f->low.z, 1 }, arena);
+		&(struct lod_order_input){ f->count, f->center, f->normal, f->high.z - f->low.z, 1, noise },
+		arena);
 	for (uint32_t i = 0; i < f->count; i++)
 		items[i] = (struct lod_keyed){ ~lod_sort_key(survival[i]), i };
 	lod_sort(arena, items, f->count);

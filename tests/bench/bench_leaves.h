@@ -27,8 +27,8 @@ enum eco_code bench_foliage_make(struct lod_foliage *foliage, const struct eco_m
 enum eco_code bench_leaves_open(struct bench_leaves *leaves, struct eco_model *model, uint32_t pixels,
 	struct eco_error *error);
 void bench_leaves_close(struct bench_leaves *leaves);
-/* Numbers of the leaves in an order of the literature, of seed 1; in the arena. */
-uint32_t *bench_leaves_order(struct bench_leaves *leaves, enum lod_order_method method);
+/* Numbers of the leaves in an order of the literature, of seed 1; in the arena. noise: of lod_order_input. */
+uint32_t *bench_leaves_order(struct bench_leaves *leaves, enum lod_order_method method, double noise);
 
 /* Adds what is wrong in one view. */
 struct bench_wrong { uint64_t fp, fn, pixels; };     /* pixels: of the reference */

@@ -66,7 +66,7 @@ static void make_baselines(struct study *s)
 {
 	for (int m = LEE_STOCHASTIC; m <= LEE_COMBINED; m++)
 		s->fixed[m][0] = s->fixed[m][1] = bench_leaves_order(&s->leaves, m == LEE_STOCHASTIC
-			? LOD_ORDER_STOCHASTIC : LOD_ORDER_COMBINED);
+			? LOD_ORDER_STOCHASTIC : LOD_ORDER_COMBINED, 0);
 }
 
 static void make_groups(struct study *s)

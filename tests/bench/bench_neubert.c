@@ -88,7 +88,7 @@ static enum eco_code study_leaves(struct bench_leaves *leaves, json_t **unit, st
 			&leaves->arena, error);
 		if (!code)
 			*unit = measure(leaves, &sights,
-				bench_leaves_order(leaves, LOD_ORDER_STOCHASTIC));
+				bench_leaves_order(leaves, LOD_ORDER_STOCHASTIC, 0));
 	}
 	return code;
 }

@@ -180,7 +180,8 @@ static enum eco_code write_frames(struct bench *bench, const struct path *p, str
 	struct bench_series series[BENCH_METHODS];
 	uint32_t seen = 0, counted = 0;
 	struct bench_table *table = bench_table_open(bench, "path_frames",
-		"frame,trees in view,stochastic %,density %,orientation %,combined %,leaf collapse %,"
+		"frame,trees in view,stochastic %,density %,orientation %,orientation with much noise %,"
+		"combined %,combined with much noise %,leaf collapse %,"
 		"greedy at one scale %,greedy %,greedy with simpler leaves %", false);
 	for (uint32_t f = 0; f < p->frame_count; f++) {
 		x[f] = f;
@@ -192,16 +193,17 @@ static enum eco_code write_frames(struct bench *bench, const struct path *p, str
 			sum[m] += seen ? saved : 0;
 		}
 		counted += seen > 0;
-		bench_table_row(table, "%u,%u,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f", f, seen, y[0][f],
-			y[1][f], y[2][f], y[3][f], y[4][f], y[5][f], y[6][f], y[7][f]);
+		bench_table_row(table, "%u,%u,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f", f, seen,
+			y[0][f], y[1][f], y[2][f], y[3][f], y[4][f], y[5][f], y[6][f], y[7][f], y[8][f],
+			y[9][f]);
 	}
 	bench_table_close(table);
 	table = bench_table_open(bench, "path", "order (each with its best scale),mean %,least %,most "
 		"%,Neubert 2011: mean %,"
 		"Neubert 2011: least %,Neubert 2011: most %", true);
 	static const char *const printed[BENCH_METHODS] = { "10.1,4.3,43.7", "17.4,2.2,23.6",
-		"40.7,30.8,69.3", "30.1,1.4,39.2", "-,-,-", "-,-,-",
-		"-,-,-", "-,-,-" };
+		"40.7,30.8,69.3", "-,-,-", "30.1,1.4,39.2", "-,-,-", "-,-,-", "-,-,-", "-,-,-",
+		"-,-,-" };
 	for (int m = 0; m < BENCH_METHODS; m++) {
 		bench_table_row(table, "%s,%.1f,%.1f,%.1f,%s", bench_method_names[m],
 			counted ? sum[m] / counted : NAN, least[m], most[m], printed[m]);

@@ -26,13 +26,15 @@
 #define FACTOR_QUICK 1.6
 #define STEP_QUICK 0.07
 #define STEPS_MOST 24            /* eighths of an octave about Cook's scale */
+#define NOISE_SMALL 0.05         /* "a small amount of randomness" (Neubert 2011, 3.2) */
+#define NOISE_MUCH 1.5
 #define WAYS 5                   /* from as they are to as many as can be, as triangles */
 #define BESIDE_FIRST 2u          /* distances that owners and colours are compared at */
 #define BESIDE_STRIDE 4u
 #define BESIDES ((BENCH_DISTANCES - BESIDE_FIRST + BESIDE_STRIDE - 1) / BESIDE_STRIDE)
 
-const char *const bench_method_names[BENCH_METHODS] = { "stochastic", "density", "orientation", "combined",
-	"leaf collapse", "greedy at one scale", "greedy", "greedy with simpler leaves" };
+const char *const bench_method_names[BENCH_METHODS] = { "stochastic", "density", "orientation",
+	"orientation, much noise", "combined", "combined, much noise", "leaf collapse", "greedy at one scale", "greedy", "greedy with simpler leaves" };
 const double bench_shares[BENCH_SHARES] = { 0.02, 0.05, 0.1, 0.2, 0.3, 0.5 };
 
 /* elements [0, fine) as they are, [fine, count) triangles */
@@ -50,7 +52,7 @@ struct study {
 	struct lod_simple *triangle, *shape;
 	float *factor;
 	/* lod_cook_share of a leaf; leaves that a pixel has room for, in the pictures of the measurement */
-	double share, per_pixel;
+	double share, per_pixel, layers;
 	struct row rows[BENCH_METHODS][ROWS_MAX];
 	uint32_t row_count;
 };
@@ -72,12 +74,14 @@ static bool rank_goes_on(void *ctx, double share)
 
 static enum eco_code make_orders(struct bench *bench, struct study *s, struct eco_error *error)
 {
-	static const enum lod_order_method methods[] = { LOD_ORDER_STOCHASTIC, LOD_ORDER_DENSITY,
-		LOD_ORDER_ORIENTATION, LOD_ORDER_COMBINED };
+	static const struct { enum lod_order_method method; double noise; } methods[] = {
+		{ LOD_ORDER_STOCHASTIC, 0 }, { LOD_ORDER_DENSITY, 0 }, { LOD_ORDER_ORIENTATION, NOISE_SMALL },
+		{ LOD_ORDER_ORIENTATION, NOISE_MUCH }, { LOD_ORDER_COMBINED, NOISE_SMALL },
+		{ LOD_ORDER_COMBINED, NOISE_MUCH } };
 	const struct lod_foliage *f = &s->leaves.foliage;
 	struct lod_arena *arena = &s->leaves.arena;
-	for (int m = BENCH_STOCHASTIC; m <= BENCH_COMBINED; m++)
-		s->order[m] = bench_leaves_order(&s->leaves, methods[m]);
+	for (int m = BENCH_STOCHASTIC; m <= BENCH_COMBINED_NOISY; m++)
+		s->order[m] = bench_leaves_order(&s->leaves, methods[m].method, methods[m].noise);
 	struct lod_rank_options options = { .seed = 1, .leaves = true, .progress = rank_goes_on,
 		.ctx = bench };
 	struct lod_rank rank;
@@ -145,6 +149,7 @@ static void measure_share(struct study *s)
 		for (uint32_t i = 0; i < s->tuning.words; i++)
 			covered += __builtin_popcountll(s->tuning.reference[v][i] & ~s->tuning.wood[v][i]);
 	}
+	s->layers = covered > 0 ? projected / covered : 0;
 	s->share = lod_cook_share(s->n, projected / s->tuning.count, covered / s->tuning.count);
 	s->per_pixel = projected > 0 ? (double)s->n * s->tuning.count / projected : 1;
 }
@@ -507,6 +512,7 @@ static enum eco_code run_study(struct bench *bench, struct study *s, struct benc
 		return code;
 	savings->vertices = (uint32_t)s->full[0][s->n];
 	measure_share(s);
+	savings->layers = s->layers;
 	for (int g = 0; g < BENCH_SPACINGS; g++)
 		measure_cook(s, (enum bench_spacing)g, savings->vertices, &savings->at[g]);
 	code = fill_tables(bench, s, error);

@@ -19,12 +19,13 @@
 #define BENCH_DISTANCES 20u
 #define BENCH_ELEMENTS_LEAST 500u
 
-/* COLLAPSE: levels of leaf collapse with its textures, quads scaled; a pixel of a quad is right for the owner
+/* SMALL: with the little noise that the paper names; NOISY: with as much as suits our plants.
+ * COLLAPSE: levels of leaf collapse with its textures, quads scaled; a pixel of a quad is right for the owner
  * of any leaf that the quad stands for. PLAIN: our order, made for leaves, drawn without its growth codes.
  * PRUNED: with one a leaf. TRIANGLES: and with leaves as one triangle where that serves better. Packs draw
  * the list's beginning as points, and their order is made for that (rank.h); here it is not. */
-enum bench_method { BENCH_STOCHASTIC, BENCH_DENSITY, BENCH_ORIENTATION, BENCH_COMBINED, BENCH_COLLAPSE,
-	BENCH_PLAIN, BENCH_PRUNED, BENCH_TRIANGLES, BENCH_METHODS };
+enum bench_method { BENCH_STOCHASTIC, BENCH_DENSITY, BENCH_ORIENTATION_SMALL, BENCH_ORIENTATION_NOISY,
+	BENCH_COMBINED_SMALL, BENCH_COMBINED_NOISY, BENCH_COLLAPSE, BENCH_PLAIN, BENCH_PRUNED, BENCH_TRIANGLES, BENCH_METHODS };
 extern const char *const bench_method_names[BENCH_METHODS];
 
 /* Means over some of the distances. */
@@ -41,6 +42,7 @@ extern const double bench_shares[BENCH_SHARES];
 
 struct bench_savings {
 	uint32_t elements, vertices;         /* foliage; below BENCH_ELEMENTS_LEAST nothing else is set */
+	double layers;                       /* of leaves: their projected area over what they cover */
 	struct bench_reach at[BENCH_SPACINGS];
 	struct bench_beside cook, beside[BENCH_METHODS];
 	double q[BENCH_METHODS][BENCH_SHARES];   /* each at its best scale; of test views */
@@ -57,6 +59,9 @@ enum eco_code bench_savings_of(struct bench *bench, struct bench_savings *saving
 /* Mean of 1 - lambda / lambda of Cook; and of all vertices that are drawn at the distances together. */
 double bench_saving_mean(const struct bench_savings *savings, enum bench_spacing spacing,
 	enum bench_method method);
+/* The first over the distances from `least` on. */
+double bench_saving_beyond(const struct bench_savings *savings, enum bench_spacing spacing,
+	enum bench_method method, double least);
 double bench_saving_total(const struct bench_savings *savings, enum bench_spacing spacing,
 	enum bench_method method);
 

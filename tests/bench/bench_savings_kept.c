@@ -33,8 +33,8 @@ static json_t *pack(const struct bench_savings *s)
 			"cook_lambda", pack_row(s->at[g].cook_lambda, BENCH_DISTANCES),
 			"cook_q", pack_row(s->at[g].cook_q, BENCH_DISTANCES), "lambda", lambdas));
 	}
-	return json_pack("{s:i,s:i,s:o,s:f,s:f,s:o}", "elements", (int)s->elements, "vertices",
-		(int)s->vertices, "spacings", spacings,
+	return json_pack("{s:i,s:i,s:f,s:o,s:f,s:f,s:o}", "elements", (int)s->elements, "vertices",
+		(int)s->vertices, "layers", s->layers, "spacings", spacings,
 		"owner_q", s->cook.owner_q, "colour_rms", s->cook.colour_rms, "methods", methods);
 }
 
@@ -46,7 +46,7 @@ static double number(const json_t *object, const char *name)
 static void unpack(struct bench_savings *s, const json_t *kept)
 {
 	*s = (struct bench_savings){ .elements = (uint32_t)number(kept, "elements"),
-		.vertices = (uint32_t)number(kept, "vertices"),
+		.vertices = (uint32_t)number(kept, "vertices"), .layers = number(kept, "layers"),
 		.cook = { number(kept, "owner_q"), number(kept, "colour_rms") } };
 	for (int g = 0; g < BENCH_SPACINGS; g++) {
 		const json_t *spacing = json_array_get(json_object_get(kept, "spacings"), (size_t)g);
@@ -88,13 +88,23 @@ enum eco_code bench_savings_of(struct bench *bench, struct bench_savings *saving
 	return code;
 }
 
-double bench_saving_mean(const struct bench_savings *s, enum bench_spacing spacing, enum bench_method method)
+double bench_saving_beyond(const struct bench_savings *s, enum bench_spacing spacing, enum bench_method method,
+	double least)
 {
 	const struct bench_reach *at = &s->at[spacing];
 	double sum = 0;
+	uint32_t count = 0;
 	for (uint32_t d = 0; d < BENCH_DISTANCES; d++)
-		sum += 1 - at->lambda[method][d] / at->cook_lambda[d];
-	return sum / BENCH_DISTANCES;
+		if (bench_distance(spacing, d) >= least - 1e-9) {
+			sum += 1 - at->lambda[method][d] / at->cook_lambda[d];
+			count++;
+		}
+	return sum / count;
+}
+
+double bench_saving_mean(const struct bench_savings *s, enum bench_spacing spacing, enum bench_method method)
+{
+	return bench_saving_beyond(s, spacing, method, 0);
 }
 
 double bench_saving_total(const struct bench_savings *s, enum bench_spacing spacing, enum bench_method method)

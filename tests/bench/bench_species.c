@@ -9,13 +9,22 @@
 #define READ_QUICK 12u
 #define MADE_QUICK 2u            /* generated ones */
 
+#define SPECIES_MOST 256u        /* in medians */
+#define CLOSED_VERTICES 50000u   /* of leaves, and layers of them, from which on a crown is like the paper's */
+#define CLOSED_LAYERS 4.0
+
 struct totals { double mean[BENCH_SPACINGS][BENCH_METHODS], total[BENCH_SPACINGS][BENCH_METHODS];
+	uint32_t count; };
+
+/* Of each species: the mean over all distances, and over those beyond the half. */
+struct medians { double all[BENCH_METHODS][SPECIES_MOST], far[BENCH_METHODS][SPECIES_MOST];
 	uint32_t count; };
 
 struct worst { double mean, total; char mean_of[64], total_of[64]; };
 
 struct summary {
 	struct totals read, made;            /* of models; of generated ones */
+	struct medians every, closed;        /* of both; of those with closed crowns */
 	struct worst worst[BENCH_SPACINGS];  /* with simpler leaves */
 	double owner_worse, colour_worse;    /* ours over Cook's, at the worst */
 	double saved[BENCH_METHODS][BENCH_DISTANCES];        /* means over species, even distances */
@@ -29,10 +38,38 @@ static void note_least(double *least, char of[64], double now, const char *name)
 	snprintf(of, 64, "%s", name);
 }
 
+static void add_species(struct medians *medians, const struct bench_savings *s)
+{
+	if (medians->count == SPECIES_MOST)
+		return;
+	for (int m = 0; m < BENCH_METHODS; m++) {
+		enum bench_method method = (enum bench_method)m;
+		medians->all[m][medians->count] = bench_saving_mean(s, BENCH_EVEN, method);
+		medians->far[m][medians->count] = bench_saving_beyond(s, BENCH_EVEN, method, 0.5);
+	}
+	medians->count++;
+}
+
+static int ascending(const void *a, const void *b)
+{
+	double x = *(const double *)a, y = *(const double *)b;
+	return x < y ? -1 : x > y;
+}
+
+/* In per cent; sorts the values. */
+static double median(double *values, uint32_t count)
+{
+	qsort(values, count, sizeof *values, ascending);
+	return count ? 50 * (values[(count - 1) / 2] + values[count / 2]) : NAN;
+}
+
 static void add(struct summary *sum, const struct bench_model *model, const struct bench_savings *s)
 {
 	struct totals *t = model->generated ? &sum->made : &sum->read;
 	t->count++;
+	add_species(&sum->every, s);
+	if (s->vertices >= CLOSED_VERTICES && s->layers >= CLOSED_LAYERS)
+		add_species(&sum->closed, s);
 	for (int i = 0; i < BENCH_SPACINGS * BENCH_METHODS; i++) {
 		enum bench_spacing g = (enum bench_spacing)(i / BENCH_METHODS);
 		enum bench_method m = (enum bench_method)(i % BENCH_METHODS);
@@ -57,7 +94,7 @@ static void add(struct summary *sum, const struct bench_model *model, const stru
 	}
 }
 
-struct tables { struct bench_table *ours, *all, *curves; };
+struct tables { struct bench_table *ours, *all, *curves, *layers; };
 
 static void write_rows(const struct tables *t, const struct bench_model *model, const struct bench_savings *s)
 {
@@ -80,6 +117,12 @@ static void write_rows(const struct tables *t, const struct bench_model *model, 
 			model->generated ? "yes" : "no", s->elements, s->vertices, bench_method_names[m],
 			percent[m][0][0], percent[m][0][1], percent[m][1][0], percent[m][1][1],
 			s->beside[m].owner_q, s->cook.owner_q, s->beside[m].colour_rms, s->cook.colour_rms);
+	char row[256];
+	int at = snprintf(row, sizeof row, "%s,%u,%.1f", model->name, s->vertices, s->layers);
+	for (int m = BENCH_STOCHASTIC; m <= BENCH_COMBINED_NOISY; m++)
+		at += snprintf(row + at, sizeof row - (size_t)at, ",%.1f,%.1f", percent[m][0][0],
+			100 * bench_saving_beyond(s, BENCH_EVEN, (enum bench_method)m, 0.5));
+	bench_table_row(t->layers, "%s", row);
 	bench_table_row(t->ours, "%s,%u,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.3f,%.3f,%.3f,%.3f,%.3f,"
 		"%.3f", model->name, s->elements, percent[BENCH_PRUNED][0][0], percent[BENCH_PRUNED][0][1],
 		percent[BENCH_TRIANGLES][0][0], percent[BENCH_TRIANGLES][0][1], percent[BENCH_PRUNED][1][0],
@@ -94,14 +137,18 @@ static double percent(const struct totals *t, const double *sums, int method)
 	return t->count ? 100 * sums[method] / t->count : NAN;
 }
 
-static void write_means(struct bench *bench, const struct summary *sum)
+static void write_means(struct bench *bench, struct summary *sum)
 {
-	static const char *const printed[BENCH_METHODS] = { "10.1", "17.4", "40.7", "30.1", "-", "-", "-", "-" };
+	static const char *const printed[BENCH_METHODS] = { "10.1", "17.4", "40.7", "-", "30.1", "-", "-", "-",
+		"-", "-" };
 	struct bench_table *table = bench_table_open(bench, "species_means",
 		"order (each with its best scale),mean of savings %,of all vertices %,"
 		"paper's distances: mean %,paper's distances: of all vertices %,generated plants: mean "
 		"%,generated plants: of all vertices %,"
 		"Neubert 2011 table 2 %", true);
+	struct bench_table *medians = bench_table_open(bench, "species_medians",
+		"order (each with its best scale),median of savings %,at d >= .5 %,closed crowns: median %,"
+		"closed crowns: at d >= .5 %,Neubert 2011 table 2 %", true);
 	for (int m = 0; m < BENCH_METHODS; m++)
 		bench_table_row(table, "%s,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%s", bench_method_names[m],
 			percent(&sum->read, sum->read.mean[BENCH_EVEN], m),
@@ -110,7 +157,16 @@ static void write_means(struct bench *bench, const struct summary *sum)
 			percent(&sum->read, sum->read.total[BENCH_NEAR], m),
 			percent(&sum->made, sum->made.mean[BENCH_EVEN], m),
 			percent(&sum->made, sum->made.total[BENCH_EVEN], m), printed[m]);
+	for (int m = 0; m < BENCH_METHODS; m++)
+		bench_table_row(medians, "%s,%.1f,%.1f,%.1f,%.1f,%s", bench_method_names[m],
+			median(sum->every.all[m], sum->every.count), median(sum->every.far[m], sum->every.count),
+			median(sum->closed.all[m], sum->closed.count),
+			median(sum->closed.far[m], sum->closed.count), printed[m]);
 	bench_table_close(table);
+	bench_table_close(medians);
+	bench_say(bench, "Medians over %u plants, %u of them with closed crowns: %u vertices of leaves or more "
+		"in %g layers or more. The paper's plants have 50,000 to 260,000.", sum->every.count,
+		sum->closed.count, CLOSED_VERTICES, CLOSED_LAYERS);
 	bench_say(bench, "Means over %u species (and %u generated ones). Two ways to space the 20 distances "
 		"stand side by side: evenly over [0, "
 		"1), which "
@@ -210,7 +266,12 @@ static struct tables open_tables(struct bench *bench)
 			"distances: mean %,paper's distances: of all vertices %,owner Q,owner Q of "
 			"Cook's,colour RMS,colour RMS of Cook's", false),
 		.curves = bench_table_open(bench, "species_curves",
-		"plant,order,distances,distance,lambda of Cook,Q of Cook,lambda of the same Q", false) };
+		"plant,order,distances,distance,lambda of Cook,Q of Cook,lambda of the same Q", false),
+		.layers = bench_table_open(bench, "species_layers", "plant,vertices of leaves,layers of leaves,"
+		"stochastic %,at d >= .5 %,density %,density at d >= .5 %,orientation %,"
+		"orientation at d >= .5 %,orientation with much noise %,orientation with much noise at d >= .5 %,"
+		"combined %,combined at d >= .5 %,combined with much noise %,"
+		"combined with much noise at d >= .5 %", true) };
 }
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
@@ -246,6 +307,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	bench_table_close(tables.ours);
 	bench_table_close(tables.all);
 	bench_table_close(tables.curves);
+	bench_table_close(tables.layers);
 	if (!code && sum->read.count + sum->made.count) {
 		write_means(bench, sum);
 		write_keys(bench, sum);

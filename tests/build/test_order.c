@@ -14,12 +14,18 @@ static const enum lod_order_method baselines[] = { LOD_ORDER_STOCHASTIC, LOD_ORD
 	LOD_ORDER_ORIENTATION, LOD_ORDER_COMBINED };
 #define BASELINES (sizeof baselines / sizeof *baselines)
 
-static void order_by(double *out, enum lod_order_method method, uint32_t count, double height, uint32_t seed)
+static void order_with(double *out, enum lod_order_method method, uint32_t count, double height,
+	uint32_t seed, double noise)
 {
 	assert_int_equal(setjmp(arena.failed), 0);
-	lod_order_survival_by(out, method, &(struct lod_order_input){ count, center, normal, height, seed },
-		&arena);
+	lod_order_survival_by(out, method, &(struct lod_order_input){ count, center, normal, height, seed,
+		noise }, &arena);
 	assert_null(arena.last);
+}
+
+static void order_by(double *out, enum lod_order_method method, uint32_t count, double height, uint32_t seed)
+{
+	order_with(out, method, count, height, seed, 0);
 	for (uint32_t i = 0; i < count; i++)
 		assert_true(out[i] >= 0 && out[i] < 2.5);
 }
@@ -97,6 +103,38 @@ UNIT_TEST(what_faces_outwards_survives)
 	assert_true(mean(survival, 0, MOST / 2) > mean(survival, MOST / 2, MOST) + 0.3);
 	order_by(survival, LOD_ORDER_DENSITY, MOST, 10, 1);
 	assert_true(fabs(mean(survival, 0, MOST / 2) - mean(survival, MOST / 2, MOST)) < 0.05);
+}
+
+/* How far apart the survivals of what lies in the surface and of what stands across it are, over how much
+ * chance adds. */
+static double clearness(enum lod_order_method method, double noise)
+{
+	double spread = 0;
+	order_with(survival, method, MOST, 10, 1, noise);
+	double high = mean(survival, 0, MOST / 2), low = mean(survival, MOST / 2, MOST);
+	for (uint32_t i = 0; i < MOST / 2; i++)
+		spread += (survival[i] - high) * (survival[i] - high);
+	return (high - low) / sqrt(spread / (MOST / 2));
+}
+
+UNIT_TEST(noise_blurs_orientation_but_neither_chance_nor_density)
+{
+	dice.state = 3;
+	for (uint32_t i = 0; i < MOST; i++) {
+		struct lod_v3 d = soup_direction(&dice);
+		center[i] = lod_v3_scale(d, 5);
+		normal[i] = i < MOST / 2 ? lod_v3_scale(d, -1) : lod_v3_cross(d, soup_direction(&dice));
+	}
+	for (int m = 0; m < 2; m++) {
+		enum lod_order_method method = m ? LOD_ORDER_ORIENTATION : LOD_ORDER_COMBINED;
+		assert_true(clearness(method, 0.05) > 1.5 * clearness(method, 0.5));
+		assert_true(clearness(method, 0.5) > 1.5 * clearness(method, 1.5));
+	}
+	for (int m = 0; m < 2; m++) {
+		order_with(survival, m ? LOD_ORDER_STOCHASTIC : LOD_ORDER_DENSITY, MOST, 10, 1, 0.3);
+		order_with(again, m ? LOD_ORDER_STOCHASTIC : LOD_ORDER_DENSITY, MOST, 10, 1, 0);
+		assert_memory_equal(survival, again, sizeof again);
+	}
 }
 
 /* Three quarters of the elements in one corner: the first to go come from there, until density is even. */

@@ -69,13 +69,15 @@ void lod_order_survival_by(double *survival, enum lod_order_method method, const
 		[LOD_ORDER_ORIENTATION] = 0.05, [LOD_ORDER_COMBINED] = 1.5 };
 	struct lod_arena_piece *mark = arena->last;
 	struct lod_hull hull;
+	bool mixed = method == LOD_ORDER_ORIENTATION || method == LOD_ORDER_COMBINED;
+	double much = mixed && in->noise > 0 ? in->noise : noise[method];
 	if (in->count == 0)
 		return;
 	for (uint32_t i = 0; i < in->count; i++)
 		survival[i] = 0;
 	if (method != LOD_ORDER_STOCHASTIC)
 		lod_hull_make(&hull, in->center, in->count, in->height, arena);
-	if (method == LOD_ORDER_ORIENTATION || method == LOD_ORDER_COMBINED) {
+	if (mixed) {
 		for (uint32_t i = 0; i < in->count; i++)
 			survival[i] = orientation(&hull, in->center[i], in->normal[i]);
 		normalise(survival, in->count);
@@ -89,6 +91,6 @@ void lod_order_survival_by(double *survival, enum lod_order_method method, const
 		normalise(survival, in->count);
 	}
 	for (uint32_t i = 0; i < in->count; i++)
-		survival[i] += noise[method] * dice(in, i);
+		survival[i] += much * dice(in, i);
 	lod_arena_release(arena, mark);
 }

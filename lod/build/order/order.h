@@ -24,6 +24,7 @@ struct lod_order_input {
 	const struct lod_v3 *center, *normal; /* metres; normals of any length, zero normals face nowhere */
 	double height;               /* of the plant, metres */
 	uint32_t seed;
+	double noise;                /* of orientation and combined, whose values are in [0, 1]; 0: ours */
 };
 
 /* Fills survival[0..count) for a static order (not GREEDY: that is lod/build/order/rank.h) with values that

@@ -329,8 +329,9 @@ void extreme_orders(struct extreme *x)
 						: (struct lod_v3){ u - 0.5, v - 0.5, 0.3 };
 				}
 				lod_order_survival_by(survival, (enum lod_order_method)method,
-					&(struct lod_order_input){ rows[i].count, center, normal,
-					tall == 0 ? 0 : tall == 1 ? 1 : 1e6, 3 }, &arena);
+					&(struct lod_order_input){ .count = rows[i].count, .center = center,
+					.normal = normal, .height = tall == 0 ? 0 : tall == 1 ? 1 : 1e6,
+					.seed = 3 }, &arena);
 				for (uint32_t k = 0; k < rows[i].count; k++)
 					extreme_must(x, isfinite(survival[k]),
 						"%s, %s: leaf %u survives by %g", rows[i].name,
