@@ -100,18 +100,19 @@ static enum eco_code order_greedily(struct lod_build *b, struct eco_error *error
 	uint32_t n = b->elements.count;
 	struct lod_foliage foliage;
 	struct lod_rank rank;
-	b->growth = lod_arena_take(&b->arena, n, sizeof *b->growth);
+	b->growth = b->options->random_leaves ? NULL : lod_arena_take(&b->arena, n, sizeof *b->growth);
 	b->simple = lod_arena_take(&b->arena, n, sizeof *b->simple);
 	struct lod_arena_piece *mark = b->arena.last;
 	lod_foliage_from(&foliage,
 		&(struct lod_foliage_parts){ b->model, &b->mesh, &b->organs, &b->elements }, &b->arena);
 	enum eco_code code =
 		lod_rank_make(&rank, &foliage,
-		&(struct lod_rank_options){ .seed = b->options->seed, .progress = rank_goes_on,
-		.each = rank_each, .ctx = b }, &b->arena, error);
+		&(struct lod_rank_options){ .seed = b->options->seed, .random = b->options->random_leaves,
+		.progress = rank_goes_on, .each = rank_each, .ctx = b }, &b->arena, error);
 	if (!code) {
 		memcpy(b->order, rank.order, n * sizeof *b->order);
-		memcpy(b->growth, rank.growth, n * sizeof *b->growth);
+		if (b->growth)
+			memcpy(b->growth, rank.growth, n * sizeof *b->growth);
 		memcpy(b->simple, rank.simple, n * sizeof *b->simple);
 	}
 	lod_arena_release(&b->arena, mark);

@@ -439,11 +439,26 @@ static enum eco_code order_unscaled(struct ranking *r, struct eco_error *error)
 		.ctx = options->ctx }, r->arena, error);
 }
 
+static void shuffle(struct ranking *r)
+{
+	struct lod_arena_piece *mark = r->arena->last;
+	struct lod_keyed *items = lod_arena_take(r->arena, r->count, sizeof *items);
+	for (uint32_t i = 0; i < r->count; i++)
+		items[i] = (struct lod_keyed){ lod_mix(((uint64_t)r->options->seed << 32) + i), i };
+	lod_sort(r->arena, items, r->count);
+	for (uint32_t i = 0; i < r->count; i++)
+		r->order[i] = items[i].value;
+	memset(r->growth, ECO_GROWTH_PLAIN, r->count);
+	lod_arena_release(r->arena, mark);
+}
+
 enum eco_code lod_rank_make(struct lod_rank *rank, const struct lod_foliage *foliage,
 	const struct lod_rank_options *options, struct lod_arena *arena, struct eco_error *error)
 {
 	struct ranking r = { .options = options, .arena = arena, .count = foliage->count };
 	struct lod_crown_options crown = crown_options(foliage, options);
+	if (options->random)                     /* needs none of them */
+		crown.views = 1, crown.pixels = 64;
 	assert(foliage->count > 0);
 	rank->order = r.order = lod_arena_take(arena, r.count, sizeof *r.order);
 	rank->growth = r.growth = lod_arena_take(arena, r.count, sizeof *r.growth);
@@ -454,9 +469,11 @@ enum eco_code lod_rank_make(struct lod_rank *rank, const struct lod_foliage *fol
 	enum eco_code code = lod_crown_open(&r.crown, foliage, &crown, arena, error);
 	if (!code && !options->plain && !run(&r, (r.count + BATCH - 1) / BATCH, fit_batch))
 		code = eco_fail(error, ECO_INTERRUPTED, "interrupted while fitting simple leaves");
-	if (!code)
+	if (!code && options->random)
+		shuffle(&r);
+	else if (!code)
 		code = options->unscaled ? order_unscaled(&r, error) : make_steps(&r, error);
-	if (!code && !options->plain && !options->unscaled
+	if (!code && !options->plain && !options->unscaled && !options->random
 		&& !lod_rank_refine(&(struct lod_rank_refining){ &r.crown, options, r.count, r.order,
 		r.growth,
 			r.points == (uint32_t)(POINTS_MOST * r.count) }, arena))

@@ -1,0 +1,397 @@
+/* See bench_ladder_plant.h. */
+#include "tests/bench/bench_ladder_plant.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lod/build/foliage.h"
+#include "lod/build/impostor/plant_impostor.h"
+#include "lod/build/measure/curve.h"
+#include "lod/build/measure/probe.h"
+#include "lod/build/splat/plant_splats.h"
+#include "lod/ladder.h"
+#include "tests/bench/baseline/cook.h"
+#include "tests/bench/bench_leaves.h"
+#include "tests/bench/bench_state.h"
+
+#define PIXELS LOD_IMPOSTOR_PIXELS /* as large as an impostor may be drawn */
+#define GRID_BITS 14u
+#define TUNING 5u
+#define TESTS 8u
+#define TUNING_SEED 7411u
+#define TEST_SEED 90217u
+#define LAMBDA_LEAST 1e-4
+#define KNEE 0.3 /* lambdas are a constant step apart above, a constant factor below */
+#define STEP 0.04
+#define FACTOR 1.3
+#define MEAN_COSINE 0.5 /* projected area of leaves that face anywhere, over their area */
+
+const char *const bench_ladder_names[BENCH_LADDER_ROWS] = { "pack's ladder", "lists only",
+	"random order all else ours", "random order lists only", "greedy without forms",
+	"Cook with leaves as one triangle" };
+
+struct study {
+	struct bench *bench;
+	struct lod_plant plant;
+	struct lod_probe probe;
+	double full, elements; /* vertices of the foliage */
+	double share;          /* lod_cook_share */
+};
+
+static bool goes_on(void *ctx, double share)
+{
+	const struct study *s = ctx;
+	(void)share;
+	return !bench_stopped(s->bench);
+}
+
+/* ---- Pictures ---- */
+
+static bool is_foliage(const struct eco_ladder *ladder)
+{
+	return ladder->organ != ECO_ORGAN_WOOD && !(ladder->flags & (ECO_LADDER_WHOLE | ECO_LADDER_FAR));
+}
+
+static void place_eye(struct lod_probe *probe, struct lod_eye *eye, const double from[3])
+{
+	struct lod_v3 center = lod_v3_of((const float[3]){ 0, 0, 0 }), up = { 0, 0, 1 };
+	struct lod_v3 back = lod_v3_unit((struct lod_v3){ from[0], from[1], from[2] });
+	struct lod_v3 right = lod_v3_unit(lod_v3_cross(up, back)), top = lod_v3_cross(back, right);
+	center = (struct lod_v3){ probe->center[0], probe->center[1], probe->center[2] };
+	double away = lod_v3_distance(center, (struct lod_v3){ eye->at[0], eye->at[1], eye->at[2] });
+	const double axis[3][3] = { { right.x, right.y, right.z }, { top.x, top.y, top.z },
+		{ back.x, back.y, back.z } };
+	for (int k = 0; k < 3; k++) {
+		eye->right[k] = axis[0][k];
+		eye->up[k] = axis[1][k];
+		eye->forward[k] = -axis[2][k];
+		eye->at[k] = probe->center[k] + away * axis[2][k];
+	}
+}
+
+/* Tuning views, then test views; no build has either. */
+static enum eco_code open_probe(struct study *s, const struct eco_model *model, struct eco_error *error)
+{
+	double directions[TUNING + TESTS][3];
+	enum eco_code code = lod_probe_init(&s->probe, &s->plant, model,
+		&(struct lod_probe_options){ .views = TUNING + TESTS, .pixels = PIXELS }, error);
+	if (code)
+		return code;
+	lod_directions_spread(directions, TUNING, TUNING_SEED);
+	lod_directions_spread(directions + TUNING, TESTS, TEST_SEED);
+	for (uint32_t v = 0; v < TUNING + TESTS; v++)
+		place_eye(&s->probe, &s->probe.eyes[v], directions[v]);
+	return ECO_OK;
+}
+
+static enum eco_code add_at(struct study *s, const struct eco_ladder *ladder, uint64_t vertices, double reach,
+	struct eco_error *error)
+{
+	const struct eco_scene *scene = &s->probe.scene;
+	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+	double density = fmax(reach, lod_ladder_density(scene, ladder, vertices));
+	uint32_t count = lod_ladder_cuts(scene, ladder, vertices, density, cuts);
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < count && !code; i++)
+		code = lod_probe_add(&s->probe, &cuts[i], error);
+	return code;
+}
+
+static enum eco_code add_wood(struct study *s, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	lod_probe_clear(&s->probe);
+	for (uint32_t i = 0; i < s->plant.ladder_count && !code; i++) {
+		const struct eco_ladder *ladder = &s->plant.ladders[i];
+		if (ladder->organ == ECO_ORGAN_WOOD && !(ladder->flags & (ECO_LADDER_WHOLE | ECO_LADDER_FAR)))
+			code = add_at(s, ladder, lod_ladder_full(&s->probe.scene, ladder), 1, error);
+	}
+	return code;
+}
+
+static double q_of(const struct study *s, uint32_t first, uint32_t count)
+{
+	struct bench_wrong sum = { 0 };
+	for (uint32_t v = first; v < first + count; v++) {
+		sum.fp += s->probe.scores[v].fp;
+		sum.fn += s->probe.scores[v].fn;
+		sum.pixels += s->probe.reference_pixels[v];
+	}
+	return bench_wrong_q(&sum);
+}
+
+/* Scores what was added. */
+static struct bench_ladder_point score(struct study *s, double lambda)
+{
+	struct lod_probe_result result;
+	lod_probe_compare(&s->probe, 1, &result);
+	return (struct bench_ladder_point){ lambda, q_of(s, 0, TUNING), q_of(s, TUNING, TESTS) };
+}
+
+static uint64_t covered(const struct study *s)
+{
+	uint64_t sum = 0;
+	for (uint32_t v = 0; v < TUNING; v++)
+		sum += s->probe.reference_pixels[v];
+	return sum / TUNING;
+}
+
+/* Full detail is the reference; counts of the foliage, and how it overlaps. */
+static enum eco_code keep_full(struct study *s, struct eco_error *error)
+{
+	double area = 0, pixel = s->probe.eyes[0].pixel_rad * 16 * s->probe.radius;
+	uint64_t wood, all;
+	enum eco_code code = add_wood(s, error);
+	if (code)
+		return code;
+	wood = lod_probe_keep(&s->probe) ? covered(s) : 0;
+	s->full = s->elements = 0;
+	for (uint32_t i = 0; i < s->plant.ladder_count && !code; i++) {
+		const struct eco_ladder *ladder = &s->plant.ladders[i];
+		if (!is_foliage(ladder))
+			continue;
+		uint64_t full = lod_ladder_full(&s->probe.scene, ladder);
+		s->full += (double)full;
+		s->elements += s->probe.lists[ladder->triangles].element_count;
+		area += ladder->area;
+		code = add_at(s, ladder, full, 1, error);
+	}
+	if (code)
+		return code;
+	all = lod_probe_keep(&s->probe) ? covered(s) : 0;
+	s->share = lod_cook_share((uint32_t)s->elements, area * MEAN_COSINE / (pixel * pixel),
+		all > wood ? (double)(all - wood) : 1);
+	return ECO_OK;
+}
+
+/* ---- Rows ---- */
+
+/* Every foliage ladder at that share of its vertices. */
+static enum eco_code draw_share(struct study *s, double share, struct bench_ladder_point *point,
+	struct eco_error *error)
+{
+	uint64_t vertices = 0;
+	enum eco_code code = add_wood(s, error);
+	for (uint32_t i = 0; i < s->plant.ladder_count && !code; i++) {
+		const struct eco_ladder *ladder = &s->plant.ladders[i];
+		if (!is_foliage(ladder))
+			continue;
+		uint64_t here = lod_ladder_vertices(&s->probe.scene, ladder, share);
+		vertices += here;
+		code = add_at(s, ladder, here, lod_ladder_curve(&s->probe.scene, ladder, share).reach,
+			error);
+	}
+	if (!code)
+		*point = score(s, (double)vertices / s->full);
+	return code;
+}
+
+/* `one`: leaves as one triangle, until all are; from there on the first ones in full. Else in full. */
+static void cook_cuts(const struct study *s, const struct eco_ladder *ladder, double lambda, bool one,
+	struct eco_cut cuts[2], double *vertices)
+{
+	struct lod_forms forms;
+	cuts[0] = cuts[1] = (struct eco_cut){ .list = ladder->triangles, .scale = 1 };
+	if (!lod_forms_find(&forms, &s->probe.scene, ladder))
+		return;
+	uint32_t full = forms.count - 1, n = forms.own, kept = (uint32_t)(lambda * n + 0.5), fine = kept;
+	if (one && ladder->simple != ECO_NONE) {
+		double budget = lambda * (double)(3 * lod_forms_range_end(&forms, full, n)), more =
+			(double)(3 * lod_forms_range_end(&forms, full, n)) / n - 3;
+		kept = budget / 3 < n ? (uint32_t)(budget / 3 + 0.5) : n;
+		fine = budget / 3 > n && more > 0 ? (uint32_t)((budget - 3.0 * n) / more) : 0;
+	}
+	kept = kept ? kept : 1;
+	fine = fine < kept ? fine : kept;
+	cuts[0].end = (uint32_t)lod_forms_range_end(&forms, full, fine);
+	cuts[1].list = fine < kept ? ladder->simple : ladder->triangles;
+	cuts[1].first = fine < kept ? fine : cuts[0].end;
+	cuts[1].end = fine < kept ? kept : cuts[0].end;
+	*vertices += 3.0 * cuts[0].end + 3.0 * (cuts[1].end - cuts[1].first);
+}
+
+/* Cook's order and scale, with the correction of depth complexity or without it, whichever is better. */
+static enum eco_code draw_cook(struct study *s, double lambda, bool one, struct bench_ladder_point *point,
+	struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	*point = (struct bench_ladder_point){ .q = -INFINITY };
+	for (int depth = 0; depth < 2 && !code; depth++) {
+		double vertices = 0;
+		code = add_wood(s, error);
+		for (uint32_t i = 0; i < s->plant.ladder_count && !code; i++) {
+			const struct eco_ladder *ladder = &s->plant.ladders[i];
+			struct eco_cut cuts[2];
+			double before = vertices;
+			if (!is_foliage(ladder))
+				continue;
+			cook_cuts(s, ladder, lambda, one, cuts, &vertices);
+			uint32_t n = s->probe.lists[ladder->triangles].element_count;
+			double each = one && ladder->simple != ECO_NONE ? 3
+				: (double)lod_ladder_full(&s->probe.scene, ladder) / n;
+			uint32_t kept = (uint32_t)fmin(n, (vertices - before) / each + 0.5);
+			kept = kept ? kept : 1;
+			cuts[0].scale = cuts[1].scale = (float)(depth ? lod_cook_scale_depth(kept, n, s->share)
+				: lod_cook_scale(kept, n));
+			for (int k = 0; k < 2 && !code; k++)
+				code = lod_probe_add(&s->probe, &cuts[k], error);
+		}
+		struct bench_ladder_point here;
+		if (!code)
+			here = score(s, vertices / s->full);
+		if (!code && here.q > point->q)
+			*point = here;
+	}
+	return code;
+}
+
+static enum eco_code fill(struct study *s, struct bench_ladder_curve *curve, bool cook, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	double least = fmax(LAMBDA_LEAST, 1 / s->full);
+	curve->count = 0;
+	for (double l = 1; l >= least && curve->count < BENCH_LADDER_POINTS && !code;
+			l = l > KNEE + STEP / 2 ? l - STEP : l / FACTOR) {
+		struct bench_ladder_point *at = &curve->at[curve->count++];
+		code = cook ? draw_cook(s, l, true, at, error) : draw_share(s, l, at, error);
+		if (!code && bench_stopped(s->bench))
+			code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	}
+	return code;
+}
+
+static enum eco_code fill_cook(struct study *s, struct bench_ladder *ladder, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < BENCH_SPACINGS * BENCH_DISTANCES && !code; i++) {
+		double d = bench_distance((enum bench_spacing)(i / BENCH_DISTANCES), i % BENCH_DISTANCES);
+		struct bench_ladder_point point;
+		code = draw_cook(s, (1 - d) * (1 - d), false, &point, error);
+		if (!code)
+			ladder->cook_q[i / BENCH_DISTANCES][i % BENCH_DISTANCES] = point.q;
+	}
+	return code;
+}
+
+/* ---- Builds ---- */
+
+static struct lod_plant_options options_of(struct study *s, uint32_t seed, bool random)
+{
+	return (struct lod_plant_options){ .name = "ladder", .seed = seed, .grid_bits = GRID_BITS,
+		.no_splats = true, .random_leaves = random, .progress = goes_on,
+		.ctx = s };
+}
+
+static enum eco_code measure_curves(struct study *s, const struct eco_model *model,
+	const struct lod_plant_options *options, struct eco_error *error)
+{
+	enum eco_code code = lod_plant_measure(&s->plant, model, options, error);
+	if (!code)
+		code = open_probe(s, model, error);
+	return code ? code : keep_full(s, error);
+}
+
+/* The same lists without forms: their curves are measured anew. */
+static enum eco_code fill_bare(struct study *s, const struct eco_model *model,
+	const struct lod_plant_options *options, struct bench_ladder_curve *curve, struct eco_error *error)
+{
+	lod_probe_free(&s->probe);
+	for (uint32_t i = 0; i < s->plant.ladder_count; i++) {
+		struct eco_ladder *ladder = &s->plant.ladders[i];
+		if (is_foliage(ladder))
+			ladder->points = ladder->lines = ladder->simple = ECO_NONE;
+	}
+	enum eco_code code = measure_curves(s, model, options, error);
+	return code ? code : fill(s, curve, false, error);
+}
+
+static void end(struct study *s)
+{
+	lod_probe_free(&s->probe);
+	lod_plant_free(&s->plant);
+}
+
+static enum eco_code measure_order(struct study *s, struct bench_ladder *ladder, const struct eco_model *model,
+	uint32_t seed, bool random, struct eco_error *error)
+{
+	struct lod_plant_options options = options_of(s, seed, random);
+	double begun = bench_cpu_s();
+	enum eco_code code = lod_plant_build(&s->plant, model, &options, error);
+	*(random ? &ladder->random_cpu_s : &ladder->greedy_cpu_s) = bench_cpu_s() - begun;
+	if (!code)
+		code = measure_curves(s, model, &options, error);
+	ladder->elements = (uint32_t)s->elements;
+	ladder->vertices = (uint32_t)s->full;
+	if (!code && s->full > 0)
+		code = fill(s, &ladder->kind[random ? BENCH_LADDER_SHUFFLED : BENCH_LADDER_GREEDY], false, error);
+	if (!code && s->full > 0 && random)
+		code = fill_cook(s, ladder, error);
+	if (!code && s->full > 0)
+		code = random ? fill(s, &ladder->kind[BENCH_LADDER_ONE], true, error)
+			: fill_bare(s, model, &options, &ladder->kind[BENCH_LADDER_BARE], error);
+	end(s);
+	return code;
+}
+
+enum eco_code bench_ladder_measure(struct bench *bench, struct bench_ladder *ladder,
+	const struct eco_model *model, uint32_t seed, struct eco_error *error)
+{
+	struct study s = { .bench = bench };
+	*ladder = (struct bench_ladder){ 0 };
+	enum eco_code code = measure_order(&s, ladder, model, seed, true, error);
+	return code ? code : measure_order(&s, ladder, model, seed, false, error);
+}
+
+/* ---- Splats ---- */
+
+static enum eco_code add_impostor(struct study *s, struct bench_ladder_curve *curve, struct eco_error *error)
+{
+	struct lod_impostor impostor;
+	if (!s->plant.impostor_count)
+		return ECO_OK;
+	enum eco_code code = lod_plant_open_impostor(&impostor, &s->plant, s->plant.impostor_count - 1, error);
+	if (code)
+		return code;
+	lod_probe_clear(&s->probe);
+	lod_probe_add_impostor(&s->probe, &impostor);
+	curve->at[curve->count++] = score(s, 1 / s->full);
+	lod_probe_clear(&s->probe);
+	lod_impostor_close(&impostor);
+	return ECO_OK;
+}
+
+static enum eco_code fill_splats(struct study *s, const struct eco_ladder *ladder,
+	struct bench_ladder_curve *curve, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	uint64_t full = lod_ladder_full(&s->probe.scene, ladder), v = full;
+	while (v > 1 && curve->count + 1 < BENCH_LADDER_POINTS && !code) {
+		lod_probe_clear(&s->probe);
+		code = add_at(s, ladder, v, 0, error);
+		if (!code)
+			curve->at[curve->count++] = score(s, (double)v / s->full);
+		v = lod_ladder_floor(&s->probe.scene, ladder, (uint64_t)((double)v / FACTOR));
+	}
+	return code ? code : add_impostor(s, curve, error);
+}
+
+enum eco_code bench_ladder_splats(struct bench *bench, struct bench_ladder_curve *curve,
+	const struct eco_model *model, struct eco_error *error)
+{
+	struct study s = { .bench = bench };
+	struct lod_plant_options options = options_of(&s, 1, true);
+	*curve = (struct bench_ladder_curve){ 0 };
+	enum eco_code code = lod_plant_build(&s.plant, model, &options, error);
+	if (!code)
+		code = lod_plant_add_splats(&s.plant, model, &options, error);
+	if (!code)
+		code = open_probe(&s, model, error);
+	if (!code)
+		code = keep_full(&s, error);
+	for (uint32_t i = 0; i < s.plant.ladder_count && !code && s.full > 0; i++)
+		if (s.plant.ladders[i].flags & ECO_LADDER_WHOLE)
+			code = fill_splats(&s, &s.plant.ladders[i], curve, error);
+	end(&s);
+	return code;
+}
