@@ -5,6 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "tests/bench/bench_interval.h"
 #include "tests/bench/bench_ladder_plant.h"
 #include "tests/bench/bench_state.h"
 

@@ -48,11 +48,6 @@ double bench_ladder_reach(const struct bench_ladder_curve *lists, const struct b
 double bench_ladder_saving(const struct bench_ladder *ladder, const struct bench_ladder_curve *splats,
 	enum bench_ladder_row row, enum bench_spacing spacing, bool total);
 
-/* The mean of values[0..count) and the middle 95 % of the means of `count` values drawn again and again, with
- * a fixed seed (bootstrap over plants). */
-struct bench_interval { double mean, low, high; };
-struct bench_interval bench_interval_of(const double *values, uint32_t count);
-
 /* Whether constants were chosen on a model, by its file's name. */
 bool bench_ladder_tuned(const char *name);
 

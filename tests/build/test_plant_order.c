@@ -81,6 +81,35 @@ UNIT_TEST(static_orders_have_neither)
 	}
 }
 
+/* All that the greedy lists have but codes. */
+UNIT_TEST(random_leaves_have_a_simpler_form_and_no_code)
+{
+	struct lod_plant plant[2];
+	const struct lod_list_draft *simple[2], *greedy, *leaves[2];
+	options.random_leaves = true;
+	for (uint32_t i = 0; i < 2; i++) {
+		options.seed = 3 + i;
+		build(&plant[i], LOD_ORDER_GREEDY, 12);
+		leaves[i] = leaves_of(&plant[i], &simple[i]);
+		assert_non_null(simple[i]);
+		assert_false(leaves[i]->list.attributes & ECO_ATTR_GROWTH);
+		assert_false(simple[i]->list.attributes & ECO_ATTR_GROWTH);
+	}
+	options.random_leaves = false;
+	options.seed = 3;
+	assert_int_equal(leaves[0]->elements.corner_count, leaves[1]->elements.corner_count);
+	assert_memory_not_equal(leaves[0]->elements.position, leaves[1]->elements.position,
+		3 * (size_t)leaves[0]->elements.corner_count * sizeof *leaves[0]->elements.position);
+	lod_plant_free(&plant[1]);
+	build(&plant[1], LOD_ORDER_GREEDY, 12);
+	greedy = leaves_of(&plant[1], &simple[1]);
+	assert_int_equal(leaves[0]->elements.corner_count, greedy->elements.corner_count);
+	assert_memory_not_equal(leaves[0]->elements.position, greedy->elements.position,
+		3 * (size_t)greedy->elements.corner_count * sizeof *greedy->elements.position);
+	lod_plant_free(&plant[0]);
+	lod_plant_free(&plant[1]);
+}
+
 UNIT_TEST(orders_differ)
 {
 	struct lod_plant a, b;
