@@ -12,7 +12,7 @@
 #include "tests/bench/bench_shots.h"
 
 #define SCENE "trees1276"
-#define HALVINGS 7u              /* of the logarithm of the vertices, from a hundredth of Cook's on */
+#define HALVINGS 7u /* of the logarithm of the vertices, from a hundredth of Cook's on */
 #define LEAST 0.01
 
 static const uint64_t budgets[] = { 1000000, 3000000 };
@@ -25,7 +25,8 @@ struct scenes {
 	struct paper_tables *tables;
 };
 
-static enum eco_code open_packs(struct scenes *s, const char *ours, const char *papers, struct eco_error *error)
+static enum eco_code open_packs(struct scenes *s, const char *ours, const char *papers,
+	struct eco_error *error)
 {
 	if (s->client)
 		return ECO_OK;
@@ -68,7 +69,8 @@ static enum eco_code draw_cook(struct scenes *s, const struct eco_request *reque
 	return code;
 }
 
-/* The fewest vertices of ours whose Q is at least `q`, between LEAST and all of Cook's; ours at all of them. */
+/* The fewest vertices of ours whose Q is at least `q`, from LEAST of Cook's to all of them; `q_at_equal`: Q
+ * of ours with all of them. */
 static enum eco_code search(struct scenes *s, const struct eco_request *request, double q, double cook,
 	double *vertices, double *q_at_equal, struct eco_error *error)
 {
@@ -80,7 +82,7 @@ static enum eco_code search(struct scenes *s, const struct eco_request *request,
 		struct bench_frame frame = { .request = *request };
 		frame.request.vertices = (uint64_t)(cook * exp(at) + 0.5);
 		code = bench_stopped(s->bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
-			: bench_client_frame(s->client, &frame, NULL, error);
+					       : bench_client_frame(s->client, &frame, NULL, error);
 		if (!code && !i)
 			*q_at_equal = frame.score.q;
 		if (!code && frame.score.q >= q) {
@@ -89,7 +91,7 @@ static enum eco_code search(struct scenes *s, const struct eco_request *request,
 		} else if (!code && i) {
 			low = at;
 		} else {
-			break;                   /* not even with as many */
+			break; /* not even with as many */
 		}
 	}
 	return code;
@@ -107,8 +109,8 @@ static enum eco_code shoot(struct scenes *s, const struct eco_request *request, 
 	if (!code)
 		code = search(s, request, cook->score.q, (double)cook->vertices, &vertices, &q, error);
 	if (!code)
-		*made = json_pack("{s:f,s:f,s:f,s:f}", "cook", (double)cook->vertices, "cook_q", cook->score.q,
-			"ours", vertices, "q", q);
+		*made = json_pack("{s:f,s:f,s:f,s:f}", "cook", (double)cook->vertices, "cook_q",
+			cook->score.q, "ours", vertices, "q", q);
 	return code;
 }
 
@@ -148,15 +150,16 @@ static void write(struct bench *bench, const json_t *rows)
 	size_t count = json_array_size(rows), views = count / BUDGETS;
 	double saved[BENCH_SHOT_VIEWS_MAX * BUDGETS];
 	struct bench_table *table = bench_table_open(bench, "drawn",
-		"Cook's budget,frame,vertices of Cook,Q of Cook,vertices of ours,saved %,Q of ours at Cook's vertices",
+		"Cook's budget,frame,vertices of Cook,Q of Cook,vertices of ours,saved %,"
+		"Q of ours at Cook's vertices",
 		true);
 	for (size_t i = 0; i < count && i < BENCH_SHOT_VIEWS_MAX * BUDGETS; i++) {
 		const json_t *row = json_array_get(rows, i);
 		double cook = bench_shot_number(row, "cook"), ours = bench_shot_number(row, "ours");
 		saved[i] = 1 - ours / cook;
-		bench_table_row(table, "%llu,%u,%.0f,%.4f,%.0f,%.1f,%.4f", (unsigned long long)budgets[i / views],
-			(unsigned)(i % views), cook, bench_shot_number(row, "cook_q"), ours, 100 * saved[i],
-			bench_shot_number(row, "q"));
+		bench_table_row(table, "%llu,%u,%.0f,%.4f,%.0f,%.1f,%.4f",
+			(unsigned long long)budgets[i / views], (unsigned)(i % views), cook,
+			bench_shot_number(row, "cook_q"), ours, 100 * saved[i], bench_shot_number(row, "q"));
 	}
 	bench_table_close(table);
 	for (size_t b = 0; b < BUDGETS && views; b++) {
@@ -167,10 +170,11 @@ static void write(struct bench *bench, const json_t *rows)
 			least = fmin(least, saved[i]);
 		snprintf(key, sizeof key, "drawn_saved_%llu", (unsigned long long)budgets[b]);
 		bench_key(bench, key, interval.mean, "drawn frames of the path: saved at Cook's Q, mean");
-		bench_say(bench, "Where Cook draws %llu vertices: saved %.1f %% in the mean of %u frames (95 %% of "
+		bench_say(bench,
+			"Where Cook draws %llu vertices: saved %.1f %% in the mean of %u frames (95 %% of "
 			"the means of frames drawn again %.1f to %.1f), at least %.1f %%.",
-			(unsigned long long)budgets[b], 100 * interval.mean, (unsigned)views, 100 * interval.low,
-			100 * interval.high, 100 * least);
+			(unsigned long long)budgets[b], 100 * interval.mean, (unsigned)views,
+			100 * interval.low, 100 * interval.high, 100 * least);
 	}
 }
 
@@ -186,4 +190,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 
 const struct bench_section bench_drawn = { "drawn", "Geometry saved along the path, in drawn frames", run,
 	.objects = BENCH_OBJECTS_FRAMES "tests-bench-baseline.a tests/bench/bench_frame.o "
-	"tests/bench/bench_drawn.o tests/bench/bench_shots.o" };
+					"tests/bench/bench_drawn.o tests/bench/bench_shots.o" };

@@ -26,7 +26,8 @@ struct bench_interval bench_interval_of(const double *values, uint32_t count)
 	for (uint32_t draw = 0; draw < DRAWS; draw++) {
 		means[draw] = 0;
 		for (uint32_t i = 0; i < count; i++)
-			means[draw] += values[lod_mix(DRAW_SEED + (uint64_t)draw * count + i) % count] / count;
+			means[draw] +=
+				values[lod_mix(DRAW_SEED + (uint64_t)draw * count + i) % count] / count;
 	}
 	qsort(means, DRAWS, sizeof *means, by_size);
 	return (struct bench_interval){ sum / count, means[DRAWS / 40], means[DRAWS - 1 - DRAWS / 40] };

@@ -179,8 +179,7 @@ static enum eco_code draw_share(struct study *s, double share, struct bench_ladd
 			continue;
 		uint64_t here = lod_ladder_vertices(&s->probe.scene, ladder, share);
 		vertices += here;
-		code = add_at(s, ladder, here, lod_ladder_curve(&s->probe.scene, ladder, share).reach,
-			error);
+		code = add_at(s, ladder, here, lod_ladder_curve(&s->probe.scene, ladder, share).reach, error);
 	}
 	if (!code)
 		*point = score(s, (double)vertices / s->full);
@@ -197,8 +196,8 @@ static void cook_cuts(const struct study *s, const struct eco_ladder *ladder, do
 		return;
 	uint32_t full = forms.count - 1, n = forms.own, kept = (uint32_t)(lambda * n + 0.5), fine = kept;
 	if (one && ladder->simple != ECO_NONE) {
-		double budget = lambda * (double)(3 * lod_forms_range_end(&forms, full, n)), more =
-			(double)(3 * lod_forms_range_end(&forms, full, n)) / n - 3;
+		double budget = lambda * (double)(3 * lod_forms_range_end(&forms, full, n)),
+		       more = (double)(3 * lod_forms_range_end(&forms, full, n)) / n - 3;
 		kept = budget / 3 < n ? (uint32_t)(budget / 3 + 0.5) : n;
 		fine = budget / 3 > n && more > 0 ? (uint32_t)((budget - 3.0 * n) / more) : 0;
 	}
@@ -228,12 +227,14 @@ static enum eco_code draw_cook(struct study *s, double lambda, bool one, struct 
 				continue;
 			cook_cuts(s, ladder, lambda, one, cuts, &vertices);
 			uint32_t n = s->probe.lists[ladder->triangles].element_count;
-			double each = one && ladder->simple != ECO_NONE ? 3
+			double each = one && ladder->simple != ECO_NONE
+				? 3
 				: (double)lod_ladder_full(&s->probe.scene, ladder) / n;
 			uint32_t kept = (uint32_t)fmin(n, (vertices - before) / each + 0.5);
 			kept = kept ? kept : 1;
-			cuts[0].scale = cuts[1].scale = (float)(depth ? lod_cook_scale_depth(kept, n, s->share)
-				: lod_cook_scale(kept, n));
+			cuts[0].scale = cuts[1].scale =
+				(float)(depth ? lod_cook_scale_depth(kept, n, s->share)
+					      : lod_cook_scale(kept, n));
 			for (int k = 0; k < 2 && !code; k++)
 				code = lod_probe_add(&s->probe, &cuts[k], error);
 		}
@@ -246,13 +247,14 @@ static enum eco_code draw_cook(struct study *s, double lambda, bool one, struct 
 	return code;
 }
 
-static enum eco_code fill(struct study *s, struct bench_ladder_curve *curve, bool cook, struct eco_error *error)
+static enum eco_code fill(struct study *s, struct bench_ladder_curve *curve, bool cook,
+	struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
 	double least = fmax(LAMBDA_LEAST, 1 / s->full);
 	curve->count = 0;
 	for (double l = 1; l >= least && curve->count < BENCH_LADDER_POINTS && !code;
-			l = l > KNEE + STEP / 2 ? l - STEP : l / FACTOR) {
+		l = l > KNEE + STEP / 2 ? l - STEP : l / FACTOR) {
 		struct bench_ladder_point *at = &curve->at[curve->count++];
 		code = cook ? draw_cook(s, l, true, at, error) : draw_share(s, l, at, error);
 		if (!code && bench_stopped(s->bench))
@@ -278,8 +280,12 @@ static enum eco_code fill_cook(struct study *s, struct bench_ladder *ladder, str
 
 static struct lod_plant_options options_of(struct study *s, uint32_t seed, bool random)
 {
-	return (struct lod_plant_options){ .name = "ladder", .seed = seed, .grid_bits = GRID_BITS,
-		.no_splats = true, .random_leaves = random, .progress = goes_on,
+	return (struct lod_plant_options){ .name = "ladder",
+		.seed = seed,
+		.grid_bits = GRID_BITS,
+		.no_splats = true,
+		.random_leaves = random,
+		.progress = goes_on,
 		.ctx = s };
 }
 
@@ -312,8 +318,8 @@ static void end(struct study *s)
 	lod_plant_free(&s->plant);
 }
 
-static enum eco_code measure_order(struct study *s, struct bench_ladder *ladder, const struct eco_model *model,
-	uint32_t seed, bool random, struct eco_error *error)
+static enum eco_code measure_order(struct study *s, struct bench_ladder *ladder,
+	const struct eco_model *model, uint32_t seed, bool random, struct eco_error *error)
 {
 	struct lod_plant_options options = options_of(s, seed, random);
 	double begun = bench_cpu_s();
@@ -324,12 +330,13 @@ static enum eco_code measure_order(struct study *s, struct bench_ladder *ladder,
 	ladder->elements = (uint32_t)s->elements;
 	ladder->vertices = (uint32_t)s->full;
 	if (!code && s->full > 0)
-		code = fill(s, &ladder->kind[random ? BENCH_LADDER_SHUFFLED : BENCH_LADDER_GREEDY], false, error);
+		code = fill(s, &ladder->kind[random ? BENCH_LADDER_SHUFFLED : BENCH_LADDER_GREEDY], false,
+			error);
 	if (!code && s->full > 0 && random)
 		code = fill_cook(s, ladder, error);
 	if (!code && s->full > 0)
 		code = random ? fill(s, &ladder->kind[BENCH_LADDER_ONE], true, error)
-			: fill_bare(s, model, &options, &ladder->kind[BENCH_LADDER_BARE], error);
+			      : fill_bare(s, model, &options, &ladder->kind[BENCH_LADDER_BARE], error);
 	end(s);
 	return code;
 }
@@ -350,7 +357,8 @@ static enum eco_code add_impostor(struct study *s, struct bench_ladder_curve *cu
 	struct lod_impostor impostor;
 	if (!s->plant.impostor_count)
 		return ECO_OK;
-	enum eco_code code = lod_plant_open_impostor(&impostor, &s->plant, s->plant.impostor_count - 1, error);
+	enum eco_code code =
+		lod_plant_open_impostor(&impostor, &s->plant, s->plant.impostor_count - 1, error);
 	if (code)
 		return code;
 	lod_probe_clear(&s->probe);

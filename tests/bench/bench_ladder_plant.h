@@ -1,36 +1,53 @@
-/* Geometry that a pack's own ladder saves against Cook's stochastic simplification at equal quality, for one
- * plant: Neubert's protocol (2011, section 5), as in bench_savings.h, but for lists as ecopack builds them, at
- * the scales and forms of their own curves, and with the splats and the impostor of the pack.
+/* Geometry that a pack's own ladder saves against Cook's stochastic simplification at equal quality, for
+ * one plant: Neubert's protocol (2011, section 5), as in bench_savings.h, but for lists as ecopack builds
+ * them, at the scales and forms of their own curves, and with the splats and the impostor of the pack.
  *
- * Wood is drawn whole and not counted, but where splats or an impostor show the plant: these show wood, too,
- * and all their vertices count against the foliage's. All cells of a plant draw the same share. Where lists and splats compete the one with the higher Q of tuning views is
- * taken. Q is that of other views. */
+ * Wood is drawn whole and not counted, except where splats or an impostor show the plant: these show wood,
+ * too, and all their vertices count against those of the foliage. All cells of a plant draw the same share.
+ * Lists and splats compete by their Q in tuning views; the Q that counts is that of other views. */
 #ifndef TESTS_BENCH_LADDER_PLANT_H
 #define TESTS_BENCH_LADDER_PLANT_H
 
 #include "tests/bench/bench_savings.h"
 
-/* OURS: all that a pack has. LISTS: without splats and impostor. RANDOM, RANDOM_LISTS: the same with leaves in
- * random order and of one scale. UNFORMED: the greedy order and its scales, leaves as they are. COOK_FORMS:
- * Cook's order and scales, leaves as one triangle. */
-enum bench_ladder_row { BENCH_LADDER_OURS, BENCH_LADDER_LISTS, BENCH_LADDER_RANDOM, BENCH_LADDER_RANDOM_LISTS,
-	BENCH_LADDER_UNFORMED, BENCH_LADDER_COOK_FORMS, BENCH_LADDER_ROWS };
+/* OURS: all that a pack has. LISTS: without splats and impostor. RANDOM, RANDOM_LISTS: the same with leaves
+ * in random order and of one scale. UNFORMED: the greedy order and its scales, leaves as they are.
+ * COOK_FORMS: Cook's order and scales, leaves as one triangle. */
+enum bench_ladder_row {
+	BENCH_LADDER_OURS,
+	BENCH_LADDER_LISTS,
+	BENCH_LADDER_RANDOM,
+	BENCH_LADDER_RANDOM_LISTS,
+	BENCH_LADDER_UNFORMED,
+	BENCH_LADDER_COOK_FORMS,
+	BENCH_LADDER_ROWS
+};
 extern const char *const bench_ladder_names[BENCH_LADDER_ROWS];
 
 #define BENCH_LADDER_POINTS 72u
 
 /* What a share of the foliage's vertices reaches, by falling lambda. */
-struct bench_ladder_point { double lambda, tuned, q; };
-struct bench_ladder_curve { struct bench_ladder_point at[BENCH_LADDER_POINTS]; uint32_t count; };
+struct bench_ladder_point {
+	double lambda, tuned, q;
+};
+struct bench_ladder_curve {
+	struct bench_ladder_point at[BENCH_LADDER_POINTS];
+	uint32_t count;
+};
 
-enum bench_ladder_kind { BENCH_LADDER_GREEDY, BENCH_LADDER_SHUFFLED, BENCH_LADDER_BARE, BENCH_LADDER_ONE,
-	BENCH_LADDER_KINDS };
+enum bench_ladder_kind {
+	BENCH_LADDER_GREEDY,
+	BENCH_LADDER_SHUFFLED,
+	BENCH_LADDER_BARE,
+	BENCH_LADDER_ONE,
+	BENCH_LADDER_KINDS
+};
 
 struct bench_ladder {
-	uint32_t elements, vertices;         /* of the foliage */
+	uint32_t elements, vertices; /* of the foliage */
 	double cook_q[BENCH_SPACINGS][BENCH_DISTANCES];
 	struct bench_ladder_curve kind[BENCH_LADDER_KINDS];
-	double greedy_cpu_s, random_cpu_s;   /* of the two builds */
+	double greedy_cpu_s, random_cpu_s; /* of the two builds */
 };
 
 /* `seed`: of both orders. The caller keeps the model. */
@@ -40,8 +57,8 @@ enum eco_code bench_ladder_measure(struct bench *bench, struct bench_ladder *lad
 enum eco_code bench_ladder_splats(struct bench *bench, struct bench_ladder_curve *curve,
 	const struct eco_model *model, struct eco_error *error);
 
-/* The least lambda of either curve whose Q is at least `q`; where the other curve has the higher tuned Q at no
- * more vertices a point does not count. 1 if there is none. */
+/* The least lambda of either curve whose Q is at least `q`, 1 if there is none. A point does not count where
+ * the other curve has the higher tuned Q at no more vertices. */
 double bench_ladder_reach(const struct bench_ladder_curve *lists, const struct bench_ladder_curve *splats,
 	double q);
 /* Share of Cook's vertices that a row saves: mean of distances, or (`total`) of all distances together. */

@@ -18,7 +18,8 @@ static double tuned_at(const struct bench_ladder_curve *curve, double lambda)
 	return low->tuned + t * (high->tuned - low->tuned);
 }
 
-static double reach_one(const struct bench_ladder_curve *curve, const struct bench_ladder_curve *other, double q)
+static double reach_one(const struct bench_ladder_curve *curve, const struct bench_ladder_curve *other,
+	double q)
 {
 	double least = 1;
 	for (uint32_t i = curve->count; i-- > 0;) {
@@ -26,9 +27,10 @@ static double reach_one(const struct bench_ladder_curve *curve, const struct ben
 		if (at->q < q || (other && tuned_at(other, at->lambda) > at->tuned))
 			continue;
 		least = at->lambda;
-		if (i + 1 < curve->count && below->q < q && at->q > below->q
-				&& (!other || tuned_at(other, below->lambda) <= below->tuned))
-			least = below->lambda + (q - below->q) / (at->q - below->q) * (at->lambda - below->lambda);
+		if (i + 1 < curve->count && below->q < q && at->q > below->q &&
+			(!other || tuned_at(other, below->lambda) <= below->tuned))
+			least = below->lambda +
+				(q - below->q) / (at->q - below->q) * (at->lambda - below->lambda);
 		break;
 	}
 	return least;
@@ -52,8 +54,8 @@ double bench_ladder_saving(const struct bench_ladder *ladder, const struct bench
 	double sum = 0, ours = 0, cook = 0;
 	for (uint32_t d = 0; d < BENCH_DISTANCES; d++) {
 		double left = 1 - bench_distance(spacing, d), lambda = left * left,
-			reached = bench_ladder_reach(&ladder->kind[kinds[row]], all ? splats : NULL,
-			ladder->cook_q[spacing][d]);
+		       reached = bench_ladder_reach(&ladder->kind[kinds[row]], all ? splats : NULL,
+			       ladder->cook_q[spacing][d]);
 		sum += 1 - reached / lambda;
 		ours += reached;
 		cook += lambda;

@@ -33,7 +33,7 @@ UNIT_TEST(splats_count_where_tuning_views_prefer_them)
 	assert_true(bench_ladder_reach(&lists, &splats, 0.55) == 0.1);
 	/* at 0.25 splats of 0.1 are better, at 1 the lists are */
 	assert_true(fabs(bench_ladder_reach(&lists, &splats, 0.7) - 1) < 1e-12);
-	splats.at[0].tuned = 0.2;        /* better in the test views alone: not chosen by them */
+	splats.at[0].tuned = 0.2; /* better in the test views alone: not chosen by them */
 	assert_true(bench_ladder_reach(&lists, &splats, 0.55) > 0.25);
 	splats.at[0] = (struct bench_ladder_point){ 0.1, 0.6, 0.1 };
 	assert_true(fabs(bench_ladder_reach(&lists, &splats, 0.45) - 1) < 1e-12);
@@ -51,13 +51,13 @@ UNIT_TEST(cook_saves_nothing_against_himself)
 	for (double left = 1; left > 0.04; left -= 0.02)
 		curve->at[curve->count++] = (struct bench_ladder_point){ left * left, left, left };
 	for (int total = 0; total < 2; total++)
-		assert_true(fabs(bench_ladder_saving(&ladder, NULL, BENCH_LADDER_LISTS, BENCH_NEAR, total))
-			< 2e-3);
+		assert_true(fabs(bench_ladder_saving(&ladder, NULL, BENCH_LADDER_LISTS, BENCH_NEAR, total)) <
+			2e-3);
 	for (uint32_t i = 0; i < curve->count; i++)
 		curve->at[i].lambda /= 4;
 	for (int total = 0; total < 2; total++)
-		assert_true(fabs(bench_ladder_saving(&ladder, NULL, BENCH_LADDER_LISTS, BENCH_NEAR, total)
-			- 0.75) < 2e-3);
+		assert_true(fabs(bench_ladder_saving(&ladder, NULL, BENCH_LADDER_LISTS, BENCH_NEAR, total) -
+				    0.75) < 2e-3);
 }
 
 UNIT_TEST(intervals_hold_the_mean_and_shrink)
@@ -102,8 +102,8 @@ UNIT_TEST(a_small_tree_is_measured)
 	}
 	assert_true(ladder.cook_q[BENCH_NEAR][0] == 1 && ladder.cook_q[BENCH_NEAR][15] < 0.9);
 	double ours = bench_ladder_saving(&ladder, &splats, BENCH_LADDER_OURS, BENCH_EVEN, true),
-		lists = bench_ladder_saving(&ladder, &splats, BENCH_LADDER_LISTS, BENCH_EVEN, true),
-		random = bench_ladder_saving(&ladder, &splats, BENCH_LADDER_RANDOM_LISTS, BENCH_EVEN, true);
+	       lists = bench_ladder_saving(&ladder, &splats, BENCH_LADDER_LISTS, BENCH_EVEN, true),
+	       random = bench_ladder_saving(&ladder, &splats, BENCH_LADDER_RANDOM_LISTS, BENCH_EVEN, true);
 	assert_true(ours >= lists - 0.02 && lists > random && random > 0);
 	assert_true(splats.count > 5 && splats.at[0].q > 0.5);
 	/* the impostor is one vertex */
