@@ -16,15 +16,17 @@
 #include "tests/bench/pictures/bench_impostors.h"
 #include "tests/bench/pictures/bench_splats.h"
 
-#define BUDGETS 4u
-static const uint32_t budgets[BUDGETS] = { 12, 48, 200, 1000 };
+#define BUDGETS BENCH_SPLATS_BUDGETS
+const uint32_t bench_splats_budgets[BUDGETS] = { 12, 48, 200, 1000 };
 #define BETWEEN 3u               /* pictures between two levels */
 
-enum kind { OPAQUE, OPACITY, POINTS, KINDS };
-static const char *const kind_names[KINDS] = { "opaque splats", "splats with opacity", "square points" };
+enum kind { OPAQUE = BENCH_SPLATS_OPAQUE, OPACITY = BENCH_SPLATS_OPACITY, POINTS = BENCH_SPLATS_POINTS,
+	KINDS };
+const char *const bench_splats_kind_names[BENCH_SPLATS_KINDS] = { "opaque splats", "splats with opacity",
+	"square points", "best impostor" };
 enum group { FOLIAGE, BARE, CONIFER, GENERATED, GROUPS };
 static const char *const group_names[GROUPS] = { "foliage", "bare", "conifer", "generated" };
-static const double heights_px[BENCH_SPLATS_SIZES] = { 64, 256 };
+const double bench_splats_heights_px[BENCH_SPLATS_SIZES] = { 64, 256 };
 static const double wanted[2][2][BUDGETS] = { { { .66, .74, .78, .795 }, { .67, .76, .815, .85 } },
 	{ { .64, .72, .765, .79 }, { .70, .80, .855, .885 } } };
 
@@ -43,6 +45,10 @@ static enum group group_of(const struct bench_model *model)
 			return plants[i].group;
 	return model->generated ? GENERATED : GROUPS;
 }
+
+bool bench_splats_is_foliage(const struct bench_model *model) { return group_of(model) == FOLIAGE; }
+
+extern const struct bench_section bench_splats;
 
 struct work {
 	struct bench *bench;
@@ -97,7 +103,7 @@ static enum eco_code paint(struct work *w, const struct lod_splats *splats, cons
 	bench_splats_paint(&w->pictures, 7, NULL, NULL, NULL, picture, wide);
 	for (uint32_t b = 0; b < BUDGETS; b++) {
 		struct bench_splats_drawn drawn = { w->drawn,
-			bench_splats_state(splats, budgets[b], w->drawn) };
+			bench_splats_state(splats, bench_splats_budgets[b], w->drawn) };
 		for (uint32_t i = 0; i < drawn.count; i++)
 			memcpy(rgb[i], w->drawn[i].rgb, 3);
 		bench_splats_paint(&w->pictures, 7, bench_splats_draw, &drawn, (const uint8_t (*)[3])rgb,
@@ -125,7 +131,7 @@ static enum eco_code study_splats(struct work *w, const struct eco_model *model,
 		code = eco_fail(error, ECO_UNSUPPORTED, "%s shows nothing", w->model->name);
 	for (uint32_t b = 0; b < BUDGETS && !code; b++) {
 		struct bench_splats_q q;
-		score_splats(w, &splats, budgets[b], BENCH_SPLATS_SIZES, &q);
+		score_splats(w, &splats, bench_splats_budgets[b], BENCH_SPLATS_SIZES, &q);
 		json_array_append_new(row, json_pack("[f, f]", q.hard, q.soft));
 	}
 	snprintf(file, sizeof file, "splats-%s-%s.png", w->model->name, opaque ? "opaque" : "opacity");
@@ -150,7 +156,7 @@ static enum eco_code study_points(struct work *w, const struct eco_model *model,
 		return code;
 	for (uint32_t b = 0; b < BUDGETS; b++) {
 		struct bench_splats_q q, best = { -1, -1 };
-		struct bench_points_drawn drawn = { &plant, budgets[b], 1 };
+		struct bench_points_drawn drawn = { &plant, bench_splats_budgets[b], 1 };
 		double growth = 1;
 		for (size_t i = 0; i < sizeof growths / sizeof *growths; i++) {
 			drawn.growth = growths[i];
@@ -182,7 +188,7 @@ static enum eco_code study_plant(struct bench *bench, const struct bench_model *
 	json_t *rows[KINDS], *few = json_array(), *impostors = json_array();
 	for (int k = 0; k < KINDS; k++)
 		rows[k] = json_array();
-	code = bench_splats_open(&w.pictures, &model, heights_px, error);
+	code = bench_splats_open(&w.pictures, &model, bench_splats_heights_px, error);
 	double ceiling = w.pictures.ceiling;
 	if (!code)
 		code = study_splats(&w, &model, true, rows[OPAQUE], NULL, error);
@@ -200,14 +206,54 @@ static enum eco_code study_plant(struct bench *bench, const struct bench_model *
 	return code;
 }
 
-/* ---- Tables ---- */
-
-struct sums { double q[KINDS][2][BUDGETS], ceiling, seconds[2], dip; uint32_t count; };
+static enum eco_code unit_of(struct bench *bench, const struct bench_model *model, json_t **unit,
+	struct eco_error *error)
+{
+	char name[640];
+	snprintf(name, sizeof name, "splats-%s-%s", model->name, model->path);
+	*unit = bench_recall(bench, name, NULL);
+	if (*unit)
+		return ECO_OK;
+	json_t *result = NULL;
+	enum eco_code code = study_plant(bench, model, &result, error);
+	if (code)
+		json_decref(result);
+	else
+		*unit = bench_keep(bench, name, NULL, result);
+	return code;
+}
 
 static double number(json_t *row, uint32_t b, size_t i)
 {
 	return json_number_value(json_array_get(json_array_get(row, b), i));
 }
+
+enum eco_code bench_splats_of(struct bench *bench, const struct bench_model *model,
+	struct bench_splats_q q[BENCH_SPLATS_KINDS][BENCH_SPLATS_BUDGETS], struct eco_error *error)
+{
+	json_t *unit = NULL;
+	const char *before = bench_objects(bench, bench_splats.objects);
+	enum eco_code code = unit_of(bench, model, &unit, error);
+	bench_objects(bench, before);
+	json_t *impostors = json_object_get(unit, "impostors");
+	for (uint32_t b = 0; b < BUDGETS && !code; b++) {
+		struct bench_splats_q *best = &q[BENCH_SPLATS_IMPOSTOR][b];
+		for (int k = 0; k < KINDS; k++) {
+			json_t *row = json_array_get(json_object_get(unit, "rows"), (size_t)k);
+			q[k][b] = (struct bench_splats_q){ number(row, b, 0), number(row, b, 1) };
+		}
+		*best = (struct bench_splats_q){ 0, 0 };
+		for (uint32_t i = 0; i < json_array_size(impostors); i++) {
+			best->hard = fmax(best->hard, number(impostors, i, 2));
+			best->soft = fmax(best->soft, number(impostors, i, 3));
+		}
+	}
+	return code;
+}
+
+/* ---- Tables ---- */
+
+struct sums { double q[KINDS][2][BUDGETS], ceiling, seconds[2], dip; uint32_t count; };
 
 static void write_row(struct bench_table *table, const char *plant, const char *kind, const char *more,
 	const double q[2][BUDGETS])
@@ -236,7 +282,7 @@ static void add_plant(struct bench_table *table, const struct bench_model *model
 			sums->dip = fmax(sums->dip, number(row, BUDGETS, 0));
 			sums->seconds[k] = fmax(sums->seconds[k], number(row, BUDGETS, 1));
 		}
-		write_row(table, model->name, kind_names[k], more, (const double (*)[BUDGETS])q);
+		write_row(table, model->name, bench_splats_kind_names[k], more, (const double (*)[BUDGETS])q);
 	}
 }
 
@@ -251,7 +297,7 @@ static void write_means(struct bench_table *table, const struct sums sums[GROUPS
 					/ sums[g].count;
 			snprintf(more, sizeof more, "%.3f,%u", sums[g].ceiling / sums[g].count,
 				sums[g].count);
-			write_row(table, group_names[g], kind_names[k], more, (const double (*)[BUDGETS])q);
+			write_row(table, group_names[g], bench_splats_kind_names[k], more, (const double (*)[BUDGETS])q);
 		}
 }
 
@@ -261,7 +307,7 @@ static void write_keys(struct bench *bench, const struct sums *s)
 	for (int k = 0; k < POINTS; k++)
 		for (uint32_t b = 0; b < 2 * BUDGETS; b++) {
 			snprintf(key, sizeof key, "splats_%s_%s_%u", k == OPAQUE ? "opaque" : "opacity",
-				b < BUDGETS ? "hard" : "soft", budgets[b % BUDGETS]);
+				b < BUDGETS ? "hard" : "soft", bench_splats_budgets[b % BUDGETS]);
 			snprintf(bar, sizeof bar, ">= %.3f", wanted[k][b / BUDGETS][b % BUDGETS]);
 			bench_key(bench, key, s->count ? s->q[k][b / BUDGETS][b % BUDGETS] / s->count : NAN,
 				bar);
@@ -279,20 +325,13 @@ static enum eco_code study_all(struct bench *bench, const struct bench_model *mo
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < count && !code; i++) {
 		enum group group = group_of(&models[i]);
-		char unit[640], file[100];
+		char file[100];
+		json_t *result = NULL;
 		bool enough = group == GENERATED && !bench->full && sums[group].count == GENERATED_QUICK;
 		if (group == GROUPS || enough)
 			continue;
 		bench_progress(bench, (double)i / count, models[i].name);
-		snprintf(unit, sizeof unit, "splats-%s-%s", models[i].name, models[i].path);
-		json_t *result = bench_recall(bench, unit, NULL);
-		if (!result) {
-			code = study_plant(bench, &models[i], &result, error);
-			if (code)
-				json_decref(result);
-			else
-				result = bench_keep(bench, unit, NULL, result);
-		}
+		code = unit_of(bench, &models[i], &result, error);
 		if (!code) {
 			add_plant(table, &models[i], result, &sums[group]);
 			bench_impostors_add(&impostors[group], models[i].name,
@@ -337,5 +376,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 }
 
 const struct bench_section bench_splats = { .name = "splats", .title = "Plants of few splats", .run = run,
-	.objects = BENCH_OBJECTS_PLANTS "tests/bench/pictures/bench_splats*.o "
-		"tests/bench/pictures/bench_impostors*.o" };
+	.objects = BENCH_OBJECTS_PLANTS BENCH_OBJECTS_SPLATS };

@@ -6,6 +6,7 @@
 #include "lod/build/plant.h"
 #include "lod/build/splat/splat_fit.h"
 #include "lod/raster/raster.h"
+#include "tests/bench/bench.h"
 
 #define BENCH_SPLATS_VIEWS 24u           /* of elevation -10 to 60 degrees, as good as orthographic */
 #define BENCH_SPLATS_SIZES 2u            /* projected heights */
@@ -50,5 +51,22 @@ void bench_splats_draw(const void *drawn, struct lod_raster *raster);
  * organ by its area. `growth`: areas of points over those that keep the sum. */
 struct bench_points_drawn { const struct lod_plant *plant; uint32_t vertices; double growth; };
 void bench_points_draw(const void *drawn, struct lod_raster *raster);
+
+/* ---- Figures of the section `splats`, for others that stand beside them ---- */
+
+#define BENCH_SPLATS_BUDGETS 4u
+extern const uint32_t bench_splats_budgets[BENCH_SPLATS_BUDGETS];        /* vertices: 12, 48, 200, 1000 */
+extern const double bench_splats_heights_px[BENCH_SPLATS_SIZES];
+/* OPAQUE, OPACITY: splats. POINTS: square points of the pack's order. IMPOSTOR: the best level, one vertex. */
+enum bench_splats_kind { BENCH_SPLATS_OPAQUE, BENCH_SPLATS_OPACITY, BENCH_SPLATS_POINTS,
+	BENCH_SPLATS_IMPOSTOR, BENCH_SPLATS_KINDS };
+extern const char *const bench_splats_kind_names[BENCH_SPLATS_KINDS];
+
+/* Whether it is one of the plants with leaves that the section's bars are for. */
+bool bench_splats_is_foliage(const struct bench_model *model);
+/* Recalls a plant's figures, or measures them; its hard and soft Q by kind and budget. */
+enum eco_code bench_splats_of(struct bench *bench, const struct bench_model *model,
+	struct bench_splats_q q[BENCH_SPLATS_KINDS][BENCH_SPLATS_BUDGETS], struct eco_error *error);
+#define BENCH_OBJECTS_SPLATS "tests/bench/pictures/bench_splats*.o tests/bench/pictures/bench_impostors*.o "
 
 #endif
