@@ -10,6 +10,7 @@
 
 #define WELD_BITS 16u
 #define FLAT 0.05                    /* of the diagonal: lower plants are measured by that */
+#define TOLERANCE 0.001
 #define EPSILON_FIRST (1.0 / 128)    /* of the ladder */
 #define EPSILON_LAST (1.0 / 6)
 #define EPSILON_STEP 1.41421356
@@ -18,6 +19,7 @@
 static struct lod_billboard_options completed(const struct lod_billboard_options *given)
 {
 	struct lod_billboard_options o = *given;
+	o.tolerance = o.tolerance > 0 ? o.tolerance : TOLERANCE;
 	o.radius = o.radius > 0 ? o.radius : 0.05;
 	o.node = o.node > 0 ? o.node : 1.0 / 64;
 	o.sections = !o.sections ? 4 : o.sections < BILLBOARD_QUADS ? o.sections : BILLBOARD_QUADS;
@@ -109,7 +111,7 @@ static void settle(struct billboard_work *work)
 {
 	const struct lod_billboard_options *o = &work->options;
 	double epsilon = o->epsilon > 0 ? o->epsilon : o->pixels > 0 ? 0.5 / o->pixels : EPSILON_FIRST;
-	double most = o->tolerance > 0 ? o->tolerance : ERROR_MOST;
+	double most = o->tolerance > TOLERANCE ? o->tolerance : ERROR_MOST;
 	bool given = o->epsilon > 0 || o->pixels > 0;
 	for (;; epsilon *= EPSILON_STEP) {
 		billboard_parts_settle(work, epsilon);

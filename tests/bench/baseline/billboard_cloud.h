@@ -37,9 +37,9 @@ enum lod_billboard_form { LOD_BILLBOARD_CROSS, LOD_BILLBOARD_PLANE, LOD_BILLBOAR
 
 struct lod_billboard_options {
 	uint32_t cap;                /* billboards at most; 0: none are made */
-	double tolerance;            /* a part's error that is accepted; 0: parts split while cap allows */
+	double tolerance;            /* a part's error that is accepted: .001 */
 	/* 0: half a pixel, if there are pixels; else the least of a ladder for which the cloud's mean error
-	 * holds the tolerance, or .5 without one */
+	 * holds the tolerance, or .5 if that is not given */
 	double epsilon;
 	double pixels;               /* the plant's height on the screen: the viewer's distance */
 	double radius;               /* of influence in the density field: .05 */

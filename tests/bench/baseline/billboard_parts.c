@@ -1,6 +1,6 @@
 /* Which parts of the plant stand as billboards (Kratt 2014, 3.2 and 3.4): first parts from the tips towards
- * the trunk, then the worst is split while that pays, and the cheapest is joined with the part that bears it
- * while there are too many billboards or joining costs nothing. Some of a part's faces decide. */
+ * the trunk, then the worst is split, and the cheapest is joined with the part that bears it where there are
+ * too many billboards or joining costs nothing. Some of a part's faces decide. */
 #include <math.h>
 #include <string.h>
 
@@ -145,8 +145,9 @@ static uint32_t merged_fit(struct billboard_work *w, uint32_t part, struct billb
 	return to;
 }
 
-/* The part whose joining costs least, neither `but` nor borne by it; ECO_NONE if there is none. */
-static uint32_t cheapest_merge(struct billboard_work *w, uint32_t but)
+/* The part whose joining costs least, neither `but` nor borne by it, and leaves an error up to `most`;
+ * ECO_NONE if there is none. */
+static uint32_t cheapest_merge(struct billboard_work *w, uint32_t but, double most)
 {
 	uint32_t best = ECO_NONE;
 	for (uint32_t i = 0; i < w->part_count; i++) {
@@ -158,9 +159,10 @@ static uint32_t cheapest_merge(struct billboard_work *w, uint32_t but)
 			struct billboard_fit fit;
 			merged_fit(w, i, &fit);
 			p->merge_cost = loss(w, &fit) - loss(w, &p->fit) - loss(w, &w->parts[to].fit);
+			p->merge_error = fit.error;
 			p->merge_known = true;
 		}
-		if (best == ECO_NONE || p->merge_cost < w->parts[best].merge_cost)
+		if (p->merge_error <= most && (best == ECO_NONE || p->merge_cost < w->parts[best].merge_cost))
 			best = i;
 	}
 	return best;
@@ -181,12 +183,13 @@ static void merge(struct billboard_work *w, uint32_t part)
 	w->merges++;
 }
 
-/* Merges that cost nothing, and as many more as the cap wants. */
+/* As many merges as the cap wants, and others that cost nothing and hold the tolerance. */
 static void merge_down(struct billboard_work *w)
 {
 	for (;;) {
-		uint32_t part = cheapest_merge(w, ECO_NONE);
-		if (part == ECO_NONE || (w->quad_count <= w->options.cap && w->parts[part].merge_cost > 0))
+		bool over = w->quad_count > w->options.cap;
+		uint32_t part = cheapest_merge(w, ECO_NONE, over ? INFINITY : w->options.tolerance);
+		if (part == ECO_NONE || (!over && w->parts[part].merge_cost > 0))
 			break;
 		merge(w, part);
 	}
@@ -214,7 +217,7 @@ static uint32_t worst_part(const struct billboard_work *w)
 	return worst;
 }
 
-/* Splits a part if that pays, with a merge elsewhere if there is no room; else keeps it. */
+/* Splits a part where there is room, or where that pays for a merge elsewhere; else keeps it. */
 static void split_or_keep(struct billboard_work *w, uint32_t part)
 {
 	struct billboard_fit fit[2];
@@ -229,10 +232,8 @@ static void split_or_keep(struct billboard_work *w, uint32_t part)
 	double gain = loss(w, &w->parts[part].fit) - loss(w, &fit[0]) - loss(w, &fit[1]);
 	before = w->parts[part].fit.quad_count;
 	after = fit[0].quad_count + fit[1].quad_count;
-	if (!(gain > 0))
-		return;
 	if (w->quad_count - before + after > w->options.cap) {
-		merged = cheapest_merge(w, part);
+		merged = cheapest_merge(w, part, INFINITY);
 		if (merged == ECO_NONE || !(w->parts[merged].merge_cost < gain))
 			return;
 		merge(w, merged);

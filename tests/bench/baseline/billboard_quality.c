@@ -117,8 +117,8 @@ void billboard_density(double *density, const struct lod_v3 *generators, uint32_
 	for (uint32_t i = 0; i < count; i++)
 		f.items[i] = (struct lod_keyed){ key_of(&f, generators[i], 0, 0, 0), i };
 	lod_sort(arena, f.items, count);
-	for (uint32_t i = 0; i < count; i++)
-		density[i] = density_at(&f, generators[i]);
+	for (uint32_t i = 0; i < count; i++)         /* none hides itself */
+		density[i] = density_at(&f, generators[i]) - 1;
 	lod_arena_release(arena, mark);
 }
 

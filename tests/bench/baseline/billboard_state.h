@@ -102,7 +102,7 @@ void billboard_coverage_of(struct billboard_coverage *sum, const struct billboar
 /* sigma (1 - C / area); 0 without area */
 double billboard_error(const struct billboard_coverage *coverage, double sigma);
 
-/* The sum over generators of (1 - (d / radius)^2)^2 within `radius`, at each of them. */
+/* The sum over all other generators of (1 - (d / radius)^2)^2 within `radius`, at each of them. */
 void billboard_density(double *density, const struct lod_v3 *generators, uint32_t count, double radius,
 	struct lod_arena *arena);
 /* 1 for density <= 0, 0 from `most` on, linear between; 1 if most is not above 0. */
@@ -142,7 +142,7 @@ struct billboard_part {
 	struct billboard_fit fit;
 	/* by how much the sum of errors grows, less price, when it is joined with the part that bears it;
 	 * known while neither has changed */
-	double merge_cost;
+	double merge_cost, merge_error;
 	bool merge_known;
 };
 
