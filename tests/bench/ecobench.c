@@ -6,7 +6,8 @@
 extern const struct bench_section bench_packs, bench_frames, bench_pictures, bench_cards,
 	bench_monotone, bench_rules, bench_species, bench_ladder, bench_path, bench_drawn, bench_collapse,
 	bench_lee, bench_scale, bench_hierarchy, bench_colour, bench_importance, bench_steadiness,
-	bench_extreme, bench_splats, bench_deussen, bench_neubert, bench_requests, bench_needs, bench_planner;
+	bench_extreme, bench_splats, bench_billboards, bench_deussen, bench_neubert, bench_requests,
+	bench_needs, bench_planner;
 
 int main(int argc, char **argv)
 {
@@ -14,6 +15,7 @@ int main(int argc, char **argv)
 		&bench_pictures, &bench_cards, &bench_monotone, &bench_rules, &bench_species, &bench_ladder,
 		&bench_path, &bench_drawn, &bench_collapse, &bench_lee, &bench_scale, &bench_hierarchy,
 		&bench_colour, &bench_importance, &bench_steadiness, &bench_extreme, &bench_splats,
-		&bench_deussen, &bench_neubert, &bench_requests, &bench_needs, &bench_planner, NULL };
+		&bench_billboards, &bench_deussen, &bench_neubert, &bench_requests, &bench_needs,
+		&bench_planner, NULL };
 	return bench_main(argc, argv, sections);
 }

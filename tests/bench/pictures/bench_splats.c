@@ -155,7 +155,7 @@ static enum eco_code study_points(struct work *w, const struct eco_model *model,
 	if (code)
 		return code;
 	for (uint32_t b = 0; b < BUDGETS; b++) {
-		struct bench_splats_q q, best = { -1, -1 };
+		struct bench_splats_q q, best = { .hard = -1 };
 		struct bench_points_drawn drawn = { &plant, bench_splats_budgets[b], 1 };
 		double growth = 1;
 		for (size_t i = 0; i < sizeof growths / sizeof *growths; i++) {
@@ -240,9 +240,10 @@ enum eco_code bench_splats_of(struct bench *bench, const struct bench_model *mod
 		struct bench_splats_q *best = &q[BENCH_SPLATS_IMPOSTOR][b];
 		for (int k = 0; k < KINDS; k++) {
 			json_t *row = json_array_get(json_object_get(unit, "rows"), (size_t)k);
-			q[k][b] = (struct bench_splats_q){ number(row, b, 0), number(row, b, 1) };
+			q[k][b] = (struct bench_splats_q){ .hard = number(row, b, 0),
+				.soft = number(row, b, 1) };
 		}
-		*best = (struct bench_splats_q){ 0, 0 };
+		*best = (struct bench_splats_q){ 0 };
 		for (uint32_t i = 0; i < json_array_size(impostors); i++) {
 			best->hard = fmax(best->hard, number(impostors, i, 2));
 			best->soft = fmax(best->soft, number(impostors, i, 3));
@@ -297,7 +298,8 @@ static void write_means(struct bench_table *table, const struct sums sums[GROUPS
 					/ sums[g].count;
 			snprintf(more, sizeof more, "%.3f,%u", sums[g].ceiling / sums[g].count,
 				sums[g].count);
-			write_row(table, group_names[g], bench_splats_kind_names[k], more, (const double (*)[BUDGETS])q);
+			write_row(table, group_names[g], bench_splats_kind_names[k], more,
+				(const double (*)[BUDGETS])q);
 		}
 }
 

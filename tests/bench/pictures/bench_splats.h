@@ -25,7 +25,7 @@ struct bench_splats_pictures {
 	double ceiling;                  /* mean lod_q_ceiling of all pictures */
 };
 /* Means over views and sizes. */
-struct bench_splats_q { double hard, soft; };
+struct bench_splats_q { double hard, soft, precision, recall; };     /* the last two: of one sample a pixel */
 
 /* Draws the whole plant in all pictures, in which it is that high. */
 enum eco_code bench_splats_open(struct bench_splats_pictures *pictures, const struct eco_model *model,
@@ -57,7 +57,8 @@ void bench_points_draw(const void *drawn, struct lod_raster *raster);
 #define BENCH_SPLATS_BUDGETS 4u
 extern const uint32_t bench_splats_budgets[BENCH_SPLATS_BUDGETS];        /* vertices: 12, 48, 200, 1000 */
 extern const double bench_splats_heights_px[BENCH_SPLATS_SIZES];
-/* OPAQUE, OPACITY: splats. POINTS: square points of the pack's order. IMPOSTOR: the best level, one vertex. */
+/* OPAQUE, OPACITY: splats. POINTS: square points of the pack's order. IMPOSTOR: the best level, of one
+ * vertex. */
 enum bench_splats_kind { BENCH_SPLATS_OPAQUE, BENCH_SPLATS_OPACITY, BENCH_SPLATS_POINTS,
 	BENCH_SPLATS_IMPOSTOR, BENCH_SPLATS_KINDS };
 extern const char *const bench_splats_kind_names[BENCH_SPLATS_KINDS];

@@ -183,7 +183,7 @@ void bench_splats_score(struct bench_splats_pictures *p, uint32_t which,
 	uint32_t first = which < BENCH_SPLATS_SIZES ? which : 0,
 		end = which < BENCH_SPLATS_SIZES ? which + 1 : BENCH_SPLATS_SIZES;
 	double share = 1.0 / (BENCH_SPLATS_VIEWS * (end - first));
-	*q = (struct bench_splats_q){ 0, 0 };
+	*q = (struct bench_splats_q){ 0 };
 	for (uint32_t i = first; i < end; i++)
 		for (uint32_t view = 0; view < BENCH_SPLATS_VIEWS; view++) {
 			struct bench_splats_size *size = &p->sizes[i];
@@ -194,6 +194,8 @@ void bench_splats_score(struct bench_splats_pictures *p, uint32_t which,
 				.height = size->side, .cover = size->raster.cover,
 				.reference = size->hard[view] });
 			q->hard += share * score.q;
+			q->precision += share * score.precision;
+			q->recall += share * score.recall;
 			start(p, view, &size->fine);
 			draw(what, &size->fine);
 			count_samples(&size->fine, size->side, SIDE, size->count);
