@@ -217,16 +217,20 @@ static void fit_frond(double (*rise)(double x))
 static double level(double x) { return 0.3 * x; }
 static double arch(double x) { return x * (1 - x); }
 
-static double worst_distance(const struct billboard_quad *quads, uint32_t count)
+/* Of all corners; the mean distance goes to *mean unless that is NULL. */
+static double worst_distance(const struct billboard_quad *quads, uint32_t count, double *mean)
 {
-	double worst = 0;
+	double worst = 0, sum = 0;
 	for (uint32_t i = 0; i < fit_input.count; i++)
 		for (int k = 0; k < 3; k++) {
 			double best = INFINITY;
 			for (uint32_t q = 0; q < count; q++)
 				best = fmin(best, billboard_quad_distance(&quads[q], fit_faces[i].corner[k]));
 			worst = fmax(worst, best);
+			sum += best / (3 * fit_input.count);
 		}
+	if (mean)
+		*mean = sum;
 	return worst;
 }
 
@@ -235,7 +239,7 @@ UNIT_TEST(a_plane_is_fitted_to_all_corners)
 	struct billboard_quad quad[BILLBOARD_QUADS];
 	fit_frond(level);
 	assert_int_equal(billboard_fit(quad, LOD_BILLBOARD_PLANE, &fit_input), 1);
-	assert_true(worst_distance(quad, 1) < 1e-9);
+	assert_true(worst_distance(quad, 1, NULL) < 1e-9);
 	assert_true(near(fabs(quad[0].normal.y), 0) && near(quad[0].width, sqrt(1.09) / 2));
 	assert_true(near(quad[0].height, 0.1));
 }
@@ -276,7 +280,9 @@ UNIT_TEST(sections_of_a_strip_are_connected_and_follow_its_bend)
 	uint32_t count = billboard_fit(quad, LOD_BILLBOARD_STRIP, &fit_input);
 	assert_int_equal(count, 4);
 	billboard_fit(plane, LOD_BILLBOARD_PLANE, &fit_input);
-	assert_true(worst_distance(quad, count) < 0.6 * worst_distance(plane, 1));
+	double strip_mean, plane_mean;
+	assert_true(worst_distance(quad, count, &strip_mean) < 0.6 * worst_distance(plane, 1, &plane_mean));
+	assert_true(strip_mean < 0.1 * plane_mean);
 	for (uint32_t i = 0; i + 1 < count; i++) {
 		const struct billboard_quad *next = &quad[i + 1];
 		struct lod_v3 end = lod_v3_add(quad[i].center, lod_v3_scale(quad[i].v, quad[i].height)),
@@ -358,6 +364,24 @@ CLOUD_TEST(a_leaf_hangs_on_its_twig_and_not_on_the_leaf_beside_it)
 		material_of[t] = t < twig ? 0 : 7;
 	weld();
 	assert_int_equal(bearer_of(first), component_of(twig));
+}
+
+/* A leaf beside both, which is found first by the other leaf. */
+CLOUD_TEST(of_the_equally_near_the_largest_bears)
+{
+	none();
+	tube(O, Z, 0.02, 0.1);
+	uint32_t twig = model.triangle_count;
+	tube((struct lod_v3){ 0.062, 0, 0.3 }, (struct lod_v3){ 0.462, 0, 0.3 }, 0.002, 0.02);
+	uint32_t leaves = model.triangle_count;
+	leaf((struct lod_v3){ 0.02, 0.001, 0.3 }, (struct lod_v3){ 0.1, 0, 0 },
+		(struct lod_v3){ 0, 0, 0.005 });
+	leaf((struct lod_v3){ 0.121, 0.002, 0.3 }, (struct lod_v3){ 0.03, 0.05, 0 },
+		(struct lod_v3){ 0, 0.05, 0 });
+	weld();
+	assert_int_equal(bearer_of(leaves), component_of(0));
+	assert_int_equal(bearer_of(twig), component_of(leaves));
+	assert_int_equal(bearer_of(leaves + 2), component_of(twig));
 }
 
 CLOUD_TEST(a_tube_becomes_a_chain_that_forks_where_it_forks)
@@ -458,6 +482,18 @@ CLOUD_TEST(the_cap_is_never_exceeded_and_is_used)
 	tidy(NULL);
 	make(&(struct lod_billboard_options){ .cap = 0 });
 	assert_int_equal(cloud.count, 0);
+}
+
+CLOUD_TEST(a_part_is_split_evenly)
+{
+	grow_tree(7, 20, 12);
+	make(&(struct lod_billboard_options){ .cap = 2, .epsilon = 0.03, .box = 60,
+		.forms = 1u << LOD_BILLBOARD_PLANE });
+	assert_int_equal(cloud.splits, 1);
+	double size[2];
+	for (int i = 0; i < 2; i++)
+		size[i] = lod_v3_length(cloud.items[i].u) * lod_v3_length(cloud.items[i].v);
+	assert_true(size[0] < 4 * size[1] && size[1] < 4 * size[0]);
 }
 
 CLOUD_TEST(forms_that_may_not_be_used_are_not)

@@ -12,8 +12,8 @@
 #define FLAT 0.05                    /* of the diagonal: lower plants are measured by that */
 #define TOLERANCE 0.001
 #define EPSILON_FIRST (1.0 / 128)    /* of the ladder */
-#define EPSILON_LAST (1.0 / 6)
 #define EPSILON_STEP 1.41421356
+#define EPSILON_RUNGS 10
 #define ERROR_MOST 0.5               /* with which epsilon is chosen: beyond it parts are mostly invalid */
 
 static struct lod_billboard_options completed(const struct lod_billboard_options *given)
@@ -107,17 +107,29 @@ void lod_billboard_plant_close(struct lod_billboard_plant *plant)
 
 /* ---- A cloud ---- */
 
+/* The least epsilon of a ladder for which the error holds; it falls as epsilon grows. */
 static void settle(struct billboard_work *work)
 {
 	const struct lod_billboard_options *o = &work->options;
-	double epsilon = o->epsilon > 0 ? o->epsilon : o->pixels > 0 ? 0.5 / o->pixels : EPSILON_FIRST;
-	double most = o->tolerance > TOLERANCE ? o->tolerance : ERROR_MOST;
-	bool given = o->epsilon > 0 || o->pixels > 0;
-	for (;; epsilon *= EPSILON_STEP) {
-		billboard_parts_settle(work, epsilon);
-		if (given || epsilon >= EPSILON_LAST || billboard_parts_error(work) <= most)
-			return;
+	double rung[EPSILON_RUNGS] = { EPSILON_FIRST }, most = o->tolerance > TOLERANCE ? o->tolerance
+		: ERROR_MOST;
+	uint32_t low = 0, high = EPSILON_RUNGS - 1, last = ECO_NONE;
+	if (o->epsilon > 0 || o->pixels > 0) {
+		billboard_parts_settle(work, o->epsilon > 0 ? o->epsilon : 0.5 / o->pixels);
+		return;
 	}
+	for (uint32_t i = 1; i < EPSILON_RUNGS; i++)
+		rung[i] = rung[i - 1] * EPSILON_STEP;
+	while (low < high) {
+		last = (low + high) / 2;
+		billboard_parts_settle(work, rung[last]);
+		if (billboard_parts_error(work) <= most)
+			high = last;
+		else
+			low = last + 1;
+	}
+	if (last != low)
+		billboard_parts_settle(work, rung[low]);
 }
 
 static enum eco_code weigh_textures(struct lod_billboard_cloud *cloud, struct eco_error *error)

@@ -179,12 +179,14 @@ static void point_of(const struct strip *s, const struct billboard_face *face, i
 	*h = lod_v3_dot(d, s->off);
 }
 
-static void frame_strip(struct strip *s)
+static void frame_strip(struct strip *s, bool turned)
 {
 	const struct billboard_fit_input *in = s->in;
 	s->at = mean_corner(in);
 	s->axis = billboard_axis(in);
 	s->edge = widest_across(in, s->at, s->axis);
+	if (turned)
+		s->edge = lod_v3_cross(s->axis, s->edge);
 	s->off = lod_v3_cross(s->edge, s->axis);
 	struct billboard_quad whole = quad_over(in, s->at, s->axis, s->edge);
 	double t = lod_v3_dot(lod_v3_sub(whole.center, s->at), s->axis),
@@ -300,14 +302,24 @@ static struct billboard_quad section_quad(const struct strip *s, uint32_t i)
 		fmax((s->high_w - s->low_w) / 2, THIN), fmax(sqrt(run * run + rise * rise) / 2, THIN) };
 }
 
-static uint32_t fit_strip(struct billboard_quad *quads, const struct billboard_fit_input *in)
+/* `turned`: across the direction in which the corners lie widest. */
+static struct strip make_strip(const struct billboard_fit_input *in, bool turned)
 {
 	struct strip s = { .in = in, .count = in->sections };
 	s.count = s.count < 1 ? 1 : s.count > BILLBOARD_QUADS ? BILLBOARD_QUADS : s.count;
-	frame_strip(&s);
+	frame_strip(&s, turned);
 	for (uint32_t i = 0; i <= s.count; i++)
 		s.bound[i] = i == s.count ? s.high_t : s.low_t + (s.high_t - s.low_t) * i / s.count;
 	fit_sections(&s);
+	return s;
+}
+
+/* A leaf that bends by more than its width lies widest in its bend, which sections are to follow. */
+static uint32_t fit_strip(struct billboard_quad *quads, const struct billboard_fit_input *in)
+{
+	struct strip s = make_strip(in, false), turned = make_strip(in, true);
+	if (worst_error(&turned) < worst_error(&s))
+		s = turned;
 	merge_sections(&s);
 	for (uint32_t i = 0; i < s.count; i++)
 		quads[i] = section_quad(&s, i);

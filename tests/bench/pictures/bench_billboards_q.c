@@ -47,7 +47,9 @@ static void draw_cloud(const void *cloud, struct lod_raster *raster)
 static enum eco_code make_cloud(struct study *s, int kind, uint32_t cap, struct lod_billboard_cloud *cloud,
 	struct eco_error *error)
 {
-	const struct lod_billboard_options options = { .cap = bench_billboards_caps[cap],
+	/* the same clouds again, without a search for epsilon */
+	double epsilon = kind == BENCH_BILLBOARDS_VALID ? s->q->point[BENCH_BILLBOARDS_ALL][cap].epsilon : 0;
+	const struct lod_billboard_options options = { .cap = bench_billboards_caps[cap], .epsilon = epsilon,
 		.forms = kind == BENCH_BILLBOARDS_CROSSES ? 1u << LOD_BILLBOARD_CROSS : 0,
 		.valid_only = kind == BENCH_BILLBOARDS_VALID };
 	struct bench_billboards_point *to = &s->q->point[kind][cap];
