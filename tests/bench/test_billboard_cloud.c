@@ -642,7 +642,7 @@ CLOUD_TEST(a_cloud_looks_like_its_tree)
 	grow_tree(12, 16, 16);
 	make(&(struct lod_billboard_options){ .cap = 100 });
 	double q = q_seen(2);
-	assert_true(q > 0.7);
+	assert_true(q > 0.68);
 	struct lod_billboard_options options = { .cap = 100, .valid_only = true };
 	lod_billboard_cloud_free(&cloud);
 	assert_ok(lod_billboard_cloud_make(&cloud, plant, &options, &error), error);

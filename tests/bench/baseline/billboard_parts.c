@@ -6,7 +6,7 @@
 
 #include "tests/bench/baseline/billboard_state.h"
 
-#define SAMPLE 256u                  /* faces that decide */
+#define SAMPLE 96u                   /* faces that decide */
 #define SEARCH_STEPS 20
 #define PRICE 0.005                   /* of a billboard: share of the mean error of one at the tolerance */
 

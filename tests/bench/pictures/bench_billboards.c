@@ -117,6 +117,8 @@ static void write_caps(const struct tables *t, struct means *means, const char *
 	for (uint32_t i = 0; i < BENCH_BILLBOARDS_KINDS * BENCH_BILLBOARDS_CAPS; i++) {
 		const struct bench_billboards_point *p = &q->point[0][0] + i;
 		uint32_t cap = i % BENCH_BILLBOARDS_CAPS;
+		if (!bench_billboards_has((int)(i / BENCH_BILLBOARDS_CAPS), cap))
+			continue;
 		bench_table_row(t->caps, "%s,%s,%u,%u,%u,%u,%u,%u,%.3f,%.3f,%.4f,%.0f,%.0f,%.1f,%.3f,%.3f,"
 			"%.3f,%.3f", plant, bench_billboards_kind_names[i / BENCH_BILLBOARDS_CAPS],
 			bench_billboards_caps[cap], p->count, p->parts, p->forms[0], p->forms[1], p->forms[2],

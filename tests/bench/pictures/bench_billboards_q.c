@@ -115,6 +115,8 @@ static enum eco_code measure_caps(struct study *s, uint8_t *picture, struct eco_
 		uint32_t cap = i % BENCH_BILLBOARDS_CAPS;
 		int kind = (int)(i / BENCH_BILLBOARDS_CAPS);
 		struct lod_billboard_cloud cloud;
+		if (!bench_billboards_has(kind, cap))
+			continue;
 		code = make_cloud(s, kind, cap, &cloud, error);
 		if (code)
 			return code;

@@ -14,6 +14,11 @@ extern const char *const bench_billboards_kind_names[BENCH_BILLBOARDS_KINDS];
 #define BENCH_BILLBOARDS_CAPS 6u
 extern const uint32_t bench_billboards_caps[BENCH_BILLBOARDS_CAPS];
 #define BENCH_BILLBOARDS_TURNED 4u       /* of the caps: 209 */
+/* Other kinds have no figures for caps without a budget. */
+static inline bool bench_billboards_has(int kind, uint32_t cap)
+{
+	return kind == BENCH_BILLBOARDS_ALL || cap < BENCH_SPLATS_BUDGETS;
+}
 
 struct bench_billboards_point {
 	uint32_t count, parts, forms[3];
