@@ -20,13 +20,15 @@
 #include "ecofiles/format/image.h"
 
 #define PATIENCE_MS 60000                /* with a server that has too much to do */
+#define MEMORY_LEAST (64ull << 10)
+#define MEMORY_MOST (1ull << 40)
 
 enum engine { ENGINE_NONE, ENGINE_AUTO, ENGINE_CPU, ENGINE_EGL };
 
 struct options {
 	const char *url, *camera, *dir, *explain;
 	uint32_t size[2], width, height;
-	uint64_t vertices, bytes;
+	uint64_t vertices, bytes, memory;
 	double ground_px;
 	bool has_frames, compare;
 	uint64_t frame_first, frame_last;
@@ -87,6 +89,23 @@ static enum eco_code read_reference(const char *text, void *value, struct eco_er
 		"egl", text);
 }
 
+/* A size such as 64M: a whole number, then K, M or G (of 1024), or nothing for bytes. */
+static enum eco_code read_memory(const char *text, void *value, struct eco_error *error)
+{
+	static const char units[] = "KMG";
+	uint64_t *bytes = value;
+	char *end;
+	unsigned long long number = strtoull(text, &end, 10);
+	const char *unit = *end ? strchr(units, *end) : NULL;
+	int shift = unit ? 10 * (int)(unit - units + 1) : 0;
+	if (*text < '0' || *text > '9' || (*end && (!unit || end[1])) || number > MEMORY_MOST >> shift
+			|| number << shift < MEMORY_LEAST)
+		return eco_fail(error, ECO_BAD_USAGE, "--memory %.100s: must be a size such as 64M or 2G, "
+			"from 64K to 1024G", text);
+	*bytes = (uint64_t)number << shift;
+	return ECO_OK;
+}
+
 static const char *const rules[] = { "optimal", "deussen", NULL };
 static const char *const tints[] = { [VIEW_TINT_NONE] = "none", [VIEW_TINT_KIND] = "kind", NULL };
 
@@ -103,6 +122,9 @@ static const struct eco_option option_table[] = {
 		.help = "where pictures and report.json go; made if missing" },
 	{ "bytes", 0, ECO_OPTION_COUNT, "M", &given.bytes, 0, INT64_MAX,
 		.help = "budget of each response; none if not given" },
+	{ "memory", 0, ECO_OPTION_READ, "SIZE", &given.memory, .read = read_memory,
+		.help = "of decoded data held, such as 64M (K, M, G; 8G if not given): what was not needed "
+		"for the longest time goes, and is fetched again where it is needed; not of the reference" },
 	{ "ground-px", 0, ECO_OPTION_NUMBER, "X", &given.ground_px, ECO_GROUND_PX_MIN, ECO_GROUND_PX_MAX,
 		.help = "how far the ground may be from where it is, 0.01 to 65536 pixels; 1 if not given" },
 	{ "rule", 0, ECO_OPTION_CHOICE, "NAME", &given.rule, .choices = rules,
@@ -126,8 +148,8 @@ static const struct eco_option option_table[] = {
 		.help = "only these frames of the script (inclusive)" }, { 0 } };
 
 static const struct eco_command command = { .name = "ecoview", .options = option_table,
-	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--ground-px X] "
-	"[--rule NAME] [--reference[=cpu|egl]] [--compare] [--tint kind] [--frames A..B] "
+	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--memory SIZE] "
+	"[--ground-px X] [--rule NAME] [--reference[=cpu|egl]] [--compare] [--tint kind] [--frames A..B] "
 	"[--explain FILE.csv]",
 	.says = "Streams a scene along a camera script and draws every frame as a PNG.",
 	.notes = "Writes frame-0000.png, ...; with --reference also reference-0000.png, frame-0000.mask.png, "
@@ -286,22 +308,37 @@ static void note_under_ground(struct viewer *v, uint32_t frame)
 		"from the scene's origin\n", frame, v->under_m);
 }
 
-static enum eco_code check_budgets(const struct view_frame *f, struct eco_error *error)
+static enum eco_code check_budgets(const struct view_frame *f, uint64_t answer_bytes, struct eco_error *error)
 {
 	if (f->vertices > f->budget_vertices)
 		return eco_fail(error, ECO_DAMAGED, "frame %u: %llu vertices were drawn, %llu were allowed",
 			f->frame, (unsigned long long)f->vertices, (unsigned long long)f->budget_vertices);
-	if (f->bytes > f->budget_bytes)
+	if (answer_bytes > f->budget_bytes)
 		return eco_fail(error, ECO_DAMAGED, "frame %u: the response took %llu bytes, %llu were "
-			"allowed", f->frame, (unsigned long long)f->bytes,
+			"allowed", f->frame, (unsigned long long)answer_bytes,
 			(unsigned long long)f->budget_bytes);
 	return ECO_OK;
+}
+
+/* What the frame did to the store, whose figures were `before` before it. */
+static void count_memory(struct viewer *v, const struct view_store_stats *before, struct view_frame *f)
+{
+	struct view_store_stats now = view_store_stats(v->store);
+	const struct view_store *stores[2] = { v->store, v->full };
+	f->decode_ms = now.decode_ms;
+	f->memory_bytes = now.memory_bytes;
+	f->evictions = now.evictions - before->evictions;
+	f->again_bytes = now.again_bytes - before->again_bytes;
+	v->report.memory_peak_bytes = now.memory_peak_bytes;
+	if (v->gl && f->evictions)
+		view_gl_keep(v->gl, stores, v->full ? 2 : 1);
 }
 
 static enum eco_code stream_frame(struct viewer *v, const struct eco_request *request,
 	const struct lod_eye *eye, struct view_frame *f, struct eco_error *error)
 {
 	struct view_fetch_result result;
+	struct view_store_stats before = view_store_stats(v->store);
 	step(v, f->frame, "stream");
 	enum eco_code code = view_fetch_stream(v->fetch, v->store, request, &result, error);
 	if (code)
@@ -310,7 +347,8 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	f->plan_ms = result.plan_ms;
 	f->first_byte_ms = result.first_byte_ms;
 	f->stream_ms = result.stream_ms;
-	f->decode_ms = view_store_stats(v->store)->decode_ms;
+	f->requests = result.requests;
+	count_memory(v, &before, f);
 	if (result.nothing) {
 		view_progress_clear(&v->progress);
 		fprintf(stderr, "ecoview: frame %u: no picture fits in --bytes, nothing is drawn; allow "
@@ -325,7 +363,7 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	note_under_ground(v, f->frame);
 	f->vertices = v->picture.vertices;
 	f->draw_ms = v->picture.draw_ms;
-	return check_budgets(f, error);
+	return check_budgets(f, result.most_bytes, error);
 }
 
 /* A view of more plants than a plan looks at cannot be asked for in full detail: then the score is against
@@ -415,6 +453,7 @@ static enum eco_code all_frames(struct viewer *v, struct eco_error *error)
 	v->report.complete = code == ECO_OK;
 	view_progress_clear(&v->progress);
 	v->report.scene = view_store_scene_name(v->store);
+	view_report_memory_line(&v->report, stdout);
 	v->report.programs = v->gl ? view_gl_programs(v->gl) : 0;
 	enum eco_code written = view_report_write(&v->report, o->dir, error);
 	if (!written)
@@ -446,6 +485,7 @@ static enum eco_code open_engine(struct viewer *v, struct eco_error *error)
 	}
 	v->report.renderer = v->gl ? view_gl_renderer(v->gl) : "software";
 	v->report.reference = *engine == ENGINE_NONE ? NULL : *engine == ENGINE_CPU ? "cpu" : "egl";
+	v->report.memory_max = v->options.memory;
 	v->report.width = v->options.width;
 	v->report.height = v->options.height;
 	return ECO_OK;
@@ -456,7 +496,8 @@ static enum eco_code start(struct viewer *v, struct eco_error *error)
 	const struct options *o = &v->options;
 	struct view_fetch_options fetch = { .url = o->url, .rule = o->rule ? rules[o->rule] : NULL,
 		.patience_ms = PATIENCE_MS, .stop = &interrupted };
-	struct view_store_options store = { .images = true };
+	struct view_store_options store = { .images = true, .memory_max = o->memory },
+		full = { .images = true };
 	enum eco_code code = eco_camera_load(&v->camera, o->camera, error);
 	if (!code)
 		code = make_dir(o->dir, error);
@@ -469,7 +510,7 @@ static enum eco_code start(struct viewer *v, struct eco_error *error)
 	if (!code)
 		code = view_store_new(&v->store, &store, error);
 	if (!code && o->reference)
-		code = view_store_new(&v->full, &store, error);
+		code = view_store_new(&v->full, &full, error);
 	if (!code)
 		code = view_picture_init(&v->picture, o->width, o->height, error);
 	if (!code && o->reference)

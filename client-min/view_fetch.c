@@ -315,7 +315,7 @@ static enum eco_code perform(struct view_fetch *fetch, const struct eco_request 
 
 static void begin(struct view_fetch *fetch)
 {
-	*fetch->result = (struct view_fetch_result){ .plan_ms = NAN };
+	*fetch->result = (struct view_fetch_result){ .plan_ms = NAN, .requests = 1 };
 	fetch->problem_size = 0;
 	fetch->stopped = fetch->stalled = false;
 	fetch->stream_error = (struct eco_error){ 0 };
@@ -326,7 +326,6 @@ static enum eco_code attempt(struct view_fetch *fetch, struct view_store *store,
 	const struct eco_request *request, struct eco_error *error)
 {
 	begin(fetch);
-	view_store_begin(store);
 	struct eco_holdings holdings;
 	enum eco_code code = view_store_holdings(store, &holdings, error);
 	if (code)
@@ -355,11 +354,10 @@ static bool wait_for_retry(const struct view_fetch *fetch, double until_ms)
 	return true;
 }
 
-enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *store,
-	const struct eco_request *request, struct view_fetch_result *result, struct eco_error *error)
+/* One answer, from a server that may be busy at first. */
+static enum eco_code ask(struct view_fetch *fetch, struct view_store *store,
+	const struct eco_request *request, double until_ms, struct eco_error *error)
 {
-	double until_ms = view_clock_ms() + (double)fetch->options.patience_ms;
-	fetch->result = result;
 	for (;;) {
 		struct eco_error one = { 0 };
 		enum eco_code code = attempt(fetch, store, request, &one);
@@ -367,6 +365,37 @@ enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *sto
 			continue;
 		return code ? eco_fail(error, code, "%s", one.text) : ECO_OK;
 	}
+}
+
+/* What came before, added to the answer that came last. */
+static void add_result(struct view_fetch_result *last, const struct view_fetch_result *before)
+{
+	last->requests += before->requests;
+	last->bytes += before->bytes;
+	last->plan_ms += before->plan_ms;
+	last->first_byte_ms = before->first_byte_ms;
+	last->stream_ms += before->stream_ms;
+	if (before->most_bytes > last->most_bytes)
+		last->most_bytes = before->most_bytes;
+}
+
+enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *store,
+	const struct eco_request *request, struct view_fetch_result *result, struct eco_error *error)
+{
+	double until_ms = view_clock_ms() + (double)fetch->options.patience_ms;
+	struct eco_request now = *request;
+	fetch->result = result;
+	view_store_begin(store);
+	enum eco_code code = ask(fetch, store, &now, until_ms, error);
+	result->most_bytes = result->bytes;
+	for (uint64_t vertices; !code && view_store_again(store, &vertices);) {
+		struct view_fetch_result before = *result;
+		now.vertices = request->bytes == ECO_BYTES_UNBOUNDED ? request->vertices : vertices;
+		code = ask(fetch, store, &now, until_ms, error);
+		result->most_bytes = result->bytes;
+		add_result(result, &before);
+	}
+	return code;
 }
 
 enum eco_code view_fetch_explanation(struct view_fetch *fetch, const struct eco_request *request, char **text,

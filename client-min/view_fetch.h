@@ -33,7 +33,9 @@ struct view_fetch_result {
 	long status;                             /* HTTP; 0 if there was none */
 	/* 204: no valid stream fits the budget; the store holds no plan */
 	bool nothing;
-	uint64_t bytes;                          /* of the response body */
+	uint32_t requests;                       /* more than 1: see view_store_again */
+	uint64_t bytes;                          /* of the response bodies */
+	uint64_t most_bytes;                     /* of the largest of them */
 	/* when a server that is busy wants to be asked again; 0 if it did not say */
 	double retry_ms;
 	double plan_ms;                          /* from Server-Timing; NaN if the server did not say */
@@ -49,7 +51,7 @@ enum eco_code view_fetch_new(struct view_fetch **fetch, const struct view_fetch_
 	struct eco_error *error);
 void view_fetch_free(struct view_fetch *fetch);                  /* NULL is fine */
 
-/* Begins a frame of the store and fetches it. *result is filled also on failure, as far as things went. */
+/* Begins a frame of the store and fetches it, in more than one answer if memory is short. *result is filled also on failure, as far as things went. */
 enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *store,
 	const struct eco_request *request, struct view_fetch_result *result, struct eco_error *error);
 

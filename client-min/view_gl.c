@@ -162,6 +162,17 @@ bool view_gl_hardware(const struct view_gl *gl)
 	return gl->egl.hardware;
 }
 
+void view_gl_keep(struct view_gl *gl, const struct view_store *const *stores, uint32_t count)
+{
+	view_egl_use(&gl->egl);
+	view_gpu_keep(&gl->gpu, stores, count);
+}
+
+uint64_t view_gl_bytes(const struct view_gl *gl)
+{
+	return gl->gpu.bytes;
+}
+
 /* ---- Instances ---- */
 
 static void put_float(uint32_t *at, double v)

@@ -2,7 +2,8 @@
  *
  *   view_gl_open(&gl, &options, &error);            first hardware device, else Mesa's surfaceless platform
  *   view_gl_draw(gl, &job, &picture, &error);       as often as wanted; what is on the GPU stays there and is
- *                                                   only extended
+ *                                                   extended, until
+ *   view_gl_keep(gl, stores, count);                something of it is held by no store any more
  *   view_gl_close(gl);
  *
  * One pass writes what view_light.h needs; the mask is "owner is not 0", so it cannot depend on shading. No
@@ -27,6 +28,10 @@ const char *view_gl_renderer(const struct view_gl *gl);
 bool view_gl_hardware(const struct view_gl *gl);
 /* bit i: enum view_program i was needed, and compiled */
 uint32_t view_gl_programs(const struct view_gl *gl);
+
+/* After chunks have gone from a store: frees what is on the GPU of lists that none of these holds. */
+void view_gl_keep(struct view_gl *gl, const struct view_store *const *stores, uint32_t count);
+uint64_t view_gl_bytes(const struct view_gl *gl);                /* of records on the GPU */
 
 struct view_gl_job {
 	const struct view_store *store;

@@ -17,14 +17,18 @@ void view_gpu_init(struct view_gpu *gpu)
 	gpu->texels_max = most > 0 ? (uint64_t)most : 65536;
 }
 
+static void free_list(struct view_gpu_list *g)
+{
+	glDeleteTextures(1, &g->texture);
+	glDeleteTextures(1, &g->color);
+	glDeleteTextures(1, &g->alpha);
+	glDeleteBuffers(1, &g->buffer);
+}
+
 void view_gpu_free(struct view_gpu *gpu)
 {
-	for (uint32_t i = 0; i < gpu->count; i++) {
-		glDeleteTextures(1, &gpu->lists[i].texture);
-		glDeleteTextures(1, &gpu->lists[i].color);
-		glDeleteTextures(1, &gpu->lists[i].alpha);
-		glDeleteBuffers(1, &gpu->lists[i].buffer);
-	}
+	for (uint32_t i = 0; i < gpu->count; i++)
+		free_list(&gpu->lists[i]);
 	view_table_free(&gpu->table);
 	free(gpu->lists);
 	*gpu = (struct view_gpu){ 0 };
@@ -33,6 +37,35 @@ void view_gpu_free(struct view_gpu *gpu)
 static enum eco_code out_of_memory(const struct view_list *list, struct eco_error *error)
 {
 	return eco_fail(error, ECO_NO_MEMORY, "the graphics driver has no memory for list %u", list->id);
+}
+
+/* The last list takes the place of one that goes. */
+static void remove_list(struct view_gpu *gpu, uint32_t index)
+{
+	struct view_gpu_list *g = &gpu->lists[index], *last = &gpu->lists[--gpu->count];
+	free_list(g);
+	gpu->bytes -= g->room * VIEW_TEXEL_BYTES;
+	view_table_remove(&gpu->table, g->id);
+	if (last != g) {
+		*g = *last;
+		view_table_put(&gpu->table, g->id, index);
+	}
+}
+
+/* A list that lost only some chunks goes as a whole: what is left of it is uploaded where it is drawn again.
+ * */
+void view_gpu_keep(struct view_gpu *gpu, const struct view_store *const *stores, uint32_t count)
+{
+	for (uint32_t i = gpu->count; i-- > 0;) {
+		const struct view_gpu_list *g = &gpu->lists[i];
+		uint32_t held = 0;
+		for (uint32_t s = 0; s < count; s++) {
+			const struct view_list *list = view_store_list(stores[s], g->id);
+			held = list && list->chunk_count > held ? list->chunk_count : held;
+		}
+		if (held < g->chunks || (g->color && !held))
+			remove_list(gpu, i);
+	}
 }
 
 /* ---- Records ---- */
@@ -162,7 +195,7 @@ enum eco_code view_gpu_list(struct view_gpu *gpu, const struct view_list *list,
 		index = gpu->count;
 		if (!view_table_put(&gpu->table, list->id, index))
 			return out_of_memory(list, error);
-		gpu->lists[gpu->count++] = (struct view_gpu_list){ 0 };
+		gpu->lists[gpu->count++] = (struct view_gpu_list){ .id = list->id };
 	}
 	struct view_gpu_list *g = &gpu->lists[index];
 	*out = g;

@@ -7,6 +7,7 @@
 #include "client-min/view_table.h"
 
 struct view_gpu_list {
+	uint32_t id;
 	unsigned buffer, texture;        /* records (view_record.h) as a usamplerBuffer */
 	uint32_t chunks;                 /* uploaded */
 	uint64_t texels, room;
@@ -18,11 +19,13 @@ struct view_gpu {                        /* zero is empty */
 	struct view_gpu_list *lists;     uint32_t count, room;
 	struct view_table table;
 	uint64_t texels_max;             /* of a buffer texture */
-	uint64_t bytes;
+	uint64_t bytes;                  /* of all records */
 };
 
 void view_gpu_init(struct view_gpu *gpu);
 void view_gpu_free(struct view_gpu *gpu);
+/* Frees what is here of lists that none of the stores holds any more, or holds less of. */
+void view_gpu_keep(struct view_gpu *gpu, const struct view_store *const *stores, uint32_t count);
 /* The list with all chunks that the store holds uploaded. The pointer is valid until the next call. */
 enum eco_code view_gpu_list(struct view_gpu *gpu, const struct view_list *list,
 	const struct view_gpu_list **out, struct eco_error *error);

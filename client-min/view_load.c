@@ -83,7 +83,7 @@ static void check_answer(struct client *c, const struct eco_request *request,
 		report->vertex_violations++;
 		note(report, "a plan drew more vertices than allowed");
 	}
-	if (result->bytes > request->bytes) {
+	if (result->most_bytes > request->bytes) {
 		report->byte_violations++;
 		note(report, "a response took more bytes than allowed");
 	}
@@ -97,8 +97,8 @@ static enum eco_code restart(struct client *c, struct eco_error *error)
 {
 	struct view_store_options options = { 0 };
 	if (c->store) {
-		c->report.chunks += view_store_stats(c->store)->chunks;
-		c->report.chunks_twice += view_store_stats(c->store)->chunks_twice;
+		c->report.chunks += view_store_stats(c->store).chunks;
+		c->report.chunks_twice += view_store_stats(c->store).chunks_twice;
 	}
 	view_store_free(c->store);
 	return view_store_new(&c->store, &options, error);
@@ -168,8 +168,8 @@ static void collect(struct view_load_report *into, struct client *c)
 {
 	const struct view_load_report *from = &c->report;
 	if (c->store) {
-		into->chunks += view_store_stats(c->store)->chunks;
-		into->chunks_twice += view_store_stats(c->store)->chunks_twice;
+		into->chunks += view_store_stats(c->store).chunks;
+		into->chunks_twice += view_store_stats(c->store).chunks_twice;
 	}
 	into->requests += from->requests;
 	into->nothing += from->nothing;

@@ -94,6 +94,32 @@ void view_report_line(const struct view_frame *f, FILE *out)
 	fflush(out);
 }
 
+struct totals { uint64_t vertices, bytes, repeats, evictions, again_bytes; };
+
+static struct totals add_up(const struct view_report *report)
+{
+	struct totals t = { 0 };
+	for (uint32_t i = 0; i < report->count; i++) {
+		const struct view_frame *f = &report->frames[i];
+		t.vertices += f->vertices;
+		t.bytes += f->bytes;
+		t.repeats += f->requests > 1 ? f->requests - 1 : 0;
+		t.evictions += f->evictions;
+		t.again_bytes += f->again_bytes;
+	}
+	return t;
+}
+
+void view_report_memory_line(const struct view_report *report, FILE *out)
+{
+	struct totals t = add_up(report);
+	if (t.evictions)
+		fprintf(out, "memory  %.1f MiB held at most  %llu chunks evicted  %llu of %llu bytes fetched "
+			"again  %llu requests repeated\n", (double)report->memory_peak_bytes / (1 << 20),
+			(unsigned long long)t.evictions, (unsigned long long)t.again_bytes,
+			(unsigned long long)t.bytes, (unsigned long long)t.repeats);
+}
+
 /* ---- JSON ---- */
 
 static json_t *number(double v)
@@ -114,6 +140,10 @@ static json_t *frame_json(const struct view_frame *f)
 		"time_s", number(f->time_s), "budget_vertices", (json_int_t)f->budget_vertices,
 		"vertices", (json_int_t)f->vertices, "budget_bytes", f->budget_bytes == ECO_BYTES_UNBOUNDED
 		? json_null() : json_integer((json_int_t)f->budget_bytes), "bytes", (json_int_t)f->bytes);
+	json_object_set_new(o, "requests", json_integer((json_int_t)f->requests));
+	json_object_set_new(o, "memory_bytes", json_integer((json_int_t)f->memory_bytes));
+	json_object_set_new(o, "evicted_chunks", json_integer((json_int_t)f->evictions));
+	json_object_set_new(o, "refetched_bytes", json_integer((json_int_t)f->again_bytes));
 	for (size_t i = 0; i < MEASURES; i++)
 		json_object_set_new(o, measures[i].name, number(measure(f, i)));
 	return o;
@@ -121,14 +151,14 @@ static json_t *frame_json(const struct view_frame *f)
 
 static json_t *summary_json(const struct view_report *report)
 {
-	uint64_t vertices = 0, bytes = 0;
-	for (uint32_t i = 0; i < report->count; i++) {
-		vertices += report->frames[i].vertices;
-		bytes += report->frames[i].bytes;
-	}
-	json_t *o = json_pack("{s:I, s:o, s:I}", "frames", (json_int_t)report->count,
-		"mean_vertices", number(report->count ? (double)vertices / report->count : NAN),
-		"total_bytes", (json_int_t)bytes);
+	struct totals t = add_up(report);
+	json_t *o = json_pack("{s:I, s:o, s:I, s:o, s:I, s:I, s:I, s:I}", "frames", (json_int_t)report->count,
+		"mean_vertices", number(report->count ? (double)t.vertices / report->count : NAN),
+		"total_bytes", (json_int_t)t.bytes, "memory_max_bytes", report->memory_max
+		? json_integer((json_int_t)report->memory_max) : json_null(),
+		"memory_peak_bytes", (json_int_t)report->memory_peak_bytes,
+		"evicted_chunks", (json_int_t)t.evictions, "refetched_bytes", (json_int_t)t.again_bytes,
+		"repeated_requests", (json_int_t)t.repeats);
 	for (size_t m = 0; m < MEASURES; m++) {
 		double sum = 0;
 		uint32_t n = 0;

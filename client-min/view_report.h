@@ -15,6 +15,9 @@ struct view_frame {
 	uint64_t budget_bytes, bytes;            /* ECO_BYTES_UNBOUNDED: null */
 	double precision, recall, q, skill, owner_q, soft_q, ceiling, picture_error, predicted_q;
 	double plan_ms, first_byte_ms, stream_ms, decode_ms, draw_ms, reference_ms;
+	/* answers that the frame took; decoded bytes held after it; chunks that went while it came, and bytes
+	 * fetched that had been fetched before */
+	uint64_t requests, memory_bytes, evictions, again_bytes;
 	/* tiles that even the reference shows as points: 0 where it is full detail */
 	double reference_summaries;
 };
@@ -26,6 +29,8 @@ struct view_report {                             /* owns `frames` */
 	/* of OpenGL, that were compiled: bits of enum view_program */
 	uint32_t programs;
 	uint32_t width, height;
+	/* of decoded data: allowed (0: no limit was given), and held at most */
+	uint64_t memory_max, memory_peak_bytes;
 	bool complete;                           /* every frame that was asked for is here */
 };
 
@@ -36,6 +41,8 @@ void view_frame_score(struct view_frame *frame, const struct view_measures *meas
 enum eco_code view_report_add(struct view_report *report, const struct view_frame *frame,
 	struct eco_error *error);
 void view_report_line(const struct view_frame *frame, FILE *out);
+/* A line on memory, if anything had to go for want of it. */
+void view_report_memory_line(const struct view_report *report, FILE *out);
 /* Writes DIR/report.json beside and renames it. */
 enum eco_code view_report_write(const struct view_report *report, const char *dir, struct eco_error *error);
 void view_report_free(struct view_report *report);

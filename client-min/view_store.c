@@ -1,7 +1,10 @@
-/* Decoded lists grow by whole chunks at their end and never move their meaning: primitive i stays primitive
- * i. So a plan of any later frame is a set of ranges over what is here, GPU copies are extended and never
- * rewritten, and what the client holds is one number per list. Longer than 600 lines, as all of it keeps
- * the invariants of one object. */
+/* What the client holds is one number per list, as lists hold prefixes of their chunks; a plan of any later
+ * frame is a set of ranges over that, and GPU copies are extended and never rewritten.
+ *
+ * Within a limit of memory, chunks go while a stream comes (view_cache.h). The server counts on what it was
+ * told before the stream began, so a plan may turn out to need what has gone meanwhile: then the same is
+ * asked again, with what is held by then, and what that plan needs stays. Nothing else on the wire has to
+ * change for it. */
 #include "client-min/view_store.h"
 
 #include <assert.h>
@@ -10,13 +13,15 @@
 #include <string.h>
 #include <time.h>
 
+#include "client-min/view_cache.h"
+#include "client-min/view_forms.h"
 #include "client-min/view_table.h"
 #include "ecofiles/format/chunk.h"
-#include "ecofiles/format/image.h"
 #include "ecofiles/base/room.h"
 
-#define FORMS_MAX 8u                     /* of one list: each of its chunks is compared with each */
 #define MEMORY_MAX_DEFAULT ((uint64_t)8 << 30)
+#define REPEATS_MAX 4u                   /* of one request; with a budget of bytes its plans may differ */
+#define REPEATS_EASY 1u                  /* after so many, nothing is kept but what the plan needs */
 
 #define BAD(...) eco_fail(error, ECO_DAMAGED, __VA_ARGS__)
 
@@ -26,13 +31,14 @@ struct view_store {
 	char name[64];
 	struct eco_chunk_id pack;
 	bool has_scene, has_plan, complete;
+	bool lacks;                      /* the last plan needs what is not held any more */
+	uint32_t repeats;                /* of the request under way */
 	double near_m;
 	uint32_t ground_columns, ground_rows;
-	struct view_list **lists;        uint32_t list_count, list_room;
+	struct view_cache cache;
+	struct view_forms forms;
 	struct view_plant **plants;      uint32_t plant_count, plant_room;
-	struct view_table list_table, plant_table;
-	/* list with other forms -> index of one of them; the others by view_list.next_form */
-	struct view_table form_table;
+	struct view_table plant_table;
 	struct eco_plan plan;
 };
 
@@ -53,46 +59,40 @@ enum eco_code view_store_new(struct view_store **out, const struct view_store_op
 	store->options = *options;
 	if (!store->options.memory_max)
 		store->options.memory_max = MEMORY_MAX_DEFAULT;
+	store->cache.memory_max = store->options.memory_max;
 	return ECO_OK;
-}
-
-static void list_free(struct view_list *list)
-{
-	eco_elements_free(&list->elements);
-	eco_image_free(&list->image);
-	for (uint32_t i = 0; list->impostors && i < list->chunk_count; i++)
-		lod_impostor_close(&list->impostors[i]);
-	free(list->impostors);
-	free(list->marks);
-	free(list->palette);
-	free(list);
 }
 
 void view_store_free(struct view_store *store)
 {
 	if (!store)
 		return;
-	for (uint32_t i = 0; i < store->list_count; i++)
-		list_free(store->lists[i]);
 	for (uint32_t i = 0; i < store->plant_count; i++) {
 		free(store->plants[i]->anchors);
 		free(store->plants[i]);
 	}
-	view_table_free(&store->list_table);
+	view_cache_free(&store->cache);
+	view_forms_free(&store->forms);
 	view_table_free(&store->plant_table);
-	view_table_free(&store->form_table);
 	eco_plan_free(&store->plan);
-	free(store->lists);
 	free(store->plants);
 	free(store);
 }
 
-void view_store_begin(struct view_store *store)
+static void forget_plan(struct view_store *store)
 {
 	eco_plan_free(&store->plan);
 	store->plan = (struct eco_plan){ 0 };
-	store->has_plan = store->complete = false;
+	store->has_plan = store->complete = store->lacks = false;
+}
+
+void view_store_begin(struct view_store *store)
+{
+	forget_plan(store);
+	store->repeats = 0;
 	store->stats.decode_ms = 0;
+	view_cache_want_nothing(&store->cache);
+	view_cache_begin(&store->cache);
 }
 
 static enum eco_code no_memory(struct eco_error *error, const char *what)
@@ -100,15 +100,15 @@ static enum eco_code no_memory(struct eco_error *error, const char *what)
 	return eco_fail(error, ECO_NO_MEMORY, "no memory for %s", what);
 }
 
-/* Reserves `bytes` of the store's allowance. */
-static enum eco_code account(struct view_store *store, uint64_t bytes, struct eco_error *error)
+/* Makes room for a description, which nothing comes without: all chunks may go for it. */
+static enum eco_code describe(struct view_store *store, uint64_t bytes, struct eco_error *error)
 {
-	if (bytes > store->options.memory_max - store->stats.memory_bytes)
-		return eco_fail(error, ECO_TOO_LARGE, "what the scene's view needs exceeds %.1f GiB of "
-			"decoded data: ask for fewer vertices",
-			(double)store->options.memory_max / (1 << 30));
-	store->stats.memory_bytes += bytes;
-	return ECO_OK;
+	if (view_cache_make_room(&store->cache, bytes, false)
+			|| view_cache_make_room(&store->cache, bytes, true))
+		return ECO_OK;
+	return eco_fail(error, ECO_TOO_LARGE, "the descriptions of the plants and lists in view do not fit "
+		"in %.3f MiB of memory: allow more (ecoview --memory), or ask for fewer vertices",
+		(double)store->options.memory_max / (1 << 20));
 }
 
 /* ---- Events ---- */
@@ -146,7 +146,7 @@ static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *pl
 	if (plant->anchor_count == 0 || plant->anchor_first > UINT32_MAX - plant->anchor_count)
 		return BAD("plant %u has no anchors, or too many", id);
 	size_t anchor_bytes = (size_t)plant->anchor_count * sizeof *anchors;
-	enum eco_code code = account(store, sizeof *held + anchor_bytes, error);
+	enum eco_code code = describe(store, sizeof *held + anchor_bytes, error);
 	if (code)
 		return code;
 	struct view_plant *copy = calloc(1, sizeof *copy);
@@ -163,6 +163,7 @@ static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *pl
 	}
 	memcpy(copy->anchors, anchors, anchor_bytes);
 	store->plants[store->plant_count++] = copy;
+	view_cache_charge_bytes(&store->cache, sizeof *copy + anchor_bytes);
 	return ECO_OK;
 }
 
@@ -178,71 +179,6 @@ static bool same_record(const struct eco_list *a, const struct eco_list *b)
 	return same;
 }
 
-/* ---- Forms: element i of one list is element i of the other, whichever comes first ---- */
-
-/* As both are described. */
-static enum eco_code check_form(const struct view_list *form, const struct view_list *of,
-	struct eco_error *error)
-{
-	if (of->list.kind != ECO_LIST_TRIANGLES || of->list.coder != ECO_CODER_ELEMENTS)
-		return BAD("list %u is a form of list %u, which is not one of fans", form->id, of->id);
-	if (form->list.chunk_count != of->list.chunk_count || form->list.element_count
-			!= of->list.element_count)
-		return BAD("list %u is a form of list %u: %u elements in %u chunks "
-			"for %u in %u", form->id, of->id, form->list.element_count, form->list.chunk_count,
-			of->list.element_count, of->list.chunk_count);
-	return ECO_OK;
-}
-
-/* Up to the end of a chunk, of which one is held and one (`list`) is about to be. */
-static enum eco_code check_form_chunk(const struct view_list *list, uint32_t ordinal, uint32_t elements,
-	const struct view_list *other, struct eco_error *error)
-{
-	if (ordinal < other->chunk_count && elements != other->marks[ordinal].elements)
-		return BAD("chunk %u of list %u ends at element %u, that of list %u at %u: they are forms of "
-			"the same", ordinal, list->id, elements, other->id, other->marks[ordinal].elements);
-	return ECO_OK;
-}
-
-static const struct view_list *form_of(const struct view_store *store, const struct view_list *list)
-{
-	return list->list.coder == ECO_CODER_FORM ? view_store_list(store, list->list.partner) : NULL;
-}
-
-static enum eco_code check_form_chunks(const struct view_store *store, const struct view_list *list,
-	uint32_t ordinal, uint32_t elements, struct eco_error *error)
-{
-	const struct view_list *of = form_of(store, list);
-	enum eco_code code = of ? check_form_chunk(list, ordinal, elements, of, error) : ECO_OK;
-	for (uint32_t i = view_table_get(&store->form_table, list->id); i < store->list_count && !code;
-			i = store->lists[i]->next_form)
-		code = check_form_chunk(list, ordinal, elements, store->lists[i], error);
-	return code;
-}
-
-/* Checks a list that is about to be the `index`-th against those that it is a form of, or that are forms of
- * it. */
-static enum eco_code bind_forms(struct view_store *store, struct view_list *list, uint32_t index,
-	struct eco_error *error)
-{
-	const struct view_list *of = form_of(store, list);
-	enum eco_code code = of ? check_form(list, of, error) : ECO_OK;
-	uint32_t first = view_table_get(&store->form_table, list->list.partner), count = 0;
-	for (uint32_t i = view_table_get(&store->form_table, list->id); i < store->list_count && !code;
-			i = store->lists[i]->next_form)
-		code = check_form(store->lists[i], list, error);
-	list->next_form = UINT32_MAX;
-	if (code || list->list.coder != ECO_CODER_FORM)
-		return code;
-	for (uint32_t i = first; i < store->list_count; i = store->lists[i]->next_form)
-		count++;
-	if (count == FORMS_MAX)
-		return BAD("list %u has more than %u forms", list->list.partner, FORMS_MAX);
-	list->next_form = first;
-	return view_table_put(&store->form_table, list->list.partner, index) ? ECO_OK
-		: no_memory(error, "a list");
-}
-
 static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3],
 	struct eco_error *error)
 {
@@ -255,256 +191,154 @@ static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list
 			return BAD("list %u was described twice, and differently", id);
 		return ECO_OK;
 	}
-	enum eco_code code = account(store,
-		sizeof *held + palette_bytes + (uint64_t)list->chunk_count * sizeof *held->marks, error);
+	enum eco_code code = describe(store, view_list_bytes(list), error);
 	if (code)
 		return code;
-	struct view_list *copy = calloc(1, sizeof *copy);
-	if (!copy)
-		return no_memory(error, "a list");
-	copy->id = id;
-	copy->list = *list;
-	copy->palette = malloc(palette_bytes ? palette_bytes : 1);
-	copy->marks = calloc(list->chunk_count ? list->chunk_count : 1, sizeof *copy->marks);
-	if (!copy->palette || !copy->marks || !eco_room(&store->lists, &store->list_room, store->list_count,
-			sizeof *store->lists))
+	struct view_list *copy = view_list_new(id, list, palette);
+	code = copy ? view_forms_bind(&store->forms, &store->cache, copy, error) : no_memory(error, "a list");
+	if (!code && !view_cache_add(&store->cache, copy))
 		code = no_memory(error, "a list");
-	if (!code)
-		code = bind_forms(store, copy, store->list_count, error);
-	if (!code && !view_table_put(&store->list_table, id, store->list_count))
-		code = no_memory(error, "a list");
-	if (code) {
-		list_free(copy);
-		return code;
-	}
-	if (palette_bytes)
-		memcpy(copy->palette, palette, palette_bytes);
-	store->lists[store->list_count++] = copy;
-	return ECO_OK;
-}
-
-static bool grow_array(void *array, size_t room, size_t item)
-{
-	void **slot = array;
-	void *moved = realloc(*slot, room * item + 1);
-	if (moved)
-		*slot = moved;
-	return moved;
-}
-
-/* Room for `elements` and `corners` in all: doubled, but never beyond what the list's record declares (three
- * to six corners). */
-static enum eco_code list_reserve(struct view_store *store, struct view_list *list,
-	const struct eco_elements *more, struct eco_error *error)
-{
-	struct eco_elements *e = &list->elements;
-	uint64_t elements = (uint64_t)e->element_count + more->element_count,
-		corners = (uint64_t)e->corner_count + more->corner_count;
-	if (corners > UINT32_MAX / 2)
-		return eco_fail(error, ECO_TOO_LARGE, "list %u has more than %u corners", list->id,
-			UINT32_MAX / 2);
-	uint64_t element_room = list->element_room, corner_room = list->corner_room;
-	if (elements > element_room)
-		element_room = elements + elements / 2 < list->list.element_count ? elements + elements / 2
-			: list->list.element_count;
-	if (corners > corner_room) {
-		uint64_t most = (uint64_t)list->list.element_count * ECO_CORNERS_MAX;
-		corner_room = corners + corners / 2 < most ? corners + corners / 2 : most;
-	}
-	size_t element_bytes = 1 + (size_t)e->extra_count * 4, corner_bytes = 12 + (more->uv ? 8 : 0);
-	enum eco_code code = account(store, (element_room - list->element_room) * element_bytes +
-		(corner_room - list->corner_room) * corner_bytes, error);
 	if (code)
-		return code;
-	if (!grow_array(&e->corners, element_room, 1) || !grow_array(&e->position, corner_room, 12) ||
-		(more->uv && !grow_array(&e->uv, corner_room, 8)) ||
-		(e->extra_count && !grow_array(&e->extra, element_room, (size_t)e->extra_count * 4)))
-		return no_memory(error, "decoded elements");
-	list->element_room = (uint32_t)element_room;
-	list->corner_room = (uint32_t)corner_room;
-	return ECO_OK;
-}
-
-static enum eco_code check_codes(const struct view_list *list, const struct eco_elements *more,
-	enum eco_attr attribute, uint32_t codes, struct eco_error *error)
-{
-	const int32_t *extra = more->extra;
-	if (!(list->list.attributes & attribute))
-		return ECO_OK;
-	for (uint32_t i = 0, at = eco_list_extra_at(&list->list, attribute); i < more->element_count;
-			i++, extra += more->extra_count)
-		if (extra[at] < 0 || (uint32_t)extra[at] >= codes)
-			return BAD("list %u, chunk %u: %s code %d is not below %u",
-				list->id, list->chunk_count, attribute == ECO_ATTR_SIZE ? "size" : "growth",
-				extra[at], codes);
-	return ECO_OK;
-}
-
-/* What every user of decoded elements relies on: colours lie in the palette, codes exist, widths are not
- * negative. */
-static enum eco_code check_values(const struct view_list *list, const struct eco_elements *more,
-	struct eco_error *error)
-{
-	enum eco_code code = check_codes(list, more, ECO_ATTR_GROWTH, ECO_GROWTHS, error);
-	if (!code)
-		code = check_codes(list, more, ECO_ATTR_SIZE, ECO_SIZES, error);
-	if (code)
-		return code;
-	bool color = list->list.attributes & ECO_ATTR_COLOR, width = list->list.attributes & ECO_ATTR_WIDTH;
-	for (uint32_t i = 0; (color || width) && i < more->element_count; i++) {
-		const int32_t *extra = more->extra + (size_t)i * more->extra_count;
-		if (color && (extra[0] < 0 || (uint32_t)extra[0] >= list->list.palette_count))
-			return BAD("list %u, chunk %u: colour %d is outside the palette of %u", list->id,
-				list->chunk_count, extra[0], list->list.palette_count);
-		if (width && extra[color] < 0)
-			return BAD("list %u, chunk %u: negative line width", list->id, list->chunk_count);
-	}
-	return ECO_OK;
-}
-
-static enum eco_code append(struct view_store *store, struct view_list *list, const struct eco_elements *more,
-	struct eco_error *error)
-{
-	struct eco_elements *e = &list->elements;
-	bool uv = list->list.attributes & ECO_ATTR_UV;
-	uint32_t extra_count = eco_list_extra_count(&list->list);
-	if (more->extra_count != extra_count || (more->uv != NULL) != uv)
-		return BAD("list %u, chunk %u: attributes differ from the list's",
-			list->id, list->chunk_count);
-	enum eco_code code = check_values(list, more, error);
-	e->extra_count = extra_count;
-	if (!code)
-		code = list_reserve(store, list, more, error);
-	if (code)
-		return code;
-	memcpy(e->corners + e->element_count, more->corners, more->element_count);
-	memcpy(e->position + 3 * (size_t)e->corner_count, more->position, 12 * (size_t)more->corner_count);
-	if (uv)
-		memcpy(e->uv + 2 * (size_t)e->corner_count, more->uv, 8 * (size_t)more->corner_count);
-	if (extra_count)
-		memcpy(e->extra + (size_t)e->element_count * extra_count, more->extra,
-			(size_t)more->element_count * extra_count * 4);
-	e->element_count += more->element_count;
-	e->corner_count += more->corner_count;
-	e->primitive_count += more->primitive_count;
-	return ECO_OK;
-}
-
-static enum eco_code decode_image(struct view_store *store, struct view_list *list,
-	const struct eco_chunk *chunk, const uint8_t *payload, struct eco_error *error)
-{
-	if (!store->options.images)
-		return ECO_OK;
-	char name[32];
-	snprintf(name, sizeof name, "list-%u.png", list->id);
-	enum eco_code code = eco_image_read_memory(&list->image, payload, chunk->size_bytes, name, error);
-	if (code)
-		return code;
-	uint64_t texels = (uint64_t)list->image.width * list->image.height;
-	for (uint64_t i = 0; i < texels && !list->cutout; i++)
-		list->cutout = list->image.rgba[4 * i + 3] < 128;
-	return account(store, texels * 4, error);
-}
-
-/* Opens a payload as the level after those that the list holds, in list->impostors, which has room for it. */
-static enum eco_code open_level(const struct view_list *list, const struct eco_chunk *chunk,
-	const uint8_t *payload, struct eco_error *error)
-{
-	struct eco_impostor_body body;
-	struct eco_impostor_level level;
-	enum eco_code code = eco_impostor_level_read(&level, &body, payload, chunk->size_bytes, error);
-	if (!code && level.level != list->chunk_count)
-		code = BAD("level %u of an impostor", level.level);
-	if (!code)
-		code = lod_impostor_open(&list->impostors[list->chunk_count], &body, &level, error);
-	eco_impostor_level_free(&level);
+		view_list_free(copy);
 	return code;
 }
 
-static enum eco_code decode_impostor(struct view_store *store, struct view_list *list,
-	const struct eco_chunk *chunk, const uint8_t *payload, struct eco_error *error)
+/* ---- Chunks ---- */
+
+static enum eco_code check_chunk(struct view_store *store, const struct view_list *list, uint32_t ordinal,
+	const struct eco_chunk *chunk, struct eco_error *error)
 {
-	struct eco_error cause = { 0 };
-	uint32_t count = list->chunk_count;
-	struct lod_impostor *more = realloc(list->impostors, (count + (size_t)1) * sizeof *more);
-	if (!more)
-		return no_memory(error, "an impostor");
-	list->impostors = more;
-	enum eco_code code = open_level(list, chunk, payload, &cause);
-	if (!code) {
-		code = account(store, sizeof *more + lod_impostor_bytes(&more[count]), &cause);
-		if (code)
-			lod_impostor_close(&more[count]);
+	if (ordinal < list->served) {
+		store->stats.chunks_twice++;
+		return BAD("chunk %u of list %u was sent again, though the client holds it", ordinal,
+			list->id);
 	}
-	return code ? eco_fail(error, code, "list %u, chunk %u: %s", list->id, count, cause.text) : ECO_OK;
-}
-
-/* Ground is one chunk, every sample in its place: then whoever draws it needs no checks of its own. */
-static enum eco_code check_ground(const struct view_store *store, struct view_list *list,
-	struct eco_error *error)
-{
+	if (ordinal != list->served || ordinal >= list->list.chunk_count)
+		return BAD("chunk %u of list %u came where chunk %u of %u was due",
+			ordinal, list->id, list->served, list->list.chunk_count);
+	struct view_mark before = view_list_before(list, ordinal);
+	if (chunk->primitive_count > list->list.primitive_count - before.primitives ||
+		chunk->element_count > list->list.element_count - before.elements)
+		return BAD("chunk %u of list %u holds more than the list declares", ordinal, list->id);
 	struct eco_error cause = { 0 };
-	enum eco_code code = eco_ground_tile_of(&list->tile, &list->list, &list->elements,
-		store->ground_columns, store->ground_rows, &cause);
-	return code ? eco_fail(error, code, "list %u: %s", list->id, cause.text) : ECO_OK;
+	enum eco_code code = eco_chunk_check(&list->list, chunk, &cause);
+	if (code)
+		return eco_fail(error, code, "list %u, chunk %u: %s", list->id, ordinal, cause.text);
+	return view_forms_check(&store->forms, &store->cache, list, ordinal,
+		before.elements + chunk->element_count, error);
 }
 
-static enum eco_code decode_elements(struct view_store *store, struct view_list *list,
-	const struct eco_chunk *chunk, const uint8_t *payload, struct eco_error *error)
+/* A chunk that finds no room, or whose list has lost one before it, is not kept. */
+static enum eco_code keep(struct view_store *store, struct view_list *list, uint32_t ordinal,
+	const struct eco_chunk *chunk, struct view_piece *piece, struct eco_error *error)
 {
-	struct eco_elements more = { 0 };
-	enum eco_code code = eco_chunk_decode(&list->list, chunk, list->chunk_count, payload,
-		chunk->size_bytes, &more, error);
-	if (!code)
-		code = append(store, list, &more, error);
-	if (!code && list->list.kind == ECO_LIST_GROUND)
-		code = check_ground(store, list, error);
-	eco_elements_free(&more);
-	return code;
+	struct view_cache *cache = &store->cache;
+	view_cache_touch(cache, list, ordinal);
+	if (ordinal > list->chunk_count || !view_cache_make_room(cache, view_list_growth(list, piece), false)
+			|| ordinal > list->chunk_count) {
+		view_list_mark(list, ordinal, chunk, piece->bytes);
+		view_cache_remember(cache, list->id, ordinal);
+		return ECO_OK;
+	}
+	uint64_t before = list->bytes,
+		left = cache->memory_max - cache->memory_bytes - view_list_growth(list, piece);
+	enum eco_code code = view_list_push(list, piece, chunk, cache->is_tight ? 0 : left, error);
+	if (code)
+		return code;
+	view_cache_charge(cache, list, before);
+	view_cache_touch(cache, list, ordinal + 1);
+	return ECO_OK;
+}
+
+static void count_chunk(struct view_store *store, uint32_t list, uint32_t ordinal,
+	const struct eco_chunk *chunk)
+{
+	store->stats.chunks++;
+	store->stats.chunk_bytes += chunk->size_bytes;
+	if (!view_cache_had(&store->cache, list, ordinal))
+		return;
+	store->stats.chunks_again++;
+	store->stats.again_bytes += chunk->size_bytes;
 }
 
 static enum eco_code on_chunk(void *ctx, uint32_t id, uint32_t ordinal, const struct eco_chunk *chunk,
 	const uint8_t *payload, struct eco_error *error)
 {
 	struct view_store *store = ctx;
-	uint32_t index = view_table_get(&store->list_table, id);
-	if (index == UINT32_MAX)
+	struct view_list *list = view_cache_find(&store->cache, id);
+	if (!list)
 		return BAD("chunk %u of list %u came before the list's description", ordinal, id);
-	struct view_list *list = store->lists[index];
-	if (ordinal < list->chunk_count) {
-		store->stats.chunks_twice++;
-		return BAD("chunk %u of list %u was sent again, though the client holds it", ordinal, id);
-	}
-	if (ordinal != list->chunk_count || ordinal >= list->list.chunk_count)
-		return BAD("chunk %u of list %u came where chunk %u of %u was due",
-			ordinal, id, list->chunk_count, list->list.chunk_count);
-	struct view_mark before = ordinal ? list->marks[ordinal - 1] : (struct view_mark){ 0 };
-	if (chunk->primitive_count > list->list.primitive_count - before.primitives ||
-		chunk->element_count > list->list.element_count - before.elements)
-		return BAD("chunk %u of list %u holds more than the list declares", ordinal, id);
-	struct eco_error cause = { 0 };
-	enum eco_code code = eco_chunk_check(&list->list, chunk, &cause);
-	if (code)
-		return eco_fail(error, code, "list %u, chunk %u: %s", id, ordinal, cause.text);
-	code = check_form_chunks(store, list, ordinal, before.elements + chunk->element_count, error);
+	enum eco_code code = check_chunk(store, list, ordinal, chunk, error);
 	if (code)
 		return code;
+	struct view_piece piece;
 	double start = view_clock_ms();
-	code = list->list.kind == ECO_LIST_IMAGE ? decode_image(store, list, chunk, payload, error)
-		: list->list.kind == ECO_LIST_IMPOSTOR ? decode_impostor(store, list, chunk, payload, error)
-		: decode_elements(store, list, chunk, payload, error);
+	code = view_piece_decode(&piece, &(struct view_piece_input){ list, chunk, ordinal, payload,
+		store->options.images, store->ground_columns, store->ground_rows }, error);
 	store->stats.decode_ms += view_clock_ms() - start;
 	if (code)
 		return code;
-	list->marks[ordinal] = (struct view_mark){ before.primitives + chunk->primitive_count,
-		before.elements + chunk->element_count, list->elements.corner_count };
-	list->chunk_count++;
-	store->stats.chunks++;
-	store->stats.chunk_bytes += chunk->size_bytes;
-	return ECO_OK;
+	count_chunk(store, id, ordinal, chunk);
+	code = keep(store, list, ordinal, chunk, &piece, error);
+	view_piece_free(&piece);
+	if (!code)
+		list->served++;
+	return code;
 }
 
-/* A plan may only name what is held: then whoever draws it needs no checks of its own. */
+/* ---- Plans ---- */
+
+/* Chunks of a list that hold its first `end` primitives; the list is served so far. */
+static uint32_t chunks_for(const struct view_list *list, uint32_t end)
+{
+	uint32_t low = 0, high = list->served;
+	while (low < high) {                     /* the first chunk that ends at `end` or later */
+		uint32_t middle = low + (high - low) / 2;
+		if (list->marks[middle].primitives < end)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return end ? low + 1 : 0;
+}
+
+typedef void visit_need(struct view_store *store, struct view_list *list, uint32_t chunks);
+
+/* Calls `visit` with all chunks that the store's plan needs, as lod_plan_needs names them; lists more than
+ * once. */
+static void each_need(struct view_store *store, visit_need *visit)
+{
+	const struct eco_plan *plan = &store->plan;
+	const struct view_cache *cache = &store->cache;
+	for (uint32_t i = 0; i < plan->cut_count; i++) {
+		struct view_list *list = view_cache_find(cache, plan->cuts[i].list),
+			*image = view_cache_find(cache, list->list.image);
+		visit(store, list, chunks_for(list, plan->cuts[i].end));
+		if (list->list.image != ECO_NONE)
+			visit(store, image, image->list.chunk_count);
+	}
+	for (uint32_t i = 0; i < plan->run_count; i++)
+		for (uint32_t id = plan->runs[i].list_first; id < plan->runs[i].list_end; id++) {
+			struct view_list *list = view_cache_find(cache, id);
+			if (!list)
+				break;                   /* view_select_make says what is missing */
+			visit(store, list, list->list.chunk_count);
+		}
+}
+
+static void touch_need(struct view_store *store, struct view_list *list, uint32_t chunks)
+{
+	view_cache_touch(&store->cache, list, chunks);
+	store->lacks |= list->chunk_count < chunks && list->served >= chunks;
+}
+
+/* Without memory to say so, what is needed may go once more, and REPEATS_MAX ends that. */
+static void want_need(struct view_store *store, struct view_list *list, uint32_t chunks)
+{
+	view_cache_want(&store->cache, list->id, chunks);
+}
+
+/* A plan may only name what was served: if all that is held, whoever draws it needs no checks of its own. */
 static enum eco_code check_plan(const struct view_store *store, const struct eco_plan *plan,
 	struct eco_error *error)
 {
@@ -515,7 +349,7 @@ static enum eco_code check_plan(const struct view_store *store, const struct eco
 		if (!list || (!eco_list_vertices(&list->list) && !ground))
 			return BAD("cut %u of the plan draws list %u, which %s", i,
 				cut->list, list ? "is not drawable" : "was not sent");
-		uint32_t held = list->chunk_count ? list->marks[list->chunk_count - 1].primitives : 0;
+		uint32_t held = view_list_before(list, list->served).primitives;
 		if (cut->first > cut->end || cut->end > held)
 			return BAD("cut %u of the plan draws [%u,%u) of list %u, "
 				"of which %u are held", i, cut->first, cut->end, cut->list, held);
@@ -532,7 +366,7 @@ static enum eco_code check_plan(const struct view_store *store, const struct eco
 		const struct view_list *image = list->list.image == ECO_NONE ? NULL
 			: view_store_list(store, list->list.image);
 		if (list->list.image != ECO_NONE
-				&& (!image || image->list.kind != ECO_LIST_IMAGE || !image->chunk_count))
+				&& (!image || image->list.kind != ECO_LIST_IMAGE || !image->served))
 			return BAD("list %u needs image %u, which was not sent", cut->list, list->list.image);
 	}
 	for (uint32_t i = 0; i < plan->run_count; i++)
@@ -553,19 +387,58 @@ static enum eco_code on_plan(void *ctx, struct eco_plan *plan, struct eco_error 
 	eco_plan_free(&store->plan);
 	store->plan = *plan;
 	*plan = (struct eco_plan){ 0 };
-	store->has_plan = true;
+	store->lacks = false;
+	each_need(store, touch_need);
+	store->has_plan = !store->lacks;
+	view_cache_tick(&store->cache);
+	return ECO_OK;
+}
+
+/* To three places, and no less than it is. */
+static double mebibytes_up(uint64_t bytes)
+{
+	return (double)(bytes * 1000 / (1 << 20) + 1) / 1000;
+}
+
+/* The last plan needs what has gone. That it can be had is doubtful only when nothing else was kept. */
+static enum eco_code check_memory(struct view_store *store, struct eco_error *error)
+{
+	view_cache_want_nothing(&store->cache);
+	each_need(store, want_need);
+	uint64_t bytes = view_cache_wanted_bytes(&store->cache);
+	if (store->repeats > REPEATS_EASY && bytes > store->options.memory_max)
+		return eco_fail(error, ECO_TOO_LARGE, "the view alone needs %.3f MiB of decoded data, %.3f "
+			"MiB are allowed: allow more (ecoview --memory), or ask for fewer vertices",
+			mebibytes_up(bytes), (double)store->options.memory_max / (1 << 20));
+	if (store->repeats == REPEATS_MAX)
+		return eco_fail(error, ECO_TOO_LARGE, "%.3f MiB of memory are too few for plans that change "
+			"with what is held: allow more (ecoview --memory), or no budget of bytes",
+			(double)store->options.memory_max / (1 << 20));
 	return ECO_OK;
 }
 
 static enum eco_code on_end(void *ctx, uint64_t vertices, struct eco_error *error)
 {
 	struct view_store *store = ctx;
-	uint64_t planned = store->has_plan ? store->plan.vertices : 0;
-	if (vertices != planned)
+	if (vertices != store->plan.vertices)
 		return BAD("the stream ends with %llu vertices, its last plan has "
-			"%llu", (unsigned long long)vertices, (unsigned long long)planned);
+			"%llu", (unsigned long long)vertices, (unsigned long long)store->plan.vertices);
+	if (store->lacks)
+		return check_memory(store, error);
 	store->complete = true;
 	return ECO_OK;
+}
+
+bool view_store_again(struct view_store *store, uint64_t *vertices)
+{
+	if (!store->lacks)
+		return false;
+	*vertices = store->plan.vertices;
+	forget_plan(store);
+	if (store->repeats++ >= REPEATS_EASY)
+		view_cache_keep_wanted(&store->cache);
+	view_cache_begin(&store->cache);
+	return true;
 }
 
 const struct eco_wire_events view_store_events = { on_scene, on_plant, on_list, on_chunk, on_plan, on_end };
@@ -605,8 +478,7 @@ const char *view_store_scene_name(const struct view_store *store)
 
 const struct view_list *view_store_list(const struct view_store *store, uint32_t id)
 {
-	uint32_t index = view_table_get(&store->list_table, id);
-	return index == UINT32_MAX ? NULL : store->lists[index];
+	return view_cache_find(&store->cache, id);
 }
 
 const struct view_plant *view_store_plant(const struct view_store *store, uint32_t id)
@@ -623,13 +495,13 @@ void view_store_ground(const struct view_store *store, uint32_t *columns, uint32
 
 uint32_t view_store_list_count(const struct view_store *store)
 {
-	return store->list_count;
+	return store->cache.list_count;
 }
 
 const struct view_list *view_store_list_at(const struct view_store *store, uint32_t index)
 {
-	assert(index < store->list_count);
-	return store->lists[index];
+	assert(index < store->cache.list_count);
+	return store->cache.lists[index];
 }
 
 static int by_list(const void *a, const void *b)
@@ -641,13 +513,15 @@ static int by_list(const void *a, const void *b)
 enum eco_code view_store_holdings(const struct view_store *store, struct eco_holdings *holdings,
 	struct eco_error *error)
 {
-	*holdings = (struct eco_holdings){ malloc((store->list_count + 1) * sizeof *holdings->items), 0 };
+	const struct view_cache *cache = &store->cache;
+	size_t room = (cache->list_count + (size_t)1) * sizeof *holdings->items;
+	*holdings = (struct eco_holdings){ malloc(room), 0 };
 	if (!holdings->items)
 		return no_memory(error, "the list of what is held");
-	for (uint32_t i = 0; i < store->list_count; i++)
-		if (store->lists[i]->chunk_count)
-			holdings->items[holdings->count++] = (struct eco_holding){ store->lists[i]->id,
-				store->lists[i]->chunk_count };
+	for (uint32_t i = 0; i < cache->list_count; i++)
+		if (cache->lists[i]->chunk_count)
+			holdings->items[holdings->count++] = (struct eco_holding){ cache->lists[i]->id,
+				cache->lists[i]->chunk_count };
 	if (holdings->count > ECO_HOLDINGS_MAX) {
 		free(holdings->items);
 		*holdings = (struct eco_holdings){ 0 };
@@ -657,22 +531,12 @@ enum eco_code view_store_holdings(const struct view_store *store, struct eco_hol
 	return ECO_OK;
 }
 
-const struct view_store_stats *view_store_stats(const struct view_store *store)
+struct view_store_stats view_store_stats(const struct view_store *store)
 {
-	return &store->stats;
-}
-
-struct eco_elements view_list_chunks(const struct view_list *list, uint32_t first, uint32_t end)
-{
-	assert(first <= end && end <= list->chunk_count);
-	struct view_mark a = first ? list->marks[first - 1] : (struct view_mark){ 0 };
-	struct view_mark b = end ? list->marks[end - 1] : (struct view_mark){ 0 };
-	const struct eco_elements *e = &list->elements;
-	return (struct eco_elements){
-		.element_count = b.elements - a.elements, .corner_count = b.corners - a.corners,
-		.primitive_count = b.primitives - a.primitives, .extra_count = e->extra_count,
-		.corners = e->corners + a.elements, .position = e->position + 3 * (size_t)a.corners,
-		.uv = e->uv ? e->uv + 2 * (size_t)a.corners : NULL,
-		.extra = e->extra ? e->extra + (size_t)a.elements * e->extra_count : NULL,
-	};
+	struct view_store_stats stats = store->stats;
+	stats.memory_bytes = store->cache.memory_bytes;
+	stats.memory_peak_bytes = store->cache.peak_bytes;
+	stats.evictions = store->cache.evictions;
+	stats.evicted_bytes = store->cache.evicted_bytes;
+	return stats;
 }

@@ -5,9 +5,14 @@
 
 #define EMPTY UINT32_MAX
 
+static uint32_t home_of(const struct view_table *table, uint32_t key)
+{
+	return (uint32_t)(((uint64_t)key * 0x9E3779B97F4A7C15u) >> 32) & (table->room - 1);
+}
+
 static uint32_t slot_of(const struct view_table *table, uint32_t key)
 {
-	uint32_t slot = (uint32_t)(((uint64_t)key * 0x9E3779B97F4A7C15u) >> 32) & (table->room - 1);
+	uint32_t slot = home_of(table, key);
 	while (table->slots[slot] != EMPTY && table->keys[slot] != key)
 		slot = (slot + 1) & (table->room - 1);
 	return slot;
@@ -50,6 +55,24 @@ bool view_table_put(struct view_table *table, uint32_t key, uint32_t value)
 	table->slots[slot] = value;
 	table->keys[slot] = key;
 	return true;
+}
+
+/* Keys behind the gap that are looked for from before it move into it (Knuth 6.4, algorithm R). */
+void view_table_remove(struct view_table *table, uint32_t key)
+{
+	uint32_t gap = table->room ? slot_of(table, key) : 0, mask = table->room - 1;
+	if (!table->room || table->slots[gap] == EMPTY)
+		return;
+	for (uint32_t at = (gap + 1) & mask; table->slots[at] != EMPTY; at = (at + 1) & mask) {
+		uint32_t from_home = (at - home_of(table, table->keys[at])) & mask;
+		if (from_home < ((at - gap) & mask))
+			continue;
+		table->slots[gap] = table->slots[at];
+		table->keys[gap] = table->keys[at];
+		gap = at;
+	}
+	table->slots[gap] = EMPTY;
+	table->count--;
 }
 
 void view_table_free(struct view_table *table)

@@ -13,6 +13,8 @@ struct view_table { uint32_t *slots; uint32_t *keys; uint32_t room, count; };   
 uint32_t view_table_get(const struct view_table *table, uint32_t key);
 /* false: no memory; value < UINT32_MAX */
 bool view_table_put(struct view_table *table, uint32_t key, uint32_t value);
+/* Nothing happens where it is not there. */
+void view_table_remove(struct view_table *table, uint32_t key);
 void view_table_free(struct view_table *table);
 
 #endif

@@ -8,7 +8,6 @@ static enum eco_code feed(struct view_store *store, const struct srv_body *body,
 	enum eco_code code = eco_wire_parser_new(&parser, &view_store_events, store, error);
 	if (code)
 		return code;
-	view_store_begin(store);
 	for (uint32_t i = 0; i < body->piece_count && !code; i++)
 		code = eco_wire_feed(parser, body->pieces[i].bytes, body->pieces[i].size, error);
 	if (!code)
@@ -26,15 +25,14 @@ static uint64_t plan_bytes(const struct eco_plan *plan)
 	return size;
 }
 
-enum eco_code bench_fetch(struct bench_fetch *fetch, const struct srv_scene *scene,
-	const struct eco_request *request, struct view_store *store, struct eco_error *error)
+/* Adds one answer to `fetch`. */
+static enum eco_code ask(struct bench_fetch *fetch, const struct srv_scene *scene,
+	const struct eco_request *request,
+	struct view_store *store, struct eco_error *error)
 {
-	struct bench_fetch unasked = { 0 };
 	struct eco_holdings holdings = { 0 };
 	struct srv_stream stream = { 0 };
 	struct srv_body body = { 0 };
-	if (!fetch)
-		fetch = &unasked;
 	enum eco_code code = view_store_holdings(store, &holdings, error);
 	struct srv_stream_input input = { .scene = scene, .request = request, .holdings = &holdings,
 		.rule = fetch->rule,
@@ -47,12 +45,32 @@ enum eco_code bench_fetch(struct bench_fetch *fetch, const struct srv_scene *sce
 	double planned = view_clock_ms();
 	if (!code)
 		code = feed(store, &body, error);
-	fetch->plan_ms = planned - begun;
-	fetch->decode_ms = view_clock_ms() - planned;
-	fetch->bytes = body.size_bytes;
-	fetch->plan_bytes = !code && view_store_plan(store) ? plan_bytes(view_store_plan(store)) : 0;
+	fetch->requests++;
+	fetch->plan_ms += planned - begun;
+	fetch->decode_ms += view_clock_ms() - planned;
+	fetch->bytes += body.size_bytes;
 	srv_body_free(&body);
 	srv_stream_free(&stream);
 	free(holdings.items);
+	return code;
+}
+
+enum eco_code bench_fetch(struct bench_fetch *fetch, const struct srv_scene *scene,
+	const struct eco_request *request, struct view_store *store, struct eco_error *error)
+{
+	struct bench_fetch unasked = { 0 };
+	struct eco_request now = *request;
+	if (!fetch)
+		fetch = &unasked;
+	fetch->requests = 0;
+	fetch->plan_ms = fetch->decode_ms = 0;
+	fetch->bytes = 0;
+	view_store_begin(store);
+	enum eco_code code = ask(fetch, scene, &now, store, error);
+	for (uint64_t vertices; !code && view_store_again(store, &vertices);) {
+		now.vertices = request->bytes == ECO_BYTES_UNBOUNDED ? request->vertices : vertices;
+		code = ask(fetch, scene, &now, store, error);
+	}
+	fetch->plan_bytes = !code && view_store_plan(store) ? plan_bytes(view_store_plan(store)) : 0;
 	return code;
 }

@@ -12,6 +12,7 @@ struct bench_fetch {
 	/* answered: until the body stands; until the last byte is decoded */
 	double plan_ms, decode_ms;
 	uint64_t bytes, plan_bytes;          /* of the body; of its last plan alone */
+	uint32_t requests;                   /* that it took: more than one where the store's memory is short */
 };
 
 /* `store` is told what it lacks; it may be empty. `fetch` may be NULL. */

@@ -179,9 +179,9 @@ static uint64_t body_hash(const struct srv_body *body)
 static void new_client(struct run *run)
 {
 	struct eco_error error = { 0 };
-	if (run->store && view_store_stats(run->store)->chunks_twice)
+	if (run->store && view_store_stats(run->store).chunks_twice)
 		violated(run, SENT_TWICE, "%llu chunks of one of the requests before",
-			(unsigned long long)view_store_stats(run->store)->chunks_twice);
+			(unsigned long long)view_store_stats(run->store).chunks_twice);
 	view_store_free(run->store);
 	run->store = NULL;
 	if (view_store_new(&run->store, &(struct view_store_options){ 0 }, &error))

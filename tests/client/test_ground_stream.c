@@ -97,7 +97,7 @@ static struct view_store *receive(struct view_store *into, const struct srv_stre
 		fail_msg("%s", error.text);
 	eco_wire_parser_free(parser);
 	srv_body_free(&body);
-	assert_int_equal(view_store_stats(into)->chunks_twice, 0);
+	assert_int_equal(view_store_stats(into).chunks_twice, 0);
 	return into;
 }
 

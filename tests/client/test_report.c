@@ -47,7 +47,8 @@ static json_t *written(const struct view_report *report)
 UNIT_TEST(report_has_every_figure)
 {
 	static const char *const names[] = { "frame", "time_s", "budget_vertices", "vertices", "budget_bytes",
-		"bytes", "precision", "recall",
+		"bytes", "requests", "memory_bytes", "evicted_chunks", "refetched_bytes", "precision",
+			"recall",
 		"q", "skill", "owner_q", "soft_q", "ceiling", "picture_error", "predicted_q", "plan_ms",
 		"first_byte_ms", "stream_ms", "decode_ms",
 		"draw_ms", "reference_ms",
@@ -60,6 +61,9 @@ UNIT_TEST(report_has_every_figure)
 		struct view_frame f = view_frame_empty(i, i / 2.0, &request);
 		f.vertices = 900 + i;
 		f.bytes = 10;
+		f.requests = 1 + i;
+		f.evictions = 100 * i;
+		f.again_bytes = 4 * i;
 		if (i < 2)
 			view_frame_score(&f, &measures, 0.9);
 		assert_int_equal(view_report_add(&report, &f, NULL), ECO_OK);
@@ -82,11 +86,39 @@ UNIT_TEST(report_has_every_figure)
 	assert_true(json_real_value(json_object_get(summary, "mean_picture_error")) == 0.1);
 	assert_true(json_is_null(json_object_get(summary, "mean_skill")));
 	assert_int_equal(json_integer_value(json_object_get(summary, "total_bytes")), 30);
+	assert_int_equal(json_integer_value(json_object_get(summary, "evicted_chunks")), 300);
+	assert_int_equal(json_integer_value(json_object_get(summary, "refetched_bytes")), 12);
+	assert_int_equal(json_integer_value(json_object_get(summary, "repeated_requests")), 3);
+	assert_int_equal(json_integer_value(json_object_get(last, "evicted_chunks")), 200);
+	assert_true(json_is_null(json_object_get(summary, "memory_max_bytes")));
 	assert_string_equal(json_string_value(json_object_get(root, "renderer")), "software");
 	assert_true(json_is_null(json_object_get(root, "reference"))
 		&& json_is_true(json_object_get(root, "complete")));
 	json_decref(root);
 	view_report_free(&report);
+}
+
+static char *memory_line(uint64_t evictions)
+{
+	struct view_frame frames[2] = { { .bytes = 600, .requests = 1 },
+		{ .bytes = 400, .requests = 3, .evictions = evictions, .again_bytes = 50 } };
+	struct view_report report = { .frames = frames, .count = 2, .memory_peak_bytes = 3 << 19 };
+	char *text = NULL;
+	size_t size;
+	FILE *out = open_memstream(&text, &size);
+	view_report_memory_line(&report, out);
+	fclose(out);
+	return text;
+}
+
+UNIT_TEST(memory_is_spoken_of_where_something_had_to_go)
+{
+	char *texts[2] = { memory_line(0), memory_line(7) };
+	assert_string_equal(texts[0], "");
+	assert_string_equal(texts[1], "memory  1.5 MiB held at most  7 chunks evicted  50 of 1000 bytes "
+		"fetched again  2 requests repeated\n");
+	free(texts[0]);
+	free(texts[1]);
 }
 
 UNIT_TEST(report_of_nothing_is_valid)
@@ -106,8 +138,7 @@ UNIT_TEST(query_keeps_every_digit)
 	char text[VIEW_QUERY_BYTES];
 	assert_true(view_fetch_query(&request, text, sizeof text) == strlen(text));
 	assert_string_equal(text, "eye=1.5,-2,0.10000000000000001&target=0,0,1.0000000000000001e-09&up=0,0,"
-		"1&fov_y_deg=45&width=800&height=600"
-		"&vertices=1000");
+		"1&fov_y_deg=45&width=800&height=600&vertices=1000");
 	struct eco_request most =
 		{ .view =
 		{ .eye = { -1.2345678901234567e-300, -1.2345678901234567e-300, -1.2345678901234567e-300 } },

@@ -1,0 +1,391 @@
+#include "client-min/view_list.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define BAD(...) eco_fail(error, ECO_DAMAGED, __VA_ARGS__)
+
+static enum eco_code no_memory(struct eco_error *error, const char *what)
+{
+	return eco_fail(error, ECO_NO_MEMORY, "no memory for %s", what);
+}
+
+/* ---- Life ---- */
+
+static size_t palette_bytes(const struct eco_list *list)
+{
+	return (size_t)list->palette_count * 3;
+}
+
+uint64_t view_list_bytes(const struct eco_list *list)
+{
+	return sizeof(struct view_list) + palette_bytes(list)
+		+ (uint64_t)list->chunk_count * sizeof(struct view_mark);
+}
+
+struct view_list *view_list_new(uint32_t id, const struct eco_list *record, const uint8_t (*palette)[3])
+{
+	struct view_list *list = calloc(1, sizeof *list);
+	if (!list)
+		return NULL;
+	list->id = id;
+	list->list = *record;
+	list->bytes = view_list_bytes(record);
+	list->palette = malloc(palette_bytes(record) + 1);
+	list->marks = calloc((size_t)record->chunk_count + 1, sizeof *list->marks);
+	if (!list->palette || !list->marks) {
+		view_list_free(list);
+		return NULL;
+	}
+	if (palette_bytes(record))
+		memcpy(list->palette, palette, palette_bytes(record));
+	return list;
+}
+
+void view_list_free(struct view_list *list)
+{
+	if (!list)
+		return;
+	eco_elements_free(&list->elements);
+	eco_image_free(&list->image);
+	for (uint32_t i = 0; list->impostors && i < list->chunk_count; i++)
+		lod_impostor_close(&list->impostors[i]);
+	free(list->impostors);
+	free(list->marks);
+	free(list->palette);
+	free(list);
+}
+
+/* ---- Decoding ---- */
+
+static size_t element_bytes(const struct eco_elements *e) { return 1 + (size_t)e->extra_count * 4; }
+static size_t corner_bytes(const struct eco_elements *e) { return 12 + (e->uv ? 8 : 0); }
+
+static enum eco_code check_codes(const struct view_piece_input *in, const struct eco_elements *more,
+	enum eco_attr attribute, uint32_t codes, struct eco_error *error)
+{
+	const int32_t *extra = more->extra;
+	if (!(in->list->list.attributes & attribute))
+		return ECO_OK;
+	for (uint32_t i = 0, at = eco_list_extra_at(&in->list->list, attribute); i < more->element_count;
+			i++, extra += more->extra_count)
+		if (extra[at] < 0 || (uint32_t)extra[at] >= codes)
+			return BAD("list %u, chunk %u: %s code %d is not below %u",
+				in->list->id, in->ordinal, attribute == ECO_ATTR_SIZE ? "size" : "growth",
+				extra[at], codes);
+	return ECO_OK;
+}
+
+static enum eco_code check_values(const struct view_piece_input *in, const struct eco_elements *more,
+	struct eco_error *error)
+{
+	const struct view_list *list = in->list;
+	if (more->extra_count != eco_list_extra_count(&list->list)
+			|| (more->uv != NULL) != !!(list->list.attributes & ECO_ATTR_UV))
+		return BAD("list %u, chunk %u: attributes differ from the list's", list->id, in->ordinal);
+	enum eco_code code = check_codes(in, more, ECO_ATTR_GROWTH, ECO_GROWTHS, error);
+	if (!code)
+		code = check_codes(in, more, ECO_ATTR_SIZE, ECO_SIZES, error);
+	if (code)
+		return code;
+	bool color = list->list.attributes & ECO_ATTR_COLOR, width = list->list.attributes & ECO_ATTR_WIDTH;
+	for (uint32_t i = 0; (color || width) && i < more->element_count; i++) {
+		const int32_t *extra = more->extra + (size_t)i * more->extra_count;
+		if (color && (extra[0] < 0 || (uint32_t)extra[0] >= list->list.palette_count))
+			return BAD("list %u, chunk %u: colour %d is outside the palette of %u", list->id,
+				in->ordinal, extra[0], list->list.palette_count);
+		if (width && extra[color] < 0)
+			return BAD("list %u, chunk %u: negative line width", list->id, in->ordinal);
+	}
+	return ECO_OK;
+}
+
+static enum eco_code decode_image(struct view_piece *piece, const struct view_piece_input *in,
+	struct eco_error *error)
+{
+	if (!in->images)
+		return ECO_OK;
+	char name[32];
+	snprintf(name, sizeof name, "list-%u.png", in->list->id);
+	enum eco_code code = eco_image_read_memory(&piece->image, in->payload, in->chunk->size_bytes, name,
+		error);
+	if (code)
+		return code;
+	uint64_t texels = (uint64_t)piece->image.width * piece->image.height;
+	for (uint64_t i = 0; i < texels && !piece->cutout; i++)
+		piece->cutout = piece->image.rgba[4 * i + 3] < 128;
+	piece->bytes = texels * 4;
+	return ECO_OK;
+}
+
+/* A payload is the level with its chunk's ordinal. */
+static enum eco_code decode_impostor(struct view_piece *piece, const struct view_piece_input *in,
+	struct eco_error *error)
+{
+	struct eco_error cause = { 0 };
+	struct eco_impostor_body body;
+	struct eco_impostor_level level;
+	enum eco_code code = eco_impostor_level_read(&level, &body, in->payload, in->chunk->size_bytes,
+		&cause);
+	if (!code && level.level != in->ordinal)
+		code = eco_fail(&cause, ECO_DAMAGED, "level %u of an impostor", level.level);
+	if (!code)
+		code = lod_impostor_open(&piece->impostor, &body, &level, &cause);
+	eco_impostor_level_free(&level);
+	if (code)
+		return eco_fail(error, code, "list %u, chunk %u: %s", in->list->id, in->ordinal, cause.text);
+	piece->bytes = sizeof piece->impostor + lod_impostor_bytes(&piece->impostor);
+	return ECO_OK;
+}
+
+/* Ground is one chunk, every sample in its place: then whoever draws it needs no checks of its own. */
+static enum eco_code check_ground(struct view_piece *piece, const struct view_piece_input *in,
+	struct eco_error *error)
+{
+	struct eco_error cause = { 0 };
+	enum eco_code code = eco_ground_tile_of(&piece->tile, &in->list->list, &piece->elements,
+		in->ground_columns, in->ground_rows, &cause);
+	return code ? eco_fail(error, code, "list %u: %s", in->list->id, cause.text) : ECO_OK;
+}
+
+static enum eco_code decode_elements(struct view_piece *piece, const struct view_piece_input *in,
+	struct eco_error *error)
+{
+	struct eco_elements *e = &piece->elements;
+	enum eco_code code = eco_chunk_decode(&in->list->list, in->chunk, in->ordinal, in->payload,
+		in->chunk->size_bytes, e, error);
+	if (!code)
+		code = check_values(in, e, error);
+	if (!code && in->list->list.kind == ECO_LIST_GROUND)
+		code = check_ground(piece, in, error);
+	if (code)
+		return code;
+	piece->bytes = (uint64_t)e->element_count * element_bytes(e) + (uint64_t)e->corner_count
+		* corner_bytes(e);
+	return ECO_OK;
+}
+
+enum eco_code view_piece_decode(struct view_piece *piece, const struct view_piece_input *in,
+	struct eco_error *error)
+{
+	*piece = (struct view_piece){ 0 };
+	enum eco_code code = in->list->list.kind == ECO_LIST_IMAGE ? decode_image(piece, in, error)
+		: in->list->list.kind == ECO_LIST_IMPOSTOR ? decode_impostor(piece, in, error)
+		: decode_elements(piece, in, error);
+	if (!code && piece->bytes > UINT32_MAX)
+		code = eco_fail(error, ECO_TOO_LARGE, "list %u, chunk %u: %llu bytes decoded", in->list->id,
+			in->ordinal, (unsigned long long)piece->bytes);
+	if (code)
+		view_piece_free(piece);
+	return code;
+}
+
+void view_piece_free(struct view_piece *piece)
+{
+	eco_elements_free(&piece->elements);
+	eco_image_free(&piece->image);
+	lod_impostor_close(&piece->impostor);
+	*piece = (struct view_piece){ 0 };
+}
+
+/* ---- Growing ---- */
+
+static bool resize(void *array, size_t room, size_t item)
+{
+	void **slot = array;
+	void *moved = realloc(*slot, room * item + 1);
+	if (moved)
+		*slot = moved;
+	return moved;
+}
+
+struct rooms { uint64_t elements, corners; };
+
+static struct rooms exact_rooms(const struct view_list *list, const struct eco_elements *more)
+{
+	uint64_t elements = (uint64_t)list->elements.element_count + more->element_count,
+		corners = (uint64_t)list->elements.corner_count + more->corner_count;
+	return (struct rooms){ elements > list->element_room ? elements : list->element_room,
+		corners > list->corner_room ? corners : list->corner_room };
+}
+
+/* Half as much again where an array has to grow, but never beyond what the list's record declares (three to
+ * six corners). */
+static struct rooms ample_rooms(const struct view_list *list, const struct eco_elements *more)
+{
+	struct rooms rooms = exact_rooms(list, more);
+	uint64_t elements = rooms.elements + rooms.elements / 2, corners = rooms.corners + rooms.corners / 2,
+		most_elements = list->list.element_count, most_corners = most_elements * ECO_CORNERS_MAX;
+	if (rooms.elements > list->element_room)
+		rooms.elements = elements < most_elements ? elements : most_elements;
+	if (rooms.corners > list->corner_room)
+		rooms.corners = corners < most_corners ? corners : most_corners;
+	return rooms;
+}
+
+static uint64_t rooms_growth(const struct view_list *list, const struct eco_elements *more,
+	struct rooms rooms)
+{
+	return (rooms.elements - list->element_room) * element_bytes(more)
+		+ (rooms.corners - list->corner_room) * corner_bytes(more);
+}
+
+static bool is_element_list(const struct view_list *list)
+{
+	return list->list.kind != ECO_LIST_IMAGE && list->list.kind != ECO_LIST_IMPOSTOR;
+}
+
+uint64_t view_list_growth(const struct view_list *list, const struct view_piece *piece)
+{
+	return is_element_list(list)
+		? rooms_growth(list, &piece->elements, exact_rooms(list, &piece->elements)) : piece->bytes;
+}
+
+/* `like` has uv if the list's elements have. */
+static bool set_rooms(struct view_list *list, const struct eco_elements *like, struct rooms rooms)
+{
+	struct eco_elements *e = &list->elements;
+	if (!resize(&e->corners, rooms.elements, 1) || !resize(&e->position, rooms.corners, 12)
+			|| (like->uv && !resize(&e->uv, rooms.corners, 8)) || (like->extra_count
+			&& !resize(&e->extra, rooms.elements, (size_t)like->extra_count * 4)))
+		return false;
+	list->bytes -= list->element_room * element_bytes(like) + list->corner_room * corner_bytes(like);
+	list->bytes += rooms.elements * element_bytes(like) + rooms.corners * corner_bytes(like);
+	list->element_room = (uint32_t)rooms.elements;
+	list->corner_room = (uint32_t)rooms.corners;
+	return true;
+}
+
+static enum eco_code push_elements(struct view_list *list, const struct eco_elements *more, uint64_t spare,
+	struct eco_error *error)
+{
+	struct eco_elements *e = &list->elements;
+	struct rooms exact = exact_rooms(list, more), ample = ample_rooms(list, more);
+	if (exact.corners > UINT32_MAX / 2)
+		return eco_fail(error, ECO_TOO_LARGE, "list %u has more than %u corners", list->id,
+			UINT32_MAX / 2);
+	bool is_ample = rooms_growth(list, more, ample) - rooms_growth(list, more, exact) <= spare;
+	e->extra_count = more->extra_count;
+	if (!set_rooms(list, more, is_ample ? ample : exact))
+		return no_memory(error, "decoded elements");
+	memcpy(e->corners + e->element_count, more->corners, more->element_count);
+	memcpy(e->position + 3 * (size_t)e->corner_count, more->position, 12 * (size_t)more->corner_count);
+	if (more->uv)
+		memcpy(e->uv + 2 * (size_t)e->corner_count, more->uv, 8 * (size_t)more->corner_count);
+	if (more->extra_count)
+		memcpy(e->extra + (size_t)e->element_count * more->extra_count, more->extra,
+			(size_t)more->element_count * more->extra_count * 4);
+	e->element_count += more->element_count;
+	e->corner_count += more->corner_count;
+	e->primitive_count += more->primitive_count;
+	return ECO_OK;
+}
+
+static enum eco_code push_impostor(struct view_list *list, struct view_piece *piece, struct eco_error *error)
+{
+	if (!resize(&list->impostors, list->chunk_count + (size_t)1, sizeof *list->impostors))
+		return no_memory(error, "an impostor");
+	list->impostors[list->chunk_count] = piece->impostor;
+	piece->impostor = (struct lod_impostor){ 0 };
+	list->bytes += piece->bytes;
+	return ECO_OK;
+}
+
+static void push_image(struct view_list *list, struct view_piece *piece)
+{
+	list->image = piece->image;
+	list->cutout = piece->cutout;
+	list->bytes += piece->bytes;
+	piece->image = (struct eco_image){ 0 };
+}
+
+struct view_mark view_list_before(const struct view_list *list, uint32_t ordinal)
+{
+	return ordinal ? list->marks[ordinal - 1] : (struct view_mark){ 0 };
+}
+
+void view_list_mark(struct view_list *list, uint32_t ordinal, const struct eco_chunk *chunk, uint64_t bytes)
+{
+	struct view_mark before = view_list_before(list, ordinal);
+	list->marks[ordinal] = (struct view_mark){ before.primitives + chunk->primitive_count,
+		before.elements + chunk->element_count, list->elements.corner_count, (uint32_t)bytes, 0 };
+}
+
+enum eco_code view_list_push(struct view_list *list, struct view_piece *piece, const struct eco_chunk *chunk,
+	uint64_t spare, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	if (is_element_list(list))
+		code = push_elements(list, &piece->elements, spare, error);
+	else if (list->list.kind == ECO_LIST_IMPOSTOR)
+		code = push_impostor(list, piece, error);
+	else
+		push_image(list, piece);
+	if (code)
+		return code;
+	if (list->list.kind == ECO_LIST_GROUND)
+		list->tile = piece->tile;
+	view_list_mark(list, list->chunk_count++, chunk, piece->bytes);
+	return ECO_OK;
+}
+
+/* ---- Shrinking ---- */
+
+void view_list_trim(struct view_list *list)
+{
+	struct eco_elements *e = &list->elements;
+	if (e->element_count == list->element_room && e->corner_count == list->corner_room)
+		return;
+	list->bytes -= (list->element_room - e->element_count) * element_bytes(e)
+		+ (list->corner_room - e->corner_count) * corner_bytes(e);
+	list->element_room = e->element_count;
+	list->corner_room = e->corner_count;
+	if (!e->element_count) {
+		eco_elements_free(e);
+		return;
+	}
+	/* an array that the system will not make smaller stays as large as it is, which does no harm */
+	resize(&e->corners, e->element_count, 1);
+	resize(&e->position, e->corner_count, 12);
+	if (e->uv)
+		resize(&e->uv, e->corner_count, 8);
+	if (e->extra_count)
+		resize(&e->extra, e->element_count, (size_t)e->extra_count * 4);
+}
+
+void view_list_pop(struct view_list *list)
+{
+	assert(list->chunk_count > 0);
+	uint32_t last = --list->chunk_count;
+	if (is_element_list(list)) {
+		struct view_mark before = view_list_before(list, last);
+		list->elements.element_count = before.elements;
+		list->elements.corner_count = before.corners;
+		list->elements.primitive_count = before.primitives;
+		view_list_trim(list);
+		return;
+	}
+	list->bytes -= list->marks[last].bytes;
+	if (list->list.kind == ECO_LIST_IMAGE) {
+		eco_image_free(&list->image);
+		return;
+	}
+	lod_impostor_close(&list->impostors[last]);
+	resize(&list->impostors, last, sizeof *list->impostors);
+}
+
+struct eco_elements view_list_chunks(const struct view_list *list, uint32_t first, uint32_t end)
+{
+	assert(first <= end && end <= list->chunk_count);
+	struct view_mark a = view_list_before(list, first), b = view_list_before(list, end);
+	const struct eco_elements *e = &list->elements;
+	return (struct eco_elements){
+		.element_count = b.elements - a.elements, .corner_count = b.corners - a.corners,
+		.primitive_count = b.primitives - a.primitives, .extra_count = e->extra_count,
+		.corners = e->corners + a.elements, .position = e->position + 3 * (size_t)a.corners,
+		.uv = e->uv ? e->uv + 2 * (size_t)a.corners : NULL,
+		.extra = e->extra ? e->extra + (size_t)a.elements * e->extra_count : NULL,
+	};
+}

@@ -1,0 +1,89 @@
+/* One list as a client holds it: a prefix of its chunks, decoded. It grows and shrinks at its end, chunk by
+ * chunk, and never moves its meaning: primitive i stays primitive i.
+ *
+ *   view_piece_decode(&piece, list, &chunk, ordinal, payload, images, &error);
+ *   view_list_push(list, &piece, &chunk, spare, &error);    the piece becomes chunk list->chunk_count
+ *   view_list_pop(list);                                    the last chunk goes, and its memory with it
+ *   view_piece_free(&piece);                                in any case */
+#ifndef VIEW_LIST_H
+#define VIEW_LIST_H
+
+#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/ground_tile.h"
+#include "ecofiles/format/image.h"
+#include "ecofiles/format/model.h"
+#include "lod/impostor.h"
+
+/* Chunks end here; geometry of a chunk can be made without walking the list. The first three are exclusive
+ * running totals. */
+struct view_mark {
+	uint32_t primitives, elements, corners;
+	uint32_t bytes;                  /* decoded, of this chunk alone */
+	uint64_t used;                   /* when a plan last needed it (view_cache.h): never more than of the
+	                                  * chunk before it, as plans need prefixes */
+};
+
+struct view_list {                       /* stays where it is until its last chunk has gone */
+	uint32_t id;
+	struct eco_list list;            /* as the stream described it */
+	uint8_t (*palette)[3];           /* list.palette_count colours, sRGB */
+	uint32_t chunk_count;            /* chunks held: a prefix */
+	uint32_t served;                 /* chunks that the server believes to be held: at least those */
+	struct view_mark *marks;         /* one per chunk; those served are set */
+	struct eco_elements elements;    /* of all chunks held, in draw order */
+	uint32_t element_room, corner_room;      /* what the arrays have space for */
+	uint64_t bytes;                  /* held in all: this struct and what it owns */
+	struct eco_image image;          /* lists of kind IMAGE, once their chunk is here */
+	bool cutout;                     /* the image has texels with alpha < 0.5 */
+	struct lod_impostor *impostors;  /* lists of kind IMPOSTOR: one for each chunk held */
+	/* lists of kind GROUND, once their chunk is here: level, column and row */
+	struct eco_ground_tile tile;
+};
+
+/* What a list that is described and holds nothing takes. */
+uint64_t view_list_bytes(const struct eco_list *list);
+/* `palette` is copied. NULL: no memory. */
+struct view_list *view_list_new(uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3]);
+void view_list_free(struct view_list *list);                     /* NULL is fine */
+
+struct view_piece {                      /* a decoded chunk that no list owns yet; zero is empty */
+	struct eco_elements elements;
+	struct eco_image image;
+	bool cutout;
+	struct lod_impostor impostor;
+	struct eco_ground_tile tile;
+	uint64_t bytes;                  /* decoded */
+};
+
+struct view_piece_input {
+	const struct view_list *list;
+	const struct eco_chunk *chunk;
+	uint32_t ordinal;
+	const uint8_t *payload;
+	bool images;                     /* false: the payload of an IMAGE is dropped */
+	uint32_t ground_columns, ground_rows;
+};
+/* Decodes and checks all that users of decoded elements rely on: colours lie in the palette, codes exist,
+ * samples of the ground are in their places. */
+enum eco_code view_piece_decode(struct view_piece *piece, const struct view_piece_input *input,
+	struct eco_error *error);
+void view_piece_free(struct view_piece *piece);
+
+/* Adds the piece to list->bytes at least `piece->bytes`, at most that and `spare`: arrays that have to grow
+ * take half as much again where that is allowed. Ordinals, marks but this one's `used`, and what the piece
+ * held are the list's afterwards. */
+enum eco_code view_list_push(struct view_list *list, struct view_piece *piece, const struct eco_chunk *chunk,
+	uint64_t spare, struct eco_error *error);
+/* The bytes that list->bytes may grow by: piece->bytes, less what there is already room for. */
+uint64_t view_list_growth(const struct view_list *list, const struct view_piece *piece);
+void view_list_pop(struct view_list *list);
+/* Gives up what arrays have beyond what is in them. */
+void view_list_trim(struct view_list *list);
+/* Sets the running totals of chunk `ordinal`, all marks before it being set, without holding it. */
+void view_list_mark(struct view_list *list, uint32_t ordinal, const struct eco_chunk *chunk, uint64_t bytes);
+struct view_mark view_list_before(const struct view_list *list, uint32_t ordinal);
+
+/* Elements of chunks [first, end) as a view into the list's arrays: nothing is copied, nothing to free. */
+struct eco_elements view_list_chunks(const struct view_list *list, uint32_t first, uint32_t end);
+
+#endif

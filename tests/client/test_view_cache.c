@@ -1,0 +1,493 @@
+/* A client with little memory: it draws what one with enough draws, never holds more than it may, and fetches
+ * again what it gave up; and the order in which chunks go, against a model that looks at all of them. */
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "client-min/view_cache.h"
+#include "client-min/view_reference.h"
+#include "client-min/view_select.h"
+#include "server/stream.h"
+#include "tests/support/files.h"
+#include "tests/support/ground_tiles.h"
+#include "tests/support/scene_packs.h"
+#include "tests/support/unit_test.h"
+
+#define PATH "build/tmp/cache.eco"
+#define SIDE 257u
+#define STEP_M 3.0
+#define HALF_M (STEP_M * (SIDE - 1) / 2)
+#define WIDTH 120u
+#define HEIGHT 80u
+
+static struct srv_store packs;
+static const struct srv_scene *scene;
+
+static double hills(double x, double y) { return 8 * sin(0.021 * x) * cos(0.017 * y); }
+
+static int open_pack(void **state)
+{
+	struct eco_ground ground = ground_make(SIDE, SIDE, -HALF_M, -HALF_M, STEP_M, hills);
+	struct eco_error error = { 0 };
+	folder_make("build/tmp");
+	remove(PATH);
+	srv_store_init(&packs);
+	if (sample_pack_write_on(PATH, &ground, true, &error) || srv_store_add(&packs, "cache", PATH, &error))
+		fail_msg("%s", error.text);
+	scene = srv_store_find(&packs, "cache");
+	eco_ground_free(&ground);
+	return 0;
+}
+
+static int close_pack(void **state)
+{
+	srv_store_free(&packs);
+	remove(PATH);
+	return 0;
+}
+
+/* ---- Random numbers ---- */
+
+static uint64_t seed = 88172645463325252u;
+
+static uint32_t pick(uint32_t below)
+{
+	seed ^= seed << 13;
+	seed ^= seed >> 7;
+	seed ^= seed << 17;
+	return (uint32_t)(seed >> 32) % below;
+}
+
+/* ---- Which chunk goes: a model that looks at all of them ---- */
+
+#define LISTS 12u
+#define CHUNKS 9u
+
+struct model {
+	struct { uint32_t count; uint64_t used[CHUNKS], bytes[CHUNKS]; } lists[LISTS];
+	uint64_t tick, bytes, evictions;
+};
+
+static uint32_t model_victim(const struct model *m)
+{
+	uint32_t best = UINT32_MAX;
+	for (uint32_t i = 0; i < LISTS; i++) {
+		uint32_t last = m->lists[i].count - 1;
+		if (!m->lists[i].count || m->lists[i].used[last] >= m->tick)
+			continue;
+		uint32_t b = best == UINT32_MAX ? 0 : m->lists[best].count - 1;
+		if (best == UINT32_MAX || m->lists[i].used[last] < m->lists[best].used[b]
+				|| (m->lists[i].used[last] == m->lists[best].used[b]
+				&& m->lists[i].bytes[last] > m->lists[best].bytes[b]))
+			best = i;
+	}
+	return best;
+}
+
+static bool model_make_room(struct model *m, uint64_t most, uint64_t bytes)
+{
+	while (m->bytes + bytes > most) {
+		uint32_t victim = model_victim(m);
+		if (victim == UINT32_MAX)
+			return false;
+		m->bytes -= m->lists[victim].bytes[--m->lists[victim].count];
+		m->evictions++;
+	}
+	return true;
+}
+
+static struct view_piece points_of(uint32_t count)
+{
+	struct view_piece piece = { .elements = { .element_count = count, .corner_count = count,
+		.primitive_count = count, .corners = calloc(count, 1), .position = calloc(count, 12) },
+		.bytes = (uint64_t)count * 13 };
+	return piece;
+}
+
+static void push(struct view_cache *cache, struct model *m, uint32_t id)
+{
+	struct view_list *list = view_cache_find(cache, id);
+	uint32_t count = 1 + pick(90), ordinal = list->chunk_count;
+	if (ordinal == CHUNKS)
+		return;
+	view_cache_touch(cache, list, ordinal);
+	for (uint32_t c = 0; c < ordinal; c++)
+		m->lists[id].used[c] = m->tick;
+	struct view_piece piece = points_of(count);
+	bool fits = view_cache_make_room(cache, piece.bytes, false);
+	assert_int_equal(fits, model_make_room(m, cache->memory_max, piece.bytes));
+	if (fits) {
+		struct eco_chunk chunk = { .primitive_count = count, .element_count = count };
+		uint64_t before = list->bytes;
+		assert_int_equal(view_list_push(list, &piece, &chunk, 0, NULL), ECO_OK);
+		view_cache_charge(cache, list, before);
+		view_cache_touch(cache, list, ordinal + 1);
+		m->lists[id].bytes[ordinal] = (uint64_t)count * 13;
+		m->lists[id].used[ordinal] = m->tick;
+		m->lists[id].count++;
+		m->bytes += (uint64_t)count * 13;
+	}
+	view_piece_free(&piece);
+}
+
+static void touch(struct view_cache *cache, struct model *m, uint32_t id)
+{
+	uint32_t chunks = pick(CHUNKS + 1);
+	view_cache_touch(cache, view_cache_find(cache, id), chunks);
+	for (uint32_t c = 0; c < chunks && c < m->lists[id].count; c++)
+		m->lists[id].used[c] = m->tick;
+}
+
+static void compare(const struct view_cache *cache, const struct model *m)
+{
+	assert_true(cache->memory_bytes == m->bytes && cache->memory_bytes <= cache->memory_max);
+	assert_int_equal(cache->evictions, m->evictions);
+	for (uint32_t id = 0; id < LISTS; id++) {
+		const struct view_list *list = view_cache_find(cache, id);
+		assert_int_equal(list->chunk_count, m->lists[id].count);
+		for (uint32_t c = 0; c < list->chunk_count; c++)
+			assert_true(list->marks[c].used == m->lists[id].used[c]
+				&& list->marks[c].bytes == m->lists[id].bytes[c]);
+	}
+}
+
+/* Memory is tight from the start, so that both count the same bytes. */
+UNIT_TEST(chunks_go_in_the_order_of_the_model)
+{
+	struct view_cache cache = { .is_tight = true };
+	struct eco_list record = { .kind = ECO_LIST_POINTS, .coder = ECO_CODER_KD, .chunk_count = CHUNKS,
+		.element_count = CHUNKS * 100, .primitive_count = CHUNKS * 100 };
+	struct model m = { .bytes = LISTS * view_list_bytes(&record) };
+	cache.memory_max = m.bytes + 14000;
+	for (uint32_t id = 0; id < LISTS; id++)
+		assert_true(view_cache_add(&cache, view_list_new(id, &record, NULL)));
+	for (uint32_t step = 0; step < 40000; step++) {
+		uint32_t what = pick(10), bytes = pick(9000);
+		if (what < 6)
+			push(&cache, &m, pick(LISTS));
+		else if (what < 8)
+			touch(&cache, &m, pick(LISTS));
+		else if (what == 8)
+			assert_int_equal(view_cache_make_room(&cache, bytes, false),
+				model_make_room(&m, cache.memory_max, bytes));
+		if (what == 9) {
+			view_cache_tick(&cache);
+			m.tick++;
+		}
+		compare(&cache, &m);
+	}
+	assert_true(m.evictions > 5000);
+	view_cache_free(&cache);
+}
+
+/* The least recently used chunk goes though others are larger; of equals the largest. */
+UNIT_TEST(last_use_comes_before_size)
+{
+	static const struct { struct view_victim a, b; bool first; } pairs[] = {
+		{ { 1, 10, 5 }, { 2, 900, 1 }, true }, { { 3, 900, 5 }, { 2, 10, 1 }, false },
+		{ { 2, 900, 5 }, { 2, 10, 1 }, true }, { { 2, 10, 1 }, { 2, 900, 5 }, false },
+		{ { 2, 10, 1 }, { 2, 10, 5 }, true } };
+	for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
+		assert_int_equal(view_victim_before(&pairs[i].a, &pairs[i].b), pairs[i].first);
+		assert_int_equal(view_victim_before(&pairs[i].b, &pairs[i].a), !pairs[i].first);
+	}
+}
+
+/* ---- A client that asks a server's half in this process ---- */
+
+struct client { struct view_store *store; uint64_t memory_max, bytes; uint32_t requests, answers; };
+
+static struct client client_new(uint64_t memory_max)
+{
+	struct client c = { .memory_max = memory_max };
+	assert_int_equal(view_store_new(&c.store, &(struct view_store_options){ .memory_max = memory_max },
+		NULL),
+		ECO_OK);
+	return c;
+}
+
+/* What the lists say they hold, counted from their arrays. */
+static uint64_t list_bytes(const struct view_list *list)
+{
+	const struct eco_elements *e = &list->elements;
+	uint64_t bytes = view_list_bytes(&list->list) + list->element_room * (1 + 4ull * e->extra_count)
+		+ list->corner_room * (e->uv ? 20ull : 12ull) + 4ull * list->image.width * list->image.height;
+	for (uint32_t i = 0; list->impostors && i < list->chunk_count; i++)
+		bytes += sizeof list->impostors[i] + lod_impostor_bytes(&list->impostors[i]);
+	return bytes;
+}
+
+static void check_bytes(const struct client *c)
+{
+	uint64_t bytes = 0;
+	for (uint32_t i = 0; i < view_store_list_count(c->store); i++)
+		bytes += list_bytes(view_store_list_at(c->store, i));
+	for (uint32_t i = 0; i < scene->pack->scene.plant_count; i++) {
+		const struct view_plant *plant = view_store_plant(c->store, i);
+		bytes += plant ? sizeof *plant + plant->plant.anchor_count * sizeof *plant->anchors : 0;
+	}
+	struct view_store_stats stats = view_store_stats(c->store);
+	assert_true(bytes == stats.memory_bytes);
+	assert_true(bytes <= stats.memory_peak_bytes && stats.memory_peak_bytes
+		<= (c->memory_max ? c->memory_max : UINT64_MAX));
+	assert_int_equal(stats.chunks_twice, 0);
+}
+
+static enum eco_code answer(struct client *c, const struct eco_request *request, struct eco_error *error)
+{
+	struct eco_holdings holdings;
+	struct eco_wire_parser *parser;
+	struct srv_stream stream;
+	struct srv_body body;
+	assert_int_equal(view_store_holdings(c->store, &holdings, NULL), ECO_OK);
+	struct srv_stream_input input = { .scene = scene, .request = request, .holdings = &holdings };
+	assert_int_equal(srv_holdings_check(&scene->pack->scene, &holdings, NULL), ECO_OK);
+	assert_int_equal(srv_stream_plan(&stream, &input, NULL), ECO_OK);
+	assert_true(stream.fits && stream.body_bytes <= request->bytes);
+	assert_int_equal(srv_stream_write(&stream, &body, NULL), ECO_OK);
+	assert_int_equal(eco_wire_parser_new(&parser, &view_store_events, c->store, NULL), ECO_OK);
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < body.piece_count && !code; i++) {
+		code = eco_wire_feed(parser, body.pieces[i].bytes, body.pieces[i].size, error);
+		assert_true(!c->memory_max || view_store_stats(c->store).memory_bytes <= c->memory_max);
+	}
+	if (!code)
+		code = eco_wire_finish(parser, error);
+	c->answers++;
+	c->bytes += body.size_bytes;
+	eco_wire_parser_free(parser);
+	srv_body_free(&body);
+	srv_stream_free(&stream);
+	free(holdings.items);
+	return code;
+}
+
+static enum eco_code visit(struct client *c, const struct eco_request *request, struct eco_error *error)
+{
+	struct eco_request now = *request;
+	c->requests++;
+	view_store_begin(c->store);
+	enum eco_code code = answer(c, &now, error);
+	for (uint64_t vertices; !code && view_store_again(c->store, &vertices);) {
+		now.vertices = request->bytes == ECO_BYTES_UNBOUNDED ? request->vertices : vertices;
+		check_bytes(c);
+		code = answer(c, &now, error);
+	}
+	check_bytes(c);
+	assert_int_equal(view_store_complete(c->store), !code);
+	return code;
+}
+
+/* ---- Pictures ---- */
+
+static struct eco_request request_at(double x, double y, double toward_x, double toward_y, uint64_t vertices)
+{
+	struct eco_request r = { .vertices = vertices, .bytes = ECO_BYTES_UNBOUNDED };
+	r.view = (struct eco_view){ { x, y, hills(x, y) + 2 }, { toward_x, toward_y, hills(toward_x,
+		toward_y) + 1 },
+		{ 0, 0, 1 }, 50, WIDTH, HEIGHT };
+	return r;
+}
+
+/* Around the plants, near and far. */
+static struct eco_request step_of_walk(uint32_t step)
+{
+	double angle = 6.2831853 * step / 24, far = step % 3 == 2 ? 160 : 45;
+	return request_at(30 + far * cos(angle), 30 + far * sin(angle), 30, 30, 12000);
+}
+
+static struct eco_writer plan_bytes(const struct client *c)
+{
+	struct eco_writer w = { 0 };
+	eco_wire_write_plan(&w, view_store_plan(c->store));
+	return w;
+}
+
+static struct view_picture picture_of(const struct client *c, const struct eco_request *request)
+{
+	struct view_selection selection;
+	struct view_picture picture;
+	struct lod_eye eye;
+	lod_eye_make(&eye, &request->view);
+	assert_int_equal(view_select_make(&selection, c->store, &eye, NULL), ECO_OK);
+	assert_int_equal(view_picture_init(&picture, WIDTH, HEIGHT, NULL), ECO_OK);
+	assert_int_equal(view_reference_draw(&(struct view_reference_job){ c->store, &selection, &eye, 0.05,
+		1, NULL,
+		VIEW_TINT_NONE }, &picture, NULL), ECO_OK);
+	view_select_free(&selection);
+	return picture;
+}
+
+static void same_picture(const struct client *a, const struct client *b, const struct eco_request *request)
+{
+	struct eco_writer plans[2] = { plan_bytes(a), plan_bytes(b) };
+	assert_int_equal(plans[0].size, plans[1].size);
+	assert_memory_equal(plans[0].bytes, plans[1].bytes, plans[0].size);
+	struct view_picture pictures[2] = { picture_of(a, request), picture_of(b, request) };
+	assert_memory_equal(pictures[0].rgb, pictures[1].rgb, WIDTH * HEIGHT * 3);
+	assert_memory_equal(pictures[0].owner, pictures[1].owner, WIDTH * HEIGHT * sizeof *pictures[0].owner);
+	for (int i = 0; i < 2; i++) {
+		view_picture_free(&pictures[i]);
+		eco_writer_free(&plans[i]);
+	}
+}
+
+/* What a view alone needs, as the refusal of a client with almost none says it. */
+static uint64_t need_of(const struct eco_request *request)
+{
+	struct eco_error error = { 0 };
+	struct client c = client_new(60000);
+	assert_int_equal(visit(&c, request, &error), ECO_TOO_LARGE);
+	const char *at = strstr(error.text, "needs ");
+	if (!at || !strstr(error.text, "--memory"))
+		fail_msg("%s", error.text);
+	view_store_free(c.store);
+	return (uint64_t)ceil(strtod(at + 6, NULL) * (1 << 20));
+}
+
+static uint64_t largest_need(void)
+{
+	uint64_t most = 0;
+	for (uint32_t step = 0; step < 24; step++) {
+		struct eco_request request = step_of_walk(step);
+		uint64_t need = need_of(&request);
+		most = need > most ? need : most;
+	}
+	return most;
+}
+
+UNIT_TEST(little_memory_draws_the_same_pictures)
+{
+	struct client ample = client_new(0), tight = client_new(largest_need() * 11 / 10);
+	struct eco_error error = { 0 };
+	for (uint32_t step = 0; step < 48; step++) {
+		struct eco_request request = step_of_walk(step);
+		assert_ok(visit(&ample, &request, &error), error);
+		assert_ok(visit(&tight, &request, &error), error);
+		same_picture(&ample, &tight, &request);
+	}
+	struct view_store_stats a = view_store_stats(ample.store), t = view_store_stats(tight.store);
+	print_message("%llu of %llu bytes of memory: %llu chunks went, %llu of %llu bytes fetched again, %u "
+		"answers for "
+		"%u views\n", (unsigned long long)tight.memory_max, (unsigned long long)a.memory_bytes,
+		(unsigned long long)t.evictions, (unsigned long long)t.again_bytes,
+			(unsigned long long)tight.bytes,
+		tight.answers, tight.requests);
+	assert_true(a.evictions == 0 && a.again_bytes == 0 && ample.answers == ample.requests);
+	assert_true(a.memory_bytes > tight.memory_max && t.evictions > 50 && t.chunks_again > 50);
+	assert_true(t.again_bytes > 10000 && t.again_bytes <= t.chunk_bytes && tight.bytes > ample.bytes);
+	/* what came is what there was, and what came again */
+	assert_true(t.chunks - t.chunks_again <= a.chunks);
+	view_store_free(ample.store);
+	view_store_free(tight.store);
+}
+
+/* Two views that do not fit together, and two that do. */
+UNIT_TEST(ping_pong_fetches_again_only_where_it_must)
+{
+	struct eco_request views[2] = { request_at(-20, -20, 60, 60, 9000), request_at(90, 70, -60, -40,
+		9000) };
+	uint64_t need[2] = { need_of(&views[0]), need_of(&views[1]) }, most = need[0] > need[1] ? need[0]
+		: need[1];
+	for (int fits = 0; fits < 2; fits++) {
+		struct client c = client_new(fits ? 2 * (need[0] + need[1]) : most + most / 50);
+		struct eco_error error = { 0 };
+		uint64_t before = 0;
+		for (uint32_t step = 0; step < 12; step++) {
+			assert_ok(visit(&c, &views[step % 2], &error), error);
+			uint64_t again = view_store_stats(c.store).again_bytes;
+			assert_true(step < 2 || fits ? again == 0 || !fits : again > before);
+			before = again;
+		}
+		assert_int_equal(view_store_stats(c.store).evictions > 0, !fits);
+		view_store_free(c.store);
+	}
+}
+
+/* Exactly what the refusal names is enough, and a little less is not. */
+UNIT_TEST(refusal_names_what_is_enough)
+{
+	for (uint32_t step = 0; step < 24; step += 5) {
+		struct eco_request request = step_of_walk(step);
+		struct eco_error error = { 0 };
+		uint64_t need = need_of(&request);
+		struct client enough = client_new(need), less = client_new(need - need / 200);
+		assert_ok(visit(&enough, &request, &error), error);
+		assert_int_equal(visit(&less, &request, &error), ECO_TOO_LARGE);
+		assert_non_null(strstr(error.text, "ask for fewer vertices"));
+		/* a smaller view still goes */
+		error = (struct eco_error){ 0 };
+		request.vertices = 500;
+		request.ground_px = 64;
+		assert_ok(visit(&less, &request, &error), error);
+		view_store_free(enough.store);
+		view_store_free(less.store);
+	}
+}
+
+UNIT_TEST(memory_for_less_than_a_chunk_is_refused)
+{
+	static const uint64_t sizes[] = { 1, 100, 700, 2000, 5000, 20000 };
+	struct eco_request request = step_of_walk(0);
+	for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+		struct client c = client_new(sizes[i]);
+		for (int round = 0; round < 2; round++) {
+			struct eco_error error = { 0 };
+			assert_int_equal(visit(&c, &request, &error), ECO_TOO_LARGE);
+			assert_non_null(strstr(error.text, "MiB"));
+			assert_non_null(strstr(error.text, "--memory"));
+			assert_null(view_store_plan(c.store));
+		}
+		view_store_free(c.store);
+	}
+}
+
+/* With a budget of bytes a plan depends on what is held: it is kept all the same. */
+UNIT_TEST(budget_of_bytes_is_kept_with_little_memory)
+{
+	struct client c = client_new(largest_need() * 11 / 10);
+	for (uint32_t step = 0; step < 48; step++) {
+		struct eco_request request = step_of_walk(step * 7 % 24);
+		struct eco_error error = { 0 };
+		request.bytes = 40000;
+		assert_ok(visit(&c, &request, &error), error);      /* `answer` looks at each body */
+		assert_true(view_store_plan(c.store)->vertices <= request.vertices);
+	}
+	assert_true(view_store_stats(c.store).evictions > 0);
+	view_store_free(c.store);
+}
+
+/* Any order of views, sizes and budgets, at random. */
+UNIT_TEST(random_views_and_memories)
+{
+	uint64_t need = largest_need();
+	uint32_t refused = 0, repeated = 0;
+	for (uint32_t round = 0; round < 12; round++) {
+		struct client c = client_new(need / 2 + pick((uint32_t)need)), ample = client_new(0);
+		for (uint32_t step = 0; step < 16; step++) {
+			struct eco_request request = request_at(pick(200) - 60.0, pick(200) - 60.0,
+				pick(120), pick(120),
+				1000u << pick(4));
+			struct eco_error error = { 0 };
+			request.ground_px = 1 << pick(5);
+			enum eco_code code = visit(&c, &request, &error);
+			refused += code != ECO_OK;
+			assert_true(!code || (code == ECO_TOO_LARGE && strstr(error.text, "--memory")));
+			assert_int_equal(visit(&ample, &request, NULL), ECO_OK);
+			if (!code && step % 4 == 0)
+				same_picture(&c, &ample, &request);
+		}
+		repeated += c.answers - c.requests;
+		view_store_free(c.store);
+		view_store_free(ample.store);
+	}
+	print_message("%u of 192 views refused, %u answers repeated\n", refused, repeated);
+	assert_true(refused < 100 && repeated > 0);
+}
+
+int main(void)
+{
+	return unit_tests_run(open_pack, close_pack);
+}
