@@ -1,0 +1,261 @@
+/* A client with little memory (Deussen 2002, section 6.3): how many bytes it fetches along a path as the
+ * memory that it may hold falls, what it gives up (client-min/view_cache.h) and how often it has to ask
+ * twice.
+ *
+ * Paths go there and back, so that all of it is needed again; where there is data, a drone's recorded flight
+ * over the SCBI forest, too. The whole need is what a client without a limit holds at the end. Nothing is
+ * drawn: tests/client/test_view_cache.c holds the pictures against each other. */
+#include <math.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+
+#include "ecofiles/format/view.h"
+#include "tests/bench/bench_fetch.h"
+#include "tests/bench/bench_shots.h"
+
+#define PATH 1100
+#define VERTICES 100000u
+#define FRAMES_FULL 60u                  /* one way */
+#define FRAMES_QUICK 20u
+#define TRACK "cameras/dji_p4_rtk.SRT"   /* 661 m in 54 s */
+/* where its first fix lies in the scbi scene, so that it crosses the plot; and a view as of who flies there
+ * */
+#define TRACK_PLACE "--to 100,30,345 --pitch -15 --fps 1"
+
+/* Parts of the whole need; or no limit, or what the view that needs most needs alone, and 2 % for descriptions
+ * of what only its coarse steps show. */
+enum { NO_LIMIT = 0, LARGEST_VIEW = UINT32_MAX };
+static const uint32_t parts[] = { NO_LIMIT, 1, 2, 4, LARGEST_VIEW };
+#define PARTS (sizeof parts / sizeof *parts)
+static const struct { const char *scene; bool recorded, full_only; } paths[] = { { "outdoor", false, false },
+	{ "trees5000", false, true }, { "scbi", false, false }, { "scbi", true, false } };
+#define PATHS (sizeof paths / sizeof *paths)
+
+struct walk { struct eco_request *requests; uint32_t count; uint64_t need, largest; };
+
+/* ---- Cameras ---- */
+
+static enum eco_code there_and_back(struct bench *bench, const char *scene, struct walk *walk,
+	struct eco_error *error)
+{
+	uint32_t one_way = bench->full ? FRAMES_FULL : FRAMES_QUICK;
+	walk->requests = calloc(2 * (size_t)one_way, sizeof *walk->requests);
+	if (!walk->requests)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a path");
+	walk->count = bench_scene_views(bench, scene, walk->requests, one_way);
+	if (!walk->count)
+		return eco_fail(error, ECO_NOT_FOUND, "scene '%s' has no path", scene);
+	for (uint32_t i = 0; i < one_way; i++)
+		walk->requests[one_way + i] = walk->requests[one_way - 1 - i];
+	walk->count *= 2;
+	return ECO_OK;
+}
+
+static enum eco_code recorded(struct bench *bench, struct walk *walk, struct eco_error *error)
+{
+	char path[PATH];
+	struct eco_camera *camera = NULL;
+	snprintf(path, sizeof path, "%s/recorded.json", bench->cache);
+	enum eco_code code = bench_command(bench, error, "'%s/ecopack' camera '%s/" TRACK "' -o '%s' -q "
+		TRACK_PLACE, bench->build, bench->data, path);
+	if (!code)
+		code = eco_camera_load(&camera, path, error);
+	if (code)
+		return code;
+	walk->count = eco_camera_frame_count(camera);
+	walk->requests = calloc(walk->count, sizeof *walk->requests);
+	for (uint32_t i = 0; i < walk->count && walk->requests; i++) {
+		eco_camera_frame(camera, i, &walk->requests[i].view);
+		walk->requests[i].view.width = BENCH_SHOT_WIDTH;
+		walk->requests[i].view.height = BENCH_SHOT_HEIGHT;
+	}
+	eco_camera_free(camera);
+	return walk->requests ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for a path");
+}
+
+static bool has_track(const struct bench *bench)
+{
+	char path[PATH];
+	struct stat status;
+	return bench->data && snprintf(path, sizeof path, "%s/" TRACK, bench->data) < (int)sizeof path
+		&& stat(path, &status) == 0;
+}
+
+/* ---- One path ---- */
+
+/* What the store holds of chunks needed at tick `since` or later, and of lists that have such: without what its
+ * arrays have to spare. */
+static uint64_t held_since(const struct view_store *store, uint64_t since)
+{
+	uint64_t bytes = view_store_stats(store).memory_bytes;
+	for (uint32_t i = 0; i < view_store_list_count(store); i++) {
+		const struct view_list *list = view_store_list_at(store, i);
+		bytes -= list->bytes;
+		if (list->chunk_count && list->marks[0].used >= since)
+			bytes += view_list_bytes(&list->list);
+		for (uint32_t c = 0; c < list->chunk_count && list->marks[c].used >= since; c++)
+			bytes += list->marks[c].bytes;
+	}
+	return bytes;
+}
+
+/* The tick of the last plan that named anything. */
+static uint64_t last_tick(const struct view_store *store)
+{
+	uint64_t last = 0;
+	for (uint32_t i = 0; i < view_store_list_count(store); i++) {
+		const struct view_list *list = view_store_list_at(store, i);
+		if (list->chunk_count && list->marks[0].used > last)
+			last = list->marks[0].used;
+	}
+	return last;
+}
+
+static void measure(struct walk *walk, const struct view_store *store)
+{
+	uint64_t view = held_since(store, last_tick(store));
+	walk->need = held_since(store, 0);
+	walk->largest = view > walk->largest ? view : walk->largest;
+}
+
+static json_t *row_of(uint64_t memory, uint64_t frames, const struct bench_fetch *sums,
+	const struct view_store_stats *stats)
+{
+	return json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "memory", (json_int_t)memory, "frames",
+		(json_int_t)frames, "bytes", (json_int_t)sums->bytes, "answers", (json_int_t)sums->requests,
+		"peak", (json_int_t)stats->memory_peak_bytes, "evictions", (json_int_t)stats->evictions,
+		"again", (json_int_t)stats->again_bytes);
+}
+
+/* Without a limit (0) measures what the walk needs. A view that alone needs more than there is ends it: `frames`
+ * says how far it came. */
+static enum eco_code walk_with(const struct srv_scene *scene, struct walk *walk, uint64_t memory, json_t *rows,
+	struct eco_error *error)
+{
+	struct view_store *store;
+	struct view_store_options options = { .memory_max = memory ? memory : 1ull << 40, .images = true };
+	struct bench_fetch sums = { 0 };
+	uint32_t frames = 0;
+	enum eco_code code = view_store_new(&store, &options, error);
+	while (!code && frames < walk->count) {
+		struct eco_request request = walk->requests[frames];
+		struct bench_fetch fetch = { 0 };
+		struct eco_error why = { 0 };
+		request.vertices = VERTICES;
+		request.bytes = ECO_BYTES_UNBOUNDED;
+		enum eco_code one = bench_fetch(&fetch, scene, &request, store, &why);
+		if (one == ECO_TOO_LARGE)
+			break;
+		code = one ? eco_fail(error, one, "%s", why.text) : ECO_OK;
+		sums.bytes += fetch.bytes;
+		sums.requests += fetch.requests;
+		frames++;
+		if (!memory)
+			measure(walk, store);
+	}
+	struct view_store_stats stats = store ? view_store_stats(store) : (struct view_store_stats){ 0 };
+	json_array_append_new(rows, row_of(memory ? memory : walk->need, frames, &sums, &stats));
+	view_store_free(store);
+	return code;
+}
+
+static uint64_t memory_of(const struct walk *walk, uint32_t part)
+{
+	return part == NO_LIMIT ? 0 : part == LARGEST_VIEW ? walk->largest + walk->largest / 50
+		: walk->need / part;
+}
+
+static enum eco_code run_path(struct bench *bench, size_t which, const char *pack, json_t **rows,
+	struct eco_error *error)
+{
+	struct srv_store served;
+	struct walk walk = { 0 };
+	*rows = json_array();
+	srv_store_init(&served);
+	enum eco_code code = paths[which].recorded ? recorded(bench, &walk, error)
+		: there_and_back(bench, paths[which].scene, &walk, error);
+	if (!code)
+		code = srv_store_add(&served, "scene", pack, error);
+	for (size_t i = 0; i < PARTS && !code; i++) {
+		bench_progress(bench, ((double)which + (double)i / PARTS) / PATHS, paths[which].scene);
+		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
+			: walk_with(&served.scenes[0], &walk, memory_of(&walk, parts[i]), *rows, error);
+	}
+	srv_store_free(&served);
+	free(walk.requests);
+	if (code) {
+		json_decref(*rows);
+		*rows = NULL;
+	}
+	return code;
+}
+
+static double number(const json_t *row, const char *key)
+{
+	return (double)json_integer_value(json_object_get(row, key));
+}
+
+/* The bytes at half the need over those without a limit, of whole walks; NaN otherwise. */
+static double add_rows(struct bench_table *table, size_t which, const json_t *rows)
+{
+	const json_t *all = json_array_get(rows, 0);
+	double half = NAN;
+	for (size_t i = 0; i < PARTS; i++) {
+		const json_t *row = json_array_get(rows, i);
+		double times = number(row, "bytes") / number(all, "bytes");
+		char part[24];
+		snprintf(part, sizeof part, parts[i] == NO_LIMIT ? "no limit" : parts[i] == LARGEST_VIEW
+			? "largest view" : "1/%u", parts[i]);
+		bench_table_row(table, "%s,%s,%s,%.2f,%.0f of %.0f,%.0f,%.2f,%.0f,%.0f,%.0f",
+			paths[which].scene, paths[which].recorded ? "recorded" : "there and back", part,
+			number(row, "memory") / (1 << 20), number(row, "frames"), number(all, "frames"),
+			number(row, "bytes"), times, number(row, "evictions"), number(row, "again"),
+			number(row, "answers") - number(row, "frames"));
+		if (parts[i] == 2 && number(row, "frames") == number(all, "frames"))
+			half = times;
+	}
+	return half;
+}
+
+static enum eco_code try_path(struct bench *bench, size_t which, struct bench_table *table, double *half,
+	struct eco_error *error)
+{
+	char pack[512], name[96];
+	enum eco_code code = ECO_OK;
+	if (!bench_shot_scene(bench, paths[which].scene, pack, &code, error) || code)
+		return code;
+	snprintf(name, sizeof name, "cache-%s-%s-%s", paths[which].scene,
+		paths[which].recorded ? "recorded" : "path", bench->full ? "full" : "quick");
+	json_t *unit = bench_recall(bench, name, bench_pack_stamp(pack));
+	if (!unit) {
+		code = run_path(bench, which, pack, &unit, error);
+		unit = code ? NULL : bench_keep(bench, name, bench_pack_stamp(pack), unit);
+	}
+	double times = unit ? add_rows(table, which, unit) : NAN;
+	*half = isnan(*half) || times > *half ? times : *half;
+	return code;
+}
+
+static enum eco_code run(struct bench *bench, struct eco_error *error)
+{
+	double half = NAN;
+	enum eco_code code = ECO_OK;
+	struct bench_table *table = bench_table_open(bench, "cache", "scene,path,memory,MiB,frames,bytes,"
+		"times no limit,chunks evicted,bytes fetched again,requests repeated", true);
+	for (size_t i = 0; i < PATHS && !code; i++)
+		if ((!paths[i].full_only || bench->full) && (!paths[i].recorded || has_track(bench)))
+			code = try_path(bench, i, table, &half, error);
+	bench_table_close(table);
+	if (code)
+		return code;
+	bench_say(bench, "A client may hold a part of the decoded data that a whole path needs, at %u "
+		"vertices a "
+		"frame. The chunk that no plan needed for the longest time goes first, of equals the "
+			"largest. A path ends where one view alone needs more than there is.", VERTICES);
+	bench_key(bench, "cache_bytes_at_half", half, "bytes fetched with half the memory over those with "
+		"all, worst path");
+	return ECO_OK;
+}
+
+const struct bench_section bench_cache = { "cache", "A client with little memory", run,
+	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_cache.o tests/bench/bench_shots.o" };
