@@ -31,6 +31,9 @@ struct view_store {
 	char name[64];
 	struct eco_chunk_id pack;
 	bool has_scene, has_plan, complete;
+	uint64_t plan_tick;              /* of the cache, when the last plan came */
+	uint64_t came_bytes;             /* decoded, of the request under way */
+	uint64_t evictions_before;       /* it */
 	bool lacks;                      /* the last plan needs what is not held any more */
 	uint32_t repeats;                /* of the request under way */
 	double near_m;
@@ -88,11 +91,16 @@ static void forget_plan(struct view_store *store)
 
 void view_store_begin(struct view_store *store)
 {
+	struct view_cache *cache = &store->cache;
 	forget_plan(store);
 	store->repeats = 0;
 	store->stats.decode_ms = 0;
-	view_cache_want_nothing(&store->cache);
-	view_cache_begin(&store->cache);
+	view_cache_want_nothing(cache);
+	if (cache->evictions > store->evictions_before)
+		view_cache_leave_room(cache, store->came_bytes, store->plan_tick);
+	store->came_bytes = 0;
+	store->evictions_before = cache->evictions;
+	view_cache_begin(cache);
 }
 
 static enum eco_code no_memory(struct eco_error *error, const char *what)
@@ -278,6 +286,7 @@ static enum eco_code on_chunk(void *ctx, uint32_t id, uint32_t ordinal, const st
 	store->stats.decode_ms += view_clock_ms() - start;
 	if (code)
 		return code;
+	store->came_bytes += piece.bytes;
 	count_chunk(store, id, ordinal, chunk);
 	code = keep(store, list, ordinal, chunk, &piece, error);
 	view_piece_free(&piece);
@@ -389,6 +398,7 @@ static enum eco_code on_plan(void *ctx, struct eco_plan *plan, struct eco_error 
 	*plan = (struct eco_plan){ 0 };
 	store->lacks = false;
 	each_need(store, touch_need);
+	store->plan_tick = store->cache.tick;
 	store->has_plan = !store->lacks;
 	view_cache_tick(&store->cache);
 	return ECO_OK;
