@@ -2,6 +2,10 @@
  * number of threads read it without locks; only two per-chunk marks change, each once and atomically: "hash
  * checked" and "response made"; and the planner's tables fill themselves likewise (lod/plan/plan_tables.h).
  *
+ * Payloads stay in the mapped pack, without a copy: the system's page cache keeps those that are asked for,
+ * gives up those that are not, and all servers of a machine share it (figures: lod/EXPERIMENTS.md, "Memory of
+ * client and server"). A cache of our own would hold the same bytes twice.
+ *
  *   srv_store_init(&store);
  *   srv_store_add(&store, NULL, "scbi.eco", &error);         opens and checks the pack, takes its name
  *   const struct srv_scene *s = srv_store_find(&store, "scbi");
