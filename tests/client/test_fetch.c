@@ -23,6 +23,7 @@ static struct server {
 	uint16_t port;
 	const char *head;                /* status line and headers, without Content-Length */
 	uint32_t busy;                   /* so many requests are answered with 503 before */
+	uint32_t again;                  /* so many are answered alike after */
 	const uint8_t *body; size_t size, declared;
 	char heard[8192]; size_t heard_size;
 	pthread_t thread;
@@ -41,19 +42,10 @@ static const char busy_answer[] = "HTTP/1.1 503 Busy\r\nRetry-After: 0\r\nConten
 	"close\r\n\r\n";
 
 /* Reads one request whole, sends the answer, closes. */
-static void *serve(void *ctx)
+static void serve_one(struct server *s)
 {
-	struct server *s = &server;
 	char head[512], *end = NULL;
-	for (uint32_t i = 0; i < s->busy; i++) {
-		int refused = accept(s->listener, NULL, NULL);
-		assert_true(recv(refused, head, sizeof head, 0) > 0);
-		send(refused, busy_answer, sizeof busy_answer - 1, MSG_NOSIGNAL);
-		shutdown(refused, SHUT_WR);
-		while (recv(refused, head, sizeof head, 0) > 0)
-			continue;
-		close(refused);
-	}
+	s->heard_size = 0;
 	int c = accept(s->listener, NULL, NULL);
 	while (!end || s->heard_size < (size_t)(end + 4 - s->heard) + content_length(s->heard)) {
 		ssize_t n = recv(c, s->heard + s->heard_size, sizeof s->heard - 1 - s->heard_size, 0);
@@ -74,31 +66,55 @@ static void *serve(void *ctx)
 		at += (size_t)n;
 	}
 	close(c);
+}
+
+static void *serve(void *ctx)
+{
+	struct server *s = &server;
+	char head[512];
+	for (uint32_t i = 0; i < s->busy; i++) {
+		int refused = accept(s->listener, NULL, NULL);
+		assert_true(recv(refused, head, sizeof head, 0) > 0);
+		send(refused, busy_answer, sizeof busy_answer - 1, MSG_NOSIGNAL);
+		shutdown(refused, SHUT_WR);
+		while (recv(refused, head, sizeof head, 0) > 0)
+			continue;
+		close(refused);
+	}
+	for (uint32_t i = 0; i <= s->again; i++)
+		serve_one(s);
 	return NULL;
 }
 
-static void begin(void)
+static void begin(uint64_t memory_max)
 {
+	struct view_store_options options = { .memory_max = memory_max };
 	view_store_free(store);
-	assert_int_equal(view_store_new(&store, &(struct view_store_options){ 0 }, NULL), ECO_OK);
+	assert_int_equal(view_store_new(&store, &options, NULL), ECO_OK);
 	result = (struct view_fetch_result){ 0 };
 	error = (struct eco_error){ 0 };
 }
 
-static void start_busy(uint32_t busy, const char *head, const void *body, size_t size,
-	size_t declared)
+static void start_server(struct server given, uint64_t memory_max)
 {
 	struct sockaddr_in at = { .sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
 	socklen_t length = sizeof at;
-	begin();
+	begin(memory_max);
 	struct server *s = &server;
-	*s = (struct server){ .head = head, .busy = busy, .body = body, .size = size, .declared = declared };
+	*s = given;
 	s->listener = socket(AF_INET, SOCK_STREAM, 0);
 	assert_int_equal(bind(s->listener, (struct sockaddr *)&at, sizeof at), 0);
 	assert_int_equal(listen(s->listener, 4), 0);
 	getsockname(s->listener, (struct sockaddr *)&at, &length);
 	s->port = ntohs(at.sin_port);
 	assert_int_equal(pthread_create(&s->thread, NULL, serve, NULL), 0);
+}
+
+static void start_busy(uint32_t busy, const char *head, const void *body, size_t size,
+	size_t declared)
+{
+	start_server((struct server){ .head = head, .busy = busy, .body = body, .size = size,
+		.declared = declared }, 0);
 }
 
 static void start(const char *head, const void *body, size_t size, size_t declared)
@@ -242,7 +258,7 @@ UNIT_TEST(stop_flag_and_bad_urls_end_at_once)
 		assert_int_equal(view_fetch_new(&fetch, &options, NULL), ECO_BAD_USAGE);
 		assert_null(fetch);
 	}
-	begin();
+	begin(0);
 	struct view_fetch_options options = { .url = "http://127.0.0.1:9/v1/scenes/x", .stop = &flag };
 	struct eco_request request = { .view = scene_view(), .vertices = 1000, .bytes = ECO_BYTES_UNBOUNDED };
 	assert_int_equal(view_fetch_new(&fetch, &options, NULL), ECO_OK);
@@ -263,6 +279,26 @@ static int tear_down(void **state)
 	scene_free(&scene);
 	view_fetch_teardown();
 	return 0;
+}
+
+/* What had to go while the answer came is asked for again: with a budget of bytes, for as many vertices as
+ * that plan has. This server does not listen to holdings, and so the second answer is refused. */
+UNIT_TEST(short_memory_asks_again_for_the_same_plan)
+{
+	struct eco_plan plan;
+	struct eco_writer w = { 0 };
+	char vertices[64];
+	good_stream(&plan, &w);
+	start_server((struct server){ .head = ok, .again = 1, .body = w.bytes, .size = w.size,
+		.declared = w.size }, 20000);
+	assert_int_equal(ask(0), ECO_DAMAGED);
+	assert_non_null(strstr(error.text, "sent again"));
+	snprintf(vertices, sizeof vertices, "&vertices=%llu&", (unsigned long long)plan.vertices);
+	assert_non_null(strstr(server.heard, vertices));
+	assert_true(result.requests == 2 && result.bytes > w.size && result.most_bytes == w.size);
+	assert_true(plan.vertices != 1000 && view_store_stats(store).memory_peak_bytes <= 20000);
+	eco_writer_free(&w);
+	eco_plan_free(&plan);
 }
 
 int main(void)

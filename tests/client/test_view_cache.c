@@ -34,7 +34,8 @@ static int open_pack(void **state)
 	folder_make("build/tmp");
 	remove(PATH);
 	srv_store_init(&packs);
-	if (sample_pack_write_on(PATH, &ground, true, &error) || srv_store_add(&packs, "cache", PATH, &error))
+	if (sample_pack_write_on(PATH, &ground, false, &error) || srv_store_add(&packs, "cache", PATH,
+		&error))
 		fail_msg("%s", error.text);
 	scene = srv_store_find(&packs, "cache");
 	eco_ground_free(&ground);
@@ -124,6 +125,7 @@ static void push(struct view_cache *cache, struct model *m, uint32_t id)
 		assert_int_equal(view_list_push(list, &piece, &chunk, 0, NULL), ECO_OK);
 		view_cache_charge(cache, list, before);
 		view_cache_touch(cache, list, ordinal + 1);
+		list->served = list->chunk_count;
 		m->lists[id].bytes[ordinal] = (uint64_t)count * 13;
 		m->lists[id].used[ordinal] = m->tick;
 		m->lists[id].count++;
@@ -195,6 +197,31 @@ UNIT_TEST(last_use_comes_before_size)
 	}
 }
 
+/* What is wanted stays, though all else was used since. */
+UNIT_TEST(what_is_wanted_stays)
+{
+	struct view_cache cache = { .is_tight = true, .memory_max = 1 << 20 };
+	struct eco_list record = { .kind = ECO_LIST_POINTS, .coder = ECO_CODER_KD, .chunk_count = CHUNKS,
+		.element_count = CHUNKS * 100, .primitive_count = CHUNKS * 100 };
+	struct model m = { 0 };
+	for (uint32_t id = 0; id < 4; id++) {
+		assert_true(view_cache_add(&cache, view_list_new(id, &record, NULL)));
+		for (uint32_t c = 0; c < 5; c++)
+			push(&cache, &m, id);
+		view_cache_tick(&cache);
+		m.tick++;
+	}
+	assert_true(view_cache_want(&cache, 0, 3) && view_cache_want(&cache, 0, 2));
+	assert_false(view_cache_make_room(&cache, cache.memory_max, false));
+	for (uint32_t id = 0; id < 4; id++)
+		assert_int_equal(view_cache_find(&cache, id)->chunk_count, id ? 0 : 3);
+	assert_true(view_cache_had(&cache, 0, 4) && view_cache_had(&cache, 3, 0) && !view_cache_had(&cache,
+		3, 5));
+	view_cache_keep_wanted(&cache);
+	assert_true(cache.list_count == 1 && view_cache_wanted_bytes(&cache) == cache.memory_bytes);
+	view_cache_free(&cache);
+}
+
 /* ---- A client that asks a server's half in this process ---- */
 
 struct client { struct view_store *store; uint64_t memory_max, bytes; uint32_t requests, answers; };
@@ -202,9 +229,8 @@ struct client { struct view_store *store; uint64_t memory_max, bytes; uint32_t r
 static struct client client_new(uint64_t memory_max)
 {
 	struct client c = { .memory_max = memory_max };
-	assert_int_equal(view_store_new(&c.store, &(struct view_store_options){ .memory_max = memory_max },
-		NULL),
-		ECO_OK);
+	struct view_store_options options = { .memory_max = memory_max };    /* images are no pictures here */
+	assert_int_equal(view_store_new(&c.store, &options, NULL), ECO_OK);
 	return c;
 }
 
@@ -269,6 +295,8 @@ static enum eco_code visit(struct client *c, const struct eco_request *request, 
 	struct eco_request now = *request;
 	c->requests++;
 	view_store_begin(c->store);
+	for (uint32_t i = 0; i < view_store_list_count(c->store); i++)
+		assert_true(view_store_list_at(c->store, i)->chunk_count > 0);
 	enum eco_code code = answer(c, &now, error);
 	for (uint64_t vertices; !code && view_store_again(c->store, &vertices);) {
 		now.vertices = request->bytes == ECO_BYTES_UNBOUNDED ? request->vertices : vertices;
@@ -334,17 +362,23 @@ static void same_picture(const struct client *a, const struct client *b, const s
 	}
 }
 
-/* What a view alone needs, as the refusal of a client with almost none says it. */
-static uint64_t need_of(const struct eco_request *request)
+/* What a view alone needs, as the refusal of a client with too little says it. */
+static uint64_t refused_need(struct client *c, const struct eco_request *request)
 {
 	struct eco_error error = { 0 };
-	struct client c = client_new(60000);
-	assert_int_equal(visit(&c, request, &error), ECO_TOO_LARGE);
+	assert_int_equal(visit(c, request, &error), ECO_TOO_LARGE);
 	const char *at = strstr(error.text, "needs ");
 	if (!at || !strstr(error.text, "--memory"))
 		fail_msg("%s", error.text);
-	view_store_free(c.store);
 	return (uint64_t)ceil(strtod(at + 6, NULL) * (1 << 20));
+}
+
+static uint64_t need_of(const struct eco_request *request)
+{
+	struct client c = client_new(60000);
+	uint64_t need = refused_need(&c, request);
+	view_store_free(c.store);
+	return need;
 }
 
 static uint64_t largest_need(void)
@@ -402,6 +436,11 @@ UNIT_TEST(ping_pong_fetches_again_only_where_it_must)
 			before = again;
 		}
 		assert_int_equal(view_store_stats(c.store).evictions > 0, !fits);
+		/* standing still costs nothing, however short memory is */
+		uint64_t chunks = view_store_stats(c.store).chunks;
+		for (int i = 0; i < 3; i++)
+			assert_ok(visit(&c, &views[1], &error), error);
+		assert_int_equal(view_store_stats(c.store).chunks, chunks);
 		view_store_free(c.store);
 	}
 }
@@ -417,6 +456,14 @@ UNIT_TEST(refusal_names_what_is_enough)
 		assert_ok(visit(&enough, &request, &error), error);
 		assert_int_equal(visit(&less, &request, &error), ECO_TOO_LARGE);
 		assert_non_null(strstr(error.text, "ask for fewer vertices"));
+		/* whatever it held of other views before */
+		for (uint32_t i = 0; i < 24; i += 4) {
+			struct eco_request other = step_of_walk(i);
+			other.vertices = 500;
+			other.ground_px = 64;
+			visit(&less, &other, NULL);      /* whether it fits or not */
+		}
+		assert_true(refused_need(&less, &request) <= need);
 		/* a smaller view still goes */
 		error = (struct eco_error){ 0 };
 		request.vertices = 500;
