@@ -117,7 +117,8 @@ static char *sources(void)
 static bool has_string(const char *all, const char *name)
 {
 	char quoted[128];
-	size_t fixed = strpbrk(name, "*?") ? strcspn(name, "-") + 1 : strcspn(name, ".");
+	bool pattern = strpbrk(name, "*?");
+	size_t fixed = strcspn(name, pattern ? "-*?" : ".");
 	snprintf(quoted, sizeof quoted, "\"%.*s%s", (int)fixed, name, name[fixed] ? "" : "\"");
 	return strstr(all, quoted);
 }
