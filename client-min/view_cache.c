@@ -269,11 +269,3 @@ void view_cache_leave_room(struct view_cache *cache, uint64_t bytes, uint64_t si
 		evict(cache, list);
 	}
 }
-
-void view_cache_keep_wanted(struct view_cache *cache)
-{
-	for (uint32_t i = 0; i < cache->list_count; i++)
-		while (may_go(cache, cache->lists[i], false))
-			evict(cache, cache->lists[i]);
-	remove_empty(cache);
-}

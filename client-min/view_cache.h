@@ -73,7 +73,5 @@ uint64_t view_cache_wanted_bytes(const struct view_cache *cache);
 bool view_cache_make_room(struct view_cache *cache, uint64_t bytes, bool all);
 /* Pops, before a stream comes, until `bytes` fit or only what was needed at tick `since` or later is left. */
 void view_cache_leave_room(struct view_cache *cache, uint64_t bytes, uint64_t since);
-/* Pops all that is not wanted, and drops lists that hold nothing then. */
-void view_cache_keep_wanted(struct view_cache *cache);
 
 #endif

@@ -21,7 +21,7 @@
 
 #define MEMORY_MAX_DEFAULT ((uint64_t)8 << 30)
 #define REPEATS_MAX 4u                   /* of one request; with a budget of bytes its plans may differ */
-#define REPEATS_EASY 1u                  /* after so many, nothing is kept but what the plan needs */
+#define REPEATS_EASY 1u                  /* when so many were in vain, all else has gone */
 
 #define BAD(...) eco_fail(error, ECO_DAMAGED, __VA_ARGS__)
 
@@ -445,8 +445,7 @@ bool view_store_again(struct view_store *store, uint64_t *vertices)
 		return false;
 	*vertices = store->plan.vertices;
 	forget_plan(store);
-	if (store->repeats++ >= REPEATS_EASY)
-		view_cache_keep_wanted(&store->cache);
+	store->repeats++;
 	view_cache_begin(&store->cache);
 	return true;
 }

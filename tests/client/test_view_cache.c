@@ -217,7 +217,7 @@ UNIT_TEST(what_is_wanted_stays)
 		assert_int_equal(view_cache_find(&cache, id)->chunk_count, id ? 0 : 3);
 	assert_true(view_cache_had(&cache, 0, 4) && view_cache_had(&cache, 3, 0) && !view_cache_had(&cache,
 		3, 5));
-	view_cache_keep_wanted(&cache);
+	view_cache_begin(&cache);
 	assert_true(cache.list_count == 1 && view_cache_wanted_bytes(&cache) == cache.memory_bytes);
 	view_cache_free(&cache);
 }
@@ -456,12 +456,15 @@ UNIT_TEST(refusal_names_what_is_enough)
 		assert_ok(visit(&enough, &request, &error), error);
 		assert_int_equal(visit(&less, &request, &error), ECO_TOO_LARGE);
 		assert_non_null(strstr(error.text, "ask for fewer vertices"));
+		error = (struct eco_error){ 0 };
 		/* whatever it held of other views before */
-		for (uint32_t i = 0; i < 24; i += 4) {
+		for (uint32_t i = 0; i < 24; i += 3) {
 			struct eco_request other = step_of_walk(i);
-			other.vertices = 500;
-			other.ground_px = 64;
+			other.vertices = 100u << i % 7;
+			other.ground_px = i % 2 ? 64 : 0.1;
 			visit(&less, &other, NULL);      /* whether it fits or not */
+			visit(&enough, &other, NULL);
+			assert_ok(visit(&enough, &request, &error), error);
 		}
 		assert_true(refused_need(&less, &request) <= need);
 		/* a smaller view still goes */
