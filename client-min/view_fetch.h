@@ -51,7 +51,8 @@ enum eco_code view_fetch_new(struct view_fetch **fetch, const struct view_fetch_
 	struct eco_error *error);
 void view_fetch_free(struct view_fetch *fetch);                  /* NULL is fine */
 
-/* Begins a frame of the store and fetches it, in more than one answer if memory is short. *result is filled also on failure, as far as things went. */
+/* Begins a frame of the store and fetches it, in more than one answer if memory is short. *result is filled
+ * also on failure, as far as things went. */
 enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *store,
 	const struct eco_request *request, struct view_fetch_result *result, struct eco_error *error);
 

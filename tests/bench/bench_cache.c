@@ -129,8 +129,8 @@ static json_t *row_of(uint64_t memory, uint64_t frames, const struct bench_fetch
 
 /* Without a limit (0) measures what the walk needs. A view that alone needs more than there is ends it: `frames`
  * says how far it came. */
-static enum eco_code walk_with(const struct srv_scene *scene, struct walk *walk, uint64_t memory, json_t *rows,
-	struct eco_error *error)
+static enum eco_code walk_with(const struct srv_scene *scene, struct walk *walk, uint64_t memory,
+	json_t *rows, struct eco_error *error)
 {
 	struct view_store *store;
 	struct view_store_options options = { .memory_max = memory ? memory : 1ull << 40, .images = true };

@@ -25,7 +25,8 @@
  * PRUNED: with one a leaf. TRIANGLES: and with leaves as one triangle where that serves better. Packs draw
  * the list's beginning as points, and their order is made for that (rank.h); here it is not. */
 enum bench_method { BENCH_STOCHASTIC, BENCH_DENSITY, BENCH_ORIENTATION_SMALL, BENCH_ORIENTATION_NOISY,
-	BENCH_COMBINED_SMALL, BENCH_COMBINED_NOISY, BENCH_COLLAPSE, BENCH_PLAIN, BENCH_PRUNED, BENCH_TRIANGLES, BENCH_METHODS };
+	BENCH_COMBINED_SMALL, BENCH_COMBINED_NOISY, BENCH_COLLAPSE, BENCH_PLAIN,
+	BENCH_PRUNED, BENCH_TRIANGLES, BENCH_METHODS };
 extern const char *const bench_method_names[BENCH_METHODS];
 
 /* Means over some of the distances. */

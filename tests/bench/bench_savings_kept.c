@@ -88,8 +88,8 @@ enum eco_code bench_savings_of(struct bench *bench, struct bench_savings *saving
 	return code;
 }
 
-double bench_saving_beyond(const struct bench_savings *s, enum bench_spacing spacing, enum bench_method method,
-	double least)
+double bench_saving_beyond(const struct bench_savings *s, enum bench_spacing spacing,
+	enum bench_method method, double least)
 {
 	const struct bench_reach *at = &s->at[spacing];
 	double sum = 0;

@@ -10,7 +10,7 @@
 #define MADE_QUICK 2u            /* generated ones */
 
 #define SPECIES_MOST 256u        /* in medians */
-#define CLOSED_VERTICES 50000u   /* of leaves, and layers of them, from which on a crown is like the paper's */
+#define CLOSED_VERTICES 50000u   /* of leaves; with layers of them, as the paper's crowns */
 #define CLOSED_LAYERS 4.0
 
 struct totals { double mean[BENCH_SPACINGS][BENCH_METHODS], total[BENCH_SPACINGS][BENCH_METHODS];
@@ -139,8 +139,8 @@ static double percent(const struct totals *t, const double *sums, int method)
 
 static void write_means(struct bench *bench, struct summary *sum)
 {
-	static const char *const printed[BENCH_METHODS] = { "10.1", "17.4", "40.7", "-", "30.1", "-", "-", "-",
-		"-", "-" };
+	static const char *const printed[BENCH_METHODS] = { "10.1", "17.4", "40.7", "-", "30.1", "-", "-",
+		"-", "-", "-" };
 	struct bench_table *table = bench_table_open(bench, "species_means",
 		"order (each with its best scale),mean of savings %,of all vertices %,"
 		"paper's distances: mean %,paper's distances: of all vertices %,generated plants: mean "
@@ -159,13 +159,14 @@ static void write_means(struct bench *bench, struct summary *sum)
 			percent(&sum->made, sum->made.total[BENCH_EVEN], m), printed[m]);
 	for (int m = 0; m < BENCH_METHODS; m++)
 		bench_table_row(medians, "%s,%.1f,%.1f,%.1f,%.1f,%s", bench_method_names[m],
-			median(sum->every.all[m], sum->every.count), median(sum->every.far[m], sum->every.count),
+			median(sum->every.all[m], sum->every.count),
+			median(sum->every.far[m], sum->every.count),
 			median(sum->closed.all[m], sum->closed.count),
 			median(sum->closed.far[m], sum->closed.count), printed[m]);
 	bench_table_close(table);
 	bench_table_close(medians);
-	bench_say(bench, "Medians over %u plants, %u of them with closed crowns: %u vertices of leaves or more "
-		"in %g layers or more. The paper's plants have 50,000 to 260,000.", sum->every.count,
+	bench_say(bench, "Medians over %u plants, %u of them with closed crowns: %u vertices of leaves or "
+		"more in %g layers or more. The paper's plants have 50,000 to 260,000.", sum->every.count,
 		sum->closed.count, CLOSED_VERTICES, CLOSED_LAYERS);
 	bench_say(bench, "Means over %u species (and %u generated ones). Two ways to space the 20 distances "
 		"stand side by side: evenly over [0, "
@@ -267,9 +268,11 @@ static struct tables open_tables(struct bench *bench)
 			"Cook's,colour RMS,colour RMS of Cook's", false),
 		.curves = bench_table_open(bench, "species_curves",
 		"plant,order,distances,distance,lambda of Cook,Q of Cook,lambda of the same Q", false),
-		.layers = bench_table_open(bench, "species_layers", "plant,vertices of leaves,layers of leaves,"
+		.layers = bench_table_open(bench, "species_layers", "plant,vertices of leaves,"
+		"layers of leaves,"
 		"stochastic %,at d >= .5 %,density %,density at d >= .5 %,orientation %,"
-		"orientation at d >= .5 %,orientation with much noise %,orientation with much noise at d >= .5 %,"
+		"orientation at d >= .5 %,orientation with much noise %,"
+		"orientation with much noise at d >= .5 %,"
 		"combined %,combined at d >= .5 %,combined with much noise %,"
 		"combined with much noise at d >= .5 %", true) };
 }

@@ -164,8 +164,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	free(models);
 	bench_say(bench, "Fall: the most that Q lies below that of fewer vertices; %u of %u plants fall by "
 		"more than %g.", sums.fallen, sums.plants, FALL);
-	bench_say(bench, "Regret: how far Q lies below that of the best kind alone, at 8, 16, ... vertices up "
-		"to half of full detail, 8 views; mean %.4f, within %g at %u of %u budgets.",
+	bench_say(bench, "Regret: how far Q lies below that of the best kind alone, at 8, 16, ... vertices "
+		"up to half of full detail, 8 views; mean %.4f, within %g at %u of %u budgets.",
 		sums.budgets ? sums.regret / sums.budgets : NAN, PLANT_REGRET_FREE, sums.within,
 		sums.budgets);
 	if (!code)
