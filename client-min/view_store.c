@@ -410,7 +410,8 @@ static double mebibytes_up(uint64_t bytes)
 	return (double)(bytes * 1000 / (1 << 20) + 1) / 1000;
 }
 
-/* The last plan needs what has gone. That it can be had is doubtful only when nothing else was kept. */
+/* The last plan needs what has gone. It is asked for again, and refused only once all else has gone and it
+ * still does not fit. */
 static enum eco_code check_memory(struct view_store *store, struct eco_error *error)
 {
 	view_cache_want_nothing(&store->cache);

@@ -126,6 +126,35 @@ UNIT_TEST(ground_hides_and_is_not_covered)
 	view_picture_free(&hidden);
 }
 
+/* What no store holds any more goes from the GPU, and comes again where it is drawn. */
+UNIT_TEST(gpu_keeps_what_some_store_holds)
+{
+	if (!gl)
+		skip();
+	struct scene_held h = scene_hold(&scene), part = scene_hold_view(&scene, scene_view(), 0.2);
+	struct view_store *empty = empty_store();
+	struct view_picture first = draw(gl, h.store, &h.view, true, VIEW_TINT_NONE);
+	uint64_t bytes = view_gl_bytes(gl);
+	view_gl_keep(gl, (const struct view_store *[]){ empty, h.store }, 2);
+	assert_true(bytes > 0 && view_gl_bytes(gl) == bytes);
+	/* lists of which that store has less go as a whole */
+	view_gl_keep(gl, (const struct view_store *[]){ part.store }, 1);
+	uint64_t rest = view_gl_bytes(gl);
+	assert_true(rest > 0 && rest < bytes);
+	for (int i = 0; i < 2; i++) {
+		struct view_picture again = draw(gl, h.store, &h.view, true, VIEW_TINT_NONE);
+		assert_same(&first, &again);
+		assert_true(view_gl_bytes(gl) <= bytes);
+		view_picture_free(&again);
+		view_gl_keep(gl, (const struct view_store *[]){ empty }, 1);
+		assert_true(view_gl_bytes(gl) == 0);
+	}
+	view_picture_free(&first);
+	view_store_free(empty);
+	scene_release(&part);
+	scene_release(&h);
+}
+
 UNIT_TEST(mask_does_not_depend_on_shading)
 {
 	if (!gl)
