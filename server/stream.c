@@ -90,8 +90,21 @@ static struct lod_planner_input planner_input(const struct srv_stream_input *inp
 		.ignore_occlusion = input->ignore_occlusion };
 }
 
+/* Sizes answers while they are planned, with their ground. */
+struct sizing {
+	struct srv_stream *stream;
+	struct srv_emit *dry;
+	uint64_t most;               /* bytes */
+	double ground_px;
+	bool settled;                /* the ground has given way */
+};
+
+/* `sizing` NULL: bytes do not bind. */
+static enum eco_code size_answer(void *ctx, struct eco_plan *plan, uint64_t *bytes,
+	struct eco_error *error);
+
 static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, double ground_px,
-	struct srv_step *step, struct eco_error *error)
+	struct sizing *sizing, struct srv_step *step, struct eco_error *error)
 {
 	const struct srv_stream_input *input = &stream->input;
 	struct eco_request request = *input->request;
@@ -103,11 +116,22 @@ static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, dou
 		return eco_fail(error, ECO_INTERRUPTED, "the server is stopping; ask again in a moment");
 	request.vertices = vertices;
 	request.ground_px = ground_px;
+	if (sizing) {
+		request.bytes = sizing->most;
+		planner.size = size_answer;
+		planner.size_ctx = sizing;
+	}
 	enum eco_code code = lod_plan(&step->plan, &planner, error);
 	if (!code)
-		srv_trace(SRV_TRACE_PLAN, "%llu of %llu vertices in %u cuts: the search %s",
+		srv_trace(SRV_TRACE_PLAN, "%llu of %llu vertices in %u cuts: the search %s, a byte must save %g "
+			"pixels, %u answers sized",
 			(unsigned long long)step->plan.vertices, (unsigned long long)vertices,
-			step->plan.cut_count, stats.converged ? "converged" : "ended at its bound of tries");
+			step->plan.cut_count, stats.converged ? "converged" : "ended at its bound of tries",
+			stats.price, stats.sized);
+	if (!code && sizing && sizing->ground_px != ground_px)
+		code = lod_plan_ground(&step->plan, planner.scene, &request.view, sizing->ground_px, error);
+	if (!code && sizing)
+		step->ground_px = sizing->ground_px;
 	if (!code)
 		code = needs_of(stream, step, error);
 	if (code) {
@@ -251,8 +275,8 @@ static enum eco_code scarce_ground(struct srv_stream *stream, struct srv_emit *d
 	return code;
 }
 
-/* `best` holds the plan for the whole vertex budget, whose body of `bytes` does not fit. Afterwards it holds
- * the step to send, or that for 0 vertices with *fits false. */
+/* For a rule that knows no bytes. `best` holds the plan for the whole vertex budget, whose body of `bytes` does
+ * not fit. Afterwards it holds the step to send, or that for 0 vertices with *fits false. */
 static enum eco_code search_budget(struct srv_stream *stream, struct srv_emit *dry, struct srv_step *best,
 	uint64_t *bytes, bool *fits, struct eco_error *error)
 {
@@ -263,7 +287,8 @@ static enum eco_code search_budget(struct srv_stream *stream, struct srv_emit *d
 		return code;
 	struct search s = { .high = best->plan.vertices, .high_bytes = *bytes };
 	step_free(best);
-	code = make_step(stream, 0, ground_px > GROUND_PX_SCARCE ? ground_px : GROUND_PX_SCARCE, best, error);
+	code = make_step(stream, 0, ground_px > GROUND_PX_SCARCE ? ground_px : GROUND_PX_SCARCE, NULL, best,
+		error);
 	if (!code)
 		code = scarce_ground(stream, dry, best, &s.low_bytes, error);
 	ground_px = best->ground_px;
@@ -272,7 +297,7 @@ static enum eco_code search_budget(struct srv_stream *stream, struct srv_emit *d
 	for (; !code && *fits && !search_done(&s, budget_bytes); s.tries++) {
 		uint64_t vertices = next_try(&s, budget_bytes), size;
 		struct srv_step step;
-		code = make_step(stream, vertices, ground_px, &step, error);
+		code = make_step(stream, vertices, ground_px, NULL, &step, error);
 		if (code)
 			break;
 		code = size_of(stream, dry, &step, &size, error);
@@ -297,6 +322,41 @@ static enum eco_code search_budget(struct srv_stream *stream, struct srv_emit *d
 	return code;
 }
 
+/* The ground gives way first, as far as it may and once; then it leaves room. */
+static enum eco_code settle_ground(struct sizing *sizing, struct srv_step *step, uint64_t *bytes,
+	struct eco_error *error)
+{
+	bool fits;
+	double asked = step->ground_px;
+	enum eco_code code = spare_ground(sizing->stream, sizing->dry, step, bytes, &fits, error);
+	if (!code && !fits) {
+		code = change_ground(sizing->stream, step, fmax(asked, GROUND_PX_SCARCE), error);
+		while (!code && step->ground_px < ECO_GROUND_PX_MAX
+				&& missing_ground_bytes(sizing->stream, step) > sizing->most / GROUND_SHARE)
+			code = change_ground(sizing->stream, step, fmin(GROUND_STEP * step->ground_px,
+				ECO_GROUND_PX_MAX), error);
+		if (!code)
+			code = size_of(sizing->stream, sizing->dry, step, bytes, error);
+	}
+	sizing->ground_px = step->ground_px;
+	sizing->settled = true;
+	return code;
+}
+
+static enum eco_code size_answer(void *ctx, struct eco_plan *plan, uint64_t *bytes, struct eco_error *error)
+{
+	struct sizing *sizing = ctx;
+	struct srv_step step = { .plan = *plan, .ground_px = sizing->ground_px };
+	enum eco_code code = change_ground(sizing->stream, &step, sizing->ground_px, error);
+	if (!code)
+		code = size_of(sizing->stream, sizing->dry, &step, bytes, error);
+	if (!code && !sizing->settled && *bytes > sizing->most)
+		code = settle_ground(sizing, &step, bytes, error);
+	*plan = step.plan;
+	free(step.needs.items);
+	return code;
+}
+
 /* ---- Steps ---- */
 
 /* Puts coarse steps before steps[0], the answer, each for a quarter of the vertices of the one after it, on
@@ -311,7 +371,7 @@ static enum eco_code add_coarse(struct srv_stream *stream, struct eco_error *err
 		struct srv_step step;
 		vertices /= 4;
 		ground_px *= GROUND_STEP;
-		enum eco_code code = make_step(stream, vertices, ground_px, &step, error);
+		enum eco_code code = make_step(stream, vertices, ground_px, NULL, &step, error);
 		if (code)
 			return code;
 		bool clear = step.missing_bytes < next / 2;
@@ -372,13 +432,18 @@ static enum eco_code plan_all(struct srv_stream *stream, struct srv_emit *dry, s
 	const struct eco_request *request = stream->input.request;
 	uint64_t bytes;
 	double ground_px = request->ground_px > 0 ? request->ground_px : ECO_GROUND_PX;
-	enum eco_code code = make_step(stream, request->vertices, ground_px, &stream->steps[0], error);
+	bool searches = stream->input.rule && stream->input.rule != lod_rule_optimal;
+	struct sizing sizing = { stream, dry, request->bytes, ground_px, false };
+	enum eco_code code = make_step(stream, request->vertices, ground_px, searches ? NULL : &sizing,
+		&stream->steps[0], error);
 	if (code)
 		return code;
 	stream->step_count = 1;
 	code = size_of(stream, dry, &stream->steps[0], &bytes, error);
+	if (!code && bytes > request->bytes && !searches)
+		code = scarce_ground(stream, dry, &stream->steps[0], &bytes, error);
 	stream->fits = bytes <= request->bytes;
-	if (!code && !stream->fits)
+	if (!code && !stream->fits && searches)
 		code = search_budget(stream, dry, &stream->steps[0], &bytes, &stream->fits, error);
 	stream->body_bytes = bytes;
 	if (code || !stream->fits)

@@ -12,11 +12,11 @@
  * times as coarse from step to step; within a step ground goes first, coarse to fine.
  *
  * Byte budget. It bounds the whole body, END included. The ground's detail gives way first, up to an error of
- * 8 pixels; then the vertices, on ground that is coarser still where it would take more than a quarter of the
- * bytes. Bytes are not quite monotone in vertices, so the server searches the largest vertex budget whose
- * body it has found to fit, within 1/256, and always by the exact size, which a dry run of the same code that
- * writes the body computes. If not even the plan for 0 vertices on the coarsest ground fits, `fits` is false:
- * 204.
+ * 8 pixels; then what is drawn on it, on ground that is coarser still where it would take more than a quarter
+ * of the bytes. The planner spends them (lod/plan/byte_price.h), and learns the exact size of an answer from a
+ * dry run of the same code that writes the body. Deussen's rule knows no bytes: for it the largest vertex
+ * budget whose body is found to fit is searched, within 1/256. If not even a plan that draws nothing on the
+ * coarsest ground fits, `fits` is false: 204.
  *
  * The same input gives the same bytes: no clock, no history, nothing shared. */
 #ifndef SRV_STREAM_H

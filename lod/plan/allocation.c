@@ -2,6 +2,9 @@
 #include "lod/plan/allocation.h"
 
 #include <math.h>
+#include <string.h>
+
+#include "lod/plan/byte_price.h"
 
 #define TIE_SHARE 0.07           /* tiles and gates blend where both choices differ by less than this share of
                                   * what the finer one saves */
@@ -32,11 +35,13 @@ static void add_cost(struct lod_cost *sum, const struct lod_cost *cost, double f
 	sum->above_fp += seen * fp_weight * cost->above_fp;
 	sum->above_fn += seen * cost->above_fn;
 	sum->vertices += times * cost->vertices;
+	sum->bytes += cost->bytes;
 }
 
-static double lagrangian(const struct lod_cost *cost, double fp_weight, double lambda)
+static double lagrangian(const struct lod_allocation *m, const struct lod_cost *cost, double fp_weight)
 {
-	return fp_weight * cost->fp + cost->fn + cost->detail + lambda * cost->vertices;
+	return fp_weight * cost->fp + cost->fn + cost->detail + m->lambda * cost->vertices
+		+ m->price * cost->bytes;
 }
 
 /* Share of the fine choice, given what it and the coarse one save: 0 to 1, and 1 where the fine one saves
@@ -70,11 +75,14 @@ static double whole_share(const struct lod_allocation *m, const struct lod_slot_
 	const struct lod_cost *organs, const struct lod_cost *whole)
 {
 	double weight_px = choice->weight_px[0], fp_weight = choice->fp_weight;
+	uint32_t slot = (uint32_t)(choice - m->slot_choices);
+	if (lod_prices_organs_off(m, m->p->visible.slots[slot].plant))
+		return 1;
 	if (choice->whole_rule != LOD_WHOLE_BY_LAMBDA)
 		return choice->whole_rule == LOD_WHOLE_ALL;
 	return m->lambda <= 0 ? 0 : 1 - fmin(fine_share(m,
-		weight_px - lagrangian(organs, fp_weight, m->lambda),
-		weight_px - lagrangian(whole, fp_weight, m->lambda)),
+		weight_px - lagrangian(m, organs, fp_weight),
+		weight_px - lagrangian(m, whole, fp_weight)),
 		fine_share(m, q_gained(choice, organs, choice->more), q_gained(choice, whole, 1)));
 }
 
@@ -86,7 +94,7 @@ static void relax_whole(struct lod_allocation *m, struct lod_slot_choice *choice
 	double least = INFINITY;
 	for (uint32_t i = end - choice->whole_count; i < end; i++) {
 		struct lod_cost cost = whole_cost(m, i);
-		double l = lagrangian(&cost, choice->fp_weight, m->lambda);
+		double l = lagrangian(m, &cost, choice->fp_weight);
 		if (l < least) {
 			least = l;
 			best = cost;
@@ -94,6 +102,7 @@ static void relax_whole(struct lod_allocation *m, struct lod_slot_choice *choice
 		}
 	}
 	double share = choice->whole_share = whole_share(m, choice, &organs, &best);
+	choice->organs_saved = least - lagrangian(m, &organs, choice->fp_weight);
 	choice->cost[0] = (struct lod_cost){ 0 };
 	add_cost(&choice->cost[0], &organs, 1, 1 - share, 1 - share);
 	add_cost(&choice->cost[0], &best, 1, share, share);
@@ -119,6 +128,8 @@ static void relax_slots(struct lod_allocation *m)
 				add_at(&slot_choice->cost[1], &ladder_choice->hull, ladder_choice->weight_px,
 					ladder_choice->position);
 		}
+		slot_choice->organs_saved = slot_choice->weight_px[0]
+			- lagrangian(m, &slot_choice->cost[0], slot_choice->fp_weight);
 		if (slot_choice->whole_count)
 			relax_whole(m, slot_choice);
 	}
@@ -150,7 +161,7 @@ static uint32_t pool_bands(struct bands *bands, uint32_t count)
 }
 
 /* Plants whose cells are worth drawing. */
-static double count_near(const struct lod_allocation *m, uint32_t plant)
+static double count_near(struct lod_allocation *m, uint32_t plant)
 {
 	struct bands bands[ECO_BANDS];
 	uint32_t count = 0;
@@ -159,16 +170,18 @@ static double count_near(const struct lod_allocation *m, uint32_t plant)
 		uint32_t s = lod_allocation_slot(m, plant, (uint8_t)band);
 		if (s == ECO_NONE)
 			continue;
-		const struct lod_slot_choice *choice = &m->slot_choices[s];
-		if (choice->whole_rule == LOD_WHOLE_ALL)
+		struct lod_slot_choice *choice = &m->slot_choices[s];
+		choice->near_saved = 0;
+		if (choice->whole_rule == LOD_WHOLE_ALL || lod_prices_organs_off(m, plant))
 			break;
 		double plants = (double)m->counts[s], fp_weight = choice->fp_weight,
 			weight_px = plants * choice->weight_px[0];
 		bands[count++] =
 			(struct bands){ plants,
-			weight_px - plants * lagrangian(&choice->cost[1], fp_weight, m->lambda)
-			- lagrangian(&choice->cells, fp_weight, m->lambda),
-			weight_px - plants * lagrangian(&choice->cost[0], fp_weight, m->lambda) };
+			weight_px - plants * lagrangian(m, &choice->cost[1], fp_weight)
+			- lagrangian(m, &choice->cells, fp_weight),
+			weight_px - plants * lagrangian(m, &choice->cost[0], fp_weight) };
+		choice->near_saved = bands[count - 1].near - bands[count - 1].far;
 		count = pool_bands(bands, count);
 	}
 	for (uint32_t i = 0; i < count; i++)
@@ -244,15 +257,55 @@ static void blend(struct lod_tile_choice *choice, const struct lod_cost *fine)
 	choice->cost.fn = s * fine->fn + (1 - s) * choice->cost.fn;
 	choice->cost.detail = s * fine->detail + (1 - s) * choice->cost.detail;
 	choice->cost.vertices = s * fine->vertices + points * choice->cost.vertices;
+	choice->cost.bytes = (s > 0 ? fine->bytes : 0) + (points > 0 ? choice->cost.bytes : 0);
+}
+
+static double position_of(const struct lod_hull *hull, double vertices)
+{
+	uint32_t i = 0;
+	while (i + 1 < hull->count && (double)hull->points[i + 1].vertices <= vertices)
+		i++;
+	return i + 1 < hull->count ? i + (vertices - (double)hull->points[i].vertices)
+		/ (double)(hull->points[i + 1].vertices - hull->points[i].vertices) : i;
+}
+
+/* What the summary comes to where bytes have a price: whole chunks, none, or what lambda asks for if that is
+ * held. */
+static void price_summary(struct lod_allocation *m, uint32_t n)
+{
+	struct lod_tile_choice *choice = &m->tile_choices[n];
+	const struct lod_hull *hull = &choice->summary.hull;
+	uint32_t whole = (uint32_t)choice->position;
+	double part = choice->position - whole, most = (double)hull->points[whole].vertices, points = most,
+		least = INFINITY;
+	if (part > 0)
+		points += part * ((double)hull->points[whole + 1].vertices - most);
+	const struct lod_summary_price up = lod_prices_summary(m, n, points),
+		tries[] = { { 0, 0, 0 }, up, lod_prices_summary(m, n, up.before) };
+	for (int i = 0; i < 3; i++) {
+		struct lod_cost cost = { .bytes = tries[i].bytes };
+		double position = position_of(hull, tries[i].points);
+		add_at(&cost, hull, choice->weight_px, position);
+		cost.fp *= hull->fp_weight;
+		double l = lagrangian(m, &cost, 1);
+		if (!(l < least))
+			continue;
+		least = l;
+		choice->cost = cost;
+		choice->position = position;
+		choice->points = tries[i].points;
+	}
 }
 
 /* Adds what the summary comes to at lambda to the choice's cost. False where the tile draws only its plants
  * and children, which save `plants`, whatever the summary saves: then the summary's hull is not refined
  * further. */
-static bool relax_summary(struct lod_allocation *m, struct lod_tile_choice *choice, double plants)
+static bool relax_summary(struct lod_allocation *m, uint32_t n, double plants)
 {
+	struct lod_tile_choice *choice = &m->tile_choices[n];
 	struct lod_summary_hull *summary = &choice->summary;
-	double lambda = m->lambda / choice->weight_px;
+	double each = m->price > 0 ? m->price * lod_prices_point(m, n) : 0,
+		lambda = (m->lambda + each) / choice->weight_px;
 	m->p->looks++;
 	do {
 		if (choice->open
@@ -261,6 +314,10 @@ static bool relax_summary(struct lod_allocation *m, struct lod_tile_choice *choi
 			return false;
 	} while (lod_summary_hull_refine(summary, lambda));
 	choice->position = lod_hull_position(&summary->hull, lambda, 0);
+	if (m->price > 0) {
+		price_summary(m, n);
+		return true;
+	}
 	add_at(&choice->cost, &summary->hull, choice->weight_px, choice->position);
 	choice->cost.fp *= summary->hull.fp_weight;
 	return true;
@@ -272,6 +329,7 @@ static struct lod_cost fine_cost(const struct lod_allocation *m, uint32_t n)
 	struct lod_cost fine = plants_cost(m, n);
 	for (uint32_t c = 0; c < node->child_count; c++)
 		add_cost(&fine, &m->tile_choices[node->child_first + c].cost, 1, 1, 1);
+	fine.bytes += m->price > 0 ? lod_prices_instances(m, n) : 0;
 	return fine;
 }
 
@@ -282,16 +340,18 @@ static void relax_tiles(struct lod_allocation *m)
 		struct lod_tile_choice *choice = &m->tile_choices[n];
 		struct lod_cost fine = choice->open ? fine_cost(m, n)
 			: (struct lod_cost){ .fn = choice->weight_px };
-		double plants = choice->weight_px - lagrangian(&fine, 1, m->lambda);
+		double plants = choice->weight_px - lagrangian(m, &fine, 1);
 		choice->cost = (struct lod_cost){ 0 };
 		choice->position = 0;
 		if (!choice->has_summary)
 			choice->cost.fn = choice->weight_px;
 		choice->share = choice->open;
-		if (choice->has_summary && relax_summary(m, choice, plants) && choice->open)
+		if (choice->has_summary && relax_summary(m, n, plants) && choice->open)
 			choice->share =
 				open_share(m, choice, plants,
-				choice->weight_px - lagrangian(&choice->cost, 1, m->lambda));
+				choice->weight_px - lagrangian(m, &choice->cost, 1));
+		if (m->price > 0 && !choice->has_summary && choice->open)
+			choice->share = plants > 0;  /* else not even its plants' places are sent */
 		choice->opened = choice->share >= 0.5;
 		if (choice->open)
 			blend(choice, &fine);
@@ -302,7 +362,7 @@ void lod_allocation_compare(const struct lod_allocation *m, uint32_t n, double *
 {
 	const struct lod_tile_choice *choice = &m->tile_choices[n];
 	struct lod_cost fine = fine_cost(m, n);
-	*plants = choice->weight_px - lagrangian(&fine, 1, m->lambda);
+	*plants = choice->weight_px - lagrangian(m, &fine, 1);
 	*summary = choice->weight_px * lod_summary_hull_gain_bound(&choice->summary,
 		m->lambda / choice->weight_px);
 }
@@ -317,8 +377,8 @@ void lod_allocation_compare_whole(const struct lod_allocation *m, uint32_t slot,
 		if (m->ladder_choices[i].when < LOD_NEAR)
 			add_at(&cost, &m->ladder_choices[i].hull, m->ladder_choices[i].weight_px,
 				m->ladder_choices[i].position);
-	*organs = choice->weight_px[0] - lagrangian(&cost, choice->fp_weight, m->lambda);
-	*whole = choice->weight_px[0] - lagrangian(&best, choice->fp_weight, m->lambda);
+	*organs = choice->weight_px[0] - lagrangian(m, &cost, choice->fp_weight);
+	*whole = choice->weight_px[0] - lagrangian(m, &best, choice->fp_weight);
 }
 
 static void widen_range(const struct lod_hull *hull, double weight_px, double *high, double *low)
@@ -350,13 +410,27 @@ void lod_allocation_lambda_range(const struct lod_allocation *m, double *high, d
 			widen_by_summary(&m->tile_choices[n], high, low);
 }
 
-void lod_allocation_relax(struct lod_allocation *m, double lambda)
+static void relax_all(struct lod_allocation *m)
 {
-	m->lambda = lambda;
 	m->p->looks += m->ladder_choice_count;
 	relax_slots(m);
 	relax_gates(m);
 	relax_tiles(m);
+}
+
+void lod_allocation_relax(struct lod_allocation *m, double lambda)
+{
+	m->lambda = lambda;
+	bool limits = m->price > 0 && !m->limited;
+	if (limits)
+		lod_prices_lift(m);
+	relax_all(m);
+	for (int round = 0; limits && round < LOD_PRICE_ROUNDS; round++) {
+		lod_prices_limit(m, round == 0, round + 1 == LOD_PRICE_ROUNDS);
+		relax_all(m);
+	}
+	if (m->price > 0)
+		lod_prices_tighten(m);
 	m->cost = m->tile_choices[0].cost;
 }
 
@@ -433,6 +507,26 @@ static void fix_summary(struct lod_tile_choice *choice, double points)
 		choice->summary.hull.fp_weight, 0, ECO_NONE };
 }
 
+/* A summary's hull up to the points that were chosen. */
+static void limit_summary(struct lod_allocation *m, uint32_t n)
+{
+	struct lod_tile_choice *choice = &m->tile_choices[n];
+	const struct lod_hull *hull = &choice->summary.hull;
+	double position = position_of(hull, choice->points), part = position - floor(position);
+	uint32_t whole = (uint32_t)position;
+	struct lod_hull_point *points = lod_prices_room(m, n);
+	memcpy(points, hull->points, (whole + 1) * sizeof *points);
+	if (part > 0) {
+		const struct lod_hull_point *a = &hull->points[whole], *b = a + 1;
+		points[whole + 1] = *b;
+		points[whole + 1].vertices = (uint64_t)choice->points;
+		points[whole + 1].fp = a->fp + part * (b->fp - a->fp);
+		points[whole + 1].fn = a->fn + part * (b->fn - a->fn);
+		points[whole + 1].detail = a->detail + part * (b->detail - a->detail);
+	}
+	choice->limited = (struct lod_hull){ points, whole + 1 + (part > 0), hull->fp_weight, 0, ECO_NONE };
+}
+
 /* Beyond the gate, the plants of the greatest hashes draw a ladder that shows the whole plant. */
 static void fix_whole(struct lod_allocation *m)
 {
@@ -465,6 +559,8 @@ void lod_allocation_fix(struct lod_allocation *m)
 		/* the rest of the budget decides on its hull points */
 		if (node->points >= 1 && node->state == LOD_SUMMARY)
 			lod_summary_hull_complete(&choice->summary);
+		if (m->price > 0 && node->points >= 1 && node->state == LOD_SUMMARY)
+			limit_summary(m, n);
 		if (node->points > 0 && (node->points < 1 || node->state == LOD_OPEN))
 			fix_summary(choice, node->points);
 		for (uint32_t c = 0; node->expanded && c < node->child_count; c++)

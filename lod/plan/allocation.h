@@ -43,6 +43,7 @@ enum lod_when {
 struct lod_cost {                    /* wrong pixels seen; above_*: the same seen from above; a slot choice's
                                       * fp is without its fp_weight */
 	double fp, fn, detail, vertices;
+	double bytes;                /* of tiles, where bytes have a price; not of what plants share */
 	double above_fp, above_fn;
 };
 
@@ -52,6 +53,7 @@ struct lod_ladder_choice {           /* one ladder for all plants of a slot: a c
 	double weight_px;            /* wrong pixels at an error of 1: pixels of one plant seen, times
 	                              * importance */
 	struct lod_hull hull;
+	uint32_t hull_count;         /* of its points, where bytes do not limit them */
 	double position;             /* on the hull, at the last lambda */
 };
 
@@ -74,6 +76,8 @@ struct lod_slot_choice {             /* per plant of a slot; [0]: a far plant, [
 	uint32_t whole;              /* at the last lambda: the ladder choice that shows the whole plant best;
 	                              * ECO_NONE: there is none */
 	double whole_share;          /* of far plants that draw it */
+	double organs_saved;         /* at the last lambda: what a far plant's organs save over it, ... */
+	double near_saved;           /* ... and what cells save over far plants, of all plants of the slot */
 	uint8_t whole_rule;          /* an enum lod_whole_rule, and the one of the best fill so far */
 	uint8_t best_rule;
 	struct lod_cost cells;       /* at the last lambda: all cells of all its plants */
@@ -103,6 +107,8 @@ struct lod_tile_choice {
 	struct lod_summary_view view;
 	struct lod_summary_hull summary;
 	double position;             /* on the summary's hull, at the last lambda */
+	double points;               /* the same in points, where bytes have a price: ends of chunks */
+	struct lod_hull limited;     /* after fixing, where bytes have a price: the hull up to these */
 	struct lod_cost cost;        /* of the blend that is chosen */
 };
 
@@ -123,6 +129,9 @@ struct lod_allocation {
 	bool few_plants;             /* in view: tiles and gates are not blended, single plants decide */
 	bool has_whole;              /* some plants in view have a ladder that shows the whole plant */
 	double lambda;
+	double price;                /* wrong pixels that a byte must save; 0: bytes do not count */
+	bool limited;                /* limits stay as they are, whatever the price */
+	struct lod_prices *prices;   /* lod/plan/byte_price.h; NULL: not made */
 	struct lod_cost cost;        /* at the last lambda */
 };
 
@@ -146,7 +155,10 @@ void lod_allocation_cells(struct lod_allocation *allocation, lod_allocation_cell
 /* Nothing is chosen above `high`; nearly everything that gains is chosen below `low`. */
 void lod_allocation_lambda_range(const struct lod_allocation *allocation, double *high, double *low);
 
-/* Sets p->gates too. At lambda 0 every step is taken. */
+/* Levels of impostors for so many pixels seen, per slot: hulls of ladders that show a whole plant. */
+void lod_allocation_set_impostors(struct lod_allocation *allocation, const double *seen);
+
+/* Sets p->gates too. At lambda 0 every step is taken; above a price of 0, every one within the limits. */
 void lod_allocation_relax(struct lod_allocation *allocation, double lambda);
 enum eco_code lod_allocation_predict(struct lod_allocation *allocation, struct eco_prediction *prediction,
 	struct eco_error *error);

@@ -1,4 +1,5 @@
-/* Weights, hulls and tiles of an allocation, none of which depends on lambda: see lod/plan/allocation.h. */
+/* Weights, hulls and tiles of an allocation, none of which depends on lambda: see lod/plan/allocation.h. Longer
+ * than 600 lines: all of it is made once, in one order. */
 #include "lod/plan/allocation.h"
 
 #include <math.h>
@@ -7,6 +8,7 @@
 
 #include "ecofiles/base/room.h"
 #include "lod/ladder.h"
+#include "lod/plan/byte_price.h"
 #include "lod/plan/impostor_worth.h"
 
 #define PI 3.14159265358979323846
@@ -43,7 +45,8 @@ static bool add_ladder_choice(struct lod_allocation *m, const struct lod_ladder_
 	if (!eco_room(&m->ladder_choices, &m->ladder_choice_capacity, m->ladder_choice_count,
 			sizeof *m->ladder_choices))
 		return false;
-	m->ladder_choices[m->ladder_choice_count++] = *choice;
+	m->ladder_choices[m->ladder_choice_count] = *choice;
+	m->ladder_choices[m->ladder_choice_count++].hull_count = choice->hull.count;
 	m->p->candidates += choice->hull.count - 1;
 	return true;
 }
@@ -173,6 +176,7 @@ static bool whole_hull(struct lod_allocation *m, const struct lod_plan_tables_la
 {
 	struct lod_hull_point points[LOD_HULL_POINTS_MAX];
 	const struct lod_hull *from = &table->hull[0];
+	struct lod_hull_point *room = hull->points;  /* of a hull made before */
 	uint32_t levels = lod_hull_impostor_levels(&table->way);
 	double least = INFINITY, best = -INFINITY;
 	hull->count = 0;
@@ -198,7 +202,12 @@ static bool whole_hull(struct lod_allocation *m, const struct lod_plan_tables_la
 	lod_hull_reduce_here(hull, LOD_HULL_SLOPE_RATIO);
 	if (ends)
 		lod_hull_complete(hull, table->way.full);
-	return own_points(m, hull, points);
+	if (!room && (room = take_points(m, from->count + 1)))
+		m->block_used += from->count + 1;
+	if (room)
+		memcpy(room, points, hull->count * sizeof *points);
+	hull->points = room;
+	return room;
 }
 
 /* Octaves of one splat for the whole plant that nobody sees, less than 0: n splats are as wide as n parts of
@@ -243,6 +252,29 @@ static bool add_whole_choices(struct lod_allocation *m, uint32_t s)
 		slot_choice->ladder_choice_count++;
 	}
 	return true;
+}
+
+void lod_allocation_set_impostors(struct lod_allocation *m, const double *seen)
+{
+	if (!m->has_whole)
+		return;
+	lod_impostor_worth(m, seen);
+	for (uint32_t i = 0; i < m->ladder_choice_count; i++) {
+		struct lod_ladder_choice *choice = &m->ladder_choices[i];
+		if (choice->when != LOD_WHOLE)
+			continue;
+		const struct lod_slot_choice *slot_choice = &m->slot_choices[choice->slot];
+		const struct lod_plan_tables_ladder *table = lod_plan_tables_ladder(m->p->tables,
+			choice->ladder);
+		double weight_px = slot_choice->weight_px[0];
+		uint32_t level = lod_impostor_of_slot(m, &m->p->visible.slots[choice->slot], &table->way);
+		if (level == choice->hull.impostor)
+			continue;
+		choice->hull.impostor = level;
+		whole_hull(m, table, weight_px > 0 ? slot_choice->absent / weight_px : 0, &choice->hull);
+		choice->hull_count = choice->hull.count;
+		choice->position = fmin(choice->position, choice->hull.count - 1);
+	}
 }
 
 static enum eco_code make_slot_choice(struct lod_allocation *m, uint32_t s, struct eco_error *error)
@@ -575,7 +607,9 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 	if (code)
 		return code;
 	measure_plants(m);
-	lod_impostor_worth(m);
+	for (uint32_t s = 0; s < slots; s++)
+		m->scratch[s] = m->slot_choices[s].seen * (double)m->counts[s];
+	lod_impostor_worth(m, m->scratch);
 	for (uint32_t s = 0; !code && s < slots; s++)
 		if (!p->visible.slots[s].cell)
 			code = make_slot_choice(m, s, error);
@@ -591,6 +625,7 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 
 void lod_allocation_free(struct lod_allocation *m)
 {
+	lod_prices_free(m);
 	for (uint32_t i = 0; i < m->block_count; i++)
 		free(m->blocks[i]);
 	free(m->blocks);

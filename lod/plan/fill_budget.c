@@ -94,7 +94,8 @@ enum eco_code lod_fill_make(struct lod_fill *fill, struct lod_allocation *m, str
 		if (node->points > 0)
 			fill->candidates[fill->candidate_count++] =
 				(struct lod_candidate){ .ladder_choice = ECO_NONE, .node = n,
-				.hull = summary_alone(node) ? &choice->summary.hull : &choice->partial_hull,
+				.hull = !summary_alone(node) ? &choice->partial_hull
+				: m->price > 0 ? &choice->limited : &choice->summary.hull,
 				.count = 1, .weight_px = choice->weight_px,
 				.seen = choice->weight * (1 - choice->share) * choice->weight_px };
 	}
@@ -592,8 +593,9 @@ static enum eco_code add_entries(struct lod_fill *fill, struct eco_error *error)
 		if (candidate->ladder_choice == ECO_NONE) {
 			const struct lod_node *node = &p->visible.nodes[candidate->node];
 			entry.full = lod_planner_count(p->scene, p->scene->tiles[node->tile].summary);
-			entry.wanted = summary_alone(node) ? 0
-				: (double)m->tile_choices[candidate->node].partial[1].vertices;
+			const struct lod_tile_choice *choice = &m->tile_choices[candidate->node];
+			uint64_t points = summary_alone(node) ? candidate->low : choice->partial[1].vertices;
+			entry.wanted = (double)points / lod_summary_hull_scale(&choice->summary, points);
 		} else {
 			const struct lod_ladder_choice *o = &m->ladder_choices[candidate->ladder_choice];
 			const struct eco_ladder *ladder = &p->scene->ladders[o->ladder];

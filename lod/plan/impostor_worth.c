@@ -1,6 +1,7 @@
 #include "lod/plan/impostor_worth.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "lod/impostor.h"
 
@@ -42,14 +43,15 @@ static double level_error(const struct eco_scene *scene, const struct eco_ladder
 
 /* `seen`: pixels of all plants of that kind. */
 static struct lod_impostor_use use_of(const struct eco_scene *scene, const struct eco_ladder *ladder,
-	double seen)
+	double seen, double price)
 {
 	const struct eco_list *list = &scene->lists[ladder->impostor];
 	struct lod_impostor_use use = { .levels = 1 };
 	for (uint32_t level = 1; level < list->primitive_count; level++) {
 		double less = level_error(scene, ladder, level - 1) - level_error(scene, ladder, level),
 			right = seen * less, bytes = scene->chunks[list->chunk_first + level].size_bytes,
-			from = lod_impostor_from(level, right / (lod_impostor_worth_least(level) * bytes));
+			from = lod_impostor_from(level, right
+			/ (fmax(price, lod_impostor_worth_least(level)) * bytes));
 		if (!(from < INFINITY))
 			break;
 		use.from_px[level] = fmax(from, use.from_px[level - 1]);
@@ -58,15 +60,15 @@ static struct lod_impostor_use use_of(const struct eco_scene *scene, const struc
 	return use;
 }
 
-void lod_impostor_worth(struct lod_allocation *m)
+void lod_impostor_worth(struct lod_allocation *m, const double *seen)
 {
 	const struct lod_planner *p = m->p;
 	const struct eco_scene *scene = p->scene;
+	memset(m->plant_seen, 0, scene->plant_count * sizeof *m->plant_seen);
 	for (uint32_t s = 0; s < p->visible.slot_count; s++) {
 		const struct lod_slot *slot = &p->visible.slots[s];
-		double pixels = slot->cell ? 0 : m->slot_choices[s].seen * (double)m->counts[s];
-		if (slot_pixels(m, slot) <= LOD_IMPOSTOR_PIXELS)
-			m->plant_seen[slot->plant] += pixels;
+		if (!slot->cell && slot_pixels(m, slot) <= LOD_IMPOSTOR_PIXELS)
+			m->plant_seen[slot->plant] += seen[s];
 	}
 	for (uint32_t i = 0; i < scene->plant_count; i++) {
 		uint32_t count;
@@ -74,6 +76,6 @@ void lod_impostor_worth(struct lod_allocation *m)
 			&count);
 		for (uint32_t k = 0; k < count; k++)
 			if (scene->ladders[whole[k]].impostor != ECO_NONE)
-				m->impostors[i] = use_of(scene, &scene->ladders[whole[k]], m->plant_seen[i]);
+				m->impostors[i] = use_of(scene, &scene->ladders[whole[k]], m->plant_seen[i], m->price);
 	}
 }

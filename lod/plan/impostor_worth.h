@@ -23,8 +23,9 @@ static inline double lod_impostor_worth_least(uint32_t level)
 /* The pixels across from which a level shows plants: what is larger, up to LOD_IMPOSTOR_PIXELS. `times`: how
  * often it is worth its bytes; INFINITY below once. */
 double lod_impostor_from(uint32_t level, double times);
-/* Sets allocation->impostors, per plant, from the pixels that its slots show. */
-void lod_impostor_worth(struct lod_allocation *allocation);
+/* Sets allocation->impostors, per plant, from the pixels that its slots show, `seen` of each. Above a price of
+ * bytes a level must be worth that. */
+void lod_impostor_worth(struct lod_allocation *allocation, const double *seen);
 /* The level for the plants of a slot; ECO_NONE where the ladder has none, or where they are too large. */
 uint32_t lod_impostor_of_slot(const struct lod_allocation *allocation, const struct lod_slot *slot,
 	const struct lod_way *way);

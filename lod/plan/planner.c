@@ -54,7 +54,7 @@ enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *in
 		lod_explain_ground(input->explanation, plan, input->scene, input->request->ground_px);
 	if (input->stats)
 		*input->stats = (struct lod_planner_stats){ p.candidates, p.gains, p.looks, p.visible.places,
-			p.cheapest, p.level, p.converged, p.wrong };
+			p.cheapest, p.level, p.converged, p.bytes, p.sized, p.price, p.wrong };
 	lod_planner_end(&p);
 	if (code)
 		eco_plan_free(plan);

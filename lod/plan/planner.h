@@ -27,6 +27,9 @@ struct lod_planner_stats {
 	uint64_t cheapest;           /* vertices of the cheapest step left that gains; UINT64_MAX: none */
 	uint32_t level;              /* level of detail: finer where every curve of a coarser one had ended */
 	bool converged;              /* the search ended by its tolerance, not by its bound of tries */
+	uint64_t bytes;              /* as input.size says; above request->bytes: no plan fits */
+	uint32_t sized;              /* how often it was asked */
+	double price;                /* wrong pixels that a byte had to save; 0: bytes did not bind */
 	double wrong;                /* the objective that this plan reaches: visible wrong pixels, summed
 	                              * over plants. plan->prediction: of the picture, where plants hide
 	                              * plants */
@@ -52,10 +55,13 @@ struct lod_planner_input {
 	bool ignore_occlusion;                       /* every plant counts as wholly visible: to measure */
 	struct lod_planner_stats *stats;             /* may be NULL */
 	struct lod_explanation *explanation;         /* lod/plan/explain.h, empty; NULL: no reasons */
+	/* Exact bytes of the answer that carries a plan, which is without ground and may be changed; they
+	 * must be at most request->bytes. NULL: bytes do not count */
+	enum eco_code (*size)(void *ctx, struct eco_plan *plan, uint64_t *bytes, struct eco_error *error);
+	void *size_ctx;
 };
 
-/* Never above request->vertices. Ignores request->bytes: the server searches the vertex budget whose stream
- * fits. */
+/* Never above request->vertices; nor above request->bytes, if input->size is there and anything fits. */
 enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *input, struct eco_error *error);
 
 /* Replaces the ground of a plan by the tiles that `ground_px` asks for (0: ECO_GROUND_PX). lod_plan ends
@@ -63,6 +69,8 @@ enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *in
 enum eco_code lod_plan_ground(struct eco_plan *plan, const struct eco_scene *scene,
 	const struct eco_view *view, double ground_px, struct eco_error *error);
 
+/* The fewest chunks of a list that hold its first `end` primitives. */
+uint32_t lod_plan_chunks_for(const struct eco_scene *scene, uint32_t list, uint32_t end);
 /* Per list of the plan, sorted: the number of chunks that its largest cut needs. The caller frees items. */
 enum eco_code lod_plan_needs(const struct eco_scene *scene, const struct eco_plan *plan,
 	struct eco_holdings *needs, struct eco_error *error);

@@ -267,7 +267,7 @@ enum eco_code lod_plan_ground(struct eco_plan *plan, const struct eco_scene *sce
 
 /* ---- Needs ---- */
 
-static uint32_t chunks_for(const struct eco_scene *scene, uint32_t list, uint32_t end)
+uint32_t lod_plan_chunks_for(const struct eco_scene *scene, uint32_t list, uint32_t end)
 {
 	const struct eco_list *l = &scene->lists[list];
 	uint64_t have = 0;
@@ -301,7 +301,7 @@ enum eco_code lod_plan_needs(const struct eco_scene *scene, const struct eco_pla
 			items[count++] = (struct eco_holding){ list, scene->lists[list].chunk_count };
 	for (uint32_t i = 0; i < plan->cut_count; i++) {
 		uint32_t list = plan->cuts[i].list, image = scene->lists[list].image;
-		items[count++] = (struct eco_holding){ list, chunks_for(scene, list, plan->cuts[i].end) };
+		items[count++] = (struct eco_holding){ list, lod_plan_chunks_for(scene, list, plan->cuts[i].end) };
 		if (image != ECO_NONE)
 			items[count++] = (struct eco_holding){ image, scene->lists[image].chunk_count };
 	}

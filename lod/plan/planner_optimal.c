@@ -1,4 +1,5 @@
-/* The default rule: the least expected error within a budget of vertices.
+/* The default rule: the least expected error within budgets of vertices and of bytes. Longer than 600 lines:
+ * all searches work on one lambda_search.
  *
  * The expected error of what is drawn comes from a ladder's measured curve or a summary's computed one, times
  * the pixels seen. Pixels seen are found once, before any budget (lod/plan/visibility.h). So the objective is
@@ -10,6 +11,7 @@
  *   (lod/plan/fill_budget.h)
  * - where few plants are in view and have a ladder that shows the whole plant, fill the budget with and
  *   without it, and keep what leaves less wrong
+ * - where the answer has too many bytes, find a price for them and fill once more (lod/plan/price_search.h)
  * - in small scenes, also swap steps between choices (lod/plan/swap_steps.h). Trying other gates and tiles
  *   there was measured and is not worth it (lod/EXPERIMENTS.md, "Small scenes")
  *
@@ -19,10 +21,14 @@
 #include "lod/plan/planner_state.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "lod/plan/allocation.h"
+#include "lod/plan/byte_price.h"
 #include "lod/plan/explain_state.h"
 #include "lod/plan/fill_budget.h"
+#include "lod/plan/price_search.h"
 
 #define LAMBDAS_PER_OCTAVE 2
 #define LAMBDA_HIGHEST 34        /* octaves: more pixels than a picture can have */
@@ -34,6 +40,9 @@
 #define TOGGLE_PASSES 2          /* over all slots, where few plants are in view */
 #define LOWER_TRIES 12           /* of the search below a lambda at which every curve ends, ... */
 #define LOWER_FACTOR 2.0         /* ... which begins with steps of this factor */
+#define PRICE_MORE 0.05          /* octaves, at first, by which a price is raised that no longer fits */
+#define PRICE_LAMBDAS 5          /* tried where vertices bind as well */
+#define SIZE_TRIES 4             /* answers whose bytes are counted, ... */
 #define TILES_PX 0.5             /* sample distance to which tiles are opened, ... */
 #define CELLS_PX 1.0             /* ... and cells; less at finer levels */
 #define FINER_OCTAVES 3          /* from one level to the next */
@@ -430,6 +439,117 @@ static enum eco_code fill_budget(const struct lambda_search *s, uint64_t budget,
 	return code || !m->few_plants ? code : try_whole(s, lambda, budget, error);
 }
 
+/* ---- Bytes ---- */
+
+/* Of the answer that carries the entries. */
+static enum eco_code size_plan(struct lod_planner *p, struct eco_error *error)
+{
+	struct lod_explanation *why = p->input->explanation, before = why ? *why
+		: (struct lod_explanation){ 0 };
+	struct eco_plan plan = { 0 };
+	enum eco_code code = lod_planner_emit(p, &plan, error);
+	if (why) {                   /* what is only sized has no reasons */
+		why->count = before.count;
+		why->omitted = before.omitted;
+	}
+	p->sized++;
+	if (!code)
+		code = p->input->size(p->input->size_ctx, &plan, &p->bytes, error);
+	eco_plan_free(&plan);
+	return code;
+}
+
+struct fitted { double size, lambda; struct lod_price at; uint8_t *left_out; };      /* size: bytes */
+
+static void keep_left_out(struct lod_allocation *m, struct fitted *fit)
+{
+	memcpy(fit->left_out, lod_prices_left_out(m), m->p->scene->plant_count);
+}
+
+/* Relaxes within the vertices too: mostly at the lowest lambda, as bytes alone bind; else at the lambda, of
+ * some between that and the one that uses the vertices alone, that leaves least wrong. Returns the bytes. */
+static double find_prices(const struct lambda_search *s, double target, uint64_t budget, struct fitted *fit)
+{
+	struct lod_allocation *m = s->allocation;
+	double low = lambda_at(s->last), high = s->index == LAMBDA_COUNT ? low
+		: fmax(low, lambda_at(s->index)), least = INFINITY, near = fit->at.tiles;
+	bool again = !isnan(near);
+	fit->lambda = again ? fit->lambda : low;
+	double bytes = lod_price_find(m, fit->lambda, target, near, &fit->at);
+	keep_left_out(m, fit);
+	if (m->cost.vertices <= (double)budget || again)
+		return bytes;
+	for (int i = 0; i <= PRICE_LAMBDAS; i++) {
+		double lambda = i ? sqrt(low * high) : high;
+		struct lod_price at;
+		lod_price_find(m, lambda, target, fit->at.tiles, &at);
+		bool fits = m->cost.vertices <= (double)budget;
+		*(fits ? &high : &low) = lambda;
+		if (!fits || (i && lod_price_wrong(m) >= least))
+			continue;
+		least = lod_price_wrong(m);
+		fit->lambda = lambda;
+		fit->at = at;
+		keep_left_out(m, fit);
+	}
+	memcpy(lod_prices_left_out(m), fit->left_out, m->p->scene->plant_count);
+	return lod_price_relax(m, fit->lambda, &fit->at);
+}
+
+static enum eco_code fill_fitted(const struct lambda_search *s, const struct fitted *fit, uint64_t budget,
+	struct eco_error *error)
+{
+	memcpy(lod_prices_left_out(s->allocation), fit->left_out, s->allocation->p->scene->plant_count);
+	lod_price_relax(s->allocation, fit->lambda, &fit->at);
+	enum eco_code code = fill_structure(s, fit->lambda, budget, error);
+	return code ? code : size_plan(s->allocation->p, error);
+}
+
+static void keep_fitted(struct fitted *best, const struct fitted *now, uint32_t plants)
+{
+	memcpy(best->left_out, now->left_out, plants);
+	*best = (struct fitted){ now->size, now->lambda, now->at, best->left_out };
+}
+
+/* Finds prices with which the answer has at most the bytes asked for. What it has beside what is priced,
+ * records and the plan itself, is learnt from the answers tried. */
+static enum eco_code fit_bytes(const struct lambda_search *s, uint64_t budget, struct eco_error *error)
+{
+	struct lod_allocation *m = s->allocation;
+	struct lod_planner *p = m->p;
+	uint32_t plants = p->scene->plant_count;
+	uint8_t *left_out = calloc(2 * (size_t)plants + 1, 1);
+	struct fitted best = { INFINITY, lambda_at(s->last), { LOD_PRICE_HIGHEST, LOD_PRICE_HIGHEST },
+		left_out + plants }, now = { .at = { NAN, NAN }, .left_out = left_out };
+	double most = (double)p->input->request->bytes, beside = 0;
+	enum eco_code code = left_out ? lod_prices_make(m, error)
+		: eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants", plants);
+	for (int i = 0; i < SIZE_TRIES && !code; i++) {
+		double bytes = find_prices(s, most - beside, budget, &now), before = now.size;
+		code = fill_fitted(s, &now, budget, error);
+		now.size = (double)p->bytes;
+		bool fits = now.size <= most, fitted = best.size <= most;
+		if (!code && (fits && fitted ? now.size > best.size : now.size < best.size))
+			keep_fitted(&best, &now, plants);
+		if (now.size == before || (now.size <= most && now.size >= most * (1 - LOD_PRICE_SLACK)))
+			break;
+		beside = now.size - bytes;
+	}
+	if (!code && (double)p->bytes != best.size)
+		code = fill_fitted(s, &best, budget, error);
+	/* what was computed of summaries since then may change the choice a little */
+	for (double more = PRICE_MORE; !code && (double)p->bytes > most && best.at.lists < LOD_PRICE_HIGHEST;
+			more *= 2) {
+		best.at.lists = fmin(LOD_PRICE_HIGHEST, best.at.lists + more);
+		best.at.tiles = fmin(LOD_PRICE_HIGHEST, fmax(best.at.lists, best.at.tiles + more));
+		code = fill_fitted(s, &best, budget, error);
+	}
+	p->price = m->price;
+	m->limited = false;
+	free(left_out);
+	return code ? code : lod_allocation_predict(m, &p->prediction, error);
+}
+
 /* ---- Levels of detail ---- */
 
 /* Plans at one level. A level predicts only if the budget holds everything at the levels before it: so the
@@ -447,6 +567,10 @@ static enum eco_code plan_level(struct lod_planner *p, bool *predicts, struct ec
 	*predicts = *predicts && s.index == LAMBDA_COUNT;
 	if (!code)
 		code = fill_budget(&s, budget, error);
+	if (!code && p->input->size)
+		code = size_plan(p, error);
+	if (!code && p->bytes > p->input->request->bytes)
+		code = fit_bytes(&s, budget, error);
 	lod_allocation_free(&allocation);
 	return code;
 }
@@ -521,7 +645,7 @@ enum eco_code lod_rule_optimal(struct lod_planner *p, struct eco_error *error)
 		bool all = complete(p);
 		p->level = (uint32_t)(level - COARSEST);
 		code = plan_level(p, &predicts, error);
-		bool more = p->cheapest == UINT64_MAX && !draws_whole(p);
+		bool more = p->cheapest == UINT64_MAX && !draws_whole(p) && !(p->price > 0);
 		if (code || all || !more || level < asked || level >= FINER_TIMES)
 			break;
 		asked = ++level;

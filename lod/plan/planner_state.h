@@ -47,6 +47,9 @@ struct lod_planner {
 	                              * between organs and splats; errors count as in lod_hull_more, and twice
 	                              * where nothing is drawn */
 	uint64_t candidates, gains, looks; /* as in lod_planner_stats */
+	uint64_t bytes;              /* as in lod_planner_stats */
+	uint32_t sized;
+	double price;
 	struct eco_prediction prediction;
 	double sample_distance;      /* lod_rule_deussen; only reported */
 	struct lod_screen screen;    /* lod_rule_optimal */

@@ -43,6 +43,14 @@ double lod_summary_outside(const struct lod_summary_view *view, double n)
 		n) / view->weight_px : 0;
 }
 
+/* Share of the tile's part of the picture that its plants cover. What a splat covers there is no false
+ * positive: of the plants that it covers beside its own each counts it as covered by the wrong plant. */
+static double crowded(const struct lod_summary_view *view)
+{
+	double region = view->wide * view->high;
+	return region > 0 ? 1 - lod_exp_minus(view->covered / region) : 0;
+}
+
 /* A splat's centre is on a plant, and each plant has its share of the splats. The part of a splat inside the
  * plant's crown covers the plant and its gaps alike; the rest lies around the crown and hides others. */
 struct eco_curve lod_summary_curve(const struct lod_summary_view *view, double n)
@@ -53,7 +61,8 @@ struct eco_curve lod_summary_curve(const struct lod_summary_view *view, double n
 	double splat = view->area / n, side = sqrt(splat), width = sqrt(box), each = n / view->plants;
 	double inside = inside_box(side, width, width), ring = (width + side) * (width + side) - box;
 	double hit = hit_share(splat * inside, box, each) * inside;
-	double fp = (box - covered) * hit + ring * hit_share(splat * (1 - inside), ring, each);
+	double fp = ((box - covered) * hit + ring * hit_share(splat * (1 - inside), ring, each))
+		* (1 - crowded(view));
 	/* splats of other plants may hit what its own miss */
 	double missed = (1 - hit) * (1 - filled(view, splat, n));
 	return (struct eco_curve){ .share = (float)(n / view->points), .scale = 1,

@@ -5,6 +5,7 @@
 
 #include "lod/plan/visibility.h"
 
+#define SCALE_LEAST 0.01
 #define LAST_STEP 64             /* the last step's slope is seldom less than the mean slope over this */
 
 static bool is_evaluated(const struct lod_summary_hull *summary, uint32_t i)
@@ -19,7 +20,7 @@ static double error_of(const struct lod_summary_hull *summary, uint32_t i)
 
 double lod_summary_hull_missed(const struct lod_summary_hull *summary, double fn)
 {
-	double missed = (fn / summary->pixels - LOD_OWNER_WEIGHT) / (1 - LOD_OWNER_WEIGHT);
+	double covered = summary->pixels * LOD_OWNER_WEIGHT, missed = (fn - covered) / (1 - covered);
 	return missed < 0 ? 0 : missed < 1 ? missed : 1;
 }
 
@@ -31,17 +32,50 @@ uint32_t lod_summary_hull_count(double points)
 	return count;
 }
 
+/* With splats of `scale` times the area that all leaves have. */
+static struct lod_hull_point at_scale(const struct lod_summary_hull *summary, uint64_t vertices, double scale)
+{
+	struct lod_summary_view view = summary->view;
+	struct lod_hull_point sample = { .vertices = vertices };
+	double n = summary->part * (double)vertices;
+	view.area *= scale;
+	struct eco_curve curve = lod_summary_curve(&view, n);
+	sample.fp = summary->pixels * curve.fp + lod_summary_outside(&view, n);
+	/* a crown that no splat covers is absent */
+	sample.fn = summary->pixels * LOD_OWNER_WEIGHT * (1 - curve.fn) + curve.fn;
+	sample.octaves = (float)lod_octaves(view.area / n);
+	lod_hull_set_detail(&sample, 0, LOD_DETAIL_MOST_WHOLE);
+	sample.detail *= summary->pixels;
+	return sample;
+}
+
+/* Leaves hide each other, the more the denser plants stand: splats with all their area would stand out of a
+ * closed forest. */
+static double best_scale(const struct lod_summary_hull *summary, uint64_t vertices,
+	struct lod_hull_point *best)
+{
+	double least = INFINITY, scale = 1;
+	for (double s = 1; s >= SCALE_LEAST; s /= 2) {
+		struct lod_hull_point sample = at_scale(summary, vertices, s);
+		double error = lod_hull_error(&summary->hull, &sample);
+		if (!(error < least))
+			break;
+		least = error;
+		scale = s;
+		*best = sample;
+	}
+	return scale;
+}
+
+double lod_summary_hull_scale(const struct lod_summary_hull *summary, uint64_t vertices)
+{
+	struct lod_hull_point best;
+	return vertices ? best_scale(summary, vertices, &best) : 1;
+}
+
 static void evaluate(struct lod_summary_hull *summary, uint32_t i)
 {
-	struct lod_hull_point *sample = &summary->samples[i];
-	double n = summary->part * (double)sample->vertices;
-	struct eco_curve curve = lod_summary_curve(&summary->view, n);
-	sample->fp = summary->pixels * curve.fp + lod_summary_outside(&summary->view, n);
-	sample->fn = summary->pixels * (curve.fn + LOD_OWNER_WEIGHT * (1 - curve.fn));
-	struct lod_hull_point covered = { .fn = curve.fn,
-		.octaves = (float)lod_octaves(summary->view.area / n) };
-	lod_hull_set_detail(&covered, 0, LOD_DETAIL_MOST);
-	sample->detail = summary->pixels * covered.detail;
+	best_scale(summary, summary->samples[i].vertices, &summary->samples[i]);
 	summary->evaluated |= 1u << i;
 	++*summary->gains;
 }

@@ -34,6 +34,8 @@ struct lod_summary_hull {
 	uint64_t *gains;             /* counts evaluated samples */
 };
 
+/* Area of the first `vertices` points, over that of all leaves, with which the least is wrong. */
+double lod_summary_hull_scale(const struct lod_summary_hull *summary, uint64_t vertices);
 /* Share of pixels that points miss, from a hull point's fn. */
 double lod_summary_hull_missed(const struct lod_summary_hull *summary, double fn);
 

@@ -1,0 +1,585 @@
+/* See lod/plan/byte_price.h. */
+#include "lod/plan/byte_price.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lod/plan/impostor_worth.h"
+
+#define LISTS_OF_LADDER 5        /* points, lines, simple, triangles, impostor */
+#define DRAWN_LEAST 1e-9         /* plants, below which nobody draws */
+
+/* A ladder in view, and the bytes of its lists up to each number of vertices that a plant may draw. */
+struct ladder_price {
+	uint32_t ladder;
+	uint32_t first, count;       /* its choices, in lod_prices.choices */
+	uint32_t steps;
+	uint64_t *vertices;          /* per step, ascending */
+	double *bytes, *gain;        /* per step; gain while a limit is sought */
+	uint32_t limit;              /* the last step that may be drawn */
+	uint32_t image, textured;    /* its texture, in lod_prices.images; the first step that shows it */
+	double image_part;           /* bytes of the texture that this ladder is asked for */
+};
+
+struct image_price { uint32_t list, users[2]; double bytes; bool used; };    /* users: of whole plants, cells */
+
+struct lod_prices {
+	struct ladder_price *ladders;        uint32_t ladder_count;
+	struct image_price *images;          uint32_t image_count;
+	uint32_t *choices;           /* of the allocation, by ladder */
+	uint64_t *vertices;          double *bytes, *gain;     /* of all ladders */
+	double *instances, *points;  /* per node */
+	double *drawn, *seen;        /* per slot: plants in open tiles; the same, times the tiles' factors */
+	double *part;                /* per node: of its tile's bytes, that an occurrence pays */
+	double *weight;              /* per node: the share of it that is drawn */
+	struct lod_hull_point *room; /* for hulls of summaries */
+	uint32_t *room_first;        /* per node */
+	bool *organs_off;            /* per plant */
+	uint8_t *left_out;           /* per plant: its organs are off whatever they save */
+	double *saved, *spent;       /* per plant: by its organs */
+};
+
+/* ---- Bytes ---- */
+
+static double chunk_bytes(const struct lod_planner *p, uint32_t list, uint32_t ordinal)
+{
+	const struct eco_list *l = &p->scene->lists[list];
+	return (double)p->scene->chunks[l->chunk_first + ordinal].size_bytes + LOD_CHUNK_FRAME_BYTES
+		+ (ordinal ? 0 : LOD_LIST_FRAME_BYTES);
+}
+
+/* Chunks [from, to) of a list that the client lacks. */
+static double missing_between(const struct lod_planner *p, uint32_t list, uint32_t from, uint32_t to)
+{
+	uint32_t held = eco_holdings_chunks(p->input->holdings, list);
+	double sum = 0;
+	for (uint32_t c = from > held ? from : held; c < to; c++)
+		sum += chunk_bytes(p, list, c);
+	return sum;
+}
+
+static double missing_all(const struct lod_planner *p, uint32_t list)
+{
+	return missing_between(p, list, 0, p->scene->lists[list].chunk_count);
+}
+
+/* ---- Ladders ---- */
+
+/* Chunks of each list that were paid so far. */
+struct paid { uint32_t list[LISTS_OF_LADDER], chunks[LISTS_OF_LADDER], count; };
+
+static double pay(const struct lod_planner *p, struct paid *paid, uint32_t list, uint32_t end)
+{
+	uint32_t i = 0, chunks = lod_plan_chunks_for(p->scene, list, end);
+	while (i < paid->count && paid->list[i] != list)
+		i++;
+	if (i == paid->count) {
+		paid->list[i] = list;
+		paid->chunks[i] = 0;
+		paid->count++;
+	}
+	if (chunks <= paid->chunks[i])
+		return 0;
+	double bytes = missing_between(p, list, paid->chunks[i], chunks);
+	paid->chunks[i] = chunks;
+	return bytes;
+}
+
+/* Returns the texture of what is drawn; ECO_NONE: there is none. */
+static uint32_t price_step(const struct lod_planner *p, const struct lod_way *way, uint64_t vertices,
+	struct paid *paid, double *bytes)
+{
+	uint32_t image = ECO_NONE;
+	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+	if (vertices == 0)
+		return ECO_NONE;
+	if (vertices == 1 && lod_hull_impostor_levels(way)) {
+		*bytes += pay(p, paid, way->ladder->impostor, 1);
+		return ECO_NONE;
+	}
+	uint32_t count = lod_way_cuts(way, vertices, lod_way_density(way, vertices), 0, cuts);
+	for (uint32_t i = 0; i < count; i++) {
+		*bytes += pay(p, paid, cuts[i].list, cuts[i].end);
+		if (p->scene->lists[cuts[i].list].image != ECO_NONE)
+			image = p->scene->lists[cuts[i].list].image;
+	}
+	return image;
+}
+
+static uint32_t steps_of(const struct lod_plan_tables_ladder *table)
+{
+	return table->hull[0].count + table->hull[1].count + 1;
+}
+
+/* Steps are all points that the hulls of its slots may have. */
+static void price_ladder(const struct lod_planner *p, struct ladder_price *l)
+{
+	l->image = l->textured = ECO_NONE;
+	const struct lod_plan_tables_ladder *table = lod_plan_tables_ladder(p->tables, l->ladder);
+	struct paid paid = { .count = 0 };
+	double bytes = 0;
+	l->steps = 0;
+	for (int h = 0; h < 3; h++)
+		for (uint32_t i = 0; i < (h < 2 ? table->hull[h].count : 1); i++) {
+			uint64_t vertices = h < 2 ? table->hull[h].points[i].vertices : table->way.full;
+			if (l->steps && vertices <= l->vertices[l->steps - 1])
+				continue;
+			uint32_t image = price_step(p, &table->way, vertices, &paid, &bytes);
+			if (image != ECO_NONE && l->image == ECO_NONE) {
+				l->image = image;
+				l->textured = l->steps;
+			}
+			l->vertices[l->steps] = vertices;
+			l->bytes[l->steps++] = bytes;
+		}
+}
+
+/* A texture is asked of the ladders of whole plants that show it in equal parts, and of cells likewise. */
+static bool make_images(struct lod_allocation *m)
+{
+	struct lod_prices *prices = m->prices;
+	const struct eco_scene *scene = m->p->scene;
+	prices->images = calloc(prices->ladder_count + 1u, sizeof *prices->images);
+	uint32_t *of = calloc(scene->list_count + 1u, sizeof *of);
+	for (int pass = 0; pass < 2 && of && prices->images; pass++)
+		for (uint32_t i = 0; i < prices->ladder_count; i++) {
+			struct ladder_price *l = &prices->ladders[i];
+			const struct eco_ladder *ladder = &scene->ladders[l->ladder];
+			bool cell = ladder->anchor != scene->plants[ladder->plant].anchor_first;
+			if (l->textured == ECO_NONE)
+				continue;
+			if (pass) {
+				const struct image_price *image = &prices->images[l->image];
+				l->image_part = image->bytes / image->users[cell];
+				continue;
+			}
+			if (!of[l->image]) {
+				of[l->image] = ++prices->image_count;
+				prices->images[prices->image_count - 1] = (struct image_price){
+					.list = l->image, .bytes = missing_all(m->p, l->image) };
+			}
+			l->image = of[l->image] - 1;
+			prices->images[l->image].users[cell]++;
+		}
+	free(of);
+	return of && prices->images;
+}
+
+static bool make_ladders(struct lod_allocation *m)
+{
+	struct lod_prices *prices = m->prices;
+	uint32_t *of = calloc(m->p->scene->ladder_count + 1u, sizeof *of), steps = 0, first = 0;
+	prices->choices = malloc((m->ladder_choice_count + 1u) * sizeof *prices->choices);
+	prices->ladders = calloc(m->ladder_choice_count + 1u, sizeof *prices->ladders);
+	if (!of || !prices->choices || !prices->ladders) {
+		free(of);
+		return false;
+	}
+	for (uint32_t i = 0; i < m->ladder_choice_count; i++) {
+		uint32_t ladder = m->ladder_choices[i].ladder;
+		if (!of[ladder]) {
+			of[ladder] = ++prices->ladder_count;
+			prices->ladders[of[ladder] - 1].ladder = ladder;
+			steps += steps_of(lod_plan_tables_ladder(m->p->tables, ladder));
+		}
+		prices->ladders[of[ladder] - 1].count++;
+	}
+	for (uint32_t i = 0; i < prices->ladder_count; i++) {
+		prices->ladders[i].first = first;
+		first += prices->ladders[i].count;
+		prices->ladders[i].count = 0;
+	}
+	for (uint32_t i = 0; i < m->ladder_choice_count; i++) {
+		struct ladder_price *l = &prices->ladders[of[m->ladder_choices[i].ladder] - 1];
+		prices->choices[l->first + l->count++] = i;
+	}
+	free(of);
+	prices->vertices = malloc((steps + 1u) * sizeof *prices->vertices);
+	prices->bytes = malloc((steps + 1u) * sizeof *prices->bytes);
+	prices->gain = malloc((steps + 1u) * sizeof *prices->gain);
+	if (!prices->vertices || !prices->bytes || !prices->gain)
+		return false;
+	steps = 0;
+	for (uint32_t i = 0; i < prices->ladder_count; i++) {
+		struct ladder_price *l = &prices->ladders[i];
+		l->vertices = prices->vertices + steps;
+		l->bytes = prices->bytes + steps;
+		l->gain = prices->gain + steps;
+		price_ladder(m->p, l);
+		steps += l->steps;
+	}
+	return make_images(m);
+}
+
+/* ---- Tiles ---- */
+
+static bool make_tiles(struct lod_allocation *m)
+{
+	const struct lod_planner *p = m->p;
+	const struct eco_scene *scene = p->scene;
+	uint32_t nodes = p->visible.node_count, *occurrences = calloc(scene->tile_count + 1u,
+		sizeof *occurrences);
+	m->prices->instances = calloc(nodes + 1u, sizeof *m->prices->instances);
+	m->prices->points = calloc(nodes + 1u, sizeof *m->prices->points);
+	if (!occurrences || !m->prices->instances || !m->prices->points) {
+		free(occurrences);
+		return false;
+	}
+	for (uint32_t n = 0; n < nodes; n++)
+		occurrences[p->visible.nodes[n].tile]++;
+	for (uint32_t n = 0; n < nodes; n++) {
+		const struct eco_tile *tile = &scene->tiles[p->visible.nodes[n].tile];
+		double part = m->prices->part[n] = 1.0 / occurrences[p->visible.nodes[n].tile];
+		for (uint32_t g = 0; m->tile_choices[n].open && g < tile->group_count; g++)
+			m->prices->instances[n] += part * missing_all(p, scene->groups[tile->group_first + g].list);
+		if (m->tile_choices[n].has_summary)
+			m->prices->points[n] = part * missing_all(p, tile->summary)
+				/ scene->lists[tile->summary].primitive_count;
+	}
+	free(occurrences);
+	return true;
+}
+
+/* A hull of a summary has its samples and the empty one. */
+static bool make_room(struct lod_allocation *m)
+{
+	uint32_t nodes = m->p->visible.node_count, room = 0;
+	m->prices->room_first = malloc((nodes + 1u) * sizeof *m->prices->room_first);
+	for (uint32_t n = 0; m->prices->room_first && n < nodes; n++) {
+		m->prices->room_first[n] = room;
+		room += m->tile_choices[n].has_summary ? m->tile_choices[n].summary.count + 1 : 0;
+	}
+	m->prices->room = malloc((room + 1u) * sizeof *m->prices->room);
+	return m->prices->room_first && m->prices->room;
+}
+
+struct lod_hull_point *lod_prices_room(struct lod_allocation *m, uint32_t node)
+{
+	return m->prices->room + m->prices->room_first[node];
+}
+
+double lod_prices_instances(const struct lod_allocation *m, uint32_t node)
+{
+	return m->prices->instances[node];
+}
+double lod_prices_point(const struct lod_allocation *m, uint32_t node) { return m->prices->points[node]; }
+
+struct lod_summary_price lod_prices_summary(const struct lod_allocation *m, uint32_t node, double points)
+{
+	const struct eco_scene *scene = m->p->scene;
+	uint32_t list = scene->tiles[m->p->visible.nodes[node].tile].summary;
+	const struct eco_list *l = &scene->lists[list];
+	struct lod_summary_price price = { 0 };
+	uint32_t chunks = 0;
+	while (price.points < points && chunks < l->chunk_count) {
+		price.before = price.points;
+		price.points += scene->chunks[l->chunk_first + chunks++].primitive_count;
+	}
+	price.bytes = missing_between(m->p, list, 0, chunks) * m->prices->part[node];
+	return price;
+}
+
+/* ---- Making ---- */
+
+enum eco_code lod_prices_make(struct lod_allocation *m, struct eco_error *error)
+{
+	uint32_t slots = m->p->visible.slot_count, nodes = m->p->visible.node_count,
+		plants = m->p->scene->plant_count;
+	struct lod_prices *prices = m->prices = calloc(1, sizeof *prices);
+	bool good = prices && (prices->drawn = malloc((slots + 1u) * sizeof *prices->drawn))
+		&& (prices->seen = malloc((slots + 1u) * sizeof *prices->seen))
+		&& (prices->weight = malloc((nodes + 1u) * sizeof *prices->weight))
+		&& (prices->part = malloc((nodes + 1u) * sizeof *prices->part))
+		&& (prices->organs_off = calloc(plants + 1u, sizeof *prices->organs_off))
+		&& (prices->left_out = calloc(plants + 1u, sizeof *prices->left_out))
+		&& (prices->saved = malloc((plants + 1u) * sizeof *prices->saved))
+		&& (prices->spent = malloc((plants + 1u) * sizeof *prices->spent))
+		&& make_ladders(m) && make_tiles(m) && make_room(m);
+	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for the bytes of %u tiles",
+		nodes);
+}
+
+void lod_prices_free(struct lod_allocation *m)
+{
+	struct lod_prices *prices = m->prices;
+	if (!prices)
+		return;
+	free(prices->ladders);
+	free(prices->images);
+	free(prices->choices);
+	free(prices->vertices);
+	free(prices->bytes);
+	free(prices->gain);
+	free(prices->instances);
+	free(prices->points);
+	free(prices->drawn);
+	free(prices->seen);
+	free(prices->weight);
+	free(prices->room);
+	free(prices->room_first);
+	free(prices->part);
+	free(prices->organs_off);
+	free(prices->left_out);
+	free(prices->saved);
+	free(prices->spent);
+	free(prices);
+	m->prices = NULL;
+}
+
+/* ---- What is drawn ---- */
+
+static void count_drawn(struct lod_allocation *m)
+{
+	const struct lod_visible_tree *visible = &m->p->visible;
+	struct lod_prices *prices = m->prices;
+	memset(prices->drawn, 0, visible->slot_count * sizeof *prices->drawn);
+	memset(prices->seen, 0, visible->slot_count * sizeof *prices->seen);
+	prices->weight[0] = 1;
+	for (uint32_t n = 0; n < visible->node_count; n++) {
+		const struct lod_node *node = &visible->nodes[n];
+		const struct lod_tile_choice *choice = &m->tile_choices[n];
+		double weight = choice->open ? prices->weight[n] * choice->share : 0;
+		for (uint32_t c = 0; node->expanded && c < node->child_count; c++)
+			prices->weight[node->child_first + c] = weight;
+		for (uint32_t i = 0; weight > 0 && i < node->tally_count; i++) {
+			const struct lod_tally *t = &node->tallies[i];
+			const struct lod_slot *slot = &visible->slots[t->slot];
+			double count = weight * t->count
+				* (slot->cell ? lod_planner_near(m->p, slot->plant, t->whole_band) : 1);
+			prices->drawn[t->slot] += count;
+			prices->seen[t->slot] += count * choice->factor;
+		}
+	}
+}
+
+/* The share of a slot's plants that draw a choice. `all`: of a ladder that shows the whole plant, as if no
+ * organs were drawn. */
+static double share_of(const struct lod_allocation *m, uint32_t ladder_choice, bool all)
+{
+	const struct lod_ladder_choice *choice = &m->ladder_choices[ladder_choice];
+	const struct lod_slot *slot = &m->p->visible.slots[choice->slot];
+	const struct lod_slot_choice *slot_choice = &m->slot_choices[choice->slot];
+	if (slot->cell)
+		return 1;
+	double near = lod_planner_near(m->p, slot->plant, slot->band), whole = slot_choice->whole_count
+		? slot_choice->whole_share : 0;
+	switch (choice->when) {
+	case LOD_WHOLE:
+		return all ? 1 : slot_choice->whole == ladder_choice ? (1 - near) * whole : 0;
+	case LOD_NEAR:
+		return near;
+	case LOD_FAR:
+		return (1 - near) * (1 - whole);
+	default:
+		return 1 - whole;
+	}
+}
+
+/* ---- Limits ---- */
+
+static uint32_t step_of(const struct ladder_price *l, uint64_t vertices)
+{
+	uint32_t low = 0, high = l->steps - 1;
+	while (low < high) {
+		uint32_t middle = (low + high) / 2;
+		if (l->vertices[middle] < vertices)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low;
+}
+
+/* Adds to each step what a choice without a limit saves there at lambda. */
+static void add_gain(const struct lod_allocation *m, struct ladder_price *l, uint32_t id, bool all)
+{
+	const struct lod_ladder_choice *choice = &m->ladder_choices[id];
+	struct lod_hull hull = choice->hull;
+	double share = share_of(m, id, all), drawn = m->prices->drawn[choice->slot] * share,
+		seen = m->prices->seen[choice->slot] * share * choice->weight_px;
+	if (!(seen > 0))
+		return;
+	hull.count = choice->hull_count;
+	double position = lod_hull_position(&hull, m->lambda / choice->weight_px, choice->position);
+	for (uint32_t k = 1; k < hull.count && k < position + 1; k++) {
+		const struct lod_hull_point *a = &hull.points[k - 1], *b = &hull.points[k];
+		double part = fmin(1, position - (k - 1));
+		l->gain[step_of(l, b->vertices)] += part * (seen * (lod_hull_error(&hull, a)
+			- lod_hull_error(&hull, b)) - drawn * m->lambda * (double)(b->vertices - a->vertices));
+	}
+}
+
+static double bytes_at(const struct ladder_price *l, uint32_t step)
+{
+	return l->bytes[step] + (step >= l->textured ? l->image_part : 0);
+}
+
+/* The step up to which bytes are worth their price. */
+static void find_limit(struct lod_allocation *m, struct ladder_price *l, bool all)
+{
+	double best = 0, sum = 0;
+	memset(l->gain, 0, l->steps * sizeof *l->gain);
+	for (uint32_t i = 0; i < l->count; i++)
+		add_gain(m, l, m->prices->choices[l->first + i], all);
+	l->limit = 0;
+	for (uint32_t i = 0; i < l->steps; i++) {
+		sum += l->gain[i];
+		double bytes = bytes_at(l, i), net = sum - m->price * (bytes - l->bytes[0]);
+		if (i == 0 || net > best || bytes <= bytes_at(l, l->limit)) {
+			best = fmax(best, net);
+			l->limit = i;
+		}
+	}
+}
+
+static void apply_limit(struct lod_allocation *m, const struct ladder_price *l)
+{
+	for (uint32_t i = 0; i < l->count; i++) {
+		struct lod_ladder_choice *choice = &m->ladder_choices[m->prices->choices[l->first + i]];
+		uint32_t count = 1;
+		while (count < choice->hull_count
+				&& choice->hull.points[count].vertices <= l->vertices[l->limit])
+			count++;
+		choice->hull.count = count;
+		choice->position = fmin(choice->position, count - 1);
+	}
+}
+
+static bool is_whole(const struct lod_allocation *m, const struct ladder_price *l)
+{
+	return m->p->scene->ladders[l->ladder].flags & ECO_LADDER_WHOLE;
+}
+
+/* Levels of its impostor above the first that some plant draws. */
+static double levels_bytes(const struct lod_allocation *m, const struct ladder_price *l)
+{
+	uint32_t list = m->p->scene->ladders[l->ladder].impostor, level = 0;
+	for (uint32_t i = 0; list != ECO_NONE && i < l->count; i++) {
+		uint32_t id = m->prices->choices[l->first + i];
+		const struct lod_ladder_choice *choice = &m->ladder_choices[id];
+		if (choice->hull.impostor != ECO_NONE && choice->hull.impostor > level && choice->position > 0
+				&& m->prices->drawn[choice->slot] * share_of(m, id, false) > DRAWN_LEAST)
+			level = choice->hull.impostor;
+	}
+	return level ? missing_between(m->p, list, 1, level + 1) : 0;
+}
+
+/* The last step that some plant draws; 0: none does. */
+static uint32_t used_step(const struct lod_allocation *m, const struct ladder_price *l)
+{
+	uint32_t used = 0;
+	for (uint32_t i = 0; i < l->count; i++) {
+		uint32_t id = m->prices->choices[l->first + i];
+		const struct lod_ladder_choice *choice = &m->ladder_choices[id];
+		if (m->prices->drawn[choice->slot] * share_of(m, id, false) < DRAWN_LEAST)
+			continue;
+		uint32_t step = step_of(l, choice->hull.points[(uint32_t)ceil(choice->position)].vertices);
+		used = step > used ? step : used;
+	}
+	return used;
+}
+
+/* Do a plant's organs save what their bytes cost, over the ladder that shows it as a whole? */
+static void judge_organs(struct lod_allocation *m)
+{
+	struct lod_prices *prices = m->prices;
+	const struct lod_visible_tree *visible = &m->p->visible;
+	uint32_t plants = m->p->scene->plant_count;
+	memset(prices->saved, 0, plants * sizeof *prices->saved);
+	memset(prices->spent, 0, plants * sizeof *prices->spent);
+	for (uint32_t i = 0; i < prices->ladder_count; i++) {
+		const struct ladder_price *l = &prices->ladders[i];
+		if (!is_whole(m, l))
+			prices->spent[m->p->scene->ladders[l->ladder].plant] += bytes_at(l, used_step(m, l));
+	}
+	for (uint32_t s = 0; s < visible->slot_count; s++) {
+		const struct lod_slot *slot = &visible->slots[s];
+		const struct lod_slot_choice *choice = &m->slot_choices[s];
+		if (slot->cell)
+			continue;
+		double near = lod_planner_near(m->p, slot->plant, slot->band),
+			each = m->counts[s] ? choice->near_saved / (double)m->counts[s] : 0;
+		prices->saved[slot->plant] += prices->seen[s] * ((1 - choice->whole_share)
+			* fmax(0, choice->organs_saved) + near * fmax(0, each));
+	}
+	for (uint32_t i = 0; i < plants; i++)
+		if (prices->spent[i] > 0 && prices->saved[i] < m->price * prices->spent[i])
+			prices->organs_off[i] = true;
+}
+
+bool lod_prices_organs_off(const struct lod_allocation *m, uint32_t plant)
+{
+	return m->price > 0 && m->prices->organs_off[plant];
+}
+
+uint32_t lod_prices_leave_out(struct lod_allocation *m)
+{
+	struct lod_prices *prices = m->prices;
+	uint32_t most = ECO_NONE;
+	judge_organs(m);
+	for (uint32_t i = 0; i < m->p->scene->plant_count; i++)
+		if (!prices->organs_off[i] && prices->spent[i] > (most == ECO_NONE ? 0 : prices->spent[most]))
+			most = i;
+	if (most != ECO_NONE)
+		prices->left_out[most] = true;
+	return most;
+}
+
+void lod_prices_take_in(struct lod_allocation *m, uint32_t plant) { m->prices->left_out[plant] = false; }
+uint8_t *lod_prices_left_out(struct lod_allocation *m) { return m->prices->left_out; }
+
+void lod_prices_lift(struct lod_allocation *m)
+{
+	for (uint32_t i = 0; i < m->p->scene->plant_count; i++)
+		m->prices->organs_off[i] = m->prices->left_out[i];
+	for (uint32_t i = 0; i < m->ladder_choice_count; i++)
+		m->ladder_choices[i].hull.count = m->ladder_choices[i].hull_count;
+}
+
+void lod_prices_limit(struct lod_allocation *m, bool first, bool last)
+{
+	struct lod_prices *prices = m->prices;
+	count_drawn(m);
+	if (!first)
+		judge_organs(m);
+	for (uint32_t s = 0; s < m->p->visible.slot_count; s++)
+		m->scratch[s] = prices->seen[s] * m->slot_choices[s].seen;
+	lod_allocation_set_impostors(m, m->scratch);
+	for (uint32_t i = 0; i < prices->ladder_count; i++) {
+		struct ladder_price *l = &prices->ladders[i];
+		bool off = prices->organs_off[m->p->scene->ladders[l->ladder].plant];
+		if (off && !is_whole(m, l))
+			l->limit = 0;
+		else
+			find_limit(m, l, off || !last);
+		apply_limit(m, l);
+	}
+}
+
+void lod_prices_tighten(struct lod_allocation *m)
+{
+	count_drawn(m);
+	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
+		m->prices->ladders[i].limit = used_step(m, &m->prices->ladders[i]);
+		apply_limit(m, &m->prices->ladders[i]);
+	}
+}
+
+double lod_prices_bytes(struct lod_allocation *m)
+{
+	double sum = m->cost.bytes;
+	count_drawn(m);
+	for (uint32_t i = 0; i < m->prices->image_count; i++)
+		m->prices->images[i].used = false;
+	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
+		const struct ladder_price *l = &m->prices->ladders[i];
+		uint32_t used = used_step(m, l);
+		sum += l->bytes[used] + levels_bytes(m, l);
+		if (used < l->textured || m->prices->images[l->image].used)
+			continue;
+		m->prices->images[l->image].used = true;
+		sum += m->prices->images[l->image].bytes;
+	}
+	return sum;
+}

@@ -1,0 +1,62 @@
+/* What a plan costs in bytes that the client lacks, and what a byte must save.
+ *
+ * A second Lagrangian multiplier, allocation->price, is the number of wrong pixels that a byte must save. At
+ * a price of 0 a plan is that of its vertices alone. Above it
+ *
+ * - a tile pays for its summary, chunk by chunk, and for its instance lists
+ * - the bytes of a plant's lists are paid once, by all plants of the scene that draw them: a ladder is
+ *   limited to where its next bytes save more, summed over plants, than they cost
+ * - a plant's organs, which need many lists, are drawn by none of its plants unless they save more, over the
+ *   ladder that shows the whole plant, than all their bytes cost
+ * - a level of an impostor must set more right for each byte (lod/plan/impostor_worth.h)
+ *
+ * A limit depends on which plants are drawn, and which are drawn depends on limits. Both are made in turn,
+ * beginning without limits, a fixed number of times. What is drawn then only becomes less, so the result
+ * does not depend on what was asked before.
+ *
+ * Lists of a nested eco file are paid in equal parts by its visible occurrences. */
+#ifndef LOD_BYTE_PRICE_H
+#define LOD_BYTE_PRICE_H
+
+#include "lod/plan/allocation.h"
+
+#define LOD_PRICE_ROUNDS 3       /* of limits at each lambda and price */
+/* beside a payload: fields of a chunk, and the record of a list that the client does not know */
+#define LOD_CHUNK_FRAME_BYTES 48
+#define LOD_LIST_FRAME_BYTES 60
+
+/* Finds what everything in view would cost; once for an allocation. */
+enum eco_code lod_prices_make(struct lod_allocation *allocation, struct eco_error *error);
+void lod_prices_free(struct lod_allocation *allocation);      /* none made: fine */
+
+/* Takes all limits away; sets them from what the last relaxation chose. The first time that was without
+ * limits; before the last a ladder that shows a whole plant is kept as good as if no organs were drawn, so
+ * that these have something to be compared with. */
+void lod_prices_lift(struct lod_allocation *allocation);
+void lod_prices_limit(struct lod_allocation *allocation, bool first, bool last);
+/* Leaves out the organs of the plant whose organs take the most bytes now, from the next relaxation on, and
+ * returns the plant; ECO_NONE: none has any. */
+uint32_t lod_prices_leave_out(struct lod_allocation *allocation);
+void lod_prices_take_in(struct lod_allocation *allocation, uint32_t plant);
+/* Per plant: 1 where its organs are left out; to be kept, and set again. */
+uint8_t *lod_prices_left_out(struct lod_allocation *allocation);
+/* Sets limits to what the last relaxation chose: whoever fills a budget pays for no more. */
+void lod_prices_tighten(struct lod_allocation *allocation);
+/* Are no organs of this plant drawn, by any of its plants? */
+bool lod_prices_organs_off(const struct lod_allocation *allocation, uint32_t plant);
+
+/* Bytes of a tile's instance lists. */
+double lod_prices_instances(const struct lod_allocation *allocation, uint32_t node);
+/* The first `points` of a tile's summary: bytes of the chunks that hold them, the points that these hold, and
+ * those that all of them but the last do. The mean bytes of a point. */
+struct lod_summary_price { double bytes, points, before; };
+struct lod_summary_price lod_prices_summary(const struct lod_allocation *allocation, uint32_t node,
+	double points);
+double lod_prices_point(const struct lod_allocation *allocation, uint32_t node);
+/* Room for a hull of a tile's summary; the allocation's. */
+struct lod_hull_point *lod_prices_room(struct lod_allocation *allocation, uint32_t node);
+
+/* Bytes of what the last relaxation chose. */
+double lod_prices_bytes(struct lod_allocation *allocation);
+
+#endif

@@ -1,0 +1,139 @@
+/* See lod/plan/price_search.h. */
+#include "lod/plan/price_search.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "lod/plan/byte_price.h"
+#include "lod/eye.h"
+
+#define PRICE_NEAR 0.25          /* the same from a price that nearly fits */
+#define PRICE_USUAL -1.0
+#define PRICE_STEP_FIRST 2.0     /* octaves to the next price tried, then twice as far */
+#define LOW_OCTAVES 10           /* no bytes are so far below any */
+#define PRICE_GAPS 4             /* filled after each other */
+#define PRICE_STEP 0.05          /* octaves to which a price is searched */
+
+#define LN_2 0.69314718055994530942
+
+/* 2^octave, the same on every machine. */
+static double price_of(double octave)
+{
+	return octave < 0 ? lod_exp_minus(-LN_2 * octave) : 1 / lod_exp_minus(LN_2 * octave);
+}
+
+double lod_price_relax(struct lod_allocation *m, double lambda, const struct lod_price *at)
+{
+	m->price = price_of(at->lists);
+	m->limited = false;
+	lod_allocation_relax(m, lambda);
+	if (at->tiles != at->lists) {
+		m->price = price_of(at->tiles);
+		m->limited = true;
+		lod_allocation_relax(m, lambda);
+	}
+	return lod_prices_bytes(m);
+}
+
+double lod_price_wrong(const struct lod_allocation *m)
+{
+	return m->cost.fp + m->cost.fn + m->cost.detail;
+}
+
+/* Prices between an octave `low`, at which there are too many bytes, and `high`, at which there are at most
+ * `target`: regula falsi on bytes, until they are nearly that many or the octaves are close together. `lists`
+ * NAN: the same for what plants share. */
+static struct lod_price search_price(struct lod_allocation *m, double lambda, double target, double lists,
+	double *low, double high)
+{
+	double over = 1, under = 1, bytes = 0;
+	int side = 0;
+	while (high - *low > PRICE_STEP && bytes < target * (1 - LOD_PRICE_SLACK)) {
+		double part = over / (over + under);
+		part = part < 0.1 ? 0.1 : part > 0.9 ? 0.9 : part;
+		double middle = *low + part * (high - *low);
+		double now = lod_price_relax(m, lambda,
+			&(struct lod_price){ isnan(lists) ? middle : lists, middle });
+		double beyond = now > 0 ? fabs(lod_octaves(now / target)) : LOW_OCTAVES;
+		if (now > target) {
+			*low = middle;
+			over = beyond;
+			under = side < 0 ? under / 2 : under;
+			side = -1;
+		} else {
+			high = middle;
+			bytes = now;
+			under = beyond;
+			over = side > 0 ? over / 2 : over;
+			side = 1;
+		}
+	}
+	return (struct lod_price){ isnan(lists) ? high : lists, high };
+}
+
+static bool is_better(struct lod_allocation *m, double lambda, double target, const struct lod_price *try,
+	double wrong, struct lod_price *at, double *bytes)
+{
+	double now = lod_price_relax(m, lambda, try);
+	if (now > target || lod_price_wrong(m) >= wrong)
+		return false;
+	*at = *try;
+	*bytes = now;
+	return true;
+}
+
+/* At the price `over` there are too many bytes, at `at`, little higher, many are left: there lists come that
+ * many plants or all tiles draw. Either tiles pay less where these are not, or more where they are; or the
+ * dearest organs are left out and the others come at a lower price. False where none of it leaves less wrong,
+ * or the bytes are used. */
+static bool fill_gap(struct lod_allocation *m, double lambda, double target, struct lod_price *at,
+	double *over, double *bytes)
+{
+	double wrong = lod_price_wrong(m), lists = *over, low = LOD_PRICE_LOWEST;
+	struct lod_price try = search_price(m, lambda, target, at->lists, &low, at->tiles);
+	bool better = is_better(m, lambda, target, &try, wrong, at, bytes);
+	wrong = better ? lod_price_wrong(m) : wrong;
+	low = lists;
+	try = search_price(m, lambda, target, lists, &low, LOD_PRICE_HIGHEST);
+	better |= is_better(m, lambda, target, &try, wrong, at, bytes);
+	if (better && *bytes >= target * (1 - LOD_PRICE_SLACK))
+		return false;
+	lod_price_relax(m, lambda, at);
+	wrong = lod_price_wrong(m);
+	lod_price_relax(m, lambda, &(struct lod_price){ lists, lists });
+	uint32_t plant = lod_prices_leave_out(m);
+	if (plant == ECO_NONE)
+		return false;
+	*over = LOD_PRICE_LOWEST;
+	try = search_price(m, lambda, target, NAN, over, lists);
+	if (is_better(m, lambda, target, &try, wrong, at, bytes))
+		return true;
+	lod_prices_take_in(m, plant);
+	return false;
+}
+
+double lod_price_find(struct lod_allocation *m, double lambda, double target, double near,
+	struct lod_price *at)
+{
+	memset(lod_prices_left_out(m), 0, m->p->scene->plant_count);
+	double low = isnan(near) ? PRICE_USUAL : near, high = low, step = isnan(near) ? PRICE_STEP_FIRST
+		: PRICE_NEAR;
+	while (low > LOD_PRICE_LOWEST && lod_price_relax(m, lambda, &(struct lod_price){ low, low }) <= target) {
+		high = low;
+		low -= step;
+		step *= 2;
+	}
+	while (high < LOD_PRICE_HIGHEST && (high <= low
+			|| lod_price_relax(m, lambda, &(struct lod_price){ high, high }) > target)) {
+		low = high > low ? high : low;
+		high += step;
+		step *= 2;
+	}
+	*at = search_price(m, lambda, target, NAN, &low, fmin(high, LOD_PRICE_HIGHEST));
+	double bytes = lod_price_relax(m, lambda, at);
+	for (int i = 0; i < PRICE_GAPS && bytes < target * (1 - LOD_PRICE_SLACK) && low > LOD_PRICE_LOWEST; i++)
+		if (!fill_gap(m, lambda, target, at, &low, &bytes))
+			break;
+	return lod_price_relax(m, lambda, at);
+}
+

@@ -1,0 +1,26 @@
+/* The price of bytes that a number of bytes asks for: see lod/plan/byte_price.h.
+ *
+ * log2 of two prices: of what plants share, and of tiles. They differ where no one price uses the bytes:
+ * plants' lists come at once, for all tiles, so limits are those of a price at which there are too many
+ * bytes, and tiles pay more. */
+#ifndef LOD_PRICE_SEARCH_H
+#define LOD_PRICE_SEARCH_H
+
+#include "lod/plan/allocation.h"
+
+#define LOD_PRICE_LOWEST -30.0   /* wrong pixels a byte: nothing is worth so little, ... */
+#define LOD_PRICE_HIGHEST 30.0   /* ... or so much */
+#define LOD_PRICE_SLACK 0.03     /* share of the bytes that may be left */
+
+struct lod_price { double lists, tiles; };
+
+/* Relaxes at prices; lod_prices_make came before. Returns the bytes. */
+double lod_price_relax(struct lod_allocation *allocation, double lambda, const struct lod_price *at);
+/* Relaxes at prices whose bytes are at most `target`, and nearly that many if there are such, and returns
+ * these bytes. `near`: a price of tiles that nearly fits; NAN: not known. */
+double lod_price_find(struct lod_allocation *allocation, double lambda, double target, double near,
+	struct lod_price *at);
+/* Wrong pixels that the last relaxation leaves. */
+double lod_price_wrong(const struct lod_allocation *allocation);
+
+#endif

@@ -1,0 +1,138 @@
+/* Plans under two budgets, on random scenes: never above the bytes, most of them used, and what is held is
+ * free. */
+#include <stdlib.h>
+
+#include "lod/plan/planner.h"
+#include "tests/support/scene_random.h"
+#include "tests/support/unit_test.h"
+
+#define SCENES 40
+#define VIEWS 3
+#define BUDGETS 6
+#define FRAME 60                 /* beside each payload */
+
+struct sizer { const struct eco_scene *scene; const struct eco_holdings *holdings; };
+
+static enum eco_code size_of(void *ctx, struct eco_plan *plan, uint64_t *bytes, struct eco_error *error)
+{
+	const struct sizer *sizer = ctx;
+	struct eco_holdings needs;
+	enum eco_code code = lod_plan_needs(sizer->scene, plan, &needs, error);
+	*bytes = 100;
+	for (uint32_t i = 0; !code && i < needs.count; i++) {
+		const struct eco_list *list = &sizer->scene->lists[needs.items[i].list];
+		for (uint32_t c = eco_holdings_chunks(sizer->holdings, needs.items[i].list);
+				c < needs.items[i].chunks; c++)
+			*bytes += sizer->scene->chunks[list->chunk_first + c].size_bytes + FRAME;
+	}
+	if (!code)
+		free(needs.items);
+	return code;
+}
+
+static struct lod_planner_stats plan_it(struct eco_plan *plan, const struct eco_scene *scene,
+	const struct eco_view *view, uint64_t vertices, uint64_t bytes, const struct eco_holdings *holdings)
+{
+	struct sizer sizer = { scene, holdings };
+	struct lod_planner_stats stats;
+	struct eco_error error = { 0 };
+	const struct eco_request request = { .view = *view, .vertices = vertices, .bytes = bytes };
+	struct lod_planner_input input = { .scene = scene, .request = &request, .holdings = holdings,
+		.stats = &stats, .size = size_of, .size_ctx = &sizer };
+	assert_ok(lod_plan(plan, &input, &error), error);
+	return stats;
+}
+
+static uint64_t bytes_of(const struct eco_scene *scene, const struct eco_view *view, uint64_t vertices,
+	uint64_t bytes, const struct eco_holdings *holdings, double *wrong)
+{
+	struct eco_plan plan;
+	struct lod_planner_stats stats = plan_it(&plan, scene, view, vertices, bytes, holdings);
+	if (wrong)
+		*wrong = plan.prediction.fp + plan.prediction.fn;
+	assert_true(plan.vertices <= vertices);
+	eco_plan_free(&plan);
+	return stats.bytes;
+}
+
+UNIT_TEST(never_above_the_bytes_and_most_of_them_used)
+{
+	double used = 0, asked = 0, worse = 0;
+	uint32_t plans = 0, fell = 0;
+	for (uint64_t seed = 1; seed <= SCENES; seed++) {
+		struct random_pack *pack = random_pack_make(seed, seed % 2 ? 0 : 3, 1 + seed % 5);
+		const struct eco_scene *scene = &pack->pack.scene;
+		for (int v = 0; v < VIEWS; v++) {
+			struct eco_view view = random_view(&pack->r);
+			uint64_t vertices = UINT64_C(1) << (6 + random_below(&pack->r, 14));
+			uint64_t all = bytes_of(scene, &view, vertices, ECO_BYTES_UNBOUNDED, NULL, NULL),
+				least = bytes_of(scene, &view, vertices, 0, NULL, NULL);   /* nothing fits */
+			double before = 1e300;
+			assert_true(least <= all);
+			for (int i = 1; i <= BUDGETS; i++) {
+				double wrong;
+				uint64_t most = least + (all - least) * (uint64_t)i / BUDGETS,
+					bytes = bytes_of(scene, &view, vertices, most, NULL, &wrong);
+				assert_true(bytes <= most);
+				used += (double)bytes;
+				asked += (double)most;
+				worse += wrong > before * 1.02 ? wrong / before - 1 : 0;
+				fell += wrong > before * 1.02;
+				before = wrong;
+				plans++;
+			}
+		}
+		random_pack_free(pack);
+	}
+	print_message("used %.3f of the bytes; %u of %u plans predict more wrong than one with fewer bytes, "
+		"by %.3f in the mean\n", used / asked, fell, plans, fell ? worse / fell : 0);
+	assert_true(used > 0.8 * asked);
+	assert_true(fell * 10 < plans);
+}
+
+static void assert_same(const struct eco_plan *a, const struct eco_plan *b)
+{
+	assert_int_equal(a->vertices, b->vertices);
+	assert_int_equal(a->cut_count, b->cut_count);
+	for (uint32_t i = 0; i < a->cut_count; i++) {
+		assert_int_equal(a->cuts[i].list, b->cuts[i].list);
+		assert_int_equal(a->cuts[i].end, b->cuts[i].end);
+		assert_true(a->cuts[i].scale == b->cuts[i].scale);
+	}
+}
+
+UNIT_TEST(what_is_held_is_free)
+{
+	for (uint64_t seed = 1; seed <= SCENES; seed++) {
+		struct random_pack *pack = random_pack_make(seed, 0, 3);
+		const struct eco_scene *scene = &pack->pack.scene;
+		struct eco_view view = random_view(&pack->r);
+		struct eco_plan plan, held;
+		struct eco_holdings needs;
+		plan_it(&plan, scene, &view, 5000, ECO_BYTES_UNBOUNDED, NULL);
+		assert_int_equal(lod_plan_needs(scene, &plan, &needs, NULL), ECO_OK);
+		plan_it(&held, scene, &view, 5000, 200, &needs);
+		assert_same(&plan, &held);
+		free(needs.items);
+		eco_plan_free(&plan);
+		eco_plan_free(&held);
+		random_pack_free(pack);
+	}
+}
+
+UNIT_TEST(the_same_again)
+{
+	for (uint64_t seed = 1; seed <= SCENES; seed++) {
+		struct random_pack *pack = random_pack_make(seed, seed % 3, 2);
+		const struct eco_scene *scene = &pack->pack.scene;
+		struct eco_view view = random_view(&pack->r);
+		struct eco_plan a, b;
+		uint64_t all = bytes_of(scene, &view, 20000, ECO_BYTES_UNBOUNDED, NULL, NULL);
+		plan_it(&a, scene, &view, 20000, all / 3, NULL);
+		plan_it(&b, scene, &view, 20000, all / 3, NULL);
+		assert_same(&a, &b);
+		eco_plan_free(&a);
+		eco_plan_free(&b);
+		random_pack_free(pack);
+	}
+}
