@@ -9,6 +9,8 @@
 
 #include "ecofiles/base/room.h"
 
+#define BUNDLE_BYTES (32u << 10)  /* from which on a bundle is full: it is drawn once it is whole */
+
 enum eco_code srv_emit_init(struct srv_emit *emit, const struct srv_scene *scene,
 	const struct eco_holdings *holdings, bool dry, struct eco_error *error)
 {
@@ -57,7 +59,8 @@ void srv_emit_restart(struct srv_emit *emit, const struct eco_holdings *holdings
 		if (item->chunks && plant != ECO_NONE)
 			emit->known[plant] = true;
 	}
-	emit->record = (struct eco_wire_record){ { 0 } };
+	emit->record = (struct eco_wire_record){ .list = 0 };
+	emit->bundle_open = false;
 	emit->frames.size = 0;
 	emit->payload_count = emit->number = 0;
 	emit->bytes = emit->chunk_count = emit->chunk_bytes = 0;
@@ -104,30 +107,61 @@ static bool keep_payload(struct srv_emit *emit, const uint8_t *bytes, size_t siz
 	return true;
 }
 
-/* As eco_frame_end, for a frame whose payload continues in the mapped pack: what wire.h says of length and
- * hash, over two parts. */
-static void end_with_payload(struct srv_emit *emit, struct eco_frame_mark mark, const uint8_t *bytes,
-	size_t size)
+/* As eco_frame_end, for a bundle, whose payloads lie in the mapped pack: what wire.h says of length and hash,
+ * over all its parts. */
+static void end_bundle(struct srv_emit *emit)
 {
 	struct eco_writer *w = &emit->frames;
-	if (w->failed)
+	if (!emit->bundle_open)
 		return;
-	uint8_t *header = w->bytes + mark.at, number[4];
-	size_t fields = w->size - mark.at - ECO_FRAME_HEADER_BYTES;
-	if (size > ECO_FRAME_PAYLOAD_MAX - fields || !keep_payload(emit, bytes, size)) {
+	emit->bundle_open = false;
+	if (emit->dry || w->failed)
+		return;
+	uint8_t *header = w->bytes + emit->bundle.at, number[4];
+	if (emit->bundle_bytes > ECO_FRAME_PAYLOAD_MAX) {
 		w->failed = true;
 		return;
 	}
-	put(header + 4, fields + size, 4);
-	put(number, mark.number, 4);
+	put(header + 4, emit->bundle_bytes, 4);
+	put(number, emit->bundle.number, 4);
 	XXH3_state_t state;
 	XXH3_INITSTATE(&state);
 	XXH3_64bits_reset(&state);
 	XXH3_64bits_update(&state, header, 8);
 	XXH3_64bits_update(&state, number, sizeof number);
-	XXH3_64bits_update(&state, header + ECO_FRAME_HEADER_BYTES, fields);
-	XXH3_64bits_update(&state, bytes, size);
+	size_t at = emit->bundle.at + ECO_FRAME_HEADER_BYTES;
+	for (uint32_t i = emit->bundle_payload; i < emit->payload_count; i++) {
+		const struct srv_payload *payload = &emit->payloads[i];
+		XXH3_64bits_update(&state, w->bytes + at, payload->at - at);
+		XXH3_64bits_update(&state, payload->bytes, payload->size);
+		at = payload->at;
+	}
+	XXH3_64bits_update(&state, w->bytes + at, w->size - at);
 	put(header + 8, XXH3_64bits_digest(&state), 8);
+}
+
+/* Opens a bundle where none is open or one is full, and begins an item of it. Returns where its fields are. */
+static size_t begin_item(struct srv_emit *emit)
+{
+	if (emit->bundle_open && emit->bundle_bytes >= BUNDLE_BYTES)
+		end_bundle(emit);
+	if (!emit->bundle_open) {
+		emit->bundle = begin(emit, ECO_FRAME_BUNDLE);
+		emit->bundle_open = true;
+		emit->bundle_bytes = 0;
+		emit->bundle_payload = emit->payload_count;
+		emit->bytes += ECO_FRAME_HEADER_BYTES;
+	} else if (emit->dry) {
+		emit->frames.size = 0;
+	}
+	return emit->frames.size;
+}
+
+static void end_item(struct srv_emit *emit, size_t from, size_t payload)
+{
+	uint64_t bytes = emit->frames.size - from + payload;
+	emit->bytes += bytes;
+	emit->bundle_bytes += bytes;
 }
 
 static enum eco_code emit_chunk(struct srv_emit *emit, uint32_t list, uint32_t ordinal,
@@ -135,18 +169,17 @@ static enum eco_code emit_chunk(struct srv_emit *emit, uint32_t list, uint32_t o
 {
 	const struct eco_scene *scene = &emit->scene->pack->scene;
 	uint32_t chunk = scene->lists[list].chunk_first + ordinal;
-	size_t size = scene->chunks[chunk].size_bytes;
-	struct eco_frame_mark mark = begin(emit, ECO_FRAME_CHUNK);
-	eco_wire_write_chunk(&emit->frames, scene, list, ordinal);
-	emit->bytes += emit->frames.size - mark.at + size;
+	size_t size = scene->chunks[chunk].size_bytes, from = begin_item(emit);
+	eco_wire_write_chunk(&emit->frames, scene, list, ordinal, &emit->record);
+	end_item(emit, from, size);
 	emit->chunk_count++;
 	emit->chunk_bytes += size;
 	if (emit->dry)
 		return ECO_OK;
 	const uint8_t *bytes;
 	enum eco_code code = srv_scene_payload(emit->scene, chunk, &bytes, &size, error);
-	if (!code)
-		end_with_payload(emit, mark, bytes, size);
+	if (!code && !keep_payload(emit, bytes, size))
+		emit->frames.failed = true;
 	return code;
 }
 
@@ -162,9 +195,9 @@ static enum eco_code emit_list(struct srv_emit *emit, uint32_t list, uint32_t ch
 {
 	enum eco_code code = ECO_OK;
 	if (emit->have[list] == 0 && chunks > 0) {
-		struct eco_frame_mark mark = begin(emit, ECO_FRAME_LIST);
+		size_t from = begin_item(emit);
 		eco_wire_write_list(&emit->frames, &emit->scene->pack->scene, list, &emit->record);
-		end(emit, mark);
+		end_item(emit, from, 0);
 	}
 	for (; !code && emit->have[list] < chunks; emit->have[list]++)
 		code = emit_chunk(emit, list, emit->have[list], error);
@@ -198,6 +231,7 @@ enum eco_code srv_emit_step(struct srv_emit *emit, const struct eco_plan *plan,
 			if (code)
 				return code;
 		}
+	end_bundle(emit);
 	struct eco_frame_mark mark = begin(emit, ECO_FRAME_PLAN);
 	eco_wire_write_plan(&emit->frames, plan);
 	end(emit, mark);

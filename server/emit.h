@@ -2,7 +2,7 @@
  *
  *   srv_emit_init(&emit, scene, holdings, dry, &error);
  *   srv_emit_scene(&emit);
- *   srv_emit_step(&emit, &plan, &needs, &error);    PLANT, LIST, CHUNK of what is missing by now, then PLAN;
+ *   srv_emit_step(&emit, &plan, &needs, &error);    PLANT, BUNDLE of what is missing by now, then PLAN;
  *                                                   once per step
  *   srv_emit_end(&emit, vertices);
  *   ... emit.bytes is exact; srv_emit_take(&emit, &body) where it was not dry ...
@@ -28,7 +28,11 @@ struct srv_emit {
 	struct eco_writer frames;            /* dry: the current frame only */
 	struct srv_payload *payloads;        uint32_t payload_count, payload_capacity;
 	uint32_t number;                     /* of the next frame */
-	struct eco_wire_record record;       /* of the last LIST */
+	struct eco_wire_record record;       /* of the last list and item */
+	struct eco_frame_mark bundle;        /* that is being filled, if any is: */
+	bool bundle_open;
+	uint32_t bundle_payload;             /* its first payload */
+	uint64_t bundle_bytes;               /* its payload so far */
 	uint64_t bytes;                      /* so far */
 	uint64_t chunk_count, chunk_bytes;
 };

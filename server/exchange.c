@@ -220,7 +220,7 @@ static void answer_chunk(struct srv_exchange *exchange)
 		return;
 	}
 	snprintf(detail, sizeof detail, "scene '%s' has no chunk '%.64s': ids are 32 lower-case hex digits, "
-		"as CHUNK frames state them", exchange->scene->name, exchange->variables[1]);
+		"the hashes of their payloads", exchange->scene->name, exchange->variables[1]);
 	make_problem(exchange, SRV_PROBLEM_CHUNK, detail, false);
 }
 

@@ -2,7 +2,7 @@
  * prefix that ends after a PLAN frame is a valid picture within the vertex budget.
  *
  *   SCENE                                     once
- *   step: (PLANT | LIST | CHUNK)* PLAN        one or more, coarse first; only what the client lacks
+ *   step: (PLANT | BUNDLE)* PLAN              one or more, coarse first; only what the client lacks
  *   END                                       missing END = truncated
  *
  * Frame (little-endian):
@@ -10,24 +10,26 @@
  *   8   u64 XXH3-64 of bytes [0,8), of the frame's number in the stream (u32, from 0) and of the payload
  *   16  n bytes
  *
- * SCENE  u32 version = 9, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, u32 ground rows,
+ * SCENE  u32 version = 10, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, u32 ground rows,
  *        u32 plant count, u32 list count, str name
  * PLANT  u32 plant, str name, f32 height, u32 anchor first, u32 anchor count, anchors
  *                                                        once per plant of which the client has nothing
- * LIST   v list, squeezed record (below), palette (3 bytes a colour)
- *                                                                before the list's first chunk
- * CHUNK  v list, v ordinal, u8[16] id, v primitives, v elements, payload
- *                                                                ordinals ascending per list
+ * BUNDLE lists and chunks, one after the other to the end of the payload; each begins with
+ *        v head: bit 0: a chunk; the rest: zigzag(list - that of the item before in the stream; first: 0)
+ *        a list:  squeezed record (below), palette (3 bytes a colour); before the list's first chunk
+ *        a chunk: v ordinal, v primitives, v elements, v size, payload; ordinals ascend per list. Its id is
+ *                 the hash of its payload
  * PLAN   below; replaces the plan before it. Each `list` in it is held up to its `end`. END    u64
  * vertices of the last plan, u64 bytes of the body, END included
  *
- * v: varint. A squeezed record is that of pack.h (eco_list_write), most of whose bytes are those of the LIST
- * before: a bit for each byte, from the low end, 1 if it differs from the same byte of the stream's LIST
- * before (the first: from 0); then those that differ. No bit is set in vain.
+ * v: varint. A squeezed record is that of pack.h (eco_list_write), most of whose bytes are those of the
+ * stream's list before (the first: 0): a bit for each byte, from the low end, 1 if it differs from the same
+ * byte of that list; then those that differ. Of the 13 bytes of these bits most are 0: u16, a bit for each
+ * that is not, from the low end; then those. No bit is set in vain.
  *
  * str: varint length (at most 63), UTF-8 without NUL. Holdings (body of a POST): u32 count, then per list,
  * ascending: varint list delta (from the list before; the first from 0), varint chunks (at least 1). A
- * client that holds a chunk of a list knows its LIST record; one that holds a chunk of any list of a plant
+ * client that holds a chunk of a list knows its record; one that holds a chunk of any list of a plant
  * (not of its instances) knows its PLANT record.
  *
  * PLAN. A plan has one encoding: arrays are in the order of eco_plan_sort; a field with several forms uses
@@ -70,13 +72,15 @@
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/format/plan.h"
 
-enum eco_frame_type { ECO_FRAME_SCENE = 1, ECO_FRAME_PLANT, ECO_FRAME_LIST, ECO_FRAME_CHUNK, ECO_FRAME_PLAN,
+enum eco_frame_type { ECO_FRAME_SCENE = 1, ECO_FRAME_PLANT, ECO_FRAME_BUNDLE, ECO_FRAME_PLAN,
 ECO_FRAME_END };
-#define ECO_WIRE_VERSION 9u
+#define ECO_WIRE_VERSION 10u
 #define ECO_FRAME_HEADER_BYTES 16u
 #define ECO_WIRE_RECORD_BYTES 100u       /* of a list */
-/* The record of the LIST frame before; zeros where a stream begins. */
-struct eco_wire_record { uint8_t bytes[ECO_WIRE_RECORD_BYTES]; };
+#define ECO_WIRE_RECORD_BITS ((ECO_WIRE_RECORD_BYTES + 7) / 8)
+/* What the next item of a BUNDLE is told by: the record of the list before, and the list of the item before;
+ * zeros where a stream begins. */
+struct eco_wire_record { uint8_t bytes[ECO_WIRE_RECORD_BYTES]; uint32_t list; };
 #define ECO_FRAME_PAYLOAD_MAX (1u << 27)
 #define ECO_END_FRAME_BYTES (ECO_FRAME_HEADER_BYTES + 16u)
 
@@ -95,14 +99,14 @@ void eco_frame_end(struct eco_writer *w, struct eco_frame_mark mark);
 void eco_wire_write_scene(struct eco_writer *w, const struct eco_scene *scene,
 	const struct eco_chunk_id *pack_id);
 void eco_wire_write_plant(struct eco_writer *w, const struct eco_scene *scene, uint32_t plant);
-/* *before: becomes the list's. */
+/* Items of a BUNDLE. *before: becomes the item's. */
 void eco_wire_write_list(struct eco_writer *w, const struct eco_scene *scene, uint32_t list,
 	struct eco_wire_record *before);
-/* A squeezed record: the part of a LIST frame between the list's number and its palette. */
+/* A squeezed record: the part of a list between its head and its palette. */
 void eco_wire_write_record(struct eco_writer *w, const struct eco_list *list, struct eco_wire_record *before);
 /* Writes only the fields before the payload; the caller appends the payload. */
 void eco_wire_write_chunk(struct eco_writer *w, const struct eco_scene *scene, uint32_t list,
-	uint32_t ordinal);
+	uint32_t ordinal, struct eco_wire_record *before);
 /* Writes a plan given in any order; reading gives it in the order of eco_plan_sort. Sets w->failed if
  * eco_plan_check refuses the plan. */
 void eco_wire_write_plan(struct eco_writer *w, const struct eco_plan *plan);

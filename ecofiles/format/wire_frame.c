@@ -13,14 +13,12 @@
 #define SCENE_PAYLOAD_LEAST 49u
 #define STRING_MAX 64u
 #define PLANT_PAYLOAD_LEAST (4u + 1 + 4 + 4 + 4 + 16)
-#define LIST_PAYLOAD_LEAST (1 + (ECO_WIRE_RECORD_BYTES + 7) / 8)
-#define CHUNK_PAYLOAD_LEAST (1u + 1 + 16 + 1 + 1 + 1)
+#define BUNDLE_PAYLOAD_LEAST (1u + 2)
 
 static const struct { const char *name; uint32_t least, most; } frames[] = {
 	[ECO_FRAME_SCENE] = { "scene", SCENE_PAYLOAD_LEAST, SCENE_PAYLOAD_LEAST + STRING_MAX },
 	[ECO_FRAME_PLANT] = { "plant", PLANT_PAYLOAD_LEAST, ECO_FRAME_PAYLOAD_MAX },
-	[ECO_FRAME_LIST] = { "list", LIST_PAYLOAD_LEAST, ECO_FRAME_PAYLOAD_MAX },
-	[ECO_FRAME_CHUNK] = { "chunk", CHUNK_PAYLOAD_LEAST, ECO_FRAME_PAYLOAD_MAX },
+	[ECO_FRAME_BUNDLE] = { "bundle", BUNDLE_PAYLOAD_LEAST, ECO_FRAME_PAYLOAD_MAX },
 	[ECO_FRAME_PLAN] = { "plan", 8 + 24 + 2 + 5, PLAN_PAYLOAD_MAX },
 	[ECO_FRAME_END] = { "end", 16, 16 },
 };

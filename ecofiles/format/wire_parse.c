@@ -34,8 +34,8 @@ struct eco_wire_parser {
 	uint64_t offset;                     /* of that frame's header in the stream */
 
 	uint32_t last_type;                  /* 0 before the first frame */
-	uint32_t last_list, last_ordinal;    /* of the last CHUNK; ECO_NONE before it */
-	struct eco_wire_record record;       /* of the last LIST */
+	uint32_t last_list, last_ordinal;    /* of the last chunk; ECO_NONE before it */
+	struct eco_wire_record record;       /* of the last list and item */
 	uint64_t vertices;                   /* of the last PLAN */
 	uint32_t plant_count, list_count;
 	bool ground;
@@ -61,14 +61,6 @@ static enum eco_code whole(const struct eco_reader *r, struct eco_error *e)
 		return BAD("its fields end early");
 	if (r->at != r->size)
 		return BAD("%zu bytes follow its last field", r->size - r->at);
-	return ECO_OK;
-}
-
-static enum eco_code check_list_id(const struct eco_wire_parser *p, uint32_t list, const char *what,
-	struct eco_error *e)
-{
-	if (list >= p->list_count)
-		return BAD("%s is list %u of %u", what, list, p->list_count);
 	return ECO_OK;
 }
 
@@ -238,41 +230,42 @@ static uint32_t read_count(struct eco_reader *r)
 /* A list's record, squeezed as wire.h says; else `r` fails. */
 static void read_record(struct eco_reader *r, struct eco_wire_record *record, struct eco_list *list)
 {
-	const uint32_t size = (ECO_WIRE_RECORD_BYTES + 7) / 8;
-	const uint8_t *bits = eco_read_bytes(r, size);
-	for (uint32_t i = 0; bits && i < ECO_WIRE_RECORD_BYTES; i++)
+	uint16_t some = eco_read_u16(r);
+	uint8_t bits[ECO_WIRE_RECORD_BITS] = { 0 };
+	for (uint32_t i = 0; i < ECO_WIRE_RECORD_BITS; i++)
+		if (some >> i & 1) {
+			bits[i] = eco_read_u8(r);
+			r->failed |= !bits[i];
+		}
+	for (uint32_t i = 0; !r->failed && i < ECO_WIRE_RECORD_BYTES; i++)
 		if (bits[i / 8] >> i % 8 & 1) {
 			uint8_t byte = eco_read_u8(r);
 			r->failed |= byte == record->bytes[i];
 			record->bytes[i] = byte;
 		}
-	r->failed |= !bits || bits[size - 1] >> (1 + (ECO_WIRE_RECORD_BYTES - 1) % 8);
+	r->failed |= some >> ECO_WIRE_RECORD_BITS
+		|| bits[ECO_WIRE_RECORD_BITS - 1] >> (1 + (ECO_WIRE_RECORD_BYTES - 1) % 8);
 	struct eco_reader inside = { .bytes = record->bytes, .size = sizeof record->bytes };
 	if (!r->failed)
 		eco_list_read(&inside, list);
 	r->failed |= inside.failed;
 }
 
-static enum eco_code read_list(struct eco_wire_parser *p, struct eco_reader *r, struct eco_error *e)
+static enum eco_code read_list(struct eco_wire_parser *p, struct eco_reader *r, uint32_t id,
+	struct eco_error *e)
 {
 	struct eco_list list = { 0 };
-	uint32_t id = read_count(r);
 	read_record(r, &p->record, &list);
 	if (r->failed)
-		return whole(r, e);
-	enum eco_code code = check_list_id(p, id, "it", e);
-	if (!code)
-		code = check_list(p, id, &list, e);
+		return BAD("the record of list %u ends early, or a bit of it is set in vain", id);
+	enum eco_code code = check_list(p, id, &list, e);
 	if (code)
 		return code;
 	if (list.palette_count > (r->size - r->at) / 3)
 		return BAD("list %u: a palette of %u colours in %zu bytes", id,
 			list.palette_count, r->size - r->at);
 	const uint8_t *palette = eco_read_bytes(r, 3 * (size_t)list.palette_count);
-	code = whole(r, e);
-	if (code || !p->events.list)
-		return code;
-	return p->events.list(p->ctx, id, &list, (const uint8_t (*)[3])palette, e);
+	return p->events.list ? p->events.list(p->ctx, id, &list, (const uint8_t (*)[3])palette, e) : ECO_OK;
 }
 
 static enum eco_code check_chunk(const struct eco_wire_parser *p, uint32_t list, uint32_t ordinal,
@@ -289,30 +282,43 @@ static enum eco_code check_chunk(const struct eco_wire_parser *p, uint32_t list,
 	return ECO_OK;
 }
 
-static enum eco_code read_chunk(struct eco_wire_parser *p, struct eco_reader *r, struct eco_error *e)
+static enum eco_code read_chunk(struct eco_wire_parser *p, struct eco_reader *r, uint32_t list,
+	struct eco_error *e)
 {
 	struct eco_chunk chunk = { 0 };
-	uint32_t list = read_count(r), ordinal = read_count(r);
-	const uint8_t *id = eco_read_bytes(r, sizeof chunk.id.bytes);
+	uint32_t ordinal = read_count(r);
 	chunk.primitive_count = read_count(r);
 	chunk.element_count = read_count(r);
+	chunk.size_bytes = read_count(r);
 	if (r->failed)
-		return whole(r, e);
-	memcpy(chunk.id.bytes, id, sizeof chunk.id.bytes);
-	chunk.size_bytes = (uint32_t)(r->size - r->at);
-	enum eco_code code = check_list_id(p, list, "its list", e);
-	if (!code)
-		code = check_chunk(p, list, ordinal, &chunk, e);
+		return BAD("the fields of a chunk of list %u end early", list);
+	enum eco_code code = check_chunk(p, list, ordinal, &chunk, e);
 	if (code)
 		return code;
+	if (chunk.size_bytes > r->size - r->at)
+		return BAD("chunk %u of list %u has %u bytes, %zu are left of the bundle", ordinal, list,
+			chunk.size_bytes, r->size - r->at);
 	const uint8_t *payload = eco_read_bytes(r, chunk.size_bytes);
-	/* the frame's hash covers the way from the server; this hash covers what the server was given */
-	struct eco_chunk_id actual = eco_chunk_hash(payload, chunk.size_bytes);
-	if (memcmp(actual.bytes, chunk.id.bytes, sizeof actual.bytes) != 0)
-		return BAD("the payload of chunk %u of list %u does not match its id", ordinal, list);
+	chunk.id = eco_chunk_hash(payload, chunk.size_bytes);
 	p->last_list = list;
 	p->last_ordinal = ordinal;
 	return p->events.chunk ? p->events.chunk(p->ctx, list, ordinal, &chunk, payload, e) : ECO_OK;
+}
+
+static enum eco_code read_bundle(struct eco_wire_parser *p, struct eco_reader *r, struct eco_error *e)
+{
+	enum eco_code code = ECO_OK;
+	while (!code && r->at < r->size) {
+		uint64_t head = eco_read_varint(r), zigzag = head >> 1;
+		int64_t list = (int64_t)p->record.list + (zigzag & 1 ? -(int64_t)(zigzag / 2) - 1
+			: (int64_t)(zigzag / 2));
+		if (r->failed || list < 0 || list >= p->list_count)
+			return r->failed ? whole(r, e) : BAD("an item of it is of list %lld of %u",
+				(long long)list, p->list_count);
+		p->record.list = (uint32_t)list;
+		code = (head & 1 ? read_chunk : read_list)(p, r, p->record.list, e);
+	}
+	return code;
 }
 
 static enum eco_code check_plan_ids(const struct eco_wire_parser *p, const struct eco_plan *plan,
@@ -367,8 +373,8 @@ static enum eco_code read_end(struct eco_wire_parser *p, struct eco_reader *r, s
 /* ---- Frames ---- */
 
 static enum eco_code (*const readers[])(struct eco_wire_parser *, struct eco_reader *, struct eco_error *) = {
-	[ECO_FRAME_SCENE] = read_scene, [ECO_FRAME_PLANT] = read_plant, [ECO_FRAME_LIST] = read_list,
-	[ECO_FRAME_CHUNK] = read_chunk, [ECO_FRAME_PLAN] = read_plan, [ECO_FRAME_END] = read_end,
+	[ECO_FRAME_SCENE] = read_scene, [ECO_FRAME_PLANT] = read_plant,
+	[ECO_FRAME_BUNDLE] = read_bundle, [ECO_FRAME_PLAN] = read_plan, [ECO_FRAME_END] = read_end,
 };
 
 /* The order of frames at the top of wire.h. */

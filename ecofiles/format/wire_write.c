@@ -46,7 +46,8 @@ void eco_wire_write_plant(struct eco_writer *w, const struct eco_scene *scene, u
 void eco_wire_write_record(struct eco_writer *w, const struct eco_list *list, struct eco_wire_record *before)
 {
 	struct eco_wire_record record;
-	uint8_t bits[(ECO_WIRE_RECORD_BYTES + 7) / 8] = { 0 };
+	uint8_t bits[ECO_WIRE_RECORD_BITS] = { 0 };
+	uint16_t some = 0;
 	eco_list_write(w, list);
 	if (w->failed)
 		return;
@@ -54,11 +55,24 @@ void eco_wire_write_record(struct eco_writer *w, const struct eco_list *list, st
 	memcpy(record.bytes, w->bytes + w->size, sizeof record.bytes);
 	for (uint32_t i = 0; i < sizeof record.bytes; i++)
 		bits[i / 8] |= (uint8_t)((record.bytes[i] != before->bytes[i]) << i % 8);
-	eco_write_bytes(w, bits, sizeof bits);
+	for (uint32_t i = 0; i < sizeof bits; i++)
+		some |= (uint16_t)((bits[i] != 0) << i);
+	eco_write_u16(w, some);
+	for (uint32_t i = 0; i < sizeof bits; i++)
+		if (bits[i])
+			eco_write_u8(w, bits[i]);
 	for (uint32_t i = 0; i < sizeof record.bytes; i++)
 		if (bits[i / 8] >> i % 8 & 1)
 			eco_write_u8(w, record.bytes[i]);
-	*before = record;
+	memcpy(before->bytes, record.bytes, sizeof before->bytes);
+}
+
+static void write_head(struct eco_writer *w, uint32_t list, bool chunk, struct eco_wire_record *before)
+{
+	int64_t step = (int64_t)list - before->list;
+	uint64_t zigzag = step < 0 ? 2 * (uint64_t)-step - 1 : 2 * (uint64_t)step;
+	eco_write_varint(w, 2 * zigzag + chunk);
+	before->list = list;
 }
 
 void eco_wire_write_list(struct eco_writer *w, const struct eco_scene *scene, uint32_t list,
@@ -66,22 +80,22 @@ void eco_wire_write_list(struct eco_writer *w, const struct eco_scene *scene, ui
 {
 	assert(list < scene->list_count);
 	const struct eco_list *l = &scene->lists[list];
-	eco_write_varint(w, list);
+	write_head(w, list, false, before);
 	eco_wire_write_record(w, l, before);
 	if (l->palette_count)
 		eco_write_bytes(w, scene->palette + l->palette_first, 3 * (size_t)l->palette_count);
 }
 
 void eco_wire_write_chunk(struct eco_writer *w, const struct eco_scene *scene, uint32_t list,
-	uint32_t ordinal)
+	uint32_t ordinal, struct eco_wire_record *before)
 {
 	assert(list < scene->list_count && ordinal < scene->lists[list].chunk_count);
 	const struct eco_chunk *chunk = &scene->chunks[scene->lists[list].chunk_first + ordinal];
-	eco_write_varint(w, list);
+	write_head(w, list, true, before);
 	eco_write_varint(w, ordinal);
-	eco_write_bytes(w, chunk->id.bytes, sizeof chunk->id.bytes);
 	eco_write_varint(w, chunk->primitive_count);
 	eco_write_varint(w, chunk->element_count);
+	eco_write_varint(w, chunk->size_bytes);
 }
 
 void eco_wire_write_end(struct eco_writer *w, uint64_t vertices, uint64_t body_bytes)

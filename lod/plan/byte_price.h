@@ -22,8 +22,8 @@
 
 #define LOD_PRICE_ROUNDS 3       /* of limits at each lambda and price */
 /* beside a payload: fields of a chunk, and the record of a list that the client does not know */
-#define LOD_CHUNK_FRAME_BYTES 48
-#define LOD_LIST_FRAME_BYTES 60
+#define LOD_CHUNK_FRAME_BYTES 8
+#define LOD_LIST_FRAME_BYTES 26
 
 /* Finds what everything in view would cost; once for an allocation. */
 enum eco_code lod_prices_make(struct lod_allocation *allocation, struct eco_error *error);

@@ -227,13 +227,13 @@ static struct eco_writer stream_of(struct forged *f, enum fault fault)
 	plan.vertices = 0;
 	scene_frame(&w, &scene, ECO_FRAME_SCENE, &number, 0, 0);
 	scene_frame(&w, &scene, ECO_FRAME_PLANT, &number, 0, 0);
-	scene_frame(&w, &f->b, ECO_FRAME_LIST, &number, L_IMPOSTOR, 0);
+	scene_frame(&w, &f->b, ECO_FRAME_BUNDLE, &number, L_IMPOSTOR, SCENE_RECORD);
 	if (fault == OTHER_LIST) {
 		f->lists[L_IMPOSTOR].level = 7;
-		scene_frame(&w, &f->b, ECO_FRAME_LIST, &number, L_IMPOSTOR, 0);
+		scene_frame(&w, &f->b, ECO_FRAME_BUNDLE, &number, L_IMPOSTOR, SCENE_RECORD);
 	}
 	for (uint32_t i = 0; i < 2; i++)
-		scene_frame(&w, &f->b, ECO_FRAME_CHUNK, &number, L_IMPOSTOR, i);
+		scene_frame(&w, &f->b, ECO_FRAME_BUNDLE, &number, L_IMPOSTOR, i);
 	scene_plan_frame(&w, &plan, &number);
 	scene_end_frame(&w, 0, &number);
 	eco_plan_free(&plan);

@@ -181,11 +181,11 @@ static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writ
 	scene_frame(w, &scene, ECO_FRAME_PLANT, &number, 0, 0);
 	if (fault == COLOR_OUTSIDE) {
 		other.lists[L_LEAVES].palette_count = 1;
-		scene_frame(w, &other, ECO_FRAME_LIST, &number, L_LEAVES, 0);
+		scene_frame(w, &other, ECO_FRAME_BUNDLE, &number, L_LEAVES, SCENE_RECORD);
 	} else if (fault != CHUNK_WITHOUT_LIST) {
-		scene_frame(w, &scene, ECO_FRAME_LIST, &number, L_LEAVES, 0);
+		scene_frame(w, &scene, ECO_FRAME_BUNDLE, &number, L_LEAVES, SCENE_RECORD);
 	}
-	scene_frame(w, &scene, ECO_FRAME_CHUNK, &number, L_LEAVES, fault == CHUNK_SKIPPED);
+	scene_frame(w, &scene, ECO_FRAME_BUNDLE, &number, L_LEAVES, fault == CHUNK_SKIPPED);
 	plan->cuts[0] = scene_rule(A_TREE, L_LEAVES, 0, fault == PLAN_BEYOND_HELD ? 500 : 10, 1, 0,
 		ECO_BANDS);
 	plan->cut_count = 1;
@@ -196,11 +196,11 @@ static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writ
 			: 17 * 15, .scale = 1, .anchor = ECO_NONE };
 	switch (fault) {
 	case SAME_CHUNK_TWICE:
-		scene_frame(w, &scene, ECO_FRAME_CHUNK, &number, L_LEAVES, 0);
+		scene_frame(w, &scene, ECO_FRAME_BUNDLE, &number, L_LEAVES, 0);
 		break;
 	case LIST_CHANGED:
 		other.lists[L_LEAVES].grid_step[1] = 0.002;
-		scene_frame(w, &other, ECO_FRAME_LIST, &number, L_LEAVES, 0);
+		scene_frame(w, &other, ECO_FRAME_BUNDLE, &number, L_LEAVES, SCENE_RECORD);
 		break;
 	case PLANT_CHANGED:
 		other.anchors[A_TREE].radius += 1;
@@ -210,15 +210,15 @@ static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writ
 	case GROUND_ELSEWHERE:
 		if (fault == GROUND_ELSEWHERE)
 			other.lists[L_GROUND].level = 2;
-		scene_frame(w, &other, ECO_FRAME_LIST, &number, L_GROUND, 0);
-		scene_frame(w, &other, ECO_FRAME_CHUNK, &number, L_GROUND, 0);
+		scene_frame(w, &other, ECO_FRAME_BUNDLE, &number, L_GROUND, SCENE_RECORD);
+		scene_frame(w, &other, ECO_FRAME_BUNDLE, &number, L_GROUND, 0);
 		break;
 	case PLAN_OF_UNKNOWN_LIST:
 		plan->cuts[0].list = L_WOOD;
 		break;
 	case PLAN_OF_INSTANCES:
-		scene_frame(w, &scene, ECO_FRAME_LIST, &number, L_TREES, 0);
-		scene_frame(w, &scene, ECO_FRAME_CHUNK, &number, L_TREES, 0);
+		scene_frame(w, &scene, ECO_FRAME_BUNDLE, &number, L_TREES, SCENE_RECORD);
+		scene_frame(w, &scene, ECO_FRAME_BUNDLE, &number, L_TREES, 0);
 		plan->cuts[0].list = L_TREES;
 		break;
 	default:
@@ -311,15 +311,15 @@ static void write_forms(enum form_fault fault, bool points_first, struct eco_wri
 			? (int32_t)ECO_GROWTHS : -1, &payload);
 	scene_frame(w, &scene, ECO_FRAME_SCENE, &number, 0, 0);
 	if (fault == FORM_PARTNER)
-		scene_frame(w, &other, ECO_FRAME_LIST, &number, L_LINES, 0);
+		scene_frame(w, &other, ECO_FRAME_BUNDLE, &number, L_LINES, SCENE_RECORD);
 	for (int i = 0; i < 2; i++) {
-		scene_frame(w, &other, ECO_FRAME_LIST, &number, order[i], 0);
+		scene_frame(w, &other, ECO_FRAME_BUNDLE, &number, order[i], SCENE_RECORD);
 		if (fault != FORM_SHAPE)
-			scene_frame(w, &other, ECO_FRAME_CHUNK, &number, order[i], 0);
+			scene_frame(w, &other, ECO_FRAME_BUNDLE, &number, order[i], 0);
 	}
 	for (uint32_t id = L_LOW_POINTS; fault == FORM_MANY && id < L_LOW_POINTS + 9; id++) {
 		other.lists[id] = other.lists[L_POINTS];
-		scene_frame(w, &other, ECO_FRAME_LIST, &number, id, 0);
+		scene_frame(w, &other, ECO_FRAME_BUNDLE, &number, id, SCENE_RECORD);
 	}
 	struct eco_plan plan = { .placements = &(struct eco_placement){ .scale = 1 }, .placement_count = 1 };
 	scene_plan_frame(w, &plan, &number);

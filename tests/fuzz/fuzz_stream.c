@@ -101,22 +101,11 @@ static void parse_twice(const uint8_t *bytes, size_t size, size_t portion)
 	assert(whole.events == parts.events && whole.sum == parts.sum);
 }
 
-/* A chunk's id is that of what follows it, an END's byte count is right. */
+/* An END's byte count is right. */
 static void mend(struct eco_writer *w, struct eco_frame_mark mark, uint8_t type)
 {
 	uint8_t *payload = w->bytes + mark.at + ECO_FRAME_HEADER_BYTES;
 	size_t size = w->size - mark.at - ECO_FRAME_HEADER_BYTES;
-	struct eco_reader r = { .bytes = payload, .size = size };
-	eco_read_varint(&r);
-	eco_read_varint(&r);
-	size_t at = r.at;
-	eco_read_bytes(&r, sizeof(struct eco_chunk_id));
-	eco_read_varint(&r);
-	eco_read_varint(&r);
-	if (type == ECO_FRAME_CHUNK && !r.failed && r.at < size) {
-		struct eco_chunk_id id = eco_chunk_hash(payload + r.at, size - r.at);
-		memcpy(payload + at, id.bytes, sizeof id.bytes);
-	}
 	for (size_t i = 0; type == ECO_FRAME_END && size == 16 && i < 8; i++)
 		payload[8 + i] = (uint8_t)((uint64_t)w->size >> (8 * i));
 }

@@ -279,7 +279,7 @@ void scene_plan(const struct scene_builder *b, const struct eco_view *view, doub
 void scene_frame(struct eco_writer *w, const struct scene_builder *s, enum eco_frame_type type,
 	uint32_t *number, uint32_t a, uint32_t b)
 {
-	/* of the last LIST of the stream that is being written */
+	/* of the stream that is being written */
 	static struct eco_wire_record before;
 	if (*number == 0)
 		memset(&before, 0, sizeof before);
@@ -289,11 +289,11 @@ void scene_frame(struct eco_writer *w, const struct scene_builder *s, enum eco_f
 		eco_wire_write_scene(w, &s->scene, &pack);
 	} else if (type == ECO_FRAME_PLANT) {
 		eco_wire_write_plant(w, &s->scene, a);
-	} else if (type == ECO_FRAME_LIST) {
+	} else if (b == SCENE_RECORD) {
 		eco_wire_write_list(w, &s->scene, a, &before);
 	} else {
 		uint32_t chunk = s->lists[a].chunk_first + b;
-		eco_wire_write_chunk(w, &s->scene, a, b);
+		eco_wire_write_chunk(w, &s->scene, a, b, &before);
 		eco_write_bytes(w, s->payloads[chunk], s->chunks[chunk].size_bytes);
 	}
 	eco_frame_end(w, mark);
@@ -341,9 +341,9 @@ void scene_stream(const struct scene_builder *b, const struct eco_plan *plan, co
 	for (uint32_t id = 0; id < L_COUNT; id++) {
 		uint32_t first = held ? held[id] : 0, end = scene_needs(b, plan, id);
 		if (first == 0 && end)
-			scene_frame(w, b, ECO_FRAME_LIST, &number, id, 0);
+			scene_frame(w, b, ECO_FRAME_BUNDLE, &number, id, SCENE_RECORD);
 		for (uint32_t c = first; c < end; c++)
-			scene_frame(w, b, ECO_FRAME_CHUNK, &number, id, c);
+			scene_frame(w, b, ECO_FRAME_BUNDLE, &number, id, c);
 	}
 	scene_plan_frame(w, plan, &number);
 	scene_end_frame(w, plan->vertices, &number);

@@ -34,7 +34,8 @@ struct eco_cut scene_rule(uint32_t anchor, uint32_t list, uint32_t first, uint32
 void scene_plan(const struct scene_builder *b, const struct eco_view *view, double end_share,
 	struct eco_plan *plan);
 
-/* Frames: SCENE; PLANT and LIST `a`; CHUNK `b` of list `a`. */
+#define SCENE_RECORD UINT32_MAX
+/* Frames: SCENE; PLANT `a`; BUNDLE of the record of list `a` (SCENE_RECORD) or of its chunk `b`. */
 void scene_frame(struct eco_writer *w, const struct scene_builder *s, enum eco_frame_type type,
 	uint32_t *number, uint32_t a, uint32_t b);
 void scene_plan_frame(struct eco_writer *w, const struct eco_plan *plan, uint32_t *number);

@@ -189,6 +189,7 @@ void wire_put_scene(struct eco_writer *w, uint32_t *number, uint32_t version)
 		.ground_columns = 80, .ground_rows = 60, .near_m = 0.1,
 		.plant_count = WIRE_RANDOM_PLANTS, .list_count = WIRE_RANDOM_LISTS };
 	struct eco_chunk_id id = { { 1, 2, 3 } };
+	memset(&wire_before, 0, sizeof wire_before);
 	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_SCENE, (*number)++);
 	size_t at = w->size;
 	eco_wire_write_scene(w, &scene, &id);
@@ -227,8 +228,7 @@ struct eco_list wire_random_list(uint32_t id)
 		.chunk_count = id == 4 ? 1 : 9 };
 }
 
-/* Of the last LIST of the stream that is being written. */
-static struct eco_wire_record record_before;
+struct eco_wire_record wire_before;
 
 static void wire_put_list(struct eco_writer *w, uint32_t *number, uint32_t id, const struct eco_list *list)
 {
@@ -237,23 +237,22 @@ static void wire_put_list(struct eco_writer *w, uint32_t *number, uint32_t id, c
 	struct eco_scene scene = { .lists = lists, .list_count = WIRE_RANDOM_LISTS, .palette = palette,
 		.palette_count = 2 };
 	lists[id] = *list;
-	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_LIST, (*number)++);
-	eco_wire_write_list(w, &scene, id, &record_before);
+	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_BUNDLE, (*number)++);
+	eco_wire_write_list(w, &scene, id, &wire_before);
 	eco_frame_end(w, mark);
 }
 
 void wire_put_chunk(struct eco_writer *w, uint32_t *number, uint32_t list, uint32_t ordinal,
-	const void *payload, size_t size, bool true_id)
+	const void *payload, size_t size, bool whole)
 {
 	struct eco_list lists[WIRE_RANDOM_LISTS] = { 0 };
-	struct eco_chunk chunk = { .id = eco_chunk_hash(payload, size), .primitive_count = 100,
-		.element_count = 90 };
+	struct eco_chunk chunk = { .primitive_count = 100, .element_count = 90,
+		.size_bytes = (uint32_t)size + !whole };
 	struct eco_scene scene = { .lists = lists, .list_count = WIRE_RANDOM_LISTS, .chunks = &chunk };
-	chunk.id.bytes[0] ^= !true_id;
 	lists[list].chunk_first = 0u - ordinal;      /* the one chunk is number `ordinal` */
 	lists[list].chunk_count = ordinal + 1;
-	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_CHUNK, (*number)++);
-	eco_wire_write_chunk(w, &scene, list, ordinal);
+	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_BUNDLE, (*number)++);
+	eco_wire_write_chunk(w, &scene, list, ordinal, &wire_before);
 	eco_write_bytes(w, payload, size);
 	eco_frame_end(w, mark);
 }
@@ -278,7 +277,7 @@ void wire_random_stream(struct wire_random *r, struct eco_writer *w, uint32_t st
 		{ { -1, 2, 14 }, 2.5f } };
 	uint32_t number = 0, ordinals[WIRE_RANDOM_LISTS] = { 0 };
 	uint64_t vertices = 0;
-	memset(&record_before, 0, sizeof record_before);
+	memset(&wire_before, 0, sizeof wire_before);
 	wire_put_scene(w, &number, ECO_WIRE_VERSION);
 	wire_put_plant(w, &number, 0, anchors, 3);
 	wire_put_plant(w, &number, 1, anchors, 1);

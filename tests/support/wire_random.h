@@ -24,12 +24,14 @@ struct eco_plan wire_random_plan(struct wire_random *r, uint32_t most, uint32_t 
 #define WIRE_RANDOM_LISTS 6u
 #define WIRE_RANDOM_PLANTS 2u
 
+/* Of the stream that is being written; a SCENE begins one. */
+extern struct eco_wire_record wire_before;
 void wire_put_scene(struct eco_writer *w, uint32_t *number, uint32_t version);
 void wire_put_plant(struct eco_writer *w, uint32_t *number, uint32_t plant, const struct eco_anchor *anchors,
 	uint32_t anchor_count);
 struct eco_list wire_random_list(uint32_t id);
 void wire_put_chunk(struct eco_writer *w, uint32_t *number, uint32_t list, uint32_t ordinal,
-	const void *payload, size_t size, bool true_id);
+	const void *payload, size_t size, bool whole);
 void wire_put_end(struct eco_writer *w, uint32_t *number, uint64_t vertices, int64_t bytes_off);
 void wire_random_stream(struct wire_random *r, struct eco_writer *w, uint32_t steps);
 
