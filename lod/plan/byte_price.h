@@ -20,7 +20,8 @@
 
 #include "lod/plan/allocation.h"
 
-#define LOD_PRICE_ROUNDS 3       /* of limits at each lambda and price */
+#define LOD_PRICE_ROUNDS 3       /* of limits at each lambda and price: with two more bytes predict more often a
+                                  * worse picture */
 /* beside a payload: fields of a chunk, and the record of a list that the client does not know */
 #define LOD_CHUNK_FRAME_BYTES 8
 #define LOD_LIST_FRAME_BYTES 26

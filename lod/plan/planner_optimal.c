@@ -461,39 +461,32 @@ static enum eco_code size_plan(struct lod_planner *p, struct eco_error *error)
 
 struct fitted { double size, lambda; struct lod_price at; uint8_t *left_out; };      /* size: bytes */
 
-static void keep_left_out(struct lod_allocation *m, struct fitted *fit)
-{
-	memcpy(fit->left_out, lod_prices_left_out(m), m->p->scene->plant_count);
-}
-
 /* Relaxes within the vertices too: mostly at the lowest lambda, as bytes alone bind; else at the lambda, of
  * some between that and the one that uses the vertices alone, that leaves least wrong. Returns the bytes. */
 static double find_prices(const struct lambda_search *s, double target, uint64_t budget, struct fitted *fit)
 {
 	struct lod_allocation *m = s->allocation;
 	double low = lambda_at(s->last), high = s->index == LAMBDA_COUNT ? low
-		: fmax(low, lambda_at(s->index)), least = INFINITY, near = fit->at.tiles;
+		: fmax(low, lambda_at(s->index)), least = INFINITY, near = fit->at.tiles, over;
 	bool again = !isnan(near);
 	fit->lambda = again ? fit->lambda : low;
-	double bytes = lod_price_find(m, fit->lambda, target, near, &fit->at);
-	keep_left_out(m, fit);
-	if (m->cost.vertices <= (double)budget || again)
-		return bytes;
-	for (int i = 0; i <= PRICE_LAMBDAS; i++) {
-		double lambda = i ? sqrt(low * high) : high;
+	lod_price_find(m, fit->lambda, target, near, &fit->at, &over);
+	bool both = !again && m->cost.vertices > (double)budget;
+	for (int i = 0; both && i <= PRICE_LAMBDAS; i++) {
+		double lambda = i ? sqrt(low * high) : high, beyond;
 		struct lod_price at;
-		lod_price_find(m, lambda, target, fit->at.tiles, &at);
+		lod_price_find(m, lambda, target, fit->at.tiles, &at, &beyond);
 		bool fits = m->cost.vertices <= (double)budget;
 		*(fits ? &high : &low) = lambda;
-		if (!fits || (i && lod_price_wrong(m) >= least))
+		if (i && (!fits || lod_price_wrong(m) >= least))
 			continue;
-		least = lod_price_wrong(m);
-		fit->lambda = lambda;
-		fit->at = at;
-		keep_left_out(m, fit);
+		least = fits ? lod_price_wrong(m) : INFINITY;
+		*fit = (struct fitted){ fit->size, lambda, at, fit->left_out };
+		over = beyond;
 	}
-	memcpy(lod_prices_left_out(m), fit->left_out, m->p->scene->plant_count);
-	return lod_price_relax(m, fit->lambda, &fit->at);
+	double bytes = lod_price_fill(m, fit->lambda, target, &fit->at, over);
+	memcpy(fit->left_out, lod_prices_left_out(m), m->p->scene->plant_count);
+	return bytes;
 }
 
 static enum eco_code fill_fitted(const struct lambda_search *s, const struct fitted *fit, uint64_t budget,

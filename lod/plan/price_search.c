@@ -113,7 +113,7 @@ static bool fill_gap(struct lod_allocation *m, double lambda, double target, str
 }
 
 double lod_price_find(struct lod_allocation *m, double lambda, double target, double near,
-	struct lod_price *at)
+	struct lod_price *at, double *over)
 {
 	memset(lod_prices_left_out(m), 0, m->p->scene->plant_count);
 	double low = isnan(near) ? PRICE_USUAL : near, high = low, step = isnan(near) ? PRICE_STEP_FIRST
@@ -130,10 +130,16 @@ double lod_price_find(struct lod_allocation *m, double lambda, double target, do
 		step *= 2;
 	}
 	*at = search_price(m, lambda, target, NAN, &low, fmin(high, LOD_PRICE_HIGHEST));
-	double bytes = lod_price_relax(m, lambda, at);
-	for (int i = 0; i < PRICE_GAPS && bytes < target * (1 - LOD_PRICE_SLACK) && low > LOD_PRICE_LOWEST; i++)
-		if (!fill_gap(m, lambda, target, at, &low, &bytes))
-			break;
+	*over = low;
 	return lod_price_relax(m, lambda, at);
 }
 
+double lod_price_fill(struct lod_allocation *m, double lambda, double target, struct lod_price *at,
+	double over)
+{
+	double bytes = lod_price_relax(m, lambda, at);
+	for (int i = 0; i < PRICE_GAPS && bytes < target * (1 - LOD_PRICE_SLACK) && over > LOD_PRICE_LOWEST; i++)
+		if (!fill_gap(m, lambda, target, at, &over, &bytes))
+			break;
+	return lod_price_relax(m, lambda, at);
+}

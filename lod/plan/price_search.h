@@ -16,10 +16,13 @@ struct lod_price { double lists, tiles; };
 
 /* Relaxes at prices; lod_prices_make came before. Returns the bytes. */
 double lod_price_relax(struct lod_allocation *allocation, double lambda, const struct lod_price *at);
-/* Relaxes at prices whose bytes are at most `target`, and nearly that many if there are such, and returns
- * these bytes. `near`: a price of tiles that nearly fits; NAN: not known. */
+/* Relaxes at one price for both whose bytes are at most `target`, and returns these bytes. `near`: a price
+ * that nearly fits; NAN: not known. `over` becomes a price at which there are too many bytes. */
 double lod_price_find(struct lod_allocation *allocation, double lambda, double target, double near,
-	struct lod_price *at);
+	struct lod_price *at, double *over);
+/* The same where that leaves many bytes: two prices, or without the organs of some plants. */
+double lod_price_fill(struct lod_allocation *allocation, double lambda, double target, struct lod_price *at,
+	double over);
 /* Wrong pixels that the last relaxation leaves. */
 double lod_price_wrong(const struct lod_allocation *allocation);
 
