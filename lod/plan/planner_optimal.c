@@ -484,7 +484,13 @@ static double find_prices(const struct lambda_search *s, double target, uint64_t
 		*fit = (struct fitted){ fit->size, lambda, at, fit->left_out };
 		over = beyond;
 	}
+	struct lod_price found = fit->at;
 	double bytes = lod_price_fill(m, fit->lambda, target, &fit->at, over);
+	if (m->cost.vertices > (double)budget) {
+		fit->at = found;
+		memset(lod_prices_left_out(m), 0, m->p->scene->plant_count);
+		bytes = lod_price_relax(m, fit->lambda, &fit->at);
+	}
 	memcpy(fit->left_out, lod_prices_left_out(m), m->p->scene->plant_count);
 	return bytes;
 }
