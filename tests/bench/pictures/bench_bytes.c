@@ -1,0 +1,246 @@
+/* First visits that bytes bound: what people see of scenes for 20 kB to 3 MB, at up to a million vertices,
+ * over the cameras of the section pictures; beside the commit before bytes had a price (bytes_start.csv). */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "client-min/view_picture.h"
+#include "tests/bench/bench_shots.h"
+
+#define VIEWS "tests/bench/pictures/pictures.json"
+#define START "tests/bench/pictures/bytes_start.csv"
+#define STARTS_MAX 256u
+#define VERTICES 1000000u
+#define SHOWN 1                  /* budgets[SHOWN] is shown as a picture */
+
+static const uint64_t budgets[] = { 20000, 100000, 300000, 1000000, 3000000 };
+#define BUDGETS (sizeof budgets / sizeof *budgets)
+
+enum figure { DRAWN, BYTES, QUALITY, SKILL, OWNER, SEEN, PREDICTED, FIGURES };
+static const char *const keys[FIGURES] = { "vertices", "bytes", "q", "skill", "owner_q", "picture_error",
+	"predicted_q" };
+
+struct start { char scene[32], camera[16]; unsigned long long budget; double figure[FIGURES]; };
+struct study {
+	struct start starts[STARTS_MAX];
+	uint32_t start_count;
+	struct bench_table *table;
+	double used, off;            /* sums over rows that bind */
+	uint32_t binding, better, worse;     /* the last two: rows with a start, by Q */
+};
+
+/* ---- The start ---- */
+
+/* Lines that begin with # are words; those without numbers are the names of columns. */
+static void read_start(struct study *s)
+{
+	char line[512];
+	FILE *file = fopen(START, "r");
+	while (file && s->start_count < STARTS_MAX && fgets(line, sizeof line, file)) {
+		struct start *at = &s->starts[s->start_count];
+		double *f = at->figure;
+		f[PREDICTED] = NAN;
+		s->start_count += *line != '#' && sscanf(line, "%31[^,],%15[^,],%llu,%lf,%lf,%lf,%lf,%lf,%lf",
+			at->scene, at->camera, &at->budget, &f[0], &f[1], &f[2], &f[3], &f[4], &f[5]) == 9;
+	}
+	if (file)
+		fclose(file);
+}
+
+static const double *start_of(const struct study *s, const char *scene, const char *camera, uint64_t budget)
+{
+	for (uint32_t i = 0; i < s->start_count; i++)
+		if (s->starts[i].budget == budget && !strcmp(s->starts[i].scene, scene)
+				&& !strcmp(s->starts[i].camera, camera))
+			return s->starts[i].figure;
+	return NULL;
+}
+
+/* ---- Pictures ---- */
+
+static enum eco_code show(struct bench *bench, struct bench_client *client, const char *scene,
+	const char *camera, const struct bench_frame *frame, const struct view_picture *picture,
+	struct eco_error *error)
+{
+	char file[128], ours[160], seen[96];
+	snprintf(file, sizeof file, "bytes-%s-%s.png", scene, camera);
+	snprintf(ours, sizeof ours, "%.0f kB, %llu vertices, Q %.4f, owner_q %.3f",
+		(double)frame->bytes / 1e3, (unsigned long long)frame->vertices, frame->score.q,
+		frame->score.owner_q);
+	snprintf(seen, sizeof seen, "picture error %.4f", frame->picture_error);
+	return bench_client_compare(client, bench, file, picture,
+		(const char *const[]){ ours, "full detail", seen }, error);
+}
+
+static enum eco_code shoot(struct bench *bench, const char *scene, const char *camera, const char *pack,
+	const struct eco_view *view, json_t *rows, struct eco_error *error)
+{
+	struct bench_client *client = NULL;
+	enum eco_code code = bench_client_open(&client, pack, error);
+	if (!code) {
+		bench_client_see(client);
+		bench_client_untimed(client);
+	}
+	for (size_t b = 0; b < BUDGETS && !code; b++) {
+		struct bench_frame frame = { .method = "ours", .rule = lod_rule_optimal,
+			.request = { .view = *view, .vertices = VERTICES, .bytes = budgets[b] } };
+		struct view_picture picture = { 0 };
+		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
+			: bench_client_frame(client, &frame, &picture, error);
+		if (!code && b == SHOWN)
+			code = show(bench, client, scene, camera, &frame, &picture, error);
+		const double values[FIGURES] = { (double)frame.vertices, (double)frame.bytes, frame.score.q,
+			frame.score.skill, frame.score.owner_q, frame.picture_error, frame.predicted_q };
+		json_t *row = code ? NULL : json_object();
+		for (int f = 0; row && f < FIGURES; f++)
+			bench_shot_set(row, keys[f], values[f]);
+		if (row)
+			json_array_append_new(rows, row);
+		view_picture_free(&picture);
+	}
+	bench_client_close(client);
+	return code;
+}
+
+/* ---- Rows ---- */
+
+static void add_row(struct study *s, const char *scene, const char *camera, size_t b, const json_t *rows)
+{
+	static const double none[FIGURES] = { NAN, NAN, NAN, NAN, NAN, NAN, NAN };
+	const double *start = start_of(s, scene, camera, budgets[b]);
+	double now[FIGURES], all = bench_shot_number(json_array_get(rows, BUDGETS - 1), "bytes");
+	for (int f = 0; f < FIGURES; f++)
+		now[f] = bench_shot_number(json_array_get(rows, b), keys[f]);
+	if (all > (double)budgets[b]) {
+		s->used += now[BYTES] / (double)budgets[b];
+		s->off += fabs(now[PREDICTED] - now[QUALITY]);
+		s->binding++;
+	}
+	if (start) {
+		s->better += now[QUALITY] > start[QUALITY];
+		s->worse += now[QUALITY] < start[QUALITY];
+	}
+	start = start ? start : none;
+	bench_table_row(s->table, "%s,%s,%llu,%.0f,%.0f,%.4f,%.4f,%.4f,%.4f,%.4f,%.0f,%.0f,%.4f,%.4f,%.4f,%.4f",
+		scene, camera, (unsigned long long)budgets[b], now[DRAWN], now[BYTES], now[QUALITY],
+		now[SKILL], now[OWNER], now[SEEN], now[PREDICTED], start[DRAWN], start[BYTES],
+		start[QUALITY], start[SKILL], start[OWNER], start[SEEN]);
+}
+
+static enum eco_code plot(struct bench *bench, const struct study *s, const char *scene, const char *camera,
+	const json_t *rows, struct eco_error *error)
+{
+	double x[2][BUDGETS], y[2][BUDGETS];
+	char name[96], title[160];
+	uint32_t count[2] = { 0, 0 };
+	for (size_t b = 0; b < BUDGETS; b++) {
+		const double *start = start_of(s, scene, camera, budgets[b]);
+		for (int k = 0; k < 1 + (start != NULL); k++) {
+			x[k][count[k]] = k ? start[BYTES] : bench_shot_number(json_array_get(rows, b),
+				"bytes");
+			y[k][count[k]++] = k ? start[SEEN] : bench_shot_number(json_array_get(rows, b),
+				"picture_error");
+		}
+	}
+	const struct bench_series series[] = { { "ours", x[0], y[0], count[0], false },
+		{ "before bytes had a price", x[1], y[1], count[1], false } };
+	snprintf(name, sizeof name, "bytes-error-%s-%s", scene, camera);
+	snprintf(title, sizeof title, "%s, camera %s: what people see wrong for the bytes of a first visit",
+		scene, camera);
+	return bench_plot(bench, &(struct bench_plot){ .name = name, .title = title, .x = "bytes",
+		.y = "picture error", .log_x = true, .series = series,
+		.series_count = count[1] ? 2 : 1 }, error);
+}
+
+static bool read_view(const json_t *item, struct eco_view *view, const char **camera, struct eco_error *error)
+{
+	*view = (struct eco_view){ .up = { 0, 0, 1 }, .width = BENCH_SHOT_WIDTH,
+		.height = BENCH_SHOT_HEIGHT };
+	return !json_unpack((json_t *)item, "{s:s, s:[F,F,F], s:[F,F,F], s:F}", "camera", camera,
+		"eye", &view->eye[0], &view->eye[1], &view->eye[2],
+		"target", &view->target[0], &view->target[1], &view->target[2], "fov_y_deg",
+		&view->fov_y_deg) && !eco_view_check(view, error);
+}
+
+static enum eco_code study_view(struct bench *bench, struct study *s, const char *scene, const char *pack,
+	const json_t *item, struct eco_error *error)
+{
+	struct eco_view view;
+	const char *camera;
+	char unit[96], stamp[256];
+	if (!read_view(item, &view, &camera, error))
+		return eco_fail(error, ECO_BAD_INPUT, VIEWS ": a camera of %s is not one", scene);
+	snprintf(unit, sizeof unit, "bytes-%s-%s", scene, camera);
+	snprintf(stamp, sizeof stamp, "%s %g %g %g %g %g %g %g", bench_pack_stamp(pack), view.eye[0],
+		view.eye[1], view.eye[2], view.target[0], view.target[1], view.target[2], view.fov_y_deg);
+	json_t *rows = bench_recall(bench, unit, stamp);
+	enum eco_code code = ECO_OK;
+	if (!rows) {
+		json_t *made = json_array();
+		code = shoot(bench, scene, camera, pack, &view, made, error);
+		if (code)
+			json_decref(made);
+		else
+			rows = bench_keep(bench, unit, stamp, made);
+	}
+	for (size_t b = 0; b < BUDGETS && !code; b++)
+		add_row(s, scene, camera, b, rows);
+	return code ? code : plot(bench, s, scene, camera, rows, error);
+}
+
+/* ---- The report ---- */
+
+static enum eco_code study_scenes(struct bench *bench, struct study *s, const json_t *scenes,
+	struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	for (size_t i = 0; i < json_array_size(scenes) && !code; i++) {
+		const json_t *item = json_array_get(scenes, i), *cameras = json_object_get(item, "cameras");
+		const char *scene = json_string_value(json_object_get(item, "scene"));
+		char pack[512];
+		bool asked = bench->full || !json_is_true(json_object_get(item, "full_only"));
+		if (!scene || !asked || !bench_shot_scene(bench, scene, pack, &code, error))
+			continue;
+		for (size_t c = 0; c < json_array_size(cameras) && !code; c++) {
+			bench_progress(bench, ((double)i + (double)c / (double)json_array_size(cameras))
+				/ (double)json_array_size(scenes), scene);
+			code = study_view(bench, s, scene, pack, json_array_get(cameras, c), error);
+		}
+	}
+	return code;
+}
+
+static enum eco_code run(struct bench *bench, struct eco_error *error)
+{
+	json_t *views = json_load_file(VIEWS, 0, NULL);
+	const json_t *scenes = json_object_get(views, "scenes");
+	struct study *s = calloc(1, sizeof *s);
+	if (!s || !json_is_array(scenes)) {
+		json_decref(views);
+		free(s);
+		return eco_fail(error, ECO_BAD_INPUT, VIEWS " cannot be read");
+	}
+	read_start(s);
+	bench_say(bench, "Every picture %u x %u, of a first visit with at most %u vertices and so many bytes, "
+		"drawn and lit in software.", BENCH_SHOT_WIDTH, BENCH_SHOT_HEIGHT, VERTICES);
+	s->table = bench_table_open(bench, "bytes", "scene,camera,budget,vertices,bytes,Q,skill,owner_q,"
+		"picture error,predicted Q,start vertices,start bytes,start Q,start skill,start owner_q,"
+		"start picture error", true);
+	enum eco_code code = study_scenes(bench, s, scenes, error);
+	bench_table_close(s->table);
+	if (!code && s->binding) {
+		bench_say(bench, "Of %u rows where bytes bind. With a start, Q is above it in %u rows and below "
+			"it in %u.", s->binding, s->better, s->worse);
+		bench_key(bench, "bytes_used", s->used / s->binding,
+			">= 0.95: share of the bytes used where they bind");
+		bench_key(bench, "bytes_predicted_off", s->off / s->binding,
+			"<= 0.03: predicted Q off by, where they bind");
+	}
+	json_decref(views);
+	free(s);
+	return code;
+}
+
+const struct bench_section bench_bytes = { "bytes", "What people see for the bytes of a first visit", run,
+	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_frame.o "
+	"tests/bench/pictures/bench_bytes.o tests/bench/pictures/bench_widest.o" };
