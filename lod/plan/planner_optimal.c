@@ -41,6 +41,7 @@
 #define LOWER_TRIES 12           /* of the search below a lambda at which every curve ends, ... */
 #define LOWER_FACTOR 2.0         /* ... which begins with steps of this factor */
 #define PRICE_MORE 0.05          /* octaves, at first, by which a price is raised that no longer fits */
+#define PRICE_RAISES 3           /* of lambda, up to the one that uses the vertices alone */
 #define PRICE_LAMBDAS 5          /* tried where vertices bind as well */
 #define SIZE_TRIES 4             /* answers whose bytes are counted, ... */
 #define TILES_PX 0.5             /* sample distance to which tiles are opened, ... */
@@ -467,7 +468,7 @@ static double find_prices(const struct lambda_search *s, double target, uint64_t
 {
 	struct lod_allocation *m = s->allocation;
 	double low = lambda_at(s->last), high = s->index == LAMBDA_COUNT ? low
-		: fmax(low, lambda_at(s->index)), least = INFINITY, near = fit->at.tiles, over;
+		: fmax(low, lambda_at(s->index)), least = INFINITY, near = fit->at.tiles, over, top = high;
 	bool again = !isnan(near);
 	fit->lambda = again ? fit->lambda : low;
 	lod_price_find(m, fit->lambda, target, near, &fit->at, &over);
@@ -484,12 +485,12 @@ static double find_prices(const struct lambda_search *s, double target, uint64_t
 		*fit = (struct fitted){ fit->size, lambda, at, fit->left_out };
 		over = beyond;
 	}
-	struct lod_price found = fit->at;
 	double bytes = lod_price_fill(m, fit->lambda, target, &fit->at, over);
-	if (m->cost.vertices > (double)budget) {
-		fit->at = found;
-		memset(lod_prices_left_out(m), 0, m->p->scene->plant_count);
-		bytes = lod_price_relax(m, fit->lambda, &fit->at);
+	/* where more bytes come, a vertex may have to save more */
+	for (int i = 1; m->cost.vertices > (double)budget && i <= PRICE_RAISES; i++) {
+		fit->lambda = i < PRICE_RAISES ? sqrt(fit->lambda * top) : top;
+		lod_price_find(m, fit->lambda, target, fit->at.tiles, &fit->at, &over);
+		bytes = lod_price_fill(m, fit->lambda, target, &fit->at, over);
 	}
 	memcpy(fit->left_out, lod_prices_left_out(m), m->p->scene->plant_count);
 	return bytes;
