@@ -11,6 +11,7 @@
 #define START "tests/bench/pictures/bytes_start.csv"
 #define STARTS_MAX 256u
 #define VERTICES 1000000u
+#define SAME_Q 1e-4
 #define SHOWN 1                  /* budgets[SHOWN] is shown as a picture */
 
 static const uint64_t budgets[] = { 20000, 100000, 300000, 1000000, 3000000 };
@@ -117,8 +118,8 @@ static void add_row(struct study *s, const char *scene, const char *camera, size
 		s->binding++;
 	}
 	if (start) {
-		s->better += now[QUALITY] > start[QUALITY];
-		s->worse += now[QUALITY] < start[QUALITY];
+		s->better += now[QUALITY] > start[QUALITY] + SAME_Q;
+		s->worse += now[QUALITY] < start[QUALITY] - SAME_Q;
 	}
 	start = start ? start : none;
 	bench_table_row(s->table, "%s,%s,%llu,%.0f,%.0f,%.4f,%.4f,%.4f,%.4f,%.4f,%.0f,%.0f,%.4f,%.4f,%.4f,%.4f",
