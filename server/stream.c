@@ -427,23 +427,42 @@ static enum eco_code fit_steps(struct srv_stream *stream, struct srv_emit *dry, 
 	return code;
 }
 
+/* Deussen's rule knows no bytes: vertices are searched for it. */
+static bool searches(const struct srv_stream *stream)
+{
+	return stream->input.rule && stream->input.rule != lod_rule_optimal;
+}
+
+/* `step` does not fit on the ground that sizing settled on. On ground that fits, some plants may, too. */
+static enum eco_code plan_on_scarce_ground(struct srv_stream *stream, struct sizing *sizing,
+	struct srv_step *step, uint64_t *bytes, struct eco_error *error)
+{
+	enum eco_code code = scarce_ground(stream, sizing->dry, step, bytes, error);
+	if (code || *bytes > sizing->most)
+		return code;
+	sizing->ground_px = step->ground_px;
+	sizing->settled = true;
+	step_free(step);
+	code = make_step(stream, stream->input.request->vertices, sizing->ground_px, sizing, step, error);
+	return code ? code : size_of(stream, sizing->dry, step, bytes, error);
+}
+
 static enum eco_code plan_all(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
 {
 	const struct eco_request *request = stream->input.request;
 	uint64_t bytes;
 	double ground_px = request->ground_px > 0 ? request->ground_px : ECO_GROUND_PX;
-	bool searches = stream->input.rule && stream->input.rule != lod_rule_optimal;
 	struct sizing sizing = { stream, dry, request->bytes, ground_px, false };
-	enum eco_code code = make_step(stream, request->vertices, ground_px, searches ? NULL : &sizing,
-		&stream->steps[0], error);
+	enum eco_code code = make_step(stream, request->vertices, ground_px, searches(stream) ? NULL
+		: &sizing, &stream->steps[0], error);
 	if (code)
 		return code;
 	stream->step_count = 1;
 	code = size_of(stream, dry, &stream->steps[0], &bytes, error);
-	if (!code && bytes > request->bytes && !searches)
-		code = scarce_ground(stream, dry, &stream->steps[0], &bytes, error);
+	if (!code && bytes > request->bytes && !searches(stream))
+		code = plan_on_scarce_ground(stream, &sizing, &stream->steps[0], &bytes, error);
 	stream->fits = bytes <= request->bytes;
-	if (!code && !stream->fits && searches)
+	if (!code && !stream->fits && searches(stream))
 		code = search_budget(stream, dry, &stream->steps[0], &bytes, &stream->fits, error);
 	stream->body_bytes = bytes;
 	if (code || !stream->fits)
@@ -463,13 +482,22 @@ enum eco_code srv_stream_explain(const struct srv_stream *stream, struct lod_exp
 	const struct srv_step *last = &stream->steps[stream->step_count - 1];
 	struct eco_request request = *stream->input.request;
 	struct lod_planner_input planner = planner_input(&stream->input, &request);
+	struct srv_stream again = { .input = stream->input };
+	struct srv_emit dry;
+	struct sizing sizing = { &again, &dry, request.bytes, last->ground_px, true };
 	struct eco_plan plan;
+	enum eco_code code = srv_emit_init(&dry, stream->input.scene, stream->input.holdings, true, error);
+	if (code)
+		return code;
 	planner.explanation = explanation;
+	planner.size = searches(stream) ? NULL : size_answer;
+	planner.size_ctx = &sizing;
 	request.vertices = last->budget_vertices;
 	request.ground_px = last->ground_px;
-	enum eco_code code = lod_plan(&plan, &planner, error);
+	code = lod_plan(&plan, &planner, error);
 	if (!code)
 		eco_plan_free(&plan);
+	srv_emit_free(&dry);
 	return code;
 }
 

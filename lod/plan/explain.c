@@ -10,7 +10,7 @@
 #define ROUNDING 1e-9            /* slopes within this share are equal */
 
 const char *const lod_why_names[LOD_WHY_COUNT] = {
-	[LOD_WHY_STEP] = "next step", [LOD_WHY_ROOM] = "no room", [LOD_WHY_PART] = "within a step",
+	[LOD_WHY_STEP] = "next step", [LOD_WHY_ROOM] = "no room", [LOD_WHY_BYTES] = "bytes", [LOD_WHY_PART] = "within a step",
 		[LOD_WHY_LEFT_OVER] = "left over",
 	[LOD_WHY_ALL] = "all", [LOD_WHY_WHOLE] = "whole plant",
 	[LOD_WHY_DISTANCE] = "sample distance", [LOD_WHY_SUMMARY] = "summary",
@@ -89,8 +89,10 @@ struct lod_reason lod_explain_candidate(const struct lod_fill *fill, const struc
 		reason.why = LOD_WHY_LEFT_OVER;
 	else if (candidate->ahead)
 		reason.why = LOD_WHY_PART;
+	else if (reason.next > fill->lambda * (1 + ROUNDING))
+		reason.why = fill->allocation->price > 0 ? LOD_WHY_BYTES : LOD_WHY_ROOM;
 	else
-		reason.why = reason.next > fill->lambda * (1 + ROUNDING) ? LOD_WHY_ROOM : LOD_WHY_STEP;
+		reason.why = LOD_WHY_STEP;
 	if (reason.why == LOD_WHY_PART)
 		reason.margin = (double)candidate->ahead / (double)candidate->count;
 	return reason;
@@ -197,6 +199,9 @@ void lod_explain_text(char *text, size_t size, const struct lod_explanation *exp
 	case LOD_WHY_ROOM:
 		snprintf(text, size, "the next hull step would pay (%.2g times lambda), but the budget has "
 			"no room for it", costs);
+		return;
+	case LOD_WHY_BYTES:
+		snprintf(text, size, "the next bytes of its lists save less than they cost");
 		return;
 	case LOD_WHY_PART:
 		snprintf(text, size, "lambda lies within a hull step: %.3g %% of the plants have taken it",

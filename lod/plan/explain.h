@@ -18,6 +18,7 @@ enum lod_why {
 	LOD_WHY_DISTANCE,            /* Deussen's rule: the sample distance asks for it */
 	LOD_WHY_STEP,                /* the next step of its hull saves less per vertex than lambda */
 	LOD_WHY_ROOM,                /* the next step would pay, but is larger than the rest of the budget */
+	LOD_WHY_BYTES,               /* the next step would pay for its vertices, but not for its bytes */
 	LOD_WHY_PART,                /* lambda lies within a step, which a share of the plants has taken */
 	LOD_WHY_LEFT_OVER,           /* added from the rest of the budget, which no lambda or sample distance
 	                              * uses */

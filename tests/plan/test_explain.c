@@ -144,6 +144,7 @@ UNIT_TEST(words_are_plain)
 		{ { .why = LOD_WHY_PLANTS, .margin = 0.07 }, "plants beat the summary by 7 %" },
 		{ { .why = LOD_WHY_SUMMARY, .margin = INFINITY },
 			"summary points are drawn: plants would save nothing here" },
+		{ { .why = LOD_WHY_BYTES, .next = 2 }, "the next bytes of its lists save less than they cost" },
 		{ { .why = LOD_WHY_ALL }, "all of it is drawn" },
 		{ { .why = LOD_WHY_WHOLE, .margin = 0.12, .share = 1 },
 			"splats or an impostor beat its organs by 12 %" },

@@ -202,6 +202,33 @@ UNIT_TEST(byte_budgets_are_never_exceeded_and_well_used)
 	assert_true(used / bounded > 0.65);
 }
 
+UNIT_TEST(explanations_are_of_the_plan_that_is_sent)
+{
+	uint32_t bounded = 0;
+	for (uint64_t seed = 1; seed <= ROUNDS; seed++) {
+		struct bench b = bench_make(500 + seed, 3);
+		struct eco_request request = random_request(&b.pack->r);
+		struct eco_error error = { 0 };
+		request.vertices = 1000 + random_below(&b.pack->r, 200000);
+		request.bytes = 1000 + random_below(&b.pack->r, 100000);
+		struct srv_stream_input input = { .scene = &b.scene, .request = &request };
+		struct srv_stream stream;
+		struct lod_explanation why = { 0 };
+		assert_ok(srv_stream_plan(&stream, &input, &error), error);
+		assert_ok(srv_stream_explain(&stream, &why, &error), error);
+		uint64_t vertices = 0;
+		for (uint32_t i = 0; i < why.count; i++)
+			vertices += why.rows[i].vertices;
+		if (stream.fits && !why.omitted)
+			assert_int_equal(vertices, stream.steps[stream.step_count - 1].plan.vertices);
+		bounded += stream.fits && vertices < request.vertices / 2;
+		lod_explanation_free(&why);
+		srv_stream_free(&stream);
+		bench_free(&b);
+	}
+	assert_true(bounded > ROUNDS / 8);
+}
+
 UNIT_TEST(large_answers_come_coarse_first)
 {
 	uint32_t stepped = 0;
