@@ -29,7 +29,7 @@ struct options {
 	const char *url, *camera, *dir, *explain;
 	uint32_t size[2], width, height;
 	uint64_t vertices, bytes, memory;
-	double ground_px;
+	double ground_px, texel_px;
 	bool has_frames, compare;
 	uint64_t frame_first, frame_last;
 	enum engine reference;
@@ -127,6 +127,9 @@ static const struct eco_option option_table[] = {
 		"for the longest time goes, and is fetched again where it is needed; not of the reference" },
 	{ "ground-px", 0, ECO_OPTION_NUMBER, "X", &given.ground_px, ECO_GROUND_PX_MIN, ECO_GROUND_PX_MAX,
 		.help = "how far the ground may be from where it is, 0.01 to 65536 pixels; 1 if not given" },
+	{ "texel-px", 0, ECO_OPTION_NUMBER, "X", &given.texel_px, ECO_TEXEL_PX_MIN, ECO_TEXEL_PX_MAX,
+		.help = "how wide a texture's texels may be where it has finer, 0.000001 to 65536 pixels; "
+		"0.03125 if not given" },
 	{ "rule", 0, ECO_OPTION_CHOICE, "NAME", &given.rule, .choices = rules,
 		.help = "how the server spends the budget: optimal (the default), or deussen (Deussen "
 		"2002), to compare with" },
@@ -383,7 +386,7 @@ static enum eco_code score_frame(struct viewer *v, const struct eco_request *req
 	const struct lod_eye *eye, struct view_frame *f, struct eco_error *error)
 {
 	struct eco_request everything = { request->view, ECO_VERTICES_MAX, ECO_BYTES_UNBOUNDED,
-		ECO_GROUND_PX_MIN };
+		ECO_GROUND_PX_MIN, ECO_TEXEL_PX_MIN };
 	struct view_fetch_result result;
 	double start = view_clock_ms();
 	step(v, f->frame, "fetch the reference");
@@ -410,7 +413,7 @@ static enum eco_code score_frame(struct viewer *v, const struct eco_request *req
 static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_error *error)
 {
 	struct eco_request request = { .vertices = v->options.vertices, .bytes = v->options.bytes,
-		.ground_px = v->options.ground_px };
+		.ground_px = v->options.ground_px, .texel_px = v->options.texel_px };
 	request.view.width = v->options.width;
 	request.view.height = v->options.height;
 	double time_s = eco_camera_frame(v->camera, number, &request.view);

@@ -65,6 +65,8 @@ size_t view_fetch_query(const struct eco_request *request, char *out, size_t roo
 			(unsigned long long)request->bytes);
 	if (at < room && request->ground_px > 0)
 		at = append_numbers(out, room, at, "&ground_px", &request->ground_px, 1);
+	if (at < room && request->texel_px > 0)
+		at = append_numbers(out, room, at, "&texel_px", &request->texel_px, 1);
 	return at;
 }
 

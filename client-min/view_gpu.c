@@ -2,9 +2,9 @@
 
 #include <epoxy/gl.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "client-min/view_record.h"
-#include "client-min/view_texture.h"
 #include "ecofiles/base/room.h"
 
 #define UPLOAD_BYTES (64u << 20)         /* of records made in memory at a time, roughly */
@@ -159,19 +159,18 @@ static enum eco_code upload_image(struct view_gpu_list *g, const struct view_lis
 		return eco_fail(error, ECO_UNSUPPORTED, "image %u (%u x %u) is not there or larger than the "
 			"graphics driver's %d", list->id, image->width, image->height, most);
 	size_t count = (size_t)image->width * image->height;
-	uint8_t *color = view_texture_fill(image), *alpha = malloc(count);
-	if (!color || !alpha) {
-		free(color);
-		free(alpha);
+	uint8_t *alpha = malloc(count);
+	if (!alpha)
 		return out_of_memory(list, error);
-	}
 	for (size_t i = 0; i < count; i++)
-		alpha[i] = image->rgba[4 * i + 3] >= 128 ? 255 : 0;
+		alpha[i] = image->rgba[4 * i + 3];
+	glDeleteTextures(1, &g->color);
+	glDeleteTextures(1, &g->alpha);
 	glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
 	glGenTextures(1, &g->color);
 	glBindTexture(GL_TEXTURE_2D, g->color);
 	glTexImage2D(GL_TEXTURE_2D, 0, GL_SRGB8_ALPHA8, (GLsizei)image->width, (GLsizei)image->height, 0,
-		GL_RGBA, GL_UNSIGNED_BYTE, color);
+		GL_RGBA, GL_UNSIGNED_BYTE, image->rgba);
 	glGenerateMipmap(GL_TEXTURE_2D);
 	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
 	glGenTextures(1, &g->alpha);
@@ -180,7 +179,7 @@ static enum eco_code upload_image(struct view_gpu_list *g, const struct view_lis
 		GL_UNSIGNED_BYTE, alpha);
 	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
 	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-	free(color);
+	memcpy(g->shown, list->shown, sizeof g->shown);
 	free(alpha);
 	return ECO_OK;
 }
@@ -200,7 +199,8 @@ enum eco_code view_gpu_list(struct view_gpu *gpu, const struct view_list *list,
 	struct view_gpu_list *g = &gpu->lists[index];
 	*out = g;
 	if (list->list.kind == ECO_LIST_IMAGE)
-		return g->color ? ECO_OK : upload_image(g, list, error);
+		return g->color && memcmp(g->shown, list->shown, sizeof g->shown) == 0 ? ECO_OK
+			: upload_image(g, list, error);
 	return extend(gpu, g, list, error);
 }
 

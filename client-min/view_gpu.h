@@ -11,8 +11,9 @@ struct view_gpu_list {
 	unsigned buffer, texture;        /* records (view_record.h) as a usamplerBuffer */
 	uint32_t chunks;                 /* uploaded */
 	uint64_t texels, room;
-	/* IMAGE: filtered colour with mip levels, and nearest alpha; else 0 */
+	/* IMAGE: filtered colour with mip levels, and nearest alpha; else 0. As far as it was shown */
 	unsigned color, alpha;
+	uint32_t shown[2];
 };
 
 struct view_gpu {                        /* zero is empty */

@@ -1,9 +1,10 @@
 #include "client-min/view_list.h"
 
 #include <assert.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#define SHOWN_BYTES 4u           /* of a texel of the image that a part may be shown in */
 
 #define BAD(...) eco_fail(error, ECO_DAMAGED, __VA_ARGS__)
 
@@ -50,12 +51,20 @@ void view_list_free(struct view_list *list)
 		return;
 	eco_elements_free(&list->elements);
 	eco_image_free(&list->image);
+	for (uint32_t i = 0; list->parts && i < list->chunk_count; i++)
+		eco_texture_part_free(&list->parts[i]);
+	free(list->parts);
 	for (uint32_t i = 0; list->impostors && i < list->chunk_count; i++)
 		lod_impostor_close(&list->impostors[i]);
 	free(list->impostors);
 	free(list->marks);
 	free(list->palette);
 	free(list);
+}
+
+static bool is_texture(const struct view_list *list)
+{
+	return list->list.kind == ECO_LIST_IMAGE || list->list.kind == ECO_LIST_OUTLINE;
 }
 
 /* ---- Decoding ---- */
@@ -105,18 +114,16 @@ static enum eco_code check_values(const struct view_piece_input *in, const struc
 static enum eco_code decode_image(struct view_piece *piece, const struct view_piece_input *in,
 	struct eco_error *error)
 {
+	struct eco_error cause = { 0 };
+	piece->bytes = sizeof piece->part;
 	if (!in->images)
 		return ECO_OK;
-	char name[32];
-	snprintf(name, sizeof name, "list-%u.png", in->list->id);
-	enum eco_code code = eco_image_read_memory(&piece->image, in->payload, in->chunk->size_bytes, name,
-		error);
+	enum eco_code code = (in->list->list.kind == ECO_LIST_IMAGE ? eco_texture_read_colors
+		: eco_texture_read_outline)(&piece->part, in->payload, in->chunk->size_bytes, &cause);
 	if (code)
-		return code;
-	uint64_t texels = (uint64_t)piece->image.width * piece->image.height;
-	for (uint64_t i = 0; i < texels && !piece->cutout; i++)
-		piece->cutout = piece->image.rgba[4 * i + 3] < 128;
-	piece->bytes = texels * 4;
+		return eco_fail(error, code, "list %u, chunk %u: %s", in->list->id, in->ordinal, cause.text);
+	piece->bytes += (uint64_t)piece->part.width * piece->part.height
+		* (piece->part.channels + SHOWN_BYTES);
 	return ECO_OK;
 }
 
@@ -171,7 +178,7 @@ enum eco_code view_piece_decode(struct view_piece *piece, const struct view_piec
 	struct eco_error *error)
 {
 	*piece = (struct view_piece){ 0 };
-	enum eco_code code = in->list->list.kind == ECO_LIST_IMAGE ? decode_image(piece, in, error)
+	enum eco_code code = is_texture(in->list) ? decode_image(piece, in, error)
 		: in->list->list.kind == ECO_LIST_IMPOSTOR ? decode_impostor(piece, in, error)
 		: decode_elements(piece, in, error);
 	if (!code && piece->bytes > UINT32_MAX)
@@ -185,7 +192,7 @@ enum eco_code view_piece_decode(struct view_piece *piece, const struct view_piec
 void view_piece_free(struct view_piece *piece)
 {
 	eco_elements_free(&piece->elements);
-	eco_image_free(&piece->image);
+	eco_texture_part_free(&piece->part);
 	lod_impostor_close(&piece->impostor);
 	*piece = (struct view_piece){ 0 };
 }
@@ -234,7 +241,7 @@ static uint64_t rooms_growth(const struct view_list *list, const struct eco_elem
 
 static bool is_element_list(const struct view_list *list)
 {
-	return list->list.kind != ECO_LIST_IMAGE && list->list.kind != ECO_LIST_IMPOSTOR;
+	return !is_texture(list) && list->list.kind != ECO_LIST_IMPOSTOR;
 }
 
 uint64_t view_list_growth(const struct view_list *list, const struct view_piece *piece)
@@ -293,12 +300,41 @@ static enum eco_code push_impostor(struct view_list *list, struct view_piece *pi
 	return ECO_OK;
 }
 
-static void push_image(struct view_list *list, struct view_piece *piece)
+static enum eco_code push_part(struct view_list *list, struct view_piece *piece, struct eco_error *error)
 {
-	list->image = piece->image;
-	list->cutout = piece->cutout;
+	if (!resize(&list->parts, list->chunk_count + (size_t)1, sizeof *list->parts))
+		return no_memory(error, "a texture");
+	list->parts[list->chunk_count] = piece->part;
+	piece->part = (struct eco_texture_part){ 0 };
 	list->bytes += piece->bytes;
-	piece->image = (struct eco_image){ 0 };
+	return ECO_OK;
+}
+
+static void hide_image(struct view_list *list)
+{
+	eco_image_free(&list->image);
+	memset(list->shown, 0, sizeof list->shown);
+	list->cutout = false;
+}
+
+enum eco_code view_list_show(struct view_list *list, uint32_t levels, const struct view_list *outline,
+	uint32_t outline_levels, struct eco_error *error)
+{
+	if (list->image.rgba && list->shown[0] == levels && list->shown[1] == outline_levels)
+		return ECO_OK;
+	hide_image(list);
+	if (!levels || levels > list->chunk_count || !list->parts[levels - 1].texels
+			|| (outline && (!outline_levels || outline_levels > outline->chunk_count)))
+		return ECO_OK;
+	enum eco_code code = eco_texture_show(&list->image, &list->parts[levels - 1],
+		outline ? &outline->parts[outline_levels - 1] : NULL, error);
+	if (code)
+		return code;
+	list->shown[0] = levels;
+	list->shown[1] = outline_levels;
+	for (size_t i = 0; i < (size_t)list->image.width * list->image.height && !list->cutout; i++)
+		list->cutout = list->image.rgba[4 * i + 3] < 128;
+	return ECO_OK;
 }
 
 struct view_mark view_list_before(const struct view_list *list, uint32_t ordinal)
@@ -322,7 +358,7 @@ enum eco_code view_list_push(struct view_list *list, struct view_piece *piece, c
 	else if (list->list.kind == ECO_LIST_IMPOSTOR)
 		code = push_impostor(list, piece, error);
 	else
-		push_image(list, piece);
+		code = push_part(list, piece, error);
 	if (code)
 		return code;
 	if (list->list.kind == ECO_LIST_GROUND)
@@ -368,8 +404,11 @@ void view_list_pop(struct view_list *list)
 		return;
 	}
 	list->bytes -= list->marks[last].bytes;
-	if (list->list.kind == ECO_LIST_IMAGE) {
-		eco_image_free(&list->image);
+	if (is_texture(list)) {
+		eco_texture_part_free(&list->parts[last]);
+		resize(&list->parts, last, sizeof *list->parts);
+		if (list->shown[0] > last)
+			hide_image(list);
 		return;
 	}
 	lod_impostor_close(&list->impostors[last]);

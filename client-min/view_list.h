@@ -11,7 +11,7 @@
 #include "ecofiles/format/chunk.h"
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/image.h"
-#include "ecofiles/format/model.h"
+#include "ecofiles/format/texture.h"
 #include "lod/impostor.h"
 
 /* Chunks end here; geometry of a chunk can be made without walking the list. The first three are exclusive
@@ -33,8 +33,11 @@ struct view_list {                       /* stays where it is until its last chu
 	struct eco_elements elements;    /* of all chunks held, in draw order */
 	uint32_t element_room, corner_room;      /* what the arrays have space for */
 	uint64_t bytes;                  /* held in all: this struct and what it owns */
-	struct eco_image image;          /* lists of kind IMAGE, once their chunk is here */
-	bool cutout;                     /* the image has texels with alpha < 0.5 */
+	struct eco_texture_part *parts;  /* lists of kind IMAGE and OUTLINE: one for each chunk held */
+	/* IMAGE: as the plan shows it, and the number of levels, and of the outline's, that this is of */
+	struct eco_image image;
+	uint32_t shown[2];
+	bool cutout;                     /* the image has clear texels */
 	struct lod_impostor *impostors;  /* lists of kind IMPOSTOR: one for each chunk held */
 	/* lists of kind GROUND, once their chunk is here: level, column and row */
 	struct eco_ground_tile tile;
@@ -48,8 +51,7 @@ void view_list_free(struct view_list *list);                     /* NULL is fine
 
 struct view_piece {                      /* a decoded chunk that no list owns yet; zero is empty */
 	struct eco_elements elements;
-	struct eco_image image;
-	bool cutout;
+	struct eco_texture_part part;
 	struct lod_impostor impostor;
 	struct eco_ground_tile tile;
 	uint64_t bytes;                  /* decoded */
@@ -74,6 +76,11 @@ void view_piece_free(struct view_piece *piece);
  * held are the list's afterwards. */
 enum eco_code view_list_push(struct view_list *list, struct view_piece *piece, const struct eco_chunk *chunk,
 	uint64_t spare, struct eco_error *error);
+/* Makes list->image what a list of kind IMAGE shows in `levels` levels, cut out by as many of `outline` as
+ * outline_levels says (NULL: it is opaque); it is empty where these are not held. Its memory has been counted
+ * with its parts. */
+enum eco_code view_list_show(struct view_list *list, uint32_t levels, const struct view_list *outline,
+	uint32_t outline_levels, struct eco_error *error);
 /* The bytes that list->bytes may grow by: piece->bytes, less what there is already room for. */
 uint64_t view_list_growth(const struct view_list *list, const struct view_piece *piece);
 void view_list_pop(struct view_list *list);

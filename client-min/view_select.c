@@ -312,7 +312,7 @@ enum eco_code view_select_make(struct view_selection *selection, const struct vi
 	}
 	for (uint32_t c = 0; c < w.plan->cut_count && !code; c++)
 		if (w.plan->cuts[c].anchor == ECO_NONE
-				&& view_store_list(store, w.plan->cuts[c].list)->list.kind != ECO_LIST_GROUND)
+				&& eco_list_vertices(&view_store_list(store, w.plan->cuts[c].list)->list))
 			code = walk_once(&w, c);
 	if (!code)
 		code = view_ground_make(&selection->ground, store, eye, error);

@@ -17,6 +17,7 @@
 #include "client-min/view_forms.h"
 #include "client-min/view_table.h"
 #include "ecofiles/format/chunk.h"
+#include "ecofiles/format/texture.h"
 #include "ecofiles/base/room.h"
 
 #define MEMORY_MAX_DEFAULT ((uint64_t)8 << 30)
@@ -320,11 +321,8 @@ static void each_need(struct view_store *store, visit_need *visit)
 	const struct eco_plan *plan = &store->plan;
 	const struct view_cache *cache = &store->cache;
 	for (uint32_t i = 0; i < plan->cut_count; i++) {
-		struct view_list *list = view_cache_find(cache, plan->cuts[i].list),
-			*image = view_cache_find(cache, list->list.image);
+		struct view_list *list = view_cache_find(cache, plan->cuts[i].list);
 		visit(store, list, chunks_for(list, plan->cuts[i].end));
-		if (list->list.image != ECO_NONE)
-			visit(store, image, image->list.chunk_count);
 	}
 	for (uint32_t i = 0; i < plan->run_count; i++)
 		for (uint32_t id = plan->runs[i].list_first; id < plan->runs[i].list_end; id++) {
@@ -354,8 +352,10 @@ static enum eco_code check_plan(const struct view_store *store, const struct eco
 	for (uint32_t i = 0; i < plan->cut_count; i++) {
 		const struct eco_cut *cut = &plan->cuts[i];
 		const struct view_list *list = view_store_list(store, cut->list);
-		bool ground = list && list->list.kind == ECO_LIST_GROUND;
-		if (!list || (!eco_list_vertices(&list->list) && !ground))
+		bool ground = list && list->list.kind == ECO_LIST_GROUND,
+			texture = list && (list->list.kind == ECO_LIST_IMAGE
+			|| list->list.kind == ECO_LIST_OUTLINE);
+		if (!list || (!eco_list_vertices(&list->list) && !ground && !texture))
 			return BAD("cut %u of the plan draws list %u, which %s", i,
 				cut->list, list ? "is not drawable" : "was not sent");
 		uint32_t held = view_list_before(list, list->served).primitives;
@@ -369,13 +369,16 @@ static enum eco_code check_plan(const struct view_store *store, const struct eco
 			&& (cut->anchor != ECO_NONE || cut->first || cut->end != list->list.primitive_count))
 			return BAD("cut %u of the plan draws a part of list %u, a "
 				"tile of ground", i, cut->list);
+		if (texture && (cut->anchor != ECO_NONE || cut->placement || cut->first))
+			return BAD("cut %u of the plan shows [%u,%u) of list %u, a texture, to some "
+				"plants", i, cut->first, cut->end, cut->list);
 		if (cut->anchor == ECO_NONE && cut->placement >= plan->placement_count)
 			return BAD("cut %u of the plan lies in placement %u of %u",
 				i, cut->placement, plan->placement_count);
 		const struct view_list *image = list->list.image == ECO_NONE ? NULL
 			: view_store_list(store, list->list.image);
-		if (list->list.image != ECO_NONE
-				&& (!image || image->list.kind != ECO_LIST_IMAGE || !image->served))
+		if (list->list.image != ECO_NONE && (!image || !image->served || image->list.kind
+				!= (texture ? ECO_LIST_OUTLINE : ECO_LIST_IMAGE)))
 			return BAD("list %u needs image %u, which was not sent", cut->list, list->list.image);
 	}
 	for (uint32_t i = 0; i < plan->run_count; i++)
@@ -383,6 +386,37 @@ static enum eco_code check_plan(const struct view_store *store, const struct eco
 				> plan->runs[i].list_end)
 			return BAD("run %u of the plan makes no sense", i);
 	return ECO_OK;
+}
+
+/* Levels of a texture, or of its outline, that the plan shows; 0: none. Such cuts are sorted by list, before
+ * those of plants. */
+static uint32_t levels_of(const struct eco_plan *plan, uint32_t list)
+{
+	uint32_t low = 0, high = plan->cut_count;
+	while (low < high) {
+		uint32_t middle = low + (high - low) / 2;
+		const struct eco_cut *cut = &plan->cuts[middle];
+		if (cut->anchor == ECO_NONE && cut->placement == 0 && cut->list < list)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low < plan->cut_count && plan->cuts[low].anchor == ECO_NONE && plan->cuts[low].list == list
+		? plan->cuts[low].end : 0;
+}
+
+static enum eco_code show_textures(struct view_store *store, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < store->plan.cut_count && !code; i++) {
+		struct view_list *list = view_cache_find(&store->cache, store->plan.cuts[i].list);
+		uint32_t outline = list->list.image;
+		if (list->list.kind == ECO_LIST_IMAGE)
+			code = view_list_show(list, store->plan.cuts[i].end,
+				outline == ECO_NONE ? NULL : view_cache_find(&store->cache, outline),
+				outline == ECO_NONE ? 0 : levels_of(&store->plan, outline), error);
+	}
+	return code;
 }
 
 static enum eco_code on_plan(void *ctx, struct eco_plan *plan, struct eco_error *error)
@@ -401,7 +435,7 @@ static enum eco_code on_plan(void *ctx, struct eco_plan *plan, struct eco_error 
 	store->plan_tick = store->cache.tick;
 	store->has_plan = !store->lacks;
 	view_cache_tick(&store->cache);
-	return ECO_OK;
+	return store->has_plan ? show_textures(store, error) : ECO_OK;
 }
 
 /* To three places, and no less than it is. */

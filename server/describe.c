@@ -6,11 +6,12 @@
 #include "lod/eye.h"
 #include "server/query.h"
 
-#define URL_BYTES 160
+#define URL_BYTES 256
 
 static const char *const kind_names[] = {
 	[ECO_LIST_TRIANGLES] = "triangles", [ECO_LIST_LINES] = "lines", [ECO_LIST_POINTS] = "points",
-	[ECO_LIST_INSTANCES] = "instances", [ECO_LIST_GROUND] = "ground", [ECO_LIST_IMAGE] = "image",
+	[ECO_LIST_INSTANCES] = "instances", [ECO_LIST_GROUND] = "ground",
+	[ECO_LIST_IMAGE] = "image", [ECO_LIST_OUTLINE] = "outline",
 	[ECO_LIST_IMPOSTOR] = "impostor",
 };
 
@@ -86,9 +87,9 @@ static void describe_links(struct srv_json *json, const struct srv_scene *scene)
 	srv_json_key_open(json, "links", '{');
 	key_url(json, "self", scene, "");
 	key_url(json, "plan", scene, "/plan{?eye,target,up,fov_y_deg,width,height,vertices,bytes,ground_px,"
-		"rule,pack}");
+		"texel_px,rule,pack}");
 	key_url(json, "stream", scene, "/stream{?eye,target,up,fov_y_deg,width,height,vertices,bytes,"
-		"ground_px,rule,pack}");
+		"ground_px,texel_px,rule,pack}");
 	key_url(json, "chunk", scene, "/chunks/{id}");
 	srv_json_close(json, '}');
 }
@@ -184,7 +185,10 @@ static void describe_who(struct srv_json *json, const struct eco_scene *scene, c
 	srv_json_key_open(json, "who", '{');
 	if (cut->anchor == ECO_NONE) {
 		srv_json_key_count(json, "placement", cut->placement);
-		if (scene->lists[cut->list].kind != ECO_LIST_GROUND)
+		if (scene->lists[cut->list].kind == ECO_LIST_IMAGE
+				|| scene->lists[cut->list].kind == ECO_LIST_OUTLINE)
+			srv_json_key_text(json, "plant", scene->plants[scene->lists[cut->list].owner].name);
+		else if (scene->lists[cut->list].kind != ECO_LIST_GROUND)
 			srv_json_key_count(json, "tile", scene->lists[cut->list].owner);
 		else
 			srv_json_key_count(json, "level", scene->lists[cut->list].level);

@@ -140,7 +140,8 @@ static void end_bundle(struct srv_emit *emit)
 	put(header + 8, XXH3_64bits_digest(&state), 8);
 }
 
-/* Opens a bundle where none is open or one is full, and begins an item of it. Returns where its fields are. */
+/* Opens a bundle where none is open or one is full, and begins an item of it. Returns where its fields
+ * are. */
 static size_t begin_item(struct srv_emit *emit)
 {
 	if (emit->bundle_open && emit->bundle_bytes >= BUNDLE_BYTES)
@@ -210,7 +211,8 @@ static int turn_of(const struct eco_list *list)
 {
 	if (list->kind == ECO_LIST_GROUND)
 		return 0;
-	return list->kind == ECO_LIST_INSTANCES || list->kind == ECO_LIST_IMAGE ? 1 : 2;
+	return list->kind == ECO_LIST_INSTANCES || list->kind == ECO_LIST_IMAGE
+		|| list->kind == ECO_LIST_OUTLINE ? 1 : 2;
 }
 
 enum eco_code srv_emit_step(struct srv_emit *emit, const struct eco_plan *plan,

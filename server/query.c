@@ -28,6 +28,7 @@ static const struct param_row {
 	{ "vertices", PARAM_COUNT, true, AT(request.vertices), ECO_VERTICES_MAX },
 	{ "bytes", PARAM_COUNT, false, AT(request.bytes), ECO_BYTES_UNBOUNDED },
 	{ "ground_px", PARAM_NUMBER, false, AT(request.ground_px), 0 },
+	{ "texel_px", PARAM_NUMBER, false, AT(request.texel_px), 0 },
 	{ "rule", PARAM_RULE, false, AT(rule), 0 },
 	{ "explain", PARAM_FLAG, false, AT(explain), 1 },
 	{ "pack", PARAM_ID, false, AT(pack), 0 },
@@ -197,14 +198,14 @@ enum eco_code srv_query_parse(struct srv_query *query, const struct srv_target *
 	*query =
 		(struct srv_query){ .request = { .view = { .up = { 0, 0, 1 }, .fov_y_deg = 45 },
 		.bytes = ECO_BYTES_UNBOUNDED,
-		.ground_px = ECO_GROUND_PX } };
+		.ground_px = ECO_GROUND_PX, .texel_px = ECO_TEXEL_PX } };
 	for (uint32_t i = 0; i < target->param_count; i++) {
 		const struct srv_param *param = &target->params[i];
 		const struct param_row *row = find_row(param->name);
 		if (!row)
 			return eco_fail(error, ECO_BAD_INPUT, "unknown parameter '%.40s'; known are eye, "
 				"target, up, fov_y_deg, width, height, "
-				"vertices, bytes, ground_px, rule, pack and explain", param->name);
+				"vertices, bytes, ground_px, texel_px, rule, pack and explain", param->name);
 		enum eco_code code = parse_row(query, row, param->value, error);
 		if (code)
 			return code;
@@ -216,6 +217,9 @@ enum eco_code srv_query_parse(struct srv_query *query, const struct srv_target *
 	if (!(query->request.ground_px >= ECO_GROUND_PX_MIN && query->request.ground_px <= ECO_GROUND_PX_MAX))
 		return eco_fail(error, ECO_BAD_INPUT, "ground_px: %g; give a number of pixels from %g to %g",
 			query->request.ground_px, ECO_GROUND_PX_MIN, ECO_GROUND_PX_MAX);
+	if (!(query->request.texel_px >= ECO_TEXEL_PX_MIN && query->request.texel_px <= ECO_TEXEL_PX_MAX))
+		return eco_fail(error, ECO_BAD_INPUT, "texel_px: %g; give a number of pixels from %g to %g",
+			query->request.texel_px, ECO_TEXEL_PX_MIN, ECO_TEXEL_PX_MAX);
 	return eco_view_check(&query->request.view, error);
 }
 

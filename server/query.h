@@ -1,7 +1,8 @@
 /* Parameters of a plan or stream request.
  *
  *   eye=x,y,z  target=x,y,z  width=  height=  vertices=       required
- *   up=x,y,z (0,0,1)  fov_y_deg= (45)  bytes= (unbounded)  ground_px= (1)  rule=optimal|deussen (optimal)
+ *   up=x,y,z (0,0,1)  fov_y_deg= (45)  bytes= (unbounded)  ground_px= (1)  texel_px= (0.03125)
+ *   rule=optimal|deussen (optimal)
  *   pack= (none)  explain= (0; 1 for plans alone)
  *
  * Numbers are plain decimals: [-]digits[.digits][e[+-]digits] for coordinates and angles, digits for counts.

@@ -9,9 +9,9 @@
 #include "ecofiles/format/pack.h"
 #include "lod/build/grid.h"
 
-enum { KIND_SUMMARIES = ECO_LIST_IMPOSTOR + 1, KIND_SPLATS, KIND_COUNT };
+enum { KIND_SUMMARIES = ECO_LIST_OUTLINE + 1, KIND_SPLATS, KIND_COUNT };
 static const char *const kind_names[KIND_COUNT] = { "", "triangles", "lines", "points", "instances", "ground",
-	"images", "impostors", "summaries", "splats" };
+	"images", "impostors", "outlines", "summaries", "splats" };
 static const char *const need_names[] = { "points", "lines", "triangles", "textures", "cutouts", "ground",
 	"cells", "summaries", "placements", "splats", "impostors" };
 

@@ -18,6 +18,7 @@
 #include "ecofiles/format/pack.h"
 #include "ecofiles/scene/scene.h"
 #include "lod/build/plant.h"
+#include "lod/build/texture.h"
 #include "lod/build/summary_palette.h"
 #include "lod/build/tile.h"
 
@@ -44,7 +45,7 @@ struct make_plant {              /* a model on its way into the pack */
 	char name[64];
 	uint32_t palette_first;      /* in the scene's palette */
 	struct lod_plant built;
-	struct eco_bytes *images;    /* PNG files, one per built.images */
+	struct lod_texture *textures;        /* one per built.images */
 	bool cutout;
 	double reach, low, high;     /* bounds: within reach of the axis, z from low to high */
 	uint32_t triangles_in, dropped[ECO_DROP_COUNT];

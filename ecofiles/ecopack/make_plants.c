@@ -10,8 +10,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "ecofiles/format/image.h"
 #include "ecofiles/format/impostor.h"
+#include "ecofiles/format/texture.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/ecopack/times.h"
 #include "ecofiles/import/model/model_import.h"
@@ -164,18 +164,15 @@ static bool tell(void *ctx, double share)
 	return main_progress("building plants", detail, sum / work->m->plant_count) && go;
 }
 
-static enum eco_code keep_images(struct make_plant *plant, const struct eco_model *model,
+static enum eco_code keep_textures(struct make_plant *plant, const struct eco_model *model,
 	struct eco_error *error)
 {
-	plant->images = calloc(plant->built.image_count + 1u, sizeof *plant->images);
-	if (!plant->images)
+	plant->textures = calloc(plant->built.image_count + 1u, sizeof *plant->textures);
+	if (!plant->textures)
 		return eco_fail(error, ECO_NO_MEMORY, "%s: no memory for textures", plant->name);
 	for (uint32_t i = 0; i < plant->built.image_count; i++) {
 		uint32_t id = plant->built.images[i];
-		const struct eco_image *image = &model->images[id];
-		enum eco_code code =
-			eco_png_encode(&(struct eco_pixels){ image->width, image->height, 4, image->rgba },
-			&plant->images[i].at, &plant->images[i].size, error);
+		enum eco_code code = lod_texture_make(&plant->textures[i], model, id, error);
 		if (code)
 			return code;
 		for (uint32_t k = 0; k < model->material_count; k++)
@@ -322,7 +319,7 @@ static enum eco_code build_plant(struct job *job, struct eco_error *error)
 	pthread_mutex_lock(&job->work->libraries);
 	main_times_stage(MAIN_STAGE_TEXTURES);
 	if (!code)
-		code = keep_images(plant, &model, error);
+		code = keep_textures(plant, &model, error);
 	main_times_stage(MAIN_STAGE_NONE);
 	pthread_mutex_unlock(&job->work->libraries);
 	if (!code)
@@ -395,20 +392,37 @@ static enum eco_code build_plants(struct make *m)
 
 struct packing { struct make *m; uint32_t id; uint32_t *lists, *images; };
 
-static enum eco_code pack_images(struct packing *p)
+/* Levels of a texture, or of its outline. */
+static enum eco_code pack_levels(struct packing *p, struct eco_list list, const struct eco_writer *levels,
+	uint32_t count, uint32_t *id)
+{
+	struct eco_bytes payloads[ECO_TEXTURE_LEVELS_MAX];
+	for (uint32_t k = 0; k < count; k++)
+		payloads[k] = (struct eco_bytes){ levels[k].bytes, levels[k].size };
+	enum eco_code code = eco_pack_add_bytes(p->m->writer, &list, payloads, count, id, p->m->error);
+	struct eco_list *stored = code ? NULL : make_append(p->m, &p->m->lists, sizeof *stored);
+	if (!stored)
+		return code ? code : ECO_NO_MEMORY;
+	*stored = *eco_pack_list(p->m->writer, *id);
+	return ECO_OK;
+}
+
+static enum eco_code pack_textures(struct packing *p)
 {
 	struct make_plant *plant = &p->m->plants[p->id];
-	for (uint32_t i = 0; i < plant->built.image_count; i++) {
-		struct eco_list list = { .kind = ECO_LIST_IMAGE, .coder = ECO_CODER_BYTES, .owner = p->id,
-			.plant = ECO_NONE, .image = ECO_NONE, .partner = ECO_NONE, .grid_step = { 1, 1, 1 } };
-		enum eco_code code = eco_pack_add_bytes(p->m->writer, &list, &plant->images[i], 1,
-			&p->images[i], p->m->error);
-		struct eco_list *stored = code ? NULL : make_append(p->m, &p->m->lists, sizeof *stored);
-		if (!stored)
-			return code ? code : ECO_NO_MEMORY;
-		*stored = *eco_pack_list(p->m->writer, p->images[i]);
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < plant->built.image_count && !code; i++) {
+		const struct lod_texture *texture = &plant->textures[i];
+		struct eco_list list = { .kind = ECO_LIST_OUTLINE, .coder = ECO_CODER_BYTES, .owner = p->id,
+			.plant = ECO_NONE, .image = ECO_NONE, .partner = ECO_NONE, .grid_step = { 1, 1, 1 },
+			.unit_area = texture->texel_area };
+		if (texture->outlines)
+			code = pack_levels(p, list, texture->outlines, texture->count, &list.image);
+		list.kind = ECO_LIST_IMAGE;
+		if (!code)
+			code = pack_levels(p, list, texture->colors, texture->count, &p->images[i]);
 	}
-	return ECO_OK;
+	return code;
 }
 
 static enum eco_code pack_list(struct packing *p, uint32_t i)
@@ -485,7 +499,7 @@ static enum eco_code pack_plant(struct make *m, uint32_t id)
 	if (!code)
 		code = make_add(m, &m->palette, built->palette, built->palette_count, 3);
 	if (!code)
-		code = pack_images(&p);
+		code = pack_textures(&p);
 	if (!code)
 		code = pack_lists(&p);
 	if (!code)
@@ -526,9 +540,9 @@ void make_plants_free(struct make *m)
 {
 	for (uint32_t i = 0; i < m->plant_count; i++) {
 		struct make_plant *plant = &m->plants[i];
-		for (uint32_t k = 0; plant->images && k < plant->built.image_count; k++)
-			free(plant->images[k].at);
-		free(plant->images);
+		for (uint32_t k = 0; plant->textures && k < plant->built.image_count; k++)
+			lod_texture_free(&plant->textures[k]);
+		free(plant->textures);
 		free(plant->path);
 		free(plant->stood_for);
 		lod_plant_free(&plant->built);

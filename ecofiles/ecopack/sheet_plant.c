@@ -11,6 +11,7 @@
 #include "ecofiles/format/chunk.h"
 #include "ecofiles/base/guard.h"
 #include "ecofiles/format/image.h"
+#include "ecofiles/format/texture.h"
 #include "lod/geometry.h"
 #include "lod/plan/planner.h"
 
@@ -97,27 +98,50 @@ static bool is_picture(const struct sheet_list *list)
 	return list->list && list->list->kind == ECO_LIST_IMAGE && list->chunk_count;
 }
 
+static enum eco_code last_payload(const struct sheet_plant *p, const struct eco_list *list,
+	const uint8_t **bytes, size_t *size, struct eco_error *error)
+{
+	return eco_pack_payload(p->pack, list->chunk_first + list->chunk_count - 1, bytes, size, error);
+}
+
+/* Its finest level. */
+static enum eco_code decode_texture(const struct sheet_plant *p, const struct eco_list *list,
+	struct eco_image *image, struct eco_error *error)
+{
+	const struct eco_list *cut = list->image == ECO_NONE ? NULL : &p->pack->scene.lists[list->image];
+	struct eco_texture_part colors = { 0 }, outline = { 0 };
+	const uint8_t *bytes;
+	size_t size;
+	enum eco_code code = last_payload(p, list, &bytes, &size, error);
+	if (!code)
+		code = eco_texture_read_colors(&colors, bytes, size, error);
+	if (!code && cut)
+		code = last_payload(p, cut, &bytes, &size, error);
+	if (!code && cut)
+		code = eco_texture_read_outline(&outline, bytes, size, error);
+	if (!code)
+		code = eco_texture_show(image, &colors, cut ? &outline : NULL, error);
+	eco_texture_part_free(&colors);
+	eco_texture_part_free(&outline);
+	return code;
+}
+
 static enum eco_code decode_in_child(void *ctx, FILE *out, struct eco_error *error)
 {
 	const struct sheet_plant *p = ctx;
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < p->list_count && !code; i++) {
 		struct eco_image image = { 0 };
-		const uint8_t *bytes;
-		size_t size;
-		char name[120];
 		if (!is_picture(&p->lists[i]))
 			continue;
-		snprintf(name, sizeof name, "texture of %s", p->scene.plants[p->number].name);
-		code = eco_pack_payload(p->pack, p->lists[i].list->chunk_first, &bytes, &size, error);
-		if (!code)
-			code = eco_image_read_memory(&image, bytes, size, name, error);
+		code = decode_texture(p, p->lists[i].list, &image, error);
 		const uint32_t sides[2] = { image.width, image.height };
 		size_t texels = (size_t)image.width * image.height;
 		if (!code
 				&& (fwrite(sides, sizeof sides, 1, out) != 1
 				|| fwrite(image.rgba, 4, texels, out) != texels))
-			code = eco_fail(error, ECO_IO, "%s: its pixels cannot be handed on", name);
+			code = eco_fail(error, ECO_IO, "texture of %s: its pixels cannot be handed on",
+				p->scene.plants[p->number].name);
 		eco_image_free(&image);
 	}
 	return code;
@@ -149,7 +173,8 @@ static enum eco_code decode_pictures(struct sheet_plant *p, struct eco_error *er
 	FILE *from = NULL;
 	for (uint32_t i = 0; i < p->list_count; i++)
 		if (is_picture(&p->lists[i]))
-			bytes += p->pack->scene.chunks[p->lists[i].list->chunk_first].size_bytes;
+			bytes += p->pack->scene.chunks[p->lists[i].list->chunk_first
+				+ p->lists[i].list->chunk_count - 1].size_bytes;
 	if (!bytes)
 		return ECO_OK;
 	struct eco_guard_limits limits = eco_guard_limits_for(bytes);

@@ -61,7 +61,8 @@ uint32_t eco_list_needs(const struct eco_list *list)
 	static const uint32_t of_kind[] = { [ECO_LIST_TRIANGLES] = ECO_NEED_TRIANGLES,
 		[ECO_LIST_LINES] = ECO_NEED_LINES, [ECO_LIST_POINTS] = ECO_NEED_POINTS,
 		[ECO_LIST_GROUND] = ECO_NEED_GROUND, [ECO_LIST_IMAGE] = ECO_NEED_TEXTURES,
-		[ECO_LIST_IMPOSTOR] = ECO_NEED_IMPOSTORS };
+		[ECO_LIST_IMPOSTOR] = ECO_NEED_IMPOSTORS,
+		[ECO_LIST_OUTLINE] = ECO_NEED_TEXTURES };
 	if (list->attributes & ECO_ATTR_SPLAT)
 		return ECO_NEED_SPLATS | (list->attributes & ECO_ATTR_PLANT ? ECO_NEED_SUMMARIES : 0);
 	return list->attributes & ECO_ATTR_PLANT ? (uint32_t)ECO_NEED_SUMMARIES : of_kind[list->kind];

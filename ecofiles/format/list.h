@@ -27,10 +27,12 @@ enum eco_list_kind {
 	ECO_LIST_INSTANCES,      /* plants of one species in one tile */
 	/* one tile of the ground: samples row by row from the south-west, `columns` wide (ground_tile.h) */
 	ECO_LIST_GROUND,
-	ECO_LIST_IMAGE,          /* one chunk: a PNG file */
+	/* a texture in levels (texture.h): primitive, element and chunk k is level k */
+	ECO_LIST_IMAGE,
 	/* a plant's impostors (impostor.h): primitive, element and chunk k is level k. Levels are
 	 * alternatives: a cut draws one of them, though what is fetched is a prefix */
-	ECO_LIST_IMPOSTOR
+	ECO_LIST_IMPOSTOR,
+	ECO_LIST_OUTLINE         /* what is opaque of a texture, in levels as that */
 };
 
 /* Coders: the ways from a payload to elements. All integers inside come from Draco's lossless integer
@@ -46,7 +48,7 @@ enum eco_list_kind {
  *             ELEMENTS.
  *   ROWS      one sequential point cloud, order kept, no permutation (instances, ground).
  *   MESH      edgebreaker; triangles in the decoder's order, every element has 3 corners, no permutation.
- *   BYTES     the payload is a file (PNG), or a level of an impostor.
+ *   BYTES     the payload is a part of a texture, or a level of an impostor.
  *   SHAPES    a coder of chunks, not of lists: in a chunk of an ELEMENTS list of triangles, elements of one
  *             shape are stored as placings of it (shape.h). */
 enum eco_coder { ECO_CODER_ELEMENTS = 1, ECO_CODER_FORM, ECO_CODER_KD, ECO_CODER_ROWS, ECO_CODER_MESH,
@@ -78,9 +80,10 @@ struct eco_list {
 	float unit_area;             /* points and summaries: projected area (m^2, random
 	                              * orientation: area / 2) of one point when all are drawn: it is a ball
 	                              * whose disc has the area unit_area * scale. Splats: the square of
-	                              * their unit of length */
+	                              * their unit of length. Images, outlines: what a texel of
+	                              * the last level covers on the plant, in the mean; 0: not known */
 	uint32_t palette_first, palette_count;
-	uint32_t image;              /* list id of the texture, or ECO_NONE */
+	uint32_t image;              /* list id of the texture, or a texture's outline; or ECO_NONE */
 	uint32_t partner;            /* FORM: list id of the elements in their finest form; else ECO_NONE */
 	uint32_t columns;            /* ground: samples per row, the ring among them; else 0 */
 	uint32_t primitive_count, element_count;

@@ -11,6 +11,7 @@
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/impostor.h"
 #include "ecofiles/format/pack.h"
+#include "ecofiles/format/texture.h"
 
 #define METRES_MAX 1e12
 #define STEP_MAX 1e9
@@ -74,7 +75,8 @@ enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *erro
 		return BAD("list: coder %u with partner %#x", list->coder, list->partner);
 	if ((list->kind == ECO_LIST_INSTANCES) != (list->plant != ECO_NONE))
 		return BAD("list: plant %#x in kind %u", list->plant, list->kind);
-	if ((list->kind == ECO_LIST_GROUND) != (list->owner == ECO_NONE) && list->kind != ECO_LIST_IMAGE)
+	if ((list->kind == ECO_LIST_GROUND) != (list->owner == ECO_NONE) && list->kind != ECO_LIST_IMAGE
+			&& list->kind != ECO_LIST_OUTLINE)
 		return BAD("list: owner %#x in kind %u", list->owner, list->kind);
 	if (list->element_count > list->primitive_count || list->chunk_count > list->element_count
 	    || (list->chunk_count == 0) != (list->primitive_count == 0))
@@ -84,6 +86,11 @@ enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *erro
 			|| list->primitive_count != list->chunk_count))
 		return BAD("list: %u levels of an impostor in %u chunks; at most %u, a chunk each",
 			list->primitive_count, list->chunk_count, ECO_IMPOSTOR_LEVELS);
+	if ((list->kind == ECO_LIST_IMAGE || list->kind == ECO_LIST_OUTLINE)
+			&& (list->primitive_count != list->chunk_count
+			|| list->chunk_count > ECO_TEXTURE_LEVELS_MAX))
+		return BAD("list: %u levels of a texture in %u chunks; at most %u, a chunk each",
+			list->primitive_count, list->chunk_count, ECO_TEXTURE_LEVELS_MAX);
 	if (list->coder == ECO_CODER_FORM && list->primitive_count != list->element_count
 	    && (list->kind != ECO_LIST_TRIANGLES || list->primitive_count != 2ull * list->element_count))
 		return BAD("list: %u forms cannot have %u primitives: all are points, lines, triangles or "
@@ -128,8 +135,10 @@ static enum eco_code check_list_references(const struct eco_scene *s, uint32_t i
 		return BAD("list %u: palette [%u, +%u) of %u colours", id, list->palette_first,
 			list->palette_count, s->palette_count);
 	if (list->image != ECO_NONE
-			&& (list->image >= s->list_count || s->lists[list->image].kind != ECO_LIST_IMAGE))
-		return BAD("list %u: image %u is not an image list", id, list->image);
+			&& (list->image >= s->list_count || s->lists[list->image].kind
+			!= (list->kind == ECO_LIST_IMAGE ? ECO_LIST_OUTLINE : ECO_LIST_IMAGE)))
+		return BAD("list %u: image %u is not an image list, or not an outline of this one", id,
+			list->image);
 	if (list->partner != ECO_NONE) {
 		const struct eco_list *partner = list->partner < s->list_count ? &s->lists[list->partner]
 			: NULL;

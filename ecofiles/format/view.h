@@ -22,11 +22,18 @@ struct eco_view {
 #define ECO_GROUND_PX_MIN 0.01       /* indistinguishable from full detail */
 #define ECO_GROUND_PX_MAX 65536.0
 
+/* The default. Measured: lod/EXPERIMENTS.md, Textures. */
+#define ECO_TEXEL_PX 0.03125
+#define ECO_TEXEL_PX_MIN 1e-6        /* every texture whole */
+#define ECO_TEXEL_PX_MAX 65536.0
+
 struct eco_request {
 	struct eco_view view;
 	uint64_t vertices;           /* budget, 0..ECO_VERTICES_MAX */
 	uint64_t bytes;              /* budget of the whole response, or ECO_BYTES_UNBOUNDED */
 	double ground_px;            /* greatest error of the ground, _PX_MIN.._PX_MAX; 0: ECO_GROUND_PX */
+	/* greatest width of a texture's texels where it has finer, _PX_MIN.._PX_MAX; 0: ECO_TEXEL_PX */
+	double texel_px;
 };
 
 /* Refuses views that cannot be drawn: values not finite or beyond 1e12, eye = target, field of view

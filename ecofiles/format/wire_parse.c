@@ -4,6 +4,7 @@
  * byte, collects the frame and checks its hash. The readers know payloads: each reads all fields, checks
  * them, and checks that nothing is left. They check against a few counts from the SCENE frame and values
  * of the frame before, so the parser's memory does not grow with the stream. */
+#include "ecofiles/format/texture.h"
 #include "ecofiles/format/wire.h"
 
 #include <assert.h>
@@ -180,7 +181,7 @@ static enum eco_code check_form(uint32_t id, const struct eco_list *list, struct
 static enum eco_code check_list(const struct eco_wire_parser *p, uint32_t id, const struct eco_list *list,
 	struct eco_error *e)
 {
-	if (list->kind < ECO_LIST_TRIANGLES || list->kind > ECO_LIST_IMPOSTOR)
+	if (list->kind < ECO_LIST_TRIANGLES || list->kind > ECO_LIST_OUTLINE)
 		return eco_fail(e, ECO_UNSUPPORTED, "list %u is of kind %u, which this program does not know",
 			id, list->kind);
 	if (list->coder < ECO_CODER_ELEMENTS || list->coder > ECO_CODER_BYTES)
@@ -210,11 +211,16 @@ static enum eco_code check_list(const struct eco_wire_parser *p, uint32_t id, co
 			|| list->primitive_count != list->element_count))
 		return BAD("list %u: %u levels of an impostor in %u chunks", id, list->primitive_count,
 			list->chunk_count);
-	if (list->element_count > list->primitive_count && list->kind != ECO_LIST_IMAGE)
+	if ((list->kind == ECO_LIST_IMAGE || list->kind == ECO_LIST_OUTLINE)
+			&& (list->chunk_count > ECO_TEXTURE_LEVELS_MAX
+			|| list->primitive_count != list->chunk_count
+			|| list->primitive_count != list->element_count))
+		return BAD("list %u: %u levels of a texture in %u chunks", id, list->primitive_count,
+			list->chunk_count);
+	if (list->element_count > list->primitive_count)
 		return BAD("list %u: %u elements with %u primitives", id,
 			list->element_count, list->primitive_count);
-	if (list->chunk_count > ECO_HOLDINGS_MAX
-			|| (list->kind != ECO_LIST_IMAGE && list->chunk_count > list->element_count))
+	if (list->chunk_count > ECO_HOLDINGS_MAX || list->chunk_count > list->element_count)
 		return BAD("list %u: %u chunks of %u elements", id, list->chunk_count, list->element_count);
 	return ECO_OK;
 }

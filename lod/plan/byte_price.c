@@ -1,11 +1,14 @@
-/* See lod/plan/byte_price.h. */
+/* See lod/plan/byte_price.h. Longer than 600 lines: limits of lists, of organs and of textures are made from
+ * one another's. */
 #include "lod/plan/byte_price.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/format/texture.h"
 #include "lod/plan/impostor_worth.h"
+#include "lod/plan/texture_levels.h"
 
 #define LISTS_OF_LADDER 5        /* points, lines, simple, triangles, impostor */
 #define DRAWN_LEAST 1e-9         /* plants, below which nobody draws */
@@ -22,7 +25,13 @@ struct ladder_price {
 	double image_part;           /* bytes of the texture that this ladder is asked for */
 };
 
-struct image_price { uint32_t list, users[2]; double bytes; bool used; };    /* users: of whole plants, cells */
+/* A texture: colours in levels, and its outline, whole. */
+struct image_price {
+	uint32_t list, users[2];     /* users: ladders of whole plants, of cells */
+	uint32_t most, levels;       /* that the view resolves; that are worth their bytes */
+	double outline, bytes;       /* of the outline; of that and of the levels */
+	bool used;
+};
 
 struct lod_prices {
 	struct ladder_price *ladders;        uint32_t ladder_count;
@@ -135,12 +144,61 @@ static void price_ladder(const struct lod_planner *p, struct ladder_price *l)
 		}
 }
 
+/* Pixels that a texel of a ladder's texture is wide where a choice stands. */
+static double texel_px(const struct lod_allocation *m, const struct ladder_price *l, uint32_t id)
+{
+	const struct lod_slot *slot = &m->p->visible.slots[m->ladder_choices[id].slot];
+	return lod_texel_px(m->p, m->prices->images[l->image].list, slot->anchor, slot->band);
+}
+
+static struct image_price image_price_of(const struct lod_planner *p, uint32_t list)
+{
+	uint32_t outline = p->scene->lists[list].image;
+	return (struct image_price){ .list = list,
+		.outline = outline == ECO_NONE ? 0 : missing_all(p, outline) };
+}
+
+/* The most levels that some choice of a ladder resolves. */
+static void count_levels(struct lod_allocation *m, const struct ladder_price *l)
+{
+	struct image_price *image = &m->prices->images[l->image];
+	for (uint32_t i = 0; i < l->count; i++) {
+		uint32_t levels = lod_texture_levels(m->p, image->list,
+			texel_px(m, l, m->prices->choices[l->first + i]));
+		image->most = levels > image->most ? levels : image->most;
+	}
+}
+
+static void set_levels(struct lod_allocation *m, struct image_price *image, uint32_t levels)
+{
+	image->levels = levels;
+	image->bytes = image->outline + missing_between(m->p, image->list, 0, levels);
+	m->p->texture_levels[image->list] = (uint8_t)levels;
+}
+
 /* A texture is asked of the ladders of whole plants that show it in equal parts, and of cells likewise. */
+static void share_images(struct lod_allocation *m)
+{
+	const struct eco_scene *scene = m->p->scene;
+	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
+		struct ladder_price *l = &m->prices->ladders[i];
+		const struct eco_ladder *ladder = &scene->ladders[l->ladder];
+		bool cell = ladder->anchor != scene->plants[ladder->plant].anchor_first;
+		if (l->textured != ECO_NONE)
+			l->image_part = m->prices->images[l->image].bytes
+				/ m->prices->images[l->image].users[cell];
+	}
+}
+
 static bool make_images(struct lod_allocation *m)
 {
 	struct lod_prices *prices = m->prices;
 	const struct eco_scene *scene = m->p->scene;
 	prices->images = calloc(prices->ladder_count + 1u, sizeof *prices->images);
+	if (!m->p->texture_levels)
+		m->p->texture_levels = calloc(scene->list_count + 1u, 1);
+	if (!m->p->texture_levels)
+		return false;
 	uint32_t *of = calloc(scene->list_count + 1u, sizeof *of);
 	for (int pass = 0; pass < 2 && of && prices->images; pass++)
 		for (uint32_t i = 0; i < prices->ladder_count; i++) {
@@ -150,20 +208,23 @@ static bool make_images(struct lod_allocation *m)
 			if (l->textured == ECO_NONE)
 				continue;
 			if (pass) {
-				const struct image_price *image = &prices->images[l->image];
-				l->image_part = image->bytes / image->users[cell];
+				count_levels(m, l);
 				continue;
 			}
 			if (!of[l->image]) {
 				of[l->image] = ++prices->image_count;
-				prices->images[prices->image_count - 1] = (struct image_price){
-					.list = l->image, .bytes = missing_all(m->p, l->image) };
+				prices->images[prices->image_count - 1] = image_price_of(m->p, l->image);
 			}
 			l->image = of[l->image] - 1;
 			prices->images[l->image].users[cell]++;
 		}
 	free(of);
-	return of && prices->images;
+	if (!of || !prices->images)
+		return false;
+	for (uint32_t i = 0; i < prices->image_count; i++)
+		set_levels(m, &prices->images[i], prices->images[i].most);
+	share_images(m);
+	return true;
 }
 
 static bool make_ladders(struct lod_allocation *m)
@@ -232,7 +293,8 @@ static bool make_tiles(struct lod_allocation *m)
 		const struct eco_tile *tile = &scene->tiles[p->visible.nodes[n].tile];
 		double part = m->prices->part[n] = 1.0 / occurrences[p->visible.nodes[n].tile];
 		for (uint32_t g = 0; m->tile_choices[n].open && g < tile->group_count; g++)
-			m->prices->instances[n] += part * missing_all(p, scene->groups[tile->group_first + g].list);
+			m->prices->instances[n] += part
+				* missing_all(p, scene->groups[tile->group_first + g].list);
 		if (m->tile_choices[n].has_summary)
 			m->prices->points[n] = part * missing_all(p, tile->summary)
 				/ scene->lists[tile->summary].primitive_count;
@@ -405,14 +467,50 @@ static void add_gain(const struct lod_allocation *m, struct ladder_price *l, uin
 	for (uint32_t k = 1; k < hull.count && k < position + 1; k++) {
 		const struct lod_hull_point *a = &hull.points[k - 1], *b = &hull.points[k];
 		double part = fmin(1, position - (k - 1));
-		l->gain[step_of(l, b->vertices)] += part * (seen * (lod_hull_error(&hull, a)
-			- lod_hull_error(&hull, b)) - drawn * m->lambda * (double)(b->vertices - a->vertices));
+		double saved = seen * (lod_hull_error(&hull, a) - lod_hull_error(&hull, b)),
+			cost = drawn * m->lambda * (double)(b->vertices - a->vertices);
+		l->gain[step_of(l, b->vertices)] += part * (saved - cost);
 	}
 }
 
 static double bytes_at(const struct ladder_price *l, uint32_t step)
 {
 	return l->bytes[step] + (step >= l->textured ? l->image_part : 0);
+}
+
+/* Adds, for each number of levels, what plants that draw a ladder lose by seeing no more of its texture. */
+static void add_texel_costs(const struct lod_allocation *m, const struct ladder_price *l, double *costs,
+	uint32_t levels)
+{
+	for (uint32_t i = 0; i < l->count; i++) {
+		uint32_t id = m->prices->choices[l->first + i];
+		const struct lod_ladder_choice *choice = &m->ladder_choices[id];
+		double seen = m->prices->seen[choice->slot] * share_of(m, id, false) * choice->weight_px,
+			px = texel_px(m, l, id);
+		for (uint32_t n = levels; n > 0 && seen > 0; n--, px *= 2)
+			costs[n] += seen * lod_texel_cost(px);
+	}
+}
+
+/* Levels of textures that are worth their bytes; of those that nobody draws all, as nothing says for whom. */
+static void limit_textures(struct lod_allocation *m)
+{
+	struct lod_prices *prices = m->prices;
+	for (uint32_t i = 0; i < prices->image_count; i++) {
+		struct image_price *image = &prices->images[i];
+		uint32_t all = m->p->scene->lists[image->list].chunk_count, best = image->most;
+		double costs[ECO_TEXTURE_LEVELS_MAX + 1] = { 0 }, least = INFINITY;
+		for (uint32_t k = 0; k < prices->ladder_count; k++)
+			if (prices->ladders[k].textured != ECO_NONE && prices->ladders[k].image == i)
+				add_texel_costs(m, &prices->ladders[k], costs, all);
+		for (uint32_t n = 1; n <= image->most && costs[1] > 0; n++) {
+			double cost = costs[n] + m->price * missing_between(m->p, image->list, 0, n);
+			best = cost < least ? n : best;
+			least = fmin(least, cost);
+		}
+		set_levels(m, image, best);
+	}
+	share_images(m);
 }
 
 /* The step up to which bytes are worth their price. */
@@ -541,6 +639,7 @@ void lod_prices_limit(struct lod_allocation *m, bool first, bool last)
 {
 	struct lod_prices *prices = m->prices;
 	count_drawn(m);
+	limit_textures(m);
 	if (!first)
 		judge_organs(m);
 	for (uint32_t s = 0; s < m->p->visible.slot_count; s++)

@@ -28,6 +28,7 @@ enum eco_code lod_planner_begin(struct lod_planner *p, const struct lod_planner_
 void lod_planner_end(struct lod_planner *p)
 {
 	free(p->gates);
+	free(p->texture_levels);
 	free(p->entries);
 	lod_plan_tables_free(p->own);
 	lod_screen_free(&p->screen);

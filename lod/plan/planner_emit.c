@@ -8,6 +8,7 @@
 #include "ecofiles/format/wire.h"
 #include "lod/ground_choice.h"
 #include "lod/ladder.h"
+#include "lod/plan/texture_levels.h"
 
 #define GROWTH 0.6               /* at most so much is added to leaves' areas among other plants */
 #define MISSED 0.15              /* share of a plant's pixels missed from which all of GROWTH is added */
@@ -211,6 +212,9 @@ enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *pla
 	for (uint32_t i = 0; i < p->scene->plant_count; i++)
 		if (p->gates[i])
 			plan->gates[plan->gate_count++] = (struct eco_gate){ i, p->gates[i] };
+	enum eco_code code = lod_plan_textures(plan, p, error);
+	if (code)
+		return code;
 	merge_bands(plan);
 	plan->prediction = p->prediction;
 	plan->vertices = p->vertices;
@@ -288,7 +292,7 @@ static int by_holding(const void *a, const void *b)
 enum eco_code lod_plan_needs(const struct eco_scene *scene, const struct eco_plan *plan,
 	struct eco_holdings *needs, struct eco_error *error)
 {
-	size_t most = 2 * (size_t)plan->cut_count + 1;
+	size_t most = (size_t)plan->cut_count + 1;
 	for (uint32_t i = 0; i < plan->run_count; i++)
 		most += plan->runs[i].list_end - plan->runs[i].list_first;
 	*needs = (struct eco_holdings){ .items = malloc(most * sizeof *needs->items) };
@@ -300,10 +304,9 @@ enum eco_code lod_plan_needs(const struct eco_scene *scene, const struct eco_pla
 		for (uint32_t list = plan->runs[i].list_first; list < plan->runs[i].list_end; list++)
 			items[count++] = (struct eco_holding){ list, scene->lists[list].chunk_count };
 	for (uint32_t i = 0; i < plan->cut_count; i++) {
-		uint32_t list = plan->cuts[i].list, image = scene->lists[list].image;
-		items[count++] = (struct eco_holding){ list, lod_plan_chunks_for(scene, list, plan->cuts[i].end) };
-		if (image != ECO_NONE)
-			items[count++] = (struct eco_holding){ image, scene->lists[image].chunk_count };
+		uint32_t list = plan->cuts[i].list;
+		items[count++] = (struct eco_holding){ list,
+			lod_plan_chunks_for(scene, list, plan->cuts[i].end) };
 	}
 	qsort(items, count, sizeof *items, by_holding);
 	for (uint32_t i = 0; i < count; i++) /* of equal lists the last needs most */

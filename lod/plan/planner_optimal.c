@@ -560,6 +560,8 @@ static enum eco_code plan_level(struct lod_planner *p, bool *predicts, struct ec
 	struct lambda_search s = { .allocation = &allocation };
 	uint64_t budget = p->input->request->vertices;
 	enum eco_code code = lod_allocation_make(&allocation, p, error);
+	free(p->texture_levels);
+	p->texture_levels = NULL;
 	if (!code)
 		code = search_grid(&s, budget, error);
 	if (!code && *predicts)

@@ -43,13 +43,15 @@ struct lod_planner {
 	uint32_t level;
 	bool converged;              /* as in lod_planner_stats */
 	double wrong;                /* lod_rule_optimal: the objective that the entries reach */
-	double q;                    /* the same: Q of the pixels seen of all plants, by which few plants choose
-	                              * between organs and splats; errors count as in lod_hull_more, and twice
-	                              * where nothing is drawn */
+	double q;                    /* the same: Q of the pixels seen of all plants, by which few plants
+	                              * choose between organs and splats; errors count as in lod_hull_more,
+	                              * and twice where nothing is drawn */
 	uint64_t candidates, gains, looks; /* as in lod_planner_stats */
 	uint64_t bytes;              /* as in lod_planner_stats */
 	uint32_t sized;
 	double price;
+	uint8_t *texture_levels;     /* per list, of textures: the most that bytes allow; 0: any. NULL: bytes
+	                              * do not bind */
 	struct eco_prediction prediction;
 	double sample_distance;      /* lod_rule_deussen; only reported */
 	struct lod_screen screen;    /* lod_rule_optimal */

@@ -315,7 +315,8 @@ static enum eco_code study_view(struct work *w, const struct eco_request *reques
 	struct eco_error *error)
 {
 	struct eco_request all = { .view = request->view, .vertices = ECO_VERTICES_MAX,
-		.bytes = ECO_BYTES_UNBOUNDED, .ground_px = ECO_GROUND_PX_MIN };
+		.bytes = ECO_BYTES_UNBOUNDED, .ground_px = ECO_GROUND_PX_MIN,
+		.texel_px = ECO_TEXEL_PX_MIN };
 	w->size = (struct view_gl_options){ request->view.width, request->view.height };
 	*rows = json_array();
 	enum eco_code code = open_frame(&w->full, w->scene, &all, error);

@@ -118,7 +118,8 @@ enum eco_code bench_client_reference(struct bench_client *client, const struct e
 {
 	struct eco_request full = { .view = request->view, .vertices = ECO_VERTICES_MAX,
 		.bytes = ECO_BYTES_UNBOUNDED,
-		.ground_px = ECO_GROUND_PX_MIN };
+		.ground_px = ECO_GROUND_PX_MIN,
+		.texel_px = ECO_TEXEL_PX_MIN };
 	struct beside beside = { .ceiling = client->sees ? &client->ceiling : NULL, .soft = client->sees };
 	enum eco_code code = ECO_OK;
 	if (!client->has_reference || memcmp(&client->of, &request->view, sizeof client->of)) {

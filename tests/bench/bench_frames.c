@@ -308,6 +308,7 @@ static enum eco_code draw_pictures(struct bench *bench, const char *scene, const
 		char file[128];
 		asked.vertices = at == count ? ECO_VERTICES_MAX : budgets[at];
 		asked.ground_px = at == count ? ECO_GROUND_PX_MIN : 0;
+		asked.texel_px = at == count ? ECO_TEXEL_PX_MIN : 0;
 		snprintf(file, sizeof file, "frames-%s-%s-%llu.png", scene, view,
 			(unsigned long long)asked.vertices);
 		code = bench_still_draw(still, &asked, at == count ? &full : &ours, NULL, error);
@@ -377,6 +378,7 @@ static enum eco_code time_reference(struct bench *bench, const char *pack, json_
 	for (int i = 0; i < 2 && !code; i++) {
 		request.vertices = i ? ECO_VERTICES_MAX : RATIO_VERTICES;
 		request.ground_px = i ? ECO_GROUND_PX_MIN : 0;
+		request.texel_px = i ? ECO_TEXEL_PX_MIN : 0;
 		code = bench_still_draw(still, &request, &picture, NULL, error);
 		ms[i] = picture.draw_ms;
 		vertices[i] = (double)picture.vertices;

@@ -53,7 +53,8 @@ static struct eco_request request_of(uint64_t vertices)
 {
 	return (struct eco_request){ .view = { .eye = { 4.5, 0, 1.6 }, .target = { 0.5, 0, 0.6 },
 		.up = { 0, 0, 1 }, .fov_y_deg = 35, .width = 480, .height = 360 }, .vertices = vertices,
-		.bytes = ECO_BYTES_UNBOUNDED, .ground_px = ECO_GROUND_PX_MIN };
+		.bytes = ECO_BYTES_UNBOUNDED, .ground_px = ECO_GROUND_PX_MIN,
+		.texel_px = ECO_TEXEL_PX_MIN };
 }
 
 static bool is_flower(const struct view_picture *p, size_t i)

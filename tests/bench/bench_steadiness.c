@@ -245,6 +245,7 @@ static enum eco_code run_camera(struct bench *bench, struct reel *reels, const s
 		for (size_t b = BUDGETS + 1; b-- > 0 && !code;) {
 			request.vertices = b < BUDGETS ? budgets[b] : ECO_VERTICES_MAX;
 			request.ground_px = b < BUDGETS ? 0 : ECO_GROUND_PX_MIN;
+			request.texel_px = b < BUDGETS ? 0 : ECO_TEXEL_PX_MIN;
 			code = next_frame(&reels[b], &request, error);
 			if (code || i == 0 || b == BUDGETS)
 				continue;
@@ -304,8 +305,9 @@ static void add_rows(struct bench_table *table, struct worst *worst, const char 
 	for (size_t b = 0; b < BUDGETS; b++) {
 		const json_t *row = json_array_get(unit, b);
 		bench_table_row(table, "%s,%s,%llu,%.3f,%.3f,%.3f,%.3f,%.3f,%.2f,%.2f,%.2f,%.1f,%.2f,%.2f",
-			scene, motion_names[motion], (unsigned long long)budgets[b], 100 * number(row, "ours"),
-			100 * number(row, "reference"), number(row, "ratio"), number(row, "beyond"),
+			scene, motion_names[motion], (unsigned long long)budgets[b],
+			100 * number(row, "ours"), 100 * number(row, "reference"),
+			number(row, "ratio"), number(row, "beyond"),
 			number(row, "worst_pair"), 100 * number(row, "switched"),
 			100 * number(row, "vertices"),
 			100 * number(row, "worst_switch"), 100 * number(row, "over"),

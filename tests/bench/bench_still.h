@@ -6,7 +6,8 @@
  *         as often as wanted; chunks that came once are kept
  *   bench_still_close(still);
  *
- * Full detail is a request of ECO_VERTICES_MAX vertices and the finest ground, ECO_GROUND_PX_MIN. */
+ * Full detail is a request of ECO_VERTICES_MAX vertices, the finest ground, ECO_GROUND_PX_MIN, and whole
+ * textures, ECO_TEXEL_PX_MIN. */
 #ifndef TESTS_BENCH_STILL_H
 #define TESTS_BENCH_STILL_H
 

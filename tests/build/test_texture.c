@@ -1,67 +1,231 @@
-/* Drawing of an image's clear texels where they are mixed with others. */
+/* Textures: what is written comes back, levels keep what is covered, and nobody gets texels that he cannot
+ * see. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_texture.h"
+#include "ecofiles/format/image.h"
+#include "ecofiles/format/texture.h"
+#include "lod/build/texture.h"
+#include "tests/support/scene_builder.h"
 #include "tests/support/unit_test.h"
 
-/* Letters: r red, g green, opaque; . clear and white. */
-static uint8_t *fill(const char *const *rows, uint32_t width, uint32_t height)
+#define SIDE 256u
+
+static uint64_t state = 5;
+
+/* Discs of one colour each on a clear ground of another. */
+static struct eco_image leaves(uint32_t width, uint32_t height, uint32_t count)
 {
-	uint8_t *rgba = calloc((size_t)width * height, 4);
-	assert_non_null(rgba);
-	for (uint32_t i = 0; i < width * height; i++) {
-		char c = rows[i / width][i % width];
-		memcpy(rgba + 4 * i, c == 'r' ? "\xC8\0\0\xFF" : c == 'g' ? "\0\x64\0\xFF"
-			: "\xFF\xFF\xFF\x20", 4);
+	struct eco_image image = { width, height, malloc(4 * (size_t)width * height) };
+	for (size_t i = 0; i < (size_t)width * height; i++)
+		memcpy(image.rgba + 4 * i, "\xFF\x00\xFF\x20", 4);
+	for (uint32_t n = 0; n < count; n++) {
+		int x = (int)(lcg_bits(&state) % width), y = (int)(lcg_bits(&state) % height),
+			r = 3 + (int)(lcg_bits(&state) % (width / 12));
+		for (int v = y - r; v <= y + r; v++)
+			for (int u = x - r; u <= x + r; u++)
+				if (u >= 0 && v >= 0 && u < (int)width && v < (int)height
+						&& (u - x) * (u - x) + (v - y) * (v - y) <= r * r)
+					memcpy(image.rgba + 4 * ((size_t)v * width + (size_t)u),
+						n % 2 ? "\x30\x70\x20\xFF" : "\x50\x90\x30\xFF", 4);
 	}
-	uint8_t *filled =
-		view_texture_fill(&(struct eco_image){ .width = width, .height = height, .rgba = rgba });
-	assert_non_null(filled);
-	for (uint32_t i = 0; i < width * height; i++) {
-		assert_int_equal(filled[4 * i + 3], rgba[4 * i + 3]);
-		if (rgba[4 * i + 3] == 255)
-			assert_memory_equal(filled + 4 * i, rgba + 4 * i, 4);
+	return image;
+}
+
+/* A square leaf of `side_m` with the whole image on it. */
+struct card {
+	struct eco_model model;
+	struct eco_image image;
+	struct eco_material material;
+	float position[12], uv[8];
+	uint32_t index[6], of[2];
+};
+
+static void card_make(struct card *c, struct eco_image image, float side_m)
+{
+	static const float uv[8] = { 0, 0, 1, 0, 1, 1, 0, 1 };
+	static const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
+	*c = (struct card){ .image = image };
+	memcpy(c->uv, uv, sizeof uv);
+	memcpy(c->index, index, sizeof index);
+	for (int i = 0; i < 4; i++) {
+		c->position[3 * i] = side_m * uv[2 * i];
+		c->position[3 * i + 2] = side_m * uv[2 * i + 1];
 	}
-	free(rgba);
-	return filled;
+	c->model = (struct eco_model){ .vertex_count = 4, .triangle_count = 2, .material_count = 1,
+		.image_count = 1, .position = c->position, .uv = c->uv, .index = c->index, .material = c->of,
+		.materials = &c->material, .images = &c->image };
 }
 
-UNIT_TEST(clear_texels_take_the_colour_beside_them)
+static struct lod_texture make(struct card *c)
 {
-	static const char *const rows[] = { "r...g...", "........", "..r...g.", "........" };
-	uint8_t *filled = fill(rows, 8, 4);
-	for (uint32_t i = 0; i < 32; i++)
-		assert_memory_equal(filled + 4 * i, i % 8 < 4 ? "\xC8\0\0" : "\0\x64\0", 3);
-	free(filled);
+	struct lod_texture texture;
+	struct eco_error error = { 0 };
+	assert_ok(lod_texture_make(&texture, &c->model, 0, &error), error);
+	return texture;
 }
 
-UNIT_TEST(far_from_all_they_take_the_mean)
+static struct eco_texture_part read_level(const struct lod_texture *texture, uint32_t i, bool outline)
 {
-	static const char *const rows[] = { "r......g", "........", "........", "........", "........",
-		"........", "........", "........" };
-	uint8_t *filled = fill(rows, 8, 8);
-	assert_memory_equal(filled + 4 * (7 * 8), "\x64\x32\0", 3);
-	free(filled);
+	const struct eco_writer *w = outline ? &texture->outlines[i] : &texture->colors[i];
+	struct eco_texture_part part;
+	struct eco_error error = { 0 };
+	assert_ok((outline ? eco_texture_read_outline : eco_texture_read_colors)(&part, w->bytes, w->size,
+		&error), error);
+	return part;
 }
 
-UNIT_TEST(one_opaque_texel_is_enough_in_a_picture_of_any_shape)
+static double covered(const uint8_t *texels, size_t count, size_t step)
 {
-	char row[301];
-	const char *rows[] = { row };
-	memset(row, '.', 300);
-	row[300] = 0;
-	row[299] = 'g';
-	uint8_t *filled = fill(rows, 300, 1);
-	assert_memory_equal(filled, "\0\x64\0", 3);
-	free(filled);
+	size_t sum = 0;
+	for (size_t i = 0; i < count; i++)
+		sum += texels[step * i] >= 128;
+	return (double)sum / (double)count;
 }
 
-UNIT_TEST(nothing_opaque_stays_as_it_is)
+UNIT_TEST(outlines_come_back)
 {
-	static const char *const rows[] = { "...", "..." };
-	uint8_t *filled = fill(rows, 3, 2);
-	for (uint32_t i = 0; i < 6; i++)
-		assert_memory_equal(filled + 4 * i, "\xFF\xFF\xFF", 3);
-	free(filled);
+	for (uint32_t n = 0; n < 60; n++) {
+		struct eco_error error = { 0 };
+		struct eco_texture_part part = { 1 + lcg_bits(&state) % 70, 1 + lcg_bits(&state) % 70, 1,
+			NULL }, back;
+		struct eco_writer w = { 0 };
+		size_t count = (size_t)part.width * part.height;
+		part.texels = malloc(count);
+		for (size_t i = 0; i < count; i++)
+			part.texels[i] = n < 2 ? (uint8_t)(255 * n)
+				: lcg_bits(&state) % (n % 7 + 2) ? 255 : 0;
+		assert_ok(eco_texture_write_outline(&w, &part, &error), error);
+		assert_ok(eco_texture_read_outline(&back, w.bytes, w.size, &error), error);
+		assert_int_equal(back.width, part.width);
+		assert_int_equal(back.height, part.height);
+		assert_memory_equal(back.texels, part.texels, count);
+		eco_texture_part_free(&back);
+		/* cut off anywhere it is refused, or another outline of the same size, never more */
+		for (size_t size = 0; size < w.size; size += 1 + w.size / 9)
+			if (!eco_texture_read_outline(&back, w.bytes, size, NULL))
+				eco_texture_part_free(&back);
+		free(part.texels);
+		eco_writer_free(&w);
+	}
+}
+
+UNIT_TEST(impossible_parts_are_refused)
+{
+	static const uint8_t huge[9] = { 0xFF, 0xFF, 0xFF, 0x7F, 1 }, none[9] = { 0 },
+		noise[40] = "RIFF\x20\0\0\0WEBPVP8 and then nothing at all";
+	const struct eco_bytes bad[] = { { (uint8_t *)huge, 9 }, { (uint8_t *)none, 9 },
+		{ (uint8_t *)huge, 3 } };
+	struct eco_texture_part part;
+	struct eco_error error = { 0 };
+	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+		assert_int_equal(eco_texture_read_outline(&part, bad[i].at, bad[i].size, NULL), ECO_DAMAGED);
+	assert_int_equal(eco_texture_read_colors(&part, noise, sizeof noise, &error), ECO_DAMAGED);
+	assert_non_null(strstr(error.text, "WebP"));
+	assert_null(part.texels);
+}
+
+UNIT_TEST(levels_halve_and_cover_as_much)
+{
+	struct card card;
+	card_make(&card, leaves(SIDE, SIDE / 2, 30), 2);
+	struct lod_texture texture = make(&card);
+	double all = covered(card.image.rgba + 3, SIDE * SIDE / 2, 4);
+	assert_int_equal(texture.count, 4);      /* 32, 64, 128, 256 wide */
+	assert_true(fabs((double)texture.texel_area / (2.0 * 2.0 / (SIDE * SIDE / 2)) - 1) < 1e-3);
+	for (uint32_t i = 0; i < texture.count; i++) {
+		struct eco_texture_part outline = read_level(&texture, i, true),
+			colors = read_level(&texture, i, false);
+		size_t count = (size_t)outline.width * outline.height;
+		assert_int_equal(outline.width, 32u << i);
+		assert_int_equal(outline.height, 16u << i);
+		assert_int_equal(colors.width, outline.width);
+		double now = covered(outline.texels, count, 1);
+		print_message("          %u x %u: %.3f of %.3f, %zu and %zu bytes\n", outline.width,
+			outline.height, now, all, texture.outlines[i].size, texture.colors[i].size);
+		assert_true(fabs(now - all) < 0.01);
+		/* leaves are green, and what lies around them is: nothing of the clear texels' own colour */
+		for (size_t k = 0; k < count; k++)
+			assert_true(colors.texels[3 * k] < colors.texels[3 * k + 1]);
+		eco_texture_part_free(&outline);
+		eco_texture_part_free(&colors);
+	}
+	lod_texture_free(&texture);
+	free(card.image.rgba);
+}
+
+UNIT_TEST(finer_levels_show_it_better)
+{
+	struct card card;
+	card_make(&card, leaves(SIDE, SIDE, 40), 3);
+	struct lod_texture texture = make(&card);
+	struct eco_texture_part colors = read_level(&texture, 1, false);
+	struct eco_error error = { 0 };
+	double before = 1;
+	for (uint32_t i = 0; i < texture.count; i++) {
+		struct eco_texture_part outline = read_level(&texture, i, true);
+		struct eco_image image;
+		assert_ok(eco_texture_show(&image, &colors, &outline, &error), error);
+		assert_int_equal(image.width, i < 1 ? 64 : 32u << i);
+		size_t wrong = 0, each = SIDE / image.width;
+		for (size_t y = 0; y < SIDE; y++)
+			for (size_t x = 0; x < SIDE; x++)
+				wrong += (card.image.rgba[4 * (y * SIDE + x) + 3] >= 128)
+					!= (image.rgba[4 * (y / each * image.width + x / each) + 3] >= 128);
+		double now = (double)wrong / (SIDE * SIDE);
+		assert_true(now < before);
+		before = now;
+		eco_image_free(&image);
+		eco_texture_part_free(&outline);
+	}
+	assert_true(before == 0);
+	eco_texture_part_free(&colors);
+	lod_texture_free(&texture);
+	free(card.image.rgba);
+}
+
+UNIT_TEST(texels_that_no_view_resolves_are_left_out)
+{
+	/* .767 mm a pixel: a leaf of 10 cm shows 130 texels */
+	static const struct { float side_m; uint32_t width; } cases[] = { { 10, SIDE }, { 0.19f, SIDE },
+		{ 0.1f, SIDE }, { 0.09f, SIDE / 2 }, { 0.02f, 32 } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct card card;
+		card_make(&card, leaves(SIDE, SIDE, 20), cases[i].side_m);
+		struct lod_texture texture = make(&card);
+		struct eco_texture_part last = read_level(&texture, texture.count - 1, true);
+		assert_int_equal(last.width, cases[i].width);
+		double side = (double)cases[i].side_m / last.width;
+		assert_true(fabs((double)texture.texel_area / (side * side) - 1) < 1e-3);
+		eco_texture_part_free(&last);
+		lod_texture_free(&texture);
+		free(card.image.rgba);
+	}
+}
+
+UNIT_TEST(any_shape_and_nothing_opaque)
+{
+	static const uint32_t sides[][2] = { { 300, 1 }, { 1, 300 }, { 40, 8 }, { 33, 31 } };
+	for (size_t i = 0; i < sizeof sides / sizeof *sides; i++)
+		for (int opaque = 0; opaque < 3; opaque++) {
+			struct card card;
+			size_t count = (size_t)sides[i][0] * sides[i][1];
+			struct eco_image image = { sides[i][0], sides[i][1], calloc(count, 4) };
+			for (size_t k = 0; k < count; k++)
+				memcpy(image.rgba + 4 * k, "\x40\x80\x20\x00", 4);
+			for (size_t k = 0; k < count && opaque; k += opaque == 1 ? 3 : 1)
+				image.rgba[4 * k + 3] = 255;
+			card_make(&card, image, 5);
+			struct lod_texture texture = make(&card);
+			assert_true((opaque == 2) == !texture.outlines);
+			struct eco_texture_part first = read_level(&texture, 0, opaque < 2);
+			assert_true(first.width <= 32 && first.height <= 32);
+			size_t texels = (size_t)first.width * first.height;
+			double now = opaque < 2 ? covered(first.texels, texels, 1) : 1;
+			assert_true(opaque == 0 ? now == 0 : now > 0.1);
+			eco_texture_part_free(&first);
+			lod_texture_free(&texture);
+			free(image.rgba);
+		}
 }

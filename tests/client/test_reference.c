@@ -8,6 +8,7 @@
 #include "client-min/view_gl.h"
 #include "client-min/view_reference.h"
 #include "ecofiles/format/image.h"
+#include "lod/build/texture.h"
 #include "lod/raster/flip.h"
 #include "lod/raster/raster.h"
 #include "tests/support/files.h"
@@ -19,13 +20,14 @@
 
 static struct scene_builder scene;
 static struct view_gl *gl;
-static uint8_t *png;
-static size_t png_size;
+static struct lod_texture texture;
 
 /* A leaf-shaped picture: a disc with holes. */
-static void make_png(void)
+static void make_texture(void)
 {
 	static uint8_t rgba[64 * 48 * 4];
+	struct eco_image image = { 64, 48, rgba };
+	struct eco_model model = { .images = &image, .image_count = 1 };
 	struct eco_error error = { 0 };
 	for (int y = 0; y < 48; y++)
 		for (int x = 0; x < 64; x++) {
@@ -34,10 +36,8 @@ static void make_png(void)
 			p[0] = 60, p[1] = (uint8_t)(100 + x), p[2] = 40;
 			p[3] = d < 500 && (x / 6 + y / 6) % 5 ? 255 : 0;
 		}
-	if (eco_png_encode(&(struct eco_pixels){ 64, 48, 4, rgba }, &png, &png_size, &error)) {
-		print_message("without textures: %s\n", error.text);
-		png = NULL;
-	}
+	assert_ok(lod_texture_make(&texture, &model, 0, &error), error);
+	assert_int_equal(texture.count, 2);
 }
 
 static int open_all(void **state)
@@ -45,8 +45,13 @@ static int open_all(void **state)
 	struct eco_view view = scene_view();
 	struct view_gl_options options = { view.width, view.height };
 	struct eco_error error = { 0 };
-	make_png();
-	scene_make(&scene, png, png_size);
+	make_texture();
+	static struct eco_bytes levels[2][2];
+	for (uint32_t i = 0; i < texture.count; i++) {
+		levels[0][i] = (struct eco_bytes){ texture.colors[i].bytes, texture.colors[i].size };
+		levels[1][i] = (struct eco_bytes){ texture.outlines[i].bytes, texture.outlines[i].size };
+	}
+	scene_make(&scene, (const struct eco_bytes *const[2]){ levels[0], levels[1] }, texture.count);
 	if (view_gl_open(&gl, &options, &error))
 		print_message("OpenGL tests are skipped: %s\n", error.text);
 	return 0;
@@ -56,7 +61,7 @@ static int close_all(void **state)
 {
 	view_gl_close(gl);
 	scene_free(&scene);
-	free(png);
+	lod_texture_free(&texture);
 	return 0;
 }
 

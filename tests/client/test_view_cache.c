@@ -239,7 +239,11 @@ static uint64_t list_bytes(const struct view_list *list)
 {
 	const struct eco_elements *e = &list->elements;
 	uint64_t bytes = view_list_bytes(&list->list) + list->element_room * (1 + 4ull * e->extra_count)
-		+ list->corner_room * (e->uv ? 20ull : 12ull) + 4ull * list->image.width * list->image.height;
+		+ list->corner_room * (e->uv ? 20ull : 12ull);
+	/* with the image that a part may be shown in */
+	for (uint32_t i = 0; list->parts && i < list->chunk_count; i++)
+		bytes += sizeof list->parts[i] + (uint64_t)list->parts[i].width * list->parts[i].height
+			* (list->parts[i].channels + 4);
 	for (uint32_t i = 0; list->impostors && i < list->chunk_count; i++)
 		bytes += sizeof list->impostors[i] + lod_impostor_bytes(&list->impostors[i]);
 	return bytes;

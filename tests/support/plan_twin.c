@@ -59,9 +59,9 @@ uint64_t plan_twin_vertices(const struct eco_scene *scene, const struct eco_plan
 	struct lod_eye eye;
 	lod_eye_make(&eye, view);
 	for (uint32_t c = 0; c < plan->cut_count; c++)
-		if (plan->cuts[c].anchor == ECO_NONE && scene->lists[plan->cuts[c].list].kind
-				!= ECO_LIST_GROUND)
-			vertices += plan->cuts[c].end - plan->cuts[c].first;
+		if (plan->cuts[c].anchor == ECO_NONE)
+			vertices += (plan->cuts[c].end - plan->cuts[c].first)
+				* eco_list_vertices(&scene->lists[plan->cuts[c].list]);
 	for (uint32_t r = 0; r < plan->run_count; r++)
 		for (uint32_t g = 0; g < scene->group_count; g++)
 			if (plan->runs[r].list_first <= scene->groups[g].list && scene->groups[g].list

@@ -258,6 +258,12 @@ static void encode_list(struct scene_builder *b, uint32_t id)
 	}
 }
 
+static const struct eco_bytes *levels_of(const struct scene_builder *b, uint32_t id)
+{
+	uint8_t kind = b->lists[id].kind;
+	return kind == ECO_LIST_IMAGE ? b->texture[0] : kind == ECO_LIST_OUTLINE ? b->texture[1] : NULL;
+}
+
 void scene_encode(struct scene_builder *b)
 {
 	for (uint32_t id = 0; id < b->scene.list_count; id++) {
@@ -265,8 +271,8 @@ void scene_encode(struct scene_builder *b)
 		b->lists[id].chunk_count = b->lists[id].primitive_count = b->lists[id].element_count = 0;
 		if (b->lists[id].coder != ECO_CODER_BYTES)
 			encode_list(b, id);
-		else if (b->lists[id].kind == ECO_LIST_IMAGE && b->image)
-			scene_add_files(b, id, &(struct eco_bytes){ (uint8_t *)b->image, b->image_size }, 1);
+		else if (levels_of(b, id))
+			scene_add_files(b, id, levels_of(b, id), b->texture_levels);
 	}
 }
 
@@ -287,9 +293,9 @@ enum eco_code scene_write(struct scene_builder *b, const char *path, const char 
 	for (uint32_t id = 0, stored; id < b->scene.list_count && !code; id++) {
 		const struct eco_list *list = &b->lists[id];
 		struct scene_ends ends = ends_of(b, id);
-		if (list->kind == ECO_LIST_IMAGE)
-			code = eco_pack_add_bytes(w, list,
-				&(struct eco_bytes){ (uint8_t *)b->image, b->image_size }, 1, &stored, error);
+		if (list->kind == ECO_LIST_IMAGE || list->kind == ECO_LIST_OUTLINE)
+			code = eco_pack_add_bytes(w, list, levels_of(b, id), b->texture_levels, &stored,
+				error);
 		else if (list->kind == ECO_LIST_IMPOSTOR)
 			code = eco_pack_add_bytes(w, list, ends.files, ends.count, &stored, error);
 		else

@@ -35,8 +35,9 @@ struct scene_builder {
 	/* of each list: where its chunks end; NULL: see split. Of impostors, their files: one a chunk */
 	struct scene_ends { const uint32_t *ends; uint32_t count; const struct eco_bytes *files; } *ends;
 	uint8_t **payloads;                  /* of each chunk; NULL unless scene_encode made it */
-	const void *image;                   /* bytes of all image lists; NULL: they have no chunk */
-	size_t image_size;
+	/* levels of all lists of kind IMAGE, and of kind OUTLINE; NULL: they have no chunk */
+	const struct eco_bytes *texture[2];
+	uint32_t texture_levels;
 	struct eco_list like;                /* grid, area and colours of lists */
 	/* where the chunks of a list end; NULL: one chunk; at most SCENE_CHUNKS_MAX */
 	uint32_t (*split)(uint32_t count, uint32_t *ends);

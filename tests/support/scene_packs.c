@@ -42,6 +42,7 @@ static void fill_randomly(struct scene_builder *b, const struct eco_list *list, 
 static void sample_lists(struct scene_builder *b, bool plain)
 {
 	static uint8_t image[3000];
+	static const struct eco_bytes levels[2] = { { image, 1000 }, { image + 1000, 2000 } };
 	const uint32_t bush = plain ? 3 : 4;
 	const struct scene_row rows[] = {
 		{ ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR, 0, ECO_NONE, LEAVES, 3 },
@@ -69,8 +70,8 @@ static void sample_lists(struct scene_builder *b, bool plain)
 			image[i] = (uint8_t)lcg_bits(&b->state);
 		fill_randomly(b, list, &b->elements[id]);
 	}
-	b->image = image;
-	b->image_size = sizeof image;
+	b->texture[0] = levels;
+	b->texture_levels = 2;
 }
 
 static void sample_ladder(struct scene_builder *b, uint32_t plant, enum eco_organ organ, uint32_t lists[3],
@@ -201,8 +202,10 @@ static void small_lists(struct scene_builder *b)
 		b->elements[INSTANCES].extra[2 * i] = (int32_t)(9000 * i);
 		b->elements[INSTANCES].extra[2 * i + 1] = (int32_t)(60000 + 1000 * i);
 	}
-	b->image = "not really a PNG";
-	b->image_size = 16;
+	static const struct eco_bytes levels[2] = { { (uint8_t *)"no WebP file", 12 },
+		{ (uint8_t *)"and no other", 12 } };
+	b->texture[0] = levels;
+	b->texture_levels = 2;
 }
 
 static void small_ground(struct scene_builder *b)

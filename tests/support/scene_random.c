@@ -30,10 +30,11 @@ static uint32_t add_list(struct scene_builder *b, uint8_t kind, uint32_t primiti
 		scene_list(b, &(struct scene_row){ .kind = kind, .owner = owner, .other = ECO_NONE });
 	list.plant = plant;
 	list.chunk_first = b->scene.chunk_count;
-	list.chunk_count = kind == ECO_LIST_IMPOSTOR ? primitives : primitives > 1 ? 2 : 1;
+	bool files = kind == ECO_LIST_IMPOSTOR || kind == ECO_LIST_IMAGE || kind == ECO_LIST_OUTLINE;
+	list.chunk_count = files ? primitives : primitives > 1 ? 2 : 1;
 	list.primitive_count = list.element_count = primitives;
 	for (uint32_t i = 0, left = primitives; i < list.chunk_count; i++) {
-		uint32_t n = kind == ECO_LIST_IMPOSTOR ? 1 : i + 1 == list.chunk_count ? left : left / 3 + 1;
+		uint32_t n = files ? 1 : i + 1 == list.chunk_count ? left : left / 3 + 1;
 		scene_add_chunk(b,
 			(struct eco_chunk){ .primitive_count = n, .element_count = n, .size_bytes = 10 * n });
 		left -= n;
@@ -323,8 +324,12 @@ static void finish_lists(struct scene_builder *b)
 	static const uint8_t coders[] = { [ECO_LIST_TRIANGLES] = ECO_CODER_ELEMENTS,
 		[ECO_LIST_LINES] = ECO_CODER_ELEMENTS, [ECO_LIST_POINTS] = ECO_CODER_KD,
 		[ECO_LIST_INSTANCES] = ECO_CODER_ROWS, [ECO_LIST_GROUND] = ECO_CODER_ROWS,
-		[ECO_LIST_IMAGE] = ECO_CODER_BYTES, [ECO_LIST_IMPOSTOR] = ECO_CODER_BYTES };
-	uint32_t image = add_list(b, ECO_LIST_IMAGE, 1, 0, ECO_NONE);
+		[ECO_LIST_IMAGE] = ECO_CODER_BYTES, [ECO_LIST_IMPOSTOR] = ECO_CODER_BYTES,
+		[ECO_LIST_OUTLINE] = ECO_CODER_BYTES };
+	uint32_t image = add_list(b, ECO_LIST_IMAGE, 4, 0, ECO_NONE),
+		outline = add_list(b, ECO_LIST_OUTLINE, 4, 0, ECO_NONE);
+	b->lists[image].unit_area = 1e-6f;
+	b->lists[image].image = outline;
 	for (uint32_t i = 0; i < b->scene.list_count; i++) {
 		struct eco_list *list = &b->lists[i];
 		list->coder = coders[list->kind];

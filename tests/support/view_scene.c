@@ -161,16 +161,18 @@ static const struct scene_row rows[L_COUNT] = {
 	[L_SUMMARY] = { ECO_LIST_POINTS, ECO_CODER_KD, COLOR | ECO_ATTR_PLANT, 5, ECO_NONE, 400, 1 },
 	[L_SIMPLE] = { ECO_LIST_TRIANGLES, ECO_CODER_FORM, COLOR | ECO_ATTR_GROWTH, 0, L_HIGH, 260, 3 },
 	[L_IMPOSTOR] = { ECO_LIST_IMPOSTOR, ECO_CODER_BYTES, 0, 0, ECO_NONE, 0, 0 },
+	[L_OUTLINE] = { ECO_LIST_OUTLINE, ECO_CODER_BYTES, 0, 1, ECO_NONE, 0, 0 },
 };
 
 static uint32_t split_64(uint32_t count, uint32_t *ends) { return eco_chunk_split(count, 64, ends, 64); }
 
-void scene_make(struct scene_builder *b, const uint8_t *png, size_t png_size)
+void scene_make(struct scene_builder *b, const struct eco_bytes *const texture[2], uint32_t levels)
 {
 	static const uint8_t colors[8][3] = { { 70, 110, 40 }, { 88, 130, 50 }, { 60, 96, 44 },
 		{ 104, 140, 60 }, { 92, 70, 50 },
 		{ 235, 240, 225 }, { 200, 60, 90 }, { 128, 128, 128 } };
-	*b = (struct scene_builder){ .state = 7, .image = png, .image_size = png_size, .split = split_64,
+	*b = (struct scene_builder){ .state = 7, .texture_levels = levels, .split = split_64,
+		.texture = { texture ? texture[0] : NULL, texture ? texture[1] : NULL },
 		.scene = { .name = "test", .near_m = 0.1 },
 		.like = { .grid_origin = { 0, 0, -0.5 }, .grid_step = { 0.001, 0.001, 0.001 },
 		.palette_count = 8 } };
@@ -182,7 +184,8 @@ void scene_make(struct scene_builder *b, const uint8_t *png, size_t png_size)
 	scene_add_plant(b, (struct eco_plant){ .name = "bush", .height_m = 0.9f });
 	scene_add_anchor(b, (struct eco_anchor){ { 0, 0, 0.45f }, 1.3f });
 	scene_add_rows(b, rows, L_COUNT);
-	b->lists[L_BUSH].image = png ? L_IMAGE : ECO_NONE;
+	b->lists[L_BUSH].image = texture ? L_IMAGE : ECO_NONE;
+	b->lists[L_IMAGE].image = L_OUTLINE;
 	b->lists[L_SUMMARY].unit_area = 0.2f;
 	fill_wood(b);
 	fill_leaves(b, L_LEAVES, 2, 7);
@@ -254,6 +257,10 @@ void scene_plan(const struct scene_builder *b, const struct eco_view *view, doub
 		scene_rule(A_HIGH, L_SIMPLE, 0, m, 1.7f, 0, far),
 		scene_rule(A_HIGH, L_HIGH_POINTS, m, cell, 1.2f, 0, far),
 		scene_rule(A_BUSH, L_BUSH, 0, 80, 1, 0, far),
+		{ .list = L_IMAGE, .end = b->texture_levels, .scale = 1, .anchor = ECO_NONE,
+			.share_end = ECO_SHARE_ONE },
+		{ .list = L_OUTLINE, .end = b->texture_levels, .scale = 1, .anchor = ECO_NONE,
+			.share_end = ECO_SHARE_ONE },
 	};
 	cuts[10].share_end = ECO_SHARE_ONE / 2;
 	const struct eco_placement placements[] = {
@@ -264,7 +271,8 @@ void scene_plan(const struct scene_builder *b, const struct eco_view *view, doub
 	const struct eco_run runs[] = { { 0, L_TREES, L_BUSHES + 1, 0 },
 		{ 1, L_TREES, L_BUSHES + 1, 30000 } };
 	*plan = (struct eco_plan){ .placement_count = 3, .run_count = 2, .gate_count = 1,
-		.cut_count = sizeof cuts / sizeof cuts[0], .prediction = { 100, 10, 10 } };
+		.cut_count = sizeof cuts / sizeof cuts[0] - (b->texture_levels ? 0 : 2),
+		.prediction = { 100, 10, 10 } };
 	plan->placements = memcpy(malloc(sizeof placements), placements, sizeof placements);
 	plan->runs = memcpy(malloc(sizeof runs), runs, sizeof runs);
 	plan->cuts = memcpy(malloc(sizeof cuts), cuts, sizeof cuts);
@@ -322,8 +330,6 @@ uint32_t scene_needs(const struct scene_builder *b, const struct eco_plan *plan,
 		uint32_t list = plan->cuts[c].list;
 		if (list == id && plan->cuts[c].end > end)
 			end = plan->cuts[c].end;
-		if (b->lists[list].image == id)
-			end = 1;
 	}
 	for (; at < end; chunks++)
 		at += b->chunks[b->lists[id].chunk_first + chunks].primitive_count;
@@ -397,8 +403,11 @@ struct scene_held scene_hold(const struct scene_builder *b) { return scene_hold_
 
 void scene_select(struct scene_held *h)
 {
-	if (view_select_make(&h->selection, h->store, &h->eye, NULL))
+	struct eco_error error = { 0 };
+	if (view_select_make(&h->selection, h->store, &h->eye, &error)) {
+		fprintf(stderr, "%s\n", error.text);
 		abort();
+	}
 }
 
 void scene_release(struct scene_held *h)

@@ -3,7 +3,7 @@
  * textured cut-outs; both planted on a hilly ground, some in a nested placement; a summary. The tree may have
  * an impostor, too.
  *
- *   scene_make(&b, png, size);                scene_free(&b)
+ *   scene_make(&b, texture, levels);          scene_free(&b)
  *   scene_plan(&b, &view, 1, &plan);          cuts of every kind
  *   store = scene_store(&b, &plan, &error);   what holds that plan, streamed
  *   h = scene_hold(&b); scene_release(&h);    both at once */
@@ -15,11 +15,11 @@
 #include "tests/support/scene_builder.h"
 
 enum { L_WOOD, L_LINES, L_LEAVES, L_POINTS, L_LOW, L_LOW_POINTS, L_HIGH, L_HIGH_POINTS, L_BUSH, L_IMAGE,
-	L_TREES, L_BUSHES, L_GROUND, L_SUMMARY, L_SIMPLE, L_IMPOSTOR, L_COUNT };
+	L_TREES, L_BUSHES, L_GROUND, L_SUMMARY, L_SIMPLE, L_IMPOSTOR, L_OUTLINE, L_COUNT };
 enum { A_TREE, A_LOW, A_HIGH, A_BUSH, A_COUNT };
 
-/* `png`: of the bush; NULL: the bush has no image. */
-void scene_make(struct scene_builder *b, const uint8_t *png, size_t png_size);
+/* `texture`: levels of colours and of the outline of the bush, which stay the caller's; NULL: it has none. */
+void scene_make(struct scene_builder *b, const struct eco_bytes *const texture[2], uint32_t levels);
 /* Gives the tree its impostor, all levels, which is that of another tree of so many leaves. The plan of
  * scene_plan does not draw it. */
 void scene_make_impostor(struct scene_builder *b, uint32_t leaves);

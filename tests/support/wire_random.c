@@ -223,9 +223,8 @@ struct eco_list wire_random_list(uint32_t id)
 		.plant = id == 3 ? 1 : ECO_NONE,
 		.grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 0.01f, .palette_count = id < 3 ? 2 : 0,
 		.image = ECO_NONE,
-		.partner = id == 1 ? 0 : ECO_NONE, .columns = id == 5 ? 8 : 0, .primitive_count = id == 1
-		? 900 : 1000, .element_count = 900,
-		.chunk_count = id == 4 ? 1 : 9 };
+		.partner = id == 1 ? 0 : ECO_NONE, .columns = id == 5 ? 8 : 0, .primitive_count = id == 4 ? 8
+		: id == 1 ? 900 : 1000, .element_count = id == 4 ? 8 : 900, .chunk_count = id == 4 ? 8 : 9 };
 }
 
 struct eco_wire_record wire_before;

@@ -13,6 +13,7 @@ enum eco_code paper_begin(struct paper *p, const struct paper_scene *s, const st
 	struct eco_error *error)
 {
 	*p = (struct paper){ .s = s, .request = *request };
+	p->request.texel_px = ECO_TEXEL_PX_MIN;
 	p->input =
 		(struct lod_planner_input){ .scene = s->scene, .tables = s->tables, .request = &p->request };
 	return lod_planner_begin(&p->p, &p->input, error);
@@ -152,6 +153,25 @@ uint64_t paper_vertices(struct paper *p)
 
 /* ---- Plans ---- */
 
+static bool has_cut(const struct eco_plan *plan, uint32_t list)
+{
+	for (uint32_t i = 0; i < plan->cut_count; i++)
+		if (plan->cuts[i].list == list)
+			return true;
+	return false;
+}
+
+/* All textures, whole; `plan` has room. */
+static void add_textures(const struct eco_scene *scene, struct eco_plan *plan)
+{
+	for (uint32_t i = 0; i < scene->list_count; i++)
+		if ((scene->lists[i].kind == ECO_LIST_IMAGE || scene->lists[i].kind == ECO_LIST_OUTLINE)
+				&& !has_cut(plan, i))
+			plan->cuts[plan->cut_count++] = (struct eco_cut){ .list = i,
+				.end = scene->lists[i].chunk_count, .scale = 1, .anchor = ECO_NONE,
+				.share_end = ECO_SHARE_ONE };
+}
+
 enum eco_code paper_finish(struct paper *p, struct eco_plan *plan, struct eco_error *error)
 {
 	*plan = (struct eco_plan){ 0 };
@@ -164,7 +184,8 @@ enum eco_code paper_finish(struct paper *p, struct eco_plan *plan, struct eco_er
 		code = lod_plan_ground(plan, p->s->scene, &p->request.view, p->request.ground_px, error);
 	struct eco_cut *cuts = code
 		? NULL
-		: realloc(plan->cuts, ((size_t)plan->cut_count + p->cut_count + 1) * sizeof *cuts);
+		: realloc(plan->cuts, ((size_t)plan->cut_count + p->cut_count + p->s->scene->list_count + 1)
+		* sizeof *cuts);
 	if (!code && !cuts)
 		code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u cuts", p->cut_count);
 	if (cuts) {
@@ -172,6 +193,7 @@ enum eco_code paper_finish(struct paper *p, struct eco_plan *plan, struct eco_er
 		if (p->cut_count)
 			memcpy(cuts + plan->cut_count, p->cuts, p->cut_count * sizeof *cuts);
 		plan->cut_count += p->cut_count;
+		add_textures(p->s->scene, plan);
 	}
 	if (code)
 		eco_plan_free(plan);

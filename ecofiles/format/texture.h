@@ -1,0 +1,47 @@
+/* Textures: a list of kind IMAGE holds an image in levels, smallest first, each half as wide and high as the
+ * next. If texels of it are clear, its own `image` is a list of kind OUTLINE, whose levels say where. So both
+ * are prefixes of their own: an outline decides what is covered and takes few bytes, and colours that are
+ * coarser than it are seen as little as those of a coarse mip level.
+ *
+ *   OUTLINE   chunk k: which texels of level k are opaque
+ *   IMAGE     chunk k: the colours of level k: a WebP file, lossy, without alpha
+ *
+ * Outline (little-endian): u32 width, u32 height; nothing more where all texels are opaque, else one
+ * range-coded stream (ecofiles/base/range.h), a bit a texel row by row, 1 for opaque, with a model for each
+ * state of the ten texels before it that JBIG's three-line template looks at (ITU-T T.82, figure 4; those
+ * outside the image are clear), and at the end a byte: the zeros left off.
+ *
+ * No chunk needs another to be decoded. Which level a plan draws, its cut of the list says: the last of the
+ * cut's prefix. */
+#ifndef ECO_TEXTURE_H
+#define ECO_TEXTURE_H
+
+#include "ecofiles/base/bytes.h"
+#include "ecofiles/format/model.h"
+
+#define ECO_TEXTURE_LEVELS_MAX 16u
+#define ECO_TEXTURE_SIDE_MAX 16383u              /* texels, of a level: WebP has no more */
+
+/* An outline (channels 1: 255 opaque, 0 clear) or colours (channels 3: sRGB), rows from the top. */
+struct eco_texture_part { uint32_t width, height, channels; uint8_t *texels; };
+void eco_texture_part_free(struct eco_texture_part *part);
+
+/* Appends a payload. Sides are 1 to ECO_TEXTURE_SIDE_MAX, texels at most ECO_PIXELS_MAX. The same texels give
+ * the same bytes. `quality` is WebP's, 0 to 100. */
+enum eco_code eco_texture_write_outline(struct eco_writer *w, const struct eco_texture_part *part,
+	struct eco_error *error);
+enum eco_code eco_texture_write_colors(struct eco_writer *w, const struct eco_texture_part *part,
+	double quality, struct eco_error *error);
+
+/* Decodes the payload of a chunk; part->texels is malloc'ed. ECO_DAMAGED: *part is empty. */
+enum eco_code eco_texture_read_outline(struct eco_texture_part *part, const uint8_t *bytes, size_t size,
+	struct eco_error *error);
+enum eco_code eco_texture_read_colors(struct eco_texture_part *part, const uint8_t *bytes, size_t size,
+	struct eco_error *error);
+
+/* Colours cut out by an outline (NULL: opaque), as large as the larger of the two; texels of the other are
+ * repeated. image->rgba is malloc'ed; its alpha is 0 or 255. */
+enum eco_code eco_texture_show(struct eco_image *image, const struct eco_texture_part *colors,
+	const struct eco_texture_part *outline, struct eco_error *error);
+
+#endif

@@ -1,0 +1,95 @@
+#include "lod/plan/texture_levels.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+
+#define NEARER 0.8408964152537145        /* 2^(-1/4): a plant of a band against the band's middle, at most */
+
+/* Costs of texels: an octave up to a pixel, beyond one; octaves that count. */
+#define COST_BELOW 0.01
+#define COST_ABOVE 0.1
+#define COST_FROM -5.0
+#define COST_OCTAVES 3.0
+#define COST_FULL 8.0
+
+double lod_texel_px(const struct lod_planner *p, uint32_t image, uint32_t anchor, uint8_t band)
+{
+	double area = (double)p->scene->lists[image].unit_area,
+		distance = NEARER * lod_band_distance_m(band) - (double)p->scene->anchors[anchor].radius;
+	return area > 0 && distance > 0 ? sqrt(area) / (distance * p->visible.eye.pixel_rad) : INFINITY;
+}
+
+uint32_t lod_texture_levels(const struct lod_planner *p, uint32_t image, double px)
+{
+	double asked = p->input->request->texel_px, most = asked > 0 ? asked : ECO_TEXEL_PX;
+	uint32_t levels = p->scene->lists[image].chunk_count;
+	for (; levels > 1 && 2 * px <= most; levels--)
+		px *= 2;
+	return levels;
+}
+
+/* Octaves of rounding do no harm: the cost is the same on every machine. */
+double lod_texel_cost(double px)
+{
+	double octaves = px < COST_FULL ? lod_octaves(px) : COST_OCTAVES,
+		below = fmin(0, fmax(octaves, COST_FROM)) - COST_FROM,
+		above = fmin(COST_OCTAVES, fmax(0, octaves));
+	return COST_BELOW * below + COST_ABOVE * above;
+}
+
+static int by_list(const void *a, const void *b)
+{
+	const struct eco_cut *x = a, *y = b;
+	if (x->list != y->list)
+		return x->list < y->list ? -1 : 1;
+	return x->end < y->end ? -1 : x->end > y->end;
+}
+
+static struct eco_cut cut_of(uint32_t list, uint32_t levels)
+{
+	return (struct eco_cut){ .list = list, .end = levels, .scale = 1, .anchor = ECO_NONE,
+		.share_end = ECO_SHARE_ONE };
+}
+
+/* Two cuts at most for each that shows a texture, behind the plan's; returns how many. */
+static uint32_t cuts_of(const struct eco_plan *plan, const struct lod_planner *p, struct eco_cut *to)
+{
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < plan->cut_count; i++) {
+		const struct eco_cut *cut = &plan->cuts[i];
+		uint32_t image = p->scene->lists[cut->list].image;
+		if (image == ECO_NONE)
+			continue;
+		double px = lod_texel_px(p, image, cut->anchor, cut->band_first);
+		uint32_t levels = lod_texture_levels(p, image, px),
+			most = p->texture_levels ? p->texture_levels[image] : 0;
+		to[count++] = cut_of(image, most && most < levels ? most : levels);
+		uint32_t outline = p->scene->lists[image].image;
+		if (outline != ECO_NONE)
+			to[count++] = cut_of(outline, p->scene->lists[outline].chunk_count);
+	}
+	return count;
+}
+
+enum eco_code lod_plan_textures(struct eco_plan *plan, const struct lod_planner *p, struct eco_error *error)
+{
+	uint32_t textured = 0;
+	for (uint32_t i = 0; i < plan->cut_count; i++)
+		textured += p->scene->lists[plan->cuts[i].list].image != ECO_NONE;
+	if (!textured)
+		return ECO_OK;
+	size_t room = (size_t)plan->cut_count + 2 * (size_t)textured;
+	struct eco_cut *cuts = realloc(plan->cuts, room * sizeof *cuts);
+	if (!cuts)
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for textures of %u cuts",
+			plan->cut_count);
+	plan->cuts = cuts;
+	cuts += plan->cut_count;
+	uint32_t count = cuts_of(plan, p, cuts);
+	qsort(cuts, count, sizeof *cuts, by_list);
+	for (uint32_t i = 0; i < count; i++)     /* of equal lists the last shows most */
+		if (i + 1 == count || cuts[i + 1].list != cuts[i].list)
+			plan->cuts[plan->cut_count++] = cuts[i];
+	return ECO_OK;
+}

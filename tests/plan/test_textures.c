@@ -1,0 +1,171 @@
+/* Textures of plans, on random scenes: shown by all that have them, finer where they are nearer, and given up
+ * for bytes. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "lod/plan/planner.h"
+#include "lod/plan/texture_levels.h"
+#include "tests/support/scene_random.h"
+#include "tests/support/unit_test.h"
+
+#define SCENES 30
+#define LEVELS 4u                /* of the scenes' texture */
+
+static struct eco_plan plan_it(const struct random_pack *pack, const struct eco_view *view, double texel_px)
+{
+	struct eco_plan plan;
+	struct eco_error error = { 0 };
+	const struct eco_request request = { .view = *view, .vertices = 1000000, .bytes = ECO_BYTES_UNBOUNDED,
+		.texel_px = texel_px };
+	assert_ok(lod_plan(&plan, &(struct lod_planner_input){ .scene = &pack->pack.scene,
+		.request = &request }, &error), error);
+	return plan;
+}
+
+/* Levels that a plan shows of a list; 0: it has no cut of it. */
+static uint32_t shown(const struct eco_plan *plan, uint32_t list)
+{
+	uint32_t levels = 0, cuts = 0;
+	for (uint32_t i = 0; i < plan->cut_count; i++)
+		if (plan->cuts[i].list == list) {
+			assert_true(plan->cuts[i].anchor == ECO_NONE && plan->cuts[i].first == 0);
+			levels = plan->cuts[i].end;
+			cuts++;
+		}
+	assert_true(cuts <= 1);
+	return levels;
+}
+
+static bool draws_textured(const struct eco_plan *plan, const struct eco_scene *scene)
+{
+	for (uint32_t i = 0; i < plan->cut_count; i++)
+		if (plan->cuts[i].anchor != ECO_NONE && scene->lists[plan->cuts[i].list].image != ECO_NONE)
+			return true;
+	return false;
+}
+
+static uint32_t image_of(const struct eco_scene *scene)
+{
+	uint32_t list = 0;
+	while (scene->lists[list].kind != ECO_LIST_IMAGE)
+		list++;
+	assert_true(list < scene->list_count && scene->lists[list].image != ECO_NONE);
+	return list;
+}
+
+UNIT_TEST(a_texture_is_shown_where_something_has_it)
+{
+	uint32_t textured = 0, coarse = 0;
+	for (uint64_t seed = 1; seed <= SCENES; seed++) {
+		struct random_pack *pack = random_pack_make(seed, 0, 1);
+		const struct eco_scene *scene = &pack->pack.scene;
+		struct eco_view view = random_view(&pack->r);
+		uint32_t image = image_of(scene), outline = scene->lists[image].image, before = LEVELS;
+		for (double px = ECO_TEXEL_PX_MIN; px < 1000; px *= 4) {
+			struct eco_plan plan = plan_it(pack, &view, px);
+			struct eco_holdings needs;
+			struct eco_error error = { 0 };
+			uint32_t levels = shown(&plan, image);
+			eco_plan_sort(&plan);
+			assert_ok(eco_plan_check(&plan, &error), error);
+			assert_int_equal(levels > 0, draws_textured(&plan, scene));
+			assert_int_equal(shown(&plan, outline), levels ? LEVELS : 0);
+			assert_true(!levels || levels <= before);
+			before = levels ? levels : before;
+			textured += levels > 0;
+			coarse += levels == 1;
+			/* what is shown is fetched, and nothing more of it */
+			assert_ok(lod_plan_needs(scene, &plan, &needs, &error), error);
+			assert_int_equal(eco_holdings_chunks(&needs, image), levels);
+			free(needs.items);
+			eco_plan_free(&plan);
+		}
+		random_pack_free(pack);
+	}
+	assert_true(textured > SCENES && coarse > 0);
+}
+
+static enum eco_code size_of(void *ctx, struct eco_plan *plan, uint64_t *bytes, struct eco_error *error)
+{
+	const struct eco_scene *scene = ctx;
+	struct eco_holdings needs;
+	enum eco_code code = lod_plan_needs(scene, plan, &needs, error);
+	*bytes = 0;
+	for (uint32_t i = 0; !code && i < needs.count; i++)
+		for (uint32_t c = 0; c < needs.items[i].chunks; c++)
+			*bytes += scene->chunks[scene->lists[needs.items[i].list].chunk_first + c].size_bytes;
+	if (!code)
+		free(needs.items);
+	return code;
+}
+
+UNIT_TEST(levels_are_given_up_for_bytes)
+{
+	uint32_t fewer = 0, shows = 0;
+	for (uint64_t seed = 1; seed <= SCENES; seed++) {
+		struct random_pack *pack = random_pack_make(seed, 0, 1);
+		const struct eco_scene *scene = &pack->pack.scene;
+		struct eco_view view = random_view(&pack->r);
+		uint32_t image = image_of(scene);
+		for (uint32_t k = 0; k < LEVELS; k++)
+			pack->r.chunks[scene->lists[image].chunk_first + k].size_bytes = 200u << (2 * k);
+		struct eco_plan whole = plan_it(pack, &view, ECO_TEXEL_PX_MIN), plan;
+		uint64_t bytes;
+		struct eco_error error = { 0 };
+		assert_ok(size_of((void *)scene, &whole, &bytes, &error), error);
+		for (uint64_t part = 2; part <= 8 && shown(&whole, image); part *= 2) {
+			const struct eco_request request = { .view = view, .vertices = 1000000,
+				.bytes = bytes / part, .texel_px = ECO_TEXEL_PX_MIN };
+			struct lod_planner_stats stats;
+			assert_ok(lod_plan(&plan, &(struct lod_planner_input){ .scene = scene,
+				.request = &request, .stats = &stats, .size = size_of,
+				.size_ctx = (void *)scene }, &error), error);
+			uint32_t levels = shown(&plan, image);
+			assert_true(levels <= LEVELS && stats.bytes <= bytes / part);
+			shows += levels > 0;
+			fewer += levels > 0 && levels < LEVELS;
+			eco_plan_free(&plan);
+		}
+		eco_plan_free(&whole);
+		random_pack_free(pack);
+	}
+	print_message("          of %u plans that show the texture %u show less of it\n", shows, fewer);
+	assert_true(fewer > 3);
+}
+
+UNIT_TEST(texels_are_as_narrow_as_asked)
+{
+	struct eco_anchor anchor = { { 0, 0, 2 }, 2 };
+	struct eco_list list = { .kind = ECO_LIST_IMAGE, .chunk_count = LEVELS, .unit_area = 1e-4f,
+		.image = ECO_NONE };
+	struct eco_scene scene = { .lists = &list, .list_count = 1, .anchors = &anchor, .anchor_count = 1 };
+	struct eco_request request = { .texel_px = 0.5 };
+	struct lod_planner_input input = { .scene = &scene, .request = &request };
+	struct lod_planner p = { .input = &input, .scene = &scene, .visible.eye.pixel_rad = 0.001 };
+	uint32_t before = LEVELS;
+	for (uint8_t band = 0; band < ECO_BANDS; band++) {
+		double distance = lod_band_distance_m(band), px = lod_texel_px(&p, 0, 0, band);
+		uint32_t levels = lod_texture_levels(&p, 0, px);
+		assert_true(px >= 0.01 / (distance * 0.001));
+		assert_true(distance > 2.38 || px == INFINITY);
+		assert_true(levels >= 1 && levels <= before);
+		before = levels;
+		/* one level less would be too coarse; that one is not, unless it is the last */
+		assert_true(levels == 1 || ldexp(px, (int)(LEVELS - levels) + 1) > request.texel_px);
+		assert_true(levels == LEVELS || ldexp(px, (int)(LEVELS - levels)) <= request.texel_px);
+	}
+	assert_int_equal(before, 1);
+	list.unit_area = 0;                      /* nothing is known: all of it */
+	assert_int_equal(lod_texture_levels(&p, 0, lod_texel_px(&p, 0, 0, ECO_BANDS - 1)), LEVELS);
+}
+
+UNIT_TEST(wider_texels_cost_more)
+{
+	double before = 0;
+	for (double px = 1e-6; px < 1e6; px *= 1.3) {
+		double cost = lod_texel_cost(px);
+		assert_true(cost >= before && cost < 0.5);
+		before = cost;
+	}
+	assert_true(before > 0.3 && lod_texel_cost(INFINITY) == before);
+}
