@@ -10,13 +10,14 @@
  *   8   u64 XXH3-64 of bytes [0,8), of the frame's number in the stream (u32, from 0) and of the payload
  *   16  n bytes
  *
- * SCENE  u32 version = 10, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, u32 ground rows,
+ * SCENE  u32 version = 11, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, u32 ground rows,
  *        u32 plant count, u32 list count, str name
  * PLANT  u32 plant, str name, f32 height, u32 anchor first, u32 anchor count, anchors
  *                                                        once per plant of which the client has nothing
  * BUNDLE lists and chunks, one after the other to the end of the payload; each begins with
  *        v head: bit 0: a chunk; the rest: zigzag(list - that of the item before in the stream; first: 0)
- *        a list:  squeezed record (below), palette (3 bytes a colour); before the list's first chunk
+ *        a list:  squeezed record (below), palette (3 bytes a colour; nothing if its place in the scene's
+ *                 is that of the last palette sent); before the list's first chunk
  *        a chunk: v ordinal, v primitives, v elements, v size, payload; ordinals ascend per list. Its id is
  *                 the hash of its payload
  * PLAN   below; replaces the plan before it. Each `list` in it is held up to its `end`. END    u64
@@ -51,7 +52,7 @@
  *   v count, gates, ascending:
  *     v          (plant - plant before - 1; first: plant) << 1 | 1 if it ends within a band
  *     u8         whole bands of end; then, if it ends within one, u16 of the next
- *   v count, cuts drawn once (without an anchor: summaries, ground), then v count, rules; both as
+ *   v count, cuts drawn once (without an anchor: summaries, ground, textures), then v count, rules; both as
  *
  *     head  7     6     5     4     3     2     1     0         a cut drawn once has no bands (bits 2-3: 0)
  *         +-----+-----+-----------+-----------+-----+-----+     and no share; "anchor" is its placement, and
@@ -80,7 +81,8 @@ ECO_FRAME_END };
 #define ECO_WIRE_RECORD_BITS ((ECO_WIRE_RECORD_BYTES + 7) / 8)
 /* What the next item of a BUNDLE is told by: the record of the list before, and the list of the item before;
  * zeros where a stream begins. */
-struct eco_wire_record { uint8_t bytes[ECO_WIRE_RECORD_BYTES]; uint32_t list; };
+/* of the last list; the list of the last item; where the last palette that was sent lies */
+struct eco_wire_record { uint8_t bytes[ECO_WIRE_RECORD_BYTES]; uint32_t list, palette_first, palette_count; };
 #define ECO_FRAME_PAYLOAD_MAX (1u << 27)
 #define ECO_END_FRAME_BYTES (ECO_FRAME_HEADER_BYTES + 16u)
 
@@ -102,6 +104,8 @@ void eco_wire_write_plant(struct eco_writer *w, const struct eco_scene *scene, u
 /* Items of a BUNDLE. *before: becomes the item's. */
 void eco_wire_write_list(struct eco_writer *w, const struct eco_scene *scene, uint32_t list,
 	struct eco_wire_record *before);
+/* The list's palette is the last one that was sent. */
+bool eco_wire_same_palette(const struct eco_wire_record *before, const struct eco_list *list);
 /* A squeezed record: the part of a list between its head and its palette. */
 void eco_wire_write_record(struct eco_writer *w, const struct eco_list *list, struct eco_wire_record *before);
 /* Writes only the fields before the payload; the caller appends the payload. */

@@ -37,6 +37,7 @@ struct eco_wire_parser {
 	uint32_t last_type;                  /* 0 before the first frame */
 	uint32_t last_list, last_ordinal;    /* of the last chunk; ECO_NONE before it */
 	struct eco_wire_record record;       /* of the last list and item */
+	uint8_t (*palette)[3];               /* the last one that came */
 	uint64_t vertices;                   /* of the last PLAN */
 	uint32_t plant_count, list_count;
 	bool ground;
@@ -257,6 +258,23 @@ static void read_record(struct eco_reader *r, struct eco_wire_record *record, st
 	r->failed |= inside.failed;
 }
 
+static enum eco_code read_palette(struct eco_wire_parser *p, struct eco_reader *r, uint32_t id,
+	const struct eco_list *list, struct eco_error *e)
+{
+	size_t size = 3 * (size_t)list->palette_count;
+	if (list->palette_count > (r->size - r->at) / 3)
+		return BAD("list %u: a palette of %u colours in %zu bytes", id, list->palette_count,
+			r->size - r->at);
+	uint8_t (*palette)[3] = realloc(p->palette, size);
+	if (!palette)
+		return eco_fail(e, ECO_NO_MEMORY, "no memory for a palette of %u colours", list->palette_count);
+	p->palette = palette;
+	memcpy(palette, eco_read_bytes(r, size), size);
+	p->record.palette_first = list->palette_first;
+	p->record.palette_count = list->palette_count;
+	return ECO_OK;
+}
+
 static enum eco_code read_list(struct eco_wire_parser *p, struct eco_reader *r, uint32_t id,
 	struct eco_error *e)
 {
@@ -267,11 +285,9 @@ static enum eco_code read_list(struct eco_wire_parser *p, struct eco_reader *r, 
 	enum eco_code code = check_list(p, id, &list, e);
 	if (code)
 		return code;
-	if (list.palette_count > (r->size - r->at) / 3)
-		return BAD("list %u: a palette of %u colours in %zu bytes", id,
-			list.palette_count, r->size - r->at);
-	const uint8_t *palette = eco_read_bytes(r, 3 * (size_t)list.palette_count);
-	return p->events.list ? p->events.list(p->ctx, id, &list, (const uint8_t (*)[3])palette, e) : ECO_OK;
+	if (list.palette_count && !eco_wire_same_palette(&p->record, &list))
+		code = read_palette(p, r, id, &list, e);
+	return code || !p->events.list ? code : p->events.list(p->ctx, id, &list, p->palette, e);
 }
 
 static enum eco_code check_chunk(const struct eco_wire_parser *p, uint32_t list, uint32_t ordinal,
@@ -527,5 +543,6 @@ void eco_wire_parser_free(struct eco_wire_parser *p)
 	if (!p)
 		return;
 	free(p->payload);
+	free(p->palette);
 	free(p);
 }

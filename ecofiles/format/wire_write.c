@@ -75,6 +75,11 @@ static void write_head(struct eco_writer *w, uint32_t list, bool chunk, struct e
 	before->list = list;
 }
 
+bool eco_wire_same_palette(const struct eco_wire_record *before, const struct eco_list *list)
+{
+	return before->palette_count == list->palette_count && before->palette_first == list->palette_first;
+}
+
 void eco_wire_write_list(struct eco_writer *w, const struct eco_scene *scene, uint32_t list,
 	struct eco_wire_record *before)
 {
@@ -82,8 +87,11 @@ void eco_wire_write_list(struct eco_writer *w, const struct eco_scene *scene, ui
 	const struct eco_list *l = &scene->lists[list];
 	write_head(w, list, false, before);
 	eco_wire_write_record(w, l, before);
-	if (l->palette_count)
-		eco_write_bytes(w, scene->palette + l->palette_first, 3 * (size_t)l->palette_count);
+	if (!l->palette_count || eco_wire_same_palette(before, l))
+		return;
+	eco_write_bytes(w, scene->palette + l->palette_first, 3 * (size_t)l->palette_count);
+	before->palette_first = l->palette_first;
+	before->palette_count = l->palette_count;
 }
 
 void eco_wire_write_chunk(struct eco_writer *w, const struct eco_scene *scene, uint32_t list,
