@@ -18,15 +18,15 @@
  *        v head: bit 0: a chunk; the rest: zigzag(list - that of the item before in the stream; first: 0)
  *        a list:  squeezed record (below), palette (3 bytes a colour; nothing if its place in the scene's
  *                 is that of the last palette sent); before the list's first chunk
- *        a chunk: v ordinal, v primitives, v elements, v size, payload; ordinals ascend per list. Its id is
- *                 the hash of its payload
+ *        a chunk: v ordinal, v elements, v primitives - elements, v size, payload; ordinals ascend per
+ *                 list. Its id is the hash of its payload
  * PLAN   below; replaces the plan before it. Each `list` in it is held up to its `end`. END    u64
  * vertices of the last plan, u64 bytes of the body, END included
  *
- * v: varint. A squeezed record is that of pack.h (eco_list_write), most of whose bytes are those of the
- * stream's list before (the first: 0): a bit for each byte, from the low end, 1 if it differs from the same
- * byte of that list; then those that differ. Of the 13 bytes of these bits most are 0: u16, a bit for each
- * that is not, from the low end; then those. No bit is set in vain.
+ * v: varint. A squeezed record is that of pack.h (eco_list_write) with chunk_first 0, most of whose bytes
+ * are those of the stream's list before (the first: 0): a bit for each byte, from the low end, 1 if it
+ * differs from the same byte of that list; then those that differ. Of the 13 bytes of these bits most are 0: u16, a
+ * bit for each that is not, from the low end; then those. No bit is set in vain.
  *
  * str: varint length (at most 63), UTF-8 without NUL. Holdings (body of a POST): u32 count, then per list,
  * ascending: varint list delta (from the list before; the first from 0), varint chunks (at least 1). A

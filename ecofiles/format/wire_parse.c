@@ -267,7 +267,8 @@ static enum eco_code read_palette(struct eco_wire_parser *p, struct eco_reader *
 			r->size - r->at);
 	uint8_t (*palette)[3] = realloc(p->palette, size);
 	if (!palette)
-		return eco_fail(e, ECO_NO_MEMORY, "no memory for a palette of %u colours", list->palette_count);
+		return eco_fail(e, ECO_NO_MEMORY, "no memory for a palette of %u colours",
+			list->palette_count);
 	p->palette = palette;
 	memcpy(palette, eco_read_bytes(r, size), size);
 	p->record.palette_first = list->palette_first;
@@ -309,8 +310,10 @@ static enum eco_code read_chunk(struct eco_wire_parser *p, struct eco_reader *r,
 {
 	struct eco_chunk chunk = { 0 };
 	uint32_t ordinal = read_count(r);
-	chunk.primitive_count = read_count(r);
 	chunk.element_count = read_count(r);
+	uint64_t primitives = (uint64_t)chunk.element_count + read_count(r);
+	r->failed |= primitives > UINT32_MAX;
+	chunk.primitive_count = (uint32_t)primitives;
 	chunk.size_bytes = read_count(r);
 	if (r->failed)
 		return BAD("the fields of a chunk of list %u end early", list);

@@ -48,7 +48,9 @@ void eco_wire_write_record(struct eco_writer *w, const struct eco_list *list, st
 	struct eco_wire_record record;
 	uint8_t bits[ECO_WIRE_RECORD_BITS] = { 0 };
 	uint16_t some = 0;
-	eco_list_write(w, list);
+	struct eco_list sent = *list;
+	sent.chunk_first = 0;
+	eco_list_write(w, &sent);
 	if (w->failed)
 		return;
 	w->size -= sizeof record.bytes;
@@ -101,8 +103,8 @@ void eco_wire_write_chunk(struct eco_writer *w, const struct eco_scene *scene, u
 	const struct eco_chunk *chunk = &scene->chunks[scene->lists[list].chunk_first + ordinal];
 	write_head(w, list, true, before);
 	eco_write_varint(w, ordinal);
-	eco_write_varint(w, chunk->primitive_count);
 	eco_write_varint(w, chunk->element_count);
+	eco_write_varint(w, chunk->primitive_count - chunk->element_count);
 	eco_write_varint(w, chunk->size_bytes);
 }
 
