@@ -129,7 +129,7 @@ static enum eco_code find_plants(struct make *m)
 struct work {
 	struct make *m;
 	pthread_mutex_t lock;
-	/* held around importers and pictures: they fork, and the child must find their locks free */
+	/* held around importers: they fork, and the child must find their locks free */
 	pthread_mutex_t libraries;
 	uint32_t next, done;
 	uint32_t idle;               /* threads without a plant; they help others */
@@ -316,12 +316,10 @@ static enum eco_code build_plant(struct job *job, struct eco_error *error)
 	plant->scale = model.scale;
 	code = build_or_recall(job, &model, error);
 	main_times_stage(MAIN_STAGE_NONE);
-	pthread_mutex_lock(&job->work->libraries);
 	main_times_stage(MAIN_STAGE_TEXTURES);
 	if (!code)
 		code = keep_textures(plant, &model, error);
 	main_times_stage(MAIN_STAGE_NONE);
-	pthread_mutex_unlock(&job->work->libraries);
 	if (!code)
 		measure_body(plant);
 	eco_model_free(&model);

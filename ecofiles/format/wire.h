@@ -25,8 +25,8 @@
  *
  * v: varint. A squeezed record is that of pack.h (eco_list_write) with chunk_first 0, most of whose bytes
  * are those of the stream's list before (the first: 0): a bit for each byte, from the low end, 1 if it
- * differs from the same byte of that list; then those that differ. Of the 13 bytes of these bits most are 0: u16, a
- * bit for each that is not, from the low end; then those. No bit is set in vain.
+ * differs from the same byte of that list; then those that differ. Of the 13 bytes of these bits most are 0:
+ * u16, a bit for each that is not, from the low end; then those. No bit is set in vain.
  *
  * str: varint length (at most 63), UTF-8 without NUL. Holdings (body of a POST): u32 count, then per list,
  * ascending: varint list delta (from the list before; the first from 0), varint chunks (at least 1). A
