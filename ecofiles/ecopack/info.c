@@ -7,6 +7,7 @@
 
 #include "ecofiles/ecopack/inspect.h"
 #include "ecofiles/format/pack.h"
+#include "ecofiles/format/texture.h"
 #include "lod/build/grid.h"
 
 enum { KIND_SUMMARIES = ECO_LIST_OUTLINE + 1, KIND_SPLATS, KIND_COUNT };
@@ -15,7 +16,8 @@ static const char *const kind_names[KIND_COUNT] = { "", "triangles", "lines", "p
 static const char *const need_names[] = { "points", "lines", "triangles", "textures", "cutouts", "ground",
 	"cells", "summaries", "placements", "splats", "impostors" };
 
-struct kind_total { uint64_t lists, chunks, primitives, bytes; };
+/* units: what bits are told of: primitives, texels of textures */
+struct kind_total { uint64_t lists, chunks, primitives, units, bytes; };
 
 struct totals {
 	struct kind_total kind[KIND_COUNT];
@@ -36,6 +38,20 @@ static void count_shapes(const struct eco_pack *pack, const struct eco_list *lis
 	}
 }
 
+static uint64_t count_texels(const struct eco_pack *pack, const struct eco_list *list)
+{
+	uint64_t texels = 0;
+	for (uint32_t c = list->chunk_first; c < list->chunk_first + list->chunk_count; c++)
+		texels += eco_texture_texels(pack->map + pack->scene.chunks[c].offset,
+			pack->scene.chunks[c].size_bytes, list->kind == ECO_LIST_OUTLINE);
+	return texels;
+}
+
+static double bits_each(const struct kind_total *kind)
+{
+	return kind->units ? 8 * (double)kind->bytes / (double)kind->units : 0;
+}
+
 static enum eco_code count_up(const struct eco_pack *pack, struct totals *t, struct eco_error *error)
 {
 	const struct eco_scene *s = &pack->scene;
@@ -51,6 +67,9 @@ static enum eco_code count_up(const struct eco_pack *pack, struct totals *t, str
 		kind->lists++;
 		kind->chunks += list->chunk_count;
 		kind->primitives += list->primitive_count;
+		kind->units += list->primitive_count;
+		if (list->kind == ECO_LIST_IMAGE || list->kind == ECO_LIST_OUTLINE)
+			kind->units += count_texels(pack, list) - list->primitive_count;
 		for (uint32_t c = 0; c < list->chunk_count; c++) {
 			kind->bytes += s->chunks[list->chunk_first + c].size_bytes;
 			if (!(list->attributes & ECO_ATTR_PLANT) && list->kind != ECO_LIST_INSTANCES
@@ -167,9 +186,10 @@ static json_t *info_json(const struct eco_pack *pack, const struct totals *t, co
 	for (int i = 1; i < KIND_COUNT; i++)
 		if (t->kind[i].lists)
 			json_object_set_new(lists, kind_names[i],
-				json_pack("{s:I, s:I, s:I, s:I}", "lists", (json_int_t)t->kind[i].lists,
+				json_pack("{s:I, s:I, s:I, s:I, s:f}", "lists", (json_int_t)t->kind[i].lists,
 				"chunks", (json_int_t)t->kind[i].chunks, "primitives",
-				(json_int_t)t->kind[i].primitives, "bytes", (json_int_t)t->kind[i].bytes));
+				(json_int_t)t->kind[i].primitives, "bytes", (json_int_t)t->kind[i].bytes,
+				"bits_each", bits_each(&t->kind[i])));
 	if (t->shape_chunks)
 		json_object_set_new(json_object_get(lists, kind_names[ECO_LIST_TRIANGLES]),
 			"of_placed_shapes",
@@ -309,12 +329,14 @@ static void print_info(const struct eco_pack *pack, const struct totals *t, cons
 	print_ground(s, out);
 	print_plants(s, t, meta, out);
 	print_stood_for(s, meta, out);
-	fprintf(out, "\n%-12s %8s %8s %12s %12s\n", "lists", "count", "chunks", "primitives", "bytes");
+	fprintf(out, "\n%-12s %8s %8s %12s %12s %10s\n", "lists", "count", "chunks", "primitives", "bytes",
+		"bits each");
 	for (int i = 1; i < KIND_COUNT; i++)
 		if (t->kind[i].lists)
-			fprintf(out, "%-12s %8" PRIu64 " %8" PRIu64 " %12" PRIu64 " %12s\n", kind_names[i],
-				t->kind[i].lists, t->kind[i].chunks, t->kind[i].primitives,
-				bytes_text(t->kind[i].bytes, text));
+			fprintf(out, "%-12s %8" PRIu64 " %8" PRIu64 " %12" PRIu64 " %12s %10.2f%s\n",
+				kind_names[i], t->kind[i].lists, t->kind[i].chunks, t->kind[i].primitives,
+				bytes_text(t->kind[i].bytes, text), bits_each(&t->kind[i]),
+				t->kind[i].units != t->kind[i].primitives ? ", of a texel" : "");
 	if (t->shape_chunks)
 		fprintf(out, "in %" PRIu64 " chunks of triangles, %s, leaves of one shape are stored as "
 			"placings of it, others by prediction\n", t->shape_chunks,

@@ -158,6 +158,16 @@ static enum eco_code try_colors(struct eco_texture_part *part, const uint8_t *by
 	return ECO_OK;
 }
 
+uint64_t eco_texture_texels(const uint8_t *bytes, size_t size, bool outline)
+{
+	struct eco_reader r = { .bytes = bytes, .size = size };
+	int width = 0, height = 0;
+	if (!outline)
+		return WebPGetInfo(bytes, size, &width, &height) ? (uint64_t)width * (uint64_t)height : 0;
+	uint64_t wide = eco_read_u32(&r), texels = wide * eco_read_u32(&r);
+	return r.failed ? 0 : texels;
+}
+
 static enum eco_code or_nothing(enum eco_code code, struct eco_texture_part *part)
 {
 	if (code)

@@ -16,6 +16,8 @@
 #ifndef ECO_TEXTURE_H
 #define ECO_TEXTURE_H
 
+#include <stdbool.h>
+
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/format/model.h"
 
@@ -38,6 +40,9 @@ enum eco_code eco_texture_read_outline(struct eco_texture_part *part, const uint
 	struct eco_error *error);
 enum eco_code eco_texture_read_colors(struct eco_texture_part *part, const uint8_t *bytes, size_t size,
 	struct eco_error *error);
+
+/* Texels that a payload says it has; 0 where it cannot be read. */
+uint64_t eco_texture_texels(const uint8_t *bytes, size_t size, bool outline);
 
 /* Colours cut out by an outline (NULL: opaque), as large as the larger of the two; texels of the other are
  * repeated. image->rgba is malloc'ed; its alpha is 0 or 255. */

@@ -155,6 +155,24 @@ UNIT_TEST(levels_halve_and_cover_as_much)
 	free(card.image.rgba);
 }
 
+UNIT_TEST(payloads_tell_their_texels)
+{
+	struct card card;
+	card_make(&card, leaves(SIDE, SIDE / 2, 30), 2);
+	struct lod_texture texture = make(&card);
+	for (uint32_t i = 0; i < texture.count; i++) {
+		uint64_t texels = (32u << i) * (16u << i);
+		assert_true(eco_texture_texels(texture.colors[i].bytes, texture.colors[i].size, false)
+			== texels);
+		assert_true(eco_texture_texels(texture.outlines[i].bytes, texture.outlines[i].size, true)
+			== texels);
+		assert_true(eco_texture_texels(texture.colors[i].bytes, 5, false) == 0);
+		assert_true(eco_texture_texels(texture.outlines[i].bytes, 5, true) == 0);
+	}
+	lod_texture_free(&texture);
+	free(card.image.rgba);
+}
+
 UNIT_TEST(finer_levels_show_it_better)
 {
 	struct card card;

@@ -590,6 +590,8 @@ UNIT_TEST(test_info_counts_impostors)
 	assert_int_equal(json_integer_value(json_object_get(kind, "chunks")), levels);
 	assert_int_equal(json_integer_value(json_object_get(kind, "primitives")), levels);
 	assert_true(json_integer_value(json_object_get(kind, "bytes")) > 0);
+	assert_true(fabs(json_real_value(json_object_get(kind, "bits_each")) * levels
+		- 8.0 * (double)json_integer_value(json_object_get(kind, "bytes"))) < 1e-3);
 	size_t i, needed = 0;
 	json_array_foreach(json_object_get(info, "needs"), i, need)
 		needed += strcmp(json_string_value(need), "impostors") == 0;
