@@ -11,6 +11,7 @@
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/format/splat.h"
+#include "ecofiles/format/texture.h"
 
 struct verify {
 	const struct eco_pack *pack;
@@ -99,6 +100,15 @@ static const char *bad_impostor(const uint8_t *bytes, size_t size, uint32_t ordi
 	return good ? NULL : "holds another level of an impostor than its number says";
 }
 
+static const char *bad_texture(const uint8_t *bytes, size_t size, bool outline, struct eco_error *error)
+{
+	struct eco_texture_part part;
+	if ((outline ? eco_texture_read_outline : eco_texture_read_colors)(&part, bytes, size, error))
+		return error->text;
+	eco_texture_part_free(&part);
+	return NULL;
+}
+
 static void verify_chunk(struct verify *v, uint32_t list_id, uint32_t ordinal, uint32_t first)
 {
 	const struct eco_scene *s = &v->pack->scene;
@@ -115,7 +125,7 @@ static void verify_chunk(struct verify *v, uint32_t list_id, uint32_t ordinal, u
 	else if (list->kind == ECO_LIST_IMPOSTOR)
 		bad = bad_impostor(bytes, size, ordinal, &error);
 	else if (list->coder == ECO_CODER_BYTES)
-		bad = size < 8 || memcmp(bytes, "\x89PNG\r\n\x1a\n", 8) != 0 ? "is not a PNG file" : NULL;
+		bad = bad_texture(bytes, size, list->kind == ECO_LIST_OUTLINE, &error);
 	else if (eco_chunk_decode(list, chunk, ordinal, bytes, size, &elements, &error))
 		bad = error.text;
 	else if (elements.element_count != chunk->element_count

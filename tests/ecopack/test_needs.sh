@@ -31,11 +31,22 @@ lacks bare 4 points
 for need in cutouts ground cells placements; do lacks textures 3 $need; done
 has textures 3 textures
 has textures 4 images
+lacks textures 4 outlines
+has cutouts 4 outlines
 for need in ground cells placements; do lacks cutouts 3 $need; done
 has cutouts 3 cutouts
 has ground 3 ground
 has ground 4 ground
 for need in cells placements; do lacks ground 3 $need; has everything 3 $need; done
+
+# ---- Whatever is stored is sound ----
+packs=0
+for made in "$DIR"/*.eco "$DIR"/*/*.eco; do
+	[ -f "$made" ] || continue
+	packs=$((packs + 1))
+	"$BUILD/ecopack" verify "$made" >"$DIR/verified" 2>&1 || complain "$made: $(head -n 3 "$DIR/verified")"
+done
+[ $packs -ge 6 ] || complain "$packs packs of six scenes"
 
 # ---- Shaders: those of what is drawn; none where there is no OpenGL ----
 if [ -n "$(field bare 11)" ]; then
