@@ -147,7 +147,7 @@ $(B)/ecopack: $(B)/obj/ecofiles/ecopack/main_ecopack.o $(PACK_LIBS) | $(MODULES)
 	$(LINK_C) -o $@ $< $(call group,$(PACK_LIBS)) $(LINK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
 $(B)/ecoserve: $(B)/obj/server/main_ecoserve.o $(LIB_SERVER)
 	$(LINK_C) -o $@ $^ $(LINK) $(LIBS_SERVER) $(LIBS_CORE)
-$(B)/ecoview $(B)/ecoload: $(B)/%: $(B)/obj/client-min/main_%.o $(LIB_VIEW) $(LIB_DRACO) | $(B)/ecoimage.so
+$(B)/ecoview $(B)/ecoload: $(B)/%: $(B)/obj/client-min/main_%.o $(LIB_VIEW) $(LIB_DRACO)
 	$(LINK_C) -o $@ $^ $(LINK) $(LIBS_VIEW) $(LIBS_DRACO) $(LIBS_CORE)
 
 # What tests and measurements are linked with: all rooms, and what their source says by its own includes.

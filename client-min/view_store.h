@@ -42,7 +42,7 @@ struct view_store_options {
 	 * time (view_cache.h). A stream whose view alone needs more fails with ECO_TOO_LARGE, and says how
 	 * much. What decoding takes for a moment, tables by id and copies on the GPU are not counted */
 	uint64_t memory_max;
-	/* decode IMAGE lists (loads the image module); false: the payload is dropped */
+	/* decode textures and their outlines; false: their payloads are dropped */
 	bool images;
 };
 enum eco_code view_store_new(struct view_store **store, const struct view_store_options *options,

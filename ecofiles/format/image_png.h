@@ -1,6 +1,5 @@
-/* PNG through libpng: the one picture format that every textured scene has, in packs, on the wire and in
- * output. It takes two small libraries, where the module for all other formats takes two hundred and
- * sixty. */
+/* PNG through libpng: the picture format of most models and of all output. It takes two small libraries,
+ * where the module for all other formats takes two hundred and sixty. */
 #ifndef ECO_IMAGE_PNG_H
 #define ECO_IMAGE_PNG_H
 
