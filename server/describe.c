@@ -178,8 +178,15 @@ static void describe_ground(struct srv_json *json, const struct srv_stream *stre
 	srv_json_close(json, '}');
 }
 
-/* Whom a cut is for: nobody (ground), a tile's own list in its placement, or instances of a plant by distance
- * and share. */
+/* A texture may be nobody's. */
+static void describe_plant(struct srv_json *json, const struct eco_scene *scene, const struct eco_cut *cut)
+{
+	uint32_t plant = scene->lists[cut->list].owner;
+	srv_json_key_text(json, "plant", plant < scene->plant_count ? scene->plants[plant].name : NULL);
+}
+
+/* Whom a cut is for: nobody (ground), all of a plant that have a texture, a tile's own list in its placement,
+ * or instances of a plant by distance and share. */
 static void describe_who(struct srv_json *json, const struct eco_scene *scene, const struct eco_cut *cut)
 {
 	srv_json_key_open(json, "who", '{');
@@ -187,15 +194,13 @@ static void describe_who(struct srv_json *json, const struct eco_scene *scene, c
 		srv_json_key_count(json, "placement", cut->placement);
 		if (scene->lists[cut->list].kind == ECO_LIST_IMAGE
 				|| scene->lists[cut->list].kind == ECO_LIST_OUTLINE)
-			srv_json_key_text(json, "plant", scene->plants[scene->lists[cut->list].owner].name);
+			describe_plant(json, scene, cut);
 		else if (scene->lists[cut->list].kind != ECO_LIST_GROUND)
 			srv_json_key_count(json, "tile", scene->lists[cut->list].owner);
 		else
 			srv_json_key_count(json, "level", scene->lists[cut->list].level);
 	} else {
-		uint32_t plant = scene->lists[cut->list].owner;
-		srv_json_key_text(json, "plant", plant < scene->plant_count ? scene->plants[plant].name
-			: NULL);
+		describe_plant(json, scene, cut);
 		srv_json_key_count(json, "anchor", cut->anchor);
 		srv_json_key_count(json, "band_first", cut->band_first);
 		srv_json_key_count(json, "band_end", cut->band_end);

@@ -8,8 +8,8 @@
  *
  * Outline (little-endian): u32 width, u32 height; nothing more where all texels are opaque, else one
  * range-coded stream (ecofiles/base/range.h), a bit a texel row by row, 1 for opaque, with a model for each
- * state of the ten texels before it that JBIG's three-line template looks at (ITU-T T.82, figure 4; those
- * outside the image are clear), and at the end a byte: the zeros left off.
+ * state of the ten texels before it that JBIG's three-line template looks at (ITU-T T.82; those outside the
+ * image are clear), and at the end a byte: the zeros left off.
  *
  * No chunk needs another to be decoded. Which level a plan draws, its cut of the list says: the last of the
  * cut's prefix. */

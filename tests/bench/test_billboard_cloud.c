@@ -1,4 +1,5 @@
-/* Billboard clouds: the skeleton, generators and quality by themselves, then whole clouds. */
+/* Billboard clouds: the skeleton, generators and quality by themselves, then whole clouds. Longer than 600
+ * lines: all of them are tried on the same few trees. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
