@@ -153,7 +153,8 @@ $(B)/ecoview $(B)/ecoload: $(B)/%: $(B)/obj/client-min/main_%.o $(LIB_VIEW) $(LI
 # What tests and measurements are linked with: all rooms, and what their source says by its own includes.
 TEST_LIBS := $(call archive,$(BASELINE_ROOM) $(SUPPORT_ROOM) $(PACK_ROOM)) $(LIB_ALL)
 LINK_TEST = $(call group,$(TEST_LIBS)) $(LINK) $(LIBS_VIEW) $(LIBS_SERVER) $(LIBS_CHECK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
-BENCH_PARTS := $(call objects,$(wildcard tests/bench/bench*.c tests/bench/pictures/*.c tests/bench/extreme/*.c))
+BENCH_PARTS := $(call objects,$(wildcard tests/bench/bench*.c) $(filter-out $(BASELINE_ROOM)/%,\
+	$(wildcard tests/bench/*/*.c)))
 $(foreach source,$(TEST_SOURCES),$(eval $(B)/tests/$(basename $(notdir $(source))): $(B)/obj/$(source:.c=.o)))
 $(patsubst tests/bench/%.c,$(B)/tests/%,$(filter tests/bench/%,$(TEST_SOURCES))): $(BENCH_PARTS)
 # Floating-point traps around lod/: these functions are entered through tests/support/traps.c.
@@ -163,7 +164,7 @@ $(TESTS): $(TEST_LIBS) | $(MODULES)
 	@mkdir -p $(@D)
 	$(LINK_C) -o $@ $(filter %.o,$^) $(TRAPPED) $(LINK_TEST) -lcmocka
 
-# Programs that measure: tests/bench/NAME.c each; but bench*.c, pictures/ and extreme/ are the sections of one, ecobench, and what they share.
+# Programs that measure: tests/bench/NAME.c each; but bench*.c and the folders are the sections of one, ecobench, and what they share.
 BENCHES := $(patsubst tests/bench/%.c,$(B)/bench/%,$(filter-out tests/bench/bench% tests/bench/test_%,$(wildcard tests/bench/*.c)))
 $(B)/bench/ecobench: $(BENCH_PARTS)
 $(filter-out %/plans,$(BENCHES)): $(B)/bench/%: $(B)/obj/tests/bench/%.o $(TEST_LIBS) | $(MODULES)

@@ -44,7 +44,8 @@ struct bench_section {
 	"tests/bench/bench_scene.o "
 #define BENCH_OBJECTS_PLANTS "ecofiles-*.a lod*.a tests-bench-baseline.a tests/bench/bench_leaves.o " \
 	"tests/bench/bench_models.o "
-#define BENCH_OBJECTS_SAVINGS "tests/bench/bench_savings*.o tests/bench/bench_collapse_plant.o "
+#define BENCH_OBJECTS_SAVINGS "tests/bench/ladder/bench_savings*.o " \
+	"tests/bench/collapse/bench_collapse_plant.o "
 
 /* True after Ctrl-C: finish the unit, keep it, return ECO_INTERRUPTED. */
 bool bench_stopped(const struct bench *bench);

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/bench/bench_best.h"
+#include "tests/bench/ladder/bench_best.h"
 #include "tests/bench/bench_shots.h"
 #include "tests/bench/bench_times.h"
 

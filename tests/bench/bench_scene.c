@@ -18,7 +18,7 @@
 #include <xxhash.h>
 
 #include "ecofiles/format/view.h"
-#include "tests/bench/bench_crown.h"
+#include "tests/bench/lee/bench_crown.h"
 #include "tests/bench/bench_state.h"
 
 #define PATH 1024

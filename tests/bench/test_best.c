@@ -2,8 +2,8 @@
  * what benches of planning make. */
 #include <math.h>
 
-#include "tests/bench/bench_best.h"
-#include "tests/bench/bench_still.h"
+#include "tests/bench/ladder/bench_best.h"
+#include "tests/bench/frames/bench_still.h"
 #include "tests/bench/bench_times.h"
 #include "tests/support/unit_test.h"
 

@@ -1,8 +1,8 @@
 /* The section ladder: what curves reach, what is saved, intervals; and a small plant measured whole. */
 #include <math.h>
 
-#include "tests/bench/bench_interval.h"
-#include "tests/bench/bench_ladder_plant.h"
+#include "tests/bench/ladder/bench_interval.h"
+#include "tests/bench/ladder/bench_ladder_plant.h"
 #include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"
 

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "tests/bench/baseline/leaf_collapse_atlas.h"
-#include "tests/bench/bench_collapse_plant.h"
+#include "tests/bench/collapse/bench_collapse_plant.h"
 #include "tests/support/foliage_random.h"
 #include "tests/support/unit_test.h"
 

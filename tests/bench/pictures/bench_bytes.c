@@ -4,10 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_picture.h"
-#include "tests/bench/bench_shots.h"
+#include "tests/bench/pictures/bench_views.h"
 
-#define VIEWS "tests/bench/pictures/pictures.json"
 #define START "tests/bench/pictures/bytes_start.csv"
 #define STARTS_MAX 256u
 #define VERTICES 1000000u
@@ -73,35 +71,26 @@ static enum eco_code show(struct bench *bench, struct bench_client *client, cons
 		(const char *const[]){ ours, "full detail", seen }, error);
 }
 
-static enum eco_code shoot(struct bench *bench, const char *scene, const char *camera, const char *pack,
-	const struct eco_view *view, json_t *rows, struct eco_error *error)
+static void ask(uint32_t budget, struct eco_request *request)
 {
-	struct bench_client *client = NULL;
-	enum eco_code code = bench_client_open(&client, pack, error);
-	if (!code) {
-		bench_client_see(client);
-		bench_client_untimed(client);
-	}
-	for (size_t b = 0; b < BUDGETS && !code; b++) {
-		struct bench_frame frame = { .method = "ours", .rule = lod_rule_optimal,
-			.request = { .view = *view, .vertices = VERTICES, .bytes = budgets[b] } };
-		struct view_picture picture = { 0 };
-		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
-			: bench_client_frame(client, &frame, &picture, error);
-		if (!code && b == SHOWN)
-			code = show(bench, client, scene, camera, &frame, &picture, error);
-		const double values[FIGURES] = { (double)frame.vertices, (double)frame.bytes, frame.score.q,
-			frame.score.skill, frame.score.owner_q, frame.picture_error, frame.predicted_q };
-		json_t *row = code ? NULL : json_object();
-		for (int f = 0; row && f < FIGURES; f++)
-			bench_shot_set(row, keys[f], values[f]);
-		if (row)
-			json_array_append_new(rows, row);
-		view_picture_free(&picture);
-	}
-	bench_client_close(client);
-	return code;
+	request->vertices = VERTICES;
+	request->bytes = budgets[budget];
 }
+
+static enum eco_code take(struct bench *bench, struct bench_client *client, const struct bench_view *view,
+	uint32_t budget, const struct bench_frame *frame, const struct view_picture *picture, json_t **row,
+	struct eco_error *error)
+{
+	const double values[FIGURES] = { (double)frame->vertices, (double)frame->bytes, frame->score.q,
+		frame->score.skill, frame->score.owner_q, frame->picture_error, frame->predicted_q };
+	*row = json_object();
+	for (int f = 0; f < FIGURES; f++)
+		bench_shot_set(*row, keys[f], values[f]);
+	return budget == SHOWN ? show(bench, client, view->scene, view->camera, frame, picture, error)
+		: ECO_OK;
+}
+
+static const struct bench_view_shoot shoot = { "bytes", BUDGETS, ask, take };
 
 /* ---- Rows ---- */
 
@@ -122,7 +111,8 @@ static void add_row(struct study *s, const char *scene, const char *camera, size
 		s->worse += now[QUALITY] < start[QUALITY] - SAME_Q;
 	}
 	start = start ? start : none;
-	bench_table_row(s->table, "%s,%s,%llu,%.0f,%.0f,%.4f,%.4f,%.4f,%.4f,%.4f,%.0f,%.0f,%.4f,%.4f,%.4f,%.4f",
+	bench_table_row(s->table, "%s,%s,%llu,%.0f,%.0f,%.4f,%.4f,%.4f,%.4f,%.4f,"
+		"%.0f,%.0f,%.4f,%.4f,%.4f,%.4f",
 		scene, camera, (unsigned long long)budgets[b], now[DRAWN], now[BYTES], now[QUALITY],
 		now[SKILL], now[OWNER], now[SEEN], now[PREDICTED], start[DRAWN], start[BYTES],
 		start[QUALITY], start[SKILL], start[OWNER], start[SEEN]);
@@ -153,85 +143,40 @@ static enum eco_code plot(struct bench *bench, const struct study *s, const char
 		.series_count = count[1] ? 2 : 1 }, error);
 }
 
-static bool read_view(const json_t *item, struct eco_view *view, const char **camera, struct eco_error *error)
+static enum eco_code study_view(struct bench *bench, void *ctx, const struct bench_view *view,
+	struct eco_error *error)
 {
-	*view = (struct eco_view){ .up = { 0, 0, 1 }, .width = BENCH_SHOT_WIDTH,
-		.height = BENCH_SHOT_HEIGHT };
-	return !json_unpack((json_t *)item, "{s:s, s:[F,F,F], s:[F,F,F], s:F}", "camera", camera,
-		"eye", &view->eye[0], &view->eye[1], &view->eye[2],
-		"target", &view->target[0], &view->target[1], &view->target[2], "fov_y_deg",
-		&view->fov_y_deg) && !eco_view_check(view, error);
-}
-
-static enum eco_code study_view(struct bench *bench, struct study *s, const char *scene, const char *pack,
-	const json_t *item, struct eco_error *error)
-{
-	struct eco_view view;
-	const char *camera;
-	char unit[96], stamp[256];
-	if (!read_view(item, &view, &camera, error))
-		return eco_fail(error, ECO_BAD_INPUT, VIEWS ": a camera of %s is not one", scene);
-	snprintf(unit, sizeof unit, "bytes-%s-%s", scene, camera);
-	snprintf(stamp, sizeof stamp, "%s %g %g %g %g %g %g %g", bench_pack_stamp(pack), view.eye[0],
-		view.eye[1], view.eye[2], view.target[0], view.target[1], view.target[2], view.fov_y_deg);
-	json_t *rows = bench_recall(bench, unit, stamp);
-	enum eco_code code = ECO_OK;
-	if (!rows) {
-		json_t *made = json_array();
-		code = shoot(bench, scene, camera, pack, &view, made, error);
-		if (code)
-			json_decref(made);
-		else
-			rows = bench_keep(bench, unit, stamp, made);
-	}
+	struct study *s = ctx;
+	json_t *rows;
+	enum eco_code code = bench_view_rows(bench, view, &shoot, &rows, error);
 	for (size_t b = 0; b < BUDGETS && !code; b++)
-		add_row(s, scene, camera, b, rows);
-	return code ? code : plot(bench, s, scene, camera, rows, error);
+		add_row(s, view->scene, view->camera, b, rows);
+	return code ? code : plot(bench, s, view->scene, view->camera, rows, error);
 }
 
 /* ---- The report ---- */
 
-static enum eco_code study_scenes(struct bench *bench, struct study *s, const json_t *scenes,
-	struct eco_error *error)
-{
-	enum eco_code code = ECO_OK;
-	for (size_t i = 0; i < json_array_size(scenes) && !code; i++) {
-		const json_t *item = json_array_get(scenes, i), *cameras = json_object_get(item, "cameras");
-		const char *scene = json_string_value(json_object_get(item, "scene"));
-		char pack[512];
-		bool asked = bench->full || !json_is_true(json_object_get(item, "full_only"));
-		if (!scene || !asked || !bench_shot_scene(bench, scene, pack, &code, error))
-			continue;
-		for (size_t c = 0; c < json_array_size(cameras) && !code; c++) {
-			bench_progress(bench, ((double)i + (double)c / (double)json_array_size(cameras))
-				/ (double)json_array_size(scenes), scene);
-			code = study_view(bench, s, scene, pack, json_array_get(cameras, c), error);
-		}
-	}
-	return code;
-}
-
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
-	json_t *views = json_load_file(VIEWS, 0, NULL);
-	const json_t *scenes = json_object_get(views, "scenes");
+	json_t *views;
+	const json_t *scenes = bench_views_load(&views, error);
 	struct study *s = calloc(1, sizeof *s);
-	if (!s || !json_is_array(scenes)) {
+	if (!s || !scenes) {
 		json_decref(views);
 		free(s);
-		return eco_fail(error, ECO_BAD_INPUT, VIEWS " cannot be read");
+		return scenes ? eco_fail(error, ECO_NO_MEMORY, "no memory for figures") : ECO_BAD_INPUT;
 	}
 	read_start(s);
-	bench_say(bench, "Every picture %u x %u, of a first visit with at most %u vertices and so many bytes, "
-		"drawn and lit in software.", BENCH_SHOT_WIDTH, BENCH_SHOT_HEIGHT, VERTICES);
+	bench_say(bench, "Every picture %u x %u, of a first visit with at most %u vertices and so many "
+		"bytes, drawn and lit in software.", BENCH_SHOT_WIDTH, BENCH_SHOT_HEIGHT, VERTICES);
 	s->table = bench_table_open(bench, "bytes", "scene,camera,budget,vertices,bytes,Q,skill,owner_q,"
 		"picture error,predicted Q,start vertices,start bytes,start Q,start skill,start owner_q,"
 		"start picture error", true);
-	enum eco_code code = study_scenes(bench, s, scenes, error);
+	enum eco_code code = bench_views_each(bench, scenes, study_view, s, error);
 	bench_table_close(s->table);
 	if (!code && s->binding) {
-		bench_say(bench, "Of %u rows where bytes bind. With a start, Q is above it in %u rows and below "
-			"it in %u.", s->binding, s->better, s->worse);
+		bench_say(bench, "Of %u rows where bytes bind. With a start, Q is above it in %u rows and "
+			"below it in %u.", s->binding, s->better, s->worse);
 		bench_key(bench, "bytes_used", s->used / s->binding,
 			">= 0.95: share of the bytes used where they bind");
 		bench_key(bench, "bytes_predicted_off", s->off / s->binding,
@@ -244,4 +189,5 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 
 const struct bench_section bench_bytes = { "bytes", "What people see for the bytes of a first visit", run,
 	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_frame.o "
-	"tests/bench/pictures/bench_bytes.o tests/bench/pictures/bench_widest.o" };
+	"tests/bench/pictures/bench_bytes.o tests/bench/pictures/bench_views.o "
+	"tests/bench/pictures/bench_widest.o" };

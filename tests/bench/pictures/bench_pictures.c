@@ -5,10 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_picture.h"
-#include "tests/bench/bench_shots.h"
+#include "tests/bench/pictures/bench_views.h"
 
-#define VIEWS "tests/bench/pictures/pictures.json"
 #define START "tests/bench/pictures/pictures_start.csv"
 #define STARTS_MAX 256u
 #define SEEN_LEAST 5e-4          /* picture errors below are none */
@@ -92,32 +90,23 @@ static json_t *row_of(const struct bench_frame *frame)
 	return row;
 }
 
-static enum eco_code shoot(struct bench *bench, const char *scene, const char *camera, const char *pack,
-	const struct eco_view *view, json_t *rows, struct eco_error *error)
+static void ask(uint32_t budget, struct eco_request *request)
 {
-	struct bench_client *client = NULL;
-	enum eco_code code = bench_client_open(&client, pack, error);
-	if (!code) {
-		bench_client_see(client);
-		bench_client_untimed(client);
-	}
-	for (size_t b = 0; b < BUDGETS && !code; b++) {
-		struct bench_frame frame = { .method = "ours", .rule = lod_rule_optimal, .request = {
-			.view = *view, .vertices = budgets[b], .bytes = ECO_BYTES_UNBOUNDED } };
-		struct view_picture picture = { 0 };
-		char file[128];
-		name_picture(file, scene, camera, budgets[b]);
-		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
-			: bench_client_frame(client, &frame, &picture, error);
-		if (!code)
-			code = show(bench, client, file, &frame, &picture, error);
-		if (!code)
-			json_array_append_new(rows, row_of(&frame));
-		view_picture_free(&picture);
-	}
-	bench_client_close(client);
-	return code;
+	request->vertices = budgets[budget];
+	request->bytes = ECO_BYTES_UNBOUNDED;
 }
+
+static enum eco_code take(struct bench *bench, struct bench_client *client, const struct bench_view *view,
+	uint32_t budget, const struct bench_frame *frame, const struct view_picture *picture, json_t **row,
+	struct eco_error *error)
+{
+	char file[128];
+	name_picture(file, view->scene, view->camera, budgets[budget]);
+	*row = row_of(frame);
+	return show(bench, client, file, frame, picture, error);
+}
+
+static const struct bench_view_shoot shoot = { "seen", BUDGETS, ask, take };
 
 /* ---- Rows ---- */
 
@@ -170,63 +159,17 @@ static void add_row(struct study *s, const char *scene, const char *camera, size
 		now[BYTES] / start[BYTES], ratio_of(now, start));
 }
 
-static bool read_view(const json_t *item, struct eco_view *view, const char **camera, struct eco_error *error)
+static enum eco_code study_view(struct bench *bench, void *ctx, const struct bench_view *view,
+	struct eco_error *error)
 {
-	*view = (struct eco_view){ .up = { 0, 0, 1 }, .width = BENCH_SHOT_WIDTH,
-		.height = BENCH_SHOT_HEIGHT };
-	return !json_unpack((json_t *)item, "{s:s, s:[F,F,F], s:[F,F,F], s:F}", "camera", camera,
-		"eye", &view->eye[0], &view->eye[1], &view->eye[2],
-		"target", &view->target[0], &view->target[1], &view->target[2], "fov_y_deg",
-		&view->fov_y_deg) && !eco_view_check(view, error);
-}
-
-static enum eco_code study_view(struct bench *bench, struct study *s, const char *scene, const char *pack,
-	const json_t *item, struct eco_error *error)
-{
-	struct eco_view view;
-	const char *camera;
-	char unit[96], stamp[256];
-	if (!read_view(item, &view, &camera, error))
-		return eco_fail(error, ECO_BAD_INPUT, VIEWS ": a camera of %s is not one", scene);
-	snprintf(unit, sizeof unit, "seen-%s-%s", scene, camera);
-	snprintf(stamp, sizeof stamp, "%s %g %g %g %g %g %g %g", bench_pack_stamp(pack), view.eye[0],
-		view.eye[1], view.eye[2], view.target[0], view.target[1], view.target[2], view.fov_y_deg);
-	json_t *rows = bench_recall(bench, unit, stamp);
-	enum eco_code code = ECO_OK;
-	if (!rows) {
-		json_t *made = json_array();
-		code = shoot(bench, scene, camera, pack, &view, made, error);
-		if (code)
-			json_decref(made);
-		else
-			rows = bench_keep(bench, unit, stamp, made);
-	}
+	json_t *rows;
+	enum eco_code code = bench_view_rows(bench, view, &shoot, &rows, error);
 	for (size_t b = 0; b < BUDGETS && !code; b++)
-		add_row(s, scene, camera, b, json_array_get(rows, b));
+		add_row(ctx, view->scene, view->camera, b, json_array_get(rows, b));
 	return code;
 }
 
 /* ---- The report ---- */
-
-static enum eco_code study_scenes(struct bench *bench, struct study *s, const json_t *scenes,
-	struct eco_error *error)
-{
-	enum eco_code code = ECO_OK;
-	for (size_t i = 0; i < json_array_size(scenes) && !code; i++) {
-		const json_t *item = json_array_get(scenes, i), *cameras = json_object_get(item, "cameras");
-		const char *scene = json_string_value(json_object_get(item, "scene"));
-		char pack[512];
-		bool asked = bench->full || !json_is_true(json_object_get(item, "full_only"));
-		if (!scene || !asked || !bench_shot_scene(bench, scene, pack, &code, error))
-			continue;
-		for (size_t c = 0; c < json_array_size(cameras) && !code; c++) {
-			bench_progress(bench, ((double)i + (double)c / (double)json_array_size(cameras))
-				/ (double)json_array_size(scenes), scene);
-			code = study_view(bench, s, scene, pack, json_array_get(cameras, c), error);
-		}
-	}
-	return code;
-}
 
 static void show_pictures(struct bench *bench, const json_t *scenes)
 {
@@ -274,13 +217,13 @@ static void write_keys(struct bench *bench, const struct study *s)
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
-	json_t *views = json_load_file(VIEWS, 0, NULL);
-	const json_t *scenes = json_object_get(views, "scenes");
+	json_t *views;
+	const json_t *scenes = bench_views_load(&views, error);
 	struct study *s = calloc(1, sizeof *s);
-	if (!s || !json_is_array(scenes)) {
+	if (!s || !scenes) {
 		json_decref(views);
 		free(s);
-		return eco_fail(error, ECO_BAD_INPUT, VIEWS " cannot be read");
+		return scenes ? eco_fail(error, ECO_NO_MEMORY, "no memory for figures") : ECO_BAD_INPUT;
 	}
 	s->scbi_owner[0] = s->scbi_owner[1] = s->scbi_owner[2] = NAN;
 	read_start(s);
@@ -291,7 +234,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		"predicted Q,picture error,widest point px,ceiling,start vertices,start bytes,start Q,"
 		"start soft Q,start owner_q,start predicted Q,start picture error,start widest point px,"
 		"bytes ratio,picture error ratio", true);
-	enum eco_code code = study_scenes(bench, s, scenes, error);
+	enum eco_code code = bench_views_each(bench, scenes, study_view, s, error);
 	bench_table_close(s->table);
 	if (!code) {
 		write_keys(bench, s);
@@ -304,4 +247,5 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 
 const struct bench_section bench_pictures = { "pictures", "What people see at small budgets", run,
 	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_frame.o "
-	"tests/bench/pictures/bench_pictures.o tests/bench/pictures/bench_widest.o" };
+	"tests/bench/pictures/bench_pictures.o tests/bench/pictures/bench_views.o "
+	"tests/bench/pictures/bench_widest.o" };

@@ -1,4 +1,4 @@
-#include "tests/bench/bench_interval.h"
+#include "tests/bench/ladder/bench_interval.h"
 
 #include <math.h>
 #include <stdlib.h>

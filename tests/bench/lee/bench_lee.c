@@ -14,9 +14,9 @@
 
 #include "tests/bench/baseline/lee.h"
 #include "tests/bench/bench.h"
-#include "tests/bench/bench_crown.h"
-#include "tests/bench/bench_lee_layers.h"
-#include "tests/bench/bench_lee_study.h"
+#include "tests/bench/lee/bench_crown.h"
+#include "tests/bench/lee/bench_lee_layers.h"
+#include "tests/bench/lee/bench_lee_study.h"
 
 #define LEAVES_LEAST 1000u
 #define MODELS_QUICK 4u          /* of the data folder's, in the quick bench: those with the fewest leaves */
@@ -276,5 +276,5 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 }
 
 const struct bench_section bench_lee = { "lee", "Which leaves to keep: Lee's orders and ours", run,
-	.objects = BENCH_OBJECTS_PLANTS "tests/bench/bench_lee.o tests/bench/bench_lee_study.o "
-	"tests/bench/bench_lee_layers.o tests/bench/bench_crown.o" };
+	.objects = BENCH_OBJECTS_PLANTS "tests/bench/lee/bench_lee.o tests/bench/lee/bench_lee_study.o "
+	"tests/bench/lee/bench_lee_layers.o tests/bench/lee/bench_crown.o" };

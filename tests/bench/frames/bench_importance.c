@@ -10,7 +10,7 @@
 
 #include "lod/raster/raster.h"
 #include "tests/bench/bench.h"
-#include "tests/bench/bench_still.h"
+#include "tests/bench/frames/bench_still.h"
 #include "tests/support/files.h"
 
 #define RED_LEAST 40                     /* bytes that red is above green; bark has fewer */
@@ -150,4 +150,5 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 
 const struct bench_section bench_importance = { .name = "importance", .title = "Importance of flowers",
 	.run = run,
-	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_importance.o tests/bench/bench_still.o" };
+	.objects = BENCH_OBJECTS_FRAMES "tests/bench/frames/bench_importance.o "
+	"tests/bench/frames/bench_still.o" };

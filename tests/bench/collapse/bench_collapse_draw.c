@@ -1,4 +1,4 @@
-#include "tests/bench/bench_collapse_draw.h"
+#include "tests/bench/collapse/bench_collapse_draw.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -8,7 +8,7 @@
 #ifndef TESTS_BENCH_LADDER_PLANT_H
 #define TESTS_BENCH_LADDER_PLANT_H
 
-#include "tests/bench/bench_savings.h"
+#include "tests/bench/ladder/bench_savings.h"
 
 /* OURS: all that a pack has. LISTS: without splats and impostor. RANDOM, RANDOM_LISTS: the same with leaves
  * in random order and of one scale. UNFORMED: the greedy order and its scales, leaves as they are.

@@ -1,5 +1,5 @@
 /* Savings from the curves of bench_ladder_plant.h. */
-#include "tests/bench/bench_ladder_plant.h"
+#include "tests/bench/ladder/bench_ladder_plant.h"
 
 #include <math.h>
 

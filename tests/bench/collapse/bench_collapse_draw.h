@@ -3,7 +3,7 @@
 #define TESTS_BENCH_COLLAPSE_DRAW_H
 
 #include "tests/bench/bench.h"
-#include "tests/bench/bench_collapse_plant.h"
+#include "tests/bench/collapse/bench_collapse_plant.h"
 #include "tests/bench/bench_leaves.h"
 
 /* Two leaves, and the quad that takes their place, seen straight onto its plane: FILE. */

@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "ecofiles/format/view.h"
-#include "tests/bench/bench_savings.h"
+#include "tests/bench/ladder/bench_savings.h"
 
 #define PATH 1024
 #define SCENE "trees1276"

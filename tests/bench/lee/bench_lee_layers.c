@@ -1,12 +1,12 @@
-#include "tests/bench/bench_lee_layers.h"
+#include "tests/bench/lee/bench_lee_layers.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "tests/bench/baseline/lee.h"
-#include "tests/bench/bench_crown.h"
+#include "tests/bench/lee/bench_crown.h"
 #include "tests/bench/bench_leaves.h"
-#include "tests/bench/bench_lee_study.h"
+#include "tests/bench/lee/bench_lee_study.h"
 
 #define PIXELS 256u
 #define VIEWS 12u

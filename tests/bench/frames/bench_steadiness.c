@@ -18,7 +18,7 @@
 #include <stdlib.h>
 
 #include "tests/bench/bench_shots.h"
-#include "tests/bench/bench_still.h"
+#include "tests/bench/frames/bench_still.h"
 
 #define WIDTH 480u
 #define HEIGHT 360u
@@ -389,4 +389,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 }
 
 const struct bench_section bench_steadiness = { "steadiness", "Steadiness: slow cameras", run,
-	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_st*.o" };
+	.objects = BENCH_OBJECTS_FRAMES "tests/bench/frames/bench_st*.o" };

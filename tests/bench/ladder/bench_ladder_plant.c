@@ -1,5 +1,5 @@
 /* See bench_ladder_plant.h. */
-#include "tests/bench/bench_ladder_plant.h"
+#include "tests/bench/ladder/bench_ladder_plant.h"
 
 #include <math.h>
 #include <stdlib.h>

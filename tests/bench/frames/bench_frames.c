@@ -7,7 +7,7 @@
 
 #include "client-min/view_picture.h"
 #include "tests/bench/bench_shots.h"
-#include "tests/bench/bench_still.h"
+#include "tests/bench/frames/bench_still.h"
 
 static const struct { const char *name, *title; bool quick; } scenes[] = {
 	{ "crown", "One tree, crown of 6,143 leaves", true },
@@ -530,4 +530,5 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 }
 
 const struct bench_section bench_frames = { "frames", "Error against run time", run,
-	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_frame*.o tests/bench/bench_s[ht]*.o" };
+	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_frame.o tests/bench/bench_sh*.o "
+	"tests/bench/frames/bench_frames.o tests/bench/frames/bench_st*.o" };

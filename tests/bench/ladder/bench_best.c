@@ -1,4 +1,4 @@
-#include "tests/bench/bench_best.h"
+#include "tests/bench/ladder/bench_best.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-#include "tests/bench/bench_still.h"
+#include "tests/bench/frames/bench_still.h"
 
 #include <stdlib.h>
 

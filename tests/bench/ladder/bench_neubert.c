@@ -374,4 +374,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 
 const struct bench_section bench_neubert = { "neubert", "Neubert 2011: scales, views, speed", run,
 	.objects = BENCH_OBJECTS_FRAMES BENCH_OBJECTS_PLANTS "tests/bench/bench_frame.o "
-	"tests/bench/bench_neubert.o tests/bench/bench_shots.o", .alone = true };
+	"tests/bench/ladder/bench_neubert.o tests/bench/bench_shots.o", .alone = true };

@@ -3,7 +3,7 @@
 #ifndef TESTS_BENCH_COLLAPSE_Q_H
 #define TESTS_BENCH_COLLAPSE_Q_H
 
-#include "tests/bench/bench_savings.h"
+#include "tests/bench/ladder/bench_savings.h"
 
 /* PRINTED: quads as large as the paper has them. SOLID: opaque quads, at the scale that is best in other
  * views. SECTORS: quads of the printed size; each sector has a level, the finer the more it faces the eye.

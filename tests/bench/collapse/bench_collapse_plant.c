@@ -1,4 +1,4 @@
-#include "tests/bench/bench_collapse_plant.h"
+#include "tests/bench/collapse/bench_collapse_plant.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* See bench_savings.h. Each method is tabulated over lambda: the scale (and with simpler leaves how many
  * elements are drawn) that is best on one set of views, and the Q of that on another. Between lambdas both
  * are interpolated, as a client does. */
-#include "tests/bench/bench_savings.h"
+#include "tests/bench/ladder/bench_savings.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,7 +10,7 @@
 #include "ecofiles/format/list.h"
 #include "lod/build/order/rank.h"
 #include "tests/bench/baseline/cook.h"
-#include "tests/bench/bench_collapse_plant.h"
+#include "tests/bench/collapse/bench_collapse_plant.h"
 #include "tests/bench/bench_leaves.h"
 
 #define PIXELS 256u

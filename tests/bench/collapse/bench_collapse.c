@@ -12,8 +12,8 @@
 #include <time.h>
 
 #include "ecofiles/base/mix.h"
-#include "tests/bench/bench_collapse_draw.h"
-#include "tests/bench/bench_collapse_q.h"
+#include "tests/bench/collapse/bench_collapse_draw.h"
+#include "tests/bench/collapse/bench_collapse_q.h"
 
 #define READ_QUICK 6u
 #define MADE_QUICK 2u
@@ -340,5 +340,5 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 }
 
 const struct bench_section bench_collapse = { "collapse", "Leaf collapse against orders and splats", run,
-	.objects = BENCH_OBJECTS_PLANTS BENCH_OBJECTS_SAVINGS "tests/bench/bench_collapse*.o "
+	.objects = BENCH_OBJECTS_PLANTS BENCH_OBJECTS_SAVINGS "tests/bench/collapse/bench_collapse*.o "
 	"tests/bench/pictures/bench_splats*.o", .alone = true };

@@ -3,7 +3,7 @@
  * Scales are those that suit a method best on other views than those of the measurement and of the making:
  * around the plant for one list, in the sector for lists per sector and for Lee's orders leaf by leaf, which
  * are made anew for each view. */
-#include "tests/bench/bench_lee_study.h"
+#include "tests/bench/lee/bench_lee_study.h"
 
 #include <math.h>
 #include <string.h>

@@ -9,7 +9,7 @@
 
 #include "tests/bench/baseline/paper_neubert.h"
 #include "tests/bench/baseline/paper_rules.h"
-#include "tests/bench/bench_interval.h"
+#include "tests/bench/ladder/bench_interval.h"
 #include "tests/bench/bench_shots.h"
 
 #define SCENE "trees1276"
@@ -222,4 +222,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 
 const struct bench_section bench_drawn = { "drawn", "Geometry saved along the path, in drawn frames", run,
 	.objects = BENCH_OBJECTS_FRAMES "tests-bench-baseline.a tests/bench/bench_frame.o "
-					"tests/bench/bench_drawn.o tests/bench/bench_shots.o" };
+					"tests/bench/frames/bench_drawn.o tests/bench/bench_shots.o" };

@@ -1,6 +1,6 @@
 /* Shoots fill the lobes of a round crown, twigs fan out from them, leaves stand around the twigs and face the
  * light. */
-#include "tests/bench/bench_crown.h"
+#include "tests/bench/lee/bench_crown.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,11 +1,11 @@
-#include "tests/bench/bench_collapse_q.h"
+#include "tests/bench/collapse/bench_collapse_q.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
-#include "tests/bench/bench_collapse_draw.h"
+#include "tests/bench/collapse/bench_collapse_draw.h"
 #include "tests/bench/bench_leaves.h"
 #include "tests/bench/pictures/bench_splats.h"
 

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "tests/bench/bench_savings.h"
+#include "tests/bench/ladder/bench_savings.h"
 
 /* plants of the data folder, in the quick bench: those with the fewest leaves */
 #define READ_QUICK 12u

@@ -1,7 +1,7 @@
 /* Savings as pieces of work, and their means. */
 #include <stdio.h>
 
-#include "tests/bench/bench_savings.h"
+#include "tests/bench/ladder/bench_savings.h"
 
 static json_t *pack_row(const double *values, uint32_t count)
 {

@@ -5,8 +5,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "tests/bench/bench_interval.h"
-#include "tests/bench/bench_ladder_plant.h"
+#include "tests/bench/ladder/bench_interval.h"
+#include "tests/bench/ladder/bench_ladder_plant.h"
 #include "tests/bench/bench_state.h"
 
 #define SEEDS 5u
@@ -353,4 +353,4 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 }
 
 const struct bench_section bench_ladder = { "ladder", "Geometry that packs' own ladders save", run,
-	.objects = BENCH_OBJECTS_PLANTS "tests/bench/bench_ladder_plant.o " };
+	.objects = BENCH_OBJECTS_PLANTS "tests/bench/ladder/bench_ladder_plant.o " };
