@@ -1,12 +1,10 @@
 /* ecoview: streams the frames of a camera script, draws them, and scores them against the full-detail
  * reference. */
-#include <errno.h>
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "client-min/view_compare.h"
 #include "client-min/view_explain.h"
@@ -16,6 +14,7 @@
 #include "client-min/view_progress.h"
 #include "client-min/view_reference.h"
 #include "client-min/view_report.h"
+#include "client-min/view_save.h"
 #include "ecofiles/base/options.h"
 #include "ecofiles/format/image.h"
 
@@ -35,6 +34,7 @@ struct options {
 	enum engine reference;
 	int tint;                                /* enum view_tint */
 	int rule;                                /* of rules */
+	struct view_marks marks;                 /* of --progressive */
 };
 
 struct viewer {                          /* everything that lives as long as the program */
@@ -51,6 +51,9 @@ struct viewer {                          /* everything that lives as long as the
 	struct view_explain explain;
 	struct view_progress progress;
 	double parts, part;
+	const struct lod_eye *eye;               /* of the frame under way, for its parts */
+	struct view_frame *frame;
+	uint32_t frame_parts;                    /* drawn of it */
 	/* how far the last eye was below the ground that was drawn; else 0 or less */
 	double under_m;
 };
@@ -106,6 +109,13 @@ static enum eco_code read_memory(const char *text, void *value, struct eco_error
 	return ECO_OK;
 }
 
+static enum eco_code read_marks(const char *text, void *value, struct eco_error *error)
+{
+	struct eco_error why = { 0 };
+	return view_marks_read(value, text, &why) ? eco_fail(error, ECO_BAD_USAGE, "--progressive %s", why.text)
+		: ECO_OK;
+}
+
 static const char *const rules[] = { "optimal", "deussen", NULL };
 static const char *const tints[] = { [VIEW_TINT_NONE] = "none", [VIEW_TINT_KIND] = "kind", NULL };
 
@@ -144,6 +154,9 @@ static const struct eco_option option_table[] = {
 	{ "tint", 0, ECO_OPTION_CHOICE, "kind", &given.tint, .choices = tints,
 		.help = "colour by representation: green triangles, red lines, blue points, yellow and "
 		"orange blends, violet ellipsoids for whole plants" },
+	{ "progressive", 0, ECO_OPTION_READ, "LIST", &given.marks, .read = read_marks,
+		.help = "also draw what is there while an answer comes: after so many bytes or milliseconds, "
+		"such as 20000,50000,200ms; the pictures are the frames of a film" },
 	{ "explain", 0, ECO_OPTION_TEXT, "FILE.csv", &given.explain,
 		.help = "a table of why each cut of each frame is what it is; the server plans twice for "
 		"it" },
@@ -153,7 +166,7 @@ static const struct eco_option option_table[] = {
 static const struct eco_command command = { .name = "ecoview", .options = option_table,
 	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--memory SIZE] "
 	"[--ground-px X] [--rule NAME] [--reference[=cpu|egl]] [--compare] [--tint kind] [--frames A..B] "
-	"[--explain FILE.csv]",
+	"[--progressive LIST] [--explain FILE.csv]",
 	.says = "Streams a scene along a camera script and draws every frame as a PNG.",
 	.notes = "Writes frame-0000.png, ...; with --reference also reference-0000.png, frame-0000.mask.png, "
 	"reference-0000.mask.png and pr-0000.png (light: right, orange: too much, blue: missing).\n\n"
@@ -178,21 +191,11 @@ static enum eco_code read_line(int argc, char **argv, struct options *o, struct 
 
 /* ---- Files ---- */
 
-static enum eco_code save_pixels(const struct viewer *v, const char *format, uint32_t frame,
-	const struct eco_pixels *pixels, struct eco_error *error)
-{
-	char name[64], path[4096];
-	snprintf(name, sizeof name, format, frame);
-	if (snprintf(path, sizeof path, "%s/%s", v->options.dir, name) >= (int)sizeof path)
-		return eco_fail(error, ECO_BAD_USAGE, "-o: the folder's name is too long");
-	return eco_png_write(pixels, path, error);
-}
-
 static enum eco_code save(const struct viewer *v, const char *format, uint32_t frame, const uint8_t *bytes,
 	uint32_t channels, struct eco_error *error)
 {
 	struct eco_pixels pixels = { v->options.width, v->options.height, channels, bytes };
-	return save_pixels(v, format, frame, &pixels, error);
+	return view_save(v->options.dir, format, frame, &pixels, error);
 }
 
 static enum eco_code save_masks(struct viewer *v, uint32_t frame, struct eco_error *error)
@@ -231,33 +234,10 @@ static enum eco_code save_comparison(struct viewer *v, const struct view_frame *
 	enum eco_code code = view_compare_draw(&compare, &rgb, size, error);
 	if (code)
 		return code;
-	code = save_pixels(v, "compare-%04u.png", f->frame, &(struct eco_pixels){ size[0], size[1], 3, rgb },
-		error);
+	code = view_save(v->options.dir, "compare-%04u.png", f->frame,
+		&(struct eco_pixels){ size[0], size[1], 3, rgb }, error);
 	free(rgb);
 	return code;
-}
-
-static enum eco_code make_dir(const char *dir, struct eco_error *error)
-{
-	char path[4096];
-	if (!*dir || snprintf(path, sizeof path, "%s", dir) >= (int)sizeof path)
-		return eco_fail(error, ECO_BAD_USAGE, "-o takes a folder's name of at most %zu characters",
-			sizeof path - 1);
-	for (char *at = path + 1;; at++) {
-		char kept = *at;
-		if (kept && kept != '/')
-			continue;
-		*at = '\0';
-		if (mkdir(path, 0777) && errno != EEXIST)
-			return eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
-		*at = kept;
-		if (!kept)
-			break;
-	}
-	struct stat status;
-	if (stat(dir, &status) || !S_ISDIR(status.st_mode))
-		return eco_fail(error, ECO_IO, "%s is not a folder", dir);
-	return ECO_OK;
 }
 
 /* ---- Frames ---- */
@@ -337,13 +317,43 @@ static void count_memory(struct viewer *v, const struct view_store_stats *before
 		view_gl_keep(v->gl, stores, v->full ? 2 : 1);
 }
 
+/* Draws and scores what there is of the frame under way. */
+static enum eco_code draw_part(void *ctx, const struct view_fetch_result *so_far, struct eco_error *error)
+{
+	struct viewer *v = ctx;
+	struct view_frame part = *v->frame;
+	struct view_measures measures;
+	char format[64];
+	part.bytes = so_far->bytes;
+	part.stream_ms = so_far->stream_ms;
+	enum eco_code code = draw(v, v->store, v->eye, &v->picture, error);
+	if (!code && v->options.reference)
+		code = view_measure_pair(&v->picture, &v->reference, NULL, &measures, error);
+	if (code)
+		return code;
+	part.vertices = v->picture.vertices;
+	part.draw_ms = v->picture.draw_ms;
+	if (v->options.reference)
+		view_frame_score(&part, &measures, v->ceiling);
+	snprintf(format, sizeof format, "frame-%%04u-part-%02u.png", v->frame_parts++);
+	view_progress_clear(&v->progress);
+	view_report_part_line(&part, stdout);
+	code = save(v, format, part.frame, v->picture.rgb, 3, error);
+	return code ? code : view_report_add_part(&v->report, &part, error);
+}
+
 static enum eco_code stream_frame(struct viewer *v, const struct eco_request *request,
 	const struct lod_eye *eye, struct view_frame *f, struct eco_error *error)
 {
 	struct view_fetch_result result;
 	struct view_store_stats before = view_store_stats(v->store);
 	step(v, f->frame, "stream");
+	v->eye = eye;
+	v->frame = f;
+	v->frame_parts = 0;
+	view_fetch_mark(v->fetch, &v->options.marks, draw_part, v);
 	enum eco_code code = view_fetch_stream(v->fetch, v->store, request, &result, error);
+	view_fetch_mark(v->fetch, NULL, NULL, NULL);
 	if (code)
 		return code;
 	f->bytes = result.bytes;
@@ -382,7 +392,7 @@ static void note_summaries(struct viewer *v, struct view_frame *f)
 	}
 }
 
-static enum eco_code score_frame(struct viewer *v, const struct eco_request *request,
+static enum eco_code draw_reference(struct viewer *v, const struct eco_request *request,
 	const struct lod_eye *eye, struct view_frame *f, struct eco_error *error)
 {
 	struct eco_request everything = { request->view, ECO_VERTICES_MAX, ECO_BYTES_UNBOUNDED,
@@ -395,17 +405,21 @@ static enum eco_code score_frame(struct viewer *v, const struct eco_request *req
 		return code;
 	step(v, f->frame, "draw the reference");
 	code = draw(v, v->full, eye, &v->reference, error);
-	if (code)
-		return code;
+	f->reference_ms = view_clock_ms() - start;
+	if (!code)
+		note_summaries(v, f);
+	return code;
+}
+
+static enum eco_code score_frame(struct viewer *v, struct view_frame *f, struct eco_error *error)
+{
 	struct view_measures measures;
-	code = view_measure_pair(&v->picture, &v->reference, v->error_map, &measures, error);
+	enum eco_code code = view_measure_pair(&v->picture, &v->reference, v->error_map, &measures, error);
 	if (code)
 		return code;
 	if (v->options.tint)             /* colours that stand for something else */
 		measures.picture_error = NAN;
 	view_frame_score(f, &measures, v->ceiling);
-	note_summaries(v, f);
-	f->reference_ms = view_clock_ms() - start;
 	code = save_masks(v, f->frame, error);
 	return code ? code : save_comparison(v, f, error);
 }
@@ -423,13 +437,20 @@ static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_err
 	struct lod_eye eye;
 	lod_eye_make(&eye, &request.view);
 	struct view_frame f = view_frame_empty(number, time_s, &request);
-	code = stream_frame(v, &request, &eye, &f, error);
+	/* parts are scored while they come */
+	bool parts = v->options.marks.bytes_count + v->options.marks.ms_count > 0;
+	if (v->options.reference && parts)
+		code = draw_reference(v, &request, &eye, &f, error);
+	if (!code)
+		code = stream_frame(v, &request, &eye, &f, error);
 	if (!code)
 		code = view_explain_frame(&v->explain, v->fetch, number, &request, error);
 	if (!code)
 		code = save(v, "frame-%04u.png", number, v->picture.rgb, 3, error);
+	if (!code && v->options.reference && !parts)
+		code = draw_reference(v, &request, &eye, &f, error);
 	if (!code && v->options.reference)
-		code = score_frame(v, &request, &eye, &f, error);
+		code = score_frame(v, &f, error);
 	if (!code)
 		code = view_report_add(&v->report, &f, error);
 	if (!code) {
@@ -503,7 +524,7 @@ static enum eco_code start(struct viewer *v, struct eco_error *error)
 		full = { .images = true };
 	enum eco_code code = eco_camera_load(&v->camera, o->camera, error);
 	if (!code)
-		code = make_dir(o->dir, error);
+		code = view_save_dir(o->dir, error);
 	if (!code && o->explain)
 		code = view_explain_open(&v->explain, o->explain, error);
 	if (!code)

@@ -26,6 +26,10 @@ struct view_fetch {
 	struct view_fetch_result *result;
 	struct eco_writer *text;                 /* where the body goes if it is no stream; else NULL */
 	struct eco_error stream_error;
+	const struct view_marks *marks;          /* NULL: none */
+	struct view_marks_at at;                 /* in them */
+	view_fetch_reached *reached;
+	void *reached_ctx;
 	char problem[PROBLEM_MAX];
 	size_t problem_size;
 	double start_ms, heard_ms;
@@ -115,6 +119,27 @@ static size_t on_header(char *bytes, size_t one, size_t size, void *ctx)
 	return size;
 }
 
+/* Feeds what came, mark by mark. */
+static enum eco_code feed(struct view_fetch *fetch, const uint8_t *bytes, size_t size)
+{
+	struct view_fetch_result *result = fetch->result;
+	struct eco_error *error = &fetch->stream_error;
+	enum eco_code code = ECO_OK;
+	while (size && !code) {
+		uint64_t room = fetch->marks ? view_marks_room(fetch->marks, &fetch->at, result->bytes) : size;
+		size_t take = room < size ? (size_t)room : size;
+		code = eco_wire_feed(fetch->parser, bytes, take, error);
+		bytes += take;
+		size -= take;
+		result->bytes += take;
+		result->stream_ms = view_clock_ms() - fetch->start_ms;
+		if (!code && fetch->marks && view_marks_pass(fetch->marks, &fetch->at, result->bytes,
+				result->stream_ms))
+			code = fetch->reached(fetch->reached_ctx, result, error);
+	}
+	return code;
+}
+
 static size_t on_body(char *bytes, size_t one, size_t size, void *ctx)
 {
 	struct view_fetch *fetch = ctx;
@@ -124,23 +149,24 @@ static size_t on_body(char *bytes, size_t one, size_t size, void *ctx)
 		curl_easy_getinfo(fetch->curl, CURLINFO_RESPONSE_CODE, &fetch->result->status);
 		fetch->result->first_byte_ms = fetch->heard_ms - fetch->start_ms;
 	}
-	fetch->result->bytes += size;
 	if (fetch->result->status != 200) {
+		fetch->result->bytes += size;
 		size_t room = PROBLEM_MAX - 1 - fetch->problem_size, take = size < room ? size : room;
 		memcpy(fetch->problem + fetch->problem_size, bytes, take);
 		fetch->problem_size += take;
 		return take == size ? size : 0;
 	}
-	if (fetch->result->bytes > fetch->options.body_max) {
+	if (fetch->result->bytes + size > fetch->options.body_max) {
 		eco_fail(&fetch->stream_error, ECO_TOO_LARGE, "the answer is longer than %llu bytes",
 			(unsigned long long)fetch->options.body_max);
 		return 0;
 	}
 	if (fetch->text) {
+		fetch->result->bytes += size;
 		eco_write_bytes(fetch->text, bytes, size);
 		return fetch->text->failed ? 0 : size;
 	}
-	return eco_wire_feed(fetch->parser, (const uint8_t *)bytes, size, &fetch->stream_error) ? 0 : size;
+	return feed(fetch, (const uint8_t *)bytes, size) ? 0 : size;
 }
 
 static int on_progress(void *ctx, curl_off_t a, curl_off_t b, curl_off_t c, curl_off_t d)
@@ -215,6 +241,14 @@ enum eco_code view_fetch_new(struct view_fetch **out, const struct view_fetch_op
 	set_options(fetch);
 	*out = fetch;
 	return ECO_OK;
+}
+
+void view_fetch_mark(struct view_fetch *fetch, const struct view_marks *marks, view_fetch_reached *reached,
+	void *ctx)
+{
+	fetch->marks = marks;
+	fetch->reached = reached;
+	fetch->reached_ctx = ctx;
 }
 
 void view_fetch_free(struct view_fetch *fetch)
@@ -321,6 +355,7 @@ static void begin(struct view_fetch *fetch)
 	fetch->problem_size = 0;
 	fetch->stopped = fetch->stalled = false;
 	fetch->stream_error = (struct eco_error){ 0 };
+	fetch->at = (struct view_marks_at){ 0 };
 	fetch->curl_text[0] = '\0';
 }
 

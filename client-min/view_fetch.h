@@ -12,6 +12,7 @@
 
 #include <signal.h>
 
+#include "client-min/view_marks.h"
 #include "client-min/view_store.h"
 
 struct view_fetch;
@@ -55,6 +56,14 @@ void view_fetch_free(struct view_fetch *fetch);                  /* NULL is fine
  * also on failure, as far as things went. */
 enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *store,
 	const struct eco_request *request, struct view_fetch_result *result, struct eco_error *error);
+
+/* From now on `reached` is called where an answer has come to a mark, with what there is of the result: the store
+ * can be drawn, as far as it has come. An error ends the answer. Both must outlive the fetching; marks NULL: no
+ * more. */
+typedef enum eco_code view_fetch_reached(void *ctx, const struct view_fetch_result *so_far,
+	struct eco_error *error);
+void view_fetch_mark(struct view_fetch *fetch, const struct view_marks *marks, view_fetch_reached *reached,
+	void *ctx);
 
 /* GET url/plan?..&explain=1: the plan as JSON, with why each cut is what it is, for a client that holds
  * nothing. *text ends with 0; the caller frees it. */

@@ -69,6 +69,15 @@ enum eco_code view_report_add(struct view_report *report, const struct view_fram
 	return ECO_OK;
 }
 
+enum eco_code view_report_add_part(struct view_report *report, const struct view_frame *part,
+	struct eco_error *error)
+{
+	if (!eco_room(&report->parts, &report->part_room, report->part_count, sizeof *report->parts))
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for the report");
+	report->parts[report->part_count++] = *part;
+	return ECO_OK;
+}
+
 static void print_score(FILE *out, const char *name, double v)
 {
 	if (isnan(v))
@@ -77,11 +86,8 @@ static void print_score(FILE *out, const char *name, double v)
 		fprintf(out, "  %s %.4f", name, v);
 }
 
-void view_report_line(const struct view_frame *f, FILE *out)
+static void print_scores(const struct view_frame *f, FILE *out)
 {
-	fprintf(out, "frame %04u  vertices %llu of %llu  bytes %llu", f->frame,
-		(unsigned long long)f->vertices, (unsigned long long)f->budget_vertices,
-		(unsigned long long)f->bytes);
 	print_score(out, "P", f->precision);
 	print_score(out, "R", f->recall);
 	print_score(out, "Q", f->q);
@@ -92,6 +98,21 @@ void view_report_line(const struct view_frame *f, FILE *out)
 	print_score(out, "picture_error", f->picture_error);
 	fputc('\n', out);
 	fflush(out);
+}
+
+void view_report_line(const struct view_frame *f, FILE *out)
+{
+	fprintf(out, "frame %04u  vertices %llu of %llu  bytes %llu", f->frame,
+		(unsigned long long)f->vertices, (unsigned long long)f->budget_vertices,
+		(unsigned long long)f->bytes);
+	print_scores(f, out);
+}
+
+void view_report_part_line(const struct view_frame *f, FILE *out)
+{
+	fprintf(out, "frame %04u  after %llu bytes and %.0f ms: vertices %llu", f->frame,
+		(unsigned long long)f->bytes, f->stream_ms, (unsigned long long)f->vertices);
+	print_scores(f, out);
 }
 
 struct totals { uint64_t vertices, bytes, repeats, evictions, again_bytes; };
@@ -176,16 +197,18 @@ static json_t *summary_json(const struct view_report *report)
 
 static json_t *report_json(const struct view_report *report)
 {
-	json_t *frames = json_array(), *programs = json_array();
+	json_t *frames = json_array(), *programs = json_array(), *parts = json_array();
+	for (uint32_t i = 0; i < report->part_count; i++)
+		json_array_append_new(parts, frame_json(&report->parts[i]));
 	for (uint32_t i = 0; i < report->count; i++)
 		json_array_append_new(frames, frame_json(&report->frames[i]));
 	for (uint32_t i = 0; i < VIEW_PROGRAM_COUNT; i++)
 		if (report->programs >> i & 1)
 			json_array_append_new(programs, json_string(view_program_names[i]));
-	return json_pack("{s:o, s:o, s:o, s:I, s:I, s:b, s:o, s:o, s:o}", "scene", text_json(report->scene),
+	return json_pack("{s:o, s:o, s:o, s:I, s:I, s:b, s:o, s:o, s:o, s:o}", "scene", text_json(report->scene),
 		"renderer", text_json(report->renderer), "reference", text_json(report->reference),
 		"width", (json_int_t)report->width, "height", (json_int_t)report->height,
-		"complete", (int)report->complete, "shaders", programs, "frames", frames,
+		"complete", (int)report->complete, "shaders", programs, "frames", frames, "parts", parts,
 		"summary", summary_json(report));
 }
 
@@ -208,5 +231,6 @@ enum eco_code view_report_write(const struct view_report *report, const char *di
 void view_report_free(struct view_report *report)
 {
 	free(report->frames);
+	free(report->parts);
 	*report = (struct view_report){ 0 };
 }

@@ -22,9 +22,12 @@ struct view_frame {
 	double reference_summaries;
 };
 
-struct view_report {                             /* owns `frames` */
+struct view_report {                             /* owns `frames` and `parts` */
 	struct view_frame *frames;
 	uint32_t count, room;
+	/* pictures of frames that had come in part: bytes and stream_ms are those until then */
+	struct view_frame *parts;
+	uint32_t part_count, part_room;
 	const char *scene, *renderer, *reference;    /* reference: "cpu", "egl" or NULL */
 	/* of OpenGL, that were compiled: bits of enum view_program */
 	uint32_t programs;
@@ -40,7 +43,11 @@ void view_frame_score(struct view_frame *frame, const struct view_measures *meas
 
 enum eco_code view_report_add(struct view_report *report, const struct view_frame *frame,
 	struct eco_error *error);
+enum eco_code view_report_add_part(struct view_report *report, const struct view_frame *part,
+	struct eco_error *error);
 void view_report_line(const struct view_frame *frame, FILE *out);
+/* The same of a part: what was there after so many bytes and milliseconds. */
+void view_report_part_line(const struct view_frame *part, FILE *out);
 /* A line on memory, if anything had to go for want of it. */
 void view_report_memory_line(const struct view_report *report, FILE *out);
 /* Writes DIR/report.json beside and renames it. */

@@ -9,8 +9,8 @@
 #include "server/trace.h"
 
 #define BODY_MAX_DEFAULT (1ull << 31)
-/* missing payload bytes from which a coarse step is worth its over-send */
-#define STEP_BYTES_LEAST (256u << 10)
+#define STEP_RATIO 1.3                       /* bytes of a step over those of the step before */
+#define STEP_BYTES_LEAST 10000u              /* no step goes before one of so few */
 #define SEARCH_PLANS_MAX 40u
 #define SEARCH_SLACK 256u                    /* the search ends within 1/256 of the budget */
 #define GROUND_STEP 4.0                      /* how much coarser the ground of each coarse step is */
@@ -26,8 +26,16 @@ static void step_free(struct srv_step *step)
 	*step = (struct srv_step){ 0 };
 }
 
+static void drop_coarser(struct srv_stream *stream)
+{
+	for (uint32_t i = 0; i < stream->coarser_count; i++)
+		eco_plan_free(&stream->coarser[i]);
+	stream->coarser_count = 0;
+}
+
 void srv_stream_free(struct srv_stream *stream)
 {
+	drop_coarser(stream);
 	for (uint32_t i = 0; i < stream->step_count; i++)
 		step_free(&stream->steps[i]);
 	*stream = (struct srv_stream){ 0 };
@@ -102,6 +110,7 @@ struct sizing {
 /* `sizing` NULL: bytes do not bind. */
 static enum eco_code size_answer(void *ctx, struct eco_plan *plan, uint64_t *bytes,
 	struct eco_error *error);
+static enum eco_code take_coarser(void *ctx, struct eco_plan *plan, struct eco_error *error);
 
 static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, double ground_px,
 	struct sizing *sizing, struct srv_step *step, struct eco_error *error)
@@ -110,6 +119,8 @@ static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, dou
 	struct eco_request request = *input->request;
 	struct lod_planner_stats stats = { 0 };
 	struct lod_planner_input planner = planner_input(input, &request);
+	const struct lod_planner_coarser coarser = { STEP_RATIO, STEP_BYTES_LEAST, SRV_STEPS_MAX - 1,
+		take_coarser, stream };
 	planner.stats = &stats;
 	*step = (struct srv_step){ .budget_vertices = vertices, .ground_px = ground_px };
 	if (input->cancelled && atomic_load(input->cancelled))
@@ -120,6 +131,8 @@ static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, dou
 		request.bytes = sizing->most;
 		planner.size = size_answer;
 		planner.size_ctx = sizing;
+		planner.coarser = &coarser;
+		drop_coarser(stream);
 	}
 	enum eco_code code = lod_plan(&step->plan, &planner, error);
 	if (!code)
@@ -359,34 +372,35 @@ static enum eco_code size_answer(void *ctx, struct eco_plan *plan, uint64_t *byt
 
 /* ---- Steps ---- */
 
-/* Puts coarse steps before steps[0], the answer, each for a quarter of the vertices of the one after it, on
- * coarser ground. */
-static enum eco_code add_coarse(struct srv_stream *stream, struct eco_error *error)
+static enum eco_code take_coarser(void *ctx, struct eco_plan *plan, struct eco_error *error)
 {
-	uint64_t vertices = stream->steps[0].plan.vertices, next = stream->steps[0].missing_bytes;
-	double ground_px = stream->steps[0].ground_px;
-	if (next <= STEP_BYTES_LEAST)
-		return ECO_OK;
-	for (uint32_t tries = 1; tries < SRV_STEPS_MAX && vertices >= 4; tries++) {
-		struct srv_step step;
-		vertices /= 4;
-		ground_px *= GROUND_STEP;
-		enum eco_code code = make_step(stream, vertices, ground_px, NULL, &step, error);
-		if (code)
-			return code;
-		bool clear = step.missing_bytes < next / 2;
-		srv_trace(SRV_TRACE_PLAN, "coarse step of %llu vertices: %llu missing bytes before %llu: %s",
-			(unsigned long long)vertices, (unsigned long long)step.missing_bytes,
-			(unsigned long long)next, clear ? "taken" : "left out, not below half");
-		if (!clear) {
-			step_free(&step);
-			continue;
-		}
-		next = step.missing_bytes;
-		for (uint32_t i = stream->step_count++; i > 0; i--)
-			stream->steps[i] = stream->steps[i - 1];
-		stream->steps[0] = step;
+	(void)error;
+	struct srv_stream *stream = ctx;
+	stream->coarser[stream->coarser_count++] = *plan;
+	return ECO_OK;
+}
+
+/* Puts a coarser answer before steps[0], on ground that takes no more than its share. */
+static enum eco_code add_coarser(struct srv_stream *stream, struct eco_plan *plan, struct eco_error *error)
+{
+	struct srv_step step = { .plan = *plan };
+	*plan = (struct eco_plan){ 0 };
+	enum eco_code code = change_ground(stream, &step, stream->steps[0].ground_px, error);
+	while (!code && step.ground_px < ECO_GROUND_PX_MAX
+			&& missing_ground_bytes(stream, &step) > step.missing_bytes / GROUND_SHARE)
+		code = change_ground(stream, &step, fmin(GROUND_STEP * step.ground_px, ECO_GROUND_PX_MAX),
+			error);
+	bool clear = step.missing_bytes < stream->steps[0].missing_bytes;
+	srv_trace(SRV_TRACE_PLAN, "coarser answer of %llu vertices: %llu missing bytes before %llu%s",
+		(unsigned long long)step.plan.vertices, (unsigned long long)step.missing_bytes,
+		(unsigned long long)stream->steps[0].missing_bytes, clear ? "" : ": left out");
+	if (code || !clear) {
+		step_free(&step);
+		return code;
 	}
+	for (uint32_t i = stream->step_count++; i > 0; i--)
+		stream->steps[i] = stream->steps[i - 1];
+	stream->steps[0] = step;
 	return ECO_OK;
 }
 
@@ -412,14 +426,17 @@ static enum eco_code size_all(struct srv_stream *stream, struct srv_emit *dry, s
  * for that. */
 static enum eco_code fit_steps(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
 {
-	enum eco_code code = add_coarse(stream, error);
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < stream->coarser_count && !code
+			&& stream->steps[0].missing_bytes > STEP_BYTES_LEAST; i++)
+		code = add_coarser(stream, &stream->coarser[i], error);
 	if (!code)
 		code = size_all(stream, dry, error);
 	while (!code && stream->body_bytes > stream->input.request->bytes) {
 		assert(stream->step_count > 1);
 		uint32_t last = --stream->step_count;    /* the finest coarse step goes */
-		srv_trace(SRV_TRACE_PLAN, "coarse step of %llu vertices left out: no room in the byte budget",
-			(unsigned long long)stream->steps[last - 1].budget_vertices);
+		srv_trace(SRV_TRACE_PLAN, "a step of %llu vertices left out: no room in the byte budget",
+			(unsigned long long)stream->steps[last - 1].plan.vertices);
 		step_free(&stream->steps[last - 1]);
 		stream->steps[last - 1] = stream->steps[last];
 		code = size_all(stream, dry, error);

@@ -6,10 +6,11 @@
  *   ... body.pieces, in order ...                   payloads are pieces that point into the mapped pack
  *   srv_body_free(&body); srv_stream_free(&stream);
  *
- * Steps. The last step is the plan for the whole budget. Where it needs many bytes that the client lacks,
- * plans for 1/4, 1/16 and 1/64 of its vertices go before it, if each costs clearly fewer bytes than the next:
- * a picture soon, at the price of the little that the last plan does not use again. Their ground is four
- * times as coarse from step to step; within a step ground goes first, coarse to fine.
+ * Steps. The last step is the plan for the whole budget. Where bytes do not bind, coarser answers go before
+ * it, each with about three quarters of the bytes of the next, down to 10 kB (lod/plan/planner.h): whoever
+ * stops reading has about the best picture for what came. They share the work of one plan, and mostly send what
+ * the answer uses, too. Their ground takes no more than a quarter of their bytes; within a step ground goes
+ * first, coarse to fine.
  *
  * Byte budget. It bounds the whole body, END included. The ground's detail gives way first, up to an error of
  * 8 pixels; then what is drawn on it, on ground that is coarser still where it would take more than a quarter
@@ -30,7 +31,7 @@
 #include "lod/plan/planner.h"
 #include "server/store.h"
 
-#define SRV_STEPS_MAX 4u
+#define SRV_STEPS_MAX 32u
 
 struct srv_stream_input {
 	const struct srv_scene *scene;
@@ -57,6 +58,8 @@ struct srv_stream {
 	struct srv_stream_input input;
 	struct srv_step steps[SRV_STEPS_MAX];        /* ascending; the last is the answer */
 	uint32_t step_count;
+	struct eco_plan coarser[SRV_STEPS_MAX];      /* from fine to coarse, while steps are made */
+	uint32_t coarser_count;
 	bool fits;
 	/* exact; where it does not fit, that of the smallest body */
 	uint64_t body_bytes;

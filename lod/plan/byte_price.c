@@ -11,6 +11,8 @@
 #include "lod/plan/texture_levels.h"
 
 #define LISTS_OF_LADDER 5        /* points, lines, simple, triangles, impostor */
+#define WASTE 4                  /* times its bytes costs what answers to come do not use (lod/EXPERIMENTS.md,
+                                  * "One answer cut at any byte") */
 #define DRAWN_LEAST 1e-9         /* plants, below which nobody draws */
 
 /* A ladder in view, and the bytes of its lists up to each number of vertices that a plant may draw. */
@@ -34,6 +36,7 @@ struct image_price {
 };
 
 struct lod_prices {
+	const struct eco_holdings *kept;     /* chunks that come anyway; NULL: all count alike */
 	struct ladder_price *ladders;        uint32_t ladder_count;
 	struct image_price *images;          uint32_t image_count;
 	uint32_t *choices;           /* of the allocation, by ladder */
@@ -59,18 +62,19 @@ static double chunk_bytes(const struct lod_planner *p, uint32_t list, uint32_t o
 }
 
 /* Chunks [from, to) of a list that the client lacks. */
-static double missing_between(const struct lod_planner *p, uint32_t list, uint32_t from, uint32_t to)
+static double missing_between(const struct lod_allocation *m, uint32_t list, uint32_t from, uint32_t to)
 {
-	uint32_t held = eco_holdings_chunks(p->input->holdings, list);
+	uint32_t held = eco_holdings_chunks(m->p->input->holdings, list);
+	uint32_t kept = m->prices->kept ? eco_holdings_chunks(m->prices->kept, list) : to;
 	double sum = 0;
 	for (uint32_t c = from > held ? from : held; c < to; c++)
-		sum += chunk_bytes(p, list, c);
+		sum += (c < kept ? 1 : WASTE) * chunk_bytes(m->p, list, c);
 	return sum;
 }
 
-static double missing_all(const struct lod_planner *p, uint32_t list)
+static double missing_all(const struct lod_allocation *m, uint32_t list)
 {
-	return missing_between(p, list, 0, p->scene->lists[list].chunk_count);
+	return missing_between(m, list, 0, m->p->scene->lists[list].chunk_count);
 }
 
 /* ---- Ladders ---- */
@@ -78,9 +82,9 @@ static double missing_all(const struct lod_planner *p, uint32_t list)
 /* Chunks of each list that were paid so far. */
 struct paid { uint32_t list[LISTS_OF_LADDER], chunks[LISTS_OF_LADDER], count; };
 
-static double pay(const struct lod_planner *p, struct paid *paid, uint32_t list, uint32_t end)
+static double pay(const struct lod_allocation *m, struct paid *paid, uint32_t list, uint32_t end)
 {
-	uint32_t i = 0, chunks = lod_plan_chunks_for(p->scene, list, end);
+	uint32_t i = 0, chunks = lod_plan_chunks_for(m->p->scene, list, end);
 	while (i < paid->count && paid->list[i] != list)
 		i++;
 	if (i == paid->count) {
@@ -90,13 +94,13 @@ static double pay(const struct lod_planner *p, struct paid *paid, uint32_t list,
 	}
 	if (chunks <= paid->chunks[i])
 		return 0;
-	double bytes = missing_between(p, list, paid->chunks[i], chunks);
+	double bytes = missing_between(m, list, paid->chunks[i], chunks);
 	paid->chunks[i] = chunks;
 	return bytes;
 }
 
 /* Returns the texture of what is drawn; ECO_NONE: there is none. */
-static uint32_t price_step(const struct lod_planner *p, const struct lod_way *way, uint64_t vertices,
+static uint32_t price_step(const struct lod_allocation *m, const struct lod_way *way, uint64_t vertices,
 	struct paid *paid, double *bytes)
 {
 	uint32_t image = ECO_NONE;
@@ -104,14 +108,14 @@ static uint32_t price_step(const struct lod_planner *p, const struct lod_way *wa
 	if (vertices == 0)
 		return ECO_NONE;
 	if (vertices == 1 && lod_hull_impostor_levels(way)) {
-		*bytes += pay(p, paid, way->ladder->impostor, 1);
+		*bytes += pay(m, paid, way->ladder->impostor, 1);
 		return ECO_NONE;
 	}
 	uint32_t count = lod_way_cuts(way, vertices, lod_way_density(way, vertices), 0, cuts);
 	for (uint32_t i = 0; i < count; i++) {
-		*bytes += pay(p, paid, cuts[i].list, cuts[i].end);
-		if (p->scene->lists[cuts[i].list].image != ECO_NONE)
-			image = p->scene->lists[cuts[i].list].image;
+		*bytes += pay(m, paid, cuts[i].list, cuts[i].end);
+		if (m->p->scene->lists[cuts[i].list].image != ECO_NONE)
+			image = m->p->scene->lists[cuts[i].list].image;
 	}
 	return image;
 }
@@ -122,10 +126,10 @@ static uint32_t steps_of(const struct lod_plan_tables_ladder *table)
 }
 
 /* Steps are all points that the hulls of its slots may have. */
-static void price_ladder(const struct lod_planner *p, struct ladder_price *l)
+static void price_ladder(const struct lod_allocation *m, struct ladder_price *l)
 {
 	l->image = l->textured = ECO_NONE;
-	const struct lod_plan_tables_ladder *table = lod_plan_tables_ladder(p->tables, l->ladder);
+	const struct lod_plan_tables_ladder *table = lod_plan_tables_ladder(m->p->tables, l->ladder);
 	struct paid paid = { .count = 0 };
 	double bytes = 0;
 	l->steps = 0;
@@ -134,7 +138,7 @@ static void price_ladder(const struct lod_planner *p, struct ladder_price *l)
 			uint64_t vertices = h < 2 ? table->hull[h].points[i].vertices : table->way.full;
 			if (l->steps && vertices <= l->vertices[l->steps - 1])
 				continue;
-			uint32_t image = price_step(p, &table->way, vertices, &paid, &bytes);
+			uint32_t image = price_step(m, &table->way, vertices, &paid, &bytes);
 			if (image != ECO_NONE && l->image == ECO_NONE) {
 				l->image = image;
 				l->textured = l->steps;
@@ -151,11 +155,11 @@ static double texel_px(const struct lod_allocation *m, const struct ladder_price
 	return lod_texel_px(m->p, m->prices->images[l->image].list, slot->anchor, slot->band);
 }
 
-static struct image_price image_price_of(const struct lod_planner *p, uint32_t list)
+static struct image_price image_price_of(const struct lod_allocation *m, uint32_t list)
 {
-	uint32_t outline = p->scene->lists[list].image;
+	uint32_t outline = m->p->scene->lists[list].image;
 	return (struct image_price){ .list = list,
-		.outline = outline == ECO_NONE ? 0 : missing_all(p, outline) };
+		.outline = outline == ECO_NONE ? 0 : missing_all(m, outline) };
 }
 
 /* The most levels that some choice of a ladder resolves. */
@@ -172,7 +176,7 @@ static void count_levels(struct lod_allocation *m, const struct ladder_price *l)
 static void set_levels(struct lod_allocation *m, struct image_price *image, uint32_t levels)
 {
 	image->levels = levels;
-	image->bytes = image->outline + missing_between(m->p, image->list, 0, levels);
+	image->bytes = image->outline + missing_between(m, image->list, 0, levels);
 	m->p->texture_levels[image->list] = (uint8_t)levels;
 }
 
@@ -213,7 +217,7 @@ static bool make_images(struct lod_allocation *m)
 			}
 			if (!of[l->image]) {
 				of[l->image] = ++prices->image_count;
-				prices->images[prices->image_count - 1] = image_price_of(m->p, l->image);
+				prices->images[prices->image_count - 1] = image_price_of(m, l->image);
 			}
 			l->image = of[l->image] - 1;
 			prices->images[l->image].users[cell]++;
@@ -267,7 +271,7 @@ static bool make_ladders(struct lod_allocation *m)
 		l->vertices = prices->vertices + steps;
 		l->bytes = prices->bytes + steps;
 		l->gain = prices->gain + steps;
-		price_ladder(m->p, l);
+		price_ladder(m, l);
 		steps += l->steps;
 	}
 	return make_images(m);
@@ -294,9 +298,9 @@ static bool make_tiles(struct lod_allocation *m)
 		double part = m->prices->part[n] = 1.0 / occurrences[p->visible.nodes[n].tile];
 		for (uint32_t g = 0; m->tile_choices[n].open && g < tile->group_count; g++)
 			m->prices->instances[n] += part
-				* missing_all(p, scene->groups[tile->group_first + g].list);
+				* missing_all(m, scene->groups[tile->group_first + g].list);
 		if (m->tile_choices[n].has_summary)
-			m->prices->points[n] = part * missing_all(p, tile->summary)
+			m->prices->points[n] = part * missing_all(m, tile->summary)
 				/ scene->lists[tile->summary].primitive_count;
 	}
 	free(occurrences);
@@ -338,17 +342,20 @@ struct lod_summary_price lod_prices_summary(const struct lod_allocation *m, uint
 		price.before = price.points;
 		price.points += scene->chunks[l->chunk_first + chunks++].primitive_count;
 	}
-	price.bytes = missing_between(m->p, list, 0, chunks) * m->prices->part[node];
+	price.bytes = missing_between(m, list, 0, chunks) * m->prices->part[node];
 	return price;
 }
 
 /* ---- Making ---- */
 
-enum eco_code lod_prices_make(struct lod_allocation *m, struct eco_error *error)
+enum eco_code lod_prices_make(struct lod_allocation *m, const struct eco_holdings *kept,
+	struct eco_error *error)
 {
 	uint32_t slots = m->p->visible.slot_count, nodes = m->p->visible.node_count,
 		plants = m->p->scene->plant_count;
 	struct lod_prices *prices = m->prices = calloc(1, sizeof *prices);
+	if (prices)
+		prices->kept = kept;
 	bool good = prices && (prices->drawn = malloc((slots + 1u) * sizeof *prices->drawn))
 		&& (prices->seen = malloc((slots + 1u) * sizeof *prices->seen))
 		&& (prices->weight = malloc((nodes + 1u) * sizeof *prices->weight))
@@ -504,7 +511,7 @@ static void limit_textures(struct lod_allocation *m)
 			if (prices->ladders[k].textured != ECO_NONE && prices->ladders[k].image == i)
 				add_texel_costs(m, &prices->ladders[k], costs, all);
 		for (uint32_t n = 1; n <= image->most && costs[1] > 0; n++) {
-			double cost = costs[n] + m->price * missing_between(m->p, image->list, 0, n);
+			double cost = costs[n] + m->price * missing_between(m, image->list, 0, n);
 			best = cost < least ? n : best;
 			least = fmin(least, cost);
 		}
@@ -560,7 +567,7 @@ static double levels_bytes(const struct lod_allocation *m, const struct ladder_p
 				&& m->prices->drawn[choice->slot] * share_of(m, id, false) > DRAWN_LEAST)
 			level = choice->hull.impostor;
 	}
-	return level ? missing_between(m->p, list, 1, level + 1) : 0;
+	return level ? missing_between(m, list, 1, level + 1) : 0;
 }
 
 /* The last step that some plant draws; 0: none does. */

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "lod/plan/explain_state.h"
+#include "lod/plan/lambda_search.h"
 
 enum eco_code lod_planner_begin(struct lod_planner *p, const struct lod_planner_input *input,
 	struct eco_error *error)
@@ -30,6 +31,7 @@ void lod_planner_end(struct lod_planner *p)
 	free(p->gates);
 	free(p->texture_levels);
 	free(p->entries);
+	lod_search_free(p->search);
 	lod_plan_tables_free(p->own);
 	lod_screen_free(&p->screen);
 	if (p->visible.nodes)
@@ -56,6 +58,8 @@ enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *in
 	if (input->stats)
 		*input->stats = (struct lod_planner_stats){ p.candidates, p.gains, p.looks, p.visible.places,
 			p.cheapest, p.level, p.converged, p.bytes, p.sized, p.price, p.wrong };
+	if (!code && input->coarser && p.search && !(p.price > 0))
+		code = lod_bytes_coarser(p.search, plan, error);
 	lod_planner_end(&p);
 	if (code)
 		eco_plan_free(plan);

@@ -37,6 +37,18 @@ struct lod_planner_stats {
 
 struct lod_explanation;
 
+/* Coarser answers to the same request, made after the answer by the same allocation at higher prices of a byte:
+ * each, without ground, goes to `take`, which owns it. From fine to coarse, each with about 1 / ratio of the
+ * bytes of plants that the one before it has. Only lod_rule_optimal makes any, and only where bytes do not
+ * bind: there they would have no room. */
+struct lod_planner_coarser {
+	double ratio;                /* above 1 */
+	uint64_t least;              /* bytes of the last one, about: none follows one of so few */
+	uint32_t most;               /* answers */
+	enum eco_code (*take)(void *ctx, struct eco_plan *plan, struct eco_error *error);
+	void *ctx;
+};
+
 /* Everything the planner needs of a scene that depends on no view (lod/plan/plan_tables.h), for plans of any
  * number of threads. `scene` must outlive the tables. */
 struct lod_plan_tables;
@@ -55,6 +67,7 @@ struct lod_planner_input {
 	bool ignore_occlusion;                       /* every plant counts as wholly visible: to measure */
 	struct lod_planner_stats *stats;             /* may be NULL */
 	struct lod_explanation *explanation;         /* lod/plan/explain.h, empty; NULL: no reasons */
+	const struct lod_planner_coarser *coarser;   /* NULL: none; not with an explanation */
 	/* Exact bytes of the answer that carries a plan, which is without ground and may be changed; they
 	 * must be at most request->bytes. NULL: bytes do not count */
 	enum eco_code (*size)(void *ctx, struct eco_plan *plan, uint64_t *bytes, struct eco_error *error);

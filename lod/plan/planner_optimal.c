@@ -1,5 +1,4 @@
-/* The default rule: the least expected error within budgets of vertices and of bytes. Longer than 600 lines:
- * all searches work on one lambda_search.
+/* The default rule: the least expected error within budgets of vertices and of bytes (planner_bytes.c).
  *
  * The expected error of what is drawn comes from a ladder's measured curve or a summary's computed one, times
  * the pixels seen. Pixels seen are found once, before any budget (lod/plan/visibility.h). So the objective is
@@ -24,15 +23,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lod/plan/allocation.h"
-#include "lod/plan/byte_price.h"
 #include "lod/plan/explain_state.h"
 #include "lod/plan/fill_budget.h"
-#include "lod/plan/price_search.h"
+#include "lod/plan/lambda_search.h"
 
 #define LAMBDAS_PER_OCTAVE 2
 #define LAMBDA_HIGHEST 34        /* octaves: more pixels than a picture can have */
-#define LAMBDA_COUNT 240         /* down to where a vertex saves nothing visible; then lambda 0 */
 #define LAMBDAS_PER_PREDICTION 4 /* grid lambdas between two predicted pictures, at most */
 #define LAMBDA_TRIES 8           /* of the search between two grid lambdas, ... */
 #define LAMBDA_SLACK 0.001       /* ... which ends when no more than this share of the budget is unused */
@@ -40,10 +36,6 @@
 #define TOGGLE_PASSES 2          /* over all slots, where few plants are in view */
 #define LOWER_TRIES 12           /* of the search below a lambda at which every curve ends, ... */
 #define LOWER_FACTOR 2.0         /* ... which begins with steps of this factor */
-#define PRICE_MORE 0.05          /* octaves, at first, by which a price is raised that no longer fits */
-#define PRICE_RAISES 3           /* of lambda, up to the one that uses the vertices alone */
-#define PRICE_LAMBDAS 5          /* tried where vertices bind as well */
-#define SIZE_TRIES 4             /* answers whose bytes are counted, ... */
 #define TILES_PX 0.5             /* sample distance to which tiles are opened, ... */
 #define CELLS_PX 1.0             /* ... and cells; less at finer levels */
 #define FINER_OCTAVES 3          /* from one level to the next */
@@ -52,9 +44,9 @@
 #define COARSEST -12
 #define PLACES_MOST 100000u      /* plants that one level walks over */
 
-static double lambda_at(int index)
+double lod_lambda_at(int index)
 {
-	if (index >= LAMBDA_COUNT)
+	if (index >= LOD_LAMBDA_COUNT)
 		return 0;
 	return ldexp(index % 2 ? 0.70710678118654752440 : 1, LAMBDA_HIGHEST - index / LAMBDAS_PER_OCTAVE);
 }
@@ -68,35 +60,22 @@ static void begin_screen(struct lod_planner *p)
 
 /* ---- The search for lambda ---- */
 
-struct outcome { double vertices, wrong; }; /* of a relaxation */
-
-struct evaluation { int at; struct outcome outcome; struct eco_prediction prediction; };
-
-struct lambda_search {
-	struct lod_allocation *allocation;
-	/* indices: where anything may be chosen, after which nothing more gains */
-	int first, last;
-	struct evaluation from, to;  /* the predicted lambdas around the budget */
-	int index;                   /* the last lambda whose vertices fit the budget */
-	struct outcome here, next;   /* there, and at the next lambda */
-};
-
 /* After the last lambda of the grid that chooses more comes lambda 0. */
-static int index_of(const struct lambda_search *s, int at) { return at <= s->last ? at : LAMBDA_COUNT; }
-static int index_after(const struct lambda_search *s, int index)
+static int index_of(const struct lod_lambda_search *s, int at) { return at <= s->last ? at : LOD_LAMBDA_COUNT; }
+static int index_after(const struct lod_lambda_search *s, int index)
 {
-	return index < s->last ? index + 1 : LAMBDA_COUNT;
+	return index < s->last ? index + 1 : LOD_LAMBDA_COUNT;
 }
 
-static void find_ends(struct lambda_search *s)
+static void find_ends(struct lod_lambda_search *s)
 {
 	double high, low;
 	lod_allocation_lambda_range(s->allocation, &high, &low);
 	s->first = 1;
-	while (s->first < LAMBDA_COUNT - 1 && lambda_at(s->first) > high)
+	while (s->first < LOD_LAMBDA_COUNT - 1 && lod_lambda_at(s->first) > high)
 		s->first++;
 	s->last = s->first;
-	while (s->last < LAMBDA_COUNT - 1 && lambda_at(s->last) > low)
+	while (s->last < LOD_LAMBDA_COUNT - 1 && lod_lambda_at(s->last) > low)
 		s->last++;
 }
 
@@ -109,13 +88,13 @@ static double wrong_of(const struct eco_prediction *prediction) { return predict
 
 /* Relaxes at a lambda, and predicts its picture if asked. Results are clamped between those of the lambdas
  * before and after it. */
-static enum eco_code evaluate(struct lambda_search *s, int at, const struct evaluation *before,
-	const struct evaluation *after, bool predicts, struct evaluation *result, struct eco_error *error)
+static enum eco_code evaluate(struct lod_lambda_search *s, int at, const struct lod_evaluation *before,
+	const struct lod_evaluation *after, bool predicts, struct lod_evaluation *result, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
 	enum eco_code code = ECO_OK;
-	*result = (struct evaluation){ .at = at, .prediction = before->prediction };
-	lod_allocation_relax(m, lambda_at(index_of(s, at)));
+	*result = (struct lod_evaluation){ .at = at, .prediction = before->prediction };
+	lod_allocation_relax(m, lod_lambda_at(index_of(s, at)));
 	result->outcome.vertices = within(m->cost.vertices, before->outcome.vertices,
 		after->outcome.vertices);
 	result->outcome.wrong = within(m->cost.fp + m->cost.fn + m->cost.detail, after->outcome.wrong,
@@ -131,8 +110,8 @@ static enum eco_code evaluate(struct lambda_search *s, int at, const struct eval
 
 /* The lambda to evaluate next, the middle. The highest lambda is only a bound, so as long as nothing is
  * chosen there the next one is much lower. */
-static int next_to_evaluate(const struct lambda_search *s, const struct evaluation *here,
-	const struct evaluation *next)
+static int next_to_evaluate(const struct lod_lambda_search *s, const struct lod_evaluation *here,
+	const struct lod_evaluation *next)
 {
 	int width = next->at - here->at;
 	bool bound = !(here->outcome.vertices > 0) && next->at <= s->last;
@@ -142,12 +121,12 @@ static int next_to_evaluate(const struct lambda_search *s, const struct evaluati
 /* Bisects the grid from nothing to everything. A result depends on the view and on the lambdas evaluated
  * around it, not on the budget. Most lambdas are never evaluated, among them those of much smaller budgets,
  * which take the longest. */
-static enum eco_code search_grid(struct lambda_search *s, uint64_t budget, struct eco_error *error)
+static enum eco_code search_grid(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
 {
-	const struct evaluation nothing = { .outcome = { 0, s->allocation->tile_choices[0].weight_px },
+	const struct lod_evaluation nothing = { .outcome = { 0, s->allocation->tile_choices[0].weight_px },
 		.prediction = { .fp = INFINITY } };
-	const struct evaluation everything = { .outcome = { INFINITY, 0 } };
-	struct evaluation here = nothing, next = everything, middle;
+	const struct lod_evaluation everything = { .outcome = { INFINITY, 0 } };
+	struct lod_evaluation here = nothing, next = everything, middle;
 	find_ends(s);
 	enum eco_code code = evaluate(s, s->first - 1, &nothing, &everything, true, &here, error);
 	here.outcome = nothing.outcome;
@@ -182,7 +161,7 @@ static struct eco_prediction interpolate(const struct eco_prediction *a, const s
 }
 
 /* Sets the prediction for the budget, unless that of a level before expects less to be wrong. */
-static void predict(const struct lambda_search *s, uint64_t budget)
+static void predict(const struct lod_lambda_search *s, uint64_t budget)
 {
 	double room = s->next.vertices - s->here.vertices,
 		part = room > 0 ? ((double)budget - s->here.vertices) / room : 0;
@@ -209,7 +188,7 @@ static double closed_wrong(const struct lod_allocation *m)
 
 /* Wrong pixels left by the gates and tiles of a lambda when filled to the budget: INFINITY where they do not
  * fit. */
-static enum eco_code fix_structure(const struct lambda_search *s, double lambda, uint64_t budget,
+static enum eco_code fix_structure(const struct lod_lambda_search *s, double lambda, uint64_t budget,
 	struct lod_fill *fill, double *wrong, struct eco_error *error)
 {
 	lod_allocation_relax(s->allocation, lambda);
@@ -217,16 +196,17 @@ static enum eco_code fix_structure(const struct lambda_search *s, double lambda,
 	enum eco_code code = lod_fill_make(fill, s->allocation, error);
 	if (code)
 		return code;
-	lod_fill_search(fill, fmax(lambda, lambda_at(s->last)), budget);
+	lod_fill_search(fill, fmax(lambda, lod_lambda_at(s->last)), budget);
 	*wrong = fill->vertices <= budget ? fill->wrong + closed_wrong(s->allocation) : INFINITY;
 	return ECO_OK;
 }
 
 /* The lambda that uses the budget, between two of the grid (regula falsi). From one grid lambda to the next
  * many tiles open and gates rise at once; along this lambda they do so one by one as a camera moves. */
-static double exact_lambda(const struct lambda_search *s, uint64_t budget)
+static double exact_lambda(const struct lod_lambda_search *s, uint64_t budget)
 {
-	double high = lambda_at(s->index), low = lambda_at(index_after(s, s->index)), enough = (double)budget;
+	double high = lod_lambda_at(s->index), low = lod_lambda_at(index_after(s, s->index));
+	double enough = (double)budget;
 	double unused = enough - s->here.vertices, under = unused, over = s->next.vertices - enough;
 	int side = 0;
 	for (int i = 0; i < LAMBDA_TRIES && low > 0 && unused > enough * LAMBDA_SLACK; i++) {
@@ -265,7 +245,7 @@ static double q_of(const struct lod_allocation *m, const struct lod_fill *fill)
 }
 
 /* Entries for the structure of a lambda. */
-static enum eco_code fill_structure(const struct lambda_search *s, double lambda, uint64_t budget,
+enum eco_code lod_search_fill(const struct lod_lambda_search *s, double lambda, uint64_t budget,
 	struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
@@ -275,7 +255,7 @@ static enum eco_code fill_structure(const struct lambda_search *s, double lambda
 	if (!code && !(wrong < INFINITY)) { /* hull points are whole, so a lambda that fits in the mean may
 	                                     * not fit; choosing nothing does */
 		lod_fill_free(&fill);
-		code = fix_structure(s, lambda_at(s->first - 1), budget, &fill, &wrong, error);
+		code = fix_structure(s, lod_lambda_at(s->first - 1), budget, &fill, &wrong, error);
 	}
 	m->p->converged = fill.converged;
 	if (!code)
@@ -305,16 +285,16 @@ static bool ends_whole(const struct lod_planner *p)
 }
 
 /* The lambda that uses the budget, with the slots' whole_rule. */
-static double lambda_of_rules(const struct lambda_search *s, uint64_t budget)
+static double lambda_of_rules(const struct lod_lambda_search *s, uint64_t budget)
 {
 	struct lod_allocation *m = s->allocation;
 	int fits = s->first - 1, over = s->last + 1;
 	while (over - fits > 1) {
 		int middle = (fits + over) / 2;
-		lod_allocation_relax(m, lambda_at(middle));
+		lod_allocation_relax(m, lod_lambda_at(middle));
 		*(m->cost.vertices <= (double)budget ? &fits : &over) = middle;
 	}
-	double high = lambda_at(fits), low = lambda_at(over);
+	double high = lod_lambda_at(fits), low = lod_lambda_at(over);
 	for (int i = 0; i < LAMBDA_TRIES && low > 0; i++) {
 		double middle = sqrt(low * high);
 		lod_allocation_relax(m, middle);
@@ -329,11 +309,11 @@ enum aim { AIM_WRONG, AIM_Q };           /* less is wrong, or Q is higher; best.
 
 /* Fills the budget for a lambda and the slots' whole_rule. Returns whether it is better than the best fill so
  * far, and sets that. */
-static bool improves(const struct lambda_search *s, double lambda, uint64_t budget, enum aim aim,
+static bool improves(const struct lod_lambda_search *s, double lambda, uint64_t budget, enum aim aim,
 	struct best *best, enum eco_code *code, struct eco_error *error)
 {
 	const struct lod_planner *p = s->allocation->p;
-	*code = fill_structure(s, lambda, budget, error);
+	*code = lod_search_fill(s, lambda, budget, error);
 	double wrong = aim == AIM_Q ? 1 - p->q : p->wrong;
 	if (*code || !(wrong < best->wrong))
 		return false;
@@ -357,7 +337,7 @@ static void set_rules(struct lod_allocation *m, enum rules to)
 }
 
 /* Tries each slot the other way round. */
-static enum eco_code toggle_slots(const struct lambda_search *s, uint64_t budget, struct best *best,
+static enum eco_code toggle_slots(const struct lod_lambda_search *s, uint64_t budget, struct best *best,
 	struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
@@ -384,7 +364,7 @@ static enum eco_code toggle_slots(const struct lambda_search *s, uint64_t budget
 /* Where few plants are in view, lambda may be far from the best choice for one of them between a ladder for
  * the whole plant and its organs. So all slots, and none, draw it too, in small scenes each slot is tried the
  * other way round, and what has the highest Q is kept. */
-static enum eco_code try_whole(const struct lambda_search *s, double lambda, uint64_t budget,
+static enum eco_code try_whole(const struct lod_lambda_search *s, double lambda, uint64_t budget,
 	struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
@@ -401,13 +381,13 @@ static enum eco_code try_whole(const struct lambda_search *s, double lambda, uin
 	if (!code && is_small(m))
 		code = toggle_slots(s, budget, &best, error);
 	set_rules(m, best.wrong < before ? RULES_BEST : RULES_BY_LAMBDA);
-	return code ? code : fill_structure(s, best.lambda, budget, error);
+	return code ? code : lod_search_fill(s, best.lambda, budget, error);
 }
 
 /* Ladders for the whole plant end in coarser pictures than the plant's organs. Where they leave some of the
  * budget, at a lower lambda more plants draw their organs: searches the highest lambda that leaves nothing,
  * and keeps what leaves least wrong. */
-static enum eco_code lower_whole(const struct lambda_search *s, double *lambda, uint64_t budget,
+static enum eco_code lower_whole(const struct lod_lambda_search *s, double *lambda, uint64_t budget,
 	struct eco_error *error)
 {
 	const struct lod_planner *p = s->allocation->p;
@@ -425,155 +405,43 @@ static enum eco_code lower_whole(const struct lambda_search *s, double *lambda, 
 		}
 	}
 	*lambda = best.lambda;
-	return code || tried == best.lambda ? code : fill_structure(s, best.lambda, budget, error);
+	return code || tried == best.lambda ? code : lod_search_fill(s, best.lambda, budget, error);
 }
 
-static enum eco_code fill_budget(const struct lambda_search *s, uint64_t budget, struct eco_error *error)
+static enum eco_code fill_budget(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
-	double lambda = s->index == LAMBDA_COUNT ? lambda_at(s->index) : exact_lambda(s, budget);
-	enum eco_code code = fill_structure(s, lambda, budget, error);
-	if (code || !m->has_whole || !(lambda > 0))
+	s->lambda = s->index == LOD_LAMBDA_COUNT ? lod_lambda_at(s->index) : exact_lambda(s, budget);
+	enum eco_code code = lod_search_fill(s, s->lambda, budget, error);
+	if (code || !m->has_whole || !(s->lambda > 0))
 		return code;
 	if (ends_whole(m->p))
-		code = lower_whole(s, &lambda, budget, error);
-	return code || !m->few_plants ? code : try_whole(s, lambda, budget, error);
-}
-
-/* ---- Bytes ---- */
-
-/* Of the answer that carries the entries. */
-static enum eco_code size_plan(struct lod_planner *p, struct eco_error *error)
-{
-	struct lod_explanation *why = p->input->explanation, before = why ? *why
-		: (struct lod_explanation){ 0 };
-	struct eco_plan plan = { 0 };
-	enum eco_code code = lod_planner_emit(p, &plan, error);
-	if (why) {                   /* what is only sized has no reasons */
-		why->count = before.count;
-		why->omitted = before.omitted;
-	}
-	p->sized++;
-	if (!code)
-		code = p->input->size(p->input->size_ctx, &plan, &p->bytes, error);
-	eco_plan_free(&plan);
-	return code;
-}
-
-struct fitted { double size, lambda; struct lod_price at; uint8_t *left_out; };      /* size: bytes */
-
-/* Relaxes within the vertices too: mostly at the lowest lambda, as bytes alone bind; else at the lambda, of
- * some between that and the one that uses the vertices alone, that leaves least wrong. Returns the bytes. */
-static double find_prices(const struct lambda_search *s, double target, uint64_t budget, struct fitted *fit)
-{
-	struct lod_allocation *m = s->allocation;
-	double low = lambda_at(s->last), high = s->index == LAMBDA_COUNT ? low
-		: fmax(low, lambda_at(s->index)), least = INFINITY, near = fit->at.tiles, over, top = high;
-	bool again = !isnan(near);
-	fit->lambda = again ? fit->lambda : low;
-	lod_price_find(m, fit->lambda, target, near, &fit->at, &over);
-	bool both = !again && m->cost.vertices > (double)budget;
-	for (int i = 0; both && i <= PRICE_LAMBDAS; i++) {
-		double lambda = i ? sqrt(low * high) : high, beyond;
-		struct lod_price at;
-		lod_price_find(m, lambda, target, fit->at.tiles, &at, &beyond);
-		bool fits = m->cost.vertices <= (double)budget;
-		*(fits ? &high : &low) = lambda;
-		if (i && (!fits || lod_price_wrong(m) >= least))
-			continue;
-		least = fits ? lod_price_wrong(m) : INFINITY;
-		*fit = (struct fitted){ fit->size, lambda, at, fit->left_out };
-		over = beyond;
-	}
-	double bytes = lod_price_fill(m, fit->lambda, target, &fit->at, over);
-	/* where more bytes come, a vertex may have to save more */
-	for (int i = 1; m->cost.vertices > (double)budget && i <= PRICE_RAISES; i++) {
-		fit->lambda = i < PRICE_RAISES ? sqrt(fit->lambda * top) : top;
-		lod_price_find(m, fit->lambda, target, fit->at.tiles, &fit->at, &over);
-		bytes = lod_price_fill(m, fit->lambda, target, &fit->at, over);
-	}
-	memcpy(fit->left_out, lod_prices_left_out(m), m->p->scene->plant_count);
-	return bytes;
-}
-
-static enum eco_code fill_fitted(const struct lambda_search *s, const struct fitted *fit, uint64_t budget,
-	struct eco_error *error)
-{
-	memcpy(lod_prices_left_out(s->allocation), fit->left_out, s->allocation->p->scene->plant_count);
-	lod_price_relax(s->allocation, fit->lambda, &fit->at);
-	enum eco_code code = fill_structure(s, fit->lambda, budget, error);
-	return code ? code : size_plan(s->allocation->p, error);
-}
-
-static void keep_fitted(struct fitted *best, const struct fitted *now, uint32_t plants)
-{
-	memcpy(best->left_out, now->left_out, plants);
-	*best = (struct fitted){ now->size, now->lambda, now->at, best->left_out };
-}
-
-/* Finds prices with which the answer has at most the bytes asked for. What it has beside what is priced,
- * records and the plan itself, is learnt from the answers tried. */
-static enum eco_code fit_bytes(const struct lambda_search *s, uint64_t budget, struct eco_error *error)
-{
-	struct lod_allocation *m = s->allocation;
-	struct lod_planner *p = m->p;
-	uint32_t plants = p->scene->plant_count;
-	uint8_t *left_out = calloc(2 * (size_t)plants + 1, 1);
-	struct fitted best = { INFINITY, lambda_at(s->last), { LOD_PRICE_HIGHEST, LOD_PRICE_HIGHEST },
-		left_out + plants }, now = { .at = { NAN, NAN }, .left_out = left_out };
-	double most = (double)p->input->request->bytes, beside = 0;
-	enum eco_code code = left_out ? lod_prices_make(m, error)
-		: eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants", plants);
-	for (int i = 0; i < SIZE_TRIES && !code; i++) {
-		double bytes = find_prices(s, most - beside, budget, &now), before = now.size;
-		code = fill_fitted(s, &now, budget, error);
-		now.size = (double)p->bytes;
-		bool fits = now.size <= most, fitted = best.size <= most;
-		if (!code && (fits && fitted ? now.size > best.size : now.size < best.size))
-			keep_fitted(&best, &now, plants);
-		if (now.size == before || (now.size <= most && now.size >= most * (1 - LOD_PRICE_SLACK)))
-			break;
-		beside = now.size - bytes;
-	}
-	if (!code && (double)p->bytes != best.size)
-		code = fill_fitted(s, &best, budget, error);
-	/* what was computed of summaries since then may change the choice a little */
-	for (double more = PRICE_MORE; !code && (double)p->bytes > most && best.at.lists < LOD_PRICE_HIGHEST;
-			more *= 2) {
-		best.at.lists = fmin(LOD_PRICE_HIGHEST, best.at.lists + more);
-		best.at.tiles = fmin(LOD_PRICE_HIGHEST, fmax(best.at.lists, best.at.tiles + more));
-		code = fill_fitted(s, &best, budget, error);
-	}
-	p->price = m->price;
-	m->limited = false;
-	free(left_out);
-	return code ? code : lod_allocation_predict(m, &p->prediction, error);
+		code = lower_whole(s, &s->lambda, budget, error);
+	return code || !m->few_plants ? code : try_whole(s, s->lambda, budget, error);
 }
 
 /* ---- Levels of detail ---- */
 
 /* Plans at one level. A level predicts only if the budget holds everything at the levels before it: so the
  * least wrong pixels predicted by any level do not rise with the budget. */
-static enum eco_code plan_level(struct lod_planner *p, bool *predicts, struct eco_error *error)
+static enum eco_code plan_level(struct lod_lambda_search *s, struct lod_planner *p, bool *predicts,
+	struct eco_error *error)
 {
-	struct lod_allocation allocation;
-	struct lambda_search s = { .allocation = &allocation };
 	uint64_t budget = p->input->request->vertices;
-	enum eco_code code = lod_allocation_make(&allocation, p, error);
+	enum eco_code code = lod_allocation_make(s->allocation, p, error);
 	free(p->texture_levels);
 	p->texture_levels = NULL;
 	if (!code)
-		code = search_grid(&s, budget, error);
+		code = search_grid(s, budget, error);
 	if (!code && *predicts)
-		predict(&s, budget);
-	*predicts = *predicts && s.index == LAMBDA_COUNT;
+		predict(s, budget);
+	*predicts = *predicts && s->index == LOD_LAMBDA_COUNT;
 	if (!code)
-		code = fill_budget(&s, budget, error);
+		code = fill_budget(s, budget, error);
 	if (!code && p->input->size)
-		code = size_plan(p, error);
+		code = lod_bytes_size(p, error);
 	if (!code && p->bytes > p->input->request->bytes)
-		code = fit_bytes(&s, budget, error);
-	lod_allocation_free(&allocation);
+		code = lod_bytes_fit(s, budget, error);
 	return code;
 }
 
@@ -636,17 +504,17 @@ enum eco_code lod_planner_open_level(struct lod_planner *p, uint32_t level, stru
 	return open_level(p, (int)level + COARSEST, error);
 }
 
-enum eco_code lod_rule_optimal(struct lod_planner *p, struct eco_error *error)
+/* Plans level by level, until one has steps left or everything is open. */
+static enum eco_code plan_levels(struct lod_lambda_search *s, struct lod_planner *p, struct eco_error *error)
 {
 	int level = 0, asked = 0;
-	begin_screen(p);
 	bool predicts = true;
-	p->prediction = (struct eco_prediction){ .fn = INFINITY };
 	enum eco_code code = open_possible(p, &level, error);
 	while (!code) {
 		bool all = complete(p);
 		p->level = (uint32_t)(level - COARSEST);
-		code = plan_level(p, &predicts, error);
+		lod_allocation_free(s->allocation);
+		code = plan_level(s, p, &predicts, error);
 		bool more = p->cheapest == UINT64_MAX && !draws_whole(p) && !(p->price > 0);
 		if (code || all || !more || level < asked || level >= FINER_TIMES)
 			break;
@@ -654,4 +522,23 @@ enum eco_code lod_rule_optimal(struct lod_planner *p, struct eco_error *error)
 		code = open_possible(p, &level, error);
 	}
 	return code;
+}
+
+enum eco_code lod_rule_optimal(struct lod_planner *p, struct eco_error *error)
+{
+	struct lod_lambda_search *s = p->search = calloc(1, sizeof *s);
+	s = s && (s->allocation = calloc(1, sizeof *s->allocation)) ? s : NULL;
+	if (!s)
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for a search");
+	begin_screen(p);
+	p->prediction = (struct eco_prediction){ .fn = INFINITY };
+	return plan_levels(s, p, error);
+}
+
+void lod_search_free(struct lod_lambda_search *s)
+{
+	if (s && s->allocation)
+		lod_allocation_free(s->allocation);
+	free(s ? s->allocation : NULL);
+	free(s);
 }

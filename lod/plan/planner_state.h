@@ -55,6 +55,7 @@ struct lod_planner {
 	struct eco_prediction prediction;
 	double sample_distance;      /* lod_rule_deussen; only reported */
 	struct lod_screen screen;    /* lod_rule_optimal */
+	struct lod_lambda_search *search; /* the same, with the allocation of the last level; NULL: none */
 };
 
 /* `input` must outlive p. End p whatever begin returns. */

@@ -148,6 +148,7 @@ struct bench_frame {
 	const char *method;          /* for the tables */
 	lod_rule *rule;
 	bool ignore_occlusion;
+	uint64_t cut;                /* as in bench_fetch.h */
 	struct eco_request request;
 	struct lod_score score;
 	double predicted_q, colour_rms;      /* of sRGB bytes / 255 over pixels covered in either */

@@ -2,15 +2,20 @@
 
 #include <stdlib.h>
 
-static enum eco_code feed(struct view_store *store, const struct srv_body *body, struct eco_error *error)
+static enum eco_code feed(struct view_store *store, const struct srv_body *body, uint64_t cut,
+	struct eco_error *error)
 {
 	struct eco_wire_parser *parser;
 	enum eco_code code = eco_wire_parser_new(&parser, &view_store_events, store, error);
 	if (code)
 		return code;
-	for (uint32_t i = 0; i < body->piece_count && !code; i++)
-		code = eco_wire_feed(parser, body->pieces[i].bytes, body->pieces[i].size, error);
-	if (!code)
+	uint64_t left = cut ? cut : UINT64_MAX;
+	for (uint32_t i = 0; i < body->piece_count && !code; i++) {
+		size_t size = body->pieces[i].size < left ? body->pieces[i].size : (size_t)left;
+		code = eco_wire_feed(parser, body->pieces[i].bytes, size, error);
+		left -= size;
+	}
+	if (!code && !cut)
 		code = eco_wire_finish(parser, error);
 	eco_wire_parser_free(parser);
 	return code;
@@ -44,7 +49,7 @@ static enum eco_code ask(struct bench_fetch *fetch, const struct srv_scene *scen
 		code = srv_stream_write(&stream, &body, error);
 	double planned = view_clock_ms();
 	if (!code)
-		code = feed(store, &body, error);
+		code = feed(store, &body, fetch->cut, error);
 	fetch->requests++;
 	fetch->plan_ms += planned - begun;
 	fetch->decode_ms += view_clock_ms() - planned;

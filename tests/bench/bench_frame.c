@@ -187,7 +187,8 @@ enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame
 	struct view_picture *picture, struct eco_error *error)
 {
 	struct view_store_options options = { .images = true };
-	struct bench_fetch fetch = { .rule = frame->rule, .ignore_occlusion = frame->ignore_occlusion };
+	struct bench_fetch fetch = { .rule = frame->rule, .ignore_occlusion = frame->ignore_occlusion,
+		.cut = frame->cut };
 	struct view_store *store = NULL;
 	struct view_picture drawn = { 0 };
 	double gl_ms = NAN;

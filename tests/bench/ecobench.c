@@ -3,8 +3,8 @@
  * hierarchy is processor time, or a median on a core of its own. */
 #include "tests/bench/bench_state.h"
 
-extern const struct bench_section bench_packs, bench_frames, bench_pictures, bench_bytes, bench_cards,
-	bench_monotone, bench_rules, bench_species, bench_ladder, bench_path, bench_drawn,
+extern const struct bench_section bench_packs, bench_frames, bench_pictures, bench_bytes, bench_anytime,
+	bench_cards, bench_monotone, bench_rules, bench_species, bench_ladder, bench_path, bench_drawn,
 	bench_collapse, bench_lee, bench_scale, bench_hierarchy, bench_colour, bench_importance,
 	bench_steadiness, bench_extreme, bench_splats, bench_billboards, bench_deussen, bench_neubert,
 	bench_requests, bench_needs, bench_cache, bench_planner;
@@ -12,7 +12,8 @@ extern const struct bench_section bench_packs, bench_frames, bench_pictures, ben
 int main(int argc, char **argv)
 {
 	static const struct bench_section *const sections[] = { &bench_packs, &bench_frames,
-		&bench_pictures, &bench_bytes, &bench_cards, &bench_monotone, &bench_rules, &bench_species,
+		&bench_pictures, &bench_bytes, &bench_anytime, &bench_cards, &bench_monotone,
+		&bench_rules, &bench_species,
 		&bench_ladder, &bench_path, &bench_drawn, &bench_collapse, &bench_lee, &bench_scale,
 		&bench_hierarchy, &bench_colour, &bench_importance, &bench_steadiness, &bench_extreme,
 		&bench_splats, &bench_billboards, &bench_deussen, &bench_neubert, &bench_requests,

@@ -122,6 +122,17 @@ static void start(const char *head, const void *body, size_t size, size_t declar
 	start_busy(0, head, body, size, declared);
 }
 
+static struct view_marks marks;          /* none but in a test of them */
+static uint64_t reached[VIEW_MARKS_MAX];
+static uint32_t reached_count, refuse_at;
+
+static enum eco_code at_mark(void *ctx, const struct view_fetch_result *so_far, struct eco_error *e)
+{
+	assert_ptr_equal(ctx, &marks);
+	reached[reached_count++] = so_far->bytes;
+	return reached_count == refuse_at ? eco_fail(e, ECO_INTERRUPTED, "enough") : ECO_OK;
+}
+
 static enum eco_code ask(uint64_t body_max)
 {
 	char url[64];
@@ -131,6 +142,8 @@ static enum eco_code ask(uint64_t body_max)
 	struct view_fetch_options options = { .url = url, .body_max = body_max, .rule = "deussen",
 		.patience_ms = server.busy ? 20000 : 0 };
 	assert_int_equal(view_fetch_new(&fetch, &options, &error), ECO_OK);
+	view_fetch_mark(fetch, marks.bytes_count ? &marks : NULL, at_mark, &marks);
+	reached_count = 0;
 	enum eco_code code = view_fetch_stream(fetch, store, &request, &result, &error);
 	view_fetch_free(fetch);
 	pthread_join(server.thread, NULL);
@@ -166,6 +179,43 @@ UNIT_TEST(stream_arrives_in_pieces)
 	assert_int_equal(content_length(server.heard), 4);
 	eco_writer_free(&w);
 	eco_plan_free(&plan);
+}
+
+UNIT_TEST(a_picture_may_be_drawn_after_so_many_bytes)
+{
+	struct eco_plan plan;
+	struct eco_writer w;
+	good_stream(&plan, &w);
+	assert_int_equal(view_marks_read(&marks, "3,70,100000000,1500", &error), ECO_OK);
+	for (refuse_at = 0; refuse_at < 3; refuse_at += 2) {
+		start(ok, w.bytes, w.size, w.size);
+		assert_int_equal(ask(0), refuse_at ? ECO_INTERRUPTED : ECO_OK);
+		assert_int_equal(reached_count, refuse_at ? 2 : 3);
+		assert_true(reached[0] == 3 && reached[1] == 70 && (refuse_at || reached[2] == 1500));
+		assert_true(refuse_at || result.bytes == w.size);
+	}
+	assert_string_equal(strstr(error.text, "enough"), "enough");
+	marks = (struct view_marks){ .bytes_count = 0 };
+	refuse_at = 0;
+	eco_writer_free(&w);
+	eco_plan_free(&plan);
+}
+
+UNIT_TEST(marks_are_numbers_of_bytes_or_milliseconds)
+{
+	static const char *const wrong[] = { "", "0", "a", "5,", ",5", "5;6", "5m", "5 ms", "-1", "1e9",
+		"99999999999999999999", "5,x,6" };
+	struct view_marks m;
+	struct view_marks_at at = { 0 };
+	assert_int_equal(view_marks_read(&m, "500ms,20,10ms,7", NULL), ECO_OK);
+	assert_true(m.bytes_count == 2 && m.bytes[0] == 7 && m.bytes[1] == 20);
+	assert_true(m.ms_count == 2 && m.ms[0] == 10 && m.ms[1] == 500);
+	assert_true(view_marks_room(&m, &at, 5) == 2 && !view_marks_pass(&m, &at, 5, 9));
+	assert_true(view_marks_pass(&m, &at, 7, 9) && !view_marks_pass(&m, &at, 7, 9));
+	assert_true(view_marks_room(&m, &at, 7) == 13 && view_marks_pass(&m, &at, 8, 400));
+	assert_true(view_marks_pass(&m, &at, 30, 900) && view_marks_room(&m, &at, 30) == UINT64_MAX);
+	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
+		assert_int_equal(view_marks_read(&m, wrong[i], NULL), ECO_BAD_USAGE);
 }
 
 UNIT_TEST(nothing_fits_is_no_failure)

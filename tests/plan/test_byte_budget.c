@@ -136,3 +136,73 @@ UNIT_TEST(the_same_again)
 		random_pack_free(pack);
 	}
 }
+
+/* ---- Coarser answers ---- */
+
+#define MOST 12
+
+struct taken { struct eco_plan plans[MOST]; uint32_t count; };
+
+static enum eco_code take(void *ctx, struct eco_plan *plan, struct eco_error *error)
+{
+	(void)error;
+	struct taken *taken = ctx;
+	assert_true(taken->count < MOST);
+	taken->plans[taken->count++] = *plan;
+	return ECO_OK;
+}
+
+/* Bytes that a plan needs, and those of them that `answer` does not. */
+static uint64_t needed(const struct eco_scene *scene, const struct eco_plan *plan,
+	const struct eco_holdings *answer, uint64_t *wasted)
+{
+	struct sizer sizer = { scene, answer };
+	struct eco_plan copy = *plan;
+	uint64_t all;
+	assert_int_equal(size_of(&sizer, &copy, wasted, NULL), ECO_OK);
+	sizer.holdings = NULL;
+	assert_int_equal(size_of(&sizer, &copy, &all, NULL), ECO_OK);
+	return all;
+}
+
+UNIT_TEST(coarser_answers_are_within_the_vertices_and_mostly_of_what_the_answer_needs)
+{
+	uint64_t sum = 0, waste = 0;
+	uint32_t many = 0;
+	for (uint64_t seed = 1; seed <= SCENES; seed++) {
+		struct random_pack *pack = random_pack_make(seed, seed % 2 ? 0 : 3, 40 + seed % 5);
+		const struct eco_scene *scene = &pack->pack.scene;
+		struct eco_view view = random_view(&pack->r);
+		struct taken taken = { .count = 0 };
+		const struct lod_planner_coarser coarser = { 1.3, 500, MOST, take, &taken };
+		const struct eco_request request = { .view = view, .bytes = ECO_BYTES_UNBOUNDED,
+			.vertices = UINT64_C(1) << (6 + random_below(&pack->r, 14)) };
+		struct lod_planner_stats stats;
+		struct lod_planner_input input = { .scene = scene, .request = &request, .stats = &stats,
+			.coarser = &coarser };
+		struct eco_plan answer, alone;
+		struct eco_holdings needs;
+		struct eco_error error = { 0 };
+		assert_ok(lod_plan(&answer, &input, &error), error);
+		plan_it(&alone, scene, &view, request.vertices, ECO_BYTES_UNBOUNDED, NULL);
+		assert_same(&answer, &alone);
+		assert_int_equal(lod_plan_needs(scene, &answer, &needs, NULL), ECO_OK);
+		for (uint32_t i = 0; i < taken.count; i++) {
+			uint64_t wasted;
+			assert_true(taken.plans[i].vertices <= request.vertices);
+			assert_true(taken.plans[i].vertices > 0);
+			sum += needed(scene, &taken.plans[i], &needs, &wasted);
+			waste += wasted;
+			eco_plan_free(&taken.plans[i]);
+		}
+		many += taken.count > 2;
+		free(needs.items);
+		eco_plan_free(&answer);
+		eco_plan_free(&alone);
+		random_pack_free(pack);
+	}
+	print_message("%u of %u scenes have more than 2; %.3f of their bytes the answer does not use\n", many,
+		SCENES, (double)waste / (double)sum);
+	assert_true(many > SCENES / 4);
+	assert_true(waste * 2 < sum);
+}

@@ -87,8 +87,6 @@ static enum eco_code reader_plan(void *ctx, struct eco_plan *plan, struct eco_er
 	if (!code && plan->vertices > r->budget_vertices)
 		code = eco_fail(e, ECO_DAMAGED, "the plan draws %llu of %llu vertices",
 			(unsigned long long)plan->vertices, (unsigned long long)r->budget_vertices);
-	if (!code && r->plans && plan->vertices < r->vertices)
-		code = eco_fail(e, ECO_DAMAGED, "a later step is coarser");
 	r->vertices = plan->vertices;
 	r->plans++;
 	eco_plan_free(plan);

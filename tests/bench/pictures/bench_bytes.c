@@ -71,10 +71,10 @@ static enum eco_code show(struct bench *bench, struct bench_client *client, cons
 		(const char *const[]){ ours, "full detail", seen }, error);
 }
 
-static void ask(uint32_t budget, struct eco_request *request)
+static void ask(uint32_t budget, struct bench_frame *frame)
 {
-	request->vertices = VERTICES;
-	request->bytes = budgets[budget];
+	frame->request.vertices = VERTICES;
+	frame->request.bytes = budgets[budget];
 }
 
 static enum eco_code take(struct bench *bench, struct bench_client *client, const struct bench_view *view,

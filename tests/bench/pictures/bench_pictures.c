@@ -90,10 +90,10 @@ static json_t *row_of(const struct bench_frame *frame)
 	return row;
 }
 
-static void ask(uint32_t budget, struct eco_request *request)
+static void ask(uint32_t budget, struct bench_frame *frame)
 {
-	request->vertices = budgets[budget];
-	request->bytes = ECO_BYTES_UNBOUNDED;
+	frame->request.vertices = budgets[budget];
+	frame->request.bytes = ECO_BYTES_UNBOUNDED;
 }
 
 static enum eco_code take(struct bench *bench, struct bench_client *client, const struct bench_view *view,

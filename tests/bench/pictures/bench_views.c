@@ -62,7 +62,7 @@ static enum eco_code make_rows(struct bench *bench, const struct bench_view *vie
 			.request = { .view = view->view } };
 		struct view_picture picture = { 0 };
 		json_t *row = NULL;
-		shoot->ask(b, &frame.request);
+		shoot->ask(b, &frame);
 		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
 			: bench_client_frame(client, &frame, &picture, error);
 		if (!code)

@@ -25,7 +25,7 @@ enum eco_code bench_views_each(struct bench *bench, const json_t *scenes, bench_
 struct bench_view_shoot {
 	const char *name;            /* of what is kept */
 	uint32_t count;              /* budgets */
-	void (*ask)(uint32_t budget, struct eco_request *request);       /* its view is set */
+	void (*ask)(uint32_t budget, struct bench_frame *frame);         /* its view is set */
 	/* Shows the picture, if it is to be seen, and makes its row. */
 	enum eco_code (*take)(struct bench *bench, struct bench_client *client, const struct bench_view *view,
 		uint32_t budget, const struct bench_frame *frame, const struct view_picture *picture,

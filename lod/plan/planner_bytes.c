@@ -1,0 +1,240 @@
+/* Answers within bytes: a price at which the answer has no more than may be sent, and answers at higher prices,
+ * coarser ones on the way to it. */
+#include "lod/plan/lambda_search.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lod/plan/byte_price.h"
+#include "lod/plan/explain_state.h"
+#include "lod/plan/price_search.h"
+
+#define PRICE_MORE 0.05          /* octaves, at first, by which a price is raised that no longer fits */
+#define PRICE_RAISES 3           /* of lambda, up to the one that uses the vertices alone */
+#define PRICE_LAMBDAS 5          /* tried where vertices bind as well */
+#define SIZE_TRIES 4             /* answers whose bytes are counted */
+#define SWEEP_FIRST -10.0        /* octaves: at lower prices hardly anything is left out */
+#define SWEEP_SLOPE -0.5         /* at first, and within ... */
+#define SWEEP_SLOPE_LEAST -2.0
+#define SWEEP_SLOPE_MOST -0.2
+#define SWEEP_TRIES 2            /* of a price between one that is too low and one that is too high */
+#define SWEEP_TRIES_EMPTY 8      /* the same where the one that is too high leaves nothing */
+#define SWEEP_FALL_LEAST 1.1     /* bytes of one answer over those of the next */
+#define SWEEP_LAMBDA 0.25        /* fewer bytes draw fewer vertices, so each may save less: lambda falls by this, ... */
+#define SWEEP_VERTICES 0.5       /* ... where no more than this part of the budget is used */
+
+/* Of the answer that carries the entries. */
+enum eco_code lod_bytes_size(struct lod_planner *p, struct eco_error *error)
+{
+	struct lod_explanation *why = p->input->explanation, before = why ? *why
+		: (struct lod_explanation){ 0 };
+	struct eco_plan plan = { 0 };
+	enum eco_code code = lod_planner_emit(p, &plan, error);
+	if (why) {                   /* what is only sized has no reasons */
+		why->count = before.count;
+		why->omitted = before.omitted;
+	}
+	p->sized++;
+	if (!code)
+		code = p->input->size(p->input->size_ctx, &plan, &p->bytes, error);
+	eco_plan_free(&plan);
+	return code;
+}
+
+struct fitted { double size, lambda; struct lod_price at; uint8_t *left_out; };      /* size: bytes */
+
+/* Relaxes within the vertices too: mostly at the lowest lambda, as bytes alone bind; else at the lambda, of
+ * some between that and the one that uses the vertices alone, that leaves least wrong. Returns the bytes. */
+static double find_prices(const struct lod_lambda_search *s, double target, uint64_t budget, struct fitted *fit)
+{
+	struct lod_allocation *m = s->allocation;
+	double low = lod_lambda_at(s->last), high = s->index == LOD_LAMBDA_COUNT ? low
+		: fmax(low, lod_lambda_at(s->index)), least = INFINITY, near = fit->at.tiles, over, top = high;
+	bool again = !isnan(near);
+	fit->lambda = again ? fit->lambda : low;
+	lod_price_find(m, fit->lambda, target, near, &fit->at, &over);
+	bool both = !again && m->cost.vertices > (double)budget;
+	for (int i = 0; both && i <= PRICE_LAMBDAS; i++) {
+		double lambda = i ? sqrt(low * high) : high, beyond;
+		struct lod_price at;
+		lod_price_find(m, lambda, target, fit->at.tiles, &at, &beyond);
+		bool fits = m->cost.vertices <= (double)budget;
+		*(fits ? &high : &low) = lambda;
+		if (i && (!fits || lod_price_wrong(m) >= least))
+			continue;
+		least = fits ? lod_price_wrong(m) : INFINITY;
+		*fit = (struct fitted){ fit->size, lambda, at, fit->left_out };
+		over = beyond;
+	}
+	double bytes = lod_price_fill(m, fit->lambda, target, &fit->at, over);
+	/* where more bytes come, a vertex may have to save more */
+	for (int i = 1; m->cost.vertices > (double)budget && i <= PRICE_RAISES; i++) {
+		fit->lambda = i < PRICE_RAISES ? sqrt(fit->lambda * top) : top;
+		lod_price_find(m, fit->lambda, target, fit->at.tiles, &fit->at, &over);
+		bytes = lod_price_fill(m, fit->lambda, target, &fit->at, over);
+	}
+	memcpy(fit->left_out, lod_prices_left_out(m), m->p->scene->plant_count);
+	return bytes;
+}
+
+static enum eco_code fill_fitted(const struct lod_lambda_search *s, const struct fitted *fit, uint64_t budget,
+	struct eco_error *error)
+{
+	memcpy(lod_prices_left_out(s->allocation), fit->left_out, s->allocation->p->scene->plant_count);
+	lod_price_relax(s->allocation, fit->lambda, &fit->at);
+	enum eco_code code = lod_search_fill(s, fit->lambda, budget, error);
+	return code ? code : lod_bytes_size(s->allocation->p, error);
+}
+
+static void keep_fitted(struct fitted *best, const struct fitted *now, uint32_t plants)
+{
+	memcpy(best->left_out, now->left_out, plants);
+	*best = (struct fitted){ now->size, now->lambda, now->at, best->left_out };
+}
+
+/* Finds prices with which the answer has at most the bytes asked for. What it has beside what is priced,
+ * records and the plan itself, is learnt from the answers tried. */
+enum eco_code lod_bytes_fit(const struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
+{
+	struct lod_allocation *m = s->allocation;
+	struct lod_planner *p = m->p;
+	uint32_t plants = p->scene->plant_count;
+	uint8_t *left_out = calloc(2 * (size_t)plants + 1, 1);
+	struct fitted best = { INFINITY, lod_lambda_at(s->last), { LOD_PRICE_HIGHEST, LOD_PRICE_HIGHEST },
+		left_out + plants }, now = { .at = { NAN, NAN }, .left_out = left_out };
+	double most = (double)p->input->request->bytes, beside = 0;
+	enum eco_code code = left_out ? lod_prices_make(m, NULL, error)
+		: eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants", plants);
+	for (int i = 0; i < SIZE_TRIES && !code; i++) {
+		double bytes = find_prices(s, most - beside, budget, &now), before = now.size;
+		code = fill_fitted(s, &now, budget, error);
+		now.size = (double)p->bytes;
+		bool fits = now.size <= most, fitted = best.size <= most;
+		if (!code && (fits && fitted ? now.size > best.size : now.size < best.size))
+			keep_fitted(&best, &now, plants);
+		if (now.size == before || (now.size <= most && now.size >= most * (1 - LOD_PRICE_SLACK)))
+			break;
+		beside = now.size - bytes;
+	}
+	if (!code && (double)p->bytes != best.size)
+		code = fill_fitted(s, &best, budget, error);
+	/* what was computed of summaries since then may change the choice a little */
+	for (double more = PRICE_MORE; !code && (double)p->bytes > most && best.at.lists < LOD_PRICE_HIGHEST;
+			more *= 2) {
+		best.at.lists = fmin(LOD_PRICE_HIGHEST, best.at.lists + more);
+		best.at.tiles = fmin(LOD_PRICE_HIGHEST, fmax(best.at.lists, best.at.tiles + more));
+		code = fill_fitted(s, &best, budget, error);
+	}
+	p->price = m->price;
+	m->limited = false;
+	free(left_out);
+	return code ? code : lod_allocation_predict(m, &p->prediction, error);
+}
+
+/* ---- Coarser answers ---- */
+
+/* Where the last answer stands on the way to coarser ones. */
+struct sweep {
+	double lambda, octave, bytes;        /* log2 of the price; bytes of plants */
+	double slope;                        /* octaves of bytes for one of the price: negative */
+};
+
+/* Relaxes at a price. A lambda whose vertices are too many there goes up again. */
+static double relax_within(const struct lod_lambda_search *s, struct sweep *sweep, double octave,
+	uint64_t budget)
+{
+	struct lod_allocation *m = s->allocation;
+	const struct lod_price at = { octave, octave };
+	double bytes = lod_price_relax(m, sweep->lambda, &at);
+	while (m->cost.vertices > (double)budget && sweep->lambda < s->lambda) {
+		sweep->lambda = fmin(s->lambda, sweep->lambda / SWEEP_LAMBDA);
+		bytes = lod_price_relax(m, sweep->lambda, &at);
+	}
+	return bytes;
+}
+
+/* Relaxes at a higher price, at which there are about 1 / ratio of the bytes: neither is sought exactly. False
+ * where nothing is left. */
+static bool raise_price(const struct lod_lambda_search *s, struct sweep *sweep, double ratio, uint64_t budget)
+{
+	double low = sweep->octave, high = LOD_PRICE_HIGHEST, some = NAN;    /* some: steep, but not empty */
+	double step = lod_octaves(ratio) / -sweep->slope, octave = low + step, bytes = 0, fall = 1;
+	for (int tries = 0; octave < LOD_PRICE_HIGHEST; tries += high < LOD_PRICE_HIGHEST) {
+		bytes = relax_within(s, sweep, octave, budget);
+		fall = sweep->bytes / fmax(bytes, 1);
+		bool flat = fall < SWEEP_FALL_LEAST, steep = fall > ratio * ratio;
+		if (!flat && !steep)
+			break;
+		some = steep && bytes > 0 ? octave : some;
+		*(flat ? &low : &high) = octave;
+		if (tries >= (isnan(some) ? SWEEP_TRIES_EMPTY : SWEEP_TRIES))
+			break;
+		step *= 2;
+		octave = high < LOD_PRICE_HIGHEST ? (low + high) / 2 : low + step;
+	}
+	if (!isnan(some) && octave != some && (fall < SWEEP_FALL_LEAST || !(bytes > 0))) {
+		octave = some;
+		bytes = relax_within(s, sweep, octave, budget);
+		fall = sweep->bytes / fmax(bytes, 1);
+	}
+	if (!(bytes > 0) || fall < SWEEP_FALL_LEAST)
+		return false;
+	sweep->slope = fmin(SWEEP_SLOPE_MOST, fmax(SWEEP_SLOPE_LEAST,
+		-lod_octaves(fall) / (octave - sweep->octave)));
+	sweep->octave = octave;
+	sweep->bytes = bytes;
+	return true;
+}
+
+static enum eco_code hand_over(const struct lod_lambda_search *s, double lambda, uint64_t budget,
+	struct eco_error *error)
+{
+	struct lod_planner *p = s->allocation->p;
+	const struct lod_planner_coarser *coarser = p->input->coarser;
+	struct eco_plan plan = { 0 };
+	enum eco_code code = lod_search_fill(s, lambda, budget, error);
+	if (!code && !p->vertices)       /* what fits in the mean may not fit */
+		return ECO_OK;
+	if (!code)
+		code = lod_allocation_predict(s->allocation, &p->prediction, error);
+	if (!code)
+		code = lod_planner_emit(p, &plan, error);
+	if (!code)
+		return coarser->take(coarser->ctx, &plan, error);
+	eco_plan_free(&plan);
+	return code;
+}
+
+static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
+{
+	struct lod_allocation *m = s->allocation;
+	const struct lod_planner_coarser *coarser = m->p->input->coarser;
+	double lowest = lod_lambda_at(s->last);
+	struct sweep sweep = { fmax(s->lambda, lowest), SWEEP_FIRST, 0, SWEEP_SLOPE };
+	enum eco_code code = ECO_OK;
+	sweep.bytes = lod_price_relax(m, sweep.lambda,
+		&(struct lod_price){ LOD_PRICE_LOWEST, LOD_PRICE_LOWEST });
+	for (uint32_t i = 0; i < coarser->most && !code && sweep.bytes > (double)coarser->least; i++) {
+		if (!raise_price(s, &sweep, coarser->ratio, budget))
+			break;
+		code = hand_over(s, sweep.lambda, budget, error);
+		if (m->cost.vertices < SWEEP_VERTICES * (double)budget)
+			sweep.lambda = fmax(lowest, SWEEP_LAMBDA * sweep.lambda);
+	}
+	return code;
+}
+
+enum eco_code lod_bytes_coarser(const struct lod_lambda_search *s, const struct eco_plan *answer,
+	struct eco_error *error)
+{
+	struct eco_holdings kept;
+	struct lod_planner *p = s->allocation->p;
+	enum eco_code code = lod_plan_needs(p->scene, answer, &kept, error);
+	if (!code)
+		code = lod_prices_make(s->allocation, &kept, error);
+	if (!code)
+		code = sweep_prices(s, p->input->request->vertices, error);
+	free(kept.items);
+	return code;
+}
