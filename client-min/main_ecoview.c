@@ -28,7 +28,7 @@ struct options {
 	const char *url, *camera, *dir, *explain;
 	uint32_t size[2], width, height;
 	uint64_t vertices, bytes, memory;
-	double ground_px, texel_px;
+	double ground_px, texel_px, ahead_s;
 	bool has_frames, compare;
 	uint64_t frame_first, frame_last;
 	enum engine reference;
@@ -140,6 +140,9 @@ static const struct eco_option option_table[] = {
 	{ "texel-px", 0, ECO_OPTION_NUMBER, "X", &given.texel_px, ECO_TEXEL_PX_MIN, ECO_TEXEL_PX_MAX,
 		.help = "how wide a texture's texels may be where it has finer, 0.000001 to 65536 pixels; "
 		"0.03125 if not given" },
+	{ "ahead", 0, ECO_OPTION_NUMBER, "S", &given.ahead_s, 0.001, 3600,
+		.help = "also ask for what the script's view so many seconds later will need; it comes last, within "
+		"--bytes" },
 	{ "rule", 0, ECO_OPTION_CHOICE, "NAME", &given.rule, .choices = rules,
 		.help = "how the server spends the budget: optimal (the default), or deussen (Deussen "
 		"2002), to compare with" },
@@ -165,7 +168,7 @@ static const struct eco_option option_table[] = {
 
 static const struct eco_command command = { .name = "ecoview", .options = option_table,
 	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--memory SIZE] "
-	"[--ground-px X] [--rule NAME] [--reference[=cpu|egl]] [--compare] [--tint kind] [--frames A..B] "
+	"[--ground-px X] [--ahead S] [--rule NAME] [--reference[=cpu|egl]] [--compare] [--tint kind] [--frames A..B] "
 	"[--progressive LIST] [--explain FILE.csv]",
 	.says = "Streams a scene along a camera script and draws every frame as a PNG.",
 	.notes = "Writes frame-0000.png, ...; with --reference also reference-0000.png, frame-0000.mask.png, "
@@ -395,8 +398,8 @@ static void note_summaries(struct viewer *v, struct view_frame *f)
 static enum eco_code draw_reference(struct viewer *v, const struct eco_request *request,
 	const struct lod_eye *eye, struct view_frame *f, struct eco_error *error)
 {
-	struct eco_request everything = { request->view, ECO_VERTICES_MAX, ECO_BYTES_UNBOUNDED,
-		ECO_GROUND_PX_MIN, ECO_TEXEL_PX_MIN };
+	struct eco_request everything = { .view = request->view, .vertices = ECO_VERTICES_MAX,
+		.bytes = ECO_BYTES_UNBOUNDED, .ground_px = ECO_GROUND_PX_MIN, .texel_px = ECO_TEXEL_PX_MIN };
 	struct view_fetch_result result;
 	double start = view_clock_ms();
 	step(v, f->frame, "fetch the reference");
@@ -434,6 +437,8 @@ static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_err
 	enum eco_code code = eco_view_check(&request.view, error);
 	if (code)
 		return code;
+	if (v->options.ahead_s > 0)
+		eco_camera_ahead(v->camera, number, v->options.ahead_s, &request);
 	struct lod_eye eye;
 	lod_eye_make(&eye, &request.view);
 	struct view_frame f = view_frame_empty(number, time_s, &request);

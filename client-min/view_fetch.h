@@ -72,7 +72,7 @@ enum eco_code view_fetch_explanation(struct view_fetch *fetch, const struct eco_
 
 /* The query string of a request, without '?': numbers with 17 digits, so that the server sees the same
  * doubles. Returns its length; nothing is written beyond `room`. */
-#define VIEW_QUERY_BYTES 640
+#define VIEW_QUERY_BYTES 896
 size_t view_fetch_query(const struct eco_request *request, char *out, size_t room);
 
 /* Milliseconds of `plan;dur=` in the value of a Server-Timing header; NaN if it is not there. */

@@ -215,8 +215,13 @@ static int turn_of(const struct eco_list *list)
 		|| list->kind == ECO_LIST_OUTLINE ? 1 : 2;
 }
 
-enum eco_code srv_emit_step(struct srv_emit *emit, const struct eco_plan *plan,
-	const struct eco_holdings *needs, struct eco_error *error)
+static enum eco_code check(const struct srv_emit *emit, struct eco_error *error)
+{
+	return emit->frames.failed ? eco_fail(error, ECO_NO_MEMORY, "no memory for the response's frames, or one of "
+		"them beyond its limit") : ECO_OK;
+}
+
+enum eco_code srv_emit_needs(struct srv_emit *emit, const struct eco_holdings *needs, struct eco_error *error)
 {
 	const struct eco_scene *scene = &emit->scene->pack->scene;
 	for (uint32_t i = 0; i < needs->count; i++) {
@@ -234,13 +239,19 @@ enum eco_code srv_emit_step(struct srv_emit *emit, const struct eco_plan *plan,
 				return code;
 		}
 	end_bundle(emit);
+	return check(emit, error);
+}
+
+enum eco_code srv_emit_step(struct srv_emit *emit, const struct eco_plan *plan,
+	const struct eco_holdings *needs, struct eco_error *error)
+{
+	enum eco_code code = srv_emit_needs(emit, needs, error);
+	if (code)
+		return code;
 	struct eco_frame_mark mark = begin(emit, ECO_FRAME_PLAN);
 	eco_wire_write_plan(&emit->frames, plan);
 	end(emit, mark);
-	if (emit->frames.failed)
-		return eco_fail(error, ECO_NO_MEMORY, "no memory for the response's frames, or one of them "
-			"beyond its limit");
-	return ECO_OK;
+	return check(emit, error);
 }
 
 enum eco_code srv_emit_take(struct srv_emit *emit, struct srv_body *body, struct eco_error *error)

@@ -29,6 +29,8 @@ static const struct param_row {
 	{ "bytes", PARAM_COUNT, false, AT(request.bytes), ECO_BYTES_UNBOUNDED },
 	{ "ground_px", PARAM_NUMBER, false, AT(request.ground_px), 0 },
 	{ "texel_px", PARAM_NUMBER, false, AT(request.texel_px), 0 },
+	{ "next_eye", PARAM_POINT, false, AT(request.next.eye), 0 },
+	{ "next_target", PARAM_POINT, false, AT(request.next.target), 0 },
 	{ "rule", PARAM_RULE, false, AT(rule), 0 },
 	{ "explain", PARAM_FLAG, false, AT(explain), 1 },
 	{ "pack", PARAM_ID, false, AT(pack), 0 },
@@ -192,6 +194,20 @@ static const struct param_row *find_row(const char *name)
 	return NULL;
 }
 
+static enum eco_code check_next(struct srv_query *query, const struct srv_target *target,
+	struct eco_error *error)
+{
+	bool eye = srv_target_param(target, "next_eye"), at = srv_target_param(target, "next_target");
+	struct eco_view view = eco_view_next(&query->request);
+	struct eco_error why = { 0 };
+	if (eye != at)
+		return eco_fail(error, ECO_BAD_INPUT, "parameter '%s' is missing: the next view has both, next_eye "
+			"and next_target", eye ? "next_target" : "next_eye");
+	query->request.next.given = eye;
+	return eye && eco_view_check(&view, &why) ? eco_fail(error, ECO_BAD_INPUT, "the next view: %s", why.text)
+		: ECO_OK;
+}
+
 enum eco_code srv_query_parse(struct srv_query *query, const struct srv_target *target,
 	struct eco_error *error)
 {
@@ -205,7 +221,7 @@ enum eco_code srv_query_parse(struct srv_query *query, const struct srv_target *
 		if (!row)
 			return eco_fail(error, ECO_BAD_INPUT, "unknown parameter '%.40s'; known are eye, "
 				"target, up, fov_y_deg, width, height, "
-				"vertices, bytes, ground_px, texel_px, rule, pack and explain", param->name);
+				"vertices, bytes, ground_px, texel_px, next_eye, next_target, rule, pack and explain", param->name);
 		enum eco_code code = parse_row(query, row, param->value, error);
 		if (code)
 			return code;
@@ -220,7 +236,8 @@ enum eco_code srv_query_parse(struct srv_query *query, const struct srv_target *
 	if (!(query->request.texel_px >= ECO_TEXEL_PX_MIN && query->request.texel_px <= ECO_TEXEL_PX_MAX))
 		return eco_fail(error, ECO_BAD_INPUT, "texel_px: %g; give a number of pixels from %g to %g",
 			query->request.texel_px, ECO_TEXEL_PX_MIN, ECO_TEXEL_PX_MAX);
-	return eco_view_check(&query->request.view, error);
+	enum eco_code code = eco_view_check(&query->request.view, error);
+	return code ? code : check_next(query, target, error);
 }
 
 enum eco_code srv_query_none(const struct srv_target *target, struct eco_error *error)

@@ -1,3 +1,4 @@
+/* Longer than 600 lines: steps, byte budgets, ground and the next view are made of one another's. */
 #include "server/stream.h"
 
 #include <assert.h>
@@ -26,6 +27,13 @@ static void step_free(struct srv_step *step)
 	*step = (struct srv_step){ 0 };
 }
 
+static void drop_next(struct srv_stream *stream)
+{
+	for (uint32_t i = 0; i < stream->next_count; i++)
+		free(stream->next[i].items);
+	stream->next_count = 0;
+}
+
 static void drop_coarser(struct srv_stream *stream)
 {
 	for (uint32_t i = 0; i < stream->coarser_count; i++)
@@ -36,6 +44,7 @@ static void drop_coarser(struct srv_stream *stream)
 void srv_stream_free(struct srv_stream *stream)
 {
 	drop_coarser(stream);
+	drop_next(stream);
 	for (uint32_t i = 0; i < stream->step_count; i++)
 		step_free(&stream->steps[i]);
 	*stream = (struct srv_stream){ 0 };
@@ -165,27 +174,39 @@ static enum eco_code change_ground(struct srv_stream *stream, struct srv_step *s
 	return code ? code : needs_of(stream, step, error);
 }
 
-/* Emits `count` steps as a whole body; *emit has been initialised or restarted. */
-static enum eco_code emit_steps(struct srv_emit *emit, const struct srv_step *const *steps, uint32_t count,
-	uint64_t *ends, struct eco_error *error)
+/* Emits a whole body of one step; *emit has been initialised or restarted. */
+static enum eco_code emit_one(struct srv_emit *emit, const struct srv_step *step, struct eco_error *error)
 {
 	srv_emit_scene(emit);
-	for (uint32_t i = 0; i < count; i++) {
-		enum eco_code code = srv_emit_step(emit, &steps[i]->plan, &steps[i]->needs, error);
-		if (code)
-			return code;
+	enum eco_code code = srv_emit_step(emit, &step->plan, &step->needs, error);
+	if (!code)
+		srv_emit_end(emit, step->plan.vertices);
+	return code;
+}
+
+/* The same of all of the stream. `ends`: per step; NULL: not asked for. */
+static enum eco_code emit_all(struct srv_emit *emit, const struct srv_stream *stream, uint64_t *ends,
+	struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	srv_emit_scene(emit);
+	for (uint32_t i = 0; i < stream->step_count && !code; i++) {
+		code = srv_emit_step(emit, &stream->steps[i].plan, &stream->steps[i].needs, error);
 		if (ends)
 			ends[i] = emit->bytes;
 	}
-	srv_emit_end(emit, steps[count - 1]->plan.vertices);
-	return ECO_OK;
+	for (uint32_t i = 0; i < stream->next_count && !code; i++)
+		code = srv_emit_needs(emit, &stream->next[i], error);
+	if (!code)
+		srv_emit_end(emit, stream->steps[stream->step_count - 1].plan.vertices);
+	return code;
 }
 
 static enum eco_code size_of(struct srv_stream *stream, struct srv_emit *dry, const struct srv_step *step,
 	uint64_t *bytes, struct eco_error *error)
 {
 	srv_emit_restart(dry, stream->input.holdings);
-	enum eco_code code = emit_steps(dry, &step, 1, NULL, error);
+	enum eco_code code = emit_one(dry, step, error);
 	*bytes = dry->bytes;
 	return code;
 }
@@ -406,12 +427,9 @@ static enum eco_code add_coarser(struct srv_stream *stream, struct eco_plan *pla
 
 static enum eco_code size_all(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
 {
-	const struct srv_step *steps[SRV_STEPS_MAX];
 	uint64_t ends[SRV_STEPS_MAX];
-	for (uint32_t i = 0; i < stream->step_count; i++)
-		steps[i] = &stream->steps[i];
 	srv_emit_restart(dry, stream->input.holdings);
-	enum eco_code code = emit_steps(dry, steps, stream->step_count, ends, error);
+	enum eco_code code = emit_all(dry, stream, ends, error);
 	if (code)
 		return code;
 	for (uint32_t i = 0; i < stream->step_count; i++)
@@ -441,6 +459,67 @@ static enum eco_code fit_steps(struct srv_stream *stream, struct srv_emit *dry, 
 		stream->steps[last - 1] = stream->steps[last];
 		code = size_all(stream, dry, error);
 	}
+	return code;
+}
+
+/* ---- The next view ---- */
+
+/* What the client holds once the answer has come: the longest prefix of each list. */
+static enum eco_code held_then(const struct srv_stream *stream, struct eco_holdings *then,
+	struct eco_error *error)
+{
+	const struct eco_scene *scene = &stream->input.scene->pack->scene;
+	const struct eco_holdings *now = stream->input.holdings;
+	uint32_t *chunks = calloc(scene->list_count + 1u, sizeof *chunks), count = 0;
+	*then = (struct eco_holdings){ .items = malloc((scene->list_count + 1u) * sizeof *then->items) };
+	for (uint32_t i = 0; chunks && now && i < now->count; i++)
+		chunks[now->items[i].list] = now->items[i].chunks;
+	for (uint32_t s = 0; chunks && s < stream->step_count; s++)
+		for (uint32_t i = 0; i < stream->steps[s].needs.count; i++) {
+			const struct eco_holding *need = &stream->steps[s].needs.items[i];
+			if (need->chunks > chunks[need->list])
+				chunks[need->list] = need->chunks;
+		}
+	for (uint32_t list = 0; chunks && then->items && list < scene->list_count; list++)
+		if (chunks[list])
+			then->items[count++] = (struct eco_holding){ list, chunks[list] };
+	then->count = count;
+	free(chunks);
+	return chunks && then->items ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory to follow %u lists",
+		scene->list_count);
+}
+
+/* Plans the next view as an answer of its own to a client that holds all of this one. */
+static enum eco_code plan_next(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
+{
+	struct eco_request request = *stream->input.request;
+	struct srv_stream_input input = stream->input;
+	struct srv_stream next;
+	struct eco_holdings then;
+	uint64_t without = stream->body_bytes;
+	enum eco_code code = held_then(stream, &then, error);
+	request.view = eco_view_next(stream->input.request);
+	request.next.given = false;
+	if (request.bytes != ECO_BYTES_UNBOUNDED)
+		request.bytes -= without;
+	input.request = &request;
+	input.holdings = &then;
+	if (!code)
+		code = srv_stream_plan(&next, &input, error);
+	free(then.items);
+	if (code)
+		return code;
+	for (uint32_t i = 0; i < next.step_count && next.fits; i++) {
+		stream->next[stream->next_count++] = next.steps[i].needs;
+		next.steps[i].needs = (struct eco_holdings){ 0 };
+	}
+	srv_stream_free(&next);
+	code = size_all(stream, dry, error);
+	if (!code && stream->body_bytes > stream->input.request->bytes) {
+		drop_next(stream);
+		code = size_all(stream, dry, error);
+	}
+	stream->next_bytes = stream->body_bytes - without;
 	return code;
 }
 
@@ -485,6 +564,8 @@ static enum eco_code plan_all(struct srv_stream *stream, struct srv_emit *dry, s
 	if (code || !stream->fits)
 		return code;
 	code = fit_steps(stream, dry, error);
+	if (!code && request->next.given)
+		code = plan_next(stream, dry, error);
 	uint64_t most = stream->input.body_max ? stream->input.body_max : BODY_MAX_DEFAULT;
 	if (!code && stream->body_bytes > most)
 		code = eco_fail(error, ECO_TOO_LARGE, "the response would have %llu bytes; at most %llu are "
@@ -554,16 +635,13 @@ enum eco_code srv_stream_plan(struct srv_stream *stream, const struct srv_stream
 enum eco_code srv_stream_write(const struct srv_stream *stream, struct srv_body *body,
 	struct eco_error *error)
 {
-	const struct srv_step *steps[SRV_STEPS_MAX];
 	struct srv_emit emit;
 	assert(stream->fits);
 	*body = (struct srv_body){ 0 };
 	enum eco_code code = srv_emit_init(&emit, stream->input.scene, stream->input.holdings, false, error);
 	if (code)
 		return code;
-	for (uint32_t i = 0; i < stream->step_count; i++)
-		steps[i] = &stream->steps[i];
-	code = emit_steps(&emit, steps, stream->step_count, NULL, error);
+	code = emit_all(&emit, stream, NULL, error);
 	if (!code)
 		code = srv_emit_take(&emit, body, error);
 	srv_emit_free(&emit);

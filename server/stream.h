@@ -19,6 +19,9 @@
  * budget whose body is found to fit is searched, within 1/256. If not even a plan that draws nothing on the
  * coarsest ground fits, `fits` is false: 204.
  *
+ * Next view. Where the request gives one, its plan's chunks follow the answer within the same bytes: planned
+ * with what is held by then, so that they are the last and only what is lacking.
+ *
  * The same input gives the same bytes: no clock, no history, nothing shared. */
 #ifndef SRV_STREAM_H
 #define SRV_STREAM_H
@@ -58,11 +61,13 @@ struct srv_stream {
 	struct srv_stream_input input;
 	struct srv_step steps[SRV_STEPS_MAX];        /* ascending; the last is the answer */
 	uint32_t step_count;
+	/* the same of the next view's plan, with what was left of the bytes; of its coarser answers first */
+	struct eco_holdings next[SRV_STEPS_MAX];     uint32_t next_count;
 	struct eco_plan coarser[SRV_STEPS_MAX];      /* from fine to coarse, while steps are made */
 	uint32_t coarser_count;
 	bool fits;
 	/* exact; where it does not fit, that of the smallest body */
-	uint64_t body_bytes;
+	uint64_t body_bytes, next_bytes;             /* next_bytes: of these, for the next view */
 	uint64_t chunk_count, chunk_bytes;           /* payloads in the body */
 };
 

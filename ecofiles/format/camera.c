@@ -247,6 +247,20 @@ enum eco_code eco_camera_load(struct eco_camera **camera, const char *path, stru
 	return code;
 }
 
+void eco_camera_ahead(const struct eco_camera *camera, uint32_t frame, double seconds,
+	struct eco_request *request)
+{
+	struct eco_view view = request->view;
+	uint32_t last = eco_camera_frame_count(camera) - 1, at = frame;
+	double until_s = eco_camera_frame(camera, frame, &view) + seconds;
+	while (at < last && eco_camera_frame(camera, at, &view) < until_s)
+		at++;
+	request->next.given = at > frame;
+	eco_camera_frame(camera, at, &view);
+	memcpy(request->next.eye, view.eye, sizeof view.eye);
+	memcpy(request->next.target, view.target, sizeof view.target);
+}
+
 void eco_camera_free(struct eco_camera *camera)
 {
 	if (!camera)

@@ -2,6 +2,7 @@
 #include "ecofiles/format/view.h"
 
 #include <math.h>
+#include <string.h>
 
 #define COORDINATE_MAX 1e12
 
@@ -12,6 +13,14 @@ static enum eco_code check_vector(const double v[3], const char *name, struct ec
 			return eco_fail(error, ECO_BAD_INPUT, "%s: its %c is %g; give a number of metres "
 				"within %g", name, "xyz"[i], v[i], COORDINATE_MAX);
 	return ECO_OK;
+}
+
+struct eco_view eco_view_next(const struct eco_request *request)
+{
+	struct eco_view view = request->view;
+	memcpy(view.eye, request->next.eye, sizeof view.eye);
+	memcpy(view.target, request->next.target, sizeof view.target);
+	return view;
 }
 
 enum eco_code eco_view_check(const struct eco_view *view, struct eco_error *error)

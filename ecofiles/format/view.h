@@ -3,6 +3,7 @@
 #define ECO_VIEW_H
 
 #include <stddef.h>
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "ecofiles/base/status.h"
@@ -34,7 +35,12 @@ struct eco_request {
 	double ground_px;            /* greatest error of the ground, _PX_MIN.._PX_MAX; 0: ECO_GROUND_PX */
 	/* greatest width of a texture's texels where it has finer, _PX_MIN.._PX_MAX; 0: ECO_TEXEL_PX */
 	double texel_px;
+	/* where the eye will soon be: what that needs comes after the answer, in what is left of the bytes */
+	struct { bool given; double eye[3], target[3]; } next;
 };
+
+/* The view at request->next, which is given. */
+struct eco_view eco_view_next(const struct eco_request *request);
 
 /* Refuses views that cannot be drawn: values not finite or beyond 1e12, eye = target, field of view
  * outside (0,180), sizes. `up` parallel to the view direction is accepted (another up is chosen). The text
@@ -54,6 +60,10 @@ enum eco_code eco_camera_parse(struct eco_camera **camera, const char *json, siz
 uint32_t eco_camera_frame_count(const struct eco_camera *camera);
 /* returns time_s; leaves size */
 double eco_camera_frame(const struct eco_camera *camera, uint32_t frame, struct eco_view *view);
+/* Gives a request for a frame the view of the first frame that is at least `seconds` later, or of the last one; none
+ * if it is the last one itself. */
+void eco_camera_ahead(const struct eco_camera *camera, uint32_t frame, double seconds,
+	struct eco_request *request);
 void eco_camera_free(struct eco_camera *camera);
 
 #endif

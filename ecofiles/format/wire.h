@@ -3,6 +3,7 @@
  *
  *   SCENE                                     once
  *   step: (PLANT | BUNDLE)* PLAN              one or more, coarse first; only what the client lacks
+ *   (PLANT | BUNDLE)*                         for the next view, where one was given
  *   END                                       missing END = truncated
  *
  * Frame (little-endian):

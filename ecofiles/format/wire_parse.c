@@ -38,7 +38,8 @@ struct eco_wire_parser {
 	uint32_t last_list, last_ordinal;    /* of the last chunk; ECO_NONE before it */
 	struct eco_wire_record record;       /* of the last list and item */
 	uint8_t (*palette)[3];               /* the last one that came */
-	uint64_t vertices;                   /* of the last PLAN */
+	bool planned;                        /* a PLAN has come */
+	uint64_t vertices;                   /* of the last one */
 	uint32_t plant_count, list_count;
 	bool ground;
 };
@@ -373,6 +374,7 @@ static enum eco_code read_plan(struct eco_wire_parser *p, struct eco_reader *r, 
 	code = whole(r, e);
 	if (!code)
 		code = check_plan_ids(p, &plan, e);
+	p->planned = true;
 	p->vertices = plan.vertices;
 	if (!code && p->events.plan)
 		return p->events.plan(p->ctx, &plan, e);
@@ -403,13 +405,13 @@ static enum eco_code (*const readers[])(struct eco_wire_parser *, struct eco_rea
 };
 
 /* The order of frames at the top of wire.h. */
-static bool may_follow(uint32_t type, uint32_t last)
+static bool may_follow(const struct eco_wire_parser *p, uint32_t type)
 {
 	if (type == ECO_FRAME_SCENE)
-		return last == 0;
+		return p->last_type == 0;
 	if (type == ECO_FRAME_END)
-		return last == ECO_FRAME_PLAN;
-	return last != 0 && last != ECO_FRAME_END;
+		return p->planned;
+	return p->last_type != 0 && p->last_type != ECO_FRAME_END;
 }
 
 static enum eco_code check_header(struct eco_wire_parser *p, struct eco_error *e)
@@ -419,7 +421,7 @@ static enum eco_code check_header(struct eco_wire_parser *p, struct eco_error *e
 	p->payload_size = eco_read_u32(&r);
 	if (first > 0xFF || !eco_frame_name(type))
 		return BAD("it is of type 0x%x, which does not exist", first);
-	if (!may_follow(type, p->last_type))
+	if (!may_follow(p, type))
 		return BAD("a %s frame cannot %s%s", eco_frame_name(type),
 			p->last_type ? "follow a frame of type " :
 			"be the first", p->last_type ? eco_frame_name(p->last_type) : "");

@@ -45,6 +45,23 @@ UNIT_TEST(frames_run_to_the_last_keyframe)
 	}
 }
 
+UNIT_TEST(a_request_may_be_given_the_view_ahead)
+{
+	struct eco_camera *camera = camera_of(SCRIPT("2", KEY("0", "1") "," KEY("3", "2")));
+	static const struct { uint32_t frame; double seconds; uint32_t then; } rows[] = { { 0, 1, 2 }, { 0, 0.9, 2 },
+		{ 0, 0.1, 1 }, { 4, 1, 6 }, { 4, 100, 6 }, { 6, 1, 6 } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct eco_request request = { .vertices = 7 };
+		struct eco_view view = { .width = 0 };
+		eco_camera_ahead(camera, rows[i].frame, rows[i].seconds, &request);
+		eco_camera_frame(camera, rows[i].then, &view);
+		assert_int_equal(request.next.given, rows[i].then > rows[i].frame);
+		assert_memory_equal(request.next.eye, view.eye, sizeof view.eye);
+		assert_memory_equal(request.next.target, view.target, sizeof view.target);
+	}
+	eco_camera_free(camera);
+}
+
 UNIT_TEST(keyframes_are_met_exactly_and_up_defaults_to_z)
 {
 	struct eco_camera *camera = camera_of(SCRIPT("10", KEY("0", "0.1") "," KEY("0.7", "12.3") ","

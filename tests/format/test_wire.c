@@ -213,7 +213,7 @@ enum fault { FAULT_NONE, FAULT_NO_SCENE, FAULT_TWO_SCENES, FAULT_VERSION, FAULT_
 	FAULT_LIST_PLANT, FAULT_LIST_IMAGE, FAULT_LIST_CHUNKS, FAULT_FORM_KIND, FAULT_FORM_PARTNER,
 	FAULT_FORM_ITSELF, FAULT_FORM_COUNT, FAULT_PALETTE, FAULT_CHUNK_SIZE, FAULT_CHUNK_SKIPS,
 	FAULT_CHUNK_AGAIN, FAULT_PLAN_LIST, FAULT_PLAN_RUN, FAULT_PLAN_GATE, FAULT_PLAN_TRAILING,
-	FAULT_NO_PLAN, FAULT_END_EARLY, FAULT_END_VERTICES, FAULT_END_BYTES, FAULT_AFTER_END, FAULT_TYPE,
+	FAULT_NO_PLAN, FAULT_END_VERTICES, FAULT_END_BYTES, FAULT_AFTER_END, FAULT_TYPE,
 	FAULT_COUNT };
 
 static void put_faulty_list(struct eco_writer *w, uint32_t *number, enum fault fault)
@@ -287,8 +287,6 @@ static struct eco_writer faulty_stream(enum fault fault)
 	}
 	if (fault != FAULT_NO_PLAN)
 		put_faulty_plan(&w, &number, fault);
-	if (fault == FAULT_END_EARLY)
-		wire_put_chunk(&w, &number, 3, 2, "1", 1, true);
 	wire_put_end(&w, &number, fault == FAULT_END_VERTICES ? 78 : 77, fault == FAULT_END_BYTES ? 1 : 0);
 	if (fault == FAULT_AFTER_END)
 		eco_write_u8(&w, 0);

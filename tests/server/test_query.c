@@ -157,6 +157,11 @@ UNIT_TEST(a_query_has_defaults)
 		&& query.rule == lod_rule_deussen);
 	assert_true(parse_query(&query, VIEW "&rule=optimal", &error) == ECO_OK
 		&& query.rule == lod_rule_optimal);
+	assert_false(query.request.next.given);
+	assert_int_equal(parse_query(&query, VIEW "&next_target=7,8,9&next_eye=1,2,4", &error), ECO_OK);
+	struct eco_view next = eco_view_next(&query.request);
+	assert_true(query.request.next.given && next.eye[2] == 4 && next.target[0] == 7 && next.width == 800
+		&& next.fov_y_deg == 45);
 }
 
 UNIT_TEST(bad_queries_name_the_parameter)
@@ -184,6 +189,10 @@ UNIT_TEST(bad_queries_name_the_parameter)
 		{ "eye=1,2,3&target=4,5,6&width=800&height=4294967297&vertices=1", "'height'" },
 		{ "eye=1,2,3&target=4,5,6&width=800&height=600&vertices=9223372036854775808", "'vertices'" },
 		{ VIEW "&vertices=5", "twice" },
+		{ VIEW "&next_eye=1,2,3", "'next_target' is missing" },
+		{ VIEW "&next_target=1,2,3", "'next_eye' is missing" },
+		{ VIEW "&next_eye=1,2,3&next_target=1,2,3", "the next view: " },
+		{ VIEW "&next_eye=1,2&next_target=1,2,3", "'next_eye'" },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct srv_query query;

@@ -229,6 +229,47 @@ UNIT_TEST(explanations_are_of_the_plan_that_is_sent)
 	assert_true(bounded > ROUNDS / 8);
 }
 
+/* What the next view lacks comes after the answer, changes nothing of it, and is not asked for again there. */
+UNIT_TEST(the_next_view_comes_last_and_within_the_same_bytes)
+{
+	uint32_t saved = 0;
+	for (uint64_t seed = 1; seed <= ROUNDS; seed++) {
+		struct bench b = bench_make(600 + seed, 2 + seed % 4);
+		struct stream_reader reader;
+		stream_reader_init(&reader, &b.pack->pack.scene);
+		struct eco_request request = random_request(&b.pack->r), there = request;
+		struct eco_view next = random_view(&b.pack->r);
+		request.vertices = there.vertices = 1 + random_below(&b.pack->r, 100000);
+		memcpy(there.view.eye, next.eye, sizeof next.eye);
+		memcpy(there.view.target, next.target, sizeof next.target);
+		struct body alone = build(&b, &request, NULL);
+		memcpy(request.next.eye, next.eye, sizeof next.eye);
+		memcpy(request.next.target, next.target, sizeof next.target);
+		request.next.given = true;
+		struct body whole = build(&b, &request, NULL);
+		assert_true(whole.fits && whole.size >= alone.size);
+		assert_memory_equal(whole.bytes, alone.bytes, alone.size - ECO_END_FRAME_BYTES);
+		read_all(&reader, &whole, request.vertices);
+		struct eco_holdings held = held_by(&reader);
+		struct body then = build(&b, &there, &held);
+		read_all(&reader, &then, there.vertices);
+		assert_int_equal(reader.chunks, 0);
+		saved += whole.size > alone.size;
+		/* a budget of bytes is the answer's first */
+		request.bytes = alone.size + random_below(&b.pack->r, (uint32_t)(whole.size - alone.size) + 1);
+		struct body tight = build(&b, &request, NULL);
+		assert_true(tight.fits && tight.size <= request.bytes && tight.size >= alone.size);
+		free(held.items);
+		free(alone.bytes);
+		free(whole.bytes);
+		free(then.bytes);
+		free(tight.bytes);
+		stream_reader_free(&reader);
+		bench_free(&b);
+	}
+	assert_true(saved > ROUNDS / 4);
+}
+
 UNIT_TEST(large_answers_come_coarse_first)
 {
 	uint32_t stepped = 0;

@@ -299,5 +299,9 @@ void wire_random_stream(struct wire_random *r, struct eco_writer *w, uint32_t st
 		vertices = plan.vertices;
 		eco_plan_free(&plan);
 	}
+	if (wire_random_below(r, 2)) {           /* for a next view */
+		uint8_t payload[4] = { 1, 2, 3, (uint8_t)wire_random_bits(r) };
+		wire_put_chunk(w, &number, 0, ordinals[0]++, payload, sizeof payload, true);
+	}
 	wire_put_end(w, &number, vertices, 0);
 }
