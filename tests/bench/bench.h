@@ -180,6 +180,12 @@ uint32_t bench_client_summaries(const struct bench_client *client);
  * those of a first visit. */
 enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame *frame,
 	struct view_picture *picture, struct eco_error *error);
+/* A step of a flight: what came in earlier steps is held, bytes are of what the view lacks. Fills vertices,
+ * bytes, plan_bytes, plan_ms and decode_ms, and scores nothing. NULL in `picture`: nothing is drawn; else the
+ * caller frees what is written there. */
+enum eco_code bench_client_step(struct bench_client *client, struct bench_frame *frame,
+	struct view_picture *picture, struct eco_error *error);
+void bench_client_forget(struct bench_client *client);               /* the next step holds nothing */
 /* Milliseconds in which OpenGL draws a selection the second time; NaN where there is no OpenGL. */
 struct view_store;
 struct view_selection;

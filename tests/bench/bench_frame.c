@@ -19,6 +19,7 @@
 struct bench_client {
 	struct srv_store scenes;
 	struct view_store *full;             /* holds full detail of all views so far */
+	struct view_store *steps;            /* holds what came in steps; NULL: nothing did */
 	struct view_picture reference;
 	struct eco_view of;                  /* that the reference is drawn of */
 	bool has_reference, sees, untimed;
@@ -48,6 +49,7 @@ void bench_client_close(struct bench_client *client)
 		return;
 	view_picture_free(&client->reference);
 	view_store_free(client->full);
+	view_store_free(client->steps);
 	srv_store_free(&client->scenes);
 	free(client);
 }
@@ -220,6 +222,34 @@ enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame
 	else
 		view_picture_free(&drawn);
 	return code;
+}
+
+/* ---- Steps ---- */
+
+void bench_client_forget(struct bench_client *client)
+{
+	view_store_free(client->steps);
+	client->steps = NULL;
+}
+
+enum eco_code bench_client_step(struct bench_client *client, struct bench_frame *frame,
+	struct view_picture *picture, struct eco_error *error)
+{
+	struct view_store_options options = { .images = true };
+	struct bench_fetch fetch = { .rule = frame->rule, .ignore_occlusion = frame->ignore_occlusion };
+	enum eco_code code = client->steps ? ECO_OK : view_store_new(&client->steps, &options, error);
+	if (!code)
+		code = bench_fetch(&fetch, &client->scenes.scenes[0], &frame->request, client->steps, error);
+	if (code)
+		return code;
+	const struct eco_plan *plan = view_store_plan(client->steps);
+	frame->vertices = plan ? plan->vertices : 0;
+	frame->bytes = fetch.bytes;
+	frame->plan_bytes = fetch.plan_bytes;
+	frame->plan_ms = fetch.plan_ms;
+	frame->decode_ms = fetch.decode_ms;
+	return picture ? draw(client->steps, &frame->request.view, picture, &(struct beside){ 0 }, error)
+		: ECO_OK;
 }
 
 enum eco_code bench_client_compare(struct bench_client *client, struct bench *bench, const char *file,
