@@ -248,7 +248,8 @@ enum eco_code bench_client_step(struct bench_client *client, struct bench_frame 
 	frame->plan_bytes = fetch.plan_bytes;
 	frame->plan_ms = fetch.plan_ms;
 	frame->decode_ms = fetch.decode_ms;
-	return picture ? draw(client->steps, &frame->request.view, picture, &(struct beside){ 0 }, error)
+	return picture ? draw(client->steps, &frame->request.view, picture,
+		&(struct beside){ .soft = client->sees }, error)
 		: ECO_OK;
 }
 
