@@ -75,14 +75,19 @@ static enum eco_code make_rows(struct bench *bench, const struct bench_view *vie
 	return code;
 }
 
+void bench_view_stamp(const struct bench_view *view, char stamp[256])
+{
+	const struct eco_view *v = &view->view;
+	snprintf(stamp, 256, "%s %g %g %g %g %g %g %g", bench_pack_stamp(view->pack), v->eye[0], v->eye[1],
+		v->eye[2], v->target[0], v->target[1], v->target[2], v->fov_y_deg);
+}
+
 enum eco_code bench_view_rows(struct bench *bench, const struct bench_view *view,
 	const struct bench_view_shoot *shoot, json_t **rows, struct eco_error *error)
 {
 	char unit[96], stamp[256];
-	const struct eco_view *v = &view->view;
 	snprintf(unit, sizeof unit, "%s-%s-%s", shoot->name, view->scene, view->camera);
-	snprintf(stamp, sizeof stamp, "%s %g %g %g %g %g %g %g", bench_pack_stamp(view->pack), v->eye[0],
-		v->eye[1], v->eye[2], v->target[0], v->target[1], v->target[2], v->fov_y_deg);
+	bench_view_stamp(view, stamp);
 	*rows = bench_recall(bench, unit, stamp);
 	if (*rows)
 		return ECO_OK;

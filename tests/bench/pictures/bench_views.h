@@ -21,6 +21,9 @@ typedef enum eco_code bench_view_call(struct bench *bench, void *ctx, const stru
 enum eco_code bench_views_each(struct bench *bench, const json_t *scenes, bench_view_call *call, void *ctx,
 	struct eco_error *error);
 
+/* Stamp of its pack and camera. */
+void bench_view_stamp(const struct bench_view *view, char stamp[256]);
+
 /* First visits of a view, budget by budget. */
 struct bench_view_shoot {
 	const char *name;            /* of what is kept */
