@@ -36,12 +36,13 @@ static void add_cost(struct lod_cost *sum, const struct lod_cost *cost, double f
 	sum->above_fn += seen * cost->above_fn;
 	sum->vertices += times * cost->vertices;
 	sum->bytes += cost->bytes;
+	sum->waste += cost->waste;
 }
 
 static double lagrangian(const struct lod_allocation *m, const struct lod_cost *cost, double fp_weight)
 {
 	return fp_weight * cost->fp + cost->fn + cost->detail + m->lambda * cost->vertices
-		+ m->price * cost->bytes;
+		+ m->price * (cost->bytes + cost->waste);
 }
 
 /* Share of the fine choice, given what it and the coarse one save: 0 to 1, and 1 where the fine one saves
@@ -258,6 +259,7 @@ static void blend(struct lod_tile_choice *choice, const struct lod_cost *fine)
 	choice->cost.detail = s * fine->detail + (1 - s) * choice->cost.detail;
 	choice->cost.vertices = s * fine->vertices + points * choice->cost.vertices;
 	choice->cost.bytes = (s > 0 ? fine->bytes : 0) + (points > 0 ? choice->cost.bytes : 0);
+	choice->cost.waste = (s > 0 ? fine->waste : 0) + (points > 0 ? choice->cost.waste : 0);
 }
 
 static double position_of(const struct lod_hull *hull, double vertices)
@@ -281,9 +283,9 @@ static void price_summary(struct lod_allocation *m, uint32_t n)
 	if (part > 0)
 		points += part * ((double)hull->points[whole + 1].vertices - most);
 	const struct lod_summary_price up = lod_prices_summary(m, n, points),
-		tries[] = { { 0, 0, 0 }, up, lod_prices_summary(m, n, up.before) };
+		tries[] = { { .points = 0 }, up, lod_prices_summary(m, n, up.before) };
 	for (int i = 0; i < 3; i++) {
-		struct lod_cost cost = { .bytes = tries[i].bytes };
+		struct lod_cost cost = { .bytes = tries[i].bytes, .waste = tries[i].waste };
 		double position = position_of(hull, tries[i].points);
 		add_at(&cost, hull, choice->weight_px, position);
 		cost.fp *= hull->fp_weight;
@@ -329,7 +331,8 @@ static struct lod_cost fine_cost(const struct lod_allocation *m, uint32_t n)
 	struct lod_cost fine = plants_cost(m, n);
 	for (uint32_t c = 0; c < node->child_count; c++)
 		add_cost(&fine, &m->tile_choices[node->child_first + c].cost, 1, 1, 1);
-	fine.bytes += m->price > 0 ? lod_prices_instances(m, n) : 0;
+	if (m->price > 0)
+		lod_prices_instances(m, n, &fine);
 	return fine;
 }
 

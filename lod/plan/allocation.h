@@ -43,7 +43,8 @@ enum lod_when {
 struct lod_cost {                    /* wrong pixels seen; above_*: the same seen from above; a slot choice's
                                       * fp is without its fp_weight */
 	double fp, fn, detail, vertices;
-	double bytes;                /* of tiles, where bytes have a price; not of what plants share */
+	/* of tiles, where bytes have a price; not of what plants share. waste: what they cost beside */
+	double bytes, waste;
 	double above_fp, above_fn;
 };
 

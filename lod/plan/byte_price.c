@@ -11,8 +11,6 @@
 #include "lod/plan/texture_levels.h"
 
 #define LISTS_OF_LADDER 5        /* points, lines, simple, triangles, impostor */
-#define WASTE 4                  /* times its bytes costs what answers to come do not use (lod/EXPERIMENTS.md,
-                                  * "One answer cut at any byte") */
 #define DRAWN_LEAST 1e-9         /* plants, below which nobody draws */
 
 /* A ladder in view, and the bytes of its lists up to each number of vertices that a plant may draw. */
@@ -21,7 +19,7 @@ struct ladder_price {
 	uint32_t first, count;       /* its choices, in lod_prices.choices */
 	uint32_t steps;
 	uint64_t *vertices;          /* per step, ascending */
-	double *bytes, *gain;        /* per step; gain while a limit is sought */
+	double *bytes, *waste, *gain;        /* per step; gain while a limit is sought */
 	uint32_t limit;              /* the last step that may be drawn */
 	uint32_t image, textured;    /* its texture, in lod_prices.images; the first step that shows it */
 	double image_part;           /* bytes of the texture that this ladder is asked for */
@@ -31,17 +29,18 @@ struct ladder_price {
 struct image_price {
 	uint32_t list, users[2];     /* users: ladders of whole plants, of cells */
 	uint32_t most, levels;       /* that the view resolves; that are worth their bytes */
-	double outline, bytes;       /* of the outline; of that and of the levels */
+	double outline, bytes, waste;        /* of the outline; of that and of the levels */
 	bool used;
 };
 
 struct lod_prices {
 	const struct eco_holdings *kept;     /* chunks that come anyway; NULL: all count alike */
+	double factor;               /* times their bytes, that others cost beside these */
 	struct ladder_price *ladders;        uint32_t ladder_count;
 	struct image_price *images;          uint32_t image_count;
 	uint32_t *choices;           /* of the allocation, by ladder */
-	uint64_t *vertices;          double *bytes, *gain;     /* of all ladders */
-	double *instances, *points;  /* per node */
+	uint64_t *vertices;          double *bytes, *waste, *gain;     /* of all ladders */
+	double *instances, *instances_waste, *points;        /* per node */
 	double *drawn, *seen;        /* per slot: plants in open tiles; the same, times the tiles' factors */
 	double *part;                /* per node: of its tile's bytes, that an occurrence pays */
 	double *weight;              /* per node: the share of it that is drawn */
@@ -65,11 +64,17 @@ static double chunk_bytes(const struct lod_planner *p, uint32_t list, uint32_t o
 static double missing_between(const struct lod_allocation *m, uint32_t list, uint32_t from, uint32_t to)
 {
 	uint32_t held = eco_holdings_chunks(m->p->input->holdings, list);
-	uint32_t kept = m->prices->kept ? eco_holdings_chunks(m->prices->kept, list) : to;
 	double sum = 0;
 	for (uint32_t c = from > held ? from : held; c < to; c++)
-		sum += (c < kept ? 1 : WASTE) * chunk_bytes(m->p, list, c);
+		sum += chunk_bytes(m->p, list, c);
 	return sum;
+}
+
+/* What these cost beside their bytes. */
+static double waste_between(const struct lod_allocation *m, uint32_t list, uint32_t from, uint32_t to)
+{
+	uint32_t kept = m->prices->kept ? eco_holdings_chunks(m->prices->kept, list) : to;
+	return kept < to ? m->prices->factor * missing_between(m, list, from > kept ? from : kept, to) : 0;
 }
 
 static double missing_all(const struct lod_allocation *m, uint32_t list)
@@ -77,12 +82,17 @@ static double missing_all(const struct lod_allocation *m, uint32_t list)
 	return missing_between(m, list, 0, m->p->scene->lists[list].chunk_count);
 }
 
+static double waste_all(const struct lod_allocation *m, uint32_t list)
+{
+	return waste_between(m, list, 0, m->p->scene->lists[list].chunk_count);
+}
+
 /* ---- Ladders ---- */
 
 /* Chunks of each list that were paid so far. */
-struct paid { uint32_t list[LISTS_OF_LADDER], chunks[LISTS_OF_LADDER], count; };
+struct paid { uint32_t list[LISTS_OF_LADDER], chunks[LISTS_OF_LADDER], count; double bytes, waste; };
 
-static double pay(const struct lod_allocation *m, struct paid *paid, uint32_t list, uint32_t end)
+static void pay(const struct lod_allocation *m, struct paid *paid, uint32_t list, uint32_t end)
 {
 	uint32_t i = 0, chunks = lod_plan_chunks_for(m->p->scene, list, end);
 	while (i < paid->count && paid->list[i] != list)
@@ -93,27 +103,27 @@ static double pay(const struct lod_allocation *m, struct paid *paid, uint32_t li
 		paid->count++;
 	}
 	if (chunks <= paid->chunks[i])
-		return 0;
-	double bytes = missing_between(m, list, paid->chunks[i], chunks);
+		return;
+	paid->bytes += missing_between(m, list, paid->chunks[i], chunks);
+	paid->waste += waste_between(m, list, paid->chunks[i], chunks);
 	paid->chunks[i] = chunks;
-	return bytes;
 }
 
 /* Returns the texture of what is drawn; ECO_NONE: there is none. */
 static uint32_t price_step(const struct lod_allocation *m, const struct lod_way *way, uint64_t vertices,
-	struct paid *paid, double *bytes)
+	struct paid *paid)
 {
 	uint32_t image = ECO_NONE;
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
 	if (vertices == 0)
 		return ECO_NONE;
 	if (vertices == 1 && lod_hull_impostor_levels(way)) {
-		*bytes += pay(m, paid, way->ladder->impostor, 1);
+		pay(m, paid, way->ladder->impostor, 1);
 		return ECO_NONE;
 	}
 	uint32_t count = lod_way_cuts(way, vertices, lod_way_density(way, vertices), 0, cuts);
 	for (uint32_t i = 0; i < count; i++) {
-		*bytes += pay(m, paid, cuts[i].list, cuts[i].end);
+		pay(m, paid, cuts[i].list, cuts[i].end);
 		if (m->p->scene->lists[cuts[i].list].image != ECO_NONE)
 			image = m->p->scene->lists[cuts[i].list].image;
 	}
@@ -131,20 +141,20 @@ static void price_ladder(const struct lod_allocation *m, struct ladder_price *l)
 	l->image = l->textured = ECO_NONE;
 	const struct lod_plan_tables_ladder *table = lod_plan_tables_ladder(m->p->tables, l->ladder);
 	struct paid paid = { .count = 0 };
-	double bytes = 0;
 	l->steps = 0;
 	for (int h = 0; h < 3; h++)
 		for (uint32_t i = 0; i < (h < 2 ? table->hull[h].count : 1); i++) {
 			uint64_t vertices = h < 2 ? table->hull[h].points[i].vertices : table->way.full;
 			if (l->steps && vertices <= l->vertices[l->steps - 1])
 				continue;
-			uint32_t image = price_step(m, &table->way, vertices, &paid, &bytes);
+			uint32_t image = price_step(m, &table->way, vertices, &paid);
 			if (image != ECO_NONE && l->image == ECO_NONE) {
 				l->image = image;
 				l->textured = l->steps;
 			}
 			l->vertices[l->steps] = vertices;
-			l->bytes[l->steps++] = bytes;
+			l->bytes[l->steps] = paid.bytes;
+			l->waste[l->steps++] = paid.waste;
 		}
 }
 
@@ -177,6 +187,7 @@ static void set_levels(struct lod_allocation *m, struct image_price *image, uint
 {
 	image->levels = levels;
 	image->bytes = image->outline + missing_between(m, image->list, 0, levels);
+	image->waste = waste_between(m, image->list, 0, levels);
 	m->p->texture_levels[image->list] = (uint8_t)levels;
 }
 
@@ -189,7 +200,7 @@ static void share_images(struct lod_allocation *m)
 		const struct eco_ladder *ladder = &scene->ladders[l->ladder];
 		bool cell = ladder->anchor != scene->plants[ladder->plant].anchor_first;
 		if (l->textured != ECO_NONE)
-			l->image_part = m->prices->images[l->image].bytes
+			l->image_part = (m->prices->images[l->image].bytes + m->prices->images[l->image].waste)
 				/ m->prices->images[l->image].users[cell];
 	}
 }
@@ -262,14 +273,16 @@ static bool make_ladders(struct lod_allocation *m)
 	free(of);
 	prices->vertices = malloc((steps + 1u) * sizeof *prices->vertices);
 	prices->bytes = malloc((steps + 1u) * sizeof *prices->bytes);
+	prices->waste = malloc((steps + 1u) * sizeof *prices->waste);
 	prices->gain = malloc((steps + 1u) * sizeof *prices->gain);
-	if (!prices->vertices || !prices->bytes || !prices->gain)
+	if (!prices->vertices || !prices->bytes || !prices->waste || !prices->gain)
 		return false;
 	steps = 0;
 	for (uint32_t i = 0; i < prices->ladder_count; i++) {
 		struct ladder_price *l = &prices->ladders[i];
 		l->vertices = prices->vertices + steps;
 		l->bytes = prices->bytes + steps;
+		l->waste = prices->waste + steps;
 		l->gain = prices->gain + steps;
 		price_ladder(m, l);
 		steps += l->steps;
@@ -286,8 +299,9 @@ static bool make_tiles(struct lod_allocation *m)
 	uint32_t nodes = p->visible.node_count, *occurrences = calloc(scene->tile_count + 1u,
 		sizeof *occurrences);
 	m->prices->instances = calloc(nodes + 1u, sizeof *m->prices->instances);
+	m->prices->instances_waste = calloc(nodes + 1u, sizeof *m->prices->instances_waste);
 	m->prices->points = calloc(nodes + 1u, sizeof *m->prices->points);
-	if (!occurrences || !m->prices->instances || !m->prices->points) {
+	if (!occurrences || !m->prices->instances || !m->prices->instances_waste || !m->prices->points) {
 		free(occurrences);
 		return false;
 	}
@@ -296,11 +310,13 @@ static bool make_tiles(struct lod_allocation *m)
 	for (uint32_t n = 0; n < nodes; n++) {
 		const struct eco_tile *tile = &scene->tiles[p->visible.nodes[n].tile];
 		double part = m->prices->part[n] = 1.0 / occurrences[p->visible.nodes[n].tile];
-		for (uint32_t g = 0; m->tile_choices[n].open && g < tile->group_count; g++)
-			m->prices->instances[n] += part
-				* missing_all(m, scene->groups[tile->group_first + g].list);
+		for (uint32_t g = 0; m->tile_choices[n].open && g < tile->group_count; g++) {
+			uint32_t list = scene->groups[tile->group_first + g].list;
+			m->prices->instances[n] += part * missing_all(m, list);
+			m->prices->instances_waste[n] += part * waste_all(m, list);
+		}
 		if (m->tile_choices[n].has_summary)
-			m->prices->points[n] = part * missing_all(m, tile->summary)
+			m->prices->points[n] = part * (missing_all(m, tile->summary) + waste_all(m, tile->summary))
 				/ scene->lists[tile->summary].primitive_count;
 	}
 	free(occurrences);
@@ -325,9 +341,10 @@ struct lod_hull_point *lod_prices_room(struct lod_allocation *m, uint32_t node)
 	return m->prices->room + m->prices->room_first[node];
 }
 
-double lod_prices_instances(const struct lod_allocation *m, uint32_t node)
+void lod_prices_instances(const struct lod_allocation *m, uint32_t node, struct lod_cost *cost)
 {
-	return m->prices->instances[node];
+	cost->bytes += m->prices->instances[node];
+	cost->waste += m->prices->instances_waste[node];
 }
 double lod_prices_point(const struct lod_allocation *m, uint32_t node) { return m->prices->points[node]; }
 
@@ -343,19 +360,23 @@ struct lod_summary_price lod_prices_summary(const struct lod_allocation *m, uint
 		price.points += scene->chunks[l->chunk_first + chunks++].primitive_count;
 	}
 	price.bytes = missing_between(m, list, 0, chunks) * m->prices->part[node];
+	price.waste = waste_between(m, list, 0, chunks) * m->prices->part[node];
 	return price;
 }
 
 /* ---- Making ---- */
 
-enum eco_code lod_prices_make(struct lod_allocation *m, const struct eco_holdings *kept,
+enum eco_code lod_prices_make(struct lod_allocation *m, const struct eco_holdings *kept, double waste,
 	struct eco_error *error)
 {
 	uint32_t slots = m->p->visible.slot_count, nodes = m->p->visible.node_count,
 		plants = m->p->scene->plant_count;
+	lod_prices_free(m);
 	struct lod_prices *prices = m->prices = calloc(1, sizeof *prices);
-	if (prices)
+	if (prices) {
 		prices->kept = kept;
+		prices->factor = waste;
+	}
 	bool good = prices && (prices->drawn = malloc((slots + 1u) * sizeof *prices->drawn))
 		&& (prices->seen = malloc((slots + 1u) * sizeof *prices->seen))
 		&& (prices->weight = malloc((nodes + 1u) * sizeof *prices->weight))
@@ -379,8 +400,10 @@ void lod_prices_free(struct lod_allocation *m)
 	free(prices->choices);
 	free(prices->vertices);
 	free(prices->bytes);
+	free(prices->waste);
 	free(prices->gain);
 	free(prices->instances);
+	free(prices->instances_waste);
 	free(prices->points);
 	free(prices->drawn);
 	free(prices->seen);
@@ -482,7 +505,7 @@ static void add_gain(const struct lod_allocation *m, struct ladder_price *l, uin
 
 static double bytes_at(const struct ladder_price *l, uint32_t step)
 {
-	return l->bytes[step] + (step >= l->textured ? l->image_part : 0);
+	return l->bytes[step] + l->waste[step] + (step >= l->textured ? l->image_part : 0);
 }
 
 /* Adds, for each number of levels, what plants that draw a ladder lose by seeing no more of its texture. */
@@ -530,7 +553,7 @@ static void find_limit(struct lod_allocation *m, struct ladder_price *l, bool al
 	l->limit = 0;
 	for (uint32_t i = 0; i < l->steps; i++) {
 		sum += l->gain[i];
-		double bytes = bytes_at(l, i), net = sum - m->price * (bytes - l->bytes[0]);
+		double bytes = bytes_at(l, i), net = sum - m->price * (bytes - bytes_at(l, 0));
 		if (i == 0 || net > best || bytes <= bytes_at(l, l->limit)) {
 			best = fmax(best, net);
 			l->limit = i;

@@ -26,9 +26,9 @@
 #define LOD_CHUNK_FRAME_BYTES 8
 #define LOD_LIST_FRAME_BYTES 26
 
-/* Finds what everything in view would cost; once for an allocation. `kept`: chunks that come anyway, sooner or
- * later, so that all others cost more than their bytes; NULL: none does. It must outlive the prices. */
-enum eco_code lod_prices_make(struct lod_allocation *allocation, const struct eco_holdings *kept,
+/* Finds what everything in view would cost. `kept`: chunks that come anyway, sooner or later, so that all others
+ * cost `waste` times their bytes beside these; NULL: none does. It must outlive the prices. */
+enum eco_code lod_prices_make(struct lod_allocation *allocation, const struct eco_holdings *kept, double waste,
 	struct eco_error *error);
 void lod_prices_free(struct lod_allocation *allocation);      /* none made: fine */
 
@@ -48,11 +48,11 @@ void lod_prices_tighten(struct lod_allocation *allocation);
 /* Are no organs of this plant drawn, by any of its plants? */
 bool lod_prices_organs_off(const struct lod_allocation *allocation, uint32_t plant);
 
-/* Bytes of a tile's instance lists. */
-double lod_prices_instances(const struct lod_allocation *allocation, uint32_t node);
+/* Adds bytes and waste of a tile's instance lists to a cost. */
+void lod_prices_instances(const struct lod_allocation *allocation, uint32_t node, struct lod_cost *cost);
 /* The first `points` of a tile's summary: bytes of the chunks that hold them, the points that these hold, and
  * those that all of them but the last do. The mean bytes of a point. */
-struct lod_summary_price { double bytes, points, before; };
+struct lod_summary_price { double bytes, waste, points, before; };
 struct lod_summary_price lod_prices_summary(const struct lod_allocation *allocation, uint32_t node,
 	double points);
 double lod_prices_point(const struct lod_allocation *allocation, uint32_t node);

@@ -14,6 +14,8 @@
 #define PRICE_RAISES 3           /* of lambda, up to the one that uses the vertices alone */
 #define PRICE_LAMBDAS 5          /* tried where vertices bind as well */
 #define SIZE_TRIES 4             /* answers whose bytes are counted */
+#define WASTE_FIT 1.0            /* chunks that the answer without a limit lacks cost so many times their bytes more, ... */
+#define WASTE_COARSER 3.0        /* ... and those that the answer lacks, in coarser ones */
 #define SWEEP_FIRST -10.0        /* octaves: at lower prices hardly anything is left out */
 #define SWEEP_SLOPE -0.5         /* at first, and within ... */
 #define SWEEP_SLOPE_LEAST -2.0
@@ -24,17 +26,25 @@
 #define SWEEP_LAMBDA 0.25        /* fewer bytes draw fewer vertices, so each may save less: lambda falls by this, ... */
 #define SWEEP_VERTICES 0.5       /* ... where no more than this part of the budget is used */
 
-/* Of the answer that carries the entries. */
-enum eco_code lod_bytes_size(struct lod_planner *p, struct eco_error *error)
+/* What is only looked at has no reasons. */
+static enum eco_code emit_without_reasons(const struct lod_planner *p, struct eco_plan *plan,
+	struct eco_error *error)
 {
 	struct lod_explanation *why = p->input->explanation, before = why ? *why
 		: (struct lod_explanation){ 0 };
-	struct eco_plan plan = { 0 };
-	enum eco_code code = lod_planner_emit(p, &plan, error);
-	if (why) {                   /* what is only sized has no reasons */
+	*plan = (struct eco_plan){ 0 };
+	enum eco_code code = lod_planner_emit(p, plan, error);
+	if (why) {
 		why->count = before.count;
 		why->omitted = before.omitted;
 	}
+	return code;
+}
+
+enum eco_code lod_bytes_size(struct lod_planner *p, struct eco_error *error)
+{
+	struct eco_plan plan;
+	enum eco_code code = emit_without_reasons(p, &plan, error);
 	p->sized++;
 	if (!code)
 		code = p->input->size(p->input->size_ctx, &plan, &p->bytes, error);
@@ -42,7 +52,20 @@ enum eco_code lod_bytes_size(struct lod_planner *p, struct eco_error *error)
 	return code;
 }
 
-struct fitted { double size, lambda; struct lod_price at; uint8_t *left_out; };      /* size: bytes */
+struct fitted {
+	double size, lambda;         /* size: bytes */
+	struct lod_price at;
+	uint8_t *left_out;           /* per plant, as lod_prices_left_out */
+	const struct eco_holdings *kept;     /* as in lod_prices_make */
+	double wrong;                /* pixels that it leaves */
+};
+
+/* Gaps between prices are filled where all chunks count alike: else they are others, and seldom. */
+static double relax_and_fill(struct lod_allocation *m, struct fitted *fit, double target, double over)
+{
+	return fit->kept ? lod_price_relax(m, fit->lambda, &fit->at)
+		: lod_price_fill(m, fit->lambda, target, &fit->at, over);
+}
 
 /* Relaxes within the vertices too: mostly at the lowest lambda, as bytes alone bind; else at the lambda, of
  * some between that and the one that uses the vertices alone, that leaves least wrong. Returns the bytes. */
@@ -64,15 +87,16 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 		if (i && (!fits || lod_price_wrong(m) >= least))
 			continue;
 		least = fits ? lod_price_wrong(m) : INFINITY;
-		*fit = (struct fitted){ fit->size, lambda, at, fit->left_out };
+		fit->lambda = lambda;
+		fit->at = at;
 		over = beyond;
 	}
-	double bytes = lod_price_fill(m, fit->lambda, target, &fit->at, over);
+	double bytes = relax_and_fill(m, fit, target, over);
 	/* where more bytes come, a vertex may have to save more */
 	for (int i = 1; m->cost.vertices > (double)budget && i <= PRICE_RAISES; i++) {
 		fit->lambda = i < PRICE_RAISES ? sqrt(fit->lambda * top) : top;
 		lod_price_find(m, fit->lambda, target, fit->at.tiles, &fit->at, &over);
-		bytes = lod_price_fill(m, fit->lambda, target, &fit->at, over);
+		bytes = relax_and_fill(m, fit, target, over);
 	}
 	memcpy(fit->left_out, lod_prices_left_out(m), m->p->scene->plant_count);
 	return bytes;
@@ -89,47 +113,96 @@ static enum eco_code fill_fitted(const struct lod_lambda_search *s, const struct
 
 static void keep_fitted(struct fitted *best, const struct fitted *now, uint32_t plants)
 {
-	memcpy(best->left_out, now->left_out, plants);
-	*best = (struct fitted){ now->size, now->lambda, now->at, best->left_out };
+	uint8_t *left_out = best->left_out;
+	memcpy(left_out, now->left_out, plants);
+	*best = *now;
+	best->left_out = left_out;
 }
 
-/* Finds prices with which the answer has at most the bytes asked for. What it has beside what is priced,
- * records and the plan itself, is learnt from the answers tried. */
-enum eco_code lod_bytes_fit(const struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
+/* Fits best->kept. What an answer has beside what is priced, records and the plan itself, is learnt from the answers
+ * tried. `room`: per plant, for left_out. */
+static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budget, struct fitted *best,
+	uint8_t *room, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
 	struct lod_planner *p = m->p;
 	uint32_t plants = p->scene->plant_count;
-	uint8_t *left_out = calloc(2 * (size_t)plants + 1, 1);
-	struct fitted best = { INFINITY, lod_lambda_at(s->last), { LOD_PRICE_HIGHEST, LOD_PRICE_HIGHEST },
-		left_out + plants }, now = { .at = { NAN, NAN }, .left_out = left_out };
+	struct fitted now = { .at = { NAN, NAN }, .left_out = room, .kept = best->kept };
 	double most = (double)p->input->request->bytes, beside = 0;
-	enum eco_code code = left_out ? lod_prices_make(m, NULL, error)
-		: eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants", plants);
+	enum eco_code code = lod_prices_make(m, best->kept, WASTE_FIT, error);
 	for (int i = 0; i < SIZE_TRIES && !code; i++) {
 		double bytes = find_prices(s, most - beside, budget, &now), before = now.size;
 		code = fill_fitted(s, &now, budget, error);
 		now.size = (double)p->bytes;
-		bool fits = now.size <= most, fitted = best.size <= most;
-		if (!code && (fits && fitted ? now.size > best.size : now.size < best.size))
-			keep_fitted(&best, &now, plants);
+		bool fits = now.size <= most, fitted = best->size <= most;
+		if (!code && (fits && fitted ? now.size > best->size : now.size < best->size))
+			keep_fitted(best, &now, plants);
 		if (now.size == before || (now.size <= most && now.size >= most * (1 - LOD_PRICE_SLACK)))
 			break;
 		beside = now.size - bytes;
 	}
-	if (!code && (double)p->bytes != best.size)
-		code = fill_fitted(s, &best, budget, error);
+	if (!code && (double)p->bytes != best->size)
+		code = fill_fitted(s, best, budget, error);
 	/* what was computed of summaries since then may change the choice a little */
-	for (double more = PRICE_MORE; !code && (double)p->bytes > most && best.at.lists < LOD_PRICE_HIGHEST;
+	for (double more = PRICE_MORE; !code && (double)p->bytes > most && best->at.lists < LOD_PRICE_HIGHEST;
 			more *= 2) {
-		best.at.lists = fmin(LOD_PRICE_HIGHEST, best.at.lists + more);
-		best.at.tiles = fmin(LOD_PRICE_HIGHEST, fmax(best.at.lists, best.at.tiles + more));
-		code = fill_fitted(s, &best, budget, error);
+		best->at.lists = fmin(LOD_PRICE_HIGHEST, best->at.lists + more);
+		best->at.tiles = fmin(LOD_PRICE_HIGHEST, fmax(best->at.lists, best->at.tiles + more));
+		code = fill_fitted(s, best, budget, error);
 	}
+	best->size = (double)p->bytes;
+	best->wrong = best->size <= most ? p->wrong : INFINITY;
+	return code;
+}
+
+/* Twice: with all chunks alike, and with those of the answer without a limit of bytes before others. Neither is always
+ * better, as plants' lists come at once (lod/EXPERIMENTS.md, "One answer cut at any byte"). */
+static enum eco_code fit_twice(const struct lod_lambda_search *s, uint64_t budget, const struct eco_holdings *kept,
+	uint8_t *room, struct eco_error *error)
+{
+	uint32_t plants = s->allocation->p->scene->plant_count;
+	const struct lod_price highest = { LOD_PRICE_HIGHEST, LOD_PRICE_HIGHEST };
+	struct fitted alike = { INFINITY, lod_lambda_at(s->last), highest, room + plants, NULL, INFINITY },
+		other = { INFINITY, lod_lambda_at(s->last), highest, room + 2 * (size_t)plants, kept, INFINITY };
+	enum eco_code code = fit_prices(s, budget, &alike, room, error);
+	if (!code)
+		code = fit_prices(s, budget, &other, room, error);
+	if (code || other.wrong < alike.wrong)
+		return code;
+	code = lod_prices_make(s->allocation, NULL, 0, error);
+	return code ? code : fill_fitted(s, &alike, budget, error);
+}
+
+static enum eco_code needs_of_entries(const struct lod_planner *p, struct eco_holdings *needs,
+	struct eco_error *error)
+{
+	struct eco_plan plan;
+	*needs = (struct eco_holdings){ 0 };
+	enum eco_code code = emit_without_reasons(p, &plan, error);
+	if (!code)
+		code = lod_plan_needs(p->scene, &plan, needs, error);
+	eco_plan_free(&plan);
+	return code;
+}
+
+enum eco_code lod_bytes_fit(const struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
+{
+	struct lod_allocation *m = s->allocation;
+	struct lod_planner *p = m->p;
+	struct eco_holdings kept;
+	uint32_t plants = p->scene->plant_count;
+	uint8_t *room = calloc(3 * (size_t)plants + 1, 1);
+	enum eco_code code = needs_of_entries(p, &kept, error);
+	if (!code)
+		code = room ? fit_twice(s, budget, &kept, room, error)
+			: eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants", plants);
 	p->price = m->price;
 	m->limited = false;
-	free(left_out);
-	return code ? code : lod_allocation_predict(m, &p->prediction, error);
+	if (!code)
+		code = lod_allocation_predict(m, &p->prediction, error);
+	free(room);
+	free(kept.items);
+	return code;
 }
 
 /* ---- Coarser answers ---- */
@@ -232,7 +305,7 @@ enum eco_code lod_bytes_coarser(const struct lod_lambda_search *s, const struct 
 	struct lod_planner *p = s->allocation->p;
 	enum eco_code code = lod_plan_needs(p->scene, answer, &kept, error);
 	if (!code)
-		code = lod_prices_make(s->allocation, &kept, error);
+		code = lod_prices_make(s->allocation, &kept, WASTE_COARSER, error);
 	if (!code)
 		code = sweep_prices(s, p->input->request->vertices, error);
 	free(kept.items);
