@@ -23,7 +23,7 @@ B := build$(if $(filter-out release,$(config)),/$(config))
 
 PACKAGES := gcc g++ libmicrohttpd-dev libegl-dev libgl-dev libepoxy-dev libgl1-mesa-dri libdraco-dev libopenimageio-dev libpng-dev libwebp-dev \
 	libassimp-dev libgdal-dev libproj-dev libjansson-dev libcurl4-openssl-dev libmeshoptimizer-dev libxxhash-dev \
-	libseccomp-dev libcairo2-dev fonts-dejavu-core libexpat1-dev libcmocka-dev pkg-config jq curl xz-utils
+	libseccomp-dev libcairo2-dev fonts-dejavu-core libexpat1-dev libcmocka-dev libzstd-dev pkg-config jq curl xz-utils
 # what of these says by pkg-config where its headers are
 LIBRARIES := gdal freetype2 assimp OpenImageIO draco proj jansson libcurl epoxy egl libmicrohttpd libpng libwebp libxxhash \
 	libseccomp expat cmocka
@@ -115,7 +115,7 @@ LIBS_CORE := -lxxhash -ljansson -lm
 LIBS_DRACO := -Wl,--wrap=_ZN5draco21ComputeShannonEntropyEPKjiiPi -l:libdraco.a -lstdc++
 LIBS_IMPORT := -lmeshoptimizer -lseccomp -lexpat -lpng -lwebp
 # what programs that test or measure call themselves
-LIBS_CHECK := -lassimp -lcairo -lgdal
+LIBS_CHECK := -lassimp -lcairo -lgdal -lzstd
 LIBS_SERVER := -lmicrohttpd
 LIBS_VIEW := -lcurl -lEGL -lepoxy -lpng -lwebp
 # In config=fuzz the sanitizer is a library that is linked in, too, and what it puts in place of malloc must be seen by the C library.
