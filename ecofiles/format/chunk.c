@@ -155,7 +155,7 @@ static enum eco_code read_packed(struct eco_payload *payload, struct eco_reader 
 	s->uv_shift = flags >> 4;
 	s->predictors = s->corners > 2 ? eco_read_u16(r) : 0;
 	bool known = payload->coder == ECO_CODER_ELEMENTS || payload->coder == ECO_CODER_FORM
-		|| payload->coder == ECO_CODER_ROWS;
+		|| payload->coder == ECO_CODER_KD || payload->coder == ECO_CODER_ROWS;
 	if (r->failed || !known || (flags & 1) || s->corners < 1 || s->corners > ECO_CORNERS_MAX)
 		return BAD("chunk: packed rows of coder %u with %u corners are impossible", payload->coder,
 			s->corners);

@@ -171,13 +171,13 @@ static enum eco_code find_elements(const struct eco_chunk_input *input, struct s
 }
 
 /* Packs the rows where that is smaller than the stream that is there, which must be the only one. */
-static enum eco_code try_packed(const struct eco_chunk_rows *rows, struct eco_stream *stream,
+static enum eco_code try_packed(struct eco_chunk_rows *rows, struct eco_stream *stream,
 	struct eco_error *error)
 {
 	const size_t record = 11;    /* bytes that the streams' records take more */
 	uint8_t *bytes, zeros;
 	size_t size;
-	if (rows->shape.rows > ECO_COLUMNS_ROWS_MAX || rows->shape.order != ECO_DRACO_SEQUENTIAL)
+	if (rows->shape.rows > ECO_COLUMNS_ROWS_MAX && rows->shape.order == ECO_DRACO_SEQUENTIAL)
 		return ECO_OK;
 	enum eco_code code = eco_columns_encode(rows, &bytes, &size, &zeros, error);
 	if (code)

@@ -44,7 +44,7 @@ enum eco_list_kind {
  *             of corners (1: a point, 2: a line, 3, or 4: a quad), never with more vertices. Chunks match by
  *             ordinal and have the partner's stored order and permutation: element i is element i of the
  *             partner, drawn in another way.
- *   KD        kd-tree point cloud (order is lost, attributes stay with their point), then permuted as
+ *   KD        points in a kd-tree (order is lost, attributes stay with their point), then permuted as
  *             ELEMENTS.
  *   ROWS      one sequential point cloud, order kept, no permutation (instances, ground).
  *   MESH      edgebreaker; triangles in the decoder's order, every element has 3 corners, no permutation.

@@ -180,6 +180,28 @@ UNIT_TEST(equal_texture_coordinates_are_free)
 	eco_elements_free(&in);
 }
 
+/* Points whose order is free, at random: little more than their entropy. */
+UNIT_TEST(free_order_costs_nothing)
+{
+	static const struct { uint32_t count; double most; } points[] = { { 12, 36 }, { 60, 33 },
+		{ 900, 28.5 } };
+	static const struct kind k = { "bare kd", ECO_LIST_POINTS, ECO_CODER_KD, 0, 1, 1, 900, 0, 4095,
+		SCATTERED };
+	const struct eco_list list = kind_list(&k);
+	struct eco_elements in = kind_elements(&k, k.count, 4);
+	for (size_t i = 0; i < sizeof points / sizeof *points; i++) {
+		const struct eco_chunk_input input = { &list, &in, 0, points[i].count, 0 };
+		const double head = 12;
+		uint8_t *bytes;
+		size_t size;
+		assert_int_equal(eco_chunk_encode(&input, &bytes, &size, NULL, NULL), ECO_OK);
+		assert_int_equal(bytes[0], 2);           /* packed */
+		assert_true(8 * ((double)size - head) / points[i].count < points[i].most);
+		free(bytes);
+	}
+	eco_elements_free(&in);
+}
+
 /* Draco's tables of symbols would take more than the rows: three quarters of the bytes of few plants. */
 UNIT_TEST(few_rows_take_few_bytes)
 {
