@@ -1,5 +1,5 @@
-/* Turning on a slow link: somebody walks at eye level, turns by a right angle every 8 s, and is sent no more than
- * the link carries; with and without being told the view after the next turn. */
+/* Turning on a slow link: somebody walks at eye level, turns by a right angle every 20 s, and is sent no more
+ * than the link carries; with and without telling the view after the next turn. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,13 +9,13 @@
 #define VERTICES 1000000u
 #define STEP_S 0.5
 #define LINK_BYTES 62500u        /* of a step, at 1 Mbit/s */
-#define LEG_STEPS 16u            /* straight ahead, and the last of them turns */
-#define LEGS 4u
+#define LEG_STEPS 40u            /* straight ahead, and the last of them turns */
+#define LEGS 3u
 #define STEPS (LEGS * LEG_STEPS)
 #define WINDOW 6u                /* steps after a turn that are looked at: 3 s */
-#define WALK_M_S 0.5
+#define WALK_M_S 0.25
 #define ABOVE 1.2                /* picture error over that of a link without limit */
-#define SEEN_LEAST 5e-4          /* picture errors below are none */
+#define SEEN_LEAST 5e-3          /* picture errors below are none: nobody sees them */
 
 enum way { STEADY, ALONE, TOLD, WAYS };
 static const char *const ways[WAYS] = { "steady", "alone", "told" };
