@@ -54,7 +54,7 @@ enum eco_code bench_flight_full(const struct bench_flight *flight, uint32_t n, s
 enum eco_code bench_flight_keep(const struct bench_flight *flight, const char *what, const uint8_t *rgb,
 	struct eco_error *error);
 bool bench_flight_kept(const struct bench_flight *flight, const char *what, uint8_t *rgb);
-#define BENCH_FLIGHT_SHOWN(flight) (bench_flight_scored(flight) * 3 / 4)       /* the scored frame shown */
+#define BENCH_FLIGHT_SHOWN(flight) (bench_flight_scored(flight) / 2)       /* the scored frame shown */
 
 bool bench_flight_has_x264(void);
 /* 4:4:4, else 4:2:0; x264's rate factor */

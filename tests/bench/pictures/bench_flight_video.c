@@ -188,7 +188,7 @@ enum eco_code bench_flight_reference(struct bench *bench, const struct bench_fli
 		name_piece(flight, n, colours, full);
 		bool there = has_size(colours, flight->every * FRAME_BYTES) && has_size(full, FULL_BYTES);
 		json_t *row = there ? bench_recall(bench, unit, flight->stamp) : NULL;
-		bench_progress(bench, 0.4 * n / bench_flight_scored(flight), flight->scene);
+		bench_progress(bench, 0.3 * n / bench_flight_scored(flight), flight->scene);
 		if (!row)
 			code = draw_piece(bench, flight, n, &client, &ms, error);
 		if (!row && !code)
