@@ -23,7 +23,8 @@ B := build$(if $(filter-out release,$(config)),/$(config))
 
 PACKAGES := gcc g++ libmicrohttpd-dev libegl-dev libgl-dev libepoxy-dev libgl1-mesa-dri libdraco-dev libopenimageio-dev libpng-dev libwebp-dev \
 	libassimp-dev libgdal-dev libproj-dev libjansson-dev libcurl4-openssl-dev libmeshoptimizer-dev libxxhash-dev \
-	libseccomp-dev libcairo2-dev fonts-dejavu-core libexpat1-dev libcmocka-dev libzstd-dev pkg-config jq curl xz-utils
+	libseccomp-dev libcairo2-dev fonts-dejavu-core libexpat1-dev libcmocka-dev libzstd-dev pkg-config jq curl \
+	xz-utils
 # what of these says by pkg-config where its headers are
 LIBRARIES := gdal freetype2 assimp OpenImageIO draco proj jansson libcurl epoxy egl libmicrohttpd libpng libwebp libxxhash \
 	libseccomp expat cmocka

@@ -112,8 +112,8 @@ static enum eco_code read_memory(const char *text, void *value, struct eco_error
 static enum eco_code read_marks(const char *text, void *value, struct eco_error *error)
 {
 	struct eco_error why = { 0 };
-	return view_marks_read(value, text, &why) ? eco_fail(error, ECO_BAD_USAGE, "--progressive %s", why.text)
-		: ECO_OK;
+	return view_marks_read(value, text, &why) ? eco_fail(error, ECO_BAD_USAGE, "--progressive %s",
+		why.text) : ECO_OK;
 }
 
 static const char *const rules[] = { "optimal", "deussen", NULL };
@@ -141,8 +141,8 @@ static const struct eco_option option_table[] = {
 		.help = "how wide a texture's texels may be where it has finer, 0.000001 to 65536 pixels; "
 		"0.03125 if not given" },
 	{ "ahead", 0, ECO_OPTION_NUMBER, "S", &given.ahead_s, 0.001, 3600,
-		.help = "also ask for what the script's view so many seconds later will need; it comes last, within "
-		"--bytes" },
+		.help = "also ask for what the script's view so many seconds later will need; it comes last, "
+		"within --bytes" },
 	{ "rule", 0, ECO_OPTION_CHOICE, "NAME", &given.rule, .choices = rules,
 		.help = "how the server spends the budget: optimal (the default), or deussen (Deussen "
 		"2002), to compare with" },
@@ -168,7 +168,8 @@ static const struct eco_option option_table[] = {
 
 static const struct eco_command command = { .name = "ecoview", .options = option_table,
 	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--memory SIZE] "
-	"[--ground-px X] [--ahead S] [--rule NAME] [--reference[=cpu|egl]] [--compare] [--tint kind] [--frames A..B] "
+	"[--ground-px X] [--ahead S] [--rule NAME] [--reference[=cpu|egl]] [--compare] [--tint kind] "
+	"[--frames A..B] "
 	"[--progressive LIST] [--explain FILE.csv]",
 	.says = "Streams a scene along a camera script and draws every frame as a PNG.",
 	.notes = "Writes frame-0000.png, ...; with --reference also reference-0000.png, frame-0000.mask.png, "

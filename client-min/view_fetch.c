@@ -130,7 +130,8 @@ static enum eco_code feed(struct view_fetch *fetch, const uint8_t *bytes, size_t
 	struct eco_error *error = &fetch->stream_error;
 	enum eco_code code = ECO_OK;
 	while (size && !code) {
-		uint64_t room = fetch->marks ? view_marks_room(fetch->marks, &fetch->at, result->bytes) : size;
+		uint64_t room = fetch->marks ? view_marks_room(fetch->marks, &fetch->at, result->bytes)
+			: size;
 		size_t take = room < size ? (size_t)room : size;
 		code = eco_wire_feed(fetch->parser, bytes, take, error);
 		bytes += take;

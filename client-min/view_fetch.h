@@ -57,9 +57,9 @@ void view_fetch_free(struct view_fetch *fetch);                  /* NULL is fine
 enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *store,
 	const struct eco_request *request, struct view_fetch_result *result, struct eco_error *error);
 
-/* From now on `reached` is called where an answer has come to a mark, with what there is of the result: the store
- * can be drawn, as far as it has come. An error ends the answer. Both must outlive the fetching; marks NULL: no
- * more. */
+/* From now on `reached` is called where an answer has come to a mark, with what there is of the result: the
+ * store can be drawn, as far as it has come. An error ends the answer. Both must outlive the fetching; marks
+ * NULL: no more. */
 typedef enum eco_code view_fetch_reached(void *ctx, const struct view_fetch_result *so_far,
 	struct eco_error *error);
 void view_fetch_mark(struct view_fetch *fetch, const struct view_marks *marks, view_fetch_reached *reached,

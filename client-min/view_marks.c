@@ -19,8 +19,8 @@ enum eco_code view_marks_read(struct view_marks *marks, const char *text, struct
 		unsigned long long value = *at >= '0' && *at <= '9' ? strtoull(at, &end, 10) : 0;
 		bool ms = value && !strncmp(end, "ms", 2);
 		if (!value || value > MARK_MOST || (end[ms ? 2 : 0] && end[ms ? 2 : 0] != ','))
-			return eco_fail(error, ECO_BAD_USAGE, "'%.40s': must be numbers of bytes or of milliseconds, "
-				"such as 20000,50000,200ms", at);
+			return eco_fail(error, ECO_BAD_USAGE, "'%.40s': must be numbers of bytes or of "
+				"milliseconds, such as 20000,50000,200ms", at);
 		if (marks->bytes_count + marks->ms_count == VIEW_MARKS_MAX)
 			return eco_fail(error, ECO_BAD_USAGE, "more than %u marks", VIEW_MARKS_MAX);
 		if (ms)

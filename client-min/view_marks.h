@@ -14,8 +14,8 @@ struct view_marks {
 	uint32_t bytes_count, ms_count;
 };
 
-/* Such as "20000,50000" or "200ms,1000ms,20000": numbers from 1 on, in any order. ECO_BAD_USAGE says what is wrong
- * with which of them. */
+/* Such as "20000,50000" or "200ms,1000ms,20000": numbers from 1 on, in any order. ECO_BAD_USAGE says what is
+ * wrong with which of them. */
 enum eco_code view_marks_read(struct view_marks *marks, const char *text, struct eco_error *error);
 
 /* How far an answer has come in them. */

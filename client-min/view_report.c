@@ -205,8 +205,9 @@ static json_t *report_json(const struct view_report *report)
 	for (uint32_t i = 0; i < VIEW_PROGRAM_COUNT; i++)
 		if (report->programs >> i & 1)
 			json_array_append_new(programs, json_string(view_program_names[i]));
-	return json_pack("{s:o, s:o, s:o, s:I, s:I, s:b, s:o, s:o, s:o, s:o}", "scene", text_json(report->scene),
-		"renderer", text_json(report->renderer), "reference", text_json(report->reference),
+	return json_pack("{s:o, s:o, s:o, s:I, s:I, s:b, s:o, s:o, s:o, s:o}",
+		"scene", text_json(report->scene), "renderer", text_json(report->renderer),
+		"reference", text_json(report->reference),
 		"width", (json_int_t)report->width, "height", (json_int_t)report->height,
 		"complete", (int)report->complete, "shaders", programs, "frames", frames, "parts", parts,
 		"summary", summary_json(report));

@@ -217,8 +217,8 @@ static int turn_of(const struct eco_list *list)
 
 static enum eco_code check(const struct srv_emit *emit, struct eco_error *error)
 {
-	return emit->frames.failed ? eco_fail(error, ECO_NO_MEMORY, "no memory for the response's frames, or one of "
-		"them beyond its limit") : ECO_OK;
+	return emit->frames.failed ? eco_fail(error, ECO_NO_MEMORY, "no memory for the response's frames, or "
+		"one of them beyond its limit") : ECO_OK;
 }
 
 enum eco_code srv_emit_needs(struct srv_emit *emit, const struct eco_holdings *needs, struct eco_error *error)

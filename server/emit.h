@@ -45,7 +45,8 @@ void srv_emit_restart(struct srv_emit *emit, const struct eco_holdings *holdings
 void srv_emit_scene(struct srv_emit *emit);
 enum eco_code srv_emit_step(struct srv_emit *emit, const struct eco_plan *plan,
 	const struct eco_holdings *needs, struct eco_error *error);
-enum eco_code srv_emit_needs(struct srv_emit *emit, const struct eco_holdings *needs, struct eco_error *error);
+enum eco_code srv_emit_needs(struct srv_emit *emit, const struct eco_holdings *needs,
+	struct eco_error *error);
 void srv_emit_end(struct srv_emit *emit, uint64_t vertices);
 /* Moves what was written into *body. ECO_NO_MEMORY if that, or any frame before, failed. */
 enum eco_code srv_emit_take(struct srv_emit *emit, struct srv_body *body, struct eco_error *error);

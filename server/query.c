@@ -201,11 +201,11 @@ static enum eco_code check_next(struct srv_query *query, const struct srv_target
 	struct eco_view view = eco_view_next(&query->request);
 	struct eco_error why = { 0 };
 	if (eye != at)
-		return eco_fail(error, ECO_BAD_INPUT, "parameter '%s' is missing: the next view has both, next_eye "
-			"and next_target", eye ? "next_target" : "next_eye");
+		return eco_fail(error, ECO_BAD_INPUT, "parameter '%s' is missing: the next view has both, "
+			"next_eye and next_target", eye ? "next_target" : "next_eye");
 	query->request.next.given = eye;
-	return eye && eco_view_check(&view, &why) ? eco_fail(error, ECO_BAD_INPUT, "the next view: %s", why.text)
-		: ECO_OK;
+	return eye && eco_view_check(&view, &why) ? eco_fail(error, ECO_BAD_INPUT, "the next view: %s",
+		why.text) : ECO_OK;
 }
 
 enum eco_code srv_query_parse(struct srv_query *query, const struct srv_target *target,
@@ -221,7 +221,8 @@ enum eco_code srv_query_parse(struct srv_query *query, const struct srv_target *
 		if (!row)
 			return eco_fail(error, ECO_BAD_INPUT, "unknown parameter '%.40s'; known are eye, "
 				"target, up, fov_y_deg, width, height, "
-				"vertices, bytes, ground_px, texel_px, next_eye, next_target, rule, pack and explain", param->name);
+				"vertices, bytes, ground_px, texel_px, next_eye, next_target, rule, pack and "
+				"explain", param->name);
 		enum eco_code code = parse_row(query, row, param->value, error);
 		if (code)
 			return code;

@@ -309,8 +309,8 @@ static enum eco_code scarce_ground(struct srv_stream *stream, struct srv_emit *d
 	return code;
 }
 
-/* For a rule that knows no bytes. `best` holds the plan for the whole vertex budget, whose body of `bytes` does
- * not fit. Afterwards it holds the step to send, or that for 0 vertices with *fits false. */
+/* For a rule that knows no bytes. `best` holds the plan for the whole vertex budget, whose body of `bytes`
+ * does not fit. Afterwards it holds the step to send, or that for 0 vertices with *fits false. */
 static enum eco_code search_budget(struct srv_stream *stream, struct srv_emit *dry, struct srv_step *best,
 	uint64_t *bytes, bool *fits, struct eco_error *error)
 {

@@ -8,9 +8,9 @@
  *
  * Steps. The last step is the plan for the whole budget. Where bytes do not bind, coarser answers go before
  * it, each with about three quarters of the bytes of the next, down to 10 kB (lod/plan/planner.h): whoever
- * stops reading has about the best picture for what came. They share the work of one plan, and mostly send what
- * the answer uses, too. Their ground takes no more than a quarter of their bytes; within a step ground goes
- * first, coarse to fine.
+ * stops reading has about the best picture for what came. They share the work of one plan, and mostly send
+ * what the answer uses, too. Their ground takes no more than a quarter of their bytes; within a step ground
+ * goes first, coarse to fine.
  *
  * Byte budget. It bounds the whole body, END included. The ground's detail gives way first, up to an error of
  * 8 pixels; then what is drawn on it, on ground that is coarser still where it would take more than a quarter

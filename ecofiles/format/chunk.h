@@ -24,8 +24,8 @@
  *             corner along the curve, and its extra values. Any other element has its corners, each one
  *             either a corner that was there before or the miss of a prediction, and texture coordinates.
  *             shape.h and chunk_corners.h define the values.
- * Packed rows, the only stream of a payload: a chunk of KD, or of few rows of ELEMENTS, FORM or ROWS, has this
- * form where it is smaller (leaves as ELEMENTS do not):
+ * Packed rows, the only stream of a payload: a chunk of KD, or of few rows of ELEMENTS, FORM or ROWS, has
+ * this form where it is smaller (leaves as ELEMENTS do not):
  *   0   u8   2      1   u8   coder      2   u8   corners      3   u8   the bytes left off at the end
  *   4   u8   flags, never `wide`; then u16 predictors if corners > 2
  *   .   one range-coded stream of the columns that a Draco stream of the chunk would have (chunk_columns.h)

@@ -60,8 +60,8 @@ enum eco_code eco_camera_parse(struct eco_camera **camera, const char *json, siz
 uint32_t eco_camera_frame_count(const struct eco_camera *camera);
 /* returns time_s; leaves size */
 double eco_camera_frame(const struct eco_camera *camera, uint32_t frame, struct eco_view *view);
-/* Gives a request for a frame the view of the first frame that is at least `seconds` later, or of the last one; none
- * if it is the last one itself. */
+/* Gives a request for a frame the view of the first frame that is at least `seconds` later, or of the last
+ * one; none if it is the last one itself. */
 void eco_camera_ahead(const struct eco_camera *camera, uint32_t frame, double seconds,
 	struct eco_request *request);
 void eco_camera_free(struct eco_camera *camera);

@@ -199,9 +199,10 @@ static void share_images(struct lod_allocation *m)
 		struct ladder_price *l = &m->prices->ladders[i];
 		const struct eco_ladder *ladder = &scene->ladders[l->ladder];
 		bool cell = ladder->anchor != scene->plants[ladder->plant].anchor_first;
-		if (l->textured != ECO_NONE)
-			l->image_part = (m->prices->images[l->image].bytes + m->prices->images[l->image].waste)
-				/ m->prices->images[l->image].users[cell];
+		if (l->textured == ECO_NONE)
+			continue;
+		const struct image_price *image = &m->prices->images[l->image];
+		l->image_part = (image->bytes + image->waste) / image->users[cell];
 	}
 }
 
@@ -316,7 +317,8 @@ static bool make_tiles(struct lod_allocation *m)
 			m->prices->instances_waste[n] += part * waste_all(m, list);
 		}
 		if (m->tile_choices[n].has_summary)
-			m->prices->points[n] = part * (missing_all(m, tile->summary) + waste_all(m, tile->summary))
+			m->prices->points[n] = part
+				* (missing_all(m, tile->summary) + waste_all(m, tile->summary))
 				/ scene->lists[tile->summary].primitive_count;
 	}
 	free(occurrences);

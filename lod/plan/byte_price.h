@@ -26,10 +26,10 @@
 #define LOD_CHUNK_FRAME_BYTES 8
 #define LOD_LIST_FRAME_BYTES 26
 
-/* Finds what everything in view would cost. `kept`: chunks that come anyway, sooner or later, so that all others
- * cost `waste` times their bytes beside these; NULL: none does. It must outlive the prices. */
-enum eco_code lod_prices_make(struct lod_allocation *allocation, const struct eco_holdings *kept, double waste,
-	struct eco_error *error);
+/* Finds what everything in view would cost. `kept`: chunks that come anyway, sooner or later, so that all
+ * others cost `waste` times their bytes beside these; NULL: none does. It must outlive the prices. */
+enum eco_code lod_prices_make(struct lod_allocation *allocation, const struct eco_holdings *kept,
+	double waste, struct eco_error *error);
 void lod_prices_free(struct lod_allocation *allocation);      /* none made: fine */
 
 /* Takes all limits away; sets them from what the last relaxation chose. The first time that was without

@@ -5,7 +5,7 @@
 
 #include "lod/plan/allocation.h"
 
-#define LOD_LAMBDA_COUNT 240     /* of the grid, down to where a vertex saves nothing visible; then lambda 0 */
+#define LOD_LAMBDA_COUNT 240     /* of the grid, down to where a vertex saves nothing visible; then 0 */
 
 struct lod_outcome { double vertices, wrong; }; /* of a relaxation */
 

@@ -1,5 +1,5 @@
-/* Answers within bytes: a price at which the answer has no more than may be sent, and answers at higher prices,
- * coarser ones on the way to it. */
+/* Answers within bytes: a price at which the answer has no more than may be sent, and answers at higher
+ * prices, coarser ones on the way to it. */
 #include "lod/plan/lambda_search.h"
 
 #include <math.h>
@@ -14,8 +14,9 @@
 #define PRICE_RAISES 3           /* of lambda, up to the one that uses the vertices alone */
 #define PRICE_LAMBDAS 5          /* tried where vertices bind as well */
 #define SIZE_TRIES 4             /* answers whose bytes are counted */
-#define WASTE_FIT 1.0            /* chunks that the answer without a limit lacks cost so many times their bytes more, ... */
-#define WASTE_COARSER 3.0        /* ... and those that the answer lacks, in coarser ones */
+/* beside their bytes chunks cost so many times these that the answer without a limit lacks, ... */
+#define WASTE_FIT 1.0
+#define WASTE_COARSER 3.0        /* ... and in coarser answers those that the answer lacks */
 #define SWEEP_FIRST -10.0        /* octaves: at lower prices hardly anything is left out */
 #define SWEEP_SLOPE -0.5         /* at first, and within ... */
 #define SWEEP_SLOPE_LEAST -2.0
@@ -23,7 +24,7 @@
 #define SWEEP_TRIES 2            /* of a price between one that is too low and one that is too high */
 #define SWEEP_TRIES_EMPTY 8      /* the same where the one that is too high leaves nothing */
 #define SWEEP_FALL_LEAST 1.1     /* bytes of one answer over those of the next */
-#define SWEEP_LAMBDA 0.25        /* fewer bytes draw fewer vertices, so each may save less: lambda falls by this, ... */
+#define SWEEP_LAMBDA 0.25        /* fewer bytes draw fewer vertices, which may save less: lambda falls, ... */
 #define SWEEP_VERTICES 0.5       /* ... where no more than this part of the budget is used */
 
 /* What is only looked at has no reasons. */
@@ -69,11 +70,13 @@ static double relax_and_fill(struct lod_allocation *m, struct fitted *fit, doubl
 
 /* Relaxes within the vertices too: mostly at the lowest lambda, as bytes alone bind; else at the lambda, of
  * some between that and the one that uses the vertices alone, that leaves least wrong. Returns the bytes. */
-static double find_prices(const struct lod_lambda_search *s, double target, uint64_t budget, struct fitted *fit)
+static double find_prices(const struct lod_lambda_search *s, double target, uint64_t budget,
+	struct fitted *fit)
 {
 	struct lod_allocation *m = s->allocation;
 	double low = lod_lambda_at(s->last), high = s->index == LOD_LAMBDA_COUNT ? low
-		: fmax(low, lod_lambda_at(s->index)), least = INFINITY, near = fit->at.tiles, over, top = high;
+		: fmax(low, lod_lambda_at(s->index));
+	double least = INFINITY, near = fit->at.tiles, over, top = high;
 	bool again = !isnan(near);
 	fit->lambda = again ? fit->lambda : low;
 	lod_price_find(m, fit->lambda, target, near, &fit->at, &over);
@@ -119,8 +122,8 @@ static void keep_fitted(struct fitted *best, const struct fitted *now, uint32_t 
 	best->left_out = left_out;
 }
 
-/* Fits best->kept. What an answer has beside what is priced, records and the plan itself, is learnt from the answers
- * tried. `room`: per plant, for left_out. */
+/* Fits best->kept. What an answer has beside what is priced, records and the plan itself, is learnt from the
+ * answers tried. `room`: per plant, for left_out. */
 static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budget, struct fitted *best,
 	uint8_t *room, struct eco_error *error)
 {
@@ -155,15 +158,16 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 	return code;
 }
 
-/* Twice: with all chunks alike, and with those of the answer without a limit of bytes before others. Neither is always
- * better, as plants' lists come at once (lod/EXPERIMENTS.md, "One answer cut at any byte"). */
-static enum eco_code fit_twice(const struct lod_lambda_search *s, uint64_t budget, const struct eco_holdings *kept,
-	uint8_t *room, struct eco_error *error)
+/* Twice: with all chunks alike, and with those of the answer without a limit of bytes before others. Neither
+ * is always better, as plants' lists come at once (lod/EXPERIMENTS.md, Fitted twice). */
+static enum eco_code fit_twice(const struct lod_lambda_search *s, uint64_t budget,
+	const struct eco_holdings *kept, uint8_t *room, struct eco_error *error)
 {
 	uint32_t plants = s->allocation->p->scene->plant_count;
 	const struct lod_price highest = { LOD_PRICE_HIGHEST, LOD_PRICE_HIGHEST };
-	struct fitted alike = { INFINITY, lod_lambda_at(s->last), highest, room + plants, NULL, INFINITY },
-		other = { INFINITY, lod_lambda_at(s->last), highest, room + 2 * (size_t)plants, kept, INFINITY };
+	const double lambda = lod_lambda_at(s->last);
+	struct fitted alike = { INFINITY, lambda, highest, room + plants, NULL, INFINITY },
+		other = { INFINITY, lambda, highest, room + 2 * (size_t)plants, kept, INFINITY };
 	enum eco_code code = fit_prices(s, budget, &alike, room, error);
 	if (!code)
 		code = fit_prices(s, budget, &other, room, error);
@@ -227,8 +231,8 @@ static double relax_within(const struct lod_lambda_search *s, struct sweep *swee
 	return bytes;
 }
 
-/* Relaxes at a higher price, at which there are about 1 / ratio of the bytes: neither is sought exactly. False
- * where nothing is left. */
+/* Relaxes at a higher price, at which there are about 1 / ratio of the bytes: neither is sought exactly.
+ * False where nothing is left. */
 static bool raise_price(const struct lod_lambda_search *s, struct sweep *sweep, double ratio, uint64_t budget)
 {
 	double low = sweep->octave, high = LOD_PRICE_HIGHEST, some = NAN;    /* some: steep, but not empty */

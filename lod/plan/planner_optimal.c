@@ -61,7 +61,11 @@ static void begin_screen(struct lod_planner *p)
 /* ---- The search for lambda ---- */
 
 /* After the last lambda of the grid that chooses more comes lambda 0. */
-static int index_of(const struct lod_lambda_search *s, int at) { return at <= s->last ? at : LOD_LAMBDA_COUNT; }
+static int index_of(const struct lod_lambda_search *s, int at)
+{
+	return at <= s->last ? at : LOD_LAMBDA_COUNT;
+}
+
 static int index_after(const struct lod_lambda_search *s, int index)
 {
 	return index < s->last ? index + 1 : LOD_LAMBDA_COUNT;
@@ -89,7 +93,8 @@ static double wrong_of(const struct eco_prediction *prediction) { return predict
 /* Relaxes at a lambda, and predicts its picture if asked. Results are clamped between those of the lambdas
  * before and after it. */
 static enum eco_code evaluate(struct lod_lambda_search *s, int at, const struct lod_evaluation *before,
-	const struct lod_evaluation *after, bool predicts, struct lod_evaluation *result, struct eco_error *error)
+	const struct lod_evaluation *after, bool predicts, struct lod_evaluation *result,
+	struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
 	enum eco_code code = ECO_OK;

@@ -48,8 +48,8 @@ UNIT_TEST(frames_run_to_the_last_keyframe)
 UNIT_TEST(a_request_may_be_given_the_view_ahead)
 {
 	struct eco_camera *camera = camera_of(SCRIPT("2", KEY("0", "1") "," KEY("3", "2")));
-	static const struct { uint32_t frame; double seconds; uint32_t then; } rows[] = { { 0, 1, 2 }, { 0, 0.9, 2 },
-		{ 0, 0.1, 1 }, { 4, 1, 6 }, { 4, 100, 6 }, { 6, 1, 6 } };
+	static const struct { uint32_t frame; double seconds; uint32_t then; } rows[] = { { 0, 1, 2 },
+		{ 0, 0.9, 2 }, { 0, 0.1, 1 }, { 4, 1, 6 }, { 4, 100, 6 }, { 6, 1, 6 } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct eco_request request = { .vertices = 7 };
 		struct eco_view view = { .width = 0 };

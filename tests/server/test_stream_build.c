@@ -229,7 +229,8 @@ UNIT_TEST(explanations_are_of_the_plan_that_is_sent)
 	assert_true(bounded > ROUNDS / 8);
 }
 
-/* What the next view lacks comes after the answer, changes nothing of it, and is not asked for again there. */
+/* What the next view lacks comes after the answer, changes nothing of it, and is not asked for again
+ * there. */
 UNIT_TEST(the_next_view_comes_last_and_within_the_same_bytes)
 {
 	uint32_t saved = 0;
@@ -256,7 +257,8 @@ UNIT_TEST(the_next_view_comes_last_and_within_the_same_bytes)
 		assert_int_equal(reader.chunks, 0);
 		saved += whole.size > alone.size;
 		/* a budget of bytes is the answer's first */
-		request.bytes = alone.size + random_below(&b.pack->r, (uint32_t)(whole.size - alone.size) + 1);
+		request.bytes = alone.size
+			+ random_below(&b.pack->r, (uint32_t)(whole.size - alone.size) + 1);
 		struct body tight = build(&b, &request, NULL);
 		assert_true(tight.fits && tight.size <= request.bytes && tight.size >= alone.size);
 		free(held.items);

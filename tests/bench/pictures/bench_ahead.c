@@ -156,21 +156,23 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		json_decref(views);
 		return ECO_BAD_INPUT;
 	}
-	bench_say(bench, "From each scene's camera at eye level, %u x %u, at most %u vertices: %.1f m/s straight "
-		"ahead, and every %.0f s a right angle to the left. Every %.1f s a request for what 1 Mbit/s "
-		"carries in that time. Looked at: the %.0f s after each turn; steady: without limit of bytes.",
+	bench_say(bench, "From each scene's camera at eye level, %u x %u, at most %u vertices: %g m/s "
+		"straight ahead, and every %.0f s a right angle to the left. Every %.1f s a request for what "
+		"1 Mbit/s carries in that time. Looked at: the %.0f s after each turn; steady: without limit "
+		"of bytes.",
 		BENCH_SHOT_WIDTH, BENCH_SHOT_HEIGHT, VERTICES, WALK_M_S, LEG_STEPS * STEP_S, STEP_S,
 		WINDOW * STEP_S);
-	s.table = bench_table_open(bench, "ahead", "scene,seconds after the turn,picture error steady,alone,told,"
-		"bytes alone,bytes told", true);
+	s.table = bench_table_open(bench, "ahead", "scene,seconds after the turn,picture error steady,"
+		"alone,told,bytes alone,bytes told", true);
 	enum eco_code code = bench_views_each(bench, scenes, study_view, &s, error);
 	bench_table_close(s.table);
 	if (!code && s.looked && s.above[ALONE]) {
-		bench_key(bench, "ahead_above", (double)s.above[TOLD] / s.above[ALONE], "<= 0.5: frames whose "
-			"picture error is 20 % above the steady one, told of the turn over not told");
-		bench_key(bench, "ahead_above_alone", (double)s.above[ALONE] / s.looked, "share of the frames "
-			"looked at, not told");
-		bench_key(bench, "ahead_bytes", s.bytes[TOLD] / s.bytes[ALONE], "<= 1.1: bytes told over not told");
+		bench_key(bench, "ahead_above", (double)s.above[TOLD] / s.above[ALONE], "<= 0.5: frames "
+			"whose picture error is 20 % above the steady one, told of the turn over not told");
+		bench_key(bench, "ahead_above_alone", (double)s.above[ALONE] / s.looked, "share of the "
+			"frames looked at, not told");
+		bench_key(bench, "ahead_bytes", s.bytes[TOLD] / s.bytes[ALONE],
+			"<= 1.1: bytes told over not told");
 	}
 	json_decref(views);
 	return code;

@@ -96,16 +96,16 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		return ECO_BAD_INPUT;
 	}
 	bench_say(bench, "Every picture %u x %u, of a first visit with at most %u vertices, drawn and lit in "
-		"software: what is there once so many bytes of an answer without a budget of bytes have come, "
-		"and what an answer shows that was asked for with so many.", BENCH_SHOT_WIDTH,
+		"software: what is there once so many bytes of an answer without a budget of bytes have "
+		"come, and what an answer shows that was asked for with so many.", BENCH_SHOT_WIDTH,
 		BENCH_SHOT_HEIGHT, VERTICES);
 	s.table = bench_table_open(bench, "anytime", "scene,camera,cut,whole answer,Q,picture error,"
 		"Q asked for,picture error asked for,ratio", true);
 	enum eco_code code = bench_views_each(bench, scenes, study_view, &s, error);
 	bench_table_close(s.table);
 	if (!code && s.rows) {
-		bench_key(bench, "anytime_ratio", exp(s.logs / s.rows), "picture error of the cut answer over "
-			"that of one asked for, geometric mean");
+		bench_key(bench, "anytime_ratio", exp(s.logs / s.rows), "picture error of the cut answer "
+			"over that of one asked for, geometric mean");
 		bench_key(bench, "anytime_worst", s.worst, "<= 1.10");
 		bench_key(bench, "anytime_near", (double)s.near / s.rows, "share of rows at most 1.10");
 	}
