@@ -197,7 +197,8 @@ static void open_tables(struct bench *bench, struct study *s)
 		"sequential: at speed 0. meshopt+zstd: vertex codec and zstd 19 along a Morton curve, of "
 		"wood with its index codec. Octree: occupancy with neighbours as contexts; counts: points in "
 		"the halves of a kd-tree; both with adaptive columns for the rest. In order: adaptive "
-		"columns in the stored order, of splats less their parents, of ground the misses of its prediction. "
+		"columns in the stored order, of splats less their parents, of ground the misses of its "
+		"prediction. "
 		"Leaves are stored as placings of shapes or by prediction, others code their corners on the "
 		"list's grid. Points, lines and simple leaves are forms of leaves and must have their "
 		"order: for them only the last column is a coder that could be had as it is.");
