@@ -11,7 +11,7 @@
  *   8   u64 XXH3-64 of bytes [0,8), of the frame's number in the stream (u32, from 0) and of the payload
  *   16  n bytes
  *
- * SCENE  u32 version = 11, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, u32 ground rows,
+ * SCENE  u32 version = 12, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, u32 ground rows,
  *        u32 plant count, u32 list count, str name
  * PLANT  u32 plant, str name, f32 height, u32 anchor first, u32 anchor count, anchors
  *                                                        once per plant of which the client has nothing
@@ -20,14 +20,16 @@
  *        a list:  squeezed record (below), palette (3 bytes a colour; nothing if its place in the scene's
  *                 is that of the last palette sent); before the list's first chunk
  *        a chunk: v ordinal, v elements, v primitives - elements, v size, payload; ordinals ascend per
- *                 list. Its id is the hash of its payload
+ *                 list. Its id is the hash of its payload. The only chunk of a list, right behind the
+ *                 list: v size, payload
  * PLAN   below; replaces the plan before it. Each `list` in it is held up to its `end`. END    u64
  * vertices of the last plan, u64 bytes of the body, END included
  *
- * v: varint. A squeezed record is that of pack.h (eco_list_write) with chunk_first 0, most of whose bytes
- * are those of the stream's list before (the first: 0): a bit for each byte, from the low end, 1 if it
- * differs from the same byte of that list; then those that differ. Of the 13 bytes of these bits most are 0:
- * u16, a bit for each that is not, from the low end; then those. No bit is set in vain.
+ * v: varint. A squeezed record is that of pack.h (eco_list_write) with chunk_first 0 and primitives -
+ * elements in place of primitives, most of whose bytes are those of the stream's list before (the first: 0):
+ * a bit for each byte, from the low end, 1 if it differs from the same byte of that list; then those that
+ * differ. Mostly the same bytes differ as did before: of the 13 bytes of these bits, xor those of the list
+ * before, most are 0: u16, a bit for each that is not, from the low end; then those. No byte is sent in vain.
  *
  * str: varint length (at most 63), UTF-8 without NUL. Holdings (body of a POST): u32 count, then per list,
  * ascending: varint list delta (from the list before; the first from 0), varint chunks (at least 1). A
@@ -76,14 +78,18 @@
 
 enum eco_frame_type { ECO_FRAME_SCENE = 1, ECO_FRAME_PLANT, ECO_FRAME_BUNDLE, ECO_FRAME_PLAN,
 ECO_FRAME_END };
-#define ECO_WIRE_VERSION 11u
+#define ECO_WIRE_VERSION 12u
 #define ECO_FRAME_HEADER_BYTES 16u
 #define ECO_WIRE_RECORD_BYTES 100u       /* of a list */
 #define ECO_WIRE_RECORD_BITS ((ECO_WIRE_RECORD_BYTES + 7) / 8)
-/* What the next item of a BUNDLE is told by: the record of the list before, and the list of the item before;
- * zeros where a stream begins. */
-/* of the last list; the list of the last item; where the last palette that was sent lies */
-struct eco_wire_record { uint8_t bytes[ECO_WIRE_RECORD_BYTES]; uint32_t list, palette_first, palette_count; };
+/* What the next item of a BUNDLE is told by; zeros where a stream begins. */
+struct eco_wire_record {
+	/* of the last list; bits: which of its bytes differed */
+	uint8_t bytes[ECO_WIRE_RECORD_BYTES], bits[ECO_WIRE_RECORD_BITS];
+	uint32_t list;                   /* of the last item, ... */
+	bool alone;                      /* ... which is a list of one chunk */
+	uint32_t palette_first, palette_count;   /* where the last palette that was sent lies */
+};
 #define ECO_FRAME_PAYLOAD_MAX (1u << 27)
 #define ECO_END_FRAME_BYTES (ECO_FRAME_HEADER_BYTES + 16u)
 

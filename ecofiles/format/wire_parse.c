@@ -37,6 +37,7 @@ struct eco_wire_parser {
 	uint32_t last_type;                  /* 0 before the first frame */
 	uint32_t last_list, last_ordinal;    /* of the last chunk; ECO_NONE before it */
 	struct eco_wire_record record;       /* of the last list and item */
+	uint32_t elements, primitives;       /* of the last list */
 	uint8_t (*palette)[3];               /* the last one that came */
 	bool planned;                        /* a PLAN has come */
 	uint64_t vertices;                   /* of the last one */
@@ -239,11 +240,12 @@ static uint32_t read_count(struct eco_reader *r)
 static void read_record(struct eco_reader *r, struct eco_wire_record *record, struct eco_list *list)
 {
 	uint16_t some = eco_read_u16(r);
-	uint8_t bits[ECO_WIRE_RECORD_BITS] = { 0 };
+	uint8_t *bits = record->bits;
 	for (uint32_t i = 0; i < ECO_WIRE_RECORD_BITS; i++)
 		if (some >> i & 1) {
-			bits[i] = eco_read_u8(r);
-			r->failed |= !bits[i];
+			uint8_t change = eco_read_u8(r);
+			r->failed |= !change;
+			bits[i] ^= change;
 		}
 	for (uint32_t i = 0; !r->failed && i < ECO_WIRE_RECORD_BYTES; i++)
 		if (bits[i / 8] >> i % 8 & 1) {
@@ -256,6 +258,7 @@ static void read_record(struct eco_reader *r, struct eco_wire_record *record, st
 	struct eco_reader inside = { .bytes = record->bytes, .size = sizeof record->bytes };
 	if (!r->failed)
 		eco_list_read(&inside, list);
+	list->primitive_count += list->element_count;
 	r->failed |= inside.failed;
 }
 
@@ -287,6 +290,9 @@ static enum eco_code read_list(struct eco_wire_parser *p, struct eco_reader *r, 
 	enum eco_code code = check_list(p, id, &list, e);
 	if (code)
 		return code;
+	p->record.alone = list.chunk_count == 1;
+	p->elements = list.element_count;
+	p->primitives = list.primitive_count;
 	if (list.palette_count && !eco_wire_same_palette(&p->record, &list))
 		code = read_palette(p, r, id, &list, e);
 	return code || !p->events.list ? code : p->events.list(p->ctx, id, &list, p->palette, e);
@@ -309,12 +315,16 @@ static enum eco_code check_chunk(const struct eco_wire_parser *p, uint32_t list,
 static enum eco_code read_chunk(struct eco_wire_parser *p, struct eco_reader *r, uint32_t list,
 	struct eco_error *e)
 {
-	struct eco_chunk chunk = { 0 };
-	uint32_t ordinal = read_count(r);
-	chunk.element_count = read_count(r);
-	uint64_t primitives = (uint64_t)chunk.element_count + read_count(r);
-	r->failed |= primitives > UINT32_MAX;
-	chunk.primitive_count = (uint32_t)primitives;
+	struct eco_chunk chunk = { .element_count = p->elements, .primitive_count = p->primitives };
+	uint32_t ordinal = 0;
+	if (!p->record.alone) {
+		ordinal = read_count(r);
+		chunk.element_count = read_count(r);
+		uint64_t primitives = (uint64_t)chunk.element_count + read_count(r);
+		r->failed |= primitives > UINT32_MAX;
+		chunk.primitive_count = (uint32_t)primitives;
+	}
+	p->record.alone = false;
 	chunk.size_bytes = read_count(r);
 	if (r->failed)
 		return BAD("the fields of a chunk of list %u end early", list);
@@ -341,6 +351,7 @@ static enum eco_code read_bundle(struct eco_wire_parser *p, struct eco_reader *r
 		if (r->failed || list < 0 || list >= p->list_count)
 			return r->failed ? whole(r, e) : BAD("an item of it is of list %lld of %u",
 				(long long)list, p->list_count);
+		p->record.alone = p->record.alone && list == p->record.list;
 		p->record.list = (uint32_t)list;
 		code = (head & 1 ? read_chunk : read_list)(p, r, p->record.list, e);
 	}

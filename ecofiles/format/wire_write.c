@@ -50,6 +50,7 @@ void eco_wire_write_record(struct eco_writer *w, const struct eco_list *list, st
 	uint16_t some = 0;
 	struct eco_list sent = *list;
 	sent.chunk_first = 0;
+	sent.primitive_count -= sent.element_count;
 	eco_list_write(w, &sent);
 	if (w->failed)
 		return;
@@ -58,15 +59,16 @@ void eco_wire_write_record(struct eco_writer *w, const struct eco_list *list, st
 	for (uint32_t i = 0; i < sizeof record.bytes; i++)
 		bits[i / 8] |= (uint8_t)((record.bytes[i] != before->bytes[i]) << i % 8);
 	for (uint32_t i = 0; i < sizeof bits; i++)
-		some |= (uint16_t)((bits[i] != 0) << i);
+		some |= (uint16_t)((bits[i] != before->bits[i]) << i);
 	eco_write_u16(w, some);
 	for (uint32_t i = 0; i < sizeof bits; i++)
-		if (bits[i])
-			eco_write_u8(w, bits[i]);
+		if (bits[i] != before->bits[i])
+			eco_write_u8(w, bits[i] ^ before->bits[i]);
 	for (uint32_t i = 0; i < sizeof record.bytes; i++)
 		if (bits[i / 8] >> i % 8 & 1)
 			eco_write_u8(w, record.bytes[i]);
 	memcpy(before->bytes, record.bytes, sizeof before->bytes);
+	memcpy(before->bits, bits, sizeof before->bits);
 }
 
 static void write_head(struct eco_writer *w, uint32_t list, bool chunk, struct eco_wire_record *before)
@@ -88,6 +90,7 @@ void eco_wire_write_list(struct eco_writer *w, const struct eco_scene *scene, ui
 	assert(list < scene->list_count);
 	const struct eco_list *l = &scene->lists[list];
 	write_head(w, list, false, before);
+	before->alone = l->chunk_count == 1;
 	eco_wire_write_record(w, l, before);
 	if (!l->palette_count || eco_wire_same_palette(before, l))
 		return;
@@ -101,10 +104,14 @@ void eco_wire_write_chunk(struct eco_writer *w, const struct eco_scene *scene, u
 {
 	assert(list < scene->list_count && ordinal < scene->lists[list].chunk_count);
 	const struct eco_chunk *chunk = &scene->chunks[scene->lists[list].chunk_first + ordinal];
+	bool alone = before->alone && before->list == list;
 	write_head(w, list, true, before);
-	eco_write_varint(w, ordinal);
-	eco_write_varint(w, chunk->element_count);
-	eco_write_varint(w, chunk->primitive_count - chunk->element_count);
+	before->alone = false;
+	if (!alone) {
+		eco_write_varint(w, ordinal);
+		eco_write_varint(w, chunk->element_count);
+		eco_write_varint(w, chunk->primitive_count - chunk->element_count);
+	}
 	eco_write_varint(w, chunk->size_bytes);
 }
 
