@@ -58,7 +58,8 @@ enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *in
 	if (input->stats)
 		*input->stats = (struct lod_planner_stats){ p.candidates, p.gains, p.looks, p.visible.places,
 			p.cheapest, p.level, p.converged, p.bytes, p.sized, p.price, p.wrong };
-	if (!code && input->coarser && p.search && !(p.price > 0))
+	bool many = input->coarser && (!input->size || p.bytes > input->coarser->least);
+	if (!code && many && p.search && !(p.price > 0))
 		code = lod_bytes_coarser(p.search, plan, error);
 	lod_planner_end(&p);
 	if (code)
