@@ -100,7 +100,7 @@ static char *sources(void)
 	char *all = calloc(1, 1);
 	size_t length = 0;
 	assert_int_equal(glob("tests/bench/*.c", 0, NULL, &found), 0);
-	glob("tests/bench/pictures/*.c", GLOB_APPEND, NULL, &found);
+	glob("tests/bench/*/*.c", GLOB_APPEND, NULL, &found);
 	for (size_t i = 0; i < found.gl_pathc; i++) {
 		size_t size;
 		char *text = (char *)file_read(found.gl_pathv[i], &size);
