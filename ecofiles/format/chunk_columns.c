@@ -96,7 +96,7 @@ static uint32_t code_rank(struct eco_range *r, struct learnt *l, uint32_t rank)
 static uint32_t code_recent(struct eco_range *r, struct learnt *l, const struct head *h, uint32_t value)
 {
 	uint32_t rank = 0;
-	while (rank < l->recent_count && (uint32_t)l->recent[rank] != value)
+	while (r->writer && rank < l->recent_count && (uint32_t)l->recent[rank] != value)
 		rank++;
 	rank = code_rank(r, l, rank);
 	if (rank < l->recent_count)

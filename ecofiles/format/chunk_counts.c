@@ -123,8 +123,9 @@ static struct cell code_root(struct counts *c)
 {
 	struct cell root = { .end = c->rows->shape.rows };
 	for (uint32_t a = 0; a < AXES; a++) {
-		int32_t low = place(c, 0)[a], high = low;
-		for (uint32_t i = 0; i < root.end; i++) {
+		bool writes = c->range->writer;
+		int32_t low = writes ? place(c, 0)[a] : 0, high = low;
+		for (uint32_t i = 0; writes && i < root.end; i++) {
 			low = place(c, i)[a] < low ? place(c, i)[a] : low;
 			high = place(c, i)[a] > high ? place(c, i)[a] : high;
 		}
