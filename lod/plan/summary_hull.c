@@ -97,7 +97,8 @@ void lod_summary_hull_begin(struct lod_summary_hull *summary, const struct lod_s
 	uint32_t count = lod_summary_hull_count(view->points);
 	*summary = (struct lod_summary_hull){ .view = *view, .part = part, .pixels = pixels, .samples = room,
 		.count = count,
-		.hull = { room + count, 1, fp_weight }, .gains = gains };
+		.hull = { .points = room + count, .count = 1, .fp_weight = fp_weight },
+		.gains = gains };
 	for (uint32_t i = 0; i < count; i++)
 		room[i] = (struct lod_hull_point){ .vertices = (uint64_t)view->points >> (count - 1 - i) };
 	evaluate(summary, count - 1);
