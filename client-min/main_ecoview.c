@@ -14,7 +14,6 @@
 #include "client-min/view_progress.h"
 #include "client-min/view_reference.h"
 #include "client-min/view_report.h"
-#include "client-min/view_save.h"
 #include "ecofiles/base/options.h"
 #include "ecofiles/format/image.h"
 

@@ -14,6 +14,10 @@
 #define PROBLEM_MAX 16384u
 #define RETRY_MIN_MS 100.0
 #define RETRY_MAX_S 30.0
+#define MARK_MOST (UINT64_C(1) << 50)
+
+/* How far an answer has come in its marks. */
+struct marks_at { uint32_t bytes, ms; };
 
 struct view_fetch {
 	struct view_fetch_options options;
@@ -27,7 +31,7 @@ struct view_fetch {
 	struct eco_writer *text;                 /* where the body goes if it is no stream; else NULL */
 	struct eco_error stream_error;
 	const struct view_marks *marks;          /* NULL: none */
-	struct view_marks_at at;                 /* in them */
+	struct marks_at at;                 /* in them */
 	view_fetch_reached *reached;
 	void *reached_ctx;
 	char problem[PROBLEM_MAX];
@@ -93,6 +97,59 @@ double view_fetch_plan_ms(const char *value, size_t size)
 	return end == found + 9 || !isfinite(ms) || ms < 0 ? NAN : ms;
 }
 
+/* ---- Marks ---- */
+
+static int ascending(const void *a, const void *b)
+{
+	uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+	return (x > y) - (x < y);
+}
+
+enum eco_code view_marks_read(struct view_marks *marks, const char *text, struct eco_error *error)
+{
+	*marks = (struct view_marks){ 0 };
+	for (const char *at = text;; at++) {
+		char *end;
+		unsigned long long value = *at >= '0' && *at <= '9' ? strtoull(at, &end, 10) : 0;
+		bool ms = value && !strncmp(end, "ms", 2);
+		if (!value || value > MARK_MOST || (end[ms ? 2 : 0] && end[ms ? 2 : 0] != ','))
+			return eco_fail(error, ECO_BAD_USAGE, "'%.40s': must be numbers of bytes or of "
+				"milliseconds, such as 20000,50000,200ms", at);
+		if (marks->bytes_count + marks->ms_count == VIEW_MARKS_MAX)
+			return eco_fail(error, ECO_BAD_USAGE, "more than %u marks", VIEW_MARKS_MAX);
+		if (ms)
+			marks->ms[marks->ms_count++] = value;
+		else
+			marks->bytes[marks->bytes_count++] = value;
+		at = end + (ms ? 2 : 0);
+		if (!*at)
+			break;
+	}
+	qsort(marks->bytes, marks->bytes_count, sizeof *marks->bytes, ascending);
+	qsort(marks->ms, marks->ms_count, sizeof *marks->ms, ascending);
+	return ECO_OK;
+}
+
+/* Bytes from `now` on up to the next mark: at least 1. UINT64_MAX: there is none. */
+static uint64_t marks_room(const struct view_marks *marks, const struct marks_at *at, uint64_t now)
+{
+	for (uint32_t i = at->bytes; i < marks->bytes_count; i++)
+		if (marks->bytes[i] > now)
+			return marks->bytes[i] - now;
+	return UINT64_MAX;
+}
+
+/* Steps over the marks that have been reached; true if there was one. */
+static bool marks_pass(const struct view_marks *marks, struct marks_at *at, uint64_t bytes, double ms)
+{
+	struct marks_at before = *at;
+	while (at->bytes < marks->bytes_count && marks->bytes[at->bytes] <= bytes)
+		at->bytes++;
+	while (at->ms < marks->ms_count && (double)marks->ms[at->ms] <= ms)
+		at->ms++;
+	return at->bytes > before.bytes || at->ms > before.ms;
+}
+
 /* ---- curl's callbacks ---- */
 
 /* Retry-After in seconds, within reason; dates are not understood. */
@@ -130,7 +187,7 @@ static enum eco_code feed(struct view_fetch *fetch, const uint8_t *bytes, size_t
 	struct eco_error *error = &fetch->stream_error;
 	enum eco_code code = ECO_OK;
 	while (size && !code) {
-		uint64_t room = fetch->marks ? view_marks_room(fetch->marks, &fetch->at, result->bytes)
+		uint64_t room = fetch->marks ? marks_room(fetch->marks, &fetch->at, result->bytes)
 			: size;
 		size_t take = room < size ? (size_t)room : size;
 		code = eco_wire_feed(fetch->parser, bytes, take, error);
@@ -138,7 +195,7 @@ static enum eco_code feed(struct view_fetch *fetch, const uint8_t *bytes, size_t
 		size -= take;
 		result->bytes += take;
 		result->stream_ms = view_clock_ms() - fetch->start_ms;
-		if (!code && fetch->marks && view_marks_pass(fetch->marks, &fetch->at, result->bytes,
+		if (!code && fetch->marks && marks_pass(fetch->marks, &fetch->at, result->bytes,
 				result->stream_ms))
 			code = fetch->reached(fetch->reached_ctx, result, error);
 	}
@@ -360,7 +417,7 @@ static void begin(struct view_fetch *fetch)
 	fetch->problem_size = 0;
 	fetch->stopped = fetch->stalled = false;
 	fetch->stream_error = (struct eco_error){ 0 };
-	fetch->at = (struct view_marks_at){ 0 };
+	fetch->at = (struct marks_at){ 0 };
 	fetch->curl_text[0] = '\0';
 }
 

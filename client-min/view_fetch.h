@@ -12,10 +12,24 @@
 
 #include <signal.h>
 
-#include "client-min/view_marks.h"
 #include "client-min/view_store.h"
 
 struct view_fetch;
+
+/* ---- Where in an answer that arrives a picture is drawn: after so many bytes, or milliseconds ---- */
+
+#define VIEW_MARKS_MAX 64u
+
+struct view_marks {
+	uint64_t bytes[VIEW_MARKS_MAX], ms[VIEW_MARKS_MAX];     /* each ascending */
+	uint32_t bytes_count, ms_count;
+};
+
+/* Such as "20000,50000" or "200ms,1000ms,20000": numbers from 1 on, in any order. ECO_BAD_USAGE says what is
+ * wrong with which of them. */
+enum eco_code view_marks_read(struct view_marks *marks, const char *text, struct eco_error *error);
+
+/* ---- Asking ---- */
 
 struct view_fetch_options {
 	/* of a scene, http://host:port/v1/scenes/NAME; a final slash is ignored */

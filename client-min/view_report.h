@@ -6,6 +6,7 @@
 #include <stdio.h>
 
 #include "client-min/view_measure.h"
+#include "ecofiles/format/image.h"
 #include "ecofiles/format/plan.h"
 
 struct view_frame {
@@ -53,5 +54,14 @@ void view_report_memory_line(const struct view_report *report, FILE *out);
 /* Writes DIR/report.json beside and renames it. */
 enum eco_code view_report_write(const struct view_report *report, const char *dir, struct eco_error *error);
 void view_report_free(struct view_report *report);
+
+/* ---- Pictures, as files of the same folder ---- */
+
+/* Makes the folder, and those that it lies in, where they are missing. */
+enum eco_code view_save_dir(const char *dir, struct eco_error *error);
+
+/* Writes DIR/NAME, a PNG; `format` makes the name of the frame's number. */
+enum eco_code view_save(const char *dir, const char *format, uint32_t frame, const struct eco_pixels *pixels,
+	struct eco_error *error) __attribute__((format(printf, 2, 0)));
 
 #endif

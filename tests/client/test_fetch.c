@@ -206,14 +206,9 @@ UNIT_TEST(marks_are_numbers_of_bytes_or_milliseconds)
 	static const char *const wrong[] = { "", "0", "a", "5,", ",5", "5;6", "5m", "5 ms", "-1", "1e9",
 		"99999999999999999999", "5,x,6" };
 	struct view_marks m;
-	struct view_marks_at at = { 0 };
 	assert_int_equal(view_marks_read(&m, "500ms,20,10ms,7", NULL), ECO_OK);
 	assert_true(m.bytes_count == 2 && m.bytes[0] == 7 && m.bytes[1] == 20);
 	assert_true(m.ms_count == 2 && m.ms[0] == 10 && m.ms[1] == 500);
-	assert_true(view_marks_room(&m, &at, 5) == 2 && !view_marks_pass(&m, &at, 5, 9));
-	assert_true(view_marks_pass(&m, &at, 7, 9) && !view_marks_pass(&m, &at, 7, 9));
-	assert_true(view_marks_room(&m, &at, 7) == 13 && view_marks_pass(&m, &at, 8, 400));
-	assert_true(view_marks_pass(&m, &at, 30, 900) && view_marks_room(&m, &at, 30) == UINT64_MAX);
 	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
 		assert_int_equal(view_marks_read(&m, wrong[i], NULL), ECO_BAD_USAGE);
 }
