@@ -19,7 +19,12 @@
 #define DRAIN_MS 10000u
 #define DRAIN_ROUND_MS 20u
 
-static struct { struct srv_config config; struct eco_inputs scenes; } given;
+static struct {
+	struct srv_config config;
+	struct eco_inputs scenes;
+	const char *copies;
+	bool in_place;
+} given;
 
 static const struct eco_option options[] = {
 	{ "a pack", 0, ECO_OPTION_INPUTS, "[NAME=]OUT.eco", &given.scenes, .is_required = true,
@@ -28,6 +33,12 @@ static const struct eco_option options[] = {
 		"the file's, in small letters and with '-' for all else" },
 	{ "listen", 'l', ECO_OPTION_TEXT, "HOST:PORT", &given.config.listen,
 		.help = "where to listen; port 0 takes any free one; " SRV_LISTEN_DEFAULT " if not given" },
+	{ "copies", 0, ECO_OPTION_TEXT, "DIR", &given.copies,
+		.help = "where private copies of the packs lie while they are served, so that nobody changes them; "
+		"they take as much room as the packs and go with the process; $TMPDIR or /var/tmp if not given" },
+	{ "in-place", 0, ECO_OPTION_FLAG, NULL, &given.in_place,
+		.help = "serve the files themselves, for packs that nobody writes over: no room, no time to copy, and "
+		"memory shared with other servers" },
 	{ "log", 0, ECO_OPTION_FLAG, NULL, &given.config.log, .help = "one line a request on stderr" },
 	{ 0 } };
 
@@ -37,8 +48,7 @@ static const struct eco_command command = { .name = "ecoserve", .synopsis = "[--
 	.notes = "Prints one line when ready, with the names. SIGTERM and SIGINT finish running answers "
 	"(for at most 10 s) and end; a second one "
 		"ends at once.\n"
-		"Put a new pack in place of one that is served by renaming it, as ecopack does, and start "
-		"again.\n"
+		"A new pack in place of one that is served is seen when ecoserve starts again.\n"
 		"ECO_TRACE=plan,cuts,cache,connection prints on stderr why things are as they are.\n" };
 
 /* "NAME=FILE" or "FILE"; a '=' behind a '/' belongs to the file. */
@@ -78,15 +88,22 @@ static void serve(struct srv_daemon *daemon, const sigset_t *signals)
 	srv_daemon_stop(daemon);
 }
 
-/* Packs are mapped: one that is cut short, or a disk that fails, is met here, wherever that is. Nothing can
- * be trusted then. */
+/* A pack that is served in place and cut short, or a disk that fails, is met here, wherever that is. Nothing
+ * can be trusted then. */
 static void pack_is_gone(int number)
 {
 	static const char text[] = "ecoserve: a pack was cut short while it was served, or its disk failed "
-		"(SIGBUS): start ecoserve again. Put a new "
-		"pack in place by renaming it (mv, or ecopack make), not by writing over the old one (cp)\n";
+		"(SIGBUS): start ecoserve again. With "
+		"--in-place put a new pack in place by renaming it (mv, or ecopack make), not by writing over the "
+		"old one (cp)\n";
 	(void)number;
 	_exit(write(STDERR_FILENO, text, sizeof text - 1) < 0 ? 3 : 1);
+}
+
+static const char *copies_folder(void)
+{
+	const char *folder = given.copies ? given.copies : getenv("TMPDIR");
+	return given.in_place ? NULL : folder && *folder ? folder : "/var/tmp";
 }
 
 static enum eco_code run(struct eco_error *error)
@@ -100,6 +117,7 @@ static enum eco_code run(struct eco_error *error)
 	sigaddset(&signals, SIGTERM);
 	sigaddset(&signals, SIGINT);
 	srv_store_init(&store);
+	store.copies = copies_folder();
 	enum eco_code code = srv_trace_set(getenv("ECO_TRACE"), error);
 	for (uint32_t i = 0; i < given.scenes.count && !code; i++)
 		code = add_scene(&store, given.scenes.names[i], error);

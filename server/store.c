@@ -126,6 +126,17 @@ void srv_name_of_file(char stem[SRV_NAME_BYTES], const char *path)
 		fold_name(stem);
 }
 
+static enum eco_code open_pack(struct eco_pack **pack, const struct srv_store *store, const char *path,
+	struct eco_error *error)
+{
+	struct eco_error why = { 0 };
+	if (!store->copies)
+		return eco_pack_open(pack, path, error);
+	enum eco_code code = eco_pack_open_private(pack, path, store->copies, &why);
+	return code ? eco_fail(error, code, "%s%s", why.text, code == ECO_IO ? ": make room there, name another "
+		"folder (--copies DIR), or serve packs where they are (--in-place)" : "") : ECO_OK;
+}
+
 enum eco_code srv_store_add(struct srv_store *store, const char *name, const char *path,
 	struct eco_error *error)
 {
@@ -134,7 +145,7 @@ enum eco_code srv_store_add(struct srv_store *store, const char *name, const cha
 	enum eco_code code = name ? check_name(store, name, error) : ECO_OK;
 	if (code)
 		return code;
-	code = eco_pack_open(&pack, path, error);
+	code = open_pack(&pack, store, path, error);
 	if (code)
 		return code;
 	if (name)

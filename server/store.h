@@ -2,9 +2,9 @@
  * number of threads read it without locks; only two per-chunk marks change, each once and atomically: "hash
  * checked" and "response made"; and the planner's tables fill themselves likewise (lod/plan/plan_tables.h).
  *
- * Payloads stay in the mapped pack, without a copy: the system's page cache keeps those that are asked for,
- * gives up those that are not, and all servers of a machine share it (figures: lod/EXPERIMENTS.md, "Memory of
- * client and server"). A cache of our own would hold the same bytes twice.
+ * Payloads stay in the mapped pack: the system's page cache keeps those that are asked for and gives up those
+ * that are not (figures: lod/EXPERIMENTS.md, "Memory of client and server"). A cache of our own would hold the
+ * same bytes twice.
  *
  *   srv_store_init(&store);
  *   srv_store_add(&store, NULL, "scbi.eco", &error);         opens and checks the pack, takes its name
@@ -36,7 +36,14 @@ struct srv_scene {
 	_Atomic(struct MHD_Response *) *responses;
 };
 
-struct srv_store { struct srv_scene *scenes; uint32_t count; };
+struct srv_store {
+	struct srv_scene *scenes;
+	uint32_t count;
+	/* Set before scenes are added: packs are copied to this folder, so that a scene stays what was checked,
+	 * whatever becomes of its file. NULL: they are mapped where they are; a file that is written over sends
+	 * damage, and one that is cut short ends the process (SIGBUS). */
+	const char *copies;
+};
 
 void srv_store_init(struct srv_store *store);
 /* responses must have been dropped (server/answer.h) */

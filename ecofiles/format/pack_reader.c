@@ -12,6 +12,7 @@
 
 #include <xxhash.h>
 
+#include "ecofiles/base/private_copy.h"
 #include "ecofiles/format/chunk.h"
 #include "ecofiles/format/pack_record.h"
 
@@ -231,32 +232,57 @@ enum eco_code eco_pack_open_memory(struct eco_pack **pack, const uint8_t *bytes,
 	return open_bytes(pack, bytes, size, false, error);
 }
 
-enum eco_code eco_pack_open(struct eco_pack **pack, const char *path, struct eco_error *error)
+/* Maps a regular file, or a private copy of it in `copies`. */
+static enum eco_code map_file(void **map, size_t *size, int file, const char *path, const char *copies,
+	struct eco_error *error)
+{
+	struct stat status;
+	int mapped = file;
+	if (fstat(file, &status) != 0 || !S_ISREG(status.st_mode))
+		return eco_fail(error, ECO_BAD_INPUT, "%s: not a regular file", path);
+	if (status.st_size < (off_t)ECO_PACK_HEADER_BYTES)
+		return BAD("%s: %lld bytes are too few for a pack", path, (long long)status.st_size);
+	enum eco_code code = copies ? eco_private_copy(&mapped, file, path, copies, error) : ECO_OK;
+	if (code)
+		return code;
+	*size = (size_t)status.st_size;
+	*map = mmap(NULL, *size, PROT_READ, MAP_SHARED, mapped, 0);
+	int failed = errno;
+	if (copies)
+		close(mapped);
+	if (*map == MAP_FAILED)
+		return eco_fail(error, ECO_IO, "%s: cannot map %lld bytes: %s", path,
+			(long long)status.st_size, strerror(failed));
+	return ECO_OK;
+}
+
+static enum eco_code open_file(struct eco_pack **pack, const char *path, const char *copies, struct eco_error *error)
 {
 	struct eco_error inner = { 0 };
-	struct stat status;
+	void *map = NULL;
+	size_t size = 0;
 	int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
 	*pack = NULL;
 	if (file < 0)
 		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: cannot open: %s", path,
 			strerror(errno));
-	if (fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) {
-		close(file);
-		return eco_fail(error, ECO_BAD_INPUT, "%s: not a regular file", path);
-	}
-	if (status.st_size < (off_t)ECO_PACK_HEADER_BYTES) {
-		close(file);
-		return BAD("%s: %lld bytes are too few for a pack", path, (long long)status.st_size);
-	}
-	void *map = mmap(NULL, (size_t)status.st_size, PROT_READ, MAP_SHARED, file, 0);
+	enum eco_code code = map_file(&map, &size, file, path, copies, error);
 	close(file);
-	if (map == MAP_FAILED)
-		return eco_fail(error, ECO_IO, "%s: cannot map %lld bytes: %s", path,
-			(long long)status.st_size, strerror(errno));
-	enum eco_code code = open_bytes(pack, map, (size_t)status.st_size, true, &inner);
 	if (code)
-		return eco_fail(error, code, "%s: %s", path, inner.text);
-	return ECO_OK;
+		return code;
+	code = open_bytes(pack, map, size, true, &inner);
+	return code ? eco_fail(error, code, "%s: %s", path, inner.text) : ECO_OK;
+}
+
+enum eco_code eco_pack_open(struct eco_pack **pack, const char *path, struct eco_error *error)
+{
+	return open_file(pack, path, NULL, error);
+}
+
+enum eco_code eco_pack_open_private(struct eco_pack **pack, const char *path, const char *folder,
+	struct eco_error *error)
+{
+	return open_file(pack, path, folder, error);
 }
 
 void eco_pack_close(struct eco_pack *pack)

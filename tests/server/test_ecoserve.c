@@ -104,6 +104,8 @@ UNIT_TEST(arguments_are_checked_and_errors_help)
 		{ { PACK_PATH, PACK_PATH }, 2, "", "two scenes are named 'sample'" },
 		{ { "build/tmp/none.eco" }, 1, "", "build/tmp/none.eco" },
 		{ { DAMAGED_PATH }, 1, "", DAMAGED_PATH },
+		{ { "--copies", "build/tmp/no such folder", PACK_PATH }, 1, "", "build/tmp/no such folder: No such "
+			"file or directory: make room there, name another folder (--copies DIR)" },
 	};
 	char out[8192], err[8192];
 	if (!program[0])
@@ -196,9 +198,50 @@ UNIT_TEST(a_client_that_leaves_does_no_harm)
 	assert_string_equal(err, "");
 }
 
-UNIT_TEST(a_pack_cut_short_ends_it_with_advice)
+static struct http_answer whole_stream(uint16_t port)
+{
+	return http_get(port, "/v1/scenes/sample/stream?eye=50,-30,12&target=50,30,2&width=400&height=300"
+		"&vertices=3000000");
+}
+
+/* Zeros in place of its bytes, then nothing: the answers stay those of the pack that was read. */
+UNIT_TEST(a_pack_that_is_written_over_is_served_as_it_was)
 {
 	static const char *const arguments[] = { "--listen", "127.0.0.1:0", CUT_PATH, NULL };
+	static const char *const others[] = { "--listen", "127.0.0.1:0", PACK_PATH, NULL };
+	static const uint8_t zeros[4096];
+	char line[256], out[8192], err[8192];
+	struct eco_error error = { 0 };
+	if (!program[0])
+		skip();
+	assert_int_equal(sample_pack_write(CUT_PATH, &error), ECO_OK);
+	struct process process = spawn(arguments), untouched = spawn(others);
+	uint16_t port = wait_ready(&process, line);
+	struct http_answer expected = whole_stream(wait_ready(&untouched, line));
+	assert_int_equal(expected.status, 200);
+	for (int round = 0; round < 2; round++) {
+		FILE *file = fopen(CUT_PATH, round ? "wb" : "r+b");
+		assert_non_null(file);
+		for (int i = 0; i < 16 && !round; i++)
+			assert_int_equal(fwrite(zeros, sizeof zeros, 1, file), 1);
+		assert_int_equal(fclose(file), 0);
+		struct http_answer answer = whole_stream(port);
+		assert_int_equal(answer.status, 200);
+		assert_int_equal(answer.size, expected.size);
+		assert_memory_equal(answer.body, expected.body, expected.size);
+		http_free(&answer);
+	}
+	http_free(&expected);
+	kill(untouched.pid, SIGTERM);
+	assert_int_equal(finish(&untouched, out, err), 0);
+	kill(process.pid, SIGTERM);
+	assert_int_equal(finish(&process, out, err), 0);
+	assert_string_equal(err, "");
+}
+
+UNIT_TEST(a_pack_in_place_cut_short_ends_it_with_advice)
+{
+	static const char *const arguments[] = { "--in-place", "--listen", "127.0.0.1:0", CUT_PATH, NULL };
 	static const char request[] = "GET "
 		"/v1/scenes/sample/stream?eye=50,-30,12&target=50,30,"
 		"2&width=400&height=300&vertices=3000000 HTTP/1.1\r\n"
