@@ -13,8 +13,8 @@
 #include "server/trace.h"
 
 #define NAMES_SHOWN 8u
-/* Freed memory that a thread keeps: a plan needs a few MB, and to get them anew from the kernel, page by page,
- * took 6 % of its time. */
+/* Freed memory that a thread keeps: a plan needs a few MB, and to get them anew from the kernel, page by
+ * page, took 6 % of its time. */
 #define KEPT_BYTES (4 << 20)
 #define DRAIN_MS 10000u
 #define DRAIN_ROUND_MS 20u
@@ -34,11 +34,12 @@ static const struct eco_option options[] = {
 	{ "listen", 'l', ECO_OPTION_TEXT, "HOST:PORT", &given.config.listen,
 		.help = "where to listen; port 0 takes any free one; " SRV_LISTEN_DEFAULT " if not given" },
 	{ "copies", 0, ECO_OPTION_TEXT, "DIR", &given.copies,
-		.help = "where private copies of the packs lie while they are served, so that nobody changes them; "
-		"they take as much room as the packs and go with the process; $TMPDIR or /var/tmp if not given" },
+		.help = "where private copies of the packs lie while they are served, so that nobody changes "
+		"them; they take as much room as the packs and go with the process; $TMPDIR or /var/tmp if not "
+		"given" },
 	{ "in-place", 0, ECO_OPTION_FLAG, NULL, &given.in_place,
-		.help = "serve the files themselves, for packs that nobody writes over: no room, no time to copy, and "
-		"memory shared with other servers" },
+		.help = "serve the files themselves, for packs that nobody writes over: no room, no time to "
+		"copy, and memory shared with other servers" },
 	{ "log", 0, ECO_OPTION_FLAG, NULL, &given.config.log, .help = "one line a request on stderr" },
 	{ 0 } };
 
@@ -93,9 +94,8 @@ static void serve(struct srv_daemon *daemon, const sigset_t *signals)
 static void pack_is_gone(int number)
 {
 	static const char text[] = "ecoserve: a pack was cut short while it was served, or its disk failed "
-		"(SIGBUS): start ecoserve again. With "
-		"--in-place put a new pack in place by renaming it (mv, or ecopack make), not by writing over the "
-		"old one (cp)\n";
+		"(SIGBUS): start ecoserve again. With --in-place put a new pack in place by renaming it (mv, "
+		"or ecopack make), not by writing over the old one (cp)\n";
 	(void)number;
 	_exit(write(STDERR_FILENO, text, sizeof text - 1) < 0 ? 3 : 1);
 }

@@ -1,10 +1,11 @@
 /* The scenes that are served. Filled before the daemon starts, never changed while it runs, so that any
- * number of threads read it without locks; only two per-chunk marks change, each once and atomically: "hash
- * checked" and "response made"; and the planner's tables fill themselves likewise (lod/plan/plan_tables.h).
+ * number of threads read it without locks; only two per-chunk marks change, each once and atomically:
+ * "hash checked" and "response made"; and the planner's tables fill themselves likewise
+ * (lod/plan/plan_tables.h).
  *
- * Payloads stay in the mapped pack: the system's page cache keeps those that are asked for and gives up those
- * that are not (figures: lod/EXPERIMENTS.md, "Memory of client and server"). A cache of our own would hold the
- * same bytes twice.
+ * Payloads stay in the mapped pack: the system's page cache keeps those that are asked for and gives up
+ * those that are not (figures: lod/EXPERIMENTS.md, "Memory of client and server"). A cache of our own
+ * would hold the same bytes twice.
  *
  *   srv_store_init(&store);
  *   srv_store_add(&store, NULL, "scbi.eco", &error);         opens and checks the pack, takes its name
@@ -39,9 +40,9 @@ struct srv_scene {
 struct srv_store {
 	struct srv_scene *scenes;
 	uint32_t count;
-	/* Set before scenes are added: packs are copied to this folder, so that a scene stays what was checked,
-	 * whatever becomes of its file. NULL: they are mapped where they are; a file that is written over sends
-	 * damage, and one that is cut short ends the process (SIGBUS). */
+	/* Set before scenes are added: packs are copied to this folder, so that a scene stays what was
+	 * checked, whatever becomes of its file. NULL: they are mapped where they are; a file that is
+	 * written over sends damage, and one that is cut short ends the process (SIGBUS). */
 	const char *copies;
 };
 

@@ -19,6 +19,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "ecofiles/base/confine.h"
 #include "ecofiles/base/guard_filter.h"
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -248,7 +249,9 @@ static void stay_offline(void)
 		setenv(settings[i][0], settings[i][1], 1);
 }
 
-static void confine(const struct eco_guard *g, rlim_t file_bytes)
+/* False: the program is confined (confine.h), and the kernel or a container does not allow it for this
+ * child. */
+static bool restrict_self(const struct eco_guard *g, rlim_t file_bytes)
 {
 	volunteer();
 	stay_offline();
@@ -260,7 +263,7 @@ static void confine(const struct eco_guard *g, rlim_t file_bytes)
 		limit(RLIMIT_AS, address_space_bytes() + g->limits.memory_bytes, 0);
 		watch_crashes(g->shared);
 	}
-	eco_guard_filter();
+	return eco_confine_child() && (eco_guard_filter() || !eco_is_confined());
 }
 
 static _Noreturn void child(struct eco_guard *g, eco_guard_work *work, void *ctx, int to, int life,
@@ -275,10 +278,16 @@ static _Noreturn void child(struct eco_guard *g, eco_guard_work *work, void *ctx
 	life = lift(life);
 	close_others(to, life);
 	silence();
-	confine(g, !g->stream ? g->limits.memory_bytes : 0);
+	bool may_run = restrict_self(g, !g->stream ? g->limits.memory_bytes : 0);
 	FILE *out = fdopen(to, "wb");
-	enum eco_code code = !out ? eco_fail(&error, ECO_NO_MEMORY, "%s: out of memory", g->what)
-		: work(ctx, out, &error);
+	enum eco_code code = ECO_OK;
+	if (!may_run)
+		code = eco_fail(&error, ECO_UNSUPPORTED, "%s: this system allows no filter of system calls, without "
+			"which a confined program reads nothing", g->what);
+	else if (!out)
+		code = eco_fail(&error, ECO_NO_MEMORY, "%s: out of memory", g->what);
+	else
+		code = work(ctx, out, &error);
 	if (out && fflush(out) != 0 && !code)
 		code = eco_fail(&error, ECO_IO, "%s: the result could not be handed over: %s", g->what,
 			strerror(errno));

@@ -4,7 +4,7 @@
  * The child has limits on memory, on processor time and on time by the clock. It has none of the parent's
  * descriptors but standard error's, and where the kernel allows (guard_filter.h) it cannot open a file for
  * writing, a socket or a program. It may read whatever the user may read, as models name textures
- * anywhere. Trust its result as little as the file. */
+ * anywhere, unless the program is confined (confine.h). Trust its result as little as the file. */
 #ifndef ECO_GUARD_H
 #define ECO_GUARD_H
 

@@ -7,10 +7,13 @@
 #include <sched.h>
 #include <seccomp.h>
 #include <stddef.h>
+#include <stdint.h>
+#include <sys/ioctl.h>
 #include <sys/types.h>
 #include <unistd.h>
 
 #define CALL(name) SCMP_SYS(name)
+#define FCHMODAT2 452            /* on all machines; libseccomp 2.5.4 does not know its name */
 
 static const int refused[] = {
 	/* network and messages */
@@ -24,12 +27,15 @@ static const int refused[] = {
 	/* changes to names of files */
 	CALL(creat), CALL(mkdir), CALL(mkdirat), CALL(mknod), CALL(mknodat), CALL(rmdir), CALL(unlink),
 	CALL(unlinkat), CALL(rename), CALL(renameat), CALL(renameat2), CALL(link), CALL(linkat),
-	CALL(symlink), CALL(symlinkat), CALL(truncate), CALL(chmod), CALL(fchmodat), CALL(chown),
-	CALL(lchown), CALL(fchownat), CALL(utime), CALL(utimes), CALL(utimensat), CALL(futimesat),
-	CALL(setxattr), CALL(lsetxattr), CALL(removexattr), CALL(lremovexattr), CALL(open_by_handle_at),
+	CALL(symlink), CALL(symlinkat), CALL(truncate), CALL(chmod), CALL(fchmod), CALL(fchmodat), FCHMODAT2,
+	CALL(chown), CALL(lchown), CALL(fchown), CALL(fchownat), CALL(utime), CALL(utimes), CALL(utimensat),
+	CALL(futimesat), CALL(setxattr), CALL(lsetxattr), CALL(fsetxattr), CALL(removexattr),
+	CALL(lremovexattr), CALL(fremovexattr), CALL(open_by_handle_at),
 	CALL(inotify_init1), CALL(fanotify_init),
 	/* the system's state, and ways around this filter */
-	CALL(mount), CALL(umount2), CALL(pivot_root), CALL(chroot), CALL(setns), CALL(unshare), CALL(swapon),
+	CALL(mount), CALL(umount2), CALL(open_tree), CALL(move_mount), CALL(fsopen), CALL(fsconfig),
+	CALL(fsmount), CALL(fspick), CALL(mount_setattr), CALL(pivot_root), CALL(chroot), CALL(setns),
+	CALL(unshare), CALL(swapon),
 	CALL(swapoff), CALL(reboot), CALL(sethostname), CALL(setdomainname), CALL(settimeofday),
 	CALL(clock_settime), CALL(adjtimex), CALL(init_module), CALL(finit_module), CALL(delete_module),
 	CALL(kexec_load), CALL(bpf), CALL(perf_event_open), CALL(userfaultfd), CALL(add_key),
@@ -62,6 +68,13 @@ static int refuse_unseen(scmp_filter_ctx filter)
 		| seccomp_rule_add(filter, SCMP_ACT_ERRNO(ENOSYS), CALL(clone3), 0);
 }
 
+/* Typing into the terminal that the user goes on to use; the kernel reads 32 bits of the request. */
+static int refuse_typing(scmp_filter_ctx filter)
+{
+	return seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), CALL(ioctl), 1,
+		SCMP_A1(SCMP_CMP_MASKED_EQ, UINT32_MAX, TIOCSTI));
+}
+
 /* Threads are allowed, processes are not; signals only to oneself; limits may be read but not changed. */
 static int refuse_others(scmp_filter_ctx filter)
 {
@@ -83,7 +96,8 @@ bool eco_guard_filter(void)
 	for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
 		/* some calls do not exist on some machines */
 		seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), refused[i], 0);
-	failed = refuse_writing(filter) | refuse_unseen(filter) | refuse_others(filter);
+	failed = refuse_writing(filter) | refuse_unseen(filter) | refuse_others(filter)
+		| refuse_typing(filter);
 	seccomp_attr_set(filter, SCMP_FLTATR_CTL_OPTIMIZE, 2);
 	failed = failed != 0 || seccomp_load(filter) != 0;
 	seccomp_release(filter);

@@ -49,12 +49,18 @@ static bool find_beside(const char *file, char path[PATH_MAX])
 	return false;
 }
 
+bool eco_module_find(enum eco_module module, char path[PATH_MAX])
+{
+	const char *file = modules[module].file, *given = getenv(ECO_MODULES_VARIABLE);
+	return given && *given ? is_there(given, file, path) : find_beside(file, path);
+}
+
 static enum eco_code load(enum eco_module module, struct eco_error *error)
 {
 	const char *file = modules[module].file, *given = getenv(ECO_MODULES_VARIABLE);
 	bool chosen = given && *given != 0;
 	char path[PATH_MAX];
-	if (!(chosen ? is_there(given, file, path) : find_beside(file, path)))
+	if (!eco_module_find(module, path))
 		return eco_fail(error, ECO_NOT_FOUND, "%s, needed for %s, is not %s%.200s: make builds it; "
 			"" ECO_MODULES_VARIABLE
 			" names the folder that holds it", file, modules[module].for_what,

@@ -18,6 +18,7 @@
 extern "C" {
 #endif
 
+#include <limits.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -34,6 +35,9 @@ enum eco_module { ECO_MODULE_ASSIMP, ECO_MODULE_CAIRO, ECO_MODULE_GDAL, ECO_MODU
  * their own). NULL: it cannot be loaded; the error is ECO_NOT_FOUND and says what was looked for, where,
  * and what to do. Thread-safe. */
 const void *eco_module(enum eco_module module, struct eco_error *error);
+
+/* The path of the module's file, as eco_module would load it; false where it is not there. */
+bool eco_module_find(enum eco_module module, char path[PATH_MAX]);
 
 /* Each table begins with this number; a table of another version is refused. Raise it whenever a table, or
  * a type that passes through one, changes. */

@@ -48,7 +48,8 @@ static int copy_bytes(int copy, int file, off_t size)
 	return 0;
 }
 
-enum eco_code eco_private_copy(int *copy, int file, const char *name, const char *folder, struct eco_error *error)
+enum eco_code eco_private_copy(int *copy, int file, const char *name, const char *folder,
+	struct eco_error *error)
 {
 	struct stat before, after, copied;
 	*copy = -1;
@@ -69,5 +70,6 @@ enum eco_code eco_private_copy(int *copy, int file, const char *name, const char
 	if (failed && failed != ESTALE)
 		return eco_fail(error, ECO_IO, "%s: a private copy of %lld bytes in %s: %s", name,
 			(long long)before.st_size, folder, strerror(failed));
-	return eco_fail(error, ECO_BAD_INPUT, "%s: it changed while it was read; try again when it is complete", name);
+	return eco_fail(error, ECO_BAD_INPUT,
+		"%s: it changed while it was read; try again when it is complete", name);
 }

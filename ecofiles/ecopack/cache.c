@@ -131,9 +131,7 @@ void main_cache_reject(struct main_cache *cache, const struct main_cache_key *ke
 
 /* ---- Writing ---- */
 
-/* Makes the folder and those above it, for this user alone, as the specification of XDG_CACHE_HOME
- * demands. */
-static bool make_folder(const char *folder)
+bool main_cache_make(const char *folder)
 {
 	char path[MAIN_CACHE_PATH];
 	snprintf(path, sizeof path, "%s", folder);
@@ -194,7 +192,7 @@ void main_cache_put(struct main_cache *cache, const struct main_cache_key *key, 
 		return;
 	path_of(cache, key, path);
 	snprintf(beside, sizeof beside, "%s.XXXXXX", path);
-	int file = make_folder(cache->folder) ? mkostemp(beside, O_CLOEXEC) : -1;
+	int file = main_cache_make(cache->folder) ? mkostemp(beside, O_CLOEXEC) : -1;
 	if (file < 0) {
 		tell(cache, cache->folder, errno);
 		return;

@@ -39,6 +39,10 @@ struct main_cache {
 /* $XDG_CACHE_HOME/ecostream, else $HOME/.cache/ecostream; false if neither variable is set. */
 bool main_cache_default(char folder[MAIN_CACHE_PATH]);
 
+/* Makes the folder and those above it, for this user alone, as the specification of XDG_CACHE_HOME
+ * demands. */
+bool main_cache_make(const char *folder);
+
 /* folder NULL or "": every get is a miss and nothing is kept. The folder is made when the first entry is
  * written. */
 void main_cache_open(struct main_cache *cache, const char *folder, uint64_t limit_bytes);

@@ -15,8 +15,34 @@
 
 /* ---- make ---- */
 
-static struct { struct make_options make; uint64_t jobs, cache_mb, models; int order; bool times, uncached;
-	} make_given;
+static struct {
+	struct make_options make;
+	uint64_t jobs, cache_mb, models;
+	int order;
+	bool times, uncached;
+	const char *confined_to;     /* NULL: it may read everywhere; "": below the scene's folder */
+} make_given;
+
+static enum eco_code read_confine(const char *text, void *value, struct eco_error *error)
+{
+	(void)error;
+	*(const char **)value = text ? text : "";
+	return ECO_OK;
+}
+
+/* What a file names and may not be read is missing or forbidden to its reader, which knows no more. */
+static enum eco_code made_confined(const struct make_options *make, struct eco_error *error)
+{
+	struct eco_error why = { 0 };
+	enum eco_code code = make_confine(make, make_given.confined_to, error);
+	if (code)
+		return code;
+	code = make_pack(make, &why);
+	if (code && code != ECO_INTERRUPTED && !strstr(why.text, "--confine"))
+		return eco_fail(error, code, "%s (--confine: only what lies below %s is read)", why.text,
+			*make_given.confined_to ? make_given.confined_to : "the scene's folder");
+	return code ? eco_fail(error, code, "%s", why.text) : ECO_OK;
+}
 
 static void print_times(bool by_stage)
 {
@@ -49,7 +75,7 @@ static enum eco_code run_make(int argc, char **argv, struct eco_error *error)
 		make->cache = folder;
 	main_times_memory(make_given.times);
 	if (!code)
-		code = make_pack(make, error);
+		code = make_given.confined_to ? made_confined(make, error) : make_pack(make, error);
 	/* open the written pack as any reader would */
 	if (!code && !main_is_quiet)
 		code = inspect_info(make->pack, false, stdout, error);
@@ -72,6 +98,11 @@ static const struct eco_option make_options[] = {
 		.help = "so many of the models stand for all: those that look most like the others, by what "
 		"of the picture differs, and by the plants that use them; only these are built. Each plant "
 		"keeps its height" },
+	{ "confine", 0, ECO_OPTION_READ, "DIR", &make_given.confined_to, .read = read_confine,
+		.has_optional_value = true,
+		.help = "for scenes of strangers: reads only what lies below DIR, or below the scene's "
+		"folder, whatever the scene, its models, tables and rasters name; refused where the kernel "
+		"cannot enforce it" },
 	{ "times", 0, ECO_OPTION_FLAG, NULL, &make_given.times, .help = "where the time went, and the "
 		"memory, by stage" },
 	{ "cache", 0, ECO_OPTION_TEXT, "DIR", &make_given.make.cache,

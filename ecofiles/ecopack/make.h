@@ -32,6 +32,10 @@ struct make_options {
 	uint64_t cache_bytes;        /* the cache's bound; 0: 2 GiB */
 };
 
+/* From now on this process reads only below `folder` (that of the scene file if ""), and writes only
+ * beside the pack and in the cache (ecofiles/base/confine.h). Before any thread. */
+enum eco_code make_confine(const struct make_options *options, const char *folder, struct eco_error *error);
+
 /* Builds options->pack. On failure the target is untouched. */
 enum eco_code make_pack(const struct make_options *options, struct eco_error *error);
 

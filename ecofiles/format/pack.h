@@ -227,8 +227,8 @@ struct eco_pack {
 
 /* Opens and checks everything but the payloads; eco_pack_payload checks the hash of each. */
 enum eco_code eco_pack_open(struct eco_pack **pack, const char *path, struct eco_error *error);
-/* The same of a private copy in `folder` (ecofiles/base/private_copy.h): the pack stays what it is, whatever is
- * done to the file meanwhile. */
+/* The same of a private copy in `folder` (ecofiles/base/private_copy.h): the pack stays what it is,
+ * whatever is done to the file meanwhile. */
 enum eco_code eco_pack_open_private(struct eco_pack **pack, const char *path, const char *folder,
 	struct eco_error *error);
 /* The same from memory that stays owned by the caller (fuzzing, tests). */

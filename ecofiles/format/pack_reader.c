@@ -256,7 +256,8 @@ static enum eco_code map_file(void **map, size_t *size, int file, const char *pa
 	return ECO_OK;
 }
 
-static enum eco_code open_file(struct eco_pack **pack, const char *path, const char *copies, struct eco_error *error)
+static enum eco_code open_file(struct eco_pack **pack, const char *path, const char *copies,
+	struct eco_error *error)
 {
 	struct eco_error inner = { 0 };
 	void *map = NULL;

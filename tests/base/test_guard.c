@@ -11,10 +11,13 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #include "ecofiles/import/ground/ground.h"
@@ -270,6 +273,7 @@ UNIT_TEST(a_stream_that_stays_silent_ends_by_the_clock)
 
 enum attempt { READ_FILE, USE_THREAD, USE_MEMORY, RAISE_ITSELF, ASK_LIMIT, LOOK_AROUND, SOCKET, WRITE_FILE,
 	CREATE_FILE, APPEND_FILE, TRUNCATE_FILE, MAKE_FOLDER, REMOVE_FILE, RENAME_FILE, LINK_FILE, OPEN_MODE,
+	OPEN_FILE_MODE, OPEN_FILE_OWNER, OPEN_FILE_NOTE, TYPE, NEW_MOUNT,
 	EXEC, FORK, KILL_PARENT, KILL_GROUP, RAISE_LIMIT, PARENTS_FILE, ATTEMPTS };
 
 struct trial { enum attempt attempt; int parents_file; bool worked; bool filtered; };
@@ -326,6 +330,17 @@ static bool attempt(const struct trial *t)
 		return symlink(file, other) == 0 || link(file, other) == 0;
 	case OPEN_MODE:
 		return chmod(file, 0600) == 0;
+	case OPEN_FILE_MODE:             /* 452: fchmodat2, which knows no name here */
+		return fchmod(open(file, O_RDONLY), 0600) == 0 || syscall(452, AT_FDCWD, file, 0600, 0) == 0;
+	case OPEN_FILE_OWNER:
+		return fchown(open(file, O_RDONLY), getuid(), getgid()) == 0;
+	case OPEN_FILE_NOTE:
+		return fsetxattr(open(file, O_RDONLY), "user.note", "x", 1, 0) == 0;
+	case TYPE:                       /* no terminal is another error than no permission */
+		return (ioctl(STDIN_FILENO, TIOCSTI, "x") == 0 || errno != EPERM) &&
+			(syscall(SYS_ioctl, STDIN_FILENO, 1ull << 32 | TIOCSTI, "x") == 0 || errno != EPERM);
+	case NEW_MOUNT:
+		return syscall(SYS_fsopen, "tmpfs", 0) >= 0 || syscall(SYS_open_tree, AT_FDCWD, "/", 0) >= 0;
 	case EXEC:
 		execl("/bin/true", "true", (char *)NULL);
 		return false;

@@ -68,7 +68,8 @@ UNIT_TEST(no_folder_is_an_error_that_names_it)
 	int file = file_of(10), copy;
 	assert_int_equal(eco_private_copy(&copy, file, "bytes", FOLDER "/none", &error), ECO_IO);
 	assert_int_equal(copy, -1);
-	assert_string_equal(error.text, "bytes: cannot make a private copy in " FOLDER "/none: No such file or "
+	assert_string_equal(error.text,
+		"bytes: cannot make a private copy in " FOLDER "/none: No such file or "
 		"directory");
 	close(file);
 }

@@ -548,13 +548,8 @@ static enum eco_code read_model(struct eco_model *model, struct eco_model_frame 
 	const struct aiScene *scene = import_scene(file, &io);
 	struct soup soup = { .model = model, .scene = scene, .file = file, .frame = frame, .error = error };
 	enum eco_code code;
-	if (!scene && strstr(aiGetErrorString(), "No suitable reader"))
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: not a model that can be read; use OBJ with "
-			"MTL, GLB, glTF, FBX, PLY or Collada", file->path);
 	if (!scene)
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: %.280s%s", file->path, aiGetErrorString(),
-			eco_path_ends_with(file->path, ".blend") ? "; of Blender's own files only those of "
-			"versions before 2.8 are read: export GLB" : "");
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: %.280s", file->path, aiGetErrorString());
 	if (!meshes_hold_together(scene))
 		code = eco_fail(error, ECO_DAMAGED, "%.300s: its meshes do not hold together", file->path);
 	else

@@ -154,8 +154,22 @@ static bool written_by_blender(const char *path)
 	return !eco_path_ends_with(path, ".ply") && eco_file_head_has(path, 4096, "Blender");
 }
 
+/* Assimp has some fifty readers, most of them seldom used and seldom tested; and it looks for one that knows
+ * the content where no reader has the extension. */
+static bool assimp_may_read(const char *path)
+{
+	static const char *const extensions[] = { ".fbx", ".ply", ".dae", ".zae", ".stl", ".3ds", ".3mf" };
+	for (size_t i = 0; i < sizeof extensions / sizeof *extensions; i++)
+		if (eco_path_ends_with(path, extensions[i]))
+			return true;
+	return false;
+}
+
 static enum eco_code read_with_assimp(struct head *head, const struct job *job, struct eco_error *error)
 {
+	if (!assimp_may_read(job->path))
+		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: models are GLB, glTF, OBJ with MTL, FBX, "
+			"PLY, Collada (.dae, .zae), STL, 3DS and 3MF, by these endings: export GLB", job->path);
 	const struct eco_assimp_module *assimp = eco_module(ECO_MODULE_ASSIMP, error);
 	struct eco_model_file file = { .path = job->path };
 	double base[3] = { 0, 0, 0 };

@@ -1,0 +1,35 @@
+/* What a process may open from now on: files below some folders, for reading or for writing, and what its
+ * own libraries need. For programs that read what strangers wrote: a VRT, a CSV or a glTF may name any
+ * file that the user may read.
+ *
+ *   struct eco_confined_paths paths = { .readable = { "/srv/in" }, .writable = { "/srv/out" } };
+ *   code = eco_confine(&paths, &error);
+ *
+ * By Landlock, for the calling thread and for the threads and children that it starts afterwards: call it
+ * before any. It cannot be undone. Once a program is confined, children of guard.h may not even read what
+ * is writable, and refuse to run without their filter. */
+#ifndef ECO_CONFINE_H
+#define ECO_CONFINE_H
+
+#include <stdbool.h>
+
+#include "ecofiles/base/status.h"
+
+#define ECO_CONFINED_PATHS 4
+
+/* Folders or files that exist; NULL where there are fewer. The strings must live as long as the process.
+ * What is writable may be read, too. */
+struct eco_confined_paths { const char *readable[ECO_CONFINED_PATHS], *writable[ECO_CONFINED_PATHS]; };
+
+/* ECO_UNSUPPORTED: this kernel has no Landlock, and nothing is confined. ECO_NOT_FOUND names a path that
+ * is not there. */
+enum eco_code eco_confine(const struct eco_confined_paths *paths, struct eco_error *error);
+/* In a child of a confined program: from now on it reads what is readable and writes nothing. True where
+ * the program is not confined. */
+bool eco_confine_child(void);
+bool eco_is_confined(void);
+/* Links followed, below one of the readable paths, or not there; true where the program is not confined.
+ * For a clear message, not for safety. */
+bool eco_confined_may_read(const char *path);
+
+#endif
