@@ -35,8 +35,8 @@ static const struct eco_option options[] = {
 		.help = "where to listen; port 0 takes any free one; " SRV_LISTEN_DEFAULT " if not given" },
 	{ "copies", 0, ECO_OPTION_TEXT, "DIR", &given.copies,
 		.help = "where private copies of the packs lie while they are served, so that nobody changes "
-		"them; they take as much room as the packs and go with the process; $TMPDIR or /var/tmp if not "
-		"given" },
+		"them; they take as much room as the packs and go with the process; $TMPDIR or /var/tmp if "
+		"not given" },
 	{ "in-place", 0, ECO_OPTION_FLAG, NULL, &given.in_place,
 		.help = "serve the files themselves, for packs that nobody writes over: no room, no time to "
 		"copy, and memory shared with other servers" },

@@ -103,8 +103,8 @@ static enum eco_code restrict_to(const struct eco_confined_paths *paths, struct 
 	int rules = version < 1 ? -1
 		: (int)syscall(SYS_landlock_create_ruleset, &handled, sizeof handled, 0);
 	if (rules < 0)
-		return eco_fail(error, ECO_UNSUPPORTED, "this system cannot confine a program to folders: its "
-			"kernel has no Landlock, or it is switched off (%s)", strerror(errno));
+		return eco_fail(error, ECO_UNSUPPORTED, "this system cannot confine a program to folders: "
+			"its kernel has no Landlock, or it is switched off (%s)", strerror(errno));
 	allow_own(rules, write);
 	enum eco_code code = allow_all(rules, paths->readable, READ, error);
 	code = code ? code : allow_all(rules, paths->writable, READ | write, error);

@@ -282,8 +282,8 @@ static _Noreturn void child(struct eco_guard *g, eco_guard_work *work, void *ctx
 	FILE *out = fdopen(to, "wb");
 	enum eco_code code = ECO_OK;
 	if (!may_run)
-		code = eco_fail(&error, ECO_UNSUPPORTED, "%s: this system allows no filter of system calls, without "
-			"which a confined program reads nothing", g->what);
+		code = eco_fail(&error, ECO_UNSUPPORTED, "%s: this system allows no filter of system calls, "
+			"without which a confined program reads nothing", g->what);
 	else if (!out)
 		code = eco_fail(&error, ECO_NO_MEMORY, "%s: out of memory", g->what);
 	else

@@ -27,8 +27,8 @@ bool eco_scene_parse_path(const struct eco_source *source, const struct eco_json
 	if (!*path)
 		return eco_json_no_memory(at);
 	if (source->on_disk && !eco_confined_may_read(*path))
-		return eco_json_fail(at, ECO_BAD_INPUT, "%.300s lies outside of the folder to which --confine "
-			"keeps reading", *path);
+		return eco_json_fail(at, ECO_BAD_INPUT, "%.300s lies outside of the folder to which "
+			"--confine keeps reading", *path);
 	if (!source->on_disk || access(*path, R_OK) == 0)
 		return true;
 	return eco_json_fail(at, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", *path,

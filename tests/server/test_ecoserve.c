@@ -105,7 +105,8 @@ UNIT_TEST(arguments_are_checked_and_errors_help)
 		{ { "build/tmp/none.eco" }, 1, "", "build/tmp/none.eco" },
 		{ { DAMAGED_PATH }, 1, "", DAMAGED_PATH },
 		{ { "--copies", "build/tmp/no such folder", PACK_PATH }, 1, "",
-			"build/tmp/no such folder: No such file or directory: make room there, name another folder (--copies DIR)" },
+			"build/tmp/no such folder: No such file or directory: make room there, name another folder "
+			"(--copies DIR)" },
 	};
 	char out[8192], err[8192];
 	if (!program[0])

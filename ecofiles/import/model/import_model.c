@@ -169,7 +169,8 @@ static enum eco_code read_with_assimp(struct head *head, const struct job *job, 
 {
 	if (!assimp_may_read(job->path))
 		return eco_fail(error, ECO_UNSUPPORTED, "%.300s: models are GLB, glTF, OBJ with MTL, FBX, "
-			"PLY, Collada (.dae, .zae), STL, 3DS and 3MF, by these endings: export GLB", job->path);
+			"PLY, Collada (.dae, .zae), STL, 3DS and 3MF, by these endings: export GLB",
+			job->path);
 	const struct eco_assimp_module *assimp = eco_module(ECO_MODULE_ASSIMP, error);
 	struct eco_model_file file = { .path = job->path };
 	double base[3] = { 0, 0, 0 };
