@@ -1,6 +1,7 @@
 /* The pack: one file that holds a scene, ready to be served by mapping it.
  *
- *   eco_pack_create(&w, path, &error);              writes path.tmp-PID beside the target
+ *   eco_pack_create(&w, path, &error);              writes path.tmp-PID beside the target, locked;
+ *                                                   removes such files of processes that were killed
  *   eco_pack_add_list(w, &list, &elements, ...);    encodes chunks as it goes; returns the list's id
  *   scene.plants = ...;                             fill the other tables of a struct eco_scene
  *   eco_pack_commit(w, &scene, meta, &error);       tables, hashes, fsync, rename, fsync: all or nothing

@@ -188,4 +188,16 @@ else
 	complain "generate forest failed"
 fi
 
+# ---- Killed, it leaves the old pack whole, and its unfinished file to the next build ----
+mkdir "$DIR/kill"
+"$PACK" make "$DIR/scene.json" -o "$DIR/kill/t.eco" --no-cache --quiet 2>"$DIR/out" || complain "$(cat "$DIR/out")"
+old=$(cksum <"$DIR/kill/t.eco")
+for wait in 0.02 0.05 0.1 0.2 0.3; do
+	timeout -s KILL $wait "$PACK" make "$DIR/scene.json" -o "$DIR/kill/t.eco" --no-cache --quiet >"$DIR/out" 2>&1
+	[ "$(cksum <"$DIR/kill/t.eco")" = "$old" ] || complain "killed after $wait s: the pack is another"
+done
+: >"$DIR/kill/t.eco.tmp-1"
+expect 0 '' make "$DIR/scene.json" -o "$DIR/kill/t.eco" --no-cache --quiet
+[ "$(ls "$DIR/kill")" = t.eco ] || complain "left after the next build: $(ls "$DIR/kill")"
+
 exit $failed

@@ -1,9 +1,11 @@
 /* Packs: what is written is read, whatever is damaged is found, nothing half written stays. */
 #include <dirent.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -325,6 +327,41 @@ UNIT_TEST(a_failed_pack_leaves_the_old_one)
 }
 
 /* A limit on file sizes acts as a full disk does: at every size, nothing half written stays. */
+static void put_file(const char *path)
+{
+	FILE *file = fopen(path, "wb");
+	assert_non_null(file);
+	assert_true(fputs("unfinished", file) >= 0);
+	assert_int_equal(fclose(file), 0);
+}
+
+UNIT_TEST(what_a_killed_process_left_goes_with_the_next_pack)
+{
+	static const char *const left[] = { PATH ".tmp-1", PATH ".tmp-99999999", PATH ".tmp-12-payloads" },
+		*const kept[] = { PATH ".tmp-backup", PATH ".tmp-", PATH ".tmp-7.old",
+		FOLDER "/other.eco.tmp-1", PATH ".tmp-3" };
+	struct scene_builder p;
+	struct eco_error error = { 0 };
+	empty_folder();
+	for (size_t i = 0; i < 3; i++)
+		put_file(left[i]);
+	for (size_t i = 0; i < 5; i++)
+		put_file(kept[i]);
+	int running = open(kept[4], O_RDONLY | O_CLOEXEC);
+	assert_int_equal(flock(running, LOCK_EX), 0);        /* another process writes it */
+	if (small_pack_write(&p, PATH, NULL, &error))
+		fail_msg("%s", error.text);
+	for (size_t i = 0; i < 3; i++)
+		assert_int_equal(access(left[i], F_OK), -1);
+	for (size_t i = 0; i < 5; i++)
+		assert_int_equal(access(kept[i], F_OK), 0);
+	assert_int_equal(count_files(), 6);
+	close(running);
+	for (size_t i = 0; i < 5; i++)
+		unlink(kept[i]);
+	scene_free(&p);
+}
+
 UNIT_TEST(a_full_disk_is_reported_and_leaves_nothing)
 {
 	struct rlimit old, limit;
