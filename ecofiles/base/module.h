@@ -41,7 +41,7 @@ bool eco_module_find(enum eco_module module, char path[PATH_MAX]);
 
 /* Each table begins with this number; a table of another version is refused. Raise it whenever a table, or
  * a type that passes through one, changes. */
-#define ECO_MODULE_VERSION 4u
+#define ECO_MODULE_VERSION 5u
 #define ECO_MODULE_EXPORT __attribute__((visibility("default")))
 
 /* ---- ecoassimp.so: models of formats that have no reader of their own ---- */
@@ -100,6 +100,7 @@ struct eco_ground_job;
 struct eco_rows;
 struct eco_rows_source;
 struct eco_raster;
+struct eco_raster_extent;
 
 struct eco_gdal_module {                 /* eco_gdal_module */
 	uint32_t version;
@@ -110,6 +111,9 @@ struct eco_gdal_module {                 /* eco_gdal_module */
 	enum eco_code (*rows_open)(struct eco_rows **rows, const struct eco_rows_source *source,
 		struct eco_error *error);
 	enum eco_code (*raster_write)(const struct eco_raster *raster, const char *path,
+		struct eco_error *error);
+	/* As eco_raster_extent (raster_extent.h). Only in a guarded child. */
+	enum eco_code (*raster_extent)(const char *path, struct eco_raster_extent *extent,
 		struct eco_error *error);
 };
 
@@ -141,6 +145,8 @@ struct eco_image_module {                /* eco_image_module */
 struct eco_crs_request;
 struct eco_citygml_crs;
 struct eco_crs_path;
+struct eco_crs_facts;
+struct eco_crs_choice;
 
 struct eco_proj_module {                 /* eco_proj_module */
 	uint32_t version;
@@ -152,6 +158,11 @@ struct eco_proj_module {                 /* eco_proj_module */
 	enum eco_code (*crs_convert)(struct eco_crs_path *path, double xyz[3], bool *converted,
 		const char **why, struct eco_error *error);
 	void (*crs_close)(struct eco_crs_path *path);
+	/* As eco_crs_look and eco_crs_choices (crs_facts.h). */
+	enum eco_code (*crs_look)(const char *crs, const double xy[2], struct eco_crs_facts *facts,
+		struct eco_error *error);
+	enum eco_code (*crs_choices)(const double xy[2], const char *words, struct eco_crs_choice *choices,
+		uint32_t *found, struct eco_error *error);
 	/* Decides crs->swapped of a crs with a code: where only one order puts the places into the CRS's area
 	 * of use, it is that; else as the form of the srsName says. What is odd is written into note ("" if
 	 * nothing). */

@@ -371,6 +371,22 @@ static enum eco_code draw_map(struct map *m)
 	return ECO_OK;
 }
 
+enum eco_code map_write(struct map *m, const char *path, uint32_t pixels)
+{
+	struct eco_chart_file file = { 0 };
+	enum eco_code code = map_frame(m, pixels);
+	if (!code)
+		code = draw_map(m);
+	if (!code && !main_progress("writing", NULL, 1))
+		code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+	if (!code)
+		code = eco_chart_png(m->chart, &file, m->error);
+	if (!code)
+		code = eco_file_write(path, file.bytes, file.size, m->error);
+	free(file.bytes);
+	return code;
+}
+
 /* Prints the legend's content to a terminal. */
 static void print_map(const struct map *m, const char *path)
 {
@@ -390,7 +406,6 @@ static struct { const char *scene, *output; uint64_t pixels; } given;
 static enum eco_code run_map(int argc, char **argv, struct eco_error *error)
 {
 	struct map m = { .error = error };
-	struct eco_chart_file file = { 0 };
 	memset(&given, 0, sizeof given);
 	given.pixels = 1200;
 	enum eco_code code = main_read(&main_command_map, argc, argv, error);
@@ -399,19 +414,10 @@ static enum eco_code run_map(int argc, char **argv, struct eco_error *error)
 	if (!code)
 		code = map_gather(&m, given.scene);
 	if (!code)
-		code = map_frame(&m, (uint32_t)given.pixels);
-	if (!code)
-		code = draw_map(&m);
-	if (!code && !main_progress("writing", NULL, 1))
-		code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
-	if (!code)
-		code = eco_chart_png(m.chart, &file, error);
-	if (!code)
-		code = eco_file_write(given.output, file.bytes, file.size, error);
+		code = map_write(&m, given.output, (uint32_t)given.pixels);
 	main_progress_end();
 	if (!code && !main_is_quiet)
 		print_map(&m, given.output);
-	free(file.bytes);
 	map_free(&m);
 	return code;
 }

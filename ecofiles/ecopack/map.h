@@ -77,6 +77,9 @@ static inline enum eco_code map_no_memory(struct map *m)
 	return eco_fail(m->error, ECO_NO_MEMORY, "no memory for the map");
 }
 
+/* Draws the map of what was gathered and writes it as a PNG. */
+enum eco_code map_write(struct map *m, const char *path, uint32_t pixels);
+
 double map_radius(const struct map *m, double height_m);         /* pixels; height 0: not known */
 
 static inline void map_extend(struct map_bounds *b, double x, double y)

@@ -29,7 +29,7 @@ static bool parse_instance(struct eco_source *source, const struct eco_json *at)
 	struct eco_source_instance *slot = &source->instances[source->instance_count];
 	struct eco_source_instance instance = { .scale = 1, .height_m = NAN };
 	struct eco_json plant = eco_json_member(at, "plant");
-	if (!eco_json_object(at, instance_fields) || !eco_json_required(at, "plant")
+	if (!eco_scene_object(at, instance_fields) || !eco_json_required(at, "plant")
 			|| !eco_json_required(at, "at")
 		|| !eco_source_plant_of(source, &plant, &instance.plant)
 		|| !eco_json_numbers(at, "at", 2, 3, -ECO_METRES_MAX, ECO_METRES_MAX, instance.at)
@@ -86,7 +86,7 @@ static bool parse_child(struct eco_source *source, const struct eco_json *at)
 	struct eco_json node = eco_json_member(at, "eco");
 	child->source = ECO_NONE;
 	child->scale = 1;
-	if (!eco_json_object(at, child_fields) || !eco_json_required(at, "eco")
+	if (!eco_scene_object(at, child_fields) || !eco_json_required(at, "eco")
 			|| !eco_json_required(at, "at")
 		|| !eco_json_numbers(at, "at", 2, 3, -ECO_METRES_MAX, ECO_METRES_MAX, child->at)
 		|| !eco_json_number(at, "yaw_deg", -YAW_MAX, YAW_MAX, &child->yaw_deg)
@@ -136,7 +136,7 @@ static bool parse_tile(struct eco_source *source, const struct eco_json *top)
 	struct eco_json node = eco_json_member(top, "tile");
 	uint64_t instances = ECO_TILE_INSTANCES;
 	if (node.value
-			&& (!eco_json_object(&node, tile_fields)
+			&& (!eco_scene_object(&node, tile_fields)
 			|| !eco_json_whole(&node, "instances", 1, 65536, &instances)))
 		return false;
 	source->tile_instances = (uint32_t)instances;
@@ -146,7 +146,7 @@ static bool parse_tile(struct eco_source *source, const struct eco_json *top)
 static bool parse_document(struct eco_source *source, const struct eco_json *top)
 {
 	struct eco_json origin = eco_json_member(top, "origin");
-	if (!eco_json_object(top, scene_fields) || !parse_name(source, top)
+	if (!eco_scene_object(top, scene_fields) || !parse_name(source, top)
 			|| !eco_scene_copy_text(top, "crs", ECO_PATH_BYTES, &source->crs)
 		|| !eco_scene_copy_text(top, "vertical", ECO_PATH_BYTES, &source->vertical)
 		|| !eco_json_numbers(top, "origin", 2, 3, -1e9, 1e9, source->origin)

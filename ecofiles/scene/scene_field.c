@@ -19,6 +19,51 @@ static char *path_beside(const char *base, const char *relative)
 	return path;
 }
 
+/* ---- Notes ---- */
+
+#define FIELDS_MAX 32u
+
+static bool is_note(const struct eco_json *at)
+{
+	return json_is_string(at->value)
+		|| eco_json_fail(at, ECO_BAD_INPUT, "a note is a text");
+}
+
+static bool check_notes(const struct eco_json *at)
+{
+	struct eco_json member = { .file = NULL };
+	if (json_is_object(at->value)) {
+		while (eco_json_next(at, &member))
+			if (!is_note(&member))
+				return false;
+		return true;
+	}
+	if (!json_is_array(at->value))
+		return is_note(at);
+	for (size_t i = 0; i < json_array_size(at->value); i++) {
+		struct eco_json item = eco_json_item(at, i);
+		if (!is_note(&item))
+			return false;
+	}
+	return true;
+}
+
+bool eco_scene_object(const struct eco_json *at, const char *const *fields)
+{
+	const char *all[FIELDS_MAX + 2];
+	size_t count = 0;
+	for (; fields[count] && count < FIELDS_MAX; count++)
+		all[count] = fields[count];
+	all[count++] = "notes";
+	all[count] = NULL;
+	if (!eco_json_object(at, all))
+		return false;
+	struct eco_json notes = eco_json_member(at, "notes");
+	return !notes.value || check_notes(&notes);
+}
+
+/* ---- Paths ---- */
+
 bool eco_scene_parse_path(const struct eco_source *source, const struct eco_json *at, char **path)
 {
 	if (!eco_json_is_text(at, ECO_PATH_BYTES))

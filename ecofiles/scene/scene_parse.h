@@ -12,6 +12,10 @@
 
 /* Fields of several parts (scene_field.c). */
 
+/* As eco_json_object, and "notes" may be among the members: a text, an array or an object of texts, for
+ * people. */
+bool eco_scene_object(const struct eco_json *at, const char *const *fields);
+
 /* A path, as seen from the folder of the file that names it; malloc'ed, or NULL. False after an error at
  * `at`, also if the file does not exist (not checked for documents from memory). */
 bool eco_scene_parse_path(const struct eco_source *source, const struct eco_json *at, char **path);

@@ -126,7 +126,7 @@ static bool parse_importance(const struct eco_json *at, float importance[ECO_ORG
 		importance[i] = 0;
 	if (!node.value)
 		return true;
-	if (!eco_json_object(&node, importance_fields))
+	if (!eco_scene_object(&node, importance_fields))
 		return false;
 	for (int i = 0; i < ECO_ORGAN_COUNT; i++) {
 		double number = 1;
@@ -168,7 +168,7 @@ static bool parse_rule(const struct eco_json *at, struct eco_part_rule *rule)
 	const char *name = NULL;
 	uint64_t component = 0;
 	double importance = 0;
-	if (!eco_json_object(at, rule_fields) || !parse_is(at, &rule->is)
+	if (!eco_scene_object(at, rule_fields) || !parse_is(at, &rule->is)
 			|| !eco_json_number(at, "importance", ECO_IMPORTANCE_LEAST, ECO_IMPORTANCE_MOST,
 				&importance)
 			|| !eco_json_text(at, "name", 255, &name)
@@ -216,7 +216,7 @@ static bool parse_plant(struct eco_source *source, const struct eco_json *at)
 {
 	struct eco_source_plant plant = { .variant_count = 1 };
 	uint32_t before = source->plant_count;
-	bool good = eco_source_name_is_fine(at, at->key, strlen(at->key)) && eco_json_object(at, plant_fields)
+	bool good = eco_source_name_is_fine(at, at->key, strlen(at->key)) && eco_scene_object(at, plant_fields)
 		&& eco_json_number(at, "height_m", 0.001, HEIGHT_MAX_M, &plant.height_m)
 		&& eco_scene_parse_unit(at, &plant.unit_m) && parse_up(at, &plant.up)
 		&& parse_importance(at, plant.importance) && parse_rules(at, &plant);
@@ -249,7 +249,7 @@ bool eco_scene_parse_plants(struct eco_source *source, const struct eco_json *to
 	if (!node.value)
 		return true;
 	if (!json_is_object(node.value))
-		return eco_json_object(&node, plant_fields);
+		return eco_scene_object(&node, plant_fields);
 	size_t count = count_variants(node.value);
 	if (count > PLANTS_MAX)
 		return eco_json_fail(&node, ECO_TOO_LARGE, "%zu models, at most %u are possible", count,

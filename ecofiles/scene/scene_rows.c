@@ -170,7 +170,7 @@ static bool parse_per_plant(const struct eco_source *source, const struct eco_js
 		struct eco_allometry *rule = &size->rules[size->rule_count];
 		bool there;
 		if (!eco_source_plant_named(source, &entry, entry.key, &rule->plant)
-				|| !eco_json_object(&entry, rule_fields) || !parse_rule(&entry, rule, &there))
+				|| !eco_scene_object(&entry, rule_fields) || !parse_rule(&entry, rule, &there))
 			return false;
 		if (!there)
 			return eco_json_required(&entry, "max");
@@ -212,7 +212,7 @@ static bool parse_height_object(const struct eco_source *source, const struct ec
 	struct eco_json unit = eco_json_member(at, "unit");
 	uint64_t count = *levels;
 	unsigned kinds = 0, which = 0;
-	if (!eco_json_object(at, height_fields) || !eco_json_whole(at, "levels", 1, 1024, &count))
+	if (!eco_scene_object(at, height_fields) || !eco_json_whole(at, "levels", 1, 1024, &count))
 		return false;
 	*levels = (uint32_t)count;
 	for (unsigned i = 0; i < sizeof from / sizeof *from; i++)
@@ -243,6 +243,11 @@ static bool parse_height_source(const struct eco_source *source, const struct ec
 	struct eco_positions_spec *spec)
 {
 	struct eco_size *size = &spec->heights[spec->height_count++];
+	if (json_is_string(at->value)) {
+		*size = (struct eco_size){ .kind = ECO_SIZE_COLUMN, .unit_m = 1, .factor = 1 };
+		return eco_json_is_text(at, ECO_COLUMN_BYTES)
+			&& ((size->column = strdup(json_string_value(at->value))) || eco_json_no_memory(at));
+	}
 	if (json_is_object(at->value))
 		return parse_height_object(source, at, size, &spec->levels);
 	double number = json_is_number(at->value) ? json_number_value(at->value) : NAN;
@@ -250,8 +255,8 @@ static bool parse_height_source(const struct eco_source *source, const struct ec
 	size->value_m = number;
 	if (number >= 0.001 && number <= 1000)
 		return true;
-	return eco_json_fail(at, ECO_BAD_INPUT, "a height is a number of metres between 0.001 and 1000, or "
-		"an object such as {\"column\": \"Height\", "
+	return eco_json_fail(at, ECO_BAD_INPUT, "a height is a number of metres between 0.001 and 1000, a "
+		"column of metres such as \"Height\", or an object such as {\"column\": \"Height\", "
 		"\"unit\": \"ft\"}");
 }
 
@@ -287,7 +292,7 @@ static bool parse_crown(const struct eco_json *at, struct eco_positions_spec *sp
 	if (!crown.value)
 		return true;
 	spec->crown.unit_m = 1;
-	if (!eco_json_object(&crown, crown_fields) || !eco_json_required(&crown, "column")
+	if (!eco_scene_object(&crown, crown_fields) || !eco_json_required(&crown, "column")
 		|| !eco_json_required(&crown, "is") || !eco_json_text(&crown, "is", 16, &is)
 		|| !eco_scene_copy_text(&crown, "column", ECO_COLUMN_BYTES, &spec->crown.column)
 		|| !eco_scene_parse_unit(&crown, &spec->crown.unit_m))
@@ -333,7 +338,7 @@ static bool parse_file(const struct eco_source *source, const struct eco_json *a
 	struct eco_positions_spec *spec)
 {
 	struct eco_json from = eco_json_member(at, "from");
-	if (!eco_json_object(at, row_fields))
+	if (!eco_scene_object(at, row_fields))
 		return false;
 	eco_json_place(&from, &spec->line, &spec->column);
 	return eco_scene_parse_path(source, &from, &spec->path)
@@ -349,18 +354,11 @@ static bool parse_place(const struct eco_source *source, const struct eco_json *
 		return false;
 	if (json_object_get(at->value, "y") && !eco_json_required(at, "x"))
 		return false;
-	if (!eco_scene_copy_text(at, "x", ECO_COLUMN_BYTES, &spec->x)
-			|| !eco_scene_copy_text(at, "y", ECO_COLUMN_BYTES, &spec->y)
-		|| !eco_scene_copy_text(at, "z", ECO_COLUMN_BYTES, &spec->z)
-		|| !eco_scene_copy_text(at, "vertical", ECO_PATH_BYTES, &spec->vertical)
-		|| !eco_scene_parse_crs(source, at, "crs", &spec->crs))
-		return false;
-	/* a file's own CRS is seen when it is opened; columns never have one */
-	if (!source->crs || spec->crs || !spec->x)
-		return true;
-	return eco_json_fail(at, ECO_BAD_INPUT, "\"crs\" is missing: the scene is in %.80s, so these rows "
-		"need theirs, such as \"crs\": \"%.80s\", or \"EPSG:4326\" for degrees", source->crs,
-		source->crs);
+	return eco_scene_copy_text(at, "x", ECO_COLUMN_BYTES, &spec->x)
+		&& eco_scene_copy_text(at, "y", ECO_COLUMN_BYTES, &spec->y)
+		&& eco_scene_copy_text(at, "z", ECO_COLUMN_BYTES, &spec->z)
+		&& eco_scene_copy_text(at, "vertical", ECO_PATH_BYTES, &spec->vertical)
+		&& eco_scene_parse_crs(source, at, "crs", &spec->crs);
 }
 
 bool eco_scene_parse_rows(const struct eco_source *source, const struct eco_json *at,

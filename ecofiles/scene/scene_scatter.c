@@ -72,7 +72,7 @@ static bool parse_height(const struct eco_json *at, struct eco_scatter_spec *spe
 		spec->height_high_m = spec->height_low_m;
 		return true;
 	}
-	if (!eco_json_object(&height, height_fields) || !eco_json_required(&height, "min")
+	if (!eco_scene_object(&height, height_fields) || !eco_json_required(&height, "min")
 			|| !eco_json_required(&height, "max")
 		|| !eco_json_number(&height, "min", 0.001, 1000, &spec->height_low_m)
 		|| !eco_json_number(&height, "max", 0.001, 1000, &spec->height_high_m))
@@ -97,7 +97,7 @@ bool eco_scene_parse_scatter(const struct eco_source *source, const struct eco_j
 {
 	struct eco_json where = eco_json_member(at, "scatter");
 	eco_json_place(&where, &spec->line, &spec->column);
-	return eco_json_object(at, scatter_fields) && eco_scene_parse_path(source, &where, &spec->path)
+	return eco_scene_object(at, scatter_fields) && eco_scene_parse_path(source, &where, &spec->path)
 		&& eco_scene_copy_text(at, "layer", ECO_COLUMN_BYTES, &spec->layer)
 		&& eco_scene_parse_crs(source, at, "crs", &spec->crs) && parse_numbers(source, at, spec)
 		&& eco_json_number(at, "full", 1e-9, 1e9, &spec->full)

@@ -360,7 +360,7 @@ UNIT_TEST(implausible_sizes_are_said)
 	expect("", "x,y,h,d\n1,1,200,\n2,2,,50000\n3,3,900,\n", "\"plant\":\"oak\","
 		"\"height_m\":[{\"column\":\"h\"},{\"from_dbh_cm\":\"d\",\"max\":35,"
 		"\"rate\":0.004}]," XY,
-		"oak 1 1 h200 / oak 2 2 h35 / oak 3 3", "3  kept: a height > 150 m (not used if > 300 m), a "
+		"oak 1 1 h200 / oak 2 2 h35 / oak 3 3", "3  kept: a height > 116 m (not used if > 300 m), a "
 		"trunk > 12 m or a crown > 60 m; is \"unit\" "
 			"another? (first in line 2: \"200\")|1  kept at their plant's own height: no usable "
 			"one (first in line 4: \"900\")");

@@ -177,9 +177,8 @@ static const struct { const char *json, *place, *says; } bad[] = {
 		"\"elm\"}}]}", ":2:", "\"elm\" is not among" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"crs\": \"EPSG:4326\"}]}", ":2:",
 		"the scene has no CRS" },
-	{ "{\"crs\": \"EPSG:26917\", \"origin\": [0, 0], " PLANTS ",\n\"instances\": [{" ROWS
-	", \"plant\": \"oak\"}]}", ":2:15:",
-		"\"crs\": \"EPSG:26917\"" },
+	{ "{\"name\": \"a\",\n \"notes\": {\"crs\": 3}}", ":2:19:", "a note is a text" },
+	{ "{\"notes\": [\"a\", [\"b\"]]}", ":1:17:", "a note is a text" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"from_dbh_mm\": "
 		"\"d\"}}]}", ":2:", "needs \"max\"" },
 	{ "{" PLANTS ",\n\"instances\": [{" ROWS ", \"plant\": \"oak\", \"height_m\": {\"column\": \"d\", "

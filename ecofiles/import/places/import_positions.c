@@ -18,7 +18,7 @@
 #define DISTANCE_MAX_M 1e7
 #define HEIGHT_MIN_M 0.01
 #define HEIGHT_MAX_M 300.0
-#define HEIGHT_PLAUSIBLE_M 150.0
+#define HEIGHT_PLAUSIBLE_M 116.0     /* the highest tree */
 #define CROWN_MAX_M 100.0
 #define CROWN_PLAUSIBLE_M 60.0
 #define SCALE_MIN 0.001
@@ -213,6 +213,20 @@ static bool sounds_like_degrees(const char *x, const char *y)
 	return is_x && is_y;
 }
 
+/* Refuses degrees that would be taken for the scene's metres: a heap some metres wide, far away. */
+static enum verdict refuse_inherited(const struct eco_positions *p, const double xyz[3],
+	struct eco_error *error)
+{
+	if (!p->frame.crs || p->spec->crs || (p->from_geometry && (p->rows->crs || p->rows->local))
+			|| fabs(xyz[0]) > 180 || fabs(xyz[1]) > 180)
+		return GOOD;
+	eco_fail(error, ECO_BAD_INPUT, "%.150s: no CRS is stated for its coordinates, so they would be in the "
+		"scene's, %.80s; but %.10g, %.10g looks like degrees: add \"crs\": \"EPSG:4326\" to its entry, "
+		"or \"crs\": \"%.80s\" if they are not", p->spec->path, p->frame.crs, xyz[0], xyz[1],
+		p->frame.crs);
+	return FAILED;
+}
+
 /* Refuses degrees in a scene of plain metres: they would become a heap a few millimetres wide. */
 static enum verdict refuse_degrees(const struct eco_positions *p, const double xyz[3],
 	struct eco_error *error)
@@ -235,13 +249,16 @@ static enum verdict convert(struct eco_positions *p, double xyz[3], struct eco_e
 	const char *why;
 	bool converted;
 	char text[80];
-	if (p->good_places == 0 && refuse_degrees(p, xyz, error) == FAILED)
-		return FAILED;
 	if (p->frame.crs && xyz[0] == 0 && xyz[1] == 0 && !p->rows->local)
 		return skip(p, ECO_SKIP_NO_COORDINATES, "0, 0");
+	if (p->good_places == 0 && (refuse_degrees(p, xyz, error) == FAILED
+			|| refuse_inherited(p, xyz, error) == FAILED))
+		return FAILED;
 	if (eco_crs_convert(p->crs, xyz, &converted, &why, error) != ECO_OK)
 		return FAILED;
 	snprintf(text, sizeof text, "%.10g, %.10g%s%.30s", was[0], was[1], *why != 0 ? ": " : "", why);
+	if (!converted && p->bad_places++ == 0)
+		memcpy(p->first_bad, was, sizeof was);
 	if (!converted)
 		return skip(p, ECO_SKIP_NO_CONVERSION, text);
 	for (int k = 0; k < 3; k++)
@@ -271,6 +288,26 @@ static void note_far(struct eco_positions *p)
 	else
 		add_note(p, "its plants stand %.0f km and more from the scene's origin; are x, y, crs and "
 			"the origin what they should be?", p->nearest_m / 1000);
+}
+
+/* Refuses a file without any place, if it had some with x and y swapped. */
+static enum eco_code refuse_swapped(const struct eco_positions *p, struct eco_error *error)
+{
+	double swapped[3] = { p->first_bad[1], p->first_bad[0], p->first_bad[2] };
+	const char *why;
+	bool converted = false;
+	if (p->good_places > 0 || p->bad_places == 0
+			|| eco_crs_convert(p->crs, swapped, &converted, &why, NULL) != ECO_OK || !converted
+			|| !(fmax(fabs(swapped[0]), fabs(swapped[1])) <= DISTANCE_MAX_M))
+		return ECO_OK;
+	char columns[120] = "";
+	if (p->spec->x)
+		snprintf(columns, sizeof columns, "; add \"x\": \"%.40s\", \"y\": \"%.40s\" to its entry",
+			p->spec->y, p->spec->x);
+	return eco_fail(error, ECO_BAD_INPUT, "%.150s: none of its %llu places can be converted, such as %.10g, "
+		"%.10g; swapped they stand %.0f km from the scene's origin: x is easting or longitude, y is "
+		"northing or latitude%s", p->spec->path, (unsigned long long)p->bad_places, p->first_bad[0],
+		p->first_bad[1], hypot(swapped[0], swapped[1]) / 1000, columns);
 }
 
 /* Whether an earlier plant stands at this place. */
@@ -382,6 +419,9 @@ static double read_height(struct eco_positions *p, uint32_t plant, double crown_
 			HEIGHT_MAX_M, &remarks);
 		remarks.implausible |= height > HEIGHT_PLAUSIBLE_M;
 		remark(p, &remarks, text);
+		/* without memory there is no doubt */
+		if (remarks.measured_m > 0)
+			eco_spread_add(&p->measured[i], remarks.measured_m);
 		if (isnan(height))
 			continue;
 		p->sized = true;
@@ -454,6 +494,7 @@ static enum eco_code read_record(struct eco_positions *p, struct eco_position *r
 		} else {
 			p->ended = true;
 			note_far(p);
+			return refuse_swapped(p, error);
 		}
 	}
 	return verdict == GOOD ? ECO_OK : error ? error->code : ECO_BAD_INPUT;
@@ -465,7 +506,9 @@ static enum eco_code start_places(struct eco_positions *p, struct eco_error *err
 	p->places = eco_place_set_open();
 	p->low[0] = p->low[1] = INFINITY;
 	p->high[0] = p->high[1] = -INFINITY;
-	p->plants = p->good_places = 0;
+	p->plants = p->good_places = p->bad_places = 0;
+	for (uint32_t i = 0; i < ECO_HEIGHT_SOURCES_MAX; i++)
+		eco_spread_free(&p->measured[i]);
 	p->nearest_m = INFINITY;
 	p->ended = false;
 	return p->places ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "out of memory");
@@ -588,6 +631,8 @@ void eco_positions_close(struct eco_positions *reader)
 	eco_species_close(reader->species);
 	eco_place_set_close(reader->places);
 	eco_levels_close(reader->levels);
+	for (uint32_t i = 0; i < ECO_HEIGHT_SOURCES_MAX; i++)
+		eco_spread_free(&reader->measured[i]);
 	for (uint32_t i = 0; i < reader->note_count; i++)
 		free(reader->notes[i]);
 	free(reader);

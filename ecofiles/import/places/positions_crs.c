@@ -66,12 +66,13 @@ enum eco_code eco_crs_open(struct eco_crs **crs, const struct eco_crs_request *r
 		memset(c->origin, 0, sizeof c->origin);
 	else if (!frame->crs)
 		code = plain_metres(request, error);
-	else if (!request->stated && !request->of_file)
+	else if (!request->stated && !request->of_file && request->no_crs_says && *request->no_crs_says)
 		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: its CRS is not stated%s; add \"crs\": "
-			"\"%.80s\" to its entry if it is the scene's", request->path,
-			request->no_crs_says ? request->no_crs_says : "", frame->crs);
-	else
+			"\"%.80s\" to its entry if it is the scene's", request->path, request->no_crs_says,
+			frame->crs);
+	else if (request->stated || request->of_file)
 		code = open_path(c, request, error);
+	/* else places are in the scene's CRS already */
 	if (!code)
 		*crs = c;
 	else

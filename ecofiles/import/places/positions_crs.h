@@ -15,7 +15,9 @@ struct eco_crs_request {
 	const char *path;            /* for messages */
 	const char *stated, *vertical;       /* in the scene's entry; win */
 	const char *of_file;         /* in the file; NULL: not stated */
-	const char *no_crs_says;     /* follows "its CRS is not stated"; may be NULL */
+	/* why a file that should state its CRS does not: an error. NULL or "": places without a CRS of their
+	 * own are in the scene's */
+	const char *no_crs_says;
 	bool local;                  /* without `stated`, places count from the scene's origin */
 	bool use_z;                  /* heights are converted, so their datums matter */
 	const struct eco_frame *frame;

@@ -7,6 +7,7 @@
 #include "ecofiles/import/places/positions.h"
 #include "ecofiles/import/places/positions_crs.h"
 #include "ecofiles/import/places/rows.h"
+#include "ecofiles/import/places/spread.h"
 
 /* ---- Species (positions_species.c): the map's keys, and the key of each text met ---- */
 
@@ -46,7 +47,10 @@ void eco_levels_close(struct eco_levels *levels);
 
 /* ---- Sizes (positions_size.c) ---- */
 
-struct eco_size_remarks { bool range, open, other_unit, unread, implausible; };
+struct eco_size_remarks {
+	bool range, open, other_unit, unread, implausible;
+	double measured_m;           /* what the text says, by the unit stated for the column; 0: by its own */
+};
 
 /* Reads a source of sizes from its column's text: metres, to the millimetre. NaN: none (also implausible,
  * above high_m). */
@@ -73,7 +77,9 @@ struct eco_positions {
 	struct eco_place_set *places;
 	struct eco_levels *levels;
 	struct eco_skipped skipped[ECO_SKIP_COUNT], filtered[ECO_FILTERS_MAX];
-	uint64_t plants, good_places;
+	uint64_t plants, good_places, bad_places;    /* bad: not convertible */
+	double first_bad[3];
+	struct eco_spread measured[ECO_HEIGHT_SOURCES_MAX];  /* metres, by source */
 	double low[2], high[2], nearest_m;   /* nearest_m: to the origin */
 	double first[3];             /* the first place, in the file's coordinates */
 	bool sized;                  /* a size was understood */

@@ -8,6 +8,7 @@
 #include "ecofiles/format/model.h"
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/import/places/positions_parts.h"
+#include "ecofiles/import/places/size_units.h"
 
 #define LINE_BYTES 480u
 #define KEYS_NAMED 6u
@@ -51,7 +52,7 @@ static const char *const lines[ECO_SKIP_COUNT] = {
 	[ECO_KEPT_OPEN] = "kept: a size as a bound, the bound is taken",
 	[ECO_KEPT_OTHER_UNIT] = "kept: a size with a unit of its own, which counts",
 	[ECO_KEPT_UNREAD] = "kept: a size that is not understood, the next source or the plant's own is "
-	"taken", [ECO_KEPT_IMPLAUSIBLE] = "kept: a height > 150 m (not used if > 300 m), a trunk > 12 m or "
+	"taken", [ECO_KEPT_IMPLAUSIBLE] = "kept: a height > 116 m (not used if > 300 m), a trunk > 12 m or "
 	"a crown > 60 m; is \"unit\" another?", [ECO_KEPT_DUPLICATE] = "kept: at the place of an earlier "
 	"plant, to the millimetre (\"duplicates\": \"skip\" leaves them out)",
 };
@@ -151,6 +152,27 @@ static void unknown_lines(const struct report *r, const struct eco_positions_cou
 				eco_phrase_count(c->unknown[i].count, number), c->unknown[i].first_text);
 }
 
+/* A unit that the entry states, in which plants would be far from what grows. */
+static void unit_lines(const struct report *r)
+{
+	const struct eco_positions_spec *s = r->reader->spec;
+	for (uint32_t i = 0; i < s->height_count; i++) {
+		const struct eco_size *size = &s->heights[i];
+		struct eco_spread spread = r->reader->measured[i];       /* it may be sorted */
+		enum eco_quantity quantity = size->kind == ECO_SIZE_COLUMN ? ECO_QUANTITY_HEIGHT
+			: size->factor < 1 ? ECO_QUANTITY_GIRTH : ECO_QUANTITY_DBH;
+		if (spread.count == 0)
+			continue;
+		double middle = eco_spread_quantile(&spread, 0.5), high = eco_spread_quantile(&spread, 0.98);
+		struct eco_size_numbers numbers = { middle / size->unit_m, high / size->unit_m };
+		const char *other = eco_unit_doubt(quantity, size->unit_m, &numbers);
+		if (other)
+			line(r, "%s: half of its \"%.40s\" are above %.3g m, the largest about %.3g m, which few "
+				"%s are; is their \"unit\" \"%s\"?", s->path, size->column, middle, high,
+				quantity == ECO_QUANTITY_HEIGHT ? "plants" : "trunks", other);
+	}
+}
+
 void eco_positions_report(const struct eco_positions *reader, void (*say)(void *ctx, const char *text),
 	void *ctx)
 {
@@ -166,6 +188,7 @@ void eco_positions_report(const struct eco_positions *reader, void (*say)(void *
 		return;
 	}
 	head_line(&r, &c);
+	unit_lines(&r);
 	for (int i = 0; i < ECO_SKIP_COUNT; i++) {
 		if (lines[i])
 			count_line(&r, &c.skipped[i], c.where, "%s", lines[i]);

@@ -49,6 +49,7 @@ double eco_size_read(const struct eco_size *size, const char *text, char decimal
 	remarks->unread |= form == ECO_FORM_NONE && !eco_text_is_missing(text);
 	if (form == ECO_FORM_NONE || !(number > 0))
 		return NAN;
+	remarks->measured_m = unit_m != 0 ? 0 : number * size->unit_m;
 	metres = number * (unit_m != 0 ? unit_m : size->unit_m) * size->factor;
 	remarks->implausible |= rule && metres > DBH_PLAUSIBLE_M;
 	if (rule)

@@ -15,6 +15,10 @@ enum eco_code proj_crs_open(struct eco_crs_path **path, const struct eco_crs_req
 enum eco_code proj_crs_convert(struct eco_crs_path *path, double xyz[3], bool *converted, const char **why,
 	struct eco_error *error);
 void proj_crs_close(struct eco_crs_path *path);
+enum eco_code proj_crs_look(const char *text, const double xy[2], struct eco_crs_facts *facts,
+	struct eco_error *error);
+enum eco_code proj_crs_choices(const double xy[2], const char *words, struct eco_crs_choice *choices,
+	uint32_t *found, struct eco_error *error);
 void proj_citygml_settle(struct eco_citygml_crs *crs, char *note, size_t size);
 
 extern const struct eco_proj_module eco_proj_module;

@@ -1,0 +1,191 @@
+/* ecopack start: from an inventory and a folder of models to a scene, a map and a camera. */
+#include "ecofiles/ecopack/start.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "ecofiles/base/options.h"
+#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/room.h"
+#include "ecofiles/ecopack/command.h"
+#include "ecofiles/ecopack/progress.h"
+
+/* ---- Guesses ---- */
+
+static void print_guess(const struct start_guess *g)
+{
+	int at = printf("  %-18s ", g->what);
+	char text[560];
+	snprintf(text, sizeof text, "%s  (%s)", g->took, g->why);
+	eco_help_wrap(stdout, text, at > 0 ? (unsigned)at : 0, 21);
+	if (g->change[0] != 0)
+		printf("%21schange: %s\n", "", g->change);
+	fflush(stdout);          /* what comes next may fork, or fail on standard error */
+}
+
+enum eco_code start_guess(struct start *s, const char *what, const char *took, const char *change,
+	const char *why, ...)
+{
+	if (!eco_room(&s->guesses, &s->guess_capacity, s->guess_count, sizeof *s->guesses))
+		return eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
+	struct start_guess *g = &s->guesses[s->guess_count++];
+	va_list arguments;
+	va_start(arguments, why);
+	vsnprintf(g->why, sizeof g->why, why, arguments);
+	va_end(arguments);
+	snprintf(g->what, sizeof g->what, "%s", what);
+	snprintf(g->took, sizeof g->took, "%s", took);
+	snprintf(g->change, sizeof g->change, "%s", change);
+	if (!main_is_quiet)
+		print_guess(g);
+	return ECO_OK;
+}
+
+void start_free(struct start *s)
+{
+	for (uint32_t i = 0; i < s->model_count; i++) {
+		for (uint32_t k = 0; k < s->models[i].path_count; k++)
+			free(s->models[i].paths[k]);
+		free(s->models[i].paths);
+	}
+	eco_table_free(&s->table);
+	eco_table_values_free(&s->species);
+	free(s->models);
+	free(s->matches);
+	free(s->guesses);
+	free(s->dem);
+	free(s->scene);
+}
+
+/* ---- The folder ---- */
+
+static enum eco_code make_folder(const struct start_options *o, bool *made, struct eco_error *error)
+{
+	static const char *const names[] = { "scene.json", "map.png", "camera.json" };
+	char path[4096];
+	*made = mkdir(o->folder, 0777) == 0;
+	if (!*made && errno != EEXIST)
+		return eco_fail(error, ECO_IO, "%.300s: %s", o->folder, strerror(errno));
+	for (size_t i = 0; i < 3 && !o->force; i++) {
+		snprintf(path, sizeof path, "%.4000s/%s", o->folder, names[i]);
+		if (access(path, F_OK) == 0)
+			return eco_fail(error, ECO_BAD_INPUT, "%.300s is there already; --force replaces it, and what "
+				"was written into it by hand is lost", path);
+	}
+	return ECO_OK;
+}
+
+/* ---- The command ---- */
+
+static struct { struct eco_inputs inputs; struct start_options options; char folder[4096]; } given;
+
+static enum eco_code read_options(struct start_options *o, struct eco_error *error)
+{
+	*o = given.options;
+	if (given.inputs.count < 2)
+		return eco_fail(error, ECO_BAD_USAGE, "a table of trees and a folder of models are needed");
+	o->table = given.inputs.names[0];
+	o->models = given.inputs.names[1];
+	o->dem = given.inputs.count > 2 ? given.inputs.names[2] : NULL;
+	size_t bytes = strlen(o->folder);
+	while (bytes > 1 && o->folder[bytes - 1] == '/')
+		bytes--;
+	if (snprintf(given.folder, sizeof given.folder, "%.*s", (int)bytes, o->folder) >= (int)sizeof given.folder)
+		return eco_fail(error, ECO_BAD_USAGE, "-o %.60s...: the path is too long", o->folder);
+	o->folder = given.folder;
+	if (o->separator && strcmp(o->separator, "tab") == 0)
+		o->separator = "\t";
+	if (o->separator && (strlen(o->separator) != 1 || !strchr(",;\t|", o->separator[0])))
+		return eco_fail(error, ECO_BAD_USAGE, "--separator is one of , ; | tab");
+	if (o->decimal && (strlen(o->decimal) != 1 || !strchr(".,", o->decimal[0])))
+		return eco_fail(error, ECO_BAD_USAGE, "--decimal is . or ,");
+	return ECO_OK;
+}
+
+static void print_next(const char *folder)
+{
+	char *real = realpath(folder, NULL);
+	const char *name = real ? eco_path_last(real) : "scene";
+	printf("\n%s: scene.json, map.png and camera.json are written. Look at map.png and at \"notes\" in scene.json; "
+		"then:\n", folder);
+	printf("  ecopack make %s/scene.json -o %s/%s.eco\n", folder, folder, name);
+	printf("  ecoserve %s/%s.eco &\n", folder, name);
+	printf("  ecoview http://127.0.0.1:8080/v1/scenes/%s --camera %s/camera.json --size 1280x720 "
+		"--vertices 1000000 -o %s/picture\n", name, folder, folder);
+	free(real);
+}
+
+static enum eco_code run_steps(struct start *s)
+{
+	enum eco_code code = start_look(s);
+	if (!code)
+		code = start_models_find(s);
+	if (!code)
+		code = start_match_species(s);
+	if (!code)
+		code = start_models_see(s);
+	if (!code)
+		code = start_scene(s);
+	return code ? code : start_write(s);
+}
+
+static enum eco_code run_start(int argc, char **argv, struct eco_error *error)
+{
+	struct start_options options;
+	bool made = false;
+	memset(&given, 0, sizeof given);
+	enum eco_code code = main_read(&main_command_start, argc, argv, error);
+	if (!code)
+		code = read_options(&options, error);
+	if (!code)
+		code = make_folder(&options, &made, error);
+	if (code)
+		return code;
+	struct start s = { .options = &options, .error = error };
+	code = run_steps(&s);
+	main_progress_end();
+	start_free(&s);
+	if (code && made)
+		rmdir(options.folder);
+	if (!code && !main_is_quiet)
+		print_next(options.folder);
+	return code;
+}
+
+static const struct eco_option options[] = {
+	{ "the table and the folder of models", 0, ECO_OPTION_INPUTS, "TREES MODELS [DEM]", &given.inputs,
+		.high = 3, .is_required = true },
+	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &given.options.folder, .is_required = true,
+		.help = "the folder for scene.json, map.png and camera.json, which appear together or not at all" },
+	{ "force", 0, ECO_OPTION_FLAG, NULL, &given.options.force, .help = "replaces those files" },
+	{ "crs", 0, ECO_OPTION_TEXT, "CRS", &given.options.crs, .help = "of the table's coordinates, such as "
+		"EPSG:4326 for degrees" },
+	{ "scene-crs", 0, ECO_OPTION_TEXT, "CRS", &given.options.scene_crs, .help = "of the scene: a projected one "
+		"in metres" },
+	{ "x", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.x, .help = "easting or longitude" },
+	{ "y", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.y, .help = "northing or latitude" },
+	{ "species-column", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.species,
+		.help = "species, Latin or common" },
+	{ "plant", 0, ECO_OPTION_TEXT, "NAME", &given.options.plant, .help = "one model for all rows" },
+	{ "height-column", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.height,
+		.help = "heights of plants" },
+	{ "height-unit", 0, ECO_OPTION_TEXT, "U", &given.options.height_unit, .help = "m, cm, mm, in, ft" },
+	{ "dbh-column", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.dbh, .help = "diameters of trunks at breast "
+		"height" },
+	{ "dbh-unit", 0, ECO_OPTION_TEXT, "U", &given.options.dbh_unit, .help = "of diameters or girths" },
+	{ "layer", 0, ECO_OPTION_TEXT, "NAME", &given.options.layer, .help = "of a file with several" },
+	{ "separator", 0, ECO_OPTION_TEXT, "S", &given.options.separator, .help = ", ; | or tab" },
+	{ "decimal", 0, ECO_OPTION_TEXT, "S", &given.options.decimal, .help = ". or ," }, { 0 } };
+
+const struct main_command main_command_start = { { "ecopack start", "TREES MODELS [DEM] -o DIR [--force] [--crs CRS] "
+	"[--x COLUMN --y COLUMN] [--height-unit U] ...",
+	"Makes a scene of an inventory of plants, a folder of models and perhaps a terrain: finds columns, units, "
+	"CRS, origin, models for the species and a camera, and says each guess with its reason and what changes it.",
+	options, main_common,
+	"Where two answers are equally good it asks: an error names them and the option that decides. It reads "
+	"nothing from the terminal.\n", NULL }, run_start };

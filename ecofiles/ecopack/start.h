@@ -1,0 +1,95 @@
+/* Inside `ecopack start`: from a table of trees and a folder of models to a scene that can be packed.
+ *
+ *   start_look(&start)            the table: columns, units, CRS                      start_look.c
+ *   start_models_find(&start)     the folder: which files are models                  start_models.c
+ *   start_match(&start)           a model for each species                            start_match.c
+ *   start_models_see(&start)      the chosen ones: their sizes
+ *   start_scene(&start)           scene.json as text                                  start_scene.c
+ *   start_write(&start)           scene.json, map.png, camera.json, all or nothing    start_write.c
+ *
+ * Every guess is a line: what was taken, why, and what changes it. It is printed, and kept in the scene's
+ * notes. */
+#ifndef ECO_MAIN_START_H
+#define ECO_MAIN_START_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "ecofiles/ecopack/map.h"
+#include "ecofiles/import/places/flora.h"
+#include "ecofiles/import/places/place_guess.h"
+#include "ecofiles/import/places/size_units.h"
+#include "ecofiles/import/places/table_columns.h"
+#include "ecofiles/import/places/table_values.h"
+#include "ecofiles/import/places/words.h"
+
+struct start_options {           /* NULL: not given */
+	const char *table, *models, *dem, *folder;
+	const char *crs, *scene_crs, *x, *y, *species, *height, *dbh, *layer, *plant;
+	const char *height_unit, *dbh_unit, *separator, *decimal;
+	bool force;
+};
+
+struct start_guess { char what[24], took[160], why[ECO_WHY_BYTES], change[64]; };
+
+struct start_model {             /* a plant of the scene: a file, or several alike */
+	char name[64], words[ECO_WORDS_BYTES];
+	char **paths; uint32_t path_count;
+	struct eco_flora flora;
+	bool is_dead;
+	uint64_t rows;               /* that use it */
+	uint32_t kinds;              /* species that use it */
+	double height_m;             /* of the first file, by its unit; 0: not looked at */
+	bool height_is_ours;         /* it is written into the scene, as the file's is none to believe */
+};
+
+enum start_tier { START_BY_NAME, START_BY_GENUS, START_BY_FORM, START_BY_NOTHING, START_LEFT_OUT,
+	START_TIERS };
+struct start_match { uint32_t model; enum start_tier tier; struct eco_flora flora; };   /* model ECO_NONE: left out */
+
+struct start_size { uint32_t column; struct eco_unit_guess unit; double median; };
+
+struct start {
+	const struct start_options *options;
+	struct eco_error *error;
+	struct eco_rows_source source;
+	struct eco_table table;
+	struct eco_columns columns;
+	struct eco_raster_extent *dem;       /* NULL: none */
+	struct eco_place_guess place;
+	/* column ECO_NONE: none; `trunk` is a diameter, or a girth */
+	struct start_size height, trunk;
+	bool trunk_is_girth;
+	struct start_model *models; uint32_t model_count, model_capacity;
+	struct eco_table_values species;
+	struct start_match *matches;         /* per value of species */
+	uint32_t fallback;                   /* the model of all other species */
+	double height_m;                     /* of plants of which no size is known */
+	struct start_guess *guesses; uint32_t guess_count, guess_capacity;
+	char *scene;                         /* the text */
+};
+
+enum eco_code start_look(struct start *s);
+enum eco_code start_models_find(struct start *s);
+enum eco_code start_match_species(struct start *s);
+enum eco_code start_models_see(struct start *s);
+enum eco_code start_scene(struct start *s);
+enum eco_code start_write(struct start *s);
+void start_free(struct start *s);
+
+/* Keeps a guess and prints it. `change`: the option or the field that changes it; "" if nothing does. */
+enum eco_code start_guess(struct start *s, const char *what, const char *took, const char *change,
+	const char *why, ...) __attribute__((format(printf, 5, 6)));
+
+/* A path as seen from the folder that is written, malloc'ed; NULL when memory ran out. */
+char *start_path(const struct start *s, const char *path);
+
+static inline const char *start_column(const struct start *s, uint32_t column)
+{
+	return column == ECO_NONE ? NULL : s->table.columns[column];
+}
+
+/* A camera script of one picture: from above the ground to the middle of the plants. Malloc'ed. */
+enum eco_code start_camera(const struct map *map, char **text, struct eco_error *error);
+
+#endif

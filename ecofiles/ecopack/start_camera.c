@@ -1,0 +1,95 @@
+/* The first look: from the south and a little above, at the middle of the plants, near enough that a plant is
+ * more than a dot. */
+#include "ecofiles/ecopack/start.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#define SEEN 200u                /* plants around the middle that the picture is for */
+#define FAR_M 250.0
+#define FIELD_DEG 45.0
+#define CLEAR_M 10.0             /* around the eye no plant reaches so near to it */
+#define STEPS 32                 /* of the ground between eye and target */
+
+static int compare(const void *a, const void *b)
+{
+	double p = *(const double *)a, q = *(const double *)b;
+	return (p > q) - (p < q);
+}
+
+static double ground_at(const struct map *m, double x, double y)
+{
+	double z = 0;
+	if (m->has_ground)
+		eco_ground_height(&m->ground, x, y, &z);
+	return z;
+}
+
+/* The plant nearest to the medians of x and y, and the distance within which SEEN others stand. */
+static bool find_middle(const struct map *m, double at[2], double *reach)
+{
+	uint32_t n = m->points.count;
+	double *sorted = malloc((n + 1u) * sizeof *sorted), median[2], nearest = INFINITY;
+	if (!sorted)
+		return false;
+	for (int k = 0; k < 2; k++) {
+		for (uint32_t i = 0; i < n; i++)
+			sorted[i] = (double)(k ? m->points.items[i].y : m->points.items[i].x);
+		qsort(sorted, n, sizeof *sorted, compare);
+		median[k] = sorted[n / 2];
+	}
+	for (uint32_t i = 0; i < n; i++) {
+		double x = (double)m->points.items[i].x, y = (double)m->points.items[i].y,
+			distance = hypot(x - median[0], y - median[1]);
+		if (distance < nearest) {
+			nearest = distance;
+			at[0] = x;
+			at[1] = y;
+		}
+	}
+	for (uint32_t i = 0; i < n; i++)
+		sorted[i] = hypot((double)m->points.items[i].x - at[0], (double)m->points.items[i].y - at[1]);
+	qsort(sorted, n, sizeof *sorted, compare);
+	*reach = sorted[n > SEEN ? SEEN : n - 1];
+	free(sorted);
+	return true;
+}
+
+/* The least height of an eye there that clears plants, and the ground on the way to the target. */
+static double least_height(const struct map *m, const double eye[2], const double target[3])
+{
+	double least = ground_at(m, eye[0], eye[1]) + 1.7;
+	for (uint32_t i = 0; i < m->points.count; i++) {
+		const struct map_point *p = &m->points.items[i];
+		double x = (double)p->x, y = (double)p->y, height = p->height_m > 0 ? (double)p->height_m : m->typical_m;
+		if (hypot(x - eye[0], y - eye[1]) < CLEAR_M)
+			least = fmax(least, ground_at(m, x, y) + height + CLEAR_M / 2);
+	}
+	for (int i = 1; i < STEPS; i++) {
+		double t = (double)i / STEPS, x = eye[0] + t * (target[0] - eye[0]), y = eye[1] + t * (target[1] - eye[1]);
+		/* the line from eye to target is above this ground by 2 m if the eye is so high */
+		least = fmax(least, (ground_at(m, x, y) + 2 - t * target[2]) / (1 - t));
+	}
+	return least;
+}
+
+enum eco_code start_camera(const struct map *map, char **text, struct eco_error *error)
+{
+	double middle[2] = { 0, 0 }, reach = 0, tall = map->typical_m > 0 ? map->typical_m : 10;
+	*text = NULL;
+	if (map->points.count == 0)
+		return eco_fail(error, ECO_BAD_INPUT, "no plant is left to look at");
+	if (!find_middle(map, middle, &reach))
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for the camera");
+	double away = fmin(fmax(reach + 2 * tall, 3 * tall), fmax(FAR_M, 6 * tall));
+	double target[3] = { middle[0], middle[1], ground_at(map, middle[0], middle[1]) + tall / 2 },
+		eye[3] = { middle[0], middle[1] - away };
+	eye[2] = fmax(target[2] + away / 4, least_height(map, eye, target));
+	if (asprintf(text, "{\"fps\": 1, \"keyframes\": [\n  {\"time_s\": 0, \"eye\": [%.2f, %.2f, %.2f], \"target\": "
+			"[%.2f, %.2f, %.2f], \"fov_y_deg\": %g}]}\n", eye[0], eye[1], eye[2], target[0], target[1],
+			target[2], FIELD_DEG) >= 0)
+		return ECO_OK;
+	*text = NULL;
+	return eco_fail(error, ECO_NO_MEMORY, "no memory for the camera");
+}

@@ -1,0 +1,222 @@
+/* The table: what its columns mean, in which units and in which CRS. */
+#include "ecofiles/ecopack/start.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/base/phrase.h"
+#include "ecofiles/scene/scene.h"
+
+/* ---- Columns ---- */
+
+static enum eco_code find_named(struct start *s, enum eco_role role, const char *name, const char *option)
+{
+	char there[250] = "";
+	if (!name)
+		return ECO_OK;
+	for (uint32_t i = 0; i < s->table.column_count; i++) {
+		if (strcmp(s->table.columns[i], name) == 0) {
+			s->columns.of[role] = i;
+			return ECO_OK;
+		}
+		eco_phrase_add(there, sizeof there, s->table.columns[i]);
+	}
+	return eco_fail(s->error, ECO_BAD_INPUT, "%s %.60s: %.120s has no such column; there are: %s", option, name,
+		s->options->table, there);
+}
+
+static enum eco_code find_columns(struct start *s)
+{
+	const struct start_options *o = s->options;
+	for (int i = 0; i < ECO_ROLE_COUNT; i++)
+		s->columns.of[i] = ECO_NONE;
+	s->columns.decimal = o->decimal ? o->decimal[0] : 0;
+	enum eco_code code = find_named(s, ECO_ROLE_X, o->x, "--x");
+	if (!code)
+		code = find_named(s, ECO_ROLE_Y, o->y, "--y");
+	if (!code)
+		code = find_named(s, ECO_ROLE_SPECIES, o->species, "--species-column");
+	if (!code)
+		code = find_named(s, ECO_ROLE_HEIGHT, o->height, "--height-column");
+	if (!code)
+		code = find_named(s, ECO_ROLE_DBH, o->dbh, "--dbh-column");
+	if (!code)
+		eco_table_columns(&s->table, &s->columns);
+	return code;
+}
+
+static enum eco_code say_column(struct start *s, enum eco_role role, const char *change, bool given)
+{
+	const char *name = start_column(s, s->columns.of[role]), *rival = start_column(s, s->columns.rival[role]);
+	char took[80];
+	snprintf(took, sizeof took, "\"%.70s\"", name);
+	if (given)
+		return start_guess(s, eco_role_names[role], took, change, "as you say");
+	return start_guess(s, eco_role_names[role], took, change, "by its name and what stands in it%s%.60s%s",
+		rival ? "; it might be \"" : "", rival ? rival : "", rival ? "\", too" : "");
+}
+
+static enum eco_code say_columns(struct start *s)
+{
+	const struct start_options *o = s->options;
+	char took[160];
+	enum eco_code code = ECO_OK;
+	if (s->columns.decimal == ',')
+		code = start_guess(s, "numbers", "decimal commas", "--decimal", "as most numbers have them");
+	if (!code && s->place.from_geometry)
+		code = start_guess(s, "places", "the file's points", "--x, --y", "it has a geometry");
+	else if (!code) {
+		const char *x = start_column(s, s->columns.of[s->place.swapped ? ECO_ROLE_Y : ECO_ROLE_X]),
+			*y = start_column(s, s->columns.of[s->place.swapped ? ECO_ROLE_X : ECO_ROLE_Y]);
+		snprintf(took, sizeof took, "x is \"%.60s\", y is \"%.60s\"", x, y);
+		code = start_guess(s, "places", took, "--x, --y", "%s", s->place.swapped
+			? "swapped, see crs" : o->x && o->y ? "as you say" : "by their names and numbers");
+	}
+	if (!code && s->columns.of[ECO_ROLE_SPECIES] != ECO_NONE)
+		code = say_column(s, ECO_ROLE_SPECIES, "--species-column", o->species);
+	return code;
+}
+
+/* ---- Sizes ---- */
+
+static bool is_unit(const char *unit)
+{
+	double metres;
+	return eco_unit_metres(unit, &metres);
+}
+
+static enum eco_code measure(struct start *s, struct start_size *size, enum eco_quantity quantity,
+	const char *given, const char *option)
+{
+	const char *name = start_column(s, size->column);
+	struct eco_spread spread = { 0 };
+	double own_unit = 0;
+	if (!eco_table_spread(&s->table, size->column, &s->columns, &spread, &own_unit)) {
+		eco_spread_free(&spread);
+		return eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
+	}
+	struct eco_size_numbers numbers = { eco_spread_quantile(&spread, 0.5), eco_spread_quantile(&spread, 0.98) };
+	bool any = spread.count > 0;
+	eco_spread_free(&spread);
+	size->median = numbers.middle;
+	if (!any) {
+		size->column = ECO_NONE;         /* nothing in it */
+		return ECO_OK;
+	}
+	if (given) {
+		size->unit = (struct eco_unit_guess){ .unit = given, .why = "as you say" };
+		return ECO_OK;
+	}
+	if (own_unit > 0.5) {
+		size->unit = (struct eco_unit_guess){ .unit = "m", .why = "most values say theirs, which counts" };
+		return ECO_OK;
+	}
+	size->unit = eco_unit_guess(quantity, name, &numbers);
+	if (size->unit.unit)
+		return ECO_OK;
+	return eco_fail(s->error, ECO_BAD_INPUT, "%.120s: in which unit is \"%.40s\"? %s; say %s (one of " ECO_UNITS
+		")", s->options->table, name, size->unit.why, option);
+}
+
+static enum eco_code say_size(struct start *s, const struct start_size *size, enum eco_role role,
+	const char *column, const char *unit)
+{
+	char took[120], change[64];
+	if (size->column == ECO_NONE)
+		return ECO_OK;
+	snprintf(took, sizeof took, "\"%.60s\" in %s", start_column(s, size->column), size->unit.unit);
+	snprintf(change, sizeof change, "%s, %s", column, unit);
+	return start_guess(s, eco_role_names[role], took, change, "%s", size->unit.why);
+}
+
+/* Whether trunks are needed: where heights are missing. */
+static enum eco_code find_sizes(struct start *s)
+{
+	const struct start_options *o = s->options;
+	enum eco_code code = ECO_OK;
+	s->height.column = s->columns.of[ECO_ROLE_HEIGHT];
+	s->trunk_is_girth = s->columns.of[ECO_ROLE_DBH] == ECO_NONE;
+	s->trunk.column = s->columns.of[s->trunk_is_girth ? ECO_ROLE_GIRTH : ECO_ROLE_DBH];
+	if (s->height.column != ECO_NONE)
+		code = measure(s, &s->height, ECO_QUANTITY_HEIGHT, o->height_unit, "--height-unit");
+	if (!code && s->trunk.column != ECO_NONE)
+		code = measure(s, &s->trunk, s->trunk_is_girth ? ECO_QUANTITY_GIRTH : ECO_QUANTITY_DBH, o->dbh_unit,
+			"--dbh-unit");
+	if (!code)
+		code = say_size(s, &s->height, ECO_ROLE_HEIGHT, "--height-column", "--height-unit");
+	return code ? code : say_size(s, &s->trunk, s->trunk_is_girth ? ECO_ROLE_GIRTH : ECO_ROLE_DBH,
+		"--dbh-column", "--dbh-unit");
+}
+
+/* ---- Places ---- */
+
+static enum eco_code find_place(struct start *s)
+{
+	const struct start_options *o = s->options;
+	struct eco_place_asked asked = { .table = &s->table, .columns = &s->columns, .crs = o->crs,
+		.scene_crs = o->scene_crs, .dem = s->dem };
+	return eco_place_guess(&s->place, &asked, s->error);
+}
+
+static enum eco_code say_place(struct start *s)
+{
+	const struct eco_place_guess *p = &s->place;
+	char took[80];
+	enum eco_code code = start_guess(s, "crs of the table", p->crs[0] != 0 ? p->crs : "none", "--crs", "%s",
+		p->crs_why);
+	if (!code)
+		code = start_guess(s, "crs of the scene", p->scene_crs[0] != 0 ? p->scene_crs : "none",
+			"--scene-crs", "%s", p->scene_why);
+	snprintf(took, sizeof took, "%.10g, %.10g", p->origin[0], p->origin[1]);
+	return code ? code : start_guess(s, "origin", took, "\"origin\" in the scene", "%s", p->origin_why);
+}
+
+static enum eco_code read_dem(struct start *s)
+{
+	if (!s->options->dem)
+		return ECO_OK;
+	s->dem = malloc(sizeof *s->dem);
+	return s->dem ? eco_raster_extent(s->options->dem, s->dem, s->error)
+		: eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
+}
+
+static enum eco_code check_units(struct start *s)
+{
+	const struct start_options *o = s->options;
+	const struct { const char *name, *unit; } given[] = { { "--height-unit", o->height_unit },
+		{ "--dbh-unit", o->dbh_unit } };
+	for (size_t i = 0; i < 2; i++)
+		if (given[i].unit && !is_unit(given[i].unit))
+			return eco_fail(s->error, ECO_BAD_USAGE, "%s %.20s: the units are " ECO_UNITS, given[i].name,
+				given[i].unit);
+	return ECO_OK;
+}
+
+enum eco_code start_look(struct start *s)
+{
+	const struct start_options *o = s->options;
+	char rows[32];
+	s->source = (struct eco_rows_source){ .path = o->table, .layer = o->layer,
+		.separator = o->separator ? o->separator[0] : 0 };
+	s->height.column = s->trunk.column = ECO_NONE;
+	enum eco_code code = check_units(s);
+	if (!code)
+		code = eco_table_read(&s->table, &s->source, s->error);
+	if (code)
+		return code;
+	printf("%s: %s row%s, %u columns\n", o->table, eco_phrase_count(s->table.rows, rows),
+		s->table.rows == 1 ? "" : "s", s->table.column_count);
+	for (uint32_t i = 0; i < s->table.note_count; i++)
+		printf("  %s\n", s->table.notes[i]);
+	code = read_dem(s);
+	if (!code)
+		code = find_columns(s);
+	if (!code)
+		code = find_place(s);
+	if (!code)
+		code = say_columns(s);
+	if (!code)
+		code = say_place(s);
+	return code ? code : find_sizes(s);
+}

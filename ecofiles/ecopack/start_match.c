@@ -1,0 +1,211 @@
+/* A model for each species: of its name, else of its genus, else of its form. */
+#include "ecofiles/ecopack/start.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/base/mix.h"
+#include "ecofiles/base/phrase.h"
+#include "ecofiles/import/places/inventory_text.h"
+#include "ecofiles/import/places/words.h"
+
+#define NAMED 5u                 /* species named in a line */
+
+/* ---- Scores ---- */
+
+#define GENUS 100
+#define WORD 40                  /* a word that both have */
+#define FORM 20
+#define KIND 10                  /* tree for tree, low plant for low plant */
+#define PLAIN 3                  /* a model of no genus stands for any */
+#define DEAD 1
+
+/* Words of species and model that are the same and tell something: no numbers, no sizes, no "tree". */
+static int shared_words(const char *species, const char *model)
+{
+	static const char empty[] = "tree large small medium big old young common the and var low poly high";
+	char word[ECO_WORD_BYTES];
+	int shared = 0;
+	for (const char *at = species; eco_words_next(&at, word);)
+		shared += strlen(word) >= 3 && (word[0] < '0' || word[0] > '9') && !eco_words_have(empty, word)
+			&& eco_words_have(model, word);
+	return shared;
+}
+
+static bool says_genus(const struct eco_flora *a, const struct eco_flora *b)
+{
+	return a->genus && b->genus && strcmp(a->genus, b->genus) == 0;
+}
+
+static int score(const struct eco_flora *flora, const char *words, const struct start_model *model,
+	enum start_tier *tier)
+{
+	enum eco_form form = flora->form != ECO_FORM_UNKNOWN ? flora->form : ECO_FORM_BROAD;
+	int shared = shared_words(words, model->words), sum = WORD * shared;
+	bool genus = says_genus(flora, &model->flora);
+	*tier = START_BY_NOTHING;
+	if (model->flora.form == ECO_FORM_NOTHING)
+		return -GENUS;
+	/* a dead or bare tree stands for a living one only where there is no other */
+	if (model->is_dead && !eco_words_have(words, "dead"))
+		return DEAD;
+	sum += genus ? GENUS : model->flora.genus ? 0 : PLAIN;
+	sum += form == model->flora.form ? FORM : 0;
+	sum += eco_form_is_tree(form) == eco_form_is_tree(model->flora.form) ? KIND : 0;
+	*tier = shared > (genus ? 1 : 0) ? START_BY_NAME : genus ? START_BY_GENUS
+		: form == model->flora.form ? START_BY_FORM : START_BY_NOTHING;
+	return sum;
+}
+
+/* Of models that are equally good, a hash of the genus takes one, so that not all woods look alike. */
+static struct start_match best_match(const struct start *s, const char *text)
+{
+	struct start_match match = { .model = ECO_NONE, .tier = START_LEFT_OUT,
+		.flora = eco_flora_of(text, true) };
+	char words[ECO_WORDS_BYTES];
+	int best = -1000;
+	uint64_t hash = 0, taken = 0;
+	if (match.flora.form == ECO_FORM_NOTHING)
+		return match;
+	eco_words_of(text, words, sizeof words);
+	for (const char *c = match.flora.genus ? match.flora.genus : words; *c != 0; c++)
+		hash = eco_mix(hash, (uint64_t)*c);
+	for (uint32_t i = 0; i < s->model_count; i++) {
+		enum start_tier tier;
+		int own = score(&match.flora, words, &s->models[i], &tier);
+		uint64_t order = eco_mix(hash, i);
+		if (own < best || (own == best && order > taken))
+			continue;
+		best = own;
+		taken = order;
+		match.model = i;
+		match.tier = tier;
+	}
+	return match;
+}
+
+/* ---- What is said ---- */
+
+static enum eco_code say_tier(struct start *s, enum start_tier tier)
+{
+	static const char *const why[START_TIERS] = { "they share words with the model's name",
+		"the model is of their genus", "no model is of their genus; this one has their form",
+		"no model is like them", "they name no plant: \"map\": null" };
+	for (uint32_t m = 0; m <= s->model_count; m++) {
+		char names[200] = "", took[160], rows[32];
+		uint32_t kinds = 0, model = m < s->model_count ? m : ECO_NONE;
+		uint64_t sum = 0;
+		for (uint32_t i = 0; i < s->species.count; i++) {
+			if (s->matches[i].model != model || s->matches[i].tier != tier)
+				continue;
+			if (kinds++ < NAMED)
+				eco_phrase_add(names, sizeof names, s->species.items[i].text);
+			sum += s->species.items[i].rows;
+		}
+		if (kinds == 0)
+			continue;
+		snprintf(took, sizeof took, "%.60s: %u species, %s row%s", model == ECO_NONE ? "left out"
+			: s->models[model].name, kinds, eco_phrase_count(sum, rows), sum == 1 ? "" : "s");
+		enum eco_code code = start_guess(s, "model", took, "\"map\" in the scene", "%s: %s%s", why[tier],
+			names, kinds > NAMED ? ", ..." : "");
+		if (code)
+			return code;
+	}
+	return ECO_OK;
+}
+
+static enum eco_code say_spelling(struct start *s)
+{
+	for (uint32_t i = 0; i < s->species.count; i++) {
+		const struct eco_flora *f = &s->matches[i].flora;
+		char took[160];
+		if (f->misspelt[0] == 0)
+			continue;
+		snprintf(took, sizeof took, "\"%.60s\" is meant as %s", s->species.items[i].text, f->meant);
+		enum eco_code code = start_guess(s, "spelling", took, "\"map\" in the scene", "\"%s\" is no plant, but "
+			"nearly one (first in line %llu)", f->misspelt,
+			(unsigned long long)s->species.items[i].first_line);
+		if (code)
+			return code;
+	}
+	return ECO_OK;
+}
+
+/* ---- All ---- */
+
+static enum eco_code choose_fallback(struct start *s)
+{
+	char took[100];
+	s->fallback = best_match(s, "tree").model;
+	for (uint32_t i = 0; i < s->model_count; i++)
+		if (s->models[i].rows > s->models[s->fallback].rows && eco_form_is_tree(s->models[i].flora.form))
+			s->fallback = i;
+	snprintf(took, sizeof took, "%.64s", s->models[s->fallback].name);
+	return start_guess(s, "all other species", took, "\"*\" in the map", "the tree with most rows; rows without "
+		"a species get it, too");
+}
+
+static enum eco_code one_for_all(struct start *s, const char *why)
+{
+	s->fallback = best_match(s, "tree").model;
+	if (s->fallback == ECO_NONE)
+		s->fallback = 0;
+	s->models[s->fallback].rows = s->table.rows;
+	return start_guess(s, "model", s->models[s->fallback].name, "--species-column, --plant", "%s", why);
+}
+
+static enum eco_code take_plant(struct start *s)
+{
+	char known[300] = "";
+	for (uint32_t i = 0; i < s->model_count; i++) {
+		if (strcmp(s->models[i].name, s->options->plant) == 0) {
+			s->fallback = i;
+			s->models[i].rows = s->table.rows;
+			s->columns.of[ECO_ROLE_SPECIES] = ECO_NONE;
+			return start_guess(s, "model", s->models[i].name, "--plant", "as you say");
+		}
+		eco_phrase_add(known, sizeof known, s->models[i].name);
+	}
+	return eco_fail(s->error, ECO_BAD_INPUT, "--plant %.60s: no such model; there are: %s", s->options->plant,
+		known);
+}
+
+static enum eco_code ask_for_species(struct start *s)
+{
+	char there[250] = "";
+	for (uint32_t i = 0; i < s->table.column_count; i++)
+		eco_phrase_add(there, sizeof there, s->table.columns[i]);
+	return eco_fail(s->error, ECO_BAD_INPUT, "%.120s: which column names the species? Give --species-column, or "
+		"--plant NAME for one model everywhere; there are: %s", s->options->table, there);
+}
+
+enum eco_code start_match_species(struct start *s)
+{
+	if (s->options->plant)
+		return take_plant(s);
+	if (s->model_count == 1 && s->columns.of[ECO_ROLE_SPECIES] == ECO_NONE)
+		return one_for_all(s, "it is the only one");
+	if (s->columns.of[ECO_ROLE_SPECIES] == ECO_NONE)
+		return ask_for_species(s);
+	enum eco_code code = eco_table_values_read(&s->species, &s->source,
+		start_column(s, s->columns.of[ECO_ROLE_SPECIES]), s->error);
+	if (!code && !(s->matches = calloc(s->species.count + 1u, sizeof *s->matches)))
+		code = eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
+	for (uint32_t i = 0; i < s->species.count && !code; i++) {
+		struct start_match *match = &s->matches[i];
+		*match = (struct start_match){ .model = ECO_NONE, .tier = START_TIERS };
+		if (eco_text_is_missing(s->species.items[i].text))
+			continue;        /* "*" */
+		*match = best_match(s, s->species.items[i].text);
+		if (match->model == ECO_NONE)
+			continue;
+		s->models[match->model].rows += s->species.items[i].rows;
+		s->models[match->model].kinds++;
+	}
+	for (int tier = 0; tier < START_TIERS && !code; tier++)
+		code = say_tier(s, (enum start_tier)tier);
+	if (!code)
+		code = say_spelling(s);
+	return code ? code : choose_fallback(s);
+}

@@ -1,0 +1,255 @@
+/* The models of a folder, and what is seen of those that are used. */
+#include "ecofiles/ecopack/start.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+#include "ecofiles/base/phrase.h"
+#include "ecofiles/base/room.h"
+#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/import/model/model_import.h"
+#include "ecofiles/import/places/words.h"
+
+#define DEPTH_MAX 4u
+#define FILES_MAX 4096u
+#define VARIANTS_MAX 8u
+
+/* ---- Files ---- */
+
+/* Formats from the one that says most of a model to the one that says least. */
+static const char *const formats[] = { "glb", "gltf", "fbx", "dae", "obj", "ply", "3ds", "stl", "off" };
+#define FORMATS (sizeof formats / sizeof *formats)
+
+static size_t format_of(const char *path)
+{
+	const char *dot = strrchr(path, '.');
+	for (size_t i = 0; dot && i < FORMATS; i++)
+		if (strcasecmp(dot + 1, formats[i]) == 0)
+			return i;
+	return FORMATS;
+}
+
+struct files { char **paths; uint32_t count, capacity; };
+
+static enum eco_code add_file(struct start *s, struct files *files, char *path)
+{
+	if (path && files->count < FILES_MAX && eco_room(&files->paths, &files->capacity, files->count,
+			sizeof *files->paths)) {
+		files->paths[files->count++] = path;
+		return ECO_OK;
+	}
+	free(path);
+	return files->count == FILES_MAX ? eco_fail(s->error, ECO_TOO_LARGE, "%.300s: more than %u models",
+		s->options->models, FILES_MAX) : eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
+}
+
+static enum eco_code walk(struct start *s, struct files *files, const char *folder, unsigned depth)
+{
+	DIR *open = opendir(folder);
+	enum eco_code code = ECO_OK;
+	if (!open)
+		return eco_fail(s->error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%.300s: %s", folder,
+			strerror(errno));
+	for (struct dirent *entry; !code && (entry = readdir(open));) {
+		char *path = NULL;
+		struct stat file;
+		if (entry->d_name[0] == '.')
+			continue;
+		if (asprintf(&path, "%s/%s", folder, entry->d_name) < 0) {
+			code = eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
+			break;
+		}
+		if (stat(path, &file) != 0 || (!S_ISREG(file.st_mode) && !S_ISDIR(file.st_mode))) {
+			free(path);
+		} else if (S_ISDIR(file.st_mode)) {
+			code = depth < DEPTH_MAX ? walk(s, files, path, depth + 1) : ECO_OK;
+			free(path);
+		} else if (format_of(path) < FORMATS) {
+			code = add_file(s, files, path);
+		} else {
+			free(path);
+		}
+	}
+	closedir(open);
+	return code;
+}
+
+/* A file's name without its ending; *bytes of it. */
+static const char *stem_of(const char *path, size_t *bytes)
+{
+	const char *name = eco_path_last(path), *dot = strrchr(name, '.');
+	*bytes = dot && dot != name ? (size_t)(dot - name) : strlen(name);
+	return name;
+}
+
+static int by_stem(const void *a, const void *b)
+{
+	const char *p = *(char *const *)a, *q = *(char *const *)b;
+	size_t n, m;
+	const char *x = stem_of(p, &n), *y = stem_of(q, &m);
+	int order = strncmp(x, y, n < m ? n : m);
+	if (order != 0)
+		return order;
+	if (n != m)
+		return n < m ? -1 : 1;
+	size_t f = format_of(p), g = format_of(q);
+	return f != g ? (f < g ? -1 : 1) : strcmp(p, q);
+}
+
+/* ---- Plants ---- */
+
+/* Length of a name without its number: "oak_2", "oak-b2", "oak 02" are an oak. */
+static size_t base_bytes(const char *stem, size_t bytes)
+{
+	size_t end = bytes;
+	while (end > 0 && stem[end - 1] >= '0' && stem[end - 1] <= '9')
+		end--;
+	if (end == bytes || end == 0)
+		return bytes;
+	while (end > 1 && strchr("_- .", stem[end - 1]))
+		end--;
+	return end;
+}
+
+static void set_words(struct start_model *m, const char *text)
+{
+	eco_words_of(text, m->words, sizeof m->words);
+	m->flora = eco_flora_of(text, false);
+	m->is_dead = eco_words_have(m->words, "dead") || eco_words_have(m->words, "bare")
+		|| eco_words_have(m->words, "snow");
+}
+
+static bool name_is_taken(const struct start *s, const char *name)
+{
+	for (uint32_t i = 0; i < s->model_count; i++)
+		if (strcmp(s->models[i].name, name) == 0)
+			return true;
+	return false;
+}
+
+static enum eco_code add_model(struct start *s, const char *path, const char *base, size_t bytes)
+{
+	struct start_model *m;
+	if (!eco_room(&s->models, &s->model_capacity, s->model_count, sizeof *s->models))
+		return eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
+	m = &s->models[s->model_count];
+	*m = (struct start_model){ .height_m = 0 };
+	snprintf(m->name, sizeof m->name, "%.*s", (int)(bytes < 56 ? bytes : 56), base);
+	for (unsigned n = 2; name_is_taken(s, m->name); n++)
+		snprintf(m->name, sizeof m->name, "%.*s %u", (int)(bytes < 56 ? bytes : 56), base, n);
+	set_words(m, m->name);
+	m->paths = calloc(VARIANTS_MAX, sizeof *m->paths);
+	if (!m->paths || !(m->paths[0] = strdup(path)))
+		return eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
+	m->path_count = 1;
+	s->model_count++;
+	return ECO_OK;
+}
+
+/* Files of one name in several formats are one; names that differ by a number alone are variants. */
+static enum eco_code group(struct start *s, const struct files *files)
+{
+	size_t before_bytes = 0, before_base = 0;
+	const char *before = "";
+	for (uint32_t i = 0; i < files->count; i++) {
+		size_t bytes, base;
+		const char *stem = stem_of(files->paths[i], &bytes);
+		struct start_model *last = s->model_count > 0 ? &s->models[s->model_count - 1] : NULL;
+		base = base_bytes(stem, bytes);
+		if (bytes == before_bytes && strncmp(stem, before, bytes) == 0) {
+			printf("  %s: left out, as %s is the same model\n", files->paths[i], last->paths[0]);
+			continue;
+		}
+		if (last && base < bytes && base == before_base && strncmp(stem, before, base) == 0
+				&& last->path_count < VARIANTS_MAX) {
+			if (!(last->paths[last->path_count] = strdup(files->paths[i])))
+				return eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
+			snprintf(last->name, sizeof last->name, "%.*s", (int)(base < 56 ? base : 56), stem);
+			last->path_count++;
+		} else {
+			enum eco_code code = add_model(s, files->paths[i], stem, bytes);
+			if (code)
+				return code;
+		}
+		before = stem;
+		before_bytes = bytes;
+		before_base = base;
+	}
+	return ECO_OK;
+}
+
+enum eco_code start_models_find(struct start *s)
+{
+	struct files files = { .paths = NULL };
+	struct stat folder;
+	enum eco_code code;
+	if (stat(s->options->models, &folder) == 0 && S_ISREG(folder.st_mode))
+		code = add_file(s, &files, strdup(s->options->models));
+	else
+		code = walk(s, &files, s->options->models, 0);
+	if (!code && files.count == 0)
+		code = eco_fail(s->error, ECO_NOT_FOUND, "%.200s: no model in it: .glb, .gltf, .obj, .fbx, .dae, .ply, "
+			".3ds, .stl or .off", s->options->models);
+	if (!code) {
+		qsort(files.paths, files.count, sizeof *files.paths, by_stem);
+		code = group(s, &files);
+	}
+	for (uint32_t i = 0; i < files.count; i++)
+		free(files.paths[i]);
+	free(files.paths);
+	if (!code)
+		printf("%s: %u model%s\n", s->options->models, s->model_count, s->model_count == 1 ? "" : "s");
+	return code;
+}
+
+/* ---- Sizes ---- */
+
+/* A model whose own height no such plant has gets a usual one; so does a tree of a few units, which are often
+ * none of length. */
+static enum eco_code settle_height(struct start *s, struct start_model *m, const struct eco_model *model)
+{
+	struct eco_form_size usual = eco_form_size(m->flora.form);
+	char took[100], change[64];
+	m->height_m = eco_model_height(model);
+	bool guessed = model->source.unit_how == ECO_HOW_GUESSED;
+	bool odd = m->height_m < (guessed ? usual.typical_m / 3 : usual.least_m) || m->height_m > usual.most_m;
+	if (!odd && !guessed)
+		return ECO_OK;
+	m->height_is_ours = true;
+	double own = m->height_m;
+	if (odd)
+		m->height_m = usual.typical_m;
+	snprintf(took, sizeof took, "%.40s is %.3g m high", m->name, m->height_m);
+	snprintf(change, sizeof change, "its \"height_m\" in the scene");
+	if (odd)
+		return start_guess(s, "size of a model", took, change, "its file says %.4g %s, where a %s has %.3g to "
+			"%.3g m", guessed ? own / model->scale : own, guessed ? "without a unit" : "m",
+			eco_form_names[m->flora.form], usual.least_m, usual.most_m);
+	return start_guess(s, "size of a model", took, change, "its file has no unit; metres, centimetres or "
+		"millimetres by its height");
+}
+
+enum eco_code start_models_see(struct start *s)
+{
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < s->model_count && !code; i++) {
+		struct start_model *m = &s->models[i];
+		struct eco_model model = { 0 };
+		if (m->rows == 0 && i != s->fallback)
+			continue;
+		if (!main_progress("looking at models", m->name, (double)i / s->model_count))
+			return eco_fail(s->error, ECO_INTERRUPTED, "interrupted");
+		code = eco_model_import(&model, &(struct eco_model_options){
+			.paths = (const char *const *)m->paths, .path_count = 1 }, s->error);
+		if (!code)
+			code = settle_height(s, m, &model);
+		eco_model_free(&model);
+	}
+	main_progress_end();
+	return code;
+}

@@ -1,0 +1,38 @@
+/* What is known of a coordinate reference system, and which ones plain numbers may be in: by PROJ's
+ * register (EPSG) and its areas of use. */
+#ifndef ECO_CRS_FACTS_H
+#define ECO_CRS_FACTS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "ecofiles/base/status.h"
+
+struct eco_crs_facts {
+	bool geographic, metric_map; /* degrees; projected, in metres */
+	double degrees[2];           /* longitude, latitude of the place asked about; NaN: none */
+	bool inside;                 /* the CRS's area of use has the place, or is not stated */
+	char name[96], code[32];     /* "WGS 84 / UTM zone 32N", "EPSG:32632"; code "": not in the register */
+};
+
+/* `xy`: a place in it, easting or longitude first. ECO_BAD_INPUT: PROJ does not know it. */
+enum eco_code eco_crs_look(const char *crs, const double xy[2], struct eco_crs_facts *facts,
+	struct eco_error *error);
+
+struct eco_crs_choice {
+	char code[32], name[96], area[96];
+	double degrees[2], extent_deg;       /* of the place; of the area's longer side */
+};
+#define ECO_CRS_CHOICES_MAX 8u
+
+/* Projected CRSs that have a place within their areas of use, the smallest area first, one for each place
+ * on Earth (of several datums, WGS 84's, else the one with the least code). With `words` (words.h, NULL for
+ * none) only those whose names have these, in this order. `choices` has room for
+ * ECO_CRS_CHOICES_MAX; *found may exceed that. Without words it takes seconds. */
+enum eco_code eco_crs_choices(const double xy[2], const char *words,
+	struct eco_crs_choice *choices, uint32_t *found, struct eco_error *error);
+
+/* The code of the UTM zone of a place in degrees: "EPSG:32632". */
+void eco_crs_utm(const double degrees[2], char code[32]);
+
+#endif

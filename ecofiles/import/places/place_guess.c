@@ -1,0 +1,412 @@
+/* Numbers show by their size whether they are degrees, metres of a plot, or eastings and northings of some
+ * grid. Of which grid they do not show: zones look alike. Then the columns' names decide, or the terrain,
+ * or else the user. */
+#include "ecofiles/import/places/place_guess.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "ecofiles/base/phrase.h"
+#include "ecofiles/import/places/crs_facts.h"
+#include "ecofiles/import/places/positions_crs.h"
+#include "ecofiles/import/places/words.h"
+
+#define PLOT_M 100000.0          /* beyond this from 0 numbers are a grid's, not a plot's */
+#define DEGREES_SPAN 5.0         /* an inventory is not wider */
+#define UTM_LEAST_M 100000.0
+#define UTM_MOST_M 900000.0
+#define ROUND_M 10.0             /* origins are round */
+
+struct range { double low, middle, high; };
+struct look {
+	const struct eco_place_asked *asked;
+	struct eco_place_guess *guess;
+	struct range xy[2];
+	const char *names[2];
+	struct eco_error *error;
+};
+
+/* ---- The numbers ---- */
+
+static bool numbers_of(struct look *l, int k, struct eco_spread *spread)
+{
+	const struct eco_table *t = l->asked->table;
+	if (!l->guess->from_geometry)
+		return eco_table_numbers(t, l->asked->columns->of[k], l->asked->columns->decimal, spread);
+	for (uint32_t row = 0; row < t->row_count; row++)
+		if (!isnan(t->places[row][k]) && !eco_spread_add(spread, t->places[row][k]))
+			return false;
+	return true;
+}
+
+/* The middle of those that are not 0, which stands for no place. */
+static enum eco_code measure(struct look *l)
+{
+	for (int k = 0; k < 2; k++) {
+		struct eco_spread spread = { 0 };
+		bool good = numbers_of(l, k, &spread);
+		l->xy[k] = (struct range){ eco_spread_quantile(&spread, 0.02), eco_spread_quantile(&spread, 0.5),
+			eco_spread_quantile(&spread, 0.98) };
+		eco_spread_free(&spread);
+		if (!good)
+			return eco_fail(l->error, ECO_NO_MEMORY, "out of memory");
+		if (isnan(l->xy[k].middle))
+			return eco_fail(l->error, ECO_BAD_INPUT, "%.200s: no row has a place%s%.60s%s",
+				l->asked->table->path, l->names[k] ? ": no number in \"" : "",
+				l->names[k] ? l->names[k] : "", l->names[k] ? "\"" : "");
+	}
+	return ECO_OK;
+}
+
+static bool are_degrees(const struct look *l, int longitude)
+{
+	const struct range *x = &l->xy[longitude], *y = &l->xy[1 - longitude];
+	return x->low >= -180 && x->high <= 180 && y->low >= -90 && y->high <= 90;
+}
+
+/* ---- Degrees ---- */
+
+static bool dem_has(const struct look *l, const double degrees[2])
+{
+	const struct eco_raster_extent *dem = l->asked->dem;
+	double middle[2];
+	struct eco_crs_facts facts;
+	if (!dem || dem->crs[0] == 0)
+		return false;
+	for (int k = 0; k < 2; k++)
+		middle[k] = (dem->low[k] + dem->high[k]) / 2;
+	/* within three of its lengths: a raster may leave some plants outside */
+	double reach = fmax(dem->high[0] - dem->low[0], dem->high[1] - dem->low[1]);
+	if (eco_crs_look(dem->crs, middle, &facts, NULL) != ECO_OK || isnan(facts.degrees[0]))
+		return false;
+	double reach_deg = 3 * (facts.geographic ? reach : reach / 60000);
+	return fabs(facts.degrees[0] - degrees[0]) < reach_deg && fabs(facts.degrees[1] - degrees[1]) < reach_deg;
+}
+
+static void say_swapped(struct look *l, const char *why)
+{
+	l->guess->swapped = true;
+	snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "degrees; \"%.40s\" and \"%.40s\" are swapped: %s",
+		l->names[0] ? l->names[0] : "x", l->names[1] ? l->names[1] : "y", why);
+}
+
+static void guess_degrees(struct look *l)
+{
+	const double as_named[2] = { l->xy[0].middle, l->xy[1].middle },
+		swapped[2] = { l->xy[1].middle, l->xy[0].middle };
+	snprintf(l->guess->crs, sizeof l->guess->crs, "EPSG:4326");
+	if (!are_degrees(l, 0))
+		say_swapped(l, "a latitude lies between -90 and 90");
+	else if (are_degrees(l, 1) && !dem_has(l, as_named) && dem_has(l, swapped))
+		say_swapped(l, "only so does the terrain lie there");
+	else
+		snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "degrees, by %s: around %.4f, %.4f",
+			l->asked->columns->names_say_degrees ? "the columns' names and numbers" : "the numbers",
+			as_named[0], as_named[1]);
+}
+
+/* ---- A grid ---- */
+
+/* Words of a column's name that a CRS's name may have, too: without the axis and the unit. A letter behind a
+ * number is a zone's half, "32 n". */
+static void hint_of(const char *name, char *hint, size_t size)
+{
+	static const char dropped[] = "x y e n m coord koord coordinate coordinates east easting north northing "
+		"ostwert nordwert rechtswert hochwert point epsg koordinate este norte est nord pos in ft";
+	char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
+	bool after_number = false;
+	size_t used = 0;
+	eco_words_of(name, words, sizeof words);
+	hint[0] = 0;
+	for (const char *at = words; eco_words_next(&at, word);) {
+		bool half = after_number && (strcmp(word, "n") == 0 || strcmp(word, "s") == 0);
+		after_number = word[0] >= '0' && word[0] <= '9';
+		if ((half || !eco_words_have(dropped, word)) && used + strlen(word) + 2 < size)
+			used += (size_t)snprintf(hint + used, size - used, "%s%s", used > 0 ? " " : "", word);
+	}
+}
+
+/* The hint that both names share. */
+static bool shared_hint(const struct look *l, char hint[ECO_WORDS_BYTES])
+{
+	static const struct { const char *brief, *name; } known[] = { { "l 93", "lambert 93" }, { "bng",
+		"british national grid" }, { "osgb", "british national grid" }, { "rd", "rd new" }, { "lb 72",
+		"belgian lambert 72" }, { "nztm", "new zealand transverse mercator 2000" }, { "2180", "cs 92" } };
+	char other[ECO_WORDS_BYTES];
+	if (!l->names[0] || !l->names[1])
+		return false;
+	hint_of(l->names[0], hint, ECO_WORDS_BYTES);
+	hint_of(l->names[1], other, sizeof other);
+	if (strcmp(hint, other) != 0 || hint[0] == 0)
+		return false;
+	for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+		if (strcmp(hint, known[i].brief) == 0)
+			snprintf(hint, ECO_WORDS_BYTES, "%s", known[i].name);
+	return true;
+}
+
+static void list_choices(const struct eco_crs_choice *choices, uint32_t found, char *text, size_t size)
+{
+	uint32_t most = found < 4 ? found : 4;
+	size_t used = 0;
+	text[0] = 0;
+	for (uint32_t i = 0; i < most && used < size; i++)
+		used += (size_t)snprintf(text + used, size - used, "%s%s (%.40s; at %.2f, %.2f)", i > 0 ? ", " : "",
+			choices[i].code, choices[i].name, choices[i].degrees[0], choices[i].degrees[1]);
+	if (found > most && used < size)
+		snprintf(text + used, size - used, " and %u more", found - most);
+}
+
+static bool may_be_utm(const struct look *l)
+{
+	return l->xy[0].middle > UTM_LEAST_M && l->xy[0].middle < UTM_MOST_M && l->xy[1].middle > 0
+		&& l->xy[1].middle < 1e7;
+}
+
+static enum eco_code ask_for_grid(struct look *l, const struct eco_crs_choice *choices, uint32_t found)
+{
+	char list[330];
+	const double at[2] = { l->xy[0].middle, l->xy[1].middle };
+	struct eco_crs_facts facts;
+	if (may_be_utm(l) && eco_crs_look("EPSG:32631", at, &facts, l->error) == ECO_OK)
+		return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: which CRS are its coordinates in? %.0f, %.0f is a "
+			"place in each UTM zone, at latitude %.1f: give the zone of your longitude, --crs "
+			"EPSG:32601 (180 W) to EPSG:32660 (180 E), in the south EPSG:32701 to EPSG:32760; or the "
+			"country's grid, %.120s, ...", l->asked->table->path, at[0], at[1], facts.degrees[1],
+			found > 0 ? (list_choices(choices, found < 2 ? found : 2, list, sizeof list), list)
+			: "such as EPSG:2154 in France");
+	list_choices(choices, found, list, sizeof list);
+	return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: which CRS are its coordinates in? %.0f, %.0f %s%s; give "
+		"it with --crs EPSG:...", l->asked->table->path, at[0], at[1],
+		found > 0 ? "may be in " : "is in no CRS of PROJ's register as easting and northing", list);
+}
+
+static enum eco_code take_choice(struct look *l, const struct eco_crs_choice *choice, const char *why)
+{
+	snprintf(l->guess->crs, sizeof l->guess->crs, "%s", choice->code);
+	snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "%.80s, %s; a place at %.3f, %.3f", choice->name, why,
+		choice->degrees[0], choice->degrees[1]);
+	return ECO_OK;
+}
+
+/* The terrain's CRS, where its extent has the plants. */
+static bool take_dem(struct look *l)
+{
+	const struct eco_raster_extent *dem = l->asked->dem;
+	struct eco_crs_facts facts;
+	const double at[2] = { l->xy[0].middle, l->xy[1].middle };
+	if (!dem || dem->crs[0] == 0 || eco_crs_look(dem->crs, at, &facts, NULL) != ECO_OK || facts.geographic
+			|| facts.code[0] == 0)
+		return false;
+	for (int k = 0; k < 2; k++)
+		if (at[k] < dem->low[k] || at[k] > dem->high[k])
+			return false;
+	snprintf(l->guess->crs, sizeof l->guess->crs, "%s", facts.code);
+	snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "%.80s, the terrain's: the plants lie on it",
+		facts.name);
+	return true;
+}
+
+static enum eco_code guess_grid(struct look *l)
+{
+	struct eco_crs_choice choices[ECO_CRS_CHOICES_MAX];
+	const double at[2] = { l->xy[0].middle, l->xy[1].middle };
+	char hint[ECO_WORDS_BYTES];
+	uint32_t found = 0;
+	enum eco_code code = ECO_OK;
+	if (take_dem(l))
+		return ECO_OK;
+	if (shared_hint(l, hint)) {
+		code = eco_crs_choices(at, hint, choices, &found, l->error);
+		if (!code && found == 1)
+			return take_choice(l, &choices[0], "by the columns' names");
+	}
+	if (!code && found == 0)
+		code = eco_crs_choices(at, NULL, choices, &found, l->error);
+	if (!code && found == 1)
+		return take_choice(l, &choices[0], "the only one with this place in its area of use");
+	return code ? code : ask_for_grid(l, choices, found);
+}
+
+/* ---- What is said ---- */
+
+static enum eco_code take_stated(struct look *l, const char *crs, const char *who)
+{
+	struct eco_crs_facts facts;
+	const double at[2] = { l->xy[0].middle, l->xy[1].middle }, turned[2] = { at[1], at[0] };
+	enum eco_code code = eco_crs_look(crs, at, &facts, l->error);
+	if (code)
+		return code;
+	if (strlen(crs) < sizeof l->guess->crs)
+		snprintf(l->guess->crs, sizeof l->guess->crs, "%s", crs);
+	else
+		snprintf(l->guess->crs, sizeof l->guess->crs, "%s", facts.code);
+	snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "%.80s, as %s", facts.name, who);
+	if (facts.geographic && !are_degrees(l, 0) && are_degrees(l, 1) && !l->guess->from_geometry)
+		say_swapped(l, "a latitude lies between -90 and 90");
+	else if (!facts.inside && !isnan(facts.degrees[0]) && eco_crs_look(crs, turned, &facts, NULL) == ECO_OK
+			&& facts.inside && !l->guess->from_geometry && !facts.geographic)
+		say_swapped(l, "only so do they lie in the CRS's area of use");
+	return ECO_OK;
+}
+
+static enum eco_code guess_crs(struct look *l)
+{
+	const struct eco_place_asked *a = l->asked;
+	struct eco_place_guess *g = l->guess;
+	if (a->crs)
+		return take_stated(l, a->crs, "you say");
+	if (g->from_geometry && a->table->crs && !a->table->degrees_doubted) {
+		g->file_says = true;
+		return take_stated(l, a->table->crs, "the file says");
+	}
+	if (g->from_geometry && a->table->local) {
+		snprintf(g->crs_why, sizeof g->crs_why, "metres of a model");
+		return ECO_OK;
+	}
+	bool narrow = l->xy[0].high - l->xy[0].low < DEGREES_SPAN && l->xy[1].high - l->xy[1].low < DEGREES_SPAN;
+	bool can_be = are_degrees(l, 0) || are_degrees(l, 1);
+	if (can_be && (narrow || a->columns->names_say_degrees)) {
+		guess_degrees(l);
+		return ECO_OK;
+	}
+	double most = fmax(fmax(fabs(l->xy[0].low), fabs(l->xy[0].high)),
+		fmax(fabs(l->xy[1].low), fabs(l->xy[1].high)));
+	if (most >= PLOT_M)
+		return guess_grid(l);
+	snprintf(g->crs_why, sizeof g->crs_why, "metres of a plot: from %.6g, %.6g to %.6g, %.6g", l->xy[0].low,
+		l->xy[1].low, l->xy[0].high, l->xy[1].high);
+	return ECO_OK;
+}
+
+/* ---- The scene's ---- */
+
+static enum eco_code metric(const char *crs, const double at[2], struct eco_crs_facts *facts,
+	struct eco_error *error)
+{
+	enum eco_code code = eco_crs_look(crs, at, facts, error);
+	if (!code && !facts->metric_map)
+		code = eco_fail(error, ECO_BAD_INPUT, "--scene-crs %.60s: a scene is in a projected CRS in metres, "
+			"such as a UTM zone", crs);
+	return code;
+}
+
+static enum eco_code guess_scene(struct look *l)
+{
+	struct eco_place_guess *g = l->guess;
+	struct eco_crs_facts own = { .metric_map = false }, other;
+	const struct eco_raster_extent *dem = l->asked->dem;
+	const int x = g->swapped;
+	const double at[2] = { l->xy[x].middle, l->xy[1 - x].middle };
+	const char *crs = g->crs[0] != 0 ? g->crs : l->asked->table->crs;
+	if (!crs) {
+		snprintf(g->scene_why, sizeof g->scene_why, "none: plain metres");
+		return ECO_OK;
+	}
+	enum eco_code code = eco_crs_look(crs, at, &own, l->error);
+	memcpy(g->degrees, own.degrees, sizeof g->degrees);
+	if (!code && l->asked->scene_crs) {
+		code = metric(l->asked->scene_crs, at, &other, l->error);
+		snprintf(g->scene_crs, sizeof g->scene_crs, "%.31s", l->asked->scene_crs);
+		snprintf(g->scene_why, sizeof g->scene_why, "as you say");
+	} else if (!code && own.metric_map && own.code[0] != 0) {
+		snprintf(g->scene_crs, sizeof g->scene_crs, "%s", own.code);
+		snprintf(g->scene_why, sizeof g->scene_why, "the table's: projected, in metres");
+	} else if (!code && dem && dem->crs[0] != 0 && dem_has(l, own.degrees)
+			&& eco_crs_look(dem->crs, dem->low, &other, NULL) == ECO_OK && other.metric_map
+			&& other.code[0] != 0) {
+		snprintf(g->scene_crs, sizeof g->scene_crs, "%s", other.code);
+		snprintf(g->scene_why, sizeof g->scene_why, "%.80s, the terrain's, which so stays as it is",
+			other.name);
+	} else if (!code && !isnan(own.degrees[0])) {
+		eco_crs_utm(own.degrees, g->scene_crs);
+		snprintf(g->scene_why, sizeof g->scene_why, "the UTM zone of %.4f, %.4f, the middle of the plants",
+			own.degrees[0], own.degrees[1]);
+	} else if (!code) {
+		code = eco_fail(l->error, ECO_BAD_INPUT, "%.150s: %.10g, %.10g is no place in %.40s; give the CRS of "
+			"the coordinates with --crs", l->asked->table->path, at[0], at[1], crs);
+	}
+	return code;
+}
+
+static void note_nothing(void *ctx, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void note_nothing(void *ctx, const char *format, ...)
+{
+	(void)ctx;
+	(void)format;
+}
+
+/* The middle in the scene's CRS, rounded. */
+static enum eco_code guess_origin(struct look *l)
+{
+	struct eco_place_guess *g = l->guess;
+	const int x = g->swapped;
+	double at[3] = { l->xy[x].middle, l->xy[1 - x].middle, 0 };
+	struct eco_frame frame = { .crs = g->scene_crs };
+	struct eco_crs_request request = { .path = l->asked->table->path, .stated = g->crs[0] != 0 ? g->crs
+		: l->asked->table->crs, .frame = &frame, .note = note_nothing };
+	struct eco_crs *crs = NULL;
+	const char *why = "";
+	bool converted = true;
+	enum eco_code code = ECO_OK;
+	if (g->scene_crs[0] != 0) {
+		code = eco_crs_open(&crs, &request, l->error);
+		if (!code)
+			code = eco_crs_convert(crs, at, &converted, &why, l->error);
+		eco_crs_close(crs);
+	}
+	if (!code && !converted)
+		code = eco_fail(l->error, ECO_BAD_INPUT, "%.150s: %.10g, %.10g is no place in %.40s (%.60s); give the "
+			"CRS of the coordinates with --crs", l->asked->table->path, l->xy[x].middle,
+			l->xy[1 - x].middle, g->crs, why);
+	for (int k = 0; k < 2; k++)
+		g->origin[k] = round(at[k] / ROUND_M) * ROUND_M;
+	snprintf(g->origin_why, sizeof g->origin_why, "the middle of the plants, rounded to %g m", ROUND_M);
+	return code;
+}
+
+/* A raster that does not say its CRS is in the table's or the scene's, where its numbers fit. */
+static void guess_dem(struct look *l)
+{
+	const struct eco_raster_extent *dem = l->asked->dem;
+	const double *o = l->guess->origin;
+	if (!dem || dem->crs[0] != 0 || l->guess->scene_crs[0] == 0)
+		return;
+	if (o[0] >= dem->low[0] && o[0] <= dem->high[0] && o[1] >= dem->low[1] && o[1] <= dem->high[1])
+		snprintf(l->guess->dem_crs, sizeof l->guess->dem_crs, "%s", l->guess->scene_crs);
+	else if (dem->low[0] >= -180 && dem->high[0] <= 180 && dem->low[1] >= -90 && dem->high[1] <= 90)
+		snprintf(l->guess->dem_crs, sizeof l->guess->dem_crs, "EPSG:4326");
+	else
+		snprintf(l->guess->dem_crs, sizeof l->guess->dem_crs, "%s", l->guess->crs);
+}
+
+enum eco_code eco_place_guess(struct eco_place_guess *guess, const struct eco_place_asked *asked,
+	struct eco_error *error)
+{
+	const struct eco_columns *columns = asked->columns;
+	struct look l = { .asked = asked, .guess = guess, .error = error };
+	*guess = (struct eco_place_guess){ .from_geometry = columns->of[ECO_ROLE_X] == ECO_NONE
+		&& asked->table->has_geometry, .degrees = { NAN, NAN } };
+	for (int k = 0; k < 2 && !guess->from_geometry; k++) {
+		if (columns->of[k] == ECO_NONE) {
+			char there[250] = "";
+			for (uint32_t i = 0; i < asked->table->column_count; i++)
+				eco_phrase_add(there, sizeof there, asked->table->columns[i]);
+			return eco_fail(error, ECO_BAD_INPUT, "%.150s: which columns say where a plant stands? Give "
+				"--x (easting or longitude) and --y (northing or latitude); there are: %s",
+				asked->table->path, there);
+		}
+		l.names[k] = asked->table->columns[columns->of[k]];
+	}
+	enum eco_code code = measure(&l);
+	if (!code)
+		code = guess_crs(&l);
+	if (!code)
+		code = guess_scene(&l);
+	if (!code)
+		code = guess_origin(&l);
+	if (!code)
+		guess_dem(&l);
+	return code;
+}

@@ -1,0 +1,32 @@
+/* Where a table's plants stand: the CRS of its numbers, and the scene's CRS and origin that suit them. */
+#ifndef ECO_PLACE_GUESS_H
+#define ECO_PLACE_GUESS_H
+
+#include "ecofiles/import/places/raster_extent.h"
+#include "ecofiles/import/places/table_columns.h"
+
+#define ECO_WHY_BYTES 300u
+
+struct eco_place_asked {         /* what the user says wins; NULL: nothing */
+	const struct eco_table *table;
+	const struct eco_columns *columns;
+	const char *crs, *scene_crs;
+	const struct eco_raster_extent *dem;
+};
+
+struct eco_place_guess {
+	bool from_geometry;          /* the file's points; x and y are no columns */
+	bool swapped;                /* x and y of the columns are to change places */
+	bool file_says;              /* the file states its CRS, so the entry need not */
+	char crs[32];                /* of the numbers; "": plain metres, or as the file says */
+	char scene_crs[32];          /* "": plain metres */
+	char dem_crs[32];            /* "": the raster says its own, or there is none */
+	double origin[2], degrees[2];        /* in the scene's CRS; NaN: nowhere on Earth */
+	char crs_why[ECO_WHY_BYTES], scene_why[ECO_WHY_BYTES], origin_why[ECO_WHY_BYTES];
+};
+
+/* ECO_BAD_INPUT where several CRSs are equally good: it names them, and --crs. */
+enum eco_code eco_place_guess(struct eco_place_guess *guess, const struct eco_place_asked *asked,
+	struct eco_error *error);
+
+#endif

@@ -1,0 +1,227 @@
+/* CRSs of PROJ's register, looked at one by one. */
+#include "ecofiles/import/places/proj_module.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/import/places/crs_facts.h"
+#include "ecofiles/import/places/words.h"
+
+#define WIDE_DEG 60.0            /* areas beyond this are for maps of continents */
+#define SAME_DEG 0.02            /* places that differ by datum alone lie nearer together */
+
+static PJ *to_degrees(PJ_CONTEXT *context, const PJ *crs)
+{
+	PJ *geodetic = proj_crs_get_geodetic_crs(context, crs), *raw = NULL, *good = NULL;
+	if (geodetic)
+		raw = proj_create_crs_to_crs_from_pj(context, crs, geodetic, NULL, NULL);
+	if (raw)
+		good = proj_normalize_for_visualization(context, raw);
+	proj_destroy(raw);
+	proj_destroy(geodetic);
+	return good;
+}
+
+static bool degrees_of(PJ_CONTEXT *context, const PJ *crs, const double xy[2], double degrees[2])
+{
+	PJ *conversion = to_degrees(context, crs);
+	degrees[0] = degrees[1] = NAN;
+	if (!conversion)
+		return false;
+	PJ_COORD at = proj_trans(conversion, PJ_FWD, proj_coord(xy[0], xy[1], 0, HUGE_VAL));
+	if (isfinite(at.xy.x) && isfinite(at.xy.y)) {
+		degrees[0] = at.xy.x;
+		degrees[1] = at.xy.y;
+	}
+	proj_destroy(conversion);
+	return !isnan(degrees[0]);
+}
+
+static bool within(const double degrees[2], double west, double south, double east, double north)
+{
+	bool in_longitude = west <= east ? degrees[0] >= west && degrees[0] <= east
+		: degrees[0] >= west || degrees[0] <= east;      /* across the date line */
+	return in_longitude && degrees[1] >= south && degrees[1] <= north;
+}
+
+/* ---- One ---- */
+
+/* The register's code of a CRS, written as WKT perhaps. */
+static void find_code(PJ_CONTEXT *context, const PJ *crs, char code[32])
+{
+	const char *id = proj_get_id_code(crs, 0), *authority = proj_get_id_auth_name(crs, 0);
+	int *confidence = NULL;
+	code[0] = 0;
+	if (id && authority) {
+		snprintf(code, 32, "%.15s:%.15s", authority, id);
+		return;
+	}
+	PJ_OBJ_LIST *list = proj_identify(context, crs, "EPSG", NULL, &confidence);
+	PJ *found = list && proj_list_get_count(list) > 0 && confidence[0] >= 90
+		? proj_list_get(context, list, 0) : NULL;
+	if (found && proj_get_id_code(found, 0))
+		snprintf(code, 32, "EPSG:%.20s", proj_get_id_code(found, 0));
+	proj_destroy(found);
+	proj_int_list_destroy(confidence);
+	proj_list_destroy(list);
+}
+
+static void look(PJ_CONTEXT *context, PJ *crs, const double xy[2], struct eco_crs_facts *facts)
+{
+	double west, south, east, north;
+	PJ_TYPE type = proj_get_type(crs);
+	facts->geographic = type == PJ_TYPE_GEOGRAPHIC_2D_CRS || type == PJ_TYPE_GEOGRAPHIC_3D_CRS;
+	facts->metric_map = proj_is_metric_map(context, crs);
+	snprintf(facts->name, sizeof facts->name, "%s", proj_get_name(crs) ? proj_get_name(crs) : "");
+	find_code(context, crs, facts->code);
+	degrees_of(context, crs, xy, facts->degrees);
+	facts->inside = !proj_get_area_of_use(context, crs, &west, &south, &east, &north, NULL) || west < -1000
+		|| (!isnan(facts->degrees[0]) && within(facts->degrees, west, south, east, north));
+}
+
+enum eco_code proj_crs_look(const char *text, const double xy[2], struct eco_crs_facts *facts,
+	struct eco_error *error)
+{
+	PJ_CONTEXT *context = proj_context_create();
+	*facts = (struct eco_crs_facts){ .inside = false };
+	if (!context)
+		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
+	proj_log_level(context, PJ_LOG_NONE);
+	proj_context_set_enable_network(context, 0);
+	PJ *crs = proj_create(context, text);
+	enum eco_code code = ECO_OK;
+	if (crs && proj_is_crs(crs))
+		look(context, crs, xy, facts);
+	else
+		code = eco_fail(error, ECO_BAD_INPUT, "the CRS \"%.100s\" is not known; write a code such as "
+			"\"EPSG:4326\" (degrees) or \"EPSG:32632\" (a UTM zone)", text);
+	proj_destroy(crs);
+	proj_context_destroy(context);
+	return code;
+}
+
+/* ---- All ---- */
+
+struct choices { struct eco_crs_choice *items; uint32_t count, capacity; };
+
+/* Letters and digits of a name without spaces, and without "zone", which few write into a column. */
+static void squeeze(const char *name, char *text, size_t size)
+{
+	char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
+	size_t used = 0;
+	text[0] = 0;
+	eco_words_of(name, words, sizeof words);
+	for (const char *at = words; eco_words_next(&at, word);)
+		if (strcmp(word, "zone") != 0 && used + strlen(word) < size)
+			used += (size_t)snprintf(text + used, size - used, "%s", word);
+}
+
+static bool name_fits(const char *name, const char *code, const char *words)
+{
+	char text[ECO_WORDS_BYTES], wanted[ECO_WORDS_BYTES];
+	if (!words)
+		return true;
+	squeeze(words, wanted, sizeof wanted);
+	squeeze(name, text, sizeof text);
+	return strcmp(wanted, code) == 0 || strstr(text, wanted);
+}
+
+/* Of CRSs that mean one place, the first stays unless the other is WGS 84's. */
+static enum eco_code add_choice(struct choices *all, const struct eco_crs_choice *choice)
+{
+	for (uint32_t i = 0; i < all->count; i++) {
+		struct eco_crs_choice *own = &all->items[i];
+		if (fabs(own->degrees[0] - choice->degrees[0]) > SAME_DEG
+				|| fabs(own->degrees[1] - choice->degrees[1]) > SAME_DEG)
+			continue;
+		bool better = strncmp(choice->name, "WGS 84", 6) == 0 && strncmp(own->name, "WGS 84", 6) != 0;
+		double extent = fmin(own->extent_deg, choice->extent_deg);
+		if (better)
+			*own = *choice;
+		own->extent_deg = extent;
+		return ECO_OK;
+	}
+	if (all->count == all->capacity) {
+		uint32_t capacity = all->capacity * 2 + 16;
+		struct eco_crs_choice *grown = realloc(all->items, capacity * sizeof *grown);
+		if (!grown)
+			return ECO_NO_MEMORY;
+		all->items = grown;
+		all->capacity = capacity;
+	}
+	all->items[all->count++] = *choice;
+	return ECO_OK;
+}
+
+static enum eco_code try_crs(PJ_CONTEXT *context, const PROJ_CRS_INFO *info, const double xy[2],
+	struct choices *all)
+{
+	struct eco_crs_choice choice;
+	double wide = info->east_lon_degree - info->west_lon_degree,
+		tall = info->north_lat_degree - info->south_lat_degree;
+	wide += wide < 0 ? 360 : 0;
+	choice.extent_deg = fmax(wide, tall > 80 ? 10 : tall);       /* zones reach from the equator up */
+	if (!info->bbox_valid || wide > WIDE_DEG)
+		return ECO_OK;
+	snprintf(choice.code, sizeof choice.code, "EPSG:%.20s", info->code);
+	PJ *crs = proj_create(context, choice.code);
+	bool good = crs && degrees_of(context, crs, xy, choice.degrees)
+		&& within(choice.degrees, info->west_lon_degree, info->south_lat_degree, info->east_lon_degree,
+		info->north_lat_degree);
+	proj_destroy(crs);
+	snprintf(choice.name, sizeof choice.name, "%s", info->name);
+	snprintf(choice.area, sizeof choice.area, "%s", info->area_name ? info->area_name : "");
+	return good ? add_choice(all, &choice) : ECO_OK;
+}
+
+static int by_extent(const void *a, const void *b)
+{
+	const struct eco_crs_choice *p = a, *q = b;
+	if (p->extent_deg != q->extent_deg)
+		return p->extent_deg < q->extent_deg ? -1 : 1;
+	return strcmp(p->code, q->code);
+}
+
+static enum eco_code try_all(PJ_CONTEXT *context, const double xy[2], const char *words, struct choices *all)
+{
+	PJ_TYPE projected = PJ_TYPE_PROJECTED_CRS;
+	PROJ_CRS_LIST_PARAMETERS *wanted = proj_get_crs_list_parameters_create();
+	int count = 0;
+	enum eco_code code = ECO_OK;
+	wanted->types = &projected;
+	wanted->typesCount = 1;
+	wanted->allow_deprecated = 0;
+	PROJ_CRS_INFO **list = proj_get_crs_info_list_from_database(context, "EPSG", wanted, &count);
+	for (int i = 0; list && i < count && !code; i++)
+		if (name_fits(list[i]->name, list[i]->code, words))
+			code = try_crs(context, list[i], xy, all);
+	proj_crs_info_list_destroy(list);
+	proj_get_crs_list_parameters_destroy(wanted);
+	return code;
+}
+
+enum eco_code proj_crs_choices(const double xy[2], const char *words,
+	struct eco_crs_choice *choices, uint32_t *found, struct eco_error *error)
+{
+	PJ_CONTEXT *context = proj_context_create();
+	struct choices all = { .items = NULL };
+	enum eco_code code = ECO_NO_MEMORY;
+	*found = 0;
+	if (context) {
+		proj_log_level(context, PJ_LOG_NONE);
+		proj_context_set_enable_network(context, 0);
+		code = try_all(context, xy, words, &all);
+	}
+	if (!code && all.count > 0) {
+		qsort(all.items, all.count, sizeof *all.items, by_extent);
+		*found = all.count;
+		memcpy(choices, all.items, (all.count < ECO_CRS_CHOICES_MAX ? all.count : ECO_CRS_CHOICES_MAX)
+			* sizeof *choices);
+	}
+	free(all.items);
+	if (context)
+		proj_context_destroy(context);
+	return code ? eco_fail(error, code, "no memory for the CRSs of PROJ") : ECO_OK;
+}

@@ -1,0 +1,33 @@
+#include "ecofiles/import/places/raster_extent.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "ecofiles/base/guard.h"
+#include "ecofiles/base/module.h"
+
+static enum eco_code work(void *path, FILE *out, struct eco_error *error)
+{
+	struct eco_raster_extent extent;
+	const struct eco_gdal_module *gdal = eco_module(ECO_MODULE_GDAL, error);
+	memset(&extent, 0, sizeof extent);
+	enum eco_code code = !gdal ? ECO_NOT_FOUND : gdal->raster_extent(path, &extent, error);
+	if (!code && fwrite(&extent, sizeof extent, 1, out) != 1)
+		code = eco_fail(error, ECO_IO, "nobody reads on");
+	return code;
+}
+
+enum eco_code eco_raster_extent(const char *path, struct eco_raster_extent *extent, struct eco_error *error)
+{
+	FILE *result = NULL;
+	enum eco_code code = eco_guard_run(work, (void *)path, path, NULL, &result, error);
+	if (code)
+		return code;
+	bool good = fread(extent, sizeof *extent, 1, result) == 1;
+	fclose(result);
+	extent->crs[sizeof extent->crs - 1] = 0;
+	for (int k = 0; k < 2; k++)
+		good = good && isfinite(extent->low[k]) && isfinite(extent->high[k])
+			&& extent->low[k] < extent->high[k];
+	return good ? ECO_OK : eco_fail(error, ECO_DAMAGED, "%.300s: it has no extent", path);
+}

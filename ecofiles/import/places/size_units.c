@@ -1,0 +1,105 @@
+/* Plants of an inventory spread around typical sizes; a unit's misfit is how far, in logarithms, it moves
+ * the middle and the upper end away from these. Units differ by factors of 2.5 and more, inventories of
+ * woods, streets and nurseries by about 2. */
+#include "ecofiles/import/places/size_units.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "ecofiles/import/places/words.h"
+
+#define SURE 0.7                 /* so much worse is the next unit, if a guess is to be made */
+#define FAR 3.2                  /* a misfit that no usual inventory has */
+#define DOUBT 2.2                /* so much better is another unit than the one stated */
+
+static const struct { const char *name; double metres; const char *words; } units[] = {
+	{ "m", 1, "m meter meters metre metres metros metri mtr" },
+	{ "cm", 0.01, "cm centimeter centimetre centimeters centimetres zentimeter centimetros" },
+	{ "mm", 0.001, "mm millimeter millimetre millimeters millimetres milimetros" },
+	{ "in", 0.0254, "in inch inches zoll pouces pulgadas pollici" },
+	{ "ft", 0.3048, "ft feet foot fuss pieds pies piedi" } };
+#define UNITS (sizeof units / sizeof *units)
+
+static const struct { double middle_m, high_m; const char *says; } typical[] = {
+	[ECO_QUANTITY_HEIGHT] = { 10, 22, "height" }, [ECO_QUANTITY_DBH] = { 0.22, 0.75, "trunk diameter" },
+	[ECO_QUANTITY_GIRTH] = { 0.7, 2.4, "trunk girth" } };
+
+static double misfit(enum eco_quantity quantity, double unit_m, const struct eco_size_numbers *n)
+{
+	return fabs(log(n->middle * unit_m / typical[quantity].middle_m))
+		+ fabs(log(n->high * unit_m / typical[quantity].high_m));
+}
+
+/* The unit that fits best beside `except`; UNITS: no such. */
+static size_t best_unit(enum eco_quantity quantity, const struct eco_size_numbers *n, size_t except)
+{
+	size_t best = UNITS;
+	for (size_t i = 0; i < UNITS; i++)
+		if (i != except && (best == UNITS
+				|| misfit(quantity, units[i].metres, n) < misfit(quantity, units[best].metres, n)))
+			best = i;
+	return best;
+}
+
+/* The last unit among the words of a name: "height in m" is in metres. */
+static size_t unit_of_name(const char *name)
+{
+	char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
+	size_t found = UNITS, count = 0;
+	eco_words_of(name ? name : "", words, sizeof words);
+	for (const char *at = words; eco_words_next(&at, word); count++)
+		for (size_t i = 0; i < UNITS; i++)
+			if (eco_words_have(units[i].words, word) && count > 0)
+				found = i;
+	return found;
+}
+
+const char *eco_unit_doubt(enum eco_quantity quantity, double unit_m, const struct eco_size_numbers *numbers)
+{
+	size_t best = best_unit(quantity, numbers, UNITS);
+	if (!(numbers->middle > 0) || fabs(units[best].metres / unit_m - 1) < 1e-4)
+		return NULL;
+	return misfit(quantity, unit_m, numbers) - misfit(quantity, units[best].metres, numbers) > DOUBT
+		? units[best].name : NULL;
+}
+
+static void ask(struct eco_unit_guess *guess, enum eco_quantity quantity, size_t a, size_t b,
+	const struct eco_size_numbers *n)
+{
+	guess->unit = NULL;
+	guess->other = units[b].name;
+	snprintf(guess->why, sizeof guess->why, "half of them are above %.4g, the largest about %.4g: a %s of "
+		"%.3g m if in %s, of %.3g m if in %s", n->middle, n->high, typical[quantity].says,
+		n->middle * units[a].metres, units[a].name, n->middle * units[b].metres, units[b].name);
+}
+
+static struct eco_unit_guess guess_by_name(enum eco_quantity quantity, size_t named,
+	const struct eco_size_numbers *n)
+{
+	struct eco_unit_guess guess = { .unit = units[named].name, .by_name = true };
+	const char *doubt = eco_unit_doubt(quantity, units[named].metres, n);
+	snprintf(guess.why, sizeof guess.why, "its name says %s", units[named].name);
+	for (size_t i = 0; doubt && i < UNITS; i++)
+		if (strcmp(units[i].name, doubt) == 0)
+			ask(&guess, quantity, named, i, n);
+	return guess;
+}
+
+struct eco_unit_guess eco_unit_guess(enum eco_quantity quantity, const char *name,
+	const struct eco_size_numbers *numbers)
+{
+	size_t named = unit_of_name(name);
+	if (named < UNITS)
+		return guess_by_name(quantity, named, numbers);
+	size_t best = best_unit(quantity, numbers, UNITS), next = best_unit(quantity, numbers, best);
+	double fit = misfit(quantity, units[best].metres, numbers);
+	struct eco_unit_guess guess = { .unit = units[best].name };
+	if (fit > FAR || misfit(quantity, units[next].metres, numbers) - fit < SURE)
+		ask(&guess, quantity, best, next, numbers);
+	else
+		snprintf(guess.why, sizeof guess.why, "half of them are above %.4g %s, the largest about %.4g; in "
+			"%s half would be above %.3g m", numbers->middle, units[best].name, numbers->high,
+			units[next].name, numbers->middle * units[next].metres);
+	return guess;
+}

@@ -1,0 +1,26 @@
+/* The unit of a column of sizes: by its name, else by how its numbers spread, held against plants as they
+ * grow. Where two units would do, none is taken. The same measure doubts a unit that a scene states. */
+#ifndef ECO_SIZE_UNITS_H
+#define ECO_SIZE_UNITS_H
+
+#include <stdbool.h>
+
+enum eco_quantity { ECO_QUANTITY_HEIGHT, ECO_QUANTITY_DBH, ECO_QUANTITY_GIRTH };
+
+struct eco_size_numbers { double middle, high; };        /* median and 98th percentile, above 0 */
+
+struct eco_unit_guess {
+	const char *unit;            /* "m", "cm", "mm", "in", "ft"; NULL: it must be asked for */
+	const char *other;           /* the unit that would do as well, or better than the name's */
+	bool by_name;
+	char why[200];               /* the reason, or the question */
+};
+
+/* `name`: of the column; may be NULL. */
+struct eco_unit_guess eco_unit_guess(enum eco_quantity quantity, const char *name,
+	const struct eco_size_numbers *numbers);
+
+/* A unit in which these numbers would be far likelier than in unit_m (metres); NULL: unit_m can be. */
+const char *eco_unit_doubt(enum eco_quantity quantity, double unit_m, const struct eco_size_numbers *numbers);
+
+#endif

@@ -1,0 +1,294 @@
+/* A column's role by the words of its name, in points, and by its content: a place or a size is made of
+ * numbers, a species is a text, best one that names plants. */
+#include "ecofiles/import/places/table_columns.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "ecofiles/import/places/flora.h"
+#include "ecofiles/import/places/inventory_text.h"
+#include "ecofiles/import/places/words.h"
+
+const char *const eco_role_names[ECO_ROLE_COUNT] = { "x", "y", "species", "height", "trunk diameter",
+	"trunk girth" };
+
+#define ENOUGH 50                /* points that make a role */
+#define NEAR_POINTS 10           /* a rival is at most so much worse */
+#define CONTENT_POINTS 60
+#define NUMERIC_LEAST 0.5
+
+/* Words of English, German, French, Spanish, Italian, Dutch, Portuguese, Polish, Czech, Swedish, Danish. A
+ * word of five letters and more counts within a longer one, too: "kronendurchmesser". */
+static const struct { enum eco_role role; int points; const char *words; } meanings[] = {
+	{ ECO_ROLE_X, 100, "longitude longitud longitudine lengtegraad laengengrad langengrad lange laenge lon lng "
+		"long dlugosc" },
+	{ ECO_ROLE_Y, 100, "latitude latitud latitudine breedtegraad breitengrad breite lat szerokosc" },
+	{ ECO_ROLE_X, 80, "easting eastings east ostwert rechtswert este est xcoord coordx pointx xkoord rw" },
+	{ ECO_ROLE_Y, 80, "northing northings north nordwert hochwert norte nord ycoord coordy pointy ykoord hw" },
+	{ ECO_ROLE_X, 30, "gx px" }, { ECO_ROLE_Y, 30, "gy py" },
+	{ ECO_ROLE_X, -90, "krone kronen stamm crown strasse" }, { ECO_ROLE_Y, -90, "krone kronen stamm crown strasse" },
+	{ ECO_ROLE_SPECIES, 95, "scientific latin botanical botanisch botanico botanique baumart boomsoort "
+		"wissenschaftlich wetenschappelijke taxon" },
+	{ ECO_ROLE_SPECIES, 90, "species espece especie specie gatunek tradart druh" },
+	{ ECO_ROLE_SPECIES, 80, "essence soort soortnaam gattung genus genre genero genere rodzaj art slag" },
+	{ ECO_ROLE_SPECIES, 55, "common vernacular deutsch" },
+	{ ECO_ROLE_SPECIES, 20, "name nom nombre nome naam tree baum arbre arbol albero boom type typ tipo "
+		"libelle plant" },
+	{ ECO_ROLE_SPECIES, -60, "id code nr no num nummer street strasse rue calle via straat date datum "
+		"owner cultivar sorte variete site address" },
+	{ ECO_ROLE_HEIGHT, 90, "height heights hgt ht hoehe hohe hauteur altura altezza hoogte wysokosc hojd hojde "
+		"vyska hoyde" },
+	{ ECO_ROLE_HEIGHT, 60, "h haut" },
+	{ ECO_ROLE_HEIGHT, -90, "diameter diametre diametro durchmesser circumference umfang circonference girth "
+		"crown krone kronen kronenansatz kroon houppier copa chioma canopy fut first branch elevation "
+		"sea ground gelande altitude ansatz width breite date year jahr" },
+	{ ECO_ROLE_DBH, 95, "dbh bhd dhp dap brusthohendurchmesser stammdurchmesser stamdiameter" },
+	{ ECO_ROLE_DBH, 80, "diameter diametre diametro durchmesser diam srednica prumer" },
+	{ ECO_ROLE_DBH, -90, "crown krone kronen kroon houppier couronne copa chioma canopy height hauteur altura "
+		"spread korony date year" },
+	{ ECO_ROLE_GIRTH, 95, "girth gbh cbh circumference umfang stammumfang circonference circonferenza "
+		"circunferencia perimetro perimetre omtrek obwod omkrets obvod" },
+	{ ECO_ROLE_GIRTH, 60, "cap circ" },
+	{ ECO_ROLE_GIRTH, -90, "crown krone kronen kroon houppier couronne copa chioma canopy date year" },
+};
+
+static bool means(const char *word, const char *list)
+{
+	char own[ECO_WORD_BYTES];
+	while (eco_words_next(&list, own))
+		if (strcmp(own, word) == 0 || (strlen(own) >= 5 && strstr(word, own)))
+			return true;
+	return false;
+}
+
+/* The best of the words that speak for a role, and all that speak against it. */
+static int points_by_name(enum eco_role role, const char *name)
+{
+	char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
+	int best = 0, against = 0;
+	eco_words_of(name, words, sizeof words);
+	for (size_t i = 0; i < sizeof meanings / sizeof *meanings; i++) {
+		if (meanings[i].role != role)
+			continue;
+		for (const char *at = words; eco_words_next(&at, word);) {
+			if (!means(word, meanings[i].words))
+				continue;
+			if (meanings[i].points < 0)
+				against = meanings[i].points;
+			else if (meanings[i].points > best)
+				best = meanings[i].points;
+		}
+	}
+	return best > 0 ? best + against : 0;
+}
+
+/* "x", "coord_x", "utm17n_e": one letter at an end of the name. */
+static int points_by_letter(enum eco_role role, const char *name)
+{
+	static const char *const letters[][2] = { [ECO_ROLE_X] = { "x", "e" }, [ECO_ROLE_Y] = { "y", "n" } };
+	char words[ECO_WORDS_BYTES], first[ECO_WORD_BYTES] = "", last[ECO_WORD_BYTES] = "", word[ECO_WORD_BYTES];
+	if (role != ECO_ROLE_X && role != ECO_ROLE_Y)
+		return 0;
+	eco_words_of(name, words, sizeof words);
+	for (const char *at = words; eco_words_next(&at, word);) {
+		if (first[0] == 0)
+			memcpy(first, word, sizeof first);
+		memcpy(last, word, sizeof last);
+	}
+	/* a unit may follow: "x_m", "gx (m)" */
+	if (strcmp(last, "m") == 0 || strcmp(last, "ft") == 0)
+		memcpy(last, first, sizeof last);
+	for (int i = 0; i < 2; i++)
+		if (strcmp(last, letters[role][i]) == 0 || (i == 0 && strcmp(first, letters[role][i]) == 0))
+			return 70;
+	return 0;
+}
+
+/* ---- Content ---- */
+
+double eco_table_numeric(const struct eco_table *table, uint32_t column, char decimal)
+{
+	uint32_t filled = 0, numbers = 0;
+	for (uint32_t row = 0; row < table->row_count; row++) {
+		const char *text = eco_table_field(table, row, column);
+		double number;
+		if (eco_text_is_missing(text))
+			continue;
+		filled++;
+		numbers += eco_text_number(text, decimal, &number);
+	}
+	return filled > 0 ? (double)numbers / filled : 0;
+}
+
+/* The share of a column's texts that are sizes: numbers, ranges, bounds. */
+static double sizes_share(const struct eco_table *table, uint32_t column, char decimal)
+{
+	uint32_t filled = 0, sizes = 0;
+	for (uint32_t row = 0; row < table->row_count; row++) {
+		const char *text = eco_table_field(table, row, column);
+		double number, unit_m;
+		if (eco_text_is_missing(text))
+			continue;
+		filled++;
+		sizes += eco_text_size(text, decimal, &number, &unit_m) != ECO_FORM_NONE;
+	}
+	return filled > 0 ? (double)sizes / filled : 0;
+}
+
+/* The share of a column's texts that name a plant. */
+static double plants_share(const struct eco_table *table, uint32_t column)
+{
+	uint32_t filled = 0, plants = 0;
+	for (uint32_t row = 0; row < table->row_count && row < 256; row++) {
+		const char *text = eco_table_field(table, row, column);
+		if (eco_text_is_missing(text))
+			continue;
+		filled++;
+		plants += eco_flora_of(text, false).genus != NULL;
+	}
+	return filled > 0 ? (double)plants / filled : 0;
+}
+
+static int points(const struct eco_table *table, enum eco_role role, uint32_t column, char decimal)
+{
+	const char *name = table->columns[column];
+	int by_name = points_by_name(role, name), by_letter = points_by_letter(role, name);
+	int sum = by_name > by_letter ? by_name : by_letter;
+	if (role == ECO_ROLE_SPECIES) {
+		bool text = eco_table_numeric(table, column, decimal) < NUMERIC_LEAST;
+		return text ? sum + (int)lround(CONTENT_POINTS * plants_share(table, column)) : 0;
+	}
+	if (sum <= 0)
+		return 0;
+	double share = role == ECO_ROLE_X || role == ECO_ROLE_Y ? eco_table_numeric(table, column, decimal)
+		: sizes_share(table, column, decimal);
+	return share >= NUMERIC_LEAST ? sum : 0;
+}
+
+/* ---- Choice ---- */
+
+static void choose(const struct eco_table *t, struct eco_columns *columns, enum eco_role role)
+{
+	int best = 0, second = 0;
+	uint32_t rival = ECO_NONE;
+	if (columns->of[role] != ECO_NONE)
+		return;
+	for (uint32_t i = 0; i < t->column_count; i++) {
+		int own = points(t, role, i, columns->decimal);
+		if (own > best) {
+			second = best;
+			rival = columns->of[role];
+			best = own;
+			columns->of[role] = i;
+		} else if (own > second) {
+			second = own;
+			rival = i;
+		}
+	}
+	if (best < ENOUGH)
+		columns->of[role] = ECO_NONE;
+	else if (second >= ENOUGH && second + NEAR_POINTS > best)
+		columns->rival[role] = rival;
+}
+
+/* Two names that differ in the axis alone. */
+static bool are_pair(const char *x, const char *y)
+{
+	size_t head = 0, tail = 0, nx = strlen(x), ny = strlen(y);
+	while (x[head] != 0 && x[head] == y[head])
+		head++;
+	while (tail < nx - head && tail < ny - head && x[nx - 1 - tail] == y[ny - 1 - tail])
+		tail++;
+	return nx == ny && nx - head - tail <= 1;
+}
+
+/* x and y go together: of the pairs, the one with most points. */
+static void choose_place(const struct eco_table *t, struct eco_columns *columns)
+{
+	int best = 0;
+	bool x_given = columns->of[ECO_ROLE_X] != ECO_NONE, y_given = columns->of[ECO_ROLE_Y] != ECO_NONE;
+	uint32_t given[2] = { columns->of[ECO_ROLE_X], columns->of[ECO_ROLE_Y] };
+	for (uint32_t x = 0; x < t->column_count && !(x_given && y_given); x++)
+		for (uint32_t y = 0; y < t->column_count; y++) {
+			if (x == y || (x_given && x != given[0]) || (y_given && y != given[1]))
+				continue;
+			int px = x_given ? ENOUGH : points(t, ECO_ROLE_X, x, columns->decimal);
+			int py = y_given ? ENOUGH : points(t, ECO_ROLE_Y, y, columns->decimal);
+			int sum = px + py + (are_pair(t->columns[x], t->columns[y]) ? 5 : 0);
+			if (px < 30 || py < 30 || sum <= best)
+				continue;
+			best = sum;
+			columns->of[ECO_ROLE_X] = x;
+			columns->of[ECO_ROLE_Y] = y;
+		}
+}
+
+/* Decimal commas: a column of numbers that has them, and reads as no number otherwise. */
+static char find_decimal(const struct eco_table *t)
+{
+	uint32_t commas = 0, points_seen = 0;
+	for (uint32_t row = 0; row < t->row_count; row++)
+		for (uint32_t i = 0; i < t->column_count; i++) {
+			const char *text = eco_table_field(t, row, i);
+			double number;
+			if (!strpbrk(text, ".,"))
+				continue;
+			bool point = eco_text_number(text, '.', &number);
+			commas += !point && eco_text_number(text, ',', &number);
+			points_seen += point;
+		}
+	return commas > points_seen ? ',' : '.';
+}
+
+void eco_table_columns(const struct eco_table *table, struct eco_columns *columns)
+{
+	if (columns->decimal == 0)
+		columns->decimal = find_decimal(table);
+	for (int role = 0; role < ECO_ROLE_COUNT; role++)
+		columns->rival[role] = ECO_NONE;
+	if (!table->has_geometry || columns->of[ECO_ROLE_X] != ECO_NONE)
+		choose_place(table, columns);
+	for (int role = ECO_ROLE_SPECIES; role < ECO_ROLE_COUNT; role++)
+		choose(table, columns, (enum eco_role)role);
+	uint32_t x = columns->of[ECO_ROLE_X], y = columns->of[ECO_ROLE_Y];
+	columns->names_say_degrees = x != ECO_NONE && y != ECO_NONE
+		&& points_by_name(ECO_ROLE_X, table->columns[x]) + points_by_name(ECO_ROLE_Y, table->columns[x]) >= 100
+		&& points_by_name(ECO_ROLE_X, table->columns[y]) + points_by_name(ECO_ROLE_Y, table->columns[y]) >= 100;
+}
+
+static bool is_plant(const struct eco_table *table, uint32_t row, uint32_t species)
+{
+	return species == ECO_NONE
+		|| eco_flora_of(eco_table_field(table, row, species), false).form != ECO_FORM_NOTHING;
+}
+
+bool eco_table_spread(const struct eco_table *table, uint32_t column, const struct eco_columns *columns,
+	struct eco_spread *spread, double *own_unit)
+{
+	uint64_t sizes = 0, with_unit = 0;
+	for (uint32_t row = 0; row < table->row_count; row++) {
+		double number, unit_m;
+		const char *text = eco_table_field(table, row, column);
+		if (eco_text_size(text, columns->decimal, &number, &unit_m) == ECO_FORM_NONE || !(number > 0)
+				|| !is_plant(table, row, columns->of[ECO_ROLE_SPECIES]))
+			continue;
+		sizes++;
+		with_unit += unit_m != 0;
+		if (!eco_spread_add(spread, number))
+			return false;
+	}
+	*own_unit = sizes > 0 ? (double)with_unit / (double)sizes : 0;
+	return true;
+}
+
+bool eco_table_numbers(const struct eco_table *table, uint32_t column, char decimal,
+	struct eco_spread *spread)
+{
+	for (uint32_t row = 0; row < table->row_count; row++) {
+		double number;
+		if (eco_text_number(eco_table_field(table, row, column), decimal, &number)
+				&& !eco_spread_add(spread, number))
+			return false;
+	}
+	return true;
+}

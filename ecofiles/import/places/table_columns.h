@@ -1,0 +1,63 @@
+/* What the columns of a table mean, by their names, in several languages, and by what stands in them.
+ *
+ *   eco_table_read(&table, &source, &error);         an even selection of the rows, as texts
+ *   eco_table_columns(&table, &columns)              which one is the longitude, the species, the height, ...
+ *   eco_table_free(&table); */
+#ifndef ECO_TABLE_COLUMNS_H
+#define ECO_TABLE_COLUMNS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "ecofiles/import/places/rows.h"
+#include "ecofiles/import/places/spread.h"
+
+#define ECO_TABLE_ROWS 2048u
+
+struct eco_table {               /* owns everything */
+	char *path;
+	char **columns; uint32_t column_count;
+	char **fields;               /* [row_count * column_count]; "" where a row is short */
+	double (*places)[2];         /* per row; NaN: no point */
+	uint32_t row_count;
+	uint64_t rows;               /* in the file */
+	bool has_geometry, local, degrees_doubted;
+	char *crs;                   /* of the geometry; NULL: not stated */
+	char *notes[ECO_ROWS_NOTES_MAX]; uint32_t note_count;
+};
+
+/* Reads the whole file and keeps every row, every second, every fourth, ... so that at most
+ * ECO_TABLE_ROWS stay. A file without a row is an error. */
+enum eco_code eco_table_read(struct eco_table *table, const struct eco_rows_source *source,
+	struct eco_error *error);
+void eco_table_free(struct eco_table *table);
+static inline const char *eco_table_field(const struct eco_table *table, uint32_t row, uint32_t column)
+{
+	return table->fields[(size_t)row * table->column_count + column];
+}
+
+enum eco_role { ECO_ROLE_X, ECO_ROLE_Y, ECO_ROLE_SPECIES, ECO_ROLE_HEIGHT, ECO_ROLE_DBH, ECO_ROLE_GIRTH,
+	ECO_ROLE_COUNT };
+extern const char *const eco_role_names[ECO_ROLE_COUNT];
+
+struct eco_columns {             /* ECO_NONE: no such column */
+	uint32_t of[ECO_ROLE_COUNT];
+	uint32_t rival[ECO_ROLE_COUNT];      /* the next best, where it is nearly as good */
+	char decimal;                /* ',' if numbers have decimal commas, else '.' */
+	/* x and y by name: degrees, metres of a grid, or neither */
+	bool names_say_degrees;
+};
+
+/* Columns that `columns` names already (not ECO_NONE) are left as they are. */
+void eco_table_columns(const struct eco_table *table, struct eco_columns *columns);
+/* Sizes above 0 of a column, as the texts have them, of rows whose species, if there is that column, is not a
+ * vacant place or a stump. *own_unit: share of texts with a unit of their own. */
+bool eco_table_spread(const struct eco_table *table, uint32_t column, const struct eco_columns *columns,
+	struct eco_spread *spread, double *own_unit);
+/* Numbers of a column; false when memory ran out. */
+bool eco_table_numbers(const struct eco_table *table, uint32_t column, char decimal,
+	struct eco_spread *spread);
+/* The share of a column's filled fields that are numbers. */
+double eco_table_numeric(const struct eco_table *table, uint32_t column, char decimal);
+
+#endif

@@ -1,0 +1,123 @@
+/* An even selection of a table's rows. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/format/model.h"
+#include "ecofiles/import/places/table_columns.h"
+
+static enum eco_code no_memory(const char *path, struct eco_error *error)
+{
+	return eco_fail(error, ECO_NO_MEMORY, "%.200s: no memory for its rows", path);
+}
+
+static void drop_row(struct eco_table *t, uint32_t row)
+{
+	for (uint32_t i = 0; i < t->column_count; i++)
+		free(t->fields[(size_t)row * t->column_count + i]);
+}
+
+/* Every second row leaves. */
+static void thin(struct eco_table *t)
+{
+	for (uint32_t row = 0; row < t->row_count; row++) {
+		if (row % 2 == 1) {
+			drop_row(t, row);
+			continue;
+		}
+		memmove(t->fields + (size_t)(row / 2) * t->column_count, t->fields + (size_t)row * t->column_count,
+			t->column_count * sizeof *t->fields);
+		memmove(t->places[row / 2], t->places[row], sizeof *t->places);
+	}
+	t->row_count = (t->row_count + 1) / 2;
+}
+
+static bool keep_row(struct eco_table *t, const struct eco_rows *rows)
+{
+	char **fields = t->fields + (size_t)t->row_count * t->column_count;
+	for (uint32_t i = 0; i < t->column_count; i++) {
+		fields[i] = strdup(i < rows->field_count ? rows->fields[i] : "");
+		if (!fields[i]) {
+			while (i-- > 0)
+				free(fields[i]);
+			return false;
+		}
+	}
+	for (int k = 0; k < 2; k++)
+		t->places[t->row_count][k] = rows->place.kind == ECO_PLACE_POINT ? rows->place.at[k] : NAN;
+	t->row_count++;
+	return true;
+}
+
+static enum eco_code begin(struct eco_table *t, const struct eco_rows *rows, struct eco_error *error)
+{
+	t->has_geometry = rows->has_geometry;
+	t->local = rows->local;
+	t->degrees_doubted = rows->degrees_doubted;
+	t->crs = rows->crs ? strdup(rows->crs) : NULL;
+	t->columns = calloc(rows->column_count + 1u, sizeof *t->columns);
+	t->fields = calloc((size_t)ECO_TABLE_ROWS * (rows->column_count + 1u), sizeof *t->fields);
+	t->places = calloc(ECO_TABLE_ROWS, sizeof *t->places);
+	if (!t->columns || !t->fields || !t->places || (rows->crs && !t->crs))
+		return no_memory(t->path, error);
+	for (uint32_t i = 0; i < rows->column_count; i++) {
+		t->columns[i] = strdup(rows->columns[i]);
+		if (!t->columns[i])
+			return no_memory(t->path, error);
+		t->column_count++;
+	}
+	return ECO_OK;
+}
+
+static enum eco_code read_rows(struct eco_table *t, struct eco_rows *rows, struct eco_error *error)
+{
+	for (uint64_t stride = 1;; t->rows++) {
+		bool more = false;
+		enum eco_code code = rows->next(rows, &more, error);
+		if (code || !more)
+			return code;
+		if (t->row_count == ECO_TABLE_ROWS) {
+			thin(t);
+			stride *= 2;
+		}
+		if (t->rows % stride == 0 && !keep_row(t, rows))
+			return no_memory(t->path, error);
+	}
+}
+
+enum eco_code eco_table_read(struct eco_table *table, const struct eco_rows_source *source,
+	struct eco_error *error)
+{
+	struct eco_rows *rows = NULL;
+	*table = (struct eco_table){ .path = strdup(source->path) };
+	enum eco_code code = table->path ? eco_rows_open(&rows, source, error) : no_memory(source->path, error);
+	if (!code)
+		code = begin(table, rows, error);
+	if (!code)
+		code = read_rows(table, rows, error);
+	if (!code && table->rows == 0)
+		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: it has no rows", source->path);
+	for (uint32_t i = 0; rows && i < rows->note_count; i++)
+		if ((table->notes[table->note_count] = strdup(rows->notes[i])))
+			table->note_count++;
+	eco_rows_close(rows);
+	if (code)
+		eco_table_free(table);
+	return code;
+}
+
+void eco_table_free(struct eco_table *table)
+{
+	for (uint32_t row = 0; table->fields && row < table->row_count; row++)
+		drop_row(table, row);
+	for (uint32_t i = 0; i < table->column_count; i++)
+		free(table->columns[i]);
+	for (uint32_t i = 0; i < table->note_count; i++)
+		free(table->notes[i]);
+	free(table->columns);
+	free(table->fields);
+	free(table->places);
+	free(table->crs);
+	free(table->path);
+	*table = (struct eco_table){ .path = NULL };
+}
