@@ -66,6 +66,8 @@ static enum eco_code build(struct make *m)
 	main_times_stage(MAIN_STAGE_GROUND);
 	if (!code)
 		code = make_ground_read(m);
+	if (!code && m->has_ground)
+		make_doubt_ground(m);
 	if (!code)
 		code = make_plants(m);
 	main_times_stage(MAIN_STAGE_GROUND);

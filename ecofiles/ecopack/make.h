@@ -77,6 +77,8 @@ struct make_eco {                /* an eco file with its places, tiled */
 	struct eco_skipped skipped[ECO_SKIP_COUNT];
 };
 
+enum { MAKE_WEST, MAKE_EAST, MAKE_SOUTH, MAKE_NORTH, MAKE_SIDES };
+
 struct make_array { void *items; uint64_t count, capacity; };
 struct make_kept;
 
@@ -92,7 +94,8 @@ struct make {
 	double ground_low_m, ground_step_m;      /* its heights are whole steps above this */
 	struct eco_ground_tile *ground_tiles;
 	uint8_t *ground_shifts;                  /* see lod/ground_choice.h */
-	uint64_t off_ground;         /* plants and nested eco files beyond the ground's border */
+	/* plants and nested eco files beyond the ground's border, the farthest of them, and how far each side */
+	uint64_t off_ground; double off_ground_m; uint64_t off_side[MAKE_SIDES];
 	struct make_eco *ecos;       /* per source */
 	struct eco_pack_writer *writer;
 	struct make_kept *kept;      /* make_kept.c; NULL: build everything */
@@ -180,6 +183,10 @@ bool make_cache_get(struct main_cache *cache, const struct main_cache_key *key, 
 	const char *name, struct lod_plant *plant);
 void make_cache_put(struct main_cache *cache, const struct main_cache_key *key,
 	const struct lod_plant *plant);
+
+/* What can hardly be meant, a line each (make_doubts.c): sizes of plants that stand, slopes of the ground. */
+void make_doubt_plants(const struct make *m);
+void make_doubt_ground(const struct make *m);
 
 /* opens each inventory and takes its first plant; reads areas and masks */
 enum eco_code make_places_check(struct make *m);

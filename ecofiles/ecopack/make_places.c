@@ -3,10 +3,12 @@
 #include "ecofiles/ecopack/make.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "ecofiles/ecopack/progress.h"
+#include "ecofiles/base/phrase.h"
 #include "ecofiles/base/room.h"
 #include "ecofiles/base/turn.h"
 
@@ -33,11 +35,23 @@ static enum eco_code add_place(struct make *m, struct make_eco *eco, const struc
 	return ECO_OK;
 }
 
+static void count_off_ground(struct make *m, const double at[3])
+{
+	const struct eco_ground *g = &m->ground;
+	const double beyond[MAKE_SIDES] = { g->x_m - at[0], at[0] - g->x_m - g->step_x_m * (g->columns - 1),
+		g->y_m - at[1], at[1] - g->y_m - g->step_y_m * (g->rows - 1) };
+	m->off_ground++;
+	for (int side = 0; side < MAKE_SIDES; side++) {
+		m->off_side[side] += beyond[side] > 0;
+		m->off_ground_m = fmax(m->off_ground_m, beyond[side]);
+	}
+}
+
 static double on_ground(struct make *m, uint32_t source, const double at[3])
 {
 	double z = 0;
-	if (source == 0 && m->has_ground)
-		m->off_ground += !eco_ground_height(&m->ground, at[0], at[1], &z);
+	if (source == 0 && m->has_ground && !eco_ground_height(&m->ground, at[0], at[1], &z))
+		count_off_ground(m, at);
 	return at[2] + z;
 }
 
@@ -303,6 +317,21 @@ static void rescale(struct make *m, struct make_eco *eco)
 	}
 }
 
+static void say_off_ground(const struct make *m)
+{
+	static const char *const names[MAKE_SIDES] = { "west", "east", "south", "north" };
+	char sides[120] = "", one[40];
+	for (int side = 0; side < MAKE_SIDES; side++) {
+		snprintf(one, sizeof one, "%llu %s", (unsigned long long)m->off_side[side], names[side]);
+		if (m->off_side[side] > 0)
+			eco_phrase_add(sides, sizeof sides, one);
+	}
+	main_note("%s: %llu plant%s or nested scene%s stand%s beyond its border (%s of it, up to %.4g m away), at the "
+		"height of the border's nearest point", m->sources.items[0].ground.heights[0],
+		(unsigned long long)m->off_ground, plural(m->off_ground), plural(m->off_ground),
+		m->off_ground == 1 ? "s" : "", sides, m->off_ground_m);
+}
+
 enum eco_code make_places(struct make *m)
 {
 	enum eco_code code = m->ecos ? ECO_OK : make_places_read(m);
@@ -314,10 +343,8 @@ enum eco_code make_places(struct make *m)
 	if (code)
 		return code;
 	if (m->off_ground)
-		main_note("%s: %llu plant%s or nested scene%s stand%s beyond its border, at the height of "
-			"the border's nearest point", m->sources.items[0].ground.heights[0],
-			(unsigned long long)m->off_ground, plural(m->off_ground), plural(m->off_ground),
-			m->off_ground == 1 ? "s" : "");
+		say_off_ground(m);
+	make_doubt_plants(m);
 	if (m->ecos[0].instances == 0)
 		return eco_fail(m->error, ECO_BAD_INPUT, "%s: there are no plants to pack; add "
 			"\"instances\" or \"children\"", m->sources.items[0].path);

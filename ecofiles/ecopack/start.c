@@ -46,6 +46,16 @@ enum eco_code start_guess(struct start *s, const char *what, const char *took, c
 	return ECO_OK;
 }
 
+void start_say(const char *format, ...)
+{
+	va_list arguments;
+	va_start(arguments, format);
+	if (!main_is_quiet)
+		vprintf(format, arguments);
+	va_end(arguments);
+	fflush(stdout);
+}
+
 void start_free(struct start *s)
 {
 	for (uint32_t i = 0; i < s->model_count; i++) {

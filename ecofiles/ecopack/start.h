@@ -19,6 +19,7 @@
 #include "ecofiles/import/places/flora.h"
 #include "ecofiles/import/places/place_guess.h"
 #include "ecofiles/import/places/size_units.h"
+#include "ecofiles/import/places/spread.h"
 #include "ecofiles/import/places/table_columns.h"
 #include "ecofiles/import/places/table_values.h"
 #include "ecofiles/import/places/words.h"
@@ -80,6 +81,9 @@ void start_free(struct start *s);
 /* Keeps a guess and prints it. `change`: the option or the field that changes it; "" if nothing does. */
 enum eco_code start_guess(struct start *s, const char *what, const char *took, const char *change,
 	const char *why, ...) __attribute__((format(printf, 5, 6)));
+
+/* A line for people, unless --quiet. */
+void start_say(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* A path as seen from the folder that is written, malloc'ed; NULL when memory ran out. */
 char *start_path(const struct start *s, const char *path);

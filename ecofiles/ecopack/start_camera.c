@@ -7,8 +7,10 @@
 #include <stdlib.h>
 
 #define SEEN 200u                /* plants around the middle that the picture is for */
-#define FAR_M 250.0
+#define FAR_M 250.0              /* farther away plants are dots */
 #define FIELD_DEG 45.0
+#define STEEP 0.5                /* the look goes down no steeper, if that does not take it too far away */
+#define UNKNOWN_M 10.0
 #define CLEAR_M 10.0             /* around the eye no plant reaches so near to it */
 #define STEPS 32                 /* of the ground between eye and target */
 
@@ -74,18 +76,33 @@ static double least_height(const struct map *m, const double eye[2], const doubl
 	return least;
 }
 
+/* The height that one in ten exceeds. */
+static double tall_m(const struct map *m)
+{
+	struct eco_spread heights = { 0 };
+	for (uint32_t i = 0; i < m->points.count; i++)
+		if (m->points.items[i].height_m > 0 && !eco_spread_add(&heights, (double)m->points.items[i].height_m))
+			break;
+	double tall = eco_spread_quantile(&heights, 0.9);
+	eco_spread_free(&heights);
+	return tall > 0 ? tall : UNKNOWN_M;
+}
+
 enum eco_code start_camera(const struct map *map, char **text, struct eco_error *error)
 {
-	double middle[2] = { 0, 0 }, reach = 0, tall = map->typical_m > 0 ? map->typical_m : 10;
+	double middle[2] = { 0, 0 }, reach = 0, tall = tall_m(map);
 	*text = NULL;
 	if (map->points.count == 0)
 		return eco_fail(error, ECO_BAD_INPUT, "no plant is left to look at");
 	if (!find_middle(map, middle, &reach))
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for the camera");
-	double away = fmin(fmax(reach + 2 * tall, 3 * tall), fmax(FAR_M, 6 * tall));
+	double away = fmin(fmax(reach + 2 * tall, 3 * tall), FAR_M - 1);
 	double target[3] = { middle[0], middle[1], ground_at(map, middle[0], middle[1]) + tall / 2 },
 		eye[3] = { middle[0], middle[1] - away };
-	eye[2] = fmax(target[2] + away / 4, least_height(map, eye, target));
+	for (eye[2] = INFINITY; eye[2] - target[2] > STEEP * (target[1] - eye[1]) && away < FAR_M; away *= 1.25) {
+		eye[1] = middle[1] - away;
+		eye[2] = fmax(target[2] + away / 4, least_height(map, eye, target));
+	}
 	if (asprintf(text, "{\"fps\": 1, \"keyframes\": [\n  {\"time_s\": 0, \"eye\": [%.2f, %.2f, %.2f], \"target\": "
 			"[%.2f, %.2f, %.2f], \"fov_y_deg\": %g}]}\n", eye[0], eye[1], eye[2], target[0], target[1],
 			target[2], FIELD_DEG) >= 0)

@@ -87,7 +87,7 @@ static bool is_unit(const char *unit)
 }
 
 static enum eco_code measure(struct start *s, struct start_size *size, enum eco_quantity quantity,
-	const char *given, const char *option)
+	const char *given, const char *beside, const char *option)
 {
 	const char *name = start_column(s, size->column);
 	struct eco_spread spread = { 0 };
@@ -112,7 +112,7 @@ static enum eco_code measure(struct start *s, struct start_size *size, enum eco_
 		size->unit = (struct eco_unit_guess){ .unit = "m", .why = "most values say theirs, which counts" };
 		return ECO_OK;
 	}
-	size->unit = eco_unit_guess(quantity, name, &numbers);
+	size->unit = eco_unit_guess(quantity, name, beside, &numbers);
 	if (size->unit.unit)
 		return ECO_OK;
 	return eco_fail(s->error, ECO_BAD_INPUT, "%.120s: in which unit is \"%.40s\"? %s; say %s (one of " ECO_UNITS
@@ -139,10 +139,11 @@ static enum eco_code find_sizes(struct start *s)
 	s->trunk_is_girth = s->columns.of[ECO_ROLE_DBH] == ECO_NONE;
 	s->trunk.column = s->columns.of[s->trunk_is_girth ? ECO_ROLE_GIRTH : ECO_ROLE_DBH];
 	if (s->height.column != ECO_NONE)
-		code = measure(s, &s->height, ECO_QUANTITY_HEIGHT, o->height_unit, "--height-unit");
+		code = measure(s, &s->height, ECO_QUANTITY_HEIGHT, o->height_unit, o->dbh_unit ? o->dbh_unit
+			: eco_unit_of_name(start_column(s, s->trunk.column)), "--height-unit");
 	if (!code && s->trunk.column != ECO_NONE)
 		code = measure(s, &s->trunk, s->trunk_is_girth ? ECO_QUANTITY_GIRTH : ECO_QUANTITY_DBH, o->dbh_unit,
-			"--dbh-unit");
+			s->height.column != ECO_NONE ? s->height.unit.unit : NULL, "--dbh-unit");
 	if (!code)
 		code = say_size(s, &s->height, ECO_ROLE_HEIGHT, "--height-column", "--height-unit");
 	return code ? code : say_size(s, &s->trunk, s->trunk_is_girth ? ECO_ROLE_GIRTH : ECO_ROLE_DBH,
@@ -205,10 +206,10 @@ enum eco_code start_look(struct start *s)
 		code = eco_table_read(&s->table, &s->source, s->error);
 	if (code)
 		return code;
-	printf("%s: %s row%s, %u columns\n", o->table, eco_phrase_count(s->table.rows, rows),
+	start_say("%s: %s row%s, %u columns\n", o->table, eco_phrase_count(s->table.rows, rows),
 		s->table.rows == 1 ? "" : "s", s->table.column_count);
 	for (uint32_t i = 0; i < s->table.note_count; i++)
-		printf("  %s\n", s->table.notes[i]);
+		start_say("  %s\n", s->table.notes[i]);
 	code = read_dem(s);
 	if (!code)
 		code = find_columns(s);

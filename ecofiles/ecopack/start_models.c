@@ -162,7 +162,7 @@ static enum eco_code group(struct start *s, const struct files *files)
 		struct start_model *last = s->model_count > 0 ? &s->models[s->model_count - 1] : NULL;
 		base = base_bytes(stem, bytes);
 		if (bytes == before_bytes && strncmp(stem, before, bytes) == 0) {
-			printf("  %s: left out, as %s is the same model\n", files->paths[i], last->paths[0]);
+			start_say("  %s: left out, as %s is the same model\n", files->paths[i], last->paths[0]);
 			continue;
 		}
 		if (last && base < bytes && base == before_base && strncmp(stem, before, base) == 0
@@ -203,7 +203,7 @@ enum eco_code start_models_find(struct start *s)
 		free(files.paths[i]);
 	free(files.paths);
 	if (!code)
-		printf("%s: %u model%s\n", s->options->models, s->model_count, s->model_count == 1 ? "" : "s");
+		start_say("%s: %u model%s\n", s->options->models, s->model_count, s->model_count == 1 ? "" : "s");
 	return code;
 }
 

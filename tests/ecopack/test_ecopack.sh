@@ -25,7 +25,7 @@ expect() {
 expect 0 '^ecopack 0\.[0-9]+$' --version
 expect 0 'ecopack make SCENE.json -o OUT.eco' --help
 expect 0 'ecopack generate NAME -o DIR' --help
-expect 2 'a command is missing: the commands are make'
+expect 2 'a command is missing: the commands are start, make'
 expect 2 'bake.*make, link, info' bake x
 expect 2 'the scene file is missing' make -o "$DIR/x.eco"
 expect 2 '-o OUT.eco is missing' make "$DIR/x.json"

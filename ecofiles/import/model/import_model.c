@@ -11,6 +11,7 @@
 #include "ecofiles/import/model/gltf.h"
 #include "ecofiles/base/guard.h"
 #include "ecofiles/format/image.h"
+#include "ecofiles/import/model/model_apart.h"
 #include "ecofiles/import/model/model_clean.h"
 #include "ecofiles/base/module.h"
 #include "ecofiles/import/model/model_import.h"
@@ -234,6 +235,15 @@ static void note_colourless(const struct eco_model *model, struct eco_notes *not
 			count == model->triangle_count ? "it has" : "a part of it has");
 }
 
+static void note_apart(const struct eco_model *model, struct eco_notes *notes)
+{
+	struct eco_apart apart = eco_model_apart(model);
+	if (apart.count > 1 && apart.count <= ECO_APART_MOST)
+		eco_note(notes, "%u plants stand apart in it, the first at %.3g, %.3g m, the second at %.3g, %.3g m: each "
+			"place gets all of them; if they are meant one by one, make a file of each, as \"variants\"",
+			apart.count, apart.at[0][0], apart.at[0][1], apart.at[1][0], apart.at[1][1]);
+}
+
 static void tell(const struct eco_model_options *options, struct eco_notes *notes)
 {
 	char *rest = notes->text, *line;
@@ -314,6 +324,7 @@ enum eco_code eco_model_import(struct eco_model *model, const struct eco_model_o
 	if (!code) {
 		eco_model_see_grey(model);
 		note_colourless(model, notes);
+		note_apart(model, notes);
 	}
 	if (notes)
 		tell(options, notes);

@@ -86,7 +86,26 @@ static struct eco_unit_guess guess_by_name(enum eco_quantity quantity, size_t na
 	return guess;
 }
 
-struct eco_unit_guess eco_unit_guess(enum eco_quantity quantity, const char *name,
+const char *eco_unit_of_name(const char *name)
+{
+	size_t named = unit_of_name(name);
+	return named < UNITS ? units[named].name : NULL;
+}
+
+static bool is_metric(const char *unit) { return strcmp(unit, "ft") != 0 && strcmp(unit, "in") != 0; }
+
+/* Of two units that would do, the one of the system of the other sizes. */
+static bool decide_beside(struct eco_unit_guess *guess, size_t a, size_t b, const char *beside)
+{
+	if (!beside || is_metric(units[a].name) == is_metric(units[b].name))
+		return false;
+	guess->unit = is_metric(units[a].name) == is_metric(beside) ? units[a].name : units[b].name;
+	snprintf(guess->why, sizeof guess->why, "it may be %s or %s by its numbers; other sizes are in %s",
+		units[a].name, units[b].name, beside);
+	return true;
+}
+
+struct eco_unit_guess eco_unit_guess(enum eco_quantity quantity, const char *name, const char *beside,
 	const struct eco_size_numbers *numbers)
 {
 	size_t named = unit_of_name(name);
@@ -95,7 +114,10 @@ struct eco_unit_guess eco_unit_guess(enum eco_quantity quantity, const char *nam
 	size_t best = best_unit(quantity, numbers, UNITS), next = best_unit(quantity, numbers, best);
 	double fit = misfit(quantity, units[best].metres, numbers);
 	struct eco_unit_guess guess = { .unit = units[best].name };
-	if (fit > FAR || misfit(quantity, units[next].metres, numbers) - fit < SURE)
+	bool sure = misfit(quantity, units[next].metres, numbers) - fit >= SURE;
+	if (fit <= FAR && !sure && decide_beside(&guess, best, next, beside))
+		return guess;
+	if (fit > FAR || !sure)
 		ask(&guess, quantity, best, next, numbers);
 	else
 		snprintf(guess.why, sizeof guess.why, "half of them are above %.4g %s, the largest about %.4g; in "

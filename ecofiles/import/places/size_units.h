@@ -16,9 +16,12 @@ struct eco_unit_guess {
 	char why[200];               /* the reason, or the question */
 };
 
-/* `name`: of the column; may be NULL. */
-struct eco_unit_guess eco_unit_guess(enum eco_quantity quantity, const char *name,
+/* `name`: of the column; `beside`: the unit of another size of the same plants, as nobody measures heights in
+ * feet and trunks in centimetres; both may be NULL. */
+struct eco_unit_guess eco_unit_guess(enum eco_quantity quantity, const char *name, const char *beside,
 	const struct eco_size_numbers *numbers);
+/* The unit that a column's name says, or NULL. */
+const char *eco_unit_of_name(const char *name);
 
 /* A unit in which these numbers would be far likelier than in unit_m (metres); NULL: unit_m can be. */
 const char *eco_unit_doubt(enum eco_quantity quantity, double unit_m, const struct eco_size_numbers *numbers);

@@ -1,0 +1,150 @@
+#!/bin/sh
+# ecopack start, as a stranger meets it: inventories of other shape, unit, language and CRS, each to the right scene or to a question that
+# names the choice; and what `make` says of scenes that can hardly be meant. BUILD is the folder of the programs.
+set -u
+BUILD=${BUILD:-build}
+PACK=$BUILD/ecopack
+DIR=$BUILD/tmp/start-sh-$$
+failed=0
+mkdir -p "$DIR/models/sub"
+export XDG_CACHE_HOME="$PWD/$DIR/xdg"
+trap 'rm -rf "$DIR"' EXIT
+
+complain() { echo "test_start: $*"; failed=1; }
+
+# model NAME HEIGHT: a stem and a crown
+model() {
+	awk -v h="$2" 'BEGIN { printf "# Units: m\nv -0.1 0 0\nv 0.1 0 0\nv 0 %g 0.1\nv %g %g 0\nv %g %g 0.3\nv 0 %g %g\nf 1 2 3\nf 4 5 6\nf 3 4 6\n",
+		h / 2, -h / 4, h / 2, h / 4, h / 2, h, h / 8 }' >"$DIR/models/$1.obj"
+}
+model stieleiche 14; model sub/linden_1 12; model linden_2 11; model norway_spruce 20; model holly_bush 2; model rock 3; model maple_dead 9
+
+# start STATUS PATTERN TABLE OPTION... : into $DIR/my
+start() {
+	wanted=$1 pattern=$2 table=$3; shift 3
+	rm -rf "$DIR/my"
+	"$PACK" start "$DIR/$table" "$DIR/models" -o "$DIR/my/" "$@" >"$DIR/out" 2>&1 </dev/null
+	status=$?
+	[ $status -eq "$wanted" ] || complain "$table $*: status $status instead of $wanted: $(tail -c 600 "$DIR/out")"
+	tr -s '\n ' ' ' <"$DIR/out" | grep -Eq -- "$pattern" || complain "$table $*: says nothing like /$pattern/: $(cat "$DIR/out")"
+	[ "$wanted" -eq 0 ] || [ ! -e "$DIR/my" ] || complain "$table $*: left $(ls "$DIR/my")"
+}
+# is FILTER VALUE: of the scene that was written
+is() {
+	got=$(jq -c "$1" "$DIR/my/scene.json" 2>&1)
+	[ "$got" = "$2" ] || complain "$table: $1 is $got instead of $2"
+}
+# camera X Y: where the middle of the plants is, and an eye above it
+camera() {
+	jq -e --argjson x "$1" --argjson y "$2" '.keyframes[0] | (.target[0] - $x | fabs) < 60 and (.target[1] - $y | fabs) < 60 and .eye[2] > 3 and .eye[1] < .target[1]' \
+		"$DIR/my/camera.json" >/dev/null || complain "$table: camera $(jq -c .keyframes[0] "$DIR/my/camera.json")"
+}
+
+# ---- German: semicolons, decimal commas, a byte order mark, a CRS in the columns' names, girths in centimetres ----
+awk 'BEGIN { printf "\357\273\277Baum-Nr;Baumart (botanisch);H\303\266he (m);Stammumfang [cm];Ostwert_25832;Nordwert_25832\r\n"
+	for (i = 0; i < 60; i++) printf "%d;%s;%d,5;%d;6916%02d,25;53347%02d,5\r\n", i, i % 3 ? "Quercus robur" : "Tilia cordata", 6 + i % 15, 40 + 3 * i, i, i }' >"$DIR/de.csv"
+start 0 'decimal commas' de.csv
+is '[.crs, .origin]' '["EPSG:25832",[691630,5334730]]'
+is '.instances[0] | [.x, .y, .crs, .decimal, .species]' '["Ostwert_25832","Nordwert_25832","EPSG:25832",",","Baumart (botanisch)"]'
+is '.instances[0].height_m' '[{"column":"Höhe (m)","unit":"m"},{"from_girth":"Stammumfang [cm]","unit":"cm","max":25,"rate":0.002},13.5]'
+is '.instances[0].map' '{"Quercus robur":"stieleiche","Tilia cordata":"linden","*":"stieleiche"}'
+is '.plants.linden.variants | length' 2
+camera 0 0
+file "$DIR/my/map.png" 2>/dev/null | grep -q PNG || [ "$(head -c 4 "$DIR/my/map.png" | tail -c 3)" = PNG ] || complain "map.png is none"
+
+# ---- French: tabs, a national grid by its short name ----
+awk 'BEGIN { print "essence\thauteur_m\tcirconf\303\251rence\tX_L93\tY_L93"
+	for (i = 0; i < 40; i++) printf "%s\t%d\t%d\t%d\t%d\n", i % 2 ? "\303\211pic\303\251a commun" : "Houx", 5 + i % 18, 30 + 4 * i, 652000 + 10 * i, 6862000 + i }' >"$DIR/fr.tsv"
+start 0 'Lambert-93, by the columns. names' fr.tsv
+is '[.crs, .instances[0].x]' '["EPSG:2154","X_L93"]'
+is '.instances[0].map | [."Houx", ."Épicéa commun"]' '["holly_bush","norway_spruce"]'
+is '.instances[0].height_m[1] | [.from_girth, .unit]' '["circonférence","cm"]'
+camera 0 0
+
+# ---- English: degrees, feet and inches that no name says, vacant places, a misspelling ----
+awk 'BEGIN { print "Site,Species,Diameter,Height,Latitude,Longitude"
+	for (i = 0; i < 200; i++) printf "%d,%s,%d,%d,%.6f,%.6f\n", i, i % 5 == 0 ? "Vacant site" : i % 5 == 1 ? "\"maple, Norway (Acer platanoides)\"" : i % 5 == 2 ? "Qercus rubra" : "\"oak, pin (Quercus palustris)\"",
+		i % 5 ? 4 + i % 27 : 0, i % 5 ? 15 + i % 50 : 0, 45.52 + i / 50000, -122.67 + i / 40000 }' >"$DIR/us.csv"
+start 0 'Qercus rubra. is meant as quercus' us.csv
+is '[.crs, .instances[0].crs, .instances[0].x, .instances[0].y]' '["EPSG:32610","EPSG:4326","Longitude","Latitude"]'
+is '.instances[0].height_m[0:2] | [.[0].unit, .[1].unit]' '["ft","in"]'
+is '.instances[0].map | [."Vacant site", ."Qercus rubra", ."oak, pin (Quercus palustris)"]' '[null,"stieleiche","stieleiche"]'
+is '.plants | has("maple_dead")' false
+is '.plants | has("rock")' false
+camera 0 0
+
+# ---- The same with latitude and longitude in each other's columns ----
+awk -F, 'BEGIN { OFS = "," } NR > 1 { t = $(NF - 1); $(NF - 1) = $NF; $NF = t } { print }' "$DIR/us.csv" >"$DIR/swapped.csv"
+start 0 'are swapped: a latitude lies between -90 and 90' swapped.csv
+is '[.crs, .instances[0].x, .instances[0].y]' '["EPSG:32610","Latitude","Longitude"]'
+
+# ---- Spanish: heights in centimetres, degrees of the south with decimal commas ----
+awk 'BEGIN { print "especie;altura;longitud;latitud"
+	for (i = 0; i < 50; i++) { s = sprintf("%s;%d;%.5f;%.5f", i % 2 ? "roble" : "tilo", 500 + 30 * i, -70.65 + i / 10000, -33.44 - i / 10000); gsub(/\./, ",", s); print s } }' >"$DIR/es.csv"
+start 0 'altura. in cm' es.csv
+is '[.crs, .instances[0].decimal, .instances[0].height_m[0].unit]' '["EPSG:32719",",","cm"]'
+is '.instances[0].map | [.roble, .tilo]' '["stieleiche","linden"]'
+
+# ---- A plot: metres from its corner, no CRS ----
+awk 'BEGIN { print "tag,sp,species,gx,gy,dbh_mm"; for (i = 0; i < 90; i++) printf "%d,x,%s,%.1f,%.1f,%d\n", i, i % 2 ? "Picea abies" : "Ilex aquifolium", i % 10 * 9.3, i * 1.1, 10 + i * 5 }' >"$DIR/plot.csv"
+start 0 'metres of a plot' plot.csv
+is '[has("crs"), .instances[0].x, .instances[0].height_m[0].unit]' '[false,"gx","mm"]'
+camera 0 0
+
+# ---- GeoJSON of points ----
+awk 'BEGIN { printf "{\"type\": \"FeatureCollection\", \"features\": ["
+	for (i = 0; i < 20; i++) printf "%s{\"type\": \"Feature\", \"geometry\": {\"type\": \"Point\", \"coordinates\": [%f, %f]}, \"properties\": {\"boomsoort\": \"zomereik\", \"hoogte\": \"%d m\"}}", i ? "," : "", 4.9 + i / 5000, 52.37, 8 + i % 9
+	print "]}" }' >"$DIR/nl.geojson"
+start 0 "the file.s points" nl.geojson
+is '[.crs, (.instances[0] | has("x")), (.instances[0].map | .zomereik)]' '["EPSG:32631",false,"stieleiche"]'
+
+# ---- Questions, each with its choices and the option that answers ----
+awk 'BEGIN { print "species,x,y,height_m"; for (i = 0; i < 20; i++) printf "oak,%d,%d,%d\n", 691600 + i, 5334700 + i, 9 + i % 9 }' >"$DIR/zone.csv"
+start 1 'which CRS .* each UTM zone, at latitude 48\.1.*--crs EPSG:32601' zone.csv
+start 0 'as you say' zone.csv --crs EPSG:25832
+is '[.crs, .instances[0].crs]' '["EPSG:25832","EPSG:25832"]'
+start 0 'crs of the scene EPSG:32633 .as you say' zone.csv --crs EPSG:25832 --scene-crs EPSG:32633
+is .crs '"EPSG:32633"'
+sed 's/height_m/height/' "$DIR/zone.csv" | awk -F, 'BEGIN { OFS = "," } NR > 1 { $4 = 15 + NR } { print }' >"$DIR/unit.csv"
+start 1 'in which unit is "height".* if in ft, .* if in m; say --height-unit' unit.csv --crs EPSG:25832
+start 0 '"height" in ft' unit.csv --crs EPSG:25832 --height-unit ft
+awk -F, 'BEGIN { OFS = "," } NR > 1 { $4 = 110 + NR } { print }' "$DIR/zone.csv" >"$DIR/tall.csv"
+start 1 'in which unit is "height_m".*122 m if in m, .* if in ft; say --height-unit' tall.csv --crs EPSG:25832
+start 2 'the units are m, cm' tall.csv --crs EPSG:25832 --height-unit yards
+start 1 'no such column; there are: species, x, y, height_m' zone.csv --crs EPSG:25832 --species-column kind
+start 1 'the CRS "EPSG:1" is not known' zone.csv --crs EPSG:1
+sed 's/species/what/; s/^oak/7/' "$DIR/zone.csv" >"$DIR/nameless.csv"
+start 1 'which column names the species.*--plant NAME' nameless.csv --crs EPSG:25832
+start 0 'as you say' nameless.csv --crs EPSG:25832 --plant norway_spruce
+is '.instances[0].plant' '"norway_spruce"'
+echo 'a,b' >"$DIR/empty.csv"
+start 1 'it has no rows' empty.csv
+
+# ---- Nothing is replaced by mistake, and nothing half written ----
+start 0 '' zone.csv --crs EPSG:25832
+cp "$DIR/my/scene.json" "$DIR/kept.json"
+"$PACK" start "$DIR/plot.csv" "$DIR/models" -o "$DIR/my" >"$DIR/out" 2>&1 && complain "it replaced a scene"
+grep -q -- '--force replaces it' "$DIR/out" || complain "it does not say --force: $(cat "$DIR/out")"
+"$PACK" start "$DIR/empty.csv" "$DIR/models" -o "$DIR/my" --force >"$DIR/out" 2>&1 && complain "it took an empty table"
+cmp -s "$DIR/kept.json" "$DIR/my/scene.json" || complain "a failure changed the scene"
+[ "$(ls "$DIR/my" | tr '\n' ' ')" = "camera.json map.png scene.json " ] || complain "there are $(ls "$DIR/my")"
+"$PACK" start "$DIR/plot.csv" "$DIR/models" -o "$DIR/my" --force -q >"$DIR/out" 2>&1 || complain "--force: $(cat "$DIR/out")"
+grep -q EPSG "$DIR/out" && complain "--quiet says: $(cat "$DIR/out")"
+
+# ---- What is guessed is a pack, and says what of it can hardly be meant ----
+"$PACK" make "$DIR/my/scene.json" -o "$DIR/my.eco" -q >"$DIR/out" 2>&1 || complain "make: $(cat "$DIR/out")"
+"$PACK" info "$DIR/my.eco" --json | jq -e '.instances == 90' >/dev/null || complain "90 rows are $("$PACK" info "$DIR/my.eco" --json | jq .instances) plants"
+model aspen 103
+cat >"$DIR/doubts.json" <<JSON
+{"notes": "sizes that no such plant has", "plants": {"aspen": {"model": "models/aspen.obj"}, "a rock": {"model": "models/rock.obj"}, "oak": {"model": "models/stieleiche.obj"},
+ "bonsai oak": {"model": "models/stieleiche.obj", "height_m": 0.5}},
+ "instances": [{"plant": "aspen", "at": [0, 0]}, {"plant": "a rock", "at": [5, 5]}, {"plant": "oak", "at": [9, 9], "height_m": 1.1}, {"plant": "bonsai oak", "at": [3, 3]}]}
+JSON
+"$PACK" make "$DIR/doubts.json" -o "$DIR/doubts.eco" >"$DIR/out" 2>&1 || complain "doubts: $(cat "$DIR/out")"
+says() { grep -Eq -- "$1" "$DIR/out" || complain "make says nothing like /$1/: $(grep -v building "$DIR/out" | head -c 900)"; }
+says 'aspen: half of its 1 plants are more than 103 m high, where a broad-leaved tree has 2 to 50 m'
+says 'a rock: by its name it is no plant'
+says 'oak: half of its 1 plants are less than 1.1 m high'
+grep -q 'bonsai.*half' "$DIR/out" && complain "make doubts a height that the scene states"
+
+exit $failed
