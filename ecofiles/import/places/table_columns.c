@@ -18,7 +18,8 @@ const char *const eco_role_names[ECO_ROLE_COUNT] = { "x", "y", "species", "heigh
 #define NUMERIC_LEAST 0.5
 
 /* Words of English, German, French, Spanish, Italian, Dutch, Portuguese, Polish, Czech, Swedish, Danish. A
- * word of five letters and more counts within a longer one, too: "kronendurchmesser". */
+ * word of five letters and more counts within a longer one, too, "kronendurchmesser", one of four at its end,
+ * "baumhohe". */
 static const struct { enum eco_role role; int points; const char *words; } meanings[] = {
 	{ ECO_ROLE_X, 100, "longitude longitud longitudine lengtegraad laengengrad langengrad lange laenge lon lng "
 		"long dlugosc" },
@@ -44,7 +45,7 @@ static const struct { enum eco_role role; int points; const char *words; } meani
 		"sea ground gelande altitude ansatz width breite date year jahr" },
 	{ ECO_ROLE_DBH, 95, "dbh bhd dhp dap brusthohendurchmesser stammdurchmesser stamdiameter" },
 	{ ECO_ROLE_DBH, 80, "diameter diametre diametro durchmesser diam srednica prumer" },
-	{ ECO_ROLE_DBH, -90, "crown krone kronen kroon houppier couronne copa chioma canopy height hauteur altura "
+	{ ECO_ROLE_DBH, -90, "crown krone kronen kroon houppier couronne copa chioma canopy "
 		"spread korony date year" },
 	{ ECO_ROLE_GIRTH, 95, "girth gbh cbh circumference umfang stammumfang circonference circonferenza "
 		"circunferencia perimetro perimetre omtrek obwod omkrets obvod" },
@@ -55,9 +56,14 @@ static const struct { enum eco_role role; int points; const char *words; } meani
 static bool means(const char *word, const char *list)
 {
 	char own[ECO_WORD_BYTES];
-	while (eco_words_next(&list, own))
-		if (strcmp(own, word) == 0 || (strlen(own) >= 5 && strstr(word, own)))
+	size_t length = strlen(word);
+	while (eco_words_next(&list, own)) {
+		size_t bytes = strlen(own);
+		if (strcmp(own, word) == 0 || (bytes >= 5 && strstr(word, own)))
 			return true;
+		if (bytes == 4 && length > bytes && strcmp(word + length - bytes, own) == 0)
+			return true;
+	}
 	return false;
 }
 
@@ -99,7 +105,7 @@ static int points_by_letter(enum eco_role role, const char *name)
 	if (strcmp(last, "m") == 0 || strcmp(last, "ft") == 0)
 		memcpy(last, first, sizeof last);
 	for (int i = 0; i < 2; i++)
-		if (strcmp(last, letters[role][i]) == 0 || (i == 0 && strcmp(first, letters[role][i]) == 0))
+		if (strcmp(last, letters[role][i]) == 0 || strcmp(first, letters[role][i]) == 0)
 			return 70;
 	return 0;
 }

@@ -1,0 +1,57 @@
+/* Several plants in one model. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "ecofiles/import/model/model_apart.h"
+#include "ecofiles/import/model/model_import.h"
+#include "tests/support/input_files.h"
+#include "tests/support/unit_test.h"
+
+static char notes[2000];
+
+static void keep(void *ctx, const char *text)
+{
+	size_t used = strlen(notes);
+	snprintf(notes + used, sizeof notes - used, "%s\n", text);
+}
+
+/* Stems of `high` at `x` each, with a leaf on top; and a twig that hangs free in the air. */
+static struct eco_apart apart_of(const double (*stems)[2], int count)
+{
+	static char text[20000];
+	struct eco_error error = { 0 };
+	struct eco_model model;
+	size_t used = (size_t)snprintf(text, sizeof text, "# Units: m\n");
+	for (int i = 0; i < count; i++)
+		used += (size_t)snprintf(text + used, sizeof text - used, "v %g 0 0\nv %g 0 0.1\nv %g %g 0\nv %g %g 0.3\nv %g %g "
+			"0\nf %d %d %d\nf %d %d %d\n", stems[i][0], stems[i][0] + 0.1, stems[i][0], stems[i][1], stems[i][0] - 0.5,
+			stems[i][1] * 0.9, stems[i][0] + 0.5, stems[i][1], 5 * i + 1, 5 * i + 2, 5 * i + 3, 5 * i + 3, 5 * i + 4,
+			5 * i + 5);
+	snprintf(text + used, sizeof text - used, "v 9 4 0\nv 9.5 4 0\nv 9 4.5 0\nf -1 -2 -3\n");
+	const char *path = input_text("apart", "plants.obj", text);
+	notes[0] = 0;
+	assert_ok(eco_model_import(&model, &(struct eco_model_options){ .paths = &path, .path_count = 1, .up = ECO_UP_Y,
+		.warn = keep }, &error), error);
+	struct eco_apart apart = eco_model_apart(&model);
+	eco_model_free(&model);
+	return apart;
+}
+
+UNIT_TEST(plants_that_stand_apart_are_counted_and_said)
+{
+	struct eco_apart apart = apart_of((const double[][2]){ { 0, 5 }, { 4, 4 }, { 8, 6 } }, 3);
+	assert_int_equal(apart.count, 3);
+	assert_true(fabs(apart.at[1][0] - apart.at[0][0] - 4) < 0.5);
+	assert_non_null(strstr(notes, "3 plants stand apart in it"));
+	assert_non_null(strstr(notes, "\"variants\""));
+}
+
+UNIT_TEST(one_plant_is_one)
+{
+	assert_int_equal(apart_of((const double[][2]){ { 0, 5 } }, 1).count, 1);
+	assert_null(strstr(notes, "apart"));
+	/* a low neighbour is no second plant */
+	assert_int_equal(apart_of((const double[][2]){ { 0, 5 }, { 4, 0.5 } }, 2).count, 1);
+	assert_int_equal(eco_model_apart(&(struct eco_model){ .vertex_count = 0 }).count, 0);
+}

@@ -1,0 +1,184 @@
+/* What the columns of a table mean, and where its plants stand. */
+#include <math.h>
+#include <string.h>
+
+#include "ecofiles/format/model.h"
+#include "ecofiles/import/places/crs_facts.h"
+#include "ecofiles/import/places/place_guess.h"
+#include "ecofiles/import/places/table_values.h"
+#include "tests/support/input_files.h"
+#include "tests/support/unit_test.h"
+
+struct read { struct eco_table table; struct eco_columns columns; };
+
+static void read_text(struct read *r, const char *text)
+{
+	struct eco_error error = { 0 };
+	struct eco_rows_source source = { .path = input_text("table", "rows.csv", text) };
+	assert_ok(eco_table_read(&r->table, &source, &error), error);
+	r->columns = (struct eco_columns){ .decimal = 0 };
+	for (int i = 0; i < ECO_ROLE_COUNT; i++)
+		r->columns.of[i] = ECO_NONE;
+	eco_table_columns(&r->table, &r->columns);
+}
+
+/* Names of x, y, species, height, trunk and girth, "-" for none. */
+static const char *roles_of(const struct read *r)
+{
+	static char text[400];
+	size_t used = 0;
+	for (int i = 0; i < ECO_ROLE_COUNT; i++)
+		used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", i ? "|" : "", r->columns.of[i] == ECO_NONE
+			? "-" : r->table.columns[r->columns.of[i]]);
+	return text;
+}
+
+static const struct { const char *text, *roles; char decimal; } tables[] = {
+	{ "id,lon,lat,species,height,dbh\n1,11.5,48.1,oak,12,30\n", "lon|lat|species|height|dbh|-", '.' },
+	{ "Latitude,Longitude,Common Name,Scientific Name,Height (ft),Diameter at breast height\n"
+		"45.1,-122.5,oak,Quercus robur,40,12\n", "Longitude|Latitude|Scientific Name|Height (ft)|"
+		"Diameter at breast height|-", '.' },
+	{ "Baumart;H\u00f6he;Kronendurchmesser;Stammumfang;Rechtswert;Hochwert\nEiche;12,5;8,5;90,5;4468000,5;5334000,5\n",
+		"Rechtswert|Hochwert|Baumart|H\u00f6he|-|Stammumfang", ',' },
+	{ "Gattung;Art;Baumh\u00f6he;X;Y\nQuercus;robur;12;691000;5334000\nTilia;cordata;9;691001;5334001\n",
+		"X|Y|Gattung|Baumh\u00f6he|-|-", '.' },
+	{ "essence\thauteur totale\thauteur du fut\tcirconf\u00e9rence\tlongitude\tlatitude\n"
+		"Ch\u00eane\t12\t3\t90\t2.3\t48.8\n", "longitude|latitude|essence|hauteur totale|-|circonf\u00e9rence", '.' },
+	{ "especie,altura,di\u00e1metro copa,dap,longitud,latitud\nroble,12,5,30,-70,-33\n",
+		"longitud|latitud|especie|altura|dap|-", '.' },
+	{ "boomsoort;hoogte;stamdiameter;x_rd;y_rd\neik;12;30;121000;487000\n", "x_rd|y_rd|boomsoort|hoogte|stamdiameter|-",
+		'.' },
+	{ "X,Y,Latitude,Longitude,Species,Species code\n1008714,770748,42.1,-75.8,oak,qu\n",
+		"Longitude|Latitude|Species|-|-|-", '.' },
+	{ "tag,gx,gy,utm17n_e,utm17n_n,sp\n1,3.5,4.5,747375,4308510,quru\n", "utm17n_e|utm17n_n|-|-|-|-", '.' },
+	{ "a,b\n1,2\n", "-|-|-|-|-|-", '.' },
+};
+
+UNIT_TEST(columns_are_found_in_many_languages)
+{
+	for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) {
+		struct read r;
+		read_text(&r, tables[i].text);
+		if (strcmp(roles_of(&r), tables[i].roles) != 0)
+			fail_msg("%s  is %s\n  wanted %s", tables[i].text, roles_of(&r), tables[i].roles);
+		assert_int_equal(r.columns.decimal, tables[i].decimal);
+		eco_table_free(&r.table);
+	}
+}
+
+UNIT_TEST(an_even_selection_of_many_rows_stays)
+{
+	static char text[200000] = "n\n";
+	size_t used = 2;
+	for (int i = 0; i < 20000; i++)
+		used += (size_t)snprintf(text + used, sizeof text - used, "%d\n", i);
+	struct read r;
+	read_text(&r, text);
+	assert_int_equal(r.table.rows, 20000);
+	assert_true(r.table.row_count > ECO_TABLE_ROWS / 2 && r.table.row_count <= ECO_TABLE_ROWS);
+	int step = atoi(eco_table_field(&r.table, 1, 0)) - atoi(eco_table_field(&r.table, 0, 0));
+	assert_int_equal(step, 16);
+	for (uint32_t i = 0; i < r.table.row_count; i++)
+		assert_int_equal(atoi(eco_table_field(&r.table, i, 0)), step * (int)i);
+	eco_table_free(&r.table);
+}
+
+UNIT_TEST(values_are_counted_most_first)
+{
+	struct eco_error error = { 0 };
+	struct eco_rows_source source = { .path = input_text("table", "values.csv", "a,sp\n1,oak\n2, elm \n3,elm\n4\n5,ash\n") };
+	struct eco_table_values values;
+	assert_ok(eco_table_values_read(&values, &source, "sp", &error), error);
+	assert_int_equal(values.count, 3);
+	assert_string_equal(values.items[0].text, "elm");
+	assert_int_equal(values.items[0].rows, 2);
+	assert_int_equal(values.items[0].first_line, 3);
+	assert_string_equal(values.items[1].text, "oak");
+	eco_table_values_free(&values);
+	assert_int_equal(eco_table_values_read(&values, &source, "none", &error), ECO_BAD_INPUT);
+}
+
+/* ---- Places ---- */
+
+static const struct { const char *x, *y, *numbers, *crs; const struct eco_raster_extent *dem; const char *says; } places[] = {
+	/* crs of the table, of the scene, whether swapped; or what the question says */
+	{ "lon", "lat", "11.57,48.14", NULL, NULL, "EPSG:4326 EPSG:32632" },
+	{ "lon", "lat", "-70.6,-33.4", NULL, NULL, "EPSG:4326 EPSG:32719" },
+	{ "lon", "lat", "48.14,-122.6", NULL, NULL, "EPSG:4326 EPSG:32610 swapped" },
+	{ "x", "y", "11.57,48.14", NULL, NULL, "EPSG:4326 EPSG:32632" },
+	{ "utm33n_e", "utm33n_n", "391000,5820000", NULL, NULL, "EPSG:32633 EPSG:32633" },
+	{ "x_25833", "y_25833", "391000,5820000", NULL, NULL, "EPSG:25833 EPSG:25833" },
+	{ "E_LV95", "N_LV95", "2600000,1200000", NULL, NULL, "EPSG:2056 EPSG:2056" },
+	{ "x_mga55", "y_mga55", "320000,5813000", NULL, NULL, "EPSG:7855 EPSG:7855" },
+	{ "x", "y", "391000,5820000", "EPSG:25833", NULL, "EPSG:25833 EPSG:25833" },
+	{ "x", "y", "1008714,770748", "EPSG:2261", NULL, "EPSG:2261 EPSG:32618" },
+	{ "x", "y", "5820000,391000", "EPSG:25833", NULL, "EPSG:25833 EPSG:25833 swapped" },
+	{ "x", "y", "12.5,340.2", NULL, NULL, "- -" },
+	{ "x", "y", "391000,5820000", NULL, NULL, "?each UTM zone, at latitude 52.5" },
+	{ "x", "y", "2600000,1200000", NULL, NULL, "?EPSG:2056" },
+	{ "x", "y", "391000,5820000", NULL, &(struct eco_raster_extent){ { 390000, 5819000 }, { 392000, 5821000 },
+		"EPSG:25833" }, "EPSG:25833 EPSG:25833" },
+	{ "lon", "lat", "13.4,52.52", NULL, &(struct eco_raster_extent){ { 390000, 5819000 }, { 393000, 5821000 },
+		"EPSG:25833" }, "EPSG:4326 EPSG:25833" },
+	{ "lon", "lat", "52.52,13.4", NULL, &(struct eco_raster_extent){ { 390000, 5819000 }, { 393000, 5821000 },
+		"EPSG:25833" }, "EPSG:4326 EPSG:25833 swapped" },
+	{ "x", "y", "391000,5820000", "nonsense", NULL, "?\"nonsense\" is not known" },
+};
+
+static const char *place_text(const struct eco_place_guess *g)
+{
+	static char text[100];
+	snprintf(text, sizeof text, "%s %s%s", g->crs[0] ? g->crs : "-", g->scene_crs[0] ? g->scene_crs : "-",
+		g->swapped ? " swapped" : "");
+	return text;
+}
+
+UNIT_TEST(places_get_a_crs_or_a_question)
+{
+	for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+		struct eco_error error = { 0 };
+		struct eco_place_guess guess;
+		struct read r;
+		char text[200];
+		snprintf(text, sizeof text, "%s,%s\n%s\n%s\n", places[i].x, places[i].y, places[i].numbers, places[i].numbers);
+		read_text(&r, text);
+		struct eco_place_asked asked = { .table = &r.table, .columns = &r.columns, .crs = places[i].crs,
+			.dem = places[i].dem };
+		enum eco_code code = eco_place_guess(&guess, &asked, &error);
+		bool asks = places[i].says[0] == '?';
+		if (asks ? !code || !strstr(error.text, places[i].says + 1) : code || strcmp(place_text(&guess), places[i].says) != 0)
+			fail_msg("%s,%s %s: %s; wanted %s", places[i].x, places[i].y, places[i].numbers, code ? error.text
+				: place_text(&guess), places[i].says);
+		eco_table_free(&r.table);
+	}
+}
+
+UNIT_TEST(origins_are_round_and_in_the_middle)
+{
+	struct eco_error error = { 0 };
+	struct eco_place_guess guess;
+	struct read r;
+	read_text(&r, "x,y\n391003,5820004\n391013,5820014\n391027,5820021\n");
+	struct eco_place_asked asked = { .table = &r.table, .columns = &r.columns, .crs = "EPSG:25833" };
+	assert_ok(eco_place_guess(&guess, &asked, &error), error);
+	assert_true(guess.origin[0] == 391010 && guess.origin[1] == 5820010);
+	assert_true(fabs(guess.degrees[0] - 13.395) < 0.01 && fabs(guess.degrees[1] - 52.52) < 0.02);
+	eco_table_free(&r.table);
+}
+
+UNIT_TEST(a_crs_has_its_facts)
+{
+	struct eco_error error = { 0 };
+	struct eco_crs_facts facts;
+	char zone[32];
+	assert_ok(eco_crs_look("EPSG:25832", (double[]){ 691607, 5334760 }, &facts, &error), error);
+	assert_true(facts.metric_map && facts.inside && !facts.geographic);
+	assert_string_equal(facts.code, "EPSG:25832");
+	assert_ok(eco_crs_look("EPSG:4326", (double[]){ 11.5, 48 }, &facts, &error), error);
+	assert_true(facts.geographic && facts.degrees[0] == 11.5 && facts.degrees[1] == 48);
+	assert_int_equal(eco_crs_look("EPSG:7", (double[]){ 0, 0 }, &facts, &error), ECO_BAD_INPUT);
+	eco_crs_utm((double[]){ 179.99, -1 }, zone);
+	assert_string_equal(zone, "EPSG:32760");
+	eco_crs_utm((double[]){ -180, 1 }, zone);
+	assert_string_equal(zone, "EPSG:32601");
+}
