@@ -94,7 +94,7 @@ struct make {
 	double ground_low_m, ground_step_m;      /* its heights are whole steps above this */
 	struct eco_ground_tile *ground_tiles;
 	uint8_t *ground_shifts;                  /* see lod/ground_choice.h */
-	/* plants and nested eco files beyond the ground's border, the farthest of them, and how far each side */
+	/* plants and nested eco files beyond the ground's border, how far the farthest is, how many on a side */
 	uint64_t off_ground; double off_ground_m; uint64_t off_side[MAKE_SIDES];
 	struct make_eco *ecos;       /* per source */
 	struct eco_pack_writer *writer;

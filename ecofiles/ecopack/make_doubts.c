@@ -10,7 +10,7 @@
 #include "ecofiles/import/places/flora.h"
 #include "ecofiles/import/places/spread.h"
 
-#define STEEP 3.0                /* metres up for one across: one slope in ten of a real DEM is never so steep */
+#define STEEP 3.0 /* metres up for one across: one slope in ten of a real DEM is never so steep */
 #define SLOPES 65536u
 
 /* ---- Plants ---- */
@@ -31,9 +31,11 @@ static void doubt_height(const struct make *m, uint32_t id, double middle_m, uin
 	char number[32];
 	if (middle_m >= usual.least_m && middle_m <= usual.most_m)
 		return;
-	main_note("%s: half of its %s plants are %s %.3g m high, where a %s has %.3g to %.3g m; is the unit of its "
-		"model or of its heights another? (\"height_m\" or \"unit\" of the plant says it)", plant->name,
-		eco_phrase_count(count, number), middle_m > usual.most_m ? "more than" : "less than", middle_m,
+	main_note("%s: half of its %s plants are %s %.3g m high, where a %s has %.3g to %.3g m; is the "
+		"unit of its model or of its heights another? (\"height_m\" or \"unit\" of the plant says "
+		"it)", plant->name,
+		eco_phrase_count(count, number), middle_m > usual.most_m ? "more than" : "less "
+			"than", middle_m,
 		eco_form_names[flora.form], usual.least_m, usual.most_m);
 }
 
@@ -41,7 +43,8 @@ static void doubt_plant(const struct make *m, uint32_t id, struct eco_spread *he
 {
 	const struct make_plant *plant = &m->plants[id];
 	if (heights->seen > 0 && flora_of(plant).form == ECO_FORM_NOTHING)
-		main_note("%s: by its name it is no plant; rocks and stumps take vertices from the plants", plant->name);
+		main_note("%s: by its name it is no plant; rocks and stumps take vertices from the "
+			"plants", plant->name);
 	else if (heights->seen > 0 && plant->source->height_m == 0)
 		doubt_height(m, id, eco_spread_quantile(heights, 0.5), heights->seen);
 }
@@ -80,6 +83,7 @@ void make_doubt_ground(const struct make *m)
 	double steep = eco_spread_quantile(&slopes, 0.9);
 	eco_spread_free(&slopes);
 	if (steep > STEEP && source->unit_m == 0)
-		main_note("%s: one slope in ten rises more than %.3g m on a metre, as no land does; are its heights in "
-			"another unit? (\"ground\": {\"unit\": \"cm\"} or \"scale\" says it)", source->heights[0], steep);
+		main_note("%s: one slope in ten rises more than %.3g m on a metre, as no land does; are "
+			"its heights in another unit? (\"ground\": {\"unit\": \"cm\"} or \"scale\" says "
+			"it)", source->heights[0], steep);
 }

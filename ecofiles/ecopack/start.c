@@ -84,8 +84,8 @@ static enum eco_code make_folder(const struct start_options *o, bool *made, stru
 	for (size_t i = 0; i < 3 && !o->force; i++) {
 		snprintf(path, sizeof path, "%.4000s/%s", o->folder, names[i]);
 		if (access(path, F_OK) == 0)
-			return eco_fail(error, ECO_BAD_INPUT, "%.300s is there already; --force replaces it, and what "
-				"was written into it by hand is lost", path);
+			return eco_fail(error, ECO_BAD_INPUT, "%.300s is there already; --force replaces "
+				"it, and what was written into it by hand is lost", path);
 	}
 	return ECO_OK;
 }
@@ -105,7 +105,8 @@ static enum eco_code read_options(struct start_options *o, struct eco_error *err
 	size_t bytes = strlen(o->folder);
 	while (bytes > 1 && o->folder[bytes - 1] == '/')
 		bytes--;
-	if (snprintf(given.folder, sizeof given.folder, "%.*s", (int)bytes, o->folder) >= (int)sizeof given.folder)
+	if (snprintf(given.folder, sizeof given.folder, "%.*s", (int)bytes, o->folder) >=
+		(int)sizeof given.folder)
 		return eco_fail(error, ECO_BAD_USAGE, "-o %.60s...: the path is too long", o->folder);
 	o->folder = given.folder;
 	if (o->separator && strcmp(o->separator, "tab") == 0)
@@ -119,15 +120,14 @@ static enum eco_code read_options(struct start_options *o, struct eco_error *err
 
 static void print_next(const char *folder)
 {
-	char *real = realpath(folder, NULL);
-	const char *name = real ? eco_path_last(real) : "scene";
-	printf("\n%s: scene.json, map.png and camera.json are written. Look at map.png and at \"notes\" in scene.json; "
-		"then:\n", folder);
+	char name[64];
+	start_name(folder, name);
+	printf("\n%s: scene.json, map.png and camera.json are written. Look at map.png and at \"notes\" in "
+		"scene.json; then:\n", folder);
 	printf("  ecopack make %s/scene.json -o %s/%s.eco\n", folder, folder, name);
 	printf("  ecoserve %s/%s.eco &\n", folder, name);
 	printf("  ecoview http://127.0.0.1:8080/v1/scenes/%s --camera %s/camera.json --size 1280x720 "
 		"--vertices 1000000 -o %s/picture\n", name, folder, folder);
-	free(real);
 }
 
 static enum eco_code run_steps(struct start *s)
@@ -171,12 +171,13 @@ static const struct eco_option options[] = {
 	{ "the table and the folder of models", 0, ECO_OPTION_INPUTS, "TREES MODELS [DEM]", &given.inputs,
 		.high = 3, .is_required = true },
 	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &given.options.folder, .is_required = true,
-		.help = "the folder for scene.json, map.png and camera.json, which appear together or not at all" },
+		.help = "the folder for scene.json, map.png and camera.json, which appear together or not "
+			"at all" },
 	{ "force", 0, ECO_OPTION_FLAG, NULL, &given.options.force, .help = "replaces those files" },
 	{ "crs", 0, ECO_OPTION_TEXT, "CRS", &given.options.crs, .help = "of the table's coordinates, such as "
 		"EPSG:4326 for degrees" },
-	{ "scene-crs", 0, ECO_OPTION_TEXT, "CRS", &given.options.scene_crs, .help = "of the scene: a projected one "
-		"in metres" },
+	{ "scene-crs", 0, ECO_OPTION_TEXT, "CRS", &given.options.scene_crs, .help = "of the scene: a "
+		"projected one in metres" },
 	{ "x", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.x, .help = "easting or longitude" },
 	{ "y", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.y, .help = "northing or latitude" },
 	{ "species-column", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.species,
@@ -185,17 +186,18 @@ static const struct eco_option options[] = {
 	{ "height-column", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.height,
 		.help = "heights of plants" },
 	{ "height-unit", 0, ECO_OPTION_TEXT, "U", &given.options.height_unit, .help = "m, cm, mm, in, ft" },
-	{ "dbh-column", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.dbh, .help = "diameters of trunks at breast "
-		"height" },
+	{ "dbh-column", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.dbh, .help = "diameters of trunks at "
+		"breast height" },
 	{ "dbh-unit", 0, ECO_OPTION_TEXT, "U", &given.options.dbh_unit, .help = "of diameters or girths" },
 	{ "layer", 0, ECO_OPTION_TEXT, "NAME", &given.options.layer, .help = "of a file with several" },
 	{ "separator", 0, ECO_OPTION_TEXT, "S", &given.options.separator, .help = ", ; | or tab" },
 	{ "decimal", 0, ECO_OPTION_TEXT, "S", &given.options.decimal, .help = ". or ," }, { 0 } };
 
-const struct main_command main_command_start = { { "ecopack start", "TREES MODELS [DEM] -o DIR [--force] [--crs CRS] "
-	"[--x COLUMN --y COLUMN] [--height-unit U] ...",
-	"Makes a scene of an inventory of plants, a folder of models and perhaps a terrain: finds columns, units, "
-	"CRS, origin, models for the species and a camera, and says each guess with its reason and what changes it.",
+const struct main_command main_command_start = { { "ecopack start", "TREES MODELS [DEM] -o DIR [--force] "
+	"[--crs CRS] [--x COLUMN --y COLUMN] [--height-unit U] ...",
+	"Makes a scene of an inventory of plants, a folder of models and perhaps a terrain: finds columns, "
+	"units, CRS, origin, models for the species and a camera, and says each guess with its reason and "
+	"what changes it.",
 	options, main_common,
-	"Where two answers are equally good it asks: an error names them and the option that decides. It reads "
-	"nothing from the terminal.\n", NULL }, run_start };
+	"Where two answers are equally good it asks: an error names them and the option that decides. It "
+	"reads nothing from the terminal.\n", NULL }, run_start };

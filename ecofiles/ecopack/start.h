@@ -39,14 +39,17 @@ struct start_model {             /* a plant of the scene: a file, or several ali
 	struct eco_flora flora;
 	bool is_dead;
 	uint64_t rows;               /* that use it */
-	uint32_t kinds;              /* species that use it */
 	double height_m;             /* of the first file, by its unit; 0: not looked at */
 	bool height_is_ours;         /* it is written into the scene, as the file's is none to believe */
 };
 
 enum start_tier { START_BY_NAME, START_BY_GENUS, START_BY_FORM, START_BY_NOTHING, START_LEFT_OUT,
 	START_TIERS };
-struct start_match { uint32_t model; enum start_tier tier; struct eco_flora flora; };   /* model ECO_NONE: left out */
+struct start_match {
+	uint32_t model;
+	enum start_tier tier;
+	struct eco_flora flora;
+}; /* model ECO_NONE: left out */
 
 struct start_size { uint32_t column; struct eco_unit_guess unit; double median; };
 
@@ -81,6 +84,9 @@ void start_free(struct start *s);
 /* Keeps a guess and prints it. `change`: the option or the field that changes it; "" if nothing does. */
 enum eco_code start_guess(struct start *s, const char *what, const char *took, const char *change,
 	const char *why, ...) __attribute__((format(printf, 5, 6)));
+
+/* The scene's name: the folder's, as a word of a URL. */
+void start_name(const char *folder, char name[64]);
 
 /* A line for people, unless --quiet. */
 void start_say(const char *format, ...) __attribute__((format(printf, 1, 2)));

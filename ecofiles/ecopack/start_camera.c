@@ -64,12 +64,14 @@ static double least_height(const struct map *m, const double eye[2], const doubl
 	double least = ground_at(m, eye[0], eye[1]) + 1.7;
 	for (uint32_t i = 0; i < m->points.count; i++) {
 		const struct map_point *p = &m->points.items[i];
-		double x = (double)p->x, y = (double)p->y, height = p->height_m > 0 ? (double)p->height_m : m->typical_m;
+		double x = (double)p->x, y = (double)p->y,
+		       height = p->height_m > 0 ? (double)p->height_m : m->typical_m;
 		if (hypot(x - eye[0], y - eye[1]) < CLEAR_M)
 			least = fmax(least, ground_at(m, x, y) + height + CLEAR_M / 2);
 	}
 	for (int i = 1; i < STEPS; i++) {
-		double t = (double)i / STEPS, x = eye[0] + t * (target[0] - eye[0]), y = eye[1] + t * (target[1] - eye[1]);
+		double t = (double)i / STEPS, x = eye[0] + t * (target[0] - eye[0]),
+		       y = eye[1] + t * (target[1] - eye[1]);
 		/* the line from eye to target is above this ground by 2 m if the eye is so high */
 		least = fmax(least, (ground_at(m, x, y) + 2 - t * target[2]) / (1 - t));
 	}
@@ -81,7 +83,8 @@ static double tall_m(const struct map *m)
 {
 	struct eco_spread heights = { 0 };
 	for (uint32_t i = 0; i < m->points.count; i++)
-		if (m->points.items[i].height_m > 0 && !eco_spread_add(&heights, (double)m->points.items[i].height_m))
+		if (m->points.items[i].height_m > 0 &&
+			!eco_spread_add(&heights, (double)m->points.items[i].height_m))
 			break;
 	double tall = eco_spread_quantile(&heights, 0.9);
 	eco_spread_free(&heights);
@@ -99,12 +102,14 @@ enum eco_code start_camera(const struct map *map, char **text, struct eco_error 
 	double away = fmin(fmax(reach + 2 * tall, 3 * tall), FAR_M - 1);
 	double target[3] = { middle[0], middle[1], ground_at(map, middle[0], middle[1]) + tall / 2 },
 		eye[3] = { middle[0], middle[1] - away };
-	for (eye[2] = INFINITY; eye[2] - target[2] > STEEP * (target[1] - eye[1]) && away < FAR_M; away *= 1.25) {
+	for (eye[2] = INFINITY; eye[2] - target[2] > STEEP * (target[1] - eye[1]) && away < FAR_M;
+		away *= 1.25) {
 		eye[1] = middle[1] - away;
 		eye[2] = fmax(target[2] + away / 4, least_height(map, eye, target));
 	}
-	if (asprintf(text, "{\"fps\": 1, \"keyframes\": [\n  {\"time_s\": 0, \"eye\": [%.2f, %.2f, %.2f], \"target\": "
-			"[%.2f, %.2f, %.2f], \"fov_y_deg\": %g}]}\n", eye[0], eye[1], eye[2], target[0], target[1],
+	if (asprintf(text, "{\"fps\": 1, \"keyframes\": [\n  {\"time_s\": 0, \"eye\": [%.2f, %.2f, %.2f], "
+		"\"target\": [%.2f, %.2f, %.2f], \"fov_y_deg\": "
+			"%g}]}\n", eye[0], eye[1], eye[2], target[0], target[1],
 			target[2], FIELD_DEG) >= 0)
 		return ECO_OK;
 	*text = NULL;

@@ -22,7 +22,8 @@ static enum eco_code find_named(struct start *s, enum eco_role role, const char 
 		}
 		eco_phrase_add(there, sizeof there, s->table.columns[i]);
 	}
-	return eco_fail(s->error, ECO_BAD_INPUT, "%s %.60s: %.120s has no such column; there are: %s", option, name,
+	return eco_fail(s->error, ECO_BAD_INPUT, "%s %.60s: %.120s has no such column; there are: "
+		"%s", option, name,
 		s->options->table, there);
 }
 
@@ -48,12 +49,14 @@ static enum eco_code find_columns(struct start *s)
 
 static enum eco_code say_column(struct start *s, enum eco_role role, const char *change, bool given)
 {
-	const char *name = start_column(s, s->columns.of[role]), *rival = start_column(s, s->columns.rival[role]);
+	const char *name = start_column(s, s->columns.of[role]),
+		   *rival = start_column(s, s->columns.rival[role]);
 	char took[80];
 	snprintf(took, sizeof took, "\"%.70s\"", name);
 	if (given)
 		return start_guess(s, eco_role_names[role], took, change, "as you say");
-	return start_guess(s, eco_role_names[role], took, change, "by its name and what stands in it%s%.60s%s",
+	return start_guess(s, eco_role_names[role], took, change, "by its name and what stands in "
+		"it%s%.60s%s",
 		rival ? "; it might be \"" : "", rival ? rival : "", rival ? "\", too" : "");
 }
 
@@ -96,7 +99,8 @@ static enum eco_code measure(struct start *s, struct start_size *size, enum eco_
 		eco_spread_free(&spread);
 		return eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
 	}
-	struct eco_size_numbers numbers = { eco_spread_quantile(&spread, 0.5), eco_spread_quantile(&spread, 0.98) };
+	struct eco_size_numbers numbers = { eco_spread_quantile(&spread, 0.5),
+		eco_spread_quantile(&spread, 0.98) };
 	bool any = spread.count > 0;
 	eco_spread_free(&spread);
 	size->median = numbers.middle;
@@ -109,13 +113,15 @@ static enum eco_code measure(struct start *s, struct start_size *size, enum eco_
 		return ECO_OK;
 	}
 	if (own_unit > 0.5) {
-		size->unit = (struct eco_unit_guess){ .unit = "m", .why = "most values say theirs, which counts" };
+		size->unit = (struct eco_unit_guess){ .unit = "m", .why = "most values say theirs, which "
+			"counts" };
 		return ECO_OK;
 	}
 	size->unit = eco_unit_guess(quantity, name, beside, &numbers);
 	if (size->unit.unit)
 		return ECO_OK;
-	return eco_fail(s->error, ECO_BAD_INPUT, "%.120s: in which unit is \"%.40s\"? %s; say %s (one of " ECO_UNITS
+	return eco_fail(s->error, ECO_BAD_INPUT, "%.120s: in which unit is \"%.40s\"? %s; say %s (one "
+		"of " ECO_UNITS
 		")", s->options->table, name, size->unit.why, option);
 }
 
@@ -142,8 +148,8 @@ static enum eco_code find_sizes(struct start *s)
 		code = measure(s, &s->height, ECO_QUANTITY_HEIGHT, o->height_unit, o->dbh_unit ? o->dbh_unit
 			: eco_unit_of_name(start_column(s, s->trunk.column)), "--height-unit");
 	if (!code && s->trunk.column != ECO_NONE)
-		code = measure(s, &s->trunk, s->trunk_is_girth ? ECO_QUANTITY_GIRTH : ECO_QUANTITY_DBH, o->dbh_unit,
-			s->height.column != ECO_NONE ? s->height.unit.unit : NULL, "--dbh-unit");
+		code = measure(s, &s->trunk, s->trunk_is_girth ? ECO_QUANTITY_GIRTH : ECO_QUANTITY_DBH,
+			o->dbh_unit, s->height.column != ECO_NONE ? s->height.unit.unit : NULL, "--dbh-unit");
 	if (!code)
 		code = say_size(s, &s->height, ECO_ROLE_HEIGHT, "--height-column", "--height-unit");
 	return code ? code : say_size(s, &s->trunk, s->trunk_is_girth ? ECO_ROLE_GIRTH : ECO_ROLE_DBH,
@@ -164,7 +170,8 @@ static enum eco_code say_place(struct start *s)
 {
 	const struct eco_place_guess *p = &s->place;
 	char took[80];
-	enum eco_code code = start_guess(s, "crs of the table", p->crs[0] != 0 ? p->crs : "none", "--crs", "%s",
+	enum eco_code code = start_guess(s, "crs of the "
+		"table", p->crs[0] != 0 ? p->crs : "none", "--crs", "%s",
 		p->crs_why);
 	if (!code)
 		code = start_guess(s, "crs of the scene", p->scene_crs[0] != 0 ? p->scene_crs : "none",
@@ -189,7 +196,8 @@ static enum eco_code check_units(struct start *s)
 		{ "--dbh-unit", o->dbh_unit } };
 	for (size_t i = 0; i < 2; i++)
 		if (given[i].unit && !is_unit(given[i].unit))
-			return eco_fail(s->error, ECO_BAD_USAGE, "%s %.20s: the units are " ECO_UNITS, given[i].name,
+			return eco_fail(s->error, ECO_BAD_USAGE, "%s %.20s: the units "
+				"are " ECO_UNITS, given[i].name,
 				given[i].unit);
 	return ECO_OK;
 }

@@ -11,6 +11,8 @@
 #include "ecofiles/import/places/words.h"
 
 #define NAMED 5u                 /* species named in a line */
+#define COMMON 500u              /* species that a rare one is compared with */
+#define FEWER 20u                /* so many times rarer is a misspelling */
 
 /* ---- Scores ---- */
 
@@ -28,8 +30,8 @@ static int shared_words(const char *species, const char *model)
 	char word[ECO_WORD_BYTES];
 	int shared = 0;
 	for (const char *at = species; eco_words_next(&at, word);)
-		shared += strlen(word) >= 3 && (word[0] < '0' || word[0] > '9') && !eco_words_have(empty, word)
-			&& eco_words_have(model, word);
+		shared += strlen(word) >= 3 && (word[0] < '0' || word[0] > '9') &&
+			!eco_words_have(empty, word) && eco_words_have(model, word);
 	return shared;
 }
 
@@ -107,8 +109,46 @@ static enum eco_code say_tier(struct start *s, enum start_tier tier)
 			continue;
 		snprintf(took, sizeof took, "%.60s: %u species, %s row%s", model == ECO_NONE ? "left out"
 			: s->models[model].name, kinds, eco_phrase_count(sum, rows), sum == 1 ? "" : "s");
-		enum eco_code code = start_guess(s, "model", took, "\"map\" in the scene", "%s: %s%s", why[tier],
+		enum eco_code code = start_guess(s, "model", took, "\"map\" in the scene", "%s: "
+			"%s%s", why[tier],
 			names, kinds > NAMED ? ", ..." : "");
+		if (code)
+			return code;
+	}
+	return ECO_OK;
+}
+
+/* The much commoner species that a rare one differs from by a letter or two; ECO_NONE: none. */
+static uint32_t nearly_same(const struct start *s, uint32_t rare)
+{
+	const struct eco_table_value *values = s->species.items;
+	size_t length = strlen(values[rare].text);
+	for (uint32_t i = 0; i < rare && i < COMMON && length >= 8; i++)
+		if (values[i].rows >= FEWER * values[rare].rows
+				&& eco_words_distance(values[i].text, values[rare].text, 2) <= 2)
+			return i;
+	return ECO_NONE;
+}
+
+/* A rare species that is nearly a common one stands for it. */
+static enum eco_code say_nearly(struct start *s)
+{
+	for (uint32_t i = 1; i < s->species.count; i++) {
+		uint32_t common = nearly_same(s, i);
+		char took[160];
+		if (common == ECO_NONE || s->matches[i].tier >= START_LEFT_OUT ||
+			s->matches[common].tier >= START_LEFT_OUT)
+			continue;
+		s->models[s->matches[i].model].rows -= s->species.items[i].rows;
+		s->matches[i].model = s->matches[common].model;
+		s->models[s->matches[i].model].rows += s->species.items[i].rows;
+		snprintf(took, sizeof took, "\"%.60s\" is meant as \"%.60s\"", s->species.items[i].text,
+			s->species.items[common].text);
+		enum eco_code code = start_guess(s, "spelling", took, "\"map\" in the scene", "%llu "
+			"against %llu rows "
+			"(first in line %llu)", (unsigned long long)s->species.items[i].rows,
+			(unsigned long long)s->species.items[common].rows,
+			(unsigned long long)s->species.items[i].first_line);
 		if (code)
 			return code;
 	}
@@ -123,8 +163,8 @@ static enum eco_code say_spelling(struct start *s)
 		if (f->misspelt[0] == 0)
 			continue;
 		snprintf(took, sizeof took, "\"%.60s\" is meant as %s", s->species.items[i].text, f->meant);
-		enum eco_code code = start_guess(s, "spelling", took, "\"map\" in the scene", "\"%s\" is no plant, but "
-			"nearly one (first in line %llu)", f->misspelt,
+		enum eco_code code = start_guess(s, "spelling", took, "\"map\" in the scene", "\"%s\" is "
+			"no plant, but nearly one (first in line %llu)", f->misspelt,
 			(unsigned long long)s->species.items[i].first_line);
 		if (code)
 			return code;
@@ -139,11 +179,12 @@ static enum eco_code choose_fallback(struct start *s)
 	char took[100];
 	s->fallback = best_match(s, "tree").model;
 	for (uint32_t i = 0; i < s->model_count; i++)
-		if (s->models[i].rows > s->models[s->fallback].rows && eco_form_is_tree(s->models[i].flora.form))
+		if (s->models[i].rows > s->models[s->fallback].rows &&
+			eco_form_is_tree(s->models[i].flora.form))
 			s->fallback = i;
 	snprintf(took, sizeof took, "%.64s", s->models[s->fallback].name);
-	return start_guess(s, "all other species", took, "\"*\" in the map", "the tree with most rows; rows without "
-		"a species get it, too");
+	return start_guess(s, "all other species", took, "\"*\" in the map", "the tree with most rows; "
+		"rows without a species get it, too");
 }
 
 static enum eco_code one_for_all(struct start *s, const char *why)
@@ -167,7 +208,8 @@ static enum eco_code take_plant(struct start *s)
 		}
 		eco_phrase_add(known, sizeof known, s->models[i].name);
 	}
-	return eco_fail(s->error, ECO_BAD_INPUT, "--plant %.60s: no such model; there are: %s", s->options->plant,
+	return eco_fail(s->error, ECO_BAD_INPUT, "--plant %.60s: no such model; there are: "
+		"%s", s->options->plant,
 		known);
 }
 
@@ -176,7 +218,8 @@ static enum eco_code ask_for_species(struct start *s)
 	char there[250] = "";
 	for (uint32_t i = 0; i < s->table.column_count; i++)
 		eco_phrase_add(there, sizeof there, s->table.columns[i]);
-	return eco_fail(s->error, ECO_BAD_INPUT, "%.120s: which column names the species? Give --species-column, or "
+	return eco_fail(s->error, ECO_BAD_INPUT, "%.120s: which column names the species? Give "
+		"--species-column, or "
 		"--plant NAME for one model everywhere; there are: %s", s->options->table, there);
 }
 
@@ -201,8 +244,9 @@ enum eco_code start_match_species(struct start *s)
 		if (match->model == ECO_NONE)
 			continue;
 		s->models[match->model].rows += s->species.items[i].rows;
-		s->models[match->model].kinds++;
 	}
+	if (!code)
+		code = say_nearly(s);
 	for (int tier = 0; tier < START_TIERS && !code; tier++)
 		code = say_tier(s, (enum start_tier)tier);
 	if (!code)

@@ -162,7 +162,8 @@ static enum eco_code group(struct start *s, const struct files *files)
 		struct start_model *last = s->model_count > 0 ? &s->models[s->model_count - 1] : NULL;
 		base = base_bytes(stem, bytes);
 		if (bytes == before_bytes && strncmp(stem, before, bytes) == 0) {
-			start_say("  %s: left out, as %s is the same model\n", files->paths[i], last->paths[0]);
+			start_say("  %s: left out, as %s is the same "
+				"model\n", files->paths[i], last->paths[0]);
 			continue;
 		}
 		if (last && base < bytes && base == before_base && strncmp(stem, before, base) == 0
@@ -193,8 +194,8 @@ enum eco_code start_models_find(struct start *s)
 	else
 		code = walk(s, &files, s->options->models, 0);
 	if (!code && files.count == 0)
-		code = eco_fail(s->error, ECO_NOT_FOUND, "%.200s: no model in it: .glb, .gltf, .obj, .fbx, .dae, .ply, "
-			".3ds, .stl or .off", s->options->models);
+		code = eco_fail(s->error, ECO_NOT_FOUND, "%.200s: no model in it: .glb, .gltf, .obj, .fbx, "
+			".dae, .ply, .3ds, .stl or .off", s->options->models);
 	if (!code) {
 		qsort(files.paths, files.count, sizeof *files.paths, by_stem);
 		code = group(s, &files);
@@ -203,7 +204,8 @@ enum eco_code start_models_find(struct start *s)
 		free(files.paths[i]);
 	free(files.paths);
 	if (!code)
-		start_say("%s: %u model%s\n", s->options->models, s->model_count, s->model_count == 1 ? "" : "s");
+		start_say("%s: %u "
+			"model%s\n", s->options->models, s->model_count, s->model_count == 1 ? "" : "s");
 	return code;
 }
 
@@ -217,7 +219,8 @@ static enum eco_code settle_height(struct start *s, struct start_model *m, const
 	char took[100], change[64];
 	m->height_m = eco_model_height(model);
 	bool guessed = model->source.unit_how == ECO_HOW_GUESSED;
-	bool odd = m->height_m < (guessed ? usual.typical_m / 3 : usual.least_m) || m->height_m > usual.most_m;
+	bool odd =
+		m->height_m < (guessed ? usual.typical_m / 3 : usual.least_m) || m->height_m > usual.most_m;
 	if (!odd && !guessed)
 		return ECO_OK;
 	m->height_is_ours = true;
@@ -227,7 +230,8 @@ static enum eco_code settle_height(struct start *s, struct start_model *m, const
 	snprintf(took, sizeof took, "%.40s is %.3g m high", m->name, m->height_m);
 	snprintf(change, sizeof change, "its \"height_m\" in the scene");
 	if (odd)
-		return start_guess(s, "size of a model", took, change, "its file says %.4g %s, where a %s has %.3g to "
+		return start_guess(s, "size of a model", took, change, "its file says %.4g %s, where a %s "
+			"has %.3g to "
 			"%.3g m", guessed ? own / model->scale : own, guessed ? "without a unit" : "m",
 			eco_form_names[m->flora.form], usual.least_m, usual.most_m);
 	return start_guess(s, "size of a model", took, change, "its file has no unit; metres, centimetres or "

@@ -10,8 +10,8 @@
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/scene/scene.h"
 
-/* Heights from trunks where there is nothing better: trees of a city, of which the tallest reach 25 m, half of
- * that at a diameter of 0.3 m. */
+/* Heights from trunks where there is nothing better: trees of a city, of which the tallest reach 25 m, half
+ * of that at a diameter of 0.3 m. */
 #define TALLEST_M 25.0
 #define RATE_PER_MM 0.002
 
@@ -31,12 +31,14 @@ static json_t *path_json(const struct start *s, const char *path)
 static json_t *notes_json(const struct start *s)
 {
 	json_t *notes = json_object();
-	json_object_set_new(notes, "start", json_string("Written by ecopack start. Each note says what was taken, why, "
-		"and which option or field changes it. Nothing here is guessed again: what this file says holds."));
+	json_object_set_new(notes, "start", json_string("Written by ecopack start. Each note says what was "
+		"taken, why, and which option or field changes it. Nothing here is guessed again: what "
+		"this file says holds."));
 	for (uint32_t i = 0; i < s->guess_count; i++) {
 		const struct start_guess *g = &s->guesses[i];
 		char key[64], text[700];
-		snprintf(text, sizeof text, "%s (%s)%s%s", g->took, g->why, g->change[0] ? "; change: " : "", g->change);
+		snprintf(text, sizeof text, "%s (%s)%s%s", g->took, g->why, g->change[0] ? "; "
+			"change: " : "", g->change);
 		snprintf(key, sizeof key, "%s", g->what);
 		for (unsigned n = 2; json_object_get(notes, key); n++)
 			snprintf(key, sizeof key, "%s %u", g->what, n);
@@ -105,17 +107,17 @@ static enum eco_code say_heights(struct start *s)
 		snprintf(took, sizeof took, "from the trunk: 1.3 + (%g - 1.3) (1 - exp(-%g mm))", TALLEST_M,
 			RATE_PER_MM);
 		code = start_guess(s, s->height.column == ECO_NONE ? "heights" : "other heights", took,
-			"\"height_m\" in the scene", "a usual curve of city trees, %g m at most; \"per_plant\" gives each "
-			"kind its own", TALLEST_M);
+			"\"height_m\" in the scene", "a usual curve of city trees, %g m at most; "
+			"\"per_plant\" gives each kind its own", TALLEST_M);
 	}
 	s->height_m = s->height.column != ECO_NONE ? s->height.median * metres(s->height.unit.unit) : 0;
 	if (!code && s->height.column != ECO_NONE) {
 		snprintf(took, sizeof took, "%.3g m", s->height_m);
-		code = start_guess(s, "without a size", took, "\"height_m\" in the scene", "the middle of the heights "
-			"that are known");
+		code = start_guess(s, "without a size", took, "\"height_m\" in the scene", "the middle of "
+			"the heights that are known");
 	} else if (!code && s->trunk.column == ECO_NONE) {
-		code = start_guess(s, "heights", "the models' own", "--height-column, --dbh-column", "no column of "
-			"heights or trunks was found");
+		code = start_guess(s, "heights", "the models' own", "--height-column, --dbh-column", "no "
+			"column of heights or trunks was found");
 	}
 	return code;
 }
@@ -124,12 +126,16 @@ static json_t *heights_json(const struct start *s)
 {
 	json_t *heights = json_array();
 	if (s->height.column != ECO_NONE)
-		json_array_append_new(heights, json_pack("{s:s, s:s}", "column", start_column(s, s->height.column),
+		json_array_append_new(heights, json_pack("{s:s, "
+			"s:s}", "column", start_column(s, s->height.column),
 			"unit", s->height.unit.unit));
 	if (s->trunk.column != ECO_NONE)
-		json_array_append_new(heights, json_pack("{s:s, s:s, s:f, s:f}", s->trunk_is_girth ? "from_girth"
-			: "from_dbh", start_column(s, s->trunk.column), "unit", s->trunk.unit.unit, "max", TALLEST_M,
-			"rate", RATE_PER_MM));
+		json_array_append_new(heights,
+			json_pack("{s:s, s:s, s:f, "
+				  "s:f}",
+				s->trunk_is_girth ? "from_girth" : "from_dbh",
+				start_column(s, s->trunk.column), "unit", s->trunk.unit.unit, "max",
+				TALLEST_M, "rate", RATE_PER_MM));
 	if (s->height_m > 0)
 		json_array_append_new(heights, json_real(round_to(s->height_m, 0.1)));
 	return heights;
@@ -179,11 +185,17 @@ static json_t *ground_json(const struct start *s)
 	return ground;
 }
 
-/* The folder's name. */
-static void scene_name(const struct start *s, char name[64])
+void start_name(const char *folder, char name[64])
 {
-	char *real = realpath(s->options->folder, NULL);
-	snprintf(name, 64, "%.63s", real ? eco_path_last(real) : "scene");
+	char *real = realpath(folder, NULL);
+	const char *last = real ? eco_path_last(real) : "";
+	snprintf(name, 64, "%.63s", *last ? last : "scene");
+	for (char *c = name; *c != 0; c++) {
+		if (*c >= 'A' && *c <= 'Z')
+			*c = (char)(*c + 32);
+		else if (!(*c >= 'a' && *c <= 'z') && !(*c >= '0' && *c <= '9') && *c != '_')
+			*c = '-';
+	}
 	free(real);
 }
 
@@ -193,7 +205,7 @@ enum eco_code start_scene(struct start *s)
 	enum eco_code code = say_heights(s);
 	if (code)
 		return code;
-	scene_name(s, name);
+	start_name(s->options->folder, name);
 	json_t *scene = json_object();
 	set_text(scene, "name", name);
 	json_object_set_new(scene, "notes", notes_json(s));

@@ -55,8 +55,8 @@ static enum eco_code name_files(struct writing *w)
 {
 	const char *folder = w->start->options->folder;
 	for (int i = 0; i < FILES; i++)
-		if (asprintf(&w->path[i], "%s/%s", folder, names[i]) < 0
-				|| asprintf(&w->beside[i], "%s/%s.start-%ld", folder, names[i], (long)getpid()) < 0)
+		if (asprintf(&w->path[i], "%s/%s", folder, names[i]) < 0 ||
+			asprintf(&w->beside[i], "%s/%s.start-%ld", folder, names[i], (long)getpid()) < 0)
 			return eco_fail(w->start->error, ECO_NO_MEMORY, "out of memory");
 	return ECO_OK;
 }

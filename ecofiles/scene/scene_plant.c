@@ -216,10 +216,11 @@ static bool parse_plant(struct eco_source *source, const struct eco_json *at)
 {
 	struct eco_source_plant plant = { .variant_count = 1 };
 	uint32_t before = source->plant_count;
-	bool good = eco_source_name_is_fine(at, at->key, strlen(at->key)) && eco_scene_object(at, plant_fields)
-		&& eco_json_number(at, "height_m", 0.001, HEIGHT_MAX_M, &plant.height_m)
-		&& eco_scene_parse_unit(at, &plant.unit_m) && parse_up(at, &plant.up)
-		&& parse_importance(at, plant.importance) && parse_rules(at, &plant);
+	bool good = eco_source_name_is_fine(at, at->key, strlen(at->key)) &&
+		eco_scene_object(at, plant_fields) &&
+		eco_json_number(at, "height_m", 0.001, HEIGHT_MAX_M, &plant.height_m) &&
+		eco_scene_parse_unit(at, &plant.unit_m) && parse_up(at, &plant.up) &&
+		parse_importance(at, plant.importance) && parse_rules(at, &plant);
 
 	if (good) {
 		memcpy(plant.name, at->key, strlen(at->key) + 1);

@@ -169,8 +169,8 @@ static bool parse_per_plant(const struct eco_source *source, const struct eco_js
 	while (eco_json_next(at, &entry)) {
 		struct eco_allometry *rule = &size->rules[size->rule_count];
 		bool there;
-		if (!eco_source_plant_named(source, &entry, entry.key, &rule->plant)
-				|| !eco_scene_object(&entry, rule_fields) || !parse_rule(&entry, rule, &there))
+		if (!eco_source_plant_named(source, &entry, entry.key, &rule->plant) ||
+			!eco_scene_object(&entry, rule_fields) || !parse_rule(&entry, rule, &there))
 			return false;
 		if (!there)
 			return eco_json_required(&entry, "max");

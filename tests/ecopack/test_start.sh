@@ -98,6 +98,11 @@ awk 'BEGIN { printf "{\"type\": \"FeatureCollection\", \"features\": ["
 start 0 "the file.s points" nl.geojson
 is '[.crs, (.instances[0] | has("x")), (.instances[0].map | .zomereik)]' '["EPSG:32631",false,"stieleiche"]'
 
+# ---- A rare species that is nearly a common one ----
+awk 'BEGIN { print "species,lon,lat"; for (i = 0; i < 61; i++) printf "%s,%f,48.1\n", i == 60 ? "Picea abeis" : "Picea abies", 11.5 + i / 5000 }' >"$DIR/near.csv"
+start 0 '"Picea abeis" is meant as "Picea abies".*1 against 60 rows .first in line 62' near.csv
+is '.instances[0] | has("height_m")' false
+
 # ---- Questions, each with its choices and the option that answers ----
 awk 'BEGIN { print "species,x,y,height_m"; for (i = 0; i < 20; i++) printf "oak,%d,%d,%d\n", 691600 + i, 5334700 + i, 9 + i % 9 }' >"$DIR/zone.csv"
 start 1 'which CRS .* each UTM zone, at latitude 48\.1.*--crs EPSG:32601' zone.csv
@@ -119,6 +124,25 @@ start 0 'as you say' nameless.csv --crs EPSG:25832 --plant norway_spruce
 is '.instances[0].plant' '"norway_spruce"'
 echo 'a,b' >"$DIR/empty.csv"
 start 1 'it has no rows' empty.csv
+
+# ---- A terrain that says no CRS; it leaves plants outside ----
+dem() { # NAME FACTOR
+	awk -v f="$2" 'BEGIN { print "ncols 21\nnrows 21\nxllcorner 691505\nyllcorner 5334605\ncellsize 10"
+		for (y = 0; y < 21; y++) { for (x = 0; x < 21; x++) printf "%g ", f * (500 + 5 * sin(x / 3) + y); print "" } }' >"$DIR/$1.asc"
+}
+dem metres 1; dem centimetres 100
+awk 'BEGIN { print "species,x,y,height_m"; for (i = 0; i < 40; i++) printf "oak,%d,%d,%d\n", 691510 + 5 * i, 5334700, 9 + i % 9; print "oak,691300,5334700,8\noak,691600,5334900,8" }' >"$DIR/off.csv"
+"$PACK" start "$DIR/off.csv" "$DIR/models/stieleiche.obj" "$DIR/metres.asc" -o "$DIR/hill" --crs EPSG:25832 >"$DIR/out" 2>&1 || complain "hill: $(cat "$DIR/out")"
+grep -q '2 of 42 plants stand beyond its border' "$DIR/out" || complain "hill: $(cat "$DIR/out")"
+[ "$(jq -c '[.ground.crs, .ground.heights]' "$DIR/hill/scene.json")" = '["EPSG:25832","../metres.asc"]' ] || complain "hill: $(jq -c .ground "$DIR/hill/scene.json")"
+jq -e '.keyframes[0].eye[2] > 505 and .keyframes[0].target[2] > 500' "$DIR/hill/camera.json" >/dev/null || complain "hill: $(cat "$DIR/hill/camera.json")"
+sed 's/metres.asc/centimetres.asc/' "$DIR/hill/scene.json" >"$DIR/hill/steep.json"
+"$PACK" make "$DIR/hill/steep.json" -o "$DIR/hill/steep.eco" >"$DIR/out" 2>&1 || complain "steep: $(cat "$DIR/out")"
+grep -q 'one slope in ten rises more than .* are its heights in another unit' "$DIR/out" || complain "steep: $(grep -v building "$DIR/out")"
+grep -q '2 plants or nested scenes stand beyond its border (1 west, 1 north of it, up to 2.. m away)' "$DIR/out" || complain "steep: $(grep -v building "$DIR/out")"
+sed 's/"heights": "..\/metres.asc"/"heights": "..\/centimetres.asc", "unit": "cm"/' "$DIR/hill/scene.json" >"$DIR/hill/stated.json"
+"$PACK" make "$DIR/hill/stated.json" -o "$DIR/hill/stated.eco" >"$DIR/out" 2>&1 || complain "stated: $(cat "$DIR/out")"
+grep -q 'one slope in ten' "$DIR/out" && complain "make doubts a unit that the scene states"
 
 # ---- Nothing is replaced by mistake, and nothing half written ----
 start 0 '' zone.csv --crs EPSG:25832

@@ -8,9 +8,12 @@
 UNIT_TEST(names_become_words)
 {
 	static const char *const pairs[][2] = { { "H\u00f6he (m)", "hohe m" }, { "HOEHE_M", "hoehe m" },
-		{ "decimalLatitude", "decimal latitude" }, { "utm17n_e", "utm 17 n e" }, { "\u00c9pic\u00e9a", "epicea" },
-		{ "sapling_oak_s7.obj", "sapling oak s 7 obj" }, { "CommonTree_1", "common tree 1" },
-		{ "Stra\u00dfe", "strase" }, { "\u0160\u0164\u0158\u0142\u0153", "strlo" }, { "\u4e2d x", "\u4e2d x" }, { "  ", "" },
+		{ "decimalLatitude", "decimal latitude" },
+		{ "utm17n_e",
+			"utm 17 n e" },
+		{ "\u00c9pic\u00e9a", "epicea" }, { "sapling_oak_s7.obj", "sapling oak s 7 obj" },
+		{ "CommonTree_1", "common tree 1" }, { "Stra\u00dfe", "strase" },
+		{ "\u0160\u0164\u0158\u0142\u0153", "strlo" }, { "\u4e2d x", "\u4e2d x" }, { "  ", "" },
 		{ "20\u00a0m\u00b2", "20 m" } };
 	char words[ECO_WORDS_BYTES];
 	for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
@@ -41,8 +44,8 @@ static unsigned plain_distance(const char *a, const char *b)
 
 UNIT_TEST(distances_are_those_of_the_definition)
 {
-	static const char *const words[] = { "", "a", "acer", "acre", "quercu", "qercus", "quercus", "uqercus", "maple",
-		"mapel", "ampel" };
+	static const char *const words[] = { "", "a", "acer", "acre", "quercu", "qercus", "quercus",
+		"uqercus", "maple", "mapel", "ampel" };
 	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
 		for (size_t j = 0; j < sizeof words / sizeof *words; j++) {
 			unsigned plain = plain_distance(words[i], words[j]);
@@ -53,15 +56,21 @@ UNIT_TEST(distances_are_those_of_the_definition)
 
 UNIT_TEST(genera_and_forms_are_known_in_several_languages)
 {
-	static const struct { const char *name, *genus; enum eco_form form; } names[] = {
-		{ "Quercus robur", "quercus", ECO_FORM_BROAD }, { "Stieleiche", "quercus", ECO_FORM_BROAD },
-		{ "ch\u00eane p\u00e9doncul\u00e9", "quercus", ECO_FORM_BROAD }, { "oak, pin (Quercus palustris)", "quercus", ECO_FORM_BROAD },
+	static const struct { const char *name, *genus; enum eco_form form;
+	} names[] = { { "Quercus robur", "quercus", ECO_FORM_BROAD },
+		{ "Stieleiche", "quercus", ECO_FORM_BROAD },
+		{ "ch\u00eane p\u00e9doncul\u00e9", "quercus", ECO_FORM_BROAD },
+		{ "oak, pin (Quercus "
+		  "palustris)",
+			"quercus", ECO_FORM_BROAD },
 		{ "maples", "acer", ECO_FORM_BROAD }, { "Rotfichte", "picea", ECO_FORM_CONIFER },
 		{ "Populus nigra 'Italica' fastigiata", "populus", ECO_FORM_COLUMN },
 		{ "Betula pendula", "betula", ECO_FORM_WEEPING }, { "palmera", "phoenix", ECO_FORM_PALM },
-		{ "CommonTree_1", NULL, ECO_FORM_BROAD }, { "Bush_1", NULL, ECO_FORM_SHRUB }, { "Rock_2", NULL, ECO_FORM_NOTHING },
+		{ "CommonTree_1", NULL, ECO_FORM_BROAD }, { "Bush_1", NULL, ECO_FORM_SHRUB },
+		{ "Rock_2", NULL, ECO_FORM_NOTHING },
 		{ "Vacant site small (vacant site small)", NULL, ECO_FORM_NOTHING },
-		{ "Stump", NULL, ECO_FORM_NOTHING }, { "thing", NULL, ECO_FORM_UNKNOWN }, { "", NULL, ECO_FORM_UNKNOWN } };
+		{ "Stump", NULL, ECO_FORM_NOTHING }, { "thing", NULL, ECO_FORM_UNKNOWN },
+		{ "", NULL, ECO_FORM_UNKNOWN } };
 	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
 		struct eco_flora flora = eco_flora_of(names[i].name, true);
 		const char *genus = flora.genus ? flora.genus : "?";

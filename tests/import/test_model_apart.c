@@ -24,15 +24,21 @@ static struct eco_apart apart_of(const double (*stems)[2], int count)
 	struct eco_model model;
 	size_t used = (size_t)snprintf(text, sizeof text, "# Units: m\n");
 	for (int i = 0; i < count; i++)
-		used += (size_t)snprintf(text + used, sizeof text - used, "v %g 0 0\nv %g 0 0.1\nv %g %g 0\nv %g %g 0.3\nv %g %g "
-			"0\nf %d %d %d\nf %d %d %d\n", stems[i][0], stems[i][0] + 0.1, stems[i][0], stems[i][1], stems[i][0] - 0.5,
-			stems[i][1] * 0.9, stems[i][0] + 0.5, stems[i][1], 5 * i + 1, 5 * i + 2, 5 * i + 3, 5 * i + 3, 5 * i + 4,
-			5 * i + 5);
+		used += (size_t)snprintf(text + used, sizeof text - used,
+			"v %g 0 0\nv %g 0 0.1\nv %g %g 0\nv %g %g 0.3\nv %g %g 0\nf %d %d %d\nf %d %d %d\n",
+			stems[i][0], stems[i][0] + 0.1, stems[i][0], stems[i][1], stems[i][0] - 0.5,
+			stems[i][1] * 0.9, stems[i][0] + 0.5, stems[i][1], 5 * i + 1, 5 * i + 2, 5 * i + 3,
+			5 * i + 3, 5 * i + 4, 5 * i + 5);
 	snprintf(text + used, sizeof text - used, "v 9 4 0\nv 9.5 4 0\nv 9 4.5 0\nf -1 -2 -3\n");
 	const char *path = input_text("apart", "plants.obj", text);
 	notes[0] = 0;
-	assert_ok(eco_model_import(&model, &(struct eco_model_options){ .paths = &path, .path_count = 1, .up = ECO_UP_Y,
-		.warn = keep }, &error), error);
+	assert_ok(eco_model_import(&model,
+			  &(struct eco_model_options){ .paths = &path,
+				  .path_count = 1,
+				  .up = ECO_UP_Y,
+				  .warn = keep },
+			  &error),
+		error);
 	struct eco_apart apart = eco_model_apart(&model);
 	eco_model_free(&model);
 	return apart;

@@ -370,12 +370,18 @@ UNIT_TEST(implausible_sizes_are_said)
 UNIT_TEST(a_unit_that_cannot_be_is_said_and_kept)
 {
 	const char *feet = "x,y,h,d\n1,1,35,300\n2,2,45,400\n3,3,90,250\n";
-	expect("", feet, "\"plant\":\"oak\",\"height_m\":\"h\"," XY, "oak 1 1 h35 / oak 2 2 h45 / oak 3 3 h90",
-		"half of its \"h\" are above 45 m, the largest about 90 m, which few plants are; is their \"unit\" \"ft\"?");
-	expect("", feet, "\"plant\":\"oak\",\"height_m\":{\"from_dbh_cm\":\"d\",\"max\":35,\"rate\":0.004}," XY,
-		"oak 1 1 h35 / oak 2 2 h35 / oak 3 3 h34.998", "half of its \"d\" are above 3 m, the largest about 4 m, which "
+	expect("", feet, "\"plant\":\"oak\",\"height_m\":\"h\"," XY, "oak 1 1 h35 / oak 2 2 h45 / oak 3 3 "
+		"h90",
+		"half of its \"h\" are above 45 m, the largest about 90 m, which few plants are; is their "
+		"\"unit\" \"ft\"?");
+	expect("", feet,
+		"\"plant\":\"oak\",\"height_m\":{\"from_dbh_cm\":\"d\",\"max\":35,\"rate\":0.004}," XY,
+		"oak 1 1 h35 / oak 2 2 h35 / oak 3 3 h34.998",
+		"half of its \"d\" are above 3 m, the "
+		"largest about 4 m, which "
 		"few trunks are; is their \"unit\" \"mm\"?");
-	const struct inventory *in = inventory_of("positions", "", "rows.csv", "\"plant\":\"oak\",\"height_m\":"
+	const struct inventory *in = inventory_of("positions", "", "rows.csv",
+		"\"plant\":\"oak\",\"height_m\":"
 		"{\"column\":\"h\",\"unit\":\"ft\"}," XY);
 	if (strstr(in->report, "is their"))
 		fail_msg("%s", in->report);
@@ -385,18 +391,23 @@ UNIT_TEST(an_entry_without_a_crs_is_in_the_scene_s)
 {
 	expect(UTM32, "x,y\n690010,5335020\n", "\"plant\":\"oak\"," XY, "oak 10 20", "");
 	expect(UTM32, "what,where\na,POINT (690010 5335020)\n", "\"plant\":\"oak\"", "oak 10 20", "");
-	expect_error(UTM32, "x,y\n11.56,48.14\n", "\"plant\":\"oak\"," XY, "they would be in the scene's, EPSG:25832; but "
+	expect_error(UTM32, "x,y\n11.56,48.14\n", "\"plant\":\"oak\"," XY, "they would be in the scene's, "
+		"EPSG:25832; but "
 		"11.56, 48.14 looks like degrees: add \"crs\": \"EPSG:4326\"");
 	/* 0, 0 stands for no place */
-	expect(UTM32, "x,y\n0,0\n690010,5335020\n", "\"plant\":\"oak\"," XY, "oak 10 20", "1  left out: no coordinates");
+	expect(UTM32, "x,y\n0,0\n690010,5335020\n", "\"plant\":\"oak\"," XY, "oak 10 20", "1  left out: no "
+		"coordinates");
 }
 
 UNIT_TEST(latitude_and_longitude_swapped_are_no_silence)
 {
-	expect_error("\"crs\":\"EPSG:32610\",\"origin\":[525970,5040990],", "lat,lon\n45.52,-122.67\n45.53,-122.66\n",
+	expect_error("\"crs\":\"EPSG:32610\",\"origin\":[525970,5040990],",
+		"lat,lon\n45.52,-122.67\n45.53,-122.66\n",
 		"\"plant\":\"oak\",\"x\":\"lat\",\"y\":\"lon\",\"crs\":\"EPSG:4326\"",
-		"none of its 2 places can be converted, such as 45.52, -122.67; swapped they stand 0 km from the scene's "
-		"origin: x is easting or longitude, y is northing or latitude; add \"x\": \"lon\", \"y\": \"lat\"");
+		"none of its 2 places can be converted, such as 45.52, -122.67; swapped they stand 0 km "
+		"from the scene's "
+		"origin: x is easting or longitude, y is northing or latitude; add \"x\": \"lon\", \"y\": "
+		"\"lat\"");
 }
 
 UNIT_TEST(levels_keep_the_tall_few_and_the_relative_error)

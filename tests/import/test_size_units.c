@@ -20,8 +20,12 @@ UNIT_TEST(a_spread_has_the_quantiles_of_its_stream)
 	eco_spread_free(&spread);
 }
 
-static const struct { enum eco_quantity quantity; const char *name, *beside; double middle, high; const char *unit; }
-	guesses[] = {
+static const struct {
+	enum eco_quantity quantity;
+	const char *name, *beside;
+	double middle, high;
+	const char *unit;
+} guesses[] = {
 	/* by the name */
 	{ ECO_QUANTITY_HEIGHT, "Height (ft)", NULL, 35, 80, "ft" },
 	{ ECO_QUANTITY_HEIGHT, "H\u00f6he_m", NULL, 12, 25, "m" },
@@ -33,29 +37,28 @@ static const struct { enum eco_quantity quantity; const char *name, *beside; dou
 	{ ECO_QUANTITY_HEIGHT, "height", NULL, 40, 95, "ft" },
 	{ ECO_QUANTITY_HEIGHT, "height", NULL, 850, 2200, "cm" },
 	{ ECO_QUANTITY_HEIGHT, "height", NULL, 8500, 22000, "mm" },
-	{ ECO_QUANTITY_DBH, "dbh", NULL, 28, 90, "cm" },
-	{ ECO_QUANTITY_DBH, "dbh", NULL, 9, 30, "in" },
-	{ ECO_QUANTITY_DBH, "dbh", NULL, 250, 800, "mm" },
-	{ ECO_QUANTITY_DBH, "dbh", NULL, 0.25, 0.8, "m" },
+	{ ECO_QUANTITY_DBH, "dbh", NULL, 28, 90, "cm" }, { ECO_QUANTITY_DBH, "dbh", NULL, 9, 30, "in" },
+	{ ECO_QUANTITY_DBH, "dbh", NULL, 250, 800, "mm" }, { ECO_QUANTITY_DBH, "dbh", NULL, 0.25, 0.8, "m" },
 	{ ECO_QUANTITY_GIRTH, "Umfang", NULL, 80, 250, "cm" },
 	/* by the other sizes */
-	{ ECO_QUANTITY_DBH, "dbh", "ft", 16, 45, "in" },
-	{ ECO_QUANTITY_DBH, "dbh", "m", 16, 45, "cm" },
+	{ ECO_QUANTITY_DBH, "dbh", "ft", 16, 45, "in" }, { ECO_QUANTITY_DBH, "dbh", "m", 16, 45, "cm" },
 	/* not at all */
 	{ ECO_QUANTITY_HEIGHT, "height", NULL, 18, 40, NULL },
 	{ ECO_QUANTITY_DBH, "dbh", NULL, 15, 45, NULL },
-	{ ECO_QUANTITY_HEIGHT, "height_m", NULL, 120, 150, NULL },      /* a height of 120 m is asked about */
-	{ ECO_QUANTITY_HEIGHT, "height", NULL, 1, 1.6, NULL },          /* an oak of 1 m, too */
+	{ ECO_QUANTITY_HEIGHT, "height_m", NULL, 120, 150, NULL }, /* a height of 120 m is asked about */
+	{ ECO_QUANTITY_HEIGHT, "height", NULL, 1, 1.6, NULL },     /* an oak of 1 m, too */
 };
 
 UNIT_TEST(units_are_those_of_plants_or_asked_for)
 {
 	for (size_t i = 0; i < sizeof guesses / sizeof *guesses; i++) {
-		struct eco_unit_guess guess = eco_unit_guess(guesses[i].quantity, guesses[i].name, guesses[i].beside,
-			&(struct eco_size_numbers){ guesses[i].middle, guesses[i].high });
-		const char *unit = guess.unit ? guess.unit : "?", *wanted = guesses[i].unit ? guesses[i].unit : "?";
+		struct eco_unit_guess guess = eco_unit_guess(guesses[i].quantity, guesses[i].name,
+			guesses[i].beside, &(struct eco_size_numbers){ guesses[i].middle, guesses[i].high });
+		const char *unit = guess.unit ? guess.unit : "?",
+			   *wanted = guesses[i].unit ? guesses[i].unit : "?";
 		if (strcmp(unit, wanted) != 0 || guess.why[0] == 0 || (!guess.unit && !guess.other))
-			fail_msg("%s of %g, %g: %s, not %s (%s)", guesses[i].name, guesses[i].middle, guesses[i].high,
+			fail_msg("%s of %g, %g: %s, not %s "
+				"(%s)", guesses[i].name, guesses[i].middle, guesses[i].high,
 				unit, wanted, guess.why);
 	}
 }
@@ -67,5 +70,6 @@ UNIT_TEST(a_stated_unit_is_doubted_only_where_it_cannot_be)
 	assert_null(eco_unit_doubt(ECO_QUANTITY_HEIGHT, 0.3048, &feet));
 	assert_null(eco_unit_doubt(ECO_QUANTITY_HEIGHT, 1, &metres));
 	assert_null(eco_unit_doubt(ECO_QUANTITY_HEIGHT, 1, &shrubs));
-	assert_string_equal(eco_unit_doubt(ECO_QUANTITY_DBH, 0.001, &(struct eco_size_numbers){ 25, 80 }), "cm");
+	assert_string_equal(eco_unit_doubt(ECO_QUANTITY_DBH, 0.001, &(struct eco_size_numbers){ 25, 80 }),
+		"cm");
 }

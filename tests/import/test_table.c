@@ -28,29 +28,34 @@ static const char *roles_of(const struct read *r)
 	static char text[400];
 	size_t used = 0;
 	for (int i = 0; i < ECO_ROLE_COUNT; i++)
-		used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", i ? "|" : "", r->columns.of[i] == ECO_NONE
-			? "-" : r->table.columns[r->columns.of[i]]);
+		used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", i ? "|" : "",
+			r->columns.of[i] == ECO_NONE ? "-" : r->table.columns[r->columns.of[i]]);
 	return text;
 }
 
-static const struct { const char *text, *roles; char decimal; } tables[] = {
+static const struct { const char *text, *roles; char decimal;
+} tables[] = {
 	{ "id,lon,lat,species,height,dbh\n1,11.5,48.1,oak,12,30\n", "lon|lat|species|height|dbh|-", '.' },
 	{ "Latitude,Longitude,Common Name,Scientific Name,Height (ft),Diameter at breast height\n"
-		"45.1,-122.5,oak,Quercus robur,40,12\n", "Longitude|Latitude|Scientific Name|Height (ft)|"
-		"Diameter at breast height|-", '.' },
+	  "45.1,-122.5,oak,Quercus robur,40,12\n",
+		"Longitude|Latitude|Scientific Name|Height (ft)|Diameter at breast height|-",
+		'.' },
 	{ "Baumart;H\u00f6he;Kronendurchmesser;Stammumfang;Rechtswert;Hochwert\nEiche;12,5;8,5;90,5;4468000,5;5334000,5\n",
 		"Rechtswert|Hochwert|Baumart|H\u00f6he|-|Stammumfang", ',' },
 	{ "Gattung;Art;Baumh\u00f6he;X;Y\nQuercus;robur;12;691000;5334000\nTilia;cordata;9;691001;5334001\n",
 		"X|Y|Gattung|Baumh\u00f6he|-|-", '.' },
 	{ "essence\thauteur totale\thauteur du fut\tcirconf\u00e9rence\tlongitude\tlatitude\n"
-		"Ch\u00eane\t12\t3\t90\t2.3\t48.8\n", "longitude|latitude|essence|hauteur totale|-|circonf\u00e9rence", '.' },
+	  "Ch\u00eane\t12\t3\t90\t2.3\t48.8\n",
+		"longitude|latitude|essence|hauteur totale|-|circonf\u00e9rence",
+		'.' },
 	{ "especie,altura,di\u00e1metro copa,dap,longitud,latitud\nroble,12,5,30,-70,-33\n",
 		"longitud|latitud|especie|altura|dap|-", '.' },
-	{ "boomsoort;hoogte;stamdiameter;x_rd;y_rd\neik;12;30;121000;487000\n", "x_rd|y_rd|boomsoort|hoogte|stamdiameter|-",
-		'.' },
+	{ "boomsoort;hoogte;stamdiameter;x_rd;y_rd\neik;12;30;121000;487000\n",
+		"x_rd|y_rd|boomsoort|hoogte|stamdiameter|-", '.' },
 	{ "X,Y,Latitude,Longitude,Species,Species code\n1008714,770748,42.1,-75.8,oak,qu\n",
 		"Longitude|Latitude|Species|-|-|-", '.' },
-	{ "tag,gx,gy,utm17n_e,utm17n_n,sp\n1,3.5,4.5,747375,4308510,quru\n", "utm17n_e|utm17n_n|-|-|-|-", '.' },
+	{ "tag,gx,gy,utm17n_e,utm17n_n,sp\n1,3.5,4.5,747375,4308510,quru\n", "utm17n_e|utm17n_n|-|-|-|-",
+		'.' },
 	{ "a,b\n1,2\n", "-|-|-|-|-|-", '.' },
 };
 
@@ -86,7 +91,8 @@ UNIT_TEST(an_even_selection_of_many_rows_stays)
 UNIT_TEST(values_are_counted_most_first)
 {
 	struct eco_error error = { 0 };
-	struct eco_rows_source source = { .path = input_text("table", "values.csv", "a,sp\n1,oak\n2, elm \n3,elm\n4\n5,ash\n") };
+	struct eco_rows_source source = { .path = input_text("table", "values.csv", "a,sp\n1,oak\n2, elm "
+		"\n3,elm\n4\n5,ash\n") };
 	struct eco_table_values values;
 	assert_ok(eco_table_values_read(&values, &source, "sp", &error), error);
 	assert_int_equal(values.count, 3);
@@ -100,7 +106,11 @@ UNIT_TEST(values_are_counted_most_first)
 
 /* ---- Places ---- */
 
-static const struct { const char *x, *y, *numbers, *crs; const struct eco_raster_extent *dem; const char *says; } places[] = {
+static const struct {
+	const char *x, *y, *numbers, *crs;
+	const struct eco_raster_extent *dem;
+	const char *says;
+} places[] = {
 	/* crs of the table, of the scene, whether swapped; or what the question says */
 	{ "lon", "lat", "11.57,48.14", NULL, NULL, "EPSG:4326 EPSG:32632" },
 	{ "lon", "lat", "-70.6,-33.4", NULL, NULL, "EPSG:4326 EPSG:32719" },
@@ -116,12 +126,15 @@ static const struct { const char *x, *y, *numbers, *crs; const struct eco_raster
 	{ "x", "y", "12.5,340.2", NULL, NULL, "- -" },
 	{ "x", "y", "391000,5820000", NULL, NULL, "?each UTM zone, at latitude 52.5" },
 	{ "x", "y", "2600000,1200000", NULL, NULL, "?EPSG:2056" },
-	{ "x", "y", "391000,5820000", NULL, &(struct eco_raster_extent){ { 390000, 5819000 }, { 392000, 5821000 },
-		"EPSG:25833" }, "EPSG:25833 EPSG:25833" },
-	{ "lon", "lat", "13.4,52.52", NULL, &(struct eco_raster_extent){ { 390000, 5819000 }, { 393000, 5821000 },
-		"EPSG:25833" }, "EPSG:4326 EPSG:25833" },
-	{ "lon", "lat", "52.52,13.4", NULL, &(struct eco_raster_extent){ { 390000, 5819000 }, { 393000, 5821000 },
-		"EPSG:25833" }, "EPSG:4326 EPSG:25833 swapped" },
+	{ "x", "y", "391000,5820000", NULL,
+		&(struct eco_raster_extent){ { 390000, 5819000 }, { 392000, 5821000 }, "EPSG:25833" },
+		"EPSG:25833 EPSG:25833" },
+	{ "lon", "lat", "13.4,52.52", NULL,
+		&(struct eco_raster_extent){ { 390000, 5819000 }, { 393000, 5821000 }, "EPSG:25833" },
+		"EPSG:4326 EPSG:25833" },
+	{ "lon", "lat", "52.52,13.4", NULL,
+		&(struct eco_raster_extent){ { 390000, 5819000 }, { 393000, 5821000 }, "EPSG:25833" },
+		"EPSG:4326 EPSG:25833 swapped" },
 	{ "x", "y", "391000,5820000", "nonsense", NULL, "?\"nonsense\" is not known" },
 };
 
@@ -140,14 +153,19 @@ UNIT_TEST(places_get_a_crs_or_a_question)
 		struct eco_place_guess guess;
 		struct read r;
 		char text[200];
-		snprintf(text, sizeof text, "%s,%s\n%s\n%s\n", places[i].x, places[i].y, places[i].numbers, places[i].numbers);
+		snprintf(text, sizeof text, "%s,%s\n%s\n%s\n", places[i].x, places[i].y, places[i].numbers,
+			places[i].numbers);
 		read_text(&r, text);
-		struct eco_place_asked asked = { .table = &r.table, .columns = &r.columns, .crs = places[i].crs,
+		struct eco_place_asked asked = { .table = &r.table,
+			.columns = &r.columns,
+			.crs = places[i].crs,
 			.dem = places[i].dem };
 		enum eco_code code = eco_place_guess(&guess, &asked, &error);
 		bool asks = places[i].says[0] == '?';
-		if (asks ? !code || !strstr(error.text, places[i].says + 1) : code || strcmp(place_text(&guess), places[i].says) != 0)
-			fail_msg("%s,%s %s: %s; wanted %s", places[i].x, places[i].y, places[i].numbers, code ? error.text
+		if (asks ? !code || !strstr(error.text, places[i].says + 1)
+			 : code || strcmp(place_text(&guess), places[i].says) != 0)
+			fail_msg("%s,%s %s: %s; wanted "
+				"%s", places[i].x, places[i].y, places[i].numbers, code ? error.text
 				: place_text(&guess), places[i].says);
 		eco_table_free(&r.table);
 	}

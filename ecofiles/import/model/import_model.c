@@ -239,8 +239,10 @@ static void note_apart(const struct eco_model *model, struct eco_notes *notes)
 {
 	struct eco_apart apart = eco_model_apart(model);
 	if (apart.count > 1 && apart.count <= ECO_APART_MOST)
-		eco_note(notes, "%u plants stand apart in it, the first at %.3g, %.3g m, the second at %.3g, %.3g m: each "
-			"place gets all of them; if they are meant one by one, make a file of each, as \"variants\"",
+		eco_note(notes, "%u plants stand apart in it, the first at %.3g, %.3g m, the second at "
+			"%.3g, %.3g m: each "
+			"place gets all of them; if they are meant one by one, make a file of each, as "
+			"\"variants\"",
 			apart.count, apart.at[0][0], apart.at[0][1], apart.at[1][0], apart.at[1][1]);
 }
 

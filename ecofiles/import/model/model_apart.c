@@ -39,8 +39,9 @@ static void mark(struct grid *g, const struct eco_model *m, uint32_t triangle)
 	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
 	for (int corner = 0; corner < 3; corner++)
 		for (int k = 0; k < 3; k++) {
-			double value = (double)m->position[3 * (size_t)m->index[3 * (size_t)triangle + (size_t)corner]
-				+ (size_t)k];
+			double value = (double)m->position[3 *
+					(size_t)m->index[3 * (size_t)triangle + (size_t)corner] +
+				(size_t)k];
 			low[k] = fmin(low[k], value);
 			high[k] = fmax(high[k], value);
 		}

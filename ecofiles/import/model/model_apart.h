@@ -7,7 +7,7 @@
 #define ECO_APART_MOST 12u       /* more pieces are a meadow or a hedge */
 
 struct eco_apart {
-	uint32_t count;              /* of pieces that stand and are at least 0.4 times as high as the highest */
+	uint32_t count; /* of pieces that stand and are at least 0.4 times as high as the highest */
 	double at[ECO_APART_MOST][2];        /* their middles, metres */
 };
 

@@ -25,7 +25,8 @@ static const struct { const char *genus; enum eco_form form; const char *names; 
 	{ "carpinus", ECO_FORM_BROAD, "hornbeam hainbuche charme carpe carpino haagbeuk" },
 	{ "ostrya", ECO_FORM_BROAD, "hophornbeam ironwood" },
 	{ "alnus", ECO_FORM_BROAD, "alder erle aulne aliso ontano els" },
-	{ "populus", ECO_FORM_BROAD, "poplar aspen cottonwood pappel peuplier chopo alamo pioppo populier tremble" },
+	{ "populus", ECO_FORM_BROAD, "poplar aspen cottonwood pappel peuplier chopo alamo pioppo populier "
+		"tremble" },
 	{ "salix", ECO_FORM_WEEPING, "willow weide saule sauce salice wilg" },
 	{ "robinia", ECO_FORM_BROAD, "locust robinie robinier falsa" },
 	{ "gleditsia", ECO_FORM_BROAD, "honeylocust gleditschie fevier" },
@@ -100,15 +101,15 @@ static const struct { const char *genus; enum eco_form form; const char *names; 
 /* Words for forms, where no genus is named. */
 static const struct { enum eco_form form; const char *words; } forms[] = {
 	{ ECO_FORM_NOTHING, "vacant stump stumps snag empty removed rock stone boulder log unbesetzt leer "
-		"stumpf baumstumpf wurzelstock stubben fels stein gefallt souche vide abattu rocher tocon vacio "
-		"alcorque piedra ceppo vuoto stronk stobbe deadwood" },
+		"stumpf baumstumpf wurzelstock stubben fels stein gefallt souche vide abattu rocher tocon "
+		"vacio alcorque piedra ceppo vuoto stronk stobbe deadwood" },
 	{ ECO_FORM_CONIFER, "conifer coniferous evergreen nadelbaum nadelholz conifere conifera naaldboom" },
 	{ ECO_FORM_COLUMN, "columnar fastigiate fastigiata saulenform columnaris pyramidalis" },
 	{ ECO_FORM_WEEPING, "weeping pendula trauer pleureur lloron piangente treur" },
 	{ ECO_FORM_SHRUB, "bush shrub hedge strauch busch hecke arbuste buisson haie arbusto cespuglio siepe "
 		"struik heester" },
-	{ ECO_FORM_HERB, "flower flowers plant herb orchid orchids fern blume blumen staude fleur fleurs flor "
-		"flores fiore bloem tulip daisy" },
+	{ ECO_FORM_HERB, "flower flowers plant herb orchid orchids fern blume blumen staude fleur fleurs "
+		"flor flores fiore bloem tulip daisy" },
 	{ ECO_FORM_GRASS, "grass gras graser reed schilf herbe hierba erba bamboo bambus" },
 	{ ECO_FORM_BROAD, "tree baum laubbaum laubholz arbre feuillu arbol albero boom deciduous broadleaf "
 		"hardwood broadleaved" },
@@ -141,7 +142,8 @@ static bool listed(const char *list, const char *word, bool ends)
 		size_t own = strlen(found);
 		bool same = strcmp(found, word) == 0;
 		bool plural = own + 1 == length && word[own] == 's' && strncmp(found, word, own) == 0;
-		if (same || plural || (ends && own >= 5 && length > own && strcmp(word + length - own, found) == 0))
+		if (same || plural ||
+			(ends && own >= 5 && length > own && strcmp(word + length - own, found) == 0))
 			return true;
 	}
 	return false;

@@ -49,8 +49,8 @@ enum eco_code gdal_raster_extent(const char *path, struct eco_raster_extent *ext
 			CPLGetLastErrorMsg());
 	else if (GDALGetGeoTransform(file, transform) != CE_None)
 		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: the raster does not say where it lies; make a "
-			"GeoTIFF of it, or start without it and add \"ground\" with \"north_west\" and \"pixel\" to "
-			"the scene", path);
+			"GeoTIFF of it, or start without it and add \"ground\" with \"north_west\" and "
+			"\"pixel\" to the scene", path);
 	else
 		measure(file, transform, extent);
 	if (!code)

@@ -46,8 +46,8 @@ static enum eco_code measure(struct look *l)
 	for (int k = 0; k < 2; k++) {
 		struct eco_spread spread = { 0 };
 		bool good = numbers_of(l, k, &spread);
-		l->xy[k] = (struct range){ eco_spread_quantile(&spread, 0.02), eco_spread_quantile(&spread, 0.5),
-			eco_spread_quantile(&spread, 0.98) };
+		l->xy[k] = (struct range){ eco_spread_quantile(&spread, 0.02),
+			eco_spread_quantile(&spread, 0.5), eco_spread_quantile(&spread, 0.98) };
 		eco_spread_free(&spread);
 		if (!good)
 			return eco_fail(l->error, ECO_NO_MEMORY, "out of memory");
@@ -81,13 +81,15 @@ static bool dem_has(const struct look *l, const double degrees[2])
 	if (eco_crs_look(dem->crs, middle, &facts, NULL) != ECO_OK || isnan(facts.degrees[0]))
 		return false;
 	double reach_deg = 3 * (facts.geographic ? reach : reach / 60000);
-	return fabs(facts.degrees[0] - degrees[0]) < reach_deg && fabs(facts.degrees[1] - degrees[1]) < reach_deg;
+	return fabs(facts.degrees[0] - degrees[0]) < reach_deg &&
+		fabs(facts.degrees[1] - degrees[1]) < reach_deg;
 }
 
 static void say_swapped(struct look *l, const char *why)
 {
 	l->guess->swapped = true;
-	snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "degrees; \"%.40s\" and \"%.40s\" are swapped: %s",
+	snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "degrees; \"%.40s\" and \"%.40s\" are "
+		"swapped: %s",
 		l->names[0] ? l->names[0] : "x", l->names[1] ? l->names[1] : "y", why);
 }
 
@@ -102,7 +104,8 @@ static void guess_degrees(struct look *l)
 		say_swapped(l, "only so does the terrain lie there");
 	else
 		snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "degrees, by %s: around %.4f, %.4f",
-			l->asked->columns->names_say_degrees ? "the columns' names and numbers" : "the numbers",
+			l->asked->columns->names_say_degrees ? "the columns' names and numbers" : "the "
+				"numbers",
 			as_named[0], as_named[1]);
 }
 
@@ -112,8 +115,9 @@ static void guess_degrees(struct look *l)
  * number is a zone's half, "32 n". */
 static void hint_of(const char *name, char *hint, size_t size)
 {
-	static const char dropped[] = "x y e n m coord koord coordinate coordinates east easting north northing "
-		"ostwert nordwert rechtswert hochwert point epsg koordinate este norte est nord pos in ft";
+	static const char dropped[] = "x y e n m coord koord coordinate coordinates east easting north "
+		"northing ostwert nordwert rechtswert hochwert point epsg koordinate este norte est nord "
+		"pos in ft";
 	char words[ECO_WORDS_BYTES], word[ECO_WORD_BYTES];
 	bool after_number = false;
 	size_t used = 0;
@@ -132,7 +136,8 @@ static bool shared_hint(const struct look *l, char hint[ECO_WORDS_BYTES])
 {
 	static const struct { const char *brief, *name; } known[] = { { "l 93", "lambert 93" }, { "bng",
 		"british national grid" }, { "osgb", "british national grid" }, { "rd", "rd new" }, { "lb 72",
-		"belgian lambert 72" }, { "nztm", "new zealand transverse mercator 2000" }, { "2180", "cs 92" } };
+		"belgian lambert 72" }, { "nztm", "new zealand transverse mercator 2000" }, { "2180", "cs "
+		"92" } };
 	char other[ECO_WORDS_BYTES];
 	if (!l->names[0] || !l->names[1])
 		return false;
@@ -152,7 +157,8 @@ static void list_choices(const struct eco_crs_choice *choices, uint32_t found, c
 	size_t used = 0;
 	text[0] = 0;
 	for (uint32_t i = 0; i < most && used < size; i++)
-		used += (size_t)snprintf(text + used, size - used, "%s%s (%.40s; at %.2f, %.2f)", i > 0 ? ", " : "",
+		used += (size_t)snprintf(text + used, size - used, "%s%s (%.40s; at %.2f, "
+			"%.2f)", i > 0 ? ", " : "",
 			choices[i].code, choices[i].name, choices[i].degrees[0], choices[i].degrees[1]);
 	if (found > most && used < size)
 		snprintf(text + used, size - used, " and %u more", found - most);
@@ -170,22 +176,24 @@ static enum eco_code ask_for_grid(struct look *l, const struct eco_crs_choice *c
 	const double at[2] = { l->xy[0].middle, l->xy[1].middle };
 	struct eco_crs_facts facts;
 	if (may_be_utm(l) && eco_crs_look("EPSG:32631", at, &facts, l->error) == ECO_OK)
-		return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: which CRS are its coordinates in? %.0f, %.0f is a "
-			"place in each UTM zone, at latitude %.1f: give the zone of your longitude, --crs "
-			"EPSG:32601 (180 W) to EPSG:32660 (180 E), in the south EPSG:32701 to EPSG:32760; or the "
+		return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: which CRS are its coordinates in? %.0f, "
+			"%.0f is a place in each UTM zone, at latitude %.1f: give the zone of your "
+			"longitude, --crs EPSG:32601 (180 W) to EPSG:32660 (180 E), in the south "
+			"EPSG:32701 to EPSG:32760; or the "
 			"country's grid, %.120s, ...", l->asked->table->path, at[0], at[1], facts.degrees[1],
 			found > 0 ? (list_choices(choices, found < 2 ? found : 2, list, sizeof list), list)
 			: "such as EPSG:2154 in France");
 	list_choices(choices, found, list, sizeof list);
-	return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: which CRS are its coordinates in? %.0f, %.0f %s%s; give "
-		"it with --crs EPSG:...", l->asked->table->path, at[0], at[1],
+	return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: which CRS are its coordinates in? %.0f, %.0f "
+		"%s%s; give it with --crs EPSG:...", l->asked->table->path, at[0], at[1],
 		found > 0 ? "may be in " : "is in no CRS of PROJ's register as easting and northing", list);
 }
 
 static enum eco_code take_choice(struct look *l, const struct eco_crs_choice *choice, const char *why)
 {
 	snprintf(l->guess->crs, sizeof l->guess->crs, "%s", choice->code);
-	snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "%.80s, %s; a place at %.3f, %.3f", choice->name, why,
+	snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "%.80s, %s; a place at %.3f, "
+		"%.3f", choice->name, why,
 		choice->degrees[0], choice->degrees[1]);
 	return ECO_OK;
 }
@@ -245,8 +253,9 @@ static enum eco_code take_stated(struct look *l, const char *crs, const char *wh
 	snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "%.80s, as %s", facts.name, who);
 	if (facts.geographic && !are_degrees(l, 0) && are_degrees(l, 1) && !l->guess->from_geometry)
 		say_swapped(l, "a latitude lies between -90 and 90");
-	else if (!facts.inside && !isnan(facts.degrees[0]) && eco_crs_look(crs, turned, &facts, NULL) == ECO_OK
-			&& facts.inside && !l->guess->from_geometry && !facts.geographic)
+	else if (!facts.inside && !isnan(facts.degrees[0]) &&
+		eco_crs_look(crs, turned, &facts, NULL) == ECO_OK && facts.inside &&
+		!l->guess->from_geometry && !facts.geographic)
 		say_swapped(l, "only so do they lie in the CRS's area of use");
 	return ECO_OK;
 }
@@ -265,7 +274,8 @@ static enum eco_code guess_crs(struct look *l)
 		snprintf(g->crs_why, sizeof g->crs_why, "metres of a model");
 		return ECO_OK;
 	}
-	bool narrow = l->xy[0].high - l->xy[0].low < DEGREES_SPAN && l->xy[1].high - l->xy[1].low < DEGREES_SPAN;
+	bool narrow =
+		l->xy[0].high - l->xy[0].low < DEGREES_SPAN && l->xy[1].high - l->xy[1].low < DEGREES_SPAN;
 	bool can_be = are_degrees(l, 0) || are_degrees(l, 1);
 	if (can_be && (narrow || a->columns->names_say_degrees)) {
 		guess_degrees(l);
@@ -275,7 +285,8 @@ static enum eco_code guess_crs(struct look *l)
 		fmax(fabs(l->xy[1].low), fabs(l->xy[1].high)));
 	if (most >= PLOT_M)
 		return guess_grid(l);
-	snprintf(g->crs_why, sizeof g->crs_why, "metres of a plot: from %.6g, %.6g to %.6g, %.6g", l->xy[0].low,
+	snprintf(g->crs_why, sizeof g->crs_why, "metres of a plot: from %.6g, %.6g to %.6g, "
+		"%.6g", l->xy[0].low,
 		l->xy[1].low, l->xy[0].high, l->xy[1].high);
 	return ECO_OK;
 }
@@ -287,8 +298,8 @@ static enum eco_code metric(const char *crs, const double at[2], struct eco_crs_
 {
 	enum eco_code code = eco_crs_look(crs, at, facts, error);
 	if (!code && !facts->metric_map)
-		code = eco_fail(error, ECO_BAD_INPUT, "--scene-crs %.60s: a scene is in a projected CRS in metres, "
-			"such as a UTM zone", crs);
+		code = eco_fail(error, ECO_BAD_INPUT, "--scene-crs %.60s: a scene is in a projected CRS in "
+			"metres, such as a UTM zone", crs);
 	return code;
 }
 
@@ -321,11 +332,12 @@ static enum eco_code guess_scene(struct look *l)
 			other.name);
 	} else if (!code && !isnan(own.degrees[0])) {
 		eco_crs_utm(own.degrees, g->scene_crs);
-		snprintf(g->scene_why, sizeof g->scene_why, "the UTM zone of %.4f, %.4f, the middle of the plants",
+		snprintf(g->scene_why, sizeof g->scene_why, "the UTM zone of %.4f, %.4f, the middle of the "
+			"plants",
 			own.degrees[0], own.degrees[1]);
 	} else if (!code) {
-		code = eco_fail(l->error, ECO_BAD_INPUT, "%.150s: %.10g, %.10g is no place in %.40s; give the CRS of "
-			"the coordinates with --crs", l->asked->table->path, at[0], at[1], crs);
+		code = eco_fail(l->error, ECO_BAD_INPUT, "%.150s: %.10g, %.10g is no place in %.40s; give "
+			"the CRS of the coordinates with --crs", l->asked->table->path, at[0], at[1], crs);
 	}
 	return code;
 }
@@ -357,7 +369,8 @@ static enum eco_code guess_origin(struct look *l)
 		eco_crs_close(crs);
 	}
 	if (!code && !converted)
-		code = eco_fail(l->error, ECO_BAD_INPUT, "%.150s: %.10g, %.10g is no place in %.40s (%.60s); give the "
+		code = eco_fail(l->error, ECO_BAD_INPUT, "%.150s: %.10g, %.10g is no place in %.40s "
+			"(%.60s); give the "
 			"CRS of the coordinates with --crs", l->asked->table->path, l->xy[x].middle,
 			l->xy[1 - x].middle, g->crs, why);
 	for (int k = 0; k < 2; k++)
@@ -393,8 +406,9 @@ enum eco_code eco_place_guess(struct eco_place_guess *guess, const struct eco_pl
 			char there[250] = "";
 			for (uint32_t i = 0; i < asked->table->column_count; i++)
 				eco_phrase_add(there, sizeof there, asked->table->columns[i]);
-			return eco_fail(error, ECO_BAD_INPUT, "%.150s: which columns say where a plant stands? Give "
-				"--x (easting or longitude) and --y (northing or latitude); there are: %s",
+			return eco_fail(error, ECO_BAD_INPUT, "%.150s: which columns say where a plant "
+				"stands? Give --x (easting or longitude) and --y (northing or latitude); "
+				"there are: %s",
 				asked->table->path, there);
 		}
 		l.names[k] = asked->table->columns[columns->of[k]];

@@ -49,7 +49,7 @@ void eco_levels_close(struct eco_levels *levels);
 
 struct eco_size_remarks {
 	bool range, open, other_unit, unread, implausible;
-	double measured_m;           /* what the text says, by the unit stated for the column; 0: by its own */
+	double measured_m; /* what the text says, by the unit stated for the column; 0: by its own */
 };
 
 /* Reads a source of sizes from its column's text: metres, to the millimetre. NaN: none (also implausible,

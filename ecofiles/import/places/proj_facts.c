@@ -77,8 +77,9 @@ static void look(PJ_CONTEXT *context, PJ *crs, const double xy[2], struct eco_cr
 	snprintf(facts->name, sizeof facts->name, "%s", proj_get_name(crs) ? proj_get_name(crs) : "");
 	find_code(context, crs, facts->code);
 	degrees_of(context, crs, xy, facts->degrees);
-	facts->inside = !proj_get_area_of_use(context, crs, &west, &south, &east, &north, NULL) || west < -1000
-		|| (!isnan(facts->degrees[0]) && within(facts->degrees, west, south, east, north));
+	facts->inside = !proj_get_area_of_use(context, crs, &west, &south, &east, &north, NULL) ||
+		west < -1000 ||
+		(!isnan(facts->degrees[0]) && within(facts->degrees, west, south, east, north));
 }
 
 enum eco_code proj_crs_look(const char *text, const double xy[2], struct eco_crs_facts *facts,
@@ -167,9 +168,9 @@ static enum eco_code try_crs(PJ_CONTEXT *context, const PROJ_CRS_INFO *info, con
 		return ECO_OK;
 	snprintf(choice.code, sizeof choice.code, "EPSG:%.20s", info->code);
 	PJ *crs = proj_create(context, choice.code);
-	bool good = crs && degrees_of(context, crs, xy, choice.degrees)
-		&& within(choice.degrees, info->west_lon_degree, info->south_lat_degree, info->east_lon_degree,
-		info->north_lat_degree);
+	bool good = crs && degrees_of(context, crs, xy, choice.degrees) &&
+		within(choice.degrees, info->west_lon_degree, info->south_lat_degree, info->east_lon_degree,
+			info->north_lat_degree);
 	proj_destroy(crs);
 	snprintf(choice.name, sizeof choice.name, "%s", info->name);
 	snprintf(choice.area, sizeof choice.area, "%s", info->area_name ? info->area_name : "");

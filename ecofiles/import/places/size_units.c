@@ -36,8 +36,10 @@ static size_t best_unit(enum eco_quantity quantity, const struct eco_size_number
 {
 	size_t best = UNITS;
 	for (size_t i = 0; i < UNITS; i++)
-		if (i != except && (best == UNITS
-				|| misfit(quantity, units[i].metres, n) < misfit(quantity, units[best].metres, n)))
+		if (i != except &&
+			(best == UNITS ||
+				misfit(quantity, units[i].metres, n) <
+					misfit(quantity, units[best].metres, n)))
 			best = i;
 	return best;
 }
@@ -69,8 +71,8 @@ static void ask(struct eco_unit_guess *guess, enum eco_quantity quantity, size_t
 {
 	guess->unit = NULL;
 	guess->other = units[b].name;
-	snprintf(guess->why, sizeof guess->why, "half of them are above %.4g, the largest about %.4g: a %s of "
-		"%.3g m if in %s, of %.3g m if in %s", n->middle, n->high, typical[quantity].says,
+	snprintf(guess->why, sizeof guess->why, "half of them are above %.4g, the largest about %.4g: a %s "
+		"of %.3g m if in %s, of %.3g m if in %s", n->middle, n->high, typical[quantity].says,
 		n->middle * units[a].metres, units[a].name, n->middle * units[b].metres, units[b].name);
 }
 
@@ -120,7 +122,8 @@ struct eco_unit_guess eco_unit_guess(enum eco_quantity quantity, const char *nam
 	if (fit > FAR || !sure)
 		ask(&guess, quantity, best, next, numbers);
 	else
-		snprintf(guess.why, sizeof guess.why, "half of them are above %.4g %s, the largest about %.4g; in "
+		snprintf(guess.why, sizeof guess.why, "half of them are above %.4g %s, the largest about "
+			"%.4g; in "
 			"%s half would be above %.3g m", numbers->middle, units[best].name, numbers->high,
 			units[next].name, numbers->middle * units[next].metres);
 	return guess;

@@ -21,13 +21,16 @@ const char *const eco_role_names[ECO_ROLE_COUNT] = { "x", "y", "species", "heigh
  * word of five letters and more counts within a longer one, too, "kronendurchmesser", one of four at its end,
  * "baumhohe". */
 static const struct { enum eco_role role; int points; const char *words; } meanings[] = {
-	{ ECO_ROLE_X, 100, "longitude longitud longitudine lengtegraad laengengrad langengrad lange laenge lon lng "
-		"long dlugosc" },
+	{ ECO_ROLE_X, 100, "longitude longitud longitudine lengtegraad laengengrad langengrad lange laenge "
+		"lon lng long dlugosc" },
 	{ ECO_ROLE_Y, 100, "latitude latitud latitudine breedtegraad breitengrad breite lat szerokosc" },
-	{ ECO_ROLE_X, 80, "easting eastings east ostwert rechtswert este est xcoord coordx pointx xkoord rw" },
-	{ ECO_ROLE_Y, 80, "northing northings north nordwert hochwert norte nord ycoord coordy pointy ykoord hw" },
+	{ ECO_ROLE_X, 80, "easting eastings east ostwert rechtswert este est xcoord coordx pointx xkoord "
+		"rw" },
+	{ ECO_ROLE_Y, 80, "northing northings north nordwert hochwert norte nord ycoord coordy pointy "
+		"ykoord hw" },
 	{ ECO_ROLE_X, 30, "gx px" }, { ECO_ROLE_Y, 30, "gy py" },
-	{ ECO_ROLE_X, -90, "krone kronen stamm crown strasse" }, { ECO_ROLE_Y, -90, "krone kronen stamm crown strasse" },
+	{ ECO_ROLE_X, -90, "krone kronen stamm crown strasse" }, { ECO_ROLE_Y, -90, "krone kronen stamm "
+		"crown strasse" },
 	{ ECO_ROLE_SPECIES, 95, "scientific latin botanical botanisch botanico botanique baumart boomsoort "
 		"wissenschaftlich wetenschappelijke taxon" },
 	{ ECO_ROLE_SPECIES, 90, "species espece especie specie gatunek tradart druh" },
@@ -37,16 +40,16 @@ static const struct { enum eco_role role; int points; const char *words; } meani
 		"libelle plant" },
 	{ ECO_ROLE_SPECIES, -60, "id code nr no num nummer street strasse rue calle via straat date datum "
 		"owner cultivar sorte variete site address" },
-	{ ECO_ROLE_HEIGHT, 90, "height heights hgt ht hoehe hohe hauteur altura altezza hoogte wysokosc hojd hojde "
-		"vyska hoyde" },
+	{ ECO_ROLE_HEIGHT, 90, "height heights hgt ht hoehe hohe hauteur altura altezza hoogte wysokosc "
+		"hojd hojde vyska hoyde" },
 	{ ECO_ROLE_HEIGHT, 60, "h haut" },
-	{ ECO_ROLE_HEIGHT, -90, "diameter diametre diametro durchmesser circumference umfang circonference girth "
-		"crown krone kronen kronenansatz kroon houppier copa chioma canopy fut first branch elevation "
-		"sea ground gelande altitude ansatz width breite date year jahr" },
+	{ ECO_ROLE_HEIGHT, -90, "diameter diametre diametro durchmesser circumference umfang circonference "
+		"girth crown krone kronen kronenansatz kroon houppier copa chioma canopy fut first branch "
+		"elevation sea ground gelande altitude ansatz width breite date year jahr" },
 	{ ECO_ROLE_DBH, 95, "dbh bhd dhp dap brusthohendurchmesser stammdurchmesser stamdiameter" },
 	{ ECO_ROLE_DBH, 80, "diameter diametre diametro durchmesser diam srednica prumer" },
-	{ ECO_ROLE_DBH, -90, "crown krone kronen kroon houppier couronne copa chioma canopy "
-		"spread korony date year" },
+	{ ECO_ROLE_DBH, -90, "crown krone kronen kroon houppier couronne copa chioma canopy spread korony "
+		"date year" },
 	{ ECO_ROLE_GIRTH, 95, "girth gbh cbh circumference umfang stammumfang circonference circonferenza "
 		"circunferencia perimetro perimetre omtrek obwod omkrets obvod" },
 	{ ECO_ROLE_GIRTH, 60, "cap circ" },
@@ -92,7 +95,8 @@ static int points_by_name(enum eco_role role, const char *name)
 static int points_by_letter(enum eco_role role, const char *name)
 {
 	static const char *const letters[][2] = { [ECO_ROLE_X] = { "x", "e" }, [ECO_ROLE_Y] = { "y", "n" } };
-	char words[ECO_WORDS_BYTES], first[ECO_WORD_BYTES] = "", last[ECO_WORD_BYTES] = "", word[ECO_WORD_BYTES];
+	char words[ECO_WORDS_BYTES], first[ECO_WORD_BYTES] = "", last[ECO_WORD_BYTES] = "",
+				     word[ECO_WORD_BYTES];
 	if (role != ECO_ROLE_X && role != ECO_ROLE_Y)
 		return 0;
 	eco_words_of(name, words, sizeof words);
@@ -257,9 +261,13 @@ void eco_table_columns(const struct eco_table *table, struct eco_columns *column
 	for (int role = ECO_ROLE_SPECIES; role < ECO_ROLE_COUNT; role++)
 		choose(table, columns, (enum eco_role)role);
 	uint32_t x = columns->of[ECO_ROLE_X], y = columns->of[ECO_ROLE_Y];
-	columns->names_say_degrees = x != ECO_NONE && y != ECO_NONE
-		&& points_by_name(ECO_ROLE_X, table->columns[x]) + points_by_name(ECO_ROLE_Y, table->columns[x]) >= 100
-		&& points_by_name(ECO_ROLE_X, table->columns[y]) + points_by_name(ECO_ROLE_Y, table->columns[y]) >= 100;
+	columns->names_say_degrees = x != ECO_NONE && y != ECO_NONE &&
+		points_by_name(ECO_ROLE_X, table->columns[x]) +
+				points_by_name(ECO_ROLE_Y, table->columns[x]) >=
+			100 &&
+		points_by_name(ECO_ROLE_X, table->columns[y]) +
+				points_by_name(ECO_ROLE_Y, table->columns[y]) >=
+			100;
 }
 
 static bool is_plant(const struct eco_table *table, uint32_t row, uint32_t species)

@@ -25,8 +25,8 @@ static void thin(struct eco_table *t)
 			drop_row(t, row);
 			continue;
 		}
-		memmove(t->fields + (size_t)(row / 2) * t->column_count, t->fields + (size_t)row * t->column_count,
-			t->column_count * sizeof *t->fields);
+		memmove(t->fields + (size_t)(row / 2) * t->column_count,
+			t->fields + (size_t)row * t->column_count, t->column_count * sizeof *t->fields);
 		memmove(t->places[row / 2], t->places[row], sizeof *t->places);
 	}
 	t->row_count = (t->row_count + 1) / 2;
@@ -90,7 +90,8 @@ enum eco_code eco_table_read(struct eco_table *table, const struct eco_rows_sour
 {
 	struct eco_rows *rows = NULL;
 	*table = (struct eco_table){ .path = strdup(source->path) };
-	enum eco_code code = table->path ? eco_rows_open(&rows, source, error) : no_memory(source->path, error);
+	enum eco_code code =
+		table->path ? eco_rows_open(&rows, source, error) : no_memory(source->path, error);
 	if (!code)
 		code = begin(table, rows, error);
 	if (!code)
