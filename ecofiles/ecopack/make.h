@@ -94,8 +94,11 @@ struct make {
 	double ground_low_m, ground_step_m;      /* its heights are whole steps above this */
 	struct eco_ground_tile *ground_tiles;
 	uint8_t *ground_shifts;                  /* see lod/ground_choice.h */
-	/* plants and nested eco files beyond the ground's border, how far the farthest is, how many on a side */
-	uint64_t off_ground; double off_ground_m; uint64_t off_side[MAKE_SIDES];
+	/* plants and nested eco files beyond the ground's border, how far the farthest is, and how many on
+	 * each side */
+	uint64_t off_ground;
+	double off_ground_m;
+	uint64_t off_side[MAKE_SIDES];
 	struct make_eco *ecos;       /* per source */
 	struct eco_pack_writer *writer;
 	struct make_kept *kept;      /* make_kept.c; NULL: build everything */

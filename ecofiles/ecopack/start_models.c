@@ -22,7 +22,8 @@
 /* ---- Files ---- */
 
 /* Formats from the one that says most of a model to the one that says least. */
-static const char *const formats[] = { "glb", "gltf", "fbx", "dae", "obj", "ply", "3ds", "stl", "off" };
+static const char *const formats[] = { "glb", "gltf", "fbx", "dae", "zae", "obj", "ply", "3ds", "3mf",
+	"stl" };
 #define FORMATS (sizeof formats / sizeof *formats)
 
 static size_t format_of(const char *path)
@@ -195,7 +196,7 @@ enum eco_code start_models_find(struct start *s)
 		code = walk(s, &files, s->options->models, 0);
 	if (!code && files.count == 0)
 		code = eco_fail(s->error, ECO_NOT_FOUND, "%.200s: no model in it: .glb, .gltf, .obj, .fbx, "
-			".dae, .ply, .3ds, .stl or .off", s->options->models);
+			".dae, .ply, .3ds, .3mf or .stl", s->options->models);
 	if (!code) {
 		qsort(files.paths, files.count, sizeof *files.paths, by_stem);
 		code = group(s, &files);

@@ -40,7 +40,8 @@ static const struct { const char *text, *roles; char decimal;
 	  "45.1,-122.5,oak,Quercus robur,40,12\n",
 		"Longitude|Latitude|Scientific Name|Height (ft)|Diameter at breast height|-",
 		'.' },
-	{ "Baumart;H\u00f6he;Kronendurchmesser;Stammumfang;Rechtswert;Hochwert\nEiche;12,5;8,5;90,5;4468000,5;5334000,5\n",
+	{ "Baumart;H\u00f6he;Kronendurchmesser;Stammumfang;Rechtswert;Hochwert\n"
+		"Eiche;12,5;8,5;90,5;4468000,5;5334000,5\n",
 		"Rechtswert|Hochwert|Baumart|H\u00f6he|-|Stammumfang", ',' },
 	{ "Gattung;Art;Baumh\u00f6he;X;Y\nQuercus;robur;12;691000;5334000\nTilia;cordata;9;691001;5334001\n",
 		"X|Y|Gattung|Baumh\u00f6he|-|-", '.' },
