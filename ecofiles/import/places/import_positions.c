@@ -1,7 +1,7 @@
 /* From rows of texts to plants in the scene: the plant of a row (filters, species), its place (columns or
  * geometry, through positions_crs.c), and its size (positions_size.c). Each step counts the rows it leaves
- * out, with the first line of each reason. Formats are behind rows.h. The file is longer than most, as whole files
- * are refused beside the rows that show why. */
+ * out, with the first line of each reason. Formats are behind rows.h. The file is longer than
+ * most, as whole files are refused beside the rows that show why. */
 #include "ecofiles/import/places/positions.h"
 
 #include <ctype.h>
@@ -223,8 +223,8 @@ static enum verdict refuse_inherited(const struct eco_positions *p, const double
 		return GOOD;
 	eco_fail(error, ECO_BAD_INPUT, "%.150s: no CRS is stated for its coordinates, so they would be in "
 		"the scene's, %.80s; but %.10g, %.10g looks like degrees: add \"crs\": \"EPSG:4326\" to "
-		"its entry, or \"crs\": \"%.80s\" if they are not", p->spec->path, p->frame.crs, xyz[0], xyz[1],
-		p->frame.crs);
+		"its entry, or \"crs\": \"%.80s\" if they are not", p->spec->path, p->frame.crs, xyz[0],
+		xyz[1], p->frame.crs);
 	return FAILED;
 }
 
@@ -307,8 +307,8 @@ static enum eco_code refuse_swapped(const struct eco_positions *p, struct eco_er
 			p->spec->y, p->spec->x);
 	return eco_fail(error, ECO_BAD_INPUT, "%.150s: none of its %llu places can be converted, such as "
 		"%.10g, %.10g; swapped they stand %.0f km from the scene's origin: x is easting or "
-		"longitude, y is northing or latitude%s", p->spec->path, (unsigned long long)p->bad_places, p->first_bad[0],
-		p->first_bad[1], hypot(swapped[0], swapped[1]) / 1000, columns);
+		"longitude, y is northing or latitude%s", p->spec->path,
+		(unsigned long long)p->bad_places, p->first_bad[0], p->first_bad[1], hypot(swapped[0], swapped[1]) / 1000, columns);
 }
 
 /* Whether an earlier plant stands at this place. */
