@@ -166,9 +166,9 @@ UNIT_TEST(files_that_are_no_models_are_refused)
 	import_refuses(input_text("model", "points.obj", "v 0 0 0\nv 1 1 1\n"), ECO_BAD_INPUT, "points.obj");
 	import_refuses(input_text("model", "flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), ECO_BAD_INPUT,
 		"none of its 1 triangles");
-	import_refuses(input_text("model", "what.xyz", "v 0 0 0\n"), ECO_BAD_INPUT, "what.xyz");
-	import_refuses(input_text("model", "stems.csv", "species,x,y\nquru,1,2\n"), ECO_BAD_INPUT,
-		"stems.csv: not a model that can be read; use OBJ");
+	import_refuses(input_text("model", "what.xyz", "v 0 0 0\n"), ECO_UNSUPPORTED, "what.xyz");
+	import_refuses(input_text("model", "stems.csv", "species,x,y\nquru,1,2\n"), ECO_UNSUPPORTED,
+		"stems.csv: models are GLB, glTF, OBJ");
 	import_refuses(input_text("model", "cut.glb", "glTF"), ECO_DAMAGED, "cut.glb");
 	import_refuses(input_text("model", "json.gltf", "{\"asset\":"), ECO_BAD_INPUT, "json.gltf: line 1");
 	import_refuses(input_text("model", "index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 900\n"),
