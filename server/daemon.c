@@ -31,10 +31,24 @@ struct srv_daemon {
 
 /* ---- Callbacks ---- */
 
+static void end_exchange(struct srv_lease *lease)
+{
+	if (lease && lease->exchange)
+		srv_exchange_end(lease->exchange);
+	if (lease)
+		lease->exchange = NULL;
+}
+
 static void *on_request_line(void *ctx, const char *target, struct MHD_Connection *connection)
 {
 	struct srv_daemon *daemon = ctx;
-	return srv_exchange_new(&daemon->host, connection, target);
+	const union MHD_ConnectionInfo *info = MHD_get_connection_info(connection,
+		MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+	struct srv_lease *lease = info ? info->socket_context : NULL;
+	if (!lease)
+		return NULL;
+	end_exchange(lease);
+	return lease->exchange = srv_exchange_new(&daemon->host, connection, lease, target);
 }
 
 static enum MHD_Result on_request(void *ctx, struct MHD_Connection *connection, const char *url,
@@ -54,7 +68,7 @@ static void on_completed(void *ctx, struct MHD_Connection *connection, void **ex
 	(void)connection;
 	(void)how;
 	if (*exchange)
-		srv_exchange_end(*exchange);
+		end_exchange(((struct srv_exchange *)*exchange)->lease);
 	*exchange = NULL;
 }
 
@@ -68,6 +82,7 @@ static void on_connection(void *ctx, struct MHD_Connection *connection, void **l
 		*lease = info ? srv_reaper_open(daemon->host.reaper, info->connect_fd,
 			daemon->host.config.head_ms) : NULL;
 	} else {
+		end_exchange(*lease);
 		srv_reaper_close(daemon->host.reaper, *lease);
 		*lease = NULL;
 	}

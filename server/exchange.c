@@ -18,16 +18,14 @@ static const char known_resources[] = "known are /healthz, /v1/scenes, and below
 	"chunks/{id}";
 
 struct srv_exchange *srv_exchange_new(struct srv_host *host, struct MHD_Connection *connection,
-	const char *raw)
+	struct srv_lease *lease, const char *raw)
 {
 	struct srv_exchange *exchange = calloc(1, sizeof *exchange);
-	const union MHD_ConnectionInfo *info = MHD_get_connection_info(connection,
-		MHD_CONNECTION_INFO_SOCKET_CONTEXT);
 	if (!exchange)
 		return NULL;
 	exchange->host = host;
 	exchange->connection = connection;
-	exchange->lease = info ? info->socket_context : NULL;
+	exchange->lease = lease;
 	exchange->begun_us = srv_clock_us();
 	exchange->raw = strdup(raw);
 	if (!exchange->raw) {

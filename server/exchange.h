@@ -61,7 +61,7 @@ struct srv_exchange {
 
 /* NULL if there is no memory. */
 struct srv_exchange *srv_exchange_new(struct srv_host *host, struct MHD_Connection *connection,
-	const char *raw);
+	struct srv_lease *lease, const char *raw);
 /* Takes part in the library's calls: true if all is well, false to drop the connection. */
 bool srv_exchange_handle(struct srv_exchange *exchange, const char *method, const char *bytes, size_t *size);
 /* Sent, or given up. Logs and frees. */

@@ -12,12 +12,6 @@
 /* between two looks at all leases: a few microseconds of work for a thousand of them */
 #define ROUND_MS 100u
 
-struct srv_lease {
-	struct srv_lease *before, *next;
-	int fd;
-	uint64_t due_us;             /* 0: none */
-};
-
 struct srv_reaper {
 	pthread_mutex_t mutex;       /* guards everything below */
 	pthread_cond_t wake;
