@@ -30,7 +30,7 @@ struct srv_config {              /* 0 is the default */
 	uint32_t body_ms;            /* to send its body: 30,000 */
 	uint32_t rate_bytes_s;       /* an answer must be taken at this rate after 30 s of grace: 16 KiB */
 	uint64_t body_max;           /* of requests: 4 MiB */
-	uint64_t bodies_max;         /* of all requests that are being received or planned: 256 MiB */
+	uint64_t bodies_max;         /* arrived, of all requests that are received or planned: 256 MiB */
 	uint64_t response_max;       /* 2 GiB */
 	uint64_t tiles_max, placements_max;  /* of a plan's walk; lod/plan/planner.h's defaults */
 	bool log;                    /* one line a request on stderr */

@@ -13,9 +13,11 @@
 
 #define SEND_GRACE_MS 30000u
 #define PLAN_TEXT_MAX (64u << 20)
+#define BODY_STAKE_BYTES (4u << 10)     /* what a body is given before any of it is there */
 
 static const char known_resources[] = "known are /healthz, /v1/scenes, and below a scene plan, stream and "
 	"chunks/{id}";
+static const char bodies_are_many[] = "too many holdings are being received; ask again in a second";
 
 struct srv_exchange *srv_exchange_new(struct srv_host *host, struct MHD_Connection *connection,
 	struct srv_lease *lease, const char *raw)
@@ -252,6 +254,8 @@ static bool answer_request(struct srv_exchange *exchange)
 {
 	char detail[256];
 	srv_reaper_clear(exchange->host->reaper, exchange->lease);
+	if (exchange->body_lost)
+		return queue_problem(exchange, SRV_PROBLEM_BUSY, bodies_are_many, true);
 	if (!exchange->route)
 		return queue_problem(exchange, SRV_PROBLEM_ROUTE, known_resources, false);
 	if (!(exchange->route->methods & exchange->method)) {
@@ -318,6 +322,29 @@ static enum srv_problem judge_head(struct srv_exchange *exchange, bool takes_bod
 	return problem;
 }
 
+/* Room for `size` bytes of the body. It grows with what arrives, since what is declared costs a client
+ * nothing. False if there is no memory, or too much is held for others. */
+static bool grow_body(struct srv_exchange *exchange, size_t size)
+{
+	struct srv_host *host = exchange->host;
+	size_t length = (size_t)exchange->framing.length, room = exchange->body_room;
+	if (size <= room)
+		return true;
+	while (room < size)
+		room = room ? 2 * room : BODY_STAKE_BYTES;
+	room = room < length ? room : length + 1;
+	size_t more = room - exchange->body_room;
+	uint64_t held = atomic_fetch_add(&host->bodies_bytes, more) + more;
+	uint8_t *body = held <= host->config.bodies_max ? realloc(exchange->body, room) : NULL;
+	if (!body) {
+		atomic_fetch_sub(&host->bodies_bytes, more);
+		return false;
+	}
+	exchange->body = body;
+	exchange->body_room = room;
+	return true;
+}
+
 /* The head is complete: either the request goes on, or it is refused and the connection closed, since what
  * follows may be a body. */
 static bool handle_head(struct srv_exchange *exchange, const char *method)
@@ -341,21 +368,28 @@ static bool handle_head(struct srv_exchange *exchange, const char *method)
 	exchange->phase = SRV_PHASE_BODY;
 	if (!takes_body)
 		return true;
-	exchange->reserved_bytes = exchange->framing.length;
-	if (atomic_fetch_add(&host->bodies_bytes, exchange->reserved_bytes) + exchange->reserved_bytes
-			> host->config.bodies_max)
-		return queue_problem(exchange, SRV_PROBLEM_BUSY, "too many holdings are being received; ask "
-			"again in a second", true);
-	exchange->body = malloc((size_t)exchange->framing.length + 1);
 	srv_reaper_arm(host->reaper, exchange->lease, host->config.body_ms);
-	return exchange->body;
+	return grow_body(exchange, 1) || queue_problem(exchange, SRV_PROBLEM_BUSY, bodies_are_many, true);
+}
+
+/* The library takes no answer within a body: the rest of this one is read, kept nowhere, and then refused. */
+static void lose_body(struct srv_exchange *exchange)
+{
+	atomic_fetch_sub(&exchange->host->bodies_bytes, exchange->body_room);
+	free(exchange->body);
+	exchange->body = NULL;
+	exchange->body_room = 0;
+	exchange->body_lost = true;
 }
 
 static bool take_body(struct srv_exchange *exchange, const char *bytes, size_t *size)
 {
-	if (!exchange->body || *size > exchange->framing.length - exchange->body_size)
+	if (*size > exchange->framing.length - exchange->body_size)
 		return false;            /* the library promised not to deliver more than the length */
-	memcpy(exchange->body + exchange->body_size, bytes, *size);
+	if (!exchange->body_lost && !grow_body(exchange, exchange->body_size + *size))
+		lose_body(exchange);
+	if (!exchange->body_lost)
+		memcpy(exchange->body + exchange->body_size, bytes, *size);
 	exchange->body_size += *size;
 	*size = 0;
 	return true;
@@ -406,7 +440,7 @@ void srv_exchange_end(struct srv_exchange *exchange)
 		log_line(exchange);
 	if (exchange->counted)
 		atomic_fetch_sub(&exchange->host->busy, 1);
-	atomic_fetch_sub(&exchange->host->bodies_bytes, exchange->reserved_bytes);
+	atomic_fetch_sub(&exchange->host->bodies_bytes, exchange->body_room);
 	srv_reaper_arm(exchange->host->reaper, exchange->lease, exchange->host->config.head_ms);
 	srv_answer_free(&exchange->answer);
 	free(exchange->holdings.items);

@@ -26,7 +26,7 @@ struct srv_host {                        /* what exchanges need of the daemon */
 	struct srv_reaper *reaper;
 	atomic_bool draining;
 	_Atomic(uint32_t) busy;
-	_Atomic(uint64_t) bodies_bytes;      /* declared lengths of the bodies that are held */
+	_Atomic(uint64_t) bodies_bytes;      /* memory of the bodies that are held */
 };
 
 enum srv_phase { SRV_PHASE_HEAD, SRV_PHASE_BODY, SRV_PHASE_WORKING, SRV_PHASE_DONE };
@@ -37,7 +37,6 @@ struct srv_exchange {
 	struct srv_lease *lease;
 	enum srv_phase phase;
 	bool counted;                        /* in host->busy */
-	uint64_t reserved_bytes;             /* in host->bodies_bytes */
 
 	char *raw;                           /* the request target as it came */
 	struct srv_target target;
@@ -48,7 +47,8 @@ struct srv_exchange {
 	const char *variables[2];
 	struct srv_framing framing;
 	uint8_t *body;
-	size_t body_size;
+	size_t body_size, body_room;         /* room: counted in host->bodies_bytes */
+	bool body_lost;                      /* there was no room for all of it */
 
 	struct srv_scene *scene;
 	struct srv_query query;

@@ -53,29 +53,44 @@ UNIT_TEST(overdue_connections_are_shut)
 	srv_daemon_stop(daemon);
 }
 
+static void wait_for_busy(const struct srv_daemon *daemon, uint32_t busy)
+{
+	while (srv_daemon_busy(daemon) != busy)
+		usleep(1000);
+}
+
+/* What is declared costs a client nothing, so it takes nothing from others; what has arrived does. */
 UNIT_TEST(bodies_are_bounded_together)
 {
-	static const char start[] = STREAM "Content-Length: 1000\r\n\r\n";
-	const struct srv_config config = { .listen = "127.0.0.1:0", .bodies_max = 1500 };
+	static const char start[] = STREAM "Content-Length: 4194304\r\n\r\n";
+	const struct srv_config config = { .listen = "127.0.0.1:0", .bodies_max = 1u << 20 };
 	struct srv_daemon *daemon;
 	struct eco_error error = { 0 };
+	int fds[64];
+	uint8_t *zeros = calloc(1, 4u << 20);
 	assert_int_equal(srv_daemon_start(&daemon, &config, &store, &error), ECO_OK);
-	int first = http_connect(srv_daemon_port(daemon));
-	assert_true(http_send(first, start, sizeof start - 1));
-	while (!srv_daemon_busy(daemon))         /* its head is being read */
-		usleep(1000);
-	usleep(20000);
-	struct http_answer answer = http_raw(srv_daemon_port(daemon), start, sizeof start - 1);
-	assert_int_equal(answer.status, 503);
-	http_free(&answer);
-	close(first);
-	while (srv_daemon_busy(daemon))
-		usleep(1000);
-	answer = http_ask(srv_daemon_port(daemon), "POST", BASE "/stream?" VIEW_BY("1"), OCTETS,
-		NOTHING_HELD);
+	for (int i = 0; i < 64; i++) {
+		fds[i] = http_connect(srv_daemon_port(daemon));
+		assert_true(http_send(fds[i], start, sizeof start - 1));
+	}
+	wait_for_busy(daemon, 64);
+	usleep(50000);                           /* until heads are not only begun, but read */
+	struct http_answer answer = http_ask(srv_daemon_port(daemon), "POST", BASE "/stream?" VIEW_BY("1"),
+		OCTETS, NOTHING_HELD);
 	assert_int_equal(answer.status, 200);
 	http_free(&answer);
+	assert_true(http_send(fds[0], zeros, 4u << 20));
+	answer = http_receive(fds[0], false, true);
+	assert_int_equal(answer.status, 503);
+	http_free(&answer);
+	for (int i = 0; i < 64; i++)
+		close(fds[i]);
+	wait_for_busy(daemon, 0);
+	answer = http_ask(srv_daemon_port(daemon), "POST", BASE "/stream?" VIEW_BY("1"), OCTETS, zeros, 500000);
+	assert_int_equal(answer.status, 400);    /* read, and found to be no holdings */
+	http_free(&answer);
 	srv_daemon_stop(daemon);
+	free(zeros);
 }
 
 UNIT_TEST(stopping_refuses_new_requests_and_ends)
