@@ -117,7 +117,8 @@ LIBS_DRACO := -Wl,--wrap=_ZN5draco21ComputeShannonEntropyEPKjiiPi -l:libdraco.a 
 LIBS_IMPORT := -lmeshoptimizer -lseccomp -lexpat -lpng -lwebp
 # what programs that test or measure call themselves
 LIBS_CHECK := -lassimp -lcairo -lgdal -lzstd
-LIBS_SERVER := -lmicrohttpd
+# linked in, so that what it reads passes server/gate.h
+LIBS_SERVER := -Wl,--wrap=recv -l:libmicrohttpd.a -lgnutls
 LIBS_VIEW := -lcurl -lEGL -lepoxy -lpng -lwebp
 # In config=fuzz the sanitizer is a library that is linked in, too, and what it puts in place of malloc must be seen by the C library.
 LINK := -Wl,--as-needed $(if $(filter fuzz,$(config)),,-Wl$(comma)--exclude-libs$(comma)ALL) -ldl -pthread

@@ -10,7 +10,6 @@
 
 #include "ecofiles/base/version.h"
 #include "ecofiles/format/wire.h"
-#include "server/condition.h"
 #include "server/query.h"
 #include "server/trace.h"
 
@@ -231,7 +230,7 @@ static void answer_outside(struct srv_answer *answer, size_t size, const char *i
 }
 
 void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32_t chunk,
-	const struct srv_framing *framing, bool get, const char *instance)
+	const struct srv_conditions *conditions, bool get, const char *instance)
 {
 	char etag[SRV_ETAG_BYTES];
 	const uint8_t *bytes;
@@ -245,14 +244,14 @@ void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32
 		return;
 	}
 	srv_etag_of(etag, &scene->pack->scene.chunks[chunk].id);
-	if (srv_etag_match(framing->if_none_match, etag)) {
+	if (srv_etag_match(conditions->if_none_match, etag)) {
 		answer_whole(answer, scene, chunk, bytes, size, etag);
-		maybe_not_modified(answer, etag, framing->if_none_match);
+		maybe_not_modified(answer, etag, conditions->if_none_match);
 		return;
 	}
 	/* If-Range compares strongly: only our own tag, as it is, lets the range count. */
-	bool wants_part = get && (!framing->if_range || strcmp(framing->if_range, etag) == 0);
-	struct srv_range range = srv_range_parse(wants_part ? framing->range : NULL, size);
+	bool wants_part = get && (!conditions->if_range || strcmp(conditions->if_range, etag) == 0);
+	struct srv_range range = srv_range_parse(wants_part ? conditions->range : NULL, size);
 	if (range.kind == SRV_RANGE_OUTSIDE)
 		answer_outside(answer, size, instance);
 	else if (range.kind == SRV_RANGE_PART)

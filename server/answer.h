@@ -7,7 +7,8 @@
 #ifndef SRV_ANSWER_H
 #define SRV_ANSWER_H
 
-#include "server/framing.h"
+#include "server/condition.h"
+#include "server/problem.h"
 #include "server/stream.h"
 
 #define SRV_ETAG_BYTES 35                /* 32 hex digits, two quotes, 0 */
@@ -36,7 +37,7 @@ void srv_answer_no_stream(struct srv_answer *answer, const char *timing);       
 /* The chunk, a part of it, 304, 416, or the problem that its payload is damaged. Range counts for GET only.
  */
 void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32_t chunk,
-	const struct srv_framing *framing, bool get, const char *instance);
+	const struct srv_conditions *conditions, bool get, const char *instance);
 
 /* Lets go of an answer that was queued (the library holds its own reference) or is not wanted. */
 void srv_answer_free(struct srv_answer *answer);

@@ -6,6 +6,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* The values of the request's headers, or NULL; owned by the HTTP library. */
+struct srv_conditions { const char *range, *if_range, *if_none_match; };
+
 enum srv_range_kind {
 	/* no, a malformed or a multiple range, or another unit: the whole, status 200 */
 	SRV_RANGE_ALL,

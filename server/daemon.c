@@ -18,7 +18,8 @@
 
 #include "server/exchange.h"
 
-#define CONNECTION_MEMORY_BYTES (16u << 10)
+/* A head of SRV_HEAD_BYTES_MAX, its cookies again, 56 bytes for each part of them, and an answer's head. */
+#define CONNECTION_MEMORY_BYTES (32u << 10)
 #define BACKLOG 1024
 
 struct srv_daemon {

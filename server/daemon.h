@@ -10,7 +10,7 @@
  *
  * Threads: a pool of polling threads reads requests and sends answers and does nothing that takes long; work
  * threads plan; one thread watches deadlines. The library's parser is not trusted with anything but splitting
- * the head into lines: see target.h and framing.h. */
+ * a head that is known to be well into lines: see gate.h, framing.h and target.h. */
 #ifndef SRV_DAEMON_H
 #define SRV_DAEMON_H
 

@@ -1,5 +1,6 @@
 #include "server/exchange.h"
 
+#include <assert.h>
 #include <microhttpd.h>
 #include <netdb.h>
 #include <stdio.h>
@@ -110,7 +111,7 @@ static enum eco_code answer_planned(struct srv_exchange *exchange, struct srv_st
 				stream->steps[stream->step_count - 1].plan.cut_count);
 		}
 		timing_text(timing, sizeof timing, begun_us, planned_us);
-		srv_answer_json(&exchange->answer, &json, etag, exchange->framing.if_none_match, timing);
+		srv_answer_json(&exchange->answer, &json, etag, exchange->conditions.if_none_match, timing);
 		return ECO_OK;
 	}
 	if (!stream->fits) {
@@ -122,7 +123,7 @@ static enum eco_code answer_planned(struct srv_exchange *exchange, struct srv_st
 	enum eco_code code = srv_stream_write(stream, &body, error);
 	timing_text(timing, sizeof timing, begun_us, planned_us);
 	if (!code)
-		srv_answer_stream(&exchange->answer, &body, etag, exchange->framing.if_none_match, timing);
+		srv_answer_stream(&exchange->answer, &body, etag, exchange->conditions.if_none_match, timing);
 	return code;
 }
 
@@ -204,7 +205,7 @@ static void answer_described(struct srv_exchange *exchange, bool validated, stru
 		struct eco_chunk_id id = eco_chunk_hash(json->out.bytes, json->out.size);
 		srv_etag_of(etag, &id);
 	}
-	srv_answer_json(&exchange->answer, json, validated ? etag : NULL, exchange->framing.if_none_match,
+	srv_answer_json(&exchange->answer, json, validated ? etag : NULL, exchange->conditions.if_none_match,
 		NULL);
 }
 
@@ -215,7 +216,7 @@ static void answer_chunk(struct srv_exchange *exchange)
 	uint32_t chunk = srv_parse_id(exchange->variables[1], &id) ? srv_scene_chunk(exchange->scene, &id)
 		: ECO_NONE;
 	if (chunk != ECO_NONE) {
-		srv_answer_chunk(&exchange->answer, exchange->scene, chunk, &exchange->framing,
+		srv_answer_chunk(&exchange->answer, exchange->scene, chunk, &exchange->conditions,
 			exchange->method == SRV_METHOD_GET, path_of(exchange, path));
 		return;
 	}
@@ -277,12 +278,20 @@ static bool answer_request(struct srv_exchange *exchange)
 
 /* ---- Receiving ---- */
 
-static enum MHD_Result take_header(void *framing, enum MHD_ValueKind kind, const char *name, size_t name_size,
-	const char *value, size_t value_size)
+static const char *header(const struct srv_exchange *exchange, const char *name)
 {
-	(void)kind;
-	srv_framing_header(framing, name, name_size, value, value_size);
-	return MHD_YES;
+	return MHD_lookup_connection_value(exchange->connection, MHD_HEADER_KIND, name);
+}
+
+/* The head has passed the gate: what occurs is well formed, and once. */
+static void read_headers(struct srv_exchange *exchange)
+{
+	const char *length = header(exchange, MHD_HTTP_HEADER_CONTENT_LENGTH);
+	assert(exchange->lease->gate.framing.heads > 0);
+	exchange->conditions = (struct srv_conditions){ .range = header(exchange, MHD_HTTP_HEADER_RANGE),
+		.if_range = header(exchange, MHD_HTTP_HEADER_IF_RANGE),
+		.if_none_match = header(exchange, MHD_HTTP_HEADER_IF_NONE_MATCH) };
+	exchange->has_length = length && srv_parse_count(length, &exchange->length);
 }
 
 /* application/octet-stream, with or without parameters. */
@@ -293,33 +302,49 @@ static bool is_octets(const char *type)
 		&& strchr(" \t;", type[sizeof octets - 1]);
 }
 
-/* The worst problem of the head alone: framing and target first, then route and method. Without a body the
- * latter two wait for answer_request, which keeps the connection. */
+static enum srv_problem judge_body(const struct srv_exchange *exchange, struct eco_error *error)
+{
+	if (!exchange->has_length) {
+		eco_fail(error, ECO_BAD_INPUT, "send the holdings as the body, with a Content-Length");
+		return SRV_PROBLEM_LENGTH_REQUIRED;
+	}
+	if (exchange->length > exchange->host->config.body_max) {
+		eco_fail(error, ECO_TOO_LARGE, "the body has %llu bytes; at most %llu are accepted",
+			(unsigned long long)exchange->length,
+			(unsigned long long)exchange->host->config.body_max);
+		return SRV_PROBLEM_BODY_TOO_LARGE;
+	}
+	if (!is_octets(header(exchange, MHD_HTTP_HEADER_CONTENT_TYPE))) {
+		eco_fail(error, ECO_UNSUPPORTED, "send the holdings as Content-Type: "
+			"application/octet-stream");
+		return SRV_PROBLEM_MEDIA_TYPE;
+	}
+	return SRV_PROBLEM_NONE;
+}
+
+/* The worst problem of the head alone: target first, then route and method. Without a body the latter two
+ * wait for answer_request, which keeps the connection. */
 static enum srv_problem judge_head(struct srv_exchange *exchange, bool takes_body, struct eco_error *error)
 {
-	enum srv_problem problem = srv_framing_check(&exchange->framing, error);
-	if (problem)
-		return problem;
 	if (exchange->target_code) {
 		eco_fail(error, exchange->target_code, "%s", exchange->error.text);
 		return exchange->target_code == ECO_TOO_LARGE ? SRV_PROBLEM_TARGET_TOO_LONG
 			: SRV_PROBLEM_TARGET;
 	}
-	if (exchange->framing.length > 0 && !takes_body && !exchange->route) {
+	if (takes_body)
+		return judge_body(exchange, error);
+	if (exchange->length == 0)
+		return SRV_PROBLEM_NONE;
+	if (!exchange->route) {
 		eco_fail(error, ECO_NOT_FOUND, "%s; only .../stream takes a body", known_resources);
 		return SRV_PROBLEM_ROUTE;
 	}
-	if (exchange->framing.length > 0 && !takes_body && !(exchange->route->methods & exchange->method)) {
+	if (!(exchange->route->methods & exchange->method)) {
 		eco_fail(error, ECO_BAD_INPUT, "use one of %s", exchange->route->allow);
 		return SRV_PROBLEM_METHOD;
 	}
-	problem = srv_framing_body(&exchange->framing, takes_body, exchange->host->config.body_max, error);
-	if (!problem && takes_body && !is_octets(exchange->framing.content_type)) {
-		eco_fail(error, ECO_UNSUPPORTED, "send the holdings as Content-Type: "
-			"application/octet-stream");
-		problem = SRV_PROBLEM_MEDIA_TYPE;
-	}
-	return problem;
+	eco_fail(error, ECO_BAD_INPUT, "this resource takes no body with this method");
+	return SRV_PROBLEM_FRAMING;
 }
 
 /* Room for `size` bytes of the body. It grows with what arrives, since what is declared costs a client
@@ -327,7 +352,7 @@ static enum srv_problem judge_head(struct srv_exchange *exchange, bool takes_bod
 static bool grow_body(struct srv_exchange *exchange, size_t size)
 {
 	struct srv_host *host = exchange->host;
-	size_t length = (size_t)exchange->framing.length, room = exchange->body_room;
+	size_t length = (size_t)exchange->length, room = exchange->body_room;
 	if (size <= room)
 		return true;
 	while (room < size)
@@ -354,7 +379,7 @@ static bool handle_head(struct srv_exchange *exchange, const char *method)
 	exchange->counted = true;
 	atomic_fetch_add(&host->busy, 1);
 	exchange->method = srv_method_of(method);
-	MHD_get_connection_values_n(exchange->connection, MHD_HEADER_KIND, take_header, &exchange->framing);
+	read_headers(exchange);
 	if (atomic_load(&host->draining))
 		return queue_problem(exchange, SRV_PROBLEM_STOPPING,
 			"the server is stopping; ask again in a moment", true);
@@ -384,7 +409,7 @@ static void lose_body(struct srv_exchange *exchange)
 
 static bool take_body(struct srv_exchange *exchange, const char *bytes, size_t *size)
 {
-	if (*size > exchange->framing.length - exchange->body_size)
+	if (*size > exchange->length - exchange->body_size)
 		return false;            /* the library promised not to deliver more than the length */
 	if (!exchange->body_lost && !grow_body(exchange, exchange->body_size + *size))
 		lose_body(exchange);

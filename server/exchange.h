@@ -45,7 +45,9 @@ struct srv_exchange {
 	enum srv_method method;
 	const struct srv_route *route;       /* or NULL */
 	const char *variables[2];
-	struct srv_framing framing;
+	struct srv_conditions conditions;
+	bool has_length;
+	uint64_t length;                     /* of the body: 0 without one */
 	uint8_t *body;
 	size_t body_size, body_room;         /* room: counted in host->bodies_bytes */
 	bool body_lost;                      /* there was no room for all of it */

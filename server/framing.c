@@ -1,112 +1,248 @@
 #include "server/framing.h"
 
 #include <string.h>
-#include <strings.h>
 
 #include "server/query.h"
+#include "server/target.h"
 
-#define HEADERS_MAX 100u
+enum field { FIELD_HOST, FIELD_LENGTH, FIELD_COOKIE, FIELD_TRANSFER, FIELD_ONCE };
+
+/* Headers that count here. Those from FIELD_ONCE on may be given once, for two could be read in two ways. */
+static const char *const fields[] = { [FIELD_HOST] = "host", [FIELD_LENGTH] = "content-length",
+	[FIELD_COOKIE] = "cookie", [FIELD_TRANSFER] = "transfer-encoding", [FIELD_ONCE] = "content-type",
+	"range", "if-range", "if-match", "if-none-match", "if-modified-since", "if-unmodified-since",
+	"content-range", "expect", "authorization" };
+#define FIELD_COUNT (int)(sizeof fields / sizeof *fields)
 
 /* A token of RFC 9110, 5.6.2. */
-static bool is_token(const char *text, size_t size)
+static bool is_token(char c)
 {
-	for (size_t i = 0; i < size; i++) {
-		char c = text[i];
-		if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9')
-				|| (c && strchr("!#$%&'*+-.^_`|~", c))))
-			return false;
-	}
-	return size > 0;
+	return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9')
+		|| (c && strchr("!#$%&'*+-.^_`|~", c));
 }
 
-static bool is_field_value(const char *text, size_t size)
+static bool is_printable(char c)
 {
-	for (size_t i = 0; i < size; i++)
-		if (((unsigned char)text[i] < 0x20 && text[i] != '\t') || text[i] == 0x7f)
-			return false;
+	return (unsigned char)c > 0x20 && c != 0x7f;
+}
+
+static bool refuse(struct srv_framing *framing, enum srv_problem problem, const char *detail)
+{
+	framing->state = SRV_AT_PROBLEM;
+	framing->problem = problem;
+	framing->detail = detail;
+	return false;
+}
+
+static bool malformed(struct srv_framing *framing, const char *detail)
+{
+	return refuse(framing, SRV_PROBLEM_FRAMING, detail);
+}
+
+/* ---- The request line ---- */
+
+static void begin_head(struct srv_framing *framing)
+{
+	*framing = (struct srv_framing){ .state = SRV_AT_METHOD, .heads = framing->heads,
+		.size = framing->size };
+}
+
+static bool take_method(struct srv_framing *framing, char c)
+{
+	if (c == ' ' && framing->name_size) {
+		framing->is_head = framing->name_size == 4 && memcmp(framing->name, "HEAD", 4) == 0;
+		framing->name_size = 0;
+		framing->state = SRV_AT_TARGET;
+		return true;
+	}
+	if (!((c >= 'A' && c <= 'Z') || c == '-' || c == '_'))
+		return malformed(framing, "a request begins with a method in capitals, as GET, and one space");
+	if (framing->name_size == sizeof framing->name)
+		return malformed(framing, "the method is too long");
+	framing->name[framing->name_size++] = c;
 	return true;
 }
 
-static void take_once(struct srv_framing *framing, const char **field, const char *value)
+static bool take_target(struct srv_framing *framing, char c)
 {
-	if (*field)
-		framing->repeated = true;
-	*field = value;
+	if (c == ' ' && framing->target_size) {
+		framing->state = SRV_AT_VERSION;
+		return true;
+	}
+	if (!is_printable(c))
+		return malformed(framing, "the request line is METHOD TARGET HTTP/1.1 with one space between, "
+			"and a target has neither spaces nor control characters");
+	if (++framing->target_size >= SRV_TARGET_BYTES_MAX)
+		return refuse(framing, SRV_PROBLEM_TARGET_TOO_LONG, "the request target is too long");
+	framing->params += c == '&';
+	if (framing->params >= SRV_PARAMS_MAX)
+		return refuse(framing, SRV_PROBLEM_TARGET, "the target has too many parameters");
+	return true;
 }
 
-void srv_framing_header(struct srv_framing *framing, const char *name, size_t name_size, const char *value,
-	size_t value_size)
+static bool take_version(struct srv_framing *framing, char c)
 {
-	framing->header_count++;
-	if (!is_token(name, name_size)) {
-		framing->bad_name = true;
-		return;
+	static const char expected[] = "HTTP/1.x\r\n";
+	uint32_t at = framing->name_size++;
+	if (at == 7 && (c == '0' || c == '1'))
+		framing->is_http_1_0 = c == '0';
+	else if (at == 5 && c >= '0' && c <= '9' && c != '1')
+		return refuse(framing, SRV_PROBLEM_VERSION, "only HTTP/1.1 and HTTP/1.0 are spoken here");
+	else if (c != expected[at])
+		return malformed(framing, "the request line must end with HTTP/1.1 or HTTP/1.0 and CRLF");
+	if (at == sizeof expected - 2)
+		framing->state = SRV_AT_LINE;
+	return true;
+}
+
+/* ---- Headers ---- */
+
+static int find_field(const struct srv_framing *framing)
+{
+	for (int i = 0; i < FIELD_COUNT; i++)
+		if (strlen(fields[i]) == framing->name_size
+				&& memcmp(fields[i], framing->name, framing->name_size) == 0)
+			return i;
+	return -1;
+}
+
+static bool take_name(struct srv_framing *framing, char c)
+{
+	if (c == ':' && framing->name_size) {
+		framing->field = find_field(framing);
+		framing->value_size = 0;
+		framing->state = SRV_AT_VALUE;
+		if (framing->field == FIELD_TRANSFER)
+			return malformed(framing, "Transfer-Encoding is not accepted: send the body with a "
+				"Content-Length");
+		uint32_t bit = framing->field < 0 || framing->field == FIELD_COOKIE ? 0 : 1u << framing->field;
+		if (framing->seen & bit)
+			return malformed(framing, "a header that may be given once is given twice");
+		framing->seen |= bit;
+		return true;
 	}
-	if (!value || !is_field_value(value, value_size)) {
-		framing->bad_value = true;
-		return;
+	if (!is_token(c))
+		return malformed(framing, "a header is a name of letters, digits and '-', directly followed by "
+			"':', and no line is folded");
+	if (framing->name_size < sizeof framing->name)
+		framing->name[framing->name_size] = (char)(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+	framing->name_size++;
+	return true;
+}
+
+static bool take_line(struct srv_framing *framing, char c)
+{
+	if (c == '\r') {
+		framing->state = SRV_AT_END_LF;
+		return true;
 	}
-	/* By prefix: libmicrohttpd 0.9.75 appends what follows a folded line to the name,
-	 * "Transfer-Encoding:\r\n chunked" arrives as "Transfer-Encodingchunked". */
-	if (strncasecmp(name, "content-length", 14) == 0) {
-		framing->lengths++;
-		if (name_size != 14 || !srv_parse_count(value, &framing->length))
-			framing->bad_length = true;
-	} else if (strncasecmp(name, "transfer-encoding", 17) == 0) {
-		framing->transfers++;
-	} else if (strcasecmp(name, "range") == 0) {
-		take_once(framing, &framing->range, value);
-	} else if (strcasecmp(name, "if-range") == 0) {
-		take_once(framing, &framing->if_range, value);
-	} else if (strcasecmp(name, "content-type") == 0) {
-		take_once(framing, &framing->content_type, value);
-	} else if (strcasecmp(name, "host") == 0) {
-		take_once(framing, &framing->host, value);
-	} else if (strcasecmp(name, "if-none-match") == 0 && !framing->if_none_match) {
-		/* may be repeated; the first one alone can only cost a transfer */
-		framing->if_none_match = value;
+	if (framing->header_count++ == SRV_HEADERS_MAX)
+		return refuse(framing, SRV_PROBLEM_HEAD_TOO_LARGE, "too many headers");
+	framing->name_size = 0;
+	framing->state = SRV_AT_NAME;
+	return take_name(framing, c);
+}
+
+static bool check_value(struct srv_framing *framing)
+{
+	bool is_length = framing->field == FIELD_LENGTH;         /* the library wants nothing behind digits */
+	while (!is_length && framing->value_size && framing->value[framing->value_size - 1] == ' ')
+		framing->value_size--;
+	framing->value[framing->value_size] = 0;
+	if (!is_length && !srv_authority_valid(framing->value, framing->value_size))
+		return malformed(framing, "Host is not a name or address, with or without ':' and a port");
+	if (is_length && !srv_parse_count(framing->value, &framing->body_left))
+		return malformed(framing, "Content-Length is not a decimal number with nothing behind it");
+	return true;
+}
+
+static bool keep_value(struct srv_framing *framing, char c)
+{
+	if (!framing->value_size && c == ' ')
+		return true;
+	if (framing->value_size == sizeof framing->value - 1)
+		return malformed(framing, "Host or Content-Length is too long");
+	framing->value[framing->value_size++] = c;
+	return true;
+}
+
+static bool take_value(struct srv_framing *framing, char c)
+{
+	if (c == '\r') {
+		framing->state = SRV_AT_VALUE_LF;
+		return framing->field != FIELD_HOST && framing->field != FIELD_LENGTH ? true
+			: check_value(framing);
+	}
+	if (!is_printable(c) && c != ' ' && c != '\t')
+		return malformed(framing, "a header's value contains control characters");
+	if (framing->field == FIELD_COOKIE) {
+		framing->cookies += c == ';' || c == ',';
+		if (framing->cookies >= SRV_COOKIES_MAX)
+			return refuse(framing, SRV_PROBLEM_HEAD_TOO_LARGE, "too many cookies; none is needed");
+	}
+	return framing->field != FIELD_HOST && framing->field != FIELD_LENGTH ? true
+		: keep_value(framing, c);
+}
+
+static bool end_head(struct srv_framing *framing)
+{
+	if (!framing->is_http_1_0 && !(framing->seen & 1u << FIELD_HOST))
+		return malformed(framing, "Host is missing");
+	framing->heads++;
+	framing->size = 0;
+	framing->state = framing->body_left ? SRV_AT_BODY : SRV_AT_START;
+	return true;
+}
+
+static bool take_lf(struct srv_framing *framing, char c, enum srv_framing_state next)
+{
+	framing->state = next;
+	return c == '\n' ? true : malformed(framing, "a line must end with CRLF, and CR be nowhere else");
+}
+
+/* ---- Bytes ---- */
+
+static bool take_byte(struct srv_framing *framing, char c)
+{
+	if (++framing->size > SRV_HEAD_BYTES_MAX)
+		return refuse(framing, SRV_PROBLEM_HEAD_TOO_LARGE, "the request's head is too large");
+	switch (framing->state) {
+	case SRV_AT_START:                       /* one empty line before a request is to be ignored */
+		if (c == '\r') {
+			framing->state = SRV_AT_EMPTY_LF;
+			return true;
+		}
+		begin_head(framing);
+		return take_method(framing, c);
+	case SRV_AT_EMPTY_LF:
+		begin_head(framing);
+		return take_lf(framing, c, SRV_AT_METHOD);
+	case SRV_AT_METHOD: return take_method(framing, c);
+	case SRV_AT_TARGET: return take_target(framing, c);
+	case SRV_AT_VERSION: return take_version(framing, c);
+	case SRV_AT_LINE: return take_line(framing, c);
+	case SRV_AT_NAME: return take_name(framing, c);
+	case SRV_AT_VALUE: return take_value(framing, c);
+	case SRV_AT_VALUE_LF: return take_lf(framing, c, SRV_AT_LINE);
+	case SRV_AT_END_LF: return take_lf(framing, c, SRV_AT_START) && end_head(framing);
+	default: return false;
 	}
 }
 
-static enum srv_problem fail(struct eco_error *error, enum srv_problem problem, const char *text)
+size_t srv_framing_scan(struct srv_framing *framing, const char *bytes, size_t size)
 {
-	eco_fail(error, ECO_BAD_INPUT, "%s", text);
-	return problem;
-}
-
-enum srv_problem srv_framing_check(const struct srv_framing *framing, struct eco_error *error)
-{
-	if (framing->bad_name)
-		return fail(error, SRV_PROBLEM_FRAMING, "a header name is not a token");
-	if (framing->bad_value)
-		return fail(error, SRV_PROBLEM_FRAMING, "a header value contains control characters");
-	if (framing->repeated)
-		return fail(error, SRV_PROBLEM_FRAMING, "Host, Content-Type, Range and If-Range may be "
-			"given once");
-	if (framing->header_count > HEADERS_MAX)
-		return fail(error, SRV_PROBLEM_FRAMING, "too many headers");
-	if (framing->transfers)
-		return fail(error, SRV_PROBLEM_FRAMING, "Transfer-Encoding is not accepted: send the body "
-			"with a Content-Length");
-	if (framing->lengths > 1)
-		return fail(error, SRV_PROBLEM_FRAMING, "Content-Length is given more than once");
-	if (framing->bad_length)
-		return fail(error, SRV_PROBLEM_FRAMING, "Content-Length is not a decimal number");
-	return SRV_PROBLEM_NONE;
-}
-
-enum srv_problem srv_framing_body(const struct srv_framing *framing, bool takes_body, uint64_t body_max,
-	struct eco_error *error)
-{
-	if (!takes_body && framing->length > 0)
-		return fail(error, SRV_PROBLEM_FRAMING, "this resource takes no body with this method");
-	if (takes_body && !framing->lengths)
-		return fail(error, SRV_PROBLEM_LENGTH_REQUIRED, "send the holdings as the body, with a "
-			"Content-Length");
-	if (takes_body && framing->length > body_max) {
-		eco_fail(error, ECO_TOO_LARGE, "the body has %llu bytes; at most %llu are accepted",
-			(unsigned long long)framing->length, (unsigned long long)body_max);
-		return SRV_PROBLEM_BODY_TOO_LARGE;
+	size_t at = 0;
+	while (at < size) {
+		if (framing->state == SRV_AT_BODY) {
+			size_t part = framing->body_left < size - at ? (size_t)framing->body_left : size - at;
+			framing->body_left -= part;
+			framing->state = framing->body_left ? SRV_AT_BODY : SRV_AT_START;
+			at += part;
+		} else if (take_byte(framing, bytes[at])) {
+			at++;
+		} else {
+			break;
+		}
 	}
-	return SRV_PROBLEM_NONE;
+	return at;
 }

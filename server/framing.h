@@ -1,12 +1,17 @@
-/* The end of a request, decided by us. The HTTP library accepts Content-Length beside Transfer-Encoding, two
- * lengths, and odd header names; a proxy in front may read such a request in another way, and what one takes
- * for a body the other takes for a second request (smuggling). So: no Transfer-Encoding at all, at most one
- * Content-Length, bodies only where a route takes one; anything else is answered and the connection closed.
+/* The bytes of a connection, read strictly and one by one before the HTTP library sees them: where a request
+ * ends is decided here. libmicrohttpd 0.9.75 takes a NUL or an empty name at the start of a line for the end of
+ * the head, cuts values at a NUL, joins folded lines, and accepts two lengths, or a length beside
+ * Transfer-Encoding. A proxy in front may read such a request in another way, and what one takes for a body the
+ * other takes for a second request (smuggling).
+ *
+ * The grammar is RFC 9112's, without what it only tolerates: lines end with CRLF, one space parts the request
+ * line, no line is folded, names are tokens, values hold no control characters. One Host (HTTP/1.0: at most
+ * one), at most one Content-Length, no Transfer-Encoding, and once only what else may be given once. A head and
+ * its parts are bounded, so that it fits the memory that the library gives it.
  *
  *   struct srv_framing framing = { 0 };
- *   srv_framing_header(&framing, name, name_size, value, value_size);      each header, in order
- *   problem = srv_framing_check(&framing, &error);
- *   problem = srv_framing_body(&framing, takes_body, body_max, &error); */
+ *   passed = srv_framing_scan(&framing, bytes, size);        as bytes come, of one request after the other
+ *   if (passed < size) refuse: framing.problem, framing.detail; the connection is of no more use */
 #ifndef SRV_FRAMING_H
 #define SRV_FRAMING_H
 
@@ -16,23 +21,33 @@
 
 #include "server/problem.h"
 
-struct srv_framing {
-	uint32_t lengths, transfers, header_count;
-	bool bad_name, bad_value, bad_length, repeated;
-	uint64_t length;                         /* of the body; 0 without a Content-Length */
-	/* Values of the headers that matter, or NULL; 0-terminated, owned by the caller of
-	 * srv_framing_header. */
-	const char *range, *if_range, *if_none_match, *content_type, *host;
+#define SRV_HEAD_BYTES_MAX 8192u
+#define SRV_HEADERS_MAX 100u
+#define SRV_COOKIES_MAX 64u              /* the library keeps 56 bytes for each */
+#define SRV_FRAMING_NAME_BYTES 32u       /* longer names are none that count */
+#define SRV_FRAMING_VALUE_BYTES 272u     /* of a Host or a Content-Length */
+
+enum srv_framing_state {
+	SRV_AT_START, SRV_AT_EMPTY_LF, SRV_AT_METHOD, SRV_AT_TARGET, SRV_AT_VERSION, SRV_AT_LINE,
+	SRV_AT_NAME, SRV_AT_VALUE, SRV_AT_VALUE_LF, SRV_AT_END_LF, SRV_AT_BODY, SRV_AT_PROBLEM
 };
 
-/* Names and values are 0-terminated behind their sizes. */
-void srv_framing_header(struct srv_framing *framing, const char *name, size_t name_size, const char *value,
-	size_t value_size);
+struct srv_framing {
+	enum srv_framing_state state;
+	enum srv_problem problem;        /* and why, in a sentence */
+	const char *detail;
+	uint32_t heads;                  /* that have passed */
+	/* of the head that is being read */
+	uint32_t size, header_count, cookies, params, target_size;
+	uint32_t seen;                   /* a bit for each header that may be given once */
+	bool is_head, is_http_1_0;
+	int field;                       /* the header of the line: a row of the table in framing.c, or -1 */
+	uint32_t name_size, value_size;
+	char name[SRV_FRAMING_NAME_BYTES], value[SRV_FRAMING_VALUE_BYTES];
+	uint64_t body_left;              /* of the body that follows the head */
+};
 
-/* SRV_PROBLEM_NONE, or what is wrong; every problem found here must close the connection. First whether it is
- * clear where the request ends, whatever it asks for; then whether its body may be there. */
-enum srv_problem srv_framing_check(const struct srv_framing *framing, struct eco_error *error);
-enum srv_problem srv_framing_body(const struct srv_framing *framing, bool takes_body, uint64_t body_max,
-	struct eco_error *error);
+/* How many of the bytes are well; all of them, if there is no problem. */
+size_t srv_framing_scan(struct srv_framing *framing, const char *bytes, size_t size);
 
 #endif

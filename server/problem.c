@@ -17,10 +17,12 @@ const struct srv_problem_row srv_problem_rows[SRV_PROBLEM_COUNT] = {
 	[SRV_PROBLEM_LENGTH_REQUIRED] = { URN "length-required", "The body needs a Content-Length", 411 },
 	[SRV_PROBLEM_BODY_TOO_LARGE] = { URN "body-too-large", "The body is too large", 413 },
 	[SRV_PROBLEM_TARGET_TOO_LONG] = { URN "target-too-long", "The request target is too long", 414 },
+	[SRV_PROBLEM_HEAD_TOO_LARGE] = { URN "head-too-large", "The request's head is too large", 431 },
 	[SRV_PROBLEM_MEDIA_TYPE] = { URN "unsupported-media-type", "The body is of a type that is not "
 	"understood", 415 },
 	[SRV_PROBLEM_RANGE] = { URN "range-not-satisfiable", "The range lies outside the chunk", 416 },
 	[SRV_PROBLEM_LIMIT] = { URN "beyond-limit", "The answer would exceed a limit of this server", 422 },
+	[SRV_PROBLEM_VERSION] = { URN "unsupported-version", "The version of HTTP is not supported", 505 },
 	[SRV_PROBLEM_BUSY] = { URN "busy", "Too many plans are being made", 503 },
 	[SRV_PROBLEM_STOPPING] = { URN "stopping", "The server is stopping", 503 },
 	[SRV_PROBLEM_DAMAGED] = { URN "pack-damaged", "Stored data that the answer needs is damaged", 500 },

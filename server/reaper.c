@@ -96,6 +96,10 @@ struct srv_lease *srv_reaper_open(struct srv_reaper *reaper, int fd, uint64_t af
 	if (!lease)
 		return NULL;
 	*lease = (struct srv_lease){ .fd = fd, .due_us = srv_clock_us() + after_ms * 1000 };
+	if (!srv_gate_open(&lease->gate, fd)) {
+		free(lease);
+		return NULL;
+	}
 	pthread_mutex_lock(&reaper->mutex);
 	lease->next = &reaper->leases;
 	lease->before = reaper->leases.before;
@@ -127,6 +131,7 @@ void srv_reaper_close(struct srv_reaper *reaper, struct srv_lease *lease)
 {
 	if (!lease)
 		return;
+	srv_gate_close(&lease->gate);
 	pthread_mutex_lock(&reaper->mutex);
 	lease->before->next = lease->next;
 	lease->next->before = lease->before;

@@ -12,6 +12,7 @@
 #include <stdint.h>
 
 #include "ecofiles/base/status.h"
+#include "server/gate.h"
 
 struct srv_reaper;
 struct srv_exchange;
@@ -20,6 +21,7 @@ struct srv_lease {
 	/* the request that is under way, or NULL; the polling thread's. The library forgets to complete some
 	 * that it drops: they end with the connection, or at its next request line. */
 	struct srv_exchange *exchange;
+	struct srv_gate gate;
 	struct srv_lease *before, *next;                 /* the rest is the reaper's, under its mutex */
 	int fd;
 	uint64_t due_us;                                 /* 0: no deadline */
@@ -29,8 +31,8 @@ enum eco_code srv_reaper_start(struct srv_reaper **reaper, struct eco_error *err
 /* frees it; NULL is fine; every lease must have been closed */
 void srv_reaper_stop(struct srv_reaper *reaper);
 
-/* Begins with a deadline `after_ms` from now. NULL if there is no memory: the connection is of no use then.
- */
+/* Opens the gate, too; begins with a deadline `after_ms` from now. NULL if there is no memory or no gate: the
+ * connection is of no use then. */
 struct srv_lease *srv_reaper_open(struct srv_reaper *reaper, int fd, uint64_t after_ms);
 /* NULL lease: nothing */
 void srv_reaper_arm(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t after_ms);

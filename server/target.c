@@ -2,8 +2,9 @@
  * place of a copy. The copy never grows, since decoding only shortens. */
 #include "server/target.h"
 
-#include <stdbool.h>
 #include <string.h>
+
+#define HOST_BYTES_MAX 255u
 
 static bool is_segment_byte(char c)
 {
@@ -28,17 +29,53 @@ static int printable(char c)
 	return c > 0x20 && c < 0x7f ? c : '?';
 }
 
+static size_t name_bytes(const char *text, size_t size)
+{
+	size_t at = 0;
+	while (at < size && (is_segment_byte(text[at]) || text[at] == '~')
+			&& !(text[at] == '.' && (at == 0 || text[at - 1] == '.')))
+		at++;
+	return at <= HOST_BYTES_MAX ? at : 0;
+}
+
+/* "[", what an IPv6 address is written with, "]". */
+static size_t bracket_bytes(const char *text, size_t size)
+{
+	size_t at = 1;
+	while (at < size && (hex_digit(text[at]) >= 0 || text[at] == ':' || text[at] == '.'))
+		at++;
+	return at > 2 && at < size && at <= HOST_BYTES_MAX && text[at] == ']' ? at + 1 : 0;
+}
+
+bool srv_authority_valid(const char *text, size_t size)
+{
+	size_t at = size && text[0] == '[' ? bracket_bytes(text, size) : name_bytes(text, size), first = at + 1;
+	if (at == 0 || (at < size && text[at] != ':') || size - at > 6)
+		return false;
+	unsigned port = 0;
+	for (at = first; at < size; at++) {
+		if (text[at] < '0' || text[at] > '9')
+			return false;
+		port = port * 10 + (unsigned)(text[at] - '0');
+	}
+	return port <= 65535;
+}
+
 /* Absolute-form names the server too; only what follows the authority matters here. */
-static void skip_authority(const char **raw, size_t *size)
+static enum eco_code skip_authority(const char **raw, size_t *size, struct eco_error *error)
 {
 	static const char scheme[] = "http://";
-	size_t at = sizeof scheme - 1;
+	size_t first = sizeof scheme - 1, at = first;
 	if (*size < at || memcmp(*raw, scheme, at) != 0)
-		return;
+		return ECO_OK;
 	while (at < *size && (*raw)[at] != '/' && (*raw)[at] != '?')
 		at++;
+	if (!srv_authority_valid(*raw + first, at - first))
+		return eco_fail(error, ECO_BAD_INPUT, "http:// must be followed by a name or address, with or "
+			"without ':' and a port");
 	*raw += at;
 	*size -= at;
+	return ECO_OK;
 }
 
 static enum eco_code parse_path(struct srv_target *target, const char *raw, size_t size, char **out,
@@ -130,10 +167,12 @@ enum eco_code srv_target_parse(struct srv_target *target, const char *raw, size_
 	if (size >= SRV_TARGET_BYTES_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "the request target has %zu bytes; at most %u are "
 			"accepted", size, SRV_TARGET_BYTES_MAX - 1);
-	skip_authority(&raw, &size);
+	enum eco_code code = skip_authority(&raw, &size, error);
+	if (code)
+		return code;
 	const char *query = memchr(raw, '?', size);
 	char *out = target->text;
-	enum eco_code code = parse_path(target, raw, query ? (size_t)(query - raw) : size, &out, error);
+	code = parse_path(target, raw, query ? (size_t)(query - raw) : size, &out, error);
 	if (code || !query)
 		return code;
 	const char *end = raw + size;

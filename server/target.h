@@ -8,6 +8,7 @@
 #ifndef SRV_TARGET_H
 #define SRV_TARGET_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -31,6 +32,9 @@ struct srv_target {
  * copy. */
 enum eco_code srv_target_parse(struct srv_target *target, const char *raw, size_t size,
 	struct eco_error *error);
+
+/* Is it a host name or address (IPv6 in brackets), with or without ":port"? No userinfo, no empty name. */
+bool srv_authority_valid(const char *text, size_t size);
 
 /* Value of a parameter, or NULL. */
 const char *srv_target_param(const struct srv_target *target, const char *name);

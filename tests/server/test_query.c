@@ -1,12 +1,12 @@
-/* Parsing of text that comes in: targets, parameters, ranges, entity tags, headers. Tables of what is
+/* Parsing of text that comes in: targets, parameters, ranges, entity tags, dates. Tables of what is
  * accepted and what is refused. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "server/condition.h"
-#include "server/framing.h"
 #include "server/json.h"
+#include "server/problem.h"
 #include "server/query.h"
 #include "server/route.h"
 #include "server/store.h"
@@ -259,49 +259,17 @@ UNIT_TEST(entity_tags_match_weakly)
 		assert_int_equal(srv_etag_match(rows[i].value, "\"abc\""), rows[i].match);
 }
 
-static void header(struct srv_framing *framing, const char *name, const char *value)
+UNIT_TEST(authorities_are_names_or_addresses)
 {
-	srv_framing_header(framing, name, strlen(name), value, strlen(value));
-}
-
-UNIT_TEST(framing_is_unambiguous_or_refused)
-{
-	static const struct { const char *headers[4][2]; bool body; enum srv_problem problem; } rows[] = {
-		{ { { "Host", "a" } }, false, SRV_PROBLEM_NONE },
-		{ { { "content-length", "0" } }, false, SRV_PROBLEM_NONE },
-		{ { { "Content-Length", "5" } }, true, SRV_PROBLEM_NONE },
-		{ { { "Content-Length", "5" } }, false, SRV_PROBLEM_FRAMING },
-		{ { { "Content-Length", "5" }, { "Content-Length", "5" } }, true, SRV_PROBLEM_FRAMING },
-		{ { { "Content-Length", "5" }, { "Transfer-Encoding", "chunked" } }, true,
-			SRV_PROBLEM_FRAMING },
-		{ { { "Transfer-Encoding", "chunked" } }, true, SRV_PROBLEM_FRAMING },
-		{ { { "TRANSFER-ENCODING", "identity" } }, false, SRV_PROBLEM_FRAMING },
-		{ { { "Content-Length", "5, 5" } }, true, SRV_PROBLEM_FRAMING },
-		{ { { "Content-Length", "+5" } }, true, SRV_PROBLEM_FRAMING },
-		{ { { "Content-Length", "" } }, true, SRV_PROBLEM_FRAMING },
-		{ { { "Content-Length ", "5" } }, true, SRV_PROBLEM_FRAMING },
-		{ { { "Transfer-Encoding\x0b", "chunked" } }, false, SRV_PROBLEM_FRAMING },
-		{ { { "Transfer-Encodingchunked", "" } }, false, SRV_PROBLEM_FRAMING },
-		{ { { "Content-Length5", "4" } }, true, SRV_PROBLEM_FRAMING },
-		{ { { "X", "a\x01" } }, false, SRV_PROBLEM_FRAMING },
-		{ { { "", "a" } }, false, SRV_PROBLEM_FRAMING },
-		{ { { "Host", "a" }, { "Host", "b" } }, false, SRV_PROBLEM_FRAMING },
-		{ { { "Range", "bytes=0-1" }, { "Range", "bytes=0-2" } }, false, SRV_PROBLEM_FRAMING },
-		{ { { "Host", "a" } }, true, SRV_PROBLEM_LENGTH_REQUIRED },
-		{ { { "Content-Length", "1001" } }, true, SRV_PROBLEM_BODY_TOO_LARGE },
-		{ { { "Content-Length", "99999999999999999999999" } }, true, SRV_PROBLEM_FRAMING },
-	};
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-		struct srv_framing framing = { 0 };
-		struct eco_error error = { 0 };
-		for (int h = 0; h < 4 && rows[i].headers[h][0]; h++)
-			header(&framing, rows[i].headers[h][0], rows[i].headers[h][1]);
-		enum srv_problem problem = srv_framing_check(&framing, &error);
-		if (!problem)
-			problem = srv_framing_body(&framing, rows[i].body, 1000, &error);
-		assert_int_equal(problem, rows[i].problem);
-		assert_int_equal(problem != SRV_PROBLEM_NONE, error.text[0] != 0);
-	}
+	static const struct { const char *text; bool valid; } rows[] = { { "a", true }, { "a.b-c_d~.", true },
+		{ "127.0.0.1", true }, { "a:", true }, { "a:80", true }, { "a:65535", true }, { "[::1]", true },
+		{ "[1::a.2]:1", true }, { "", false }, { ":80", false }, { ".", false }, { ".a", false },
+		{ "a..b", false }, { "a:65536", false }, { "a:000080", false }, { "a:8o", false },
+		{ "a:1:2", false }, { "a@b", false }, { "a/b", false }, { "a b", false }, { "a,b", false },
+		{ "a%20", false }, { "[]", false }, { "[::1", false }, { "[::1]a", false }, { "[::g]", false },
+		{ "::1", false }, { "\x80", false }, { "[", false }, { "[:", false } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+		assert_int_equal(srv_authority_valid(rows[i].text, strlen(rows[i].text)), rows[i].valid);
 }
 
 UNIT_TEST(routes_match_whole_paths)

@@ -1,0 +1,89 @@
+#include "server/gate.h"
+
+#include <errno.h>
+#include <microhttpd.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <sys/socket.h>
+
+#define DESCRIPTORS_MAX (1 << 20)
+#define DRAINED_BYTES_MAX (64u << 10)
+
+ssize_t __real_recv(int fd, void *bytes, size_t size, int flags);
+ssize_t __wrap_recv(int fd, void *bytes, size_t size, int flags);
+
+/* One process, one table of descriptors; pages of it that are not used take no memory. */
+static _Atomic(struct srv_gate *) gates[DESCRIPTORS_MAX];
+
+bool srv_gate_open(struct srv_gate *gate, int fd)
+{
+	if (fd < 0 || fd >= DESCRIPTORS_MAX)
+		return false;
+	*gate = (struct srv_gate){ .fd = fd };
+	atomic_store(&gates[fd], gate);
+	return true;
+}
+
+void srv_gate_close(struct srv_gate *gate)
+{
+	atomic_store(&gates[gate->fd], NULL);
+}
+
+void srv_gate_answer(int fd, enum srv_problem problem, const char *detail, bool is_head)
+{
+	struct srv_json json = { 0 };
+	unsigned status = srv_problem_rows[problem].status;
+	char text[1024];
+	srv_problem_write(&json, problem, detail, NULL);
+	if (!json.out.failed) {
+		int size = snprintf(text, sizeof text, "HTTP/1.1 %u %s\r\nContent-Type: "
+			"application/problem+json\r\nCache-Control: no-store\r\n%sConnection: close\r\n"
+			"Content-Length: %zu\r\n\r\n%.*s", status, MHD_get_reason_phrase_for(status),
+			status == MHD_HTTP_SERVICE_UNAVAILABLE ? "Retry-After: 1\r\n" : "", json.out.size,
+			is_head ? 0 : (int)json.out.size, (const char *)json.out.bytes);
+		if (size > 0 && (size_t)size < sizeof text)
+			(void)!send(fd, text, (size_t)size, MSG_NOSIGNAL | MSG_DONTWAIT);
+	}
+	eco_writer_free(&json.out);
+}
+
+/* What lies unread when a socket is closed makes the system send a reset, which may overtake the answer. */
+static void drain(int fd)
+{
+	char bytes[4096];
+	size_t size = 0;
+	for (ssize_t got; size < DRAINED_BYTES_MAX; size += (size_t)got)
+		if ((got = __real_recv(fd, bytes, sizeof bytes, MSG_DONTWAIT)) <= 0)
+			return;
+}
+
+/* To the library the client has left. */
+static ssize_t end_refused(struct srv_gate *gate)
+{
+	const struct srv_framing *framing = &gate->framing;
+	srv_gate_answer(gate->fd, framing->problem, framing->detail, framing->is_head);
+	shutdown(gate->fd, SHUT_WR);
+	drain(gate->fd);
+	return 0;
+}
+
+static ssize_t receive(struct srv_gate *gate, void *bytes, size_t size, int flags)
+{
+	if (gate->framing.problem)
+		return end_refused(gate);
+	ssize_t got = __real_recv(gate->fd, bytes, size, flags);
+	if (got <= 0)
+		return got;
+	size_t passed = srv_framing_scan(&gate->framing, bytes, (size_t)got);
+	if (passed == 0)
+		return end_refused(gate);
+	if (passed < (size_t)got)
+		shutdown(gate->fd, SHUT_RD);     /* wakes the library when it has answered what passed */
+	return (ssize_t)passed;
+}
+
+ssize_t __wrap_recv(int fd, void *bytes, size_t size, int flags)
+{
+	struct srv_gate *gate = fd >= 0 && fd < DESCRIPTORS_MAX ? atomic_load(&gates[fd]) : NULL;
+	return gate ? receive(gate, bytes, size, flags) : __real_recv(fd, bytes, size, flags);
+}

@@ -1,0 +1,317 @@
+/* Requests over raw sockets that no friendly client sends, and what exactly comes back: how many answers, which,
+ * and whether the connection is closed behind them. Each is sent at once, and byte by byte.
+ *
+ * `nginx` is what nginx 1.22.1 of Debian 12 answered to the same bytes (/healthz a file of one byte, POST not
+ * allowed): HOSTILE_PORT=N prints what the server at that port of this machine answers instead of testing. */
+#include "tests/support/serve_daemon.h"
+
+#include <netinet/tcp.h>
+
+#define BYTES(text) text, sizeof(text) - 1
+#define LINE "GET /healthz HTTP/1.1\r\n"
+#define GET LINE HOST
+#define SECOND GET "\r\n"
+#define A10 "aaaaaaaaaa"
+#define A100 A10 A10 A10 A10 A10 A10 A10 A10 A10 A10
+#define A1000 A100 A100 A100 A100 A100 A100 A100 A100 A100 A100
+#define A9000 A1000 A1000 A1000 A1000 A1000 A1000 A1000 A1000 A1000
+#define X10 "X: \r\nX: \r\nX: \r\nX: \r\nX: \r\nX: \r\nX: \r\nX: \r\nX: \r\nX: \r\n"
+#define C10 "a=b; a=b; a=b; a=b; a=b; a=b; a=b; a=b; a=b; a=b; "
+
+/* `answers`: statuses in order; a full stop where the connection is closed behind the last. */
+static const struct row { const char *request; size_t size; const char *answers, *nginx; } rows[] = {
+	/* what is legal stays so */
+	{ BYTES(GET "\r\n"), "200", "200" },
+	{ BYTES("\r\n" GET "\r\n"), "200", "200" },
+	{ BYTES(LINE "Host:t\r\n\r\n"), "200", "200" },
+	{ BYTES(LINE "Host:   t  \r\n\r\n"), "200", "200" },
+	{ BYTES(LINE "hOST: t\r\n\r\n"), "200", "200" },
+	{ BYTES(LINE "Host: t:80\r\n\r\n"), "200", "200" },
+	{ BYTES(LINE "Host: t:\r\n\r\n"), "200", "200" },
+	{ BYTES(LINE "Host: 127.0.0.1:8080\r\n\r\n"), "200", "200" },
+	{ BYTES(LINE "Host: [::1]\r\n\r\n"), "200", "200" },
+	{ BYTES(LINE "Host: [2001:db8::1.2.3.4]:80\r\n\r\n"), "200", "200" },
+	{ BYTES(LINE "Host: a_b-c.example.\r\n\r\n"), "200", "200" },
+	{ BYTES(GET "X:\r\n\r\n"), "200", "200" },
+	{ BYTES(GET "X: \r\n\r\n"), "200", "200" },
+	{ BYTES(GET "X_y.z!#$%&'*+^`|~: 1\r\n\r\n"), "200", "200" },
+	{ BYTES(GET "X: a:b \x80\xff\tc\r\n\r\n"), "200", "200" },
+	{ BYTES(GET "Cookie: " C10 C10 "\r\n\r\n"), "200", "200" },
+	{ BYTES(GET X10 X10 X10 X10 X10 "\r\n"), "200", "200" },
+	{ BYTES(GET "X: " A1000 A1000 A1000 A1000 A1000 A1000 "\r\n\r\n"), "200", "200" },
+	{ BYTES(GET "Content-Length: 0\r\n\r\n"), "200", "200" },
+	{ BYTES("GET /healthz HTTP/1.0\r\n" HOST "\r\n"), "200.", "200." },
+	{ BYTES("GET /healthz HTTP/1.0\r\n\r\n"), "200.", "200." },
+	{ BYTES("GET /healthz HTTP/1.0\r\nConnection: keep-alive\r\n\r\n"), "200", "200" },
+	{ BYTES(GET "Connection: close\r\n\r\n"), "200.", "200." },
+	{ BYTES(GET "Connection: close\r\n\r\n" SECOND), "200.", "200." },
+	{ BYTES(SECOND SECOND SECOND), "200 200 200", "200 200 200" },
+	{ BYTES(SECOND "\r\n" SECOND), "200 200", "200 200" },
+	{ BYTES("GET http://t/healthz HTTP/1.1\r\n" HOST "\r\n"), "200", "200" },
+	{ BYTES("GET http://a.b:80/healthz HTTP/1.1\r\n" HOST "\r\n"), "200", "200" },
+	{ BYTES("GET http://[::1]:80/healthz HTTP/1.1\r\n" HOST "\r\n"), "200", "200" },
+	{ BYTES("HEAD /healthz HTTP/1.1\r\n" HOST "\r\n"), "200", "200" },
+	{ BYTES("DELETE /healthz HTTP/1.1\r\n" HOST "\r\n"), "405", "405" },
+	{ BYTES(GET "Range: nonsense\r\n\r\n"), "200", "200" },
+	{ BYTES(STREAM "Content-Length: 4\r\n\r\n\0\0\0\0" SECOND), "200 200", "405 200" },
+	{ BYTES(STREAM "Content-Length:  4\r\n\r\n\0\0\0\0\r\n" SECOND), "200 200", "405 200" },
+	{ BYTES(STREAM "Content-Length: 0000000004\r\n\r\n\0\0\0\0" SECOND), "200 200", "405 200" },
+	{ BYTES(STREAM "Expect: 100-continue\r\nContent-Length: 4\r\n\r\n\0\0\0\0" SECOND), "100 200 200",
+		"405 200" },
+	/* request lines */
+	{ BYTES(" " GET "\r\n"), "400.", "400." },
+	{ BYTES("\r\n\r\n" GET "\r\n"), "400.", "200" },
+	{ BYTES("\n" GET "\r\n"), "400.", "200" },
+	{ BYTES("get /healthz HTTP/1.1\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("G\tET /healthz HTTP/1.1\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("GET  /healthz HTTP/1.1\r\n" HOST "\r\n"), "400.", "200" },
+	{ BYTES("GET\t/healthz HTTP/1.1\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("GET /healthz  HTTP/1.1\r\n" HOST "\r\n"), "400.", "200" },
+	{ BYTES("GET /healthz HTTP/1.1 \r\n" HOST "\r\n"), "400.", "200" },
+	{ BYTES("GET /healthz\tHTTP/1.1\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("GET /health z HTTP/1.1\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("GET /healthz\r\n"), "400.", "?." },
+	{ BYTES("GET /healthz\r\n" HOST "\r\n"), "400.", "?." },
+	{ BYTES("GET /healthz HTTP/0.9\r\n" HOST "\r\n"), "505.", "400." },
+	{ BYTES("GET /healthz HTTP/2.0\r\n" HOST "\r\n"), "505.", "505." },
+	{ BYTES("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"), "505.", "400." },
+	{ BYTES("GET /healthz HTTP/1.2\r\n" HOST "\r\n"), "400.", "200" },
+	{ BYTES("GET /healthz HTTP/1.10\r\n" HOST "\r\n"), "400.", "200" },
+	{ BYTES("GET /healthz HTTP/11\r\n" HOST "\r\n"), "400.", "505." },
+	{ BYTES("GET /healthz http/1.1\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("GET /healthz HTTP/1.1x\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("GET /healthz HTTP/1.1\n" HOST "\r\n"), "400.", "200" },
+	{ BYTES("GET /healthz HTTP/1.1\r" HOST "\r\n"), "400.", "400." },
+	{ BYTES("GET healthz HTTP/1.1\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("GET * HTTP/1.1\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("CONNECT t:80 HTTP/1.1\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("GET ?x=1 HTTP/1.1\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("GET //healthz HTTP/1.1\r\n" HOST "\r\n"), "400.", "200" },
+	{ BYTES("GET /healthz# HTTP/1.1\r\n" HOST "\r\n"), "400.", "200" },
+	{ BYTES("GET /../../healthz HTTP/1.1\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("GET /healthz%00 HTTP/1.1\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("GET /%zz HTTP/1.1\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("GET /healthz? HTTP/1.1\r\n" HOST "\r\n"), "400.", "200" },
+	{ BYTES("GET /\xff HTTP/1.1\r\n" HOST "\r\n"), "400.", "404" },
+	{ BYTES(A100 " / HTTP/1.1\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("AAAAAAAAAABBBBBBBBBBAAAAAAAAAABBBBBBBBBB / HTTP/1.1\r\n" HOST "\r\n"), "400.", "405" },
+	{ BYTES("GET /" A1000 A1000 A1000 " HTTP/1.1\r\n" HOST "\r\n"), "414.", "404" },
+	{ BYTES("GET /" A9000 " HTTP/1.1\r\n" HOST "\r\n"), "414.", "414." },
+	{ BYTES("GET /healthz?&&&&&&&&&&&&&&&&&&&&&&&&&&&&&&&& HTTP/1.1\r\n" HOST "\r\n"), "400.", "200" },
+	{ BYTES("GET http:///healthz HTTP/1.1\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("GET http:// HTTP/1.1\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("GET http:/healthz HTTP/1.1\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("GET http://u@t/healthz HTTP/1.1\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("GET http://u:p@t/healthz HTTP/1.1\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("GET http://t:x/healthz HTTP/1.1\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("GET http://t:99999/healthz HTTP/1.1\r\n" HOST "\r\n"), "400.", "200" },
+	{ BYTES("GET http://t%00/healthz HTTP/1.1\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("GET http://[::1/healthz HTTP/1.1\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("GET http://a..b/healthz HTTP/1.1\r\n" HOST "\r\n"), "400.", "400." },
+	{ BYTES("GET ftp://t/healthz HTTP/1.1\r\n" HOST "\r\n"), "400.", "200" },
+	/* hosts */
+	{ BYTES(LINE "\r\n"), "400.", "400." },
+	{ BYTES(LINE "Host:\r\n\r\n"), "400.", "400." },
+	{ BYTES(LINE "Host: \r\n\r\n"), "400.", "400." },
+	{ BYTES(LINE "Host:\tt\r\n\r\n"), "400.", "400." },
+	{ BYTES(LINE "Host: t\t\r\n\r\n"), "400.", "400." },
+	{ BYTES(LINE "Host: a b\r\n\r\n"), "400.", "400." },
+	{ BYTES(LINE "Host: a,b\r\n\r\n"), "400.", "200" },
+	{ BYTES(LINE "Host: a/b\r\n\r\n"), "400.", "400." },
+	{ BYTES(LINE "Host: a\\b\r\n\r\n"), "400.", "200" },
+	{ BYTES(LINE "Host: a@b\r\n\r\n"), "400.", "200" },
+	{ BYTES(LINE "Host: a?b\r\n\r\n"), "400.", "200" },
+	{ BYTES(LINE "Host: a..b\r\n\r\n"), "400.", "400." },
+	{ BYTES(LINE "Host: .\r\n\r\n"), "400.", "400." },
+	{ BYTES(LINE "Host: :80\r\n\r\n"), "400.", "400." },
+	{ BYTES(LINE "Host: a:b\r\n\r\n"), "400.", "200" },
+	{ BYTES(LINE "Host: a:80:80\r\n\r\n"), "400.", "200" },
+	{ BYTES(LINE "Host: a:65536\r\n\r\n"), "400.", "200" },
+	{ BYTES(LINE "Host: [::1\r\n\r\n"), "400.", "200" },
+	{ BYTES(LINE "Host: []\r\n\r\n"), "400.", "200" },
+	{ BYTES(LINE "Host: [::1]x\r\n\r\n"), "400.", "200" },
+	{ BYTES(LINE "Host: \x80\r\n\r\n"), "400.", "200" },
+	{ BYTES(LINE "Host: " A100 A100 A100 "\r\n\r\n"), "400.", "200" },
+	{ BYTES(GET HOST "\r\n"), "400.", "400." },
+	{ BYTES(GET "Host: u\r\n\r\n"), "400.", "400." },
+	{ BYTES(GET "hOst:\r\n\r\n"), "400.", "400." },
+	/* headers */
+	{ BYTES(GET ": x\r\n\r\n"), "400.", "400." },
+	{ BYTES(GET ":\r\n\r\n"), "400.", "400." },
+	{ BYTES(GET "X\r\n\r\n"), "400.", "200" },
+	{ BYTES(GET "X : 1\r\n\r\n"), "400.", "400." },
+	{ BYTES(GET "X\t: 1\r\n\r\n"), "400.", "400." },
+	{ BYTES(GET " X: 1\r\n\r\n"), "400.", "400." },
+	{ BYTES(GET "X: 1\r\n 2\r\n\r\n"), "400.", "400." },
+	{ BYTES(GET "X: 1\r\n\t2\r\n\r\n"), "400.", "400." },
+	{ BYTES(GET "X:\r\n 1\r\n\r\n"), "400.", "400." },
+	{ BYTES(LINE " Host: t\r\n\r\n"), "400.", "400." },
+	{ BYTES(GET "X y: 1\r\n\r\n"), "400.", "400." },
+	{ BYTES(GET "X(y): 1\r\n\r\n"), "400.", "200" },
+	{ BYTES(GET "X\x80: 1\r\n\r\n"), "400.", "200" },
+	{ BYTES(GET "X: 1\n\r\n"), "400.", "200" },
+	{ BYTES(GET "X: 1\r\n\n"), "400.", "200" },
+	{ BYTES(GET "X: 1\rY: 2\r\n\r\n"), "400.", "400." },
+	{ BYTES(GET "X: \x01\r\n\r\n"), "400.", "200" },
+	{ BYTES(GET "X: \x7f\r\n\r\n"), "400.", "200" },
+	{ BYTES(GET A9000 ": 1\r\n\r\n"), "431.", "400." },
+	{ BYTES(GET "X: " A9000 "\r\n\r\n"), "431.", "400." },
+	{ BYTES(GET X10 X10 X10 X10 X10 X10 X10 X10 X10 X10 "\r\n"), "431.", "200" },
+	{ BYTES(GET "Cookie: " C10 C10 C10 C10 C10 C10 C10 "\r\n\r\n"), "431.", "200" },
+	{ BYTES(GET "If-None-Match: \"a\"\r\nIf-None-Match: \"b\"\r\n\r\n"), "400.", "400." },
+	{ BYTES(GET "If-Match: \"a\"\r\nIf-Match: \"b\"\r\n\r\n"), "400.", "400." },
+	{ BYTES(GET "If-Unmodified-Since: x\r\nif-unmodified-since: x\r\n\r\n"), "400.", "400." },
+	{ BYTES(GET "Range: bytes=0-0\r\nRange: bytes=0-0\r\n\r\n"), "400.", "206" },
+	{ BYTES(GET "If-Range: a\r\nIf-Range: a\r\n\r\n"), "400.", "400." },
+	{ BYTES(GET "Authorization: a\r\nAuthorization: a\r\n\r\n"), "400.", "400." },
+	/* where a request ends */
+	{ BYTES(GET "\0X: 1\r\n\r\n" SECOND), "400.", "400." },
+	{ BYTES(GET "X: 1\0\r\n\r\n" SECOND), "400.", "400." },
+	{ BYTES(GET ":\r\nGET /healthz HTTP/1.1\r\nHost:t\r\n\r\n"), "400.", "400." },
+	{ BYTES(LINE "Host:t\r\n: x\r\n\r\n" SECOND), "400.", "400." },
+	{ BYTES(LINE "Host:t\r\n\0\r\n\r\n" SECOND), "400.", "400." },
+	{ BYTES(LINE "Host:t\r\nX:1\r\nY:  2\r\n:" SECOND), "400.", "400." },
+	{ BYTES(STREAM "Content-Length: 0\0...37\r\n\r\n" SECOND), "400.", "400." },
+	{ BYTES(STREAM "Content-Length: 4\0\r\n\r\n\0\0\0\0" SECOND), "400.", "400." },
+	{ BYTES(STREAM "\0Content-Length: 4\r\n\r\n\0\0\0\0" SECOND), "400.", "400." },
+	{ BYTES(STREAM ":Content-Length: 4\r\n\r\n\0\0\0\0" SECOND), "400.", "400." },
+	{ BYTES(STREAM "Content-Length: 4\r\n\0Transfer-Encoding: chunked\r\n\r\n\0\0\0\0" SECOND), "400.",
+		"400." },
+	{ BYTES(STREAM "Content-Length: 4\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n" SECOND), "400.",
+		"400." },
+	{ BYTES(STREAM "Transfer-Encoding: chunked\r\nContent-Length: 4\r\n\r\n0\r\n\r\n" SECOND), "400.",
+		"400." },
+	{ BYTES(STREAM "Transfer-Encoding: chunked\r\n\r\n4\r\nabcd\r\n0\r\n\r\n" SECOND), "400.",
+		"405 200" },
+	{ BYTES(STREAM "Transfer-Encoding: identity\r\nContent-Length: 4\r\n\r\nabcd" SECOND), "400.",
+		"501." },
+	{ BYTES(STREAM "Transfer-Encoding: \x0b" "chunked\r\n\r\n0\r\n\r\n" SECOND), "400.", "501." },
+	{ BYTES(STREAM "Transfer-Encoding:\r\n chunked\r\n\r\n0\r\n\r\n" SECOND), "400.", "400." },
+	{ BYTES(STREAM "Transfer-Encoding : chunked\r\n\r\n0\r\n\r\n" SECOND), "400.", "400." },
+	{ BYTES(STREAM "Content-Length: 4\r\nContent-Length: 4\r\n\r\nabcd" SECOND), "400.", "400." },
+	{ BYTES(STREAM "Content-Length: 4\r\nContent-Length: 5\r\n\r\nabcd" SECOND), "400.", "400." },
+	{ BYTES(STREAM "Content-Length: 4, 4\r\n\r\nabcd" SECOND), "400.", "400." },
+	{ BYTES(STREAM "Content-Length: +4\r\n\r\nabcd" SECOND), "400.", "400." },
+	{ BYTES(STREAM "Content-Length: -4\r\n\r\nabcd" SECOND), "400.", "400." },
+	{ BYTES(STREAM "Content-Length: 0x4\r\n\r\nabcd" SECOND), "400.", "400." },
+	{ BYTES(STREAM "Content-Length: 4 4\r\n\r\nabcd" SECOND), "400.", "400." },
+	{ BYTES(STREAM "Content-Length:\t4\r\n\r\nabcd" SECOND), "400.", "400." },
+	{ BYTES(STREAM "Content-Length: 4 \r\n\r\nabcd" SECOND), "400.", "405 200" },
+	{ BYTES(STREAM "Content-Length:\r\n\r\nabcd" SECOND), "400.", "400." },
+	{ BYTES(STREAM "Content-Length : 4\r\n\r\nabcd" SECOND), "400.", "400." },
+	{ BYTES(STREAM "Content-Length: 99999999999999999999\r\n\r\nabcd" SECOND), "400.", "400." },
+	{ BYTES(STREAM "Content-Length: 9223372036854775808\r\n\r\nabcd" SECOND), "413.", "400." },
+	{ BYTES(STREAM "Content-Length: 4194305\r\n\r\nabcd" SECOND), "413.", "413." },
+	{ BYTES(STREAM "\r\n" SECOND), "411.", "405 200" },
+	{ BYTES(GET "Content-Length: 4\r\n\r\n" SECOND), "400.", "200 400." },
+	{ BYTES("HEAD /healthz HTTP/1.1\r\n" HOST "\0\r\n\r\n"), "400.", "400." },
+	{ BYTES(SECOND "\0" SECOND), "200 400.", "200 400." },
+	{ BYTES(SECOND "G" SECOND), "200 405", "200 405" },
+	{ BYTES(SECOND GET ": x\r\n\r\n" SECOND), "200 400.", "200 400." },
+	{ BYTES(STREAM "Content-Length: 4\r\n\r\n\0\0\0\0\0" SECOND), "200 400.", "405 400." },
+};
+
+static uint16_t target_port(void)
+{
+	const char *other = getenv("HOSTILE_PORT");
+	return other ? (uint16_t)atoi(other) : port;
+}
+
+/* All that comes until the end. */
+static char *read_all(int fd, size_t *size)
+{
+	size_t room = 1 << 16;
+	char *bytes = malloc(room + 1);
+	*size = 0;
+	for (ssize_t got; (got = recv(fd, bytes + *size, room - *size, 0)) > 0;)
+		if ((*size += (size_t)got) == room)
+			bytes = realloc(bytes, (room *= 2) + 1);
+	bytes[*size] = 0;
+	return bytes;
+}
+
+/* The statuses of the answers, one after the other as their lengths say; "?" where something is no answer. */
+static void list_answers(char *list, size_t room, const char *bytes, size_t size, bool is_head)
+{
+	size_t used = 0;
+	*list = 0;
+	for (const char *at = bytes; at < bytes + size && used + 8 < room; is_head = false) {
+		const char *end = strstr(at, "\r\n\r\n"), *length = strcasestr(at, "\r\nContent-Length: ");
+		unsigned status = strncmp(at, "HTTP/1.", 7) == 0 && end ? (unsigned)atoi(at + 9) : 0;
+		used += (size_t)snprintf(list + used, room - used, status ? "%s%u" : "%s?", used ? " " : "",
+			status);
+		if (!status)
+			return;
+		bool none = is_head || status == 100 || status == 304 || !length || length > end;
+		at = end + 4 + (none ? 0 : strtoul(length + 18, NULL, 10));
+	}
+}
+
+static bool asks_head(const char *request)
+{
+	return strncmp(request, "HEAD ", 5) == 0;
+}
+
+/* Sends the request and, if the server took it for well, one that closes; its answer is dropped from the list. */
+static void ask(char list[256], const struct row *row, bool byte_by_byte)
+{
+	static const char last[] = "GET /healthz HTTP/1.1\r\nHost: last\r\nConnection: close\r\n\r\n";
+	int fd = http_connect(target_port()), on = 1;
+	size_t size;
+	setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+	bool sent = true;
+	for (size_t i = 0; i < row->size && sent; i += byte_by_byte ? 1 : row->size)
+		sent = http_send(fd, row->request + i, byte_by_byte ? 1 : row->size);
+	bool open = !strchr(row->answers, '.') || getenv("HOSTILE_PORT");
+	if (open)
+		http_send(fd, last, sizeof last - 1);
+	char *bytes = read_all(fd, &size);
+	list_answers(list, 250, bytes, size, asks_head(row->request));
+	size_t used = strlen(list);
+	if (open && used >= 4 && strcmp(list + used - 4, " 200") == 0)
+		list[used - 4] = 0;
+	else
+		strcat(list, ".");
+	free(bytes);
+	close(fd);
+}
+
+UNIT_TEST(each_request_gets_exactly_its_answers)
+{
+	char list[256];
+	unsigned wrong = 0;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+		for (int byte_by_byte = 0; byte_by_byte < 2; byte_by_byte++) {
+			ask(list, &rows[i], byte_by_byte);
+			if (getenv("HOSTILE_PORT"))
+				printf("%zu\t%s\t%s\t%.60s\n", i, list, rows[i].answers, rows[i].request);
+			else if (strcmp(list, rows[i].answers) != 0)
+				print_error("row %zu, %s: %s, not %s: %s\n", i, byte_by_byte ? "byte by byte"
+					: "at once", list, rows[i].answers, rows[i].request), wrong++;
+		}
+	assert_int_equal(wrong, 0);
+}
+
+/* A byte that belongs nowhere, at every place of a request (but its end): one refusal, and the end. */
+UNIT_TEST(a_control_character_anywhere_is_refused)
+{
+	static const char request[] = LINE "Host: t\r\nAccept: */*\r\nX-Y:z\r\n\r\n", bad[] = "\0\r\n\x01\x7f";
+	char list[256], made[sizeof request + 1];
+	if (getenv("HOSTILE_PORT"))
+		skip();
+	for (size_t at = 0; at < sizeof request - 2; at++)
+		for (size_t i = 0; i < sizeof bad - 1; i++) {
+			memcpy(made, request, at);
+			made[at] = bad[i];
+			memcpy(made + at + 1, request + at, sizeof request - at);
+			const struct row row = { made, sizeof request, "400.", "" };
+			ask(list, &row, false);
+			if (strcmp(list, "400.") != 0)
+				fail_msg("byte %u before offset %zu: %s", (unsigned)bad[i], at, list);
+		}
+}
+
+int main(void)
+{
+	return unit_tests_run(serve_start, serve_stop);
+}
