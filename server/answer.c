@@ -22,20 +22,19 @@ static void add_header(struct srv_answer *answer, const char *name, const char *
 		srv_answer_free(answer);
 }
 
-static void add_validators(struct srv_answer *answer, const char *etag, const char *cache_control)
+static void add_validators(struct srv_answer *answer, const struct srv_validators *validators,
+	const char *cache_control)
 {
-	add_header(answer, MHD_HTTP_HEADER_ETAG, etag);
-	add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, cache_control);
-}
-
-/* A 304 is the 200 without its body: the library sends the head, with the length that the body would have, as
- * RFC 9110 wants it (an empty response would claim a length of 0). */
-static void maybe_not_modified(struct srv_answer *answer, const char *etag, const char *if_none_match)
-{
-	if (!etag || !srv_etag_match(if_none_match, etag))
+	char date[SRV_DATE_BYTES] = "";
+	if (!validators->etag[0]) {
+		add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
 		return;
-	answer->status = MHD_HTTP_NOT_MODIFIED;
-	answer->size_bytes = 0;
+	}
+	add_header(answer, MHD_HTTP_HEADER_ETAG, validators->etag);
+	if (validators->modified_s)
+		srv_date_format(date, validators->modified_s);
+	add_header(answer, MHD_HTTP_HEADER_LAST_MODIFIED, date[0] ? date : NULL);
+	add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, cache_control);
 }
 
 static void answer_empty(struct srv_answer *answer, unsigned status)
@@ -70,13 +69,56 @@ void srv_answer_problem(struct srv_answer *answer, const struct srv_problem_deta
 		add_header(answer, MHD_HTTP_HEADER_CONNECTION, "close");
 }
 
-void srv_answer_json(struct srv_answer *answer, struct srv_json *json, const char *etag,
-	const char *if_none_match, const char *timing)
+void srv_answer_json(struct srv_answer *answer, struct srv_json *json, const struct srv_validators *validators,
+	const char *timing)
 {
 	answer_text(answer, MHD_HTTP_OK, json, "application/json");
-	add_validators(answer, etag, etag ? "no-cache" : "no-store");
+	add_validators(answer, validators, "no-cache");
 	add_header(answer, "Server-Timing", timing);
-	maybe_not_modified(answer, etag, if_none_match);
+}
+
+static ssize_t read_nothing(void *ctx, uint64_t position, char *block, size_t room)
+{
+	(void)ctx;
+	(void)position;
+	(void)block;
+	(void)room;
+	return MHD_CONTENT_READER_END_WITH_ERROR;
+}
+
+void srv_answer_head(struct srv_answer *answer, unsigned status, uint64_t size_bytes, const char *type,
+	const struct srv_validators *validators)
+{
+	*answer = (struct srv_answer){ .status = status, .response = MHD_create_response_from_callback(
+		size_bytes == SRV_SIZE_UNKNOWN ? MHD_SIZE_UNKNOWN : size_bytes, 1, read_nothing, NULL, NULL) };
+	/* else the library would send the end of a chunked body behind a 304 */
+	if (answer->response && size_bytes == SRV_SIZE_UNKNOWN)
+		MHD_set_response_options(answer->response, MHD_RF_HTTP_1_0_COMPATIBLE_STRICT, MHD_RO_END);
+	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, type);
+	add_validators(answer, validators, "no-cache");
+}
+
+void srv_answer_failed_condition(struct srv_answer *answer, const char *instance)
+{
+	srv_answer_problem(answer, &(struct srv_problem_details){ .problem = SRV_PROBLEM_PRECONDITION,
+		.detail = "If-Match or If-Unmodified-Since does not hold of what is served; ask without it",
+		.instance = instance });
+}
+
+/* A 304 is the 200 without its body: the library sends the head, with the length that the body would have, as
+ * RFC 9110 wants it (an empty response would claim a length of 0). */
+void srv_answer_judge(struct srv_answer *answer, const struct srv_conditions *conditions,
+	const struct srv_validators *validators, const char *instance)
+{
+	const char *etag = validators->etag[0] ? validators->etag : NULL;
+	enum srv_verdict verdict = srv_conditions_judge(conditions, etag, validators->modified_s);
+	if (verdict == SRV_VERDICT_NOT_MODIFIED) {
+		answer->status = MHD_HTTP_NOT_MODIFIED;
+		answer->size_bytes = 0;
+	} else if (verdict == SRV_VERDICT_FAILED) {
+		srv_answer_free(answer);
+		srv_answer_failed_condition(answer, instance);
+	}
 }
 
 /* ---- Streams ---- */
@@ -120,8 +162,8 @@ static ssize_t read_body(void *ctx, uint64_t position, char *block, size_t room)
 /* By blocks and not by MHD_create_response_from_iovec: that copies its vector into the connection's 16 KiB,
  * and where it does not fit (500 chunks) libmicrohttpd 0.9.75 unlocks a mutex that is not locked and aborts
  * later. One copy into a block costs little beside the sending. */
-void srv_answer_stream(struct srv_answer *answer, struct srv_body *body, const char *etag,
-	const char *if_none_match, const char *timing)
+void srv_answer_stream(struct srv_answer *answer, struct srv_body *body,
+	const struct srv_validators *validators, const char *timing)
 {
 	*answer = (struct srv_answer){ .status = MHD_HTTP_OK, .size_bytes = body->size_bytes };
 	struct body_reader *reader = malloc(sizeof *reader);
@@ -137,9 +179,38 @@ void srv_answer_stream(struct srv_answer *answer, struct srv_body *body, const c
 		srv_body_free(body);
 	}
 	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, "application/octet-stream");
-	add_validators(answer, etag, etag ? "no-cache" : "no-store");
+	add_validators(answer, validators, "no-cache");
 	add_header(answer, "Server-Timing", timing);
-	maybe_not_modified(answer, etag, if_none_match);
+}
+
+static void release_kept(void *body)
+{
+	srv_kept_body_release(body);
+}
+
+void srv_answer_kept(struct srv_answer *answer, struct srv_kept_body *body, const char *type,
+	const struct srv_validators *validators, const char *timing)
+{
+	*answer = (struct srv_answer){ .status = MHD_HTTP_OK, .size_bytes = body->size };
+	answer->response = MHD_create_response_from_buffer_with_free_callback_cls(body->size, body->bytes,
+		release_kept, body);
+	if (answer->response)
+		srv_kept_body_hold(body);
+	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, type);
+	add_validators(answer, validators, "no-cache");
+	add_header(answer, "Server-Timing", timing);
+}
+
+struct srv_kept_body *srv_kept_body_copy(const struct srv_piece *pieces, uint32_t count, uint64_t size)
+{
+	struct srv_kept_body *body = srv_kept_body_make(size);
+	uint8_t *at = body ? body->bytes : NULL;
+	for (uint32_t i = 0; body && i < count; i++) {
+		if (pieces[i].size)
+			memcpy(at, pieces[i].bytes, pieces[i].size);
+		at += pieces[i].size;
+	}
+	return body;
 }
 
 void srv_answer_no_stream(struct srv_answer *answer, const char *timing)
@@ -173,17 +244,17 @@ void srv_etag_request(char etag[SRV_ETAG_BYTES], const struct srv_scene *scene, 
 	srv_etag_of(etag, &id);
 }
 
-static void chunk_headers(struct srv_answer *answer, const char *etag)
+static void chunk_headers(struct srv_answer *answer, const struct srv_validators *validators)
 {
 	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, "application/octet-stream");
 	add_header(answer, MHD_HTTP_HEADER_ACCEPT_RANGES, "bytes");
-	add_validators(answer, etag, IMMUTABLE);
+	add_validators(answer, validators, IMMUTABLE);
 }
 
 /* The shared response. Two threads may make one each; the first that is stored wins, and the other is
  * destroyed. */
 static void answer_whole(struct srv_answer *answer, struct srv_scene *scene, uint32_t chunk,
-	const uint8_t *bytes, size_t size, const char *etag)
+	const uint8_t *bytes, size_t size, const struct srv_validators *validators)
 {
 	_Atomic(struct MHD_Response *) *slot = &scene->responses[chunk];
 	struct MHD_Response *stored = atomic_load(slot);
@@ -191,7 +262,7 @@ static void answer_whole(struct srv_answer *answer, struct srv_scene *scene, uin
 	if (!stored) {
 		answer->response = MHD_create_response_from_buffer(size, (void *)bytes,
 			MHD_RESPMEM_PERSISTENT);
-		chunk_headers(answer, etag);
+		chunk_headers(answer, validators);
 		if (!answer->response)
 			return;
 		if (atomic_compare_exchange_strong(slot, &stored, answer->response))
@@ -206,14 +277,14 @@ static void answer_whole(struct srv_answer *answer, struct srv_scene *scene, uin
 }
 
 static void answer_part(struct srv_answer *answer, const struct srv_range *range, const uint8_t *bytes,
-	size_t size, const char *etag)
+	size_t size, const struct srv_validators *validators)
 {
 	char text[80];
 	*answer = (struct srv_answer){ .status = MHD_HTTP_PARTIAL_CONTENT,
 		.size_bytes = range->end - range->first };
 	answer->response = MHD_create_response_from_buffer(range->end - range->first,
 		(void *)(bytes + range->first), MHD_RESPMEM_PERSISTENT);
-	chunk_headers(answer, etag);
+	chunk_headers(answer, validators);
 	snprintf(text, sizeof text, "bytes %llu-%llu/%zu", (unsigned long long)range->first,
 		(unsigned long long)range->end - 1, size);
 	add_header(answer, MHD_HTTP_HEADER_CONTENT_RANGE, text);
@@ -232,7 +303,7 @@ static void answer_outside(struct srv_answer *answer, size_t size, const char *i
 void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32_t chunk,
 	const struct srv_conditions *conditions, bool get, const char *instance)
 {
-	char etag[SRV_ETAG_BYTES];
+	struct srv_validators validators = { .modified_s = scene->modified_s };
 	const uint8_t *bytes;
 	size_t size;
 	struct eco_error error = { 0 };
@@ -243,21 +314,21 @@ void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32
 			.detail = error.text, .instance = instance });
 		return;
 	}
-	srv_etag_of(etag, &scene->pack->scene.chunks[chunk].id);
-	if (srv_etag_match(conditions->if_none_match, etag)) {
-		answer_whole(answer, scene, chunk, bytes, size, etag);
-		maybe_not_modified(answer, etag, conditions->if_none_match);
+	srv_etag_of(validators.etag, &scene->pack->scene.chunks[chunk].id);
+	if (srv_conditions_judge(conditions, validators.etag, validators.modified_s) != SRV_VERDICT_GO) {
+		answer_whole(answer, scene, chunk, bytes, size, &validators);
+		srv_answer_judge(answer, conditions, &validators, instance);
 		return;
 	}
 	/* If-Range compares strongly: only our own tag, as it is, lets the range count. */
-	bool wants_part = get && (!conditions->if_range || strcmp(conditions->if_range, etag) == 0);
+	bool wants_part = get && (!conditions->if_range || strcmp(conditions->if_range, validators.etag) == 0);
 	struct srv_range range = srv_range_parse(wants_part ? conditions->range : NULL, size);
 	if (range.kind == SRV_RANGE_OUTSIDE)
 		answer_outside(answer, size, instance);
 	else if (range.kind == SRV_RANGE_PART)
-		answer_part(answer, &range, bytes, size, etag);
+		answer_part(answer, &range, bytes, size, &validators);
 	else
-		answer_whole(answer, scene, chunk, bytes, size, etag);
+		answer_whole(answer, scene, chunk, bytes, size, &validators);
 }
 
 void srv_answer_free(struct srv_answer *answer)
@@ -265,6 +336,7 @@ void srv_answer_free(struct srv_answer *answer)
 	if (answer->response && !answer->shared)
 		MHD_destroy_response(answer->response);
 	answer->response = NULL;
+	answer->shared = false;
 }
 
 void srv_answer_drop_shared(struct srv_store *store)

@@ -8,6 +8,7 @@
 #define SRV_ANSWER_H
 
 #include "server/condition.h"
+#include "server/plan_cache.h"
 #include "server/problem.h"
 #include "server/stream.h"
 
@@ -24,15 +25,35 @@ struct srv_answer {
 struct srv_problem_details { enum srv_problem problem; const char *detail, *instance, *allow; bool close; };
 void srv_answer_problem(struct srv_answer *answer, const struct srv_problem_details *details);
 
-/* Takes json->out. `etag` with quotes; NULL: no ETag and not to be stored. `timing`: a Server-Timing value or
- * NULL. If the ETag is in `if_none_match` the answer is 304. */
-void srv_answer_json(struct srv_answer *answer, struct srv_json *json, const char *etag,
-	const char *if_none_match, const char *timing);
+/* What names the state of an answer. `etag` with quotes; "": none, and the answer is not to be stored.
+ * `modified_s`: since 1970, 0: not known. */
+struct srv_validators { char etag[SRV_ETAG_BYTES]; int64_t modified_s; };
+
+/* Takes json->out. `timing`: a Server-Timing value or NULL. */
+void srv_answer_json(struct srv_answer *answer, struct srv_json *json, const struct srv_validators *validators,
+	const char *timing);
 
 /* Takes *body; the rest as srv_answer_json. */
-void srv_answer_stream(struct srv_answer *answer, struct srv_body *body, const char *etag,
-	const char *if_none_match, const char *timing);
+void srv_answer_stream(struct srv_answer *answer, struct srv_body *body,
+	const struct srv_validators *validators, const char *timing);
+/* From a body that is held; holds it, too. */
+void srv_answer_kept(struct srv_answer *answer, struct srv_kept_body *body, const char *type,
+	const struct srv_validators *validators, const char *timing);
+/* Of pieces with `size` bytes together: srv_kept_body_make. */
+struct srv_kept_body *srv_kept_body_copy(const struct srv_piece *pieces, uint32_t count, uint64_t size);
 void srv_answer_no_stream(struct srv_answer *answer, const char *timing);        /* 204 */
+
+/* An answer of which the head alone is sent: 304, or a 200 or 204 to HEAD. `size_bytes` of the body that GET
+ * gets; SRV_SIZE_UNKNOWN closes the connection. `type`: the body's. */
+#define SRV_SIZE_UNKNOWN UINT64_MAX
+void srv_answer_head(struct srv_answer *answer, unsigned status, uint64_t size_bytes, const char *type,
+	const struct srv_validators *validators);
+
+/* Lets the request's preconditions count for an answer that has been made: it stays, or is 304 or 412 instead.
+ */
+void srv_answer_judge(struct srv_answer *answer, const struct srv_conditions *conditions,
+	const struct srv_validators *validators, const char *instance);
+void srv_answer_failed_condition(struct srv_answer *answer, const char *instance);
 
 /* The chunk, a part of it, 304, 416, or the problem that its payload is damaged. Range counts for GET only.
  */

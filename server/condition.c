@@ -1,6 +1,7 @@
 #include "server/condition.h"
 
 #include <string.h>
+#include <time.h>
 
 /* Digits at *text, saturating: a position beyond 2^64 is simply beyond the end. */
 static bool take_count(const char **text, uint64_t *value)
@@ -50,28 +51,72 @@ struct srv_range srv_range_parse(const char *value, uint64_t size)
 	return (struct srv_range){ SRV_RANGE_PART, first, last < size ? last + 1 : size };
 }
 
-bool srv_etag_match(const char *value, const char *etag)
+bool srv_etag_any(const char *value)
+{
+	value += strspn(value, " \t");
+	return value[0] == '*' && value[1 + strspn(value + 1, " \t")] == 0;
+}
+
+/* `strongly`: a weak tag is none. */
+static bool list_names(const char *value, const char *etag, bool strongly)
 {
 	size_t size = strlen(etag);
-	if (!value)
-		return false;
-	value += strspn(value, " \t");
-	if (value[0] == '*' && value[1 + strspn(value + 1, " \t")] == 0)
-		return true;
 	while (*value) {
 		value += strspn(value, " \t,");
-		if (value[0] == 'W' && value[1] == '/')
-			value += 2;
+		bool weak = value[0] == 'W' && value[1] == '/';
+		value += 2 * weak;
 		if (*value != '"')
 			return false;
 		const char *close = strchr(value + 1, '"');
 		if (!close)
 			return false;
-		if ((size_t)(close + 1 - value) == size && memcmp(value, etag, size) == 0)
+		if (!(weak && strongly) && (size_t)(close + 1 - value) == size && memcmp(value, etag, size) == 0)
 			return true;
 		value = close + 1;
 		if (*value && !strchr(" \t,", *value))
 			return false;
 	}
 	return false;
+}
+
+bool srv_etag_match(const char *value, const char *etag)
+{
+	return value && (srv_etag_any(value) || list_names(value, etag, false));
+}
+
+/* The three forms of RFC 9110, 5.6.7; false for anything else. */
+static bool read_date(const char *text, int64_t *at_s)
+{
+	static const char *const forms[] = { "%a, %d %b %Y %H:%M:%S GMT", "%A, %d-%b-%y %H:%M:%S GMT",
+		"%a %b %e %H:%M:%S %Y" };
+	for (size_t i = 0; i < sizeof forms / sizeof *forms; i++) {
+		struct tm parts = { 0 };
+		const char *end = strptime(text, forms[i], &parts);
+		if (end && !end[strspn(end, " \t")]) {
+			*at_s = timegm(&parts);
+			return true;
+		}
+	}
+	return false;
+}
+
+void srv_date_format(char text[SRV_DATE_BYTES], int64_t at_s)
+{
+	struct tm parts;
+	time_t at = (time_t)at_s;
+	if (!gmtime_r(&at, &parts) || !strftime(text, SRV_DATE_BYTES, "%a, %d %b %Y %H:%M:%S GMT", &parts))
+		text[0] = 0;
+}
+
+enum srv_verdict srv_conditions_judge(const struct srv_conditions *conditions, const char *etag,
+	int64_t modified_s)
+{
+	const char *match = conditions->if_match, *since = conditions->if_unmodified_since;
+	int64_t at_s;
+	if (match && !srv_etag_any(match) && !(etag && list_names(match, etag, true)))
+		return SRV_VERDICT_FAILED;
+	if (!match && since && modified_s && read_date(since, &at_s) && modified_s > at_s)
+		return SRV_VERDICT_FAILED;
+	return etag && srv_etag_match(conditions->if_none_match, etag) ? SRV_VERDICT_NOT_MODIFIED
+		: SRV_VERDICT_GO;
 }

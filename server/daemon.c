@@ -194,6 +194,7 @@ static void fill_defaults(struct srv_config *config)
 	DEFAULT(body_max, 4u << 20);
 	DEFAULT(bodies_max, 256u << 20);
 	DEFAULT(response_max, 1ull << 31);
+	DEFAULT(plan_cache_bytes, 64u << 20);
 }
 #undef DEFAULT
 
@@ -234,6 +235,9 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 	enum eco_code code = open_listener(daemon, error);
 	if (!code)
 		code = srv_reaper_start(&daemon->host.reaper, error);
+	daemon->host.plans = srv_plan_cache_new(daemon->host.config.plan_cache_bytes);
+	if (!code && !daemon->host.plans)
+		code = eco_fail(error, ECO_NO_MEMORY, "no memory for answers that are kept");
 	if (!code)
 		code = srv_work_start(&daemon->host.work, daemon->host.config.work_threads,
 			daemon->host.config.queue_max, error);
@@ -281,6 +285,7 @@ void srv_daemon_stop(struct srv_daemon *daemon)
 	srv_work_free(daemon->host.work);
 	srv_reaper_stop(daemon->host.reaper);
 	srv_answer_drop_shared(daemon->host.store);
+	srv_plan_cache_free(daemon->host.plans);
 	if (daemon->listen_fd >= 0)
 		close(daemon->listen_fd);
 	free(daemon);

@@ -32,6 +32,7 @@ struct srv_config {              /* 0 is the default */
 	uint64_t body_max;           /* of requests: 4 MiB */
 	uint64_t bodies_max;         /* arrived, of all requests that are received or planned: 256 MiB */
 	uint64_t response_max;       /* 2 GiB */
+	uint64_t plan_cache_bytes;   /* of answers that are kept for who asks again: 64 MiB */
 	uint64_t tiles_max, placements_max;  /* of a plan's walk; lod/plan/planner.h's defaults */
 	bool log;                    /* one line a request on stderr */
 };

@@ -80,6 +80,13 @@ static bool queue_problem(struct srv_exchange *exchange, enum srv_problem proble
 	return queue_answer(exchange);
 }
 
+static void judge_answer(struct srv_exchange *exchange, const struct srv_validators *validators)
+{
+	char path[SRV_TARGET_BYTES_MAX];
+	if (exchange->answer.response && exchange->answer.status / 100 == 2)
+		srv_answer_judge(&exchange->answer, &exchange->conditions, validators, path_of(exchange, path));
+}
+
 /* ---- Plans and streams, on a work thread ---- */
 
 static void timing_text(char *text, size_t size, uint64_t begun_us, uint64_t planned_us)
@@ -88,43 +95,86 @@ static void timing_text(char *text, size_t size, uint64_t begun_us, uint64_t pla
 		(double)(srv_clock_us() - planned_us) / 1000.0);
 }
 
-static enum eco_code answer_planned(struct srv_exchange *exchange, struct srv_stream *stream,
-	uint64_t begun_us, struct eco_error *error)
+static const char *type_of(const struct srv_exchange *exchange)
 {
-	const char *etag = exchange->etag[0] ? exchange->etag : NULL;
+	return exchange->route == &srv_routes[SRV_PLAN] ? "application/json" : "application/octet-stream";
+}
+
+static void keep_answer(struct srv_exchange *exchange, unsigned status, uint64_t size_bytes,
+	struct srv_kept_body *body)
+{
+	if (exchange->validators.etag[0])
+		srv_plan_cache_put(exchange->host->plans, exchange->validators.etag,
+			&(struct srv_kept_answer){ status, size_bytes, body });
+}
+
+/* Answers from `body` (NULL: false) and keeps it for who asks again. What follows from a request that is not a
+ * GET or HEAD has no tag, and is not kept. */
+static bool answer_kept(struct srv_exchange *exchange, struct srv_kept_body *body, const char *timing)
+{
+	if (!body)
+		return false;
+	srv_answer_kept(&exchange->answer, body, type_of(exchange), &exchange->validators, timing);
+	keep_answer(exchange, MHD_HTTP_OK, body->size, body);
+	srv_kept_body_release(body);
+	return true;
+}
+
+static enum eco_code answer_plan(struct srv_exchange *exchange, struct srv_stream *stream, uint64_t begun_us,
+	struct eco_error *error)
+{
 	uint64_t planned_us = srv_clock_us();
 	char timing[96];
-	if (exchange->route == &srv_routes[SRV_PLAN]) {
-		struct srv_json json = { 0 };
-		struct lod_explanation why = { 0 };
-		bool explain = exchange->query.explain;
-		enum eco_code code = explain ? srv_stream_explain(stream, &why, error) : ECO_OK;
-		if (!code)
-			srv_describe_plan(&json, stream, explain ? &why : NULL);
-		lod_explanation_free(&why);
-		if (code)
-			return code;
-		if (json.out.size > PLAN_TEXT_MAX) {
-			eco_writer_free(&json.out);
-			return eco_fail(error, ECO_TOO_LARGE, "the plan has %u cuts, too many to read; ask "
-				"for fewer vertices, or for the stream",
-				stream->steps[stream->step_count - 1].plan.cut_count);
-		}
-		timing_text(timing, sizeof timing, begun_us, planned_us);
-		srv_answer_json(&exchange->answer, &json, etag, exchange->conditions.if_none_match, timing);
+	struct srv_json json = { 0 };
+	struct lod_explanation why = { 0 };
+	bool explain = exchange->query.explain;
+	enum eco_code code = explain ? srv_stream_explain(stream, &why, error) : ECO_OK;
+	if (!code)
+		srv_describe_plan(&json, stream, explain ? &why : NULL);
+	lod_explanation_free(&why);
+	if (code)
+		return code;
+	if (json.out.size > PLAN_TEXT_MAX) {
+		eco_writer_free(&json.out);
+		return eco_fail(error, ECO_TOO_LARGE, "the plan has %u cuts, too many to read; ask "
+			"for fewer vertices, or for the stream",
+			stream->steps[stream->step_count - 1].plan.cut_count);
+	}
+	timing_text(timing, sizeof timing, begun_us, planned_us);
+	const struct srv_piece text = { json.out.bytes, json.out.size };
+	if (!json.out.failed && answer_kept(exchange, srv_kept_body_copy(&text, 1, text.size), timing)) {
+		eco_writer_free(&json.out);
 		return ECO_OK;
 	}
+	keep_answer(exchange, MHD_HTTP_OK, json.out.size, NULL);
+	srv_answer_json(&exchange->answer, &json, &exchange->validators, timing);
+	return ECO_OK;
+}
+
+static enum eco_code answer_stream(struct srv_exchange *exchange, struct srv_stream *stream, uint64_t begun_us,
+	struct eco_error *error)
+{
+	uint64_t planned_us = srv_clock_us();
+	char timing[96];
+	struct srv_body body;
 	if (!stream->fits) {
 		timing_text(timing, sizeof timing, begun_us, planned_us);
+		keep_answer(exchange, MHD_HTTP_NO_CONTENT, 0, NULL);
 		srv_answer_no_stream(&exchange->answer, timing);
 		return ECO_OK;
 	}
-	struct srv_body body;
 	enum eco_code code = srv_stream_write(stream, &body, error);
+	if (code)
+		return code;
 	timing_text(timing, sizeof timing, begun_us, planned_us);
-	if (!code)
-		srv_answer_stream(&exchange->answer, &body, etag, exchange->conditions.if_none_match, timing);
-	return code;
+	if (exchange->validators.etag[0] && answer_kept(exchange,
+			srv_kept_body_copy(body.pieces, body.piece_count, body.size_bytes), timing)) {
+		srv_body_free(&body);
+		return ECO_OK;
+	}
+	keep_answer(exchange, MHD_HTTP_OK, body.size_bytes, NULL);
+	srv_answer_stream(&exchange->answer, &body, &exchange->validators, timing);
+	return ECO_OK;
 }
 
 static void plan_job(void *argument)
@@ -140,11 +190,14 @@ static void plan_job(void *argument)
 	uint64_t begun_us = srv_clock_us();
 	enum eco_code code = srv_stream_plan(&stream, &input, &error);
 	if (!code) {
-		code = answer_planned(exchange, &stream, begun_us, &error);
+		code = (exchange->route == &srv_routes[SRV_PLAN] ? answer_plan : answer_stream)(exchange, &stream,
+			begun_us, &error);
 		srv_stream_free(&stream);
 	}
 	if (code)
 		make_problem(exchange, srv_problem_of(code), error.text, false);
+	else
+		judge_answer(exchange, &exchange->validators);
 	exchange->phase = SRV_PHASE_DONE;
 	MHD_resume_connection(exchange->connection);     /* from here on the exchange may be gone */
 }
@@ -160,6 +213,57 @@ static bool start_plan(struct srv_exchange *exchange)
 	exchange->phase = SRV_PHASE_DONE;
 	MHD_resume_connection(exchange->connection);
 	return true;
+}
+
+/* What was answered before to the same request. */
+static bool answer_again(struct srv_exchange *exchange)
+{
+	struct srv_kept_answer kept;
+	if (!srv_plan_cache_get(exchange->host->plans, exchange->validators.etag, &kept))
+		return false;
+	bool answered = true;
+	if (kept.status == MHD_HTTP_NO_CONTENT)
+		srv_answer_no_stream(&exchange->answer, NULL);
+	else if (kept.body)
+		srv_answer_kept(&exchange->answer, kept.body, type_of(exchange), &exchange->validators, NULL);
+	else if (exchange->method == SRV_METHOD_HEAD)
+		srv_answer_head(&exchange->answer, kept.status, kept.size_bytes, type_of(exchange),
+			&exchange->validators);
+	else
+		answered = false;
+	srv_kept_body_release(kept.body);
+	if (answered)
+		judge_answer(exchange, &exchange->validators);
+	return answered;
+}
+
+/* A tag takes the pack and the target alone: whether one is named is known without a plan. "*" names whatever
+ * there is, so that does need one. */
+static bool answer_by_tag(struct srv_exchange *exchange)
+{
+	const struct srv_conditions *conditions = &exchange->conditions;
+	char path[SRV_TARGET_BYTES_MAX];
+	struct srv_kept_answer kept = { .size_bytes = SRV_SIZE_UNKNOWN };
+	enum srv_verdict verdict = srv_conditions_judge(conditions, exchange->validators.etag,
+		exchange->validators.modified_s);
+	if (verdict == SRV_VERDICT_FAILED) {
+		srv_answer_failed_condition(&exchange->answer, path_of(exchange, path));
+		return true;
+	}
+	if (verdict == SRV_VERDICT_GO || srv_etag_any(conditions->if_none_match))
+		return false;
+	if (srv_plan_cache_get(exchange->host->plans, exchange->validators.etag, &kept))
+		srv_kept_body_release(kept.body);
+	srv_answer_head(&exchange->answer, MHD_HTTP_NOT_MODIFIED, kept.size_bytes, type_of(exchange),
+		&exchange->validators);
+	return true;
+}
+
+static bool answer_unplanned(struct srv_exchange *exchange)
+{
+	srv_etag_request(exchange->validators.etag, exchange->scene, exchange->raw);
+	exchange->validators.modified_s = exchange->scene->modified_s;
+	return answer_by_tag(exchange) || answer_again(exchange);
 }
 
 /* Reads the parameters and the body; true if there is something to plan, else an answer has been made. */
@@ -182,10 +286,8 @@ static bool prepare_plan(struct srv_exchange *exchange)
 			"forget what was held of it and ask again without holdings", false);
 		return false;
 	}
-	if (exchange->method != SRV_METHOD_POST) {
-		srv_etag_request(exchange->etag, exchange->scene, exchange->raw);
-		return true;
-	}
+	if (exchange->method != SRV_METHOD_POST)
+		return !answer_unplanned(exchange);
 	enum eco_code code = eco_wire_read_holdings(exchange->body, exchange->body_size, &exchange->holdings,
 		&error);
 	if (!code)
@@ -200,13 +302,13 @@ static bool prepare_plan(struct srv_exchange *exchange)
 
 static void answer_described(struct srv_exchange *exchange, bool validated, struct srv_json *json)
 {
-	char etag[SRV_ETAG_BYTES];
+	struct srv_validators validators = { .modified_s = exchange->scene ? exchange->scene->modified_s : 0 };
 	if (validated && !json->out.failed) {
 		struct eco_chunk_id id = eco_chunk_hash(json->out.bytes, json->out.size);
-		srv_etag_of(etag, &id);
+		srv_etag_of(validators.etag, &id);
 	}
-	srv_answer_json(&exchange->answer, json, validated ? etag : NULL, exchange->conditions.if_none_match,
-		NULL);
+	srv_answer_json(&exchange->answer, json, &validators, NULL);
+	judge_answer(exchange, &validators);
 }
 
 static void answer_chunk(struct srv_exchange *exchange)
@@ -290,7 +392,9 @@ static void read_headers(struct srv_exchange *exchange)
 	assert(exchange->lease->gate.framing.heads > 0);
 	exchange->conditions = (struct srv_conditions){ .range = header(exchange, MHD_HTTP_HEADER_RANGE),
 		.if_range = header(exchange, MHD_HTTP_HEADER_IF_RANGE),
-		.if_none_match = header(exchange, MHD_HTTP_HEADER_IF_NONE_MATCH) };
+		.if_match = header(exchange, MHD_HTTP_HEADER_IF_MATCH),
+		.if_none_match = header(exchange, MHD_HTTP_HEADER_IF_NONE_MATCH),
+		.if_unmodified_since = header(exchange, MHD_HTTP_HEADER_IF_UNMODIFIED_SINCE) };
 	exchange->has_length = length && srv_parse_count(length, &exchange->length);
 }
 

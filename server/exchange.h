@@ -23,6 +23,7 @@ struct srv_host {                        /* what exchanges need of the daemon */
 	struct srv_config config;            /* defaults filled in */
 	struct srv_store *store;
 	struct srv_work *work;
+	struct srv_plan_cache *plans;
 	struct srv_reaper *reaper;
 	atomic_bool draining;
 	_Atomic(uint32_t) busy;
@@ -55,7 +56,7 @@ struct srv_exchange {
 	struct srv_scene *scene;
 	struct srv_query query;
 	struct eco_holdings holdings;
-	char etag[SRV_ETAG_BYTES];           /* of a plan or stream that was got, else "" */
+	struct srv_validators validators;    /* of a plan or stream that is got, else empty */
 
 	struct srv_answer answer;
 	uint64_t begun_us;

@@ -15,6 +15,7 @@ const struct srv_problem_row srv_problem_rows[SRV_PROBLEM_COUNT] = {
 	[SRV_PROBLEM_METHOD] = { URN "method-not-allowed", "The resource does not support this method", 405 },
 	[SRV_PROBLEM_PACK_CHANGED] = { URN "pack-changed", "The scene has been rebuilt since", 409 },
 	[SRV_PROBLEM_LENGTH_REQUIRED] = { URN "length-required", "The body needs a Content-Length", 411 },
+	[SRV_PROBLEM_PRECONDITION] = { URN "precondition-failed", "The condition of the request does not hold", 412 },
 	[SRV_PROBLEM_BODY_TOO_LARGE] = { URN "body-too-large", "The body is too large", 413 },
 	[SRV_PROBLEM_TARGET_TOO_LONG] = { URN "target-too-long", "The request target is too long", 414 },
 	[SRV_PROBLEM_HEAD_TOO_LARGE] = { URN "head-too-large", "The request's head is too large", 431 },

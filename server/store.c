@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 void srv_store_init(struct srv_store *store)
 {
@@ -71,9 +72,9 @@ static enum eco_code check_name(const struct srv_store *store, const char *name,
 
 /* Owns the pack from then on, also on failure. */
 static enum eco_code add_pack(struct srv_store *store, const char *name, struct eco_pack *pack,
-	struct eco_error *error)
+	int64_t modified_s, struct eco_error *error)
 {
-	struct srv_scene scene = { .pack = pack };
+	struct srv_scene scene = { .pack = pack, .modified_s = modified_s };
 	enum eco_code code = check_name(store, name, error);
 	if (!code) {
 		snprintf(scene.name, sizeof scene.name, "%s", name);
@@ -155,7 +156,8 @@ enum eco_code srv_store_add(struct srv_store *store, const char *name, const cha
 		snprintf(chosen, sizeof chosen, "%s", pack->scene.name);
 	else
 		srv_name_of_file(chosen, path);
-	return add_pack(store, chosen, pack, error);
+	struct stat about;
+	return add_pack(store, chosen, pack, stat(path, &about) ? 0 : about.st_mtime, error);
 }
 
 struct srv_scene *srv_store_find(const struct srv_store *store, const char *name)

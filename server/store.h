@@ -30,6 +30,7 @@ struct MHD_Response;
 struct srv_scene {
 	char name[SRV_NAME_BYTES];
 	struct eco_pack *pack;
+	int64_t modified_s;                      /* when the file was last changed, since 1970 */
 	struct lod_plan_tables *tables;
 	uint32_t *by_id;                         /* chunk indices sorted by id */
 	_Atomic(uint8_t) *checked;               /* per chunk: the payload's hash has been found right */

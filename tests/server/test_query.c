@@ -259,6 +259,37 @@ UNIT_TEST(entity_tags_match_weakly)
 		assert_int_equal(srv_etag_match(rows[i].value, "\"abc\""), rows[i].match);
 }
 
+UNIT_TEST(preconditions_are_judged_in_order)
+{
+	static const char early[] = "Sun, 06 Nov 1994 08:49:36 GMT", same[] = "Sunday, 06-Nov-94 08:49:37 GMT",
+		late[] = "Sun Nov  6 08:49:38 1994";
+	static const struct { struct srv_conditions given; enum srv_verdict tagged, untagged; } rows[] = {
+		{ { .range = "bytes=0-1" }, SRV_VERDICT_GO, SRV_VERDICT_GO },
+		{ { .if_match = "\"a\"" }, SRV_VERDICT_GO, SRV_VERDICT_FAILED },
+		{ { .if_match = "*" }, SRV_VERDICT_GO, SRV_VERDICT_GO },
+		{ { .if_match = "\"b\", \"a\"" }, SRV_VERDICT_GO, SRV_VERDICT_FAILED },
+		{ { .if_match = "W/\"a\"" }, SRV_VERDICT_FAILED, SRV_VERDICT_FAILED },
+		{ { .if_match = "a" }, SRV_VERDICT_FAILED, SRV_VERDICT_FAILED },
+		{ { .if_match = "\"b\"", .if_none_match = "\"a\"" }, SRV_VERDICT_FAILED, SRV_VERDICT_FAILED },
+		{ { .if_match = "\"a\"", .if_none_match = "\"a\"" }, SRV_VERDICT_NOT_MODIFIED,
+			SRV_VERDICT_FAILED },
+		{ { .if_unmodified_since = early }, SRV_VERDICT_FAILED, SRV_VERDICT_FAILED },
+		{ { .if_unmodified_since = same }, SRV_VERDICT_GO, SRV_VERDICT_GO },
+		{ { .if_unmodified_since = late }, SRV_VERDICT_GO, SRV_VERDICT_GO },
+		{ { .if_unmodified_since = "yesterday" }, SRV_VERDICT_GO, SRV_VERDICT_GO },
+		{ { .if_match = "\"a\"", .if_unmodified_since = early }, SRV_VERDICT_GO, SRV_VERDICT_FAILED },
+		{ { .if_none_match = "W/\"a\"" }, SRV_VERDICT_NOT_MODIFIED, SRV_VERDICT_GO },
+	};
+	char date[SRV_DATE_BYTES];
+	srv_date_format(date, 784111776);
+	assert_string_equal(date, early);
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		assert_int_equal(srv_conditions_judge(&rows[i].given, "\"a\"", 784111777), rows[i].tagged);
+		assert_int_equal(srv_conditions_judge(&rows[i].given, NULL, 784111777), rows[i].untagged);
+	}
+	assert_int_equal(srv_conditions_judge(&rows[8].given, NULL, 0), SRV_VERDICT_GO);
+}
+
 UNIT_TEST(authorities_are_names_or_addresses)
 {
 	static const struct { const char *text; bool valid; } rows[] = { { "a", true }, { "a.b-c_d~.", true },

@@ -193,6 +193,12 @@ UNIT_TEST(same_request_same_bytes)
 		assert_memory_equal(one.body, two.body, one.size);
 		assert_true(http_header(&one, "ETag", etag, sizeof etag));
 		assert_header(&two, "ETag", etag);
+		if (strstr(targets[i], "/stream")) {     /* that of a POST is always planned */
+			struct http_answer planned = http_ask(port, "POST", targets[i], OCTETS, NOTHING_HELD);
+			assert_int_equal(planned.size, one.size);
+			assert_memory_equal(planned.body, one.body, one.size);
+			http_free(&planned);
+		}
 		snprintf(headers, sizeof headers, "If-None-Match: %s\r\n", etag);
 		struct http_answer known = http_ask(port, "GET", targets[i], headers, NULL, 0);
 		assert_true(known.status == 304 && known.size == 0);
@@ -207,6 +213,56 @@ UNIT_TEST(same_request_same_bytes)
 		http_free(&two);
 		http_free(&known);
 		http_free(&head);
+	}
+}
+
+/* A daemon that can plan nothing answers by the tag alone; "*" does need a plan. */
+UNIT_TEST(a_tag_that_matches_needs_no_plan)
+{
+	static const char *const targets[] = { BASE "/stream?" VIEW_BY("100000"), BASE "/plan?" VIEW_BY("100000") };
+	const struct srv_config config = { .listen = "127.0.0.1:0", .response_max = 1 };
+	struct srv_daemon *daemon;
+	struct eco_error error = { 0 };
+	assert_ok(srv_daemon_start(&daemon, &config, &store, &error), error);
+	for (size_t i = 0; i < 2; i++) {
+		struct http_answer answer = http_get(port, targets[i]);
+		char etag[80], headers[120];
+		assert_true(http_header(&answer, "ETag", etag, sizeof etag));
+		http_free(&answer);
+		const struct { const char *form; unsigned status; } rows[] = { { "If-None-Match: %s\r\n", 304 },
+			{ "If-None-Match: *\r\n", 422 }, { "If-None-Match: \"x\"\r\n", 422 }, { "", 422 },
+			{ "If-Match: \"x\"\r\n", 412 }, { "If-Match: %s\r\n", 422 } };
+		for (size_t r = 0; r < sizeof rows / sizeof *rows; r++) {
+			snprintf(headers, sizeof headers, rows[r].form, etag);
+			answer = http_ask(srv_daemon_port(daemon), "GET", targets[i], headers, NULL, 0);
+			if (answer.status != rows[r].status || (answer.status == 304 && answer.size))
+				fail_msg("%s: %u\n%s", headers, answer.status, answer.head);
+			http_free(&answer);
+		}
+	}
+	srv_daemon_stop(daemon);
+}
+
+/* What was planned says so with Server-Timing; what is kept has none. */
+UNIT_TEST(what_was_answered_is_kept)
+{
+	static const struct { const char *method, *target; bool planned; unsigned status; } rows[] = {
+		{ "HEAD", BASE "/stream?" VIEW_BY("7777"), true, 200 }, { "HEAD", BASE "/stream?" VIEW_BY("7777"), false, 200 },
+		{ "GET", BASE "/stream?" VIEW_BY("7777"), false, 200 },
+		{ "GET", BASE "/plan?" VIEW_BY("7777"), true, 200 }, { "GET", BASE "/plan?" VIEW_BY("7777"), false, 200 },
+		{ "GET", BASE "/stream?" VIEW_BY("7777") "&bytes=1", true, 204 },
+		{ "HEAD", BASE "/stream?" VIEW_BY("7777") "&bytes=1", false, 204 },
+		{ "GET", BASE "/stream?" VIEW_BY("7777") "&bytes=90000000", true, 200 } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct http_answer answer = http_ask(port, rows[i].method, rows[i].target, "", NULL, 0);
+		char timing[128], length[32] = "0";
+		bool head = strcmp(rows[i].method, "HEAD") == 0;
+		assert_int_equal(answer.status, rows[i].status);
+		if (http_header(&answer, "Server-Timing", timing, sizeof timing) != rows[i].planned)
+			fail_msg("row %zu:\n%s", i, answer.head);
+		assert_int_equal(http_header(&answer, "Content-Length", length, sizeof length), answer.status == 200);
+		assert_true(head ? answer.size == 0 : answer.size == strtoul(length, NULL, 10));
+		http_free(&answer);
 	}
 }
 
@@ -259,12 +315,13 @@ UNIT_TEST(chunks_are_immutable_and_partial)
 {
 	const struct eco_chunk *chunk = &scene()->chunks[3];
 	const uint8_t *payload = store.scenes[0].pack->map + chunk->offset;
-	char target[128], etag[SRV_ID_TEXT_BYTES + 2], last[64], whole_range[64], half[64];
+	char target[128], etag[SRV_ID_TEXT_BYTES + 2], last[64], whole_range[64], half[64], match[64];
 	uint32_t size = chunk->size_bytes;
 	chunk_target(target, 3);
 	snprintf(etag, sizeof etag, "\"%s\"", strrchr(target, '/') + 1);
 	snprintf(last, sizeof last, "Range: bytes=%u-%u\r\n", size - 1, size + 100);
 	snprintf(whole_range, sizeof whole_range, "If-None-Match: \"x\", %s\r\n", etag);
+	snprintf(match, sizeof match, "If-Match: %s\r\n", etag);
 	snprintf(half, sizeof half, "Range: bytes=0-3\r\nIf-Range: %s\r\n", "\"other\"");
 	const struct { const char *method, *headers; unsigned status; uint32_t first, end; } rows[] = {
 		{ "GET", "", 200, 0, size }, { "GET", "", 200, 0, size },
@@ -275,6 +332,10 @@ UNIT_TEST(chunks_are_immutable_and_partial)
 		{ "GET", "Range: bytes=99999999-\r\n", 416, 0, 0 },
 		{ "GET", "Range: nonsense\r\n", 200, 0, size },
 		{ "GET", whole_range, 304, 0, 0 },
+		{ "GET", match, 200, 0, size }, { "GET", "If-Match: *\r\nRange: bytes=0-3\r\n", 206, 0, 4 },
+		{ "GET", "If-Match: \"x\"\r\n", 412, 0, 0 },
+		{ "GET", "If-Unmodified-Since: Sun, 06 Nov 1994 08:49:37 GMT\r\n", 412, 0, 0 },
+		{ "GET", "If-Unmodified-Since: Sat, 06 Nov 2094 08:49:37 GMT\r\n", 200, 0, size },
 		{ "GET", "If-None-Match: *\r\nRange: bytes=0-3\r\n", 304, 0, 0 },
 		{ "GET", "If-None-Match: \"x\"\r\n", 200, 0, size }, { "GET", half, 200, 0, size },
 		{ "HEAD", "", 200, 0, 0 }, { "HEAD", "Range: bytes=0-3\r\n", 200, 0, 0 },
@@ -286,6 +347,8 @@ UNIT_TEST(chunks_are_immutable_and_partial)
 			char range[64];
 			snprintf(range, sizeof range, "bytes */%u", size);
 			assert_header(&answer, "Content-Range", range);
+		} else if (rows[i].status == 412) {
+			assert_non_null(strstr(answer.body, "precondition-failed"));
 		} else {
 			assert_header(&answer, "ETag", etag);
 			assert_header(&answer, "Cache-Control", "public, max-age=31536000, immutable");

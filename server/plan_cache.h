@@ -1,0 +1,37 @@
+/* Answers to plan and stream requests, by their ETag: the same request to the same pack gives the same bytes, so
+ * that a HEAD, a 304 and a repeated GET cost no plan. Status and size are kept of each, the body where it is
+ * small. What was not asked for the longest goes first.
+ *
+ *   srv_plan_cache_put(cache, etag, &(struct srv_kept_answer){ status, size, body });
+ *   if (srv_plan_cache_get(cache, etag, &kept)) ... srv_kept_body_release(kept.body);
+ *
+ * Any thread; a body lives as long as someone holds it. */
+#ifndef SRV_PLAN_CACHE_H
+#define SRV_PLAN_CACHE_H
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define SRV_KEPT_BODY_MAX (256u << 10)
+
+struct srv_kept_body { _Atomic(uint32_t) holders; size_t size; uint8_t bytes[]; };
+struct srv_kept_answer { unsigned status; uint64_t size_bytes; struct srv_kept_body *body; };   /* body: or NULL */
+
+/* Of `size` bytes, to be filled by the caller, who holds it; NULL if it is larger than what is kept, or there is
+ * no memory. */
+struct srv_kept_body *srv_kept_body_make(uint64_t size);
+void srv_kept_body_hold(struct srv_kept_body *body);
+void srv_kept_body_release(struct srv_kept_body *body);          /* NULL is fine */
+
+struct srv_plan_cache;
+/* NULL if there is no memory. */
+struct srv_plan_cache *srv_plan_cache_new(uint64_t bytes_max);
+void srv_plan_cache_free(struct srv_plan_cache *cache);          /* NULL is fine */
+/* Holds the body, too. `etag`: 0-terminated, short. Without memory nothing is kept. */
+void srv_plan_cache_put(struct srv_plan_cache *cache, const char *etag, const struct srv_kept_answer *kept);
+/* The caller holds the body then, if there is one. */
+bool srv_plan_cache_get(struct srv_plan_cache *cache, const char *etag, struct srv_kept_answer *kept);
+
+#endif
