@@ -1,6 +1,6 @@
 /* Wiring between the HTTP library's callbacks and exchanges, and the daemon's life.
  *
- * Order of stopping: quiesce (new requests get 503, also on new connections) -> work stopped (suspended
+ * Order of stopping: quiesce (new requests get 503, also on new connections) -> listener stopped -> work stopped (suspended
  * connections are resumed with an answer, since the library aborts on suspended ones) -> library stopped ->
  * reaper, shared responses. MHD_quiesce_daemon is not used: with epoll and a pool, 0.9.75 may take the
  * listening socket out of a set twice, and aborts. */
@@ -17,15 +17,19 @@
 #include <unistd.h>
 
 #include "server/exchange.h"
+#include "server/listener.h"
 
 /* A head of SRV_HEAD_BYTES_MAX, its cookies again, 56 bytes for each part of them, and an answer's head. */
 #define CONNECTION_MEMORY_BYTES (32u << 10)
 #define BACKLOG 1024
+/* The reaper counts connections; the library only has to be able to. */
+#define CONNECTIONS_LIMIT (1u << 20)
 
 struct srv_daemon {
 	struct srv_host host;
 	struct MHD_Daemon *http;
-	int listen_fd;               /* -1 from when the library has it */
+	struct srv_listener *listener;
+	int listen_fd;
 	uint16_t port;
 	char url[NI_MAXHOST + 24];
 };
@@ -80,13 +84,21 @@ static void on_connection(void *ctx, struct MHD_Connection *connection, void **l
 	if (what == MHD_CONNECTION_NOTIFY_STARTED) {
 		const union MHD_ConnectionInfo *info = MHD_get_connection_info(connection,
 			MHD_CONNECTION_INFO_CONNECTION_FD);
-		*lease = info ? srv_reaper_open(daemon->host.reaper, info->connect_fd,
-			daemon->host.config.head_ms) : NULL;
+		*lease = info ? srv_reaper_find(daemon->host.reaper, info->connect_fd) : NULL;
 	} else {
 		end_exchange(*lease);
 		srv_reaper_close(daemon->host.reaper, *lease);
 		*lease = NULL;
 	}
+}
+
+/* The library closes what it does not take. */
+static void take_connection(void *ctx, int fd, const struct sockaddr *peer, socklen_t size)
+{
+	struct srv_daemon *daemon = ctx;
+	struct srv_lease *lease = srv_reaper_find(daemon->host.reaper, fd);
+	if (MHD_add_connection(daemon->http, fd, peer, size) != MHD_YES)
+		srv_reaper_close(daemon->host.reaper, lease);
 }
 
 /* Targets are decoded by target.c; the library's copy stays as it came. */
@@ -188,6 +200,7 @@ static void fill_defaults(struct srv_config *config)
 	DEFAULT(work_threads, processors());
 	DEFAULT(queue_max, 64);
 	DEFAULT(connections_max, 1000);
+	DEFAULT(connections_per_address, 128);
 	DEFAULT(head_ms, 20000);
 	DEFAULT(body_ms, 30000);
 	DEFAULT(rate_bytes_s, 16u << 10);
@@ -201,12 +214,11 @@ static void fill_defaults(struct srv_config *config)
 static enum eco_code start_http(struct srv_daemon *daemon, struct eco_error *error)
 {
 	unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_USE_INTERNAL_POLLING_THREAD
-		| MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC | MHD_USE_ERROR_LOG;
+		| MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC | MHD_USE_ERROR_LOG | MHD_USE_NO_LISTEN_SOCKET;
 	daemon->http = MHD_start_daemon(flags, 0, NULL, NULL, on_request, daemon,
 		MHD_OPTION_EXTERNAL_LOGGER, no_log, NULL,
-		MHD_OPTION_LISTEN_SOCKET, daemon->listen_fd,
 		MHD_OPTION_THREAD_POOL_SIZE, daemon->host.config.polling_threads,
-		MHD_OPTION_CONNECTION_LIMIT, daemon->host.config.connections_max,
+		MHD_OPTION_CONNECTION_LIMIT, (unsigned)CONNECTIONS_LIMIT,
 		MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)CONNECTION_MEMORY_BYTES,
 		MHD_OPTION_STRICT_FOR_CLIENT, 1,
 		MHD_OPTION_UNESCAPE_CALLBACK, no_unescape, NULL,
@@ -214,7 +226,6 @@ static enum eco_code start_http(struct srv_daemon *daemon, struct eco_error *err
 		MHD_OPTION_NOTIFY_COMPLETED, on_completed, daemon,
 		MHD_OPTION_NOTIFY_CONNECTION, on_connection, daemon,
 		MHD_OPTION_END);
-	daemon->listen_fd = -1;
 	if (!daemon->http)
 		return eco_fail(error, ECO_IO, "cannot start the HTTP threads: %s", errno ? strerror(errno)
 			: "not enough resources");
@@ -234,7 +245,10 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 	fill_defaults(&daemon->host.config);
 	enum eco_code code = open_listener(daemon, error);
 	if (!code)
-		code = srv_reaper_start(&daemon->host.reaper, error);
+		code = srv_reaper_start(&daemon->host.reaper, &(struct srv_reaper_limits){
+			.connections = daemon->host.config.connections_max,
+			.per_address = daemon->host.config.connections_per_address,
+			.head_ms = daemon->host.config.head_ms, .trusted = &daemon->host.config.trusted }, error);
 	daemon->host.plans = srv_plan_cache_new(daemon->host.config.plan_cache_bytes);
 	if (!code && !daemon->host.plans)
 		code = eco_fail(error, ECO_NO_MEMORY, "no memory for answers that are kept");
@@ -245,6 +259,9 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 		name_listener(daemon);
 		code = start_http(daemon, error);
 	}
+	if (!code)
+		code = srv_listener_start(&daemon->listener, daemon->listen_fd, daemon->host.reaper,
+			take_connection, daemon, error);
 	if (code) {
 		srv_daemon_stop(daemon);
 		return code;
@@ -263,6 +280,12 @@ const char *srv_daemon_url(const struct srv_daemon *daemon)
 	return daemon->url;
 }
 
+struct srv_counts srv_daemon_counts(const struct srv_daemon *daemon)
+{
+	return (struct srv_counts){ .connections = srv_reaper_connections(daemon->host.reaper),
+		.accept_failures = srv_listener_failures(daemon->listener) };
+}
+
 void srv_daemon_quiesce(struct srv_daemon *daemon)
 {
 	atomic_store(&daemon->host.draining, true);
@@ -278,6 +301,7 @@ void srv_daemon_stop(struct srv_daemon *daemon)
 	if (!daemon)
 		return;
 	srv_daemon_quiesce(daemon);
+	srv_listener_stop(daemon->listener);
 	if (daemon->host.work)
 		srv_work_stop(daemon->host.work);
 	if (daemon->http)

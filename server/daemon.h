@@ -8,7 +8,7 @@
  *   srv_daemon_stop(daemon);
  *   srv_store_free(&store);
  *
- * Threads: a pool of polling threads reads requests and sends answers and does nothing that takes long; work
+ * Threads: one takes connections in (listener.h); a pool of polling threads reads requests and sends answers and does nothing that takes long; work
  * threads plan; one thread watches deadlines. The library's parser is not trusted with anything but splitting
  * a head that is known to be well into lines: see gate.h, framing.h and target.h. */
 #ifndef SRV_DAEMON_H
@@ -17,6 +17,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "server/address.h"
 #include "server/store.h"
 
 struct srv_config {              /* 0 is the default */
@@ -25,7 +26,9 @@ struct srv_config {              /* 0 is the default */
 	uint32_t polling_threads;    /* 2 */
 	uint32_t work_threads;       /* one a processor, at most 8 */
 	uint32_t queue_max;          /* plans waiting: 64 */
-	uint32_t connections_max;    /* 1000; more wait in the system's queue */
+	uint64_t connections_max;    /* 1000; where it is full idle ones give way (reaper.h) */
+	uint64_t connections_per_address;        /* 128; an IPv6 /64 is one address */
+	struct srv_networks trusted; /* proxies whose X-Forwarded-For counts, and that have no such limit: none */
 	uint32_t head_ms;            /* to send a request's head, and to begin the next one: 20,000 */
 	uint32_t body_ms;            /* to send its body: 30,000 */
 	uint32_t rate_bytes_s;       /* an answer must be taken at this rate after 30 s of grace: 16 KiB */
@@ -47,6 +50,8 @@ enum eco_code srv_daemon_start(struct srv_daemon **daemon, const struct srv_conf
 uint16_t srv_daemon_port(const struct srv_daemon *daemon);
 /* "http://127.0.0.1:8080": with the port that was bound. Valid as long as the daemon. */
 const char *srv_daemon_url(const struct srv_daemon *daemon);
+struct srv_counts { uint64_t connections, accept_failures; };    /* open now; for want of descriptors */
+struct srv_counts srv_daemon_counts(const struct srv_daemon *daemon);
 void srv_daemon_quiesce(struct srv_daemon *daemon);
 /* requests that have begun and are not answered yet */
 uint32_t srv_daemon_busy(const struct srv_daemon *daemon);

@@ -2,7 +2,6 @@
 
 #include <assert.h>
 #include <microhttpd.h>
-#include <netdb.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -29,6 +28,7 @@ struct srv_exchange *srv_exchange_new(struct srv_host *host, struct MHD_Connecti
 	exchange->host = host;
 	exchange->connection = connection;
 	exchange->lease = lease;
+	exchange->client = lease->address;
 	exchange->begun_us = srv_clock_us();
 	exchange->raw = strdup(raw);
 	if (!exchange->raw) {
@@ -395,6 +395,8 @@ static void read_headers(struct srv_exchange *exchange)
 		.if_match = header(exchange, MHD_HTTP_HEADER_IF_MATCH),
 		.if_none_match = header(exchange, MHD_HTTP_HEADER_IF_NONE_MATCH),
 		.if_unmodified_since = header(exchange, MHD_HTTP_HEADER_IF_UNMODIFIED_SINCE) };
+	exchange->client = srv_networks_client(&exchange->host->config.trusted, &exchange->lease->address,
+		header(exchange, "X-Forwarded-For"));
 	exchange->has_length = length && srv_parse_count(length, &exchange->length);
 }
 
@@ -545,14 +547,9 @@ static void log_line(const struct srv_exchange *exchange)
 {
 	static const char *const methods[] = { [SRV_METHOD_OTHER] = "?", [SRV_METHOD_GET] = "GET",
 		[SRV_METHOD_HEAD] = "HEAD", [SRV_METHOD_POST] = "POST" };
-	char host[64] = "?", target[256];
+	char host[SRV_ADDRESS_TEXT_BYTES], target[256];
 	size_t size = 0;
-	const union MHD_ConnectionInfo *info = MHD_get_connection_info(exchange->connection,
-		MHD_CONNECTION_INFO_CLIENT_ADDRESS);
-	if (info && info->client_addr)
-		getnameinfo(info->client_addr, info->client_addr->sa_family == AF_INET6
-			? sizeof(struct sockaddr_in6)
-			: sizeof(struct sockaddr_in), host, sizeof host, NULL, 0, NI_NUMERICHOST);
+	srv_address_format(host, &exchange->client);
 	for (; exchange->raw[size] && size < sizeof target - 1; size++)
 		target[size] = exchange->raw[size] > 0x20 && exchange->raw[size] < 0x7f ? exchange->raw[size]
 			: '?';
@@ -570,7 +567,7 @@ void srv_exchange_end(struct srv_exchange *exchange)
 	if (exchange->counted)
 		atomic_fetch_sub(&exchange->host->busy, 1);
 	atomic_fetch_sub(&exchange->host->bodies_bytes, exchange->body_room);
-	srv_reaper_arm(exchange->host->reaper, exchange->lease, exchange->host->config.head_ms);
+	srv_reaper_await(exchange->host->reaper, exchange->lease);
 	srv_answer_free(&exchange->answer);
 	free(exchange->holdings.items);
 	free(exchange->body);

@@ -36,6 +36,7 @@ struct srv_exchange {
 	struct srv_host *host;
 	struct MHD_Connection *connection;
 	struct srv_lease *lease;
+	struct srv_address client;           /* behind a trusted proxy, if there is one */
 	enum srv_phase phase;
 	bool counted;                        /* in host->busy */
 

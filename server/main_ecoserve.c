@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -18,6 +19,7 @@
 #define KEPT_BYTES (4 << 20)
 #define DRAIN_MS 10000u
 #define DRAIN_ROUND_MS 20u
+#define DESCRIPTORS_BESIDE (SRV_SCENES_MAX + 100u)
 
 static struct {
 	struct srv_config config;
@@ -25,6 +27,22 @@ static struct {
 	const char *copies;
 	bool in_place;
 } given;
+
+static enum eco_code read_networks(const char *text, void *networks, struct eco_error *error)
+{
+	return srv_networks_parse(networks, text, error);
+}
+
+/* A descriptor a connection, and some for packs and threads: as many as this process may have. */
+static void raise_descriptors(uint64_t connections)
+{
+	struct rlimit limit;
+	rlim_t wanted = (rlim_t)(connections ? connections : 1000) + DESCRIPTORS_BESIDE;
+	if (getrlimit(RLIMIT_NOFILE, &limit) || limit.rlim_cur >= wanted)
+		return;
+	limit.rlim_cur = wanted < limit.rlim_max ? wanted : limit.rlim_max;
+	setrlimit(RLIMIT_NOFILE, &limit);
+}
 
 static const struct eco_option options[] = {
 	{ "a pack", 0, ECO_OPTION_INPUTS, "[NAME=]OUT.eco", &given.scenes, .is_required = true,
@@ -40,6 +58,12 @@ static const struct eco_option options[] = {
 	{ "in-place", 0, ECO_OPTION_FLAG, NULL, &given.in_place,
 		.help = "serve the files themselves, for packs that nobody writes over: no room, no time to "
 		"copy, and memory shared with other servers" },
+	{ "connections", 0, ECO_OPTION_COUNT, "N", &given.config.connections_max, 1, 100000,
+		.help = "at once; where they are all taken, one that only waits gives way; 1000 if not given" },
+	{ "connections-per-address", 0, ECO_OPTION_COUNT, "N", &given.config.connections_per_address, 1, 100000,
+		.help = "of them from one address, or from one IPv6 /64; 128 if not given" },
+	{ "trust-proxy", 0, ECO_OPTION_READ, "ADDRESS[/BITS],...", &given.config.trusted, .read = read_networks,
+		.help = "proxies that may open any number of connections, and whose X-Forwarded-For says who asks" },
 	{ "log", 0, ECO_OPTION_FLAG, NULL, &given.config.log, .help = "one line a request on stderr" },
 	{ 0 } };
 
@@ -48,7 +72,7 @@ static const struct eco_command command = { .name = "ecoserve", .synopsis = "[--
 	.says = "Serves packs made by ecopack over HTTP.", .options = options,
 	.notes = "Prints one line when ready, with the names. SIGTERM and SIGINT finish running answers "
 	"(for at most 10 s) and end; a second one "
-		"ends at once.\n"
+		"ends at once. SIGHUP changes nothing.\n"
 		"A new pack in place of one that is served is seen when ecoserve starts again.\n"
 		"ECO_TRACE=plan,cuts,cache,connection prints on stderr why things are as they are.\n" };
 
@@ -80,12 +104,15 @@ static enum eco_code announce(const struct srv_daemon *daemon, const struct srv_
 static void serve(struct srv_daemon *daemon, const sigset_t *signals)
 {
 	const struct timespec pause = { 0, DRAIN_ROUND_MS * 1000000L };
-	while (sigwaitinfo(signals, NULL) < 0)
-		continue;
+	for (int number; (number = sigwaitinfo(signals, NULL)) < 0 || number == SIGHUP;)
+		if (number == SIGHUP)
+			fputs("ecoserve: SIGHUP changes nothing: start again to serve other packs\n", stderr);
 	srv_daemon_quiesce(daemon);
-	for (uint32_t waited = 0; srv_daemon_busy(daemon) && waited < DRAIN_MS; waited += DRAIN_ROUND_MS)
-		if (sigtimedwait(signals, NULL, &pause) > 0)
+	for (uint32_t waited = 0; srv_daemon_busy(daemon) && waited < DRAIN_MS; waited += DRAIN_ROUND_MS) {
+		int number = sigtimedwait(signals, NULL, &pause);
+		if (number == SIGTERM || number == SIGINT)
 			_exit(1);
+	}
 	srv_daemon_stop(daemon);
 }
 
@@ -116,6 +143,8 @@ static enum eco_code run(struct eco_error *error)
 	sigemptyset(&signals);
 	sigaddset(&signals, SIGTERM);
 	sigaddset(&signals, SIGINT);
+	sigaddset(&signals, SIGHUP);
+	raise_descriptors(given.config.connections_max);
 	srv_store_init(&store);
 	store.copies = copies_folder();
 	enum eco_code code = srv_trace_set(getenv("ECO_TRACE"), error);

@@ -16,6 +16,7 @@ struct srv_reaper {
 	pthread_mutex_t mutex;       /* guards everything below */
 	pthread_cond_t wake;
 	struct srv_lease leases;     /* ring */
+	struct srv_reaper_limits limits;
 	bool stopping;
 	pthread_t thread;
 };
@@ -27,16 +28,20 @@ uint64_t srv_clock_us(void)
 	return (uint64_t)now.tv_sec * 1000000 + (uint64_t)now.tv_nsec / 1000;
 }
 
+static void shut(struct srv_lease *lease, const char *why)
+{
+	lease->due_us = 0;
+	lease->is_shut = true;
+	shutdown(lease->fd, SHUT_RDWR);
+	srv_trace(SRV_TRACE_CONNECTION, "socket %d %s", lease->fd, why);
+}
+
 static void shut_overdue(struct srv_reaper *reaper)
 {
 	uint64_t now = srv_clock_us();
-	for (struct srv_lease *lease = reaper->leases.next; lease != &reaper->leases; lease = lease->next) {
-		if (!lease->due_us || lease->due_us > now)
-			continue;
-		lease->due_us = 0;
-		shutdown(lease->fd, SHUT_RDWR);
-		srv_trace(SRV_TRACE_CONNECTION, "socket %d is past its deadline", lease->fd);
-	}
+	for (struct srv_lease *lease = reaper->leases.next; lease != &reaper->leases; lease = lease->next)
+		if (lease->due_us && lease->due_us <= now)
+			shut(lease, "is past its deadline");
 }
 
 static void *run(void *argument)
@@ -54,7 +59,8 @@ static void *run(void *argument)
 	return NULL;
 }
 
-enum eco_code srv_reaper_start(struct srv_reaper **out, struct eco_error *error)
+enum eco_code srv_reaper_start(struct srv_reaper **out, const struct srv_reaper_limits *limits,
+	struct eco_error *error)
 {
 	struct srv_reaper *reaper = calloc(1, sizeof *reaper);
 	pthread_condattr_t attributes;
@@ -62,6 +68,7 @@ enum eco_code srv_reaper_start(struct srv_reaper **out, struct eco_error *error)
 	if (!reaper)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for connection deadlines");
 	reaper->leases.before = reaper->leases.next = &reaper->leases;
+	reaper->limits = *limits;
 	pthread_mutex_init(&reaper->mutex, NULL);
 	pthread_condattr_init(&attributes);
 	pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
@@ -90,41 +97,157 @@ void srv_reaper_stop(struct srv_reaper *reaper)
 	free(reaper);
 }
 
-struct srv_lease *srv_reaper_open(struct srv_reaper *reaper, int fd, uint64_t after_ms)
+/* ---- Who may come in; under the mutex ---- */
+
+struct census {                      /* of connections that are not shut */
+	uint64_t all, same;          /* same: of the address */
+	struct srv_lease *idle, *same_idle;      /* that have waited the longest, or NULL */
+};
+
+static struct srv_lease *longer_idle(struct srv_lease *a, struct srv_lease *b)
 {
-	struct srv_lease *lease = malloc(sizeof *lease);
-	if (!lease)
-		return NULL;
-	*lease = (struct srv_lease){ .fd = fd, .due_us = srv_clock_us() + after_ms * 1000 };
-	if (!srv_gate_open(&lease->gate, fd)) {
-		free(lease);
-		return NULL;
+	return b->idle_us && (!a || b->idle_us < a->idle_us) ? b : a;
+}
+
+static struct census count(struct srv_reaper *reaper, const struct srv_address *address)
+{
+	struct census census = { 0 };
+	for (struct srv_lease *lease = reaper->leases.next; lease != &reaper->leases; lease = lease->next) {
+		if (lease->is_shut)
+			continue;
+		census.all++;
+		census.idle = longer_idle(census.idle, lease);
+		if (!address || !srv_address_same(&lease->address, address))
+			continue;
+		census.same++;
+		census.same_idle = longer_idle(census.same_idle, lease);
 	}
-	pthread_mutex_lock(&reaper->mutex);
+	return census;
+}
+
+/* NULL, or why not. */
+static const char *make_way(struct srv_reaper *reaper, const struct srv_address *address, bool is_proxy)
+{
+	struct census census = count(reaper, address);
+	bool same_full = !is_proxy && census.same >= reaper->limits.per_address;
+	if (!same_full && census.all < reaper->limits.connections)
+		return NULL;
+	struct srv_lease *way = same_full ? census.same_idle : census.idle;
+	if (way)
+		shut(way, "gives way to a new one");
+	return way ? NULL : same_full ? "there are too many connections from this address; close some, or use "
+		"them for more than one request" : "there are too many connections; ask again in a second";
+}
+
+static void unlink_lease(struct srv_lease *lease)
+{
+	lease->before->next = lease->next;
+	lease->next->before = lease->before;
+}
+
+static struct srv_lease *find(struct srv_reaper *reaper, int fd)
+{
+	for (struct srv_lease *lease = reaper->leases.next; lease != &reaper->leases; lease = lease->next)
+		if (lease->fd == fd)
+			return lease;
+	return NULL;
+}
+
+/* The library may close a connection without a word, when memory runs out: the number then comes again. */
+static void forget_stale(struct srv_reaper *reaper, int fd)
+{
+	struct srv_lease *stale = find(reaper, fd);
+	if (!stale)
+		return;
+	unlink_lease(stale);
+	free(stale);
+}
+
+static const char *enter(struct srv_reaper *reaper, struct srv_lease *lease)
+{
+	forget_stale(reaper, lease->fd);
+	const char *why = make_way(reaper, &lease->address, lease->is_proxy);
+	if (why)
+		return why;
+	if (!srv_gate_open(&lease->gate, lease->fd))
+		return "there are too many descriptors; ask again in a second";
 	lease->next = &reaper->leases;
 	lease->before = reaper->leases.before;
 	lease->before->next = lease->next->before = lease;
+	return NULL;
+}
+
+struct srv_lease *srv_reaper_open(struct srv_reaper *reaper, int fd, const struct srv_address *address,
+	const char **why)
+{
+	struct srv_lease *lease = malloc(sizeof *lease);
+	uint64_t now = srv_clock_us();
+	*why = "there is no memory; ask again in a second";
+	if (!lease)
+		return NULL;
+	*lease = (struct srv_lease){ .fd = fd, .address = *address, .idle_us = now,
+		.due_us = now + reaper->limits.head_ms * 1000,
+		.is_proxy = srv_networks_contain(reaper->limits.trusted, address) };
+	pthread_mutex_lock(&reaper->mutex);
+	*why = enter(reaper, lease);
+	pthread_mutex_unlock(&reaper->mutex);
+	if (!*why)
+		return lease;
+	free(lease);
+	return NULL;
+}
+
+struct srv_lease *srv_reaper_find(struct srv_reaper *reaper, int fd)
+{
+	pthread_mutex_lock(&reaper->mutex);
+	struct srv_lease *lease = find(reaper, fd);
 	pthread_mutex_unlock(&reaper->mutex);
 	return lease;
 }
 
-static void set_due(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t due_us)
+void srv_reaper_make_room(struct srv_reaper *reaper)
+{
+	pthread_mutex_lock(&reaper->mutex);
+	struct census census = count(reaper, NULL);
+	if (census.idle)
+		shut(census.idle, "gives its descriptor back");
+	pthread_mutex_unlock(&reaper->mutex);
+}
+
+uint64_t srv_reaper_connections(struct srv_reaper *reaper)
+{
+	pthread_mutex_lock(&reaper->mutex);
+	uint64_t all = count(reaper, NULL).all;
+	pthread_mutex_unlock(&reaper->mutex);
+	return all;
+}
+
+/* ---- Deadlines ---- */
+
+static void set_due(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t due_us, uint64_t idle_us)
 {
 	if (!lease)
 		return;
 	pthread_mutex_lock(&reaper->mutex);
-	lease->due_us = due_us;
+	lease->due_us = lease->is_shut ? 0 : due_us;
+	lease->idle_us = idle_us;
 	pthread_mutex_unlock(&reaper->mutex);
 }
 
 void srv_reaper_arm(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t after_ms)
 {
-	set_due(reaper, lease, srv_clock_us() + after_ms * 1000);
+	set_due(reaper, lease, srv_clock_us() + after_ms * 1000, 0);
 }
 
 void srv_reaper_clear(struct srv_reaper *reaper, struct srv_lease *lease)
 {
-	set_due(reaper, lease, 0);
+	set_due(reaper, lease, 0, 0);
+}
+
+void srv_reaper_await(struct srv_reaper *reaper, struct srv_lease *lease)
+{
+	uint64_t now = srv_clock_us();
+	set_due(reaper, lease, now + reaper->limits.head_ms * 1000, now);
 }
 
 void srv_reaper_close(struct srv_reaper *reaper, struct srv_lease *lease)
@@ -133,8 +256,7 @@ void srv_reaper_close(struct srv_reaper *reaper, struct srv_lease *lease)
 		return;
 	srv_gate_close(&lease->gate);
 	pthread_mutex_lock(&reaper->mutex);
-	lease->before->next = lease->next;
-	lease->next->before = lease->before;
+	unlink_lease(lease);
 	pthread_mutex_unlock(&reaper->mutex);
 	free(lease);
 }

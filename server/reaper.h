@@ -4,6 +4,11 @@
  * and the taking of the response, at a stated least rate. While the server itself works there is none. A
  * thread shuts overdue sockets down; the library then closes them.
  *
+ * It also decides who may come in: so many connections in all, and so many of one address (address.h). Where it
+ * is full, the connection that has waited the longest for its client to send a request gives way, of the same
+ * address where that is what is full; if none waits, the new one is refused. A trusted proxy has no limit of its
+ * own.
+ *
  * Life of an entry: opened when the connection starts, closed before its socket is (so that a number that the
  * system gave to another socket is never shut down). All functions may be called from any thread. */
 #ifndef SRV_REAPER_H
@@ -12,6 +17,7 @@
 #include <stdint.h>
 
 #include "ecofiles/base/status.h"
+#include "server/address.h"
 #include "server/gate.h"
 
 struct srv_reaper;
@@ -23,17 +29,32 @@ struct srv_lease {
 	struct srv_exchange *exchange;
 	struct srv_gate gate;
 	struct srv_lease *before, *next;                 /* the rest is the reaper's, under its mutex */
+	struct srv_address address;
+	bool is_proxy, is_shut;
 	int fd;
 	uint64_t due_us;                                 /* 0: no deadline */
+	uint64_t idle_us;                                /* since when a request is waited for; 0: none is */
 };
 
-enum eco_code srv_reaper_start(struct srv_reaper **reaper, struct eco_error *error);
+struct srv_reaper_limits {
+	uint64_t connections, per_address, head_ms;
+	const struct srv_networks *trusted;              /* proxies */
+};
+enum eco_code srv_reaper_start(struct srv_reaper **reaper, const struct srv_reaper_limits *limits,
+	struct eco_error *error);
 /* frees it; NULL is fine; every lease must have been closed */
 void srv_reaper_stop(struct srv_reaper *reaper);
 
-/* Opens the gate, too; begins with a deadline `after_ms` from now. NULL if there is no memory or no gate: the
- * connection is of no use then. */
-struct srv_lease *srv_reaper_open(struct srv_reaper *reaper, int fd, uint64_t after_ms);
+/* Opens the gate, too; a request is waited for. NULL if the connection may not come in: *why says so. */
+struct srv_lease *srv_reaper_open(struct srv_reaper *reaper, int fd, const struct srv_address *address,
+	const char **why);
+/* That of an open descriptor, or NULL. */
+struct srv_lease *srv_reaper_find(struct srv_reaper *reaper, int fd);
+/* Shuts the connection that has waited the longest for a request, if there is one. */
+void srv_reaper_make_room(struct srv_reaper *reaper);
+uint64_t srv_reaper_connections(struct srv_reaper *reaper);      /* that are not shut */
+/* The next request is waited for, for head_ms. */
+void srv_reaper_await(struct srv_reaper *reaper, struct srv_lease *lease);
 /* NULL lease: nothing */
 void srv_reaper_arm(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t after_ms);
 /* No deadline until it is armed again: the server works. */

@@ -99,6 +99,8 @@ UNIT_TEST(arguments_are_checked_and_errors_help)
 		{ { NULL }, 2, "", "a pack is missing" }, { { "--nonsense" }, 2, "", "--help" },
 		{ { "--listen" }, 2, "", "--help" },
 		{ { "--listen", "nowhere", PACK_PATH }, 2, "", "HOST:PORT" },
+		{ { "--trust-proxy", "10.0.0.0/40", PACK_PATH }, 2, "", "'10.0.0.0/40' is not an address" },
+		{ { "--connections", "0", PACK_PATH }, 2, "", "--help" },
 		{ { "Bad=" PACK_PATH }, 2, "", "cannot name a scene" },
 		{ { "a=" PACK_PATH, "a=" PACK_PATH }, 2, "", "two scenes are named 'a'" },
 		{ { PACK_PATH, PACK_PATH }, 2, "", "two scenes are named 'sample'" },
@@ -147,10 +149,15 @@ UNIT_TEST(it_says_when_it_is_ready_and_ends_when_asked)
 		struct http_answer answer = http_get(port, "/v1/scenes/b");
 		assert_int_equal(answer.status, 200);
 		http_free(&answer);
+		kill(process.pid, SIGHUP);       /* a terminal that is closed ends no server */
+		answer = http_get(port, "/v1/scenes/a");
+		assert_int_equal(answer.status, 200);
+		http_free(&answer);
 		kill(process.pid, which ? SIGINT : SIGTERM);
 		assert_int_equal(finish(&process, out, err), 0);
 		assert_string_equal(out, "");
-		assert_non_null(strstr(err, "GET /v1/scenes/b 200"));
+		assert_non_null(strstr(err, "127.0.0.1 GET /v1/scenes/b 200"));
+		assert_non_null(strstr(err, "SIGHUP changes nothing"));
 	}
 }
 

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/address.h"
 #include "server/condition.h"
 #include "server/json.h"
 #include "server/problem.h"
@@ -288,6 +289,60 @@ UNIT_TEST(preconditions_are_judged_in_order)
 		assert_int_equal(srv_conditions_judge(&rows[i].given, NULL, 784111777), rows[i].untagged);
 	}
 	assert_int_equal(srv_conditions_judge(&rows[8].given, NULL, 0), SRV_VERDICT_GO);
+}
+
+static struct srv_address address(const char *text)
+{
+	struct srv_address made;
+	if (!srv_address_parse(&made, text, strlen(text)))
+		fail_msg("%s is no address", text);
+	return made;
+}
+
+UNIT_TEST(addresses_of_one_household_are_the_same)
+{
+	static const struct { const char *a, *b; bool same; } rows[] = { { "10.0.0.1", "10.0.0.1", true },
+		{ "10.0.0.1", "10.0.0.2", false }, { "10.0.0.1", "::ffff:10.0.0.1", true },
+		{ "2001:db8:0:1::1", "2001:db8:0:1:ffff::2", true }, { "2001:db8:0:1::1", "2001:db8:0:2::1", false },
+		{ "10.0.0.1", "2001:db8::1", false } };
+	char text[SRV_ADDRESS_TEXT_BYTES];
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct srv_address a = address(rows[i].a), b = address(rows[i].b);
+		assert_int_equal(srv_address_same(&a, &b), rows[i].same);
+		assert_int_equal(srv_address_same(&b, &a), rows[i].same);
+		srv_address_format(text, &a);
+		assert_string_equal(text, rows[i].a);
+	}
+}
+
+UNIT_TEST(only_a_trusted_proxy_speaks_for_others)
+{
+	static const struct { const char *trusted, *peer, *forwarded, *client; } rows[] = {
+		{ "10.0.0.1", "10.0.0.1", "1.2.3.4", "1.2.3.4" }, { "10.0.0.1", "10.0.0.2", "1.2.3.4", "10.0.0.2" },
+		{ "10.0.0.0/8", "10.9.9.9", "6.6.6.6, 1.2.3.4", "1.2.3.4" },
+		{ "10.0.0.0/8", "10.9.9.9", "6.6.6.6, 1.2.3.4 ,10.1.1.1", "1.2.3.4" },
+		{ "10.0.0.0/8,fd00::/9", "10.9.9.9", "10.1.1.1,fd7f::1", "10.1.1.1" },
+		{ "fd00::/9", "fd80::1", "1.2.3.4", "fd80::1" }, { "0.0.0.0/0", "9.9.9.9", "2001:db8::1", "2001:db8::1" },
+		{ "10.0.0.1", "10.0.0.1", NULL, "10.0.0.1" }, { "10.0.0.1", "10.0.0.1", "", "10.0.0.1" },
+		{ "10.0.0.1", "10.0.0.1", "1.2.3.4, unknown", "10.0.0.1" },
+		{ "10.0.0.1", "10.0.0.1", "1.2.3.4,", "10.0.0.1" }, { "10.0.0.1", "10.0.0.1", ",,,", "10.0.0.1" } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct srv_networks trusted;
+		struct eco_error error = { 0 };
+		char text[SRV_ADDRESS_TEXT_BYTES];
+		assert_ok(srv_networks_parse(&trusted, rows[i].trusted, &error), error);
+		struct srv_address peer = address(rows[i].peer), client = srv_networks_client(&trusted, &peer,
+			rows[i].forwarded);
+		srv_address_format(text, &client);
+		assert_string_equal(text, rows[i].client);
+	}
+	static const char *const bad[] = { "", "x", "10.0.0.1/33", "10.0.0.1/", "10.0.0.1/1000", "::1/129", "10.0.0.1,",
+		"10.0.0.1/-1", "10.0.0.0.1" };
+	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+		struct srv_networks trusted;
+		struct eco_error error = { 0 };
+		assert_int_equal(srv_networks_parse(&trusted, bad[i], &error), ECO_BAD_USAGE);
+	}
 }
 
 UNIT_TEST(authorities_are_names_or_addresses)

@@ -2,6 +2,7 @@
 #include "tests/support/serve_daemon.h"
 
 #include <malloc.h>
+#include <sys/resource.h>
 
 /* Bytes that the process has allocated; 0 where the allocator does not say (sanitizers, which look for leaks
  * themselves). */
@@ -63,6 +64,123 @@ UNIT_TEST(requests_that_the_library_would_drop_are_refused)
 		srv_daemon_stop(daemon);
 		free(requests[i]);
 	}
+}
+
+static void open_idle(const struct srv_daemon *daemon, int *fds, int count)
+{
+	for (int i = 0; i < count; i++) {
+		fds[i] = http_connect(srv_daemon_port(daemon));
+		assert_true(fds[i] >= 0);
+	}
+}
+
+static void close_all(const int *fds, int count)
+{
+	for (int i = 0; i < count; i++)
+		close(fds[i]);
+}
+
+static void assert_served(const struct srv_daemon *daemon)
+{
+	struct http_answer answer = http_get(srv_daemon_port(daemon), "/healthz");
+	assert_int_equal(answer.status, 200);
+	http_free(&answer);
+}
+
+/* More than the defaults take, of one address, and nothing sent: whoever asks is served at once, and what is open
+ * stays within the address's share. */
+UNIT_TEST(idle_connections_lock_nobody_out)
+{
+	enum { IDLE = 700 };
+	static int fds[IDLE];
+	const struct srv_config config = { .listen = "127.0.0.1:0" };
+	struct srv_daemon *daemon = start(&config);
+	open_idle(daemon, fds, IDLE);
+	assert_served(daemon);
+	assert_in_range(srv_daemon_counts(daemon).connections, 1, 128);
+	close_all(fds, IDLE);
+	srv_daemon_stop(daemon);
+}
+
+/* The connection that has waited the longest gives way, and none that is in the middle of something. */
+UNIT_TEST(idle_connections_give_way_and_busy_ones_do_not)
+{
+	static const char begun[] = STREAM "Content-Length: 100\r\n\r\nab", ask[] = "GET /healthz HTTP/1.1\r\n" HOST "\r\n";
+	const struct srv_config config = { .listen = "127.0.0.1:0", .connections_per_address = 4 };
+	struct srv_daemon *daemon = start(&config);
+	int fds[5];
+	open_idle(daemon, fds, 2);
+	assert_true(http_send(fds[1], begun, sizeof begun - 1));
+	while (srv_daemon_busy(daemon) != 1)
+		usleep(1000);
+	usleep(20000);
+	open_idle(daemon, fds + 2, 3);           /* the first gives way to the fifth */
+	assert_true(http_send(fds[4], ask, sizeof ask - 1));
+	struct http_answer answer = http_receive(fds[4], false, false);
+	assert_int_equal(answer.status, 200);
+	http_free(&answer);
+	answer = http_receive(fds[0], false, true);
+	assert_true(answer.status == 0 && answer.closed);
+	http_free(&answer);
+	assert_true(http_send(fds[2], ask, sizeof ask - 1));     /* has waited less */
+	answer = http_receive(fds[2], false, false);
+	assert_int_equal(answer.status, 200);
+	http_free(&answer);
+	for (int i = 2; i < 5; i++)
+		assert_true(http_send(fds[i], begun, sizeof begun - 1));
+	while (srv_daemon_busy(daemon) != 4)
+		usleep(1000);
+	usleep(20000);
+	answer = http_raw(srv_daemon_port(daemon), ask, sizeof ask - 1);
+	assert_int_equal(answer.status, 503);    /* nobody waits */
+	assert_non_null(strstr(answer.body, "from this address"));
+	http_free(&answer);
+	close_all(fds + 1, 4);
+	srv_daemon_stop(daemon);
+}
+
+UNIT_TEST(a_trusted_proxy_has_no_share_of_its_own)
+{
+	struct srv_config config = { .listen = "127.0.0.1:0", .connections_per_address = 2, .connections_max = 30 };
+	struct eco_error error = { 0 };
+	int fds[40];
+	assert_ok(srv_networks_parse(&config.trusted, "10.0.0.0/8,127.0.0.1", &error), error);
+	struct srv_daemon *daemon = start(&config);
+	open_idle(daemon, fds, 20);
+	assert_served(daemon);
+	assert_in_range(srv_daemon_counts(daemon).connections, 20, 21);
+	open_idle(daemon, fds + 20, 20);
+	assert_served(daemon);
+	assert_in_range(srv_daemon_counts(daemon).connections, 29, 30);
+	close_all(fds, 40);
+	srv_daemon_stop(daemon);
+}
+
+/* Out of descriptors: no busy loop, and who comes when there are some again is served. */
+UNIT_TEST(exhausted_descriptors_are_waited_for)
+{
+	const struct srv_config config = { .listen = "127.0.0.1:0", .connections_per_address = 1000 };
+	struct srv_daemon *daemon = start(&config);
+	struct rlimit limit, few;
+	int fds[40], highest = dup(0);
+	close(highest);
+	assert_int_equal(getrlimit(RLIMIT_NOFILE, &limit), 0);
+	open_idle(daemon, fds, 40);              /* 80 descriptors, both ends */
+	while (srv_daemon_counts(daemon).connections < 40)
+		usleep(1000);
+	few = (struct rlimit){ .rlim_cur = (rlim_t)highest + 81, .rlim_max = limit.rlim_max };
+	assert_int_equal(setrlimit(RLIMIT_NOFILE, &few), 0);
+	int last[4], count = 0;
+	while (count < 4 && (last[count] = http_connect(srv_daemon_port(daemon))) >= 0)
+		count++;
+	assert_true(count >= 1);
+	usleep(400000);
+	assert_in_range(srv_daemon_counts(daemon).accept_failures, 1, 40);
+	assert_int_equal(setrlimit(RLIMIT_NOFILE, &limit), 0);
+	assert_served(daemon);
+	close_all(fds, 40);
+	close_all(last, count);
+	srv_daemon_stop(daemon);
 }
 
 int main(void)
