@@ -203,6 +203,7 @@ static void fill_defaults(struct srv_config *config)
 	DEFAULT(connections_per_address, 128);
 	DEFAULT(head_ms, 20000);
 	DEFAULT(body_ms, 30000);
+	DEFAULT(send_ms, 30000);
 	DEFAULT(rate_bytes_s, 16u << 10);
 	DEFAULT(body_max, 4u << 20);
 	DEFAULT(bodies_max, 256u << 20);
@@ -248,7 +249,8 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 		code = srv_reaper_start(&daemon->host.reaper, &(struct srv_reaper_limits){
 			.connections = daemon->host.config.connections_max,
 			.per_address = daemon->host.config.connections_per_address,
-			.head_ms = daemon->host.config.head_ms, .trusted = &daemon->host.config.trusted }, error);
+			.head_ms = daemon->host.config.head_ms, .send_ms = daemon->host.config.send_ms,
+			.rate_bytes_s = daemon->host.config.rate_bytes_s, .trusted = &daemon->host.config.trusted }, error);
 	daemon->host.plans = srv_plan_cache_new(daemon->host.config.plan_cache_bytes);
 	if (!code && !daemon->host.plans)
 		code = eco_fail(error, ECO_NO_MEMORY, "no memory for answers that are kept");

@@ -31,7 +31,8 @@ struct srv_config {              /* 0 is the default */
 	struct srv_networks trusted; /* proxies whose X-Forwarded-For counts, and that have no such limit: none */
 	uint32_t head_ms;            /* to send a request's head, and to begin the next one: 20,000 */
 	uint32_t body_ms;            /* to send its body: 30,000 */
-	uint32_t rate_bytes_s;       /* an answer must be taken at this rate after 30 s of grace: 16 KiB */
+	uint32_t send_ms;            /* window in which an answer must be taken at the rate: 30,000 */
+	uint32_t rate_bytes_s;       /* 16 KiB */
 	uint64_t body_max;           /* of requests: 4 MiB */
 	uint64_t bodies_max;         /* arrived, of all requests that are received or planned: 256 MiB */
 	uint64_t response_max;       /* 2 GiB */

@@ -11,7 +11,6 @@
 #include "ecofiles/format/wire.h"
 #include "server/describe.h"
 
-#define SEND_GRACE_MS 30000u
 #define PLAN_TEXT_MAX (64u << 20)
 #define BODY_STAKE_BYTES (4u << 10)     /* what a body is given before any of it is there */
 
@@ -46,9 +45,7 @@ static bool queue_answer(struct srv_exchange *exchange)
 	struct srv_answer *answer = &exchange->answer;
 	if (!answer->response)
 		return false;
-	uint64_t bytes = exchange->method == SRV_METHOD_HEAD ? 0 : answer->size_bytes;
-	srv_reaper_arm(exchange->host->reaper, exchange->lease,
-		SEND_GRACE_MS + bytes * 1000 / exchange->host->config.rate_bytes_s);
+	srv_reaper_send(exchange->host->reaper, exchange->lease);
 	bool queued = MHD_queue_response(exchange->connection, answer->status, answer->response) == MHD_YES;
 	exchange->phase = SRV_PHASE_DONE;
 	srv_answer_free(answer);

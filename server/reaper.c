@@ -1,5 +1,7 @@
 #include "server/reaper.h"
 
+#include <netinet/in.h>
+#include <linux/tcp.h>
 #include <pthread.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -11,6 +13,7 @@
 
 /* between two looks at all leases: a few microseconds of work for a thousand of them */
 #define ROUND_MS 100u
+#define NOT_TAKEN UINT64_MAX             /* not known yet */
 
 struct srv_reaper {
 	pthread_mutex_t mutex;       /* guards everything below */
@@ -36,11 +39,32 @@ static void shut(struct srv_lease *lease, const char *why)
 	srv_trace(SRV_TRACE_CONNECTION, "socket %d %s", lease->fd, why);
 }
 
+/* Bytes that the client has acknowledged since it connected. */
+static uint64_t taken(const struct srv_lease *lease)
+{
+	struct tcp_info info = { 0 };
+	socklen_t size = sizeof info;
+	return getsockopt(lease->fd, IPPROTO_TCP, TCP_INFO, &info, &size) ? 0 : info.tcpi_bytes_acked;
+}
+
+/* A new window for a client that took enough in the last one. */
+static bool renew(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t now)
+{
+	const struct srv_reaper_limits *limits = &reaper->limits;
+	uint64_t bytes = taken(lease), least = limits->rate_bytes_s * limits->send_ms / 1000;
+	bool first = lease->taken_bytes == NOT_TAKEN;
+	if (!lease->is_sending || (!first && bytes - lease->taken_bytes < (least ? least : 1)))
+		return false;
+	lease->taken_bytes = bytes;
+	lease->due_us = now + limits->send_ms * 1000;
+	return true;
+}
+
 static void shut_overdue(struct srv_reaper *reaper)
 {
 	uint64_t now = srv_clock_us();
 	for (struct srv_lease *lease = reaper->leases.next; lease != &reaper->leases; lease = lease->next)
-		if (lease->due_us && lease->due_us <= now)
+		if (lease->due_us && lease->due_us <= now && !renew(reaper, lease, now))
 			shut(lease, "is past its deadline");
 }
 
@@ -231,12 +255,23 @@ static void set_due(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t
 	pthread_mutex_lock(&reaper->mutex);
 	lease->due_us = lease->is_shut ? 0 : due_us;
 	lease->idle_us = idle_us;
+	lease->is_sending = false;
 	pthread_mutex_unlock(&reaper->mutex);
 }
 
 void srv_reaper_arm(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t after_ms)
 {
 	set_due(reaper, lease, srv_clock_us() + after_ms * 1000, 0);
+}
+
+void srv_reaper_send(struct srv_reaper *reaper, struct srv_lease *lease)
+{
+	pthread_mutex_lock(&reaper->mutex);
+	lease->due_us = lease->is_shut ? 0 : srv_clock_us() + reaper->limits.send_ms * 1000;
+	lease->idle_us = 0;
+	lease->is_sending = true;
+	lease->taken_bytes = NOT_TAKEN;
+	pthread_mutex_unlock(&reaper->mutex);
 }
 
 void srv_reaper_clear(struct srv_reaper *reaper, struct srv_lease *lease)

@@ -1,8 +1,8 @@
 /* Deadlines for connections. The HTTP library only times out silence, so that 700 clients that drip a byte a
  * second hold 700 places for ever. Here every phase in which a client is waited for has a deadline, however
- * busy it looks: the head of a request (from connecting, or from the end of the request before), its body,
- * and the taking of the response, at a stated least rate. While the server itself works there is none. A
- * thread shuts overdue sockets down; the library then closes them.
+ * busy it looks: the head of a request (from connecting, or from the end of the request before), and its body.
+ * A response must be taken at a stated least rate, window after window, as the system counts what the client has
+ * acknowledged. While the server itself works there is no deadline. A thread shuts overdue sockets down; the library then closes them.
  *
  * It also decides who may come in: so many connections in all, and so many of one address (address.h). Where it
  * is full, the connection that has waited the longest for its client to send a request gives way, of the same
@@ -34,10 +34,12 @@ struct srv_lease {
 	int fd;
 	uint64_t due_us;                                 /* 0: no deadline */
 	uint64_t idle_us;                                /* since when a request is waited for; 0: none is */
+	bool is_sending;
+	uint64_t taken_bytes;                            /* of all that was sent, when the window began */
 };
 
 struct srv_reaper_limits {
-	uint64_t connections, per_address, head_ms;
+	uint64_t connections, per_address, head_ms, send_ms, rate_bytes_s;
 	const struct srv_networks *trusted;              /* proxies */
 };
 enum eco_code srv_reaper_start(struct srv_reaper **reaper, const struct srv_reaper_limits *limits,
@@ -57,6 +59,8 @@ uint64_t srv_reaper_connections(struct srv_reaper *reaper);      /* that are not
 void srv_reaper_await(struct srv_reaper *reaper, struct srv_lease *lease);
 /* NULL lease: nothing */
 void srv_reaper_arm(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t after_ms);
+/* A response is sent. The first window only finds out how much had been taken before. */
+void srv_reaper_send(struct srv_reaper *reaper, struct srv_lease *lease);
 /* No deadline until it is armed again: the server works. */
 void srv_reaper_clear(struct srv_reaper *reaper, struct srv_lease *lease);
 void srv_reaper_close(struct srv_reaper *reaper, struct srv_lease *lease);

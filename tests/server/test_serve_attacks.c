@@ -183,6 +183,68 @@ UNIT_TEST(exhausted_descriptors_are_waited_for)
 	srv_daemon_stop(daemon);
 }
 
+enum { ANSWERS = 300 };
+
+/* A connection with a small window that asks for much more than any buffer holds. */
+static int ask_much(const struct srv_daemon *daemon)
+{
+	static const char request[] = "GET " BASE "/stream?" VIEW_BY("3000000") " HTTP/1.1\r\n" HOST "\r\n";
+	struct sockaddr_in at = { .sin_family = AF_INET, .sin_port = htons(srv_daemon_port(daemon)),
+		.sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
+	int fd = socket(AF_INET, SOCK_STREAM, 0), room = 4096;
+	setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
+	assert_int_equal(connect(fd, (struct sockaddr *)&at, sizeof at), 0);
+	for (int i = 0; i < ANSWERS; i++)
+		assert_true(http_send(fd, request, sizeof request - 1));
+	return fd;
+}
+
+/* Whoever takes nothing of an answer, however large it is, is closed after two windows. */
+UNIT_TEST(answers_that_nobody_takes_are_given_up)
+{
+	const struct srv_config config = { .listen = "127.0.0.1:0", .send_ms = 200, .rate_bytes_s = 1 };
+	struct srv_daemon *daemon = start(&config);
+	struct http_answer whole = http_get(srv_daemon_port(daemon), BASE "/stream?" VIEW_BY("3000000"));
+	size_t size = whole.size, got = 0;
+	http_free(&whole);
+	int fd = ask_much(daemon);
+	while (!srv_daemon_busy(daemon))
+		usleep(1000);
+	while (srv_daemon_counts(daemon).connections)    /* until it is given up */
+		usleep(10000);
+	char bytes[65536];
+	for (ssize_t part; (part = recv(fd, bytes, sizeof bytes, 0)) > 0;)
+		got += (size_t)part;
+	assert_in_range(got, 1, ANSWERS * size - 1);
+	close(fd);
+	srv_daemon_stop(daemon);
+}
+
+/* Whoever takes some in each window gets all of it, however many windows that takes. */
+UNIT_TEST(answers_that_are_taken_slowly_arrive)
+{
+	const struct srv_config config = { .listen = "127.0.0.1:0", .send_ms = 1500, .rate_bytes_s = 1 };
+	struct srv_daemon *daemon = start(&config);
+	struct http_answer whole = http_get(srv_daemon_port(daemon), BASE "/stream?" VIEW_BY("3000000"));
+	int fd = ask_much(daemon);
+	char *bytes = malloc(whole.size);
+	for (int i = 0; i < 40; i++) {           /* for more than a window */
+		assert_true(recv(fd, bytes, whole.size / 40, 0) > 0);
+		usleep(50000);
+	}
+	struct timeval patience = { .tv_sec = 50 };
+	setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+	for (size_t left = ANSWERS * whole.size / 2; left;) {
+		ssize_t part = recv(fd, bytes, whole.size < left ? whole.size : left, 0);
+		assert_true(part > 0);
+		left -= (size_t)part;
+	}
+	free(bytes);
+	close(fd);
+	http_free(&whole);
+	srv_daemon_stop(daemon);
+}
+
 int main(void)
 {
 	return unit_tests_run(serve_start, serve_stop);
