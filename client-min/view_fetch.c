@@ -10,6 +10,7 @@
 
 #include "ecofiles/base/version.h"
 
+#define RATE_MIN_BYTES_S 1024u
 #define BODY_MAX_DEFAULT ((uint64_t)16 << 30)
 #define PROBLEM_MAX 16384u
 #define RETRY_MIN_MS 100.0
@@ -36,7 +37,8 @@ struct view_fetch {
 	void *reached_ctx;
 	char problem[PROBLEM_MAX];
 	size_t problem_size;
-	double start_ms, heard_ms;
+	double start_ms, heard_ms;               /* heard: when enough had come, the last time */
+	uint64_t heard_bytes;                    /* since then */
 	bool stalled, stopped;
 };
 
@@ -202,13 +204,24 @@ static enum eco_code feed(struct view_fetch *fetch, const uint8_t *bytes, size_t
 	return code;
 }
 
+/* A body that drips is a stall, too: only so many bytes are heard. */
+static void hear(struct view_fetch *fetch, size_t size)
+{
+	fetch->heard_bytes += size;
+	if (fetch->heard_bytes < (uint64_t)fetch->options.stall_ms * RATE_MIN_BYTES_S / 1000)
+		return;
+	fetch->heard_ms = view_clock_ms();
+	fetch->heard_bytes = 0;
+}
+
 static size_t on_body(char *bytes, size_t one, size_t size, void *ctx)
 {
 	struct view_fetch *fetch = ctx;
 	size *= one;
-	fetch->heard_ms = view_clock_ms();
+	hear(fetch, size);
 	if (fetch->result->status == 0) {
 		curl_easy_getinfo(fetch->curl, CURLINFO_RESPONSE_CODE, &fetch->result->status);
+		fetch->heard_ms = view_clock_ms();
 		fetch->result->first_byte_ms = fetch->heard_ms - fetch->start_ms;
 	}
 	if (fetch->result->status != 200) {
@@ -357,8 +370,8 @@ static enum eco_code outcome(struct view_fetch *fetch, CURLcode rc, struct eco_e
 	if (fetch->stopped)
 		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	if (fetch->stalled)
-		return eco_fail(error, ECO_IO, "%s: nothing came for %ld s", fetch->options.url,
-			fetch->options.stall_ms / 1000);
+		return eco_fail(error, ECO_IO, "%s: less than %u bytes a second came for %ld s",
+			fetch->options.url, RATE_MIN_BYTES_S, fetch->options.stall_ms / 1000);
 	const char *type = NULL;
 	curl_easy_getinfo(fetch->curl, CURLINFO_CONTENT_TYPE, &type);
 	const char *wanted = fetch->text ? "application/json" : "application/octet-stream";
@@ -401,6 +414,7 @@ static enum eco_code perform(struct view_fetch *fetch, const struct eco_request 
 		curl_easy_setopt(fetch->curl, CURLOPT_HTTPGET, 1L);
 	}
 	fetch->start_ms = fetch->heard_ms = view_clock_ms();
+	fetch->heard_bytes = 0;
 	CURLcode rc = curl_easy_perform(fetch->curl);
 	free(url);
 	struct view_fetch_result *result = fetch->result;

@@ -37,7 +37,7 @@ struct view_fetch_options {
 	/* how the server is to spend the budget: optimal or deussen; NULL: as it likes */
 	const char *rule;
 	uint64_t body_max;                       /* 0: 16 GiB */
-	/* give up when connecting takes longer, or nothing comes for so long; 0: 10 s, 120 s */
+	/* give up when connecting takes longer, or less than 1 KiB/s comes for so long; 0: 10 s, 120 s */
 	long connect_ms, stall_ms;
 	/* a server that is busy (503 with Retry-After) is asked again for so long; 0: it is an error */
 	long patience_ms;

@@ -24,6 +24,7 @@ static struct server {
 	const char *head;                /* status line and headers, without Content-Length */
 	uint32_t busy;                   /* so many requests are answered with 503 before */
 	uint32_t again;                  /* so many are answered alike after */
+	bool drips;                      /* a byte every 5 ms */
 	const uint8_t *body; size_t size, declared;
 	char heard[8192]; size_t heard_size;
 	pthread_t thread;
@@ -59,7 +60,8 @@ static void serve_one(struct server *s)
 		s->declared);
 	send(c, head, (size_t)size, MSG_NOSIGNAL);
 	for (size_t at = 0; at < s->size;) {
-		size_t piece = s->size - at < 1000 ? s->size - at : 1000;
+		size_t most = s->drips ? 1 : 1000, piece = s->size - at < most ? s->size - at : most;
+		usleep(s->drips ? 5000 : 0);
 		ssize_t n = send(c, s->body + at, piece, MSG_NOSIGNAL);
 		if (n <= 0)
 			break;
@@ -140,7 +142,7 @@ static enum eco_code ask(uint64_t body_max)
 	struct eco_request request = { .view = scene_view(), .vertices = 1000, .bytes = 5000000 };
 	snprintf(url, sizeof url, "http://127.0.0.1:%u/v1/scenes/test/", server.port);
 	struct view_fetch_options options = { .url = url, .body_max = body_max, .rule = "deussen",
-		.patience_ms = server.busy ? 20000 : 0 };
+		.patience_ms = server.busy ? 20000 : 0, .stall_ms = server.drips ? 300 : 0 };
 	assert_int_equal(view_fetch_new(&fetch, &options, &error), ECO_OK);
 	view_fetch_mark(fetch, marks.bytes_count ? &marks : NULL, at_mark, &marks);
 	reached_count = 0;
@@ -199,6 +201,21 @@ UNIT_TEST(a_picture_may_be_drawn_after_so_many_bytes)
 	refuse_at = 0;
 	eco_writer_free(&w);
 	eco_plan_free(&plan);
+}
+
+/* A byte now and then keeps a connection alive, and no client waiting: the server ends when the client does. */
+UNIT_TEST(an_answer_that_drips_is_given_up)
+{
+	struct eco_plan plan;
+	struct eco_writer w;
+	good_stream(&plan, &w);
+	start_server((struct server){ .head = ok, .body = w.bytes, .size = w.size, .declared = w.size,
+		.drips = true }, 0);
+	assert_true(w.size > 2000);
+	assert_int_equal(ask(0), ECO_IO);
+	assert_non_null(strstr(error.text, "bytes a second came"));
+	assert_in_range(result.bytes, 1, w.size - 1);
+	eco_writer_free(&w);
 }
 
 UNIT_TEST(marks_are_numbers_of_bytes_or_milliseconds)
