@@ -199,6 +199,7 @@ static void fill_defaults(struct srv_config *config)
 	DEFAULT(polling_threads, 2);
 	DEFAULT(work_threads, processors());
 	DEFAULT(queue_max, 64);
+	DEFAULT(queue_share_max, 32);
 	DEFAULT(connections_max, 1000);
 	DEFAULT(connections_per_address, 128);
 	DEFAULT(head_ms, 20000);
@@ -256,7 +257,8 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 		code = eco_fail(error, ECO_NO_MEMORY, "no memory for answers that are kept");
 	if (!code)
 		code = srv_work_start(&daemon->host.work, daemon->host.config.work_threads,
-			daemon->host.config.queue_max, error);
+			(uint32_t)daemon->host.config.queue_max, (uint32_t)daemon->host.config.queue_share_max,
+			error);
 	if (!code) {
 		name_listener(daemon);
 		code = start_http(daemon, error);

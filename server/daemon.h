@@ -25,7 +25,8 @@ struct srv_config {              /* 0 is the default */
 	const char *listen;
 	uint32_t polling_threads;    /* 2 */
 	uint32_t work_threads;       /* one a processor, at most 8 */
-	uint32_t queue_max;          /* plans waiting: 64 */
+	uint64_t queue_max;          /* plans waiting: 64 */
+	uint64_t queue_share_max;    /* of them of one address: 32 */
 	uint64_t connections_max;    /* 1000; where it is full idle ones give way (reaper.h) */
 	uint64_t connections_per_address;        /* 128; an IPv6 /64 is one address */
 	struct srv_networks trusted; /* proxies whose X-Forwarded-For counts, and that have no such limit: none */

@@ -181,7 +181,7 @@ static void plan_job(void *argument)
 	struct srv_stream_input input = { .scene = exchange->scene, .request = &exchange->query.request,
 		.rule = exchange->query.rule, .holdings = &exchange->holdings,
 		.body_max = host->config.response_max, .tiles_max = host->config.tiles_max,
-		.placements_max = host->config.placements_max, .cancelled = srv_work_cancelled(host->work) };
+		.placements_max = host->config.placements_max, .cancelled = &exchange->cancelled };
 	struct srv_stream stream;
 	struct eco_error error = { 0 };
 	uint64_t begun_us = srv_clock_us();
@@ -195,6 +195,7 @@ static void plan_job(void *argument)
 		make_problem(exchange, srv_problem_of(code), error.text, false);
 	else
 		judge_answer(exchange, &exchange->validators);
+	srv_reaper_watch(host->reaper, exchange->lease, NULL);
 	exchange->phase = SRV_PHASE_DONE;
 	MHD_resume_connection(exchange->connection);     /* from here on the exchange may be gone */
 }
@@ -203,9 +204,12 @@ static bool start_plan(struct srv_exchange *exchange)
 {
 	exchange->phase = SRV_PHASE_WORKING;
 	MHD_suspend_connection(exchange->connection);    /* first: the job may end before submit returns */
-	if (srv_work_submit(exchange->host->work, plan_job, exchange))
+	srv_reaper_watch(exchange->host->reaper, exchange->lease, &exchange->cancelled);
+	if (srv_work_submit(exchange->host->work, &(struct srv_job){ .run = plan_job, .argument = exchange,
+			.cancelled = &exchange->cancelled, .owner = exchange->client }))
 		return true;
-	make_problem(exchange, SRV_PROBLEM_BUSY, "all threads are planning and the queue is full; ask again "
+	srv_reaper_watch(exchange->host->reaper, exchange->lease, NULL);
+	make_problem(exchange, SRV_PROBLEM_BUSY, "too many plans wait, or too many from this address; ask again "
 		"in a second", false);
 	exchange->phase = SRV_PHASE_DONE;
 	MHD_resume_connection(exchange->connection);

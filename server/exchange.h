@@ -60,6 +60,7 @@ struct srv_exchange {
 	struct srv_validators validators;    /* of a plan or stream that is got, else empty */
 
 	struct srv_answer answer;
+	atomic_bool cancelled;               /* nobody waits for the plan */
 	uint64_t begun_us;
 };
 

@@ -62,12 +62,16 @@ static const struct eco_option options[] = {
 		.help = "at once; where they are all taken, one that only waits gives way; 1000 if not given" },
 	{ "connections-per-address", 0, ECO_OPTION_COUNT, "N", &given.config.connections_per_address, 1, 100000,
 		.help = "of them from one address, or from one IPv6 /64; 128 if not given" },
+	{ "plans", 0, ECO_OPTION_COUNT, "N", &given.config.queue_max, 1, 100000,
+		.help = "that may wait for a thread; 64 if not given" },
+	{ "plans-per-address", 0, ECO_OPTION_COUNT, "N", &given.config.queue_share_max, 1, 100000,
+		.help = "of them for one address; addresses are served in turn; 32 if not given" },
 	{ "trust-proxy", 0, ECO_OPTION_READ, "ADDRESS[/BITS],...", &given.config.trusted, .read = read_networks,
 		.help = "proxies that may open any number of connections, and whose X-Forwarded-For says who asks" },
 	{ "log", 0, ECO_OPTION_FLAG, NULL, &given.config.log, .help = "one line a request on stderr" },
 	{ 0 } };
 
-static const struct eco_command command = { .name = "ecoserve", .synopsis = "[--listen HOST:PORT] [--log] "
+static const struct eco_command command = { .name = "ecoserve", .synopsis = "[--listen HOST:PORT] [OPTIONS] "
 	"[NAME=]OUT.eco ...",
 	.says = "Serves packs made by ecopack over HTTP.", .options = options,
 	.notes = "Prints one line when ready, with the names. SIGTERM and SIGINT finish running answers "

@@ -2,6 +2,7 @@
 
 #include <netinet/in.h>
 #include <linux/tcp.h>
+#include <poll.h>
 #include <pthread.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -60,12 +61,31 @@ static bool renew(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t n
 	return true;
 }
 
+/* The client has closed its side, or the connection is broken; as other servers do, an end of sending is taken for
+ * an end of interest. */
+static bool has_hung_up(const struct srv_lease *lease)
+{
+	struct pollfd wait = { .fd = lease->fd, .events = POLLRDHUP };
+	return poll(&wait, 1, 0) > 0;
+}
+
+static void tell_gone(struct srv_lease *lease)
+{
+	if (!lease->gone || !has_hung_up(lease))
+		return;
+	atomic_store(lease->gone, true);
+	lease->gone = NULL;
+	srv_trace(SRV_TRACE_CONNECTION, "socket %d hung up while its plan is made", lease->fd);
+}
+
 static void shut_overdue(struct srv_reaper *reaper)
 {
 	uint64_t now = srv_clock_us();
-	for (struct srv_lease *lease = reaper->leases.next; lease != &reaper->leases; lease = lease->next)
+	for (struct srv_lease *lease = reaper->leases.next; lease != &reaper->leases; lease = lease->next) {
+		tell_gone(lease);
 		if (lease->due_us && lease->due_us <= now && !renew(reaper, lease, now))
 			shut(lease, "is past its deadline");
+	}
 }
 
 static void *run(void *argument)
@@ -283,6 +303,13 @@ void srv_reaper_await(struct srv_reaper *reaper, struct srv_lease *lease)
 {
 	uint64_t now = srv_clock_us();
 	set_due(reaper, lease, now + reaper->limits.head_ms * 1000, now);
+}
+
+void srv_reaper_watch(struct srv_reaper *reaper, struct srv_lease *lease, atomic_bool *gone)
+{
+	pthread_mutex_lock(&reaper->mutex);
+	lease->gone = gone;
+	pthread_mutex_unlock(&reaper->mutex);
 }
 
 void srv_reaper_close(struct srv_reaper *reaper, struct srv_lease *lease)

@@ -14,6 +14,7 @@
 #ifndef SRV_REAPER_H
 #define SRV_REAPER_H
 
+#include <stdatomic.h>
 #include <stdint.h>
 
 #include "ecofiles/base/status.h"
@@ -34,6 +35,7 @@ struct srv_lease {
 	int fd;
 	uint64_t due_us;                                 /* 0: no deadline */
 	uint64_t idle_us;                                /* since when a request is waited for; 0: none is */
+	atomic_bool *gone;                               /* to be set; NULL: nobody cares */
 	bool is_sending;
 	uint64_t taken_bytes;                            /* of all that was sent, when the window began */
 };
@@ -63,6 +65,8 @@ void srv_reaper_arm(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t
 void srv_reaper_send(struct srv_reaper *reaper, struct srv_lease *lease);
 /* No deadline until it is armed again: the server works. */
 void srv_reaper_clear(struct srv_reaper *reaper, struct srv_lease *lease);
+/* While a plan is made: *gone is set when the client hangs up. NULL: no more. */
+void srv_reaper_watch(struct srv_reaper *reaper, struct srv_lease *lease, atomic_bool *gone);
 void srv_reaper_close(struct srv_reaper *reaper, struct srv_lease *lease);
 
 uint64_t srv_clock_us(void);                             /* monotonic */

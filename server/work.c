@@ -1,59 +1,77 @@
-/* Life: start -> submit* -> cancel? -> stop -> (submit refuses) -> free. The mutex guards the ring;
- * `cancelled` is atomic because jobs look at it often. */
+/* Life: start -> submit* -> stop -> (submit refuses) -> free. The mutex guards everything. */
 #include "server/work.h"
 
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
-struct job { srv_work_fn fn; void *argument; };
+struct waiting { struct srv_job job; uint64_t turn; };
 
 struct srv_work {
 	pthread_mutex_t mutex;
 	pthread_cond_t wake;
-	struct job *ring;
-	uint32_t first, count, capacity;
+	struct waiting *queue;           /* by arrival */
+	uint32_t count, capacity, share_max;
+	uint64_t turn;                   /* of the job that was begun last */
 	bool stopping;
-	atomic_bool cancelled;
-	uint32_t thread_count;
+	uint32_t thread_count, running_count;
+	atomic_bool **running;           /* the flags of the jobs that run; one a thread, or NULL */
 	pthread_t threads[];
 };
+
+static struct srv_job take_next(struct srv_work *work)
+{
+	uint32_t first = 0;
+	for (uint32_t i = 1; i < work->count; i++)
+		if (work->queue[i].turn < work->queue[first].turn)
+			first = i;
+	struct waiting next = work->queue[first];
+	work->count--;
+	memmove(&work->queue[first], &work->queue[first + 1], (work->count - first) * sizeof *work->queue);
+	work->turn = next.turn;
+	return next.job;
+}
 
 static void *run(void *argument)
 {
 	struct srv_work *work = argument;
 	pthread_mutex_lock(&work->mutex);
+	atomic_bool **mine = &work->running[work->running_count++];
 	for (;;) {
 		while (!work->count && !work->stopping)
 			pthread_cond_wait(&work->wake, &work->mutex);
 		if (!work->count)
 			break;
-		struct job job = work->ring[work->first];
-		work->first = (work->first + 1) % work->capacity;
-		work->count--;
+		struct srv_job job = take_next(work);
+		*mine = job.cancelled;
 		pthread_mutex_unlock(&work->mutex);
-		job.fn(job.argument);
+		job.run(job.argument);
 		pthread_mutex_lock(&work->mutex);
+		*mine = NULL;
 	}
 	pthread_mutex_unlock(&work->mutex);
 	return NULL;
 }
 
-enum eco_code srv_work_start(struct srv_work **out, uint32_t threads, uint32_t queue_max,
+enum eco_code srv_work_start(struct srv_work **out, uint32_t threads, uint32_t queue_max, uint32_t share_max,
 	struct eco_error *error)
 {
 	struct srv_work *work = calloc(1, sizeof *work + threads * sizeof *work->threads);
-	struct job *ring = calloc(queue_max, sizeof *ring);
+	struct waiting *queue = calloc(queue_max, sizeof *queue);
+	atomic_bool **running = calloc(threads, sizeof *running);
 	*out = NULL;
-	if (!work || !ring) {
+	if (!work || !queue || !running) {
 		free(work);
-		free(ring);
+		free(queue);
+		free(running);
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for a queue of %u plans", queue_max);
 	}
 	pthread_mutex_init(&work->mutex, NULL);
 	pthread_cond_init(&work->wake, NULL);
-	work->ring = ring;
+	work->queue = queue;
+	work->running = running;
 	work->capacity = queue_max;
+	work->share_max = share_max;
 	for (; work->thread_count < threads; work->thread_count++) {
 		int failed = pthread_create(&work->threads[work->thread_count], NULL, run, work);
 		if (failed) {
@@ -65,28 +83,39 @@ enum eco_code srv_work_start(struct srv_work **out, uint32_t threads, uint32_t q
 	return ECO_OK;
 }
 
-bool srv_work_submit(struct srv_work *work, srv_work_fn fn, void *job)
+bool srv_work_submit(struct srv_work *work, const struct srv_job *job)
 {
 	pthread_mutex_lock(&work->mutex);
-	bool room = work->count < work->capacity && !work->stopping;
+	uint64_t turn = work->turn;
+	uint32_t share = 0;
+	for (uint32_t i = 0; i < work->count; i++)
+		if (srv_address_same(&work->queue[i].job.owner, &job->owner)) {
+			share++;
+			turn = work->queue[i].turn + 1;
+		}
+	bool room = work->count < work->capacity && share < work->share_max && !work->stopping;
 	if (room) {
-		work->ring[(work->first + work->count++) % work->capacity] = (struct job){ fn, job };
+		work->queue[work->count++] = (struct waiting){ *job, turn };
 		pthread_cond_signal(&work->wake);
 	}
 	pthread_mutex_unlock(&work->mutex);
 	return room;
 }
 
-const atomic_bool *srv_work_cancelled(const struct srv_work *work)
+static void cancel_all(struct srv_work *work)
 {
-	return &work->cancelled;
+	for (uint32_t i = 0; i < work->count; i++)
+		atomic_store(work->queue[i].job.cancelled, true);
+	for (uint32_t i = 0; i < work->running_count; i++)
+		if (work->running[i])
+			atomic_store(work->running[i], true);
 }
 
 void srv_work_stop(struct srv_work *work)
 {
-	atomic_store(&work->cancelled, true);
 	pthread_mutex_lock(&work->mutex);
 	work->stopping = true;
+	cancel_all(work);
 	pthread_cond_broadcast(&work->wake);
 	pthread_mutex_unlock(&work->mutex);
 	for (uint32_t i = 0; i < work->thread_count; i++)
@@ -101,6 +130,7 @@ void srv_work_free(struct srv_work *work)
 	srv_work_stop(work);
 	pthread_cond_destroy(&work->wake);
 	pthread_mutex_destroy(&work->mutex);
-	free(work->ring);
+	free(work->running);
+	free(work->queue);
 	free(work);
 }

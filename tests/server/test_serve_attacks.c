@@ -245,6 +245,37 @@ UNIT_TEST(answers_that_are_taken_slowly_arrive)
 	srv_daemon_stop(daemon);
 }
 
+/* Plans that nobody waits for any more are not made: with one thread and many waiting, some were not begun when
+ * their clients had left. What was planned is kept, and says nothing of timing when it is asked for again. */
+UNIT_TEST(plans_of_clients_that_left_are_not_made)
+{
+	enum { PLANS = 60 };
+	const struct srv_config config = { .listen = "127.0.0.1:0", .work_threads = 1, .queue_share_max = 64 };
+	struct srv_daemon *daemon = start(&config);
+	char target[300], request[400], timing[100];
+	int fds[PLANS], made = 0;
+	for (int i = 0; i < PLANS; i++) {
+		snprintf(request, sizeof request, "GET " BASE "/stream?" VIEW "&vertices=%d&bytes=200000 HTTP/1.1\r\n"
+			HOST "\r\n", 1000000 + i);
+		fds[i] = http_connect(srv_daemon_port(daemon));
+		assert_true(http_send(fds[i], request, strlen(request)));
+	}
+	while (!srv_daemon_busy(daemon))
+		usleep(1000);
+	close_all(fds, PLANS);
+	while (srv_daemon_busy(daemon))
+		usleep(1000);
+	for (int i = 0; i < PLANS; i++) {
+		snprintf(target, sizeof target, BASE "/stream?" VIEW "&vertices=%d&bytes=200000", 1000000 + i);
+		struct http_answer answer = http_ask(srv_daemon_port(daemon), "HEAD", target, "", NULL, 0);
+		assert_int_equal(answer.status, 200);
+		made += !http_header(&answer, "Server-Timing", timing, sizeof timing);
+		http_free(&answer);
+	}
+	assert_in_range(made, 0, PLANS - 1);
+	srv_daemon_stop(daemon);
+}
+
 int main(void)
 {
 	return unit_tests_run(serve_start, serve_stop);
