@@ -19,8 +19,6 @@
 #include "server/exchange.h"
 #include "server/listener.h"
 
-/* A head of SRV_HEAD_BYTES_MAX, its cookies again, 56 bytes for each part of them, and an answer's head. */
-#define CONNECTION_MEMORY_BYTES (32u << 10)
 #define BACKLOG 1024
 /* The reaper counts connections; the library only has to be able to. */
 #define CONNECTIONS_LIMIT (1u << 20)
@@ -221,7 +219,7 @@ static enum eco_code start_http(struct srv_daemon *daemon, struct eco_error *err
 		MHD_OPTION_EXTERNAL_LOGGER, no_log, NULL,
 		MHD_OPTION_THREAD_POOL_SIZE, daemon->host.config.polling_threads,
 		MHD_OPTION_CONNECTION_LIMIT, (unsigned)CONNECTIONS_LIMIT,
-		MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)CONNECTION_MEMORY_BYTES,
+		MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)SRV_CONNECTION_MEMORY,
 		MHD_OPTION_STRICT_FOR_CLIENT, 1,
 		MHD_OPTION_UNESCAPE_CALLBACK, no_unescape, NULL,
 		MHD_OPTION_URI_LOG_CALLBACK, on_request_line, daemon,

@@ -396,8 +396,9 @@ static void read_headers(struct srv_exchange *exchange)
 		.if_match = header(exchange, MHD_HTTP_HEADER_IF_MATCH),
 		.if_none_match = header(exchange, MHD_HTTP_HEADER_IF_NONE_MATCH),
 		.if_unmodified_since = header(exchange, MHD_HTTP_HEADER_IF_UNMODIFIED_SINCE) };
-	exchange->client = srv_networks_client(&exchange->host->config.trusted, &exchange->lease->address,
-		header(exchange, "X-Forwarded-For"));
+	if (exchange->lease->is_proxy)
+		exchange->client = srv_networks_client(&exchange->host->config.trusted,
+			&exchange->lease->address, header(exchange, "X-Forwarded-For"));
 	exchange->has_length = length && srv_parse_count(length, &exchange->length);
 }
 

@@ -12,6 +12,7 @@ static const char *const fields[] = { [FIELD_HOST] = "host", [FIELD_LENGTH] = "c
 	[FIELD_COOKIE] = "cookie", [FIELD_TRANSFER] = "transfer-encoding", [FIELD_ONCE] = "content-type",
 	"range", "if-range", "if-match", "if-none-match", "if-modified-since", "if-unmodified-since",
 	"content-range", "expect", "authorization" };
+#define ENTRY_BYTES 56u
 #define FIELD_COUNT (int)(sizeof fields / sizeof *fields)
 
 /* A token of RFC 9110, 5.6.2. */
@@ -43,8 +44,8 @@ static bool malformed(struct srv_framing *framing, const char *detail)
 
 static void begin_head(struct srv_framing *framing)
 {
-	*framing = (struct srv_framing){ .state = SRV_AT_METHOD, .heads = framing->heads,
-		.size = framing->size };
+	*framing = (struct srv_framing){ .state = SRV_AT_METHOD, .heads = framing->heads, .size = framing->size,
+		.memory = framing->size };
 }
 
 static bool take_method(struct srv_framing *framing, char c)
@@ -75,6 +76,7 @@ static bool take_target(struct srv_framing *framing, char c)
 	if (++framing->target_size >= SRV_TARGET_BYTES_MAX)
 		return refuse(framing, SRV_PROBLEM_TARGET_TOO_LONG, "the request target is too long");
 	framing->params += c == '&';
+	framing->memory += c == '&' || c == '?' ? ENTRY_BYTES : 0;
 	if (framing->params >= SRV_PARAMS_MAX)
 		return refuse(framing, SRV_PROBLEM_TARGET, "the target has too many parameters");
 	return true;
@@ -136,6 +138,7 @@ static bool take_line(struct srv_framing *framing, char c)
 		framing->state = SRV_AT_END_LF;
 		return true;
 	}
+	framing->memory += ENTRY_BYTES;
 	if (framing->header_count++ == SRV_HEADERS_MAX)
 		return refuse(framing, SRV_PROBLEM_HEAD_TOO_LARGE, "too many headers");
 	framing->name_size = 0;
@@ -176,8 +179,8 @@ static bool take_value(struct srv_framing *framing, char c)
 	if (!is_printable(c) && c != ' ' && c != '\t')
 		return malformed(framing, "a header's value contains control characters");
 	if (framing->field == FIELD_COOKIE) {
-		framing->cookies += c == ';' || c == ',';
-		if (framing->cookies >= SRV_COOKIES_MAX)
+		framing->memory += c == ';' || c == ',' ? 1 + ENTRY_BYTES : 1;
+		if (framing->memory > SRV_HEAD_MEMORY_MAX)
 			return refuse(framing, SRV_PROBLEM_HEAD_TOO_LARGE, "too many cookies; none is needed");
 	}
 	return framing->field != FIELD_HOST && framing->field != FIELD_LENGTH ? true
@@ -189,7 +192,7 @@ static bool end_head(struct srv_framing *framing)
 	if (!framing->is_http_1_0 && !(framing->seen & 1u << FIELD_HOST))
 		return malformed(framing, "Host is missing");
 	framing->heads++;
-	framing->size = 0;
+	framing->size = framing->memory = 0;
 	framing->state = framing->body_left ? SRV_AT_BODY : SRV_AT_START;
 	return true;
 }
@@ -204,7 +207,7 @@ static bool take_lf(struct srv_framing *framing, char c, enum srv_framing_state 
 
 static bool take_byte(struct srv_framing *framing, char c)
 {
-	if (++framing->size > SRV_HEAD_BYTES_MAX)
+	if (++framing->size > SRV_HEAD_BYTES_MAX || ++framing->memory > SRV_HEAD_MEMORY_MAX)
 		return refuse(framing, SRV_PROBLEM_HEAD_TOO_LARGE, "the request's head is too large");
 	switch (framing->state) {
 	case SRV_AT_START:                       /* one empty line before a request is to be ignored */

@@ -23,7 +23,10 @@
 
 #define SRV_HEAD_BYTES_MAX 8192u
 #define SRV_HEADERS_MAX 100u
-#define SRV_COOKIES_MAX 64u              /* the library keeps 56 bytes for each */
+/* What the library needs of its memory for a connection: the head, 56 bytes for each header, parameter and cookie,
+ * and the cookies once more. That memory is filled with zeros after each request, so it is not larger. */
+#define SRV_HEAD_MEMORY_MAX (12u << 10)
+#define SRV_CONNECTION_MEMORY (16u << 10)
 #define SRV_FRAMING_NAME_BYTES 32u       /* longer names are none that count */
 #define SRV_FRAMING_VALUE_BYTES 272u     /* of a Host or a Content-Length */
 
@@ -38,7 +41,7 @@ struct srv_framing {
 	const char *detail;
 	uint32_t heads;                  /* that have passed */
 	/* of the head that is being read */
-	uint32_t size, header_count, cookies, params, target_size;
+	uint32_t size, memory, header_count, params, target_size;
 	uint32_t seen;                   /* a bit for each header that may be given once */
 	bool is_head, is_http_1_0;
 	int field;                       /* the header of the line: a row of the table in framing.c, or -1 */

@@ -2,7 +2,6 @@
 
 #include <netinet/in.h>
 #include <linux/tcp.h>
-#include <poll.h>
 #include <pthread.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -14,6 +13,7 @@
 
 /* between two looks at all leases: a few microseconds of work for a thousand of them */
 #define ROUND_MS 100u
+#define ESTABLISHED 1                    /* TCP_ESTABLISHED of netinet/tcp.h, which has no tcpi_bytes_acked */
 #define NOT_TAKEN UINT64_MAX             /* not known yet */
 
 struct srv_reaper {
@@ -40,19 +40,19 @@ static void shut(struct srv_lease *lease, const char *why)
 	srv_trace(SRV_TRACE_CONNECTION, "socket %d %s", lease->fd, why);
 }
 
-/* Bytes that the client has acknowledged since it connected. */
-static uint64_t taken(const struct srv_lease *lease)
+static struct tcp_info about(const struct srv_lease *lease)
 {
 	struct tcp_info info = { 0 };
 	socklen_t size = sizeof info;
-	return getsockopt(lease->fd, IPPROTO_TCP, TCP_INFO, &info, &size) ? 0 : info.tcpi_bytes_acked;
+	getsockopt(lease->fd, IPPROTO_TCP, TCP_INFO, &info, &size);
+	return info;
 }
 
 /* A new window for a client that took enough in the last one. */
 static bool renew(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t now)
 {
 	const struct srv_reaper_limits *limits = &reaper->limits;
-	uint64_t bytes = taken(lease), least = limits->rate_bytes_s * limits->send_ms / 1000;
+	uint64_t bytes = about(lease).tcpi_bytes_acked, least = limits->rate_bytes_s * limits->send_ms / 1000;
 	bool first = lease->taken_bytes == NOT_TAKEN;
 	if (!lease->is_sending || (!first && bytes - lease->taken_bytes < (least ? least : 1)))
 		return false;
@@ -62,11 +62,10 @@ static bool renew(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t n
 }
 
 /* The client has closed its side, or the connection is broken; as other servers do, an end of sending is taken for
- * an end of interest. */
+ * an end of interest. (poll would also report that the gate wants to read no more.) */
 static bool has_hung_up(const struct srv_lease *lease)
 {
-	struct pollfd wait = { .fd = lease->fd, .events = POLLRDHUP };
-	return poll(&wait, 1, 0) > 0;
+	return about(lease).tcpi_state != ESTABLISHED;
 }
 
 static void tell_gone(struct srv_lease *lease)

@@ -37,7 +37,7 @@ struct srv_lease {
 	uint64_t idle_us;                                /* since when a request is waited for; 0: none is */
 	atomic_bool *gone;                               /* to be set; NULL: nobody cares */
 	bool is_sending;
-	uint64_t taken_bytes;                            /* of all that was sent, when the window began */
+	uint64_t taken_bytes;                            /* acknowledged since it began, before the window */
 };
 
 struct srv_reaper_limits {
