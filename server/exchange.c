@@ -77,10 +77,16 @@ static bool queue_problem(struct srv_exchange *exchange, enum srv_problem proble
 	return queue_answer(exchange);
 }
 
+static bool has_preconditions(const struct srv_exchange *exchange)
+{
+	const struct srv_conditions *conditions = &exchange->conditions;
+	return conditions->if_match || conditions->if_none_match || conditions->if_unmodified_since;
+}
+
 static void judge_answer(struct srv_exchange *exchange, const struct srv_validators *validators)
 {
 	char path[SRV_TARGET_BYTES_MAX];
-	if (exchange->answer.response && exchange->answer.status / 100 == 2)
+	if (exchange->answer.response && exchange->answer.status / 100 == 2 && has_preconditions(exchange))
 		srv_answer_judge(&exchange->answer, &exchange->conditions, validators, path_of(exchange, path));
 }
 
