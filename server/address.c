@@ -19,7 +19,8 @@ struct srv_address srv_address_of(const struct sockaddr *at)
 	struct srv_address address = { { 0 } };
 	if (at->sa_family == AF_INET) {
 		memcpy(address.bytes, mapped, sizeof mapped);
-		memcpy(address.bytes + sizeof mapped, &((const struct sockaddr_in *)(const void *)at)->sin_addr, 4);
+		memcpy(address.bytes + sizeof mapped,
+			&((const struct sockaddr_in *)(const void *)at)->sin_addr, 4);
 	} else if (at->sa_family == AF_INET6) {
 		memcpy(address.bytes, &((const struct sockaddr_in6 *)(const void *)at)->sin6_addr, 16);
 	}
@@ -80,8 +81,10 @@ enum eco_code srv_networks_parse(struct srv_networks *networks, const char *text
 		if (networks->count == SRV_NETWORKS_MAX)
 			return eco_fail(error, ECO_BAD_USAGE, "more than %u networks", SRV_NETWORKS_MAX);
 		if (!parse_network(&networks->items[networks->count++], text, size))
-			return eco_fail(error, ECO_BAD_USAGE, "'%.*s' is not an address, as 10.0.0.1 or ::1, with or "
-				"without /BITS behind it", size > 60 ? 60 : (int)size, text);
+			return eco_fail(error, ECO_BAD_USAGE,
+				"'%.*s' is not an address, as 10.0.0.1 or ::1, with or "
+				"without /BITS behind it",
+				size > 60 ? 60 : (int)size, text);
 		text += size;
 		if (!*text)
 			return ECO_OK;

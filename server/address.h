@@ -1,8 +1,8 @@
-/* Who a client is: an address, and those that count as one with it. An IPv4 address stands for itself; of IPv6
- * a whole /64 does, since that is what one household gets.
+/* Who a client is: an address, and those that count as one with it. An IPv4 address stands for itself; of
+ * IPv6 a whole /64 does, since that is what one household gets.
  *
- * A proxy that is trusted speaks for others: the last address of X-Forwarded-For that is no trusted proxy's is the
- * client. Of anyone else the header is not looked at. */
+ * A proxy that is trusted speaks for others: the last address of X-Forwarded-For that is no trusted proxy's
+ * is the client. Of anyone else the header is not looked at. */
 #ifndef SRV_ADDRESS_H
 #define SRV_ADDRESS_H
 

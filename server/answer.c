@@ -69,8 +69,8 @@ void srv_answer_problem(struct srv_answer *answer, const struct srv_problem_deta
 		add_header(answer, MHD_HTTP_HEADER_CONNECTION, "close");
 }
 
-void srv_answer_json(struct srv_answer *answer, struct srv_json *json, const struct srv_validators *validators,
-	const char *timing)
+void srv_answer_json(struct srv_answer *answer, struct srv_json *json,
+	const struct srv_validators *validators, const char *timing)
 {
 	answer_text(answer, MHD_HTTP_OK, json, "application/json");
 	add_validators(answer, validators, "no-cache");
@@ -89,8 +89,9 @@ static ssize_t read_nothing(void *ctx, uint64_t position, char *block, size_t ro
 void srv_answer_head(struct srv_answer *answer, unsigned status, uint64_t size_bytes, const char *type,
 	const struct srv_validators *validators)
 {
-	*answer = (struct srv_answer){ .status = status, .response = MHD_create_response_from_callback(
-		size_bytes == SRV_SIZE_UNKNOWN ? MHD_SIZE_UNKNOWN : size_bytes, 1, read_nothing, NULL, NULL) };
+	uint64_t size = size_bytes == SRV_SIZE_UNKNOWN ? MHD_SIZE_UNKNOWN : size_bytes;
+	*answer = (struct srv_answer){ .status = status,
+		.response = MHD_create_response_from_callback(size, 1, read_nothing, NULL, NULL) };
 	/* else the library would send the end of a chunked body behind a 304 */
 	if (answer->response && size_bytes == SRV_SIZE_UNKNOWN)
 		MHD_set_response_options(answer->response, MHD_RF_HTTP_1_0_COMPATIBLE_STRICT, MHD_RO_END);
@@ -321,7 +322,8 @@ void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32
 		return;
 	}
 	/* If-Range compares strongly: only our own tag, as it is, lets the range count. */
-	bool wants_part = get && (!conditions->if_range || strcmp(conditions->if_range, validators.etag) == 0);
+	bool wants_part =
+		get && (!conditions->if_range || strcmp(conditions->if_range, validators.etag) == 0);
 	struct srv_range range = srv_range_parse(wants_part ? conditions->range : NULL, size);
 	if (range.kind == SRV_RANGE_OUTSIDE)
 		answer_outside(answer, size, instance);

@@ -30,8 +30,8 @@ void srv_answer_problem(struct srv_answer *answer, const struct srv_problem_deta
 struct srv_validators { char etag[SRV_ETAG_BYTES]; int64_t modified_s; };
 
 /* Takes json->out. `timing`: a Server-Timing value or NULL. */
-void srv_answer_json(struct srv_answer *answer, struct srv_json *json, const struct srv_validators *validators,
-	const char *timing);
+void srv_answer_json(struct srv_answer *answer, struct srv_json *json,
+	const struct srv_validators *validators, const char *timing);
 
 /* Takes *body; the rest as srv_answer_json. */
 void srv_answer_stream(struct srv_answer *answer, struct srv_body *body,
@@ -49,8 +49,8 @@ void srv_answer_no_stream(struct srv_answer *answer, const char *timing);       
 void srv_answer_head(struct srv_answer *answer, unsigned status, uint64_t size_bytes, const char *type,
 	const struct srv_validators *validators);
 
-/* Lets the request's preconditions count for an answer that has been made: it stays, or is 304 or 412 instead.
- */
+/* Lets the request's preconditions count for an answer that has been made: it stays, or is 304 or 412
+ * instead. */
 void srv_answer_judge(struct srv_answer *answer, const struct srv_conditions *conditions,
 	const struct srv_validators *validators, const char *instance);
 void srv_answer_failed_condition(struct srv_answer *answer, const char *instance);

@@ -70,7 +70,8 @@ static bool list_names(const char *value, const char *etag, bool strongly)
 		const char *close = strchr(value + 1, '"');
 		if (!close)
 			return false;
-		if (!(weak && strongly) && (size_t)(close + 1 - value) == size && memcmp(value, etag, size) == 0)
+		if (!(weak && strongly) && (size_t)(close + 1 - value) == size &&
+			memcmp(value, etag, size) == 0)
 			return true;
 		value = close + 1;
 		if (*value && !strchr(" \t,", *value))

@@ -1,9 +1,9 @@
 /* Wiring between the HTTP library's callbacks and exchanges, and the daemon's life.
  *
- * Order of stopping: quiesce (new requests get 503, also on new connections) -> listener stopped -> work stopped (suspended
- * connections are resumed with an answer, since the library aborts on suspended ones) -> library stopped ->
- * reaper, shared responses. MHD_quiesce_daemon is not used: with epoll and a pool, 0.9.75 may take the
- * listening socket out of a set twice, and aborts. */
+ * Order of stopping: quiesce (new requests get 503, also on new connections) -> listener stopped -> work
+ * stopped (suspended connections are resumed with an answer, since the library aborts on suspended ones) ->
+ * library stopped -> reaper, shared responses. MHD_quiesce_daemon is not used: with epoll and a pool, 0.9.75
+ * may take the listening socket out of a set twice, and aborts. */
 #include "server/daemon.h"
 
 #include <errno.h>
@@ -245,18 +245,21 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 	fill_defaults(&daemon->host.config);
 	enum eco_code code = open_listener(daemon, error);
 	if (!code)
-		code = srv_reaper_start(&daemon->host.reaper, &(struct srv_reaper_limits){
-			.connections = daemon->host.config.connections_max,
-			.per_address = daemon->host.config.connections_per_address,
-			.head_ms = daemon->host.config.head_ms, .send_ms = daemon->host.config.send_ms,
-			.rate_bytes_s = daemon->host.config.rate_bytes_s, .trusted = &daemon->host.config.trusted }, error);
+		code = srv_reaper_start(&daemon->host.reaper,
+			&(struct srv_reaper_limits){ .connections = daemon->host.config.connections_max,
+				.per_address = daemon->host.config.connections_per_address,
+				.head_ms = daemon->host.config.head_ms,
+				.send_ms = daemon->host.config.send_ms,
+				.rate_bytes_s = daemon->host.config.rate_bytes_s,
+				.trusted = &daemon->host.config.trusted },
+			error);
 	daemon->host.plans = srv_plan_cache_new(daemon->host.config.plan_cache_bytes);
 	if (!code && !daemon->host.plans)
 		code = eco_fail(error, ECO_NO_MEMORY, "no memory for answers that are kept");
 	if (!code)
 		code = srv_work_start(&daemon->host.work, daemon->host.config.work_threads,
-			(uint32_t)daemon->host.config.queue_max, (uint32_t)daemon->host.config.queue_share_max,
-			error);
+			(uint32_t)daemon->host.config.queue_max,
+			(uint32_t)daemon->host.config.queue_share_max, error);
 	if (!code) {
 		name_listener(daemon);
 		code = start_http(daemon, error);

@@ -8,9 +8,10 @@
  *   srv_daemon_stop(daemon);
  *   srv_store_free(&store);
  *
- * Threads: one takes connections in (listener.h); a pool of polling threads reads requests and sends answers and does nothing that takes long; work
- * threads plan; one thread watches deadlines. The library's parser is not trusted with anything but splitting
- * a head that is known to be well into lines: see gate.h, framing.h and target.h. */
+ * Threads: one takes connections in (listener.h); a pool of polling threads reads requests and sends answers
+ * and does nothing that takes long; work threads plan; one thread watches deadlines. The library's parser is
+ * not trusted with anything but splitting a head that is known to be well into lines: see gate.h, framing.h
+ * and target.h. */
 #ifndef SRV_DAEMON_H
 #define SRV_DAEMON_H
 
@@ -29,7 +30,7 @@ struct srv_config {              /* 0 is the default */
 	uint64_t queue_share_max;    /* of them of one address: 32 */
 	uint64_t connections_max;    /* 1000; where it is full idle ones give way (reaper.h) */
 	uint64_t connections_per_address;        /* 128; an IPv6 /64 is one address */
-	struct srv_networks trusted; /* proxies whose X-Forwarded-For counts, and that have no such limit: none */
+	struct srv_networks trusted; /* proxies without that limit, whose X-Forwarded-For counts: none */
 	uint32_t head_ms;            /* to send a request's head, and to begin the next one: 20,000 */
 	uint32_t body_ms;            /* to send its body: 30,000 */
 	uint32_t send_ms;            /* window in which an answer must be taken at the rate: 30,000 */

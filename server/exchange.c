@@ -87,7 +87,8 @@ static void judge_answer(struct srv_exchange *exchange, const struct srv_validat
 {
 	char path[SRV_TARGET_BYTES_MAX];
 	if (exchange->answer.response && exchange->answer.status / 100 == 2 && has_preconditions(exchange))
-		srv_answer_judge(&exchange->answer, &exchange->conditions, validators, path_of(exchange, path));
+		srv_answer_judge(&exchange->answer, &exchange->conditions, validators,
+			path_of(exchange, path));
 }
 
 /* ---- Plans and streams, on a work thread ---- */
@@ -111,8 +112,8 @@ static void keep_answer(struct srv_exchange *exchange, unsigned status, uint64_t
 			&(struct srv_kept_answer){ status, size_bytes, body });
 }
 
-/* Answers from `body` (NULL: false) and keeps it for who asks again. What follows from a request that is not a
- * GET or HEAD has no tag, and is not kept. */
+/* Answers from `body` (NULL: false) and keeps it for who asks again. What follows from a request that is not
+ * a GET or HEAD has no tag, and is not kept. */
 static bool answer_kept(struct srv_exchange *exchange, struct srv_kept_body *body, const char *timing)
 {
 	if (!body)
@@ -154,8 +155,8 @@ static enum eco_code answer_plan(struct srv_exchange *exchange, struct srv_strea
 	return ECO_OK;
 }
 
-static enum eco_code answer_stream(struct srv_exchange *exchange, struct srv_stream *stream, uint64_t begun_us,
-	struct eco_error *error)
+static enum eco_code answer_stream(struct srv_exchange *exchange, struct srv_stream *stream,
+	uint64_t begun_us, struct eco_error *error)
 {
 	uint64_t planned_us = srv_clock_us();
 	char timing[96];
@@ -193,8 +194,8 @@ static void plan_job(void *argument)
 	uint64_t begun_us = srv_clock_us();
 	enum eco_code code = srv_stream_plan(&stream, &input, &error);
 	if (!code) {
-		code = (exchange->route == &srv_routes[SRV_PLAN] ? answer_plan : answer_stream)(exchange, &stream,
-			begun_us, &error);
+		code = (exchange->route == &srv_routes[SRV_PLAN] ? answer_plan : answer_stream)(exchange,
+			&stream, begun_us, &error);
 		srv_stream_free(&stream);
 	}
 	if (code)
@@ -215,8 +216,10 @@ static bool start_plan(struct srv_exchange *exchange)
 			.cancelled = &exchange->cancelled, .owner = exchange->client }))
 		return true;
 	srv_reaper_watch(exchange->host->reaper, exchange->lease, NULL);
-	make_problem(exchange, SRV_PROBLEM_BUSY, "too many plans wait, or too many from this address; ask again "
-		"in a second", false);
+	make_problem(exchange, SRV_PROBLEM_BUSY,
+		"too many plans wait, or too many from this address; ask again "
+		"in a second",
+		false);
 	exchange->phase = SRV_PHASE_DONE;
 	MHD_resume_connection(exchange->connection);
 	return true;
@@ -309,7 +312,8 @@ static bool prepare_plan(struct srv_exchange *exchange)
 
 static void answer_described(struct srv_exchange *exchange, bool validated, struct srv_json *json)
 {
-	struct srv_validators validators = { .modified_s = exchange->scene ? exchange->scene->modified_s : 0 };
+	const struct srv_scene *scene = exchange->scene;
+	struct srv_validators validators = { .modified_s = scene ? scene->modified_s : 0 };
 	if (validated && !json->out.failed) {
 		struct eco_chunk_id id = eco_chunk_hash(json->out.bytes, json->out.size);
 		srv_etag_of(validators.etag, &id);

@@ -44,7 +44,9 @@ static bool malformed(struct srv_framing *framing, const char *detail)
 
 static void begin_head(struct srv_framing *framing)
 {
-	*framing = (struct srv_framing){ .state = SRV_AT_METHOD, .heads = framing->heads, .size = framing->size,
+	*framing = (struct srv_framing){ .state = SRV_AT_METHOD,
+		.heads = framing->heads,
+		.size = framing->size,
 		.memory = framing->size };
 }
 
@@ -57,7 +59,8 @@ static bool take_method(struct srv_framing *framing, char c)
 		return true;
 	}
 	if (!((c >= 'A' && c <= 'Z') || c == '-' || c == '_'))
-		return malformed(framing, "a request begins with a method in capitals, as GET, and one space");
+		return malformed(framing,
+			"a request begins with a method in capitals, as GET, and one space");
 	if (framing->name_size == sizeof framing->name)
 		return malformed(framing, "the method is too long");
 	framing->name[framing->name_size++] = c;
@@ -71,7 +74,8 @@ static bool take_target(struct srv_framing *framing, char c)
 		return true;
 	}
 	if (!is_printable(c))
-		return malformed(framing, "the request line is METHOD TARGET HTTP/1.1 with one space between, "
+		return malformed(framing,
+			"the request line is METHOD TARGET HTTP/1.1 with one space between, "
 			"and a target has neither spaces nor control characters");
 	if (++framing->target_size >= SRV_TARGET_BYTES_MAX)
 		return refuse(framing, SRV_PROBLEM_TARGET_TOO_LONG, "the request target is too long");
@@ -117,14 +121,16 @@ static bool take_name(struct srv_framing *framing, char c)
 		if (framing->field == FIELD_TRANSFER)
 			return malformed(framing, "Transfer-Encoding is not accepted: send the body with a "
 				"Content-Length");
-		uint32_t bit = framing->field < 0 || framing->field == FIELD_COOKIE ? 0 : 1u << framing->field;
+		uint32_t bit =
+			framing->field < 0 || framing->field == FIELD_COOKIE ? 0 : 1u << framing->field;
 		if (framing->seen & bit)
 			return malformed(framing, "a header that may be given once is given twice");
 		framing->seen |= bit;
 		return true;
 	}
 	if (!is_token(c))
-		return malformed(framing, "a header is a name of letters, digits and '-', directly followed by "
+		return malformed(framing,
+			"a header is a name of letters, digits and '-', directly followed by "
 			"':', and no line is folded");
 	if (framing->name_size < sizeof framing->name)
 		framing->name[framing->name_size] = (char)(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
@@ -181,7 +187,8 @@ static bool take_value(struct srv_framing *framing, char c)
 	if (framing->field == FIELD_COOKIE) {
 		framing->memory += c == ';' || c == ',' ? 1 + ENTRY_BYTES : 1;
 		if (framing->memory > SRV_HEAD_MEMORY_MAX)
-			return refuse(framing, SRV_PROBLEM_HEAD_TOO_LARGE, "too many cookies; none is needed");
+			return refuse(framing, SRV_PROBLEM_HEAD_TOO_LARGE,
+				"too many cookies; none is needed");
 	}
 	return framing->field != FIELD_HOST && framing->field != FIELD_LENGTH ? true
 		: keep_value(framing, c);
@@ -232,13 +239,15 @@ static bool take_byte(struct srv_framing *framing, char c)
 	}
 }
 
-/* Bytes of a value that is not looked at, or of a target, of which each alone changes nothing: taken at once. */
+/* Bytes of a value that is not looked at, or of a target, of which each alone changes nothing: taken at
+ * once. */
 static size_t plain_bytes(const struct srv_framing *framing, const char *bytes, size_t size)
 {
 	bool target = framing->state == SRV_AT_TARGET;
 	uint32_t room = SRV_HEAD_BYTES_MAX - framing->size, memory = SRV_HEAD_MEMORY_MAX - framing->memory;
 	size_t at = 0;
-	if (!target && (framing->state != SRV_AT_VALUE || (framing->field >= 0 && framing->field < FIELD_ONCE)))
+	if (!target &&
+		(framing->state != SRV_AT_VALUE || (framing->field >= 0 && framing->field < FIELD_ONCE)))
 		return 0;
 	room = room < memory ? room : memory;
 	room = target && room > SRV_TARGET_BYTES_MAX - 1 - framing->target_size

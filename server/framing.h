@@ -1,13 +1,13 @@
 /* The bytes of a connection, read strictly and one by one before the HTTP library sees them: where a request
- * ends is decided here. libmicrohttpd 0.9.75 takes a NUL or an empty name at the start of a line for the end of
- * the head, cuts values at a NUL, joins folded lines, and accepts two lengths, or a length beside
- * Transfer-Encoding. A proxy in front may read such a request in another way, and what one takes for a body the
- * other takes for a second request (smuggling).
+ * ends is decided here. libmicrohttpd 0.9.75 takes a NUL or an empty name at the start of a line for the end
+ * of the head, cuts values at a NUL, joins folded lines, and accepts two lengths, or a length beside
+ * Transfer-Encoding. A proxy in front may read such a request in another way, and what one takes for a body
+ * the other takes for a second request (smuggling).
  *
- * The grammar is RFC 9112's, without what it only tolerates: lines end with CRLF, one space parts the request
- * line, no line is folded, names are tokens, values hold no control characters. One Host (HTTP/1.0: at most
- * one), at most one Content-Length, no Transfer-Encoding, and once only what else may be given once. A head and
- * its parts are bounded, so that it fits the memory that the library gives it.
+ * The grammar is RFC 9112's, without what it only tolerates: lines end with CRLF, one space parts the
+ * request line, no line is folded, names are tokens, values hold no control characters. One Host (HTTP/1.0:
+ * at most one), at most one Content-Length, no Transfer-Encoding, and once only what else may be given once.
+ * A head and its parts are bounded, so that it fits the memory that the library gives it.
  *
  *   struct srv_framing framing = { 0 };
  *   passed = srv_framing_scan(&framing, bytes, size);        as bytes come, of one request after the other
@@ -23,8 +23,9 @@
 
 #define SRV_HEAD_BYTES_MAX 8192u
 #define SRV_HEADERS_MAX 100u
-/* What the library needs of its memory for a connection: the head, 56 bytes for each header, parameter and cookie,
- * and the cookies once more. That memory is filled with zeros after each request, so it is not larger. */
+/* What the library needs of its memory for a connection: the head, 56 bytes for each header, parameter and
+ * cookie, and the cookies once more. That memory is filled with zeros after each request, so it is not
+ * larger. */
 #define SRV_HEAD_MEMORY_MAX (12u << 10)
 #define SRV_CONNECTION_MEMORY (16u << 10)
 #define SRV_FRAMING_NAME_BYTES 32u       /* longer names are none that count */

@@ -1,5 +1,5 @@
-/* Takes connections in: a thread that accepts, lets the reaper decide who may come in (reaper.h), and hands the
- * socket on. Where descriptors run out it makes room and rests, instead of asking again and again. */
+/* Takes connections in: a thread that accepts, lets the reaper decide who may come in (reaper.h), and hands
+ * the socket on. Where descriptors run out it makes room and rests, instead of asking again and again. */
 #ifndef SRV_LISTENER_H
 #define SRV_LISTENER_H
 

@@ -59,15 +59,16 @@ static const struct eco_option options[] = {
 		.help = "serve the files themselves, for packs that nobody writes over: no room, no time to "
 		"copy, and memory shared with other servers" },
 	{ "connections", 0, ECO_OPTION_COUNT, "N", &given.config.connections_max, 1, 100000,
-		.help = "at once; where they are all taken, one that only waits gives way; 1000 if not given" },
-	{ "connections-per-address", 0, ECO_OPTION_COUNT, "N", &given.config.connections_per_address, 1, 100000,
-		.help = "of them from one address, or from one IPv6 /64; 128 if not given" },
+		.help = "at once; where all are taken, one that only waits gives way; 1000 if not given" },
+	{ "connections-per-address", 0, ECO_OPTION_COUNT, "N", &given.config.connections_per_address,
+		1, 100000, .help = "of them from one address, or from one IPv6 /64; 128 if not given" },
 	{ "plans", 0, ECO_OPTION_COUNT, "N", &given.config.queue_max, 1, 100000,
 		.help = "that may wait for a thread; 64 if not given" },
 	{ "plans-per-address", 0, ECO_OPTION_COUNT, "N", &given.config.queue_share_max, 1, 100000,
 		.help = "of them for one address; addresses are served in turn; 32 if not given" },
-	{ "trust-proxy", 0, ECO_OPTION_READ, "ADDRESS[/BITS],...", &given.config.trusted, .read = read_networks,
-		.help = "proxies that may open any number of connections, and whose X-Forwarded-For says who asks" },
+	{ "trust-proxy", 0, ECO_OPTION_READ, "ADDRESS[/BITS],...", &given.config.trusted,
+		.read = read_networks, .help = "proxies that may open any number of connections, and whose "
+		"X-Forwarded-For says who asks" },
 	{ "log", 0, ECO_OPTION_FLAG, NULL, &given.config.log, .help = "one line a request on stderr" },
 	{ 0 } };
 

@@ -1,5 +1,5 @@
-/* A hash table of chains, and a ring from the latest asked for to the one to go first. The mutex guards both; no
- * body is copied under it. */
+/* A hash table of chains, and a ring from the latest asked for to the one to go first. The mutex guards
+ * both; no body is copied under it. */
 #include "server/plan_cache.h"
 
 #include <pthread.h>

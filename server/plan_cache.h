@@ -1,6 +1,6 @@
-/* Answers to plan and stream requests, by their ETag: the same request to the same pack gives the same bytes, so
- * that a HEAD, a 304 and a repeated GET cost no plan. Status and size are kept of each, the body where it is
- * small. What was not asked for the longest goes first.
+/* Answers to plan and stream requests, by their ETag: the same request to the same pack gives the same
+ * bytes, so that a HEAD, a 304 and a repeated GET cost no plan. Status and size are kept of each, the body
+ * where it is small. What was not asked for the longest goes first.
  *
  *   srv_plan_cache_put(cache, etag, &(struct srv_kept_answer){ status, size, body });
  *   if (srv_plan_cache_get(cache, etag, &kept)) ... srv_kept_body_release(kept.body);
@@ -17,10 +17,10 @@
 #define SRV_KEPT_BODY_MAX (256u << 10)
 
 struct srv_kept_body { _Atomic(uint32_t) holders; size_t size; uint8_t bytes[]; };
-struct srv_kept_answer { unsigned status; uint64_t size_bytes; struct srv_kept_body *body; };   /* body: or NULL */
+struct srv_kept_answer { unsigned status; uint64_t size_bytes; struct srv_kept_body *body; /* or NULL */ };
 
-/* Of `size` bytes, to be filled by the caller, who holds it; NULL if it is larger than what is kept, or there is
- * no memory. */
+/* Of `size` bytes, to be filled by the caller, who holds it; NULL if it is larger than what is kept, or
+ * there is no memory. */
 struct srv_kept_body *srv_kept_body_make(uint64_t size);
 void srv_kept_body_hold(struct srv_kept_body *body);
 void srv_kept_body_release(struct srv_kept_body *body);          /* NULL is fine */

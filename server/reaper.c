@@ -61,8 +61,8 @@ static bool renew(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t n
 	return true;
 }
 
-/* The client has closed its side, or the connection is broken; as other servers do, an end of sending is taken for
- * an end of interest. (poll would also report that the gate wants to read no more.) */
+/* The client has closed its side, or the connection is broken; as other servers do, an end of sending is
+ * taken for an end of interest. (poll would also report that the gate wants to read no more.) */
 static bool has_hung_up(const struct srv_lease *lease)
 {
 	return about(lease).tcpi_state != ESTABLISHED;
@@ -178,8 +178,9 @@ static const char *make_way(struct srv_reaper *reaper, const struct srv_address 
 	struct srv_lease *way = same_full ? census.same_idle : census.idle;
 	if (way)
 		shut(way, "gives way to a new one");
-	return way ? NULL : same_full ? "there are too many connections from this address; close some, or use "
-		"them for more than one request" : "there are too many connections; ask again in a second";
+	return way ? NULL : same_full ? "there are too many connections from this address; close some, or "
+		"use them for more than one request" : "there are too many connections; ask again in a "
+		"second";
 }
 
 static void unlink_lease(struct srv_lease *lease)

@@ -1,16 +1,17 @@
 /* Deadlines for connections. The HTTP library only times out silence, so that 700 clients that drip a byte a
  * second hold 700 places for ever. Here every phase in which a client is waited for has a deadline, however
- * busy it looks: the head of a request (from connecting, or from the end of the request before), and its body.
- * A response must be taken at a stated least rate, window after window, as the system counts what the client has
- * acknowledged. While the server itself works there is no deadline. A thread shuts overdue sockets down; the library then closes them.
+ * busy it looks: the head of a request (from connecting, or from the end of the request before), and its
+ * body. A response must be taken at a stated least rate, window after window, as the system counts what the
+ * client has acknowledged. While the server itself works there is no deadline. A thread shuts overdue
+ * sockets down; the library then closes them.
  *
- * It also decides who may come in: so many connections in all, and so many of one address (address.h). Where it
- * is full, the connection that has waited the longest for its client to send a request gives way, of the same
- * address where that is what is full; if none waits, the new one is refused. A trusted proxy has no limit of its
- * own.
+ * It also decides who may come in: so many connections in all, and so many of one address (address.h). Where
+ * it is full, the connection that has waited the longest for its client to send a request gives way, of the
+ * same address where that is what is full; if none waits, the new one is refused. A trusted proxy has no
+ * limit of its own.
  *
- * Life of an entry: opened when the connection starts, closed before its socket is (so that a number that the
- * system gave to another socket is never shut down). All functions may be called from any thread. */
+ * Life of an entry: opened when the connection starts, closed before its socket is (so that a number that
+ * the system gave to another socket is never shut down). All functions may be called from any thread. */
 #ifndef SRV_REAPER_H
 #define SRV_REAPER_H
 

@@ -49,7 +49,8 @@ static size_t bracket_bytes(const char *text, size_t size)
 
 bool srv_authority_valid(const char *text, size_t size)
 {
-	size_t at = size && text[0] == '[' ? bracket_bytes(text, size) : name_bytes(text, size), first = at + 1;
+	size_t at = size && text[0] == '[' ? bracket_bytes(text, size) : name_bytes(text, size),
+	       first = at + 1;
 	if (at == 0 || (at < size && text[at] != ':') || size - at > 6)
 		return false;
 	unsigned port = 0;
@@ -71,7 +72,8 @@ static enum eco_code skip_authority(const char **raw, size_t *size, struct eco_e
 	while (at < *size && (*raw)[at] != '/' && (*raw)[at] != '?')
 		at++;
 	if (!srv_authority_valid(*raw + first, at - first))
-		return eco_fail(error, ECO_BAD_INPUT, "http:// must be followed by a name or address, with or "
+		return eco_fail(error, ECO_BAD_INPUT,
+			"http:// must be followed by a name or address, with or "
 			"without ':' and a port");
 	*raw += at;
 	*size -= at;

@@ -2,9 +2,9 @@
  * Bounded: what does not fit into the queue is refused at once (503) instead of waiting for nobody knows how
  * long.
  *
- * Addresses are served in turn (start-time fair queueing, Goyal and others 1996, jobs of equal cost): each job of
- * an address that others wait behind is a turn later than the one before it, and no address may have more than
- * its share of the queue. */
+ * Addresses are served in turn (start-time fair queueing, Goyal and others 1996, jobs of equal cost): each
+ * job of an address that others wait behind is a turn later than the one before it, and no address may have
+ * more than its share of the queue. */
 #ifndef SRV_WORK_H
 #define SRV_WORK_H
 
@@ -23,12 +23,12 @@ struct srv_job {
 	struct srv_address owner;
 };
 
-/* `threads` of them, and room for queue_max jobs that wait, share_max of them of one address. On an error *work is
- * NULL. */
+/* `threads` of them, and room for queue_max jobs that wait, share_max of them of one address. On an error
+ * *work is NULL. */
 enum eco_code srv_work_start(struct srv_work **work, uint32_t threads, uint32_t queue_max, uint32_t share_max,
 	struct eco_error *error);
-/* Runs the job on some thread; false if the queue or the owner's share is full, or it is stopped. Every accepted
- * job is run, also while stopping. Any thread. */
+/* Runs the job on some thread; false if the queue or the owner's share is full, or it is stopped. Every
+ * accepted job is run, also while stopping. Any thread. */
 bool srv_work_submit(struct srv_work *work, const struct srv_job *job);
 /* Cancels all jobs, runs what is queued, and joins; nothing is accepted from then on. */
 void srv_work_stop(struct srv_work *work);

@@ -203,7 +203,7 @@ UNIT_TEST(a_picture_may_be_drawn_after_so_many_bytes)
 	eco_plan_free(&plan);
 }
 
-/* A byte now and then keeps a connection alive, and no client waiting: the server ends when the client does. */
+/* A byte now and then keeps a connection alive, but no client waiting. */
 UNIT_TEST(an_answer_that_drips_is_given_up)
 {
 	struct eco_plan plan;

@@ -1,5 +1,5 @@
-/* A connection's bytes, as the gate reads them: at once, and in two parts, cut where the first byte says. Heads
- * that pass are what framing.h promises the HTTP library. */
+/* A connection's bytes, as the gate reads them: at once, and in two parts, cut where the first byte says.
+ * Heads that pass are what framing.h promises the HTTP library. */
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,8 +1,9 @@
-/* Requests over raw sockets that no friendly client sends, and what exactly comes back: how many answers, which,
- * and whether the connection is closed behind them. Each is sent at once, and byte by byte.
+/* Requests over raw sockets that no friendly client sends, and what exactly comes back: how many answers,
+ * which, and whether the connection is closed behind them. Each is sent at once, and byte by byte.
  *
- * `nginx` is what nginx 1.22.1 of Debian 12 answered to the same bytes (/healthz a file of one byte, POST not
- * allowed): HOSTILE_PORT=N prints what the server at that port of this machine answers instead of testing. */
+ * `nginx` is what nginx 1.22.1 of Debian 12 answered to the same bytes (/healthz a file of one byte, POST
+ * not allowed): HOSTILE_PORT=N prints what the server at that port of this machine answers instead of
+ * testing. */
 #include "tests/support/serve_daemon.h"
 
 #include <netinet/tcp.h>
@@ -19,7 +20,8 @@
 #define C10 "a=b; a=b; a=b; a=b; a=b; a=b; a=b; a=b; a=b; a=b; "
 
 /* `answers`: statuses in order; a full stop where the connection is closed behind the last. */
-static const struct row { const char *request; size_t size; const char *answers, *nginx; } rows[] = {
+static const struct row { const char *request; size_t size; const char *answers, *nginx;
+} rows[] = {
 	/* what is legal stays so */
 	{ BYTES(GET "\r\n"), "200", "200" },
 	{ BYTES("\r\n" GET "\r\n"), "200", "200" },
@@ -157,7 +159,8 @@ static const struct row { const char *request; size_t size; const char *answers,
 	{ BYTES(GET A9000 ": 1\r\n\r\n"), "431.", "400." },
 	{ BYTES(GET "X: " A9000 "\r\n\r\n"), "431.", "400." },
 	{ BYTES(GET X10 X10 X10 X10 X10 X10 X10 X10 X10 X10 "\r\n"), "431.", "200" },
-	{ BYTES(GET "Cookie: " C10 C10 C10 C10 C10 C10 C10 C10 C10 C10 C10 C10 C10 C10 C10 C10 C10 C10 C10 C10 "\r\n\r\n"),
+	{ BYTES(GET "Cookie: " C10 C10 C10 C10 C10 C10 C10 C10 C10 C10 C10 C10 C10 C10 C10 C10 C10 C10 C10 C10
+		    "\r\n\r\n"),
 		"431.", "200" },
 	{ BYTES(GET "If-None-Match: \"a\"\r\nIf-None-Match: \"b\"\r\n\r\n"), "400.", "400." },
 	{ BYTES(GET "If-Match: \"a\"\r\nIf-Match: \"b\"\r\n\r\n"), "400.", "400." },
@@ -186,7 +189,9 @@ static const struct row { const char *request; size_t size; const char *answers,
 		"405 200" },
 	{ BYTES(STREAM "Transfer-Encoding: identity\r\nContent-Length: 4\r\n\r\nabcd" SECOND), "400.",
 		"501." },
-	{ BYTES(STREAM "Transfer-Encoding: \x0b" "chunked\r\n\r\n0\r\n\r\n" SECOND), "400.", "501." },
+	{ BYTES(STREAM "Transfer-Encoding: \x0b"
+		       "chunked\r\n\r\n0\r\n\r\n" SECOND),
+		"400.", "501." },
 	{ BYTES(STREAM "Transfer-Encoding:\r\n chunked\r\n\r\n0\r\n\r\n" SECOND), "400.", "400." },
 	{ BYTES(STREAM "Transfer-Encoding : chunked\r\n\r\n0\r\n\r\n" SECOND), "400.", "400." },
 	{ BYTES(STREAM "Content-Length: 4\r\nContent-Length: 4\r\n\r\nabcd" SECOND), "400.", "400." },
@@ -253,7 +258,8 @@ static bool asks_head(const char *request)
 	return strncmp(request, "HEAD ", 5) == 0;
 }
 
-/* Sends the request and, if the server took it for well, one that closes; its answer is dropped from the list. */
+/* Sends the request and, if the server took it for well, one that closes; its answer is dropped from the
+ * list. */
 static void ask(char list[256], const struct row *row, bool byte_by_byte)
 {
 	static const char last[] = "GET /healthz HTTP/1.1\r\nHost: last\r\nConnection: close\r\n\r\n";
@@ -296,7 +302,8 @@ UNIT_TEST(each_request_gets_exactly_its_answers)
 /* A byte that belongs nowhere, at every place of a request (but its end): one refusal, and the end. */
 UNIT_TEST(a_control_character_anywhere_is_refused)
 {
-	static const char request[] = LINE "Host: t\r\nAccept: */*\r\nX-Y:z\r\n\r\n", bad[] = "\0\r\n\x01\x7f";
+	static const char request[] = LINE "Host: t\r\nAccept: */*\r\nX-Y:z\r\n\r\n",
+			  bad[] = "\0\r\n\x01\x7f";
 	char list[256], made[sizeof request + 1];
 	if (getenv("HOSTILE_PORT"))
 		skip();
@@ -312,8 +319,8 @@ UNIT_TEST(a_control_character_anywhere_is_refused)
 		}
 }
 
-/* Heads of every size and kind up to the limits and beyond: well, or refused by a problem document; never by what
- * the library says when its memory runs out. */
+/* Heads of every size and kind up to the limits and beyond: well, or refused by a problem document; never by
+ * what the library says when its memory runs out. */
 UNIT_TEST(large_heads_are_served_or_refused_well)
 {
 	static char head[32768];
@@ -323,7 +330,8 @@ UNIT_TEST(large_heads_are_served_or_refused_well)
 	for (int headers = 0; headers <= 98; headers += 14)
 		for (int cookies = 0; cookies <= 160; cookies += 32)
 			for (int fill = 0; fill <= 8000; fill += 400) {
-				int size = sprintf(head, GET "Connection: close\r\nX: %0*d\r\nCookie: ", fill, 0);
+				int size = sprintf(head, GET "Connection: close\r\nX: %0*d\r\nCookie: ", fill,
+					0);
 				for (int i = 0; i < cookies; i++)
 					size += sprintf(head + size, "a=b;");
 				for (int i = 0; i < headers; i++)
@@ -332,8 +340,8 @@ UNIT_TEST(large_heads_are_served_or_refused_well)
 				struct http_answer answer = http_raw(port, head, (size_t)size);
 				bool is_large = answer.status == 431 && strstr(answer.body, "head-too-large");
 				if (answer.status != 200 && !is_large)
-					fail_msg("%d headers, %d cookies, %d filled: %s", headers, cookies, fill,
-						answer.head);
+					fail_msg("%d headers, %d cookies, %d filled: %s", headers, cookies,
+						fill, answer.head);
 				served += answer.status == 200;
 				refused += is_large;
 				http_free(&answer);

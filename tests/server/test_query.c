@@ -262,8 +262,8 @@ UNIT_TEST(entity_tags_match_weakly)
 
 UNIT_TEST(preconditions_are_judged_in_order)
 {
-	static const char early[] = "Sun, 06 Nov 1994 08:49:36 GMT", same[] = "Sunday, 06-Nov-94 08:49:37 GMT",
-		late[] = "Sun Nov  6 08:49:38 1994";
+	static const char early[] = "Sun, 06 Nov 1994 08:49:36 GMT",
+			  same[] = "Sunday, 06-Nov-94 08:49:37 GMT", late[] = "Sun Nov  6 08:49:38 1994";
 	static const struct { struct srv_conditions given; enum srv_verdict tagged, untagged; } rows[] = {
 		{ { .range = "bytes=0-1" }, SRV_VERDICT_GO, SRV_VERDICT_GO },
 		{ { .if_match = "\"a\"" }, SRV_VERDICT_GO, SRV_VERDICT_FAILED },
@@ -301,10 +301,10 @@ static struct srv_address address(const char *text)
 
 UNIT_TEST(addresses_of_one_household_are_the_same)
 {
-	static const struct { const char *a, *b; bool same; } rows[] = { { "10.0.0.1", "10.0.0.1", true },
-		{ "10.0.0.1", "10.0.0.2", false }, { "10.0.0.1", "::ffff:10.0.0.1", true },
-		{ "2001:db8:0:1::1", "2001:db8:0:1:ffff::2", true }, { "2001:db8:0:1::1", "2001:db8:0:2::1", false },
-		{ "10.0.0.1", "2001:db8::1", false } };
+	static const struct { const char *a, *b; bool same;
+	} rows[] = { { "10.0.0.1", "10.0.0.1", true }, { "10.0.0.1", "10.0.0.2", false },
+		{ "10.0.0.1", "::ffff:10.0.0.1", true }, { "2001:db8:0:1::1", "2001:db8:0:1:ffff::2", true },
+		{ "2001:db8:0:1::1", "2001:db8:0:2::1", false }, { "10.0.0.1", "2001:db8::1", false } };
 	char text[SRV_ADDRESS_TEXT_BYTES];
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct srv_address a = address(rows[i].a), b = address(rows[i].b);
@@ -317,15 +317,18 @@ UNIT_TEST(addresses_of_one_household_are_the_same)
 
 UNIT_TEST(only_a_trusted_proxy_speaks_for_others)
 {
-	static const struct { const char *trusted, *peer, *forwarded, *client; } rows[] = {
-		{ "10.0.0.1", "10.0.0.1", "1.2.3.4", "1.2.3.4" }, { "10.0.0.1", "10.0.0.2", "1.2.3.4", "10.0.0.2" },
+	static const struct { const char *trusted, *peer, *forwarded, *client;
+	} rows[] = { { "10.0.0.1", "10.0.0.1", "1.2.3.4", "1.2.3.4" },
+		{ "10.0.0.1", "10.0.0.2", "1.2.3.4", "10.0.0.2" },
 		{ "10.0.0.0/8", "10.9.9.9", "6.6.6.6, 1.2.3.4", "1.2.3.4" },
 		{ "10.0.0.0/8", "10.9.9.9", "6.6.6.6, 1.2.3.4 ,10.1.1.1", "1.2.3.4" },
 		{ "10.0.0.0/8,fd00::/9", "10.9.9.9", "10.1.1.1,fd7f::1", "10.1.1.1" },
-		{ "fd00::/9", "fd80::1", "1.2.3.4", "fd80::1" }, { "0.0.0.0/0", "9.9.9.9", "2001:db8::1", "2001:db8::1" },
+		{ "fd00::/9", "fd80::1", "1.2.3.4", "fd80::1" },
+		{ "0.0.0.0/0", "9.9.9.9", "2001:db8::1", "2001:db8::1" },
 		{ "10.0.0.1", "10.0.0.1", NULL, "10.0.0.1" }, { "10.0.0.1", "10.0.0.1", "", "10.0.0.1" },
 		{ "10.0.0.1", "10.0.0.1", "1.2.3.4, unknown", "10.0.0.1" },
-		{ "10.0.0.1", "10.0.0.1", "1.2.3.4,", "10.0.0.1" }, { "10.0.0.1", "10.0.0.1", ",,,", "10.0.0.1" } };
+		{ "10.0.0.1", "10.0.0.1", "1.2.3.4,", "10.0.0.1" },
+		{ "10.0.0.1", "10.0.0.1", ",,,", "10.0.0.1" } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		struct srv_networks trusted;
 		struct eco_error error = { 0 };
@@ -336,8 +339,8 @@ UNIT_TEST(only_a_trusted_proxy_speaks_for_others)
 		srv_address_format(text, &client);
 		assert_string_equal(text, rows[i].client);
 	}
-	static const char *const bad[] = { "", "x", "10.0.0.1/33", "10.0.0.1/", "10.0.0.1/1000", "::1/129", "10.0.0.1,",
-		"10.0.0.1/-1", "10.0.0.0.1" };
+	static const char *const bad[] = { "", "x", "10.0.0.1/33", "10.0.0.1/", "10.0.0.1/1000", "::1/129",
+		"10.0.0.1,", "10.0.0.1/-1", "10.0.0.0.1" };
 	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
 		struct srv_networks trusted;
 		struct eco_error error = { 0 };
@@ -347,13 +350,14 @@ UNIT_TEST(only_a_trusted_proxy_speaks_for_others)
 
 UNIT_TEST(authorities_are_names_or_addresses)
 {
-	static const struct { const char *text; bool valid; } rows[] = { { "a", true }, { "a.b-c_d~.", true },
-		{ "127.0.0.1", true }, { "a:", true }, { "a:80", true }, { "a:65535", true }, { "[::1]", true },
-		{ "[1::a.2]:1", true }, { "", false }, { ":80", false }, { ".", false }, { ".a", false },
-		{ "a..b", false }, { "a:65536", false }, { "a:000080", false }, { "a:8o", false },
-		{ "a:1:2", false }, { "a@b", false }, { "a/b", false }, { "a b", false }, { "a,b", false },
-		{ "a%20", false }, { "[]", false }, { "[::1", false }, { "[::1]a", false }, { "[::g]", false },
-		{ "::1", false }, { "\x80", false }, { "[", false }, { "[:", false } };
+	static const struct { const char *text; bool valid;
+	} rows[] = { { "a", true }, { "a.b-c_d~.", true }, { "127.0.0.1", true }, { "a:", true },
+		{ "a:80", true }, { "a:65535", true }, { "[::1]", true }, { "[1::a.2]:1", true },
+		{ "", false }, { ":80", false }, { ".", false }, { ".a", false }, { "a..b", false },
+		{ "a:65536", false }, { "a:000080", false }, { "a:8o", false }, { "a:1:2", false },
+		{ "a@b", false }, { "a/b", false }, { "a b", false }, { "a,b", false }, { "a%20", false },
+		{ "[]", false }, { "[::1", false }, { "[::1]a", false }, { "[::g]", false }, { "::1", false },
+		{ "\x80", false }, { "[", false }, { "[:", false } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
 		assert_int_equal(srv_authority_valid(rows[i].text, strlen(rows[i].text)), rows[i].valid);
 }

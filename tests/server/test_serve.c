@@ -219,7 +219,8 @@ UNIT_TEST(same_request_same_bytes)
 /* A daemon that can plan nothing answers by the tag alone; "*" does need a plan. */
 UNIT_TEST(a_tag_that_matches_needs_no_plan)
 {
-	static const char *const targets[] = { BASE "/stream?" VIEW_BY("100000"), BASE "/plan?" VIEW_BY("100000") };
+	static const char *const targets[] = { BASE "/stream?" VIEW_BY("100000"),
+		BASE "/plan?" VIEW_BY("100000") };
 	const struct srv_config config = { .listen = "127.0.0.1:0", .response_max = 1 };
 	struct srv_daemon *daemon;
 	struct eco_error error = { 0 };
@@ -229,9 +230,12 @@ UNIT_TEST(a_tag_that_matches_needs_no_plan)
 		char etag[80], headers[120];
 		assert_true(http_header(&answer, "ETag", etag, sizeof etag));
 		http_free(&answer);
-		const struct { const char *form; unsigned status; } rows[] = { { "If-None-Match: %s\r\n", 304 },
-			{ "If-None-Match: *\r\n", 422 }, { "If-None-Match: \"x\"\r\n", 422 }, { "", 422 },
-			{ "If-Match: \"x\"\r\n", 412 }, { "If-Match: %s\r\n", 422 } };
+		const struct {
+			const char *form;
+			unsigned status;
+		} rows[] = { { "If-None-Match: %s\r\n", 304 }, { "If-None-Match: *\r\n", 422 },
+			{ "If-None-Match: \"x\"\r\n", 422 }, { "", 422 }, { "If-Match: \"x\"\r\n", 412 },
+			{ "If-Match: %s\r\n", 422 } };
 		for (size_t r = 0; r < sizeof rows / sizeof *rows; r++) {
 			snprintf(headers, sizeof headers, rows[r].form, etag);
 			answer = http_ask(srv_daemon_port(daemon), "GET", targets[i], headers, NULL, 0);
@@ -246,10 +250,12 @@ UNIT_TEST(a_tag_that_matches_needs_no_plan)
 /* What was planned says so with Server-Timing; what is kept has none. */
 UNIT_TEST(what_was_answered_is_kept)
 {
-	static const struct { const char *method, *target; bool planned; unsigned status; } rows[] = {
-		{ "HEAD", BASE "/stream?" VIEW_BY("7777"), true, 200 }, { "HEAD", BASE "/stream?" VIEW_BY("7777"), false, 200 },
+	static const struct { const char *method, *target; bool planned; unsigned status;
+	} rows[] = { { "HEAD", BASE "/stream?" VIEW_BY("7777"), true, 200 },
+		{ "HEAD", BASE "/stream?" VIEW_BY("7777"), false, 200 },
 		{ "GET", BASE "/stream?" VIEW_BY("7777"), false, 200 },
-		{ "GET", BASE "/plan?" VIEW_BY("7777"), true, 200 }, { "GET", BASE "/plan?" VIEW_BY("7777"), false, 200 },
+		{ "GET", BASE "/plan?" VIEW_BY("7777"), true, 200 },
+		{ "GET", BASE "/plan?" VIEW_BY("7777"), false, 200 },
 		{ "GET", BASE "/stream?" VIEW_BY("7777") "&bytes=1", true, 204 },
 		{ "HEAD", BASE "/stream?" VIEW_BY("7777") "&bytes=1", false, 204 },
 		{ "GET", BASE "/stream?" VIEW_BY("7777") "&bytes=90000000", true, 200 } };
@@ -260,7 +266,8 @@ UNIT_TEST(what_was_answered_is_kept)
 		assert_int_equal(answer.status, rows[i].status);
 		if (http_header(&answer, "Server-Timing", timing, sizeof timing) != rows[i].planned)
 			fail_msg("row %zu:\n%s", i, answer.head);
-		assert_int_equal(http_header(&answer, "Content-Length", length, sizeof length), answer.status == 200);
+		assert_int_equal(http_header(&answer, "Content-Length", length, sizeof length),
+			answer.status == 200);
 		assert_true(head ? answer.size == 0 : answer.size == strtoul(length, NULL, 10));
 		http_free(&answer);
 	}

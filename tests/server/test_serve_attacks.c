@@ -87,8 +87,8 @@ static void assert_served(const struct srv_daemon *daemon)
 	http_free(&answer);
 }
 
-/* More than the defaults take, of one address, and nothing sent: whoever asks is served at once, and what is open
- * stays within the address's share. */
+/* More than the defaults take, of one address, and nothing sent: whoever asks is served at once, and what is
+ * open stays within the address's share. */
 UNIT_TEST(idle_connections_lock_nobody_out)
 {
 	enum { IDLE = 700 };
@@ -105,7 +105,8 @@ UNIT_TEST(idle_connections_lock_nobody_out)
 /* The connection that has waited the longest gives way, and none that is in the middle of something. */
 UNIT_TEST(idle_connections_give_way_and_busy_ones_do_not)
 {
-	static const char begun[] = STREAM "Content-Length: 100\r\n\r\nab", ask[] = "GET /healthz HTTP/1.1\r\n" HOST "\r\n";
+	static const char begun[] = STREAM "Content-Length: 100\r\n\r\nab",
+			  ask[] = "GET /healthz HTTP/1.1\r\n" HOST "\r\n";
 	const struct srv_config config = { .listen = "127.0.0.1:0", .connections_per_address = 4 };
 	struct srv_daemon *daemon = start(&config);
 	int fds[5];
@@ -141,7 +142,9 @@ UNIT_TEST(idle_connections_give_way_and_busy_ones_do_not)
 
 UNIT_TEST(a_trusted_proxy_has_no_share_of_its_own)
 {
-	struct srv_config config = { .listen = "127.0.0.1:0", .connections_per_address = 2, .connections_max = 30 };
+	struct srv_config config = { .listen = "127.0.0.1:0",
+		.connections_per_address = 2,
+		.connections_max = 30 };
 	struct eco_error error = { 0 };
 	int fds[40];
 	assert_ok(srv_networks_parse(&config.trusted, "10.0.0.0/8,127.0.0.1", &error), error);
@@ -245,18 +248,22 @@ UNIT_TEST(answers_that_are_taken_slowly_arrive)
 	srv_daemon_stop(daemon);
 }
 
-/* Plans that nobody waits for any more are not made: with one thread and many waiting, some were not begun when
- * their clients had left. What was planned is kept, and says nothing of timing when it is asked for again. */
+/* Plans that nobody waits for any more are not made: with one thread and many waiting, some were not begun
+ * when their clients had left. What was planned is kept, and says nothing of timing when it is asked for
+ * again. */
 UNIT_TEST(plans_of_clients_that_left_are_not_made)
 {
 	enum { PLANS = 60 };
-	const struct srv_config config = { .listen = "127.0.0.1:0", .work_threads = 1, .queue_share_max = 64 };
+	const struct srv_config config = { .listen = "127.0.0.1:0",
+		.work_threads = 1,
+		.queue_share_max = 64 };
 	struct srv_daemon *daemon = start(&config);
 	char target[300], request[400], timing[100];
 	int fds[PLANS], made = 0;
 	for (int i = 0; i < PLANS; i++) {
-		snprintf(request, sizeof request, "GET " BASE "/stream?" VIEW "&vertices=%d&bytes=200000 HTTP/1.1\r\n"
-			HOST "\r\n", 1000000 + i);
+		snprintf(request, sizeof request,
+			"GET " BASE "/stream?" VIEW "&vertices=%d&bytes=200000 HTTP/1.1\r\n" HOST "\r\n",
+			1000000 + i);
 		fds[i] = http_connect(srv_daemon_port(daemon));
 		assert_true(http_send(fds[i], request, strlen(request)));
 	}
@@ -266,7 +273,8 @@ UNIT_TEST(plans_of_clients_that_left_are_not_made)
 	while (srv_daemon_busy(daemon))
 		usleep(1000);
 	for (int i = 0; i < PLANS; i++) {
-		snprintf(target, sizeof target, BASE "/stream?" VIEW "&vertices=%d&bytes=200000", 1000000 + i);
+		snprintf(target, sizeof target, BASE "/stream?" VIEW "&vertices=%d&bytes=200000",
+			1000000 + i);
 		struct http_answer answer = http_ask(srv_daemon_port(daemon), "HEAD", target, "", NULL, 0);
 		assert_int_equal(answer.status, 200);
 		made += !http_header(&answer, "Server-Timing", timing, sizeof timing);

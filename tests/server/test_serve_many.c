@@ -86,7 +86,8 @@ UNIT_TEST(bodies_are_bounded_together)
 	for (int i = 0; i < 64; i++)
 		close(fds[i]);
 	wait_for_busy(daemon, 0);
-	answer = http_ask(srv_daemon_port(daemon), "POST", BASE "/stream?" VIEW_BY("1"), OCTETS, zeros, 500000);
+	answer = http_ask(srv_daemon_port(daemon), "POST", BASE "/stream?" VIEW_BY("1"), OCTETS, zeros,
+		500000);
 	assert_int_equal(answer.status, 400);    /* read, and found to be no holdings */
 	http_free(&answer);
 	srv_daemon_stop(daemon);
