@@ -135,6 +135,8 @@ void srv_reaper_stop(struct srv_reaper *reaper)
 	pthread_cond_signal(&reaper->wake);
 	pthread_mutex_unlock(&reaper->mutex);
 	pthread_join(reaper->thread, NULL);
+	while (reaper->leases.next != &reaper->leases)
+		srv_reaper_close(reaper, reaper->leases.next);
 	pthread_cond_destroy(&reaper->wake);
 	pthread_mutex_destroy(&reaper->mutex);
 	free(reaper);

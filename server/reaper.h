@@ -47,7 +47,8 @@ struct srv_reaper_limits {
 };
 enum eco_code srv_reaper_start(struct srv_reaper **reaper, const struct srv_reaper_limits *limits,
 	struct eco_error *error);
-/* frees it; NULL is fine; every lease must have been closed */
+/* After the library has stopped. Frees it, and leases of connections that the library never began; NULL is
+ * fine. */
 void srv_reaper_stop(struct srv_reaper *reaper);
 
 /* Opens the gate, too; a request is waited for. NULL if the connection may not come in: *why says so. */
