@@ -24,7 +24,7 @@ B := build$(if $(filter-out release,$(config)),/$(config))
 PACKAGES := gcc g++ libmicrohttpd-dev libegl-dev libgl-dev libepoxy-dev libgl1-mesa-dri libdraco-dev libopenimageio-dev libpng-dev libwebp-dev \
 	libassimp-dev libgdal-dev libproj-dev libjansson-dev libcurl4-openssl-dev libmeshoptimizer-dev libxxhash-dev \
 	libseccomp-dev libcairo2-dev fonts-dejavu-core libexpat1-dev libcmocka-dev libzstd-dev pkg-config jq curl \
-	xz-utils
+	xz-utils python3-jsonschema python3-yaml openapi-specification
 # what of these says by pkg-config where its headers are
 LIBRARIES := gdal freetype2 assimp OpenImageIO draco proj jansson libcurl epoxy egl libmicrohttpd libpng libwebp libxxhash \
 	libseccomp expat cmocka
@@ -258,7 +258,8 @@ endif
 TEST_ROOMS = $(sort $(patsubst tests/%/,%,$(dir $(TEST_SOURCES) $(SCRIPTS))) fuzz)
 # scripts run programs; all else is a program
 RUN_BUILT := $(filter-out %.sh,$(RUN)) $(if $(filter %.sh,$(RUN)),$(BENCHES)) \
-	$(if $(filter %/test_determinism.sh,$(RUN)),$(B)/o0/ecopack $(B)/o0/plans)
+	$(if $(filter %/test_determinism.sh,$(RUN)),$(B)/o0/ecopack $(B)/o0/plans) \
+	$(if $(filter %/test_scene_schema.sh,$(RUN)),$(B)/tests/test_scene)
 # what holds a test to its time
 build/limit: tests/limit.c
 	@mkdir -p $(@D)

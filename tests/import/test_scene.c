@@ -1,15 +1,34 @@
 /* SCENE.json: what it may say, and that what it may not say is answered with a place. */
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 
 #include "ecofiles/scene/scene.h"
+#include "tests/support/files.h"
 #include "tests/support/input_files.h"
 #include "tests/support/unit_test.h"
+
+/* Where SCENES_KEPT names a folder, documents go there with what the reader says of them: test_scene_schema.sh
+ * holds the schema against them. */
+static void keep(const char *verdict, const char *json, const char *says)
+{
+	static unsigned number;
+	const char *folder = getenv("SCENES_KEPT");
+	char path[300];
+	if (!folder)
+		return;
+	snprintf(path, sizeof path, "%s/%s-%03u.json", folder, verdict, ++number);
+	file_write_text(path, json);
+	snprintf(path, sizeof path, "%s/%s-%03u.says", folder, verdict, number);
+	file_write_text(path, says);
+}
 
 static void parse_good(struct eco_source *source, const char *json)
 {
 	struct eco_error error = { .code = ECO_OK };
 	enum eco_code code = eco_source_parse(source, json, strlen(json), "dir/scene.json", &error);
 	assert_ok(code, error);
+	keep("good", json, "");
 }
 
 UNIT_TEST(everything_that_may_be_said_is_read)
@@ -214,6 +233,7 @@ UNIT_TEST(what_may_not_be_said_has_a_line_and_a_column)
 		assert_int_not_equal(eco_source_parse(&s, bad[i].json, strlen(bad[i].json), "s.json", &error),
 			ECO_OK);
 		assert_null(s.path);
+		keep("bad", bad[i].json, error.text);
 		snprintf(start, sizeof start, "s.json%s", bad[i].place);
 		if (strncmp(error.text, start, strlen(start)) != 0 || !strstr(error.text, bad[i].says))
 			fail_msg("%s\n  gives  %s\n  wanted %s ... %s", bad[i].json, error.text, start,
