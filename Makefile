@@ -78,7 +78,9 @@ PACK_ROOM := ecofiles/ecopack
 SUPPORT_ROOM := tests/support
 # methods of the papers that no program has: what measurements compare with
 BASELINE_ROOM := tests/bench/baseline
-ROOMS := $(ECO_ROOMS) $(BUILD_ROOMS) lod lod/plan server client-min $(PACK_ROOM) $(SUPPORT_ROOM)
+# both ends for programs of others: libecostream
+LIBRARY_ROOM := client-min/library
+ROOMS := $(ECO_ROOMS) $(BUILD_ROOMS) lod lod/plan server client-min $(LIBRARY_ROOM) $(PACK_ROOM) $(SUPPORT_ROOM)
 
 # Libraries that few scenes need are loaded when one does, by what calls them (ecofiles/base/module.h): NAME_*.c of any room make ecoNAME.so.
 MODULE_NAMES := assimp cairo gdal image proj
@@ -103,7 +105,7 @@ LIB_ECO := $(call archive,$(ECO_ROOMS))
 LIB_BUILD := $(call archive,$(BUILD_ROOMS) lod)
 LIB_SERVER := $(call archive,server lod/plan $(CORE_ROOMS))
 LIB_VIEW := $(call archive,client-min lod/raster $(CORE_ROOMS))
-LIB_ALL := $(call archive,client-min server lod/plan $(BUILD_ROOMS) lod $(ECO_ROOMS)) $(LIB_DRACO)
+LIB_ALL := $(call archive,$(LIBRARY_ROOM) client-min server lod/plan $(BUILD_ROOMS) lod $(ECO_ROOMS)) $(LIB_DRACO)
 
 PROGRAMS := $(B)/ecopack $(B)/ecoserve $(B)/ecoview $(B)/ecoload
 TEST_SOURCES := $(wildcard tests/*/test_*.c)
@@ -126,7 +128,7 @@ LINK := -Wl,--as-needed $(if $(filter fuzz,$(config)),,-Wl$(comma)--exclude-libs
 .PHONY: all help deps told demo test check determinism bench forest survey soak layers headers clean fuzz
 .DELETE_ON_ERROR:
 
-all: $(PROGRAMS) $(MODULES) | told
+all: $(PROGRAMS) $(MODULES) $(LIBRARY) | told
 
 help:
 	@sed -n '1,/^$$/s/^# \{0,1\}//p' Makefile
@@ -151,6 +153,18 @@ $(B)/ecoserve: $(B)/obj/server/main_ecoserve.o $(LIB_SERVER)
 	$(LINK_C) -o $@ $^ $(LINK) $(LIBS_SERVER) $(LIBS_CORE)
 $(B)/ecoview $(B)/ecoload: $(B)/%: $(B)/obj/client-min/main_%.o $(LIB_VIEW) $(LIB_DRACO)
 	$(LINK_C) -o $@ $^ $(LINK) $(LIBS_VIEW) $(LIBS_DRACO) $(LIBS_CORE)
+
+# ---- The library ----
+
+VERSION := $(shell sed -n 's/^#define ECO_VERSION "\(.*\)"/\1/p' ecofiles/base/version.h)
+# raised whenever a program that uses the library has to be compiled anew
+SOVERSION := 0
+LIBRARY := $(B)/libecostream.so.$(SOVERSION)
+LIBRARY_PARTS := $(call archive,client-min server lod/raster lod/plan $(CORE_ROOMS)) $(LIB_DRACO)
+$(LIBRARY): $(LIBRARY_ROOM)/ecostream.map $(call objects,$(call sources,$(LIBRARY_ROOM))) $(LIBRARY_PARTS)
+	$(LINK_C) -shared -o $@ -Wl,-soname,$(@F) -Wl,--version-script,$< $(filter %.o,$^) $(call group,$(LIBRARY_PARTS)) \
+		$(if $(findstring sanitize,$(OPT)),,-Wl$(comma)-z$(comma)defs) $(LINK) -lpng -lwebp $(LIBS_DRACO) $(LIBS_CORE)
+	ln -sf $(@F) $(B)/libecostream.so
 
 # What tests and measurements are linked with: all rooms, and what their source says by its own includes.
 TEST_LIBS := $(call archive,$(BASELINE_ROOM) $(SUPPORT_ROOM) $(PACK_ROOM)) $(LIB_ALL)

@@ -1,0 +1,242 @@
+/* What a plan draws: draws are its cuts, with the instances that view_select_make finds for each; and after
+ * them the tiles of the ground. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "client-min/library/ecostream_client.h"
+#include "client-min/library/ecostream_status.h"
+#include "client-min/view_select.h"
+#include "lod/geometry.h"
+
+struct ecostream_picture {
+	const struct view_store *store;
+	const struct eco_plan *plan;
+	struct view_selection selection;
+	uint32_t *cuts;                  /* of the plan, that are drawn: not those of ground and textures */
+	uint32_t count;
+};
+
+static const struct view_list *list_of(const struct ecostream_picture *picture, uint32_t draw)
+{
+	return view_store_list(picture->store, picture->plan->cuts[picture->cuts[draw]].list);
+}
+
+/* ---- Life ---- */
+
+static enum eco_code make(struct ecostream_picture *picture, const struct eco_view *view,
+	struct eco_error *error)
+{
+	struct lod_eye eye;
+	if (!picture->plan)
+		return eco_fail(error, ECO_NOT_FOUND, "no plan has come: feed a stream, up to its first plan "
+			"or on");
+	enum eco_code code = eco_view_check(view, error);
+	if (code)
+		return code;
+	picture->cuts = calloc(picture->plan->cut_count + (size_t)1, sizeof *picture->cuts);
+	if (!picture->cuts)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
+	for (uint32_t i = 0; i < picture->plan->cut_count; i++) {
+		picture->cuts[picture->count] = i;
+		picture->count += eco_list_vertices(&list_of(picture, picture->count)->list) > 0;
+	}
+	lod_eye_make(&eye, view);
+	return view_select_make(&picture->selection, picture->store, &eye, error);
+}
+
+enum ecostream_code ecostream_picture_make(struct ecostream_picture **out,
+	const struct ecostream_client *client, const struct ecostream_request *request,
+	struct ecostream_error *error)
+{
+	struct eco_error own = { .code = ECO_OK };
+	struct eco_view view = library_view_of(request);
+	struct ecostream_picture *picture = calloc(1, sizeof *picture);
+	*out = NULL;
+	if (!picture)
+		return library_done(error, eco_fail(&own, ECO_NO_MEMORY, "no memory for a picture"), &own);
+	picture->store = client->store;
+	picture->plan = view_store_plan(client->store);
+	enum eco_code code = make(picture, &view, &own);
+	if (code)
+		ecostream_picture_free(picture);
+	else
+		*out = picture;
+	return library_done(error, code, &own);
+}
+
+void ecostream_picture_free(struct ecostream_picture *picture)
+{
+	if (!picture)
+		return;
+	view_select_free(&picture->selection);
+	free(picture->cuts);
+	free(picture);
+}
+
+/* ---- Draws ---- */
+
+uint32_t ecostream_picture_draws(const struct ecostream_picture *picture)
+{
+	return picture->count + picture->selection.ground.count;
+}
+
+static enum ecostream_kind kind_of(const struct eco_list *list)
+{
+	switch (list->kind) {
+	case ECO_LIST_TRIANGLES: return ECOSTREAM_TRIANGLES;
+	case ECO_LIST_LINES: return ECOSTREAM_LINES;
+	case ECO_LIST_IMPOSTOR: return ECOSTREAM_IMPOSTORS;
+	default: return list->attributes & ECO_ATTR_SPLAT ? ECOSTREAM_ELLIPSOIDS : ECOSTREAM_POINTS;
+	}
+}
+
+static uint32_t ground_triangles(const struct view_ground_tile *tile)
+{
+	return 2 * (tile->x.inner - 1) * (tile->y.inner - 1);
+}
+
+static const uint32_t *members_of(const struct ecostream_picture *picture, uint32_t draw, uint32_t *count)
+{
+	const uint32_t *first = &picture->selection.member_first[picture->cuts[draw]];
+	*count = first[1] - first[0];
+	return picture->selection.members + first[0];
+}
+
+void ecostream_picture_draw(const struct ecostream_picture *picture, uint32_t draw,
+	struct ecostream_draw *info)
+{
+	*info = (struct ecostream_draw){ .kind = ECOSTREAM_GROUND, .places = 1 };
+	if (draw >= picture->count) {
+		info->primitives = ground_triangles(&picture->selection.ground.tiles[draw - picture->count]);
+		return;
+	}
+	const struct eco_cut *cut = &picture->plan->cuts[picture->cuts[draw]];
+	const struct eco_list *list = &list_of(picture, draw)->list;
+	const struct view_plant *plant = cut->anchor == ECO_NONE ? NULL : view_store_plant(picture->store,
+		list->owner);
+	info->kind = kind_of(list);
+	info->primitives = cut->end - cut->first;
+	members_of(picture, draw, &info->places);
+	info->vertices = (uint64_t)info->primitives * info->places * eco_list_vertices(list);
+	if (plant)
+		memcpy(info->plant, plant->plant.name, sizeof info->plant);
+}
+
+static void put_place(struct ecostream_place *out, const struct lod_place *place)
+{
+	memcpy(out->at, place->at, sizeof out->at);
+	out->sine = place->sine;
+	out->cosine = place->cosine;
+	out->scale = place->scale;
+}
+
+void ecostream_picture_places(const struct ecostream_picture *picture, uint32_t draw,
+	struct ecostream_place *places)
+{
+	if (draw >= picture->count) {
+		struct lod_place ground = { .cosine = 1, .scale = 1 };
+		memcpy(ground.at, picture->selection.ground.at, sizeof ground.at);
+		put_place(places, &ground);
+		return;
+	}
+	uint32_t count;
+	const uint32_t *members = members_of(picture, draw, &count);
+	for (uint32_t i = 0; i < count; i++)
+		put_place(&places[i], &picture->selection.instances[members[i]].place);
+}
+
+/* ---- Geometry ---- */
+
+struct owned { struct lod_geometry made; float *radii; uint8_t *rgb; };
+
+/* Two triangles a cell, their diagonal from south-west to north-east. */
+static void put_ground(const struct view_ground *ground, const struct view_ground_tile *tile, float *out)
+{
+	static const uint32_t corners[6][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 0 }, { 1, 1 }, { 0, 1 } };
+	for (uint32_t y = 0; y + 1 < tile->y.inner; y++)
+		for (uint32_t x = 0; x + 1 < tile->x.inner; x++)
+			for (int c = 0; c < 6; c++, out += 3) {
+				uint32_t sample = view_ground_sample(tile, x + corners[c][0],
+					y + corners[c][1]);
+				const int32_t *at = tile->list->elements.position + 3 * (size_t)sample;
+				for (int k = 0; k < 3; k++)
+					out[k] = (float)(at[k] - ground->anchor[k]) * ground->step[k];
+			}
+}
+
+static bool make_ground(struct owned *owned, const struct view_ground *ground,
+	const struct view_ground_tile *tile)
+{
+	owned->made.position = malloc(ground_triangles(tile) * 9 * sizeof(float));
+	if (owned->made.position)
+		put_ground(ground, tile, owned->made.position);
+	return owned->made.position != NULL;
+}
+
+static void put_colours(struct owned *owned, const struct view_list *list, uint32_t count)
+{
+	static const uint8_t white[3] = { 255, 255, 255 };
+	for (uint32_t i = 0; i < count; i++) {
+		int32_t color = owned->made.color[i];
+		memcpy(owned->rgb + 3 * (size_t)i, color < 0 ? white : list->palette[color], 3);
+	}
+}
+
+/* Discs of the points' radii have the area that the list and the cut say. */
+static void put_radii(struct owned *owned, const struct eco_list *list, float scale, uint32_t count)
+{
+	for (uint32_t i = 0; i < count; i++)
+		owned->radii[i] = sqrtf(list->unit_area * scale / (float)M_PI
+			* (owned->made.size ? owned->made.size[i] : 1));
+}
+
+static bool make_list(struct owned *owned, const struct view_list *list, const struct eco_cut *cut)
+{
+	uint32_t count = cut->end - cut->first;
+	owned->rgb = malloc((size_t)count * 3);
+	owned->radii = malloc((size_t)count * sizeof *owned->radii);
+	if (!owned->rgb || !owned->radii || !lod_geometry_make(&owned->made, &list->list, count, false))
+		return false;
+	lod_list_geometry(&list->list, &list->elements, cut->first, cut->end, cut->scale, &owned->made);
+	put_colours(owned, list, count);
+	put_radii(owned, &list->list, cut->scale, count);
+	return true;
+}
+
+enum ecostream_code ecostream_picture_geometry(const struct ecostream_picture *picture, uint32_t draw,
+	struct ecostream_geometry *geometry, struct ecostream_error *error)
+{
+	struct eco_error own = { .code = ECO_OK };
+	struct ecostream_draw info;
+	ecostream_picture_draw(picture, draw, &info);
+	*geometry = (struct ecostream_geometry){ .primitives = 0 };
+	if (info.kind == ECOSTREAM_IMPOSTORS)
+		return ECOSTREAM_OK;
+	struct owned *owned = geometry->owned = calloc(1, sizeof *owned);
+	const struct view_ground *ground = &picture->selection.ground;
+	if (!owned || !(info.kind == ECOSTREAM_GROUND
+			? make_ground(owned, ground, &ground->tiles[draw - picture->count])
+			: make_list(owned, list_of(picture, draw),
+			&picture->plan->cuts[picture->cuts[draw]]))) {
+		ecostream_geometry_free(geometry);
+		return library_done(error, eco_fail(&own, ECO_NO_MEMORY, "no memory for geometry"), &own);
+	}
+	const struct lod_geometry *made = &owned->made;
+	*geometry = (struct ecostream_geometry){ info.primitives, made->position,
+		info.kind == ECOSTREAM_POINTS ? owned->radii : made->width, made->half, made->opacity,
+		owned->rgb, owned };
+	return ECOSTREAM_OK;
+}
+
+void ecostream_geometry_free(struct ecostream_geometry *geometry)
+{
+	struct owned *owned = geometry->owned;
+	if (owned) {
+		lod_geometry_free(&owned->made);
+		free(owned->radii);
+		free(owned->rgb);
+	}
+	free(owned);
+	*geometry = (struct ecostream_geometry){ .primitives = 0 };
+}

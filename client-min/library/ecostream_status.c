@@ -1,0 +1,32 @@
+#include "client-min/library/ecostream_status.h"
+
+#include <string.h>
+
+#include "ecofiles/base/version.h"
+
+_Static_assert((int)ECOSTREAM_BAD_USAGE == (int)ECO_BAD_USAGE && (int)ECOSTREAM_DAMAGED == (int)ECO_DAMAGED
+	&& (int)ECOSTREAM_IO == (int)ECO_IO && (int)ECOSTREAM_INTERRUPTED == (int)ECO_INTERRUPTED
+	&& (int)ECOSTREAM_INTERRUPTED + 1 == (int)ECO_CODE_COUNT, "public codes are the rooms'");
+_Static_assert(sizeof(struct ecostream_error) == sizeof(struct eco_error), "and so are texts");
+
+const char *ecostream_version(void) { return ECO_VERSION; }
+
+enum ecostream_code library_done(struct ecostream_error *error, enum eco_code code,
+	const struct eco_error *own)
+{
+	if (code && error && !error->code) {
+		error->code = (enum ecostream_code)code;
+		memcpy(error->text, own->text, sizeof error->text);
+	}
+	return (enum ecostream_code)code;
+}
+
+struct eco_view library_view_of(const struct ecostream_request *request)
+{
+	struct eco_view view = { .fov_y_deg = request->fov_y_deg, .width = request->width,
+		.height = request->height };
+	memcpy(view.eye, request->eye, sizeof view.eye);
+	memcpy(view.target, request->target, sizeof view.target);
+	memcpy(view.up, request->up, sizeof view.up);
+	return view;
+}
