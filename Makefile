@@ -11,6 +11,8 @@
 #   determinism          same pack and same plans by gcc -O0, by gcc -O3, by clang and under valgrind
 #   soak [SECONDS=60]    damaged models, random requests, damages, clients
 #   fuzz [SECONDS=60]    each parser that long under libFuzzer
+#   install              programs, modules, library, manual pages: [DESTDIR=] [PREFIX=/usr/local] [libdir=PREFIX/lib] and others' names
+#   deb                  Debian packages in build/deb, checked by lintian; takes minutes
 #   deps, clean          installs what is missing or older than Debian's; removes all output
 #   help                 this text
 #
@@ -24,7 +26,7 @@ B := build$(if $(filter-out release,$(config)),/$(config))
 PACKAGES := gcc g++ libmicrohttpd-dev libegl-dev libgl-dev libepoxy-dev libgl1-mesa-dri libdraco-dev libopenimageio-dev libpng-dev libwebp-dev \
 	libassimp-dev libgdal-dev libproj-dev libjansson-dev libcurl4-openssl-dev libmeshoptimizer-dev libxxhash-dev \
 	libseccomp-dev libcairo2-dev fonts-dejavu-core libexpat1-dev libcmocka-dev libzstd-dev pkg-config jq curl \
-	xz-utils python3-jsonschema python3-yaml openapi-specification
+	xz-utils help2man python3-jsonschema python3-yaml openapi-specification
 # what of these says by pkg-config where its headers are
 LIBRARIES := gdal freetype2 assimp OpenImageIO draco proj jansson libcurl epoxy egl libmicrohttpd libpng libwebp libxxhash \
 	libseccomp expat cmocka
@@ -154,7 +156,7 @@ $(B)/ecoserve: $(B)/obj/server/main_ecoserve.o $(LIB_SERVER)
 $(B)/ecoview $(B)/ecoload: $(B)/%: $(B)/obj/client-min/main_%.o $(LIB_VIEW) $(LIB_DRACO)
 	$(LINK_C) -o $@ $^ $(LINK) $(LIBS_VIEW) $(LIBS_DRACO) $(LIBS_CORE)
 
-# ---- The library ----
+# ---- The library, and what `make install` puts where ----
 
 VERSION := $(shell sed -n 's/^#define ECO_VERSION "\(.*\)"/\1/p' ecofiles/base/version.h)
 # raised whenever a program that uses the library has to be compiled anew
@@ -165,6 +167,51 @@ $(LIBRARY): $(LIBRARY_ROOM)/ecostream.map $(call objects,$(call sources,$(LIBRAR
 	$(LINK_C) -shared -o $@ -Wl,-soname,$(@F) -Wl,--version-script,$< $(filter %.o,$^) $(call group,$(LIBRARY_PARTS)) \
 		$(if $(findstring sanitize,$(OPT)),,-Wl$(comma)-z$(comma)defs) $(LINK) -lpng -lwebp $(LIBS_DRACO) $(LIBS_CORE)
 	ln -sf $(@F) $(B)/libecostream.so
+
+PREFIX ?= /usr/local
+bindir ?= $(PREFIX)/bin
+libdir ?= $(PREFIX)/lib
+includedir ?= $(PREFIX)/include
+datadir ?= $(PREFIX)/share
+mandir ?= $(datadir)/man
+completiondir ?= $(datadir)/bash-completion/completions
+docdir ?= $(datadir)/doc/ecostream
+unitdir ?= $(PREFIX)/lib/systemd/system
+# Where programs find modules, seen from their own folder: an installed tree may be moved. The object that knows is made anew
+# where this changed since.
+MODULES_INSTALLED := $(shell realpath -m --relative-to=$(bindir) $(libdir)/ecostream)
+$(B)/modules-installed: FORCE
+	@mkdir -p $(@D)
+	@echo '$(MODULES_INSTALLED)' | cmp -s - $@ || echo '$(MODULES_INSTALLED)' >$@
+$(B)/obj/ecofiles/base/module.o: CFLAGS_ALL += -DECO_MODULES_INSTALLED='"$(MODULES_INSTALLED)"'
+$(B)/obj/ecofiles/base/module.o: $(B)/modules-installed
+.PHONY: FORCE install man
+
+# Manual pages say what --help says: one a program, and one a command of ecopack.
+man: $(B)/man/made
+$(B)/man/made: $(PROGRAMS) .ci/package/manual.sh
+	rm -rf $(@D)
+	.ci/package/manual.sh $(B) $(@D)
+	touch $@
+
+install: all man
+	install -d $(addprefix $(DESTDIR),$(bindir) $(libdir)/ecostream $(libdir)/pkgconfig $(includedir) $(datadir)/ecostream \
+		$(mandir)/man1 $(completiondir) $(docdir)/ecofiles $(unitdir))
+	install $(PROGRAMS) $(DESTDIR)$(bindir)
+	install -m 644 $(MODULES) $(DESTDIR)$(libdir)/ecostream
+	install -m 644 $(LIBRARY) $(DESTDIR)$(libdir)
+	ln -sf $(notdir $(LIBRARY)) $(DESTDIR)$(libdir)/libecostream.so
+	install -m 644 $(LIBRARY_ROOM)/ecostream.h $(DESTDIR)$(includedir)
+	sed -e 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' -e 's|@libdir@|$(libdir:$(PREFIX)/%=$${prefix}/%)|' \
+		-e 's|@includedir@|$(includedir:$(PREFIX)/%=$${prefix}/%)|' \
+		$(LIBRARY_ROOM)/ecostream.pc.in >$(DESTDIR)$(libdir)/pkgconfig/ecostream.pc
+	install -m 644 ecofiles/scene/scene.schema.json server/openapi.yaml $(DESTDIR)$(datadir)/ecostream
+	install -m 644 $(B)/man/*.1 $(DESTDIR)$(mandir)/man1
+	install -m 644 README.md $(DESTDIR)$(docdir)
+	install -m 644 ecofiles/README.md $(DESTDIR)$(docdir)/ecofiles
+	for program in $(notdir $(PROGRAMS)); do \
+		install -m 644 .ci/package/completion.bash $(DESTDIR)$(completiondir)/$$program || exit; done
+	sed 's|@bindir@|$(bindir)|' server/ecoserve.service.in >$(DESTDIR)$(unitdir)/ecoserve.service
 
 # What tests and measurements are linked with: all rooms, and what their source says by its own includes.
 TEST_LIBS := $(call archive,$(BASELINE_ROOM) $(SUPPORT_ROOM) $(PACK_ROOM)) $(LIB_ALL)

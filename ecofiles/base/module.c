@@ -26,33 +26,36 @@ static void lock(void) { pthread_mutex_lock(&loading); }
 static void unlock(void) { pthread_mutex_unlock(&loading); }
 __attribute__((constructor)) static void hold_over_forks(void) { pthread_atfork(lock, unlock, unlock); }
 
-/* Writes FOLDER/FILE to `path` and says whether it is there. */
-static bool is_there(const char *folder, const char *file, char path[PATH_MAX])
+/* Writes FOLDER PLACE/FILE to `path` and says whether it is there. Places from a folder are "", or "/" and a
+ * path. */
+static bool is_there(const char *folder, const char *place, const char *file, char path[PATH_MAX])
 {
-	return snprintf(path, PATH_MAX, "%s/%s", folder, file) < PATH_MAX && access(path, F_OK) == 0;
+	return snprintf(path, PATH_MAX, "%s%s/%s", folder, place, file) < PATH_MAX
+		&& access(path, F_OK) == 0;
 }
 
-/* Looks in the executable's folder, then in the folder above it. */
+/* In the build tree, of programs and of tests; and where `make install` puts modules, as seen from programs
+ * (ECO_MODULES_INSTALLED, from the Makefile): so that an installed tree may be moved. */
 static bool find_beside(const char *file, char path[PATH_MAX])
 {
+	static const char *const places[] = { "", "/..", "/" ECO_MODULES_INSTALLED };
 	char folder[PATH_MAX];
 	ssize_t length = readlink("/proc/self/exe", folder, sizeof folder - 1);
 	folder[length > 0 ? length : 0] = 0;
-	for (int up = 0; up < 2; up++) {
-		char *slash = strrchr(folder, '/');
-		if (!slash)
-			return false;
-		*slash = 0;
-		if (is_there(folder, file, path))
+	char *slash = strrchr(folder, '/');
+	if (!slash)
+		return false;
+	*slash = 0;
+	for (size_t i = 0; i < sizeof places / sizeof *places; i++)
+		if (is_there(folder, places[i], file, path))
 			return true;
-	}
 	return false;
 }
 
 bool eco_module_find(enum eco_module module, char path[PATH_MAX])
 {
 	const char *file = modules[module].file, *given = getenv(ECO_MODULES_VARIABLE);
-	return given && *given ? is_there(given, file, path) : find_beside(file, path);
+	return given && *given ? is_there(given, "", file, path) : find_beside(file, path);
 }
 
 static enum eco_code load(enum eco_module module, struct eco_error *error)
@@ -61,10 +64,10 @@ static enum eco_code load(enum eco_module module, struct eco_error *error)
 	bool chosen = given && *given != 0;
 	char path[PATH_MAX];
 	if (!eco_module_find(module, path))
-		return eco_fail(error, ECO_NOT_FOUND, "%s, needed for %s, is not %s%.200s: make builds it; "
-			"" ECO_MODULES_VARIABLE
-			" names the folder that holds it", file, modules[module].for_what,
-			chosen ? "in " : "beside the program nor in the folder above", chosen ? given : "");
+		return eco_fail(error, ECO_NOT_FOUND, "%s, needed for %s, is not %s%.200s: make builds it, "
+			"make install installs it; " ECO_MODULES_VARIABLE " names the folder that holds it",
+			file, modules[module].for_what, chosen ? "in " : "beside the program, in the folder "
+			"above nor in " ECO_MODULES_INSTALLED " from there", chosen ? given : "");
 	void *handle = dlopen(path, RTLD_NOW | RTLD_LOCAL);
 	if (!handle)
 		return eco_fail(error, ECO_NOT_FOUND, "%s, needed for %s, cannot be loaded: %.250s (package "

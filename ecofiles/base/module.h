@@ -8,9 +8,10 @@
  *   code = gdal->rows_open(&rows, &source, &error);
  *
  * A module is looked for in the folder that ECO_MODULES names, if it is set, else beside the running
- * executable, else in the folder above (test programs lie one below). It is linked with the parts of
- * ecofiles that it needs and sees nothing of the executable. The tables are plain C; each module defines
- * its own under the name in the comment. */
+ * executable, else in the folder above (test programs lie one below), else where `make install` puts modules,
+ * as seen from the executable (../lib/ecostream). It is linked with the parts of ecofiles that it needs and
+ * sees nothing of the executable. The tables are plain C; each module defines its own under the name in the
+ * comment. */
 #ifndef ECO_MODULE_H
 #define ECO_MODULE_H
 
