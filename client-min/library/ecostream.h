@@ -157,7 +157,7 @@ enum ecostream_kind {
 	ECOSTREAM_LINES,             /* a cylinder each */
 	ECOSTREAM_TRIANGLES,         /* seen from both sides */
 	ECOSTREAM_ELLIPSOIDS,
-	ECOSTREAM_IMPOSTORS,         /* pictures of a whole plant; no geometry in this version */
+	ECOSTREAM_IMPOSTORS,         /* a whole plant in one vertex: ecostream_picture_look */
 	ECOSTREAM_GROUND             /* triangles; no vertices of the budget */
 };
 
@@ -182,18 +182,26 @@ void ecostream_picture_places(const struct ecostream_picture *picture, uint32_t 
 
 /* Primitives of a draw, before they are placed; arrays are lent, and live until ecostream_geometry_free. */
 struct ecostream_geometry {
-	uint32_t primitives;         /* 0 of impostors */
-	const float *position;       /* metres: 3 of a point or ellipsoid, 6 of a line, 9 of a triangle */
-	const float *size;           /* radius of a point, width of a line; NULL of others */
+	uint32_t primitives;
+	/* metres: 6 of a line, 9 of a triangle,
+		else the centre: of impostors that of a ball around the plant */
+	const float *position;
+	const float *size;           /* radius of a point, of that ball; width of a line; else NULL */
 	const float *half_axes;      /* of ellipsoids: three vectors, 9 of each; else NULL */
 	const float *opacity;        /* of ellipsoids, in (0, 1]; else NULL */
-	const uint8_t *rgb;          /* sRGB, 3 of each; NULL of ground. White where only a texture has
-	                                colours: textures are not handed out in this version */
+	const uint8_t *rgb;          /* sRGB, 3 of each; NULL of ground and impostors. White where only a
+	                              * texture has colours: this version does not hand out textures */
 	void *owned;                 /* the library's */
 };
 enum ecostream_code ecostream_picture_geometry(const struct ecostream_picture *picture, uint32_t draw,
 	struct ecostream_geometry *geometry, struct ecostream_error *error);
 void ecostream_geometry_free(struct ecostream_geometry *geometry);
+
+/* Looks at the plant that a draw of ECOSTREAM_IMPOSTORS shows, along `count` rays (3 of each) from an eye;
+ * both as seen from the plant, before it is placed. along[i]: how many times ray i leads to it, or INFINITY
+ * where it passes; rgb, 3 of each, is the sRGB colour there, else left as it was. */
+void ecostream_picture_look(const struct ecostream_picture *picture, uint32_t draw, const float eye[3],
+	const float *rays, uint32_t count, float *along, uint8_t *rgb);
 
 #ifdef __cplusplus
 }

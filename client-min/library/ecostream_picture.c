@@ -174,6 +174,22 @@ static bool make_ground(struct owned *owned, const struct view_ground *ground,
 	return owned->made.position != NULL;
 }
 
+static const struct lod_impostor *impostor_of(const struct ecostream_picture *picture, uint32_t draw)
+{
+	return &list_of(picture, draw)->impostors[picture->plan->cuts[picture->cuts[draw]].first];
+}
+
+static bool make_ball(struct owned *owned, const struct lod_impostor *impostor)
+{
+	owned->made.position = malloc(3 * sizeof(float));
+	owned->radii = malloc(sizeof(float));
+	if (!owned->made.position || !owned->radii)
+		return false;
+	memcpy(owned->made.position, impostor->body.center, 3 * sizeof(float));
+	*owned->radii = impostor->radius;
+	return true;
+}
+
 static void put_colours(struct owned *owned, const struct view_list *list, uint32_t count)
 {
 	static const uint8_t white[3] = { 255, 255, 255 };
@@ -204,28 +220,33 @@ static bool make_list(struct owned *owned, const struct view_list *list, const s
 	return true;
 }
 
+static bool make_geometry(struct owned *owned, const struct ecostream_picture *picture, uint32_t draw,
+	enum ecostream_kind kind)
+{
+	const struct view_ground *ground = &picture->selection.ground;
+	if (kind == ECOSTREAM_GROUND)
+		return make_ground(owned, ground, &ground->tiles[draw - picture->count]);
+	if (kind == ECOSTREAM_IMPOSTORS)
+		return make_ball(owned, impostor_of(picture, draw));
+	return make_list(owned, list_of(picture, draw), &picture->plan->cuts[picture->cuts[draw]]);
+}
+
 enum ecostream_code ecostream_picture_geometry(const struct ecostream_picture *picture, uint32_t draw,
 	struct ecostream_geometry *geometry, struct ecostream_error *error)
 {
 	struct eco_error own = { .code = ECO_OK };
 	struct ecostream_draw info;
+	struct owned *owned = calloc(1, sizeof *owned);
+	*geometry = (struct ecostream_geometry){ .owned = owned };
 	ecostream_picture_draw(picture, draw, &info);
-	*geometry = (struct ecostream_geometry){ .primitives = 0 };
-	if (info.kind == ECOSTREAM_IMPOSTORS)
-		return ECOSTREAM_OK;
-	struct owned *owned = geometry->owned = calloc(1, sizeof *owned);
-	const struct view_ground *ground = &picture->selection.ground;
-	if (!owned || !(info.kind == ECOSTREAM_GROUND
-			? make_ground(owned, ground, &ground->tiles[draw - picture->count])
-			: make_list(owned, list_of(picture, draw),
-			&picture->plan->cuts[picture->cuts[draw]]))) {
+	if (!owned || !make_geometry(owned, picture, draw, info.kind)) {
 		ecostream_geometry_free(geometry);
 		return library_done(error, eco_fail(&own, ECO_NO_MEMORY, "no memory for geometry"), &own);
 	}
-	const struct lod_geometry *made = &owned->made;
-	*geometry = (struct ecostream_geometry){ info.primitives, made->position,
-		info.kind == ECOSTREAM_POINTS ? owned->radii : made->width, made->half, made->opacity,
-		owned->rgb, owned };
+	bool balls = info.kind == ECOSTREAM_POINTS || info.kind == ECOSTREAM_IMPOSTORS;
+	*geometry = (struct ecostream_geometry){ info.primitives, owned->made.position,
+		balls ? owned->radii : owned->made.width, owned->made.half, owned->made.opacity, owned->rgb,
+		owned };
 	return ECOSTREAM_OK;
 }
 
@@ -239,4 +260,22 @@ void ecostream_geometry_free(struct ecostream_geometry *geometry)
 	}
 	free(owned);
 	*geometry = (struct ecostream_geometry){ .primitives = 0 };
+}
+
+void ecostream_picture_look(const struct ecostream_picture *picture, uint32_t draw, const float eye[3],
+	const float *rays, uint32_t count, float *along, uint8_t *rgb)
+{
+	const struct lod_impostor *impostor = impostor_of(picture, draw);
+	struct lod_impostor_look look;
+	float from[3];
+	for (int k = 0; k < 3; k++)
+		from[k] = eye[k] - impostor->body.center[k];
+	lod_impostor_look(&look, impostor, from);
+	for (uint32_t i = 0; i < count; i++) {
+		struct lod_impostor_hit hit;
+		bool met = lod_impostor_hit(impostor, &look, rays + 3 * (size_t)i, &hit);
+		along[i] = met ? hit.along : INFINITY;
+		if (met)
+			memcpy(rgb + 3 * (size_t)i, impostor->rgb[hit.cell], 3);
+	}
 }

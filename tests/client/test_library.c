@@ -8,8 +8,10 @@
 
 #include "client-min/library/ecostream.h"
 #include "tests/support/files.h"
+#include "tests/support/plan_twin.h"
 #include "tests/support/scene_packs.h"
 #include "tests/support/unit_test.h"
+#include "tests/support/view_scene.h"
 
 #define PATH "build/tmp/library.eco"
 
@@ -127,14 +129,14 @@ UNIT_TEST(plans_keep_their_budgets)
 static void check_geometry(const struct ecostream_picture *picture, uint32_t draw,
 	const struct ecostream_draw *info)
 {
-	static const uint32_t floats[] = { 3, 6, 9, 3, 0, 9 };
+	static const uint32_t floats[] = { 3, 6, 9, 3, 3, 9 };
 	struct ecostream_error error = { 0 };
 	struct ecostream_geometry geometry;
 	assert_ok(ecostream_picture_geometry(picture, draw, &geometry, &error), error);
-	assert_int_equal(geometry.primitives, info->kind == ECOSTREAM_IMPOSTORS ? 0 : info->primitives);
+	assert_int_equal(geometry.primitives, info->primitives);
 	for (size_t i = 0; i < (size_t)geometry.primitives * floats[info->kind]; i++)
 		assert_true(isfinite(geometry.position[i]) && fabsf(geometry.position[i]) < 1e5f);
-	bool sized = info->kind == ECOSTREAM_POINTS || info->kind == ECOSTREAM_LINES;
+	bool sized = info->kind <= ECOSTREAM_LINES || info->kind == ECOSTREAM_IMPOSTORS;
 	assert_true((geometry.size != NULL) == sized);
 	for (uint32_t i = 0; i < geometry.primitives && sized; i++)
 		assert_true(geometry.size[i] >= 0 && geometry.size[i] < 1e3f);
@@ -262,6 +264,80 @@ UNIT_TEST(streams_that_are_not_whole_are_named_and_what_came_is_kept)
 	assert_int_equal(feed(client, &body, 4096, &bad), ECOSTREAM_DAMAGED);
 	assert_true(bad.text[0]);
 	ecostream_client_free(client);
+	free(body.bytes);
+}
+
+/* ---- Impostors ---- */
+
+/* Every tree of the scene as its impostor, as a stream. */
+static struct body impostors_of(struct scene_builder *scene, const struct eco_view *view)
+{
+	struct eco_plan plan;
+	struct eco_writer w;
+	scene_make(scene, NULL, 0);
+	scene_make_impostor(scene, 1500);
+	scene_plan(scene, view, 1, &plan);
+	plan.cuts[0] = scene_rule(A_TREE, L_IMPOSTOR, 0, 1, 1, 0, ECO_BANDS);
+	plan.cut_count = 1;
+	plan.vertices = plan_twin_vertices(&scene->scene, &plan, view, &plan.visible_plants);
+	scene_stream(scene, &plan, NULL, &w);
+	eco_plan_free(&plan);
+	return (struct body){ w.bytes, w.size, w.size };
+}
+
+/* Rays from the south: over a square of twice the plant's ball some meet it, and none at its rim. */
+static void check_looks(const struct ecostream_picture *picture, const struct ecostream_geometry *ball)
+{
+	enum { SIDE = 41 };
+	const float far = 20 * *ball->size, eye[3] = { ball->position[0], ball->position[1] - far,
+		ball->position[2] };
+	float rays[3 * SIDE], along[SIDE];
+	uint8_t rgb[3 * SIDE];
+	uint32_t met = 0;
+	for (int row = 0; row < SIDE; row++) {
+		memset(rgb, 77, sizeof rgb);
+		for (int i = 0; i < SIDE; i++) {
+			rays[3 * i] = (float)(i - SIDE / 2) / (SIDE / 2) * 2 * *ball->size;
+			rays[3 * i + 1] = far;
+			rays[3 * i + 2] = (float)(row - SIDE / 2) / (SIDE / 2) * 2 * *ball->size;
+		}
+		ecostream_picture_look(picture, 0, eye, rays, SIDE, along, rgb);
+		for (int i = 0; i < SIDE; i++) {
+			bool hit = isfinite(along[i]), rim = hypotf(rays[3 * i],
+				rays[3 * i + 2]) > 1.2f * *ball->size;
+			assert_true(hit ? !rim && fabsf(along[i] - 1) < 0.06f : rgb[3 * i] == 77);
+			met += hit;
+		}
+	}
+	assert_true(met > 30);
+}
+
+UNIT_TEST(impostors_are_looked_at_along_rays)
+{
+	struct eco_view view = scene_view();
+	struct ecostream_request request = { .fov_y_deg = view.fov_y_deg, .width = view.width,
+		.height = view.height };
+	memcpy(request.eye, view.eye, sizeof request.eye);
+	memcpy(request.target, view.target, sizeof request.target);
+	memcpy(request.up, view.up, sizeof request.up);
+	struct scene_builder scene;
+	struct ecostream_error error = { 0 };
+	struct ecostream_geometry ball;
+	struct ecostream_draw info;
+	struct body body = impostors_of(&scene, &view);
+	struct ecostream_client *client = client_with(&body);
+	struct ecostream_picture *picture = picture_of(client, &request);
+	assert_int_equal(ecostream_picture_draws(picture), 1);
+	ecostream_picture_draw(picture, 0, &info);
+	assert_true(info.kind == ECOSTREAM_IMPOSTORS && info.primitives == 1 && info.places > 0
+		&& info.vertices == info.places && info.plant[0]);
+	check_geometry(picture, 0, &info);
+	assert_ok(ecostream_picture_geometry(picture, 0, &ball, &error), error);
+	check_looks(picture, &ball);
+	ecostream_geometry_free(&ball);
+	ecostream_picture_free(picture);
+	ecostream_client_free(client);
+	scene_free(&scene);
 	free(body.bytes);
 }
 
