@@ -130,7 +130,7 @@ LINK := -Wl,--as-needed $(if $(filter fuzz,$(config)),,-Wl$(comma)--exclude-libs
 .PHONY: all help deps told demo test check determinism bench forest survey soak layers headers clean fuzz
 .DELETE_ON_ERROR:
 
-all: $(PROGRAMS) $(MODULES) $(LIBRARY) | told
+all: $(PROGRAMS) $(MODULES) | told
 
 help:
 	@sed -n '1,/^$$/s/^# \{0,1\}//p' Makefile
@@ -167,6 +167,7 @@ $(LIBRARY): $(LIBRARY_ROOM)/ecostream.map $(call objects,$(call sources,$(LIBRAR
 	$(LINK_C) -shared -o $@ -Wl,-soname,$(@F) -Wl,--version-script,$< $(filter %.o,$^) $(call group,$(LIBRARY_PARTS)) \
 		$(if $(findstring sanitize,$(OPT)),,-Wl$(comma)-z$(comma)defs) $(LINK) -lpng -lwebp $(LIBS_DRACO) $(LIBS_CORE)
 	ln -sf $(@F) $(B)/libecostream.so
+all: $(LIBRARY)
 
 PREFIX ?= /usr/local
 bindir ?= $(PREFIX)/bin
@@ -185,7 +186,7 @@ $(B)/modules-installed: FORCE
 	@echo '$(MODULES_INSTALLED)' | cmp -s - $@ || echo '$(MODULES_INSTALLED)' >$@
 $(B)/obj/ecofiles/base/module.o: CFLAGS_ALL += -DECO_MODULES_INSTALLED='"$(MODULES_INSTALLED)"'
 $(B)/obj/ecofiles/base/module.o: $(B)/modules-installed
-.PHONY: FORCE install man
+.PHONY: FORCE install man deb
 
 # Manual pages say what --help says: one a program, and one a command of ecopack.
 man: $(B)/man/made
@@ -212,6 +213,10 @@ install: all man
 	for program in $(notdir $(PROGRAMS)); do \
 		install -m 644 .ci/package/completion.bash $(DESTDIR)$(completiondir)/$$program || exit; done
 	sed 's|@bindir@|$(bindir)|' server/ecoserve.service.in >$(DESTDIR)$(unitdir)/ecoserve.service
+
+deb:
+	@tests/packages.sh $(PACKAGES) debhelper lintian
+	@.ci/package/deb.sh
 
 # What tests and measurements are linked with: all rooms, and what their source says by its own includes.
 TEST_LIBS := $(call archive,$(BASELINE_ROOM) $(SUPPORT_ROOM) $(PACK_ROOM)) $(LIB_ALL)
