@@ -73,7 +73,7 @@ unit=$eco/lib/systemd/system/ecoserve.service
 grep -q '^ExecStart=/opt/eco/bin/ecoserve ' "$unit" || complain "the unit starts $(grep ^ExecStart "$unit")"
 if command -v systemd-analyze >/dev/null; then
 	exposure=$(systemd-analyze security --offline=true "$unit" 2>&1 | sed -n 's/.*Overall exposure level.*: \([0-9.]*\) .*/\1/p')
-	[ "$(echo "${exposure:-9} <= 1.5" | tr -d . | awk '{ print ($1 <= $3) }')" = 1 ] || complain "the unit is open by ${exposure:-?}, 1.5 at most"
+	awk -v exposure="${exposure:-9}" 'BEGIN { exit exposure > 1.5 }' || complain "the unit is open by ${exposure:-?}, 1.5 at most"
 fi
 for file in scene.schema.json openapi.yaml; do [ -s "$eco/share/ecostream/$file" ] || complain "no $file"; done
 exit $failed
