@@ -8,6 +8,7 @@
 #include <strings.h>
 #include <time.h>
 
+#include "client-min/view_query.h"
 #include "ecofiles/base/version.h"
 
 #define RATE_MIN_BYTES_S 1024u
@@ -51,37 +52,6 @@ enum eco_code view_fetch_setup(struct eco_error *error)
 void view_fetch_teardown(void)
 {
 	curl_global_cleanup();
-}
-
-static size_t append_numbers(char *out, size_t room, size_t at, const char *name, const double *v, int count)
-{
-	for (int i = 0; i < count && at < room; i++)
-		at += (size_t)snprintf(out + at, room - at, "%s%s%.17g", i ? "," : name, i ? "" : "=", v[i]);
-	return at;
-}
-
-size_t view_fetch_query(const struct eco_request *request, char *out, size_t room)
-{
-	const struct eco_view *v = &request->view;
-	size_t at = append_numbers(out, room, 0, "eye", v->eye, 3);
-	at = append_numbers(out, room, at, "&target", v->target, 3);
-	at = append_numbers(out, room, at, "&up", v->up, 3);
-	at = append_numbers(out, room, at, "&fov_y_deg", &v->fov_y_deg, 1);
-	if (at < room)
-		at += (size_t)snprintf(out + at, room - at, "&width=%u&height=%u&vertices=%llu", v->width,
-			v->height, (unsigned long long)request->vertices);
-	if (at < room && request->bytes != ECO_BYTES_UNBOUNDED)
-		at += (size_t)snprintf(out + at, room - at, "&bytes=%llu",
-			(unsigned long long)request->bytes);
-	if (at < room && request->ground_px > 0)
-		at = append_numbers(out, room, at, "&ground_px", &request->ground_px, 1);
-	if (at < room && request->texel_px > 0)
-		at = append_numbers(out, room, at, "&texel_px", &request->texel_px, 1);
-	if (at < room && request->next.given) {
-		at = append_numbers(out, room, at, "&next_eye", request->next.eye, 3);
-		at = append_numbers(out, room, at, "&next_target", request->next.target, 3);
-	}
-	return at;
 }
 
 double view_fetch_plan_ms(const char *value, size_t size)
@@ -400,7 +370,7 @@ static enum eco_code perform(struct view_fetch *fetch, const struct eco_request 
 {
 	char query[VIEW_QUERY_BYTES], *url;
 	const char *rule = fetch->options.rule;
-	if (view_fetch_query(request, query, sizeof query) >= sizeof query
+	if (view_query_write(request, query, sizeof query) >= sizeof query
 			|| asprintf(&url, "%s/%s?%s%s%s%s", fetch->url, body ? "stream" : "plan", query,
 			rule ? "&rule=" : "", rule ? rule : "",
 				body ? "" : "&explain=1") < 0)

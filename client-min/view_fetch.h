@@ -84,11 +84,6 @@ void view_fetch_mark(struct view_fetch *fetch, const struct view_marks *marks, v
 enum eco_code view_fetch_explanation(struct view_fetch *fetch, const struct eco_request *request, char **text,
 	struct eco_error *error);
 
-/* The query string of a request, without '?': numbers with 17 digits, so that the server sees the same
- * doubles. Returns its length; nothing is written beyond `room`. */
-#define VIEW_QUERY_BYTES 896
-size_t view_fetch_query(const struct eco_request *request, char *out, size_t room);
-
 /* Milliseconds of `plan;dur=` in the value of a Server-Timing header; NaN if it is not there. */
 double view_fetch_plan_ms(const char *value, size_t size);
 

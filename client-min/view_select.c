@@ -48,25 +48,42 @@ static enum eco_code no_memory(struct walk *w)
 
 /* ---- Cuts by anchor ---- */
 
-static int by_anchor(const void *a, const void *b, void *ctx)
+struct cut_key { uint32_t anchor, band_first, cut; };
+
+static int by_key(const void *a, const void *b)
 {
-	const struct eco_cut *cuts = ctx, *x = &cuts[*(const uint32_t *)a], *y = &cuts[*(const uint32_t *)b];
+	const struct cut_key *x = a, *y = b;
 	if (x->anchor != y->anchor)
 		return x->anchor < y->anchor ? -1 : 1;
 	if (x->band_first != y->band_first)
 		return x->band_first < y->band_first ? -1 : 1;
-	return x < y ? -1 : x > y;
+	return x->cut < y->cut ? -1 : x->cut > y->cut;
+}
+
+static enum eco_code sort_cuts(struct walk *w)
+{
+	const struct eco_plan *plan = w->plan;
+	struct cut_key *keys = malloc((plan->cut_count + 1) * sizeof *keys);
+	w->sorted = malloc((plan->cut_count + 1) * sizeof *w->sorted);
+	if (!w->sorted || !keys) {
+		free(keys);
+		return no_memory(w);
+	}
+	for (uint32_t i = 0; i < plan->cut_count; i++)
+		keys[i] = (struct cut_key){ plan->cuts[i].anchor, plan->cuts[i].band_first, i };
+	qsort(keys, plan->cut_count, sizeof *keys, by_key);
+	for (uint32_t i = 0; i < plan->cut_count; i++)
+		w->sorted[i] = keys[i].cut;
+	free(keys);
+	return ECO_OK;
 }
 
 static enum eco_code index_cuts(struct walk *w)
 {
 	const struct eco_plan *plan = w->plan;
-	w->sorted = malloc((plan->cut_count + 1) * sizeof *w->sorted);
-	if (!w->sorted)
-		return no_memory(w);
-	for (uint32_t i = 0; i < plan->cut_count; i++)
-		w->sorted[i] = i;
-	qsort_r(w->sorted, plan->cut_count, sizeof *w->sorted, by_anchor, plan->cuts);
+	enum eco_code code = sort_cuts(w);
+	if (code)
+		return code;
 	for (uint32_t i = 0; i < plan->cut_count; i++) {
 		uint32_t anchor = plan->cuts[w->sorted[i]].anchor;
 		if ((i == 0 || plan->cuts[w->sorted[i - 1]].anchor != anchor)
@@ -305,8 +322,12 @@ enum eco_code view_select_make(struct view_selection *selection, const struct vi
 	selection->cut_count = w.plan->cut_count;
 	selection->roles = calloc(w.plan->cut_count + 1, sizeof *selection->roles);
 	selection->member_first = calloc((size_t)w.plan->cut_count + 2, sizeof *selection->member_first);
-	enum eco_code code = selection->roles && selection->member_first ? index_cuts(&w) : no_memory(&w);
+	selection->plan_cuts = malloc((w.plan->cut_count + 1) * sizeof *selection->plan_cuts);
+	enum eco_code code = selection->roles && selection->member_first && selection->plan_cuts
+		? index_cuts(&w) : no_memory(&w);
 	if (!code) {
+		if (w.plan->cut_count)
+			memcpy(selection->plan_cuts, w.plan->cuts, w.plan->cut_count * sizeof *w.plan->cuts);
 		find_roles(&w);
 		code = walk_runs(&w);
 	}
@@ -335,6 +356,7 @@ void view_select_free(struct view_selection *selection)
 	free(selection->member_first);
 	free(selection->members);
 	free(selection->roles);
+	free(selection->plan_cuts);
 	view_ground_free(&selection->ground);
 	*selection = (struct view_selection){ 0 };
 }

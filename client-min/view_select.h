@@ -42,7 +42,8 @@ enum view_role {
 struct view_selection {                  /* owns its arrays */
 	struct view_instance *instances;
 	uint32_t instance_count;
-	uint32_t cut_count;              /* the plan's */
+	/* the plan's, so that they can be drawn while another plan comes */
+	struct eco_cut *plan_cuts;       uint32_t cut_count;
 	uint32_t *cut_first, *cuts;      /* per instance (instance_count + 1), and cut indices */
 	uint32_t *member_first, *members;        /* per cut (cut_count + 1), and instance indices */
 	uint8_t *roles;                  /* per cut, enum view_role */

@@ -99,12 +99,6 @@ enum eco_code eco_image_read(struct eco_image *image, const char *path, struct e
 	return code;
 }
 
-void eco_image_free(struct eco_image *image)
-{
-	free(image->rgba);
-	*image = (struct eco_image){ .rgba = NULL };
-}
-
 enum eco_code eco_pixels_compare(const struct eco_pixels *a, const struct eco_pixels *b, uint64_t *differing,
 	struct eco_error *error)
 {

@@ -24,7 +24,6 @@ enum eco_code eco_image_read(struct eco_image *image, const char *path, struct e
  * their content. */
 enum eco_code eco_image_read_memory(struct eco_image *image, const void *bytes, size_t size_bytes,
 	const char *name, struct eco_error *error);
-void eco_image_free(struct eco_image *image);
 
 /* 8-bit pixels to be written, rows from the top without gaps: channels 1 (gray), 3 (RGB) or 4 (RGBA,
  * straight alpha). */

@@ -13,6 +13,12 @@ const char *const eco_drop_names[ECO_DROP_COUNT] = {
 	[ECO_DROP_LEFT_OUT] = "left out by a rule",
 };
 
+void eco_image_free(struct eco_image *image)
+{
+	free(image->rgba);
+	*image = (struct eco_image){ .rgba = NULL };
+}
+
 bool eco_image_has_holes(const struct eco_image *image)
 {
 	size_t pixels = (size_t)image->width * image->height;

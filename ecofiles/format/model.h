@@ -28,6 +28,7 @@ struct eco_image {           /* 8-bit RGBA, straight alpha, sRGB, first row at t
 	uint32_t width, height;
 	uint8_t *rgba;
 };
+void eco_image_free(struct eco_image *image);
 /* Whether the image cuts anything out: alpha is below 0.5 somewhere. */
 bool eco_image_has_holes(const struct eco_image *image);
 

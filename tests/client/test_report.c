@@ -10,6 +10,7 @@
 #include "client-min/view_fetch.h"
 #include "client-min/view_load.h"
 #include "client-min/view_picture.h"
+#include "client-min/view_query.h"
 #include "client-min/view_report.h"
 #include "tests/support/files.h"
 #include "tests/support/unit_test.h"
@@ -136,7 +137,7 @@ UNIT_TEST(report_of_nothing_is_valid)
 UNIT_TEST(query_keeps_every_digit)
 {
 	char text[VIEW_QUERY_BYTES];
-	assert_true(view_fetch_query(&request, text, sizeof text) == strlen(text));
+	assert_true(view_query_write(&request, text, sizeof text) == strlen(text));
 	assert_string_equal(text, "eye=1.5,-2,0.10000000000000001&target=0,0,1.0000000000000001e-09&up=0,0,"
 		"1&fov_y_deg=45&width=800&height=600&vertices=1000");
 	struct eco_request most =
@@ -147,9 +148,9 @@ UNIT_TEST(query_keeps_every_digit)
 		most.view.target[i] = most.view.up[i] = most.view.eye[0];
 	most.view.fov_y_deg = most.view.eye[0];
 	most.view.width = most.view.height = UINT32_MAX;
-	assert_true(view_fetch_query(&most, text, sizeof text) < sizeof text);
+	assert_true(view_query_write(&most, text, sizeof text) < sizeof text);
 	assert_non_null(strstr(text, "&bytes=18446744073709551614"));
-	assert_true(view_fetch_query(&most, text, 50) >= 50);
+	assert_true(view_query_write(&most, text, 50) >= 50);
 }
 
 UNIT_TEST(plan_time_is_found_in_its_header)

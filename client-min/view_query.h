@@ -1,0 +1,12 @@
+/* A request as the query string of a URL: what view_fetch.h and a browser ask a server. */
+#ifndef VIEW_QUERY_H
+#define VIEW_QUERY_H
+
+#include "ecofiles/format/view.h"
+
+/* Without '?': numbers with 17 digits, so that the server sees the same doubles. Returns its length; nothing
+ * is written beyond `room`, where VIEW_QUERY_BYTES are always enough. */
+#define VIEW_QUERY_BYTES 896
+size_t view_query_write(const struct eco_request *request, char *out, size_t room);
+
+#endif
