@@ -1,4 +1,4 @@
-#include "client-min/view_egl.h"
+#include "client-min/view_context.h"
 
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
@@ -7,28 +7,27 @@
 
 #define DEVICES_MAX 16
 
-static bool create(struct view_egl *egl, EGLDisplay display, bool es)
+static bool create(struct view_context *context, EGLDisplay display, bool es)
 {
 	if (!eglBindAPI(es ? EGL_OPENGL_ES_API : EGL_OPENGL_API))
 		return false;
 	const EGLint core[] = { EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5,
 		EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE };
 	const EGLint embedded[] = { EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 2, EGL_NONE };
-	EGLContext context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT,
-		es ? embedded : core);
-	if (context == EGL_NO_CONTEXT)
+	EGLContext made = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, es ? embedded : core);
+	if (made == EGL_NO_CONTEXT)
 		return false;
-	if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context)) {
-		eglDestroyContext(display, context);
+	if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, made)) {
+		eglDestroyContext(display, made);
 		return false;
 	}
-	egl->display = display;
-	egl->context = context;
-	egl->dialect.es = es;
+	context->display = display;
+	context->context = made;
+	context->dialect.es = es;
 	return true;
 }
 
-static bool open_display(struct view_egl *egl, EGLDisplay display)
+static bool open_display(struct view_context *context, EGLDisplay display)
 {
 	EGLint major, minor;
 	if (display == EGL_NO_DISPLAY || !eglInitialize(display, &major, &minor))
@@ -36,7 +35,7 @@ static bool open_display(struct view_egl *egl, EGLDisplay display)
 	if (epoxy_has_egl_extension(display, "EGL_KHR_surfaceless_context") &&
 		(epoxy_has_egl_extension(display, "EGL_KHR_no_config_context") ||
 			epoxy_has_egl_extension(display, "EGL_MESA_configless_context")) &&
-		(create(egl, display, false) || create(egl, display, true)))
+		(create(context, display, false) || create(context, display, true)))
 		return true;
 	eglTerminate(display);
 	return false;
@@ -48,7 +47,7 @@ static bool is_software(EGLDeviceEXT device)
 	return extensions && strstr(extensions, "EGL_MESA_device_software");
 }
 
-static bool open_device(struct view_egl *egl, bool software)
+static bool open_device(struct view_context *context, bool software)
 {
 	EGLDeviceEXT devices[DEVICES_MAX];
 	EGLint count = 0;
@@ -58,47 +57,59 @@ static bool open_device(struct view_egl *egl, bool software)
 		return false;
 	for (EGLint i = 0; i < count; i++)
 		if (is_software(devices[i]) == software &&
-			open_display(egl,
+			open_display(context,
 			eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[i], NULL)))
 			return true;
 	return false;
 }
 
-static bool open_surfaceless(struct view_egl *egl)
+static bool open_surfaceless(struct view_context *context)
 {
-	return epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless") && open_display(egl,
+	return epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless") && open_display(context,
 		eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL));
 }
 
-enum eco_code view_egl_open(struct view_egl *egl, struct eco_error *error)
+/* What OpenGL and its dialects do not do alike. */
+static void set_rules(struct view_context *context)
 {
-	*egl = (struct view_egl){ 0 };
+	bool es = context->dialect.es;
+	context->dialect.depth_zero_to_one = !es || epoxy_has_gl_extension("GL_EXT_clip_control");
+	if (es && context->dialect.depth_zero_to_one)
+		glClipControlEXT(GL_LOWER_LEFT_EXT, GL_ZERO_TO_ONE_EXT);
+	if (es)
+		return;
+	glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+	glEnable(GL_PROGRAM_POINT_SIZE);
+}
+
+enum eco_code view_context_open(struct view_context *context, struct eco_error *error)
+{
+	*context = (struct view_context){ 0 };
 	if (!epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_base") ||
-		!(open_device(egl, false) || open_surfaceless(egl) || open_device(egl, true)))
+		!(open_device(context, false) || open_surfaceless(context) || open_device(context, true)))
 		return eco_fail(error, ECO_UNSUPPORTED, "no OpenGL 4.5 or OpenGL ES 3.2 without a window: "
 			"tried EGL devices and Mesa's surfaceless "
 			"platform (Debian: libegl1, libgl1-mesa-dri)");
 	const char *name = (const char *)glGetString(GL_RENDERER);
-	snprintf(egl->renderer, sizeof egl->renderer, "%s", name ? name : "unknown");
-	egl->hardware = !strstr(egl->renderer, "llvmpipe") && !strstr(egl->renderer, "softpipe")
-		&& !strstr(egl->renderer, "SwiftShader");
-	egl->dialect.depth_zero_to_one = egl->dialect.es ? epoxy_has_gl_extension("GL_EXT_clip_control")
-		: true;
+	snprintf(context->renderer, sizeof context->renderer, "%s", name ? name : "unknown");
+	context->hardware = !strstr(context->renderer, "llvmpipe") && !strstr(context->renderer, "softpipe")
+		&& !strstr(context->renderer, "SwiftShader");
+	set_rules(context);
 	return ECO_OK;
 }
 
-void view_egl_use(const struct view_egl *egl)
+void view_context_use(const struct view_context *context)
 {
-	if (eglGetCurrentContext() != egl->context)
-		eglMakeCurrent(egl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, egl->context);
+	if (eglGetCurrentContext() != context->context)
+		eglMakeCurrent(context->display, EGL_NO_SURFACE, EGL_NO_SURFACE, context->context);
 }
 
 /* The display is one for all contexts of a process and is left to it. */
-void view_egl_close(struct view_egl *egl)
+void view_context_close(struct view_context *context)
 {
-	if (!egl->display)
+	if (!context->display)
 		return;
-	eglMakeCurrent(egl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-	eglDestroyContext(egl->display, egl->context);
-	*egl = (struct view_egl){ 0 };
+	eglMakeCurrent(context->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+	eglDestroyContext(context->display, context->context);
+	*context = (struct view_context){ 0 };
 }

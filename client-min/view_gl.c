@@ -5,25 +5,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_egl.h"
+#include "client-min/view_context.h"
 #include "client-min/view_gpu.h"
 #include "client-min/view_impostor.h"
 #include "client-min/view_record.h"
 #include "client-min/view_shade.h"
 
 #define INSTANCE_TEXELS 4
-#define QUADS 16384u                     /* a draw call: 16-bit indices */
+#define QUADS 16383u                     /* a draw call: 16-bit indices, of which OpenGL ES keeps the last */
 
 struct view_gl {
 	uint32_t width, height;
-	struct view_egl egl;
+	struct view_context context;
 	struct view_gpu gpu;
 	struct view_shader shaders[VIEW_PROGRAM_COUNT];
 	unsigned quads;                  /* index buffer: two triangles of four vertices, QUADS times */
 	unsigned framebuffer, color, seen, depth, vertex_array;
 	float point_max;                 /* pixels across */
 	int viewport_max[2];
-	struct view_gpu_stream instances, members;
+	struct view_gpu_texels instances, members;
 };
 
 struct frame {                           /* of one draw */
@@ -63,15 +63,26 @@ static enum eco_code make_target(struct view_gl *gl, struct eco_error *error)
 	if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
 		return eco_fail(error, ECO_UNSUPPORTED, "the graphics driver cannot draw colours and owners "
 			"at once");
-	glGenVertexArrays(1, &gl->vertex_array);
-	glBindVertexArray(gl->vertex_array);
-	glViewport(0, 0, (GLsizei)gl->width, (GLsizei)gl->height);
-	glDisable(GL_DITHER);
-	if (gl->egl.dialect.depth_zero_to_one && gl->egl.dialect.es)
-		glClipControlEXT(GL_LOWER_LEFT_EXT, GL_ZERO_TO_ONE_EXT);
-	else if (gl->egl.dialect.depth_zero_to_one)
-		glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
 	return ECO_OK;
+}
+
+static void free_target(struct view_gl *gl)
+{
+	const unsigned textures[] = { gl->color, gl->seen, gl->depth };
+	glDeleteTextures(3, textures);
+	glDeleteFramebuffers(1, &gl->framebuffer);
+}
+
+enum eco_code view_gl_resize(struct view_gl *gl, const struct view_gl_options *options,
+	struct eco_error *error)
+{
+	if (gl->framebuffer && gl->width == options->width && gl->height == options->height)
+		return ECO_OK;
+	view_context_use(&gl->context);
+	free_target(gl);
+	gl->width = options->width;
+	gl->height = options->height;
+	return make_target(gl, error);
 }
 
 static void prepare_points(struct view_gl *gl)
@@ -80,8 +91,6 @@ static void prepare_points(struct view_gl *gl)
 	glGetFloatv(GL_ALIASED_POINT_SIZE_RANGE, range);
 	glGetIntegerv(GL_MAX_VIEWPORT_DIMS, gl->viewport_max);
 	gl->point_max = range[1];
-	if (!gl->egl.dialect.es)
-		glEnable(GL_PROGRAM_POINT_SIZE);
 }
 
 static enum eco_code make_quads(struct view_gl *gl, struct eco_error *error)
@@ -90,6 +99,8 @@ static enum eco_code make_quads(struct view_gl *gl, struct eco_error *error)
 	uint16_t *indices = malloc(QUADS * sizeof corner);
 	if (!indices)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for drawing");
+	glGenVertexArrays(1, &gl->vertex_array);
+	glBindVertexArray(gl->vertex_array);
 	for (uint32_t i = 0; i < QUADS * 6; i++)
 		indices[i] = (uint16_t)(i / 6 * 4 + corner[i % 6]);
 	glGenBuffers(1, &gl->quads);
@@ -106,13 +117,11 @@ enum eco_code view_gl_open(struct view_gl **out, const struct view_gl_options *o
 	struct view_gl *gl = calloc(1, sizeof *gl);
 	if (!gl)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for drawing");
-	gl->width = options->width;
-	gl->height = options->height;
-	enum eco_code code = view_egl_open(&gl->egl, error);
+	enum eco_code code = view_context_open(&gl->context, error);
 	if (!code) {
 		view_gpu_init(&gl->gpu);
 		prepare_points(gl);
-		code = make_target(gl, error);
+		code = view_gl_resize(gl, options, error);
 		if (!code)
 			code = make_quads(gl, error);
 	}
@@ -127,19 +136,17 @@ void view_gl_close(struct view_gl *gl)
 {
 	if (!gl)
 		return;
-	if (gl->egl.display) {
-		const unsigned textures[] = { gl->color, gl->seen, gl->depth, gl->instances.texture,
-			gl->members.texture };
-		const unsigned buffers[] = { gl->instances.buffer, gl->members.buffer, gl->quads };
-		view_egl_use(&gl->egl);
+	if (gl->context.display) {
+		const unsigned textures[] = { gl->instances.texture, gl->members.texture };
+		view_context_use(&gl->context);
 		view_gpu_free(&gl->gpu);
 		for (int i = 0; i < VIEW_PROGRAM_COUNT; i++)
 			glDeleteProgram(gl->shaders[i].program);
-		glDeleteTextures(5, textures);
-		glDeleteBuffers(3, buffers);
+		free_target(gl);
+		glDeleteTextures(2, textures);
+		glDeleteBuffers(1, &gl->quads);
 		glDeleteVertexArrays(1, &gl->vertex_array);
-		glDeleteFramebuffers(1, &gl->framebuffer);
-		view_egl_close(&gl->egl);
+		view_context_close(&gl->context);
 	}
 	free(gl);
 }
@@ -154,17 +161,17 @@ uint32_t view_gl_programs(const struct view_gl *gl)
 
 const char *view_gl_renderer(const struct view_gl *gl)
 {
-	return gl->egl.renderer;
+	return gl->context.renderer;
 }
 
 bool view_gl_hardware(const struct view_gl *gl)
 {
-	return gl->egl.hardware;
+	return gl->context.hardware;
 }
 
 void view_gl_keep(struct view_gl *gl, const struct view_store *const *stores, uint32_t count)
 {
-	view_egl_use(&gl->egl);
+	view_context_use(&gl->context);
 	view_gpu_keep(&gl->gpu, stores, count);
 }
 
@@ -215,12 +222,11 @@ static enum eco_code upload_selection(struct frame *f)
 		put_instance(words + (size_t)i * INSTANCE_TEXELS * 4, f->job->eye, p,
 			p->plant == ECO_NONE ? NULL : view_store_plant(f->job->store, p->plant));
 	}
-	enum eco_code code = view_gpu_stream(&f->gl->gpu, &f->gl->instances, GL_RGBA32UI, words, size,
+	enum eco_code code = view_gpu_stream(&f->gl->gpu, &f->gl->instances, 4, words,
 		(uint64_t)s->instance_count * INSTANCE_TEXELS, f->error);
 	free(words);
 	uint32_t pairs = s->cut_count ? s->member_first[s->cut_count] : 0;
-	return code ? code : view_gpu_stream(&f->gl->gpu, &f->gl->members, GL_R32UI, s->members,
-		(size_t)pairs * 4, pairs, f->error);
+	return code ? code : view_gpu_stream(&f->gl->gpu, &f->gl->members, 1, s->members, pairs, f->error);
 }
 
 /* ---- Programs ---- */
@@ -236,6 +242,7 @@ static void set_camera(const struct frame *f, const struct view_shader *s)
 		(float)f->job->near_m, 0);
 	glUniform2f(s->uniform[VIEW_U_HALF], 0.5f * (float)f->picture->width,
 		0.5f * (float)f->picture->height);
+	glUniform1i(s->uniform[VIEW_U_FIRST], 0);
 	glUniform1i(s->uniform[VIEW_U_RECORDS], 0);
 	glUniform1i(s->uniform[VIEW_U_INSTANCES], 1);
 	glUniform1i(s->uniform[VIEW_U_MEMBERS], 2);
@@ -254,7 +261,7 @@ static enum eco_code use(struct frame *f, enum view_program which, const struct 
 	*out = s;
 	if (f->any_bound && f->bound == which)
 		return ECO_OK;
-	enum eco_code code = s->program ? ECO_OK : view_shader_compile(s, which, &f->gl->egl.dialect,
+	enum eco_code code = s->program ? ECO_OK : view_shader_compile(s, which, &f->gl->context.dialect,
 		f->error);
 	if (code)
 		return code;
@@ -265,11 +272,18 @@ static enum eco_code use(struct frame *f, enum view_program which, const struct 
 	return ECO_OK;
 }
 
-static void bind(unsigned unit, unsigned target, unsigned texture)
+static void bind(unsigned unit, unsigned texture)
 {
 	glActiveTexture(GL_TEXTURE0 + unit);
-	glBindTexture(target, texture);
+	glBindTexture(GL_TEXTURE_2D, texture);
 	glActiveTexture(GL_TEXTURE0 + 15);       /* where uploads may bind what they like */
+}
+
+static void bind_records(const struct frame *f, const struct view_shader *s, const struct view_gpu_list *g)
+{
+	bind(0, g->records.texture);
+	glUniform3i(s->uniform[VIEW_U_SHIFT], (int)g->records.shift, (int)f->gl->instances.shift,
+		(int)f->gl->members.shift);
 }
 
 /* ---- Drawing ---- */
@@ -296,7 +310,7 @@ static enum eco_code draw_tile(struct frame *f, const struct view_shader *s,
 	if (code)
 		return code;
 	const uint8_t *coarser = tile->seam.coarser;
-	bind(0, GL_TEXTURE_BUFFER, g->texture);
+	bind_records(f, s, g);
 	glUniform3i(s->uniform[VIEW_U_COLUMNS], (int)tile->x.count, (int)tile->x.before, (int)tile->y.before);
 	glUniform2i(s->uniform[VIEW_U_INNER], (int)tile->x.inner, (int)tile->y.inner);
 	glUniform4i(s->uniform[VIEW_U_SEAM], coarser[LOD_GROUND_WEST], coarser[LOD_GROUND_EAST],
@@ -357,19 +371,20 @@ static enum eco_code bind_images(struct frame *f, const struct view_list *list)
 	enum eco_code code = view_gpu_list(&f->gl->gpu, view_store_list(f->job->store, list->list.image),
 		&image, f->error);
 	if (!code) {
-		bind(3, GL_TEXTURE_2D, image->color);
-		bind(4, GL_TEXTURE_2D, image->alpha);
+		bind(3, image->color);
+		bind(4, image->alpha);
 	}
 	return code;
 }
 
 /* Lines and points: four vertices a primitive, in parts as long as the index buffer. */
-static void draw_quads(uint32_t first, uint32_t end, uint32_t members)
+static void draw_quads(const struct view_shader *s, uint32_t first, uint32_t end, uint32_t members)
 {
 	for (uint32_t at = first; at < end; at += QUADS) {
 		uint32_t count = end - at < QUADS ? end - at : QUADS;
-		glDrawElementsInstancedBaseVertex(GL_TRIANGLES, (GLsizei)(count * 6), GL_UNSIGNED_SHORT, NULL,
-			(GLsizei)members, (GLint)(at * 4));
+		glUniform1i(s->uniform[VIEW_U_FIRST], (int)at);
+		glDrawElementsInstanced(GL_TRIANGLES, (GLsizei)(count * 6), GL_UNSIGNED_SHORT, NULL,
+			(GLsizei)members);
 	}
 }
 
@@ -412,6 +427,7 @@ static void draw_level(const struct frame *f, const struct view_shader *s, doubl
 	glUniform1f(s->uniform[VIEW_U_POINT_MAX], most);
 	if (most > 0) {
 		glUniform1i(s->uniform[VIEW_U_CORNERS], 1);
+		glUniform1i(s->uniform[VIEW_U_FIRST], 0);
 		glUniform2f(s->uniform[VIEW_U_WINDOW], 0.5f * (float)width + (float)margin,
 			0.5f * (float)height + (float)margin);
 		glViewport(-margin, -margin, width + 2 * margin, height + 2 * margin);
@@ -421,7 +437,7 @@ static void draw_level(const struct frame *f, const struct view_shader *s, doubl
 	if (widest > most) {
 		glUniform1i(s->uniform[VIEW_U_CORNERS], 4);
 		glUniform2f(s->uniform[VIEW_U_WINDOW], 0.5f * (float)width, 0.5f * (float)height);
-		draw_quads(0, count, 1);
+		draw_quads(s, 0, count, 1);
 	}
 }
 
@@ -444,14 +460,14 @@ static void draw_primitives(const struct frame *f, const struct view_shader *s, 
 	else if (list->list.kind == ECO_LIST_IMPOSTOR)
 		draw_impostors(f, s, list, cut->first, first_member, members);
 	else
-		draw_quads(cut->first, cut->end, members);
+		draw_quads(s, cut->first, cut->end, members);
 	f->picture->vertices += (uint64_t)(cut->end - cut->first) * eco_list_vertices(&list->list) * members;
 }
 
 static enum eco_code draw_cut(struct frame *f, uint32_t index)
 {
 	const struct view_selection *selection = f->job->selection;
-	const struct eco_cut *cut = &view_store_plan(f->job->store)->cuts[index];
+	const struct eco_cut *cut = &selection->plan_cuts[index];
 	const struct view_list *list = view_store_list(f->job->store, cut->list);
 	uint32_t members = selection->member_first[index + 1] - selection->member_first[index],
 		first_member = selection->member_first[index];
@@ -461,14 +477,13 @@ static enum eco_code draw_cut(struct frame *f, uint32_t index)
 	const struct view_gpu_list *g;
 	const struct view_shader *s;
 	enum eco_code code = view_gpu_list(&f->gl->gpu, list, &g, f->error);
-	unsigned records = code ? 0 : g->texture;
 	if (!code)
 		code = use(f, which, &s);
-	if (!code && which == VIEW_PROGRAM_TEXTURED)
-		code = bind_images(f, list);
 	if (code)
 		return code;
-	bind(0, GL_TEXTURE_BUFFER, records);
+	bind_records(f, s, g);
+	if (which == VIEW_PROGRAM_TEXTURED && (code = bind_images(f, list)))
+		return code;
 	glUniform1i(s->uniform[VIEW_U_FIRST_MEMBER], (int)first_member);
 	set_scale(s, &list->list, cut->scale);
 	if (list->list.kind == ECO_LIST_POINTS)
@@ -514,14 +529,29 @@ static enum eco_code read_back(struct frame *f)
 	return failed ? eco_fail(f->error, ECO_IO, "the graphics driver reports error 0x%x", failed) : ECO_OK;
 }
 
+/* All that drawing relies on: a page's context is not ours alone. */
+static void begin(const struct view_gl *gl)
+{
+	glBindFramebuffer(GL_FRAMEBUFFER, gl->framebuffer);
+	glBindVertexArray(gl->vertex_array);
+	glViewport(0, 0, (GLsizei)gl->width, (GLsizei)gl->height);
+	glDisable(GL_DITHER);
+	glDisable(GL_BLEND);
+	glDisable(GL_SCISSOR_TEST);
+	glDisable(GL_STENCIL_TEST);
+	glDisable(GL_CULL_FACE);
+	glEnable(GL_DEPTH_TEST);
+	glDepthFunc(GL_GREATER);                 /* nearer wins; of equals, the first */
+	glDepthMask(GL_TRUE);
+	glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+	glActiveTexture(GL_TEXTURE0 + 15);
+}
+
 static void clear(void)
 {
 	glClearBufferfv(GL_COLOR, 0, (const float[]){ 0, 0, 0, 1 });
 	glClearBufferuiv(GL_COLOR, 1, (const unsigned[]){ 0, 0, 0, 0 });
 	glClearBufferfv(GL_DEPTH, 0, (const float[]){ 0 });
-	glEnable(GL_DEPTH_TEST);
-	glDepthFunc(GL_GREATER);                 /* nearer wins; of equals, the first */
-	glDisable(GL_CULL_FACE);
 }
 
 enum eco_code view_gl_draw(struct view_gl *gl, const struct view_gl_job *job, struct view_picture *picture,
@@ -533,13 +563,14 @@ enum eco_code view_gl_draw(struct view_gl *gl, const struct view_gl_job *job, st
 		return eco_fail(error, ECO_BAD_USAGE, "the picture is %u x %u, the target %u x %u",
 			picture->width, picture->height, gl->width, gl->height);
 	picture->vertices = 0;
-	view_egl_use(&gl->egl);
+	view_context_use(&gl->context);
+	begin(gl);
 	clear();
 	enum eco_code code = upload_selection(&f);
 	if (!code && job->selection->ground.count)
 		code = draw_ground(&f);
-	bind(1, GL_TEXTURE_BUFFER, gl->instances.texture);
-	bind(2, GL_TEXTURE_BUFFER, gl->members.texture);
+	bind(1, gl->instances.texture);
+	bind(2, gl->members.texture);
 	for (uint32_t c = 0; c < job->selection->cut_count && !code; c++)
 		code = draw_cut(&f, c);
 	if (!code)

@@ -24,6 +24,9 @@ struct view_gl_options { uint32_t width, height; };
 enum eco_code view_gl_open(struct view_gl **gl, const struct view_gl_options *options,
 	struct eco_error *error);
 void view_gl_close(struct view_gl *gl);                          /* NULL is fine */
+/* Pictures of another size from now on; all else on the GPU stays. ECO_UNSUPPORTED: nothing can be drawn. */
+enum eco_code view_gl_resize(struct view_gl *gl, const struct view_gl_options *options,
+	struct eco_error *error);
 const char *view_gl_renderer(const struct view_gl *gl);
 bool view_gl_hardware(const struct view_gl *gl);
 /* bit i: enum view_program i was needed, and compiled */

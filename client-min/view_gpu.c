@@ -13,16 +13,15 @@ void view_gpu_init(struct view_gpu *gpu)
 {
 	GLint most = 0;
 	*gpu = (struct view_gpu){ 0 };
-	glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
-	gpu->texels_max = most > 0 ? (uint64_t)most : 65536;
+	glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
+	gpu->side_max = most > 2048 ? (uint32_t)most : 2048;
 }
 
 static void free_list(struct view_gpu_list *g)
 {
-	glDeleteTextures(1, &g->texture);
+	glDeleteTextures(1, &g->records.texture);
 	glDeleteTextures(1, &g->color);
 	glDeleteTextures(1, &g->alpha);
-	glDeleteBuffers(1, &g->buffer);
 }
 
 void view_gpu_free(struct view_gpu *gpu)
@@ -44,7 +43,7 @@ static void remove_list(struct view_gpu *gpu, uint32_t index)
 {
 	struct view_gpu_list *g = &gpu->lists[index], *last = &gpu->lists[--gpu->count];
 	free_list(g);
-	gpu->bytes -= g->room * VIEW_TEXEL_BYTES;
+	gpu->bytes -= g->records.room * VIEW_TEXEL_BYTES;
 	view_table_remove(&gpu->table, g->id);
 	if (last != g) {
 		*g = *last;
@@ -68,49 +67,98 @@ void view_gpu_keep(struct view_gpu *gpu, const struct view_store *const *stores,
 	}
 }
 
-/* ---- Records ---- */
+/* ---- Texels by number ---- */
 
-static void attach(struct view_gpu_list *g)
+/* The smallest power of two whose square holds so many texels, and at least 16. */
+static uint32_t shift_for(const struct view_gpu *gpu, uint64_t texels)
 {
-	if (!g->texture)
-		glGenTextures(1, &g->texture);
-	glBindTexture(GL_TEXTURE_BUFFER, g->texture);
-	glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32UI, g->buffer);
+	uint32_t shift = 4;
+	while (2u << shift <= gpu->side_max && (uint64_t)1 << 2 * shift < texels)
+		shift++;
+	return shift;
 }
 
+/* An empty texture of at least so many texels in place of the one before; false: the driver has no memory. */
+static bool make_texels(struct view_gpu_texels *t, uint64_t texels)
+{
+	uint32_t width = 1u << t->shift, rows = (uint32_t)((texels + width - 1) >> t->shift);
+	while (glGetError())
+		;
+	glDeleteTextures(1, &t->texture);
+	glGenTextures(1, &t->texture);
+	glBindTexture(GL_TEXTURE_2D, t->texture);
+	glTexStorage2D(GL_TEXTURE_2D, 1, t->words == 4 ? GL_RGBA32UI : GL_R32UI, (GLsizei)width, (GLsizei)rows);
+	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+	t->room = (uint64_t)rows << t->shift;
+	return !glGetError();
+}
+
+/* Writes texels from number `at` on: a part of a row, whole rows, a part of a row. */
+static void write_texels(const struct view_gpu_texels *t, uint64_t at, const uint32_t *data, uint64_t count)
+{
+	uint32_t width = 1u << t->shift;
+	glBindTexture(GL_TEXTURE_2D, t->texture);
+	glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+	while (count) {
+		uint32_t x = (uint32_t)at & (width - 1);
+		bool part = x || count < width;
+		uint64_t columns = !part ? width : count < width - x ? count : width - x;
+		uint64_t rows = part ? 1 : count >> t->shift;
+		glTexSubImage2D(GL_TEXTURE_2D, 0, (GLint)x, (GLint)(at >> t->shift), (GLsizei)columns,
+			(GLsizei)rows, t->words == 4 ? GL_RGBA_INTEGER : GL_RED_INTEGER, GL_UNSIGNED_INT, data);
+		data += columns * rows * t->words;
+		at += columns * rows;
+		count -= columns * rows;
+	}
+}
+
+enum eco_code view_gpu_stream(struct view_gpu *gpu, struct view_gpu_texels *stream, uint32_t words,
+	const uint32_t *data, uint64_t texels, struct eco_error *error)
+{
+	uint64_t most = (uint64_t)gpu->side_max << shift_for(gpu, UINT64_MAX);
+	if (texels > most)
+		return eco_fail(error, ECO_TOO_LARGE, "the plants in view need %llu texels, the graphics "
+			"driver allows %llu", (unsigned long long)texels, (unsigned long long)most);
+	if (texels > stream->room || !stream->texture) {
+		uint64_t room = texels + texels / 2;
+		*stream = (struct view_gpu_texels){ stream->texture, words, shift_for(gpu, room), 0 };
+		if (!make_texels(stream, room > most ? texels : room + 1))
+			return eco_fail(error, ECO_NO_MEMORY, "the graphics driver has no memory for the "
+				"plants in view");
+	}
+	write_texels(stream, 0, data, texels);
+	return ECO_OK;
+}
+
+/* ---- Records ---- */
+
+/* A list that outgrows its texture is written into a larger one from its start. */
 static enum eco_code reserve(struct view_gpu *gpu, struct view_gpu_list *g, const struct view_list *list,
 	uint64_t texels, struct eco_error *error)
 {
-	if (texels <= g->room)
+	struct view_gpu_texels *records = &g->records;
+	if (texels <= records->room)
 		return ECO_OK;
-	if (texels > gpu->texels_max)
-		return eco_fail(error, ECO_TOO_LARGE, "list %u needs %llu texels, the graphics driver allows "
-			"%llu: use --reference=cpu or fewer vertices", list->id, (unsigned long long)texels,
-			(unsigned long long)gpu->texels_max);
 	uint64_t whole = (uint64_t)list->list.primitive_count * view_record_texels(&list->list),
 		room = texels + texels / 2;
-	room = list->list.kind == ECO_LIST_IMPOSTOR ? texels : room < whole ? room : whole;
-	room = room > gpu->texels_max ? gpu->texels_max : room < texels ? texels : room;
-	unsigned bigger;
-	while (glGetError())
-		;
-	glGenBuffers(1, &bigger);
-	glBindBuffer(GL_COPY_WRITE_BUFFER, bigger);
-	glBufferData(GL_COPY_WRITE_BUFFER, (GLsizeiptr)(room * VIEW_TEXEL_BYTES), NULL, GL_STATIC_DRAW);
-	if (glGetError()) {
-		glDeleteBuffers(1, &bigger);
+	if (list->list.kind == ECO_LIST_IMPOSTOR)
+		whole = room;
+	room = room < whole ? room : whole;
+	records->words = 4;
+	records->shift = shift_for(gpu, whole);
+	uint64_t most = (uint64_t)gpu->side_max << records->shift;
+	if (texels > most)
+		return eco_fail(error, ECO_TOO_LARGE, "list %u needs %llu texels, the graphics driver allows "
+			"%llu: use --reference=cpu or fewer vertices", list->id, (unsigned long long)texels,
+			(unsigned long long)most);
+	gpu->bytes -= records->room * VIEW_TEXEL_BYTES;
+	records->room = 0;
+	g->chunks = 0;
+	g->texels = 0;
+	if (!make_texels(records, room > most ? most : room))
 		return out_of_memory(list, error);
-	}
-	if (g->texels) {
-		glBindBuffer(GL_COPY_READ_BUFFER, g->buffer);
-		glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0,
-			(GLsizeiptr)(g->texels * VIEW_TEXEL_BYTES));
-	}
-	glDeleteBuffers(1, &g->buffer);
-	gpu->bytes += (room - g->room) * VIEW_TEXEL_BYTES;
-	g->buffer = bigger;
-	g->room = room;
-	attach(g);
+	gpu->bytes += records->room * VIEW_TEXEL_BYTES;
 	return ECO_OK;
 }
 
@@ -122,9 +170,7 @@ static enum eco_code upload_chunks(struct view_gpu_list *g, const struct view_li
 	enum eco_code code = words ? view_record_write(list, first, end, words, error)
 		: out_of_memory(list, error);
 	if (!code) {
-		glBindBuffer(GL_COPY_WRITE_BUFFER, g->buffer);
-		glBufferSubData(GL_COPY_WRITE_BUFFER, (GLintptr)(g->texels * VIEW_TEXEL_BYTES),
-			(GLsizeiptr)(texels * VIEW_TEXEL_BYTES), words);
+		write_texels(&g->records, g->texels, words, texels);
 		g->texels += texels;
 		g->chunks = end;
 	}
@@ -202,25 +248,4 @@ enum eco_code view_gpu_list(struct view_gpu *gpu, const struct view_list *list,
 		return g->color && memcmp(g->shown, list->shown, sizeof g->shown) == 0 ? ECO_OK
 			: upload_image(g, list, error);
 	return extend(gpu, g, list, error);
-}
-
-enum eco_code view_gpu_stream(struct view_gpu *gpu, struct view_gpu_stream *stream, unsigned format,
-	const void *bytes, size_t size, uint64_t texels, struct eco_error *error)
-{
-	if (texels > gpu->texels_max)
-		return eco_fail(error, ECO_TOO_LARGE, "the plants in view need %llu texels, the graphics "
-			"driver allows %llu", (unsigned long long)texels,
-			(unsigned long long)gpu->texels_max);
-	if (!stream->buffer) {
-		glGenBuffers(1, &stream->buffer);
-		glGenTextures(1, &stream->texture);
-	}
-	while (glGetError())
-		;
-	glBindBuffer(GL_TEXTURE_BUFFER, stream->buffer);
-	glBufferData(GL_TEXTURE_BUFFER, (GLsizeiptr)(size ? size : 16), size ? bytes : NULL, GL_STREAM_DRAW);
-	glBindTexture(GL_TEXTURE_BUFFER, stream->texture);
-	glTexBuffer(GL_TEXTURE_BUFFER, format, stream->buffer);
-	return glGetError() ? eco_fail(error, ECO_NO_MEMORY, "the graphics driver has no memory for the "
-		"plants in view") : ECO_OK;
 }

@@ -1,16 +1,26 @@
-/* The part of a store that lies on the GPU: a buffer texture of records per list, extended as chunks arrive,
- * and images as textures. */
+/* The part of a store that lies on the GPU: a texture of records per list, extended as chunks arrive, and
+ * images as textures.
+ *
+ * Texels that are read by number lie row by row in a 2D texture as wide as a power of two: WebGL has no
+ * buffer textures. Texel i is at (i & (width - 1), i >> shift). */
 #ifndef VIEW_GPU_H
 #define VIEW_GPU_H
 
 #include "client-min/view_store.h"
 #include "client-min/view_table.h"
 
+struct view_gpu_texels {                 /* zero is empty */
+	unsigned texture;
+	uint32_t words;                  /* 4-byte words of a texel: 4, or 1 */
+	uint32_t shift;                  /* width: 1 << shift */
+	uint64_t room;                   /* texels */
+};
+
 struct view_gpu_list {
 	uint32_t id;
-	unsigned buffer, texture;        /* records (view_record.h) as a usamplerBuffer */
+	struct view_gpu_texels records;  /* view_record.h, as a usampler2D */
 	uint32_t chunks;                 /* uploaded */
-	uint64_t texels, room;
+	uint64_t texels;                 /* of them */
 	/* IMAGE: filtered colour with mip levels, and nearest alpha; else 0. As far as it was shown */
 	unsigned color, alpha;
 	uint32_t shown[2];
@@ -19,7 +29,7 @@ struct view_gpu_list {
 struct view_gpu {                        /* zero is empty */
 	struct view_gpu_list *lists;     uint32_t count, room;
 	struct view_table table;
-	uint64_t texels_max;             /* of a buffer texture */
+	uint32_t side_max;               /* of a texture */
 	uint64_t bytes;                  /* of all records */
 };
 
@@ -31,10 +41,8 @@ void view_gpu_keep(struct view_gpu *gpu, const struct view_store *const *stores,
 enum eco_code view_gpu_list(struct view_gpu *gpu, const struct view_list *list,
 	const struct view_gpu_list **out, struct eco_error *error);
 
-/* A buffer texture whose content is replaced as a whole, for what changes every frame. `format` is a GL
- * format of 4-byte words. */
-struct view_gpu_stream { unsigned buffer, texture; };
-enum eco_code view_gpu_stream(struct view_gpu *gpu, struct view_gpu_stream *stream, unsigned format,
-	const void *bytes, size_t size, uint64_t texels, struct eco_error *error);
+/* Replaces all texels, for what changes every frame. `words` 4-byte words a texel: 4, or 1. */
+enum eco_code view_gpu_stream(struct view_gpu *gpu, struct view_gpu_texels *stream, uint32_t words,
+	const uint32_t *data, uint64_t texels, struct eco_error *error);
 
 #endif

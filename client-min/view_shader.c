@@ -24,9 +24,9 @@ const char *const view_program_names[VIEW_PROGRAM_COUNT] = { "triangles", "textu
 #define TEXT_OF(value) #value
 
 static const char head_desktop[] = "#version 450 core\n";
-static const char head_es[] = "#version 320 es\n"
+static const char head_es[] = "#version 300 es\n"
 	"precision highp float; precision highp int; precision highp sampler2D; precision highp "
-	"usamplerBuffer;\n";
+	"usampler2D;\n";
 
 /* view_surface_direction; the words are those of view_light.h. */
 static const char common[] =
@@ -38,10 +38,16 @@ static const char common[] =
 	"	if (d.z < 0.0) at = (1.0 - abs(at.yx)) * side;\n"
 	"	uvec2 whole = uvec2((at * 0.5 + 0.5) * 32767.0 + 0.5);\n"
 	"	return kind << 30 | whole.y << 15 | whole.x;\n"
-	"}\n";
+	"}\n"
+	/* texels by number, as view_gpu.h lays them out */
+	"uniform highp usampler2D u_records;\n"
+	"uniform highp ivec3 u_shift;    // of records, instances, members\n"
+	"uvec4 texel_of(highp usampler2D texels, int shift, int i) {\n"
+	"	return texelFetch(texels, ivec2(i & ((1 << shift) - 1), i >> shift), 0);\n"
+	"}\n"
+	"uvec4 record_at(int i) { return texel_of(u_records, u_shift.x, i); }\n";
 
 static const char vertex_common[] =
-	"uniform highp usamplerBuffer u_records;\n"
 	"uniform vec4 u_lens;            // 1/tan_x, 1/tan_y, near\n"
 	"vec4 project(vec3 v) {\n"
 	"#ifdef ZERO_TO_ONE\n"
@@ -52,19 +58,20 @@ static const char vertex_common[] =
 	"}\n";
 
 static const char vertex_plant[] =
-	"uniform highp usamplerBuffer u_instances, u_members;\n"
+	"uniform highp usampler2D u_instances, u_members;\n"
 	"flat out uvec4 v_seen;          // owner, surface, colour\n"
 	"uniform int u_first_member;\n"
+	"uniform int u_first;            // of a quad: its primitive is this and gl_VertexID / 4\n"
 	"uniform float u_scale;\n"
 	"uniform vec4 u_tint;            // rgb, if w is 1: instead of a colour of its own\n"
 	"uniform uint u_path;            // summaries: what the placement adds to the owner\n"
 	"vec3 xyz(uvec4 t) { return uintBitsToFloat(t.xyz); }\n"
 	"struct Plant { vec4 row[3]; uvec2 owner; float scale, half_width; };\n"
 	"Plant plant_of_member(int member) {\n"
-	"	int at = int(texelFetch(u_members, u_first_member + member).x) * 4;\n"
+	"	int at = int(texel_of(u_members, u_shift.z, u_first_member + member).x) * 4;\n"
 	"	Plant p;\n"
-	"	for (int k = 0; k < 3; k++) p.row[k] = uintBitsToFloat(texelFetch(u_instances, at + k));\n"
-	"	uvec4 t = texelFetch(u_instances, at + 3);\n"
+	"	for (int k = 0; k < 3; k++) p.row[k] = uintBitsToFloat(texel_of(u_instances, u_shift.y, at + k));\n"
+	"	uvec4 t = texel_of(u_instances, u_shift.y, at + 3);\n"
 	"	p.owner = t.xy; p.scale = uintBitsToFloat(t.z); p.half_width = uintBitsToFloat(t.w);\n"
 	"	return p;\n"
 	"}\n"
@@ -83,9 +90,9 @@ static const char vertex_triangles[] =
 	"void main() {\n"
 	"	Plant p = plant_of_member(gl_InstanceID);\n"
 	"	int corner = gl_VertexID % 3, at = gl_VertexID / 3 * TEXELS;\n"
-	"	uvec4 t0 = texelFetch(u_records, at), t1 = texelFetch(u_records, at + 1), t2 = "
-	"texelFetch(u_records, at + 2);\n"
-	"	uvec4 t3 = texelFetch(u_records, at + 3);\n"
+	"	uvec4 t0 = record_at(at), t1 = record_at(at + 1), t2 = "
+	"record_at(at + 2);\n"
+	"	uvec4 t3 = record_at(at + 3);\n"
 	"	vec3 a = xyz(t0), b = xyz(t1), c = xyz(t2), center = uintBitsToFloat(uvec3(t1.w, t2.w, "
 	"t3.x));\n"
 	"	vec3 at_corner = corner == 0 ? a : corner == 1 ? b : c, n = cross(b - a, c - a);\n"
@@ -95,7 +102,7 @@ static const char vertex_triangles[] =
 	"	v_seen = uvec4(p.owner, surface_direction(FACET, n), color_of(t0.w));\n"
 	"	v_uv = vec2(0.0);\n"
 	"#if TEXELS == 5\n"
-	"	uvec4 t4 = texelFetch(u_records, at + 4);\n"
+	"	uvec4 t4 = record_at(at + 4);\n"
 	"	v_uv = uintBitsToFloat(corner == 0 ? t3.yz : corner == 1 ? uvec2(t3.w, t4.x) : t4.yz);\n"
 	"#endif\n"
 	"	gl_Position = project(view_of(p, at_corner));\n"
@@ -104,8 +111,8 @@ static const char vertex_triangles[] =
 static const char vertex_lines[] =
 	"void main() {\n"
 	"	Plant p = plant_of_member(gl_InstanceID);\n"
-	"	int corner = gl_VertexID & 3, at = (gl_VertexID >> 2) * 2;\n"
-	"	uvec4 t0 = texelFetch(u_records, at), t1 = texelFetch(u_records, at + 1);\n"
+	"	int corner = gl_VertexID & 3, at = ((gl_VertexID >> 2) + u_first) * 2;\n"
+	"	uvec4 t0 = record_at(at), t1 = record_at(at + 1);\n"
 	"	vec3 a = xyz(t0), b = xyz(t1);\n"
 	"	LINE_SCALE\n"
 	"	vec3 va = view_of(p, a), vb = view_of(p, b), side = cross(vb - va, 0.5 * (va + vb));\n"
@@ -130,8 +137,8 @@ static const char vertex_points[] =
 	"flat out uint v_salt;\n"
 	"void main() {\n"
 	"	Plant p = plant_of_member(gl_InstanceID);\n"
-	"	int corner = gl_VertexID & 3, at = (gl_VertexID >> 2) * TEXELS;\n"
-	"	uvec4 t0 = texelFetch(u_records, at);\n"
+	"	int corner = gl_VertexID & 3, at = ((gl_VertexID >> 2) + u_first) * TEXELS;\n"
+	"	uvec4 t0 = record_at(at);\n"
 	"	vec3 view = view_of(p, xyz(t0));\n"
 	"	vec2 focal = u_lens.xy * u_half, middle = vec2(view.x, -view.y) * focal / view.z;\n"
 	"	mat3 axes, to_plant = mat3(0.0); // half axes in view space, y down; columns: normals of "
@@ -139,7 +146,7 @@ static const char vertex_points[] =
 	"	float reach = u_scale;\n"
 	"#if TEXELS == 4\n"
 	"	for (int k = 0; k < 3; k++) {\n"
-	"		vec3 h = xyz(texelFetch(u_records, at + 1 + k));\n"
+	"		vec3 h = xyz(record_at(at + 1 + k));\n"
 	"		axes[k] = vec3(dot(p.row[0].xyz, h), -dot(p.row[1].xyz, h), dot(p.row[2].xyz, h)) * "
 	"u_scale;\n"
 	"		to_plant[k] = h / max(dot(h, h), 1e-30);\n"
@@ -151,7 +158,7 @@ static const char vertex_points[] =
 	"	v_shown.y = 1.0;\n"
 	"#endif\n"
 	"#if TEXELS == 2\n"
-	"	uvec4 t1 = texelFetch(u_records, at + 1);\n"
+	"	uvec4 t1 = record_at(at + 1);\n"
 	"	p.owner = uvec2(t1.x, (t1.y & ~t1.z) | ((t1.y + u_path) & t1.z));\n"
 	"#endif\n"
 	"	float xx = 0.0, xy = 0.0, yy = 0.0, zz = 0.0;\n"
@@ -220,7 +227,7 @@ static const char vertex_ground[] =
 	"	if (at.x == u_inner.x - 1) to.y = snapped(to.y, u_seam.y, u_inner.y);\n"
 	"	if (at.y == 0) to.x = snapped(to.x, u_seam.z, u_inner.x);\n"
 	"	if (at.y == u_inner.y - 1) to.x = snapped(to.x, u_seam.w, u_inner.x);\n"
-	"	uvec4 t = texelFetch(u_records, (to.y + u_columns.z) * u_columns.x + to.x + u_columns.y);\n"
+	"	uvec4 t = record_at((to.y + u_columns.z) * u_columns.x + to.x + u_columns.y);\n"
 	"	ivec3 whole = ivec3(t.xyz);\n"
 	"	vec3 p = vec3(whole - u_anchor) * u_step;\n"
 	"	vec3 view = vec3(dot(u_right, p), dot(u_up, p), dot(u_forward, p)) + u_origin;\n"
@@ -328,7 +335,7 @@ static const char *const uniform_names[VIEW_UNIFORM_COUNT] = { "u_right", "u_up"
 	"u_members",
 	"u_alpha", "u_texture", "u_path", "u_anchor", "u_step", "u_inner", "u_seam", "u_edges", "u_sides",
 	"u_level", "u_half", "u_first_record", "u_window", "u_corners",
-	"u_point_max", "u_surface" };
+	"u_point_max", "u_surface", "u_shift", "u_first" };
 
 static unsigned compile(unsigned type, const char *const *parts, int count, const char *name,
 	struct eco_error *error)

@@ -14,7 +14,7 @@
 
 #define READING \
 	"uniform int u_first_record;     // of the level\n" \
-	"uvec4 record(uint at) { return texelFetch(u_records, u_first_record + int(at)); }\n" \
+	"uvec4 record(uint at) { return record_at(u_first_record + int(at)); }\n" \
 	"mat3 tile_at(uint start, uint i) {\n" \
 	"	uint at = start + 2u * i;\n" \
 	"	vec4 a = uintBitsToFloat(record(at)), b = uintBitsToFloat(record(at + 1u));\n" \
@@ -113,7 +113,7 @@ const char view_shader_impostor_vertex[] =
 	"	return there;\n"
 	"}\n"
 	"void main() {\n"
-	"	Plant p = plant_of_member(gl_VertexID / u_corners);\n"
+	"	Plant p = plant_of_member(gl_VertexID / u_corners + u_first);\n"
 	"	vec4 ball = uintBitsToFloat(record(0u));\n"
 	"	vec3 view = view_of(p, ball.xyz);\n"
 	"	vec2 focal = u_lens.xy * u_half, size;\n"
@@ -135,7 +135,6 @@ const char view_shader_impostor_vertex[] =
 	"}\n";
 
 const char view_shader_impostor_fragment[] =
-	"uniform highp usamplerBuffer u_records;\n"
 	READING
 	"uniform vec2 u_half;\n"
 	"uniform vec4 u_lens, u_tint;\n"

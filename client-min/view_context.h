@@ -1,0 +1,23 @@
+/* An OpenGL context without a window, a display server or a surface: by view_egl.c EGL on a device, or Mesa's
+ * surfaceless platform; in a browser, by web/web_context.c, the page's own. */
+#ifndef VIEW_CONTEXT_H
+#define VIEW_CONTEXT_H
+
+#include <stdbool.h>
+
+#include "client-min/view_shader.h"
+
+struct view_context {
+	void *display, *context;
+	bool hardware;
+	struct view_dialect dialect;
+	char renderer[128];
+};
+
+/* Tries hardware devices, then the surfaceless platform, then software devices; OpenGL 4.5 core, then OpenGL
+ * ES 3.2. The context is current afterwards, on this thread. ECO_UNSUPPORTED names what was tried. */
+enum eco_code view_context_open(struct view_context *context, struct eco_error *error);
+void view_context_use(const struct view_context *context);    /* makes it current on this thread */
+void view_context_close(struct view_context *context);
+
+#endif
