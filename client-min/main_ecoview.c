@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "client-min/view_compare.h"
+#include "client-min/view_digest.h"
 #include "client-min/view_explain.h"
 #include "client-min/view_fetch.h"
 #include "client-min/view_gl.h"
@@ -28,7 +29,7 @@ struct options {
 	uint32_t size[2], width, height;
 	uint64_t vertices, bytes, memory;
 	double ground_px, texel_px, ahead_s;
-	bool has_frames, compare;
+	bool has_frames, compare, digest;
 	uint64_t frame_first, frame_last;
 	enum engine reference;
 	int tint;                                /* enum view_tint */
@@ -53,6 +54,7 @@ struct viewer {                          /* everything that lives as long as the
 	const struct lod_eye *eye;               /* of the frame under way, for its parts */
 	struct view_frame *frame;
 	uint32_t frame_parts;                    /* drawn of it */
+	char digest[VIEW_DIGEST_BYTES];          /* of the frame, if it is asked for */
 	/* how far the last eye was below the ground that was drawn; else 0 or less */
 	double under_m;
 };
@@ -149,6 +151,8 @@ static const struct eco_option option_table[] = {
 		.has_optional_value = true,
 		.help = "also draw everything at full detail, and score; by default with OpenGL on "
 		"hardware, else in software" },
+	{ "digest", 0, ECO_OPTION_FLAG, NULL, &given.digest,
+		.help = "says of each frame by two hashes what was decoded and is drawn, as a browser does" },
 	{ "compare", 0, ECO_OPTION_FLAG, NULL, &given.compare,
 		.help =
 		"with the reference: also ours, full detail and the error that people see (FLIP) side by "
@@ -167,7 +171,7 @@ static const struct eco_option option_table[] = {
 
 static const struct eco_command command = { .name = "ecoview", .options = option_table,
 	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--memory SIZE] "
-	"[--ground-px X] [--ahead S] [--rule NAME] [--reference[=cpu|egl]] [--compare] [--tint kind] "
+	"[--ground-px X] [--ahead S] [--rule NAME] [--reference[=cpu|egl]] [--compare] [--tint kind] [--digest] "
 	"[--frames A..B] "
 	"[--progressive LIST] [--explain FILE.csv]",
 	.says = "Streams a scene along a camera script and draws every frame as a PNG.",
@@ -269,12 +273,15 @@ static enum eco_code draw(struct viewer *v, const struct view_store *store, cons
 	enum eco_code code = view_select_make(&selection, store, eye, error);
 	if (code)
 		return code;
+	if (v->options.digest && store == v->store)
+		code = view_digest_write(v->digest, store, &selection, error);
 	double near_m = view_store_near_m(store) > 0 ? view_store_near_m(store) : 0.1, ground_m;
 	struct view_reference_job job = { store, &selection, eye, near_m, 0, &interrupted,
 		(enum view_tint)v->options.tint };
-	code = !v->gl ? view_reference_draw(&job, picture, error)
-		: view_gl_draw(v->gl, &(struct view_gl_job){ store, &selection, eye, near_m, job.tint },
-		picture, error);
+	if (!code)
+		code = !v->gl ? view_reference_draw(&job, picture, error)
+			: view_gl_draw(v->gl, &(struct view_gl_job){ store, &selection, eye, near_m,
+			job.tint }, picture, error);
 	if (!code && v->options.reference)
 		code = count_samples(v, &job, picture, error);
 	v->under_m = view_ground_height(&selection.ground, eye->at[0], eye->at[1], &ground_m)
@@ -292,18 +299,6 @@ static void note_under_ground(struct viewer *v, uint32_t frame)
 	view_progress_clear(&v->progress);
 	fprintf(stderr, "ecoview: frame %u: the eye is %.2f m below the ground; heights in the script count "
 		"from the scene's origin\n", frame, v->under_m);
-}
-
-static enum eco_code check_budgets(const struct view_frame *f, uint64_t answer_bytes, struct eco_error *error)
-{
-	if (f->vertices > f->budget_vertices)
-		return eco_fail(error, ECO_DAMAGED, "frame %u: %llu vertices were drawn, %llu were allowed",
-			f->frame, (unsigned long long)f->vertices, (unsigned long long)f->budget_vertices);
-	if (answer_bytes > f->budget_bytes)
-		return eco_fail(error, ECO_DAMAGED, "frame %u: the response took %llu bytes, %llu were "
-			"allowed", f->frame, (unsigned long long)answer_bytes,
-			(unsigned long long)f->budget_bytes);
-	return ECO_OK;
 }
 
 /* What the frame did to the store, whose figures were `before` before it. */
@@ -379,7 +374,7 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	note_under_ground(v, f->frame);
 	f->vertices = v->picture.vertices;
 	f->draw_ms = v->picture.draw_ms;
-	return check_budgets(f, result.most_bytes, error);
+	return view_frame_check(f, result.most_bytes, error);
 }
 
 /* A view of more plants than a plan looks at cannot be asked for in full detail: then the score is against
@@ -461,6 +456,8 @@ static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_err
 	if (!code) {
 		view_progress_clear(&v->progress);
 		view_report_line(&f, stdout);
+		if (v->options.digest)
+			printf("frame %u: digest %s\n", number, v->digest);
 	}
 	return code;
 }

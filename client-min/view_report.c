@@ -61,6 +61,18 @@ void view_frame_score(struct view_frame *frame, const struct view_measures *of, 
 	frame->picture_error = of->picture_error;
 }
 
+enum eco_code view_frame_check(const struct view_frame *f, uint64_t answer_bytes, struct eco_error *error)
+{
+	if (f->vertices > f->budget_vertices)
+		return eco_fail(error, ECO_DAMAGED, "frame %u: %llu vertices were drawn, %llu were allowed",
+			f->frame, (unsigned long long)f->vertices, (unsigned long long)f->budget_vertices);
+	if (answer_bytes > f->budget_bytes)
+		return eco_fail(error, ECO_DAMAGED, "frame %u: the response took %llu bytes, %llu were "
+			"allowed", f->frame, (unsigned long long)answer_bytes,
+			(unsigned long long)f->budget_bytes);
+	return ECO_OK;
+}
+
 enum eco_code view_report_add(struct view_report *report, const struct view_frame *frame,
 	struct eco_error *error)
 {

@@ -40,6 +40,9 @@ struct view_report {                             /* owns `frames` and `parts` */
 
 /* A frame with everything that may be missing set to NaN. */
 struct view_frame view_frame_empty(uint32_t frame, double time_s, const struct eco_request *request);
+/* ECO_DAMAGED if more was drawn, or came in one answer, than the frame's budgets. */
+enum eco_code view_frame_check(const struct view_frame *frame, uint64_t answer_bytes,
+	struct eco_error *error);
 void view_frame_score(struct view_frame *frame, const struct view_measures *measures, double ceiling);
 
 enum eco_code view_report_add(struct view_report *report, const struct view_frame *frame,
