@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "ecofiles/base/version.h"
+#include "ecofiles/format/chunk.h"
 #include "ecofiles/format/wire.h"
 #include "server/query.h"
 #include "server/trace.h"
@@ -120,6 +121,24 @@ void srv_answer_judge(struct srv_answer *answer, const struct srv_conditions *co
 		srv_answer_free(answer);
 		srv_answer_failed_condition(answer, instance);
 	}
+}
+
+/* A page runs what this server sends, and nothing else. */
+#define SITE_POLICY "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; img-src 'self' blob: data:; " \
+	"base-uri 'none'; form-action 'none'"
+
+void srv_answer_file(struct srv_answer *answer, const struct srv_site_file *file,
+	enum srv_form form, const struct srv_validators *validators)
+{
+	*answer = (struct srv_answer){ .status = MHD_HTTP_OK, .size_bytes = file->forms[form].size };
+	answer->response = MHD_create_response_from_buffer(file->forms[form].size, file->forms[form].bytes,
+		MHD_RESPMEM_PERSISTENT);
+	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, file->type);
+	add_header(answer, MHD_HTTP_HEADER_CONTENT_ENCODING, srv_form_names[form]);
+	add_header(answer, MHD_HTTP_HEADER_VARY, MHD_HTTP_HEADER_ACCEPT_ENCODING);
+	add_header(answer, "Content-Security-Policy", SITE_POLICY);
+	add_header(answer, "X-Content-Type-Options", "nosniff");
+	add_validators(answer, validators, "no-cache");
 }
 
 /* ---- Streams ---- */

@@ -10,6 +10,7 @@
 #include "server/condition.h"
 #include "server/plan_cache.h"
 #include "server/problem.h"
+#include "server/site.h"
 #include "server/stream.h"
 
 #define SRV_ETAG_BYTES 35                /* 32 hex digits, two quotes, 0 */
@@ -59,6 +60,10 @@ void srv_answer_failed_condition(struct srv_answer *answer, const char *instance
  */
 void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32_t chunk,
 	const struct srv_conditions *conditions, bool get, const char *instance);
+
+/* A file of the viewer in one of its forms. The site outlives the answer. */
+void srv_answer_file(struct srv_answer *answer, const struct srv_site_file *file, enum srv_form form,
+	const struct srv_validators *validators);
 
 /* Lets go of an answer that was queued (the library holds its own reference) or is not wanted. */
 void srv_answer_free(struct srv_answer *answer);

@@ -21,9 +21,11 @@
 #include "server/address.h"
 #include "server/store.h"
 
+struct srv_site;
 struct srv_config {              /* 0 is the default */
 	/* "HOST:PORT", host numeric, [IPv6] in brackets, port 0: any; NULL: 127.0.0.1:8080 */
 	const char *listen;
+	const struct srv_site *site;         /* what / shows; NULL: how to make it. Outlives the daemon */
 	uint32_t polling_threads;    /* 2 */
 	uint32_t work_threads;       /* one a processor, at most 8 */
 	uint64_t queue_max;          /* plans waiting: 64 */

@@ -14,7 +14,7 @@
 #define PLAN_TEXT_MAX (64u << 20)
 #define BODY_STAKE_BYTES (4u << 10)     /* what a body is given before any of it is there */
 
-static const char known_resources[] = "known are /healthz, /v1/scenes, and below a scene plan, stream and "
+static const char known_resources[] = "known are /, /healthz, /v1/scenes, and below a scene plan, stream and "
 	"chunks/{id}";
 static const char bodies_are_many[] = "too many holdings are being received; ask again in a second";
 
@@ -36,6 +36,12 @@ struct srv_exchange *srv_exchange_new(struct srv_host *host, struct MHD_Connecti
 	}
 	exchange->target_code = srv_target_parse(&exchange->target, raw, strlen(raw), &exchange->error);
 	return exchange;
+}
+
+/* A header of the request, or NULL. */
+static const char *header(const struct srv_exchange *exchange, const char *name)
+{
+	return MHD_lookup_connection_value(exchange->connection, MHD_HEADER_KIND, name);
 }
 
 /* ---- Sending ---- */
@@ -338,6 +344,28 @@ static void answer_chunk(struct srv_exchange *exchange)
 	make_problem(exchange, SRV_PROBLEM_CHUNK, detail, false);
 }
 
+static void answer_file(struct srv_exchange *exchange, const struct srv_site_file *file)
+{
+	enum srv_form form = srv_site_form(file, header(exchange, MHD_HTTP_HEADER_ACCEPT_ENCODING));
+	struct eco_chunk_id id = eco_chunk_hash(file->forms[form].bytes, file->forms[form].size);
+	struct srv_validators validators = { .modified_s = 0 };
+	srv_etag_of(validators.etag, &id);
+	srv_answer_file(&exchange->answer, file, form, &validators);
+	judge_answer(exchange, &validators);
+}
+
+static void answer_viewer(struct srv_exchange *exchange, const char *name)
+{
+	const struct srv_site *site = exchange->host->config.site;
+	const struct srv_site_file *file = site ? srv_site_find(site, name) : NULL;
+	if (file)
+		answer_file(exchange, file);
+	else
+		make_problem(exchange, SRV_PROBLEM_ROUTE, site && site->count ? "the viewer has no such file"
+			: "the viewer is not built: say `make web`, then start ecoserve again (or with "
+			"--viewer DIR); /v1/scenes lists the scenes", false);
+}
+
 static bool answer_direct(struct srv_exchange *exchange)
 {
 	struct srv_json json = { 0 };
@@ -356,6 +384,12 @@ static bool answer_direct(struct srv_exchange *exchange)
 	case SRV_SCENE:
 		srv_describe_scene(&json, exchange->scene);
 		answer_described(exchange, true, &json);
+		break;
+	case SRV_INDEX:
+		answer_viewer(exchange, SRV_SITE_INDEX);
+		break;
+	case SRV_VIEWER:
+		answer_viewer(exchange, exchange->variables[0]);
 		break;
 	default:
 		answer_chunk(exchange);
@@ -376,7 +410,7 @@ static bool answer_request(struct srv_exchange *exchange)
 		snprintf(detail, sizeof detail, "use one of %s", exchange->route->allow);
 		return queue_problem(exchange, SRV_PROBLEM_METHOD, detail, false);
 	}
-	if (exchange->variables[0]) {
+	if (exchange->variables[0] && exchange->route != &srv_routes[SRV_VIEWER]) {
 		exchange->scene = srv_store_find(exchange->host->store, exchange->variables[0]);
 		if (!exchange->scene) {
 			snprintf(detail, sizeof detail, "there is no scene '%.64s'; /v1/scenes lists what "
@@ -390,11 +424,6 @@ static bool answer_request(struct srv_exchange *exchange)
 }
 
 /* ---- Receiving ---- */
-
-static const char *header(const struct srv_exchange *exchange, const char *name)
-{
-	return MHD_lookup_connection_value(exchange->connection, MHD_HEADER_KIND, name);
-}
 
 /* The head has passed the gate: what occurs is well formed, and once. */
 static void read_headers(struct srv_exchange *exchange)

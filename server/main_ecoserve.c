@@ -11,6 +11,7 @@
 
 #include "ecofiles/base/options.h"
 #include "server/daemon.h"
+#include "server/site.h"
 #include "server/trace.h"
 
 #define NAMES_SHOWN 8u
@@ -24,7 +25,7 @@
 static struct {
 	struct srv_config config;
 	struct eco_inputs scenes;
-	const char *copies;
+	const char *copies, *viewer;
 	bool in_place;
 } given;
 
@@ -69,6 +70,9 @@ static const struct eco_option options[] = {
 	{ "trust-proxy", 0, ECO_OPTION_READ, "ADDRESS[/BITS],...", &given.config.trusted,
 		.read = read_networks, .help = "proxies that may open any number of connections, and whose "
 		"X-Forwarded-For says who asks" },
+	{ "viewer", 0, ECO_OPTION_TEXT, "DIR", &given.viewer,
+		.help = "what / shows in a browser: the folder that `make web` makes; web/site beside this "
+		"program if not given" },
 	{ "log", 0, ECO_OPTION_FLAG, NULL, &given.config.log, .help = "one line a request on stderr" },
 	{ 0 } };
 
@@ -138,9 +142,29 @@ static const char *copies_folder(void)
 	return given.in_place ? NULL : folder && *folder ? folder : "/var/tmp";
 }
 
+/* web/site beside this program, where `make web` puts it. */
+static enum eco_code read_site(struct srv_site *site, struct eco_error *error)
+{
+	static const char folder[] = "/web/site";
+	char path[4096];
+	if (given.viewer) {
+		enum eco_code code = srv_site_read(site, given.viewer, error);
+		return code || srv_site_find(site, SRV_SITE_INDEX) ? code : eco_fail(error, ECO_NOT_FOUND,
+			"--viewer %s: no viewer there; `make web` makes one", given.viewer);
+	}
+	ssize_t size = readlink("/proc/self/exe", path, sizeof path - 1);
+	char *slash = size > 0 ? memrchr(path, '/', (size_t)size) : NULL;
+	*site = (struct srv_site){ .count = 0 };
+	if (!slash || (size_t)(slash - path) + sizeof folder > sizeof path)
+		return ECO_OK;
+	memcpy(slash, folder, sizeof folder);
+	return srv_site_read(site, path, error);
+}
+
 static enum eco_code run(struct eco_error *error)
 {
 	struct srv_store store;
+	struct srv_site site;
 	struct srv_daemon *daemon = NULL;
 	sigset_t signals;
 	signal(SIGPIPE, SIG_IGN);
@@ -152,7 +176,10 @@ static enum eco_code run(struct eco_error *error)
 	raise_descriptors(given.config.connections_max);
 	srv_store_init(&store);
 	store.copies = copies_folder();
-	enum eco_code code = srv_trace_set(getenv("ECO_TRACE"), error);
+	enum eco_code code = read_site(&site, error);
+	given.config.site = &site;
+	if (!code)
+		code = srv_trace_set(getenv("ECO_TRACE"), error);
 	for (uint32_t i = 0; i < given.scenes.count && !code; i++)
 		code = add_scene(&store, given.scenes.names[i], error);
 	if (!code) {
@@ -166,6 +193,7 @@ static enum eco_code run(struct eco_error *error)
 	else
 		srv_daemon_stop(daemon);
 	srv_store_free(&store);
+	srv_site_free(&site);
 	return code;
 }
 

@@ -12,6 +12,8 @@ const struct srv_route srv_routes[SRV_RESOURCE_COUNT] = {
 	[SRV_PLAN] = { "/v1/scenes/{scene}/plan", "GET, HEAD", READ },
 	[SRV_STREAM] = { "/v1/scenes/{scene}/stream", "GET, HEAD, POST", READ | SRV_METHOD_POST },
 	[SRV_CHUNK] = { "/v1/scenes/{scene}/chunks/{id}", "GET, HEAD", READ },
+	[SRV_INDEX] = { "/", "GET, HEAD", READ },
+	[SRV_VIEWER] = { "/viewer/{file}", "GET, HEAD", READ },
 };
 
 enum srv_method srv_method_of(const char *name)
@@ -23,7 +25,7 @@ enum srv_method srv_method_of(const char *name)
 static bool matches(const char *pattern, const struct srv_target *target, const char *variables[2])
 {
 	uint32_t segment = 0, variable = 0;
-	for (; *pattern == '/'; segment++) {
+	for (; *pattern == '/' && pattern[1]; segment++) {
 		size_t size = strcspn(++pattern, "/");
 		if (segment == target->segment_count)
 			return false;

@@ -5,7 +5,8 @@
 #include "server/target.h"
 
 enum srv_method { SRV_METHOD_GET = 1, SRV_METHOD_HEAD = 2, SRV_METHOD_POST = 4, SRV_METHOD_OTHER = 0 };
-enum srv_resource { SRV_HEALTH, SRV_SCENES, SRV_SCENE, SRV_PLAN, SRV_STREAM, SRV_CHUNK, SRV_RESOURCE_COUNT };
+enum srv_resource { SRV_HEALTH, SRV_SCENES, SRV_SCENE, SRV_PLAN, SRV_STREAM, SRV_CHUNK,
+	SRV_INDEX, SRV_VIEWER, SRV_RESOURCE_COUNT };
 
 struct srv_route {
 	const char *pattern;

@@ -1,0 +1,140 @@
+#include "server/site.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#define FILE_BYTES_MAX (16u << 20)
+
+const char *const srv_form_names[SRV_FORM_COUNT] = { NULL, "gzip", "br" };
+
+static const struct { const char *extension, *type; } types[] = {
+	{ ".html", "text/html; charset=utf-8" }, { ".css", "text/css; charset=utf-8" },
+	{ ".js", "text/javascript; charset=utf-8" }, { ".mjs", "text/javascript; charset=utf-8" },
+	{ ".wasm", "application/wasm" }, { ".svg", "image/svg+xml" } };
+
+static bool ends_with(const char *name, const char *end)
+{
+	size_t size = strlen(name), tail = strlen(end);
+	return size > tail && strcmp(name + size - tail, end) == 0;
+}
+
+static const char *type_of(const char *name)
+{
+	for (size_t i = 0; i < sizeof types / sizeof *types; i++)
+		if (ends_with(name, types[i].extension))
+			return types[i].type;
+	return NULL;
+}
+
+/* ---- Reading ---- */
+
+static enum eco_code read_whole(const char *path, uint8_t **bytes, size_t *size, struct eco_error *error)
+{
+	FILE *file = fopen(path, "rb");
+	uint8_t *room = malloc(FILE_BYTES_MAX);
+	enum eco_code code = !file ? eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno))
+		: !room ? eco_fail(error, ECO_NO_MEMORY, "no memory for %s", path) : ECO_OK;
+	if (!code) {
+		*size = fread(room, 1, FILE_BYTES_MAX, file);
+		if (ferror(file))
+			code = eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
+		else if (*size == FILE_BYTES_MAX)
+			code = eco_fail(error, ECO_TOO_LARGE, "%s: a viewer's file has less than %u bytes", path,
+				FILE_BYTES_MAX);
+	}
+	if (!code) {
+		uint8_t *fitting = realloc(room, *size + 1);
+		*bytes = fitting ? fitting : room;
+		room = NULL;
+	}
+	free(room);
+	if (file)
+		fclose(file);
+	return code;
+}
+
+static enum eco_code read_file(struct srv_site *site, const char *dir, const char *name,
+	struct eco_error *error)
+{
+	static const char *const ends[SRV_FORM_COUNT] = { "", ".gz", ".br" };
+	const char *type = type_of(name);
+	char path[4096];
+	if (!type || strlen(name) >= SRV_SITE_NAME_BYTES || site->count == SRV_SITE_FILES_MAX)
+		return eco_fail(error, ECO_BAD_INPUT, "%s/%s: no file of the viewer; let `make web` make this "
+			"folder", dir, name);
+	struct srv_site_file *file = &site->files[site->count++];
+	snprintf(file->name, sizeof file->name, "%s", name);
+	file->type = type;
+	enum eco_code code = ECO_OK;
+	for (int form = 0; form < SRV_FORM_COUNT && !code; form++) {
+		snprintf(path, sizeof path, "%s/%s%s", dir, name, ends[form]);
+		code = read_whole(path, &file->forms[form].bytes, &file->forms[form].size, error);
+	}
+	return code;
+}
+
+enum eco_code srv_site_read(struct srv_site *site, const char *dir, struct eco_error *error)
+{
+	*site = (struct srv_site){ .count = 0 };
+	DIR *folder = opendir(dir);
+	if (!folder)
+		return errno == ENOENT ? ECO_OK : eco_fail(error, ECO_IO, "%s: %s", dir, strerror(errno));
+	enum eco_code code = ECO_OK;
+	for (const struct dirent *entry; !code && (entry = readdir(folder));)
+		if (entry->d_name[0] != '.' && !ends_with(entry->d_name, ".gz")
+				&& !ends_with(entry->d_name, ".br"))
+			code = read_file(site, dir, entry->d_name, error);
+	closedir(folder);
+	if (code)
+		srv_site_free(site);
+	return code;
+}
+
+void srv_site_free(struct srv_site *site)
+{
+	for (uint32_t i = 0; i < site->count; i++)
+		for (int form = 0; form < SRV_FORM_COUNT; form++)
+			free(site->files[i].forms[form].bytes);
+	*site = (struct srv_site){ .count = 0 };
+}
+
+/* ---- Looking ---- */
+
+const struct srv_site_file *srv_site_find(const struct srv_site *site, const char *name)
+{
+	for (uint32_t i = 0; i < site->count; i++)
+		if (strcmp(site->files[i].name, name) == 0)
+			return &site->files[i];
+	return NULL;
+}
+
+/* Whether a list such as "gzip, br;q=0.9" names a coding, and not to refuse it (RFC 9110, 12.5.3). */
+static bool accepts(const char *list, const char *coding)
+{
+	size_t size = strlen(coding);
+	while (list && *list) {
+		list += strspn(list, " \t,");
+		size_t item = strcspn(list, ",");
+		if (item >= size && strncasecmp(list, coding, size) == 0
+				&& (item == size || strchr(" \t;", list[size]))) {
+			const char *q = strstr(list, "q=");
+			return !q || q > list + item || strtod(q + 2, NULL) > 0;
+		}
+		list += item;
+	}
+	return false;
+}
+
+enum srv_form srv_site_form(const struct srv_site_file *file, const char *accept_encoding)
+{
+	enum srv_form best = SRV_FORM_PLAIN;
+	for (enum srv_form form = SRV_FORM_GZIP; form < SRV_FORM_COUNT; form++)
+		if (file->forms[form].size < file->forms[best].size
+				&& accepts(accept_encoding, srv_form_names[form]))
+			best = form;
+	return best;
+}

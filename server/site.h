@@ -1,0 +1,35 @@
+/* The viewer's files (make web): read whole at start into a table by name, so that no request reaches a file
+ * system. Each has its compressed forms NAME.gz and NAME.br beside it. */
+#ifndef SRV_SITE_H
+#define SRV_SITE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ecofiles/base/status.h"
+
+#define SRV_SITE_FILES_MAX 32u
+#define SRV_SITE_NAME_BYTES 48u
+#define SRV_SITE_INDEX "index.html"      /* what / is */
+
+enum srv_form { SRV_FORM_PLAIN, SRV_FORM_GZIP, SRV_FORM_BROTLI, SRV_FORM_COUNT };
+extern const char *const srv_form_names[SRV_FORM_COUNT];         /* of Content-Encoding; plain: NULL */
+
+struct srv_site_file {
+	char name[SRV_SITE_NAME_BYTES];
+	const char *type;                        /* of its content */
+	struct { uint8_t *bytes; size_t size; } forms[SRV_FORM_COUNT];   /* NULL: there is none */
+};
+struct srv_site { struct srv_site_file files[SRV_SITE_FILES_MAX]; uint32_t count; };    /* owns its bytes */
+
+/* Reads DIR, whose files have names and extensions that are known. A folder that is not there is an empty
+ * site. */
+enum eco_code srv_site_read(struct srv_site *site, const char *dir, struct eco_error *error);
+void srv_site_free(struct srv_site *site);
+const struct srv_site_file *srv_site_find(const struct srv_site *site, const char *name);       /* or NULL */
+
+/* The form that takes least bytes of those that an Accept-Encoding header (NULL: none) takes. */
+enum srv_form srv_site_form(const struct srv_site_file *file, const char *accept_encoding);
+
+#endif
