@@ -1,6 +1,7 @@
 # ecostream: make [config=release|debug|sanitize|coverage|fuzz] [TARGET]
 #
 #   all (the default)    ecopack, ecoserve, ecoview, ecoload
+#   web                  the viewer in a browser, which ecoserve then serves at /: some minutes, once
 #   demo                 a generated park, from models to scored pictures
 #   forest DATA=DIR      the SCBI plot; DIR has inventories/, terrain/ and models/
 #   survey DATA=DIR      what import makes of all models and of a city's trees; DIR has models/ and inventories/
@@ -270,6 +271,8 @@ $(B)/obj/%.o: %.cpp
 	$(CXX) $(CXXFLAGS_ALL) -MMD -MP -c -o $@ $<
 
 -include $(shell find $(B)/obj $(B)/o0 -name '*.d' 2>/dev/null)
+
+include client-min/web/web.mk
 
 # ---- Demonstrations: everything lands in $(B)/demo and $(B)/forest ----
 

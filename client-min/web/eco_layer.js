@@ -1,0 +1,160 @@
+// A scene as a layer of a page that draws with WebGL 2:
+//
+//   import { EcoLayer } from '/viewer/eco_layer.js';
+//   const layer = new EcoLayer({ url: 'http://host:8080/v1/scenes/NAME', gl, onChange: redraw });
+//   await layer.ready;
+//   layer.draw(viewProjection, eye, [width, height]);        // in each frame
+//
+// The page owns the context, the camera and the clock. `viewProjection` takes metres from the scene's origin (Z up) to clip space, column by
+// column as WebGL has matrices, of a camera that looks straight through the middle of the picture; `eye` is in metres, too. Drawing asks the
+// server for what the view needs, as often as it changes; `onChange` says that there is more to be drawn. What the page draws itself hides the
+// plants, and is hidden by them, by the depth buffer of the bound framebuffer; state that is changed is put back.
+import createClient from './eco_client.mjs';
+import { EcoError, EcoStream } from './eco_stream.js';
+
+export { EcoError };
+export const TINTS = { none: 0, kind: 1 };
+
+const PATIENCE_MS = 400;         // a view that is out of date is given up after so long
+const FIRST_MS = 250;            // coarser pictures are shown while a view takes longer than this
+
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const row = (m, i) => [m[i], m[4 + i], m[8 + i]];
+const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
+
+/** Camera and depths of a perspective matrix: clip.w is the distance forward, clip.y up, clip.z = scale * distance + offset. */
+export function cameraOf(m, eye) {
+	const forward = row(m, 3), up = row(m, 1), z = row(m, 2), size = Math.hypot(...up);
+	return { view: { eye: [...eye], target: eye.map((v, i) => v + forward[i]), up: up.map((v) => v / size),
+		fov_y_deg: 2 * Math.atan(Math.hypot(...forward) / size) * 180 / Math.PI },
+		depth: [0.5 + 0.5 * dot(z, forward) / dot(forward, forward), 0.5 * (dot(z, eye) + m[14])] };
+}
+
+/** What a page draws with, and how to put it back. */
+function stateOf(gl) {
+	const caps = [gl.BLEND, gl.CULL_FACE, gl.DEPTH_TEST, gl.DITHER, gl.SCISSOR_TEST, gl.STENCIL_TEST].map((cap) => [cap, gl.isEnabled(cap)]);
+	const [framebuffer, program, vertices, unit, func, mask, viewport, color, alignment] = [gl.FRAMEBUFFER_BINDING, gl.CURRENT_PROGRAM,
+		gl.VERTEX_ARRAY_BINDING, gl.ACTIVE_TEXTURE, gl.DEPTH_FUNC, gl.DEPTH_WRITEMASK, gl.VIEWPORT, gl.COLOR_WRITEMASK, gl.UNPACK_ALIGNMENT]
+		.map((name) => gl.getParameter(name));
+	return { framebuffer, restore() {
+		for (const [cap, on] of caps)
+			(on ? gl.enable : gl.disable).call(gl, cap);
+		gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+		gl.useProgram(program);
+		gl.bindVertexArray(vertices);
+		gl.activeTexture(unit);
+		gl.depthFunc(func);
+		gl.depthMask(mask);
+		gl.viewport(...viewport);
+		gl.colorMask(...color);
+		gl.pixelStorei(gl.UNPACK_ALIGNMENT, alignment);
+	} };
+}
+
+export class EcoLayer {
+	/** vertices, bytes: budgets of a view (bytes -1: none); tint: 'none' or 'kind'; sky: draw one where nothing is; scale: pixels drawn for each
+	 * of the page's, either way; memoryBytes: of decoded data; onChange(): there is more to draw; onError(error): an EcoError. */
+	constructor({ url, gl, vertices = 300000, bytes = -1, tint = 'none', sky = true, scale = 1, memoryBytes, onChange, onError }) {
+		Object.assign(this, { gl, vertices, bytes, tint, sky, scale, onChange, onError });
+		this.asked = null;              // the view that is held or under way
+		this.loading = false;
+		this.version = 0;               // of what is drawn
+		this.ready = this.open(url, memoryBytes);
+	}
+
+	async open(url, memoryBytes) {
+		this.module = await createClient({ locateFile: (name) => new URL(name, import.meta.url).href });
+		this.context = this.module.GL.registerContext(this.gl, { majorVersion: 2, minorVersion: 0, enableExtensionsByDefault: true });
+		this.stream = new EcoStream(this.module, url, { memoryBytes });
+	}
+
+	/** Frees what the scene takes here and on the GPU. Nothing may be drawn afterwards. */
+	free() {
+		this.abort?.abort();
+		this.module?.GL.makeContextCurrent(this.context);
+		this.stream?.free();
+		this.stream = null;
+	}
+
+	/** Draws what is here of the view into the framebuffer that is bound; false: nothing is here yet. */
+	draw(viewProjection, eye, [width, height]) {
+		if (!this.stream)
+			return false;
+		const { view, depth } = cameraOf(viewProjection, eye);
+		this.ask(view, width, height);
+		return this.stream.selected && this.present(view, depth, width, height);
+	}
+
+	present(view, depth, width, height) {
+		const { gl, module, stream } = this, state = stateOf(gl);
+		const [x, y] = gl.getParameter(gl.VIEWPORT);
+		const size = [width, height].map((n) => Math.max(1, Math.round(n * this.scale)));
+		module.GL.makeContextCurrent(this.context);
+		try {
+			const key = [view, size, this.tint, this.version];
+			if (!same(key, this.drawn)) {
+				stream.check(module._web_draw(stream.web, stream.putView(view), ...size, TINTS[this.tint]));
+				this.drawn = key;
+			}
+			gl.bindFramebuffer(gl.FRAMEBUFFER, state.framebuffer);
+			module.HEAPF64.set([...depth, x, y, width, height], stream.view / 8);
+			stream.check(module._web_present(stream.web, stream.view, stream.view + 16, this.sky ? 1 : 0));
+		} finally {
+			state.restore();
+		}
+		return true;
+	}
+
+	/** Asks for a view unless it is here or on its way. */
+	ask(view, width, height) {
+		const wanted = { view, width, height, vertices: this.vertices, bytes: this.bytes };
+		this.wanted = wanted;
+		if (same(wanted, this.asked))
+			return;
+		if (!this.loading)
+			this.load(wanted);
+		else if (performance.now() - this.since > PATIENCE_MS)
+			this.abort.abort();
+	}
+
+	async load(wanted) {
+		this.loading = true;
+		this.asked = wanted;
+		this.since = performance.now();
+		this.abort = new AbortController();
+		const show = () => {
+			if (this.stream?.select())
+				this.version++;
+		};
+		const onPart = () => {
+			if (this.stream.selected && performance.now() - this.since < FIRST_MS)
+				return;
+			show();
+			this.onChange?.();
+		};
+		try {
+			await this.stream.fetch(wanted.view, { ...wanted, signal: this.abort.signal, onPart });
+			show();
+		} catch (error) {
+			if (error.name !== 'AbortError')
+				this.onError?.(error);
+		}
+		this.loading = false;
+		this.onChange?.();
+	}
+
+	/** Whether all of the view that was drawn last is here. */
+	get complete() {
+		return !this.loading && same(this.wanted, this.asked);
+	}
+
+	facts() {
+		return this.stream?.selected ? this.stream.facts() : null;
+	}
+
+	/** 255 where a plant is, else 0: a byte a pixel of the picture that was drawn last, rows from the top. */
+	cover() {
+		const [width, height] = this.drawn[1], at = this.module._web_cover(this.stream.web);
+		return this.module.HEAPU8.slice(at, at + width * height);
+	}
+}

@@ -1,0 +1,129 @@
+// A scene's stream in JavaScript: asks the server, and hands what comes to the C client (web_client.h). Everything of a plan, a chunk or a
+// picture is decided there; here are only bytes.
+
+const SLICE_BYTES = 65536;      // fed at a time, so that decoding leaves time for input
+const SLICE_MS = 12;
+const RETRY_MAX_MS = 30000;
+
+const pause = (ms = 0) => new Promise((done) => setTimeout(done, ms));
+
+/** What a server or the client says is wrong: `message` is for people. */
+export class EcoError extends Error {}
+
+/** The error of an answer that is no stream: a problem document (RFC 9457), or a server that is none of ours. */
+async function problemOf(url, answer) {
+	const type = answer.headers.get('content-type') ?? '';
+	const document = type.includes('json') ? await answer.json().catch(() => null) : null;
+	const detail = document?.title ? [document.title, document.detail].filter(Boolean).join(': ') : type;
+	return new EcoError(`${url}: the server answered ${answer.status}: ${detail}`);
+}
+
+/** One scene: what is held of it, and what is drawn. `module` is an instance of eco_client.mjs; `url` is http://HOST/v1/scenes/NAME. */
+export class EcoStream {
+	constructor(module, url, { memoryBytes = 512 * 2 ** 20 } = {}) {
+		this.module = module;
+		this.url = url.replace(/\/+$/, '');
+		this.web = module._web_new(memoryBytes);
+		if (!this.web)
+			throw new EcoError('no memory for the scene');
+		this.view = module._malloc(80);
+		this.slice = module._malloc(SLICE_BYTES);
+		this.selected = false;
+	}
+
+	free() {
+		this.module._web_free(this.web);
+		this.module._free(this.view);
+		this.module._free(this.slice);
+	}
+
+	text(pointer) {
+		return this.module.UTF8ToString(pointer);
+	}
+
+	check(failed) {
+		if (failed)
+			throw new EcoError(this.text(this.module._web_error(this.web)));
+	}
+
+	/** The view as the client reads it: eye, target, up (metres, Z up), fov_y_deg. */
+	putView({ eye, target, up = [0, 0, 1], fov_y_deg }) {
+		this.module.HEAPF64.set([...eye, ...target, ...up, fov_y_deg], this.view / 8);
+		return this.view;
+	}
+
+	/** Streams one view. `onPart` is called after each slice that was decoded: a coarser picture may be there. Resolves to true, or false where
+	 * no picture fits in `bytes`. `signal` ends it early: what came is kept. */
+	async fetch(view, { width, height, vertices, bytes = -1, signal, onPart }) {
+		const { module, web } = this;
+		this.check(module._web_request(web, this.putView(view), width, height, vertices, bytes));
+		for (let again = 1; again > 0;) {
+			const answer = await this.ask(signal);
+			if (answer.status === 204)
+				return false;
+			await this.feed(answer, onPart);
+			again = module._web_finish(web);
+			this.check(again < 0);
+		}
+		return true;
+	}
+
+	/** One answer; a server that is busy is asked again when it says so. */
+	async ask(signal) {
+		const { module, web } = this;
+		for (;;) {
+			const body = module._web_ask(web);
+			this.check(!body);
+			const query = this.text(module._web_query(web));
+			const holdings = module.HEAPU8.slice(body, body + module._web_body_size(web));
+			const answer = await fetch(`${this.url}/stream?${query}`, { method: 'POST', body: holdings, signal,
+				headers: { 'Content-Type': 'application/octet-stream' } });
+			if (answer.ok)
+				return answer;
+			const retry = Number(answer.headers.get('retry-after')) * 1000;
+			if (answer.status !== 503 || !(retry >= 0 && retry <= RETRY_MAX_MS))
+				throw await problemOf(this.url, answer);
+			await pause(Math.max(retry, 100));
+		}
+	}
+
+	async feed(answer, onPart) {
+		const reader = answer.body.getReader();
+		let since = performance.now();
+		for (;;) {
+			const { done, value } = await reader.read();
+			if (done)
+				return;
+			for (let at = 0; at < value.length; at += SLICE_BYTES) {
+				const part = value.subarray(at, at + SLICE_BYTES);
+				this.module.HEAPU8.set(part, this.slice);
+				this.check(this.module._web_feed(this.web, this.slice, part.length));
+				if (performance.now() - since > SLICE_MS) {
+					onPart?.();
+					await pause();
+					since = performance.now();
+				}
+			}
+		}
+	}
+
+	/** From now on the plan that has come is drawn; false: none has. */
+	select() {
+		const before = this.module._web_select(this.web);
+		this.check(before > 0);
+		this.selected ||= before === 0;
+		return before === 0;
+	}
+
+	/** Figures of what is drawn: vertices, plants, predicted_q, roles, species, bytes, memory_bytes, ... */
+	facts() {
+		return JSON.parse(this.text(this.module._web_facts(this.web)));
+	}
+
+	/** Says, as `ecoview --digest` does, what is held and drawn. */
+	digest() {
+		const text = this.module._web_digest(this.web);
+		this.check(!text);
+		return this.text(text);
+	}
+}

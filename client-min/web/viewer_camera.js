@@ -1,0 +1,169 @@
+// The viewer's camera, in metres from the scene's origin, Z up. It orbits about a target, walks at its height, or flies. Mouse, touch and
+// keyboard do the same three things: turn, move, come nearer.
+
+const FOV_Y_DEG = 45, PITCH_MAX = 1.55, TURN = 0.005, KEY_TURN = 1.2;
+const keys = { a: [-1, 0, 0], d: [1, 0, 0], w: [0, 1, 0], s: [0, -1, 0], q: [0, 0, -1], e: [0, 0, 1] };
+const turns = { arrowleft: [1, 0], arrowright: [-1, 0], arrowup: [0, 1], arrowdown: [0, -1] };
+const zooms = { '+': 1, '=': 1, '-': -1 };
+export const cameraKeys = new Set([...Object.keys(keys), ...Object.keys(turns), ...Object.keys(zooms)]);
+
+const sum = (list) => list.reduce((a, b) => a.map((v, i) => v + b[i]));
+
+export class Camera {
+	constructor() {
+		this.mode = 'orbit';
+		this.target = [0, 0, 0];
+		this.distance = 50;
+		this.yaw = Math.PI / 2;         // counter-clockwise from +X
+		this.pitch = -0.35;
+		this.near = 0.1;
+		this.far = 1e5;
+		this.held = new Set();
+	}
+
+	forward() {
+		const flat = Math.cos(this.pitch);
+		return [flat * Math.cos(this.yaw), flat * Math.sin(this.yaw), Math.sin(this.pitch)];
+	}
+
+	view() {
+		const f = this.forward();
+		return { eye: this.target.map((v, i) => v - f[i] * this.distance), target: [...this.target], up: [0, 0, 1], fov_y_deg: FOV_Y_DEG };
+	}
+
+	/** Clockwise from north (+Y). */
+	heading() {
+		return Math.PI / 2 - this.yaw;
+	}
+
+	/** Height of what is seen at the target's distance. */
+	metresAcross() {
+		return 2 * this.distance * Math.tan(FOV_Y_DEG * Math.PI / 360);
+	}
+
+	/** Looks at a whole scene. */
+	frame({ low, high }, near) {
+		const size = Math.hypot(...high.map((v, i) => v - low[i]));
+		this.target = low.map((v, i) => (v + high[i]) / 2);
+		this.distance = Math.max(size * 0.75, near * 10);
+		[this.yaw, this.pitch, this.near, this.far] = [Math.PI / 2, -0.4, near, size * 20 + 1e4];
+	}
+
+	look(eye, target) {
+		const d = target.map((v, i) => v - eye[i]), length = Math.hypot(...d);
+		if (!(length > 0))
+			return;
+		[this.target, this.distance] = [[...target], length];
+		this.yaw = Math.atan2(d[1], d[0]);
+		this.pitch = Math.max(-PITCH_MAX, Math.min(PITCH_MAX, Math.asin(d[2] / length)));
+	}
+
+	/** View and projection, column by column. */
+	matrix(aspect) {
+		const { eye } = this.view(), f = this.forward(), y = 1 / Math.tan(FOV_Y_DEG * Math.PI / 360), x = y / aspect;
+		const right = [Math.sin(this.yaw), -Math.cos(this.yaw), 0];
+		const up = [right[1] * f[2], -right[0] * f[2], right[0] * f[1] - right[1] * f[0]];
+		const a = (this.far + this.near) / (this.far - this.near), b = -2 * this.far * this.near / (this.far - this.near);
+		const rows = [right.map((v) => v * x), up.map((v) => v * y), f.map((v) => v * a), f];
+		const at = rows.map((r) => -(r[0] * eye[0] + r[1] * eye[1] + r[2] * eye[2]));
+		at[2] += b;
+		return [0, 1, 2].flatMap((column) => rows.map((r) => r[column])).concat(at);
+	}
+
+	// ---- Moving ----
+
+	/** Turns about the target, or, walking and flying, about the eye. */
+	turn(yaw, pitch) {
+		const { eye } = this.view();
+		this.yaw += yaw;
+		this.pitch = Math.max(-PITCH_MAX, Math.min(PITCH_MAX, this.pitch + pitch));
+		if (this.mode !== 'orbit')
+			this.target = this.forward().map((v, i) => eye[i] + v * this.distance);
+	}
+
+	/** To the right, forward and up. Who flies goes where the camera looks, all others stay level. */
+	move(right, ahead, up) {
+		const level = [Math.cos(this.yaw), Math.sin(this.yaw), 0], way = this.mode === 'fly' ? this.forward() : level;
+		this.target = sum([this.target, [level[1] * right, -level[0] * right, up], way.map((v) => v * ahead)]);
+	}
+
+	zoom(steps) {
+		const factor = 0.85 ** steps;
+		if (this.mode === 'orbit')
+			this.distance = Math.max(this.distance * factor, this.near * 4);
+		else
+			this.move(0, this.distance * (1 - factor), 0);
+	}
+
+	moving() {
+		return this.held.size > 0;
+	}
+
+	/** What held keys do in the time that has passed; whether they do anything. */
+	step(now) {
+		const s = Math.min((now - (this.last ?? now)) / 1000, 0.1), speed = this.mode === 'walk' ? 3 : Math.max(this.distance * 0.6, 2);
+		this.last = now;
+		for (const key of this.held) {
+			if (keys[key])
+				this.move(...keys[key].map((v) => v * speed * s));
+			else if (turns[key])
+				this.turn(turns[key][0] * KEY_TURN * s, turns[key][1] * KEY_TURN * s);
+			else
+				this.zoom(zooms[key] * s * 5);
+		}
+		return this.held.size > 0;
+	}
+
+	/** Takes mouse, touch and keyboard; `moved` is called at each change. */
+	listen(element, moved) {
+		const fingers = new Map();
+		const drag = (dx, dy, moves) => {
+			if (moves) {
+				const metres = this.metresAcross() / element.clientHeight;
+				this.move(-dx * metres, dy * metres, 0);
+			} else {
+				const way = this.mode === 'orbit' ? -TURN : TURN;    // what is dragged follows the pointer
+				this.turn(dx * way, dy * way);
+			}
+			moved();
+		};
+		const apart = () => {
+			const [a, b] = [...fingers.values()];
+			return Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY);
+		};
+		element.addEventListener('pointerdown', (event) => {
+			element.setPointerCapture(event.pointerId);
+			element.focus();
+			fingers.set(event.pointerId, event);
+		});
+		element.addEventListener('pointermove', (event) => {
+			const before = fingers.get(event.pointerId);
+			if (!before)
+				return;
+			const distance = fingers.size === 2 ? apart() : 0, share = 1 / fingers.size;
+			fingers.set(event.pointerId, event);
+			if (distance)
+				this.zoom(Math.log(apart() / distance) * 6);
+			drag((event.clientX - before.clientX) * share, (event.clientY - before.clientY) * share, fingers.size > 1 || event.buttons & 6
+				|| event.shiftKey);
+		});
+		for (const name of ['pointerup', 'pointercancel'])
+			element.addEventListener(name, (event) => fingers.delete(event.pointerId));
+		element.addEventListener('contextmenu', (event) => event.preventDefault());
+		element.addEventListener('wheel', (event) => {
+			event.preventDefault();
+			this.zoom(-event.deltaY / (event.deltaMode ? 3 : 100));
+			moved();
+		}, { passive: false });
+		addEventListener('keydown', (event) => {
+			const key = event.key.toLowerCase();
+			if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches('select, input') || !cameraKeys.has(key))
+				return;
+			event.preventDefault();
+			this.held.add(key);
+			moved();
+		});
+		addEventListener('keyup', (event) => this.held.delete(event.key.toLowerCase()));
+		addEventListener('blur', () => this.held.clear());
+	}
+}

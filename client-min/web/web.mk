@@ -1,0 +1,97 @@
+# make web: the browser's viewer, build/web/site: the C client as WebAssembly, its page, and a compressed copy of each. ecoserve serves it at /.
+# It takes some minutes of processor time once, and a network: Draco's and libwebp's sources are Debian's source packages.
+#
+# What the client is made of: rooms where all of a room compiles, else its sources. Nothing that encodes, reads packs or imports.
+
+WEB_PACKAGES := emscripten dpkg-dev brotli libxxhash-dev
+W := build/web
+# kept apart from native flags; -idirafter: no header of this machine's C library
+WEB_FLAGS := -Os -ffp-contract=off -fno-strict-aliasing -ffunction-sections -D_GNU_SOURCE -DXXH_INLINE_ALL -I. -I$(W)/include
+WEB_CFLAGS := -std=c11 $(WARN) $(WEB_FLAGS) -I$(W)/src/libwebp/src
+WEB_CXXFLAGS := -std=c++17 -fno-rtti $(WEB_FLAGS) -I$(W)/src/draco/src
+export NODE_PATH := /usr/share/nodejs
+
+WEB_ROOMS := $(wildcard lod/*.c) $(wildcard client-min/web/*.c)
+WEB_BASE := bytes range room status turn utf8
+WEB_FORMAT := chunk chunk_columns chunk_corners chunk_counts chunk_decode chunk_mesh chunk_rows chunk_shapes ground_tile heights impostor \
+	impostor_codec list model pack_check pack_record plan shape splat texture view wire_frame wire_holdings wire_parse wire_plan wire_write
+WEB_VIEW := cache digest forms gl gpu ground impostor light list owners query record select shade shader shader_impostor store table \
+	threads picture
+WEB_SOURCES := $(WEB_BASE:%=ecofiles/base/%.c) $(WEB_FORMAT:%=ecofiles/format/%.c) $(WEB_VIEW:%=client-min/view_%.c) $(WEB_ROOMS)
+
+# of Draco what decodes point clouds and edgebreaker meshes; of libwebp what decodes
+WEB_DRACO := $(addprefix core/,data_buffer decoder_buffer draco_types options status bit_utils quantization_utils) \
+	$(addprefix attributes/,attribute_octahedron_transform attribute_quantization_transform attribute_transform geometry_attribute \
+		point_attribute) \
+	$(addprefix compression/bit_coders/,adaptive_rans_bit_decoder direct_bit_decoder rans_bit_decoder symbol_bit_decoder) \
+	$(addprefix compression/point_cloud/,point_cloud_decoder point_cloud_kd_tree_decoder point_cloud_sequential_decoder \
+		algorithms/dynamic_integer_points_kd_tree_decoder algorithms/integer_points_kd_tree_decoder) \
+	$(addprefix compression/mesh/,mesh_decoder mesh_edgebreaker_decoder mesh_edgebreaker_decoder_impl) \
+	$(addprefix compression/,draco_compression_options entropy/shannon_entropy entropy/symbol_decoding) \
+	$(addprefix compression/attributes/,attributes_decoder kd_tree_attributes_decoder sequential_attribute_decoder \
+		sequential_attribute_decoders_controller sequential_integer_attribute_decoder sequential_normal_attribute_decoder \
+		sequential_quantization_attribute_decoder) \
+	$(addprefix mesh/,corner_table mesh mesh_attribute_corner_table) point_cloud/point_cloud \
+	$(addprefix metadata/,geometry_metadata metadata metadata_decoder)
+WEB_WEBP := $(addprefix dec/,alpha_dec buffer_dec frame_dec idec_dec io_dec quant_dec tree_dec vp8_dec vp8l_dec webp_dec) \
+	$(addprefix dsp/,alpha_processing cpu dec dec_clip_tables filters lossless rescaler upsampling yuv) \
+	$(addprefix utils/,bit_reader_utils bit_writer_utils color_cache_utils filters_utils huffman_encode_utils huffman_utils \
+		quant_levels_dec_utils quant_levels_utils random_utils rescaler_utils thread_utils utils)
+WEB_OBJECTS := $(WEB_SOURCES:%.c=$(W)/obj/%.o) $(W)/obj/ecofiles/format/draco_shim.o $(WEB_DRACO:%=$(W)/obj/draco/%.o) \
+	$(WEB_WEBP:%=$(W)/obj/libwebp/%.o)
+
+# every function of web_client.h
+WEB_EXPORTS := $(shell grep -v '^ \*' client-min/web/web_client.h | grep -oE '\bweb_[a-z_]+\b' | grep -v '_present_' | sort -u)
+space := $(subst ,, )
+comma_join = $(subst $(space),$(comma),$(strip $(1)))
+
+WEB_PAGE := $(patsubst client-min/web/%,$(W)/site/%,$(filter-out %.mk %.c %.h %.sh,$(wildcard client-min/web/*)))
+WEB_SITE := $(W)/site/eco_client.mjs $(W)/site/eco_client.wasm $(WEB_PAGE)
+
+.PHONY: web deps-web
+deps-web: deps
+	@tests/packages.sh $(WEB_PACKAGES)
+web: deps-web
+	@$(MAKE) --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$$(nproc)) $(WEB_SITE:%=%.gz) $(WEB_SITE:%=%.br)
+	@echo "$(W)/site: $$(cat $(W)/site/*.gz | wc -c) bytes by gzip, $$(cat $(W)/site/*.br | wc -c) by brotli"
+
+$(W)/src/.done: client-min/web/sources.sh
+	sh $< $(W)/src draco libwebp
+# Draco's own build writes this file; neither transcoding nor old bitstreams are wanted.
+$(W)/include/draco/draco_features.h: $(W)/src/.done
+	@mkdir -p $(@D)
+	printf '#define DRACO_%s_SUPPORTED\n' POINT_CLOUD_COMPRESSION MESH_COMPRESSION NORMAL_ENCODING STANDARD_EDGEBREAKER \
+		PREDICTIVE_EDGEBREAKER ATTRIBUTE_INDICES_DEDUPLICATION ATTRIBUTE_VALUES_DEDUPLICATION >$@
+	cp /usr/include/xxhash.h /usr/include/xxh3.h $(W)/include/
+	mkdir -p $(W)/include/epoxy && echo '#include <GLES3/gl3.h>' >$(W)/include/epoxy/gl.h
+
+$(WEB_OBJECTS): | $(W)/include/draco/draco_features.h
+$(W)/obj/draco/%.o: | $(W)/include/draco/draco_features.h
+	@mkdir -p $(@D)
+	em++ $(WEB_CXXFLAGS) -c -o $@ $(W)/src/draco/src/draco/$*.cc
+$(W)/obj/libwebp/%.o: | $(W)/include/draco/draco_features.h
+	@mkdir -p $(@D)
+	emcc $(WEB_FLAGS) -I$(W)/src/libwebp -c -o $@ $(W)/src/libwebp/src/$*.c
+$(W)/obj/%.o: %.c
+	@mkdir -p $(@D)
+	emcc $(WEB_CFLAGS) -MMD -MP -c -o $@ $<
+$(W)/obj/%.o: %.cpp
+	@mkdir -p $(@D)
+	em++ $(WEB_CXXFLAGS) -MMD -MP -c -o $@ $<
+-include $(shell find $(W)/obj -name '*.d' 2>/dev/null)
+
+# 2 GiB is what a page may grow to; what does not fit goes (view_cache.h)
+$(W)/eco_client.mjs: $(WEB_OBJECTS) client-min/web/web_client.h
+	emcc -Os -o $@ $(WEB_OBJECTS) -sMODULARIZE=1 -sEXPORT_ES6=1 -sENVIRONMENT=web,worker -sFILESYSTEM=0 -sALLOW_MEMORY_GROWTH=1 \
+		-sUSE_WEBGL2=1 -sMIN_WEBGL_VERSION=2 -sMAX_WEBGL_VERSION=2 -sASSERTIONS=0 \
+		-sEXPORTED_FUNCTIONS=_malloc,_free,$(call comma_join,$(WEB_EXPORTS:%=_%)) -sEXPORTED_RUNTIME_METHODS=UTF8ToString,GL
+$(W)/site/eco_client.mjs $(W)/site/eco_client.wasm: $(W)/site/%: $(W)/eco_client.mjs
+	@mkdir -p $(@D)
+	cp $(W)/$* $@
+$(WEB_PAGE): $(W)/site/%: client-min/web/%
+	@mkdir -p $(@D)
+	cp $< $@
+$(W)/site/%.gz: $(W)/site/%
+	gzip -9 -n -c $< >$@
+$(W)/site/%.br: $(W)/site/%
+	brotli -q 11 -c $< >$@

@@ -1,0 +1,323 @@
+#include "client-min/web/web_client.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "client-min/view_digest.h"
+#include "client-min/view_gl.h"
+#include "client-min/view_query.h"
+#include "client-min/web/web_present.h"
+#include "ecofiles/base/bytes.h"
+
+struct web {
+	struct view_store *store;
+	struct eco_wire_parser *parser;          /* of the answer under way; else NULL */
+	struct eco_request request;
+	/* what is drawn; it outlives the plan that it is of, until something of it may have gone */
+	struct view_selection selection;
+	uint64_t evictions;                      /* of the store when it was made */
+	double predicted_q;
+	struct view_gl *gl;
+	struct view_picture picture;
+	struct web_present present;
+	struct eco_writer body, text;
+	uint64_t bytes;                          /* of answers */
+	char query[VIEW_QUERY_BYTES];
+	char digest[VIEW_DIGEST_BYTES];
+	struct eco_error error;
+};
+
+struct web *web_new(double memory_max_bytes)
+{
+	struct web *web = calloc(1, sizeof *web);
+	struct view_store_options options = { .memory_max = (uint64_t)memory_max_bytes, .images = true };
+	if (web && view_store_new(&web->store, &options, &web->error)) {
+		web_free(web);
+		return NULL;
+	}
+	return web;
+}
+
+void web_free(struct web *web)
+{
+	if (!web)
+		return;
+	if (web->gl)
+		web_present_free(&web->present);
+	view_gl_close(web->gl);
+	view_picture_free(&web->picture);
+	eco_wire_parser_free(web->parser);
+	view_select_free(&web->selection);
+	view_store_free(web->store);
+	eco_writer_free(&web->body);
+	eco_writer_free(&web->text);
+	free(web);
+}
+
+const char *web_error(const struct web *web)
+{
+	return web->error.text;
+}
+
+static void forget_error(struct web *web)
+{
+	web->error = (struct eco_error){ 0 };
+}
+
+/* ---- Asking ---- */
+
+/* For want of memory chunks may have gone that the selection draws. */
+static void keep_selection(struct web *web)
+{
+	if (view_store_stats(web->store).evictions != web->evictions)
+		view_select_free(&web->selection);
+}
+
+static struct eco_view view_of(const double view[10], double width, double height)
+{
+	struct eco_view v = { .fov_y_deg = view[9], .width = (uint32_t)width, .height = (uint32_t)height };
+	memcpy(v.eye, view, sizeof v.eye);
+	memcpy(v.target, view + 3, sizeof v.target);
+	memcpy(v.up, view + 6, sizeof v.up);
+	return v;
+}
+
+int web_request(struct web *web, const double view[10], double width, double height, double vertices,
+	double bytes)
+{
+	forget_error(web);
+	web->request = (struct eco_request){ .view = view_of(view, width, height),
+		.vertices = (uint64_t)vertices, .bytes = bytes < 0 ? ECO_BYTES_UNBOUNDED : (uint64_t)bytes };
+	enum eco_code code = eco_view_check(&web->request.view, &web->error);
+	if (!code)
+		view_store_begin(web->store);
+	keep_selection(web);
+	return (int)code;
+}
+
+const char *web_query(const struct web *web)
+{
+	return web->query;
+}
+
+const uint8_t *web_ask(struct web *web)
+{
+	struct eco_holdings holdings;
+	eco_wire_parser_free(web->parser);
+	web->parser = NULL;
+	view_query_write(&web->request, web->query, sizeof web->query);
+	if (view_store_holdings(web->store, &holdings, &web->error))
+		return NULL;
+	eco_writer_free(&web->body);
+	eco_wire_write_holdings(&web->body, &holdings);
+	free(holdings.items);
+	if (web->body.failed)
+		eco_fail(&web->error, ECO_NO_MEMORY, "no memory for a request");
+	else
+		eco_wire_parser_new(&web->parser, &view_store_events, web->store, &web->error);
+	return web->parser ? web->body.bytes : NULL;
+}
+
+size_t web_body_size(const struct web *web)
+{
+	return web->body.size;
+}
+
+int web_feed(struct web *web, const uint8_t *bytes, size_t size)
+{
+	web->bytes += size;
+	enum eco_code code = eco_wire_feed(web->parser, bytes, size, &web->error);
+	keep_selection(web);
+	return (int)code;
+}
+
+int web_finish(struct web *web)
+{
+	uint64_t vertices;
+	enum eco_code code = eco_wire_finish(web->parser, &web->error);
+	eco_wire_parser_free(web->parser);
+	web->parser = NULL;
+	if (code)
+		return -(int)code;
+	if (!view_store_again(web->store, &vertices))
+		return 0;
+	if (web->request.bytes != ECO_BYTES_UNBOUNDED)
+		web->request.vertices = vertices;
+	return 1;
+}
+
+/* ---- What is drawn ---- */
+
+int web_select(struct web *web)
+{
+	const struct eco_plan *plan = view_store_plan(web->store);
+	struct view_selection selection;
+	struct lod_eye eye;
+	if (!plan)
+		return -1;
+	lod_eye_make(&eye, &web->request.view);
+	forget_error(web);
+	enum eco_code code = view_select_make(&selection, web->store, &eye, &web->error);
+	if (code)
+		return (int)code;
+	view_select_free(&web->selection);
+	web->selection = selection;
+	web->evictions = view_store_stats(web->store).evictions;
+	web->predicted_q = eco_predicted_q(&plan->prediction);
+	return 0;
+}
+
+/* A target and a picture of that size, on the GPU and here. */
+static enum eco_code prepare(struct web *web, uint32_t width, uint32_t height)
+{
+	struct view_gl_options options = { width, height };
+	const struct view_store *store = web->store;
+	enum eco_code code = web->gl ? view_gl_resize(web->gl, &options, &web->error)
+		: view_gl_open(&web->gl, &options, &web->error);
+	if (!code && (web->picture.width != width || web->picture.height != height)) {
+		view_picture_free(&web->picture);
+		code = view_picture_init(&web->picture, width, height, &web->error);
+	}
+	if (!code)
+		view_gl_keep(web->gl, &store, 1);
+	return code;
+}
+
+int web_draw(struct web *web, const double view[10], double width, double height, double tint)
+{
+	struct eco_view v = view_of(view, width, height);
+	struct lod_eye eye;
+	forget_error(web);
+	if (eco_view_check(&v, &web->error) || prepare(web, v.width, v.height))
+		return (int)web->error.code;
+	lod_eye_make(&eye, &v);
+	double near_m = view_store_near_m(web->store);
+	return (int)view_gl_draw(web->gl, &(struct view_gl_job){ web->store, &web->selection, &eye,
+		near_m > 0 ? near_m : 0.1, (enum view_tint)tint }, &web->picture, &web->error);
+}
+
+int web_present(struct web *web, const double *depth, const double *viewport, double sky)
+{
+	struct web_place place = { .depth = { (float)depth[0], (float)depth[1] }, .sky = sky != 0 };
+	for (int i = 0; i < 4; i++)
+		place.viewport[i] = (int)viewport[i];
+	return (int)web_present_draw(&web->present, &web->picture, &place, &web->error);
+}
+
+const uint8_t *web_colors(const struct web *web)
+{
+	return web->picture.rgb;
+}
+
+const uint8_t *web_cover(const struct web *web)
+{
+	return web->picture.cover;
+}
+
+const char *web_renderer(const struct web *web)
+{
+	return web->gl ? view_gl_renderer(web->gl) : "";
+}
+
+const char *web_digest(struct web *web)
+{
+	forget_error(web);
+	return view_digest_write(web->digest, web->store, &web->selection, &web->error) ? NULL : web->digest;
+}
+
+/* ---- What a page shows ---- */
+
+static void say(struct web *web, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void say(struct web *web, const char *format, ...)
+{
+	char text[256];
+	va_list arguments;
+	va_start(arguments, format);
+	int size = vsnprintf(text, sizeof text, format, arguments);
+	va_end(arguments);
+	eco_write_bytes(&web->text, text, (size_t)size < sizeof text ? (size_t)size : sizeof text - 1);
+}
+
+/* A name as JSON: UTF-8 stays as it is. */
+static void say_name(struct web *web, const char *name)
+{
+	say(web, "\"");
+	for (; *name; name++)
+		if (*name == '"' || *name == '\\' || (unsigned char)*name < ' ')
+			say(web, "\\u%04x", (unsigned char)*name);
+		else
+			say(web, "%c", *name);
+	say(web, "\"");
+}
+
+static void say_roles(struct web *web)
+{
+	static const char *const names[VIEW_ROLE_COUNT] = { "triangles", "simpler triangles", "lines",
+		"points", "blended triangles", "blended simpler triangles", "blended lines", "blended points",
+		"ellipsoids", "impostors", "summaries" };
+	const struct view_selection *s = &web->selection;
+	uint64_t vertices[VIEW_ROLE_COUNT] = { 0 };
+	for (uint32_t c = 0; c < s->cut_count; c++) {
+		const struct eco_cut *cut = &s->plan_cuts[c];
+		const struct view_list *list = view_store_list(web->store, cut->list);
+		if (list)
+			vertices[s->roles[c]] += (uint64_t)(cut->end - cut->first)
+				* eco_list_vertices(&list->list)
+				* (s->member_first[c + 1] - s->member_first[c]);
+	}
+	say(web, "\"roles\":[");
+	for (int i = 0; i < VIEW_ROLE_COUNT; i++) {
+		const uint8_t *color = view_tint_colors[i];
+		say(web, "%s{\"name\":\"%s\",\"color\":[%u,%u,%u],\"vertices\":%llu}", i ? "," : "", names[i],
+			color[0], color[1], color[2], (unsigned long long)vertices[i]);
+	}
+	say(web, "],");
+}
+
+static int by_plant(const void *a, const void *b)
+{
+	uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+	return x < y ? -1 : x > y;
+}
+
+/* Species in view, plants counted. */
+static void say_species(struct web *web)
+{
+	const struct view_selection *s = &web->selection;
+	uint32_t *plants = malloc(((size_t)s->instance_count + 1) * sizeof *plants), count = 0;
+	say(web, "\"species\":[");
+	for (uint32_t i = 0; plants && i < s->instance_count; i++)
+		if (s->instances[i].plant != ECO_NONE)
+			plants[count++] = s->instances[i].plant;
+	if (plants)
+		qsort(plants, count, sizeof *plants, by_plant);
+	for (uint32_t i = 0, end; i < count; i = end) {
+		const struct view_plant *plant = view_store_plant(web->store, plants[i]);
+		for (end = i; end < count && plants[end] == plants[i]; end++)
+			;
+		say(web, "%s{\"name\":", i ? "," : "");
+		say_name(web, plant->plant.name);
+		say(web, ",\"height_m\":%.2f,\"count\":%u}", (double)plant->plant.height_m, end - i);
+	}
+	free(plants);
+	say(web, "],");
+}
+
+const char *web_facts(struct web *web)
+{
+	struct view_store_stats stats = view_store_stats(web->store);
+	web->text.size = 0;
+	say(web, "{\"vertices\":%llu,\"plants\":%llu,", (unsigned long long)web->selection.vertices,
+		(unsigned long long)web->selection.visible_plants);
+	if (web->predicted_q == web->predicted_q)
+		say(web, "\"predicted_q\":%.4f,", web->predicted_q);
+	say_roles(web);
+	say_species(web);
+	say(web, "\"bytes\":%llu,\"chunks\":%llu,\"memory_bytes\":%llu,\"decode_ms\":%.1f}",
+		(unsigned long long)web->bytes, (unsigned long long)stats.chunks,
+		(unsigned long long)stats.memory_bytes, stats.decode_ms);
+	eco_write_u8(&web->text, 0);
+	return web->text.failed ? NULL : (const char *)web->text.bytes;
+}

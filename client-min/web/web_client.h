@@ -1,0 +1,52 @@
+/* The client for a page: everything that a browser does not do itself. JavaScript (eco_layer.js) asks the
+ * server and hands over what comes, byte by byte; what is held, what is drawn and how it looks is the code of
+ * ecoview. All numbers are doubles, as JavaScript's are; a `view` is eye, target, up, then fov_y_deg: ten of
+ * them.
+ *
+ *   web = web_new(memory_max)                       NULL: no memory
+ *   web_request(web, view, width, height, vertices, bytes)      bytes < 0: no budget
+ *   do
+ *           body = web_ask(web)                     web_body_size(web) bytes, to be posted to
+ *                                                   URL/stream?web_query(web); NULL: see web_error
+ *           web_feed(web, bytes, size)              as they come
+ *   while ((again = web_finish(web)) > 0)           0: all is here; below 0: see web_error
+ *   web_select(web)                                 what the plan that has come draws from now on; -1: none
+ *                                                   has
+ *   web_draw(web, view, width, height, tint)        a picture, by the WebGL context that is current
+ *   web_present(web, depth, viewport, sky)          puts it into the page's framebuffer (web_present.h)
+ *   web_facts(web)                                  JSON: what a page shows of it
+ *   web_free(web)
+ *
+ * An int above 0 is an enum eco_code: see web_error. Strings are valid until the next call. One thread. */
+#ifndef WEB_CLIENT_H
+#define WEB_CLIENT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+struct web;
+
+struct web *web_new(double memory_max_bytes);
+void web_free(struct web *web);
+const char *web_error(const struct web *web);
+
+int web_request(struct web *web, const double view[10], double width, double height, double vertices,
+	double bytes);
+const char *web_query(const struct web *web);
+const uint8_t *web_ask(struct web *web);
+size_t web_body_size(const struct web *web);
+int web_feed(struct web *web, const uint8_t *bytes, size_t size);
+int web_finish(struct web *web);
+
+int web_select(struct web *web);
+int web_draw(struct web *web, const double view[10], double width, double height, double tint);
+/* depth: 2 numbers, viewport: 4. */
+int web_present(struct web *web, const double *depth, const double *viewport, double sky);
+/* What was drawn last, rows from the top: 3 bytes of colour a pixel; 255 where a plant is, else 0. */
+const uint8_t *web_colors(const struct web *web);
+const uint8_t *web_cover(const struct web *web);
+const char *web_renderer(const struct web *web);
+const char *web_facts(struct web *web);
+const char *web_digest(struct web *web);
+
+#endif

@@ -1,0 +1,89 @@
+// A headless Chromium, driven over a pipe by its DevTools protocol: no package of npm is needed. Pages reach nothing but this machine.
+import { spawn } from 'node:child_process';
+import { mkdtempSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+
+const FLAGS = ['--headless', '--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic',
+	'--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync', '--remote-debugging-pipe',
+	'--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1'];
+const ANSWER_MS = 120000;
+
+export class Browser {
+	constructor(program = 'chromium') {
+		this.profile = mkdtempSync(join(tmpdir(), 'eco-browser-'));
+		this.child = spawn(program, [...FLAGS, `--user-data-dir=${this.profile}`], { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'] });
+		this.number = 0;
+		this.waiting = new Map();
+		this.complaints = [];           // of pages: exceptions and errors on their consoles
+		let rest = '';
+		this.child.stdio[4].on('data', (bytes) => {
+			const parts = (rest + bytes).split('\0');
+			rest = parts.pop();
+			parts.forEach((text) => this.hear(JSON.parse(text)));
+		});
+	}
+
+	hear(message) {
+		const { id, method, params } = message;
+		if (method === 'Runtime.exceptionThrown')
+			this.complaints.push(params.exceptionDetails.exception?.description ?? params.exceptionDetails.text);
+		if (method === 'Runtime.consoleAPICalled' && params.type === 'error')
+			this.complaints.push(params.args.map((arg) => arg.value ?? arg.description).join(' '));
+		this.waiting.get(id)?.(message);
+		this.waiting.delete(id);
+	}
+
+	send(method, params = {}) {
+		const id = ++this.number;
+		this.child.stdio[3].write(`${JSON.stringify({ id, method, params, sessionId: this.session })}\0`);
+		return new Promise((done, fail) => {
+			const timer = setTimeout(() => fail(new Error(`the browser does not answer ${method}`)), ANSWER_MS);
+			this.waiting.set(id, ({ result, error }) => {
+				clearTimeout(timer);
+				(error ? fail : done)(error ? new Error(`${method}: ${error.message}`) : result);
+			});
+		});
+	}
+
+	/** Opens a page of that size; the only one. */
+	async open(url, width, height, { mobile = false, dark = false } = {}) {
+		if (!this.session) {
+			const { targetId } = await this.send('Target.createTarget', { url: 'about:blank' });
+			this.session = (await this.send('Target.attachToTarget', { targetId, flatten: true })).sessionId;
+			await this.send('Page.enable');
+			await this.send('Runtime.enable');
+		}
+		await this.send('Emulation.setDeviceMetricsOverride', { width, height, deviceScaleFactor: 1, mobile });
+		await this.send('Emulation.setEmulatedMedia', { features: [{ name: 'prefers-color-scheme', value: dark ? 'dark' : 'light' }] });
+		await this.send('Page.navigate', { url: 'about:blank' });
+		await this.send('Page.navigate', { url });
+	}
+
+	/** What an expression comes to in the page; promises are waited for. */
+	async evaluate(expression) {
+		const { result, exceptionDetails } = await this.send('Runtime.evaluate', { expression, awaitPromise: true, returnByValue: true });
+		if (exceptionDetails)
+			throw new Error(exceptionDetails.exception?.description ?? exceptionDetails.text);
+		return result.value;
+	}
+
+	async until(expression, ms = 60000) {
+		for (const end = Date.now() + ms; Date.now() < end; await new Promise((done) => setTimeout(done, 50)))
+			if (await this.evaluate(expression).catch(() => false))
+				return;
+		throw new Error(`not within ${ms} ms: ${expression}; the page says: ${this.complaints.join('; ')}`);
+	}
+
+	/** A PNG of the page. */
+	async picture() {
+		return Buffer.from((await this.send('Page.captureScreenshot', { format: 'png' })).data, 'base64');
+	}
+
+	async close() {
+		const ended = new Promise((done) => this.child.once('exit', done));
+		this.child.kill('SIGKILL');
+		await ended;
+		rmSync(this.profile, { recursive: true, force: true, maxRetries: 5 });
+	}
+}
