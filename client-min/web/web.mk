@@ -1,11 +1,12 @@
 # make web: the browser's viewer, build/web/site: the C client as WebAssembly, its page, and a compressed copy of each. ecoserve serves it at /.
-# It takes some minutes of processor time once, and a network: Draco's and libwebp's sources are Debian's source packages.
+# It takes some minutes of processor time once, and a network: Draco's and libwebp's sources are Debian's source packages. So it is no part of
+# `make all` or `make test`, whose test_web.sh is skipped without it.
 #
 # What the client is made of: rooms where all of a room compiles, else its sources. Nothing that encodes, reads packs or imports.
 
-WEB_PACKAGES := emscripten dpkg-dev brotli libxxhash-dev
+WEB_PACKAGES := emscripten nodejs dpkg-dev brotli libxxhash-dev
 W := build/web
-# kept apart from native flags; -idirafter: no header of this machine's C library
+# kept apart from native flags: no header of this machine's C library
 WEB_FLAGS := -Os -ffp-contract=off -fno-strict-aliasing -ffunction-sections -D_GNU_SOURCE -DXXH_INLINE_ALL -I. -I$(W)/include
 WEB_CFLAGS := -std=c11 $(WARN) $(WEB_FLAGS) -I$(W)/src/libwebp/src
 WEB_CXXFLAGS := -std=c++17 -fno-rtti $(WEB_FLAGS) -I$(W)/src/draco/src
@@ -48,12 +49,16 @@ comma_join = $(subst $(space),$(comma),$(strip $(1)))
 WEB_PAGE := $(patsubst client-min/web/%,$(W)/site/%,$(filter-out %.mk %.c %.h %.sh,$(wildcard client-min/web/*)))
 WEB_SITE := $(W)/site/eco_client.mjs $(W)/site/eco_client.wasm $(WEB_PAGE)
 
-.PHONY: web deps-web
+.PHONY: web deps-web web-site
+# what `make web` installs, and the browser that tests draw with
 deps-web: deps
+	@tests/packages.sh $(WEB_PACKAGES) chromium
+web: deps
 	@tests/packages.sh $(WEB_PACKAGES)
-web: deps-web
-	@$(MAKE) --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$$(nproc)) $(WEB_SITE:%=%.gz) $(WEB_SITE:%=%.br)
+	@$(MAKE) --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$$(nproc)) web-site
 	@echo "$(W)/site: $$(cat $(W)/site/*.gz | wc -c) bytes by gzip, $$(cat $(W)/site/*.br | wc -c) by brotli"
+
+web-site: $(WEB_SITE:%=%.gz) $(WEB_SITE:%=%.br)
 
 $(W)/src/.done: client-min/web/sources.sh
 	sh $< $(W)/src draco libwebp

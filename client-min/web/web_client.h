@@ -1,4 +1,4 @@
-/* The client for a page: everything that a browser does not do itself. JavaScript (eco_layer.js) asks the
+/* The client for a page: everything that a browser does not do itself. JavaScript (eco_layer.mjs) asks the
  * server and hands over what comes, byte by byte; what is held, what is drawn and how it looks is the code of
  * ecoview. All numbers are doubles, as JavaScript's are; a `view` is eye, target, up, then fov_y_deg: ten of
  * them.

@@ -417,6 +417,8 @@ UNIT_TEST(every_route_is_described_and_every_description_is_served)
 			|| strstr(operation->path, "/stream") ? "?" VIEW_BY("100") : "");
 		if (strstr(target, "{id}"))
 			strcpy(strstr(target, "{id}"), id);
+		if (strstr(target, "{file}"))
+			strcpy(strstr(target, "{file}"), SRV_SITE_INDEX);
 		struct http_answer answer = http_ask(port, operation->method, target, post ? OCTETS : "",
 			post ? "\0\0\0\0" : NULL, post ? 4 : 0);
 		if (answer.status != 200 || !openapi_documents(operation, 200))

@@ -6,6 +6,9 @@ struct srv_daemon *daemon_;
 uint16_t port;
 char pack_path[64];         /* tests run at the same time, each with a pack of its own */
 
+const struct srv_site sample_site = { .count = 1, .files = { { SRV_SITE_INDEX, "text/html; charset=utf-8",
+	{ { (uint8_t *)"<!doctype html>", 15 }, { (uint8_t *)"by gzip", 7 }, { (uint8_t *)"brotli", 6 } } } } };
+
 const struct eco_scene *scene(void)
 {
 	return &store.scenes[0].pack->scene;
@@ -14,7 +17,7 @@ const struct eco_scene *scene(void)
 int serve_start(void **state)
 {
 	struct eco_error error = { 0 };
-	const struct srv_config config = { .listen = "127.0.0.1:0" };
+	const struct srv_config config = { .listen = "127.0.0.1:0", .site = &sample_site };
 	folder_make("build/tmp");
 	srv_store_init(&store);
 	snprintf(pack_path, sizeof pack_path, "build/tmp/serve-%d.eco", (int)getpid());

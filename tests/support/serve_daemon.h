@@ -8,6 +8,7 @@
 
 #include "server/daemon.h"
 #include "server/query.h"
+#include "server/site.h"
 #include "tests/support/http_client.h"
 #include "tests/support/scene_packs.h"
 #include "tests/support/unit_test.h"
@@ -21,6 +22,7 @@
 #define NOTHING_HELD "\0\0\0\0", 4
 
 extern struct srv_store store;
+extern const struct srv_site sample_site;  /* a page; what its compressed forms hold is not compressed */
 extern struct srv_daemon *daemon_;
 extern uint16_t port;
 extern char pack_path[64];         /* tests run at the same time, each with a pack of its own */

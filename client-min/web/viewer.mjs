@@ -1,7 +1,7 @@
 // The viewer at /: which scene, where the camera is, and what is said about the picture. All of it is in the address (#scene=...), so that a
 // link shows what its sender saw. The picture itself is EcoLayer's.
-import { EcoLayer } from './eco_layer.js';
-import { Camera, cameraKeys } from './viewer_camera.js';
+import { EcoLayer } from './eco_layer.mjs';
+import { Camera, cameraKeys } from './viewer_camera.mjs';
 
 const $ = (id) => document.getElementById(id);
 const canvas = $('picture');

@@ -1,6 +1,6 @@
 // A scene as a layer of a page that draws with WebGL 2:
 //
-//   import { EcoLayer } from '/viewer/eco_layer.js';
+//   import { EcoLayer } from '/viewer/eco_layer.mjs';
 //   const layer = new EcoLayer({ url: 'http://host:8080/v1/scenes/NAME', gl, onChange: redraw });
 //   await layer.ready;
 //   layer.draw(viewProjection, eye, [width, height]);        // in each frame
@@ -10,7 +10,7 @@
 // server for what the view needs, as often as it changes; `onChange` says that there is more to be drawn. What the page draws itself hides the
 // plants, and is hidden by them, by the depth buffer of the bound framebuffer; state that is changed is put back.
 import createClient from './eco_client.mjs';
-import { EcoError, EcoStream } from './eco_stream.js';
+import { EcoError, EcoStream } from './eco_stream.mjs';
 
 export { EcoError };
 export const TINTS = { none: 0, kind: 1 };

@@ -1,0 +1,110 @@
+/* The viewer's files: what is read at start, and which form of a file a browser gets. */
+#include "server/answer.h"
+#include "tests/support/files.h"
+#include "tests/support/serve_daemon.h"
+
+#define DIR "build/tmp/test_site"
+
+static void write_text(const char *name, const char *text)
+{
+	char path[128];
+	snprintf(path, sizeof path, DIR "/%s", name);
+	FILE *file = fopen(path, "w");
+	assert_non_null(file);
+	fputs(text, file);
+	fclose(file);
+}
+
+static void write_three(const char *name)
+{
+	static const char *const ends[3] = { "", ".gz", ".br" };
+	char path[64];
+	for (int i = 0; i < 3; i++) {
+		snprintf(path, sizeof path, "%s%s", name, ends[i]);
+		write_text(path, path);
+	}
+}
+
+static void begin(void)
+{
+	assert_int_equal(system("rm -rf " DIR), 0);
+	folder_make(DIR);
+}
+
+UNIT_TEST(a_folder_is_read_with_all_forms_and_types)
+{
+	static const char *const rows[][2] = { { "index.html", "text/html; charset=utf-8" },
+		{ "a.css", "text/css; charset=utf-8" }, { "a.js", "text/javascript; charset=utf-8" },
+		{ "a.mjs", "text/javascript; charset=utf-8" }, { "a.wasm", "application/wasm" } };
+	struct srv_site site;
+	begin();
+	for (size_t i = 0; i < 5; i++)
+		write_three(rows[i][0]);
+	assert_int_equal(srv_site_read(&site, DIR, NULL), ECO_OK);
+	assert_int_equal(site.count, 5);
+	for (size_t i = 0; i < 5; i++) {
+		const struct srv_site_file *file = srv_site_find(&site, rows[i][0]);
+		assert_non_null(file);
+		assert_string_equal(file->type, rows[i][1]);
+		assert_int_equal(file->forms[SRV_FORM_PLAIN].size, strlen(rows[i][0]));
+		assert_memory_equal(file->forms[SRV_FORM_GZIP].bytes + strlen(rows[i][0]), ".gz", 3);
+		assert_memory_equal(file->forms[SRV_FORM_BROTLI].bytes + strlen(rows[i][0]), ".br", 3);
+	}
+	assert_null(srv_site_find(&site, "a.wasm.gz"));
+	assert_null(srv_site_find(&site, "../index.html"));
+	srv_site_free(&site);
+}
+
+UNIT_TEST(a_folder_that_is_none_of_ours_is_refused_by_name)
+{
+	struct srv_site site;
+	struct eco_error error = { 0 };
+	assert_int_equal(srv_site_read(&site, DIR "/none", &error), ECO_OK);
+	assert_int_equal(site.count, 0);
+	begin();
+	write_three("notes.txt");
+	assert_int_equal(srv_site_read(&site, DIR, &error), ECO_BAD_INPUT);
+	assert_non_null(strstr(error.text, "notes.txt"));
+	begin();
+	write_text("index.html", "alone");
+	error = (struct eco_error){ 0 };
+	assert_int_equal(srv_site_read(&site, DIR, &error), ECO_IO);
+	assert_non_null(strstr(error.text, "index.html.gz"));
+}
+
+UNIT_TEST(a_browser_gets_the_smallest_form_that_it_takes)
+{
+	static const struct { const char *accepts; enum srv_form form; } rows[] = {
+		{ NULL, SRV_FORM_PLAIN }, { "", SRV_FORM_PLAIN }, { "identity", SRV_FORM_PLAIN },
+		{ "gzip", SRV_FORM_GZIP }, { "gzip, deflate, br, zstd", SRV_FORM_BROTLI },
+		{ "GZIP;q=0.5 , x", SRV_FORM_GZIP }, { "br;q=0, gzip", SRV_FORM_GZIP },
+		{ "br;q=0.0,gzip;q=0", SRV_FORM_PLAIN }, { "brotli", SRV_FORM_PLAIN }, { ",,br", SRV_FORM_BROTLI } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+		assert_int_equal(srv_site_form(&sample_site.files[0], rows[i].accepts), rows[i].form);
+}
+
+UNIT_TEST(the_page_is_at_the_root_and_validated)
+{
+	char etag[SRV_ETAG_BYTES], again[128];
+	struct http_answer answer = http_ask(port, "GET", "/", "Accept-Encoding: gzip, br\r\n", NULL, 0);
+	assert_int_equal(answer.status, 200);
+	assert_string_equal(answer.body, "brotli");
+	assert_header(&answer, "Content-Encoding", "br");
+	assert_header(&answer, "Content-Type", "text/html; charset=utf-8");
+	assert_header(&answer, "Vary", "Accept-Encoding");
+	assert_true(http_header(&answer, "ETag", etag, sizeof etag));
+	http_free(&answer);
+	snprintf(again, sizeof again, "Accept-Encoding: br\r\nIf-None-Match: %s\r\n", etag);
+	answer = http_ask(port, "GET", "/viewer/index.html", again, NULL, 0);
+	assert_int_equal(answer.status, 304);
+	http_free(&answer);
+	answer = http_get(port, "/");
+	assert_string_equal(answer.body, "<!doctype html>");
+	assert_false(http_header(&answer, "Content-Encoding", etag, sizeof etag));
+	http_free(&answer);
+}
+
+int main(void)
+{
+	return unit_tests_run(serve_start, serve_stop);
+}
