@@ -16,7 +16,7 @@ make_scene() { # NAME PLANTS
 	"$BUILD/ecopack" generate "$1" -o "$dir/$1" --plants "$2" --quiet >/dev/null || fail "generate $1"
 	"$BUILD/ecopack" make "$dir/$1/scene.json" -o "$dir/$1.eco" --quiet || fail "make $1"
 }
-make_scene city 40
+make_scene city 20
 make_scene meadow 12
 "$BUILD/ecoserve" --listen 127.0.0.1:0 --viewer build/web/site "$dir/city.eco" "$dir/meadow.eco" >"$dir/ready" &
 server=$!
@@ -32,7 +32,7 @@ for scene in city meadow; do
 		| {fps: 1, keyframes: [[0.9, -0.2, 0.3], [-0.1, 0.3, 0.06], [0.3, 0.5, 0.9]] | to_entries | map({time_s: .key, fov_y_deg: 45,
 			target: $m, eye: [$m[0] + .value[0] * $size, $m[1] + .value[1] * $size, $m[2] + .value[2] * $size + 1]})}' \
 		>"$dir/$scene.json" || fail "no camera for $scene"
-	"$BUILD/ecoview" "$url/v1/scenes/$scene" --camera "$dir/$scene.json" --size 320x240 --vertices 30000 --reference --digest \
+	"$BUILD/ecoview" "$url/v1/scenes/$scene" --camera "$dir/$scene.json" --size 320x240 --vertices 30000 --reference=egl --digest \
 		-o "$dir/$scene-out" >"$dir/said" || fail "ecoview $scene"
 	mv "$dir/said" "$dir/$scene-out/said"
 	node tests/client/web/compare.mjs "$url/v1/scenes/$scene" "$dir/$scene.json" 320x240 30000 build/web/site "$dir/$scene-out" $chromium \

@@ -12,7 +12,8 @@ const ANSWER_MS = 120000;
 export class Browser {
 	constructor(program = 'chromium') {
 		this.profile = mkdtempSync(join(tmpdir(), 'eco-browser-'));
-		this.child = spawn(program, [...FLAGS, `--user-data-dir=${this.profile}`], { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'] });
+		this.child = spawn(program, [...FLAGS, `--user-data-dir=${this.profile}`], { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'],
+			detached: true });      // a process group of its own, which ends as a whole
 		this.number = 0;
 		this.waiting = new Map();
 		this.complaints = [];           // of pages: exceptions and errors on their consoles
@@ -82,8 +83,8 @@ export class Browser {
 
 	async close() {
 		const ended = new Promise((done) => this.child.once('exit', done));
-		this.child.kill('SIGKILL');
+		process.kill(-this.child.pid, 'SIGKILL');
 		await ended;
-		rmSync(this.profile, { recursive: true, force: true, maxRetries: 5 });
+		rmSync(this.profile, { recursive: true, force: true, maxRetries: 20, retryDelay: 100 });
 	}
 }

@@ -1,6 +1,7 @@
 // compare.mjs URL SCRIPT.json WxH VERTICES SITE OUT [CHROMIUM]: the browser's client against ecoview, frame by frame of a camera script. OUT is
 // ecoview's folder of the same frames, with --digest's lines in OUT/said and masks of --reference. In node: the hashes of what is decoded and
-// drawn are the same. In CHROMIUM: those, too, and each picture's mask has P and R of at least .995 against ecoview's.
+// drawn are the same. In CHROMIUM: those, too, and each picture's mask has P and R of at least .995 against ecoview's; .965 where vertices are
+// snapped to 1/16 of a pixel, as by SwiftShader: OpenGL elsewhere has 1/256, and many leaves are smaller than a pixel.
 import { readFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
@@ -11,7 +12,7 @@ const [width, height] = size.split('x').map(Number);
 const frames = JSON.parse(readFileSync(script)).keyframes.map(({ time_s, ...view }) => ({ up: [0, 0, 1], ...view }));
 const wanted = { width, height, vertices: Number(vertices), bytes: -1 };
 const digests = [...readFileSync(join(out, 'said'), 'utf8').matchAll(/^frame (\d+): digest (\S+)$/gm)].map((found) => found[2]);
-const LEAST = 0.995;
+const least = (subpixelBits) => subpixelBits < 8 ? 0.965 : 0.995;
 let faults = 0;
 
 function expect(good, text) {
@@ -43,6 +44,7 @@ async function openLayer(url) {
 	const gl = new OffscreenCanvas(16, 16).getContext('webgl2');
 	globalThis.tested = new EcoLayer({ url, gl, onError: (error) => { globalThis.failed = error.message; } });
 	await tested.ready;
+	return gl.getParameter(gl.SUBPIXEL_BITS);
 }
 
 async function drawFrame(view, wanted, mask) {
@@ -66,15 +68,15 @@ async function inBrowser() {
 		await browser.open(new URL('/', url).href, 640, 480);
 		await browser.until("document.getElementById('picture')?.dataset.complete === 'true'");
 		expect(await browser.evaluate("document.getElementById('state').textContent === ''"), 'the page reports an error');
-		await call(openLayer, url);
+		const bits = await call(openLayer, url);
 		for (const [i, view] of frames.entries()) {
 			const mask = join(out, `frame-${String(i).padStart(4, '0')}.mask.png`);
 			const data = `data:image/png;base64,${readFileSync(mask).toString('base64')}`;
 			const { digest, counts: [tp, fp, fn], failed } = await call(drawFrame, view, wanted, data);
 			expect(!failed && digest === digests[i], `frame ${i}: the page's digest is ${digest} (${failed ?? 'no error'}), ecoview's ${digests[i]}`);
 			const precision = tp / (tp + fp), recall = tp / (tp + fn);
-			console.log(`frame ${i}: P ${precision.toFixed(5)} R ${recall.toFixed(5)} of ${tp + fn} pixels`);
-			expect(precision >= LEAST && recall >= LEAST, `frame ${i}: the page's mask differs from ecoview's`);
+			console.log(`frame ${i}: P ${precision.toFixed(5)} R ${recall.toFixed(5)} of ${tp + fn} pixels, ${bits} bits of a pixel`);
+			expect(Math.min(precision, recall) >= least(bits), `frame ${i}: the page's mask differs from ecoview's`);
 		}
 		expect(!browser.complaints.length, browser.complaints.join('\n'));
 	} finally {
