@@ -1,7 +1,8 @@
 # ecostream: make [config=release|debug|sanitize|coverage|fuzz] [TARGET]
 #
 #   all (the default)    ecopack, ecoserve, ecoview, ecoload
-#   web                  the viewer in a browser, which ecoserve then serves at /: some minutes, once
+#   web                  the viewer in a browser, which ecoserve then serves at /: some minutes, once; deps-web installs what it
+#                        takes and a browser for its test
 #   demo                 a generated park, from models to scored pictures
 #   forest DATA=DIR      the SCBI plot; DIR has inventories/, terrain/ and models/
 #   survey DATA=DIR      what import makes of all models and of a city's trees; DIR has models/ and inventories/

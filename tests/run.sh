@@ -4,7 +4,7 @@
 #   run.sh FOLDER BUILT PROGRAM...        FOLDER: the config's output folder; BUILT: make's exit status for all that is run here
 #
 # One test each: the build, the checks named in $CHECKS (`make layers`, `make headers`), every cmocka test of a binary FOLDER/tests/test_*,
-# every corpus replayed through FOLDER/fuzz/fuzz_*, every script tests/*/test_*.sh (status 0 = passed; BUILD=FOLDER in its environment). A
+# every corpus replayed through FOLDER/fuzz/fuzz_*, every script tests/*/test_*.sh (status 0 = passed, 77 = skipped; BUILD=FOLDER in its environment). A
 # binary that crashes, hangs or is missing counts as one failed, beside what it counted until then. JOBS of them run at a time.
 #
 # A test may use LIMIT_CPU_S seconds of processor time, with all that it starts, and take LIMIT_WALL_S seconds (tests/limit.c).

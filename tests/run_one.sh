@@ -30,7 +30,7 @@ elif [ $status -ne 0 ] && { [ "$failed" -eq 0 ] || [ $status -ge 124 ]; }; then
 	failed=$((failed + 1))
 fi
 cpu=$(cat "$RESULTS/$name.cpu" 2>/dev/null || echo 0)
-green_note "$program" "$failed" "$cpu" "$key"
+case $name:$skipped in *.sh:1) ;; *) green_note "$program" "$failed" "$cpu" "$key" ;; esac
 stopped=$(sed -n 's/^limit: //p' "$log" | tail -n 1)
 # check.sh has only so much time, which is no fault of the test
 if [ -n "$stopped" ] && [ -n "${CHECK-}" ]; then
