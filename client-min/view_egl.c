@@ -65,8 +65,8 @@ static bool open_device(struct view_context *context, bool software)
 
 static bool open_surfaceless(struct view_context *context)
 {
-	return epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless") && open_display(context,
-		eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL));
+	return epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless") && open_display(
+		context, eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL));
 }
 
 /* What OpenGL and its dialects do not do alike. */

@@ -87,7 +87,8 @@ static bool make_texels(struct view_gpu_texels *t, uint64_t texels)
 	glDeleteTextures(1, &t->texture);
 	glGenTextures(1, &t->texture);
 	glBindTexture(GL_TEXTURE_2D, t->texture);
-	glTexStorage2D(GL_TEXTURE_2D, 1, t->words == 4 ? GL_RGBA32UI : GL_R32UI, (GLsizei)width, (GLsizei)rows);
+	glTexStorage2D(GL_TEXTURE_2D, 1, t->words == 4 ? GL_RGBA32UI : GL_R32UI, (GLsizei)width,
+		(GLsizei)rows);
 	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
 	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
 	t->room = (uint64_t)rows << t->shift;
@@ -106,7 +107,8 @@ static void write_texels(const struct view_gpu_texels *t, uint64_t at, const uin
 		uint64_t columns = !part ? width : count < width - x ? count : width - x;
 		uint64_t rows = part ? 1 : count >> t->shift;
 		glTexSubImage2D(GL_TEXTURE_2D, 0, (GLint)x, (GLint)(at >> t->shift), (GLsizei)columns,
-			(GLsizei)rows, t->words == 4 ? GL_RGBA_INTEGER : GL_RED_INTEGER, GL_UNSIGNED_INT, data);
+			(GLsizei)rows, t->words == 4 ? GL_RGBA_INTEGER : GL_RED_INTEGER, GL_UNSIGNED_INT,
+			data);
 		data += columns * rows * t->words;
 		at += columns * rows;
 		count -= columns * rows;

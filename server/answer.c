@@ -124,8 +124,8 @@ void srv_answer_judge(struct srv_answer *answer, const struct srv_conditions *co
 }
 
 /* A page runs what this server sends, and nothing else. */
-#define SITE_POLICY "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; img-src 'self' blob: data:; connect-src 'self' data:; " \
-	"base-uri 'none'; form-action 'none'"
+#define SITE_POLICY "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; img-src 'self' blob: data:; " \
+	"connect-src 'self' data:; base-uri 'none'; form-action 'none'"
 
 void srv_answer_file(struct srv_answer *answer, const struct srv_site_file *file,
 	enum srv_form form, const struct srv_validators *validators)

@@ -43,8 +43,8 @@ static enum eco_code read_whole(const char *path, uint8_t **bytes, size_t *size,
 		if (ferror(file))
 			code = eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
 		else if (*size == FILE_BYTES_MAX)
-			code = eco_fail(error, ECO_TOO_LARGE, "%s: a viewer's file has less than %u bytes", path,
-				FILE_BYTES_MAX);
+			code = eco_fail(error, ECO_TOO_LARGE, "%s: a viewer's file has less than %u "
+				"bytes", path, FILE_BYTES_MAX);
 	}
 	if (!code) {
 		uint8_t *fitting = realloc(room, *size + 1);
@@ -64,8 +64,8 @@ static enum eco_code read_file(struct srv_site *site, const char *dir, const cha
 	const char *type = type_of(name);
 	char path[4096];
 	if (!type || strlen(name) >= SRV_SITE_NAME_BYTES || site->count == SRV_SITE_FILES_MAX)
-		return eco_fail(error, ECO_BAD_INPUT, "%s/%s: no file of the viewer; let `make web` make this "
-			"folder", dir, name);
+		return eco_fail(error, ECO_BAD_INPUT, "%s/%s: no file of the viewer; let `make web` make "
+			"this folder", dir, name);
 	struct srv_site_file *file = &site->files[site->count++];
 	snprintf(file->name, sizeof file->name, "%s", name);
 	file->type = type;

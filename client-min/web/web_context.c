@@ -1,5 +1,5 @@
-/* view_context.h in a browser: the context that the page made current (GL.makeContextCurrent of emscripten) is
- * taken, and left to it. */
+/* view_context.h in a browser: the context that the page made current (GL.makeContextCurrent of emscripten)
+ * is taken, and left to it. */
 #include <GLES3/gl3.h>
 #include <emscripten/html5_webgl.h>
 #include <stdio.h>

@@ -83,8 +83,8 @@ static void upload(struct web_present *p, const struct view_picture *picture)
 	glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
 	glActiveTexture(GL_TEXTURE0);
 	glBindTexture(GL_TEXTURE_2D, p->colors);
-	glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, (GLsizei)p->width, (GLsizei)p->height, GL_RGB, GL_UNSIGNED_BYTE,
-		picture->rgb);
+	glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, (GLsizei)p->width, (GLsizei)p->height, GL_RGB,
+		GL_UNSIGNED_BYTE, picture->rgb);
 	glActiveTexture(GL_TEXTURE1);
 	glBindTexture(GL_TEXTURE_2D, p->depths);
 	glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, (GLsizei)p->width, (GLsizei)p->height, GL_RED, GL_FLOAT,
@@ -96,8 +96,8 @@ enum eco_code web_present_draw(struct web_present *p, const struct view_picture 
 	const struct web_place *place, struct eco_error *error)
 {
 	if (!p->program && !link(p))
-		return eco_fail(error, ECO_UNSUPPORTED, "the graphics driver does not compile the shader that "
-			"shows pictures");
+		return eco_fail(error, ECO_UNSUPPORTED, "the graphics driver does not compile the "
+			"shader that shows pictures");
 	upload(p, picture);
 	glUseProgram(p->program);
 	glUniform3f(glGetUniformLocation(p->program, "u_depth"), place->depth[0], place->depth[1],

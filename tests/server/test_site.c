@@ -78,7 +78,8 @@ UNIT_TEST(a_browser_gets_the_smallest_form_that_it_takes)
 		{ NULL, SRV_FORM_PLAIN }, { "", SRV_FORM_PLAIN }, { "identity", SRV_FORM_PLAIN },
 		{ "gzip", SRV_FORM_GZIP }, { "gzip, deflate, br, zstd", SRV_FORM_BROTLI },
 		{ "GZIP;q=0.5 , x", SRV_FORM_GZIP }, { "br;q=0, gzip", SRV_FORM_GZIP },
-		{ "br;q=0.0,gzip;q=0", SRV_FORM_PLAIN }, { "brotli", SRV_FORM_PLAIN }, { ",,br", SRV_FORM_BROTLI } };
+		{ "br;q=0.0,gzip;q=0", SRV_FORM_PLAIN }, { "brotli", SRV_FORM_PLAIN },
+		{ ",,br", SRV_FORM_BROTLI } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
 		assert_int_equal(srv_site_form(&sample_site.files[0], rows[i].accepts), rows[i].form);
 }
