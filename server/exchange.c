@@ -208,7 +208,12 @@ static void plan_job(void *argument)
 		make_problem(exchange, srv_problem_of(code), error.text, false);
 	else
 		judge_answer(exchange, &exchange->validators);
-	srv_reaper_watch(host->reaper, exchange->lease, NULL);
+}
+
+static void plan_done(void *argument)
+{
+	struct srv_exchange *exchange = argument;
+	srv_reaper_watch(exchange->host->reaper, exchange->lease, NULL);
 	exchange->phase = SRV_PHASE_DONE;
 	MHD_resume_connection(exchange->connection);     /* from here on the exchange may be gone */
 }
@@ -218,14 +223,12 @@ static bool start_plan(struct srv_exchange *exchange)
 	exchange->phase = SRV_PHASE_WORKING;
 	MHD_suspend_connection(exchange->connection);    /* first: the job may end before submit returns */
 	srv_reaper_watch(exchange->host->reaper, exchange->lease, &exchange->cancelled);
-	if (srv_work_submit(exchange->host->work, &(struct srv_job){ .run = plan_job, .argument = exchange,
-			.cancelled = &exchange->cancelled, .owner = exchange->client }))
+	if (srv_work_submit(exchange->host->work, &(struct srv_job){ .run = plan_job, .finish = plan_done,
+			.argument = exchange, .cancelled = &exchange->cancelled, .owner = exchange->client }))
 		return true;
 	srv_reaper_watch(exchange->host->reaper, exchange->lease, NULL);
 	make_problem(exchange, SRV_PROBLEM_BUSY,
-		"too many plans wait, or too many from this address; ask again "
-		"in a second",
-		false);
+		"too many plans wait, or too many from this address; ask again in a second", false);
 	exchange->phase = SRV_PHASE_DONE;
 	MHD_resume_connection(exchange->connection);
 	return true;

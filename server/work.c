@@ -48,6 +48,9 @@ static void *run(void *argument)
 		job.run(job.argument);
 		pthread_mutex_lock(&work->mutex);
 		*mine = NULL;
+		pthread_mutex_unlock(&work->mutex);
+		job.finish(job.argument);
+		pthread_mutex_lock(&work->mutex);
 	}
 	pthread_mutex_unlock(&work->mutex);
 	return NULL;

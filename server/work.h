@@ -18,6 +18,7 @@
 struct srv_work;
 struct srv_job {
 	void (*run)(void *argument);
+	void (*finish)(void *argument);  /* after it; may free what the job has, its flag too */
 	void *argument;
 	atomic_bool *cancelled;          /* set by srv_work_stop, and by whoever else has reason to */
 	struct srv_address owner;

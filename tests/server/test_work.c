@@ -20,10 +20,14 @@ static void note(void *argument)
 	strcat(order, argument);
 }
 
+static void do_nothing(void *argument)
+{
+}
+
 static struct srv_job job_of(char who, const char *name, atomic_bool *cancelled)
 {
-	struct srv_job job = { .run = name ? note : wait_at_door, .argument = (void *)name,
-		.cancelled = cancelled };
+	struct srv_job job = { .run = name ? note : wait_at_door, .finish = do_nothing,
+		.argument = (void *)name, .cancelled = cancelled };
 	job.owner.bytes[0] = (uint8_t)who;
 	return job;
 }
