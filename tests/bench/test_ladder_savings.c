@@ -1,8 +1,10 @@
 /* The section ladder: what curves reach, what is saved, intervals; and a small plant measured whole. */
 #include <math.h>
+#include <string.h>
 
 #include "tests/bench/ladder/bench_interval.h"
 #include "tests/bench/ladder/bench_ladder_plant.h"
+#include "tests/bench/ladder/bench_savings.h"
 #include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"
 
@@ -14,6 +16,15 @@ static struct bench_ladder_curve rising(double q_more, double tuned_more)
 	for (uint32_t i = 0; i < 3; i++)
 		curve.at[i] = (struct bench_ladder_point){ lambda[i], q[i] + tuned_more, q[i] + q_more };
 	return curve;
+}
+
+/* A comma would be a column more: bench_table_row ends the section. */
+UNIT_TEST(names_of_methods_are_cells_of_tables)
+{
+	for (int m = 0; m < BENCH_METHODS; m++)
+		assert_null(strchr(bench_method_names[m], ','));
+	for (int r = 0; r < BENCH_LADDER_ROWS; r++)
+		assert_null(strchr(bench_ladder_names[r], ','));
 }
 
 UNIT_TEST(the_least_lambda_that_reaches_q)

@@ -34,7 +34,7 @@
 #define BESIDES ((BENCH_DISTANCES - BESIDE_FIRST + BESIDE_STRIDE - 1) / BESIDE_STRIDE)
 
 const char *const bench_method_names[BENCH_METHODS] = { "stochastic", "density", "orientation",
-	"orientation, much noise", "combined", "combined, much noise", "leaf collapse",
+	"orientation with much noise", "combined", "combined with much noise", "leaf collapse",
 	"greedy at one scale", "greedy", "greedy with simpler leaves" };
 const double bench_shares[BENCH_SHARES] = { 0.02, 0.05, 0.1, 0.2, 0.3, 0.5 };
 
