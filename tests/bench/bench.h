@@ -164,6 +164,9 @@ void bench_client_close(struct bench_client *client);
 void bench_client_see(struct bench_client *client);
 /* From now on OpenGL draws nothing: draw_ms is the rasteriser's. */
 void bench_client_untimed(struct bench_client *client);
+/* From now on references are kept in the cache, and taken from there (bench_reference.h): for views that
+ * more than one section or method looks at. */
+void bench_client_keep(struct bench_client *client, const struct bench *bench);
 /* Full detail of the request's view, or the nearest to it that a plan may come, drawn by the CPU rasteriser
  * and kept for this view. */
 enum eco_code bench_client_reference(struct bench_client *client, const struct eco_request *request,

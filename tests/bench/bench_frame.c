@@ -14,16 +14,19 @@
 #include "client-min/view_report.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_fetch.h"
+#include "tests/bench/bench_reference.h"
+#include "tests/bench/bench_state.h"
 #include "tests/bench/pictures/bench_widest.h"
 
 struct bench_client {
 	struct srv_store scenes;
 	struct view_store *full;             /* holds full detail of all views so far */
 	struct view_store *steps;            /* holds what came in steps; NULL: nothing did */
-	struct view_picture reference;
+	struct bench_reference reference;
 	struct eco_view of;                  /* that the reference is drawn of */
 	bool has_reference, sees, untimed;
-	double reference_ms, ceiling;
+	const struct bench *keeper;          /* whose cache holds references; NULL: none does */
+	char pack[512];
 };
 
 enum eco_code bench_client_open(struct bench_client **client, const char *pack, struct eco_error *error)
@@ -32,6 +35,7 @@ enum eco_code bench_client_open(struct bench_client **client, const char *pack, 
 	struct bench_client *c = *client = calloc(1, sizeof *c);
 	if (!c)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory to draw %s", pack);
+	snprintf(c->pack, sizeof c->pack, "%s", pack);
 	srv_store_init(&c->scenes);
 	enum eco_code code = srv_store_add(&c->scenes, "bench", pack, error);
 	if (!code)
@@ -47,7 +51,7 @@ void bench_client_close(struct bench_client *client)
 {
 	if (!client)
 		return;
-	view_picture_free(&client->reference);
+	view_picture_free(&client->reference.picture);
 	view_store_free(client->full);
 	view_store_free(client->steps);
 	srv_store_free(&client->scenes);
@@ -56,6 +60,7 @@ void bench_client_close(struct bench_client *client)
 
 void bench_client_see(struct bench_client *client) { client->sees = true; }
 void bench_client_untimed(struct bench_client *client) { client->untimed = true; }
+void bench_client_keep(struct bench_client *client, const struct bench *bench) { client->keeper = bench; }
 
 /* ---- Drawing ---- */
 
@@ -115,37 +120,59 @@ static enum eco_code draw(const struct view_store *store, const struct eco_view 
 
 /* ---- Full detail ---- */
 
-enum eco_code bench_client_reference(struct bench_client *client, const struct eco_request *request,
-	double *draw_ms, struct eco_error *error)
+static enum eco_code draw_reference(struct bench_client *client, const struct eco_view *view,
+	struct eco_error *error)
 {
-	struct eco_request full = { .view = request->view, .vertices = ECO_VERTICES_MAX,
-		.bytes = ECO_BYTES_UNBOUNDED,
-		.ground_px = ECO_GROUND_PX_MIN,
-		.texel_px = ECO_TEXEL_PX_MIN };
-	struct beside beside = { .ceiling = client->sees ? &client->ceiling : NULL, .soft = client->sees };
-	enum eco_code code = ECO_OK;
-	if (!client->has_reference || memcmp(&client->of, &request->view, sizeof client->of)) {
-		client->has_reference = false;
-		view_picture_free(&client->reference);
-		code = bench_fetch(NULL, &client->scenes.scenes[0], &full, client->full, error);
-		if (!code)
-			code = draw(client->full, &request->view, &client->reference,
-				&beside, error);
-		client->of = request->view;
-		client->has_reference = !code;
-		client->reference_ms = client->reference.draw_ms;
-	}
-	if (draw_ms)
-		*draw_ms = code ? NAN : client->reference_ms;
+	struct bench_reference *r = &client->reference;
+	struct eco_request full = { .view = *view, .vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED,
+		.ground_px = ECO_GROUND_PX_MIN, .texel_px = ECO_TEXEL_PX_MIN };
+	struct beside beside = { .ceiling = client->sees ? &r->ceiling : NULL, .soft = client->sees };
+	enum eco_code code = bench_fetch(NULL, &client->scenes.scenes[0], &full, client->full, error);
+	r->ceiling = NAN;
+	if (!code)
+		code = draw(client->full, view, &r->picture, &beside, error);
+	r->summaries = view_store_summaries(client->full);
 	return code;
 }
 
-uint32_t bench_client_summaries(const struct bench_client *client)
+/* From the cache, or drawn and put there. */
+static enum eco_code find_reference(struct bench_client *client, const struct eco_view *view,
+	struct eco_error *error)
 {
-	return view_store_summaries(client->full);
+	char path[BENCH_REFERENCE_PATH];
+	struct eco_error why = { 0 };
+	bool keeps = client->keeper
+		&& bench_reference_path(client->keeper, client->pack, view, client->sees, path);
+	if (keeps && bench_reference_read(path, &client->reference))
+		return ECO_OK;
+	enum eco_code code = draw_reference(client, view, error);
+	/* a full disk costs the next section some time, not this one its result */
+	if (!code && keeps && bench_reference_write(path, &client->reference, &why))
+		bench_note(client->keeper, "%s; not kept", why.text);
+	return code;
 }
 
-const struct view_picture *bench_client_full(const struct bench_client *client) { return &client->reference; }
+enum eco_code bench_client_reference(struct bench_client *client, const struct eco_request *request,
+	double *draw_ms, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	if (!client->has_reference || memcmp(&client->of, &request->view, sizeof client->of)) {
+		view_picture_free(&client->reference.picture);
+		code = find_reference(client, &request->view, error);
+		client->of = request->view;
+		client->has_reference = !code;
+	}
+	if (draw_ms)
+		*draw_ms = code ? NAN : client->reference.picture.draw_ms;
+	return code;
+}
+
+uint32_t bench_client_summaries(const struct bench_client *client) { return client->reference.summaries; }
+
+const struct view_picture *bench_client_full(const struct bench_client *client)
+{
+	return &client->reference.picture;
+}
 
 /* ---- Frames ---- */
 
@@ -169,7 +196,7 @@ static double colour_rms(const struct view_picture *a, const struct view_picture
 enum eco_code bench_client_score(const struct bench_client *client, struct bench_frame *frame,
 	const struct view_picture *picture, struct eco_error *error)
 {
-	const struct view_picture *reference = &client->reference;
+	const struct view_picture *reference = &client->reference.picture;
 	struct view_measures measures = { .soft_q = NAN, .picture_error = NAN };
 	enum eco_code code = ECO_OK;
 	if (client->sees)
@@ -180,7 +207,7 @@ enum eco_code bench_client_score(const struct bench_client *client, struct bench
 	frame->score = measures.score;
 	frame->soft_q = measures.soft_q;
 	frame->picture_error = measures.picture_error;
-	frame->ceiling = client->sees ? client->ceiling : NAN;
+	frame->ceiling = client->reference.ceiling;
 	frame->colour_rms = colour_rms(picture, reference);
 	return code;
 }
@@ -262,9 +289,9 @@ enum eco_code bench_client_compare(struct bench_client *client, struct bench *be
 	float *map = malloc((size_t)picture->width * picture->height * sizeof *map);
 	enum eco_code code = map ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
 	if (!code)
-		code = view_measure_pair(picture, &client->reference, map, &measures, error);
+		code = view_measure_pair(picture, &client->reference.picture, map, &measures, error);
 	if (!code)
-		code = view_compare_draw(&(struct view_compare){ picture, &client->reference, map,
+		code = view_compare_draw(&(struct view_compare){ picture, &client->reference.picture, map,
 			{ words[0], words[1], words[2] } }, &rgb, size, error);
 	if (!code)
 		code = bench_picture_write(bench, file, size[0], size[1], rgb, error);

@@ -134,6 +134,7 @@ static enum eco_code shoot(struct bench *bench, const char *scene, const struct 
 	enum eco_code code = bench_client_open(&client, pack, error);
 	if (!code) {
 		bench_client_see(client);
+		bench_client_keep(client, bench);
 		code = bench_client_reference(client, request, &reference_ms, error);
 	}
 	json_t *made = json_array();

@@ -220,6 +220,7 @@ static enum eco_code open_packs(struct shot *shot, const char *ours, const char 
 	enum eco_code code = bench_client_open(&shot->client, ours, error);
 	if (!code) {
 		bench_client_see(shot->client);
+		bench_client_keep(shot->client, shot->bench);
 		bench_client_untimed(shot->client);
 		code = paper_scene_open(&shot->ours, ours, error);
 	}

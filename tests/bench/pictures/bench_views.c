@@ -55,6 +55,7 @@ static enum eco_code make_rows(struct bench *bench, const struct bench_view *vie
 	enum eco_code code = bench_client_open(&client, view->pack, error);
 	if (!code) {
 		bench_client_see(client);
+		bench_client_keep(client, bench);
 		bench_client_untimed(client);
 	}
 	for (uint32_t b = 0; b < shoot->count && !code; b++) {
