@@ -610,7 +610,7 @@ static double q_seen(double half)
 		lod_raster_object(&raster[i], &(struct lod_place){ .cosine = 1, .scale = 1 });
 	}
 	draw_model(&raster[0]);
-	lod_billboard_cloud_draw(&cloud, &raster[1]);
+	lod_billboard_cloud_draw(&cloud, 1, &raster[1]);
 	lod_score(&score, &(struct lod_score_input){ .width = PIXELS, .height = PIXELS,
 		.cover = raster[1].cover, .reference = raster[0].cover });
 	lod_raster_free(&raster[0]);

@@ -4,7 +4,7 @@
  *   lod_billboard_plant_open(&plant, &model, &options, &error)      once a plant: its skeleton and density
  *   lod_billboard_cloud_make(&cloud, plant, &options, &error)       once a cap: an alternative, no prefix of
  *                                                                   the cloud of another cap
- *   lod_billboard_cloud_draw(&cloud, &raster)
+ *   lod_billboard_cloud_draw(&cloud, owner, &raster)
  *   lod_billboard_cloud_free(&cloud); lod_billboard_plant_close(plant);
  *
  * The plant becomes a tree of nodes, found from the mesh alone (billboard_attach.c, billboard_skeleton.c). A
@@ -83,6 +83,7 @@ enum eco_code lod_billboard_cloud_make(struct lod_billboard_cloud *cloud,
 void lod_billboard_cloud_free(struct lod_billboard_cloud *cloud);
 
 /* Two triangles a billboard; items are numbered as in the cloud. */
-void lod_billboard_cloud_draw(const struct lod_billboard_cloud *cloud, struct lod_raster *raster);
+void lod_billboard_cloud_draw(const struct lod_billboard_cloud *cloud, uint64_t owner,
+	struct lod_raster *raster);
 
 #endif

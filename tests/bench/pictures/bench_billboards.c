@@ -3,7 +3,7 @@
  * mean Q (Neubert 2011, figure 11).
  *
  * The paper prints Precision and Recall of levels of a few trees as a diagram without a scale of vertices
- * (figure 3) and levels of one tree (figure 4); its scenes are a matter of the renderer. */
+ * (figure 3), levels of one tree, and a large scene without figures (figure 4). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -217,6 +217,66 @@ static enum eco_code study_plant(struct bench *bench, const struct bench_model *
 	return plot_turn(bench, model->name, &q, error);
 }
 
+/* ---- A field ---- */
+
+static json_t *pack_field(const struct bench_field_q *q)
+{
+	return json_pack("[f,f,f,f,f,f,f,f,f,f]", (double)q->plants[0], (double)q->plants[1],
+		(double)q->plants[2], (double)q->plants[3], q->vertices, q->full, q->q, q->precision,
+		q->recall, q->owner_q);
+}
+
+static struct bench_field_q unpack_field(const json_t *kept)
+{
+	return (struct bench_field_q){ { (uint32_t)number(kept, 0), (uint32_t)number(kept, 1),
+		(uint32_t)number(kept, 2), (uint32_t)number(kept, 3) }, number(kept, 4), number(kept, 5),
+		number(kept, 6), number(kept, 7), number(kept, 8), number(kept, 9) };
+}
+
+static enum eco_code measure_field(struct bench *bench, const struct bench_model *model,
+	struct bench_field_q *q, struct eco_error *error)
+{
+	char unit[96], stamp[32];
+	struct bench_billboards_q known;
+	struct eco_model read;
+	enum eco_code code = measure(bench, model, &known, error);
+	snprintf(unit, sizeof unit, "billboards-field-%s", model->name);
+	snprintf(stamp, sizeof stamp, "%016llx", (unsigned long long)bench_file_hash(model->path));
+	json_t *kept = code ? NULL : bench_recall(bench, unit, stamp);
+	if (code || kept) {
+		*q = unpack_field(kept);
+		return code;
+	}
+	code = bench_model_read(bench, model, &read, error);
+	if (!code)
+		code = bench_billboards_field(bench, model->name, &known, q, &read, error);
+	if (!code)
+		bench_keep(bench, unit, stamp, pack_field(q));
+	return code;
+}
+
+/* Figure 4, right: many times the plant of most leaves. */
+static enum eco_code study_field(struct bench *bench, const struct bench_model *model,
+	struct eco_error *error)
+{
+	struct bench_field_q q = { .q = NAN };
+	char file[128];
+	enum eco_code code = measure_field(bench, model, &q, error);
+	struct bench_table *table = bench_table_open(bench, "billboards_field", "plant,plants in view,"
+		"of 333 billboards,of 166,of 33,of 8,vertices,vertices of full detail,Q,Precision,Recall,"
+		"owner_q", true);
+	if (!code)
+		bench_table_row(table, "%s,%u,%u,%u,%u,%u,%.0f,%.0f,%.3f,%.3f,%.3f,%.3f", model->name,
+			q.plants[0] + q.plants[1] + q.plants[2] + q.plants[3], q.plants[0], q.plants[1],
+			q.plants[2], q.plants[3], q.vertices, q.full, q.q, q.precision, q.recall, q.owner_q);
+	bench_table_close(table);
+	snprintf(file, sizeof file, "billboards_field-%s.png", model->name);
+	if (!code)
+		bench_picture(bench, file, "a field: full detail; clouds in their billboards' mean colours; "
+			"their levels: at most 333 billboards (red), 166 (orange), 33 (green), 8 (blue)");
+	return code;
+}
+
 /* ---- Plots ---- */
 
 static enum eco_code plot_means(struct bench *bench, struct means *means, struct eco_error *error)
@@ -276,7 +336,7 @@ static enum eco_code study_all(struct bench *bench, const struct tables *t, stru
 	struct eco_error *error)
 {
 	struct bench_model *models = NULL;
-	uint32_t count = 0;
+	uint32_t count = 0, last = 0;
 	enum eco_code code = bench_models(bench, &models, &count, error);
 	for (uint32_t i = 0; i < count && !code && means->plants < PLANTS_MOST; i++) {
 		/* without the data folder generated plants stand for those with leaves */
@@ -284,9 +344,12 @@ static enum eco_code study_all(struct bench *bench, const struct tables *t, stru
 			continue;
 		bench_progress(bench, (double)i / count, models[i].name);
 		code = study_plant(bench, &models[i], t, means, error);
+		last = i;
 		if (!code && bench_stopped(bench))
 			code = eco_fail(error, ECO_INTERRUPTED, "interrupted");
 	}
+	if (!code && means->plants)
+		code = study_field(bench, &models[last], error);
 	free(models);
 	return code;
 }

@@ -39,7 +39,7 @@ struct study {
 
 static void draw_cloud(const void *cloud, struct lod_raster *raster)
 {
-	lod_billboard_cloud_draw(cloud, raster);
+	lod_billboard_cloud_draw(cloud, 1, raster);
 }
 
 /* ---- Clouds by cap ---- */
@@ -75,7 +75,7 @@ static void compare_panels(const uint8_t *whole, uint8_t *panel, uint32_t side, 
 		}
 }
 
-static void mean_color(const struct eco_image *image, uint8_t rgb[3])
+void bench_billboards_color(const struct eco_image *image, uint8_t rgb[3])
 {
 	double sum[3] = { 0 }, n = 1e-9;
 	for (size_t i = 0; i < (size_t)image->width * image->height; i++)
@@ -95,7 +95,7 @@ static enum eco_code paint(struct study *s, const struct lod_billboard_cloud *cl
 	if (!rgb)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for colours");
 	for (uint32_t i = 0; i < cloud->count; i++)
-		mean_color(&cloud->items[i].image, rgb[i]);
+		bench_billboards_color(&cloud->items[i].image, rgb[i]);
 	uint8_t *to = picture + 3 * (size_t)panel * side;
 	bench_splats_paint(&s->pictures, VIEW, draw_cloud, cloud, (const uint8_t (*)[3])rgb, to,
 		PANELS * side);
@@ -158,7 +158,7 @@ static double cloud_q(struct study *s, const struct lod_billboard_cloud *cloud, 
 	lod_raster_clear(raster);
 	lod_raster_camera(raster, &sights->eyes[view], sights->near_m);
 	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
-	lod_billboard_cloud_draw(cloud, raster);
+	lod_billboard_cloud_draw(cloud, 1, raster);
 	for (size_t i = 0; i < (size_t)PIXELS * PIXELS; i++) {
 		uint64_t word = sights->reference[view][i / PIXELS * row_words + i % PIXELS / 64];
 		bool shown = raster->cover[i], wanted = word >> (i % PIXELS % 64) & 1;

@@ -43,5 +43,20 @@ struct bench_billboards_q {
 /* Takes the model over. Writes billboards-NAME.png. */
 enum eco_code bench_billboards_measure(struct bench *bench, const char *name, struct bench_billboards_q *q,
 	struct eco_model *model, struct eco_error *error);
+/* Mean of a texture's opaque texels, darker than white. */
+void bench_billboards_color(const struct eco_image *image, uint8_t rgb[3]);
+
+/* A field of plants whose clouds have fewer billboards the further away they stand (figure 4, right). */
+#define BENCH_FIELD_LEVELS 4u
+extern const uint32_t bench_field_caps[BENCH_FIELD_LEVELS];
+struct bench_field_q {
+	uint32_t plants[BENCH_FIELD_LEVELS]; /* in view, by level */
+	double vertices, full;               /* of clouds; of all triangles of the same plants */
+	double q, precision, recall, owner_q;
+};
+/* Takes the model over. `known`: its clouds by cap, for their epsilon. Writes billboards_field-NAME.png. */
+enum eco_code bench_billboards_field(struct bench *bench, const char *name,
+	const struct bench_billboards_q *known, struct bench_field_q *q, struct eco_model *model,
+	struct eco_error *error);
 
 #endif

@@ -42,6 +42,8 @@ void bench_splats_paint(struct bench_splats_pictures *pictures, uint32_t view,
 	void (*draw)(const void *what, struct lod_raster *raster), const void *what, const uint8_t (*rgb)[3],
 	uint8_t *to, uint32_t stride);
 
+/* All triangles of a model that import would keep, cut out by their textures. */
+void bench_model_draw(const struct eco_model *model, uint64_t owner, struct lod_raster *raster);
 /* The state of levels with at most so many vertices: its splats from `items`. `to` has room for as many. */
 uint32_t bench_splats_state(const struct lod_splats *splats, uint32_t vertices, struct lod_splat *to);
 struct bench_splats_drawn { const struct lod_splat *items; uint32_t count; };

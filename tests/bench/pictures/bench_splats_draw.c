@@ -63,9 +63,8 @@ static void start(const struct bench_splats_pictures *p, uint32_t view, struct l
 
 /* ---- The whole plant ---- */
 
-static void draw_model(const void *model_of, struct lod_raster *raster)
+void bench_model_draw(const struct eco_model *model, uint64_t owner, struct lod_raster *raster)
 {
-	const struct eco_model *model = model_of;
 	float position[9 * SOUP], uv[6 * SOUP];
 	uint32_t count = 0;
 	for (uint32_t t = 0; t < model->triangle_count; t++) {
@@ -85,7 +84,7 @@ static void draw_model(const void *model_of, struct lod_raster *raster)
 		const struct eco_image *image = m->cutout && model->uv && m->image < model->image_count
 			? &model->images[m->image] : NULL;
 		lod_raster_triangles(raster, &(struct lod_raster_batch){ .count = count, .position = position,
-			.uv = image ? uv : NULL, .cutout = image, .owner = 1 });
+			.uv = image ? uv : NULL, .cutout = image, .owner = owner });
 		count = 0;
 	}
 }
@@ -109,7 +108,7 @@ static enum eco_code add_ceiling(struct bench_splats_pictures *p, struct bench_s
 		.height = by * size->side, .silhouette = true }, error);
 	for (uint32_t view = 0; view < BENCH_SPLATS_VIEWS && !code; view++) {
 		start(p, view, &finest);
-		draw_model(p->model, &finest);
+		bench_model_draw(p->model, 1, &finest);
 		count_samples(&finest, size->side, by, size->count);
 		p->ceiling += lod_q_ceiling(size->count, size->hard[view], (size_t)size->side * size->side)
 			/ (BENCH_SPLATS_VIEWS * BENCH_SPLATS_SIZES);
@@ -136,10 +135,10 @@ static enum eco_code make_size(struct bench_splats_pictures *p, struct bench_spl
 		if (!size->count || !size->hard[view] || !size->soft[view])
 			return eco_fail(error, ECO_NO_MEMORY, "no memory for pictures");
 		start(p, view, &size->raster);
-		draw_model(p->model, &size->raster);
+		bench_model_draw(p->model, 1, &size->raster);
 		memcpy(size->hard[view], size->raster.cover, pixels);
 		start(p, view, &size->fine);
-		draw_model(p->model, &size->fine);
+		bench_model_draw(p->model, 1, &size->fine);
 		count_samples(&size->fine, size->side, SIDE, size->soft[view]);
 	}
 	return code ? code : add_ceiling(p, size, error);
@@ -215,7 +214,7 @@ void bench_splats_paint(struct bench_splats_pictures *p, uint32_t view,
 	if (draw)
 		draw(what, raster);
 	else
-		draw_model(p->model, raster);
+		bench_model_draw(p->model, 1, raster);
 	for (uint32_t y = 0; y < size->side; y++)
 		for (uint32_t x = 0; x < size->side; x++) {
 			size_t i = (size_t)y * size->side + x;
