@@ -27,8 +27,8 @@
 enum { NO_LIMIT = 0, LARGEST_VIEW = UINT32_MAX };
 static const uint32_t parts[] = { NO_LIMIT, 1, 2, 4, LARGEST_VIEW };
 #define PARTS (sizeof parts / sizeof *parts)
-static const struct { const char *scene; bool recorded, full_only; } paths[] = { { "outdoor", false, false },
-	{ "trees5000", false, true }, { "scbi", false, false }, { "scbi", true, false } };
+static const struct { const char *scene; bool recorded; } paths[] = { { "outdoor", false },
+	{ "trees5000", false }, { "scbi", false }, { "scbi", true } };
 #define PATHS (sizeof paths / sizeof *paths)
 
 struct walk { struct eco_request *requests; uint32_t count; uint64_t need, largest; };
@@ -243,7 +243,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	struct bench_table *table = bench_table_open(bench, "cache", "scene,path,memory,MiB,frames,bytes,"
 		"times no limit,chunks evicted,bytes fetched again,requests repeated", true);
 	for (size_t i = 0; i < PATHS && !code; i++)
-		if ((!paths[i].full_only || bench->full) && (!paths[i].recorded || has_track(bench)))
+		if (!paths[i].recorded || has_track(bench))
 			code = try_path(bench, i, table, &half, error);
 	bench_table_close(table);
 	if (code)

@@ -30,9 +30,8 @@
 /* more at full detail takes OpenGL in software minutes: the rasteriser's colours only */
 #define REFERENCE_VERTICES 100e6
 
-static const struct { const char *name; bool quick; } scenes[] = { { "crown", true }, { "trees640", true },
-{ "scbi", true },
-	{ "sunflowers", false }, { "palms", false }, { "outdoor", false }, { "trees1276", false } };
+static const char *const scenes[] = { "crown", "trees640", "scbi", "sunflowers", "palms", "outdoor",
+	"trees1276" };
 #define SCENES (sizeof scenes / sizeof *scenes)
 static const double distances[] = { 1, 4, 16 };
 #define DISTANCES (sizeof distances / sizeof *distances)
@@ -391,11 +390,13 @@ static void show_picture(struct bench *bench, const char *name, uint64_t budget,
 static enum eco_code study_scene(struct bench *bench, size_t number, struct bench_table *table,
 	struct sums *sums, struct eco_error *error)
 {
-	const char *scene = scenes[number].name;
+	const char *scene = scenes[number];
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
 	struct srv_store server;
 	char pack[512];
-	enum eco_code code = bench_scene(bench, scene, NULL, pack, error);
+	enum eco_code code;
+	if (!bench_shot_scene(bench, scene, pack, &code, error))
+		return ECO_OK;
 	uint32_t views = code ? 0 : bench_shot_views(bench, scene, requests), most = bench->full ? VIEWS_FULL
 		: VIEWS_QUICK;
 	views = views > most ? most : views;
@@ -432,15 +433,8 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		*means;
 	struct sums sums = { { 0 }, { 0 }, { 0 }, { 0 } };
 	enum eco_code code = ECO_OK;
-	for (size_t s = 0; s < SCENES && !code; s++) {
-		if (bench->full || scenes[s].quick)
-			code = study_scene(bench, s, table, &sums, error);
-		if (code == ECO_NOT_FOUND) {                     /* a scene whose data is not there */
-			bench_say(bench, "%s is missing: %s", scenes[s].name, error->text);
-			*error = (struct eco_error){ 0 };
-			code = ECO_OK;
-		}
-	}
+	for (size_t s = 0; s < SCENES && !code; s++)
+		code = study_scene(bench, s, table, &sums, error);
 	bench_table_close(table);
 	if (code)
 		return code;

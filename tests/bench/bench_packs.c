@@ -59,8 +59,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		count++;
 	for (uint32_t i = 0; i < count && !code; i++) {
 		bench_progress(bench, (double)i / count, bench_scene_names[i]);
-		if (bench->full || bench_scene_quick(bench_scene_names[i]) != BENCH_FULL_ONLY)
-			code = add_scene(bench, table, bench_scene_names[i], &sum_s, error);
+		code = add_scene(bench, table, bench_scene_names[i], &sum_s, error);
 	}
 	bench_table_close(table);
 	if (!code)

@@ -81,9 +81,8 @@ static enum eco_code against_best(struct bench *bench, struct eco_error *error)
 
 static const char *const large[] = { "scbi", "trees5000", "outdoor" };
 #define LARGE (sizeof large / sizeof *large)
-static const struct { const char *name; bool quick; } predicted[] = { { "scbi", true }, { "trees5000", true },
-	{ "outdoor", true }, { "crown", true },
-	{ "trees640", false }, { "palms", false }, { "sunflowers", false }, { "trees1276", false } };
+static const char *const predicted[] = { "scbi", "trees5000", "outdoor", "crown", "trees640", "palms",
+	"sunflowers", "trees1276" };
 #define PREDICTED (sizeof predicted / sizeof *predicted)
 
 /* wrong pixels; of the prediction */
@@ -174,16 +173,14 @@ static enum eco_code prediction(struct bench *bench, struct eco_error *error)
 	for (size_t i = 0; i < PREDICTED && !code; i++) {
 		uint64_t budgets[BENCH_BUDGETS_MAX];
 		struct sums sums[BENCH_BUDGETS_MAX] = { { 0 } };
-		if (!predicted[i].quick && !bench->full)
+		bench_progress(bench, 0.4 + 0.05 * (double)i, predicted[i]);
+		if (!bench_shot_scene(bench, predicted[i], pack, &code, error))
 			continue;
-		bench_progress(bench, 0.4 + 0.05 * (double)i, predicted[i].name);
-		if (!bench_shot_scene(bench, predicted[i].name, pack, &code, error))
-			continue;
-		code = code ? code : compare_rules(bench, predicted[i].name, false, sums, error);
-		for (uint32_t b = 0, count = bench_budgets(bench, predicted[i].name, budgets);
+		code = code ? code : compare_rules(bench, predicted[i], false, sums, error);
+		for (uint32_t b = 0, count = bench_budgets(bench, predicted[i], budgets);
 				b < count && !code; b++) {
 			const struct sums *s = &sums[b];
-			bench_table_row(table, "%s,%llu,%.4f,%.4f,%.4f", predicted[i].name,
+			bench_table_row(table, "%s,%llu,%.4f,%.4f,%.4f", predicted[i],
 				(unsigned long long)budgets[b], s->gap / s->frames, s->signed_gap / s->frames,
 				s->gap_worst);
 			gap += s->gap;
@@ -324,7 +321,8 @@ static enum eco_code times(struct bench *bench, struct eco_error *error)
 	if (code)
 		return code;
 	double copy = bench_copy_ms();
-	bench_say(bench, "A plan of 1,000,000 vertices of the 5,000 trees takes %.2f ms (median, one core) "
+	if (!isnan(trees))
+		bench_say(bench, "A plan of 1,000,000 vertices of the 5,000 trees takes %.2f ms (median, one core) "
 		"on a machine that copies 1 GB in %.0f ms; "
 		"10 ms are allowed where that takes 200 ms.", trees, copy);
 	bench_key(bench, "planning_ms", trees, "<= 10 where copying 1 GB takes 200 ms");

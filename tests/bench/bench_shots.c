@@ -31,9 +31,20 @@ static const uint64_t full_budgets[] = { 10000, 20000, 50000, 100000, 200000, 50
 
 #define ONE_TREE 30u              /* a scene of one needs so many times less */
 
+bool bench_scene_asked(struct bench *bench, const char *scene)
+{
+	bool asked = bench->full || bench_scene_quick(scene) != BENCH_FULL_ONLY;
+	if (!asked)
+		bench_say(bench, "Left out without FULL=1: %s.", scene);
+	return asked;
+}
+
 bool bench_shot_scene(struct bench *bench, const char *scene, char pack[512], enum eco_code *code,
 	struct eco_error *error)
 {
+	*code = ECO_OK;
+	if (!bench_scene_asked(bench, scene))
+		return false;
 	*code = bench_scene(bench, scene, NULL, pack, error);
 	if (*code != ECO_NOT_FOUND)
 		return true;

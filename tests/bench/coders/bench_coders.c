@@ -10,8 +10,7 @@
 
 #define LISTS_QUICK 60u          /* of a kind and scene that a quick run looks at */
 
-static const struct { const char *name; bool full; } scenes[] = { { "outdoor", false }, { "park", false },
-	{ "city", false }, { "trees5000", true }, { "scbi", false } };
+static const char *const scenes[] = { "outdoor", "park", "city", "trees5000", "scbi" };
 #define SCENES (sizeof scenes / sizeof *scenes)
 
 struct study {
@@ -246,8 +245,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		return code;
 	open_tables(bench, s);
 	for (size_t i = 0; i < SCENES && !code; i++)
-		if (bench->full || !scenes[i].full)
-			code = study_scene(bench, s, scenes[i].name, error);
+		code = study_scene(bench, s, scenes[i], error);
 	if (!code)
 		add_keys(bench, s);
 	close_tables(s);

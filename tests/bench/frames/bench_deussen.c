@@ -141,13 +141,11 @@ static const struct printed {
 	const char *scene, *name;
 	uint64_t vertices;
 	const char *row;
-	bool quick;
 } printed[] = {
-	{ "trees640", "640 trees", 2100000, "10 M,500000,100000,400000,2100000,9 to 16", true },
-	{ "palms", "1500 palms as lines", 1760000, "12 M,560000,40000,0,1760000,12 to 20", false },
-	{ "outdoor", "outdoor scene", 2480000, "120 M,460000,400000,300000,2480000,8 to 10", true },
-	{ "sunflowers", "13000 sunflowers and a maple", 2190000, "70 M,450000,220000,400000,2190000,3 to 4",
-		false },
+	{ "trees640", "640 trees", 2100000, "10 M,500000,100000,400000,2100000,9 to 16" },
+	{ "palms", "1500 palms as lines", 1760000, "12 M,560000,40000,0,1760000,12 to 20" },
+	{ "outdoor", "outdoor scene", 2480000, "120 M,460000,400000,300000,2480000,8 to 10" },
+	{ "sunflowers", "13000 sunflowers and a maple", 2190000, "70 M,450000,220000,400000,2190000,3 to 4" },
 };
 #define SCENES (sizeof printed / sizeof *printed)
 
@@ -193,7 +191,7 @@ static enum eco_code write_table(struct bench *bench, struct eco_error *error)
 		struct study s = { .bench = bench };
 		struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
 		struct drawn sum = { 0 };
-		if (!printed[i].quick && !bench->full)
+		if (!bench_scene_asked(bench, printed[i].scene))
 			continue;
 		bench_progress(bench, 0.6 * (double)i / SCENES, printed[i].name);
 		code = bench_scene(bench, printed[i].scene, "stochastic", s.pack, error);
@@ -292,9 +290,8 @@ static enum eco_code write_sweep(struct bench *bench, struct eco_error *error)
 static const struct {
 	const char *scene;
 	uint64_t vertices;
-	bool quick;
-} complex_plants[] = { { "crown", 3000, true }, { "crown", 10000, true }, { "sunflowers", 300000, false },
-	{ "sunflowers", 2190000, false } };
+} complex_plants[] = { { "crown", 3000 }, { "crown", 10000 }, { "sunflowers", 300000 },
+	{ "sunflowers", 2190000 } };
 
 static enum eco_code compare_cells(struct study *s, const char *name, json_t **rows, struct eco_error *error)
 {
@@ -327,7 +324,7 @@ static enum eco_code write_cells(struct bench *bench, struct eco_error *error)
 	for (size_t i = 0; i < sizeof complex_plants / sizeof *complex_plants && !code; i++) {
 		struct study s = { .bench = bench };
 		struct eco_request requests[BENCH_SHOT_VIEWS_MAX];
-		if (!complex_plants[i].quick && !bench->full)
+		if (!bench_scene_asked(bench, complex_plants[i].scene))
 			continue;
 		bench_progress(bench, 0.9, complex_plants[i].scene);
 		code = bench_scene(bench, complex_plants[i].scene, "stochastic", s.pack, error);

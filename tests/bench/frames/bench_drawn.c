@@ -212,6 +212,8 @@ static void write(struct bench *bench, const json_t *rows)
 
 static enum eco_code run(struct bench *bench, struct eco_error *error)
 {
+	if (!bench_scene_asked(bench, SCENE))
+		return ECO_OK;
 	json_t *rows = json_array();
 	enum eco_code code = study(bench, rows, error);
 	if (!code)

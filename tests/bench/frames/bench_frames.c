@@ -9,15 +9,15 @@
 #include "tests/bench/bench_shots.h"
 #include "tests/bench/frames/bench_still.h"
 
-static const struct { const char *name, *title; bool quick; } scenes[] = {
-	{ "crown", "One tree, crown of 6,143 leaves", true },
-	{ "outdoor", "Outdoor scene, 120 M triangles", true },
-	{ "trees5000", "5,000 trees, 1.3 G vertices", true },
-	{ "scbi", "SCBI, a forest inventory", true },
-	{ "trees640", "640 trees, 10 M triangles", false },
-	{ "palms", "1,500 palms, 12 M triangles", false },
-	{ "sunflowers", "13,000 sunflowers and a maple, 70 M triangles", false },
-	{ "trees1276", "1,276 trees, 63 M vertices", false } };
+static const struct { const char *name, *title; } scenes[] = {
+	{ "crown", "One tree, crown of 6,143 leaves" },
+	{ "outdoor", "Outdoor scene, 120 M triangles" },
+	{ "trees5000", "5,000 trees, 1.3 G vertices" },
+	{ "scbi", "SCBI, a forest inventory" },
+	{ "trees640", "640 trees, 10 M triangles" },
+	{ "palms", "1,500 palms, 12 M triangles" },
+	{ "sunflowers", "13,000 sunflowers and a maple, 70 M triangles" },
+	{ "trees1276", "1,276 trees, 63 M vertices" } };
 #define SCENES (sizeof scenes / sizeof *scenes)
 #define NARROW 10e3              /* bits a millisecond */
 #define WIDE 100e3
@@ -514,8 +514,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		"colour RMS,colour RMS of ours", true);
 	struct lost lost = { -INFINITY, -INFINITY };
 	for (size_t i = 0; i < SCENES && !code; i++)
-		if (scenes[i].quick || bench->full)
-			code = run_scene(bench, i, &tables, &lost, error);
+		code = run_scene(bench, i, &tables, &lost, error);
 	bench_table_close(tables.frames);
 	bench_table_close(tables.occlusion);
 	bench_table_close(tables.equal);

@@ -14,10 +14,7 @@
 #define EQUAL 0.99 /* a rule that draws fewer than this share is set against ours at its vertices */
 #define FRAMES 6u  /* until what plants hide of each other has settled */
 
-static const struct {
-	const char *name;
-	bool quick;
-} scenes[] = { { "park", true }, { "outdoor", true }, { "trees5000", true }, { "scbi", false } };
+static const char *const scenes[] = { "park", "outdoor", "trees5000", "scbi" };
 #define SCENES (sizeof scenes / sizeof *scenes)
 
 enum rule {
@@ -357,16 +354,14 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	for (size_t i = 0; i < SCENES && !code; i++) {
 		struct sums sums[RULES] = { { { 0 }, { 0 }, 0 } };
 		char pack[512];
-		if (!scenes[i].quick && !bench->full)
+		bench_progress(bench, (double)i / SCENES, scenes[i]);
+		if (!bench_shot_scene(bench, scenes[i], pack, &code, error))
 			continue;
-		bench_progress(bench, (double)i / SCENES, scenes[i].name);
-		if (!bench_shot_scene(bench, scenes[i].name, pack, &code, error))
-			continue;
-		code = code ? code : study(bench, scenes[i].name, sums, error);
+		code = code ? code : study(bench, scenes[i], sums, error);
 		if (code)
 			break;
-		write_scene(bench, table, scenes[i].name, sums);
-		write_bars(bench, scenes[i].name, sums, &bars);
+		write_scene(bench, table, scenes[i], sums);
+		write_bars(bench, scenes[i], sums, &bars);
 	}
 	bench_table_close(table);
 	if (code || !isfinite(bars.printed))

@@ -37,9 +37,8 @@ enum motion { DOLLY, ORBIT, ZOOM, MOTIONS };
 static const char *const motion_names[MOTIONS] = { "dolly", "orbit", "zoom" };
 static const uint64_t budgets[] = { 100000, 1000000 };
 #define BUDGETS (sizeof budgets / sizeof *budgets)
-static const struct { const char *name; bool quick; } scenes[] = { { "outdoor", true }, { "trees1276", true },
-	{ "scbi", true },
-	{ "sunflowers", false }, { "palms", false }, { "trees640", false }, { "trees5000", false } };
+static const char *const scenes[] = { "outdoor", "trees1276", "scbi", "sunflowers", "palms", "trees640",
+	"trees5000" };
 #define SCENES (sizeof scenes / sizeof *scenes)
 
 struct sums {
@@ -332,7 +331,7 @@ static enum eco_code run_scene(struct bench *bench, size_t scene, struct bench_t
 {
 	char pack[512], name[96];
 	struct eco_request starts[2 * VIEWS + 1];
-	const char *of = scenes[scene].name;
+	const char *of = scenes[scene];
 	enum eco_code code = bench_scene(bench, of, NULL, pack, error);
 	uint32_t found = code ? 0 : bench_scene_views(bench, of, starts, VIEWS), done = 0;
 	for (int m = 0; m < MOTIONS && !code; m++) {
@@ -360,9 +359,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		"reference,worst frame,plants switched %,vertices switched %,worst model and frame %,"
 		"models and frames over 5 %,worst octave of distance %,by over 1/8 of a plant %", true);
 	for (size_t i = 0; i < SCENES && !code; i++) {
-		if (!scenes[i].quick && !bench->full)
-			continue;
-		if (bench_shot_scene(bench, scenes[i].name, pack, &code, error) && !code)
+		if (bench_shot_scene(bench, scenes[i], pack, &code, error) && !code)
 			code = run_scene(bench, i, table, &worst, error);
 	}
 	bench_table_close(table);

@@ -33,8 +33,7 @@ enum eco_code bench_views_each(struct bench *bench, const json_t *scenes, bench_
 		char pack[512];
 		struct bench_view view = { .pack = pack,
 			.scene = json_string_value(json_object_get(item, "scene")) };
-		bool asked = bench->full || !json_is_true(json_object_get(item, "full_only"));
-		if (!view.scene || !asked || !bench_shot_scene(bench, view.scene, pack, &code, error))
+		if (!view.scene || !bench_shot_scene(bench, view.scene, pack, &code, error))
 			continue;
 		for (size_t c = 0; c < json_array_size(cameras) && !code; c++) {
 			bench_progress(bench, ((double)i + (double)c / (double)json_array_size(cameras))
