@@ -195,6 +195,12 @@ static void file_name(char out[PATH], const struct bench *bench, const char *fol
 
 /* ---- Units ---- */
 
+static void add_cpu(struct bench_state *state, double cpu_s)
+{
+	state->units_cpu_s += cpu_s;
+	state->longest_cpu_s = fmax(state->longest_cpu_s, cpu_s);
+}
+
 json_t *bench_recall(struct bench *bench, const char *unit, const char *stamp)
 {
 	char path[PATH];
@@ -214,7 +220,7 @@ json_t *bench_recall(struct bench *bench, const char *unit, const char *stamp)
 		return NULL;
 	}
 	json_array_append(s->held, result);
-	s->units_cpu_s += json_number_value(json_object_get(kept, "cpu_s"));
+	add_cpu(s, json_number_value(json_object_get(kept, "cpu_s")));
 	s->unit_cpu_s = bench_cpu_s();
 	json_decref(kept);
 	s->recalled++;
@@ -230,7 +236,7 @@ json_t *bench_keep(struct bench *bench, const char *unit, const char *stamp, jso
 	file_name(path, bench, "units", unit);
 	json_t *kept = json_pack("{s:s, s:s, s:s, s:f, s:O}", "unit", unit, "program", s->program, "stamp",
 		stamp ? stamp : "", "cpu_s", now_s - s->unit_cpu_s, "result", result);
-	s->units_cpu_s += now_s - s->unit_cpu_s;
+	add_cpu(s, now_s - s->unit_cpu_s);
 	s->unit_cpu_s = now_s;
 	char *text = kept ? json_dumps(kept, JSON_COMPACT) : NULL;
 	/* A full disk costs the next run some time, not this one its result. */
@@ -491,7 +497,7 @@ void bench_begin(struct bench *bench, const struct bench_section *section)
 	s->kept = s->recalled = 0;
 	s->begun_s = bench_now_s();
 	s->begun_cpu_s = s->unit_cpu_s = bench_cpu_s();
-	s->units_cpu_s = 0;
+	s->units_cpu_s = s->longest_cpu_s = 0;
 	bench_objects(bench, section->objects);
 	s->record = json_pack("{s:s, s:s, s:s, s:b, s:O, s:O}", "name", section->name, "title",
 		section->title, "program", s->program, "full", (int)bench->full, "items", s->items, "keys",
@@ -521,6 +527,7 @@ enum eco_code bench_end(struct bench *bench, enum eco_code code, struct eco_erro
 	json_object_set_new(s->record, "seconds", json_real(seconds));
 	json_object_set_new(s->record, "cpu_s", json_real(bench_cpu_s() - s->begun_cpu_s));
 	json_object_set_new(s->record, "units_cpu_s", json_real(s->units_cpu_s));
+	json_object_set_new(s->record, "longest_cpu_s", json_real(s->longest_cpu_s));
 	if (code)
 		json_object_set_new(s->record, "why", json_string(error->text));
 	snprintf(path, sizeof path, "%s/sections/%s.json", bench->cache, s->section->name);

@@ -13,14 +13,18 @@
 #define EXIT_INTERRUPTED 130
 #define JOBS_MAX 16u
 
+/* What each section took: work that earlier runs did counts, work that two sections share counts in both. */
 static void print_list(const struct bench *bench, const struct bench_section *const *sections)
 {
+	printf("%-12s %-12s %11s %11s\n", "section", "state", "processor s", "longest");
 	for (; *sections; sections++) {
 		char path[1024];
 		snprintf(path, sizeof path, "%s/sections/%s.json", bench->cache, (*sections)->name);
 		json_t *record = bench_json_read(path);
 		const char *state = json_string_value(json_object_get(record, "state"));
-		printf("%-12s %-12s %s\n", (*sections)->name, state ? state : "-", (*sections)->title);
+		printf("%-12s %-12s %11.0f %11.0f  %s\n", (*sections)->name, state ? state : "-",
+			json_number_value(json_object_get(record, "units_cpu_s")),
+			json_number_value(json_object_get(record, "longest_cpu_s")), (*sections)->title);
 		json_decref(record);
 	}
 }
@@ -204,8 +208,8 @@ static const struct eco_option options[] = {
 		"Those that measure time run alone" },
 	{ "trust", 0, ECO_OPTION_FLAG, NULL, &state.trust,
 		.help = "pieces of work that another build of ecobench did are taken as they are" },
-	{ "list", 0, ECO_OPTION_FLAG, NULL, &given.list, .help = "names of sections, and which are "
-		"finished" },
+	{ "list", 0, ECO_OPTION_FLAG, NULL, &given.list, .help = "names of sections, which are finished, "
+		"and the processor time that they and their longest piece of work took" },
 	{ "quiet", 'q', ECO_OPTION_FLAG, NULL, &state.quiet, .help = "no progress" }, { 0 } };
 
 static const struct eco_command command = { .name = "ecobench", .options = options,

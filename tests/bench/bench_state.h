@@ -25,6 +25,7 @@ struct bench_state {
 	/* of the section; of what is done since the last unit */
 	double begun_s, begun_cpu_s, unit_cpu_s;
 	double units_cpu_s;          /* of all its units, whenever they were done */
+	double longest_cpu_s;        /* of one of them: what stopping may lose */
 	uint32_t kept, recalled;     /* units of this section that were done, and that were there */
 };
 

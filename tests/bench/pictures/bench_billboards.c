@@ -13,6 +13,7 @@
 
 #define POINT_NUMBERS 15u
 #define PLANTS_MOST 8u
+#define PLANTS_QUICK 2u
 
 /* ---- Kept ---- */
 
@@ -342,6 +343,10 @@ static enum eco_code study_all(struct bench *bench, const struct tables *t, stru
 		/* without the data folder generated plants stand for those with leaves */
 		if (bench->data ? !bench_splats_is_foliage(&models[i]) : means->plants == 2)
 			continue;
+		if (!bench->full && means->plants == PLANTS_QUICK) {
+			bench_say(bench, "Left out without FULL=1: %s.", models[i].name);
+			continue;
+		}
 		bench_progress(bench, (double)i / count, models[i].name);
 		code = study_plant(bench, &models[i], t, means, error);
 		last = i;
