@@ -269,6 +269,19 @@ UNIT_TEST_BETWEEN(test_units_of_another_program_are_done_anew_unless_trusted, se
 	assert_int_equal(lines_of("work.log"), 2 * UNITS);
 }
 
+UNIT_TEST_BETWEEN(test_the_list_tells_time_of_all_work_and_of_the_longest_piece, set_up, NULL)
+{
+	char row[80];
+	assert_int_equal(RUN("--only", "tiny"), 0);
+	assert_int_equal(system("cd " ROOT "/out/cache/units && sed -i 's/\"cpu_s\":[0-9.e+-]*/\"cpu_s\":7/' *.json"
+		" && f=$(ls | head -1) && sed -i 's/\"cpu_s\":7/\"cpu_s\":30/' \"$f\""), 0);
+	assert_int_equal(RUN("--only", "tiny"), 0);
+	assert_int_equal(lines_of("work.log"), UNITS);
+	assert_int_equal(RUN("--list"), 0);
+	snprintf(row, sizeof row, "%-12s %-12s %11d %11d  Squares", "tiny", "done", 7 * (UNITS - 1) + 30, 30);
+	assert_true(says("stdout", row));
+}
+
 UNIT_TEST_BETWEEN(test_a_failure_does_not_end_the_run, set_up, NULL)
 {
 	assert_int_equal(RUN("--only", "tiny,keys,failing,plots,commands"), 1);
