@@ -276,6 +276,27 @@ void bench_say(struct bench *bench, const char *format, ...)
 	free(text);
 }
 
+void bench_left_out(struct bench *bench, const char *name)
+{
+	json_object_set_new(bench->state->left_out, name, json_true());
+}
+
+static void say_left_out(struct bench *bench)
+{
+	char *text = NULL;
+	size_t size = 0;
+	const char *name;
+	json_t *value;
+	FILE *out = json_object_size(bench->state->left_out) ? open_memstream(&text, &size) : NULL;
+	if (!out)
+		return;
+	json_object_foreach(bench->state->left_out, name, value)
+		fprintf(out, "%s%s", ftell(out) ? ", " : "", name);
+	fclose(out);
+	bench_say(bench, "Left out without FULL=1: %s.", text);
+	free(text);
+}
+
 void bench_head(struct bench *bench, const char *text)
 {
 	add_item(bench, json_pack("{s:s, s:s}", "kind", "head", "text", text));
@@ -494,6 +515,7 @@ void bench_begin(struct bench *bench, const struct bench_section *section)
 	s->section = section;
 	s->items = json_array();
 	s->keys = json_array();
+	s->left_out = json_object();
 	s->kept = s->recalled = 0;
 	s->begun_s = bench_now_s();
 	s->begun_cpu_s = s->unit_cpu_s = bench_cpu_s();
@@ -523,6 +545,7 @@ enum eco_code bench_end(struct bench *bench, enum eco_code code, struct eco_erro
 	const char *state = code == ECO_OK ? "done" : code == ECO_INTERRUPTED ? "interrupted"
 		: code == ECO_NOT_FOUND ? "missing" : "failed";
 	erase_bar();
+	say_left_out(bench);
 	json_object_set_new(s->record, "state", json_string(state));
 	json_object_set_new(s->record, "seconds", json_real(seconds));
 	json_object_set_new(s->record, "cpu_s", json_real(bench_cpu_s() - s->begun_cpu_s));
@@ -548,6 +571,7 @@ enum eco_code bench_end(struct bench *bench, enum eco_code code, struct eco_erro
 		bench_note(bench, "%s", why.text);
 	json_decref(s->items);
 	json_decref(s->keys);
+	json_decref(s->left_out);
 	json_decref(s->record);
 	json_array_clear(s->held);
 	s->section = NULL;

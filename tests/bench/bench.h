@@ -83,6 +83,9 @@ void bench_key(struct bench *bench, const char *key, double value, const char *b
 void bench_head(struct bench *bench, const char *text);
 void bench_say(struct bench *bench, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+/* A plant, scene or view that only FULL=1 looks at: the section's last paragraph names them. */
+void bench_left_out(struct bench *bench, const char *name);
+
 /* Lines over a common axis, as NAME.png and in the report. NaN interrupts a line. */
 struct bench_series { const char *name; const double *x, *y; uint32_t count; bool points; };
 struct bench_plot {
@@ -119,6 +122,9 @@ extern const char *const bench_scene_names[];
 /* The pack of a scene, built with `ecopack` if it is not there (order: "greedy", "combined", ...; NULL: the
  * default). Writes its path. ECO_NOT_FOUND where the scene needs data that is not there (scbi). */
 enum eco_code bench_scene(struct bench *bench, const char *name, const char *order, char path[512],
+	struct eco_error *error);
+/* The pack of one model, made anew each time; its plant comes from a cache. */
+enum eco_code bench_model_pack(struct bench *bench, const struct bench_model *model, char pack[512],
 	struct eco_error *error);
 /* Stamp of the pack's content for units: the same for the same bytes. Borrowed until the next call. */
 const char *bench_pack_stamp(const char *path);

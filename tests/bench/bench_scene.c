@@ -283,6 +283,31 @@ void bench_pack_times(const char *path, double *cpu_s, double *wall_s)
 		sscanf(at + 6, "%lf %lf", cpu_s, wall_s);
 }
 
+enum eco_code bench_model_pack(struct bench *bench, const struct bench_model *model, char pack[512],
+	struct eco_error *error)
+{
+	char scene[512];
+	snprintf(scene, sizeof scene, "%.400s/packs/alone-%.60s.json", bench->cache, model->name);
+	snprintf(pack, 512, "%.400s/packs/alone-%.60s.eco", bench->cache, model->name);
+	enum eco_code code = bench_command(bench, error, "mkdir -p '%s/packs'", bench->cache);
+	int locked = bench_lock(bench);
+	FILE *out = code ? NULL : fopen(scene, "wb");
+	if (!code && !out)
+		code = eco_fail(error, ECO_IO, "%s cannot be written", scene);
+	if (!code) {
+		json_t *made = json_pack("{s:s, s:{s:{s:s}}, s:[{s:s, s:[i,i,i]}]}", "name", model->name,
+			"plants", "plant", "model", model->path, "instances", "plant", "plant", "at", 0, 0,
+			0);
+		json_dumpf(made, out, 0);
+		json_decref(made);
+		fclose(out);
+		code = bench_command(bench, error, "'%s/ecopack' make '%s' -o '%s' --quiet --cache "
+			"'%s/plants' --cache-mb 16384", bench->build, scene, pack, bench->cache);
+	}
+	bench_unlock(locked);
+	return code;
+}
+
 /* ---- Views ---- */
 
 #define VIEW_WIDTH 800u

@@ -35,7 +35,7 @@ bool bench_scene_asked(struct bench *bench, const char *scene)
 {
 	bool asked = bench->full || bench_scene_quick(scene) != BENCH_FULL_ONLY;
 	if (!asked)
-		bench_say(bench, "Left out without FULL=1: %s.", scene);
+		bench_left_out(bench, scene);
 	return asked;
 }
 
@@ -81,7 +81,7 @@ uint32_t bench_shot_views(struct bench *bench, const char *scene,
 	struct eco_request requests[BENCH_SHOT_VIEWS_MAX])
 {
 	bool slow = strcmp(scene, "trees5000") == 0;
-	uint32_t wanted = bench->full ? slow ? 4 : 8 : slow ? 2 : 3,
+	uint32_t wanted = bench->full ? slow ? 4 : 8 : 2,
 		count = bench_scene_views(bench, scene, requests, wanted);
 	for (uint32_t i = 0; i < count; i++) {
 		requests[i].view.width = BENCH_SHOT_WIDTH;

@@ -21,6 +21,7 @@ struct bench_state {
 	bool quiet;
 	const struct bench_section *section;
 	json_t *record, *items, *keys;
+	json_t *left_out;            /* an object whose keys are names */
 	json_t *held;                /* units that were given out */
 	/* of the section; of what is done since the last unit */
 	double begun_s, begun_cpu_s, unit_cpu_s;

@@ -63,6 +63,9 @@ static enum eco_code run_keys(struct bench *bench, struct eco_error *error)
 	bench_key(bench, "thousands", 100000, "100,000 with FULL=1");
 	bench_key(bench, "unmeasured", NAN, "<= 1");
 	bench_key(bench, "shown", 7, "shown");
+	bench_left_out(bench, "palms");
+	bench_left_out(bench, "city");
+	bench_left_out(bench, "palms");
 	return ECO_OK;
 }
 
@@ -288,6 +291,7 @@ UNIT_TEST_BETWEEN(test_a_failure_does_not_end_the_run, set_up, NULL)
 	assert_true(says("out/report.html", "this section fails &lt;always&gt;"));
 	assert_true(says("out/report.html", "before it fails"));
 	assert_true(says("out/summary.json", "\"exact\": 0"));
+	assert_true(says("out/report.html", "Left out without FULL=1: palms, city."));
 	assert_int_equal(RUN("--list"), 0);
 	assert_true(says("stdout", "failed"));
 	assert_int_equal(access(ROOT "/out/plot3.png", R_OK) | access(ROOT "/out/empty.png", R_OK)

@@ -12,8 +12,8 @@
 #define SEEDS 5u
 #define SEEDS_QUICK 1u
 #define PLANTS_MOST 64u
-#define READ_QUICK 3u /* plants of the data folder, and generated ones, in the quick bench */
-#define MADE_QUICK 3u
+#define READ_QUICK 2u /* plants of the data folder, and generated ones, in the quick bench */
+#define MADE_QUICK 1u
 #define LEAVES_MOST 12000u /* larger plants take minutes for each seed */
 
 /* Models that constants were chosen on, by the beginnings of their files' names (lod/EXPERIMENTS.md). */
@@ -52,9 +52,12 @@ bool bench_ladder_tuned(const char *name)
 	return false;
 }
 
-static void add(struct headline *h, const struct bench_model *model)
+/* `quick`: the quick bench looks at it, too. */
+static void add_or_leave(struct bench *bench, struct headline *h, const struct bench_model *model, bool quick)
 {
-	if (h->count < PLANTS_MOST)
+	if (!bench->full && !quick)
+		bench_left_out(bench, model->name);
+	else if (h->count < PLANTS_MOST)
 		h->plants[h->count++] = (struct plant){ .model = *model };
 }
 
@@ -65,9 +68,8 @@ static enum eco_code find_read(struct bench *bench, struct headline *h, struct e
 	enum eco_code code = bench_models(bench, &models, &count, error);
 	for (uint32_t i = 0; i < count && !code; i++)
 		if (!models[i].generated && !bench_ladder_tuned(models[i].name) &&
-			models[i].leaves >= BENCH_ELEMENTS_LEAST && models[i].leaves <= LEAVES_MOST &&
-			(bench->full || h->count < READ_QUICK))
-			add(h, &models[i]);
+			models[i].leaves >= BENCH_ELEMENTS_LEAST && models[i].leaves <= LEAVES_MOST)
+			add_or_leave(bench, h, &models[i], h->count < READ_QUICK);
 	free(models);
 	return code;
 }
@@ -90,8 +92,7 @@ static enum eco_code find_made(struct bench *bench, struct headline *h, struct e
 			snprintf(model.name, sizeof model.name, "generated-%s", made[i].plants[k]);
 			snprintf(model.path, sizeof model.path, "%s/models/%s.obj", folder,
 				made[i].plants[k]);
-			if (bench->full || (k == 0 && h->count - before < MADE_QUICK))
-				add(h, &model);
+			add_or_leave(bench, h, &model, k == 0 && h->count - before < MADE_QUICK);
 		}
 	}
 	return code;

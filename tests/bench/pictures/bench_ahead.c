@@ -83,6 +83,7 @@ static enum eco_code walk(struct bench *bench, const struct bench_view *view, en
 	enum eco_code code = bench_client_open(&client, view->pack, error);
 	if (!code) {
 		bench_client_see(client);
+		bench_client_keep(client, bench);
 		bench_client_untimed(client);
 	}
 	for (uint32_t step = 0; step < STEPS && !code; step++)
@@ -164,7 +165,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		WINDOW * STEP_S);
 	s.table = bench_table_open(bench, "ahead", "scene,seconds after the turn,picture error steady,"
 		"alone,told,bytes alone,bytes told", true);
-	enum eco_code code = bench_views_each(bench, scenes, study_view, &s, error);
+	enum eco_code code = bench_views_each(bench, scenes, BENCH_VIEWS_QUICK, study_view, &s, error);
 	bench_table_close(s.table);
 	if (!code && s.looked && s.above[ALONE]) {
 		bench_key(bench, "ahead_above", (double)s.above[TOLD] / s.above[ALONE], "<= 0.5: frames "

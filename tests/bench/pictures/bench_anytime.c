@@ -101,7 +101,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		BENCH_SHOT_HEIGHT, VERTICES);
 	s.table = bench_table_open(bench, "anytime", "scene,camera,cut,whole answer,Q,picture error,"
 		"Q asked for,picture error asked for,ratio", true);
-	enum eco_code code = bench_views_each(bench, scenes, study_view, &s, error);
+	enum eco_code code = bench_views_each(bench, scenes, BENCH_VIEWS_QUICK, study_view, &s, error);
 	bench_table_close(s.table);
 	if (!code && s.rows) {
 		bench_key(bench, "anytime_ratio", exp(s.logs / s.rows), "picture error of the cut answer "

@@ -344,7 +344,7 @@ static enum eco_code study_all(struct bench *bench, const struct tables *t, stru
 		if (bench->data ? !bench_splats_is_foliage(&models[i]) : means->plants == 2)
 			continue;
 		if (!bench->full && means->plants == PLANTS_QUICK) {
-			bench_say(bench, "Left out without FULL=1: %s.", models[i].name);
+			bench_left_out(bench, models[i].name);
 			continue;
 		}
 		bench_progress(bench, (double)i / count, models[i].name);

@@ -260,7 +260,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		"owner_q,picture error,predicted Q,start vertices,start bytes,start Q,start skill,"
 		"start owner_q,start picture error", true);
 	if (!code)
-		code = bench_views_each(bench, scenes, study_view, s, error);
+		code = bench_views_each(bench, scenes, BENCH_VIEWS_QUICK, study_view, s, error);
 	bench_table_close(s->table);
 	bench_beside_close(s->beside);
 	if (!code && s->peers)

@@ -9,36 +9,12 @@
 #include "tests/support/plant_walk.h"
 
 #define FALL 0.005               /* of Q that is allowed */
-#define QUICK 12u                /* plants of the data folder, and generated ones, in the quick bench */
+#define QUICK 3u                /* plants of the data folder, and generated ones, in the quick bench */
 static const char *const cards[] = { "cards-1", "cards-2", "cards-3" };
 #define CARDS (sizeof cards / sizeof *cards)
 static const double shares[] = { 2, 4, 8, 16, 32, 64 };      /* one of so many vertices */
 #define SHARES (sizeof shares / sizeof *shares)
 static const char *const kinds[PLANT_KINDS] = { "none", "organs", "splats", "impostor" };
-
-/* A pack of one model, built anew: its plant comes from the cache. */
-static enum eco_code pack_model(struct bench *bench, const struct bench_model *model, char pack[512],
-	struct eco_error *error)
-{
-	char scene[512];
-	snprintf(scene, sizeof scene, "%.400s/packs/alone-%.60s.json", bench->cache, model->name);
-	snprintf(pack, 512, "%.400s/packs/alone-%.60s.eco", bench->cache, model->name);
-	enum eco_code code = bench_command(bench, error, "mkdir -p '%s/packs'", bench->cache);
-	FILE *out = code ? NULL : fopen(scene, "wb");
-	if (!code && !out)
-		return eco_fail(error, ECO_IO, "%s cannot be written", scene);
-	if (!code) {
-		json_t *made = json_pack("{s:s, s:{s:{s:s}}, s:[{s:s, s:[i,i,i]}]}", "name", model->name,
-			"plants", "plant", "model", model->path, "instances", "plant", "plant", "at", 0, 0,
-			0);
-		json_dumpf(made, out, 0);
-		json_decref(made);
-		fclose(out);
-		code = bench_command(bench, error, "'%s/ecopack' make '%s' -o '%s' --quiet --cache "
-			"'%s/plants' --cache-mb 16384", bench->build, scene, pack, bench->cache);
-	}
-	return code;
-}
 
 static enum eco_code study(struct bench *bench, const char *name, const char *path, json_t **unit,
 	struct eco_error *error)
@@ -132,10 +108,12 @@ static enum eco_code study_all(struct bench *bench, const struct bench_model *mo
 		const char *name = model ? model->name : cards[i];
 		char pack[512];
 		json_t *unit;
-		if (model && !bench->full && seen[model->generated]++ >= QUICK)
+		if (model && !bench->full && seen[model->generated]++ >= QUICK) {
+			bench_left_out(bench, name);
 			continue;
+		}
 		bench_progress(bench, (double)i / (CARDS + count), name);
-		code = model ? pack_model(bench, model, pack, error) : bench_scene(bench, name, NULL, pack,
+		code = model ? bench_model_pack(bench, model, pack, error) : bench_scene(bench, name, NULL, pack,
 			error);
 		if (!code)
 			code = study(bench, name, pack, &unit, error);

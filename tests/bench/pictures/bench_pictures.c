@@ -234,7 +234,7 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 		"predicted Q,picture error,widest point px,ceiling,start vertices,start bytes,start Q,"
 		"start soft Q,start owner_q,start predicted Q,start picture error,start widest point px,"
 		"bytes ratio,picture error ratio", true);
-	enum eco_code code = bench_views_each(bench, scenes, study_view, s, error);
+	enum eco_code code = bench_views_each(bench, scenes, SIZE_MAX, study_view, s, error);
 	bench_table_close(s->table);
 	if (!code) {
 		write_keys(bench, s);

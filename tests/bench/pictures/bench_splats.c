@@ -331,7 +331,7 @@ static enum eco_code study_all(struct bench *bench, const struct bench_model *mo
 		json_t *result = NULL;
 		bool enough = group < GROUPS && !bench->full && sums[group].count == quick_plants[group];
 		if (enough)
-			bench_say(bench, "Left out without FULL=1: %s.", models[i].name);
+			bench_left_out(bench, models[i].name);
 		if (group == GROUPS || enough)
 			continue;
 		bench_progress(bench, (double)i / count, models[i].name);

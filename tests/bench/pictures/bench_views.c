@@ -23,8 +23,8 @@ static bool read_view(const json_t *item, struct bench_view *to, struct eco_erro
 		&view->fov_y_deg) && !eco_view_check(view, error);
 }
 
-enum eco_code bench_views_each(struct bench *bench, const json_t *scenes, bench_view_call *call, void *ctx,
-	struct eco_error *error)
+enum eco_code bench_views_each(struct bench *bench, const json_t *scenes, size_t quick, bench_view_call *call,
+	void *ctx, struct eco_error *error)
 {
 	enum eco_code code = ECO_OK;
 	size_t count = json_array_size(scenes);
@@ -33,6 +33,10 @@ enum eco_code bench_views_each(struct bench *bench, const json_t *scenes, bench_
 		char pack[512];
 		struct bench_view view = { .pack = pack,
 			.scene = json_string_value(json_object_get(item, "scene")) };
+		if (view.scene && !bench->full && i >= quick) {
+			bench_left_out(bench, view.scene);
+			continue;
+		}
 		if (!view.scene || !bench_shot_scene(bench, view.scene, pack, &code, error))
 			continue;
 		for (size_t c = 0; c < json_array_size(cameras) && !code; c++) {

@@ -2,7 +2,7 @@
  * and figures that are kept.
  *
  *   json_t *file; scenes = bench_views_load(&file, &error);
- *   bench_views_each(bench, scenes, study_view, ctx, &error);       every camera of every scene that is there
+ *   bench_views_each(bench, scenes, quick, study_view, ctx, &error);       every camera of every scene that is there
  *           bench_view_rows(bench, view, &shoot, &rows, &error);    within: its rows, made or recalled
  *   json_decref(file); */
 #ifndef TESTS_BENCH_VIEWS_H
@@ -16,10 +16,13 @@ struct bench_view { const char *scene, *camera, *pack; struct eco_view view; };
 /* Its array of scenes, borrowed from *file; NULL: an error. */
 const json_t *bench_views_load(json_t **file, struct eco_error *error);
 
+/* Scenes, the first of pictures.json, that sections with many budgets a view look at without FULL=1. */
+#define BENCH_VIEWS_QUICK 2u
 typedef enum eco_code bench_view_call(struct bench *bench, void *ctx, const struct bench_view *view,
 	struct eco_error *error);
-enum eco_code bench_views_each(struct bench *bench, const json_t *scenes, bench_view_call *call, void *ctx,
-	struct eco_error *error);
+/* `quick`: how many of the scenes the quick bench looks at. */
+enum eco_code bench_views_each(struct bench *bench, const json_t *scenes, size_t quick, bench_view_call *call,
+	void *ctx, struct eco_error *error);
 
 /* Stamp of its pack and camera. */
 void bench_view_stamp(const struct bench_view *view, char stamp[256]);

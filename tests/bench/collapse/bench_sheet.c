@@ -1,0 +1,285 @@
+/* Columns of `ecopack sheet` for what packs do not hold: leaf collapse (Hidalgo 2007) and billboard clouds
+ * (Kratt 2014), each beside ours at as many vertices. A row is a plant, seen as ecopack draws it; the cells of
+ * ours and full detail are ecopack's own. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/ecopack/chart.h"
+#include "ecofiles/ecopack/sheet.h"
+#include "ecofiles/base/phrase.h"
+#include "tests/bench/baseline/billboard_cloud.h"
+#include "tests/bench/bench_leaves.h"
+#include "tests/bench/bench_state.h"
+#include "tests/bench/collapse/bench_collapse_plant.h"
+#include "tests/bench/ladder/bench_savings.h"
+#include "tests/bench/pictures/bench_billboards_q.h"
+
+#define PIXELS 200u
+#define GAP 8.0
+#define HEAD 40.0
+#define CAPTION 20.0
+#define PLANTS 8u
+#define PLANTS_QUICK 2u
+
+/* Levels of leaf collapse by their share of the leaves' vertices, clouds by their cap. */
+static const struct { const char *title; double share; uint32_t cap; } columns[] = {
+	{ "leaf collapse 1/4", 1 / 4.0, 0 }, { "leaf collapse 1/16", 1 / 16.0, 0 },
+	{ "leaf collapse 1/64", 1 / 64.0, 0 }, { "166 billboards", 0, 166 }, { "33 billboards", 0, 33 } };
+#define COLUMNS (sizeof columns / sizeof *columns)
+#define CELLS (2 * COLUMNS)      /* theirs, ours */
+
+struct cell { uint64_t vertices; double q; };
+struct row {
+	struct bench *bench;
+	const char *name;
+	struct sheet_plant plant;
+	struct bench_leaves leaves;
+	struct lod_sights sights;    /* one, the sheet's */
+	struct bench_collapse_plant levels;
+	struct lod_billboard_plant *skeleton;
+	struct eco_chart *chart;
+	uint8_t rgb[3 * PIXELS * PIXELS];
+	struct cell cells[CELLS];
+};
+
+/* ---- Cells ---- */
+
+static void put(struct row *r, uint32_t place, const char *title, const struct cell *cell)
+{
+	char text[96], count[32];
+	struct eco_chart_style style = { .size = 12, .align = ECO_CHART_CENTER, .room = PIXELS };
+	double x = GAP + place * (PIXELS + GAP);
+	eco_phrase_count(cell->vertices, count);
+	eco_chart_pixels(r->chart, x, HEAD, PIXELS, PIXELS, r->rgb, false);
+	eco_chart_text(r->chart, x + PIXELS / 2.0, HEAD - 8, &style, title);
+	snprintf(text, sizeof text, "Q %.3f \xc2\xb7 %s", cell->q, count);
+	eco_chart_text(r->chart, x + PIXELS / 2.0, HEAD + PIXELS + 15, &style, text);
+}
+
+static enum eco_code draw_ours(struct row *r, uint32_t place, const char *title, uint64_t vertices,
+	struct cell *cell, struct eco_error *error)
+{
+	struct sheet_picture picture = { .rgb = r->rgb };
+	enum eco_code code = sheet_plant_draw(&r->plant, vertices, SHEET_NATURAL, &picture, error);
+	*cell = (struct cell){ picture.vertices, picture.q };
+	if (!code)
+		put(r, place, title, cell);
+	return code;
+}
+
+static double score(const struct row *r)
+{
+	struct lod_score score;
+	lod_score(&score, &(struct lod_score_input){ .width = PIXELS, .height = PIXELS,
+		.cover = r->leaves.ids.cover, .reference = r->plant.reference });
+	return score.q;
+}
+
+static struct cell draw_level(struct row *r, double share)
+{
+	const struct lod_foliage *f = &r->leaves.foliage;
+	uint64_t all = 0;
+	for (uint32_t i = 0; i < f->count; i++)
+		all += 3 * (f->first[i + 1] - f->first[i] - 2);
+	uint32_t *order = lod_arena_take(&r->leaves.arena, r->levels.leaves, sizeof *order);
+	uint32_t row = bench_collapse_row(&r->levels, 0, share * (double)all);
+	uint32_t count = bench_collapse_order(&r->levels, 0, row, order);
+	bench_leaves_ids(&r->leaves, &r->sights, 0,
+		&(struct lod_sights_drawing){ .order = order, .count = count, .scale = 1 });
+	for (size_t i = 0; i < (size_t)PIXELS * PIXELS; i++)
+		if (r->leaves.ids.cover[i])
+			bench_leaves_color(&r->leaves, i, r->rgb + 3 * i);
+	return (struct cell){ r->levels.vertices[0][row] + 3 * f->wood_count, score(r) };
+}
+
+static enum eco_code draw_cloud(struct row *r, uint32_t cap, struct cell *cell, struct eco_error *error)
+{
+	struct lod_raster *raster = &r->leaves.ids;
+	struct lod_billboard_cloud cloud;
+	enum eco_code code = lod_billboard_cloud_make(&cloud, r->skeleton,
+		&(struct lod_billboard_options){ .cap = cap }, error);
+	if (code)
+		return code;
+	lod_raster_clear(raster);
+	lod_raster_camera(raster, &r->plant.eye, r->plant.scene.near_m);
+	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
+	lod_billboard_cloud_draw(&cloud, 1, raster);
+	for (size_t i = 0; i < (size_t)PIXELS * PIXELS; i++)
+		if (raster->cover[i])
+			bench_billboards_color(&cloud.items[raster->item[i]].image, r->rgb + 3 * i);
+	*cell = (struct cell){ 6 * (uint64_t)cloud.count, score(r) };
+	lod_billboard_cloud_free(&cloud);
+	return ECO_OK;
+}
+
+static enum eco_code draw_column(struct row *r, uint32_t column, struct eco_error *error)
+{
+	struct cell *theirs = &r->cells[2 * column];
+	enum eco_code code = ECO_OK;
+	memset(r->rgb, 255, sizeof r->rgb);
+	if (columns[column].cap)
+		code = draw_cloud(r, columns[column].cap, theirs, error);
+	else
+		*theirs = draw_level(r, columns[column].share);
+	if (code)
+		return code;
+	put(r, 1 + 2 * column, columns[column].title, theirs);
+	return draw_ours(r, 2 + 2 * column, "ours", theirs->vertices, theirs + 1, error);
+}
+
+/* ---- A row ---- */
+
+/* What is drawn of leaves is drawn from where ecopack draws. */
+static enum eco_code look(struct row *r, struct eco_error *error)
+{
+	static const double any[1][3] = { { 1, 0, 0 } };
+	enum eco_code code = lod_sights_make(&r->sights, &r->leaves.foliage, any, 1, PIXELS,
+		&r->leaves.arena, error);
+	r->sights.eyes[0] = r->plant.eye;
+	r->sights.near_m = r->plant.scene.near_m;
+	return code;
+}
+
+static enum eco_code draw_row(struct row *r, struct eco_error *error)
+{
+	struct cell full;
+	char path[1024];
+	struct eco_chart_file file = { .bytes = NULL };
+	enum eco_code code = look(r, error);
+	if (!code)
+		code = draw_ours(r, 0, "full detail", ECO_VERTICES_MAX, &full, error);
+	bench_collapse_make(&r->levels, &r->leaves.foliage, &(struct bench_collapse_options){ .sectors = 0 },
+		&r->leaves.arena);
+	bench_collapse_extend(&r->levels, &r->leaves.foliage, &r->leaves.arena);
+	if (!code)
+		code = lod_billboard_plant_open(&r->skeleton, &r->leaves.model,
+			&(struct lod_billboard_options){ 0 }, error);
+	for (uint32_t i = 0; i < COLUMNS && !code; i++)
+		code = bench_stopped(r->bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
+			: draw_column(r, i, error);
+	eco_chart_text(r->chart, GAP, 15, &(struct eco_chart_style){ .size = 14, .bold = true }, r->name);
+	if (!code)
+		code = eco_chart_png(r->chart, &file, error);
+	snprintf(path, sizeof path, "%s/sheet-%s.png", r->bench->out, r->name);
+	if (!code)
+		code = bench_file_write(path, (const char *)file.bytes, file.size, error);
+	free(file.bytes);
+	lod_billboard_plant_close(r->skeleton);
+	return code;
+}
+
+static enum eco_code open_row(struct row *r, const struct bench_model *model, const struct eco_pack *pack,
+	struct eco_error *error)
+{
+	struct eco_model read;
+	enum eco_code code = sheet_plant_open(&r->plant, pack, 0, PIXELS, error);
+	if (code)
+		return code;
+	code = bench_model_read(r->bench, model, &read, error);
+	if (!code)
+		code = bench_leaves_open(&r->leaves, &read, PIXELS, error);
+	if (!code) {
+		code = eco_chart_new(&r->chart, (uint32_t)(GAP + (1 + CELLS) * (PIXELS + GAP)),
+			(uint32_t)(HEAD + PIXELS + CAPTION), error);
+		if (!code && setjmp(r->leaves.arena.failed))
+			code = eco_fail(error, ECO_NO_MEMORY, "no memory for %s", model->name);
+		else if (!code)
+			code = draw_row(r, error);
+		eco_chart_free(r->chart);
+		bench_leaves_close(&r->leaves);
+	}
+	sheet_plant_close(&r->plant);
+	return code;
+}
+
+static json_t *pack_cells(const struct cell *cells)
+{
+	json_t *kept = json_array();
+	for (size_t i = 0; i < CELLS; i++)
+		json_array_append_new(kept, json_pack("[f,f]", (double)cells[i].vertices, cells[i].q));
+	return kept;
+}
+
+static enum eco_code measure(struct bench *bench, const struct bench_model *model, json_t **kept,
+	struct eco_error *error)
+{
+	char unit[96], path[512], stamp[40];
+	struct eco_pack *pack;
+	enum eco_code code = bench_model_pack(bench, model, path, error);
+	if (code)
+		return code;
+	snprintf(unit, sizeof unit, "sheet-%s", model->name);
+	snprintf(stamp, sizeof stamp, "%016llx", (unsigned long long)bench_file_hash(path));
+	*kept = bench_recall(bench, unit, stamp);
+	if (*kept)
+		return ECO_OK;
+	struct row *r = calloc(1, sizeof *r);
+	if (!r)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a row of %s", model->name);
+	*r = (struct row){ .bench = bench, .name = model->name };
+	code = eco_pack_open(&pack, path, error);
+	if (!code) {
+		code = open_row(r, model, pack, error);
+		eco_pack_close(pack);
+	}
+	if (!code)
+		*kept = bench_keep(bench, unit, stamp, pack_cells(r->cells));
+	free(r);
+	return code;
+}
+
+/* ---- The section ---- */
+
+static double number(const json_t *kept, size_t cell, size_t i)
+{
+	return json_number_value(json_array_get(json_array_get(kept, cell), i));
+}
+
+static void write_row(struct bench *bench, struct bench_table *table, const char *name, const json_t *kept)
+{
+	char file[96];
+	for (size_t i = 0; i < COLUMNS; i++)
+		bench_table_row(table, "%s,%s,%.0f,%.3f,%.0f,%.3f", name, columns[i].title,
+			number(kept, 2 * i, 0), number(kept, 2 * i, 1), number(kept, 2 * i + 1, 0),
+			number(kept, 2 * i + 1, 1));
+	snprintf(file, sizeof file, "sheet-%s.png", name);
+	bench_picture(bench, file, "full detail; leaf collapse and billboard clouds, each beside ours at as "
+		"many vertices");
+}
+
+static enum eco_code run(struct bench *bench, struct eco_error *error)
+{
+	struct bench_model *models = NULL;
+	uint32_t count = 0, done = 0, most = bench->full ? PLANTS : PLANTS_QUICK;
+	enum eco_code code = bench_models(bench, &models, &count, error);
+	struct bench_table *table = bench_table_open(bench, "sheet",
+		"plant,column,vertices,Q,vertices of ours,Q of ours", true);
+	for (uint32_t i = 0; i < count && done < PLANTS && !code; i++) {
+		json_t *kept;
+		if (models[i].leaves < BENCH_ELEMENTS_LEAST || (models[i].generated && bench->data))
+			continue;
+		if (done == most) {
+			bench_left_out(bench, models[i].name);
+			continue;
+		}
+		bench_progress(bench, (double)done / most, models[i].name);
+		code = measure(bench, &models[i], &kept, error);
+		if (!code)
+			write_row(bench, table, models[i].name, kept);
+		done += !code;
+	}
+	bench_table_close(table);
+	free(models);
+	if (!code)
+		bench_say(bench, "The %u plants with the fewest leaves (%u or more), as `ecopack sheet` shows "
+			"them, one view, %u pixels. Wood is whole under leaf collapse and counts; ours may draw "
+			"as much. Billboards stand in their mean colours. Packs hold neither, as neither is best "
+			"anywhere (lod/EXPERIMENTS.md, Leaf collapse, Billboard clouds).", done,
+			BENCH_ELEMENTS_LEAST, PIXELS);
+	return code;
+}
+
+const struct bench_section bench_sheet = { "sheet", "Leaf collapse and billboard clouds beside ours", run,
+	.objects = BENCH_OBJECTS_PLANTS "tests/bench/collapse/bench_sheet.o "
+	"tests/bench/collapse/bench_collapse_plant.o" };
