@@ -5,7 +5,9 @@
 set -eu
 OUT=${OUT:-build/broken}
 WORD=${1:-}
-LOG=$PWD/$OUT.log
+mkdir -p "$OUT"
+OUT=$(cd "$OUT" && pwd)
+LOG=$OUT/build/broken.log
 
 # what is broken @ test @ file @ the change, as a script for sed
 table() {
@@ -67,7 +69,7 @@ try() {
 	case $result in found*) ;; *) missed=$((missed + 1)) ;; esac
 }
 
-mkdir -p "$OUT"
+mkdir -p "$OUT/build"
 git ls-files -z | xargs -0 cp -pu --parents -t "$OUT"
 LINES=$(table | grep -F -e "$WORD" || true)
 [ -n "$LINES" ] || { echo "no line of the table has $WORD" >&2; exit 2; }

@@ -16,6 +16,7 @@
 #include "tests/bench/pictures/bench_billboards_q.h"
 
 #define PIXELS 200u
+#define BACKGROUND 236           /* as ecopack has it */
 #define GAP 8.0
 #define HEAD 40.0
 #define CAPTION 20.0
@@ -117,7 +118,7 @@ static enum eco_code draw_column(struct row *r, uint32_t column, struct eco_erro
 {
 	struct cell *theirs = &r->cells[2 * column];
 	enum eco_code code = ECO_OK;
-	memset(r->rgb, 255, sizeof r->rgb);
+	memset(r->rgb, BACKGROUND, sizeof r->rgb);
 	if (columns[column].cap)
 		code = draw_cloud(r, columns[column].cap, theirs, error);
 	else
