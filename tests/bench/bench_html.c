@@ -97,7 +97,7 @@ static void print_names(FILE *out, const char *columns, const char *row)
 	}
 }
 
-#define ROWS_OPEN 24u            /* longer tables are folded */
+#define ROWS_OPEN 32u            /* longer tables are folded */
 
 static void print_table(FILE *out, const json_t *item)
 {

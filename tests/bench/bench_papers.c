@@ -59,9 +59,12 @@ static uint32_t print_matches(FILE *out, const json_t *record, const char *patte
 	return found;
 }
 
-static void print_absent(FILE *out, const char *section)
+/* A quick run that ended may leave it out. */
+static void print_absent(FILE *out, const char *section, const json_t *record)
 {
-	fputs("<p class=\"note\">Not run yet: <code>make bench ONLY=", out);
+	bool quick = !strcmp(word(record, "state"), "done") && !json_is_true(json_object_get(record, "full"));
+	fprintf(out, "<p class=\"note\">%s: <code>make bench %sONLY=", quick ? "Left out of quick runs"
+		: "Not run yet", quick ? "FULL=1 " : "");
 	bench_html_text(out, section);
 	fputs("</code></p>\n", out);
 }
@@ -83,7 +86,7 @@ static void print_entry(FILE *out, const json_t *entry, const json_t *records, u
 		*missing += whole && !of_name;
 	}
 	if (!found)
-		print_absent(out, section);
+		print_absent(out, section, record);
 	fputs("<p><strong>Why they differ.</strong> ", out);
 	bench_html_text(out, word(entry, "why"));
 	fputs(" <a class=\"soft\" href=\"report.html#", out);

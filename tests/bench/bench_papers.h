@@ -12,9 +12,9 @@
 
 #include "tests/bench/bench.h"
 
-/* Written to OUT/papers.html from `papers` and the records that there are. An entry whose section has not
- * been run says what to run. Sets *missing to the number of names that match nothing in a record of a full
- * run to its end. */
+/* Written to OUT/papers.html from `papers` and the records that there are. An entry of which nothing is there
+ * says what to run. Sets *missing to the number of names that match nothing in a record of a full run to its
+ * end. */
 enum eco_code bench_papers_write(const struct bench *bench, const json_t *papers, const json_t *records,
 	uint32_t *missing, struct eco_error *error);
 

@@ -82,6 +82,14 @@ UNIT_TEST(a_section_that_was_not_run_is_named)
 	assert_non_null(strstr(page, "Other trees"));
 }
 
+UNIT_TEST(what_quick_runs_leave_out_is_told_from_what_was_not_run)
+{
+	write_page(ENTRY("[\"gone\"]"), "[{\"name\":\"lee\",\"state\":\"done\",\"full\":false,\"items\":[]}]");
+	assert_non_null(strstr(page, "Left out of quick runs: <code>make bench FULL=1 ONLY=lee"));
+	write_page(ENTRY("[\"gone\"]"), "[{\"name\":\"lee\",\"state\":\"failed\",\"full\":false,\"items\":[]}]");
+	assert_non_null(strstr(page, "Not run yet: <code>make bench ONLY=lee"));
+}
+
 UNIT_TEST(a_name_that_a_whole_section_has_not_is_counted)
 {
 	assert_int_equal(write_page(ENTRY("[\"wrong\", \"gone\"]"), RECORD), 1);
