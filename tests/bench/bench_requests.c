@@ -7,7 +7,7 @@
 static const char *const scenes[] = { "park", "forest", "nested", "meadow", "tree" };
 #define SCENES (sizeof scenes / sizeof *scenes)
 #define BLOCK 2000u              /* requests of one unit */
-#define BLOCKS_QUICK 2u          /* a scene */
+#define BLOCKS_QUICK 1u          /* a scene */
 #define BLOCKS_FULL 10u
 
 static const char *const kinds[] = { "vertices", "bytes", "twice", "same", "rises", "unused", "whole",

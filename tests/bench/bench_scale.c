@@ -14,7 +14,7 @@
 #include "tests/bench/bench.h"
 
 #define MODELS 8u
-#define MODELS_QUICK 3u
+#define MODELS_QUICK 2u
 #define LAMBDAS 10u
 #define ELEMENTS_LEAST 500u
 /* not those of the curves: other heights, turned by an angle of a 3-4-5 triangle */

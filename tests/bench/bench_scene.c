@@ -37,8 +37,8 @@ static const struct scene { const char *name; enum origin origin; const char *ki
 	{ "park", GENERATED, "park", 60, 1, BENCH_ALL_ORDERS },
 	{ "city", GENERATED, "city", 4000, 1, BENCH_FULL_ONLY },
 	{ "cards-1", CARDS, NULL, 1, 1, BENCH_ONE_ORDER },
-	{ "cards-2", CARDS, NULL, 1, 1, BENCH_ONE_ORDER },
-	{ "cards-3", CARDS, NULL, 1, 1, BENCH_ONE_ORDER },
+	{ "cards-2", CARDS, NULL, 1, 1, BENCH_FULL_ONLY },
+	{ "cards-3", CARDS, NULL, 1, 1, BENCH_FULL_ONLY },
 	{ "scbi", SCBI, NULL, 0, 1, BENCH_FULL_ONLY } };
 #define SCENES (sizeof scenes / sizeof *scenes)
 const char *const bench_scene_names[] = { "crown", "trees640", "palms", "outdoor", "sunflowers", "trees1276",

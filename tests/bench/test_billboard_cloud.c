@@ -132,12 +132,16 @@ UNIT_TEST(distance_is_to_the_rectangle_and_not_to_its_plane)
 
 UNIT_TEST(a_face_is_valid_if_every_corner_is_within_epsilon)
 {
+	const struct lod_v3 corner[3] = { O, X, { 0, 1, 0.2 } };
 	struct billboard_validity v;
-	struct billboard_face face = face_of(O, X, (struct lod_v3){ 0, 1, 0.2 });
-	billboard_face_judge(&v, &face, &flat, 1, 0.2 + 1e-9);
-	assert_true(v.valid && near(v.projected, 0.5));
-	billboard_face_judge(&v, &face, &flat, 1, 0.2 - 1e-9);
-	assert_true(!v.valid && near(v.projected, 0.5));
+	struct billboard_face face;
+	for (int k = 0; k < 3; k++) {        /* whichever corner it is */
+		face = face_of(corner[k], corner[(k + 1) % 3], corner[(k + 2) % 3]);
+		billboard_face_judge(&v, &face, &flat, 1, 0.2 + 1e-9);
+		assert_true(v.valid && near(v.projected, 0.5));
+		billboard_face_judge(&v, &face, &flat, 1, 0.2 - 1e-9);
+		assert_true(!v.valid && near(v.projected, 0.5));
+	}
 	billboard_face_judge(&v, &face, NULL, 0, 9);
 	assert_true(!v.valid && near(v.projected, 0));
 }

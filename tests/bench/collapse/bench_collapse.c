@@ -15,7 +15,7 @@
 #include "tests/bench/collapse/bench_collapse_draw.h"
 #include "tests/bench/collapse/bench_collapse_q.h"
 
-#define READ_QUICK 4u
+#define READ_QUICK 3u
 #define MADE_QUICK 1u
 #define CHAIN_LEAVES 10u
 #define CROWN_RADIUS 5.0

@@ -28,7 +28,7 @@
 #define SAME_SIZE (1 / 16.0)
 #define SWITCH_MOST 0.05         /* of like plants */
 #define VIEWS 2u                 /* starts along a scene's path */
-#define PAIRS_QUICK 4u           /* of frames, a start */
+#define PAIRS_QUICK 2u           /* of frames, a start */
 #define PAIRS_FULL 12u
 #define NEARER 0.997             /* a frame: half the distance in eight seconds of thirty frames */
 #define TURN_RAD 0.003           /* a frame: ten degrees in two seconds */

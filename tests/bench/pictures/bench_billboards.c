@@ -13,7 +13,7 @@
 
 #define POINT_NUMBERS 15u
 #define PLANTS_MOST 8u
-#define PLANTS_QUICK 2u
+#define PLANTS_QUICK 1u
 
 /* ---- Kept ---- */
 

@@ -17,7 +17,7 @@ struct bench_view { const char *scene, *camera, *pack; struct eco_view view; };
 const json_t *bench_views_load(json_t **file, struct eco_error *error);
 
 /* Scenes, the first of pictures.json, that sections with many budgets a view look at without FULL=1. */
-#define BENCH_VIEWS_QUICK 2u
+#define BENCH_VIEWS_QUICK 1u
 typedef enum eco_code bench_view_call(struct bench *bench, void *ctx, const struct bench_view *view,
 	struct eco_error *error);
 /* `quick`: how many of the scenes the quick bench looks at. */
