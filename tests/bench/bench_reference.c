@@ -18,7 +18,8 @@ struct part { void *bytes; size_t size; };
 static uint32_t parts_of(const struct view_picture *p, struct part parts[PARTS])
 {
 	size_t n = (size_t)p->width * p->height;
-	const struct part all[PARTS] = { { p->rgb, 3 * n }, { p->cover, n }, { p->owner, n * sizeof *p->owner },
+	const struct part all[PARTS] = { { p->rgb, 3 * n }, { p->cover, n },
+		{ p->owner, n * sizeof *p->owner },
 		{ p->depth, n * sizeof *p->depth }, { p->surface, n * sizeof *p->surface }, { p->soft, n } };
 	memcpy(parts, all, sizeof all);
 	return p->soft ? PARTS : PARTS - 1;
@@ -131,7 +132,8 @@ static bool take_apart(struct bench_reference *reference, const uint8_t *bytes, 
 	memcpy(&head, bytes, sizeof head);
 	bool fits = head.magic == MAGIC && head.width && head.width <= UINT16_MAX && head.height
 		&& head.height <= UINT16_MAX && head.width * head.height < size;
-	if (!fits || view_picture_init(&reference->picture, (uint32_t)head.width, (uint32_t)head.height, NULL))
+	if (!fits || view_picture_init(&reference->picture, (uint32_t)head.width, (uint32_t)head.height,
+			NULL))
 		return false;
 	reference->ceiling = head.ceiling;
 	reference->summaries = (uint32_t)head.summaries;

@@ -23,8 +23,8 @@ extern const struct bench_method bench_methods[BENCH_METHODS];
 
 /* False where the quick bench leaves the scene out (bench_scene_quick): the report says so. */
 bool bench_scene_asked(struct bench *bench, const char *scene);
-/* False, too, where the scene needs data that is not there: the report says so, and it is no error. Else *code
- * is that of making its pack. */
+/* False, too, where the scene needs data that is not there: the report says so, and it is no error. Else
+ * *code is that of making its pack. */
 bool bench_shot_scene(struct bench *bench, const char *scene, char pack[512], enum eco_code *code,
 	struct eco_error *error);
 

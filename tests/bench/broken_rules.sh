@@ -1,7 +1,8 @@
 #!/bin/sh
-# Breaks each rule, weight and order of the papers in turn, and runs the test that should find it: broken_rules.sh [WORD] tries the lines
-# of the table that hold WORD, all of them without. It works in a copy of the tree, OUT (build/broken if not set), and ends with 1 if a
-# change is not found, or if its line of code is no longer there.
+# Breaks each rule, weight and order of the papers in turn, and runs the test that should find it:
+# broken_rules.sh [WORD] tries the lines of the table that hold WORD, all of them without. It works in a copy
+# of the tree, OUT (build/broken if not set), and ends with 1 if a change is not found, or if its line of code
+# is no longer there.
 set -eu
 OUT=${OUT:-build/broken}
 WORD=${1:-}
@@ -9,41 +10,53 @@ mkdir -p "$OUT"
 OUT=$(cd "$OUT" && pwd)
 LOG=$OUT/build/broken.log
 
-# what is broken @ test @ file @ the change, as a script for sed
+# @ test file, then for each change there: what is broken @ the change, as a script for sed
 table() {
 	cat <<'TABLE'
-Deussen: points by 1 / d', not its square @ test_rules @ tests/bench/baseline/paper_deussen.c @ s,/ (2 \* r \* r) / (d \* d),/ (2 * r * r) / d,
-Deussen: splats without c_p @ test_rules @ tests/bench/baseline/paper_deussen.c @ s,return splat_factor \* 2 \* k / p,return 2 * k / p,
-Deussen: a blend of half the triangles @ test_rules @ tests/bench/baseline/paper_deussen.c @ s,(uint32_t)(asked - 2 \* (uint64_t)k),&/2,
-Deussen: lines whatever the distance @ test_rules @ tests/bench/baseline/paper_deussen.c @ s,return width / (r \* d),return width / d + 0 * r,
-Deussen: importance is 1 @ test_importance @ lod/plan/planner_deussen.c @ s,double importance = .*,double importance = 1;,
-ours: importance is 1 @ test_importance @ lod/plan/allocation_weights.c @ s,return ladder->importance > 0 .*,return ladder->importance > 0 ? 1 : 1;,
-Cook: lambda by distance, not its square @ test_rules @ tests/bench/baseline/paper_cook.c @ s,fmax(LAMBDA_LEAST\, x \* x),fmax(LAMBDA_LEAST\, x),
-Cook: leaves keep their size @ test_cook @ tests/bench/baseline/cook.c @ s,return kept ? (double)count / kept : 0,return kept ? 1 + 0 * count : 0,
-Cook: no correction for depth @ test_cook @ tests/bench/baseline/cook.c @ s,if (kept == 0 || kept >= count || !(share > 0),if (kept <= count || !(share > 0),
-Cook: contrast without the root @ test_cook @ tests/bench/baseline/cook.c @ s,return sqrt(after / before),return after / before,
-Neubert: lambda_opt is Cook's lambda @ test_rules @ tests/bench/baseline/paper_tables.c @ s,return fmin(found\, lambda),return fmin(2 * found\, lambda),
-Neubert: hidden plants keep nothing @ test_rules @ tests/bench/baseline/paper_sight.c @ s,return fmax(f\, LEAST),return fmax(f\, 0),
-Neubert: no hysteresis @ test_rules @ tests/bench/baseline/paper_sight.c @ s,>= PAPER_SIGHT_HYSTERESIS,>= 0,
-Neubert: no smoothing in time @ test_rules @ tests/bench/baseline/paper_sight.c @ s,+= SMOOTHING \* (,+= (,
-Neubert: dense regions last @ test_order @ lod/build/order/order.c @ s,even / (survival\[i\] \* u),even * survival[i] / u,
-Neubert: what faces across survives @ test_order @ lod/build/order/order.c @ s,return 1 - lod_arc_cosine,return lod_arc_cosine,
-Neubert: combined is orientation alone @ test_order @ lod/build/order/order.c @ s,survival\[i\] \* survival\[i\] + density\[i\],survival[i] * survival[i] + 0 * density[i],
-greedy: wrong pixels cost nothing @ test_rank @ lod/build/order/rank.c @ s,- r->weights.wrong \* gain->wrong,- 0 * gain->wrong,
-greedy: a second layer is the first @ test_rank @ lod/build/order/rank.c @ s,+ r->weights.second \* gain->second,+ r->weights.right * gain->second,
-Lee: the farthest first @ test_lee @ tests/bench/baseline/lee.c @ s,? lod_v3_dot(d\, d),? -lod_v3_dot(d\, d),
-Lee: what faces away first @ test_lee @ tests/bench/baseline/lee.c @ s,: -facing(&groups\[i\],: facing(\&groups[i],
-Lee: layers of one weight @ test_lee @ tests/bench/baseline/lee.c @ s,weight += layers - layer,weight += (layers + 1) / 2,
-Lee: no normals inside a layer @ test_lee @ tests/bench/baseline/lee.c @ s,lod_sort_key(-facing(&groups\[i\]\, view->eye))\, i };,i\, i };,
-Hidalgo: distance costs nothing @ test_leaf_collapse @ tests/bench/baseline/leaf_collapse_quad.c @ s,weight\[LOD_COLLAPSE_DISTANCE\],0,
-Hidalgo: angle costs nothing @ test_leaf_collapse @ tests/bench/baseline/leaf_collapse_quad.c @ s,weight\[LOD_COLLAPSE_ANGLE\],0,
-Hidalgo: numbers of leaves cost nothing @ test_leaf_collapse @ tests/bench/baseline/leaf_collapse_quad.c @ s,weight\[LOD_COLLAPSE_LEAVES\],0,
-Hidalgo: area costs nothing @ test_leaf_collapse @ tests/bench/baseline/leaf_collapse_quad.c @ s,weight\[LOD_COLLAPSE_AREA\],0,
-Hidalgo: interiority costs nothing @ test_leaf_collapse @ tests/bench/baseline/leaf_collapse_quad.c @ s,weight\[LOD_COLLAPSE_INTERIORITY\],0,
-Hidalgo: the quad has both leaves' area @ test_leaf_collapse @ tests/bench/baseline/leaf_collapse_quad.c @ s,(one->area + two->area + enclosing) / 2,one->area + two->area,
-Kratt: invalid faces cost nothing @ test_billboard_cloud @ tests/bench/baseline/billboard_quality.c @ s,\*(v.valid ? &sum->valid : &sum->invalid) +=,sum->valid +=,
-Kratt: one corner within epsilon is enough @ test_billboard_cloud @ tests/bench/baseline/billboard_quality.c @ s,result->valid = false,result->valid = k == 0 \&\& result->valid,
-Kratt: dense parts are not hidden @ test_billboard_cloud @ tests/bench/baseline/billboard_quality.c @ s,return density < most ? 1 - density / most : 0,return 1,
+@ test_rules tests/bench/baseline/paper_deussen.c
+Deussen: points by 1 / d', not its square @ s,/ (2 \* r \* r) / (d \* d),/ (2 * r * r) / d,
+Deussen: splats without c_p @ s,return splat_factor \* 2 \* k / p,return 2 * k / p,
+Deussen: a blend of half the triangles @ s,(uint32_t)(asked - 2 \* (uint64_t)k),&/2,
+Deussen: lines whatever the distance @ s,return width / (r \* d),return width / d + 0 * r,
+@ test_importance lod/plan/planner_deussen.c
+Deussen: importance is 1 @ s,double importance = .*,double importance = 1;,
+@ test_importance lod/plan/allocation_weights.c
+ours: importance is 1 @ s,return ladder->importance > 0 .*,return ladder->importance > 0 ? 1 : 1;,
+@ test_rules tests/bench/baseline/paper_cook.c
+Cook: lambda by distance, not its square @ s,fmax(LAMBDA_LEAST\, x \* x),fmax(LAMBDA_LEAST\, x),
+@ test_cook tests/bench/baseline/cook.c
+Cook: leaves keep their size @ s,return kept ? (double)count / kept : 0,return kept ? 1 + 0 * count : 0,
+Cook: no correction for depth @ /!(share > 0)/s,if (kept == 0,if (kept <= count,
+Cook: contrast without the root @ s,return sqrt(after / before),return after / before,
+@ test_rules tests/bench/baseline/paper_tables.c
+Neubert: lambda_opt is Cook's lambda @ s,return fmin(found\, lambda),return fmin(2 * found\, lambda),
+@ test_rules tests/bench/baseline/paper_sight.c
+Neubert: hidden plants keep nothing @ s,return fmax(f\, LEAST),return fmax(f\, 0),
+Neubert: no hysteresis @ s,>= PAPER_SIGHT_HYSTERESIS,>= 0,
+Neubert: no smoothing in time @ s,+= SMOOTHING \* (,+= (,
+@ test_order lod/build/order/order.c
+Neubert: dense regions last @ s,even / (survival\[i\] \* u),even * survival[i] / u,
+Neubert: what faces across survives @ s,return 1 - lod_arc_cosine,return lod_arc_cosine,
+Neubert: combined is orientation alone @ s,survival\[i\] + density\[i\],survival[i] + 0 * density[i],
+@ test_rank lod/build/order/rank.c
+greedy: wrong pixels cost nothing @ s,- r->weights.wrong \* gain->wrong,- 0 * gain->wrong,
+greedy: a second layer is the first @ s,+ r->weights.second \* gain->second,+ r->weights.right * gain->second,
+@ test_lee tests/bench/baseline/lee.c
+Lee: the farthest first @ s,? lod_v3_dot(d\, d),? -lod_v3_dot(d\, d),
+Lee: what faces away first @ s,: -facing(&groups\[i\],: facing(\&groups[i],
+Lee: layers of one weight @ s,weight += layers - layer,weight += (layers + 1) / 2,
+Lee: no normals inside a layer @ s,lod_sort_key(-facing(&groups\[i\]\, view->eye))\, i };,i\, i };,
+@ test_leaf_collapse tests/bench/baseline/leaf_collapse_quad.c
+Hidalgo: distance costs nothing @ s,weight\[LOD_COLLAPSE_DISTANCE\],0,
+Hidalgo: angle costs nothing @ s,weight\[LOD_COLLAPSE_ANGLE\],0,
+Hidalgo: numbers of leaves cost nothing @ s,weight\[LOD_COLLAPSE_LEAVES\],0,
+Hidalgo: area costs nothing @ s,weight\[LOD_COLLAPSE_AREA\],0,
+Hidalgo: interiority costs nothing @ s,weight\[LOD_COLLAPSE_INTERIORITY\],0,
+Hidalgo: the quad has both leaves' area @ s,(one->area + two->area + enclosing) / 2,one->area + two->area,
+@ test_billboard_cloud tests/bench/baseline/billboard_quality.c
+Kratt: invalid faces cost nothing @ s,\*(v.valid ? &sum->valid : &sum->invalid) +=,sum->valid +=,
+Kratt: the first corner may be far @ s,result->valid = false,result->valid = k == 0 \&\& result->valid,
+Kratt: dense parts are not hidden @ s,return density < most ? 1 - density / most : 0,return 1,
 TABLE
 }
 
@@ -61,7 +74,8 @@ try() {
 	elif run_test "$2"; then
 		result="NOT FOUND by $2"
 	else
-		result="found by $2: $(sed -n 's/^\[  FAILED  \] \([a-z_0-9]*\)$/\1/p' "$LOG" | sort -u | head -1)"
+		name=$(sed -n 's/^\[  FAILED  \] \([a-z_0-9]*\)$/\1/p' "$LOG" | sort -u | head -1)
+		result="found by $2: $name"
 	fi
 	mv "$OUT/$3.whole" "$OUT/$3"
 	touch "$OUT/$3"
@@ -71,14 +85,14 @@ try() {
 
 mkdir -p "$OUT/build"
 git ls-files -z | xargs -0 cp -pu --parents -t "$OUT"
-LINES=$(table | grep -F -e "$WORD" || true)
+LINES=$(table | awk -v word="$WORD" '/^@/ { at = $2 "@" $3; next } index($0, word) { print at "@" $0 }')
 [ -n "$LINES" ] || { echo "no line of the table has $WORD" >&2; exit 2; }
-for test in $(echo "$LINES" | awk -F ' @ ' '{ print $2 }' | sort -u); do
+for test in $(echo "$LINES" | cut -d @ -f 1 | sort -u); do
 	make_test "$test" && run_test "$test" || { echo "$test fails as it is: $LOG" >&2; exit 1; }
 done
 count=0 missed=0
-while IFS='@' read -r what test file change; do
-	try "${what% }" "$(echo $test)" "$(echo $file)" "${change# }"
+while IFS='@' read -r test file what change; do
+	try "${what% }" "$test" "$file" "${change# }"
 	count=$((count + 1))
 done <<LINES
 $LINES

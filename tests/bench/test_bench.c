@@ -276,8 +276,9 @@ UNIT_TEST_BETWEEN(test_the_list_tells_time_of_all_work_and_of_the_longest_piece,
 {
 	char row[80];
 	assert_int_equal(RUN("--only", "tiny"), 0);
-	assert_int_equal(system("cd " ROOT "/out/cache/units && sed -i 's/\"cpu_s\":[0-9.e+-]*/\"cpu_s\":7/' *.json"
-		" && f=$(ls | head -1) && sed -i 's/\"cpu_s\":7/\"cpu_s\":30/' \"$f\""), 0);
+	assert_int_equal(system("cd " ROOT "/out/cache/units && "
+		"sed -i 's/\"cpu_s\":[0-9.e+-]*/\"cpu_s\":7/' *.json && f=$(ls | head -1) && "
+		"sed -i 's/\"cpu_s\":7/\"cpu_s\":30/' \"$f\""), 0);
 	assert_int_equal(RUN("--only", "tiny"), 0);
 	assert_int_equal(lines_of("work.log"), UNITS);
 	assert_int_equal(RUN("--list"), 0);

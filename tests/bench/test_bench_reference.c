@@ -99,7 +99,8 @@ UNIT_TEST(damaged_and_missing_ones_are_none)
 	view_picture_free(&kept.picture);
 }
 
-/* Another content, view or kind of counts is another picture; a pack that bench_scene did not build has none. */
+/* Another content, view or kind of counts is another picture; a pack that bench_scene did not build has
+ * none. */
 UNIT_TEST(names_follow_from_content_view_and_counts)
 {
 	char path[5][BENCH_REFERENCE_PATH];

@@ -84,9 +84,11 @@ UNIT_TEST(a_section_that_was_not_run_is_named)
 
 UNIT_TEST(what_quick_runs_leave_out_is_told_from_what_was_not_run)
 {
-	write_page(ENTRY("[\"gone\"]"), "[{\"name\":\"lee\",\"state\":\"done\",\"full\":false,\"items\":[]}]");
+	write_page(ENTRY("[\"gone\"]"),
+		"[{\"name\":\"lee\",\"state\":\"done\",\"full\":false,\"items\":[]}]");
 	assert_non_null(strstr(page, "Left out of quick runs: <code>make bench FULL=1 ONLY=lee"));
-	write_page(ENTRY("[\"gone\"]"), "[{\"name\":\"lee\",\"state\":\"failed\",\"full\":false,\"items\":[]}]");
+	write_page(ENTRY("[\"gone\"]"),
+		"[{\"name\":\"lee\",\"state\":\"failed\",\"full\":false,\"items\":[]}]");
 	assert_non_null(strstr(page, "Not run yet: <code>make bench ONLY=lee"));
 }
 

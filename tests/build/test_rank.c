@@ -209,7 +209,8 @@ static void stack_leaves(struct lod_foliage *f, uint32_t n)
 		f->area[i] *= 0.36;
 		for (uint32_t c = f->first[i]; c < f->first[i + 1]; c++) {
 			struct lod_v3 p = lod_v3_mix(f->center[i], lod_v3_of(f->corner[c]), 0.6);
-			f->corner[c][0] = (float)p.x, f->corner[c][1] = (float)p.y, f->corner[c][2] = (float)p.z;
+			f->corner[c][0] = (float)p.x, f->corner[c][1] = (float)p.y;
+			f->corner[c][2] = (float)p.z;
 		}
 	}
 }

@@ -1,6 +1,6 @@
 /* Columns of `ecopack sheet` for what packs do not hold: leaf collapse (Hidalgo 2007) and billboard clouds
- * (Kratt 2014), each beside ours at as many vertices. A row is a plant, seen as ecopack draws it; the cells of
- * ours and full detail are ecopack's own. */
+ * (Kratt 2014), each beside ours at as many vertices. A row is a plant, seen as ecopack draws it; the cells
+ * of ours and full detail are ecopack's own. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -273,11 +273,11 @@ static enum eco_code run(struct bench *bench, struct eco_error *error)
 	bench_table_close(table);
 	free(models);
 	if (!code)
-		bench_say(bench, "The %u plants with the fewest leaves (%u or more), as `ecopack sheet` shows "
-			"them, one view, %u pixels. Wood is whole under leaf collapse and counts; ours may draw "
-			"as much. Billboards stand in their mean colours. Packs hold neither, as neither is best "
-			"anywhere (lod/EXPERIMENTS.md, Leaf collapse, Billboard clouds).", done,
-			BENCH_ELEMENTS_LEAST, PIXELS);
+		bench_say(bench, "The %u plants with the fewest leaves (%u or more), as `ecopack sheet` "
+			"shows them, one view, %u pixels. Wood is whole under leaf collapse and counts; ours "
+			"may draw as much. Billboards stand in their mean colours. Packs hold neither, as "
+			"neither is best anywhere (lod/EXPERIMENTS.md, Leaf collapse, Billboard clouds).",
+			done, BENCH_ELEMENTS_LEAST, PIXELS);
 	return code;
 }
 

@@ -1,5 +1,5 @@
-/* A large scene of billboard clouds (Kratt 2014, figure 4, right): one plant as many times as fit into a view,
- * turned and scaled at random, each with the cloud of its distance. */
+/* A large scene of billboard clouds (Kratt 2014, figure 4, right): one plant as many times as fit into a
+ * view, turned and scaled at random, each with the cloud of its distance. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,7 @@
  * and figures that are kept.
  *
  *   json_t *file; scenes = bench_views_load(&file, &error);
- *   bench_views_each(bench, scenes, quick, study_view, ctx, &error);       every camera of every scene that is there
+ *   bench_views_each(bench, scenes, quick, study_view, ctx, &error);    every camera of scenes that are there
  *           bench_view_rows(bench, view, &shoot, &rows, &error);    within: its rows, made or recalled
  *   json_decref(file); */
 #ifndef TESTS_BENCH_VIEWS_H
