@@ -20,13 +20,19 @@ static size_t palette_bytes(const struct eco_list *list)
 	return (size_t)list->palette_count * 3;
 }
 
+static size_t group_bytes(const struct eco_list *list)
+{
+	return list->group_count * sizeof(struct eco_group);
+}
+
 uint64_t view_list_bytes(const struct eco_list *list)
 {
-	return sizeof(struct view_list) + palette_bytes(list)
+	return sizeof(struct view_list) + palette_bytes(list) + group_bytes(list)
 		+ (uint64_t)list->chunk_count * sizeof(struct view_mark);
 }
 
-struct view_list *view_list_new(uint32_t id, const struct eco_list *record, const uint8_t (*palette)[3])
+struct view_list *view_list_new(uint32_t id, const struct eco_list *record, const uint8_t (*palette)[3],
+	const struct eco_group *groups)
 {
 	struct view_list *list = calloc(1, sizeof *list);
 	if (!list)
@@ -35,13 +41,16 @@ struct view_list *view_list_new(uint32_t id, const struct eco_list *record, cons
 	list->list = *record;
 	list->bytes = view_list_bytes(record);
 	list->palette = malloc(palette_bytes(record) + 1);
+	list->groups = malloc(group_bytes(record) + 1);
 	list->marks = calloc((size_t)record->chunk_count + 1, sizeof *list->marks);
-	if (!list->palette || !list->marks) {
+	if (!list->palette || !list->groups || !list->marks) {
 		view_list_free(list);
 		return NULL;
 	}
 	if (palette_bytes(record))
 		memcpy(list->palette, palette, palette_bytes(record));
+	if (record->group_count)
+		memcpy(list->groups, groups, group_bytes(record));
 	return list;
 }
 
@@ -59,6 +68,7 @@ void view_list_free(struct view_list *list)
 	free(list->impostors);
 	free(list->marks);
 	free(list->palette);
+	free(list->groups);
 	free(list);
 }
 

@@ -27,6 +27,7 @@ struct view_list {                       /* stays where it is until its last chu
 	uint32_t id;
 	struct eco_list list;            /* as the stream described it */
 	uint8_t (*palette)[3];           /* list.palette_count colours, sRGB */
+	struct eco_group *groups;        /* list.group_count */
 	uint32_t chunk_count;            /* chunks held: a prefix */
 	uint32_t served;                 /* chunks that the server believes to be held: at least those */
 	struct view_mark *marks;         /* one per chunk; those served are set */
@@ -45,8 +46,9 @@ struct view_list {                       /* stays where it is until its last chu
 
 /* What a list that is described and holds nothing takes. */
 uint64_t view_list_bytes(const struct eco_list *list);
-/* `palette` is copied. NULL: no memory. */
-struct view_list *view_list_new(uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3]);
+/* `palette` and `groups` are copied. NULL: no memory. */
+struct view_list *view_list_new(uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3],
+	const struct eco_group *groups);
 void view_list_free(struct view_list *list);                     /* NULL is fine */
 
 struct view_piece {                      /* a decoded chunk that no list owns yet; zero is empty */

@@ -212,24 +212,23 @@ static double distance_m(const struct lod_eye *eye, const double p[3])
 	return sqrt(x * x + y * y + z * z);
 }
 
-static enum eco_code walk_list(struct walk *w, const struct eco_placement *placement, uint32_t left,
-	const struct view_list *list)
+static enum eco_code walk_group(struct walk *w, const struct eco_placement *placement, uint32_t left,
+	const struct view_list *list, const struct eco_group *group)
 {
-	const struct view_plant *plant = view_store_plant(w->store, list->list.plant);
-	uint32_t count = list->elements.primitive_count;
-	if (!plant || count != list->list.primitive_count || list->list.kind != ECO_LIST_INSTANCES)
-		return eco_fail(w->error, ECO_DAMAGED, "the plan draws the plants of list %u, which were "
-			"not all sent", list->id);
-	w->looked += count;
+	const struct view_plant *plant = view_store_plant(w->store, group->plant);
+	if (!plant)
+		return eco_fail(w->error, ECO_DAMAGED, "the plan draws the plants of list %u, whose plant %u was "
+			"not sent", list->id, group->plant);
+	w->looked += group->count;
 	if (w->looked > INSTANCES_MAX || !reserve(&w->seen, &w->seen_room, plant->plant.anchor_count,
 			sizeof *w->seen))
 		return eco_fail(w->error, ECO_TOO_LARGE, "the plan looks at more than %u plants",
 			INSTANCES_MAX);
-	uint32_t gate = view_table_get(&w->gates, list->list.plant);
+	uint32_t gate = view_table_get(&w->gates, group->plant);
 	uint32_t key = eco_owner_leaf(list->list.owner) + placement->path;
-	for (uint32_t i = 0; i < count; i++) {
+	for (uint32_t i = group->first; i < group->first + group->count; i++) {
 		struct eco_place place = eco_place_of(&list->elements, i);
-		struct view_instance instance = { .plant = list->list.plant, .path = placement->path };
+		struct view_instance instance = { .plant = group->plant, .path = placement->path };
 		lod_place_instance(&instance.place, placement, &list->list, &place);
 		instance.hash = lod_share_hash(placement->path, list->id, i);
 		if (lod_open_hash(instance.hash) < left)
@@ -242,7 +241,7 @@ static enum eco_code walk_list(struct walk *w, const struct eco_placement *place
 		double center[3];
 		lod_place_point(&instance.place, plant->anchors[0].center, center);
 		instance.distance_m = distance_m(w->eye, center);
-		instance.owner = eco_owner_instance(key, list->list.plant, i);
+		instance.owner = eco_owner_instance(key, group->plant, i);
 		enum eco_code code = add_instance(w, &instance);
 		for (uint32_t s = 0; s < seen && !code; s++)
 			code = add_cuts(w, &w->seen[s], instance.hash);
@@ -251,6 +250,19 @@ static enum eco_code walk_list(struct walk *w, const struct eco_placement *place
 		w->out->visible_plants++;
 	}
 	return ECO_OK;
+}
+
+static enum eco_code walk_list(struct walk *w, const struct eco_placement *placement, uint32_t left,
+	const struct view_list *list)
+{
+	enum eco_code code = ECO_OK;
+	if (list->list.kind != ECO_LIST_INSTANCES
+			|| list->elements.primitive_count != list->list.primitive_count)
+		return eco_fail(w->error, ECO_DAMAGED, "the plan draws the plants of list %u, which were "
+			"not all sent", list->id);
+	for (uint32_t i = 0; i < list->list.group_count && !code; i++)
+		code = walk_group(w, placement, left, list, &list->groups[i]);
+	return code;
 }
 
 static enum eco_code walk_once(struct walk *w, uint32_t cut)

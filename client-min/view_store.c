@@ -188,14 +188,23 @@ static bool same_record(const struct eco_list *a, const struct eco_list *b)
 	return same;
 }
 
+static bool same_groups(const struct view_list *held, const struct eco_group *groups)
+{
+	uint32_t i = 0;
+	while (i < held->list.group_count && held->groups[i].plant == groups[i].plant
+			&& held->groups[i].count == groups[i].count)
+		i++;
+	return i == held->list.group_count;
+}
+
 static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3],
-	struct eco_error *error)
+	const struct eco_group *groups, struct eco_error *error)
 {
 	struct view_store *store = ctx;
 	const struct view_list *held = view_store_list(store, id);
 	size_t palette_bytes = (size_t)list->palette_count * sizeof *palette;
 	if (held) {
-		if (!same_record(&held->list, list)
+		if (!same_record(&held->list, list) || !same_groups(held, groups)
 				|| (palette_bytes && memcmp(held->palette, palette, palette_bytes) != 0))
 			return BAD("list %u was described twice, and differently", id);
 		return ECO_OK;
@@ -203,7 +212,7 @@ static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list
 	enum eco_code code = describe(store, view_list_bytes(list), error);
 	if (code)
 		return code;
-	struct view_list *copy = view_list_new(id, list, palette);
+	struct view_list *copy = view_list_new(id, list, palette, groups);
 	code = copy ? view_forms_bind(&store->forms, &store->cache, copy, error) : no_memory(error, "a list");
 	if (!code && !view_cache_add(&store->cache, copy))
 		code = no_memory(error, "a list");

@@ -35,15 +35,12 @@ void srv_emit_free(struct srv_emit *emit)
 	*emit = (struct srv_emit){ 0 };
 }
 
-/* The plant whose PLANT record a client must know to use a list, or ECO_NONE. */
+/* The plant that a list is of, or ECO_NONE. */
 static uint32_t plant_of(const struct eco_scene *scene, const struct eco_list *list)
 {
-	uint32_t plant = ECO_NONE;
-	if (list->kind == ECO_LIST_INSTANCES)
-		plant = list->plant;
-	else if (list->kind != ECO_LIST_GROUND && !(list->attributes & ECO_ATTR_PLANT))
-		plant = list->owner;
-	return plant < scene->plant_count ? plant : ECO_NONE;
+	bool of_plant = list->kind != ECO_LIST_GROUND && list->kind != ECO_LIST_INSTANCES
+		&& !(list->attributes & ECO_ATTR_PLANT);
+	return of_plant && list->owner < scene->plant_count ? list->owner : ECO_NONE;
 }
 
 void srv_emit_restart(struct srv_emit *emit, const struct eco_holdings *holdings)
@@ -55,7 +52,7 @@ void srv_emit_restart(struct srv_emit *emit, const struct eco_holdings *holdings
 		const struct eco_holding *item = &holdings->items[i];
 		const struct eco_list *list = &scene->lists[item->list];
 		emit->have[item->list] = item->chunks;
-		uint32_t plant = list->kind == ECO_LIST_INSTANCES ? ECO_NONE : plant_of(scene, list);
+		uint32_t plant = plant_of(scene, list);
 		if (item->chunks && plant != ECO_NONE)
 			emit->known[plant] = true;
 	}
@@ -186,10 +183,22 @@ static enum eco_code emit_chunk(struct srv_emit *emit, uint32_t list, uint32_t o
 
 static void emit_plant(struct srv_emit *emit, uint32_t plant)
 {
+	if (plant == ECO_NONE || emit->known[plant])
+		return;
 	struct eco_frame_mark mark = begin(emit, ECO_FRAME_PLANT);
 	eco_wire_write_plant(&emit->frames, &emit->scene->pack->scene, plant);
 	end(emit, mark);
 	emit->known[plant] = true;
+}
+
+/* Plants whose records a client must know to use a list. */
+static void emit_plants(struct srv_emit *emit, uint32_t list)
+{
+	const struct eco_scene *scene = &emit->scene->pack->scene;
+	const struct eco_list *l = &scene->lists[list];
+	emit_plant(emit, plant_of(scene, l));
+	for (uint32_t i = 0; i < l->group_count; i++)
+		emit_plant(emit, eco_list_groups(scene, list)[i].plant);
 }
 
 static enum eco_code emit_list(struct srv_emit *emit, uint32_t list, uint32_t chunks, struct eco_error *error)
@@ -224,11 +233,8 @@ static enum eco_code check(const struct srv_emit *emit, struct eco_error *error)
 enum eco_code srv_emit_needs(struct srv_emit *emit, const struct eco_holdings *needs, struct eco_error *error)
 {
 	const struct eco_scene *scene = &emit->scene->pack->scene;
-	for (uint32_t i = 0; i < needs->count; i++) {
-		uint32_t plant = plant_of(scene, &scene->lists[needs->items[i].list]);
-		if (plant != ECO_NONE && !emit->known[plant])
-			emit_plant(emit, plant);
-	}
+	for (uint32_t i = 0; i < needs->count; i++)
+		emit_plants(emit, needs->items[i].list);
 	for (int round = 0; round < 3; round++)
 		for (uint32_t i = 0; i < needs->count; i++) {
 			const struct eco_holding *need = &needs->items[i];

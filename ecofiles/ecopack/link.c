@@ -109,7 +109,6 @@ struct eco_list link_list(const struct link_part *part, uint32_t list)
 	struct eco_list record = part->pack->scene.lists[list];
 	record.image = record.image == ECO_NONE ? ECO_NONE : part->list_of[record.image];
 	record.partner = record.partner == ECO_NONE ? ECO_NONE : part->list_of[record.partner];
-	record.plant = record.plant == ECO_NONE ? ECO_NONE : part->plant_of[record.plant];
 	record.palette_first = record.palette_count ? part->color_of[record.palette_first] : 0;
 	return record;
 }
@@ -211,14 +210,15 @@ static enum eco_code add_groups(struct link *l, struct link_part *part, const st
 		const struct eco_group *from = &s->groups[g];
 		struct eco_list record = link_list(part, from->list);
 		struct eco_group *group = make_append(m, &m->groups, sizeof *group);
-		size_t size = (size_t)record.primitive_count * ECO_PLACE_BYTES;
+		size_t size = (size_t)from->count * ECO_PLACE_BYTES;
 		if (!group || !make_append_bytes(m, s->places + from->place_first * ECO_PLACE_BYTES, size))
 			return eco_fail(m->error, ECO_NO_MEMORY, "%s: no memory for its plants", part->path);
 		record.owner += part->tile_first;
-		*group = (struct eco_group){ record.owner, record.plant, ECO_NONE,
-			(m->places.count - size) / ECO_PLACE_BYTES };
-		code = link_copy(l, part, from->list, &record);
-		((struct eco_group *)m->groups.items)[m->groups.count - 1].list = part->list_of[from->list];
+		if (!from->first)
+			code = link_copy(l, part, from->list, &record);
+		*group = (struct eco_group){ record.owner, part->plant_of[from->plant],
+			part->list_of[from->list], (m->places.count - size) / ECO_PLACE_BYTES, from->first,
+			from->count };
 	}
 	return code;
 }

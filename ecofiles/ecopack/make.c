@@ -19,7 +19,7 @@ static double smallest_m(const struct eco_scene *s)
 		const struct eco_tile *t = &s->tiles[id];
 		least[id] = INFINITY;
 		for (uint32_t g = t->group_first; g < t->group_first + t->group_count; g++)
-			for (uint32_t i = 0; i < s->lists[s->groups[g].list].primitive_count; i++)
+			for (uint32_t i = 0; i < s->groups[g].count; i++)
 				least[id] =
 					fmin(least[id],
 					eco_place_read(s, s->groups[g].place_first + i).scale / 65536.0

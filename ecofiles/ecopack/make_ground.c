@@ -88,7 +88,7 @@ static enum eco_code encode_tile(void *ctx, uint64_t i, void *result, struct eco
 	eco_ground_spans(&x, &y, tile, g->columns, g->rows);
 	made->list = (struct eco_list){ .kind = ECO_LIST_GROUND, .coder = ECO_CODER_ROWS,
 		.level = tile->level, .owner = ECO_NONE,
-		.plant = ECO_NONE, .image = ECO_NONE, .partner = ECO_NONE,
+		.image = ECO_NONE, .partner = ECO_NONE,
 		.grid_origin = { g->x_m, g->y_m, m->ground_low_m },
 		.grid_step = { g->step_x_m, g->step_y_m, m->ground_step_m }, .columns = x.count };
 	enum eco_code code = lod_ground_elements(&e, g, tile, m->ground_shifts[i], m->ground_low_m,

@@ -92,12 +92,12 @@ static XXH128_hash_t hash_plants(const struct eco_scene *s, const struct eco_chu
 static void add_group(XXH3_state_t *state, const struct eco_scene *s, const struct eco_group *group)
 {
 	const struct eco_list *list = &s->lists[group->list];
-	const uint32_t numbers[] = { group->plant, list->primitive_count };
+	const uint32_t numbers[] = { group->plant, group->first, group->count };
 	XXH3_128bits_update(state, numbers, sizeof numbers);
 	XXH3_128bits_update(state, list->grid_origin, sizeof list->grid_origin);
 	XXH3_128bits_update(state, list->grid_step, sizeof list->grid_step);
 	XXH3_128bits_update(state, s->places + group->place_first * ECO_PLACE_BYTES,
-		(size_t)list->primitive_count * ECO_PLACE_BYTES);
+		(size_t)group->count * ECO_PLACE_BYTES);
 }
 
 /* Hashes each tile's content and its children. Tiles are named by their distance in the table, as in
@@ -141,6 +141,8 @@ static bool index_old(struct make_kept *kept)
 	bool good = tiles && kept->stands.items && kept->summaries.items && hash_tiles(s, tiles);
 	for (uint32_t i = 0; i < s->group_count && good; i++) {
 		const struct eco_group *g = &s->groups[i];
+		if (g->first)
+			continue;
 		kept->stands.items[kept->stands.count++] =
 			(struct known){ XXH3_128bits(s->places + g->place_first * ECO_PLACE_BYTES,
 			(size_t)s->lists[g->list].primitive_count * ECO_PLACE_BYTES), g->list };

@@ -412,7 +412,7 @@ static enum eco_code pack_textures(struct packing *p)
 	for (uint32_t i = 0; i < plant->built.image_count && !code; i++) {
 		const struct lod_texture *texture = &plant->textures[i];
 		struct eco_list list = { .kind = ECO_LIST_OUTLINE, .coder = ECO_CODER_BYTES, .owner = p->id,
-			.plant = ECO_NONE, .image = ECO_NONE, .partner = ECO_NONE, .grid_step = { 1, 1, 1 },
+			.image = ECO_NONE, .partner = ECO_NONE, .grid_step = { 1, 1, 1 },
 			.unit_area = texture->texel_area };
 		if (texture->outlines)
 			code = pack_levels(p, list, texture->outlines, texture->count, &list.image);
@@ -429,7 +429,6 @@ static enum eco_code pack_list(struct packing *p, uint32_t i)
 	const struct lod_list_draft *draft = &plant->built.lists[i];
 	struct eco_list list = draft->list;
 	list.owner = p->id;
-	list.plant = ECO_NONE;
 	list.palette_first += list.palette_count ? plant->palette_first : 0;
 	list.image = list.image == ECO_NONE ? ECO_NONE : p->images[list.image];
 	if (list.partner == ECO_NONE)
@@ -463,7 +462,7 @@ static enum eco_code pack_impostor(struct packing *p)
 {
 	const struct lod_plant *built = &p->m->plants[p->id].built;
 	struct eco_list list = { .kind = ECO_LIST_IMPOSTOR, .coder = ECO_CODER_BYTES, .owner = p->id,
-		.level = built->impostor_level, .plant = ECO_NONE, .image = ECO_NONE, .partner = ECO_NONE,
+		.level = built->impostor_level, .image = ECO_NONE, .partner = ECO_NONE,
 		.grid_step = { 1, 1, 1 } };
 	uint32_t *id = &p->lists[built->list_count];
 	if (!built->impostor_count)

@@ -15,14 +15,14 @@
 
 /* ---- Instance lists ---- */
 
-/* Plants of one kind in one leaf, in order: eco->places[items[0 .. count)]. */
-struct stand { const struct make_eco *eco; const uint32_t *items; uint32_t tile, count; };
+/* Plants of one leaf, in order: eco->places[items[0 .. count)]. */
+struct stand { const struct make_eco *eco; const uint32_t *items; uint32_t tile, count, group_first, group_count; };
 
 /* Their list, and the same as a range of the scene's places. */
 struct stand_list { struct eco_list list; struct eco_encoded encoded; struct eco_writer twin; uint32_t kept;
 	};
 
-/* A grid with steps of at most 1/8192 of the smallest plant's height. Its origin is a point of the scene's
+/* One grid for all, with steps of at most 1/8192 of the smallest plant's height. Its origin is a point of the scene's
  * grid of that step, so that a plant at [0, 0, 0] stands there exactly. */
 static void instance_grid(const struct make *m, const struct stand *stand, struct eco_list *list)
 {
@@ -72,8 +72,8 @@ static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct ec
 		.extra = malloc(2 * sizeof(int32_t) * count) };
 	enum eco_code code = e.corners && e.position && e.extra ? ECO_OK : ECO_NO_MEMORY;
 	made->list = (struct eco_list){ .kind = ECO_LIST_INSTANCES, .coder = ECO_CODER_ROWS,
-		.attributes = ECO_ATTR_PLACE, .owner = stand->tile,
-		.plant = stand->eco->places[stand->items[0]].plant, .image = ECO_NONE, .partner = ECO_NONE };
+		.attributes = ECO_ATTR_PLACE, .owner = stand->tile, .group_count = stand->group_count,
+		.image = ECO_NONE, .partner = ECO_NONE };
 	instance_grid(m, stand, &made->list);
 	for (uint32_t k = 0; k < count && !code; k++) {
 		const struct make_place *p = &stand->eco->places[stand->items[k]];
@@ -101,18 +101,23 @@ static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct ec
 static enum eco_code add_stand(void *ctx, uint64_t i, void *result, struct eco_error *error)
 {
 	struct make *m = ctx;
+	const struct stand *stand = (const struct stand *)m->stands.items + i;
 	struct stand_list *made = result;
-	struct eco_group *group = make_append(m, &m->groups, sizeof *group);
 	uint64_t place_first = m->places.count / ECO_PLACE_BYTES;
-	if (!group || made->twin.failed || !make_append_bytes(m, made->twin.bytes, made->twin.size))
+	uint32_t list;
+	if (made->twin.failed || !make_append_bytes(m, made->twin.bytes, made->twin.size))
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for %llu plants",
 			(unsigned long long)place_first);
-	*group = (struct eco_group){ made->list.owner, made->list.plant, ECO_NONE, place_first };
 	if (i % 1024 == 0 && !main_progress("packing instances", NULL, (double)i / (double)m->stands.count))
 		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
-	if (made->kept != ECO_NONE)
-		return make_kept_take(m, made->kept, &made->list, &group->list);
-	return make_add_encoded(m, &made->list, &made->encoded, &group->list);
+	enum eco_code code = made->kept != ECO_NONE ? make_kept_take(m, made->kept, &made->list, &list)
+		: make_add_encoded(m, &made->list, &made->encoded, &list);
+	struct eco_group *group = (struct eco_group *)m->groups.items + stand->group_first;
+	for (uint32_t k = 0; k < stand->group_count && !code; k++) {
+		group[k].list = list;
+		group[k].place_first = place_first + group[k].first;
+	}
+	return code;
 }
 
 static void drop_stand(void *result)
@@ -138,24 +143,35 @@ static enum eco_code add_nested(struct make *m, uint32_t source, const struct ma
 		.scale = (float)child->scale });
 }
 
+/* Adds the groups of a stand whose plants are known; add_stand says where they are. */
+static enum eco_code add_groups(struct make *m, struct stand *stand)
+{
+	const struct make_place *places = stand->eco->places;
+	enum eco_code code = ECO_OK;
+	stand->group_first = (uint32_t)m->groups.count;
+	for (uint32_t first = 0, end; first < stand->count && !code; first = end) {
+		uint32_t plant = places[stand->items[first]].plant;
+		for (end = first + 1; end < stand->count && places[stand->items[end]].plant == plant; end++)
+			;
+		code = make_add(m, &m->groups, &(struct eco_group){ .tile = stand->tile, .plant = plant,
+			.list = ECO_NONE, .first = first, .count = end - first }, 1, sizeof(struct eco_group));
+	}
+	stand->group_count = (uint32_t)m->groups.count - stand->group_first;
+	return code;
+}
+
 /* A leaf's items are sorted by plant, nested eco files last. */
 static enum eco_code add_leaf(struct make *m, uint32_t source, const struct lod_tile_node *node, uint32_t id)
 {
 	const struct make_eco *eco = &m->ecos[source];
-	const uint32_t *order = eco->tiles.order + node->item_first;
-	enum eco_code code = ECO_OK;
-	for (uint32_t first = 0, end; first < node->item_count && !code; first = end) {
-		end = first + 1;
-		if (order[first] >= eco->place_count) {
-			code = add_nested(m, source, &eco->nested[order[first] - eco->place_count]);
-			continue;
-		}
-		while (end < node->item_count && order[end] < eco->place_count
-				&& eco->places[order[end]].plant == eco->places[order[first]].plant)
-			end++;
-		code = make_add(m, &m->stands, &(struct stand){ eco, order + first, id, end - first }, 1,
-			sizeof(struct stand));
-	}
+	struct stand stand = { .eco = eco, .items = eco->tiles.order + node->item_first, .tile = id };
+	while (stand.count < node->item_count && stand.items[stand.count] < eco->place_count)
+		stand.count++;
+	enum eco_code code = add_groups(m, &stand);
+	if (stand.count && !code)
+		code = make_add(m, &m->stands, &stand, 1, sizeof stand);
+	for (uint32_t i = stand.count; i < node->item_count && !code; i++)
+		code = add_nested(m, source, &eco->nested[stand.items[i] - eco->place_count]);
 	return code;
 }
 
@@ -168,7 +184,7 @@ static enum eco_code add_tile(struct make *m, uint32_t source, uint32_t index)
 	enum eco_code code = ECO_OK;
 	if (!tile)
 		return ECO_NO_MEMORY;
-	*tile = (struct eco_tile){ .summary = ECO_NONE, .group_first = (uint32_t)m->stands.count,
+	*tile = (struct eco_tile){ .summary = ECO_NONE, .group_first = (uint32_t)m->groups.count,
 		.child_first = (uint32_t)m->children.count };
 	memcpy(tile->low, node->low, sizeof tile->low);
 	memcpy(tile->high, node->high, sizeof tile->high);
@@ -178,7 +194,7 @@ static enum eco_code add_tile(struct make *m, uint32_t source, uint32_t index)
 	if (!code && node->child_count == 0)
 		code = add_leaf(m, source, node, id);
 	tile = (struct eco_tile *)m->tiles.items + id;
-	tile->group_count = (uint32_t)m->stands.count - tile->group_first;
+	tile->group_count = (uint32_t)m->groups.count - tile->group_first;
 	tile->child_count = (uint32_t)m->children.count - tile->child_first;
 	return code;
 }
@@ -224,9 +240,8 @@ void make_add_up(struct make *m, uint32_t tiles_end)
 		struct eco_tile *t = &tiles[id];
 		for (uint32_t g = t->group_first; g < t->group_first + t->group_count; g++) {
 			const struct eco_group *group = &s->groups[g];
-			uint32_t count = s->lists[group->list].primitive_count;
-			t->instance_count += count;
-			for (uint32_t i = 0; i < count; i++) {
+			t->instance_count += group->count;
+			for (uint32_t i = 0; i < group->count; i++) {
 				double scale = eco_place_read(s, group->place_first + i).scale / 65536.0;
 				t->area += s->plants[group->plant].area * scale * scale;
 			}

@@ -201,7 +201,7 @@ static enum eco_code make_scene(struct sheet_plant *p, struct eco_error *error)
 	memcpy(p->scene_lists, s->lists, s->list_count * sizeof *p->scene_lists);
 	p->scene_lists[s->list_count] = (struct eco_list){ .kind = ECO_LIST_INSTANCES,
 		.coder = ECO_CODER_ROWS, .attributes = ECO_ATTR_PLACE,
-		.plant = p->number, .grid_step = { 1, 1, 1 }, .image = ECO_NONE, .partner = ECO_NONE,
+		.group_count = 1, .grid_step = { 1, 1, 1 }, .image = ECO_NONE, .partner = ECO_NONE,
 		.primitive_count = 1, .element_count = 1 };
 	p->tile = (struct eco_tile){ .area = plant->area, .instance_count = 1, .summary = ECO_NONE,
 		.group_count = 1 };
@@ -209,7 +209,7 @@ static enum eco_code make_scene(struct sheet_plant *p, struct eco_error *error)
 		p->tile.low[k] = (double)whole->center[k] - whole->radius;
 		p->tile.high[k] = (double)whole->center[k] + whole->radius;
 	}
-	p->group = (struct eco_group){ .plant = p->number, .list = s->list_count };
+	p->group = (struct eco_group){ .plant = p->number, .list = s->list_count, .count = 1 };
 	/* scale 65536 / 65536, the rest 0 */
 	memcpy(p->place + ECO_PLACE_BYTES - 4, (const uint8_t[4]){ 0, 0, 1, 0 }, 4);
 	p->scene = *s;

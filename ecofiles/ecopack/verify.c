@@ -17,7 +17,7 @@ struct verify {
 	const struct eco_pack *pack;
 	FILE *out;
 	struct inspect_counts *counts;
-	uint32_t *group_of;          /* per list; ECO_NONE: not an instance list */
+	uint32_t *group_of;          /* per list: its first group; ECO_NONE: it has none */
 };
 
 static void complain(struct verify *v, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -192,7 +192,8 @@ enum eco_code inspect_verify(const char *path, FILE *out, struct inspect_counts 
 	}
 	memset(v.group_of, 0xFF, (s->list_count + 1u) * sizeof(uint32_t));
 	for (uint32_t i = 0; i < s->group_count; i++)
-		v.group_of[s->groups[i].list] = i;
+		if (!s->groups[i].first)
+			v.group_of[s->groups[i].list] = i;
 	code = verify_lists(&v, error);
 	for (uint32_t i = 0; i < s->ladder_count && !code; i++)
 		verify_ladder(&v, i);

@@ -68,6 +68,16 @@ uint32_t eco_list_needs(const struct eco_list *list)
 	return list->attributes & ECO_ATTR_PLANT ? (uint32_t)ECO_NEED_SUMMARIES : of_kind[list->kind];
 }
 
+const struct eco_group *eco_list_groups(const struct eco_scene *scene, uint32_t list)
+{
+	const struct eco_tile *tile = &scene->tiles[scene->lists[list].owner];
+	const struct eco_group *group = scene->groups + tile->group_first, *end = group + tile->group_count;
+	while (group < end && group->list != list)
+		group++;
+	assert(group < end);
+	return group;
+}
+
 struct eco_place eco_place_of(const struct eco_elements *instances, uint32_t index)
 {
 	const int32_t *position, *extra;

@@ -13,7 +13,7 @@
  * File (little-endian, sections 64-byte aligned, padding zero):
  *
  *   0    8  "ECOPACK1"
- *   8    u32 version = 12     12  u32 section count n
+ *   8    u32 version = 13     12  u32 section count n
  *   16   u64 file size        24  u64 XXH3-64 of bytes [0,24) and of the section table
  *   32   n * 40-byte section records:
  *          u32 kind, u32 record count, u64 offset, u64 size, u64 XXH3-64 of the section's bytes (0 for
@@ -142,9 +142,13 @@ struct eco_tile {
 	uint32_t child_first, child_count;
 };
 
-struct eco_group {               /* the plants of one species in one leaf tile */
+/* The plants of one species in one leaf tile: instances [first, first + count) of a list. The groups of a list
+ * follow each other in the table, in the list and in section PLACES, and are all of it. A tile has one list for
+ * all its groups, so that a record and a payload's heads are paid once (lod/EXPERIMENTS.md, Frames of chunks). */
+struct eco_group {
 	uint32_t tile, plant, list;
 	uint64_t place_first;        /* the same plants in section PLACES: as many, from this place on */
+	uint32_t first, count;
 };
 
 /* An instance as integers on its list's grid. The pack keeps instances twice: coded in the instance lists
@@ -211,6 +215,8 @@ static inline bool eco_ladder_has_splats(const struct eco_scene *scene, const st
 
 /* The needs that a list gives a scene; cells, cut-outs and placements come from elsewhere. */
 uint32_t eco_list_needs(const struct eco_list *list);
+/* The first of an instance list's group_count groups; one of the scene's groups must be of the list. */
+const struct eco_group *eco_list_groups(const struct eco_scene *scene, uint32_t list);
 struct eco_place eco_place_read(const struct eco_scene *scene, uint64_t index);      /* index < place_count */
 /* The same for an instance of a decoded list. */
 struct eco_place eco_place_of(const struct eco_elements *instances, uint32_t index);

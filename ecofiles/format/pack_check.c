@@ -73,8 +73,10 @@ enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *erro
 			list->columns);
 	if ((list->coder == ECO_CODER_FORM) != (list->partner != ECO_NONE))
 		return BAD("list: coder %u with partner %#x", list->coder, list->partner);
-	if ((list->kind == ECO_LIST_INSTANCES) != (list->plant != ECO_NONE))
-		return BAD("list: plant %#x in kind %u", list->plant, list->kind);
+	if ((list->kind == ECO_LIST_INSTANCES) != (list->group_count > 0)
+			|| list->group_count > list->primitive_count)
+		return BAD("list: %u groups of %u primitives in kind %u", list->group_count,
+			list->primitive_count, list->kind);
 	if ((list->kind == ECO_LIST_GROUND) != (list->owner == ECO_NONE) && list->kind != ECO_LIST_IMAGE
 			&& list->kind != ECO_LIST_OUTLINE)
 		return BAD("list: owner %#x in kind %u", list->owner, list->kind);
@@ -129,8 +131,6 @@ static enum eco_code check_list_references(const struct eco_scene *s, uint32_t i
 	bool of_tile = list->kind == ECO_LIST_INSTANCES || (list->attributes & ECO_ATTR_PLANT);
 	if (list->owner != ECO_NONE && list->owner >= (of_tile ? s->tile_count : s->plant_count))
 		return BAD("list %u: owner %u is not there", id, list->owner);
-	if (list->plant != ECO_NONE && list->plant >= s->plant_count)
-		return BAD("list %u: plant %u is not there", id, list->plant);
 	if (!range_fits(list->palette_first, list->palette_count, s->palette_count))
 		return BAD("list %u: palette [%u, +%u) of %u colours", id, list->palette_first,
 			list->palette_count, s->palette_count);
@@ -396,22 +396,47 @@ static enum eco_code check_plants(const struct eco_scene *s, struct eco_error *e
 	return ECO_OK;
 }
 
-static enum eco_code check_group(const struct eco_scene *s, uint32_t id, uint32_t tile,
+/* `before`: of the same list; NULL: this is its first. */
+static enum eco_code check_group(const struct eco_scene *s, uint32_t id, const struct eco_group *before,
 	struct eco_error *error)
 {
 	const struct eco_group *g = &s->groups[id];
-	const struct eco_list *list;
-	if (g->tile != tile)
-		return BAD("group %u: of tile %u, listed by tile %u", id, g->tile, tile);
-	if (g->plant >= s->plant_count || g->list >= s->list_count)
-		return BAD("group %u: plant %u or list %u is not there", id, g->plant, g->list);
-	list = &s->lists[g->list];
-	if (list->kind != ECO_LIST_INSTANCES || list->owner != tile || list->plant != g->plant)
-		return BAD("group %u: list %u does not hold the plants %u of tile %u", id, g->list, g->plant,
-			tile);
-	if (!range_fits(g->place_first, list->primitive_count, s->place_count))
-		return BAD("group %u: places [%llu, +%u) of %llu", id, (unsigned long long)g->place_first,
-			list->primitive_count, (unsigned long long)s->place_count);
+	uint32_t first = before ? before->first + before->count : 0, most = s->lists[g->list].primitive_count;
+	if (g->plant >= s->plant_count)
+		return BAD("group %u: plant %u is not there", id, g->plant);
+	if (g->first != first || g->count < 1 || g->count > most - first)
+		return BAD("group %u: plants [%u, +%u) of list %u, which has %u and goes on at %u", id,
+			g->first, g->count, g->list, most, first);
+	if (!range_fits(g->place_first, g->count, s->place_count)
+			|| (before && g->place_first != before->place_first + before->count))
+		return BAD("group %u: places [%llu, +%u) of %llu, or not behind those of the group before", id,
+			(unsigned long long)g->place_first, g->count, (unsigned long long)s->place_count);
+	return ECO_OK;
+}
+
+/* The groups of one list, from `first` on. */
+static enum eco_code check_groups(const struct eco_scene *s, uint32_t tile, uint32_t first,
+	struct eco_error *error)
+{
+	const struct eco_tile *t = &s->tiles[tile];
+	uint32_t id = s->groups[first].list, left = t->group_first + t->group_count - first;
+	if (id >= s->list_count || s->lists[id].kind != ECO_LIST_INSTANCES || s->lists[id].owner != tile)
+		return BAD("group %u: list %u does not hold plants of tile %u", first, id, tile);
+	const struct eco_list *list = &s->lists[id];
+	const struct eco_group *before = NULL;
+	if (list->group_count > left)
+		return BAD("group %u: list %u has %u groups, tile %u has %u from here on", first, id,
+			list->group_count, tile, left);
+	for (uint32_t i = first; i < first + list->group_count; before = &s->groups[i++]) {
+		if (s->groups[i].tile != tile || s->groups[i].list != id)
+			return BAD("group %u: of tile %u and list %u, among those of %u and %u", i,
+				s->groups[i].tile, s->groups[i].list, tile, id);
+		if (check_group(s, i, before, error) != ECO_OK)
+			return ECO_DAMAGED;
+	}
+	if (before->first + before->count != list->primitive_count)
+		return BAD("list %u: its groups hold %u of %u plants", id, before->first + before->count,
+			list->primitive_count);
 	return ECO_OK;
 }
 
@@ -446,10 +471,12 @@ static enum eco_code check_tile(const struct eco_scene *s, uint32_t id, struct e
 			&& (t->summary >= s->list_count || s->lists[t->summary].kind != ECO_LIST_POINTS
 	    || !(s->lists[t->summary].attributes & ECO_ATTR_PLANT) || s->lists[t->summary].owner != id))
 		return BAD("tile %u: list %u is not its summary", id, t->summary);
-	for (uint32_t i = 0; i < t->group_count; i++) {
-		if (check_group(s, t->group_first + i, id, error) != ECO_OK)
+	for (uint32_t i = t->group_first; i < t->group_first + t->group_count;) {
+		if (check_groups(s, id, i, error) != ECO_OK)
 			return ECO_DAMAGED;
-		instances += s->lists[s->groups[t->group_first + i].list].primitive_count;
+		const struct eco_list *list = &s->lists[s->groups[i].list];
+		instances += list->primitive_count;
+		i += list->group_count;
 	}
 	for (uint32_t i = 0; i < t->child_count; i++) {
 		if (check_child(s, t->child_first + i, id, error) != ECO_OK)

@@ -15,7 +15,7 @@ const struct eco_section_info eco_section_info[ECO_SECTION_KIND_END] = {
 	[ECO_SECTION_LADDERS] = { "LADDERS", 96 },
 	[ECO_SECTION_CURVES] = { "CURVES", 20 },
 	[ECO_SECTION_TILES] = { "TILES", 84 },
-	[ECO_SECTION_GROUPS] = { "GROUPS", 20 },
+	[ECO_SECTION_GROUPS] = { "GROUPS", 28 },
 	[ECO_SECTION_CHILDREN] = { "CHILDREN", 40 },
 	[ECO_SECTION_LISTS] = { "LISTS", 100 },
 	[ECO_SECTION_CHUNKS] = { "CHUNKS", 36 },
@@ -171,7 +171,8 @@ static const struct field ground_tile_fields[] = {
 };
 
 static const struct field group_fields[] = {
-	ONE(group, tile), ONE(group, plant), ONE(group, list), ONE(group, place_first),
+	ONE(group, tile), ONE(group, plant), ONE(group, list), ONE(group, place_first), ONE(group, first),
+	ONE(group, count),
 };
 
 static const struct field child_fields[] = {
@@ -181,7 +182,7 @@ static const struct field child_fields[] = {
 
 static const struct field list_fields[] = {
 	ONE(list, kind), ONE(list, coder), ONE(list, attributes), ONE(list, level), ONE(list, owner),
-	ONE(list, plant), ARRAY(list, grid_origin), ARRAY(list, grid_step), ONE(list, unit_area),
+	ONE(list, group_count), ARRAY(list, grid_origin), ARRAY(list, grid_step), ONE(list, unit_area),
 	ONE(list, palette_first), ONE(list, palette_count), ONE(list, image), ONE(list, partner),
 	ONE(list, columns), ONE(list, primitive_count), ONE(list, element_count), ONE(list, chunk_first),
 	ONE(list, chunk_count),

@@ -11,21 +11,22 @@
  *   8   u64 XXH3-64 of bytes [0,8), of the frame's number in the stream (u32, from 0) and of the payload
  *   16  n bytes
  *
- * SCENE  u32 version = 12, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, u32 ground rows,
+ * SCENE  u32 version = 13, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, u32 ground rows,
  *        u32 plant count, u32 list count, str name
  * PLANT  u32 plant, str name, f32 height, u32 anchor first, u32 anchor count, anchors
  *                                                        once per plant of which the client has nothing
  * BUNDLE lists and chunks, one after the other to the end of the payload; each begins with
  *        v head: bit 0: a chunk; the rest: zigzag(list - that of the item before in the stream; first: 0)
- *        a list:  squeezed record (below), palette (3 bytes a colour; nothing if its place in the scene's
- *                 is that of the last palette sent); before the list's first chunk
+ *        a list:  squeezed record (below), groups (of instances: for each, z plant - plant of the one before,
+ *                 v plants - 1), palette (3 bytes a colour; nothing if its place in the scene's is that of
+ *                 the last palette sent); before the list's first chunk
  *        a chunk: v ordinal, v elements, v primitives - elements, v size, payload; ordinals ascend per
  *                 list. Its id is the hash of its payload. The only chunk of a list, right behind the
  *                 list: v size, payload
  * PLAN   below; replaces the plan before it. Each `list` in it is held up to its `end`. END    u64
  * vertices of the last plan, u64 bytes of the body, END included
  *
- * v: varint. A squeezed record is that of pack.h (eco_list_write) with chunk_first 0 and primitives -
+ * v: varint, z: zigzag varint. A squeezed record is that of pack.h (eco_list_write) with chunk_first 0 and primitives -
  * elements in place of primitives, most of whose bytes are those of the stream's list before (the first: 0):
  * a bit for each byte, from the low end, 1 if it differs from the same byte of that list; then those that
  * differ. Mostly the same bytes differ as did before: of the 13 bytes of these bits, xor those of the list
@@ -38,7 +39,7 @@
  *
  * PLAN. A plan has one encoding: arrays are in the order of eco_plan_sort; a field with several forms uses
  * the first in this table that can hold the value. Everything else is refused. A usual rule takes 5 or 6
- * bytes, a usual run 2, a plant none. z: zigzag varint, v: varint.
+ * bytes, a usual run 2, a plant none.
  *
  *   v vertices   v visible plants   f64 sample distance   f64 tp, fp, fn
  *   v count, placements:
@@ -78,7 +79,7 @@
 
 enum eco_frame_type { ECO_FRAME_SCENE = 1, ECO_FRAME_PLANT, ECO_FRAME_BUNDLE, ECO_FRAME_PLAN,
 ECO_FRAME_END };
-#define ECO_WIRE_VERSION 12u
+#define ECO_WIRE_VERSION 13u
 #define ECO_FRAME_HEADER_BYTES 16u
 #define ECO_WIRE_RECORD_BYTES 100u       /* of a list */
 #define ECO_WIRE_RECORD_BITS ((ECO_WIRE_RECORD_BYTES + 7) / 8)
@@ -142,8 +143,9 @@ struct eco_wire_events {
 	/* set: name, height, anchor range; the rest is 0 */
 	enum eco_code (*plant)(void *ctx, uint32_t id, const struct eco_plant *plant,
 		const struct eco_anchor *anchors, struct eco_error *e);
+	/* groups: list->group_count, their place_first is 0; together they are the list */
 	enum eco_code (*list)(void *ctx, uint32_t id, const struct eco_list *list,
-		const uint8_t (*palette)[3], struct eco_error *e);
+		const uint8_t (*palette)[3], const struct eco_group *groups, struct eco_error *e);
 	/* set: id, size and counts; offset is 0; the payload's hash has been checked against chunk->id */
 	enum eco_code (*chunk)(void *ctx, uint32_t list, uint32_t ordinal, const struct eco_chunk *chunk,
 		const uint8_t *payload, struct eco_error *e);

@@ -39,6 +39,7 @@ struct eco_wire_parser {
 	struct eco_wire_record record;       /* of the last list and item */
 	uint32_t elements, primitives;       /* of the last list */
 	uint8_t (*palette)[3];               /* the last one that came */
+	struct eco_group *groups;            /* of the last list */
 	bool planned;                        /* a PLAN has come */
 	uint64_t vertices;                   /* of the last one */
 	uint32_t plant_count, list_count;
@@ -201,8 +202,8 @@ static enum eco_code check_list(const struct eco_wire_parser *p, uint32_t id, co
 		return BAD("list %u: its grid or unit area is not finite or negative", id);
 	if (list->kind == ECO_LIST_GROUND && !p->ground)
 		return BAD("list %u is ground, but the scene has none", id);
-	if (list->kind == ECO_LIST_INSTANCES && list->plant >= p->plant_count)
-		return BAD("list %u plants plant %u of %u", id, list->plant, p->plant_count);
+	if ((list->kind == ECO_LIST_INSTANCES) != (list->group_count > 0))
+		return BAD("list %u: %u groups of plants in kind %u", id, list->group_count, list->kind);
 	if ((list->image != ECO_NONE && list->image >= p->list_count)
 			|| (list->partner != ECO_NONE && list->partner >= p->list_count))
 		return BAD("list %u names image %u and partner %u of %u lists", id,
@@ -280,6 +281,36 @@ static enum eco_code read_palette(struct eco_wire_parser *p, struct eco_reader *
 	return ECO_OK;
 }
 
+/* A group takes at least two bytes: allocates no more than can be there. */
+static enum eco_code read_groups(struct eco_wire_parser *p, struct eco_reader *r, uint32_t id,
+	const struct eco_list *list, struct eco_error *e)
+{
+	uint32_t first = 0, count = list->group_count;
+	int64_t plant = 0;
+	if (count > (r->size - r->at) / 2)
+		return BAD("list %u: %u groups of plants in %zu bytes", id, count, r->size - r->at);
+	struct eco_group *groups = realloc(p->groups, count * sizeof *groups);
+	if (!groups)
+		return eco_fail(e, ECO_NO_MEMORY, "no memory for %u groups of plants", count);
+	p->groups = groups;
+	for (uint32_t i = 0; i < count; i++) {
+		int64_t step = eco_read_zigzag(r);
+		uint32_t more = read_count(r);
+		if (r->failed || step < -plant || step >= p->plant_count - plant)
+			return BAD("list %u: group %u ends early, or its plant is none of %u", id, i,
+				p->plant_count);
+		plant += step;
+		if (more >= list->primitive_count - first)
+			return BAD("list %u: group %u has %u plants, %u are left of the list", id, i, more,
+				list->primitive_count - first);
+		groups[i] = (struct eco_group){ .tile = list->owner, .plant = (uint32_t)plant, .list = id,
+			.first = first, .count = more + 1 };
+		first += more + 1;
+	}
+	return first == list->primitive_count ? ECO_OK : BAD("list %u: its groups have %u of %u plants", id,
+		first, list->primitive_count);
+}
+
 static enum eco_code read_list(struct eco_wire_parser *p, struct eco_reader *r, uint32_t id,
 	struct eco_error *e)
 {
@@ -293,9 +324,12 @@ static enum eco_code read_list(struct eco_wire_parser *p, struct eco_reader *r, 
 	p->record.alone = list.chunk_count == 1;
 	p->elements = list.element_count;
 	p->primitives = list.primitive_count;
-	if (list.palette_count && !eco_wire_same_palette(&p->record, &list))
+	if (list.group_count)
+		code = read_groups(p, r, id, &list, e);
+	if (!code && list.palette_count && !eco_wire_same_palette(&p->record, &list))
 		code = read_palette(p, r, id, &list, e);
-	return code || !p->events.list ? code : p->events.list(p->ctx, id, &list, p->palette, e);
+	return code || !p->events.list ? code : p->events.list(p->ctx, id, &list, p->palette,
+		p->groups, e);
 }
 
 static enum eco_code check_chunk(const struct eco_wire_parser *p, uint32_t list, uint32_t ordinal,
@@ -560,5 +594,6 @@ void eco_wire_parser_free(struct eco_wire_parser *p)
 		return;
 	free(p->payload);
 	free(p->palette);
+	free(p->groups);
 	free(p);
 }

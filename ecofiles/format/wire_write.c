@@ -84,6 +84,15 @@ bool eco_wire_same_palette(const struct eco_wire_record *before, const struct ec
 	return before->palette_count == list->palette_count && before->palette_first == list->palette_first;
 }
 
+static void write_groups(struct eco_writer *w, const struct eco_scene *scene, uint32_t list)
+{
+	const struct eco_group *group = eco_list_groups(scene, list), *end = group + scene->lists[list].group_count;
+	for (uint32_t before = 0; group < end; before = group++->plant) {
+		eco_write_zigzag(w, (int64_t)group->plant - before);
+		eco_write_varint(w, group->count - 1);
+	}
+}
+
 void eco_wire_write_list(struct eco_writer *w, const struct eco_scene *scene, uint32_t list,
 	struct eco_wire_record *before)
 {
@@ -92,6 +101,8 @@ void eco_wire_write_list(struct eco_writer *w, const struct eco_scene *scene, ui
 	write_head(w, list, false, before);
 	before->alone = l->chunk_count == 1;
 	eco_wire_write_record(w, l, before);
+	if (l->group_count)
+		write_groups(w, scene, list);
 	if (!l->palette_count || eco_wire_same_palette(before, l))
 		return;
 	eco_write_bytes(w, scene->palette + l->palette_first, 3 * (size_t)l->palette_count);

@@ -34,7 +34,7 @@ static struct lod_list_draft *add_list(struct lod_draft *draft, const struct sha
 	struct lod_list_draft *list = &plant->lists[plant->list_count++];
 	*list = (struct lod_list_draft){ .list = { .kind = shape->kind, .coder = shape->coder,
 		.attributes = shape->attributes,
-		.owner = 0, .plant = ECO_NONE, .image = shape->image, .partner = ECO_NONE,
+		.owner = 0, .image = shape->image, .partner = ECO_NONE,
 		.palette_count = shape->attributes & ECO_ATTR_COLOR ? draft->palette->count : 0 } };
 	for (int a = 0; a < 3; a++) {
 		list->list.grid_origin[a] = draft->mesh->origin[a];

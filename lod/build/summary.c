@@ -77,7 +77,7 @@ static uint32_t own_places(struct drawing *d, const struct eco_tile *tile)
 	double sum = 0;
 	for (uint32_t g = 0; g < tile->group_count; g++) {
 		const struct eco_group *group = &scene->groups[tile->group_first + g];
-		uint32_t places = scene->lists[group->list].primitive_count;
+		uint32_t places = group->count;
 		if (count + places > d->reach_capacity) {
 			uint32_t wanted = count + places + d->reach_capacity;
 			double *bigger = realloc(d->reach, wanted * sizeof *bigger);
@@ -129,8 +129,8 @@ static void draw_points(struct drawing *d, const struct visit *visit, const stru
 		double turn = start + k * GOLDEN;
 		uint32_t place = find_place(d->reach, places, (turn - floor(turn)) * total),
 			g = tile->group_first;
-		while (place >= scene->lists[scene->groups[g].list].primitive_count)
-			place -= scene->lists[scene->groups[g++].list].primitive_count;
+		while (place >= scene->groups[g].count)
+			place -= scene->groups[g++].count;
 		const struct eco_group *group = &scene->groups[g];
 		const struct lod_pool *pool = &d->input->pools[group->plant];
 		uint32_t pick = (uint32_t)(eco_mix(seed, k) % pool->count);
@@ -292,7 +292,7 @@ enum eco_code lod_summary_list(const struct lod_summary *summary, const struct e
 	assert(n > 0);
 	*list = (struct eco_list){ .kind = ECO_LIST_POINTS, .coder = ECO_CODER_KD,
 		.attributes = ECO_ATTR_COLOR | ECO_ATTR_PLANT,
-		.level = summary->level, .owner = tile, .plant = ECO_NONE, .image = ECO_NONE,
+		.level = summary->level, .owner = tile, .image = ECO_NONE,
 		.partner = ECO_NONE, .palette_count = palette_count,
 		.unit_area = (float)(scene->tiles[tile].area / 2 / n) };
 	choose_grid(list, summary);

@@ -28,7 +28,7 @@ static void add_up(struct shares *s, uint32_t first, uint32_t end)
 		const struct eco_tile *tile = &scene->tiles[t];
 		for (uint32_t g = 0; g < tile->group_count; g++) {
 			const struct eco_group *group = &scene->groups[tile->group_first + g];
-			double area = (double)scene->lists[group->list].primitive_count
+			double area = (double)group->count
 				* (double)scene->plants[group->plant].area;
 			s->plant[group->plant] += area;
 			s->total += area;

@@ -313,6 +313,8 @@ static bool make_tiles(struct lod_allocation *m)
 		double part = m->prices->part[n] = 1.0 / occurrences[p->visible.nodes[n].tile];
 		for (uint32_t g = 0; m->tile_choices[n].open && g < tile->group_count; g++) {
 			uint32_t list = scene->groups[tile->group_first + g].list;
+			if (scene->groups[tile->group_first + g].first)
+				continue;
 			m->prices->instances[n] += part * missing_all(m, list);
 			m->prices->instances_waste[n] += part * waste_all(m, list);
 		}

@@ -139,6 +139,8 @@ static void add_runs(const struct lod_planner *p, const uint32_t *placement_in_p
 			continue;
 		for (uint32_t g = 0; g < tile->group_count; g++) {
 			uint32_t list = p->scene->groups[tile->group_first + g].list;
+			if (p->scene->groups[tile->group_first + g].first)
+				continue;        /* the list's first group was there */
 			plan->runs[plan->run_count++] = (struct eco_run){ placement_in_plan[node->placement],
 				list, list + 1, node->left };
 		}

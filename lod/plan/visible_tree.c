@@ -280,16 +280,17 @@ static enum eco_code tally_group(struct lod_visible_tree *visible, struct lod_no
 	const struct eco_list *list = &scene->lists[g->list];
 	const struct eco_plant *plant = &scene->plants[g->plant];
 	bool first_time = *done == NOTHING_DONE;
-	visible->places += list->primitive_count;
-	visible->places_walked += first_time ? list->primitive_count : 0;
+	visible->places += g->count;
+	visible->places_walked += first_time ? g->count : 0;
 	if (visible->places_max && visible->places_walked > visible->places_max)
 		return eco_fail(error, ECO_TOO_LARGE, "this view at this detail looks at more than %llu "
 			"plants; ask for fewer vertices", (unsigned long long)visible->places_max);
 	uint8_t from = first_time ? 0 : *done;
-	for (uint32_t i = 0; i < list->primitive_count; i++) {
+	for (uint32_t i = 0; i < g->count; i++) {
 		struct eco_place stored = eco_place_read(scene, g->place_first + i);
 		struct lod_place place;
-		uint32_t hash = lod_share_hash(visible->placements[node->placement].path, g->list, i);
+		uint32_t hash = lod_share_hash(visible->placements[node->placement].path, g->list,
+			g->first + i);
 		lod_place_instance(&place, &visible->placements[node->placement], list, &stored);
 		uint32_t n = lod_instance_anchors(&visible->eye, &place, scene->anchors + plant->anchor_first,
 			plant->anchor_first, plant->anchor_count, eco_gate_place(gate, 0), hash,
@@ -356,10 +357,10 @@ static void add_part(struct lod_visible_tree *visible, const struct lod_node *no
 	for (uint32_t g = tile->group_first; g < tile->group_first + tile->group_count; g++) {
 		const struct eco_group *group = &scene->groups[g];
 		const struct eco_plant *plant = &scene->plants[group->plant];
-		for (uint32_t i = 0; i < scene->lists[group->list].primitive_count; i++) {
+		for (uint32_t i = 0; i < group->count; i++) {
 			struct eco_place stored = eco_place_read(scene, group->place_first + i);
 			struct lod_place place;
-			uint32_t hash = lod_share_hash(placement->path, group->list, i);
+			uint32_t hash = lod_share_hash(placement->path, group->list, group->first + i);
 			if (lod_open_hash(hash) < node->left)
 				continue;
 			lod_place_instance(&place, placement, &scene->lists[group->list], &stored);
@@ -492,11 +493,12 @@ void lod_visible_tree_each(struct lod_visible_tree *visible, uint32_t plant, con
 			if (group->plant != plant)
 				continue;
 			const struct eco_placement *placement = &visible->placements[node->placement];
-			for (uint32_t i = 0; i < scene->lists[group->list].primitive_count; i++) {
+			for (uint32_t i = 0; i < group->count; i++) {
 				struct eco_place stored = eco_place_read(scene, group->place_first + i);
 				struct lod_place place;
 				lod_place_instance(&place, placement, &scene->lists[group->list], &stored);
-				uint32_t hash = lod_share_hash(placement->path, group->list, i);
+				uint32_t hash = lod_share_hash(placement->path, group->list,
+					group->first + i);
 				if (lod_open_hash(hash) < node->left)
 					continue;
 				uint32_t count = lod_instance_anchors(&visible->eye, &place,

@@ -129,9 +129,9 @@ static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *pl
 }
 
 static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3],
-	struct eco_error *error)
+	const struct eco_group *groups, struct eco_error *error)
 {
-	return view_store_events.list(((struct run *)ctx)->store, id, list, palette, error);
+	return view_store_events.list(((struct run *)ctx)->store, id, list, palette, groups, error);
 }
 
 static enum eco_code on_chunk(void *ctx, uint32_t list, uint32_t ordinal, const struct eco_chunk *chunk,

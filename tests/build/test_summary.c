@@ -27,11 +27,11 @@ static void add_group(struct scene_builder *b, uint32_t tile, uint32_t plant, ui
 {
 	uint32_t list =
 		scene_add_bare(b,
-		&(struct scene_row){ .kind = ECO_LIST_INSTANCES, .owner = tile, .other = plant }, count,
+		&(struct scene_row){ .kind = ECO_LIST_INSTANCES, .owner = tile, .other = ECO_NONE }, count,
 		count);
 	b->lists[list].grid_origin[0] = x;
 	b->lists[list].grid_origin[1] = y;
-	scene_add_group(b, (struct eco_group){ tile, plant, list, b->scene.place_count });
+	scene_add_group(b, (struct eco_group){ tile, plant, list, b->scene.place_count, 0, 0 });
 	for (uint32_t i = 0; i < count; i++)
 		scene_add_place(b, (struct eco_place){ { (int32_t)(i * 100), (int32_t)(i % 3 * 100), 0 },
 			(uint16_t)(i * 7000), 65536 });

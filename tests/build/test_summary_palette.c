@@ -25,8 +25,8 @@ static void add_leaf(struct world *w, uint32_t tile, uint32_t plant, uint32_t co
 {
 	struct scene_builder *b = &w->b;
 	uint32_t list = scene_add_bare(b, &(struct scene_row){ .kind = ECO_LIST_INSTANCES, .owner = tile,
-		.other = plant }, count, count);
-	scene_add_group(b, (struct eco_group){ tile, plant, list, b->scene.place_count });
+		.other = ECO_NONE }, count, count);
+	scene_add_group(b, (struct eco_group){ tile, plant, list, b->scene.place_count, 0, 0 });
 	for (uint32_t i = 0; i < count; i++)
 		scene_add_place(b, (struct eco_place){ { (int32_t)i, 0, 0 }, 0, 65536 });
 	b->tiles[tile].instance_count += count;

@@ -164,7 +164,7 @@ UNIT_TEST(chunks_go_in_the_order_of_the_model)
 	struct model m = { .bytes = LISTS * view_list_bytes(&record) };
 	cache.memory_max = m.bytes + 14000;
 	for (uint32_t id = 0; id < LISTS; id++)
-		assert_true(view_cache_add(&cache, view_list_new(id, &record, NULL)));
+		assert_true(view_cache_add(&cache, view_list_new(id, &record, NULL, NULL)));
 	for (uint32_t step = 0; step < 40000; step++) {
 		uint32_t what = pick(10), bytes = pick(9000);
 		if (what < 6)
@@ -205,7 +205,7 @@ UNIT_TEST(what_is_wanted_stays)
 		.element_count = CHUNKS * 100, .primitive_count = CHUNKS * 100 };
 	struct model m = { 0 };
 	for (uint32_t id = 0; id < 4; id++) {
-		assert_true(view_cache_add(&cache, view_list_new(id, &record, NULL)));
+		assert_true(view_cache_add(&cache, view_list_new(id, &record, NULL, NULL)));
 		for (uint32_t c = 0; c < 5; c++)
 			push(&cache, &m, id);
 		view_cache_tick(&cache);

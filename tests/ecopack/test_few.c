@@ -243,7 +243,7 @@ static void standing(const struct eco_scene *s, double height[PLANTS], uint32_t 
 	uint32_t count = 0;
 	memset(height, 0, PLANTS * sizeof *height);
 	for (uint32_t g = 0; g < s->group_count; g++)
-		for (uint32_t i = 0; i < s->lists[s->groups[g].list].primitive_count; i++, count++) {
+		for (uint32_t i = 0; i < s->groups[g].count; i++, count++) {
 			struct eco_place stored = eco_place_read(s, s->groups[g].place_first + i);
 			struct lod_place place;
 			lod_place_instance(&place, &here, &s->lists[s->groups[g].list], &stored);

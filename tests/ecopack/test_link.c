@@ -435,7 +435,8 @@ UNIT_TEST(only_what_depends_on_a_change_is_built)
 	assert_non_null(m.kept);
 	struct eco_pack *pack = NULL;
 	assert_int_equal(eco_pack_open(&pack, in_root("whole.eco"), NULL), ECO_OK);
-	const struct eco_group *group = &pack->scene.groups[pack->scene.group_count / 2];
+	const struct eco_group *group = eco_list_groups(&pack->scene,
+		pack->scene.groups[pack->scene.group_count / 2].list);
 	const uint8_t *places = pack->scene.places + group->place_first * ECO_PLACE_BYTES;
 	size_t size = (size_t)pack->scene.lists[group->list].primitive_count * ECO_PLACE_BYTES;
 	uint8_t *changed = malloc(size);

@@ -60,8 +60,7 @@ static uint32_t standing(const struct eco_scene *s, double at[][3], uint32_t *pl
 	static const struct eco_placement here = { .scale = 1 };
 	uint32_t count = 0;
 	for (uint32_t g = 0; g < s->group_count; g++) {
-		for (uint32_t i = 0; i < s->lists[s->groups[g].list].primitive_count && count < most;
-				i++, count++) {
+		for (uint32_t i = 0; i < s->groups[g].count && count < most; i++, count++) {
 			struct eco_place stored = eco_place_read(s, s->groups[g].place_first + i);
 			struct lod_place place;
 			lod_place_instance(&place, &here, &s->lists[s->groups[g].list], &stored);
@@ -226,9 +225,9 @@ UNIT_TEST(test_tiles_are_small_and_summed_up)
 		uint64_t own = 0;
 		for (uint32_t g = tile->group_first; g < tile->group_first + tile->group_count; g++) {
 			uint32_t list = s->groups[g].list;
-			own += s->lists[list].primitive_count;
-			/* a run of tiles is a range of lists */
-			assert_true(last == 0 || list == last + 1);
+			own += s->groups[g].count;
+			/* a tile has one list for all its plants, and a run of tiles is a range of lists */
+			assert_true(last == 0 || list == last + (g == tile->group_first));
 			last = list;
 		}
 		assert_true(own <= 20);
@@ -494,8 +493,7 @@ static uint32_t impostor_of(const struct eco_scene *s)
  * chunk of them; NULL: nothing of any. */
 static void verify_says(const struct eco_bytes *levels, uint32_t count, uint32_t chunk, const char *says)
 {
-	struct eco_list list = { .kind = ECO_LIST_IMPOSTOR, .coder = ECO_CODER_BYTES, .plant = ECO_NONE,
-		.image = ECO_NONE, .partner = ECO_NONE, .grid_step = { 1, 1, 1 } };
+	struct eco_list list = { .kind = ECO_LIST_IMPOSTOR, .coder = ECO_CODER_BYTES, .image = ECO_NONE, .partner = ECO_NONE, .grid_step = { 1, 1, 1 } };
 	struct scene_builder b;
 	struct eco_pack_writer *w;
 	struct inspect_counts counts;

@@ -431,7 +431,7 @@ UNIT_TEST(only_packs_and_empty_files_are_replaced)
 
 UNIT_TEST(bad_lists_are_refused)
 {
-	struct eco_list list = { .kind = ECO_LIST_POINTS, .coder = ECO_CODER_FORM, .plant = ECO_NONE,
+	struct eco_list list = { .kind = ECO_LIST_POINTS, .coder = ECO_CODER_FORM,
 		.grid_step = { 0.01, 0.01, 0.01 },
 		.unit_area = 0.01f, .image = ECO_NONE, .partner = ECO_NONE };
 	struct eco_elements e = small_pack_elements(&list, 10, 1);

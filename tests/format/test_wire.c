@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "ecofiles/format/impostor.h"
+#include "ecofiles/format/pack_record.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/wire_random.h"
 
@@ -40,12 +41,14 @@ static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *pl
 }
 
 static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3],
-	struct eco_error *e)
+	const struct eco_group *groups, struct eco_error *e)
 {
 	struct told *t = ctx;
 	eco_write_u32(&t->w, id);
 	eco_list_write(&t->w, list);
 	eco_write_bytes(&t->w, palette, 3 * (size_t)list->palette_count);
+	for (uint32_t i = 0; i < list->group_count; i++)
+		eco_group_write(&t->w, &groups[i]);
 	return tell(t, 3, e);
 }
 
@@ -210,11 +213,21 @@ UNIT_TEST(lost_repeated_and_swapped_frames_are_found)
 #define LIST_3 12u               /* head of list 3 where none came before */
 enum fault { FAULT_NONE, FAULT_NO_SCENE, FAULT_TWO_SCENES, FAULT_VERSION, FAULT_PLANT_ID, FAULT_ANCHOR,
 	FAULT_LIST_ID, FAULT_LIST_KIND, FAULT_LIST_CODER, FAULT_LIST_ATTRIBUTES, FAULT_LIST_GRID,
-	FAULT_LIST_PLANT, FAULT_LIST_IMAGE, FAULT_LIST_CHUNKS, FAULT_FORM_KIND, FAULT_FORM_PARTNER,
+	FAULT_LIST_GROUPS, FAULT_GROUP_PLANT, FAULT_GROUP_BEFORE, FAULT_GROUP_LARGE, FAULT_GROUP_SMALL,
+	FAULT_GROUP_LOST, FAULT_LIST_IMAGE, FAULT_LIST_CHUNKS, FAULT_FORM_KIND, FAULT_FORM_PARTNER,
 	FAULT_FORM_ITSELF, FAULT_FORM_COUNT, FAULT_PALETTE, FAULT_CHUNK_SIZE, FAULT_CHUNK_SKIPS,
 	FAULT_CHUNK_AGAIN, FAULT_PLAN_LIST, FAULT_PLAN_RUN, FAULT_PLAN_GATE, FAULT_PLAN_TRAILING,
 	FAULT_NO_PLAN, FAULT_END_VERTICES, FAULT_END_BYTES, FAULT_AFTER_END, FAULT_TYPE,
 	FAULT_COUNT };
+
+static void put_faulty_groups(struct eco_writer *w, enum fault fault)
+{
+	eco_write_zigzag(w, fault == FAULT_GROUP_PLANT ? WIRE_RANDOM_PLANTS : 1);
+	eco_write_varint(w, 600 - 1);
+	eco_write_zigzag(w, fault == FAULT_GROUP_BEFORE ? -2 : -1);
+	if (fault != FAULT_GROUP_LOST)
+		eco_write_varint(w, 400 - 1 + (fault == FAULT_GROUP_LARGE) - (fault == FAULT_GROUP_SMALL));
+}
 
 static void put_faulty_list(struct eco_writer *w, uint32_t *number, enum fault fault)
 {
@@ -227,9 +240,10 @@ static void put_faulty_list(struct eco_writer *w, uint32_t *number, enum fault f
 		list.kind = fault == FAULT_FORM_KIND ? ECO_LIST_INSTANCES : ECO_LIST_POINTS;
 		list.partner = fault == FAULT_FORM_PARTNER ? ECO_NONE : fault == FAULT_FORM_ITSELF ? 3 : 1;
 		list.primitive_count += fault == FAULT_FORM_COUNT;
+		list.group_count = 0;
 	}
 	list.grid_step[1] = fault == FAULT_LIST_GRID ? NAN : list.grid_step[1];
-	list.plant = fault == FAULT_LIST_PLANT ? WIRE_RANDOM_PLANTS : list.plant;
+	list.group_count = fault == FAULT_LIST_GROUPS ? 0 : list.group_count;
 	list.image = fault == FAULT_LIST_IMAGE ? WIRE_RANDOM_LISTS : list.image;
 	list.chunk_count = fault == FAULT_LIST_CHUNKS ? list.element_count + 1 : list.chunk_count;
 	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_BUNDLE, (*number)++);
@@ -237,6 +251,8 @@ static void put_faulty_list(struct eco_writer *w, uint32_t *number, enum fault f
 	wire_before.list = 3;
 	list.palette_count = fault == FAULT_PALETTE ? 1 : 0;
 	eco_wire_write_record(w, &list, &(struct eco_wire_record){ .list = 0 });
+	if (list.group_count)
+		put_faulty_groups(w, fault);
 	eco_frame_end(w, mark);
 }
 
@@ -428,7 +444,7 @@ static struct eco_writer record_stream(const uint8_t *record, size_t size)
 /* Each record has one squeezed form, whose bits say nothing in vain. */
 UNIT_TEST(records_of_lists_are_squeezed)
 {
-	struct eco_list list = wire_random_list(3);
+	struct eco_list list = wire_random_list(0);
 	list.palette_count = 0;
 	struct eco_writer record = { 0 };
 	struct eco_wire_record before = { .list = 0 };
@@ -466,7 +482,7 @@ UNIT_TEST(records_of_lists_are_squeezed)
 UNIT_TEST(golden_stream)
 {
 	static const char expected[] =
-		"010000003a000000b121d6a19a23b0e10c00000001020300000000000000"
+		"010000003a000000a6242ba831a606150d00000001020300000000000000"
 		"0000000000009a9999999999b93f21000000500000003c00000002000000"
 		"060000000957c3a46c646368656e0400000037000000b0916f5701f9e723"
 		"4d0000000000000000000000000000000000000000000000000000000000"

@@ -45,12 +45,17 @@ static enum eco_code on_plant(void *ctx, uint32_t id, const struct eco_plant *pl
 }
 
 static enum eco_code on_list(void *ctx, uint32_t id, const struct eco_list *list, const uint8_t (*palette)[3],
-	struct eco_error *e)
+	const struct eco_group *groups, struct eco_error *e)
 {
-	uint64_t sum = id;
+	uint64_t sum = id, plants = 0;
 	(void)e;
 	for (uint32_t i = 0; i < list->palette_count; i++)
 		sum += palette[i][0] + palette[i][1] + palette[i][2];
+	for (uint32_t i = 0; i < list->group_count; plants += groups[i++].count) {
+		assert(groups[i].first == plants && groups[i].count > 0);
+		sum += groups[i].plant;
+	}
+	assert(!list->group_count || plants == list->primitive_count);
 	return saw(ctx, sum);
 }
 

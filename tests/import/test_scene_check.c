@@ -20,7 +20,7 @@
 	}
 #define BREAK(id, what) BREAK_OF(false, id, what)
 #define BREAK_SPLATS(id, what) BREAK_OF(true, id, what)
-#define BREAKS 152
+#define BREAKS 157
 
 static struct broken { const char *name; void (*apply)(struct scene_builder *); bool splats; } cases[BREAKS];
 static size_t case_count;
@@ -116,8 +116,13 @@ BREAK(no_place, l->lists[10].attributes = 0)
 BREAK(owner, l->lists[4].owner = 1)
 BREAK(owner_tile, l->lists[10].owner = 2)
 BREAK(owner_none, l->lists[4].owner = ECO_NONE)
-BREAK(list_plant, l->lists[10].plant = 1)
-BREAK(list_plant_none, l->lists[10].plant = ECO_NONE)
+BREAK(group_first, l->groups[0].first = 1)
+BREAK(group_none, l->groups[0].count = 0)
+BREAK(group_small, l->groups[0].count--)
+BREAK(group_large, l->groups[0].count++)
+BREAK(list_groups_none, l->lists[10].group_count = 0)
+BREAK(list_groups_more, l->lists[10].group_count = 2)
+BREAK(list_groups_of_plain, l->lists[9].group_count = 1)
 BREAK(grid_step, l->lists[0].grid_step[1] = 0)
 BREAK(grid_origin, l->lists[0].grid_origin[1] = NAN)
 BREAK(unit_area, l->lists[2].unit_area = NAN)

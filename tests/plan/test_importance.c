@@ -60,8 +60,8 @@ static void add_places(uint32_t plant)
 {
 	uint32_t count = SIDE * SIDE / SPECIES;
 	uint32_t list = scene_add_bare(&scene, &(struct scene_row){ ECO_LIST_INSTANCES, ECO_CODER_ROWS, 0, 0,
-		plant, 0, 0 }, count, count);
-	scene_add_group(&scene, (struct eco_group){ 0, plant, list, scene.scene.place_count });
+		ECO_NONE, 0, 0 }, count, count);
+	scene_add_group(&scene, (struct eco_group){ 0, plant, list, scene.scene.place_count, 0, 0 });
 	for (uint32_t i = 0; i < SIDE * SIDE; i++)
 		if ((i % SIDE + i / SIDE) % SPECIES == plant)
 			scene_add_place(&scene, (struct eco_place){ { (int32_t)(1000 * PLACE_M * (i % SIDE)),

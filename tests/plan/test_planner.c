@@ -222,8 +222,8 @@ UNIT_TEST(an_unlimited_budget_draws_every_visible_triangle_once)
 		for (uint32_t l = p->ladder_first; l < p->ladder_first + p->ladder_count; l++)
 			if (!(scene.ladders[l].flags & ECO_LADDER_FAR))
 				each += lod_ladder_full(&scene.scene, &scene.ladders[l]);
-		expected += each * scene.lists[scene.groups[g].list].primitive_count;
-		plants += scene.lists[scene.groups[g].list].primitive_count;
+		expected += each * scene.groups[g].count;
+		plants += scene.groups[g].count;
 	}
 	assert_int_equal(plan.visible_plants, plants);
 	assert_int_equal(plan.vertices, expected);

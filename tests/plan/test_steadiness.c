@@ -47,12 +47,12 @@ static void see_list(const struct eco_plan *plan, const struct eco_run *run, con
 	for (uint32_t i = 0; i < plan->gate_count; i++)
 		if (plan->gates[i].plant == group->plant)
 			gate = plan->gates[i].end;
-	for (uint32_t i = 0; i < s->lists[group->list].primitive_count; i++) {
+	for (uint32_t i = 0; i < group->count; i++) {
 		struct eco_place stored = eco_place_read(s, group->place_first + i);
 		struct seen *seen = &shot->plants[group->place_first + i];
 		struct lod_place place;
 		struct lod_anchor_band at[64];
-		uint32_t hash = lod_share_hash(plan->placements[0].path, group->list, i);
+		uint32_t hash = lod_share_hash(plan->placements[0].path, group->list, group->first + i);
 		lod_place_instance(&place, &plan->placements[0], &s->lists[group->list], &stored);
 		uint32_t n = lod_instance_anchors(eye, &place, s->anchors + plant->anchor_first,
 			plant->anchor_first, plant->anchor_count, gate, hash, at);

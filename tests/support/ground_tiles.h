@@ -30,7 +30,7 @@ static inline struct eco_list ground_list(const struct eco_ground *g, const stru
 	struct eco_ground_span x, y;
 	eco_ground_spans(&x, &y, tile, g->columns, g->rows);
 	return (struct eco_list){ .kind = ECO_LIST_GROUND, .coder = ECO_CODER_ROWS, .level = tile->level,
-		.owner = ECO_NONE, .plant = ECO_NONE,
+		.owner = ECO_NONE,
 		.image = ECO_NONE, .partner = ECO_NONE, .grid_origin = { g->x_m, g->y_m, GROUND_TILES_LOW_M },
 		.grid_step = { g->step_x_m, g->step_y_m, GROUND_TILES_STEP_M }, .columns = x.count,
 		.primitive_count = x.count * y.count,

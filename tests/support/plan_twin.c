@@ -27,7 +27,7 @@ static uint64_t anchor_vertices(const struct eco_scene *scene, const struct eco_
 	return vertices;
 }
 
-/* All plants of one list in one placement. */
+/* All plants of one group in one placement. */
 static uint64_t group_vertices(const struct eco_scene *scene, const struct eco_plan *plan,
 	const struct lod_eye *eye, const struct eco_run *run, const struct eco_group *group, uint64_t *plants)
 {
@@ -35,11 +35,11 @@ static uint64_t group_vertices(const struct eco_scene *scene, const struct eco_p
 	const struct eco_plant *plant = &scene->plants[group->plant];
 	const struct eco_list *list = &scene->lists[group->list];
 	uint64_t vertices = 0;
-	for (uint32_t i = 0; i < list->primitive_count; i++) {
+	for (uint32_t i = 0; i < group->count; i++) {
 		struct eco_place stored = eco_place_read(scene, group->place_first + i);
 		struct lod_anchor_band seen[ANCHORS_MOST];
 		struct lod_place place;
-		uint32_t hash = lod_share_hash(placement->path, group->list, i);
+		uint32_t hash = lod_share_hash(placement->path, group->list, group->first + i);
 		if (lod_open_hash(hash) < run->left)
 			continue;
 		lod_place_instance(&place, placement, list, &stored);

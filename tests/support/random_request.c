@@ -50,7 +50,7 @@ static bool random_in_plant(struct dice *r, const struct eco_scene *scene, doubl
 	const struct eco_group *group = &scene->groups[tile->group_first + dice_bits(r) % tile->group_count];
 	const struct eco_list *list = &scene->lists[group->list];
 	const struct eco_anchor *body = &scene->anchors[scene->plants[group->plant].anchor_first];
-	struct eco_place p = eco_place_read(scene, group->place_first + dice_bits(r) % list->primitive_count);
+	struct eco_place p = eco_place_read(scene, group->place_first + dice_bits(r) % group->count);
 	struct lod_place place;
 	float inside[3];
 	lod_place_instance(&place, &at, list, &p);

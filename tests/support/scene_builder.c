@@ -57,6 +57,10 @@ uint32_t scene_add_group(struct scene_builder *b, struct eco_group row)
 		struct eco_tile *tile = &b->tiles[row.tile];
 		tile->group_first = tile->group_count++ ? tile->group_first : b->scene.group_count;
 	}
+	if (b->lists) {
+		row.count = row.count ? row.count : b->lists[row.list].primitive_count;
+		b->lists[row.list].group_count++;
+	}
 	return ADD(groups, group_count, row);
 }
 
@@ -120,9 +124,8 @@ struct eco_list scene_list(const struct scene_builder *b, const struct scene_row
 	list.coder = row->coder;
 	list.attributes = row->attributes;
 	list.owner = row->owner;
-	list.plant = list.image = list.partner = ECO_NONE;
-	*(row->coder == ECO_CODER_FORM ? &list.partner : row->kind == ECO_LIST_INSTANCES ? &list.plant
-		: &list.image) = row->other;
+	list.image = list.partner = ECO_NONE;
+	*(row->coder == ECO_CODER_FORM ? &list.partner : &list.image) = row->other;
 	list.palette_count = row->attributes & ECO_ATTR_COLOR ? list.palette_count : 0;
 	return list;
 }
@@ -179,11 +182,11 @@ uint32_t scene_add_bare(struct scene_builder *b, const struct scene_row *row, ui
 	return scene_add_list(b, list);
 }
 
-void scene_add_instances(struct scene_builder *b, uint32_t list)
+void scene_add_instances(struct scene_builder *b, uint32_t list, uint32_t plant)
 {
 	const struct eco_elements *e = &b->elements[list];
-	scene_add_group(b, (struct eco_group){ b->lists[list].owner, b->lists[list].plant, list,
-		b->scene.place_count });
+	scene_add_group(b, (struct eco_group){ b->lists[list].owner, plant, list,
+		b->scene.place_count, 0, e->element_count });
 	for (uint32_t i = 0; i < e->element_count; i++)
 		scene_add_place(b, eco_place_of(e, i));
 }

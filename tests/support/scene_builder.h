@@ -51,6 +51,7 @@ uint32_t scene_add_anchor(struct scene_builder *b, struct eco_anchor row);
 uint32_t scene_add_ladder(struct scene_builder *b, struct eco_ladder row);
 uint32_t scene_add_curve(struct scene_builder *b, struct eco_curve row);
 uint32_t scene_add_tile(struct scene_builder *b, struct eco_tile row);
+/* Without a count: all of its list. */
 uint32_t scene_add_group(struct scene_builder *b, struct eco_group row);
 uint32_t scene_add_child(struct scene_builder *b, uint32_t parent, struct eco_child row);
 uint32_t scene_add_list(struct scene_builder *b, struct eco_list row);
@@ -63,7 +64,7 @@ void scene_add_place(struct scene_builder *b, struct eco_place place);
 struct eco_ladder scene_ladder(uint32_t plant, uint32_t anchor, enum eco_organ organ);
 
 /* Kind and attributes of a list, and so many elements of so many corners, if any. `other`: forms: what they
- * are forms of; instances: the plant; otherwise the texture. */
+ * are forms of; otherwise the texture. */
 struct scene_row { uint8_t kind, coder, attributes; uint32_t owner, other, count; uint8_t corners; };
 struct eco_list scene_list(const struct scene_builder *b, const struct scene_row *row);
 /* A list with these elements, which are the builder's from then on. */
@@ -77,7 +78,7 @@ void scene_elements(struct scene_builder *b, uint32_t list, uint32_t count, uint
 uint32_t scene_add_bare(struct scene_builder *b, const struct scene_row *row, uint32_t primitives,
 	uint32_t elements);
 /* The group and the places of a list of instances that has its elements. */
-void scene_add_instances(struct scene_builder *b, uint32_t list);
+void scene_add_instances(struct scene_builder *b, uint32_t list, uint32_t plant);
 /* All tiles of a ground, with their lists. */
 enum eco_code scene_add_heights(struct scene_builder *b, const struct eco_ground *ground,
 	struct eco_error *error);

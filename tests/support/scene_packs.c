@@ -50,10 +50,10 @@ static void sample_lists(struct scene_builder *b, bool plain)
 		{ ECO_LIST_LINES, ECO_CODER_ELEMENTS, ECO_ATTR_COLOR | ECO_ATTR_WIDTH, 0, ECO_NONE, 300, 2 },
 		{ ECO_LIST_IMAGE, ECO_CODER_BYTES, 0, 1, ECO_NONE, 0, 0 },
 		{ ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_UV, 1, plain ? ECO_NONE : 3, 400, 4 },
-		{ ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 1, 0, SAMPLE_PLANTS, 1 },
-		{ ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 1, 1, SAMPLE_PLANTS, 1 },
-		{ ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 2, 0, SAMPLE_PLANTS, 1 },
-		{ ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 2, 1, SAMPLE_PLANTS, 1 },
+		{ ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 1, ECO_NONE, SAMPLE_PLANTS, 1 },
+		{ ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 1, ECO_NONE, SAMPLE_PLANTS, 1 },
+		{ ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 2, ECO_NONE, SAMPLE_PLANTS, 1 },
+		{ ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 2, ECO_NONE, SAMPLE_PLANTS, 1 },
 		{ ECO_LIST_POINTS, ECO_CODER_KD, ECO_ATTR_COLOR | ECO_ATTR_PLANT, 0, ECO_NONE, 2000, 1 },
 	};
 	scene_add_rows(b, rows, 3);
@@ -115,7 +115,7 @@ static void sample_tables(struct scene_builder *b, bool plain)
 			scene_add_child(b, 0, (struct eco_child){ .tile = i, .scale = 1 });
 	}
 	for (uint32_t i = 1; i <= 4; i++)
-		scene_add_instances(b, bush + i);
+		scene_add_instances(b, bush + i, (i - 1) % 2);
 }
 
 enum eco_code sample_pack_write_on(const char *path, const struct eco_ground *ground, bool plain,
@@ -187,7 +187,7 @@ static void small_lists(struct scene_builder *b)
 		[GROUND + 1] = { ECO_LIST_GROUND, ECO_CODER_ROWS, 0, ECO_NONE, ECO_NONE, 0, 0 },
 		[GROUND + 2] = { ECO_LIST_GROUND, ECO_CODER_ROWS, 0, ECO_NONE, ECO_NONE, 0, 0 },
 		[SUMMARY] = { ECO_LIST_POINTS, ECO_CODER_KD, ECO_ATTR_COLOR | ECO_ATTR_PLANT, 1, ECO_NONE, 50,
-		1 }, [INSTANCES] = { ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 1, 0,
+		1 }, [INSTANCES] = { ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 1, ECO_NONE,
 		SMALL_PACK_PLANTS, 1 },
 		/* the leaves as one triangle each: forms need not follow what they are forms of */
 		[SIMPLE] = { ECO_LIST_TRIANGLES, ECO_CODER_FORM, ECO_ATTR_COLOR, 0, QUADS, 40, 3 },
@@ -285,6 +285,6 @@ enum eco_code small_pack_write(struct scene_builder *b, const char *path, struct
 	scene_add_child(b, 0, (struct eco_child){ .tile = 1, .scale = 1 });
 	scene_add_child(b, 0, (struct eco_child){ .tile = 1, .placed = true, .at = { 3, 4, 5 }, .turn = 16384,
 		.scale = 1.5f });
-	scene_add_instances(b, INSTANCES);
+	scene_add_instances(b, INSTANCES, 0);
 	return scene_write(b, path, SMALL_PACK_META, keep, error);
 }

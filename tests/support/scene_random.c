@@ -21,14 +21,12 @@ uint32_t random_below(struct scene_builder *b, uint32_t n) { return (uint32_t)(r
 /* ---- Lists ---- */
 
 /* In two chunks, the first of a third. */
-static uint32_t add_list(struct scene_builder *b, uint8_t kind, uint32_t primitives, uint32_t owner,
-	uint32_t plant)
+static uint32_t add_list(struct scene_builder *b, uint8_t kind, uint32_t primitives, uint32_t owner)
 {
 	if (primitives == 0)
 		return ECO_NONE;
 	struct eco_list list =
 		scene_list(b, &(struct scene_row){ .kind = kind, .owner = owner, .other = ECO_NONE });
-	list.plant = plant;
 	list.chunk_first = b->scene.chunk_count;
 	bool files = kind == ECO_LIST_IMPOSTOR || kind == ECO_LIST_IMAGE || kind == ECO_LIST_OUTLINE;
 	list.chunk_count = files ? primitives : primitives > 1 ? 2 : 1;
@@ -44,7 +42,7 @@ static uint32_t add_list(struct scene_builder *b, uint8_t kind, uint32_t primiti
 
 uint32_t random_fans(struct scene_builder *b, uint32_t elements, uint32_t owner)
 {
-	uint32_t id = add_list(b, ECO_LIST_TRIANGLES, elements, owner, ECO_NONE), mixed = random_below(b, 2);
+	uint32_t id = add_list(b, ECO_LIST_TRIANGLES, elements, owner), mixed = random_below(b, 2);
 	struct eco_list *list = &b->lists[id];
 	list->coder = ECO_CODER_ELEMENTS;
 	list->primitive_count = 0;
@@ -59,7 +57,7 @@ uint32_t random_fans(struct scene_builder *b, uint32_t elements, uint32_t owner)
 
 uint32_t random_form(struct scene_builder *b, uint8_t kind, uint32_t of, uint32_t corners)
 {
-	uint32_t id = add_list(b, kind, b->lists[of].element_count, b->lists[of].owner, ECO_NONE),
+	uint32_t id = add_list(b, kind, b->lists[of].element_count, b->lists[of].owner),
 		each = corners == 4 ? 2 : 1;
 	struct eco_list *list = &b->lists[id];
 	list->coder = ECO_CODER_FORM;
@@ -110,8 +108,8 @@ static void add_leaves(struct scene_builder *b, struct eco_ladder *l, int kind, 
 static void add_wood(struct scene_builder *b, struct eco_ladder *l, uint32_t k)
 {
 	if (!(l->flags & ECO_LADDER_FAR))
-		l->triangles = add_list(b, ECO_LIST_TRIANGLES, k, l->plant, ECO_NONE);
-	l->lines = add_list(b, ECO_LIST_LINES, 1 + random_below(b, k), l->plant, ECO_NONE);
+		l->triangles = add_list(b, ECO_LIST_TRIANGLES, k, l->plant);
+	l->lines = add_list(b, ECO_LIST_LINES, 1 + random_below(b, k), l->plant);
 	if (l->triangles != ECO_NONE && k > 4) {
 		l->level_count = 2;
 		l->level_end[0] = k / 5;
@@ -145,7 +143,7 @@ static void add_impostor(struct scene_builder *b, struct eco_ladder *l, uint32_t
 {
 	uint32_t levels = 1 + random_below(b, ECO_IMPOSTOR_LEVELS);
 	float error = (float)random_real(b, 0.1, 0.5);
-	l->impostor = add_list(b, ECO_LIST_IMPOSTOR, levels, l->plant, ECO_NONE);
+	l->impostor = add_list(b, ECO_LIST_IMPOSTOR, levels, l->plant);
 	for (uint32_t i = 0; i < levels; i++, error *= 0.8f)
 		scene_add_curve(b, (struct eco_curve){ (float)((i + 1.0) / levels / full), 1, 1, error,
 			error });
@@ -163,7 +161,7 @@ static void add_splats(struct scene_builder *b, const struct random_sizes *sizes
 		l.level_end[l.level_count++] = end += size;
 		size *= 2 + random_below(b, 3);
 	}
-	l.points = add_list(b, ECO_LIST_POINTS, end, l.plant, ECO_NONE);
+	l.points = add_list(b, ECO_LIST_POINTS, end, l.plant);
 	b->lists[l.points].attributes = ECO_ATTR_SPLAT;
 	l.flags = ECO_LADDER_WHOLE;
 	l.total = end;
@@ -209,13 +207,8 @@ static void add_plant(struct scene_builder *b, const struct random_sizes *sizes)
 
 /* ---- Tiles ---- */
 
-static void add_group(struct scene_builder *b, uint32_t tile, uint32_t plant, uint32_t count, double x,
-	double y)
+static void add_places(struct scene_builder *b, uint32_t tile, uint32_t count)
 {
-	uint32_t list = add_list(b, ECO_LIST_INSTANCES, count, tile, plant);
-	b->lists[list].grid_origin[0] = x;
-	b->lists[list].grid_origin[1] = y;
-	scene_add_group(b, (struct eco_group){ tile, plant, list, b->scene.place_count });
 	for (uint32_t i = 0; i < count; i++) {
 		struct eco_place place =
 			{ .position = { (int32_t)random_below(b, 50000), (int32_t)random_below(b, 50000),
@@ -233,10 +226,22 @@ static void add_tile(struct scene_builder *b, const struct random_sizes *sizes, 
 	uint32_t tile =
 		scene_add_tile(b,
 		(struct eco_tile){ .low = { x - 30, y - 30, -30 }, .high = { x + 80, y + 80, 60 } });
-	uint32_t groups = 1 + random_below(b, b->scene.plant_count);
-	for (uint32_t g = 0; g < groups; g++)
-		add_group(b, tile, g, 1 + random_below(b, sizes->places), x, y);
-	b->tiles[tile].summary = add_list(b, ECO_LIST_POINTS, 8 + random_below(b, 64), tile, ECO_NONE);
+	uint32_t groups = 1 + random_below(b, b->scene.plant_count), count = 0, first = 0;
+	uint32_t *ends = malloc(groups * sizeof *ends);
+	uint64_t place_first = b->scene.place_count;
+	for (uint32_t g = 0; g < groups; g++) {
+		uint32_t more = 1 + random_below(b, sizes->places);
+		add_places(b, tile, more);
+		ends[g] = count += more;
+	}
+	uint32_t list = add_list(b, ECO_LIST_INSTANCES, count, tile);
+	b->lists[list].grid_origin[0] = x;
+	b->lists[list].grid_origin[1] = y;
+	for (uint32_t g = 0; g < groups; first = ends[g++])
+		scene_add_group(b, (struct eco_group){ tile, g, list, place_first + first, first,
+			ends[g] - first });
+	free(ends);
+	b->tiles[tile].summary = add_list(b, ECO_LIST_POINTS, 8 + random_below(b, 64), tile);
 }
 
 void random_scene_sized(struct scene_builder *b, uint64_t seed, uint32_t nested, struct random_sizes sizes)
@@ -262,7 +267,7 @@ void random_scene_sized(struct scene_builder *b, uint64_t seed, uint32_t nested,
 			.at = { random_real(b, -500, 500), random_real(b, -500, 500), 0 },
 			.turn = (uint16_t)random_bits(b),
 			.scale = (float)random_real(b, 0.5, 1.5) });
-	b->tiles[0].summary = add_list(b, ECO_LIST_POINTS, 100, 0, ECO_NONE);
+	b->tiles[0].summary = add_list(b, ECO_LIST_POINTS, 100, 0);
 }
 
 void random_scene_make(struct scene_builder *b, uint64_t seed, uint32_t nested)
@@ -303,7 +308,7 @@ static void add_ground(struct scene_builder *b)
 			.child_first = i ? 0 : 1, .error_m = i ? 0 : 0.5f, .low_m = -1, .high_m = 1 };
 		struct eco_ground_span x, y;
 		eco_ground_spans(&x, &y, &t, s->ground_columns, s->ground_rows);
-		t.list = add_list(b, ECO_LIST_GROUND, 1, ECO_NONE, ECO_NONE);
+		t.list = add_list(b, ECO_LIST_GROUND, 1, ECO_NONE);
 		struct eco_list *list = &b->lists[t.list];
 		struct eco_chunk *chunk = &b->chunks[list->chunk_first];
 		list->level = t.level;
@@ -326,8 +331,8 @@ static void finish_lists(struct scene_builder *b)
 		[ECO_LIST_INSTANCES] = ECO_CODER_ROWS, [ECO_LIST_GROUND] = ECO_CODER_ROWS,
 		[ECO_LIST_IMAGE] = ECO_CODER_BYTES, [ECO_LIST_IMPOSTOR] = ECO_CODER_BYTES,
 		[ECO_LIST_OUTLINE] = ECO_CODER_BYTES };
-	uint32_t image = add_list(b, ECO_LIST_IMAGE, 4, 0, ECO_NONE),
-		outline = add_list(b, ECO_LIST_OUTLINE, 4, 0, ECO_NONE);
+	uint32_t image = add_list(b, ECO_LIST_IMAGE, 4, 0),
+		outline = add_list(b, ECO_LIST_OUTLINE, 4, 0);
 	b->lists[image].unit_area = 1e-6f;
 	b->lists[image].image = outline;
 	for (uint32_t i = 0; i < b->scene.list_count; i++) {

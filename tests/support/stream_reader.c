@@ -30,14 +30,19 @@ static enum eco_code reader_plant(void *ctx, uint32_t id, const struct eco_plant
 }
 
 static enum eco_code reader_list(void *ctx, uint32_t id, const struct eco_list *list,
-	const uint8_t (*palette)[3], struct eco_error *e)
+	const uint8_t (*palette)[3], const struct eco_group *groups, struct eco_error *e)
 {
 	struct stream_reader *r = ctx;
+	const struct eco_group *truth = list->group_count ? eco_list_groups(r->truth, id) : NULL;
 	(void)palette;
 	if (r->knows_list[id])
 		return eco_fail(e, ECO_DAMAGED, "list %u is described twice", id);
 	if (list->kind != r->truth->lists[id].kind || list->chunk_count != r->truth->lists[id].chunk_count)
 		return eco_fail(e, ECO_DAMAGED, "list %u is not what the pack has", id);
+	for (uint32_t g = 0; g < list->group_count; g++)
+		if (groups[g].plant != truth[g].plant || groups[g].first != truth[g].first
+				|| groups[g].count != truth[g].count)
+			return eco_fail(e, ECO_DAMAGED, "group %u of list %u is not what the pack has", g, id);
 	r->knows_list[id] = true;
 	r->lists++;
 	return ECO_OK;
@@ -68,13 +73,16 @@ static enum eco_code reader_needs(struct stream_reader *r, const struct eco_plan
 	for (uint32_t i = 0; !code && i < needs.count; i++) {
 		uint32_t id = needs.items[i].list;
 		const struct eco_list *list = &r->truth->lists[id];
-		uint32_t plant = list->kind == ECO_LIST_INSTANCES ? list->plant
-			: list->attributes & ECO_ATTR_PLANT ? ECO_NONE : list->owner;
+		uint32_t plant = list->kind == ECO_LIST_INSTANCES || list->attributes & ECO_ATTR_PLANT
+			? ECO_NONE : list->owner;
 		if (needs.items[i].chunks > r->have[id])
 			code = eco_fail(e, ECO_DAMAGED, "the plan needs %u chunks of list %u, %u are held",
 				needs.items[i].chunks, id, r->have[id]);
 		else if (list->kind != ECO_LIST_GROUND && plant != ECO_NONE && !r->knows_plant[plant])
 			code = eco_fail(e, ECO_DAMAGED, "the plan draws list %u of an unknown plant", id);
+		for (uint32_t g = 0; !code && g < list->group_count; g++)
+			if (!r->knows_plant[eco_list_groups(r->truth, id)[g].plant])
+				code = eco_fail(e, ECO_DAMAGED, "the plan draws an unknown plant of list %u", id);
 	}
 	free(needs.items);
 	return code;

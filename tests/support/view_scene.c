@@ -108,7 +108,7 @@ static void fill_bush(struct scene_builder *b)
 
 static double height_at(double x, double y) { return 0.02 * x + 0.0015 * (x * x - y * y) * 0.3; }
 
-static void fill_instances(struct scene_builder *b, uint32_t id)
+static void fill_instances(struct scene_builder *b, uint32_t id, uint32_t plant)
 {
 	struct eco_elements *e = &b->elements[id];
 	for (uint32_t i = 0; i < e->element_count; i++) {
@@ -117,7 +117,7 @@ static void fill_instances(struct scene_builder *b, uint32_t id)
 		e->extra[2 * i] = (int32_t)(unit(b) * 65535);
 		e->extra[2 * i + 1] = (int32_t)(65536 * (0.7 + 0.6 * unit(b)));
 	}
-	scene_add_instances(b, id);
+	scene_add_instances(b, id, plant);
 }
 
 static void fill_ground(struct scene_builder *b)
@@ -144,6 +144,7 @@ static void fill_summary(struct scene_builder *b)
 /* ---- The scene ---- */
 
 #define COLOR ECO_ATTR_COLOR
+#define TILES 6                  /* the last has the plants */
 #define LEAVES(n) { ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, COLOR | ECO_ATTR_GROWTH, 0, ECO_NONE, n, 4 }
 #define POINTS(of, n) { ECO_LIST_POINTS, ECO_CODER_FORM, COLOR | ECO_ATTR_SIZE, 0, of, n, 1 }
 
@@ -155,8 +156,8 @@ static const struct scene_row rows[L_COUNT] = {
 	[L_HIGH] = LEAVES(260), [L_HIGH_POINTS] = POINTS(L_HIGH, 260),
 	[L_BUSH] = { ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, COLOR | ECO_ATTR_UV, 1, L_IMAGE, 40, 4 },
 	[L_IMAGE] = { ECO_LIST_IMAGE, ECO_CODER_BYTES, 0, 1, ECO_NONE, 0, 0 },
-	[L_TREES] = { ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 5, 0, 14, 1 },
-	[L_BUSHES] = { ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 5, 1, 40, 1 },
+	[L_TREES] = { ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 5, ECO_NONE, 14, 1 },
+	[L_BUSHES] = { ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 5, ECO_NONE, 40, 1 },
 	[L_GROUND] = { ECO_LIST_GROUND, ECO_CODER_ROWS, 0, ECO_NONE, ECO_NONE, 0, 0 },
 	[L_SUMMARY] = { ECO_LIST_POINTS, ECO_CODER_KD, COLOR | ECO_ATTR_PLANT, 5, ECO_NONE, 400, 1 },
 	[L_SIMPLE] = { ECO_LIST_TRIANGLES, ECO_CODER_FORM, COLOR | ECO_ATTR_GROWTH, 0, L_HIGH, 260, 3 },
@@ -183,6 +184,8 @@ void scene_make(struct scene_builder *b, const struct eco_bytes *const texture[2
 	scene_add_anchor(b, (struct eco_anchor){ { 0, 0, 5.6f }, 3.2f });
 	scene_add_plant(b, (struct eco_plant){ .name = "bush", .height_m = 0.9f });
 	scene_add_anchor(b, (struct eco_anchor){ { 0, 0, 0.45f }, 1.3f });
+	for (int i = 0; i < TILES; i++)
+		scene_add_tile(b, (struct eco_tile){ .summary = ECO_NONE });
 	scene_add_rows(b, rows, L_COUNT);
 	b->lists[L_BUSH].image = texture ? L_IMAGE : ECO_NONE;
 	b->lists[L_IMAGE].image = L_OUTLINE;
@@ -197,8 +200,8 @@ void scene_make(struct scene_builder *b, const struct eco_bytes *const texture[2
 	}
 	fill_simple(b, L_SIMPLE);
 	fill_bush(b);
-	fill_instances(b, L_TREES);
-	fill_instances(b, L_BUSHES);
+	fill_instances(b, L_TREES, 0);
+	fill_instances(b, L_BUSHES, 1);
 	fill_ground(b);
 	fill_summary(b);
 	scene_encode(b);

@@ -220,7 +220,7 @@ struct eco_list wire_random_list(uint32_t id)
 	static const uint8_t attributes[WIRE_RANDOM_LISTS] = { ECO_ATTR_COLOR | ECO_ATTR_GROWTH,
 		ECO_ATTR_COLOR | ECO_ATTR_SIZE, ECO_ATTR_COLOR, ECO_ATTR_PLACE };
 	return (struct eco_list){ .kind = kinds[id], .coder = coders[id], .attributes = attributes[id],
-		.plant = id == 3 ? 1 : ECO_NONE,
+		.group_count = id == 3 ? 2 : 0,
 		.grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 0.01f, .palette_count = id < 3 ? 2 : 0,
 		.image = ECO_NONE,
 		.partner = id == 1 ? 0 : ECO_NONE, .columns = id == 5 ? 8 : 0, .primitive_count = id == 4 ? 8
@@ -233,8 +233,11 @@ static void wire_put_list(struct eco_writer *w, uint32_t *number, uint32_t id, c
 {
 	static const uint8_t palette[2][3] = { { 10, 100, 20 }, { 90, 80, 30 } };
 	struct eco_list lists[WIRE_RANDOM_LISTS];
+	static const struct eco_group groups[] = { { .list = 3, .plant = 1, .count = 600 },
+		{ .list = 3, .plant = 0, .first = 600, .count = 400 } };
+	static const struct eco_tile tile = { .group_count = 2 };
 	struct eco_scene scene = { .lists = lists, .list_count = WIRE_RANDOM_LISTS, .palette = palette,
-		.palette_count = 2 };
+		.palette_count = 2, .tiles = &tile, .tile_count = 1, .groups = groups, .group_count = 2 };
 	lists[id] = *list;
 	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_BUNDLE, (*number)++);
 	eco_wire_write_list(w, &scene, id, &wire_before);

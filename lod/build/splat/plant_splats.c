@@ -20,7 +20,7 @@
 static struct eco_list list_of(const struct lod_splats *splats, uint32_t count)
 {
 	struct eco_list list = { .kind = ECO_LIST_POINTS, .coder = ECO_CODER_ROWS,
-		.attributes = ECO_ATTR_COLOR | ECO_ATTR_SPLAT, .plant = ECO_NONE, .image = ECO_NONE,
+		.attributes = ECO_ATTR_COLOR | ECO_ATTR_SPLAT, .image = ECO_NONE,
 		.partner = ECO_NONE, .unit_area = splats->unit * splats->unit,
 		.element_count = count, .primitive_count = count };
 	for (int k = 0; k < 3; k++) {

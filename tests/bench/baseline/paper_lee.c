@@ -220,11 +220,11 @@ static void each_plant(const struct each *e, const struct lod_node *node, const 
 	const struct eco_scene *scene = p->s->scene;
 	const struct eco_plant *of = &scene->plants[group->plant];
 	const struct eco_placement *placement = &p->p.visible.placements[node->placement];
-	for (uint32_t i = 0; i < scene->lists[group->list].primitive_count; i++) {
+	for (uint32_t i = 0; i < group->count; i++) {
 		struct eco_place stored = eco_place_read(scene, group->place_first + i);
 		struct lod_place place;
 		lod_place_instance(&place, placement, &scene->lists[group->list], &stored);
-		uint32_t hash = lod_share_hash(placement->path, group->list, i);
+		uint32_t hash = lod_share_hash(placement->path, group->list, group->first + i);
 		uint32_t count = lod_open_hash(hash) < node->left
 			? 0
 			: lod_instance_anchors(&p->p.visible.eye, &place, scene->anchors + of->anchor_first,

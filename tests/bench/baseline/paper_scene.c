@@ -19,8 +19,8 @@ static bool is_held(const struct eco_list *list)
 static enum eco_code feed_list(struct paper_scene *s, uint32_t id, struct eco_error *error)
 {
 	const struct eco_list *list = &s->scene->lists[id];
-	enum eco_code code =
-		view_store_events.list(s->store, id, list, s->scene->palette + list->palette_first, error);
+	enum eco_code code = view_store_events.list(s->store, id, list, s->scene->palette + list->palette_first,
+		list->group_count ? eco_list_groups(s->scene, id) : NULL, error);
 	for (uint32_t i = 0; i < list->chunk_count && !code; i++) {
 		const uint8_t *bytes;
 		size_t size;
@@ -141,7 +141,8 @@ static enum eco_code feed_made(struct paper_scene *s, uint32_t id, const struct 
 	enum eco_code code = eco_chunk_encode(&input, &bytes, &size, NULL, error);
 	chunk.size_bytes = (uint32_t)size;
 	if (!code)
-		code = view_store_events.list(s->store, id, list, (const uint8_t(*)[3])like->palette, error);
+		code = view_store_events.list(s->store, id, list, (const uint8_t(*)[3])like->palette, NULL,
+			error);
 	if (!code) {
 		chunk.id = eco_chunk_hash(bytes, size);
 		code = view_store_events.chunk(s->store, id, 0, &chunk, bytes, error);

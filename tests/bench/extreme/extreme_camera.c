@@ -284,7 +284,8 @@ static void widen(struct scene_builder *b, const struct eco_scene *from)
 	}
 	for (uint32_t i = 0; i < from->group_count; i++)
 		scene_add_group(b, (struct eco_group){ from->groups[i].tile + shift, from->groups[i].plant,
-			from->groups[i].list, from->groups[i].place_first });
+			from->groups[i].list, from->groups[i].place_first, from->groups[i].first,
+			from->groups[i].count });
 	for (uint32_t level = LEVELS; level-- > 0;) {
 		double quarter = SIDE / 2 * ldexp(1, (int)(shift - level));
 		struct eco_tile *t = &b->tiles[level], *below = t + 1;

@@ -144,7 +144,7 @@ static uint32_t add_list(struct packing *p, uint32_t id, uint32_t i, const uint3
 		: &plant->lists[draft->list.partner];
 	struct eco_list list = draft->list;
 	list.owner = id;
-	list.plant = list.image = ECO_NONE;
+	list.image = ECO_NONE;
 	list.palette_first += list.palette_count ? p->palette_first[id] : 0;
 	list.partner = list.partner == ECO_NONE ? ECO_NONE : lists[list.partner];
 	uint32_t added = scene_add_made(&p->b, list, draft->elements);
@@ -237,7 +237,7 @@ static void add_group(struct packing *p, uint32_t quarter, uint32_t tile, uint32
 {
 	struct eco_list list =
 		scene_list(&p->b, &(struct scene_row){ ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE,
-		tile, plant, 0, 0 });
+		tile, ECO_NONE, 0, 0 });
 	struct eco_elements e = elements_make(&list, p->stand->place_count, 1);
 	double corner = p->stand->side / 2;
 	uint32_t count = 0;
@@ -259,7 +259,7 @@ static void add_group(struct packing *p, uint32_t quarter, uint32_t tile, uint32
 	}
 	e.element_count = e.corner_count = e.primitive_count = count;
 	if (count)
-		scene_add_instances(&p->b, scene_add_made(&p->b, list, e));
+		scene_add_instances(&p->b, scene_add_made(&p->b, list, e), plant);
 	else
 		eco_elements_free(&e);
 }

@@ -75,11 +75,11 @@ static void add_tile(struct scene_builder *b, uint32_t tile, uint32_t across, co
 		uint32_t plant = ((tile - 1) * stand->groups + g) % stand->species;
 		uint32_t list =
 			scene_add_bare(b,
-			&(struct scene_row){ ECO_LIST_INSTANCES, ECO_CODER_ROWS, 0, tile, plant, 0, 0 },
+			&(struct scene_row){ ECO_LIST_INSTANCES, ECO_CODER_ROWS, 0, tile, ECO_NONE, 0, 0 },
 			stand->each, stand->each);
 		b->lists[list].grid_origin[0] = x;
 		b->lists[list].grid_origin[1] = y;
-		scene_add_group(b, (struct eco_group){ tile, plant, list, b->scene.place_count });
+		scene_add_group(b, (struct eco_group){ tile, plant, list, b->scene.place_count, 0, 0 });
 		for (uint32_t i = 0; i < stand->each; i++, spot++)
 			scene_add_place(b,
 				(struct eco_place){ { (int32_t)(1000 * PLACE_M * (spot % TILE_SIDE)),
@@ -236,7 +236,7 @@ void extreme_unbounded(struct extreme *x)
 	make_usual(&t);
 	for (uint32_t i = 0; i < t.scene.group_count; i++)
 		all += 3 * (uint64_t)t.lists[t.ladders[t.groups[i].plant].triangles].primitive_count
-			* t.lists[t.groups[i].list].primitive_count;
+			* t.groups[i].count;
 	for (size_t i = 0; i < sizeof budgets / sizeof *budgets && good; i++)
 		for (int rule = 0; rule < 2 && good; rule++) {
 			struct sum sum;

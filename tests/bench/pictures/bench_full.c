@@ -153,7 +153,7 @@ static void add_stands(struct bench_full *full, uint32_t tile, const struct eco_
 	for (uint32_t g = t->group_first; g < t->group_first + t->group_count; g++) {
 		const struct eco_group *group = &s->groups[g];
 		const struct eco_list *list = &s->lists[group->list];
-		for (uint32_t i = 0; i < list->primitive_count; i++) {
+		for (uint32_t i = 0; i < group->count; i++) {
 			struct eco_place place = eco_place_read(s, group->place_first + i);
 			struct bench_full_stand *stand = &full->stands[full->stand_count++];
 			stand->plant = group->plant;

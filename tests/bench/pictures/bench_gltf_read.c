@@ -232,7 +232,7 @@ static enum eco_code add_mesh(struct packer *p, const struct bench_full_mesh *me
 	double step = fmax((double)s->anchors[plant->anchor_first].radius, 0.001) / GRID;
 	struct eco_list list = { .kind = ECO_LIST_TRIANGLES, .coder = ECO_CODER_ELEMENTS,
 		.attributes = (uint8_t)((mesh->colored ? ECO_ATTR_COLOR : 0) | (mesh->uv ? ECO_ATTR_UV : 0)),
-		.owner = mesh->plant, .plant = ECO_NONE, .grid_step = { step, step, step },
+		.owner = mesh->plant, .grid_step = { step, step, step },
 		.palette_count = mesh->colored ? s->palette_count : 0,
 		.image = mesh->uv ? mesh->image : ECO_NONE, .partner = ECO_NONE };
 	struct eco_ladder ladder = { .plant = mesh->plant, .anchor = plant->anchor_first,
