@@ -217,8 +217,8 @@ static enum eco_code walk_group(struct walk *w, const struct eco_placement *plac
 {
 	const struct view_plant *plant = view_store_plant(w->store, group->plant);
 	if (!plant)
-		return eco_fail(w->error, ECO_DAMAGED, "the plan draws the plants of list %u, whose plant %u was "
-			"not sent", list->id, group->plant);
+		return eco_fail(w->error, ECO_DAMAGED, "the plan draws plants %u of list %u, which were not "
+			"described", group->plant, list->id);
 	w->looked += group->count;
 	if (w->looked > INSTANCES_MAX || !reserve(&w->seen, &w->seen_room, plant->plant.anchor_count,
 			sizeof *w->seen))

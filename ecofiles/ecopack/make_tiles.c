@@ -16,14 +16,18 @@
 /* ---- Instance lists ---- */
 
 /* Plants of one leaf, in order: eco->places[items[0 .. count)]. */
-struct stand { const struct make_eco *eco; const uint32_t *items; uint32_t tile, count, group_first, group_count; };
+struct stand {
+	const struct make_eco *eco;
+	const uint32_t *items;
+	uint32_t tile, count, group_first, group_count;      /* groups: of the scene's table */
+};
 
 /* Their list, and the same as a range of the scene's places. */
 struct stand_list { struct eco_list list; struct eco_encoded encoded; struct eco_writer twin; uint32_t kept;
 	};
 
-/* One grid for all, with steps of at most 1/8192 of the smallest plant's height. Its origin is a point of the scene's
- * grid of that step, so that a plant at [0, 0, 0] stands there exactly. */
+/* One grid for all, with steps of at most 1/8192 of the smallest plant's height. Its origin is a point of the
+ * scene's grid of that step, so that a plant at [0, 0, 0] stands there exactly. */
 static void instance_grid(const struct make *m, const struct stand *stand, struct eco_list *list)
 {
 	double low[3], high[3], height = INFINITY, extent = 0;
@@ -153,8 +157,9 @@ static enum eco_code add_groups(struct make *m, struct stand *stand)
 		uint32_t plant = places[stand->items[first]].plant;
 		for (end = first + 1; end < stand->count && places[stand->items[end]].plant == plant; end++)
 			;
-		code = make_add(m, &m->groups, &(struct eco_group){ .tile = stand->tile, .plant = plant,
-			.list = ECO_NONE, .first = first, .count = end - first }, 1, sizeof(struct eco_group));
+		struct eco_group group = { .tile = stand->tile, .plant = plant, .list = ECO_NONE,
+			.first = first, .count = end - first };
+		code = make_add(m, &m->groups, &group, 1, sizeof group);
 	}
 	stand->group_count = (uint32_t)m->groups.count - stand->group_first;
 	return code;

@@ -24,7 +24,7 @@ enum eco_list_kind {
 	ECO_LIST_TRIANGLES = 1,
 	ECO_LIST_LINES,
 	ECO_LIST_POINTS,         /* a plant's points, or a tile's summary when ECO_ATTR_PLANT is set */
-	ECO_LIST_INSTANCES,      /* plants of one tile, species by species: its groups (pack.h) say which */
+	ECO_LIST_INSTANCES,      /* plants of one tile, species by species (struct eco_group) */
 	/* one tile of the ground: samples row by row from the south-west, `columns` wide (ground_tile.h) */
 	ECO_LIST_GROUND,
 	/* a texture in levels (texture.h): primitive, element and chunk k is level k */
@@ -74,7 +74,7 @@ struct eco_list {
 	uint8_t level;               /* ground: samples are 2^level apart; points and impostors: how level
 	                              * their leaves lie (eco_level_share); else 0 */
 	uint32_t owner;              /* plant id; tile id for instances, summaries; ECO_NONE for ground */
-	uint32_t group_count;        /* instances: groups of plants of one species (struct eco_group); else 0 */
+	uint32_t group_count;        /* instances: groups of one species each (struct eco_group); else 0 */
 	double grid_origin[3];       /* metres; plant space, tile's eco space, or scene space for ground */
 	double grid_step[3];         /* metres; position = origin + integer * step */
 	float unit_area;             /* points and summaries: projected area (m^2, random

@@ -142,9 +142,10 @@ struct eco_tile {
 	uint32_t child_first, child_count;
 };
 
-/* The plants of one species in one leaf tile: instances [first, first + count) of a list. The groups of a list
- * follow each other in the table, in the list and in section PLACES, and are all of it. A tile has one list for
- * all its groups, so that a record and a payload's heads are paid once (lod/EXPERIMENTS.md, Frames of chunks). */
+/* The plants of one species in one leaf tile: instances [first, first + count) of a list. The groups of a
+ * list follow each other in the table, in the list and in section PLACES, and are all of it. `ecopack make`
+ * puts all plants of a tile into one list: its record and the heads of its payload are sent once
+ * (lod/EXPERIMENTS.md, One list for a tile's plants). */
 struct eco_group {
 	uint32_t tile, plant, list;
 	uint64_t place_first;        /* the same plants in section PLACES: as many, from this place on */

@@ -409,8 +409,9 @@ static enum eco_code check_group(const struct eco_scene *s, uint32_t id, const s
 			g->first, g->count, g->list, most, first);
 	if (!range_fits(g->place_first, g->count, s->place_count)
 			|| (before && g->place_first != before->place_first + before->count))
-		return BAD("group %u: places [%llu, +%u) of %llu, or not behind those of the group before", id,
-			(unsigned long long)g->place_first, g->count, (unsigned long long)s->place_count);
+		return BAD("group %u: places [%llu, +%u) of %llu, or not behind those of the group before",
+			id, (unsigned long long)g->place_first, g->count,
+			(unsigned long long)s->place_count);
 	return ECO_OK;
 }
 

@@ -26,11 +26,12 @@
  * PLAN   below; replaces the plan before it. Each `list` in it is held up to its `end`. END    u64
  * vertices of the last plan, u64 bytes of the body, END included
  *
- * v: varint, z: zigzag varint. A squeezed record is that of pack.h (eco_list_write) with chunk_first 0 and primitives -
- * elements in place of primitives, most of whose bytes are those of the stream's list before (the first: 0):
- * a bit for each byte, from the low end, 1 if it differs from the same byte of that list; then those that
- * differ. Mostly the same bytes differ as did before: of the 13 bytes of these bits, xor those of the list
- * before, most are 0: u16, a bit for each that is not, from the low end; then those. No byte is sent in vain.
+ * v: varint, z: zigzag varint. A squeezed record is that of pack.h (eco_list_write) with chunk_first 0 and
+ * primitives - elements in place of primitives, most of whose bytes are those of the stream's list before
+ * (the first: 0): a bit for each byte, from the low end, 1 if it differs from the same byte of that list;
+ * then those that differ. Mostly the same bytes differ as did before: of the 13 bytes of these bits, xor
+ * those of the list before, most are 0: u16, a bit for each that is not, from the low end; then those. No
+ * byte is sent in vain.
  *
  * str: varint length (at most 63), UTF-8 without NUL. Holdings (body of a POST): u32 count, then per list,
  * ascending: varint list delta (from the list before; the first from 0), varint chunks (at least 1). A

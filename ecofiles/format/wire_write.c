@@ -86,7 +86,8 @@ bool eco_wire_same_palette(const struct eco_wire_record *before, const struct ec
 
 static void write_groups(struct eco_writer *w, const struct eco_scene *scene, uint32_t list)
 {
-	const struct eco_group *group = eco_list_groups(scene, list), *end = group + scene->lists[list].group_count;
+	const struct eco_group *group = eco_list_groups(scene, list);
+	const struct eco_group *end = group + scene->lists[list].group_count;
 	for (uint32_t before = 0; group < end; before = group++->plant) {
 		eco_write_zigzag(w, (int64_t)group->plant - before);
 		eco_write_varint(w, group->count - 1);

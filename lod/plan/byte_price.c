@@ -57,7 +57,7 @@ static double chunk_bytes(const struct lod_planner *p, uint32_t list, uint32_t o
 {
 	const struct eco_list *l = &p->scene->lists[list];
 	return (double)p->scene->chunks[l->chunk_first + ordinal].size_bytes + LOD_CHUNK_FRAME_BYTES
-		+ (ordinal ? 0 : LOD_LIST_FRAME_BYTES);
+		+ (ordinal ? 0 : LOD_LIST_FRAME_BYTES + LOD_GROUP_FRAME_BYTES * (double)l->group_count);
 }
 
 /* Chunks [from, to) of a list that the client lacks. */

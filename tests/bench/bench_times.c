@@ -123,8 +123,9 @@ static void add_tile(struct scene_builder *b, uint32_t tile, uint32_t across, ui
 	for (uint32_t g = 0; g < species; g++) {
 		uint32_t plant = first_species + g;
 		uint32_t list =
-			scene_add_bare(b, &(struct scene_row){ ECO_LIST_INSTANCES, 0, 0, tile, ECO_NONE, 0, 0 },
-			PLANTS_EACH, PLANTS_EACH);
+			scene_add_bare(b,
+			&(struct scene_row){ ECO_LIST_INSTANCES, 0, 0, tile, ECO_NONE, 0, 0 }, PLANTS_EACH,
+			PLANTS_EACH);
 		b->lists[list].grid_origin[0] = x;
 		b->lists[list].grid_origin[1] = y;
 		scene_add_group(b, (struct eco_group){ tile, plant, list, b->scene.place_count, 0, 0 });

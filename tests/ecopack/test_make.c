@@ -493,7 +493,8 @@ static uint32_t impostor_of(const struct eco_scene *s)
  * chunk of them; NULL: nothing of any. */
 static void verify_says(const struct eco_bytes *levels, uint32_t count, uint32_t chunk, const char *says)
 {
-	struct eco_list list = { .kind = ECO_LIST_IMPOSTOR, .coder = ECO_CODER_BYTES, .image = ECO_NONE, .partner = ECO_NONE, .grid_step = { 1, 1, 1 } };
+	struct eco_list list = { .kind = ECO_LIST_IMPOSTOR, .coder = ECO_CODER_BYTES, .image = ECO_NONE,
+		.partner = ECO_NONE, .grid_step = { 1, 1, 1 } };
 	struct scene_builder b;
 	struct eco_pack_writer *w;
 	struct inspect_counts counts;

@@ -42,7 +42,7 @@ static enum eco_code reader_list(void *ctx, uint32_t id, const struct eco_list *
 	for (uint32_t g = 0; g < list->group_count; g++)
 		if (groups[g].plant != truth[g].plant || groups[g].first != truth[g].first
 				|| groups[g].count != truth[g].count)
-			return eco_fail(e, ECO_DAMAGED, "group %u of list %u is not what the pack has", g, id);
+			return eco_fail(e, ECO_DAMAGED, "group %u of list %u is not the pack's", g, id);
 	r->knows_list[id] = true;
 	r->lists++;
 	return ECO_OK;
@@ -82,7 +82,8 @@ static enum eco_code reader_needs(struct stream_reader *r, const struct eco_plan
 			code = eco_fail(e, ECO_DAMAGED, "the plan draws list %u of an unknown plant", id);
 		for (uint32_t g = 0; !code && g < list->group_count; g++)
 			if (!r->knows_plant[eco_list_groups(r->truth, id)[g].plant])
-				code = eco_fail(e, ECO_DAMAGED, "the plan draws an unknown plant of list %u", id);
+				code = eco_fail(e, ECO_DAMAGED, "the plan draws unknown plants of list %u",
+					id);
 	}
 	free(needs.items);
 	return code;

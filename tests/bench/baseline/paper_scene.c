@@ -19,8 +19,9 @@ static bool is_held(const struct eco_list *list)
 static enum eco_code feed_list(struct paper_scene *s, uint32_t id, struct eco_error *error)
 {
 	const struct eco_list *list = &s->scene->lists[id];
-	enum eco_code code = view_store_events.list(s->store, id, list, s->scene->palette + list->palette_first,
-		list->group_count ? eco_list_groups(s->scene, id) : NULL, error);
+	const struct eco_group *groups = list->group_count ? eco_list_groups(s->scene, id) : NULL;
+	enum eco_code code = view_store_events.list(s->store, id, list,
+		s->scene->palette + list->palette_first, groups, error);
 	for (uint32_t i = 0; i < list->chunk_count && !code; i++) {
 		const uint8_t *bytes;
 		size_t size;
