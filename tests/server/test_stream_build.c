@@ -210,7 +210,7 @@ UNIT_TEST(explanations_are_of_the_plan_that_is_sent)
 		struct eco_request request = random_request(&b.pack->r);
 		struct eco_error error = { 0 };
 		request.vertices = 1000 + random_below(&b.pack->r, 200000);
-		request.bytes = 1000 + random_below(&b.pack->r, 100000);
+		request.bytes = 1000 + random_below(&b.pack->r, 60000);
 		struct srv_stream_input input = { .scene = &b.scene, .request = &request };
 		struct srv_stream stream;
 		struct lod_explanation why = { 0 };
