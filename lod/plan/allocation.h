@@ -131,6 +131,7 @@ struct lod_allocation {
 	bool has_whole;              /* some plants in view have a ladder that shows the whole plant */
 	double lambda;
 	double price;                /* wrong pixels that a byte must save; 0: bytes do not count */
+	bool spares;                 /* the price is for lists alone: levels of textures and impostors stay */
 	bool limited;                /* limits stay as they are, whatever the price */
 	struct lod_prices *prices;   /* lod/plan/byte_price.h; NULL: not made */
 	struct lod_cost cost;        /* at the last lambda */

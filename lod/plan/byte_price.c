@@ -547,6 +547,15 @@ static void limit_textures(struct lod_allocation *m)
 	share_images(m);
 }
 
+/* Levels of textures and of impostors. */
+static void limit_levels(struct lod_allocation *m)
+{
+	limit_textures(m);
+	for (uint32_t s = 0; s < m->p->visible.slot_count; s++)
+		m->scratch[s] = m->prices->seen[s] * m->slot_choices[s].seen;
+	lod_allocation_set_impostors(m, m->scratch);
+}
+
 /* The step up to which bytes are worth their price. */
 static void find_limit(struct lod_allocation *m, struct ladder_price *l, bool all)
 {
@@ -673,12 +682,10 @@ void lod_prices_limit(struct lod_allocation *m, bool first, bool last)
 {
 	struct lod_prices *prices = m->prices;
 	count_drawn(m);
-	limit_textures(m);
+	if (!m->spares)
+		limit_levels(m);
 	if (!first)
 		judge_organs(m);
-	for (uint32_t s = 0; s < m->p->visible.slot_count; s++)
-		m->scratch[s] = prices->seen[s] * m->slot_choices[s].seen;
-	lod_allocation_set_impostors(m, m->scratch);
 	for (uint32_t i = 0; i < prices->ladder_count; i++) {
 		struct ladder_price *l = &prices->ladders[i];
 		bool off = prices->organs_off[m->p->scene->ladders[l->ladder].plant];

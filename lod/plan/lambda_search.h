@@ -19,6 +19,7 @@ struct lod_lambda_search {
 	int index;                           /* the last lambda whose vertices fit the budget */
 	struct lod_outcome here, next;       /* there, and at the next lambda */
 	double lambda;                       /* of the answer */
+	double price;                        /* of a byte in the answer where bytes do not bind; 0: none */
 };
 
 void lod_search_free(struct lod_lambda_search *s);       /* NULL is fine */
@@ -30,6 +31,8 @@ enum eco_code lod_search_fill(const struct lod_lambda_search *s, double lambda, 
 
 /* Finds the bytes of the answer that carries the entries: p->bytes. */
 enum eco_code lod_bytes_size(struct lod_planner *p, struct eco_error *error);
+/* Entries with fewer bytes in place of the answer's, if hardly less is right: s->price, p->bytes. */
+enum eco_code lod_bytes_spare(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error);
 /* Entries whose answer has at most the bytes asked for, and the prediction. */
 enum eco_code lod_bytes_fit(const struct lod_lambda_search *s, uint64_t budget, struct eco_error *error);
 /* After the answer: hands coarser ones to input->coarser. Entries are those of the last of them then. */

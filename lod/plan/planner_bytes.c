@@ -1,5 +1,5 @@
-/* Answers within bytes: a price at which the answer has no more than may be sent, and answers at higher
- * prices, coarser ones on the way to it. */
+/* Answers without bytes that nobody misses; answers within bytes: a price at which the answer has no more than
+ * may be sent; and answers at higher prices, coarser ones on the way to it. */
 #include "lod/plan/lambda_search.h"
 
 #include <math.h>
@@ -17,6 +17,18 @@
 /* beside their bytes chunks cost so many times these that the answer without a limit lacks, ... */
 #define WASTE_FIT 1.0
 #define WASTE_COARSER 3.0        /* ... and in coarser answers those that the answer lacks */
+/* without a budget a byte of a plant's lists must set this share of the plants' pixels right: 100 kB a
+ * thousandth; where too much would be missed then, ... */
+#define SPARE_WORTH 1e-8
+#define SPARE_NEXT 0.25          /* ... so much of that, at so many prices */
+#define SPARE_PRICES 2
+#define SPARE_WRONG 0.005        /* missed is no more than this share of what is wrong before, ... */
+#define SPARE_PIXELS 0.0002      /* ... or of the plants' pixels, ... */
+#define SPARE_Q 0.001            /* ... and no more of Q */
+#define SPARE_VERTEX 8.0         /* bytes that a vertex is worth, at most: else lists that save vertices go */
+#define SPARE_LAMBDAS 4          /* tried for each price: ... */
+#define SPARE_LAMBDA 0.95        /* ... so many times that of the answer before, ... */
+#define SPARE_LAMBDA_NEXT 0.67   /* ... then of the one tried before */
 #define SWEEP_FIRST -10.0        /* octaves: at lower prices hardly anything is left out */
 #define SWEEP_SLOPE -0.5         /* at first, and within ... */
 #define SWEEP_SLOPE_LEAST -2.0
@@ -209,6 +221,67 @@ enum eco_code lod_bytes_fit(const struct lod_lambda_search *s, uint64_t budget, 
 	return code;
 }
 
+/* ---- Bytes that nobody misses ---- */
+
+/* Fills the budget at a price of plants' lists, for the highest of some lambdas from `lambda` on that uses so
+ * many vertices: with fewer lists a vertex saves less. Limits are hull points, and a fill may end before them.
+ * Tiles keep the places of their plants, which are few bytes and much of the picture. */
+static enum eco_code fill_spared(const struct lod_lambda_search *s, double price, double lambda,
+	uint64_t vertices, uint64_t budget, struct eco_error *error)
+{
+	struct lod_allocation *m = s->allocation;
+	const struct lod_price at = { 2 * lod_octaves(price), LOD_PRICE_LOWEST };
+	lod_price_relax(m, lambda, &at);
+	for (int i = 1; i < SPARE_LAMBDAS && m->cost.vertices < (double)vertices; i++) {
+		lambda *= SPARE_LAMBDA_NEXT;
+		lod_price_relax(m, lambda, &at);
+	}
+	enum eco_code code = lod_search_fill(s, lambda, budget, error);
+	return code ? code : lod_bytes_size(m->p, error);
+}
+
+/* What entries come to. */
+struct outcome { double wrong, q; uint64_t bytes; };
+
+static bool hardly_misses(const struct lod_planner *p, const struct outcome *before, double price,
+	double pixels)
+{
+	double more = p->wrong - before->wrong;
+	return p->bytes < before->bytes && more <= price * (double)(before->bytes - p->bytes)
+		&& more <= fmax(SPARE_WRONG * before->wrong, SPARE_PIXELS * pixels)
+		&& p->q >= before->q - SPARE_Q;
+}
+
+enum eco_code lod_bytes_spare(struct lod_lambda_search *s, uint64_t budget, struct eco_error *error)
+{
+	struct lod_allocation *m = s->allocation;
+	struct lod_planner *p = m->p;
+	const struct outcome before = { p->wrong, p->q, p->bytes };
+	const uint64_t cheapest = p->cheapest, vertices = p->vertices;
+	const double pixels = m->tile_choices[0].pixels,
+		lambda = SPARE_LAMBDA * (p->fill_lambda > 0 ? p->fill_lambda : s->lambda);
+	double price = SPARE_WORTH * pixels;
+	if (!(s->lambda > 0) || lambda > SPARE_VERTEX * price)   /* at a lambda of 0 everything is drawn */
+		return ECO_OK;
+	enum eco_code code = lod_prices_make(m, NULL, 0, error);
+	m->spares = true;
+	for (int i = 0; !code && !(s->price > 0) && i < SPARE_PRICES; i++, price *= SPARE_NEXT) {
+		code = fill_spared(s, price, lambda, vertices, budget, error);
+		s->price = hardly_misses(p, &before, price, pixels) ? price : 0;
+	}
+	m->spares = false;
+	p->cheapest = cheapest;
+	if (code || s->price > 0)
+		return code;
+	lod_prices_lift(m);
+	m->limited = false;
+	m->price = 0;
+	free(p->texture_levels);
+	p->texture_levels = NULL;
+	p->bytes = before.bytes;
+	return lod_search_fill(s, s->lambda, budget, error);
+}
+
 /* ---- Coarser answers ---- */
 
 /* Where the last answer stands on the way to coarser ones. */
@@ -288,10 +361,10 @@ static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t bu
 	struct lod_allocation *m = s->allocation;
 	const struct lod_planner_coarser *coarser = m->p->input->coarser;
 	double lowest = lod_lambda_at(s->last);
-	struct sweep sweep = { fmax(s->lambda, lowest), SWEEP_FIRST, 0, SWEEP_SLOPE };
+	double octave = s->price > 0 ? 2 * lod_octaves(s->price) : LOD_PRICE_LOWEST;
+	struct sweep sweep = { fmax(s->lambda, lowest), fmax(SWEEP_FIRST, octave), 0, SWEEP_SLOPE };
 	enum eco_code code = ECO_OK;
-	sweep.bytes = lod_price_relax(m, sweep.lambda,
-		&(struct lod_price){ LOD_PRICE_LOWEST, LOD_PRICE_LOWEST });
+	sweep.bytes = lod_price_relax(m, sweep.lambda, &(struct lod_price){ octave, octave });
 	for (uint32_t i = 0; i < coarser->most && !code && sweep.bytes > (double)coarser->least; i++) {
 		if (!raise_price(s, &sweep, coarser->ratio, budget))
 			break;

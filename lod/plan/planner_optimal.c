@@ -42,6 +42,7 @@
 #define FINER_TIMES 3            /* levels above 0; the last opens all */
 #define SMALL_STEPS 4            /* levels below 0 that are one octave apart */
 #define COARSEST -12
+#define SPARE_REACH 2            /* answers of so many times the bytes may fit without what nobody misses */
 #define PLACES_MOST 100000u      /* plants that one level walks over */
 
 double lod_lambda_at(int index)
@@ -270,6 +271,7 @@ enum eco_code lod_search_fill(const struct lod_lambda_search *s, double lambda, 
 	m->p->cheapest = fill.cheapest;
 	m->p->wrong = fill.wrong + closed_wrong(m);
 	m->p->q = q_of(m, &fill);
+	m->p->fill_lambda = fill.lambda;
 	lod_fill_free(&fill);
 	return code;
 }
@@ -369,12 +371,12 @@ static enum eco_code toggle_slots(const struct lod_lambda_search *s, uint64_t bu
 /* Where few plants are in view, lambda may be far from the best choice for one of them between a ladder for
  * the whole plant and its organs. So all slots, and none, draw it too, in small scenes each slot is tried the
  * other way round, and what has the highest Q is kept. */
-static enum eco_code try_whole(const struct lod_lambda_search *s, double lambda, uint64_t budget,
+static enum eco_code try_whole(const struct lod_lambda_search *s, double *lambda, uint64_t budget,
 	struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
 	double before = 1 - m->p->q;
-	struct best best = { before, lambda };
+	struct best best = { before, *lambda };
 	enum eco_code code = ECO_OK;
 	set_rules(m, RULES_AS_FILLED);
 	set_rules(m, RULES_KEEP);
@@ -386,6 +388,7 @@ static enum eco_code try_whole(const struct lod_lambda_search *s, double lambda,
 	if (!code && is_small(m))
 		code = toggle_slots(s, budget, &best, error);
 	set_rules(m, best.wrong < before ? RULES_BEST : RULES_BY_LAMBDA);
+	*lambda = best.lambda;
 	return code ? code : lod_search_fill(s, best.lambda, budget, error);
 }
 
@@ -422,7 +425,7 @@ static enum eco_code fill_budget(struct lod_lambda_search *s, uint64_t budget, s
 		return code;
 	if (ends_whole(m->p))
 		code = lower_whole(s, &s->lambda, budget, error);
-	return code || !m->few_plants ? code : try_whole(s, s->lambda, budget, error);
+	return code || !m->few_plants ? code : try_whole(s, &s->lambda, budget, error);
 }
 
 /* ---- Levels of detail ---- */
@@ -434,6 +437,7 @@ static enum eco_code plan_level(struct lod_lambda_search *s, struct lod_planner 
 {
 	uint64_t budget = p->input->request->vertices;
 	enum eco_code code = lod_allocation_make(s->allocation, p, error);
+	s->price = 0;
 	free(p->texture_levels);
 	p->texture_levels = NULL;
 	if (!code)
@@ -445,6 +449,8 @@ static enum eco_code plan_level(struct lod_lambda_search *s, struct lod_planner 
 		code = fill_budget(s, budget, error);
 	if (!code && p->input->size)
 		code = lod_bytes_size(p, error);
+	if (!code && p->input->size && p->bytes / SPARE_REACH <= p->input->request->bytes)
+		code = lod_bytes_spare(s, budget, error);
 	if (!code && p->bytes > p->input->request->bytes)
 		code = lod_bytes_fit(s, budget, error);
 	return code;

@@ -1,5 +1,6 @@
 /* Plans under two budgets, on random scenes: never above the bytes, most of them used, and what is held is
  * free. */
+#include <math.h>
 #include <stdlib.h>
 
 #include "lod/plan/planner.h"
@@ -137,6 +138,48 @@ UNIT_TEST(the_same_again)
 	}
 }
 
+/* Without a budget of bytes too: beside a plan for which none count. */
+UNIT_TEST(bytes_that_set_hardly_anything_right_are_spared)
+{
+	uint64_t all = 0, sent = 0;
+	uint32_t fewer = 0;
+	for (uint64_t seed = 1; seed <= SCENES; seed++) {
+		struct random_pack *pack = random_pack_make(seed, seed % 2 ? 0 : 3, 40 + seed % 5);
+		const struct eco_scene *scene = &pack->pack.scene;
+		for (int v = 0; v < VIEWS; v++) {
+			const struct eco_request request = { .view = random_view(&pack->r),
+				.bytes = ECO_BYTES_UNBOUNDED,
+				.vertices = UINT64_C(1) << (14 + random_below(&pack->r, 8)) };
+			struct lod_planner_stats free_stats, stats;
+			struct lod_planner_input input = { .scene = scene, .request = &request,
+				.stats = &free_stats };
+			struct sizer sizer = { scene, NULL };
+			struct eco_plan free_plan, plan;
+			uint64_t before, after;
+			assert_int_equal(lod_plan(&free_plan, &input, NULL), ECO_OK);
+			stats = plan_it(&plan, scene, &request.view, request.vertices, ECO_BYTES_UNBOUNDED,
+				NULL);
+			assert_int_equal(size_of(&sizer, &free_plan, &before, NULL), ECO_OK);
+			assert_int_equal(size_of(&sizer, &plan, &after, NULL), ECO_OK);
+			assert_true(after <= before);
+			if (after < before)
+				assert_true(stats.wrong <= fmax(1.0051 * free_stats.wrong,
+					free_stats.wrong + 0.0002 * 1e6));
+			else
+				assert_same(&plan, &free_plan);
+			fewer += after < before;
+			all += before;
+			sent += after;
+			eco_plan_free(&free_plan);
+			eco_plan_free(&plan);
+		}
+		random_pack_free(pack);
+	}
+	print_message("%u of %u plans send fewer bytes; all %.3f of those\n", fewer, SCENES * VIEWS,
+		(double)sent / (double)all);
+	assert_true(fewer > 5);
+}
+
 /* ---- Coarser answers ---- */
 
 #define MOST 12
@@ -178,8 +221,9 @@ UNIT_TEST(coarser_answers_are_within_the_vertices_and_mostly_of_what_the_answer_
 		const struct eco_request request = { .view = view, .bytes = ECO_BYTES_UNBOUNDED,
 			.vertices = UINT64_C(1) << (6 + random_below(&pack->r, 14)) };
 		struct lod_planner_stats stats;
+		struct sizer sizer = { scene, NULL };
 		struct lod_planner_input input = { .scene = scene, .request = &request, .stats = &stats,
-			.coarser = &coarser };
+			.coarser = &coarser, .size = size_of, .size_ctx = &sizer };
 		struct eco_plan answer, alone;
 		struct eco_holdings needs;
 		struct eco_error error = { 0 };
