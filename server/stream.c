@@ -45,6 +45,8 @@ void srv_stream_free(struct srv_stream *stream)
 {
 	drop_coarser(stream);
 	drop_next(stream);
+	free(stream->wanted.items);
+	free(stream->rest.items);
 	for (uint32_t i = 0; i < stream->step_count; i++)
 		step_free(&stream->steps[i]);
 	*stream = (struct srv_stream){ 0 };
@@ -141,6 +143,7 @@ static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, dou
 		planner.size = size_answer;
 		planner.size_ctx = sizing;
 		planner.coarser = &coarser;
+		planner.wanted = &stream->wanted;
 		drop_coarser(stream);
 	}
 	enum eco_code code = lod_plan(&step->plan, &planner, error);
@@ -197,6 +200,8 @@ static enum eco_code emit_all(struct srv_emit *emit, const struct srv_stream *st
 	}
 	for (uint32_t i = 0; i < stream->next_count && !code; i++)
 		code = srv_emit_needs(emit, &stream->next[i], error);
+	if (!code)
+		code = srv_emit_needs(emit, &stream->rest, error);
 	if (!code)
 		srv_emit_end(emit, stream->steps[stream->step_count - 1].plan.vertices);
 	return code;
@@ -480,6 +485,12 @@ static enum eco_code held_then(const struct srv_stream *stream, struct eco_holdi
 			if (need->chunks > chunks[need->list])
 				chunks[need->list] = need->chunks;
 		}
+	for (uint32_t n = 0; chunks && n < stream->next_count; n++)
+		for (uint32_t i = 0; i < stream->next[n].count; i++) {
+			const struct eco_holding *need = &stream->next[n].items[i];
+			if (need->chunks > chunks[need->list])
+				chunks[need->list] = need->chunks;
+		}
 	for (uint32_t list = 0; chunks && then->items && list < scene->list_count; list++)
 		if (chunks[list])
 			then->items[count++] = (struct eco_holding){ list, chunks[list] };
@@ -520,6 +531,84 @@ static enum eco_code plan_next(struct srv_stream *stream, struct srv_emit *dry, 
 		code = size_all(stream, dry, error);
 	}
 	stream->next_bytes = stream->body_bytes - without;
+	return code;
+}
+
+/* ---- The rest of the bytes ---- */
+
+struct lacking { struct eco_holding item; uint32_t held; uint64_t bytes; };
+
+static int by_bytes(const void *a, const void *b)
+{
+	const struct lacking *x = a, *y = b;
+	return x->bytes != y->bytes ? (x->bytes > y->bytes) - (x->bytes < y->bytes)
+		: (x->item.list > y->item.list) - (x->item.list < y->item.list);
+}
+
+/* Of what is wanted, the lists that lack something; returns their number. */
+static uint32_t find_lacking(const struct srv_stream *stream, const struct eco_holdings *held,
+	struct lacking *lacking)
+{
+	const struct eco_scene *scene = &stream->input.scene->pack->scene;
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < stream->wanted.count; i++) {
+		const struct eco_holdings one = { .items = &stream->wanted.items[i], .count = 1 };
+		struct lacking *to = &lacking[count];
+		*to = (struct lacking){ one.items[0], eco_holdings_chunks(held, one.items[0].list),
+			missing_bytes(scene, held, &one) };
+		count += to->bytes > 0;
+	}
+	qsort(lacking, count, sizeof *lacking, by_bytes);
+	return count;
+}
+
+/* As many chunks of these as `room` holds; frames about them are not counted. */
+static void take_chunks(struct srv_stream *stream, const struct lacking *lacking, uint32_t count,
+	uint64_t room)
+{
+	const struct eco_scene *scene = &stream->input.scene->pack->scene;
+	for (uint32_t i = 0; i < count; i++) {
+		uint32_t end = lacking[i].held, first = scene->lists[lacking[i].item.list].chunk_first;
+		const struct eco_chunk *chunks = &scene->chunks[first];
+		for (; end < lacking[i].item.chunks && chunks[end].size_bytes <= room; end++)
+			room -= chunks[end].size_bytes;
+		if (end > lacking[i].held)
+			stream->rest.items[stream->rest.count++]
+				= (struct eco_holding){ lacking[i].item.list, end };
+	}
+}
+
+/* The last chunk of the last list goes until the frames have room, too. */
+static enum eco_code fit_rest(struct srv_stream *stream, struct srv_emit *dry,
+	const struct eco_holdings *held, struct eco_error *error)
+{
+	enum eco_code code = size_all(stream, dry, error);
+	while (!code && stream->body_bytes > stream->input.request->bytes) {
+		struct eco_holding *last = &stream->rest.items[stream->rest.count - 1];
+		if (--last->chunks <= eco_holdings_chunks(held, last->list))
+			stream->rest.count--;
+		code = size_all(stream, dry, error);
+	}
+	return code;
+}
+
+static enum eco_code send_rest(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
+{
+	struct eco_holdings held;
+	uint64_t room = stream->input.request->bytes - stream->body_bytes;
+	if (!stream->wanted.count)
+		return ECO_OK;
+	enum eco_code code = held_then(stream, &held, error);
+	struct lacking *lacking = malloc(stream->wanted.count * sizeof *lacking);
+	stream->rest.items = malloc(stream->wanted.count * sizeof *stream->rest.items);
+	if (!code && (!lacking || !stream->rest.items))
+		code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u lists", stream->wanted.count);
+	if (!code) {
+		take_chunks(stream, lacking, find_lacking(stream, &held, lacking), room);
+		code = fit_rest(stream, dry, &held, error);
+	}
+	free(lacking);
+	free(held.items);
 	return code;
 }
 
@@ -566,6 +655,8 @@ static enum eco_code plan_all(struct srv_stream *stream, struct srv_emit *dry, s
 	code = fit_steps(stream, dry, error);
 	if (!code && request->next.given)
 		code = plan_next(stream, dry, error);
+	if (!code)
+		code = send_rest(stream, dry, error);
 	uint64_t most = stream->input.body_max ? stream->input.body_max : BODY_MAX_DEFAULT;
 	if (!code && stream->body_bytes > most)
 		code = eco_fail(error, ECO_TOO_LARGE, "the response would have %llu bytes; at most %llu are "

@@ -19,6 +19,10 @@
  * largest vertex budget whose body is found to fit is searched, within 1/256. If not even a plan that draws
  * nothing on the coarsest ground fits, `fits` is false: 204.
  *
+ * The rest. Bytes that the answer leaves go to chunks that it would need without their budget, of those lists
+ * first that lack least. So a list that takes more than one answer's bytes comes in parts, to a client that
+ * stays.
+ *
  * Next view. Where the request gives one, its plan's chunks follow the answer within the same bytes: planned
  * with what is held by then, so that they are the last and only what is lacking.
  *
@@ -63,6 +67,8 @@ struct srv_stream {
 	uint32_t step_count;
 	/* the same of the next view's plan, with what was left of the bytes; of its coarser answers first */
 	struct eco_holdings next[SRV_STEPS_MAX];     uint32_t next_count;
+	/* what the answer would need without a budget of bytes; of that, what the rest of the bytes holds */
+	struct eco_holdings wanted, rest;
 	struct eco_plan coarser[SRV_STEPS_MAX];      /* from fine to coarse, while steps are made */
 	uint32_t coarser_count;
 	bool fits;

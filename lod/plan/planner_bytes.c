@@ -1,5 +1,5 @@
-/* Answers without bytes that nobody misses; answers within bytes: a price at which the answer has no more than
- * may be sent; and answers at higher prices, coarser ones on the way to it. */
+/* Answers without bytes that nobody misses; answers within bytes: a price at which the answer has no more
+ * than may be sent; and answers at higher prices, coarser ones on the way to it. */
 #include "lod/plan/lambda_search.h"
 
 #include <math.h>
@@ -217,15 +217,20 @@ enum eco_code lod_bytes_fit(const struct lod_lambda_search *s, uint64_t budget, 
 	if (!code)
 		code = lod_allocation_predict(m, &p->prediction, error);
 	free(room);
-	free(kept.items);
+	if (p->input->wanted) {
+		free(p->input->wanted->items);
+		*p->input->wanted = kept;
+	} else {
+		free(kept.items);
+	}
 	return code;
 }
 
 /* ---- Bytes that nobody misses ---- */
 
-/* Fills the budget at a price of plants' lists, for the highest of some lambdas from `lambda` on that uses so
- * many vertices: with fewer lists a vertex saves less. Limits are hull points, and a fill may end before them.
- * Tiles keep the places of their plants, which are few bytes and much of the picture. */
+/* Fills the budget at a price of plants' lists, for the highest of some lambdas from `lambda` on that uses
+ * so many vertices: with fewer lists a vertex saves less. Limits are hull points, and a fill may end before
+ * them. Tiles keep the places of their plants, which are few bytes and much of the picture. */
 static enum eco_code fill_spared(const struct lod_lambda_search *s, double price, double lambda,
 	uint64_t vertices, uint64_t budget, struct eco_error *error)
 {

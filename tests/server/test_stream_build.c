@@ -202,6 +202,45 @@ UNIT_TEST(byte_budgets_are_never_exceeded_and_well_used)
 	assert_true(used / bounded > 0.65);
 }
 
+/* A client that stays where it is. */
+UNIT_TEST(what_has_no_room_in_an_answer_comes_in_parts)
+{
+	uint32_t whole_at_last = 0, parts = 0;
+	for (uint64_t seed = 1; seed <= 10; seed++) {
+		struct bench b = bench_make(700 + seed, 3);
+		struct eco_request request = random_request(&b.pack->r);
+		struct stream_reader reader;
+		stream_reader_init(&reader, &b.pack->pack.scene);
+		request.vertices = 200000;
+		struct body whole = build(&b, &request, NULL);
+		request.bytes = whole.size / 3;
+		for (int visit = 0; visit < 12; visit++) {
+			struct eco_holdings held = held_by(&reader);
+			struct body body = build(&b, &request, &held);
+			if (body.fits) {
+				assert_true(body.size <= request.bytes);
+				read_all(&reader, &body, request.vertices);
+				parts += visit > 0 && reader.chunks > 0;
+			}
+			free(held.items);
+			free(body.bytes);
+		}
+		request.bytes = ECO_BYTES_UNBOUNDED;
+		struct eco_holdings held = held_by(&reader);
+		struct body rest = build(&b, &request, &held);
+		read_all(&reader, &rest, request.vertices);
+		whole_at_last += reader.chunks == 0;
+		free(held.items);
+		free(rest.bytes);
+		free(whole.bytes);
+		stream_reader_free(&reader);
+		bench_free(&b);
+	}
+	print_message("          %u of 10 have all at last; %u answers brought parts\n", whole_at_last,
+		parts);
+	assert_true(whole_at_last >= 9 && parts >= 10);
+}
+
 UNIT_TEST(explanations_are_of_the_plan_that_is_sent)
 {
 	uint32_t bounded = 0;
