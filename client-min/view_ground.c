@@ -102,14 +102,17 @@ void view_ground_normal(const struct view_list *list, uint32_t sample, float nor
 }
 
 /* The sample of the span's inner ones at or before `at`, but for the last, and how far `at` is on the way to
- * the next; false outside. */
-static bool find_cell(const struct eco_ground_span *span, double at, uint32_t *sample, double *share)
+ * the next; false outside. Places of samples are `stride` apart. */
+static bool find_cell(const struct eco_ground_span *span, const int32_t *places, size_t stride, double at,
+	uint32_t *sample, double *share)
 {
-	if (!(at >= span->low && at <= span->high))
+	uint32_t i = span->before, last = span->before + span->inner - 1;
+	if (!(at >= places[stride * i] && at <= places[stride * last]))
 		return false;
-	uint32_t i = (uint32_t)((at - span->low) / span->stride), last = span->inner - 2;
-	*sample = span->before + (i < last ? i : last);
-	double low = eco_ground_span_at(span, *sample), high = eco_ground_span_at(span, *sample + 1);
+	while (i + 1 < last && at >= places[stride * (i + 1)])
+		i++;
+	double low = places[stride * i], high = places[stride * (i + 1)];
+	*sample = i;
 	*share = (at - low) / (high - low);
 	return true;
 }
@@ -121,11 +124,12 @@ bool view_ground_height(const struct view_ground *g, double x, double y, double 
 		const struct eco_list *list = &tile->list->list;
 		uint32_t column, row;
 		double u, v;
-		if (!find_cell(&tile->x, (x - list->grid_origin[0]) / list->grid_step[0], &column, &u)
-			|| !find_cell(&tile->y, (y - list->grid_origin[1]) / list->grid_step[1], &row, &v))
+		const int32_t *at = tile->list->elements.position;
+		if (!find_cell(&tile->x, at, 3, (x - list->grid_origin[0]) / list->grid_step[0], &column, &u)
+			|| !find_cell(&tile->y, at + 1, 3 * (size_t)tile->x.count,
+			(y - list->grid_origin[1]) / list->grid_step[1], &row, &v))
 			continue;
-		const int32_t *south = tile->list->elements.position
-			+ 3 * ((size_t)row * tile->x.count + column) + 2;
+		const int32_t *south = at + 3 * ((size_t)row * tile->x.count + column) + 2;
 		const int32_t *north = south + 3 * (size_t)tile->x.count;
 		double z = u >= v ? south[0] + u * (south[3] - (double)south[0])
 			+ v * (north[3] - (double)south[3])

@@ -65,7 +65,7 @@ struct view_piece_input {
 	uint32_t ordinal;
 	const uint8_t *payload;
 	bool images;                     /* false: the payload of an IMAGE is dropped */
-	uint32_t ground_columns, ground_rows;
+	uint32_t ground_columns, ground_rows, ground_margin;
 };
 /* Decodes and checks all that users of decoded elements rely on: colours lie in the palette, codes exist,
  * samples of the ground are in their places. */

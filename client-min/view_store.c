@@ -38,7 +38,7 @@ struct view_store {
 	bool lacks;                      /* the last plan needs what is not held any more */
 	uint32_t repeats;                /* of the request under way */
 	double near_m;
-	uint32_t ground_columns, ground_rows;
+	uint32_t ground_columns, ground_rows, ground_margin;
 	struct view_cache cache;
 	struct view_forms forms;
 	struct view_plant **plants;      uint32_t plant_count, plant_room;
@@ -135,6 +135,7 @@ static enum eco_code on_scene(void *ctx, const struct eco_scene *scene, const st
 	store->near_m = scene->near_m;
 	store->ground_columns = scene->ground_columns;
 	store->ground_rows = scene->ground_rows;
+	store->ground_margin = scene->ground_margin;
 	memcpy(store->name, scene->name, sizeof store->name);
 	store->name[sizeof store->name - 1] = '\0';
 	return ECO_OK;
@@ -292,7 +293,8 @@ static enum eco_code on_chunk(void *ctx, uint32_t id, uint32_t ordinal, const st
 	struct view_piece piece;
 	double start = view_clock_ms();
 	code = view_piece_decode(&piece, &(struct view_piece_input){ list, chunk, ordinal, payload,
-		store->options.images, store->ground_columns, store->ground_rows }, error);
+		store->options.images, store->ground_columns, store->ground_rows,
+		store->ground_margin }, error);
 	store->stats.decode_ms += view_clock_ms() - start;
 	if (code)
 		return code;

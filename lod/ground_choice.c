@@ -19,14 +19,19 @@ struct search {
 	double error_px;
 };
 
+static double place(const struct search *s, const struct eco_ground_span *span, uint32_t sample)
+{
+	return eco_ground_place(sample, span->last + 1, s->scene->ground_margin);
+}
+
 static void bounds(const struct search *s, const struct eco_ground_tile *tile, double low[3], double high[3])
 {
 	struct eco_ground_span x, y;
 	eco_ground_spans(&x, &y, tile, s->scene->ground_columns, s->scene->ground_rows);
-	low[0] = s->origin[0] + x.low * s->step[0];
-	high[0] = s->origin[0] + x.high * s->step[0];
-	low[1] = s->origin[1] + y.low * s->step[1];
-	high[1] = s->origin[1] + y.high * s->step[1];
+	low[0] = s->origin[0] + place(s, &x, x.low) * s->step[0];
+	high[0] = s->origin[0] + place(s, &x, x.high) * s->step[0];
+	low[1] = s->origin[1] + place(s, &y, y.low) * s->step[1];
+	high[1] = s->origin[1] + place(s, &y, y.high) * s->step[1];
 	/* the drawn ground may be off by the error */
 	low[2] = (double)tile->low_m - (double)tile->error_m;
 	high[2] = (double)tile->high_m + (double)tile->error_m;

@@ -12,6 +12,7 @@ struct decoded {
 	const struct eco_ground_tile *tile;
 	const struct eco_list *list;
 	struct eco_ground_span x, y;
+	uint32_t margin;
 	struct eco_elements samples;
 };
 
@@ -21,7 +22,8 @@ static bool decode(struct decoded *d, const struct eco_pack *pack, uint32_t id)
 	const struct eco_scene *s = &pack->scene;
 	const uint8_t *bytes;
 	size_t size;
-	*d = (struct decoded){ .tile = &s->ground[id], .list = &s->lists[s->ground[id].list] };
+	*d = (struct decoded){ .tile = &s->ground[id], .list = &s->lists[s->ground[id].list],
+		.margin = s->ground_margin };
 	eco_ground_spans(&d->x, &d->y, d->tile, s->ground_columns, s->ground_rows);
 	const struct eco_chunk *chunk = &s->chunks[d->list->chunk_first];
 	return eco_pack_payload(pack, d->list->chunk_first, &bytes, &size, NULL) == ECO_OK
@@ -39,7 +41,8 @@ static const char *check_samples(const struct decoded *d, const struct eco_scene
 {
 	struct eco_ground_tile found;
 	double slack = (double)d->tile->error_m + d->list->grid_step[2];
-	if (eco_ground_tile_of(&found, d->list, &d->samples, s->ground_columns, s->ground_rows, NULL)
+	if (eco_ground_tile_of(&found, d->list, &d->samples, s->ground_columns, s->ground_rows,
+		s->ground_margin, NULL)
 			!= ECO_OK || found.column != d->tile->column
 		|| found.row != d->tile->row)
 		return "its samples are not those of its column and row";
@@ -52,18 +55,23 @@ static const char *check_samples(const struct decoded *d, const struct eco_scene
 	return NULL;
 }
 
+static double place(const struct decoded *d, const struct eco_ground_span *span, uint32_t sample)
+{
+	return eco_ground_place(sample, span->last + 1, d->margin);
+}
+
 /* Height of the tile's triangles at a sample of the full grid. */
 static double surface_m(const struct decoded *d, uint32_t x, uint32_t y)
 {
 	uint32_t c = (x - d->x.low) / d->x.stride, r = (y - d->y.low) / d->y.stride;
 	c = c < d->x.inner - 1 ? c : d->x.inner - 2;
 	r = r < d->y.inner - 1 ? r : d->y.inner - 2;
-	double x0 = eco_ground_span_at(&d->x, c + d->x.before),
-		x1 = eco_ground_span_at(&d->x, c + 1 + d->x.before);
-	double y0 = eco_ground_span_at(&d->y, r + d->y.before),
-		y1 = eco_ground_span_at(&d->y, r + 1 + d->y.before);
-	double u = (x - x0) / (x1 - x0), v = (y - y0) / (y1 - y0), sw = height_m(d, c, r),
-		ne = height_m(d, c + 1, r + 1);
+	double x0 = place(d, &d->x, eco_ground_span_at(&d->x, c + d->x.before)),
+		x1 = place(d, &d->x, eco_ground_span_at(&d->x, c + 1 + d->x.before));
+	double y0 = place(d, &d->y, eco_ground_span_at(&d->y, r + d->y.before)),
+		y1 = place(d, &d->y, eco_ground_span_at(&d->y, r + 1 + d->y.before));
+	double u = (place(d, &d->x, x) - x0) / (x1 - x0), v = (place(d, &d->y, y) - y0) / (y1 - y0),
+	       sw = height_m(d, c, r), ne = height_m(d, c + 1, r + 1);
 
 	return u >= v ? sw + u * (height_m(d, c + 1, r) - sw) + v * (ne - height_m(d, c + 1, r))
 		: sw + v * (height_m(d, c, r + 1) - sw) + u * (ne - height_m(d, c, r + 1));

@@ -1,5 +1,13 @@
 #include "ecofiles/format/ground_tile.h"
 
+bool eco_ground_size_fits(uint32_t columns, uint32_t rows, uint32_t margin)
+{
+	if (columns == 0 && rows == 0)
+		return margin == 0;
+	return margin <= ECO_GROUND_MARGIN_MAX && columns >= 2 * margin + 2 && rows >= 2 * margin + 2
+		&& columns <= ECO_GROUND_SIDE_MAX && rows <= ECO_GROUND_SIDE_MAX;
+}
+
 static void span_of(struct eco_ground_span *s, uint32_t samples, uint8_t level, uint32_t index)
 {
 	uint32_t stride = 1u << level, side = ECO_GROUND_CELLS << level;
@@ -45,23 +53,23 @@ uint8_t eco_ground_root_level(uint32_t columns, uint32_t rows)
 	return level;
 }
 
-/* Index of the tile whose first sample (of the ring, or its own) is at `first`. */
-static uint32_t index_of(int32_t first, uint8_t level)
+/* Index of the tile whose first sample (of the ring, or its own) is `first`. */
+static uint32_t index_of(uint32_t first, uint8_t level)
 {
-	uint32_t stride = 1u << level;
-	return first <= 0 ? 0 : ((uint32_t)first + stride) / (ECO_GROUND_CELLS << level);
+	return first == 0 ? 0 : (first + (1u << level)) / (ECO_GROUND_CELLS << level);
 }
 
 enum eco_code eco_ground_tile_of(struct eco_ground_tile *tile, const struct eco_list *list,
-	const struct eco_elements *e, uint32_t columns, uint32_t rows, struct eco_error *error)
+	const struct eco_elements *e, uint32_t columns, uint32_t rows, uint32_t margin,
+	struct eco_error *error)
 {
 	struct eco_ground_span x, y;
 	*tile = (struct eco_ground_tile){ .level = list->level };
 	if (list->level >= ECO_GROUND_LEVELS || e->element_count == 0 || e->corner_count != e->element_count)
 		return eco_fail(error, ECO_DAMAGED, "ground of level %u with %u samples", list->level,
 			e->element_count);
-	tile->column = index_of(e->position[0], list->level);
-	tile->row = index_of(e->position[1], list->level);
+	tile->column = index_of(eco_ground_sample_at(e->position[0], columns, margin), list->level);
+	tile->row = index_of(eco_ground_sample_at(e->position[1], rows, margin), list->level);
 	if (!eco_ground_on_grid(tile, columns, rows))
 		return eco_fail(error, ECO_DAMAGED, "a tile of ground outside the ground's %u x %u samples",
 			columns, rows);
@@ -70,10 +78,11 @@ enum eco_code eco_ground_tile_of(struct eco_ground_tile *tile, const struct eco_
 		return eco_fail(error, ECO_DAMAGED, "a tile of ground with %u samples in rows of %u, it "
 			"should have %u x %u", e->element_count, list->columns, x.count, y.count);
 	for (uint32_t row = 0, i = 0; row < y.count; row++) {
-		int32_t at_y = (int32_t)eco_ground_span_at(&y, row);
+		int32_t at_y = eco_ground_place(eco_ground_span_at(&y, row), rows, margin);
 		for (uint32_t column = 0; column < x.count; column++, i++)
-			if (e->position[3 * i] != (int32_t)eco_ground_span_at(&x, column)
-					|| e->position[3 * i + 1] != at_y)
+			if (e->position[3 * i] !=
+					eco_ground_place(eco_ground_span_at(&x, column), columns, margin) ||
+				e->position[3 * i + 1] != at_y)
 				return eco_fail(error, ECO_DAMAGED,
 					"sample %u of a tile of ground is not at its place", i);
 	}

@@ -1,7 +1,8 @@
 /* Samples of a ground tile: the rule that the builder, the checks, the server and every client share.
  *
  *   eco_ground_spans(&x, &y, &tile, columns, rows);     the tile's samples along both axes
- *   eco_ground_span_at(&x, i)                           place of its i-th column, in samples of the full grid
+ *   eco_ground_span_at(&x, i)                           its i-th column, as a sample of the full grid
+ *   eco_ground_place(sample, ...)                       where that lies, in steps of the grid (heights.h)
  *   eco_ground_tile_of(&tile, &list, &elements, ...)    the inverse: the tile of a decoded list, or an error
  *
  * Along an axis a tile of level L covers ECO_GROUND_CELLS << L samples, fewer where the grid ends. It
@@ -14,6 +15,7 @@
 
 #include <stdbool.h>
 
+#include "ecofiles/format/heights.h"
 #include "ecofiles/format/pack.h"
 
 struct eco_ground_span {
@@ -24,6 +26,9 @@ struct eco_ground_span {
 	uint32_t before;             /* 1 if a sample of the ring comes first, else 0 */
 	uint32_t last;               /* last sample of the grid */
 };
+
+/* Whether a scene can have such a grid: none at all, or at least two samples inside the margins. */
+bool eco_ground_size_fits(uint32_t columns, uint32_t rows, uint32_t margin);
 
 /* Requires that the tile lies on the grid (eco_ground_on_grid). */
 void eco_ground_spans(struct eco_ground_span *x, struct eco_ground_span *y,
@@ -37,8 +42,9 @@ bool eco_ground_on_grid(const struct eco_ground_tile *tile, uint32_t columns, ui
 uint8_t eco_ground_root_level(uint32_t columns, uint32_t rows);
 
 /* Finds level, column and row of a whole decoded list; every sample must be in its place. `columns`,
- * `rows`: of the full grid. */
+ * `rows`, `margin`: of the full grid. */
 enum eco_code eco_ground_tile_of(struct eco_ground_tile *tile, const struct eco_list *list,
-	const struct eco_elements *elements, uint32_t columns, uint32_t rows, struct eco_error *error);
+	const struct eco_elements *elements, uint32_t columns, uint32_t rows, uint32_t margin,
+	struct eco_error *error);
 
 #endif

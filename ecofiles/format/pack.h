@@ -21,8 +21,8 @@
  *   .    sections, ascending by kind and offset, at most one of a kind; an absent section is an empty table
  *
  *   kind 1 META        JSON: name, crs, origin, generator, statistics (for people and `ecopack info`)
- *        2 SCENE       one record: name, needs, root tile, ground columns, ground rows, near (bounds: the
- *                      root tile's)
+ *        2 SCENE       one record: name, needs, root tile, ground columns, rows, margin, near (bounds:
+ *                      the root tile's)
  *        3 PLANTS  4 ANCHORS  5 LADDERS  6 CURVES  7 TILES  8 GROUPS  9 CHILDREN  10 LISTS  11 CHUNKS
  *        12 PALETTE  13 PLACES  14 GROUND  15 CHUNK_DATA   payloads, one after the other
  *
@@ -174,7 +174,7 @@ struct eco_child {               /* child tile ids are greater than their parent
  * lie 2^level apart (smaller where the grid ends). The tiles are a quadtree: the first is the root and
  * covers everything; children follow their parents, level by level, and together cover their parent. A
  * tile without children has the finest detail there. ground_tile.h says which samples a tile holds. All
- * ground lists have the scene's grid, with the south-west sample at 0, 0. */
+ * ground lists have the scene's grid, with the south-west sample inside its margins at 0, 0 (heights.h). */
 #define ECO_GROUND_CELLS 64u
 #define ECO_GROUND_LEVELS 8u         /* touching tiles differ by at most a factor ECO_GROUND_CELLS */
 #define ECO_GROUND_SIDE_MAX ((ECO_GROUND_CELLS << (ECO_GROUND_LEVELS - 1)) + 1)   /* samples a side: 8193 */
@@ -192,6 +192,7 @@ struct eco_scene {
 	uint32_t needs;
 	uint32_t root;               /* tile */
 	uint32_t ground_columns, ground_rows;        /* samples of the ground at full detail; 0: no ground */
+	uint32_t ground_margin;                      /* of these on each side (heights.h) */
 	double near_m;               /* near plane of every picture of this scene */
 	const struct eco_plant *plants;      uint32_t plant_count;
 	const struct eco_anchor *anchors;    uint32_t anchor_count;

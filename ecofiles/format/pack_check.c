@@ -576,6 +576,9 @@ static enum eco_code check_ground(const struct eco_scene *s, struct eco_error *e
 			|| (s->ground_count == 0) != (s->ground_rows == 0))
 		return BAD("scene: %u ground tiles of %u x %u samples", s->ground_count, s->ground_columns,
 			s->ground_rows);
+	if (!eco_ground_size_fits(s->ground_columns, s->ground_rows, s->ground_margin))
+		return BAD("scene: ground of %u x %u samples with margins of %u", s->ground_columns,
+			s->ground_rows, s->ground_margin);
 	for (uint32_t i = 0; i < s->list_count; i++)
 		lists += s->lists[i].kind == ECO_LIST_GROUND;
 	if (lists != s->ground_count)

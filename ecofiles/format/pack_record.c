@@ -9,7 +9,7 @@
 const struct eco_section_info eco_section_info[ECO_SECTION_KIND_END] = {
 	[0] = { "none", 0 },
 	[ECO_SECTION_META] = { "META", 0 },
-	[ECO_SECTION_SCENE] = { "SCENE", 88 },
+	[ECO_SECTION_SCENE] = { "SCENE", 92 },
 	[ECO_SECTION_PLANTS] = { "PLANTS", 92 },
 	[ECO_SECTION_ANCHORS] = { "ANCHORS", 16 },
 	[ECO_SECTION_LADDERS] = { "LADDERS", 96 },
@@ -136,7 +136,7 @@ static const struct field section_fields[] = {
 
 static const struct field scene_fields[] = {
 	FIELD(NAME, scene, name), ONE(scene, needs), ONE(scene, root), ONE(scene, ground_columns),
-	ONE(scene, ground_rows), ONE(scene, near_m),
+	ONE(scene, ground_rows), ONE(scene, ground_margin), ONE(scene, near_m),
 };
 
 static const struct field plant_fields[] = {

@@ -11,8 +11,8 @@
  *   8   u64 XXH3-64 of bytes [0,8), of the frame's number in the stream (u32, from 0) and of the payload
  *   16  n bytes
  *
- * SCENE  u32 version = 13, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, u32 ground rows,
- *        u32 plant count, u32 list count, str name
+ * SCENE  u32 version = 13, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, rows,
+ *        margin (3), u32 plant count, u32 list count, str name
  * PLANT  u32 plant, str name, f32 height, u32 anchor first, u32 anchor count, anchors
  *                                                        once per plant of which the client has nothing
  * BUNDLE lists and chunks, one after the other to the end of the payload; each begins with
@@ -137,7 +137,7 @@ float eco_wire_scale_round(float scale);
  * a callback. A frame that comes in one piece is read in place; else memory grows with the bytes that came,
  * not with the length in a header. A NULL callback ignores its frames. Pointers are valid during the call. */
 struct eco_wire_events {
-	/* set: name, needs, ground_columns and _rows, near_m, counts of plants and lists; root is
+	/* set: name, needs, ground_columns, _rows and _margin, near_m, counts of plants and lists; root is
 	 * ECO_NONE; no arrays */
 	enum eco_code (*scene)(void *ctx, const struct eco_scene *scene, const struct eco_chunk_id *pack_id,
 		struct eco_error *e);

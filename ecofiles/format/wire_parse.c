@@ -16,6 +16,7 @@
 
 #include "ecofiles/format/chunk.h"
 #include "ecofiles/format/chunk_payload.h"
+#include "ecofiles/format/ground_tile.h"
 #include "ecofiles/base/utf8.h"
 
 
@@ -84,6 +85,7 @@ static enum eco_code read_scene(struct eco_wire_parser *p, struct eco_reader *r,
 	scene.needs = eco_read_u32(r);
 	scene.ground_columns = eco_read_u32(r);
 	scene.ground_rows = eco_read_u32(r);
+	scene.ground_margin = eco_read_u32(r);
 	scene.plant_count = eco_read_u32(r);
 	scene.list_count = eco_read_u32(r);
 	bool named = read_string(r, scene.name);
@@ -96,10 +98,9 @@ static enum eco_code read_scene(struct eco_wire_parser *p, struct eco_reader *r,
 	if (scene.needs & ~(uint32_t)ECO_NEEDS_ALL)
 		return eco_fail(e, ECO_UNSUPPORTED, "the scene needs features 0x%x, which this program does "
 			"not know", scene.needs & ~(uint32_t)ECO_NEEDS_ALL);
-	if ((scene.ground_columns == 0) != (scene.ground_rows == 0) || scene.ground_columns == 1
-			|| scene.ground_rows == 1
-		|| scene.ground_columns > ECO_GROUND_SIDE_MAX || scene.ground_rows > ECO_GROUND_SIDE_MAX)
-		return BAD("the ground has %u x %u samples", scene.ground_columns, scene.ground_rows);
+	if (!eco_ground_size_fits(scene.ground_columns, scene.ground_rows, scene.ground_margin))
+		return BAD("the ground has %u x %u samples with margins of %u", scene.ground_columns,
+			scene.ground_rows, scene.ground_margin);
 	memcpy(pack_id.bytes, id, sizeof pack_id.bytes);
 	p->plant_count = scene.plant_count;
 	p->list_count = scene.list_count;

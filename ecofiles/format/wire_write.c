@@ -25,6 +25,7 @@ void eco_wire_write_scene(struct eco_writer *w, const struct eco_scene *scene,
 	eco_write_u32(w, scene->needs);
 	eco_write_u32(w, scene->ground_columns);
 	eco_write_u32(w, scene->ground_rows);
+	eco_write_u32(w, scene->ground_margin);
 	eco_write_u32(w, scene->plant_count);
 	eco_write_u32(w, scene->list_count);
 	write_string(w, scene->name, sizeof scene->name);

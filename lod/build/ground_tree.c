@@ -16,8 +16,11 @@ struct level {
 	uint8_t *shift;
 };
 
+/* The full grid and where its samples lie, in steps (heights.h). */
+struct terrain { const struct eco_ground *ground; double *x, *y; };
+
 struct cell {                    /* between four samples of a coarse level */
-	const struct eco_ground *ground;
+	const struct terrain *terrain;
 	uint32_t x, y, width, height;    /* full-detail samples */
 	double sw, se, nw, ne;
 };
@@ -27,55 +30,88 @@ static double height(const struct eco_ground *g, uint32_t x, uint32_t y)
 	return g->height_m[(size_t)y * g->columns + x];
 }
 
-/* The largest error of columns [first, end) of a row against a line that starts at z and rises by `slope` a
- * column. */
-static double row_error(const float *row, uint32_t first, uint32_t end, double z, double slope)
+/* The largest error of samples [first, end) of a row against a line that starts at z and rises by `slope` a
+ * step. `at`: their places. */
+static double row_error(const float *row, const double *at, uint32_t first, uint32_t end, double z,
+	double slope)
 {
 	double most = 0;
 	for (uint32_t i = first; i < end; i++) {
-		double off = fabs((double)row[i] - (z + slope * i));
+		double off = fabs((double)row[i] - (z + slope * (at[i] - at[0])));
 		most = off > most ? off : most;
 	}
 	return most;
 }
 
-/* The diagonal of a cell that is not square crosses those of full detail between samples. */
-static double diagonal_error(const struct cell *c, uint32_t part, uint32_t parts)
+/* Between samples the two surfaces differ most where the cell's diagonal crosses the edges of full detail:
+ * the sides of its cells, and their diagonals. A stretch of the diagonal within one of these cells, from t to
+ * end, as shares of the whole. */
+static double stretch_error(const struct cell *c, uint32_t x, uint32_t y, double t, double end)
 {
-	double t = (double)part / parts, x = c->x + t * c->width, y = c->y + t * c->height, z;
-	struct eco_ground unit = *c->ground;
-	unit.x_m = unit.y_m = 0;
-	unit.step_x_m = unit.step_y_m = 1;
-	eco_ground_height(&unit, x, y, &z);
-	return fabs(z - (c->sw + t * (c->ne - c->sw)));
+	const struct eco_ground *g = c->terrain->ground;
+	const double *at_x = c->terrain->x, *at_y = c->terrain->y;
+	double sw = height(g, x, y), se = height(g, x + 1, y), nw = height(g, x, y + 1),
+		ne = height(g, x + 1, y + 1);
+	double dx = (at_x[c->x + c->width] - at_x[c->x]) / (at_x[x + 1] - at_x[x]),
+		dy = (at_y[c->y + c->height] - at_y[c->y]) / (at_y[y + 1] - at_y[y]);
+	double u0 = (at_x[c->x] - at_x[x]) / (at_x[x + 1] - at_x[x]),
+		v0 = (at_y[c->y] - at_y[y]) / (at_y[y + 1] - at_y[y]);
+	double cross = dx != dy ? (v0 - u0) / (dx - dy) : t, most = 0;
+	for (int k = 0; k < 3; k++) {
+		double s = k == 0 ? t : k == 1 ? end : cross > t && cross < end ? cross : t;
+		double u = u0 + s * dx, v = v0 + s * dy;
+		double z = u >= v ? sw + u * (se - sw) + v * (ne - se) : sw + v * (nw - sw) + u * (ne - nw);
+		most = fmax(most, fabs(z - (c->sw + s * (c->ne - c->sw))));
+	}
+	return most;
+}
+
+static double diagonal_error(const struct cell *c)
+{
+	const double *at_x = c->terrain->x + c->x, *at_y = c->terrain->y + c->y;
+	uint32_t x = 0, y = 0;
+	double t = 0, most = 0;
+	while (x < c->width && y < c->height) {
+		double next_x = (at_x[x + 1] - at_x[0]) / (at_x[c->width] - at_x[0]),
+			next_y = (at_y[y + 1] - at_y[0]) / (at_y[c->height] - at_y[0]),
+			end = next_x < next_y ? next_x : next_y;
+		most = fmax(most, stretch_error(c, c->x + x, c->y + y, t, end));
+		x += next_x <= end;
+		y += next_y <= end;
+		t = end;
+	}
+	return most;
+}
+
+/* Square and inside the margins: its diagonal is made of those of full detail. */
+static bool is_plain(const struct cell *c, double across, double up)
+{
+	return c->width == c->height && across <= c->width && up <= c->height;
 }
 
 static double cell_error(const struct cell *c)
 {
-	double most = 0, width = c->width, height = c->height;
+	const struct eco_ground *g = c->terrain->ground;
+	const double *at_x = c->terrain->x + c->x, *at_y = c->terrain->y + c->y;
+	double most = 0, across = at_x[c->width] - at_x[0], up = at_y[c->height] - at_y[0];
+	uint32_t split = 0;              /* from here on the south-east triangle */
 	for (uint32_t j = 0; j <= c->height; j++) {
-		const float *row = &c->ground->height_m[(size_t)(c->y + j) * c->ground->columns + c->x];
-		/* From here on the south-east triangle. */
-		uint32_t split = (uint32_t)(((uint64_t)j * c->width + c->height - 1) / c->height);
-		double v = j / height;
-		double upper = row_error(row, 0, split, c->sw + v * (c->nw - c->sw), (c->ne - c->nw) / width);
-		double lower = row_error(row, split, c->width + 1, c->sw + v * (c->ne - c->se),
-			(c->se - c->sw) / width);
-
+		const float *row = &g->height_m[(size_t)(c->y + j) * g->columns + c->x];
+		double v = (at_y[j] - at_y[0]) / up;
+		while (split < c->width && (at_x[split] - at_x[0]) * up < (at_y[j] - at_y[0]) * across)
+			split++;
+		double upper =
+			row_error(row, at_x, 0, split, c->sw + v * (c->nw - c->sw), (c->ne - c->nw) / across);
+		double lower = row_error(row, at_x, split, c->width + 1, c->sw + v * (c->ne - c->se),
+			(c->se - c->sw) / across);
 		most = fmax(most, fmax(upper, lower));
 	}
-	if (c->width == c->height)
-		return most;
-	uint32_t parts[3] = { c->width, c->height, c->width > c->height ? c->width - c->height
-		: c->height - c->width };
-	for (int k = 0; k < 3; k++)
-		for (uint32_t i = 1; i < parts[k]; i++)
-			most = fmax(most, diagonal_error(c, i, parts[k]));
-	return most;
+	return is_plain(c, across, up) ? most : fmax(most, diagonal_error(c));
 }
 
-static double tile_error(const struct eco_ground *g, uint8_t level, uint32_t column, uint32_t row)
+static double tile_error(const struct terrain *terrain, uint8_t level, uint32_t column, uint32_t row)
 {
+	const struct eco_ground *g = terrain->ground;
 	struct eco_ground_tile tile = { .level = level, .column = column, .row = row };
 	struct eco_ground_span x, y;
 	double most = 0;
@@ -86,7 +122,7 @@ static double tile_error(const struct eco_ground *g, uint8_t level, uint32_t col
 				x1 = eco_ground_span_at(&x, x.before + i + 1);
 			uint32_t y0 = eco_ground_span_at(&y, y.before + j),
 				y1 = eco_ground_span_at(&y, y.before + j + 1);
-			struct cell cell = { g, x0, y0, x1 - x0, y1 - y0, height(g, x0, y0),
+			struct cell cell = { terrain, x0, y0, x1 - x0, y1 - y0, height(g, x0, y0),
 				height(g, x1, y0), height(g, x0, y1), height(g, x1, y1) };
 			most = fmax(most, cell_error(&cell));
 		}
@@ -123,11 +159,11 @@ static uint8_t shift_for(double error, double step_m)
 	return shift;
 }
 
-static void measure_coarse(const struct eco_ground *g, double step_m, struct level *l,
+static void measure_coarse(const struct terrain *terrain, double step_m, struct level *l,
 	const struct level *finer, uint8_t level, uint32_t i)
 {
 	uint32_t column = i % l->columns, row = i / l->columns;
-	double error = tile_error(g, level, column, row);
+	double error = tile_error(terrain, level, column, row);
 	l->shift[i] = shift_for(error, step_m);
 	l->error[i] = rounded_up(l->shift[i] > 0 ? error + ldexp(step_m, l->shift[i] - 1) : error);
 	l->low[i] = INFINITY;
@@ -141,8 +177,9 @@ static void measure_coarse(const struct eco_ground *g, double step_m, struct lev
 		}
 }
 
-static bool measure(struct level *levels, uint8_t count, const struct eco_ground *g, double step_m)
+static bool measure(struct level *levels, uint8_t count, const struct terrain *terrain, double step_m)
 {
+	const struct eco_ground *g = terrain->ground;
 	for (uint8_t n = 0; n < count; n++) {
 		struct level *l = &levels[n];
 		uint32_t side = ECO_GROUND_CELLS << n, tiles;
@@ -159,7 +196,7 @@ static bool measure(struct level *levels, uint8_t count, const struct eco_ground
 			if (n == 0)
 				measure_finest(g, l, i);
 			else
-				measure_coarse(g, step_m, l, &levels[n - 1], n, i);
+				measure_coarse(terrain, step_m, l, &levels[n - 1], n, i);
 		}
 	}
 	return true;
@@ -208,6 +245,14 @@ void lod_ground_tree_free(struct lod_ground_tree *tree)
 	*tree = (struct lod_ground_tree){ .tiles = NULL };
 }
 
+static double *places(uint32_t count, uint32_t margin)
+{
+	double *at = malloc(count * sizeof *at);
+	for (uint32_t i = 0; at && i < count; i++)
+		at[i] = eco_ground_place(i, count, margin);
+	return at;
+}
+
 enum eco_code lod_ground_build(struct lod_ground_tree *tree, const struct eco_ground *ground, double step_m,
 	double least_m, struct eco_error *error)
 {
@@ -219,7 +264,12 @@ enum eco_code lod_ground_build(struct lod_ground_tree *tree, const struct eco_gr
 	if (ground->columns > ECO_GROUND_SIDE_MAX || ground->rows > ECO_GROUND_SIDE_MAX)
 		return eco_fail(error, ECO_TOO_LARGE, "ground of %u x %u samples, at most %u a side are kept",
 			ground->columns, ground->rows, ECO_GROUND_SIDE_MAX);
-	good = measure(levels, (uint8_t)(root + 1), ground, step_m) && gather(tree, levels, root, least_m);
+	struct terrain terrain = { ground, places(ground->columns, ground->margin),
+		places(ground->rows, ground->margin) };
+	good = terrain.x && terrain.y && measure(levels, (uint8_t)(root + 1), &terrain, step_m)
+		&& gather(tree, levels, root, least_m);
+	free(terrain.x);
+	free(terrain.y);
 	for (uint8_t n = 0; n <= root; n++) {
 		free(levels[n].error);
 		free(levels[n].shift);
@@ -264,8 +314,8 @@ enum eco_code lod_ground_elements(struct eco_elements *e, const struct eco_groun
 		for (uint32_t c = 0; c < x.count; c++) {
 			uint32_t column = eco_ground_span_at(&x, c), row = eco_ground_span_at(&y, r);
 			int32_t z = (int32_t)floor((height(ground, column, row) - low_m) / step_m + 0.5);
-			*out++ = (int32_t)column;
-			*out++ = (int32_t)row;
+			*out++ = eco_ground_place(column, ground->columns, ground->margin);
+			*out++ = eco_ground_place(row, ground->rows, ground->margin);
 			*out++ = on_border(&x, c) || on_border(&y, r) ? z : rounded(z, shift);
 		}
 	return ECO_OK;

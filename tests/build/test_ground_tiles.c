@@ -42,11 +42,17 @@ static double mostly_flat(double x, double y)
 }
 
 static const struct terrain { const char *name; double (*height)(double, double); uint32_t columns, rows;
-	double step; } terrains[] = {
-	{ "rough", rough, 517, 389, 5 }, { "cliffs", cliffs, 130, 70, 7 },
-		{ "mostly flat", mostly_flat, 700, 260, 1 },
-	{ "one tile", rough, 12, 40, 3 }, { "long", rough, 8193, 9, 4 }, { "the least", rough, 2, 2, 10 },
-	{ "power", rough, 257, 257, 2 },
+	double step; uint32_t margin;
+} terrains[] = {
+	{ "rough", rough, 517, 389, 5, 0 },
+	{ "cliffs", cliffs, 130, 70, 7, 0 },
+	{ "mostly flat", mostly_flat, 700, 260, 1, 0 },
+	{ "one tile", rough, 12, 40, 3, 0 },
+	{ "long", rough, 8193, 9, 4, 0 },
+	{ "the least", rough, 2, 2, 10, 0 },
+	{ "power", rough, 257, 257, 2, 0 },
+	{ "to the horizon", rough, 150, 119, 2, 11 },
+	{ "all margin", rough, 20, 19, 100, 8 },
 };
 #define TERRAINS (sizeof terrains / sizeof *terrains)
 
@@ -62,7 +68,7 @@ static void world_make(struct world *w, const struct terrain *t, double least_m)
 {
 	struct eco_error error = { 0 };
 	memset(w, 0, sizeof *w);
-	w->ground = ground_make(t->columns, t->rows, 0, 0, t->step, t->height);
+	w->ground = ground_make_wide(t->columns, t->rows, t->margin, 0, 0, t->step, t->height);
 	if (lod_ground_build(&w->tree, &w->ground, GROUND_TILES_STEP_M, least_m, &error))
 		fail_msg("%s: %s", t->name, error.text);
 	w->lists = calloc(w->tree.count, sizeof *w->lists);
@@ -78,6 +84,7 @@ static void world_make(struct world *w, const struct terrain *t, double least_m)
 	w->scene = (struct eco_scene){ .name = "ground", .needs = ECO_NEED_GROUND, .near_m = 0.1,
 		.ground = w->tree.tiles,
 		.ground_count = w->tree.count, .ground_columns = t->columns, .ground_rows = t->rows,
+		.ground_margin = t->margin,
 		.lists = w->lists, .list_count = w->tree.count,
 		.chunks = w->chunks, .chunk_count = w->tree.count };
 }
@@ -93,6 +100,21 @@ static void world_free(struct world *w)
 static double height_of(const struct world *w, uint32_t column, uint32_t row)
 {
 	return (double)w->ground.height_m[(size_t)row * w->ground.columns + column];
+}
+
+/* Where a sample lies in steps, and places between samples. */
+static double place_x(const struct world *w, double sample)
+{
+	uint32_t i = (uint32_t)fmin(sample, w->ground.columns - 2), m = w->ground.margin;
+	double low = eco_ground_place(i, w->ground.columns, m);
+	return low + (sample - i) * (eco_ground_place(i + 1, w->ground.columns, m) - low);
+}
+
+static double place_y(const struct world *w, double sample)
+{
+	uint32_t i = (uint32_t)fmin(sample, w->ground.rows - 2), m = w->ground.margin;
+	double low = eco_ground_place(i, w->ground.rows, m);
+	return low + (sample - i) * (eco_ground_place(i + 1, w->ground.rows, m) - low);
 }
 
 /* ---- The tree ---- */
@@ -118,13 +140,14 @@ static double surface(const struct world *w, const struct eco_ground_tile *tile,
 	struct eco_ground_span sx, sy;
 	uint32_t c = 0, r = 0;
 	eco_ground_spans(&sx, &sy, tile, w->ground.columns, w->ground.rows);
-	while (c + 2 < sx.inner && x >= eco_ground_span_at(&sx, sx.before + c + 1))
+	while (c + 2 < sx.inner && x >= place_x(w, eco_ground_span_at(&sx, sx.before + c + 1)))
 		c++;
-	while (r + 2 < sy.inner && y >= eco_ground_span_at(&sy, sy.before + r + 1))
+	while (r + 2 < sy.inner && y >= place_y(w, eco_ground_span_at(&sy, sy.before + r + 1)))
 		r++;
 	uint32_t x0 = eco_ground_span_at(&sx, sx.before + c), x1 = eco_ground_span_at(&sx, sx.before + c + 1);
 	uint32_t y0 = eco_ground_span_at(&sy, sy.before + r), y1 = eco_ground_span_at(&sy, sy.before + r + 1);
-	double u = (x - x0) / (x1 - x0), v = (y - y0) / (y1 - y0), sw = height_of(w, x0, y0),
+	double u = (x - place_x(w, x0)) / (place_x(w, x1) - place_x(w, x0)),
+		v = (y - place_y(w, y0)) / (place_y(w, y1) - place_y(w, y0)), sw = height_of(w, x0, y0),
 		ne = height_of(w, x1, y1);
 	return u >= v ? sw + u * (height_of(w, x1, y0) - sw) + v * (ne - height_of(w, x1, y0))
 		: sw + v * (height_of(w, x0, y1) - sw) + u * (ne - height_of(w, x0, y1));
@@ -148,6 +171,8 @@ UNIT_TEST(errors_hold_everywhere_and_are_met_somewhere)
 					px = floor(px);
 					py = floor(py);
 				}
+				px = place_x(&w, px);
+				py = place_y(&w, py);
 				eco_ground_height(&w.ground, px * terrains[k].step, py * terrains[k].step,
 					&z);
 				double off = fabs(z - surface(&w, t, px, py));
@@ -190,8 +215,8 @@ static struct eco_view random_view(const struct world *w)
 {
 	struct eco_view view = { .up = { 0, 0, 1 }, .fov_y_deg = 25 + 70 * unit(), .width = 320,
 		.height = 240 };
-	double reach_x = w->ground.columns * w->ground.step_x_m,
-		reach_y = w->ground.rows * w->ground.step_y_m, z;
+	double reach_x = (w->ground.columns - 2 * w->ground.margin) * w->ground.step_x_m,
+		reach_y = (w->ground.rows - 2 * w->ground.margin) * w->ground.step_y_m, z;
 	for (int i = 0; i < 2; i++) {
 		double reach = i ? reach_y : reach_x;
 		view.eye[i] = reach * (1.4 * unit() - 0.2);
@@ -232,8 +257,9 @@ UNIT_TEST(what_is_in_view_is_covered_once_and_fine_enough)
 			assert_true(choice.error_px <= limits.tolerance_px);
 			for (int s = 0; s < 400; s++) {
 				double px = unit() * (w.ground.columns - 1),
-					py = unit() * (w.ground.rows - 1),
-					at[3] = { px * terrains[k].step, py * terrains[k].step };
+				       py = unit() * (w.ground.rows - 1),
+				       at[3] = { place_x(&w, px) * terrains[k].step,
+					       place_y(&w, py) * terrains[k].step };
 				eco_ground_height(&w.ground, at[0], at[1], &at[2]);
 				if (!lod_eye_sees(&eye, at, 0))
 					continue;
@@ -307,8 +333,8 @@ static void draw_tiles(struct lod_raster *raster, const struct world *w, const s
 					lod_ground_corner(&cc, &rr, &seams[i], &x, &y);
 					uint32_t column = eco_ground_span_at(&x, x.before + cc),
 						row = eco_ground_span_at(&y, y.before + rr);
-					*to++ = (float)column * (float)w->ground.step_x_m;
-					*to++ = (float)row * (float)w->ground.step_y_m;
+					*to++ = (float)(place_x(w, column) * w->ground.step_x_m);
+					*to++ = (float)(place_y(w, row) * w->ground.step_y_m);
 					*to++ = (float)height_of(w, column, row);
 				}
 		struct lod_raster_batch batch = { .count = 2 * (x.inner - 1) * (y.inner - 1),
@@ -345,8 +371,8 @@ UNIT_TEST(from_above_there_is_no_gap_and_no_larger_error)
 		struct world w;
 		noise_state = 200 + k;
 		world_make(&w, &terrains[k], 0);
-		double width = (w.ground.columns - 1) * terrains[k].step,
-			depth = (w.ground.rows - 1) * terrains[k].step;
+		double width = place_x(&w, w.ground.columns - 1 - w.ground.margin) * terrains[k].step,
+			depth = place_y(&w, w.ground.rows - 1 - w.ground.margin) * terrains[k].step;
 		/* not so high that gaps are seen edge on */
 		struct eco_view view = { { width * 0.47, depth * 0.53, 0.5 * fmax(width, depth) + 130 },
 			{ width * 0.47, depth * 0.53, 0 }, { 0, 1, 0 }, 95, 901, 733 };
@@ -462,13 +488,13 @@ UNIT_TEST(a_tile_is_found_by_its_samples)
 			struct eco_ground_tile found;
 			uint32_t victim = (uint32_t)bits() % e.element_count;
 			assert_int_equal(eco_ground_tile_of(&found, &w.lists[i], &e, w.ground.columns,
-				w.ground.rows, NULL), ECO_OK);
+				w.ground.rows, w.ground.margin, NULL), ECO_OK);
 			assert_true(found.level == w.tree.tiles[i].level
 				&& found.column == w.tree.tiles[i].column
 				&& found.row == w.tree.tiles[i].row);
 			e.position[3 * victim + i % 2] += i % 3 ? 1 : -1;
 			assert_int_equal(eco_ground_tile_of(&found, &w.lists[i], &e, w.ground.columns,
-				w.ground.rows, NULL), ECO_DAMAGED);
+				w.ground.rows, w.ground.margin, NULL), ECO_DAMAGED);
 			eco_elements_free(&e);
 		}
 		world_free(&w);

@@ -20,7 +20,7 @@
 	}
 #define BREAK(id, what) BREAK_OF(false, id, what)
 #define BREAK_SPLATS(id, what) BREAK_OF(true, id, what)
-#define BREAKS 157
+#define BREAKS 158
 
 static struct broken { const char *name; void (*apply)(struct scene_builder *); bool splats; } cases[BREAKS];
 static size_t case_count;
@@ -36,6 +36,7 @@ BREAK(ground, l->ground[0].list = 5)
 BREAK(ground_range, l->ground[0].list = 99)
 BREAK(ground_size, l->scene.ground_columns = 71)
 BREAK(ground_none, l->scene.ground_columns = 0)
+BREAK(ground_margin, l->scene.ground_margin = 10)
 BREAK(ground_rows, l->scene.ground_rows = 0)
 BREAK(ground_lost, l->scene.ground_count = 2)
 BREAK(ground_level, l->ground[1].level = 1)

@@ -186,7 +186,7 @@ struct eco_plan wire_random_plan(struct wire_random *r, uint32_t most, uint32_t 
 void wire_put_scene(struct eco_writer *w, uint32_t *number, uint32_t version)
 {
 	struct eco_scene scene = { .name = "Wäldchen", .needs = ECO_NEED_POINTS | ECO_NEED_GROUND,
-		.ground_columns = 80, .ground_rows = 60, .near_m = 0.1,
+		.ground_columns = 80, .ground_rows = 60, .ground_margin = 7, .near_m = 0.1,
 		.plant_count = WIRE_RANDOM_PLANTS, .list_count = WIRE_RANDOM_LISTS };
 	struct eco_chunk_id id = { { 1, 2, 3 } };
 	memset(&wire_before, 0, sizeof wire_before);
