@@ -207,14 +207,17 @@ static json_t *info_json(const struct eco_pack *pack, const struct totals *t, co
 	if (info && s->ground_count) {
 		const struct eco_ground_tile *top = &s->ground[0];
 		const struct eco_list *list = &s->lists[top->list];
-		json_object_set_new(info, "ground", json_pack("{s:I, s:I, s:[f,f], s:[f,f], s:[f,f], s:f, "
-			"s:I, s:I}",
-			"columns", (json_int_t)s->ground_columns, "rows", (json_int_t)s->ground_rows,
-			"south_west_m", list->grid_origin[0], list->grid_origin[1], "step_m",
-			list->grid_step[0], list->grid_step[1],
-			"heights_m", (double)top->low_m, (double)top->high_m, "height_step_m",
-			list->grid_step[2],
-			"tiles", (json_int_t)s->ground_count, "levels", (json_int_t)top->level + 1));
+		json_object_set_new(info, "ground",
+			json_pack("{s:O*, s:I, s:I, s:I, s:[f,f], s:[f,f], "
+				  "s:[f,f], s:f, s:I, s:I}",
+				"from", json_object_get(meta, "ground"), "columns",
+				(json_int_t)(s->ground_columns - 2 * s->ground_margin), "rows",
+				(json_int_t)(s->ground_rows - 2 * s->ground_margin), "margin",
+				(json_int_t)s->ground_margin, "south_west_m", list->grid_origin[0],
+				list->grid_origin[1], "step_m", list->grid_step[0], list->grid_step[1],
+				"heights_m", (double)top->low_m, (double)top->high_m, "height_step_m",
+				list->grid_step[2], "tiles", (json_int_t)s->ground_count, "levels",
+				(json_int_t)top->level + 1));
 	}
 	static const char *const copied[] = { "generator", "order", "crs", "origin", "eco_files",
 		"off_ground", "rows" };
@@ -294,9 +297,12 @@ static void print_ground(const struct eco_scene *s, FILE *out)
 		return;
 	const struct eco_ground_tile *root = &s->ground[0];
 	const struct eco_list *list = &s->lists[root->list];
-	fprintf(out, "ground %u x %u samples every %.4g x %.4g m from [%.2f, %.2f], heights %.2f to %.2f m "
-		"in steps of %.4g m, %u tiles in %u levels\n", s->ground_columns, s->ground_rows,
+	fprintf(out,
+		"ground %u x %u samples every %.4g x %.4g m from [%.2f, %.2f], %u more on each side up to "
+		"%.0f km, heights %.2f to %.2f m in steps of %.4g m, %u tiles in %u levels\n",
+		s->ground_columns - 2 * s->ground_margin, s->ground_rows - 2 * s->ground_margin,
 		list->grid_step[0], list->grid_step[1], list->grid_origin[0], list->grid_origin[1],
+		s->ground_margin, ((1 << s->ground_margin) - 1) * list->grid_step[0] / 1000,
 		(double)root->low_m, (double)root->high_m, list->grid_step[2], s->ground_count,
 		root->level + 1u);
 }

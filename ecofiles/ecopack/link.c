@@ -123,14 +123,20 @@ enum eco_code link_copy(struct link *l, struct link_part *part, uint32_t list, c
 	return code ? eco_fail(l->m.error, code, "%s", why.text) : make_keep_list(&l->m, part->list_of[list]);
 }
 
-/* ---- Ground: copied from one part ---- */
+/* ---- Ground: copied from one part that has rasters, or laid through all plants ---- */
+
+static bool has_rasters(const struct link_part *part)
+{
+	const char *from = json_string_value(json_object_get(part->meta, "ground"));
+	return part->pack->scene.ground_count && !(from && strcmp(from, MAKE_GROUND_THROUGH) == 0);
+}
 
 static enum eco_code copy_ground(struct link *l)
 {
 	struct make *m = &l->m;
 	uint32_t which = 0;
 	enum eco_code code = ECO_OK;
-	while (which < l->count && l->parts[which].pack->scene.ground_count == 0)
+	while (which < l->count && !has_rasters(&l->parts[which]))
 		which++;
 	if (which == l->count)
 		return ECO_OK;
@@ -153,13 +159,23 @@ static enum eco_code copy_ground(struct link *l)
 	m->has_ground = true;
 	m->ground.columns = m->scene.ground_columns = s->ground_columns;
 	m->ground.rows = m->scene.ground_rows = s->ground_rows;
+	m->ground.margin = m->scene.ground_margin = s->ground_margin;
 	m->scene.ground = m->ground_tiles;
 	m->scene.ground_count = s->ground_count;
 	for (uint32_t i = which + 1; i < l->count; i++)
-		if (l->parts[i].pack->scene.ground_count)
+		if (has_rasters(&l->parts[i]))
 			main_note("%s: its ground is left out; that of %s is the ground of the whole",
 				l->parts[i].path, part->path);
 	return code;
+}
+
+/* Where no part has rasters; parts without any ground stay so. */
+static enum eco_code lay_ground(struct link *l)
+{
+	bool wanted = false;
+	for (uint32_t i = 0; i < l->count; i++)
+		wanted |= l->parts[i].pack->scene.ground_count > 0;
+	return wanted ? make_ground_through(&l->m) : ECO_OK;
 }
 
 /* ---- Tiles ---- */
@@ -400,13 +416,12 @@ static json_t *rows_json(const struct link *l)
 static enum eco_code whole_meta(const struct link *l, char **json)
 {
 	json_t *first = l->parts[0].meta, *order = json_object_get(first, "order");
-	json_t *root = json_pack("{s:s, s:O*, s:s, s:O*, s:O*, s:I, s:I, s:I, s:I, s:o, s:O}", "generator",
-		"ecopack " ECO_VERSION,
-		"order", order, "name", l->m.scene.name, "crs", json_object_get(first, "crs"), "origin",
-		json_object_get(first, "origin"),
-		"eco_files", sum_of(l, NULL, NULL, "eco_files") + 1, "instances",
-		(json_int_t)l->m.scene.tiles[0].instance_count,
-		"tiles", (json_int_t)l->m.scene.tile_count, "off_ground", sum_of(l, NULL, NULL, "off_ground"),
+	json_t *root = json_pack("{s:s, s:O*, s:s, s:O*, s:O*, s:I, s:I, s:I, s:s, s:I, s:o, s:O}",
+		"generator", "ecopack " ECO_VERSION, "order", order, "name", l->m.scene.name, "crs",
+		json_object_get(first, "crs"), "origin", json_object_get(first, "origin"), "eco_files",
+		sum_of(l, NULL, NULL, "eco_files") + 1, "instances",
+		(json_int_t)l->m.scene.tiles[0].instance_count, "tiles", (json_int_t)l->m.scene.tile_count,
+		"ground", make_ground_origin(&l->m), "off_ground", sum_of(l, NULL, NULL, "off_ground"),
 		"rows", rows_json(l), "plants", l->plants);
 	*json = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
 	json_decref(root);
@@ -444,6 +459,8 @@ static enum eco_code run(struct link *l, const struct link_options *options)
 		code = add_tiles(l);
 	if (!code)
 		code = add_summaries(l);
+	if (!code)
+		code = lay_ground(l);
 	if (code)
 		return code;
 	name_whole(l, options->pack);
@@ -475,7 +492,7 @@ static void link_free(struct link *l)
 		free(arrays[i]->items);
 	eco_pack_abort(l->m.writer);
 	json_decref(l->plants);
-	free(l->m.ground_tiles);
+	make_ground_free(&l->m);
 	free(l->m.table);
 	free(l->m.plants);
 	free(l->known);

@@ -42,8 +42,9 @@ double make_near_m(const struct make *m)
 	for (int i = 0; i < 3; i++) {
 		double extent = root->high[i] - root->low[i];
 		if (m->has_ground && i < 2)
-			extent = fmax(extent, i ? m->ground.step_y_m * (m->ground.rows - 1)
-				: m->ground.step_x_m * (m->ground.columns - 1));
+			extent = fmax(extent,
+				i ? m->ground.step_y_m * (m->ground.rows - 1 - 2 * m->ground.margin)
+				  : m->ground.step_x_m * (m->ground.columns - 1 - 2 * m->ground.margin));
 		square += extent * extent;
 	}
 	double near = fmin(ldexp(sqrt(square), -17), smallest_m(&m->scene) / 64);
@@ -78,6 +79,9 @@ static enum eco_code build(struct make *m)
 		code = make_places(m);
 	if (!code)
 		code = make_tiles(m);
+	main_times_stage(MAIN_STAGE_GROUND);
+	if (!code && !m->sources.items[0].ground.none)
+		code = make_ground_through(m);
 	if (code)
 		return code;
 	snprintf(m->scene.name, sizeof m->scene.name, "%s", m->sources.items[0].name);

@@ -90,7 +90,8 @@ struct make {
 	struct main_cache cache;
 	uint32_t **plant_of;         /* [source][plant of the source] */
 	uint32_t models_given;       /* few models: as many as there were; 0: all are built */
-	struct eco_ground ground;    bool has_ground;
+	struct eco_ground ground;
+	bool has_ground, ground_through;         /* from rasters, or through the plants */
 	double ground_low_m, ground_step_m;      /* its heights are whole steps above this */
 	struct eco_ground_tile *ground_tiles;
 	uint8_t *ground_shifts;                  /* see lod/ground_choice.h */
@@ -165,6 +166,11 @@ uint32_t make_threads(const struct make *m);
 
 enum eco_code make_ground_read(struct make *m);      /* reports errors before plants are built */
 enum eco_code make_ground_pack(struct make *m);
+/* Continues m->ground to the horizon, and rounds its heights as the pack stores them. */
+enum eco_code make_ground_finish(struct make *m);
+/* Lays ground through the plants of m->scene, whose tables but ground are done, and packs it, unless there is
+ * some. */
+enum eco_code make_ground_through(struct make *m);
 void make_ground_free(struct make *m);
 enum eco_code make_plants(struct make *m);           /* finds, builds and packs them */
 /* Files of a plant to a model, as its scene asks for. `warns`: what is odd about them is said. */
@@ -223,6 +229,9 @@ enum eco_code make_summing_run(struct make_summing *summing, uint32_t first, uin
 enum eco_code make_summing_keep(struct make_summing *summing, uint32_t tile);
 void make_summing_end(struct make_summing *summing);
 enum eco_code make_summaries(struct make *m);        /* of all tiles */
+/* META's "ground": where it comes from. */
+#define MAKE_GROUND_THROUGH "plants"
+const char *make_ground_origin(const struct make *m);
 enum eco_code make_meta(const struct make *m, char **json, struct eco_error *error);
 
 #endif

@@ -1,4 +1,4 @@
-/* The ground of a pack: read, rounded to the pack's grid of heights, cut into tiles. */
+/* The ground of a pack: read, continued to the horizon, rounded to the pack's heights, cut into tiles. */
 #include "ecofiles/ecopack/make.h"
 
 #include <math.h>
@@ -30,10 +30,10 @@ static double whole_step(const struct eco_ground *ground, double least)
 	return fits < sizeof steps / sizeof *steps ? steps[fits] : 0;
 }
 
-/* Rounds heights as the pack stores them, so that plants stand on the drawn ground. */
-static void round_heights(struct make *m)
+/* Chooses the heights that the pack can store. */
+static void choose_steps(struct make *m)
 {
-	struct eco_ground *ground = &m->ground;
+	const struct eco_ground *ground = &m->ground;
 	size_t count = (size_t)ground->columns * ground->rows;
 	double least = ground->height_m[0], most = least, low, step;
 	for (size_t i = 1; i < count; i++) {
@@ -48,10 +48,24 @@ static void round_heights(struct make *m)
 			step *= 2;
 		low = floor(least / step) * step + 0.0;
 	}
-	for (size_t i = 0; i < count; i++)
-		ground->height_m[i] = (float)(low + floor((ground->height_m[i] - low) / step + 0.5) * step);
 	m->ground_low_m = low;
 	m->ground_step_m = step;
+}
+
+/* Rounds heights as the pack stores them, so that plants stand on the drawn ground. Those beyond the border
+ * lie between its own. */
+enum eco_code make_ground_finish(struct make *m)
+{
+	choose_steps(m);
+	enum eco_code code = eco_ground_extend(&m->ground, m->error);
+	size_t count = (size_t)m->ground.columns * m->ground.rows;
+	for (size_t i = 0; i < count; i++) {
+		float *z = &m->ground.height_m[i];
+		*z = (float)(m->ground_low_m + floor((*z - m->ground_low_m) / m->ground_step_m + 0.5)
+			* m->ground_step_m);
+	}
+	m->has_ground = !code;
+	return code;
 }
 
 enum eco_code make_ground_read(struct make *m)
@@ -63,13 +77,9 @@ enum eco_code make_ground_read(struct make *m)
 		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
 	struct eco_ground_options options = { .source = &source->ground, .scene_crs = source->crs,
 		.scene_vertical = source->vertical, .origin = { source->origin[0], source->origin[1],
-		source->origin[2] }, .warn = main_note_text };
+		source->origin[2] }, .side_max = ECO_GROUND_INSIDE_MAX, .warn = main_note_text };
 	enum eco_code code = eco_ground_import(&m->ground, &options, m->error);
-	if (code)
-		return code;
-	m->has_ground = true;
-	round_heights(m);
-	return ECO_OK;
+	return code ? code : make_ground_finish(m);
 }
 
 struct tile_list {               /* of one tile, made in a thread */
@@ -132,6 +142,7 @@ enum eco_code make_ground_pack(struct make *m)
 	m->scene.ground_count = tree.count;
 	m->scene.ground_columns = m->ground.columns;
 	m->scene.ground_rows = m->ground.rows;
+	m->scene.ground_margin = m->ground.margin;
 	return main_jobs_run(&(struct main_jobs){ .count = tree.count, .threads = make_threads(m),
 		.result_size = sizeof(struct tile_list),
 		.work = encode_tile, .take = add_tile, .drop = drop_tile, .ctx = m }, m->error);

@@ -115,20 +115,24 @@ static json_t *rows_json(const struct make *m)
 	return json_pack("{s:I, s:o}", "read", (json_int_t)rows, "skipped", skipped);
 }
 
+const char *make_ground_origin(const struct make *m)
+{
+	return m->ground_through ? MAKE_GROUND_THROUGH : m->has_ground ? "rasters" : "none";
+}
+
 enum eco_code make_meta(const struct make *m, char **json, struct eco_error *error)
 {
 	const struct eco_source *outer = &m->sources.items[0];
 	json_t *plants = json_array(), *root;
 	for (uint32_t i = 0; i < m->plant_count; i++)
 		json_array_append_new(plants, plant_json(&m->plants[i]));
-	root = json_pack("{s:s, s:s, s:s, s:o, s:[f,f,f], s:I, s:I, s:I, s:I, s:o, s:o}", "generator",
-		"ecopack " ECO_VERSION,
-		"order", lod_order_names[m->options->order], "name", outer->name,
+	root = json_pack("{s:s, s:s, s:s, s:o, s:[f,f,f], s:I, s:I, s:I, s:s, s:I, s:o, s:o}", "generator",
+		"ecopack " ECO_VERSION, "order", lod_order_names[m->options->order], "name", outer->name,
 		"crs", outer->crs ? json_string(outer->crs) : json_null(), "origin", outer->origin[0],
-		outer->origin[1], outer->origin[2],
-		"eco_files", (json_int_t)m->sources.count, "instances", (json_int_t)m->ecos[0].instances,
-		"tiles", (json_int_t)m->scene.tile_count,
-		"off_ground", (json_int_t)m->off_ground, "rows", rows_json(m), "plants", plants);
+		outer->origin[1], outer->origin[2], "eco_files", (json_int_t)m->sources.count, "instances",
+		(json_int_t)m->ecos[0].instances, "tiles", (json_int_t)m->scene.tile_count, "ground",
+		make_ground_origin(m), "off_ground", (json_int_t)m->off_ground, "rows", rows_json(m),
+		"plants", plants);
 	*json = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
 	json_decref(root);
 	return *json ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for the pack's description");

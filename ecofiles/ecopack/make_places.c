@@ -327,7 +327,7 @@ static void say_off_ground(const struct make *m)
 			eco_phrase_add(sides, sizeof sides, one);
 	}
 	main_note("%s: %llu plant%s or nested scene%s stand%s beyond its border (%s of it, up to %.4g m "
-		"away), at the height of the border's nearest point", m->sources.items[0].ground.heights[0],
+		"away), where the ground goes on from there", m->sources.items[0].ground.heights[0],
 		(unsigned long long)m->off_ground, plural(m->off_ground), plural(m->off_ground),
 		m->off_ground == 1 ? "s" : "", sides, m->off_ground_m);
 }

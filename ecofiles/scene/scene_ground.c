@@ -54,11 +54,14 @@ bool eco_scene_parse_ground(struct eco_source *source, const struct eco_json *to
 {
 	struct eco_json node = eco_json_member(top, "ground"), heights = eco_json_member(&node, "heights");
 	struct eco_ground_source *ground = &source->ground;
-	return !node.value || (eco_scene_object(&node, ground_fields) && eco_json_required(&node, "heights")
+	ground->none = json_is_null(node.value);
+	if (!node.value || ground->none)
+		return true;
+	return eco_scene_object(&node, ground_fields) && eco_json_required(&node, "heights")
 		&& eco_scene_parse_paths(source, &heights, "raster", ECO_GROUND_FILES_MAX, &ground->heights,
 		&ground->height_count) && eco_scene_copy_text(&node, "vertical", ECO_PATH_BYTES,
 		&ground->vertical) && parse_meaning(ground, &node) && parse_place(ground, &node)
-		&& eco_scene_parse_crs(source, &node, "crs", &ground->crs));
+		&& eco_scene_parse_crs(source, &node, "crs", &ground->crs);
 }
 
 void eco_ground_source_free(struct eco_ground_source *ground)

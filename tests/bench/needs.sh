@@ -94,16 +94,16 @@ awk 'BEGIN { printf "{\"type\": \"FeatureCollection\", \"features\": ["; for (i 
 instances() { awk -v plant="$1" -v count="$2" 'BEGIN { for (i = 0; i < count; i++) printf "%s{\"plant\": \"%s\", \"at\": [%d, %d]}", i ? ", " : "", plant, i % 10 * 4 - 18, int(i / 10) * 4 }'; }
 
 scene() { printf '{"name": "%s", %s"plants": {"plant": {"model": "%s.obj"}}, "instances": [%s]}\n' "$1" "$3" "$2" "$(instances plant 100)" >"$DIR/$1.json"; }
-scene bare bare ''
+scene bare bare '"ground": null, '
 scene picture rough ''
 printf '{"name": "foreign", "plants": {"plant": {"model": "bare.ply", "up": "z", "unit": "m"}}, "instances": [%s]}\n' "$(instances plant 9)" >"$DIR/foreign.json"
 # rows NAME ENTRY: an inventory that has to be converted
 rows() { printf '{"name": "%s", "crs": "EPSG:32632", "origin": [691000, 5334000, 520], "plants": {"plant": {"model": "bare.obj"}}, "instances": [{%s, "plant": "plant"}]}\n' "$1" "$2" >"$DIR/$1.json"; }
 rows table '"from": "places.csv", "x": "lon", "y": "lat", "crs": "EPSG:4326"'
 rows layer '"from": "places.geojson"'
-scene leaves leafy ''
-scene textures painted ''
-scene cutouts cut ''
+scene leaves leafy '"ground": null, '
+scene textures painted '"ground": null, '
+scene cutouts cut '"ground": null, '
 scene ground cut '"crs": "EPSG:32632", "origin": [691000, 5334000, 520], "ground": {"heights": "dem.tif"}, '
 printf '{"name": "block", "plants": {"plant": {"model": "cut.obj"}}, "instances": [%s]}\n' "$(instances plant 50)" >"$DIR/block.json"
 printf '{"name": "everything", "crs": "EPSG:32632", "origin": [691000, 5334000, 520], "ground": {"heights": "dem.tif"}, "tile": {"instances": 16}, "plants": {"plant": {"model": "leafy.obj"}, "large": {"model": "large.obj"}, "rough": {"model": "rough.obj"}, "foreign": {"model": "bare.ply", "up": "z", "unit": "m"}}, "instances": [%s, {"plant": "large", "at": [0, -8]}, {"plant": "rough", "at": [8, -8]}, {"from": "places.csv", "x": "lon", "y": "lat", "crs": "EPSG:4326", "plant": "foreign"}, {"from": "places.geojson", "plant": "foreign"}], "children": [{"eco": "block.json", "at": [-20, 60, 0]}]}\n' \

@@ -140,7 +140,7 @@ UNIT_TEST(test_plants_stand_where_the_scene_says)
 		assert_true(nearest < 0.012);            /* ground to the centimetre, places far finer */
 	}
 	assert_true(s->needs & ECO_NEED_GROUND);
-	assert_int_equal(s->ground_columns, 21);
+	assert_true(s->ground_columns == 21 + 2 * s->ground_margin && s->ground_margin == 15);
 	eco_pack_close(pack);
 }
 
@@ -416,8 +416,9 @@ UNIT_TEST(test_ground_is_tiles_that_hold_what_they_say)
 	write_hills();
 	struct eco_pack *pack = made("hills.json", "hills.eco");
 	const struct eco_scene *s = &pack->scene;
-	assert_true(s->ground_columns == 150 && s->ground_rows == 140 && s->ground_count == 1 + 4 + 9
-		&& s->ground[0].level == 2);
+	assert_true(s->ground_margin == 17 && s->ground_columns == 150 + 2 * 17 &&
+		s->ground_rows == 140 + 2 * 17);
+	assert_true(s->ground_count == 1 + 4 + 9 && s->ground[0].level == 2);
 	assert_true(s->ground[0].error_m > 3 && s->ground[5].error_m == 0);
 	uint32_t count = s->ground_count;
 	eco_pack_close(pack);

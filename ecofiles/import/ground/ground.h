@@ -1,6 +1,8 @@
-/* The ground: a grid of heights under a scene, read from rasters.
+/* The ground: a grid of heights under a scene, read from rasters, or laid through its plants.
  *
  *   eco_ground_import(&ground, &options, &error);   any rasters GDAL opens -> samples in scene metres
+ *   eco_ground_through(&ground, &feet, &error);     or, without rasters
+ *   eco_ground_extend(&ground, &error);             beyond its border, to the horizon
  *   eco_ground_height(&ground, x, y, &z);           where a plant stands
  *   eco_ground_free(&ground);
  */
@@ -9,6 +11,7 @@
 
 #include "ecofiles/base/status.h"
 #include "ecofiles/format/heights.h"
+#include "ecofiles/format/pack.h"
 
 #define ECO_GROUND_FILES_MAX 1024u
 
@@ -23,6 +26,7 @@ struct eco_ground_source {
 	double nodata;               /* a value that is no height, beside the files' own */
 	bool has_offset, has_nodata; /* has_nodata false: looks for values that stand out as holes */
 	bool no_holes;               /* every value is a height */
+	bool none;                   /* "ground": null: not even one through the plants */
 	bool has_place;              /* for a picture without coordinates: */
 	double corner[2], pixel[2];  /* x, y of the outer north-west corner, and size of a pixel, in `crs` */
 };
@@ -52,5 +56,19 @@ enum eco_code eco_ground_import(struct eco_ground *ground, const struct eco_grou
  * counts them in ground->filled. The result does not depend on the order of samples. ECO_BAD_INPUT if
  * there is no height at all. */
 enum eco_code eco_ground_fill(struct eco_ground *ground, struct eco_error *error);
+
+/* Adds margins (heights.h): at the border the heights of the ground, graded to their mean towards the
+ * horizon, 131 km away or more. Not twice; at most ECO_GROUND_INSIDE_MAX samples a side. On failure the ground
+ * stays. */
+#define ECO_GROUND_INSIDE_MAX (ECO_GROUND_SIDE_MAX - 2 * ECO_GROUND_MARGIN_MAX)
+enum eco_code eco_ground_extend(struct eco_ground *ground, struct eco_error *error);
+
+/* Points on the ground, metres from the scene's origin, and a box around them that the ground shall cover. */
+struct eco_ground_feet { const double (*at)[3]; uint32_t count; double low[2], high[2]; };
+
+/* Ground that goes through at least one point, to a centimetre; a plane if that does. Points at other heights
+ * than their neighbours may be further off: its cells are at least 25 cm wide, and at most 512 x 512. */
+enum eco_code eco_ground_through(struct eco_ground *ground, const struct eco_ground_feet *feet,
+	struct eco_error *error);
 
 #endif
