@@ -15,6 +15,7 @@
 #include "client-min/view_progress.h"
 #include "client-min/view_reference.h"
 #include "client-min/view_report.h"
+#include "client-min/view_stand.h"
 #include "ecofiles/base/options.h"
 #include "ecofiles/format/image.h"
 
@@ -298,7 +299,7 @@ static void note_under_ground(struct viewer *v, uint32_t frame)
 		return;
 	view_progress_clear(&v->progress);
 	fprintf(stderr, "ecoview: frame %u: the eye is %.2f m below the ground; heights in the script count "
-		"from the scene's origin\n", frame, v->under_m);
+		"from the scene's origin, unless it says \"above_ground\": true\n", frame, v->under_m);
 }
 
 /* What the frame did to the store, whose figures were `before` before it. */
@@ -354,7 +355,7 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	view_fetch_mark(v->fetch, NULL, NULL, NULL);
 	if (code)
 		return code;
-	f->bytes = result.bytes;
+	f->bytes += result.bytes;
 	f->plan_ms = result.plan_ms;
 	f->first_byte_ms = result.first_byte_ms;
 	f->stream_ms = result.stream_ms;
@@ -434,9 +435,15 @@ static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_err
 		return code;
 	if (v->options.ahead_s > 0)
 		eco_camera_ahead(v->camera, number, v->options.ahead_s, &request);
+	struct view_fetch_result asked = { .requests = 0 };
+	if (eco_camera_above_ground(v->camera))
+		code = view_stand(v->fetch, v->store, &request, &asked, error);
+	if (code)
+		return code;
 	struct lod_eye eye;
 	lod_eye_make(&eye, &request.view);
 	struct view_frame f = view_frame_empty(number, time_s, &request);
+	f.bytes = asked.bytes;
 	/* parts are scored while they come */
 	bool parts = v->options.marks.bytes_count + v->options.marks.ms_count > 0;
 	if (v->options.reference && parts)

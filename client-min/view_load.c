@@ -8,6 +8,7 @@
 #include <time.h>
 
 #include "client-min/view_select.h"
+#include "client-min/view_stand.h"
 #include "ecofiles/base/room.h"
 
 const char *const view_load_failure_names[VIEW_LOAD_FAILURES] = { "connection", "refused", "damaged",
@@ -118,11 +119,18 @@ static void one_request(struct client *c, uint32_t frame)
 	eco_camera_frame(o->camera, frame, &request.view);
 	request.view.width = o->width;
 	request.view.height = o->height;
-	enum eco_code code = view_fetch_stream(c->fetch, c->store, &request, &result, &error);
+	enum eco_code code = ECO_OK;
+	if (eco_camera_above_ground(o->camera)) {
+		code = view_stand(c->fetch, c->store, &request, &result, &error);
+		c->report.bytes += result.bytes;
+	}
+	if (!code) {
+		code = view_fetch_stream(c->fetch, c->store, &request, &result, &error);
+		c->report.bytes += result.bytes;
+	}
 	if (code == ECO_INTERRUPTED)
 		return;
 	c->report.requests++;
-	c->report.bytes += result.bytes;
 	if (code) {
 		c->report.failures[kind_of(code, result.status)]++;
 		note(&c->report, error.text);

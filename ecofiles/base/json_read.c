@@ -330,6 +330,17 @@ bool eco_json_whole(const struct eco_json *object, const char *key, uint64_t low
 	return true;
 }
 
+bool eco_json_flag(const struct eco_json *object, const char *key, bool *out)
+{
+	struct eco_json at = eco_json_member(object, key);
+	if (!at.value)
+		return true;
+	if (!json_is_boolean(at.value))
+		return bad(&at, "true or false");
+	*out = json_is_true(at.value);
+	return true;
+}
+
 bool eco_json_numbers(const struct eco_json *object, const char *key, size_t least, size_t most, double low,
 	double high, double *out)
 {

@@ -64,6 +64,7 @@ bool eco_json_required(const struct eco_json *object, const char *key);
 bool eco_json_number(const struct eco_json *object, const char *key, double low, double high, double *out);
 bool eco_json_whole(const struct eco_json *object, const char *key, uint64_t low, uint64_t high,
 	uint64_t *out);
+bool eco_json_flag(const struct eco_json *object, const char *key, bool *out);       /* true or false */
 /* `least` to `most` numbers; those not given stay as they are. */
 bool eco_json_numbers(const struct eco_json *object, const char *key, size_t least, size_t most, double low,
 	double high, double *out);

@@ -31,6 +31,7 @@ struct key { double time_s, number[NUMBERS], slope[NUMBERS]; };
 
 struct eco_camera {
 	double fps;
+	bool above_ground;
 	uint32_t frame_count, key_count;
 	struct key *keys;
 };
@@ -126,6 +127,11 @@ static void interpolate(const struct eco_camera *camera, double time_s, double o
 			h * s * r * (r * a->slope[n] - s * b->slope[n]);
 }
 
+bool eco_camera_above_ground(const struct eco_camera *camera)
+{
+	return camera->above_ground;
+}
+
 uint32_t eco_camera_frame_count(const struct eco_camera *camera)
 {
 	return camera->frame_count;
@@ -176,13 +182,14 @@ static bool check_frames(const struct eco_json *keyframes, const struct eco_came
 
 static bool read_script(const struct eco_json *root, struct eco_camera *camera)
 {
-	static const char *const fields[] = { "fps", "keyframes", NULL };
+	static const char *const fields[] = { "fps", "above_ground", "keyframes", NULL };
 	if (!eco_json_object(root, fields) || !eco_json_required(root, "fps")
 			|| !eco_json_required(root, "keyframes"))
 		return false;
 	struct eco_json keyframes = eco_json_member(root, "keyframes");
-	if (!eco_json_number(root, "fps", FPS_LEAST, FPS_MOST, &camera->fps) || !read_keys(&keyframes, camera)
-		|| !count_frames(root, camera))
+	if (!eco_json_number(root, "fps", FPS_LEAST, FPS_MOST, &camera->fps) ||
+		!eco_json_flag(root, "above_ground", &camera->above_ground) ||
+		!read_keys(&keyframes, camera) || !count_frames(root, camera))
 		return false;
 	set_slopes(camera);
 	return check_frames(&keyframes, camera);

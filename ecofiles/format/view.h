@@ -47,17 +47,20 @@ struct eco_view eco_view_next(const struct eco_request *request);
  * names the field. */
 enum eco_code eco_view_check(const struct eco_view *view, struct eco_error *error);
 
-/* Camera scripts: {"fps": 2, "keyframes": [{"time_s": 0, "eye": [..], "target": [..], "up": [..],
- * "fov_y_deg": 45}, ...]}. All fields are required but up, which is [0, 0, 1] then; fps in [0.001, 1000];
- * times strictly ascending. Frames at keyframe 0's time + i/fps up to the last keyframe (inclusive, to
- * rounding), at most a million. Between keyframes: monotone-time cubic Hermite (Catmull-Rom with the
- * actual time steps) on every number; one keyframe is one frame. A script that parses gives only frames
- * that pass eco_view_check (but for their size); errors have line and column. */
+/* Camera scripts: {"fps": 2, "above_ground": false, "keyframes": [{"time_s": 0, "eye": [..], "target": [..],
+ * "up": [..], "fov_y_deg": 45}, ...]}. All fields are required but above_ground, which is false then, and
+ * up, [0, 0, 1]; fps in [0.001, 1000]; times strictly ascending. Frames at keyframe 0's time + i/fps up to
+ * the last keyframe (inclusive, to rounding), at most a million. Between keyframes: monotone-time cubic
+ * Hermite (Catmull-Rom with the actual time steps) on every number; one keyframe is one frame. A script that
+ * parses gives only frames that pass eco_view_check (but for their size); errors have line and column. */
 struct eco_camera;
 enum eco_code eco_camera_load(struct eco_camera **camera, const char *path, struct eco_error *error);
 enum eco_code eco_camera_parse(struct eco_camera **camera, const char *json, size_t size, const char *name,
 	struct eco_error *error);
 uint32_t eco_camera_frame_count(const struct eco_camera *camera);
+/* Whether the z of eye and target count from the ground below each of them, in every frame anew, and not from
+ * the scene's origin. Who draws knows the ground: client-min/view_stand.h. */
+bool eco_camera_above_ground(const struct eco_camera *camera);
 /* returns time_s; leaves size */
 double eco_camera_frame(const struct eco_camera *camera, uint32_t frame, struct eco_view *view);
 /* Gives a request for a frame the view of the first frame that is at least `seconds` later, or of the last

@@ -9,7 +9,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "client-min/view_fetch.h"
+#include "client-min/view_stand.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"
 
@@ -23,7 +23,8 @@ static struct server {
 	uint16_t port;
 	const char *head;                /* status line and headers, without Content-Length */
 	uint32_t busy;                   /* so many requests are answered with 503 before */
-	uint32_t again;                  /* so many are answered alike after */
+	uint32_t again;                  /* so many are answered after, alike or: */
+	const struct eco_writer *then;   /* with this; may be NULL */
 	bool drips;                      /* a byte every 5 ms */
 	const uint8_t *body; size_t size, declared;
 	char heard[8192]; size_t heard_size;
@@ -83,8 +84,13 @@ static void *serve(void *ctx)
 			continue;
 		close(refused);
 	}
-	for (uint32_t i = 0; i <= s->again; i++)
+	for (uint32_t i = 0; i <= s->again; i++) {
 		serve_one(s);
+		if (s->then) {
+			s->body = s->then->bytes;
+			s->size = s->declared = s->then->size;
+		}
+	}
 	return NULL;
 }
 
@@ -360,6 +366,46 @@ UNIT_TEST(short_memory_asks_again_for_the_same_plan)
 	assert_true(result.requests == 2 && result.bytes > w.size && result.most_bytes == w.size);
 	assert_true(plan.vertices != 1000 && view_store_stats(store).memory_peak_bytes <= 20000);
 	eco_writer_free(&w);
+	eco_plan_free(&plan);
+}
+
+/* Of the hilly ground of view_scene.c. */
+static double ground_at(double x, double y) { return 0.02 * x + 0.00045 * (x * x - y * y); }
+
+UNIT_TEST(views_stand_on_the_ground_below_eye_and_target)
+{
+	struct eco_plan plan;
+	struct eco_writer first, then;
+	char url[64];
+	struct view_fetch *fetch;
+	uint32_t held[L_COUNT];
+	struct eco_request request = { .view = scene_view(), .next = { true, { 1, 2, 3 }, { 4, 5, 6 } } };
+	const struct eco_view view = request.view;
+	good_stream(&plan, &first);
+	for (uint32_t i = 0; i < L_COUNT; i++)
+		held[i] = scene_needs(&scene, &plan, i);
+	scene_stream(&scene, &plan, held, &then);
+	start_server((struct server){ .head = ok, .again = 1, .then = &then, .body = first.bytes,
+		.size = first.size, .declared = first.size }, 0);
+	snprintf(url, sizeof url, "http://127.0.0.1:%u/v1/scenes/test", server.port);
+	assert_int_equal(view_fetch_new(&fetch, &(struct view_fetch_options){ .url = url }, &error), ECO_OK);
+	assert_ok(view_stand(fetch, store, &request, &result, &error), error);
+	view_fetch_free(fetch);
+	pthread_join(server.thread, NULL);
+	close(server.listener);
+	double eye_m = ground_at(view.eye[0], view.eye[1]),
+	       target_m = ground_at(view.target[0], view.target[1]);
+	assert_true(fabs(eye_m) > 0.3 && fabs(request.view.eye[2] - view.eye[2] - eye_m) < 0.03);
+	assert_true(fabs(request.view.target[2] - view.target[2] - target_m) < 0.03);
+	assert_true(fabs(request.next.eye[2] - 3 - eye_m) < 0.03 &&
+		fabs(request.next.target[2] - 6 - target_m) < 0.03);
+	assert_true(request.view.eye[0] == view.eye[0] && request.view.target[1] == view.target[1]);
+	assert_true(result.requests == 2 && result.bytes == first.size + then.size);
+	/* the last was asked at the target, straight down */
+	assert_non_null(strstr(server.heard, "stream?eye=0,0,100000&target=0,0,0&up=0,1,0&"));
+	assert_non_null(strstr(server.heard, "&width=1&height=1&vertices=0"));
+	eco_writer_free(&first);
+	eco_writer_free(&then);
 	eco_plan_free(&plan);
 }
 

@@ -62,6 +62,21 @@ UNIT_TEST(a_request_may_be_given_the_view_ahead)
 	eco_camera_free(camera);
 }
 
+UNIT_TEST(scripts_say_what_heights_count_from)
+{
+	static const struct {
+		const char *json;
+		bool above;
+	} rows[] = { { SCRIPT("2", KEY("0", "1")), false },
+		{ "{\"fps\": 1, \"above_ground\": true, \"keyframes\": [" KEY("0", "1") "]}", true },
+		{ "{\"fps\": 1, \"above_ground\": false, \"keyframes\": [" KEY("0", "1") "]}", false } };
+	for (size_t i = 0; i < 3; i++) {
+		struct eco_camera *camera = camera_of(rows[i].json);
+		assert_int_equal(eco_camera_above_ground(camera), rows[i].above);
+		eco_camera_free(camera);
+	}
+}
+
 UNIT_TEST(keyframes_are_met_exactly_and_up_defaults_to_z)
 {
 	struct eco_camera *camera = camera_of(SCRIPT("10", KEY("0", "0.1") "," KEY("0.7", "12.3") ","
@@ -146,7 +161,10 @@ UNIT_TEST(impossible_scripts_are_refused_by_name)
 		{ "{\"fps\": 2,\n\"keyframes\": []}", "tour.json:2:14: there are no keyframes" },
 		{ "{\"fps\": 2,\n\"keyframes\": {}}", "tour.json:2:14: \"keyframes\" must be an array" },
 		{ "{\"fps\": 2,\n \"loop\": true, \"keyframes\": []}",
-			"tour.json:2:2: unknown field \"loop\"; known here: fps, keyframes" },
+			"tour.json:2:2: unknown field \"loop\"; known here: fps, above_ground, "
+			"keyframes" },
+		{ "{\"fps\": 2,\n \"above_ground\": 1, \"keyframes\": []}",
+			"tour.json:2:18: \"above_ground\" must be true or false" },
 		{ SCRIPT("0", KEY("0", "1")), "tour.json:1:9: fps is 0, it must be" },
 		{ SCRIPT("-1", KEY("0", "1")), "tour.json:1:9: fps is -1" },
 		{ SCRIPT("\"2\"", KEY("0", "1")), "tour.json:1:9: \"fps\" must be a number" },
