@@ -39,7 +39,7 @@ static void take_group(struct feet *f, const struct eco_group *group, const stru
 	uint64_t first)
 {
 	const struct eco_list *list = &f->scene->lists[group->list];
-	for (uint64_t i = taken_from(f, first); i < list->primitive_count; i += f->apart) {
+	for (uint64_t i = taken_from(f, first); i < group->count; i += f->apart) {
 		struct eco_place p = eco_place_read(f->scene, group->place_first + i);
 		double at[3];
 		for (int k = 0; k < 3; k++)
@@ -73,7 +73,7 @@ static void take_tile(struct feet *f, uint32_t id, const struct lod_place *file,
 		return;
 	for (uint32_t g = tile->group_first; g < tile->group_first + tile->group_count; g++) {
 		take_group(f, &s->groups[g], file, first);
-		first += s->lists[s->groups[g].list].primitive_count;
+		first += s->groups[g].count;
 	}
 	for (uint32_t c = tile->child_first; c < tile->child_first + tile->child_count; c++) {
 		struct lod_place inner = placed(file, &s->children[c]);
