@@ -29,7 +29,8 @@ every ' -c -o .*\.cpp$' -DUSER_CXX
 every ' -c -o .*\.c(pp)?$' -fstack-protector-strong
 every '-Wl,--as-needed' -LUSER_LD
 every '-Wl,--as-needed' -Wl,-z,relro,-z,now
-every ' -shared ' -DUSER_CXX
+every ' -shared .*-o [^ ]*/eco[a-z]*\.so ' -DUSER_CXX
+every ' -shared ' -DUSER_C
 every '-Wl,--as-needed' -DUSER_C
 if [ "$config" = release ]; then
 	every ' -O2 .* -c -o .*/obj/' -D_FORTIFY_SOURCE=2

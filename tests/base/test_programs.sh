@@ -82,5 +82,5 @@ for command in $commands; do
 	says err "^ecopack: ecopack $command has no --nonsense$"
 done
 run 2 frobnicate
-says err '^ecopack: frobnicate is no command: the commands are make, '
+says err '^ecopack: frobnicate is no command: the commands are start, make, '
 exit $failed
