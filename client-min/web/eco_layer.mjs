@@ -5,10 +5,11 @@
 //   await layer.ready;
 //   layer.draw(viewProjection, eye, [width, height]);        // in each frame
 //
-// The page owns the context, the camera and the clock. `viewProjection` takes metres from the scene's origin (Z up) to clip space, column by
-// column as WebGL has matrices, of a camera that looks straight through the middle of the picture; `eye` is in metres, too. Drawing asks the
-// server for what the view needs, as often as it changes; `onChange` says that there is more to be drawn. What the page draws itself hides the
-// plants, and is hidden by them, by the depth buffer of the bound framebuffer; state that is changed is put back.
+// The page owns the context, the camera and the clock. `viewProjection` takes metres from the scene's origin
+// (Z up) to clip space, column by column as WebGL has matrices, of a camera that looks straight through the
+// middle of the picture; `eye` is in metres, too. Drawing asks the server for what the view needs, as often
+// as it changes; `onChange` says that there is more to be drawn. What the page draws itself hides the plants,
+// and is hidden by them, by the depth buffer of the bound framebuffer; state that is changed is put back.
 import createClient from './eco_client.mjs';
 import { EcoError, EcoStream } from './eco_stream.mjs';
 
@@ -22,21 +23,35 @@ const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const row = (m, i) => [m[i], m[4 + i], m[8 + i]];
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
-/** Camera and depths of a perspective matrix: clip.w is the distance forward, clip.y up, clip.z = scale * distance + offset. */
+/** Camera and depths of a perspective matrix: clip.w is the distance forward, clip.y up, and clip.z is
+ * scale * distance + offset. */
 export function cameraOf(m, eye) {
 	const forward = row(m, 3), up = row(m, 1), z = row(m, 2), size = Math.hypot(...up);
-	return { view: { eye: [...eye], target: eye.map((v, i) => v + forward[i]), up: up.map((v) => v / size),
-		fov_y_deg: 2 * Math.atan(Math.hypot(...forward) / size) * 180 / Math.PI },
-		depth: [0.5 + 0.5 * dot(z, forward) / dot(forward, forward), 0.5 * (dot(z, eye) + m[14])] };
+	return {
+		view: {
+			eye: [...eye],
+			target: eye.map((v, i) => v + forward[i]),
+			up: up.map((v) => v / size),
+			fov_y_deg: 2 * Math.atan(Math.hypot(...forward) / size) * 180 / Math.PI,
+		},
+		depth: [0.5 + 0.5 * dot(z, forward) / dot(forward, forward), 0.5 * (dot(z, eye) + m[14])],
+	};
 }
 
 /** What a page draws with, and how to put it back. */
 function stateOf(gl) {
-	const caps = [gl.BLEND, gl.CULL_FACE, gl.DEPTH_TEST, gl.DITHER, gl.SCISSOR_TEST, gl.STENCIL_TEST].map((cap) => [cap, gl.isEnabled(cap)]);
-	const [framebuffer, program, vertices, unit, func, mask, viewport, color, alignment] = [gl.FRAMEBUFFER_BINDING, gl.CURRENT_PROGRAM,
-		gl.VERTEX_ARRAY_BINDING, gl.ACTIVE_TEXTURE, gl.DEPTH_FUNC, gl.DEPTH_WRITEMASK, gl.VIEWPORT, gl.COLOR_WRITEMASK, gl.UNPACK_ALIGNMENT]
-		.map((name) => gl.getParameter(name));
-	return { framebuffer, restore() {
+	const caps = [gl.BLEND, gl.CULL_FACE, gl.DEPTH_TEST, gl.DITHER, gl.SCISSOR_TEST, gl.STENCIL_TEST]
+		.map((cap) => [cap, gl.isEnabled(cap)]);
+	const framebuffer = gl.getParameter(gl.FRAMEBUFFER_BINDING);
+	const program = gl.getParameter(gl.CURRENT_PROGRAM);
+	const vertices = gl.getParameter(gl.VERTEX_ARRAY_BINDING);
+	const unit = gl.getParameter(gl.ACTIVE_TEXTURE);
+	const func = gl.getParameter(gl.DEPTH_FUNC);
+	const mask = gl.getParameter(gl.DEPTH_WRITEMASK);
+	const viewport = gl.getParameter(gl.VIEWPORT);
+	const color = gl.getParameter(gl.COLOR_WRITEMASK);
+	const alignment = gl.getParameter(gl.UNPACK_ALIGNMENT);
+	const restore = () => {
 		for (const [cap, on] of caps)
 			(on ? gl.enable : gl.disable).call(gl, cap);
 		gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
@@ -48,13 +63,16 @@ function stateOf(gl) {
 		gl.viewport(...viewport);
 		gl.colorMask(...color);
 		gl.pixelStorei(gl.UNPACK_ALIGNMENT, alignment);
-	} };
+	};
+	return { framebuffer, restore };
 }
 
 export class EcoLayer {
-	/** vertices, bytes: budgets of a view (bytes -1: none); tint: 'none' or 'kind'; sky: draw one where nothing is; scale: pixels drawn for each
-	 * of the page's, either way; memoryBytes: of decoded data; onChange(): there is more to draw; onError(error): an EcoError. */
-	constructor({ url, gl, vertices = 300000, bytes = -1, tint = 'none', sky = true, scale = 1, memoryBytes, onChange, onError }) {
+	/** vertices, bytes: budgets of a view (bytes -1: none); tint: 'none' or 'kind'; sky: draw one where
+	 * nothing is; scale: pixels drawn for each of the page's, either way; memoryBytes: of decoded data;
+	 * onChange(): there is more to draw; onError(error): an EcoError. */
+	constructor({ url, gl, vertices = 300000, bytes = -1, tint = 'none', sky = true, scale = 1,
+		memoryBytes, onChange, onError }) {
 		Object.assign(this, { gl, vertices, bytes, tint, sky, scale, onChange, onError });
 		this.asked = null;              // the view that is held or under way
 		this.loading = false;
@@ -63,8 +81,10 @@ export class EcoLayer {
 	}
 
 	async open(url, memoryBytes) {
-		this.module = await createClient({ locateFile: (name) => new URL(name, import.meta.url).href });
-		this.context = this.module.GL.registerContext(this.gl, { majorVersion: 2, minorVersion: 0, enableExtensionsByDefault: true });
+		const locateFile = (name) => new URL(name, import.meta.url).href;
+		this.module = await createClient({ locateFile });
+		this.context = this.module.GL.registerContext(this.gl,
+			{ majorVersion: 2, minorVersion: 0, enableExtensionsByDefault: true });
 		this.stream = new EcoStream(this.module, url, { memoryBytes });
 	}
 
@@ -93,12 +113,14 @@ export class EcoLayer {
 		try {
 			const key = [view, size, this.tint, this.version];
 			if (!same(key, this.drawn)) {
-				stream.check(module._web_draw(stream.web, stream.putView(view), ...size, TINTS[this.tint]));
+				const at = stream.putView(view);
+				stream.check(module._web_draw(stream.web, at, ...size, TINTS[this.tint]));
 				this.drawn = key;
 			}
 			gl.bindFramebuffer(gl.FRAMEBUFFER, state.framebuffer);
 			module.HEAPF64.set([...depth, x, y, width, height], stream.view / 8);
-			stream.check(module._web_present(stream.web, stream.view, stream.view + 16, this.sky ? 1 : 0));
+			const [depths, area] = [stream.view, stream.view + 16];
+			stream.check(module._web_present(stream.web, depths, area, this.sky ? 1 : 0));
 		} finally {
 			state.restore();
 		}
@@ -133,7 +155,8 @@ export class EcoLayer {
 			this.onChange?.();
 		};
 		try {
-			await this.stream.fetch(wanted.view, { ...wanted, signal: this.abort.signal, onPart });
+			const { signal } = this.abort;
+			await this.stream.fetch(wanted.view, { ...wanted, signal, onPart });
 			show();
 		} catch (error) {
 			if (error.name !== 'AbortError')
@@ -152,7 +175,8 @@ export class EcoLayer {
 		return this.stream?.selected ? this.stream.facts() : null;
 	}
 
-	/** 255 where a plant is, else 0: a byte a pixel of the picture that was drawn last, rows from the top. */
+	/** 255 where a plant is, else 0: a byte a pixel of the picture that was drawn last, rows from the
+	 * top. A copy, which is the caller's. */
 	cover() {
 		const [width, height] = this.drawn[1], at = this.module._web_cover(this.stream.web);
 		return this.module.HEAPU8.slice(at, at + width * height);

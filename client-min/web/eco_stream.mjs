@@ -1,5 +1,5 @@
-// A scene's stream in JavaScript: asks the server, and hands what comes to the C client (web_client.h). Everything of a plan, a chunk or a
-// picture is decided there; here are only bytes.
+// A scene's stream in JavaScript: asks the server, and hands what comes to the C client (web_client.h).
+// Everything of a plan, a chunk or a picture is decided there; here are only bytes.
 
 const SLICE_BYTES = 65536;      // fed at a time, so that decoding leaves time for input
 const SLICE_MS = 12;
@@ -10,7 +10,8 @@ const pause = (ms = 0) => new Promise((done) => setTimeout(done, ms));
 /** What a server or the client says is wrong: `message` is for people. */
 export class EcoError extends Error {}
 
-/** The error of an answer that is no stream: a problem document (RFC 9457), or a server that is none of ours. */
+/** The error of an answer that is no stream: a problem document (RFC 9457), or a server that is none of
+ * ours. */
 async function problemOf(url, answer) {
 	const type = answer.headers.get('content-type') ?? '';
 	const document = type.includes('json') ? await answer.json().catch(() => null) : null;
@@ -18,7 +19,8 @@ async function problemOf(url, answer) {
 	return new EcoError(`${url}: the server answered ${answer.status}: ${detail}`);
 }
 
-/** One scene: what is held of it, and what is drawn. `module` is an instance of eco_client.mjs; `url` is http://HOST/v1/scenes/NAME. */
+/** One scene: what is held of it, and what is drawn. `module` is an instance of eco_client.mjs; `url` is
+ * http://HOST/v1/scenes/NAME. */
 export class EcoStream {
 	constructor(module, url, { memoryBytes = 512 * 2 ** 20 } = {}) {
 		this.module = module;
@@ -52,8 +54,9 @@ export class EcoStream {
 		return this.view;
 	}
 
-	/** Streams one view. `onPart` is called after each slice that was decoded: a coarser picture may be there. Resolves to true, or false where
-	 * no picture fits in `bytes`. `signal` ends it early: what came is kept. */
+	/** Streams one view. `onPart` is called after each slice that was decoded: a coarser picture may be
+	 * there. Resolves to true, or false where no picture fits in `bytes`. `signal` ends it early: what
+	 * came is kept. */
 	async fetch(view, { width, height, vertices, bytes = -1, signal, onPart }) {
 		const { module, web } = this;
 		this.check(module._web_request(web, this.putView(view), width, height, vertices, bytes));
@@ -76,8 +79,9 @@ export class EcoStream {
 			this.check(!body);
 			const query = this.text(module._web_query(web));
 			const holdings = module.HEAPU8.slice(body, body + module._web_body_size(web));
-			const answer = await fetch(`${this.url}/stream?${query}`, { method: 'POST', body: holdings, signal,
-				headers: { 'Content-Type': 'application/octet-stream' } });
+			const headers = { 'Content-Type': 'application/octet-stream' };
+			const answer = await fetch(`${this.url}/stream?${query}`,
+				{ method: 'POST', headers, body: holdings, signal });
 			if (answer.ok)
 				return answer;
 			const retry = Number(answer.headers.get('retry-after')) * 1000;
@@ -115,7 +119,8 @@ export class EcoStream {
 		return before === 0;
 	}
 
-	/** Figures of what is drawn: vertices, plants, predicted_q, roles, species, bytes, memory_bytes, ... */
+	/** Figures of what is drawn: vertices, plants, predicted_q, roles, species, bytes, memory_bytes and
+	 * others. */
 	facts() {
 		return JSON.parse(this.text(this.module._web_facts(this.web)));
 	}

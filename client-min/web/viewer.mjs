@@ -1,7 +1,7 @@
-// The viewer at /: which scene, where the camera is, and what is said about the picture. All of it is in the address (#scene=...), so that a
-// link shows what its sender saw. The picture itself is EcoLayer's.
+// The viewer at /: which scene, where the camera is, and what is said about the picture. All of it is in the
+// address (#scene=...), so that a link shows what its sender saw. The picture itself is EcoLayer's.
 import { EcoLayer } from './eco_layer.mjs';
-import { Camera, cameraKeys } from './viewer_camera.mjs';
+import { Camera, cameraKeys, withModifier } from './viewer_camera.mjs';
 
 const $ = (id) => document.getElementById(id);
 const canvas = $('picture');
@@ -15,7 +15,12 @@ const say = (text, error = false) => {
 	$('state').textContent = text;
 	$('state').classList.toggle('error', error);
 };
-const number = (n) => n >= 1e6 ? `${(n / 1e6).toFixed(2)} M` : n >= 1e4 ? `${(n / 1e3).toFixed(0)} k` : `${Math.round(n)}`;
+const number = (n) => {
+	if (n >= 1e6)
+		return `${(n / 1e6).toFixed(2)} M`;
+	return n >= 1e4 ? `${(n / 1e3).toFixed(0)} k` : `${Math.round(n)}`;
+};
+const tint = () => settings.kind ? 'kind' : 'none';
 
 // ---- The address ----
 
@@ -34,7 +39,8 @@ function writeAddress() {
 	const text = (v) => v.map((n) => Number(n.toFixed(3))).join(',');
 	const { eye, target } = camera.view();
 	const parts = { ...settings, eye: text(eye), target: text(target) };
-	history.replaceState(null, '', `#${Object.entries(parts).map(([key, value]) => `${key}=${value}`).join('&')}`);
+	const pairs = Object.entries(parts).map(([key, value]) => `${key}=${value}`);
+	history.replaceState(null, '', `#${pairs.join('&')}`);
 }
 
 // ---- Pictures ----
@@ -50,7 +56,8 @@ function pictureScale(now) {
 function draw(now) {
 	frame = 0;
 	const ratio = Math.min(devicePixelRatio, 2);
-	const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((n) => Math.max(1, Math.round(n * ratio)));
+	const [width, height] = [canvas.clientWidth, canvas.clientHeight]
+		.map((n) => Math.max(1, Math.round(n * ratio)));
 	if (canvas.width !== width || canvas.height !== height)
 		Object.assign(canvas, { width, height });
 	if (camera.step(now))
@@ -88,6 +95,15 @@ const item = (...cells) => {
 	return li;
 };
 const span = (text) => Object.assign(document.createElement('span'), { textContent: text });
+const metres = (length) => `${length.toFixed(1)} m`;
+
+/** A table's row of cells. */
+function row(texts) {
+	const tr = document.createElement('tr');
+	for (const text of texts)
+		tr.insertCell().textContent = text;
+	return tr;
+}
 
 function swatch([r, g, b]) {
 	const box = Object.assign(document.createElement('span'), { className: 'swatch' });
@@ -100,26 +116,33 @@ function showFacts() {
 	const facts = layer.facts();
 	if (!facts || $('panel').hidden)
 		return;
-	const rows = [['Vertices', number(facts.vertices)], ['Plants in view', number(facts.plants)],
-		['Predicted Q', facts.predicted_q?.toFixed(3) ?? '–'], ['Bytes so far', number(facts.bytes)],
-		['Decoded', `${(facts.memory_bytes / 2 ** 20).toFixed(1)} MiB`]];
-	$('figures').replaceChildren(...rows.map(([name, value]) => {
-		const tr = document.createElement('tr');
-		tr.append(...[name, value].map((text) => Object.assign(document.createElement('td'), { textContent: text })));
-		return tr;
-	}));
+	const figures = [
+		['Vertices', number(facts.vertices)],
+		['Plants in view', number(facts.plants)],
+		['Predicted Q', facts.predicted_q?.toFixed(3) ?? '–'],
+		['Bytes so far', number(facts.bytes)],
+		['Decoded', `${(facts.memory_bytes / 2 ** 20).toFixed(1)} MiB`],
+	];
+	$('figures').replaceChildren(...figures.map(row));
 	$('roles').replaceChildren(...facts.roles.filter((role) => role.vertices).map((role) =>
 		item(swatch(role.color), span(role.name), span(number(role.vertices)))));
 	$('species').replaceChildren(...facts.species.sort((a, b) => b.count - a.count).map((plant) =>
-		item(span(plant.name), span(`${plant.height_m.toFixed(1)} m`), span(`× ${number(plant.count)}`))));
+		item(span(plant.name), span(metres(plant.height_m)), span(`× ${number(plant.count)}`))));
+}
+
+function lengthText(length) {
+	if (length >= 1000)
+		return `${length / 1000} km`;
+	return length >= 1 ? `${length} m` : `${Math.round(length * 100)} cm`;
 }
 
 /** A length at the distance of what is looked at, and where north (+Y) is. */
 function showScale() {
-	const metres = camera.metresAcross() / canvas.clientHeight, most = metres * 120;
-	const unit = 10 ** Math.floor(Math.log10(most)), length = unit * [5, 2, 1].find((n) => n * unit <= most);
-	$('scale-bar').style.width = `${length / metres}px`;
-	$('scale-text').textContent = length >= 1000 ? `${length / 1000} km` : length >= 1 ? `${length} m` : `${Math.round(length * 100)} cm`;
+	const pixel = camera.metresAcross() / canvas.clientHeight, most = pixel * 120;
+	const unit = 10 ** Math.floor(Math.log10(most));
+	const length = unit * [5, 2, 1].find((n) => n * unit <= most);
+	$('scale-bar').style.width = `${length / pixel}px`;
+	$('scale-text').textContent = lengthText(length);
 	$('north').style.transform = `rotate(${-camera.heading() * 180 / Math.PI}deg)`;
 }
 
@@ -131,15 +154,17 @@ async function open(name, view) {
 	say('');
 	const url = new URL(`/v1/scenes/${name}`, location.href).href;
 	const answer = await fetch(url);
-	if (!answer.ok)
-		return say((await answer.json().catch(() => null))?.detail ?? `${url}: ${answer.status}`, true);
+	if (!answer.ok) {
+		const problem = await answer.json().catch(() => null);
+		return say(problem?.detail ?? `${url}: ${answer.status}`, true);
+	}
 	const about = await answer.json();
 	document.title = `${about.title ?? name} – ecostream`;
 	camera.frame(about.bounds, about.near_m);
 	if (view)
 		camera.look(...view);
-	layer = new EcoLayer({ url, gl, vertices: settings.vertices, bytes: settings.bytes, tint: settings.kind ? 'kind' : 'none',
-		onChange: redraw, onError: (error) => say(error.message, true) });
+	const { vertices, bytes } = settings, onError = (error) => say(error.message, true);
+	layer = new EcoLayer({ url, gl, vertices, bytes, tint: tint(), onChange: redraw, onError });
 	await layer.ready;
 	moved();
 }
@@ -151,8 +176,9 @@ function showBudgets() {
 	$('bytes-text').textContent = settings.bytes < 0 ? 'no limit' : number(settings.bytes);
 	$('kind').checked = settings.kind;
 	$('mode').value = camera.mode = settings.mode;
+	const { vertices, bytes } = settings;
 	if (layer)
-		Object.assign(layer, { vertices: settings.vertices, bytes: settings.bytes, tint: settings.kind ? 'kind' : 'none' });
+		Object.assign(layer, { vertices, bytes, tint: tint() });
 	moved();
 }
 
@@ -168,29 +194,31 @@ function togglePanel() {
 }
 
 function save(name, blob) {
-	const link = Object.assign(document.createElement('a'), { download: name, href: URL.createObjectURL(blob) });
-	link.click();
-	setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+	const href = URL.createObjectURL(blob);
+	Object.assign(document.createElement('a'), { download: name, href }).click();
+	setTimeout(() => URL.revokeObjectURL(href), 1000);
 }
 
 const savePicture = () => canvas.toBlob((blob) => save(`${settings.scene}.png`, blob));
 
 async function copyLink() {
 	writeAddress();
-	await navigator.clipboard?.writeText(location.href).then(() => say('Link copied'), () => say(location.href));
+	await navigator.clipboard?.writeText(location.href)
+		.then(() => say('Link copied'), () => say(location.href));
 }
 
 /** Two views a second until it is pressed again: a camera script that ecoview replays. */
 function record() {
 	if (!recording) {
 		const since = performance.now(), keyframes = [];
-		const take = () => keyframes.push({ time_s: (performance.now() - since) / 1000, ...camera.view() });
+		const seconds = () => (performance.now() - since) / 1000;
+		const take = () => keyframes.push({ time_s: seconds(), ...camera.view() });
 		take();
 		recording = { keyframes, timer: setInterval(take, 500) };
 	} else {
 		clearInterval(recording.timer);
-		const script = { fps: 2, keyframes: recording.keyframes };
-		save(`${settings.scene}.camera.json`, new Blob([JSON.stringify(script, null, 1)], { type: 'application/json' }));
+		const script = JSON.stringify({ fps: 2, keyframes: recording.keyframes }, null, 1);
+		save(`${settings.scene}.camera.json`, new Blob([script], { type: 'application/json' }));
 		recording = null;
 	}
 	$('record').setAttribute('aria-pressed', !!recording);
@@ -216,18 +244,22 @@ async function start() {
 camera.listen(canvas, moved);
 addEventListener('resize', redraw);
 addEventListener('keydown', (event) => {
-	if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches('select, input[type=range]'))
+	if (withModifier(event) || event.target.matches('select, input[type=range]'))
 		return;
-	if (event.key === 'Escape')
+	const key = event.key.toLowerCase();
+	if (key === 'escape')
 		togglePanel();
-	else if (shortcuts[event.key.toLowerCase()] && !cameraKeys.has(event.key.toLowerCase()))
-		shortcuts[event.key.toLowerCase()]();
+	else if (shortcuts[key] && !cameraKeys.has(key))
+		shortcuts[key]();
 });
 $('panel-button').onclick = togglePanel;
 $('scene').onchange = () => open($('scene').value);
 $('mode').onchange = () => set('mode', $('mode').value);
 $('vertices').oninput = () => set('vertices', Math.round(2 ** $('vertices').value));
-$('bytes').oninput = () => set('bytes', $('bytes').value === $('bytes').max ? -1 : Math.round(2 ** $('bytes').value));
+$('bytes').oninput = () => {
+	const { value, max } = $('bytes');
+	set('bytes', value === max ? -1 : Math.round(2 ** value));
+};
 $('kind').onchange = () => set('kind', $('kind').checked ? 1 : 0);
 $('save').onclick = savePicture;
 $('link').onclick = copyLink;

@@ -1,11 +1,14 @@
-// The viewer's camera, in metres from the scene's origin, Z up. It orbits about a target, walks at its height, or flies. Mouse, touch and
-// keyboard do the same three things: turn, move, come nearer.
+// The viewer's camera, in metres from the scene's origin, Z up. It orbits about a target, walks at its
+// height, or flies. Mouse, touch and keyboard do the same three things: turn, move, come nearer.
 
 const FOV_Y_DEG = 45, PITCH_MAX = 1.55, TURN = 0.005, KEY_TURN = 1.2;
 const keys = { a: [-1, 0, 0], d: [1, 0, 0], w: [0, 1, 0], s: [0, -1, 0], q: [0, 0, -1], e: [0, 0, 1] };
 const turns = { arrowleft: [1, 0], arrowright: [-1, 0], arrowup: [0, 1], arrowdown: [0, -1] };
 const zooms = { '+': 1, '=': 1, '-': -1 };
 export const cameraKeys = new Set([...Object.keys(keys), ...Object.keys(turns), ...Object.keys(zooms)]);
+
+/** Keys with a modifier are the browser's. */
+export const withModifier = (event) => event.ctrlKey || event.metaKey || event.altKey;
 
 const sum = (list) => list.reduce((a, b) => a.map((v, i) => v + b[i]));
 
@@ -28,7 +31,8 @@ export class Camera {
 
 	view() {
 		const f = this.forward();
-		return { eye: this.target.map((v, i) => v - f[i] * this.distance), target: [...this.target], up: [0, 0, 1], fov_y_deg: FOV_Y_DEG };
+		const eye = this.target.map((v, i) => v - f[i] * this.distance);
+		return { eye, target: [...this.target], up: [0, 0, 1], fov_y_deg: FOV_Y_DEG };
 	}
 
 	/** Clockwise from north (+Y). */
@@ -60,10 +64,11 @@ export class Camera {
 
 	/** View and projection, column by column. */
 	matrix(aspect) {
-		const { eye } = this.view(), f = this.forward(), y = 1 / Math.tan(FOV_Y_DEG * Math.PI / 360), x = y / aspect;
+		const { eye } = this.view(), f = this.forward(), { near, far } = this;
+		const y = 1 / Math.tan(FOV_Y_DEG * Math.PI / 360), x = y / aspect;
 		const right = [Math.sin(this.yaw), -Math.cos(this.yaw), 0];
 		const up = [right[1] * f[2], -right[0] * f[2], right[0] * f[1] - right[1] * f[0]];
-		const a = (this.far + this.near) / (this.far - this.near), b = -2 * this.far * this.near / (this.far - this.near);
+		const a = (far + near) / (far - near), b = -2 * far * near / (far - near);
 		const rows = [right.map((v) => v * x), up.map((v) => v * y), f.map((v) => v * a), f];
 		const at = rows.map((r) => -(r[0] * eye[0] + r[1] * eye[1] + r[2] * eye[2]));
 		at[2] += b;
@@ -83,8 +88,10 @@ export class Camera {
 
 	/** To the right, forward and up. Who flies goes where the camera looks, all others stay level. */
 	move(right, ahead, up) {
-		const level = [Math.cos(this.yaw), Math.sin(this.yaw), 0], way = this.mode === 'fly' ? this.forward() : level;
-		this.target = sum([this.target, [level[1] * right, -level[0] * right, up], way.map((v) => v * ahead)]);
+		const level = [Math.cos(this.yaw), Math.sin(this.yaw), 0];
+		const way = this.mode === 'fly' ? this.forward() : level;
+		const aside = [level[1] * right, -level[0] * right, up];
+		this.target = sum([this.target, aside, way.map((v) => v * ahead)]);
 	}
 
 	zoom(steps) {
@@ -101,7 +108,8 @@ export class Camera {
 
 	/** What held keys do in the time that has passed; whether they do anything. */
 	step(now) {
-		const s = Math.min((now - (this.last ?? now)) / 1000, 0.1), speed = this.mode === 'walk' ? 3 : Math.max(this.distance * 0.6, 2);
+		const s = Math.min((now - (this.last ?? now)) / 1000, 0.1);
+		const speed = this.mode === 'walk' ? 3 : Math.max(this.distance * 0.6, 2);
 		this.last = now;
 		for (const key of this.held) {
 			if (keys[key])
@@ -122,7 +130,8 @@ export class Camera {
 				const metres = this.metresAcross() / element.clientHeight;
 				this.move(-dx * metres, dy * metres, 0);
 			} else {
-				const way = this.mode === 'orbit' ? -TURN : TURN;    // what is dragged follows the pointer
+				// what is dragged follows the pointer
+				const way = this.mode === 'orbit' ? -TURN : TURN;
 				this.turn(dx * way, dy * way);
 			}
 			moved();
@@ -144,8 +153,9 @@ export class Camera {
 			fingers.set(event.pointerId, event);
 			if (distance)
 				this.zoom(Math.log(apart() / distance) * 6);
-			drag((event.clientX - before.clientX) * share, (event.clientY - before.clientY) * share, fingers.size > 1 || event.buttons & 6
-				|| event.shiftKey);
+			const dx = event.clientX - before.clientX, dy = event.clientY - before.clientY;
+			const moves = fingers.size > 1 || event.buttons & 6 || event.shiftKey;
+			drag(dx * share, dy * share, moves);
 		});
 		for (const name of ['pointerup', 'pointercancel'])
 			element.addEventListener(name, (event) => fingers.delete(event.pointerId));
@@ -157,7 +167,8 @@ export class Camera {
 		}, { passive: false });
 		addEventListener('keydown', (event) => {
 			const key = event.key.toLowerCase();
-			if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches('select, input') || !cameraKeys.has(key))
+			const typing = event.target.matches('select, input');
+			if (withModifier(event) || typing || !cameraKeys.has(key))
 				return;
 			event.preventDefault();
 			this.held.add(key);

@@ -1,19 +1,25 @@
-// A headless Chromium, driven over a pipe by its DevTools protocol: no package of npm is needed. Pages reach nothing but this machine.
+// A headless Chromium, driven over a pipe by its DevTools protocol: no package of npm is needed. Pages reach
+// nothing but this machine.
 import { spawn } from 'node:child_process';
 import { mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
-const FLAGS = ['--headless', '--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic',
-	'--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync', '--remote-debugging-pipe',
+const FLAGS = ['--headless', '--no-sandbox', '--remote-debugging-pipe', '--no-first-run', '--use-gl=angle',
+	'--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic', '--disable-sync',
+	'--disable-background-networking', '--disable-component-update',
 	'--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1'];
 const ANSWER_MS = 120000;
+
+const described = (details) => details.exception?.description ?? details.text;
+const pause = (ms) => new Promise((done) => setTimeout(done, ms));
 
 export class Browser {
 	constructor(program = 'chromium') {
 		this.profile = mkdtempSync(join(tmpdir(), 'eco-browser-'));
-		this.child = spawn(program, [...FLAGS, `--user-data-dir=${this.profile}`], { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'],
-			detached: true });      // a process group of its own, which ends as a whole
+		// a process group of its own, which ends as a whole
+		this.child = spawn(program, [...FLAGS, `--user-data-dir=${this.profile}`],
+			{ stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'], detached: true });
 		this.number = 0;
 		this.waiting = new Map();
 		this.complaints = [];           // of pages: exceptions and errors on their consoles
@@ -28,21 +34,28 @@ export class Browser {
 	hear(message) {
 		const { id, method, params } = message;
 		if (method === 'Runtime.exceptionThrown')
-			this.complaints.push(params.exceptionDetails.exception?.description ?? params.exceptionDetails.text);
-		if (method === 'Runtime.consoleAPICalled' && params.type === 'error')
-			this.complaints.push(params.args.map((arg) => arg.value ?? arg.description).join(' '));
+			this.complaints.push(described(params.exceptionDetails));
+		if (method === 'Runtime.consoleAPICalled' && params.type === 'error') {
+			const texts = params.args.map((arg) => arg.value ?? arg.description);
+			this.complaints.push(texts.join(' '));
+		}
 		this.waiting.get(id)?.(message);
 		this.waiting.delete(id);
 	}
 
 	send(method, params = {}) {
 		const id = ++this.number;
-		this.child.stdio[3].write(`${JSON.stringify({ id, method, params, sessionId: this.session })}\0`);
+		const message = JSON.stringify({ id, method, params, sessionId: this.session });
+		this.child.stdio[3].write(`${message}\0`);
 		return new Promise((done, fail) => {
-			const timer = setTimeout(() => fail(new Error(`the browser does not answer ${method}`)), ANSWER_MS);
+			const late = () => fail(new Error(`the browser does not answer ${method}`));
+			const timer = setTimeout(late, ANSWER_MS);
 			this.waiting.set(id, ({ result, error }) => {
 				clearTimeout(timer);
-				(error ? fail : done)(error ? new Error(`${method}: ${error.message}`) : result);
+				if (error)
+					fail(new Error(`${method}: ${error.message}`));
+				else
+					done(result);
 			});
 		});
 	}
@@ -51,34 +64,41 @@ export class Browser {
 	async open(url, width, height, { mobile = false, dark = false } = {}) {
 		if (!this.session) {
 			const { targetId } = await this.send('Target.createTarget', { url: 'about:blank' });
-			this.session = (await this.send('Target.attachToTarget', { targetId, flatten: true })).sessionId;
+			const { sessionId } = await this.send('Target.attachToTarget',
+				{ targetId, flatten: true });
+			this.session = sessionId;
 			await this.send('Page.enable');
 			await this.send('Runtime.enable');
 		}
-		await this.send('Emulation.setDeviceMetricsOverride', { width, height, deviceScaleFactor: 1, mobile });
-		await this.send('Emulation.setEmulatedMedia', { features: [{ name: 'prefers-color-scheme', value: dark ? 'dark' : 'light' }] });
+		await this.send('Emulation.setDeviceMetricsOverride',
+			{ width, height, deviceScaleFactor: 1, mobile });
+		await this.send('Emulation.setEmulatedMedia',
+			{ features: [{ name: 'prefers-color-scheme', value: dark ? 'dark' : 'light' }] });
 		await this.send('Page.navigate', { url: 'about:blank' });
 		await this.send('Page.navigate', { url });
 	}
 
 	/** What an expression comes to in the page; promises are waited for. */
 	async evaluate(expression) {
-		const { result, exceptionDetails } = await this.send('Runtime.evaluate', { expression, awaitPromise: true, returnByValue: true });
+		const { result, exceptionDetails } = await this.send('Runtime.evaluate',
+			{ expression, awaitPromise: true, returnByValue: true });
 		if (exceptionDetails)
-			throw new Error(exceptionDetails.exception?.description ?? exceptionDetails.text);
+			throw new Error(described(exceptionDetails));
 		return result.value;
 	}
 
 	async until(expression, ms = 60000) {
-		for (const end = Date.now() + ms; Date.now() < end; await new Promise((done) => setTimeout(done, 50)))
+		for (const end = Date.now() + ms; Date.now() < end; await pause(50))
 			if (await this.evaluate(expression).catch(() => false))
 				return;
-		throw new Error(`not within ${ms} ms: ${expression}; the page says: ${this.complaints.join('; ')}`);
+		const said = this.complaints.join('; ');
+		throw new Error(`not within ${ms} ms: ${expression}; the page says: ${said}`);
 	}
 
 	/** A PNG of the page. */
 	async picture() {
-		return Buffer.from((await this.send('Page.captureScreenshot', { format: 'png' })).data, 'base64');
+		const { data } = await this.send('Page.captureScreenshot', { format: 'png' });
+		return Buffer.from(data, 'base64');
 	}
 
 	async close() {

@@ -1,7 +1,9 @@
-// compare.mjs URL SCRIPT.json WxH VERTICES SITE OUT [CHROMIUM]: the browser's client against ecoview, frame by frame of a camera script. OUT is
-// ecoview's folder of the same frames, with --digest's lines in OUT/said and masks of --reference. In node: the hashes of what is decoded and
-// drawn are the same. In CHROMIUM: those, too, and each picture's mask has P and R of at least .995 against ecoview's; .965 where vertices are
-// snapped to 1/16 of a pixel, as by SwiftShader: OpenGL elsewhere has 1/256, and many leaves are smaller than a pixel.
+// compare.mjs URL SCRIPT.json WxH VERTICES SITE OUT [CHROMIUM]: the browser's client against ecoview, frame
+// by frame of a camera script. OUT is ecoview's folder of the same frames, with --digest's lines in OUT/said
+// and masks of --reference. In node: the hashes of what is decoded and drawn are the same. In CHROMIUM:
+// those, too, and each picture's mask has P and R of at least .995 against ecoview's; .965 where vertices are
+// snapped to 1/16 of a pixel, as by SwiftShader: OpenGL elsewhere has 1/256, and many leaves are smaller than
+// a pixel.
 import { readFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
@@ -9,9 +11,11 @@ import { Browser } from './browser.mjs';
 
 const [url, script, size, vertices, site, out, chromium] = process.argv.slice(2);
 const [width, height] = size.split('x').map(Number);
-const frames = JSON.parse(readFileSync(script)).keyframes.map(({ time_s, ...view }) => ({ up: [0, 0, 1], ...view }));
+const frames = JSON.parse(readFileSync(script)).keyframes
+	.map(({ time_s, ...view }) => ({ up: [0, 0, 1], ...view }));
 const wanted = { width, height, vertices: Number(vertices), bytes: -1 };
-const digests = [...readFileSync(join(out, 'said'), 'utf8').matchAll(/^frame (\d+): digest (\S+)$/gm)].map((found) => found[2]);
+const digests = [...readFileSync(join(out, 'said'), 'utf8').matchAll(/^frame \d+: digest (\S+)$/gm)]
+	.map(([, digest]) => digest);
 const least = (subpixelBits) => subpixelBits < 8 ? 0.965 : 0.995;
 let faults = 0;
 
@@ -34,7 +38,9 @@ async function inNode() {
 	for (const [i, view] of frames.entries()) {
 		await stream.fetch(view, wanted);
 		stream.select();
-		expect(stream.digest() === digests[i], `frame ${i}: WebAssembly's digest is ${stream.digest()}, ecoview's ${digests[i]}`);
+		const digest = stream.digest();
+		expect(digest === digests[i],
+			`frame ${i}: WebAssembly's digest is ${digest}, ecoview's ${digests[i]}`);
 	}
 }
 
@@ -42,7 +48,8 @@ async function inNode() {
 async function openLayer(url) {
 	const { EcoLayer } = await import('/viewer/eco_layer.mjs');
 	const gl = new OffscreenCanvas(16, 16).getContext('webgl2');
-	globalThis.tested = new EcoLayer({ url, gl, onError: (error) => { globalThis.failed = error.message; } });
+	const onError = (error) => { globalThis.failed = error.message; };
+	globalThis.tested = new EcoLayer({ url, gl, onError });
 	await tested.ready;
 	return gl.getParameter(gl.SUBPIXEL_BITS);
 }
@@ -54,29 +61,34 @@ async function drawFrame(view, wanted, mask) {
 	const bitmap = await createImageBitmap(await (await fetch(mask)).blob());
 	const context = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
 	context.drawImage(bitmap, 0, 0);
-	const theirs = context.getImageData(0, 0, width, height).data, ours = tested.cover(), counts = [0, 0, 0];
+	const theirs = context.getImageData(0, 0, width, height).data, ours = tested.cover();
+	const counts = [0, 0, 0];       // in both, in ours alone, in theirs alone
 	for (let i = 0; i < ours.length; i++)
 		if (ours[i] || theirs[4 * i])
 			counts[ours[i] ? theirs[4 * i] ? 0 : 1 : 2]++;
-	return { digest: tested.stream.digest(), counts, failed: globalThis.failed, vertices: tested.facts().vertices };
+	return { digest: tested.stream.digest(), counts, failed: globalThis.failed };
 }
 
 async function inBrowser() {
 	const browser = new Browser(chromium);
-	const call = (f, ...values) => browser.evaluate(`(${f})(${values.map((value) => JSON.stringify(value)).join(', ')})`);
+	const call = (f, ...values) => browser.evaluate(`(${f})(...${JSON.stringify(values)})`);
 	try {
 		await browser.open(new URL('/', url).href, 640, 480);
 		await browser.until("document.getElementById('picture')?.dataset.complete === 'true'");
-		expect(await browser.evaluate("document.getElementById('state').textContent === ''"), 'the page reports an error');
+		const said = await browser.evaluate("document.getElementById('state').textContent");
+		expect(said === '', `the page reports an error: ${said}`);
 		const bits = await call(openLayer, url);
 		for (const [i, view] of frames.entries()) {
 			const mask = join(out, `frame-${String(i).padStart(4, '0')}.mask.png`);
 			const data = `data:image/png;base64,${readFileSync(mask).toString('base64')}`;
-			const { digest, counts: [tp, fp, fn], failed } = await call(drawFrame, view, wanted, data);
-			expect(!failed && digest === digests[i], `frame ${i}: the page's digest is ${digest} (${failed ?? 'no error'}), ecoview's ${digests[i]}`);
-			const precision = tp / (tp + fp), recall = tp / (tp + fn);
-			console.log(`frame ${i}: P ${precision.toFixed(5)} R ${recall.toFixed(5)} of ${tp + fn} pixels, ${bits} bits of a pixel`);
-			expect(Math.min(precision, recall) >= least(bits), `frame ${i}: the page's mask differs from ecoview's`);
+			const { digest, counts, failed } = await call(drawFrame, view, wanted, data);
+			expect(!failed && digest === digests[i], `frame ${i}: the page's digest is ${digest} `
+				+ `(${failed ?? 'no error'}), ecoview's ${digests[i]}`);
+			const [tp, fp, fn] = counts, precision = tp / (tp + fp), recall = tp / (tp + fn);
+			console.log(`frame ${i}: P ${precision.toFixed(5)} R ${recall.toFixed(5)} `
+				+ `of ${tp + fn} pixels, ${bits} bits of a pixel`);
+			expect(Math.min(precision, recall) >= least(bits),
+				`frame ${i}: the page's mask differs from ecoview's`);
 		}
 		expect(!browser.complaints.length, browser.complaints.join('\n'));
 	} finally {
