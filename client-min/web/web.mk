@@ -9,7 +9,7 @@ W := build/web
 # kept apart from native flags: no header of this machine's C library
 WEB_FLAGS := -Os -ffp-contract=off -fno-strict-aliasing -ffunction-sections -D_GNU_SOURCE -DXXH_INLINE_ALL -I. -I$(W)/include
 WEB_CFLAGS := -std=c11 $(WARN) $(WEB_FLAGS) -I$(W)/src/libwebp/src
-WEB_CXXFLAGS := -std=c++17 -fno-rtti $(WEB_FLAGS) -I$(W)/src/draco/src
+WEB_CXXFLAGS := -std=c++17 -fno-rtti $(WEB_FLAGS) -isystem $(W)/src/draco/src
 export NODE_PATH := /usr/share/nodejs
 
 WEB_ROOMS := $(wildcard lod/*.c) $(wildcard client-min/web/*.c)
@@ -46,7 +46,7 @@ WEB_EXPORTS := $(shell grep -v '^ \*' client-min/web/web_client.h | grep -oE '\b
 space := $(subst ,, )
 comma_join = $(subst $(space),$(comma),$(strip $(1)))
 
-WEB_PAGE := $(patsubst client-min/web/%,$(W)/site/%,$(filter-out %.mk %.c %.h %.sh,$(wildcard client-min/web/*)))
+WEB_PAGE := $(patsubst client-min/web/%,$(W)/site/%,$(filter-out %.md %.mk %.c %.h %.sh,$(wildcard client-min/web/*)))
 WEB_SITE := $(W)/site/eco_client.mjs $(W)/site/eco_client.wasm $(WEB_PAGE)
 
 .PHONY: web deps-web web-site
