@@ -73,9 +73,10 @@ void make_doubt_ground(const struct make *m)
 	const struct eco_ground *g = &m->ground;
 	const struct eco_ground_source *source = &m->sources.items[0].ground;
 	struct eco_spread slopes = { 0 };
-	uint64_t cells = (uint64_t)(g->columns - 1) * (g->rows - 1);
+	uint32_t across = g->columns - 1 - 2 * g->margin, up = g->rows - 1 - 2 * g->margin;      /* inside */
+	uint64_t cells = (uint64_t)across * up;
 	for (uint64_t i = 0; i < cells; i += cells / SLOPES + 1) {
-		size_t at = (size_t)(i / (g->columns - 1)) * g->columns + (size_t)(i % (g->columns - 1));
+		size_t at = (size_t)(g->margin + i / across) * g->columns + (size_t)(g->margin + i % across);
 		double east = (double)(g->height_m[at + 1] - g->height_m[at]) / g->step_x_m,
 			north = (double)(g->height_m[at + g->columns] - g->height_m[at]) / g->step_y_m;
 		eco_spread_add(&slopes, hypot(east, north));

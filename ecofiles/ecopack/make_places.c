@@ -38,8 +38,10 @@ static enum eco_code add_place(struct make *m, struct make_eco *eco, const struc
 static void count_off_ground(struct make *m, const double at[3])
 {
 	const struct eco_ground *g = &m->ground;
-	const double beyond[MAKE_SIDES] = { g->x_m - at[0], at[0] - g->x_m - g->step_x_m * (g->columns - 1),
-		g->y_m - at[1], at[1] - g->y_m - g->step_y_m * (g->rows - 1) };
+	const double width = g->step_x_m * (g->columns - 1 - 2 * g->margin),
+		height = g->step_y_m * (g->rows - 1 - 2 * g->margin);
+	const double beyond[MAKE_SIDES] = { g->x_m - at[0], at[0] - g->x_m - width, g->y_m - at[1],
+		at[1] - g->y_m - height };
 	m->off_ground++;
 	for (int side = 0; side < MAKE_SIDES; side++) {
 		m->off_side[side] += beyond[side] > 0;

@@ -1,7 +1,8 @@
 #!/bin/sh
 # Five scenes for random requests: request_scenes.sh FOLDER makes FOLDER/park.eco, forest.eco, nested.eco, meadow.eco and tree.eco (those
 # that are younger than ecopack stay). A park; a forest on hills; eco files in eco files, turned and scaled; a meadow of many small tiles; one tree that is
-# four trees in one. BUILD is the folder of the programs. ORDER: the order of leaves, CACHE: the folder of finished plants, if not the default.
+# four trees in one. BUILD is the folder of the programs. ORDER: the order of leaves,
+# DETAIL: how many leaves, CACHE: the folder of finished plants, if not the default.
 set -eu
 BUILD=${BUILD:-build}
 OUT=${1:?usage: request_scenes.sh FOLDER}
@@ -13,9 +14,9 @@ make_pack() {
 	[ "$OUT/$1.eco" -nt "$PACK" ] || "$PACK" make "$2" -o "$OUT/$1.eco" --quiet ${ORDER:+--order "$ORDER"} ${CACHE:+--cache "$CACHE"}
 }
 
-[ -f "$OUT/park/scene.json" ] || "$PACK" generate park -o "$OUT/park" --quiet
+[ -f "$OUT/park/scene.json" ] || "$PACK" generate park -o "$OUT/park" --quiet ${DETAIL:+--detail "$DETAIL"}
 make_pack park "$OUT/park/scene.json"
-[ -f "$OUT/forest/scene.json" ] || "$PACK" generate forest -o "$OUT/forest" --plants 500 --quiet
+[ -f "$OUT/forest/scene.json" ] || "$PACK" generate forest -o "$OUT/forest" --plants 500 --quiet ${DETAIL:+--detail "$DETAIL"}
 make_pack forest "$OUT/forest/scene.json"
 
 # models of the park: heights are said, so that nothing is guessed
