@@ -16,6 +16,8 @@
 #include "ecofiles/import/places/rows_formats.h"
 
 #define SNIFF_BYTES 65536u
+#define POINT_ROWS 64            /* in which a column with points is looked for */
+#define DEGREE_DIGITS 6
 
 struct csv {
 	struct eco_rows rows;
@@ -28,7 +30,8 @@ struct csv {
 	char *converted;             /* the row converted to UTF-8, if it was not */
 	uint64_t first_converted;    /* line; 0: none */
 	uint64_t line;               /* of the next byte */
-	uint32_t wkt;                /* column with points as text, if has_geometry */
+	uint32_t point;              /* column with points as text, if has_geometry */
+	bool (*read_point)(const char *text, double at[3]);
 };
 
 static enum eco_code put(struct csv *csv, char c, struct eco_error *error)
@@ -211,14 +214,64 @@ static bool read_wkt_point(const char *text, double at[3])
 	return count >= 2 && !isnan(at[0]) && !isnan(at[1]);
 }
 
-static void take_wkt(struct csv *csv)
+/* The digits behind the point; -1 if it is no number with a point. */
+static int read_degrees(const char **text, double *degrees)
+{
+	char number[40];
+	size_t length = strspn(*text, "0123456789.+-");
+	const char *point = memchr(*text, '.', length);
+	if (!point || length >= sizeof number)
+		return -1;
+	memcpy(number, *text, length);
+	number[length] = 0;
+	int digits = (int)(*text + length - point - 1);
+	*text += length;
+	return eco_text_number(number, '.', degrees) ? digits : -1;
+}
+
+/* Latitude and longitude in one field, as portals of open data write them: "48.883980, 2.360000", or in
+ * brackets at the end of an address. Returns the digits behind the two points, -1 if it is no such pair. */
+static int degree_pair(const char *text, double at[3])
+{
+	size_t length = strlen(text);
+	while (length > 0 && text[length - 1] == ' ')
+		length--;
+	bool closed = length > 0 && text[length - 1] == ')';
+	const char *open = strrchr(text, '(');
+	if (closed != (open != NULL))
+		return -1;
+	text = open ? open + 1 : text;
+	text += strspn(text, " ");
+	int first = read_degrees(&text, &at[1]);
+	text += strspn(text, " ");
+	if (first < 0 || *text++ != ',')
+		return -1;
+	text += strspn(text, " ");
+	int second = read_degrees(&text, &at[0]);
+	text += strspn(text, " )");
+	at[2] = NAN;
+	return second >= 0 && *text == 0 && fabs(at[1]) <= 90 && fabs(at[0]) <= 180 ? first + second : -1;
+}
+
+static bool read_degree_pair(const char *text, double at[3])
+{
+	return degree_pair(text, at) >= 0;
+}
+
+/* DEGREE_DIGITS tell it from other pairs of numbers. */
+static bool is_degree_pair(const char *text, double at[3])
+{
+	return degree_pair(text, at) >= DEGREE_DIGITS;
+}
+
+static void take_point(struct csv *csv)
 {
 	struct eco_rows_place *place = &csv->rows.place;
-	const char *text = csv->wkt < csv->rows.field_count ? csv->rows.fields[csv->wkt] : "";
+	const char *text = csv->point < csv->rows.field_count ? csv->rows.fields[csv->point] : "";
 	text += strspn(text, " ");
 	if (eco_text_is_missing(text) || strcasestr(text, "EMPTY")) {
 		place->kind = ECO_PLACE_EMPTY;
-	} else if (read_wkt_point(text, place->at)) {
+	} else if (csv->read_point(text, place->at)) {
 		place->kind = ECO_PLACE_POINT;
 		csv->rows.has_z |= !isnan(place->at[2]);
 	} else {
@@ -233,26 +286,45 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 	enum eco_code code = read_row(csv, more, error);
 	rows->row += code == ECO_OK && *more;
 	if (code == ECO_OK && *more && rows->has_geometry)
-		take_wkt(csv);
+		take_point(csv);
 	return code;
 }
 
-/* Looks for a column with points in the first row, and goes back. Errors of the row are reported when it
- * is read. */
-static enum eco_code find_wkt(struct csv *csv, struct eco_error *error)
+/* The first column with points in the row at hand, well-known text before pairs of degrees. */
+static bool find_point_column(struct csv *csv)
+{
+	static const struct { bool (*is)(const char *, double[3]), (*read)(const char *, double[3]); } forms[] = {
+		{ read_wkt_point, read_wkt_point }, { is_degree_pair, read_degree_pair } };
+	double at[3];
+	for (size_t k = 0; k < sizeof forms / sizeof *forms; k++)
+		for (uint32_t i = 0; i < csv->rows.field_count && i < csv->rows.column_count; i++)
+			if (forms[k].is(csv->rows.fields[i], at)) {
+				csv->point = i;
+				csv->read_point = forms[k].read;
+				csv->rows.has_geometry = true;
+				csv->rows.has_z = !isnan(at[2]);
+				return true;
+			}
+	return false;
+}
+
+/* Looks for a column with points in the first rows, and goes back. Errors of a row are reported when it is
+ * read. */
+static enum eco_code find_points(struct csv *csv, struct eco_error *error)
 {
 	struct eco_error own = { .code = ECO_OK };
 	long from = ftell(csv->file);
 	uint64_t line = csv->line;
-	double at[3];
-	bool more;
-	if (from >= 0 && read_row(csv, &more, &own) == ECO_OK && more)
-		for (uint32_t i = csv->rows.field_count; i-- > 0;)
-			if (i < csv->rows.column_count && read_wkt_point(csv->rows.fields[i], at)) {
-				csv->wkt = i;
-				csv->rows.has_geometry = true;
-				csv->rows.has_z = !isnan(at[2]);
-			}
+	bool more = from >= 0, found = false;
+	for (int row = 0; row < POINT_ROWS && more && !found; row++)
+		found = read_row(csv, &more, &own) == ECO_OK && more && find_point_column(csv);
+	if (found && csv->read_point == read_degree_pair) {
+		csv->rows.crs = strdup("EPSG:4326");
+		if (!csv->rows.crs)
+			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", csv->path);
+		eco_rows_note(&csv->rows, "\"%.60s\" has latitude and longitude in one field",
+			csv->rows.columns[csv->point]);
+	}
 	csv->line = line;
 	if (from < 0 || fseek(csv->file, from, SEEK_SET) != 0)
 		return eco_fail(error, ECO_IO, "%.300s: %s", csv->path, strerror(errno));
@@ -357,7 +429,7 @@ static enum eco_code read_header(struct csv *csv, struct eco_error *error)
 			return eco_fail(error, ECO_NO_MEMORY, "%.300s: out of memory", csv->path);
 		csv->rows.column_count++;
 	}
-	return code == ECO_OK ? find_wkt(csv, error) : code;
+	return code == ECO_OK ? find_points(csv, error) : code;
 }
 
 enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char separator,
