@@ -8,6 +8,7 @@
  * A scene is a folder with scene.json and camera.json, a pack one file per order. Each has a stamp beside it
  * of what it was made from: ecopack itself, what it was told, and the files that it read; a pack's also says
  * what it took and what came of it (a hash). One process makes them at a time. */
+#include <errno.h>
 #include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
@@ -290,14 +291,16 @@ enum eco_code bench_model_pack(struct bench *bench, const struct bench_model *mo
 	snprintf(scene, sizeof scene, "%.400s/packs/alone-%.60s.json", bench->cache, model->name);
 	snprintf(pack, 512, "%.400s/packs/alone-%.60s.eco", bench->cache, model->name);
 	enum eco_code code = bench_command(bench, error, "mkdir -p '%s/packs'", bench->cache);
+	char *place = realpath(model->path, NULL);   /* a scene's paths are relative to its own folder */
+	if (!code && !place)
+		code = eco_fail(error, ECO_IO, "%s: %s", model->path, strerror(errno));
 	int locked = bench_lock(bench);
 	FILE *out = code ? NULL : fopen(scene, "wb");
 	if (!code && !out)
 		code = eco_fail(error, ECO_IO, "%s cannot be written", scene);
 	if (!code) {
 		json_t *made = json_pack("{s:s, s:{s:{s:s}}, s:[{s:s, s:[i,i,i]}]}", "name", model->name,
-			"plants", "plant", "model", model->path, "instances", "plant", "plant", "at", 0, 0,
-			0);
+			"plants", "plant", "model", place, "instances", "plant", "plant", "at", 0, 0, 0);
 		json_dumpf(made, out, 0);
 		json_decref(made);
 		fclose(out);
@@ -305,6 +308,7 @@ enum eco_code bench_model_pack(struct bench *bench, const struct bench_model *mo
 			"'%s/plants' --cache-mb 16384", bench->build, scene, pack, bench->cache);
 	}
 	bench_unlock(locked);
+	free(place);
 	return code;
 }
 
