@@ -75,9 +75,9 @@ LINK_CXX = $(CXX) $(CXXFLAGS) $(LDFLAGS_ALL)
 comma := ,
 # Rooms: a folder of sources each, an archive each; main_NAME.c is the program NAME's. tests/layers.txt says what each may include.
 ECO_ROOMS := ecofiles/generate ecofiles/scene ecofiles/import/track ecofiles/import/places ecofiles/import/ground ecofiles/import/model \
-	ecofiles/format ecofiles/base
+	ecofiles/format ecofiles/format/chunk ecofiles/base
 BUILD_ROOMS := lod/build lod/build/order lod/build/splat lod/build/impostor lod/build/measure lod/raster
-CORE_ROOMS := lod ecofiles/format ecofiles/base
+CORE_ROOMS := lod ecofiles/format ecofiles/format/chunk ecofiles/base
 PACK_ROOM := ecofiles/ecopack
 SUPPORT_ROOM := tests/support
 # methods of the papers that no program has: what measurements compare with
@@ -138,7 +138,7 @@ help:
 	@sed -n '1,/^$$/s/^# \{0,1\}//p' Makefile
 
 $(foreach room,$(ROOMS) $(BASELINE_ROOM),$(eval $(call archive,$(room)): $(call objects,$(call sources,$(room)))))
-$(LIB_DRACO): $(B)/obj/ecofiles/format/draco_shim.o
+$(LIB_DRACO): $(B)/obj/ecofiles/format/chunk/draco_shim.o
 %.a:
 	@mkdir -p $(@D)
 	rm -f $@ && ar rcs $@ $^
@@ -154,9 +154,9 @@ PACK_LIBS := $(call archive,$(PACK_ROOM)) $(LIB_BUILD) $(call archive,lod/plan) 
 $(B)/ecopack: $(B)/obj/ecofiles/ecopack/main_ecopack.o $(PACK_LIBS) | $(MODULES)
 	$(LINK_C) -o $@ $< $(call group,$(PACK_LIBS)) $(LINK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
 $(B)/ecoserve: $(B)/obj/server/main_ecoserve.o $(LIB_SERVER)
-	$(LINK_C) -o $@ $^ $(LINK) $(LIBS_SERVER) $(LIBS_CORE)
+	$(LINK_C) -o $@ $< $(call group,$(LIB_SERVER)) $(LINK) $(LIBS_SERVER) $(LIBS_CORE)
 $(B)/ecoview $(B)/ecoload: $(B)/%: $(B)/obj/client-min/main_%.o $(LIB_VIEW) $(LIB_DRACO)
-	$(LINK_C) -o $@ $^ $(LINK) $(LIBS_VIEW) $(LIBS_DRACO) $(LIBS_CORE)
+	$(LINK_C) -o $@ $< $(call group,$(LIB_VIEW) $(LIB_DRACO)) $(LINK) $(LIBS_VIEW) $(LIBS_DRACO) $(LIBS_CORE)
 
 # ---- The library, and what `make install` puts where ----
 
@@ -244,7 +244,7 @@ $(filter-out %/plans,$(BENCHES)): $(B)/bench/%: $(B)/obj/tests/bench/%.o $(TEST_
 PLANS_LIBS := $(call archive,lod/plan $(CORE_ROOMS)) $(LIB_DRACO)
 $(B)/bench/plans: $(B)/obj/tests/bench/plans.o $(PLANS_LIBS)
 	@mkdir -p $(@D)
-	$(LINK_C) -o $@ $^ $(LINK) $(LIBS_DRACO) $(LIBS_CORE)
+	$(LINK_C) -o $@ $< $(call group,$(PLANS_LIBS)) $(LINK) $(LIBS_DRACO) $(LIBS_CORE)
 
 # lod/ without any optimisation, in programs that must give the same: tests/ecopack/test_determinism.sh.
 O0 := $(patsubst %.c,$(B)/o0/%.o,$(foreach room,lod lod/plan $(BUILD_ROOMS),$(call sources,$(room))))
@@ -252,9 +252,9 @@ $(B)/o0/%.o: %.c
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS_ALL) -O0 -U_FORTIFY_SOURCE -MMD -MP -c -o $@ $<
 $(B)/o0/ecopack: $(B)/obj/ecofiles/ecopack/main_ecopack.o $(call archive,$(PACK_ROOM)) $(O0) $(LIB_ECO) $(LIB_DRACO) | $(MODULES)
-	$(LINK_C) -o $@ $^ $(LINK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
+	$(LINK_C) -o $@ $(call group,$^) $(LINK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
 $(B)/o0/plans: $(B)/obj/tests/bench/plans.o $(O0) $(LIB_ECO) $(LIB_DRACO)
-	$(LINK_C) -o $@ $^ $(LINK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
+	$(LINK_C) -o $@ $(call group,$^) $(LINK) $(LIBS_IMPORT) $(LIBS_DRACO) $(LIBS_CORE)
 
 # A fuzz target is LLVMFuzzerTestOneInput; outside config=fuzz it is linked with a driver that replays files.
 FUZZ_MAIN := $(if $(filter fuzz,$(config)),,$(B)/obj/tests/fuzz/replay.o)

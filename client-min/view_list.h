@@ -8,7 +8,7 @@
 #ifndef VIEW_LIST_H
 #define VIEW_LIST_H
 
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/image.h"
 #include "ecofiles/format/texture.h"

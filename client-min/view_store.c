@@ -16,7 +16,7 @@
 #include "client-min/view_cache.h"
 #include "client-min/view_forms.h"
 #include "client-min/view_table.h"
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/texture.h"
 #include "ecofiles/base/room.h"
 

@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 
 /* A list's primitives in object space; what a list has none of is NULL. */
 struct lod_geometry {

@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "ecofiles/base/version.h"
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/wire.h"
 #include "server/query.h"
 #include "server/trace.h"

@@ -7,7 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/wire.h"
 #include "server/describe.h"
 

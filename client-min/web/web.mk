@@ -14,8 +14,9 @@ export NODE_PATH := /usr/share/nodejs
 
 WEB_ROOMS := $(wildcard lod/*.c) $(wildcard client-min/web/*.c)
 WEB_BASE := bytes range room status turn utf8
-WEB_FORMAT := chunk chunk_columns chunk_corners chunk_counts chunk_decode chunk_mesh chunk_rows chunk_shapes ground_tile heights impostor \
-	impostor_codec list model pack_check pack_record plan shape splat texture view wire_frame wire_holdings wire_parse wire_plan wire_write
+WEB_CHUNK := chunk chunk_columns chunk_corners chunk_counts chunk_decode chunk_mesh chunk_rows chunk_shapes shape
+WEB_FORMAT := $(WEB_CHUNK:%=chunk/%) ground_tile heights impostor impostor_codec list model pack_check pack_record plan splat texture \
+	view wire_frame wire_holdings wire_parse wire_plan wire_write
 WEB_VIEW := cache digest forms gl gpu ground impostor light list owners query record select shade shader shader_impostor store table \
 	threads picture
 WEB_SOURCES := $(WEB_BASE:%=ecofiles/base/%.c) $(WEB_FORMAT:%=ecofiles/format/%.c) $(WEB_VIEW:%=client-min/view_%.c) $(WEB_ROOMS)
@@ -38,7 +39,7 @@ WEB_WEBP := $(addprefix dec/,alpha_dec buffer_dec frame_dec idec_dec io_dec quan
 	$(addprefix dsp/,alpha_processing cpu dec dec_clip_tables filters lossless rescaler upsampling yuv) \
 	$(addprefix utils/,bit_reader_utils bit_writer_utils color_cache_utils filters_utils huffman_encode_utils huffman_utils \
 		quant_levels_dec_utils quant_levels_utils random_utils rescaler_utils thread_utils utils)
-WEB_OBJECTS := $(WEB_SOURCES:%.c=$(W)/obj/%.o) $(W)/obj/ecofiles/format/draco_shim.o $(WEB_DRACO:%=$(W)/obj/draco/%.o) \
+WEB_OBJECTS := $(WEB_SOURCES:%.c=$(W)/obj/%.o) $(W)/obj/ecofiles/format/chunk/draco_shim.o $(WEB_DRACO:%=$(W)/obj/draco/%.o) \
 	$(WEB_WEBP:%=$(W)/obj/libwebp/%.o)
 
 # every function of web_client.h

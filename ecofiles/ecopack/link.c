@@ -16,7 +16,7 @@
 #include <string.h>
 
 #include "ecofiles/base/version.h"
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/ecopack/link_part.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/base/utf8.h"

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "ecofiles/base/bytes.h"
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/pack_record.h"
 #include "ecofiles/base/utf8.h"
 

@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/ecopack/jobs.h"
 #include "ecofiles/ecopack/progress.h"
 #include "lod/build/summary.h"

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/base/guard.h"
 #include "ecofiles/format/image.h"
 #include "ecofiles/format/texture.h"

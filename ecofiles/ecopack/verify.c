@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/impostor.h"
 #include "ecofiles/ecopack/inspect.h"
 #include "ecofiles/ecopack/progress.h"

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/import/ground/ground.h"
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/ecopack/inspect.h"

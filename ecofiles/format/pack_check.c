@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/chunk.h"
-#include "ecofiles/format/chunk_payload.h"
+#include "ecofiles/format/chunk/chunk.h"
+#include "ecofiles/format/chunk/chunk_payload.h"
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/impostor.h"
 #include "ecofiles/format/pack.h"

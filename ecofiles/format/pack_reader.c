@@ -13,7 +13,7 @@
 #include <xxhash.h>
 
 #include "ecofiles/base/private_copy.h"
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/pack_record.h"
 
 #define BAD(...) eco_fail(error, ECO_DAMAGED, __VA_ARGS__)

@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 #include "ecofiles/base/room.h"
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/pack_record.h"
 #include "ecofiles/format/pack_writer.h"
 

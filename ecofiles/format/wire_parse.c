@@ -14,8 +14,8 @@
 
 #include "ecofiles/format/impostor.h"
 
-#include "ecofiles/format/chunk.h"
-#include "ecofiles/format/chunk_payload.h"
+#include "ecofiles/format/chunk/chunk.h"
+#include "ecofiles/format/chunk/chunk_payload.h"
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/base/utf8.h"
 

@@ -10,7 +10,7 @@
 #ifndef LOD_PLANT_H
 #define LOD_PLANT_H
 
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/format/pack.h"
 #include "lod/build/order/order.h"

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/chunk_payload.h"
+#include "ecofiles/format/chunk/chunk_payload.h"
 #include "ecofiles/format/impostor.h"
 #include "ecofiles/format/pack_record.h"
 

@@ -33,7 +33,7 @@ layers && complain "is content with nothing"
 # Allowed are its own room, public headers of rooms that it may use, headers that are not ours; programs may include anything.
 source lod/plan/planner.c /usr/include/math.h ecofiles/base/status.h ecofiles/format/list.h lod/vector.h lod/plan/planner.h lod/plan/planner_state.h
 source lod/build/plant.c lod/build/grid.h lod/build/order/order.h lod/raster/raster.h ./ecofiles/base/bytes.h
-source ecofiles/format/draco_shim.cpp ecofiles/format/draco_shim.h
+source ecofiles/format/chunk/draco_shim.cpp ecofiles/format/chunk/draco_shim.h
 source server/main_ecoserve.c ecofiles/ecopack/make.h lod/build/sample.h server/daemon.h
 source tests/base/test_turn.c lod/build/sample.h
 layers || complain "finds fault with what is allowed: $(cat "$DIR/said")"

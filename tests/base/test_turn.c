@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/base/status.h"
 #include "ecofiles/base/turn.h"
 #include "tests/support/unit_test.h"

@@ -2,7 +2,7 @@
  * tiles of any levels there is no gap, not even of one pixel. */
 #include <string.h>
 
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/base/mix.h"
 #include "lod/build/ground_tree.h"
 #include "lod/raster/raster.h"

@@ -1,6 +1,6 @@
 /* Plants from models: nothing is lost, nothing is twice, and everything refers to what it should. Longer
  * than 600 lines: the plants to try are shared. */
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "lod/build/plant.h"
 #include "lod/geometry.h"
 #include "tests/support/plant_models.h"

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <sys/stat.h>
 
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/generate/generate_plants.h"
 #include "ecofiles/import/model/model_import.h"
 #include "lod/build/plant.h"

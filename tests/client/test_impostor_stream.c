@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "lod/impostor.h"
 #include "tests/support/plan_twin.h"
 #include "tests/support/unit_test.h"

@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "tests/support/files.h"
 #include "tests/support/pack_resign.h"
 #include "tests/support/scene_packs.h"

@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/chunk.h"
-#include "ecofiles/format/chunk_payload.h"
-#include "ecofiles/format/shape.h"
+#include "ecofiles/format/chunk/chunk.h"
+#include "ecofiles/format/chunk/chunk_payload.h"
+#include "ecofiles/format/chunk/shape.h"
 #include "tests/support/unit_test.h"
 
 #define LEAVES 400u

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 

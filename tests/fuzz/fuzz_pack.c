@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/pack.h"
 #include "lod/ground_choice.h"
 #include "tests/support/pack_resign.h"

@@ -3,7 +3,7 @@
 #include <assert.h>
 #include <string.h>
 
-#include "ecofiles/format/chunk_payload.h"
+#include "ecofiles/format/chunk/chunk_payload.h"
 #include "lod/build/plant_bytes.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/wire.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);

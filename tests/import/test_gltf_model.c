@@ -2,7 +2,7 @@
  * name. */
 #include <math.h>
 
-#include "ecofiles/format/draco_shim.h"
+#include "ecofiles/format/chunk/draco_shim.h"
 #include "ecofiles/import/model/gltf.h"
 #include "ecofiles/format/image.h"
 #include "ecofiles/import/model/import_model.h"

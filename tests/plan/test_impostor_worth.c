@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "lod/eye.h"
 #include "lod/impostor.h"
 #include "lod/plan/impostor_worth.h"

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "tests/support/unit_test.h"
 
 #define VALUE_MAX ((1 << 28) - 1)

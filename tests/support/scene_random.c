@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "ecofiles/base/mix.h"
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/impostor.h"
 

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "ecofiles/base/turn.h"
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "lod/build/impostor/impostor_make.h"
 #include "tests/support/ground_tiles.h"
 #include "tests/support/plan_twin.h"

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "client-min/view_measure.h"
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "lod/geometry.h"
 #include "lod/ladder.h"
 

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <zstd.h>
 
-#include "ecofiles/format/draco_shim.h"
+#include "ecofiles/format/chunk/draco_shim.h"
 #include "tests/bench/coders/bench_coders_rows.h"
 
 #define TIMES 3

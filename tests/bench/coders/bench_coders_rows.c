@@ -4,7 +4,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "ecofiles/format/chunk_payload.h"
+#include "ecofiles/format/chunk/chunk_payload.h"
 
 double coders_now_ns(void)
 {

@@ -15,7 +15,7 @@
 #include <stdint.h>
 
 #include "ecofiles/base/status.h"
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 
 #define CODERS_COLUMNS_MAX 48u
 #define CODERS_TABLES_MAX 4u

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "ecofiles/base/turn.h"
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 
 /* ---- Lists ---- */
 

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "ecofiles/base/file_write.h"
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 #include "lod/ground_choice.h"
 
 enum component { BYTES = 5121, FLOATS = 5126 };  /* glTF's component types */

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/chunk_shapes.h"
+#include "ecofiles/format/chunk/chunk_shapes.h"
 
 #define ROUNDS 4
 #define STEADY 1e-3              /* added to the diagonal, in units: systems may be singular */

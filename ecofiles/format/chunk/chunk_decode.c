@@ -1,12 +1,12 @@
 /* Bytes to elements, in draw order. Each stored row is written straight to its place in draw order:
  * nothing is copied twice, as decoding is where a client is slowest. */
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/chunk_payload.h"
+#include "ecofiles/format/chunk/chunk_payload.h"
 
 #define BAD(...) eco_fail(error, ECO_DAMAGED, __VA_ARGS__)
 

@@ -6,15 +6,15 @@
  * permutation gives the elements in input order, as far as their corner counts allow. Which of the first
  * hundred elements are drawn first matters much, and their bytes little (lod/EXPERIMENTS.md, Order in the
  * first chunks). */
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/chunk_columns.h"
-#include "ecofiles/format/chunk_payload.h"
+#include "ecofiles/format/chunk/chunk_columns.h"
+#include "ecofiles/format/chunk/chunk_payload.h"
 
 #define KEPT_FIRST 96u           /* a chunk that begins before this element keeps its order */
 #define KEPT_MOST 64u            /* if it has at most so many elements */

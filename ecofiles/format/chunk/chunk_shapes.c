@@ -8,13 +8,13 @@
  * have other steps than corners, so the two orders may differ by a little; a step back is a rare symbol.
  *
  * The same functions encode and decode. */
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/chunk_payload.h"
-#include "ecofiles/format/chunk_shapes.h"
+#include "ecofiles/format/chunk/chunk_payload.h"
+#include "ecofiles/format/chunk/chunk_shapes.h"
 
 #define KEY_BITS 20u             /* of each axis, along the curve */
 #define UV_MAX ECO_ROWS_VALUE_MAX

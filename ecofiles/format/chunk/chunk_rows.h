@@ -28,7 +28,7 @@
 #ifndef ECO_CHUNK_ROWS_H
 #define ECO_CHUNK_ROWS_H
 
-#include "ecofiles/format/draco_shim.h"
+#include "ecofiles/format/chunk/draco_shim.h"
 #include "ecofiles/format/list.h"
 
 #define ECO_ROWS_CORNERS_MAX ECO_CORNERS_MAX

@@ -1,11 +1,11 @@
 /* Placing shapes in integers: axes have 24 bits behind the point, lengths times coordinates 4. */
-#include "ecofiles/format/shape.h"
+#include "ecofiles/format/chunk/shape.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/chunk_rows.h"
+#include "ecofiles/format/chunk/chunk_rows.h"
 
 static int64_t root_floor(int64_t v)
 {

@@ -20,7 +20,7 @@
 #define ECO_CHUNK_COLUMNS_H
 
 #include "ecofiles/base/range.h"
-#include "ecofiles/format/chunk_rows.h"
+#include "ecofiles/format/chunk/chunk_rows.h"
 
 /* Rows of a chunk that is coded so, but for points of a kd-tree; larger ones are decoded faster by Draco, and
  * hardly larger. */

@@ -1,9 +1,9 @@
-#include "ecofiles/format/chunk_columns.h"
+#include "ecofiles/format/chunk/chunk_columns.h"
 
 #include <string.h>
 
 #include "ecofiles/base/range.h"
-#include "ecofiles/format/chunk_counts.h"
+#include "ecofiles/format/chunk/chunk_counts.h"
 
 #define WAY_BITS 3u
 #define MODELLED_STEP 2u         /* bits */

@@ -14,7 +14,7 @@
 #define ECO_CHUNK_COUNTS_H
 
 #include "ecofiles/base/range.h"
-#include "ecofiles/format/chunk_rows.h"
+#include "ecofiles/format/chunk/chunk_rows.h"
 
 /* Writes or reads column 0, of 3 components. Writing puts all rows into the order in which they are read. */
 void eco_counts_code(struct eco_range *range, struct eco_chunk_rows *rows);

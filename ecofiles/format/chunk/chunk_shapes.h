@@ -11,10 +11,10 @@
 #ifndef ECO_CHUNK_SHAPES_H
 #define ECO_CHUNK_SHAPES_H
 
-#include "ecofiles/format/chunk_corners.h"
-#include "ecofiles/format/chunk_rows.h"
+#include "ecofiles/format/chunk/chunk_corners.h"
+#include "ecofiles/format/chunk/chunk_rows.h"
 #include "ecofiles/base/range.h"
-#include "ecofiles/format/shape.h"
+#include "ecofiles/format/chunk/shape.h"
 
 #define ECO_STEPS_MODELLED 16u
 #define ECO_WAY_MODELLED 2u      /* high bits that have models; those below are as good as random */

@@ -1,6 +1,6 @@
 /* Chunks without their coding: kinds and coders that go together, draw order, sizes, and the payload's
  * frame. */
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -9,7 +9,7 @@
 #include <xxhash.h>
 
 #include "ecofiles/base/bytes.h"
-#include "ecofiles/format/chunk_payload.h"
+#include "ecofiles/format/chunk/chunk_payload.h"
 #include "ecofiles/base/mix.h"
 
 #define PAYLOAD_VERSION 1u

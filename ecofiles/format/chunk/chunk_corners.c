@@ -1,10 +1,10 @@
 /* Prediction of corners, in integers, so that all machines get the same corners. */
-#include "ecofiles/format/chunk_corners.h"
+#include "ecofiles/format/chunk/chunk_corners.h"
 
 #include <string.h>
 
-#include "ecofiles/format/chunk_rows.h"
-#include "ecofiles/format/shape.h"
+#include "ecofiles/format/chunk/chunk_rows.h"
+#include "ecofiles/format/chunk/shape.h"
 
 #define SUM_MAX ((int64_t)1 << 30)
 #define UNIT 1024                /* length of the bases that do not grow with the element */

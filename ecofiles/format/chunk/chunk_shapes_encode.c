@@ -1,5 +1,5 @@
 /* The encoder of SHAPES: which elements are placed, with which steps, and the writing of them. */
-#include "ecofiles/format/chunk.h"
+#include "ecofiles/format/chunk/chunk.h"
 
 #include <assert.h>
 #include <math.h>
@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "ecofiles/base/bytes.h"
-#include "ecofiles/format/chunk_payload.h"
-#include "ecofiles/format/chunk_shapes.h"
+#include "ecofiles/format/chunk/chunk_payload.h"
+#include "ecofiles/format/chunk/chunk_shapes.h"
 
 #define USES_LEAST 4u            /* fewest elements of a shape: with fewer, its entry costs too much */
 #define UNITS_SAMPLE 256u        /* elements in the sample that steps and trends are chosen by */

@@ -3,8 +3,8 @@
 #ifndef ECO_CHUNK_PAYLOAD_H
 #define ECO_CHUNK_PAYLOAD_H
 
-#include "ecofiles/format/chunk.h"
-#include "ecofiles/format/chunk_rows.h"
+#include "ecofiles/format/chunk/chunk.h"
+#include "ecofiles/format/chunk/chunk_rows.h"
 
 #define ECO_PAYLOAD_STREAMS_MAX 4u
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/chunk_payload.h"
+#include "ecofiles/format/chunk/chunk_payload.h"
 
 /* A triangle with its corners rotated so that the least position comes first: three rotations become one. */
 struct turned {

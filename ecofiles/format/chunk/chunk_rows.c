@@ -4,13 +4,13 @@
  * first three corners began. The best rule depends on the model, so each is tried and the cheapest is
  * stored, four bits a corner. The same goes for differences from row to row, which cost nothing where all
  * leaves show the same piece of a texture. */
-#include "ecofiles/format/chunk_rows.h"
+#include "ecofiles/format/chunk/chunk_rows.h"
 
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/chunk_columns.h"
+#include "ecofiles/format/chunk/chunk_columns.h"
 
 /* Corner k relative to corner 0 is predicted as the sum of these eighths times corners k-1, k-2, k-3 and
  * k-4 relative to corner 0. */

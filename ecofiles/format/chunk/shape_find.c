@@ -10,13 +10,13 @@
  * An element is stored as a placed shape if placing it, with all values rounded, puts every corner near
  * enough; where a corner is too far off, values are moved by one step as long as that helps. Longer than
  * 600 lines: one search, whose steps share its state. */
-#include "ecofiles/format/shape.h"
+#include "ecofiles/format/chunk/shape.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/chunk_rows.h"
+#include "ecofiles/format/chunk/chunk_rows.h"
 
 #define FLAT 1e-3                /* a shape is flat if its corners are nearer to a plane, in radii */
 #define WAYS_FINE 2.0            /* a direction's square is at most about so many 2^-way_bits wide */
