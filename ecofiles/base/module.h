@@ -42,7 +42,7 @@ bool eco_module_find(enum eco_module module, char path[PATH_MAX]);
 
 /* Each table begins with this number; a table of another version is refused. Raise it whenever a table, or
  * a type that passes through one, changes. */
-#define ECO_MODULE_VERSION 5u
+#define ECO_MODULE_VERSION 6u
 #define ECO_MODULE_EXPORT __attribute__((visibility("default")))
 
 /* ---- ecoassimp.so: models of formats that have no reader of their own ---- */
@@ -102,6 +102,7 @@ struct eco_rows;
 struct eco_rows_source;
 struct eco_raster;
 struct eco_raster_extent;
+struct eco_point_table;
 
 struct eco_gdal_module {                 /* eco_gdal_module */
 	uint32_t version;
@@ -116,6 +117,9 @@ struct eco_gdal_module {                 /* eco_gdal_module */
 	/* As eco_raster_extent (raster_extent.h). Only in a guarded child. */
 	enum eco_code (*raster_extent)(const char *path, struct eco_raster_extent *extent,
 		struct eco_error *error);
+	/* As eco_points_write (point_table.h). */
+	enum eco_code (*points_write)(const struct eco_point_table *table, const char *path, uint8_t **bytes,
+		size_t *size, struct eco_error *error);
 };
 
 /* A grid of heights, rows from the north; the first sample's centre is at (west, north). Written as
@@ -148,6 +152,7 @@ struct eco_citygml_crs;
 struct eco_crs_path;
 struct eco_crs_facts;
 struct eco_crs_choice;
+struct eco_crs_place;
 
 struct eco_proj_module {                 /* eco_proj_module */
 	uint32_t version;
@@ -164,6 +169,9 @@ struct eco_proj_module {                 /* eco_proj_module */
 		struct eco_error *error);
 	enum eco_code (*crs_choices)(const double xy[2], const char *words, struct eco_crs_choice *choices,
 		uint32_t *found, struct eco_error *error);
+	/* As eco_crs_place (crs_facts.h). */
+	enum eco_code (*crs_place)(const char *crs, const double xy[2], struct eco_crs_place *place,
+		struct eco_error *error);
 	/* Decides crs->swapped of a crs with a code: where only one order puts the places into the CRS's area
 	 * of use, it is that; else as the form of the srsName says. What is odd is written into note ("" if
 	 * nothing). */

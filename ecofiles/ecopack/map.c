@@ -6,12 +6,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "ecofiles/base/file_write.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/map.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/base/phrase.h"
+#include "ecofiles/import/places/point_table.h"
 
 #define MARGIN 20.0
 #define LEFT 62.0                /* room for texts beside and below the map */
@@ -409,12 +411,17 @@ static enum eco_code run_map(int argc, char **argv, struct eco_error *error)
 	memset(&given, 0, sizeof given);
 	given.pixels = 1200;
 	enum eco_code code = main_read(&main_command_map, argc, argv, error);
-	if (!code)
+	bool table = !code && eco_points_knows(given.output);
+	if (!code && table && access(given.output, F_OK) == 0)
+		code = eco_fail(error, ECO_BAD_USAGE, "%s is there and may be somebody's inventory; it is kept. "
+			"Take another name", given.output);
+	else if (!code && !table)
 		code = eco_chart_may_write(given.output, error);
 	if (!code)
 		code = map_gather(&m, given.scene);
 	if (!code)
-		code = map_write(&m, given.output, (uint32_t)given.pixels);
+		code = table ? map_write_table(&m, given.output)
+			: map_write(&m, given.output, (uint32_t)given.pixels);
 	main_progress_end();
 	if (!code && !main_is_quiet)
 		print_map(&m, given.output);
@@ -424,12 +431,13 @@ static enum eco_code run_map(int argc, char **argv, struct eco_error *error)
 
 static const struct eco_option options[] = {
 	{ "the scene file", 0, ECO_OPTION_INPUT, "SCENE.json", &given.scene, .is_required = true },
-	{ "output", 'o', ECO_OPTION_TEXT, "MAP.png", &given.output, .is_required = true,
-		.help = "a PNG, which appears complete or not at all" },
+	{ "output", 'o', ECO_OPTION_TEXT, "MAP", &given.output, .is_required = true,
+		.help = "a PNG; or a table of all plants with their species, heights, files and rows: .gpkg in "
+		"the scene's CRS, .geojson in longitude and latitude; it appears complete or not at all" },
 	{ "size", 0, ECO_OPTION_COUNT, "PX", &given.pixels, 200, 8000,
 		.help = "longer side of the map without its legend, 200 to 8000; 1200 if not given" },
 		{ 0 } };
 
-const struct main_command main_command_map = { { "ecopack map", "SCENE.json -o MAP.png [--size PX]",
+const struct main_command main_command_map = { { "ecopack map", "SCENE.json -o MAP.png|MAP.gpkg|MAP.geojson [--size PX]",
 	"Draws where everything stands, without building models, and says what was left out.", options,
 	main_common, NULL, NULL }, run_map };

@@ -4,6 +4,7 @@
  *   map_frame(&map)         the part of the world in the picture                            map_draw.c
  *   map_draw_ground(&map)   hillshade; map_draw_contours: lines                             map_ground.c
  *   map_draw_places(&map)   areas, outlines of nested files, plants as dots or as density   map_draw.c
+ *   map_write_table(&map)   or, in place of a picture, all plants as points for a GIS       map_table.c
  *
  * The map's surroundings (legend, grid, arrow, bar) and the command are in map.c. */
 #ifndef ECO_MAIN_MAP_H
@@ -22,8 +23,8 @@ struct map_kind {                /* plants of one name, in whatever file */
 	uint32_t color;              /* index into eco_chart_colors; ECO_CHART_COLORS: the common gray */
 };
 
-/* metres from the origin; height 0: not known */
-struct map_point { float x, y, height_m; uint32_t kind; };
+/* metres from the origin; height 0: not known; row of an inventory, from 1; 0: it is of none */
+struct map_point { float x, y, height_m; uint32_t kind, file, row; };
 struct map_points { struct map_point *items; uint32_t count, capacity; };
 
 struct map_bounds { double low[2], high[2]; };   /* low > high: empty */
@@ -42,6 +43,8 @@ struct map {
 	struct eco_ground ground;    bool has_ground;
 	struct map_kind *kinds;      uint32_t kind_count, other_count;
 	uint32_t **kind_of;          /* [source][plant of the source] */
+	/* inventories, for the rows of points; of the sources */
+	const char **files;          uint32_t file_count, file_capacity;
 	struct map_points *own;      /* per source: its own plants, in its coordinates */
 	struct map_bounds *bounds;   /* per source, with nested files */
 	uint64_t *totals;            /* per source, with nested files */
@@ -79,6 +82,9 @@ static inline enum eco_code map_no_memory(struct map *m)
 
 /* Draws the map of what was gathered and writes it as a PNG. */
 enum eco_code map_write(struct map *m, const char *path, uint32_t pixels);
+
+/* Writes all plants that were gathered as a table with points (point_table.h). */
+enum eco_code map_write_table(struct map *m, const char *path);
 
 double map_radius(const struct map *m, double height_m);         /* pixels; height 0: not known */
 

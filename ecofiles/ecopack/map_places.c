@@ -86,12 +86,16 @@ static enum eco_code find_kinds(struct map *m)
 }
 
 /* height_m: NAN where the plant's own counts; scale multiplies it. */
-static enum eco_code add_plant(struct map *m, uint32_t source, uint32_t plant, const double at[2],
-	double height_m, double scale)
+struct stand { const double *at; double height_m, scale; uint32_t file, row; };
+
+static enum eco_code add_plant(struct map *m, uint32_t source, uint32_t plant, const struct stand *stand)
 {
-	double height = isnan(height_m) ? m->sources.items[source].plants[plant].height_m : height_m;
-	struct map_point point = { (float)at[0], (float)at[1], height > 0 ? (float)(height * scale) : 0,
-		m->kind_of[source][plant] };
+	const double *at = stand->at;
+	double height = isnan(stand->height_m) ? m->sources.items[source].plants[plant].height_m
+		: stand->height_m;
+	struct map_point point = { (float)at[0], (float)at[1],
+		height > 0 ? (float)(height * stand->scale) : 0, m->kind_of[source][plant], stand->file,
+		stand->row };
 	if (source == 0 && m->has_ground) {
 		double z;
 		m->off_ground += !eco_ground_height(&m->ground, at[0], at[1], &z);
@@ -105,7 +109,8 @@ static enum eco_code add_instances(struct map *m, uint32_t source)
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < s->instance_count && !code; i++) {
 		const struct eco_source_instance *one = &s->instances[i];
-		code = add_plant(m, source, one->plant, one->at, one->height_m, one->scale);
+		code = add_plant(m, source, one->plant, &(struct stand){ one->at, one->height_m, one->scale,
+			0, 0 });
 		if (i % 4096 == 0 && !main_progress("reading positions", s->path, 0))
 			code = eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
 	}
@@ -183,6 +188,10 @@ static enum eco_code add_rows(struct map *m, uint32_t source, const struct eco_p
 	struct eco_frame frame = eco_source_frame(s);
 	struct eco_positions *reader = NULL;
 	struct eco_position row;
+	uint32_t file = m->file_count;
+	if (!eco_room(&m->files, &m->file_capacity, file, sizeof *m->files))
+		return map_no_memory(m);
+	m->files[m->file_count++] = eco_path_last(spec->path);
 	enum eco_code code = eco_positions_open(&reader, spec, &frame, m->error);
 	for (uint64_t i = 0; !code; i++) {
 		if (i % 4096 == 0 && !main_progress("reading positions", spec->path, 0)) {
@@ -192,7 +201,8 @@ static enum eco_code add_rows(struct map *m, uint32_t source, const struct eco_p
 		code = eco_positions_next(reader, &row, m->error);
 		if (code || row.plant == ECO_NONE)
 			break;
-		code = add_plant(m, source, row.plant, row.at, row.height_m, row.scale);
+		code = add_plant(m, source, row.plant, &(struct stand){ row.at, row.height_m, row.scale, file,
+			row.row <= UINT32_MAX ? (uint32_t)row.row : 0 });
 	}
 	if (!code) {
 		eco_positions_report(reader, main_note_text, NULL);
@@ -238,7 +248,7 @@ static enum eco_code add_scattered(struct map *m, uint32_t source, const struct 
 	struct eco_scatter_place place;
 	enum eco_code code = eco_scatter_open(&scatter, spec, &frame, scatter_progress, spec->path, m->error);
 	while (!code && eco_scatter_next(scatter, &place)) {
-		code = add_plant(m, source, place.plant, place.at, place.height_m, 1);
+		code = add_plant(m, source, place.plant, &(struct stand){ place.at, place.height_m, 1, 0, 0 });
 	}
 	if (!code)
 		code = say(m, MAP_FILE, 0, "%.80s, scattered", eco_path_last(spec->path));
@@ -483,6 +493,7 @@ void map_free(struct map *m)
 			free(m->own[s].items);
 	}
 	free(m->kind_of);
+	free(m->files);
 	free(m->own);
 	free(m->bounds);
 	free(m->totals);

@@ -287,6 +287,50 @@ UNIT_TEST(test_the_same_scene_gives_the_same_picture)
 	}
 }
 
+#define UTM "\"crs\": \"EPSG:32632\", \"origin\": [691000, 5334000, 500], "
+#define TWO_MAPPED "\"map\": {\"oak\": \"oak\", \"ash\": \"ash\"}, \"height_m\": {\"column\": "
+
+/* What is written is an inventory: read as one, it gives the same plants, and each says its row. */
+UNIT_TEST(test_tables_are_inventories_of_the_same_plants)
+{
+	static const char *const names[] = { "table.gpkg", "table.geojson" };
+	static const uint32_t rows[] = { 0, 1, 3 };
+	file_write_text(ROOT "/utm.csv", "x,y,sp,h\n691010,5334020,oak,10\n,5,oak,1\n691500.25,5334700.5,"
+		"ash,7\n");
+	file_write_text(ROOT "/utm.json", "{" UTM PLANTS ", \"instances\": [{\"plant\": \"ash\", \"at\": [1, "
+		"2], \"height_m\": 4}, {\"from\": \"utm.csv\", \"x\": \"x\", \"y\": \"y\", \"species\": "
+		"\"sp\", " TWO_MAPPED "\"h\"}}]}");
+	for (size_t t = 0; t < sizeof names / sizeof *names; t++) {
+		char line[200], scene[600];
+		struct map m, again;
+		struct eco_error error;
+		snprintf(line, sizeof line, ROOT "/%s", names[t]);
+		unlink(line);
+		snprintf(line, sizeof line, ROOT "/utm.json -o " ROOT "/%s", names[t]);
+		assert_ok(run(line, &error), error);
+		snprintf(scene, sizeof scene, "{" UTM PLANTS ", \"instances\": [{\"from\": \"%s\", \"species\": "
+			"\"species\", " TWO_MAPPED "\"height_m\"}}]}", names[t]);
+		file_write_text(ROOT "/again.json", scene);
+		gather(&m, ROOT "/utm.json");
+		gather(&again, ROOT "/again.json");
+		assert_int_equal(m.points.count, 3);
+		assert_int_equal(again.points.count, 3);
+		for (uint32_t i = 0; i < 3; i++) {
+			const struct map_point *a = &m.points.items[i], *b = &again.points.items[i];
+			assert_string_equal(m.kinds[a->kind].name, again.kinds[b->kind].name);
+			assert_true(fabsf(a->height_m - b->height_m) < 1e-4f);
+			/* GeoJSON has 1e-7 degrees */
+			assert_true(hypotf(a->x - b->x, a->y - b->y) < (t ? 0.02f : 0.002f));
+			assert_int_equal(a->row, rows[i]);
+		}
+		assert_string_equal(m.files[m.points.items[2].file], "utm.csv");
+		map_free(&m);
+		map_free(&again);
+		assert_int_equal(run(line, &error), ECO_BAD_USAGE);
+		assert_non_null(strstr(error.text, "it is kept"));
+	}
+}
+
 UNIT_TEST(test_bad_command_lines_and_scenes_are_told)
 {
 	static const struct { const char *line; enum eco_code code; const char *says; } cases[] =

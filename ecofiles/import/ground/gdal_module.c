@@ -5,4 +5,5 @@ ECO_MODULE_EXPORT const struct eco_gdal_module eco_gdal_module = {
 	.version = ECO_MODULE_VERSION, .ground_read = gdal_ground_read, .rows_knows = gdal_rows_knows,
 		.rows_open = gdal_rows_open,
 	.raster_write = gdal_raster_write, .raster_extent = gdal_raster_extent,
+	.points_write = gdal_points_write,
 };

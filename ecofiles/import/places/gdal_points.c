@@ -1,0 +1,128 @@
+/* Plants to a GeoPackage or GeoJSON, in GDAL's memory: what is not complete never becomes a file. */
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <cpl_string.h>
+#include <cpl_vsi.h>
+#include <gdal.h>
+#include <ogr_api.h>
+#include <ogr_srs_api.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/import/ground/gdal_module.h"
+#include "ecofiles/import/places/point_table.h"
+
+enum field { SPECIES, HEIGHT, SOURCE_FILE, SOURCE_ROW, FIELD_COUNT };
+
+static const struct { const char *name; OGRFieldType type; } fields[FIELD_COUNT] = {
+	[SPECIES] = { "species", OFTString }, [HEIGHT] = { "height_m", OFTReal },
+	[SOURCE_FILE] = { "file", OFTString }, [SOURCE_ROW] = { "row", OFTInteger64 } };
+
+static enum eco_code failed(const char *path, struct eco_error *error)
+{
+	return eco_fail(error, ECO_IO, "%s: %s", path, CPLGetLastErrorMsg());
+}
+
+static bool add_fields(OGRLayerH layer)
+{
+	bool good = true;
+	for (int i = 0; i < FIELD_COUNT && good; i++) {
+		OGRFieldDefnH field = OGR_Fld_Create(fields[i].name, fields[i].type);
+		good = OGR_L_CreateField(layer, field, TRUE) == OGRERR_NONE;
+		OGR_Fld_Destroy(field);
+	}
+	return good;
+}
+
+static bool add_point(OGRLayerH layer, const struct eco_point *point)
+{
+	OGRFeatureH feature = OGR_F_Create(OGR_L_GetLayerDefn(layer));
+	OGRGeometryH at = OGR_G_CreateGeometry(wkbPoint);
+	OGR_G_SetPoint_2D(at, 0, point->at[0], point->at[1]);
+	OGR_F_SetGeometryDirectly(feature, at);
+	OGR_F_SetFieldString(feature, SPECIES, point->species);
+	if (point->height_m > 0)
+		OGR_F_SetFieldDouble(feature, HEIGHT, point->height_m);
+	else
+		OGR_F_SetFieldNull(feature, HEIGHT);
+	if (point->row) {
+		OGR_F_SetFieldString(feature, SOURCE_FILE, point->file);
+		OGR_F_SetFieldInteger64(feature, SOURCE_ROW, (GIntBig)point->row);
+	} else {
+		OGR_F_SetFieldNull(feature, SOURCE_FILE);
+		OGR_F_SetFieldNull(feature, SOURCE_ROW);
+	}
+	bool good = OGR_L_CreateFeature(layer, feature) == OGRERR_NONE;
+	OGR_F_Destroy(feature);
+	return good;
+}
+
+static enum eco_code fill(GDALDatasetH file, const struct eco_point_table *table, OGRSpatialReferenceH crs,
+	bool json, const char *path, struct eco_error *error)
+{
+	char **options = json ? CSLSetNameValue(NULL, "RFC7946", crs ? "YES" : "NO") : NULL;
+	OGRLayerH layer = GDALDatasetCreateLayer(file, table->name, crs, wkbPoint, options);
+	CSLDestroy(options);
+	bool good = layer && add_fields(layer)
+		&& (json || GDALDatasetStartTransaction(file, FALSE) == OGRERR_NONE);
+	for (uint64_t i = 0; i < table->count && good; i++) {
+		struct eco_point point;
+		table->point(table->ctx, i, &point);
+		good = add_point(layer, &point);
+	}
+	good = good && (json || GDALDatasetCommitTransaction(file) == OGRERR_NONE);
+	return good ? ECO_OK : failed(path, error);
+}
+
+static enum eco_code take(const char *name, const char *path, uint8_t **bytes, size_t *size,
+	struct eco_error *error)
+{
+	vsi_l_offset length = 0;
+	const GByte *content = VSIGetMemFileBuffer(name, &length, FALSE);
+	*bytes = content && length ? malloc(length) : NULL;
+	if (!*bytes)
+		return eco_fail(error, ECO_NO_MEMORY, "%s: no memory for its content", path);
+	memcpy(*bytes, content, length);
+	*size = length;
+	return ECO_OK;
+}
+
+static enum eco_code write_to(const char *name, const struct eco_point_table *table, OGRSpatialReferenceH crs,
+	bool json, const char *path, struct eco_error *error)
+{
+	GDALDriverH driver = GDALGetDriverByName(json ? "GeoJSON" : "GPKG");
+	GDALDatasetH file = driver ? GDALCreate(driver, name, 0, 0, 0, GDT_Unknown, NULL) : NULL;
+	if (!file)
+		return failed(path, error);
+	enum eco_code code = fill(file, table, crs, json, path, error);
+	CPLErrorReset();
+	GDALClose(file);
+	return code || CPLGetLastErrorType() < CE_Failure ? code : failed(path, error);
+}
+
+enum eco_code gdal_points_write(const struct eco_point_table *table, const char *path, uint8_t **bytes,
+	size_t *size, struct eco_error *error)
+{
+	bool json = strcmp(CPLGetExtension(path), "geojson") == 0;
+	const char *name = json ? "/vsimem/eco/points.geojson" : "/vsimem/eco/points.gpkg";
+	OGRSpatialReferenceH crs = NULL;
+	enum eco_code code = ECO_OK;
+	GDALAllRegister();
+	CPLPushErrorHandler(CPLQuietErrorHandler);
+	if (table->crs) {
+		crs = OSRNewSpatialReference(NULL);
+		OSRSetAxisMappingStrategy(crs, OAMS_TRADITIONAL_GIS_ORDER);
+		if (OSRSetFromUserInput(crs, table->crs) != OGRERR_NONE)
+			code = eco_fail(error, ECO_BAD_INPUT, "%s: GDAL does not know the CRS \"%.100s\"", path,
+				table->crs);
+	}
+	if (!code)
+		code = write_to(name, table, crs, json, path, error);
+	if (!code)
+		code = take(name, path, bytes, size, error);
+	VSIUnlink(name);
+	if (crs)
+		OSRDestroySpatialReference(crs);
+	CPLPopErrorHandler();
+	return code;
+}
