@@ -1,5 +1,6 @@
 #include "server/describe.h"
 
+#include <jansson.h>
 #include <stdio.h>
 
 #include "ecofiles/format/wire.h"
@@ -94,6 +95,39 @@ static void describe_links(struct srv_json *json, const struct srv_scene *scene)
 	srv_json_close(json, '}');
 }
 
+static void key_degrees(struct srv_json *json, const json_t *place, const char *key)
+{
+	srv_json_key_number(json, key, json_number_value(json_object_get(place, key)));
+}
+
+/* Where the scene lies: its pack's META says so. null: it has no coordinates beside its own. */
+static void describe_origin(struct srv_json *json, const struct eco_pack *pack)
+{
+	json_t *meta = json_loadb(pack->meta, pack->meta_size, 0, NULL);
+	const json_t *origin = json_object_get(meta, "origin"), *place = json_object_get(meta, "place");
+	const char *crs = json_string_value(json_object_get(meta, "crs"));
+	double at[3];
+	for (size_t i = 0; i < 3; i++)
+		at[i] = json_number_value(json_array_get(origin, i));
+	srv_json_key(json, "origin");
+	if (crs && json_array_size(origin) == 3) {
+		srv_json_open(json, '{');
+		srv_json_key_text(json, "crs", crs);
+		srv_json_key(json, "at");
+		srv_json_point(json, at);
+		srv_json_key_number(json, "height_m", at[2]);
+		if (json_is_object(place)) {
+			key_degrees(json, place, "longitude_deg");
+			key_degrees(json, place, "latitude_deg");
+			key_degrees(json, place, "convergence_deg");
+		}
+		srv_json_close(json, '}');
+	} else {
+		srv_json_null(json);
+	}
+	json_decref(meta);
+}
+
 void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene)
 {
 	const struct eco_scene *tables = &scene->pack->scene;
@@ -123,6 +157,7 @@ void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene)
 		srv_json_null(json);
 	}
 	srv_json_key_number(json, "near_m", tables->near_m);
+	describe_origin(json, scene->pack);
 	describe_needs(json, tables->needs);
 	describe_links(json, scene);
 	srv_json_close(json, '}');

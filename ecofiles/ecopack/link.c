@@ -416,9 +416,10 @@ static json_t *rows_json(const struct link *l)
 static enum eco_code whole_meta(const struct link *l, char **json)
 {
 	json_t *first = l->parts[0].meta, *order = json_object_get(first, "order");
-	json_t *root = json_pack("{s:s, s:O*, s:s, s:O*, s:O*, s:I, s:I, s:I, s:s, s:I, s:o, s:O}",
+	json_t *root = json_pack("{s:s, s:O*, s:s, s:O*, s:O*, s:O*, s:I, s:I, s:I, s:s, s:I, s:o, s:O}",
 		"generator", "ecopack " ECO_VERSION, "order", order, "name", l->m.scene.name, "crs",
-		json_object_get(first, "crs"), "origin", json_object_get(first, "origin"), "eco_files",
+		json_object_get(first, "crs"), "origin", json_object_get(first, "origin"),
+		"place", json_object_get(first, "place"), "eco_files",
 		sum_of(l, NULL, NULL, "eco_files") + 1, "instances",
 		(json_int_t)l->m.scene.tiles[0].instance_count, "tiles", (json_int_t)l->m.scene.tile_count,
 		"ground", make_ground_origin(&l->m), "off_ground", sum_of(l, NULL, NULL, "off_ground"),

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "ecofiles/base/version.h"
+#include "ecofiles/import/places/crs_facts.h"
 #include "lod/build/grid.h"
 
 static json_t *dropped_json(const struct make_plant *plant)
@@ -120,16 +121,27 @@ const char *make_ground_origin(const struct make *m)
 	return m->ground_through ? MAKE_GROUND_THROUGH : m->has_ground ? "rasters" : "none";
 }
 
+/* Where the origin lies on Earth; null without a CRS that PROJ knows. */
+static json_t *place_json(const struct eco_source *outer)
+{
+	struct eco_crs_place place;
+	struct eco_error ignored = { 0 };
+	if (!outer->crs || eco_crs_place(outer->crs, outer->origin, &place, &ignored))
+		return json_null();
+	return json_pack("{s:f, s:f, s:f}", "longitude_deg", place.longitude_deg, "latitude_deg",
+		place.latitude_deg, "convergence_deg", place.convergence_deg);
+}
+
 enum eco_code make_meta(const struct make *m, char **json, struct eco_error *error)
 {
 	const struct eco_source *outer = &m->sources.items[0];
 	json_t *plants = json_array(), *root;
 	for (uint32_t i = 0; i < m->plant_count; i++)
 		json_array_append_new(plants, plant_json(&m->plants[i]));
-	root = json_pack("{s:s, s:s, s:s, s:o, s:[f,f,f], s:I, s:I, s:I, s:s, s:I, s:o, s:o}", "generator",
+	root = json_pack("{s:s, s:s, s:s, s:o, s:[f,f,f], s:o, s:I, s:I, s:I, s:s, s:I, s:o, s:o}", "generator",
 		"ecopack " ECO_VERSION, "order", lod_order_names[m->options->order], "name", outer->name,
 		"crs", outer->crs ? json_string(outer->crs) : json_null(), "origin", outer->origin[0],
-		outer->origin[1], outer->origin[2], "eco_files", (json_int_t)m->sources.count, "instances",
+		outer->origin[1], outer->origin[2], "place", place_json(outer), "eco_files", (json_int_t)m->sources.count, "instances",
 		(json_int_t)m->ecos[0].instances, "tiles", (json_int_t)m->scene.tile_count, "ground",
 		make_ground_origin(m), "off_ground", (json_int_t)m->off_ground, "rows", rows_json(m),
 		"plants", plants);

@@ -185,6 +185,29 @@ UNIT_TEST(origins_are_round_and_in_the_middle)
 	eco_table_free(&r.table);
 }
 
+/* East of a zone's middle, north of the equator, a map's north lies clockwise of true north: by about the
+ * difference in longitude times the latitude's sine. */
+UNIT_TEST(a_place_of_a_map_is_a_place_on_earth)
+{
+	static const struct { const char *crs; double xy[2], degrees[2], middle; } cases[] = {
+		{ "EPSG:26917", { 747375, 4308510 }, { -78.14779, 38.89055 }, -81 },
+		{ "EPSG:32632", { 500000, 5205000 }, { 9, 46.99921 }, 9 },
+		{ "EPSG:32760", { 400000, 5000000 }, { 175.728, -45.1464 }, 177 },
+		{ "EPSG:32632+5773", { 300000, 5205000 }, { 6.3698, 46.9667 }, 9 } };
+	struct eco_error error = { 0 };
+	struct eco_crs_place place;
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		const double *degrees = cases[i].degrees;
+		assert_ok(eco_crs_place(cases[i].crs, cases[i].xy, &place, &error), error);
+		if (fabs(place.longitude_deg - degrees[0]) > 1e-2 || fabs(place.latitude_deg - degrees[1]) > 1e-2
+				|| fabs(place.convergence_deg - (degrees[0] - cases[i].middle)
+				* sin(degrees[1] * 3.14159265 / 180)) > 5e-3)
+			fail_msg("%s: %.5f, %.5f, %.4f", cases[i].crs, place.longitude_deg, place.latitude_deg,
+				place.convergence_deg);
+	}
+	assert_int_equal(eco_crs_place("EPSG:7", cases[0].xy, &place, &error), ECO_BAD_INPUT);
+}
+
 UNIT_TEST(a_crs_has_its_facts)
 {
 	struct eco_error error = { 0 };

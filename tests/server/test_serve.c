@@ -30,6 +30,13 @@ UNIT_TEST(health_and_scenes_are_described)
 	assert_int_equal(json_integer_value(json_object_get(json, "plants")), 2);
 	assert_true(json_real_value(json_object_get(json, "near_m")) == scene()->near_m);
 	assert_int_equal(json_array_size(json_object_get(json, "needs")), 6);
+	json_t *origin = json_object_get(json, "origin");
+	assert_string_equal(json_string_value(json_object_get(origin, "crs")), "EPSG:32632");
+	assert_true(json_number_value(json_array_get(json_object_get(origin, "at"), 1)) == 5334000);
+	assert_true(json_number_value(json_object_get(origin, "height_m")) == 500.5);
+	assert_true(json_number_value(json_object_get(origin, "longitude_deg")) == 11.5621);
+	assert_true(json_number_value(json_object_get(origin, "latitude_deg")) == 48.129);
+	assert_true(json_number_value(json_object_get(origin, "convergence_deg")) == 1.9082);
 	char etag[80], headers[120];
 	assert_true(http_header(&answer, "ETag", etag, sizeof etag));
 	json_decref(json);

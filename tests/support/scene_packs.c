@@ -129,7 +129,9 @@ enum eco_code sample_pack_write_on(const char *path, const struct eco_ground *gr
 	sample_lists(&b, plain);
 	sample_tables(&b, plain);
 	enum eco_code code = scene_add_heights(&b, ground, error);
-	code = code ? code : scene_write(&b, path, "{\"name\":\"sample\"}", NULL, error);
+	code = code ? code : scene_write(&b, path, "{\"name\":\"sample\",\"crs\":\"EPSG:32632\",\"origin\":"
+		"[691000,5334000,500.5],\"place\":{\"longitude_deg\":11.5621,\"latitude_deg\":48.129,"
+		"\"convergence_deg\":1.9082}}", NULL, error);
 	scene_free(&b);
 	return code;
 }

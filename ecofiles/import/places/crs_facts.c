@@ -12,6 +12,13 @@ enum eco_code eco_crs_look(const char *crs, const double xy[2], struct eco_crs_f
 	return !proj ? ECO_NOT_FOUND : proj->crs_look(crs, xy, facts, error);
 }
 
+enum eco_code eco_crs_place(const char *crs, const double xy[2], struct eco_crs_place *place,
+	struct eco_error *error)
+{
+	const struct eco_proj_module *proj = eco_module(ECO_MODULE_PROJ, error);
+	return !proj ? ECO_NOT_FOUND : proj->crs_place(crs, xy, place, error);
+}
+
 enum eco_code eco_crs_choices(const double xy[2], const char *words,
 	struct eco_crs_choice *choices, uint32_t *found, struct eco_error *error)
 {

@@ -19,6 +19,13 @@ struct eco_crs_facts {
 enum eco_code eco_crs_look(const char *crs, const double xy[2], struct eco_crs_facts *facts,
 	struct eco_error *error);
 
+/* Where a place of a map lies on Earth: degrees of WGS 84, and how far the map's north is turned clockwise
+ * from true north there (grid convergence). */
+struct eco_crs_place { double longitude_deg, latitude_deg, convergence_deg; };
+/* `xy`: easting and northing. ECO_BAD_INPUT: PROJ does not know the CRS, or the place is not on its map. */
+enum eco_code eco_crs_place(const char *crs, const double xy[2], struct eco_crs_place *place,
+	struct eco_error *error);
+
 struct eco_crs_choice {
 	char code[32], name[96], area[96];
 	double degrees[2], extent_deg;       /* of the place; of the area's longer side */

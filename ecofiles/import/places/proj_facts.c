@@ -103,6 +103,64 @@ enum eco_code proj_crs_look(const char *text, const double xy[2], struct eco_crs
 	return code;
 }
 
+/* ---- Where on Earth ---- */
+
+static PJ *to_wgs84(PJ_CONTEXT *context, const PJ *crs)
+{
+	PJ *earth = proj_create(context, "EPSG:4326"), *raw = NULL, *good = NULL;
+	if (earth)
+		raw = proj_create_crs_to_crs_from_pj(context, crs, earth, NULL, NULL);
+	if (raw)
+		good = proj_normalize_for_visualization(context, raw);
+	proj_destroy(raw);
+	proj_destroy(earth);
+	return good;
+}
+
+/* The bearing, seen from `at`, of a place a little further up the map: degrees clockwise from north. */
+static double bearing_up(PJ_CONTEXT *context, PJ *conversion, const double xy[2], PJ_COORD at)
+{
+	PJ *earth = proj_create(context, "EPSG:4326");
+	PJ_COORD up = proj_trans(conversion, PJ_FWD, proj_coord(xy[0], xy[1] + 10, 0, HUGE_VAL));
+	PJ_COORD from = proj_coord(proj_torad(at.xy.x), proj_torad(at.xy.y), 0, 0),
+		to = proj_coord(proj_torad(up.xy.x), proj_torad(up.xy.y), 0, 0);
+	double bearing = earth ? proj_geod(earth, from, to).lpzt.z : NAN;
+	proj_destroy(earth);
+	return bearing;
+}
+
+static double rounded(double degrees) { return round(degrees * 1e7) / 1e7; }
+
+static bool place_of(PJ_CONTEXT *context, const PJ *crs, const double xy[2], struct eco_crs_place *place)
+{
+	PJ *conversion = to_wgs84(context, crs);
+	if (!conversion)
+		return false;
+	PJ_COORD at = proj_trans(conversion, PJ_FWD, proj_coord(xy[0], xy[1], 0, HUGE_VAL));
+	*place = (struct eco_crs_place){ rounded(at.xy.x), rounded(at.xy.y),
+		rounded(bearing_up(context, conversion, xy, at)) };
+	proj_destroy(conversion);
+	return isfinite(place->longitude_deg) && isfinite(place->latitude_deg)
+		&& isfinite(place->convergence_deg);
+}
+
+enum eco_code proj_crs_place(const char *text, const double xy[2], struct eco_crs_place *place,
+	struct eco_error *error)
+{
+	PJ_CONTEXT *context = proj_context_create();
+	if (!context)
+		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
+	proj_log_level(context, PJ_LOG_NONE);
+	proj_context_set_enable_network(context, 0);
+	PJ *crs = proj_create(context, text);
+	enum eco_code code = crs && proj_is_crs(crs) && place_of(context, crs, xy, place) ? ECO_OK
+		: eco_fail(error, ECO_BAD_INPUT, "the place %.3f, %.3f of the CRS \"%.100s\" is not known",
+			xy[0], xy[1], text);
+	proj_destroy(crs);
+	proj_context_destroy(context);
+	return code;
+}
+
 /* ---- All ---- */
 
 struct choices { struct eco_crs_choice *items; uint32_t count, capacity; };
