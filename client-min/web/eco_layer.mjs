@@ -11,7 +11,8 @@
 // as it changes; `onChange` says that there is more to be drawn. What the page draws itself hides the plants,
 // and is hidden by them, by the depth buffer of the bound framebuffer; state that is changed is put back.
 import createClient from './eco_client.mjs';
-import { EcoError, EcoStream } from './eco_stream.mjs';
+import { EcoKeep } from './eco_keep.mjs';
+import { aboutScene, EcoError, EcoStream } from './eco_stream.mjs';
 
 export { EcoError };
 export const TINTS = { none: 0, kind: 1 };
@@ -70,22 +71,36 @@ function stateOf(gl) {
 export class EcoLayer {
 	/** vertices, bytes: budgets of a view (bytes -1: none); tint: 'none' or 'kind'; sky: draw one where
 	 * nothing is; scale: pixels drawn for each of the page's, either way; memoryBytes: of decoded data;
-	 * onChange(): there is more to draw; onError(error): an EcoError. */
+	 * keep: the browser keeps what comes until the next visit; onChange(): there is more to draw;
+	 * onError(error): an EcoError. */
 	constructor({ url, gl, vertices = 300000, bytes = -1, tint = 'none', sky = true, scale = 1,
-		memoryBytes, onChange, onError }) {
+		memoryBytes, keep = false, onChange, onError }) {
 		Object.assign(this, { gl, vertices, bytes, tint, sky, scale, onChange, onError });
 		this.asked = null;              // the view that is held or under way
 		this.loading = false;
 		this.version = 0;               // of what is drawn
-		this.ready = this.open(url, memoryBytes);
+		this.ready = this.open(url, memoryBytes, keep);
 	}
 
-	async open(url, memoryBytes) {
+	async open(url, memoryBytes, keep) {
 		const locateFile = (name) => new URL(name, import.meta.url).href;
-		this.module = await createClient({ locateFile });
+		[this.module, this.about] = await Promise.all([createClient({ locateFile }), aboutScene(url)]);
 		this.context = this.module.GL.registerContext(this.gl,
 			{ majorVersion: 2, minorVersion: 0, enableExtensionsByDefault: true });
-		this.stream = new EcoStream(this.module, url, { memoryBytes });
+		this.stream = await this.openStream(url, memoryBytes, keep);
+	}
+
+	/** A stream that holds what was kept of the last visit. */
+	async openStream(url, memoryBytes, keeps) {
+		const keep = keeps ? await EcoKeep.open(this.about.id) : null;
+		const answers = keep ? await keep.answers() : [];
+		const stream = new EcoStream(this.module, url, { memoryBytes, keep });
+		const { low, high } = this.about.bounds;
+		if (await stream.replay(answers, { eye: high.map((v) => v + 1), target: low, fov_y_deg: 45 }))
+			return stream;
+		stream.free();
+		await keep.clear();
+		return new EcoStream(this.module, url, { memoryBytes, keep });
 	}
 
 	/** Frees what the scene takes here and on the GPU. Nothing may be drawn afterwards. */
@@ -105,16 +120,21 @@ export class EcoLayer {
 		return this.stream.selected && this.present(view, depth, width, height);
 	}
 
+	/** What a picture is of: one of the same key looks the same. */
+	keyOf(view, width, height) {
+		const size = [width, height].map((n) => Math.max(1, Math.round(n * this.scale)));
+		return [view, size, this.tint, this.version];
+	}
+
 	present(view, depth, width, height) {
 		const { gl, module, stream } = this, state = stateOf(gl);
 		const [x, y] = gl.getParameter(gl.VIEWPORT);
-		const size = [width, height].map((n) => Math.max(1, Math.round(n * this.scale)));
 		module.GL.makeContextCurrent(this.context);
 		try {
-			const key = [view, size, this.tint, this.version];
+			const key = this.keyOf(view, width, height);
 			if (!same(key, this.drawn)) {
 				const at = stream.putView(view);
-				stream.check(module._web_draw(stream.web, at, ...size, TINTS[this.tint]));
+				stream.check(module._web_draw(stream.web, at, ...key[1], TINTS[this.tint]));
 				this.drawn = key;
 			}
 			gl.bindFramebuffer(gl.FRAMEBUFFER, state.framebuffer);
@@ -173,6 +193,15 @@ export class EcoLayer {
 
 	facts() {
 		return this.stream?.selected ? this.stream.facts() : null;
+	}
+
+	/** What is seen at a place of the picture that was drawn last (each of x and y in [0, 1], from the top
+	 * left), or null without one: its `kind` is sky, ground, summary or plant (web_pick.h). */
+	pick(x, y) {
+		if (!this.drawn)
+			return null;
+		const [width, height] = this.drawn[1];
+		return this.stream.pick(x * width, y * height);
 	}
 
 	/** 255 where a plant is, else 0: a byte a pixel of the picture that was drawn last, rows from the

@@ -19,11 +19,21 @@ async function problemOf(url, answer) {
 	return new EcoError(`${url}: the server answered ${answer.status}: ${detail}`);
 }
 
+/** What a scene is: openapi.yaml's Scene. */
+export async function aboutScene(url) {
+	const answer = await fetch(url);
+	if (!answer.ok)
+		throw await problemOf(url, answer);
+	return answer.json();
+}
+
 /** One scene: what is held of it, and what is drawn. `module` is an instance of eco_client.mjs; `url` is
  * http://HOST/v1/scenes/NAME. */
 export class EcoStream {
-	constructor(module, url, { memoryBytes = 512 * 2 ** 20 } = {}) {
+	/** keep: an EcoKeep, of what comes. */
+	constructor(module, url, { memoryBytes = 512 * 2 ** 20, keep = null } = {}) {
 		this.module = module;
+		this.keep = keep;
 		this.url = url.replace(/\/+$/, '');
 		this.web = module._web_new(memoryBytes);
 		if (!this.web)
@@ -31,6 +41,7 @@ export class EcoStream {
 		this.view = module._malloc(80);
 		this.slice = module._malloc(SLICE_BYTES);
 		this.selected = false;
+		this.received = 0;              // bytes of answers of this visit
 	}
 
 	free() {
@@ -60,14 +71,35 @@ export class EcoStream {
 	async fetch(view, { width, height, vertices, bytes = -1, signal, onPart }) {
 		const { module, web } = this;
 		this.check(module._web_request(web, this.putView(view), width, height, vertices, bytes));
-		for (let again = 1; again > 0;) {
+		for (let again = 1, first = true; again > 0; first = false) {
 			const answer = await this.ask(signal);
 			if (answer.status === 204)
 				return false;
-			await this.feed(answer, onPart);
+			await this.feed(answer.body.getReader(), onPart, !first);
 			again = module._web_finish(web);
 			this.check(again < 0);
 		}
+		return true;
+	}
+
+	/** Feeds what was kept of an earlier visit. False: it is not what this client understands; then the
+	 * stream is of no more use. */
+	async replay(answers, view) {
+		const { module, web, keep } = this;
+		const request = () => module._web_request(web, this.putView(view), 64, 64, 0, -1);
+		this.keep = null;
+		try {
+			for (const { bytes, whole, again } of answers) {
+				this.check((!again && request()) || !module._web_ask(web));
+				const read = [{ value: bytes }, { done: true }];
+				await this.feed({ read: () => read.shift() });
+				this.check(whole && module._web_finish(web) < 0);
+			}
+		} catch {
+			return false;
+		}
+		this.keep = keep;
+		this.received = 0;
 		return true;
 	}
 
@@ -91,24 +123,35 @@ export class EcoStream {
 		}
 	}
 
-	async feed(answer, onPart) {
-		const reader = answer.body.getReader();
-		let since = performance.now();
-		for (;;) {
-			const { done, value } = await reader.read();
-			if (done)
-				return;
-			for (let at = 0; at < value.length; at += SLICE_BYTES) {
-				const part = value.subarray(at, at + SLICE_BYTES);
-				this.module.HEAPU8.set(part, this.slice);
-				this.check(this.module._web_feed(this.web, this.slice, part.length));
-				if (performance.now() - since > SLICE_MS) {
-					onPart?.();
-					await pause();
-					since = performance.now();
+	/** Decodes an answer as it comes, in slices; what came of one that breaks off is kept, too. */
+	async feed(reader, onPart, again = false) {
+		const parts = [];
+		let since = performance.now(), whole = false;
+		try {
+			for (;;) {
+				const { done, value } = await reader.read();
+				if (done)
+					break;
+				parts.push(value);
+				this.received += value.length;
+				for (let at = 0; at < value.length; at += SLICE_BYTES) {
+					this.feedSlice(value.subarray(at, at + SLICE_BYTES));
+					if (performance.now() - since > SLICE_MS) {
+						onPart?.();
+						await pause();
+						since = performance.now();
+					}
 				}
 			}
+			whole = true;
+		} finally {
+			this.keep?.add({ bytes: new Uint8Array(await new Blob(parts).arrayBuffer()), whole, again });
 		}
+	}
+
+	feedSlice(part) {
+		this.module.HEAPU8.set(part, this.slice);
+		this.check(this.module._web_feed(this.web, this.slice, part.length));
 	}
 
 	/** From now on the plan that has come is drawn; false: none has. */
@@ -123,6 +166,21 @@ export class EcoStream {
 	 * others. */
 	facts() {
 		return JSON.parse(this.text(this.module._web_facts(this.web)));
+	}
+
+	/** What is seen at a pixel of the last picture: web_pick.h. */
+	pick(x, y) {
+		const text = this.module._web_pick(this.web, x, y);
+		this.check(!text);
+		return JSON.parse(this.text(text));
+	}
+
+	/** Why each cut of the last request is what it is: rows of openapi.yaml's `explanation`. */
+	async explain() {
+		const answer = await fetch(`${this.url}/plan?${this.text(this.module._web_query(this.web))}&explain=1`);
+		if (!answer.ok)
+			throw await problemOf(this.url, answer);
+		return (await answer.json()).explanation;
 	}
 
 	/** Says, as `ecoview --digest` does, what is held and drawn. */

@@ -2,6 +2,7 @@
 // height, or flies. Mouse, touch and keyboard do the same three things: turn, move, come nearer.
 
 const FOV_Y_DEG = 45, PITCH_MAX = 1.55, TURN = 0.005, KEY_TURN = 1.2;
+const CLICK_PX = 6, CLICK_MS = 600;      // a pointer that moves more, or is held longer, drags
 const keys = { a: [-1, 0, 0], d: [1, 0, 0], w: [0, 1, 0], s: [0, -1, 0], q: [0, 0, -1], e: [0, 0, 1] };
 const turns = { arrowleft: [1, 0], arrowright: [-1, 0], arrowup: [0, 1], arrowdown: [0, -1] };
 const zooms = { '+': 1, '=': 1, '-': -1 };
@@ -60,6 +61,13 @@ export class Camera {
 		[this.target, this.distance] = [[...target], length];
 		this.yaw = Math.atan2(d[1], d[0]);
 		this.pitch = Math.max(-PITCH_MAX, Math.min(PITCH_MAX, Math.asin(d[2] / length)));
+	}
+
+	/** Looks at a target of that size, from where the eye is now or nearer. */
+	approach(target, size) {
+		const { eye } = this.view();
+		this.look(eye, target);
+		this.distance = Math.min(this.distance, Math.max(size * 1.5, this.near * 10));
 	}
 
 	/** View and projection, column by column. */
@@ -122,9 +130,11 @@ export class Camera {
 		return this.held.size > 0;
 	}
 
-	/** Takes mouse, touch and keyboard; `moved` is called at each change. */
-	listen(element, moved) {
+	/** Takes mouse, touch and keyboard; `moved` is called at each change, `clicked` with where it was, each
+	 * of x and y in [0, 1] from the top left. */
+	listen(element, moved, clicked) {
 		const fingers = new Map();
+		let press = null;
 		const drag = (dx, dy, moves) => {
 			if (moves) {
 				const metres = this.metresAcross() / element.clientHeight;
@@ -144,11 +154,15 @@ export class Camera {
 			element.setPointerCapture(event.pointerId);
 			element.focus();
 			fingers.set(event.pointerId, event);
+			press = fingers.size === 1 && event.button === 0 ? event : null;
 		});
 		element.addEventListener('pointermove', (event) => {
 			const before = fingers.get(event.pointerId);
 			if (!before)
 				return;
+			if (press && Math.hypot(event.clientX - press.clientX, event.clientY - press.clientY)
+					> CLICK_PX)
+				press = null;
 			const distance = fingers.size === 2 ? apart() : 0, share = 1 / fingers.size;
 			fingers.set(event.pointerId, event);
 			if (distance)
@@ -156,6 +170,12 @@ export class Camera {
 			const dx = event.clientX - before.clientX, dy = event.clientY - before.clientY;
 			const moves = fingers.size > 1 || event.buttons & 6 || event.shiftKey;
 			drag(dx * share, dy * share, moves);
+		});
+		element.addEventListener('pointerup', (event) => {
+			const box = element.getBoundingClientRect();
+			if (press && event.timeStamp - press.timeStamp < CLICK_MS)
+				clicked([(event.clientX - box.x) / box.width, (event.clientY - box.y) / box.height]);
+			press = null;
 		});
 		for (const name of ['pointerup', 'pointercancel'])
 			element.addEventListener(name, (event) => fingers.delete(event.pointerId));

@@ -1,14 +1,14 @@
 #include "client-min/web/web_client.h"
 
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "client-min/view_digest.h"
 #include "client-min/view_gl.h"
 #include "client-min/view_query.h"
+#include "client-min/web/web_pick.h"
 #include "client-min/web/web_present.h"
+#include "client-min/web/web_text.h"
 #include "ecofiles/base/bytes.h"
 
 struct web {
@@ -21,6 +21,7 @@ struct web {
 	double predicted_q;
 	struct view_gl *gl;
 	struct view_picture picture;
+	struct lod_eye eye;                      /* of the picture */
 	struct web_present present;
 	struct eco_writer body, text;
 	uint64_t bytes;                          /* of answers */
@@ -188,13 +189,12 @@ static enum eco_code prepare(struct web *web, uint32_t width, uint32_t height)
 int web_draw(struct web *web, const double view[10], double width, double height, double tint)
 {
 	struct eco_view v = view_of(view, width, height);
-	struct lod_eye eye;
 	forget_error(web);
 	if (eco_view_check(&v, &web->error) || prepare(web, v.width, v.height))
 		return (int)web->error.code;
-	lod_eye_make(&eye, &v);
+	lod_eye_make(&web->eye, &v);
 	double near_m = view_store_near_m(web->store);
-	return (int)view_gl_draw(web->gl, &(struct view_gl_job){ web->store, &web->selection, &eye,
+	return (int)view_gl_draw(web->gl, &(struct view_gl_job){ web->store, &web->selection, &web->eye,
 		near_m > 0 ? near_m : 0.1, (enum view_tint)tint }, &web->picture, &web->error);
 }
 
@@ -229,34 +229,8 @@ const char *web_digest(struct web *web)
 
 /* ---- What a page shows ---- */
 
-static void say(struct web *web, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void say(struct web *web, const char *format, ...)
-{
-	char text[256];
-	va_list arguments;
-	va_start(arguments, format);
-	int size = vsnprintf(text, sizeof text, format, arguments);
-	va_end(arguments);
-	eco_write_bytes(&web->text, text, (size_t)size < sizeof text ? (size_t)size : sizeof text - 1);
-}
-
-/* A name as JSON: UTF-8 stays as it is. */
-static void say_name(struct web *web, const char *name)
-{
-	say(web, "\"");
-	for (; *name; name++)
-		if (*name == '"' || *name == '\\' || (unsigned char)*name < ' ')
-			say(web, "\\u%04x", (unsigned char)*name);
-		else
-			say(web, "%c", *name);
-	say(web, "\"");
-}
-
 static void say_roles(struct web *web)
 {
-	static const char *const names[VIEW_ROLE_COUNT] = { "triangles", "simpler triangles", "lines",
-		"points", "blended triangles", "blended simpler triangles", "blended lines", "blended points",
-		"ellipsoids", "impostors", "summaries" };
 	const struct view_selection *s = &web->selection;
 	uint64_t vertices[VIEW_ROLE_COUNT] = { 0 };
 	for (uint32_t c = 0; c < s->cut_count; c++) {
@@ -267,13 +241,14 @@ static void say_roles(struct web *web)
 				* eco_list_vertices(&list->list)
 				* (s->member_first[c + 1] - s->member_first[c]);
 	}
-	say(web, "\"roles\":[");
+	web_say(&web->text, "\"roles\":[");
 	for (int i = 0; i < VIEW_ROLE_COUNT; i++) {
 		const uint8_t *color = view_tint_colors[i];
-		say(web, "%s{\"name\":\"%s\",\"color\":[%u,%u,%u],\"vertices\":%llu}", i ? "," : "", names[i],
-			color[0], color[1], color[2], (unsigned long long)vertices[i]);
+		web_say(&web->text, "%s{\"name\":\"%s\",\"color\":[%u,%u,%u],\"vertices\":%llu}",
+			i ? "," : "", web_role_names[i], color[0], color[1], color[2],
+			(unsigned long long)vertices[i]);
 	}
-	say(web, "],");
+	web_say(&web->text, "],");
 }
 
 static int by_plant(const void *a, const void *b)
@@ -287,7 +262,7 @@ static void say_species(struct web *web)
 {
 	const struct view_selection *s = &web->selection;
 	uint32_t *plants = malloc(((size_t)s->instance_count + 1) * sizeof *plants), count = 0;
-	say(web, "\"species\":[");
+	web_say(&web->text, "\"species\":[");
 	for (uint32_t i = 0; plants && i < s->instance_count; i++)
 		if (s->instances[i].plant != ECO_NONE)
 			plants[count++] = s->instances[i].plant;
@@ -297,27 +272,41 @@ static void say_species(struct web *web)
 		const struct view_plant *plant = view_store_plant(web->store, plants[i]);
 		for (end = i; end < count && plants[end] == plants[i]; end++)
 			;
-		say(web, "%s{\"name\":", i ? "," : "");
-		say_name(web, plant->plant.name);
-		say(web, ",\"height_m\":%.2f,\"count\":%u}", (double)plant->plant.height_m, end - i);
+		web_say(&web->text, "%s{\"name\":", i ? "," : "");
+		web_say_name(&web->text, plant->plant.name);
+		web_say(&web->text, ",\"height_m\":%.2f,\"count\":%u}", (double)plant->plant.height_m, end - i);
 	}
 	free(plants);
-	say(web, "],");
+	web_say(&web->text, "],");
 }
 
 const char *web_facts(struct web *web)
 {
 	struct view_store_stats stats = view_store_stats(web->store);
 	web->text.size = 0;
-	say(web, "{\"vertices\":%llu,\"plants\":%llu,", (unsigned long long)web->selection.vertices,
+	web_say(&web->text, "{\"vertices\":%llu,\"plants\":%llu,", (unsigned long long)web->selection.vertices,
 		(unsigned long long)web->selection.visible_plants);
 	if (web->predicted_q == web->predicted_q)
-		say(web, "\"predicted_q\":%.4f,", web->predicted_q);
+		web_say(&web->text, "\"predicted_q\":%.4f,", web->predicted_q);
 	say_roles(web);
 	say_species(web);
-	say(web, "\"bytes\":%llu,\"chunks\":%llu,\"memory_bytes\":%llu,\"decode_ms\":%.1f}",
+	web_say(&web->text, "\"bytes\":%llu,\"chunks\":%llu,\"memory_bytes\":%llu,\"decode_ms\":%.1f}",
 		(unsigned long long)web->bytes, (unsigned long long)stats.chunks,
 		(unsigned long long)stats.memory_bytes, stats.decode_ms);
+	eco_write_u8(&web->text, 0);
+	return web->text.failed ? NULL : (const char *)web->text.bytes;
+}
+
+const char *web_pick(struct web *web, double x, double y)
+{
+	struct view_owners owners;
+	forget_error(web);
+	if (view_owners_make(&owners, &web->selection, &web->error))
+		return NULL;
+	web->text.size = 0;
+	struct web_pick pick = { web->store, &web->selection, &web->eye, &owners, &web->picture };
+	web_pick_write(&pick, x, y, &web->text);
+	view_owners_free(&owners);
 	eco_write_u8(&web->text, 0);
 	return web->text.failed ? NULL : (const char *)web->text.bytes;
 }

@@ -15,6 +15,7 @@
  *   web_draw(web, view, width, height, tint)        a picture, by the WebGL context that is current
  *   web_present(web, depth, viewport, sky)          puts it into the page's framebuffer (web_present.h)
  *   web_facts(web)                                  JSON: what a page shows of it
+ *   web_pick(web, x, y)                             JSON: what is seen at a pixel of it (web_pick.h)
  *   web_free(web)
  *
  * An int above 0 is an enum eco_code: see web_error. Strings are valid until the next call. One thread. */
@@ -47,6 +48,7 @@ const uint8_t *web_colors(const struct web *web);
 const uint8_t *web_cover(const struct web *web);
 const char *web_renderer(const struct web *web);
 const char *web_facts(struct web *web);
+const char *web_pick(struct web *web, double x, double y);       /* NULL: see web_error */
 const char *web_digest(struct web *web);
 
 #endif

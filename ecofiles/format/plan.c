@@ -273,6 +273,11 @@ bool eco_owner_match(uint64_t a, uint64_t b)
 	return (a & ~OWNER_SUMMARY) >> OWNER_INDEX_BITS == (b & ~OWNER_SUMMARY) >> OWNER_INDEX_BITS;
 }
 
+uint32_t eco_owner_plant(uint64_t owner)
+{
+	return (uint32_t)(owner >> OWNER_INDEX_BITS) & 0xFFFF;
+}
+
 /* ---- Predictions ---- */
 
 double eco_predicted_q(const struct eco_prediction *p)

@@ -120,5 +120,7 @@ uint64_t eco_owner_instance(uint32_t key, uint32_t plant, uint32_t index);
 /* only the low 16 bits of the key count */
 uint64_t eco_owner_summary(uint32_t key, uint32_t plant);
 bool eco_owner_match(uint64_t a, uint64_t b);
+/* The low 16 bits of the species' id. */
+uint32_t eco_owner_plant(uint64_t owner);
 
 #endif

@@ -48,6 +48,8 @@ UNIT_TEST(a_summary_matches_any_plant_of_its_tile_and_species)
 	uint32_t key = eco_owner_leaf(7) + eco_owner_child(3), other = eco_owner_leaf(8) + eco_owner_child(3);
 	uint64_t summary = eco_owner_summary(key, 5);
 	assert_true(eco_owner_match(summary, eco_owner_instance(key, 5, 0)));
+	assert_int_equal(eco_owner_plant(summary), 5);
+	assert_int_equal(eco_owner_plant(eco_owner_instance(key, 65535, 123456789)), 65535);
 	assert_true(eco_owner_match(eco_owner_instance(key, 5, 123456), summary));
 	assert_true(eco_owner_match(summary, eco_owner_summary(key & 0xFFFF, 5)));
 	assert_false(eco_owner_match(summary, eco_owner_instance(key, 6, 0)));

@@ -1,0 +1,142 @@
+// What draws the viewer's picture: a worker, so that neither decoding nor drawing keeps the page from its
+// input; in a browser that has no canvas for workers, the page itself. Messages to it:
+//
+//   { type: 'open', url }                           another scene; 'opened' brings what the server says of it
+//   { type: 'draw', number, matrix, eye, size, moving, vertices, bytes, tint }      the view from now on
+//   { type: 'pick', at }                            what is seen there? 'picked', then 'explained': why so
+//   { type: 'explain' }                             why is the picture what it is?
+//   { type: 'save' }                                the picture as a PNG: 'saved'
+//
+// and from it these answers, 'drawn' with what there is to say of the picture, and 'failed'.
+import { EcoLayer } from './eco_layer.mjs';
+
+const PIXELS_MAX = 1.6e6;
+// a moving picture may take so long; it has fewer pixels for it
+const MOVING_MS = 40, MOVING_LEAST = 0.25;
+const ROWS_MAX = 40;                             // of an explanation that are shown
+const nextFrame = globalThis.requestAnimationFrame?.bind(globalThis) ?? ((f) => setTimeout(f, 16));
+
+const apart = (row, distance) => Math.abs(Math.log((row.distance_m ?? distance) / distance));
+
+class Engine {
+	constructor(canvas, post) {
+		const attributes = { antialias: false, alpha: false, preserveDrawingBuffer: true };
+		this.gl = canvas.getContext('webgl2', attributes);
+		Object.assign(this, { canvas, post, layer: null, wanted: null, frame: false, movingScale: 0.4 });
+		this.gl?.clearColor(0.55, 0.6, 0.65, 1);        // of the page, until there is a picture
+		this.gl?.clear(this.gl.COLOR_BUFFER_BIT);
+		if (!this.gl)
+			this.fail('This browser has no WebGL 2, which the viewer draws with.');
+	}
+
+	fail(text) {
+		this.post({ type: 'failed', text });
+	}
+
+	redraw() {
+		if (this.frame || !this.layer || !this.wanted)
+			return;
+		this.frame = true;
+		nextFrame(() => {
+			this.frame = false;
+			if (this.layer)
+				this.draw();
+		});
+	}
+
+	async open({ url }) {
+		this.layer?.free();
+		this.layer = null;
+		const onError = (error) => this.fail(error.message), onChange = () => this.redraw();
+		const layer = new EcoLayer({ url, gl: this.gl, keep: true, onChange, onError });
+		this.opening = layer;
+		await layer.ready;
+		if (this.opening !== layer)
+			return layer.free();
+		this.layer = layer;
+		this.post({ type: 'opened', about: layer.about });
+		this.redraw();
+	}
+
+	draw() {
+		const { layer, gl, canvas, wanted } = this, { number, matrix, eye, size, moving } = wanted;
+		const [width, height] = size;
+		if (canvas.width !== width || canvas.height !== height)
+			Object.assign(canvas, { width, height });
+		const { vertices, bytes, tint } = wanted;
+		const scale = Math.min(1, Math.sqrt(PIXELS_MAX / (width * height)));
+		Object.assign(layer, { vertices, bytes, tint, scale: moving ? scale * this.movingScale : scale });
+		gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+		gl.viewport(0, 0, width, height);
+		gl.clearDepth(1);
+		gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+		const since = performance.now();
+		const there = layer.draw(matrix, eye, size), ms = performance.now() - since;
+		if (moving && there)
+			this.movingScale *= Math.sqrt(Math.min(1.5, Math.max(0.5, MOVING_MS / Math.max(ms, 1))));
+		this.movingScale = Math.min(1, Math.max(MOVING_LEAST, this.movingScale));
+		const { complete, stream: { received } } = layer;
+		this.post({ type: 'drawn', number, facts: layer.facts(), complete, received });
+	}
+
+	async pick({ at }) {
+		if (!this.layer?.stream?.selected)
+			return;
+		this.draw();
+		const picked = this.layer.pick(...at);
+		this.post({ type: 'picked', picked });
+		if (picked.cuts?.length)
+			this.post({ type: 'explained', reasons: await this.reasonsOf(picked) });
+	}
+
+	/** Of each cut that draws a plant, the row of its distance. */
+	async reasonsOf({ cuts, distance_m, scale }) {
+		const { rows } = await this.layer.stream.explain();
+		const distance = distance_m / scale;
+		return cuts.map(({ list, first, end }) => rows
+			.filter((row) => row.list === list && row.first === first && row.end === end)
+			.sort((a, b) => apart(a, distance) - apart(b, distance))[0]?.reason ?? '');
+	}
+
+	async explain() {
+		if (!this.layer?.stream?.selected)
+			return;
+		const { lambda, rows } = await this.layer.stream.explain();
+		rows.sort((a, b) => b.vertices - a.vertices);
+		this.post({ type: 'explained', lambda, more: Math.max(0, rows.length - ROWS_MAX),
+			rows: rows.slice(0, ROWS_MAX) });
+	}
+
+	async save() {
+		this.draw();
+		const { canvas } = this;
+		const blob = canvas.convertToBlob ? await canvas.convertToBlob()
+			: await new Promise((done) => canvas.toBlob(done));
+		this.post({ type: 'saved', blob });
+	}
+
+	async hear(message) {
+		if (!this.gl)
+			return;
+		try {
+			if (message.type === 'draw') {
+				this.wanted = message;
+				this.redraw();
+			} else {
+				await this[message.type](message);
+			}
+		} catch (error) {
+			this.fail(error.message);
+		}
+	}
+}
+
+/** Draws to `canvas` as `port` says. */
+export function startEngine(canvas, port) {
+	const engine = new Engine(canvas, (message) => port.postMessage(message));
+	port.onmessage = ({ data }) => engine.hear(data);
+	return engine;
+}
+
+if (globalThis.WorkerGlobalScope)
+	globalThis.onmessage = ({ data }) => { globalThis.engine = startEngine(data.canvas, globalThis); };

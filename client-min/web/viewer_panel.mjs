@@ -1,0 +1,126 @@
+// What the viewer says of the picture: figures, a legend, scale and north, which plant was clicked, and why
+// the picture is what it is.
+
+const $ = (id) => document.getElementById(id);
+
+export function number(n) {
+	if (n >= 1e6)
+		return `${(n / 1e6).toFixed(2)} M`;
+	return n >= 1e4 ? `${(n / 1e3).toFixed(0)} k` : `${Math.round(n)}`;
+}
+
+const metres = (length) => `${length.toFixed(length < 10 ? 2 : 1)} m`;
+const count = (n, one) => `${number(n)} ${one}${n === 1 ? '' : 's'}`;
+
+const span = (text) => Object.assign(document.createElement('span'), { textContent: text });
+
+function item(...cells) {
+	const li = document.createElement('li');
+	li.append(...cells);
+	return li;
+}
+
+/** A table's row of cells. */
+function row(texts) {
+	const tr = document.createElement('tr');
+	for (const text of texts)
+		tr.insertCell().textContent = text;
+	return tr;
+}
+
+function swatch([r, g, b]) {
+	const box = Object.assign(document.createElement('span'), { className: 'swatch' });
+	box.style.background = `rgb(${r} ${g} ${b})`;
+	return box;
+}
+
+export function showFacts(facts) {
+	const figures = [
+		['Vertices', number(facts.vertices)],
+		['Plants in view', number(facts.plants)],
+		['Predicted Q', facts.predicted_q?.toFixed(3) ?? '–'],
+		['Bytes so far', number(facts.bytes)],
+		['Decoded', `${(facts.memory_bytes / 2 ** 20).toFixed(1)} MiB`],
+	];
+	$('figures').replaceChildren(...figures.map(row));
+	$('roles').replaceChildren(...facts.roles.filter((role) => role.vertices).map((role) =>
+		item(swatch(role.color), span(role.name), span(number(role.vertices)))));
+	$('species').replaceChildren(...facts.species.sort((a, b) => b.count - a.count).map((plant) =>
+		item(span(plant.name), span(metres(plant.height_m)), span(`× ${number(plant.count)}`))));
+}
+
+function lengthText(length) {
+	if (length >= 1000)
+		return `${length / 1000} km`;
+	return length >= 1 ? `${length} m` : `${Math.round(length * 100)} cm`;
+}
+
+/** A length at the distance of what is looked at, and where north (+Y) is; `pixel` metres a pixel there. */
+export function showScale(pixel, heading) {
+	const most = pixel * 120, unit = 10 ** Math.floor(Math.log10(most));
+	const length = unit * [5, 2, 1].find((n) => n * unit <= most);
+	$('scale-bar').style.width = `${length / pixel}px`;
+	$('scale-text').textContent = lengthText(length);
+	$('north').style.transform = `rotate(${-heading * 180 / Math.PI}deg)`;
+}
+
+// ---- What was clicked ----
+
+/** Where a place is for people: in the scene's coordinates if it has some, which find it in an inventory. */
+function placeText([x, y, z], origin) {
+	const text = (value, i) => (value + (origin?.at[i] ?? 0)).toFixed(2);
+	return `${text(x, 0)}, ${text(y, 1)}, ${text(z, 2)}${origin?.crs ? ` (${origin.crs})` : ' m'}`;
+}
+
+/** What draws a plant: primitives by representation, those of all its lists. */
+function drawnBy(cuts) {
+	const sums = new Map();
+	for (const { role, first, end, of } of cuts) {
+		const [drawn, all] = sums.get(role) ?? [0, 0];
+		sums.set(role, [drawn + end - first, all + of]);
+	}
+	return [...sums].map(([role, [drawn, all]]) => [role, `${number(drawn)} of ${number(all)}`]);
+}
+
+const titles = { sky: 'The sky', ground: 'The ground', summary: 'Many plants as one point' };
+
+/** `picked`: what is seen there (web_pick.h). */
+export function showPicked(picked, origin) {
+	const { kind, species, at, foot, height_m: height, distance_m: distance, cuts = [] } = picked;
+	const facts = [];
+	if (height)
+		facts.push(['Height', metres(height)]);
+	if (kind === 'summary' && species)
+		facts.push(['Of these', species]);
+	if (at)
+		facts.push(['Stands at', placeText(foot ?? at, origin)], ['Distance', metres(distance)]);
+	facts.push(...drawnBy(cuts));
+	$('card-title').textContent = kind === 'plant' ? species : titles[kind];
+	$('card-facts').replaceChildren(...facts.map(row));
+	$('card-why').replaceChildren();
+	$('card-orbit').hidden = !at;
+	$('card').hidden = false;
+}
+
+export function showReasons(reasons) {
+	const texts = [...new Set(reasons)].filter((text) => text);
+	$('card-why').replaceChildren(...texts.map((text) => item(span(`Why: ${text}`))));
+}
+
+// ---- Why the picture is what it is ----
+
+function whyText({ plant, tile, distance_m: distance, plants, vertices, reason }) {
+	const who = plant ? `${plant}, ${metres(distance)} away` : tile === undefined ? 'ground' : `tile ${tile}`;
+	return [`${who}: ${count(plants, 'plant')}, ${number(vertices)} vertices`, reason];
+}
+
+export function showWhy({ lambda, rows, more }) {
+	const items = rows.map((line) => {
+		const [what, reason] = whyText(line), li = item(span(what), span(reason));
+		li.className = 'why';
+		return li;
+	});
+	const text = lambda > 0 ? `A vertex is drawn where it saves ${lambda.toPrecision(2)} wrong pixels or more.`
+		: 'Everything fits.';
+	$('why').replaceChildren(item(span(text)), ...items, ...more ? [item(span(`and ${more} more`))] : []);
+}

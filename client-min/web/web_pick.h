@@ -1,0 +1,30 @@
+/* What is seen at a pixel of a drawn picture: which plant, and the cuts that draw it. */
+#ifndef WEB_PICK_H
+#define WEB_PICK_H
+
+#include "client-min/view_owners.h"
+#include "client-min/view_picture.h"
+#include "ecofiles/base/bytes.h"
+
+#define WEB_PICK_REACH 6         /* pixels: the nearest plant within is taken, as twigs are thin */
+
+struct web_pick {
+	const struct view_store *store;
+	const struct view_selection *selection;
+	const struct lod_eye *eye;
+	const struct view_owners *owners;
+	const struct view_picture *picture;
+};
+
+/* JSON at a pixel (from the top left; beside the picture is the sky):
+ *
+ *   { "kind": "sky" }
+ *   { "kind": "ground", "at": [x, y, z], "distance_m": d }
+ *   { "kind": "summary", ... as the ground, "species": NAME }      a point that stands for many plants
+ *   { "kind": "plant", ... as the ground, "species": NAME, "height_m": h, "scale": s, "foot": [x, y, z],
+ *     "cuts": [{ "role": NAME, "list": l, "first": f, "end": e, "of": primitives, "vertices": v }] }
+ *
+ * `at` is what is seen there, `foot` where the plant stands: metres from the scene's origin. */
+void web_pick_write(const struct web_pick *pick, double x, double y, struct eco_writer *text);
+
+#endif

@@ -1,0 +1,155 @@
+// viewer.mjs URL CHROMIUM PLANTS.csv SCRIPT.json: the page at / as somebody uses it, by pointer and by
+// keyboard. URL is the scene's, PLANTS.csv its inventory (plant, easting, northing, height_m). What was
+// recorded goes to SCRIPT.json.
+import { readFileSync, writeFileSync } from 'node:fs';
+import { Browser } from './browser.mjs';
+
+const [url, chromium, inventory, script] = process.argv.slice(2);
+const name = url.split('/').pop(), page = new URL(`/#scene=${name}`, url).href;
+const complete = "document.getElementById('picture')?.dataset.complete === 'true'";
+const rows = readFileSync(inventory, 'utf8').trim().split('\n').slice(1).map((line) => line.split(','));
+const browser = new Browser(chromium);
+let faults = 0;
+
+function expect(good, text) {
+	if (!good)
+		console.log(text);
+	faults += !good;
+}
+
+const ask = (expression) => browser.evaluate(expression);
+const hidden = (id) => ask(`document.getElementById('${id}').hidden`);
+const text = (id) => ask(`document.getElementById('${id}').textContent`);
+
+async function press(key) {
+	await browser.send('Input.dispatchKeyEvent', { type: 'keyDown', key });
+	await browser.send('Input.dispatchKeyEvent', { type: 'keyUp', key });
+}
+
+async function click(x, y) {
+	for (const type of ['mousePressed', 'mouseReleased'])
+		await browser.send('Input.dispatchMouseEvent', { type, x, y, button: 'left', clickCount: 1 });
+}
+
+/** The height of what stands nearest to a place, and how near that is. */
+function rowAt(easting, northing) {
+	const apart = ([, x, y]) => Math.hypot(x - easting, y - northing);
+	const row = rows.reduce((a, b) => apart(a) < apart(b) ? a : b);
+	return { plant: row[0], height: Number(row[3]), apart: apart(row) };
+}
+
+/** A plant that is clicked says its species and height, and stands where its row says. */
+async function picksAPlant() {
+	const { low, high, origin } = await ask(`fetch('${url}').then((a) => a.json())
+		.then(({ bounds, origin }) => ({ ...bounds, origin }))`);
+	const eye = [high[0] + 20, low[1] - 20, high[2] + 5], middle = low.map((v, i) => (v + high[i]) / 2);
+	await ask(`viewer.camera.look([${eye}], [${middle}])`);
+	let picked = null;
+	for (let i = 1; i < 8 && picked?.kind !== 'plant'; i++)
+		for (let j = 2; j < 7 && picked?.kind !== 'plant'; j++) {
+			await click(640 * i / 8, 480 * j / 8);
+			await browser.until('viewer.picked');
+			picked = await ask('viewer.picked');
+			if (picked.kind !== 'plant')
+				await press('Escape');
+		}
+	expect(picked.kind === 'plant', 'no plant was found to click');
+	const row = rowAt(picked.foot[0] + origin.at[0], picked.foot[1] + origin.at[1]);
+	expect(row.apart < 0.02 && picked.species.startsWith(row.plant),
+		`a ${picked.species} at ${picked.foot}: the nearest row is a ${row.plant}, ${row.apart} m away`);
+	expect(Math.abs(picked.height_m / row.height - 1) < 0.01,
+		`it is ${picked.height_m} m high; its row says ${row.height} m`);
+	await browser.until("document.querySelectorAll('#card-why li').length > 0");
+	const said = await text('card');
+	for (const part of [picked.species, (picked.foot[0] + origin.at[0]).toFixed(2), origin.crs, 'Why: '])
+		expect(said.includes(part), `what is said of the plant lacks ${part}: ${said}`);
+	await ask("document.getElementById('card-orbit').click()");
+	const [dx, dy] = await ask('viewer.camera.target').then((t) => t.map((v, i) => v - picked.foot[i]));
+	expect(Math.hypot(dx, dy) < 1e-6, 'the camera does not look at the plant');
+	await press('Escape');
+	expect(await hidden('card'), 'Escape leaves the card');
+}
+
+async function showsItsFigures() {
+	await press('Escape');
+	expect(!await hidden('panel'), 'Escape opens no menu');
+	await browser.until("document.querySelectorAll('#species li').length > 0");
+	const { facts } = await ask('viewer.drawn');
+	const drawn = facts.roles.filter(({ vertices }) => vertices);
+	const sum = drawn.reduce((vertices, role) => vertices + role.vertices, 0);
+	expect(sum === facts.vertices && sum <= 300000,
+		`representations do not add up to ${facts.vertices} vertices`);
+	const legend = await ask("document.querySelectorAll('#roles li').length");
+	expect(legend === drawn.length, `${drawn.length} representations, ${legend} in the legend`);
+	expect(facts.predicted_q > 0 && facts.predicted_q <= 1, `Q is ${facts.predicted_q}`);
+	await ask("document.getElementById('explain').click()");
+	await browser.until("document.querySelectorAll('#why .why').length > 0");
+	await press('c');
+	expect(await ask('viewer.settings.kind') === 1, 'C does not change colours');
+	await press('c');
+	await press('Escape');
+}
+
+async function movesByKeyboard() {
+	const before = await ask('viewer.camera.view()');
+	await browser.send('Input.dispatchKeyEvent', { type: 'keyDown', key: 'ArrowLeft' });
+	await browser.until(`viewer.camera.view().eye[0] !== ${before.eye[0]}`);
+	await browser.send('Input.dispatchKeyEvent', { type: 'keyUp', key: 'ArrowLeft' });
+	const { eye } = await ask('viewer.camera.view()');
+	expect(Math.hypot(...eye.map((v, i) => v - before.target[i])) > 1, 'the eye left its orbit');
+	await browser.until(complete);
+}
+
+/** The bytes of what the page offers to save while `act` is done. */
+async function saved(act) {
+	await ask(`globalThis.makeUrl ??= URL.createObjectURL;
+		URL.createObjectURL = (blob) => { globalThis.offered = blob; return makeUrl(blob); };
+		globalThis.offered = null`);
+	await act();
+	await browser.until('globalThis.offered');
+	return Buffer.from(await ask(`offered.arrayBuffer().then((b) => [...new Uint8Array(b)])`));
+}
+
+async function recordsAndSaves() {
+	const camera = await saved(async () => {
+		await press('r');
+		await ask('new Promise((done) => setTimeout(done, 600))');
+		await press('r');
+	});
+	const { fps, keyframes } = JSON.parse(camera);
+	expect(fps > 0 && keyframes.length >= 2, `a recording of ${keyframes.length} views`);
+	writeFileSync(script, camera);
+	const png = await saved(() => press('p'));
+	expect(png.toString('latin1', 1, 4) === 'PNG' && png.length > 10000, `a picture of ${png.length} bytes`);
+}
+
+/** A link shows the same view, and what came once does not come again. */
+async function comesBack() {
+	await browser.until(`location.hash.includes('eye=') && ${complete}`);
+	await ask('new Promise((done) => setTimeout(done, 400))');
+	const link = await ask('location.href'), { eye } = await ask('viewer.camera.view()');
+	await browser.open(link, 640, 480);
+	await browser.until(complete);
+	const again = await ask('viewer.camera.view()'), { received, facts } = await ask('viewer.drawn');
+	expect(again.eye.every((v, i) => Math.abs(v - eye[i]) < 0.01), `the link shows ${again.eye}, not ${eye}`);
+	expect(received < 0.2 * facts.bytes, `${received} bytes came again, of ${facts.bytes} that are held`);
+}
+
+try {
+	await browser.open(page, 640, 480);
+	await browser.until(complete);
+	const loaded = await ask("performance.getEntriesByType('resource').map(({ name }) => name).join()");
+	expect(loaded.includes('viewer_panel.mjs') && !loaded.includes('.wasm'),
+		'the page decodes by itself: a worker should');
+	await picksAPlant();
+	await showsItsFigures();
+	await movesByKeyboard();
+	await recordsAndSaves();
+	await comesBack();
+	const state = await text('state');
+	expect(state === '', `the page reports: ${state}`);
+	expect(!browser.complaints.length, browser.complaints.join('\n'));
+} finally {
+	await browser.close();
+}
+process.exit(faults > 0 ? 1 : 0);
