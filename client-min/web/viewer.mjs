@@ -129,6 +129,8 @@ const heard = {
 function open(name) {
 	settings.scene = name;
 	about = null;
+	if (!name)
+		return;
 	closeCard();
 	say('Loading');
 	engine.postMessage({ type: 'open', url: new URL(`/v1/scenes/${name}`, location.href).href });
@@ -214,16 +216,17 @@ const shortcuts = {
 	h: () => about && (camera.frame(about.bounds, about.near_m), moved()),
 };
 
-/** What the address says: at first, and when a link is pasted over it. */
+/** What the address says: at first, and when a link is pasted over it. `scenes`: names; before they are
+ * known the scene that the address names is taken on trust, so that its picture comes sooner. */
 function goToAddress(scenes) {
 	const before = settings.scene;
 	readAddress();
-	if (!scenes.includes(settings.scene))
+	if (scenes && !scenes.includes(settings.scene))
 		[settings.scene] = scenes;
 	$('scene').value = settings.scene;
-	if (settings.scene !== before || !about)
+	if (settings.scene !== before)
 		open(settings.scene);
-	else if (view)
+	else if (view && about)
 		camera.look(...view);
 	showSettings();
 }
@@ -231,6 +234,7 @@ function goToAddress(scenes) {
 async function start() {
 	engine = await startEngine();
 	engine.onmessage = ({ data }) => heard[data.type](data);
+	goToAddress(null);
 	const { scenes } = await (await fetch('/v1/scenes')).json(), names = scenes.map(({ name }) => name);
 	if (!names.length)
 		return say('This server has no scenes.', true);
