@@ -125,6 +125,13 @@ static uint32_t material_of(const struct finder *f, uint32_t component)
 	return m < f->model->material_count ? m : f->model->material_count;
 }
 
+/* What speaks with one voice: a material's green components, and its others. A palette or an atlas for a whole
+ * plant has one material for bark and leaves, and tells them apart by colour alone. */
+static uint32_t voice_of(const struct finder *f, uint32_t component)
+{
+	return 2 * material_of(f, component) + lod_colour_is_green(f->shape[component].rgb);
+}
+
 static bool settle_doubt(const struct finder *f, uint32_t i, const double clear[2])
 {
 	const struct lod_shape *b = &f->shape[i];
@@ -159,37 +166,37 @@ static bool is_clear_wood(const struct finder *f, uint32_t i)
 	return f->verdict[i] == CLEARLY_WOOD || log;
 }
 
-/* A component in doubt goes with the clear ones of its material, by area, if those agree. */
+/* A component in doubt goes with the clear ones of its material and colour, by area, if those agree. */
 static void settle_doubts(struct finder *f, struct lod_arena *arena)
 {
 	struct lod_arena_piece *mark = arena->last;
-	double (*clear)[2] = lod_arena_take(arena, (size_t)f->model->material_count + 1, sizeof *clear);
+	double (*clear)[2] = lod_arena_take(arena, 2 * ((size_t)f->model->material_count + 1), sizeof *clear);
 	for (uint32_t i = 0; i < f->count; i++) {
 		f->verdict[i] = (uint8_t)judge(&f->shape[i], is_cutout(f, i));
 		if (f->verdict[i] == CLEARLY_WOOD || f->verdict[i] == CLEARLY_LEAF)
-			clear[material_of(f, i)][f->verdict[i] == CLEARLY_WOOD] += f->shape[i].area;
+			clear[voice_of(f, i)][f->verdict[i] == CLEARLY_WOOD] += f->shape[i].area;
 	}
 	for (uint32_t i = 0; i < f->count; i++) {
 		bool wood = is_clear_wood(f, i);
 		if (f->verdict[i] == RATHER_WOOD || f->verdict[i] == RATHER_LEAF)
-			wood = settle_doubt(f, i, clear[material_of(f, i)]);
+			wood = settle_doubt(f, i, clear[voice_of(f, i)]);
 		else if (f->verdict[i] == SOLID)
-			wood = clear[material_of(f, i)][1] > 3 * clear[material_of(f, i)][0];
+			wood = clear[voice_of(f, i)][1] > 3 * clear[voice_of(f, i)][0];
 		f->organ[i] = wood ? ECO_ORGAN_WOOD : ECO_ORGAN_FOLIAGE;
 	}
 	lod_arena_release(arena, mark);
 }
 
-/* Components of one material with the same number of triangles are copies of one part, stretched and bent:
- * they are one organ. The larger area wins; among many copies wood needs twice the area, since many copies
- * usually are leaves. */
+/* Components of one material and colour with the same number of triangles are copies of one part, stretched
+ * and bent: they are one organ. The larger area wins; among many copies wood needs twice the area, since many
+ * copies usually are leaves. */
 static void settle_copies(struct finder *f, struct lod_arena *arena)
 {
 	struct lod_arena_piece *mark = arena->last;
 	uint32_t n = f->count;
 	struct lod_keyed *by = lod_arena_take(arena, n, sizeof *by);
 	for (uint32_t i = 0; i < n; i++)
-		by[i] = (struct lod_keyed){ (uint64_t)f->shape[i].material << 32 | f->shape[i].triangle_count,
+		by[i] = (struct lod_keyed){ (uint64_t)voice_of(f, i) << 32 | f->shape[i].triangle_count,
 			i };
 	lod_sort(arena, by, n);
 	for (uint32_t first = 0, end; first < n; first = end) {
@@ -314,38 +321,38 @@ static bool is_stem(const struct finder *f, const struct stack *s)
 		< FOOT * f->height;
 }
 
-/* A component of the material of things that stands below the plant as they do is a thing, too: saucers,
- * rims. */
+/* A component of the material and colour of things that stands below the plant as they do is a thing, too:
+ * saucers, rims, branches of a stout trunk. */
 static void settle_things(struct finder *f, struct lod_arena *arena)
 {
 	struct lod_arena_piece *mark = arena->last;
 	struct sums { double things, all; uint32_t count; struct stack stack; } *of;
-	of = lod_arena_take(arena, (size_t)f->model->material_count + 1, sizeof *of);
+	of = lod_arena_take(arena, 2 * ((size_t)f->model->material_count + 1), sizeof *of);
 	double solid = 0;
 	sort_heights(f, arena);
 	for (uint32_t i = 0; i < f->count; i++) {
 		solid += f->verdict[i] == SOLID ? f->shape[i].area : 0;
-		of[material_of(f, i)].count++;
-		of[material_of(f, i)].all += f->shape[i].area;
+		of[voice_of(f, i)].count++;
+		of[voice_of(f, i)].all += f->shape[i].area;
 		if (f->verdict[i] == SOLID)
-			put_on_stack(&of[material_of(f, i)].stack, &f->shape[i]);
+			put_on_stack(&of[voice_of(f, i)].stack, &f->shape[i]);
 	}
 	for (uint32_t i = 0; i < f->count; i++) {
 		bool thing = f->verdict[i] == SOLID && is_thing(f, i, solid > 0.8 * f->area);
-		if (f->verdict[i] == SOLID && is_stem(f, &of[material_of(f, i)].stack)
+		if (f->verdict[i] == SOLID && is_stem(f, &of[voice_of(f, i)].stack)
 				&& !lod_colour_is_green(f->shape[i].rgb))
 			f->organ[i] = ECO_ORGAN_WOOD;
 		thing = thing
-			|| (of[material_of(f, i)].count <= FEW && f->organ[i] != ECO_ORGAN_WOOD
+			|| (of[voice_of(f, i)].count <= FEW && f->organ[i] != ECO_ORGAN_WOOD
 			&& is_vessel(f, i));
 		if (thing) {
 			f->organ[i] = ECO_ORGAN_WOOD;
 			f->thing[i] = f->verdict[i] != SOLID || f->shape[i].diagonal > FRUIT * f->diagonal;
-			of[material_of(f, i)].things += f->shape[i].area;
+			of[voice_of(f, i)].things += f->shape[i].area;
 		}
 	}
 	for (uint32_t i = 0; i < f->count; i++)
-		if (2 * of[material_of(f, i)].things > of[material_of(f, i)].all && is_below(f, i)
+		if (2 * of[voice_of(f, i)].things > of[voice_of(f, i)].all && is_below(f, i)
 				&& f->organ[i] != ECO_ORGAN_WOOD) {
 			f->organ[i] = ECO_ORGAN_WOOD;
 			f->thing[i] = true;

@@ -13,8 +13,9 @@
  * M (4 V M / A^2 is 1 for tubes, 4/3 for balls, little for blades), and its edge angles are moderate, while a
  * closed blade turns in two sharp rims.
  *
- * A component in doubt follows the clear ones of its material: artists separate bark and leaves, and this
- * uses only the identity of a material, not its name. Then names break the tie (organ_name.h), then colours.
+ * A component in doubt follows the clear ones of its material, green ones and others apart: artists separate
+ * bark and leaves by material, or by colours of one palette; this uses only the identity of a material, not
+ * its name. Then names break the tie (organ_name.h), then colours.
  *
  * A thick component is a crown or fruit modelled as a hull, or a thing: a stump, a stout trunk, a pot, a
  * rock. A thing stands on the ground and has most of the plant above it, or it is brown and the plant is

@@ -516,15 +516,30 @@ UNIT_TEST(leaves_welded_to_twigs_are_foliage)
 	finish();
 }
 
-/* Trunk and crown are one surface; only the texture, a palette of two flat colours, tells them apart. */
-UNIT_TEST(a_palette_texture_parts_trunk_and_crown)
+/* One material, whose image is a palette of a bark's brown and a leaf's green. */
+static uint32_t palette_begin(void)
 {
-	static uint8_t pixels[2][4] = { { 110, 80, 60, 255 }, { 60, 120, 50, 255 } };
+	static const uint8_t pixels[2][4] = { { 150, 75, 40, 255 }, { 60, 120, 50, 255 } };
 	soup_begin(&soup);
 	soup.image[0] = (struct eco_image){ 2, 1, malloc(sizeof pixels) };
 	memcpy(soup.image[0].rgba, pixels, sizeof pixels);
 	soup.model.image_count = 1;
-	uint32_t m = soup_material(&soup, 255, 255, 255, 0, false), rings = 24, n = 8;
+	return soup_material(&soup, 255, 255, 255, 0, false);
+}
+
+/* All vertices from `first` on. */
+static void palette_paint(uint32_t first, bool green)
+{
+	for (uint32_t i = first; i < soup.model.vertex_count; i++) {
+		soup.model.uv[2 * i] = green ? 0.75f : 0.25f;
+		soup.model.uv[2 * i + 1] = 0.5f;
+	}
+}
+
+/* Trunk and crown are one surface; only the texture, a palette of two flat colours, tells them apart. */
+UNIT_TEST(a_palette_texture_parts_trunk_and_crown)
+{
+	uint32_t m = palette_begin(), rings = 24, n = 8;
 	for (uint32_t i = 0; i <= rings; i++)        /* a turned body: stem, then a ball on it */
 		for (uint32_t k = 0; k < n; k++) {
 			double z = 0.2 * i, t = (z - 2.4) / 2.4,
@@ -543,6 +558,29 @@ UNIT_TEST(a_palette_texture_parts_trunk_and_crown)
 	assert_true(fabs(organ_area(ECO_ORGAN_WOOD) - 2 * LOD_PI * 0.1 * 2.4) < 0.2);
 	assert_true(organ_area(ECO_ORGAN_FOLIAGE) > 6);
 	finish();
+}
+
+/* Low-poly trees: what is clear wood, or stands on the ground, speaks for the brown parts alone. */
+UNIT_TEST(colours_of_a_palette_speak_for_themselves)
+{
+	for (int stout = 0; stout < 2; stout++) {
+		uint32_t m = palette_begin();
+		soup_tube(&soup, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 3 }, stout ? 0.5 : 0.08,
+			stout ? 0.4 : 0.05, 8, 8);
+		soup_tube(&soup, m, (struct lod_v3){ 0, 0, 1.4 }, (struct lod_v3){ 1.2, 0, 1.8 }, stout ? 0.2 : 0.04,
+			stout ? 0.15 : 0.03, 8, 4);
+		palette_paint(0, false);
+		uint32_t wood = soup.model.triangle_count, crown = soup.model.vertex_count;
+		soup_ball(&soup, m, (struct lod_v3){ 0, 0, 4 }, 1.4, 8);
+		soup_ball(&soup, m, (struct lod_v3){ 1.5, 0, 2.2 }, 0.45, 6);
+		soup_ball(&soup, m, (struct lod_v3){ -1.2, 0.2, 2.6 }, 0.4, 6);
+		palette_paint(crown, true);
+		find();
+		for (uint32_t t = 0; t < found.mesh.triangle_count; t++)
+			assert_int_equal(found.organs.components[found.mesh.component[t]].organ,
+				found.mesh.source[t] < wood ? ECO_ORGAN_WOOD : ECO_ORGAN_FOLIAGE);
+		finish();
+	}
 }
 
 /* An import makes a material of each colour: same name, no image. */
