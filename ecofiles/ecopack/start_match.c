@@ -19,6 +19,7 @@
 #define GENUS 100
 #define WORD 40                  /* a word that both have */
 #define FORM 20
+#define NEAR 8                   /* the form that is most like theirs */
 #define KIND 10                  /* tree for tree, low plant for low plant */
 #define PLAIN 3                  /* a model of no genus stands for any */
 #define DEAD 1
@@ -40,6 +41,14 @@ static bool says_genus(const struct eco_flora *a, const struct eco_flora *b)
 	return a->genus && b->genus && strcmp(a->genus, b->genus) == 0;
 }
 
+static bool is_near(enum eco_form form, enum eco_form of_model)
+{
+	static const enum eco_form near[ECO_FORM_COUNT] = { [ECO_FORM_COLUMN] = ECO_FORM_CONIFER,
+		[ECO_FORM_WEEPING] = ECO_FORM_BROAD, [ECO_FORM_HERB] = ECO_FORM_GRASS,
+		[ECO_FORM_GRASS] = ECO_FORM_HERB };
+	return near[form] != ECO_FORM_UNKNOWN && near[form] == of_model;
+}
+
 static int score(const struct eco_flora *flora, const char *words, const struct start_model *model,
 	enum start_tier *tier)
 {
@@ -53,7 +62,7 @@ static int score(const struct eco_flora *flora, const char *words, const struct 
 	if (model->is_dead && !eco_words_have(words, "dead"))
 		return DEAD;
 	sum += genus ? GENUS : model->flora.genus ? 0 : PLAIN;
-	sum += form == model->flora.form ? FORM : 0;
+	sum += form == model->flora.form ? FORM : is_near(form, model->flora.form) ? NEAR : 0;
 	sum += eco_form_is_tree(form) == eco_form_is_tree(model->flora.form) ? KIND : 0;
 	*tier = shared > (genus ? 1 : 0) ? START_BY_NAME : genus ? START_BY_GENUS
 		: form == model->flora.form ? START_BY_FORM : START_BY_NOTHING;
@@ -93,7 +102,7 @@ static enum eco_code say_tier(struct start *s, enum start_tier tier)
 {
 	static const char *const why[START_TIERS] = { "they share words with the model's name",
 		"the model is of their genus", "no model is of their genus; this one has their form",
-		"no model is like them", "they name no plant: \"map\": null" };
+		"no model has their form", "they name no plant: \"map\": null" };
 	for (uint32_t m = 0; m <= s->model_count; m++) {
 		char names[200] = "", took[160], rows[32];
 		uint32_t kinds = 0, model = m < s->model_count ? m : ECO_NONE;

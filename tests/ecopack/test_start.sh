@@ -61,6 +61,15 @@ is '.instances[0].map | [."Houx", ."Épicéa commun"]' '["holly_bush","norway_sp
 is '.instances[0].height_m[1] | [.from_girth, .unit]' '["circonférence","cm"]'
 camera 0 0
 
+# ---- A portal's export: latitude and longitude in one field; no model has the form of cypress and willow ----
+awk 'BEGIN { print "IDBASE;ESPECE;CIRCONFERENCE (cm);geo_point_2d"
+	split("Cupressus sempervirens|Salix alba|Tilia cordata", species, "|")
+	for (i = 0; i < 45; i++) printf "%d;%s;%d;48.8%04d, 2.36%03d\n", i, species[1 + i % 3], 40 + 3 * i, 3000 + 7 * i, 9 * i }' >"$DIR/portal.csv"
+start 0 'latitude and longitude in one field' portal.csv
+is '[.crs, (.instances[0] | has("x")), .instances[0].height_m[0].from_girth]' '["EPSG:32631",false,"CIRCONFERENCE (cm)"]'
+is '.instances[0].map | [."Cupressus sempervirens", ."Tilia cordata"]' '["norway_spruce","linden"]'
+is '.instances[0].map."Salix alba" | . == "stieleiche" or . == "linden"' true
+
 # ---- English: degrees, feet and inches that no name says, vacant places, a misspelling ----
 awk 'BEGIN { print "Site,Species,Diameter,Height,Latitude,Longitude"
 	for (i = 0; i < 200; i++) printf "%d,%s,%d,%d,%.6f,%.6f\n", i, i % 5 == 0 ? "Vacant site" : i % 5 == 1 ? "\"maple, Norway (Acer platanoides)\"" : i % 5 == 2 ? "Qercus rubra" : "\"oak, pin (Quercus palustris)\"",
