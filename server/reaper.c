@@ -1,5 +1,6 @@
 #include "server/reaper.h"
 
+#include <errno.h>
 #include <netinet/in.h>
 #include <linux/tcp.h>
 #include <pthread.h>
@@ -13,7 +14,10 @@
 
 /* between two looks at all leases: a few microseconds of work for a thousand of them */
 #define ROUND_MS 100u
-#define ESTABLISHED 1                    /* TCP_ESTABLISHED of netinet/tcp.h, which has no tcpi_bytes_acked */
+#define PROBE_MS 1000u                   /* between two interim responses */
+/* TCP_ESTABLISHED and TCP_CLOSE_WAIT of netinet/tcp.h, which has no tcpi_bytes_acked */
+#define ESTABLISHED 1
+#define CLOSE_WAIT 8
 #define NOT_TAKEN UINT64_MAX             /* not known yet */
 
 struct srv_reaper {
@@ -61,27 +65,39 @@ static bool renew(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t n
 	return true;
 }
 
-/* The client has closed its side, or the connection is broken; as other servers do, an end of sending is
- * taken for an end of interest. (poll would also report that the gate wants to read no more.) */
-static bool has_hung_up(const struct srv_lease *lease)
+/* To a client that has ended its sending, and may still read. An interim response (RFC 9110, 15.2) makes the
+ * system of one that has closed its socket reset the connection, which this look or a later one finds.
+ * HTTP/1.0 knows none: there the client is believed to read. False where the connection is of no more use. */
+static bool probe(struct srv_lease *lease, uint64_t now)
 {
-	return about(lease).tcpi_state != ESTABLISHED;
+	static const char interim[] = "HTTP/1.1 102 Processing\r\n\r\n";
+	if (lease->gate.framing.is_http_1_0 || now < lease->probe_us)
+		return true;
+	lease->probe_us = now + PROBE_MS * 1000;
+	ssize_t sent = send(lease->fd, interim, sizeof interim - 1, MSG_NOSIGNAL | MSG_DONTWAIT);
+	return sent < 0 ? errno == EAGAIN
+		: sent == sizeof interim - 1 && about(lease).tcpi_state == CLOSE_WAIT;
 }
 
-static void tell_gone(struct srv_lease *lease)
+static void tell_gone(struct srv_lease *lease, uint64_t now)
 {
-	if (!lease->gone || !has_hung_up(lease))
+	if (!lease->gone)
+		return;
+	uint8_t state = about(lease).tcpi_state;
+	if (state == ESTABLISHED || (state == CLOSE_WAIT && probe(lease, now)))
 		return;
 	atomic_store(lease->gone, true);
 	lease->gone = NULL;
 	srv_trace(SRV_TRACE_CONNECTION, "socket %d hung up while its plan is made", lease->fd);
+	if (state == CLOSE_WAIT)         /* a part of the interim response may be out */
+		shut(lease, "is of no more use");
 }
 
 static void shut_overdue(struct srv_reaper *reaper)
 {
 	uint64_t now = srv_clock_us();
 	for (struct srv_lease *lease = reaper->leases.next; lease != &reaper->leases; lease = lease->next) {
-		tell_gone(lease);
+		tell_gone(lease, now);
 		if (lease->due_us && lease->due_us <= now && !renew(reaper, lease, now))
 			shut(lease, "is past its deadline");
 	}
@@ -311,6 +327,7 @@ void srv_reaper_watch(struct srv_reaper *reaper, struct srv_lease *lease, atomic
 {
 	pthread_mutex_lock(&reaper->mutex);
 	lease->gone = gone;
+	lease->probe_us = 0;
 	pthread_mutex_unlock(&reaper->mutex);
 }
 

@@ -37,6 +37,7 @@ struct srv_lease {
 	uint64_t due_us;                                 /* 0: no deadline */
 	uint64_t idle_us;                                /* since when a request is waited for; 0: none is */
 	atomic_bool *gone;                               /* to be set; NULL: nobody cares */
+	uint64_t probe_us;                               /* when to find out again whether anyone reads */
 	bool is_sending;
 	uint64_t taken_bytes;                            /* acknowledged since it began, before the window */
 };
@@ -67,7 +68,8 @@ void srv_reaper_arm(struct srv_reaper *reaper, struct srv_lease *lease, uint64_t
 void srv_reaper_send(struct srv_reaper *reaper, struct srv_lease *lease);
 /* No deadline until it is armed again: the server works. */
 void srv_reaper_clear(struct srv_reaper *reaper, struct srv_lease *lease);
-/* While a plan is made: *gone is set when the client hangs up. NULL: no more. */
+/* While a plan is made: *gone is set when the client hangs up, which is more than to send no more. NULL: no
+ * more. */
 void srv_reaper_watch(struct srv_reaper *reaper, struct srv_lease *lease, atomic_bool *gone);
 void srv_reaper_close(struct srv_reaper *reaper, struct srv_lease *lease);
 

@@ -284,6 +284,36 @@ UNIT_TEST(plans_of_clients_that_left_are_not_made)
 	srv_daemon_stop(daemon);
 }
 
+/* One that only ends its sending (`nc -N`) gets its answer, after interim ones if that takes a while; by
+ * HTTP/1.0, which has none of those, too. */
+UNIT_TEST(clients_that_send_no_more_get_their_answers)
+{
+	enum { PLANS = 30 };
+	const struct srv_config config = { .listen = "127.0.0.1:0", .work_threads = 1 };
+	struct srv_daemon *daemon = start(&config);
+	char request[400];
+	int fds[PLANS];
+	unsigned interim[2] = { 0 };
+	for (int i = 0; i < PLANS; i++) {
+		snprintf(request, sizeof request,
+			"GET " BASE "/stream?" VIEW "&vertices=%d&bytes=200000 HTTP/1.%d\r\n" HOST "\r\n",
+			2000000 + i, i % 2);
+		fds[i] = http_connect(srv_daemon_port(daemon));
+		assert_true(http_send(fds[i], request, strlen(request)));
+		assert_int_equal(shutdown(fds[i], SHUT_WR), 0);
+	}
+	for (int i = 0; i < PLANS; i++) {
+		struct http_answer answer = http_receive(fds[i], false, true);
+		assert_int_equal(answer.status, 200);
+		assert_true(answer.closed);
+		interim[i % 2] += answer.interim;
+		http_free(&answer);
+		close(fds[i]);
+	}
+	assert_int_equal(interim[0], 0);
+	srv_daemon_stop(daemon);
+}
+
 int main(void)
 {
 	return unit_tests_run(serve_start, serve_stop);

@@ -38,6 +38,16 @@ bool http_header(const struct http_answer *answer, const char *name, char *value
 	return false;
 }
 
+/* Takes interim responses off the front, and returns how many bytes are left. */
+static size_t drop_interim(char *bytes, size_t size, struct http_answer *answer)
+{
+	for (char *end; size > 9 && bytes[9] == '1' && (end = strstr(bytes, "\r\n\r\n")); answer->interim++) {
+		size -= (size_t)(end + 4 - bytes);
+		memmove(bytes, end + 4, size + 1);
+	}
+	return size;
+}
+
 struct http_answer http_receive(int fd, bool no_body, bool to_end)
 {
 	struct http_answer answer = { 0 };
@@ -55,6 +65,7 @@ struct http_answer http_receive(int fd, bool no_body, bool to_end)
 		}
 		size += (size_t)got;
 		bytes[size] = 0;
+		size = head_size ? size : drop_interim(bytes, size, &answer);
 		char *blank = head_size ? NULL : strstr(bytes, "\r\n\r\n");
 		if (blank) {
 			head_size = (size_t)(blank - bytes) + 4;

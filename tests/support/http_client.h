@@ -17,6 +17,7 @@
 
 struct http_answer {
 	unsigned status;             /* 0: no answer */
+	unsigned interim;            /* responses before it that said to wait */
 	char *head;                  /* status line and headers, 0-terminated; owns the memory of all */
 	char *body;                  /* 0-terminated too */
 	size_t size;
