@@ -360,12 +360,11 @@ void srv_answer_free(struct srv_answer *answer)
 	answer->shared = false;
 }
 
-void srv_answer_drop_shared(struct srv_store *store)
+void srv_answer_drop_shared(struct srv_scene *scene)
 {
-	for (uint32_t i = 0; i < store->count; i++)
-		for (uint32_t c = 0; c < store->scenes[i].pack->scene.chunk_count; c++) {
-			struct MHD_Response *response = atomic_exchange(&store->scenes[i].responses[c], NULL);
-			if (response)
-				MHD_destroy_response(response);
-		}
+	for (uint32_t c = 0; c < scene->pack->scene.chunk_count; c++) {
+		struct MHD_Response *response = atomic_exchange(&scene->responses[c], NULL);
+		if (response)
+			MHD_destroy_response(response);
+	}
 }

@@ -67,11 +67,11 @@ void srv_answer_file(struct srv_answer *answer, const struct srv_site_file *file
 
 /* Lets go of an answer that was queued (the library holds its own reference) or is not wanted. */
 void srv_answer_free(struct srv_answer *answer);
-void srv_answer_drop_shared(struct srv_store *store);
+void srv_answer_drop_shared(struct srv_scene *scene);
 
 void srv_etag_of(char etag[SRV_ETAG_BYTES], const struct eco_chunk_id *id);
-/* A validator for what a server of this version answers to `target` from this pack: the same request gives
- * the same bytes. */
+/* A validator for what a server of this version, which bounds plans so, answers to `target` from this pack:
+ * the same request gives the same bytes. */
 void srv_etag_request(char etag[SRV_ETAG_BYTES], const struct srv_scene *scene, const char *target);
 
 #endif

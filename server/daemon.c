@@ -233,17 +233,18 @@ static enum eco_code start_http(struct srv_daemon *daemon, struct eco_error *err
 }
 
 enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config *config,
-	struct srv_store *store, struct eco_error *error)
+	const struct srv_store *store, struct eco_error *error)
 {
 	struct srv_daemon *daemon = calloc(1, sizeof *daemon);
 	*out = NULL;
 	if (!daemon)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for the daemon");
 	daemon->host.config = *config;
-	daemon->host.store = store;
 	daemon->listen_fd = -1;
 	fill_defaults(&daemon->host.config);
 	enum eco_code code = open_listener(daemon, error);
+	if (!code)
+		code = srv_catalog_new(&daemon->host.catalog, store, error);
 	if (!code)
 		code = srv_reaper_start(&daemon->host.reaper,
 			&(struct srv_reaper_limits){ .connections = daemon->host.config.connections_max,
@@ -313,7 +314,7 @@ void srv_daemon_stop(struct srv_daemon *daemon)
 		MHD_stop_daemon(daemon->http);
 	srv_work_free(daemon->host.work);
 	srv_reaper_stop(daemon->host.reaper);
-	srv_answer_drop_shared(daemon->host.store);
+	srv_catalog_free(daemon->host.catalog);
 	srv_plan_cache_free(daemon->host.plans);
 	if (daemon->listen_fd >= 0)
 		close(daemon->listen_fd);

@@ -49,9 +49,9 @@ struct srv_config {              /* 0 is the default */
 
 struct srv_daemon;
 
-/* Errors say what was wrong with the address, or who may hold the port. */
+/* Shares the store's scenes. Errors say what was wrong with the address, or who may hold the port. */
 enum eco_code srv_daemon_start(struct srv_daemon **daemon, const struct srv_config *config,
-	struct srv_store *store, struct eco_error *error);
+	const struct srv_store *store, struct eco_error *error);
 uint16_t srv_daemon_port(const struct srv_daemon *daemon);
 /* "http://127.0.0.1:8080": with the port that was bound. Valid as long as the daemon. */
 const char *srv_daemon_url(const struct srv_daemon *daemon);

@@ -61,7 +61,7 @@ void srv_describe_scenes(struct srv_json *json, const struct srv_store *store)
 	srv_json_open(json, '{');
 	srv_json_key_open(json, "scenes", '[');
 	for (uint32_t i = 0; i < store->count; i++) {
-		const struct srv_scene *scene = &store->scenes[i];
+		const struct srv_scene *scene = store->scenes[i];
 		srv_json_open(json, '{');
 		srv_json_key_text(json, "name", scene->name);
 		key_id(json, "id", &scene->pack->id);

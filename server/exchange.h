@@ -11,6 +11,7 @@
 #define SRV_EXCHANGE_H
 
 #include "server/answer.h"
+#include "server/catalog.h"
 #include "server/daemon.h"
 #include "server/query.h"
 #include "server/reaper.h"
@@ -21,7 +22,7 @@ struct MHD_Connection;
 
 struct srv_host {                        /* what exchanges need of the daemon */
 	struct srv_config config;            /* defaults filled in */
-	struct srv_store *store;
+	struct srv_catalog *catalog;
 	struct srv_work *work;
 	struct srv_plan_cache *plans;
 	struct srv_reaper *reaper;
@@ -54,7 +55,8 @@ struct srv_exchange {
 	size_t body_size, body_room;         /* room: counted in host->bodies_bytes */
 	bool body_lost;                      /* there was no room for all of it */
 
-	struct srv_scene *scene;
+	struct srv_edition *edition;         /* held from the head on */
+	struct srv_scene *scene;             /* of it, or NULL */
 	struct srv_query query;
 	struct eco_holdings holdings;
 	struct srv_validators validators;    /* of a plan or stream that is got, else empty */

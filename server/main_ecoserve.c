@@ -102,7 +102,7 @@ static enum eco_code announce(const struct srv_daemon *daemon, const struct srv_
 	bool bad = printf("ecoserve: ready on %s (%u scene%s", srv_daemon_url(daemon), store->count,
 		store->count == 1 ? "" : "s") < 0;
 	for (uint32_t i = 0; i < store->count && i < NAMES_SHOWN; i++)
-		bad |= printf("%s%s", i ? ", " : " named ", store->scenes[i].name) < 0;
+		bad |= printf("%s%s", i ? ", " : " named ", store->scenes[i]->name) < 0;
 	if (printf("%s)\n", store->count > NAMES_SHOWN ? ", ..." : "") < 0 || fflush(stdout) || bad)
 		return eco_fail(error, ECO_IO, "cannot write to stdout: who started this does not want to "
 			"know");

@@ -11,19 +11,30 @@ void srv_store_init(struct srv_store *store)
 	*store = (struct srv_store){ 0 };
 }
 
-static void scene_free(struct srv_scene *scene)
+void srv_scene_hold(struct srv_scene *scene)
 {
+	atomic_fetch_add(&scene->holders, 1);
+}
+
+void srv_scene_release(struct srv_scene *scene, void (*last)(struct srv_scene *scene))
+{
+	if (atomic_fetch_sub(&scene->holders, 1) > 1)
+		return;
+	if (last)
+		last(scene);
 	lod_plan_tables_free(scene->tables);
 	eco_pack_close(scene->pack);
+	free(scene->file.path);
 	free(scene->by_id);
 	free(scene->checked);
 	free(scene->responses);
+	free(scene);
 }
 
 void srv_store_free(struct srv_store *store)
 {
 	for (uint32_t i = 0; i < store->count; i++)
-		scene_free(&store->scenes[i]);
+		srv_scene_release(store->scenes[i], NULL);
 	free(store->scenes);
 	*store = (struct srv_store){ 0 };
 }
@@ -70,27 +81,47 @@ static enum eco_code check_name(const struct srv_store *store, const char *name,
 	return ECO_OK;
 }
 
-/* Owns the pack from then on, also on failure. */
-static enum eco_code add_pack(struct srv_store *store, const char *name, struct eco_pack *pack,
-	int64_t modified_s, struct eco_error *error)
+static enum eco_code append(struct srv_store *store, struct srv_scene *scene, struct eco_error *error)
 {
-	struct srv_scene scene = { .pack = pack, .modified_s = modified_s };
-	enum eco_code code = check_name(store, name, error);
-	if (!code) {
-		snprintf(scene.name, sizeof scene.name, "%s", name);
-		code = scene_index(&scene, error);
-		code = code ? code : lod_plan_tables_make(&scene.tables, &pack->scene, error);
-	}
-	struct srv_scene *grown = code ? NULL : realloc(store->scenes, (store->count + 1) * sizeof *grown);
-	if (!code && !grown)
-		code = eco_fail(error, ECO_NO_MEMORY, "no memory for another scene");
-	if (code) {
-		scene_free(&scene);
-		return code;
-	}
+	struct srv_scene **grown = realloc(store->scenes, (store->count + 1) * sizeof *grown);
+	if (!grown)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for another scene");
 	store->scenes = grown;
 	store->scenes[store->count++] = scene;
 	return ECO_OK;
+}
+
+enum eco_code srv_store_share(struct srv_store *store, struct srv_scene *scene, struct eco_error *error)
+{
+	enum eco_code code = check_name(store, scene->name, error);
+	code = code ? code : append(store, scene, error);
+	if (!code)
+		srv_scene_hold(scene);
+	return code;
+}
+
+/* Owns the pack from then on, also on failure. */
+static enum eco_code add_pack(struct srv_store *store, const char *name, struct eco_pack *pack,
+	const struct srv_file *file, struct eco_error *error)
+{
+	struct srv_scene *scene = calloc(1, sizeof *scene);
+	if (!scene) {
+		eco_pack_close(pack);
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for another scene");
+	}
+	*scene = (struct srv_scene){ .holders = 1, .pack = pack, .file = *file,
+		.modified_s = file->modified_s };
+	scene->file.path = strdup(file->path);
+	enum eco_code code = check_name(store, name, error);
+	if (!code) {
+		snprintf(scene->name, sizeof scene->name, "%s", name);
+		code = scene_index(scene, error);
+	}
+	code = code ? code : lod_plan_tables_make(&scene->tables, &pack->scene, error);
+	code = code ? code : append(store, scene, error);
+	if (code)
+		srv_scene_release(scene, NULL);
+	return code;
 }
 
 /* Small letters, and one dash for each run of what no name may have; all as it is where nothing would be
@@ -139,6 +170,37 @@ static enum eco_code open_pack(struct eco_pack **pack, const struct srv_store *s
 	return code ? eco_fail(error, code, "%s%s", why.text, advice) : ECO_OK;
 }
 
+static struct srv_file file_at(const char *path)
+{
+	struct stat about;
+	if (stat(path, &about))
+		return (struct srv_file){ .path = (char *)path };
+	return (struct srv_file){ .path = (char *)path, .device = about.st_dev, .number = about.st_ino,
+		.size_bytes = (uint64_t)about.st_size, .modified_s = about.st_mtim.tv_sec,
+		.modified_ns = about.st_mtim.tv_nsec };
+}
+
+static bool same_file(const struct srv_file *a, const struct srv_file *b)
+{
+	return b->number && a->device == b->device && a->number == b->number
+		&& a->size_bytes == b->size_bytes && a->modified_s == b->modified_s
+		&& a->modified_ns == b->modified_ns;
+}
+
+struct srv_scene *srv_store_find_file(const struct srv_store *store, const char *name, const char *path,
+	bool same)
+{
+	const struct srv_file now = file_at(path);
+	for (uint32_t i = 0; i < store->count; i++) {
+		struct srv_scene *scene = store->scenes[i];
+		if (scene->file.path && strcmp(scene->file.path, path) == 0
+				&& (!name || strcmp(scene->name, name) == 0)
+				&& (!same || same_file(&scene->file, &now)))
+			return scene;
+	}
+	return NULL;
+}
+
 enum eco_code srv_store_add(struct srv_store *store, const char *name, const char *path,
 	struct eco_error *error)
 {
@@ -147,6 +209,8 @@ enum eco_code srv_store_add(struct srv_store *store, const char *name, const cha
 	enum eco_code code = name ? check_name(store, name, error) : ECO_OK;
 	if (code)
 		return code;
+	/* before the pack is read: what changes meanwhile is read again at the next reload */
+	const struct srv_file file = file_at(path);
 	code = open_pack(&pack, store, path, error);
 	if (code)
 		return code;
@@ -156,15 +220,14 @@ enum eco_code srv_store_add(struct srv_store *store, const char *name, const cha
 		snprintf(chosen, sizeof chosen, "%s", pack->scene.name);
 	else
 		srv_name_of_file(chosen, path);
-	struct stat about;
-	return add_pack(store, chosen, pack, stat(path, &about) ? 0 : about.st_mtime, error);
+	return add_pack(store, chosen, pack, &file, error);
 }
 
 struct srv_scene *srv_store_find(const struct srv_store *store, const char *name)
 {
 	for (uint32_t i = 0; i < store->count; i++)
-		if (strcmp(store->scenes[i].name, name) == 0)
-			return &store->scenes[i];
+		if (strcmp(store->scenes[i]->name, name) == 0)
+			return store->scenes[i];
 	return NULL;
 }
 

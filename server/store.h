@@ -1,7 +1,8 @@
-/* The scenes that are served. Filled before the daemon starts, never changed while it runs, so that any
- * number of threads read it without locks; only two per-chunk marks change, each once and atomically:
- * "hash checked" and "response made"; and the planner's tables fill themselves likewise
- * (lod/plan/plan_tables.h).
+/* A set of scenes. A scene is opened, checked, and never changed, so that any number of threads read it
+ * without locks; only marks change, each once and atomically: per chunk "hash checked" and "response made",
+ * and what its plans usually cost; and the planner's tables fill themselves likewise
+ * (lod/plan/plan_tables.h). Stores that follow one another share the scenes whose files have not changed:
+ * each counts as a holder.
  *
  * Payloads stay in the mapped pack: the system's page cache keeps those that are asked for and gives up
  * those that are not (figures: lod/EXPERIMENTS.md, "Memory of client and server"). A cache of our own
@@ -11,7 +12,7 @@
  *   srv_store_add(&store, NULL, "scbi.eco", &error);         opens and checks the pack, takes its name
  *   const struct srv_scene *s = srv_store_find(&store, "scbi");
  *   srv_scene_payload(s, chunk, &bytes, &size, &error);      a chunk's bytes, hash checked the first time
- *   srv_store_free(&store);                                  after the daemon has stopped
+ *   srv_store_free(&store);
  * */
 #ifndef SRV_STORE_H
 #define SRV_STORE_H
@@ -27,10 +28,15 @@
 
 struct MHD_Response;
 
+/* What a file is known again by. */
+struct srv_file { char *path; uint64_t device, number, size_bytes; int64_t modified_s, modified_ns; };
+
 struct srv_scene {
+	_Atomic(uint32_t) holders;
 	char name[SRV_NAME_BYTES];
 	struct eco_pack *pack;
-	int64_t modified_s;                      /* when the file was last changed, since 1970 */
+	struct srv_file file;                    /* that the pack was read from; path NULL: not known */
+	int64_t modified_s;                      /* when it was last changed, since 1970 */
 	struct lod_plan_tables *tables;
 	uint32_t *by_id;                         /* chunk indices sorted by id */
 	_Atomic(uint8_t) *checked;               /* per chunk: the payload's hash has been found right */
@@ -39,7 +45,7 @@ struct srv_scene {
 };
 
 struct srv_store {
-	struct srv_scene *scenes;
+	struct srv_scene **scenes;
 	uint32_t count;
 	/* Set before scenes are added: packs are copied to this folder, so that a scene stays what was
 	 * checked, whatever becomes of its file. NULL: they are mapped where they are; a file that is
@@ -48,13 +54,22 @@ struct srv_store {
 };
 
 void srv_store_init(struct srv_store *store);
-/* responses must have been dropped (server/answer.h) */
+/* Releases its scenes. */
 void srv_store_free(struct srv_store *store);
+void srv_scene_hold(struct srv_scene *scene);
+/* With the last holder it is freed; `last` is called before (NULL: nothing is), since responses must have
+ * been dropped then (server/answer.h). */
+void srv_scene_release(struct srv_scene *scene, void (*last)(struct srv_scene *scene));
 
 /* Adds the pack at `path` as `name`; NULL takes the scene's own name where it is a valid one, else
  * srv_name_of_file. Names are [a-z0-9][a-z0-9_-]{0,62}. Errors name the file and say what to do. */
 enum eco_code srv_store_add(struct srv_store *store, const char *name, const char *path,
 	struct eco_error *error);
+/* Shares a scene of another store, under its own name. */
+enum eco_code srv_store_share(struct srv_store *store, struct srv_scene *scene, struct eco_error *error);
+/* The scene that was read from `path` (any name: NULL), or NULL; `same`: and whose file has not changed. */
+struct srv_scene *srv_store_find_file(const struct srv_store *store, const char *name, const char *path,
+	bool same);
 
 struct srv_scene *srv_store_find(const struct srv_store *store, const char *name);       /* or NULL */
 bool srv_name_valid(const char *name);

@@ -49,7 +49,7 @@ void ecostream_pack_close(struct ecostream_pack *pack)
 
 void ecostream_pack_info(const struct ecostream_pack *pack, struct ecostream_pack_info *info)
 {
-	const struct eco_scene *scene = &pack->store.scenes[0].pack->scene;
+	const struct eco_scene *scene = &pack->store.scenes[0]->pack->scene;
 	const struct eco_tile *root = &scene->tiles[scene->root];
 	*info = (struct ecostream_pack_info){ .name = scene->name, .plants = root->instance_count,
 		.kinds = scene->plant_count, .lists = scene->list_count };
@@ -77,7 +77,7 @@ static enum eco_code read_request(struct ecostream_answer *answer, const struct 
 static enum eco_code plan(struct ecostream_answer *answer, const struct ecostream_pack *pack,
 	const struct ecostream_request *request, struct eco_error *error)
 {
-	const struct srv_scene *scene = &pack->store.scenes[0];
+	const struct srv_scene *scene = pack->store.scenes[0];
 	enum eco_code code = read_request(answer, request, error);
 	if (!code)
 		code = srv_holdings_check(&scene->pack->scene, &answer->holdings, error);

@@ -179,7 +179,7 @@ static enum eco_code run_path(struct bench *bench, size_t which, const char *pac
 	for (size_t i = 0; i < PARTS && !code; i++) {
 		bench_progress(bench, ((double)which + (double)i / PARTS) / PATHS, paths[which].scene);
 		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
-			: walk_with(&served.scenes[0], &walk, memory_of(&walk, parts[i]), *rows, error);
+			: walk_with(served.scenes[0], &walk, memory_of(&walk, parts[i]), *rows, error);
 	}
 	srv_store_free(&served);
 	free(walk.requests);

@@ -413,7 +413,7 @@ static enum eco_code study_scene(struct bench *bench, size_t number, struct benc
 		if (!rows && !server.count)
 			code = srv_store_add(&server, scene, pack, error);
 		if (!rows && !code)
-			code = study_view(&(struct work){ .bench = bench, .scene = &server.scenes[0],
+			code = study_view(&(struct work){ .bench = bench, .scene = server.scenes[0],
 				.name = name }, &request, &rows, error);
 		if (!code && !bench_recall(bench, name, bench_pack_stamp(pack)))
 			rows = bench_keep(bench, name, bench_pack_stamp(pack), rows);

@@ -127,7 +127,7 @@ static enum eco_code draw_reference(struct bench_client *client, const struct ec
 	struct eco_request full = { .view = *view, .vertices = ECO_VERTICES_MAX, .bytes = ECO_BYTES_UNBOUNDED,
 		.ground_px = ECO_GROUND_PX_MIN, .texel_px = ECO_TEXEL_PX_MIN };
 	struct beside beside = { .ceiling = client->sees ? &r->ceiling : NULL, .soft = client->sees };
-	enum eco_code code = bench_fetch(NULL, &client->scenes.scenes[0], &full, client->full, error);
+	enum eco_code code = bench_fetch(NULL, client->scenes.scenes[0], &full, client->full, error);
 	r->ceiling = NAN;
 	if (!code)
 		code = draw(client->full, view, &r->picture, &beside, error);
@@ -228,7 +228,7 @@ enum eco_code bench_client_frame(struct bench_client *client, struct bench_frame
 	if (!code)
 		code = view_store_new(&store, &options, error);
 	if (!code)
-		code = bench_fetch(&fetch, &client->scenes.scenes[0], &frame->request, store, error);
+		code = bench_fetch(&fetch, client->scenes.scenes[0], &frame->request, store, error);
 	if (!code)
 		code = draw(store, &frame->request.view, &drawn, &beside, error);
 	if (!code)
@@ -266,7 +266,7 @@ enum eco_code bench_client_step(struct bench_client *client, struct bench_frame 
 	struct bench_fetch fetch = { .rule = frame->rule, .ignore_occlusion = frame->ignore_occlusion };
 	enum eco_code code = client->steps ? ECO_OK : view_store_new(&client->steps, &options, error);
 	if (!code)
-		code = bench_fetch(&fetch, &client->scenes.scenes[0], &frame->request, client->steps, error);
+		code = bench_fetch(&fetch, client->scenes.scenes[0], &frame->request, client->steps, error);
 	if (code)
 		return code;
 	const struct eco_plan *plan = view_store_plan(client->steps);

@@ -137,7 +137,7 @@ int main(int argc, char **argv)
 	srv_store_init(&scenes);
 	if (srv_store_add(&scenes, "scene", argv[1], &error))
 		random_stop(argv[1], &error);
-	uint64_t stream = damage_stream(&scenes.scenes[0], damages, seed),
+	uint64_t stream = damage_stream(scenes.scenes[0], damages, seed),
 		file = damage_pack(argv[1], damages, seed);
 	printf("%ld damages of a stream: %llu unnoticed; %ld of the pack: %llu unnoticed\n", damages,
 		(unsigned long long)stream, damages, (unsigned long long)file);

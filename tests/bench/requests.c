@@ -364,7 +364,7 @@ static uint64_t run_pack(const char *path, uint64_t first, uint64_t count, uint6
 	srv_store_init(&scenes);
 	if (srv_store_add(&scenes, "scene", path, &error))
 		random_stop(path, &error);
-	run.scene = &scenes.scenes[0];
+	run.scene = scenes.scenes[0];
 	for (uint64_t i = 0; i < count; i++) {
 		if (i % CLIENT_EVERY == 0)
 			new_client(&run);

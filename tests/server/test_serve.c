@@ -328,7 +328,7 @@ UNIT_TEST(below_the_smallest_stream_there_is_none)
 UNIT_TEST(chunks_are_immutable_and_partial)
 {
 	const struct eco_chunk *chunk = &scene()->chunks[3];
-	const uint8_t *payload = store.scenes[0].pack->map + chunk->offset;
+	const uint8_t *payload = store.scenes[0]->pack->map + chunk->offset;
 	char target[128], etag[SRV_ID_TEXT_BYTES + 2], last[64], whole_range[64], half[64], match[64];
 	uint32_t size = chunk->size_bytes;
 	chunk_target(target, 3);

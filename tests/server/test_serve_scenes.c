@@ -35,10 +35,10 @@ UNIT_TEST(scenes_are_named_and_checked)
 	assert_true(srv_store_add(&other, NULL, "build/tmp/not-there.eco", &error) != ECO_OK);
 	assert_non_null(strstr(error.text, "not-there.eco"));
 	assert_int_equal(other.count, 2);
-	assert_ptr_equal(srv_store_find(&other, "b-2"), &other.scenes[1]);
-	for (uint32_t i = 0; i < other.scenes[0].pack->scene.chunk_count; i++) {
-		const struct eco_chunk *chunks = other.scenes[0].pack->scene.chunks;
-		uint32_t found = srv_scene_chunk(&other.scenes[0], &chunks[i].id);
+	assert_ptr_equal(srv_store_find(&other, "b-2"), other.scenes[1]);
+	for (uint32_t i = 0; i < other.scenes[0]->pack->scene.chunk_count; i++) {
+		const struct eco_chunk *chunks = other.scenes[0]->pack->scene.chunks;
+		uint32_t found = srv_scene_chunk(other.scenes[0], &chunks[i].id);
 		assert_memory_equal(chunks[found].id.bytes, chunks[i].id.bytes, sizeof chunks->id.bytes);
 	}
 	srv_store_free(&other);

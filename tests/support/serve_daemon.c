@@ -12,7 +12,7 @@ const struct srv_site sample_site = { .count = 1, .files = { { SRV_SITE_INDEX, "
 
 const struct eco_scene *scene(void)
 {
-	return &store.scenes[0].pack->scene;
+	return &store.scenes[0]->pack->scene;
 }
 
 int serve_start(void **state)

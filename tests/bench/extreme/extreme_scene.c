@@ -364,7 +364,7 @@ bool extreme_world_open(struct extreme *x, struct extreme_world *world, const st
 	if (!code)
 		code = srv_store_add(&world->store, "extreme", path, &error);
 	unlink(path);                            /* what is mapped stays */
-	world->scene = code ? NULL : &world->store.scenes[0];
+	world->scene = code ? NULL : world->store.scenes[0];
 	return extreme_good(x, code, &error);
 }
 

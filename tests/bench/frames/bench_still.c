@@ -38,7 +38,7 @@ void bench_still_close(struct bench_still *still)
 
 const struct eco_scene *bench_still_scene(const struct bench_still *still)
 {
-	return &still->scenes.scenes[0].pack->scene;
+	return &still->scenes.scenes[0]->pack->scene;
 }
 
 /* ---- Plants ---- */
@@ -111,7 +111,7 @@ enum eco_code bench_still_draw(struct bench_still *still, const struct eco_reque
 	struct view_selection selection = { 0 };
 	struct lod_eye eye;
 	lod_eye_make(&eye, &request->view);
-	enum eco_code code = bench_fetch(NULL, &still->scenes.scenes[0], request, still->store, error);
+	enum eco_code code = bench_fetch(NULL, still->scenes.scenes[0], request, still->store, error);
 	if (!code)
 		code = view_select_make(&selection, still->store, &eye, error);
 	if (code)

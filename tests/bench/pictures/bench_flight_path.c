@@ -156,7 +156,7 @@ enum eco_code bench_flight_path(struct bench *bench, struct bench_flight *flight
 	srv_store_init(&served);
 	enum eco_code code = srv_store_add(&served, "flight", flight->pack, error);
 	if (!code)
-		code = make_views(&served.scenes[0], flight, first, error);
+		code = make_views(served.scenes[0], flight, first, error);
 	srv_store_free(&served);
 	snprintf(folder, sizeof folder, "%s/flight", bench->cache);
 	snprintf(flight->files, sizeof flight->files, "%s/%s-%u", folder, flight->scene, flight->count);

@@ -1,0 +1,225 @@
+/* Plans and streams: from the parameters to an answer, which a work thread makes or the cache has. */
+#include "server/exchange_parts.h"
+
+#include <microhttpd.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "ecofiles/format/wire.h"
+#include "server/describe.h"
+
+#define PLAN_TEXT_MAX (64u << 20)
+
+static void timing_text(char *text, size_t size, uint64_t begun_us, uint64_t planned_us)
+{
+	snprintf(text, size, "plan;dur=%.3f, build;dur=%.3f", (double)(planned_us - begun_us) / 1000.0,
+		(double)(srv_clock_us() - planned_us) / 1000.0);
+}
+
+static const char *type_of(const struct srv_exchange *exchange)
+{
+	return exchange->route == &srv_routes[SRV_PLAN] ? "application/json" : "application/octet-stream";
+}
+
+static void keep_answer(struct srv_exchange *exchange, unsigned status, uint64_t size_bytes,
+	struct srv_kept_body *body)
+{
+	if (exchange->validators.etag[0])
+		srv_plan_cache_put(exchange->host->plans, exchange->validators.etag,
+			&(struct srv_kept_answer){ status, size_bytes, body });
+}
+
+/* Answers from `body` (NULL: false) and keeps it for who asks again. What follows from a request that is not
+ * a GET or HEAD has no tag, and is not kept. */
+static bool answer_kept(struct srv_exchange *exchange, struct srv_kept_body *body, const char *timing)
+{
+	if (!body)
+		return false;
+	srv_answer_kept(&exchange->answer, body, type_of(exchange), &exchange->validators, timing);
+	keep_answer(exchange, MHD_HTTP_OK, body->size, body);
+	srv_kept_body_release(body);
+	return true;
+}
+
+static enum eco_code answer_plan(struct srv_exchange *exchange, struct srv_stream *stream, uint64_t begun_us,
+	struct eco_error *error)
+{
+	uint64_t planned_us = srv_clock_us();
+	char timing[96];
+	struct srv_json json = { 0 };
+	struct lod_explanation why = { 0 };
+	bool explain = exchange->query.explain;
+	enum eco_code code = explain ? srv_stream_explain(stream, &why, error) : ECO_OK;
+	if (!code)
+		srv_describe_plan(&json, stream, explain ? &why : NULL);
+	lod_explanation_free(&why);
+	if (code)
+		return code;
+	if (json.out.size > PLAN_TEXT_MAX) {
+		eco_writer_free(&json.out);
+		return eco_fail(error, ECO_TOO_LARGE, "the plan has %u cuts, too many to read; ask "
+			"for fewer vertices, or for the stream",
+			stream->steps[stream->step_count - 1].plan.cut_count);
+	}
+	timing_text(timing, sizeof timing, begun_us, planned_us);
+	const struct srv_piece text = { json.out.bytes, json.out.size };
+	if (!json.out.failed && answer_kept(exchange, srv_kept_body_copy(&text, 1, text.size), timing)) {
+		eco_writer_free(&json.out);
+		return ECO_OK;
+	}
+	keep_answer(exchange, MHD_HTTP_OK, json.out.size, NULL);
+	srv_answer_json(&exchange->answer, &json, &exchange->validators, timing);
+	return ECO_OK;
+}
+
+static enum eco_code answer_stream(struct srv_exchange *exchange, struct srv_stream *stream,
+	uint64_t begun_us, struct eco_error *error)
+{
+	uint64_t planned_us = srv_clock_us();
+	char timing[96];
+	struct srv_body body;
+	if (!stream->fits) {
+		timing_text(timing, sizeof timing, begun_us, planned_us);
+		keep_answer(exchange, MHD_HTTP_NO_CONTENT, 0, NULL);
+		srv_answer_no_stream(&exchange->answer, timing);
+		return ECO_OK;
+	}
+	enum eco_code code = srv_stream_write(stream, &body, error);
+	if (code)
+		return code;
+	timing_text(timing, sizeof timing, begun_us, planned_us);
+	if (exchange->validators.etag[0] && answer_kept(exchange,
+			srv_kept_body_copy(body.pieces, body.piece_count, body.size_bytes), timing)) {
+		srv_body_free(&body);
+		return ECO_OK;
+	}
+	keep_answer(exchange, MHD_HTTP_OK, body.size_bytes, NULL);
+	srv_answer_stream(&exchange->answer, &body, &exchange->validators, timing);
+	return ECO_OK;
+}
+
+static void plan_job(void *argument)
+{
+	struct srv_exchange *exchange = argument;
+	struct srv_host *host = exchange->host;
+	struct srv_stream_input input = { .scene = exchange->scene, .request = &exchange->query.request,
+		.rule = exchange->query.rule, .holdings = &exchange->holdings,
+		.body_max = host->config.response_max, .tiles_max = host->config.tiles_max,
+		.placements_max = host->config.placements_max, .cancelled = &exchange->cancelled };
+	struct srv_stream stream;
+	struct eco_error error = { 0 };
+	uint64_t begun_us = srv_clock_us();
+	enum eco_code code = srv_stream_plan(&stream, &input, &error);
+	if (!code) {
+		code = (exchange->route == &srv_routes[SRV_PLAN] ? answer_plan : answer_stream)(exchange,
+			&stream, begun_us, &error);
+		srv_stream_free(&stream);
+	}
+	if (code)
+		srv_exchange_problem(exchange, srv_problem_of(code), error.text, false);
+	else
+		srv_exchange_judge(exchange, &exchange->validators);
+}
+
+static void plan_done(void *argument)
+{
+	struct srv_exchange *exchange = argument;
+	srv_reaper_watch(exchange->host->reaper, exchange->lease, NULL);
+	exchange->phase = SRV_PHASE_DONE;
+	MHD_resume_connection(exchange->connection);     /* from here on the exchange may be gone */
+}
+
+void srv_exchange_start_plan(struct srv_exchange *exchange)
+{
+	exchange->phase = SRV_PHASE_WORKING;
+	MHD_suspend_connection(exchange->connection);    /* first: the job may end before submit returns */
+	srv_reaper_watch(exchange->host->reaper, exchange->lease, &exchange->cancelled);
+	if (srv_work_submit(exchange->host->work, &(struct srv_job){ .run = plan_job, .finish = plan_done,
+			.argument = exchange, .cancelled = &exchange->cancelled, .owner = exchange->client }))
+		return;
+	srv_exchange_problem(exchange, SRV_PROBLEM_BUSY,
+		"too many plans wait, or too many from this address; ask again in a second", false);
+	plan_done(exchange);
+}
+
+/* What was answered before to the same request. */
+static bool answer_again(struct srv_exchange *exchange)
+{
+	struct srv_kept_answer kept;
+	if (!srv_plan_cache_get(exchange->host->plans, exchange->validators.etag, &kept))
+		return false;
+	bool answered = true;
+	if (kept.status == MHD_HTTP_NO_CONTENT)
+		srv_answer_no_stream(&exchange->answer, NULL);
+	else if (kept.body)
+		srv_answer_kept(&exchange->answer, kept.body, type_of(exchange), &exchange->validators, NULL);
+	else if (exchange->method == SRV_METHOD_HEAD)
+		srv_answer_head(&exchange->answer, kept.status, kept.size_bytes, type_of(exchange),
+			&exchange->validators);
+	else
+		answered = false;
+	srv_kept_body_release(kept.body);
+	if (answered)
+		srv_exchange_judge(exchange, &exchange->validators);
+	return answered;
+}
+
+/* A tag takes the pack and the target alone: whether one is named is known without a plan. "*" names whatever
+ * there is, so that does need one. */
+static bool answer_by_tag(struct srv_exchange *exchange)
+{
+	const struct srv_conditions *conditions = &exchange->conditions;
+	char path[SRV_TARGET_BYTES_MAX];
+	struct srv_kept_answer kept = { .size_bytes = SRV_SIZE_UNKNOWN };
+	enum srv_verdict verdict = srv_conditions_judge(conditions, exchange->validators.etag,
+		exchange->validators.modified_s);
+	if (verdict == SRV_VERDICT_FAILED) {
+		srv_answer_failed_condition(&exchange->answer, srv_exchange_path(exchange, path));
+		return true;
+	}
+	if (verdict == SRV_VERDICT_GO || srv_etag_any(conditions->if_none_match))
+		return false;
+	if (srv_plan_cache_get(exchange->host->plans, exchange->validators.etag, &kept))
+		srv_kept_body_release(kept.body);
+	srv_answer_head(&exchange->answer, MHD_HTTP_NOT_MODIFIED, kept.size_bytes, type_of(exchange),
+		&exchange->validators);
+	return true;
+}
+
+static bool answer_unplanned(struct srv_exchange *exchange)
+{
+	srv_etag_request(exchange->validators.etag, exchange->scene, exchange->raw);
+	exchange->validators.modified_s = exchange->scene->modified_s;
+	return answer_by_tag(exchange) || answer_again(exchange);
+}
+
+bool srv_exchange_prepare_plan(struct srv_exchange *exchange)
+{
+	struct eco_error error = { 0 };
+	if (srv_query_parse(&exchange->query, &exchange->target, &error)) {
+		srv_exchange_problem(exchange, SRV_PROBLEM_PARAMETER, error.text, false);
+		return false;
+	}
+	if (exchange->query.explain && exchange->route != &srv_routes[SRV_PLAN]) {
+		srv_exchange_problem(exchange, SRV_PROBLEM_PARAMETER, "parameter 'explain': a stream explains "
+			"nothing; ask .../plan with the same parameters", false);
+		return false;
+	}
+	const struct eco_chunk_id *pack = &exchange->scene->pack->id;
+	if (exchange->query.has_pack && memcmp(pack->bytes, exchange->query.pack.bytes, sizeof pack->bytes)
+			!= 0) {
+		srv_exchange_problem(exchange, SRV_PROBLEM_PACK_CHANGED, "the pack is not the one that 'pack' "
+			"names: forget what was held of it and ask again without holdings", false);
+		return false;
+	}
+	if (exchange->method != SRV_METHOD_POST)
+		return !answer_unplanned(exchange);
+	enum eco_code code = eco_wire_read_holdings(exchange->body, exchange->body_size, &exchange->holdings,
+		&error);
+	if (!code)
+		code = srv_holdings_check(&exchange->scene->pack->scene, &exchange->holdings, &error);
+	if (code)
+		srv_exchange_problem(exchange, code == ECO_NO_MEMORY ? SRV_PROBLEM_BUSY : SRV_PROBLEM_HOLDINGS,
+			error.text, false);
+	return !code;
+}
