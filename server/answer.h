@@ -72,6 +72,7 @@ void srv_answer_drop_shared(struct srv_scene *scene);
 void srv_etag_of(char etag[SRV_ETAG_BYTES], const struct eco_chunk_id *id);
 /* A validator for what a server of this version, which bounds plans so, answers to `target` from this pack:
  * the same request gives the same bytes. */
-void srv_etag_request(char etag[SRV_ETAG_BYTES], const struct srv_scene *scene, const char *target);
+void srv_etag_request(char etag[SRV_ETAG_BYTES], const struct srv_scene *scene, uint64_t plan_times,
+	const char *target);
 
 #endif

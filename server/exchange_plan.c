@@ -7,6 +7,7 @@
 
 #include "ecofiles/format/wire.h"
 #include "server/describe.h"
+#include "server/typical.h"
 
 #define PLAN_TEXT_MAX (64u << 20)
 
@@ -105,7 +106,8 @@ static void plan_job(void *argument)
 	struct srv_stream_input input = { .scene = exchange->scene, .request = &exchange->query.request,
 		.rule = exchange->query.rule, .holdings = &exchange->holdings,
 		.body_max = host->config.response_max, .tiles_max = host->config.tiles_max,
-		.placements_max = host->config.placements_max, .cancelled = &exchange->cancelled };
+		.placements_max = host->config.placements_max, .cancelled = &exchange->cancelled,
+		.work_max = host->config.plan_times * srv_typical_work(exchange->scene) };
 	struct srv_stream stream;
 	struct eco_error error = { 0 };
 	uint64_t begun_us = srv_clock_us();
@@ -188,7 +190,8 @@ static bool answer_by_tag(struct srv_exchange *exchange)
 
 static bool answer_unplanned(struct srv_exchange *exchange)
 {
-	srv_etag_request(exchange->validators.etag, exchange->scene, exchange->raw);
+	srv_etag_request(exchange->validators.etag, exchange->scene, exchange->host->config.plan_times,
+		exchange->raw);
 	exchange->validators.modified_s = exchange->scene->modified_s;
 	return answer_by_tag(exchange) || answer_again(exchange);
 }

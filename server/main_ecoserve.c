@@ -67,6 +67,9 @@ static const struct eco_option options[] = {
 		.help = "that may wait for a thread; 64 if not given" },
 	{ "plans-per-address", 0, ECO_OPTION_COUNT, "N", &given.config.queue_share_max, 1, 100000,
 		.help = "of them for one address; addresses are served in turn; 32 if not given" },
+	{ "plan-work", 0, ECO_OPTION_COUNT, "N", &given.config.plan_times, 1, 1000,
+		.help = "what planning a request may cost, counted in ordinary plans of its scene; it ends "
+		"there with what it has, which is the same on every machine; 3 if not given" },
 	{ "trust-proxy", 0, ECO_OPTION_READ, "ADDRESS[/BITS],...", &given.config.trusted,
 		.read = read_networks, .help = "proxies that may open any number of connections, and whose "
 		"X-Forwarded-For says who asks" },

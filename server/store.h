@@ -38,6 +38,7 @@ struct srv_scene {
 	struct srv_file file;                    /* that the pack was read from; path NULL: not known */
 	int64_t modified_s;                      /* when it was last changed, since 1970 */
 	struct lod_plan_tables *tables;
+	_Atomic(uint64_t) typical_work;          /* of a plan (typical.h); 0: not found yet */
 	uint32_t *by_id;                         /* chunk indices sorted by id */
 	_Atomic(uint8_t) *checked;               /* per chunk: the payload's hash has been found right */
 	/* per chunk: the shared response, made when first asked for */

@@ -106,7 +106,14 @@ static struct lod_planner_input planner_input(const struct srv_stream_input *inp
 	return (struct lod_planner_input){ .scene = &input->scene->pack->scene,
 		.tables = input->scene->tables, .request = request, .holdings = input->holdings,
 		.tiles_max = input->tiles_max, .placements_max = input->placements_max, .rule = input->rule,
-		.ignore_occlusion = input->ignore_occlusion };
+		.ignore_occlusion = input->ignore_occlusion, .work_max = input->work_max };
+}
+
+/* Of the work that the answer may take. */
+static uint64_t work_left(const struct srv_stream *stream)
+{
+	uint64_t most = stream->input.work_max;
+	return !most ? UINT64_MAX : most > stream->work ? most - stream->work : 0;
 }
 
 /* Sizes answers while they are planned, with their ground. */
@@ -147,6 +154,8 @@ static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, dou
 		drop_coarser(stream);
 	}
 	enum eco_code code = lod_plan(&step->plan, &planner, error);
+	stream->work += stats.work;
+	stream->cut_short |= planner.work_max && stats.work >= planner.work_max / 2;
 	if (!code)
 		srv_trace(SRV_TRACE_PLAN, "%llu of %llu vertices in %u cuts: the search %s, a byte must save %g "
 			"pixels, %u answers sized",
@@ -333,7 +342,7 @@ static enum eco_code search_budget(struct srv_stream *stream, struct srv_emit *d
 	ground_px = best->ground_px;
 	*fits = !code && s.low_bytes <= budget_bytes;
 	*bytes = s.low_bytes;
-	for (; !code && *fits && !search_done(&s, budget_bytes); s.tries++) {
+	for (; !code && *fits && !search_done(&s, budget_bytes) && work_left(stream) > 0; s.tries++) {
 		uint64_t vertices = next_try(&s, budget_bytes), size;
 		struct srv_step step;
 		code = make_step(stream, vertices, ground_px, NULL, &step, error);
@@ -515,11 +524,14 @@ static enum eco_code plan_next(struct srv_stream *stream, struct srv_emit *dry, 
 		request.bytes -= without;
 	input.request = &request;
 	input.holdings = &then;
+	input.work_max = input.work_max ? work_left(stream) : 0;
 	if (!code)
 		code = srv_stream_plan(&next, &input, error);
 	free(then.items);
 	if (code)
 		return code;
+	stream->work += next.work;
+	stream->cut_short |= next.cut_short;
 	for (uint32_t i = 0; i < next.step_count && next.fits; i++) {
 		stream->next[stream->next_count++] = next.steps[i].needs;
 		next.steps[i].needs = (struct eco_holdings){ 0 };
@@ -632,28 +644,65 @@ static enum eco_code plan_on_scarce_ground(struct srv_stream *stream, struct siz
 	return code ? code : size_of(stream, sizing->dry, step, bytes, error);
 }
 
-static enum eco_code plan_all(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
+/* The smallest answer draws nothing on the coarsest ground. */
+static enum eco_code make_smallest(struct srv_stream *stream, struct srv_emit *dry, struct srv_step *step,
+	uint64_t *bytes, struct eco_error *error)
+{
+	const struct eco_view *view = &stream->input.request->view;
+	*step = (struct srv_step){ .plan.placements = malloc(sizeof *step->plan.placements) };
+	if (!step->plan.placements)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a plan");
+	step->plan.placements[step->plan.placement_count++] = (struct eco_placement){ .scale = 1 };
+	step->plan.prediction.fn = (double)view->width * view->height;
+	enum eco_code code = change_ground(stream, step, ECO_GROUND_PX_MAX, error);
+	return code ? code : size_of(stream, dry, step, bytes, error);
+}
+
+/* steps[0] and its bytes, within the request's if stream->fits. `smallest` is known to fit. */
+static enum eco_code plan_answer(struct srv_stream *stream, struct srv_emit *dry, struct srv_step *smallest,
+	uint64_t *bytes, struct eco_error *error)
 {
 	const struct eco_request *request = stream->input.request;
-	uint64_t bytes;
 	double ground_px = request->ground_px > 0 ? request->ground_px : ECO_GROUND_PX;
 	struct sizing sizing = { stream, dry, request->bytes, ground_px, false };
+	uint64_t smallest_bytes = *bytes;
 	enum eco_code code = make_step(stream, request->vertices, ground_px, searches(stream) ? NULL
 		: &sizing, &stream->steps[0], error);
 	if (code)
 		return code;
 	stream->step_count = 1;
-	code = size_of(stream, dry, &stream->steps[0], &bytes, error);
-	if (!code && bytes > request->bytes && !searches(stream))
-		code = plan_on_scarce_ground(stream, &sizing, &stream->steps[0], &bytes, error);
-	stream->fits = bytes <= request->bytes;
+	code = size_of(stream, dry, &stream->steps[0], bytes, error);
+	if (!code && *bytes > request->bytes && !searches(stream))
+		code = plan_on_scarce_ground(stream, &sizing, &stream->steps[0], bytes, error);
+	stream->fits = *bytes <= request->bytes;
 	if (!code && !stream->fits && searches(stream))
-		code = search_budget(stream, dry, &stream->steps[0], &bytes, &stream->fits, error);
-	stream->body_bytes = bytes;
+		code = search_budget(stream, dry, &stream->steps[0], bytes, &stream->fits, error);
+	if (!code && !stream->fits) {
+		step_free(&stream->steps[0]);
+		stream->steps[0] = *smallest;
+		*smallest = (struct srv_step){ 0 };
+		*bytes = smallest_bytes;
+		stream->fits = true;
+	}
+	return code;
+}
+
+static enum eco_code plan_all(struct srv_stream *stream, struct srv_emit *dry, struct eco_error *error)
+{
+	const struct eco_request *request = stream->input.request;
+	struct srv_step smallest;
+	enum eco_code code = make_smallest(stream, dry, &smallest, &stream->body_bytes, error);
+	if (!code && stream->body_bytes <= request->bytes) {
+		code = plan_answer(stream, dry, &smallest, &stream->body_bytes, error);
+		step_free(&smallest);
+	} else {
+		stream->steps[0] = smallest;
+		stream->step_count = 1;
+	}
 	if (code || !stream->fits)
 		return code;
 	code = fit_steps(stream, dry, error);
-	if (!code && request->next.given)
+	if (!code && request->next.given && work_left(stream) > 0)
 		code = plan_next(stream, dry, error);
 	if (!code)
 		code = send_rest(stream, dry, error);

@@ -48,6 +48,7 @@ struct srv_stream_input {
 	uint64_t tiles_max, placements_max;          /* as struct lod_planner_input */
 	lod_rule *rule;                              /* NULL: the optimiser */
 	bool ignore_occlusion;                       /* as struct lod_planner_input */
+	uint64_t work_max;                           /* of all its plans, as struct lod_planner_input */
 	/* looked at between plans: ECO_INTERRUPTED; may be NULL */
 	const atomic_bool *cancelled;
 };
@@ -75,6 +76,8 @@ struct srv_stream {
 	/* exact; where it does not fit, that of the smallest body */
 	uint64_t body_bytes, next_bytes;             /* next_bytes: of these, for the next view */
 	uint64_t chunk_count, chunk_bytes;           /* payloads in the body */
+	uint64_t work;                               /* of all plans, as struct lod_planner_stats */
+	bool cut_short;                              /* one of them might be better with more work */
 };
 
 struct srv_piece { const void *bytes; size_t size; };

@@ -415,10 +415,14 @@ void lod_allocation_lambda_range(const struct lod_allocation *m, double *high, d
 
 static void relax_all(struct lod_allocation *m)
 {
+	uint64_t gains = m->p->gains;
 	m->p->looks += m->ladder_choice_count;
 	relax_slots(m);
 	relax_gates(m);
 	relax_tiles(m);
+	lod_planner_work(m->p, LOD_WORK_CHOICE * (uint64_t)m->ladder_choice_count
+		+ LOD_WORK_TALLY * m->tallies + (m->price > 0 ? 3 : 1) * LOD_WORK_NODE
+		* (uint64_t)m->p->visible.node_count + LOD_WORK_SUMMARY * (m->p->gains - gains));
 }
 
 void lod_allocation_relax(struct lod_allocation *m, double lambda)
@@ -484,6 +488,8 @@ enum eco_code lod_allocation_predict(struct lod_allocation *m, struct eco_predic
 	struct eco_error *error)
 {
 	find_drawn_by(m);
+	lod_planner_work(m->p, LOD_WORK_VISIBILITY / 4 * (uint64_t)m->p->screen.count
+		+ LOD_WORK_CELL * m->p->screen.cells_touched / 4);
 	return lod_screen_expect(&m->p->screen, wrong_of, m, prediction, error);
 }
 
@@ -545,6 +551,7 @@ static void fix_whole(struct lod_allocation *m)
 void lod_allocation_fix(struct lod_allocation *m)
 {
 	struct lod_visible_tree *visible = &m->p->visible;
+	uint64_t gains = m->p->gains;
 	find_drawn_by(m);
 	fix_whole(m);
 	for (uint32_t n = 0; n < visible->node_count; n++)
@@ -570,4 +577,6 @@ void lod_allocation_fix(struct lod_allocation *m)
 			m->tile_choices[node->child_first + c].weight = plants;
 	}
 	lod_visible_tree_recount(visible, m->p->gates);
+	lod_planner_work(m->p, LOD_WORK_TALLY * m->tallies + LOD_WORK_NODE * (uint64_t)visible->node_count
+		+ LOD_WORK_SUMMARY * (m->p->gains - gains));
 }

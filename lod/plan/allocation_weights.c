@@ -582,6 +582,7 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 {
 	const struct eco_scene *scene = p->scene;
 	uint32_t slots = p->visible.slot_count, nodes = p->visible.node_count;
+	uint64_t gains = p->gains;
 	*m = (struct lod_allocation){ .p = p };
 	m->slot_choices = calloc(slots + 1, sizeof *m->slot_choices);
 	m->scratch = calloc(slots + 1, sizeof *m->scratch);
@@ -600,7 +601,8 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 	for (uint32_t s = 0; s < slots; s++)
 		m->counts[s] = p->visible.slots[s].count;
 	for (uint32_t n = 0; n < nodes; n++)
-		m->tile_choices[n].open = p->visible.nodes[n].state == LOD_OPEN;
+		if ((m->tile_choices[n].open = p->visible.nodes[n].state == LOD_OPEN))
+			m->tallies += p->visible.nodes[n].tally_count;
 	enum eco_code code = add_tiles(p, error);
 	if (!code)
 		code = lod_screen_shares(&p->screen, !p->input->ignore_occlusion, error);
@@ -620,6 +622,10 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 	if (!code)
 		code = make_tile_choices(m, error);
 	m->few_plants = m->tile_choices[0].plants < FEW_PLANTS;
+	lod_planner_work(p, LOD_WORK_VISIBILITY * (uint64_t)p->screen.count
+		+ LOD_WORK_CELL * p->screen.cells_touched + LOD_WORK_TALLY * m->tallies
+		+ 4 * LOD_WORK_CHOICE * (uint64_t)m->ladder_choice_count
+		+ 4 * LOD_WORK_NODE * (uint64_t)nodes + LOD_WORK_SUMMARY * (p->gains - gains));
 	return code;
 }
 

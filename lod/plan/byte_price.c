@@ -370,6 +370,13 @@ struct lod_summary_price lod_prices_summary(const struct lod_allocation *m, uint
 
 /* ---- Making ---- */
 
+/* Limits are made of what all choices and tallies come to, as a relaxation is. */
+static void work_limits(struct lod_allocation *m)
+{
+	lod_planner_work(m->p, LOD_WORK_CHOICE * (uint64_t)m->ladder_choice_count
+		+ LOD_WORK_TALLY * m->tallies);
+}
+
 enum eco_code lod_prices_make(struct lod_allocation *m, const struct eco_holdings *kept, double waste,
 	struct eco_error *error)
 {
@@ -390,6 +397,7 @@ enum eco_code lod_prices_make(struct lod_allocation *m, const struct eco_holding
 		&& (prices->saved = malloc((plants + 1u) * sizeof *prices->saved))
 		&& (prices->spent = malloc((plants + 1u) * sizeof *prices->spent))
 		&& make_ladders(m) && make_tiles(m) && make_room(m);
+	work_limits(m);
 	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for the bytes of %u tiles",
 		nodes);
 }
@@ -681,6 +689,7 @@ void lod_prices_lift(struct lod_allocation *m)
 void lod_prices_limit(struct lod_allocation *m, bool first, bool last)
 {
 	struct lod_prices *prices = m->prices;
+	work_limits(m);
 	count_drawn(m);
 	if (!m->spares)
 		limit_levels(m);
@@ -699,6 +708,7 @@ void lod_prices_limit(struct lod_allocation *m, bool first, bool last)
 
 void lod_prices_tighten(struct lod_allocation *m)
 {
+	work_limits(m);
 	count_drawn(m);
 	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
 		m->prices->ladders[i].limit = used_step(m, &m->prices->ladders[i]);
@@ -709,6 +719,7 @@ void lod_prices_tighten(struct lod_allocation *m)
 double lod_prices_bytes(struct lod_allocation *m)
 {
 	double sum = m->cost.bytes;
+	work_limits(m);
 	count_drawn(m);
 	for (uint32_t i = 0; i < m->prices->image_count; i++)
 		m->prices->images[i].used = false;

@@ -126,6 +126,7 @@ static void fill_at(struct lod_fill *fill, double lambda)
 {
 	fill->vertices = 0;
 	fill->allocation->p->looks += fill->candidate_count;
+	lod_planner_work(fill->allocation->p, LOD_WORK_CANDIDATE * (uint64_t)fill->candidate_count);
 	for (uint32_t i = 0; i < fill->candidate_count; i++) {
 		struct lod_candidate *candidate = &fill->candidates[i];
 		double position = candidate->weight_px > 0
@@ -300,6 +301,7 @@ static double error_at(const struct lod_fill *fill, const struct lod_candidate *
 {
 	if (vertices == candidate->hull->points->vertices)
 		return error(candidate->hull, candidate->hull->points);
+	lod_planner_work(fill->allocation->p, LOD_WORK_CURVE);
 	struct lod_hull_point point = lod_hull_point_at(way_of(fill, candidate), vertices,
 		candidate->hull->slack, candidate->hull->impostor);
 	return error(candidate->hull, &point);
@@ -455,12 +457,13 @@ bool lod_fill_rest(struct lod_fill *fill, uint64_t budget, uint32_t except)
 			heap[count++] = (struct lod_heap_item){ lod_candidate_next(candidate), i };
 	}
 	lod_heap_make(heap, count);
-	uint64_t left = budget - fill->vertices;
+	uint64_t left = budget - fill->vertices, steps = 0;
 	while (count && left) {
 		struct lod_candidate *candidate = &fill->candidates[heap[0].id];
 		uint32_t step = candidate->step;
 		uint64_t spent = fill_candidate(fill, candidate, left);
 		left -= spent;
+		steps++;
 		fill->allocation->p->gains += candidate->step != step;
 		if (candidate->step != step && lod_candidate_next(candidate) > 0)
 			heap[0].key = lod_candidate_next(candidate);
@@ -468,6 +471,7 @@ bool lod_fill_rest(struct lod_fill *fill, uint64_t budget, uint32_t except)
 			heap[0] = heap[--count];
 		lod_heap_sift(heap, count, 0);
 	}
+	lod_planner_work(fill->allocation->p, 2 * LOD_WORK_CANDIDATE * (fill->candidate_count + steps));
 	fill->vertices = budget - left;
 	free(heap);
 	return true;
@@ -654,6 +658,7 @@ double lod_fill_wrong_of(const struct lod_fill *fill, const struct lod_candidate
 void lod_fill_sum(struct lod_fill *fill)
 {
 	fill->wrong = 0;
+	lod_planner_work(fill->allocation->p, LOD_WORK_CHOICE * (uint64_t)fill->candidate_count);
 	for (uint32_t i = 0; i < fill->candidate_count; i++)
 		fill->wrong += lod_fill_wrong_of(fill, &fill->candidates[i]);
 }
@@ -685,10 +690,13 @@ static void sum_coverage(struct lod_fill *fill)
 
 enum eco_code lod_fill_finish(struct lod_fill *fill, uint64_t budget, bool swaps, struct eco_error *error)
 {
+	struct lod_planner *p = fill->allocation->p;
+	lod_planner_work(p, p->screen.count + LOD_WORK_CHOICE * (uint64_t)fill->candidate_count
+		+ LOD_WORK_TALLY * fill->allocation->tallies);
 	bool good = collect_hashes(fill) && lod_fill_rest(fill, budget, ECO_NONE);
 	if (good)
 		lod_fill_sum(fill);
-	if (!good || (swaps && !lod_swap_steps(fill, budget)))
+	if (!good || (swaps && !lod_planner_over(p, 2) && !lod_swap_steps(fill, budget)))
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u candidates",
 			fill->candidate_count);
 	fill->cheapest = cheapest_step(fill);

@@ -55,12 +55,14 @@ enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *in
 			error);
 	if (!code && input->explanation)
 		lod_explain_ground(input->explanation, plan, input->scene, input->request->ground_px);
-	if (input->stats)
-		*input->stats = (struct lod_planner_stats){ p.candidates, p.gains, p.looks, p.visible.places,
-			p.cheapest, p.level, p.converged, p.bytes, p.sized, p.price, p.wrong };
+	struct lod_planner_stats stats = { p.candidates, p.gains, p.looks, p.visible.places, 0, p.cheapest,
+		p.level, p.converged, p.bytes, p.sized, p.price, p.wrong };
 	bool many = input->coarser && (!input->size || p.bytes > input->coarser->least);
 	if (!code && many && p.search && !(p.price > 0))
 		code = lod_bytes_coarser(p.search, plan, error);
+	stats.work = p.work;
+	if (input->stats)
+		*input->stats = stats;
 	lod_planner_end(&p);
 	if (code)
 		eco_plan_free(plan);

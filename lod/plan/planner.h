@@ -18,12 +18,13 @@ typedef enum eco_code lod_rule(struct lod_planner *planner, struct eco_error *er
 lod_rule lod_rule_optimal;           /* fewest expected wrong pixels: measured error x area x visibility */
 lod_rule lod_rule_deussen;           /* one sample distance d' (Deussen 2002, section 5); ignores occlusion */
 
-/* The effort of planning, in counts. All but places and converged: lod_rule_optimal. */
+/* The effort of planning, in counts. All but places, work and converged: lod_rule_optimal. */
 struct lod_planner_stats {
 	uint64_t candidates;         /* steps of all hulls in view, from nothing to everything */
 	uint64_t gains;              /* those whose gain was computed */
 	uint64_t looks;              /* hulls searched for a lambda: choices in view x lambdas tried */
 	uint64_t places;             /* plants looked at one by one */
+	uint64_t work;               /* all of it, in units of about 6 ns */
 	uint64_t cheapest;           /* vertices of the cheapest step left that gains; UINT64_MAX: none */
 	uint32_t level;              /* level of detail: finer where every curve of a coarser one had ended */
 	bool converged;              /* the search ended by its tolerance, not by its bound of tries */
@@ -65,6 +66,11 @@ struct lod_planner_input {
 	uint64_t tiles_max, placements_max;          /* bounds of the walk; 0: 1,000,000 and 100,000 */
 	lod_rule *rule;                              /* NULL: lod_rule_optimal */
 	bool ignore_occlusion;                       /* every plant counts as wholly visible: to measure */
+	/* Work that the plan may take, in units of stats->work; 0: any. It is counted, not timed, so that the
+	 * same request ends the same everywhere. The level of detail is one whose plan it is expected to
+	 * allow; at half of it nothing more is begun that only makes the plan better, at all of it the search
+	 * within bytes takes what it has, and coarser answers end. */
+	uint64_t work_max;
 	struct lod_planner_stats *stats;             /* may be NULL */
 	struct lod_explanation *explanation;         /* lod/plan/explain.h, empty; NULL: no reasons */
 	const struct lod_planner_coarser *coarser;   /* NULL: none; not with an explanation */

@@ -59,6 +59,7 @@ enum eco_code lod_bytes_size(struct lod_planner *p, struct eco_error *error)
 	struct eco_plan plan;
 	enum eco_code code = emit_without_reasons(p, &plan, error);
 	p->sized++;
+	lod_planner_work(p, LOD_WORK_CHOICE * (uint64_t)p->entry_count);
 	if (!code)
 		code = p->input->size(p->input->size_ctx, &plan, &p->bytes, error);
 	eco_plan_free(&plan);
@@ -76,7 +77,7 @@ struct fitted {
 /* Gaps between prices are filled where all chunks count alike: else they are others, and seldom. */
 static double relax_and_fill(struct lod_allocation *m, struct fitted *fit, double target, double over)
 {
-	return fit->kept ? lod_price_relax(m, fit->lambda, &fit->at)
+	return fit->kept || lod_planner_over(m->p, 3) ? lod_price_relax(m, fit->lambda, &fit->at)
 		: lod_price_fill(m, fit->lambda, target, &fit->at, over);
 }
 
@@ -93,7 +94,7 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 	fit->lambda = again ? fit->lambda : low;
 	lod_price_find(m, fit->lambda, target, near, &fit->at, &over);
 	bool both = !again && m->cost.vertices > (double)budget;
-	for (int i = 0; both && i <= PRICE_LAMBDAS; i++) {
+	for (int i = 0; both && i <= PRICE_LAMBDAS && !(i && lod_planner_over(m->p, 3)); i++) {
 		double lambda = i ? sqrt(low * high) : high, beyond;
 		struct lod_price at;
 		lod_price_find(m, lambda, target, fit->at.tiles, &at, &beyond);
@@ -152,7 +153,8 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 		bool fits = now.size <= most, fitted = best->size <= most;
 		if (!code && (fits && fitted ? now.size > best->size : now.size < best->size))
 			keep_fitted(best, &now, plants);
-		if (now.size == before || (now.size <= most && now.size >= most * (1 - LOD_PRICE_SLACK)))
+		if (now.size == before || (now.size <= most && now.size >= most * (1 - LOD_PRICE_SLACK))
+				|| (best->size <= most && lod_planner_over(p, 4)))
 			break;
 		beside = now.size - bytes;
 	}
@@ -181,7 +183,7 @@ static enum eco_code fit_twice(const struct lod_lambda_search *s, uint64_t budge
 	struct fitted alike = { INFINITY, lambda, highest, room + plants, NULL, INFINITY },
 		other = { INFINITY, lambda, highest, room + 2 * (size_t)plants, kept, INFINITY };
 	enum eco_code code = fit_prices(s, budget, &alike, room, error);
-	if (!code)
+	if (!code && !lod_planner_over(s->allocation->p, 3))
 		code = fit_prices(s, budget, &other, room, error);
 	if (code || other.wrong < alike.wrong)
 		return code;
@@ -270,7 +272,8 @@ enum eco_code lod_bytes_spare(struct lod_lambda_search *s, uint64_t budget, stru
 		return ECO_OK;
 	enum eco_code code = lod_prices_make(m, NULL, 0, error);
 	m->spares = true;
-	for (int i = 0; !code && !(s->price > 0) && i < SPARE_PRICES; i++, price *= SPARE_NEXT) {
+	for (int i = 0; !code && !(s->price > 0) && i < SPARE_PRICES && !lod_planner_over(p, 3); i++,
+			price *= SPARE_NEXT) {
 		code = fill_spared(s, price, lambda, vertices, budget, error);
 		s->price = hardly_misses(p, &before, price, pixels) ? price : 0;
 	}
@@ -315,7 +318,8 @@ static bool raise_price(const struct lod_lambda_search *s, struct sweep *sweep, 
 {
 	double low = sweep->octave, high = LOD_PRICE_HIGHEST, some = NAN;    /* some: steep, but not empty */
 	double step = lod_octaves(ratio) / -sweep->slope, octave = low + step, bytes = 0, fall = 1;
-	for (int tries = 0; octave < LOD_PRICE_HIGHEST; tries += high < LOD_PRICE_HIGHEST) {
+	for (int tries = 0; octave < LOD_PRICE_HIGHEST && !lod_planner_over(s->allocation->p, 4);
+			tries += high < LOD_PRICE_HIGHEST) {
 		bytes = relax_within(s, sweep, octave, budget);
 		fall = sweep->bytes / fmax(bytes, 1);
 		bool flat = fall < SWEEP_FALL_LEAST, steep = fall > ratio * ratio;
@@ -371,7 +375,7 @@ static enum eco_code sweep_prices(const struct lod_lambda_search *s, uint64_t bu
 	enum eco_code code = ECO_OK;
 	sweep.bytes = lod_price_relax(m, sweep.lambda, &(struct lod_price){ octave, octave });
 	for (uint32_t i = 0; i < coarser->most && !code && sweep.bytes > (double)coarser->least; i++) {
-		if (!raise_price(s, &sweep, coarser->ratio, budget))
+		if (lod_planner_over(m->p, 3) || !raise_price(s, &sweep, coarser->ratio, budget))
 			break;
 		code = hand_over(s, sweep.lambda, budget, error);
 		if (m->cost.vertices < SWEEP_VERTICES * (double)budget)
@@ -385,6 +389,8 @@ enum eco_code lod_bytes_coarser(const struct lod_lambda_search *s, const struct 
 {
 	struct eco_holdings kept;
 	struct lod_planner *p = s->allocation->p;
+	if (lod_planner_over(p, 2))
+		return ECO_OK;
 	enum eco_code code = lod_plan_needs(p->scene, answer, &kept, error);
 	if (!code)
 		code = lod_prices_make(s->allocation, &kept, WASTE_COARSER, error);

@@ -112,7 +112,11 @@ enum eco_code lod_planner_open(struct lod_planner *p, double d, double d_cells, 
 {
 	for (uint32_t i = 0; i < p->scene->plant_count; i++)
 		p->gates[i] = gate_at(p, i, d_cells);
-	return lod_visible_tree_count(&p->visible, d, p->gates, error);
+	uint64_t before = p->visible.places;
+	enum eco_code code = lod_visible_tree_count(&p->visible, d, p->gates, error);
+	lod_planner_work(p, LOD_WORK_PLACE * (p->visible.places - before)
+		+ LOD_WORK_NODE * (uint64_t)p->visible.node_count);
+	return code;
 }
 
 /* Pixels that one plant's organ is expected to cover: half its area, at most its bounding disc. */
@@ -176,6 +180,8 @@ static enum eco_code count_vertices(struct lod_planner *p, int step, struct eco_
 	p->entry_count = 0;
 	p->vertices = 0;
 	p->ended = true;
+	lod_planner_work(p, LOD_WORK_NODE * (uint64_t)p->visible.node_count
+		+ 6 * LOD_WORK_CHOICE * (uint64_t)p->visible.slot_count);
 	for (uint32_t s = 0; s < p->visible.slot_count; s++) {
 		const struct lod_slot *slot = &p->visible.slots[s];
 		double r = lod_band_distance_m(slot->band);
@@ -219,7 +225,9 @@ static enum eco_code count_vertices(struct lod_planner *p, int step, struct eco_
 /* After a step that is too large the tree is empty, so that a coarser step has all the room. */
 static enum eco_code open_step(struct lod_planner *p, int step, struct eco_error *error)
 {
-	p->visible.places_max = step > 0 && (p->scene->needs & ECO_NEED_SUMMARIES) ? PLACES_MOST : 0;
+	uint64_t most = p->input->work_max ? p->input->work_max / 4 / LOD_WORK_PLACE : PLACES_MOST;
+	p->visible.places_max = step > 0 && (p->scene->needs & ECO_NEED_SUMMARIES)
+		? (most < PLACES_MOST ? most : PLACES_MOST) + 1 : 0;
 	enum eco_code code = lod_planner_open(p, distance_at(step), distance_at(step), error);
 	return code == ECO_TOO_LARGE && lod_visible_tree_restart(&p->visible, NULL) ? ECO_NO_MEMORY : code;
 }
@@ -256,7 +264,7 @@ static enum eco_code solve(struct lod_planner *p, int *solution, struct eco_erro
 			break;
 		high = p->ended || high + STEPS_PER_OCTAVE > STEP_LAST ? STEP_LAST : high + STEPS_PER_OCTAVE;
 	}
-	while (high - low > 1) {
+	while (high - low > 1 && !lod_planner_over(p, 2)) {
 		int middle = low + (high - low) / 2;
 		enum eco_code code = try_level(p, middle, &fits, error);
 		if (code)
@@ -272,7 +280,7 @@ static enum eco_code solve(struct lod_planner *p, int *solution, struct eco_erro
 static enum eco_code points_that_fit(struct lod_planner *p, int structure, struct eco_error *error)
 {
 	int low = -1, high = structure + 1;
-	while (high - low > 1) {
+	while (high - low > 1 && !(low >= 0 && lod_planner_over(p, 4))) {
 		int middle = low + (high - low) / 2;
 		enum eco_code code = count_vertices(p, middle, error);
 		if (code)
@@ -307,7 +315,7 @@ static enum eco_code best_structure(struct lod_planner *p, int solved, int *best
 	uint64_t most = 0, budget = p->input->request->vertices;
 	*best = solved < 0 ? 0 : solved;
 	int step = *best, stride = 1;
-	for (int i = 0; i < STRUCTURE_TRIES; i++) {
+	for (int i = 0; i < STRUCTURE_TRIES && !(i && lod_planner_over(p, 3)); i++) {
 		struct eco_error local = { 0 };
 		enum eco_code code = plan_structure(p, step, &local);
 		if (code && code != ECO_TOO_LARGE)

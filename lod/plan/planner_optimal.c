@@ -44,6 +44,12 @@
 #define COARSEST -12
 #define SPARE_REACH 2            /* answers of so many times the bytes may fit without what nobody misses */
 #define PLACES_MOST 100000u      /* plants that one level walks over */
+#define WALKS 4                  /* as large as may be, that the work allows */
+/* work of a plan, over that of one pass over all choices: these are how many of a slot, usually */
+#define SLOT_CHOICES 3
+#define FINER_WORK 4             /* of a finer level, over that of a level */
+#define PASSES_VERTICES 32
+#define PASSES_BYTES 200
 
 double lod_lambda_at(int index)
 {
@@ -57,6 +63,12 @@ static void begin_screen(struct lod_planner *p)
 	lod_screen_init(&p->screen, &p->visible.eye, &p->input->request->view, p->scene->ground_count > 0);
 	p->visible.screen = &p->screen;
 	p->visible.proxy_shapes = lod_plan_tables_proxy_shapes(p->tables);
+}
+
+/* Is half of the work done, at which nothing more is begun that only makes the plan better? */
+static bool is_enough(const struct lod_lambda_search *s)
+{
+	return lod_planner_over(s->allocation->p, 2);
 }
 
 /* ---- The search for lambda ---- */
@@ -215,7 +227,7 @@ static double exact_lambda(const struct lod_lambda_search *s, uint64_t budget)
 	double enough = (double)budget;
 	double unused = enough - s->here.vertices, under = unused, over = s->next.vertices - enough;
 	int side = 0;
-	for (int i = 0; i < LAMBDA_TRIES && low > 0 && unused > enough * LAMBDA_SLACK; i++) {
+	for (int i = 0; i < LAMBDA_TRIES && low > 0 && unused > enough * LAMBDA_SLACK && !is_enough(s); i++) {
 		double part = under / (under + over);
 		part = part < 0.02 ? 0.02 : part > 0.98 ? 0.98 : part;
 		double middle = high * lod_exp_minus(part * lod_log(high / low));
@@ -352,7 +364,7 @@ static enum eco_code toggle_slots(const struct lod_lambda_search *s, uint64_t bu
 	bool better = true;
 	for (int pass = 0; pass < TOGGLE_PASSES && better; pass++) {
 		better = false;
-		for (uint32_t i = 0; i < m->p->visible.slot_count && !code; i++) {
+		for (uint32_t i = 0; i < m->p->visible.slot_count && !code && !is_enough(s); i++) {
 			struct lod_slot_choice *choice = &m->slot_choices[i];
 			if (!choice->whole_count || !m->counts[i])
 				continue;
@@ -380,7 +392,7 @@ static enum eco_code try_whole(const struct lod_lambda_search *s, double *lambda
 	enum eco_code code = ECO_OK;
 	set_rules(m, RULES_AS_FILLED);
 	set_rules(m, RULES_KEEP);
-	for (enum rules rules = RULES_ALL; rules <= RULES_NONE && !code; rules++) {
+	for (enum rules rules = RULES_ALL; rules <= RULES_NONE && !code && !is_enough(s); rules++) {
 		set_rules(m, rules);
 		if (improves(s, lambda_of_rules(s, budget), budget, AIM_Q, &best, &code, error))
 			set_rules(m, RULES_KEEP);
@@ -402,7 +414,7 @@ static enum eco_code lower_whole(const struct lod_lambda_search *s, double *lamb
 	struct best best = { p->wrong, *lambda };
 	double high = *lambda, low = *lambda, tried = *lambda;
 	enum eco_code code = ECO_OK;
-	for (int i = 0; i < LOWER_TRIES && !code; i++) {
+	for (int i = 0; i < LOWER_TRIES && !code && !is_enough(s); i++) {
 		tried = low < high ? sqrt(low * high) : high / LOWER_FACTOR;
 		improves(s, tried, budget, AIM_WRONG, &best, &code, error);
 		if (ends_whole(p)) {
@@ -421,11 +433,11 @@ static enum eco_code fill_budget(struct lod_lambda_search *s, uint64_t budget, s
 	struct lod_allocation *m = s->allocation;
 	s->lambda = s->index == LOD_LAMBDA_COUNT ? lod_lambda_at(s->index) : exact_lambda(s, budget);
 	enum eco_code code = lod_search_fill(s, s->lambda, budget, error);
-	if (code || !m->has_whole || !(s->lambda > 0))
+	if (code || !m->has_whole || !(s->lambda > 0) || is_enough(s))
 		return code;
 	if (ends_whole(m->p))
 		code = lower_whole(s, &s->lambda, budget, error);
-	return code || !m->few_plants ? code : try_whole(s, &s->lambda, budget, error);
+	return code || !m->few_plants || is_enough(s) ? code : try_whole(s, &s->lambda, budget, error);
 }
 
 /* ---- Levels of detail ---- */
@@ -449,7 +461,7 @@ static enum eco_code plan_level(struct lod_lambda_search *s, struct lod_planner 
 		code = fill_budget(s, budget, error);
 	if (!code && p->input->size)
 		code = lod_bytes_size(p, error);
-	if (!code && p->input->size && p->bytes / SPARE_REACH <= p->input->request->bytes)
+	if (!code && p->input->size && p->bytes / SPARE_REACH <= p->input->request->bytes && !is_enough(s))
 		code = lod_bytes_spare(s, budget, error);
 	if (!code && p->bytes > p->input->request->bytes)
 		code = lod_bytes_fit(s, budget, error);
@@ -490,17 +502,39 @@ static bool complete(const struct lod_planner *p)
 	return true;
 }
 
+/* Is the plan of this level, or of one so many times as large, expected to take no more work than it may?
+ * Tiles, tallies and choices are gone through once for each lambda, and several times for each price of
+ * bytes. Nothing of this depends on the budget: else a larger one might see a coarser level. */
+static bool is_affordable(const struct lod_planner *p, uint64_t times)
+{
+	bool bytes = p->input->request->bytes != ECO_BYTES_UNBOUNDED;
+	uint64_t each = LOD_WORK_NODE * (uint64_t)p->visible.node_count
+		+ SLOT_CHOICES * LOD_WORK_CHOICE * (uint64_t)p->visible.slot_count;
+	for (uint32_t n = 0; n < p->visible.node_count; n++)
+		each += LOD_WORK_TALLY * (uint64_t)p->visible.nodes[n].tally_count;
+	return !p->input->work_max
+		|| each * times < p->input->work_max / (bytes ? PASSES_BYTES : PASSES_VERTICES);
+}
+
+/* Plants that a walk may look at: it may have been in vain. */
+static uint64_t places_most(const struct lod_planner *p)
+{
+	uint64_t most = p->input->work_max / WALKS / LOD_WORK_PLACE;
+	return !p->input->work_max || most > PLACES_MOST ? PLACES_MOST : most + 1;
+}
+
 /* Opens the finest level from `level` towards coarser ones that is within bounds. At eye height there may be
  * millions of plants up to the horizon, nearly all hidden or smaller than a pixel: their tiles are opened
- * only as far as the bound allows. */
+ * only as far as the bounds allow, of plants and of work. */
 static enum eco_code open_possible(struct lod_planner *p, int *level, struct eco_error *error)
 {
 	for (;; --*level) {
 		struct eco_error local = { 0 };
 		bool bound = *level > COARSEST && (p->scene->needs & ECO_NEED_SUMMARIES);
-		p->visible.places_max = bound ? PLACES_MOST : 0;
+		p->visible.places_max = bound ? places_most(p) : 0;
 		enum eco_code code = open_level(p, *level, &local);
-		if (code != ECO_TOO_LARGE || *level <= COARSEST)
+		bool affordable = code || !bound || is_affordable(p, 1);
+		if ((code != ECO_TOO_LARGE && affordable) || *level <= COARSEST)
 			return code ? eco_fail(error, code, "%s", local.text) : ECO_OK;
 		p->screen.count = 0;
 		code = lod_visible_tree_restart(&p->visible, error);
@@ -526,7 +560,8 @@ static enum eco_code plan_levels(struct lod_lambda_search *s, struct lod_planner
 		p->level = (uint32_t)(level - COARSEST);
 		lod_allocation_free(s->allocation);
 		code = plan_level(s, p, &predicts, error);
-		bool more = p->cheapest == UINT64_MAX && !draws_whole(p) && !(p->price > 0);
+		bool more = p->cheapest == UINT64_MAX && !draws_whole(p) && !(p->price > 0)
+			&& is_affordable(p, FINER_WORK);
 		if (code || all || !more || level < asked || level >= FINER_TIMES)
 			break;
 		asked = ++level;

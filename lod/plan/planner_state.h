@@ -48,6 +48,7 @@ struct lod_planner {
 	                              * choose between organs and splats; errors count as in lod_hull_more,
 	                              * and twice where nothing is drawn */
 	uint64_t candidates, gains, looks; /* as in lod_planner_stats */
+	uint64_t work;               /* as in lod_planner_stats */
 	uint64_t bytes;              /* as in lod_planner_stats */
 	uint32_t sized;
 	double price;
@@ -63,6 +64,30 @@ struct lod_planner {
 enum eco_code lod_planner_begin(struct lod_planner *p, const struct lod_planner_input *input,
 	struct eco_error *error);
 void lod_planner_end(struct lod_planner *p);
+
+/* Weights of the work that is counted, by measurement (lod/EXPERIMENTS.md, What a plan costs). */
+enum lod_work_weight {
+	LOD_WORK_PLACE = 24,         /* a plant looked at */
+	LOD_WORK_NODE = 6,           /* a tile, a tally, a choice, a candidate, each time it is passed */
+	LOD_WORK_TALLY = 2,
+	LOD_WORK_CHOICE = 5,
+	LOD_WORK_CANDIDATE = 2,
+	LOD_WORK_CURVE = 10,         /* a curve read anywhere on it */
+	LOD_WORK_SUMMARY = 32,       /* a number of a summary's points tried */
+	LOD_WORK_VISIBILITY = 16,    /* a plant on the coarse screen, and a cell of it */
+	LOD_WORK_CELL = 1
+};
+
+/* Are so many quarters of the work done that the plan may take? */
+static inline bool lod_planner_over(const struct lod_planner *p, uint64_t quarters)
+{
+	return p->input->work_max && p->work / quarters >= p->input->work_max / 4;
+}
+
+static inline void lod_planner_work(struct lod_planner *p, uint64_t done)
+{
+	p->work += done;
+}
 
 /* Opens the tiles and cells that the sample distances d' need, and counts plants: sets gates and slots. */
 enum eco_code lod_planner_open(struct lod_planner *p, double tiles_distance, double cells_distance,

@@ -48,7 +48,8 @@ static struct lod_price search_price(struct lod_allocation *m, double lambda, do
 {
 	double over = 1, under = 1, bytes = 0;
 	int side = 0;
-	while (high - *low > PRICE_STEP && bytes < target * (1 - LOD_PRICE_SLACK)) {
+	while (high - *low > PRICE_STEP && bytes < target * (1 - LOD_PRICE_SLACK)
+			&& !lod_planner_over(m->p, 4)) {
 		double part = over / (over + under);
 		part = part < 0.1 ? 0.1 : part > 0.9 ? 0.9 : part;
 		double middle = *low + part * (high - *low);

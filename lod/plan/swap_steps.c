@@ -50,6 +50,7 @@ static struct release release_of(const struct lod_fill *fill, const struct lod_c
 static bool release_others(struct lod_fill *fill, uint64_t budget, uint32_t except, struct release *releases)
 {
 	fill->vertices = 0;
+	lod_planner_work(fill->allocation->p, LOD_WORK_CHOICE * (uint64_t)fill->candidate_count);
 	for (uint32_t i = 0; i < fill->candidate_count; i++) {
 		fill->vertices += lod_candidate_vertices(&fill->candidates[i]);
 		releases[i] = i == except ? (struct release){ 0 } : release_of(fill, &fill->candidates[i]);
@@ -67,6 +68,7 @@ static bool release_others(struct lod_fill *fill, uint64_t budget, uint32_t exce
 				best = i;
 			}
 		}
+		lod_planner_work(fill->allocation->p, fill->candidate_count);
 		if (best == ECO_NONE)
 			return false;
 		release_step(&fill->candidates[best], false);
@@ -118,7 +120,8 @@ bool lod_swap_steps(struct lod_fill *fill, uint64_t budget)
 	bool good = spare && releases, better = true;
 	for (int pass = 0; good && better && pass < PASSES; pass++) {
 		better = false;
-		for (uint32_t i = 0; good && i < SWAP_KINDS * fill->candidate_count; i++)
+		for (uint32_t i = 0; good && i < SWAP_KINDS * fill->candidate_count
+				&& !lod_planner_over(fill->allocation->p, 2); i++)
 			good = try_swap(fill, budget, i / SWAP_KINDS, i % SWAP_KINDS, spare, releases,
 				&better);
 	}

@@ -7,7 +7,8 @@
  *   fits, those first that lose least per vertex needed; only this trades one large step for several small
  *   ones
  *
- * Ends when no change helps, or after some passes. Takes the square of the number of candidates. */
+ * Ends when no change helps, after some passes, or with half of the plan's work. Takes the square of the
+ * number of candidates. */
 #ifndef LOD_SWAP_STEPS_H
 #define LOD_SWAP_STEPS_H
 

@@ -332,10 +332,18 @@ static void occlude(const struct lod_screen *screen, struct lod_visibility *visi
 		attenuate(screen, visibility, light);
 }
 
-static void finish(const struct lod_screen *screen, struct lod_visibility *visibility,
+static uint64_t cells_of(const struct lod_screen *screen, const struct lod_visibility *visibility)
+{
+	struct span across = span_of(visibility->x, AROUND * visibility->reach_x, screen->columns);
+	struct span down = span_of(visibility->y, AROUND * visibility->reach_y, screen->rows);
+	return (uint64_t)(across.end - across.first) * (uint64_t)(down.end - down.first);
+}
+
+static void finish(struct lod_screen *screen, struct lod_visibility *visibility,
 	const struct light *light, bool hide)
 {
 	visibility->shown = shown_of((double)visibility->opacity);
+	screen->cells_touched += cells_of(screen, visibility);
 	double seen = hide ? (double)visibility->share : visible_share(screen, visibility, light->clear);
 	double unoccluded = hide ? unoccluded_share(screen, visibility, light->clear) : seen;
 	/* not more of a plant than the picture holds: where the eye is inside it, SEEN_LEAST may be more than
@@ -358,6 +366,7 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 	struct light light = { malloc(cells * sizeof *light.through), malloc(cells * sizeof *light.clear),
 		malloc(screen->columns * sizeof *light.horizon) };
 	bool good = order && spare && light.through && light.clear && light.horizon;
+	screen->cells_touched = 0;
 	if (good) {
 		for (uint32_t i = 0; i < cells; i++)
 			light.through[i] = light.clear[i] = 1;

@@ -71,6 +71,7 @@ struct lod_screen {
 	double cell_x, cell_y;       /* pixels */
 	bool ground;
 	struct lod_visibility *visibilities;    uint32_t count, capacity;
+	uint64_t cells_touched;      /* by all of them, set by lod_screen_shares: the work */
 };
 
 /* `ground`: feet stand on ground that hides. `eye` must outlive the screen. */

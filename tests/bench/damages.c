@@ -39,7 +39,7 @@ static void some_stream(const struct srv_scene *scene, uint64_t seed, struct srv
 		bool usable = random_request(&request, &scene->pack->scene, seed, i);
 		request.vertices = 2000;
 		request.bytes = ECO_BYTES_UNBOUNDED;
-		if (usable && random_answer(scene, &request, NULL, body))
+		if (usable && random_answer(scene, &request, NULL, 0, body))
 			return;
 	}
 }

@@ -14,7 +14,10 @@
  *   whole        where every plant in view is drawn whole, next to nothing is expected to be wrong
  *   senseless    predictions are finite and not negative, errors do not exceed the picture
  *
- *   requests [--json] [--seed S] [--only NUMBER] COUNT PACK...      COUNT requests, shared among the packs
+ *   requests [--json] [--seed S] [--only NUMBER] [--times N] COUNT PACK...
+ *
+ * COUNT requests, shared among the packs. --times: a plan may take so much of the work that an ordinary one
+ * of the scene does (server/typical.h); else any.
  *
  * Prints a line a pack, or JSON; the first violations are described. Exit 1 if there was one. */
 #include <getopt.h>
@@ -27,6 +30,7 @@
 
 #include "client-min/view_select.h"
 #include "lod/plan/planner.h"
+#include "server/typical.h"
 #include "tests/support/random_request.h"
 
 enum violation { OVER_VERTICES, OVER_BYTES, SENT_TWICE, NOT_SAME, RISES, UNUSED, WHOLE, SENSELESS, FAILED,
@@ -51,6 +55,7 @@ struct run {
 	const struct srv_scene *scene;
 	const char *pack;
 	uint64_t seed, number;       /* of the request at hand */
+	uint64_t work_max;           /* of a plan; 0: any */
 	struct eco_request request;
 	struct view_store *store;
 	uint64_t count[VIOLATION_COUNT], requests, refused, empty, states, chains, described;
@@ -195,9 +200,10 @@ static void check_stream(struct run *run)
 	struct srv_body body, again;
 	if (view_store_holdings(run->store, &holdings, &error))
 		random_stop("holdings", &error);
-	bool fits = random_answer(run->scene, &run->request, &holdings, &body);
+	bool fits = random_answer(run->scene, &run->request, &holdings, run->work_max, &body);
 	if (run->number % TWICE_EVERY == 0) {
-		bool also = random_answer(run->scene, &run->request, &holdings, &again);
+		bool also = random_answer(run->scene, &run->request, &holdings, run->work_max,
+			&again);
 		if (also != fits || (fits && body_hash(&body) != body_hash(&again)))
 			violated(run, NOT_SAME, "another answer the second time");
 		srv_body_free(&again);
@@ -234,7 +240,7 @@ static bool plan_rung(struct run *run, struct rung *rung)
 	if (lod_plan(&plan,
 			&(struct lod_planner_input){ .scene = &run->scene->pack->scene,
 			.tables = run->scene->tables, .request = &request,
-			.stats = &rung->stats }, &error)) {
+			.work_max = run->work_max, .stats = &rung->stats }, &error)) {
 		violated(run, FAILED, "at %llu vertices: %s", (unsigned long long)rung->budget, error.text);
 		return false;
 	}
@@ -356,15 +362,17 @@ static void print_run(const struct run *run, bool json)
 	fflush(stdout);
 }
 
-static uint64_t run_pack(const char *path, uint64_t first, uint64_t count, uint64_t seed, bool json)
+static uint64_t run_pack(const char *path, uint64_t first, uint64_t count, const struct run *as, bool json)
 {
-	struct run run = { .pack = path, .seed = seed };
+	struct run run = *as;
 	struct srv_store scenes;
 	struct eco_error error = { 0 };
 	srv_store_init(&scenes);
 	if (srv_store_add(&scenes, "scene", path, &error))
 		random_stop(path, &error);
+	run.pack = path;
 	run.scene = scenes.scenes[0];
+	run.work_max *= run.work_max ? srv_typical_work(scenes.scenes[0]) : 0;
 	for (uint64_t i = 0; i < count; i++) {
 		if (i % CLIENT_EVERY == 0)
 			new_client(&run);
@@ -382,25 +390,29 @@ int main(int argc, char **argv)
 {
 	static const struct option options[] = { { "json", no_argument, NULL, 'j' },
 		{ "seed", required_argument, NULL, 's' },
-		{ "only", required_argument, NULL, 'o' }, { NULL, 0, NULL, 0 } };
-	uint64_t seed = 1, only = UINT64_MAX, violations = 0;
+		{ "only", required_argument, NULL, 'o' }, { "times", required_argument, NULL, 't' },
+		{ NULL, 0, NULL, 0 } };
+	struct run run = { .seed = 1 };
+	uint64_t only = UINT64_MAX, violations = 0;
 	bool json = false, usable = true;
 	for (int c; (c = getopt_long(argc, argv, "", options, NULL)) != -1;) {
 		usable = usable && c != '?';
 		json = json || c == 'j';
-		seed = c == 's' ? strtoull(optarg, NULL, 10) : seed;
+		run.seed = c == 's' ? strtoull(optarg, NULL, 10) : run.seed;
+		run.work_max = c == 't' ? strtoull(optarg, NULL, 10) : run.work_max;
 		only = c == 'o' ? strtoull(optarg, NULL, 10) : only;
 	}
 	int packs = argc - optind - 1;
 	if (!usable || packs < 1) {
-		fprintf(stderr, "usage: requests [--json] [--seed S] [--only NUMBER] COUNT PACK...\n");
+		fputs("usage: requests [--json] [--seed S] [--only NUMBER] [--times N] COUNT PACK...\n",
+			stderr);
 		return 2;
 	}
 	uint64_t count = strtoull(argv[optind], NULL, 10);
 	for (int i = 0; i < packs; i++) {
 		uint64_t share = count / (uint64_t)packs + ((uint64_t)i < count % (uint64_t)packs);
-		violations += only == UINT64_MAX ? run_pack(argv[optind + 1 + i], 0, share, seed, json)
-			: run_pack(argv[optind + 1 + i], only, 1, seed, json);
+		violations += only == UINT64_MAX ? run_pack(argv[optind + 1 + i], 0, share, &run, json)
+			: run_pack(argv[optind + 1 + i], only, 1, &run, json);
 	}
 	return violations ? 1 : 0;
 }

@@ -228,7 +228,8 @@ UNIT_TEST(a_tag_that_matches_needs_no_plan)
 {
 	static const char *const targets[] = { BASE "/stream?" VIEW_BY("100000"),
 		BASE "/plan?" VIEW_BY("100000") };
-	const struct srv_config config = { .listen = "127.0.0.1:0", .response_max = 1 };
+	const struct srv_config config = { .listen = "127.0.0.1:0", .response_max = 1,
+		.plan_times = SAMPLE_PLAN_TIMES };
 	struct srv_daemon *daemon;
 	struct eco_error error = { 0 };
 	assert_ok(srv_daemon_start(&daemon, &config, &store, &error), error);

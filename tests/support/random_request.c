@@ -124,14 +124,14 @@ bool random_request(struct eco_request *request, const struct eco_scene *scene, 
 }
 
 bool random_answer(const struct srv_scene *scene, const struct eco_request *request,
-	const struct eco_holdings *holdings, struct srv_body *body)
+	const struct eco_holdings *holdings, uint64_t work_max, struct srv_body *body)
 {
 	struct srv_stream stream;
 	struct eco_error error = { 0 };
 	*body = (struct srv_body){ 0 };
 	if (srv_stream_plan(&stream,
 			&(struct srv_stream_input){ .scene = scene, .request = request,
-			.holdings = holdings }, &error))
+			.holdings = holdings, .work_max = work_max }, &error))
 		random_stop("planning", &error);
 	bool fits = stream.fits;
 	if (fits && srv_stream_write(&stream, body, &error))

@@ -18,8 +18,8 @@ _Noreturn void random_stop(const char *what, const struct eco_error *error);
 bool random_request(struct eco_request *request, const struct eco_scene *scene, uint64_t seed,
 	uint64_t number);
 
-/* The body of the answer, which the caller frees; false: 204. */
+/* The body of the answer, which the caller frees; false: 204. `work_max`: as struct srv_stream_input. */
 bool random_answer(const struct srv_scene *scene, const struct eco_request *request,
-	const struct eco_holdings *holdings, struct srv_body *body);
+	const struct eco_holdings *holdings, uint64_t work_max, struct srv_body *body);
 
 #endif

@@ -18,7 +18,8 @@ const struct eco_scene *scene(void)
 int serve_start(void **state)
 {
 	struct eco_error error = { 0 };
-	const struct srv_config config = { .listen = "127.0.0.1:0", .site = &sample_site };
+	const struct srv_config config = { .listen = "127.0.0.1:0", .site = &sample_site,
+		.plan_times = SAMPLE_PLAN_TIMES };
 	folder_make("build/tmp");
 	srv_store_init(&store);
 	snprintf(pack_path, sizeof pack_path, "build/tmp/serve-%d.eco", (int)getpid());

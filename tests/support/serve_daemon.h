@@ -13,6 +13,8 @@
 #include "tests/support/scene_packs.h"
 #include "tests/support/unit_test.h"
 
+/* plans of so small a scene would be bounded where they have hardly begun */
+#define SAMPLE_PLAN_TIMES 100
 #define BASE "/v1/scenes/sample"
 #define VIEW "eye=50,-30,12&target=50,30,2&width=400&height=300"
 #define VIEW_BY(vertices) VIEW "&vertices=" vertices

@@ -1,0 +1,111 @@
+/* What a request may cost: counted work, bounded by what an ordinary request of the scene takes. */
+#include <stdio.h>
+
+#include "server/typical.h"
+#include "tests/support/files.h"
+#include "tests/support/random_request.h"
+#include "tests/support/scene_packs.h"
+#include "tests/support/unit_test.h"
+
+#define PATH "build/tmp/test_plan_work.eco"
+#define REQUESTS 400u
+#define TIMES 3u
+/* Nothing is begun any more at the bound, but what has begun ends: an answer at the coarsest level, a price of
+ * bytes that fits. */
+#define OVER 6u
+
+static struct srv_store packs;
+static struct srv_scene *sample;
+
+static int prepare(void **state)
+{
+	struct eco_error error = { 0 };
+	folder_make("build/tmp");
+	srv_store_init(&packs);
+	if (sample_pack_write(PATH, &error) || srv_store_add(&packs, "sample", PATH, &error)) {
+		fprintf(stderr, "%s\n", error.text);
+		return 1;
+	}
+	sample = packs.scenes[0];
+	return 0;
+}
+
+static int clean(void **state)
+{
+	srv_store_free(&packs);
+	return 0;
+}
+
+static uint64_t work_of(const struct eco_request *request, lod_rule *rule, uint64_t work_max, bool *cut_short)
+{
+	struct srv_stream stream;
+	struct eco_error error = { 0 };
+	assert_ok(srv_stream_plan(&stream, &(struct srv_stream_input){ .scene = sample, .request = request,
+		.rule = rule, .work_max = work_max }, &error), error);
+	uint64_t work = stream.work;
+	assert_true(!stream.fits || stream.body_bytes <= request->bytes);
+	assert_true(stream.steps[stream.step_count - 1].plan.vertices <= request->vertices);
+	*cut_short = stream.cut_short;
+	srv_stream_free(&stream);
+	return work;
+}
+
+UNIT_TEST(an_ordinary_request_costs_the_same_for_ever)
+{
+	struct srv_store again;
+	struct eco_error error = { 0 };
+	srv_store_init(&again);
+	assert_ok(srv_store_add(&again, "again", PATH, &error), error);
+	uint64_t work = srv_typical_work(sample);
+	assert_true(work >= SRV_TYPICAL_WORK_LEAST);
+	assert_int_equal(srv_typical_work(sample), work);
+	assert_int_equal(srv_typical_work(again.scenes[0]), work);
+	srv_store_free(&again);
+}
+
+/* By either rule, and more than one is bounded by it. */
+UNIT_TEST(no_request_costs_much_more_than_it_may)
+{
+	lod_rule *const rules[] = { NULL, lod_rule_deussen };
+	uint64_t may = TIMES * srv_typical_work(sample), most = 0;
+	uint32_t bounded = 0, cut = 0;
+	for (uint32_t i = 0; i < 2 * REQUESTS; i++) {
+		struct eco_request request;
+		bool cut_short, free_cut;
+		if (!random_request(&request, &sample->pack->scene, 9, i / 2))
+			continue;
+		uint64_t work = work_of(&request, rules[i % 2], may, &cut_short);
+		most = work > most ? work : most;
+		cut += cut_short;
+		if (cut_short)
+			bounded += work_of(&request, rules[i % 2], 0, &free_cut) > work && !free_cut;
+	}
+	print_message("          most: %.2f of what a request may cost; %u ended early\n",
+		(double)most / (double)may, cut);
+	assert_true(most <= OVER * may);
+	assert_true(bounded > 10);
+}
+
+/* Counted, not timed: the same bytes again, whatever else the machine does. */
+UNIT_TEST(bounded_answers_are_the_same_each_time)
+{
+	for (uint32_t i = 0; i < 60; i++) {
+		struct eco_request request;
+		struct srv_body first = { 0 }, second = { 0 };
+		if (!random_request(&request, &sample->pack->scene, 11, i))
+			continue;
+		bool fits = random_answer(sample, &request, NULL, SRV_TYPICAL_WORK_LEAST, &first);
+		assert_int_equal(random_answer(sample, &request, NULL, SRV_TYPICAL_WORK_LEAST, &second), fits);
+		assert_int_equal(first.size_bytes, second.size_bytes);
+		assert_int_equal(first.frames.size, second.frames.size);
+		if (first.frames.size)
+			assert_memory_equal(first.frames.bytes, second.frames.bytes, first.frames.size);
+		srv_body_free(&first);
+		srv_body_free(&second);
+	}
+}
+
+int main(void)
+{
+	return unit_tests_run(prepare, clean);
+}
