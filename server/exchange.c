@@ -97,6 +97,7 @@ static bool answer_request(struct srv_exchange *exchange)
 {
 	char detail[256];
 	srv_reaper_clear(exchange->host->reaper, exchange->lease);
+	srv_gate_answering(&exchange->lease->gate, true);
 	if (exchange->body_lost)
 		return queue_problem(exchange, SRV_PROBLEM_BUSY, bodies_are_many, true);
 	if (!exchange->route)
@@ -310,6 +311,7 @@ void srv_exchange_end(struct srv_exchange *exchange)
 	if (exchange->counted)
 		atomic_fetch_sub(&exchange->host->busy, 1);
 	atomic_fetch_sub(&exchange->host->bodies_bytes, exchange->body_room);
+	srv_gate_answering(&exchange->lease->gate, false);
 	srv_reaper_await(exchange->host->reaper, exchange->lease);
 	srv_answer_free(&exchange->answer);
 	srv_edition_release(exchange->edition);

@@ -29,6 +29,13 @@ void srv_gate_close(struct srv_gate *gate)
 	atomic_store(&gates[gate->fd], NULL);
 }
 
+void srv_gate_answering(struct srv_gate *gate, bool is_answering)
+{
+	gate->is_answering = is_answering;
+	if (!is_answering && gate->has_ended)
+		shutdown(gate->fd, SHUT_RD);     /* wakes the library */
+}
+
 void srv_gate_answer(int fd, enum srv_problem problem, const char *detail, bool is_head)
 {
 	struct srv_json json = { 0 };
@@ -72,6 +79,11 @@ static ssize_t receive(struct srv_gate *gate, void *bytes, size_t size, int flag
 	if (gate->framing.problem)
 		return end_refused(gate);
 	ssize_t got = __real_recv(gate->fd, bytes, size, flags);
+	if (got == 0 && gate->is_answering) {
+		gate->has_ended = true;
+		errno = EAGAIN;
+		return -1;
+	}
 	if (got <= 0)
 		return got;
 	size_t passed = srv_framing_scan(&gate->framing, bytes, (size_t)got);

@@ -15,10 +15,14 @@
 struct srv_gate {
 	int fd;
 	struct srv_framing framing;
+	bool is_answering, has_ended;    /* a whole request is here; and the client has sent all it will */
 };
 
 /* False where the descriptor's number is too large: the connection is of no use then. */
 bool srv_gate_open(struct srv_gate *gate, int fd);
+/* From when a request is whole until its answer is out the end of what the client sends is kept from the
+ * library, which would take it for an end of the connection. */
+void srv_gate_answering(struct srv_gate *gate, bool is_answering);
 /* Before the descriptor is closed. */
 void srv_gate_close(struct srv_gate *gate);
 

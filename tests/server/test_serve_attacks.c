@@ -256,7 +256,8 @@ UNIT_TEST(plans_of_clients_that_left_are_not_made)
 	enum { PLANS = 60 };
 	const struct srv_config config = { .listen = "127.0.0.1:0",
 		.work_threads = 1,
-		.queue_share_max = 64 };
+		.queue_share_max = 64,
+		.plan_times = 1000 };
 	struct srv_daemon *daemon = start(&config);
 	char target[300], request[400], timing[100];
 	int fds[PLANS], made = 0;
@@ -289,7 +290,8 @@ UNIT_TEST(plans_of_clients_that_left_are_not_made)
 UNIT_TEST(clients_that_send_no_more_get_their_answers)
 {
 	enum { PLANS = 30 };
-	const struct srv_config config = { .listen = "127.0.0.1:0", .work_threads = 1 };
+	const struct srv_config config = { .listen = "127.0.0.1:0", .work_threads = 1,
+		.plan_times = 1000 };
 	struct srv_daemon *daemon = start(&config);
 	char request[400];
 	int fds[PLANS];
