@@ -1,0 +1,172 @@
+#include "ecofiles/base/options_file.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "ecofiles/base/room.h"
+
+#define LINE_BYTES 4096
+
+struct adding { struct eco_arguments *to; uint32_t capacity; };
+
+static bool add_text(struct adding *adding, char *text)
+{
+	uint32_t count = (uint32_t)adding->to->count;
+	if (!text || !eco_room(&adding->to->owned, &adding->capacity, count + 1, sizeof *adding->to->owned)) {
+		free(text);
+		return false;
+	}
+	adding->to->owned[count] = text;
+	adding->to->owned[++adding->to->count] = NULL;
+	return true;
+}
+
+/* "--name=value", or "--name" where value is NULL. */
+static enum eco_code add_option(struct adding *adding, const char *name, const char *value,
+	struct eco_error *error)
+{
+	char *text = NULL;
+	int size = value ? asprintf(&text, "--%s=%s", name, value) : asprintf(&text, "--%s", name);
+	return size >= 0 && add_text(adding, text) ? ECO_OK
+		: eco_fail(error, ECO_NO_MEMORY, "no memory for arguments");
+}
+
+static const struct eco_option *find(const struct eco_command *command, const char *name)
+{
+	for (const struct eco_option *o = command->options; o->name || o->help; o++)
+		if (o->kind < ECO_OPTION_INPUT && o->kind != ECO_OPTION_HEADING && strcmp(o->name, name) == 0)
+			return o;
+	return NULL;
+}
+
+/* ---- The file ---- */
+
+static char *trim(char *text)
+{
+	text += strspn(text, " \t");
+	size_t size = strlen(text);
+	while (size && strchr(" \t\r\n", text[size - 1]))
+		text[--size] = 0;
+	return text;
+}
+
+/* A line without its comment; `where` is for messages. */
+static enum eco_code add_line(struct adding *adding, const struct eco_command *command, const char *input,
+	char *line, const char *where, struct eco_error *error)
+{
+	char *equals = strchr(line, '='), *value = NULL;
+	if (equals) {
+		*equals = 0;
+		value = trim(equals + 1);
+	}
+	char *name = trim(line);
+	const struct eco_option *option = find(command, name);
+	if (!*name && !value)
+		return ECO_OK;
+	if (value && strcmp(name, input) == 0)
+		return add_text(adding, strdup(value)) ? ECO_OK
+			: eco_fail(error, ECO_NO_MEMORY, "no memory for arguments");
+	if (!option)
+		return eco_fail(error, ECO_BAD_USAGE,
+			"%s: there is no '%.80s'; names are those of the options, "
+			"and '%s'",
+			where, name, input);
+	if (option->kind == ECO_OPTION_FLAG && value)
+		return eco_fail(error, ECO_BAD_USAGE, "%s: '%s' stands alone on its line", where, name);
+	if (option->kind != ECO_OPTION_FLAG && !value)
+		return eco_fail(error, ECO_BAD_USAGE, "%s: '%s = %s' is meant", where, name, option->word);
+	return add_option(adding, name, value, error);
+}
+
+static enum eco_code add_file(struct adding *adding, const struct eco_command *command, const char *input,
+	const char *path, struct eco_error *error)
+{
+	char line[LINE_BYTES], where[LINE_BYTES];
+	FILE *file = fopen(path, "r");
+	enum eco_code code = file ? ECO_OK : eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
+	for (uint32_t number = 1; !code && fgets(line, sizeof line, file); number++) {
+		snprintf(where, sizeof where, "%.3000s: line %u", path, number);
+		if (strlen(line) == sizeof line - 1)
+			code = eco_fail(error, ECO_TOO_LARGE, "%s is too long", where);
+		line[strcspn(line, "#")] = 0;
+		code = code ? code : add_line(adding, command, input, line, where, error);
+	}
+	if (!code && ferror(file))
+		code = eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
+	if (file)
+		fclose(file);
+	return code;
+}
+
+/* ---- The environment ---- */
+
+static bool is_among(const char *value, const char *const words[4])
+{
+	for (int i = 0; i < 4; i++)
+		if (strcasecmp(words[i], value) == 0)
+			return true;
+	return false;
+}
+
+static enum eco_code add_variable(struct adding *adding, const struct eco_option *option,
+	const char *variable, const char *value, struct eco_error *error)
+{
+	static const char *const yes[4] = { "1", "yes", "on", "true" },
+				 *const no[4] = { "0", "no", "off", "" };
+	if (option->kind != ECO_OPTION_FLAG)
+		return add_option(adding, option->name, value, error);
+	if (!is_among(value, yes) && !is_among(value, no))
+		return eco_fail(error, ECO_BAD_USAGE, "%s=%.80s: must be one of 1, yes, on, 0, no, off",
+			variable, value);
+	return is_among(value, yes) ? add_option(adding, option->name, NULL, error) : ECO_OK;
+}
+
+static enum eco_code add_environment(struct adding *adding, const struct eco_command *command,
+	const char *prefix, struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	for (const struct eco_option *o = command->options; !code && (o->name || o->help); o++) {
+		char variable[128];
+		if (o->kind >= ECO_OPTION_INPUT || o->kind == ECO_OPTION_HEADING)
+			continue;
+		snprintf(variable, sizeof variable, "%s%s", prefix, o->name);
+		for (char *at = variable; *at; at++)
+			*at = *at == '-' ? '_' : (char)toupper((unsigned char)*at);
+		const char *value = getenv(variable);
+		code = value ? add_variable(adding, o, variable, value, error) : ECO_OK;
+	}
+	return code;
+}
+
+enum eco_code eco_settings_read(const struct eco_command *command, const struct eco_settings *settings,
+	int argc, char **argv, struct eco_arguments *arguments, struct eco_error *error)
+{
+	struct adding adding = { arguments, 0 };
+	*arguments = (struct eco_arguments){ 0 };
+	enum eco_code code =
+		settings->file ? add_file(&adding, command, settings->input, settings->file, error) : ECO_OK;
+	code = code ? code : add_environment(&adding, command, settings->prefix, error);
+	for (int i = 0; i < argc && !code; i++)
+		if (!add_text(&adding, strdup(argv[i])))
+			code = eco_fail(error, ECO_NO_MEMORY, "no memory for arguments");
+	size_t size = ((size_t)arguments->count + 1) * sizeof *arguments->items;
+	if (!code && !(arguments->items = calloc(1, size)))
+		code = eco_fail(error, ECO_NO_MEMORY, "no memory for arguments");
+	if (code)
+		eco_arguments_free(arguments);
+	else if (arguments->count)
+		memcpy(arguments->items, arguments->owned, size);
+	return code;
+}
+
+void eco_arguments_free(struct eco_arguments *arguments)
+{
+	for (int i = 0; i < arguments->count; i++)
+		free(arguments->owned[i]);
+	free(arguments->owned);
+	free(arguments->items);
+	*arguments = (struct eco_arguments){ 0 };
+}
