@@ -47,6 +47,13 @@ void srv_address_format(char text[SRV_ADDRESS_TEXT_BYTES], const struct srv_addr
 		snprintf(text, SRV_ADDRESS_TEXT_BYTES, "?");
 }
 
+bool srv_address_is_loopback(const struct srv_address *address)
+{
+	static const uint8_t v4[12] = { [10] = 0xff, [11] = 0xff }, v6[16] = { [15] = 1 };
+	return (memcmp(address->bytes, v4, sizeof v4) == 0 && address->bytes[12] == 127)
+		|| memcmp(address->bytes, v6, sizeof v6) == 0;
+}
+
 bool srv_address_same(const struct srv_address *a, const struct srv_address *b)
 {
 	return memcmp(a->bytes, b->bytes, is_mapped(a) ? 16 : 8) == 0;

@@ -18,6 +18,7 @@ struct srv_address { uint8_t bytes[16]; };       /* IPv6; IPv4 as ::ffff:a.b.c.d
 struct srv_address srv_address_of(const struct sockaddr *at);
 bool srv_address_parse(struct srv_address *address, const char *text, size_t size);
 void srv_address_format(char text[SRV_ADDRESS_TEXT_BYTES], const struct srv_address *address);
+bool srv_address_is_loopback(const struct srv_address *address);
 /* Do both count as one client? */
 bool srv_address_same(const struct srv_address *a, const struct srv_address *b);
 

@@ -14,7 +14,7 @@
 #include "server/query.h"
 #include "server/trace.h"
 
-#define IMMUTABLE "public, max-age=31536000, immutable"
+#define IMMUTABLE "max-age=31536000, immutable"
 
 static void add_header(struct srv_answer *answer, const char *name, const char *value)
 {
@@ -35,7 +35,25 @@ static void add_validators(struct srv_answer *answer, const struct srv_validator
 	if (validators->modified_s)
 		srv_date_format(date, validators->modified_s);
 	add_header(answer, MHD_HTTP_HEADER_LAST_MODIFIED, date[0] ? date : NULL);
-	add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, cache_control);
+	char text[80];
+	snprintf(text, sizeof text, "private, %s", cache_control);
+	add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, validators->is_private ? text : cache_control);
+}
+
+void srv_answer_add(struct srv_answer *answer, const char *name, const char *value)
+{
+	add_header(answer, name, value);
+}
+
+void srv_answer_allow_origin(struct srv_answer *answer, const char *origin, bool varies)
+{
+	if (varies)
+		add_header(answer, MHD_HTTP_HEADER_VARY, MHD_HTTP_HEADER_ORIGIN);
+	if (!origin)
+		return;
+	add_header(answer, "Access-Control-Allow-Origin", origin);
+	add_header(answer, "Access-Control-Expose-Headers", "ETag, Server-Timing, X-Request-Id, Retry-After, "
+		"Content-Range");
 }
 
 static void answer_empty(struct srv_answer *answer, unsigned status)
@@ -66,6 +84,8 @@ void srv_answer_problem(struct srv_answer *answer, const struct srv_problem_deta
 	add_header(answer, MHD_HTTP_HEADER_ALLOW, details->allow);
 	if (answer->status == MHD_HTTP_SERVICE_UNAVAILABLE)
 		add_header(answer, MHD_HTTP_HEADER_RETRY_AFTER, "1");
+	if (answer->status == MHD_HTTP_UNAUTHORIZED)
+		add_header(answer, MHD_HTTP_HEADER_WWW_AUTHENTICATE, "Bearer");
 	if (details->close)
 		add_header(answer, MHD_HTTP_HEADER_CONNECTION, "close");
 }
@@ -76,6 +96,24 @@ void srv_answer_json(struct srv_answer *answer, struct srv_json *json,
 	answer_text(answer, MHD_HTTP_OK, json, "application/json");
 	add_validators(answer, validators, "no-cache");
 	add_header(answer, "Server-Timing", timing);
+}
+
+void srv_answer_metrics(struct srv_answer *answer, struct eco_writer *text)
+{
+	struct srv_json as_is = { .out = *text };
+	*text = (struct eco_writer){ 0 };
+	answer_text(answer, MHD_HTTP_OK, &as_is, "text/plain; version=0.0.4; charset=utf-8");
+	add_header(answer, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
+}
+
+void srv_answer_options(struct srv_answer *answer, const char *allow)
+{
+	answer_empty(answer, MHD_HTTP_NO_CONTENT);
+	add_header(answer, MHD_HTTP_HEADER_ALLOW, allow);
+	add_header(answer, "Access-Control-Allow-Methods", allow);
+	add_header(answer, "Access-Control-Allow-Headers",
+		"Authorization, Content-Type, If-None-Match, Range");
+	add_header(answer, "Access-Control-Max-Age", "600");
 }
 
 static ssize_t read_nothing(void *ctx, uint64_t position, char *block, size_t room)
@@ -270,22 +308,25 @@ static void chunk_headers(struct srv_answer *answer, const struct srv_validators
 {
 	add_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, "application/octet-stream");
 	add_header(answer, MHD_HTTP_HEADER_ACCEPT_RANGES, "bytes");
-	add_validators(answer, validators, IMMUTABLE);
+	add_validators(answer, validators, validators->is_private ? IMMUTABLE : "public, " IMMUTABLE);
 }
 
 /* The shared response. Two threads may make one each; the first that is stored wins, and the other is
  * destroyed. */
 static void answer_whole(struct srv_answer *answer, struct srv_scene *scene, uint32_t chunk,
-	const uint8_t *bytes, size_t size, const struct srv_validators *validators)
+	const uint8_t *bytes, size_t size, const struct srv_validators *validators,
+	const struct srv_chunk_terms *terms)
 {
 	_Atomic(struct MHD_Response *) *slot = &scene->responses[chunk];
-	struct MHD_Response *stored = atomic_load(slot);
+	struct MHD_Response *stored = terms->varies ? NULL : atomic_load(slot);
 	*answer = (struct srv_answer){ .status = MHD_HTTP_OK, .size_bytes = size };
 	if (!stored) {
 		answer->response = MHD_create_response_from_buffer(size, (void *)bytes,
 			MHD_RESPMEM_PERSISTENT);
 		chunk_headers(answer, validators);
-		if (!answer->response)
+		if (!terms->varies)
+			srv_answer_allow_origin(answer, terms->origin, false);
+		if (!answer->response || terms->varies)
 			return;
 		if (atomic_compare_exchange_strong(slot, &stored, answer->response))
 			stored = answer->response;
@@ -323,9 +364,11 @@ static void answer_outside(struct srv_answer *answer, size_t size, const char *i
 }
 
 void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32_t chunk,
-	const struct srv_conditions *conditions, bool get, const char *instance)
+	const struct srv_conditions *conditions, const struct srv_chunk_terms *terms,
+	const char *instance)
 {
-	struct srv_validators validators = { .modified_s = scene->modified_s };
+	struct srv_validators validators = { .modified_s = scene->modified_s,
+		.is_private = terms->is_private };
 	const uint8_t *bytes;
 	size_t size;
 	struct eco_error error = { 0 };
@@ -338,20 +381,20 @@ void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32
 	}
 	srv_etag_of(validators.etag, &scene->pack->scene.chunks[chunk].id);
 	if (srv_conditions_judge(conditions, validators.etag, validators.modified_s) != SRV_VERDICT_GO) {
-		answer_whole(answer, scene, chunk, bytes, size, &validators);
+		answer_whole(answer, scene, chunk, bytes, size, &validators, terms);
 		srv_answer_judge(answer, conditions, &validators, instance);
 		return;
 	}
 	/* If-Range compares strongly: only our own tag, as it is, lets the range count. */
 	bool wants_part =
-		get && (!conditions->if_range || strcmp(conditions->if_range, validators.etag) == 0);
+		terms->get && (!conditions->if_range || strcmp(conditions->if_range, validators.etag) == 0);
 	struct srv_range range = srv_range_parse(wants_part ? conditions->range : NULL, size);
 	if (range.kind == SRV_RANGE_OUTSIDE)
 		answer_outside(answer, size, instance);
 	else if (range.kind == SRV_RANGE_PART)
 		answer_part(answer, &range, bytes, size, &validators);
 	else
-		answer_whole(answer, scene, chunk, bytes, size, &validators);
+		answer_whole(answer, scene, chunk, bytes, size, &validators, terms);
 }
 
 void srv_answer_free(struct srv_answer *answer)

@@ -28,7 +28,11 @@ void srv_answer_problem(struct srv_answer *answer, const struct srv_problem_deta
 
 /* What names the state of an answer. `etag` with quotes; "": none, and the answer is not to be stored.
  * `modified_s`: since 1970, 0: not known. */
-struct srv_validators { char etag[SRV_ETAG_BYTES]; int64_t modified_s; };
+struct srv_validators {
+	char etag[SRV_ETAG_BYTES];
+	int64_t modified_s;
+	bool is_private;                 /* no cache that others share may keep it */
+};
 
 /* Takes json->out. `timing`: a Server-Timing value or NULL. */
 void srv_answer_json(struct srv_answer *answer, struct srv_json *json,
@@ -56,14 +60,26 @@ void srv_answer_judge(struct srv_answer *answer, const struct srv_conditions *co
 	const struct srv_validators *validators, const char *instance);
 void srv_answer_failed_condition(struct srv_answer *answer, const char *instance);
 
+/* How a chunk is sent. `origin`: as srv_answer_allow_origin, that a shared response says; `varies`: none is
+ * shared. */
+struct srv_chunk_terms { bool get, is_private, varies; const char *origin; };
 /* The chunk, a part of it, 304, 416, or the problem that its payload is damaged. Range counts for GET only.
  */
 void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32_t chunk,
-	const struct srv_conditions *conditions, bool get, const char *instance);
+	const struct srv_conditions *conditions, const struct srv_chunk_terms *terms, const char *instance);
 
 /* A file of the viewer in one of its forms. The site outlives the answer. */
 void srv_answer_file(struct srv_answer *answer, const struct srv_site_file *file, enum srv_form form,
 	const struct srv_validators *validators);
+
+/* The daemon's numbers; takes *text. */
+void srv_answer_metrics(struct srv_answer *answer, struct eco_writer *text);
+/* To OPTIONS: what the resource takes. */
+void srv_answer_options(struct srv_answer *answer, const char *allow);
+/* Who may read it from another page: value of Access-Control-Allow-Origin; NULL: nobody. `varies`: another
+ * request would get another. To an answer that is not shared. */
+void srv_answer_allow_origin(struct srv_answer *answer, const char *origin, bool varies);
+void srv_answer_add(struct srv_answer *answer, const char *name, const char *value);
 
 /* Lets go of an answer that was queued (the library holds its own reference) or is not wanted. */
 void srv_answer_free(struct srv_answer *answer);

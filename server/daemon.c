@@ -18,15 +18,16 @@
 
 #include "server/exchange.h"
 #include "server/listener.h"
+#include "server/log.h"
 
 #define BACKLOG 1024
+#define CHORES_MAX 4             /* that wait */
 /* The reaper counts connections; the library only has to be able to. */
 #define CONNECTIONS_LIMIT (1u << 20)
 
 struct srv_daemon {
 	struct srv_host host;
 	struct MHD_Daemon *http;
-	struct srv_listener *listener;
 	int listen_fd;
 	uint16_t port;
 	char url[NI_MAXHOST + 24];
@@ -133,6 +134,12 @@ static enum eco_code split_listen(const char *listen_at, char host[NI_MAXHOST], 
 	return ECO_OK;
 }
 
+enum eco_code srv_daemon_check_listen(const char *listen_at, struct eco_error *error)
+{
+	char host[NI_MAXHOST], port[8];
+	return split_listen(listen_at ? listen_at : SRV_LISTEN_DEFAULT, host, port, error);
+}
+
 static enum eco_code bind_to(int fd, const struct addrinfo *at, const char *listen_at,
 	struct eco_error *error)
 {
@@ -209,6 +216,7 @@ static void fill_defaults(struct srv_config *config)
 	DEFAULT(response_max, 1ull << 31);
 	DEFAULT(plan_cache_bytes, 64u << 20);
 	DEFAULT(plan_times, 3);
+	DEFAULT(keep_s, 600);
 }
 #undef DEFAULT
 
@@ -242,6 +250,8 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for the daemon");
 	daemon->host.config = *config;
 	daemon->listen_fd = -1;
+	daemon->host.id_seed = (uint64_t)getpid() ^ srv_clock_us() << 20;
+	pthread_mutex_init(&daemon->host.reloading, NULL);
 	fill_defaults(&daemon->host.config);
 	enum eco_code code = open_listener(daemon, error);
 	if (!code)
@@ -262,12 +272,14 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 		code = srv_work_start(&daemon->host.work, daemon->host.config.work_threads,
 			(uint32_t)daemon->host.config.queue_max,
 			(uint32_t)daemon->host.config.queue_share_max, error);
+	if (!code)
+		code = srv_work_start(&daemon->host.chores, 1, CHORES_MAX, CHORES_MAX, error);
 	if (!code) {
 		name_listener(daemon);
 		code = start_http(daemon, error);
 	}
 	if (!code)
-		code = srv_listener_start(&daemon->listener, daemon->listen_fd, daemon->host.reaper,
+		code = srv_listener_start(&daemon->host.listener, daemon->listen_fd, daemon->host.reaper,
 			take_connection, daemon, error);
 	if (code) {
 		srv_daemon_stop(daemon);
@@ -290,7 +302,68 @@ const char *srv_daemon_url(const struct srv_daemon *daemon)
 struct srv_counts srv_daemon_counts(const struct srv_daemon *daemon)
 {
 	return (struct srv_counts){ .connections = srv_reaper_connections(daemon->host.reaper),
-		.accept_failures = srv_listener_failures(daemon->listener) };
+		.accept_failures = srv_listener_failures(daemon->host.listener) };
+}
+
+/* ---- Reloading ---- */
+
+enum eco_code srv_host_reload(struct srv_host *host, struct srv_reload *report, struct eco_error *error)
+{
+	const struct srv_sources *sources = host->config.sources;
+	enum srv_log_form form = (enum srv_log_form)host->config.log_form;
+	struct srv_store store;
+	*report = (struct srv_reload){ 0 };
+	if (!sources)
+		return eco_fail(error, ECO_UNSUPPORTED, "this server has nothing to load again");
+	pthread_mutex_lock(&host->reloading);
+	struct srv_edition *before = srv_catalog_hold(host->catalog);
+	uint64_t now_us = srv_clock_us(), until_us = now_us + host->config.keep_s * 1000000ull;
+	enum eco_code code = srv_sources_load(sources, &before->store, &store, report, error);
+	if (!code)
+		code = srv_catalog_replace(host->catalog, &store, until_us, now_us, error);
+	srv_store_free(&store);
+	srv_edition_release(before);
+	pthread_mutex_unlock(&host->reloading);
+	srv_count(&host->metrics, SRV_COUNT_RELOADS, 1);
+	srv_count(&host->metrics, SRV_COUNT_RELOADS_FAILED, code || report->kept);
+	if (code)
+		srv_log_event(form, true, "reload: nothing is changed: %s", error->text);
+	else
+		srv_log_event(form, report->kept, "reload: %u scenes opened, %u as they were, %u gone%s%s",
+			report->opened, report->same, report->gone, report->kept
+			? "; not well, and served as before where they were: " : "", report->why);
+	return code;
+}
+
+enum eco_code srv_daemon_reload(struct srv_daemon *daemon, struct eco_error *error)
+{
+	struct srv_reload report;
+	return srv_host_reload(&daemon->host, &report, error);
+}
+
+/* Without memory it is tried again. */
+void srv_daemon_tick(struct srv_daemon *daemon)
+{
+	struct eco_error error = { 0 };
+	pthread_mutex_lock(&daemon->host.reloading);
+	srv_catalog_retire(daemon->host.catalog, srv_clock_us(), &error);
+	pthread_mutex_unlock(&daemon->host.reloading);
+}
+
+struct srv_gauges srv_host_gauges(struct srv_host *host)
+{
+	struct srv_edition *edition = srv_catalog_hold(host->catalog);
+	struct srv_gauges gauges = { .connections = srv_reaper_connections(host->reaper),
+		.busy = atomic_load(&host->busy),
+		.waiting_plans = srv_work_waiting(host->work),
+		.scenes = edition->store.count,
+		.retired = edition->retired_count,
+		.bodies_bytes = atomic_load(&host->bodies_bytes),
+		.accept_failures = srv_listener_failures(host->listener),
+		.refused_heads = srv_gate_refused() };
+	gauges.ready = !atomic_load(&host->draining) && gauges.waiting_plans < host->config.queue_max;
+	srv_edition_release(edition);
+	return gauges;
 }
 
 void srv_daemon_quiesce(struct srv_daemon *daemon)
@@ -308,16 +381,20 @@ void srv_daemon_stop(struct srv_daemon *daemon)
 	if (!daemon)
 		return;
 	srv_daemon_quiesce(daemon);
-	srv_listener_stop(daemon->listener);
+	srv_listener_stop(daemon->host.listener);
+	if (daemon->host.chores)
+		srv_work_stop(daemon->host.chores);
 	if (daemon->host.work)
 		srv_work_stop(daemon->host.work);
 	if (daemon->http)
 		MHD_stop_daemon(daemon->http);
 	srv_work_free(daemon->host.work);
+	srv_work_free(daemon->host.chores);
 	srv_reaper_stop(daemon->host.reaper);
 	srv_catalog_free(daemon->host.catalog);
 	srv_plan_cache_free(daemon->host.plans);
 	if (daemon->listen_fd >= 0)
 		close(daemon->listen_fd);
+	pthread_mutex_destroy(&daemon->host.reloading);
 	free(daemon);
 }

@@ -3,6 +3,7 @@
  *   srv_store_init(&store); srv_store_add(&store, ...);
  *   srv_daemon_start(&daemon, &config, &store, &error);
  *   for each request: target -> route -> framing -> query -> plan (work threads) -> answer (answer.h)
+ *   srv_daemon_reload(daemon, &error);        other packs for who comes from now on
  *   srv_daemon_quiesce(daemon);               new requests, /healthz too, are answered 503
  *   while (srv_daemon_busy(daemon)) wait;     what runs is finished, for as long as the caller cares to wait
  *   srv_daemon_stop(daemon);
@@ -21,7 +22,10 @@
 #include "server/address.h"
 #include "server/store.h"
 
+struct srv_access;
+struct srv_reload;
 struct srv_site;
+struct srv_sources;
 struct srv_config {              /* 0 is the default */
 	/* "HOST:PORT", host numeric, [IPv6] in brackets, port 0: any; NULL: 127.0.0.1:8080 */
 	const char *listen;
@@ -43,13 +47,20 @@ struct srv_config {              /* 0 is the default */
 	uint64_t plan_cache_bytes;   /* of answers that are kept for who asks again: 64 MiB */
 	uint64_t tiles_max, placements_max;  /* of a plan's walk; lod/plan/planner.h's defaults */
 	uint64_t plan_times;         /* work of a plan, over an ordinary one of its scene (typical.h): 3 */
-	bool log;                    /* one line a request on stderr */
+	const struct srv_access *access;     /* tokens and origins; NULL: none. Outlives the daemon */
+	const struct srv_sources *sources; /* what a reload opens; NULL: there is none. Outlives the daemon */
+	uint32_t keep_s;             /* that chunks of a replaced pack are still served: 600 */
+	bool log;                    /* one line a request on stderr, ... */
+	int log_form;                /* ... an enum srv_log_form */
+	uint64_t slow_ms;            /* plans that took longer are logged with their trace; 0: none */
 };
 
 #define SRV_LISTEN_DEFAULT "127.0.0.1:8080"
 
 struct srv_daemon;
 
+/* Is it HOST:PORT? NULL is fine. */
+enum eco_code srv_daemon_check_listen(const char *listen, struct eco_error *error);
 /* Shares the store's scenes. Errors say what was wrong with the address, or who may hold the port. */
 enum eco_code srv_daemon_start(struct srv_daemon **daemon, const struct srv_config *config,
 	const struct srv_store *store, struct eco_error *error);
@@ -58,6 +69,10 @@ uint16_t srv_daemon_port(const struct srv_daemon *daemon);
 const char *srv_daemon_url(const struct srv_daemon *daemon);
 struct srv_counts { uint64_t connections, accept_failures; };    /* open now; for want of descriptors */
 struct srv_counts srv_daemon_counts(const struct srv_daemon *daemon);
+/* Opens the scenes again that config.sources name, without failing a request; logs what became of them. */
+enum eco_code srv_daemon_reload(struct srv_daemon *daemon, struct eco_error *error);
+/* Now and then: forgets replaced packs whose time is over. */
+void srv_daemon_tick(struct srv_daemon *daemon);
 void srv_daemon_quiesce(struct srv_daemon *daemon);
 /* requests that have begun and are not answered yet */
 uint32_t srv_daemon_busy(const struct srv_daemon *daemon);

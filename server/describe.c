@@ -56,12 +56,15 @@ void srv_describe_health(struct srv_json *json, const struct srv_store *store)
 	srv_json_close(json, '}');
 }
 
-void srv_describe_scenes(struct srv_json *json, const struct srv_store *store)
+void srv_describe_scenes(struct srv_json *json, const struct srv_store *store,
+	bool (*may_see)(const struct srv_scene *scene, const void *ctx), const void *ctx)
 {
 	srv_json_open(json, '{');
 	srv_json_key_open(json, "scenes", '[');
 	for (uint32_t i = 0; i < store->count; i++) {
 		const struct srv_scene *scene = store->scenes[i];
+		if (may_see && !may_see(scene, ctx))
+			continue;
 		srv_json_open(json, '{');
 		srv_json_key_text(json, "name", scene->name);
 		key_id(json, "id", &scene->pack->id);

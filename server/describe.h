@@ -6,7 +6,9 @@
 #include "server/stream.h"
 
 void srv_describe_health(struct srv_json *json, const struct srv_store *store);
-void srv_describe_scenes(struct srv_json *json, const struct srv_store *store);
+/* Those that `may_see` (NULL: all). */
+void srv_describe_scenes(struct srv_json *json, const struct srv_store *store,
+	bool (*may_see)(const struct srv_scene *scene, const void *ctx), const void *ctx);
 void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene);
 /* may be NULL */
 void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream,

@@ -7,12 +7,14 @@
 #include <string.h>
 #include <strings.h>
 
-#include "server/exchange_parts.h"
-
+#include "ecofiles/base/mix.h"
+#include "server/access.h"
+#include "server/log.h"
 #define BODY_STAKE_BYTES (4u << 10)     /* what a body is given before any of it is there */
 
-static const char known_resources[] = "known are /, /healthz, /v1/scenes, and below a scene plan, stream and "
-	"chunks/{id}";
+static const char known_resources[] =
+	"known are /, /healthz, /readyz, /metrics, /v1/scenes, and below a scene "
+	"plan, stream and chunks/{id}";
 static const char bodies_are_many[] = "too many holdings are being received; ask again in a second";
 
 struct srv_exchange *srv_exchange_new(struct srv_host *host, struct MHD_Connection *connection,
@@ -42,9 +44,20 @@ const char *srv_exchange_header(const struct srv_exchange *exchange, const char 
 
 /* ---- Sending ---- */
 
+/* What answers have that are not shared. */
+static void add_common_headers(struct srv_exchange *exchange)
+{
+	const struct srv_access *access = exchange->host->config.access;
+	srv_answer_add(&exchange->answer, "X-Request-Id", exchange->id);
+	srv_answer_allow_origin(&exchange->answer, srv_access_origin(access, exchange->origin),
+		srv_access_origins_vary(access));
+}
+
 static bool queue_answer(struct srv_exchange *exchange)
 {
 	struct srv_answer *answer = &exchange->answer;
+	if (answer->response && !answer->shared)
+		add_common_headers(exchange);
 	if (!answer->response)
 		return false;
 	srv_reaper_send(exchange->host->reaper, exchange->lease);
@@ -92,39 +105,134 @@ void srv_exchange_judge(struct srv_exchange *exchange, const struct srv_validato
 			srv_exchange_path(exchange, path));
 }
 
-/* The whole request is here. */
-static bool answer_request(struct srv_exchange *exchange)
+/* ---- Working ---- */
+
+static void finish_work(void *argument)
+{
+	struct srv_exchange *exchange = argument;
+	srv_reaper_watch(exchange->host->reaper, exchange->lease, NULL);
+	exchange->phase = SRV_PHASE_DONE;
+	MHD_resume_connection(exchange->connection);     /* from here on the exchange may be gone */
+}
+
+void srv_exchange_work(struct srv_exchange *exchange, struct srv_work *work, void (*run)(void *exchange))
+{
+	exchange->phase = SRV_PHASE_WORKING;
+	MHD_suspend_connection(exchange->connection);    /* first: the job may end before submit returns */
+	srv_reaper_watch(exchange->host->reaper, exchange->lease, &exchange->cancelled);
+	if (srv_work_submit(work, &(struct srv_job){ .run = run, .finish = finish_work, .argument = exchange,
+			.cancelled = &exchange->cancelled, .owner = exchange->client }))
+		return;
+	srv_count(&exchange->host->metrics, SRV_COUNT_PLANS_REFUSED, 1);
+	srv_exchange_problem(exchange, SRV_PROBLEM_BUSY,
+		"too many plans wait, or too many from this address; ask again in a second", false);
+	finish_work(exchange);
+}
+
+/* ---- Who may ---- */
+
+static const char *const proxy_headers[] = { "X-Forwarded-For", "Forwarded", "Via" };
+
+/* On this machine, and speaks for nobody else: neither a proxy, as far as it says so, nor a page of a
+ * browser. */
+static bool is_local(const struct srv_exchange *exchange)
+{
+	if (!srv_address_is_loopback(&exchange->client) || exchange->lease->is_proxy || exchange->origin)
+		return false;
+	for (size_t i = 0; i < sizeof proxy_headers / sizeof *proxy_headers; i++)
+		if (srv_exchange_header(exchange, proxy_headers[i]))
+			return false;
+	return true;
+}
+
+static bool may_operate(struct srv_exchange *exchange)
+{
+	const struct srv_access *access = exchange->host->config.access;
+	bool by_token = srv_access_has_operator(access);
+	if (by_token ? srv_access_operator(access, exchange->authorization) : is_local(exchange))
+		return true;
+	srv_exchange_problem(exchange, SRV_PROBLEM_OPERATOR,
+		by_token
+			? "send the operator's token: Authorization: Bearer TOKEN"
+			: "ask from the server's machine, not by a proxy; or start it with --admin-token",
+		false);
+	return false;
+}
+
+/* Sets the scene of a path that names one; false if an answer says why there is none. */
+static bool find_scene(struct srv_exchange *exchange)
 {
 	char detail[256];
-	srv_reaper_clear(exchange->host->reaper, exchange->lease);
-	srv_gate_answering(&exchange->lease->gate, true);
-	if (exchange->body_lost)
-		return queue_problem(exchange, SRV_PROBLEM_BUSY, bodies_are_many, true);
-	if (!exchange->route)
-		return queue_problem(exchange, SRV_PROBLEM_ROUTE, known_resources, false);
-	if (!(exchange->route->methods & exchange->method)) {
-		snprintf(detail, sizeof detail, "use one of %s", exchange->route->allow);
-		return queue_problem(exchange, SRV_PROBLEM_METHOD, detail, false);
+	const char *name = exchange->variables[0];
+	if (!name || exchange->route == &srv_routes[SRV_VIEWER])
+		return true;
+	exchange->scene =
+		srv_edition_find(exchange->edition, name, exchange->route == &srv_routes[SRV_CHUNK]);
+	if (!exchange->scene) {
+		snprintf(detail, sizeof detail, "there is no scene '%.64s'; /v1/scenes lists what there is",
+			name);
+		srv_exchange_problem(exchange, SRV_PROBLEM_SCENE, detail, false);
+		return false;
 	}
-	if (exchange->variables[0] && exchange->route != &srv_routes[SRV_VIEWER]) {
-		exchange->scene = srv_edition_find(exchange->edition, exchange->variables[0],
-			exchange->route == &srv_routes[SRV_CHUNK]);
-		if (!exchange->scene) {
-			snprintf(detail, sizeof detail, "there is no scene '%.64s'; /v1/scenes lists what "
-				"there is", exchange->variables[0]);
-			return queue_problem(exchange, SRV_PROBLEM_SCENE, detail, false);
-		}
-	}
-	if (exchange->route != &srv_routes[SRV_PLAN] && exchange->route != &srv_routes[SRV_STREAM]) {
+	if (srv_access_scene(exchange->host->config.access, name, exchange->authorization))
+		return true;
+	snprintf(detail, sizeof detail, "scene '%.64s' is opened by its token: Authorization: Bearer TOKEN",
+		name);
+	srv_exchange_problem(exchange, SRV_PROBLEM_TOKEN, detail, false);
+	return false;
+}
+
+/* The whole request is here: answers it, or has it worked on, which is answered later. False: later. */
+static bool answer_whole_request(struct srv_exchange *exchange)
+{
+	const struct srv_route *route = exchange->route;
+	char detail[256];
+	if (exchange->body_lost) {
+		srv_exchange_problem(exchange, SRV_PROBLEM_BUSY, bodies_are_many, true);
+	} else if (!route) {
+		srv_exchange_problem(exchange, SRV_PROBLEM_ROUTE, known_resources, false);
+	} else if (!(route->methods & exchange->method)) {
+		snprintf(detail, sizeof detail, "use one of %s", route->allow);
+		srv_exchange_problem(exchange, SRV_PROBLEM_METHOD, detail, false);
+	} else if (exchange->method == SRV_METHOD_OPTIONS) {
+		srv_answer_options(&exchange->answer, route->allow);
+	} else if ((route->is_operators && !may_operate(exchange)) || !find_scene(exchange)) {
+		return true;
+	} else if (route == &srv_routes[SRV_RELOAD]) {
+		srv_exchange_work(exchange, exchange->host->chores, srv_exchange_reload);
+		return false;
+	} else if (route != &srv_routes[SRV_PLAN] && route != &srv_routes[SRV_STREAM]) {
 		srv_exchange_answer_direct(exchange);
 	} else if (srv_exchange_prepare_plan(exchange)) {
-		srv_exchange_start_plan(exchange);
-		return true;
+		srv_exchange_work(exchange, exchange->host->work, srv_exchange_make_plan);
+		return false;
 	}
-	return queue_answer(exchange);
+	return true;
+}
+
+static bool answer_request(struct srv_exchange *exchange)
+{
+	srv_reaper_clear(exchange->host->reaper, exchange->lease);
+	srv_gate_answering(&exchange->lease->gate, true);
+	return answer_whole_request(exchange) ? queue_answer(exchange) : true;
 }
 
 /* ---- Receiving ---- */
+
+/* A proxy's, where it is short and of harmless characters; else one that no other request of this process
+ * has. */
+static void set_id(struct srv_exchange *exchange, const char *given)
+{
+	struct srv_host *host = exchange->host;
+	size_t size = given
+		? strspn(given, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-")
+		: 0;
+	if (size && size < sizeof exchange->id && !given[size])
+		memcpy(exchange->id, given, size + 1);
+	else
+		snprintf(exchange->id, sizeof exchange->id, "%016llx",
+			(unsigned long long)eco_mix(host->id_seed, atomic_fetch_add(&host->id_count, 1)));
+}
 
 /* The head has passed the gate: what occurs is well formed, and once. */
 static void read_headers(struct srv_exchange *exchange)
@@ -140,6 +248,9 @@ static void read_headers(struct srv_exchange *exchange)
 	if (exchange->lease->is_proxy)
 		exchange->client = srv_networks_client(&exchange->host->config.trusted,
 			&exchange->lease->address, srv_exchange_header(exchange, "X-Forwarded-For"));
+	exchange->authorization = srv_exchange_header(exchange, MHD_HTTP_HEADER_AUTHORIZATION);
+	exchange->origin = srv_exchange_header(exchange, MHD_HTTP_HEADER_ORIGIN);
+	set_id(exchange, exchange->lease->is_proxy ? srv_exchange_header(exchange, "X-Request-Id") : NULL);
 	exchange->has_length = length && srv_parse_count(length, &exchange->length);
 }
 
@@ -235,8 +346,7 @@ static bool handle_head(struct srv_exchange *exchange, const char *method)
 			"the server is stopping; ask again in a moment", true);
 	exchange->route = exchange->target_code ? NULL
 		: srv_route_find(&exchange->target, exchange->variables);
-	bool takes_body = exchange->method == SRV_METHOD_POST && exchange->route
-		&& (exchange->route->methods & SRV_METHOD_POST);
+	bool takes_body = exchange->method == SRV_METHOD_POST && exchange->route == &srv_routes[SRV_STREAM];
 	enum srv_problem problem = judge_head(exchange, takes_body, &error);
 	if (problem)
 		return queue_problem(exchange, problem, error.text, true);
@@ -287,33 +397,58 @@ bool srv_exchange_handle(struct srv_exchange *exchange, const char *method, cons
 
 /* ---- The end ---- */
 
-static void log_line(const struct srv_exchange *exchange)
+static void log_request(const struct srv_exchange *exchange, bool is_slow)
 {
 	static const char *const methods[] = { [SRV_METHOD_OTHER] = "?", [SRV_METHOD_GET] = "GET",
-		[SRV_METHOD_HEAD] = "HEAD", [SRV_METHOD_POST] = "POST" };
-	char host[SRV_ADDRESS_TEXT_BYTES], target[256];
-	size_t size = 0;
-	srv_address_format(host, &exchange->client);
-	for (; exchange->raw[size] && size < sizeof target - 1; size++)
-		target[size] = exchange->raw[size] > 0x20 && exchange->raw[size] < 0x7f ? exchange->raw[size]
-			: '?';
-	target[size] = 0;
-	fprintf(stderr, "%s %s %s %u %llu %.3f ms\n", host, methods[exchange->method], target,
-		exchange->answer.status,
-		(unsigned long long)(exchange->method == SRV_METHOD_HEAD ? 0 : exchange->answer.size_bytes),
-		(double)(srv_clock_us() - exchange->begun_us) / 1000.0);
+		[SRV_METHOD_HEAD] = "HEAD", [SRV_METHOD_POST] = "POST", [SRV_METHOD_OPTIONS] = "OPTIONS" };
+	const struct eco_writer *trace = &exchange->trace;
+	char client[SRV_ADDRESS_TEXT_BYTES];
+	srv_address_format(client, &exchange->client);
+	srv_log_request((enum srv_log_form)exchange->host->config.log_form, &(struct srv_log_request){
+		.id = exchange->id, .client = client, .method = methods[exchange->method],
+		.target = exchange->raw, .scene = exchange->scene ? exchange->scene->name : NULL,
+		.status = exchange->answer.status,
+		.bytes = exchange->method == SRV_METHOD_HEAD ? 0 : exchange->answer.size_bytes,
+		.ms = (double)(srv_clock_us() - exchange->begun_us) / 1000.0,
+		.plan_ms = (double)exchange->plan_us / 1000.0, .work = exchange->plan_work,
+		.cut_short = exchange->cut_short,
+		.trace = !is_slow ? NULL : trace->size ? (const char *)trace->bytes : "" });
+}
+
+/* The trace ends with a 0. */
+static bool is_slow(struct srv_exchange *exchange)
+{
+	uint64_t slow_ms = exchange->host->config.slow_ms;
+	if (!slow_ms || exchange->plan_us < slow_ms * 1000)
+		return false;
+	eco_write_u8(&exchange->trace, 0);
+	srv_count(&exchange->host->metrics, SRV_COUNT_SLOW, 1);
+	return true;
+}
+
+/* A request that was given up before its head was whole counts nowhere. */
+static void count_and_log(struct srv_exchange *exchange)
+{
+	bool slow = is_slow(exchange);
+	if (exchange->counted) {
+		srv_count_request(&exchange->host->metrics, exchange->route, exchange->answer.status);
+		srv_count(&exchange->host->metrics, SRV_COUNT_BODY_BYTES,
+			exchange->method == SRV_METHOD_HEAD ? 0 : exchange->answer.size_bytes);
+	}
+	if (slow || exchange->host->config.log)
+		log_request(exchange, slow);
 }
 
 void srv_exchange_end(struct srv_exchange *exchange)
 {
-	if (exchange->host->config.log)
-		log_line(exchange);
+	count_and_log(exchange);
 	if (exchange->counted)
 		atomic_fetch_sub(&exchange->host->busy, 1);
 	atomic_fetch_sub(&exchange->host->bodies_bytes, exchange->body_room);
 	srv_gate_answering(&exchange->lease->gate, false);
 	srv_reaper_await(exchange->host->reaper, exchange->lease);
 	srv_answer_free(&exchange->answer);
+	eco_writer_free(&exchange->trace);
 	srv_edition_release(exchange->edition);
 	free(exchange->holdings.items);
 	free(exchange->body);

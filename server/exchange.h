@@ -5,16 +5,21 @@
  *   -> answered directly, or handed to a work thread while the connection is suspended -> answered when
  *   resumed -> free
  *
- * The polling thread owns an exchange, except between srv_work_submit and MHD_resume_connection, when the
- * work thread does. */
+ * exchange.c receives and sends, exchange_plan.c makes plans and streams, exchange_direct.c answers what
+ * needs none. The polling thread owns an exchange, except between srv_work_submit and MHD_resume_connection,
+ * when the work thread does. */
 #ifndef SRV_EXCHANGE_H
 #define SRV_EXCHANGE_H
+
+#include <pthread.h>
 
 #include "server/answer.h"
 #include "server/catalog.h"
 #include "server/daemon.h"
+#include "server/metrics.h"
 #include "server/query.h"
 #include "server/reaper.h"
+#include "server/reload.h"
 #include "server/route.h"
 #include "server/work.h"
 
@@ -24,12 +29,25 @@ struct srv_host {                        /* what exchanges need of the daemon */
 	struct srv_config config;            /* defaults filled in */
 	struct srv_catalog *catalog;
 	struct srv_work *work;
+	struct srv_work *chores;             /* the operator's, one at a time */
 	struct srv_plan_cache *plans;
 	struct srv_reaper *reaper;
+	struct srv_listener *listener;
+	struct srv_metrics metrics;
+	uint64_t id_seed;                    /* of requests' ids, with the number of those that came */
+	_Atomic(uint64_t) id_count;
+	pthread_mutex_t reloading;
 	atomic_bool draining;
 	_Atomic(uint32_t) busy;
 	_Atomic(uint64_t) bodies_bytes;      /* memory of the bodies that are held */
 };
+
+/* Opens the scenes again that config.sources name. One at a time; whoever comes meanwhile waits. *report says
+ * what became of them, also where it fails, which leaves all as they were. */
+enum eco_code srv_host_reload(struct srv_host *host, struct srv_reload *report, struct eco_error *error);
+struct srv_gauges srv_host_gauges(struct srv_host *host);
+
+#define SRV_REQUEST_ID_BYTES 65
 
 enum srv_phase { SRV_PHASE_HEAD, SRV_PHASE_BODY, SRV_PHASE_WORKING, SRV_PHASE_DONE };
 
@@ -40,6 +58,8 @@ struct srv_exchange {
 	struct srv_address client;           /* behind a trusted proxy, if there is one */
 	enum srv_phase phase;
 	bool counted;                        /* in host->busy */
+	char id[SRV_REQUEST_ID_BYTES];       /* a trusted proxy's, or our own */
+	const char *authorization, *origin;  /* headers, or NULL */
 
 	char *raw;                           /* the request target as it came */
 	struct srv_target target;
@@ -63,6 +83,9 @@ struct srv_exchange {
 
 	struct srv_answer answer;
 	atomic_bool cancelled;               /* nobody waits for the plan */
+	uint64_t plan_us, plan_work;         /* plan_us 0: nothing was planned */
+	bool cut_short;
+	struct eco_writer trace;             /* of the plan, where slow ones are logged */
 	uint64_t begun_us;
 };
 
@@ -73,5 +96,27 @@ struct srv_exchange *srv_exchange_new(struct srv_host *host, struct MHD_Connecti
 bool srv_exchange_handle(struct srv_exchange *exchange, const char *method, const char *bytes, size_t *size);
 /* Sent, or given up. Logs and frees. */
 void srv_exchange_end(struct srv_exchange *exchange);
+
+/* ---- Between its files ---- */
+
+/* A header of the request, or NULL. */
+const char *srv_exchange_header(const struct srv_exchange *exchange, const char *name);
+/* The path names the resource that a problem is about; NULL where it could not be parsed. */
+const char *srv_exchange_path(const struct srv_exchange *exchange, char path[SRV_TARGET_BYTES_MAX]);
+/* Makes exchange->answer a problem; `close`: the connection cannot be used again. */
+void srv_exchange_problem(struct srv_exchange *exchange, enum srv_problem problem, const char *detail,
+	bool close);
+/* Lets preconditions count for exchange->answer, if there are any. */
+void srv_exchange_judge(struct srv_exchange *exchange, const struct srv_validators *validators);
+
+/* Suspends the connection until `run` has made exchange->answer on a thread of `work`; a problem where there
+ * is no room for it. */
+void srv_exchange_work(struct srv_exchange *exchange, struct srv_work *work, void (*run)(void *exchange));
+/* Reads the parameters and the body; true if there is something to plan, else an answer has been made. */
+bool srv_exchange_prepare_plan(struct srv_exchange *exchange);
+void srv_exchange_make_plan(void *exchange);             /* on a work thread */
+void srv_exchange_reload(void *exchange);                /* the same */
+/* Makes the answer of any other route. */
+void srv_exchange_answer_direct(struct srv_exchange *exchange);
 
 #endif

@@ -1,16 +1,20 @@
 /* The routes that need no plan. */
-#include "server/exchange_parts.h"
+#include "server/exchange.h"
 
 #include <microhttpd.h>
 #include <stdio.h>
 
 #include "ecofiles/format/chunk/chunk.h"
+#include "server/access.h"
 #include "server/describe.h"
 
 static void answer_described(struct srv_exchange *exchange, bool validated, struct srv_json *json)
 {
 	const struct srv_scene *scene = exchange->scene;
-	struct srv_validators validators = { .modified_s = scene ? scene->modified_s : 0 };
+	const struct srv_access *access = exchange->host->config.access;
+	struct srv_validators validators = { .modified_s = scene ? scene->modified_s : 0,
+		.is_private = scene ? srv_access_is_private(access, scene->name)
+		: access && access->token_count };
 	if (validated && !json->out.failed) {
 		struct eco_chunk_id id = eco_chunk_hash(json->out.bytes, json->out.size);
 		srv_etag_of(validators.etag, &id);
@@ -27,8 +31,13 @@ static void answer_chunk(struct srv_exchange *exchange)
 	struct srv_scene *scene = srv_parse_id(exchange->variables[1], &id)
 		? srv_edition_chunk(exchange->edition, exchange->variables[0], &id, &chunk) : NULL;
 	if (scene) {
+		const struct srv_access *access = exchange->host->config.access;
 		srv_answer_chunk(&exchange->answer, scene, chunk, &exchange->conditions,
-			exchange->method == SRV_METHOD_GET, srv_exchange_path(exchange, path));
+			&(struct srv_chunk_terms){ .get = exchange->method == SRV_METHOD_GET,
+			.is_private = srv_access_is_private(access, scene->name),
+			.varies = srv_access_origins_vary(access),
+			.origin = srv_access_origin(access, exchange->origin) },
+			srv_exchange_path(exchange, path));
 		return;
 	}
 	snprintf(detail, sizeof detail, "scene '%s' has no chunk '%.64s': ids are 32 lower-case hex digits, "
@@ -59,6 +68,56 @@ static void answer_viewer(struct srv_exchange *exchange, const char *name)
 			"--viewer DIR); /v1/scenes lists the scenes", false);
 }
 
+static void answer_ready(struct srv_exchange *exchange)
+{
+	struct srv_json json = { 0 };
+	if (!srv_host_gauges(exchange->host).ready) {
+		srv_exchange_problem(exchange, SRV_PROBLEM_BUSY,
+			"no further plan can wait now; send requests to "
+			"another server for a moment",
+			false);
+		return;
+	}
+	srv_json_open(&json, '{');
+	srv_json_key_text(&json, "status", "ready");
+	srv_json_close(&json, '}');
+	answer_described(exchange, false, &json);
+}
+
+static void answer_metrics(struct srv_exchange *exchange)
+{
+	struct eco_writer text = { 0 };
+	const struct srv_gauges gauges = srv_host_gauges(exchange->host);
+	srv_metrics_write(&text, &exchange->host->metrics, &gauges);
+	srv_answer_metrics(&exchange->answer, &text);
+}
+
+/* Scenes are listed to whoever may have them. */
+static bool may_see(const struct srv_scene *scene, const void *exchange)
+{
+	const struct srv_exchange *asks = exchange;
+	return srv_access_scene(asks->host->config.access, scene->name, asks->authorization);
+}
+
+void srv_exchange_reload(void *argument)
+{
+	struct srv_exchange *exchange = argument;
+	struct srv_reload report;
+	struct eco_error error = { 0 };
+	struct srv_json json = { 0 };
+	enum eco_code code = srv_host_reload(exchange->host, &report, &error);
+	if (code || report.kept) {
+		srv_exchange_problem(exchange, SRV_PROBLEM_RELOAD, code ? error.text : report.why, false);
+		return;
+	}
+	srv_json_open(&json, '{');
+	srv_json_key_count(&json, "opened", report.opened);
+	srv_json_key_count(&json, "same", report.same);
+	srv_json_key_count(&json, "gone", report.gone);
+	srv_json_close(&json, '}');
+	answer_described(exchange, false, &json);
+}
+
 void srv_exchange_answer_direct(struct srv_exchange *exchange)
 {
 	struct srv_json json = { 0 };
@@ -72,8 +131,14 @@ void srv_exchange_answer_direct(struct srv_exchange *exchange)
 		srv_describe_health(&json, &exchange->edition->store);
 		answer_described(exchange, false, &json);
 		break;
+	case SRV_READY:
+		answer_ready(exchange);
+		break;
+	case SRV_METRICS:
+		answer_metrics(exchange);
+		break;
 	case SRV_SCENES:
-		srv_describe_scenes(&json, &exchange->edition->store);
+		srv_describe_scenes(&json, &exchange->edition->store, may_see, exchange);
 		answer_described(exchange, true, &json);
 		break;
 	case SRV_SCENE:

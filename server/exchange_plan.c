@@ -1,12 +1,14 @@
 /* Plans and streams: from the parameters to an answer, which a work thread makes or the cache has. */
-#include "server/exchange_parts.h"
+#include "server/exchange.h"
 
 #include <microhttpd.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "ecofiles/format/wire.h"
+#include "server/access.h"
 #include "server/describe.h"
+#include "server/trace.h"
 #include "server/typical.h"
 
 #define PLAN_TEXT_MAX (64u << 20)
@@ -99,7 +101,7 @@ static enum eco_code answer_stream(struct srv_exchange *exchange, struct srv_str
 	return ECO_OK;
 }
 
-static void plan_job(void *argument)
+void srv_exchange_make_plan(void *argument)
 {
 	struct srv_exchange *exchange = argument;
 	struct srv_host *host = exchange->host;
@@ -111,37 +113,23 @@ static void plan_job(void *argument)
 	struct srv_stream stream;
 	struct eco_error error = { 0 };
 	uint64_t begun_us = srv_clock_us();
+	srv_trace_capture(host->config.slow_ms ? &exchange->trace : NULL);
 	enum eco_code code = srv_stream_plan(&stream, &input, &error);
+	srv_trace_capture(NULL);
 	if (!code) {
+		exchange->plan_work = stream.work;
+		exchange->cut_short = stream.cut_short;
 		code = (exchange->route == &srv_routes[SRV_PLAN] ? answer_plan : answer_stream)(exchange,
 			&stream, begun_us, &error);
 		srv_stream_free(&stream);
 	}
+	exchange->plan_us = srv_clock_us() - begun_us + 1;
+	srv_count_plan(&host->metrics, exchange->plan_us, exchange->plan_work, exchange->cut_short);
+	srv_count(&host->metrics, SRV_COUNT_PLANS_CANCELLED, atomic_load(&exchange->cancelled));
 	if (code)
 		srv_exchange_problem(exchange, srv_problem_of(code), error.text, false);
 	else
 		srv_exchange_judge(exchange, &exchange->validators);
-}
-
-static void plan_done(void *argument)
-{
-	struct srv_exchange *exchange = argument;
-	srv_reaper_watch(exchange->host->reaper, exchange->lease, NULL);
-	exchange->phase = SRV_PHASE_DONE;
-	MHD_resume_connection(exchange->connection);     /* from here on the exchange may be gone */
-}
-
-void srv_exchange_start_plan(struct srv_exchange *exchange)
-{
-	exchange->phase = SRV_PHASE_WORKING;
-	MHD_suspend_connection(exchange->connection);    /* first: the job may end before submit returns */
-	srv_reaper_watch(exchange->host->reaper, exchange->lease, &exchange->cancelled);
-	if (srv_work_submit(exchange->host->work, &(struct srv_job){ .run = plan_job, .finish = plan_done,
-			.argument = exchange, .cancelled = &exchange->cancelled, .owner = exchange->client }))
-		return;
-	srv_exchange_problem(exchange, SRV_PROBLEM_BUSY,
-		"too many plans wait, or too many from this address; ask again in a second", false);
-	plan_done(exchange);
 }
 
 /* What was answered before to the same request. */
@@ -193,7 +181,11 @@ static bool answer_unplanned(struct srv_exchange *exchange)
 	srv_etag_request(exchange->validators.etag, exchange->scene, exchange->host->config.plan_times,
 		exchange->raw);
 	exchange->validators.modified_s = exchange->scene->modified_s;
-	return answer_by_tag(exchange) || answer_again(exchange);
+	exchange->validators.is_private = srv_access_is_private(exchange->host->config.access,
+		exchange->scene->name);
+	bool answered = answer_by_tag(exchange) || answer_again(exchange);
+	srv_count(&exchange->host->metrics, SRV_COUNT_KEPT, answered);
+	return answered;
 }
 
 bool srv_exchange_prepare_plan(struct srv_exchange *exchange)

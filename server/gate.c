@@ -15,6 +15,13 @@ ssize_t __wrap_recv(int fd, void *bytes, size_t size, int flags);
 /* One process, one table of descriptors; pages of it that are not used take no memory. */
 static _Atomic(struct srv_gate *) gates[DESCRIPTORS_MAX];
 
+static _Atomic(uint64_t) refused;
+
+uint64_t srv_gate_refused(void)
+{
+	return atomic_load(&refused);
+}
+
 bool srv_gate_open(struct srv_gate *gate, int fd)
 {
 	if (fd < 0 || fd >= DESCRIPTORS_MAX)
@@ -39,6 +46,7 @@ void srv_gate_answering(struct srv_gate *gate, bool is_answering)
 void srv_gate_answer(int fd, enum srv_problem problem, const char *detail, bool is_head)
 {
 	struct srv_json json = { 0 };
+	atomic_fetch_add_explicit(&refused, 1, memory_order_relaxed);
 	unsigned status = srv_problem_rows[problem].status;
 	char text[1024];
 	srv_problem_write(&json, problem, detail, NULL);

@@ -26,6 +26,7 @@ void srv_gate_answering(struct srv_gate *gate, bool is_answering);
 /* Before the descriptor is closed. */
 void srv_gate_close(struct srv_gate *gate);
 
+uint64_t srv_gate_refused(void);          /* answers of srv_gate_answer so far */
 /* Writes the problem document, without a body for HEAD, and tries to send it at once. */
 void srv_gate_answer(int fd, enum srv_problem problem, const char *detail, bool is_head);
 

@@ -1,6 +1,7 @@
 /* ecoserve: serves packs over HTTP until SIGTERM or SIGINT, then finishes what runs; a second signal ends at
  * once. */
 #include <malloc.h>
+#include <netdb.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,11 +10,15 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "ecofiles/base/options.h"
+#include "ecofiles/base/options_file.h"
+#include "server/access.h"
 #include "server/daemon.h"
+#include "server/log.h"
+#include "server/reload.h"
 #include "server/site.h"
 #include "server/trace.h"
 
+#define ENVIRONMENT "ECOSERVE_"
 #define NAMES_SHOWN 8u
 /* Freed memory that a thread keeps: a plan needs a few MB, and to get them anew from the kernel, page by
  * page, took 6 % of its time. */
@@ -24,14 +29,31 @@
 
 static struct {
 	struct srv_config config;
+	struct srv_access access;
 	struct eco_inputs scenes;
-	const char *copies, *viewer;
-	bool in_place;
+	const char *copies, *viewer, *settings;
+	uint64_t keep_s;
+	bool in_place, only_check;
 } given;
 
 static enum eco_code read_networks(const char *text, void *networks, struct eco_error *error)
 {
 	return srv_networks_parse(networks, text, error);
+}
+
+static enum eco_code read_token(const char *text, void *access, struct eco_error *error)
+{
+	return srv_access_add_token(access, text, error);
+}
+
+static enum eco_code read_operator(const char *text, void *access, struct eco_error *error)
+{
+	return srv_access_add_operator(access, text, error);
+}
+
+static enum eco_code read_origin(const char *text, void *access, struct eco_error *error)
+{
+	return srv_access_add_origin(access, text, error);
 }
 
 /* A descriptor a connection, and some for packs and threads: as many as this process may have. */
@@ -45,65 +67,82 @@ static void raise_descriptors(uint64_t connections)
 	setrlimit(RLIMIT_NOFILE, &limit);
 }
 
+static const char *const log_forms[] = { [SRV_LOG_TEXT] = "text", [SRV_LOG_JSON] = "json", NULL };
+
 static const struct eco_option options[] = {
 	{ "a pack", 0, ECO_OPTION_INPUTS, "[NAME=]OUT.eco", &given.scenes, .is_required = true,
-		.help = "a scene under /v1/scenes/NAME; without NAME= it is the scene's own name where that "
-		"is a word of a-z, 0-9, '_' and '-', else "
-		"the file's, in small letters and with '-' for all else" },
+		.help = "a scene under /v1/scenes/NAME, or a folder of some; without NAME= it is the scene's "
+			"own name where that is a word of a-z, 0-9, '_' and '-', else the file's, in small "
+			"letters and with '-' for all else" },
 	{ "listen", 'l', ECO_OPTION_TEXT, "HOST:PORT", &given.config.listen,
 		.help = "where to listen; port 0 takes any free one; " SRV_LISTEN_DEFAULT " if not given" },
 	{ "copies", 0, ECO_OPTION_TEXT, "DIR", &given.copies,
 		.help = "where private copies of the packs lie while they are served, so that nobody changes "
-		"them; they take as much room as the packs and go with the process; $TMPDIR or /var/tmp if "
-		"not given" },
+			"them; they take as much room as the packs and go with the process; $TMPDIR or "
+			"/var/tmp if not given" },
 	{ "in-place", 0, ECO_OPTION_FLAG, NULL, &given.in_place,
 		.help = "serve the files themselves, for packs that nobody writes over: no room, no time to "
-		"copy, and memory shared with other servers" },
+			"copy, and memory shared with other servers" },
 	{ "connections", 0, ECO_OPTION_COUNT, "N", &given.config.connections_max, 1, 100000,
 		.help = "at once; where all are taken, one that only waits gives way; 1000 if not given" },
-	{ "connections-per-address", 0, ECO_OPTION_COUNT, "N", &given.config.connections_per_address,
-		1, 100000, .help = "of them from one address, or from one IPv6 /64; 128 if not given" },
+	{ "connections-per-address", 0, ECO_OPTION_COUNT, "N", &given.config.connections_per_address, 1,
+		100000, .help = "of them from one address, or from one IPv6 /64; 128 if not given" },
 	{ "plans", 0, ECO_OPTION_COUNT, "N", &given.config.queue_max, 1, 100000,
 		.help = "that may wait for a thread; 64 if not given" },
 	{ "plans-per-address", 0, ECO_OPTION_COUNT, "N", &given.config.queue_share_max, 1, 100000,
 		.help = "of them for one address; addresses are served in turn; 32 if not given" },
 	{ "plan-work", 0, ECO_OPTION_COUNT, "N", &given.config.plan_times, 1, 1000,
 		.help = "what planning a request may cost, counted in ordinary plans of its scene; it ends "
-		"there with what it has, which is the same on every machine; 3 if not given" },
+			"there with what it has, which is the same on every machine; 3 if not given" },
 	{ "trust-proxy", 0, ECO_OPTION_READ, "ADDRESS[/BITS],...", &given.config.trusted,
-		.read = read_networks, .help = "proxies that may open any number of connections, and whose "
-		"X-Forwarded-For says who asks" },
+		.read = read_networks,
+		.help = "proxies that may open any number of connections, and whose "
+			"X-Forwarded-For says who asks" },
 	{ "viewer", 0, ECO_OPTION_TEXT, "DIR", &given.viewer,
 		.help = "what / shows in a browser: the folder that `make web` makes; web/site beside this "
-		"program if not given" },
-	{ "log", 0, ECO_OPTION_FLAG, NULL, &given.config.log, .help = "one line a request on stderr" },
-	{ 0 } };
+			"program if not given" },
+	{ "token", 0, ECO_OPTION_READ, "SCENE=FILE", &given.access, .read = read_token,
+		.help = "the scene is for whoever sends the token that is the first line of FILE "
+			"(Authorization: Bearer); may be given more than once" },
+	{ "admin-token", 0, ECO_OPTION_READ, "FILE", &given.access, .read = read_operator,
+		.help = "/metrics and /v1/admin are for whoever sends this one, which opens all scenes, too; "
+			"else they are for this machine" },
+	{ "cors", 0, ECO_OPTION_READ, "ORIGIN", &given.access, .read = read_origin,
+		.help = "whose pages may read answers, https://HOST[:PORT], or * for all; may be given more "
+			"than once" },
+	{ "keep", 0, ECO_OPTION_COUNT, "SECONDS", &given.keep_s, 1, 86400,
+		.help = "that chunks of a replaced pack are still served; 600 if not given" },
+	{ "log", 0, ECO_OPTION_CHOICE, "FORM", &given.config.log_form, .choices = log_forms,
+		.given = &given.config.log,
+		.help = "one line a request on stderr, as text or json; what the daemon says has it, "
+			"too" },
+	{ "slow", 0, ECO_OPTION_COUNT, "MS", &given.config.slow_ms, 1, 3600000,
+		.help = "log requests whose plan took longer, with what the plan tried" },
+	{ "config", 0, ECO_OPTION_TEXT, "FILE", &given.settings,
+		.help = "lines of NAME = VALUE, as these options are named, and pack = [NAME=]OUT.eco" },
+	{ "check-config", 0, ECO_OPTION_FLAG, NULL, &given.only_check,
+		.help = "read everything, packs too, say whether it is good, and end" },
+	{ 0 }
+};
 
-static const struct eco_command command = { .name = "ecoserve", .synopsis = "[--listen HOST:PORT] [OPTIONS] "
-	"[NAME=]OUT.eco ...",
-	.says = "Serves packs made by ecopack over HTTP.", .options = options,
-	.notes = "Prints one line when ready, with the names. SIGTERM and SIGINT finish running answers "
-	"(for at most 10 s) and end; a second one "
-		"ends at once. SIGHUP changes nothing.\n"
-		"A new pack in place of one that is served is seen when ecoserve starts again.\n"
+static const struct eco_command command = { .name = "ecoserve",
+	.synopsis = "[--listen HOST:PORT] [OPTIONS] "
+		    "[NAME=]OUT.eco ...",
+	.says = "Serves packs made by ecopack over HTTP.",
+	.options = options,
+	.notes =
+		"Prints one line when ready, with the names. SIGTERM and SIGINT finish running answers "
+		"(for at most 10 s) and end; a second one "
+		"ends at once. SIGHUP, or POST /v1/admin/reload, reads packs and folders again: what has "
+		"changed is served to who comes from then on, and what is not well leaves the scene as it "
+		"was.\n"
+		"Options hold in this order: the command line, the environment (ECOSERVE_ and the name in "
+		"capitals, as ECOSERVE_PLAN_WORK=5), the file of --config.\n"
 		"ECO_TRACE=plan,cuts,cache,connection prints on stderr why things are as they are.\n" };
 
-/* "NAME=FILE" or "FILE"; a '=' behind a '/' belongs to the file. */
-static enum eco_code add_scene(struct srv_store *store, const char *argument, struct eco_error *error)
+static enum eco_code announce(const char *what, const struct srv_store *store, struct eco_error *error)
 {
-	const char *equals = strchr(argument, '='), *slash = strchr(argument, '/');
-	char name[SRV_NAME_BYTES + 1];
-	if (!equals || (slash && slash < equals))
-		return srv_store_add(store, NULL, argument, error);
-	snprintf(name, sizeof name, "%.*s", (int)(equals - argument), argument);
-	return srv_store_add(store, name, equals + 1, error);
-}
-
-static enum eco_code announce(const struct srv_daemon *daemon, const struct srv_store *store,
-	struct eco_error *error)
-{
-	bool bad = printf("ecoserve: ready on %s (%u scene%s", srv_daemon_url(daemon), store->count,
-		store->count == 1 ? "" : "s") < 0;
+	bool bad = printf("ecoserve: %s (%u scene%s", what, store->count, store->count == 1 ? "" : "s") < 0;
 	for (uint32_t i = 0; i < store->count && i < NAMES_SHOWN; i++)
 		bad |= printf("%s%s", i ? ", " : " named ", store->scenes[i]->name) < 0;
 	if (printf("%s)\n", store->count > NAMES_SHOWN ? ", ..." : "") < 0 || fflush(stdout) || bad)
@@ -115,10 +154,13 @@ static enum eco_code announce(const struct srv_daemon *daemon, const struct srv_
 /* Signals stay blocked in all threads and are taken here, one after the other: no handler, no race. */
 static void serve(struct srv_daemon *daemon, const sigset_t *signals)
 {
-	const struct timespec pause = { 0, DRAIN_ROUND_MS * 1000000L };
-	for (int number; (number = sigwaitinfo(signals, NULL)) < 0 || number == SIGHUP;)
+	const struct timespec pause = { 0, DRAIN_ROUND_MS * 1000000L }, second = { 1, 0 };
+	struct eco_error error = { 0 };
+	for (int number; (number = sigtimedwait(signals, NULL, &second)) < 0 || number == SIGHUP;) {
 		if (number == SIGHUP)
-			fputs("ecoserve: SIGHUP changes nothing: start again to serve other packs\n", stderr);
+			srv_daemon_reload(daemon, &error);       /* which logs what becomes of it */
+		srv_daemon_tick(daemon);
+	}
 	srv_daemon_quiesce(daemon);
 	for (uint32_t waited = 0; srv_daemon_busy(daemon) && waited < DRAIN_MS; waited += DRAIN_ROUND_MS) {
 		int number = sigtimedwait(signals, NULL, &pause);
@@ -164,51 +206,91 @@ static enum eco_code read_site(struct srv_site *site, struct eco_error *error)
 	return srv_site_read(site, path, error);
 }
 
+static enum eco_code serve_scenes(const struct srv_store *store, const sigset_t *signals,
+	struct eco_error *error)
+{
+	struct srv_daemon *daemon;
+	char what[NI_MAXHOST + 40];
+	sigprocmask(SIG_BLOCK, signals, NULL);
+	enum eco_code code = srv_daemon_start(&daemon, &given.config, store, error);
+	if (code)
+		return code;
+	snprintf(what, sizeof what, "ready on %s", srv_daemon_url(daemon));
+	code = announce(what, store, error);
+	if (!code)
+		serve(daemon, signals);
+	else
+		srv_daemon_stop(daemon);
+	return code;
+}
+
+/* SIGHUP waits from the start: a reload that is asked for while packs are read comes after that. */
+static sigset_t prepare_signals(void)
+{
+	sigset_t signals, reload;
+	signal(SIGPIPE, SIG_IGN);
+	signal(SIGBUS, pack_is_gone);
+	sigemptyset(&reload);
+	sigaddset(&reload, SIGHUP);
+	sigprocmask(SIG_BLOCK, &reload, NULL);
+	signals = reload;
+	sigaddset(&signals, SIGTERM);
+	sigaddset(&signals, SIGINT);
+	return signals;
+}
+
 static enum eco_code run(struct eco_error *error)
 {
 	struct srv_store store;
 	struct srv_site site;
-	struct srv_daemon *daemon = NULL;
-	sigset_t signals;
-	signal(SIGPIPE, SIG_IGN);
-	signal(SIGBUS, pack_is_gone);
-	sigemptyset(&signals);
-	sigaddset(&signals, SIGTERM);
-	sigaddset(&signals, SIGINT);
-	sigaddset(&signals, SIGHUP);
+	struct srv_reload report;
+	const struct srv_sources sources = { given.scenes.names, given.scenes.count, copies_folder() };
+	const sigset_t signals = prepare_signals();
 	raise_descriptors(given.config.connections_max);
-	srv_store_init(&store);
-	store.copies = copies_folder();
-	enum eco_code code = read_site(&site, error);
 	given.config.site = &site;
+	given.config.access = &given.access;
+	given.config.sources = &sources;
+	given.config.keep_s = (uint32_t)given.keep_s;
+	srv_store_init(&store);
+	enum eco_code code = read_site(&site, error);
+	code = code ? code : srv_trace_set(getenv("ECO_TRACE"), error);
+	code = code ? code : srv_daemon_check_listen(given.config.listen, error);
+	code = code ? code : srv_sources_load(&sources, NULL, &store, &report, error);
+	code = code ? code : srv_access_check(&given.access, &store, error);
 	if (!code)
-		code = srv_trace_set(getenv("ECO_TRACE"), error);
-	for (uint32_t i = 0; i < given.scenes.count && !code; i++)
-		code = add_scene(&store, given.scenes.names[i], error);
-	if (!code) {
-		sigprocmask(SIG_BLOCK, &signals, NULL);
-		code = srv_daemon_start(&daemon, &given.config, &store, error);
-	}
-	if (!code)
-		code = announce(daemon, &store, error);
-	if (!code)
-		serve(daemon, &signals);
-	else
-		srv_daemon_stop(daemon);
+		code = given.only_check ? announce("the configuration is good", &store, error)
+			: serve_scenes(&store, &signals, error);
 	srv_store_free(&store);
 	srv_site_free(&site);
 	return code;
 }
 
+/* The file that --config names, or the environment; the command line is read for the rest afterwards. */
+static const char *settings_file(int argc, char **argv)
+{
+	static const char name[] = "--config";
+	const char *file = getenv(ENVIRONMENT "CONFIG");
+	for (int i = 0; i < argc && strcmp(argv[i], "--") != 0; i++)
+		if (strncmp(argv[i], name, sizeof name - 1) == 0)
+			file = argv[i][sizeof name - 1] == '=' ? argv[i] + sizeof name
+				: !argv[i][sizeof name - 1] && i + 1 < argc ? argv[i + 1] : file;
+	return file;
+}
+
 int main(int argc, char **argv)
 {
 	struct eco_error error = { 0 };
+	struct eco_arguments arguments = { 0 };
+	const struct eco_settings settings = { settings_file(argc - 1, argv + 1), ENVIRONMENT, "pack" };
 	mallopt(M_TRIM_THRESHOLD, KEPT_BYTES);
 	mallopt(M_MMAP_THRESHOLD, KEPT_BYTES);
 	if (eco_command_answers(&command, argc - 1, argv + 1))
 		return eco_command_end(&command, ECO_OK, &error);
-	enum eco_code code = eco_command_read(&command, argc - 1, argv + 1, &error);
-	if (!code)
-		code = run(&error);
-	return eco_command_end(&command, code, &error);
+	enum eco_code code = eco_settings_read(&command, &settings, argc - 1, argv + 1, &arguments, &error);
+	code = code ? code : eco_command_read(&command, arguments.count, arguments.items, &error);
+	code = code ? code : run(&error);
+	int status = eco_command_end(&command, code, &error);
+	/* only now: options point into them, and inputs were moved to the front */
+	eco_arguments_free(&arguments);
+	return status;
 }

@@ -12,6 +12,8 @@ const struct srv_problem_row srv_problem_rows[SRV_PROBLEM_COUNT] = {
 	"scene", 400 }, [SRV_PROBLEM_ROUTE] = { URN "no-such-resource", "There is no such resource", 404 },
 	[SRV_PROBLEM_SCENE] = { URN "no-such-scene", "There is no scene of this name", 404 },
 	[SRV_PROBLEM_CHUNK] = { URN "no-such-chunk", "The scene has no chunk of this id", 404 },
+	[SRV_PROBLEM_TOKEN] = { URN "token-needed", "The scene is opened by a token", 401 },
+	[SRV_PROBLEM_OPERATOR] = { URN "not-the-operator", "This is for the server's operator", 403 },
 	[SRV_PROBLEM_METHOD] = { URN "method-not-allowed", "The resource does not support this method", 405 },
 	[SRV_PROBLEM_PACK_CHANGED] = { URN "pack-changed", "The scene has been rebuilt since", 409 },
 	[SRV_PROBLEM_LENGTH_REQUIRED] = { URN "length-required", "The body needs a Content-Length", 411 },
@@ -27,6 +29,7 @@ const struct srv_problem_row srv_problem_rows[SRV_PROBLEM_COUNT] = {
 	[SRV_PROBLEM_VERSION] = { URN "unsupported-version", "The version of HTTP is not supported", 505 },
 	[SRV_PROBLEM_BUSY] = { URN "busy", "Too many plans are being made", 503 },
 	[SRV_PROBLEM_STOPPING] = { URN "stopping", "The server is stopping", 503 },
+	[SRV_PROBLEM_RELOAD] = { URN "reload-failed", "Not all scenes could be loaded again", 500 },
 	[SRV_PROBLEM_DAMAGED] = { URN "pack-damaged", "Stored data that the answer needs is damaged", 500 },
 	[SRV_PROBLEM_INTERNAL] = { URN "internal", "The server failed", 500 },
 };

@@ -13,6 +13,8 @@ enum srv_problem {
 	SRV_PROBLEM_FRAMING,
 	SRV_PROBLEM_PARAMETER,
 	SRV_PROBLEM_HOLDINGS,
+	SRV_PROBLEM_TOKEN,           /* a scene is asked for without its token */
+	SRV_PROBLEM_OPERATOR,        /* what is the operator's alone is asked for by someone else */
 	SRV_PROBLEM_ROUTE,
 	SRV_PROBLEM_SCENE,
 	SRV_PROBLEM_CHUNK,
@@ -29,6 +31,7 @@ enum srv_problem {
 	SRV_PROBLEM_VERSION,
 	SRV_PROBLEM_BUSY,
 	SRV_PROBLEM_STOPPING,
+	SRV_PROBLEM_RELOAD,
 	SRV_PROBLEM_DAMAGED,
 	SRV_PROBLEM_INTERNAL,
 	SRV_PROBLEM_COUNT

@@ -1,25 +1,29 @@
 #include "server/route.h"
 
-#include <stdbool.h>
 #include <string.h>
 
-#define READ (SRV_METHOD_GET | SRV_METHOD_HEAD)
+#define READ (SRV_METHOD_GET | SRV_METHOD_HEAD | SRV_METHOD_OPTIONS)
 
 const struct srv_route srv_routes[SRV_RESOURCE_COUNT] = {
-	[SRV_HEALTH] = { "/healthz", "GET, HEAD", READ },
-	[SRV_SCENES] = { "/v1/scenes", "GET, HEAD", READ },
-	[SRV_SCENE] = { "/v1/scenes/{scene}", "GET, HEAD", READ },
-	[SRV_PLAN] = { "/v1/scenes/{scene}/plan", "GET, HEAD", READ },
-	[SRV_STREAM] = { "/v1/scenes/{scene}/stream", "GET, HEAD, POST", READ | SRV_METHOD_POST },
-	[SRV_CHUNK] = { "/v1/scenes/{scene}/chunks/{id}", "GET, HEAD", READ },
-	[SRV_INDEX] = { "/", "GET, HEAD", READ },
-	[SRV_VIEWER] = { "/viewer/{file}", "GET, HEAD", READ },
+	[SRV_HEALTH] = { "/healthz", "GET, HEAD, OPTIONS", READ },
+	[SRV_READY] = { "/readyz", "GET, HEAD, OPTIONS", READ },
+	[SRV_METRICS] = { "/metrics", "GET, HEAD, OPTIONS", READ, .is_operators = true },
+	[SRV_RELOAD] = { "/v1/admin/reload", "POST, OPTIONS", SRV_METHOD_POST | SRV_METHOD_OPTIONS,
+		.is_operators = true },
+	[SRV_SCENES] = { "/v1/scenes", "GET, HEAD, OPTIONS", READ },
+	[SRV_SCENE] = { "/v1/scenes/{scene}", "GET, HEAD, OPTIONS", READ },
+	[SRV_PLAN] = { "/v1/scenes/{scene}/plan", "GET, HEAD, OPTIONS", READ },
+	[SRV_STREAM] = { "/v1/scenes/{scene}/stream", "GET, HEAD, POST, OPTIONS", READ | SRV_METHOD_POST },
+	[SRV_CHUNK] = { "/v1/scenes/{scene}/chunks/{id}", "GET, HEAD, OPTIONS", READ },
+	[SRV_INDEX] = { "/", "GET, HEAD, OPTIONS", READ },
+	[SRV_VIEWER] = { "/viewer/{file}", "GET, HEAD, OPTIONS", READ },
 };
 
 enum srv_method srv_method_of(const char *name)
 {
 	return strcmp(name, "GET") == 0 ? SRV_METHOD_GET : strcmp(name, "HEAD") == 0 ? SRV_METHOD_HEAD
-		: strcmp(name, "POST") == 0 ? SRV_METHOD_POST : SRV_METHOD_OTHER;
+		: strcmp(name, "POST") == 0 ? SRV_METHOD_POST : strcmp(name, "OPTIONS") == 0
+		? SRV_METHOD_OPTIONS : SRV_METHOD_OTHER;
 }
 
 static bool matches(const char *pattern, const struct srv_target *target, const char *variables[2])

@@ -2,16 +2,32 @@
 #ifndef SRV_ROUTE_H
 #define SRV_ROUTE_H
 
+#include <stdbool.h>
+
 #include "server/target.h"
 
-enum srv_method { SRV_METHOD_GET = 1, SRV_METHOD_HEAD = 2, SRV_METHOD_POST = 4, SRV_METHOD_OTHER = 0 };
-enum srv_resource { SRV_HEALTH, SRV_SCENES, SRV_SCENE, SRV_PLAN, SRV_STREAM, SRV_CHUNK,
-	SRV_INDEX, SRV_VIEWER, SRV_RESOURCE_COUNT };
+enum srv_method { SRV_METHOD_GET = 1, SRV_METHOD_HEAD = 2, SRV_METHOD_POST = 4, SRV_METHOD_OPTIONS = 8,
+	SRV_METHOD_OTHER = 0 };
+enum srv_resource {
+	SRV_HEALTH,
+	SRV_READY,
+	SRV_METRICS,
+	SRV_RELOAD,
+	SRV_SCENES,
+	SRV_SCENE,
+	SRV_PLAN,
+	SRV_STREAM,
+	SRV_CHUNK,
+	SRV_INDEX,
+	SRV_VIEWER,
+	SRV_RESOURCE_COUNT
+};
 
 struct srv_route {
 	const char *pattern;
 	const char *allow;           /* value of the Allow header */
-	unsigned methods;            /* enum srv_method; HEAD goes with GET */
+	unsigned methods;            /* enum srv_method; HEAD goes with GET, OPTIONS with all */
+	bool is_operators;           /* and nobody else's */
 };
 extern const struct srv_route srv_routes[SRV_RESOURCE_COUNT];
 

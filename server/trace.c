@@ -12,6 +12,7 @@ static const struct { const char *name, *text; } trace_rows[] = {
 };
 
 static uint32_t trace_bits;      /* written before threads start */
+static _Thread_local struct eco_writer *captured;
 
 static enum eco_code unknown(const char *name, size_t size, struct eco_error *error)
 {
@@ -39,16 +40,24 @@ enum eco_code srv_trace_set(const char *names, struct eco_error *error)
 	return ECO_OK;
 }
 
+void srv_trace_capture(struct eco_writer *to) { captured = to; }
+
 bool srv_trace_on(enum srv_trace_bit bit) { return trace_bits >> bit & 1; }
 
 void srv_trace(enum srv_trace_bit bit, const char *format, ...)
 {
 	char line[512];
-	if (!srv_trace_on(bit))
+	bool captures = bit == SRV_TRACE_PLAN && captured;
+	if (!srv_trace_on(bit) && !captures)
 		return;
 	va_list arguments;
 	va_start(arguments, format);
 	vsnprintf(line, sizeof line, format, arguments);
 	va_end(arguments);
-	fprintf(stderr, "ecoserve: %s: %s\n", trace_rows[bit].name, line);
+	if (captures) {
+		eco_write_bytes(captured, line, strlen(line));
+		eco_write_u8(captured, '\n');
+	}
+	if (srv_trace_on(bit))
+		fprintf(stderr, "ecoserve: %s: %s\n", trace_rows[bit].name, line);
 }

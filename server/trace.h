@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 
+#include "ecofiles/base/bytes.h"
 #include "ecofiles/base/status.h"
 
 #define SRV_TRACE_BITS(X) \
@@ -23,6 +24,8 @@ enum srv_trace_bit {
 /* Sets the bits from a comma-separated list of names (NULL: none), once, before threads start. ECO_BAD_USAGE
  * lists the names. */
 enum eco_code srv_trace_set(const char *names, struct eco_error *error);
+/* From now on what this thread says of its plans goes to `to`, too, a line each; NULL: no more. */
+void srv_trace_capture(struct eco_writer *to);
 bool srv_trace_on(enum srv_trace_bit bit);
 void srv_trace(enum srv_trace_bit bit, const char *format, ...) __attribute__((format(printf, 2, 3)));
 

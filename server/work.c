@@ -105,6 +105,14 @@ bool srv_work_submit(struct srv_work *work, const struct srv_job *job)
 	return room;
 }
 
+uint32_t srv_work_waiting(struct srv_work *work)
+{
+	pthread_mutex_lock(&work->mutex);
+	uint32_t count = work->count;
+	pthread_mutex_unlock(&work->mutex);
+	return count;
+}
+
 static void cancel_all(struct srv_work *work)
 {
 	for (uint32_t i = 0; i < work->count; i++)

@@ -31,6 +31,7 @@ enum eco_code srv_work_start(struct srv_work **work, uint32_t threads, uint32_t 
 /* Runs the job on some thread; false if the queue or the owner's share is full, or it is stopped. Every
  * accepted job is run, also while stopping. Any thread. */
 bool srv_work_submit(struct srv_work *work, const struct srv_job *job);
+uint32_t srv_work_waiting(struct srv_work *work);
 /* Cancels all jobs, runs what is queued, and joins; nothing is accepted from then on. */
 void srv_work_stop(struct srv_work *work);
 /* stops it where that has not been done; NULL is fine */

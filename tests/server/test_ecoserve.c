@@ -1,4 +1,5 @@
 /* The program: what it prints, how it ends, what it links. Skipped where it has not been built. */
+#include <jansson.h>
 #include <libgen.h>
 #include <limits.h>
 #include <signal.h>
@@ -135,8 +136,8 @@ static uint16_t wait_ready(struct process *process, char line[256])
 
 UNIT_TEST(it_says_when_it_is_ready_and_ends_when_asked)
 {
-	static const char *const arguments[] = { "--listen", "127.0.0.1:0", "--log", "a=" PACK_PATH,
-		"b=" PACK_PATH, NULL };
+	static const char *const arguments[] = { "--listen", "127.0.0.1:0", "--log", "text", "a="
+		PACK_PATH, "b=" PACK_PATH, NULL };
 	char line[256], expected[256], out[8192], err[8192];
 	if (!program[0])
 		skip();
@@ -157,8 +158,124 @@ UNIT_TEST(it_says_when_it_is_ready_and_ends_when_asked)
 		assert_int_equal(finish(&process, out, err), 0);
 		assert_string_equal(out, "");
 		assert_non_null(strstr(err, "127.0.0.1 GET /v1/scenes/b 200"));
-		assert_non_null(strstr(err, "SIGHUP changes nothing"));
+		assert_non_null(strstr(err, "reload: 0 scenes opened, 2 as they were, 0 gone"));
 	}
+}
+
+/* ---- Settings ---- */
+
+#define SETTINGS "build/tmp/test_ecoserve.conf"
+#define TOKEN_PATH "build/tmp/test_ecoserve.token"
+
+static void write_file(const char *path, const char *text)
+{
+	FILE *file = fopen(path, "w");
+	assert_true(file && fputs(text, file) >= 0 && fclose(file) == 0);
+}
+
+/* What it says with --check-config, of a file, the environment ("NAME=VALUE" or NULL) and the command line.
+ * */
+static int check(const char *file, const char *variable, const char *option, char out[8192], char err[8192])
+{
+	char name[64] = "";
+	const char *arguments[] = { "--check-config", "--config=" SETTINGS, option, NULL };
+	write_file(SETTINGS, file);
+	if (variable) {
+		snprintf(name, sizeof name, "%.*s", (int)strcspn(variable, "="), variable);
+		setenv(name, variable + strcspn(variable, "=") + 1, 1);
+	}
+	struct process process = spawn(arguments);
+	int status = finish(&process, out, err);
+	if (variable)
+		unsetenv(name);
+	return status;
+}
+
+UNIT_TEST(settings_come_from_a_file_the_environment_and_the_command_line)
+{
+	static const struct { const char *file, *variable, *option; int status; const char *says;
+	} rows[] = { { "# of two\n\npack = a=" PACK_PATH "   # one\npack=b=" PACK_PATH
+		       "\nin-place\nlisten = [::1]:80\n",
+			     NULL, NULL, 0, "the configuration is good (2 scenes named a, b)\n" },
+		{ "pack = " PACK_PATH "\nlisten = nowhere\n", NULL, NULL, 2, "'nowhere' is not HOST:PORT" },
+		{ "pack = " PACK_PATH "\nlisten = nowhere\n", "ECOSERVE_LISTEN=127.0.0.1:1", NULL, 0,
+			"is good" },
+		{ "pack = " PACK_PATH "\n", "ECOSERVE_LISTEN=nowhere", "--listen=127.0.0.1:1", 0, "is good" },
+		{ "pack = " PACK_PATH "\n", "ECOSERVE_PLAN_WORK=0", NULL, 2, "--plan-work 0: must be" },
+		{ "pack = " PACK_PATH "\n", "ECOSERVE_IN_PLACE=yes", NULL, 0, "is good" },
+		{ "pack = " PACK_PATH "\n", "ECOSERVE_IN_PLACE=perhaps", NULL, 2,
+			"ECOSERVE_IN_PLACE=perhaps: must be" },
+		{ "", NULL, NULL, 2, "a pack is missing" },
+		{ "pack = " PACK_PATH "\nplans-work = 3\n", NULL, NULL, 2,
+			SETTINGS ": line 2: there is no 'plans-work'" },
+		{ "pack = " PACK_PATH "\nin-place = yes\n", NULL, NULL, 2,
+			"line 2: 'in-place' stands alone" },
+		{ "listen\n", NULL, PACK_PATH, 2, "line 1: 'listen = HOST:PORT' is meant" },
+		{ "pack = " DAMAGED_PATH "\n", NULL, NULL, 1, DAMAGED_PATH },
+		{ "pack = " PACK_PATH "\ntoken = sample=" TOKEN_PATH "\n", NULL, NULL, 0, "is good" },
+		{ "pack = " PACK_PATH "\ntoken = simple=" TOKEN_PATH "\n", NULL, NULL, 2,
+			"there is no scene of this name" },
+		{ "pack = " PACK_PATH "\ncors = here\n", NULL, NULL, 2,
+			"--cors here: must be * or an origin" },
+		{ "pack = " PACK_PATH "\nlog = xml\n", NULL, NULL, 2,
+			"--log xml: must be one of text, json" } };
+	char out[8192], err[8192];
+	if (!program[0])
+		skip();
+	write_file(TOKEN_PATH, "0123456789abcdef\n");
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		int status = check(rows[i].file, rows[i].variable, rows[i].option, out, err);
+		if (status != rows[i].status || !strstr(status ? err : out, rows[i].says))
+			fail_msg("row %zu: %d\n%s%s", i, status, out, err);
+	}
+}
+
+/* One object a line; what looks like a token is not in it; a slow plan says what it tried. */
+UNIT_TEST(logs_are_lines_of_json_without_tokens)
+{
+	static const char *const arguments[] = { "--listen", "127.0.0.1:0", "--log", "json", "--slow", "1",
+		"--plan-work", "1000", "--config", SETTINGS, NULL };
+	static const char stream[] =
+		"/v1/scenes/sample/stream?eye=50,-30,12&target=50,30,2&width=400&height=300"
+		"&vertices=3000000&bytes=100000";
+	char line[256], out[8192], err[8192];
+	unsigned lines = 0, slow = 0, quiet = 0;
+	if (!program[0])
+		skip();
+	write_file(TOKEN_PATH, "0123456789abcdef\n");
+	write_file(SETTINGS, "pack = " PACK_PATH "\ntoken = sample=" TOKEN_PATH "\n");
+	struct process process = spawn(arguments);
+	uint16_t port = wait_ready(&process, line);
+	struct http_answer answer =
+		http_ask(port, "GET", stream, "Authorization: Bearer 0123456789abcdef\r\n", NULL, 0);
+	assert_int_equal(answer.status, 200);
+	http_free(&answer);
+	answer = http_get(port, "/v1/scenes?access_token=0123456789abcdef&b=1");
+	assert_int_equal(answer.status, 400);
+	http_free(&answer);
+	kill(process.pid, SIGHUP);
+	usleep(100000);
+	kill(process.pid, SIGTERM);
+	assert_int_equal(finish(&process, out, err), 0);
+	assert_null(strstr(err, "0123456789abcdef"));
+	assert_non_null(strstr(err, "/v1/scenes?access_token=-&b=1"));
+	for (char *at = strtok(err, "\n"); at; at = strtok(NULL, "\n"), lines++) {
+		json_t *json = json_loads(at, 0, NULL);
+		if (!json)
+			fail_msg("not JSON: %s", at);
+		const char *event = json_string_value(json_object_get(json, "event"));
+		assert_int_equal(json_string_length(json_object_get(json, "time")), 24);
+		if (strcmp(event, "slow") == 0 && ++slow) {
+			assert_true(json_array_size(json_object_get(json, "trace")) >= 1);
+			assert_true(json_integer_value(json_object_get(json, "work")) > 1000);
+			assert_string_equal(json_string_value(json_object_get(json, "scene")), "sample");
+		}
+		quiet += strcmp(event, "request") == 0;
+		json_decref(json);
+	}
+	assert_int_equal(slow, 1);
+	assert_int_equal(quiet, 1);
+	assert_true(lines >= 3);
 }
 
 UNIT_TEST(ipv6_is_served_where_there_is_some)

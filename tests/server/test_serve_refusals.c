@@ -26,10 +26,10 @@ static void assert_described(const char *method, const char *raw, unsigned statu
 UNIT_TEST(bad_requests_are_problems)
 {
 	static const struct { const char *method, *target, *headers, *body; unsigned status; const char *type;
-		} rows[] = {
+	} rows[] = {
 		{ "GET", "/viewer/none.js", "", NULL, 404, "no-such-resource" },
 		{ "GET", "/?x=1", "", NULL, 400, "bad-parameter" },
-			{ "GET", "/v1", "", NULL, 404, "no-such-resource" },
+		{ "GET", "/v1", "", NULL, 404, "no-such-resource" },
 		{ "GET", BASE "/nothing", "", NULL, 404, "no-such-resource" },
 		{ "GET", "/v1/scenes/none", "", NULL, 404, "no-such-scene" },
 		{ "GET", "/v1/scenes/none/plan?" VIEW_BY("1"), "", NULL, 404, "no-such-scene" },
@@ -56,7 +56,13 @@ UNIT_TEST(bad_requests_are_problems)
 		{ "POST", BASE "/plan", "", "", 405, "method-not-allowed" },
 		{ "POST", "/healthz", "", "x", 405, "method-not-allowed" },
 		{ "PUT", BASE "/stream", "", "x", 405, "method-not-allowed" },
-		{ "OPTIONS", "/v1/scenes", "", NULL, 405, "method-not-allowed" },
+		{ "GET", "/v1/admin/reload", "", NULL, 405, "method-not-allowed" },
+		{ "POST", "/v1/admin/reload", "", "x", 400, "ambiguous-framing" },
+		{ "POST", "/v1/admin/reload", "Origin: http://evil.example\r\n", NULL, 403,
+			"not-the-operator" },
+		{ "POST", "/v1/admin/reload", "X-Forwarded-For: 127.0.0.1\r\n", NULL, 403,
+			"not-the-operator" },
+		{ "GET", "/metrics", "Via: 1.1 proxy\r\n", NULL, 403, "not-the-operator" },
 		{ "POST", "/nothing", "", "x", 404, "no-such-resource" },
 		{ "GET", "/healthz", "", "x", 400, "ambiguous-framing" },
 		{ "HEAD", "/healthz", "", "x", 400, NULL },

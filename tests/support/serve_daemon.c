@@ -1,4 +1,5 @@
 #include "tests/support/serve_daemon.h"
+#include "server/reload.h"
 #include "tests/support/files.h"
 
 struct srv_store store;
@@ -10,6 +11,9 @@ const struct srv_site sample_site = { .count = 1, .files = { { SRV_SITE_INDEX, "
 	{ { (uint8_t *)"<!doctype html>", 15 }, { (uint8_t *)"by gzip", 7 },
 	{ (uint8_t *)"brotli", 6 } } } } };
 
+static char *const sample_paths[] = { pack_path };
+static const struct srv_sources sample_sources = { sample_paths, 1, NULL };
+
 const struct eco_scene *scene(void)
 {
 	return &store.scenes[0]->pack->scene;
@@ -19,7 +23,7 @@ int serve_start(void **state)
 {
 	struct eco_error error = { 0 };
 	const struct srv_config config = { .listen = "127.0.0.1:0", .site = &sample_site,
-		.plan_times = SAMPLE_PLAN_TIMES };
+		.plan_times = SAMPLE_PLAN_TIMES, .sources = &sample_sources };
 	folder_make("build/tmp");
 	srv_store_init(&store);
 	snprintf(pack_path, sizeof pack_path, "build/tmp/serve-%d.eco", (int)getpid());

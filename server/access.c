@@ -1,0 +1,179 @@
+#include "server/access.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+/* ---- Tokens ---- */
+
+static bool is_token_byte(char c)
+{
+	return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9')
+		|| (c && strchr("-._~+/=", c));
+}
+
+static enum eco_code read_token(uint8_t token[SRV_TOKEN_BYTES_MAX], const char *path, struct eco_error *error)
+{
+	char line[SRV_TOKEN_BYTES_MAX + 3] = "";
+	FILE *file = fopen(path, "r");
+	if (!file)
+		return eco_fail(error, ECO_IO, "%s: %s", path, strerror(errno));
+	bool has_line = fgets(line, sizeof line, file);
+	fclose(file);
+	size_t size = strcspn(line, "\r\n");
+	line[size] = 0;
+	bool good = has_line && size >= SRV_TOKEN_BYTES_LEAST && size <= SRV_TOKEN_BYTES_MAX;
+	for (size_t i = 0; i < size; i++)
+		good = good && is_token_byte(line[i]);
+	if (!good)
+		return eco_fail(error, ECO_BAD_INPUT,
+			"%s: its first line is no token: %u to %u letters, digits or "
+			"any of -._~+/=, as `openssl rand -hex 32` makes",
+			path, SRV_TOKEN_BYTES_LEAST, SRV_TOKEN_BYTES_MAX);
+	memset(token, 0, SRV_TOKEN_BYTES_MAX);
+	memcpy(token, line, size);
+	return ECO_OK;
+}
+
+/* `scene`: a valid name, or "". */
+static enum eco_code add_token(struct srv_access *access, const char *scene, const char *path,
+	struct eco_error *error)
+{
+	struct srv_token *token = &access->tokens[access->token_count];
+	if (access->token_count == SRV_TOKENS_MAX)
+		return eco_fail(error, ECO_TOO_LARGE, "more than %u tokens", SRV_TOKENS_MAX);
+	enum eco_code code = read_token(token->bytes, path, error);
+	if (code)
+		return code;
+	memcpy(token->scene, scene, strlen(scene) + 1);
+	access->token_count++;
+	return ECO_OK;
+}
+
+enum eco_code srv_access_add_operator(struct srv_access *access, const char *file, struct eco_error *error)
+{
+	return add_token(access, "", file, error);
+}
+
+enum eco_code srv_access_add_token(struct srv_access *access, const char *argument, struct eco_error *error)
+{
+	char scene[SRV_NAME_BYTES + 1] = "";
+	size_t size = strcspn(argument, "=");
+	memcpy(scene, argument, size < SRV_NAME_BYTES ? size : SRV_NAME_BYTES);
+	if (!argument[size] || !srv_name_valid(scene))
+		return eco_fail(error, ECO_BAD_USAGE, "--token %.100s: must be SCENE=FILE", argument);
+	return add_token(access, scene, argument + size + 1, error);
+}
+
+/* All of both is looked at, whatever they are. */
+static bool same_token(const uint8_t a[SRV_TOKEN_BYTES_MAX], const uint8_t b[SRV_TOKEN_BYTES_MAX])
+{
+	volatile uint8_t differs = 0;
+	for (uint32_t i = 0; i < SRV_TOKEN_BYTES_MAX; i++)
+		differs |= a[i] ^ b[i];
+	return !differs;
+}
+
+/* "Bearer TOKEN"; none is all zeros, which no token is. */
+static void read_bearer(uint8_t token[SRV_TOKEN_BYTES_MAX], const char *authorization)
+{
+	static const char scheme[] = "Bearer ";
+	memset(token, 0, SRV_TOKEN_BYTES_MAX);
+	if (!authorization || strncasecmp(authorization, scheme, sizeof scheme - 1) != 0)
+		return;
+	const char *text = authorization + sizeof scheme - 1;
+	text += strspn(text, " ");
+	size_t size = strlen(text);
+	if (size <= SRV_TOKEN_BYTES_MAX)
+		memcpy(token, text, size);
+}
+
+/* `scene` "": the operator's alone. */
+static bool holds_token(const struct srv_access *access, const char *scene, const char *authorization)
+{
+	uint8_t given[SRV_TOKEN_BYTES_MAX];
+	bool holds = false;
+	read_bearer(given, authorization);
+	for (uint32_t i = 0; i < access->token_count; i++) {
+		const struct srv_token *token = &access->tokens[i];
+		bool counts = !token->scene[0] || strcmp(token->scene, scene) == 0;
+		holds |= same_token(token->bytes, given) & counts;
+	}
+	return holds;
+}
+
+static bool has_token(const struct srv_access *access, const char *scene)
+{
+	for (uint32_t i = 0; access && i < access->token_count; i++)
+		if (strcmp(access->tokens[i].scene, scene) == 0)
+			return true;
+	return false;
+}
+
+enum eco_code srv_access_check(const struct srv_access *access, const struct srv_store *store,
+	struct eco_error *error)
+{
+	for (uint32_t i = 0; i < access->token_count; i++)
+		if (access->tokens[i].scene[0] && !srv_store_find(store, access->tokens[i].scene))
+			return eco_fail(error, ECO_BAD_USAGE,
+				"--token %s=FILE: there is no scene of this name", access->tokens[i].scene);
+	return ECO_OK;
+}
+
+bool srv_access_is_private(const struct srv_access *access, const char *scene)
+{
+	return has_token(access, scene);
+}
+
+bool srv_access_scene(const struct srv_access *access, const char *scene, const char *authorization)
+{
+	return !has_token(access, scene) || holds_token(access, scene, authorization);
+}
+
+bool srv_access_has_operator(const struct srv_access *access)
+{
+	return has_token(access, "");
+}
+
+bool srv_access_operator(const struct srv_access *access, const char *authorization)
+{
+	return has_token(access, "") && holds_token(access, "", authorization);
+}
+
+/* ---- Origins ---- */
+
+enum eco_code srv_access_add_origin(struct srv_access *access, const char *origin, struct eco_error *error)
+{
+	const char *scheme = strncmp(origin, "https://", 8) == 0 ? origin + 8
+		: strncmp(origin, "http://", 7) == 0 ? origin + 7 : NULL;
+	bool good = strcmp(origin, "*") == 0 || (scheme && *scheme);
+	for (const char *at = scheme; at && *at; at++)
+		good = good && (is_token_byte(*at) || strchr(":[]", *at)) && *at != '/';
+	if (!good)
+		return eco_fail(error, ECO_BAD_USAGE,
+			"--cors %.100s: must be * or an origin as browsers send it: "
+			"https://HOST[:PORT], without a path",
+			origin);
+	if (access->origin_count == SRV_ORIGINS_MAX)
+		return eco_fail(error, ECO_TOO_LARGE, "--cors: more than %u origins", SRV_ORIGINS_MAX);
+	access->origins[access->origin_count++] = origin;
+	return ECO_OK;
+}
+
+bool srv_access_origins_vary(const struct srv_access *access)
+{
+	return access && access->origin_count > 1 && !srv_access_origin(access, NULL);
+}
+
+const char *srv_access_origin(const struct srv_access *access, const char *origin)
+{
+	const char *found = NULL;
+	for (uint32_t i = 0; access && i < access->origin_count; i++) {
+		if (strcmp(access->origins[i], "*") == 0)
+			return "*";
+		if (access->origin_count == 1 || (origin && strcmp(access->origins[i], origin) == 0))
+			found = access->origins[i];
+	}
+	return found;
+}

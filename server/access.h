@@ -1,0 +1,45 @@
+/* Who may have what: bearer tokens (RFC 6750) of scenes and of the operator, and the origins whose pages may
+ * read answers (CORS). A scene without a token is everybody's. What is the operator's alone is asked for with
+ * the operator's token; where there is none, from this machine, and by no page and no proxy.
+ *
+ * Tokens are read from files, as everybody sees what a program is started with; they are compared in a time
+ * that says nothing about them, and printed nowhere. */
+#ifndef SRV_ACCESS_H
+#define SRV_ACCESS_H
+
+#include "server/store.h"
+
+#define SRV_TOKENS_MAX 256u
+#define SRV_TOKEN_BYTES_LEAST 16u
+#define SRV_TOKEN_BYTES_MAX 128u
+#define SRV_ORIGINS_MAX 16u
+
+struct srv_token { char scene[SRV_NAME_BYTES]; uint8_t bytes[SRV_TOKEN_BYTES_MAX]; };     /* 0s behind it */
+struct srv_access {
+	struct srv_token tokens[SRV_TOKENS_MAX]; uint32_t token_count;   /* scene "": the operator's */
+	const char *origins[SRV_ORIGINS_MAX]; uint32_t origin_count;     /* "*": any */
+};
+
+/* "SCENE=FILE", and FILE of the operator's: the first line of FILE is a token, of letters, digits and
+ * -._~+/=. A scene may have several. */
+enum eco_code srv_access_add_token(struct srv_access *access, const char *argument, struct eco_error *error);
+enum eco_code srv_access_add_operator(struct srv_access *access, const char *file, struct eco_error *error);
+/* "*", or "https://map.example:8443"; keeps the text. */
+enum eco_code srv_access_add_origin(struct srv_access *access, const char *origin, struct eco_error *error);
+
+/* ECO_BAD_USAGE names a scene that has a token, but is not there: it may be another that should have it. */
+enum eco_code srv_access_check(const struct srv_access *access, const struct srv_store *store,
+	struct eco_error *error);
+
+/* `authorization`: the header's value, or NULL. The operator's token opens every scene. */
+bool srv_access_scene(const struct srv_access *access, const char *scene, const char *authorization);
+bool srv_access_is_private(const struct srv_access *access, const char *scene);
+bool srv_access_has_operator(const struct srv_access *access);
+bool srv_access_operator(const struct srv_access *access, const char *authorization);
+
+/* The value of Access-Control-Allow-Origin to a request of `origin` (NULL: of no page), or NULL. Where all
+ * have the same, it does not depend on the request. */
+const char *srv_access_origin(const struct srv_access *access, const char *origin);
+bool srv_access_origins_vary(const struct srv_access *access);
+
+#endif

@@ -1,0 +1,25 @@
+/* Lines on stderr about requests and the daemon, for people or as JSON, one object a line. No header is in
+ * them, so no token is; a parameter of a target that is named like one is left out. */
+#ifndef SRV_LOG_H
+#define SRV_LOG_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum srv_log_form { SRV_LOG_TEXT, SRV_LOG_JSON };
+
+struct srv_log_request {
+	const char *id, *client, *method, *target, *scene;       /* scene NULL: of none */
+	unsigned status;
+	uint64_t bytes;                  /* of the body that was sent */
+	double ms, plan_ms;              /* plan_ms 0: nothing was planned */
+	uint64_t work;
+	bool cut_short;
+	const char *trace;               /* of a slow plan: lines; NULL: none */
+};
+void srv_log_request(enum srv_log_form form, const struct srv_log_request *request);
+/* Something about the daemon; `problem`: that the operator should look at. */
+void srv_log_event(enum srv_log_form form, bool problem, const char *format, ...)
+	__attribute__((format(printf, 3, 4)));
+
+#endif

@@ -1,0 +1,59 @@
+/* What happened so far, in numbers, for Prometheus: a table of counters with a sentence each, requests by
+ * route and status, and how long plans took. Adding is one atomic addition; any thread. */
+#ifndef SRV_METRICS_H
+#define SRV_METRICS_H
+
+#include <stdatomic.h>
+
+#include "ecofiles/base/bytes.h"
+#include "server/route.h"
+
+#define SRV_COUNTERS(X) \
+	X(PLANS, "plans_total", "Plans that were made.") \
+	X(PLANS_CUT, "plans_cut_short_total", \
+		"Of these, those that ended at the bound of their work (--plan-work).") \
+	X(PLAN_WORK, "plan_work_total", \
+		"Work of all plans, counted in units of about 7 ns of processor time.") \
+	X(PLANS_CANCELLED, "plans_cancelled_total", "Plans given up because their client had left.") \
+	X(PLANS_REFUSED, "plans_refused_total", "Requests answered 503 because too many plans waited.") \
+	X(KEPT, "kept_answers_total", "Requests for a plan or stream that were answered without planning.") \
+	X(BODY_BYTES, "response_bytes_total", "Bytes of the bodies that were answered.") \
+	X(RELOADS, "reloads_total", "Reloads of the scenes that were asked for.") \
+	X(RELOADS_FAILED, "reloads_failed_total", \
+		"Of these, those that left at least one scene as it was before.") \
+	X(SLOW, "slow_requests_total", "Requests whose plan took longer than --slow.")
+
+enum srv_counter {
+#define X(name, metric, help) SRV_COUNT_##name,
+	SRV_COUNTERS(X)
+#undef X
+	SRV_COUNTER_COUNT
+};
+
+#define SRV_STATUSES_MAX 32u
+#define SRV_PLAN_BUCKETS 9u
+
+struct srv_metrics {
+	_Atomic(uint64_t) counters[SRV_COUNTER_COUNT];
+	_Atomic(uint64_t) requests[SRV_RESOURCE_COUNT + 1][SRV_STATUSES_MAX];    /* the last route: none */
+	_Atomic(uint64_t) plan_buckets[SRV_PLAN_BUCKETS + 1], plan_us;
+};
+
+static inline void srv_count(struct srv_metrics *metrics, enum srv_counter counter, uint64_t more)
+{
+	atomic_fetch_add_explicit(&metrics->counters[counter], more, memory_order_relaxed);
+}
+/* `route` NULL: there is none. */
+void srv_count_request(struct srv_metrics *metrics, const struct srv_route *route, unsigned status);
+void srv_count_plan(struct srv_metrics *metrics, uint64_t took_us, uint64_t work, bool cut_short);
+
+/* What is so now. */
+struct srv_gauges {
+	uint64_t connections, busy, waiting_plans, scenes, retired, bodies_bytes, accept_failures,
+		refused_heads;
+	bool ready;
+};
+/* The text format 0.0.4 of Prometheus. */
+void srv_metrics_write(struct eco_writer *out, struct srv_metrics *metrics, const struct srv_gauges *gauges);
+
+#endif

@@ -1,0 +1,110 @@
+#include "server/reload.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#define PATH_BYTES 4096
+
+struct loading {
+	const struct srv_store *before;  /* NULL: the first time */
+	struct srv_store *store;
+	struct srv_reload *report;
+};
+
+static void say_why(struct srv_reload *report, const char *text)
+{
+	size_t used = strlen(report->why);
+	snprintf(report->why + used, sizeof report->why - used, "%s%s", used ? "\n" : "", text);
+}
+
+/* Something is not well. The scene of the same file stays, if there is one. */
+static enum eco_code keep(struct loading *loading, const char *name, const char *path,
+	const struct eco_error *why, struct eco_error *error)
+{
+	struct srv_scene *old = srv_store_find_file(loading->before, name, path, false);
+	say_why(loading->report, why->text);
+	loading->report->kept++;
+	return old ? srv_store_share(loading->store, old, error) : ECO_OK;
+}
+
+/* `name` NULL: as the pack or its file is named. */
+static enum eco_code load_pack(struct loading *loading, const char *name, const char *path,
+	struct eco_error *error)
+{
+	struct eco_error why = { 0 };
+	struct srv_scene *same = loading->before ? srv_store_find_file(loading->before, name, path, true)
+		: NULL;
+	enum eco_code code = same ? srv_store_share(loading->store, same, &why)
+		: srv_store_add(loading->store, name, path, &why);
+	if (!code) {
+		++*(same ? &loading->report->same : &loading->report->opened);
+		return ECO_OK;
+	}
+	return loading->before && code != ECO_NO_MEMORY ? keep(loading, name, path, &why, error)
+		: eco_fail(error, code, "%s", why.text);
+}
+
+static int is_pack(const struct dirent *entry)
+{
+	size_t size = strlen(entry->d_name);
+	return size > 4 && entry->d_name[0] != '.' && strcmp(entry->d_name + size - 4, ".eco") == 0;
+}
+
+static enum eco_code load_folder(struct loading *loading, const char *folder, struct eco_error *error)
+{
+	struct dirent **entries;
+	char path[PATH_BYTES];
+	enum eco_code code = ECO_OK;
+	int count = scandir(folder, &entries, is_pack, alphasort);
+	if (count < 0)
+		return eco_fail(error, ECO_IO, "%s: %s", folder, strerror(errno));
+	for (int i = 0; i < count; i++) {
+		snprintf(path, sizeof path, "%s/%s", folder, entries[i]->d_name);
+		code = code ? code : load_pack(loading, NULL, path, error);
+		free(entries[i]);
+	}
+	free(entries);
+	return code;
+}
+
+/* "NAME=FILE" or "FILE"; a '=' behind a '/' belongs to the file. */
+static enum eco_code load_argument(struct loading *loading, const char *argument, struct eco_error *error)
+{
+	const char *equals = strchr(argument, '='), *slash = strchr(argument, '/');
+	char name[SRV_NAME_BYTES + 1];
+	struct stat about;
+	if (!equals || (slash && slash < equals))
+		return stat(argument, &about) == 0 && S_ISDIR(about.st_mode)
+			? load_folder(loading, argument, error) : load_pack(loading, NULL, argument, error);
+	snprintf(name, sizeof name, "%.*s", (int)(equals - argument), argument);
+	return load_pack(loading, name, equals + 1, error);
+}
+
+static uint32_t count_gone(const struct srv_store *before, const struct srv_store *store)
+{
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < before->count; i++)
+		count += !srv_store_find(store, before->scenes[i]->name);
+	return count;
+}
+
+enum eco_code srv_sources_load(const struct srv_sources *sources, const struct srv_store *before,
+	struct srv_store *store, struct srv_reload *report, struct eco_error *error)
+{
+	struct loading loading = { before, store, report };
+	enum eco_code code = ECO_OK;
+	srv_store_init(store);
+	store->copies = sources->copies;
+	*report = (struct srv_reload){ 0 };
+	for (uint32_t i = 0; i < sources->count && !code; i++)
+		code = load_argument(&loading, sources->arguments[i], error);
+	if (!code && !store->count)
+		code = eco_fail(error, ECO_NOT_FOUND,
+			"there is no pack: no OUT.eco in the folders that are named");
+	report->gone = code || !before ? 0 : count_gone(before, store);
+	return code;
+}
