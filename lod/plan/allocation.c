@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "lod/plan/byte_price.h"
+#include "lod/plan/plant_uses.h"
 
 #define TIE_SHARE 0.07           /* tiles and gates blend where both choices differ by less than this share of
                                   * what the finer one saves */
@@ -24,19 +25,6 @@ static void add_at(struct lod_cost *cost, const struct lod_hull *hull, double we
 	cost->above_fp += weight_px * (a->above_fp + part * (b->above_fp - a->above_fp));
 	cost->above_fn += weight_px * (a->above_fn + part * (b->above_fn - a->above_fn));
 	cost->vertices += (double)a->vertices + part * (double)(b->vertices - a->vertices);
-}
-
-static void add_cost(struct lod_cost *sum, const struct lod_cost *cost, double fp_weight, double times,
-	double seen)
-{
-	sum->fp += seen * fp_weight * cost->fp;
-	sum->fn += seen * cost->fn;
-	sum->detail += seen * cost->detail;
-	sum->above_fp += seen * fp_weight * cost->above_fp;
-	sum->above_fn += seen * cost->above_fn;
-	sum->vertices += times * cost->vertices;
-	sum->bytes += cost->bytes;
-	sum->waste += cost->waste;
 }
 
 static double lagrangian(const struct lod_allocation *m, const struct lod_cost *cost, double fp_weight)
@@ -105,43 +93,50 @@ static void relax_whole(struct lod_allocation *m, struct lod_slot_choice *choice
 	double share = choice->whole_share = whole_share(m, choice, &organs, &best);
 	choice->organs_saved = least - lagrangian(m, &organs, choice->fp_weight);
 	choice->cost[0] = (struct lod_cost){ 0 };
-	add_cost(&choice->cost[0], &organs, 1, 1 - share, 1 - share);
-	add_cost(&choice->cost[0], &best, 1, share, share);
+	lod_cost_add(&choice->cost[0], &organs, 1, 1 - share, 1 - share);
+	lod_cost_add(&choice->cost[0], &best, 1, share, share);
 }
 
-static void relax_slots(struct lod_allocation *m)
+static void relax_slot(struct lod_allocation *m, struct lod_slot_choice *slot_choice)
 {
+	uint32_t end = slot_choice->ladder_choice_first + slot_choice->ladder_choice_count;
+	slot_choice->cost[0] = slot_choice->cost[1] = (struct lod_cost){ 0 };
+	for (uint32_t i = slot_choice->ladder_choice_first; i < end; i++) {
+		struct lod_ladder_choice *ladder_choice = &m->ladder_choices[i];
+		ladder_choice->position = ladder_choice->weight_px > 0
+			? lod_hull_position(&ladder_choice->hull,
+			m->lambda / ladder_choice->weight_px, ladder_choice->position) : 0;
+		if (ladder_choice->when < LOD_NEAR)
+			add_at(&slot_choice->cost[0], &ladder_choice->hull, ladder_choice->weight_px,
+				ladder_choice->position);
+		if (ladder_choice->when == LOD_ALWAYS || ladder_choice->when == LOD_NEAR)
+			add_at(&slot_choice->cost[1], &ladder_choice->hull, ladder_choice->weight_px,
+				ladder_choice->position);
+	}
+	slot_choice->organs_saved = slot_choice->weight_px[0]
+		- lagrangian(m, &slot_choice->cost[0], slot_choice->fp_weight);
+	if (slot_choice->whole_count)
+		relax_whole(m, slot_choice);
+}
+
+/* Bytes are none of a slot's costs, so at the same lambda it chooses the same at any price. Returns the choices
+ * looked at. */
+static uint64_t relax_slots(struct lod_allocation *m)
+{
+	uint64_t looks = 0;
 	for (uint32_t s = 0; s < m->p->visible.slot_count; s++) {
 		struct lod_slot_choice *slot_choice = &m->slot_choices[s];
-		slot_choice->cost[0] = slot_choice->cost[1] = slot_choice->cells = (struct lod_cost){ 0 };
+		bool organs_off = lod_prices_organs_off(m, m->p->visible.slots[s].plant);
+		slot_choice->cells = (struct lod_cost){ 0 };
 		slot_choice->cells_weight_px = 0;
-		for (uint32_t i = slot_choice->ladder_choice_first;
-				i < slot_choice->ladder_choice_first + slot_choice->ladder_choice_count;
-				i++) {
-			struct lod_ladder_choice *ladder_choice = &m->ladder_choices[i];
-			ladder_choice->position = ladder_choice->weight_px > 0
-				? lod_hull_position(&ladder_choice->hull,
-				m->lambda / ladder_choice->weight_px, ladder_choice->position) : 0;
-			if (ladder_choice->when < LOD_NEAR)
-				add_at(&slot_choice->cost[0], &ladder_choice->hull, ladder_choice->weight_px,
-					ladder_choice->position);
-			if (ladder_choice->when == LOD_ALWAYS || ladder_choice->when == LOD_NEAR)
-				add_at(&slot_choice->cost[1], &ladder_choice->hull, ladder_choice->weight_px,
-					ladder_choice->position);
-		}
-		slot_choice->organs_saved = slot_choice->weight_px[0]
-			- lagrangian(m, &slot_choice->cost[0], slot_choice->fp_weight);
-		if (slot_choice->whole_count)
-			relax_whole(m, slot_choice);
+		if (slot_choice->lambda == m->lambda && slot_choice->organs_off == organs_off)
+			continue;
+		relax_slot(m, slot_choice);
+		slot_choice->lambda = m->lambda;
+		slot_choice->organs_off = organs_off;
+		looks += slot_choice->ladder_choice_count;
 	}
-}
-
-static void sum_cells(struct lod_allocation *m, const struct lod_tally *t, struct lod_slot_choice *cell,
-	struct lod_slot_choice *whole)
-{
-	(void)m;
-	add_cost(&whole->cells, &cell->cost[1], 1, t->count, t->count);
-	whole->cells_weight_px += t->count * cell->weight_px[1];
+	return looks;
 }
 
 struct bands { double plants, near, far; }; /* bands of one plant that decide together: what they save with
@@ -209,31 +204,12 @@ static uint32_t gate_of(const struct lod_allocation *m, uint32_t plant, double n
 static void relax_gates(struct lod_allocation *m)
 {
 	struct lod_planner *p = m->p;
-	lod_allocation_cells(m, sum_cells);
+	lod_uses_sum_cells(m);
 	for (uint32_t plant = 0; plant < p->scene->plant_count; plant++) {
 		double near = m->lambda <= 0 ? INFINITY : count_near(m, plant);
 		p->gates[plant] = gate_of(m, plant, near);
 	}
-}
-
-static struct lod_cost plants_cost(const struct lod_allocation *m, uint32_t n)
-{
-	const struct lod_node *node = &m->p->visible.nodes[n];
-	double factor = m->tile_choices[n].factor;
-	struct lod_cost sum = { 0 };
-	for (uint32_t i = 0; i < node->tally_count; i++) {
-		const struct lod_tally *t = &node->tallies[i];
-		const struct lod_slot *slot = &m->p->visible.slots[t->slot];
-		const struct lod_slot_choice *choice = &m->slot_choices[t->slot];
-		double near = lod_planner_near(m->p, slot->plant, slot->cell ? t->whole_band : slot->band)
-			* t->count, fp_weight = choice->fp_weight;
-		if (near > 0)
-			add_cost(&sum, &choice->cost[1], fp_weight, near, near * factor);
-		if (!slot->cell && near < t->count)
-			add_cost(&sum, &choice->cost[0], fp_weight, t->count - near,
-				(t->count - near) * factor);
-	}
-	return sum;
+	lod_uses_set_each(m);
 }
 
 /* Open share of a tile, given what its plants and children save, and what its summary saves. */
@@ -328,9 +304,9 @@ static bool relax_summary(struct lod_allocation *m, uint32_t n, double plants)
 static struct lod_cost fine_cost(const struct lod_allocation *m, uint32_t n)
 {
 	const struct lod_node *node = &m->p->visible.nodes[n];
-	struct lod_cost fine = plants_cost(m, n);
+	struct lod_cost fine = lod_uses_cost(m, n);
 	for (uint32_t c = 0; c < node->child_count; c++)
-		add_cost(&fine, &m->tile_choices[node->child_first + c].cost, 1, 1, 1);
+		lod_cost_add(&fine, &m->tile_choices[node->child_first + c].cost, 1, 1, 1);
 	if (m->price > 0)
 		lod_prices_instances(m, n, &fine);
 	return fine;
@@ -415,20 +391,21 @@ void lod_allocation_lambda_range(const struct lod_allocation *m, double *high, d
 
 static void relax_all(struct lod_allocation *m)
 {
-	uint64_t gains = m->p->gains;
-	m->p->looks += m->ladder_choice_count;
-	relax_slots(m);
+	uint64_t gains = m->p->gains, looks = relax_slots(m);
 	relax_gates(m);
 	relax_tiles(m);
-	lod_planner_work(m->p, LOD_WORK_CHOICE * (uint64_t)m->ladder_choice_count
+	m->p->looks += looks;
+	lod_planner_work(m->p, LOD_WORK_CHOICE * looks
 		+ LOD_WORK_TALLY * m->tallies + (m->price > 0 ? 3 : 1) * LOD_WORK_NODE
 		* (uint64_t)m->p->visible.node_count + LOD_WORK_SUMMARY * (m->p->gains - gains));
 }
 
 void lod_allocation_relax(struct lod_allocation *m, double lambda)
 {
-	m->lambda = lambda;
 	bool limits = m->price > 0 && !m->limited;
+	if (lod_allocation_is_relaxed(m, lambda, m->price, m->limited ? m->relaxed.limits : m->price))
+		return;
+	m->lambda = lambda;
 	if (limits)
 		lod_prices_lift(m);
 	relax_all(m);
@@ -438,7 +415,12 @@ void lod_allocation_relax(struct lod_allocation *m, double lambda)
 	}
 	if (m->price > 0)
 		lod_prices_tighten(m);
+	if (limits)
+		lod_prices_keep(m);
 	m->cost = m->tile_choices[0].cost;
+	m->relaxed.lambda = lambda;
+	m->relaxed.price = m->price;
+	m->relaxed.limits = m->limited ? m->relaxed.limits : m->price;
 }
 
 /* ---- The picture ---- */
@@ -458,7 +440,7 @@ static struct lod_wrong wrong_of(void *ctx, const struct lod_visibility *visibil
 		cost = slot_choice->cost[near];
 		weight_px = slot_choice->weight_px[near];
 		if (near && count > 0) {
-			add_cost(&cost, &slot_choice->cells, 1, 0, 1 / count);
+			lod_cost_add(&cost, &slot_choice->cells, 1, 0, 1 / count);
 			weight_px += slot_choice->cells_weight_px / count;
 		}
 		cost.fp += visibility->above * (cost.above_fp - cost.fp);

@@ -30,6 +30,8 @@
 #ifndef LOD_ALLOCATION_H
 #define LOD_ALLOCATION_H
 
+#include <math.h>
+
 #include "ecofiles/format/impostor.h"
 #include "lod/plan/planner_state.h"
 #include "lod/plan/summary_hull.h"
@@ -48,6 +50,20 @@ struct lod_cost {                    /* wrong pixels seen; above_*: the same see
 	double above_fp, above_fn;
 };
 
+/* Adds the cost of `times` plants; errors times `seen`, false positives weighted. */
+static inline void lod_cost_add(struct lod_cost *sum, const struct lod_cost *cost, double fp_weight,
+	double times, double seen)
+{
+	sum->fp += seen * fp_weight * cost->fp;
+	sum->fn += seen * cost->fn;
+	sum->detail += seen * cost->detail;
+	sum->above_fp += seen * fp_weight * cost->above_fp;
+	sum->above_fn += seen * cost->above_fn;
+	sum->vertices += times * cost->vertices;
+	sum->bytes += cost->bytes;
+	sum->waste += cost->waste;
+}
+
 struct lod_ladder_choice {           /* one ladder for all plants of a slot: a class of the knapsack */
 	uint32_t slot, ladder;
 	uint8_t when;
@@ -56,6 +72,7 @@ struct lod_ladder_choice {           /* one ladder for all plants of a slot: a c
 	struct lod_hull hull;
 	uint32_t hull_count;         /* of its points, where bytes do not limit them */
 	double position;             /* on the hull, at the last lambda */
+	double free, free_lambda;    /* the same without a limit, at this lambda; not a number: not known */
 };
 
 /* Rule for a slot's ladder that shows the whole plant: drawn by the share of far plants that saves most at
@@ -81,6 +98,9 @@ struct lod_slot_choice {             /* per plant of a slot; [0]: a far plant, [
 	double near_saved;           /* ... and what cells save over far plants, of all plants of the slot */
 	uint8_t whole_rule;          /* an enum lod_whole_rule, and the one of the best fill so far */
 	uint8_t best_rule;
+	double lambda;               /* at which all this was chosen; not a number: its hulls or its rule
+	                              * changed since */
+	bool organs_off;             /* lod_prices_organs_off then */
 	struct lod_cost cells;       /* at the last lambda: all cells of all its plants */
 	double cells_weight_px;      /* wrong pixels where none of these is drawn */
 };
@@ -113,6 +133,24 @@ struct lod_tile_choice {
 	struct lod_cost cost;        /* of the blend that is chosen */
 };
 
+/* Plants of a slot in an open tile, or in all of them. */
+struct lod_use {
+	uint32_t slot;
+	uint32_t whole;              /* of a cell: the slot of whole plants whose gate decides; else itself */
+	double count;
+};
+
+struct lod_uses {
+	struct lod_use *items;       /* by node */
+	uint32_t *first;             /* per node, and one more: in items */
+	/* of all open tiles: cells, by their whole plants */
+	struct lod_use *cells;       uint32_t cell_count;
+	/* per slot, at the last lambda: the share of whole plants before their gate; what a plant costs in
+	 * the mean, or a cell where it is drawn */
+	double *near;
+	struct lod_cost *each;
+};
+
 struct lod_allocation {
 	struct lod_planner *p;
 	struct lod_slot_choice *slot_choices; /* per slot */
@@ -122,6 +160,7 @@ struct lod_allocation {
 	uint64_t tallies;            /* of open tiles */
 	uint32_t *drawn_by;          /* per node: the tile whose choice draws it; set by predict and fix */
 	uint64_t *counts;            /* per slot: plants if all open tiles are drawn */
+	struct lod_uses uses;        /* lod/plan/plant_uses.h */
 	double *scratch;             /* per slot */
 	struct lod_hull_point **blocks;          uint32_t block_count, block_capacity, block_used;
 	uint32_t *slot_of;           /* per plant and band: slot of whole plants + 1 */
@@ -134,6 +173,9 @@ struct lod_allocation {
 	double price;                /* wrong pixels that a byte must save; 0: bytes do not count */
 	bool spares;                 /* the price is for lists alone: levels of textures and impostors stay */
 	bool limited;                /* limits stay as they are, whatever the price */
+	/* what the last relaxation was made for; lambda not a number: something has changed since.
+	 * limits: the price that limits were made at */
+	struct { double lambda, price, limits; } relaxed;
 	struct lod_prices *prices;   /* lod/plan/byte_price.h; NULL: not made */
 	struct lod_cost cost;        /* at the last lambda */
 };
@@ -149,6 +191,13 @@ static inline uint32_t lod_allocation_slot(const struct lod_allocation *allocati
 	return allocation->slot_of[plant * (size_t)ECO_BANDS + band] - 1;
 }
 
+/* A hull of the slot, or its whole_rule, is another one: the next relaxation chooses anew. */
+static inline void lod_allocation_unsettle(struct lod_allocation *allocation, uint32_t slot)
+{
+	allocation->slot_choices[slot].lambda = NAN;
+	allocation->relaxed.lambda = NAN;
+}
+
 /* Calls fn for each tally of cells in open tiles, with the slot choice of the cell and that of the whole
  * plants. */
 typedef void (*lod_allocation_cell_fn)(struct lod_allocation *allocation, const struct lod_tally *tally,
@@ -161,8 +210,15 @@ void lod_allocation_lambda_range(const struct lod_allocation *allocation, double
 /* Levels of impostors for so many pixels seen, per slot: hulls of ladders that show a whole plant. */
 void lod_allocation_set_impostors(struct lod_allocation *allocation, const double *seen);
 
-/* Sets p->gates too. At lambda 0 every step is taken; above a price of 0, every one within the limits. */
+/* Sets p->gates too. At lambda 0 every step is taken; above a price of 0, every one within the limits. Does
+ * nothing where the last relaxation was the same. */
 void lod_allocation_relax(struct lod_allocation *allocation, double lambda);
+static inline bool lod_allocation_is_relaxed(const struct lod_allocation *allocation, double lambda,
+	double price, double limits)
+{
+	return allocation->relaxed.lambda == lambda && allocation->relaxed.price == price
+		&& allocation->relaxed.limits == limits;
+}
 enum eco_code lod_allocation_predict(struct lod_allocation *allocation, struct eco_prediction *prediction,
 	struct eco_error *error);
 

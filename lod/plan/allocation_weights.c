@@ -10,6 +10,7 @@
 #include "lod/ladder.h"
 #include "lod/plan/byte_price.h"
 #include "lod/plan/impostor_worth.h"
+#include "lod/plan/plant_uses.h"
 
 #define PI 3.14159265358979323846
 #define BLOCK 4096u              /* hull points allocated at once */
@@ -46,6 +47,7 @@ static bool add_ladder_choice(struct lod_allocation *m, const struct lod_ladder_
 			sizeof *m->ladder_choices))
 		return false;
 	m->ladder_choices[m->ladder_choice_count] = *choice;
+	m->ladder_choices[m->ladder_choice_count].free_lambda = NAN;
 	m->ladder_choices[m->ladder_choice_count++].hull_count = choice->hull.count;
 	m->p->candidates += choice->hull.count - 1;
 	return true;
@@ -274,6 +276,8 @@ void lod_allocation_set_impostors(struct lod_allocation *m, const double *seen)
 		whole_hull(m, table, weight_px > 0 ? slot_choice->absent / weight_px : 0, &choice->hull);
 		choice->hull_count = choice->hull.count;
 		choice->position = fmin(choice->position, choice->hull.count - 1);
+		choice->free_lambda = NAN;
+		lod_allocation_unsettle(m, choice->slot);
 	}
 }
 
@@ -288,6 +292,7 @@ static enum eco_code make_slot_choice(struct lod_allocation *m, uint32_t s, stru
 	bool good = true;
 	slot_choice->fp_weight = fp_weight_of(slot_choice->unoccluded, slot_choice->seen);
 	slot_choice->whole = ECO_NONE;
+	slot_choice->lambda = NAN;
 	slot_choice->ladder_choice_first = m->ladder_choice_count;
 	for (uint32_t i = 0; good && i < count; i++) {
 		uint32_t id = ladders[i];
@@ -583,7 +588,7 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 	const struct eco_scene *scene = p->scene;
 	uint32_t slots = p->visible.slot_count, nodes = p->visible.node_count;
 	uint64_t gains = p->gains;
-	*m = (struct lod_allocation){ .p = p };
+	*m = (struct lod_allocation){ .p = p, .relaxed.lambda = NAN };
 	m->slot_choices = calloc(slots + 1, sizeof *m->slot_choices);
 	m->scratch = calloc(slots + 1, sizeof *m->scratch);
 	m->counts = calloc(slots + 1, sizeof *m->counts);
@@ -626,7 +631,7 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 		+ LOD_WORK_CELL * p->screen.cells_touched + LOD_WORK_TALLY * m->tallies
 		+ 4 * LOD_WORK_CHOICE * (uint64_t)m->ladder_choice_count
 		+ 4 * LOD_WORK_NODE * (uint64_t)nodes + LOD_WORK_SUMMARY * (p->gains - gains));
-	return code;
+	return code ? code : lod_uses_make(m, error);
 }
 
 void lod_allocation_free(struct lod_allocation *m)
@@ -642,6 +647,7 @@ void lod_allocation_free(struct lod_allocation *m)
 	free(m->drawn_by);
 	free(m->ladder_choices);
 	free(m->slot_of);
+	lod_uses_free(&m->uses);
 	free(m->gates_counted);
 	free(m->plant_seen);
 	free(m->impostors);

@@ -20,7 +20,7 @@ struct ladder_price {
 	uint32_t steps;
 	uint64_t *vertices;          /* per step, ascending */
 	double *bytes, *waste, *gain;        /* per step; gain while a limit is sought */
-	uint32_t limit;              /* the last step that may be drawn */
+	uint32_t limit, kept;        /* the last step that may be drawn; that of lod_prices_keep */
 	uint32_t image, textured;    /* its texture, in lod_prices.images; the first step that shows it */
 	double image_part;           /* bytes of the texture that this ladder is asked for */
 };
@@ -35,6 +35,7 @@ struct image_price {
 
 struct lod_prices {
 	const struct eco_holdings *kept;     /* chunks that come anyway; NULL: all count alike */
+	double kept_lambda, kept_price;      /* of limits; lambda not a number: none are kept */
 	double factor;               /* times their bytes, that others cost beside these */
 	struct ladder_price *ladders;        uint32_t ladder_count;
 	struct image_price *images;          uint32_t image_count;
@@ -386,6 +387,7 @@ enum eco_code lod_prices_make(struct lod_allocation *m, const struct eco_holding
 	struct lod_prices *prices = m->prices = calloc(1, sizeof *prices);
 	if (prices) {
 		prices->kept = kept;
+		prices->kept_lambda = NAN;
 		prices->factor = waste;
 	}
 	bool good = prices && (prices->drawn = malloc((slots + 1u) * sizeof *prices->drawn))
@@ -429,6 +431,7 @@ void lod_prices_free(struct lod_allocation *m)
 	free(prices->spent);
 	free(prices);
 	m->prices = NULL;
+	m->relaxed.lambda = NAN;
 }
 
 /* ---- What is drawn ---- */
@@ -446,13 +449,12 @@ static void count_drawn(struct lod_allocation *m)
 		double weight = choice->open ? prices->weight[n] * choice->share : 0;
 		for (uint32_t c = 0; node->expanded && c < node->child_count; c++)
 			prices->weight[node->child_first + c] = weight;
-		for (uint32_t i = 0; weight > 0 && i < node->tally_count; i++) {
-			const struct lod_tally *t = &node->tallies[i];
-			const struct lod_slot *slot = &visible->slots[t->slot];
-			double count = weight * t->count
-				* (slot->cell ? lod_planner_near(m->p, slot->plant, t->whole_band) : 1);
-			prices->drawn[t->slot] += count;
-			prices->seen[t->slot] += count * choice->factor;
+		for (uint32_t i = m->uses.first[n]; weight > 0 && i < m->uses.first[n + 1]; i++) {
+			const struct lod_use *use = &m->uses.items[i];
+			double count = weight * use->count
+				* (use->whole == use->slot ? 1 : m->uses.near[use->whole]);
+			prices->drawn[use->slot] += count;
+			prices->seen[use->slot] += count * choice->factor;
 		}
 	}
 }
@@ -495,23 +497,37 @@ static uint32_t step_of(const struct ladder_price *l, uint64_t vertices)
 	return low;
 }
 
-/* Adds to each step what a choice without a limit saves there at lambda. */
-static void add_gain(const struct lod_allocation *m, struct ladder_price *l, uint32_t id, bool all)
+/* Where lambda alone takes a choice. */
+static double free_position(const struct lod_allocation *m, struct lod_ladder_choice *choice)
 {
-	const struct lod_ladder_choice *choice = &m->ladder_choices[id];
 	struct lod_hull hull = choice->hull;
+	if (choice->free_lambda == m->lambda)
+		return choice->free;
+	hull.count = choice->hull_count;
+	choice->free = lod_hull_position(&hull, m->lambda / choice->weight_px, choice->position);
+	choice->free_lambda = m->lambda;
+	return choice->free;
+}
+
+/* Adds to each step what a choice without a limit saves there at lambda. */
+static void add_gain(struct lod_allocation *m, struct ladder_price *l, uint32_t id, bool all)
+{
+	struct lod_ladder_choice *choice = &m->ladder_choices[id];
 	double share = share_of(m, id, all), drawn = m->prices->drawn[choice->slot] * share,
 		seen = m->prices->seen[choice->slot] * share * choice->weight_px;
 	if (!(seen > 0))
 		return;
-	hull.count = choice->hull_count;
-	double position = lod_hull_position(&hull, m->lambda / choice->weight_px, choice->position);
-	for (uint32_t k = 1; k < hull.count && k < position + 1; k++) {
-		const struct lod_hull_point *a = &hull.points[k - 1], *b = &hull.points[k];
-		double part = fmin(1, position - (k - 1));
-		double saved = seen * (lod_hull_error(&hull, a) - lod_hull_error(&hull, b)),
+	const struct lod_hull *hull = &choice->hull;
+	double position = free_position(m, choice), before = lod_hull_error(hull, &hull->points[0]);
+	for (uint32_t k = 1, step = 0; k < choice->hull_count && k < position + 1; k++) {
+		const struct lod_hull_point *a = &hull->points[k - 1], *b = &hull->points[k];
+		double part = position >= k ? 1 : position - (k - 1), after = lod_hull_error(hull, b),
+			saved = seen * (before - after),
 			cost = drawn * m->lambda * (double)(b->vertices - a->vertices);
-		l->gain[step_of(l, b->vertices)] += part * (saved - cost);
+		while (step + 1 < l->steps && l->vertices[step] < b->vertices)
+			step++;
+		l->gain[step] += part * (saved - cost);
+		before = after;
 	}
 }
 
@@ -582,6 +598,16 @@ static void find_limit(struct lod_allocation *m, struct ladder_price *l, bool al
 	}
 }
 
+/* Of the points of its hull that a choice may take. */
+static void set_count(struct lod_allocation *m, struct lod_ladder_choice *choice, uint32_t count)
+{
+	if (choice->hull.count == count)
+		return;
+	choice->hull.count = count;
+	choice->position = fmin(choice->position, count - 1);
+	lod_allocation_unsettle(m, choice->slot);
+}
+
 static void apply_limit(struct lod_allocation *m, const struct ladder_price *l)
 {
 	for (uint32_t i = 0; i < l->count; i++) {
@@ -590,8 +616,7 @@ static void apply_limit(struct lod_allocation *m, const struct ladder_price *l)
 		while (count < choice->hull_count
 				&& choice->hull.points[count].vertices <= l->vertices[l->limit])
 			count++;
-		choice->hull.count = count;
-		choice->position = fmin(choice->position, count - 1);
+		set_count(m, choice, count);
 	}
 }
 
@@ -662,6 +687,14 @@ bool lod_prices_organs_off(const struct lod_allocation *m, uint32_t plant)
 	return m->price > 0 && m->prices->organs_off[plant];
 }
 
+static void set_left_out(struct lod_allocation *m, uint32_t plant, bool left_out)
+{
+	if (m->prices->left_out[plant] == left_out)
+		return;
+	m->prices->left_out[plant] = left_out;
+	m->prices->kept_lambda = m->relaxed.lambda = NAN;
+}
+
 uint32_t lod_prices_leave_out(struct lod_allocation *m)
 {
 	struct lod_prices *prices = m->prices;
@@ -671,19 +704,25 @@ uint32_t lod_prices_leave_out(struct lod_allocation *m)
 		if (!prices->organs_off[i] && prices->spent[i] > (most == ECO_NONE ? 0 : prices->spent[most]))
 			most = i;
 	if (most != ECO_NONE)
-		prices->left_out[most] = true;
+		set_left_out(m, most, true);
 	return most;
 }
 
-void lod_prices_take_in(struct lod_allocation *m, uint32_t plant) { m->prices->left_out[plant] = false; }
-uint8_t *lod_prices_left_out(struct lod_allocation *m) { return m->prices->left_out; }
+void lod_prices_take_in(struct lod_allocation *m, uint32_t plant) { set_left_out(m, plant, false); }
+const uint8_t *lod_prices_left_out(const struct lod_allocation *m) { return m->prices->left_out; }
+
+void lod_prices_set_left_out(struct lod_allocation *m, const uint8_t *left_out)
+{
+	for (uint32_t i = 0; i < m->p->scene->plant_count; i++)
+		set_left_out(m, i, left_out && left_out[i]);
+}
 
 void lod_prices_lift(struct lod_allocation *m)
 {
 	for (uint32_t i = 0; i < m->p->scene->plant_count; i++)
 		m->prices->organs_off[i] = m->prices->left_out[i];
 	for (uint32_t i = 0; i < m->ladder_choice_count; i++)
-		m->ladder_choices[i].hull.count = m->ladder_choices[i].hull_count;
+		set_count(m, &m->ladder_choices[i], m->ladder_choices[i].hull_count);
 }
 
 void lod_prices_limit(struct lod_allocation *m, bool first, bool last)
@@ -716,16 +755,33 @@ void lod_prices_tighten(struct lod_allocation *m)
 	}
 }
 
+void lod_prices_keep(struct lod_allocation *m)
+{
+	m->prices->kept_lambda = m->lambda;
+	m->prices->kept_price = m->price;
+	for (uint32_t i = 0; i < m->prices->ladder_count; i++)
+		m->prices->ladders[i].kept = m->prices->ladders[i].limit;
+}
+
+bool lod_prices_restore(struct lod_allocation *m, double lambda)
+{
+	if (m->prices->kept_lambda != lambda || m->prices->kept_price != m->price)
+		return false;
+	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
+		m->prices->ladders[i].limit = m->prices->ladders[i].kept;
+		apply_limit(m, &m->prices->ladders[i]);
+	}
+	return true;
+}
+
 double lod_prices_bytes(struct lod_allocation *m)
 {
 	double sum = m->cost.bytes;
-	work_limits(m);
-	count_drawn(m);
 	for (uint32_t i = 0; i < m->prices->image_count; i++)
 		m->prices->images[i].used = false;
 	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
 		const struct ladder_price *l = &m->prices->ladders[i];
-		uint32_t used = used_step(m, l);
+		uint32_t used = l->limit;        /* as lod_prices_tighten left it */
 		sum += l->bytes[used] + levels_bytes(m, l);
 		if (used < l->textured || m->prices->images[l->image].used)
 			continue;

@@ -42,10 +42,15 @@ void lod_prices_limit(struct lod_allocation *allocation, bool first, bool last);
  * returns the plant; ECO_NONE: none has any. */
 uint32_t lod_prices_leave_out(struct lod_allocation *allocation);
 void lod_prices_take_in(struct lod_allocation *allocation, uint32_t plant);
-/* Per plant: 1 where its organs are left out; to be kept, and set again. */
-uint8_t *lod_prices_left_out(struct lod_allocation *allocation);
+/* Per plant: 1 where its organs are left out; to be kept, and set again. NULL: none are. */
+const uint8_t *lod_prices_left_out(const struct lod_allocation *allocation);
+void lod_prices_set_left_out(struct lod_allocation *allocation, const uint8_t *left_out);
 /* Sets limits to what the last relaxation chose: whoever fills a budget pays for no more. */
 void lod_prices_tighten(struct lod_allocation *allocation);
+/* Keeps the limits of the last relaxation, which made them; sets them again where they are those of this
+ * lambda and of the allocation's price, else returns false. */
+void lod_prices_keep(struct lod_allocation *allocation);
+bool lod_prices_restore(struct lod_allocation *allocation, double lambda);
 /* Are no organs of this plant drawn, by any of its plants? */
 bool lod_prices_organs_off(const struct lod_allocation *allocation, uint32_t plant);
 

@@ -12,8 +12,12 @@
 
 #define PRICE_MORE 0.05          /* octaves, at first, by which a price is raised that no longer fits */
 #define PRICE_RAISES 3           /* of lambda, up to the one that uses the vertices alone */
-#define PRICE_LAMBDAS 5          /* tried where vertices bind as well */
-#define SIZE_TRIES 4             /* answers whose bytes are counted */
+#define PRICE_LAMBDAS 3          /* tried where vertices bind as well, ... */
+#define PRICE_ENOUGH 0.95        /* ... until they use so much of the budget */
+#define PRICE_FAR 3.0            /* logarithm: lambdas further apart say little of those between, ... */
+#define PRICE_POWER 1.25         /* ... which fall with this power of the vertices */
+#define SIZE_TRIES 4             /* answers whose bytes are counted; ... */
+#define SIZE_TRIES_MORE 2        /* ... where much is known of them */
 /* beside their bytes chunks cost so many times these that the answer without a limit lacks, ... */
 #define WASTE_FIT 1.0
 #define WASTE_COARSER 3.0        /* ... and in coarser answers those that the answer lacks */
@@ -72,6 +76,7 @@ struct fitted {
 	uint8_t *left_out;           /* per plant, as lod_prices_left_out */
 	const struct eco_holdings *kept;     /* as in lod_prices_make */
 	double wrong;                /* pixels that it leaves */
+	double beside;               /* bytes of the answer beside those that are priced */
 };
 
 /* Gaps between prices are filled where all chunks count alike: else they are others, and seldom. */
@@ -79,6 +84,23 @@ static double relax_and_fill(struct lod_allocation *m, struct fitted *fit, doubl
 {
 	return fit->kept || lod_planner_over(m->p, 3) ? lod_price_relax(m, fit->lambda, &fit->at)
 		: lod_price_fill(m, fit->lambda, target, &fit->at, over);
+}
+
+/* Lambdas between which the one lies that uses the vertices at the price that uses the bytes, and vertices
+ * there. */
+struct within { double low, high, over, under; };
+
+/* Vertices are about a power of lambda: its own between two that are close together, else a usual one. Halves
+ * the way where the last try may have been a poor guess. */
+static double next_lambda(const struct within *span, double budget, bool halves)
+{
+	double apart = lod_log(span->high / span->low), under = fmax(1, span->under),
+		more = lod_log(budget / under), step;
+	if (apart > PRICE_FAR)
+		step = PRICE_POWER * more;
+	else
+		step = halves ? 0.5 * apart : apart * more / lod_log(span->over / under);
+	return span->high * lod_exp_minus(fmin(0.9 * apart, fmax(0.1 * fmin(apart, 1), step)));
 }
 
 /* Relaxes within the vertices too: mostly at the lowest lambda, as bytes alone bind; else at the lambda, of
@@ -93,13 +115,16 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 	bool again = !isnan(near);
 	fit->lambda = again ? fit->lambda : low;
 	lod_price_find(m, fit->lambda, target, near, &fit->at, &over);
+	struct within span = { low, high, m->cost.vertices, 0 };
 	bool both = !again && m->cost.vertices > (double)budget;
-	for (int i = 0; both && i <= PRICE_LAMBDAS && !(i && lod_planner_over(m->p, 3)); i++) {
-		double lambda = i ? sqrt(low * high) : high, beyond;
+	for (int i = 0; both && i <= PRICE_LAMBDAS && (!i || span.low < span.high)
+			&& span.under < PRICE_ENOUGH * (double)budget && !(i && lod_planner_over(m->p, 3)); i++) {
+		double lambda = i ? next_lambda(&span, (double)budget, i == 2) : high, beyond;
 		struct lod_price at;
 		lod_price_find(m, lambda, target, fit->at.tiles, &at, &beyond);
 		bool fits = m->cost.vertices <= (double)budget;
-		*(fits ? &high : &low) = lambda;
+		*(fits ? &span.high : &span.low) = lambda;
+		*(fits ? &span.under : &span.over) = m->cost.vertices;
 		if (i && (!fits || lod_price_wrong(m) >= least))
 			continue;
 		least = fits ? lod_price_wrong(m) : INFINITY;
@@ -121,7 +146,7 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 static enum eco_code fill_fitted(const struct lod_lambda_search *s, const struct fitted *fit, uint64_t budget,
 	struct eco_error *error)
 {
-	memcpy(lod_prices_left_out(s->allocation), fit->left_out, s->allocation->p->scene->plant_count);
+	lod_prices_set_left_out(s->allocation, fit->left_out);
 	lod_price_relax(s->allocation, fit->lambda, &fit->at);
 	enum eco_code code = lod_search_fill(s, fit->lambda, budget, error);
 	return code ? code : lod_bytes_size(s->allocation->p, error);
@@ -135,19 +160,30 @@ static void keep_fitted(struct fitted *best, const struct fitted *now, uint32_t 
 	best->left_out = left_out;
 }
 
-/* Fits best->kept. What an answer has beside what is priced, records and the plan itself, is learnt from the
- * answers tried. `room`: per plant, for left_out. */
-static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budget, struct fitted *best,
-	uint8_t *room, struct eco_error *error)
+static bool is_among(const double *tried, int count, double bytes)
+{
+	for (int i = 0; i < count; i++)
+		if (tried[i] == bytes)
+			return true;
+	return false;
+}
+
+/* Fits best->kept, from prices of `first` on. What an answer has beside what is priced, records and the plan
+ * itself, is learnt from the answers tried. `room`: per plant, for left_out. */
+static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budget,
+	const struct fitted *first, struct fitted *best, uint8_t *room, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
 	struct lod_planner *p = m->p;
 	uint32_t plants = p->scene->plant_count;
-	struct fitted now = { .at = { NAN, NAN }, .left_out = room, .kept = best->kept };
-	double most = (double)p->input->request->bytes, beside = 0;
+	struct fitted now = { .lambda = first->lambda, .at = first->at, .left_out = room,
+		.kept = best->kept, .beside = first->beside };
+	double most = (double)p->input->request->bytes, tried[SIZE_TRIES];
 	enum eco_code code = lod_prices_make(m, best->kept, WASTE_FIT, error);
-	for (int i = 0; i < SIZE_TRIES && !code; i++) {
-		double bytes = find_prices(s, most - beside, budget, &now), before = now.size;
+	for (int i = 0; i < (best->kept ? SIZE_TRIES_MORE : SIZE_TRIES) && !code; i++) {
+		double before = now.size, bytes = tried[i] = find_prices(s, most - now.beside, budget, &now);
+		if (is_among(tried, i, bytes))
+			break;
 		code = fill_fitted(s, &now, budget, error);
 		now.size = (double)p->bytes;
 		bool fits = now.size <= most, fitted = best->size <= most;
@@ -156,7 +192,7 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 		if (now.size == before || (now.size <= most && now.size >= most * (1 - LOD_PRICE_SLACK))
 				|| (best->size <= most && lod_planner_over(p, 4)))
 			break;
-		beside = now.size - bytes;
+		now.beside = now.size - bytes;
 	}
 	if (!code && (double)p->bytes != best->size)
 		code = fill_fitted(s, best, budget, error);
@@ -180,11 +216,12 @@ static enum eco_code fit_twice(const struct lod_lambda_search *s, uint64_t budge
 	uint32_t plants = s->allocation->p->scene->plant_count;
 	const struct lod_price highest = { LOD_PRICE_HIGHEST, LOD_PRICE_HIGHEST };
 	const double lambda = lod_lambda_at(s->last);
-	struct fitted alike = { INFINITY, lambda, highest, room + plants, NULL, INFINITY },
-		other = { INFINITY, lambda, highest, room + 2 * (size_t)plants, kept, INFINITY };
-	enum eco_code code = fit_prices(s, budget, &alike, room, error);
+	struct fitted alike = { INFINITY, lambda, highest, room + plants, NULL, INFINITY, 0 },
+		other = { INFINITY, lambda, highest, room + 2 * (size_t)plants, kept, INFINITY, 0 };
+	const struct fitted unknown = { .at = { NAN, NAN } };
+	enum eco_code code = fit_prices(s, budget, &unknown, &alike, room, error);
 	if (!code && !lod_planner_over(s->allocation->p, 3))
-		code = fit_prices(s, budget, &other, room, error);
+		code = fit_prices(s, budget, &alike, &other, room, error);
 	if (code || other.wrong < alike.wrong)
 		return code;
 	code = lod_prices_make(s->allocation, NULL, 0, error);

@@ -352,6 +352,7 @@ static void set_rules(struct lod_allocation *m, enum rules to)
 			choice->best_rule, choice->whole_rule };
 		if (choice->whole_count)
 			*(to == RULES_KEEP ? &choice->best_rule : &choice->whole_rule) = rules[to];
+		lod_allocation_unsettle(m, i);
 	}
 }
 
@@ -371,6 +372,7 @@ static enum eco_code toggle_slots(const struct lod_lambda_search *s, uint64_t bu
 			set_rules(m, RULES_BEST);
 			choice->whole_rule = choice->best_rule == LOD_WHOLE_ALL ? LOD_WHOLE_NONE
 				: LOD_WHOLE_ALL;
+			lod_allocation_unsettle(m, i);
 			if (improves(s, lambda_of_rules(s, budget), budget, AIM_Q, best, &code, error)) {
 				set_rules(m, RULES_KEEP);
 				better = true;

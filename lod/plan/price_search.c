@@ -9,6 +9,7 @@
 
 #define PRICE_NEAR 0.25          /* the same from a price that nearly fits */
 #define PRICE_USUAL -1.0
+#define PRICE_LITTLE -12.0       /* octaves: at lower prices hardly anything is left out */
 #define PRICE_STEP_FIRST 2.0     /* octaves to the next price tried, then twice as far */
 #define LOW_OCTAVES 10           /* no bytes are so far below any */
 #define PRICE_GAPS 4             /* filled after each other */
@@ -24,11 +25,14 @@ static double price_of(double octave)
 
 double lod_price_relax(struct lod_allocation *m, double lambda, const struct lod_price *at)
 {
-	m->price = price_of(at->lists);
+	double lists = price_of(at->lists), tiles = price_of(at->tiles);
+	m->price = lists;
 	m->limited = false;
-	lod_allocation_relax(m, lambda);
-	if (at->tiles != at->lists) {
-		m->price = price_of(at->tiles);
+	if (tiles == lists || (!lod_allocation_is_relaxed(m, lambda, tiles, lists)
+			&& !lod_prices_restore(m, lambda)))
+		lod_allocation_relax(m, lambda);
+	if (tiles != lists) {
+		m->price = tiles;
 		m->limited = true;
 		lod_allocation_relax(m, lambda);
 	}
@@ -113,24 +117,36 @@ static bool fill_gap(struct lod_allocation *m, double lambda, double target, str
 	return false;
 }
 
+/* One price for both. */
+static double relax_alike(struct lod_allocation *m, double lambda, double octave)
+{
+	return lod_price_relax(m, lambda, &(struct lod_price){ octave, octave });
+}
+
 double lod_price_find(struct lod_allocation *m, double lambda, double target, double near,
 	struct lod_price *at, double *over)
 {
-	memset(lod_prices_left_out(m), 0, m->p->scene->plant_count);
+	lod_prices_set_left_out(m, NULL);
 	double low = isnan(near) ? PRICE_USUAL : near, high = low, step = isnan(near) ? PRICE_STEP_FIRST
-		: PRICE_NEAR;
-	while (low > LOD_PRICE_LOWEST && lod_price_relax(m, lambda, &(struct lod_price){ low, low }) <= target) {
+		: PRICE_NEAR, bytes = relax_alike(m, lambda, low);
+	while (bytes <= target && low > LOD_PRICE_LOWEST) {
 		high = low;
 		low -= step;
+		low = low < PRICE_LITTLE ? LOD_PRICE_LOWEST : low;
 		step *= 2;
+		bytes = relax_alike(m, lambda, low);
 	}
-	while (high < LOD_PRICE_HIGHEST && (high <= low
-			|| lod_price_relax(m, lambda, &(struct lod_price){ high, high }) > target)) {
-		low = high > low ? high : low;
-		high += step;
+	*over = low;
+	*at = (struct lod_price){ low, low };
+	if (bytes <= target)
+		return bytes;
+	while (high <= low && high < LOD_PRICE_HIGHEST) {
+		high = fmin(LOD_PRICE_HIGHEST, high + step);
 		step *= 2;
+		if (high < LOD_PRICE_HIGHEST && relax_alike(m, lambda, high) > target)
+			low = high;
 	}
-	*at = search_price(m, lambda, target, NAN, &low, fmin(high, LOD_PRICE_HIGHEST));
+	*at = search_price(m, lambda, target, NAN, &low, high);
 	*over = low;
 	return lod_price_relax(m, lambda, at);
 }

@@ -3,7 +3,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "lod/plan/planner.h"
+#include <string.h>
+
+#include "lod/plan/byte_price.h"
+#include "lod/plan/price_search.h"
 #include "tests/support/scene_random.h"
 #include "tests/support/unit_test.h"
 
@@ -137,6 +140,78 @@ UNIT_TEST(the_same_again)
 		random_pack_free(pack);
 	}
 }
+
+/* ---- Relaxations ---- */
+
+#define RELAXATIONS 30
+
+struct relaxed { struct lod_planner p; struct lod_allocation m; };
+
+static void begin(struct relaxed *r, const struct lod_planner_input *input)
+{
+	struct eco_error error = { 0 };
+	assert_ok(lod_planner_begin(&r->p, input, &error), error);
+	assert_ok(lod_planner_open_level(&r->p, 4, &error), error);
+	assert_ok(lod_allocation_make(&r->m, &r->p, &error), error);
+	assert_ok(lod_prices_make(&r->m, NULL, 0, &error), error);
+}
+
+static void end(struct relaxed *r)
+{
+	lod_allocation_free(&r->m);
+	lod_planner_end(&r->p);
+}
+
+/* Nothing of the last relaxation is taken over by the next one. */
+static void forget(struct lod_allocation *m)
+{
+	uint8_t left_out = lod_prices_left_out(m)[0];
+	for (uint32_t s = 0; s < m->p->visible.slot_count; s++)
+		lod_allocation_unsettle(m, s);
+	for (uint32_t i = 0; i < m->ladder_choice_count; i++)
+		m->ladder_choices[i].free_lambda = NAN;
+	lod_prices_set_left_out(m, NULL);
+	if (left_out)
+		return;
+	lod_prices_leave_out(m);
+	lod_prices_set_left_out(m, NULL);
+}
+
+UNIT_TEST(what_is_kept_from_one_relaxation_to_the_next_changes_none)
+{
+	uint32_t two = 0;
+	uint64_t less = 0, looks = 0;
+	for (uint64_t seed = 1; seed <= SCENES; seed++) {
+		struct random_pack *pack = random_pack_make(seed, seed % 2 ? 0 : 3, 1 + seed % 5);
+		const struct eco_request request = { .view = random_view(&pack->r), .vertices = 10000 };
+		const struct lod_planner_input input = { .scene = &pack->pack.scene, .request = &request };
+		struct relaxed a, b;
+		begin(&a, &input);
+		begin(&b, &input);
+		for (int i = 0; i < RELAXATIONS; i++) {
+			double lambda = ldexp(1, -(int)random_below(&pack->r, 3) * 4),
+				lists = -(double)random_below(&pack->r, 3) * 3;
+			const struct lod_price at = { lists, lists + random_below(&pack->r, 3) };
+			forget(&b.m);
+			assert_true(lod_price_relax(&a.m, lambda, &at) == lod_price_relax(&b.m, lambda, &at));
+			assert_true(a.m.cost.vertices == b.m.cost.vertices);
+			assert_true(lod_price_wrong(&a.m) == lod_price_wrong(&b.m));
+			assert_memory_equal(a.p.gates, b.p.gates,
+				pack->pack.scene.plant_count * sizeof *a.p.gates);
+			two += at.lists != at.tiles;
+		}
+		less += a.p.looks;
+		looks += b.p.looks;
+		end(&a);
+		end(&b);
+		random_pack_free(pack);
+	}
+	assert_true(two > 100);
+	print_message("%.2f of the looks at hulls\n", (double)less / (double)looks);
+	assert_true(less < looks);
+}
+
+/* ---- Bytes that nobody misses ---- */
 
 /* Without a budget of bytes too: beside a plan for which none count. */
 UNIT_TEST(bytes_that_set_hardly_anything_right_are_spared)
