@@ -26,6 +26,9 @@ size_t view_query_write(const struct eco_request *request, char *out, size_t roo
 		at = append_numbers(out, room, at, "&ground_px", &request->ground_px, 1);
 	if (at < room && request->texel_px > 0)
 		at = append_numbers(out, room, at, "&texel_px", &request->texel_px, 1);
+	if (at < room && request->name_from)
+		at += (size_t)snprintf(out + at, room - at, "&name_from=%llu",
+			(unsigned long long)request->name_from);
 	if (at < room && request->next.given) {
 		at = append_numbers(out, room, at, "&next_eye", request->next.eye, 3);
 		at = append_numbers(out, room, at, "&next_target", request->next.target, 3);

@@ -31,6 +31,8 @@ struct view_store {
 	struct view_store_stats stats;
 	char name[64];
 	struct eco_chunk_id pack;
+	view_store_find *find;           /* of chunks that are named; NULL: none can be */
+	void *find_ctx;
 	bool has_scene, has_plan, complete;
 	uint64_t plan_tick;              /* of the cache, when the last plan came */
 	uint64_t came_bytes;             /* decoded, of the request under way */
@@ -496,7 +498,22 @@ bool view_store_again(struct view_store *store, uint64_t *vertices)
 	return true;
 }
 
-const struct eco_wire_events view_store_events = { on_scene, on_plant, on_list, on_chunk, on_plan, on_end };
+static enum eco_code on_fetch(void *ctx, const struct eco_chunk *chunk, const uint8_t **payload,
+	struct eco_error *error)
+{
+	const struct view_store *store = ctx;
+	return store->find ? store->find(store->find_ctx, chunk, payload, error) : eco_fail(error,
+		ECO_UNSUPPORTED, "a chunk is named, not carried, and nothing here fetches it");
+}
+
+void view_store_find_by(struct view_store *store, view_store_find *find, void *ctx)
+{
+	store->find = find;
+	store->find_ctx = ctx;
+}
+
+const struct eco_wire_events view_store_events = { on_scene, on_plant, on_list, on_chunk, on_plan, on_end,
+	on_fetch };
 
 /* ---- Looking ---- */
 

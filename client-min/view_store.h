@@ -51,6 +51,11 @@ void view_store_free(struct view_store *store);                  /* NULL is fine
 
 extern const struct eco_wire_events view_store_events;           /* ctx is the store */
 
+/* Finds the payload of a chunk that a stream only names, as eco_wire_events.fetch. NULL: none can be. */
+typedef enum eco_code view_store_find(void *ctx, const struct eco_chunk *chunk, const uint8_t **payload,
+	struct eco_error *error);
+void view_store_find_by(struct view_store *store, view_store_find *find, void *ctx);
+
 void view_store_begin(struct view_store *store);
 /* After a whole stream: true if its plan needs what has gone while it came. Then the same is to be asked
  * again, with the holdings of now, and what that plan needs stays; *vertices is its count, which a request

@@ -91,9 +91,9 @@ static void describe_links(struct srv_json *json, const struct srv_scene *scene)
 	srv_json_key_open(json, "links", '{');
 	key_url(json, "self", scene, "");
 	key_url(json, "plan", scene, "/plan{?eye,target,up,fov_y_deg,width,height,vertices,bytes,ground_px,"
-		"texel_px,next_eye,next_target,rule,pack}");
+		"texel_px,next_eye,next_target,name_from,rule,pack}");
 	key_url(json, "stream", scene, "/stream{?eye,target,up,fov_y_deg,width,height,vertices,bytes,"
-		"ground_px,texel_px,next_eye,next_target,rule,pack}");
+		"ground_px,texel_px,next_eye,next_target,name_from,rule,pack}");
 	key_url(json, "chunk", scene, "/chunks/{id}");
 	srv_json_close(json, '}');
 }
@@ -379,6 +379,7 @@ void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream,
 	srv_json_key_count(json, "next_bytes", stream->next_bytes);
 	srv_json_key_count(json, "chunks", stream->chunk_count);
 	srv_json_key_count(json, "chunk_bytes", stream->chunk_bytes);
+	srv_json_key_count(json, "named_bytes", stream->named_bytes);
 	srv_json_key_count(json, "vertices", plan->vertices);
 	srv_json_key_count(json, "visible_plants", plan->visible_plants);
 	srv_json_key_count(json, "plan_bytes", plan_bytes(plan));

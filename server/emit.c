@@ -12,10 +12,10 @@
 #define BUNDLE_BYTES (32u << 10)  /* from which on a bundle is full: it is drawn once it is whole */
 
 enum eco_code srv_emit_init(struct srv_emit *emit, const struct srv_scene *scene,
-	const struct eco_holdings *holdings, bool dry, struct eco_error *error)
+	const struct eco_holdings *holdings, uint64_t name_from, bool dry, struct eco_error *error)
 {
 	const struct eco_scene *tables = &scene->pack->scene;
-	*emit = (struct srv_emit){ .scene = scene, .dry = dry };
+	*emit = (struct srv_emit){ .scene = scene, .name_from = name_from, .dry = dry };
 	emit->have = malloc((tables->list_count + (size_t)1) * sizeof *emit->have);
 	emit->known = malloc((tables->plant_count + (size_t)1) * sizeof *emit->known);
 	if (!emit->have || !emit->known) {
@@ -60,7 +60,7 @@ void srv_emit_restart(struct srv_emit *emit, const struct eco_holdings *holdings
 	emit->bundle_open = false;
 	emit->frames.size = 0;
 	emit->payload_count = emit->number = 0;
-	emit->bytes = emit->chunk_count = emit->chunk_bytes = 0;
+	emit->bytes = emit->chunk_count = emit->chunk_bytes = emit->named_bytes = 0;
 }
 
 static struct eco_frame_mark begin(struct srv_emit *emit, enum eco_frame_type type)
@@ -86,7 +86,7 @@ void srv_emit_scene(struct srv_emit *emit)
 void srv_emit_end(struct srv_emit *emit, uint64_t vertices)
 {
 	struct eco_frame_mark mark = begin(emit, ECO_FRAME_END);
-	eco_wire_write_end(&emit->frames, vertices, emit->bytes + ECO_END_FRAME_BYTES);
+	eco_wire_write_end(&emit->frames, vertices, emit->bytes - emit->named_bytes + ECO_END_FRAME_BYTES);
 	end(emit, mark);
 }
 
@@ -168,11 +168,14 @@ static enum eco_code emit_chunk(struct srv_emit *emit, uint32_t list, uint32_t o
 	const struct eco_scene *scene = &emit->scene->pack->scene;
 	uint32_t chunk = scene->lists[list].chunk_first + ordinal;
 	size_t size = scene->chunks[chunk].size_bytes, from = begin_item(emit);
-	eco_wire_write_chunk(&emit->frames, scene, list, ordinal, &emit->record);
-	end_item(emit, from, size);
+	bool named = emit->name_from && size >= emit->name_from;
+	eco_wire_write_chunk(&emit->frames, scene, list, ordinal, named, &emit->record);
+	end_item(emit, from, named ? 0 : size);
 	emit->chunk_count++;
 	emit->chunk_bytes += size;
-	if (emit->dry)
+	emit->bytes += named ? size : 0;
+	emit->named_bytes += named ? size : 0;
+	if (emit->dry || named)
 		return ECO_OK;
 	const uint8_t *bytes;
 	enum eco_code code = srv_scene_payload(emit->scene, chunk, &bytes, &size, error);
@@ -281,6 +284,6 @@ enum eco_code srv_emit_take(struct srv_emit *emit, struct srv_body *body, struct
 	}
 	body->pieces[body->piece_count++] = (struct srv_piece){ body->frames.bytes + at,
 		body->frames.size - at };
-	body->size_bytes = emit->bytes;
+	body->size_bytes = emit->bytes - emit->named_bytes;
 	return ECO_OK;
 }

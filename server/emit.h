@@ -34,12 +34,14 @@ struct srv_emit {
 	bool bundle_open;
 	uint32_t bundle_payload;             /* its first payload */
 	uint64_t bundle_bytes;               /* its payload so far */
-	uint64_t bytes;                      /* so far */
-	uint64_t chunk_count, chunk_bytes;
+	uint64_t bytes;                      /* so far, and of chunks that are named */
+	uint64_t chunk_count, chunk_bytes;   /* carried or named */
+	uint64_t name_from, named_bytes;     /* chunks of so many bytes are named; 0: none. Bytes of those */
 };
 
+/* `name_from`: as in a request. */
 enum eco_code srv_emit_init(struct srv_emit *emit, const struct srv_scene *scene,
-	const struct eco_holdings *holdings, bool dry, struct eco_error *error);
+	const struct eco_holdings *holdings, uint64_t name_from, bool dry, struct eco_error *error);
 /* as after init, arrays reused */
 void srv_emit_restart(struct srv_emit *emit, const struct eco_holdings *holdings);
 void srv_emit_scene(struct srv_emit *emit);

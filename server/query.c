@@ -31,6 +31,7 @@ static const struct param_row {
 	{ "texel_px", PARAM_NUMBER, false, AT(request.texel_px), 0 },
 	{ "next_eye", PARAM_POINT, false, AT(request.next.eye), 0 },
 	{ "next_target", PARAM_POINT, false, AT(request.next.target), 0 },
+	{ "name_from", PARAM_COUNT, false, AT(request.name_from), ECO_BYTES_UNBOUNDED },
 	{ "rule", PARAM_RULE, false, AT(rule), 0 },
 	{ "explain", PARAM_FLAG, false, AT(explain), 1 },
 	{ "pack", PARAM_ID, false, AT(pack), 0 },
@@ -220,9 +221,8 @@ enum eco_code srv_query_parse(struct srv_query *query, const struct srv_target *
 		const struct param_row *row = find_row(param->name);
 		if (!row)
 			return eco_fail(error, ECO_BAD_INPUT, "unknown parameter '%.40s'; known are eye, "
-				"target, up, fov_y_deg, width, height, "
-				"vertices, bytes, ground_px, texel_px, next_eye, next_target, rule, pack and "
-				"explain", param->name);
+				"target, up, fov_y_deg, width, height, vertices, bytes, ground_px, texel_px, "
+				"next_eye, next_target, name_from, rule, pack and explain", param->name);
 		enum eco_code code = parse_row(query, row, param->value, error);
 		if (code)
 			return code;

@@ -451,6 +451,7 @@ static enum eco_code size_all(struct srv_stream *stream, struct srv_emit *dry, s
 	stream->body_bytes = dry->bytes;
 	stream->chunk_count = dry->chunk_count;
 	stream->chunk_bytes = dry->chunk_bytes;
+	stream->named_bytes = dry->named_bytes;
 	return ECO_OK;
 }
 
@@ -707,7 +708,7 @@ static enum eco_code plan_all(struct srv_stream *stream, struct srv_emit *dry, s
 	if (!code)
 		code = send_rest(stream, dry, error);
 	uint64_t most = stream->input.body_max ? stream->input.body_max : BODY_MAX_DEFAULT;
-	if (!code && stream->body_bytes > most)
+	if (!code && stream->body_bytes - stream->named_bytes > most)
 		code = eco_fail(error, ECO_TOO_LARGE, "the response would have %llu bytes; at most %llu are "
 			"sent: ask for fewer vertices, or "
 			"set 'bytes'", (unsigned long long)stream->body_bytes, (unsigned long long)most);
@@ -724,7 +725,8 @@ enum eco_code srv_stream_explain(const struct srv_stream *stream, struct lod_exp
 	struct srv_emit dry;
 	struct sizing sizing = { &again, &dry, request.bytes, last->ground_px, true };
 	struct eco_plan plan;
-	enum eco_code code = srv_emit_init(&dry, stream->input.scene, stream->input.holdings, true, error);
+	enum eco_code code = srv_emit_init(&dry, stream->input.scene, stream->input.holdings,
+		request.name_from, true, error);
 	if (code)
 		return code;
 	planner.explanation = explanation;
@@ -760,7 +762,8 @@ enum eco_code srv_stream_plan(struct srv_stream *stream, const struct srv_stream
 {
 	struct srv_emit dry;
 	*stream = (struct srv_stream){ .input = *input };
-	enum eco_code code = srv_emit_init(&dry, input->scene, input->holdings, true, error);
+	enum eco_code code = srv_emit_init(&dry, input->scene, input->holdings, input->request->name_from,
+		true, error);
 	if (code)
 		return code;
 	code = plan_all(stream, &dry, error);
@@ -778,13 +781,14 @@ enum eco_code srv_stream_write(const struct srv_stream *stream, struct srv_body 
 	struct srv_emit emit;
 	assert(stream->fits);
 	*body = (struct srv_body){ 0 };
-	enum eco_code code = srv_emit_init(&emit, stream->input.scene, stream->input.holdings, false, error);
+	enum eco_code code = srv_emit_init(&emit, stream->input.scene, stream->input.holdings,
+		stream->input.request->name_from, false, error);
 	if (code)
 		return code;
 	code = emit_all(&emit, stream, NULL, error);
 	if (!code)
 		code = srv_emit_take(&emit, body, error);
 	srv_emit_free(&emit);
-	assert(code || body->size_bytes == stream->body_bytes);
+	assert(code || body->size_bytes == stream->body_bytes - stream->named_bytes);
 	return code;
 }

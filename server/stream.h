@@ -26,6 +26,10 @@
  * Next view. Where the request gives one, its plan's chunks follow the answer within the same bytes: planned
  * with what is held by then, so that they are the last and only what is lacking.
  *
+ * Named chunks. Where the request says so, chunks of at least so many bytes are named, not carried: the body
+ * has their ids and sizes, and the client fetches them, from .../chunks/{id} or from any host that has them
+ * (ecopack export). Budgets count their bytes as if they were carried.
+ *
  * The same input gives the same bytes: no clock, no history, nothing shared. */
 #ifndef SRV_STREAM_H
 #define SRV_STREAM_H
@@ -73,9 +77,10 @@ struct srv_stream {
 	struct eco_plan coarser[SRV_STEPS_MAX];      /* from fine to coarse, while steps are made */
 	uint32_t coarser_count;
 	bool fits;
-	/* exact; where it does not fit, that of the smallest body */
+	/* exact, named chunks counted; where it does not fit, that of the smallest body */
 	uint64_t body_bytes, next_bytes;             /* next_bytes: of these, for the next view */
-	uint64_t chunk_count, chunk_bytes;           /* payloads in the body */
+	uint64_t chunk_count, chunk_bytes;           /* payloads in the body, or named by it: ... */
+	uint64_t named_bytes;                        /* ... so many of these bytes */
 	uint64_t work;                               /* of all plans, as struct lod_planner_stats */
 	bool cut_short;                              /* one of them might be better with more work */
 };
@@ -96,7 +101,7 @@ enum eco_code srv_stream_plan(struct srv_stream *stream, const struct srv_stream
 enum eco_code srv_stream_explain(const struct srv_stream *stream, struct lod_explanation *explanation,
 	struct eco_error *error);
 
-/* body->size_bytes == stream->body_bytes. ECO_DAMAGED if a payload is. */
+/* body->size_bytes == stream->body_bytes - stream->named_bytes. ECO_DAMAGED if a payload is. */
 enum eco_code srv_stream_write(const struct srv_stream *stream, struct srv_body *body,
 	struct eco_error *error);
 void srv_stream_free(struct srv_stream *stream);

@@ -28,13 +28,19 @@ struct eco_view {
 #define ECO_TEXEL_PX_MIN 1e-6        /* every texture whole */
 #define ECO_TEXEL_PX_MAX 65536.0
 
+/* From here on fetching a chunk by a request of its own costs little beside its bytes. */
+#define ECO_NAME_FROM 1024u
+
 struct eco_request {
 	struct eco_view view;
 	uint64_t vertices;           /* budget, 0..ECO_VERTICES_MAX */
-	uint64_t bytes;              /* budget of the whole response, or ECO_BYTES_UNBOUNDED */
+	/* budget of the whole response and of what it names, or ECO_BYTES_UNBOUNDED */
+	uint64_t bytes;
 	double ground_px;            /* greatest error of the ground, _PX_MIN.._PX_MAX; 0: ECO_GROUND_PX */
 	/* greatest width of a texture's texels where it has finer, _PX_MIN.._PX_MAX; 0: ECO_TEXEL_PX */
 	double texel_px;
+	/* chunks of at least so many bytes are named by the answer, not carried; 0: none */
+	uint64_t name_from;
 	/* where the eye will soon be: what that needs comes after the answer, in what is left of the bytes */
 	struct { bool given; double eye[3], target[3]; } next;
 };

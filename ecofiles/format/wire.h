@@ -22,7 +22,8 @@
  *                 the last palette sent); before the list's first chunk
  *        a chunk: v ordinal, v elements, v primitives - elements, v size, payload; ordinals ascend per
  *                 list. Its id is the hash of its payload. The only chunk of a list, right behind the
- *                 list: v size, payload
+ *                 list: v size, payload. In place of size and payload: 0, v size, u8[16] id: the chunk is
+ *                 named, and the client fetches it, if its request said so (name_from)
  * PLAN   below; replaces the plan before it. Each `list` in it is held up to its `end`. END    u64
  * vertices of the last plan, u64 bytes of the body, END included
  *
@@ -117,9 +118,9 @@ void eco_wire_write_list(struct eco_writer *w, const struct eco_scene *scene, ui
 bool eco_wire_same_palette(const struct eco_wire_record *before, const struct eco_list *list);
 /* A squeezed record: the part of a list between its head and its palette. */
 void eco_wire_write_record(struct eco_writer *w, const struct eco_list *list, struct eco_wire_record *before);
-/* Writes only the fields before the payload; the caller appends the payload. */
+/* Writes only the fields before the payload; the caller appends the payload, unless it is `named`. */
 void eco_wire_write_chunk(struct eco_writer *w, const struct eco_scene *scene, uint32_t list,
-	uint32_t ordinal, struct eco_wire_record *before);
+	uint32_t ordinal, bool named, struct eco_wire_record *before);
 /* Writes a plan given in any order; reading gives it in the order of eco_plan_sort. Sets w->failed if
  * eco_plan_check refuses the plan. */
 void eco_wire_write_plan(struct eco_writer *w, const struct eco_plan *plan);
@@ -153,6 +154,11 @@ struct eco_wire_events {
 	/* owns the plan's arrays from here on, even if it fails */
 	enum eco_code (*plan)(void *ctx, struct eco_plan *plan, struct eco_error *e);
 	enum eco_code (*end)(void *ctx, uint64_t vertices, struct eco_error *e);
+	/* finds the payload of a chunk that is only named: chunk->size_bytes, which are then checked against
+	 * chunk->id; valid until the next call. *payload stays NULL: the chunk is passed over. This callback
+	 * NULL: a chunk that is named is an error */
+	enum eco_code (*fetch)(void *ctx, const struct eco_chunk *chunk, const uint8_t **payload,
+		struct eco_error *e);
 };
 struct eco_wire_parser;
 enum eco_code eco_wire_parser_new(struct eco_wire_parser **parser, const struct eco_wire_events *events,

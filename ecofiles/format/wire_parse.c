@@ -347,6 +347,24 @@ static enum eco_code check_chunk(const struct eco_wire_parser *p, uint32_t list,
 	return ECO_OK;
 }
 
+/* *payload: the id that names a chunk; becomes its payload. */
+static enum eco_code fetch_named(struct eco_wire_parser *p, uint32_t list, struct eco_chunk *chunk,
+	const uint8_t **payload, struct eco_error *e)
+{
+	memcpy(chunk->id.bytes, *payload, sizeof chunk->id.bytes);
+	*payload = NULL;
+	if (!p->events.fetch)
+		return eco_fail(e, ECO_UNSUPPORTED, "a chunk of list %u is named, not carried, and nothing "
+			"here fetches it: ask without name_from", list);
+	enum eco_code code = p->events.fetch(p->ctx, chunk, payload, e);
+	if (code || !*payload)
+		return code;
+	struct eco_chunk_id id = eco_chunk_hash(*payload, chunk->size_bytes);
+	return memcmp(id.bytes, chunk->id.bytes, sizeof id.bytes) == 0 ? ECO_OK
+		: BAD("what was fetched for a chunk of list %u, %u bytes, does not have the hash that names "
+		"it", list, chunk->size_bytes);
+}
+
 static enum eco_code read_chunk(struct eco_wire_parser *p, struct eco_reader *r, uint32_t list,
 	struct eco_error *e)
 {
@@ -361,19 +379,27 @@ static enum eco_code read_chunk(struct eco_wire_parser *p, struct eco_reader *r,
 	}
 	p->record.alone = false;
 	chunk.size_bytes = read_count(r);
+	bool named = !chunk.size_bytes && !r->failed;
+	if (named)
+		chunk.size_bytes = read_count(r);
 	if (r->failed)
 		return BAD("the fields of a chunk of list %u end early", list);
 	enum eco_code code = check_chunk(p, list, ordinal, &chunk, e);
 	if (code)
 		return code;
-	if (chunk.size_bytes > r->size - r->at)
+	uint32_t size = named ? (uint32_t)sizeof chunk.id.bytes : chunk.size_bytes;
+	if (size > r->size - r->at)
 		return BAD("chunk %u of list %u has %u bytes, %zu are left of the bundle", ordinal, list,
-			chunk.size_bytes, r->size - r->at);
-	const uint8_t *payload = eco_read_bytes(r, chunk.size_bytes);
-	chunk.id = eco_chunk_hash(payload, chunk.size_bytes);
+			size, r->size - r->at);
+	const uint8_t *payload = eco_read_bytes(r, size);
 	p->last_list = list;
 	p->last_ordinal = ordinal;
-	return p->events.chunk ? p->events.chunk(p->ctx, list, ordinal, &chunk, payload, e) : ECO_OK;
+	if (named)
+		code = fetch_named(p, list, &chunk, &payload, e);
+	else
+		chunk.id = eco_chunk_hash(payload, chunk.size_bytes);
+	return code || !payload || !p->events.chunk ? code
+		: p->events.chunk(p->ctx, list, ordinal, &chunk, payload, e);
 }
 
 static enum eco_code read_bundle(struct eco_wire_parser *p, struct eco_reader *r, struct eco_error *e)

@@ -113,7 +113,7 @@ void eco_wire_write_list(struct eco_writer *w, const struct eco_scene *scene, ui
 }
 
 void eco_wire_write_chunk(struct eco_writer *w, const struct eco_scene *scene, uint32_t list,
-	uint32_t ordinal, struct eco_wire_record *before)
+	uint32_t ordinal, bool named, struct eco_wire_record *before)
 {
 	assert(list < scene->list_count && ordinal < scene->lists[list].chunk_count);
 	const struct eco_chunk *chunk = &scene->chunks[scene->lists[list].chunk_first + ordinal];
@@ -125,7 +125,11 @@ void eco_wire_write_chunk(struct eco_writer *w, const struct eco_scene *scene, u
 		eco_write_varint(w, chunk->element_count);
 		eco_write_varint(w, chunk->primitive_count - chunk->element_count);
 	}
+	if (named)
+		eco_write_varint(w, 0);
 	eco_write_varint(w, chunk->size_bytes);
+	if (named)
+		eco_write_bytes(w, chunk->id.bytes, sizeof chunk->id.bytes);
 }
 
 void eco_wire_write_end(struct eco_writer *w, uint64_t vertices, uint64_t body_bytes)

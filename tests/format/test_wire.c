@@ -79,7 +79,20 @@ static enum eco_code on_end(void *ctx, uint64_t vertices, struct eco_error *e)
 	return tell(t, 6, e);
 }
 
-static const struct eco_wire_events telling = { on_scene, on_plant, on_list, on_chunk, on_plan, on_end };
+/* What a host has under the name of any chunk; NULL: it is passed over. */
+static const char *hosted;
+
+static enum eco_code on_fetch(void *ctx, const struct eco_chunk *chunk, const uint8_t **payload,
+	struct eco_error *e)
+{
+	(void)ctx, (void)e;
+	assert_true(!hosted || strlen(hosted) == chunk->size_bytes);
+	*payload = (const uint8_t *)hosted;
+	return ECO_OK;
+}
+
+static const struct eco_wire_events telling = { on_scene, on_plant, on_list, on_chunk, on_plan, on_end,
+	on_fetch };
 
 /* Feeds in portions of `portion` bytes; 0: of random sizes. */
 static enum eco_code parse(const uint8_t *bytes, size_t size, size_t portion, struct told *told,
@@ -324,6 +337,69 @@ UNIT_TEST(impossible_contents_are_refused)
 		eco_writer_free(&told.w);
 		eco_writer_free(&w);
 	}
+}
+
+/* ---- Named chunks ---- */
+
+static struct eco_writer stream_of(const char *payload, bool named)
+{
+	struct eco_writer w = { 0 };
+	struct eco_anchor anchors[3] = { { { 0, 0, 1 }, 1 } };
+	uint32_t number = 0;
+	wire_put_scene(&w, &number, ECO_WIRE_VERSION);
+	wire_put_plant(&w, &number, 1, anchors, 1);
+	put_faulty_list(&w, &number, FAULT_NONE);
+	(named ? wire_put_name(&w, &number, 3, 0, payload, strlen(payload))
+		: wire_put_chunk(&w, &number, 3, 0, payload, strlen(payload), true));
+	put_faulty_plan(&w, &number, FAULT_NONE);
+	wire_put_end(&w, &number, 77, 0);
+	assert_false(w.failed);
+	return w;
+}
+
+UNIT_TEST(named_chunks_are_as_carried_ones)
+{
+	static const char payload[] = "a payload of some bytes";
+	struct eco_writer carried = stream_of(payload, false), named = stream_of(payload, true);
+	struct told all = { 0 }, same = { 0 }, less = { 0 }, damaged = { 0 };
+	struct eco_error error = { 0 };
+	assert_int_equal(named.size, carried.size - strlen(payload) + 1 + sizeof(struct eco_chunk_id));
+	assert_ok(parse(carried.bytes, carried.size, 0, &all, &error), error);
+	hosted = payload;
+	assert_ok(parse(named.bytes, named.size, 0, &same, &error), error);
+	assert_int_equal(same.w.size, all.w.size);
+	assert_memory_equal(same.w.bytes, all.w.bytes, all.w.size);
+	hosted = NULL;
+	assert_ok(parse(named.bytes, named.size, 0, &less, &error), error);
+	assert_int_equal(less.events, all.events - 1);
+	hosted = "A payload of some bytes";
+	assert_int_equal(parse(named.bytes, named.size, 0, &damaged, &error), ECO_DAMAGED);
+	assert_non_null(strstr(error.text, "the hash that names it"));
+	hosted = payload;
+	for (size_t size = 0; size < named.size; size++) {
+		struct told told = { 0 };
+		assert_int_equal(parse(named.bytes, size, 0, &told, &(struct eco_error){ 0 }), ECO_DAMAGED);
+		eco_writer_free(&told.w);
+	}
+	eco_writer_free(&all.w);
+	eco_writer_free(&same.w);
+	eco_writer_free(&less.w);
+	eco_writer_free(&damaged.w);
+	eco_writer_free(&carried);
+	eco_writer_free(&named);
+}
+
+UNIT_TEST(who_fetches_nothing_refuses_names)
+{
+	static const struct eco_wire_events none = { 0 };
+	struct eco_writer named = stream_of("payload", true);
+	struct eco_wire_parser *parser;
+	struct eco_error error = { 0 };
+	assert_ok(eco_wire_parser_new(&parser, &none, NULL, &error), error);
+	assert_int_equal(eco_wire_feed(parser, named.bytes, named.size, &error), ECO_UNSUPPORTED);
+	assert_non_null(strstr(error.text, "name_from"));
+	eco_wire_parser_free(parser);
+	eco_writer_free(&named);
 }
 
 /* ---- Lists of impostors ---- */

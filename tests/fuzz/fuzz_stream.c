@@ -82,10 +82,18 @@ static enum eco_code on_end(void *ctx, uint64_t vertices, struct eco_error *e)
 	return saw(ctx, vertices);
 }
 
+/* No host has it. */
+static enum eco_code on_fetch(void *ctx, const struct eco_chunk *chunk, const uint8_t **payload,
+	struct eco_error *e)
+{
+	(void)payload, (void)e;
+	return saw(ctx, chunk->size_bytes);
+}
+
 static enum eco_code parse(const uint8_t *bytes, size_t size, size_t portion, struct seen *seen)
 {
 	static const struct eco_wire_events events = { on_scene, on_plant, on_list, on_chunk, on_plan,
-		on_end };
+		on_end, on_fetch };
 	struct eco_wire_parser *parser;
 	struct eco_error error = { 0 };
 	enum eco_code code = eco_wire_parser_new(&parser, &events, seen, &error);

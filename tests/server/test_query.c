@@ -159,6 +159,8 @@ UNIT_TEST(a_query_has_defaults)
 	assert_true(parse_query(&query, VIEW "&rule=optimal", &error) == ECO_OK
 		&& query.rule == lod_rule_optimal);
 	assert_false(query.request.next.given);
+	assert_int_equal(parse_query(&query, VIEW "&name_from=1024", &error), ECO_OK);
+	assert_int_equal(query.request.name_from, 1024);
 	assert_int_equal(parse_query(&query, VIEW "&next_target=7,8,9&next_eye=1,2,4", &error), ECO_OK);
 	struct eco_view next = eco_view_next(&query.request);
 	assert_true(query.request.next.given && next.eye[2] == 4 && next.target[0] == 7 && next.width == 800
@@ -190,6 +192,7 @@ UNIT_TEST(bad_queries_name_the_parameter)
 		{ "eye=1,2,3&target=4,5,6&width=800&height=4294967297&vertices=1", "'height'" },
 		{ "eye=1,2,3&target=4,5,6&width=800&height=600&vertices=9223372036854775808", "'vertices'" },
 		{ VIEW "&vertices=5", "twice" },
+		{ VIEW "&name_from=1k", "'name_from'" },
 		{ VIEW "&next_eye=1,2,3", "'next_target' is missing" },
 		{ VIEW "&next_target=1,2,3", "'next_eye' is missing" },
 		{ VIEW "&next_eye=1,2,3&next_target=1,2,3", "the next view: " },

@@ -304,7 +304,7 @@ void scene_frame(struct eco_writer *w, const struct scene_builder *s, enum eco_f
 		eco_wire_write_list(w, &s->scene, a, &before);
 	} else {
 		uint32_t chunk = s->lists[a].chunk_first + b;
-		eco_wire_write_chunk(w, &s->scene, a, b, &before);
+		eco_wire_write_chunk(w, &s->scene, a, b, false, &before);
 		eco_write_bytes(w, s->payloads[chunk], s->chunks[chunk].size_bytes);
 	}
 	eco_frame_end(w, mark);

@@ -244,19 +244,32 @@ static void wire_put_list(struct eco_writer *w, uint32_t *number, uint32_t id, c
 	eco_frame_end(w, mark);
 }
 
-void wire_put_chunk(struct eco_writer *w, uint32_t *number, uint32_t list, uint32_t ordinal,
-	const void *payload, size_t size, bool whole)
+static void put_chunk(struct eco_writer *w, uint32_t *number, uint32_t list, uint32_t ordinal,
+	const void *payload, size_t size, bool whole, bool named)
 {
 	struct eco_list lists[WIRE_RANDOM_LISTS] = { 0 };
-	struct eco_chunk chunk = { .primitive_count = 100, .element_count = 90,
-		.size_bytes = (uint32_t)size + !whole };
+	struct eco_chunk chunk = { .id = eco_chunk_hash(payload, size), .primitive_count = 100,
+		.element_count = 90, .size_bytes = (uint32_t)size + !whole };
 	struct eco_scene scene = { .lists = lists, .list_count = WIRE_RANDOM_LISTS, .chunks = &chunk };
 	lists[list].chunk_first = 0u - ordinal;      /* the one chunk is number `ordinal` */
 	lists[list].chunk_count = ordinal + 1;
 	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_BUNDLE, (*number)++);
-	eco_wire_write_chunk(w, &scene, list, ordinal, &wire_before);
-	eco_write_bytes(w, payload, size);
+	eco_wire_write_chunk(w, &scene, list, ordinal, named, &wire_before);
+	if (!named)
+		eco_write_bytes(w, payload, size);
 	eco_frame_end(w, mark);
+}
+
+void wire_put_chunk(struct eco_writer *w, uint32_t *number, uint32_t list, uint32_t ordinal,
+	const void *payload, size_t size, bool whole)
+{
+	put_chunk(w, number, list, ordinal, payload, size, whole, false);
+}
+
+void wire_put_name(struct eco_writer *w, uint32_t *number, uint32_t list, uint32_t ordinal,
+	const void *payload, size_t size)
+{
+	put_chunk(w, number, list, ordinal, payload, size, true, true);
 }
 
 static void wire_put_plan(struct eco_writer *w, uint32_t *number, const struct eco_plan *plan)

@@ -32,6 +32,9 @@ void wire_put_plant(struct eco_writer *w, uint32_t *number, uint32_t plant, cons
 struct eco_list wire_random_list(uint32_t id);
 void wire_put_chunk(struct eco_writer *w, uint32_t *number, uint32_t list, uint32_t ordinal,
 	const void *payload, size_t size, bool whole);
+/* A chunk that is named, not carried. */
+void wire_put_name(struct eco_writer *w, uint32_t *number, uint32_t list, uint32_t ordinal,
+	const void *payload, size_t size);
 void wire_put_end(struct eco_writer *w, uint32_t *number, uint64_t vertices, int64_t bytes_off);
 void wire_random_stream(struct wire_random *r, struct eco_writer *w, uint32_t steps);
 
