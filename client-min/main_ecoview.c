@@ -26,7 +26,7 @@
 enum engine { ENGINE_NONE, ENGINE_AUTO, ENGINE_CPU, ENGINE_EGL };
 
 struct options {
-	const char *url, *camera, *dir, *explain;
+	const char *url, *camera, *dir, *explain, *chunks;
 	uint32_t size[2], width, height;
 	uint64_t vertices, bytes, memory;
 	double ground_px, texel_px, ahead_s;
@@ -161,6 +161,9 @@ static const struct eco_option option_table[] = {
 	{ "tint", 0, ECO_OPTION_CHOICE, "kind", &given.tint, .choices = tints,
 		.help = "colour by representation: green triangles, red lines, blue points, yellow and "
 		"orange blends, violet ellipsoids for whole plants" },
+	{ "chunks", 0, ECO_OPTION_TEXT, "URL", &given.chunks,
+		.help = "fetch chunks of 1024 bytes or more by their names from URL/NAME: the scene's "
+		"URL/chunks, or a static host of what `ecopack export` wrote; others come with the stream" },
 	{ "progressive", 0, ECO_OPTION_READ, "LIST", &given.marks, .read = read_marks,
 		.help = "also draw what is there while an answer comes: after so many bytes or milliseconds, "
 		"such as 20000,50000,200ms; the pictures are the frames of a film" },
@@ -174,7 +177,7 @@ static const struct eco_command command = { .name = "ecoview", .options = option
 	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--memory SIZE] "
 	"[--ground-px X] [--ahead S] [--rule NAME] [--reference[=cpu|egl]] [--compare] [--tint kind] "
 	"[--digest] [--frames A..B] "
-	"[--progressive LIST] [--explain FILE.csv]",
+	"[--progressive LIST] [--chunks URL] [--explain FILE.csv]",
 	.says = "Streams a scene along a camera script and draws every frame as a PNG.",
 	.notes = "Writes frame-0000.png, ...; with --reference also reference-0000.png, frame-0000.mask.png, "
 	"reference-0000.mask.png and pr-0000.png (light: right, orange: too much, blue: missing).\n\n"
@@ -191,6 +194,9 @@ static enum eco_code read_line(int argc, char **argv, struct options *o, struct 
 	o->height = given.size[1];
 	if (!code && o->compare && !o->reference)
 		code = eco_fail(error, ECO_BAD_USAGE, "--compare: needs --reference");
+	if (!code && o->chunks && o->marks.bytes_count + o->marks.ms_count)
+		code = eco_fail(error, ECO_BAD_USAGE, "--progressive: not with --chunks, whose streams are "
+			"drawn once they are whole");
 	if (!code && (uint64_t)o->width * o->height > ECO_PIXELS_MAX)
 		code = eco_fail(error, ECO_BAD_USAGE, "--size %ux%u: a picture has at most %u pixels",
 			o->width, o->height, ECO_PIXELS_MAX);
@@ -360,6 +366,8 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	f->first_byte_ms = result.first_byte_ms;
 	f->stream_ms = result.stream_ms;
 	f->requests = result.requests;
+	f->named = result.named;
+	f->named_bytes = result.named_bytes;
 	count_memory(v, &before, f);
 	if (result.nothing) {
 		view_progress_clear(&v->progress);
@@ -527,7 +535,8 @@ static enum eco_code open_engine(struct viewer *v, struct eco_error *error)
 static enum eco_code start(struct viewer *v, struct eco_error *error)
 {
 	const struct options *o = &v->options;
-	struct view_fetch_options fetch = { .url = o->url, .rule = o->rule ? rules[o->rule] : NULL,
+	struct view_fetch_options fetch = { .url = o->url, .chunks = o->chunks,
+		.rule = o->rule ? rules[o->rule] : NULL,
 		.patience_ms = PATIENCE_MS, .stop = &interrupted };
 	struct view_store_options store = { .images = true, .memory_max = o->memory },
 		full = { .images = true };

@@ -32,6 +32,10 @@ struct view_fetch {
 	struct view_fetch_result *result;
 	struct eco_writer *text;                 /* where the body goes if it is no stream; else NULL */
 	struct eco_error stream_error;
+	/* where chunks are named: the host of them; finds names; the stream so far */
+	struct view_chunks *chunks;
+	struct eco_wire_parser *names;
+	struct eco_writer stream;
 	const struct view_marks *marks;          /* NULL: none */
 	struct marks_at at;                 /* in them */
 	view_fetch_reached *reached;
@@ -174,6 +178,29 @@ static enum eco_code feed(struct view_fetch *fetch, const uint8_t *bytes, size_t
 	return code;
 }
 
+/* Finds names in what came, and keeps it until they can be looked up. */
+static enum eco_code scan(struct view_fetch *fetch, const uint8_t *bytes, size_t size)
+{
+	enum eco_code code = eco_wire_feed(fetch->names, bytes, size, &fetch->stream_error);
+	eco_write_bytes(&fetch->stream, bytes, size);
+	fetch->result->bytes += size;
+	return code || !fetch->stream.failed ? code : eco_fail(&fetch->stream_error, ECO_NO_MEMORY,
+		"no memory for a stream of %llu bytes", (unsigned long long)fetch->result->bytes);
+}
+
+/* A stream with all its names, once it is whole. */
+static enum eco_code feed_named(struct view_fetch *fetch, struct eco_error *error)
+{
+	struct view_fetch_result *result = fetch->result;
+	enum eco_code code = eco_wire_finish(fetch->names, error);
+	result->bytes = 0;
+	if (!code)
+		code = feed(fetch, fetch->stream.bytes, fetch->stream.size) ? eco_fail(error,
+			fetch->stream_error.code, "%s", fetch->stream_error.text) : ECO_OK;
+	result->bytes += result->named_bytes;
+	return code;
+}
+
 /* A body that drips is a stall, too: only so many bytes are heard. */
 static void hear(struct view_fetch *fetch, size_t size)
 {
@@ -211,7 +238,7 @@ static size_t on_body(char *bytes, size_t one, size_t size, void *ctx)
 		eco_write_bytes(fetch->text, bytes, size);
 		return fetch->text->failed ? 0 : size;
 	}
-	return feed(fetch, (const uint8_t *)bytes, size) ? 0 : size;
+	return (fetch->chunks ? scan : feed)(fetch, (const uint8_t *)bytes, size) ? 0 : size;
 }
 
 static int on_progress(void *ctx, curl_off_t a, curl_off_t b, curl_off_t c, curl_off_t d)
@@ -284,8 +311,14 @@ enum eco_code view_fetch_new(struct view_fetch **out, const struct view_fetch_op
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for a connection");
 	}
 	set_options(fetch);
-	*out = fetch;
-	return ECO_OK;
+	if (options->chunks)
+		code = view_chunks_new(&fetch->chunks, &(struct view_chunks_options){ options->chunks,
+			fetch->options.connect_ms, fetch->options.stall_ms, options->stop }, error);
+	if (code)
+		view_fetch_free(fetch);
+	else
+		*out = fetch;
+	return code;
 }
 
 void view_fetch_mark(struct view_fetch *fetch, const struct view_marks *marks, view_fetch_reached *reached,
@@ -300,6 +333,7 @@ void view_fetch_free(struct view_fetch *fetch)
 {
 	if (!fetch)
 		return;
+	view_chunks_free(fetch->chunks);
 	curl_easy_cleanup(fetch->curl);
 	curl_slist_free_all(fetch->headers);
 	free(fetch->url);
@@ -361,7 +395,8 @@ static enum eco_code outcome(struct view_fetch *fetch, CURLcode rc, struct eco_e
 	}
 	if (fetch->result->status != 200)
 		return problem(fetch, error);
-	return fetch->text ? ECO_OK : eco_wire_finish(fetch->parser, error);
+	enum eco_code code = fetch->chunks && !fetch->text ? feed_named(fetch, error) : ECO_OK;
+	return code || fetch->text ? code : eco_wire_finish(fetch->parser, error);
 }
 
 /* A stream if there is a body to post, else an explanation. */
@@ -405,6 +440,54 @@ static void begin(struct view_fetch *fetch)
 	fetch->curl_text[0] = '\0';
 }
 
+/* A name is found: its chunk begins to come. */
+static enum eco_code on_name(void *ctx, const struct eco_chunk *chunk, const uint8_t **payload,
+	struct eco_error *error)
+{
+	struct view_fetch *fetch = ctx;
+	struct view_fetch_result *result = fetch->result;
+	(void)payload;
+	result->named++;
+	result->named_bytes += chunk->size_bytes;
+	return result->bytes + result->named_bytes > fetch->options.body_max ? eco_fail(error, ECO_TOO_LARGE,
+		"the answer and the chunks that it names are longer than %llu bytes",
+		(unsigned long long)fetch->options.body_max)
+		: view_chunks_want(fetch->chunks, &chunk->id, chunk->size_bytes, error);
+}
+
+static enum eco_code find_named(void *ctx, const struct eco_chunk *chunk, const uint8_t **payload,
+	struct eco_error *error)
+{
+	struct view_fetch *fetch = ctx;
+	return view_chunks_take(fetch->chunks, &chunk->id, chunk->size_bytes, payload, error);
+}
+
+static void end_names(struct view_fetch *fetch, struct view_store *store)
+{
+	view_store_find_by(store, NULL, NULL);
+	view_chunks_forget(fetch->chunks);
+	eco_wire_parser_free(fetch->names);
+	fetch->names = NULL;
+	eco_writer_free(&fetch->stream);
+}
+
+/* As perform, by names where chunks have a host. */
+static enum eco_code perform_named(struct view_fetch *fetch, struct view_store *store,
+	const struct eco_request *request, const struct eco_writer *body, struct eco_error *error)
+{
+	static const struct eco_wire_events names = { .fetch = on_name };
+	struct eco_request named = *request;
+	if (!fetch->chunks)
+		return perform(fetch, request, body, error);
+	named.name_from = fetch->options.name_from ? fetch->options.name_from : ECO_NAME_FROM;
+	view_store_find_by(store, find_named, fetch);
+	enum eco_code code = eco_wire_parser_new(&fetch->names, &names, fetch, error);
+	if (!code)
+		code = perform(fetch, &named, body, error);
+	end_names(fetch, store);
+	return code;
+}
+
 static enum eco_code attempt(struct view_fetch *fetch, struct view_store *store,
 	const struct eco_request *request, struct eco_error *error)
 {
@@ -419,7 +502,7 @@ static enum eco_code attempt(struct view_fetch *fetch, struct view_store *store,
 	code = body.failed ? eco_fail(error, ECO_NO_MEMORY, "no memory for a request")
 		: eco_wire_parser_new(&fetch->parser, &view_store_events, store, error);
 	if (!code) {
-		code = perform(fetch, request, &body, error);
+		code = perform_named(fetch, store, request, &body, error);
 		eco_wire_parser_free(fetch->parser);
 		fetch->parser = NULL;
 	}
@@ -455,6 +538,8 @@ static void add_result(struct view_fetch_result *last, const struct view_fetch_r
 {
 	last->requests += before->requests;
 	last->bytes += before->bytes;
+	last->named += before->named;
+	last->named_bytes += before->named_bytes;
 	last->plan_ms += before->plan_ms;
 	last->first_byte_ms = before->first_byte_ms;
 	last->stream_ms += before->stream_ms;

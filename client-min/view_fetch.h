@@ -5,13 +5,16 @@
  *   view_fetch_free(fetch);
  *
  * POST url/stream?eye=..&target=..&up=..&fov_y_deg=..&width=..&height=..&vertices=..[&bytes=..][&rule=..]
- * with the store's holdings as body. Problem documents (RFC 9457) become errors with their title and detail.
- * Everything is bounded: the body, its rate, the time. */
+ * with the store's holdings as body. With a host of chunks also name_from=..: the stream is then read twice,
+ * for names while it comes, which are fetched at once, and into the store when it is whole. Problem documents
+ * (RFC 9457) become errors with their title and detail. Everything is bounded: the body, its rate, the time.
+ */
 #ifndef VIEW_FETCH_H
 #define VIEW_FETCH_H
 
 #include <signal.h>
 
+#include "client-min/view_chunks.h"
 #include "client-min/view_store.h"
 
 struct view_fetch;
@@ -37,6 +40,10 @@ struct view_fetch_options {
 	/* how the server is to spend the budget: optimal or deussen; NULL: as it likes */
 	const char *rule;
 	uint64_t body_max;                       /* 0: 16 GiB */
+	/* chunks of at least so many bytes (0: ECO_NAME_FROM) are named by the server, and fetched from here:
+	 * url/ID, several at once; NULL: all come with the stream */
+	const char *chunks;
+	uint64_t name_from;
 	/* give up when connecting takes longer, or less than 1 KiB/s comes for so long; 0: 10 s, 120 s */
 	long connect_ms, stall_ms;
 	/* a server that is busy (503 with Retry-After) is asked again for so long; 0: it is an error */
@@ -49,7 +56,8 @@ struct view_fetch_result {
 	/* 204: no valid stream fits the budget; the store holds no plan */
 	bool nothing;
 	uint32_t requests;                       /* more than 1: see view_store_again */
-	uint64_t bytes;                          /* of the response bodies */
+	uint64_t bytes;                          /* of the response bodies, and of chunks that they name: */
+	uint64_t named, named_bytes;             /* how many these are, and their bytes */
 	uint64_t most_bytes;                     /* of the largest of them */
 	/* when a server that is busy wants to be asked again; 0 if it did not say */
 	double retry_ms;

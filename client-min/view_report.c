@@ -175,6 +175,8 @@ static json_t *frame_json(const struct view_frame *f)
 		"vertices", (json_int_t)f->vertices, "budget_bytes", f->budget_bytes == ECO_BYTES_UNBOUNDED
 		? json_null() : json_integer((json_int_t)f->budget_bytes), "bytes", (json_int_t)f->bytes);
 	json_object_set_new(o, "requests", json_integer((json_int_t)f->requests));
+	json_object_set_new(o, "named_chunks", json_integer((json_int_t)f->named));
+	json_object_set_new(o, "named_bytes", json_integer((json_int_t)f->named_bytes));
 	json_object_set_new(o, "memory_bytes", json_integer((json_int_t)f->memory_bytes));
 	json_object_set_new(o, "evicted_chunks", json_integer((json_int_t)f->evictions));
 	json_object_set_new(o, "refetched_bytes", json_integer((json_int_t)f->again_bytes));

@@ -19,6 +19,7 @@ struct view_frame {
 	/* answers that the frame took; decoded bytes held after it; chunks that went while it came, and bytes
 	 * fetched that had been fetched before */
 	uint64_t requests, memory_bytes, evictions, again_bytes;
+	uint64_t named, named_bytes;             /* chunks that were named and fetched, of `bytes` */
 	/* tiles that even the reference shows as points: 0 where it is full detail */
 	double reference_summaries;
 };

@@ -1,0 +1,265 @@
+/* See client-min/view_chunks.h. Wanted chunks stand in an array in the order of their names in the stream,
+ * found by id in a table beside it; a few of them at a time are being fetched. */
+#include "client-min/view_chunks.h"
+
+#include <curl/curl.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/base/room.h"
+#include "ecofiles/base/version.h"
+
+#define URL_MOST 2000u
+#define URL_ROOM (URL_MOST + 40)
+#define AT_ONCE 8u                       /* chunks that are being fetched */
+#define WAIT_MS 100
+#define SLOW_BYTES_S 1024L
+
+enum phase { PHASE_WAITS, PHASE_COMES, PHASE_HERE, PHASE_FAILED };
+
+struct wanted {
+	struct eco_chunk_id id;
+	uint8_t *bytes;
+	uint32_t size, have;
+	enum phase phase;
+	long status;                             /* of a failure: HTTP; 0: `text` says what happened */
+	char text[96];
+};
+
+struct lane { CURL *curl; struct view_chunks *chunks; uint32_t wanted; bool busy; };
+
+struct view_chunks {
+	struct view_chunks_options options;
+	char *url;
+	CURLM *multi;
+	struct lane lanes[AT_ONCE];
+	struct wanted *wanted;           uint32_t count, room;
+	uint32_t *table, table_size;     /* open addressing: index + 1; a power of two */
+	uint32_t next;                   /* those before it have been begun */
+};
+
+static size_t on_bytes(char *bytes, size_t one, size_t size, void *ctx)
+{
+	const struct lane *lane = ctx;
+	struct wanted *w = &lane->chunks->wanted[lane->wanted];
+	size *= one;
+	if (size > w->size - w->have)
+		return 0;
+	memcpy(w->bytes + w->have, bytes, size);
+	w->have += (uint32_t)size;
+	return size;
+}
+
+static bool make_lane(struct view_chunks *chunks, struct lane *lane)
+{
+	CURL *c = lane->curl = curl_easy_init();
+	lane->chunks = chunks;
+	if (!c)
+		return false;
+	curl_easy_setopt(c, CURLOPT_NOSIGNAL, 1L);
+	curl_easy_setopt(c, CURLOPT_TCP_NODELAY, 1L);
+	curl_easy_setopt(c, CURLOPT_FAILONERROR, 1L);
+	curl_easy_setopt(c, CURLOPT_CONNECTTIMEOUT_MS, chunks->options.connect_ms);
+	curl_easy_setopt(c, CURLOPT_LOW_SPEED_LIMIT, SLOW_BYTES_S);
+	curl_easy_setopt(c, CURLOPT_LOW_SPEED_TIME, (chunks->options.stall_ms + 999) / 1000);
+	curl_easy_setopt(c, CURLOPT_USERAGENT, "ecostream/" ECO_VERSION);
+	curl_easy_setopt(c, CURLOPT_PROTOCOLS_STR, "http,https");
+	curl_easy_setopt(c, CURLOPT_WRITEFUNCTION, on_bytes);
+	curl_easy_setopt(c, CURLOPT_WRITEDATA, lane);
+	curl_easy_setopt(c, CURLOPT_PRIVATE, lane);
+	return true;
+}
+
+enum eco_code view_chunks_new(struct view_chunks **out, const struct view_chunks_options *options,
+	struct eco_error *error)
+{
+	const char *url = options->url;
+	*out = NULL;
+	if ((strncmp(url, "http://", 7) != 0 && strncmp(url, "https://", 8) != 0) || strpbrk(url, "?# ")
+			|| strlen(url) > URL_MOST)
+		return eco_fail(error, ECO_BAD_USAGE, "'%.200s' is no URL that chunks can lie below: it "
+			"should look like http://host/chunks", url);
+	struct view_chunks *chunks = *out = calloc(1, sizeof *chunks);
+	bool good = chunks && (chunks->multi = curl_multi_init()) && (chunks->url = strdup(url));
+	if (good) {
+		size_t length = strlen(chunks->url);
+		while (length && chunks->url[length - 1] == '/')
+			chunks->url[--length] = 0;
+		chunks->options = *options;
+	}
+	for (uint32_t i = 0; good && i < AT_ONCE; i++)
+		good = make_lane(chunks, &chunks->lanes[i]);
+	if (good)
+		return ECO_OK;
+	view_chunks_free(chunks);
+	*out = NULL;
+	return eco_fail(error, ECO_NO_MEMORY, "no memory for connections");
+}
+
+void view_chunks_free(struct view_chunks *chunks)
+{
+	if (!chunks)
+		return;
+	view_chunks_forget(chunks);
+	for (uint32_t i = 0; i < AT_ONCE; i++)
+		curl_easy_cleanup(chunks->lanes[i].curl);
+	curl_multi_cleanup(chunks->multi);
+	free(chunks->wanted);
+	free(chunks->table);
+	free(chunks->url);
+	free(chunks);
+}
+
+void view_chunks_forget(struct view_chunks *chunks)
+{
+	for (uint32_t i = 0; i < AT_ONCE; i++)
+		if (chunks->lanes[i].busy) {
+			curl_multi_remove_handle(chunks->multi, chunks->lanes[i].curl);
+			chunks->lanes[i].busy = false;
+		}
+	for (uint32_t i = 0; i < chunks->count; i++)
+		free(chunks->wanted[i].bytes);
+	if (chunks->table_size)
+		memset(chunks->table, 0, chunks->table_size * sizeof *chunks->table);
+	chunks->count = chunks->next = 0;
+}
+
+/* ---- Fetching ---- */
+
+static void url_of(const struct view_chunks *chunks, const struct eco_chunk_id *id, char *url, size_t room)
+{
+	size_t at = (size_t)snprintf(url, room, "%s/", chunks->url);
+	for (size_t i = 0; i < sizeof id->bytes; i++)
+		at += (size_t)snprintf(url + at, room - at, "%02x", id->bytes[i]);
+}
+
+/* Gives free lanes something to do. Memory is taken here, not where a stream only says a size. */
+static void begin(struct view_chunks *chunks)
+{
+	char url[URL_ROOM];
+	for (uint32_t i = 0; i < AT_ONCE && chunks->next < chunks->count; i++) {
+		struct lane *lane = &chunks->lanes[i];
+		struct wanted *w = &chunks->wanted[chunks->next];
+		if (lane->busy)
+			continue;
+		lane->wanted = chunks->next++;
+		w->bytes = malloc(w->size);
+		w->phase = w->bytes ? PHASE_COMES : PHASE_FAILED;
+		if (!w->bytes) {
+			snprintf(w->text, sizeof w->text, "no memory for %u bytes", w->size);
+			continue;
+		}
+		lane->busy = true;
+		url_of(chunks, &w->id, url, sizeof url);
+		curl_easy_setopt(lane->curl, CURLOPT_URL, url);
+		curl_multi_add_handle(chunks->multi, lane->curl);
+	}
+}
+
+static void end(struct view_chunks *chunks, struct lane *lane, CURLcode rc)
+{
+	struct wanted *w = &chunks->wanted[lane->wanted];
+	curl_multi_remove_handle(chunks->multi, lane->curl);
+	lane->busy = false;
+	w->phase = PHASE_FAILED;
+	if (rc == CURLE_HTTP_RETURNED_ERROR)
+		curl_easy_getinfo(lane->curl, CURLINFO_RESPONSE_CODE, &w->status);
+	else if (rc == CURLE_WRITE_ERROR || (!rc && w->have < w->size))
+		snprintf(w->text, sizeof w->text, "it has not the %u bytes that the stream names", w->size);
+	else if (rc)
+		snprintf(w->text, sizeof w->text, "%s", curl_easy_strerror(rc));
+	else
+		w->phase = PHASE_HERE;
+}
+
+/* Moves on whatever has come. */
+static void step(struct view_chunks *chunks)
+{
+	int running, left;
+	begin(chunks);
+	curl_multi_perform(chunks->multi, &running);
+	for (CURLMsg *message; (message = curl_multi_info_read(chunks->multi, &left));) {
+		struct lane *lane;
+		CURLcode rc = message->data.result;
+		curl_easy_getinfo(message->easy_handle, CURLINFO_PRIVATE, (char **)&lane);
+		end(chunks, lane, rc);
+	}
+	begin(chunks);
+}
+
+/* ---- Wanted chunks ---- */
+
+/* The place of an id in the table, or where it would stand. */
+static uint32_t *slot_of(const struct view_chunks *chunks, const struct eco_chunk_id *id)
+{
+	uint32_t at, mask = chunks->table_size - 1;
+	memcpy(&at, id->bytes, sizeof at);       /* a hash already */
+	while (chunks->table[at & mask] && memcmp(chunks->wanted[chunks->table[at & mask] - 1].id.bytes,
+			id->bytes, sizeof id->bytes) != 0)
+		at++;
+	return &chunks->table[at & mask];
+}
+
+static bool grow(struct view_chunks *chunks)
+{
+	if (!eco_room(&chunks->wanted, &chunks->room, chunks->count, sizeof *chunks->wanted))
+		return false;
+	if (2 * (chunks->count + 1) <= chunks->table_size)
+		return true;
+	uint32_t size = chunks->table_size ? 2 * chunks->table_size : 64;
+	uint32_t *table = calloc(size, sizeof *table);
+	if (!table)
+		return false;
+	free(chunks->table);
+	chunks->table = table;
+	chunks->table_size = size;
+	for (uint32_t i = 0; i < chunks->count; i++)
+		*slot_of(chunks, &chunks->wanted[i].id) = i + 1;
+	return true;
+}
+
+enum eco_code view_chunks_want(struct view_chunks *chunks, const struct eco_chunk_id *id, uint32_t size,
+	struct eco_error *error)
+{
+	if (!grow(chunks))
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u named chunks", chunks->count);
+	uint32_t *slot = slot_of(chunks, id);
+	if (!*slot) {
+		chunks->wanted[chunks->count] = (struct wanted){ .id = *id, .size = size };
+		*slot = ++chunks->count;
+	}
+	step(chunks);
+	return ECO_OK;
+}
+
+static enum eco_code failed(const struct view_chunks *chunks, const struct wanted *w, struct eco_error *error)
+{
+	char url[URL_ROOM];
+	url_of(chunks, &w->id, url, sizeof url);
+	if (w->status)
+		return eco_fail(error, ECO_IO, "%.250s: the host answered %ld; it needs what `ecopack "
+			"export` made of the pack that is served", url, w->status);
+	return eco_fail(error, ECO_IO, "%.250s: %s", url, w->text);
+}
+
+enum eco_code view_chunks_take(struct view_chunks *chunks, const struct eco_chunk_id *id, uint32_t size,
+	const uint8_t **bytes, struct eco_error *error)
+{
+	enum eco_code code = view_chunks_want(chunks, id, size, error);
+	if (code)
+		return code;
+	const struct wanted *w = &chunks->wanted[*slot_of(chunks, id) - 1];
+	while (w->phase < PHASE_HERE) {
+		if (chunks->options.stop && *chunks->options.stop)
+			return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+		curl_multi_poll(chunks->multi, NULL, 0, WAIT_MS, NULL);
+		step(chunks);
+	}
+	if (w->phase == PHASE_FAILED)
+		return failed(chunks, w, error);
+	if (w->size != size)
+		return eco_fail(error, ECO_DAMAGED, "a chunk is named with %u bytes, then with %u", w->size,
+			size);
+	*bytes = w->bytes;
+	return ECO_OK;
+}

@@ -1,0 +1,39 @@
+/* Chunks that a stream names, fetched by their ids: from the server's chunks/{id}, or from any host that has
+ * them as files of these names (ecopack export). Several at once, over connections that stay.
+ *
+ *   view_chunks_new(&chunks, &options, &error);
+ *   view_chunks_want(chunks, &id, size, &error);             as names come: begins to fetch
+ *   view_chunks_take(chunks, &id, size, &bytes, &error);     waits for one; what comes meanwhile is kept
+ *   view_chunks_forget(chunks);                              after a stream
+ *   view_chunks_free(chunks);
+ *
+ * Whoever takes a chunk checks its hash. One thread at a time. */
+#ifndef VIEW_CHUNKS_H
+#define VIEW_CHUNKS_H
+
+#include <signal.h>
+
+#include "ecofiles/format/pack.h"
+
+struct view_chunks;
+
+struct view_chunks_options {
+	const char *url;                         /* a chunk is at url/ID, 32 hexadecimal digits */
+	/* milliseconds: to connect, and without a byte */
+	long connect_ms, stall_ms;
+	const volatile sig_atomic_t *stop;       /* not 0: end with ECO_INTERRUPTED; may be NULL */
+};
+
+/* ECO_BAD_USAGE where the URL is none of http or https. */
+enum eco_code view_chunks_new(struct view_chunks **chunks, const struct view_chunks_options *options,
+	struct eco_error *error);
+void view_chunks_free(struct view_chunks *chunks);               /* NULL is fine */
+
+/* A chunk that is wanted already is fetched once. */
+enum eco_code view_chunks_want(struct view_chunks *chunks, const struct eco_chunk_id *id, uint32_t size,
+	struct eco_error *error);
+/* *bytes: `size` of them, until forget. Errors name the chunk's URL. */
+enum eco_code view_chunks_take(struct view_chunks *chunks, const struct eco_chunk_id *id, uint32_t size,
+	const uint8_t **bytes, struct eco_error *error);
+void view_chunks_forget(struct view_chunks *chunks);
+#endif

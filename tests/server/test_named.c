@@ -1,0 +1,260 @@
+/* Streams that name chunks: fetched from the server, or from a static host of what `ecopack export` wrote,
+ * they are what a stream carries, within the same bytes. */
+#include <pthread.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "client-min/view_digest.h"
+#include "client-min/view_fetch.h"
+#include "ecofiles/ecopack/command.h"
+#include "lod/eye.h"
+#include "tests/support/files.h"
+#include "tests/support/serve_daemon.h"
+
+#define NAME_FROM 300u
+
+/* ---- A static host: files of a folder by name, one request a connection ---- */
+
+static struct host { int listener; uint16_t port; char folder[64]; pthread_t thread; uint32_t asked; } host;
+
+static void answer_one(int c)
+{
+	char request[2048], name[64] = "", path[160], head[160];
+	ssize_t size = recv(c, request, sizeof request - 1, 0);
+	request[size > 0 ? size : 0] = 0;
+	sscanf(request, "GET /%40[0-9a-f] HTTP", name);
+	snprintf(path, sizeof path, "%s/%s", host.folder, name);
+	FILE *file = fopen(path, "rb");
+	static char bytes[1 << 20];
+	size_t there = file ? fread(bytes, 1, sizeof bytes, file) : 0;
+	if (file)
+		fclose(file);
+	int at = snprintf(head, sizeof head, "HTTP/1.1 %s\r\nContent-Length: %zu\r\nConnection: close\r\n"
+		"\r\n", file ? "200 OK" : "404 Not Found", there);
+	send(c, head, (size_t)at, MSG_NOSIGNAL);
+	send(c, bytes, there, MSG_NOSIGNAL);
+	host.asked++;
+}
+
+static void *serve_folder(void *ctx)
+{
+	for (int c; (c = accept(host.listener, NULL, NULL)) >= 0; close(c))
+		answer_one(c);
+	return NULL;
+}
+
+static int run_export(const char *from)
+{
+	char *argv[] = { pack_path, "--static", host.folder, "--from", (char *)from, "--quiet" };
+	struct eco_error error = { 0 };
+	if (main_command_export.run(6, argv, &error) == ECO_OK)
+		return 0;
+	fprintf(stderr, "%s\n", error.text);
+	return 1;
+}
+
+static int start(void **state)
+{
+	struct sockaddr_in address = { .sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
+	socklen_t size = sizeof address;
+	if (serve_start(state))
+		return 1;
+	snprintf(host.folder, sizeof host.folder, "build/tmp/named-%d", (int)getpid());
+	host.listener = socket(AF_INET, SOCK_STREAM, 0);
+	if (bind(host.listener, (struct sockaddr *)&address, size) || listen(host.listener, 64)
+			|| getsockname(host.listener, (struct sockaddr *)&address, &size))
+		return 1;
+	host.port = ntohs(address.sin_port);
+	return run_export("300") || pthread_create(&host.thread, NULL, serve_folder, NULL);
+}
+
+static int stop(void **state)
+{
+	shutdown(host.listener, SHUT_RDWR);
+	pthread_join(host.thread, NULL);
+	close(host.listener);
+	folder_empty(host.folder);
+	rmdir(host.folder);
+	return serve_stop(state);
+}
+
+/* ---- Clients ---- */
+
+struct client {
+	struct view_fetch *fetch;
+	struct view_store *store;
+	struct view_fetch_result result;
+	char digest[VIEW_DIGEST_BYTES];
+};
+
+enum from { CARRIED, FROM_SERVER, FROM_HOST };
+
+static struct client client_new(enum from from)
+{
+	char url[64], chunks[80];
+	struct client c = { 0 };
+	struct eco_error error = { 0 };
+	const struct view_store_options options = { .images = false };
+	const struct view_fetch_options fetch = { .url = url, .chunks = from ? chunks : NULL,
+		.name_from = NAME_FROM };
+	snprintf(url, sizeof url, "http://127.0.0.1:%u" BASE, port);
+	if (from == FROM_SERVER)
+		snprintf(chunks, sizeof chunks, "%s/chunks/", url);
+	else
+		snprintf(chunks, sizeof chunks, "http://127.0.0.1:%u", host.port);
+	assert_ok(view_fetch_new(&c.fetch, &fetch, &error), error);
+	assert_ok(view_store_new(&c.store, &options, &error), error);
+	return c;
+}
+
+static void client_free(struct client *c)
+{
+	view_fetch_free(c->fetch);
+	view_store_free(c->store);
+}
+
+static struct eco_request request_of(double distance, uint64_t bytes)
+{
+	return (struct eco_request){ .view = { .eye = { 50 - distance, 20, distance / 4 },
+		.target = { 50, 30, 2 }, .up = { 0, 0, 1 }, .fov_y_deg = 50, .width = 400, .height = 300 },
+		.vertices = 200000, .bytes = bytes };
+}
+
+static enum eco_code look(struct client *c, const struct eco_request *request, struct eco_error *error)
+{
+	struct view_selection selection;
+	struct lod_eye eye;
+	enum eco_code code = view_fetch_stream(c->fetch, c->store, request, &c->result, error);
+	if (code)
+		return code;
+	lod_eye_make(&eye, &request->view);
+	assert_ok(view_select_make(&selection, c->store, &eye, error), *error);
+	assert_ok(view_digest_write(c->digest, c->store, &selection, error), *error);
+	view_select_free(&selection);
+	return ECO_OK;
+}
+
+/* Two views, one after the other: the second needs only what the first has not brought. */
+UNIT_TEST(what_is_fetched_by_name_is_what_a_stream_carries)
+{
+	for (enum from from = FROM_SERVER; from <= FROM_HOST; from++) {
+		struct client named = client_new(from);
+		struct client again = client_new(CARRIED);
+		uint32_t asked = host.asked;
+		for (int view = 0; view < 2; view++) {
+			const struct eco_request request = request_of(view ? 30 : 150, ECO_BYTES_UNBOUNDED);
+			struct eco_error error = { 0 };
+			assert_ok(look(&again, &request, &error), error);
+			assert_ok(look(&named, &request, &error), error);
+			assert_string_equal(named.digest, again.digest);
+			struct view_store_stats a = view_store_stats(again.store),
+				b = view_store_stats(named.store);
+			assert_true(a.chunks == b.chunks && a.chunk_bytes == b.chunk_bytes);
+			assert_true(named.result.named > 10 && named.result.named_bytes >= NAME_FROM
+				* named.result.named && named.result.named_bytes < named.result.bytes);
+			/* an id and a size in place of a size; fewer frames */
+			assert_true(named.result.bytes <= again.result.bytes
+				+ named.result.named * (1 + sizeof(struct eco_chunk_id)));
+			assert_int_equal(again.result.named, 0);
+		}
+		assert_true(from == FROM_HOST ? host.asked > asked : host.asked == asked);
+		client_free(&again);
+		client_free(&named);
+	}
+}
+
+UNIT_TEST(named_chunks_count_as_bytes)
+{
+	for (uint64_t bytes = 5000; bytes < 500000; bytes *= 3) {
+		struct client named = client_new(FROM_SERVER);
+		const struct eco_request request = request_of(60, bytes);
+		struct eco_error error = { 0 };
+		assert_ok(look(&named, &request, &error), error);
+		assert_true(named.result.bytes <= bytes);
+		client_free(&named);
+	}
+}
+
+/* ---- Hosts that lack something ---- */
+
+static void path_of(char path[160], const struct eco_chunk *chunk)
+{
+	char *at = path + snprintf(path, 160, "%s/", host.folder);
+	for (size_t i = 0; i < sizeof chunk->id.bytes; i++)
+		at += sprintf(at, "%02x", chunk->id.bytes[i]);
+}
+
+/* Each file has other bytes, and so many more. */
+static void spoil(int more)
+{
+	static const char bytes[1 << 20];
+	char path[160];
+	for (uint32_t i = 0; i < scene()->chunk_count; i++) {
+		const struct eco_chunk *chunk = &scene()->chunks[i];
+		path_of(path, chunk);
+		if (chunk->size_bytes >= NAME_FROM)
+			file_write(path, bytes, chunk->size_bytes + (size_t)more);
+	}
+}
+
+UNIT_TEST(hosts_that_lack_chunks_or_have_others_are_told)
+{
+	const struct eco_request request = request_of(150, ECO_BYTES_UNBOUNDED);
+	static const struct { int more; const char *says; } cases[] = { { 0, "the hash that names it" },
+		{ -1, "it has not the" }, { 1, "it has not the" } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct client named = client_new(FROM_HOST);
+		struct eco_error error = { 0 };
+		spoil(cases[i].more);
+		assert_int_not_equal(look(&named, &request, &error), ECO_OK);
+		if (!strstr(error.text, cases[i].says))
+			fail_msg("%s", error.text);
+		client_free(&named);
+	}
+	folder_empty(host.folder);
+	struct client named = client_new(FROM_HOST);
+	struct eco_error error = { 0 };
+	assert_int_not_equal(look(&named, &request, &error), ECO_OK);
+	assert_non_null(strstr(error.text, "the host answered 404; it needs what `ecopack export` made"));
+	client_free(&named);
+}
+
+UNIT_TEST(exports_hold_large_chunks_and_repair_what_has_another_size)
+{
+	const struct eco_request request = request_of(150, ECO_BYTES_UNBOUNDED);
+	struct eco_error error = { 0 };
+	struct client named = client_new(FROM_HOST);
+	char path[160];
+	spoil(1);
+	assert_int_equal(run_export("300"), 0);
+	for (uint32_t i = 0; i < scene()->chunk_count; i++) {
+		path_of(path, &scene()->chunks[i]);
+		assert_int_equal(access(path, R_OK) == 0, scene()->chunks[i].size_bytes >= NAME_FROM);
+	}
+	assert_ok(look(&named, &request, &error), error);
+	client_free(&named);
+}
+
+UNIT_TEST(urls_that_are_none_are_refused)
+{
+	static const char *const urls[] = { "", "chunks", "ftp://host/chunks", "http://host/a b",
+		"http://h/?x" };
+	for (size_t i = 0; i < sizeof urls / sizeof *urls; i++) {
+		struct view_fetch *fetch;
+		struct eco_error error = { 0 };
+		const struct view_fetch_options options = { .url = "http://127.0.0.1" BASE,
+			.chunks = urls[i] };
+		assert_int_equal(view_fetch_new(&fetch, &options, &error), ECO_BAD_USAGE);
+		assert_null(fetch);
+		assert_non_null(strstr(error.text, "it should look like http://host/chunks"));
+	}
+}
+
+int main(void)
+{
+	if (view_fetch_setup(NULL))
+		return 1;
+	int failed = unit_tests_run(start, stop);
+	view_fetch_teardown();
+	return failed;
+}
