@@ -6,11 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "client-min/view_cache.h"
 #include "client-min/view_compare.h"
 #include "client-min/view_digest.h"
 #include "client-min/view_explain.h"
 #include "client-min/view_fetch.h"
 #include "client-min/view_gl.h"
+#include "client-min/view_glb.h"
 #include "client-min/view_measure.h"
 #include "client-min/view_progress.h"
 #include "client-min/view_reference.h"
@@ -20,8 +22,6 @@
 #include "ecofiles/format/image.h"
 
 #define PATIENCE_MS 60000                /* with a server that has too much to do */
-#define MEMORY_LEAST (64ull << 10)
-#define MEMORY_MOST (1ull << 40)
 
 enum engine { ENGINE_NONE, ENGINE_AUTO, ENGINE_CPU, ENGINE_EGL };
 
@@ -30,7 +30,7 @@ struct options {
 	uint32_t size[2], width, height;
 	uint64_t vertices, bytes, memory;
 	double ground_px, texel_px, ahead_s;
-	bool has_frames, compare, digest;
+	bool has_frames, compare, digest, glb;
 	uint64_t frame_first, frame_last;
 	enum engine reference;
 	int tint;                                /* enum view_tint */
@@ -53,6 +53,7 @@ struct viewer {                          /* everything that lives as long as the
 	struct view_progress progress;
 	double parts, part;
 	const struct lod_eye *eye;               /* of the frame under way, for its parts */
+	const struct eco_view *view;
 	struct view_frame *frame;
 	uint32_t frame_parts;                    /* drawn of it */
 	char digest[VIEW_DIGEST_BYTES];          /* of the frame, if it is asked for */
@@ -94,23 +95,6 @@ static enum eco_code read_reference(const char *text, void *value, struct eco_er
 		"egl", text);
 }
 
-/* A size such as 64M: a whole number, then K, M or G (of 1024), or nothing for bytes. */
-static enum eco_code read_memory(const char *text, void *value, struct eco_error *error)
-{
-	static const char units[] = "KMG";
-	uint64_t *bytes = value;
-	char *end;
-	unsigned long long number = strtoull(text, &end, 10);
-	const char *unit = *end ? strchr(units, *end) : NULL;
-	int shift = unit ? 10 * (int)(unit - units + 1) : 0;
-	if (*text < '0' || *text > '9' || (*end && (!unit || end[1])) || number > MEMORY_MOST >> shift
-			|| number << shift < MEMORY_LEAST)
-		return eco_fail(error, ECO_BAD_USAGE, "--memory %.100s: must be a size such as 64M or 2G, "
-			"from 64K to 1024G", text);
-	*bytes = (uint64_t)number << shift;
-	return ECO_OK;
-}
-
 static enum eco_code read_marks(const char *text, void *value, struct eco_error *error)
 {
 	struct eco_error why = { 0 };
@@ -134,7 +118,7 @@ static const struct eco_option option_table[] = {
 		.help = "where pictures and report.json go; made if missing" },
 	{ "bytes", 0, ECO_OPTION_COUNT, "M", &given.bytes, 0, INT64_MAX,
 		.help = "budget of each response; none if not given" },
-	{ "memory", 0, ECO_OPTION_READ, "SIZE", &given.memory, .read = read_memory,
+	{ "memory", 0, ECO_OPTION_READ, "SIZE", &given.memory, .read = view_cache_read_size,
 		.help = "of decoded data held, such as 64M (K, M, G; 8G if not given): what was not needed "
 		"for the longest time goes, and is fetched again where it is needed; not of the reference" },
 	{ "ground-px", 0, ECO_OPTION_NUMBER, "X", &given.ground_px, ECO_GROUND_PX_MIN, ECO_GROUND_PX_MAX,
@@ -158,6 +142,9 @@ static const struct eco_option option_table[] = {
 		.help =
 		"with the reference: also ours, full detail and the error that people see (FLIP) side by "
 		"side, with their numbers, as compare-0000.png" },
+	{ "glb", 0, ECO_OPTION_FLAG, NULL, &given.glb,
+		.help = "also writes what is drawn as frame-0000.glb (glTF 2.0) for other programs: plain "
+		"triangles, a node a plant, a camera" },
 	{ "tint", 0, ECO_OPTION_CHOICE, "kind", &given.tint, .choices = tints,
 		.help = "colour by representation: green triangles, red lines, blue points, yellow and "
 		"orange blends, violet ellipsoids for whole plants" },
@@ -176,7 +163,7 @@ static const struct eco_option option_table[] = {
 static const struct eco_command command = { .name = "ecoview", .options = option_table,
 	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--memory SIZE] "
 	"[--ground-px X] [--ahead S] [--rule NAME] [--reference[=cpu|egl]] [--compare] [--tint kind] "
-	"[--digest] [--frames A..B] "
+	"[--digest] [--glb] [--frames A..B] "
 	"[--progressive LIST] [--chunks URL] [--explain FILE.csv]",
 	.says = "Streams a scene along a camera script and draws every frame as a PNG.",
 	.notes = "Writes frame-0000.png, ...; with --reference also reference-0000.png, frame-0000.mask.png, "
@@ -282,6 +269,9 @@ static enum eco_code draw(struct viewer *v, const struct view_store *store, cons
 		return code;
 	if (v->options.digest && store == v->store)
 		code = view_digest_write(v->digest, store, &selection, error);
+	if (!code && v->options.glb && store == v->store && view_store_complete(store))
+		code = view_glb_save(&(struct view_glb_job){ store, &selection, v->view }, v->options.dir,
+			v->frame->frame, error);
 	double near_m = view_store_near_m(store) > 0 ? view_store_near_m(store) : 0.1, ground_m;
 	struct view_reference_job job = { store, &selection, eye, near_m, 0, &interrupted,
 		(enum view_tint)v->options.tint };
@@ -354,6 +344,7 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	struct view_store_stats before = view_store_stats(v->store);
 	step(v, f->frame, "stream");
 	v->eye = eye;
+	v->view = &request->view;
 	v->frame = f;
 	v->frame_parts = 0;
 	view_fetch_mark(v->fetch, &v->options.marks, draw_part, v);

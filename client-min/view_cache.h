@@ -74,4 +74,8 @@ bool view_cache_make_room(struct view_cache *cache, uint64_t bytes, bool all);
 /* Pops, before a stream comes, until `bytes` fit or only what was needed at tick `since` or later is left. */
 void view_cache_leave_room(struct view_cache *cache, uint64_t bytes, uint64_t since);
 
+/* Reads a limit of memory such as 64M into *value, a uint64_t: a whole number, then K, M or G (of 1024) or
+ * nothing for bytes, from 64K to 1024G. ECO_BAD_USAGE. */
+enum eco_code view_cache_read_size(const char *text, void *value, struct eco_error *error);
+
 #endif

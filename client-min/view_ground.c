@@ -101,6 +101,14 @@ void view_ground_normal(const struct view_list *list, uint32_t sample, float nor
 	normal[2] = (float)(1 / length);
 }
 
+void view_ground_place(const struct view_ground *ground, const struct view_ground_tile *tile, uint32_t sample,
+	float out[3])
+{
+	const int32_t *at = tile->list->elements.position + 3 * (size_t)sample;
+	for (int k = 0; k < 3; k++)
+		out[k] = (float)(at[k] - ground->anchor[k]) * ground->step[k];
+}
+
 /* The sample of the span's inner ones at or before `at`, but for the last, and how far `at` is on the way to
  * the next; false outside. Places of samples are `stride` apart. */
 static bool find_cell(const struct eco_ground_span *span, const int32_t *places, size_t stride, double at,

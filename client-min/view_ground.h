@@ -32,6 +32,10 @@ void view_ground_free(struct view_ground *ground);
 /* Index, in its list, of the sample drawn at a corner: column < x.inner, row < y.inner. */
 uint32_t view_ground_sample(const struct view_ground_tile *tile, uint32_t column, uint32_t row);
 
+/* Where a sample is drawn, from ground->at: in single floats, as OpenGL has them. */
+void view_ground_place(const struct view_ground *ground, const struct view_ground_tile *tile, uint32_t sample,
+	float out[3]);
+
 /* Upwards, of length 1, at a sample of a ground list: from the samples on either side, which is what a tile's
  * ring is for. */
 void view_ground_normal(const struct view_list *list, uint32_t sample, float normal[3]);

@@ -52,22 +52,13 @@ static bool stopped(const struct view_reference_job *job)
 /* Two triangles a cell, their diagonal from south-west to north-east. */
 static const uint32_t cell_corners[6][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 0 }, { 1, 1 }, { 0, 1 } };
 
-/* In single floats, as OpenGL has them. */
-static void sample_at(const struct view_ground *ground, const struct view_ground_tile *tile, uint32_t sample,
-	float out[3])
-{
-	const int32_t *at = tile->list->elements.position + 3 * (size_t)sample;
-	for (int k = 0; k < 3; k++)
-		out[k] = (float)(at[k] - ground->anchor[k]) * ground->step[k];
-}
-
 static uint32_t tile_triangles(const struct view_ground *ground, const struct view_ground_tile *tile,
 	float *out)
 {
 	for (uint32_t y = 0; y + 1 < tile->y.inner; y++)
 		for (uint32_t x = 0; x + 1 < tile->x.inner; x++)
 			for (int c = 0; c < 6; c++, out += 3)
-				sample_at(ground, tile, view_ground_sample(tile, x + cell_corners[c][0],
+				view_ground_place(ground, tile, view_ground_sample(tile, x + cell_corners[c][0],
 					y + cell_corners[c][1]), out);
 	return 2 * (tile->x.inner - 1) * (tile->y.inner - 1);
 }
@@ -192,7 +183,7 @@ static void find_facet(const struct view_ground *ground, uint32_t item, struct f
 		const uint32_t *at = cell_corners[3 * (triangle & 1) + c];
 		uint32_t sample = view_ground_sample(tile, triangle / 2 % columns + at[0],
 			triangle / 2 / columns + at[1]);
-		sample_at(ground, tile, sample, f->corner[c]);
+		view_ground_place(ground, tile, sample, f->corner[c]);
 		view_ground_normal(tile->list, sample, f->normal[c]);
 	}
 }

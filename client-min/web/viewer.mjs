@@ -80,6 +80,11 @@ function moved() {
 	redraw();
 }
 
+function showAll() {
+	camera.frame(about.bounds, about.near_m, canvas.clientWidth / canvas.clientHeight);
+	moved();
+}
+
 // ---- What the engine says ----
 
 function showProgress({ complete, received }) {
@@ -98,10 +103,9 @@ const heard = {
 	opened(message) {
 		({ about } = message);
 		document.title = `${about.title ?? settings.scene} – ecostream`;
-		camera.frame(about.bounds, about.near_m);
+		showAll();
 		if (view)
 			camera.look(...view);
-		moved();
 	},
 	drawn(message) {
 		drawn = message;
@@ -213,7 +217,7 @@ function record() {
 
 const shortcuts = {
 	c: () => set('kind', settings.kind ? 0 : 1), p: savePicture, r: record, i: () => pick(), l: copyLink,
-	h: () => about && (camera.frame(about.bounds, about.near_m), moved()),
+	h: () => about && showAll(),
 };
 
 /** What the address says: at first, and when a link is pasted over it. `scenes`: names; before they are

@@ -46,11 +46,11 @@ export class Camera {
 		return 2 * this.distance * Math.tan(FOV_Y_DEG * Math.PI / 360);
 	}
 
-	/** Looks at a whole scene. */
-	frame({ low, high }, near) {
+	/** Looks at a whole scene, in a picture whose width over height is `aspect`. */
+	frame({ low, high }, near, aspect) {
 		const size = Math.hypot(...high.map((v, i) => v - low[i]));
 		this.target = low.map((v, i) => (v + high[i]) / 2);
-		this.distance = Math.max(size * 0.75, near * 10);
+		this.distance = Math.max(size * 0.75 / Math.min(aspect, 1), near * 10);
 		[this.yaw, this.pitch, this.near, this.far] = [Math.PI / 2, -0.4, near, size * 20 + 1e4];
 	}
 
