@@ -29,7 +29,8 @@ static const double icosahedron[12][3] = { { -ICO_A, ICO_B, 0 }, { ICO_A, ICO_B,
 	{ ICO_A, -ICO_B, 0 }, { 0, -ICO_A, ICO_B }, { 0, ICO_A, ICO_B }, { 0, -ICO_A, -ICO_B },
 	{ 0, ICO_A, -ICO_B }, { ICO_B, 0, -ICO_A }, { ICO_B, 0, ICO_A }, { -ICO_B, 0, -ICO_A },
 	{ -ICO_B, 0, ICO_A } };
-static const uint8_t icosahedron_index[60] = { 0, 11, 5, 0, 5, 1, 0, 1, 7, 0, 7, 10, 0, 10, 11, 1, 5, 9, 5, 11,
+static const uint8_t icosahedron_index[60] = { 0, 11, 5, 0, 5, 1, 0, 1, 7, 0, 7, 10, 0, 10, 11, 1, 5, 9, 5,
+	11,
 	4, 11, 10, 2, 10, 7, 6, 7, 1, 8, 3, 9, 4, 3, 4, 2, 3, 2, 6, 3, 6, 8, 3, 8, 9, 4, 9, 5, 2, 4, 11, 6, 2,
 	10, 8, 6, 7, 9, 8, 1 };
 static const uint8_t *const shape_index[SHAPES] = { NULL, prism_index, octahedron_index, icosahedron_index };
@@ -38,7 +39,8 @@ static enum eco_code make(struct view_bake *bake, size_t vertices, size_t indice
 	struct eco_error *error)
 {
 	if (vertices > UINT32_MAX || indices > UINT32_MAX)
-		return eco_fail(error, ECO_TOO_LARGE, "a list has more triangles than a file of them may have");
+		return eco_fail(error, ECO_TOO_LARGE,
+			"a list has more triangles than a file of them may have");
 	bake->vertex_count = (uint32_t)vertices;
 	bake->index_count = (uint32_t)indices;
 	bake->position = malloc(vertices * 3 * sizeof *bake->position + 1);
@@ -141,7 +143,8 @@ static void put_primitive(struct view_bake *bake, const struct view_mesh *mesh, 
 	for (uint32_t k = 0; k < shapes[shape].indices; k++)
 		index[k] = vertex + (shape == TRIANGLE ? k : shape_index[shape][k]);
 	if (bake->uv)
-		memcpy(bake->uv + 2 * (size_t)vertex, mesh->geometry.uv + 6 * (size_t)i, 6 * sizeof *bake->uv);
+		memcpy(bake->uv + 2 * (size_t)vertex, mesh->geometry.uv + 6 * (size_t)i,
+			6 * sizeof *bake->uv);
 	own_color(mesh, i, rgb);
 	put_color(rgb, shapes[shape].vertices, bake->color + 4 * (size_t)vertex);
 }
@@ -152,7 +155,8 @@ static enum eco_code bake_impostor(struct view_bake *bake, const struct lod_impo
 	const struct eco_impostor_body *body = &impostor->body;
 	struct lod_light light = { .weight = 0 };
 	uint8_t rgb[3] = { 95, 127, 79 };
-	enum eco_code code = make(bake, shapes[ROUND_BALL].vertices, shapes[ROUND_BALL].indices, false, error);
+	enum eco_code code = make(bake, shapes[ROUND_BALL].vertices, shapes[ROUND_BALL].indices, false,
+		error);
 	if (code)
 		return code;
 	for (uint32_t i = 0; i < impostor->cell_count; i++)

@@ -75,8 +75,8 @@ static uint32_t add_view(struct glb *g, const void *bytes, size_t size, enum tar
 static void add_accessor(struct glb *g, uint32_t view, int type, const char *shape, uint32_t count)
 {
 	put_comma(&g->accessors);
-	put(&g->accessors, "{\"bufferView\":%u,\"componentType\":%d,\"type\":\"%s\",\"count\":%u%s", view, type,
-		shape, count, type == 5123 ? ",\"normalized\":true" : "");
+	put(&g->accessors, "{\"bufferView\":%u,\"componentType\":%d,\"type\":\"%s\",\"count\":%u%s", view,
+		type, shape, count, type == 5123 ? ",\"normalized\":true" : "");
 	g->accessor_count++;
 }
 
@@ -88,8 +88,8 @@ static void add_bounds(struct glb *g, const struct view_bake *bake)
 		low[i % 3] = fminf(low[i % 3], bake->position[i]);
 		high[i % 3] = fmaxf(high[i % 3], bake->position[i]);
 	}
-	put(&g->accessors, ",\"min\":[%.9g,%.9g,%.9g],\"max\":[%.9g,%.9g,%.9g]", (double)low[0], (double)low[1],
-		(double)low[2], (double)high[0], (double)high[1], (double)high[2]);
+	put(&g->accessors, ",\"min\":[%.9g,%.9g,%.9g],\"max\":[%.9g,%.9g,%.9g]", (double)low[0],
+		(double)low[1], (double)low[2], (double)high[0], (double)high[1], (double)high[2]);
 }
 
 static enum eco_code find_image(struct glb *g, const struct view_list *image, uint32_t *index)
@@ -104,7 +104,8 @@ static enum eco_code find_image(struct glb *g, const struct view_list *image, ui
 	if (code)
 		return code;
 	put_comma(&g->images);
-	put(&g->images, "{\"bufferView\":%u,\"mimeType\":\"image/png\"}", add_view(g, png, size, TARGET_NONE));
+	put(&g->images, "{\"bufferView\":%u,\"mimeType\":\"image/png\"}", add_view(g, png, size,
+		TARGET_NONE));
 	free(png);
 	g->drawn_images[g->image_count++] = image;
 	return ECO_OK;
@@ -124,12 +125,13 @@ static enum eco_code add_bake(struct glb *g, const struct view_bake *bake, enum 
 	add_accessor(g, add_view(g, bake->color, vertices * 8, TARGET_VERTICES), 5123, "VEC4",
 		bake->vertex_count);
 	put(&g->accessors, "}");
-	add_accessor(g, add_view(g, bake->index, (size_t)bake->index_count * 4, TARGET_INDICES), 5125, "SCALAR",
-		bake->index_count);
+	add_accessor(g, add_view(g, bake->index, (size_t)bake->index_count * 4, TARGET_INDICES), 5125,
+		"SCALAR", bake->index_count);
 	put(&g->accessors, "}");
 	if (!bake->uv)
 		return ECO_OK;
-	add_accessor(g, add_view(g, bake->uv, vertices * 8, TARGET_VERTICES), 5126, "VEC2", bake->vertex_count);
+	add_accessor(g, add_view(g, bake->uv, vertices * 8, TARGET_VERTICES), 5126, "VEC2",
+		bake->vertex_count);
 	put(&g->accessors, "}");
 	enum eco_code code = find_image(g, bake->image, &image);
 	out->material = 1 + (g->job->selection->ground.count > 0) + image;
@@ -201,7 +203,8 @@ static void put_instance(struct glb *g, const struct view_instance *instance)
 	if (place->scale != 1)
 		put(&g->nodes, ",\"scale\":[%.9g,%.9g,%.9g]", place->scale, place->scale, place->scale);
 	if (plant)
-		put(&g->nodes, ",\"extras\":{\"height_m\":%.3f}", (double)plant->plant.height_m * place->scale);
+		put(&g->nodes, ",\"extras\":{\"height_m\":%.3f}",
+			(double)plant->plant.height_m * place->scale);
 	put(&g->nodes, "}");
 }
 
@@ -260,8 +263,8 @@ static enum eco_code put_ground(struct glb *g)
 		eco_write_bytes(&g->meshes, primitives.bytes, primitives.size);
 		put(&g->meshes, "]}");
 		begin_node(g, "ground");
-		put(&g->nodes, ",\"mesh\":%u,\"translation\":[%.6f,%.6f,%.6f]}", g->mesh_count++, ground->at[0],
-			ground->at[1], ground->at[2]);
+		put(&g->nodes, ",\"mesh\":%u,\"translation\":[%.6f,%.6f,%.6f]}", g->mesh_count++,
+			ground->at[0], ground->at[1], ground->at[2]);
 	}
 	g->meshes.failed |= primitives.failed;
 	eco_writer_free(&primitives);
@@ -360,15 +363,17 @@ static enum eco_code put_file(const struct glb *g, struct eco_writer *out)
 	}
 	eco_writer_free(&document);
 	if (size > UINT32_MAX)
-		return eco_fail(g->error, ECO_TOO_LARGE, "the view has %llu bytes as glTF, which has at most 4 GiB: "
+		return eco_fail(g->error, ECO_TOO_LARGE,
+			"the view has %llu bytes as glTF, which has at most 4 GiB: "
 			"ask for fewer --vertices", (unsigned long long)size);
-	return out->failed || failed ? eco_fail(g->error, ECO_NO_MEMORY, "no memory for a view as glTF") : ECO_OK;
+	return out->failed || failed ? eco_fail(g->error, ECO_NO_MEMORY, "no memory for a view as glTF")
+		: ECO_OK;
 }
 
 static void free_all(struct glb *g)
 {
-	struct eco_writer *writers[] = { &g->bin, &g->views, &g->accessors, &g->meshes, &g->nodes, &g->children,
-		&g->images };
+	struct eco_writer *writers[] = { &g->bin, &g->views, &g->accessors, &g->meshes, &g->nodes,
+		&g->children, &g->images };
 	for (size_t i = 0; i < sizeof writers / sizeof *writers; i++)
 		eco_writer_free(writers[i]);
 	free(g->cuts);

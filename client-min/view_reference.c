@@ -58,8 +58,8 @@ static uint32_t tile_triangles(const struct view_ground *ground, const struct vi
 	for (uint32_t y = 0; y + 1 < tile->y.inner; y++)
 		for (uint32_t x = 0; x + 1 < tile->x.inner; x++)
 			for (int c = 0; c < 6; c++, out += 3)
-				view_ground_place(ground, tile, view_ground_sample(tile, x + cell_corners[c][0],
-					y + cell_corners[c][1]), out);
+				view_ground_place(ground, tile, view_ground_sample(tile,
+					x + cell_corners[c][0], y + cell_corners[c][1]), out);
 	return 2 * (tile->x.inner - 1) * (tile->y.inner - 1);
 }
 

@@ -69,7 +69,8 @@ export class EcoKeep {
 			return;
 		const stop = () => { this.database = null; };
 		try {
-			done(this.store('answers', 'readwrite').add(answer, [this.pack, this.count++])).catch(stop);
+			const answers = this.store('answers', 'readwrite');
+			done(answers.add(answer, [this.pack, this.count++])).catch(stop);
 		} catch {
 			stop();
 		}
@@ -78,7 +79,9 @@ export class EcoKeep {
 	/** Forgets this pack's answers. */
 	async clear() {
 		[this.count, this.bytes] = [0, 0];
-		if (this.database)
-			await done(this.store('answers', 'readwrite').delete(answersOf(this.pack))).catch(() => {});
+		if (!this.database)
+			return;
+		const answers = this.store('answers', 'readwrite');
+		await done(answers.delete(answersOf(this.pack))).catch(() => {});
 	}
 }

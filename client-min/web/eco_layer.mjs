@@ -84,7 +84,8 @@ export class EcoLayer {
 
 	async open(url, memoryBytes, keep) {
 		const locateFile = (name) => new URL(name, import.meta.url).href;
-		[this.module, this.about] = await Promise.all([createClient({ locateFile }), aboutScene(url)]);
+		[this.module, this.about] = await Promise.all([createClient({ locateFile }),
+			aboutScene(url)]);
 		this.context = this.module.GL.registerContext(this.gl,
 			{ majorVersion: 2, minorVersion: 0, enableExtensionsByDefault: true });
 		this.stream = await this.openStream(url, memoryBytes, keep);
@@ -195,8 +196,8 @@ export class EcoLayer {
 		return this.stream?.selected ? this.stream.facts() : null;
 	}
 
-	/** What is seen at a place of the picture that was drawn last (each of x and y in [0, 1], from the top
-	 * left), or null without one: its `kind` is sky, ground, summary or plant (web_pick.h). */
+	/** What is seen at a place of the picture that was drawn last (x and y in [0, 1], from the top left),
+	 * or null without one: its `kind` is sky, ground, summary or plant (web_pick.h). */
 	pick(x, y) {
 		if (!this.drawn)
 			return null;

@@ -145,7 +145,8 @@ export class EcoStream {
 			}
 			whole = true;
 		} finally {
-			this.keep?.add({ bytes: new Uint8Array(await new Blob(parts).arrayBuffer()), whole, again });
+			this.keep?.add({ bytes: new Uint8Array(await new Blob(parts).arrayBuffer()), whole,
+				again });
 		}
 	}
 
@@ -177,7 +178,8 @@ export class EcoStream {
 
 	/** Why each cut of the last request is what it is: rows of openapi.yaml's `explanation`. */
 	async explain() {
-		const answer = await fetch(`${this.url}/plan?${this.text(this.module._web_query(this.web))}&explain=1`);
+		const query = this.text(this.module._web_query(this.web));
+		const answer = await fetch(`${this.url}/plan?${query}&explain=1`);
 		if (!answer.ok)
 			throw await problemOf(this.url, answer);
 		return (await answer.json()).explanation;

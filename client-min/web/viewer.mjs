@@ -68,8 +68,8 @@ function draw(now) {
 	showScale(camera.metresAcross() / canvas.clientHeight, camera.heading());
 	if (!about)
 		return;
-	engine.postMessage({ type: 'draw', number: ++asked, matrix: camera.matrix(size[0] / size[1]), size, moving,
-		eye: camera.view().eye, vertices, bytes, tint: kind ? 'kind' : 'none' });
+	engine.postMessage({ type: 'draw', number: ++asked, matrix: camera.matrix(size[0] / size[1]), size,
+		moving, eye: camera.view().eye, vertices, bytes, tint: kind ? 'kind' : 'none' });
 }
 
 function moved() {
@@ -201,7 +201,8 @@ async function copyLink() {
 function record() {
 	if (!recording) {
 		const since = performance.now(), keyframes = [];
-		const take = () => keyframes.push({ time_s: (performance.now() - since) / 1000, ...camera.view() });
+		const take = () => keyframes.push({ time_s: (performance.now() - since) / 1000,
+			...camera.view() });
 		take();
 		recording = { keyframes, take, timer: setInterval(take, 500) };
 	} else {

@@ -130,8 +130,8 @@ export class Camera {
 		return this.held.size > 0;
 	}
 
-	/** Takes mouse, touch and keyboard; `moved` is called at each change, `clicked` with where it was, each
-	 * of x and y in [0, 1] from the top left. */
+	/** Takes mouse, touch and keyboard; `moved` is called at each change, `clicked` with where it was: x
+	 * and y in [0, 1], from the top left. */
 	listen(element, moved, clicked) {
 		const fingers = new Map();
 		let press = null;
@@ -174,7 +174,8 @@ export class Camera {
 		element.addEventListener('pointerup', (event) => {
 			const box = element.getBoundingClientRect();
 			if (press && event.timeStamp - press.timeStamp < CLICK_MS)
-				clicked([(event.clientX - box.x) / box.width, (event.clientY - box.y) / box.height]);
+				clicked([(event.clientX - box.x) / box.width,
+					(event.clientY - box.y) / box.height]);
 			press = null;
 		});
 		for (const name of ['pointerup', 'pointercancel'])

@@ -16,13 +16,15 @@ const MOVING_MS = 40, MOVING_LEAST = 0.25;
 const ROWS_MAX = 40;                             // of an explanation that are shown
 const nextFrame = globalThis.requestAnimationFrame?.bind(globalThis) ?? ((f) => setTimeout(f, 16));
 
+const between = (least, value, most) => Math.min(most, Math.max(least, value));
 const apart = (row, distance) => Math.abs(Math.log((row.distance_m ?? distance) / distance));
 
 class Engine {
 	constructor(canvas, post) {
 		const attributes = { antialias: false, alpha: false, preserveDrawingBuffer: true };
 		this.gl = canvas.getContext('webgl2', attributes);
-		Object.assign(this, { canvas, post, layer: null, wanted: null, frame: false, movingScale: 0.4 });
+		Object.assign(this, { canvas, post, layer: null, wanted: null, frame: false,
+			movingScale: 0.4 });
 		this.gl?.clearColor(0.55, 0.6, 0.65, 1);        // of the page, until there is a picture
 		this.gl?.clear(this.gl.COLOR_BUFFER_BIT);
 		if (!this.gl)
@@ -65,7 +67,8 @@ class Engine {
 			Object.assign(canvas, { width, height });
 		const { vertices, bytes, tint } = wanted;
 		const scale = Math.min(1, Math.sqrt(PIXELS_MAX / (width * height)));
-		Object.assign(layer, { vertices, bytes, tint, scale: moving ? scale * this.movingScale : scale });
+		Object.assign(layer, { vertices, bytes, tint, scale: moving ? scale * this.movingScale
+			: scale });
 		gl.bindFramebuffer(gl.FRAMEBUFFER, null);
 		gl.viewport(0, 0, width, height);
 		gl.clearDepth(1);
@@ -73,8 +76,8 @@ class Engine {
 		const since = performance.now();
 		const there = layer.draw(matrix, eye, size), ms = performance.now() - since;
 		if (moving && there)
-			this.movingScale *= Math.sqrt(Math.min(1.5, Math.max(0.5, MOVING_MS / Math.max(ms, 1))));
-		this.movingScale = Math.min(1, Math.max(MOVING_LEAST, this.movingScale));
+			this.movingScale *= Math.sqrt(between(0.5, MOVING_MS / Math.max(ms, 1), 1.5));
+		this.movingScale = between(MOVING_LEAST, this.movingScale, 1);
 		const { complete, stream: { received } } = layer;
 		this.post({ type: 'drawn', number, facts: layer.facts(), complete, received });
 	}

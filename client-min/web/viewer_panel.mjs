@@ -110,7 +110,8 @@ export function showReasons(reasons) {
 // ---- Why the picture is what it is ----
 
 function whyText({ plant, tile, distance_m: distance, plants, vertices, reason }) {
-	const who = plant ? `${plant}, ${metres(distance)} away` : tile === undefined ? 'ground' : `tile ${tile}`;
+	const who = plant ? `${plant}, ${metres(distance)} away` : tile === undefined ? 'ground'
+		: `tile ${tile}`;
 	return [`${who}: ${count(plants, 'plant')}, ${number(vertices)} vertices`, reason];
 }
 
@@ -120,7 +121,8 @@ export function showWhy({ lambda, rows, more }) {
 		li.className = 'why';
 		return li;
 	});
-	const text = lambda > 0 ? `A vertex is drawn where it saves ${lambda.toPrecision(2)} wrong pixels or more.`
+	const text = lambda > 0
+		? `A vertex is drawn where it saves ${lambda.toPrecision(2)} wrong pixels or more.`
 		: 'Everything fits.';
 	$('why').replaceChildren(item(span(text)), ...items, ...more ? [item(span(`and ${more} more`))] : []);
 }

@@ -274,7 +274,8 @@ static void say_species(struct web *web)
 			;
 		web_say(&web->text, "%s{\"name\":", i ? "," : "");
 		web_say_name(&web->text, plant->plant.name);
-		web_say(&web->text, ",\"height_m\":%.2f,\"count\":%u}", (double)plant->plant.height_m, end - i);
+		web_say(&web->text, ",\"height_m\":%.2f,\"count\":%u}", (double)plant->plant.height_m,
+			end - i);
 	}
 	free(plants);
 	web_say(&web->text, "],");
@@ -284,7 +285,8 @@ const char *web_facts(struct web *web)
 {
 	struct view_store_stats stats = view_store_stats(web->store);
 	web->text.size = 0;
-	web_say(&web->text, "{\"vertices\":%llu,\"plants\":%llu,", (unsigned long long)web->selection.vertices,
+	web_say(&web->text, "{\"vertices\":%llu,\"plants\":%llu,",
+		(unsigned long long)web->selection.vertices,
 		(unsigned long long)web->selection.visible_plants);
 	if (web->predicted_q == web->predicted_q)
 		web_say(&web->text, "\"predicted_q\":%.4f,", web->predicted_q);

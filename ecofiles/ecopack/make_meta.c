@@ -138,10 +138,12 @@ enum eco_code make_meta(const struct make *m, char **json, struct eco_error *err
 	json_t *plants = json_array(), *root;
 	for (uint32_t i = 0; i < m->plant_count; i++)
 		json_array_append_new(plants, plant_json(&m->plants[i]));
-	root = json_pack("{s:s, s:s, s:s, s:o, s:[f,f,f], s:o, s:I, s:I, s:I, s:s, s:I, s:o, s:o}", "generator",
+	root = json_pack("{s:s, s:s, s:s, s:o, s:[f,f,f], s:o, s:I, s:I, s:I, s:s, s:I, s:o, s:o}",
+		"generator",
 		"ecopack " ECO_VERSION, "order", lod_order_names[m->options->order], "name", outer->name,
 		"crs", outer->crs ? json_string(outer->crs) : json_null(), "origin", outer->origin[0],
-		outer->origin[1], outer->origin[2], "place", place_json(outer), "eco_files", (json_int_t)m->sources.count, "instances",
+		outer->origin[1], outer->origin[2], "place", place_json(outer), "eco_files",
+		(json_int_t)m->sources.count, "instances",
 		(json_int_t)m->ecos[0].instances, "tiles", (json_int_t)m->scene.tile_count, "ground",
 		make_ground_origin(m), "off_ground", (json_int_t)m->off_ground, "rows", rows_json(m),
 		"plants", plants);

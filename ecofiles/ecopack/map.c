@@ -413,7 +413,8 @@ static enum eco_code run_map(int argc, char **argv, struct eco_error *error)
 	enum eco_code code = main_read(&main_command_map, argc, argv, error);
 	bool table = !code && eco_points_knows(given.output);
 	if (!code && table && access(given.output, F_OK) == 0)
-		code = eco_fail(error, ECO_BAD_USAGE, "%s is there and may be somebody's inventory; it is kept. "
+		code = eco_fail(error, ECO_BAD_USAGE,
+			"%s is there and may be somebody's inventory; it is kept. "
 			"Take another name", given.output);
 	else if (!code && !table)
 		code = eco_chart_may_write(given.output, error);
@@ -432,12 +433,13 @@ static enum eco_code run_map(int argc, char **argv, struct eco_error *error)
 static const struct eco_option options[] = {
 	{ "the scene file", 0, ECO_OPTION_INPUT, "SCENE.json", &given.scene, .is_required = true },
 	{ "output", 'o', ECO_OPTION_TEXT, "MAP", &given.output, .is_required = true,
-		.help = "a PNG; or a table of all plants with their species, heights, files and rows: .gpkg in "
+		.help = "a PNG; or a table of all plants, with species, heights, files and rows: .gpkg in "
 		"the scene's CRS, .geojson in longitude and latitude; it appears complete or not at all" },
 	{ "size", 0, ECO_OPTION_COUNT, "PX", &given.pixels, 200, 8000,
 		.help = "longer side of the map without its legend, 200 to 8000; 1200 if not given" },
 		{ 0 } };
 
-const struct main_command main_command_map = { { "ecopack map", "SCENE.json -o MAP.png|MAP.gpkg|MAP.geojson [--size PX]",
+const struct main_command main_command_map = { { "ecopack map",
+	"SCENE.json -o MAP.png|MAP.gpkg|MAP.geojson [--size PX]",
 	"Draws where everything stands, without building models, and says what was left out.", options,
 	main_common, NULL, NULL }, run_map };

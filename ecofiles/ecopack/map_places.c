@@ -248,7 +248,8 @@ static enum eco_code add_scattered(struct map *m, uint32_t source, const struct 
 	struct eco_scatter_place place;
 	enum eco_code code = eco_scatter_open(&scatter, spec, &frame, scatter_progress, spec->path, m->error);
 	while (!code && eco_scatter_next(scatter, &place)) {
-		code = add_plant(m, source, place.plant, &(struct stand){ place.at, place.height_m, 1, 0, 0 });
+		code = add_plant(m, source, place.plant, &(struct stand){ place.at, place.height_m, 1, 0,
+			0 });
 	}
 	if (!code)
 		code = say(m, MAP_FILE, 0, "%.80s, scattered", eco_path_last(spec->path));

@@ -62,12 +62,12 @@ static void draw_primitive(struct drawing *d, const json_t *primitive, const dou
 	const json_t *attributes = json_object_get(primitive, "attributes");
 	double *position, *index, *color;
 	uint64_t vertices, count, colors;
-	assert_ok(eco_gltf_read_floats(d->doc, eco_gltf_index(attributes, "POSITION"), 3, &position, &vertices,
+	assert_ok(eco_gltf_read_floats(d->doc, eco_gltf_index(attributes, "POSITION"), 3, &position,
+		&vertices, &error), error);
+	assert_ok(eco_gltf_read_floats(d->doc, eco_gltf_index(attributes, "COLOR_0"), 4, &color, &colors,
 		&error), error);
-	assert_ok(eco_gltf_read_floats(d->doc, eco_gltf_index(attributes, "COLOR_0"), 4, &color, &colors, &error),
-		error);
-	assert_ok(eco_gltf_read_floats(d->doc, eco_gltf_index(primitive, "indices"), 1, &index, &count, &error),
-		error);
+	assert_ok(eco_gltf_read_floats(d->doc, eco_gltf_index(primitive, "indices"), 1, &index, &count,
+		&error), error);
 	assert_int_equal(colors, vertices);
 	assert_int_equal(count % 3, 0);
 	float *corners = malloc(count * 3 * sizeof *corners);
@@ -132,12 +132,13 @@ UNIT_TEST(a_file_shows_what_is_drawn)
 	assert_ok(view_reference_draw(&job, &picture, &error), error);
 	struct eco_writer file = write_glb(&h);
 	struct drawing d = { .doc = open_glb(&file) };
-	assert_ok(lod_raster_init(&d.raster, &(struct lod_raster_options){ h.view.width, h.view.height, .owner =
+	assert_ok(lod_raster_init(&d.raster, &(struct lod_raster_options){ h.view.width, h.view.height,
+		.owner =
 		true }, &error), error);
 	lod_raster_camera(&d.raster, &h.eye, 0.1);
 	assert_ok(eco_gltf_walk(d.doc, draw_node, &d, &error), error);
-	lod_score(&score, &(struct lod_score_input){ h.view.width, h.view.height, d.raster.cover, picture.cover,
-		NULL, NULL });
+	lod_score(&score, &(struct lod_score_input){ h.view.width, h.view.height, d.raster.cover,
+		picture.cover, NULL, NULL });
 	for (uint32_t c = 0; c < h.selection.cut_count; c++)
 		triangles += triangles_of(&h, c);
 	for (uint32_t i = 0; i < h.selection.instance_count; i++)

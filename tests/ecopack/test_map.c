@@ -308,7 +308,8 @@ UNIT_TEST(test_tables_are_inventories_of_the_same_plants)
 		unlink(line);
 		snprintf(line, sizeof line, ROOT "/utm.json -o " ROOT "/%s", names[t]);
 		assert_ok(run(line, &error), error);
-		snprintf(scene, sizeof scene, "{" UTM PLANTS ", \"instances\": [{\"from\": \"%s\", \"species\": "
+		snprintf(scene, sizeof scene,
+			"{" UTM PLANTS ", \"instances\": [{\"from\": \"%s\", \"species\": "
 			"\"species\", " TWO_MAPPED "\"height_m\"}}]}", names[t]);
 		file_write_text(ROOT "/again.json", scene);
 		gather(&m, ROOT "/utm.json");

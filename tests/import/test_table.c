@@ -199,11 +199,12 @@ UNIT_TEST(a_place_of_a_map_is_a_place_on_earth)
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		const double *degrees = cases[i].degrees;
 		assert_ok(eco_crs_place(cases[i].crs, cases[i].xy, &place, &error), error);
-		if (fabs(place.longitude_deg - degrees[0]) > 1e-2 || fabs(place.latitude_deg - degrees[1]) > 1e-2
+		if (fabs(place.longitude_deg - degrees[0]) > 1e-2
+			|| fabs(place.latitude_deg - degrees[1]) > 1e-2
 				|| fabs(place.convergence_deg - (degrees[0] - cases[i].middle)
 				* sin(degrees[1] * 3.14159265 / 180)) > 5e-3)
-			fail_msg("%s: %.5f, %.5f, %.4f", cases[i].crs, place.longitude_deg, place.latitude_deg,
-				place.convergence_deg);
+			fail_msg("%s: %.5f, %.5f, %.4f", cases[i].crs, place.longitude_deg,
+				place.latitude_deg, place.convergence_deg);
 	}
 	assert_int_equal(eco_crs_place("EPSG:7", cases[0].xy, &place, &error), ECO_BAD_INPUT);
 }

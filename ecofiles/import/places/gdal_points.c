@@ -113,8 +113,8 @@ enum eco_code gdal_points_write(const struct eco_point_table *table, const char 
 		crs = OSRNewSpatialReference(NULL);
 		OSRSetAxisMappingStrategy(crs, OAMS_TRADITIONAL_GIS_ORDER);
 		if (OSRSetFromUserInput(crs, table->crs) != OGRERR_NONE)
-			code = eco_fail(error, ECO_BAD_INPUT, "%s: GDAL does not know the CRS \"%.100s\"", path,
-				table->crs);
+			code = eco_fail(error, ECO_BAD_INPUT, "%s: GDAL does not know the CRS \"%.100s\"",
+				path, table->crs);
 	}
 	if (!code)
 		code = write_to(name, table, crs, json, path, error);

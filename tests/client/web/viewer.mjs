@@ -56,7 +56,7 @@ async function picksAPlant() {
 	expect(picked.kind === 'plant', 'no plant was found to click');
 	const row = rowAt(picked.foot[0] + origin.at[0], picked.foot[1] + origin.at[1]);
 	expect(row.apart < 0.02 && picked.species.startsWith(row.plant),
-		`a ${picked.species} at ${picked.foot}: the nearest row is a ${row.plant}, ${row.apart} m away`);
+		`a ${picked.species} at ${picked.foot}: its row is a ${row.plant}, ${row.apart} m away`);
 	expect(Math.abs(picked.height_m / row.height - 1) < 0.01,
 		`it is ${picked.height_m} m high; its row says ${row.height} m`);
 	await browser.until("document.querySelectorAll('#card-why li').length > 0");
@@ -120,7 +120,8 @@ async function recordsAndSaves() {
 	expect(fps > 0 && keyframes.length >= 2, `a recording of ${keyframes.length} views`);
 	writeFileSync(script, camera);
 	const png = await saved(() => press('p'));
-	expect(png.toString('latin1', 1, 4) === 'PNG' && png.length > 10000, `a picture of ${png.length} bytes`);
+	expect(png.toString('latin1', 1, 4) === 'PNG' && png.length > 10000,
+		`a picture of ${png.length} bytes`);
 }
 
 /** A link shows the same view, and what came once does not come again. */
@@ -131,7 +132,8 @@ async function comesBack() {
 	await browser.open(link, 640, 480);
 	await browser.until(complete);
 	const again = await ask('viewer.camera.view()'), { received, facts } = await ask('viewer.drawn');
-	expect(again.eye.every((v, i) => Math.abs(v - eye[i]) < 0.01), `the link shows ${again.eye}, not ${eye}`);
+	expect(again.eye.every((v, i) => Math.abs(v - eye[i]) < 0.01),
+		`the link shows ${again.eye}, not ${eye}`);
 	expect(received < 0.2 * facts.bytes, `${received} bytes came again, of ${facts.bytes} that are held`);
 }
 
