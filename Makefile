@@ -78,7 +78,7 @@ ECO_ROOMS := ecofiles/generate ecofiles/scene ecofiles/import/track ecofiles/imp
 	ecofiles/format ecofiles/format/chunk ecofiles/base
 BUILD_ROOMS := lod/build lod/build/order lod/build/splat lod/build/impostor lod/build/measure lod/raster
 CORE_ROOMS := lod ecofiles/format ecofiles/format/chunk ecofiles/base
-PACK_ROOM := ecofiles/ecopack
+PACK_ROOM := ecofiles/ecopack ecofiles/ecopack/export
 SUPPORT_ROOM := tests/support
 # methods of the papers that no program has: what measurements compare with
 BASELINE_ROOM := tests/bench/baseline

@@ -81,7 +81,7 @@ static void add_accessor(struct glb *g, uint32_t view, int type, const char *sha
 }
 
 /* glTF wants the bounds of positions, as the floats that they are. */
-static void add_bounds(struct glb *g, const struct view_bake *bake)
+static void add_bounds(struct glb *g, const struct lod_bake *bake)
 {
 	float low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
 	for (size_t i = 0; i < (size_t)bake->vertex_count * 3; i++) {
@@ -112,8 +112,8 @@ static enum eco_code find_image(struct glb *g, const struct view_list *image, ui
 }
 
 /* Positions, colours, indices, and where there is a texture uv: accessors one after the other. */
-static enum eco_code add_bake(struct glb *g, const struct view_bake *bake, enum material material,
-	struct primitive *out)
+static enum eco_code add_bake(struct glb *g, const struct lod_bake *bake, const struct view_list *texture,
+	enum material material, struct primitive *out)
 {
 	size_t vertices = bake->vertex_count;
 	uint32_t image = 0;
@@ -133,7 +133,7 @@ static enum eco_code add_bake(struct glb *g, const struct view_bake *bake, enum 
 	add_accessor(g, add_view(g, bake->uv, vertices * 8, TARGET_VERTICES), 5126, "VEC2",
 		bake->vertex_count);
 	put(&g->accessors, "}");
-	enum eco_code code = find_image(g, bake->image, &image);
+	enum eco_code code = find_image(g, texture, &image);
 	out->material = 1 + (g->job->selection->ground.count > 0) + image;
 	return code;
 }
@@ -153,13 +153,14 @@ static enum eco_code bake_cuts(struct glb *g)
 	const struct view_selection *s = g->job->selection;
 	enum eco_code code = ECO_OK;
 	for (uint32_t c = 0; c < s->cut_count && !code; c++) {
-		struct view_bake bake;
+		struct lod_bake bake = { .position = NULL };
+		const struct view_list *texture;
 		if (s->member_first[c] == s->member_first[c + 1])
 			continue;
-		code = view_bake_cut(&bake, g->job->store, &s->plan_cuts[c], g->error);
+		code = view_bake_cut(&bake, &texture, g->job->store, &s->plan_cuts[c], g->error);
 		if (!code)
-			code = add_bake(g, &bake, MATERIAL_PLANTS, &g->cuts[c]);
-		view_bake_free(&bake);
+			code = add_bake(g, &bake, texture, MATERIAL_PLANTS, &g->cuts[c]);
+		lod_bake_free(&bake);
 	}
 	return code;
 }
@@ -246,12 +247,12 @@ static enum eco_code put_ground(struct glb *g)
 	enum eco_code code = ECO_OK;
 	struct eco_writer primitives = { 0 };
 	for (uint32_t i = 0; i < ground->count && !code; i++) {
-		struct view_bake bake;
+		struct lod_bake bake = { .position = NULL };
 		struct primitive primitive;
 		code = view_bake_ground(&bake, ground, &ground->tiles[i], g->error);
 		if (!code)
-			code = add_bake(g, &bake, MATERIAL_GROUND, &primitive);
-		view_bake_free(&bake);
+			code = add_bake(g, &bake, NULL, MATERIAL_GROUND, &primitive);
+		lod_bake_free(&bake);
 		if (code)
 			break;
 		put_comma(&primitives);

@@ -1,4 +1,4 @@
-/* A view as a file for other programs: glTF 2.0, binary, of plain triangles (view_bake.h). Plants that draw
+/* A view as a file for other programs: glTF 2.0, binary, of plain triangles (lod/bake.h). Plants that draw
  * the same cuts share a mesh, and each is a node with the species' name; a camera sees the view. Y is up, as
  * in glTF; metres from the scene's origin. No extension is needed.
  *

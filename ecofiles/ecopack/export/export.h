@@ -1,0 +1,84 @@
+/* Inside `ecopack export`: a pack as plain files for any static server.
+ *
+ *   export_chunks(...)         its chunks, each named by its id                        export_chunks.c
+ *   export_tiles(...)          3D Tiles 1.1:                                           export.c
+ *
+ *   export_plant(&x, number)   a plant in up to three levels: plants/N-L.bin           export_plant.c
+ *   export_instances(...)      where a tile's plants stand: tiles/T.bin                export_content.c
+ *   export_level, export_summary, export_ground     contents of tiles: .gltf           export_content.c
+ *   export_tilesets(&x)        tileset.json, and one for each nested file              export_tree.c
+ *
+ *   tileset.json                    root, in the Earth's frame where the scene's place is known
+ *    |-- tile                       REPLACE; content: its summary, as small unlit triangles
+ *    |    |-- tile ...
+ *    |    '-- plants, few triangles each, then more, then all       instanced; files shared by all tiles
+ *    |-- tileset-N.json             a nested eco file, with its transform
+ *    '-- ground tile ...
+ *
+ * Geometric errors are metres. A level of a plant has its radius times 1 - Q (against full detail, as on
+ * a sheet); a summary, four of its points' widths; the ground, four times how far it is from where it should
+ * be: viewers refine what is wrong by 16 pixels. */
+#ifndef ECO_MAIN_EXPORT_H
+#define ECO_MAIN_EXPORT_H
+
+#include <jansson.h>
+#include <limits.h>
+
+#include "ecofiles/base/bytes.h"
+#include "ecofiles/format/pack.h"
+#include "lod/bake.h"
+
+#define EXPORT_LEVELS 3u
+
+struct export_part {             /* triangles of one material, in a file */
+	size_t position, color, index, uv;       /* where they begin */
+	uint32_t vertices, indices, image;       /* image: list of the texture, or ECO_NONE */
+	float low[3], high[3];
+};
+struct export_mesh { struct export_part *parts; uint32_t part_count; size_t bytes; uint64_t triangles; };
+
+struct export_plant {            /* levels from coarse to fine; the last has no error */
+	struct export_mesh level[EXPORT_LEVELS];
+	double error_m[EXPORT_LEVELS];
+	uint32_t levels;
+};
+
+struct export {
+	struct eco_error *error;
+	struct eco_pack *pack;
+	char dir[PATH_MAX];              /* where files are written until all are */
+	struct export_plant *plants;     /* of the scene */
+	uint64_t files, bytes, tiles, instances; /* written; plants of leaf tiles, each once */
+};
+
+/* Chunks of `from` bytes and more into a folder, which is made if missing; what is there in the same size is
+ * kept. */
+enum eco_code export_chunks(const struct eco_pack *pack, const char *dir, uint64_t from, struct eco_error *error);
+/* Into a folder that is not there yet, which appears complete or not at all. */
+enum eco_code export_tiles(struct eco_pack *pack, const char *dir, struct eco_error *error);
+
+/* Writes DIR/NAME. */
+enum eco_code export_file(struct export *x, const char *name, const void *bytes, size_t size);
+enum eco_code export_json(struct export *x, const char *name,
+	json_t *json);     /* takes json; NULL: no memory */
+
+/* Adds baked triangles to a mesh whose bytes are `file`; the same material is one part. */
+enum eco_code export_mesh_add(struct export_mesh *mesh, struct eco_writer *file, const struct lod_bake *bakes,
+	const uint32_t *images, uint32_t count, struct eco_error *error);
+void export_mesh_free(struct export_mesh *mesh);
+
+enum eco_code export_plant(struct export *x, uint32_t number);
+
+/* Contents: write files, and `name` the one that a tile refers to. */
+#define EXPORT_NAME 64
+enum eco_code export_summary(struct export *x, uint32_t tile, char name[EXPORT_NAME], double *error_m);
+/* The instances of a tile's plants, for all its levels. */
+enum eco_code export_instances(struct export *x, uint32_t tile);
+enum eco_code export_level(struct export *x, uint32_t tile, uint32_t level, char name[EXPORT_NAME],
+	double *error_m);
+enum eco_code export_ground(struct export *x, uint32_t ground, char name[EXPORT_NAME], double low[3],
+	double high[3]);
+
+enum eco_code export_tilesets(struct export *x);
+
+#endif

@@ -1,0 +1,475 @@
+/* Contents of tiles: glTF 2.0 whose plants are instances of shared files (EXT_mesh_gpu_instancing), each with
+ * its species and height (EXT_instance_features, EXT_structural_metadata). Z is up, and turned; places count
+ * from the tile's middle. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/base/version.h"
+#include "ecofiles/ecopack/export/export.h"
+#include "ecofiles/format/chunk/chunk.h"
+#include "ecofiles/format/ground_tile.h"
+#include "lod/eye.h"
+
+#define SUMMARY_POINTS 2000u
+#define SUMMARY_WIDTHS 4.0
+
+/* ---- Documents ---- */
+
+struct document { json_t *buffers, *views, *accessors, *meshes, *nodes, *materials, *textures, *images,
+	*inner; };
+
+static void document_begin(struct document *d)
+{
+	json_t **arrays[] = { &d->buffers, &d->views, &d->accessors, &d->meshes, &d->nodes, &d->materials,
+		&d->textures, &d->images, &d->inner };
+	for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+		*arrays[i] = json_array();
+}
+
+static size_t add(json_t *array, json_t *item)
+{
+	json_array_append_new(array, item);
+	return json_array_size(array) - 1;
+}
+
+static json_int_t add_buffer(struct document *d, const char *uri, size_t size)
+{
+	return (json_int_t)add(d->buffers, json_pack("{s:s, s:I}", "uri", uri, "byteLength",
+		(json_int_t)size));
+}
+
+static json_int_t add_view(struct document *d, json_int_t buffer, size_t from, size_t size, int target)
+{
+	json_t *view = json_pack("{s:I, s:I, s:I}", "buffer", buffer, "byteOffset", (json_int_t)from,
+		"byteLength",
+		(json_int_t)size);
+	if (target)
+		json_object_set_new(view, "target", json_integer(target));
+	return (json_int_t)add(d->views, view);
+}
+
+/* Of bytes that nothing else is in; target 0: not drawn, but read for each instance. */
+static json_int_t add_accessor(struct document *d, json_int_t buffer, size_t from, uint32_t count, int type,
+	const char *shape, int target)
+{
+	size_t component = type == 5123 ? 2 : 4,
+		values = shape[0] == 'S' ? 1 : (size_t)(shape[3] - '0');
+	json_t *accessor = json_pack("{s:I, s:i, s:s, s:I}", "bufferView", add_view(d, buffer, from,
+		count * component * values, target), "componentType", type, "type", shape, "count",
+		(json_int_t)count);
+	if (type == 5123)
+		json_object_set_new(accessor, "normalized", json_true());
+	return (json_int_t)add(d->accessors, accessor);
+}
+
+static json_int_t add_material(struct document *d, uint32_t image, bool unlit)
+{
+	json_t *rough = json_pack("{s:i, s:i}", "metallicFactor", 0, "roughnessFactor", 1);
+	json_t *material = json_pack("{s:b, s:o}", "doubleSided", 1, "pbrMetallicRoughness", rough);
+	if (unlit)
+		json_object_set_new(material, "extensions", json_pack("{s:{}}", "KHR_materials_unlit"));
+	if (image != ECO_NONE) {
+		char uri[EXPORT_NAME];
+		snprintf(uri, sizeof uri, "../plants/image-%u.png", image);
+		size_t source = add(d->images, json_pack("{s:s}", "uri", uri)),
+			texture = add(d->textures, json_pack("{s:I}", "source", (json_int_t)source));
+		json_object_set_new(rough, "baseColorTexture", json_pack("{s:I}", "index",
+			(json_int_t)texture));
+		json_object_set_new(material, "alphaMode", json_string("MASK"));
+	}
+	return (json_int_t)add(d->materials, material);
+}
+
+static json_int_t add_mesh(struct document *d, const struct export_mesh *mesh, json_int_t buffer, bool unlit)
+{
+	json_t *primitives = json_array();
+	for (uint32_t i = 0; i < mesh->part_count; i++) {
+		const struct export_part *p = &mesh->parts[i];
+		json_int_t position = add_accessor(d, buffer, p->position, p->vertices, 5126, "VEC3", 34962),
+			color = add_accessor(d, buffer, p->color, p->vertices, 5123, "VEC4", 34962),
+			index = add_accessor(d, buffer, p->index, p->indices, 5125, "SCALAR", 34963);
+		json_t *at = json_array_get(d->accessors, (size_t)position);
+		json_object_set_new(at, "min", json_pack("[f,f,f]", (double)p->low[0], (double)p->low[1],
+			(double)p->low[2]));
+		json_object_set_new(at, "max", json_pack("[f,f,f]", (double)p->high[0], (double)p->high[1],
+			(double)p->high[2]));
+		json_t *attributes = json_pack("{s:I, s:I}", "POSITION", position, "COLOR_0", color);
+		if (p->image != ECO_NONE)
+			json_object_set_new(attributes, "TEXCOORD_0", json_integer(add_accessor(d, buffer,
+				p->uv,
+				p->vertices, 5126, "VEC2", 34962)));
+		json_array_append_new(primitives, json_pack("{s:o, s:I, s:I}", "attributes", attributes,
+			"indices", index, "material", add_material(d, p->image, unlit)));
+	}
+	return (json_int_t)add(d->meshes, json_pack("{s:o}", "primitives", primitives));
+}
+
+/* Nodes 0 and 1 turn Z up to Y up and move to the tile's middle; those added lie below. */
+static void add_node(struct document *d, json_t *node)
+{
+	json_array_append_new(d->inner, json_integer((json_int_t)(2 + add(d->nodes, node))));
+}
+
+static void set_array(json_t *root, const char *name, json_t *array)
+{
+	if (json_array_size(array))
+		json_object_set(root, name, array);
+	json_decref(array);
+}
+
+static enum eco_code document_end(struct export *x, struct document *d, const double middle[3],
+	json_t *extensions, json_t *used, const char *name)
+{
+	double r = sqrt(0.5);
+	json_t *nodes = json_pack("[{s:[f,i,i,f], s:[i]}, {s:[f,f,f]}]", "rotation", -r, 0, 0, r, "children",
+		1,
+		"translation", middle[0], middle[1], middle[2]);
+	if (json_array_size(d->inner))
+		json_object_set(json_array_get(nodes, 1), "children", d->inner);
+	json_decref(d->inner);
+	json_array_extend(nodes, d->nodes);
+	json_decref(d->nodes);
+	json_t *root = json_pack("{s:{s:s, s:s}, s:i, s:[{s:[i]}], s:o}", "asset", "version", "2.0",
+		"generator",
+		"ecopack " ECO_VERSION, "scene", 0, "scenes", "nodes", 0, "nodes", nodes);
+	set_array(root, "buffers", d->buffers);
+	set_array(root, "bufferViews", d->views);
+	set_array(root, "accessors", d->accessors);
+	set_array(root, "meshes", d->meshes);
+	set_array(root, "materials", d->materials);
+	set_array(root, "textures", d->textures);
+	set_array(root, "images", d->images);
+	if (extensions)
+		json_object_set_new(root, "extensions", extensions);
+	set_array(root, "extensionsUsed", used);
+	if (extensions)
+		json_object_set_new(root, "extensionsRequired", json_pack("[s]", "EXT_mesh_gpu_instancing"));
+	return export_json(x, name, root);
+}
+
+static void middle_of(const struct eco_tile *tile, double middle[3])
+{
+	for (int k = 0; k < 3; k++)
+		middle[k] = (tile->low[k] + tile->high[k]) / 2;
+}
+
+/* ---- Instances ---- */
+
+/* Of each species in a tile: translations, turns, scales and numbers, then heights and names of all. */
+struct layout { size_t *group, height, name, offset, end; uint32_t count; };
+
+static size_t aligned(size_t at) { return (at + 7) & ~(size_t)7; }
+
+static enum eco_code lay_out(const struct eco_scene *s, uint32_t tile, struct layout *l,
+	struct eco_error *error)
+{
+	const struct eco_tile *t = &s->tiles[tile];
+	*l = (struct layout){ .group = calloc(t->group_count + 1u, sizeof *l->group) };
+	if (!l->group)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a tile");
+	size_t at = 0, names = 0;
+	for (uint32_t g = 0; g < t->group_count; g++) {
+		const struct eco_group *group = &s->groups[t->group_first + g];
+		l->group[g] = at;
+		at += (size_t)group->count * 44;
+		names += (size_t)group->count * strlen(s->plants[group->plant].name);
+		l->count += group->count;
+	}
+	l->height = aligned(at);
+	l->name = aligned(l->height + (size_t)l->count * 4);
+	l->offset = aligned(l->name + names);
+	l->end = l->offset + ((size_t)l->count + 1) * 4;
+	return ECO_OK;
+}
+
+static void write_group(struct eco_writer *w, const struct eco_scene *s, const struct eco_group *group,
+	const double middle[3], uint32_t number)
+{
+	const struct eco_placement here = { .scale = 1 };
+	for (int what = 0; what < 4; what++)
+		for (uint32_t i = 0; i < group->count; i++) {
+			struct eco_place p = eco_place_read(s, group->place_first + i);
+			struct lod_place place;
+			lod_place_instance(&place, &here, &s->lists[group->list], &p);
+			double half = sqrt(fmax(0.5 + 0.5 * place.cosine, 0)),
+				z = half > 1e-6 ? place.sine / (2 * half) : 1,
+				length = sqrt(half * half + z * z);
+			for (int k = 0; k < 3 && what == 0; k++)
+				eco_write_f32(w, (float)(place.at[k] - middle[k]));
+			for (int k = 0; k < 4 && what == 1; k++)
+				eco_write_f32(w, k < 2 ? 0 : (float)((k == 2 ? z : half) / length));
+			for (int k = 0; k < 3 && what == 2; k++)
+				eco_write_f32(w, (float)place.scale);
+			if (what == 3)
+				eco_write_f32(w, (float)(number + i));
+		}
+}
+
+static void pad_to(struct eco_writer *w, size_t at)
+{
+	while (w->size < at && !w->failed)
+		eco_write_u8(w, 0);
+}
+
+static void write_table(struct eco_writer *w, const struct eco_scene *s, const struct eco_tile *t,
+	const struct layout *l)
+{
+	for (int what = 0; what < 3; what++) {
+		uint32_t chars = 0;
+		pad_to(w, what == 0 ? l->height : what == 1 ? l->name : l->offset);
+		if (what == 2)
+			eco_write_u32(w, 0);
+		for (uint32_t g = 0; g < t->group_count; g++) {
+			const struct eco_group *group = &s->groups[t->group_first + g];
+			const struct eco_plant *plant = &s->plants[group->plant];
+			uint32_t length = (uint32_t)strlen(plant->name);
+			for (uint32_t i = 0; i < group->count; i++) {
+				struct eco_place p = eco_place_read(s, group->place_first + i);
+				if (what == 0)
+					eco_write_f32(w, plant->height_m * (float)p.scale / 65536);
+				else if (what == 1)
+					eco_write_bytes(w, plant->name, length);
+				else
+					eco_write_u32(w, chars += length);
+			}
+		}
+	}
+}
+
+enum eco_code export_instances(struct export *x, uint32_t tile)
+{
+	const struct eco_scene *s = &x->pack->scene;
+	const struct eco_tile *t = &s->tiles[tile];
+	struct eco_writer w = { 0 };
+	struct layout l;
+	double middle[3];
+	char name[EXPORT_NAME];
+	uint32_t number = 0;
+	enum eco_code code = lay_out(s, tile, &l, x->error);
+	middle_of(t, middle);
+	for (uint32_t g = 0; g < t->group_count && !code; g++) {
+		write_group(&w, s, &s->groups[t->group_first + g], middle, number);
+		number += s->groups[t->group_first + g].count;
+	}
+	if (!code)
+		write_table(&w, s, t, &l);
+	if (!code && w.failed)
+		code = eco_fail(x->error, ECO_NO_MEMORY, "no memory for a tile's plants");
+	snprintf(name, sizeof name, "tiles/%u.bin", tile);
+	if (!code)
+		code = export_file(x, name, w.bytes, w.size);
+	x->instances += l.count;
+	free(l.group);
+	eco_writer_free(&w);
+	return code;
+}
+
+static json_t *metadata_of(struct document *d, json_int_t buffer, const struct layout *l)
+{
+	json_int_t heights = add_view(d, buffer, l->height, (size_t)l->count * 4, 0),
+		names = add_view(d, buffer, l->name, l->offset - l->name, 0),
+		offsets = add_view(d, buffer, l->offset, ((size_t)l->count + 1) * 4, 0);
+	json_t *schema = json_pack("{s:s, s:{s:{s:{s:{s:s}, s:{s:s, s:s}}}}}", "id", "ecostream", "classes",
+		"plant",
+		"properties", "species", "type", "STRING", "height_m", "type", "SCALAR", "componentType",
+		"FLOAT32");
+	json_t *table = json_pack("{s:s, s:I, s:{s:{s:I, s:I, s:s}, s:{s:I}}}", "class", "plant", "count",
+		(json_int_t)l->count, "properties", "species", "values", names, "stringOffsets", offsets,
+		"stringOffsetType", "UINT32", "height_m", "values", heights);
+	return json_pack("{s:{s:o, s:[o]}}", "EXT_structural_metadata", "schema", schema, "propertyTables",
+		table);
+}
+
+static json_t *instances_of(struct document *d, json_int_t buffer, size_t from, uint32_t count)
+{
+	size_t n = count;
+	json_int_t at = add_accessor(d, buffer, from, count, 5126, "VEC3", 0),
+		turn = add_accessor(d, buffer, from + 12 * n, count, 5126, "VEC4", 0),
+		scale = add_accessor(d, buffer, from + 28 * n, count, 5126, "VEC3", 0),
+		id = add_accessor(d, buffer, from + 40 * n, count, 5126, "SCALAR", 0);
+	return json_pack("{s:{s:{s:I, s:I, s:I, s:I}}, s:{s:[{s:I, s:i, s:i}]}}", "EXT_mesh_gpu_instancing",
+		"attributes", "TRANSLATION", at, "ROTATION", turn, "SCALE", scale, "_FEATURE_ID_0", id,
+		"EXT_instance_features", "featureIds", "featureCount", (json_int_t)count, "attribute", 0,
+		"propertyTable", 0);
+}
+
+static double largest_scale(const struct eco_scene *s, const struct eco_group *group)
+{
+	double largest = 0;
+	for (uint32_t i = 0; i < group->count; i++)
+		largest = fmax(largest, eco_place_read(s, group->place_first + i).scale / 65536.0);
+	return largest;
+}
+
+enum eco_code export_level(struct export *x, uint32_t tile, uint32_t level, char name[EXPORT_NAME],
+	double *error_m)
+{
+	const struct eco_scene *s = &x->pack->scene;
+	const struct eco_tile *t = &s->tiles[tile];
+	struct document d;
+	struct layout l;
+	double middle[3];
+	char uri[EXPORT_NAME];
+	enum eco_code code = lay_out(s, tile, &l, x->error);
+	if (code)
+		return code;
+	*error_m = 0;
+	middle_of(t, middle);
+	document_begin(&d);
+	snprintf(uri, sizeof uri, "%u.bin", tile);
+	json_int_t instances = add_buffer(&d, uri, l.end);
+	for (uint32_t g = 0; g < t->group_count; g++) {
+		const struct eco_group *group = &s->groups[t->group_first + g];
+		const struct export_plant *plant = &x->plants[group->plant];
+		uint32_t own = level < plant->levels ? level : plant->levels - 1;
+		if (!group->count || !plant->level[own].part_count)
+			continue;
+		snprintf(uri, sizeof uri, "../plants/%u-%u.bin", group->plant, own);
+		json_int_t mesh = add_mesh(&d, &plant->level[own], add_buffer(&d, uri,
+			plant->level[own].bytes),
+			false);
+		add_node(&d, json_pack("{s:s, s:I, s:o}", "name", s->plants[group->plant].name, "mesh", mesh,
+			"extensions", instances_of(&d, instances, l.group[g], group->count)));
+		*error_m = fmax(*error_m, plant->error_m[own] * largest_scale(s, group));
+	}
+	json_t *extensions = metadata_of(&d, instances, &l);
+	snprintf(name, EXPORT_NAME, "tiles/%u-%u.gltf", tile, level);
+	free(l.group);
+	return document_end(x, &d, middle, extensions, json_pack("[s,s,s]", "EXT_mesh_gpu_instancing",
+		"EXT_instance_features", "EXT_structural_metadata"), name);
+}
+
+/* ---- Summaries and ground ---- */
+
+static enum eco_code write_baked(struct export *x, const struct lod_bake *bake, const double middle[3],
+	bool unlit, const char *stem)
+{
+	struct export_mesh mesh = { .parts = NULL };
+	struct eco_writer file = { 0 };
+	char name[EXPORT_NAME], uri[EXPORT_NAME];
+	const uint32_t no_image = ECO_NONE;
+	struct document d;
+	enum eco_code code = export_mesh_add(&mesh, &file, bake, &no_image, 1, x->error);
+	snprintf(uri, sizeof uri, "%s.bin", stem);
+	snprintf(name, sizeof name, "tiles/%.50s.bin", stem);
+	if (!code)
+		code = export_file(x, name, file.bytes, file.size);
+	if (!code) {
+		document_begin(&d);
+		json_int_t number = add_mesh(&d, &mesh, add_buffer(&d, uri, mesh.bytes), unlit);
+		add_node(&d, json_pack("{s:I}", "mesh", number));
+		snprintf(name, sizeof name, "tiles/%.50s.gltf", stem);
+		code = document_end(x, &d, middle, NULL, unlit ? json_pack("[s]", "KHR_materials_unlit")
+			: json_array(), name);
+	}
+	export_mesh_free(&mesh);
+	eco_writer_free(&file);
+	return code;
+}
+
+/* The first points stand for all. */
+enum eco_code export_summary(struct export *x, uint32_t tile, char name[EXPORT_NAME], double *error_m)
+{
+	const struct eco_scene *s = &x->pack->scene;
+	const struct eco_list *list = &s->lists[s->tiles[tile].summary];
+	struct eco_elements points = { 0 };
+	struct lod_geometry geometry = { 0 };
+	struct lod_bake bake = { .position = NULL };
+	double middle[3];
+	char stem[EXPORT_NAME];
+	enum eco_code code = eco_pack_points(x->pack, s->tiles[tile].summary, &points, x->error);
+	if (code)
+		return code;
+	uint32_t count = points.primitive_count < SUMMARY_POINTS ? points.primitive_count : SUMMARY_POINTS;
+	float scale = count ? (float)points.primitive_count / (float)count : 1;
+	if (!lod_geometry_make(&geometry, list, count, false))
+		code = eco_fail(x->error, ECO_NO_MEMORY, "no memory for a summary");
+	middle_of(&s->tiles[tile], middle);
+	if (!code) {
+		lod_list_geometry(list, &points, 0, count, scale, &geometry);
+		for (size_t i = 0; i < (size_t)count * 3; i++)
+			geometry.position[i] = (float)((double)geometry.position[i] - middle[i % 3]);
+		code = lod_bake_make(&bake, &(struct lod_bake_input){ list, s->palette + list->palette_first,
+			&geometry, NULL, count, list->unit_area * scale }, x->error);
+	}
+	*error_m = SUMMARY_WIDTHS * 2 * sqrt((double)list->unit_area * (double)scale / M_PI);
+	snprintf(stem, sizeof stem, "%u-s", tile);
+	if (!code)
+		code = write_baked(x, &bake, middle, true, stem);
+	snprintf(name, EXPORT_NAME, "tiles/%.50s.gltf", stem);
+	lod_bake_free(&bake);
+	lod_geometry_free(&geometry);
+	eco_elements_free(&points);
+	return code;
+}
+
+static enum eco_code decode_ground(struct export *x, const struct eco_list *list,
+	struct eco_elements *samples)
+{
+	const uint8_t *bytes;
+	size_t size;
+	enum eco_code code = eco_pack_payload(x->pack, list->chunk_first, &bytes, &size, x->error);
+	return code ? code : eco_chunk_decode(list, &x->pack->scene.chunks[list->chunk_first], 0, bytes, size,
+		samples, x->error);
+}
+
+static void fill_ground(struct lod_bake *bake, uint32_t columns, uint32_t rows)
+{
+	static const uint8_t grass[3] = { 94, 97, 58 };
+	uint32_t *index = bake->index;
+	lod_bake_color(grass, bake->vertex_count, bake->color);
+	for (uint32_t y = 0; y + 1 < rows; y++)
+		for (uint32_t c = 0; c + 1 < columns; c++, index += 6) {
+			uint32_t at = y * columns + c;
+			memcpy(index, (const uint32_t[6]){ at, at + 1, at + columns + 1, at, at + columns + 1,
+				at + columns }, 6 * sizeof *index);
+		}
+}
+
+enum eco_code export_ground(struct export *x, uint32_t ground, char name[EXPORT_NAME], double low[3],
+	double high[3])
+{
+	const struct eco_scene *s = &x->pack->scene;
+	const struct eco_list *list = &s->lists[s->ground[ground].list];
+	struct eco_ground_span spans[2];
+	struct eco_elements samples = { 0 };
+	struct lod_bake bake = { .position = NULL };
+	char stem[EXPORT_NAME];
+	eco_ground_spans(&spans[0], &spans[1], &s->ground[ground], s->ground_columns, s->ground_rows);
+	uint32_t columns = spans[0].inner, rows = spans[1].inner;
+	enum eco_code code = decode_ground(x, list, &samples);
+	if (!code && samples.element_count != spans[0].count * spans[1].count)
+		code = eco_fail(x->error, ECO_DAMAGED, "ground tile %u has not as many samples as it should",
+			ground);
+	if (!code)
+		code = lod_bake_room(&bake, (size_t)columns * rows, (size_t)(columns - 1) * (rows - 1) * 6,
+			false,
+			x->error);
+	for (int k = 0; k < 3; k++)
+		low[k] = INFINITY, high[k] = -INFINITY;
+	/* the first pass finds the middle */
+	for (int pass = 0; pass < 2 && !code; pass++)
+		for (uint32_t i = 0; i < columns * rows; i++) {
+			size_t at = (size_t)(i / columns + spans[1].before) * spans[0].count + i % columns
+				+ spans[0].before;
+			for (int k = 0; k < 3; k++) {
+				double p = list->grid_origin[k] + samples.position[3 * at + (size_t)k]
+					* list->grid_step[k];
+				low[k] = fmin(low[k], p), high[k] = fmax(high[k], p);
+				bake.position[3 * i + (uint32_t)k] = (float)(p - (low[k] + high[k]) / 2);
+			}
+		}
+	snprintf(stem, sizeof stem, "ground-%u", ground);
+	if (!code) {
+		const double middle[3] = { (low[0] + high[0]) / 2, (low[1] + high[1]) / 2,
+			(low[2] + high[2]) / 2 };
+		fill_ground(&bake, columns, rows);
+		code = write_baked(x, &bake, middle, false, stem);
+	}
+	snprintf(name, EXPORT_NAME, "tiles/%.50s.gltf", stem);
+	lod_bake_free(&bake);
+	eco_elements_free(&samples);
+	return code;
+}

@@ -1,0 +1,187 @@
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/ecopack/export/export.h"
+#include "ecofiles/ecopack/sheet.h"
+#include "ecofiles/format/image.h"
+
+#define PIXELS 96u               /* a side of the picture that a level is scored in */
+static const uint64_t wanted[EXPORT_LEVELS] = { 64, 1024, UINT64_MAX };
+
+/* ---- Meshes ---- */
+
+static void pad(struct eco_writer *file)
+{
+	while (file->size % 4)
+		eco_write_u8(file, 0);
+}
+
+static size_t write_array(struct eco_writer *file, const struct lod_bake *bakes, const uint32_t *images,
+	uint32_t count, uint32_t image, int what)
+{
+	size_t from = file->size;
+	uint32_t before = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		const struct lod_bake *b = &bakes[i];
+		size_t vertices = b->vertex_count;
+		if (images[i] != image)
+			continue;
+		if (what == 0)
+			eco_write_bytes(file, b->position, vertices * 3 * sizeof *b->position);
+		else if (what == 1)
+			eco_write_bytes(file, b->color, vertices * 4 * sizeof *b->color);
+		else if (what == 2)
+			eco_write_bytes(file, b->uv, vertices * 2 * sizeof *b->uv);
+		for (uint32_t k = 0; what == 3 && k < b->index_count; k++)
+			eco_write_u32(file, before + b->index[k]);
+		before += b->vertex_count;
+	}
+	pad(file);
+	return from;
+}
+
+static void bound(struct export_part *part, const struct lod_bake *bake)
+{
+	for (size_t i = 0; i < (size_t)bake->vertex_count * 3; i++) {
+		part->low[i % 3] = fminf(part->low[i % 3], bake->position[i]);
+		part->high[i % 3] = fmaxf(part->high[i % 3], bake->position[i]);
+	}
+}
+
+enum eco_code export_mesh_add(struct export_mesh *mesh, struct eco_writer *file, const struct lod_bake *bakes,
+	const uint32_t *images, uint32_t count, struct eco_error *error)
+{
+	mesh->parts = calloc(count + 1u, sizeof *mesh->parts);
+	if (!mesh->parts)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for triangles");
+	for (uint32_t i = 0; i < count; i++) {
+		uint32_t image = images[i], known = 0;
+		for (; known < mesh->part_count && mesh->parts[known].image != image; known++)
+			;
+		if (known == mesh->part_count)
+			mesh->parts[mesh->part_count++] = (struct export_part){ .image = image,
+				.low = { INFINITY, INFINITY, INFINITY },
+				.high = { -INFINITY, -INFINITY, -INFINITY } };
+		mesh->parts[known].vertices += bakes[i].vertex_count;
+		mesh->parts[known].indices += bakes[i].index_count;
+		mesh->triangles += bakes[i].index_count / 3;
+		bound(&mesh->parts[known], &bakes[i]);
+	}
+	for (uint32_t i = 0; i < mesh->part_count; i++) {
+		struct export_part *part = &mesh->parts[i];
+		part->position = write_array(file, bakes, images, count, part->image, 0);
+		part->color = write_array(file, bakes, images, count, part->image, 1);
+		if (part->image != ECO_NONE)
+			part->uv = write_array(file, bakes, images, count, part->image, 2);
+		part->index = write_array(file, bakes, images, count, part->image, 3);
+	}
+	mesh->bytes = file->size;
+	return file->failed ? eco_fail(error, ECO_NO_MEMORY, "no memory for triangles") : ECO_OK;
+}
+
+void export_mesh_free(struct export_mesh *mesh)
+{
+	free(mesh->parts);
+	*mesh = (struct export_mesh){ .parts = NULL };
+}
+
+/* ---- Plants ---- */
+
+static enum eco_code bake(struct export_mesh *mesh, struct eco_writer *file,
+	const struct sheet_drawing *drawing, struct eco_error *error)
+{
+	struct lod_bake *bakes = calloc(drawing->count + 1u, sizeof *bakes);
+	uint32_t *images = calloc(drawing->count + 1u, sizeof *images);
+	enum eco_code code = bakes && images ? ECO_OK : eco_fail(error, ECO_NO_MEMORY,
+		"no memory for triangles");
+	for (uint32_t i = 0; i < drawing->count && !code; i++) {
+		const struct sheet_batch *b = &drawing->batches[i];
+		images[i] = b->geometry.uv ? b->list->image : ECO_NONE;
+		code = lod_bake_make(&bakes[i], &(struct lod_bake_input){ b->list->list, b->list->palette,
+			&b->geometry, b->impostor, b->count, b->area }, error);
+	}
+	if (!code)
+		code = export_mesh_add(mesh, file, bakes, images, drawing->count, error);
+	for (uint32_t i = 0; bakes && i < drawing->count; i++)
+		lod_bake_free(&bakes[i]);
+	free(bakes);
+	free(images);
+	return code;
+}
+
+/* How far a plant with so many vertices is from full detail. */
+static enum eco_code find_error(struct sheet_plant *plant, uint64_t vertices, double *error_m,
+	struct eco_error *error)
+{
+	const struct eco_scene *s = &plant->scene;
+	const struct eco_anchor *whole = &s->anchors[s->plants[plant->number].anchor_first];
+	struct sheet_picture picture = { .rgb = malloc((size_t)PIXELS * PIXELS * 3) };
+	if (!picture.rgb)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
+	enum eco_code code = sheet_plant_draw(plant, vertices, SHEET_NATURAL, &picture, error);
+	*error_m = fmin(fmax(1 - picture.q, 0), 1) * (double)whole->radius;
+	free(picture.rgb);
+	return code;
+}
+
+static enum eco_code write_images(struct export *x, const struct sheet_plant *plant)
+{
+	enum eco_code code = ECO_OK;
+	for (uint32_t i = 0; i < plant->list_count && !code; i++) {
+		const struct eco_image *image = &plant->lists[i].picture;
+		struct eco_pixels pixels = { image->width, image->height, 4, image->rgba };
+		char name[EXPORT_NAME];
+		uint8_t *png = NULL;
+		size_t size;
+		if (!image->rgba)
+			continue;
+		snprintf(name, sizeof name, "plants/image-%u.png", i);
+		code = eco_png_encode(&pixels, &png, &size, x->error);
+		if (!code)
+			code = export_file(x, name, png, size);
+		free(png);
+	}
+	return code;
+}
+
+static enum eco_code write_level(struct export *x, struct sheet_plant *plant, uint64_t vertices)
+{
+	struct export_plant *to = &x->plants[plant->number];
+	struct export_mesh *mesh = &to->level[to->levels];
+	struct sheet_drawing drawing;
+	struct eco_writer file = { 0 };
+	char name[EXPORT_NAME];
+	enum eco_code code = sheet_drawing_make(&drawing, plant, vertices, x->error);
+	if (code)
+		return code;
+	code = bake(mesh, &file, &drawing, x->error);
+	snprintf(name, sizeof name, "plants/%u-%u.bin", plant->number, to->levels);
+	if (!code)
+		code = export_file(x, name, file.bytes, file.size);
+	double *error_m = &to->error_m[to->levels];
+	*error_m = 0;
+	if (!code && vertices < plant->full)
+		code = find_error(plant, vertices, error_m, x->error);
+	if (to->levels)
+		*error_m = fmin(*error_m, error_m[-1]);
+	to->levels++;
+	sheet_drawing_free(&drawing);
+	eco_writer_free(&file);
+	return code;
+}
+
+enum eco_code export_plant(struct export *x, uint32_t number)
+{
+	struct sheet_plant plant;
+	enum eco_code code = sheet_plant_open(&plant, x->pack, number, PIXELS, x->error);
+	if (code)
+		return code;
+	code = write_images(x, &plant);
+	for (uint32_t i = 0; i < EXPORT_LEVELS && !code; i++)
+		if (wanted[i] == UINT64_MAX || wanted[i] * 2 <= plant.full)
+			code = write_level(x, &plant, wanted[i] < plant.full ? wanted[i] : ECO_VERTICES_MAX);
+	sheet_plant_close(&plant);
+	return code;
+}

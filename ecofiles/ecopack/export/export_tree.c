@@ -1,0 +1,267 @@
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/base/version.h"
+#include "ecofiles/ecopack/export/export.h"
+#include "ecofiles/ecopack/progress.h"
+
+#define DEPTH_MAX 256u
+#define GROUND_ERROR 4.0
+#define SEMI_MAJOR_M 6378137.0           /* WGS 84 */
+#define FLATTENING (1 / 298.257223563)
+
+struct tree { struct export *x; uint8_t *nested; };      /* tiles that are roots of tilesets of their own */
+
+/* ---- Volumes and places ---- */
+
+static json_t *box_of(const double low[3], const double high[3])
+{
+	double c[3], h[3];
+	for (int k = 0; k < 3; k++) {
+		c[k] = (low[k] + high[k]) / 2;
+		h[k] = fmax((high[k] - low[k]) / 2, 0.01);
+	}
+	return json_pack("{s:[f,f,f,f,i,i,i,f,i,i,i,f]}", "box", c[0], c[1], c[2], h[0], 0, 0, 0, h[1], 0, 0,
+		0,
+		h[2]);
+}
+
+/* From the scene, Z up and +Y the map's north, to the Earth's middle. null: nobody knows. */
+static json_t *place_of(const struct export *x)
+{
+	json_t *meta = json_loadb(x->pack->meta, x->pack->meta_size, 0, NULL), *matrix = json_array();
+	const json_t *place = json_object_get(meta, "place");
+	double degree = M_PI / 180, lon = json_number_value(json_object_get(place, "longitude_deg")) * degree,
+		lat = json_number_value(json_object_get(place, "latitude_deg")) * degree,
+		turn = json_number_value(json_object_get(place, "convergence_deg")) * degree,
+		height = json_number_value(json_array_get(json_object_get(meta, "origin"), 2));
+	const double east[3] = { -sin(lon), cos(lon), 0 },
+		north[3] = { -sin(lat) * cos(lon), -sin(lat) * sin(lon), cos(lat) },
+		up[3] = { cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat) };
+	double e2 = FLATTENING * (2 - FLATTENING), n = SEMI_MAJOR_M / sqrt(1 - e2 * sin(lat) * sin(lat));
+	for (int column = 0; column < 4; column++)
+		for (int k = 0; k < 4; k++) {
+			double v = k == 3 ? column == 3 : column == 0
+				? cos(turn) * east[k] - sin(turn) * north[k]
+				: column == 1 ? sin(turn) * east[k] + cos(turn) * north[k] : column == 2
+				? up[k]
+				: (n * (k == 2 ? 1 - e2 : 1) + height) * up[k];
+			json_array_append_new(matrix, json_real(v));
+		}
+	bool known = json_is_object(place);
+	json_decref(meta);
+	if (known)
+		return matrix;
+	json_decref(matrix);
+	return NULL;
+}
+
+static json_t *transform_of(const struct eco_child *child)
+{
+	double yaw = child->turn * (2 * M_PI / 65536), s = (double)child->scale * sin(yaw),
+		c = (double)child->scale * cos(yaw);
+	return json_pack("[f,f,i,i,f,f,i,i,i,i,f,i,f,f,f,i]", c, s, 0, 0, -s, c, 0, 0, 0, 0,
+		(double)child->scale, 0,
+		child->at[0], child->at[1], child->at[2], 1);
+}
+
+static json_t *tile_of(json_t *volume, double error_m, const char *content)
+{
+	json_t *tile = json_pack("{s:o, s:f, s:s}", "boundingVolume", volume, "geometricError", error_m,
+		"refine",
+		"REPLACE");
+	if (content)
+		json_object_set_new(tile, "content", json_pack("{s:s}", "uri", content));
+	return tile;
+}
+
+static void add_child(json_t *tile, json_t *child)
+{
+	if (!json_object_get(tile, "children"))
+		json_object_set_new(tile, "children", json_array());
+	json_array_append_new(json_object_get(tile, "children"), child);
+}
+
+static double error_of(const json_t *tile)
+{
+	return json_number_value(json_object_get(tile, "geometricError"));
+}
+
+/* ---- Plants ---- */
+
+/* The plants of a tile: each level replaces the one before it. */
+static enum eco_code add_plants(struct tree *t, uint32_t id, json_t *parent)
+{
+	const struct eco_tile *tile = &t->x->pack->scene.tiles[id];
+	uint32_t levels = 1;
+	enum eco_code code = export_instances(t->x, id);
+	for (uint32_t g = 0; g < tile->group_count; g++) {
+		uint32_t own = t->x->plants[t->x->pack->scene.groups[tile->group_first + g].plant].levels;
+		levels = own > levels ? own : levels;
+	}
+	for (uint32_t level = 0; level < levels && !code; level++) {
+		char name[EXPORT_NAME];
+		double error_m;
+		code = export_level(t->x, id, level, name, &error_m);
+		if (code)
+			break;
+		t->x->tiles++;
+		json_t *child = tile_of(box_of(tile->low, tile->high), error_m, name);
+		add_child(parent, child);
+		parent = child;
+	}
+	return code;
+}
+
+static enum eco_code add_tile(struct tree *t, uint32_t id, uint32_t depth, json_t **out);
+
+static enum eco_code add_nested(struct tree *t, const struct eco_child *child, json_t *parent)
+{
+	const struct eco_tile *tile = &t->x->pack->scene.tiles[child->tile];
+	char name[EXPORT_NAME];
+	double size = 0;
+	for (int k = 0; k < 3; k++)
+		size += (tile->high[k] - tile->low[k]) * (tile->high[k] - tile->low[k]);
+	snprintf(name, sizeof name, "tileset-%u.json", child->tile);
+	json_t *placed = tile_of(box_of(tile->low, tile->high), sqrt(size), name);
+	json_object_set_new(placed, "transform", transform_of(child));
+	add_child(parent, placed);
+	t->nested[child->tile] = 1;
+	return ECO_OK;
+}
+
+/* No tile is better than its children. */
+static enum eco_code add_tile(struct tree *t, uint32_t id, uint32_t depth, json_t **out)
+{
+	const struct eco_scene *s = &t->x->pack->scene;
+	const struct eco_tile *tile = &s->tiles[id];
+	char name[EXPORT_NAME];
+	double error_m = 0;
+	bool summary = tile->summary != ECO_NONE;
+	*out = NULL;
+	if (depth > DEPTH_MAX)
+		return eco_fail(t->x->error, ECO_TOO_LARGE, "tiles lie in more than %u others", DEPTH_MAX);
+	if (!main_progress("writing tiles", NULL, (double)id / s->tile_count))
+		return eco_fail(t->x->error, ECO_INTERRUPTED, "interrupted");
+	enum eco_code code = summary ? export_summary(t->x, id, name, &error_m) : ECO_OK;
+	if (code)
+		return code;
+	t->x->tiles++;
+	*out = tile_of(box_of(tile->low, tile->high), error_m, summary ? name : NULL);
+	if (tile->group_count)
+		code = add_plants(t, id, *out);
+	for (uint32_t i = tile->child_first; i < tile->child_first + tile->child_count && !code; i++) {
+		json_t *child = NULL;
+		if (s->children[i].placed) {
+			code = add_nested(t, &s->children[i], *out);
+			continue;
+		}
+		code = add_tile(t, s->children[i].tile, depth + 1, &child);
+		if (child)
+			add_child(*out, child);
+	}
+	const json_t *child;
+	size_t i;
+	json_array_foreach(json_object_get(*out, "children"), i, child)
+		error_m = fmax(error_m, error_of(child));
+	json_object_set_new(*out, "geometricError", json_real(error_m));
+	return code;
+}
+
+/* ---- Ground ---- */
+
+/* Contents are boxes of their own samples: a parent's holds its children's, too. */
+static enum eco_code add_ground(struct tree *t, uint32_t id, double low[3], double high[3], json_t **out)
+{
+	const struct eco_ground_tile *ground = &t->x->pack->scene.ground[id];
+	char name[EXPORT_NAME];
+	json_t *children = json_array();
+	enum eco_code code = export_ground(t->x, id, name, low, high);
+	*out = NULL;
+	for (uint32_t i = 0; i < ground->child_count && !code; i++) {
+		double below[2][3];
+		json_t *child = NULL;
+		code = add_ground(t, ground->child_first + i, below[0], below[1], &child);
+		if (child)
+			json_array_append_new(children, child);
+		for (int k = 0; k < 3 && !code; k++) {
+			low[k] = fmin(low[k], below[0][k]);
+			high[k] = fmax(high[k], below[1][k]);
+		}
+	}
+	if (!code) {
+		double error_m = ground->child_count ? GROUND_ERROR * (double)ground->error_m : 0;
+		*out = tile_of(box_of(low, high), error_m,
+			name);
+		t->x->tiles++;
+		if (ground->child_count)
+			json_object_set(*out, "children", children);
+	}
+	json_decref(children);
+	return code;
+}
+
+/* ---- Tilesets ---- */
+
+/* Plants and ground below one root. */
+static enum eco_code with_ground(struct tree *t, const struct eco_tile *plants, json_t **root)
+{
+	double low[3], high[3];
+	json_t *ground;
+	enum eco_code code = add_ground(t, 0, low, high, &ground);
+	if (code)
+		return code;
+	for (int k = 0; k < 3; k++) {
+		low[k] = fmin(low[k], plants->low[k]);
+		high[k] = fmax(high[k], plants->high[k]);
+	}
+	json_t *both = tile_of(box_of(low, high), fmax(error_of(*root), error_of(ground)), NULL);
+	add_child(both, *root);
+	add_child(both, ground);
+	*root = both;
+	return ECO_OK;
+}
+
+static enum eco_code write_tileset(struct tree *t, uint32_t id, const char *name)
+{
+	const struct eco_scene *s = &t->x->pack->scene;
+	const struct eco_tile *tile = &s->tiles[id];
+	bool outer = id == s->root;
+	double size = 0;
+	json_t *root = NULL, *place = outer ? place_of(t->x) : NULL;
+	enum eco_code code = add_tile(t, id, 0, &root);
+	if (!code && outer && s->ground_count)
+		code = with_ground(t, tile, &root);
+	if (code) {
+		json_decref(root);
+		json_decref(place);
+		return code;
+	}
+	if (place)
+		json_object_set_new(root, "transform", place);
+	for (int k = 0; k < 3; k++)
+		size += (tile->high[k] - tile->low[k]) * (tile->high[k] - tile->low[k]);
+	return export_json(t->x, name, json_pack("{s:{s:s, s:s}, s:f, s:o}", "asset", "version", "1.1",
+		"generator",
+		"ecopack " ECO_VERSION, "geometricError", fmax(sqrt(size), error_of(root)), "root", root));
+}
+
+/* Nested files have greater numbers than what nests them. */
+enum eco_code export_tilesets(struct export *x)
+{
+	const struct eco_scene *s = &x->pack->scene;
+	struct tree t = { x, calloc(s->tile_count + 1u, 1) };
+	enum eco_code code = t.nested ? ECO_OK : eco_fail(x->error, ECO_NO_MEMORY, "no memory for tiles");
+	if (!code)
+		code = write_tileset(&t, s->root, "tileset.json");
+	for (uint32_t i = 0; i < s->tile_count && !code; i++) {
+		char name[EXPORT_NAME];
+		snprintf(name, sizeof name, "tileset-%u.json", i);
+		if (t.nested[i])
+			code = write_tileset(&t, i, name);
+	}
+	free(t.nested);
+	return code;
+}
