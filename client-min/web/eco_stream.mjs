@@ -176,6 +176,12 @@ export class EcoStream {
 		return JSON.parse(this.text(text));
 	}
 
+	/** Height of the ground that is drawn at a place, or null. */
+	ground(x, y) {
+		const height = this.module._web_ground(this.web, x, y);
+		return Number.isNaN(height) ? null : height;
+	}
+
 	/** Why each cut of the last request is what it is: rows of openapi.yaml's `explanation`. */
 	async explain() {
 		const query = this.text(this.module._web_query(this.web));

@@ -112,6 +112,8 @@ const heard = {
 		showProgress(message);
 		if (message.facts && !$('panel').hidden)
 			showFacts(message.facts);
+		if (settings.mode === 'walk' && camera.stand(message.ground ?? about.bounds.low[2]))
+			redraw();
 		canvas.dataset.complete = message.complete && message.number === asked && !frame;
 	},
 	picked(message) {
@@ -146,7 +148,8 @@ function showSettings() {
 	$('bytes').value = settings.bytes < 0 ? $('bytes').max : Math.log2(settings.bytes);
 	$('bytes-text').textContent = settings.bytes < 0 ? 'no limit' : number(settings.bytes);
 	$('kind').checked = settings.kind;
-	$('mode').value = camera.mode = settings.mode;
+	camera.setMode(settings.mode);
+	$('mode').value = settings.mode;
 	moved();
 }
 
@@ -160,6 +163,13 @@ function togglePanel() {
 	$('panel-button').setAttribute('aria-expanded', !$('panel').hidden);
 	if (!$('panel').hidden && drawn?.facts)
 		showFacts(drawn.facts);
+}
+
+/** Colours by representation, with their legend. */
+function showKinds(on) {
+	set('kind', on ? 1 : 0);
+	if (on && $('panel').hidden)
+		togglePanel();
 }
 
 function closeCard() {
@@ -217,7 +227,7 @@ function record() {
 }
 
 const shortcuts = {
-	c: () => set('kind', settings.kind ? 0 : 1), p: savePicture, r: record, i: () => pick(), l: copyLink,
+	c: () => showKinds(!settings.kind), p: savePicture, r: record, i: () => pick(), l: copyLink,
 	h: () => about && showAll(),
 };
 
@@ -272,7 +282,7 @@ $('bytes').oninput = () => {
 	const { value, max } = $('bytes');
 	set('bytes', value === max ? -1 : Math.round(2 ** value));
 };
-$('kind').onchange = () => set('kind', $('kind').checked ? 1 : 0);
+$('kind').onchange = () => showKinds($('kind').checked);
 $('save').onclick = savePicture;
 $('link').onclick = copyLink;
 $('record').onclick = record;

@@ -1,7 +1,8 @@
-// The viewer's camera, in metres from the scene's origin, Z up. It orbits about a target, walks at its
-// height, or flies. Mouse, touch and keyboard do the same three things: turn, move, come nearer.
+// The viewer's camera, in metres from the scene's origin, Z up. It orbits about a target, walks on
+// the ground, or flies. Mouse, touch and keyboard do the same three things: turn, move, come nearer.
 
 const FOV_Y_DEG = 45, PITCH_MAX = 1.55, TURN = 0.005, KEY_TURN = 1.2;
+const EYE_M = 1.7;                       // above the ground, of who walks
 const CLICK_PX = 6, CLICK_MS = 600;      // a pointer that moves more, or is held longer, drags
 const keys = { a: [-1, 0, 0], d: [1, 0, 0], w: [0, 1, 0], s: [0, -1, 0], q: [0, 0, -1], e: [0, 0, 1] };
 const turns = { arrowleft: [1, 0], arrowright: [-1, 0], arrowup: [0, 1], arrowdown: [0, -1] };
@@ -68,6 +69,24 @@ export class Camera {
 		const { eye } = this.view();
 		this.look(eye, target);
 		this.distance = Math.min(this.distance, Math.max(size * 1.5, this.near * 10));
+	}
+
+	/** Stands on the ground of that height; whether that moves the eye. */
+	stand(height) {
+		const rise = height + EYE_M - this.view().eye[2];
+		this.target[2] += rise;
+		return Math.abs(rise) > 0.01;
+	}
+
+	/** From now on it orbits, walks or flies. Who begins to walk looks ahead, and not far. */
+	setMode(mode) {
+		if (mode === 'walk' && this.mode !== 'walk') {
+			const { eye } = this.view();
+			this.pitch = 0;
+			this.distance = Math.min(this.distance, 20);
+			this.target = this.forward().map((v, i) => eye[i] + v * this.distance);
+		}
+		this.mode = mode;
 	}
 
 	/** View and projection, column by column. */

@@ -78,8 +78,9 @@ class Engine {
 		if (moving && there)
 			this.movingScale *= Math.sqrt(between(0.5, MOVING_MS / Math.max(ms, 1), 1.5));
 		this.movingScale = between(MOVING_LEAST, this.movingScale, 1);
-		const { complete, stream: { received } } = layer;
-		this.post({ type: 'drawn', number, facts: layer.facts(), complete, received });
+		const { complete, stream } = layer, { received } = stream;
+		const ground = stream.selected ? stream.ground(eye[0], eye[1]) : null;
+		this.post({ type: 'drawn', number, facts: layer.facts(), complete, received, ground });
 	}
 
 	async pick({ at }) {

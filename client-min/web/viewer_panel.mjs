@@ -93,7 +93,8 @@ export function showPicked(picked, origin) {
 	if (kind === 'summary' && species)
 		facts.push(['Of these', species]);
 	if (at)
-		facts.push(['Stands at', placeText(foot ?? at, origin)], ['Distance', metres(distance)]);
+		facts.push([foot ? 'Stands at' : 'Place', placeText(foot ?? at, origin)],
+			['Distance', metres(distance)]);
 	facts.push(...drawnBy(cuts));
 	$('card-title').textContent = kind === 'plant' ? species : titles[kind];
 	$('card-facts').replaceChildren(...facts.map(row));

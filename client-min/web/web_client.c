@@ -1,5 +1,6 @@
 #include "client-min/web/web_client.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -297,6 +298,12 @@ const char *web_facts(struct web *web)
 		(unsigned long long)stats.memory_bytes, stats.decode_ms);
 	eco_write_u8(&web->text, 0);
 	return web->text.failed ? NULL : (const char *)web->text.bytes;
+}
+
+double web_ground(const struct web *web, double x, double y)
+{
+	double height_m;
+	return view_ground_height(&web->selection.ground, x, y, &height_m) ? height_m : NAN;
 }
 
 const char *web_pick(struct web *web, double x, double y)

@@ -48,6 +48,8 @@ const uint8_t *web_colors(const struct web *web);
 const uint8_t *web_cover(const struct web *web);
 const char *web_renderer(const struct web *web);
 const char *web_facts(struct web *web);
+/* Height of the ground that is drawn at a place, metres; NaN where there is none. */
+double web_ground(const struct web *web, double x, double y);
 const char *web_pick(struct web *web, double x, double y);       /* NULL: see web_error */
 const char *web_digest(struct web *web);
 

@@ -100,6 +100,22 @@ async function movesByKeyboard() {
 	await browser.until(complete);
 }
 
+/** Who walks stands on the ground, and stays there. */
+async function walks() {
+	const choose = (mode) => ask(`{ const box = document.getElementById('mode');
+		box.value = '${mode}'; box.dispatchEvent(new Event('change')); }`);
+	const stands = 'Math.abs(viewer.camera.view().eye[2] - 1.7 - viewer.drawn.ground) < 0.02';
+	await choose('walk');
+	await browser.until(`viewer.drawn.ground !== null && ${stands} && ${complete}`);
+	const before = await ask('viewer.camera.view().eye');
+	await browser.send('Input.dispatchKeyEvent', { type: 'keyDown', key: 'w' });
+	await browser.until(`Math.hypot(viewer.camera.view().eye[0] - ${before[0]},
+		viewer.camera.view().eye[1] - ${before[1]}) > 0.5`);
+	await browser.send('Input.dispatchKeyEvent', { type: 'keyUp', key: 'w' });
+	await browser.until(`${stands} && ${complete}`);
+	await choose('orbit');
+}
+
 /** The bytes of what the page offers to save while `act` is done. */
 async function saved(act) {
 	await ask(`globalThis.makeUrl ??= URL.createObjectURL;
@@ -148,6 +164,7 @@ try {
 	await picksAPlant();
 	await showsItsFigures();
 	await movesByKeyboard();
+	await walks();
 	await recordsAndSaves();
 	await comesBack();
 	const state = await text('state');
