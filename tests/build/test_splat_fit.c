@@ -209,24 +209,26 @@ UNIT_TEST(clear_leaves_are_no_plant)
 
 /* ---- The gradient ---- */
 
-/* Differences of the loss in each parameter say the same. */
-UNIT_TEST(the_gradient_is_that_of_the_loss)
+/* Differences of the loss in each parameter say the same, in pixels of one share and of four. */
+static void check_gradient(uint32_t planes)
 {
 	enum { PIXELS = 40, STRIDE = PIXELS + 4, COUNT = 3 };
-	static float cover[PIXELS * STRIDE], left[PIXELS * STRIDE], weight[PIXELS * STRIDE];
+	static float cover[4 * PIXELS * STRIDE], left[PIXELS * STRIDE], weight[PIXELS * STRIDE];
+	struct splat_ellipse ellipses[COUNT];
 	struct splat_view view = { .right = { 0.8, 0.6, 0 }, .down = { 0, 0, -1 },
 		.forward = { -0.6, 0.8, 0 }, .cover = cover };
-	struct splat_views views = { .count = 1, .pixels = PIXELS, .stride = STRIDE, .scale = 18,
-		.items = &view };
+	struct splat_views views = { .count = 1, .pixels = PIXELS, .stride = STRIDE, .planes = planes,
+		.scale = 18, .items = &view };
 	struct splat_softness soft = { .edge_px = 1.5f, .least = 0.5f, .blur_px2 = 0.3f, .chance = 1 };
-	struct splat_picture picture = { left, weight };
+	struct splat_picture picture = { left, weight, ellipses };
 	struct splat_params splats[COUNT] = {
 		{ { 0.1f, 0, 0.1f, 0.3f, 0.1f, 0, 0, 0.4f, 0.1f, 0, 0, 0.2f, 0.8f } },
 		{ { -0.3f, 0.2f, 0.2f, 0.2f, 0, 0, 0, 0.1f, 0, 0.1f, 0, 0.5f, 0.6f } },
 		{ { 0.3f, -0.2f, -0.3f, 0.1f, 0, 0.1f, 0, 0.2f, 0, 0, 0.1f, 0.3f, 0.9f } } };
-	for (uint32_t i = 0; i < PIXELS * STRIDE; i++) {
-		uint32_t x = i % STRIDE, y = i / STRIDE;
-		cover[i] = x < PIXELS ? (float)((x * 7 + y * 3) % 17 < 9 && x > 8 && y < 30) * 0.75f : 0;
+	for (uint32_t i = 0; i < planes * PIXELS * STRIDE; i++) {
+		uint32_t x = i % STRIDE, y = i / STRIDE % PIXELS, plane = i / STRIDE / PIXELS;
+		cover[i] = x < PIXELS ? (float)((x * 7 + y * 3 + plane) % 17 < 9 && x > 8 && y < 30) * 0.75f
+			: 0;
 		view.covered += cover[i];
 	}
 	struct splat_params gradient[COUNT] = { 0 };
@@ -245,6 +247,13 @@ UNIT_TEST(the_gradient_is_that_of_the_loss)
 			double slope = (loss[1] - loss[0]) / (2.0 * step),
 				error = fabs(slope - gradient[i].v[j]);
 			if (error > 0.01 + 0.1 * fabs(slope))
-				fail_msg("splat %u, parameter %u: %g, not %g", i, j, gradient[i].v[j], slope);
+				fail_msg("%u planes, splat %u, parameter %u: %g, not %g", planes, i, j,
+					gradient[i].v[j], slope);
 		}
+}
+
+UNIT_TEST(the_gradient_is_that_of_the_loss)
+{
+	check_gradient(1);
+	check_gradient(4);
 }

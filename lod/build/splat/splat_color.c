@@ -23,7 +23,7 @@ void splat_color_level(const struct splat_views *views, const struct splat_param
 	size_t pixels = (size_t)views->pixels * views->stride;
 	struct lod_keyed *order = lod_arena_take(arena, count, sizeof *order);
 	struct lod_light *light = lod_arena_take(arena, count, sizeof *light);
-	struct splat_picture picture = { lod_arena_take(arena, pixels, sizeof(float)), NULL };
+	struct splat_picture picture = { lod_arena_take(arena, pixels, sizeof(float)), NULL, NULL };
 	for (uint32_t view = 0; view < views->count; view++) {
 		sort_by_depth(&views->items[view], splats, count, arena, order);
 		splat_view_light(views, view, splats, order, count, &picture, light);

@@ -6,6 +6,9 @@
 #include "ecofiles/base/mix.h"
 
 #define BATCHES 4u               /* a round over all views is so many steps */
+/* with enough views and no blades; lod/EXPERIMENTS.md, Coarse views, fewer a step */
+#define BATCHES_MANY 7u
+#define MANY_VIEWS 28u
 #define MEMORY_1 0.9f            /* Adam's */
 #define MEMORY_2 0.99f
 #define STEPS 300u
@@ -23,6 +26,7 @@ struct moment { struct splat_params first, second; };
 
 struct state {
 	struct splat_descent *d;
+	const struct splat_views *views;     /* drawn now */
 	struct splat_softness soft;
 	struct moment *moments;
 	struct splat_params **gradient;      /* per view of a batch */
@@ -40,7 +44,7 @@ static void view_piece(void *pieces, uint32_t i)
 	struct state *s = pieces;
 	const struct splat_descent *d = s->d;
 	memset(s->gradient[i], 0, d->count * sizeof **s->gradient);
-	s->loss[i] = splat_view_loss(d->views, s->batch + i * s->batches, s->drawn, s->drawn_count, s->moving,
+	s->loss[i] = splat_view_loss(s->views, s->batch + i * s->batches, s->drawn, s->drawn_count, s->moving,
 		&s->soft, &s->pictures[i], s->gradient[i]);
 }
 
@@ -135,6 +139,8 @@ static void prepare(struct state *s, struct lod_arena *arena)
 		s->gradient[i] = lod_arena_take(arena, d->count, sizeof **s->gradient);
 		s->pictures[i].free = lod_arena_take(arena, pixels, sizeof(float));
 		s->pictures[i].weight = lod_arena_take(arena, pixels, sizeof(float));
+		s->pictures[i].ellipses = lod_arena_take(arena, d->count + parents,
+			sizeof *s->pictures[i].ellipses);
 	}
 	for (uint32_t k = 0; k < d->count; k++)
 		s->size += size_of(&d->splats[k]) / (float)d->count;
@@ -151,6 +157,7 @@ static double mean_loss(struct state *s)
 {
 	double loss = 0;
 	draw_level(s);
+	s->views = s->d->views;
 	s->soft = (struct splat_softness){ .edge_px = 0.3f };
 	for (s->batch = 0; s->batch < s->batches; s->batch++)
 		loss += batch_gradient(s) / s->batches;
@@ -160,18 +167,20 @@ static double mean_loss(struct state *s)
 bool splat_descend(struct splat_descent *d, struct lod_arena *arena)
 {
 	const struct lod_arena_piece *mark = arena->last;
-	uint32_t batches = d->views->count < BATCHES ? 1 : BATCHES;
-	struct state s = { .d = d, .batches = batches, .room = (d->views->count + batches - 1) / batches };
+	uint32_t round = d->blades || d->views->count < MANY_VIEWS ? BATCHES : BATCHES_MANY,
+		batches = d->views->count < round ? 1 : round;
+	struct state s = { .d = d, .views = d->coarse ? d->coarse : d->views, .batches = batches,
+		.room = (d->views->count + batches - 1) / batches };
 	uint64_t seed = d->count;
-	float fall_1 = 1, fall_2 = 1;
+	float fall_1 = 1, fall_2 = 1, unit = s.views->scale / d->views->scale;
 	bool go = true;
 	prepare(&s, arena);
 	uint32_t steps = d->settle ? SETTLE_STEPS : d->count >= 768 ? STEPS_768 : d->count >= 192 ? STEPS_192
 		: STEPS;
 	for (uint32_t i = 0; i < steps && go; i++) {
 		float at = (float)i / (float)steps, rest = (1 - at) * (1 - at);
-		s.soft = (struct splat_softness){ .edge_px = 0.8f, .least = d->settle ? 0 : 0.6f * rest,
-			.blur_px2 = 0.2f, .chance = d->chance };
+		s.soft = (struct splat_softness){ .edge_px = 0.8f * unit, .least = d->settle ? 0 : 0.6f * rest,
+			.blur_px2 = 0.2f * unit * unit, .chance = d->chance };
 		s.batch = i % s.batches;
 		if (d->parents && at > ALONE && i / s.batches % 2)
 			draw_between(&s, &seed);

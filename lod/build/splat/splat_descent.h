@@ -6,14 +6,14 @@
 #include "lod/build/splat/splat_state.h"
 
 struct splat_descent {
-	const struct splat_views *views;
+	const struct splat_views *views, *coarse;    /* coarse: the descent's, NULL: `views` */
 	struct splat_params *splats;     /* a level; in: where it begins, out: where it ends */
 	uint32_t count;
 	/* The level before, as it ended, or NULL: then some steps draw some of it with the children of the
 	 * others, so that pictures between two levels are good, too. */
 	const struct splat_params *parents;
 	uint32_t children;               /* of each parent */
-	bool opaque;
+	bool opaque, blades;             /* blades: of a plant of blades, which takes more views a step */
 	float chance;                    /* struct splat_softness */
 	bool settle;                     /* shapes stay, as they have been rounded; a few steps of the rest */
 	uint32_t level, levels;          /* for progress */

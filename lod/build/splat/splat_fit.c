@@ -34,6 +34,7 @@ static const uint32_t usual_size[USUAL_LEVELS] = { 1, 3, 12, 48, 192, 768, 3072 
 #define CHANCE_FEW 0.1f          /* at least, for levels of at most so many splats */
 #define FEW_SPLATS 12u
 #define CHANCE 0.03f
+#define COARSE_SPLATS 48u        /* levels of at most so many are fitted in coarse views */
 #define FEW_TRIANGLES 4096u
 /* Share of hard Q in the objective (chance of struct splat_softness) for plants of so few triangles, by the
  * mean cover of the pixels that they cover at all (lod/EXPERIMENTS.md, Thin plants). */
@@ -43,7 +44,7 @@ static const struct { double cover, chance; } chances[] = { { 0.4, 0.4 }, { 0.5,
 struct fit {
 	const struct lod_splats_options *options;
 	struct lod_arena arena;
-	struct splat_views views;
+	struct splat_views views, coarse;
 	struct splat_points points;
 	uint32_t size[LOD_SPLAT_LEVELS], most;   /* splats of each level; levels at most */
 	struct splat_blades blades;      /* levels 0: it is no plant of blades */
@@ -109,26 +110,58 @@ static void first_shape(struct fit *fit, const struct splat_part *part, const st
 struct sharing {
 	const struct splat_params *splats;
 	double (*inverse)[3][3], *price; /* a splat with a high price takes fewer points */
+	double *near;                    /* of a unit of squared distance: x^T C^-1 x is no less */
 	uint32_t count, *taken;
 };
 
-/* Each point to the splat that holds it most, at its price. */
+static double cost_of(const struct sharing *s, uint32_t i, const float point[3])
+{
+	return s->price[i] * splat_distance2(&s->splats[i], (const double (*)[3])s->inverse[i], point);
+}
+
+static double square(double x) { return x * x; }
+
+/* Each point to the splat that holds it most, at its price; of equal ones to the first. The point before lies
+ * near: its splat is asked first, and those that are certainly worse are not. */
 static void share_once(const struct fit *fit, struct sharing *s, struct lod_keyed *keyed)
 {
+	uint32_t best = 0;
 	memset(s->taken, 0, s->count * sizeof *s->taken);
 	for (uint32_t p = 0; p < fit->points.count; p++) {
-		double least = INFINITY;
-		keyed[p] = (struct lod_keyed){ 0, p };
-		for (uint32_t i = 0; i < s->count; i++) {
-			double q = s->price[i] * splat_distance2(&s->splats[i],
-				(const double (*)[3])s->inverse[i], fit->points.at[p]);
-			if (q < least) {
+		const float *point = fit->points.at[p];
+		double least = cost_of(s, best, point);
+		for (uint32_t i = 0, first = best; i < s->count; i++) {
+			const float *at = s->splats[i].v;
+			double away = square((double)point[0] - at[0]) + square((double)point[1] - at[1])
+				+ square((double)point[2] - at[2]);
+			if (i == first || s->price[i] * s->near[i] * away > least)
+				continue;
+			double q = cost_of(s, i, point);
+			if (q < least || (q == least && i < best)) {
 				least = q;
-				keyed[p].key = i;
+				best = i;
 			}
 		}
-		s->taken[keyed[p].key]++;
+		keyed[p] = (struct lod_keyed){ best, p };
+		s->taken[best]++;
 	}
+}
+
+/* The least eigenvalue of the inverse (splat_inverse) is no less than one over the sum of the matrix's, if it
+ * has all three; a little is for rounding. */
+static double near_of(const struct splat_params *splat)
+{
+	struct splat_params straight = *splat;
+	double trace = 0;
+	splat_orthogonal(&straight);
+	for (uint32_t k = 0; k < 3; k++) {
+		const float *half = straight.v + SPLAT_AXES + 3 * k;
+		double length2 = square(half[0]) + square(half[1]) + square(half[2]);
+		if (!(length2 > 0))
+			return 0;
+		trace += length2 + square(LEAST_HALF);
+	}
+	return 0.999 / trace;
 }
 
 /* Points go to the splats that hold them, so children begin where their parent has gone; rather evenly, as
@@ -139,11 +172,13 @@ static void share_points(struct fit *fit, uint32_t level)
 	struct sharing s = { .splats = fit->level[level], .count = fit->size[level] };
 	s.inverse = lod_arena_take(&fit->arena, s.count, sizeof *s.inverse);
 	s.price = lod_arena_take(&fit->arena, s.count, sizeof *s.price);
+	s.near = lod_arena_take(&fit->arena, s.count, sizeof *s.near);
 	s.taken = lod_arena_take(&fit->arena, s.count, sizeof *s.taken);
 	struct lod_keyed *keyed = lod_arena_take(&fit->arena, fit->points.count, sizeof *keyed);
 	float (*copy)[3] = lod_arena_take(&fit->arena, fit->points.count, sizeof *copy);
 	for (uint32_t i = 0; i < s.count; i++) {
 		splat_inverse(&s.splats[i], LEAST_HALF, s.inverse[i]);
+		s.near[i] = near_of(&s.splats[i]);
 		s.price[i] = 1;
 	}
 	double mean = (double)fit->points.count / s.count;
@@ -287,8 +322,11 @@ static float chance_of(const struct fit *fit, const struct eco_model *model)
 static bool descend(struct fit *fit, uint32_t level, uint32_t levels, bool settle)
 {
 	struct splat_descent descent = { .views = &fit->views, .splats = fit->level[level],
-		.count = fit->size[level], .opaque = fit->options->opaque, .chance = fit->chance,
+		.count = fit->size[level], .opaque = fit->options->opaque,
+		.blades = fit->blades.levels > 0, .chance = fit->chance,
 		.level = level, .levels = levels, .options = fit->options, .settle = settle };
+	if (fit->size[level] <= COARSE_SPLATS && !fit->blades.levels)
+		descent.coarse = &fit->coarse;
 	if (fit->size[level] <= FEW_SPLATS && descent.chance < CHANCE_FEW)
 		descent.chance = CHANCE_FEW;
 	if (level && !settle) {
@@ -454,6 +492,7 @@ static enum eco_code run(struct fit *fit, const struct eco_model *model, struct 
 	enum eco_code code = splat_views_make(&fit->views, model, fit->options, &fit->arena, error);
 	if (code || !gather(fit))
 		return code;
+	splat_views_coarsen(&fit->coarse, &fit->views, &fit->arena);
 	place(fit->splats, &fit->views);
 	choose_sizes(fit, model);
 	fit->cover = cover_of(&fit->views);

@@ -12,13 +12,6 @@
 #define MOST 0.99f               /* of a pixel that one splat may cover: division tells what others cover */
 #define LEAST_PX2 0.01f          /* square of a half axis on the screen */
 
-struct ellipse {                 /* one splat in one view */
-	float x, y, b[2][3];         /* centre; half axes on the screen, pixels */
-	float c[3], m[3], det, soft_det;     /* C without blur; inverse with blur: xx, xy, yy */
-	float amp, alpha, high, slope;       /* alpha: opacity * amp * MOST; t = high - slope q */
-	int32_t x0, x1, y0, y1;      /* pixels, half open; empty if it is outside */
-};
-
 static float dot3(const double a[3], const float *b)
 {
 	return (float)a[0] * b[0] + (float)a[1] * b[1] + (float)a[2] * b[2];
@@ -29,7 +22,7 @@ static int32_t clamp_to(float at, uint32_t pixels)
 	return at <= 0 ? 0 : at >= (float)pixels ? (int32_t)pixels : (int32_t)at;
 }
 
-static void project(struct ellipse *e, const struct splat_views *views, const struct splat_view *view,
+static void project(struct splat_ellipse *e, const struct splat_views *views, const struct splat_view *view,
 	const struct splat_params *splat, const struct splat_softness *soft)
 {
 	float s = views->scale, middle = 0.5f * (float)views->pixels, c[3] = { LEAST_PX2, 0, LEAST_PX2 };
@@ -66,7 +59,7 @@ static void project(struct ellipse *e, const struct splat_views *views, const st
 	e->y1 = clamp_to(e->y + half_y + 0.5f, views->pixels);
 }
 
-static inline lod_f4 ramp(const struct ellipse *e, lod_f4 dx, float dy)
+static inline lod_f4 ramp(const struct splat_ellipse *e, lod_f4 dx, float dy)
 {
 	lod_f4 q = (lod_f4_all(e->m[0]) * dx + lod_f4_all(2 * e->m[1] * dy)) * dx
 		+ lod_f4_all(e->m[2] * dy * dy);
@@ -81,7 +74,13 @@ static inline lod_f4 smooth(lod_f4 t)
 
 static const lod_f4 steps = { 0, 1, 2, 3 };
 
-static void draw(const struct ellipse *e, float *free, uint32_t stride)
+static void clear(const struct splat_views *views, float *left)
+{
+	for (size_t i = 0; i < (size_t)views->pixels * views->stride; i++)
+		left[i] = 1;
+}
+
+static void draw(const struct splat_ellipse *e, float *free, uint32_t stride)
 {
 	lod_f4 one = lod_f4_all(1), alpha = lod_f4_all(e->alpha);
 	for (int32_t y = e->y0; y < e->y1; y++) {
@@ -97,7 +96,7 @@ static void draw(const struct ellipse *e, float *free, uint32_t stride)
 static float sum4(lod_f4 v) { return v[0] + v[1] + (v[2] + v[3]); }
 
 /* `weight`: derivative of the loss by what is left free, times that. */
-static void pull(const struct ellipse *e, const struct splat_views *views, const struct splat_view *view,
+static void pull(const struct splat_ellipse *e, const struct splat_views *views, const struct splat_view *view,
 	const float *weight, float opacity, struct splat_params *gradient)
 {
 	lod_f4 one = lod_f4_all(1), alpha = lod_f4_all(e->alpha), zero = lod_f4_all(0);
@@ -148,21 +147,30 @@ static void pull(const struct ellipse *e, const struct splat_views *views, const
 
 struct sums { double drawn, both, covered; };
 
+static struct splat_row count_row(const struct splat_views *views, const struct splat_view *view,
+	const float *left, float chance, uint32_t y)
+{
+	size_t plane = (size_t)views->pixels * views->stride, first = (size_t)y * views->stride;
+	lod_f4 drawn = lod_f4_all(0), both = drawn, one = lod_f4_all(1);
+	for (uint32_t x = 0; x < views->pixels; x += 4) {
+		lod_f4 a = one - lod_f4_load(left + first + x);
+		drawn += a;
+		for (uint32_t k = 0; k < views->planes; k++) {
+			lod_f4 b = lod_f4_load(view->cover + k * plane + first + x);
+			both += lod_f4_all(1 - chance) * lod_f4_min(a, b) + lod_f4_all(chance) * a * b;
+		}
+	}
+	return (struct splat_row){ sum4(drawn) * (float)views->planes, sum4(both) };
+}
+
 static struct sums count_view(const struct splat_views *views, const struct splat_view *view,
 	const float *left, float chance)
 {
 	struct sums sums = { 0, 0, view->covered };
 	for (uint32_t y = 0; y < views->pixels; y++) {
-		const float *row = left + (size_t)y * views->stride, *wanted = view->cover
-			+ (size_t)y * views->stride;
-		lod_f4 drawn = lod_f4_all(0), both = drawn, one = lod_f4_all(1);
-		for (uint32_t x = 0; x < views->pixels; x += 4) {
-			lod_f4 a = one - lod_f4_load(row + x), b = lod_f4_load(wanted + x);
-			drawn += a;
-			both += lod_f4_all(1 - chance) * lod_f4_min(a, b) + lod_f4_all(chance) * a * b;
-		}
-		sums.drawn += sum4(drawn);
-		sums.both += sum4(both);
+		struct splat_row row = count_row(views, view, left, chance, y);
+		sums.drawn += row.drawn;
+		sums.both += row.both;
 	}
 	return sums;
 }
@@ -171,22 +179,26 @@ static struct sums count_view(const struct splat_views *views, const struct spla
 static void weigh(const struct splat_views *views, const struct splat_view *view,
 	const struct splat_picture *picture, float chance, float by_drawn, float by_both)
 {
+	size_t plane = (size_t)views->pixels * views->stride;
+	float all = (float)views->planes * by_drawn;
 	for (uint32_t y = 0; y < views->pixels; y++) {
 		size_t row = (size_t)y * views->stride;
 		lod_f4 one = lod_f4_all(1);
 		for (uint32_t x = 0; x < views->pixels; x += 4) {
-			lod_f4 left = lod_f4_load(picture->free + row + x),
-				b = lod_f4_load(view->cover + row + x);
-			lod_f4 share = lod_f4_select(one - left < b, lod_f4_all(1 - chance), lod_f4_all(0))
-				+ lod_f4_all(chance) * b;
+			lod_f4 left = lod_f4_load(picture->free + row + x), share = lod_f4_all(0);
+			for (uint32_t k = 0; k < views->planes; k++) {
+				lod_f4 b = lod_f4_load(view->cover + k * plane + row + x);
+				share += lod_f4_select(one - left < b, lod_f4_all(1 - chance), lod_f4_all(0))
+					+ lod_f4_all(chance) * b;
+			}
 			lod_f4_store(picture->weight + row + x, left
-				* (lod_f4_all(by_drawn) + lod_f4_all(by_both) * share));
+				* (lod_f4_all(all) + lod_f4_all(by_both) * share));
 		}
 	}
 }
 
 /* An ellipse gets the colour that the plant shows where nothing is in front of the ellipse. */
-static void add_light(const struct ellipse *e, const struct splat_views *views, const struct splat_view *view,
+static void add_light(const struct splat_ellipse *e, const struct splat_views *views, const struct splat_view *view,
 	float *left, struct lod_light *light)
 {
 	for (int32_t y = e->y0; y < e->y1; y++) {
@@ -213,9 +225,8 @@ void splat_view_light(const struct splat_views *views, uint32_t view_index, cons
 	struct lod_light *light)
 {
 	const struct splat_view *view = &views->items[view_index];
-	struct ellipse e;
-	for (size_t i = 0; i < (size_t)views->pixels * views->stride; i++)
-		picture->free[i] = 1;
+	struct splat_ellipse e;
+	clear(views, picture->free);
 	for (uint32_t i = 0; i < count; i++) {
 		uint32_t at = order[i].value;
 		project(&e, views, view, &splats[at], &(struct splat_softness){ .edge_px = 0.5f });
@@ -226,16 +237,15 @@ void splat_view_light(const struct splat_views *views, uint32_t view_index, cons
 void splat_view_draw(const struct splat_views *views, uint32_t view, const struct splat_params *splats,
 	uint32_t count, const struct splat_softness *soft, float *left)
 {
-	struct ellipse e;
-	for (size_t i = 0; i < (size_t)views->pixels * views->stride; i++)
-		left[i] = 1;
+	struct splat_ellipse e;
+	clear(views, left);
 	for (uint32_t i = 0; i < count; i++) {
 		project(&e, views, &views->items[view], &splats[i], soft);
 		draw(&e, left, views->stride);
 	}
 }
 
-static void draw_back(const struct ellipse *e, float *left, uint32_t stride)
+static void draw_back(const struct splat_ellipse *e, float *left, uint32_t stride)
 {
 	lod_f4 one = lod_f4_all(1), alpha = lod_f4_all(e->alpha);
 	for (int32_t y = e->y0; y < e->y1; y++) {
@@ -247,21 +257,6 @@ static void draw_back(const struct ellipse *e, float *left, uint32_t stride)
 	}
 }
 
-void splat_view_replace(const struct splat_views *views, uint32_t view, const struct splat_params *out,
-	uint32_t out_count, const struct splat_params *in, uint32_t in_count,
-	const struct splat_softness *soft, float *left)
-{
-	struct ellipse e;
-	for (uint32_t i = 0; i < out_count; i++) {
-		project(&e, views, &views->items[view], &out[i], soft);
-		draw_back(&e, left, views->stride);
-	}
-	for (uint32_t i = 0; i < in_count; i++) {
-		project(&e, views, &views->items[view], &in[i], soft);
-		draw(&e, left, views->stride);
-	}
-}
-
 static double loss_of(const struct sums *sums, double *drawn, double *p, double *r)
 {
 	*drawn = sums->drawn > 1e-3 ? sums->drawn : 1e-3;
@@ -270,11 +265,60 @@ static double loss_of(const struct sums *sums, double *drawn, double *p, double 
 	return sqrt(*p * *p + *r * *r);
 }
 
-double splat_view_score(const struct splat_views *views, uint32_t view, const float *left, float chance)
+static double score_of(const struct sums *sums)
 {
 	double drawn, p, r;
-	struct sums sums = count_view(views, &views->items[view], left, chance);
-	return sums.covered > 0 ? loss_of(&sums, &drawn, &p, &r) : 0;
+	return sums->covered > 0 ? loss_of(sums, &drawn, &p, &r) : 0;
+}
+
+double splat_view_score(const struct splat_views *views, uint32_t view, const float *left, float chance,
+	struct splat_row *rows)
+{
+	struct sums sums = { 0, 0, views->items[view].covered };
+	for (uint32_t y = 0; y < views->pixels; y++) {
+		rows[y] = count_row(views, &views->items[view], left, chance, y);
+		sums.drawn += rows[y].drawn;
+		sums.both += rows[y].both;
+	}
+	return score_of(&sums);
+}
+
+/* Rows that an ellipse draws in, beside those so far. */
+static void reach(const struct splat_ellipse *e, int32_t rows[2])
+{
+	rows[0] = e->y0 < rows[0] ? e->y0 : rows[0];
+	rows[1] = e->y1 > rows[1] ? e->y1 : rows[1];
+}
+
+double splat_view_replace(const struct splat_views *views, uint32_t view, const struct splat_exchange *what,
+	const struct splat_softness *soft, const float *left, const struct splat_row *rows, float *trial)
+{
+	struct splat_ellipse e[SPLAT_EXCHANGED];
+	const struct splat_view *seen = &views->items[view];
+	struct sums sums = { 0, 0, seen->covered };
+	int32_t touched[2] = { (int32_t)views->pixels, 0 };
+	uint32_t count = what->out_count + what->in_count;
+	for (uint32_t i = 0; i < count; i++) {
+		project(&e[i], views, seen, i < what->out_count ? &what->out[i]
+			: &what->in[i - what->out_count], soft);
+		reach(&e[i], touched);
+	}
+	if (touched[0] < touched[1])
+		memcpy(trial + (size_t)touched[0] * views->stride, left + (size_t)touched[0] * views->stride,
+			(size_t)(touched[1] - touched[0]) * views->stride * sizeof *trial);
+	for (uint32_t i = 0; i < count; i++) {
+		if (i < what->out_count)
+			draw_back(&e[i], trial, views->stride);
+		else
+			draw(&e[i], trial, views->stride);
+	}
+	for (int32_t y = 0; y < (int32_t)views->pixels; y++) {
+		struct splat_row row = y < touched[0] || y >= touched[1] ? rows[y]
+			: count_row(views, seen, trial, soft->chance, (uint32_t)y);
+		sums.drawn += row.drawn;
+		sums.both += row.both;
+	}
+	return score_of(&sums);
 }
 
 double splat_view_loss(const struct splat_views *views, uint32_t view_index,
@@ -282,8 +326,12 @@ double splat_view_loss(const struct splat_views *views, uint32_t view_index,
 	const struct splat_picture *picture, struct splat_params *gradient)
 {
 	const struct splat_view *view = &views->items[view_index];
-	struct ellipse e;
-	splat_view_draw(views, view_index, splats, count, soft, picture->free);
+	struct splat_ellipse *e = picture->ellipses;
+	clear(views, picture->free);
+	for (uint32_t i = 0; i < count; i++) {
+		project(&e[i], views, view, &splats[i], soft);
+		draw(&e[i], picture->free, views->stride);
+	}
 	struct sums sums = count_view(views, view, picture->free, soft->chance);
 	if (!(sums.covered > 0))
 		return 0;
@@ -292,9 +340,7 @@ double splat_view_loss(const struct splat_views *views, uint32_t view_index,
 		return loss;
 	weigh(views, view, picture, soft->chance, (float)(p * sums.both / (drawn * drawn) / loss),
 		(float)(-(p / drawn + r / sums.covered) / loss));
-	for (uint32_t i = 0; i < moving; i++) {
-		project(&e, views, view, &splats[i], soft);
-		pull(&e, views, view, picture->weight, splats[i].v[SPLAT_OPACITY], &gradient[i]);
-	}
+	for (uint32_t i = 0; i < moving; i++)
+		pull(&e[i], views, view, picture->weight, splats[i].v[SPLAT_OPACITY], &gradient[i]);
 	return loss;
 }

@@ -19,7 +19,9 @@ struct splat_params { float v[SPLAT_PARAMS]; };
 
 struct splat_view {
 	double right[3], down[3], forward[3];
-	float *cover;                /* share of each pixel that the plant covers; rows of `stride` */
+	/* share of each pixel that the plant covers; rows of `stride`. Coarse pixels have four shares, those
+	 * of the pixels in each: one plane after another */
+	float *cover;
 	float (*light)[3];           /* mean light of that share, in 1/65535; `pixels` a row */
 	double covered;              /* sum of cover */
 	float (*sample)[3];          /* points of the visible surface */
@@ -28,7 +30,7 @@ struct splat_view {
 };
 
 struct splat_views {
-	uint32_t count, pixels, stride;
+	uint32_t count, pixels, stride, planes;      /* planes: 1, or 4 of coarse views */
 	float scale;                 /* pixels a radius */
 	struct splat_view *items;
 	double center[3], radius;    /* of the model, metres */
@@ -37,6 +39,10 @@ struct splat_views {
 /* Draws the model in all views. `views->covered` is 0 everywhere if it shows nothing. */
 enum eco_code splat_views_make(struct splat_views *views, const struct eco_model *model,
 	const struct lod_splats_options *options, struct lod_arena *arena, struct eco_error *error);
+
+/* The same views in pixels twice as wide and high, without light and samples: what large splats cover hardly
+ * changes within one, so that they are fitted in a quarter of the work (lod/EXPERIMENTS.md, Coarse views). */
+void splat_views_coarsen(struct splat_views *coarse, const struct splat_views *views, struct lod_arena *arena);
 
 /* Those of all views. */
 struct splat_points { float (*at)[3]; uint32_t *triangle, count; };
@@ -51,18 +57,31 @@ struct splat_softness {
 	                              * one sample a pixel; the rest is soft Q */
 };
 
-/* A picture of splats, scratch: share that is left free, rows of stride. */
-struct splat_picture { float *free; float *weight; };
+/* One splat in one view: a soft-edged ellipse. */
+struct splat_ellipse {
+	float x, y, b[2][3];         /* centre; half axes on the screen, pixels */
+	float c[3], m[3], det, soft_det;     /* C without blur; inverse with blur: xx, xy, yy */
+	float amp, alpha, high, slope;       /* alpha: opacity * amp * MOST; t = high - slope q */
+	int32_t x0, x1, y0, y1;      /* pixels, half open; empty if it is outside */
+};
+
+/* A picture of splats, scratch: share that is left free, rows of stride; and each splat as it is drawn. */
+struct splat_picture { float *free; float *weight; struct splat_ellipse *ellipses; };
 
 /* Draws splats over nothing: the share of each pixel that they leave free. */
 void splat_view_draw(const struct splat_views *views, uint32_t view, const struct splat_params *splats,
 	uint32_t count, const struct splat_softness *soft, float *left);
-/* Takes some out of that picture and puts others in. */
-void splat_view_replace(const struct splat_views *views, uint32_t view, const struct splat_params *out,
-	uint32_t out_count, const struct splat_params *in, uint32_t in_count,
-	const struct splat_softness *soft, float *left);
-/* 1 - Q of that picture. */
-double splat_view_score(const struct splat_views *views, uint32_t view, const float *left, float chance);
+/* What a row of a picture draws, and draws rightly. */
+struct splat_row { double drawn, both; };
+/* 1 - Q of that picture, and its rows. */
+double splat_view_score(const struct splat_views *views, uint32_t view, const float *left, float chance,
+	struct splat_row *rows);
+/* 1 - Q of that picture with some splats taken out and others put in, at most SPLAT_EXCHANGED together. Only
+ * rows that these reach are looked at. `trial`: a picture, scratch. */
+#define SPLAT_EXCHANGED 8u
+struct splat_exchange { const struct splat_params *out, *in; uint32_t out_count, in_count; };
+double splat_view_replace(const struct splat_views *views, uint32_t view, const struct splat_exchange *what,
+	const struct splat_softness *soft, const float *left, const struct splat_row *rows, float *trial);
 
 /* 1 - Q of the picture of the splats in one view; adds its gradient to `gradient`, one for each of the first
  * `moving` splats. */

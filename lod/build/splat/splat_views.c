@@ -162,7 +162,7 @@ enum eco_code splat_views_make(struct splat_views *views, const struct eco_model
 {
 	uint32_t pixels = options->pixels ? options->pixels : 160, parts = options->each ? 4 : 1;
 	*views = (struct splat_views){ .count = options->views ? options->views : 55, .pixels = pixels,
-		.stride = pixels + 4, .scale = (float)(pixels / (2 * FRAME)) };
+		.stride = pixels + 4, .planes = 1, .scale = (float)(pixels / (2 * FRAME)) };
 	views->items = lod_arena_take(arena, views->count, sizeof *views->items);
 	look(views);
 	if (!bounds(views, model))
@@ -184,4 +184,25 @@ enum eco_code splat_views_make(struct splat_views *views, const struct eco_model
 	for (uint32_t i = 0; i < d.raster_count; i++)
 		lod_raster_free(&d.rasters[i]);
 	return code;
+}
+
+void splat_views_coarsen(struct splat_views *coarse, const struct splat_views *views, struct lod_arena *arena)
+{
+	uint32_t pixels = views->pixels / 2, stride = pixels + 4;
+	size_t plane = (size_t)pixels * stride;
+	*coarse = (struct splat_views){ .count = views->count, .pixels = pixels, .stride = stride, .planes = 4,
+		.scale = views->scale / 2, .radius = views->radius };
+	memcpy(coarse->center, views->center, sizeof coarse->center);
+	coarse->items = lod_arena_take(arena, views->count, sizeof *coarse->items);
+	for (uint32_t i = 0; i < views->count; i++) {
+		struct splat_view *view = &coarse->items[i];
+		*view = views->items[i];
+		view->cover = lod_arena_take(arena, 4 * plane, sizeof *view->cover);
+		view->light = NULL;
+		view->sample = NULL;
+		for (uint32_t y = 0; y < views->pixels; y++)
+			for (uint32_t x = 0; x < views->pixels; x++)
+				view->cover[(2 * (y % 2) + x % 2) * plane + (size_t)(y / 2) * stride + x / 2] =
+					views->items[i].cover[(size_t)y * views->stride + x];
+	}
 }
