@@ -5,7 +5,7 @@
  * The measured pictures are those of plans: the cuts of lod/ladder.h, in views all around (probe.h), against
  * the organ's own full detail. Scales are kept relative to Cook's 1/lambda, which removes its singularity at
  * 0: s/s_Cook is a slow function of log lambda, so the search starts at the neighbouring share's answer,
- * walks in strides down to an eighth of an octave and ends with a parabola. It goes from many elements to
+ * walks in eighths of an octave and ends with a parabola. It goes from many elements to
  * few, since the error surface of few elements is rough.
  *
  * Leaves have several forms, and the same vertices show many elements as points or few in full detail. At

@@ -151,7 +151,7 @@ enum eco_code lod_curve_try_way(const struct lod_curve_organ *curve, double shar
 		way->step = best;
 		return ECO_OK;
 	}
-	for (int stride = warm ? 2 : 8; stride > 0 && !code; stride /= 2)
+	for (int stride = warm ? 1 : 8; stride > 0 && !code; stride /= 2)
 		code = walk(&search, stride, &best, error);
 	return code ? code : refine(&search, best, way, error);
 }

@@ -6,7 +6,7 @@
 #include "lod/bits.h"
 #include "lod/sort.h"
 
-#define PIXELS_LEAST 256u
+#define PIXELS_LEAST 128u
 #define PIXELS_MOST 512u
 #define PIXELS_FEWEST 48u
 /* Pixels of a picture for each element, which then is a few pixels wide. */

@@ -8,6 +8,8 @@
 
 #include <string.h>
 
+#include "lod/bits.h"
+
 #define PIXELS 40u
 #define VIEWS 5u
 #define AWAY 64.0                        /* radii: views that are nearly parallel */
@@ -83,18 +85,15 @@ static void cover(struct fit *fit, const struct lod_fan *fan, uint32_t view, uin
 }
 
 /* Pixels that only one of the two covers; stops early at the best's count. */
-static uint32_t count_wrong(struct fit *fit, const float (*corner)[3])
+LOD_CLONES static uint32_t count_wrong(struct fit *fit, const float (*corner)[3])
 {
 	const struct lod_fan fan = { corner, NULL, 3, NULL };
 	uint64_t rows[PIXELS];
 	uint32_t wrong = 0;
 	for (uint32_t view = 0; view < VIEWS && wrong < fit->wrong; view++) {
 		cover(fit, &fan, view, rows);
-		for (uint32_t y = 0; y < PIXELS; y++) {
-			uint64_t differ = rows[y] ^ fit->leaf[view][y];
-			if (differ)
-				wrong += (uint32_t)__builtin_popcountll(differ);
-		}
+		for (uint32_t y = 0; y < PIXELS; y++)
+			wrong += lod_bits_of(rows[y] ^ fit->leaf[view][y]);
 	}
 	return wrong;
 }
