@@ -311,6 +311,15 @@ static void chunk_headers(struct srv_answer *answer, const struct srv_validators
 	add_validators(answer, validators, validators->is_private ? IMMUTABLE : "public, " IMMUTABLE);
 }
 
+static void drop_shared(struct srv_scene *scene)
+{
+	for (uint32_t c = 0; c < scene->pack->scene.chunk_count; c++) {
+		struct MHD_Response *response = atomic_exchange(&scene->responses[c], NULL);
+		if (response)
+			MHD_destroy_response(response);
+	}
+}
+
 /* The shared response. Two threads may make one each; the first that is stored wins, and the other is
  * destroyed. */
 static void answer_whole(struct srv_answer *answer, struct srv_scene *scene, uint32_t chunk,
@@ -328,6 +337,7 @@ static void answer_whole(struct srv_answer *answer, struct srv_scene *scene, uin
 			srv_answer_allow_origin(answer, terms->origin, false);
 		if (!answer->response || terms->varies)
 			return;
+		atomic_store(&scene->drop, drop_shared);
 		if (atomic_compare_exchange_strong(slot, &stored, answer->response))
 			stored = answer->response;
 		else
@@ -403,13 +413,4 @@ void srv_answer_free(struct srv_answer *answer)
 		MHD_destroy_response(answer->response);
 	answer->response = NULL;
 	answer->shared = false;
-}
-
-void srv_answer_drop_shared(struct srv_scene *scene)
-{
-	for (uint32_t c = 0; c < scene->pack->scene.chunk_count; c++) {
-		struct MHD_Response *response = atomic_exchange(&scene->responses[c], NULL);
-		if (response)
-			MHD_destroy_response(response);
-	}
 }

@@ -3,7 +3,7 @@
  *
  * Each function fills *answer; where even that fails for want of memory, answer->response is NULL and the
  * connection is to be dropped. A chunk's whole response is made once, shared by all connections and kept
- * (srv_answer_drop_shared): the library counts references, the payload is the mapped file. */
+ * as long as the scene: the library counts references, the payload is the mapped file. */
 #ifndef SRV_ANSWER_H
 #define SRV_ANSWER_H
 
@@ -83,7 +83,6 @@ void srv_answer_add(struct srv_answer *answer, const char *name, const char *val
 
 /* Lets go of an answer that was queued (the library holds its own reference) or is not wanted. */
 void srv_answer_free(struct srv_answer *answer);
-void srv_answer_drop_shared(struct srv_scene *scene);
 
 void srv_etag_of(char etag[SRV_ETAG_BYTES], const struct eco_chunk_id *id);
 /* A validator for what a server of this version, which bounds plans so, answers to `target` from this pack:

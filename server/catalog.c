@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "server/answer.h"
-
 struct srv_catalog {
 	pthread_mutex_t mutex;
 	struct srv_edition *current;     /* which the catalog holds */
@@ -16,9 +14,9 @@ void srv_edition_release(struct srv_edition *edition)
 	if (!edition || atomic_fetch_sub(&edition->holders, 1) > 1)
 		return;
 	for (uint32_t i = 0; i < edition->store.count; i++)
-		srv_scene_release(edition->store.scenes[i], srv_answer_drop_shared);
+		srv_scene_release(edition->store.scenes[i]);
 	for (uint32_t i = 0; i < edition->retired_count; i++)
-		srv_scene_release(edition->retired[i].scene, srv_answer_drop_shared);
+		srv_scene_release(edition->retired[i].scene);
 	free(edition->store.scenes);
 	free(edition->retired);
 	free(edition);
@@ -32,8 +30,11 @@ static bool has(const struct srv_store *store, const struct srv_scene *scene)
 	return false;
 }
 
+/* The latest come first: where reloads follow each other fast, the oldest go. */
 static void keep(struct srv_edition *edition, struct srv_scene *scene, uint64_t until_us)
 {
+	if (edition->retired_count == SRV_RETIRED_MAX)
+		return;
 	srv_scene_hold(scene);
 	edition->retired[edition->retired_count++] = (struct srv_retired){ scene, until_us };
 }
@@ -44,10 +45,9 @@ static enum eco_code edition_new(struct srv_edition **out, const struct srv_stor
 	const struct srv_edition *before, uint64_t until_us, uint64_t now_us, struct eco_error *error)
 {
 	struct srv_edition *edition = calloc(1, sizeof *edition);
-	uint32_t most = before ? before->store.count + before->retired_count : 0;
 	enum eco_code code = ECO_OK;
 	*out = NULL;
-	if (!edition || !(edition->retired = calloc(most + 1, sizeof *edition->retired))) {
+	if (!edition || !(edition->retired = calloc(SRV_RETIRED_MAX, sizeof *edition->retired))) {
 		free(edition);
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u scenes", store->count);
 	}
@@ -88,10 +88,7 @@ void srv_catalog_free(struct srv_catalog *catalog)
 {
 	if (!catalog)
 		return;
-	struct srv_edition *last = catalog->current;
-	for (uint32_t i = 0; i < last->store.count; i++)     /* whose store may go on */
-		srv_answer_drop_shared(last->store.scenes[i]);
-	srv_edition_release(last);
+	srv_edition_release(catalog->current);
 	pthread_mutex_destroy(&catalog->mutex);
 	free(catalog);
 }

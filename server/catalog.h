@@ -16,6 +16,7 @@
 
 #include "server/store.h"
 
+#define SRV_RETIRED_MAX 64u              /* scenes: each keeps its pack */
 struct srv_retired { struct srv_scene *scene; uint64_t until_us; };
 struct srv_edition {
 	struct srv_store store;

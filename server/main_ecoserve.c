@@ -206,8 +206,8 @@ static enum eco_code read_site(struct srv_site *site, struct eco_error *error)
 	return srv_site_read(site, path, error);
 }
 
-static enum eco_code serve_scenes(const struct srv_store *store, const sigset_t *signals,
-	struct eco_error *error)
+/* The daemon shares the scenes: `store` lets go of them, so that none stays that a reload replaced. */
+static enum eco_code serve_scenes(struct srv_store *store, const sigset_t *signals, struct eco_error *error)
 {
 	struct srv_daemon *daemon;
 	char what[NI_MAXHOST + 40];
@@ -217,6 +217,7 @@ static enum eco_code serve_scenes(const struct srv_store *store, const sigset_t 
 		return code;
 	snprintf(what, sizeof what, "ready on %s", srv_daemon_url(daemon));
 	code = announce(what, store, error);
+	srv_store_free(store);
 	if (!code)
 		serve(daemon, signals);
 	else

@@ -16,12 +16,13 @@ void srv_scene_hold(struct srv_scene *scene)
 	atomic_fetch_add(&scene->holders, 1);
 }
 
-void srv_scene_release(struct srv_scene *scene, void (*last)(struct srv_scene *scene))
+void srv_scene_release(struct srv_scene *scene)
 {
 	if (atomic_fetch_sub(&scene->holders, 1) > 1)
 		return;
-	if (last)
-		last(scene);
+	void (*drop)(struct srv_scene *scene) = atomic_load(&scene->drop);
+	if (drop)
+		drop(scene);
 	lod_plan_tables_free(scene->tables);
 	eco_pack_close(scene->pack);
 	free(scene->file.path);
@@ -34,7 +35,7 @@ void srv_scene_release(struct srv_scene *scene, void (*last)(struct srv_scene *s
 void srv_store_free(struct srv_store *store)
 {
 	for (uint32_t i = 0; i < store->count; i++)
-		srv_scene_release(store->scenes[i], NULL);
+		srv_scene_release(store->scenes[i]);
 	free(store->scenes);
 	*store = (struct srv_store){ 0 };
 }
@@ -120,7 +121,7 @@ static enum eco_code add_pack(struct srv_store *store, const char *name, struct 
 	code = code ? code : lod_plan_tables_make(&scene->tables, &pack->scene, error);
 	code = code ? code : append(store, scene, error);
 	if (code)
-		srv_scene_release(scene, NULL);
+		srv_scene_release(scene);
 	return code;
 }
 

@@ -43,6 +43,8 @@ struct srv_scene {
 	_Atomic(uint8_t) *checked;               /* per chunk: the payload's hash has been found right */
 	/* per chunk: the shared response, made when first asked for */
 	_Atomic(struct MHD_Response *) *responses;
+	/* called before it is freed, by whoever made responses (server/answer.h); NULL: there are none */
+	void (*_Atomic drop)(struct srv_scene *scene);
 };
 
 struct srv_store {
@@ -58,9 +60,7 @@ void srv_store_init(struct srv_store *store);
 /* Releases its scenes. */
 void srv_store_free(struct srv_store *store);
 void srv_scene_hold(struct srv_scene *scene);
-/* With the last holder it is freed; `last` is called before (NULL: nothing is), since responses must have
- * been dropped then (server/answer.h). */
-void srv_scene_release(struct srv_scene *scene, void (*last)(struct srv_scene *scene));
+void srv_scene_release(struct srv_scene *scene);         /* with the last holder it is freed */
 
 /* Adds the pack at `path` as `name`; NULL takes the scene's own name where it is a valid one, else
  * srv_name_of_file. Names are [a-z0-9][a-z0-9_-]{0,62}. Errors name the file and say what to do. */

@@ -1,6 +1,7 @@
 #include "server/typical.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <stdlib.h>
 
 #include "ecofiles/base/mix.h"
@@ -65,11 +66,17 @@ static uint64_t median_work(const struct srv_scene *scene)
 
 uint64_t srv_typical_work(struct srv_scene *scene)
 {
+	static pthread_mutex_t finding = PTHREAD_MUTEX_INITIALIZER;      /* one thread finds it, the others wait */
 	uint64_t work = atomic_load(&scene->typical_work);
-	if (!work) {                     /* whoever else finds it meanwhile finds the same */
+	if (work)
+		return work;
+	pthread_mutex_lock(&finding);
+	work = atomic_load(&scene->typical_work);
+	if (!work) {
 		work = median_work(scene);
 		work = work > SRV_TYPICAL_WORK_LEAST ? work : SRV_TYPICAL_WORK_LEAST;
 		atomic_store(&scene->typical_work, work);
 	}
+	pthread_mutex_unlock(&finding);
 	return work;
 }

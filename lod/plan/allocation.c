@@ -471,7 +471,7 @@ enum eco_code lod_allocation_predict(struct lod_allocation *m, struct eco_predic
 {
 	find_drawn_by(m);
 	lod_planner_work(m->p, LOD_WORK_VISIBILITY / 4 * (uint64_t)m->p->screen.count
-		+ LOD_WORK_CELL * m->p->screen.cells_touched / 4);
+		+ LOD_WORK_CELL * m->cells / 8);
 	return lod_screen_expect(&m->p->screen, wrong_of, m, prediction, error);
 }
 

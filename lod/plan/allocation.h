@@ -157,7 +157,7 @@ struct lod_allocation {
 	struct lod_ladder_choice *ladder_choices;            uint32_t ladder_choice_count,
 		ladder_choice_capacity;
 	struct lod_tile_choice *tile_choices; /* per node */
-	uint64_t tallies;            /* of open tiles */
+	uint64_t tallies, cells;     /* of open tiles; of the screen, as lod_screen_cells */
 	uint32_t *drawn_by;          /* per node: the tile whose choice draws it; set by predict and fix */
 	uint64_t *counts;            /* per slot: plants if all open tiles are drawn */
 	struct lod_uses uses;        /* lod/plan/plant_uses.h */

@@ -627,8 +627,9 @@ enum eco_code lod_allocation_make(struct lod_allocation *m, struct lod_planner *
 	if (!code)
 		code = make_tile_choices(m, error);
 	m->few_plants = m->tile_choices[0].plants < FEW_PLANTS;
+	m->cells = lod_screen_cells(&p->screen);
 	lod_planner_work(p, LOD_WORK_VISIBILITY * (uint64_t)p->screen.count
-		+ LOD_WORK_CELL * p->screen.cells_touched + LOD_WORK_TALLY * m->tallies
+		+ LOD_WORK_CELL * m->cells + LOD_WORK_TALLY * m->tallies
 		+ 4 * LOD_WORK_CHOICE * (uint64_t)m->ladder_choice_count
 		+ 4 * LOD_WORK_NODE * (uint64_t)nodes + LOD_WORK_SUMMARY * (p->gains - gains));
 	return code ? code : lod_uses_make(m, error);

@@ -50,6 +50,7 @@
 #define FINER_WORK 4             /* of a finer level, over that of a level */
 #define PASSES_VERTICES 32
 #define PASSES_BYTES 200
+#define SUMMARY_TRIES 2          /* numbers of points that are tried of each */
 
 double lod_lambda_at(int index)
 {
@@ -504,18 +505,24 @@ static bool complete(const struct lod_planner *p)
 	return true;
 }
 
-/* Is the plan of this level, or of one so many times as large, expected to take no more work than it may?
- * Tiles, tallies and choices are gone through once for each lambda, and several times for each price of
- * bytes. Nothing of this depends on the budget: else a larger one might see a coarser level. */
-static bool is_affordable(const struct lod_planner *p, uint64_t times)
+/* Work that the plan of this level is expected to take. Tiles, tallies and choices are gone through once for each
+ * lambda, and several times for each price of bytes; cells of the screen for visibilities and predictions. Nothing
+ * of this depends on the budget: else a larger one might see a coarser level. */
+static uint64_t expected_work(const struct lod_planner *p)
 {
 	bool bytes = p->input->request->bytes != ECO_BYTES_UNBOUNDED;
-	uint64_t each = LOD_WORK_NODE * (uint64_t)p->visible.node_count
+	uint64_t nodes = p->visible.node_count, each = LOD_WORK_NODE * nodes
 		+ SLOT_CHOICES * LOD_WORK_CHOICE * (uint64_t)p->visible.slot_count;
-	for (uint32_t n = 0; n < p->visible.node_count; n++)
+	for (uint32_t n = 0; n < nodes; n++)
 		each += LOD_WORK_TALLY * (uint64_t)p->visible.nodes[n].tally_count;
-	return !p->input->work_max
-		|| each * times < p->input->work_max / (bytes ? PASSES_BYTES : PASSES_VERTICES);
+	return each * (bytes ? PASSES_BYTES : PASSES_VERTICES) + SUMMARY_TRIES * LOD_WORK_SUMMARY * nodes
+		+ 2 * LOD_WORK_CELL * lod_screen_cells(&p->screen);
+}
+
+/* Is the plan of this level, or of one so many times as large, expected to take no more work than it may? */
+static bool is_affordable(const struct lod_planner *p, uint64_t times)
+{
+	return !p->input->work_max || expected_work(p) < p->input->work_max / times;
 }
 
 /* Plants that a walk may look at: it may have been in vain. */

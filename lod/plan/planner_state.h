@@ -73,7 +73,7 @@ enum lod_work_weight {
 	LOD_WORK_CHOICE = 5,
 	LOD_WORK_CANDIDATE = 2,
 	LOD_WORK_CURVE = 10,         /* a curve read anywhere on it */
-	LOD_WORK_SUMMARY = 32,       /* a number of a summary's points tried */
+	LOD_WORK_SUMMARY = 100,      /* a number of a summary's points tried */
 	LOD_WORK_VISIBILITY = 16,    /* a plant on the coarse screen, and a cell of it */
 	LOD_WORK_CELL = 1
 };

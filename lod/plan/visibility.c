@@ -339,11 +339,18 @@ static uint64_t cells_of(const struct lod_screen *screen, const struct lod_visib
 	return (uint64_t)(across.end - across.first) * (uint64_t)(down.end - down.first);
 }
 
-static void finish(struct lod_screen *screen, struct lod_visibility *visibility,
+uint64_t lod_screen_cells(const struct lod_screen *screen)
+{
+	uint64_t sum = 0;
+	for (uint32_t i = 0; i < screen->count; i++)
+		sum += cells_of(screen, &screen->visibilities[i]);
+	return sum;
+}
+
+static void finish(const struct lod_screen *screen, struct lod_visibility *visibility,
 	const struct light *light, bool hide)
 {
 	visibility->shown = shown_of((double)visibility->opacity);
-	screen->cells_touched += cells_of(screen, visibility);
 	double seen = hide ? (double)visibility->share : visible_share(screen, visibility, light->clear);
 	double unoccluded = hide ? unoccluded_share(screen, visibility, light->clear) : seen;
 	/* not more of a plant than the picture holds: where the eye is inside it, SEEN_LEAST may be more than
@@ -366,7 +373,6 @@ enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco
 	struct light light = { malloc(cells * sizeof *light.through), malloc(cells * sizeof *light.clear),
 		malloc(screen->columns * sizeof *light.horizon) };
 	bool good = order && spare && light.through && light.clear && light.horizon;
-	screen->cells_touched = 0;
 	if (good) {
 		for (uint32_t i = 0; i < cells; i++)
 			light.through[i] = light.clear[i] = 1;

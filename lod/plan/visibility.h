@@ -71,7 +71,6 @@ struct lod_screen {
 	double cell_x, cell_y;       /* pixels */
 	bool ground;
 	struct lod_visibility *visibilities;    uint32_t count, capacity;
-	uint64_t cells_touched;      /* by all of them, set by lod_screen_shares: the work */
 };
 
 /* `ground`: feet stand on ground that hides. `eye` must outlive the screen. */
@@ -98,6 +97,8 @@ struct lod_visibility *lod_screen_add(struct lod_screen *screen, const double ce
 /* Share of its ellipse that a crown is expected to cover at full detail. */
 double lod_proxy_shape_opacity(const struct lod_proxy_shape *proxy_shape);
 
+/* Cells that all of them touch, those around each included: the work that they are. */
+uint64_t lod_screen_cells(const struct lod_screen *screen);
 /* Sets shares. Without `hide` only what is outside the picture is not seen. */
 enum eco_code lod_screen_shares(struct lod_screen *screen, bool hide, struct eco_error *error);
 
