@@ -14,6 +14,7 @@
 #include "client-min/view_gl.h"
 #include "client-min/view_glb.h"
 #include "client-min/view_measure.h"
+#include "client-min/view_place.h"
 #include "client-min/view_progress.h"
 #include "client-min/view_reference.h"
 #include "client-min/view_report.h"
@@ -29,7 +30,7 @@ struct options {
 	const char *url, *camera, *dir, *explain, *chunks;
 	uint32_t size[2], width, height;
 	uint64_t vertices, bytes, memory;
-	double ground_px, texel_px, ahead_s;
+	double ground_px, texel_px, ahead_s, sun_s;
 	bool has_frames, compare, digest, glb;
 	uint64_t frame_first, frame_last;
 	enum engine reference;
@@ -59,6 +60,7 @@ struct viewer {                          /* everything that lives as long as the
 	char digest[VIEW_DIGEST_BYTES];          /* of the frame, if it is asked for */
 	/* how far the last eye was below the ground that was drawn; else 0 or less */
 	double under_m;
+	float sun[3];                            /* towards it; all 0: the usual one */
 };
 
 static volatile sig_atomic_t interrupted;
@@ -71,7 +73,7 @@ static void on_signal(int number)
 
 /* ---- Command line ---- */
 
-static struct options given = { .bytes = ECO_BYTES_UNBOUNDED };
+static struct options given = { .bytes = ECO_BYTES_UNBOUNDED, .sun_s = NAN };
 
 static enum eco_code read_frames(const char *text, void *value, struct eco_error *error)
 {
@@ -145,6 +147,8 @@ static const struct eco_option option_table[] = {
 	{ "glb", 0, ECO_OPTION_FLAG, NULL, &given.glb,
 		.help = "also writes what is drawn as frame-0000.glb (glTF 2.0) for other programs: plain "
 		"triangles, a node a plant, a camera" },
+	{ "sun", 0, ECO_OPTION_READ, "TIME", &given.sun_s, .read = view_sun_read_time,
+		.help = "where the sun is at that time and the scene's place, such as 2026-06-21T10:00Z" },
 	{ "tint", 0, ECO_OPTION_CHOICE, "kind", &given.tint, .choices = tints,
 		.help = "colour by representation: green triangles, red lines, blue points, yellow and "
 		"orange blends, violet ellipsoids for whole plants" },
@@ -163,7 +167,7 @@ static const struct eco_option option_table[] = {
 static const struct eco_command command = { .name = "ecoview", .options = option_table,
 	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--memory SIZE] "
 	"[--ground-px X] [--ahead S] [--rule NAME] [--reference[=cpu|egl]] [--compare] [--tint kind] "
-	"[--digest] [--glb] [--frames A..B] "
+	"[--sun TIME] [--digest] [--glb] [--frames A..B] "
 	"[--progressive LIST] [--chunks URL] [--explain FILE.csv]",
 	.says = "Streams a scene along a camera script and draws every frame as a PNG.",
 	.notes = "Writes frame-0000.png, ...; with --reference also reference-0000.png, frame-0000.mask.png, "
@@ -267,6 +271,7 @@ static enum eco_code draw(struct viewer *v, const struct view_store *store, cons
 	enum eco_code code = view_select_make(&selection, store, eye, error);
 	if (code)
 		return code;
+	memcpy(selection.sun, v->sun, sizeof v->sun);
 	if (v->options.digest && store == v->store)
 		code = view_digest_write(v->digest, store, &selection, error);
 	if (!code && v->options.glb && store == v->store && view_store_complete(store))
@@ -538,6 +543,9 @@ static enum eco_code start(struct viewer *v, struct eco_error *error)
 		code = view_explain_open(&v->explain, o->explain, error);
 	if (!code)
 		code = view_fetch_new(&v->fetch, &fetch, error);
+	struct view_sun_place place;
+	if (!code && !isnan(o->sun_s) && !(code = view_place_fetch(v->fetch, &place, error)))
+		view_sun_at(&place, o->sun_s, v->sun);
 	if (!code)
 		code = open_engine(v, error);
 	if (!code)

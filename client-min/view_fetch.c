@@ -405,10 +405,11 @@ static enum eco_code perform(struct view_fetch *fetch, const struct eco_request 
 {
 	char query[VIEW_QUERY_BYTES], *url;
 	const char *rule = fetch->options.rule;
-	if (view_query_write(request, query, sizeof query) >= sizeof query
-			|| asprintf(&url, "%s/%s?%s%s%s%s", fetch->url, body ? "stream" : "plan", query,
-			rule ? "&rule=" : "", rule ? rule : "",
-				body ? "" : "&explain=1") < 0)
+	bool made = !request ? asprintf(&url, "%s", fetch->url) >= 0
+		: view_query_write(request, query, sizeof query) < sizeof query
+			&& asprintf(&url, "%s/%s?%s%s%s%s", fetch->url, body ? "stream" : "plan", query,
+			rule ? "&rule=" : "", rule ? rule : "", body ? "" : "&explain=1") >= 0;
+	if (!made)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for a request");
 	curl_easy_setopt(fetch->curl, CURLOPT_URL, url);
 	if (body) {
@@ -566,7 +567,8 @@ enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *sto
 	return code;
 }
 
-enum eco_code view_fetch_explanation(struct view_fetch *fetch, const struct eco_request *request, char **text,
+/* Without a request: what the server says of the scene. */
+static enum eco_code fetch_text(struct view_fetch *fetch, const struct eco_request *request, char **text,
 	struct eco_error *error)
 {
 	double until_ms = view_clock_ms() + (double)fetch->options.patience_ms;
@@ -585,10 +587,21 @@ enum eco_code view_fetch_explanation(struct view_fetch *fetch, const struct eco_
 	fetch->text = NULL;
 	eco_write_u8(&body, 0);
 	if (!code && body.failed)
-		code = eco_fail(&one, ECO_NO_MEMORY, "no memory for an explanation of %llu bytes",
+		code = eco_fail(&one, ECO_NO_MEMORY, "no memory for an answer of %llu bytes",
 			(unsigned long long)result.bytes);
 	*text = code ? NULL : (char *)body.bytes;
 	if (code)
 		eco_writer_free(&body);
 	return code ? eco_fail(error, code, "%s", one.text) : ECO_OK;
+}
+
+enum eco_code view_fetch_explanation(struct view_fetch *fetch, const struct eco_request *request, char **text,
+	struct eco_error *error)
+{
+	return fetch_text(fetch, request, text, error);
+}
+
+enum eco_code view_fetch_scene(struct view_fetch *fetch, char **text, struct eco_error *error)
+{
+	return fetch_text(fetch, NULL, text, error);
 }

@@ -91,6 +91,8 @@ void view_fetch_mark(struct view_fetch *fetch, const struct view_marks *marks, v
  * nothing. *text ends with 0; the caller frees it. */
 enum eco_code view_fetch_explanation(struct view_fetch *fetch, const struct eco_request *request, char **text,
 	struct eco_error *error);
+/* What the server says of the scene (openapi.yaml's Scene), as text of the caller. */
+enum eco_code view_fetch_scene(struct view_fetch *fetch, char **text, struct eco_error *error);
 
 /* Milliseconds of `plan;dur=` in the value of a Server-Timing header; NaN if it is not there. */
 double view_fetch_plan_ms(const char *value, size_t size);

@@ -14,9 +14,11 @@
 
 struct vec { float x, y, z; };
 
-static const struct vec SUN = { -0.5145f, -0.4287f, 0.7427f };
-static const struct vec SUN_COLOR = { 1.55f, 1.42f, 1.18f }, SKY_COLOR = { 0.42f, 0.52f, 0.68f },
-	EARTH_COLOR = { 0.16f, 0.15f, 0.10f }, LEAF_COLOR = { 1.25f, 1.35f, 0.45f };
+/* Where the sun is, its light and the sky's on surfaces, and how bright the sky is. */
+struct sunlight { struct vec to, color, sky; float day; };
+static const struct sunlight usual = { { -0.5145f, -0.4287f, 0.7427f }, { 1.55f, 1.42f, 1.18f },
+	{ 0.42f, 0.52f, 0.68f }, 1 };
+static const struct vec EARTH_COLOR = { 0.16f, 0.15f, 0.10f }, LEAF_COLOR = { 1.25f, 1.35f, 0.45f };
 
 const uint8_t view_tint_colors[VIEW_ROLE_COUNT][3] = {
 	[VIEW_ROLE_TRIANGLES] = { 26, 158, 41 }, [VIEW_ROLE_LINES] = { 219, 26, 26 },
@@ -66,6 +68,29 @@ static float arc_cosine(float c)
 	return c < 0 ? PI - arc : arc;
 }
 
+/* ---- The sun ---- */
+
+/* Low it is red and weak; below the horizon the sky goes dark. */
+static struct sunlight sunlight_of(const float sun[3])
+{
+	if (sun[0] == 0 && sun[1] == 0 && sun[2] == 0)
+		return usual;
+	struct sunlight s = { .to = unit((struct vec){ sun[0], sun[1], sun[2] }) };
+	struct vec red = { 1.5f, 0.62f, 0.22f };
+	s.color = scale(blend(red, usual.color, smoothstep(0, 0.35f, s.to.z)),
+		smoothstep(-0.03f, 0.15f, s.to.z));
+	s.day = mix(0.06f, 1, smoothstep(-0.14f, 0.2f, s.to.z));
+	s.sky = scale(usual.sky, s.day);
+	return s;
+}
+
+/* What a leaf lets through of its light. */
+static struct vec through_leaf(const struct sunlight *s)
+{
+	return times(LEAF_COLOR, (struct vec){ s->color.x / usual.color.x, s->color.y / usual.color.y,
+		s->color.z / usual.color.z });
+}
+
 /* ---- Surfaces ---- */
 
 static uint32_t coordinate(float at) { return (uint32_t)((at * 0.5f + 0.5f) * 32767 + 0.5f); }
@@ -98,29 +123,33 @@ static struct vec direction_of(uint32_t surface)
 
 /* ---- The sky, and what is far ---- */
 
-static struct vec sky(struct vec ray)
+static struct vec sky(const struct sunlight *s, struct vec ray)
 {
-	float low = 1 - clamp(ray.z), s = fmaxf(dot(ray, SUN), 0), s2 = s * s, s8 = s2 * s2 * s2 * s2;
+	float low = 1 - clamp(ray.z), c = fmaxf(dot(ray, s->to), 0), c2 = c * c, c8 = c2 * c2 * c2 * c2;
 	struct vec blue = blend((struct vec){ 0.10f, 0.25f, 0.58f }, (struct vec){ 0.50f, 0.61f, 0.74f },
 		low * low * low);
-	return add(blue, scale((struct vec){ 0.17f, 0.14f, 0.09f }, s8));
+	return scale(add(blue, scale((struct vec){ 0.17f, 0.14f, 0.09f }, c8)), s->day);
 }
 
-static struct vec haze(struct vec color, struct vec to, float distance, float haze_m)
+static struct vec haze(const struct sunlight *s, struct vec color, struct vec to, float distance,
+	float haze_m)
 {
 	struct vec ray = scale(to, 1 / fmaxf(distance, 1e-20f));
-	return blend(sky((struct vec){ ray.x, ray.y, ray.z * 0.2f }), color, fade(distance / haze_m));
+	return blend(sky(s, (struct vec){ ray.x, ray.y, ray.z * 0.2f }), color, fade(distance / haze_m));
 }
 
-static struct vec background(struct vec ray)
+static struct vec background(const struct sunlight *light, struct vec ray)
 {
 	if (!(ray.z > 0))
-		return blend(sky((struct vec){ ray.x, ray.y, 0 }), (struct vec){ 0.34f, 0.39f, 0.41f },
+		return blend(sky(light, (struct vec){ ray.x, ray.y, 0 }), scale((struct vec){ 0.34f, 0.39f,
+			0.41f },
+			light->day),
 			smoothstep(0, 0.9f, -ray.z));
-	float s = fmaxf(dot(ray, SUN), 0), s2 = s * s, s4 = s2 * s2, s8 = s4 * s4, s64 = s8 * s8;
+	float s = fmaxf(dot(ray, light->to), 0), s2 = s * s, s4 = s2 * s2, s8 = s4 * s4, s64 = s8 * s8;
 	s64 *= s64;
 	s64 *= s64;
-	return add(sky(ray), scale((struct vec){ 0.6f, 0.5f, 0.3f }, s64 * s64 * s64 * s8));     /* s^200 */
+	/* s^200 */
+	return add(sky(light, ray), scale((struct vec){ 0.6f, 0.5f, 0.3f }, s64 * s64 * s64 * s8));
 }
 
 /* ---- Plants ---- */
@@ -138,55 +167,55 @@ static struct sunny round_sun(float c, float u)
 	return (struct sunny){ u * (sine + (PI - away) * c), u * (sine - away * c) };
 }
 
-static struct sunny facet_sun(struct vec n)
+static struct sunny facet_sun(const struct sunlight *s, struct vec n)
 {
-	float c = dot(n, SUN);
+	float c = dot(n, s->to);
 	return (struct sunny){ fmaxf(c, 0), fmaxf(-c, 0) };
 }
 
-static struct sunny axis_sun(struct vec axis, struct vec n)
+static struct sunny axis_sun(const struct sunlight *s, struct vec axis, struct vec n)
 {
-	struct vec across = add(SUN, scale(axis, -dot(SUN, axis)));
+	struct vec across = add(s->to, scale(axis, -dot(s->to, axis)));
 	float l = length(across);
 	return round_sun(dot(n, across) / fmaxf(l, 1e-6f), 0.25f * l);
 }
 
 /* A splat is half a surface and half a cloud: of balls in a crown mostly the outer sides show, and all facet
  * would be too bright there; as a cloud alone it has no form (lod/EXPERIMENTS.md, Light of splats). */
-static struct sunny ball_sun(struct vec n, struct vec to_eye)
+static struct sunny ball_sun(const struct sunlight *s, struct vec n, struct vec to_eye)
 {
-	struct sunny facet = facet_sun(n), all = round_sun(dot(to_eye, SUN), ALL_DIRECTIONS);
+	struct sunny facet = facet_sun(s, n), all = round_sun(dot(to_eye, s->to), ALL_DIRECTIONS);
 	return (struct sunny){ mix(facet.on, all.on, 0.5f), mix(facet.through, all.through, 0.5f) };
 }
 
 /* level: the share of leaves that lie level, among those of all directions (eco_level_share). Both are
  * weighted by the area that they show. */
-static struct sunny cloud_sun(float level, struct vec to_eye, float *facing)
+static struct sunny cloud_sun(const struct sunlight *s, float level, struct vec to_eye, float *facing)
 {
 	float lying = level * fabsf(to_eye.z), shows = lying / (lying + fmaxf(0.5f * (1 - level), 1e-3f)),
 		side = to_eye.z < 0 ? -1 : 1;
-	struct sunny all = round_sun(dot(to_eye, SUN), ALL_DIRECTIONS);
+	struct sunny all = round_sun(dot(to_eye, s->to), ALL_DIRECTIONS);
 	*facing = mix(0.667f * to_eye.z, side, shows);
-	return (struct sunny){ mix(all.on, fmaxf(side * SUN.z, 0), shows),
-		mix(all.through, fmaxf(-side * SUN.z, 0), shows) };
+	return (struct sunny){ mix(all.on, fmaxf(side * s->to.z, 0), shows),
+		mix(all.through, fmaxf(-side * s->to.z, 0), shows) };
 }
 
 /* Shares of light that a crown lets through: shade of the sun's, open of the sky's; rise: height of the
  * direction out of the crown. */
 struct crown { float shade, open, rise; };
 
-static struct crown crown_at(struct vec d, float outer, float height)
+static struct crown crown_at(const struct sunlight *s, struct vec d, float outer, float height)
 {
-	float shade = mix(0.22f, 1, smoothstep(-0.7f, 0.8f, dot(d, SUN)))
+	float shade = mix(0.22f, 1, smoothstep(-0.7f, 0.8f, dot(d, s->to)))
 		* mix(0.25f, 1, smoothstep(0.2f, 0.95f, outer));
 	return (struct crown){ shade, mix(0.45f, 1, outer) * mix(0.65f, 1, height), d.z };
 }
 
 /* The mean over what is seen of a crown: crown_at integrated over ellipsoids full of leaves, on their stems,
  * of which an eye sees 1/e through a sixth of their radius; within 0.05. */
-static struct crown crown_mean(struct vec to_eye)
+static struct crown crown_mean(const struct sunlight *s, struct vec to_eye)
 {
-	return (struct crown){ 0.61f + 0.25f * dot(to_eye, SUN), 0.75f + 0.12f * to_eye.z,
+	return (struct crown){ 0.61f + 0.25f * dot(to_eye, s->to), 0.75f + 0.12f * to_eye.z,
 		0.25f + 0.48f * to_eye.z };
 }
 
@@ -200,9 +229,10 @@ static struct vec turned(const struct plant *p, struct vec v)
 }
 
 /* `t`: the share of a crown that stands in one pixel's surface. */
-static struct crown crown_of(const struct plant *p, const double world[3], struct vec to_eye, float t)
+static struct crown crown_of(const struct sunlight *s, const struct plant *p, const double world[3],
+	struct vec to_eye, float t)
 {
-	struct crown mean = crown_mean(to_eye);
+	struct crown mean = crown_mean(s, to_eye);
 	if (!(p->shape.half_height > 0))
 		return mean;
 	const struct lod_place *place = &p->place;
@@ -212,19 +242,20 @@ static struct crown crown_of(const struct plant *p, const double world[3], struc
 	struct vec inside = { local.x / p->shape.half_width, local.y / p->shape.half_width,
 		(local.z - p->shape.center_z) / p->shape.half_height };
 	float out = length(inside);
-	struct crown at = crown_at(turned(p, scale(inside, 1 / fmaxf(out, 1e-4f))), clamp(out),
+	struct crown at = crown_at(s, turned(p, scale(inside, 1 / fmaxf(out, 1e-4f))), clamp(out),
 		clamp(local.z / (2 * p->shape.half_height)));
 	return (struct crown){ mix(at.shade, mean.shade, t), mix(at.open, mean.open, t),
 		mix(at.rise, mean.rise, t) };
 }
 
 /* facing: height of the mean normal. */
-static struct vec light_of(struct sunny sunny, float facing, struct crown crown, float leaf)
+static struct vec light_of(const struct sunlight *s, struct sunny sunny, float facing, struct crown crown,
+	float leaf)
 {
 	float up = 0.5f + 0.5f * mix(facing, crown.rise, 0.65f);
-	struct vec ambient = scale(blend(EARTH_COLOR, SKY_COLOR, up), crown.open);
-	struct vec sun = add(scale(SUN_COLOR, sunny.on * mix(1, 0.95f, leaf)),
-		scale(LEAF_COLOR, 0.62f * leaf * sunny.through));
+	struct vec ambient = scale(blend(scale(EARTH_COLOR, s->day), s->sky, up), crown.open);
+	struct vec sun = add(scale(s->color, sunny.on * mix(1, 0.95f, leaf)),
+		scale(through_leaf(s), 0.62f * leaf * sunny.through));
 	return add(scale(sun, crown.shade * 1.25f), ambient);
 }
 
@@ -274,10 +305,10 @@ static struct vec ground_albedo(double x, double y, float up, float distance)
 		+ 0.28f * smoothstep(0.62f, 0.9f, wide * 0.6f + mid * 0.4f)));
 }
 
-static struct vec ground_light(struct vec n, const float below[2])
+static struct vec ground_light(const struct sunlight *s, struct vec n, const float below[2])
 {
-	float sun = 1.1f * fmaxf(dot(n, SUN), 0) * (1 - 0.9f * below[0]);
-	return add(scale(SUN_COLOR, sun), scale(blend(EARTH_COLOR, SKY_COLOR, 0.5f + 0.5f * n.z),
+	float sun = 1.1f * fmaxf(dot(n, s->to), 0) * (1 - 0.9f * below[0]);
+	return add(scale(s->color, sun), scale(blend(scale(EARTH_COLOR, s->day), s->sky, 0.5f + 0.5f * n.z),
 		1 - 0.6f * below[1]));
 }
 
@@ -288,6 +319,7 @@ struct lamp {                            /* of one picture */
 	struct view_picture *picture;
 	struct view_shade shade;
 	struct view_owners owners;
+	struct sunlight sun;
 	uint32_t threads;
 	float haze_m;
 	struct vec right, up, forward;   /* the image plane's half extents, and its middle */
@@ -309,6 +341,7 @@ static void find_plant(const struct lamp *lamp, uint64_t owner, struct plant *p)
 static struct vec plant_color(const struct lamp *lamp, const struct plant *p, size_t pixel, struct vec to,
 	const double world[3])
 {
+	const struct sunlight *s = &lamp->sun;
 	uint32_t surface = lamp->picture->surface[pixel];
 	const uint8_t *own = lamp->picture->rgb + 3 * pixel;
 	struct vec to_eye = scale(unit(to), -1), n;
@@ -317,31 +350,31 @@ static struct vec plant_color(const struct lamp *lamp, const struct plant *p, si
 	struct sunny sunny;
 	float facing, reach = 0;
 	if (surface >> 30 == VIEW_CLOUD) {
-		sunny = cloud_sun((float)(surface >> 16 & 255) / 255, to_eye, &facing);
+		sunny = cloud_sun(s, (float)(surface >> 16 & 255) / 255, to_eye, &facing);
 		reach = (float)(surface & 65535) / 65535;
 	} else if (surface >> 30 == VIEW_AXIS) {
 		struct vec axis = turned(p, direction_of(surface));
 		n = unit(add(to_eye, scale(axis, -dot(axis, to_eye))));
-		sunny = axis_sun(axis, n);
+		sunny = axis_sun(s, axis, n);
 		facing = 0.785f * n.z;
 	} else {
 		n = turned(p, direction_of(surface));
 		n = dot(n, to_eye) < 0 ? scale(n, -1) : n;
 		bool ball = surface >> 30 == VIEW_BALL;
-		sunny = ball ? ball_sun(n, to_eye) : facet_sun(n);
+		sunny = ball ? ball_sun(s, n, to_eye) : facet_sun(s, n);
 		facing = ball ? mix(n.z, 0.667f * to_eye.z, 0.5f) : n.z;
 	}
 	float green = albedo.y - fmaxf(albedo.x * 0.9f, albedo.z),
 		leaf = smoothstep(0, 0.25f, green / fmaxf(albedo.y, 1e-4f));
 	float tone = p->hash * 16 - floorf(p->hash * 16) - 0.5f, warm = 0.16f * (p->hash - 0.5f) * leaf;
 	struct crown crown = lamp->job->tint == VIEW_TINT_UNSHADED
-		? crown_at(unit(add(to_eye, (struct vec){ 0, 0, 0.8f })), 0.88f, 0.75f)
-		: crown_of(p, world, to_eye, reach);
-	struct vec light = light_of(sunny, facing, crown, leaf);
+		? crown_at(s, unit(add(to_eye, (struct vec){ 0, 0, 0.8f })), 0.88f, 0.75f)
+		: crown_of(s, p, world, to_eye, reach);
+	struct vec light = light_of(s, sunny, facing, crown, leaf);
 	if (lamp->job->tint == VIEW_TINT_KIND)
 		return times(albedo, blend((struct vec){ 0.75f, 0.75f, 0.75f }, light, 0.35f));
 	albedo = times(scale(albedo, 1 + 0.28f * tone), (struct vec){ 1 + warm, 1 + 0.1f * warm, 1 - warm });
-	return haze(times(albedo, light), to, length(to), lamp->haze_m);
+	return haze(s, times(albedo, light), to, length(to), lamp->haze_m);
 }
 
 static struct vec grey(struct vec c, struct vec weight)
@@ -352,19 +385,20 @@ static struct vec grey(struct vec c, struct vec weight)
 
 static struct vec ground_color(const struct lamp *lamp, size_t pixel, struct vec to, const double world[3])
 {
+	const struct sunlight *s = &lamp->sun;
 	const struct view_ground *ground = &lamp->job->selection->ground;
 	struct vec n = direction_of(lamp->picture->surface[pixel]);
 	float below[2], distance = length(to);
 	view_shade_at(&lamp->shade, world, below);
 	struct vec albedo = ground_albedo(world[0] - ground->origin[0], world[1] - ground->origin[1], n.z,
 		distance);
-	struct vec color = haze(times(albedo, ground_light(n, below)), to, distance, lamp->haze_m);
+	struct vec color = haze(s, times(albedo, ground_light(s, n, below)), to, distance, lamp->haze_m);
 	return lamp->job->tint == VIEW_TINT_KIND ? grey(color, (struct vec){ 0.3f, 0.5f, 0.2f }) : color;
 }
 
 static struct vec sky_color(const struct lamp *lamp, struct vec ray)
 {
-	struct vec color = background(unit(ray));
+	struct vec color = background(&lamp->sun, unit(ray));
 	return lamp->job->tint == VIEW_TINT_KIND ? grey(color, (struct vec){ 0.34f, 0.34f, 0.34f }) : color;
 }
 
@@ -416,6 +450,7 @@ static void lamp_init(struct lamp *lamp, const struct view_light_job *job, struc
 	const struct lod_eye *eye = job->eye;
 	lamp->job = job;
 	lamp->picture = picture;
+	lamp->sun = sunlight_of(job->selection->sun);
 	lamp->threads = view_thread_count(job->threads);
 	lamp->haze_m = (float)view_shade_haze_m(HAZE_M, eye->at[2]);
 	lamp->right = axis_of(eye->right, eye->tan_x);

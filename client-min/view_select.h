@@ -50,6 +50,7 @@ struct view_selection {                  /* owns its arrays */
 	struct view_ground ground;       /* its cuts have no members */
 	uint64_t visible_plants;
 	uint64_t vertices;               /* what drawing it draws */
+	float sun[3];                    /* towards it (view_sun.h), set by who draws; all 0: the usual one */
 };
 
 /* Evaluates the store's plan for this eye. A sum of vertices that differs from the plan's is ECO_DAMAGED, as

@@ -5,8 +5,9 @@
 
 #define REACH_M 450.0                    /* plants further away cast no shadow that is worth a texel */
 #define AIR_M 1200.0                     /* of dust and vapour, not of air itself */
-#define SUN_X 0.693                      /* metres of shadow a metre of height, away from the SUN of light */
-#define SUN_Y 0.577
+#define LOWEST 0.12                      /* of the sun: lower, shadows are too long to be seen as such */
+/* metres of shadow a metre of height, away from the usual sun of light */
+static const double usual[2] = { 0.693, 0.577 };
 
 struct view_shape view_shape_of(const struct view_plant *plant)
 {
@@ -61,8 +62,17 @@ static const struct { double height, width, share; } disc[] = { { 0, 0.12, 0.7 }
 	{ 0.5, 0.95, 0.55 }, { 0.65, 1.0, 0.55 }, { 0.8, 0.8, 0.5 }, { 0.92, 0.5, 0.4 } };
 #define DISCS (int)(sizeof disc / sizeof disc[0])
 
+/* To the east and north; false: there are none. */
+static bool find_throw(const float sun[3], double away[2])
+{
+	bool own = sun[0] != 0 || sun[1] != 0 || sun[2] != 0;
+	for (int k = 0; k < 2; k++)
+		away[k] = own ? -(double)sun[k] / fmax((double)sun[2], LOWEST) : usual[k];
+	return !own || (double)sun[2] > LOWEST;
+}
+
 static void cast(struct view_shade *shade, const struct view_instance *instance,
-	const struct view_plant *plant)
+	const struct view_plant *plant, const double away[2], bool shadows)
 {
 	struct view_shape shape = view_shape_of(plant);
 	double scale = instance->place.scale, height = 2 * shape.half_height * scale,
@@ -70,9 +80,9 @@ static void cast(struct view_shade *shade, const struct view_instance *instance,
 	const double *at = instance->place.at;
 	splat(shade, 1, at[0], at[1], width * 0.9, 0.55);
 	splat(shade, 1, at[0], at[1], width * 0.3, 0.35);
-	for (int i = 0; i < DISCS; i++) {
+	for (int i = 0; i < DISCS && shadows; i++) {
 		double z = height * disc[i].height, r = width * disc[i].width;
-		splat(shade, 0, at[0] + SUN_X * z, at[1] + SUN_Y * z, r, disc[i].share);
+		splat(shade, 0, at[0] + away[0] * z, at[1] + away[1] * z, r, disc[i].share);
 	}
 }
 
@@ -101,11 +111,13 @@ enum eco_code view_shade_make(struct view_shade *shade, const struct view_store 
 	shade->texels = calloc((size_t)VIEW_SHADE_PIXELS * VIEW_SHADE_PIXELS, 2);
 	if (!shade->texels)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for shadows");
+	double away[2];
+	bool shadows = find_throw(selection->sun, away);
 	find_square(shade, selection);
 	for (uint32_t i = 0; i < selection->instance_count; i++) {
 		const struct view_instance *p = &selection->instances[i];
 		if (p->plant != ECO_NONE && p->distance_m <= REACH_M)
-			cast(shade, p, view_store_plant(store, p->plant));
+			cast(shade, p, view_store_plant(store, p->plant), away, shadows);
 	}
 	return ECO_OK;
 }

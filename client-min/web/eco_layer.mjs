@@ -71,11 +71,12 @@ function stateOf(gl) {
 export class EcoLayer {
 	/** vertices, bytes: budgets of a view (bytes -1: none); tint: 'none' or 'kind'; sky: draw one where
 	 * nothing is; scale: pixels drawn for each of the page's, either way; memoryBytes: of decoded data;
+	 * sun: a time, in seconds since 1970, where it is then and there; null: where it usually is;
 	 * keep: the browser keeps what comes until the next visit; onChange(): there is more to draw;
 	 * onError(error): an EcoError. */
 	constructor({ url, gl, vertices = 300000, bytes = -1, tint = 'none', sky = true, scale = 1,
-		memoryBytes, keep = false, onChange, onError }) {
-		Object.assign(this, { gl, vertices, bytes, tint, sky, scale, onChange, onError });
+		memoryBytes, sun = null, keep = false, onChange, onError }) {
+		Object.assign(this, { gl, vertices, bytes, tint, sky, scale, sun, onChange, onError });
 		this.asked = null;              // the view that is held or under way
 		this.loading = false;
 		this.version = 0;               // of what is drawn
@@ -124,7 +125,7 @@ export class EcoLayer {
 	/** What a picture is of: one of the same key looks the same. */
 	keyOf(view, width, height) {
 		const size = [width, height].map((n) => Math.max(1, Math.round(n * this.scale)));
-		return [view, size, this.tint, this.version];
+		return [view, size, this.tint, this.version, this.sun];
 	}
 
 	present(view, depth, width, height) {
@@ -134,7 +135,9 @@ export class EcoLayer {
 		try {
 			const key = this.keyOf(view, width, height);
 			if (!same(key, this.drawn)) {
-				const at = stream.putView(view);
+				const at = stream.putView(view), origin = this.about.origin ?? {};
+				module._web_sun(stream.web, origin.longitude_deg, origin.latitude_deg,
+					origin.convergence_deg, this.sun ?? NaN);
 				stream.check(module._web_draw(stream.web, at, ...key[1], TINTS[this.tint]));
 				this.drawn = key;
 			}

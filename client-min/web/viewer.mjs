@@ -6,7 +6,7 @@ import { number, showFacts, showPicked, showReasons, showScale, showWhy } from '
 const $ = (id) => document.getElementById(id);
 const canvas = $('picture');
 const camera = new Camera();
-const settings = { scene: '', mode: 'orbit', vertices: 300000, bytes: -1, kind: 0 };
+const settings = { scene: '', mode: 'orbit', vertices: 300000, bytes: -1, kind: 0, sun: '' };
 const STILL_MS = 250, LOADING_MS = 300;
 let engine = null, about = null, frame = 0, movedAt = -Infinity, recording = null;
 let asked = 0, drawn = null, picked = null, view = null, incompleteSince = 0;
@@ -20,7 +20,7 @@ const say = (text, error = false) => {
 
 function readAddress() {
 	const given = new URLSearchParams(location.hash.slice(1));
-	for (const key of ['scene', 'mode'])
+	for (const key of ['scene', 'mode', 'sun'])
 		settings[key] = given.get(key) ?? settings[key];
 	for (const key of ['vertices', 'bytes', 'kind'])
 		if (given.has(key) && Number.isFinite(Number(given.get(key))))
@@ -64,12 +64,13 @@ function draw(now) {
 		redraw();
 	const ratio = Math.min(devicePixelRatio, 2);
 	const size = [canvas.clientWidth, canvas.clientHeight].map((n) => Math.max(1, Math.round(n * ratio)));
-	const { vertices, bytes, kind } = settings;
+	const { vertices, bytes, kind } = settings, sun = Date.parse(`${settings.sun}Z`) / 1000;
 	showScale(camera.metresAcross() / canvas.clientHeight, camera.heading());
 	if (!about)
 		return;
 	engine.postMessage({ type: 'draw', number: ++asked, matrix: camera.matrix(size[0] / size[1]), size,
-		moving, eye: camera.view().eye, vertices, bytes, tint: kind ? 'kind' : 'none' });
+		moving, eye: camera.view().eye, vertices, bytes, sun: sun || null, tint: kind ? 'kind'
+		: 'none' });
 }
 
 function moved() {
@@ -102,6 +103,7 @@ function showProgress({ complete, received }) {
 const heard = {
 	opened(message) {
 		({ about } = message);
+		showSettings();
 		document.title = `${about.title ?? settings.scene} – ecostream`;
 		showAll();
 		if (view)
@@ -148,6 +150,8 @@ function showSettings() {
 	$('bytes').value = settings.bytes < 0 ? $('bytes').max : Math.log2(settings.bytes);
 	$('bytes-text').textContent = settings.bytes < 0 ? 'no limit' : number(settings.bytes);
 	$('kind').checked = settings.kind;
+	$('sun').value = settings.sun;
+	$('sun-row').hidden = about?.origin?.longitude_deg === undefined;
 	camera.setMode(settings.mode);
 	$('mode').value = settings.mode;
 	moved();
@@ -261,7 +265,7 @@ async function start() {
 camera.listen(canvas, moved, pick);
 addEventListener('resize', moved);
 addEventListener('keydown', (event) => {
-	if (withModifier(event) || event.target.matches('select, input[type=range]'))
+	if (withModifier(event) || event.target.matches('select, input:not([type=checkbox])'))
 		return;
 	const key = event.key.toLowerCase();
 	if (key === 'escape' && picked)
@@ -283,6 +287,7 @@ $('bytes').oninput = () => {
 	set('bytes', value === max ? -1 : Math.round(2 ** value));
 };
 $('kind').onchange = () => showKinds($('kind').checked);
+$('sun').onchange = () => set('sun', $('sun').value);
 $('save').onclick = savePicture;
 $('link').onclick = copyLink;
 $('record').onclick = record;

@@ -2,7 +2,7 @@
 // input; in a browser that has no canvas for workers, the page itself. Messages to it:
 //
 //   { type: 'open', url }                           another scene; 'opened' brings what the server says of it
-//   { type: 'draw', number, matrix, eye, size, moving, vertices, bytes, tint }      the view from now on
+//   { type: 'draw', number, matrix, eye, size, moving, vertices, bytes, tint, sun }  the view from now on
 //   { type: 'pick', at }                            what is seen there? 'picked', then 'explained': why so
 //   { type: 'explain' }                             why is the picture what it is?
 //   { type: 'save' }                                the picture as a PNG: 'saved'
@@ -65,9 +65,9 @@ class Engine {
 		const [width, height] = size;
 		if (canvas.width !== width || canvas.height !== height)
 			Object.assign(canvas, { width, height });
-		const { vertices, bytes, tint } = wanted;
+		const { vertices, bytes, tint, sun } = wanted;
 		const scale = Math.min(1, Math.sqrt(PIXELS_MAX / (width * height)));
-		Object.assign(layer, { vertices, bytes, tint, scale: moving ? scale * this.movingScale
+		Object.assign(layer, { vertices, bytes, tint, sun, scale: moving ? scale * this.movingScale
 			: scale });
 		gl.bindFramebuffer(gl.FRAMEBUFFER, null);
 		gl.viewport(0, 0, width, height);

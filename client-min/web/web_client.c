@@ -7,6 +7,7 @@
 #include "client-min/view_digest.h"
 #include "client-min/view_gl.h"
 #include "client-min/view_query.h"
+#include "client-min/view_sun.h"
 #include "client-min/web/web_pick.h"
 #include "client-min/web/web_present.h"
 #include "client-min/web/web_text.h"
@@ -23,6 +24,7 @@ struct web {
 	struct view_gl *gl;
 	struct view_picture picture;
 	struct lod_eye eye;                      /* of the picture */
+	float sun[3];                            /* view_selection's */
 	struct web_present present;
 	struct eco_writer body, text;
 	uint64_t bytes;                          /* of answers */
@@ -194,9 +196,20 @@ int web_draw(struct web *web, const double view[10], double width, double height
 	if (eco_view_check(&v, &web->error) || prepare(web, v.width, v.height))
 		return (int)web->error.code;
 	lod_eye_make(&web->eye, &v);
+	memcpy(web->selection.sun, web->sun, sizeof web->sun);
 	double near_m = view_store_near_m(web->store);
 	return (int)view_gl_draw(web->gl, &(struct view_gl_job){ web->store, &web->selection, &web->eye,
 		near_m > 0 ? near_m : 0.1, (enum view_tint)tint }, &web->picture, &web->error);
+}
+
+void web_sun(struct web *web, double longitude_deg, double latitude_deg, double convergence_deg,
+	double unix_s)
+{
+	struct view_sun_place place = { longitude_deg, latitude_deg, convergence_deg };
+	memset(web->sun, 0, sizeof web->sun);
+	if (isfinite(longitude_deg) && isfinite(latitude_deg) && isfinite(convergence_deg)
+		&& isfinite(unix_s))
+		view_sun_at(&place, unix_s, web->sun);
 }
 
 int web_present(struct web *web, const double *depth, const double *viewport, double sky)

@@ -41,6 +41,9 @@ int web_finish(struct web *web);
 
 int web_select(struct web *web);
 int web_draw(struct web *web, const double view[10], double width, double height, double tint);
+/* From now on the sun is where it is at a place and time (view_sun.h); NaN: where it usually is. */
+void web_sun(struct web *web, double longitude_deg, double latitude_deg, double convergence_deg,
+	double unix_s);
 /* depth: 2 numbers, viewport: 4. */
 int web_present(struct web *web, const double *depth, const double *viewport, double sky);
 /* What was drawn last, rows from the top: 3 bytes of colour a pixel; 255 where a plant is, else 0. */

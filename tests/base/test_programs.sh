@@ -67,6 +67,10 @@ for size in 65536 64K 64M 1024G; do
 	run 1 http://localhost/v1/scenes/none --camera "$DIR/none.json" --size 8x8 --vertices 1 -o "$DIR/none" --memory "$size"
 	says err "none.json"
 done
+for time in '' now 2026-06-21 2026-06-21T25:00Z; do
+	run 2 http://localhost/v1/scenes/none --camera none.json --size 8x8 --vertices 1 -o "$DIR/none" --sun "$time"
+	says err "--sun .*such as 2026-06-21T10:00Z"
+done
 
 path=ecopack program=ecopack
 "$BUILD/ecopack" --help >"$DIR/all"

@@ -43,7 +43,8 @@ done
 # the page, and that ecoview replays what it recorded
 if [ -n "$chromium" ]; then
 	node tests/client/web/viewer.mjs "$url/v1/scenes/city" "$chromium" "$dir/city/plants.csv" "$dir/recorded.json" || fail "the viewer"
-	"$BUILD/ecoview" "$url/v1/scenes/city" --camera "$dir/recorded.json" --size 64x48 --vertices 3000 -o "$dir/recorded" >/dev/null \
-		&& [ -s "$dir/recorded/frame-0001.png" ] || fail "ecoview does not replay what the viewer recorded"
+	"$BUILD/ecoview" "$url/v1/scenes/city" --camera "$dir/recorded.json" --size 64x48 --vertices 3000 --glb \
+		--sun 2026-06-21T18:00Z -o "$dir/recorded" >/dev/null \
+		&& [ -s "$dir/recorded/frame-0001.png" ] && [ -s "$dir/recorded/frame-0001.glb" ] || fail "ecoview does not replay what the viewer recorded"
 fi
 [ -n "$chromium" ] || skip "no Chromium: only hashes were compared, in node; make deps-web installs it"

@@ -100,6 +100,23 @@ async function movesByKeyboard() {
 	await browser.until(complete);
 }
 
+/** The sun of a time at the scene's place lights the picture, and is part of a link. */
+async function hasASun() {
+	const choose = (time) => ask(`{ const box = document.getElementById('sun');
+		box.value = '${time}'; box.dispatchEvent(new Event('change')); }`);
+	const picture = () => saved(() => press('p'));
+	const usual = await picture();
+	await choose('2026-06-21T12:00');
+	await browser.until(complete);
+	const noon = await picture();
+	await choose('2026-06-21T23:00');
+	await browser.until(`location.hash.includes('sun=2026-06-21T23') && ${complete}`);
+	expect(!usual.equals(noon) && !noon.equals(await picture()), 'the hour changes nothing');
+	await choose('');
+	await browser.until(complete);
+	expect(usual.equals(await picture()), 'without an hour the picture is not what it was');
+}
+
 /** Who walks stands on the ground, and stays there. */
 async function walks() {
 	const choose = (mode) => ask(`{ const box = document.getElementById('mode');
@@ -164,6 +181,7 @@ try {
 	await picksAPlant();
 	await showsItsFigures();
 	await movesByKeyboard();
+	await hasASun();
 	await walks();
 	await recordsAndSaves();
 	await comesBack();

@@ -1,0 +1,29 @@
+#include "client-min/view_place.h"
+
+#include <jansson.h>
+#include <stdlib.h>
+
+static bool read_number(const json_t *origin, const char *name, double *value)
+{
+	const json_t *number = json_object_get(origin, name);
+	*value = json_number_value(number);
+	return json_is_number(number);
+}
+
+enum eco_code view_place_fetch(struct view_fetch *fetch, struct view_sun_place *place, struct eco_error *error)
+{
+	char *text;
+	enum eco_code code = view_fetch_scene(fetch, &text, error);
+	if (code)
+		return code;
+	json_t *about = json_loads(text, 0, NULL);
+	const json_t *origin = json_object_get(about, "origin");
+	if (!read_number(origin, "longitude_deg", &place->longitude_deg)
+			|| !read_number(origin, "latitude_deg", &place->latitude_deg)
+			|| !read_number(origin, "convergence_deg", &place->convergence_deg))
+		code = eco_fail(error, ECO_BAD_INPUT, "the scene does not say where on Earth it is: it needs a "
+			"crs, and a pack made anew");
+	json_decref(about);
+	free(text);
+	return code;
+}

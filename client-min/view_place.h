@@ -1,0 +1,12 @@
+/* The scene's place on Earth, as the server knows it. */
+#ifndef VIEW_PLACE_H
+#define VIEW_PLACE_H
+
+#include "client-min/view_fetch.h"
+#include "client-min/view_sun.h"
+
+/* ECO_BAD_INPUT: the scene has no place. */
+enum eco_code view_place_fetch(struct view_fetch *fetch, struct view_sun_place *place,
+	struct eco_error *error);
+
+#endif

@@ -1,0 +1,138 @@
+/* Where the sun is: published positions, facts of the year, times as people write them, and shadows that fall
+ * away from it. */
+#include <math.h>
+#include <string.h>
+
+#include "client-min/view_shade.h"
+#include "client-min/view_sun.h"
+#include "tests/support/unit_test.h"
+#include "tests/support/view_scene.h"
+
+#define DEGREES (180 / 3.14159265358979323846)
+
+static double time_of(const char *text)
+{
+	double unix_s = 0;
+	struct eco_error error = { 0 };
+	assert_ok(view_sun_read_time(text, &unix_s, &error), error);
+	return unix_s;
+}
+
+static double height_deg(const float sun[3]) { return asin((double)sun[2]) * DEGREES; }
+
+/* Clockwise from north. */
+static double azimuth_deg(const float sun[3])
+{
+	return fmod(atan2((double)sun[0], (double)sun[1]) * DEGREES + 360, 360);
+}
+
+/* Reda and Andreas 2003, "Solar position algorithm", appendix A.5: zenith 50.11162 (0.017 of it refraction),
+ * azimuth 194.34024. */
+UNIT_TEST(a_published_position_is_found)
+{
+	struct view_sun_place place = { -105.1786, 39.742476, 0 };
+	float sun[3];
+	view_sun_at(&place, time_of("2003-10-17T12:30:30-07:00"), sun);
+	assert_true(fabs(height_deg(sun) - (90 - 50.11162 - 0.017)) < 0.03);
+	assert_true(fabs(azimuth_deg(sun) - 194.34024) < 0.03);
+	double length = 0;
+	for (int k = 0; k < 3; k++)
+		length += (double)sun[k] * (double)sun[k];
+	assert_true(fabs(length - 1) < 1e-6);
+}
+
+UNIT_TEST(noon_of_midsummer_is_high_and_in_the_south)
+{
+	struct view_sun_place place = { 11.5, 48, 0 };
+	double start = time_of("2026-06-21T00:00Z"), best = -90, at = 0;
+	float sun[3], noon[3] = { 0 };
+	for (double s = 0; s < 86400; s += 30) {
+		view_sun_at(&place, start + s, sun);
+		if (height_deg(sun) > best) {
+			best = height_deg(sun);
+			at = s;
+			memcpy(noon, sun, sizeof noon);
+		}
+	}
+	assert_true(fabs(best - (90 - 48 + 23.437)) < 0.03);
+	assert_true(fabs(azimuth_deg(noon) - 180) < 0.5);
+	/* the equation of time is -1.8 minutes */
+	assert_true(fabs(at - (43200 - 11.5 * 240 + 108)) < 60);
+	view_sun_at(&place, start + at - 4 * 3600, sun);
+	assert_true(azimuth_deg(sun) > 80 && azimuth_deg(sun) < 120);
+}
+
+UNIT_TEST(a_map_turned_clockwise_sees_the_sun_turned_back)
+{
+	struct view_sun_place place = { 15, 50, 0 }, turned = { 15, 50, 2.5 };
+	float a[3], b[3];
+	view_sun_at(&place, time_of("2026-03-20T09:00Z"), a);
+	view_sun_at(&turned, time_of("2026-03-20T09:00Z"), b);
+	assert_true(fabs(azimuth_deg(a) - azimuth_deg(b) - 2.5) < 1e-3);
+	assert_true(fabsf(a[2] - b[2]) < 1e-6f);
+}
+
+UNIT_TEST(times_are_read_as_they_are_written)
+{
+	static const struct { const char *text; double unix_s; } good[] = { { "1970-01-01T00:00Z", 0 },
+		{ "2026-06-21T10:00Z", 1782036000 }, { "2026-06-21T12:00+02:00", 1782036000 },
+		{ "2026-06-21T04:30:05-05:30", 1782036005 } };
+	static const char *const bad[] = { "", "now", "2026-06-21", "2026-06-21T10:00", "2026-13-01T10:00Z",
+		"2026-06-21T24:00Z", "2026-06-21T10:61Z", "2026-06-21T10:00Zulu", "2026-06-21T10:00+2",
+		"1800-01-01T00:00Z" };
+	for (size_t i = 0; i < sizeof good / sizeof *good; i++)
+		assert_true(time_of(good[i].text) == good[i].unix_s);
+	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+		struct eco_error error = { 0 };
+		double unix_s;
+		assert_int_equal(view_sun_read_time(bad[i], &unix_s, &error), ECO_BAD_USAGE);
+		assert_non_null(strstr(error.text, "2026-06-21T10:00Z"));
+	}
+}
+
+/* The sum of sunlight taken, and its mean place, from the only plant. */
+static double shadow_of(const struct scene_held *h, const struct view_selection *selection, double mean[2])
+{
+	struct view_shade shade;
+	struct eco_error error = { 0 };
+	const double *at = selection->instances[0].place.at;
+	double sum = 0;
+	mean[0] = mean[1] = 0;
+	assert_ok(view_shade_make(&shade, h->store, selection, &error), error);
+	double texel = shade.size_m / VIEW_SHADE_PIXELS;
+	for (int j = 0; j < VIEW_SHADE_PIXELS; j++)
+		for (int i = 0; i < VIEW_SHADE_PIXELS; i++) {
+			double taken = shade.texels[2 * (j * VIEW_SHADE_PIXELS + i)];
+			sum += taken;
+			mean[0] += taken * (shade.low[0] + (i + 0.5) * texel - at[0]);
+			mean[1] += taken * (shade.low[1] + (j + 0.5) * texel - at[1]);
+		}
+	view_shade_free(&shade);
+	return sum;
+}
+
+UNIT_TEST(shadows_fall_away_from_the_sun)
+{
+	static const float suns[][3] = { { 0.6f, 0, 0.8f }, { -0.6f, 0, 0.8f }, { 0, 0.6f, 0.8f },
+		{ 0.4f, -0.5f, 0.768f } };
+	struct scene_builder scene;
+	scene_make(&scene, NULL, 0);
+	struct scene_held h = scene_hold(&scene);
+	scene_select(&h);
+	uint32_t tree = 0;
+	while (h.selection.instances[tree].plant != 0)
+		tree++;
+	struct view_selection alone = { .instances = &h.selection.instances[tree], .instance_count = 1 };
+	double mean[2];
+	for (size_t i = 0; i < sizeof suns / sizeof *suns; i++) {
+		memcpy(alone.sun, suns[i], sizeof alone.sun);
+		assert_true(shadow_of(&h, &alone, mean) > 0);
+		double along = mean[0] * (double)suns[i][0] + mean[1] * (double)suns[i][1],
+			across = mean[0] * (double)suns[i][1] - mean[1] * (double)suns[i][0];
+		assert_true(along < 0 && fabs(across) < 0.1 * fabs(along));
+	}
+	memcpy(alone.sun, (const float[3]){ 0.9f, 0.3f, -0.3f }, sizeof alone.sun);
+	assert_true(shadow_of(&h, &alone, mean) == 0);
+	scene_release(&h);
+	scene_free(&scene);
+}
