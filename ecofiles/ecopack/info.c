@@ -219,8 +219,8 @@ static json_t *info_json(const struct eco_pack *pack, const struct totals *t, co
 				list->grid_step[2], "tiles", (json_int_t)s->ground_count, "levels",
 				(json_int_t)top->level + 1));
 	}
-	static const char *const copied[] = { "generator", "order", "crs", "origin", "place",
-		"eco_files", "off_ground", "rows" };
+	static const char *const copied[] = { "generator", "order", "draft", "crs", "origin", "place", "eco_files",
+		"off_ground", "rows" };
 	for (size_t i = 0; info && i < sizeof copied / sizeof *copied; i++)
 		if (json_object_get(meta, copied[i]))
 			json_object_set(info, copied[i], json_object_get(meta, copied[i]));
@@ -350,6 +350,8 @@ static void print_info(const struct eco_pack *pack, const struct totals *t, cons
 	const char *order = json_string_value(json_object_get(meta, "order"));
 	fprintf(out, "%u ladders with %u curve samples%s%s\n", s->ladder_count, s->curve_count,
 		order ? ", leaves in order " : "", order ? order : "");
+	if (json_is_true(json_object_get(meta, "draft")))
+		fputs("a draft: make without --draft refines it\n", out);
 	if (json_integer_value(json_object_get(meta, "off_ground")))
 		fprintf(out, "%lld beyond the ground's border\n",
 			(long long)json_integer_value(json_object_get(meta, "off_ground")));

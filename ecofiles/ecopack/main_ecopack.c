@@ -19,7 +19,7 @@ static struct {
 	struct make_options make;
 	uint64_t jobs, cache_mb, models;
 	int order;
-	bool times, uncached;
+	bool times, uncached, order_given;
 	const char *confined_to;     /* NULL: it may read everywhere; "": below the scene's folder */
 } make_given;
 
@@ -65,7 +65,10 @@ static enum eco_code run_make(int argc, char **argv, struct eco_error *error)
 	if (!code && make->cache && (!make->cache[0] || strlen(make->cache) > sizeof folder / 2))
 		code = eco_fail(error, ECO_BAD_USAGE, "--cache %.40s: must be the name of a folder",
 			make->cache);
-	make->order = (enum lod_order_method)make_given.order;
+	if (!code && make->draft && make_given.order_given)
+		code = eco_fail(error, ECO_BAD_USAGE, "--draft has an order of its own: leave out --order, or "
+			"--draft");
+	make->order = make->draft ? LOD_ORDER_COMBINED : (enum lod_order_method)make_given.order;
 	make->jobs = (uint32_t)make_given.jobs;
 	make->models = (uint32_t)make_given.models;
 	make->cache_bytes = make_given.cache_mb << 20;
@@ -88,7 +91,12 @@ static const struct eco_option make_options[] = {
 	{ "the scene file", 0, ECO_OPTION_INPUT, "SCENE.json", &make_given.make.scene, .is_required = true },
 	{ "output", 'o', ECO_OPTION_TEXT, "OUT.eco", &make_given.make.pack, .is_required = true,
 		.help = "the pack, which appears complete or not at all and replaces nothing but a pack" },
+	{ "draft", 0, ECO_OPTION_FLAG, NULL, &make_given.make.draft,
+		.help = "for a first look, in a fraction of the time: crowns thin out more roughly, textures have "
+		"at most 512 texels a side. The same command without it makes the pack as if there had been no "
+		"draft" },
 	{ "order", 0, ECO_OPTION_CHOICE, "NAME", &make_given.order, .choices = lod_order_names,
+		.given = &make_given.order_given,
 		.help = "which leaves come first: greedy (the default: those that make most pixels right), "
 		"or a method to compare with: "
 		"stochastic, density, orientation, combined" },
@@ -115,7 +123,7 @@ static const struct eco_option make_options[] = {
 		"given" }, { 0 } };
 
 const struct main_command main_command_make = { {
-	"ecopack make", "SCENE.json -o OUT.eco [--order NAME] [--jobs N] [--times] [--cache DIR | "
+	"ecopack make", "SCENE.json -o OUT.eco [--draft | --order NAME] [--jobs N] [--times] [--cache DIR | "
 		"--no-cache]",
 	"Builds a pack; every field of SCENE.json is described in ecofiles/README.md.", make_options,
 	main_common, NULL, NULL }, run_make };

@@ -25,7 +25,8 @@
 struct make_options {
 	const char *scene, *pack;
 	uint32_t jobs;               /* threads; 0: as many as there are processors */
-	enum lod_order_method order; /* of leaves */
+	enum lod_order_method order; /* of leaves; a draft's: LOD_ORDER_COMBINED */
+	bool draft;                  /* for a first look (lod/build/plant.h), with textures of few texels */
 	uint32_t models;             /* so many models stand for all; 0: as the scene says */
 	/* folder of finished plants; NULL or "": none. Does not change the pack */
 	const char *cache;

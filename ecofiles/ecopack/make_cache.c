@@ -122,7 +122,7 @@ static void add_model(XXH3_state_t *hash, const struct eco_model *model)
 static void add_options(XXH3_state_t *hash, const struct lod_plant_options *options)
 {
 	const uint32_t numbers[] = { options->seed, (uint32_t)options->order, options->cell_triangles,
-		options->grid_bits, options->views, options->pixels };
+		options->grid_bits, options->views, options->pixels, options->draft };
 	ADD(hash, numbers);
 	ADD(hash, options->importance);
 }

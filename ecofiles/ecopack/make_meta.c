@@ -147,6 +147,8 @@ enum eco_code make_meta(const struct make *m, char **json, struct eco_error *err
 		(json_int_t)m->ecos[0].instances, "tiles", (json_int_t)m->scene.tile_count, "ground",
 		make_ground_origin(m), "off_ground", (json_int_t)m->off_ground, "rows", rows_json(m),
 		"plants", plants);
+	if (m->options->draft)
+		json_object_set_new(root, "draft", json_true());
 	*json = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
 	json_decref(root);
 	return *json ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "no memory for the pack's description");

@@ -131,7 +131,7 @@ struct work {
 	pthread_mutex_t lock;
 	/* held around importers: they fork, and the child must find their locks free */
 	pthread_mutex_t libraries;
-	uint32_t next, done;
+	uint32_t next, done, finished;       /* finished: built, and kept where there is a cache */
 	uint32_t idle;               /* threads without a plant; they help others */
 	double *share;               /* per plant */
 	uint32_t failed;             /* lowest plant that failed, whose error is reported */
@@ -164,7 +164,9 @@ static bool tell(void *ctx, double share)
 	return main_progress("building plants", detail, sum / work->m->plant_count) && go;
 }
 
-static enum eco_code keep_textures(struct make_plant *plant, const struct eco_model *model,
+#define DRAFT_TEXELS 512u                /* of a side of a draft's texture */
+
+static enum eco_code keep_textures(struct make_plant *plant, const struct eco_model *model, bool draft,
 	struct eco_error *error)
 {
 	plant->textures = calloc(plant->built.image_count + 1u, sizeof *plant->textures);
@@ -172,7 +174,8 @@ static enum eco_code keep_textures(struct make_plant *plant, const struct eco_mo
 		return eco_fail(error, ECO_NO_MEMORY, "%s: no memory for textures", plant->name);
 	for (uint32_t i = 0; i < plant->built.image_count; i++) {
 		uint32_t id = plant->built.images[i];
-		enum eco_code code = lod_texture_make(&plant->textures[i], model, id, error);
+		enum eco_code code = lod_texture_make(&plant->textures[i], model, id,
+			draft ? DRAFT_TEXELS : 0, error);
 		if (code)
 			return code;
 		for (uint32_t k = 0; k < model->material_count; k++)
@@ -265,7 +268,7 @@ static enum eco_code build_or_recall(struct job *job, const struct eco_model *mo
 	struct make *m = job->work->m;
 	struct make_plant *plant = &m->plants[job->plant];
 	struct lod_plant_options options = { .name = plant->name, .seed = 1, .order = m->options->order,
-		.progress = tell, .stage = enter, .each = each, .ctx = job };
+		.draft = m->options->draft, .progress = tell, .stage = enter, .each = each, .ctx = job };
 	struct main_cache_key key;
 	memcpy(options.importance, plant->source->importance, sizeof options.importance);
 	main_times_stage(MAIN_STAGE_CACHE);
@@ -318,7 +321,7 @@ static enum eco_code build_plant(struct job *job, struct eco_error *error)
 	main_times_stage(MAIN_STAGE_NONE);
 	main_times_stage(MAIN_STAGE_TEXTURES);
 	if (!code)
-		code = keep_textures(plant, &model, error);
+		code = keep_textures(plant, &model, job->work->m->options->draft, error);
 	main_times_stage(MAIN_STAGE_NONE);
 	if (!code)
 		measure_body(plant);
@@ -342,6 +345,7 @@ static void *work_on(void *ctx)
 		enum eco_code code = build_plant(&job, &error);
 		pthread_mutex_lock(&work->lock);
 		work->done++;
+		work->finished += !code;
 		work->share[job.plant] = 1;
 		/* a thread stopped by another's failure has none of its own */
 		if (code && !(code == ECO_INTERRUPTED && work->stop)) {
@@ -382,6 +386,10 @@ static enum eco_code build_plants(struct make *m)
 	for (uint32_t i = 0; i < started; i++)
 		pthread_join(threads[i], NULL);
 	free(work.share);
+	if (work.failed != ECO_NONE && work.error.code == ECO_INTERRUPTED)
+		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted: %u of %u plants are finished%s",
+			work.finished, m->plant_count, m->cache.folder[0] && work.finished
+			? ", and kept for the next time" : "");
 	/* reports the failure, not the interruptions that it caused in other threads */
 	return work.failed == ECO_NONE ? ECO_OK : eco_fail(m->error, work.error.code, "%s", work.error.text);
 }

@@ -69,6 +69,9 @@ struct lod_plant_options {
 	uint32_t grid_bits;                  /* of the largest extent; 0: chosen by measurement, 12 to 18 */
 	uint32_t views, pixels;              /* for curves; 0: 12 views of 256 pixels */
 	bool no_splats;                      /* no ladder for the plant as a whole */
+	/* A plant for a first look, in about a tenth of the time: in combined order, whatever `order` is, on
+	 * the least grid, with fewer samples in few small views, short fits of splats, and no impostor. */
+	bool draft;
 	/* called now and then with the share done, in [0,1]; returns false to stop with ECO_INTERRUPTED; may
 	 * be NULL */
 	bool (*progress)(void *ctx, double share);

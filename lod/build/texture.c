@@ -190,7 +190,7 @@ static double texel_area(const struct eco_model *model, uint32_t id, uint32_t *s
 /* ---- A texture ---- */
 
 static enum eco_code make(struct lod_texture *texture, const struct eco_model *model, uint32_t id,
-	struct lod_arena *arena, struct eco_error *error)
+	uint32_t side_most, struct lod_arena *arena, struct eco_error *error)
 {
 	struct level levels[LEVELS_MAX];
 	uint32_t finest, coarsest = 0, count = make_levels(levels, &model->images[id], arena);
@@ -198,7 +198,7 @@ static enum eco_code make(struct lod_texture *texture, const struct eco_model *m
 	while (levels[coarsest].width > TEXTURE_SMALLEST || levels[coarsest].height > TEXTURE_SMALLEST)
 		coarsest++;
 	finest = finest < coarsest ? finest : coarsest;
-	while (levels[finest].width > ECO_TEXTURE_SIDE_MAX || levels[finest].height > ECO_TEXTURE_SIDE_MAX)
+	while (levels[finest].width > side_most || levels[finest].height > side_most)
 		finest++;
 	assert(coarsest < count && coarsest - finest < ECO_TEXTURE_LEVELS_MAX);
 	texture->texel_area = (float)ldexp(area, (int)(2 * finest));
@@ -209,7 +209,7 @@ static enum eco_code make(struct lod_texture *texture, const struct eco_model *m
 }
 
 enum eco_code lod_texture_make(struct lod_texture *texture, const struct eco_model *model, uint32_t id,
-	struct eco_error *error)
+	uint32_t side_most, struct eco_error *error)
 {
 	struct lod_arena arena = { 0 };
 	bool holes = eco_image_has_holes(&model->images[id]);
@@ -221,7 +221,8 @@ enum eco_code lod_texture_make(struct lod_texture *texture, const struct eco_mod
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for a texture of %u x %u texels",
 			model->images[id].width, model->images[id].height);
 	}
-	enum eco_code code = make(texture, model, id, &arena, error);
+	enum eco_code code = make(texture, model, id, side_most ? side_most : ECO_TEXTURE_SIDE_MAX, &arena,
+		error);
 	lod_arena_free(&arena);
 	if (code)
 		lod_texture_free(texture);

@@ -62,7 +62,7 @@ static struct lod_texture make(struct card *c)
 {
 	struct lod_texture texture;
 	struct eco_error error = { 0 };
-	assert_ok(lod_texture_make(&texture, &c->model, 0, &error), error);
+	assert_ok(lod_texture_make(&texture, &c->model, 0, 0, &error), error);
 	return texture;
 }
 

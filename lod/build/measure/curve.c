@@ -39,6 +39,9 @@
 #include "lod/ladder.h"
 
 #define SAMPLES_MOST 42u             /* of LOD_CURVE_SAMPLES_MAX: the others are for levels */
+#define SAMPLES_DRAFT 14u
+#define VIEWS_DRAFT 6u
+#define PIXELS_DRAFT 96u
 
 /* ---- Shares ---- */
 
@@ -68,7 +71,7 @@ static void sample_geometrically(struct lod_curve_organ *curve, double all, doub
 		uint32_t count = 1;
 		for (double n = 1; n < all; count++)
 			n = grown(n, factors[f]);
-		if (count <= SAMPLES_MOST)
+		if (count <= (curve->draft ? SAMPLES_DRAFT : SAMPLES_MOST))
 			break;
 	}
 	for (double n = 1; n < all; n = grown(n, factors[f]))
@@ -333,11 +336,11 @@ static void sum_up(struct lod_curve_organ *curve)
 }
 
 /* Gathers ladders from `first` on that share its curve and have none yet; `done` marks them. */
-static void gather(struct lod_curve_organ *curve, struct lod_probe *probe, uint32_t first, bool *done,
-	uint32_t *members)
+static void gather(struct lod_curve_organ *curve, struct lod_probe *probe, uint32_t first, bool draft,
+	bool *done, uint32_t *members)
 {
 	const struct lod_plant *plant = probe->plant;
-	*curve = (struct lod_curve_organ){ .probe = probe, .members = members };
+	*curve = (struct lod_curve_organ){ .probe = probe, .members = members, .draft = draft };
 	for (uint32_t i = first; i < plant->ladder_count; i++) {
 		if (done[i] || (i != first && !same_curve(plant, &plant->ladders[first], &plant->ladders[i])))
 			continue;
@@ -417,9 +420,9 @@ static enum eco_code measure_both(struct lod_plant *plant, struct lod_curve_orga
 	count = plant->curve_count - first;
 	samples = curve->sample_count;
 	lod_probe_look(curve->probe, LOD_PROBE_ABOVE);
-	if (!code)
+	if (!code && !curve->draft)
 		code = measure_curve(curve, true, progress, error);
-	bool above = !code && curve->sample_count == samples;
+	bool above = !code && !curve->draft && curve->sample_count == samples;
 	if (above)
 		code = append(plant, curve, error);
 	lod_probe_look(curve->probe, LOD_PROBE_AROUND);
@@ -442,9 +445,9 @@ static enum eco_code measure_all(struct lod_plant *plant, struct lod_probe *prob
 			struct lod_curve_organ curve;
 			if (done[i])
 				continue;
-			gather(&curve, probe, i, done, members);
+			gather(&curve, probe, i, progress->options->draft, done, members);
 			if (pass == 0) {
-				progress->all += 4 * curve.sample_count;
+				progress->all += (curve.draft ? 2 : 4) * curve.sample_count;
 				continue;
 			}
 			code = measure_both(plant, &curve, progress, error);
@@ -457,8 +460,9 @@ enum eco_code lod_curve_measure(struct lod_plant *plant, const struct eco_model 
 	const struct lod_plant_options *options, struct eco_error *error)
 {
 	struct lod_probe probe;
-	struct lod_probe_options size = { options->views ? options->views : 12,
-		options->pixels ? options->pixels : 256, options->each, options->ctx };
+	struct lod_probe_options size = { options->views ? options->views : options->draft ? VIEWS_DRAFT : 12,
+		options->pixels ? options->pixels : options->draft ? PIXELS_DRAFT : 256, options->each,
+		options->ctx };
 	enum eco_code code = lod_probe_init(&probe, plant, model, &size, error);
 	if (code)
 		return code;
@@ -486,7 +490,8 @@ enum eco_code lod_plant_measure(struct lod_plant *plant, const struct eco_model 
 {
 	if (options->stage)
 		options->stage(options->ctx, LOD_STAGE_CURVES);
-	enum eco_code code = options->grid_bits ? ECO_OK : lod_grid_choose(plant, model, options, error);
+	enum eco_code code = options->grid_bits || options->draft ? ECO_OK
+		: lod_grid_choose(plant, model, options, error);
 	if (!code && !options->no_splats)
 		code = lod_plant_add_splats(plant, model, options, error);
 	if (!code && options->stage)

@@ -39,6 +39,7 @@ struct lod_curve_organ {             /* ladders that share one curve */
 	bool far_only;               /* FAR ladders: measured against the organ's other ladders */
 	bool whole;                  /* a WHOLE ladder: measured against all others */
 	bool scaled;                 /* not wood */
+	bool draft;                  /* fewer samples, none from above */
 	bool forms;                  /* leaves in several forms */
 	double unit[LOD_CURVE_FORMS_MAX];    /* forms: mean vertices of an element, coarsest first */
 	uint32_t units;

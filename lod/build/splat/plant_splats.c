@@ -15,6 +15,7 @@
  * is cut into up to LEVEL_CHUNKS chunks of at least LEAST_CHUNK splats. */
 #define LEVEL_CHUNKS 16u
 #define LEAST_CHUNK 48u
+#define LEVELS_DRAFT 5u
 #define COLORS 16u               /* more would be no better to see: lod/EXPERIMENTS.md, Splats, Colours */
 
 static struct eco_list list_of(const struct lod_splats *splats, uint32_t count)
@@ -192,8 +193,9 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 	struct lod_splats splats;
 	uint8_t (*rgb)[3];
 	/* a build with small curves is a draft in its splats, too */
-	bool small = options->pixels && options->pixels < 160;
+	bool small = options->draft || (options->pixels && options->pixels < 160);
 	struct lod_splats_options fit = { .views = small ? 12 : 0, .pixels = small ? 48 : 0,
+		.levels = options->draft ? LEVELS_DRAFT : 0, .draft = options->draft,
 		.progress = options->progress, .each = options->each,
 		.ctx = options->ctx };
 	if (options->stage)
@@ -214,7 +216,7 @@ enum eco_code lod_plant_add_splats(struct lod_plant *plant, const struct eco_mod
 			put_elements(draft, &splats);
 		if (!draft || !color_elements(draft, plant, &splats) || !add_ladder(plant, &splats))
 			code = eco_fail(error, ECO_NO_MEMORY, "no memory for %u splats", list.element_count);
-		if (!code)
+		if (!code && !options->draft)
 			code = lod_plant_add_impostor(plant, model, (const uint8_t (*)[3])rgb, options,
 				error);
 	}

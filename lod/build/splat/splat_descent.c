@@ -19,6 +19,7 @@
 #define RATE 0.08f               /* of a splat's size, in the first step */
 #define LEAST_RATE 0.002f
 #define SETTLE_STEPS 40u
+#define STEPS_DRAFT 4u           /* of a draft: one of so many */
 #define SETTLE_RATE 0.008f
 #define SETTLE_FROM 0.9          /* of all the work */
 
@@ -177,6 +178,7 @@ bool splat_descend(struct splat_descent *d, struct lod_arena *arena)
 	prepare(&s, arena);
 	uint32_t steps = d->settle ? SETTLE_STEPS : d->count >= 768 ? STEPS_768 : d->count >= 192 ? STEPS_192
 		: STEPS;
+	steps /= d->options->draft ? STEPS_DRAFT : 1;
 	for (uint32_t i = 0; i < steps && go; i++) {
 		float at = (float)i / (float)steps, rest = (1 - at) * (1 - at);
 		s.soft = (struct splat_softness){ .edge_px = 0.8f * unit, .least = d->settle ? 0 : 0.6f * rest,
