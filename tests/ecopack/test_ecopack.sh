@@ -40,6 +40,7 @@ expect 2 '--plants 12x' generate park -o "$DIR/x" --plants 12x
 expect 2 'a value must follow' generate park -o
 expect 2 'must be one of greedy, stochastic, density, orientation, combined' make x.json -o x.eco --order alphabetical
 expect 2 'must be one of' make x.json -o x.eco --order=
+expect 2 'leave out --order, or --draft' make x.json -o x.eco --draft --order density
 expect 2 'must be the name of a folder' make x.json -o x.eco --cache=
 expect 2 '--cache-mb 0' make x.json -o x.eco --cache-mb 0
 expect 2 'generate park, forest, meadow' generate desert -o "$DIR/x"
@@ -152,6 +153,12 @@ printf 'AXXX001\nHFDTE270418\nB1101355206343N00006198WA0058700558\n' >"$DIR/a.ig
 expect 1 'Read are SRT .*GPSBabel' camera "$DIR/a.igc" -o "$DIR/none.json"
 expect 1 'walk.csv: read as CSV' camera "$DIR/walk.csv" --height rel --crs EPSG:1 --origin 0,0,0 -o "$DIR/none.json"
 [ ! -e "$DIR/none.json" ] || complain "a camera script was written in spite of an error"
+# beyond the heights' border, at 30 m, the ground goes on as in the pack: down to their mean, 20 m
+printf 'ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 5\n10 20 30\n10 20 30\n10 20 30\n' >"$DIR/dem.asc"
+printf 't,lon,lat\n0,10,50\n1,10.00001,50\n' >"$DIR/step.csv"
+sed 's/"plants"/"ground": {"heights": "dem.asc"}, "plants"/' "$DIR/scene.json" >"$DIR/hill.json"
+expect 0 '100 % of the way is beyond the border' camera "$DIR/step.csv" --scene "$DIR/hill.json" --to 90000,0,0 -o "$DIR/step.json"
+expect 0 'z 2[12]\.[0-9]* to 2[12]\.' camera "$DIR/step.csv" --scene "$DIR/hill.json" --to 90000,0,0 -o "$DIR/step.json"
 
 # ---- Errors name file, place and what ----
 expect 1 'nowhere.json' make "$DIR/nowhere.json" -o "$DIR/x.eco"

@@ -98,9 +98,10 @@ static void place(struct eco_flight *f, const struct eco_track *track, const str
 		first[k] = f->samples[0].eye[k];
 		to[k] = goes && !(k == 2 && stays) ? m->to[k] : first[k];
 	}
-	if (!m->to_given && relative && m->ground
-			&& eco_ground_height(m->ground, first[0], first[1], &ground))
+	if (!m->to_given && relative && m->ground) {
+		eco_ground_height(m->ground, first[0], first[1], &ground);
 		to[2] += ground;
+	}
 	for (struct eco_sample *s = f->samples; s < f->samples + f->count; s++) {
 		for (int k = 0; k < 3; k++)
 			s->eye[k] -= first[k];
