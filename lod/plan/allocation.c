@@ -425,6 +425,14 @@ void lod_allocation_relax(struct lod_allocation *m, double lambda)
 
 /* ---- The picture ---- */
 
+/* Of the points of a tile's summary, for all that stands in it. */
+static struct lod_wrong summary_wrong(const struct lod_tile_choice *choice)
+{
+	struct lod_cost cost = { 0 };
+	add_at(&cost, &choice->summary.hull, 1, choice->position);
+	return (struct lod_wrong){ cost.fp, fmin(1, lod_summary_hull_missed(&choice->summary, cost.fn)) };
+}
+
 static struct lod_wrong wrong_of(void *ctx, const struct lod_visibility *visibility)
 {
 	const struct lod_allocation *m = ctx;
@@ -446,9 +454,7 @@ static struct lod_wrong wrong_of(void *ctx, const struct lod_visibility *visibil
 		cost.fp += visibility->above * (cost.above_fp - cost.fp);
 		cost.fn += visibility->above * (cost.above_fn - cost.fn);
 	} else if (tile_choice->has_summary) {
-		cost = (struct lod_cost){ 0 };
-		add_at(&cost, &tile_choice->summary.hull, 1, tile_choice->position);
-		cost.fn = lod_summary_hull_missed(&tile_choice->summary, cost.fn);
+		return tile_choice->wrong;
 	}
 	return weight_px > 0 ? (struct lod_wrong){ cost.fp / weight_px, fmin(1, cost.fn / weight_px) }
 		: (struct lod_wrong){ 0 };
@@ -470,6 +476,9 @@ enum eco_code lod_allocation_predict(struct lod_allocation *m, struct eco_predic
 	struct eco_error *error)
 {
 	find_drawn_by(m);
+	for (uint32_t n = 0; n < m->p->visible.node_count; n++)
+		if (m->tile_choices[n].has_summary && m->drawn_by[n] == n)
+			m->tile_choices[n].wrong = summary_wrong(&m->tile_choices[n]);
 	lod_planner_work(m->p, LOD_WORK_VISIBILITY / 4 * (uint64_t)m->p->screen.count
 		+ LOD_WORK_CELL * m->cells / 8);
 	return lod_screen_expect(&m->p->screen, wrong_of, m, prediction, error);

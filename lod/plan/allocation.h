@@ -131,6 +131,7 @@ struct lod_tile_choice {
 	double points;               /* the same in points, where bytes have a price: ends of chunks */
 	struct lod_hull limited;     /* after fixing, where bytes have a price: the hull up to these */
 	struct lod_cost cost;        /* of the blend that is chosen */
+	struct lod_wrong wrong;      /* of its summary, while a picture is predicted */
 };
 
 /* Plants of a slot in an open tile, or in all of them. */
