@@ -77,12 +77,14 @@ struct fitted {
 	const struct eco_holdings *kept;     /* as in lod_prices_make */
 	double wrong;                /* pixels that it leaves */
 	double beside;               /* bytes of the answer beside those that are priced */
+	bool both;                   /* vertices bind, too */
 };
 
-/* Gaps between prices are filled where all chunks count alike: else they are others, and seldom. */
+/* Gaps between prices are filled where all chunks count alike, else they are others, and seldom; and where
+ * bytes alone bind: vertices fill what is left then. */
 static double relax_and_fill(struct lod_allocation *m, struct fitted *fit, double target, double over)
 {
-	return fit->kept || lod_planner_over(m->p, 3) ? lod_price_relax(m, fit->lambda, &fit->at)
+	return fit->kept || fit->both || lod_planner_over(m->p, 3) ? lod_price_relax(m, fit->lambda, &fit->at)
 		: lod_price_fill(m, fit->lambda, target, &fit->at, over);
 }
 
@@ -132,6 +134,7 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 		fit->at = at;
 		over = beyond;
 	}
+	fit->both |= both;
 	double bytes = relax_and_fill(m, fit, target, over);
 	/* where more bytes come, a vertex may have to save more */
 	for (int i = 1; m->cost.vertices > (double)budget && i <= PRICE_RAISES; i++) {
@@ -182,8 +185,12 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 	enum eco_code code = lod_prices_make(m, best->kept, WASTE_FIT, error);
 	for (int i = 0; i < (best->kept ? SIZE_TRIES_MORE : SIZE_TRIES) && !code; i++) {
 		double before = now.size, bytes = tried[i] = find_prices(s, most - now.beside, budget, &now);
-		if (is_among(tried, i, bytes))
-			break;
+		if (is_among(tried, i, bytes)) {         /* there is a gap: tries what lies beyond it */
+			if (now.size > most || best->kept)
+				break;
+			now.beside -= most - now.size;
+			continue;
+		}
 		code = fill_fitted(s, &now, budget, error);
 		now.size = (double)p->bytes;
 		bool fits = now.size <= most, fitted = best->size <= most;
@@ -216,8 +223,8 @@ static enum eco_code fit_twice(const struct lod_lambda_search *s, uint64_t budge
 	uint32_t plants = s->allocation->p->scene->plant_count;
 	const struct lod_price highest = { LOD_PRICE_HIGHEST, LOD_PRICE_HIGHEST };
 	const double lambda = lod_lambda_at(s->last);
-	struct fitted alike = { INFINITY, lambda, highest, room + plants, NULL, INFINITY, 0 },
-		other = { INFINITY, lambda, highest, room + 2 * (size_t)plants, kept, INFINITY, 0 };
+	struct fitted alike = { INFINITY, lambda, highest, room + plants, NULL, INFINITY, 0, false },
+		other = { INFINITY, lambda, highest, room + 2 * (size_t)plants, kept, INFINITY, 0, false };
 	const struct fitted unknown = { .at = { NAN, NAN } };
 	enum eco_code code = fit_prices(s, budget, &unknown, &alike, room, error);
 	if (!code && !lod_planner_over(s->allocation->p, 3))
