@@ -11,7 +11,8 @@
 
 #define BODY_MAX_DEFAULT (1ull << 31)
 #define STEP_RATIO 1.3                       /* bytes of a step over those of the step before */
-#define STEP_BYTES_LEAST 10000u              /* no step goes before one of so few */
+#define STEP_BYTES_LEAST 10000u              /* no step goes before one of so few, ... */
+#define STEP_PRICED_LEAST 5000u              /* of which ground and what is not priced may be half */
 #define SEARCH_PLANS_MAX 40u
 #define SEARCH_SLACK 256u                    /* the search ends within 1/256 of the budget */
 #define GROUND_STEP 4.0                      /* how much coarser the ground of each coarse step is */
@@ -137,7 +138,7 @@ static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, dou
 	struct eco_request request = *input->request;
 	struct lod_planner_stats stats = { 0 };
 	struct lod_planner_input planner = planner_input(input, &request);
-	const struct lod_planner_coarser coarser = { STEP_RATIO, STEP_BYTES_LEAST, SRV_STEPS_MAX - 1,
+	const struct lod_planner_coarser coarser = { STEP_RATIO, STEP_PRICED_LEAST, SRV_STEPS_MAX - 1,
 		take_coarser, stream };
 	planner.stats = &stats;
 	*step = (struct srv_step){ .budget_vertices = vertices, .ground_px = ground_px };
