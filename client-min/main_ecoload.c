@@ -84,6 +84,9 @@ static void print_text(const struct view_load_report *r)
 	printf("chunks          %llu decoded, %llu sent twice; %llu answers without a picture\n",
 		(unsigned long long)r->chunks, (unsigned long long)r->chunks_twice,
 		(unsigned long long)r->nothing);
+	if (r->renewed)
+		printf("packs           %llu times a client began anew, as the scene had another\n",
+			(unsigned long long)r->renewed);
 	printf("violations      vertices %llu, bytes %llu\n", (unsigned long long)r->vertex_violations,
 		(unsigned long long)r->byte_violations);
 	printf("failures       ");
@@ -121,6 +124,7 @@ static void print_json(const struct view_load_report *r, const struct options *o
 		"vertex_violations", (json_int_t)r->vertex_violations,
 		"byte_violations", (json_int_t)r->byte_violations, "failures", failures,
 		"first_failure", first ? first : json_null());
+	json_object_set_new(o, "renewed", json_integer((json_int_t)r->renewed));
 	json_dumpf(o, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
 	putchar('\n');
 	json_decref(o);

@@ -11,6 +11,7 @@
 #include "client-min/view_query.h"
 #include "ecofiles/base/version.h"
 
+#define PACK_BYTES 40            /* "&pack=", 32 digits, 0 */
 #define RATE_MIN_BYTES_S 1024u
 #define BODY_MAX_DEFAULT ((uint64_t)16 << 30)
 #define PROBLEM_MAX 16384u
@@ -399,16 +400,26 @@ static enum eco_code outcome(struct view_fetch *fetch, CURLcode rc, struct eco_e
 	return code || fetch->text ? code : eco_wire_finish(fetch->parser, error);
 }
 
-/* A stream if there is a body to post, else an explanation. */
-static enum eco_code perform(struct view_fetch *fetch, const struct eco_request *request,
-	const struct eco_writer *body, struct eco_error *error)
+/* "&pack=" and its 32 hex digits, or nothing. */
+static void write_pack(char text[PACK_BYTES], const struct eco_chunk_id *pack)
 {
-	char query[VIEW_QUERY_BYTES], *url;
+	int at = pack ? snprintf(text, PACK_BYTES, "&pack=") : 0;
+	for (size_t i = 0; pack && i < sizeof pack->bytes; i++)
+		at += snprintf(text + at, PACK_BYTES - (size_t)at, "%02x", pack->bytes[i]);
+	text[at] = 0;
+}
+
+/* A stream if there is a body to post, which is of `pack` (NULL: of none), else an explanation. */
+static enum eco_code perform(struct view_fetch *fetch, const struct eco_request *request,
+	const struct eco_writer *body, const struct eco_chunk_id *pack, struct eco_error *error)
+{
+	char query[VIEW_QUERY_BYTES], of[PACK_BYTES], *url;
+	write_pack(of, pack);
 	const char *rule = fetch->options.rule;
 	bool made = !request ? asprintf(&url, "%s", fetch->url) >= 0
 		: view_query_write(request, query, sizeof query) < sizeof query
-			&& asprintf(&url, "%s/%s?%s%s%s%s", fetch->url, body ? "stream" : "plan", query,
-			rule ? "&rule=" : "", rule ? rule : "", body ? "" : "&explain=1") >= 0;
+			&& asprintf(&url, "%s/%s?%s%s%s%s%s", fetch->url, body ? "stream" : "plan", query,
+			rule ? "&rule=" : "", rule ? rule : "", body ? "" : "&explain=1", of) >= 0;
 	if (!made)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for a request");
 	curl_easy_setopt(fetch->curl, CURLOPT_URL, url);
@@ -479,12 +490,12 @@ static enum eco_code perform_named(struct view_fetch *fetch, struct view_store *
 	static const struct eco_wire_events names = { .fetch = on_name };
 	struct eco_request named = *request;
 	if (!fetch->chunks)
-		return perform(fetch, request, body, error);
+		return perform(fetch, request, body, view_store_pack(store), error);
 	named.name_from = fetch->options.name_from ? fetch->options.name_from : ECO_NAME_FROM;
 	view_store_find_by(store, find_named, fetch);
 	enum eco_code code = eco_wire_parser_new(&fetch->names, &names, fetch, error);
 	if (!code)
-		code = perform(fetch, &named, body, error);
+		code = perform(fetch, &named, body, view_store_pack(store), error);
 	end_names(fetch, store);
 	return code;
 }
@@ -582,7 +593,7 @@ static enum eco_code fetch_text(struct view_fetch *fetch, const struct eco_reque
 		begin(fetch);
 		eco_writer_free(&body);
 		one = (struct eco_error){ 0 };
-		code = perform(fetch, request, NULL, &one);
+		code = perform(fetch, request, NULL, NULL, &one);
 	} while (code && wait_for_retry(fetch, until_ms));
 	fetch->text = NULL;
 	eco_write_u8(&body, 0);

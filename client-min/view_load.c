@@ -14,6 +14,8 @@
 const char *const view_load_failure_names[VIEW_LOAD_FAILURES] = { "connection", "refused", "damaged",
 	"other" };
 
+#define PACK_CHANGED 409
+
 struct client {                                  /* one thread; the report is its own until it has ended */
 	const struct view_load_options *options;
 	const atomic_bool *over;
@@ -131,6 +133,11 @@ static void one_request(struct client *c, uint32_t frame)
 	if (code == ECO_INTERRUPTED)
 		return;
 	c->report.requests++;
+	if (code && result.status == PACK_CHANGED) {
+		c->report.renewed++;
+		restart(c, NULL);
+		return;
+	}
 	if (code) {
 		c->report.failures[kind_of(code, result.status)]++;
 		note(&c->report, error.text);
@@ -180,6 +187,7 @@ static void collect(struct view_load_report *into, struct client *c)
 		into->chunks_twice += view_store_stats(c->store).chunks_twice;
 	}
 	into->requests += from->requests;
+	into->renewed += from->renewed;
 	into->nothing += from->nothing;
 	into->bytes += from->bytes;
 	into->vertices += from->vertices;

@@ -538,6 +538,11 @@ bool view_store_complete(const struct view_store *store)
 	return store->complete;
 }
 
+const struct eco_chunk_id *view_store_pack(const struct view_store *store)
+{
+	return store->has_scene ? &store->pack : NULL;
+}
+
 double view_store_near_m(const struct view_store *store)
 {
 	return store->near_m;

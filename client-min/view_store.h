@@ -68,6 +68,8 @@ const struct eco_plan *view_store_plan(const struct view_store *store);
 uint32_t view_store_summaries(const struct view_store *store);
 /* True once END has come; its count of vertices equals the plan's. */
 bool view_store_complete(const struct view_store *store);
+/* Of what it holds, which the next request names; NULL before the first SCENE. */
+const struct eco_chunk_id *view_store_pack(const struct view_store *store);
 double view_store_near_m(const struct view_store *store);        /* 0 before the first SCENE */
 const char *view_store_scene_name(const struct view_store *store);
 

@@ -19,6 +19,7 @@
 #include "server/exchange.h"
 #include "server/listener.h"
 #include "server/log.h"
+#include "server/typical.h"
 
 #define BACKLOG 1024
 #define CHORES_MAX 4             /* that wait */
@@ -319,6 +320,8 @@ enum eco_code srv_host_reload(struct srv_host *host, struct srv_reload *report, 
 	struct srv_edition *before = srv_catalog_hold(host->catalog);
 	uint64_t now_us = srv_clock_us(), until_us = now_us + host->config.keep_s * 1000000ull;
 	enum eco_code code = srv_sources_load(sources, &before->store, &store, report, error);
+	for (uint32_t i = 0; i < store.count && !code; i++)
+		srv_typical_work(store.scenes[i]);       /* now, so that no request waits for it */
 	if (!code)
 		code = srv_catalog_replace(host->catalog, &store, until_us, now_us, error);
 	srv_store_free(&store);
