@@ -33,7 +33,7 @@ struct view_load_report {
 	double seconds;
 	uint64_t requests, nothing, bytes, vertices, chunks, chunks_twice;
 	uint64_t failures[VIEW_LOAD_FAILURES];
-	uint64_t renewed;                                /* clients that began anew, as the pack was replaced */
+	uint64_t renewed;                                /* clients that began anew: the pack was replaced */
 	uint64_t vertex_violations, byte_violations;
 	struct view_times latency, first_byte;
 	char first_failure[512];                         /* text of one failure or violation; empty if none */

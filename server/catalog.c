@@ -39,8 +39,8 @@ static void keep(struct srv_edition *edition, struct srv_scene *scene, uint64_t 
 	edition->retired[edition->retired_count++] = (struct srv_retired){ scene, until_us };
 }
 
-/* An edition of the store's scenes; what `before` (NULL: none) had beside is kept until `until_us`, and what it
- * kept, as long as it was to be, unless that is before `now_us`. */
+/* An edition of the store's scenes; what `before` (NULL: none) had beside is kept until `until_us`, and what
+ * it kept, as long as it was to be, unless that is before `now_us`. */
 static enum eco_code edition_new(struct srv_edition **out, const struct srv_store *store,
 	const struct srv_edition *before, uint64_t until_us, uint64_t now_us, struct eco_error *error)
 {

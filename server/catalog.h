@@ -1,6 +1,6 @@
 /* The scenes that are served, which may be replaced while they are: by editions. A request holds the edition
- * that it found when it came, to its end; who comes later finds the next one. What only the edition before had
- * is kept for a stated time, so that a client that was just told of a chunk still gets it.
+ * that it found when it came, to its end; who comes later finds the next one. What only the edition before
+ * had is kept for a stated time, so that a client that was just told of a chunk still gets it.
  *
  *   srv_catalog_new(&catalog, &store, &error);               the first edition shares the store's scenes
  *   edition = srv_catalog_hold(catalog);
@@ -32,8 +32,8 @@ void srv_catalog_free(struct srv_catalog *catalog);
 struct srv_edition *srv_catalog_hold(struct srv_catalog *catalog);
 void srv_edition_release(struct srv_edition *edition);           /* NULL is fine */
 
-/* Scenes that `store` does not have are kept until `until_us` (srv_clock_us). Replace and retire are called by
- * one thread at a time. */
+/* Scenes that `store` does not have are kept until `until_us` (srv_clock_us). Replace and retire are called
+ * by one thread at a time. */
 enum eco_code srv_catalog_replace(struct srv_catalog *catalog, const struct srv_store *store,
 	uint64_t until_us, uint64_t now_us, struct eco_error *error);
 enum eco_code srv_catalog_retire(struct srv_catalog *catalog, uint64_t now_us, struct eco_error *error);

@@ -318,7 +318,7 @@ enum eco_code srv_host_reload(struct srv_host *host, struct srv_reload *report, 
 		return eco_fail(error, ECO_UNSUPPORTED, "this server has nothing to load again");
 	pthread_mutex_lock(&host->reloading);
 	struct srv_edition *before = srv_catalog_hold(host->catalog);
-	uint64_t now_us = srv_clock_us(), until_us = now_us + host->config.keep_s * 1000000ull;
+	uint64_t now_us = srv_clock_us(), until_us = now_us + host->config.keep_s * 1000000;
 	enum eco_code code = srv_sources_load(sources, &before->store, &store, report, error);
 	for (uint32_t i = 0; i < store.count && !code; i++)
 		srv_typical_work(store.scenes[i]);       /* now, so that no request waits for it */

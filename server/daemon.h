@@ -37,10 +37,10 @@ struct srv_config {              /* 0 is the default */
 	uint64_t connections_max;    /* 1000; where it is full idle ones give way (reaper.h) */
 	uint64_t connections_per_address;        /* 128; an IPv6 /64 is one address */
 	struct srv_networks trusted; /* proxies without that limit, whose X-Forwarded-For counts: none */
-	uint32_t head_ms;            /* to send a request's head, and to begin the next one: 20,000 */
-	uint32_t body_ms;            /* to send its body: 30,000 */
-	uint32_t send_ms;            /* window in which an answer must be taken at the rate: 30,000 */
-	uint32_t rate_bytes_s;       /* 16 KiB */
+	uint64_t head_ms;            /* to send a request's head, and to begin the next one: 20,000 */
+	uint64_t body_ms;            /* to send its body: 30,000 */
+	uint64_t send_ms;            /* window in which an answer must be taken at the rate: 30,000 */
+	uint64_t rate_bytes_s;       /* 16 KiB */
 	uint64_t body_max;           /* of requests: 4 MiB */
 	uint64_t bodies_max;         /* arrived, of all requests that are received or planned: 256 MiB */
 	uint64_t response_max;       /* 2 GiB */
@@ -49,7 +49,7 @@ struct srv_config {              /* 0 is the default */
 	uint64_t plan_times;         /* work of a plan, over an ordinary one of its scene (typical.h): 3 */
 	const struct srv_access *access;     /* tokens and origins; NULL: none. Outlives the daemon */
 	const struct srv_sources *sources; /* what a reload opens; NULL: there is none. Outlives the daemon */
-	uint32_t keep_s;             /* that chunks of a replaced pack are still served: 600 */
+	uint64_t keep_s;             /* that chunks of a replaced pack are still served: 600 */
 	bool log;                    /* one line a request on stderr, ... */
 	int log_form;                /* ... an enum srv_log_form */
 	uint64_t slow_ms;            /* plans that took longer are logged with their trace; 0: none */

@@ -63,9 +63,12 @@ static void answer_viewer(struct srv_exchange *exchange, const char *name)
 	if (file)
 		answer_file(exchange, file);
 	else
-		srv_exchange_problem(exchange, SRV_PROBLEM_ROUTE, site && site->count
-			? "the viewer has no such file" : "the viewer is not built: say `make web`, then start ecoserve again (or with "
-			"--viewer DIR); /v1/scenes lists the scenes", false);
+		srv_exchange_problem(exchange, SRV_PROBLEM_ROUTE,
+			site && site->count
+				? "the viewer has no such file"
+				: "the viewer is not built: say `make web`, then start ecoserve again (or "
+				  "with --viewer DIR); /v1/scenes lists the scenes",
+			false);
 }
 
 static void answer_ready(struct srv_exchange *exchange)

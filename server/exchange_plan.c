@@ -196,15 +196,19 @@ bool srv_exchange_prepare_plan(struct srv_exchange *exchange)
 		return false;
 	}
 	if (exchange->query.explain && exchange->route != &srv_routes[SRV_PLAN]) {
-		srv_exchange_problem(exchange, SRV_PROBLEM_PARAMETER, "parameter 'explain': a stream explains "
-			"nothing; ask .../plan with the same parameters", false);
+		srv_exchange_problem(exchange, SRV_PROBLEM_PARAMETER,
+			"parameter 'explain': a stream explains "
+			"nothing; ask .../plan with the same parameters",
+			false);
 		return false;
 	}
 	const struct eco_chunk_id *pack = &exchange->scene->pack->id;
 	if (exchange->query.has_pack && memcmp(pack->bytes, exchange->query.pack.bytes, sizeof pack->bytes)
 			!= 0) {
-		srv_exchange_problem(exchange, SRV_PROBLEM_PACK_CHANGED, "the pack is not the one that 'pack' "
-			"names: forget what was held of it and ask again without holdings", false);
+		srv_exchange_problem(exchange, SRV_PROBLEM_PACK_CHANGED,
+			"the pack is not the one that 'pack' "
+			"names: forget what was held of it and ask again without holdings",
+			false);
 		return false;
 	}
 	if (exchange->method != SRV_METHOD_POST)
@@ -214,7 +218,7 @@ bool srv_exchange_prepare_plan(struct srv_exchange *exchange)
 	if (!code)
 		code = srv_holdings_check(&exchange->scene->pack->scene, &exchange->holdings, &error);
 	if (code)
-		srv_exchange_problem(exchange, code == ECO_NO_MEMORY ? SRV_PROBLEM_BUSY : SRV_PROBLEM_HOLDINGS,
-			error.text, false);
+		srv_exchange_problem(exchange,
+			code == ECO_NO_MEMORY ? SRV_PROBLEM_BUSY : SRV_PROBLEM_HOLDINGS, error.text, false);
 	return !code;
 }

@@ -32,7 +32,6 @@ static struct {
 	struct srv_access access;
 	struct eco_inputs scenes;
 	const char *copies, *viewer, *settings;
-	uint64_t keep_s;
 	bool in_place, only_check;
 } given;
 
@@ -94,6 +93,22 @@ static const struct eco_option options[] = {
 	{ "plan-work", 0, ECO_OPTION_COUNT, "N", &given.config.plan_times, 1, 1000,
 		.help = "what planning a request may cost, counted in ordinary plans of its scene; it ends "
 			"there with what it has, which is the same on every machine; 3 if not given" },
+	{ "head-ms", 0, ECO_OPTION_COUNT, "MS", &given.config.head_ms, 10, 3600000,
+		.help = "to send a request's head, and to begin the next one; 20000 if not given" },
+	{ "body-ms", 0, ECO_OPTION_COUNT, "MS", &given.config.body_ms, 10, 3600000,
+		.help = "to send its body; 30000 if not given" },
+	{ "send-ms", 0, ECO_OPTION_COUNT, "MS", &given.config.send_ms, 10, 3600000,
+		.help = "in each of which an answer is taken at the least rate; 30000 if not given" },
+	{ "send-rate", 0, ECO_OPTION_COUNT, "BYTES", &given.config.rate_bytes_s, 1, 1 << 30,
+		.help = "a second, the least rate; 16384 if not given" },
+	{ "body-bytes", 0, ECO_OPTION_COUNT, "BYTES", &given.config.body_max, 4, 1 << 30,
+		.help = "of a request's body at most; 4 MiB if not given" },
+	{ "bodies-bytes", 0, ECO_OPTION_COUNT, "BYTES", &given.config.bodies_max, 4, 1ull << 40,
+		.help = "of all bodies, as far as they have arrived; 256 MiB if not given" },
+	{ "answer-bytes", 0, ECO_OPTION_COUNT, "BYTES", &given.config.response_max, 1, 1ull << 40,
+		.help = "of an answer at most; 2 GiB if not given" },
+	{ "kept-bytes", 0, ECO_OPTION_COUNT, "BYTES", &given.config.plan_cache_bytes, 1, 1ull << 40,
+		.help = "of answers that are kept for who asks again; 64 MiB if not given" },
 	{ "trust-proxy", 0, ECO_OPTION_READ, "ADDRESS[/BITS],...", &given.config.trusted,
 		.read = read_networks,
 		.help = "proxies that may open any number of connections, and whose "
@@ -110,7 +125,7 @@ static const struct eco_option options[] = {
 	{ "cors", 0, ECO_OPTION_READ, "ORIGIN", &given.access, .read = read_origin,
 		.help = "whose pages may read answers, https://HOST[:PORT], or * for all; may be given more "
 			"than once" },
-	{ "keep", 0, ECO_OPTION_COUNT, "SECONDS", &given.keep_s, 1, 86400,
+	{ "keep", 0, ECO_OPTION_COUNT, "SECONDS", &given.config.keep_s, 1, 86400,
 		.help = "that chunks of a replaced pack are still served; 600 if not given" },
 	{ "log", 0, ECO_OPTION_CHOICE, "FORM", &given.config.log_form, .choices = log_forms,
 		.given = &given.config.log,
@@ -251,7 +266,6 @@ static enum eco_code run(struct eco_error *error)
 	given.config.site = &site;
 	given.config.access = &given.access;
 	given.config.sources = &sources;
-	given.config.keep_s = (uint32_t)given.keep_s;
 	srv_store_init(&store);
 	enum eco_code code = read_site(&site, error);
 	code = code ? code : srv_trace_set(getenv("ECO_TRACE"), error);

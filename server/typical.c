@@ -66,7 +66,7 @@ static uint64_t median_work(const struct srv_scene *scene)
 
 uint64_t srv_typical_work(struct srv_scene *scene)
 {
-	static pthread_mutex_t finding = PTHREAD_MUTEX_INITIALIZER;      /* one thread finds it, the others wait */
+	static pthread_mutex_t finding = PTHREAD_MUTEX_INITIALIZER; /* one thread finds it, the others wait */
 	uint64_t work = atomic_load(&scene->typical_work);
 	if (work)
 		return work;

@@ -1,16 +1,17 @@
-/* What an ordinary request to a scene costs, counted, and so what any may. A scene is asked a few requests of its
- * own, always the same: eyes and targets anywhere in it and around it, pictures and budgets of any size. Their median depends
- * on the pack alone, and a bound that is a multiple of it cuts all servers' plans at the same place. */
+/* What an ordinary request to a scene costs, counted, and so what any may. A scene is asked a few requests of
+ * its own, always the same: eyes and targets anywhere in it and around it, pictures and budgets of any size.
+ * Their median depends on the pack alone, and a bound that is a multiple of it cuts all servers' plans at the
+ * same place. */
 #ifndef SRV_TYPICAL_H
 #define SRV_TYPICAL_H
 
 #include "server/store.h"
 
 /* Work of the median request (struct lod_planner_stats), found when it is first asked for, which takes about
- * SRV_TYPICAL_REQUESTS ordinary plans; at least SRV_TYPICAL_WORK_LEAST, a third of a
+ * SRV_TYPICAL_REQUESTS ordinary plans; at least SRV_TYPICAL_WORK_LEAST, two thirds of a
  * millisecond. Any thread. */
 #define SRV_TYPICAL_REQUESTS 63u
-#define SRV_TYPICAL_WORK_LEAST 50000u
+#define SRV_TYPICAL_WORK_LEAST 100000u
 uint64_t srv_typical_work(struct srv_scene *scene);
 
 #endif

@@ -505,9 +505,10 @@ static bool complete(const struct lod_planner *p)
 	return true;
 }
 
-/* Work that the plan of this level is expected to take. Tiles, tallies and choices are gone through once for each
- * lambda, and several times for each price of bytes; cells of the screen for visibilities and predictions. Nothing
- * of this depends on the budget: else a larger one might see a coarser level. */
+/* Work that the plan of this level is expected to take. Tiles, tallies and choices are gone through once for
+ * each lambda, and several times for each price of bytes. Cells of the screen are not counted: a view among
+ * plants needs many at any level that shows them. Nothing of this depends on the budget: else a larger one
+ * might see a coarser level. */
 static uint64_t expected_work(const struct lod_planner *p)
 {
 	bool bytes = p->input->request->bytes != ECO_BYTES_UNBOUNDED;
@@ -515,8 +516,7 @@ static uint64_t expected_work(const struct lod_planner *p)
 		+ SLOT_CHOICES * LOD_WORK_CHOICE * (uint64_t)p->visible.slot_count;
 	for (uint32_t n = 0; n < nodes; n++)
 		each += LOD_WORK_TALLY * (uint64_t)p->visible.nodes[n].tally_count;
-	return each * (bytes ? PASSES_BYTES : PASSES_VERTICES) + SUMMARY_TRIES * LOD_WORK_SUMMARY * nodes
-		+ 2 * LOD_WORK_CELL * lod_screen_cells(&p->screen);
+	return each * (bytes ? PASSES_BYTES : PASSES_VERTICES) + SUMMARY_TRIES * LOD_WORK_SUMMARY * nodes;
 }
 
 /* Is the plan of this level, or of one so many times as large, expected to take no more work than it may? */

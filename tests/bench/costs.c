@@ -1,11 +1,11 @@
-/* What random requests cost: the processor time of the plan of each, on one thread, and the work that it counts.
- * A request's cost is bounded where the worst of many is a small multiple of the median.
+/* What random requests cost: the processor time of the plan of each, on one thread, and the work that it
+ * counts. A request's cost is bounded where the worst of many is a small multiple of the median.
  *
  *   costs [--each] [--deussen] [--seed S] [--from NUMBER] [--times N] COUNT PACK...
  *
  * COUNT requests a pack. --times: one may take so much of the work that an ordinary one of the scene does
- * (server/typical.h); else any. --deussen: by that rule. Prints a line a pack; with --each one a request before it,
- * for sort. */
+ * (server/typical.h); else any. --deussen: by that rule. Prints a line a pack; with --each one a request
+ * before it, for sort. */
 #include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -34,9 +34,9 @@ static int by_ms(const void *a, const void *b)
 static void print_request(const struct eco_request *request, const struct cost *cost,
 	const struct srv_stream *stream)
 {
-	printf("%10.3f ms %9llu work %llu  %ux%u vertices=%llu bytes=%lld: %llu vertices, %u steps\n", cost->ms,
-		(unsigned long long)cost->work, (unsigned long long)cost->number, request->view.width,
-		request->view.height, (unsigned long long)request->vertices,
+	printf("%10.3f ms %9llu work %llu  %ux%u vertices=%llu bytes=%lld: %llu vertices, %u steps\n",
+		cost->ms, (unsigned long long)cost->work, (unsigned long long)cost->number,
+		request->view.width, request->view.height, (unsigned long long)request->vertices,
 		request->bytes == ECO_BYTES_UNBOUNDED ? -1 : (long long)request->bytes,
 		(unsigned long long)stream->steps[stream->step_count - 1].plan.vertices, stream->step_count);
 }
@@ -117,8 +117,8 @@ int main(int argc, char **argv)
 	}
 	run.count = argc - optind >= 2 ? strtoull(argv[optind], NULL, 10) : 0;
 	if (!usable || !run.count) {
-		fputs("usage: costs [--each] [--deussen] [--seed S] [--from NUMBER] [--times N] COUNT PACK...\n",
-			stderr);
+		fputs("usage: costs [--each] [--deussen] [--seed S] [--from NUMBER] [--times N] COUNT "
+			"PACK...\n", stderr);
 		return 2;
 	}
 	for (int i = optind + 1; i < argc; i++)

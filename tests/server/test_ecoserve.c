@@ -162,6 +162,12 @@ UNIT_TEST(it_says_when_it_is_ready_and_ends_when_asked)
 	}
 }
 
+static struct http_answer whole_stream(uint16_t port)
+{
+	return http_get(port, "/v1/scenes/sample/stream?eye=50,-30,12&target=50,30,2&width=400&height=300"
+		"&vertices=3000000");
+}
+
 /* ---- Settings ---- */
 
 #define SETTINGS "build/tmp/test_ecoserve.conf"
@@ -278,6 +284,35 @@ UNIT_TEST(logs_are_lines_of_json_without_tokens)
 	assert_true(lines >= 3);
 }
 
+/* What is said to be the limit is. */
+UNIT_TEST(limits_are_options)
+{
+	static const char *const arguments[] = { "--listen", "127.0.0.1:0", "--head-ms", "50",
+		"--body-bytes",
+		"100",
+		"--answer-bytes", "1000", "--send-ms", "5000", PACK_PATH, NULL };
+	static const char declared[] = "POST /v1/scenes/sample/stream?eye=50,-30,12&target=50,30,2&width=400"
+		"&height=300&vertices=1 HTTP/1.1\r\nHost: t\r\nContent-Type: application/octet-stream\r\n"
+		"Content-Length: 101\r\n\r\n";
+	char line[256], out[8192], err[8192];
+	if (!program[0])
+		skip();
+	struct process process = spawn(arguments);
+	uint16_t port = wait_ready(&process, line);
+	struct http_answer answer = whole_stream(port);
+	if (answer.status != 422)
+		fail_msg("%s", answer.head);
+	http_free(&answer);
+	answer = http_raw(port, declared, sizeof declared - 1);
+	assert_int_equal(answer.status, 413);
+	http_free(&answer);
+	answer = http_raw(port, "", 0);          /* until it is closed */
+	assert_true(answer.status == 0 && answer.closed);
+	http_free(&answer);
+	kill(process.pid, SIGTERM);
+	assert_int_equal(finish(&process, out, err), 0);
+}
+
 UNIT_TEST(ipv6_is_served_where_there_is_some)
 {
 	static const char *const arguments[] = { "--listen", "[::1]:0", PACK_PATH, NULL };
@@ -321,12 +356,6 @@ UNIT_TEST(a_client_that_leaves_does_no_harm)
 	kill(process.pid, SIGTERM);
 	assert_int_equal(finish(&process, out, err), 0);
 	assert_string_equal(err, "");
-}
-
-static struct http_answer whole_stream(uint16_t port)
-{
-	return http_get(port, "/v1/scenes/sample/stream?eye=50,-30,12&target=50,30,2&width=400&height=300"
-		"&vertices=3000000");
 }
 
 /* Zeros in place of its bytes, then nothing: the answers stay those of the pack that was read. */

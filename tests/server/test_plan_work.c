@@ -10,8 +10,8 @@
 #define PATH "build/tmp/test_plan_work.eco"
 #define REQUESTS 400u
 #define TIMES 3u
-/* Nothing is begun any more at the bound, but what has begun ends: an answer at the coarsest level, a price of
- * bytes that fits. */
+/* Nothing is begun any more at the bound, but what has begun ends: an answer at the coarsest level, a price
+ * of bytes that fits. */
 #define OVER 6u
 
 static struct srv_store packs;
@@ -86,6 +86,30 @@ UNIT_TEST(no_request_costs_much_more_than_it_may)
 	assert_true(bounded > 10);
 }
 
+/* Who looks at the scene as people do sees about what there is to see. */
+UNIT_TEST(ordinary_views_are_hardly_cut_short)
+{
+	static const uint64_t budgets[] = { 1000, 30000, 1000000, 3000000 };
+	struct eco_request request = { .view = { .eye = { 50, -30, 12 }, .target = { 50, 30, 2 },
+		.up = { 0, 0, 1 }, .fov_y_deg = 45, .width = 800, .height = 600 }, .bytes = ECO_BYTES_UNBOUNDED };
+	for (size_t i = 0; i < sizeof budgets / sizeof *budgets; i++) {
+		struct srv_stream_input input = { .scene = sample, .request = &request };
+		struct eco_error error = { 0 };
+		double q[2];
+		request.vertices = budgets[i];
+		for (int bounded = 0; bounded < 2; bounded++) {
+			struct srv_stream stream;
+			input.work_max = bounded ? TIMES * srv_typical_work(sample) : 0;
+			assert_ok(srv_stream_plan(&stream, &input, &error), error);
+			const struct eco_plan *plan = &stream.steps[stream.step_count - 1].plan;
+			q[bounded] = eco_predicted_q(&plan->prediction);
+			assert_true(plan->vertices > 0);
+			srv_stream_free(&stream);
+		}
+		assert_true(q[1] > q[0] - 0.05);
+	}
+}
+
 /* Counted, not timed: the same bytes again, whatever else the machine does. */
 UNIT_TEST(bounded_answers_are_the_same_each_time)
 {
@@ -95,7 +119,8 @@ UNIT_TEST(bounded_answers_are_the_same_each_time)
 		if (!random_request(&request, &sample->pack->scene, 11, i))
 			continue;
 		bool fits = random_answer(sample, &request, NULL, SRV_TYPICAL_WORK_LEAST, &first);
-		assert_int_equal(random_answer(sample, &request, NULL, SRV_TYPICAL_WORK_LEAST, &second), fits);
+		assert_int_equal(random_answer(sample, &request, NULL, SRV_TYPICAL_WORK_LEAST, &second),
+			fits);
 		assert_int_equal(first.size_bytes, second.size_bytes);
 		assert_int_equal(first.frames.size, second.frames.size);
 		if (first.frames.size)
