@@ -10,7 +10,8 @@ static bool read_number(const json_t *origin, const char *name, double *value)
 	return json_is_number(number);
 }
 
-enum eco_code view_place_fetch(struct view_fetch *fetch, struct view_sun_place *place, struct eco_error *error)
+enum eco_code view_place_fetch(struct view_fetch *fetch, struct view_sun_place *place,
+	struct eco_error *error)
 {
 	char *text;
 	enum eco_code code = view_fetch_scene(fetch, &text, error);
@@ -21,7 +22,8 @@ enum eco_code view_place_fetch(struct view_fetch *fetch, struct view_sun_place *
 	if (!read_number(origin, "longitude_deg", &place->longitude_deg)
 			|| !read_number(origin, "latitude_deg", &place->latitude_deg)
 			|| !read_number(origin, "convergence_deg", &place->convergence_deg))
-		code = eco_fail(error, ECO_BAD_INPUT, "the scene does not say where on Earth it is: it needs a "
+		code = eco_fail(error, ECO_BAD_INPUT,
+			"the scene does not say where on Earth it is: it needs a "
 			"crs, and a pack made anew");
 	json_decref(about);
 	free(text);

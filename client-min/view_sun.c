@@ -13,7 +13,8 @@ void view_sun_at(const struct view_sun_place *place, double unix_s, float sun[3]
 	double anomaly = (357.528 + 0.9856003 * n) * DEGREE;
 	double along = (280.460 + 0.9856474 * n + 1.915 * sin(anomaly) + 0.020 * sin(2 * anomaly)) * DEGREE,
 		tilt = (23.439 - 0.0000004 * n) * DEGREE;
-	double ascension = atan2(cos(tilt) * sin(along), cos(along)), declination = asin(sin(tilt) * sin(along));
+	double ascension = atan2(cos(tilt) * sin(along), cos(along)),
+		declination = asin(sin(tilt) * sin(along));
 	double sidereal = fmod(18.697374558 + 24.06570982441908 * n, 24) * 15 + place->longitude_deg;
 	double hour = sidereal * DEGREE - ascension, latitude = place->latitude_deg * DEGREE;
 	double up = sin(latitude) * sin(declination) + cos(latitude) * cos(declination) * cos(hour);
@@ -52,7 +53,8 @@ enum eco_code view_sun_read_time(const char *text, void *unix_s, struct eco_erro
 		&& t.tm_mon <= 12 && t.tm_mday >= 1 && t.tm_mday <= 31 && t.tm_hour >= 0 && t.tm_hour < 24
 		&& t.tm_min >= 0 && t.tm_min < 60 && t.tm_sec >= 0 && t.tm_sec < 60;
 	if (!good)
-		return eco_fail(error, ECO_BAD_USAGE, "--sun %.60s: must be a time such as 2026-06-21T10:00Z or "
+		return eco_fail(error, ECO_BAD_USAGE,
+			"--sun %.60s: must be a time such as 2026-06-21T10:00Z or "
 			"2026-06-21T12:00+02:00", text);
 	t.tm_year -= 1900;
 	t.tm_mon -= 1;
