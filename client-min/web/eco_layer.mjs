@@ -72,37 +72,54 @@ export class EcoLayer {
 	/** vertices, bytes: budgets of a view (bytes -1: none); tint: 'none' or 'kind'; sky: draw one where
 	 * nothing is; scale: pixels drawn for each of the page's, either way; memoryBytes: of decoded data;
 	 * sun: a time, in seconds since 1970, where it is then and there; null: where it usually is;
-	 * keep: the browser keeps what comes until the next visit; onChange(): there is more to draw;
-	 * onError(error): an EcoError. */
+	 * keep: the browser keeps what comes until the next visit; token: of a scene that is not for all;
+	 * onChange(): there is more to draw; onError(error): an EcoError. */
 	constructor({ url, gl, vertices = 300000, bytes = -1, tint = 'none', sky = true, scale = 1,
-		memoryBytes, sun = null, keep = false, onChange, onError }) {
+		memoryBytes, sun = null, keep = false, token, onChange, onError }) {
 		Object.assign(this, { gl, vertices, bytes, tint, sky, scale, sun, onChange, onError });
 		this.asked = null;              // the view that is held or under way
 		this.loading = false;
 		this.version = 0;               // of what is drawn
-		this.ready = this.open(url, memoryBytes, keep);
+		this.source = { url, memoryBytes, keep, token };
+		this.ready = this.open();
 	}
 
-	async open(url, memoryBytes, keep) {
+	async open() {
 		const locateFile = (name) => new URL(name, import.meta.url).href;
+		const { url, token } = this.source;
 		[this.module, this.about] = await Promise.all([createClient({ locateFile }),
-			aboutScene(url)]);
+			aboutScene(url, token)]);
 		this.context = this.module.GL.registerContext(this.gl,
 			{ majorVersion: 2, minorVersion: 0, enableExtensionsByDefault: true });
-		this.stream = await this.openStream(url, memoryBytes, keep);
+		this.stream = await this.openStream();
+	}
+
+	/** Begins anew: the server has another pack of the scene. */
+	async reopen() {
+		const { url, token } = this.source, { id } = this.about;
+		this.about = await aboutScene(url, token);
+		if (this.about.id === id)
+			throw new EcoError(`${url}: the server refuses the pack that it says it has`);
+		const before = this.stream, stream = await this.openStream();
+		if (!before)
+			return stream.free();
+		this.module.GL.makeContextCurrent(this.context);
+		before.free();
+		Object.assign(this, { stream, asked: null, drawn: null });
 	}
 
 	/** A stream that holds what was kept of the last visit. */
-	async openStream(url, memoryBytes, keeps) {
-		const keep = keeps ? await EcoKeep.open(this.about.id) : null;
+	async openStream() {
+		const { url, memoryBytes, token } = this.source, pack = this.about.id;
+		const keep = this.source.keep ? await EcoKeep.open(pack) : null;
 		const answers = keep ? await keep.answers() : [];
-		const stream = new EcoStream(this.module, url, { memoryBytes, keep });
+		const stream = new EcoStream(this.module, url, { memoryBytes, keep, pack, token });
 		const { low, high } = this.about.bounds;
 		if (await stream.replay(answers, { eye: high.map((v) => v + 1), target: low, fov_y_deg: 45 }))
 			return stream;
 		stream.free();
 		await keep.clear();
-		return new EcoStream(this.module, url, { memoryBytes, keep });
+		return new EcoStream(this.module, url, { memoryBytes, keep, pack, token });
 	}
 
 	/** Frees what the scene takes here and on the GPU. Nothing may be drawn afterwards. */
@@ -183,7 +200,9 @@ export class EcoLayer {
 			await this.stream.fetch(wanted.view, { ...wanted, signal, onPart });
 			show();
 		} catch (error) {
-			if (error.name !== 'AbortError')
+			if (error.status === 409)
+				await this.reopen().catch((again) => this.onError?.(again));
+			else if (error.name !== 'AbortError')
 				this.onError?.(error);
 		}
 		this.loading = false;

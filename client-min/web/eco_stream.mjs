@@ -7,8 +7,10 @@ const RETRY_MAX_MS = 30000;
 
 const pause = (ms = 0) => new Promise((done) => setTimeout(done, ms));
 
-/** What a server or the client says is wrong: `message` is for people. */
+/** What a server or the client says is wrong: `message` is for people, `status` HTTP's, if it is that. */
 export class EcoError extends Error {}
+
+const access = (token) => token ? { Authorization: `Bearer ${token}` } : {};
 
 /** The error of an answer that is no stream: a problem document (RFC 9457), or a server that is none of
  * ours. */
@@ -16,12 +18,13 @@ async function problemOf(url, answer) {
 	const type = answer.headers.get('content-type') ?? '';
 	const document = type.includes('json') ? await answer.json().catch(() => null) : null;
 	const detail = document?.title ? [document.title, document.detail].filter(Boolean).join(': ') : type;
-	return new EcoError(`${url}: the server answered ${answer.status}: ${detail}`);
+	const error = new EcoError(`${url}: the server answered ${answer.status}: ${detail}`);
+	return Object.assign(error, { status: answer.status });
 }
 
 /** What a scene is: openapi.yaml's Scene. */
-export async function aboutScene(url) {
-	const answer = await fetch(url);
+export async function aboutScene(url, token) {
+	const answer = await fetch(url, { headers: access(token) });
 	if (!answer.ok)
 		throw await problemOf(url, answer);
 	return answer.json();
@@ -30,10 +33,10 @@ export async function aboutScene(url) {
 /** One scene: what is held of it, and what is drawn. `module` is an instance of eco_client.mjs; `url` is
  * http://HOST/v1/scenes/NAME. */
 export class EcoStream {
-	/** keep: an EcoKeep, of what comes. */
-	constructor(module, url, { memoryBytes = 512 * 2 ** 20, keep = null } = {}) {
-		this.module = module;
-		this.keep = keep;
+	/** keep: an EcoKeep, of what comes; pack: the id of the scene's pack, which is refused (409) once the
+	 * server has another; token: of a scene that is not for all. */
+	constructor(module, url, { memoryBytes = 512 * 2 ** 20, keep = null, pack, token } = {}) {
+		Object.assign(this, { module, keep, pack, token });
 		this.url = url.replace(/\/+$/, '');
 		this.web = module._web_new(memoryBytes);
 		if (!this.web)
@@ -103,16 +106,20 @@ export class EcoStream {
 		return true;
 	}
 
+	query() {
+		const query = this.text(this.module._web_query(this.web));
+		return this.pack ? `${query}&pack=${this.pack}` : query;
+	}
+
 	/** One answer; a server that is busy is asked again when it says so. */
 	async ask(signal) {
 		const { module, web } = this;
 		for (;;) {
 			const body = module._web_ask(web);
 			this.check(!body);
-			const query = this.text(module._web_query(web));
 			const holdings = module.HEAPU8.slice(body, body + module._web_body_size(web));
-			const headers = { 'Content-Type': 'application/octet-stream' };
-			const answer = await fetch(`${this.url}/stream?${query}`,
+			const headers = { 'Content-Type': 'application/octet-stream', ...access(this.token) };
+			const answer = await fetch(`${this.url}/stream?${this.query()}`,
 				{ method: 'POST', headers, body: holdings, signal });
 			if (answer.ok)
 				return answer;
@@ -184,8 +191,8 @@ export class EcoStream {
 
 	/** Why each cut of the last request is what it is: rows of openapi.yaml's `explanation`. */
 	async explain() {
-		const query = this.text(this.module._web_query(this.web));
-		const answer = await fetch(`${this.url}/plan?${query}&explain=1`);
+		const answer = await fetch(`${this.url}/plan?${this.query()}&explain=1`,
+			{ headers: access(this.token) });
 		if (!answer.ok)
 			throw await problemOf(this.url, answer);
 		return (await answer.json()).explanation;

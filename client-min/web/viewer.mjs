@@ -9,6 +9,7 @@ const camera = new Camera();
 const settings = { scene: '', mode: 'orbit', vertices: 300000, bytes: -1, kind: 0, sun: '' };
 const STILL_MS = 250, LOADING_MS = 300;
 let engine = null, about = null, frame = 0, movedAt = -Infinity, recording = null;
+let token = null;                        // of a scene that is not for all: #scene=NAME&token=TOKEN
 let asked = 0, drawn = null, picked = null, view = null, incompleteSince = 0;
 
 const say = (text, error = false) => {
@@ -25,6 +26,7 @@ function readAddress() {
 	for (const key of ['vertices', 'bytes', 'kind'])
 		if (given.has(key) && Number.isFinite(Number(given.get(key))))
 			settings[key] = Number(given.get(key));
+	token = given.get('token') ?? token;
 	const points = ['eye', 'target'].map((key) => (given.get(key) ?? '').split(',').map(Number));
 	view = points.every((v) => v.length === 3 && v.every(Number.isFinite)) ? points : null;
 }
@@ -141,7 +143,7 @@ function open(name) {
 		return;
 	closeCard();
 	say('Loading');
-	engine.postMessage({ type: 'open', url: new URL(`/v1/scenes/${name}`, location.href).href });
+	engine.postMessage({ type: 'open', url: new URL(`/v1/scenes/${name}`, location.href).href, token });
 }
 
 function showSettings() {
@@ -240,7 +242,7 @@ const shortcuts = {
 function goToAddress(scenes) {
 	const before = settings.scene;
 	readAddress();
-	if (scenes && !scenes.includes(settings.scene))
+	if (scenes && !scenes.includes(settings.scene) && !token)
 		[settings.scene] = scenes;
 	$('scene').value = settings.scene;
 	if (settings.scene !== before)
@@ -255,6 +257,8 @@ async function start() {
 	engine.onmessage = ({ data }) => heard[data.type](data);
 	goToAddress(null);
 	const { scenes } = await (await fetch('/v1/scenes')).json(), names = scenes.map(({ name }) => name);
+	if (token && !names.includes(settings.scene))
+		names.push(settings.scene);
 	if (!names.length)
 		return say('This server has no scenes.', true);
 	$('scene').replaceChildren(...names.map((name) => new Option(name)));

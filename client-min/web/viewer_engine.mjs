@@ -1,7 +1,7 @@
 // What draws the viewer's picture: a worker, so that neither decoding nor drawing keeps the page from its
 // input; in a browser that has no canvas for workers, the page itself. Messages to it:
 //
-//   { type: 'open', url }                           another scene; 'opened' brings what the server says of it
+//   { type: 'open', url, token }                    another scene; 'opened' brings what is said of it
 //   { type: 'draw', number, matrix, eye, size, moving, vertices, bytes, tint, sun }  the view from now on
 //   { type: 'pick', at }                            what is seen there? 'picked', then 'explained': why so
 //   { type: 'explain' }                             why is the picture what it is?
@@ -46,11 +46,11 @@ class Engine {
 		});
 	}
 
-	async open({ url }) {
+	async open({ url, token }) {
 		this.layer?.free();
 		this.layer = null;
 		const onError = (error) => this.fail(error.message), onChange = () => this.redraw();
-		const layer = new EcoLayer({ url, gl: this.gl, keep: true, onChange, onError });
+		const layer = new EcoLayer({ url, token, gl: this.gl, keep: !token, onChange, onError });
 		this.opening = layer;
 		await layer.ready;
 		if (this.opening !== layer)

@@ -18,7 +18,7 @@ make_scene() { # NAME PLANTS
 }
 make_scene city 20
 make_scene meadow 12
-"$BUILD/ecoserve" --listen 127.0.0.1:0 --viewer build/web/site "$dir/city.eco" "$dir/meadow.eco" >"$dir/ready" &
+"$BUILD/ecoserve" --listen 127.0.0.1:0 --viewer build/web/site "city=$dir/city.eco" "$dir/meadow.eco" >"$dir/ready" &
 server=$!
 trap 'kill $server 2>/dev/null' EXIT
 for _ in $(seq 100); do grep -q ready "$dir/ready" && break; sleep 0.1; done
@@ -42,7 +42,9 @@ for scene in city meadow; do
 done
 # the page, and that ecoview replays what it recorded
 if [ -n "$chromium" ]; then
-	node tests/client/web/viewer.mjs "$url/v1/scenes/city" "$chromium" "$dir/city/plants.csv" "$dir/recorded.json" || fail "the viewer"
+	reload="cp $dir/meadow.eco $dir/next.eco && mv $dir/next.eco $dir/city.eco && kill -HUP $server"
+	node tests/client/web/viewer.mjs "$url/v1/scenes/city" "$chromium" "$dir/city/plants.csv" "$dir/recorded.json" "$reload" \
+		|| fail "the viewer"
 	"$BUILD/ecoview" "$url/v1/scenes/city" --camera "$dir/recorded.json" --size 64x48 --vertices 3000 --glb \
 		--sun 2026-06-21T18:00Z -o "$dir/recorded" >/dev/null \
 		&& [ -s "$dir/recorded/frame-0001.png" ] && [ -s "$dir/recorded/frame-0001.glb" ] || fail "ecoview does not replay what the viewer recorded"

@@ -1,10 +1,11 @@
-// viewer.mjs URL CHROMIUM PLANTS.csv SCRIPT.json: the page at / as somebody uses it, by pointer and by
+// viewer.mjs URL CHROMIUM PLANTS.csv SCRIPT.json RELOAD: the page at / as somebody uses it, by pointer and by
 // keyboard. URL is the scene's, PLANTS.csv its inventory (plant, easting, northing, height_m). What was
-// recorded goes to SCRIPT.json.
+// recorded goes to SCRIPT.json. RELOAD is a command that gives the scene a pack of other plants.
+import { execSync } from 'node:child_process';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { Browser } from './browser.mjs';
 
-const [url, chromium, inventory, script] = process.argv.slice(2);
+const [url, chromium, inventory, script, reload] = process.argv.slice(2);
 const name = url.split('/').pop(), page = new URL(`/#scene=${name}`, url).href;
 const complete = "document.getElementById('picture')?.dataset.complete === 'true'";
 const rows = readFileSync(inventory, 'utf8').trim().split('\n').slice(1).map((line) => line.split(','));
@@ -170,6 +171,15 @@ async function comesBack() {
 	expect(received < 0.2 * facts.bytes, `${received} bytes came again, of ${facts.bytes} that are held`);
 }
 
+/** A page that is open while the scene gets another pack shows that one. */
+async function takesAnotherPack() {
+	const names = 'viewer.drawn.facts.species.map(({ name }) => name).sort().join()';
+	const before = await ask(names);
+	execSync(reload);
+	await press('h');
+	await browser.until(`${complete} && ${names} !== ${JSON.stringify(before)}`);
+}
+
 try {
 	await browser.open(page, 640, 480);
 	await browser.until(complete);
@@ -185,6 +195,7 @@ try {
 	await walks();
 	await recordsAndSaves();
 	await comesBack();
+	await takesAnotherPack();
 	const state = await text('state');
 	expect(state === '', `the page reports: ${state}`);
 	expect(!browser.complaints.length, browser.complaints.join('\n'));
