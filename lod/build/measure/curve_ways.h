@@ -13,7 +13,7 @@
 #define LOD_CURVE_STEP_HIGH 24
 #define LOD_CURVE_FORMS_MAX 4
 /* Reaches tried at a share: from all in full detail (0) to all in the coarsest form. */
-#define LOD_CURVE_WAYS_MAX 12
+#define LOD_CURVE_WAYS_MAX 8
 
 struct lod_curve_way {               /* one reach at one share */
 	/* The sample whose vertices, all in the coarsest form, are this reach; ECO_NONE: that of full

@@ -25,8 +25,8 @@
 #include "lod/sort.h"
 
 #define VIEWS_LEAST 24u
-#define VIEWS_MOST 64u
-#define SEEN 240000u                     /* elements times views, within these bounds */
+#define VIEWS_MOST 44u
+#define SEEN 160000u                     /* elements times views, within these bounds */
 /* Elements: larger plants use half of the least number of views, to end in time. */
 #define LARGE 100000u
 /* Share of the elements up to which they are picked as points. */
