@@ -37,7 +37,8 @@ static enum eco_code open_scene(struct camera *c, struct eco_error *error)
 		return code;
 	const struct eco_source *scene = &c->sources.items[0];
 	struct eco_ground_options ground = { .source = &scene->ground, .scene_crs = scene->crs,
-		.scene_vertical = scene->vertical, .side_max = ECO_GROUND_INSIDE_MAX, .warn = main_note_text };
+		.scene_vertical = scene->vertical, .side_max = ECO_GROUND_INSIDE_MAX,
+		.warn = main_note_text };
 	c->o.has_ground = true;
 	c->o.crs = scene->crs;
 	memcpy(c->o.origin, scene->origin, sizeof ground.origin);
@@ -113,8 +114,8 @@ static void say_moved(const struct camera *c, const struct eco_track *track, con
 			"that: raised (--clearance M)\n", f->raised * percent, c->o.clearance_m,
 			f->raised_m);
 	if (f->off_ground)
-		fprintf(c->out, "%.0f %% of the way is beyond the border of the scene's heights: there it is above the "
-			"ground by which make continues them\n", f->off_ground * percent);
+		fprintf(c->out, "%.0f %% of the way is beyond the border of the scene's heights: there it is "
+			"above the ground by which make continues them\n", f->off_ground * percent);
 	if ((c->scene || c->o.crs) && far_m > FAR_M)
 		fprintf(c->out, "the track is %.0f km from the scene's origin, so its pictures show nothing "
 			"of it: add --to X,Y,Z to bring its first fix there, or --track-crs EPSG:... if its "

@@ -219,8 +219,8 @@ static json_t *info_json(const struct eco_pack *pack, const struct totals *t, co
 				list->grid_step[2], "tiles", (json_int_t)s->ground_count, "levels",
 				(json_int_t)top->level + 1));
 	}
-	static const char *const copied[] = { "generator", "order", "draft", "crs", "origin", "place", "eco_files",
-		"off_ground", "rows" };
+	static const char *const copied[] = { "generator", "order", "draft", "crs", "origin", "place",
+		"eco_files", "off_ground", "rows" };
 	for (size_t i = 0; info && i < sizeof copied / sizeof *copied; i++)
 		if (json_object_get(meta, copied[i]))
 			json_object_set(info, copied[i], json_object_get(meta, copied[i]));

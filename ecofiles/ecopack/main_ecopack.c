@@ -66,8 +66,8 @@ static enum eco_code run_make(int argc, char **argv, struct eco_error *error)
 		code = eco_fail(error, ECO_BAD_USAGE, "--cache %.40s: must be the name of a folder",
 			make->cache);
 	if (!code && make->draft && make_given.order_given)
-		code = eco_fail(error, ECO_BAD_USAGE, "--draft has an order of its own: leave out --order, or "
-			"--draft");
+		code = eco_fail(error, ECO_BAD_USAGE, "--draft has an order of its own: leave out --order, "
+			"or --draft");
 	make->order = make->draft ? LOD_ORDER_COMBINED : (enum lod_order_method)make_given.order;
 	make->jobs = (uint32_t)make_given.jobs;
 	make->models = (uint32_t)make_given.models;
@@ -92,9 +92,9 @@ static const struct eco_option make_options[] = {
 	{ "output", 'o', ECO_OPTION_TEXT, "OUT.eco", &make_given.make.pack, .is_required = true,
 		.help = "the pack, which appears complete or not at all and replaces nothing but a pack" },
 	{ "draft", 0, ECO_OPTION_FLAG, NULL, &make_given.make.draft,
-		.help = "for a first look, in a fraction of the time: crowns thin out more roughly, textures have "
-		"at most 512 texels a side. The same command without it makes the pack as if there had been no "
-		"draft" },
+		.help = "for a first look, in a fraction of the time: crowns thin out more roughly, textures "
+		"have at most 512 texels a side. The same command without it makes the pack as if there had "
+		"been no draft" },
 	{ "order", 0, ECO_OPTION_CHOICE, "NAME", &make_given.order, .choices = lod_order_names,
 		.given = &make_given.order_given,
 		.help = "which leaves come first: greedy (the default: those that make most pixels right), "

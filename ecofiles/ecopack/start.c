@@ -124,8 +124,8 @@ static void print_next(const char *folder)
 	start_name(folder, name);
 	printf("\n%s: scene.json, map.png and camera.json are written. Look at map.png and at \"notes\" in "
 		"scene.json; then:\n", folder);
-	printf("  ecopack make --draft %s/scene.json -o %s/%s.eco   # seconds; later without --draft: minutes\n",
-		folder, folder, name);
+	printf("  ecopack make --draft %s/scene.json -o %s/%s.eco   # seconds; later without --draft: "
+		"minutes\n", folder, folder, name);
 	printf("  ecoserve %s/%s.eco &\n", folder, name);
 	printf("  ecoview http://127.0.0.1:8080/v1/scenes/%s --camera %s/camera.json --size 1280x720 "
 		"--vertices 1000000 -o %s/picture\n", name, folder, folder);

@@ -24,8 +24,8 @@ struct lod_texture {
 	float texel_area;            /* m^2 of the plant that a texel of the last level covers, in the mean */
 };
 
-/* A texture that no triangle shows keeps all its texels; its texel_area is 0. `side_most`: texels of its longer
- * side, at least 32, or 0: ECO_TEXTURE_SIDE_MAX. */
+/* A texture that no triangle shows keeps all its texels; its texel_area is 0. `side_most`: texels of its
+ * longer side, at least 32, or 0: ECO_TEXTURE_SIDE_MAX. */
 enum eco_code lod_texture_make(struct lod_texture *texture, const struct eco_model *model, uint32_t image,
 	uint32_t side_most, struct eco_error *error);
 void lod_texture_free(struct lod_texture *texture);

@@ -181,7 +181,8 @@ bool splat_descend(struct splat_descent *d, struct lod_arena *arena)
 	steps /= d->options->draft ? STEPS_DRAFT : 1;
 	for (uint32_t i = 0; i < steps && go; i++) {
 		float at = (float)i / (float)steps, rest = (1 - at) * (1 - at);
-		s.soft = (struct splat_softness){ .edge_px = 0.8f * unit, .least = d->settle ? 0 : 0.6f * rest,
+		s.soft = (struct splat_softness){ .edge_px = 0.8f * unit,
+			.least = d->settle ? 0 : 0.6f * rest,
 			.blur_px2 = 0.2f * unit * unit, .chance = d->chance };
 		s.batch = i % s.batches;
 		if (d->parents && at > ALONE && i / s.batches % 2)

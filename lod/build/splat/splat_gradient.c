@@ -96,8 +96,8 @@ static void draw(const struct splat_ellipse *e, float *free, uint32_t stride)
 static float sum4(lod_f4 v) { return v[0] + v[1] + (v[2] + v[3]); }
 
 /* `weight`: derivative of the loss by what is left free, times that. */
-static void pull(const struct splat_ellipse *e, const struct splat_views *views, const struct splat_view *view,
-	const float *weight, float opacity, struct splat_params *gradient)
+static void pull(const struct splat_ellipse *e, const struct splat_views *views,
+	const struct splat_view *view, const float *weight, float opacity, struct splat_params *gradient)
 {
 	lod_f4 one = lod_f4_all(1), alpha = lod_f4_all(e->alpha), zero = lod_f4_all(0);
 	lod_f4 sx = zero, sy = zero, sxx = zero, sxy = zero, syy = zero, so = zero;
@@ -198,8 +198,8 @@ static void weigh(const struct splat_views *views, const struct splat_view *view
 }
 
 /* An ellipse gets the colour that the plant shows where nothing is in front of the ellipse. */
-static void add_light(const struct splat_ellipse *e, const struct splat_views *views, const struct splat_view *view,
-	float *left, struct lod_light *light)
+static void add_light(const struct splat_ellipse *e, const struct splat_views *views,
+	const struct splat_view *view, float *left, struct lod_light *light)
 {
 	for (int32_t y = e->y0; y < e->y1; y++) {
 		float dy = (float)y + 0.5f - e->y, *row = left + (size_t)y * views->stride;

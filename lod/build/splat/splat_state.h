@@ -42,7 +42,8 @@ enum eco_code splat_views_make(struct splat_views *views, const struct eco_model
 
 /* The same views in pixels twice as wide and high, without light and samples: what large splats cover hardly
  * changes within one, so that they are fitted in a quarter of the work (lod/EXPERIMENTS.md, Coarse views). */
-void splat_views_coarsen(struct splat_views *coarse, const struct splat_views *views, struct lod_arena *arena);
+void splat_views_coarsen(struct splat_views *coarse, const struct splat_views *views,
+	struct lod_arena *arena);
 
 /* Those of all views. */
 struct splat_points { float (*at)[3]; uint32_t *triangle, count; };

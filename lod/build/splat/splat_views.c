@@ -186,12 +186,13 @@ enum eco_code splat_views_make(struct splat_views *views, const struct eco_model
 	return code;
 }
 
-void splat_views_coarsen(struct splat_views *coarse, const struct splat_views *views, struct lod_arena *arena)
+void splat_views_coarsen(struct splat_views *coarse, const struct splat_views *views,
+	struct lod_arena *arena)
 {
 	uint32_t pixels = views->pixels / 2, stride = pixels + 4;
 	size_t plane = (size_t)pixels * stride;
-	*coarse = (struct splat_views){ .count = views->count, .pixels = pixels, .stride = stride, .planes = 4,
-		.scale = views->scale / 2, .radius = views->radius };
+	*coarse = (struct splat_views){ .count = views->count, .pixels = pixels, .stride = stride,
+		.planes = 4, .scale = views->scale / 2, .radius = views->radius };
 	memcpy(coarse->center, views->center, sizeof coarse->center);
 	coarse->items = lod_arena_take(arena, views->count, sizeof *coarse->items);
 	for (uint32_t i = 0; i < views->count; i++) {
@@ -201,8 +202,10 @@ void splat_views_coarsen(struct splat_views *coarse, const struct splat_views *v
 		view->light = NULL;
 		view->sample = NULL;
 		for (uint32_t y = 0; y < views->pixels; y++)
-			for (uint32_t x = 0; x < views->pixels; x++)
-				view->cover[(2 * (y % 2) + x % 2) * plane + (size_t)(y / 2) * stride + x / 2] =
-					views->items[i].cover[(size_t)y * views->stride + x];
+			for (uint32_t x = 0; x < views->pixels; x++) {
+				size_t to = (size_t)(y / 2) * stride + x / 2,
+					from = (size_t)y * views->stride + x;
+				view->cover[(2 * (y % 2) + x % 2) * plane + to] = views->items[i].cover[from];
+			}
 	}
 }
