@@ -413,6 +413,15 @@ static json_t *rows_json(const struct link *l)
 	return json_pack("{s:I, s:o}", "read", sum_of(l, "rows", NULL, "read"), "skipped", skipped);
 }
 
+/* A whole of which a part is a draft is one. */
+static bool has_draft(const struct link *l)
+{
+	bool any = false;
+	for (uint32_t i = 0; i < l->count; i++)
+		any = any || json_is_true(json_object_get(l->parts[i].meta, "draft"));
+	return any;
+}
+
 static enum eco_code whole_meta(const struct link *l, char **json)
 {
 	json_t *first = l->parts[0].meta, *order = json_object_get(first, "order");
@@ -424,6 +433,8 @@ static enum eco_code whole_meta(const struct link *l, char **json)
 		(json_int_t)l->m.scene.tiles[0].instance_count, "tiles", (json_int_t)l->m.scene.tile_count,
 		"ground", make_ground_origin(&l->m), "off_ground", sum_of(l, NULL, NULL, "off_ground"),
 		"rows", rows_json(l), "plants", l->plants);
+	if (has_draft(l))
+		json_object_set_new(root, "draft", json_true());
 	*json = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
 	json_decref(root);
 	return *json ? ECO_OK : eco_fail(l->m.error, ECO_NO_MEMORY, "no memory for the pack's description");

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "ecofiles/ecopack/inspect.h"
+#include "ecofiles/ecopack/link.h"
 #include "ecofiles/ecopack/make.h"
 #include "ecofiles/ecopack/progress.h"
 #include "tests/support/files.h"
@@ -83,6 +84,31 @@ UNIT_TEST(a_make_after_a_draft_is_as_if_there_had_been_none)
 	assert_true(files_alike(in_root("fresh.eco"), in_root("pack.eco")));
 	make("pack.eco", true, true);
 	assert_true(files_alike(in_root("again.eco"), in_root("pack.eco")));
+}
+
+/* As info says it; linked packs are a draft if one of them is. */
+static bool is_draft(const char *name)
+{
+	struct eco_pack *pack;
+	struct eco_error error = { 0 };
+	assert_ok(eco_pack_open(&pack, in_root(name), &error), error);
+	bool says = memmem(pack->meta, pack->meta_size, "\"draft\": true", 13) != NULL;
+	eco_pack_close(pack);
+	return says;
+}
+
+UNIT_TEST(packs_say_that_they_are_drafts)
+{
+	char fresh[300], draft[300], linked[300];
+	struct eco_error error = { 0 };
+	snprintf(fresh, sizeof fresh, "%s", in_root("fresh.eco"));
+	snprintf(draft, sizeof draft, "%s", in_root("again.eco"));
+	snprintf(linked, sizeof linked, "%s", in_root("linked.eco"));
+	const char *const parts[] = { fresh, draft };
+	assert_ok(link_packs(&(struct link_options){ linked, parts, 2, 1 }, &error), error);
+	assert_true(is_draft("again.eco") && is_draft("linked.eco") && !is_draft("fresh.eco"));
+	assert_ok(link_packs(&(struct link_options){ linked, parts, 1, 1 }, &error), error);
+	assert_false(is_draft("linked.eco"));
 }
 
 /* The name of the cache's only plant, and its file's number; 0: there is none. */
