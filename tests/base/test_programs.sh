@@ -63,6 +63,8 @@ for size in '' 0 -1 63K 64MB 64X 1.5G ' 64M' 1025G 99999999999999999999G; do
 	run 2 http://localhost/v1/scenes/none --camera none.json --size 8x8 --vertices 1 -o "$DIR/none" --memory "$size"
 	says err "--memory .*such as 64M or 2G, from 64K to 1024G"
 done
+run 2 http://localhost/v1/scenes/none --camera none.json --size 8x8 --vertices 1 -o "$DIR/none" --chunks http://localhost --progressive 20000
+says err "--progressive: not with --chunks"
 for size in 65536 64K 64M 1024G; do
 	run 1 http://localhost/v1/scenes/none --camera "$DIR/none.json" --size 8x8 --vertices 1 -o "$DIR/none" --memory "$size"
 	says err "none.json"
