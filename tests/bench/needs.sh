@@ -1,7 +1,7 @@
 #!/bin/sh
 # Costs of each feature of a scene, and that it costs nothing where it is not used: six scenes, each with one thing more than the one
 # before, from bare lines to everything. BUILD is the folder of the programs, DIR where to work. Prints a CSV table.
-# With `features` after DIR: scenes of one feature each, and the modules that each takes.
+# With `features` after DIR: scenes of one feature each, and the modules that each takes. MAKE_AS: options of make, --order combined if not given.
 #
 # The modules that ecopack needs for a scene are found by giving it none (ECO_MODULES), then those that it asks for: one not there cannot
 # be loaded. It loads most of them in a child process, which may write nothing that could be looked at.
@@ -128,7 +128,7 @@ pack() {
 	mkdir -p "$DIR/modules"
 	modules=
 	while :; do
-		ECO_MODULES=$DIR/modules libraries "$BUILD/ecopack" make "$DIR/$1.json" -o "$DIR/$1.eco" --order combined >"$DIR/said" 2>&1 && done=1 || done=
+		ECO_MODULES=$DIR/modules libraries "$BUILD/ecopack" make "$DIR/$1.json" -o "$DIR/$1.eco" ${MAKE_AS:---order combined} >"$DIR/said" 2>&1 && done=1 || done=
 		missing=$(sed -n 's/.*eco\([a-z]*\)\.so, needed for.*/\1/p' "$DIR/said" | head -n 1)
 		[ -n "$missing" ] || break
 		[ ! -e "$DIR/modules/eco$missing.so" ] || break

@@ -230,7 +230,7 @@ static struct eco_pack *made(const char *scene, const char *to, uint32_t models)
 	struct eco_error error = { 0 };
 	struct eco_pack *pack = NULL;
 	struct make_options options = { .scene = in_root(scene), .pack = in_root(to),
-		.order = LOD_ORDER_STOCHASTIC, .models = models };
+		.order = LOD_ORDER_COMBINED, .draft = true, .models = models };
 	assert_ok(make_pack(&options, &error), error);
 	assert_ok(eco_pack_open(&pack, in_root(to), &error), error);
 	return pack;

@@ -33,7 +33,7 @@ static void serve(struct seen *seen, const char *json, const char *pack)
 	snprintf(from, sizeof from, "%s", in_root(json));
 	snprintf(to, sizeof to, "%s", in_root(pack));
 	assert_ok(make_pack(&(struct make_options){ .scene = from, .pack = to, .jobs = 2,
-		.order = LOD_ORDER_STOCHASTIC }, &error), error);
+		.order = LOD_ORDER_COMBINED, .draft = true }, &error), error);
 	*seen = (struct seen){ .scene = NULL };
 	srv_store_init(&seen->packs);
 	assert_ok(srv_store_add(&seen->packs, "it", to, &error), error);
