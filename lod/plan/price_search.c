@@ -14,6 +14,7 @@
 #define LOW_OCTAVES 10           /* no bytes are so far below any */
 #define PRICE_GAPS 4             /* filled after each other */
 #define PRICE_STEP 0.05          /* octaves to which a price is searched */
+#define PRICE_TRIES 5            /* of a search, whatever work is done: the highest price draws nothing */
 
 #define LN_2 0.69314718055994530942
 
@@ -52,8 +53,8 @@ static struct lod_price search_price(struct lod_allocation *m, double lambda, do
 {
 	double over = 1, under = 1, bytes = 0;
 	int side = 0;
-	while (high - *low > PRICE_STEP && bytes < target * (1 - LOD_PRICE_SLACK)
-			&& !lod_planner_over(m->p, 4)) {
+	for (int tries = 0; high - *low > PRICE_STEP && bytes < target * (1 - LOD_PRICE_SLACK)
+			&& (tries < PRICE_TRIES || !lod_planner_over(m->p, 4)); tries++) {
 		double part = over / (over + under);
 		part = part < 0.1 ? 0.1 : part > 0.9 ? 0.9 : part;
 		double middle = *low + part * (high - *low);

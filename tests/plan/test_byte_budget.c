@@ -151,7 +151,7 @@ static void begin(struct relaxed *r, const struct lod_planner_input *input)
 {
 	struct eco_error error = { 0 };
 	assert_ok(lod_planner_begin(&r->p, input, &error), error);
-	assert_ok(lod_planner_open_level(&r->p, 4, &error), error);
+	assert_ok(lod_planner_open_level(&r->p, 12, &error), error);
 	assert_ok(lod_allocation_make(&r->m, &r->p, &error), error);
 	assert_ok(lod_prices_make(&r->m, NULL, 0, &error), error);
 }
@@ -209,6 +209,33 @@ UNIT_TEST(what_is_kept_from_one_relaxation_to_the_next_changes_none)
 	assert_true(two > 100);
 	print_message("%.2f of the looks at hulls\n", (double)less / (double)looks);
 	assert_true(less < looks);
+}
+
+/* At the highest price nothing is drawn: however little work is left, a search goes on to one that uses bytes. */
+UNIT_TEST(a_price_is_found_though_the_work_is_done)
+{
+	uint32_t some = 0, searched = 0;
+	for (uint64_t seed = 1; seed <= SCENES; seed++) {
+		struct random_pack *pack = random_pack_make(seed, seed % 2 ? 0 : 3, 1 + seed % 5);
+		const struct eco_request request = { .view = random_view(&pack->r), .vertices = 10000 };
+		const struct lod_planner_input input = { .scene = &pack->pack.scene, .request = &request,
+			.work_max = 1 };
+		const struct lod_price free = { -20, -20 };
+		struct lod_price at;
+		struct relaxed a;
+		begin(&a, &input);
+		double target = lod_price_relax(&a.m, 1e-9, &free) / 2, over;
+		if (target > 0) {
+			double bytes = lod_price_find(&a.m, 1e-9, target, NAN, &at, &over);
+			assert_true(bytes <= target);
+			some += bytes > 0.8 * target;
+			searched++;
+		}
+		end(&a);
+		random_pack_free(pack);
+	}
+	print_message("%u of %u use four fifths of the bytes\n", some, searched);
+	assert_true(searched > 5 && some > searched / 3);
 }
 
 /* ---- Bytes that nobody misses ---- */
