@@ -5,11 +5,11 @@
  *   view_fetch_free(fetch);
  *
  * POST url/stream?eye=..&target=..&up=..&fov_y_deg=..&width=..&height=..&vertices=..[&bytes=..][&rule=..]
- * with the store's holdings as body, and [&pack=..], which they are of: where the scene has another by now that
- * is a problem of status 409, and a new store begins anew. With a host of chunks also name_from=..: the stream
- * is then read twice, for names while it comes, which are fetched at once, and into the store when it is whole.
- * Problem documents (RFC 9457) become errors with their title and detail. Everything is bounded: the body, its
- * rate, the time. */
+ * with the store's holdings as body, and [&pack=..], which they are of: where the scene has another by now
+ * that is a problem of status 409, and a new store begins anew. With a host of chunks also name_from=..: the
+ * stream is then read twice, for names while it comes, which are fetched at once, and into the store when it
+ * is whole. Problem documents (RFC 9457) become errors with their title and detail. Everything is bounded:
+ * the body, its rate, the time. */
 #ifndef VIEW_FETCH_H
 #define VIEW_FETCH_H
 

@@ -125,8 +125,8 @@ static uint32_t material_of(const struct finder *f, uint32_t component)
 	return m < f->model->material_count ? m : f->model->material_count;
 }
 
-/* What speaks with one voice: a material's green components, and its others. A palette or an atlas for a whole
- * plant has one material for bark and leaves, and tells them apart by colour alone. */
+/* What speaks with one voice: a material's green components, and its others. A palette or an atlas for a
+ * whole plant has one material for bark and leaves, and tells them apart by colour alone. */
 static uint32_t voice_of(const struct finder *f, uint32_t component)
 {
 	return 2 * material_of(f, component) + lod_colour_is_green(f->shape[component].rgb);

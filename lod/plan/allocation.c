@@ -119,8 +119,8 @@ static void relax_slot(struct lod_allocation *m, struct lod_slot_choice *slot_ch
 		relax_whole(m, slot_choice);
 }
 
-/* Bytes are none of a slot's costs, so at the same lambda it chooses the same at any price. Returns the choices
- * looked at. */
+/* Bytes are none of a slot's costs, so at the same lambda it chooses the same at any price. Returns the
+ * choices looked at. */
 static uint64_t relax_slots(struct lod_allocation *m)
 {
 	uint64_t looks = 0;

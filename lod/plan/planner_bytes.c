@@ -120,7 +120,8 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 	struct within span = { low, high, m->cost.vertices, 0 };
 	bool both = !again && m->cost.vertices > (double)budget;
 	for (int i = 0; both && i <= PRICE_LAMBDAS && (!i || span.low < span.high)
-			&& span.under < PRICE_ENOUGH * (double)budget && !(i && lod_planner_over(m->p, 3)); i++) {
+			&& span.under < PRICE_ENOUGH * (double)budget
+			&& !(i && lod_planner_over(m->p, 3)); i++) {
 		double lambda = i ? next_lambda(&span, (double)budget, i == 2) : high, beyond;
 		struct lod_price at;
 		lod_price_find(m, lambda, target, fit->at.tiles, &at, &beyond);

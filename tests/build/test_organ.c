@@ -565,10 +565,10 @@ UNIT_TEST(colours_of_a_palette_speak_for_themselves)
 {
 	for (int stout = 0; stout < 2; stout++) {
 		uint32_t m = palette_begin();
-		soup_tube(&soup, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 3 }, stout ? 0.5 : 0.08,
-			stout ? 0.4 : 0.05, 8, 8);
-		soup_tube(&soup, m, (struct lod_v3){ 0, 0, 1.4 }, (struct lod_v3){ 1.2, 0, 1.8 }, stout ? 0.2 : 0.04,
-			stout ? 0.15 : 0.03, 8, 4);
+		soup_tube(&soup, m, (struct lod_v3){ 0, 0, 0 }, (struct lod_v3){ 0, 0, 3 },
+			stout ? 0.5 : 0.08, stout ? 0.4 : 0.05, 8, 8);
+		soup_tube(&soup, m, (struct lod_v3){ 0, 0, 1.4 }, (struct lod_v3){ 1.2, 0, 1.8 },
+			stout ? 0.2 : 0.04, stout ? 0.15 : 0.03, 8, 4);
 		palette_paint(0, false);
 		uint32_t wood = soup.model.triangle_count, crown = soup.model.vertex_count;
 		soup_ball(&soup, m, (struct lod_v3){ 0, 0, 4 }, 1.4, 8);

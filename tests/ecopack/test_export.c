@@ -143,7 +143,8 @@ UNIT_TEST(all_plants_are_in_a_tree_of_tiles)
 	struct eco_pack *pack;
 	assert_ok(run(ROOT "/sample.eco --3dtiles " DIR, &error), error);
 	json_t *json = load("tileset.json");
-	assert_string_equal(json_string_value(json_object_get(json_object_get(json, "asset"), "version")), "1.1");
+	assert_string_equal(json_string_value(json_object_get(json_object_get(json, "asset"), "version")),
+		"1.1");
 	assert_int_equal(json_array_size(json_object_get(json_object_get(json, "root"), "transform")), 16);
 	walk(json_object_get(json, "root"), NULL, INFINITY, &seen, false);
 	assert_ok(eco_pack_open(&pack, ROOT "/sample.eco", &error), error);
@@ -156,13 +157,15 @@ UNIT_TEST(all_plants_are_in_a_tree_of_tiles)
 /* The scene's origin lies where its longitude and latitude say, and its axes are a rotation. */
 UNIT_TEST(a_place_on_earth_is_the_roots_transform)
 {
-	json_t *json = load("tileset.json"), *list = json_object_get(json_object_get(json, "root"), "transform");
+	json_t *json = load("tileset.json"),
+		*list = json_object_get(json_object_get(json, "root"), "transform");
 	double m[16], length = 0, degree = acos(-1) / 180;
 	for (size_t i = 0; i < 16; i++)
 		m[i] = json_number_value(json_array_get(list, i));
 	for (int a = 0; a < 3; a++)
 		for (int b = 0; b < 3; b++) {
-			double sum = m[4 * a] * m[4 * b] + m[4 * a + 1] * m[4 * b + 1] + m[4 * a + 2] * m[4 * b + 2];
+			double sum = m[4 * a] * m[4 * b] + m[4 * a + 1] * m[4 * b + 1]
+				+ m[4 * a + 2] * m[4 * b + 2];
 			assert_true(fabs(sum - (a == b)) < 1e-9);
 		}
 	for (int k = 0; k < 3; k++)

@@ -159,14 +159,15 @@ UNIT_TEST(points_as_text_are_the_geometry)
 UNIT_TEST(latitude_and_longitude_in_one_field_are_the_geometry)
 {
 	expect("pair.csv", "id,geo_point_2d\n1,\n2,\"48.88398, 2.36\"\n3,\"-33.5,151.25\"\n4,\"n.n., 5\"\n",
-		"id,geo_point_2d / empty 1, / (2.36 48.88398) 2,48.88398, 2.36 / (151.25 -33.5) 3,-33.5,151.25 / n.n., 4,n.n., 5",
+		"id,geo_point_2d / empty 1, / (2.36 48.88398) 2,48.88398, 2.36 / (151.25 -33.5) "
+		"3,-33.5,151.25 / n.n., 4,n.n., 5",
 		"latitude and longitude in one field", "EPSG:4326");
 	expect("address.csv", "id,Location\n1,\"5 Elm (rear)\n(40.7128, -74.0060)\"\n",
 		"id,Location / (-74.006 40.7128) 1,5 Elm (rear)\n(40.7128, -74.0060)",
 		"latitude and longitude in one field", "EPSG:4326");
 	/* well-known text is taken before pairs; house numbers, sizes and what no degrees can be are none */
-	expect("both.csv", "a,b\n\"48.8839, 2.3600\",POINT (1 2)\n", "a,b / (1 2) 48.8839, 2.3600,POINT (1 2)", NULL,
-		NULL);
+	expect("both.csv", "a,b\n\"48.8839, 2.3600\",POINT (1 2)\n",
+		"a,b / (1 2) 48.8839, 2.3600,POINT (1 2)", NULL, NULL);
 	expect("numbers.csv", "a,b,c\n\"12, 14\",\"1.5, 2.5\",\"91.0000, 2.3600\"\n",
 		"a,b,c / 12, 14,1.5, 2.5,91.0000, 2.3600", NULL, NULL);
 }

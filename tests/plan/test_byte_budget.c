@@ -211,7 +211,8 @@ UNIT_TEST(what_is_kept_from_one_relaxation_to_the_next_changes_none)
 	assert_true(less < looks);
 }
 
-/* At the highest price nothing is drawn: however little work is left, a search goes on to one that uses bytes. */
+/* At the highest price nothing is drawn: however little work is left, a search goes on to one that uses
+ * bytes. */
 UNIT_TEST(a_price_is_found_though_the_work_is_done)
 {
 	uint32_t some = 0, searched = 0;

@@ -91,7 +91,8 @@ UNIT_TEST(ordinary_views_are_hardly_cut_short)
 {
 	static const uint64_t budgets[] = { 1000, 30000, 1000000, 3000000 };
 	struct eco_request request = { .view = { .eye = { 50, -30, 12 }, .target = { 50, 30, 2 },
-		.up = { 0, 0, 1 }, .fov_y_deg = 45, .width = 800, .height = 600 }, .bytes = ECO_BYTES_UNBOUNDED };
+		.up = { 0, 0, 1 }, .fov_y_deg = 45, .width = 800, .height = 600 },
+		.bytes = ECO_BYTES_UNBOUNDED };
 	for (size_t i = 0; i < sizeof budgets / sizeof *budgets; i++) {
 		struct srv_stream_input input = { .scene = sample, .request = &request };
 		struct eco_error error = { 0 };

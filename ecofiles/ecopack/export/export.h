@@ -53,7 +53,8 @@ struct export {
 
 /* Chunks of `from` bytes and more into a folder, which is made if missing; what is there in the same size is
  * kept. */
-enum eco_code export_chunks(const struct eco_pack *pack, const char *dir, uint64_t from, struct eco_error *error);
+enum eco_code export_chunks(const struct eco_pack *pack, const char *dir, uint64_t from,
+	struct eco_error *error);
 /* Into a folder that is not there yet, which appears complete or not at all. */
 enum eco_code export_tiles(struct eco_pack *pack, const char *dir, struct eco_error *error);
 

@@ -47,7 +47,8 @@ static enum eco_code write_chunk(const struct eco_pack *pack, uint32_t index, co
 	return eco_file_write(path, bytes, size, error);
 }
 
-enum eco_code export_chunks(const struct eco_pack *pack, const char *dir, uint64_t from, struct eco_error *error)
+enum eco_code export_chunks(const struct eco_pack *pack, const char *dir, uint64_t from,
+	struct eco_error *error)
 {
 	const struct eco_scene *scene = &pack->scene;
 	struct counts counts = { 0 };
@@ -63,7 +64,7 @@ enum eco_code export_chunks(const struct eco_pack *pack, const char *dir, uint64
 	}
 	main_progress_end();
 	if (!code && !main_is_quiet)
-		printf("%s: %" PRIu64 " chunks, %" PRIu64 " bytes; %" PRIu64 " were there\n", dir, counts.files,
-			counts.bytes, counts.kept);
+		printf("%s: %" PRIu64 " chunks, %" PRIu64 " bytes; %" PRIu64 " were there\n", dir,
+			counts.files, counts.bytes, counts.kept);
 	return code;
 }

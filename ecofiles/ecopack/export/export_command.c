@@ -13,7 +13,8 @@ static enum eco_code run(int argc, char **argv, struct eco_error *error)
 	given.from = ECO_NAME_FROM;
 	enum eco_code code = main_read(&main_command_export, argc, argv, error);
 	if (!code && !given.chunks && !given.tiles)
-		code = eco_fail(error, ECO_BAD_USAGE, "what to export? Give --static DIR, --3dtiles DIR or both");
+		code = eco_fail(error, ECO_BAD_USAGE,
+			"what to export? Give --static DIR, --3dtiles DIR or both");
 	if (!code)
 		code = eco_pack_open(&pack, given.pack, error);
 	if (!code && given.chunks)
@@ -27,20 +28,20 @@ static enum eco_code run(int argc, char **argv, struct eco_error *error)
 static const struct eco_option options[] = {
 	{ "the pack", 0, ECO_OPTION_INPUT, "OUT.eco", &given.pack, .is_required = true },
 	{ "static", 0, ECO_OPTION_TEXT, "DIR", &given.chunks,
-		.help = "chunks as files, each named by the hash of its bytes: they never change, and packs may "
-		"share a folder, which is made if missing" },
+		.help = "chunks as files, each named by the hash of its bytes: they never change, and packs "
+		"may share a folder, which is made if missing" },
 	{ "from", 0, ECO_OPTION_COUNT, "N", &given.from, 1, INT64_MAX,
-		.help = "of chunks, only those of so many bytes; 1024 if not given, from where on ecoview fetches "
-		"chunks by their names" },
+		.help = "of chunks, only those of so many bytes; 1024 if not given, from where on ecoview "
+		"fetches chunks by their names" },
 	{ "3dtiles", 0, ECO_OPTION_TEXT, "DIR", &given.tiles,
-		.help = "3D Tiles 1.1 for CesiumJS and others, into a folder that is not there yet; it appears "
-		"complete or not at all" },
+		.help = "3D Tiles 1.1 for CesiumJS and others, into a folder that is not there yet; it "
+		"appears complete or not at all" },
 	{ 0 } };
 
 const struct main_command main_command_export = { { "ecopack export",
 	"OUT.eco [--static DIR [--from N]] [--3dtiles DIR]",
 	"Writes a pack as plain files that any web server or object store can serve.", options, main_common,
-	"Chunks are for a server's answers that only name them: ecoview --chunks URL fetches them there. In 3D "
-	"Tiles plants are instances of shared files in three levels of detail, with species and height; far "
-	"tiles are their summaries, as small triangles. ecoserve chooses for each view; these files are chosen "
-	"once.\n", NULL }, run };
+	"Chunks are for a server's answers that only name them: ecoview --chunks URL fetches them there. In "
+	"3D Tiles plants are instances of shared files in three levels of detail, with species and height; "
+	"far tiles are their summaries, as small triangles. ecoserve chooses for each view; these files are "
+	"chosen once.\n", NULL }, run };

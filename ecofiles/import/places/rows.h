@@ -94,7 +94,8 @@ void eco_rows_add_note(char *notes[ECO_ROWS_NOTES_MAX], uint32_t *count, const c
 /* CSV (RFC 4180): the first row names the columns; quoted fields may hold separators, line breaks and
  * doubled quotes; lines end in LF or CRLF; a byte order mark and empty lines are skipped; a row that is
  * not UTF-8 is taken for Windows-1252. Memory: one row. separator 0: found in the header. A column
- * whose first value is a point as well-known text, or latitude and longitude in one field, is the geometry. */
+ * whose first value is a point as well-known text, or latitude and longitude in one field, is the
+ * geometry. */
 enum eco_code eco_rows_open_csv(struct eco_rows **rows, const char *path, char separator,
 	struct eco_error *error);
 /* glTF and GLB: a row for each instance (EXT_mesh_gpu_instancing), or, in a file without instances, for

@@ -293,8 +293,9 @@ static enum eco_code next(struct eco_rows *rows, bool *more, struct eco_error *e
 /* The first column with points in the row at hand, well-known text before pairs of degrees. */
 static bool find_point_column(struct csv *csv)
 {
-	static const struct { bool (*is)(const char *, double[3]), (*read)(const char *, double[3]); } forms[] = {
-		{ read_wkt_point, read_wkt_point }, { is_degree_pair, read_degree_pair } };
+	static const struct {
+		bool (*is)(const char *, double[3]), (*read)(const char *, double[3]);
+	} forms[] = { { read_wkt_point, read_wkt_point }, { is_degree_pair, read_degree_pair } };
 	double at[3];
 	for (size_t k = 0; k < sizeof forms / sizeof *forms; k++)
 		for (uint32_t i = 0; i < csv->rows.field_count && i < csv->rows.column_count; i++)

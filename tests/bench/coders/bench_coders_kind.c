@@ -6,8 +6,8 @@
 
 #include "ecofiles/format/chunk/chunk_payload.h"
 
-/* As ecofiles/format/chunk/chunk_encode.c: such chunks keep the order of their elements, which no other coder here
- * does; they count as they are stored. */
+/* As ecofiles/format/chunk/chunk_encode.c: such chunks keep the order of their elements, which no other coder
+ * here does; they count as they are stored. */
 #define KEPT_FIRST 96u
 #define KEPT_MOST 64u
 #define TIMES 3
