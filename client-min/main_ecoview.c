@@ -1,5 +1,5 @@
 /* ecoview: streams the frames of a camera script, draws them, and scores them against the full-detail
- * reference. */
+ * reference. Longer than 600 lines: a third of it is its options and their help. */
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* Longer than 600 lines: a transfer's callbacks, deadlines, repetitions and problems look at one state. */
 #include "client-min/view_fetch.h"
 
 #include <curl/curl.h>

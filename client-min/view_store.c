@@ -1,5 +1,6 @@
 /* What the client holds is one number per list, as lists hold prefixes of their chunks; a plan of any later
- * frame is a set of ranges over that, and GPU copies are extended and never rewritten.
+ * frame is a set of ranges over that, and GPU copies are extended and never rewritten. Longer than 600 lines:
+ * one structure, which every event of a stream changes.
  *
  * Within a limit of memory, chunks go while a stream comes (view_cache.h). The server counts on what it was
  * told before the stream began, so a plan may turn out to need what has gone meanwhile: then the same is

@@ -1,4 +1,5 @@
-/* The client's half of the stream: bytes in any portions -> whole, checked frames.
+/* The client's half of the stream: bytes in any portions -> whole, checked frames. Longer than 600 lines: a
+ * reader for each kind of frame, and what they share.
  *
  * Two layers. The assembler (feed) knows frames: it bounds a frame's length by its type before it keeps a
  * byte, collects the frame and checks its hash. The readers know payloads: each reads all fields, checks

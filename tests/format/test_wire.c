@@ -1,5 +1,5 @@
 /* The stream: frames and holdings. Whatever is written is read back the same, in any portions; whatever is
- * damaged is found. */
+ * damaged is found. Longer than 600 lines: a case for each frame, on one stream. */
 #include <math.h>
 #include <stdio.h>
 

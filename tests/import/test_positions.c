@@ -1,5 +1,6 @@
 /* Inventories as scenes ask for them: coordinates, species, filters, sizes, and what is said of rows that
- * cannot be used or were guessed at. Formats are tested in test_rows*.c, texts in test_inventory_text.c. */
+ * cannot be used or were guessed at. Formats are tested in test_rows*.c, texts in test_inventory_text.c.
+ * Longer than 600 lines: a case for each thing that is said of rows. */
 #include "tests/support/inventory_scene.h"
 #include "tests/support/unit_test.h"
 
