@@ -174,8 +174,10 @@ async function comesBack() {
 /** A page that is open while the scene gets another pack shows that one. */
 async function takesAnotherPack() {
 	const names = 'viewer.drawn.facts.species.map(({ name }) => name).sort().join()';
-	const before = await ask(names);
+	const before = await ask(names), scene = async () => (await fetch(url)).text(), old = await scene();
 	execSync(reload);
+	for (let tries = 0; tries < 300 && await scene() === old; tries++)      // until the server has read it
+		await new Promise((done) => setTimeout(done, 100));
 	await press('h');
 	await browser.until(`${complete} && ${names} !== ${JSON.stringify(before)}`);
 }
