@@ -222,6 +222,7 @@ UNIT_TEST(an_answer_that_drips_is_given_up)
 	assert_non_null(strstr(error.text, "bytes a second came"));
 	assert_in_range(result.bytes, 1, w.size - 1);
 	eco_writer_free(&w);
+	eco_plan_free(&plan);
 }
 
 UNIT_TEST(marks_are_numbers_of_bytes_or_milliseconds)
