@@ -74,17 +74,18 @@ LINK_CXX = $(CXX) $(CXXFLAGS) $(LDFLAGS_ALL)
 
 comma := ,
 # Rooms: a folder of sources each, an archive each; main_NAME.c is the program NAME's. tests/layers.txt says what each may include.
-ECO_ROOMS := ecofiles/generate ecofiles/scene ecofiles/import/track ecofiles/import/places ecofiles/import/ground ecofiles/import/model \
-	ecofiles/format ecofiles/format/chunk ecofiles/base
+ECO_ROOMS := ecofiles/generate ecofiles/scene ecofiles/import/track ecofiles/import/places ecofiles/import/places/rows \
+	ecofiles/import/ground ecofiles/import/model ecofiles/format ecofiles/format/chunk ecofiles/base
 BUILD_ROOMS := lod/build lod/build/order lod/build/splat lod/build/impostor lod/build/measure lod/raster
 CORE_ROOMS := lod ecofiles/format ecofiles/format/chunk ecofiles/base
 PACK_ROOM := ecofiles/ecopack ecofiles/ecopack/export
 SUPPORT_ROOM := tests/support
 # methods of the papers that no program has: what measurements compare with
 BASELINE_ROOM := tests/bench/baseline
+VIEW_ROOMS := client-min client-min/draw
 # both ends for programs of others: libecostream
 LIBRARY_ROOM := client-min/library
-ROOMS := $(ECO_ROOMS) $(BUILD_ROOMS) lod lod/plan server client-min $(LIBRARY_ROOM) $(PACK_ROOM) $(SUPPORT_ROOM)
+ROOMS := $(ECO_ROOMS) $(BUILD_ROOMS) lod lod/plan server $(VIEW_ROOMS) $(LIBRARY_ROOM) $(PACK_ROOM) $(SUPPORT_ROOM)
 
 # Libraries that few scenes need are loaded when one does, by what calls them (ecofiles/base/module.h): NAME_*.c of any room make ecoNAME.so.
 MODULE_NAMES := assimp cairo gdal image proj
@@ -108,8 +109,8 @@ LIB_DRACO := $(B)/obj/draco_shim.a
 LIB_ECO := $(call archive,$(ECO_ROOMS))
 LIB_BUILD := $(call archive,$(BUILD_ROOMS) lod)
 LIB_SERVER := $(call archive,server lod/plan $(CORE_ROOMS))
-LIB_VIEW := $(call archive,client-min lod/raster $(CORE_ROOMS))
-LIB_ALL := $(call archive,$(LIBRARY_ROOM) client-min server lod/plan $(BUILD_ROOMS) lod $(ECO_ROOMS)) $(LIB_DRACO)
+LIB_VIEW := $(call archive,$(VIEW_ROOMS) lod/raster $(CORE_ROOMS))
+LIB_ALL := $(call archive,$(LIBRARY_ROOM) $(VIEW_ROOMS) server lod/plan $(BUILD_ROOMS) lod $(ECO_ROOMS)) $(LIB_DRACO)
 
 PROGRAMS := $(B)/ecopack $(B)/ecoserve $(B)/ecoview $(B)/ecoload
 TEST_SOURCES := $(wildcard tests/*/test_*.c)
@@ -164,7 +165,7 @@ VERSION := $(shell sed -n 's/^#define ECO_VERSION "\(.*\)"/\1/p' ecofiles/base/v
 # raised whenever a program that uses the library has to be compiled anew
 SOVERSION := 0
 LIBRARY := $(B)/libecostream.so.$(SOVERSION)
-LIBRARY_PARTS := $(call archive,client-min server lod/raster lod/plan $(CORE_ROOMS)) $(LIB_DRACO)
+LIBRARY_PARTS := $(call archive,$(VIEW_ROOMS) server lod/raster lod/plan $(CORE_ROOMS)) $(LIB_DRACO)
 $(LIBRARY): $(LIBRARY_ROOM)/ecostream.map $(call objects,$(call sources,$(LIBRARY_ROOM))) $(LIBRARY_PARTS)
 	$(LINK_C) -shared -o $@ -Wl,-soname,$(@F) -Wl,--version-script,$< $(filter %.o,$^) $(call group,$(LIBRARY_PARTS)) \
 		$(if $(findstring sanitize,$(OPT)),,-Wl$(comma)-z$(comma)defs) $(LINK) -lpng -lwebp $(LIBS_DRACO) $(LIBS_CORE)

@@ -11,7 +11,7 @@
 #include "client-min/view_digest.h"
 #include "client-min/view_explain.h"
 #include "client-min/view_fetch.h"
-#include "client-min/view_gl.h"
+#include "client-min/draw/view_gl.h"
 #include "client-min/view_glb.h"
 #include "client-min/view_measure.h"
 #include "client-min/view_place.h"

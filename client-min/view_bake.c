@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "client-min/view_mesh.h"
+#include "client-min/draw/view_mesh.h"
 
 enum eco_code view_bake_cut(struct lod_bake *bake, const struct view_list **image,
 	const struct view_store *store, const struct eco_cut *cut, struct eco_error *error)

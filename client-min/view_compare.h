@@ -3,7 +3,7 @@
 #ifndef VIEW_COMPARE_H
 #define VIEW_COMPARE_H
 
-#include "client-min/view_picture.h"
+#include "client-min/draw/view_picture.h"
 
 struct view_compare {
 	const struct view_picture *picture, *reference;

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "client-min/view_ground.h"
-#include "client-min/view_impostor.h"
+#include "client-min/draw/view_impostor.h"
 #include "client-min/view_select.h"
 #include "ecofiles/format/splat.h"
 #include "lod/geometry.h"

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_mesh.h"
+#include "client-min/draw/view_mesh.h"
 #include "client-min/view_owners.h"
 #include "client-min/view_threads.h"
 

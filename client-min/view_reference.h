@@ -6,8 +6,8 @@
 
 #include <signal.h>
 
-#include "client-min/view_light.h"
-#include "client-min/view_picture.h"
+#include "client-min/draw/view_light.h"
+#include "client-min/draw/view_picture.h"
 #include "client-min/view_select.h"
 
 struct view_reference_job {

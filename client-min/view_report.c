@@ -1,5 +1,5 @@
 #include "client-min/view_report.h"
-#include "client-min/view_shader.h"
+#include "client-min/draw/view_shader.h"
 #include "ecofiles/base/room.h"
 
 #include <errno.h>

@@ -15,7 +15,7 @@
 #include <time.h>
 
 #include "client-min/view_cache.h"
-#include "client-min/view_forms.h"
+#include "client-min/draw/view_forms.h"
 #include "client-min/view_table.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/texture.h"

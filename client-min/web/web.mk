@@ -17,9 +17,10 @@ WEB_BASE := bytes range room status turn utf8
 WEB_CHUNK := chunk chunk_columns chunk_corners chunk_counts chunk_decode chunk_mesh chunk_rows chunk_shapes shape
 WEB_FORMAT := $(WEB_CHUNK:%=chunk/%) ground_tile heights impostor impostor_codec list model pack_check pack_record plan splat texture \
 	view wire_frame wire_holdings wire_parse wire_plan wire_write
-WEB_VIEW := cache digest forms gl gpu ground impostor light list owners query record select shade shader shader_impostor store sun table \
-	threads picture
-WEB_SOURCES := $(WEB_BASE:%=ecofiles/base/%.c) $(WEB_FORMAT:%=ecofiles/format/%.c) $(WEB_VIEW:%=client-min/view_%.c) $(WEB_ROOMS)
+WEB_VIEW := cache digest ground list owners query record select store sun table threads
+WEB_DRAW := forms gl gpu impostor light shade shader shader_impostor picture
+WEB_SOURCES := $(WEB_BASE:%=ecofiles/base/%.c) $(WEB_FORMAT:%=ecofiles/format/%.c) $(WEB_VIEW:%=client-min/view_%.c) \
+	$(WEB_DRAW:%=client-min/draw/view_%.c) $(WEB_ROOMS)
 
 # of Draco what decodes point clouds and edgebreaker meshes; of libwebp what decodes
 WEB_DRACO := $(addprefix core/,data_buffer decoder_buffer draco_types options status bit_utils quantization_utils) \

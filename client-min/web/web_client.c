@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "client-min/view_digest.h"
-#include "client-min/view_gl.h"
+#include "client-min/draw/view_gl.h"
 #include "client-min/view_query.h"
 #include "client-min/view_sun.h"
 #include "client-min/web/web_pick.h"

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "client-min/view_context.h"
+#include "client-min/draw/view_context.h"
 
 enum eco_code view_context_open(struct view_context *context, struct eco_error *error)
 {

@@ -3,7 +3,7 @@
 #define WEB_PICK_H
 
 #include "client-min/view_owners.h"
-#include "client-min/view_picture.h"
+#include "client-min/draw/view_picture.h"
 #include "ecofiles/base/bytes.h"
 
 #define WEB_PICK_REACH 6         /* pixels: the nearest plant within is taken, as twigs are thin */

@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-#include "client-min/view_picture.h"
+#include "client-min/draw/view_picture.h"
 
 struct web_present { unsigned program, colors, depths, vertex_array; uint32_t width, height; };  /* zero is empty */
 

@@ -45,7 +45,7 @@ source client-min/view_store.c server/daemon.h
 source lod/plan/hull.c lod/build/grid.h
 source lod/build/tile.c lod/plan/planner.h
 source server/stream.c lod/plan/planner_state.h
-source ecofiles/import/places/rows.c ecofiles/import/model/gltf_parse_inside.h
+source ecofiles/import/places/rows/rows.c ecofiles/import/model/gltf_parse_inside.h
 source ecofiles/scene/scene.c ecofiles/ecopack/make.h
 source client-min/view_draw.c ecofiles/ecopack/command.h
 source ecofiles/stray.c ecofiles/base/status.h

@@ -17,7 +17,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "client-min/view_gl.h"
+#include "client-min/draw/view_gl.h"
 #include "client-min/view_reference.h"
 #include "ecofiles/format/image.h"
 #include "lod/light.h"

@@ -8,9 +8,9 @@
 #include <string.h>
 
 #include "client-min/view_compare.h"
-#include "client-min/view_gl.h"
+#include "client-min/draw/view_gl.h"
 #include "client-min/view_measure.h"
-#include "client-min/view_picture.h"
+#include "client-min/draw/view_picture.h"
 #include "client-min/view_report.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_fetch.h"

@@ -10,7 +10,7 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
-#include "client-min/view_picture.h"
+#include "client-min/draw/view_picture.h"
 #include "ecofiles/base/mix.h"
 #include "ecofiles/format/pack.h"
 #include "tests/bench/bench.h"

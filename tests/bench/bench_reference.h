@@ -10,7 +10,7 @@
 #ifndef TESTS_BENCH_REFERENCE_H
 #define TESTS_BENCH_REFERENCE_H
 
-#include "client-min/view_picture.h"
+#include "client-min/draw/view_picture.h"
 #include "tests/bench/bench.h"
 
 #define BENCH_REFERENCE_PATH 1024

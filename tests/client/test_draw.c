@@ -2,8 +2,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_gl.h"
-#include "client-min/view_shade.h"
+#include "client-min/draw/view_gl.h"
+#include "client-min/draw/view_shade.h"
 #include "tests/support/plan_twin.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"

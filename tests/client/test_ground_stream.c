@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <sys/stat.h>
 
-#include "client-min/view_gl.h"
+#include "client-min/draw/view_gl.h"
 #include "client-min/view_reference.h"
 #include "client-min/view_select.h"
 #include "server/stream.h"

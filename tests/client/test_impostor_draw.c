@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_gl.h"
+#include "client-min/draw/view_gl.h"
 #include "client-min/view_reference.h"
 #include "ecofiles/format/image.h"
 #include "tests/support/files.h"

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "client-min/view_gl.h"
+#include "client-min/draw/view_gl.h"
 #include "client-min/view_reference.h"
 #include "ecofiles/format/image.h"
 #include "lod/build/texture.h"

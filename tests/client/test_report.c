@@ -9,7 +9,7 @@
 #include "client-min/view_explain.h"
 #include "client-min/view_fetch.h"
 #include "client-min/view_load.h"
-#include "client-min/view_picture.h"
+#include "client-min/draw/view_picture.h"
 #include "client-min/view_query.h"
 #include "client-min/view_report.h"
 #include "tests/support/files.h"

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "client-min/view_shade.h"
+#include "client-min/draw/view_shade.h"
 #include "client-min/view_sun.h"
 #include "tests/support/unit_test.h"
 #include "tests/support/view_scene.h"

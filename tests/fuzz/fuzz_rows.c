@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include "ecofiles/import/places/inventory_text.h"
-#include "ecofiles/import/places/rows.h"
+#include "ecofiles/import/places/rows/rows.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

@@ -1,5 +1,5 @@
 /* glTF as an inventory: a row for each instance or node, with all that the file says of it. */
-#include "ecofiles/import/places/rows.h"
+#include "ecofiles/import/places/rows/rows.h"
 #include "tests/support/gltf_writer.h"
 #include "tests/support/input_files.h"
 #include "tests/support/unit_test.h"

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "ecofiles/import/places/rows.h"
+#include "ecofiles/import/places/rows/rows.h"
 
 /* "columns / row / row ...", a row as "place fields", places as (x y) or (x y z), none, empty or what they
  * are; ends with the error's text if there was one. Closes the rows. */

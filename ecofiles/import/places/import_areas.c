@@ -9,7 +9,7 @@
 #include "ecofiles/import/places/inventory_text.h"
 #include "ecofiles/format/model.h"
 #include "ecofiles/import/places/positions_crs.h"
-#include "ecofiles/import/places/rows.h"
+#include "ecofiles/import/places/rows/rows.h"
 #include "ecofiles/import/places/scatter_parts.h"
 
 #define MASK_SIDE_MAX 8192u

@@ -6,7 +6,7 @@
 
 #include "ecofiles/import/places/positions.h"
 #include "ecofiles/import/places/positions_crs.h"
-#include "ecofiles/import/places/rows.h"
+#include "ecofiles/import/places/rows/rows.h"
 #include "ecofiles/import/places/spread.h"
 
 /* ---- Species (positions_species.c): the map's keys, and the key of each text met ---- */

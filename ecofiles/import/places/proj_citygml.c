@@ -6,7 +6,7 @@
 #include <proj_experimental.h>
 #include <strings.h>
 
-#include "ecofiles/import/places/rows_citygml.h"
+#include "ecofiles/import/places/rows/rows_citygml.h"
 
 static PJ *flat_of(PJ_CONTEXT *context, const char *code)
 {

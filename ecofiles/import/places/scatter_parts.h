@@ -3,7 +3,7 @@
 #define ECO_SCATTER_PARTS_H
 
 #include "ecofiles/import/places/areas.h"
-#include "ecofiles/import/places/rows.h"
+#include "ecofiles/import/places/rows/rows.h"
 #include "ecofiles/import/places/scatter.h"
 
 /* shares of the densities, 0 to 1, pixel by pixel; x east, rows from the north */

@@ -9,7 +9,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "ecofiles/import/places/rows.h"
+#include "ecofiles/import/places/rows/rows.h"
 #include "ecofiles/import/places/spread.h"
 
 #define ECO_TABLE_ROWS 2048u

@@ -2,7 +2,7 @@
 #ifndef ECO_TABLE_VALUES_H
 #define ECO_TABLE_VALUES_H
 
-#include "ecofiles/import/places/rows.h"
+#include "ecofiles/import/places/rows/rows.h"
 
 #define ECO_TABLE_VALUES_MAX 65536u      /* further values are not told apart */
 

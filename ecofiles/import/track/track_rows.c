@@ -2,7 +2,7 @@
  * 3.6 does not hand over the times of KML's gx:Track: a file that has times is refused if none arrives. */
 #include <string.h>
 
-#include "ecofiles/import/places/rows.h"
+#include "ecofiles/import/places/rows/rows.h"
 #include "ecofiles/import/track/track_read.h"
 
 #define HEADER_ROWS 50u

@@ -15,7 +15,7 @@
 #ifndef TESTS_BENCH_BASELINE_PAPER_SCENE_H
 #define TESTS_BENCH_BASELINE_PAPER_SCENE_H
 
-#include "client-min/view_picture.h"
+#include "client-min/draw/view_picture.h"
 #include "client-min/view_select.h"
 #include "lod/plan/planner_state.h"
 

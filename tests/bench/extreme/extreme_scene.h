@@ -14,7 +14,7 @@
 #ifndef TESTS_BENCH_EXTREME_SCENE_H
 #define TESTS_BENCH_EXTREME_SCENE_H
 
-#include "client-min/view_picture.h"
+#include "client-min/draw/view_picture.h"
 #include "ecofiles/base/bytes.h"
 #include "lod/build/plant.h"
 #include "lod/eye.h"

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_picture.h"
+#include "client-min/draw/view_picture.h"
 #include "tests/bench/bench_shots.h"
 #include "tests/bench/frames/bench_still.h"
 

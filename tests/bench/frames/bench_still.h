@@ -11,7 +11,7 @@
 #ifndef TESTS_BENCH_STILL_H
 #define TESTS_BENCH_STILL_H
 
-#include "client-min/view_picture.h"
+#include "client-min/draw/view_picture.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/format/view.h"
 

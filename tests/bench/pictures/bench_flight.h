@@ -12,7 +12,7 @@
 #ifndef TESTS_BENCH_FLIGHT_H
 #define TESTS_BENCH_FLIGHT_H
 
-#include "client-min/view_picture.h"
+#include "client-min/draw/view_picture.h"
 #include "tests/bench/bench_shots.h"
 
 #define BENCH_FLIGHT_FPS 10u

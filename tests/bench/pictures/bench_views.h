@@ -8,7 +8,7 @@
 #ifndef TESTS_BENCH_VIEWS_H
 #define TESTS_BENCH_VIEWS_H
 
-#include "client-min/view_picture.h"
+#include "client-min/draw/view_picture.h"
 #include "tests/bench/bench_shots.h"
 
 struct bench_view { const char *scene, *camera, *pack; struct eco_view view; };

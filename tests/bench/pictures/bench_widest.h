@@ -2,7 +2,7 @@
 #ifndef TESTS_BENCH_WIDEST_H
 #define TESTS_BENCH_WIDEST_H
 
-#include "client-min/view_picture.h"
+#include "client-min/draw/view_picture.h"
 #include "client-min/view_select.h"
 
 /* Pixels across the widest ball or splat that a selection draws and that is nearest at its own centre in its

@@ -1,4 +1,4 @@
-#include "client-min/view_gpu.h"
+#include "client-min/draw/view_gpu.h"
 
 #include <epoxy/gl.h>
 #include <stdlib.h>

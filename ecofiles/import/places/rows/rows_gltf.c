@@ -8,8 +8,8 @@
  *
  * Scalar attributes of the instances (_ID, _SPECIES) and a node's "extras" become columns: programs
  * describe plants there. */
-#include "ecofiles/import/places/rows.h"
-#include "ecofiles/import/places/rows_formats.h"
+#include "ecofiles/import/places/rows/rows.h"
+#include "ecofiles/import/places/rows/rows_formats.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -1,7 +1,7 @@
 /* Tables with geometry, as OGR opens them: GeoJSON, GeoPackage, Shapefile, KML, GML, FlatGeobuf, ... Runs
  * in the child process of rows_child.c. Points are places; each point of a multipoint is a row of its own.
  * Surfaces and lines are handed over whole if areas are wanted, else by their type's name. */
-#include "ecofiles/import/places/rows.h"
+#include "ecofiles/import/places/rows/rows.h"
 
 #include <cpl_conv.h>
 #include <cpl_error.h>
@@ -19,7 +19,7 @@
 #include <unistd.h>
 
 #include "ecofiles/import/ground/gdal_module.h"
-#include "ecofiles/import/places/rows_formats.h"
+#include "ecofiles/import/places/rows/rows_formats.h"
 
 #define LOOKED_AT 64                 /* features looked at to judge the coordinates */
 #define AREA_BYTES_MAX (1u << 28)

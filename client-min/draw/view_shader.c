@@ -9,12 +9,12 @@
  *
  * What is drawn is not a picture yet, but what view_light.h makes one of: a pixel's own colour, and its
  * owner, surface and 1 / distance. */
-#include "client-min/view_shader.h"
+#include "client-min/draw/view_shader.h"
 
 #include <epoxy/gl.h>
 #include <stdio.h>
 
-#include "client-min/view_shader_impostor.h"
+#include "client-min/draw/view_shader_impostor.h"
 #include "ecofiles/format/list.h"
 
 const char *const view_program_names[VIEW_PROGRAM_COUNT] = { "triangles", "textured", "lines", "points",

@@ -11,7 +11,7 @@
  *   'E'      end: u64 rows
  *
  * Numbers are little-endian. A text ends with 0. */
-#include "ecofiles/import/places/rows.h"
+#include "ecofiles/import/places/rows/rows.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -21,7 +21,7 @@
 
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/base/guard.h"
-#include "ecofiles/import/places/rows_formats.h"
+#include "ecofiles/import/places/rows/rows_formats.h"
 
 #define MESSAGE_MAX (4u * ECO_ROW_BYTES_MAX)
 #define AREA_MESSAGE_MAX (1u << 29)

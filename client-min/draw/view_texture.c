@@ -1,4 +1,4 @@
-#include "client-min/view_texture.h"
+#include "client-min/draw/view_texture.h"
 
 #include <math.h>
 

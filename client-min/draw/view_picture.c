@@ -1,4 +1,4 @@
-#include "client-min/view_picture.h"
+#include "client-min/draw/view_picture.h"
 
 #include <stdlib.h>
 #include <string.h>

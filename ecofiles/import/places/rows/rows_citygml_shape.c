@@ -1,7 +1,7 @@
 /* The place of a plant in a city's model: the reference point of an implicit geometry, moved as its matrix
  * says; else the middle of the lowest part of its geometry. The middle of the whole would follow a crown that
  * leans over a street. */
-#include "ecofiles/import/places/rows_citygml.h"
+#include "ecofiles/import/places/rows/rows_citygml.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -13,7 +13,7 @@
 #ifndef VIEW_LIGHT_H
 #define VIEW_LIGHT_H
 
-#include "client-min/view_picture.h"
+#include "client-min/draw/view_picture.h"
 #include "client-min/view_select.h"
 
 /* A pixel's surface, in plant space (the ground's is the world's), as 32 bits; the vertex shaders in

@@ -1,4 +1,4 @@
-#include "client-min/view_forms.h"
+#include "client-min/draw/view_forms.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* srsName comes in half a dozen spellings; which of the axes it means comes first is found by PROJ
  * (proj_citygml.c). */
-#include "ecofiles/import/places/rows_citygml.h"
+#include "ecofiles/import/places/rows/rows_citygml.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* Chooses a file's reader: by its first bytes, else by the name's extension. */
-#include "ecofiles/import/places/rows.h"
+#include "ecofiles/import/places/rows/rows.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -12,7 +12,7 @@
 #include "ecofiles/base/module.h"
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/import/model/import_file.h"
-#include "ecofiles/import/places/rows_formats.h"
+#include "ecofiles/import/places/rows/rows_formats.h"
 
 #define HEAD_BYTES 65536u
 

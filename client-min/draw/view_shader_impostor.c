@@ -5,7 +5,7 @@
  * A plant is one point that covers its outline. Points whose middle lies beside the picture may be clipped,
  * so the viewport is larger than the picture, and u_window is half of it. Outlines larger than u_point_max,
  * the driver's largest point, are drawn by another call as two triangles: u_corners is 4 then, else 1. */
-#include "client-min/view_shader_impostor.h"
+#include "client-min/draw/view_shader_impostor.h"
 
 #include "lod/impostor.h"
 

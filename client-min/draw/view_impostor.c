@@ -1,9 +1,9 @@
-#include "client-min/view_impostor.h"
+#include "client-min/draw/view_impostor.h"
 
 #include <assert.h>
 #include <string.h>
 
-#include "client-min/view_light.h"
+#include "client-min/draw/view_light.h"
 
 #define HEAD_TEXELS 3u
 #define TILE_TEXELS 2u

@@ -1,10 +1,10 @@
-#include "client-min/view_light.h"
+#include "client-min/draw/view_light.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 #include "client-min/view_owners.h"
-#include "client-min/view_shade.h"
+#include "client-min/draw/view_shade.h"
 #include "client-min/view_threads.h"
 #include "lod/light.h"
 

@@ -1,4 +1,4 @@
-#include "client-min/view_context.h"
+#include "client-min/draw/view_context.h"
 
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>

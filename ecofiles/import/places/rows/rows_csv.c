@@ -1,7 +1,7 @@
 /* CSV, one byte at a time through stdio's buffer: a row is collected in one growing block, and fields are
  * offsets into it. A row that is not UTF-8 is taken as a whole for Windows-1252, which contains Latin-1:
  * many files mix the two. */
-#include "ecofiles/import/places/rows.h"
+#include "ecofiles/import/places/rows/rows.h"
 
 #include <errno.h>
 #include <math.h>
@@ -13,7 +13,7 @@
 
 #include "ecofiles/base/utf8.h"
 #include "ecofiles/import/places/inventory_text.h"
-#include "ecofiles/import/places/rows_formats.h"
+#include "ecofiles/import/places/rows/rows_formats.h"
 
 #define SNIFF_BYTES 65536u
 #define POINT_ROWS 64            /* in which a column with points is looked for */

@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-#include "client-min/view_shader.h"
+#include "client-min/draw/view_shader.h"
 
 struct view_context {
 	void *display, *context;

@@ -1,4 +1,4 @@
-#include "client-min/view_shade.h"
+#include "client-min/draw/view_shade.h"
 
 #include <math.h>
 #include <stdlib.h>

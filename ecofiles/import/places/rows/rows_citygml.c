@@ -7,7 +7,7 @@
  * OGR's driver (GDAL 3.6.2) was tried instead. It loses the names of measure attributes and of all generic
  * ones of CityGML 3, and the srsName of the German surveys; it takes a tree's terrain intersection for the
  * tree, as the last geometry counts; it does not see trees within groups, nor that trees are in two CRS. */
-#include "ecofiles/import/places/rows.h"
+#include "ecofiles/import/places/rows/rows.h"
 
 #include <errno.h>
 #include <expat.h>
@@ -21,8 +21,8 @@
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/base/module.h"
 #include "ecofiles/base/room.h"
-#include "ecofiles/import/places/rows_citygml.h"
-#include "ecofiles/import/places/rows_formats.h"
+#include "ecofiles/import/places/rows/rows_citygml.h"
+#include "ecofiles/import/places/rows/rows_formats.h"
 
 #define CHUNK_BYTES (1 << 16)
 #define DEPTH_MAX 256

@@ -1,13 +1,13 @@
-#include "client-min/view_mesh.h"
+#include "client-min/draw/view_mesh.h"
 
 #include <assert.h>
 #include <math.h>
 #include <string.h>
 
-#include "client-min/view_impostor.h"
-#include "client-min/view_light.h"
-#include "client-min/view_shade.h"
-#include "client-min/view_texture.h"
+#include "client-min/draw/view_impostor.h"
+#include "client-min/draw/view_light.h"
+#include "client-min/draw/view_shade.h"
+#include "client-min/draw/view_texture.h"
 #include "lod/light.h"
 
 /* ---- Geometry ---- */

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/import/places/rows_formats.h"
+#include "ecofiles/import/places/rows/rows_formats.h"
 
 void eco_rows_add_note(char *notes[ECO_ROWS_NOTES_MAX], uint32_t *count, const char *format,
 	va_list arguments)

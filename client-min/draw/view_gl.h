@@ -12,8 +12,8 @@
 #ifndef VIEW_GL_H
 #define VIEW_GL_H
 
-#include "client-min/view_light.h"
-#include "client-min/view_picture.h"
+#include "client-min/draw/view_light.h"
+#include "client-min/draw/view_picture.h"
 #include "client-min/view_select.h"
 
 struct view_gl;

@@ -1,15 +1,15 @@
-#include "client-min/view_gl.h"
+#include "client-min/draw/view_gl.h"
 
 #include <epoxy/gl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "client-min/view_context.h"
-#include "client-min/view_gpu.h"
-#include "client-min/view_impostor.h"
+#include "client-min/draw/view_context.h"
+#include "client-min/draw/view_gpu.h"
+#include "client-min/draw/view_impostor.h"
 #include "client-min/view_record.h"
-#include "client-min/view_shade.h"
+#include "client-min/draw/view_shade.h"
 
 #define INSTANCE_TEXELS 4
 #define QUADS 16383u                     /* a draw call: 16-bit indices, of which OpenGL ES keeps the last */
