@@ -1,7 +1,6 @@
 #include "client-min/view_glb.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -29,17 +28,6 @@ struct glb {
 
 /* ---- JSON ---- */
 
-static void put(struct eco_writer *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void put(struct eco_writer *w, const char *format, ...)
-{
-	char text[512];
-	va_list arguments;
-	va_start(arguments, format);
-	int size = vsnprintf(text, sizeof text, format, arguments);
-	va_end(arguments);
-	eco_write_bytes(w, text, (size_t)size < sizeof text ? (size_t)size : sizeof text - 1);
-}
-
 static void put_comma(struct eco_writer *w)
 {
 	if (w->size)
@@ -51,7 +39,7 @@ static void put_name(struct eco_writer *w, const char *name)
 	eco_write_u8(w, '"');
 	for (; *name; name++)
 		if (*name == '"' || *name == '\\' || (unsigned char)*name < ' ')
-			put(w, "\\u%04x", (unsigned char)*name);
+			eco_write_format(w, "\\u%04x", (unsigned char)*name);
 		else
 			eco_write_u8(w, (uint8_t)*name);
 	eco_write_u8(w, '"');
@@ -62,10 +50,10 @@ static void put_name(struct eco_writer *w, const char *name)
 static uint32_t add_view(struct glb *g, const void *bytes, size_t size, enum target target)
 {
 	put_comma(&g->views);
-	put(&g->views, "{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu", g->bin.size, size);
+	eco_write_format(&g->views, "{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu", g->bin.size, size);
 	if (target)
-		put(&g->views, ",\"target\":%d", (int)target);
-	put(&g->views, "}");
+		eco_write_format(&g->views, ",\"target\":%d", (int)target);
+	eco_write_format(&g->views, "}");
 	eco_write_bytes(&g->bin, bytes, size);
 	while (g->bin.size % 4)
 		eco_write_u8(&g->bin, 0);
@@ -75,7 +63,7 @@ static uint32_t add_view(struct glb *g, const void *bytes, size_t size, enum tar
 static void add_accessor(struct glb *g, uint32_t view, int type, const char *shape, uint32_t count)
 {
 	put_comma(&g->accessors);
-	put(&g->accessors, "{\"bufferView\":%u,\"componentType\":%d,\"type\":\"%s\",\"count\":%u%s", view,
+	eco_write_format(&g->accessors, "{\"bufferView\":%u,\"componentType\":%d,\"type\":\"%s\",\"count\":%u%s", view,
 		type, shape, count, type == 5123 ? ",\"normalized\":true" : "");
 	g->accessor_count++;
 }
@@ -88,7 +76,7 @@ static void add_bounds(struct glb *g, const struct lod_bake *bake)
 		low[i % 3] = fminf(low[i % 3], bake->position[i]);
 		high[i % 3] = fmaxf(high[i % 3], bake->position[i]);
 	}
-	put(&g->accessors, ",\"min\":[%.9g,%.9g,%.9g],\"max\":[%.9g,%.9g,%.9g]", (double)low[0],
+	eco_write_format(&g->accessors, ",\"min\":[%.9g,%.9g,%.9g],\"max\":[%.9g,%.9g,%.9g]", (double)low[0],
 		(double)low[1], (double)low[2], (double)high[0], (double)high[1], (double)high[2]);
 }
 
@@ -104,7 +92,7 @@ static enum eco_code find_image(struct glb *g, const struct view_list *image, ui
 	if (code)
 		return code;
 	put_comma(&g->images);
-	put(&g->images, "{\"bufferView\":%u,\"mimeType\":\"image/png\"}", add_view(g, png, size,
+	eco_write_format(&g->images, "{\"bufferView\":%u,\"mimeType\":\"image/png\"}", add_view(g, png, size,
 		TARGET_NONE));
 	free(png);
 	g->drawn_images[g->image_count++] = image;
@@ -121,18 +109,18 @@ static enum eco_code add_bake(struct glb *g, const struct lod_bake *bake, const 
 	add_accessor(g, add_view(g, bake->position, vertices * 12, TARGET_VERTICES), 5126, "VEC3",
 		bake->vertex_count);
 	add_bounds(g, bake);
-	put(&g->accessors, "}");
+	eco_write_format(&g->accessors, "}");
 	add_accessor(g, add_view(g, bake->color, vertices * 8, TARGET_VERTICES), 5123, "VEC4",
 		bake->vertex_count);
-	put(&g->accessors, "}");
+	eco_write_format(&g->accessors, "}");
 	add_accessor(g, add_view(g, bake->index, (size_t)bake->index_count * 4, TARGET_INDICES), 5125,
 		"SCALAR", bake->index_count);
-	put(&g->accessors, "}");
+	eco_write_format(&g->accessors, "}");
 	if (!bake->uv)
 		return ECO_OK;
 	add_accessor(g, add_view(g, bake->uv, vertices * 8, TARGET_VERTICES), 5126, "VEC2",
 		bake->vertex_count);
-	put(&g->accessors, "}");
+	eco_write_format(&g->accessors, "}");
 	enum eco_code code = find_image(g, texture, &image);
 	out->material = 1 + (g->job->selection->ground.count > 0) + image;
 	return code;
@@ -140,10 +128,10 @@ static enum eco_code add_bake(struct glb *g, const struct lod_bake *bake, const 
 
 static void put_primitive(struct eco_writer *w, const struct primitive *p)
 {
-	put(w, "{\"attributes\":{\"POSITION\":%u,\"COLOR_0\":%u", p->accessor, p->accessor + 1);
+	eco_write_format(w, "{\"attributes\":{\"POSITION\":%u,\"COLOR_0\":%u", p->accessor, p->accessor + 1);
 	if (p->uv)
-		put(w, ",\"TEXCOORD_0\":%u", p->accessor + 3);
-	put(w, "},\"indices\":%u,\"material\":%u}", p->accessor + 2, p->material);
+		eco_write_format(w, ",\"TEXCOORD_0\":%u", p->accessor + 3);
+	eco_write_format(w, "},\"indices\":%u,\"material\":%u}", p->accessor + 2, p->material);
 }
 
 /* ---- Plants ---- */
@@ -184,8 +172,8 @@ static void begin_node(struct glb *g, const char *name)
 {
 	put_comma(&g->nodes);
 	put_comma(&g->children);
-	put(&g->children, "%u", ++g->node_count);       /* the root is node 0 */
-	put(&g->nodes, "{\"name\":");
+	eco_write_format(&g->children, "%u", ++g->node_count);       /* the root is node 0 */
+	eco_write_format(&g->nodes, "{\"name\":");
 	put_name(&g->nodes, name);
 }
 
@@ -197,29 +185,29 @@ static void put_instance(struct glb *g, const struct view_instance *instance)
 	double w = sqrt(fmax(0.5 + 0.5 * place->cosine, 0)), z = w > 1e-6 ? place->sine / (2 * w) : 1;
 	double length = sqrt(w * w + z * z);
 	begin_node(g, plant ? plant->plant.name : "summary");
-	put(&g->nodes, ",\"mesh\":%u,\"translation\":[%.6f,%.6f,%.6f]", g->mesh_count - 1, place->at[0],
+	eco_write_format(&g->nodes, ",\"mesh\":%u,\"translation\":[%.6f,%.6f,%.6f]", g->mesh_count - 1, place->at[0],
 		place->at[1], place->at[2]);
 	if (place->sine != 0 || place->cosine != 1)
-		put(&g->nodes, ",\"rotation\":[0,0,%.9g,%.9g]", z / length, w / length);
+		eco_write_format(&g->nodes, ",\"rotation\":[0,0,%.9g,%.9g]", z / length, w / length);
 	if (place->scale != 1)
-		put(&g->nodes, ",\"scale\":[%.9g,%.9g,%.9g]", place->scale, place->scale, place->scale);
+		eco_write_format(&g->nodes, ",\"scale\":[%.9g,%.9g,%.9g]", place->scale, place->scale, place->scale);
 	if (plant)
-		put(&g->nodes, ",\"extras\":{\"height_m\":%.3f}",
+		eco_write_format(&g->nodes, ",\"extras\":{\"height_m\":%.3f}",
 			(double)plant->plant.height_m * place->scale);
-	put(&g->nodes, "}");
+	eco_write_format(&g->nodes, "}");
 }
 
 static void put_mesh(struct glb *g, uint32_t instance)
 {
 	const struct view_selection *s = g->job->selection;
 	put_comma(&g->meshes);
-	put(&g->meshes, "{\"primitives\":[");
+	eco_write_format(&g->meshes, "{\"primitives\":[");
 	for (uint32_t c = s->cut_first[instance]; c < s->cut_first[instance + 1]; c++) {
 		if (c > s->cut_first[instance])
-			put(&g->meshes, ",");
+			eco_write_format(&g->meshes, ",");
 		put_primitive(&g->meshes, &g->cuts[s->cuts[c]]);
 	}
-	put(&g->meshes, "]}");
+	eco_write_format(&g->meshes, "]}");
 	g->mesh_count++;
 }
 
@@ -260,11 +248,11 @@ static enum eco_code put_ground(struct glb *g)
 	}
 	if (!code && ground->count) {
 		put_comma(&g->meshes);
-		put(&g->meshes, "{\"primitives\":[");
+		eco_write_format(&g->meshes, "{\"primitives\":[");
 		eco_write_bytes(&g->meshes, primitives.bytes, primitives.size);
-		put(&g->meshes, "]}");
+		eco_write_format(&g->meshes, "]}");
 		begin_node(g, "ground");
-		put(&g->nodes, ",\"mesh\":%u,\"translation\":[%.6f,%.6f,%.6f]}", g->mesh_count++,
+		eco_write_format(&g->nodes, ",\"mesh\":%u,\"translation\":[%.6f,%.6f,%.6f]}", g->mesh_count++,
 			ground->at[0], ground->at[1], ground->at[2]);
 	}
 	g->meshes.failed |= primitives.failed;
@@ -279,7 +267,7 @@ static void put_camera(struct glb *g)
 	lod_eye_make(&eye, g->job->view);
 	const double *r = eye.right, *u = eye.up, *f = eye.forward;
 	begin_node(g, "camera");
-	put(&g->nodes, ",\"camera\":0,\"matrix\":[%.9g,%.9g,%.9g,0,%.9g,%.9g,%.9g,0,%.9g,%.9g,%.9g,0,"
+	eco_write_format(&g->nodes, ",\"camera\":0,\"matrix\":[%.9g,%.9g,%.9g,0,%.9g,%.9g,%.9g,0,%.9g,%.9g,%.9g,0,"
 		"%.6f,%.6f,%.6f,1]}", r[0], r[1], r[2], u[0], u[1], u[2], -f[0], -f[1], -f[2], eye.at[0],
 		eye.at[1], eye.at[2]);
 }
@@ -287,14 +275,14 @@ static void put_camera(struct glb *g)
 static void put_materials(struct eco_writer *w, uint32_t images, bool ground)
 {
 	static const char rough[] = "\"metallicFactor\":0,\"roughnessFactor\":1";
-	put(w, "[{\"name\":\"plants\",\"doubleSided\":true,\"pbrMetallicRoughness\":{%s}}", rough);
+	eco_write_format(w, "[{\"name\":\"plants\",\"doubleSided\":true,\"pbrMetallicRoughness\":{%s}}", rough);
 	if (ground)
-		put(w, ",{\"name\":\"ground\",\"pbrMetallicRoughness\":{%s,"
+		eco_write_format(w, ",{\"name\":\"ground\",\"pbrMetallicRoughness\":{%s,"
 			"\"baseColorFactor\":[0.11,0.12,0.04,1]}}", rough);
 	for (uint32_t i = 0; i < images; i++)
-		put(w, ",{\"doubleSided\":true,\"alphaMode\":\"MASK\",\"alphaCutoff\":0.5,"
+		eco_write_format(w, ",{\"doubleSided\":true,\"alphaMode\":\"MASK\",\"alphaCutoff\":0.5,"
 			"\"pbrMetallicRoughness\":{%s,\"baseColorTexture\":{\"index\":%u}}}", rough, i);
-	put(w, "]");
+	eco_write_format(w, "]");
 }
 
 /* An array, unless it is empty, which glTF does not allow. */
@@ -302,9 +290,9 @@ static void put_array(struct eco_writer *w, const char *name, const struct eco_w
 {
 	if (!items->size)
 		return;
-	put(w, ",\"%s\":[", name);
+	eco_write_format(w, ",\"%s\":[", name);
 	eco_write_bytes(w, items->bytes, items->size);
-	put(w, "]");
+	eco_write_format(w, "]");
 }
 
 static void put_document(const struct glb *g, struct eco_writer *w)
@@ -313,31 +301,31 @@ static void put_document(const struct glb *g, struct eco_writer *w)
 	const struct eco_view *view = g->job->view;
 	double near_m = view_store_near_m(g->job->store);
 	const char *name = view_store_scene_name(g->job->store);
-	put(w, "{\"asset\":{\"version\":\"2.0\",\"generator\":\"ecoview " ECO_VERSION "\"},\"scene\":0,"
+	eco_write_format(w, "{\"asset\":{\"version\":\"2.0\",\"generator\":\"ecoview " ECO_VERSION "\"},\"scene\":0,"
 		"\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"name\":");
 	put_name(w, name ? name : "scene");
-	put(w, ",\"rotation\":[-0.70710678,0,0,0.70710678],\"extras\":{\"vertices\":%llu,\"plants\":%llu}",
+	eco_write_format(w, ",\"rotation\":[-0.70710678,0,0,0.70710678],\"extras\":{\"vertices\":%llu,\"plants\":%llu}",
 		(unsigned long long)s->vertices, (unsigned long long)s->visible_plants);
 	put_array(w, "children", &g->children);
-	put(w, "},");
+	eco_write_format(w, "},");
 	eco_write_bytes(w, g->nodes.bytes, g->nodes.size);
-	put(w, "],\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":%.9g,\"aspectRatio\":%.9g,"
+	eco_write_format(w, "],\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":%.9g,\"aspectRatio\":%.9g,"
 		"\"znear\":%.9g}}]", view->fov_y_deg * (3.14159265358979323846 / 180),
 		(double)view->width / view->height, near_m > 0 ? near_m : 0.1);
 	put_array(w, "meshes", &g->meshes);
 	if (g->accessor_count) {
-		put(w, ",\"materials\":");
+		eco_write_format(w, ",\"materials\":");
 		put_materials(w, g->image_count, s->ground.count > 0);
-		put(w, ",\"buffers\":[{\"byteLength\":%zu}]", g->bin.size);
+		eco_write_format(w, ",\"buffers\":[{\"byteLength\":%zu}]", g->bin.size);
 	}
 	put_array(w, "bufferViews", &g->views);
 	put_array(w, "accessors", &g->accessors);
 	put_array(w, "images", &g->images);
 	if (g->image_count)
-		put(w, ",\"samplers\":[{\"wrapS\":10497,\"wrapT\":10497}],\"textures\":[");
+		eco_write_format(w, ",\"samplers\":[{\"wrapS\":10497,\"wrapT\":10497}],\"textures\":[");
 	for (uint32_t i = 0; i < g->image_count; i++)
-		put(w, "%s{\"sampler\":0,\"source\":%u}", i ? "," : "", i);
-	put(w, "%s}", g->image_count ? "]" : "");
+		eco_write_format(w, "%s{\"sampler\":0,\"source\":%u}", i ? "," : "", i);
+	eco_write_format(w, "%s}", g->image_count ? "]" : "");
 	while (w->size % 4)
 		eco_write_u8(w, ' ');
 }

@@ -1,6 +1,5 @@
 #include "server/metrics.h"
 
-#include <stdarg.h>
 #include <stdio.h>
 
 #define PREFIX "ecoserve_"
@@ -42,27 +41,16 @@ void srv_count_plan(struct srv_metrics *metrics, uint64_t took_us, uint64_t work
 
 /* ---- Text ---- */
 
-__attribute__((format(printf, 2, 3)))
-static void add(struct eco_writer *out, const char *format, ...)
-{
-	char line[256];
-	va_list arguments;
-	va_start(arguments, format);
-	int size = vsnprintf(line, sizeof line, format, arguments);
-	va_end(arguments);
-	eco_write_bytes(out, line, size < (int)sizeof line ? (size_t)size : sizeof line - 1);
-}
-
 static void add_head(struct eco_writer *out, const char *metric, const char *type, const char *help)
 {
-	add(out, "# HELP " PREFIX "%s %s\n# TYPE " PREFIX "%s %s\n", metric, help, metric, type);
+	eco_write_format(out, "# HELP " PREFIX "%s %s\n# TYPE " PREFIX "%s %s\n", metric, help, metric, type);
 }
 
 static void add_value(struct eco_writer *out, const char *metric, const char *type, const char *help,
 	uint64_t value)
 {
 	add_head(out, metric, type, help);
-	add(out, PREFIX "%s %llu\n", metric, (unsigned long long)value);
+	eco_write_format(out, PREFIX "%s %llu\n", metric, (unsigned long long)value);
 }
 
 static void add_requests(struct eco_writer *out, struct srv_metrics *metrics)
@@ -72,7 +60,7 @@ static void add_requests(struct eco_writer *out, struct srv_metrics *metrics)
 		for (size_t s = 0; s < STATUS_COUNT; s++) {
 			uint64_t count = atomic_load(&metrics->requests[r][s]);
 			if (count)
-				add(out, PREFIX "requests_total{route=\"%s\",code=\"%u\"} %llu\n",
+				eco_write_format(out, PREFIX "requests_total{route=\"%s\",code=\"%u\"} %llu\n",
 					r < SRV_RESOURCE_COUNT ? srv_routes[r].pattern : "", statuses[s],
 					(unsigned long long)count);
 		}
@@ -87,11 +75,11 @@ static void add_plans(struct eco_writer *out, struct srv_metrics *metrics)
 	for (uint32_t i = 0; i <= SRV_PLAN_BUCKETS; i++) {
 		sum += atomic_load(&metrics->plan_buckets[i]);
 		if (i < SRV_PLAN_BUCKETS)
-			add(out, PREFIX "plan_seconds_bucket{le=\"%g\"} %llu\n", buckets_s[i],
+			eco_write_format(out, PREFIX "plan_seconds_bucket{le=\"%g\"} %llu\n", buckets_s[i],
 				(unsigned long long)sum);
 	}
-	add(out, PREFIX "plan_seconds_bucket{le=\"+Inf\"} %llu\n", (unsigned long long)sum);
-	add(out, PREFIX "plan_seconds_sum %.6f\n" PREFIX "plan_seconds_count %llu\n",
+	eco_write_format(out, PREFIX "plan_seconds_bucket{le=\"+Inf\"} %llu\n", (unsigned long long)sum);
+	eco_write_format(out, PREFIX "plan_seconds_sum %.6f\n" PREFIX "plan_seconds_count %llu\n",
 		(double)atomic_load(&metrics->plan_us) * 1e-6, (unsigned long long)sum);
 }
 

@@ -255,14 +255,14 @@ static void say_roles(struct web *web)
 				* eco_list_vertices(&list->list)
 				* (s->member_first[c + 1] - s->member_first[c]);
 	}
-	web_say(&web->text, "\"roles\":[");
+	eco_write_format(&web->text, "\"roles\":[");
 	for (int i = 0; i < VIEW_ROLE_COUNT; i++) {
 		const uint8_t *color = view_tint_colors[i];
-		web_say(&web->text, "%s{\"name\":\"%s\",\"color\":[%u,%u,%u],\"vertices\":%llu}",
+		eco_write_format(&web->text, "%s{\"name\":\"%s\",\"color\":[%u,%u,%u],\"vertices\":%llu}",
 			i ? "," : "", web_role_names[i], color[0], color[1], color[2],
 			(unsigned long long)vertices[i]);
 	}
-	web_say(&web->text, "],");
+	eco_write_format(&web->text, "],");
 }
 
 static int by_plant(const void *a, const void *b)
@@ -276,7 +276,7 @@ static void say_species(struct web *web)
 {
 	const struct view_selection *s = &web->selection;
 	uint32_t *plants = malloc(((size_t)s->instance_count + 1) * sizeof *plants), count = 0;
-	web_say(&web->text, "\"species\":[");
+	eco_write_format(&web->text, "\"species\":[");
 	for (uint32_t i = 0; plants && i < s->instance_count; i++)
 		if (s->instances[i].plant != ECO_NONE)
 			plants[count++] = s->instances[i].plant;
@@ -286,27 +286,27 @@ static void say_species(struct web *web)
 		const struct view_plant *plant = view_store_plant(web->store, plants[i]);
 		for (end = i; end < count && plants[end] == plants[i]; end++)
 			;
-		web_say(&web->text, "%s{\"name\":", i ? "," : "");
+		eco_write_format(&web->text, "%s{\"name\":", i ? "," : "");
 		web_say_name(&web->text, plant->plant.name);
-		web_say(&web->text, ",\"height_m\":%.2f,\"count\":%u}", (double)plant->plant.height_m,
+		eco_write_format(&web->text, ",\"height_m\":%.2f,\"count\":%u}", (double)plant->plant.height_m,
 			end - i);
 	}
 	free(plants);
-	web_say(&web->text, "],");
+	eco_write_format(&web->text, "],");
 }
 
 const char *web_facts(struct web *web)
 {
 	struct view_store_stats stats = view_store_stats(web->store);
 	web->text.size = 0;
-	web_say(&web->text, "{\"vertices\":%llu,\"plants\":%llu,",
+	eco_write_format(&web->text, "{\"vertices\":%llu,\"plants\":%llu,",
 		(unsigned long long)web->selection.vertices,
 		(unsigned long long)web->selection.visible_plants);
 	if (web->predicted_q == web->predicted_q)
-		web_say(&web->text, "\"predicted_q\":%.4f,", web->predicted_q);
+		eco_write_format(&web->text, "\"predicted_q\":%.4f,", web->predicted_q);
 	say_roles(web);
 	say_species(web);
-	web_say(&web->text, "\"bytes\":%llu,\"chunks\":%llu,\"memory_bytes\":%llu,\"decode_ms\":%.1f}",
+	eco_write_format(&web->text, "\"bytes\":%llu,\"chunks\":%llu,\"memory_bytes\":%llu,\"decode_ms\":%.1f}",
 		(unsigned long long)web->bytes, (unsigned long long)stats.chunks,
 		(unsigned long long)stats.memory_bytes, stats.decode_ms);
 	eco_write_u8(&web->text, 0);

@@ -38,7 +38,7 @@ static void place_of(const struct web_pick *pick, const uint32_t at[2], double d
 
 static void say_point(struct eco_writer *text, const char *name, const double p[3])
 {
-	web_say(text, ",\"%s\":[%.4f,%.4f,%.4f]", name, p[0], p[1], p[2]);
+	eco_write_format(text, ",\"%s\":[%.4f,%.4f,%.4f]", name, p[0], p[1], p[2]);
 }
 
 static void say_species(const struct web_pick *pick, uint32_t plant, struct eco_writer *text)
@@ -46,7 +46,7 @@ static void say_species(const struct web_pick *pick, uint32_t plant, struct eco_
 	const struct view_plant *species = view_store_plant(pick->store, plant);
 	if (!species)
 		return;
-	web_say(text, ",\"species\":");
+	eco_write_format(text, ",\"species\":");
 	web_say_name(text, species->plant.name);
 }
 
@@ -54,19 +54,19 @@ static void say_cuts(const struct web_pick *pick, uint32_t instance, struct eco_
 {
 	const struct view_selection *s = pick->selection;
 	const char *comma = "";
-	web_say(text, ",\"cuts\":[");
+	eco_write_format(text, ",\"cuts\":[");
 	for (uint32_t i = s->cut_first[instance]; i < s->cut_first[instance + 1]; i++) {
 		const struct eco_cut *cut = &s->plan_cuts[s->cuts[i]];
 		const struct view_list *list = view_store_list(pick->store, cut->list);
 		if (!list)
 			continue;
-		web_say(text, "%s{\"role\":\"%s\",\"list\":%u,\"first\":%u,\"end\":%u,\"of\":%u,"
+		eco_write_format(text, "%s{\"role\":\"%s\",\"list\":%u,\"first\":%u,\"end\":%u,\"of\":%u,"
 			"\"vertices\":%llu}", comma, web_role_names[s->roles[s->cuts[i]]], cut->list,
 			cut->first, cut->end, list->list.primitive_count,
 			(unsigned long long)(cut->end - cut->first) * eco_list_vertices(&list->list));
 		comma = ",";
 	}
-	web_say(text, "]");
+	eco_write_format(text, "]");
 }
 
 static void say_plant(const struct web_pick *pick, const struct view_instance *instance,
@@ -75,8 +75,8 @@ static void say_plant(const struct web_pick *pick, const struct view_instance *i
 	const struct view_plant *species = view_store_plant(pick->store, instance->plant);
 	say_species(pick, instance->plant, text);
 	if (species)
-		web_say(text, ",\"height_m\":%.3f", species->plant.height_m * instance->place.scale);
-	web_say(text, ",\"scale\":%.4f", instance->place.scale);
+		eco_write_format(text, ",\"height_m\":%.3f", species->plant.height_m * instance->place.scale);
+	eco_write_format(text, ",\"scale\":%.4f", instance->place.scale);
 	say_point(text, "foot", instance->place.at);
 	say_cuts(pick, (uint32_t)(instance - pick->selection->instances), text);
 }
@@ -90,7 +90,7 @@ void web_pick_write(const struct web_pick *pick, double x, double y, struct eco_
 	if (inside)
 		pixel = (size_t)at[1] * picture->width + at[0];
 	if (!inside || !(picture->depth[pixel] > 0)) {
-		web_say(text, "{\"kind\":\"sky\"}");
+		eco_write_format(text, "{\"kind\":\"sky\"}");
 		return;
 	}
 	double world[3], apart = 0;
@@ -99,12 +99,12 @@ void web_pick_write(const struct web_pick *pick, double x, double y, struct eco_
 	place_of(pick, at, (double)picture->depth[pixel], world);
 	for (int k = 0; k < 3; k++)
 		apart += (world[k] - pick->eye->at[k]) * (world[k] - pick->eye->at[k]);
-	web_say(text, "{\"kind\":\"%s\"", !owner ? "ground" : instance ? "plant" : "summary");
+	eco_write_format(text, "{\"kind\":\"%s\"", !owner ? "ground" : instance ? "plant" : "summary");
 	say_point(text, "at", world);
-	web_say(text, ",\"distance_m\":%.3f", sqrt(apart));
+	eco_write_format(text, ",\"distance_m\":%.3f", sqrt(apart));
 	if (instance)
 		say_plant(pick, instance, text);
 	else if (owner)
 		say_species(pick, eco_owner_plant(owner), text);
-	web_say(text, "}");
+	eco_write_format(text, "}");
 }

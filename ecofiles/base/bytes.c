@@ -2,6 +2,8 @@
  * bounds, so that no parser compares an offset by hand. */
 #include "ecofiles/base/bytes.h"
 
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -178,6 +180,17 @@ void eco_write_bytes(struct eco_writer *w, const void *bytes, size_t count)
 	uint8_t *p = grow(w, count);
 	if (p && count > 0)
 		memcpy(p, bytes, count);
+}
+
+void eco_write_format(struct eco_writer *w, const char *format, ...)
+{
+	char text[512];
+	va_list arguments;
+	va_start(arguments, format);
+	int size = vsnprintf(text, sizeof text, format, arguments);
+	va_end(arguments);
+	if (size > 0)
+		eco_write_bytes(w, text, (size_t)size < sizeof text ? (size_t)size : sizeof text - 1);
 }
 
 void eco_writer_free(struct eco_writer *w)

@@ -30,6 +30,8 @@ void eco_write_f64(struct eco_writer *w, double v);
 void eco_write_varint(struct eco_writer *w, uint64_t v);
 void eco_write_zigzag(struct eco_writer *w, int64_t v);
 void eco_write_bytes(struct eco_writer *w, const void *bytes, size_t count);
+/* Text, printf-like, without an ending 0: cut to 511 bytes. */
+void eco_write_format(struct eco_writer *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void eco_writer_free(struct eco_writer *w);
 
 #endif

@@ -89,11 +89,9 @@ static void decide(struct eco_citygml_crs *crs, PJ_CONTEXT *context, char *note,
 
 void proj_citygml_settle(struct eco_citygml_crs *crs, char *note, size_t size)
 {
-	PJ_CONTEXT *context = proj_context_create();
+	PJ_CONTEXT *context = proj_quiet_context();
 	if (!context)
 		return;
-	proj_log_level(context, PJ_LOG_NONE);
-	proj_context_set_enable_network(context, 0);
 	decide(crs, context, note, size);
 	proj_context_destroy(context);
 }

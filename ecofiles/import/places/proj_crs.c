@@ -355,14 +355,12 @@ static enum eco_code open_parts(struct eco_crs_path *c, const struct eco_crs_req
 {
 	c->request = *r;
 	c->use_z = r->use_z;
-	c->context = proj_context_create();
+	c->context = proj_quiet_context();
 	c->path = strdup(r->path);
 	c->from_name = eco_crs_short_name(r->stated ? r->stated : r->of_file);
 	c->to_name = eco_crs_short_name(r->frame->crs);
 	if (!c->context || !c->path || !c->from_name || !c->to_name)
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
-	proj_log_level(c->context, PJ_LOG_NONE);
-	proj_context_set_enable_network(c->context, 0);
 	enum eco_code code = parse_frame(c, r, error);
 	if (!code)
 		code = parse_source(c, r, error);

@@ -12,9 +12,10 @@
 #define WIDE_DEG 60.0            /* areas beyond this are for maps of continents */
 #define SAME_DEG 0.02            /* places that differ by datum alone lie nearer together */
 
-static PJ *to_degrees(PJ_CONTEXT *context, const PJ *crs)
+/* To longitude and latitude of `geodetic`, which ends with it. */
+static PJ *to_degrees(PJ_CONTEXT *context, const PJ *crs, PJ *geodetic)
 {
-	PJ *geodetic = proj_crs_get_geodetic_crs(context, crs), *raw = NULL, *good = NULL;
+	PJ *raw = NULL, *good = NULL;
 	if (geodetic)
 		raw = proj_create_crs_to_crs_from_pj(context, crs, geodetic, NULL, NULL);
 	if (raw)
@@ -26,7 +27,7 @@ static PJ *to_degrees(PJ_CONTEXT *context, const PJ *crs)
 
 static bool degrees_of(PJ_CONTEXT *context, const PJ *crs, const double xy[2], double degrees[2])
 {
-	PJ *conversion = to_degrees(context, crs);
+	PJ *conversion = to_degrees(context, crs, proj_crs_get_geodetic_crs(context, crs));
 	degrees[0] = degrees[1] = NAN;
 	if (!conversion)
 		return false;
@@ -85,12 +86,10 @@ static void look(PJ_CONTEXT *context, PJ *crs, const double xy[2], struct eco_cr
 enum eco_code proj_crs_look(const char *text, const double xy[2], struct eco_crs_facts *facts,
 	struct eco_error *error)
 {
-	PJ_CONTEXT *context = proj_context_create();
+	PJ_CONTEXT *context = proj_quiet_context();
 	*facts = (struct eco_crs_facts){ .inside = false };
 	if (!context)
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
-	proj_log_level(context, PJ_LOG_NONE);
-	proj_context_set_enable_network(context, 0);
 	PJ *crs = proj_create(context, text);
 	enum eco_code code = ECO_OK;
 	if (crs && proj_is_crs(crs))
@@ -104,18 +103,6 @@ enum eco_code proj_crs_look(const char *text, const double xy[2], struct eco_crs
 }
 
 /* ---- Where on Earth ---- */
-
-static PJ *to_wgs84(PJ_CONTEXT *context, const PJ *crs)
-{
-	PJ *earth = proj_create(context, "EPSG:4326"), *raw = NULL, *good = NULL;
-	if (earth)
-		raw = proj_create_crs_to_crs_from_pj(context, crs, earth, NULL, NULL);
-	if (raw)
-		good = proj_normalize_for_visualization(context, raw);
-	proj_destroy(raw);
-	proj_destroy(earth);
-	return good;
-}
 
 /* The bearing, seen from `at`, of a place a little further up the map: degrees clockwise from north. */
 static double bearing_up(PJ_CONTEXT *context, PJ *conversion, const double xy[2], PJ_COORD at)
@@ -133,7 +120,7 @@ static double rounded(double degrees) { return round(degrees * 1e7) / 1e7; }
 
 static bool place_of(PJ_CONTEXT *context, const PJ *crs, const double xy[2], struct eco_crs_place *place)
 {
-	PJ *conversion = to_wgs84(context, crs);
+	PJ *conversion = to_degrees(context, crs, proj_create(context, "EPSG:4326"));
 	if (!conversion)
 		return false;
 	PJ_COORD at = proj_trans(conversion, PJ_FWD, proj_coord(xy[0], xy[1], 0, HUGE_VAL));
@@ -147,11 +134,9 @@ static bool place_of(PJ_CONTEXT *context, const PJ *crs, const double xy[2], str
 enum eco_code proj_crs_place(const char *text, const double xy[2], struct eco_crs_place *place,
 	struct eco_error *error)
 {
-	PJ_CONTEXT *context = proj_context_create();
+	PJ_CONTEXT *context = proj_quiet_context();
 	if (!context)
 		return eco_fail(error, ECO_NO_MEMORY, "out of memory");
-	proj_log_level(context, PJ_LOG_NONE);
-	proj_context_set_enable_network(context, 0);
 	PJ *crs = proj_create(context, text);
 	enum eco_code code = crs && proj_is_crs(crs) && place_of(context, crs, xy, place) ? ECO_OK
 		: eco_fail(error, ECO_BAD_INPUT, "the place %.3f, %.3f of the CRS \"%.100s\" is not known",
@@ -264,15 +249,12 @@ static enum eco_code try_all(PJ_CONTEXT *context, const double xy[2], const char
 enum eco_code proj_crs_choices(const double xy[2], const char *words,
 	struct eco_crs_choice *choices, uint32_t *found, struct eco_error *error)
 {
-	PJ_CONTEXT *context = proj_context_create();
+	PJ_CONTEXT *context = proj_quiet_context();
 	struct choices all = { .items = NULL };
 	enum eco_code code = ECO_NO_MEMORY;
 	*found = 0;
-	if (context) {
-		proj_log_level(context, PJ_LOG_NONE);
-		proj_context_set_enable_network(context, 0);
+	if (context)
 		code = try_all(context, xy, words, &all);
-	}
 	if (!code && all.count > 0) {
 		qsort(all.items, all.count, sizeof *all.items, by_extent);
 		*found = all.count;

@@ -8,3 +8,13 @@ ECO_MODULE_EXPORT const struct eco_proj_module eco_proj_module = {
 	.crs_place = proj_crs_place,
 	.citygml_settle = proj_citygml_settle,
 };
+
+PJ_CONTEXT *proj_quiet_context(void)
+{
+	PJ_CONTEXT *context = proj_context_create();
+	if (context) {
+		proj_log_level(context, PJ_LOG_NONE);
+		proj_context_set_enable_network(context, 0);
+	}
+	return context;
+}

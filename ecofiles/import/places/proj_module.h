@@ -6,6 +6,8 @@
 
 #include "ecofiles/base/module.h"
 
+/* A context that neither prints nor asks the network; NULL: out of memory. */
+PJ_CONTEXT *proj_quiet_context(void);
 /* Whether a CRS is projected and in metres, alone or as the map of a compound one. */
 bool proj_is_metric_map(PJ_CONTEXT *context, const PJ *crs);
 
