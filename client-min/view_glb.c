@@ -63,8 +63,9 @@ static uint32_t add_view(struct glb *g, const void *bytes, size_t size, enum tar
 static void add_accessor(struct glb *g, uint32_t view, int type, const char *shape, uint32_t count)
 {
 	put_comma(&g->accessors);
-	eco_write_format(&g->accessors, "{\"bufferView\":%u,\"componentType\":%d,\"type\":\"%s\",\"count\":%u%s", view,
-		type, shape, count, type == 5123 ? ",\"normalized\":true" : "");
+	eco_write_format(&g->accessors,
+		"{\"bufferView\":%u,\"componentType\":%d,\"type\":\"%s\",\"count\":%u%s", view, type, shape,
+		count, type == 5123 ? ",\"normalized\":true" : "");
 	g->accessor_count++;
 }
 
@@ -185,12 +186,13 @@ static void put_instance(struct glb *g, const struct view_instance *instance)
 	double w = sqrt(fmax(0.5 + 0.5 * place->cosine, 0)), z = w > 1e-6 ? place->sine / (2 * w) : 1;
 	double length = sqrt(w * w + z * z);
 	begin_node(g, plant ? plant->plant.name : "summary");
-	eco_write_format(&g->nodes, ",\"mesh\":%u,\"translation\":[%.6f,%.6f,%.6f]", g->mesh_count - 1, place->at[0],
-		place->at[1], place->at[2]);
+	eco_write_format(&g->nodes, ",\"mesh\":%u,\"translation\":[%.6f,%.6f,%.6f]", g->mesh_count - 1,
+		place->at[0], place->at[1], place->at[2]);
 	if (place->sine != 0 || place->cosine != 1)
 		eco_write_format(&g->nodes, ",\"rotation\":[0,0,%.9g,%.9g]", z / length, w / length);
 	if (place->scale != 1)
-		eco_write_format(&g->nodes, ",\"scale\":[%.9g,%.9g,%.9g]", place->scale, place->scale, place->scale);
+		eco_write_format(&g->nodes, ",\"scale\":[%.9g,%.9g,%.9g]", place->scale, place->scale,
+			place->scale);
 	if (plant)
 		eco_write_format(&g->nodes, ",\"extras\":{\"height_m\":%.3f}",
 			(double)plant->plant.height_m * place->scale);
@@ -267,15 +269,17 @@ static void put_camera(struct glb *g)
 	lod_eye_make(&eye, g->job->view);
 	const double *r = eye.right, *u = eye.up, *f = eye.forward;
 	begin_node(g, "camera");
-	eco_write_format(&g->nodes, ",\"camera\":0,\"matrix\":[%.9g,%.9g,%.9g,0,%.9g,%.9g,%.9g,0,%.9g,%.9g,%.9g,0,"
-		"%.6f,%.6f,%.6f,1]}", r[0], r[1], r[2], u[0], u[1], u[2], -f[0], -f[1], -f[2], eye.at[0],
-		eye.at[1], eye.at[2]);
+	eco_write_format(&g->nodes,
+		",\"camera\":0,\"matrix\":[%.9g,%.9g,%.9g,0,%.9g,%.9g,%.9g,0,%.9g,%.9g,%.9g,0,"
+		"%.6f,%.6f,%.6f,1]}",
+		r[0], r[1], r[2], u[0], u[1], u[2], -f[0], -f[1], -f[2], eye.at[0], eye.at[1], eye.at[2]);
 }
 
 static void put_materials(struct eco_writer *w, uint32_t images, bool ground)
 {
 	static const char rough[] = "\"metallicFactor\":0,\"roughnessFactor\":1";
-	eco_write_format(w, "[{\"name\":\"plants\",\"doubleSided\":true,\"pbrMetallicRoughness\":{%s}}", rough);
+	eco_write_format(w, "[{\"name\":\"plants\",\"doubleSided\":true,\"pbrMetallicRoughness\":{%s}}",
+		rough);
 	if (ground)
 		eco_write_format(w, ",{\"name\":\"ground\",\"pbrMetallicRoughness\":{%s,"
 			"\"baseColorFactor\":[0.11,0.12,0.04,1]}}", rough);
@@ -301,17 +305,21 @@ static void put_document(const struct glb *g, struct eco_writer *w)
 	const struct eco_view *view = g->job->view;
 	double near_m = view_store_near_m(g->job->store);
 	const char *name = view_store_scene_name(g->job->store);
-	eco_write_format(w, "{\"asset\":{\"version\":\"2.0\",\"generator\":\"ecoview " ECO_VERSION "\"},\"scene\":0,"
+	eco_write_format(w,
+		"{\"asset\":{\"version\":\"2.0\",\"generator\":\"ecoview " ECO_VERSION "\"},\"scene\":0,"
 		"\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"name\":");
 	put_name(w, name ? name : "scene");
-	eco_write_format(w, ",\"rotation\":[-0.70710678,0,0,0.70710678],\"extras\":{\"vertices\":%llu,\"plants\":%llu}",
+	eco_write_format(w,
+		",\"rotation\":[-0.70710678,0,0,0.70710678],\"extras\":{\"vertices\":%llu,\"plants\":%llu}",
 		(unsigned long long)s->vertices, (unsigned long long)s->visible_plants);
 	put_array(w, "children", &g->children);
 	eco_write_format(w, "},");
 	eco_write_bytes(w, g->nodes.bytes, g->nodes.size);
-	eco_write_format(w, "],\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":%.9g,\"aspectRatio\":%.9g,"
-		"\"znear\":%.9g}}]", view->fov_y_deg * (3.14159265358979323846 / 180),
-		(double)view->width / view->height, near_m > 0 ? near_m : 0.1);
+	eco_write_format(w,
+		"],\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":%.9g,"
+		"\"aspectRatio\":%.9g,\"znear\":%.9g}}]",
+		view->fov_y_deg * (3.14159265358979323846 / 180), (double)view->width / view->height,
+		near_m > 0 ? near_m : 0.1);
 	put_array(w, "meshes", &g->meshes);
 	if (g->accessor_count) {
 		eco_write_format(w, ",\"materials\":");

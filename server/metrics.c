@@ -60,7 +60,8 @@ static void add_requests(struct eco_writer *out, struct srv_metrics *metrics)
 		for (size_t s = 0; s < STATUS_COUNT; s++) {
 			uint64_t count = atomic_load(&metrics->requests[r][s]);
 			if (count)
-				eco_write_format(out, PREFIX "requests_total{route=\"%s\",code=\"%u\"} %llu\n",
+				eco_write_format(out,
+					PREFIX "requests_total{route=\"%s\",code=\"%u\"} %llu\n",
 					r < SRV_RESOURCE_COUNT ? srv_routes[r].pattern : "", statuses[s],
 					(unsigned long long)count);
 		}

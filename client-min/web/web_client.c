@@ -288,8 +288,8 @@ static void say_species(struct web *web)
 			;
 		eco_write_format(&web->text, "%s{\"name\":", i ? "," : "");
 		web_say_name(&web->text, plant->plant.name);
-		eco_write_format(&web->text, ",\"height_m\":%.2f,\"count\":%u}", (double)plant->plant.height_m,
-			end - i);
+		eco_write_format(&web->text, ",\"height_m\":%.2f,\"count\":%u}",
+			(double)plant->plant.height_m, end - i);
 	}
 	free(plants);
 	eco_write_format(&web->text, "],");
@@ -306,7 +306,8 @@ const char *web_facts(struct web *web)
 		eco_write_format(&web->text, "\"predicted_q\":%.4f,", web->predicted_q);
 	say_roles(web);
 	say_species(web);
-	eco_write_format(&web->text, "\"bytes\":%llu,\"chunks\":%llu,\"memory_bytes\":%llu,\"decode_ms\":%.1f}",
+	eco_write_format(&web->text,
+		"\"bytes\":%llu,\"chunks\":%llu,\"memory_bytes\":%llu,\"decode_ms\":%.1f}",
 		(unsigned long long)web->bytes, (unsigned long long)stats.chunks,
 		(unsigned long long)stats.memory_bytes, stats.decode_ms);
 	eco_write_u8(&web->text, 0);

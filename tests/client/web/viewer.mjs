@@ -176,7 +176,8 @@ async function takesAnotherPack() {
 	const names = 'viewer.drawn.facts.species.map(({ name }) => name).sort().join()';
 	const before = await ask(names), scene = async () => (await fetch(url)).text(), old = await scene();
 	execSync(reload);
-	for (let tries = 0; tries < 300 && await scene() === old; tries++)      // until the server has read it
+	// until the server has read it
+	for (let tries = 0; tries < 300 && await scene() === old; tries++)
 		await new Promise((done) => setTimeout(done, 100));
 	await press('h');
 	await browser.until(`${complete} && ${names} !== ${JSON.stringify(before)}`);
