@@ -59,7 +59,7 @@ names client-min/view_store server/daemon.h "$may_not client-min may not include
 names lod/plan/hull lod/build/grid.h "$may_not lod/plan may not include"
 names lod/build/tile lod/plan/planner.h "$may_not lod/build may not include"
 names server/stream lod/plan/planner_state.h "is private to lod/plan"
-names ecofiles/import/places/rows ecofiles/import/model/gltf_parse_inside.h "is private to ecofiles/import/model"
+names ecofiles/import/places/rows/rows ecofiles/import/model/gltf_parse_inside.h "is private to ecofiles/import/model"
 names ecofiles/scene/scene ecofiles/ecopack/make.h "$may_not ecofiles/scene may not include"
 names client-min/view_draw ecofiles/ecopack/command.h "$may_not client-min may not include"
 names lod/light ecofiles/stray.h "is in no room"
