@@ -43,6 +43,7 @@
 #define CANDIDATES_LEAST 1024u
 #define CANDIDATES_SHARE 32u             /* times the number of elements at the step's end */
 #define CANDIDATES_ROUGH 8u              /* for rough trials */
+#define CANDIDATES_LEAST_ROUGH 256u
 #define CANDIDATES_MOST 40000u           /* plus three for each pick of the step */
 #define BATCH 256u
 #define ASK 512u                         /* looks between two calls of progress */
@@ -64,7 +65,7 @@ struct ranking {
 	struct candidate *heap;
 	uint32_t heap_count;
 	uint32_t points;             /* so many first elements are picked as points */
-	/* Half the views and fewer candidates: only the quality of the step is wanted. */
+	/* Half the views, smaller pictures and fewer candidates: only the quality of the step is wanted. */
 	bool rough;
 	/* the step */
 	double scale;
@@ -192,7 +193,8 @@ static void gather(struct ranking *r, uint32_t end, uint64_t salt)
 	uint64_t most = (uint64_t)end * (r->rough ? CANDIDATES_ROUGH : CANDIDATES_SHARE);
 	uint64_t enough = CANDIDATES_MOST + 3 * (uint64_t)(end - r->picked);
 	uint32_t left = r->count - r->picked;
-	most = most < CANDIDATES_LEAST ? CANDIDATES_LEAST : most < enough ? most : enough;
+	uint32_t least = r->rough ? CANDIDATES_LEAST_ROUGH : CANDIDATES_LEAST;
+	most = most < least ? least : most < enough ? most : enough;
 	r->heap_count = 0;
 	for (uint32_t i = 0; i < r->count; i++)
 		if (!r->taken[i] && (most >= left || lod_mix(salt * r->count + i) % left < most))
@@ -348,7 +350,7 @@ static bool take_steps(struct ranking *r, uint32_t until, uint32_t points)
 		uint32_t end = next_end(r->count, r->picked);
 		end = end < until ? end : until;
 		r->crown.points = end <= points;
-		lod_crown_set_level(&r->crown, end);
+		lod_crown_set_level(&r->crown, r->rough ? (end + 1) / 2 : end);
 		r->scale = choose_scale(r, end, r->scale);
 		r->views = (struct lod_crown_views){ 0, r->rough ? 2 : 1 };
 		lod_crown_set_scale(&r->edges, r->scale, r->crown.points);
