@@ -2,7 +2,7 @@
 # Five scenes for random requests: request_scenes.sh FOLDER makes FOLDER/park.eco, forest.eco, nested.eco, meadow.eco and tree.eco (those
 # that are younger than ecopack stay). A park; a forest on hills; eco files in eco files, turned and scaled; a meadow of many small tiles; one tree that is
 # four trees in one. BUILD is the folder of the programs. ORDER: the order of leaves,
-# DETAIL: how many leaves, CACHE: the folder of finished plants, if not the default.
+# DETAIL: how many leaves, CACHE: the folder of finished plants, if not the default, DRAFT: names of those that are drafts.
 set -eu
 BUILD=${BUILD:-build}
 OUT=${1:?usage: request_scenes.sh FOLDER}
@@ -11,7 +11,8 @@ PACK=$BUILD/ecopack
 
 # make NAME SCENE.json
 make_pack() {
-	[ "$OUT/$1.eco" -nt "$PACK" ] || "$PACK" make "$2" -o "$OUT/$1.eco" --quiet ${ORDER:+--order "$ORDER"} ${CACHE:+--cache "$CACHE"}
+	case " ${DRAFT:-} " in *" $1 "*) how=--draft ;; *) how=${ORDER:+--order=$ORDER} ;; esac
+	[ "$OUT/$1.eco" -nt "$PACK" ] || "$PACK" make "$2" -o "$OUT/$1.eco" --quiet ${how:+"$how"} ${CACHE:+--cache "$CACHE"}
 }
 
 [ -f "$OUT/park/scene.json" ] || "$PACK" generate park -o "$OUT/park" --quiet ${DETAIL:+--detail "$DETAIL"}
