@@ -125,7 +125,7 @@ LIBS_IMPORT := -lmeshoptimizer -lseccomp -lexpat -lpng -lwebp
 # what programs that test or measure call themselves
 LIBS_CHECK := -lassimp -lcairo -lgdal -lzstd
 # linked in, so that what it reads passes server/gate.h
-LIBS_SERVER := -Wl,--wrap=recv -l:libmicrohttpd.a -lgnutls
+LIBS_SERVER := -Wl,--wrap=recv -l:libmicrohttpd.a -lgnutls -lseccomp
 LIBS_VIEW := -lcurl -lEGL -lepoxy -lpng -lwebp
 # In config=fuzz the sanitizer is a library that is linked in, too, and what it puts in place of malloc must be seen by the C library.
 LINK := -Wl,--as-needed $(if $(filter fuzz,$(config)),,-Wl$(comma)--exclude-libs$(comma)ALL) -ldl -pthread
@@ -216,6 +216,7 @@ install: all man
 	for program in $(notdir $(PROGRAMS)); do \
 		install -m 644 .ci/package/completion.bash $(DESTDIR)$(completiondir)/$$program || exit; done
 	sed 's|@bindir@|$(bindir)|' server/ecoserve.service.in >$(DESTDIR)$(unitdir)/ecoserve.service
+	install -m 644 server/ecoserve.socket $(DESTDIR)$(unitdir)
 
 deb:
 	@tests/packages.sh $(PACKAGES) debhelper lintian

@@ -8,12 +8,9 @@
 
 #include <errno.h>
 #include <microhttpd.h>
-#include <netdb.h>
-#include <netinet/in.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include "server/exchange.h"
@@ -21,7 +18,6 @@
 #include "server/log.h"
 #include "server/typical.h"
 
-#define BACKLOG 1024
 #define CHORES_MAX 4             /* that wait */
 /* The reaper counts connections; the library only has to be able to. */
 #define CONNECTIONS_LIMIT (1u << 20)
@@ -29,9 +25,7 @@
 struct srv_daemon {
 	struct srv_host host;
 	struct MHD_Daemon *http;
-	int listen_fd;
-	uint16_t port;
-	char url[NI_MAXHOST + 24];
+	struct srv_endpoint endpoint;
 };
 
 /* ---- Callbacks ---- */
@@ -116,80 +110,6 @@ static void no_log(void *ctx, const char *format, va_list arguments)
 	(void)arguments;
 }
 
-/* ---- Listening ---- */
-
-static enum eco_code split_listen(const char *listen_at, char host[NI_MAXHOST], char port[8],
-	struct eco_error *error)
-{
-	const char *colon = strrchr(listen_at, ':');
-	size_t size = colon ? (size_t)(colon - listen_at) : 0;
-	bool brackets = size >= 2 && listen_at[0] == '[' && listen_at[size - 1] == ']';
-	uint64_t number;
-	if (!colon || size == 0 || size >= NI_MAXHOST || !srv_parse_count(colon + 1, &number)
-			|| number > 65535
-		|| (!brackets && memchr(listen_at, ':', size)))
-		return eco_fail(error, ECO_BAD_USAGE, "--listen: '%.80s' is not HOST:PORT, as "
-			"127.0.0.1:8080, [::1]:8080, or port 0 for any", listen_at);
-	snprintf(host, NI_MAXHOST, "%.*s", (int)(size - 2 * brackets), listen_at + brackets);
-	snprintf(port, 8, "%u", (unsigned)number);
-	return ECO_OK;
-}
-
-enum eco_code srv_daemon_check_listen(const char *listen_at, struct eco_error *error)
-{
-	char host[NI_MAXHOST], port[8];
-	return split_listen(listen_at ? listen_at : SRV_LISTEN_DEFAULT, host, port, error);
-}
-
-static enum eco_code bind_to(int fd, const struct addrinfo *at, const char *listen_at,
-	struct eco_error *error)
-{
-	int on = 1;
-	setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-	if (at->ai_family == AF_INET6)
-		setsockopt(fd, IPPROTO_IPV6, IPV6_V6ONLY, &on, sizeof on);
-	if (bind(fd, at->ai_addr, at->ai_addrlen) == 0 && listen(fd, BACKLOG) == 0)
-		return ECO_OK;
-	return eco_fail(error, ECO_IO, "cannot listen on %s: %s%s", listen_at, strerror(errno),
-		errno == EADDRINUSE
-		? "; stop what listens there, or choose another port with --listen HOST:PORT (port 0: any)"
-		: errno == EACCES ? "; ports below 1024 need privileges: choose a higher one with --listen"
-		: "");
-}
-
-static enum eco_code open_listener(struct srv_daemon *daemon, struct eco_error *error)
-{
-	const char *listen_at = daemon->host.config.listen;
-	char host[NI_MAXHOST], port[8];
-	struct addrinfo hints = { .ai_socktype = SOCK_STREAM, .ai_flags = AI_PASSIVE | AI_NUMERICSERV },
-		*found;
-	enum eco_code code = split_listen(listen_at, host, port, error);
-	if (code)
-		return code;
-	int failed = getaddrinfo(host, port, &hints, &found);
-	if (failed)
-		return eco_fail(error, ECO_IO, "--listen: '%s' names no address of this machine: %s", host,
-			gai_strerror(failed));
-	daemon->listen_fd = socket(found->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-	code = daemon->listen_fd < 0 ? eco_fail(error, ECO_IO, "cannot open a socket: %s", strerror(errno))
-		: bind_to(daemon->listen_fd, found, listen_at, error);
-	freeaddrinfo(found);
-	return code;
-}
-
-static void name_listener(struct srv_daemon *daemon)
-{
-	struct sockaddr_storage address = { 0 };
-	socklen_t size = sizeof address;
-	char host[NI_MAXHOST] = "?", port[8] = "0";
-	getsockname(daemon->listen_fd, (struct sockaddr *)&address, &size);
-	getnameinfo((struct sockaddr *)&address, size, host, sizeof host, port, sizeof port,
-		NI_NUMERICHOST | NI_NUMERICSERV);
-	daemon->port = (uint16_t)atoi(port);
-	snprintf(daemon->url, sizeof daemon->url, address.ss_family == AF_INET6 ? "http://[%s]:%s"
-		: "http://%s:%s", host, port);
-}
-
 /* ---- Life ---- */
 
 static uint32_t processors(void)
@@ -201,7 +121,6 @@ static uint32_t processors(void)
 #define DEFAULT(field, value) config->field = config->field ? config->field : (value)
 static void fill_defaults(struct srv_config *config)
 {
-	DEFAULT(listen, SRV_LISTEN_DEFAULT);
 	DEFAULT(polling_threads, 2);
 	DEFAULT(work_threads, processors());
 	DEFAULT(queue_max, 64);
@@ -250,11 +169,12 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 	if (!daemon)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for the daemon");
 	daemon->host.config = *config;
-	daemon->listen_fd = -1;
+	daemon->endpoint = config->endpoint ? *config->endpoint : (struct srv_endpoint){ .fd = -1 };
 	daemon->host.id_seed = (uint64_t)getpid() ^ srv_clock_us() << 20;
 	pthread_mutex_init(&daemon->host.reloading, NULL);
 	fill_defaults(&daemon->host.config);
-	enum eco_code code = open_listener(daemon, error);
+	enum eco_code code = config->endpoint ? ECO_OK
+		: srv_endpoint_open(&daemon->endpoint, config->listen, error);
 	if (!code)
 		code = srv_catalog_new(&daemon->host.catalog, store, error);
 	if (!code)
@@ -275,12 +195,10 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 			(uint32_t)daemon->host.config.queue_share_max, error);
 	if (!code)
 		code = srv_work_start(&daemon->host.chores, 1, CHORES_MAX, CHORES_MAX, error);
-	if (!code) {
-		name_listener(daemon);
-		code = start_http(daemon, error);
-	}
 	if (!code)
-		code = srv_listener_start(&daemon->host.listener, daemon->listen_fd, daemon->host.reaper,
+		code = start_http(daemon, error);
+	if (!code)
+		code = srv_listener_start(&daemon->host.listener, daemon->endpoint.fd, daemon->host.reaper,
 			take_connection, daemon, error);
 	if (code) {
 		srv_daemon_stop(daemon);
@@ -292,12 +210,12 @@ enum eco_code srv_daemon_start(struct srv_daemon **out, const struct srv_config 
 
 uint16_t srv_daemon_port(const struct srv_daemon *daemon)
 {
-	return daemon->port;
+	return daemon->endpoint.port;
 }
 
 const char *srv_daemon_url(const struct srv_daemon *daemon)
 {
-	return daemon->url;
+	return daemon->endpoint.url;
 }
 
 struct srv_counts srv_daemon_counts(const struct srv_daemon *daemon)
@@ -396,8 +314,8 @@ void srv_daemon_stop(struct srv_daemon *daemon)
 	srv_reaper_stop(daemon->host.reaper);
 	srv_catalog_free(daemon->host.catalog);
 	srv_plan_cache_free(daemon->host.plans);
-	if (daemon->listen_fd >= 0)
-		close(daemon->listen_fd);
+	if (daemon->endpoint.fd >= 0)
+		close(daemon->endpoint.fd);
 	pthread_mutex_destroy(&daemon->host.reloading);
 	free(daemon);
 }

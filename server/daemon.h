@@ -20,6 +20,7 @@
 #include <stdint.h>
 
 #include "server/address.h"
+#include "server/endpoint.h"
 #include "server/store.h"
 
 struct srv_access;
@@ -29,6 +30,7 @@ struct srv_sources;
 struct srv_config {              /* 0 is the default */
 	/* "HOST:PORT", host numeric, [IPv6] in brackets, port 0: any; NULL: 127.0.0.1:8080 */
 	const char *listen;
+	const struct srv_endpoint *endpoint; /* in its place one that listens, which the daemon takes over */
 	const struct srv_site *site;         /* what / shows; NULL: how to make it. Outlives the daemon */
 	uint32_t polling_threads;    /* 2 */
 	uint32_t work_threads;       /* one a processor, at most 8 */
@@ -55,12 +57,8 @@ struct srv_config {              /* 0 is the default */
 	uint64_t slow_ms;            /* plans that took longer are logged with their trace; 0: none */
 };
 
-#define SRV_LISTEN_DEFAULT "127.0.0.1:8080"
-
 struct srv_daemon;
 
-/* Is it HOST:PORT? NULL is fine. */
-enum eco_code srv_daemon_check_listen(const char *listen, struct eco_error *error);
 /* Shares the store's scenes. Errors say what was wrong with the address, or who may hold the port. */
 enum eco_code srv_daemon_start(struct srv_daemon **daemon, const struct srv_config *config,
 	const struct srv_store *store, struct eco_error *error);

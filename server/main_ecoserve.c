@@ -14,7 +14,7 @@
 #include "server/access.h"
 #include "server/daemon.h"
 #include "server/log.h"
-#include "server/reload.h"
+#include "server/sandbox.h"
 #include "server/site.h"
 #include "server/trace.h"
 
@@ -31,8 +31,8 @@ static struct {
 	struct srv_config config;
 	struct srv_access access;
 	struct eco_inputs scenes;
-	const char *copies, *viewer, *settings;
-	bool in_place, only_check;
+	const char *copies, *viewer, *settings, *user;
+	bool in_place, only_check, without_sandbox, require_sandbox;
 } given;
 
 static enum eco_code read_networks(const char *text, void *networks, struct eco_error *error)
@@ -74,7 +74,8 @@ static const struct eco_option options[] = {
 			"own name where that is a word of a-z, 0-9, '_' and '-', else the file's, in small "
 			"letters and with '-' for all else" },
 	{ "listen", 'l', ECO_OPTION_TEXT, "HOST:PORT", &given.config.listen,
-		.help = "where to listen; port 0 takes any free one; " SRV_LISTEN_DEFAULT " if not given" },
+		.help = "where to listen; port 0 takes any free one; the socket that systemd hands over, or "
+			SRV_LISTEN_DEFAULT ", if not given" },
 	{ "copies", 0, ECO_OPTION_TEXT, "DIR", &given.copies,
 		.help = "where private copies of the packs lie while they are served, so that nobody changes "
 			"them; they take as much room as the packs and go with the process; $TMPDIR or "
@@ -133,6 +134,14 @@ static const struct eco_option options[] = {
 			"too" },
 	{ "slow", 0, ECO_OPTION_COUNT, "MS", &given.config.slow_ms, 1, 3600000,
 		.help = "log requests whose plan took longer, with what the plan tried" },
+	{ "user", 0, ECO_OPTION_TEXT, "NAME", &given.user,
+		.help = "who it becomes when root has started it and packs and port are open; "
+			SRV_USER_DEFAULT " if not given" },
+	{ "require-sandbox", 0, ECO_OPTION_FLAG, NULL, &given.require_sandbox,
+		.help = "end where the system cannot keep it to its packs and its system calls, instead of a "
+			"warning" },
+	{ "no-sandbox", 0, ECO_OPTION_FLAG, NULL, &given.without_sandbox,
+		.help = "it may do whatever its user may, for debuggers and the like" },
 	{ "config", 0, ECO_OPTION_TEXT, "FILE", &given.settings,
 		.help = "lines of NAME = VALUE, as these options are named, and pack = [NAME=]OUT.eco" },
 	{ "check-config", 0, ECO_OPTION_FLAG, NULL, &given.only_check,
@@ -221,13 +230,34 @@ static enum eco_code read_site(struct srv_site *site, struct eco_error *error)
 	return srv_site_read(site, path, error);
 }
 
+static enum eco_code check_sandbox(struct eco_error *error)
+{
+	if (given.without_sandbox && (given.require_sandbox || given.user))
+		return eco_fail(error, ECO_BAD_USAGE, "--no-sandbox and --%s exclude each other: leave one out",
+			given.user ? "user" : "require-sandbox");
+	return ECO_OK;
+}
+
+static enum eco_code enter_sandbox(const struct srv_store *store, struct eco_error *error)
+{
+	struct srv_user user;
+	enum eco_code code = given.without_sandbox ? ECO_OK : srv_user_find(&user, given.user, error);
+	return code || given.without_sandbox ? code : srv_sandbox_enter(&(struct srv_sandbox){
+		.sources = given.config.sources, .store = store, .user = &user,
+		.required = given.require_sandbox }, error);
+}
+
 /* The daemon shares the scenes: `store` lets go of them, so that none stays that a reload replaced. */
 static enum eco_code serve_scenes(struct srv_store *store, const sigset_t *signals, struct eco_error *error)
 {
 	struct srv_daemon *daemon;
+	struct srv_endpoint endpoint;
 	char what[NI_MAXHOST + 40];
 	sigprocmask(SIG_BLOCK, signals, NULL);
-	enum eco_code code = srv_daemon_start(&daemon, &given.config, store, error);
+	enum eco_code code = srv_endpoint_take(&endpoint, given.config.listen, error);
+	code = code ? code : enter_sandbox(store, error);
+	given.config.endpoint = &endpoint;
+	code = code ? code : srv_daemon_start(&daemon, &given.config, store, error);
 	if (code)
 		return code;
 	snprintf(what, sizeof what, "ready on %s", srv_daemon_url(daemon));
@@ -269,7 +299,8 @@ static enum eco_code run(struct eco_error *error)
 	srv_store_init(&store);
 	enum eco_code code = read_site(&site, error);
 	code = code ? code : srv_trace_set(getenv("ECO_TRACE"), error);
-	code = code ? code : srv_daemon_check_listen(given.config.listen, error);
+	code = code ? code : srv_endpoint_check(given.config.listen, error);
+	code = code ? code : check_sandbox(error);
 	code = code ? code : srv_sources_load(&sources, NULL, &store, &report, error);
 	code = code ? code : srv_access_check(&given.access, &store, error);
 	if (!code)

@@ -7,6 +7,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "ecofiles/base/confine.h"
+
 #define PATH_BYTES 4096
 
 struct loading {
@@ -21,10 +23,23 @@ static void say_why(struct srv_reload *report, const char *text)
 	snprintf(report->why + used, sizeof report->why - used, "%s%s", used ? "\n" : "", text);
 }
 
+/* Folders that were named since by a link, for instance, are not among those of the start (sandbox.h). */
+static void say_confined(struct eco_error *why, const char *path)
+{
+	char *real = realpath(path, NULL);
+	size_t used = strlen(why->text);
+	if (real && !eco_confined_may_read(path))
+		snprintf(why->text + used, sizeof why->text - used, ": it lies at %s, outside of the folders of "
+			"packs that this server has been kept to since it started: put it into one of them, "
+			"or start ecoserve again", real);
+	free(real);
+}
+
 /* Something is not well. The scene of the same file stays, if there is one. */
 static enum eco_code keep(struct loading *loading, const char *name, const char *path,
-	const struct eco_error *why, struct eco_error *error)
+	struct eco_error *why, struct eco_error *error)
 {
+	say_confined(why, path);
 	struct srv_scene *old = srv_store_find_file(loading->before, name, path, false);
 	say_why(loading->report, why->text);
 	loading->report->kept++;

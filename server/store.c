@@ -166,8 +166,8 @@ static enum eco_code open_pack(struct eco_pack **pack, const struct srv_store *s
 	if (!store->copies)
 		return eco_pack_open(pack, path, error);
 	enum eco_code code = eco_pack_open_private(pack, path, store->copies, &why);
-	const char *advice = code == ECO_IO ? ": make room there, name another folder (--copies DIR), or "
-		"serve packs where they are (--in-place)" : "";
+	const char *advice = code == ECO_IO && strstr(why.text, "private copy") ? ": make room there, name "
+		"another folder (--copies DIR), or serve packs where they are (--in-place)" : "";
 	return code ? eco_fail(error, code, "%s%s", why.text, advice) : ECO_OK;
 }
 

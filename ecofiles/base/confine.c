@@ -29,11 +29,12 @@
 static const char *const own[] = { "/usr", "/lib", "/lib64", "/etc/ld.so.cache", "/proc/self",
 	"/dev/urandom" };
 
-static struct eco_confined_paths confined_to;      /* no readable path: the program is not confined */
+static struct eco_confined_paths confined_to;
+static bool is_confined;
 
 bool eco_is_confined(void)
 {
-	return confined_to.readable[0];
+	return is_confined;
 }
 
 static bool is_below(const char *real, const char *folder)
@@ -48,10 +49,11 @@ static bool is_below(const char *real, const char *folder)
 
 bool eco_confined_may_read(const char *path)
 {
-	char *real = eco_is_confined() ? realpath(path, NULL) : NULL;
+	char *real = is_confined ? realpath(path, NULL) : NULL;
+	const char *const *folder = confined_to.readable;
 	bool may = !real;
-	for (int i = 0; i < ECO_CONFINED_PATHS && confined_to.readable[i] && !may; i++)
-		may = is_below(real, confined_to.readable[i]);
+	for (; folder && *folder && !may; folder++)
+		may = is_below(real, *folder);
 	free(real);
 	return may;
 }
@@ -83,13 +85,12 @@ static void allow_own(int rules, uint64_t write)
 			allow(rules, path, READ);
 }
 
-static enum eco_code allow_all(int rules, const char *const paths[ECO_CONFINED_PATHS], uint64_t access,
-	struct eco_error *error)
+static enum eco_code allow_all(int rules, const char *const *path, uint64_t access, struct eco_error *error)
 {
-	for (int i = 0; i < ECO_CONFINED_PATHS && paths[i]; i++) {
-		int failed = allow(rules, paths[i], access);
+	for (; path && *path; path++) {
+		int failed = allow(rules, *path, access);
 		if (failed)
-			return eco_fail(error, failed == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", paths[i],
+			return eco_fail(error, failed == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s", *path,
 				strerror(failed));
 	}
 	return ECO_OK;
@@ -105,7 +106,8 @@ static enum eco_code restrict_to(const struct eco_confined_paths *paths, struct 
 	if (rules < 0)
 		return eco_fail(error, ECO_UNSUPPORTED, "this system cannot confine a program to folders: "
 			"its kernel has no Landlock, or it is switched off (%s)", strerror(errno));
-	allow_own(rules, write);
+	if (!paths->without_libraries)
+		allow_own(rules, write);
 	enum eco_code code = allow_all(rules, paths->readable, READ, error);
 	code = code ? code : allow_all(rules, paths->writable, READ | write, error);
 	if (!code &&
@@ -119,14 +121,16 @@ static enum eco_code restrict_to(const struct eco_confined_paths *paths, struct 
 enum eco_code eco_confine(const struct eco_confined_paths *paths, struct eco_error *error)
 {
 	enum eco_code code = restrict_to(paths, error);
-	if (!code)
-		confined_to = *paths;
-	return code;
+	if (code)
+		return code;
+	confined_to = *paths;
+	is_confined = true;
+	return ECO_OK;
 }
 
 bool eco_confine_child(void)
 {
 	struct eco_confined_paths paths = confined_to;
-	memset(paths.writable, 0, sizeof paths.writable);
-	return !eco_is_confined() || !restrict_to(&paths, NULL);
+	paths.writable = NULL;
+	return !is_confined || !restrict_to(&paths, NULL);
 }

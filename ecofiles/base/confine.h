@@ -1,9 +1,9 @@
 /* What a process may open from now on: files below some folders, for reading or for writing, and what its
- * own libraries need. For programs that read what strangers wrote: a VRT, a CSV or a glTF may name any
- * file that the user may read.
+ * own libraries need. For programs that read what strangers wrote (a VRT, a CSV or a glTF may name any
+ * file that the user may read), and for those that strangers talk to.
  *
- *   struct eco_confined_paths paths = { .readable = { "/srv/in" }, .writable = { "/srv/out" } };
- *   code = eco_confine(&paths, &error);
+ *   static const char *const in[] = { "/srv/in", NULL }, *const out[] = { "/srv/out", NULL };
+ *   code = eco_confine(&(struct eco_confined_paths){ .readable = in, .writable = out }, &error);
  *
  * By Landlock, for the calling thread and for the threads and children that it starts afterwards: call it
  * before any. It cannot be undone. Once a program is confined, children of guard.h may not even read what
@@ -15,11 +15,12 @@
 
 #include "ecofiles/base/status.h"
 
-#define ECO_CONFINED_PATHS 4
-
-/* Folders or files that exist; NULL where there are fewer. The strings must live as long as the process.
- * What is writable may be read, too. */
-struct eco_confined_paths { const char *readable[ECO_CONFINED_PATHS], *writable[ECO_CONFINED_PATHS]; };
+/* Folders or files that exist, lists that end with NULL; lists and strings must live as long as the
+ * process. What is writable may be read, too. */
+struct eco_confined_paths {
+	const char *const *readable, *const *writable;   /* NULL: none */
+	bool without_libraries;          /* all are loaded: not even the system's folders may be read */
+};
 
 /* ECO_UNSUPPORTED: this kernel has no Landlock, and nothing is confined. ECO_NOT_FOUND names a path that
  * is not there. */

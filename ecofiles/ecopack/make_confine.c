@@ -15,14 +15,16 @@ static void folder_of(char folder[PATH_MAX], const char *path)
 enum eco_code make_confine(const struct make_options *options, const char *folder, struct eco_error *error)
 {
 	static char scene[PATH_MAX], pack[PATH_MAX];
+	static const char *readable[] = { NULL, NULL }, *writable[] = { pack, NULL, NULL };
 	folder_of(scene, options->scene);
 	folder_of(pack, options->pack);
-	struct eco_confined_paths paths = { .readable = { *folder ? folder : scene }, .writable = { pack } };
+	readable[0] = *folder ? folder : scene;
 	if (options->cache && *options->cache && main_cache_make(options->cache))
-		paths.writable[1] = options->cache;
+		writable[1] = options->cache;
+	const struct eco_confined_paths paths = { .readable = readable, .writable = writable };
 	enum eco_code code = eco_confine(&paths, error);
 	if (!code && !eco_confined_may_read(options->scene))
 		code = eco_fail(error, ECO_BAD_USAGE, "%.200s does not lie below %.200s, to which --confine "
-			"keeps reading", options->scene, paths.readable[0]);
+			"keeps reading", options->scene, readable[0]);
 	return code;
 }

@@ -1,36 +1,26 @@
 /* The program: what it prints, how it ends, what it links. Skipped where it has not been built. */
 #include <jansson.h>
-#include <libgen.h>
 #include <limits.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/prctl.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 
 #include "ecofiles/base/version.h"
 #include "tests/support/files.h"
 #include "tests/support/http_client.h"
 #include "tests/support/scene_packs.h"
+#include "tests/support/serve_program.h"
 #include "tests/support/unit_test.h"
 
 #define PACK_PATH "build/tmp/test_ecoserve.eco"
 #define CUT_PATH "build/tmp/test_ecoserve_cut.eco"
 #define DAMAGED_PATH "build/tmp/test_ecoserve_damaged.eco"
 
-static char program[PATH_MAX];
-
 static int prepare(void **state)
 {
-	char self[PATH_MAX - 16];
 	struct eco_error error = { 0 };
-	ssize_t size = readlink("/proc/self/exe", self, sizeof self - 1);
-	assert_true(size > 0);
-	self[size] = 0;
-	snprintf(program, sizeof program, "%s/../ecoserve", dirname(self));
-	if (access(program, X_OK))
-		program[0] = 0;
+	program_find();
 	folder_make("build/tmp");
 	if (sample_pack_write(PACK_PATH, &error)) {
 		fprintf(stderr, "%s\n", error.text);
@@ -40,56 +30,6 @@ static int prepare(void **state)
 	for (int c, at = 0; from && to && (c = getc(from)) != EOF; at++)
 		putc(at == 100 ? c ^ 1 : c, to);
 	return !from || !to || fclose(from) || fclose(to);
-}
-
-struct process { pid_t pid; int out, err; };
-
-/* However this test ends, by a failed assertion or by a signal: the server does not outlive it. */
-static void die_with(pid_t parent)
-{
-	prctl(PR_SET_PDEATHSIG, SIGKILL);
-	if (getppid() != parent)
-		_exit(127);
-}
-
-static struct process spawn(const char *const *arguments)
-{
-	pid_t self = getpid();
-	int out[2], err[2];
-	assert_true(pipe(out) == 0 && pipe(err) == 0);
-	pid_t pid = fork();
-	assert_true(pid >= 0);
-	if (pid == 0) {
-		const char *argv[16] = { program };
-		die_with(self);
-		for (int i = 0; arguments[i]; i++)
-			argv[i + 1] = arguments[i];
-		dup2(out[1], 1);
-		dup2(err[1], 2);
-		execv(program, (char *const *)argv);
-		_exit(127);
-	}
-	close(out[1]);
-	close(err[1]);
-	return (struct process){ pid, out[0], err[0] };
-}
-
-static void read_end(int fd, char text[8192])
-{
-	size_t size = 0;
-	for (ssize_t got; size < 8191 && (got = read(fd, text + size, 8191 - size)) > 0;)
-		size += (size_t)got;
-	text[size] = 0;
-	close(fd);
-}
-
-static int finish(struct process *process, char out[8192], char err[8192])
-{
-	int status;
-	read_end(process->out, out);
-	read_end(process->err, err);
-	assert_true(waitpid(process->pid, &status, 0) == process->pid);
-	return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
 UNIT_TEST(arguments_are_checked_and_errors_help)
@@ -112,26 +52,15 @@ UNIT_TEST(arguments_are_checked_and_errors_help)
 			"(--copies DIR)" },
 	};
 	char out[8192], err[8192];
-	if (!program[0])
+	if (!program_path[0])
 		skip();
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-		struct process process = spawn(rows[i].arguments);
-		assert_int_equal(finish(&process, out, err), rows[i].status);
+		struct program process = program_start(rows[i].arguments);
+		assert_int_equal(program_finish(&process, out, err), rows[i].status);
 		if (strncmp(out, rows[i].out, strlen(rows[i].out)) != 0 || !strstr(err, rows[i].err)
 				|| (rows[i].status && out[0]))
 			fail_msg("row %zu:\n%s\n%s", i, out, err);
 	}
-}
-
-/* Reads the ready line, byte by byte, and returns the port. */
-static uint16_t wait_ready(struct process *process, char line[256])
-{
-	size_t size = 0;
-	while (size < 255 && read(process->out, line + size, 1) == 1 && line[size++] != '\n')
-		continue;
-	line[size] = 0;
-	const char *colon = strrchr(line, ':');
-	return (uint16_t)(colon ? atoi(colon + 1) : 0);
 }
 
 UNIT_TEST(it_says_when_it_is_ready_and_ends_when_asked)
@@ -139,11 +68,11 @@ UNIT_TEST(it_says_when_it_is_ready_and_ends_when_asked)
 	static const char *const arguments[] = { "--listen", "127.0.0.1:0", "--log", "text", "a="
 		PACK_PATH, "b=" PACK_PATH, NULL };
 	char line[256], expected[256], out[8192], err[8192];
-	if (!program[0])
+	if (!program_path[0])
 		skip();
 	for (int which = 0; which < 2; which++) {
-		struct process process = spawn(arguments);
-		uint16_t port = wait_ready(&process, line);
+		struct program process = program_start(arguments);
+		uint16_t port = program_ready(&process, line);
 		snprintf(expected, sizeof expected, "ecoserve: ready on http://127.0.0.1:%u (2 scenes named "
 			"a, b)\n", port);
 		assert_string_equal(line, expected);
@@ -155,7 +84,7 @@ UNIT_TEST(it_says_when_it_is_ready_and_ends_when_asked)
 		assert_int_equal(answer.status, 200);
 		http_free(&answer);
 		kill(process.pid, which ? SIGINT : SIGTERM);
-		assert_int_equal(finish(&process, out, err), 0);
+		assert_int_equal(program_finish(&process, out, err), 0);
 		assert_string_equal(out, "");
 		assert_non_null(strstr(err, "127.0.0.1 GET /v1/scenes/b 200"));
 		assert_non_null(strstr(err, "reload: 0 scenes opened, 2 as they were, 0 gone"));
@@ -190,8 +119,8 @@ static int check(const char *file, const char *variable, const char *option, cha
 		snprintf(name, sizeof name, "%.*s", (int)strcspn(variable, "="), variable);
 		setenv(name, variable + strcspn(variable, "=") + 1, 1);
 	}
-	struct process process = spawn(arguments);
-	int status = finish(&process, out, err);
+	struct program process = program_start(arguments);
+	int status = program_finish(&process, out, err);
 	if (variable)
 		unsetenv(name);
 	return status;
@@ -226,7 +155,7 @@ UNIT_TEST(settings_come_from_a_file_the_environment_and_the_command_line)
 		{ "pack = " PACK_PATH "\nlog = xml\n", NULL, NULL, 2,
 			"--log xml: must be one of text, json" } };
 	char out[8192], err[8192];
-	if (!program[0])
+	if (!program_path[0])
 		skip();
 	write_file(TOKEN_PATH, "0123456789abcdef\n");
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
@@ -246,12 +175,12 @@ UNIT_TEST(logs_are_lines_of_json_without_tokens)
 		"&vertices=3000000&bytes=100000";
 	char line[256], out[8192], err[8192];
 	unsigned lines = 0, slow = 0, quiet = 0;
-	if (!program[0])
+	if (!program_path[0])
 		skip();
 	write_file(TOKEN_PATH, "0123456789abcdef\n");
 	write_file(SETTINGS, "pack = " PACK_PATH "\ntoken = sample=" TOKEN_PATH "\n");
-	struct process process = spawn(arguments);
-	uint16_t port = wait_ready(&process, line);
+	struct program process = program_start(arguments);
+	uint16_t port = program_ready(&process, line);
 	struct http_answer answer =
 		http_ask(port, "GET", stream, "Authorization: Bearer 0123456789abcdef\r\n", NULL, 0);
 	assert_int_equal(answer.status, 200);
@@ -262,7 +191,7 @@ UNIT_TEST(logs_are_lines_of_json_without_tokens)
 	kill(process.pid, SIGHUP);
 	usleep(100000);
 	kill(process.pid, SIGTERM);
-	assert_int_equal(finish(&process, out, err), 0);
+	assert_int_equal(program_finish(&process, out, err), 0);
 	assert_null(strstr(err, "0123456789abcdef"));
 	assert_non_null(strstr(err, "/v1/scenes?access_token=-&b=1"));
 	for (char *at = strtok(err, "\n"); at; at = strtok(NULL, "\n"), lines++) {
@@ -295,10 +224,10 @@ UNIT_TEST(limits_are_options)
 		"&height=300&vertices=1 HTTP/1.1\r\nHost: t\r\nContent-Type: application/octet-stream\r\n"
 		"Content-Length: 101\r\n\r\n";
 	char line[256], out[8192], err[8192];
-	if (!program[0])
+	if (!program_path[0])
 		skip();
-	struct process process = spawn(arguments);
-	uint16_t port = wait_ready(&process, line);
+	struct program process = program_start(arguments);
+	uint16_t port = program_ready(&process, line);
 	struct http_answer answer = whole_stream(port);
 	if (answer.status != 422)
 		fail_msg("%s", answer.head);
@@ -310,19 +239,19 @@ UNIT_TEST(limits_are_options)
 	assert_true(answer.status == 0 && answer.closed);
 	http_free(&answer);
 	kill(process.pid, SIGTERM);
-	assert_int_equal(finish(&process, out, err), 0);
+	assert_int_equal(program_finish(&process, out, err), 0);
 }
 
 UNIT_TEST(ipv6_is_served_where_there_is_some)
 {
 	static const char *const arguments[] = { "--listen", "[::1]:0", PACK_PATH, NULL };
 	char line[256], out[8192], err[8192];
-	if (!program[0])
+	if (!program_path[0])
 		skip();
-	struct process process = spawn(arguments);
-	bool ready = wait_ready(&process, line) != 0;
+	struct program process = program_start(arguments);
+	bool ready = program_ready(&process, line) != 0;
 	kill(process.pid, SIGTERM);
-	int status = finish(&process, out, err);
+	int status = program_finish(&process, out, err);
 	if (!ready && status == 1)
 		skip();                  /* a machine without IPv6 */
 	assert_int_equal(status, 0);
@@ -338,10 +267,10 @@ UNIT_TEST(a_client_that_leaves_does_no_harm)
 		"2&width=400&height=300&vertices=3000000 HTTP/1.1\r\n"
 		"Host: t\r\n\r\n";
 	char line[256], out[8192], err[8192];
-	if (!program[0])
+	if (!program_path[0])
 		skip();
-	struct process process = spawn(arguments);
-	uint16_t port = wait_ready(&process, line);
+	struct program process = program_start(arguments);
+	uint16_t port = program_ready(&process, line);
 	for (int i = 0; i < 40; i++) {
 		int fd = http_connect(port);
 		assert_true(http_send(fd, request, i % 2 ? sizeof request - 1 : 50));
@@ -354,7 +283,7 @@ UNIT_TEST(a_client_that_leaves_does_no_harm)
 	assert_int_equal(answer.status, 200);
 	http_free(&answer);
 	kill(process.pid, SIGTERM);
-	assert_int_equal(finish(&process, out, err), 0);
+	assert_int_equal(program_finish(&process, out, err), 0);
 	assert_string_equal(err, "");
 }
 
@@ -366,12 +295,12 @@ UNIT_TEST(a_pack_that_is_written_over_is_served_as_it_was)
 	static const uint8_t zeros[4096];
 	char line[256], out[8192], err[8192];
 	struct eco_error error = { 0 };
-	if (!program[0])
+	if (!program_path[0])
 		skip();
 	assert_int_equal(sample_pack_write(CUT_PATH, &error), ECO_OK);
-	struct process process = spawn(arguments), untouched = spawn(others);
-	uint16_t port = wait_ready(&process, line);
-	struct http_answer expected = whole_stream(wait_ready(&untouched, line));
+	struct program process = program_start(arguments), untouched = program_start(others);
+	uint16_t port = program_ready(&process, line);
+	struct http_answer expected = whole_stream(program_ready(&untouched, line));
 	assert_int_equal(expected.status, 200);
 	for (int round = 0; round < 2; round++) {
 		FILE *file = fopen(CUT_PATH, round ? "wb" : "r+b");
@@ -387,9 +316,9 @@ UNIT_TEST(a_pack_that_is_written_over_is_served_as_it_was)
 	}
 	http_free(&expected);
 	kill(untouched.pid, SIGTERM);
-	assert_int_equal(finish(&untouched, out, err), 0);
+	assert_int_equal(program_finish(&untouched, out, err), 0);
 	kill(process.pid, SIGTERM);
-	assert_int_equal(finish(&process, out, err), 0);
+	assert_int_equal(program_finish(&process, out, err), 0);
 	assert_string_equal(err, "");
 }
 
@@ -402,15 +331,15 @@ UNIT_TEST(a_pack_in_place_cut_short_ends_it_with_advice)
 		"Host: t\r\n\r\n";
 	char line[256], out[8192], err[8192];
 	struct eco_error error = { 0 };
-	if (!program[0])
+	if (!program_path[0])
 		skip();
 	assert_int_equal(sample_pack_write(CUT_PATH, &error), ECO_OK);
-	struct process process = spawn(arguments);
-	uint16_t port = wait_ready(&process, line);
+	struct program process = program_start(arguments);
+	uint16_t port = program_ready(&process, line);
 	assert_int_equal(truncate(CUT_PATH, 0), 0);
 	int fd = http_connect(port);
 	assert_true(http_send(fd, request, sizeof request - 1));
-	assert_int_equal(finish(&process, out, err), 1);
+	assert_int_equal(program_finish(&process, out, err), 1);
 	assert_non_null(strstr(err, "a pack was cut short"));
 	close(fd);
 }
@@ -422,9 +351,9 @@ UNIT_TEST(it_links_no_importer_and_no_decoder)
 	static const char *const libraries[] = { "draco", "OpenImageIO", "assimp", "gdal", "meshoptimizer",
 		"libEGL", "libcurl" };
 	char command[PATH_MAX + 64], line[1024];
-	if (!program[0])
+	if (!program_path[0])
 		skip();
-	snprintf(command, sizeof command, "ldd '%s'", program);
+	snprintf(command, sizeof command, "ldd '%s'", program_path);
 	FILE *lines = popen(command, "r");
 	unsigned count = 0;
 	assert_non_null(lines);
@@ -436,7 +365,7 @@ UNIT_TEST(it_links_no_importer_and_no_decoder)
 	}
 	assert_int_equal(pclose(lines), 0);
 	assert_true(count > 2);
-	FILE *file = fopen(program, "rb");
+	FILE *file = fopen(program_path, "rb");
 	assert_non_null(file);
 	static const char mangled[] = "_ZN5draco";
 	for (size_t matched = 0, c; (c = (size_t)getc(file)) != (size_t)EOF;) {

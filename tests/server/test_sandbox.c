@@ -1,0 +1,431 @@
+/* What ecoserve may do once it serves: seen from inside, in children that enter its sandbox, and from
+ * outside, of the program. That it serves within is what all other tests of the program show. */
+#include <errno.h>
+#include <fcntl.h>
+#include <linux/io_uring.h>
+#include <pthread.h>
+#include <sched.h>
+#include <seccomp.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <sys/ioctl.h>
+#include <sys/mman.h>
+#include <sys/mount.h>
+#include <sys/prctl.h>
+#include <sys/ptrace.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "ecofiles/base/confine.h"
+#include "server/sandbox.h"
+#include "tests/support/files.h"
+#include "tests/support/http_client.h"
+#include "tests/support/scene_packs.h"
+#include "tests/support/serve_program.h"
+#include "tests/support/unit_test.h"
+
+#define ROOM "build/tmp/sandbox"
+#define PACKS ROOM "/packs"
+#define OTHERS ROOM "/others"
+#define COPIES ROOM "/copies"
+#define PACK PACKS "/here.eco"
+
+static char room[PATH_MAX];      /* for copies */
+
+static int prepare(void **state)
+{
+	struct eco_error error = { 0 };
+	program_find();
+	unsetenv("ECOSERVE_NO_SANDBOX");
+	folder_make("build/tmp");
+	folder_make(ROOM);
+	folder_make(PACKS);
+	folder_make(OTHERS);
+	folder_make(COPIES);
+	unlink(PACKS "/link.eco");
+	if (!realpath(COPIES, room) || sample_pack_write(PACK, &error)
+			|| sample_pack_write(OTHERS "/there.eco", &error)) {
+		fprintf(stderr, "%s\n", error.text);
+		return 1;
+	}
+	return 0;
+}
+
+/* ---- From inside ---- */
+
+static int enter(void)
+{
+	static char *const arguments[] = { PACK };
+	static const struct srv_sources sources = { arguments, 1, COPIES };
+	struct srv_user user;
+	struct srv_store store;
+	struct srv_reload report;
+	struct eco_error error = { 0 };
+	enum eco_code code = srv_sources_load(&sources, NULL, &store, &report, &error);
+	code = code ? code : srv_user_find(&user, NULL, &error);
+	code = code ? code : srv_sandbox_enter(&(struct srv_sandbox){ &sources, &store, &user, true },
+		&error);
+	if (code)
+		fprintf(stderr, "%s\n", error.text);
+	return (int)code;
+}
+
+/* What a child that has entered says of `tell`: the number of what was wrong, which it has printed. */
+static int inside(int (*tell)(void))
+{
+	int status;
+	fflush(NULL);
+	pid_t pid = fork();
+	assert_true(pid >= 0);
+	if (pid == 0) {
+		int code = enter();
+		_exit(code == ECO_UNSUPPORTED ? 77 : code ? 100 : tell());
+	}
+	assert_true(waitpid(pid, &status, 0) == pid);
+	if (WIFEXITED(status) && WEXITSTATUS(status) == 77)
+		skip();                  /* a kernel without Landlock, a container without filters */
+	return WIFEXITED(status) ? WEXITSTATUS(status) : 101;
+}
+
+static long opens(const char *path, int how) { return open(path, how, 0600); }
+
+#define TRY(call) try(#call, (call))
+static int wrong;
+static void try(const char *what, long result)
+{
+	bool refused = result < 0 && (errno == EPERM || errno == EACCES || errno == ENOSYS);
+	if (!refused)
+		fprintf(stderr, "%s: %ld, %s\n", what, result, result < 0 ? strerror(errno) : "allowed");
+	wrong += !refused;
+}
+
+static int try_files(void)
+{
+	TRY(opens("/etc/passwd", O_RDONLY));
+	TRY(opens("/proc/self/mem", O_RDWR));
+	TRY(opens("/", O_RDONLY));
+	TRY(opens("build/ecoserve", O_RDONLY));
+	TRY(opens(OTHERS "/there.eco", O_RDONLY));
+	TRY(opens(PACKS "/../others/there.eco", O_RDONLY));
+	TRY(opens(PACK, O_RDWR));
+	TRY(opens(PACK, O_WRONLY | O_TRUNC));
+	TRY(opens(PACKS "/new", O_WRONLY | O_CREAT));
+	TRY(opens(PACKS, O_TMPFILE | O_RDWR));
+	TRY(unlink(PACK));
+	TRY(truncate(PACK, 0));
+	TRY(chmod(PACK, 0777));
+	TRY(mkdir(COPIES "/a", 0700));
+	TRY(symlink("/etc", COPIES "/a"));
+	TRY(link(PACK, COPIES "/a"));
+	TRY(rename(PACK, COPIES "/a"));
+	TRY(mount("none", COPIES, "tmpfs", 0, NULL));
+	TRY(chroot(COPIES));
+	return wrong;
+}
+
+static int try_calls(void)
+{
+	static char *const nothing[] = { NULL };
+	struct io_uring_params ring = { 0 };
+	char c = 'x';
+	void *page = mmap(NULL, 4096, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+	TRY(socket(AF_INET, SOCK_STREAM, 0));
+	TRY(socket(AF_UNIX, SOCK_STREAM, 0));
+	TRY(socket(AF_NETLINK, SOCK_RAW, 0));
+	TRY(socketpair(AF_UNIX, SOCK_STREAM, 0, (int[2]){ 0 }));
+	TRY(execve("/bin/true", nothing, nothing));
+	TRY(fork());
+	TRY(syscall(SYS_clone3, NULL, 0));
+	TRY(syscall(SYS_clone, CLONE_NEWUSER | SIGCHLD, NULL, NULL, NULL, NULL));
+	TRY(unshare(CLONE_NEWUSER));
+	TRY(ptrace(PTRACE_TRACEME, 0, NULL, NULL));
+	TRY(kill(getppid(), 0));
+	TRY(kill(getpid(), 0));
+	TRY(syscall(SYS_tgkill, getppid(), getppid(), 0));
+	TRY(setuid(0));
+	TRY(syscall(SYS_capset, NULL, NULL));
+	TRY(prctl(PR_SET_DUMPABLE, 1));
+	TRY(prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_RAISE, 1, 0, 0));
+	TRY(ioctl(0, TIOCSTI, &c));
+	TRY(mmap(NULL, 4096, PROT_READ | PROT_EXEC, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0) == MAP_FAILED ? -1 : 0);
+	TRY(mprotect(page, 4096, PROT_READ | PROT_EXEC));
+	TRY(memfd_create("a", 0));
+	TRY(syscall(SYS_io_uring_setup, 4, &ring));
+	TRY(syscall(SYS_bpf, 0, NULL, 0));
+	TRY(syscall(SYS_process_vm_readv, getppid(), NULL, 0, NULL, 0, 0));
+	TRY(syscall(SYS_userfaultfd, 0));
+	TRY(syscall(SYS_keyctl, 0, 0, 0, 0, 0));
+	return wrong;
+}
+
+static void *set_true(void *flag)
+{
+	*(bool *)flag = true;
+	return NULL;
+}
+
+/* As a reload and a daemon do; what listens was opened before. */
+static int listener;
+
+static int do_what_it_does(void)
+{
+	static char *const arguments[] = { PACKS };
+	const struct srv_sources sources = { arguments, 1, COPIES };
+	struct srv_store store;
+	struct srv_reload report;
+	struct eco_error error = { 0 };
+	pthread_t thread;
+	bool ran = false;
+	char byte = 0;
+	int at, taken;
+	if (srv_sources_load(&sources, NULL, &store, &report, &error))
+		return fprintf(stderr, "%s\n", error.text), 1;
+	srv_store_free(&store);
+	if (pthread_create(&thread, NULL, set_true, &ran) || pthread_join(thread, NULL) || !ran)
+		return 2;
+	at = eventfd(0, EFD_CLOEXEC);
+	taken = accept4(listener, NULL, NULL, SOCK_CLOEXEC);
+	if (at < 0 || taken < 0 || recv(taken, &byte, 1, 0) != 1 || send(taken, &byte, 1, MSG_NOSIGNAL) != 1)
+		return 3;
+	return write(STDERR_FILENO, "", 0) ? 4 : 0;
+}
+
+UNIT_TEST(files_elsewhere_and_writing_are_refused)
+{
+	assert_int_equal(inside(try_files), 0);
+}
+
+UNIT_TEST(calls_that_it_does_not_need_are_refused)
+{
+	assert_int_equal(inside(try_calls), 0);
+}
+
+UNIT_TEST(what_it_serves_with_is_allowed)
+{
+	struct sockaddr_in at = { .sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
+	socklen_t size = sizeof at;
+	char byte = 'a';
+	listener = socket(AF_INET, SOCK_STREAM, 0);
+	assert_int_equal(bind(listener, (struct sockaddr *)&at, sizeof at), 0);
+	assert_int_equal(listen(listener, 1), 0);
+	assert_int_equal(getsockname(listener, (struct sockaddr *)&at, &size), 0);
+	int fd = http_connect(ntohs(at.sin_port));
+	assert_int_equal(send(fd, &byte, 1, 0), 1);
+	assert_int_equal(inside(do_what_it_does), 0);
+	assert_int_equal(recv(fd, &byte, 1, 0), 1);
+	close(fd);
+	close(listener);
+}
+
+/* ---- From outside ---- */
+
+#define START "--listen", "127.0.0.1:0", "--copies", room
+
+static struct http_answer reload(uint16_t port)
+{
+	return http_ask(port, "POST", "/v1/admin/reload", "Content-Length: 0\r\n", NULL, 0);
+}
+
+static void end(struct program *program, char err[PROGRAM_SAYS])
+{
+	char out[PROGRAM_SAYS];
+	kill(program->pid, SIGTERM);
+	assert_int_equal(program_finish(program, out, err), 0);
+}
+
+static bool has_landlock(void)
+{
+	return syscall(SYS_landlock_create_ruleset, NULL, 0, 1) > 0;
+}
+
+/* By a link, as deployments do: the scene stays, the others are reloaded, and who asks is told. */
+UNIT_TEST(a_reload_that_names_a_pack_elsewhere_is_refused)
+{
+	const char *const arguments[] = { START, "there=" PACKS "/link.eco", PACK, NULL };
+	char line[256], err[PROGRAM_SAYS];
+	if (!program_path[0] || !has_landlock())
+		skip();
+	unlink(PACKS "/link.eco");
+	assert_int_equal(symlink("here.eco", PACKS "/link.eco"), 0);
+	struct program program = program_start(arguments);
+	uint16_t port = program_ready(&program, line);
+	unlink(PACKS "/link.eco");
+	assert_int_equal(symlink("../others/there.eco", PACKS "/link.eco"), 0);
+	struct http_answer answer = reload(port);
+	assert_int_equal(answer.status, 500);
+	assert_non_null(strstr(answer.body, PACKS "/link.eco: cannot open: Permission denied: it lies at "));
+	assert_non_null(strstr(answer.body, OTHERS "/there.eco, outside of the folders"));
+	http_free(&answer);
+	answer = http_get(port, "/v1/scenes/there");
+	assert_int_equal(answer.status, 200);
+	http_free(&answer);
+	unlink(PACKS "/link.eco");
+	assert_int_equal(symlink("here.eco", PACKS "/link.eco"), 0);
+	answer = reload(port);
+	assert_int_equal(answer.status, 200);
+	http_free(&answer);
+	end(&program, err);
+	unlink(PACKS "/link.eco");
+}
+
+/* As of a kernel before 5.13, or one in which it is switched off. */
+static void without_landlock(void)
+{
+	scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ALLOW);
+	seccomp_rule_add(filter, SCMP_ACT_ERRNO(EOPNOTSUPP), SYS_landlock_create_ruleset, 0);
+	if (seccomp_load(filter))
+		_exit(127);
+}
+
+UNIT_TEST(a_kernel_without_landlock_is_told_of)
+{
+	const char *const arguments[] = { START, PACK, NULL };
+	const char *const strict[] = { START, "--require-sandbox", PACK, NULL };
+	char line[256], out[PROGRAM_SAYS], err[PROGRAM_SAYS];
+	if (!program_path[0] || !has_landlock())
+		skip();
+	struct program program = program_start_in(arguments, without_landlock);
+	uint16_t port = program_ready(&program, line);
+	struct http_answer answer = http_get(port, "/v1/scenes/sample");
+	assert_int_equal(answer.status, 200);
+	http_free(&answer);
+	end(&program, err);
+	assert_non_null(strstr(err, "ecoserve: warning: this system cannot confine a program to folders"));
+	program = program_start_in(strict, without_landlock);
+	assert_int_equal(program_finish(&program, out, err), 1);
+	assert_non_null(strstr(err, "(--require-sandbox)"));
+	program = program_start(strict);
+	assert_true(program_ready(&program, line));
+	end(&program, err);
+	assert_string_equal(err, "");
+}
+
+/* The value of a line of /proc/PID/status. */
+static unsigned long status_of(pid_t pid, const char *name, int base)
+{
+	char path[64], line[256];
+	unsigned long value = ULONG_MAX;
+	snprintf(path, sizeof path, "/proc/%d/status", (int)pid);
+	FILE *file = fopen(path, "r");
+	while (file && fgets(line, sizeof line, file))
+		if (strncmp(line, name, strlen(name)) == 0)
+			value = strtoul(line + strlen(name), NULL, base);
+	if (file)
+		fclose(file);
+	return value;
+}
+
+/* It gives up what it does not need, and none of what it has may be had again. */
+UNIT_TEST(root_becomes_another_user)
+{
+	const char *const by_default[] = { START, PACK, NULL };
+	const char *const stays[] = { START, "--user", "root", PACK, NULL };
+	const char *const off[] = { START, "--no-sandbox", PACK, NULL };
+	const char *const *const rows[] = { by_default, stays, off };
+	char line[256], err[PROGRAM_SAYS];
+	if (!program_path[0] || geteuid() != 0)
+		skip();
+	for (int i = 0; i < 3; i++) {
+		struct program program = program_start(rows[i]);
+		assert_true(program_ready(&program, line));
+		assert_int_equal(status_of(program.pid, "Uid:", 10) == 0, i > 0);
+		assert_int_equal(status_of(program.pid, "NoNewPrivs:", 10), i < 2);
+		assert_int_equal(status_of(program.pid, "Seccomp:", 10), i < 2 ? 2 : 0);
+		/* CAP_DAC_OVERRIDE, which copies in a folder of root's need */
+		if (i == 0)
+			assert_int_equal(status_of(program.pid, "CapPrm:", 16), 2);
+		end(&program, err);
+		assert_string_equal(err, "");
+	}
+}
+
+UNIT_TEST(users_that_it_cannot_become_are_refused)
+{
+	const char *const unknown[] = { START, "--user", "no-such-user", PACK, NULL };
+	const char *const both[] = { START, "--user", "root", "--no-sandbox", PACK, NULL };
+	const char *const loose[] = { START, "--require-sandbox", "--no-sandbox", PACK, NULL };
+	const struct { const char *const *arguments, *says; } rows[] = {
+		{ unknown, "there is no user 'no-such-user'" },
+		{ both, "--no-sandbox and --user exclude each other" },
+		{ loose, "--no-sandbox and --require-sandbox exclude each other" } };
+	char out[PROGRAM_SAYS], err[PROGRAM_SAYS];
+	if (!program_path[0])
+		skip();
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct program program = program_start(rows[i].arguments);
+		assert_int_equal(program_finish(&program, out, err), 2);
+		assert_non_null(strstr(err, rows[i].says));
+	}
+}
+
+/* ---- A socket of systemd ---- */
+
+static int handed_over, handed_count;
+
+static void hand_over(void)
+{
+	char number[16];
+	for (int i = 0; i < handed_count; i++)
+		if (dup2(handed_over, 3 + i) < 0)
+			_exit(127);
+	fcntl(3, F_SETFD, 0);
+	snprintf(number, sizeof number, "%d", (int)getpid());
+	setenv("LISTEN_PID", number, 1);
+	snprintf(number, sizeof number, "%d", handed_count);
+	setenv("LISTEN_FDS", number, 1);
+}
+
+static void hand_over_to_another(void)
+{
+	hand_over();
+	setenv("LISTEN_PID", "1", 1);
+}
+
+UNIT_TEST(a_socket_that_is_handed_over_is_served)
+{
+	const char *const arguments[] = { "--copies", room, PACK, NULL };
+	const char *const both[] = { START, PACK, NULL };
+	struct sockaddr_in at = { .sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
+	socklen_t size = sizeof at;
+	char line[256], out[PROGRAM_SAYS], err[PROGRAM_SAYS];
+	if (!program_path[0])
+		skip();
+	handed_over = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+	handed_count = 1;
+	assert_int_equal(bind(handed_over, (struct sockaddr *)&at, sizeof at), 0);
+	struct program program = program_start_in(arguments, hand_over);
+	assert_int_equal(program_finish(&program, out, err), 2);
+	assert_non_null(strstr(err, "no TCP socket that listens"));
+	assert_int_equal(listen(handed_over, 16), 0);
+	assert_int_equal(getsockname(handed_over, (struct sockaddr *)&at, &size), 0);
+	int waiting = http_connect(ntohs(at.sin_port));          /* before there is a server */
+	assert_true(http_send(waiting, "GET /healthz HTTP/1.1\r\nHost: t\r\n\r\n", 35));
+	program = program_start_in(arguments, hand_over);
+	assert_int_equal(program_ready(&program, line), ntohs(at.sin_port));
+	struct http_answer answer = http_receive(waiting, false, false);
+	assert_int_equal(answer.status, 200);
+	http_free(&answer);
+	close(waiting);
+	end(&program, err);
+	program = program_start_in(both, hand_over);
+	assert_int_equal(program_finish(&program, out, err), 2);
+	assert_non_null(strstr(err, "systemd has handed a socket over, too"));
+	program = program_start_in(both, hand_over_to_another);          /* nothing is handed over to it */
+	assert_true(program_ready(&program, line) != ntohs(at.sin_port));
+	end(&program, err);
+	handed_count = 2;
+	program = program_start_in(arguments, hand_over);
+	assert_int_equal(program_finish(&program, out, err), 2);
+	assert_non_null(strstr(err, "more than one socket"));
+	close(handed_over);
+}
+
+int main(void)
+{
+	return unit_tests_run(prepare, NULL);
+}
