@@ -32,6 +32,7 @@ void srv_emit_free(struct srv_emit *emit)
 	free(emit->known);
 	free(emit->payloads);
 	eco_writer_free(&emit->frames);
+	eco_wire_bundle_free(&emit->bundle);
 	*emit = (struct srv_emit){ 0 };
 }
 
@@ -56,7 +57,7 @@ void srv_emit_restart(struct srv_emit *emit, const struct eco_holdings *holdings
 		if (item->chunks && plant != ECO_NONE)
 			emit->known[plant] = true;
 	}
-	emit->record = (struct eco_wire_record){ .list = 0 };
+	eco_wire_items_start(&emit->items);
 	emit->bundle_open = false;
 	emit->frames.size = 0;
 	emit->payload_count = emit->number = 0;
@@ -100,66 +101,60 @@ static bool keep_payload(struct srv_emit *emit, const uint8_t *bytes, size_t siz
 {
 	if (!eco_room(&emit->payloads, &emit->payload_capacity, emit->payload_count, sizeof *emit->payloads))
 		return false;
-	emit->payloads[emit->payload_count++] = (struct srv_payload){ emit->frames.size, bytes, size };
+	emit->payloads[emit->payload_count++] = (struct srv_payload){ 0, bytes, size };
 	return true;
 }
 
-/* As eco_frame_end, for a bundle, whose payloads lie in the mapped pack: what wire.h says of length and hash,
- * over all its parts. */
-static void end_bundle(struct srv_emit *emit)
+/* As eco_frame_end, for a bundle, whose payloads lie in the mapped pack and follow all that is written: what
+ * wire.h says of length and hash, over all its parts. */
+static void seal(struct srv_emit *emit, struct eco_frame_mark mark)
 {
 	struct eco_writer *w = &emit->frames;
-	if (!emit->bundle_open)
-		return;
-	emit->bundle_open = false;
-	if (emit->dry || w->failed)
-		return;
-	uint8_t *header = w->bytes + emit->bundle.at, number[4];
-	if (emit->bundle_bytes > ECO_FRAME_PAYLOAD_MAX) {
+	uint8_t *header = w->bytes + mark.at, number[4];
+	size_t at = mark.at + ECO_FRAME_HEADER_BYTES;
+	uint64_t size = w->size - at + emit->bundle_bytes;
+	if (size > ECO_FRAME_PAYLOAD_MAX) {
 		w->failed = true;
 		return;
 	}
-	put(header + 4, emit->bundle_bytes, 4);
-	put(number, emit->bundle.number, 4);
+	put(header + 4, size, 4);
+	put(number, mark.number, 4);
 	XXH3_state_t state;
 	XXH3_INITSTATE(&state);
 	XXH3_64bits_reset(&state);
 	XXH3_64bits_update(&state, header, 8);
 	XXH3_64bits_update(&state, number, sizeof number);
-	size_t at = emit->bundle.at + ECO_FRAME_HEADER_BYTES;
-	for (uint32_t i = emit->bundle_payload; i < emit->payload_count; i++) {
-		const struct srv_payload *payload = &emit->payloads[i];
-		XXH3_64bits_update(&state, w->bytes + at, payload->at - at);
-		XXH3_64bits_update(&state, payload->bytes, payload->size);
-		at = payload->at;
-	}
 	XXH3_64bits_update(&state, w->bytes + at, w->size - at);
+	for (uint32_t i = emit->bundle_payload; i < emit->payload_count; i++) {
+		emit->payloads[i].at = w->size;
+		XXH3_64bits_update(&state, emit->payloads[i].bytes, emit->payloads[i].size);
+	}
 	put(header + 8, XXH3_64bits_digest(&state), 8);
 }
 
-/* Opens a bundle where none is open or one is full, and begins an item of it. Returns where its fields
- * are. */
-static size_t begin_item(struct srv_emit *emit)
+static void end_bundle(struct srv_emit *emit)
 {
-	if (emit->bundle_open && emit->bundle_bytes >= BUNDLE_BYTES)
-		end_bundle(emit);
-	if (!emit->bundle_open) {
-		emit->bundle = begin(emit, ECO_FRAME_BUNDLE);
-		emit->bundle_open = true;
-		emit->bundle_bytes = 0;
-		emit->bundle_payload = emit->payload_count;
-		emit->bytes += ECO_FRAME_HEADER_BYTES;
-	} else if (emit->dry) {
-		emit->frames.size = 0;
-	}
-	return emit->frames.size;
+	if (!emit->bundle_open)
+		return;
+	emit->bundle_open = false;
+	struct eco_frame_mark mark = begin(emit, ECO_FRAME_BUNDLE);
+	eco_wire_bundle_end(&emit->bundle, &emit->frames);
+	emit->bytes += emit->frames.size - mark.at + emit->bundle_bytes;
+	if (!emit->dry && !emit->frames.failed)
+		seal(emit, mark);
 }
 
-static void end_item(struct srv_emit *emit, size_t from, size_t payload)
+/* Opens a bundle where none is open or one is full. */
+static void begin_item(struct srv_emit *emit)
 {
-	uint64_t bytes = emit->frames.size - from + payload;
-	emit->bytes += bytes;
-	emit->bundle_bytes += bytes;
+	if (emit->bundle_open && emit->bundle_bytes + emit->bundle.directory.size >= BUNDLE_BYTES)
+		end_bundle(emit);
+	if (emit->bundle_open)
+		return;
+	eco_wire_bundle_begin(&emit->bundle, &emit->items);
+	emit->bundle_open = true;
+	emit->bundle_bytes = 0;
+	emit->bundle_payload = emit->payload_count;
 }
 
 static enum eco_code emit_chunk(struct srv_emit *emit, uint32_t list, uint32_t ordinal,
@@ -167,10 +162,11 @@ static enum eco_code emit_chunk(struct srv_emit *emit, uint32_t list, uint32_t o
 {
 	const struct eco_scene *scene = &emit->scene->pack->scene;
 	uint32_t chunk = scene->lists[list].chunk_first + ordinal;
-	size_t size = scene->chunks[chunk].size_bytes, from = begin_item(emit);
+	size_t size = scene->chunks[chunk].size_bytes;
 	bool named = emit->name_from && size >= emit->name_from;
-	eco_wire_write_chunk(&emit->frames, scene, list, ordinal, named, &emit->record);
-	end_item(emit, from, named ? 0 : size);
+	begin_item(emit);
+	eco_wire_bundle_chunk(&emit->bundle, scene, list, ordinal, named);
+	emit->bundle_bytes += named ? 0 : size;
 	emit->chunk_count++;
 	emit->chunk_bytes += size;
 	emit->bytes += named ? size : 0;
@@ -188,9 +184,8 @@ static void emit_plant(struct srv_emit *emit, uint32_t plant)
 {
 	if (plant == ECO_NONE || emit->known[plant])
 		return;
-	struct eco_frame_mark mark = begin(emit, ECO_FRAME_PLANT);
-	eco_wire_write_plant(&emit->frames, &emit->scene->pack->scene, plant);
-	end(emit, mark);
+	begin_item(emit);
+	eco_wire_bundle_plant(&emit->bundle, &emit->scene->pack->scene, plant);
 	emit->known[plant] = true;
 }
 
@@ -208,9 +203,8 @@ static enum eco_code emit_list(struct srv_emit *emit, uint32_t list, uint32_t ch
 {
 	enum eco_code code = ECO_OK;
 	if (emit->have[list] == 0 && chunks > 0) {
-		size_t from = begin_item(emit);
-		eco_wire_write_list(&emit->frames, &emit->scene->pack->scene, list, &emit->record);
-		end_item(emit, from, 0);
+		begin_item(emit);
+		eco_wire_bundle_list(&emit->bundle, &emit->scene->pack->scene, list);
 	}
 	for (; !code && emit->have[list] < chunks; emit->have[list]++)
 		code = emit_chunk(emit, list, emit->have[list], error);
@@ -277,8 +271,9 @@ enum eco_code srv_emit_take(struct srv_emit *emit, struct srv_body *body, struct
 	size_t at = 0;
 	for (uint32_t i = 0; i < emit->payload_count; i++) {
 		const struct srv_payload *payload = &emit->payloads[i];
-		body->pieces[body->piece_count++] = (struct srv_piece){ body->frames.bytes + at,
-			payload->at - at };
+		if (payload->at > at)
+			body->pieces[body->piece_count++] = (struct srv_piece){ body->frames.bytes + at,
+				payload->at - at };
 		body->pieces[body->piece_count++] = (struct srv_piece){ payload->bytes, payload->size };
 		at = payload->at;
 	}

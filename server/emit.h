@@ -2,7 +2,7 @@
  *
  *   srv_emit_init(&emit, scene, holdings, dry, &error);
  *   srv_emit_scene(&emit);
- *   srv_emit_step(&emit, &plan, &needs, &error);    PLANT, BUNDLE of what is missing by now, then PLAN;
+ *   srv_emit_step(&emit, &plan, &needs, &error);    BUNDLEs of what is missing by now, then PLAN;
  *                                                   once per step
  *   srv_emit_needs(&emit, &needs, &error);          without a PLAN
  *   srv_emit_end(&emit, vertices);
@@ -25,15 +25,15 @@ struct srv_emit {
 	const struct srv_scene *scene;
 	bool dry;
 	uint32_t *have;                      /* per list: chunks of its prefix that the client has by now */
-	bool *known;                         /* per plant: the client has its PLANT record */
+	bool *known;                         /* per plant: the client knows it */
 	struct eco_writer frames;            /* dry: the current frame only */
 	struct srv_payload *payloads;        uint32_t payload_count, payload_capacity;
 	uint32_t number;                     /* of the next frame */
-	struct eco_wire_record record;       /* of the last list and item */
-	struct eco_frame_mark bundle;        /* that is being filled, if any is: */
+	struct eco_wire_items items;
+	struct eco_wire_bundle bundle;       /* that is being filled, if any is: */
 	bool bundle_open;
 	uint32_t bundle_payload;             /* its first payload */
-	uint64_t bundle_bytes;               /* its payload so far */
+	uint64_t bundle_bytes;               /* of its payloads so far */
 	uint64_t bytes;                      /* so far, and of chunks that are named */
 	uint64_t chunk_count, chunk_bytes;   /* carried or named */
 	uint64_t name_from, named_bytes;     /* chunks of so many bytes are named; 0: none. Bytes of those */

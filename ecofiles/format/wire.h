@@ -2,8 +2,8 @@
  * prefix that ends after a PLAN frame is a valid picture within the vertex budget.
  *
  *   SCENE                                     once
- *   step: (PLANT | BUNDLE)* PLAN              one or more, coarse first; only what the client lacks
- *   (PLANT | BUNDLE)*                         for the next view, where one was given
+ *   step: BUNDLE* PLAN                        one or more, coarse first; only what the client lacks
+ *   BUNDLE*                                   for the next view, where one was given
  *   END                                       missing END = truncated
  *
  * Frame (little-endian):
@@ -11,33 +11,22 @@
  *   8   u64 XXH3-64 of bytes [0,8), of the frame's number in the stream (u32, from 0) and of the payload
  *   16  n bytes
  *
- * SCENE  u32 version = 13, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, rows,
+ * SCENE  u32 version = 14, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, rows,
  *        margin (3), u32 plant count, u32 list count, str name
- * PLANT  u32 plant, str name, f32 height, u32 anchor first, u32 anchor count, anchors
- *                                                        once per plant of which the client has nothing
- * BUNDLE lists and chunks, one after the other to the end of the payload; each begins with
- *        v head: bit 0: a chunk; the rest: zigzag(list - that of the item before in the stream; first: 0)
- *        a list:  squeezed record (below), groups (of instances: for each, z plant - plant of the one before,
- *                 v plants - 1), palette (3 bytes a colour; nothing if its place in the scene's is that of
- *                 the last palette sent); before the list's first chunk
- *        a chunk: v ordinal, v elements, v primitives - elements, v size, payload; ordinals ascend per
- *                 list. Its id is the hash of its payload. The only chunk of a list, right behind the
- *                 list: v size, payload. In place of size and payload: 0, v size, u8[16] id: the chunk is
- *                 named, and the client fetches it, if its request said so (name_from)
+ * BUNDLE v size of the directory, u8 zeros that were left off at its end, the directory, then payloads
+ *        in the order of its chunks. The directory names plants, lists and chunks (wire_items.h): a plant
+ *        before the first list of it, a list before its first chunk; ordinals of chunks ascend per list.
+ *        A chunk's id is the hash of its payload; one that is named has its id and no payload here, and the
+ *        client fetches it, if its request said so (name_from)
  * PLAN   below; replaces the plan before it. Each `list` in it is held up to its `end`. END    u64
  * vertices of the last plan, u64 bytes of the body, END included
  *
- * v: varint, z: zigzag varint. A squeezed record is that of pack.h (eco_list_write) with chunk_first 0 and
- * primitives - elements in place of primitives, most of whose bytes are those of the stream's list before
- * (the first: 0): a bit for each byte, from the low end, 1 if it differs from the same byte of that list;
- * then those that differ. Mostly the same bytes differ as did before: of the 13 bytes of these bits, xor
- * those of the list before, most are 0: u16, a bit for each that is not, from the low end; then those. No
- * byte is sent in vain.
+ * v: varint, z: zigzag varint.
  *
  * str: varint length (at most 63), UTF-8 without NUL. Holdings (body of a POST): u32 count, then per list,
  * ascending: varint list delta (from the list before; the first from 0), varint chunks (at least 1). A
  * client that holds a chunk of a list knows its record; one that holds a chunk of any list of a plant
- * (not of its instances) knows its PLANT record.
+ * (not of its instances) knows the plant.
  *
  * PLAN. A plan has one encoding: arrays are in the order of eco_plan_sort; a field with several forms uses
  * the first in this table that can hold the value. Everything else is refused. A usual rule takes 5 or 6
@@ -78,21 +67,11 @@
 
 #include "ecofiles/base/bytes.h"
 #include "ecofiles/format/plan.h"
+#include "ecofiles/format/wire_items.h"
 
-enum eco_frame_type { ECO_FRAME_SCENE = 1, ECO_FRAME_PLANT, ECO_FRAME_BUNDLE, ECO_FRAME_PLAN,
-ECO_FRAME_END };
-#define ECO_WIRE_VERSION 13u
+enum eco_frame_type { ECO_FRAME_SCENE = 1, ECO_FRAME_BUNDLE, ECO_FRAME_PLAN, ECO_FRAME_END };
+#define ECO_WIRE_VERSION 14u
 #define ECO_FRAME_HEADER_BYTES 16u
-#define ECO_WIRE_RECORD_BYTES 100u       /* of a list */
-#define ECO_WIRE_RECORD_BITS ((ECO_WIRE_RECORD_BYTES + 7) / 8)
-/* What the next item of a BUNDLE is told by; zeros where a stream begins. */
-struct eco_wire_record {
-	/* of the last list; bits: which of its bytes differed */
-	uint8_t bytes[ECO_WIRE_RECORD_BYTES], bits[ECO_WIRE_RECORD_BITS];
-	uint32_t list;                   /* of the last item, ... */
-	bool alone;                      /* ... which is a list of one chunk */
-	uint32_t palette_first, palette_count;   /* where the last palette that was sent lies */
-};
 #define ECO_FRAME_PAYLOAD_MAX (1u << 27)
 #define ECO_END_FRAME_BYTES (ECO_FRAME_HEADER_BYTES + 16u)
 
@@ -110,17 +89,21 @@ void eco_frame_end(struct eco_writer *w, struct eco_frame_mark mark);
 
 void eco_wire_write_scene(struct eco_writer *w, const struct eco_scene *scene,
 	const struct eco_chunk_id *pack_id);
-void eco_wire_write_plant(struct eco_writer *w, const struct eco_scene *scene, uint32_t plant);
-/* Items of a BUNDLE. *before: becomes the item's. */
-void eco_wire_write_list(struct eco_writer *w, const struct eco_scene *scene, uint32_t list,
-	struct eco_wire_record *before);
-/* The list's palette is the last one that was sent. */
-bool eco_wire_same_palette(const struct eco_wire_record *before, const struct eco_list *list);
-/* A squeezed record: the part of a list between its head and its palette. */
-void eco_wire_write_record(struct eco_writer *w, const struct eco_list *list, struct eco_wire_record *before);
-/* Writes only the fields before the payload; the caller appends the payload, unless it is `named`. */
-void eco_wire_write_chunk(struct eco_writer *w, const struct eco_scene *scene, uint32_t list,
-	uint32_t ordinal, bool named, struct eco_wire_record *before);
+
+/* A bundle that is being written; `items` are the stream's. It must not move between begin and end. */
+struct eco_wire_bundle {
+	struct eco_wire_items *items;
+	struct eco_writer directory;
+	struct eco_range range;
+};
+void eco_wire_bundle_begin(struct eco_wire_bundle *bundle, struct eco_wire_items *items);
+void eco_wire_bundle_plant(struct eco_wire_bundle *bundle, const struct eco_scene *scene, uint32_t plant);
+void eco_wire_bundle_list(struct eco_wire_bundle *bundle, const struct eco_scene *scene, uint32_t list);
+void eco_wire_bundle_chunk(struct eco_wire_bundle *bundle, const struct eco_scene *scene, uint32_t list,
+	uint32_t ordinal, bool named);
+/* Appends all but the payloads; w->failed where memory failed. The directory's memory is kept for the next. */
+void eco_wire_bundle_end(struct eco_wire_bundle *bundle, struct eco_writer *w);
+void eco_wire_bundle_free(struct eco_wire_bundle *bundle);
 /* Writes a plan given in any order; reading gives it in the order of eco_plan_sort. Sets w->failed if
  * eco_plan_check refuses the plan. */
 void eco_wire_write_plan(struct eco_writer *w, const struct eco_plan *plan);

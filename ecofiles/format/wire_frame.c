@@ -12,12 +12,10 @@
 #define PLAN_PAYLOAD_MAX (1u << 24)
 #define SCENE_PAYLOAD_LEAST 49u
 #define STRING_MAX 64u
-#define PLANT_PAYLOAD_LEAST (4u + 1 + 4 + 4 + 4 + 16)
 #define BUNDLE_PAYLOAD_LEAST (1u + 2)
 
 static const struct { const char *name; uint32_t least, most; } frames[] = {
 	[ECO_FRAME_SCENE] = { "scene", SCENE_PAYLOAD_LEAST, SCENE_PAYLOAD_LEAST + STRING_MAX },
-	[ECO_FRAME_PLANT] = { "plant", PLANT_PAYLOAD_LEAST, ECO_FRAME_PAYLOAD_MAX },
 	[ECO_FRAME_BUNDLE] = { "bundle", BUNDLE_PAYLOAD_LEAST, ECO_FRAME_PAYLOAD_MAX },
 	[ECO_FRAME_PLAN] = { "plan", 8 + 24 + 2 + 5, PLAN_PAYLOAD_MAX },
 	[ECO_FRAME_END] = { "end", 16, 16 },

@@ -38,8 +38,7 @@ struct eco_wire_parser {
 
 	uint32_t last_type;                  /* 0 before the first frame */
 	uint32_t last_list, last_ordinal;    /* of the last chunk; ECO_NONE before it */
-	struct eco_wire_record record;       /* of the last list and item */
-	uint32_t elements, primitives;       /* of the last list */
+	struct eco_wire_items items;         /* what the next item is told by */
 	uint8_t (*palette)[3];               /* the last one that came */
 	struct eco_group *groups;            /* of the last list */
 	bool planned;                        /* a PLAN has come */
@@ -115,48 +114,41 @@ static bool anchor_sound(const struct eco_anchor *a)
 		&& isfinite(a->radius) && a->radius >= 0;
 }
 
-static enum eco_code read_anchors(struct eco_wire_parser *p, struct eco_reader *r, uint32_t id,
-	const struct eco_plant *plant, struct eco_error *e)
+/* An anchor takes at least four bits: allocates no more than can be there. */
+static enum eco_code read_anchors(struct eco_wire_parser *p, struct eco_range *r,
+	const struct eco_wire_item *item, struct eco_error *e)
 {
-	struct eco_anchor *anchors = malloc(plant->anchor_count * sizeof *anchors);
+	uint32_t count = item->plant.anchor_count;
 	enum eco_code code = ECO_OK;
+	if (count == 0 || count > eco_wire_items_bits(r) / 4
+			|| item->plant.anchor_first > ECO_NONE - count)
+		return BAD("plant %u has %u anchors from %u, in %zu bytes", item->id, count,
+			item->plant.anchor_first, r->size);
+	struct eco_anchor *anchors = malloc(count * sizeof *anchors);
 	if (!anchors)
-		return eco_fail(e, ECO_NO_MEMORY, "no memory for %u anchors", plant->anchor_count);
-	for (uint32_t i = 0; i < plant->anchor_count && !code; i++) {
-		eco_anchor_read(r, &anchors[i]);
-		if (!r->failed && !anchor_sound(&anchors[i]))
-			code = BAD("anchor %u of plant %u is not a sphere", i, id);
+		return eco_fail(e, ECO_NO_MEMORY, "no memory for %u anchors", count);
+	for (uint32_t i = 0; i < count && !code; i++) {
+		eco_wire_anchor_code(r, &p->items, &anchors[i]);
+		if (p->items.bad || !anchor_sound(&anchors[i]))
+			code = BAD("anchor %u of plant %u is not a sphere", i, item->id);
 	}
-	if (!code)
-		code = whole(r, e);
 	if (!code && p->events.plant)
-		code = p->events.plant(p->ctx, id, plant, anchors, e);
+		code = p->events.plant(p->ctx, item->id, &item->plant, anchors, e);
 	free(anchors);
 	return code;
 }
 
-static enum eco_code read_plant(struct eco_wire_parser *p, struct eco_reader *r, struct eco_error *e)
+static enum eco_code read_plant(struct eco_wire_parser *p, struct eco_range *r,
+	const struct eco_wire_item *item, struct eco_error *e)
 {
-	struct eco_plant plant = { 0 };
-	uint32_t id = eco_read_u32(r);
-	bool named = read_string(r, plant.name);
-	plant.height_m = eco_read_f32(r);
-	plant.anchor_first = eco_read_u32(r);
-	plant.anchor_count = eco_read_u32(r);
-	if (r->failed)
-		return whole(r, e);
-	if (id >= p->plant_count)
-		return BAD("it describes plant %u of %u", id, p->plant_count);
-	if (!named)
-		return BAD("the name of plant %u is too long or not UTF-8", id);
-	if (!isfinite(plant.height_m) || plant.height_m < 0)
-		return BAD("the height of plant %u is not a finite number from 0 on", id);
-	/* an anchor takes at least four floats: allocate no more than can be there */
-	if (plant.anchor_count == 0 || plant.anchor_count > (r->size - r->at) / 16 ||
-		plant.anchor_first > ECO_NONE - plant.anchor_count)
-		return BAD("plant %u has %u anchors from %u, in %zu bytes", id,
-			plant.anchor_count, plant.anchor_first, r->size - r->at);
-	return read_anchors(p, r, id, &plant, e);
+	const char *name = item->plant.name;
+	if (item->id >= p->plant_count)
+		return BAD("it describes plant %u of %u", item->id, p->plant_count);
+	if (!eco_utf8_valid(name, strlen(name)))
+		return BAD("the name of plant %u is not UTF-8", item->id);
+	if (!isfinite(item->plant.height_m) || item->plant.height_m < 0)
+		return BAD("the height of plant %u is not a finite number from 0 on", item->id);
+	return read_anchors(p, r, item, e);
 }
 
 static bool grid_sound(const struct eco_list *list)
@@ -231,107 +223,63 @@ static enum eco_code check_list(const struct eco_wire_parser *p, uint32_t id, co
 	return ECO_OK;
 }
 
-/* A varint of at most 32 bits; else `r` fails. */
-static uint32_t read_count(struct eco_reader *r)
-{
-	uint64_t value = eco_read_varint(r);
-	r->failed |= value > UINT32_MAX;
-	return (uint32_t)value;
-}
-
-/* A list's record, squeezed as wire.h says; else `r` fails. */
-static void read_record(struct eco_reader *r, struct eco_wire_record *record, struct eco_list *list)
-{
-	uint16_t some = eco_read_u16(r);
-	uint8_t *bits = record->bits;
-	for (uint32_t i = 0; i < ECO_WIRE_RECORD_BITS; i++)
-		if (some >> i & 1) {
-			uint8_t change = eco_read_u8(r);
-			r->failed |= !change;
-			bits[i] ^= change;
-		}
-	for (uint32_t i = 0; !r->failed && i < ECO_WIRE_RECORD_BYTES; i++)
-		if (bits[i / 8] >> i % 8 & 1) {
-			uint8_t byte = eco_read_u8(r);
-			r->failed |= byte == record->bytes[i];
-			record->bytes[i] = byte;
-		}
-	r->failed |= some >> ECO_WIRE_RECORD_BITS
-		|| bits[ECO_WIRE_RECORD_BITS - 1] >> (1 + (ECO_WIRE_RECORD_BYTES - 1) % 8);
-	struct eco_reader inside = { .bytes = record->bytes, .size = sizeof record->bytes };
-	if (!r->failed)
-		eco_list_read(&inside, list);
-	list->primitive_count += list->element_count;
-	r->failed |= inside.failed;
-}
-
-static enum eco_code read_palette(struct eco_wire_parser *p, struct eco_reader *r, uint32_t id,
+/* A colour takes 24 bits: allocates no more than can be there. */
+static enum eco_code read_palette(struct eco_wire_parser *p, struct eco_range *r, uint32_t id,
 	const struct eco_list *list, struct eco_error *e)
 {
-	size_t size = 3 * (size_t)list->palette_count;
-	if (list->palette_count > (r->size - r->at) / 3)
-		return BAD("list %u: a palette of %u colours in %zu bytes", id, list->palette_count,
-			r->size - r->at);
-	uint8_t (*palette)[3] = realloc(p->palette, size);
+	if (list->palette_count > eco_wire_items_bits(r) / 24)
+		return BAD("list %u: a palette of %u colours in %zu bytes", id, list->palette_count, r->size);
+	uint8_t (*palette)[3] = realloc(p->palette, 3 * (size_t)list->palette_count);
 	if (!palette)
 		return eco_fail(e, ECO_NO_MEMORY, "no memory for a palette of %u colours",
 			list->palette_count);
 	p->palette = palette;
-	memcpy(palette, eco_read_bytes(r, size), size);
-	p->record.palette_first = list->palette_first;
-	p->record.palette_count = list->palette_count;
+	for (uint32_t i = 0; i < list->palette_count; i++)
+		eco_wire_colour_code(r, palette[i]);
 	return ECO_OK;
 }
 
-/* A group takes at least two bytes: allocates no more than can be there. */
-static enum eco_code read_groups(struct eco_wire_parser *p, struct eco_reader *r, uint32_t id,
+/* A group takes at least a bit: allocates no more than can be there. */
+static enum eco_code read_groups(struct eco_wire_parser *p, struct eco_range *r, uint32_t id,
 	const struct eco_list *list, struct eco_error *e)
 {
 	uint32_t first = 0, count = list->group_count;
-	int64_t plant = 0;
-	if (count > (r->size - r->at) / 2)
-		return BAD("list %u: %u groups of plants in %zu bytes", id, count, r->size - r->at);
+	if (count > eco_wire_items_bits(r))
+		return BAD("list %u: %u groups of plants in %zu bytes", id, count, r->size);
 	struct eco_group *groups = realloc(p->groups, count * sizeof *groups);
 	if (!groups)
 		return eco_fail(e, ECO_NO_MEMORY, "no memory for %u groups of plants", count);
 	p->groups = groups;
 	for (uint32_t i = 0; i < count; i++) {
-		int64_t step = eco_read_zigzag(r);
-		uint32_t more = read_count(r);
-		if (r->failed || step < -plant || step >= p->plant_count - plant)
+		groups[i] = (struct eco_group){ .tile = list->owner, .list = id, .first = first };
+		eco_wire_group_code(r, &p->items, i, &groups[i]);
+		if (p->items.bad || groups[i].plant >= p->plant_count)
 			return BAD("list %u: group %u ends early, or its plant is none of %u", id, i,
 				p->plant_count);
-		plant += step;
-		if (more >= list->primitive_count - first)
-			return BAD("list %u: group %u has %u plants, %u are left of the list", id, i, more,
-				list->primitive_count - first);
-		groups[i] = (struct eco_group){ .tile = list->owner, .plant = (uint32_t)plant, .list = id,
-			.first = first, .count = more + 1 };
-		first += more + 1;
+		if (groups[i].count - 1 >= list->primitive_count - first)
+			return BAD("list %u: group %u has %u plants, %u are left of the list", id, i,
+				groups[i].count, list->primitive_count - first);
+		first += groups[i].count;
 	}
 	return first == list->primitive_count ? ECO_OK : BAD("list %u: its groups have %u of %u plants", id,
 		first, list->primitive_count);
 }
 
-static enum eco_code read_list(struct eco_wire_parser *p, struct eco_reader *r, uint32_t id,
-	struct eco_error *e)
+static enum eco_code read_list(struct eco_wire_parser *p, struct eco_range *r,
+	const struct eco_wire_item *item, struct eco_error *e)
 {
-	struct eco_list list = { 0 };
-	read_record(r, &p->record, &list);
-	if (r->failed)
-		return BAD("the record of list %u ends early, or a bit of it is set in vain", id);
-	enum eco_code code = check_list(p, id, &list, e);
-	if (code)
-		return code;
-	p->record.alone = list.chunk_count == 1;
-	p->elements = list.element_count;
-	p->primitives = list.primitive_count;
-	if (list.group_count)
-		code = read_groups(p, r, id, &list, e);
-	if (!code && list.palette_count && !eco_wire_same_palette(&p->record, &list))
-		code = read_palette(p, r, id, &list, e);
-	return code || !p->events.list ? code : p->events.list(p->ctx, id, &list, p->palette,
-		p->groups, e);
+	const struct eco_list *list = &item->list;
+	uint32_t id = item->id;
+	if (id >= p->list_count)
+		return BAD("it has list %u of %u", id, p->list_count);
+	enum eco_code code = check_list(p, id, list, e);
+	if (!code && list->group_count)
+		code = read_groups(p, r, id, list, e);
+	if (!code && list->palette_count && !eco_wire_same_palette(&p->items, list))
+		code = read_palette(p, r, id, list, e);
+	if (!code && !eco_wire_items_bits(r))
+		code = BAD("list %u ends early", id);
+	return code || !p->events.list ? code : p->events.list(p->ctx, id, list, p->palette, p->groups, e);
 }
 
 static enum eco_code check_chunk(const struct eco_wire_parser *p, uint32_t list, uint32_t ordinal,
@@ -348,12 +296,9 @@ static enum eco_code check_chunk(const struct eco_wire_parser *p, uint32_t list,
 	return ECO_OK;
 }
 
-/* *payload: the id that names a chunk; becomes its payload. */
 static enum eco_code fetch_named(struct eco_wire_parser *p, uint32_t list, struct eco_chunk *chunk,
 	const uint8_t **payload, struct eco_error *e)
 {
-	memcpy(chunk->id.bytes, *payload, sizeof chunk->id.bytes);
-	*payload = NULL;
 	if (!p->events.fetch)
 		return eco_fail(e, ECO_UNSUPPORTED, "a chunk of list %u is named, not carried, and nothing "
 			"here fetches it: ask without name_from", list);
@@ -366,36 +311,23 @@ static enum eco_code fetch_named(struct eco_wire_parser *p, uint32_t list, struc
 		"it", list, chunk->size_bytes);
 }
 
-static enum eco_code read_chunk(struct eco_wire_parser *p, struct eco_reader *r, uint32_t list,
-	struct eco_error *e)
+static enum eco_code read_chunk(struct eco_wire_parser *p, struct eco_reader *payloads,
+	const struct eco_wire_item *item, struct eco_error *e)
 {
-	struct eco_chunk chunk = { .element_count = p->elements, .primitive_count = p->primitives };
-	uint32_t ordinal = 0;
-	if (!p->record.alone) {
-		ordinal = read_count(r);
-		chunk.element_count = read_count(r);
-		uint64_t primitives = (uint64_t)chunk.element_count + read_count(r);
-		r->failed |= primitives > UINT32_MAX;
-		chunk.primitive_count = (uint32_t)primitives;
-	}
-	p->record.alone = false;
-	chunk.size_bytes = read_count(r);
-	bool named = !chunk.size_bytes && !r->failed;
-	if (named)
-		chunk.size_bytes = read_count(r);
-	if (r->failed)
-		return BAD("the fields of a chunk of list %u end early", list);
+	struct eco_chunk chunk = item->chunk;
+	uint32_t list = item->id, ordinal = item->ordinal;
+	if (list >= p->list_count)
+		return BAD("it has a chunk of list %u of %u", list, p->list_count);
 	enum eco_code code = check_chunk(p, list, ordinal, &chunk, e);
 	if (code)
 		return code;
-	uint32_t size = named ? (uint32_t)sizeof chunk.id.bytes : chunk.size_bytes;
-	if (size > r->size - r->at)
+	if (!item->named && chunk.size_bytes > payloads->size - payloads->at)
 		return BAD("chunk %u of list %u has %u bytes, %zu are left of the bundle", ordinal, list,
-			size, r->size - r->at);
-	const uint8_t *payload = eco_read_bytes(r, size);
+			chunk.size_bytes, payloads->size - payloads->at);
 	p->last_list = list;
 	p->last_ordinal = ordinal;
-	if (named)
+	const uint8_t *payload = item->named ? NULL : eco_read_bytes(payloads, chunk.size_bytes);
+	if (item->named)
 		code = fetch_named(p, list, &chunk, &payload, e);
 	else
 		chunk.id = eco_chunk_hash(payload, chunk.size_bytes);
@@ -403,21 +335,39 @@ static enum eco_code read_chunk(struct eco_wire_parser *p, struct eco_reader *r,
 		: p->events.chunk(p->ctx, list, ordinal, &chunk, payload, e);
 }
 
+static enum eco_code read_item(struct eco_wire_parser *p, struct eco_range *r, struct eco_reader *payloads,
+	struct eco_wire_item *item, struct eco_error *e)
+{
+	*item = (struct eco_wire_item){ .kind = ECO_ITEM_END };
+	eco_wire_item_code(r, &p->items, item);
+	if (p->items.bad || !eco_wire_items_bits(r))
+		return BAD("its directory ends early, or an item of it is impossible or said in vain");
+	switch (item->kind) {
+	case ECO_ITEM_PLANT: return read_plant(p, r, item, e);
+	case ECO_ITEM_LIST: return read_list(p, r, item, e);
+	case ECO_ITEM_CHUNK: return read_chunk(p, payloads, item, e);
+	default: return ECO_OK;
+	}
+}
+
 static enum eco_code read_bundle(struct eco_wire_parser *p, struct eco_reader *r, struct eco_error *e)
 {
-	enum eco_code code = ECO_OK;
-	while (!code && r->at < r->size) {
-		uint64_t head = eco_read_varint(r), zigzag = head >> 1;
-		int64_t list = (int64_t)p->record.list + (zigzag & 1 ? -(int64_t)(zigzag / 2) - 1
-			: (int64_t)(zigzag / 2));
-		if (r->failed || list < 0 || list >= p->list_count)
-			return r->failed ? whole(r, e) : BAD("an item of it is of list %lld of %u",
-				(long long)list, p->list_count);
-		p->record.alone = p->record.alone && list == p->record.list;
-		p->record.list = (uint32_t)list;
-		code = (head & 1 ? read_chunk : read_list)(p, r, p->record.list, e);
-	}
-	return code;
+	struct eco_wire_item item;
+	struct eco_range range;
+	uint64_t size = eco_read_varint(r);
+	uint32_t zeros = eco_read_u8(r);
+	const uint8_t *directory = size <= r->size ? eco_read_bytes(r, (size_t)size) : NULL;
+	if (!directory || r->failed)
+		return BAD("a directory of %llu bytes is longer than the bundle", (unsigned long long)size);
+	eco_range_read(&range, directory, (size_t)size);
+	do {
+		enum eco_code code = read_item(p, &range, r, &item, e);
+		if (code)
+			return code;
+	} while (item.kind != ECO_ITEM_END);
+	if (eco_range_end(&range) != zeros)
+		return BAD("its directory is not as long as it says");
+	return whole(r, e);
 }
 
 static enum eco_code check_plan_ids(const struct eco_wire_parser *p, const struct eco_plan *plan,
@@ -473,8 +423,8 @@ static enum eco_code read_end(struct eco_wire_parser *p, struct eco_reader *r, s
 /* ---- Frames ---- */
 
 static enum eco_code (*const readers[])(struct eco_wire_parser *, struct eco_reader *, struct eco_error *) = {
-	[ECO_FRAME_SCENE] = read_scene, [ECO_FRAME_PLANT] = read_plant,
-	[ECO_FRAME_BUNDLE] = read_bundle, [ECO_FRAME_PLAN] = read_plan, [ECO_FRAME_END] = read_end,
+	[ECO_FRAME_SCENE] = read_scene, [ECO_FRAME_BUNDLE] = read_bundle, [ECO_FRAME_PLAN] = read_plan,
+	[ECO_FRAME_END] = read_end,
 };
 
 /* The order of frames at the top of wire.h. */
@@ -613,6 +563,7 @@ enum eco_code eco_wire_parser_new(struct eco_wire_parser **parser, const struct 
 	p->events = *events;
 	p->ctx = ctx;
 	p->last_list = p->last_ordinal = ECO_NONE;
+	eco_wire_items_start(&p->items);
 	return ECO_OK;
 }
 

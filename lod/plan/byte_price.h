@@ -23,9 +23,9 @@
 #define LOD_PRICE_ROUNDS 3       /* of limits at each lambda and price: with two more bytes predict more often a
                                   * worse picture */
 /* beside a payload: fields of a chunk, and the record of a list that the client does not know */
-#define LOD_CHUNK_FRAME_BYTES 6
-#define LOD_LIST_FRAME_BYTES 15
-#define LOD_GROUP_FRAME_BYTES 2          /* and of each group of plants in it */
+#define LOD_CHUNK_FRAME_BYTES 3
+#define LOD_LIST_FRAME_BYTES 12
+#define LOD_GROUP_FRAME_BYTES 1          /* and of each group of plants in it */
 
 /* Finds what everything in view would cost. `kept`: chunks that come anyway, sooner or later, so that all
  * others cost `waste` times their bytes beside these; NULL: none does. It must outlive the prices. */

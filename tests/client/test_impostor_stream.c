@@ -226,7 +226,7 @@ static struct eco_writer stream_of(struct forged *f, enum fault fault)
 	plan.run_count = 0;
 	plan.vertices = 0;
 	scene_frame(&w, &scene, ECO_FRAME_SCENE, &number, 0, 0);
-	scene_frame(&w, &scene, ECO_FRAME_PLANT, &number, 0, 0);
+	scene_frame(&w, &scene, ECO_FRAME_BUNDLE, &number, 0, SCENE_PLANT);
 	scene_frame(&w, &f->b, ECO_FRAME_BUNDLE, &number, L_IMPOSTOR, SCENE_RECORD);
 	if (fault == OTHER_LIST) {
 		f->lists[L_IMPOSTOR].level = 7;

@@ -178,7 +178,7 @@ static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writ
 	other.scene.anchors = other.anchors = memcpy(anchors, scene.anchors, sizeof anchors);
 	*w = (struct eco_writer){ 0 };
 	scene_frame(w, &scene, ECO_FRAME_SCENE, &number, 0, 0);
-	scene_frame(w, &scene, ECO_FRAME_PLANT, &number, 0, 0);
+	scene_frame(w, &scene, ECO_FRAME_BUNDLE, &number, 0, SCENE_PLANT);
 	if (fault == COLOR_OUTSIDE) {
 		other.lists[L_LEAVES].palette_count = 1;
 		scene_frame(w, &other, ECO_FRAME_BUNDLE, &number, L_LEAVES, SCENE_RECORD);
@@ -204,7 +204,7 @@ static void write_fault(enum fault fault, struct eco_plan *plan, struct eco_writ
 		break;
 	case PLANT_CHANGED:
 		other.anchors[A_TREE].radius += 1;
-		scene_frame(w, &other, ECO_FRAME_PLANT, &number, 0, 0);
+		scene_frame(w, &other, ECO_FRAME_BUNDLE, &number, 0, SCENE_PLANT);
 		break;
 	case GROUND_IN_PART:
 	case GROUND_ELSEWHERE:

@@ -291,23 +291,31 @@ void scene_frame(struct eco_writer *w, const struct scene_builder *s, enum eco_f
 	uint32_t *number, uint32_t a, uint32_t b)
 {
 	/* of the stream that is being written */
-	static struct eco_wire_record before;
-	if (*number == 0)
-		memset(&before, 0, sizeof before);
-	struct eco_frame_mark mark = eco_frame_begin(w, type, (*number)++);
+	static struct eco_wire_items items;
 	static const struct eco_chunk_id pack = { { 1, 2, 3 } };
+	struct eco_wire_bundle bundle = { .items = NULL };
+	if (*number == 0)
+		eco_wire_items_start(&items);
+	struct eco_frame_mark mark = eco_frame_begin(w, type, (*number)++);
 	if (type == ECO_FRAME_SCENE) {
 		eco_wire_write_scene(w, &s->scene, &pack);
-	} else if (type == ECO_FRAME_PLANT) {
-		eco_wire_write_plant(w, &s->scene, a);
-	} else if (b == SCENE_RECORD) {
-		eco_wire_write_list(w, &s->scene, a, &before);
-	} else {
-		uint32_t chunk = s->lists[a].chunk_first + b;
-		eco_wire_write_chunk(w, &s->scene, a, b, false, &before);
-		eco_write_bytes(w, s->payloads[chunk], s->chunks[chunk].size_bytes);
+		eco_frame_end(w, mark);
+		return;
 	}
+	bool carries = b != SCENE_PLANT && b != SCENE_RECORD;
+	eco_wire_bundle_begin(&bundle, &items);
+	if (b == SCENE_PLANT)
+		eco_wire_bundle_plant(&bundle, &s->scene, a);
+	else if (b == SCENE_RECORD)
+		eco_wire_bundle_list(&bundle, &s->scene, a);
+	else
+		eco_wire_bundle_chunk(&bundle, &s->scene, a, b, false);
+	eco_wire_bundle_end(&bundle, w);
+	if (carries)
+		eco_write_bytes(w, s->payloads[s->lists[a].chunk_first + b],
+			s->chunks[s->lists[a].chunk_first + b].size_bytes);
 	eco_frame_end(w, mark);
+	eco_wire_bundle_free(&bundle);
 }
 
 void scene_plan_frame(struct eco_writer *w, const struct eco_plan *plan, uint32_t *number)
@@ -346,7 +354,7 @@ void scene_stream(const struct scene_builder *b, const struct eco_plan *plan, co
 	*w = (struct eco_writer){ 0 };
 	scene_frame(w, b, ECO_FRAME_SCENE, &number, 0, 0);
 	for (uint32_t plant = 0; plant < 2 && !held; plant++)
-		scene_frame(w, b, ECO_FRAME_PLANT, &number, plant, 0);
+		scene_frame(w, b, ECO_FRAME_BUNDLE, &number, plant, SCENE_PLANT);
 	for (uint32_t id = 0; id < L_COUNT; id++) {
 		uint32_t first = held ? held[id] : 0, end = scene_needs(b, plan, id);
 		if (first == 0 && end)

@@ -35,7 +35,9 @@ void scene_plan(const struct scene_builder *b, const struct eco_view *view, doub
 	struct eco_plan *plan);
 
 #define SCENE_RECORD UINT32_MAX
-/* Frames: SCENE; PLANT `a`; BUNDLE of the record of list `a` (SCENE_RECORD) or of its chunk `b`. */
+#define SCENE_PLANT (SCENE_RECORD - 1)
+/* Frames: SCENE; BUNDLE of plant `a` (SCENE_PLANT), of the record of list `a` (SCENE_RECORD) or of its chunk
+ * `b`. */
 void scene_frame(struct eco_writer *w, const struct scene_builder *s, enum eco_frame_type type,
 	uint32_t *number, uint32_t a, uint32_t b);
 void scene_plan_frame(struct eco_writer *w, const struct eco_plan *plan, uint32_t *number);

@@ -189,13 +189,30 @@ void wire_put_scene(struct eco_writer *w, uint32_t *number, uint32_t version)
 		.ground_columns = 80, .ground_rows = 60, .ground_margin = 7, .near_m = 0.1,
 		.plant_count = WIRE_RANDOM_PLANTS, .list_count = WIRE_RANDOM_LISTS };
 	struct eco_chunk_id id = { { 1, 2, 3 } };
-	memset(&wire_before, 0, sizeof wire_before);
+	eco_wire_items_start(&wire_items);
 	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_SCENE, (*number)++);
 	size_t at = w->size;
 	eco_wire_write_scene(w, &scene, &id);
 	if (!w->failed)
 		w->bytes[at] = (uint8_t)version;
 	eco_frame_end(w, mark);
+}
+
+struct eco_frame_mark wire_bundle_begin(struct eco_writer *w, uint32_t *number,
+	struct eco_wire_bundle *bundle)
+{
+	*bundle = (struct eco_wire_bundle){ .items = NULL };
+	eco_wire_bundle_begin(bundle, &wire_items);
+	return eco_frame_begin(w, ECO_FRAME_BUNDLE, (*number)++);
+}
+
+void wire_bundle_end(struct eco_writer *w, struct eco_frame_mark mark, struct eco_wire_bundle *bundle,
+	const void *payload, size_t size)
+{
+	eco_wire_bundle_end(bundle, w);
+	eco_write_bytes(w, payload, size);
+	eco_frame_end(w, mark);
+	eco_wire_bundle_free(bundle);
 }
 
 void wire_put_plant(struct eco_writer *w, uint32_t *number, uint32_t plant, const struct eco_anchor *anchors,
@@ -206,9 +223,10 @@ void wire_put_plant(struct eco_writer *w, uint32_t *number, uint32_t plant, cons
 	struct eco_scene scene = { .plants = plants, .plant_count = WIRE_RANDOM_PLANTS, .anchors = anchors,
 		.anchor_count = anchor_count };
 	plants[plant].anchor_count = anchor_count;
-	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_PLANT, (*number)++);
-	eco_wire_write_plant(w, &scene, plant);
-	eco_frame_end(w, mark);
+	struct eco_wire_bundle bundle;
+	struct eco_frame_mark mark = wire_bundle_begin(w, number, &bundle);
+	eco_wire_bundle_plant(&bundle, &scene, plant);
+	wire_bundle_end(w, mark, &bundle, NULL, 0);
 }
 
 struct eco_list wire_random_list(uint32_t id)
@@ -227,7 +245,7 @@ struct eco_list wire_random_list(uint32_t id)
 		: id == 1 ? 900 : 1000, .element_count = id == 4 ? 8 : 900, .chunk_count = id == 4 ? 8 : 9 };
 }
 
-struct eco_wire_record wire_before;
+struct eco_wire_items wire_items;
 
 static void wire_put_list(struct eco_writer *w, uint32_t *number, uint32_t id, const struct eco_list *list)
 {
@@ -239,9 +257,10 @@ static void wire_put_list(struct eco_writer *w, uint32_t *number, uint32_t id, c
 	struct eco_scene scene = { .lists = lists, .list_count = WIRE_RANDOM_LISTS, .palette = palette,
 		.palette_count = 2, .tiles = &tile, .tile_count = 1, .groups = groups, .group_count = 2 };
 	lists[id] = *list;
-	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_BUNDLE, (*number)++);
-	eco_wire_write_list(w, &scene, id, &wire_before);
-	eco_frame_end(w, mark);
+	struct eco_wire_bundle bundle;
+	struct eco_frame_mark mark = wire_bundle_begin(w, number, &bundle);
+	eco_wire_bundle_list(&bundle, &scene, id);
+	wire_bundle_end(w, mark, &bundle, NULL, 0);
 }
 
 static void put_chunk(struct eco_writer *w, uint32_t *number, uint32_t list, uint32_t ordinal,
@@ -253,11 +272,10 @@ static void put_chunk(struct eco_writer *w, uint32_t *number, uint32_t list, uin
 	struct eco_scene scene = { .lists = lists, .list_count = WIRE_RANDOM_LISTS, .chunks = &chunk };
 	lists[list].chunk_first = 0u - ordinal;      /* the one chunk is number `ordinal` */
 	lists[list].chunk_count = ordinal + 1;
-	struct eco_frame_mark mark = eco_frame_begin(w, ECO_FRAME_BUNDLE, (*number)++);
-	eco_wire_write_chunk(w, &scene, list, ordinal, named, &wire_before);
-	if (!named)
-		eco_write_bytes(w, payload, size);
-	eco_frame_end(w, mark);
+	struct eco_wire_bundle bundle;
+	struct eco_frame_mark mark = wire_bundle_begin(w, number, &bundle);
+	eco_wire_bundle_chunk(&bundle, &scene, list, ordinal, named);
+	wire_bundle_end(w, mark, &bundle, payload, named ? 0 : size);
 }
 
 void wire_put_chunk(struct eco_writer *w, uint32_t *number, uint32_t list, uint32_t ordinal,
@@ -292,7 +310,6 @@ void wire_random_stream(struct wire_random *r, struct eco_writer *w, uint32_t st
 		{ { -1, 2, 14 }, 2.5f } };
 	uint32_t number = 0, ordinals[WIRE_RANDOM_LISTS] = { 0 };
 	uint64_t vertices = 0;
-	memset(&wire_before, 0, sizeof wire_before);
 	wire_put_scene(w, &number, ECO_WIRE_VERSION);
 	wire_put_plant(w, &number, 0, anchors, 3);
 	wire_put_plant(w, &number, 1, anchors, 1);

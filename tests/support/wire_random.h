@@ -25,7 +25,12 @@ struct eco_plan wire_random_plan(struct wire_random *r, uint32_t most, uint32_t 
 #define WIRE_RANDOM_PLANTS 2u
 
 /* Of the stream that is being written; a SCENE begins one. */
-extern struct eco_wire_record wire_before;
+extern struct eco_wire_items wire_items;
+/* The next bundle of it, between its items and its payloads. */
+struct eco_frame_mark wire_bundle_begin(struct eco_writer *w, uint32_t *number,
+	struct eco_wire_bundle *bundle);
+void wire_bundle_end(struct eco_writer *w, struct eco_frame_mark mark, struct eco_wire_bundle *bundle,
+	const void *payload, size_t size);
 void wire_put_scene(struct eco_writer *w, uint32_t *number, uint32_t version);
 void wire_put_plant(struct eco_writer *w, uint32_t *number, uint32_t plant, const struct eco_anchor *anchors,
 	uint32_t anchor_count);
