@@ -82,7 +82,7 @@ PACK_ROOM := ecofiles/ecopack ecofiles/ecopack/export
 SUPPORT_ROOM := tests/support
 # methods of the papers that no program has: what measurements compare with
 BASELINE_ROOM := tests/bench/baseline
-VIEW_ROOMS := client-min client-min/draw
+VIEW_ROOMS := client-min client-min/draw client-min/load
 # both ends for programs of others: libecostream
 LIBRARY_ROOM := client-min/library
 ROOMS := $(ECO_ROOMS) $(BUILD_ROOMS) lod lod/plan server $(VIEW_ROOMS) $(LIBRARY_ROOM) $(PACK_ROOM) $(SUPPORT_ROOM)

@@ -1,12 +1,18 @@
-/* ecoload: many clients at once, counting what a server does right and wrong. */
-#include <jansson.h>
+/* ecoload: many clients at once, counting what a server does right and wrong, and how long it takes. */
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <sys/resource.h>
 
-#include "client-min/view_load.h"
+#include "client-min/load/view_load_report.h"
+#include "client-min/load/view_page.h"
+#include "client-min/load/view_views.h"
 #include "client-min/view_progress.h"
 #include "ecofiles/base/options.h"
+
+#define SCORES_MAX 1000
+#define PATIENCE_MS 10000
 
 static volatile sig_atomic_t interrupted;
 
@@ -16,162 +22,196 @@ static void on_signal(int number)
 	interrupted = 1;
 }
 
-struct options { struct view_load_options load; const char *camera; uint64_t clients; uint32_t size[2];
-	bool json; };
+static struct options {
+	struct view_load_options load;
+	const char *camera, *csv, *html;
+	uint64_t clients, decode, cold, resumes, scores;
+	bool has_decode, json;
+	uint32_t size[2];
+	int arrivals;
+} given = { .load = { .vertices = 1000000, .bytes = ECO_BYTES_UNBOUNDED, .seed = 1 }, .size = { 800, 600 },
+	.resumes = 1 };
 
-static struct options given = { .load = { .vertices = 1000000, .bytes = ECO_BYTES_UNBOUNDED },
-	.size = { 800, 600 } };
+static const char *const arrivals[] = { "even", "random", NULL };
 
 static const struct eco_option option_table[] = {
 	{ "the scene's URL", 0, ECO_OPTION_INPUT, "URL", &given.load.url,
-		.help = "of a scene: http://host:port/v1/scenes/NAME",
+		.help = "of a scene: http://host:port/v1/scenes/NAME", .is_required = true },
+	{ "camera", 0, ECO_OPTION_TEXT, "CAMERA", &given.camera,
+		.help = "a camera script, or walk, flyover or random: made for the scene", .is_required = true },
+	{ "clients", 0, ECO_OPTION_COUNT, "N", &given.clients, 1, VIEW_CLIENTS_MAX, .help = "1 to 10000",
 		.is_required = true },
-	{ "camera", 0, ECO_OPTION_TEXT, "CAMERA.json", &given.camera, .help = "camera script",
+	{ "seconds", 0, ECO_OPTION_NUMBER, "S", &given.load.seconds, 0.001, 1e6,
+		.help = "how long answers are due; those are then waited for, at most 10 s",
 		.is_required = true },
-	{ "clients", 0, ECO_OPTION_COUNT, "N", &given.clients, 1, 1000, .help = "1 to 1000",
-		.is_required = true },
-	{ "seconds", 0, ECO_OPTION_NUMBER, "S", &given.load.seconds, 0.001, 1e6, .help = "how long",
-		.is_required = true },
+	{ NULL, 0, ECO_OPTION_HEADING, .help = "What is asked for" },
 	{ "vertices", 0, ECO_OPTION_COUNT, "N", &given.load.vertices, 0, ECO_VERTICES_MAX,
-		.help = "budget a frame; 1000000 if not given" },
+		.help = "budget a view; 1000000 if not given" },
 	{ "bytes", 0, ECO_OPTION_COUNT, "M", &given.load.bytes, 0, INT64_MAX,
 		.help = "budget of each response; none if not given" },
 	{ "size", 0, ECO_OPTION_SIZE, "WxH", given.size, 1, ECO_IMAGE_MAX,
 		.help = "of the views; 800x600 if not given" },
-	{ "json", 0, ECO_OPTION_FLAG, NULL, &given.json, .help = "figures as JSON" }, { 0 } };
+	{ "chunks", 0, ECO_OPTION_TEXT, "URL", &given.load.chunks,
+		.help = "where chunks lie that answers then name: URL/ID, up to six fetched at once" },
+	{ "name-from", 0, ECO_OPTION_COUNT, "BYTES", &given.load.name_from, 1, INT64_MAX,
+		.help = "chunks so large are named, with --chunks; 1024 if not given" },
+	{ NULL, 0, ECO_OPTION_HEADING, .help = "When" },
+	{ "rate", 0, ECO_OPTION_NUMBER, "R", &given.load.rate, 0.001, 1e6,
+		.help = "open loop: so many requests a second of all clients together are due, whether or not "
+		"others were answered; without it each client asks when it has its last answer" },
+	{ "arrivals", 0, ECO_OPTION_CHOICE, "KIND", &given.arrivals, .choices = arrivals,
+		.help = "of an open loop: even (if not given), or random, a Poisson process" },
+	{ "deadline", 0, ECO_OPTION_NUMBER, "MS", &given.load.deadline_ms, 1, 1e7,
+		.help = "answers that are not whole so long after they were due have failed; 120000 if not "
+		"given" },
+	{ NULL, 0, ECO_OPTION_HEADING, .help = "What clients are like" },
+	{ "cold", 0, ECO_OPTION_COUNT, "N", &given.cold, 0, VIEW_CLIENTS_MAX,
+		.help = "so many hold nothing: each view is a first visit, a GET on a connection of its own" },
+	{ "decode", 0, ECO_OPTION_COUNT, "N", &given.decode, 0, VIEW_CLIENTS_MAX, .given = &given.has_decode,
+		.help = "so many decode what they get and count its vertices anew, the others check frames and "
+		"hashes; 16, or all where there are fewer, if not given" },
+	{ "bandwidth", 0, ECO_OPTION_COUNT, "BYTES/S", &given.load.bandwidth_bytes_s, 1, INT64_MAX,
+		.help = "of each client's line" },
+	{ "latency", 0, ECO_OPTION_NUMBER, "MS", &given.load.latency_ms, 0, 60000,
+		.help = "of each client's line: how long each request is on its way" },
+	{ "resume", 0, ECO_OPTION_COUNT, "N", &given.resumes, 0, 100,
+		.help = "an answer that breaks off is asked for again so often, with what has come; 1 if not "
+		"given" },
+	{ "seed", 0, ECO_OPTION_COUNT, "N", &given.load.seed, 0, INT64_MAX,
+		.help = "of random views and arrivals; 1 if not given" },
+	{ NULL, 0, ECO_OPTION_HEADING, .help = "What is reported" },
+	{ "score", 0, ECO_OPTION_COUNT, "N", &given.scores, 0, SCORES_MAX,
+		.help = "after the run, so many of its views are asked for once more, drawn, and scored against "
+		"the full scene" },
+	{ "json", 0, ECO_OPTION_FLAG, NULL, &given.json, .help = "figures as JSON" },
+	{ "csv", 0, ECO_OPTION_TEXT, "FILE", &given.csv, .help = "a line an answer" },
+	{ "html", 0, ECO_OPTION_TEXT, "FILE", &given.html, .help = "figures and plots" }, { 0 } };
 
 static const struct eco_command command = { .name = "ecoload", .options = option_table,
-	.synopsis = "URL --camera CAMERA.json --clients N --seconds S [--vertices N] [--bytes M] [--size "
-	"WxH] [--json]",
-	.says = "N clients walk a camera script, each from its own place in it, asking for the next frame "
-	"as soon as the last is decoded. "
-		"Every answer is decoded and its vertices are counted anew from what was decoded. A client "
-		"that is refused because the server "
-		"has too much to do waits as long as it asks for.",
+	.synopsis = "URL --camera CAMERA --clients N --seconds S [OPTIONS]",
+	.says = "N clients ask for the views of a camera script, each from its own place in it. Times count from "
+		"when an answer was due: in an open loop also what requests wait behind others is the server's. "
+		"A client that is refused because the server has too much to do waits as long as it asks for. "
+		"Ctrl-C ends with a report of what there is; a second one at once.",
 	.notes = "Failures and violations of budgets are failures of ecoload, too.\n" };
 
 struct progress { struct view_progress bar; double seconds; };
 
-static void on_tick(void *ctx, double gone)
+static void on_tick(void *ctx, double gone, uint64_t answers, uint64_t failures)
 {
 	struct progress *p = ctx;
-	view_progress_show(&p->bar, gone < p->seconds ? gone : p->seconds, p->seconds, "asking");
+	char text[80];
+	snprintf(text, sizeof text, "%llu answers, %llu failures", (unsigned long long)answers,
+		(unsigned long long)failures);
+	view_progress_show(&p->bar, fmin(gone, p->seconds), p->seconds, text);
 }
 
-/* ---- Figures ---- */
-
-static const struct { const char *name; double share; } quantiles[] = { { "p50", 0.5 }, { "p90", 0.9 },
-	{ "p99", 0.99 }, { "max", 1 } };
-#define QUANTILES (sizeof quantiles / sizeof quantiles[0])
-
-static void print_times(const char *name, const struct view_times *times)
+static enum eco_code print_json(const struct view_load_summary *summary, struct eco_error *error)
 {
-	printf("%-14s", name);
-	for (size_t i = 0; i < QUANTILES; i++) {
-		double ms = view_times_quantile(times, quantiles[i].share);
-		isfinite(ms) ? printf("  %s %.1f", quantiles[i].name, ms)
-			: printf("  %s -", quantiles[i].name);
-	}
-	puts(" ms");
-}
-
-static void print_text(const struct view_load_report *r)
-{
-	printf("requests        %llu in %.1f s: %.1f /s, %.2f MB/s\n", (unsigned long long)r->requests,
-		r->seconds, (double)r->requests / r->seconds, (double)r->bytes / r->seconds / 1e6);
-	print_times("latency", &r->latency);
-	print_times("first byte", &r->first_byte);
-	printf("chunks          %llu decoded, %llu sent twice; %llu answers without a picture\n",
-		(unsigned long long)r->chunks, (unsigned long long)r->chunks_twice,
-		(unsigned long long)r->nothing);
-	if (r->renewed)
-		printf("packs           %llu times a client began anew, as the scene had another\n",
-			(unsigned long long)r->renewed);
-	printf("violations      vertices %llu, bytes %llu\n", (unsigned long long)r->vertex_violations,
-		(unsigned long long)r->byte_violations);
-	printf("failures       ");
-	for (int i = 0; i < VIEW_LOAD_FAILURES; i++)
-		printf(" %s %llu%s", view_load_failure_names[i], (unsigned long long)r->failures[i],
-			i + 1 < VIEW_LOAD_FAILURES ? "," : "\n");
-	if (r->first_failure[0])
-		printf("the first       %s\n", r->first_failure);
-}
-
-static json_t *times_json(const struct view_times *times)
-{
-	json_t *o = json_object();
-	for (size_t i = 0; i < QUANTILES; i++) {
-		double v = view_times_quantile(times, quantiles[i].share);
-		json_object_set_new(o, quantiles[i].name, isfinite(v) ? json_real(v) : json_null());
-	}
-	return o;
-}
-
-static void print_json(const struct view_load_report *r, const struct options *options)
-{
-	json_t *failures = json_object(), *first = r->first_failure[0] ? json_string(r->first_failure) : NULL;
-	for (int i = 0; i < VIEW_LOAD_FAILURES; i++)
-		json_object_set_new(failures, view_load_failure_names[i],
-			json_integer((json_int_t)r->failures[i]));
-	json_t *o = json_pack("{s:I, s:f, s:I, s:f, s:I, s:f, s:o, s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:o, "
-		"s:o}",
-		"clients", (json_int_t)options->load.clients, "seconds", r->seconds,
-		"requests", (json_int_t)r->requests, "requests_per_s", (double)r->requests / r->seconds,
-		"bytes", (json_int_t)r->bytes, "bytes_per_s", (double)r->bytes / r->seconds,
-		"latency_ms", times_json(&r->latency), "first_byte_ms", times_json(&r->first_byte),
-		"vertices", (json_int_t)r->vertices, "chunks", (json_int_t)r->chunks,
-		"chunks_twice", (json_int_t)r->chunks_twice, "nothing", (json_int_t)r->nothing,
-		"vertex_violations", (json_int_t)r->vertex_violations,
-		"byte_violations", (json_int_t)r->byte_violations, "failures", failures,
-		"first_failure", first ? first : json_null());
-	json_object_set_new(o, "renewed", json_integer((json_int_t)r->renewed));
-	json_dumpf(o, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
+	json_t *json;
+	enum eco_code code = view_load_json(summary, &json, error);
+	if (code)
+		return code;
+	json_dumpf(json, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
 	putchar('\n');
-	json_decref(o);
+	json_decref(json);
+	return ECO_OK;
+}
+
+static enum eco_code report(struct options *o, const struct view_load_report *result,
+	struct view_fetch *fetch, struct eco_error *error)
+{
+	static struct view_scored scored[SCORES_MAX];
+	struct view_load_summary summary = { .options = &o->load, .report = result, .camera = o->camera,
+		.scored = scored };
+	enum eco_code code = view_score_sample(&o->load, &result->answers, fetch, (uint32_t)o->scores, scored,
+		&summary.scored_count, error);
+	if (code == ECO_INTERRUPTED)
+		code = ECO_OK;
+	if (!code)
+		code = o->json ? print_json(&summary, error) : view_load_print(&summary, stdout, error);
+	if (!code && o->csv)
+		code = view_load_csv(&summary, o->csv, error);
+	if (!code && o->html)
+		code = view_page_write(&summary, o->html, error);
+	if (!code && !view_load_clean(result))
+		code = eco_fail(error, ECO_DAMAGED, "there were failures or violations, or no answer at all");
+	return code;
 }
 
 static enum eco_code run(struct options *o, struct eco_error *error)
 {
-	struct eco_camera *camera = NULL;
-	struct view_load_report report;
+	struct view_fetch_options at = { .url = o->load.url, .patience_ms = PATIENCE_MS, .stop = &interrupted };
+	struct view_views_options cameras = { .camera = o->camera, .width = o->size[0], .height = o->size[1],
+		.seed = o->load.seed, .stop = &interrupted };
+	struct view_fetch *fetch = NULL;
+	struct view_views views = { 0 };
+	struct view_load_report result;
 	struct progress progress = { .seconds = o->load.seconds };
-	enum eco_code code = eco_camera_load(&camera, o->camera, error);
+	view_progress_begin(&progress.bar, "ecoload");
+	enum eco_code code = view_fetch_new(&fetch, &at, error);
+	if (!code)
+		code = view_views_make(&views, &cameras, fetch, error);
+	if (!code) {
+		o->load.views = views.items;
+		o->load.view_count = views.count;
+		o->load.stop = &interrupted;
+		o->load.tick = on_tick;
+		o->load.ctx = &progress;
+		code = view_load_run(&result, &o->load, error);
+		view_progress_clear(&progress.bar);
+		if (!code) {
+			interrupted = 0;             /* what there is is reported; the next signal kills */
+			code = report(o, &result, fetch, error);
+			view_load_free(&result);
+		}
+	}
+	view_views_free(&views);
+	view_fetch_free(fetch);
+	return code;
+}
+
+static enum eco_code read_line(int argc, char **argv, struct options *o, struct eco_error *error)
+{
+	enum eco_code code = eco_command_read(&command, argc - 1, argv + 1, error);
+	o->load.clients = (uint32_t)o->clients;
+	o->load.cold = (uint32_t)o->cold;
+	o->load.decoding = (uint32_t)(o->has_decode ? o->decode : o->clients < 16 ? o->clients : 16);
+	o->load.resumes = (uint32_t)o->resumes;
+	o->load.random_arrivals = o->arrivals == 1;
 	if (code)
 		return code;
-	view_progress_begin(&progress.bar, "ecoload");
-	o->load.camera = camera;
-	o->load.stop = &interrupted;
-	o->load.tick = on_tick;
-	o->load.ctx = &progress;
-	code = view_load_run(&report, &o->load, error);
-	view_progress_clear(&progress.bar);
-	if (!code) {
-		if (o->json)
-			print_json(&report, o);
-		else
-			print_text(&report);
-		if (!view_load_clean(&report))
-			code = eco_fail(error, ECO_DAMAGED, "there were failures or violations, or no "
-				"answer at all");
-		view_load_free(&report);
+	if (o->cold > o->clients || o->load.decoding > o->clients)
+		return eco_fail(error, ECO_BAD_USAGE, "--%s: there are %u clients", o->cold > o->clients
+			? "cold" : "decode", o->load.clients);
+	if (o->arrivals && !(o->load.rate > 0))
+		return eco_fail(error, ECO_BAD_USAGE, "--arrivals: only with --rate");
+	if (o->load.name_from && !o->load.chunks)
+		return eco_fail(error, ECO_BAD_USAGE, "--name-from: only with --chunks");
+	return o->load.chunks ? view_chunks_check_url(o->load.chunks, error) : ECO_OK;
+}
+
+/* A client has a descriptor for each of its connections. */
+static void allow_descriptors(void)
+{
+	struct rlimit limit;
+	if (!getrlimit(RLIMIT_NOFILE, &limit)) {
+		limit.rlim_cur = limit.rlim_max;
+		setrlimit(RLIMIT_NOFILE, &limit);
 	}
-	eco_camera_free(camera);
-	return code;
 }
 
 int main(int argc, char **argv)
 {
 	struct eco_error error = { 0 };
-	struct sigaction action = { .sa_handler = on_signal };
+	struct sigaction action = { .sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND };
 	if (eco_command_answers(&command, argc - 1, argv + 1))
 		return eco_command_end(&command, ECO_OK, &error);
-	action.sa_flags = (int)SA_RESETHAND;
 	sigaction(SIGINT, &action, NULL);
 	sigaction(SIGTERM, &action, NULL);
-	enum eco_code code = eco_command_read(&command, argc - 1, argv + 1, &error);
-	given.load.clients = (uint32_t)given.clients;
-	given.load.width = given.size[0];
-	given.load.height = given.size[1];
+	signal(SIGPIPE, SIG_IGN);
+	allow_descriptors();
+	enum eco_code code = read_line(argc, argv, &given, &error);
 	if (!code)
 		code = view_fetch_setup(&error);
 	if (!code)

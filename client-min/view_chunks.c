@@ -70,15 +70,23 @@ static bool make_lane(struct view_chunks *chunks, struct lane *lane)
 	return true;
 }
 
-enum eco_code view_chunks_new(struct view_chunks **out, const struct view_chunks_options *options,
-	struct eco_error *error)
+enum eco_code view_chunks_check_url(const char *url, struct eco_error *error)
 {
-	const char *url = options->url;
-	*out = NULL;
 	if ((strncmp(url, "http://", 7) != 0 && strncmp(url, "https://", 8) != 0) || strpbrk(url, "?# ")
 			|| strlen(url) > URL_MOST)
 		return eco_fail(error, ECO_BAD_USAGE, "'%.200s' is no URL that chunks can lie below: it "
 			"should look like http://host/chunks", url);
+	return ECO_OK;
+}
+
+enum eco_code view_chunks_new(struct view_chunks **out, const struct view_chunks_options *options,
+	struct eco_error *error)
+{
+	const char *url = options->url;
+	enum eco_code code = view_chunks_check_url(url, error);
+	*out = NULL;
+	if (code)
+		return code;
 	struct view_chunks *chunks = *out = calloc(1, sizeof *chunks);
 	bool good = chunks && (chunks->multi = curl_multi_init()) && (chunks->url = strdup(url));
 	if (good) {

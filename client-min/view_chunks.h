@@ -25,6 +25,8 @@ struct view_chunks_options {
 };
 
 /* ECO_BAD_USAGE where the URL is none of http or https. */
+/* ECO_BAD_USAGE: chunks cannot lie below it. */
+enum eco_code view_chunks_check_url(const char *url, struct eco_error *error);
 enum eco_code view_chunks_new(struct view_chunks **chunks, const struct view_chunks_options *options,
 	struct eco_error *error);
 void view_chunks_free(struct view_chunks *chunks);               /* NULL is fine */

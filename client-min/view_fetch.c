@@ -130,8 +130,7 @@ static bool marks_pass(const struct view_marks *marks, struct marks_at *at, uint
 
 /* ---- curl's callbacks ---- */
 
-/* Retry-After in seconds, within reason; dates are not understood. */
-static double retry_ms(const char *value, size_t size)
+double view_fetch_retry_ms(const char *value, size_t size)
 {
 	char text[32];
 	if (size >= sizeof text)
@@ -148,7 +147,7 @@ static size_t on_header(char *bytes, size_t one, size_t size, void *ctx)
 	struct view_fetch *fetch = ctx;
 	size *= one;
 	if (size > sizeof retry && strncasecmp(bytes, retry, sizeof retry - 1) == 0)
-		fetch->result->retry_ms = retry_ms(bytes + sizeof retry - 1, size - (sizeof retry - 1));
+		fetch->result->retry_ms = view_fetch_retry_ms(bytes + sizeof retry - 1, size - (sizeof retry - 1));
 	if (size > sizeof name && strncasecmp(bytes, name, sizeof name - 1) == 0) {
 		const char *value = bytes + sizeof name - 1;
 		double ms = view_fetch_plan_ms(value, size - (sizeof name - 1));

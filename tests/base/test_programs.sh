@@ -74,6 +74,16 @@ for time in '' now 2026-06-21 2026-06-21T25:00Z; do
 	says err "--sun .*such as 2026-06-21T10:00Z"
 done
 
+path=ecoload; program=ecoload
+load() { run "$1" http://localhost/v1/scenes/none --camera none.json --clients 2 --seconds 1 $2; says err "$3"; }
+load 2 "--cold 3" "--cold: there are 2 clients"
+load 2 "--decode 3" "--decode: there are 2 clients"
+load 2 "--arrivals random" "--arrivals: only with --rate"
+load 2 "--arrivals often --rate 1" "--arrivals"
+load 2 "--name-from 300" "--name-from: only with --chunks"
+load 2 "--chunks nowhere" "should look like http://host/chunks"
+load 1 "--rate 5 --arrivals random --cold 2 --decode 2" "none.json"
+
 path=ecopack program=ecopack
 "$BUILD/ecopack" --help >"$DIR/all"
 commands=$(sed -n 's/^  ecopack \([a-z]*\) .*/\1/p' "$DIR/all")

@@ -1,0 +1,247 @@
+#include "client-min/load/view_load_report.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "ecofiles/base/file_write.h"
+
+static enum eco_code no_memory(struct eco_error *error)
+{
+	return eco_fail(error, ECO_NO_MEMORY, "no memory for a report");
+}
+
+/* All clients, and where there are both kinds, each of them. */
+static bool has_group(const struct view_load_options *o, enum view_group group)
+{
+	return group == VIEW_GROUP_ALL || (o->cold && o->cold < o->clients);
+}
+
+/* ---- For people ---- */
+
+static void print_values(FILE *out, const char *name, const struct view_column *column, double unit,
+	const char *unit_name)
+{
+	fprintf(out, "  %-15s", name);
+	for (size_t i = 0; i < VIEW_QUANTILES; i++) {
+		double value = view_quantile(column->values, column->count, view_quantiles[i].share);
+		isnan(value) ? fprintf(out, " %9s", "-") : fprintf(out, " %9.1f", value * unit);
+	}
+	fprintf(out, " %s", unit_name);
+	if (column->count < column->of)
+		fprintf(out, ", of %.1f %%", 100.0 * column->count / column->of);
+	fputc('\n', out);
+}
+
+static bool print_group(const struct view_load_summary *s, enum view_group group, FILE *out)
+{
+	struct view_column column;
+	fprintf(out, "%-17s", group ? view_group_names[group] : "times");
+	for (size_t i = 0; i < VIEW_QUANTILES; i++)
+		fprintf(out, " %9s", view_quantiles[i].name);
+	fputc('\n', out);
+	for (size_t i = 0; i < VIEW_COLUMNS_COUNT; i++) {
+		if (!view_answers_column(&s->report->answers, &view_columns[i], group, &column))
+			return false;
+		print_values(out, view_columns[i].title, &column, 1, "ms");
+		view_column_free(&column);
+	}
+	return true;
+}
+
+static void print_counts(const struct view_load_summary *s, FILE *out)
+{
+	const struct view_load_report *r = s->report;
+	const struct view_load_options *o = s->options;
+	fprintf(out, "requests          %u in %.1f s: %.1f /s, %.2f MB/s\n", r->answers.count, r->seconds,
+		r->answers.count / r->seconds, (double)r->bytes / r->seconds / 1e6);
+	fprintf(out, "clients           %u, %u of them cold, %u decoding; ", o->clients, o->cold, o->decoding);
+	if (o->rate > 0)
+		fprintf(out, "open loop, %g requests/s%s\n", o->rate, o->random_arrivals ? " at random" : "");
+	else
+		fputs("closed loop\n", out);
+}
+
+static void print_faults(const struct view_load_summary *s, FILE *out)
+{
+	const struct view_load_report *r = s->report;
+	fprintf(out, "chunks            %llu, %llu decoded, %llu named, %llu sent twice; %llu answers without "
+		"a picture\n", (unsigned long long)r->chunks, (unsigned long long)r->decoded,
+		(unsigned long long)r->named, (unsigned long long)r->chunks_twice,
+		(unsigned long long)r->nothing);
+	if (r->renewed)
+		fprintf(out, "packs             %llu times a client began anew, as the scene had another\n",
+			(unsigned long long)r->renewed);
+	if (r->resumed)
+		fprintf(out, "resumed           %llu answers broke off, and came when asked for again\n",
+			(unsigned long long)r->resumed);
+	fprintf(out, "violations        vertices %llu, bytes %llu\n",
+		(unsigned long long)r->vertex_violations, (unsigned long long)r->byte_violations);
+	fputs("failures         ", out);
+	for (int i = VIEW_ANSWERED + 1; i < VIEW_OUTCOMES; i++)
+		fprintf(out, " %s %llu%s", view_outcome_names[i], (unsigned long long)r->outcomes[i],
+			i + 1 < VIEW_OUTCOMES ? "," : "\n");
+	if (r->first_failure[0])
+		fprintf(out, "the first         %s\n", r->first_failure);
+	fprintf(out, "ecoload itself    %.2f of %u processors\n", r->cpu_seconds / r->seconds,
+		r->processors);
+	for (uint32_t i = 0; i < s->scored_count; i++) {
+		const struct view_scored *v = &s->scored[i];
+		fprintf(out, "view %-6u       Q %.4f, Precision %.4f, Recall %.4f", v->frame, v->q,
+			v->precision, v->recall);
+		isnan(v->predicted_q) ? fputs("; no picture fits\n", out)
+			: fprintf(out, "; predicted Q %.4f\n", v->predicted_q);
+	}
+}
+
+enum eco_code view_load_print(const struct view_load_summary *s, FILE *out, struct eco_error *error)
+{
+	struct view_column column;
+	print_counts(s, out);
+	for (int group = 0; group < VIEW_GROUPS; group++)
+		if (has_group(s->options, (enum view_group)group)
+				&& !print_group(s, (enum view_group)group, out))
+			return no_memory(error);
+	if (!view_answers_client_bytes(&s->report->answers, s->options->clients, &column))
+		return no_memory(error);
+	print_values(out, "bytes/client", &column, 1e-3, "kB");
+	view_column_free(&column);
+	print_faults(s, out);
+	return ECO_OK;
+}
+
+/* ---- JSON ---- */
+
+static json_t *real(double value)
+{
+	return isfinite(value) ? json_real(value) : json_null();
+}
+
+static json_t *column_json(const struct view_column *column)
+{
+	json_t *o = json_object();
+	for (size_t i = 0; i < VIEW_QUANTILES; i++)
+		json_object_set_new(o, view_quantiles[i].name, real(view_quantile(column->values,
+			column->count, view_quantiles[i].share)));
+	json_object_set_new(o, "reached", real(column->of ? (double)column->count / column->of : NAN));
+	return o;
+}
+
+static bool add_group(const struct view_load_summary *s, enum view_group group, json_t *into)
+{
+	struct view_column column;
+	for (size_t i = 0; i < VIEW_COLUMNS_COUNT; i++) {
+		if (!view_answers_column(&s->report->answers, &view_columns[i], group, &column))
+			return false;
+		json_object_set_new(into, view_columns[i].name, column_json(&column));
+		view_column_free(&column);
+	}
+	return true;
+}
+
+static json_t *options_json(const struct view_load_summary *s)
+{
+	const struct view_load_options *o = s->options;
+	return json_pack("{s:s, s:s, s:I, s:I, s:I, s:s, s:o, s:I, s:o, s:I, s:f, s:o, s:s?, s:I}",
+		"url", o->url, "camera", s->camera, "clients", (json_int_t)o->clients,
+		"cold_clients", (json_int_t)o->cold, "decoding_clients", (json_int_t)o->decoding,
+		"loop", o->rate > 0 ? o->random_arrivals ? "open, random" : "open" : "closed",
+		"rate", o->rate > 0 ? json_real(o->rate) : json_null(),
+		"budget_vertices", (json_int_t)o->vertices,
+		"budget_bytes", o->bytes > INT64_MAX ? json_null() : json_integer((json_int_t)o->bytes),
+		"bandwidth_bytes_s", (json_int_t)o->bandwidth_bytes_s, "line_latency_ms", o->latency_ms,
+		"deadline_ms", o->deadline_ms > 0 ? json_real(o->deadline_ms) : json_null(),
+		"chunks_url", o->chunks, "resumes", (json_int_t)o->resumes);
+}
+
+static json_t *failures_json(const struct view_load_report *r)
+{
+	json_t *failures = json_object();
+	for (int i = VIEW_ANSWERED + 1; i < VIEW_OUTCOMES; i++)
+		json_object_set_new(failures, view_outcome_names[i], json_integer((json_int_t)r->outcomes[i]));
+	return failures;
+}
+
+static json_t *scored_json(const struct view_load_summary *s)
+{
+	json_t *scored = json_array();
+	for (uint32_t i = 0; i < s->scored_count; i++) {
+		const struct view_scored *v = &s->scored[i];
+		json_array_append_new(scored, json_pack("{s:I, s:o, s:o, s:o, s:o}",
+			"view", (json_int_t)v->frame, "predicted_q", real(v->predicted_q), "q", real(v->q),
+			"precision", real(v->precision), "recall", real(v->recall)));
+	}
+	return scored;
+}
+
+static json_t *counts_json(const struct view_load_summary *s)
+{
+	const struct view_load_report *r = s->report;
+	return json_pack("{s:f, s:I, s:f, s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:I,"
+		" s:o, s:o, s:o, s:o}",
+		"seconds", r->seconds, "requests", (json_int_t)r->answers.count,
+		"requests_per_s", r->answers.count / r->seconds, "bytes", (json_int_t)r->bytes,
+		"bytes_per_s", (double)r->bytes / r->seconds, "vertices", (json_int_t)r->vertices,
+		"chunks", (json_int_t)r->chunks, "chunks_decoded", (json_int_t)r->decoded,
+		"chunks_named", (json_int_t)r->named, "chunks_twice", (json_int_t)r->chunks_twice,
+		"nothing", (json_int_t)r->nothing, "resumed", (json_int_t)r->resumed,
+		"renewed", (json_int_t)r->renewed, "vertex_violations", (json_int_t)r->vertex_violations,
+		"byte_violations", (json_int_t)r->byte_violations, "cpu_seconds", r->cpu_seconds,
+		"processors", (json_int_t)r->processors, "failures", failures_json(r),
+		"first_failure", r->first_failure[0] ? json_string(r->first_failure) : json_null(),
+		"scored", scored_json(s), "options", options_json(s));
+}
+
+enum eco_code view_load_json(const struct view_load_summary *s, json_t **out, struct eco_error *error)
+{
+	struct view_column column;
+	json_t *json = *out = counts_json(s);
+	bool good = json && view_answers_client_bytes(&s->report->answers, s->options->clients, &column);
+	if (good) {
+		json_object_set_new(json, "client_bytes", column_json(&column));
+		view_column_free(&column);
+		good = add_group(s, VIEW_GROUP_ALL, json);
+	}
+	for (int group = VIEW_GROUP_ALL + 1; group < VIEW_GROUPS && good; group++)
+		if (has_group(s->options, (enum view_group)group)) {
+			json_t *of = json_object();
+			good = add_group(s, (enum view_group)group, of);
+			json_object_set_new(json, view_group_names[group], of);
+		}
+	if (good)
+		return ECO_OK;
+	json_decref(json);
+	*out = NULL;
+	return no_memory(error);
+}
+
+/* ---- CSV ---- */
+
+static void csv_line(FILE *out, const struct view_answer *a)
+{
+	fprintf(out, "%u,%u,%s,%.3f,%s,%u,%u,%llu,%llu,%.6g", a->client, a->frame, a->cold ? "cold" : "warm",
+		a->due_ms, view_outcome_names[a->outcome], a->status, a->resumed,
+		(unsigned long long)a->bytes, (unsigned long long)a->vertices, (double)a->predicted_q);
+	for (size_t i = 0; i < VIEW_COLUMNS_COUNT; i++) {
+		float value = view_answer_value(a, &view_columns[i]);
+		isnan(value) ? fputc(',', out) : fprintf(out, ",%.3f", (double)value);
+	}
+	fputc('\n', out);
+}
+
+enum eco_code view_load_csv(const struct view_load_summary *s, const char *path, struct eco_error *error)
+{
+	char *text = NULL;
+	size_t size = 0;
+	FILE *out = open_memstream(&text, &size);
+	if (!out)
+		return no_memory(error);
+	fputs("client,view,holds,due_ms,outcome,status,resumed,bytes,vertices,predicted_q", out);
+	for (size_t i = 0; i < VIEW_COLUMNS_COUNT; i++)
+		fprintf(out, ",%s", view_columns[i].name);
+	fputc('\n', out);
+	for (uint32_t i = 0; i < s->report->answers.count; i++)
+		csv_line(out, &s->report->answers.items[i]);
+	enum eco_code code = fclose(out) ? no_memory(error) : eco_file_write(path, text, size, error);
+	free(text);
+	return code;
+}

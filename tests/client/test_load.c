@@ -1,0 +1,560 @@
+/* Load tests: their figures against a simple twin; what they make of servers that stall, break off, refuse
+ * and lie, by a stub that answers as it is told; and every option against ecoserve. */
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "client-min/load/view_load_report.h"
+#include "client-min/load/view_page.h"
+#include "client-min/load/view_session.h"
+#include "client-min/load/view_views.h"
+#include "ecofiles/base/mix.h"
+#include "tests/support/files.h"
+#include "tests/support/ground_tiles.h"
+#include "tests/support/serve_daemon.h"
+
+/* ---- A server that answers as it is told ---- */
+
+#define NONE_FITS "HTTP/1.1 204 No Content\r\n\r\n"
+#define BROKEN "HTTP/1.1 200 OK\r\nContent-Length: 1000\r\n\r\nabc"
+
+static struct stub {
+	int listener;
+	uint16_t port;
+	const char *answers[4];          /* the first requests get these, all others NONE_FITS; "": none */
+	bool closes;                     /* the connection, behind one of these */
+	uint32_t stalls_at;              /* which request makes all wait; 0: none */
+	uint32_t stall_ms;
+	uint32_t asked, connections, gets;
+	double stall_from_ms, stall_to_ms;
+	pthread_mutex_t lock;
+	pthread_t thread;
+} stub;
+
+/* False: the connection is to be closed. */
+static bool stub_answer(int fd, const char *request)
+{
+	pthread_mutex_lock(&stub.lock);
+	uint32_t number = stub.asked++;
+	const char *text = number < 4 && stub.answers[number] ? stub.answers[number] : NONE_FITS;
+	stub.gets += !strncmp(request, "GET", 3);
+	if (stub.stalls_at && number == stub.stalls_at) {
+		stub.stall_from_ms = view_clock_ms();
+		usleep(stub.stall_ms * 1000);
+		stub.stall_to_ms = view_clock_ms();
+	}
+	pthread_mutex_unlock(&stub.lock);
+	send(fd, text, strlen(text), MSG_NOSIGNAL);
+	return text[0] && !(stub.closes && text != (const char *)NONE_FITS);
+}
+
+static void *stub_connection(void *ctx)
+{
+	int fd = (int)(intptr_t)ctx;
+	char request[8192];
+	size_t size = 0;
+	for (ssize_t got; (got = recv(fd, request + size, sizeof request - 1 - size, 0)) > 0;) {
+		size += (size_t)got;
+		request[size] = 0;
+		char *end = strstr(request, "\r\n\r\n"), *length = strcasestr(request, "content-length:");
+		if (!end || size < (size_t)(end + 4 - request) + (length ? strtoul(length + 15, NULL, 10) : 0))
+			continue;
+		size = 0;
+		if (!stub_answer(fd, request) && stub.closes)
+			break;
+	}
+	close(fd);
+	return NULL;
+}
+
+static void *stub_run(void *ctx)
+{
+	for (int fd; (fd = accept(stub.listener, NULL, NULL)) >= 0; stub.connections++) {
+		pthread_t thread;
+		assert_int_equal(pthread_create(&thread, NULL, stub_connection, (void *)(intptr_t)fd), 0);
+		pthread_detach(thread);
+	}
+	return NULL;
+}
+
+static void stub_start(struct stub given)
+{
+	struct sockaddr_in at = { .sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
+	socklen_t size = sizeof at;
+	stub = given;
+	pthread_mutex_init(&stub.lock, NULL);
+	stub.listener = socket(AF_INET, SOCK_STREAM, 0);
+	assert_int_equal(bind(stub.listener, (struct sockaddr *)&at, size), 0);
+	assert_int_equal(listen(stub.listener, 64), 0);
+	getsockname(stub.listener, (struct sockaddr *)&at, &size);
+	stub.port = ntohs(at.sin_port);
+	assert_int_equal(pthread_create(&stub.thread, NULL, stub_run, NULL), 0);
+}
+
+static void stub_stop(void)
+{
+	shutdown(stub.listener, SHUT_RDWR);
+	pthread_join(stub.thread, NULL);
+	close(stub.listener);
+}
+
+/* ---- Runs ---- */
+
+static const struct eco_view views[2] = { { { 50, -30, 12 }, { 50, 30, 2 }, { 0, 0, 1 }, 45, 400, 300 },
+	{ { 50, -20, 12 }, { 50, 30, 2 }, { 0, 0, 1 }, 45, 400, 300 } };
+static struct view_load_report report;
+static char url[96];
+
+static struct view_load_options options_at(uint16_t at)
+{
+	snprintf(url, sizeof url, "http://127.0.0.1:%u" BASE, at);
+	return (struct view_load_options){ .url = url, .views = views, .view_count = 2, .clients = 1,
+		.seconds = 0.3, .vertices = 5000, .bytes = ECO_BYTES_UNBOUNDED };
+}
+
+static void run(const struct view_load_options *options)
+{
+	struct eco_error error = { 0 };
+	view_load_free(&report);
+	assert_ok(view_load_run(&report, options, &error), error);
+}
+
+static void run_clean(const struct view_load_options *options)
+{
+	run(options);
+	if (!view_load_clean(&report))
+		fail_msg("%s", report.first_failure);
+}
+
+/* ---- Figures ---- */
+
+/* Of the definition: the first value such that a share of all does not exceed it. */
+static float twin_quantile(const float *values, uint32_t count, double share)
+{
+	float best = INFINITY;
+	for (uint32_t i = 0; i < count; i++) {
+		uint32_t below = 0;
+		for (uint32_t j = 0; j < count; j++)
+			below += values[j] <= values[i];
+		if (below >= share * count && values[i] < best)
+			best = values[i];
+	}
+	return best;
+}
+
+UNIT_TEST(quantiles_are_those_of_a_simple_twin)
+{
+	uint64_t random = 1;
+	for (uint32_t count = 1; count < 200; count += 1 + count / 3) {
+		struct view_answers answers = { 0 };
+		struct view_column column;
+		for (uint32_t i = 0; i < count; i++)
+			view_answers_add(&answers, &(struct view_answer){
+				.done_ms = (float)(eco_mix_next(&random) % 50) });
+		assert_true(view_answers_column(&answers, &view_columns[VIEW_COLUMN_LATENCY], VIEW_GROUP_ALL,
+			&column));
+		assert_int_equal(column.count, count);
+		for (uint32_t q = 0; q < VIEW_QUANTILES; q++) {
+			double share = view_quantiles[q].share;
+			double value = view_quantile(column.values, column.count, share);
+			assert_true(value == (double)twin_quantile(column.values, count, share));
+		}
+		view_column_free(&column);
+		view_answers_free(&answers);
+	}
+	assert_true(isnan(view_quantile(NULL, 0, 0.5)));
+}
+
+UNIT_TEST(columns_have_the_answers_that_say_something_of_them)
+{
+	struct view_answers answers = { 0 };
+	struct view_column column;
+	const struct view_answer of[] = { { .done_ms = 1, .q80_ms = 1, .bytes = 5 },
+		{ .done_ms = 2, .q80_ms = NAN, .cold = true, .client = 1, .bytes = 7 },
+		{ .done_ms = 3, .q80_ms = NAN, .outcome = VIEW_LATE, .client = 1, .bytes = 9 },
+		{ .done_ms = 4, .q80_ms = NAN, .outcome = VIEW_BUSY } };
+	for (int i = 0; i < 4; i++)
+		assert_true(view_answers_add(&answers, &of[i]));
+	static const struct { int kind; enum view_group group; uint32_t count, of; } cases[] = {
+		{ VIEW_COLUMN_LATENCY, VIEW_GROUP_ALL, 3, 3 }, { VIEW_COLUMN_LATENCY, VIEW_GROUP_COLD, 1, 1 },
+		{ VIEW_COLUMN_Q80, VIEW_GROUP_ALL, 1, 2 }, { VIEW_COLUMN_Q80, VIEW_GROUP_WARM, 1, 1 } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		assert_true(view_answers_column(&answers, &view_columns[cases[i].kind], cases[i].group,
+			&column));
+		assert_int_equal(column.count, cases[i].count);
+		assert_int_equal(column.of, cases[i].of);
+		view_column_free(&column);
+	}
+	assert_true(view_answers_client_bytes(&answers, 2, &column));
+	assert_true(column.values[0] == 5 && column.values[1] == 16);
+	view_column_free(&column);
+	view_answers_free(&answers);
+}
+
+UNIT_TEST(some_clients_are_spread_over_all)
+{
+	for (uint32_t all = 1; all < 40; all++)
+		for (uint32_t some = 0; some <= all; some++) {
+			uint32_t count = 0;
+			for (uint32_t i = 0; i < all; i++)
+				count += view_load_is_one_of(i, some, all);
+			assert_int_equal(count, some);
+		}
+}
+
+/* ---- Servers that are not well ---- */
+
+/* 4 clients, 100 requests a second, and a server that answers nobody for .6 s: what was due meanwhile waited
+ * until it ended, though no client had more than one request on its way. A closed loop would not see it. */
+UNIT_TEST(an_open_loop_counts_from_when_requests_were_due)
+{
+	stub_start((struct stub){ .stalls_at = 20, .stall_ms = 600 });
+	struct view_load_options options = options_at(stub.port);
+	options.clients = 4;
+	options.rate = 100;
+	options.seconds = 1.2;
+	run_clean(&options);
+	stub_stop();
+	uint32_t due_meanwhile = 0, asked_later = 0;
+	for (uint32_t i = 0; i < report.answers.count; i++) {
+		const struct view_answer *a = &report.answers.items[i];
+		double due_ms = report.start_ms + a->due_ms, done_ms = due_ms + (double)a->done_ms;
+		assert_true(fabs(a->due_ms - 10 * i) < 1e-6);
+		assert_true(fabsf(a->asked_ms + a->service_ms - a->done_ms) < 1);
+		if (due_ms <= stub.stall_from_ms || due_ms >= stub.stall_to_ms)
+			continue;
+		due_meanwhile++;
+		assert_true(done_ms >= stub.stall_to_ms - 1);
+		asked_later += due_ms + (double)a->asked_ms >= stub.stall_to_ms - 1;
+	}
+	assert_int_equal(report.answers.count, 120);
+	assert_true(due_meanwhile >= 55);
+	assert_true(asked_later >= due_meanwhile - 4);
+}
+
+UNIT_TEST(a_closed_loop_asks_when_it_was_answered)
+{
+	stub_start((struct stub){ .stalls_at = 0 });
+	struct view_load_options options = options_at(stub.port);
+	run_clean(&options);
+	stub_stop();
+	for (uint32_t i = 1; i < report.answers.count; i++) {
+		const struct view_answer *before = &report.answers.items[i - 1], *a = before + 1;
+		assert_true(a->due_ms >= before->due_ms + (double)before->done_ms - 1);
+		assert_int_equal(a->frame, i % 2);
+	}
+	assert_int_equal(report.nothing, report.answers.count);
+	assert_int_equal(stub.asked, report.answers.count);
+	assert_int_equal(stub.connections, 1);
+}
+
+UNIT_TEST(what_goes_wrong_is_counted_by_kind)
+{
+	static const struct {
+		const char *answers[4];
+		bool closes;
+		uint32_t resumes;
+		enum view_outcome outcome;
+		uint64_t failures, resumed;
+	} cases[] = {
+		{ { BROKEN }, true, 0, VIEW_BROKEN, 1, 0 },
+		{ { BROKEN }, true, 1, VIEW_BROKEN, 0, 1 },
+		{ { BROKEN, BROKEN }, true, 1, VIEW_BROKEN, 1, 0 },
+		{ { "HTTP/1.1 502 Bad\r\nContent-Length: 0\r\n\r\n" }, false, 1, VIEW_REFUSED, 0, 1 },
+		{ { "HTTP/1.1 502 Bad\r\nContent-Length: 0\r\n\r\n" }, false, 0, VIEW_REFUSED, 1, 0 },
+		{ { "HTTP/1.1 503 Busy\r\nRetry-After: 0\r\nContent-Length: 0\r\n\r\n" }, false, 1, VIEW_BUSY,
+			1, 0 },
+		{ { "HTTP/1.1 404 None\r\nContent-Length: 4\r\n\r\nnone" }, false, 1, VIEW_REFUSED, 1, 0 },
+		{ { "HTTP/1.1 409 Other\r\nContent-Length: 0\r\n\r\n" }, false, 1, VIEW_REFUSED, 1, 0 },
+		{ { "HTTP/1.1 200 OK\r\nContent-Length: 24\r\n\r\nThis is not a stream at." }, false, 1,
+			VIEW_DAMAGED, 1, 0 },
+		{ { "" }, false, 1, VIEW_LATE, 1, 0 },
+	};
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct stub given = { .closes = cases[i].closes };
+		memcpy(given.answers, cases[i].answers, sizeof given.answers);
+		stub_start(given);
+		struct view_load_options options = options_at(stub.port);
+		options.resumes = cases[i].resumes;
+		options.deadline_ms = cases[i].outcome == VIEW_LATE ? 100 : 0;
+		options.seconds = 0.5;
+		run(&options);
+		stub_stop();
+		if (report.outcomes[cases[i].outcome] != cases[i].failures)
+			fail_msg("case %zu: %s", i, report.first_failure);
+		assert_int_equal(view_load_failures(&report), cases[i].failures);
+		assert_int_equal(report.resumed, cases[i].resumed);
+		assert_int_equal(view_load_clean(&report), !cases[i].failures);
+		assert_true(report.outcomes[VIEW_ANSWERED] > 0);
+	}
+	struct view_load_options nobody = options_at(stub.port);     /* where none listens any more */
+	run(&nobody);
+	assert_int_equal(report.outcomes[VIEW_CONNECTION], report.answers.count);
+	assert_false(view_load_clean(&report));
+}
+
+UNIT_TEST(random_arrivals_have_their_rate_and_their_seed)
+{
+	double first[2];
+	stub_start((struct stub){ .stalls_at = 0 });
+	struct view_load_options options = options_at(stub.port);
+	options.clients = 10;
+	options.rate = 500;
+	options.random_arrivals = true;
+	options.seconds = 1;
+	for (int i = 0; i < 3; i++) {
+		options.seed = i == 2 ? 8 : 7;
+		run_clean(&options);
+		assert_in_range(report.answers.count, 400, 600);
+		if (i < 2)
+			first[i] = report.answers.items[0].due_ms;
+	}
+	stub_stop();
+	assert_true(fabs(first[0] - first[1]) < 1e-3);
+	assert_true(fabs(first[0] - report.answers.items[0].due_ms) > 1e-3);
+}
+
+UNIT_TEST(a_stop_ends_it_with_what_there_is)
+{
+	static volatile sig_atomic_t stop = 1;
+	stub_start((struct stub){ .answers = { "" } });
+	struct view_load_options options = options_at(stub.port);
+	options.stop = &stop;
+	options.seconds = 1000;
+	run(&options);
+	stub_stop();
+	assert_int_equal(view_load_failures(&report), 0);
+	assert_false(view_load_clean(&report));
+}
+
+/* ---- ecoserve ---- */
+
+UNIT_TEST(clients_that_count_see_what_those_that_decode_see)
+{
+	uint64_t bytes[2], chunks[2], vertices[2];
+	for (uint32_t decodes = 0; decodes < 2; decodes++) {
+		struct view_load_options options = options_at(port);
+		options.decoding = decodes;
+		options.rate = 10;
+		options.seconds = 0.35;
+		run_clean(&options);
+		assert_int_equal(report.answers.count, 4);
+		assert_int_equal(report.decoded, decodes ? report.chunks : 0);
+		assert_true(report.chunks > 0 && report.vertices > 0);
+		bytes[decodes] = report.bytes;
+		chunks[decodes] = report.chunks;
+		vertices[decodes] = report.vertices;
+		const struct view_answer *a = report.answers.items;
+		assert_true(a->first_byte_ms <= a->picture_ms && a->picture_ms <= a->done_ms);
+		assert_true(isnan(a->q80_ms) == !(a->predicted_q >= 0.8f));
+		assert_true(a->bytes > 4 * (a + 2)->bytes);      /* the same view again: it is held */
+	}
+	assert_int_equal(bytes[0], bytes[1]);
+	assert_int_equal(chunks[0], chunks[1]);
+	assert_int_equal(vertices[0], vertices[1]);
+}
+
+UNIT_TEST(cold_clients_hold_nothing_and_named_chunks_are_fetched)
+{
+	char chunks[128];
+	struct view_load_options options = options_at(port);
+	options.clients = options.decoding = 2;
+	options.cold = 1;
+	options.rate = 20;
+	run_clean(&options);
+	uint64_t bytes = report.bytes;
+	assert_int_equal(report.answers.count, 6);
+	for (uint32_t i = 0; i < 6; i++)
+		if (report.answers.items[i].cold)
+			assert_true(report.answers.items[i].bytes > 1000);
+	snprintf(chunks, sizeof chunks, "%s/chunks/", url);
+	options.chunks = chunks;
+	options.name_from = 300;
+	run_clean(&options);
+	assert_true(report.named > 10);
+	assert_in_range(report.bytes, bytes, bytes + 40 * report.named);
+	options.name_from = 1u << 30;
+	run_clean(&options);
+	assert_int_equal(report.named, 0);
+	options.name_from = 300;
+	options.chunks = url;                    /* no chunks lie there */
+	run(&options);
+	assert_int_equal(report.outcomes[VIEW_REFUSED], report.answers.count);
+}
+
+UNIT_TEST(a_line_has_its_bandwidth_and_its_latency)
+{
+	struct view_load_options options = options_at(port);
+	options.cold = 1;
+	options.bandwidth_bytes_s = 500000;
+	options.latency_ms = 40;
+	for (int named = 0; named < 2; named++) {
+		char chunks[128];
+		snprintf(chunks, sizeof chunks, "%s/chunks", url);
+		options.chunks = named ? chunks : NULL;
+		run_clean(&options);
+		for (uint32_t i = 0; i < report.answers.count; i++) {
+			const struct view_answer *a = &report.answers.items[i];
+			double least_ms = 40 + 1e3 * (double)a->bytes / 500000;
+			assert_true((double)a->done_ms >= least_ms - 1);
+			assert_true((double)a->first_byte_ms >= 40);
+		}
+	}
+}
+
+UNIT_TEST(budgets_are_asked_for_and_held_against_answers)
+{
+	struct view_load_options options = options_at(port);
+	options.bytes = 9000;
+	options.cold = 1;
+	run_clean(&options);
+	for (uint32_t i = 0; i < report.answers.count; i++)
+		assert_true(report.answers.items[i].bytes <= 9000);
+	options.bytes = 10;                      /* nothing fits */
+	run_clean(&options);
+	assert_int_equal(report.nothing, report.answers.count);
+	options = options_at(port);
+	options.vertices = 100;
+	run_clean(&options);
+	assert_true(report.vertices <= 100 * report.answers.count);
+}
+
+/* ---- Views ---- */
+
+static struct view_views views_of(const char *camera, uint64_t seed)
+{
+	struct view_fetch *fetch;
+	struct view_views made;
+	struct eco_error error = { 0 };
+	snprintf(url, sizeof url, "http://127.0.0.1:%u" BASE, port);
+	const struct view_views_options options = { .camera = camera, .width = 32, .height = 24,
+		.seed = seed };
+	assert_ok(view_fetch_new(&fetch, &(struct view_fetch_options){ .url = url }, &error), error);
+	assert_ok(view_views_make(&made, &options, fetch, &error), error);
+	view_fetch_free(fetch);
+	return made;
+}
+
+UNIT_TEST(views_are_made_for_the_scene)
+{
+	struct view_views walk = views_of("walk", 1), over = views_of("flyover", 1),
+		one = views_of("random", 1), same = views_of("random", 1), other = views_of("random", 2);
+	const struct eco_tile *root = &scene()->tiles[scene()->root];
+	for (uint32_t i = 0; i < one.count; i++) {
+		assert_int_equal(one.items[i].width, 32);
+		assert_memory_equal(&one.items[i], &same.items[i], sizeof one.items[i]);
+		assert_memory_not_equal(&one.items[i], &other.items[i], sizeof one.items[i]);
+		for (int axis = 0; axis < 2; axis++)
+			assert_true(walk.items[i].eye[axis] >= root->low[axis]
+				&& walk.items[i].eye[axis] <= root->high[axis]);
+		assert_true(over.items[i].eye[2] > walk.items[i].eye[2] + 5);
+	}
+	view_views_free(&walk);
+	view_views_free(&over);
+	view_views_free(&one);
+	view_views_free(&same);
+	view_views_free(&other);
+}
+
+/* ---- Reports ---- */
+
+static uint32_t count_of(const char *text, const char *what)
+{
+	uint32_t count = 0;
+	for (const char *at = text; (at = strstr(at, what)); at++)
+		count++;
+	return count;
+}
+
+static double slope(double x, double y)
+{
+	return x / 8 + y / 16;
+}
+
+/* The sample scene has a texture that is no picture. */
+UNIT_TEST(a_sample_is_drawn_and_scored)
+{
+	struct view_scored scored[3];
+	uint32_t done;
+	struct view_fetch *fetch;
+	struct eco_error error = { 0 };
+	struct srv_store plain;
+	struct srv_daemon *other;
+	char path[64];
+	snprintf(path, sizeof path, "build/tmp/load-%d.eco", (int)getpid());
+	srv_store_init(&plain);
+	struct eco_ground ground = ground_make(16, 16, -8, -8, 8, slope);
+	assert_ok(sample_pack_write_on(path, &ground, true, &error), error);
+	eco_ground_free(&ground);
+	assert_ok(srv_store_add(&plain, "sample", path, &error), error);
+	assert_ok(srv_daemon_start(&other, &(struct srv_config){ .listen = "127.0.0.1:0" }, &plain, &error),
+		error);
+	struct view_load_options options = options_at(srv_daemon_port(other));
+	options.rate = 10;
+	run_clean(&options);
+	assert_int_equal(report.answers.count, 3);
+	assert_ok(view_fetch_new(&fetch, &(struct view_fetch_options){ .url = url }, &error), error);
+	assert_ok(view_score_sample(&options, &report.answers, fetch, 3, scored, &done, &error), error);
+	assert_int_equal(done, 3);
+	for (uint32_t i = 0; i < 3; i++) {
+		assert_int_equal(scored[i].frame, i % 2);
+		assert_true(scored[i].q < 0.99 && scored[i].precision >= scored[i].q);
+		assert_true(fabs(scored[i].q - scored[i % 2].q) < 1e-9);
+	}
+	options.vertices = ECO_VERTICES_MAX;     /* all there is */
+	assert_ok(view_score_sample(&options, &report.answers, fetch, 1, scored, &done, &error), error);
+	assert_true(scored[0].q > 0.99 && scored[0].recall > 0.99);
+	view_fetch_free(fetch);
+	srv_daemon_stop(other);
+	srv_store_free(&plain);
+	unlink(path);
+}
+
+UNIT_TEST(reports_say_what_there_was)
+{
+	const struct view_scored scored[2] = { { 0, 0.9, 0.8, 0.85, 0.9 }, { 1, NAN, 0.8, 0.85, 0.9 } };
+	struct eco_error error = { 0 };
+	struct view_load_options options = options_at(port);
+	options.clients = 2;
+	options.cold = 1;
+	options.rate = 30;
+	run_clean(&options);
+	struct view_load_summary summary = { &options, &report, "walk", scored, 2 };
+	json_t *json;
+	assert_ok(view_load_json(&summary, &json, &error), error);
+	assert_int_equal(json_integer_value(json_object_get(json, "requests")), report.answers.count);
+	json_t *cold = json_object_get(json_object_get(json, "cold"), "latency_ms");
+	assert_true(json_real_value(json_object_get(cold, "max")) > 0);
+	json_t *second = json_array_get(json_object_get(json, "scored"), 1);
+	assert_true(json_is_null(json_object_get(second, "predicted_q")));
+	assert_true(json_real_value(json_object_get(second, "q")) > 0.79);
+	json_decref(json);
+	char csv[64], html[64];
+	snprintf(csv, sizeof csv, "build/tmp/load-%d.csv", (int)getpid());
+	snprintf(html, sizeof html, "build/tmp/load-%d.html", (int)getpid());
+	assert_ok(view_load_csv(&summary, csv, &error), error);
+	assert_ok(view_page_write(&summary, html, &error), error);
+	char *lines = (char *)file_read(csv, &(size_t){ 0 }), *page = (char *)file_read(html, &(size_t){ 0 });
+	assert_int_equal(count_of(lines, "\n"), report.answers.count + 1);
+	assert_int_equal(count_of(lines, ",cold,"), report.answers.count / 2);
+	assert_int_equal(count_of(page, "<svg"), 4);
+	assert_int_equal(count_of(page, "</svg>"), 4);
+	assert_null(strstr(page, "nan"));
+	assert_int_equal(view_page_write(&summary, "build/none/x.html", &error), ECO_IO);
+	free(lines);
+	free(page);
+	unlink(csv);
+	unlink(html);
+}
+
+int main(void)
+{
+	if (view_fetch_setup(NULL))
+		return 1;
+	int failed = unit_tests_run(serve_start, serve_stop);
+	view_load_free(&report);
+	view_fetch_teardown();
+	return failed;
+}
