@@ -38,7 +38,8 @@ static const struct eco_option option_table[] = {
 	{ "the scene's URL", 0, ECO_OPTION_INPUT, "URL", &given.load.url,
 		.help = "of a scene: http://host:port/v1/scenes/NAME", .is_required = true },
 	{ "camera", 0, ECO_OPTION_TEXT, "CAMERA", &given.camera,
-		.help = "a camera script, or walk, flyover or random: made for the scene", .is_required = true },
+		.help = "a camera script, or walk, flyover or random: made for the scene",
+		.is_required = true },
 	{ "clients", 0, ECO_OPTION_COUNT, "N", &given.clients, 1, VIEW_CLIENTS_MAX, .help = "1 to 10000",
 		.is_required = true },
 	{ "seconds", 0, ECO_OPTION_NUMBER, "S", &given.load.seconds, 0.001, 1e6,
@@ -57,8 +58,8 @@ static const struct eco_option option_table[] = {
 		.help = "chunks so large are named, with --chunks; 1024 if not given" },
 	{ NULL, 0, ECO_OPTION_HEADING, .help = "When" },
 	{ "rate", 0, ECO_OPTION_NUMBER, "R", &given.load.rate, 0.001, 1e6,
-		.help = "open loop: so many requests a second of all clients together are due, whether or not "
-		"others were answered; without it each client asks when it has its last answer" },
+		.help = "open loop: so many requests a second of all clients together are due, whether "
+		"or not others were answered; without it each client asks when it has its last answer" },
 	{ "arrivals", 0, ECO_OPTION_CHOICE, "KIND", &given.arrivals, .choices = arrivals,
 		.help = "of an open loop: even (if not given), or random, a Poisson process" },
 	{ "deadline", 0, ECO_OPTION_NUMBER, "MS", &given.load.deadline_ms, 1, 1e7,
@@ -66,10 +67,11 @@ static const struct eco_option option_table[] = {
 		"given" },
 	{ NULL, 0, ECO_OPTION_HEADING, .help = "What clients are like" },
 	{ "cold", 0, ECO_OPTION_COUNT, "N", &given.cold, 0, VIEW_CLIENTS_MAX,
-		.help = "so many hold nothing: each view is a first visit, a GET on a connection of its own" },
+		.help = "so many hold nothing: each view is a first visit, a GET on a connection of its "
+		"own" },
 	{ "decode", 0, ECO_OPTION_COUNT, "N", &given.decode, 0, VIEW_CLIENTS_MAX, .given = &given.has_decode,
-		.help = "so many decode what they get and count its vertices anew, the others check frames and "
-		"hashes; 16, or all where there are fewer, if not given" },
+		.help = "so many decode what they get and count its vertices anew, the others check "
+		"frames and hashes; 16, or all where there are fewer, if not given" },
 	{ "bandwidth", 0, ECO_OPTION_COUNT, "BYTES/S", &given.load.bandwidth_bytes_s, 1, INT64_MAX,
 		.help = "of each client's line" },
 	{ "latency", 0, ECO_OPTION_NUMBER, "MS", &given.load.latency_ms, 0, 60000,
@@ -81,18 +83,19 @@ static const struct eco_option option_table[] = {
 		.help = "of random views and arrivals; 1 if not given" },
 	{ NULL, 0, ECO_OPTION_HEADING, .help = "What is reported" },
 	{ "score", 0, ECO_OPTION_COUNT, "N", &given.scores, 0, SCORES_MAX,
-		.help = "after the run, so many of its views are asked for once more, drawn, and scored against "
-		"the full scene" },
+		.help = "after the run, so many of its views are asked for once more, drawn, and scored "
+		"against the full scene" },
 	{ "json", 0, ECO_OPTION_FLAG, NULL, &given.json, .help = "figures as JSON" },
 	{ "csv", 0, ECO_OPTION_TEXT, "FILE", &given.csv, .help = "a line an answer" },
-	{ "html", 0, ECO_OPTION_TEXT, "FILE", &given.html, .help = "figures and plots" }, { 0 } };
+	{ "html", 0, ECO_OPTION_TEXT, "FILE", &given.html, .help = "figures and plots" }, { 0 }
+};
 
 static const struct eco_command command = { .name = "ecoload", .options = option_table,
 	.synopsis = "URL --camera CAMERA --clients N --seconds S [OPTIONS]",
-	.says = "N clients ask for the views of a camera script, each from its own place in it. Times count from "
-		"when an answer was due: in an open loop also what requests wait behind others is the server's. "
-		"A client that is refused because the server has too much to do waits as long as it asks for. "
-		"Ctrl-C ends with a report of what there is; a second one at once.",
+	.says = "N clients ask for the views of a camera script, each from its own place in it. Times count "
+		"from when an answer was due: in an open loop also what requests wait behind others is the "
+		"server's. A client that is refused because the server has too much to do waits as long as it "
+		"asks for. Ctrl-C ends with a report of what there is; a second one at once.",
 	.notes = "Failures and violations of budgets are failures of ecoload, too.\n" };
 
 struct progress { struct view_progress bar; double seconds; };
@@ -141,7 +144,8 @@ static enum eco_code report(struct options *o, const struct view_load_report *re
 
 static enum eco_code run(struct options *o, struct eco_error *error)
 {
-	struct view_fetch_options at = { .url = o->load.url, .patience_ms = PATIENCE_MS, .stop = &interrupted };
+	struct view_fetch_options at = { .url = o->load.url, .patience_ms = PATIENCE_MS,
+		.stop = &interrupted };
 	struct view_views_options cameras = { .camera = o->camera, .width = o->size[0], .height = o->size[1],
 		.seed = o->load.seed, .stop = &interrupted };
 	struct view_fetch *fetch = NULL;

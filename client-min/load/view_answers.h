@@ -32,7 +32,7 @@ extern const char *const view_outcome_names[VIEW_OUTCOMES];
 struct view_answer {
 	double due_ms;                   /* since the run began */
 	float asked_ms, first_byte_ms, picture_ms, q80_ms, q90_ms, done_ms;
-	float service_ms;                /* from asking to the end: what a client sees that asks when it can */
+	float service_ms;                /* from asking to the end, as a closed loop sees it */
 	float plan_ms;                   /* as the server says */
 	float predicted_q;               /* of the last plan */
 	uint64_t bytes, vertices;

@@ -35,7 +35,8 @@ const struct eco_chunk_id *view_holder_pack(const struct view_holder *holder);
 
 struct view_holder_counts { uint64_t chunks, chunks_twice, decoded; };
 struct view_holder_counts view_holder_counts(const struct view_holder *holder);
-/* Of the last plan; where chunks are decoded, counted anew from what would be drawn, which may find damage. */
+/* Of the last plan; where chunks are decoded, counted anew from what would be drawn, which may find damage.
+ */
 enum eco_code view_holder_vertices(const struct view_holder *holder, const struct eco_view *view,
 	uint64_t *vertices, struct eco_error *error);
 

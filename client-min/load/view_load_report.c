@@ -54,7 +54,8 @@ static void print_counts(const struct view_load_summary *s, FILE *out)
 	const struct view_load_options *o = s->options;
 	fprintf(out, "requests          %u in %.1f s: %.1f /s, %.2f MB/s\n", r->answers.count, r->seconds,
 		r->answers.count / r->seconds, (double)r->bytes / r->seconds / 1e6);
-	fprintf(out, "clients           %u, %u of them cold, %u decoding; ", o->clients, o->cold, o->decoding);
+	fprintf(out, "clients           %u, %u of them cold, %u decoding; ", o->clients, o->cold,
+		o->decoding);
 	if (o->rate > 0)
 		fprintf(out, "open loop, %g requests/s%s\n", o->rate, o->random_arrivals ? " at random" : "");
 	else
@@ -64,10 +65,11 @@ static void print_counts(const struct view_load_summary *s, FILE *out)
 static void print_faults(const struct view_load_summary *s, FILE *out)
 {
 	const struct view_load_report *r = s->report;
-	fprintf(out, "chunks            %llu, %llu decoded, %llu named, %llu sent twice; %llu answers without "
-		"a picture\n", (unsigned long long)r->chunks, (unsigned long long)r->decoded,
-		(unsigned long long)r->named, (unsigned long long)r->chunks_twice,
-		(unsigned long long)r->nothing);
+	fprintf(out,
+		"chunks            %llu, %llu decoded, %llu named, %llu sent twice; %llu answers without "
+		"a picture\n",
+		(unsigned long long)r->chunks, (unsigned long long)r->decoded, (unsigned long long)r->named,
+		(unsigned long long)r->chunks_twice, (unsigned long long)r->nothing);
 	if (r->renewed)
 		fprintf(out, "packs             %llu times a client began anew, as the scene had another\n",
 			(unsigned long long)r->renewed);
@@ -157,7 +159,8 @@ static json_t *failures_json(const struct view_load_report *r)
 {
 	json_t *failures = json_object();
 	for (int i = VIEW_ANSWERED + 1; i < VIEW_OUTCOMES; i++)
-		json_object_set_new(failures, view_outcome_names[i], json_integer((json_int_t)r->outcomes[i]));
+		json_object_set_new(failures, view_outcome_names[i],
+			json_integer((json_int_t)r->outcomes[i]));
 	return failures;
 }
 
@@ -176,8 +179,8 @@ static json_t *scored_json(const struct view_load_summary *s)
 static json_t *counts_json(const struct view_load_summary *s)
 {
 	const struct view_load_report *r = s->report;
-	return json_pack("{s:f, s:I, s:f, s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:I,"
-		" s:o, s:o, s:o, s:o}",
+	return json_pack("{s:f, s:I, s:f, s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f, "
+		"s:I, s:o, s:o, s:o, s:o}",
 		"seconds", r->seconds, "requests", (json_int_t)r->answers.count,
 		"requests_per_s", r->answers.count / r->seconds, "bytes", (json_int_t)r->bytes,
 		"bytes_per_s", (double)r->bytes / r->seconds, "vertices", (json_int_t)r->vertices,

@@ -20,7 +20,8 @@ static bool axis_has(const struct axis *a, double value)
 
 static double axis_at(const struct axis *a, double value)
 {
-	double t = a->log ? log(value / a->low) / log(a->high / a->low) : (value - a->low) / (a->high - a->low);
+	double t =
+		a->log ? log(value / a->low) / log(a->high / a->low) : (value - a->low) / (a->high - a->low);
 	return a->from + t * (a->to - a->from);
 }
 
@@ -103,10 +104,12 @@ void view_plot_write(FILE *out, const struct view_plot *plot)
 		TOP };
 	axis_fit(&x, plot, false);
 	axis_fit(&y, plot, true);
-	fprintf(out, "<svg viewBox=\"0 0 %g %g\" role=\"img\"><title>%s</title>\n", WIDTH, HEIGHT, plot->title);
-	fprintf(out, "<text x=\"%g\" y=\"20\" class=\"t\">%s</text><text x=\"%g\" y=\"%g\" class=\"m\">%s</text>"
-		"<text x=\"%g\" y=\"20\" class=\"e\">%s</text>\n", LEFT, plot->title, (LEFT + WIDTH - RIGHT) / 2,
-		HEIGHT - 8, plot->x, WIDTH - RIGHT, plot->y);
+	fprintf(out, "<svg viewBox=\"0 0 %g %g\" role=\"img\"><title>%s</title>\n", WIDTH, HEIGHT,
+		plot->title);
+	fprintf(out,
+		"<text x=\"%g\" y=\"20\" class=\"t\">%s</text><text x=\"%g\" y=\"%g\" class=\"m\">%s</text>"
+		"<text x=\"%g\" y=\"20\" class=\"e\">%s</text>\n",
+		LEFT, plot->title, (LEFT + WIDTH - RIGHT) / 2, HEIGHT - 8, plot->x, WIDTH - RIGHT, plot->y);
 	ticks(out, plot, &x, false);
 	ticks(out, plot, &y, true);
 	for (uint32_t i = 0; i < plot->count; i++)

@@ -59,7 +59,8 @@ static void *stub_connection(void *ctx)
 		size += (size_t)got;
 		request[size] = 0;
 		char *end = strstr(request, "\r\n\r\n"), *length = strcasestr(request, "content-length:");
-		if (!end || size < (size_t)(end + 4 - request) + (length ? strtoul(length + 15, NULL, 10) : 0))
+		if (!end ||
+			size < (size_t)(end + 4 - request) + (length ? strtoul(length + 15, NULL, 10) : 0))
 			continue;
 		size = 0;
 		if (!stub_answer(fd, request) && stub.closes)
