@@ -31,6 +31,7 @@ struct options {
 	uint32_t size[2], width, height;
 	uint64_t vertices, bytes, memory;
 	double ground_px, texel_px, ahead_s, sun_s;
+	struct view_sky sky;                     /* but for the sun */
 	bool has_frames, compare, digest, glb;
 	uint64_t frame_first, frame_last;
 	enum engine reference;
@@ -60,7 +61,7 @@ struct viewer {                          /* everything that lives as long as the
 	char digest[VIEW_DIGEST_BYTES];          /* of the frame, if it is asked for */
 	/* how far the last eye was below the ground that was drawn; else 0 or less */
 	double under_m;
-	float sun[3];                            /* towards it; all 0: the usual one */
+	struct view_sky sky;
 };
 
 static volatile sig_atomic_t interrupted;
@@ -149,6 +150,12 @@ static const struct eco_option option_table[] = {
 		"triangles, a node a plant, a camera" },
 	{ "sun", 0, ECO_OPTION_READ, "TIME", &given.sun_s, .read = view_sun_read_time,
 		.help = "where the sun is at that time and the scene's place, such as 2026-06-21T10:00Z" },
+	{ "shadows", 0, ECO_OPTION_READ, "KIND[,SIZE]", &given.sky, .read = view_sky_read_shadows,
+		.help = "plants cast shadows on plants and ground, by a map of SIZE x SIZE texels (1024 if "
+		"not given): standard, of texels of one size, or perspective, with more of them near the "
+		"eye; of plants out of sight those that are held, as nothing is fetched for it" },
+	{ "haze", 0, ECO_OPTION_NUMBER, "M", &given.sky.haze_m, 1, 1e9,
+		.help = "metres after which haze hides all but 1/e, at sea level; 5200 if not given" },
 	{ "tint", 0, ECO_OPTION_CHOICE, "kind", &given.tint, .choices = tints,
 		.help = "colour by representation: green triangles, red lines, blue points, yellow and "
 		"orange blends, violet ellipsoids for whole plants" },
@@ -167,7 +174,7 @@ static const struct eco_option option_table[] = {
 static const struct eco_command command = { .name = "ecoview", .options = option_table,
 	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--memory SIZE] "
 	"[--ground-px X] [--ahead S] [--rule NAME] [--reference[=cpu|egl]] [--compare] [--tint kind] "
-	"[--sun TIME] [--digest] [--glb] [--frames A..B] "
+	"[--sun TIME] [--shadows KIND[,SIZE]] [--haze M] [--digest] [--glb] [--frames A..B] "
 	"[--progressive LIST] [--chunks URL] [--explain FILE.csv]",
 	.says = "Streams a scene along a camera script and draws every frame as a PNG.",
 	.notes = "Writes frame-0000.png, ...; with --reference also reference-0000.png, frame-0000.mask.png, "
@@ -267,12 +274,15 @@ static enum eco_code count_samples(struct viewer *v, const struct view_reference
 static enum eco_code draw(struct viewer *v, const struct view_store *store, const struct lod_eye *eye,
 	struct view_picture *picture, struct eco_error *error)
 {
-	struct view_selection selection;
+	struct view_selection selection, casters = { .instances = NULL };
 	enum eco_code code = view_select_make(&selection, store, eye, error);
 	if (code)
 		return code;
-	memcpy(selection.sun, v->sun, sizeof v->sun);
-	if (v->options.digest && store == v->store)
+	selection.sky = v->sky;
+	selection.sky.casters = &casters;
+	if (v->sky.shadows)
+		code = view_select_casters(&casters, store, eye, error);
+	if (!code && v->options.digest && store == v->store)
 		code = view_digest_write(v->digest, store, &selection, error);
 	if (!code && v->options.glb && store == v->store && view_store_complete(store))
 		code = view_glb_save(&(struct view_glb_job){ store, &selection, v->view }, v->options.dir,
@@ -289,6 +299,7 @@ static enum eco_code draw(struct viewer *v, const struct view_store *store, cons
 	v->under_m = view_ground_height(&selection.ground, eye->at[0], eye->at[1], &ground_m)
 		? ground_m - eye->at[2] : 0;
 	view_select_free(&selection);
+	view_select_free(&casters);
 	return code;
 }
 
@@ -379,6 +390,10 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	note_under_ground(v, f->frame);
 	f->vertices = v->picture.vertices;
 	f->draw_ms = v->picture.draw_ms;
+	if (v->sky.shadows) {
+		f->shadow_ms = v->picture.shadow_ms;
+		f->shadow_texels = v->picture.shadow_texels;
+	}
 	return view_frame_check(f, result.most_bytes, error);
 }
 
@@ -544,8 +559,9 @@ static enum eco_code start(struct viewer *v, struct eco_error *error)
 	if (!code)
 		code = view_fetch_new(&v->fetch, &fetch, error);
 	struct view_sun_place place;
+	v->sky = o->sky;
 	if (!code && !isnan(o->sun_s) && !(code = view_place_fetch(v->fetch, &place, error)))
-		view_sun_at(&place, o->sun_s, v->sun);
+		view_sun_at(&place, o->sun_s, v->sky.sun);
 	if (!code)
 		code = open_engine(v, error);
 	if (!code)

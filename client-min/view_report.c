@@ -28,6 +28,8 @@ static const struct { const char *name; size_t offset; } measures[] = {
 	{ "decode_ms", offsetof(struct view_frame, decode_ms) },
 	{ "draw_ms", offsetof(struct view_frame, draw_ms) },
 	{ "reference_ms", offsetof(struct view_frame, reference_ms) },
+	{ "shadow_ms", offsetof(struct view_frame, shadow_ms) },
+	{ "shadow_texels_per_pixel", offsetof(struct view_frame, shadow_texels) },
 	{ "reference_summaries", offsetof(struct view_frame, reference_summaries) },
 };
 #define MEASURES (sizeof measures / sizeof measures[0])

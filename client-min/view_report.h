@@ -16,6 +16,7 @@ struct view_frame {
 	uint64_t budget_bytes, bytes;            /* ECO_BYTES_UNBOUNDED: null */
 	double precision, recall, q, skill, owner_q, soft_q, ceiling, picture_error, predicted_q;
 	double plan_ms, first_byte_ms, stream_ms, decode_ms, draw_ms, reference_ms;
+	double shadow_ms, shadow_texels;         /* view_picture's, where shadows are cast */
 	/* answers that the frame took; decoded bytes held after it; chunks that went while it came, and bytes
 	 * fetched that had been fetched before */
 	uint64_t requests, memory_bytes, evictions, again_bytes;

@@ -18,6 +18,7 @@ struct walk {
 	const struct view_store *store;
 	const struct eco_plan *plan;
 	const struct lod_eye *eye;
+	bool casters;                    /* also those out of sight */
 	uint32_t *sorted;                /* cut indices by anchor, then first band */
 	struct view_table anchors;       /* anchor -> first position in `sorted` */
 	struct view_table gates;         /* plant -> end */
@@ -189,9 +190,27 @@ static enum eco_code add_pair(struct walk *w, uint32_t cut)
 	return ECO_OK;
 }
 
-static enum eco_code add_cuts(struct walk *w, const struct lod_anchor_band *seen, uint32_t hash)
+/* Out of sight a plant may be in a band that no cut is for. */
+static uint8_t caster_band(const struct walk *w, const struct lod_anchor_band *seen)
 {
 	const struct eco_cut *cuts = w->plan->cuts;
+	uint32_t i = view_table_get(&w->anchors, seen->anchor), band = seen->band, least = UINT32_MAX;
+	for (; i < w->plan->cut_count && cuts[w->sorted[i]].anchor == seen->anchor && least; i++) {
+		const struct eco_cut *cut = &cuts[w->sorted[i]];
+		uint32_t nearest = seen->band < cut->band_first ? cut->band_first
+			: seen->band >= cut->band_end ? cut->band_end - 1u : seen->band;
+		uint32_t off = nearest > seen->band ? nearest - seen->band : seen->band - nearest;
+		band = off < least ? nearest : band;
+		least = off < least ? off : least;
+	}
+	return (uint8_t)band;
+}
+
+static enum eco_code add_cuts(struct walk *w, const struct lod_anchor_band *anchor, uint32_t hash)
+{
+	const struct eco_cut *cuts = w->plan->cuts;
+	const struct lod_anchor_band at = { anchor->anchor, w->casters ? caster_band(w, anchor)
+		: anchor->band }, *seen = &at;
 	uint32_t i = view_table_get(&w->anchors, seen->anchor);
 	for (; i < w->plan->cut_count && cuts[w->sorted[i]].anchor == seen->anchor; i++) {
 		const struct eco_cut *cut = &cuts[w->sorted[i]];
@@ -298,7 +317,7 @@ static enum eco_code finish(struct walk *w)
 		for (uint32_t p = out->cut_first[i]; p < out->cut_first[i + 1]; p++)
 			out->members[next[out->cuts[p]]++] = i;
 	free(next);
-	if (out->vertices != w->plan->vertices)
+	if (out->vertices != w->plan->vertices && !w->casters)
 		return eco_fail(w->error, ECO_DAMAGED, "the plan promises %llu vertices, drawing it comes "
 			"to %llu: server and client disagree", (unsigned long long)w->plan->vertices,
 			(unsigned long long)out->vertices);
@@ -322,13 +341,13 @@ static enum eco_code walk_runs(struct walk *w)
 	return ECO_OK;
 }
 
-enum eco_code view_select_make(struct view_selection *selection, const struct view_store *store,
-	const struct lod_eye *eye, struct eco_error *error)
+static enum eco_code make(struct view_selection *selection, const struct view_store *store,
+	const struct lod_eye *eye, bool casters, struct eco_error *error)
 {
 	static const struct eco_plan nothing;
 	*selection = (struct view_selection){ 0 };
 	struct walk w = { .out = selection, .store = store, .plan = view_store_plan(store), .eye = eye,
-		.error = error };
+		.casters = casters, .error = error };
 	if (!w.plan)
 		w.plan = &nothing;
 	selection->cut_count = w.plan->cut_count;
@@ -347,7 +366,7 @@ enum eco_code view_select_make(struct view_selection *selection, const struct vi
 		if (w.plan->cuts[c].anchor == ECO_NONE
 				&& eco_list_vertices(&view_store_list(store, w.plan->cuts[c].list)->list))
 			code = walk_once(&w, c);
-	if (!code)
+	if (!code && !casters)
 		code = view_ground_make(&selection->ground, store, eye, error);
 	if (!code)
 		code = finish(&w);
@@ -358,6 +377,21 @@ enum eco_code view_select_make(struct view_selection *selection, const struct vi
 	if (code)
 		view_select_free(selection);
 	return code;
+}
+
+enum eco_code view_select_make(struct view_selection *selection, const struct view_store *store,
+	const struct lod_eye *eye, struct eco_error *error)
+{
+	return make(selection, store, eye, false, error);
+}
+
+enum eco_code view_select_casters(struct view_selection *selection, const struct view_store *store,
+	const struct lod_eye *eye, struct eco_error *error)
+{
+	struct lod_eye all = *eye;
+	memset(all.side, 0, sizeof all.side);    /* planes that nothing is beyond */
+	memset(all.forward, 0, sizeof all.forward);
+	return make(selection, store, &all, true, error);
 }
 
 void view_select_free(struct view_selection *selection)

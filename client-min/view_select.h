@@ -14,6 +14,7 @@
 #define VIEW_SELECT_H
 
 #include "client-min/view_ground.h"
+#include "client-min/view_sky.h"
 #include "client-min/view_store.h"
 #include "lod/eye.h"
 
@@ -50,12 +51,16 @@ struct view_selection {                  /* owns its arrays */
 	struct view_ground ground;       /* its cuts have no members */
 	uint64_t visible_plants;
 	uint64_t vertices;               /* what drawing it draws */
-	float sun[3];                    /* towards it (view_sun.h), set by who draws; all 0: the usual one */
+	struct view_sky sky;             /* set by who draws */
 };
 
 /* Evaluates the store's plan for this eye. A sum of vertices that differs from the plan's is ECO_DAMAGED, as
  * is a plan that names what is not held. Without a plan the selection is empty. */
 enum eco_code view_select_make(struct view_selection *selection, const struct view_store *store,
+	const struct lod_eye *eye, struct eco_error *error);
+/* The same and, of the tiles that the plan looks at, the plants that are out of sight: all that is held that
+ * may cast a shadow into the picture. Those out of sight have the cuts of the nearest band that has some. */
+enum eco_code view_select_casters(struct view_selection *selection, const struct view_store *store,
 	const struct lod_eye *eye, struct eco_error *error);
 void view_select_free(struct view_selection *selection);
 

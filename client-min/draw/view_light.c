@@ -5,19 +5,21 @@
 
 #include "client-min/view_owners.h"
 #include "client-min/draw/view_shade.h"
+#include "client-min/draw/view_shadow.h"
 #include "client-min/view_threads.h"
 #include "lod/light.h"
 
 #define HAZE_M 5200.0
+#define SHADED 0.14f                     /* of sunlight, that gets through a crown and off its leaves */
 #define PI 3.1415927f
 #define ALL_DIRECTIONS 0.2122066f        /* 2 / (3 pi): see round_sun */
 
 struct vec { float x, y, z; };
 
-/* Where the sun is, its light and the sky's on surfaces, and how bright the sky is. */
-struct sunlight { struct vec to, color, sky; float day; };
+/* Where the sun is, its light and the sky's on surfaces; how bright the sky is, and how red around the sun. */
+struct sunlight { struct vec to, color, sky; float day, glow; };
 static const struct sunlight usual = { { -0.5145f, -0.4287f, 0.7427f }, { 1.55f, 1.42f, 1.18f },
-	{ 0.42f, 0.52f, 0.68f }, 1 };
+	{ 0.42f, 0.52f, 0.68f }, 1, 0 };
 static const struct vec EARTH_COLOR = { 0.16f, 0.15f, 0.10f }, LEAF_COLOR = { 1.25f, 1.35f, 0.45f };
 
 const uint8_t view_tint_colors[VIEW_ROLE_COUNT][3] = {
@@ -81,6 +83,7 @@ static struct sunlight sunlight_of(const float sun[3])
 		smoothstep(-0.03f, 0.15f, s.to.z));
 	s.day = mix(0.06f, 1, smoothstep(-0.14f, 0.2f, s.to.z));
 	s.sky = scale(usual.sky, s.day);
+	s.glow = 1 - smoothstep(0.02f, 0.35f, fabsf(s.to.z));
 	return s;
 }
 
@@ -128,6 +131,9 @@ static struct vec sky(const struct sunlight *s, struct vec ray)
 	float low = 1 - clamp(ray.z), c = fmaxf(dot(ray, s->to), 0), c2 = c * c, c8 = c2 * c2 * c2 * c2;
 	struct vec blue = blend((struct vec){ 0.10f, 0.25f, 0.58f }, (struct vec){ 0.50f, 0.61f, 0.74f },
 		low * low * low);
+	/* low sunlight comes through much air, which leaves its red: most of it near the horizon and the sun */
+	float red = s->glow * low * low * low * (0.35f + 0.65f * c2);
+	blue = blend(blue, (struct vec){ 0.86f, 0.50f, 0.25f }, 0.75f * red);
 	return scale(add(blue, scale((struct vec){ 0.17f, 0.14f, 0.09f }, c8)), s->day);
 }
 
@@ -318,6 +324,7 @@ struct lamp {                            /* of one picture */
 	const struct view_light_job *job;
 	struct view_picture *picture;
 	struct view_shade shade;
+	struct view_shadow shadow;
 	struct view_owners owners;
 	struct sunlight sun;
 	uint32_t threads;
@@ -336,6 +343,20 @@ static void find_plant(const struct lamp *lamp, uint64_t owner, struct plant *p)
 	p->place = instance->place;
 	p->shape = view_shape_of(view_store_plant(lamp->job->store, instance->plant));
 	p->hash = (float)(instance->hash / (double)ECO_SHARE_ONE);
+}
+
+/* With a shadow map a crown's own shade is what the map has of it, but for what one texel of it, or one
+ * primitive, holds: there it stays as it is without a map. Leaves pass light on, so no shadow is black. */
+static void cast_on_plant(const struct lamp *lamp, const struct plant *p, struct vec to, const struct vec *n,
+	float reach, struct crown *crown)
+{
+	float texel_m = 0, half_m = p->shape.half_width * (float)p->place.scale;
+	float lit = view_shadow_lit(&lamp->shadow, (const float[3]){ to.x, to.y, to.z },
+		n ? (const float[3]){ n->x, n->y, n->z } : NULL, &texel_m);
+	if (lit < 0)
+		return;
+	float coarse = p->shape.half_height > 0 ? clamp(fmaxf(reach, texel_m / half_m)) : 1;
+	crown->shade = mix(SHADED, 1, lit) * mix(1, crown->shade, coarse);
 }
 
 static struct vec plant_color(const struct lamp *lamp, const struct plant *p, size_t pixel, struct vec to,
@@ -370,6 +391,9 @@ static struct vec plant_color(const struct lamp *lamp, const struct plant *p, si
 	struct crown crown = lamp->job->tint == VIEW_TINT_UNSHADED
 		? crown_at(s, unit(add(to_eye, (struct vec){ 0, 0, 0.8f })), 0.88f, 0.75f)
 		: crown_of(s, p, world, to_eye, reach);
+	if (lamp->shadow.top && lamp->job->tint != VIEW_TINT_UNSHADED)
+		cast_on_plant(lamp, p, to, surface >> 30 == VIEW_FACET || surface >> 30 == VIEW_AXIS ? &n : NULL,
+			reach, &crown);
 	struct vec light = light_of(s, sunny, facing, crown, leaf);
 	if (lamp->job->tint == VIEW_TINT_KIND)
 		return times(albedo, blend((struct vec){ 0.75f, 0.75f, 0.75f }, light, 0.35f));
@@ -390,6 +414,11 @@ static struct vec ground_color(const struct lamp *lamp, size_t pixel, struct vec
 	struct vec n = direction_of(lamp->picture->surface[pixel]);
 	float below[2], distance = length(to);
 	view_shade_at(&lamp->shade, world, below);
+	if (lamp->shadow.top) {
+		float texel_m, lit = view_shadow_lit(&lamp->shadow, (const float[3]){ to.x, to.y, to.z },
+			(const float[3]){ n.x, n.y, n.z }, &texel_m);
+		below[0] = lit < 0 ? below[0] : 1 - lit;
+	}
 	struct vec albedo = ground_albedo(world[0] - ground->origin[0], world[1] - ground->origin[1], n.z,
 		distance);
 	struct vec color = haze(s, times(albedo, ground_light(s, n, below)), to, distance, lamp->haze_m);
@@ -450,9 +479,10 @@ static void lamp_init(struct lamp *lamp, const struct view_light_job *job, struc
 	const struct lod_eye *eye = job->eye;
 	lamp->job = job;
 	lamp->picture = picture;
-	lamp->sun = sunlight_of(job->selection->sun);
+	lamp->sun = sunlight_of(job->selection->sky.sun);
 	lamp->threads = view_thread_count(job->threads);
-	lamp->haze_m = (float)view_shade_haze_m(HAZE_M, eye->at[2]);
+	double haze_m = job->selection->sky.haze_m;
+	lamp->haze_m = (float)view_shade_haze_m(haze_m > 0 ? haze_m : HAZE_M, eye->at[2]);
 	lamp->right = axis_of(eye->right, eye->tan_x);
 	lamp->up = axis_of(eye->up, eye->tan_y);
 	lamp->forward = axis_of(eye->forward, 1);
@@ -461,6 +491,22 @@ static void lamp_init(struct lamp *lamp, const struct view_light_job *job, struc
 			byte++;
 		lamp->bytes[light] = (uint8_t)byte;
 	}
+}
+
+static enum eco_code cast_shadows(struct lamp *lamp, struct eco_error *error)
+{
+	const struct view_light_job *job = lamp->job;
+	const struct view_sky *sky = &job->selection->sky;
+	struct view_picture *picture = lamp->picture;
+	double start = view_clock_ms();
+	enum eco_code code = view_shadow_make(&lamp->shadow, &(struct view_shadow_job){ job->store,
+		sky->casters ? sky->casters : job->selection, job->eye, picture,
+		{ lamp->sun.to.x, lamp->sun.to.y, lamp->sun.to.z }, sky->shadows, sky->shadow_size,
+		job->threads }, error);
+	picture->shadow_ms = view_clock_ms() - start;
+	if (!code)
+		picture->shadow_texels = view_shadow_sharpness(&lamp->shadow, picture, job->eye);
+	return code;
 }
 
 enum eco_code view_light_picture(const struct view_light_job *job, struct view_picture *picture,
@@ -473,9 +519,12 @@ enum eco_code view_light_picture(const struct view_light_job *job, struct view_p
 	enum eco_code code = view_owners_make(&lamp->owners, job->selection, error);
 	if (!code && job->selection->ground.count)
 		code = view_shade_make(&lamp->shade, job->store, job->selection, error);
+	if (!code && job->selection->sky.shadows)
+		code = cast_shadows(lamp, error);
 	if (!code)
 		view_threads_run(lamp->threads, light_rows, lamp);
 	view_shade_free(&lamp->shade);
+	view_shadow_free(&lamp->shadow);
 	view_owners_free(&lamp->owners);
 	free(lamp);
 	return code;

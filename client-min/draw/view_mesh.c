@@ -19,8 +19,7 @@ static enum eco_code no_memory(struct eco_error *error)
 
 static float length_of(const float v[3]) { return sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
-/* How far a line or a point reaches from its corners; of a splat, its longest half axis. */
-static float reach_of(const struct view_mesh *mesh, uint32_t i)
+float view_mesh_reach(const struct view_mesh *mesh, uint32_t i)
 {
 	const struct lod_geometry *g = &mesh->geometry;
 	if (g->width)
@@ -48,7 +47,7 @@ static void bound_sphere(struct view_mesh *mesh, uint32_t vertices)
 	mesh->radius = (float)(sqrt(square) * 1.0001);
 	float largest = 0;
 	for (uint32_t i = 0; mesh->list->list.kind != ECO_LIST_TRIANGLES && i < mesh->batch.count; i++)
-		largest = fmaxf(largest, reach_of(mesh, i));
+		largest = fmaxf(largest, view_mesh_reach(mesh, i));
 	mesh->radius += largest;
 }
 
@@ -144,7 +143,7 @@ static uint32_t axis_of(const float *p)
 
 static uint32_t cloud_of(const struct view_mesh *mesh, uint32_t point)
 {
-	double reach = (double)reach_of(mesh, point);
+	double reach = (double)view_mesh_reach(mesh, point);
 	return view_surface_cloud(mesh->half_width > 0 ? reach / mesh->half_width : 1,
 		eco_level_share(mesh->list->list.level));
 }

@@ -21,6 +21,8 @@ struct view_mesh {                       /* owns its geometry; zero is empty */
 enum eco_code view_mesh_make(struct view_mesh *mesh, const struct view_store *store,
 	const struct eco_cut *cut, const struct view_plant *plant, struct eco_error *error);
 void view_mesh_free(struct view_mesh *mesh);
+/* How far a line or a point reaches from its corners; of a splat, its longest half axis. */
+float view_mesh_reach(const struct view_mesh *mesh, uint32_t primitive);
 
 /* The eye, and rays through a pixel's centre, one pixel to the right and one down: object space. */
 struct view_rays { double eye[3], ray[3][3]; };

@@ -17,6 +17,8 @@ struct view_picture {                    /* owns its arrays */
 	uint8_t *soft;                   /* samples covered (view_measure.h); NULL until counted */
 	uint64_t vertices;               /* counted at the draw calls */
 	double draw_ms;
+	/* if shadows are cast: of these; texels for a pixel near the eye (view_shadow_sharpness) */
+	double shadow_ms, shadow_texels;
 };
 
 enum eco_code view_picture_init(struct view_picture *picture, uint32_t width, uint32_t height,

@@ -112,7 +112,7 @@ enum eco_code view_shade_make(struct view_shade *shade, const struct view_store 
 	if (!shade->texels)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for shadows");
 	double away[2];
-	bool shadows = find_throw(selection->sun, away);
+	bool shadows = find_throw(selection->sky.sun, away);
 	find_square(shade, selection);
 	for (uint32_t i = 0; i < selection->instance_count; i++) {
 		const struct view_instance *p = &selection->instances[i];

@@ -16,6 +16,7 @@ import { aboutScene, EcoError, EcoStream } from './eco_stream.mjs';
 
 export { EcoError };
 export const TINTS = { none: 0, kind: 1 };
+export const SHADOWS = { none: 0, standard: 1, perspective: 2 };
 
 const PATIENCE_MS = 400;         // a view that is out of date is given up after so long
 const FIRST_MS = 250;            // coarser pictures are shown while a view takes longer than this
@@ -72,11 +73,15 @@ export class EcoLayer {
 	/** vertices, bytes: budgets of a view (bytes -1: none); tint: 'none' or 'kind'; sky: draw one where
 	 * nothing is; scale: pixels drawn for each of the page's, either way; memoryBytes: of decoded data;
 	 * sun: a time, in seconds since 1970, where it is then and there; null: where it usually is;
+	 * shadows: 'none', 'standard' or 'perspective', by a map of shadowSize texels a side (0: 1024);
+	 * haze: metres after which it hides all but 1/e (0: as usual);
 	 * keep: the browser keeps what comes until the next visit; token: of a scene that is not for all;
 	 * onChange(): there is more to draw; onError(error): an EcoError. */
 	constructor({ url, gl, vertices = 300000, bytes = -1, tint = 'none', sky = true, scale = 1,
-		memoryBytes, sun = null, keep = false, token, onChange, onError }) {
-		Object.assign(this, { gl, vertices, bytes, tint, sky, scale, sun, onChange, onError });
+		memoryBytes, sun = null, shadows = 'none', shadowSize = 0, haze = 0, keep = false, token,
+		onChange, onError }) {
+		Object.assign(this, { gl, vertices, bytes, tint, sky, scale, sun, shadows, shadowSize, haze,
+			onChange, onError });
 		this.asked = null;              // the view that is held or under way
 		this.loading = false;
 		this.version = 0;               // of what is drawn
@@ -142,7 +147,7 @@ export class EcoLayer {
 	/** What a picture is of: one of the same key looks the same. */
 	keyOf(view, width, height) {
 		const size = [width, height].map((n) => Math.max(1, Math.round(n * this.scale)));
-		return [view, size, this.tint, this.version, this.sun];
+		return [view, size, this.tint, this.version, this.sun, this.shadows, this.shadowSize, this.haze];
 	}
 
 	present(view, depth, width, height) {
@@ -155,6 +160,8 @@ export class EcoLayer {
 				const at = stream.putView(view), origin = this.about.origin ?? {};
 				module._web_sun(stream.web, origin.longitude_deg, origin.latitude_deg,
 					origin.convergence_deg, this.sun ?? NaN);
+				stream.check(module._web_sky(stream.web, SHADOWS[this.shadows], this.shadowSize,
+					this.haze));
 				stream.check(module._web_draw(stream.web, at, ...key[1], TINTS[this.tint]));
 				this.drawn = key;
 			}

@@ -12,13 +12,13 @@ WEB_CFLAGS := -std=c11 $(WARN) $(WEB_FLAGS) -I$(W)/src/libwebp/src
 WEB_CXXFLAGS := -std=c++17 -fno-rtti $(WEB_FLAGS) -isystem $(W)/src/draco/src
 export NODE_PATH := /usr/share/nodejs
 
-WEB_ROOMS := $(wildcard lod/*.c) $(wildcard client-min/web/*.c)
+WEB_ROOMS := $(wildcard lod/*.c) lod/raster/texel.c $(wildcard client-min/web/*.c)
 WEB_BASE := bytes range room status turn utf8
 WEB_CHUNK := chunk chunk_columns chunk_corners chunk_counts chunk_decode chunk_mesh chunk_rows chunk_shapes shape
 WEB_FORMAT := $(WEB_CHUNK:%=chunk/%) ground_tile heights impostor impostor_codec list model pack_check pack_record plan splat texture \
 	view wire_frame wire_holdings wire_parse wire_plan wire_write
 WEB_VIEW := cache digest ground list owners query record select store sun table threads
-WEB_DRAW := forms gl gpu impostor light shade shader shader_impostor picture
+WEB_DRAW := forms gl gpu impostor light mesh picture shade shader shader_impostor shadow shadow_cast texture
 WEB_SOURCES := $(WEB_BASE:%=ecofiles/base/%.c) $(WEB_FORMAT:%=ecofiles/format/%.c) $(WEB_VIEW:%=client-min/view_%.c) \
 	$(WEB_DRAW:%=client-min/draw/view_%.c) $(WEB_ROOMS)
 

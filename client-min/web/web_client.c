@@ -18,13 +18,13 @@ struct web {
 	struct eco_wire_parser *parser;          /* of the answer under way; else NULL */
 	struct eco_request request;
 	/* what is drawn; it outlives the plan that it is of, until something of it may have gone */
-	struct view_selection selection;
+	struct view_selection selection, casters;        /* casters: empty unless shadows are asked for */
 	uint64_t evictions;                      /* of the store when it was made */
 	double predicted_q;
 	struct view_gl *gl;
 	struct view_picture picture;
 	struct lod_eye eye;                      /* of the picture */
-	float sun[3];                            /* view_selection's */
+	struct view_sky sky;
 	struct web_present present;
 	struct eco_writer body, text;
 	uint64_t bytes;                          /* of answers */
@@ -54,6 +54,7 @@ void web_free(struct web *web)
 	view_picture_free(&web->picture);
 	eco_wire_parser_free(web->parser);
 	view_select_free(&web->selection);
+	view_select_free(&web->casters);
 	view_store_free(web->store);
 	eco_writer_free(&web->body);
 	eco_writer_free(&web->text);
@@ -75,8 +76,10 @@ static void forget_error(struct web *web)
 /* For want of memory chunks may have gone that the selection draws. */
 static void keep_selection(struct web *web)
 {
-	if (view_store_stats(web->store).evictions != web->evictions)
-		view_select_free(&web->selection);
+	if (view_store_stats(web->store).evictions == web->evictions)
+		return;
+	view_select_free(&web->selection);
+	view_select_free(&web->casters);
 }
 
 static struct eco_view view_of(const double view[10], double width, double height)
@@ -154,6 +157,17 @@ int web_finish(struct web *web)
 
 /* ---- What is drawn ---- */
 
+/* What casts shadows, if any are asked for, of the plan that the store has. */
+static enum eco_code select_casters(struct web *web)
+{
+	struct lod_eye eye;
+	view_select_free(&web->casters);
+	if (!web->sky.shadows || !view_store_plan(web->store))
+		return ECO_OK;
+	lod_eye_make(&eye, &web->request.view);
+	return view_select_casters(&web->casters, web->store, &eye, &web->error);
+}
+
 int web_select(struct web *web)
 {
 	const struct eco_plan *plan = view_store_plan(web->store);
@@ -170,7 +184,7 @@ int web_select(struct web *web)
 	web->selection = selection;
 	web->evictions = view_store_stats(web->store).evictions;
 	web->predicted_q = eco_predicted_q(&plan->prediction);
-	return 0;
+	return (int)select_casters(web);
 }
 
 /* A target and a picture of that size, on the GPU and here. */
@@ -196,7 +210,8 @@ int web_draw(struct web *web, const double view[10], double width, double height
 	if (eco_view_check(&v, &web->error) || prepare(web, v.width, v.height))
 		return (int)web->error.code;
 	lod_eye_make(&web->eye, &v);
-	memcpy(web->selection.sun, web->sun, sizeof web->sun);
+	web->selection.sky = web->sky;
+	web->selection.sky.casters = web->casters.instance_count ? &web->casters : NULL;
 	double near_m = view_store_near_m(web->store);
 	return (int)view_gl_draw(web->gl, &(struct view_gl_job){ web->store, &web->selection, &web->eye,
 		near_m > 0 ? near_m : 0.1, (enum view_tint)tint }, &web->picture, &web->error);
@@ -206,10 +221,22 @@ void web_sun(struct web *web, double longitude_deg, double latitude_deg, double 
 	double unix_s)
 {
 	struct view_sun_place place = { longitude_deg, latitude_deg, convergence_deg };
-	memset(web->sun, 0, sizeof web->sun);
+	memset(web->sky.sun, 0, sizeof web->sky.sun);
 	if (isfinite(longitude_deg) && isfinite(latitude_deg) && isfinite(convergence_deg)
 		&& isfinite(unix_s))
-		view_sun_at(&place, unix_s, web->sun);
+		view_sun_at(&place, unix_s, web->sky.sun);
+}
+
+int web_sky(struct web *web, double shadows, double shadow_size, double haze_m)
+{
+	enum view_shadows before = web->sky.shadows;
+	double size = shadow_size > 0 ? shadow_size : VIEW_SHADOW_SIZE;
+	forget_error(web);
+	web->sky.shadows = shadows == VIEW_SHADOWS_STANDARD || shadows == VIEW_SHADOWS_PERSPECTIVE
+		? (enum view_shadows)shadows : VIEW_SHADOWS_NONE;
+	web->sky.shadow_size = (uint32_t)fmin(fmax(size, VIEW_SHADOW_SIZE_MIN), VIEW_SHADOW_SIZE_MAX);
+	web->sky.haze_m = haze_m > 0 ? haze_m : 0;
+	return web->sky.shadows && !before ? (int)select_casters(web) : 0;
 }
 
 int web_present(struct web *web, const double *depth, const double *viewport, double sky)

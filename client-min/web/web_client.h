@@ -44,6 +44,9 @@ int web_draw(struct web *web, const double view[10], double width, double height
 /* From now on the sun is where it is at a place and time (view_sun.h); NaN: where it usually is. */
 void web_sun(struct web *web, double longitude_deg, double latitude_deg, double convergence_deg,
 	double unix_s);
+/* From now on shadows are cast (enum view_shadows: 0 none) by maps of so many texels a side (0: 1024), and
+ * haze hides all but 1/e of what is haze_m metres away (0: as usual). */
+int web_sky(struct web *web, double shadows, double shadow_size, double haze_m);
 /* depth: 2 numbers, viewport: 4. */
 int web_present(struct web *web, const double *depth, const double *viewport, double sky);
 /* What was drawn last, rows from the top: 3 bytes of colour a pixel; 255 where a plant is, else 0. */

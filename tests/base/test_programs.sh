@@ -73,6 +73,14 @@ for time in '' now 2026-06-21 2026-06-21T25:00Z; do
 	run 2 http://localhost/v1/scenes/none --camera none.json --size 8x8 --vertices 1 -o "$DIR/none" --sun "$time"
 	says err "--sun .*such as 2026-06-21T10:00Z"
 done
+for kind in '' none Standard standard, standard,0 standard,63 perspective,8193 perspective,1024x 'perspective, 1024' standard,-9 perspective,99999999999; do
+	run 2 http://localhost/v1/scenes/none --camera none.json --size 8x8 --vertices 1 -o "$DIR/none" --shadows "$kind"
+	says err "--shadows .*must be standard or perspective.*of 64 to 8192 texels"
+done
+for kind in standard perspective,64 standard,8192; do
+	run 1 http://localhost/v1/scenes/none --camera "$DIR/none.json" --size 8x8 --vertices 1 -o "$DIR/none" --shadows "$kind" --haze 900
+	says err "none.json"
+done
 
 path=ecoload; program=ecoload
 load() { run "$1" http://localhost/v1/scenes/none --camera none.json --clients 2 --seconds 1 $2; says err "$3"; }

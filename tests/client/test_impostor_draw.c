@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "client-min/draw/view_gl.h"
+#include "client-min/draw/view_shadow.h"
 #include "client-min/view_reference.h"
 #include "ecofiles/format/image.h"
 #include "tests/support/files.h"
@@ -181,6 +182,50 @@ UNIT_TEST(forests_agree)
 		snprintf(name, sizeof name, "forest-%u", level);
 		assert_agree(name, view, level, 20);
 	}
+}
+
+/* Seen along the sun's beams from where the sun is, a plant is where its shadow is, and as high. */
+UNIT_TEST(impostors_cast_the_shadow_of_what_is_seen_from_the_sun)
+{
+	struct eco_view view = { { -400, -300, 400 }, { 0, 0, 3 }, { 0, 0, 1 }, 3, 512, 512 };
+	struct scene_held h = hold(&view, LEVELS - 1, 1);
+	struct view_picture picture;
+	draw_software(&h, &picture);
+	for (int kind = VIEW_SHADOWS_STANDARD; kind <= VIEW_SHADOWS_PERSPECTIVE; kind++) {
+		const double *f = h.eye.forward;
+		struct view_shadow_job job = { h.store, &h.selection, &h.eye, &picture,
+			{ -(float)f[0], -(float)f[1], -(float)f[2] }, (enum view_shadows)kind, 1024, 1 };
+		struct view_shadow shadow;
+		struct eco_error error = { 0 };
+		uint32_t plants = 0, met = 0, near = 0;
+		assert_ok(view_shadow_make(&shadow, &job, &error), error);
+		for (uint32_t y = 0; y < view.height; y++)
+			for (uint32_t x = 0; x < view.width; x++) {
+				size_t i = (size_t)y * view.width + x;
+				double to[3], u = ((x + 0.5) / view.width * 2 - 1) * h.eye.tan_x,
+					v = (1 - (y + 0.5) / view.height * 2) * h.eye.tan_y;
+				float texel[2], place[3];
+				if (!picture.owner[i])
+					continue;
+				for (int k = 0; k < 3; k++) {
+					to[k] = (f[k] + u * h.eye.right[k] + v * h.eye.up[k])
+						/ (double)picture.depth[i];
+					place[k] = (float)to[k];
+				}
+				plants++;
+				if (!view_shadow_place(&shadow, place, texel))
+					continue;
+				float top = shadow.top[(uint32_t)texel[1] * 1024 + (uint32_t)texel[0]];
+				met += top > -INFINITY;
+				near += fabs((double)top + lod_dot(to, f)) < 0.4;
+			}
+		print_message("%u pixels of plants: %u meet a shadow's caster, %u at its height\n", plants, met,
+			near);
+		assert_true(plants > 5000 && met > 0.95 * plants && near > 0.9 * plants);
+		view_shadow_free(&shadow);
+	}
+	view_picture_free(&picture);
+	scene_release(&h);
 }
 
 int main(void)

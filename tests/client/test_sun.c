@@ -125,13 +125,13 @@ UNIT_TEST(shadows_fall_away_from_the_sun)
 	struct view_selection alone = { .instances = &h.selection.instances[tree], .instance_count = 1 };
 	double mean[2];
 	for (size_t i = 0; i < sizeof suns / sizeof *suns; i++) {
-		memcpy(alone.sun, suns[i], sizeof alone.sun);
+		memcpy(alone.sky.sun, suns[i], sizeof alone.sky.sun);
 		assert_true(shadow_of(&h, &alone, mean) > 0);
 		double along = mean[0] * (double)suns[i][0] + mean[1] * (double)suns[i][1],
 			across = mean[0] * (double)suns[i][1] - mean[1] * (double)suns[i][0];
 		assert_true(along < 0 && fabs(across) < 0.1 * fabs(along));
 	}
-	memcpy(alone.sun, (const float[3]){ 0.9f, 0.3f, -0.3f }, sizeof alone.sun);
+	memcpy(alone.sky.sun, (const float[3]){ 0.9f, 0.3f, -0.3f }, sizeof alone.sky.sun);
 	assert_true(shadow_of(&h, &alone, mean) == 0);
 	scene_release(&h);
 	scene_free(&scene);

@@ -1,0 +1,409 @@
+/* Each thread draws every n-th cut of the selection for all plants that draw it, so a cut's geometry is made
+ * once; the highest of a texel stays, so the map is the same whatever their number.
+ *
+ * Triangles and lines are drawn as polygons. Points are discs across the beams, and splats the outlines of
+ * their ellipsoids, both flat, at the height of their middle: what of them is beyond it shades itself. */
+#include "client-min/draw/view_shadow_cast.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "client-min/draw/view_mesh.h"
+#include "client-min/view_threads.h"
+#include "lod/impostor.h"
+#include "lod/raster/texel.h"
+#include "lod/splat.h"
+
+#define LEAST_W 1e-4f                    /* of the map's W, whose least where something is seen is 1 */
+#define FAR_RADII 64.0f                  /* from where an impostor is looked at */
+
+struct caster {                          /* of a thread */
+	const struct view_shadow_job *job;
+	const struct view_shadow *shadow;
+	float *top;
+	uint32_t number, count;
+	enum eco_code code;
+	struct eco_error error;
+};
+
+/* One plant: the map's rows of its coordinates, and the sun in them. */
+struct object { float row[4][4], sun[3]; };
+
+/* Texture coordinates s, t only where there is a texture. */
+struct corner { float u, v, w, height, s, t; };
+
+static float dot3(const float a[3], const float b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static void cross3(const float a[3], const float b[3], float out[3])
+{
+	for (int k = 0; k < 3; k++)
+		out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+static void place_object(struct object *o, const struct caster *c, const struct lod_place *place)
+{
+	const double s = place->sine, q = place->cosine;
+	const float *sun = c->shadow->sun;
+	for (int i = 0; i < 4; i++) {
+		const float *r = c->shadow->row[i];
+		double offset = (double)r[3];
+		for (int k = 0; k < 3; k++)
+			offset += (double)r[k] * (place->at[k] - c->job->eye->at[k]);
+		o->row[i][0] = (float)(((double)r[0] * q + (double)r[1] * s) * place->scale);
+		o->row[i][1] = (float)(((double)r[1] * q - (double)r[0] * s) * place->scale);
+		o->row[i][2] = (float)((double)r[2] * place->scale);
+		o->row[i][3] = (float)offset;
+	}
+	o->sun[0] = (float)((double)sun[0] * q + (double)sun[1] * s);
+	o->sun[1] = (float)((double)sun[1] * q - (double)sun[0] * s);
+	o->sun[2] = sun[2];
+}
+
+static struct corner corner_of(const struct object *o, const float p[3])
+{
+	return (struct corner){ dot3(o->row[0], p) + o->row[0][3], dot3(o->row[1], p) + o->row[1][3],
+		dot3(o->row[2], p) + o->row[2][3], dot3(o->row[3], p) + o->row[3][3], 0, 0 };
+}
+
+/* ---- Triangles ---- */
+
+/* Texels [from, to] whose middles lie between two places; false: none. */
+static bool span_of(const struct caster *c, float low, float high, int span[2])
+{
+	float last = (float)c->shadow->size - 1;
+	low = ceilf(fmaxf(low - 0.5f, 0));
+	high = floorf(fminf(high - 0.5f, last));
+	if (!(low <= high))
+		return false;
+	span[0] = (int)low;
+	span[1] = (int)high;
+	return true;
+}
+
+static void raise(const struct caster *c, int x, int y, float height)
+{
+	float *top = c->top + (size_t)y * c->shadow->size + (size_t)x;
+	*top = height > *top ? height : *top;
+}
+
+/* A texel whose shares of the corners, seen in the map, are given. */
+static void draw_texel(const struct caster *c, const struct corner corner[3], const float share[3], int x,
+	int y, const struct eco_image *cutout)
+{
+	float sum = 0, height = 0, s = 0, t = 0;
+	for (int i = 0; i < 3; i++) {
+		float part = share[i] / corner[i].w;
+		sum += part;
+		height += part * corner[i].height;
+		s += part * corner[i].s;
+		t += part * corner[i].t;
+	}
+	if (!cutout || lod_texel_at(cutout, (double)(s / sum), (double)(t / sum))[3] >= 128)
+		raise(c, x, y, height / sum);
+}
+
+/* All corners have W > 0. */
+static void fill_triangle(const struct caster *c, const struct corner corner[3],
+	const struct eco_image *cutout)
+{
+	float x[3], y[3];
+	int across[2], down[2];
+	for (int i = 0; i < 3; i++) {
+		x[i] = corner[i].u / corner[i].w;
+		y[i] = corner[i].v / corner[i].w;
+	}
+	if (!span_of(c, fminf(x[0], fminf(x[1], x[2])), fmaxf(x[0], fmaxf(x[1], x[2])), across)
+			|| !span_of(c, fminf(y[0], fminf(y[1], y[2])), fmaxf(y[0], fmaxf(y[1], y[2])), down))
+		return;
+	float ax = x[1] - x[0], ay = y[1] - y[0], bx = x[2] - x[0], by = y[2] - y[0],
+		part = 1 / (ax * by - bx * ay);
+	if (!isfinite(part))
+		return;
+	for (int j = down[0]; j <= down[1]; j++)
+		for (int i = across[0]; i <= across[1]; i++) {
+			float px = (float)i + 0.5f - x[0], py = (float)j + 0.5f - y[0];
+			float share[3] = { 0, (px * by - bx * py) * part, (ax * py - px * ay) * part };
+			share[0] = 1 - share[1] - share[2];
+			if (share[0] >= 0 && share[1] >= 0 && share[2] >= 0)
+				draw_texel(c, corner, share, i, j, cutout);
+		}
+}
+
+static struct corner between(const struct corner *a, const struct corner *b)
+{
+	float t = (LEAST_W - a->w) / (b->w - a->w);
+	return (struct corner){ a->u + t * (b->u - a->u), a->v + t * (b->v - a->v), LEAST_W,
+		a->height + t * (b->height - a->height), a->s + t * (b->s - a->s),
+		a->t + t * (b->t - a->t) };
+}
+
+/* The part of a triangle where W is positive, which has up to four corners. */
+static void draw_triangle(const struct caster *c, const struct corner corner[3],
+	const struct eco_image *cutout)
+{
+	struct corner kept[4];
+	int count = 0;
+	for (int i = 0; i < 3; i++) {
+		const struct corner *a = &corner[i], *b = &corner[(i + 1) % 3];
+		if (a->w >= LEAST_W)
+			kept[count++] = *a;
+		if ((a->w >= LEAST_W) != (b->w >= LEAST_W))
+			kept[count++] = between(a, b);
+	}
+	for (int i = 2; i < count; i++) {
+		const struct corner part[3] = { kept[0], kept[i - 1], kept[i] };
+		fill_triangle(c, part, cutout);
+	}
+}
+
+static void draw_triangles(const struct caster *c, const struct object *o, const struct view_mesh *mesh)
+{
+	const struct lod_geometry *g = &mesh->geometry;
+	const struct eco_image *cutout = g->uv ? mesh->batch.cutout : NULL;
+	for (uint32_t i = 0; i < mesh->batch.count; i++) {
+		struct corner corner[3];
+		for (int k = 0; k < 3; k++) {
+			size_t vertex = 3 * (size_t)i + (size_t)k;
+			corner[k] = corner_of(o, g->position + 3 * vertex);
+			if (cutout) {
+				corner[k].s = g->uv[2 * vertex];
+				corner[k].t = g->uv[2 * vertex + 1];
+			}
+		}
+		draw_triangle(c, corner, cutout);
+	}
+}
+
+/* ---- Lines ---- */
+
+static void draw_line(const struct caster *c, const struct object *o, const float *a, const float *b,
+	float width)
+{
+	const float along[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
+	float side[3], p[4][3];
+	cross3(along, o->sun, side);
+	float length = sqrtf(dot3(side, side)), part = length > 0 ? 0.5f * width / length : 0;
+	for (int k = 0; k < 3; k++) {
+		float s = side[k] * part;
+		p[0][k] = a[k] - s;
+		p[1][k] = b[k] - s;
+		p[2][k] = b[k] + s;
+		p[3][k] = a[k] + s;
+	}
+	struct corner corner[4];
+	for (int i = 0; i < 4; i++)
+		corner[i] = corner_of(o, p[i]);
+	draw_triangle(c, corner, NULL);
+	draw_triangle(c, (const struct corner[3]){ corner[0], corner[2], corner[3] }, NULL);
+}
+
+static void draw_lines(const struct caster *c, const struct object *o, const struct view_mesh *mesh)
+{
+	const struct lod_geometry *g = &mesh->geometry;
+	for (uint32_t i = 0; i < mesh->batch.count; i++)
+		draw_line(c, o, g->position + 6 * (size_t)i, g->position + 6 * (size_t)i + 3, g->width[i]);
+}
+
+/* ---- Discs, ellipsoids and impostors ---- */
+
+/* What an ellipsoid covers of the map, exactly: W is to it what distance is to a picture (lod/splat.h). */
+struct outline { float x, y, height; struct lod_ellipse ellipse; int across[2], down[2]; };
+
+static bool outline_of(const struct caster *c, const struct object *o, const float center[3],
+	const float (*half)[3], int count, struct outline *e)
+{
+	struct corner m = corner_of(o, center);
+	float across[3] = { 0, 0, 0 }, down[3] = { 0, 0, 0 }, farther[3] = { 0, 0, 0 };
+	if (!(m.w >= LEAST_W))
+		return false;
+	e->x = m.u / m.w;
+	e->y = m.v / m.w;
+	e->height = m.height;
+	for (int k = 0; k < count; k++) {
+		farther[k] = dot3(o->row[2], half[k]) / m.w;
+		across[k] = dot3(o->row[0], half[k]) / m.w - e->x * farther[k];
+		down[k] = dot3(o->row[1], half[k]) / m.w - e->y * farther[k];
+	}
+	if (!lod_ellipse_make(&e->ellipse, across, down, farther, m.w))
+		return false;
+	e->x += e->ellipse.x;
+	e->y += e->ellipse.y;
+	return span_of(c, e->x - e->ellipse.wide, e->x + e->ellipse.wide, e->across)
+		&& span_of(c, e->y - e->ellipse.high, e->y + e->ellipse.high, e->down);
+}
+
+static bool outline_has(const struct outline *e, int x, int y)
+{
+	float dx = (float)x + 0.5f - e->x, dy = (float)y + 0.5f - e->y;
+	return fabsf(dx - e->ellipse.lean * dy) <= lod_ellipse_row(&e->ellipse, dy);
+}
+
+/* Two directions across the beams, of a length. */
+static void disc_of(const struct object *o, float radius, float half[2][3])
+{
+	const float other[3] = { fabsf(o->sun[0]) < 0.7f, fabsf(o->sun[0]) >= 0.7f, 0 };
+	cross3(o->sun, other, half[0]);
+	float part = radius / sqrtf(dot3(half[0], half[0]));
+	for (int k = 0; k < 3; k++)
+		half[0][k] *= part;
+	cross3(o->sun, half[0], half[1]);
+}
+
+static void draw_points(const struct caster *c, const struct object *o, const struct view_mesh *mesh)
+{
+	const struct lod_geometry *g = &mesh->geometry;
+	for (uint32_t i = 0; i < mesh->batch.count; i++) {
+		const float *center = g->position + 3 * (size_t)i;
+		float half[3][3];
+		struct outline e;
+		uint32_t salt = lod_splat_salt(center);
+		if (g->half)
+			memcpy(half, g->half + 9 * (size_t)i, sizeof half);
+		else
+			disc_of(o, view_mesh_reach(mesh, i), half);
+		if (!outline_of(c, o, center, half, g->half ? 3 : 2, &e))
+			continue;
+		for (int y = e.down[0]; y <= e.down[1]; y++)
+			for (int x = e.across[0]; x <= e.across[1]; x++)
+				if (outline_has(&e, x, y) && (!g->opacity || lod_splat_covers(salt,
+						(uint32_t)x, (uint32_t)y, g->opacity[i])))
+					raise(c, x, y, e.height);
+	}
+}
+
+/* Where a texel's beam meets the plane through `m` along two half axes: how much of each. */
+static void meet_plane(const struct object *o, const struct corner *m, const float (*half)[3], int x, int y,
+	float share[2])
+{
+	const float at[2] = { (float)x + 0.5f, (float)y + 0.5f };
+	const float left[2] = { at[0] * m->w - m->u, at[1] * m->w - m->v };
+	float d[2][2];
+	for (int i = 0; i < 2; i++)
+		for (int k = 0; k < 2; k++)
+			d[i][k] = dot3(o->row[i], half[k]) - at[i] * dot3(o->row[2], half[k]);
+	float part = 1 / (d[0][0] * d[1][1] - d[0][1] * d[1][0]);
+	share[0] = (left[0] * d[1][1] - d[0][1] * left[1]) * part;
+	share[1] = (d[0][0] * left[1] - left[0] * d[1][0]) * part;
+}
+
+static void draw_impostor(const struct caster *c, const struct object *o, const struct view_mesh *mesh)
+{
+	const struct lod_impostor *impostor = mesh->impostor;
+	struct corner m = corner_of(o, mesh->center);
+	struct lod_impostor_look look;
+	float half[2][3], away = FAR_RADII * mesh->radius;
+	struct outline e;
+	disc_of(o, mesh->radius, half);
+	if (!outline_of(c, o, mesh->center, (const float (*)[3])half, 2, &e))
+		return;
+	const float eye[3] = { o->sun[0] * away, o->sun[1] * away, o->sun[2] * away };
+	lod_impostor_look(&look, impostor, eye);
+	for (int y = e.down[0]; y <= e.down[1]; y++)
+		for (int x = e.across[0]; x <= e.across[1]; x++) {
+			struct lod_impostor_hit hit;
+			float share[2], ray[3], met[3];
+			meet_plane(o, &m, (const float (*)[3])half, x, y, share);
+			for (int k = 0; k < 3; k++)
+				ray[k] = share[0] * half[0][k] + share[1] * half[1][k] - eye[k];
+			if (!outline_has(&e, x, y) || !lod_impostor_hit(impostor, &look, ray, &hit))
+				continue;
+			for (int k = 0; k < 3; k++)
+				met[k] = mesh->center[k] + eye[k] + hit.along * ray[k];
+			raise(c, x, y, corner_of(o, met).height);
+		}
+}
+
+/* ---- Cuts ---- */
+
+/* Whether the map may hold any of the ball around a mesh. */
+static bool is_near(const struct caster *c, const struct object *o, const struct view_mesh *mesh)
+{
+	float half[2][3];
+	struct outline e;
+	disc_of(o, mesh->radius, half);
+	float w = corner_of(o, mesh->center).w, a = dot3(o->row[2], half[0]), b = dot3(o->row[2], half[1]),
+		reach = sqrtf(a * a + b * b);
+	if (w < 1.01f * reach + LEAST_W)         /* it reaches where W is 0, and has no outline */
+		return w + reach > 0;
+	return outline_of(c, o, mesh->center, (const float (*)[3])half, 2, &e);
+}
+
+static void draw_mesh(const struct caster *c, const struct lod_place *place, const struct view_mesh *mesh)
+{
+	struct object o;
+	place_object(&o, c, place);
+	if (!is_near(c, &o, mesh))
+		return;
+	if (mesh->impostor)
+		draw_impostor(c, &o, mesh);
+	else if (mesh->list->list.kind == ECO_LIST_TRIANGLES)
+		draw_triangles(c, &o, mesh);
+	else if (mesh->list->list.kind == ECO_LIST_LINES)
+		draw_lines(c, &o, mesh);
+	else
+		draw_points(c, &o, mesh);
+}
+
+static void draw_cuts(void *casters, uint32_t number)
+{
+	struct caster *c = (struct caster *)casters + number;
+	const struct view_selection *s = c->job->casters;
+	for (uint32_t cut = number; cut < s->cut_count && !c->code; cut += c->count) {
+		uint32_t first = s->member_first[cut], end = s->member_first[cut + 1];
+		struct view_mesh mesh = { .list = NULL };
+		if (first == end)
+			continue;
+		uint32_t plant = s->instances[s->members[first]].plant;
+		c->code = view_mesh_make(&mesh, c->job->store, &s->plan_cuts[cut],
+			plant == ECO_NONE ? NULL : view_store_plant(c->job->store, plant), &c->error);
+		for (uint32_t m = first; m < end && !c->code; m++)
+			draw_mesh(c, &s->instances[s->members[m]].place, &mesh);
+		view_mesh_free(&mesh);
+	}
+}
+
+/* The first thread draws into the map itself, the others into maps that are then merged. */
+static enum eco_code open_caster(struct caster *c, const struct caster *like, uint32_t number)
+{
+	size_t texels = (size_t)like->shadow->size * like->shadow->size;
+	*c = *like;
+	c->number = number;
+	if (number && !(c->top = malloc(texels * sizeof *c->top)))
+		return ECO_NO_MEMORY;
+	for (size_t i = 0; i < texels; i++)
+		c->top[i] = -INFINITY;
+	return ECO_OK;
+}
+
+static void close_caster(const struct caster *c, float *top)
+{
+	size_t texels = (size_t)c->shadow->size * c->shadow->size;
+	if (!c->number || !c->top)
+		return;
+	for (size_t i = 0; i < texels; i++)
+		top[i] = c->top[i] > top[i] ? c->top[i] : top[i];
+	free(c->top);
+}
+
+enum eco_code view_shadow_cast(struct view_shadow *shadow, const struct view_shadow_job *job,
+	struct eco_error *error)
+{
+	uint32_t count = view_thread_count(job->threads), opened = 0;
+	struct caster *casters = calloc(count, sizeof *casters);
+	const struct caster like = { job, shadow, shadow->top, 0, count, ECO_OK, { .text = "" } };
+	enum eco_code code = casters ? ECO_OK : ECO_NO_MEMORY;
+	for (; opened < count && !code; opened++)
+		code = open_caster(&casters[opened], &like, opened);
+	if (code)
+		eco_fail(error, code, "no memory for shadows");
+	else
+		view_threads_run(count, draw_cuts, casters);
+	for (uint32_t i = 0; i < opened; i++) {
+		if (!code && casters[i].code)
+			code = eco_fail(error, casters[i].code, "%s", casters[i].error.text);
+		close_caster(&casters[i], shadow->top);
+	}
+	free(casters);
+	return code;
+}

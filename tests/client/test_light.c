@@ -1,0 +1,230 @@
+/* Light: both sides of a leaf, haze, a low sun's sky, and shadows in pictures of both engines, which are
+ * there only when asked for. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "client-min/draw/view_gl.h"
+#include "client-min/view_reference.h"
+#include "tests/support/unit_test.h"
+#include "tests/support/view_scene.h"
+
+static struct scene_builder scene;
+static struct view_gl *gl;
+
+static int open_all(void **state)
+{
+	struct eco_view view = scene_view();
+	struct view_gl_options options = { view.width, view.height };
+	struct eco_error error = { 0 };
+	scene_make(&scene, NULL, 0);
+	if (view_gl_open(&gl, &options, &error))
+		print_message("OpenGL tests are skipped: %s\n", error.text);
+	return 0;
+}
+
+static int close_all(void **state)
+{
+	view_gl_close(gl);
+	scene_free(&scene);
+	return 0;
+}
+
+/* ---- Leaves ---- */
+
+/* One leaf of the first plant in view, as one pixel of a picture: lit in *rgb. */
+static void light_leaf(const struct scene_held *h, const float sun[3], const float normal[3], uint8_t rgb[3])
+{
+	static const uint8_t green[3] = { 70, 120, 40 };
+	struct view_picture one;
+	struct eco_error error = { 0 };
+	const struct view_instance *plant = h->selection.instances;
+	struct view_selection s = h->selection;
+	s.ground.count = 0;
+	memcpy(s.sky.sun, sun, sizeof s.sky.sun);
+	while (plant->plant == ECO_NONE)
+		plant++;
+	/* the leaf's plant is turned */
+	const float turned[3] = { (float)((double)normal[0] * plant->place.cosine
+		+ (double)normal[1] * plant->place.sine), (float)((double)normal[1] * plant->place.cosine
+		- (double)normal[0] * plant->place.sine), normal[2] };
+	assert_ok(view_picture_init(&one, 1, 1, &error), error);
+	memcpy(one.rgb, green, sizeof green);
+	one.cover[0] = 255;
+	one.owner[0] = plant->owner;
+	one.depth[0] = (float)(1 / plant->distance_m);
+	one.surface[0] = view_surface_direction(VIEW_FACET, turned);
+	struct view_light_job job = { h->store, &s, &h->eye, VIEW_TINT_UNSHADED, 1 };
+	assert_ok(view_light_picture(&job, &one, &error), error);
+	memcpy(rgb, one.rgb, 3);
+	view_picture_free(&one);
+}
+
+UNIT_TEST(leaves_have_two_sides_and_let_light_through)
+{
+	struct scene_held h = scene_hold(&scene);
+	scene_select(&h);
+	const double *f = h.eye.forward;
+	const float normal[3] = { -(float)f[0], -(float)f[1], -(float)f[2] }, back[3] = { (float)f[0],
+		(float)f[1], (float)f[2] };
+	/* towards the eye, and away from it, as high; and one that only grazes the leaf */
+	const float ahead[3] = { (float)f[0], (float)f[1], 0.5f }, behind[3] = { -(float)f[0], -(float)f[1],
+		0.5f }, beside[3] = { (float)f[1], -(float)f[0], 0.5f };
+	uint8_t front[3], other[3], through[3], grazed[3];
+	light_leaf(&h, behind, normal, front);
+	light_leaf(&h, behind, back, other);
+	assert_memory_equal(front, other, 3);            /* the side that is seen decides */
+	light_leaf(&h, ahead, normal, through);
+	light_leaf(&h, ahead, back, other);
+	assert_memory_equal(through, other, 3);
+	light_leaf(&h, beside, normal, grazed);
+	print_message("lit %u %u %u, from behind %u %u %u, grazed %u %u %u\n", front[0], front[1], front[2],
+		through[0], through[1], through[2], grazed[0], grazed[1], grazed[2]);
+	/* it glows, in a yellower green than in light from the front */
+	assert_true(through[1] > grazed[1] + 10 && through[1] < front[1]);
+	assert_true(through[1] * front[2] > front[1] * through[2]);
+	scene_release(&h);
+}
+
+/* ---- Pictures ---- */
+
+static void draw(const struct scene_held *h, const struct view_sky *sky, bool by_gl, struct view_picture *p)
+{
+	struct eco_error error = { 0 };
+	struct view_selection s = h->selection;
+	s.sky = *sky;
+	assert_ok(view_picture_init(p, h->view.width, h->view.height, &error), error);
+	if (by_gl)
+		assert_ok(view_gl_draw(gl, &(struct view_gl_job){ h->store, &s, &h->eye, 0.1,
+			VIEW_TINT_NONE }, p, &error), error);
+	else
+		assert_ok(view_reference_draw(&(struct view_reference_job){ h->store, &s, &h->eye, 0.1, 2, NULL,
+			VIEW_TINT_NONE }, p, &error), error);
+}
+
+static double mean_difference(const struct view_picture *a, const struct view_picture *b)
+{
+	size_t bytes = 3 * (size_t)a->width * a->height;
+	double sum = 0;
+	for (size_t i = 0; i < bytes; i++)
+		sum += abs(a->rgb[i] - b->rgb[i]);
+	return sum / (double)bytes;
+}
+
+/* The mean of a colour over ground, or over the sky's lowest pixels. */
+static double mean_of(const struct view_picture *p, int channel, bool ground)
+{
+	double sum = 0, count = 0;
+	for (uint32_t x = 0; x < p->width; x++)
+		for (uint32_t y = p->height; y-- > 0;) {
+			size_t i = (size_t)y * p->width + x;
+			if (p->owner[i] || (p->depth[i] > 0) != ground)
+				continue;
+			sum += p->rgb[3 * i + (size_t)channel];
+			count++;
+			if (!ground)
+				break;
+		}
+	return sum / fmax(count, 1);
+}
+
+UNIT_TEST(shadows_are_drawn_alike_by_both_engines)
+{
+	if (!gl)
+		skip();
+	struct scene_held h = scene_hold(&scene);
+	scene_select(&h);
+	const struct view_sky none = { .shadows = VIEW_SHADOWS_NONE };
+	for (int kind = VIEW_SHADOWS_STANDARD; kind <= VIEW_SHADOWS_PERSPECTIVE; kind++) {
+		struct view_sky sky = { .shadows = (enum view_shadows)kind, .shadow_size = 1024 };
+		struct view_picture soft, hard, soft_off, hard_off;
+		draw(&h, &sky, false, &soft);
+		draw(&h, &sky, true, &hard);
+		draw(&h, &none, false, &soft_off);
+		draw(&h, &none, true, &hard_off);
+		double with = mean_difference(&soft, &hard), without = mean_difference(&soft_off, &hard_off);
+		print_message("engines differ by %.3f of 255 with shadows, %.3f without; shadows by %.3f\n", with,
+			without, mean_difference(&soft, &soft_off));
+		assert_true(with < without + 0.3 && mean_difference(&soft, &soft_off) > 1);
+		assert_memory_equal(soft.cover, soft_off.cover, (size_t)soft.width * soft.height);
+		assert_memory_equal(soft.owner, soft_off.owner, 8 * (size_t)soft.width * soft.height);
+		view_picture_free(&soft);
+		view_picture_free(&hard);
+		view_picture_free(&soft_off);
+		view_picture_free(&hard_off);
+	}
+	scene_release(&h);
+}
+
+/* Neither a shader nor anything on the GPU, whether or not they are cast; and nothing stays of them. */
+UNIT_TEST(shadows_need_no_shader_and_leave_nothing)
+{
+	if (!gl)
+		skip();
+	struct scene_held h = scene_hold(&scene);
+	scene_select(&h);
+	const struct view_sky none = { .shadow_size = 1024 }, sky = { .shadows = VIEW_SHADOWS_PERSPECTIVE,
+		.shadow_size = 1024 };
+	struct view_picture before, with, after;
+	draw(&h, &none, true, &before);
+	uint32_t programs = view_gl_programs(gl);
+	uint64_t bytes = view_gl_bytes(gl);
+	draw(&h, &sky, true, &with);
+	draw(&h, &none, true, &after);
+	assert_int_equal(view_gl_programs(gl), programs);
+	assert_true(programs && view_gl_bytes(gl) == bytes);
+	assert_true(memcmp(before.rgb, with.rgb, 3 * (size_t)with.width * with.height) != 0);
+	assert_memory_equal(before.rgb, after.rgb, 3 * (size_t)with.width * with.height);
+	view_picture_free(&before);
+	view_picture_free(&with);
+	view_picture_free(&after);
+	scene_release(&h);
+}
+
+UNIT_TEST(nearer_haze_hides_more)
+{
+	struct scene_held h = scene_hold(&scene);
+	scene_select(&h);
+	struct view_picture usual, same, near;
+	draw(&h, &(struct view_sky){ .haze_m = 0 }, false, &usual);
+	draw(&h, &(struct view_sky){ .haze_m = 5200 }, false, &same);
+	draw(&h, &(struct view_sky){ .haze_m = 30 }, false, &near);
+	assert_memory_equal(usual.rgb, same.rgb, 3 * (size_t)usual.width * usual.height);
+	print_message("blue of ground: %.1f, in haze %.1f; of the sky %.1f\n", mean_of(&usual, 2, true),
+		mean_of(&near, 2, true), mean_of(&near, 2, false));
+	assert_true(mean_of(&near, 2, true) > mean_of(&usual, 2, true) + 20);
+	assert_true(fabs(mean_of(&near, 2, false) - mean_of(&usual, 2, false)) < 1e-9);
+	view_picture_free(&usual);
+	view_picture_free(&same);
+	view_picture_free(&near);
+	scene_release(&h);
+}
+
+/* Around a low sun the sky is red, away from it less so, and around a high one not at all. */
+UNIT_TEST(a_low_sun_reddens_the_horizon)
+{
+	struct eco_view level = scene_view();
+	level.target[2] = level.eye[2] + 3;
+	struct scene_held h = scene_hold_view(&scene, level, 1);
+	scene_select(&h);
+	const double *f = h.eye.forward;
+	const struct view_sky low = { .sun = { (float)f[0], (float)f[1], 0.08f } }, away = { .sun = {
+		-(float)f[0], -(float)f[1], 0.08f } }, high = { .sun = { (float)f[0], (float)f[1], 2 } };
+	const struct view_sky *skies[] = { &low, &away, &high };
+	double red[3];
+	for (int i = 0; i < 3; i++) {
+		struct view_picture p;
+		draw(&h, skies[i], false, &p);
+		red[i] = mean_of(&p, 0, false) / mean_of(&p, 2, false);
+		view_picture_free(&p);
+	}
+	print_message("red over blue: %.3f towards a low sun, %.3f away from it, %.3f below a high one\n", red[0],
+		red[1], red[2]);
+	assert_true(red[0] > 1.1 * red[1] && red[1] > 1.05 * red[2]);
+	scene_release(&h);
+}
+
+int main(void)
+{
+	return unit_tests_run(open_all, close_all);
+}

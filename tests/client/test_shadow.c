@@ -1,0 +1,464 @@
+/* Shadow maps: where shadows are, against rays towards the sun; how fine they are near the eye; and the cases
+ * in which the perspective map is singular. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "client-min/draw/view_mesh.h"
+#include "client-min/draw/view_shadow.h"
+#include "client-min/view_reference.h"
+#include "tests/support/unit_test.h"
+#include "tests/support/view_scene.h"
+
+#define MAP 2048u
+#define FULL 0.9999f                    /* light, but for what floats round */
+
+static struct scene_builder scene;
+
+static int open_all(void **state)
+{
+	scene_make(&scene, NULL, 0);
+	scene_make_impostor(&scene, 300);
+	return 0;
+}
+
+static int close_all(void **state)
+{
+	scene_free(&scene);
+	return 0;
+}
+
+/* ---- What is drawn and lit ---- */
+
+struct lit {
+	struct scene_held h;
+	struct view_selection casters;
+	struct view_picture picture;
+};
+
+static void draw_view(struct lit *l, struct eco_view view)
+{
+	struct eco_error error = { 0 };
+	l->h = scene_hold_view(&scene, view, 1);
+	scene_select(&l->h);
+	assert_ok(view_select_casters(&l->casters, l->h.store, &l->h.eye, &error), error);
+	assert_ok(view_picture_init(&l->picture, view.width, view.height, &error), error);
+	struct view_reference_job job = { l->h.store, &l->h.selection, &l->h.eye, 0.1, 1, NULL,
+		VIEW_TINT_NONE };
+	assert_ok(view_reference_draw(&job, &l->picture, &error), error);
+}
+
+static void close_view(struct lit *l)
+{
+	view_picture_free(&l->picture);
+	view_select_free(&l->casters);
+	scene_release(&l->h);
+}
+
+static struct view_shadow_job job_of(const struct lit *l, const double sun[3], enum view_shadows kind)
+{
+	struct view_shadow_job job = { l->h.store, &l->casters, &l->h.eye, &l->picture, { 0 }, kind, MAP, 1 };
+	double length = sqrt(lod_dot(sun, sun));
+	for (int k = 0; k < 3; k++)
+		job.sun[k] = (float)(sun[k] / length);
+	return job;
+}
+
+static struct view_shadow cast(const struct view_shadow_job *job)
+{
+	struct view_shadow shadow;
+	struct eco_error error = { 0 };
+	assert_ok(view_shadow_make(&shadow, job, &error), error);
+	return shadow;
+}
+
+/* From the eye to what a pixel shows. */
+static bool place_of(const struct lit *l, uint32_t x, uint32_t y, float to[3])
+{
+	const struct lod_eye *eye = &l->h.eye;
+	float depth = l->picture.depth[(size_t)y * l->picture.width + x];
+	double u = ((x + 0.5) / l->picture.width * 2 - 1) * eye->tan_x,
+		v = (1 - (y + 0.5) / l->picture.height * 2) * eye->tan_y;
+	for (int k = 0; k < 3; k++)
+		to[k] = (float)((eye->forward[k] + u * eye->right[k] + v * eye->up[k]) / (double)depth);
+	return depth > 0;
+}
+
+/* ---- The twin: rays ---- */
+
+/* A triangle's corners, or a disc's middle and radius; from the eye. */
+struct solid { double corner[3][3], radius; };
+struct solids { struct solid *items; size_t count, room; };
+
+static struct solid *add_solid(struct solids *s)
+{
+	if (s->count == s->room)
+		s->items = realloc(s->items, (s->room = 2 * s->room + 64) * sizeof *s->items);
+	s->items[s->count] = (struct solid){ .radius = 0 };
+	return &s->items[s->count++];
+}
+
+static void put_corner(const struct lit *l, const struct lod_place *place, const float p[3], double out[3])
+{
+	lod_place_point(place, p, out);
+	for (int k = 0; k < 3; k++)
+		out[k] -= l->h.eye.at[k];
+}
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+	for (int k = 0; k < 3; k++)
+		out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+/* A line is as wide as it is, towards the sun. */
+static void add_line(struct solids *s, double a[3], double b[3], double width, const double sun[3])
+{
+	double along[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] }, side[3];
+	cross(along, sun, side);
+	double part = 0.5 * width / sqrt(fmax(lod_dot(side, side), 1e-30));
+	for (int half = 0; half < 2; half++) {
+		struct solid *t = add_solid(s);
+		for (int k = 0; k < 3; k++) {
+			t->corner[0][k] = a[k] + part * side[k];
+			t->corner[1][k] = b[k] - part * side[k];
+			t->corner[2][k] = half ? b[k] + part * side[k] : a[k] - part * side[k];
+		}
+	}
+}
+
+static void add_mesh(const struct lit *l, struct solids *s, const struct lod_place *place,
+	const struct view_mesh *mesh, const double sun[3])
+{
+	const struct lod_geometry *g = &mesh->geometry;
+	enum eco_list_kind kind = (enum eco_list_kind)mesh->list->list.kind;
+	for (uint32_t i = 0; i < mesh->batch.count; i++) {
+		if (kind == ECO_LIST_LINES) {
+			double a[3], b[3];
+			put_corner(l, place, g->position + 6 * i, a);
+			put_corner(l, place, g->position + 6 * i + 3, b);
+			add_line(s, a, b, (double)g->width[i] * place->scale, sun);
+			continue;
+		}
+		struct solid *t = add_solid(s);
+		int corners = kind == ECO_LIST_TRIANGLES ? 3 : 1;
+		for (int c = 0; c < corners; c++)
+			put_corner(l, place, g->position + 3 * ((size_t)corners * i + (size_t)c), t->corner[c]);
+		t->radius = corners == 1 ? (double)view_mesh_reach(mesh, i) * place->scale : 0;
+	}
+}
+
+static struct solids solids_of(const struct lit *l, const double sun[3])
+{
+	struct solids s = { NULL, 0, 0 };
+	const struct view_selection *c = &l->casters;
+	for (uint32_t cut = 0; cut < c->cut_count; cut++)
+		for (uint32_t m = c->member_first[cut]; m < c->member_first[cut + 1]; m++) {
+			const struct view_instance *p = &c->instances[c->members[m]];
+			struct view_mesh mesh = { .list = NULL };
+			assert_int_equal(view_mesh_make(&mesh, l->h.store, &c->plan_cuts[cut],
+				p->plant == ECO_NONE ? NULL : view_store_plant(l->h.store, p->plant), NULL), 0);
+			add_mesh(l, &s, &p->place, &mesh, sun);
+			view_mesh_free(&mesh);
+		}
+	return s;
+}
+
+/* Möller and Trumbore 1997. */
+static bool meets(const struct solid *t, const double from[3], const double sun[3], double least)
+{
+	double e1[3], e2[3], to[3], q[3], r[3];
+	for (int k = 0; k < 3; k++) {
+		e1[k] = t->corner[1][k] - t->corner[0][k];
+		e2[k] = t->corner[2][k] - t->corner[0][k];
+		to[k] = from[k] - t->corner[0][k];
+	}
+	if (t->radius > 0) {
+		double along = -lod_dot(to, sun);
+		return along > least && lod_dot(to, to) - along * along < t->radius * t->radius;
+	}
+	cross(sun, e2, q);
+	cross(to, e1, r);
+	double whole = lod_dot(e1, q), a = lod_dot(to, q) / whole, b = lod_dot(sun, r) / whole;
+	return a >= 0 && b >= 0 && a + b <= 1 && lod_dot(e2, r) / whole > least;
+}
+
+static bool is_dark(const struct solids *s, const float to[3], const double sun[3])
+{
+	const double from[3] = { (double)to[0], (double)to[1], (double)to[2] };
+	for (size_t i = 0; i < s->count; i++)
+		if (meets(&s->items[i], from, sun, 0.05))
+			return true;
+	return false;
+}
+
+/* Ground is asked about: it casts no shadow on itself. */
+static void compare_with_rays(const struct lit *l, const double towards[3], enum view_shadows kind,
+	const char *name)
+{
+	struct view_shadow_job job = job_of(l, towards, kind);
+	struct view_shadow shadow = cast(&job);
+	const double sun[3] = { (double)job.sun[0], (double)job.sun[1], (double)job.sun[2] };
+	struct solids s = solids_of(l, sun);
+	uint32_t sure = 0, wrong = 0, dark = 0, unsure = 0;
+	assert_non_null(shadow.top);
+	for (uint32_t y = 0; y < l->picture.height; y += 9)
+		for (uint32_t x = 0; x < l->picture.width; x += 9) {
+			float to[3], texel_m, lit;
+			if (l->picture.owner[(size_t)y * l->picture.width + x] || !place_of(l, x, y, to))
+				continue;
+			lit = view_shadow_lit(&shadow, to, (const float[3]){ 0, 0, 1 }, &texel_m);
+			if (lit < 0)
+				continue;
+			bool expected = is_dark(&s, to, sun);
+			unsure += lit > 0 && lit < FULL;
+			sure += lit == 0 || lit > FULL;
+			dark += expected;
+			wrong += (lit == 0 && !expected) || (lit > FULL && expected);
+		}
+	print_message("%s, %s: %u of %u places wrong, %u on edges, %u dark\n", name,
+		kind == VIEW_SHADOWS_STANDARD ? "standard" : "perspective", wrong, sure, unsure, dark);
+	assert_true(sure > 300 && dark > 20);
+	assert_true(wrong * 50 <= sure);
+	free(s.items);
+	view_shadow_free(&shadow);
+}
+
+/* Named by where the sun is for who looks. */
+static const struct { const char *name; double forward, right, up; } suns[] = { { "beside", 0, 1, 1 },
+	{ "behind", -1, 0.2, 0.6 }, { "ahead", 1, 0.3, 0.7 }, { "behind, in line", -1, 0, 0.25 },
+	{ "low ahead", 1, 0.1, 0.2 }, { "overhead", 0, 0, 1 } };
+
+static void find_sun(const struct lit *l, size_t i, double sun[3])
+{
+	const struct lod_eye *eye = &l->h.eye;
+	double size = hypot(eye->forward[0], eye->forward[1]);
+	for (int k = 0; k < 2; k++)
+		sun[k] = suns[i].forward * eye->forward[k] / size + suns[i].right * eye->right[k];
+	sun[2] = suns[i].up;
+}
+
+UNIT_TEST(shadows_are_where_rays_to_the_sun_meet_something)
+{
+	struct lit l;
+	draw_view(&l, scene_view());
+	for (size_t i = 0; i < sizeof suns / sizeof *suns; i++) {
+		double sun[3];
+		find_sun(&l, i, sun);
+		compare_with_rays(&l, sun, VIEW_SHADOWS_STANDARD, suns[i].name);
+		compare_with_rays(&l, sun, VIEW_SHADOWS_PERSPECTIVE, suns[i].name);
+	}
+	close_view(&l);
+}
+
+/* ---- A known shadow ---- */
+
+/* One point of a summary alone, as a ball: its shadow is a disc on the beams. */
+UNIT_TEST(a_ball_casts_a_disc)
+{
+	struct lit l;
+	draw_view(&l, scene_view());
+	uint32_t cut = 0;
+	while (l.casters.plan_cuts[cut].list != L_SUMMARY)
+		cut++;
+	uint32_t at = l.casters.members[l.casters.member_first[cut]];
+	struct eco_cut one = l.casters.plan_cuts[cut];
+	uint32_t first[] = { 0, 1 }, member[] = { 0 };
+	one.end = 1;
+	one.scale = 60;
+	struct lod_place *place = &l.casters.instances[at].place;
+	struct view_selection ball = { .instances = &l.casters.instances[at], .instance_count = 1,
+		.plan_cuts = &one, .cut_count = 1, .member_first = first, .members = member };
+	struct view_mesh mesh = { .list = NULL };
+	assert_int_equal(view_mesh_make(&mesh, l.h.store, &one, NULL, NULL), 0);
+	double middle[3] = { l.h.eye.at[0] + 12 * l.h.eye.forward[0], l.h.eye.at[1] + 12 * l.h.eye.forward[1],
+		3 }, radius = (double)view_mesh_reach(&mesh, 0) * place->scale, point[3];
+	/* moved to where the eye looks */
+	lod_place_point(place, mesh.geometry.position, point);
+	for (int k = 0; k < 3; k++)
+		place->at[k] += middle[k] - point[k];
+	for (size_t i = 0; i < sizeof suns / sizeof *suns; i++)
+		for (int kind = VIEW_SHADOWS_STANDARD; kind <= VIEW_SHADOWS_PERSPECTIVE; kind++) {
+			double sun[3];
+			find_sun(&l, i, sun);
+			struct view_shadow_job job = job_of(&l, sun, (enum view_shadows)kind);
+			job.casters = &ball;
+			struct view_shadow shadow = cast(&job);
+			uint32_t in = 0, out = 0;
+			for (double t = 0; t < 6.283; t += 0.01)
+				for (double r = 0.1; r < 3; r += 0.1) {
+					float texel_m = 0, to[3], lit;
+					double across = r * radius * cos(t), along = r * radius * sin(t), from[3];
+					for (int k = 0; k < 3; k++)
+						from[k] = middle[k] + across * (k == 0) + along * (k == 1)
+							- 2 * (double)job.sun[k] - l.h.eye.at[k];
+					for (int k = 0; k < 3; k++)
+						to[k] = (float)from[k];
+					lit = view_shadow_lit(&shadow, to, NULL, &texel_m);
+					const double off[3] = { across, along, 0 };
+					double beam = across * (double)job.sun[0] + along * (double)job.sun[1];
+					double off_beam = sqrt(lod_dot(off, off) - beam * beam);
+					if (lit < 0 || fabs(off_beam - radius) < 3 * (double)texel_m || beam > 1)
+						continue;
+					assert_true(off_beam > radius ? lit > FULL : lit == 0);
+					in += lit == 0;
+					out += lit > FULL;
+				}
+			assert_true(in > 300 && out > 300);
+			view_shadow_free(&shadow);
+		}
+	view_mesh_free(&mesh);
+	close_view(&l);
+}
+
+/* ---- Texels ---- */
+
+/* Someone who stands under trees: the nearest ground is near, the farthest plants are far. */
+static struct eco_view standing(void)
+{
+	return (struct eco_view){ { -9, -11, 1.2 }, { 0, 4, 1.0 }, { 0, 0, 1 }, 60, 480, 320 };
+}
+
+UNIT_TEST(perspective_has_more_texels_near_the_eye)
+{
+	struct lit l;
+	draw_view(&l, standing());
+	for (size_t i = 0; i < sizeof suns / sizeof *suns; i++) {
+		double sun[3], texels[3];
+		find_sun(&l, i, sun);
+		for (int kind = VIEW_SHADOWS_STANDARD; kind <= VIEW_SHADOWS_PERSPECTIVE; kind++) {
+			struct view_shadow_job job = job_of(&l, sun, (enum view_shadows)kind);
+			struct view_shadow shadow = cast(&job);
+			texels[kind] = view_shadow_sharpness(&shadow, &l.picture, &l.h.eye);
+			view_shadow_free(&shadow);
+		}
+		print_message("%s: texels a pixel near the eye: standard %.2f, perspective %.2f\n",
+			suns[i].name, texels[1], texels[2]);
+		assert_true(texels[1] > 0 && texels[2] >= 0.85 * texels[1]);
+		if (strcmp(suns[i].name, "beside") == 0 || strcmp(suns[i].name, "overhead") == 0)
+			assert_true(texels[2] > 2 * texels[1]);
+	}
+	close_view(&l);
+}
+
+/* Looking along the sun's beams, either way, nothing is to be gained, and nothing may be lost. */
+UNIT_TEST(along_the_beams_both_maps_are_alike)
+{
+	struct eco_view down = { { -6, -5, 30 }, { 0, 0, 0 }, { 0, 0, 1 }, 45, 480, 320 };
+	struct lit l;
+	draw_view(&l, down);
+	const double *f = l.h.eye.forward, sun[3] = { -f[0], -f[1], -f[2] };
+	struct view_shadow_job job = job_of(&l, sun, VIEW_SHADOWS_STANDARD);
+	struct view_shadow standard = cast(&job);
+	job.kind = VIEW_SHADOWS_PERSPECTIVE;
+	struct view_shadow perspective = cast(&job);
+	double a = view_shadow_sharpness(&standard, &l.picture, &l.h.eye),
+		b = view_shadow_sharpness(&perspective, &l.picture, &l.h.eye);
+	print_message("along the beams: standard %.3f, perspective %.3f\n", a, b);
+	assert_true(fabs(a - b) < 0.1 * a);
+	view_shadow_free(&standard);
+	view_shadow_free(&perspective);
+	close_view(&l);
+}
+
+/* All that is seen lies in the map, wherever the sun is: W never reaches 0 there. */
+UNIT_TEST(what_is_seen_lies_in_the_map)
+{
+	struct lit l;
+	draw_view(&l, standing());
+	for (int turn = 0; turn < 24; turn++)
+		for (int rise = 1; rise < 10; rise += 2)
+			for (int kind = VIEW_SHADOWS_STANDARD; kind <= VIEW_SHADOWS_PERSPECTIVE; kind++) {
+				double angle = turn * 0.2618, up = rise * 0.17;
+				const double sun[3] = { cos(angle) * cos(up), sin(angle) * cos(up), sin(up) };
+				struct view_shadow_job job = job_of(&l, sun, (enum view_shadows)kind);
+				uint32_t seen = 0, in = 0;
+				job.size = 64;
+				struct view_shadow shadow = cast(&job);
+				for (size_t i = 0; i < (size_t)l.picture.width * l.picture.height; i += 37) {
+					float to[3], texel[2];
+					if (!l.picture.owner[i] || !place_of(&l, (uint32_t)(i % l.picture.width),
+							(uint32_t)(i / l.picture.width), to))
+						continue;
+					seen++;
+					in += view_shadow_place(&shadow, to, texel);
+				}
+				assert_true(seen > 300 && in == seen);
+				view_shadow_free(&shadow);
+			}
+	close_view(&l);
+}
+
+/* ---- Casters ---- */
+
+UNIT_TEST(threads_do_not_show)
+{
+	struct lit l;
+	draw_view(&l, scene_view());
+	const double sun[3] = { 0.4, -0.5, 0.6 };
+	struct view_shadow_job job = job_of(&l, sun, VIEW_SHADOWS_PERSPECTIVE);
+	struct view_shadow one = cast(&job);
+	job.threads = 5;
+	struct view_shadow five = cast(&job);
+	assert_memory_equal(one.top, five.top, sizeof *one.top * MAP * MAP);
+	view_shadow_free(&one);
+	view_shadow_free(&five);
+	close_view(&l);
+}
+
+static uint32_t dark_places(const struct lit *l, const struct view_shadow_job *job)
+{
+	struct view_shadow shadow = cast(job);
+	uint32_t dark = 0;
+	for (uint32_t y = 0; y < l->picture.height; y += 3)
+		for (uint32_t x = 0; x < l->picture.width; x += 3) {
+			float to[3], texel_m;
+			if (!l->picture.owner[(size_t)y * l->picture.width + x] && place_of(l, x, y, to))
+				dark += view_shadow_lit(&shadow, to, (const float[3]){ 0, 0, 1 }, &texel_m) == 0;
+		}
+	view_shadow_free(&shadow);
+	return dark;
+}
+
+/* With the back to the trees and to a low sun, their shadows lie ahead. */
+UNIT_TEST(plants_out_of_sight_cast_shadows)
+{
+	struct eco_view away = { { -12, -13, 3 }, { -24, -25, 0 }, { 0, 0, 1 }, 60, 480, 320 };
+	struct lit l;
+	draw_view(&l, away);
+	const double sun[3] = { 0.6, 0.6, 0.25 };
+	struct view_shadow_job job = job_of(&l, sun, VIEW_SHADOWS_PERSPECTIVE);
+	uint32_t all = dark_places(&l, &job);
+	assert_true(l.casters.instance_count > l.h.selection.instance_count);
+	job.casters = &l.h.selection;
+	uint32_t seen = dark_places(&l, &job);
+	print_message("dark places: %u with plants out of sight, %u without\n", all, seen);
+	assert_true(all > 50 && all > 2 * seen);
+	close_view(&l);
+}
+
+/* ---- No map ---- */
+
+UNIT_TEST(no_map_without_a_sun_or_anything_seen)
+{
+	struct lit l;
+	draw_view(&l, scene_view());
+	const double set[3] = { 0.9, 0.3, -0.3 }, up[3] = { 0, 0, 1 };
+	struct view_shadow_job job = job_of(&l, set, VIEW_SHADOWS_PERSPECTIVE);
+	struct view_shadow shadow = cast(&job);
+	float to[3] = { 1, 2, -3 }, texel[2], texel_m;
+	assert_null(shadow.top);
+	assert_false(view_shadow_place(&shadow, to, texel));
+	assert_true(view_shadow_lit(&shadow, to, NULL, &texel_m) == -1);
+	memset(l.picture.depth, 0, sizeof(float) * l.picture.width * l.picture.height);
+	job = job_of(&l, up, VIEW_SHADOWS_STANDARD);
+	shadow = cast(&job);
+	assert_null(shadow.top);
+	assert_true(isnan(view_shadow_sharpness(&shadow, &l.picture, &l.h.eye)));
+	close_view(&l);
+}
+
+int main(void)
+{
+	return unit_tests_run(open_all, close_all);
+}
