@@ -264,6 +264,11 @@ $(FUZZERS): $(B)/fuzz/%: $(B)/obj/tests/fuzz/%.o $(FUZZ_MAIN) $(TEST_LIBS) | $(M
 	@mkdir -p $(@D)
 	$(LINK_C) $(if $(filter fuzz,$(config)),-fsanitize=fuzzer) -o $@ $< $(FUZZ_MAIN) $(LINK_TEST)
 
+# faults of the system, put before programs: tests/faults
+$(B)/tests/fault.so: tests/faults/fault.c
+	@mkdir -p $(@D)
+	$(CC) $(CFLAGS_ALL) $(LDFLAGS_ALL) -shared -fno-builtin -o $@ $< -ldl
+
 # cmocka's tests have a parameter that few of them look at
 $(B)/obj/tests/%.o: CFLAGS_ALL += -Wno-unused-parameter
 $(B)/obj/%.o: %.c
@@ -331,7 +336,8 @@ TEST_ROOMS = $(sort $(patsubst tests/%/,%,$(dir $(TEST_SOURCES) $(SCRIPTS))) fuz
 # scripts run programs; all else is a program
 RUN_BUILT := $(filter-out %.sh,$(RUN)) $(if $(filter %.sh,$(RUN)),$(BENCHES)) \
 	$(if $(filter %/test_determinism.sh,$(RUN)),$(B)/o0/ecopack $(B)/o0/plans) \
-	$(if $(filter %/test_scene_schema.sh,$(RUN)),$(B)/tests/test_scene)
+	$(if $(filter %/test_scene_schema.sh,$(RUN)),$(B)/tests/test_scene) \
+	$(if $(filter tests/faults/%,$(RUN)),$(B)/tests/fault.so)
 # what holds a test to its time
 build/limit: tests/limit.c
 	@mkdir -p $(@D)

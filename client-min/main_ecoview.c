@@ -20,6 +20,7 @@
 #include "client-min/view_report.h"
 #include "client-min/view_stand.h"
 #include "ecofiles/base/options.h"
+#include "ecofiles/format/chunk/draco_shim.h"
 #include "ecofiles/format/image.h"
 
 #define PATIENCE_MS 60000                /* with a server that has too much to do */
@@ -611,6 +612,7 @@ int main(int argc, char **argv)
 	enum eco_code code = read_line(argc, argv, &viewer.options, &error);
 	view_progress_begin(&viewer.progress, "ecoview");
 	catch_signals();
+	eco_draco_end_without_memory();
 	if (!code)
 		code = view_fetch_setup(&error);
 	if (!code)

@@ -86,10 +86,11 @@ enum eco_code srv_sandbox_filter(struct eco_error *error)
 	scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(EPERM));
 	if (!filter)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for a filter of system calls");
+	int failed = 0;
 	for (size_t i = 0; i < sizeof allowed / sizeof *allowed; i++)
 		/* some calls do not exist on some machines */
-		seccomp_rule_add(filter, SCMP_ACT_ALLOW, allowed[i], 0);
-	int failed = allow_requests(filter) | allow_data(filter) | allow_self(filter);
+		failed |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, allowed[i], 0) == -ENOMEM;
+	failed |= allow_requests(filter) | allow_data(filter) | allow_self(filter);
 	failed = failed != 0 || seccomp_load(filter) != 0;
 	seccomp_release(filter);
 	return failed ? eco_fail(error, ECO_UNSUPPORTED, "this system allows no filter of system calls")

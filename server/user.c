@@ -20,7 +20,10 @@ enum eco_code srv_user_find(struct srv_user *user, const char *name, struct eco_
 	*user = (struct srv_user){ .user = geteuid(), .group = getegid(), .was_asked_for = name };
 	if (!name && !is_root)
 		return ECO_OK;
+	errno = 0;
 	const struct passwd *found = getpwnam(name ? name : SRV_USER_DEFAULT);
+	if (!found && errno == ENOMEM)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory to look for a user");
 	if (!found)
 		return eco_fail(error, ECO_BAD_USAGE, "--user: there is no user '%.80s'",
 			name ? name : SRV_USER_DEFAULT);

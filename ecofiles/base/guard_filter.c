@@ -95,8 +95,8 @@ bool eco_guard_filter(void)
 		return false;
 	for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
 		/* some calls do not exist on some machines */
-		seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), refused[i], 0);
-	failed = refuse_writing(filter) | refuse_unseen(filter) | refuse_others(filter)
+		failed |= seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), refused[i], 0) == -ENOMEM;
+	failed |= refuse_writing(filter) | refuse_unseen(filter) | refuse_others(filter)
 		| refuse_typing(filter);
 	seccomp_attr_set(filter, SCMP_FLTATR_CTL_OPTIMIZE, 2);
 	failed = failed != 0 || seccomp_load(filter) != 0;

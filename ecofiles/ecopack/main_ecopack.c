@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "ecofiles/base/phrase.h"
+#include "ecofiles/format/chunk/draco_shim.h"
 #include "ecofiles/generate/generate.h"
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/inspect.h"
@@ -302,6 +303,7 @@ int main(int argc, char **argv)
 	enum eco_code code = ECO_OK;
 	if (!eco_command_answers(&command->line, argc - 2, argv + 2)) {
 		main_catch_interrupts();
+		eco_draco_end_without_memory();
 		code = command->run(argc - 2, argv + 2, &error);
 		main_progress_end();
 	}

@@ -7,8 +7,10 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <memory>
 #include <new>
+#include <unistd.h>
 #include <vector>
 
 #include <draco/compression/attributes/prediction_schemes/prediction_scheme_delta_encoder.h>
@@ -43,6 +45,19 @@ enum eco_code contained(struct eco_error *error, enum eco_code otherwise, Body b
 	} catch (...) {
 		return refuse(error, otherwise, "unknown exception", "");
 	}
+}
+
+[[noreturn]] void end_without_memory()
+{
+	static const char text[] = "error: out of memory within a library that cannot go on\n";
+	try {
+		if (std::current_exception())
+			throw;
+	} catch (const std::bad_alloc &) {
+		_exit(write(STDERR_FILENO, text, sizeof text - 1) < 0 ? 3 : 1);
+	} catch (...) {
+	}
+	std::abort();
 }
 
 struct Expected {
@@ -577,4 +592,9 @@ enum eco_code eco_draco_decode_gltf(const uint8_t *bytes, size_t size, uint32_t 
 		}
 	}
 	return code;
+}
+
+void eco_draco_end_without_memory(void)
+{
+	std::set_terminate(end_without_memory);
 }
