@@ -9,6 +9,7 @@
 #define LOWEST 0.02f                     /* of the sun: lower it gives no light that is worth a shadow */
 #define SPREAD 64.0                      /* the largest texel's side over the smallest's, at most */
 #define BEYOND 1.25                      /* times as far as the farthest plant ground is still shaded */
+#define BACK 0.25                        /* about a texel a pixel near the eye: lod/EXPERIMENTS.md, Shadows */
 #define MARGIN 2.0                       /* texels around what is seen */
 
 /* Places from the eye of what is seen in pixels. */
@@ -60,21 +61,30 @@ static double apply(const double row[4], const double to[3])
 	return row[0] * to[0] + row[1] * to[1] + row[2] * to[2] + row[3];
 }
 
-/* Least and most of row / by over what is seen; by NULL: of row. */
-static void find_extent(const struct fit *fit, const double row[4], const double by[4], double extent[2])
+/* Least and most of what is seen: of W; or of U / W and V / W. */
+struct extent { double low[2], high[2]; };
+
+static void grow(struct extent *e, int i, double v)
+{
+	e->low[i] = v < e->low[i] ? v : e->low[i];
+	e->high[i] = v > e->high[i] ? v : e->high[i];
+}
+
+static struct extent find_extent(const struct fit *fit, bool of_w)
 {
 	const struct view_picture *p = fit->job->picture;
+	struct extent e = { { INFINITY, INFINITY }, { -INFINITY, -INFINITY } };
 	double to[3];
-	extent[0] = INFINITY;
-	extent[1] = -INFINITY;
 	for (uint32_t y = 0; y < p->height; y++)
 		for (uint32_t x = 0; x < p->width; x++) {
 			if (!place_of(fit, x, y, to))
 				continue;
-			double v = apply(row, to) / (by ? apply(by, to) : 1);
-			extent[0] = fmin(extent[0], v);
-			extent[1] = fmax(extent[1], v);
+			double w = apply(fit->row[2], to);
+			grow(&e, 0, of_w ? w : apply(fit->row[0], to) / w);
+			if (!of_w)
+				grow(&e, 1, apply(fit->row[1], to) / w);
 		}
+	return e;
 }
 
 /* ---- Maps ---- */
@@ -115,7 +125,7 @@ static void map_standard(struct fit *fit)
 static void perspective_rows(const struct fit *fit, double row[4][4])
 {
 	const struct lod_eye *eye = fit->job->eye;
-	double back = sqrt(fit->nearest_m * fit->farthest_m), near = fit->nearest_m + back,
+	double back = BACK * sqrt(fit->nearest_m * fit->farthest_m), near = fit->nearest_m + back,
 		far = fmax(fit->farthest_m, fit->nearest_m * 1.01) + back, deep = (far + near) / (far - near),
 		shift = 2 * far * near / (far - near);
 	for (int k = 0; k < 3; k++) {
@@ -129,14 +139,16 @@ static void perspective_rows(const struct fit *fit, double row[4][4])
 	row[3][3] = back;
 }
 
-/* A W that is the same everywhere makes texels of one size: as much of it as keeps them within SPREAD. */
+/* A W that is the same everywhere makes texels of one size: as much of it as keeps them within SPREAD; then
+ * the least W is 1. */
 static void limit_spread(struct fit *fit)
 {
-	double extent[2];
-	find_extent(fit, fit->row[2], NULL, extent);
-	double more = (extent[1] / SPREAD - extent[0]) / (1 - 1 / SPREAD);
-	if (more > 0)
-		fit->row[2][3] += more;
+	struct extent e = find_extent(fit, true);
+	double more = (e.high[0] / SPREAD - e.low[0]) / (1 - 1 / SPREAD);
+	more = more > 0 ? more : 0;
+	fit->row[2][3] += more;
+	for (int k = 0; k < 4; k++)
+		fit->row[2][k] /= fmax(e.low[0] + more, 1e-9);
 }
 
 static void map_perspective(struct fit *fit)
@@ -158,18 +170,14 @@ static void map_perspective(struct fit *fit)
 	limit_spread(fit);
 }
 
-/* Moves and stretches what is seen to the whole map, and W to at least 1. */
+/* Moves and stretches what is seen to the whole map. */
 static void fill_map(struct view_shadow *shadow, struct fit *fit)
 {
-	double extent[2], w[2], inner = shadow->size - 2 * MARGIN;
-	find_extent(fit, fit->row[2], NULL, w);
-	for (int k = 0; k < 4; k++)
-		fit->row[2][k] /= fmax(w[0], 1e-9);
+	struct extent e = find_extent(fit, false);
 	for (int i = 0; i < 2; i++) {
-		find_extent(fit, fit->row[i], fit->row[2], extent);
-		double factor = inner / fmax(extent[1] - extent[0], 1e-6);
+		double factor = (shadow->size - 2 * MARGIN) / fmax(e.high[i] - e.low[i], 1e-6);
 		for (int k = 0; k < 4; k++)
-			fit->row[i][k] = (fit->row[i][k] - extent[0] * fit->row[2][k]) * factor
+			fit->row[i][k] = (fit->row[i][k] - e.low[i] * fit->row[2][k]) * factor
 				+ MARGIN * fit->row[2][k];
 	}
 	for (int i = 0; i < 3; i++)

@@ -19,8 +19,8 @@
  *   the sun beside the cube       W would reach 0 in what is seen. As much of a map of texels of one size is
  *                                 added as keeps them within a factor of SPREAD (view_shadow.c).
  *   the near plane                It decides how many texels what is near gets. It is that of the picture,
- *                                 pulled back by the root of nearest times farthest: Wimmer et al. 2004
- *                                 (Light space perspective shadow maps).
+ *                                 pulled back by a part of the root of nearest times farthest, after Wimmer
+ *                                 et al. 2004 (Light space perspective shadow maps).
  *
  * Both kinds are fitted to the pixels of the picture, so that no texel lies where nothing is seen. Nothing is
  * drawn by OpenGL and nothing is fetched: what casts is what is held, so it is the same for every engine.

@@ -71,36 +71,53 @@ static struct corner corner_of(const struct object *o, const float p[3])
 /* Texels [from, to] whose middles lie between two places; false: none. */
 static bool span_of(const struct caster *c, float low, float high, int span[2])
 {
-	float last = (float)c->shadow->size - 1;
-	low = ceilf(fmaxf(low - 0.5f, 0));
-	high = floorf(fminf(high - 0.5f, last));
-	if (!(low <= high))
+	float last = (float)c->shadow->size - 0.5f;
+	if (!(low <= last && high >= 0.5f))
 		return false;
-	span[0] = (int)low;
-	span[1] = (int)high;
-	return true;
+	low = low > 0.5f ? low - 0.5f : 0;
+	span[0] = (int)low + ((float)(int)low < low);
+	span[1] = (int)((high < last ? high : last) - 0.5f);
+	return span[0] <= span[1];
+}
+
+static bool span_of_three(const struct caster *c, const float at[3], int span[2])
+{
+	float low = at[0] < at[1] ? at[0] : at[1], high = at[0] < at[1] ? at[1] : at[0];
+	return span_of(c, at[2] < low ? at[2] : low, at[2] > high ? at[2] : high, span);
+}
+
+static float *top_of(const struct caster *c, int x, int y)
+{
+	return c->top + (size_t)y * c->shadow->size + (size_t)x;
 }
 
 static void raise(const struct caster *c, int x, int y, float height)
 {
-	float *top = c->top + (size_t)y * c->shadow->size + (size_t)x;
+	float *top = top_of(c, x, y);
 	*top = height > *top ? height : *top;
 }
 
-/* A texel whose shares of the corners, seen in the map, are given. */
-static void draw_texel(const struct caster *c, const struct corner corner[3], const float share[3], int x,
-	int y, const struct eco_image *cutout)
+/* A triangle in the map: its first corner, its sides, and by corner all that is 1 / W times as much there, so
+ * that it is linear in the map. */
+struct piece { float x, y, ax, ay, bx, by, part, per_w[3], height[3], s[3], t[3]; };
+
+static float mixed(const float share[3], const float v[3])
 {
-	float sum = 0, height = 0, s = 0, t = 0;
-	for (int i = 0; i < 3; i++) {
-		float part = share[i] / corner[i].w;
-		sum += part;
-		height += part * corner[i].height;
-		s += part * corner[i].s;
-		t += part * corner[i].t;
-	}
-	if (!cutout || lod_texel_at(cutout, (double)(s / sum), (double)(t / sum))[3] >= 128)
-		raise(c, x, y, height / sum);
+	return share[0] * v[0] + share[1] * v[1] + share[2] * v[2];
+}
+
+static void draw_texel(const struct caster *c, const struct piece *p, const struct eco_image *cutout, int x,
+	int y)
+{
+	float dx = (float)x + 0.5f - p->x, dy = (float)y + 0.5f - p->y, *top = top_of(c, x, y);
+	float share[3] = { 0, (dx * p->by - p->bx * dy) * p->part, (p->ax * dy - dx * p->ay) * p->part };
+	share[0] = 1 - share[1] - share[2];
+	if (!(share[0] >= 0 && share[1] >= 0 && share[2] >= 0))
+		return;
+	float w = 1 / mixed(share, p->per_w), height = mixed(share, p->height) * w;
+	if (height > *top && (!cutout || lod_texel_at(cutout, (double)(mixed(share, p->s) * w),
+			(double)(mixed(share, p->t) * w))[3] >= 128))
+		*top = height;
 }
 
 /* All corners have W > 0. */
@@ -109,25 +126,27 @@ static void fill_triangle(const struct caster *c, const struct corner corner[3],
 {
 	float x[3], y[3];
 	int across[2], down[2];
+	struct piece p;
 	for (int i = 0; i < 3; i++) {
-		x[i] = corner[i].u / corner[i].w;
-		y[i] = corner[i].v / corner[i].w;
+		p.per_w[i] = 1 / corner[i].w;
+		x[i] = corner[i].u * p.per_w[i];
+		y[i] = corner[i].v * p.per_w[i];
 	}
-	if (!span_of(c, fminf(x[0], fminf(x[1], x[2])), fmaxf(x[0], fmaxf(x[1], x[2])), across)
-			|| !span_of(c, fminf(y[0], fminf(y[1], y[2])), fmaxf(y[0], fmaxf(y[1], y[2])), down))
+	if (!span_of_three(c, x, across) || !span_of_three(c, y, down))
 		return;
-	float ax = x[1] - x[0], ay = y[1] - y[0], bx = x[2] - x[0], by = y[2] - y[0],
-		part = 1 / (ax * by - bx * ay);
-	if (!isfinite(part))
+	p.x = x[0], p.ax = x[1] - x[0], p.bx = x[2] - x[0];
+	p.y = y[0], p.ay = y[1] - y[0], p.by = y[2] - y[0];
+	p.part = 1 / (p.ax * p.by - p.bx * p.ay);
+	if (!isfinite(p.part))
 		return;
+	for (int i = 0; i < 3; i++) {
+		p.height[i] = corner[i].height * p.per_w[i];
+		p.s[i] = corner[i].s * p.per_w[i];
+		p.t[i] = corner[i].t * p.per_w[i];
+	}
 	for (int j = down[0]; j <= down[1]; j++)
-		for (int i = across[0]; i <= across[1]; i++) {
-			float px = (float)i + 0.5f - x[0], py = (float)j + 0.5f - y[0];
-			float share[3] = { 0, (px * by - bx * py) * part, (ax * py - px * ay) * part };
-			share[0] = 1 - share[1] - share[2];
-			if (share[0] >= 0 && share[1] >= 0 && share[2] >= 0)
-				draw_texel(c, corner, share, i, j, cutout);
-		}
+		for (int i = across[0]; i <= across[1]; i++)
+			draw_texel(c, &p, cutout, i, j);
 }
 
 static struct corner between(const struct corner *a, const struct corner *b)
