@@ -135,7 +135,7 @@ static void fill_defaults(struct srv_config *config)
 	DEFAULT(bodies_max, 256u << 20);
 	DEFAULT(response_max, 1ull << 31);
 	DEFAULT(plan_cache_bytes, 64u << 20);
-	DEFAULT(plan_times, 3);
+	DEFAULT(plan_times, 5);
 	DEFAULT(keep_s, 600);
 }
 #undef DEFAULT

@@ -93,7 +93,7 @@ static const struct eco_option options[] = {
 		.help = "of them for one address; addresses are served in turn; 32 if not given" },
 	{ "plan-work", 0, ECO_OPTION_COUNT, "N", &given.config.plan_times, 1, 1000,
 		.help = "what planning a request may cost, counted in ordinary plans of its scene; it ends "
-			"there with what it has, which is the same on every machine; 3 if not given" },
+			"there with what it has, which is the same on every machine; 5 if not given" },
 	{ "head-ms", 0, ECO_OPTION_COUNT, "MS", &given.config.head_ms, 10, 3600000,
 		.help = "to send a request's head, and to begin the next one; 20000 if not given" },
 	{ "body-ms", 0, ECO_OPTION_COUNT, "MS", &given.config.body_ms, 10, 3600000,
