@@ -421,10 +421,11 @@ static enum eco_code pack_textures(struct packing *p)
 		const struct lod_texture *texture = &plant->textures[i];
 		struct eco_list list = { .kind = ECO_LIST_OUTLINE, .coder = ECO_CODER_BYTES, .owner = p->id,
 			.image = ECO_NONE, .partner = ECO_NONE, .grid_step = { 1, 1, 1 },
-			.unit_area = texture->texel_area };
+			.unit_area = texture->texel_area, .level = texture->loss };
 		if (texture->outlines)
 			code = pack_levels(p, list, texture->outlines, texture->count, &list.image);
 		list.kind = ECO_LIST_IMAGE;
+		list.level = 0;
 		if (!code)
 			code = pack_levels(p, list, texture->colors, texture->count, &p->images[i]);
 	}

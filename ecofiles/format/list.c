@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/format/chunk/chunk_payload.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/format/splat.h"
 
@@ -43,6 +44,17 @@ uint32_t eco_list_extra_at(const struct eco_list *list, enum eco_attr attribute)
 	const struct eco_list before = { .attributes = list->attributes & (attribute - 1) };
 	assert(list->attributes & attribute);
 	return eco_list_extra_count(&before);
+}
+
+bool eco_list_level_known(const struct eco_list *list)
+{
+	switch (list->kind) {
+	case ECO_LIST_POINTS:
+	case ECO_LIST_IMPOSTOR:
+	case ECO_LIST_OUTLINE: return true;
+	case ECO_LIST_GROUND: return list->level < ECO_GROUND_LEVELS;
+	default: return list->level == 0;
+	}
 }
 
 uint32_t eco_list_vertices(const struct eco_list *list)

@@ -68,11 +68,14 @@ enum eco_attr {
 	ECO_ATTR_SPLAT = 128     /* points: an ellipsoid, ECO_SPLAT_CODES values (splat.h) */
 };
 #define ECO_UV_ONE 4096
+#define ECO_LOSS_ONE 255
 
 struct eco_list {
 	uint8_t kind, coder, attributes;
 	uint8_t level;               /* ground: samples are 2^level apart; points and impostors: how level
-	                              * their leaves lie (eco_level_share); else 0 */
+	                              * their leaves lie (eco_level_share); outlines: ECO_LOSS_ONE times
+	                              * what the level before the last shows wrong, of what is opaque, 0:
+	                              * not known; else 0 */
 	uint32_t owner;              /* plant id; tile id for instances, summaries; ECO_NONE for ground */
 	uint32_t group_count;        /* instances: groups of one species each (struct eco_group); else 0 */
 	double grid_origin[3];       /* metres; plant space, tile's eco space, or scene space for ground */

@@ -54,8 +54,7 @@ enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *erro
 	enum eco_code code = eco_list_check_coding(list, error);
 	if (code)
 		return code;
-	if (list->level != 0 && list->kind != ECO_LIST_POINTS && list->kind != ECO_LIST_IMPOSTOR
-			&& (list->kind != ECO_LIST_GROUND || list->level >= ECO_GROUND_LEVELS))
+	if (!eco_list_level_known(list))
 		return BAD("list: level %u of kind %u", list->level, list->kind);
 	for (int i = 0; i < 3; i++)
 		if (!within(list->grid_origin[i], -METRES_MAX, METRES_MAX)

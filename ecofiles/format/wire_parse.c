@@ -188,8 +188,7 @@ static enum eco_code check_list(const struct eco_wire_parser *p, uint32_t id, co
 	struct eco_error why = { 0 };
 	if (eco_list_check_coding(list, &why))
 		return BAD("list %u: %s", id, why.text);
-	if (list->level && list->kind != ECO_LIST_POINTS && list->kind != ECO_LIST_IMPOSTOR
-			&& (list->kind != ECO_LIST_GROUND || list->level >= ECO_GROUND_LEVELS))
+	if (!eco_list_level_known(list))
 		return eco_fail(e, ECO_UNSUPPORTED, "list %u has level %u, which this program does not know",
 			id, list->level);
 	if (!grid_sound(list))

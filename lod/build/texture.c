@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/format/list.h"
 #include "ecofiles/format/texture.h"
 #include "lod/arena.h"
 #include "lod/light.h"
@@ -115,8 +116,23 @@ static void diffuse(const struct level *level, int32_t *errors, uint8_t *texels)
 	}
 }
 
+/* What a level of half the texels shows wrong of a finer one, for struct lod_texture. */
+static uint8_t loss_of(const struct eco_texture_part *coarse, const struct eco_texture_part *fine)
+{
+	uint64_t opaque = 0, wrong = 0;
+	for (uint32_t y = 0; y < fine->height; y++)
+		for (uint32_t x = 0; x < fine->width; x++) {
+			uint8_t texel = fine->texels[(size_t)y * fine->width + x];
+			opaque += texel != 0;
+			wrong += texel != coarse->texels[(size_t)(y / 2) * coarse->width + x / 2];
+		}
+	uint64_t loss = opaque ? (wrong * ECO_LOSS_ONE + opaque) / (2 * opaque) : 0;
+	return (uint8_t)(loss < 1 ? 1 : loss < ECO_LOSS_ONE ? loss : ECO_LOSS_ONE);
+}
+
+/* `coarser`: the outline before it, of no texels where there is none; this one from then on. */
 static enum eco_code write_level(struct lod_texture *texture, const struct level *level,
-	struct eco_error *error)
+	struct eco_texture_part *coarser, struct eco_error *error)
 {
 	struct eco_texture_part outline = { level->width, level->height, 1, malloc(count_of(level)) },
 		colors = { level->width, level->height, 3, malloc(3 * count_of(level)) };
@@ -126,6 +142,8 @@ static enum eco_code write_level(struct lod_texture *texture, const struct level
 		level->height);
 	if (!code)
 		diffuse(level, errors, outline.texels);
+	if (!code && texture->outlines && coarser->texels)
+		texture->loss = loss_of(coarser, &outline);
 	free(errors);
 	for (size_t i = 0; !code && i < count_of(level); i++)
 		for (int k = 0; k < 3; k++)
@@ -135,7 +153,8 @@ static enum eco_code write_level(struct lod_texture *texture, const struct level
 		code = eco_texture_write_outline(&texture->outlines[at], &outline, error);
 	if (!code)
 		code = eco_texture_write_colors(&texture->colors[at], &colors, QUALITY, error);
-	eco_texture_part_free(&outline);
+	eco_texture_part_free(coarser);
+	*coarser = outline;
 	eco_texture_part_free(&colors);
 	return code;
 }
@@ -202,9 +221,11 @@ static enum eco_code make(struct lod_texture *texture, const struct eco_model *m
 		finest++;
 	assert(coarsest < count && coarsest - finest < ECO_TEXTURE_LEVELS_MAX);
 	texture->texel_area = (float)ldexp(area, (int)(2 * finest));
+	struct eco_texture_part outline = { 0 };
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = coarsest + 1; !code && i-- > finest;)
-		code = write_level(texture, &levels[i], error);
+		code = write_level(texture, &levels[i], &outline, error);
+	eco_texture_part_free(&outline);
 	return code;
 }
 

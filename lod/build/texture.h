@@ -22,6 +22,9 @@ struct lod_texture {
 	struct eco_writer *colors, *outlines;        /* bytes, size; NULL: it is opaque */
 	uint32_t count;
 	float texel_area;            /* m^2 of the plant that a texel of the last level covers, in the mean */
+	uint8_t loss;                /* ECO_LOSS_ONE times the share of opaque texels that the level before the
+	                              * last shows clear, and as many the other way round; 1 at least where
+	                              * there are outlines of two levels, else 0 */
 };
 
 /* A texture that no triangle shows keeps all its texels; its texel_area is 0. `side_most`: texels of its

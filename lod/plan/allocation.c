@@ -451,6 +451,8 @@ static struct lod_wrong wrong_of(void *ctx, const struct lod_visibility *visibil
 			lod_cost_add(&cost, &slot_choice->cells, 1, 0, 1 / count);
 			weight_px += slot_choice->cells_weight_px / count;
 		}
+		cost.fp += m->scratch[visibility->slot] / 2;
+		cost.fn += m->scratch[visibility->slot] / 2;
 		cost.fp += visibility->above * (cost.above_fp - cost.fp);
 		cost.fn += visibility->above * (cost.above_fn - cost.fn);
 	} else if (tile_choice->has_summary) {
@@ -476,6 +478,7 @@ enum eco_code lod_allocation_predict(struct lod_allocation *m, struct eco_predic
 	struct eco_error *error)
 {
 	find_drawn_by(m);
+	lod_prices_lost_of(m, m->scratch);
 	for (uint32_t n = 0; n < m->p->visible.node_count; n++)
 		if (m->tile_choices[n].has_summary && m->drawn_by[n] == n)
 			m->tile_choices[n].wrong = summary_wrong(&m->tile_choices[n]);

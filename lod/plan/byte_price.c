@@ -23,13 +23,15 @@ struct ladder_price {
 	uint32_t limit, kept;        /* the last step that may be drawn; that of lod_prices_keep */
 	uint32_t image, textured;    /* its texture, in lod_prices.images; the first step that shows it */
 	double image_part;           /* bytes of the texture that this ladder is asked for */
+	double textured_px, image_lost;      /* seen of it by plants that draw the ladder; wrong of these */
 };
 
-/* A texture: colours in levels, and its outline, whole. */
+/* A texture: levels of colours, and of its outline. */
 struct image_price {
-	uint32_t list, users[2];     /* users: ladders of whole plants, of cells */
-	uint32_t most, levels;       /* that the view resolves; that are worth their bytes */
-	double outline, bytes, waste;        /* of the outline; of that and of the levels */
+	uint32_t list, outline, users[2];    /* outline: or ECO_NONE; users: ladders of whole plants, of cells */
+	uint32_t most, levels;       /* of colours, that the view resolves; that are worth their bytes */
+	uint32_t outline_levels;     /* likewise; 0: there is no outline */
+	double bytes, waste;         /* of all these */
 	bool used;
 };
 
@@ -168,9 +170,7 @@ static double texel_px(const struct lod_allocation *m, const struct ladder_price
 
 static struct image_price image_price_of(const struct lod_allocation *m, uint32_t list)
 {
-	uint32_t outline = m->p->scene->lists[list].image;
-	return (struct image_price){ .list = list,
-		.outline = outline == ECO_NONE ? 0 : missing_all(m, outline) };
+	return (struct image_price){ .list = list, .outline = m->p->scene->lists[list].image };
 }
 
 /* The most levels that some choice of a ladder resolves. */
@@ -184,12 +184,24 @@ static void count_levels(struct lod_allocation *m, const struct ladder_price *l)
 	}
 }
 
-static void set_levels(struct lod_allocation *m, struct image_price *image, uint32_t levels)
+static void set_levels(struct lod_allocation *m, struct image_price *image, uint32_t levels,
+	uint32_t outline_levels)
 {
 	image->levels = levels;
-	image->bytes = image->outline + missing_between(m, image->list, 0, levels);
+	image->outline_levels = outline_levels;
+	image->bytes = missing_between(m, image->list, 0, levels);
 	image->waste = waste_between(m, image->list, 0, levels);
 	m->p->texture_levels[image->list] = (uint8_t)levels;
+	if (image->outline == ECO_NONE)
+		return;
+	image->bytes += missing_between(m, image->outline, 0, outline_levels);
+	image->waste += waste_between(m, image->outline, 0, outline_levels);
+	m->p->texture_levels[image->outline] = (uint8_t)outline_levels;
+}
+
+static uint32_t levels_of(const struct lod_allocation *m, uint32_t list)
+{
+	return list == ECO_NONE ? 0 : m->p->scene->lists[list].chunk_count;
 }
 
 /* A texture is asked of the ladders of whole plants that show it in equal parts, and of cells likewise. */
@@ -239,7 +251,8 @@ static bool make_images(struct lod_allocation *m)
 	if (!of || !prices->images)
 		return false;
 	for (uint32_t i = 0; i < prices->image_count; i++)
-		set_levels(m, &prices->images[i], prices->images[i].most);
+		set_levels(m, &prices->images[i], prices->images[i].most,
+			levels_of(m, prices->images[i].outline));
 	share_images(m);
 	return true;
 }
@@ -536,10 +549,16 @@ static double bytes_at(const struct ladder_price *l, uint32_t step)
 	return l->bytes[step] + l->waste[step] + (step >= l->textured ? l->image_part : 0);
 }
 
+static bool shows(const struct ladder_price *l, uint32_t image)
+{
+	return l->textured != ECO_NONE && l->image == image;
+}
+
 /* Adds, for each number of levels, what plants that draw a ladder lose by seeing no more of its texture. */
-static void add_texel_costs(const struct lod_allocation *m, const struct ladder_price *l, double *costs,
+static void add_texel_costs(const struct lod_allocation *m, struct ladder_price *l, double *costs,
 	uint32_t levels)
 {
+	l->textured_px = 0;
 	for (uint32_t i = 0; i < l->count; i++) {
 		uint32_t id = m->prices->choices[l->first + i];
 		const struct lod_ladder_choice *choice = &m->ladder_choices[id];
@@ -547,28 +566,66 @@ static void add_texel_costs(const struct lod_allocation *m, const struct ladder_
 			px = texel_px(m, l, id);
 		for (uint32_t n = levels; n > 0 && seen > 0; n--, px *= 2)
 			costs[n] += seen * lod_texel_cost(px);
+		l->textured_px += seen;
 	}
 }
 
-/* Levels of textures that are worth their bytes; of those that nobody draws all, as nothing says for whom. */
-static void limit_textures(struct lod_allocation *m)
+/* Levels of an outline that are worth their bytes where so many pixels are seen through it; *lost: wrong. */
+static uint32_t outline_levels(const struct lod_allocation *m, uint32_t outline, double pixels, double *lost)
+{
+	uint32_t all = levels_of(m, outline), best = all;
+	double least = INFINITY;
+	*lost = 0;
+	for (uint32_t n = all; n > 0 && pixels > 0; n--) {
+		double wrong = pixels * lod_outline_loss(m->p, outline, n),
+			cost = wrong + m->price * missing_between(m, outline, 0, n);
+		if (cost < least) {
+			least = cost;
+			best = n;
+			*lost = wrong;
+		}
+	}
+	return best;
+}
+
+/* Levels of a texture that are worth their bytes; all where nobody draws it, as nothing says for whom. Returns
+ * what is lost of each pixel that shows it. */
+static double limit_texture(struct lod_allocation *m, uint32_t i)
 {
 	struct lod_prices *prices = m->prices;
-	for (uint32_t i = 0; i < prices->image_count; i++) {
-		struct image_price *image = &prices->images[i];
-		uint32_t all = m->p->scene->lists[image->list].chunk_count, best = image->most;
-		double costs[ECO_TEXTURE_LEVELS_MAX + 1] = { 0 }, least = INFINITY;
-		for (uint32_t k = 0; k < prices->ladder_count; k++)
-			if (prices->ladders[k].textured != ECO_NONE && prices->ladders[k].image == i)
-				add_texel_costs(m, &prices->ladders[k], costs, all);
-		for (uint32_t n = 1; n <= image->most && costs[1] > 0; n++) {
-			double cost = costs[n] + m->price * missing_between(m, image->list, 0, n);
-			best = cost < least ? n : best;
-			least = fmin(least, cost);
+	struct image_price *image = &prices->images[i];
+	uint32_t best = image->most;
+	double costs[ECO_TEXTURE_LEVELS_MAX + 1] = { 0 }, least = INFINITY, pixels = 0, lost;
+	for (uint32_t k = 0; k < prices->ladder_count; k++)
+		if (shows(&prices->ladders[k], i)) {
+			add_texel_costs(m, &prices->ladders[k], costs, levels_of(m, image->list));
+			pixels += prices->ladders[k].textured_px;
 		}
-		set_levels(m, image, best);
+	for (uint32_t n = 1; n <= image->most && pixels > 0; n++) {
+		double cost = costs[n] + m->price * missing_between(m, image->list, 0, n);
+		best = cost < least ? n : best;
+		least = fmin(least, cost);
+	}
+	set_levels(m, image, best, outline_levels(m, image->outline, pixels, &lost));
+	return pixels > 0 ? (lost + costs[best] - costs[image->most]) / pixels : 0;
+}
+
+static void limit_textures(struct lod_allocation *m)
+{
+	for (uint32_t i = 0; i < m->prices->image_count; i++) {
+		double lost = limit_texture(m, i);
+		for (uint32_t k = 0; k < m->prices->ladder_count; k++)
+			if (shows(&m->prices->ladders[k], i))
+				m->prices->ladders[k].image_lost = lost * m->prices->ladders[k].textured_px;
 	}
 	share_images(m);
+}
+
+void lod_prices_levels(struct lod_allocation *m)
+{
+	work_limits(m);
+	count_drawn(m);
+	limit_textures(m);
 }
 
 /* Levels of textures and of impostors. */
@@ -590,7 +647,8 @@ static void find_limit(struct lod_allocation *m, struct ladder_price *l, bool al
 	l->limit = 0;
 	for (uint32_t i = 0; i < l->steps; i++) {
 		sum += l->gain[i];
-		double bytes = bytes_at(l, i), net = sum - m->price * (bytes - bytes_at(l, 0));
+		double bytes = bytes_at(l, i), net = sum - m->price * (bytes - bytes_at(l, 0))
+			- (i >= l->textured ? l->image_lost : 0);
 		if (i == 0 || net > best || bytes <= bytes_at(l, l->limit)) {
 			best = fmax(best, net);
 			l->limit = i;
@@ -664,8 +722,11 @@ static void judge_organs(struct lod_allocation *m)
 	memset(prices->spent, 0, plants * sizeof *prices->spent);
 	for (uint32_t i = 0; i < prices->ladder_count; i++) {
 		const struct ladder_price *l = &prices->ladders[i];
-		if (!is_whole(m, l))
-			prices->spent[m->p->scene->ladders[l->ladder].plant] += bytes_at(l, used_step(m, l));
+		uint32_t plant = m->p->scene->ladders[l->ladder].plant, used = is_whole(m, l) ? 0 : used_step(m, l);
+		if (is_whole(m, l))
+			continue;
+		prices->spent[plant] += bytes_at(l, used);
+		prices->saved[plant] -= used >= l->textured ? l->image_lost : 0;
 	}
 	for (uint32_t s = 0; s < visible->slot_count; s++) {
 		const struct lod_slot *slot = &visible->slots[s];
@@ -772,6 +833,31 @@ bool lod_prices_restore(struct lod_allocation *m, double lambda)
 		apply_limit(m, &m->prices->ladders[i]);
 	}
 	return true;
+}
+
+double lod_prices_lost(const struct lod_allocation *m)
+{
+	double sum = 0;
+	for (uint32_t i = 0; i < m->prices->ladder_count; i++)
+		sum += m->prices->ladders[i].limit >= m->prices->ladders[i].textured
+			? m->prices->ladders[i].image_lost : 0;
+	return sum;
+}
+
+void lod_prices_lost_of(const struct lod_allocation *m, double *lost)
+{
+	memset(lost, 0, m->p->visible.slot_count * sizeof *lost);
+	for (uint32_t i = 0; m->price > 0 && i < m->prices->ladder_count; i++) {
+		const struct ladder_price *l = &m->prices->ladders[i];
+		for (uint32_t k = 0; l->limit >= l->textured && l->textured_px > 0 && k < l->count; k++) {
+			uint32_t id = m->prices->choices[l->first + k];
+			const struct lod_ladder_choice *choice = &m->ladder_choices[id];
+			if (choice->hull.points[(uint32_t)ceil(choice->position)].vertices
+					>= l->vertices[l->textured])
+				lost[choice->slot] += share_of(m, id, false) * choice->weight_px
+					* l->image_lost / l->textured_px;
+		}
+	}
 }
 
 double lod_prices_bytes(struct lod_allocation *m)

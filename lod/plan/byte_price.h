@@ -65,7 +65,12 @@ double lod_prices_point(const struct lod_allocation *allocation, uint32_t node);
 /* Room for a hull of a tile's summary; the allocation's. */
 struct lod_hull_point *lod_prices_room(struct lod_allocation *allocation, uint32_t node);
 
-/* Bytes of what the last relaxation chose. */
+/* Sets levels of textures anew, from what the last relaxation chose and the allocation's price. */
+void lod_prices_levels(struct lod_allocation *allocation);
+/* Bytes of what the last relaxation chose; wrong pixels for want of levels of textures. */
 double lod_prices_bytes(struct lod_allocation *allocation);
+double lod_prices_lost(const struct lod_allocation *allocation);
+/* The same of one plant, per slot. */
+void lod_prices_lost_of(const struct lod_allocation *allocation, double *lost);
 
 #endif

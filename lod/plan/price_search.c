@@ -36,13 +36,14 @@ double lod_price_relax(struct lod_allocation *m, double lambda, const struct lod
 		m->price = tiles;
 		m->limited = true;
 		lod_allocation_relax(m, lambda);
+		lod_prices_levels(m);
 	}
 	return lod_prices_bytes(m);
 }
 
 double lod_price_wrong(const struct lod_allocation *m)
 {
-	return m->cost.fp + m->cost.fn + m->cost.detail;
+	return m->cost.fp + m->cost.fn + m->cost.detail + lod_prices_lost(m);
 }
 
 /* Prices between an octave `low`, at which there are too many bytes, and `high`, at which there are at most

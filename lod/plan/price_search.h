@@ -1,8 +1,8 @@
 /* The price of bytes that a number of bytes asks for: see lod/plan/byte_price.h.
  *
- * log2 of two prices: of what plants share, and of tiles. They differ where no one price uses the bytes:
- * plants' lists come at once, for all tiles, so limits are those of a price at which there are too many
- * bytes, and tiles pay more. */
+ * log2 of two prices: of what plants share, and of tiles and levels of textures. They differ where no one
+ * price uses the bytes: plants' lists come at once, for all tiles, so limits are those of a price at which
+ * there are too many bytes, and tiles and levels pay more. */
 #ifndef LOD_PRICE_SEARCH_H
 #define LOD_PRICE_SEARCH_H
 

@@ -13,6 +13,9 @@
 #define COST_OCTAVES 3.0
 #define COST_FULL 8.0
 
+#define OUTLINE_LOSS_MAX 0.4             /* share of an outline's opaque texels */
+#define OUTLINE_WRONG 0.5                /* leaves behind a leaf hide half of what it has wrong */
+
 double lod_texel_px(const struct lod_planner *p, uint32_t image, uint32_t anchor, uint8_t band)
 {
 	double area = (double)p->scene->lists[image].unit_area,
@@ -27,6 +30,19 @@ uint32_t lod_texture_levels(const struct lod_planner *p, uint32_t image, double 
 	for (; levels > 1 && 2 * px <= most; levels--)
 		px *= 2;
 	return levels;
+}
+
+/* Each level less loses what lies along twice as wide a border, until it knows no more than how much is opaque
+ * (lod/EXPERIMENTS.md, Textures). */
+double lod_outline_loss(const struct lod_planner *p, uint32_t outline, uint32_t levels)
+{
+	const struct eco_list *list = &p->scene->lists[outline];
+	double share = 0, step = (double)list->level / ECO_LOSS_ONE;
+	if (levels < list->chunk_count && list->level == 0)
+		return INFINITY;
+	for (uint32_t n = list->chunk_count; n > levels; n--, step *= 2)
+		share += step * fmax(0, 1 - share / OUTLINE_LOSS_MAX);
+	return OUTLINE_WRONG * fmin(share, OUTLINE_LOSS_MAX);
 }
 
 /* Octaves of rounding do no harm: the cost is the same on every machine. */
@@ -66,8 +82,10 @@ static uint32_t cuts_of(const struct eco_plan *plan, const struct lod_planner *p
 			most = p->texture_levels ? p->texture_levels[image] : 0;
 		to[count++] = cut_of(image, most && most < levels ? most : levels);
 		uint32_t outline = p->scene->lists[image].image;
-		if (outline != ECO_NONE)
-			to[count++] = cut_of(outline, p->scene->lists[outline].chunk_count);
+		if (outline == ECO_NONE)
+			continue;
+		most = p->texture_levels ? p->texture_levels[outline] : 0;
+		to[count++] = cut_of(outline, most ? most : p->scene->lists[outline].chunk_count);
 	}
 	return count;
 }

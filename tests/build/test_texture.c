@@ -193,6 +193,9 @@ UNIT_TEST(finer_levels_show_it_better)
 					!= (image.rgba[4 * (y / each * image.width + x / each) + 3] >= 128);
 		double now = (double)wrong / (SIDE * SIDE);
 		assert_true(now < before);
+		if (i + 2 == texture.count)      /* of it half is too much, half too little */
+			assert_true(fabs(texture.loss - 255 * now / 2 / covered(card.image.rgba + 3,
+				SIDE * SIDE, 4)) <= 0.5 && texture.loss > 1);
 		before = now;
 		eco_image_free(&image);
 		eco_texture_part_free(&outline);

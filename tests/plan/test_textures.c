@@ -99,16 +99,23 @@ static enum eco_code size_of(void *ctx, struct eco_plan *plan, uint64_t *bytes, 
 	return code;
 }
 
+/* Levels of a list as large as they are where textures are large: all else comes first. */
+static void enlarge(struct random_pack *pack, uint32_t list)
+{
+	for (uint32_t k = 0; k < LEVELS; k++)
+		pack->r.chunks[pack->pack.scene.lists[list].chunk_first + k].size_bytes = 200u << (2 * k);
+}
+
 UNIT_TEST(levels_are_given_up_for_bytes)
 {
-	uint32_t fewer = 0, shows = 0;
+	uint32_t fewer = 0, shows = 0, rough = 0;
 	for (uint64_t seed = 1; seed <= SCENES; seed++) {
 		struct random_pack *pack = random_pack_make(seed, 0, 1);
 		const struct eco_scene *scene = &pack->pack.scene;
 		struct eco_view view = random_view(&pack->r);
-		uint32_t image = image_of(scene);
-		for (uint32_t k = 0; k < LEVELS; k++)
-			pack->r.chunks[scene->lists[image].chunk_first + k].size_bytes = 200u << (2 * k);
+		uint32_t image = image_of(scene), outline = scene->lists[image].image;
+		enlarge(pack, image);
+		enlarge(pack, outline);
 		struct eco_plan whole = plan_it(pack, &view, ECO_TEXEL_PX_MIN), plan;
 		uint64_t bytes;
 		struct eco_error error = { 0 };
@@ -120,17 +127,38 @@ UNIT_TEST(levels_are_given_up_for_bytes)
 			assert_ok(lod_plan(&plan, &(struct lod_planner_input){ .scene = scene,
 				.request = &request, .stats = &stats, .size = size_of,
 				.size_ctx = (void *)scene }, &error), error);
-			uint32_t levels = shown(&plan, image);
+			uint32_t levels = shown(&plan, image), border = shown(&plan, outline);
 			assert_true(levels <= LEVELS && stats.bytes <= bytes / part);
+			assert_true(border <= LEVELS && (border > 0) == (levels > 0));
 			shows += levels > 0;
 			fewer += levels > 0 && levels < LEVELS;
+			rough += border > 0 && border < LEVELS;
 			eco_plan_free(&plan);
 		}
 		eco_plan_free(&whole);
 		random_pack_free(pack);
 	}
-	print_message("          of %u plans that show the texture %u show less of it\n", shows, fewer);
-	assert_true(fewer > 3);
+	print_message("          of %u plans that show the texture %u show less of it, %u of its outline\n",
+		shows, fewer, rough);
+	assert_true(fewer > 3 && rough > 3);
+}
+
+UNIT_TEST(coarser_outlines_lose_more)
+{
+	struct eco_list list = { .kind = ECO_LIST_OUTLINE, .chunk_count = LEVELS };
+	struct eco_scene scene = { .lists = &list, .list_count = 1 };
+	struct lod_planner p = { .scene = &scene };
+	assert_true(lod_outline_loss(&p, 0, LEVELS) == 0 && lod_outline_loss(&p, 0, LEVELS - 1) == INFINITY);
+	for (uint32_t level = 1; level <= ECO_LOSS_ONE; level++) {
+		double finer = 0;
+		list.level = (uint8_t)level;
+		assert_true(lod_outline_loss(&p, 0, LEVELS) == 0);
+		for (uint32_t n = LEVELS - 1; n > 0; n--) {
+			double loss = lod_outline_loss(&p, 0, n);
+			assert_true(loss >= finer && loss <= 1 && loss > 0);
+			finer = loss;
+		}
+	}
 }
 
 UNIT_TEST(texels_are_as_narrow_as_asked)

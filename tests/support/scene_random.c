@@ -334,6 +334,7 @@ static void finish_lists(struct scene_builder *b)
 	uint32_t image = add_list(b, ECO_LIST_IMAGE, 4, 0),
 		outline = add_list(b, ECO_LIST_OUTLINE, 4, 0);
 	b->lists[image].unit_area = 1e-6f;
+	b->lists[outline].level = 10;            /* 4 % are wrong without its last level */
 	b->lists[image].image = outline;
 	for (uint32_t i = 0; i < b->scene.list_count; i++) {
 		struct eco_list *list = &b->lists[i];

@@ -41,6 +41,8 @@ uint32_t eco_corners_primitives(uint8_t corners);
 bool eco_list_allows_corners(const struct eco_list *list, uint8_t corners);
 /* Checks that kind, coder and attributes go together. */
 enum eco_code eco_list_check_coding(const struct eco_list *list, struct eco_error *error);
+/* Does a list's level mean something to its kind? */
+bool eco_list_level_known(const struct eco_list *list);
 
 struct eco_rows_shape eco_payload_shape(const struct eco_list *list, uint8_t coder,
 	const struct eco_stream *stream);
