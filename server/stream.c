@@ -129,7 +129,7 @@ struct sizing {
 /* `sizing` NULL: bytes do not bind. */
 static enum eco_code size_answer(void *ctx, struct eco_plan *plan, uint64_t *bytes,
 	struct eco_error *error);
-static enum eco_code take_coarser(void *ctx, struct eco_plan *plan, struct eco_error *error);
+static enum eco_code take_coarser(void *ctx, struct eco_plan *plan, double wrong, struct eco_error *error);
 
 static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, double ground_px,
 	struct sizing *sizing, struct srv_step *step, struct eco_error *error)
@@ -156,6 +156,7 @@ static enum eco_code make_step(struct srv_stream *stream, uint64_t vertices, dou
 	}
 	enum eco_code code = lod_plan(&step->plan, &planner, error);
 	stream->work += stats.work;
+	step->wrong = stats.wrong;
 	stream->cut_short |= planner.work_max && stats.work >= planner.work_max / 2;
 	if (!code)
 		srv_trace(SRV_TRACE_PLAN, "%llu of %llu vertices in %u cuts: the search %s, a byte must save %g "
@@ -408,18 +409,20 @@ static enum eco_code size_answer(void *ctx, struct eco_plan *plan, uint64_t *byt
 
 /* ---- Steps ---- */
 
-static enum eco_code take_coarser(void *ctx, struct eco_plan *plan, struct eco_error *error)
+static enum eco_code take_coarser(void *ctx, struct eco_plan *plan, double wrong, struct eco_error *error)
 {
 	(void)error;
 	struct srv_stream *stream = ctx;
+	stream->coarser_wrong[stream->coarser_count] = wrong;
 	stream->coarser[stream->coarser_count++] = *plan;
 	return ECO_OK;
 }
 
 /* Puts a coarser answer before steps[0], on ground that takes no more than its share. */
-static enum eco_code add_coarser(struct srv_stream *stream, struct eco_plan *plan, struct eco_error *error)
+static enum eco_code add_coarser(struct srv_stream *stream, uint32_t number, struct eco_error *error)
 {
-	struct srv_step step = { .plan = *plan };
+	struct eco_plan *plan = &stream->coarser[number];
+	struct srv_step step = { .plan = *plan, .wrong = stream->coarser_wrong[number] };
 	*plan = (struct eco_plan){ 0 };
 	enum eco_code code = change_ground(stream, &step, stream->steps[0].ground_px, error);
 	while (!code && step.ground_px < ECO_GROUND_PX_MAX
@@ -463,7 +466,7 @@ static enum eco_code fit_steps(struct srv_stream *stream, struct srv_emit *dry, 
 	enum eco_code code = ECO_OK;
 	for (uint32_t i = 0; i < stream->coarser_count && !code
 			&& stream->steps[0].missing_bytes > STEP_BYTES_LEAST; i++)
-		code = add_coarser(stream, &stream->coarser[i], error);
+		code = add_coarser(stream, i, error);
 	if (!code)
 		code = size_all(stream, dry, error);
 	while (!code && stream->body_bytes > stream->input.request->bytes) {

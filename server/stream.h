@@ -61,6 +61,7 @@ struct srv_step {
 	struct eco_plan plan;
 	struct eco_holdings needs;                   /* chunks per list that the plan needs, sorted */
 	uint64_t budget_vertices;                    /* what was asked of the planner */
+	double wrong;                                /* as struct lod_planner_stats */
 	double ground_px;                            /* and how far its ground may be from where it is */
 	uint64_t missing_bytes;                      /* payloads that the client lacks at the beginning */
 	uint64_t end_bytes;                          /* of the body, up to and with this step's PLAN */
@@ -74,7 +75,8 @@ struct srv_stream {
 	struct eco_holdings next[SRV_STEPS_MAX];     uint32_t next_count;
 	/* what the answer would need without a budget of bytes; of that, what the rest of the bytes holds */
 	struct eco_holdings wanted, rest;
-	struct eco_plan coarser[SRV_STEPS_MAX];      /* from fine to coarse, while steps are made */
+	/* from fine to coarse, while steps are made */
+	struct eco_plan coarser[SRV_STEPS_MAX];      double coarser_wrong[SRV_STEPS_MAX];
 	uint32_t coarser_count;
 	bool fits;
 	/* exact, named chunks counted; where it does not fit, that of the smallest body */

@@ -152,6 +152,15 @@ struct lod_uses {
 	struct lod_cost *each;
 };
 
+#define LOD_PRICE_TRIES 64       /* more are not kept */
+
+/* What came of prices for all bytes alike at one lambda, by falling price. */
+struct lod_price_tries {
+	double lambda;
+	uint32_t count;
+	struct { double octave, bytes; } at[LOD_PRICE_TRIES];        /* log2 of the price */
+};
+
 struct lod_allocation {
 	struct lod_planner *p;
 	struct lod_slot_choice *slot_choices; /* per slot */
@@ -178,6 +187,7 @@ struct lod_allocation {
 	 * limits: the price that limits were made at */
 	struct { double lambda, price, limits; } relaxed;
 	struct lod_prices *prices;   /* lod/plan/byte_price.h; NULL: not made */
+	struct lod_price_tries tries;        /* since these were made */
 	struct lod_cost cost;        /* at the last lambda */
 };
 

@@ -13,13 +13,24 @@
 #define LISTS_OF_LADDER 5        /* points, lines, simple, triangles, impostor */
 #define DRAWN_LEAST 1e-9         /* plants, below which nobody draws */
 
-/* A ladder in view, and the bytes of its lists up to each number of vertices that a plant may draw. */
+/* The longest prefix of each list of a ladder, in chunks. */
+struct chunks { uint32_t of[LISTS_OF_LADDER]; };
+
+struct price { double bytes, waste; };       /* waste: what they cost beside */
+
+/* A ladder in view, and what each number of vertices that a plant may draw needs of its lists. Points give
+ * way to triangles, so a step may need less than those before it: what is paid is what some plant draws. */
 struct ladder_price {
 	uint32_t ladder;
 	uint32_t first, count;       /* its choices, in lod_prices.choices */
 	uint32_t steps;
+	uint32_t lists[LISTS_OF_LADDER], list_count;
+	const struct price *prefixes[LISTS_OF_LADDER];       /* of each list: of so many chunks */
 	uint64_t *vertices;          /* per step, ascending */
-	double *bytes, *waste, *gain;        /* per step; gain while a limit is sought */
+	struct chunks *needs;        /* per step */
+	double *gain;                /* per step, while a limit is sought; */
+	bool *rests;                 /* and whether some choice stays there */
+	struct price used;           /* of what the last relaxation draws */
 	uint32_t limit, kept;        /* the last step that may be drawn; that of lod_prices_keep */
 	uint32_t image, textured;    /* its texture, in lod_prices.images; the first step that shows it */
 	double image_part;           /* bytes of the texture that this ladder is asked for */
@@ -42,7 +53,10 @@ struct lod_prices {
 	struct ladder_price *ladders;        uint32_t ladder_count;
 	struct image_price *images;          uint32_t image_count;
 	uint32_t *choices;           /* of the allocation, by ladder */
-	uint64_t *vertices;          double *bytes, *waste, *gain;     /* of all ladders */
+	/* of all ladders */
+	struct price *prefixes;
+	uint64_t *vertices;          struct chunks *needs;
+	double *gain;                bool *rests;
 	double *instances, *instances_waste, *points;        /* per node */
 	double *drawn, *seen;        /* per slot: plants in open tiles; the same, times the tiles' factors */
 	double *part;                /* per node: of its tile's bytes, that an occurrence pays */
@@ -92,41 +106,55 @@ static double waste_all(const struct lod_allocation *m, uint32_t list)
 
 /* ---- Ladders ---- */
 
-/* Chunks of each list that were paid so far. */
-struct paid { uint32_t list[LISTS_OF_LADDER], chunks[LISTS_OF_LADDER], count; double bytes, waste; };
-
-static void pay(const struct lod_allocation *m, struct paid *paid, uint32_t list, uint32_t end)
+static uint32_t list_of(struct ladder_price *l, uint32_t list)
 {
-	uint32_t i = 0, chunks = lod_plan_chunks_for(m->p->scene, list, end);
-	while (i < paid->count && paid->list[i] != list)
+	uint32_t i = 0;
+	while (i < l->list_count && l->lists[i] != list)
 		i++;
-	if (i == paid->count) {
-		paid->list[i] = list;
-		paid->chunks[i] = 0;
-		paid->count++;
+	if (i == l->list_count)
+		l->lists[l->list_count++] = list;
+	return i;
+}
+
+static void need(const struct lod_allocation *m, struct ladder_price *l, struct chunks *needs, uint32_t list,
+	uint32_t end)
+{
+	uint32_t i = list_of(l, list), chunks = lod_plan_chunks_for(m->p->scene, list, end);
+	needs->of[i] = chunks > needs->of[i] ? chunks : needs->of[i];
+}
+
+static void add_needs(struct chunks *sum, const struct chunks *more)
+{
+	for (int i = 0; i < LISTS_OF_LADDER; i++)
+		sum->of[i] = more->of[i] > sum->of[i] ? more->of[i] : sum->of[i];
+}
+
+static struct price price_of(const struct ladder_price *l, const struct chunks *needs)
+{
+	struct price sum = { 0 };
+	for (uint32_t i = 0; i < l->list_count; i++) {
+		sum.bytes += l->prefixes[i][needs->of[i]].bytes;
+		sum.waste += l->prefixes[i][needs->of[i]].waste;
 	}
-	if (chunks <= paid->chunks[i])
-		return;
-	paid->bytes += missing_between(m, list, paid->chunks[i], chunks);
-	paid->waste += waste_between(m, list, paid->chunks[i], chunks);
-	paid->chunks[i] = chunks;
+	return sum;
 }
 
 /* Returns the texture of what is drawn; ECO_NONE: there is none. */
-static uint32_t price_step(const struct lod_allocation *m, const struct lod_way *way, uint64_t vertices,
-	struct paid *paid)
+static uint32_t find_needs(const struct lod_allocation *m, const struct lod_way *way, uint64_t vertices,
+	struct ladder_price *l, struct chunks *needs)
 {
 	uint32_t image = ECO_NONE;
 	struct eco_cut cuts[LOD_LADDER_CUTS_MAX];
+	*needs = (struct chunks){ { 0 } };
 	if (vertices == 0)
 		return ECO_NONE;
 	if (vertices == 1 && lod_hull_impostor_levels(way)) {
-		pay(m, paid, way->ladder->impostor, 1);
+		need(m, l, needs, way->ladder->impostor, 1);
 		return ECO_NONE;
 	}
 	uint32_t count = lod_way_cuts(way, vertices, lod_way_density(way, vertices), 0, cuts);
 	for (uint32_t i = 0; i < count; i++) {
-		pay(m, paid, cuts[i].list, cuts[i].end);
+		need(m, l, needs, cuts[i].list, cuts[i].end);
 		if (m->p->scene->lists[cuts[i].list].image != ECO_NONE)
 			image = m->p->scene->lists[cuts[i].list].image;
 	}
@@ -139,25 +167,22 @@ static uint32_t steps_of(const struct lod_plan_tables_ladder *table)
 }
 
 /* Steps are all points that the hulls of its slots may have. */
-static void price_ladder(const struct lod_allocation *m, struct ladder_price *l)
+static void find_steps(const struct lod_allocation *m, struct ladder_price *l)
 {
 	l->image = l->textured = ECO_NONE;
 	const struct lod_plan_tables_ladder *table = lod_plan_tables_ladder(m->p->tables, l->ladder);
-	struct paid paid = { .count = 0 };
 	l->steps = 0;
 	for (int h = 0; h < 3; h++)
 		for (uint32_t i = 0; i < (h < 2 ? table->hull[h].count : 1); i++) {
 			uint64_t vertices = h < 2 ? table->hull[h].points[i].vertices : table->way.full;
 			if (l->steps && vertices <= l->vertices[l->steps - 1])
 				continue;
-			uint32_t image = price_step(m, &table->way, vertices, &paid);
+			uint32_t image = find_needs(m, &table->way, vertices, l, &l->needs[l->steps]);
 			if (image != ECO_NONE && l->image == ECO_NONE) {
 				l->image = image;
 				l->textured = l->steps;
 			}
-			l->vertices[l->steps] = vertices;
-			l->bytes[l->steps] = paid.bytes;
-			l->waste[l->steps++] = paid.waste;
+			l->vertices[l->steps++] = vertices;
 		}
 }
 
@@ -257,6 +282,29 @@ static bool make_images(struct lod_allocation *m)
 	return true;
 }
 
+/* Prices of all prefixes of the lists of all ladders. */
+static bool make_prefixes(struct lod_allocation *m)
+{
+	struct lod_prices *prices = m->prices;
+	size_t count = 0;
+	for (uint32_t i = 0; i < prices->ladder_count; i++)
+		for (uint32_t k = 0; k < prices->ladders[i].list_count; k++)
+			count += m->p->scene->lists[prices->ladders[i].lists[k]].chunk_count + 1u;
+	struct price *to = prices->prefixes = malloc((count + 1) * sizeof *to);
+	for (uint32_t i = 0; to && i < prices->ladder_count; i++)
+		for (uint32_t k = 0; k < prices->ladders[i].list_count; k++) {
+			uint32_t list = prices->ladders[i].lists[k];
+			uint32_t chunks = m->p->scene->lists[list].chunk_count;
+			prices->ladders[i].prefixes[k] = to;
+			*to++ = (struct price){ 0 };
+			for (uint32_t c = 0; c < chunks; c++, to++) {
+				to->bytes = to[-1].bytes + missing_between(m, list, c, c + 1);
+				to->waste = to[-1].waste + waste_between(m, list, c, c + 1);
+			}
+		}
+	return prices->prefixes;
+}
+
 static bool make_ladders(struct lod_allocation *m)
 {
 	struct lod_prices *prices = m->prices;
@@ -287,22 +335,22 @@ static bool make_ladders(struct lod_allocation *m)
 	}
 	free(of);
 	prices->vertices = malloc((steps + 1u) * sizeof *prices->vertices);
-	prices->bytes = malloc((steps + 1u) * sizeof *prices->bytes);
-	prices->waste = malloc((steps + 1u) * sizeof *prices->waste);
+	prices->needs = malloc((steps + 1u) * sizeof *prices->needs);
 	prices->gain = malloc((steps + 1u) * sizeof *prices->gain);
-	if (!prices->vertices || !prices->bytes || !prices->waste || !prices->gain)
+	prices->rests = malloc((steps + 1u) * sizeof *prices->rests);
+	if (!prices->vertices || !prices->needs || !prices->gain || !prices->rests)
 		return false;
 	steps = 0;
 	for (uint32_t i = 0; i < prices->ladder_count; i++) {
 		struct ladder_price *l = &prices->ladders[i];
 		l->vertices = prices->vertices + steps;
-		l->bytes = prices->bytes + steps;
-		l->waste = prices->waste + steps;
+		l->needs = prices->needs + steps;
 		l->gain = prices->gain + steps;
-		price_ladder(m, l);
+		l->rests = prices->rests + steps;
+		find_steps(m, l);
 		steps += l->steps;
 	}
-	return make_images(m);
+	return make_prefixes(m) && make_images(m);
 }
 
 /* ---- Tiles ---- */
@@ -426,9 +474,10 @@ void lod_prices_free(struct lod_allocation *m)
 	free(prices->images);
 	free(prices->choices);
 	free(prices->vertices);
-	free(prices->bytes);
-	free(prices->waste);
+	free(prices->prefixes);
+	free(prices->needs);
 	free(prices->gain);
+	free(prices->rests);
 	free(prices->instances);
 	free(prices->instances_waste);
 	free(prices->points);
@@ -444,6 +493,7 @@ void lod_prices_free(struct lod_allocation *m)
 	free(prices->spent);
 	free(prices);
 	m->prices = NULL;
+	m->tries.count = 0;
 	m->relaxed.lambda = NAN;
 }
 
@@ -532,6 +582,8 @@ static void add_gain(struct lod_allocation *m, struct ladder_price *l, uint32_t 
 		return;
 	const struct lod_hull *hull = &choice->hull;
 	double position = free_position(m, choice), before = lod_hull_error(hull, &hull->points[0]);
+	l->rests[step_of(l, hull->points[(uint32_t)position].vertices)] = true;
+	l->rests[step_of(l, hull->points[(uint32_t)ceil(position)].vertices)] = true;
 	for (uint32_t k = 1, step = 0; k < choice->hull_count && k < position + 1; k++) {
 		const struct lod_hull_point *a = &hull->points[k - 1], *b = &hull->points[k];
 		double part = position >= k ? 1 : position - (k - 1), after = lod_hull_error(hull, b),
@@ -544,9 +596,10 @@ static void add_gain(struct lod_allocation *m, struct ladder_price *l, uint32_t 
 	}
 }
 
-static double bytes_at(const struct ladder_price *l, uint32_t step)
+/* What a ladder costs that is drawn up to a step. */
+static double cost_of(const struct ladder_price *l, const struct price *price, uint32_t step)
 {
-	return l->bytes[step] + l->waste[step] + (step >= l->textured ? l->image_part : 0);
+	return price->bytes + price->waste + (step >= l->textured ? l->image_part : 0);
 }
 
 static bool shows(const struct ladder_price *l, uint32_t image)
@@ -637,22 +690,31 @@ static void limit_levels(struct lod_allocation *m)
 	lod_allocation_set_impostors(m, m->scratch);
 }
 
-/* The step up to which bytes are worth their price. */
+/* The step up to which bytes are worth their price: beside those of the choices that stay below it. */
 static void find_limit(struct lod_allocation *m, struct ladder_price *l, bool all)
 {
-	double best = 0, sum = 0;
+	struct chunks below = { { 0 } };
+	double best = 0, sum = 0, cheapest = 0, none = 0;
 	memset(l->gain, 0, l->steps * sizeof *l->gain);
+	memset(l->rests, 0, l->steps * sizeof *l->rests);
 	for (uint32_t i = 0; i < l->count; i++)
 		add_gain(m, l, m->prices->choices[l->first + i], all);
 	l->limit = 0;
 	for (uint32_t i = 0; i < l->steps; i++) {
+		struct chunks needs = below;
+		add_needs(&needs, &l->needs[i]);
+		struct price price = price_of(l, &needs);
+		double bytes = cost_of(l, &price, i);
 		sum += l->gain[i];
-		double bytes = bytes_at(l, i), net = sum - m->price * (bytes - bytes_at(l, 0))
-			- (i >= l->textured ? l->image_lost : 0);
-		if (i == 0 || net > best || bytes <= bytes_at(l, l->limit)) {
+		none = i ? none : bytes;
+		double net = sum - m->price * (bytes - none) - (i >= l->textured ? l->image_lost : 0);
+		if (i == 0 || net > best || bytes <= cheapest) {
 			best = fmax(best, net);
 			l->limit = i;
+			cheapest = bytes;
 		}
+		if (l->rests[i])
+			below = needs;
 	}
 }
 
@@ -683,6 +745,14 @@ static bool is_whole(const struct lod_allocation *m, const struct ladder_price *
 	return m->p->scene->ladders[l->ladder].flags & ECO_LADDER_WHOLE;
 }
 
+/* Its impostor is the one step of one vertex. */
+static bool draws_impostor(const struct lod_ladder_choice *choice)
+{
+	const struct lod_hull_point *points = choice->hull.points;
+	return choice->hull.impostor != ECO_NONE && (points[(uint32_t)choice->position].vertices == 1
+		|| points[(uint32_t)ceil(choice->position)].vertices == 1);
+}
+
 /* Levels of its impostor above the first that some plant draws. */
 static double levels_bytes(const struct lod_allocation *m, const struct ladder_price *l)
 {
@@ -690,25 +760,31 @@ static double levels_bytes(const struct lod_allocation *m, const struct ladder_p
 	for (uint32_t i = 0; list != ECO_NONE && i < l->count; i++) {
 		uint32_t id = m->prices->choices[l->first + i];
 		const struct lod_ladder_choice *choice = &m->ladder_choices[id];
-		if (choice->hull.impostor != ECO_NONE && choice->hull.impostor > level && choice->position > 0
+		if (draws_impostor(choice) && choice->hull.impostor > level
 				&& m->prices->drawn[choice->slot] * share_of(m, id, false) > DRAWN_LEAST)
 			level = choice->hull.impostor;
 	}
 	return level ? missing_between(m, list, 1, level + 1) : 0;
 }
 
-/* The last step that some plant draws; 0: none does. */
-static uint32_t used_step(const struct lod_allocation *m, const struct ladder_price *l)
+/* The last step that some plant draws; 0: none does. Sets l->used. */
+static uint32_t find_used(const struct lod_allocation *m, struct ladder_price *l)
 {
+	struct chunks needs = { { 0 } };
 	uint32_t used = 0;
 	for (uint32_t i = 0; i < l->count; i++) {
 		uint32_t id = m->prices->choices[l->first + i];
 		const struct lod_ladder_choice *choice = &m->ladder_choices[id];
+		const struct lod_hull_point *points = choice->hull.points;
 		if (m->prices->drawn[choice->slot] * share_of(m, id, false) < DRAWN_LEAST)
 			continue;
-		uint32_t step = step_of(l, choice->hull.points[(uint32_t)ceil(choice->position)].vertices);
-		used = step > used ? step : used;
+		uint32_t from = step_of(l, points[(uint32_t)choice->position].vertices),
+			to = step_of(l, points[(uint32_t)ceil(choice->position)].vertices);
+		add_needs(&needs, &l->needs[from]);
+		add_needs(&needs, &l->needs[to]);
+		used = to > used ? to : used;
 	}
+	l->used = price_of(l, &needs);
 	return used;
 }
 
@@ -721,12 +797,13 @@ static void judge_organs(struct lod_allocation *m)
 	memset(prices->saved, 0, plants * sizeof *prices->saved);
 	memset(prices->spent, 0, plants * sizeof *prices->spent);
 	for (uint32_t i = 0; i < prices->ladder_count; i++) {
-		const struct ladder_price *l = &prices->ladders[i];
-		uint32_t plant = m->p->scene->ladders[l->ladder].plant, used = is_whole(m, l) ? 0 : used_step(m, l);
+		struct ladder_price *l = &prices->ladders[i];
+		uint32_t plant = m->p->scene->ladders[l->ladder].plant;
 		if (is_whole(m, l))
 			continue;
-		prices->spent[plant] += bytes_at(l, used);
-		prices->saved[plant] -= used >= l->textured ? l->image_lost : 0;
+		uint32_t step = find_used(m, l);
+		prices->spent[plant] += cost_of(l, &l->used, step);
+		prices->saved[plant] -= step >= l->textured ? l->image_lost : 0;
 	}
 	for (uint32_t s = 0; s < visible->slot_count; s++) {
 		const struct lod_slot *slot = &visible->slots[s];
@@ -811,7 +888,7 @@ void lod_prices_tighten(struct lod_allocation *m)
 	work_limits(m);
 	count_drawn(m);
 	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
-		m->prices->ladders[i].limit = used_step(m, &m->prices->ladders[i]);
+		m->prices->ladders[i].limit = find_used(m, &m->prices->ladders[i]);
 		apply_limit(m, &m->prices->ladders[i]);
 	}
 }
@@ -860,16 +937,24 @@ void lod_prices_lost_of(const struct lod_allocation *m, double *lost)
 	}
 }
 
+double lod_prices_lists(const struct lod_allocation *m)
+{
+	double sum = 0;
+	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
+		const struct ladder_price *l = &m->prices->ladders[i];
+		sum += l->used.bytes + levels_bytes(m, l);       /* as lod_prices_tighten left them */
+	}
+	return sum;
+}
+
 double lod_prices_bytes(struct lod_allocation *m)
 {
-	double sum = m->cost.bytes;
+	double sum = m->cost.bytes + lod_prices_lists(m);
 	for (uint32_t i = 0; i < m->prices->image_count; i++)
 		m->prices->images[i].used = false;
 	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
 		const struct ladder_price *l = &m->prices->ladders[i];
-		uint32_t used = l->limit;        /* as lod_prices_tighten left it */
-		sum += l->bytes[used] + levels_bytes(m, l);
-		if (used < l->textured || m->prices->images[l->image].used)
+		if (l->limit < l->textured || m->prices->images[l->image].used)
 			continue;
 		m->prices->images[l->image].used = true;
 		sum += m->prices->images[l->image].bytes;

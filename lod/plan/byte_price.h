@@ -69,6 +69,8 @@ struct lod_hull_point *lod_prices_room(struct lod_allocation *allocation, uint32
 void lod_prices_levels(struct lod_allocation *allocation);
 /* Bytes of what the last relaxation chose; wrong pixels for want of levels of textures. */
 double lod_prices_bytes(struct lod_allocation *allocation);
+/* The part of these that is neither of tiles nor of textures. */
+double lod_prices_lists(const struct lod_allocation *allocation);
 double lod_prices_lost(const struct lod_allocation *allocation);
 /* The same of one plant, per slot. */
 void lod_prices_lost_of(const struct lod_allocation *allocation, double *lost);

@@ -46,7 +46,8 @@ struct lod_planner_coarser {
 	double ratio;                /* above 1 */
 	uint64_t least;              /* bytes of the last one, about: none follows one of so few */
 	uint32_t most;               /* answers */
-	enum eco_code (*take)(void *ctx, struct eco_plan *plan, struct eco_error *error);
+	/* wrong: as struct lod_planner_stats */
+	enum eco_code (*take)(void *ctx, struct eco_plan *plan, double wrong, struct eco_error *error);
 	void *ctx;
 };
 

@@ -8,6 +8,7 @@
 
 #include "lod/plan/byte_price.h"
 #include "lod/plan/explain_state.h"
+#include "lod/plan/price_curve.h"
 #include "lod/plan/price_search.h"
 
 #define PRICE_MORE 0.05          /* octaves, at first, by which a price is raised that no longer fits */
@@ -16,6 +17,7 @@
 #define PRICE_ENOUGH 0.95        /* ... until they use so much of the budget */
 #define PRICE_FAR 3.0            /* logarithm: lambdas further apart say little of those between, ... */
 #define PRICE_POWER 1.25         /* ... which fall with this power of the vertices */
+#define CURVE_SHARE 0.8          /* of an answer's bytes, that plants usually get */
 #define SIZE_TRIES 4             /* answers whose bytes are counted; ... */
 #define SIZE_TRIES_MORE 2        /* ... where much is known of them */
 /* beside their bytes chunks cost so many times these that the answer without a limit lacks, ... */
@@ -73,6 +75,7 @@ enum eco_code lod_bytes_size(struct lod_planner *p, struct eco_error *error)
 struct fitted {
 	double size, lambda;         /* size: bytes */
 	struct lod_price at;
+	double near;                 /* a price that nearly fits, while `at` is not a number */
 	uint8_t *left_out;           /* per plant, as lod_prices_left_out */
 	const struct eco_holdings *kept;     /* as in lod_prices_make */
 	double wrong;                /* pixels that it leaves */
@@ -116,7 +119,7 @@ static double find_prices(const struct lod_lambda_search *s, double target, uint
 	double least = INFINITY, near = fit->at.tiles, over, top = high;
 	bool again = !isnan(near);
 	fit->lambda = again ? fit->lambda : low;
-	lod_price_find(m, fit->lambda, target, near, &fit->at, &over);
+	lod_price_find(m, fit->lambda, target, again ? near : fit->near, &fit->at, &over);
 	struct within span = { low, high, m->cost.vertices, 0 };
 	bool both = !again && m->cost.vertices > (double)budget;
 	for (int i = 0; both && i <= PRICE_LAMBDAS && (!i || span.low < span.high)
@@ -172,18 +175,18 @@ static bool is_among(const double *tried, int count, double bytes)
 	return false;
 }
 
-/* Fits best->kept, from prices of `first` on. What an answer has beside what is priced, records and the plan
- * itself, is learnt from the answers tried. `room`: per plant, for left_out. */
+/* Fits best->kept, for which prices are made, from those of `first` on. What an answer has beside what is
+ * priced, records and the plan itself, is learnt from the answers tried. `room`: per plant, for left_out. */
 static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budget,
 	const struct fitted *first, struct fitted *best, uint8_t *room, struct eco_error *error)
 {
 	struct lod_allocation *m = s->allocation;
 	struct lod_planner *p = m->p;
 	uint32_t plants = p->scene->plant_count;
-	struct fitted now = { .lambda = first->lambda, .at = first->at, .left_out = room,
+	enum eco_code code = ECO_OK;
+	struct fitted now = { .lambda = first->lambda, .at = first->at, .near = first->near, .left_out = room,
 		.kept = best->kept, .beside = first->beside };
 	double most = (double)p->input->request->bytes, tried[SIZE_TRIES];
-	enum eco_code code = lod_prices_make(m, best->kept, WASTE_FIT, error);
 	for (int i = 0; i < (best->kept ? SIZE_TRIES_MORE : SIZE_TRIES) && !code; i++) {
 		double before = now.size, bytes = tried[i] = find_prices(s, most - now.beside, budget, &now);
 		if (is_among(tried, i, bytes)) {         /* there is a gap: tries what lies beyond it */
@@ -216,6 +219,21 @@ static enum eco_code fit_prices(const struct lod_lambda_search *s, uint64_t budg
 	return code;
 }
 
+/* The prediction, which depends on the bytes that plants usually get, whatever the answer is. */
+static enum eco_code predict_bytes(const struct lod_lambda_search *s, struct lod_price_point *point,
+	struct eco_error *error)
+{
+	struct lod_planner *p = s->allocation->p;
+	const struct lod_price_bounds bounds = { lod_lambda_at(s->last), lod_lambda_at(s->index),
+		(double)p->input->request->vertices };
+	enum eco_code code = lod_price_curve(s->allocation, &bounds,
+		CURVE_SHARE * (double)p->input->request->bytes, point, error);
+	const struct eco_prediction *now = &point->prediction, *all = &p->prediction;
+	if (!code && now->fp + now->fn > all->fp + all->fn)
+		p->prediction = *now;
+	return code;
+}
+
 /* Twice: with all chunks alike, and with those of the answer without a limit of bytes before others. Neither
  * is always better, as plants' lists come at once (lod/EXPERIMENTS.md, Fitted twice). */
 static enum eco_code fit_twice(const struct lod_lambda_search *s, uint64_t budget,
@@ -224,11 +242,21 @@ static enum eco_code fit_twice(const struct lod_lambda_search *s, uint64_t budge
 	uint32_t plants = s->allocation->p->scene->plant_count;
 	const struct lod_price highest = { LOD_PRICE_HIGHEST, LOD_PRICE_HIGHEST };
 	const double lambda = lod_lambda_at(s->last);
-	struct fitted alike = { INFINITY, lambda, highest, room + plants, NULL, INFINITY, 0, false },
-		other = { INFINITY, lambda, highest, room + 2 * (size_t)plants, kept, INFINITY, 0, false };
-	const struct fitted unknown = { .at = { NAN, NAN } };
-	enum eco_code code = fit_prices(s, budget, &unknown, &alike, room, error);
-	if (!code && !lod_planner_over(s->allocation->p, 3))
+	struct fitted alike = { .size = INFINITY, .lambda = lambda, .at = highest, .wrong = INFINITY,
+		.left_out = room + plants }, other = alike;
+	other.left_out += plants;
+	other.kept = kept;
+	struct lod_price_point point;
+	enum eco_code code = lod_prices_make(s->allocation, NULL, 0, error);
+	if (!code)
+		code = predict_bytes(s, &point, error);
+	const struct fitted unknown = { .at = { NAN, NAN }, .near = point.octave };
+	if (!code)
+		code = fit_prices(s, budget, &unknown, &alike, room, error);
+	bool twice = !code && !lod_planner_over(s->allocation->p, 3);
+	if (twice)
+		code = lod_prices_make(s->allocation, kept, WASTE_FIT, error);
+	if (!code && twice)
 		code = fit_prices(s, budget, &alike, &other, room, error);
 	if (code || other.wrong < alike.wrong)
 		return code;
@@ -261,8 +289,6 @@ enum eco_code lod_bytes_fit(const struct lod_lambda_search *s, uint64_t budget, 
 			: eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u plants", plants);
 	p->price = m->price;
 	m->limited = false;
-	if (!code)
-		code = lod_allocation_predict(m, &p->prediction, error);
 	free(room);
 	if (p->input->wanted) {
 		free(p->input->wanted->items);
@@ -405,7 +431,7 @@ static enum eco_code hand_over(const struct lod_lambda_search *s, double lambda,
 	if (!code)
 		code = lod_planner_emit(p, &plan, error);
 	if (!code)
-		return coarser->take(coarser->ctx, &plan, error);
+		return coarser->take(coarser->ctx, &plan, p->wrong, error);
 	eco_plan_free(&plan);
 	return code;
 }

@@ -137,6 +137,22 @@ static int next_to_evaluate(const struct lod_lambda_search *s, const struct lod_
 	return here->at + (bound ? 3 * width / 4 : width / 2);
 }
 
+/* With everything drawn a plant shows all of its organs, where from far away its splats may be less wrong: no
+ * end of the grid expects more to be wrong than the last lambda above 0. */
+static enum eco_code find_end(struct lod_lambda_search *s, const struct lod_evaluation *here,
+	struct lod_evaluation *next, struct eco_error *error)
+{
+	const struct lod_evaluation everything = { .outcome = { INFINITY, 0 } };
+	struct lod_evaluation last;
+	enum eco_code code = evaluate(s, s->last, here, &everything, true, &last, error);
+	if (!code)
+		code = evaluate(s, s->last + 1, here, &everything, true, next, error);
+	next->outcome.wrong = fmin(next->outcome.wrong, last.outcome.wrong);
+	if (!code && wrong_of(&last.prediction) < wrong_of(&next->prediction))
+		next->prediction = last.prediction;
+	return code;
+}
+
 /* Bisects the grid from nothing to everything. A result depends on the view and on the lambdas evaluated
  * around it, not on the budget. Most lambdas are never evaluated, among them those of much smaller budgets,
  * which take the longest. */
@@ -150,7 +166,7 @@ static enum eco_code search_grid(struct lod_lambda_search *s, uint64_t budget, s
 	enum eco_code code = evaluate(s, s->first - 1, &nothing, &everything, true, &here, error);
 	here.outcome = nothing.outcome;
 	if (!code)
-		code = evaluate(s, s->last + 1, &here, &everything, true, &next, error);
+		code = find_end(s, &here, &next, error);
 	s->from = here;
 	s->to = next;
 	if (next.outcome.vertices <= (double)budget)

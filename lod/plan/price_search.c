@@ -13,7 +13,7 @@
 #define PRICE_STEP_FIRST 2.0     /* octaves to the next price tried, then twice as far */
 #define LOW_OCTAVES 10           /* no bytes are so far below any */
 #define PRICE_GAPS 4             /* filled after each other */
-#define PRICE_STEP 0.05          /* octaves to which a price is searched */
+#define PRICE_STEP 0.1          /* octaves to which a price is searched */
 #define PRICE_TRIES 5            /* of a search, whatever work is done: the highest price draws nothing */
 
 #define LN_2 0.69314718055994530942
@@ -46,6 +46,39 @@ double lod_price_wrong(const struct lod_allocation *m)
 	return m->cost.fp + m->cost.fn + m->cost.detail + lod_prices_lost(m);
 }
 
+static bool leaves_out(const struct lod_allocation *m)
+{
+	const uint8_t *left_out = lod_prices_left_out(m);
+	for (uint32_t i = 0; i < m->p->scene->plant_count; i++)
+		if (left_out[i])
+			return true;
+	return false;
+}
+
+static void remember(struct lod_allocation *m, double lambda, double octave, double bytes)
+{
+	struct lod_price_tries *tries = &m->tries;
+	uint32_t i = 0;
+	if (leaves_out(m))
+		return;
+	if (tries->lambda != lambda)
+		*tries = (struct lod_price_tries){ .lambda = lambda };
+	while (i < tries->count && tries->at[i].octave > octave)
+		i++;
+	if (tries->count == LOD_PRICE_TRIES || (i < tries->count && tries->at[i].octave == octave))
+		return;
+	memmove(&tries->at[i + 1], &tries->at[i], (tries->count++ - i) * sizeof *tries->at);
+	tries->at[i].octave = octave;
+	tries->at[i].bytes = bytes;
+}
+
+double lod_price_relax_alike(struct lod_allocation *m, double lambda, double octave)
+{
+	double bytes = lod_price_relax(m, lambda, &(struct lod_price){ octave, octave });
+	remember(m, lambda, octave, bytes);
+	return bytes;
+}
+
 /* Prices between an octave `low`, at which there are too many bytes, and `high`, at which there are at most
  * `target`: regula falsi on bytes, until they are nearly that many or the octaves are close together. `lists`
  * NAN: the same for what plants share. */
@@ -59,8 +92,8 @@ static struct lod_price search_price(struct lod_allocation *m, double lambda, do
 		double part = over / (over + under);
 		part = part < 0.1 ? 0.1 : part > 0.9 ? 0.9 : part;
 		double middle = *low + part * (high - *low);
-		double now = lod_price_relax(m, lambda,
-			&(struct lod_price){ isnan(lists) ? middle : lists, middle });
+		double now = isnan(lists) ? lod_price_relax_alike(m, lambda, middle)
+			: lod_price_relax(m, lambda, &(struct lod_price){ lists, middle });
 		double beyond = now > 0 ? fabs(lod_octaves(now / target)) : LOW_OCTAVES;
 		if (now > target) {
 			*low = middle;
@@ -76,6 +109,31 @@ static struct lod_price search_price(struct lod_allocation *m, double lambda, do
 		}
 	}
 	return (struct lod_price){ isnan(lists) ? high : lists, high };
+}
+
+/* Two such prices, by trying, from one that nearly fits. *high <= *low: everything fits at *low, the lowest.
+ */
+static void seek(struct lod_allocation *m, double lambda, double target, double near, double *low,
+	double *high)
+{
+	double step = isnan(near) ? PRICE_STEP_FIRST : PRICE_NEAR;
+	*low = *high = isnan(near) ? PRICE_USUAL : near;
+	double bytes = lod_price_relax_alike(m, lambda, *low);
+	while (bytes <= target && *low > LOD_PRICE_LOWEST) {
+		*high = *low;
+		*low -= step;
+		*low = *low < PRICE_LITTLE ? LOD_PRICE_LOWEST : *low;
+		step *= 2;
+		bytes = lod_price_relax_alike(m, lambda, *low);
+	}
+	if (bytes <= target)
+		*high = *low;
+	while (bytes > target && *high <= *low && *high < LOD_PRICE_HIGHEST) {
+		*high = fmin(LOD_PRICE_HIGHEST, *high + step);
+		step *= 2;
+		if (*high < LOD_PRICE_HIGHEST && lod_price_relax_alike(m, lambda, *high) > target)
+			*low = *high;
+	}
 }
 
 static bool is_better(struct lod_allocation *m, double lambda, double target, const struct lod_price *try,
@@ -97,12 +155,21 @@ static bool fill_gap(struct lod_allocation *m, double lambda, double target, str
 	double *over, double *bytes)
 {
 	double wrong = lod_price_wrong(m), lists = *over, low = LOD_PRICE_LOWEST;
-	struct lod_price try = search_price(m, lambda, target, at->lists, &low, at->tiles);
-	bool better = is_better(m, lambda, target, &try, wrong, at, bytes);
+	struct lod_price try = { at->lists, LOD_PRICE_LOWEST };
+	bool better = false;
+	double most = lod_price_relax(m, lambda, &try);
+	if (most > target)
+		try = search_price(m, lambda, target, at->lists, &low, at->tiles);
+	if (most > *bytes)
+		better = is_better(m, lambda, target, &try, wrong, at, bytes);
 	wrong = better ? lod_price_wrong(m) : wrong;
-	low = lists;
-	try = search_price(m, lambda, target, lists, &low, LOD_PRICE_HIGHEST);
-	better |= is_better(m, lambda, target, &try, wrong, at, bytes);
+	try = (struct lod_price){ lists, lists };
+	lod_price_relax(m, lambda, &try);
+	if (lod_prices_lists(m) < target) {      /* else nothing that tiles and textures give is enough */
+		low = lists;
+		try = search_price(m, lambda, target, lists, &low, LOD_PRICE_HIGHEST);
+		better |= is_better(m, lambda, target, &try, wrong, at, bytes);
+	}
 	if (better && *bytes >= target * (1 - LOD_PRICE_SLACK))
 		return false;
 	lod_price_relax(m, lambda, at);
@@ -111,44 +178,39 @@ static bool fill_gap(struct lod_allocation *m, double lambda, double target, str
 	uint32_t plant = lod_prices_leave_out(m);
 	if (plant == ECO_NONE)
 		return false;
-	*over = LOD_PRICE_LOWEST;
-	try = search_price(m, lambda, target, NAN, over, lists);
+	double high;
+	seek(m, lambda, target, lists, over, &high);
+	try = high > *over ? search_price(m, lambda, target, NAN, over, high)
+		: (struct lod_price){ high, high };
 	if (is_better(m, lambda, target, &try, wrong, at, bytes))
 		return true;
 	lod_prices_take_in(m, plant);
 	return false;
 }
 
-/* One price for both. */
-static double relax_alike(struct lod_allocation *m, double lambda, double octave)
+/* The highest price tried at which there are too many bytes, and the one tried above it, at which there are
+ * not. False where one of both is not known. */
+static bool recall(const struct lod_allocation *m, double lambda, double target, double *low, double *high)
 {
-	return lod_price_relax(m, lambda, &(struct lod_price){ octave, octave });
+	const struct lod_price_tries *tries = &m->tries;
+	uint32_t i = 0;
+	while (i < tries->count && tries->at[i].bytes <= target)
+		i++;
+	if (tries->lambda != lambda || i == 0 || i == tries->count)
+		return false;
+	*high = tries->at[i - 1].octave;
+	*low = tries->at[i].octave;
+	return true;
 }
 
 double lod_price_find(struct lod_allocation *m, double lambda, double target, double near,
 	struct lod_price *at, double *over)
 {
+	double low, high;
 	lod_prices_set_left_out(m, NULL);
-	double low = isnan(near) ? PRICE_USUAL : near, high = low, step = isnan(near) ? PRICE_STEP_FIRST
-		: PRICE_NEAR, bytes = relax_alike(m, lambda, low);
-	while (bytes <= target && low > LOD_PRICE_LOWEST) {
-		high = low;
-		low -= step;
-		low = low < PRICE_LITTLE ? LOD_PRICE_LOWEST : low;
-		step *= 2;
-		bytes = relax_alike(m, lambda, low);
-	}
-	*over = low;
-	*at = (struct lod_price){ low, low };
-	if (bytes <= target)
-		return bytes;
-	while (high <= low && high < LOD_PRICE_HIGHEST) {
-		high = fmin(LOD_PRICE_HIGHEST, high + step);
-		step *= 2;
-		if (high < LOD_PRICE_HIGHEST && relax_alike(m, lambda, high) > target)
-			low = high;
-	}
-	*at = search_price(m, lambda, target, NAN, &low, high);
+	if (!recall(m, lambda, target, &low, &high))
+		seek(m, lambda, target, near, &low, &high);
+	*at = high > low ? search_price(m, lambda, target, NAN, &low, high) : (struct lod_price){ low, low };
 	*over = low;
 	return lod_price_relax(m, lambda, at);
 }

@@ -16,6 +16,8 @@ struct lod_price { double lists, tiles; };
 
 /* Relaxes at prices; lod_prices_make came before. Returns the bytes. */
 double lod_price_relax(struct lod_allocation *allocation, double lambda, const struct lod_price *at);
+/* The same at one price for both, with the organs of all plants: it is remembered for lod_price_find. */
+double lod_price_relax_alike(struct lod_allocation *allocation, double lambda, double octave);
 /* Relaxes at one price for both whose bytes are at most `target`, and returns these bytes. `near`: a price
  * that nearly fits; NAN: not known. `over` becomes a price at which there are too many bytes. */
 double lod_price_find(struct lod_allocation *allocation, double lambda, double target, double near,

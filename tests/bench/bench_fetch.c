@@ -45,6 +45,8 @@ static enum eco_code ask(struct bench_fetch *fetch, const struct srv_scene *scen
 	double begun = view_clock_ms();
 	if (!code)
 		code = srv_stream_plan(&stream, &input, error);
+	if (!code && !stream.fits)
+		code = eco_fail(error, ECO_TOO_LARGE, "no answer has so few bytes");
 	if (!code)
 		code = srv_stream_write(&stream, &body, error);
 	double planned = view_clock_ms();

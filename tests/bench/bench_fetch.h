@@ -16,7 +16,8 @@ struct bench_fetch {
 	uint32_t requests;                   /* that it took: more than one where the store's memory is short */
 };
 
-/* `store` is told what it lacks; it may be empty. `fetch` may be NULL. */
+/* `store` is told what it lacks; it may be empty. `fetch` may be NULL. ECO_TOO_LARGE where no answer is so
+ * small, and where bounds of the walk or of memory do not hold a view. */
 enum eco_code bench_fetch(struct bench_fetch *fetch, const struct srv_scene *scene,
 	const struct eco_request *request, struct view_store *store, struct eco_error *error);
 

@@ -123,6 +123,25 @@ bool random_request(struct eco_request *request, const struct eco_scene *scene, 
 	return eco_view_check(&request->view, NULL) == ECO_OK;
 }
 
+struct eco_view random_outlook(const struct eco_scene *scene, uint64_t seed, uint64_t number)
+{
+	struct dice r = { seed * 0x9E3779B97F4A7C15u + number };
+	const struct eco_tile *root = &scene->tiles[scene->root];
+	struct eco_view view = { .up = { 0, 0, 1 }, .width = 800, .height = 600 };
+	double size = fmax(root->high[0] - root->low[0], root->high[1] - root->low[1]);
+	dice_bits(&r);
+	double away = dice_power(&r, log10(4), log10(fmax(8, 2 * size))), turn = dice_real(&r, 0, 6.28),
+		up = dice_real(&r, 0.02, 1.3);
+	view.fov_y_deg = dice_real(&r, 30, 65);
+	for (int i = 0; i < 2; i++)
+		view.target[i] = root->low[i] + (root->high[i] - root->low[i]) * dice_real(&r, 0.2, 0.8);
+	view.target[2] = root->low[2] + fmin(8, 0.5 * (root->high[2] - root->low[2]));
+	view.eye[0] = view.target[0] + away * cos(up) * cos(turn);
+	view.eye[1] = view.target[1] + away * cos(up) * sin(turn);
+	view.eye[2] = view.target[2] + away * sin(up);
+	return view;
+}
+
 bool random_answer(const struct srv_scene *scene, const struct eco_request *request,
 	const struct eco_holdings *holdings, uint64_t work_max, struct srv_body *body)
 {

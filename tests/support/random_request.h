@@ -18,6 +18,10 @@ _Noreturn void random_stop(const char *what, const struct eco_error *error);
 bool random_request(struct eco_request *request, const struct eco_scene *scene, uint64_t seed,
 	uint64_t number);
 
+/* What somebody may look at: a place in the scene, from 4 m to twice the scene's size away, from level to
+ * nearly above, 800 x 600. */
+struct eco_view random_outlook(const struct eco_scene *scene, uint64_t seed, uint64_t number);
+
 /* The body of the answer, which the caller frees; false: 204. `work_max`: as struct srv_stream_input. */
 bool random_answer(const struct srv_scene *scene, const struct eco_request *request,
 	const struct eco_holdings *holdings, uint64_t work_max, struct srv_body *body);

@@ -69,10 +69,13 @@ static enum eco_code make_rows(struct bench *bench, const struct bench_view *vie
 		shoot->ask(b, &frame);
 		code = bench_stopped(bench) ? eco_fail(error, ECO_INTERRUPTED, "interrupted")
 			: bench_client_frame(client, &frame, &picture, error);
+		bool few = code == ECO_TOO_LARGE && frame.request.bytes != ECO_BYTES_UNBOUNDED;
 		if (!code)
 			code = shoot->take(bench, client, view, b, &frame, &picture, &row, error);
+		else if (few)
+			code = ECO_OK;
 		if (!code)
-			json_array_append_new(rows, row);
+			json_array_append_new(rows, row ? row : json_null());
 		view_picture_free(&picture);
 	}
 	bench_client_close(client);

@@ -37,7 +37,7 @@ struct bench_view_shoot {
 		uint32_t budget, const struct bench_frame *frame, const struct view_picture *picture,
 		json_t **row, struct eco_error *error);
 };
-/* An array of a row for each budget; borrowed. */
+/* An array of a row for each budget, null where no answer has so few bytes; borrowed. */
 enum eco_code bench_view_rows(struct bench *bench, const struct bench_view *view,
 	const struct bench_view_shoot *shoot, json_t **rows, struct eco_error *error);
 

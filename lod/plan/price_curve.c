@@ -1,0 +1,100 @@
+/* See lod/plan/price_curve.h. */
+#include "lod/plan/price_curve.h"
+
+#include <math.h>
+
+#include "lod/plan/price_search.h"
+
+#define GRID_HIGHEST 12.0        /* octaves: nothing is worth so much a byte; the next is 1 lower */
+#define GRID_COUNT 24            /* below the last everything is worth its bytes */
+
+struct evaluation { int at; double bytes, vertices, wrong; struct eco_prediction prediction; };
+
+static double octave_at(int at)
+{
+	return at < GRID_COUNT ? GRID_HIGHEST - at : LOD_PRICE_LOWEST;
+}
+
+static double within(double value, double least, double most)
+{
+	return value < least ? least : value > most ? most : value;
+}
+
+static double wrong_of(const struct eco_prediction *prediction) { return prediction->fp + prediction->fn; }
+
+static enum eco_code relax_at(struct lod_allocation *m, double lambda, double octave,
+	struct evaluation *result, struct eco_error *error)
+{
+	result->bytes = lod_price_relax(m, lambda, &(struct lod_price){ octave, octave });
+	result->vertices = m->cost.vertices;
+	result->wrong = lod_price_wrong(m);
+	return lod_allocation_predict(m, &result->prediction, error);
+}
+
+static double part_of(double value, double from, double to)
+{
+	return to > from ? within((value - from) / (to - from), 0, 1) : 1;
+}
+
+static struct eco_prediction between(const struct eco_prediction *a, const struct eco_prediction *b,
+	double part)
+{
+	return (struct eco_prediction){ a->tp + part * (b->tp - a->tp), a->fp + part * (b->fp - a->fp),
+		a->fn + part * (b->fn - a->fn) };
+}
+
+/* Where vertices bind, too, it is what two lambdas come to, in the parts that use them. */
+static enum eco_code evaluate(struct lod_allocation *m, const struct lod_price_bounds *bounds, int at,
+	struct evaluation *result, struct eco_error *error)
+{
+	double octave = octave_at(at), middle = sqrt(bounds->low * bounds->high);
+	struct evaluation over, under;
+	lod_price_relax_alike(m, bounds->low, octave);   /* remembered for the search of the price */
+	enum eco_code code = relax_at(m, bounds->low, octave, &over, error);
+	*result = over;
+	result->at = at;
+	if (code || over.vertices <= bounds->vertices || !(bounds->high > bounds->low))
+		return code;
+	code = relax_at(m, middle, octave, &under, error);
+	if (!code && under.vertices > bounds->vertices) {
+		over = under;
+		code = relax_at(m, bounds->high, octave, &under, error);
+	}
+	double part = part_of(bounds->vertices, under.vertices, over.vertices);
+	result->bytes = under.bytes + part * (over.bytes - under.bytes);
+	result->wrong = under.wrong + part * (over.wrong - under.wrong);
+	result->prediction = between(&under.prediction, &over.prediction, part);
+	return code;
+}
+
+/* A result is between those of a higher price and of a lower one. */
+static void clamp(struct evaluation *result, const struct evaluation *before, const struct evaluation *after)
+{
+	result->bytes = within(result->bytes, before->bytes, after->bytes);
+	result->wrong = within(result->wrong, after->wrong, before->wrong);
+	if (wrong_of(&result->prediction) > wrong_of(&before->prediction))
+		result->prediction = before->prediction;
+	if (wrong_of(&result->prediction) < wrong_of(&after->prediction))
+		result->prediction = after->prediction;
+}
+
+enum eco_code lod_price_curve(struct lod_allocation *m, const struct lod_price_bounds *bounds, double bytes,
+	struct lod_price_point *point, struct eco_error *error)
+{
+	struct evaluation here, next, middle;
+	enum eco_code code = evaluate(m, bounds, GRID_COUNT, &next, error);
+	if (!code)
+		code = evaluate(m, bounds, 0, &here, error);
+	clamp(&here, &(struct evaluation){ .wrong = INFINITY, .prediction.fp = INFINITY }, &next);
+	if (next.bytes <= bytes)
+		here = next;
+	while (!code && next.at - here.at > 1) {
+		code = evaluate(m, bounds, (here.at + next.at) / 2, &middle, error);
+		clamp(&middle, &here, &next);
+		*(middle.bytes <= bytes ? &here : &next) = middle;
+	}
+	point->octave = octave_at(here.at);
+	point->prediction = between(&here.prediction, &next.prediction,
+		part_of(bytes, here.bytes, next.bytes));
+	return code;
+}

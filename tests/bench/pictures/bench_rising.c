@@ -1,0 +1,176 @@
+/* More bytes, no worse a picture: twelve budgets of bytes for each of many views of five scenes, half of them
+ * along the path of a flight, half at random. Pictures are small, so that there can be many. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "tests/bench/pictures/bench_flight.h"
+#include "tests/bench/pictures/bench_views.h"
+#include "tests/support/random_request.h"
+
+#define VERTICES 1000000u
+#define WIDTH 400u
+#define HEIGHT 300u
+#define VIEWS 40u                /* a scene */
+#define QUICK 9u                 /* the quick bench looks at one of so many: odd, so that it has both kinds */
+#define SEED 18u
+#define WORSE 1.02
+#define SEEN_LEAST 2e-3          /* picture errors below are none */
+
+static const char *const scenes[] = { "park", "forest", "nested", "meadow", "tree" };
+#define SCENES (sizeof scenes / sizeof *scenes)
+static const uint64_t budgets[] = { 10000, 20000, 30000, 50000, 75000, 120000, 200000, 400000, 800000, 2000000,
+	5000000, 10000000 };
+#define BUDGETS (sizeof budgets / sizeof *budgets)
+
+struct counts { uint32_t views, rows, binding, worse; double worst, used, off; };
+struct study { struct bench_table *table, *sums; struct counts all; };
+
+static void ask(uint32_t budget, struct bench_frame *frame)
+{
+	frame->request.vertices = VERTICES;
+	frame->request.bytes = budgets[budget];
+}
+
+static enum eco_code take(struct bench *bench, struct bench_client *client, const struct bench_view *view,
+	uint32_t budget, const struct bench_frame *frame, const struct view_picture *picture, json_t **row,
+	struct eco_error *error)
+{
+	(void)bench, (void)client, (void)view, (void)budget, (void)picture, (void)error;
+	*row = json_object();
+	bench_shot_set(*row, "bytes", (double)frame->bytes);
+	bench_shot_set(*row, "q", frame->score.q);
+	bench_shot_set(*row, "predicted_q", frame->predicted_q);
+	bench_shot_set(*row, "picture_error", frame->picture_error);
+	return ECO_OK;
+}
+
+static const struct bench_view_shoot shoot = { "rising", BUDGETS, ask, take };
+
+/* All budgets from where all comes on are the same answer: one row of it counts. */
+static void add_rows(struct study *s, struct counts *counts, const struct bench_view *view,
+	const json_t *rows)
+{
+	double all = bench_shot_number(json_array_get(rows, BUDGETS - 1), "bytes"), least = INFINITY;
+	bool last = false;
+	for (size_t b = 0; b < BUDGETS && !last; b++) {
+		const json_t *row = json_array_get(rows, b);
+		double bytes = bench_shot_number(row, "bytes"), q = bench_shot_number(row, "q"),
+			seen = fmax(SEEN_LEAST, bench_shot_number(row, "picture_error")),
+			predicted = bench_shot_number(row, "predicted_q");
+		if (!json_is_object(row))
+			continue;
+		last = bytes >= all;
+		if (all > (double)budgets[b]) {
+			counts->binding++;
+			counts->used += bytes / (double)budgets[b];
+			counts->off += fabs(predicted - q);
+		}
+		counts->rows++;
+		counts->worse += seen > WORSE * least;
+		counts->worst = fmax(counts->worst, seen / least);
+		bench_table_row(s->table, "%s,%s,%llu,%.0f,%.4f,%.4f,%.4f,%.3f", view->scene, view->camera,
+			(unsigned long long)budgets[b], bytes, q, predicted, seen,
+			least < INFINITY ? seen / least : 1);
+		least = fmin(least, seen);
+	}
+	counts->views++;
+}
+
+static void add_counts(struct study *s, const char *name, const struct counts *c)
+{
+	double binding = c->binding ? c->binding : NAN;
+	bench_table_row(s->sums, "%s,%u,%u,%u,%.3f,%u,%.3f,%.4f", name, c->views, c->rows, c->worse, c->worst,
+		c->binding, c->used / binding, c->off / binding);
+}
+
+static void sum_up(struct counts *all, const struct counts *c)
+{
+	all->views += c->views;
+	all->rows += c->rows;
+	all->binding += c->binding;
+	all->worse += c->worse;
+	all->worst = fmax(all->worst, c->worst);
+	all->used += c->used;
+	all->off += c->off;
+}
+
+/* Every other one at random. The caller frees them. */
+static enum eco_code find_views(struct bench *bench, const char *scene, const char *pack,
+	struct eco_view **views, struct eco_error *error)
+{
+	struct bench_flight flight = { .scene = scene, .pack = pack, .count = BENCH_FLIGHT_FRAMES,
+		.every = BENCH_FLIGHT_FRAMES };
+	struct eco_pack *open = NULL;
+	enum eco_code code = bench_flight_path(bench, &flight, 0, error);
+	if (!code)
+		code = eco_pack_open(&open, pack, error);
+	for (uint32_t i = 0; i < VIEWS && !code; i++) {
+		struct eco_view *to = &flight.views[i];
+		*to = i % 2 ? random_outlook(&open->scene, SEED, i)
+			: flight.views[i * BENCH_FLIGHT_FRAMES / VIEWS];
+		to->width = WIDTH;
+		to->height = HEIGHT;
+	}
+	eco_pack_close(open);
+	*views = flight.views;
+	return code;
+}
+
+static enum eco_code study_scene(struct bench *bench, struct study *s, size_t number, struct eco_error *error)
+{
+	struct counts counts = { .worst = 0 };
+	struct eco_view *views = NULL;
+	char pack[512], camera[32];
+	snprintf(pack, sizeof pack, "%s/requests/%s.eco", bench->cache, scenes[number]);
+	enum eco_code code = find_views(bench, scenes[number], pack, &views, error);
+	for (uint32_t i = 0; i < VIEWS && !code; i += bench->full ? 1 : QUICK) {
+		json_t *rows;
+		snprintf(camera, sizeof camera, "%s-%u", i % 2 ? "random" : "flight", i);
+		const struct bench_view view = { scenes[number], camera, pack, views[i] };
+		bench_progress(bench, (number + (double)i / VIEWS) / SCENES, scenes[number]);
+		code = bench_view_rows(bench, &view, &shoot, &rows, error);
+		if (!code)
+			add_rows(s, &counts, &view, rows);
+	}
+	free(views);
+	add_counts(s, scenes[number], &counts);
+	sum_up(&s->all, &counts);
+	return code;
+}
+
+static enum eco_code run(struct bench *bench, struct eco_error *error)
+{
+	struct study s = { .table = NULL };
+	enum eco_code code = bench_request_packs(bench, error);
+	if (code)
+		return code;
+	bench_say(bench, "Every picture %u x %u, of a first visit with at most %u vertices and so many "
+		"bytes, drawn and lit in software. Half of the views of a scene are along a flight from the air "
+		"down and through, half at random. Worse: a picture error more than 2 %% above that of a "
+		"picture of the same view with fewer bytes; below %g there is none.", WIDTH, HEIGHT, VERTICES,
+		SEEN_LEAST);
+	s.table = bench_table_open(bench, "rising", "scene,camera,budget,bytes,Q,predicted Q,picture error,"
+		"over the least of fewer bytes", false);
+	s.sums = bench_table_open(bench, "rising-scenes", "scene,views,rows,worse,worst,binding,used,"
+		"predicted Q off", true);
+	for (size_t i = 0; i < SCENES && !code; i++)
+		code = study_scene(bench, &s, i, error);
+	add_counts(&s, "all", &s.all);
+	bench_table_close(s.sums);
+	bench_table_close(s.table);
+	if (!code && s.all.binding) {
+		bench_key(bench, "rising_worse", (double)s.all.worse / s.all.rows, "0: share of the pictures "
+			"that are worse than one with fewer bytes");
+		bench_key(bench, "rising_worst", s.all.worst, "<= 1.02: its picture error over the other's");
+		bench_key(bench, "rising_used", s.all.used / s.all.binding, ">= 0.95: share of the bytes used "
+			"where they bind");
+		bench_key(bench, "rising_predicted_off", s.all.off / s.all.binding, "<= 0.03: predicted Q off "
+			"by, where they bind");
+	}
+	return code;
+}
+
+const struct bench_section bench_rising = { "rising", "More bytes, no worse a picture", run,
+	.objects = BENCH_OBJECTS_FRAMES "tests/bench/bench_frame.o tests-support.a "
+	"tests/bench/pictures/bench_rising.o tests/bench/pictures/bench_views.o "
+	"tests/bench/pictures/bench_flight_path.o tests/bench/pictures/bench_widest.o" };
