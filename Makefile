@@ -1,4 +1,4 @@
-# ecostream: make [config=release|debug|sanitize|coverage|fuzz] [TARGET]
+# ecostream: make [config=release|debug|sanitize|thread|coverage|fuzz] [TARGET]
 #
 #   all (the default)    ecopack, ecoserve, ecoview, ecoload
 #   web                  the viewer in a browser, which ecoserve then serves at /: some minutes, once; deps-web installs what it
@@ -48,6 +48,8 @@ else ifeq ($(config),debug)
   OPT := -O0
 else ifeq ($(config),sanitize)
   OPT := -O1 -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
+else ifeq ($(config),thread)
+  OPT := -O1 -fsanitize=thread -fno-omit-frame-pointer
 else ifeq ($(config),coverage)
   OPT := -O0 --coverage
 else ifeq ($(config),fuzz)
@@ -55,7 +57,7 @@ else ifeq ($(config),fuzz)
   CXX := clang++
   OPT := -O1 -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize=vptr -fno-sanitize-recover=undefined
 else
-  $(error config=$(config) is not one of debug, release, sanitize, coverage, fuzz)
+  $(error config=$(config) is not one of debug, release, sanitize, thread, coverage, fuzz)
 endif
 
 # glibc checks sizes that the compiler knows: only where it optimises; a sanitizer does so itself, and better.

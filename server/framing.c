@@ -5,13 +5,14 @@
 #include "server/query.h"
 #include "server/target.h"
 
-enum field { FIELD_HOST, FIELD_LENGTH, FIELD_COOKIE, FIELD_TRANSFER, FIELD_ONCE };
+enum field { FIELD_HOST, FIELD_LENGTH, FIELD_COOKIE, FIELD_TRANSFER, FIELD_EXPECT,
+	FIELD_ONCE = FIELD_EXPECT };
 
 /* Headers that count here. Those from FIELD_ONCE on may be given once, for two could be read in two ways. */
 static const char *const fields[] = { [FIELD_HOST] = "host", [FIELD_LENGTH] = "content-length",
-	[FIELD_COOKIE] = "cookie", [FIELD_TRANSFER] = "transfer-encoding", [FIELD_ONCE] = "content-type",
-	"range", "if-range", "if-match", "if-none-match", "if-modified-since", "if-unmodified-since",
-	"content-range", "expect", "authorization" };
+	[FIELD_COOKIE] = "cookie", [FIELD_TRANSFER] = "transfer-encoding", [FIELD_EXPECT] = "expect",
+	"content-type", "range", "if-range", "if-match", "if-none-match", "if-modified-since", "if-unmodified-since",
+	"content-range", "authorization" };
 #define ENTRY_BYTES 56u
 #define FIELD_COUNT (int)(sizeof fields / sizeof *fields)
 
@@ -198,6 +199,9 @@ static bool end_head(struct srv_framing *framing)
 {
 	if (!framing->is_http_1_0 && !(framing->seen & 1u << FIELD_HOST))
 		return malformed(framing, "Host is missing");
+	/* the library would send 100, and then, if the next request has begun to arrive, nothing */
+	if (framing->seen & 1u << FIELD_EXPECT && !framing->body_left)
+		return malformed(framing, "Expect is for requests with a body");
 	framing->heads++;
 	framing->size = framing->memory = 0;
 	framing->state = framing->body_left ? SRV_AT_BODY : SRV_AT_START;

@@ -4,14 +4,11 @@
  * `nginx` is what nginx 1.22.1 of Debian 12 answered to the same bytes (/healthz a file of one byte, POST
  * not allowed): HOSTILE_PORT=N prints what the server at that port of this machine answers instead of
  * testing. */
+#include "tests/support/hostile_rows.h"
 #include "tests/support/serve_daemon.h"
 
 #include <netinet/tcp.h>
 
-#define BYTES(text) text, sizeof(text) - 1
-#define LINE "GET /healthz HTTP/1.1\r\n"
-#define GET LINE HOST
-#define SECOND GET "\r\n"
 #define A10 "aaaaaaaaaa"
 #define A100 A10 A10 A10 A10 A10 A10 A10 A10 A10 A10
 #define A1000 A100 A100 A100 A100 A100 A100 A100 A100 A100 A100
@@ -19,9 +16,7 @@
 #define X10 "X: \r\nX: \r\nX: \r\nX: \r\nX: \r\nX: \r\nX: \r\nX: \r\nX: \r\nX: \r\n"
 #define C10 "a=b; a=b; a=b; a=b; a=b; a=b; a=b; a=b; a=b; a=b; "
 
-/* `answers`: statuses in order; a full stop where the connection is closed behind the last. */
-static const struct row { const char *request; size_t size; const char *answers, *nginx;
-} rows[] = {
+static const struct hostile_row rows[] = {
 	/* what is legal stays so */
 	{ BYTES(GET "\r\n"), "200", "200" },
 	{ BYTES("\r\n" GET "\r\n"), "200", "200" },
@@ -260,7 +255,7 @@ static bool asks_head(const char *request)
 
 /* Sends the request and, if the server took it for well, one that closes; its answer is dropped from the
  * list. */
-static void ask(char list[256], const struct row *row, bool byte_by_byte)
+static void ask(char list[256], const struct hostile_row *row, bool byte_by_byte)
 {
 	static const char last[] = "GET /healthz HTTP/1.1\r\nHost: last\r\nConnection: close\r\n\r\n";
 	int fd = http_connect(target_port()), on = 1;
@@ -283,20 +278,32 @@ static void ask(char list[256], const struct row *row, bool byte_by_byte)
 	close(fd);
 }
 
-UNIT_TEST(each_request_gets_exactly_its_answers)
+/* The number of rows that were answered otherwise. */
+static unsigned ask_rows(const struct hostile_row *first, size_t count)
 {
 	char list[256];
 	unsigned wrong = 0;
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+	for (const struct hostile_row *row = first; row < first + count; row++)
 		for (int byte_by_byte = 0; byte_by_byte < 2; byte_by_byte++) {
-			ask(list, &rows[i], byte_by_byte);
+			ask(list, row, byte_by_byte);
 			if (getenv("HOSTILE_PORT"))
-				printf("%zu\t%s\t%s\t%.60s\n", i, list, rows[i].answers, rows[i].request);
-			else if (strcmp(list, rows[i].answers) != 0)
-				print_error("row %zu, %s: %s, not %s: %s\n", i, byte_by_byte ? "byte by byte"
-					: "at once", list, rows[i].answers, rows[i].request), wrong++;
+				printf("%zu\t%s\t%s\t%.60s\n", (size_t)(row - first), list, row->answers,
+					row->request);
+			else if (strcmp(list, row->answers) != 0)
+				print_error("row %zu, %s: %s, not %s: %s\n", (size_t)(row - first), byte_by_byte
+					? "byte by byte" : "at once", list, row->answers, row->request), wrong++;
 		}
-	assert_int_equal(wrong, 0);
+	return wrong;
+}
+
+UNIT_TEST(each_request_gets_exactly_its_answers)
+{
+	assert_int_equal(ask_rows(rows, sizeof rows / sizeof *rows), 0);
+}
+
+UNIT_TEST(each_place_of_a_request_is_held_to_the_grammar)
+{
+	assert_int_equal(ask_rows(hostile_rows, sizeof hostile_rows / sizeof *hostile_rows), 0);
 }
 
 /* A byte that belongs nowhere, at every place of a request (but its end): one refusal, and the end. */
@@ -312,7 +319,7 @@ UNIT_TEST(a_control_character_anywhere_is_refused)
 			memcpy(made, request, at);
 			made[at] = bad[i];
 			memcpy(made + at + 1, request + at, sizeof request - at);
-			const struct row row = { made, sizeof request, "400.", "" };
+			const struct hostile_row row = { made, sizeof request, "400.", "" };
 			ask(list, &row, false);
 			if (strcmp(list, "400.") != 0)
 				fail_msg("byte %u before offset %zu: %s", (unsigned)bad[i], at, list);
