@@ -11,7 +11,7 @@
 #   layers, headers      what each room may include; every header compiles alone
 #   bench [FULL=1] [DATA=DIR] [ONLY=SECTION]    error against run time, this and the literature's methods: build/bench/report.html
 #   determinism          same pack and same plans by gcc -O0, by gcc -O3, by clang and under valgrind
-#   soak [SECONDS=60]    damaged models, random requests, damages, clients
+#   soak [SECONDS=60]    damaged models, random requests, damages, clients, faults, attacks
 #   fuzz [SECONDS=60]    each parser that long under libFuzzer
 #   install              programs, modules, library, manual pages: [DESTDIR=] [PREFIX=/usr/local] [libdir=PREFIX/lib] and others' names
 #   deb                  Debian packages in build/deb, checked by lintian; takes minutes
@@ -310,7 +310,8 @@ bench: deps
 
 # Damaged models, random requests and damages (MUTANTS=, REQUESTS=, DAMAGES= in the environment for hours of it), then clients for SECONDS
 soak: deps
-	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/requests $(B)/bench/damages $(B)/bench/mutants $(B)/bench/convert
+	@$(MAKE) --no-print-directory -j$$(nproc) all $(B)/bench/requests $(B)/bench/damages $(B)/bench/mutants $(B)/bench/convert \
+		$(B)/tests/fault.so
 	BUILD=$(B) SECONDS_LONG=$(SECONDS) sh tests/demo/soak.sh
 
 clean:
