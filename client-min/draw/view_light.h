@@ -6,7 +6,9 @@
  * visible side; a crown shades itself towards its dark side and its inside. A point or line stands for leaves
  * of every direction, so it gets the mean of the same expressions over directions, and a plant keeps its tone
  * when its representation changes; a summary's point, which does not know where in a crown it is, gets the
- * mean over a crown as well, and so does a point as large as a crown. Masks and scores know nothing of it.
+ * mean over a crown as well, and so does a point as large as a crown (lod/EXPERIMENTS.md, Normals of
+ * summaries). What sun, haze and shadow maps there are is the selection's view_sky. Masks and scores know
+ * nothing of it.
  *
  * Only +, -, *, / and square roots of floats in a fixed order: the same pixels give the same bytes
  * everywhere. */

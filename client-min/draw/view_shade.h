@@ -1,6 +1,6 @@
-/* A plant's shape for shading, and the shadows that plants cast on the ground: soft discs thrown along the
- * sun's direction into a map over the part of the scene that is near. Pictures only; masks and scores know
- * nothing of it. */
+/* A plant's shape for shading, and the shadows that plants cast on the ground where no shadow map
+ * (view_shadow.h) is asked for: soft discs thrown along the sun's direction into a map over the part of the
+ * scene that is near. Pictures only; masks and scores know nothing of it. */
 #ifndef VIEW_SHADE_H
 #define VIEW_SHADE_H
 
