@@ -13,7 +13,8 @@
 #   determinism          same pack and same plans by gcc -O0, by gcc -O3, by clang and under valgrind
 #   soak [SECONDS=60]    damaged models, random requests, damages, clients, faults, attacks
 #   fuzz [SECONDS=60]    each parser that long under libFuzzer
-#   install              programs, modules, library, manual pages: [DESTDIR=] [PREFIX=/usr/local] [libdir=PREFIX/lib] and others' names
+#   install              programs, modules, library, manuals, the viewer if there is one: [DESTDIR=] [PREFIX=/usr/local]
+#                        [libdir=PREFIX/lib] and others' names
 #   deb                  Debian packages in build/deb, checked by lintian; takes minutes
 #   deps, clean          installs what is missing or older than Debian's; removes all output
 #   help                 this text
@@ -183,14 +184,17 @@ mandir ?= $(datadir)/man
 completiondir ?= $(datadir)/bash-completion/completions
 docdir ?= $(datadir)/doc/ecostream
 unitdir ?= $(PREFIX)/lib/systemd/system
-# Where programs find modules, seen from their own folder: an installed tree may be moved. The object that knows is made anew
-# where this changed since.
-MODULES_INSTALLED := $(shell realpath -m --relative-to=$(bindir) $(libdir)/ecostream)
-$(B)/modules-installed: FORCE
+# Where programs find modules and the viewer, seen from their own folder: an installed tree may be moved. The objects that
+# know are made anew where this changed since.
+from_bindir = $(shell realpath -m --relative-to=$(bindir) $(1))
+INSTALLED := -DECO_MODULES_INSTALLED='"$(call from_bindir,$(libdir)/ecostream)"' \
+	-DECO_VIEWER_INSTALLED='"$(call from_bindir,$(datadir)/ecostream/viewer)"'
+$(B)/installed: FORCE
 	@mkdir -p $(@D)
-	@echo '$(MODULES_INSTALLED)' | cmp -s - $@ || echo '$(MODULES_INSTALLED)' >$@
-$(B)/obj/ecofiles/base/module.o: CFLAGS_ALL += -DECO_MODULES_INSTALLED='"$(MODULES_INSTALLED)"'
-$(B)/obj/ecofiles/base/module.o: $(B)/modules-installed
+	@echo $(INSTALLED) | cmp -s - $@ || echo $(INSTALLED) >$@
+KNOW_INSTALLED := $(B)/obj/ecofiles/base/module.o $(B)/obj/server/main_ecoserve.o
+$(KNOW_INSTALLED): CFLAGS_ALL += $(INSTALLED)
+$(KNOW_INSTALLED): $(B)/installed
 .PHONY: FORCE install man deb
 
 # Manual pages say what --help says: one a program, and one a command of ecopack.
@@ -212,6 +216,8 @@ install: all man
 		-e 's|@includedir@|$(includedir:$(PREFIX)/%=$${prefix}/%)|' \
 		$(LIBRARY_ROOM)/ecostream.pc.in >$(DESTDIR)$(libdir)/pkgconfig/ecostream.pc
 	install -m 644 ecofiles/scene/scene.schema.json server/openapi.yaml $(DESTDIR)$(datadir)/ecostream
+	if [ -e $(W)/site/eco_client.wasm ]; then install -d $(DESTDIR)$(datadir)/ecostream/viewer && \
+		install -m 644 $(W)/site/* $(DESTDIR)$(datadir)/ecostream/viewer; fi
 	install -m 644 $(B)/man/*.1 $(DESTDIR)$(mandir)/man1
 	install -m 644 README.md $(DESTDIR)$(docdir)
 	install -m 644 ecofiles/README.md $(DESTDIR)$(docdir)/ecofiles

@@ -1,5 +1,6 @@
 /* ecoserve: serves packs over HTTP until SIGTERM or SIGINT, then finishes what runs; a second signal ends at
  * once. */
+#include <limits.h>
 #include <malloc.h>
 #include <netdb.h>
 #include <signal.h>
@@ -10,6 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "ecofiles/base/beside.h"
 #include "ecofiles/base/options_file.h"
 #include "server/access.h"
 #include "server/daemon.h"
@@ -115,8 +117,8 @@ static const struct eco_option options[] = {
 		.help = "proxies that may open any number of connections, and whose "
 			"X-Forwarded-For says who asks" },
 	{ "viewer", 0, ECO_OPTION_TEXT, "DIR", &given.viewer,
-		.help = "what / shows in a browser: the folder that `make web` makes; web/site beside this "
-			"program if not given" },
+		.help = "what / shows in a browser: the folder that `make web` makes, build/web/site; if not "
+			"given, that one beside this program, or where `make install` put it" },
 	{ "token", 0, ECO_OPTION_READ, "SCENE=FILE", &given.access, .read = read_token,
 		.help = "the scene is for whoever sends the token that is the first line of FILE "
 			"(Authorization: Bearer); may be given more than once" },
@@ -211,23 +213,18 @@ static const char *copies_folder(void)
 	return given.in_place ? NULL : folder && *folder ? folder : "/var/tmp";
 }
 
-/* web/site beside this program, where `make web` puts it. */
+/* Where `make web` puts the viewer, and `make install` (ECO_VIEWER_INSTALLED, from the Makefile). */
 static enum eco_code read_site(struct srv_site *site, struct eco_error *error)
 {
-	static const char folder[] = "/web/site";
-	char path[4096];
+	static const char *const places[] = { "/web/site", "/" ECO_VIEWER_INSTALLED, NULL };
+	char path[PATH_MAX];
+	*site = (struct srv_site){ .count = 0 };
 	if (given.viewer) {
 		enum eco_code code = srv_site_read(site, given.viewer, error);
 		return code || srv_site_find(site, SRV_SITE_INDEX) ? code : eco_fail(error, ECO_NOT_FOUND,
 			"--viewer %s: no viewer there; `make web` makes one", given.viewer);
 	}
-	ssize_t size = readlink("/proc/self/exe", path, sizeof path - 1);
-	char *slash = size > 0 ? memrchr(path, '/', (size_t)size) : NULL;
-	*site = (struct srv_site){ .count = 0 };
-	if (!slash || (size_t)(slash - path) + sizeof folder > sizeof path)
-		return ECO_OK;
-	memcpy(slash, folder, sizeof folder);
-	return srv_site_read(site, path, error);
+	return eco_beside(places, "", path) ? srv_site_read(site, path, error) : ECO_OK;
 }
 
 static enum eco_code check_sandbox(struct eco_error *error)

@@ -11,6 +11,8 @@ rm -rf "$out"
 mkdir -p "$tree"
 cp -a .ci LICENSE Makefile README.md ecofiles lod server client-min tests "$tree"
 cp -a .ci/package/debian "$tree/debian"
+# the viewer, where `make web` was said
+[ ! -e build/web/site/eco_client.wasm ] || { mkdir -p "$tree/build/web" && cp -a build/web/site "$tree/build/web/"; }
 cd "$tree"
 # what is set for this tree is not for the packages
 unset CI CFLAGS CXXFLAGS CPPFLAGS LDFLAGS MAKEFLAGS MFLAGS 2>/dev/null || true

@@ -9,6 +9,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "ecofiles/base/beside.h"
+
 static const struct { const char *file, *symbol, *for_what, *package; } modules[ECO_MODULE_COUNT] = {
 	[ECO_MODULE_ASSIMP] = { "ecoassimp.so", "eco_assimp_module", "models other than OBJ and glTF",
 		"libassimp5" },
@@ -26,36 +28,16 @@ static void lock(void) { pthread_mutex_lock(&loading); }
 static void unlock(void) { pthread_mutex_unlock(&loading); }
 __attribute__((constructor)) static void hold_over_forks(void) { pthread_atfork(lock, unlock, unlock); }
 
-/* Writes FOLDER PLACE/FILE to `path` and says whether it is there. Places from a folder are "", or "/" and a
- * path. */
-static bool is_there(const char *folder, const char *place, const char *file, char path[PATH_MAX])
-{
-	return snprintf(path, PATH_MAX, "%s%s/%s", folder, place, file) < PATH_MAX
-		&& access(path, F_OK) == 0;
-}
-
 /* In the build tree, of programs and of tests; and where `make install` puts modules, as seen from programs
- * (ECO_MODULES_INSTALLED, from the Makefile): so that an installed tree may be moved. */
-static bool find_beside(const char *file, char path[PATH_MAX])
-{
-	static const char *const places[] = { "", "/..", "/" ECO_MODULES_INSTALLED };
-	char folder[PATH_MAX];
-	ssize_t length = readlink("/proc/self/exe", folder, sizeof folder - 1);
-	folder[length > 0 ? length : 0] = 0;
-	char *slash = strrchr(folder, '/');
-	if (!slash)
-		return false;
-	*slash = 0;
-	for (size_t i = 0; i < sizeof places / sizeof *places; i++)
-		if (is_there(folder, places[i], file, path))
-			return true;
-	return false;
-}
+ * (ECO_MODULES_INSTALLED, from the Makefile). */
+static const char *const places[] = { "", "/..", "/" ECO_MODULES_INSTALLED, NULL };
 
 bool eco_module_find(enum eco_module module, char path[PATH_MAX])
 {
 	const char *file = modules[module].file, *given = getenv(ECO_MODULES_VARIABLE);
-	return given && *given ? is_there(given, "", file, path) : find_beside(file, path);
+	if (!given || !*given)
+		return eco_beside(places, file, path);
+	return snprintf(path, PATH_MAX, "%s/%s", given, file) < PATH_MAX && access(path, F_OK) == 0;
 }
 
 static enum eco_code load(enum eco_module module, struct eco_error *error)
@@ -68,7 +50,8 @@ static enum eco_code load(enum eco_module module, struct eco_error *error)
 			"make install installs it; " ECO_MODULES_VARIABLE " names the folder that holds it",
 			file, modules[module].for_what, chosen ? "in " : "beside the program, in the folder "
 			"above nor in " ECO_MODULES_INSTALLED " from there", chosen ? given : "");
-	void *handle = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+	/* lazily: a child that reads a model would spend 50 ms on names that nothing calls */
+	void *handle = dlopen(path, RTLD_LAZY | RTLD_LOCAL);
 	if (!handle)
 		return eco_fail(error, ECO_NOT_FOUND, "%s, needed for %s, cannot be loaded: %.250s (package "
 			"%s installed?)", file, modules[module].for_what, dlerror(), modules[module].package);

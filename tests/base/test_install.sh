@@ -54,6 +54,18 @@ for name in $(sed -n '/^ \*\|^typedef/d; s/.*\b\(ecostream_[a-z_]*\)(.*/\1/p' "$
 	nm -D --defined-only "$eco"/lib/libecostream.so.? | grep -q " $name@@" || complain "the library lacks $name"
 done
 
+# ---- The viewer: installed where `make web` was said, and found from there ----
+site=$eco/share/ecostream/viewer
+[ ! -e "$TOP/build/web/site/eco_client.wasm" ] || cmp -s "$TOP/build/web/site/eco_client.wasm" "$site/eco_client.wasm" || complain "the viewer is not installed"
+rm -rf "$site" && mkdir -p "$site" && echo '<p>a viewer</p>' >"$site/index.html"
+gzip -k "$site/index.html" && cp "$site/index.html.gz" "$site/index.html.br"
+ecoserve --listen 127.0.0.1:0 shrub.eco >ready 2>log &
+server=$!
+for _ in $(seq 100); do [ -s ready ] && break; sleep 0.1; done
+page=$(curl -s "$(grep -o 'http://[^ ]*' ready | head -n 1 | cut -d / -f 1-3)/")
+kill $server; wait $server
+[ "$page" = '<p>a viewer</p>' ] || complain "ecoserve shows $page: $(cat ready log)"
+
 # ---- What is read, typed and started ----
 for page in ecopack ecoserve ecoview ecoload $(ecopack --help | sed -n 's/^  ecopack \([a-z]*\) .*/ecopack-\1/p'); do
 	grep -q '^\.SH SYNOPSIS' "$eco/share/man/man1/$page.1" && grep -Eq "^$page \\\\- [a-zN]" "$eco/share/man/man1/$page.1" || complain "no manual of $page"
