@@ -42,6 +42,14 @@ static inline void paint_four(const struct lod_paint *paint, size_t i, lod_f4 z)
 			(const uint32_t[4]){ paint->item, paint->item, paint->item, paint->item }, 16);
 }
 
+/* The depths of four pixels, the first of them `column` pixels from that at which the depth is `base`. */
+static inline lod_f4 depths_from(const struct slope *slope, float base, float step, uint32_t column)
+{
+	float k = (float)column;
+	lod_f4 z = lod_f4_all(base) + (lod_f4){ k, k + 1, k + 2, k + 3 } * lod_f4_all(step);
+	return lod_f4_min(lod_f4_max(z, lod_f4_all(slope->low)), lod_f4_all(slope->high));
+}
+
 /* Paints pixels [first, end) of row y; `left` is the column at which the depth is `base`. */
 static void paint_span(const struct lod_paint *paint, uint32_t y, uint32_t left, uint32_t first, uint32_t end,
 	float base, float step, const struct slope *slope)
@@ -50,11 +58,8 @@ static void paint_span(const struct lod_paint *paint, uint32_t y, uint32_t left,
 	const float *depth = paint->raster->depth + row;
 	bool any = false;
 	uint32_t x = first;
-	lod_f4 low = lod_f4_all(slope->low), high = lod_f4_all(slope->high);
 	for (; x + 4 <= end; x += 4) {
-		float k = (float)(x - left);
-		lod_f4 z = lod_f4_all(base) + (lod_f4){ k, k + 1, k + 2, k + 3 } * lod_f4_all(step);
-		z = lod_f4_min(lod_f4_max(z, low), high);
+		lod_f4 z = depths_from(slope, base, step, x - left);
 		lod_f4 there = lod_f4_load(depth + x);
 		unsigned may_win = lod_i4_bits(z >= there);
 		if (may_win == 15 && lod_i4_bits(z > there) == 15) {
@@ -103,21 +108,30 @@ static bool texture_opaque(const struct texture *texture, const int64_t edge[3])
 	return texture->image->rgba[4 * ((size_t)row * texture->image->width + column) + 3] >= 128;
 }
 
+/* Most pixels under the cards of a crown are covered already: four at a time are passed over. */
 static void paint_cutout_span(const struct lod_paint *paint, uint32_t y, uint32_t left, uint32_t first,
 	uint32_t end, float base, float step, const struct slope *slope, const struct texture *texture,
 	const int64_t row_edge[3], const struct edge edges[3])
 {
 	size_t row = (size_t)y * paint->raster->width;
+	const float *depth = paint->raster->depth + row;
 	bool any = false;
-	for (uint32_t x = first; x < end; x++) {
-		float z = lod_depth_clamp(base + (float)(x - left) * step, slope->low, slope->high);
-		if (!(z >= paint->raster->depth[row + x]))
-			continue;
-		int64_t at[3];
-		for (int i = 0; i < 3; i++)
-			at[i] = row_edge[i] + (int64_t)(x - left) * edges[i].step_x;
-		if (texture_opaque(texture, at))
-			any |= lod_paint_pixel(paint, row + x, z);
+	for (uint32_t x = first; x < end; x += 4) {
+		lod_f4 z = depths_from(slope, base, step, x - left), there = lod_f4_all(INFINITY);
+		if (x + 4 <= end)
+			there = lod_f4_load(depth + x);
+		else
+			for (uint32_t lane = 0; x + lane < end; lane++)
+				there[lane] = depth[x + lane];
+		unsigned may_win = lod_i4_bits(z >= there);
+		for (; may_win; may_win &= may_win - 1) {
+			unsigned lane = (unsigned)__builtin_ctz(may_win);
+			int64_t at[3];
+			for (int i = 0; i < 3; i++)
+				at[i] = row_edge[i] + (int64_t)(x + lane - left) * edges[i].step_x;
+			if (texture_opaque(texture, at))
+				any |= lod_paint_pixel(paint, row + x + lane, z[lane]);
+		}
 	}
 	if (any)
 		lod_mark_stale(paint, y, first, end);

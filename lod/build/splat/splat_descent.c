@@ -170,10 +170,9 @@ bool splat_descend(struct splat_descent *d, struct lod_arena *arena)
 	const struct lod_arena_piece *mark = arena->last;
 	uint32_t round = d->blades || d->views->count < MANY_VIEWS ? BATCHES : BATCHES_MANY,
 		batches = d->views->count < round ? 1 : round;
-	struct state s = { .d = d, .views = d->coarse ? d->coarse : d->views, .batches = batches,
-		.room = (d->views->count + batches - 1) / batches };
+	struct state s = { .d = d, .batches = batches, .room = (d->views->count + batches - 1) / batches };
 	uint64_t seed = d->count;
-	float fall_1 = 1, fall_2 = 1, unit = s.views->scale / d->views->scale;
+	float fall_1 = 1, fall_2 = 1;
 	bool go = true;
 	prepare(&s, arena);
 	uint32_t steps = d->settle ? SETTLE_STEPS : d->count >= 768 ? STEPS_768 : d->count >= 192 ? STEPS_192
@@ -181,6 +180,8 @@ bool splat_descend(struct splat_descent *d, struct lod_arena *arena)
 	steps /= d->options->draft ? STEPS_DRAFT : 1;
 	for (uint32_t i = 0; i < steps && go; i++) {
 		float at = (float)i / (float)steps, rest = (1 - at) * (1 - at);
+		s.views = at < d->coarse_share ? d->coarse : d->views;
+		float unit = s.views->scale / d->views->scale;
 		s.soft = (struct splat_softness){ .edge_px = 0.8f * unit,
 			.least = d->settle ? 0 : 0.6f * rest,
 			.blur_px2 = 0.2f * unit * unit, .chance = d->chance };

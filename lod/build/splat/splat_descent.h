@@ -6,7 +6,8 @@
 #include "lod/build/splat/splat_state.h"
 
 struct splat_descent {
-	const struct splat_views *views, *coarse;    /* coarse: the descent's, NULL: `views` */
+	const struct splat_views *views, *coarse;
+	float coarse_share;              /* so much of the descent looks at `coarse`, the rest at `views` */
 	struct splat_params *splats;     /* a level; in: where it begins, out: where it ends */
 	uint32_t count;
 	/* The level before, as it ended, or NULL: then some steps draw some of it with the children of the

@@ -34,7 +34,10 @@ static const uint32_t usual_size[USUAL_LEVELS] = { 1, 3, 12, 48, 192, 768, 3072 
 #define CHANCE_FEW 0.1f          /* at least, for levels of at most so many splats */
 #define FEW_SPLATS 12u
 #define CHANCE 0.03f
-#define COARSE_SPLATS 48u        /* levels of at most so many are fitted in coarse views */
+#define COARSE_SPLATS 48u        /* levels of at most so many are fitted in coarse views alone */
+/* Levels of at most so many begin there: so much of their descent. Finer ones would lose by it. */
+#define COARSE_FIRST 192u
+#define COARSE_SHARE 0.7f
 #define FEW_TRIANGLES 4096u
 /* Share of hard Q in the objective (chance of struct splat_softness) for plants of so few triangles, by the
  * mean cover of the pixels that they cover at all (lod/EXPERIMENTS.md, Thin plants). */
@@ -325,8 +328,9 @@ static bool descend(struct fit *fit, uint32_t level, uint32_t levels, bool settl
 		.count = fit->size[level], .opaque = fit->options->opaque,
 		.blades = fit->blades.levels > 0, .chance = fit->chance,
 		.level = level, .levels = levels, .options = fit->options, .settle = settle };
-	if (fit->size[level] <= COARSE_SPLATS && !fit->blades.levels)
-		descent.coarse = &fit->coarse;
+	descent.coarse = &fit->coarse;
+	descent.coarse_share = fit->blades.levels ? 0 : fit->size[level] <= COARSE_SPLATS ? 1
+		: fit->size[level] <= COARSE_FIRST && !settle ? COARSE_SHARE : 0;
 	if (fit->size[level] <= FEW_SPLATS && descent.chance < CHANCE_FEW)
 		descent.chance = CHANCE_FEW;
 	if (level && !settle) {
