@@ -87,6 +87,34 @@ awk -F, 'BEGIN { OFS = "," } NR > 1 { t = $(NF - 1); $(NF - 1) = $NF; $NF = t } 
 start 0 'are swapped: a latitude lies between -90 and 90' swapped.csv
 is '[.crs, .instances[0].x, .instances[0].y]' '["EPSG:32610","Latitude","Longitude"]'
 
+# ---- The same where both may be latitudes: no tree stands at 77 degrees south ----
+awk -F, 'BEGIN { OFS = "," } NR > 1 { $(NF - 1) = -77.03 + NR / 50000; $NF = 38.9 + NR / 50000 } { print }' "$DIR/us.csv" >"$DIR/polar.csv"
+start 0 'are swapped: no tree stands at latitude -77' polar.csv
+is '[.crs, .instances[0].x]' '["EPSG:32618","Latitude"]'
+
+# ---- French, swapped, in places with plants: Somalia has no columns in French ----
+awk 'BEGIN { print "ESSENCE;HAUTEUR;CIRCONF;LONGITUDE;LATITUDE"
+	for (i = 0; i < 60; i++) { s = sprintf("Tilleul;%d;%d;%.5f;%.5f", 5 + i % 20, 30 + 3 * i, 45.764 + i / 50000, 4.835 + i / 50000); gsub(/\./, ",", s); print s } }' >"$DIR/lyon.csv"
+start 0 'are swapped: its columns are French, which is written at 4.84, 45.76' lyon.csv
+is '[.crs, .instances[0].x]' '["EPSG:32631","LATITUDE"]'
+
+# ---- Degrees, minutes and seconds ----
+awk 'BEGIN { print "especie;altura;latitud;longitud"
+	for (i = 0; i < 40; i++) printf "roble;%d;40\302\26024'"'"'%05.2f\" N;3\302\26041'"'"'%05.2f\" W\n", 4 + i % 17, i, i }' >"$DIR/minutes.csv"
+start 0 'around -3.68.., 40.40' minutes.csv
+is .crs '"EPSG:32630"'
+"$PACK" map "$DIR/my/scene.json" -o "$DIR/my/plants.geojson" -q >"$DIR/out" 2>&1 && [ "$(jq '.features | length' "$DIR/my/plants.geojson")" = 40 ] ||
+	complain "minutes: $(cat "$DIR/out")"
+
+# ---- Grids that their columns' language tells apart, and one that it does not ----
+awk 'BEGIN { print "boomsoort,boomhoogte,stamdiameter,XCOORD,YCOORD"
+	for (i = 0; i < 50; i++) printf "Zomereik,%d-%d m,%d,%.1f,%.1f\n", 6 + i % 3, 9 + i % 3, 20 + i, 121500 + 3 * i, 487000 + 2 * i }' >"$DIR/rd.csv"
+start 0 'where Dutch, the columns. language, is written; a place at 4.89' rd.csv
+is .crs '"EPSG:28992"'
+awk 'BEGIN { print "specie;altezza_m;x;y"; for (i = 0; i < 50; i++) printf "Quercus ilex;%d;%d;%d\n", 5 + i % 9, 1389000 + 3 * i, 5144000 + 2 * i }' >"$DIR/rome.csv"
+start 1 'which CRS .* EPSG:3003 .*, EPSG:3857 .maps on the web; at 12.48, 41.8' rome.csv
+start 0 'as you say' rome.csv --crs EPSG:3857
+
 # ---- Spanish: heights in centimetres, degrees of the south with decimal commas ----
 awk 'BEGIN { print "especie;altura;longitud;latitud"
 	for (i = 0; i < 50; i++) { s = sprintf("%s;%d;%.5f;%.5f", i % 2 ? "roble" : "tilo", 500 + 30 * i, -70.65 + i / 10000, -33.44 - i / 10000); gsub(/\./, ",", s); print s } }' >"$DIR/es.csv"

@@ -300,8 +300,8 @@ UNIT_TEST(doubtful_places_are_said)
 	expect(UTM32, "x,y\n690000,5335000\n", "\"plant\":\"oak\",\"crs\":\"EPSG:25829\"," XY,
 		"oak -1337412.34 113372.818",
 		"and more from the scene's origin; are x, y, crs");
-	expect_error(UTM32, "x,y\n11°30'00E,48°06'N\n", "\"plant\":\"oak\",\"crs\":\"EPSG:4326\"," XY,
-		"minutes and seconds are not read; export decimal");
+	expect_error(UTM32, "x,y\n11°30'00O,48°06'N\n", "\"plant\":\"oak\",\"crs\":\"EPSG:4326\"," XY,
+		"minutes and seconds are read as 48° 8' 15\" N, with N, S, E or W; or export decimals");
 }
 
 /* ---- Sizes ---- */

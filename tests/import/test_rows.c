@@ -145,6 +145,10 @@ UNIT_TEST(a_row_without_end_is_bounded)
 
 UNIT_TEST(points_as_text_are_the_geometry)
 {
+	expect("wkb.csv", "the_geom,species\n0101000020E610000000000000000027409A999999990D4840,oak\n"
+		"010100000000000000000027409A999999990D48,ash\n",
+		"the_geom,species / (11.5 48.10625) 0101000020E610000000000000000027409A999999990D4840,oak / "
+		"010100000000000 010100000000000000000027409A999999990D48,ash", NULL, NULL);
 	expect("wkt.csv", "WKT,species\n\"POINT (11.5 48.1)\",oak\n,ash\n\"LINESTRING (1 2,3 "
 		"4)\",\"elm\nred\"\nPOINT EMPTY,fir\nPOINT (x y),bad\n",
 		"WKT,species / (11.5 48.1) POINT (11.5 48.1),oak / empty ,ash / LINESTRING LINESTRING (1 "

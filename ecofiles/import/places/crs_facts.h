@@ -30,7 +30,7 @@ struct eco_crs_choice {
 	char code[32], name[96], area[96];
 	double degrees[2], extent_deg;       /* of the place; of the area's longer side */
 };
-#define ECO_CRS_CHOICES_MAX 8u
+#define ECO_CRS_CHOICES_MAX 128u
 
 /* Projected CRSs that have a place within their areas of use, the smallest area first, one for each place
  * on Earth (of several datums, WGS 84's, else the one with the least code). With `words` (words.h, NULL for

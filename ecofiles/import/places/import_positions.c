@@ -139,7 +139,7 @@ static const char *row_name(const struct eco_positions *p, char *text, size_t si
 }
 
 /* A bad coordinate before any good row shows the notation of the whole file: the other decimal sign, or
- * minutes and seconds. Then the file is refused. */
+ * degrees that are none. Then the file is refused. */
 static enum verdict refuse_notation(const struct eco_positions *p, const char *text, struct eco_error *error)
 {
 	double number;
@@ -150,8 +150,9 @@ static enum verdict refuse_notation(const struct eco_positions *p, const char *t
 		return FAILED;
 	}
 	if (strstr(text, "\u00b0") && text[strspn(text, "+-")] >= '0' && text[strspn(text, "+-")] <= '9') {
-		eco_fail(error, ECO_BAD_INPUT, "%s: \"%.40s\": degrees with minutes and seconds are not "
-			"read; export decimal degrees, such as 48.1375", row_name(p, row, sizeof row), text);
+		eco_fail(error, ECO_BAD_INPUT, "%s: \"%.40s\": degrees with minutes and seconds are read "
+			"as 48\u00b0 8' 15\" N, with N, S, E or W; or export decimals, such as 48.1375",
+			row_name(p, row, sizeof row), text);
 		return FAILED;
 	}
 	return GOOD;

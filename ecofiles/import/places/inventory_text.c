@@ -2,6 +2,7 @@
  * machine. */
 #include "ecofiles/import/places/inventory_text.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -186,11 +187,57 @@ static size_t number_at(const char *text, char decimal, double *number)
 	return isfinite(*number) ? bytes : 0;
 }
 
+/* Goes past one of the marks. */
+static bool take_mark(const char **text, const char *const *marks, size_t count)
+{
+	for (size_t i = 0; i < count; i++)
+		if (strncmp(*text, marks[i], strlen(marks[i])) == 0) {
+			*text = skip_spaces(*text + strlen(marks[i]));
+			return true;
+		}
+	return false;
+}
+
+/* N and E are +1, S and W -1; 0: another letter. */
+static int take_hemisphere(const char **text)
+{
+	static const char letters[] = "NESW";
+	const char *letter = **text ? strchr(letters, toupper((unsigned char)**text)) : NULL;
+	*text = letter ? skip_spaces(*text + 1) : *text;
+	return !letter ? 0 : letter - letters < 2 ? 1 : -1;
+}
+
+/* What follows the sign of degrees: minutes, seconds and a hemisphere, each if it is there. */
+static bool add_sixtieths(const char *text, char decimal, int sign, double *number)
+{
+	static const char *const minute[] = { "'", "\u2032", "\u2019" }, *const second[] = { "''", "\"",
+		"\u2033", "\u201d" };
+	double parts[2] = { 0, 0 };
+	size_t bytes = number_at(text, decimal, &parts[0]);
+	const char *rest = skip_spaces(text + bytes);
+	if (bytes > 0 && (!take_mark(&rest, minute, 3) || !(parts[0] >= 0 && parts[0] < 60)))
+		return false;
+	bytes = bytes > 0 ? number_at(rest, decimal, &parts[1]) : 0;
+	rest = skip_spaces(rest + bytes);
+	if (bytes > 0 && (!take_mark(&rest, second, 4) || !(parts[1] >= 0 && parts[1] < 60)))
+		return false;
+	int letter = take_hemisphere(&rest);
+	double size = fabs(*number) + parts[0] / 60 + parts[1] / 3600;
+	bool below = signbit(*number), named = sign || letter;
+	*number = (named ? sign + letter < 0 : below) ? -size : size;
+	return *rest == 0 && !(sign && letter) && !(named && below);
+}
+
 bool eco_text_number(const char *text, char decimal, double *number)
 {
+	static const char *const degree[] = { "\u00b0", "\u00ba" };
 	text = skip_spaces(text);
+	int sign = take_hemisphere(&text);
 	size_t bytes = number_at(text, decimal, number);
-	return bytes > 0 && *skip_spaces(text + bytes) == 0;
+	const char *rest = skip_spaces(text + bytes);
+	if (bytes > 0 && take_mark(&rest, degree, 2))
+		return add_sixtieths(rest, decimal, sign, number);
+	return bytes > 0 && !sign && *rest == 0;
 }
 
 /* ---- Sizes ---- */

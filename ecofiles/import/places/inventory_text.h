@@ -19,7 +19,8 @@ bool eco_text_fits(const char *text, const char *pattern);
 
 /* A decimal number, with spaces around it. decimal ',' : "1,5" and "1.234,5"; a lone point counts as a
  * decimal point too. decimal '.' : "1.5" and "1,234.5". A lone comma is never guessed. No infinities, no
- * hexadecimal. */
+ * hexadecimal. With a sign of degrees also minutes, seconds and a hemisphere: "40° 24' 59.1\" N",
+ * "W 3.5°". */
 bool eco_text_number(const char *text, char decimal, double *number);
 
 enum eco_size_form {

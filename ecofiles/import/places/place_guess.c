@@ -10,12 +10,17 @@
 #include "ecofiles/base/phrase.h"
 #include "ecofiles/import/places/crs_facts.h"
 #include "ecofiles/import/places/positions_crs.h"
+#include "ecofiles/import/places/speech.h"
 #include "ecofiles/import/places/words.h"
 
 #define PLOT_M 100000.0          /* beyond this from 0 numbers are a grid's, not a plot's */
 #define DEGREES_SPAN 5.0         /* an inventory is not wider */
 #define UTM_LEAST_M 100000.0
 #define UTM_MOST_M 900000.0
+#define BARE_SOUTH -56.0         /* no tree stands beyond these latitudes */
+#define BARE_NORTH 75.0
+#define LISTED 4u                /* choices that a question names */
+#define WEB_MERCATOR "EPSG:3857"
 #define ROUND_M 10.0             /* origins are round */
 
 struct range { double low, middle, high; };
@@ -24,6 +29,7 @@ struct look {
 	struct eco_place_guess *guess;
 	struct range xy[2];
 	const char *names[2];
+	uint32_t speech;             /* eco_speech_of the columns */
 	struct eco_error *error;
 };
 
@@ -93,20 +99,42 @@ static void say_swapped(struct look *l, const char *why)
 		l->names[0] ? l->names[0] : "x", l->names[1] ? l->names[1] : "y", why);
 }
 
+static bool is_bare(const double degrees[2])
+{
+	return degrees[1] < BARE_SOUTH || degrees[1] > BARE_NORTH;
+}
+
+/* Whether such an inventory may lie where its numbers say it does, and lies where it should if swapped. */
+static bool speaks_for_swapping(const struct look *l, const double as_named[2], const double swapped[2])
+{
+	return l->speech && !eco_speech_reaches(l->speech, as_named, false)
+		&& eco_speech_reaches(l->speech, swapped, true);
+}
+
 static void guess_degrees(struct look *l)
 {
 	const double as_named[2] = { l->xy[0].middle, l->xy[1].middle },
 		swapped[2] = { l->xy[1].middle, l->xy[0].middle };
+	char why[160];
 	snprintf(l->guess->crs, sizeof l->guess->crs, "EPSG:4326");
-	if (!are_degrees(l, 0))
+	if (!are_degrees(l, 0)) {
 		say_swapped(l, "a latitude lies between -90 and 90");
-	else if (are_degrees(l, 1) && !dem_has(l, as_named) && dem_has(l, swapped))
+	} else if (are_degrees(l, 1) && !dem_has(l, as_named) && dem_has(l, swapped)) {
 		say_swapped(l, "only so does the terrain lie there");
-	else
+	} else if (are_degrees(l, 1) && is_bare(as_named) && !is_bare(swapped)) {
+		snprintf(why, sizeof why, "no tree stands at latitude %.1f", as_named[1]);
+		say_swapped(l, why);
+	} else if (are_degrees(l, 1) && !dem_has(l, as_named) && speaks_for_swapping(l, as_named, swapped)) {
+		snprintf(why, sizeof why, "its columns are %s, which is written at %.2f, %.2f, and not at "
+			"%.2f, %.2f", eco_speech_name(l->speech), swapped[0], swapped[1], as_named[0],
+			as_named[1]);
+		say_swapped(l, why);
+	} else {
 		snprintf(l->guess->crs_why, sizeof l->guess->crs_why, "degrees, by %s: around %.4f, %.4f",
 			l->asked->columns->names_say_degrees ? "the columns' names and numbers" : "the "
 				"numbers",
 			as_named[0], as_named[1]);
+	}
 }
 
 /* ---- A grid ---- */
@@ -153,7 +181,7 @@ static bool shared_hint(const struct look *l, char hint[ECO_WORDS_BYTES])
 
 static void list_choices(const struct eco_crs_choice *choices, uint32_t found, char *text, size_t size)
 {
-	uint32_t most = found < 4 ? found : 4;
+	uint32_t most = found < LISTED ? found : LISTED;
 	size_t used = 0;
 	text[0] = 0;
 	for (uint32_t i = 0; i < most && used < size; i++)
@@ -170,12 +198,43 @@ static bool may_be_utm(const struct look *l)
 		&& l->xy[1].middle < 1e7;
 }
 
-static enum eco_code ask_for_grid(struct look *l, const struct eco_crs_choice *choices, uint32_t found)
+/* Those where the columns' language is written come first; returns how many. */
+static uint32_t sort_by_speech(const struct look *l, struct eco_crs_choice *choices, uint32_t found)
+{
+	uint32_t first = 0;
+	for (uint32_t i = 0; i < found && l->speech; i++) {
+		struct eco_crs_choice choice = choices[i];
+		if (!eco_speech_reaches(l->speech, choice.degrees, true))
+			continue;
+		memmove(&choices[first + 1], &choices[first], (i - first) * sizeof *choices);
+		choices[first++] = choice;
+	}
+	return first;
+}
+
+/* Whether they may be in the grid of maps on the web, which has the whole Earth: where the columns' language
+ * is written. */
+static bool look_at_web(const struct look *l, struct eco_crs_choice *web)
+{
+	const double at[2] = { l->xy[0].middle, l->xy[1].middle };
+	struct eco_crs_facts facts;
+	if (!l->speech || eco_crs_look(WEB_MERCATOR, at, &facts, NULL) != ECO_OK || isnan(facts.degrees[0])
+			|| !eco_speech_reaches(l->speech, facts.degrees, true))
+		return false;
+	*web = (struct eco_crs_choice){ .code = WEB_MERCATOR, .name = "maps on the web",
+		.degrees = { facts.degrees[0], facts.degrees[1] } };
+	return true;
+}
+
+/* Names the few where the columns' language is written; else all UTM zones may be meant. */
+static enum eco_code ask_for_grid(struct look *l, const struct eco_crs_choice *choices, uint32_t found,
+	uint32_t spoken)
 {
 	char list[330];
 	const double at[2] = { l->xy[0].middle, l->xy[1].middle };
 	struct eco_crs_facts facts;
-	if (may_be_utm(l) && eco_crs_look("EPSG:32631", at, &facts, l->error) == ECO_OK)
+	if (may_be_utm(l) && (spoken == 0 || spoken > LISTED)
+			&& eco_crs_look("EPSG:32631", at, &facts, l->error) == ECO_OK)
 		return eco_fail(l->error, ECO_BAD_INPUT, "%.100s: which CRS are its coordinates in? %.0f, "
 			"%.0f is a place in each UTM zone, at latitude %.1f: give the zone of your "
 			"longitude, --crs EPSG:32601 (180 W) to EPSG:32660 (180 E), in the south "
@@ -218,7 +277,7 @@ static bool take_dem(struct look *l)
 
 static enum eco_code guess_grid(struct look *l)
 {
-	struct eco_crs_choice choices[ECO_CRS_CHOICES_MAX];
+	struct eco_crs_choice choices[ECO_CRS_CHOICES_MAX + 1];
 	const double at[2] = { l->xy[0].middle, l->xy[1].middle };
 	char hint[ECO_WORDS_BYTES];
 	uint32_t found = 0;
@@ -232,9 +291,26 @@ static enum eco_code guess_grid(struct look *l)
 	}
 	if (!code && found == 0)
 		code = eco_crs_choices(at, NULL, choices, &found, l->error);
-	if (!code && found == 1)
+	if (code)
+		return code;
+	uint32_t listed = found < ECO_CRS_CHOICES_MAX ? found : ECO_CRS_CHOICES_MAX,
+		spoken = sort_by_speech(l, choices, listed);
+	struct eco_crs_choice web;
+	char why[100];
+	if (look_at_web(l, &web)) {
+		memmove(&choices[spoken + 1], &choices[spoken],
+			(ECO_CRS_CHOICES_MAX - spoken) * sizeof web);
+		choices[spoken++] = web;
+		found++;
+	}
+	if (found == 1 && spoken == 0)
 		return take_choice(l, &choices[0], "the only one with this place in its area of use");
-	return code ? code : ask_for_grid(l, choices, found);
+	if (spoken == 1) {
+		snprintf(why, sizeof why, "the only one with this place where %s, the columns' language, is "
+			"written", eco_speech_name(l->speech));
+		return take_choice(l, &choices[0], why);
+	}
+	return ask_for_grid(l, choices, found, spoken);
 }
 
 /* ---- What is said ---- */
@@ -398,7 +474,9 @@ enum eco_code eco_place_guess(struct eco_place_guess *guess, const struct eco_pl
 	struct eco_error *error)
 {
 	const struct eco_columns *columns = asked->columns;
-	struct look l = { .asked = asked, .guess = guess, .error = error };
+	struct look l = { .asked = asked, .guess = guess, .error = error,
+		.speech = eco_speech_of((const char *const *)asked->table->columns,
+			asked->table->column_count) };
 	*guess = (struct eco_place_guess){ .from_geometry = columns->of[ECO_ROLE_X] == ECO_NONE
 		&& asked->table->has_geometry, .degrees = { NAN, NAN } };
 	for (int k = 0; k < 2 && !guess->from_geometry; k++) {
