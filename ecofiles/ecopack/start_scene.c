@@ -107,8 +107,8 @@ static enum eco_code say_heights(struct start *s)
 		snprintf(took, sizeof took, "from the trunk: 1.3 + (%g - 1.3) (1 - exp(-%g mm))", TALLEST_M,
 			RATE_PER_MM);
 		code = start_guess(s, s->height.column == ECO_NONE ? "heights" : "other heights", took,
-			"\"height_m\" in the scene", "a usual curve of city trees, %g m at most; "
-			"\"per_plant\" gives each kind its own", TALLEST_M);
+			"\"height_m\" in the scene", "a usual curve of city trees, %g m at most, shrubs and "
+			"herbs as high as they grow; \"per_plant\" gives each kind its own", TALLEST_M);
 	}
 	s->height_m = s->height.column != ECO_NONE ? s->height.median * metres(s->height.unit.unit) : 0;
 	if (!code && s->height.column != ECO_NONE) {
@@ -122,6 +122,22 @@ static enum eco_code say_heights(struct start *s)
 	return code;
 }
 
+/* The curve of trees, ending at what a lower form of growth reaches; NULL: all models are trees. */
+static json_t *low_plants_json(const struct start *s)
+{
+	json_t *plants = json_object();
+	for (uint32_t i = 0; i < s->model_count; i++) {
+		double most_m = eco_form_size(s->models[i].flora.form).most_m;
+		if (is_used(s, i) && s->models[i].flora.form != ECO_FORM_UNKNOWN && most_m < TALLEST_M)
+			json_object_set_new(plants, s->models[i].name,
+				json_pack("{s:f, s:f}", "max", most_m, "rate", RATE_PER_MM));
+	}
+	if (json_object_size(plants) > 0)
+		return plants;
+	json_decref(plants);
+	return NULL;
+}
+
 static json_t *heights_json(const struct start *s)
 {
 	json_t *heights = json_array();
@@ -130,12 +146,10 @@ static json_t *heights_json(const struct start *s)
 			"s:s}", "column", start_column(s, s->height.column),
 			"unit", s->height.unit.unit));
 	if (s->trunk.column != ECO_NONE)
-		json_array_append_new(heights,
-			json_pack("{s:s, s:s, s:f, "
-				  "s:f}",
-				s->trunk_is_girth ? "from_girth" : "from_dbh",
-				start_column(s, s->trunk.column), "unit", s->trunk.unit.unit, "max",
-				TALLEST_M, "rate", RATE_PER_MM));
+		json_array_append_new(heights, json_pack("{s:s, s:s, s:f, s:f, s:o*}",
+			s->trunk_is_girth ? "from_girth" : "from_dbh", start_column(s, s->trunk.column),
+			"unit", s->trunk.unit.unit, "max", TALLEST_M, "rate", RATE_PER_MM,
+			"per_plant", low_plants_json(s)));
 	if (s->height_m > 0)
 		json_array_append_new(heights, json_real(round_to(s->height_m, 0.1)));
 	return heights;

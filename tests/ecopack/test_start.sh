@@ -59,6 +59,7 @@ start 0 'Lambert-93, by the columns. names' fr.tsv
 is '[.crs, .instances[0].x]' '["EPSG:2154","X_L93"]'
 is '.instances[0].map | [."Houx", ."Épicéa commun"]' '["holly_bush","norway_spruce"]'
 is '.instances[0].height_m[1] | [.from_girth, .unit]' '["circonférence","cm"]'
+is '.instances[0].height_m[1].per_plant' '{"holly_bush":{"max":12,"rate":0.002}}'
 camera 0 0
 
 # ---- A portal's export: latitude and longitude in one field; no model has the form of cypress and willow ----
