@@ -6,6 +6,7 @@
 #   demo                 a generated park, from models to scored pictures
 #   forest DATA=DIR      the SCBI plot; DIR has inventories/, terrain/ and models/
 #   survey DATA=DIR      what import makes of all models and of a city's trees; DIR has models/ and inventories/
+#   cluster-demo         three ecoserve behind nginx under load: one killed, others drained, the pack replaced; two minutes
 #   test [ONLY=NAME]     everything that tests, counted; or a room of tests/ (ONLY=plan), or one (ONLY=test_turn)
 #   check                the tests that a change reaches, cheapest first, in 30 s of processor time; the layers
 #   layers, headers      what each room may include; every header compiles alone
@@ -133,7 +134,7 @@ LIBS_VIEW := -lcurl -lEGL -lepoxy -lpng -lwebp
 # In config=fuzz the sanitizer is a library that is linked in, too, and what it puts in place of malloc must be seen by the C library.
 LINK := -Wl,--as-needed $(if $(filter fuzz,$(config)),,-Wl$(comma)--exclude-libs$(comma)ALL) -ldl -pthread
 
-.PHONY: all help deps told demo test check determinism bench forest survey soak layers headers clean fuzz
+.PHONY: all help deps told demo cluster-demo test check determinism bench forest survey soak layers headers clean fuzz
 .DELETE_ON_ERROR:
 
 all: $(PROGRAMS) $(MODULES) | told
@@ -305,6 +306,12 @@ survey: deps
 	@test -n "$(DATA)" || { echo "make survey needs DATA=DIR, a folder with models/ and inventories/" >&2; exit 2; }
 	@$(MAKE) --no-print-directory -j$$(nproc) all
 	BUILD=$(B) sh tests/demo/survey.sh "$(DATA)"
+
+CLUSTER_PACKAGES := nginx-light iproute2
+cluster-demo: deps
+	@tests/packages.sh $(CLUSTER_PACKAGES)
+	@$(MAKE) --no-print-directory -j$$(nproc) all
+	BUILD=$(B) sh tests/demo/cluster.sh
 
 # What is done is kept, and done anew only where programs or inputs changed; Ctrl-C, and go on another time. DATA is a folder as above;
 # the one beside the checkout if there is one, and without any there are generated plants and scenes only.

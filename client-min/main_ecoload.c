@@ -94,8 +94,8 @@ static const struct eco_command command = { .name = "ecoload", .options = option
 	.synopsis = "URL --camera CAMERA --clients N --seconds S [OPTIONS]",
 	.says = "N clients ask for the views of a camera script, each from its own place in it. Times count "
 		"from when an answer was due: in an open loop also what requests wait behind others is the "
-		"server's. A client that is refused because the server has too much to do waits as long as it "
-		"asks for. Ctrl-C ends with a report of what there is; a second one at once.",
+		"server's. A client that is refused because the server has too much to do waits as long as "
+		"it asks for. Ctrl-C ends with a report of what there is; a second one at once.",
 	.notes = "Failures and violations of budgets are failures of ecoload, too.\n" };
 
 struct progress { struct view_progress bar; double seconds; };

@@ -147,8 +147,8 @@ enum eco_code view_page_write(const struct view_load_summary *s, const char *pat
 		"<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>ecoload</title>"
 		"<style>body{font:15px/1.5 system-ui,sans-serif;margin:2rem auto;max-width:1500px;"
 		"padding:0 1rem;color:#222;background:#fafaf7}svg{width:48%;min-width:420px;font-size:12px}"
-		"svg path.g{stroke:#ddd}svg text.e{text-anchor:end}svg text.m{text-anchor:middle}svg text.t{font-weight:600}"
-		"pre{font-size:13px;white-space:pre-wrap}</style>\n";
+		"svg path.g{stroke:#ddd}svg text.e{text-anchor:end}svg text.m{text-anchor:middle}"
+		"svg text.t{font-weight:600}pre{font-size:13px;white-space:pre-wrap}</style>\n";
 	char *text = NULL;
 	size_t size = 0;
 	FILE *out = open_memstream(&text, &size);
