@@ -3,10 +3,12 @@
 
 #include "server/answer.h"
 
+#include <fcntl.h>
 #include <microhttpd.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "ecofiles/base/version.h"
 #include "ecofiles/format/chunk/chunk.h"
@@ -14,6 +16,7 @@
 #include "server/query.h"
 #include "server/trace.h"
 
+#define BY_FILE_MAX 64u                  /* responses of a scene */
 #define IMMUTABLE "max-age=31536000, immutable"
 
 static void add_header(struct srv_answer *answer, const char *name, const char *value)
@@ -313,11 +316,29 @@ static void chunk_headers(struct srv_answer *answer, const struct srv_validators
 
 static void drop_shared(struct srv_scene *scene)
 {
-	for (uint32_t c = 0; c < scene->pack->scene.chunk_count; c++) {
+	for (uint64_t c = 0; c < (uint64_t)SRV_LANES * scene->pack->scene.chunk_count; c++) {
 		struct MHD_Response *response = atomic_exchange(&scene->responses[c], NULL);
 		if (response)
 			MHD_destroy_response(response);
 	}
+}
+
+/* Large chunks are sent from their pack's private copy, which spares a copy (sendfile). The library holds
+ * such a response's lock while it sends, so each lane has its own (lod/EXPERIMENTS.md, Chunks by sendfile).
+ * They hold a descriptor each, and are few. */
+static struct MHD_Response *make_whole(struct srv_scene *scene, uint32_t chunk, const uint8_t *bytes,
+	size_t size)
+{
+	bool by_file = size >= SRV_LARGE_BYTES && scene->pack->file >= 0
+		&& atomic_fetch_add(&scene->by_file, 1) < BY_FILE_MAX;
+	int file = by_file ? fcntl(scene->pack->file, F_DUPFD_CLOEXEC, 0) : -1;
+	if (file < 0)
+		return MHD_create_response_from_buffer(size, (void *)bytes, MHD_RESPMEM_PERSISTENT);
+	struct MHD_Response *response = MHD_create_response_from_fd_at_offset64(size, file,
+		scene->pack->scene.chunks[chunk].offset);
+	if (!response)
+		close(file);
+	return response;
 }
 
 /* The shared response. Two threads may make one each; the first that is stored wins, and the other is
@@ -326,12 +347,13 @@ static void answer_whole(struct srv_answer *answer, struct srv_scene *scene, uin
 	const uint8_t *bytes, size_t size, const struct srv_validators *validators,
 	const struct srv_chunk_terms *terms)
 {
-	_Atomic(struct MHD_Response *) *slot = &scene->responses[chunk];
+	uint64_t lane = size < SRV_LARGE_BYTES ? 0 : terms->lane % SRV_LANES;
+	_Atomic(struct MHD_Response *) *slot =
+		&scene->responses[lane * scene->pack->scene.chunk_count + chunk];
 	struct MHD_Response *stored = terms->varies ? NULL : atomic_load(slot);
 	*answer = (struct srv_answer){ .status = MHD_HTTP_OK, .size_bytes = size };
 	if (!stored) {
-		answer->response = MHD_create_response_from_buffer(size, (void *)bytes,
-			MHD_RESPMEM_PERSISTENT);
+		answer->response = make_whole(scene, chunk, bytes, size);
 		chunk_headers(answer, validators);
 		if (!terms->varies)
 			srv_answer_allow_origin(answer, terms->origin, false);

@@ -61,8 +61,8 @@ void srv_answer_judge(struct srv_answer *answer, const struct srv_conditions *co
 void srv_answer_failed_condition(struct srv_answer *answer, const char *instance);
 
 /* How a chunk is sent. `origin`: as srv_answer_allow_origin, that a shared response says; `varies`: none is
- * shared. */
-struct srv_chunk_terms { bool get, is_private, varies; const char *origin; };
+ * shared. `lane`: a number that two threads of the library mostly differ in. */
+struct srv_chunk_terms { bool get, is_private, varies; const char *origin; uint32_t lane; };
 /* The chunk, a part of it, 304, 416, or the problem that its payload is damaged. Range counts for GET only.
  */
 void srv_answer_chunk(struct srv_answer *answer, struct srv_scene *scene, uint32_t chunk,

@@ -23,6 +23,14 @@ static void answer_described(struct srv_exchange *exchange, bool validated, stru
 	srv_exchange_judge(exchange, &validators);
 }
 
+/* The library deals connections to its threads by their descriptors. */
+static uint32_t lane_of(struct MHD_Connection *connection)
+{
+	const union MHD_ConnectionInfo *info = MHD_get_connection_info(connection,
+		MHD_CONNECTION_INFO_CONNECTION_FD);
+	return info ? (uint32_t)info->connect_fd : 0;
+}
+
 static void answer_chunk(struct srv_exchange *exchange)
 {
 	struct eco_chunk_id id;
@@ -35,6 +43,7 @@ static void answer_chunk(struct srv_exchange *exchange)
 		srv_answer_chunk(&exchange->answer, scene, chunk, &exchange->conditions,
 			&(struct srv_chunk_terms){ .get = exchange->method == SRV_METHOD_GET,
 			.is_private = srv_access_is_private(access, scene->name),
+			.lane = lane_of(exchange->connection),
 			.varies = srv_access_origins_vary(access),
 			.origin = srv_access_origin(access, exchange->origin) },
 			srv_exchange_path(exchange, path));

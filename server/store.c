@@ -59,7 +59,7 @@ static enum eco_code scene_index(struct srv_scene *scene, struct eco_error *erro
 	uint32_t count = scene->pack->scene.chunk_count;
 	scene->by_id = malloc((count + 1) * sizeof *scene->by_id);
 	scene->checked = calloc(count + 1, sizeof *scene->checked);
-	scene->responses = calloc(count + 1, sizeof *scene->responses);
+	scene->responses = calloc((size_t)SRV_LANES * count + 1, sizeof *scene->responses);
 	if (!scene->by_id || !scene->checked || !scene->responses)
 		return eco_fail(error, ECO_NO_MEMORY, "scene '%s': no memory for an index of %u chunks",
 			scene->name, count);

@@ -25,6 +25,8 @@
 
 #define SRV_NAME_BYTES 64
 #define SRV_SCENES_MAX 1024u
+#define SRV_LARGE_BYTES (128u << 10)     /* a large chunk */
+#define SRV_LANES 4u
 
 struct MHD_Response;
 
@@ -41,8 +43,10 @@ struct srv_scene {
 	_Atomic(uint64_t) typical_work;          /* of a plan (typical.h); 0: not found yet */
 	uint32_t *by_id;                         /* chunk indices sorted by id */
 	_Atomic(uint8_t) *checked;               /* per chunk: the payload's hash has been found right */
-	/* per chunk: the shared response, made when first asked for */
+	/* per lane and chunk: the shared response, made when first asked for; that of a chunk that is not
+	 * large is in the first lane */
 	_Atomic(struct MHD_Response *) *responses;
+	_Atomic(uint32_t) by_file;               /* of them, those that were to hold a descriptor */
 	/* called before it is freed, by whoever made responses (server/answer.h); NULL: there are none */
 	void (*_Atomic drop)(struct srv_scene *scene);
 };

@@ -232,6 +232,7 @@ struct eco_pack {
 	size_t meta_size;
 	const uint8_t *map;
 	size_t map_size;
+	int file;                    /* that the map is of, where it is a private copy; else -1 */
 };
 
 /* Opens and checks everything but the payloads; eco_pack_payload checks the hash of each. */

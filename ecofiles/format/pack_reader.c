@@ -211,6 +211,7 @@ static enum eco_code open_bytes(struct eco_pack **pack, const uint8_t *bytes, si
 	}
 	o->pack.map = bytes;
 	o->pack.map_size = size;
+	o->pack.file = -1;
 	o->mapped = mapped;
 	enum eco_code code = read_frame(o, error);
 	if (!code)
@@ -232,27 +233,23 @@ enum eco_code eco_pack_open_memory(struct eco_pack **pack, const uint8_t *bytes,
 	return open_bytes(pack, bytes, size, false, error);
 }
 
-/* Maps a regular file, or a private copy of it in `copies`. */
-static enum eco_code map_file(void **map, size_t *size, int file, const char *path, const char *copies,
-	struct eco_error *error)
+/* Maps a regular file, or a private copy of it in `copies`, which *copy is then. */
+static enum eco_code map_file(void **map, size_t *size, int file, int *copy, const char *path,
+	const char *copies, struct eco_error *error)
 {
 	struct stat status;
-	int mapped = file;
 	if (fstat(file, &status) != 0 || !S_ISREG(status.st_mode))
 		return eco_fail(error, ECO_BAD_INPUT, "%s: not a regular file", path);
 	if (status.st_size < (off_t)ECO_PACK_HEADER_BYTES)
 		return BAD("%s: %lld bytes are too few for a pack", path, (long long)status.st_size);
-	enum eco_code code = copies ? eco_private_copy(&mapped, file, path, copies, error) : ECO_OK;
+	enum eco_code code = copies ? eco_private_copy(copy, file, path, copies, error) : ECO_OK;
 	if (code)
 		return code;
 	*size = (size_t)status.st_size;
-	*map = mmap(NULL, *size, PROT_READ, MAP_SHARED, mapped, 0);
-	int failed = errno;
-	if (copies)
-		close(mapped);
+	*map = mmap(NULL, *size, PROT_READ, MAP_SHARED, copies ? *copy : file, 0);
 	if (*map == MAP_FAILED)
 		return eco_fail(error, ECO_IO, "%s: cannot map %lld bytes: %s", path,
-			(long long)status.st_size, strerror(failed));
+			(long long)status.st_size, strerror(errno));
 	return ECO_OK;
 }
 
@@ -262,16 +259,19 @@ static enum eco_code open_file(struct eco_pack **pack, const char *path, const c
 	struct eco_error inner = { 0 };
 	void *map = NULL;
 	size_t size = 0;
-	int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+	int copy = -1, file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
 	*pack = NULL;
 	if (file < 0)
 		return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: cannot open: %s", path,
 			strerror(errno));
-	enum eco_code code = map_file(&map, &size, file, path, copies, error);
+	enum eco_code code = map_file(&map, &size, file, &copy, path, copies, error);
 	close(file);
-	if (code)
-		return code;
-	code = open_bytes(pack, map, size, true, &inner);
+	if (!code)
+		code = open_bytes(pack, map, size, true, &inner);
+	if (!code)
+		(*pack)->file = copy;
+	else if (copy >= 0)
+		close(copy);
 	return code ? eco_fail(error, code, "%s: %s", path, inner.text) : ECO_OK;
 }
 
@@ -295,6 +295,8 @@ void eco_pack_close(struct eco_pack *pack)
 		free(o->tables[kind]);
 	if (o->mapped)
 		munmap((void *)o->pack.map, o->pack.map_size);
+	if (o->pack.file >= 0)
+		close(o->pack.file);
 	free(o);
 }
 

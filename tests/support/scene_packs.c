@@ -1,5 +1,7 @@
 #include "tests/support/scene_packs.h"
 
+#include <stdlib.h>
+
 #include <math.h>
 #include <string.h>
 
@@ -143,6 +145,53 @@ enum eco_code sample_pack_write(const char *path, struct eco_error *error)
 	struct eco_ground ground = ground_make(16, 16, -8, -8, 8, hills);
 	enum eco_code code = sample_pack_write_on(path, &ground, false, error);
 	eco_ground_free(&ground);
+	return code;
+}
+
+/* ---- The one with a large texture ---- */
+
+static void textured_bush(struct scene_builder *b)
+{
+	static const uint8_t palette[2][3] = { { 30, 90, 30 }, { 90, 60, 30 } };
+	static const struct scene_row rows[] = {
+		{ ECO_LIST_IMAGE, ECO_CODER_BYTES, 0, 0, ECO_NONE, 0, 0 },
+		{ ECO_LIST_TRIANGLES, ECO_CODER_ELEMENTS, ECO_ATTR_UV, 0, 0, 64, 4 },
+		{ ECO_LIST_INSTANCES, ECO_CODER_ROWS, ECO_ATTR_PLACE, 0, ECO_NONE, 16, 1 } };
+	scene_add_colors(b, palette, 2);
+	for (int i = 1; i <= 3; i++)
+		scene_add_curve(b, (struct eco_curve){ i / 3.0f, 1, i / 3.0f, 0.2f, 0.2f });
+	scene_add_rows(b, rows, 3);
+	scene_add_plant(b, (struct eco_plant){ .name = "bush", .height_m = 4, .area = 5, .triangles = 128 });
+	scene_add_anchor(b, (struct eco_anchor){ { 2, 2, 2 }, 4 });
+	struct eco_ladder ladder = scene_ladder(0, 0, ECO_ORGAN_FOLIAGE);
+	ladder.triangles = 1;
+	ladder.total = 64;
+	ladder.area = 5;
+	ladder.curve_count = 3;
+	scene_add_ladder(b, ladder);
+	scene_add_tile(b, (struct eco_tile){ .low = { -5, -5, -5 }, .high = { 10, 10, 15 }, .area = 80,
+		.instance_count = 16, .summary = ECO_NONE });
+	scene_add_instances(b, 2, 0);
+}
+
+enum eco_code texture_pack_write(const char *path, const uint32_t *sizes, uint32_t count,
+	struct eco_error *error)
+{
+	struct eco_bytes levels[TEXTURE_LEVELS_MAX];
+	struct scene_builder b = { .state = 7, .scene = { .name = "chunks", .near_m = 0.05,
+		.needs = ECO_NEED_TRIANGLES | ECO_NEED_TEXTURES },
+		.like = { .grid_step = { 1e-3, 1e-3, 1e-3 }, .unit_area = 1e-3f, .palette_count = 2 },
+		.texture = { levels }, .texture_levels = count };
+	for (uint32_t i = 0; i < count; i++) {
+		levels[i] = (struct eco_bytes){ malloc(sizes[i] + 1), sizes[i] };
+		for (uint32_t at = 0; at < sizes[i]; at++)
+			levels[i].at[at] = (uint8_t)lcg_bits(&b.state);
+	}
+	textured_bush(&b);
+	enum eco_code code = scene_write(&b, path, "{\"name\":\"chunks\"}", NULL, error);
+	for (uint32_t i = 0; i < count; i++)
+		free(levels[i].at);
+	scene_free(&b);
 	return code;
 }
 

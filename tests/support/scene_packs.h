@@ -20,6 +20,10 @@ enum eco_code sample_pack_write(const char *path, struct eco_error *error);
 #define SMALL_PACK_META "{\"name\": \"small\"}"
 enum eco_code small_pack_write(struct scene_builder *b, const char *path, struct eco_pack_writer **keep,
 	struct eco_error *error);
+/* A textured bush in 16 plants, whose texture has levels of these sizes, a chunk each, of random bytes. */
+#define TEXTURE_LEVELS_MAX 8u
+enum eco_code texture_pack_write(const char *path, const uint32_t *sizes, uint32_t count,
+	struct eco_error *error);
 /* Elements as it has them: spread over a small grid without a random source. */
 struct eco_elements small_pack_elements(const struct eco_list *list, uint32_t count, uint8_t corners);
 
