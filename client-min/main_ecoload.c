@@ -26,6 +26,7 @@ static struct options {
 	struct view_load_options load;
 	const char *camera, *csv, *html;
 	uint64_t clients, decode, cold, resumes, scores;
+	double snap_m;
 	bool has_decode, json;
 	uint32_t size[2];
 	int arrivals;
@@ -52,6 +53,9 @@ static const struct eco_option option_table[] = {
 		.help = "budget of each response; none if not given" },
 	{ "size", 0, ECO_OPTION_SIZE, "WxH", given.size, 1, ECO_IMAGE_MAX,
 		.help = "of the views; 800x600 if not given" },
+	{ "snap", 0, ECO_OPTION_NUMBER, "M", &given.snap_m, 0.001, 1000,
+		.help = "eye and target stand on a grid of so many metres, so that views that are nearly "
+		"alike are answered by one plan; each moves by at most .87 of that" },
 	{ "chunks", 0, ECO_OPTION_TEXT, "URL", &given.load.chunks,
 		.help = "where chunks lie that answers then name: URL/ID, up to six fetched at once" },
 	{ "name-from", 0, ECO_OPTION_COUNT, "BYTES", &given.load.name_from, 1, INT64_MAX,
@@ -147,7 +151,7 @@ static enum eco_code run(struct options *o, struct eco_error *error)
 	struct view_fetch_options at = { .url = o->load.url, .patience_ms = PATIENCE_MS,
 		.stop = &interrupted };
 	struct view_views_options cameras = { .camera = o->camera, .width = o->size[0], .height = o->size[1],
-		.seed = o->load.seed, .stop = &interrupted };
+		.seed = o->load.seed, .snap_m = o->snap_m, .stop = &interrupted };
 	struct view_fetch *fetch = NULL;
 	struct view_views views = { 0 };
 	struct view_load_report result;

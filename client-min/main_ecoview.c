@@ -31,7 +31,7 @@ struct options {
 	const char *url, *camera, *dir, *explain, *chunks;
 	uint32_t size[2], width, height;
 	uint64_t vertices, bytes, memory;
-	double ground_px, texel_px, ahead_s, sun_s;
+	double ground_px, texel_px, ahead_s, sun_s, snap_m;
 	struct view_sky sky;                     /* but for the sun */
 	bool has_frames, compare, digest, glb;
 	uint64_t frame_first, frame_last;
@@ -133,6 +133,9 @@ static const struct eco_option option_table[] = {
 	{ "ahead", 0, ECO_OPTION_NUMBER, "S", &given.ahead_s, 0.001, 3600,
 		.help = "also ask for what the script's view so many seconds later will need; it comes last, "
 		"within --bytes" },
+	{ "snap", 0, ECO_OPTION_NUMBER, "M", &given.snap_m, 0.001, 1000,
+		.help = "eye and target stand on a grid of so many metres, so that views that are nearly "
+		"alike are answered by one plan; each moves by at most .87 of that" },
 	{ "rule", 0, ECO_OPTION_CHOICE, "NAME", &given.rule, .choices = rules,
 		.help = "how the server spends the budget: optimal (the default), or deussen (Deussen "
 		"2002), to compare with" },
@@ -174,7 +177,8 @@ static const struct eco_option option_table[] = {
 
 static const struct eco_command command = { .name = "ecoview", .options = option_table,
 	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--memory SIZE] "
-	"[--ground-px X] [--ahead S] [--rule NAME] [--reference[=cpu|egl]] [--compare] [--tint kind] "
+	"[--ground-px X] [--ahead S] [--snap M] [--rule NAME] [--reference[=cpu|egl]] [--compare] "
+	"[--tint kind] "
 	"[--sun TIME] [--shadows KIND[,SIZE]] [--haze M] [--digest] [--glb] [--frames A..B] "
 	"[--progressive LIST] [--chunks URL] [--explain FILE.csv]",
 	.says = "Streams a scene along a camera script and draws every frame as a PNG.",
@@ -460,6 +464,7 @@ static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_err
 		code = view_stand(v->fetch, v->store, &request, &asked, error);
 	if (code)
 		return code;
+	eco_view_snap(&request.view, v->options.snap_m);
 	struct lod_eye eye;
 	lod_eye_make(&eye, &request.view);
 	struct view_frame f = view_frame_empty(number, time_s, &request);

@@ -158,6 +158,7 @@ enum eco_code view_views_make(struct view_views *views, const struct view_views_
 	for (uint32_t i = 0; i < views->count && !code; i++) {
 		views->items[i].width = o->width;
 		views->items[i].height = o->height;
+		eco_view_snap(&views->items[i], o->snap_m);
 		code = eco_view_check(&views->items[i], error);
 	}
 	if (code)

@@ -14,6 +14,7 @@ struct view_views_options {
 	const char *camera;              /* "walk", "flyover", "random", or the name of a file */
 	uint32_t width, height;
 	uint64_t seed;                   /* of random ones */
+	double snap_m;                   /* as eco_view_snap */
 	const volatile sig_atomic_t *stop;
 };
 

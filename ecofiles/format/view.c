@@ -23,6 +23,27 @@ struct eco_view eco_view_next(const struct eco_request *request)
 	return view;
 }
 
+/* + 0.0: no zero is negative, which would be written otherwise. */
+static double snap(double value, double step)
+{
+	return floor(value / step + 0.5) * step + 0.0;
+}
+
+void eco_view_snap(struct eco_view *view, double step_m)
+{
+	double eye[3], target[3];
+	bool meet = true;
+	for (int i = 0; i < 3 && step_m > 0; i++) {
+		eye[i] = snap(view->eye[i], step_m);
+		target[i] = snap(view->target[i], step_m);
+		meet &= eye[i] == target[i];
+	}
+	if (meet)
+		return;
+	memcpy(view->eye, eye, sizeof eye);
+	memcpy(view->target, target, sizeof target);
+}
+
 enum eco_code eco_view_check(const struct eco_view *view, struct eco_error *error)
 {
 	enum eco_code code = check_vector(view->eye, "eye", error);

@@ -48,6 +48,12 @@ struct eco_request {
 /* The view at request->next, which is given. */
 struct eco_view eco_view_next(const struct eco_request *request);
 
+/* Moves eye and target to the nearest points of a grid of `step_m` in the scene's frame: each by at most
+ * step_m * sqrt(3) / 2. Views that are nearly alike are then the same, and so is their request: one plan
+ * answers all of them, from a server's kept answers or any cache before it. Where eye and target would meet,
+ * or step_m is 0, the view stays as it is. */
+void eco_view_snap(struct eco_view *view, double step_m);
+
 /* Refuses views that cannot be drawn: values not finite or beyond 1e12, eye = target, field of view
  * outside (0,180), sizes. `up` parallel to the view direction is accepted (another up is chosen). The text
  * names the field. */

@@ -459,6 +459,32 @@ UNIT_TEST(views_are_made_for_the_scene)
 	view_views_free(&other);
 }
 
+/* Eyes a millimetre apart: 40 views, a plan each; snapped, one plan, which all first visits get. */
+UNIT_TEST(views_that_are_nearly_alike_share_a_plan)
+{
+	static struct eco_view walk[40];
+	uint32_t planned[2] = { 0 };
+	for (int snapped = 0; snapped < 2; snapped++) {
+		for (uint32_t i = 0; i < 40; i++) {
+			walk[i] = views[0];
+			walk[i].eye[0] += 0.0501 + 0.001 * i;
+			eco_view_snap(&walk[i], snapped ? 0.5 : 0);
+		}
+		struct view_load_options options = options_at(port);
+		options.views = walk;
+		options.view_count = 40;
+		options.cold = 1;
+		options.rate = 100;
+		options.seconds = 0.395;
+		run_clean(&options);
+		assert_int_equal(report.answers.count, 40);
+		for (uint32_t i = 0; i < 40; i++)
+			planned[snapped] += !isnan(report.answers.items[i].plan_ms);
+	}
+	assert_int_equal(planned[0], 40);
+	assert_true(planned[1] <= 1);
+}
+
 /* ---- Reports ---- */
 
 static uint32_t count_of(const char *text, const char *what)

@@ -62,6 +62,34 @@ UNIT_TEST(a_request_may_be_given_the_view_ahead)
 	eco_camera_free(camera);
 }
 
+UNIT_TEST(views_that_are_nearly_alike_snap_to_one)
+{
+	const struct eco_view at = { { 10.2, -3.9, 1.7 }, { 60, 0.1, -0.2 }, { 0, 0, 1 }, 45, 8, 6 };
+	for (double step = 0.001; step < 100; step *= 3) {
+		struct eco_view view = at, again, near = at;
+		eco_view_snap(&view, step);
+		for (int i = 0; i < 3; i++) {
+			assert_true(fabs(view.eye[i] - at.eye[i]) <= step / 2 + 1e-12);
+			assert_true(fabs(view.target[i] - at.target[i]) <= step / 2 + 1e-12);
+			assert_false(signbit(view.target[i]) && view.target[i] == 0);
+			near.eye[i] = view.eye[i] + 0.4 * step * (i - 1);
+			near.target[i] = view.target[i] - 0.4 * step * (i - 1);
+		}
+		again = view;
+		eco_view_snap(&again, step);
+		eco_view_snap(&near, step);
+		for (int i = 0; i < 3; i++) {
+			assert_true(again.eye[i] == view.eye[i] && near.eye[i] == view.eye[i]);
+			assert_true(again.target[i] == view.target[i] && near.target[i] == view.target[i]);
+		}
+	}
+	struct eco_view same = at, meets = { .eye = { 1, 2, 3 }, .target = { 1.1, 2, 3 } };
+	eco_view_snap(&same, 0);
+	eco_view_snap(&meets, 10);
+	assert_memory_equal(&same, &at, sizeof at);
+	assert_true(meets.eye[0] == 1 && meets.target[0] == 1.1);
+}
+
 UNIT_TEST(scripts_say_what_heights_count_from)
 {
 	static const struct {
