@@ -241,7 +241,7 @@ static enum eco_code enter_sandbox(const struct srv_store *store, struct eco_err
 	enum eco_code code = given.without_sandbox ? ECO_OK : srv_user_find(&user, given.user, error);
 	return code || given.without_sandbox ? code : srv_sandbox_enter(&(struct srv_sandbox){
 		.sources = given.config.sources, .store = store, .user = &user,
-		.required = given.require_sandbox }, error);
+		.log_form = (enum srv_log_form)given.config.log_form, .required = given.require_sandbox }, error);
 }
 
 /* The daemon shares the scenes: `store` lets go of them, so that none stays that a reload replaced. */

@@ -1,7 +1,6 @@
 #include "server/sandbox.h"
 
 #include <limits.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -70,7 +69,7 @@ static enum eco_code lack(const struct srv_sandbox *sandbox, enum eco_code code,
 	const char *so, struct eco_error *error)
 {
 	if (code == ECO_UNSUPPORTED && !sandbox->required) {
-		fprintf(stderr, "ecoserve: warning: %s; %s\n", why->text, so);
+		srv_log_event(sandbox->log_form, true, "warning: %s; %s", why->text, so);
 		return ECO_OK;
 	}
 	return eco_fail(error, code, "%s%s", why->text, code == ECO_UNSUPPORTED

@@ -14,6 +14,7 @@
 
 #include <stdbool.h>
 
+#include "server/log.h"
 #include "server/reload.h"
 #include "server/user.h"
 
@@ -21,11 +22,12 @@ struct srv_sandbox {
 	const struct srv_sources *sources;
 	const struct srv_store *store;           /* what they were loaded to */
 	const struct srv_user *user;
+	enum srv_log_form log_form;              /* of warnings */
 	bool required;                           /* a part that this system does not have is an error */
 };
 
-/* Strings and lists of the sources must live as long as the process. Prints on stderr what this system does
- * not have; `required`: returns ECO_UNSUPPORTED instead. */
+/* Strings and lists of the sources must live as long as the process. Logs what this system does not have;
+ * `required`: returns ECO_UNSUPPORTED instead. */
 enum eco_code srv_sandbox_enter(const struct srv_sandbox *sandbox, struct eco_error *error);
 
 /* Only the listed system calls from now on, for this thread and those that it starts; others fail with

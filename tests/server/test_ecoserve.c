@@ -259,6 +259,15 @@ UNIT_TEST(ipv6_is_served_where_there_is_some)
 	assert_non_null(strstr(line, "(1 scene named "));
 }
 
+/* What a system that has no Landlock, or lets no user be changed, is told of at every start. */
+static bool only_warns(const char *err)
+{
+	static const char warning[] = "ecoserve: warning: ";
+	while (strncmp(err, warning, sizeof warning - 1) == 0)
+		err += strcspn(err, "\n") + (strchr(err, '\n') ? 1 : 0);
+	return !*err;
+}
+
 UNIT_TEST(a_client_that_leaves_does_no_harm)
 {
 	static const char *const arguments[] = { "--listen", "127.0.0.1:0", PACK_PATH, NULL };
@@ -284,7 +293,7 @@ UNIT_TEST(a_client_that_leaves_does_no_harm)
 	http_free(&answer);
 	kill(process.pid, SIGTERM);
 	assert_int_equal(program_finish(&process, out, err), 0);
-	assert_string_equal(err, "");
+	assert_true(only_warns(err));
 }
 
 /* Zeros in place of its bytes, then nothing: the answers stay those of the pack that was read. */
@@ -319,7 +328,7 @@ UNIT_TEST(a_pack_that_is_written_over_is_served_as_it_was)
 	assert_int_equal(program_finish(&untouched, out, err), 0);
 	kill(process.pid, SIGTERM);
 	assert_int_equal(program_finish(&process, out, err), 0);
-	assert_string_equal(err, "");
+	assert_true(only_warns(err));
 }
 
 UNIT_TEST(a_pack_in_place_cut_short_ends_it_with_advice)

@@ -19,6 +19,7 @@
 
 #define UNIT "server/ecoserve.service.in"
 #define SOMEBODY 65534u
+#define CANNOT 126
 #define CALLS_MAX 1024
 
 static struct { bool allowed[CALLS_MAX]; bool inet, inet6, others; } unit;
@@ -109,10 +110,10 @@ static void as_the_unit_says(void)
 	const gid_t none = 0;
 	scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(EPERM));
 	if (geteuid() == 0 && (setgroups(0, &none) || setgid(SOMEBODY) || setuid(SOMEBODY)))
-		_exit(126);
+		_exit(CANNOT);
 	allow(filter);
 	if (refuse() || seccomp_load(filter))
-		_exit(126);
+		_exit(CANNOT);
 }
 
 static bool others_may_run_it(void)
@@ -165,7 +166,9 @@ UNIT_TEST(it_serves_under_the_filter_of_its_unit)
 	struct program program = program_start_in(arguments, as_the_unit_says);
 	uint16_t port = program_ready(&program, line);
 	if (!port) {
-		program_finish(&program, out, err);
+		int status = program_finish(&program, out, err);
+		if (status == CANNOT || strstr(err, "--require-sandbox"))
+			skip();          /* a container without filters, a kernel without Landlock */
 		fail_msg("%s", err);
 	}
 	assert_served(port, "GET", "/healthz");
