@@ -26,8 +26,11 @@ struct stand {
 struct stand_list { struct eco_list list; struct eco_encoded encoded; struct eco_writer twin; uint32_t kept;
 	};
 
-/* One grid for all, with steps of at most 1/8192 of the smallest plant's height. Its origin is a point of the
- * scene's grid of that step, so that a plant at [0, 0, 0] stands there exactly. */
+#define HEIGHT_STEPS 2048.0      /* of the smallest plant's height, at least */
+#define TURN_STEP 8u             /* of 65536: a plant as wide as high moves by its height / 5215 at its rim */
+#define SCALE_BITS 13
+
+/* One grid for all. A plant at [0, 0, 0] stands there exactly. */
 static void instance_grid(const struct make *m, const struct stand *stand, struct eco_list *list)
 {
 	double low[3], high[3], height = INFINITY, extent = 0;
@@ -40,13 +43,26 @@ static void instance_grid(const struct make *m, const struct stand *stand, struc
 			extent = fmax(extent, high[i] - low[i]);
 		}
 	}
-	double step = lod_power_below(fmax(height / 8192, 1e-9));
-	while (extent / step > 1 << 27)          /* limit of a chunk's values */
+	double step = lod_power_below(fmax(height / HEIGHT_STEPS, 1e-9));
+	while (extent / step > 1 << 26)          /* half the limit of a chunk's values: origins are coarser */
 		step *= 2;
-	for (int i = 0; i < 3; i++) {
-		list->grid_step[i] = step;
-		list->grid_origin[i] = floor(low[i] / step) * step + 0.0;
-	}
+	lod_grid_place(list, low, high, step);
+}
+
+/* Turns and scales are as exact as places: off by less than a plant's height / 4096, half a pixel where it
+ * fills a picture 2048 pixels high (lod/EXPERIMENTS.md, Coarser grids). */
+static int32_t round_turn(uint16_t turn)
+{
+	return (uint16_t)((turn + TURN_STEP / 2) / TURN_STEP * TURN_STEP);
+}
+
+static int32_t round_scale(double scale)
+{
+	int exponent;
+	double whole = scale * 65536;
+	frexp(whole, &exponent);
+	double step = ldexp(1, exponent > SCALE_BITS ? exponent - SCALE_BITS : 0);
+	return (int32_t)(floor(whole / step + 0.5) * step);
 }
 
 bool make_append_bytes(struct make *m, const uint8_t *bytes, size_t size)
@@ -86,8 +102,8 @@ static enum eco_code encode_stand(void *ctx, uint64_t i, void *result, struct ec
 			e.position[3 * (size_t)k + axis] =
 				(int32_t)floor((p->at[axis] - made->list.grid_origin[axis])
 				/ made->list.grid_step[axis] + 0.5);
-		e.extra[2 * (size_t)k] = p->turn;
-		e.extra[2 * (size_t)k + 1] = (int32_t)floor(p->scale * 65536 + 0.5);
+		e.extra[2 * (size_t)k] = round_turn(p->turn);
+		e.extra[2 * (size_t)k + 1] = round_scale(p->scale);
 		struct eco_place twin = eco_place_of(&e, k);
 		eco_place_write(&made->twin, &twin);
 	}

@@ -117,6 +117,13 @@ float eco_size(uint32_t code)
 	return ldexpf(quarter[code % 4], (int)whole - (int)(ECO_SIZE_ONE / 4));
 }
 
+float eco_few_bits(float v)
+{
+	int exponent;
+	float fraction = frexpf(v, &exponent);
+	return isfinite(v) ? ldexpf(floorf(fraction * 16384 + 0.5f), exponent - 14) : v;
+}
+
 /* The mean square is 1/3 for normals in all directions, 1 for level leaves. */
 uint8_t eco_level_code(double mean_square)
 {

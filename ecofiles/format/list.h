@@ -140,6 +140,9 @@ float eco_growth(uint32_t code, float scale);
 #define ECO_SIZE_ONE 32u
 float eco_size(uint32_t code);
 
+/* The nearest float with 14 significant bits: it travels in fewer (wire_items.h), and areas need no more. */
+float eco_few_bits(float v);
+
 /* Levelness of a plant's leaves, for lighting: a share of them is taken as level, the others as
  * facing all directions. The share comes from the mean square, by area, of the height of their unit
  * normals. Code 0 is not known, and stands for the mean of broadleaved trees, 27 % (Ross's index of 0.25:

@@ -74,8 +74,8 @@ static struct parts parts_of(double v)
 	return p;
 }
 
-static double code_parts(struct eco_range *r, struct eco_wire_items *s, struct eco_wire_real *m, double before,
-	double value)
+static double code_parts(struct eco_range *r, struct eco_wire_items *s, struct eco_wire_real *m,
+	double before, double value)
 {
 	struct parts p = parts_of(value), b = parts_of(before);
 	p.sign = (uint32_t)eco_range_raw(r, 1, p.sign);
@@ -209,20 +209,41 @@ static void code_fields(struct eco_range *r, struct eco_wire_items *s, uint32_t 
 	s->bad |= f[ECO_FIELD_LEVEL] > UINT8_MAX;
 }
 
-static void code_grid(struct eco_range *r, struct eco_wire_items *s, uint32_t kind, struct eco_list *l)
+enum grid_form { GRID_OF_KIND, GRID_OF_LAST, GRID_SENT };
+
+static bool same_grid(const double *a, const double *b) { return !memcmp(a, b, ECO_GRID_REALS * sizeof *a); }
+
+static enum grid_form grid_form(const struct eco_wire_items *s, uint32_t kind, const double *grid)
+{
+	return same_grid(grid, s->real[kind]) ? GRID_OF_KIND : same_grid(grid, s->last_grid) ? GRID_OF_LAST
+		: GRID_SENT;
+}
+
+/* `grid`: of the list, where it is written. */
+static void code_grid(struct eco_range *r, struct eco_wire_items *s, uint32_t kind,
+	double grid[ECO_GRID_REALS])
 {
 	double *before = s->real[kind];
-	for (uint32_t i = 0; i < ECO_ITEM_REALS && !s->bad; i++) {
-		double value = i < 3 ? l->grid_origin[i] : i < 6 ? l->grid_step[i - 3] : (double)l->unit_area;
-		before[i] = code_real(r, s, &s->reals[kind][i / 3], i == 4 || i == 5 ? before[i - 1]
-			: before[i], value);
-		if (i < 3)
-			l->grid_origin[i] = before[i];
-		else if (i < 6)
-			l->grid_step[i - 3] = before[i];
-		else
-			l->unit_area = narrow(s, before[i]);
-	}
+	uint32_t form = code_tree(r, s->grid[kind], 2, grid_form(s, kind, grid));
+	if (form != GRID_SENT)
+		memcpy(grid, form == GRID_OF_KIND ? before : s->last_grid, ECO_GRID_REALS * sizeof *grid);
+	for (uint32_t i = 0; i < ECO_GRID_REALS && form == GRID_SENT && !s->bad; i++)
+		grid[i] = code_real(r, s, &s->reals[kind][i / 3], i > 3 ? grid[i - 1] : before[i], grid[i]);
+	s->bad |= form != grid_form(s, kind, grid);
+	memcpy(before, grid, ECO_GRID_REALS * sizeof *grid);
+	memcpy(s->last_grid, grid, ECO_GRID_REALS * sizeof *grid);
+}
+
+static void code_reals(struct eco_range *r, struct eco_wire_items *s, uint32_t kind, struct eco_list *l)
+{
+	double grid[ECO_GRID_REALS], *area = &s->real[kind][ECO_GRID_REALS];
+	memcpy(grid, l->grid_origin, sizeof l->grid_origin);
+	memcpy(grid + 3, l->grid_step, sizeof l->grid_step);
+	code_grid(r, s, kind, grid);
+	memcpy(l->grid_origin, grid, sizeof l->grid_origin);
+	memcpy(l->grid_step, grid + 3, sizeof l->grid_step);
+	*area = code_real(r, s, &s->reals[kind][2], *area, (double)l->unit_area);
+	l->unit_area = narrow(s, *area);
 }
 
 static void code_list(struct eco_range *r, struct eco_wire_items *s, struct eco_wire_item *item)
@@ -238,7 +259,7 @@ static void code_list(struct eco_range *r, struct eco_wire_items *s, struct eco_
 		fields_of(l, item->id, f);
 	code_fields(r, s, kind, f);
 	fields_into(l, item->id, f);
-	code_grid(r, s, kind, l);
+	code_reals(r, s, kind, l);
 	s->list_kind_last = (uint8_t)kind;
 	s->chunk_list = ECO_NONE;
 }

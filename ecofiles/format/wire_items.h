@@ -9,26 +9,29 @@
  *   ... item.kind == ECO_ITEM_END ...
  *
  * Item: 2 bits, modelled by the kind of the item before: END 0, PLANT 1, LIST 2, CHUNK 3. Then
- *   PLANT  id - (last plant + 1), name: number of bytes, 8 bits each; height (real, against the last one's),
- *          anchor first - end of the last one's, anchor count; its anchors: x, y, z, radius (reals without
- *          `same`, against the anchor before)
- *   LIST   id - (last item's list + 1); kind: 4 bits, modelled by the last list's; coder (3 bits), attributes
- *          (8 bits), modelled by the kind; then the fields of enum eco_wire_field, of grid_origin, grid_step and
- *          unit_area (reals), each against the last list of the kind (grid_step 1 and 2: against the axis before).
- *          Groups: plant - (plant before + 1; first: first of the last list's groups), count - 1. Palette,
- *          nothing if its place in the scene's is that of the last palette sent: 3 * 8 bits a colour
- *   CHUNK  id - last item's list; but for the only chunk of a list, right behind its record: ordinal (1 bit: it
- *          is the next of the list, or the first; else a number), elements (1 bit: those of the last chunk with
- *          this ordinal of a list of the kind; else a count), primitives - elements (2 bits: 0: none, 1: as
- *          many as elements, 2: a number); named (1 bit), size (count), 16 bytes of id if it is named
+ *   PLANT  id - (last plant + 1), name: number of bytes, 8 bits each; height (real, against the last
+ *          one's), anchor first - end of the last one's, anchor count; its anchors: x, y, z, radius (reals
+ *          without `same`, against the anchor before)
+ *   LIST   id - (last item's list + 1); kind: 4 bits, modelled by the last list's; coder (3 bits),
+ *          attributes (8 bits), modelled by the kind; then the fields of enum eco_wire_field, each against
+ *          the last list of the kind; the grid: 2 bits: 0: that of the last list of the kind, 1: of the
+ *          last list, 2: origin and step (reals, against the last list of the kind; step 1 and 2: against
+ *          the axis before); unit_area (a real, likewise). Groups: plant - (plant before + 1; first: first
+ *          of the last list's groups), count - 1. Palette, nothing if its place in the scene's is that of
+ *          the last palette sent: 3 * 8 bits a colour
+ *   CHUNK  id - last item's list; but for the only chunk of a list, right behind its record: ordinal (1
+ *          bit: it is the next of the list, or the first; else a number), elements (1 bit: those of the
+ *          last chunk with this ordinal of a list of the kind; else a count), primitives - elements (2
+ *          bits: 0: none, 1: as many as elements, 2: a number); named (1 bit), size (count), 16 bytes of id
+ *          if it is named
  *
  * number   6 bits n, modelled, then the n - 1 bits below the highest
  * count    number of v / 2, then the lowest bit: so that no array grows on less than a bit
  * signed   number of the zigzag code, modulo 2^32
  * field    1 bit, modelled: 0: as in the list before; 1: a number (OWNER, PALETTE_FIRST: signed difference)
  * real     1 bit, modelled: 0: the same as what it is told by; else sign (1 bit), exponent less that of the
- *          other (signed), place of the lowest bit that is set less that of the other's (signed), and the bits
- *          between. So grids with few significant bits take few bits.
+ *          other (signed), place of the lowest bit that is set less that of the other's (signed), and the
+ *          bits between. So grids with few significant bits take few bits.
  * What says that it differs does so, or is refused. */
 #ifndef ECO_WIRE_ITEMS_H
 #define ECO_WIRE_ITEMS_H
@@ -45,7 +48,8 @@ enum eco_wire_field {
 	ECO_FIELD_MORE, ECO_FIELDS                                       /* primitives - elements */
 };
 #define ECO_ITEM_LIST_KINDS 16u
-#define ECO_ITEM_REALS 7u                        /* of a list: origin, step, unit_area */
+#define ECO_GRID_REALS 6u                        /* of a list: origin, step; ... */
+#define ECO_ITEM_REALS (ECO_GRID_REALS + 1)      /* ... and unit_area */
 #define ECO_ITEM_ORDINALS 32u
 #define ECO_NUMBER_MODELS 64u
 
@@ -57,7 +61,7 @@ struct eco_wire_items {
 	struct eco_bit kinds[ECO_ITEM_KINDS][4], list_kind[ECO_ITEM_LIST_KINDS][16],
 		coder[ECO_ITEM_LIST_KINDS][8], attributes[ECO_ITEM_LIST_KINDS][256],
 		same[ECO_ITEM_LIST_KINDS][ECO_FIELDS], next, alike[ECO_ITEM_LIST_KINDS],
-		more[ECO_ITEM_LIST_KINDS][4], named, letters[256];
+		more[ECO_ITEM_LIST_KINDS][4], grid[ECO_ITEM_LIST_KINDS][4], named, letters[256];
 	struct eco_wire_number fields[ECO_ITEM_LIST_KINDS][ECO_FIELDS], plant_step, list_step, chunk_step,
 		letter_count, anchor_first, anchor_count, group_plant, group_count, ordinal, elements, extra,
 		size[ECO_ITEM_LIST_KINDS];
@@ -65,7 +69,7 @@ struct eco_wire_items {
 	enum eco_wire_item_kind kind;            /* of the last item; then what it said */
 	uint32_t plant, anchor_end, list, chunk_list, chunk_ordinal, described;
 	uint32_t field[ECO_ITEM_LIST_KINDS][ECO_FIELDS], groups_plant, group;
-	double real[ECO_ITEM_LIST_KINDS][ECO_ITEM_REALS], last_height, last_anchor[4];
+	double real[ECO_ITEM_LIST_KINDS][ECO_ITEM_REALS], last_grid[ECO_GRID_REALS], last_height, last_anchor[4];
 	uint8_t list_kind_last, chunk_kind;
 	bool alone;                              /* the last item is a list of one chunk, ... */
 	uint32_t alone_elements, alone_primitives;   /* ... which has all of these */

@@ -159,7 +159,7 @@ uint32_t lod_draft_points(struct lod_draft *draft, uint32_t partner, const struc
 	struct lod_list_draft *list = add_form(draft, partner, ECO_LIST_POINTS,
 		ECO_ATTR_COLOR | ECO_ATTR_SIZE, 1);
 	uint32_t count = draft->plant->lists[partner].elements.element_count;
-	list->list.unit_area = unit_area;
+	list->list.unit_area = eco_few_bits(unit_area);
 	for (uint32_t i = 0; i < count; i++) {
 		int32_t *extra = begin_element(&list->elements, 1);
 		put_corner(&list->elements, points[i]->position, NULL);

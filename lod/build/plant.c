@@ -10,6 +10,7 @@
 #include "lod/build/grid.h"
 #include "lod/build/plant_state.h"
 #include "lod/build/salience.h"
+#include "lod/build/summary.h"
 #include "lod/sort.h"
 #include "lod/vector.h"
 
@@ -226,6 +227,22 @@ static void include(struct bound *bound, const struct lod_list_draft *list, int 
 	}
 }
 
+#define ANCHOR_STEPS 64.0        /* of a radius; anchors travel (wire_items.h), and so have few bits */
+
+/* A sphere around the bound, no more than 3 % larger. */
+static struct eco_anchor anchor_of(const struct bound *bound)
+{
+	double radius = bound->radius * 1.0001;
+	struct lod_v3 middle = lod_v3_mix(bound->low, bound->high, 0.5), near = middle;
+	if (radius > 0 && isfinite(radius)) {
+		double step = lod_power_below(radius / ANCHOR_STEPS);
+		near = (struct lod_v3){ floor(middle.x / step + 0.5) * step,
+			floor(middle.y / step + 0.5) * step, floor(middle.z / step + 0.5) * step };
+		radius = ceil((radius + lod_v3_distance(near, middle)) / step) * step;
+	}
+	return (struct eco_anchor){ { (float)near.x, (float)near.y, (float)near.z }, (float)radius };
+}
+
 /* The sphere of everything that an anchor's ladders draw; the whole plant's holds everything. Rounded up. */
 static void bound_anchors(struct lod_build *b)
 {
@@ -248,10 +265,7 @@ static void bound_anchors(struct lod_build *b)
 			}
 		}
 	for (uint32_t a = 0; a < count; a++) {
-		struct lod_v3 middle = lod_v3_mix(bounds[a].low, bounds[a].high, 0.5);
-		plant->anchors[a] =
-			(struct eco_anchor){ { (float)middle.x, (float)middle.y, (float)middle.z },
-			(float)(bounds[a].radius * 1.0001) };
+		plant->anchors[a] = anchor_of(&bounds[a]);
 	}
 }
 

@@ -20,6 +20,15 @@ double lod_power_below(double v)
 	return ldexp(1, exponent - 1);
 }
 
+void lod_grid_place(struct eco_list *list, const double low[3], const double high[3], double step)
+{
+	for (int i = 0; i < 3; i++) {
+		double extent = high[i] - low[i], unit = extent > 8 * step ? lod_power_below(extent / 8) : step;
+		list->grid_step[i] = step;
+		list->grid_origin[i] = floor(low[i] / unit) * unit + 0.0;
+	}
+}
+
 static void shuffle(void *items, uint32_t count, size_t size, uint64_t seed)
 {
 	char spare[64], *bytes = items;
@@ -266,6 +275,8 @@ enum eco_code lod_summary_make(struct lod_summary *summary, const struct lod_sum
 
 /* ---- As a list ---- */
 
+#define SUMMARY_STEPS 1024.0     /* lod/EXPERIMENTS.md, Coarser grids */
+
 static void choose_grid(struct eco_list *list, const struct lod_summary *summary)
 {
 	double low[3], high[3], extent = 0;
@@ -277,11 +288,7 @@ static void choose_grid(struct eco_list *list, const struct lod_summary *summary
 		}
 		extent = fmax(extent, high[i] - low[i]);
 	}
-	double step = lod_power_below(fmax(extent / 4096, 1e-6));
-	for (int i = 0; i < 3; i++) {
-		list->grid_step[i] = step;
-		list->grid_origin[i] = floor(low[i] / step) * step;
-	}
+	lod_grid_place(list, low, high, lod_power_below(fmax(extent / SUMMARY_STEPS, 1e-6)));
 }
 
 enum eco_code lod_summary_list(const struct lod_summary *summary, const struct eco_scene *scene,
@@ -294,7 +301,7 @@ enum eco_code lod_summary_list(const struct lod_summary *summary, const struct e
 		.attributes = ECO_ATTR_COLOR | ECO_ATTR_PLANT,
 		.level = summary->level, .owner = tile, .image = ECO_NONE,
 		.partner = ECO_NONE, .palette_count = palette_count,
-		.unit_area = (float)(scene->tiles[tile].area / 2 / n) };
+		.unit_area = eco_few_bits((float)(scene->tiles[tile].area / 2 / n)) };
 	choose_grid(list, summary);
 	*elements = (struct eco_elements){ .element_count = n, .corner_count = n, .primitive_count = n,
 		.extra_count = 3,

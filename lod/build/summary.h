@@ -58,5 +58,9 @@ enum eco_code lod_summary_list(const struct lod_summary *summary, const struct e
 
 /* The largest power of two not above v > 0. Exact. */
 double lod_power_below(double v);
+/* Gives a list a grid of this step, a power of two, for what lies in [low, high]. The origin has few bits: it
+ * is within an eighth of the extent of `low` on each axis, and a point of the scene's grid of that step, so
+ * that [0, 0, 0] is on it. */
+void lod_grid_place(struct eco_list *list, const double low[3], const double high[3], double step);
 
 #endif

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/mix.h"
 #include "ecofiles/format/plan.h"
 #include "lod/plan/summary_curve.h"
 #include "lod/plan/visibility.h"
@@ -382,4 +383,26 @@ UNIT_TEST(test_heights_in_the_picture_are_those_of_points)
 			struct lod_tilt tilt = lod_tilt_at(&eye, at, 1);
 			assert_true(fabs(lod_tilt_height(&tilt, across, up) - most) < 0.01);
 		}
+}
+
+/* Grids hold what they are for, are points of the scene's own grid, and have origins of few bits. */
+UNIT_TEST(grids_have_origins_of_few_bits)
+{
+	uint64_t state = 3;
+	for (int i = 0; i < 2000; i++) {
+		double low[3], high[3], step = ldexp(1, -(int)(eco_mix_next(&state) % 12));
+		struct eco_list list = { .kind = ECO_LIST_INSTANCES };
+		for (int a = 0; a < 3; a++) {
+			low[a] = 2000 * (eco_mix_unit(eco_mix_next(&state)) - 0.5);
+			high[a] = low[a] + (a == 2 ? 0 : 100 * eco_mix_unit(eco_mix_next(&state)));
+		}
+		lod_grid_place(&list, low, high, step);
+		for (int a = 0; a < 3; a++) {
+			double extent = high[a] - low[a], most = fmax(extent / 8, step), at = list.grid_origin[a];
+			assert_true(list.grid_step[a] == step && fmod(at, step) == 0);
+			assert_true(at <= low[a] && low[a] - at < most);
+			/* of its multiples of an eighth of the extent there are few */
+			assert_true(extent <= 8 * step || fmod(at, lod_power_below(extent / 8)) == 0);
+		}
+	}
 }

@@ -1,5 +1,5 @@
-/* Directories of bundles: whatever is written is read back the same, to the bit; what is alike takes few bytes;
- * damage does no harm. */
+/* Directories of bundles: whatever is written is read back the same, to the bit; what is alike takes few
+ * bytes; damage does no harm. */
 #include <math.h>
 #include <string.h>
 

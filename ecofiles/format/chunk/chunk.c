@@ -13,7 +13,7 @@
 #include "ecofiles/base/mix.h"
 
 #define PAYLOAD_VERSION 1u
-#define PAYLOAD_PACKED 2u
+#define PAYLOAD_PACKED 3u
 
 struct eco_chunk_id eco_chunk_hash(const uint8_t *bytes, size_t size_bytes)
 {

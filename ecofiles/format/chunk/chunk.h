@@ -1,7 +1,7 @@
 /* A chunk's payload: elements <-> bytes, through Draco.
  *
  * Payload (all little-endian). BYTES: the file itself. Everything else:
- *   0   u8   1 (version); 2: packed rows, below
+ *   0   u8   1 (version); 3: packed rows, below
  *   1   u8   coder (enum eco_coder)
  *   2   u8   stream count s, 1..4, or 0 (SHAPES)
  *   3   u8   0, or the bytes left off at the end (SHAPES)
@@ -26,7 +26,7 @@
  *             shape.h and chunk_corners.h define the values.
  * Packed rows, the only stream of a payload: a chunk of KD, or of few rows of ELEMENTS, FORM or ROWS, has
  * this form where it is smaller (leaves as ELEMENTS do not):
- *   0   u8   2      1   u8   coder      2   u8   corners      3   u8   the bytes left off at the end
+ *   0   u8   3      1   u8   coder      2   u8   corners      3   u8   the bytes left off at the end
  *   4   u8   flags, never `wide`; then u16 predictors if corners > 2
  *   .   one range-coded stream of the columns that a Draco stream of the chunk would have (chunk_columns.h)
  *

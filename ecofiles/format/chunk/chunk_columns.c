@@ -11,6 +11,7 @@
 #define MODELLED_MOST (MODELLED_STEP * (MODELLED_STEPS - 1))
 #define MODELS (1u << MODELLED_MOST)
 #define BITS_MAX 32u
+#define SHIFT_BITS 4u
 #define STEP_MOST (1u << 30)     /* so that a step's magnitude is below 2^31 */
 #define RECENT_MOST 64u
 #define RANK_BITS 4u
@@ -25,7 +26,7 @@ struct component { int32_t *values; uint32_t rows, apart; bool extra; };
 
 enum way { VALUES, DIFFERENCES, STEPS, RECENT, GIVEN, WAYS };
 /* How a component is coded. */
-struct head { uint32_t way, first, low, modelled, bits, given; };
+struct head { uint32_t way, first, low, modelled, bits, shift, given; };
 
 struct columns {
 	struct eco_range range;
@@ -70,16 +71,19 @@ static bool code_head(struct eco_range *r, uint32_t index, struct head *h)
 		h->given = (uint32_t)eco_range_raw(r, GIVEN_BITS, h->given);
 	h->modelled = (uint32_t)eco_range_raw(r, 3, h->modelled / MODELLED_STEP) * MODELLED_STEP;
 	h->bits = (uint32_t)eco_range_raw(r, 6, h->bits);
+	if (eco_range_raw(r, 1, h->shift != 0))
+		h->shift = (uint32_t)eco_range_raw(r, SHIFT_BITS, h->shift);
 	if (eco_range_raw(r, 1, h->low != 0))
 		h->low = eco_columns_number(r, h->low);
-	return h->way < WAYS && h->bits <= BITS_MAX && h->modelled <= MODELLED_MOST
+	return h->way < WAYS && h->bits + h->shift <= BITS_MAX && h->modelled <= MODELLED_MOST
 		&& (h->way != GIVEN || h->given < index);
 }
 
 static uint32_t code_field(struct eco_range *r, struct learnt *l, const struct head *h, uint32_t slot,
 	uint32_t value)
 {
-	return h->low + eco_range_field(r, l->models + slot * MODELS, h->modelled, h->bits, value - h->low);
+	return h->low + (eco_range_field(r, l->models + slot * MODELS, h->modelled, h->bits,
+		(value - h->low) >> h->shift) << h->shift);
 }
 
 /* Any number below 2^15: its number of bits, then those below the highest. */
@@ -164,22 +168,37 @@ static bool code_component(struct eco_range *r, const struct columns *columns, u
 
 /* ---- Writing ---- */
 
+static uint32_t value_at(const struct component *c, uint32_t i, bool difference)
+{
+	uint32_t v = (uint32_t)c->values[(size_t)i * c->apart];
+	return difference ? v - (uint32_t)c->values[(size_t)(i - 1) * c->apart] : v;
+}
+
+/* Leaves out low bits that no field has. */
+static void take_shift(const struct component *c, bool difference, struct head *h)
+{
+	uint32_t any = 0;
+	for (uint32_t i = difference; i < c->rows; i++)
+		any |= value_at(c, i, difference) - h->low;
+	h->shift = any ? (uint32_t)__builtin_ctz(any) : 0;
+	h->shift = h->shift >> SHIFT_BITS ? (1u << SHIFT_BITS) - 1 : h->shift;
+	h->bits -= h->shift;
+}
+
 /* The span of the values, or of their differences. `low` stays 0 where that takes no more bits. */
 static struct head head_of(const struct component *c, bool difference)
 {
 	struct head h = { .way = difference ? DIFFERENCES : VALUES, .first = (uint32_t)c->values[0] };
 	int32_t low = 0, high = 0;
 	for (uint32_t i = difference; i < c->rows; i++) {
-		uint32_t v = (uint32_t)c->values[(size_t)i * c->apart];
-		if (difference)
-			v -= (uint32_t)c->values[(size_t)(i - 1) * c->apart];
-		int32_t value = (int32_t)v;
+		int32_t value = (int32_t)value_at(c, i, difference);
 		low = i == difference || value < low ? value : low;
 		high = i == difference || value > high ? value : high;
 	}
 	uint32_t span = (uint32_t)high - (uint32_t)low;
 	h.bits = span ? 32u - (uint32_t)__builtin_clz(span) : 0;
 	h.low = low >= 0 && (uint64_t)high < (uint64_t)1 << h.bits ? 0 : (uint32_t)low;
+	take_shift(c, difference, &h);
 	return h;
 }
 
@@ -226,7 +245,7 @@ static struct head smallest_head(const struct columns *columns, uint32_t index)
 	try_given(&choice, columns, index, values);
 	h = differences;
 	h.way = STEPS;
-	if (1ull << h.bits <= STEP_MOST && h.low + STEP_MOST <= 2 * STEP_MOST)
+	if (1ull << (h.bits + h.shift) <= STEP_MOST && h.low + STEP_MOST <= 2 * STEP_MOST)
 		try_way(&choice, columns, index, h);
 	return choice.best;
 }

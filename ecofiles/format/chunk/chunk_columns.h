@@ -8,7 +8,8 @@
  *            before
  *   7 bits   of GIVEN: an earlier component
  *   3 bits   n: the highest 2n bits of a field are modelled, those below are as good as random
- *   6 bits   b: fields lie in [low, low + 2^b), b <= 32
+ *   6 bits   b: fields lie in [low, low + 2^(b + s)), b + s <= 32
+ *   1 bit    0: s is 0; 1: 4 bits, s: low bits that are 0 in every field less low, and not coded
  *   1 bit    0: low is 0; 1: a number, low
  * (of STEPS only way and first row), then the rows: VALUES and DIFFERENCES a field each, less low in b bits.
  * STEPS: eco_range_number. RECENT: how many other values came since this one came last, at most 64; where it

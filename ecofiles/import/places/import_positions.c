@@ -444,7 +444,8 @@ static double read_yaw(struct eco_positions *p)
 		return yaw;
 	if (p->from_geometry && fabs(p->rows->place.yaw_deg) <= 1e6)
 		return p->rows->place.yaw_deg;
-	return eco_mix_turn(p->spec->seed, p->rows->row) * (360.0 / 65536);
+	/* any of 64: nobody sees more, and it takes 10 bits less */
+	return (eco_mix_turn(p->spec->seed, p->rows->row) >> 10) * (360.0 / 64);
 }
 
 static double read_scale(struct eco_positions *p)

@@ -242,7 +242,7 @@ static enum eco_code add_place(struct eco_scatter *s, const double at[2], uint32
 	s->places[s->count] = (struct eco_scatter_place){
 		.plant = spec->plants[plant].plant + eco_mix_variant(spec->seed, key,
 			spec->plants[plant].variant_count), .at = { at[0], at[1] },
-		.yaw_deg = (uint16_t)bits * (360.0 / 65536),
+		.yaw_deg = ((uint16_t)bits >> 10) * (360.0 / 64),      /* as inventories */
 		.height_m = spec->height_low_m + (spec->height_high_m - spec->height_low_m) * share };
 	grid_put(&s->grid, s->places, (uint32_t)s->count++);
 	return ECO_OK;

@@ -16,11 +16,11 @@ static const uint64_t budgets[] = { 100000, 300000, ECO_BYTES_UNBOUNDED };
 #define BUDGETS (sizeof budgets / sizeof *budgets)
 
 /* Payloads by what their lists are; then the rest. */
-enum part { PLACES, SUMMARIES, GROUND, TEXTURES, IMPOSTORS, SPLATS, POINTS, LINES, TRIANGLES, PLANS, FRAMES, SCENE,
-	PLANTS, RECORDS, GROUPS, PALETTES, CHUNKS, PARTS };
+enum part { PLACES, SUMMARIES, GROUND, TEXTURES, IMPOSTORS, SPLATS, POINTS, LINES, TRIANGLES, PLANS, FRAMES,
+	SCENE, PLANTS, RECORDS, GROUPS, PALETTES, CHUNKS, PARTS };
 static const char *const parts[PARTS] = { "places", "summaries", "ground", "textures", "impostors", "splats",
-	"points", "lines", "triangles", "plans", "frames", "scene and end", "plants", "records", "groups", "palettes",
-	"heads" };
+	"points", "lines", "triangles", "plans", "frames", "scene and end", "plants", "records", "groups",
+	"palettes", "heads" };
 
 struct study { struct bench_table *table; double worst; uint32_t rows, within; };
 
