@@ -16,7 +16,7 @@ WEB_ROOMS := $(wildcard lod/*.c) lod/raster/texel.c $(wildcard client-min/web/*.
 WEB_BASE := bytes range room status turn utf8
 WEB_CHUNK := chunk chunk_columns chunk_corners chunk_counts chunk_decode chunk_mesh chunk_rows chunk_shapes shape
 WEB_FORMAT := $(WEB_CHUNK:%=chunk/%) ground_tile heights impostor impostor_codec list model pack_check pack_record plan splat texture \
-	view wire_frame wire_holdings wire_parse wire_plan wire_write
+	view $(patsubst ecofiles/format/%.c,%,$(wildcard ecofiles/format/wire_*.c))
 WEB_VIEW := cache digest ground list owners query record select store sun table threads
 WEB_DRAW := forms gl gpu impostor light mesh picture shade shader shader_impostor shadow shadow_cast texture
 WEB_SOURCES := $(WEB_BASE:%=ecofiles/base/%.c) $(WEB_FORMAT:%=ecofiles/format/%.c) $(WEB_VIEW:%=client-min/view_%.c) \
@@ -48,7 +48,7 @@ WEB_EXPORTS := $(shell grep -v '^ \*' client-min/web/web_client.h | grep -oE '\b
 space := $(subst ,, )
 comma_join = $(subst $(space),$(comma),$(strip $(1)))
 
-WEB_PAGE := $(patsubst client-min/web/%,$(W)/site/%,$(filter-out %.md %.mk %.c %.h %.sh,$(wildcard client-min/web/*)))
+WEB_PAGE := $(patsubst client-min/web/%,$(W)/site/%,$(filter-out %.md %.mk %.c %.h %.sh %/examples,$(wildcard client-min/web/*)))
 WEB_SITE := $(W)/site/eco_client.mjs $(W)/site/eco_client.wasm $(WEB_PAGE)
 
 .PHONY: web deps-web web-site
@@ -102,3 +102,28 @@ $(W)/site/%.gz: $(W)/site/%
 	gzip -9 -n -c $< >$@
 $(W)/site/%.br: $(W)/site/%
 	brotli -q 11 -c $< >$@
+
+# Pages of other origins that have a scene as a layer: build/web/examples, for any web server, beside what they draw with, which npm fetches.
+WEB_EXAMPLES := $(W)/examples
+EXAMPLE_PARTS := maplibre-gl/dist/maplibre-gl.mjs maplibre-gl/dist/maplibre-gl-worker.mjs maplibre-gl/dist/maplibre-gl.css \
+	three/build/three.module.js three/build/three.core.js three/examples/jsm/controls/OrbitControls.js
+EXAMPLE_PAGES := $(patsubst client-min/web/examples/%,$(WEB_EXAMPLES)/%,$(wildcard client-min/web/examples/*.html client-min/web/examples/example.*))
+.PHONY: web-examples examples-site
+web-examples: web
+	@tests/packages.sh npm
+	@$(MAKE) --no-print-directory examples-site
+	@echo "$(WEB_EXAMPLES): serve it, say by python3 -m http.server 8000 -d $(WEB_EXAMPLES), and the scene by $(B)/ecoserve --cors http://127.0.0.1:8000 MY.eco;" \
+		"http://127.0.0.1:8000/map.html?scene=http://127.0.0.1:8080/v1/scenes/MY"
+examples-site: $(EXAMPLE_PAGES) $(WEB_EXAMPLES)/.parts
+$(EXAMPLE_PAGES): $(WEB_EXAMPLES)/%: client-min/web/examples/%
+	@mkdir -p $(@D)
+	cp $< $@
+$(W)/npm/.done: client-min/web/examples/package.json client-min/web/examples/package-lock.json
+	@mkdir -p $(@D)
+	cp $^ $(@D)
+	npm ci --prefix $(@D) --ignore-scripts --no-audit --no-fund
+	touch $@
+$(WEB_EXAMPLES)/.parts: $(W)/npm/.done
+	@mkdir -p $(@D)
+	cp $(EXAMPLE_PARTS:%=$(W)/npm/node_modules/%) $(@D)
+	touch $@
