@@ -10,6 +10,7 @@
 #include "ecofiles/ecopack/command.h"
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/format/pack.h"
+#include "ecofiles/import/ground/ground.h"
 #include "ecofiles/import/model/gltf.h"
 #include "tests/support/files.h"
 #include "tests/support/ground_tiles.h"
@@ -33,6 +34,7 @@ static int make_pack(void **state)
 	rmdir(DIR "/tiles");
 	rmdir(DIR);
 	main_progress_quiet(true);
+	assert_ok(eco_ground_extend(&ground, &error), error);
 	assert_ok(sample_pack_write_on(ROOT "/sample.eco", &ground, true, &error), error);
 	eco_ground_free(&ground);
 	return 0;
@@ -147,6 +149,13 @@ UNIT_TEST(all_plants_are_in_a_tree_of_tiles)
 		"1.1");
 	assert_int_equal(json_array_size(json_object_get(json_object_get(json, "root"), "transform")), 16);
 	walk(json_object_get(json, "root"), NULL, INFINITY, &seen, false);
+	/* plants and a raster of 90 x 70 samples, 8 m apart: none of the ground goes on to the horizon */
+	const json_t *root = json_object_get(json, "root");
+	const json_t *box = json_object_get(json_object_get(root, "boundingVolume"), "box");
+	assert_true(json_number_value(json_array_get(box, 3)) < 500);
+	assert_true(json_number_value(json_array_get(box, 7)) < 500);
+	/* it has no content: from afar, too, viewers look below */
+	assert_true(json_number_value(json_object_get(root, "geometricError")) > 1e6);
 	assert_ok(eco_pack_open(&pack, ROOT "/sample.eco", &error), error);
 	assert_int_equal(seen.instances, pack->scene.tiles[pack->scene.root].instance_count);
 	assert_true(seen.contents > seen.levels && seen.levels > 0);

@@ -77,6 +77,7 @@ enum eco_code export_summary(struct export *x, uint32_t tile, char name[EXPORT_N
 enum eco_code export_instances(struct export *x, uint32_t tile);
 enum eco_code export_level(struct export *x, uint32_t tile, uint32_t level, char name[EXPORT_NAME],
 	double *error_m);
+/* Of the ground only what the rasters hold; an empty name: nothing of it. */
 enum eco_code export_ground(struct export *x, uint32_t ground, char name[EXPORT_NAME], double low[3],
 	double high[3]);
 

@@ -428,6 +428,13 @@ static void fill_ground(struct lod_bake *bake, uint32_t columns, uint32_t rows)
 		}
 }
 
+/* Along an axis of the scene's grid, which goes on to the horizon: what lies beyond the rasters is moved to
+ * their border, as other viewers' globes have a ground of their own there. */
+static double inside(int32_t place, uint32_t samples, uint32_t margin)
+{
+	return fmin(fmax(place, 0), samples - 2.0 * margin - 1);
+}
+
 enum eco_code export_ground(struct export *x, uint32_t ground, char name[EXPORT_NAME], double low[3],
 	double high[3])
 {
@@ -455,20 +462,23 @@ enum eco_code export_ground(struct export *x, uint32_t ground, char name[EXPORT_
 			size_t at = (size_t)(i / columns + spans[1].before) * spans[0].count + i % columns
 				+ spans[0].before;
 			for (int k = 0; k < 3; k++) {
-				double p = list->grid_origin[k] + samples.position[3 * at + (size_t)k]
-					* list->grid_step[k];
+				int32_t place = samples.position[3 * at + (size_t)k];
+				double p = list->grid_origin[k] + list->grid_step[k] * (k == 2 ? place
+					: inside(place, k ? s->ground_rows : s->ground_columns,
+						s->ground_margin));
 				low[k] = fmin(low[k], p), high[k] = fmax(high[k], p);
 				bake.position[3 * i + (uint32_t)k] = (float)(p - (low[k] + high[k]) / 2);
 			}
 		}
+	bool is_outside = !code && (low[0] == high[0] || low[1] == high[1]);
 	snprintf(stem, sizeof stem, "ground-%u", ground);
-	if (!code) {
+	if (!code && !is_outside) {
 		const double middle[3] = { (low[0] + high[0]) / 2, (low[1] + high[1]) / 2,
 			(low[2] + high[2]) / 2 };
 		fill_ground(&bake, columns, rows);
 		code = write_baked(x, &bake, middle, false, stem);
 	}
-	snprintf(name, EXPORT_NAME, "tiles/%.50s.gltf", stem);
+	snprintf(name, EXPORT_NAME, is_outside ? "" : "tiles/%.50s.gltf", stem);
 	lod_bake_free(&bake);
 	eco_elements_free(&samples);
 	return code;

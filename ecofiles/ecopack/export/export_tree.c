@@ -9,6 +9,8 @@
 
 #define DEPTH_MAX 256u
 #define GROUND_ERROR 4.0
+/* of a tile without content, which viewers must always look into: wider than the Earth */
+#define NO_CONTENT_ERROR 2e7
 #define SEMI_MAJOR_M 6378137.0           /* WGS 84 */
 #define FLATTENING (1 / 298.257223563)
 
@@ -172,31 +174,33 @@ static enum eco_code add_tile(struct tree *t, uint32_t id, uint32_t depth, json_
 
 /* ---- Ground ---- */
 
-/* Contents are boxes of their own samples: a parent's holds its children's, too. */
+/* Contents are boxes of their own samples: a parent's holds its children's, too. Nothing is made of a tile
+ * beyond the rasters, nor of those below it. */
 static enum eco_code add_ground(struct tree *t, uint32_t id, double low[3], double high[3], json_t **out)
 {
 	const struct eco_ground_tile *ground = &t->x->pack->scene.ground[id];
 	char name[EXPORT_NAME];
 	json_t *children = json_array();
 	enum eco_code code = export_ground(t->x, id, name, low, high);
+	bool is_there = !code && *name;
 	*out = NULL;
-	for (uint32_t i = 0; i < ground->child_count && !code; i++) {
+	for (uint32_t i = 0; i < ground->child_count && is_there && !code; i++) {
 		double below[2][3];
 		json_t *child = NULL;
 		code = add_ground(t, ground->child_first + i, below[0], below[1], &child);
 		if (child)
 			json_array_append_new(children, child);
-		for (int k = 0; k < 3 && !code; k++) {
+		for (int k = 0; k < 3 && child; k++) {
 			low[k] = fmin(low[k], below[0][k]);
 			high[k] = fmax(high[k], below[1][k]);
 		}
 	}
-	if (!code) {
-		double error_m = ground->child_count ? GROUND_ERROR * (double)ground->error_m : 0;
+	if (!code && is_there) {
+		double error_m = json_array_size(children) ? GROUND_ERROR * (double)ground->error_m : 0;
 		*out = tile_of(box_of(low, high), error_m,
 			name);
 		t->x->tiles++;
-		if (ground->child_count)
+		if (json_array_size(children))
 			json_object_set(*out, "children", children);
 	}
 	json_decref(children);
@@ -217,7 +221,7 @@ static enum eco_code with_ground(struct tree *t, const struct eco_tile *plants, 
 		low[k] = fmin(low[k], plants->low[k]);
 		high[k] = fmax(high[k], plants->high[k]);
 	}
-	json_t *both = tile_of(box_of(low, high), fmax(error_of(*root), error_of(ground)), NULL);
+	json_t *both = tile_of(box_of(low, high), NO_CONTENT_ERROR, NULL);
 	add_child(both, *root);
 	add_child(both, ground);
 	*root = both;
