@@ -40,6 +40,8 @@ export function cameraOf(m, eye) {
 	};
 }
 
+const cross = ([a, b, c], [x, y, z]) => [b * z - c * y, c * x - a * z, a * y - b * x];
+
 /** What a page draws with, and how to put it back. */
 function stateOf(gl) {
 	const caps = [gl.BLEND, gl.CULL_FACE, gl.DEPTH_TEST, gl.DITHER, gl.SCISSOR_TEST, gl.STENCIL_TEST]
@@ -71,16 +73,17 @@ function stateOf(gl) {
 
 export class EcoLayer {
 	/** vertices, bytes: budgets of a view (bytes -1: none); tint: 'none' or 'kind'; sky: draw one where
-	 * nothing is; scale: pixels drawn for each of the page's, either way; memoryBytes: of decoded data;
+	 * nothing is; ground: draw it, else plants alone, which it still hides; scale: pixels drawn for each
+	 * of the page's, either way; memoryBytes: of decoded data;
 	 * sun: a time, in seconds since 1970, where it is then and there; null: where it usually is;
 	 * shadows: 'none', 'standard' or 'perspective', by a map of shadowSize texels a side (0: 1024);
 	 * haze: metres after which it hides all but 1/e (0: as usual);
 	 * keep: the browser keeps what comes until the next visit; token: of a scene that is not for all;
 	 * onChange(): there is more to draw; onError(error): an EcoError. */
-	constructor({ url, gl, vertices = 300000, bytes = -1, tint = 'none', sky = true, scale = 1,
+	constructor({ url, gl, vertices = 300000, bytes = -1, tint = 'none', sky = true, ground = true, scale = 1,
 		memoryBytes, sun = null, shadows = 'none', shadowSize = 0, haze = 0, keep = false, token,
 		onChange, onError }) {
-		Object.assign(this, { gl, vertices, bytes, tint, sky, scale, sun, shadows, shadowSize, haze,
+		Object.assign(this, { gl, vertices, bytes, tint, sky, ground, scale, sun, shadows, shadowSize, haze,
 			onChange, onError });
 		this.asked = null;              // the view that is held or under way
 		this.loading = false;
@@ -135,6 +138,15 @@ export class EcoLayer {
 		this.stream = null;
 	}
 
+	/** The eye of a perspective matrix, where clip.x, clip.y and clip.w are 0: for pages that know it no
+	 * other way. */
+	static eyeOf(m) {
+		const rows = [0, 1, 3].map((i) => row(m, i)), [x, y, w] = rows;
+		const sides = [cross(y, w), cross(w, x), cross(x, y)], det = dot(x, sides[0]);
+		const last = [m[12], m[13], m[15]];
+		return [0, 1, 2].map((k) => -dot(last, sides.map((side) => side[k])) / det);
+	}
+
 	/** Draws what is here of the view into the framebuffer that is bound; false: nothing is here yet. */
 	draw(viewProjection, eye, [width, height]) {
 		if (!this.stream)
@@ -168,7 +180,8 @@ export class EcoLayer {
 			gl.bindFramebuffer(gl.FRAMEBUFFER, state.framebuffer);
 			module.HEAPF64.set([...depth, x, y, width, height], stream.view / 8);
 			const [depths, area] = [stream.view, stream.view + 16];
-			stream.check(module._web_present(stream.web, depths, area, this.sky ? 1 : 0));
+			stream.check(module._web_present(stream.web, depths, area, this.sky ? 1 : 0,
+				this.ground ? 1 : 0));
 		} finally {
 			state.restore();
 		}

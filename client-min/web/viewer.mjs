@@ -1,15 +1,17 @@
 // The viewer at /: which scene, where the camera is, and what people ask of it. All of it is in the address
 // (#scene=...), so that a link shows what its sender saw. A worker makes the picture (viewer_engine.mjs).
 import { Camera, cameraKeys, withModifier } from './viewer_camera.mjs';
-import { number, showFacts, showPicked, showReasons, showScale, showWhy } from './viewer_panel.mjs';
+import { number, showFacts, showPicked, showReasons, showRow, showScale, showWhy } from './viewer_panel.mjs';
+import { readRows, rowOf } from './viewer_rows.mjs';
 
 const $ = (id) => document.getElementById(id);
 const canvas = $('picture');
 const camera = new Camera();
-const settings = { scene: '', mode: 'orbit', vertices: 300000, bytes: -1, kind: 0, sun: '' };
+const settings = { scene: '', mode: 'orbit', vertices: 300000, bytes: -1, kind: 0, sun: '', shadows: 'none' };
 const STILL_MS = 250, LOADING_MS = 300;
 let engine = null, about = null, frame = 0, movedAt = -Infinity, recording = null;
 let token = null;                        // of a scene that is not for all: #scene=NAME&token=TOKEN
+let rows = null;                         // of inventories: viewer_rows.mjs
 let asked = 0, drawn = null, picked = null, view = null, incompleteSince = 0;
 
 const say = (text, error = false) => {
@@ -21,8 +23,11 @@ const say = (text, error = false) => {
 
 function readAddress() {
 	const given = new URLSearchParams(location.hash.slice(1));
-	for (const key of ['scene', 'mode', 'sun'])
+	for (const key of ['scene', 'sun'])
 		settings[key] = given.get(key) ?? settings[key];
+	for (const key of ['mode', 'shadows'])
+		if ([...$(key).options].some(({ value }) => value === given.get(key)))
+			settings[key] = given.get(key);
 	for (const key of ['vertices', 'bytes', 'kind'])
 		if (given.has(key) && Number.isFinite(Number(given.get(key))))
 			settings[key] = Number(given.get(key));
@@ -66,13 +71,14 @@ function draw(now) {
 		redraw();
 	const ratio = Math.min(devicePixelRatio, 2);
 	const size = [canvas.clientWidth, canvas.clientHeight].map((n) => Math.max(1, Math.round(n * ratio)));
-	const { vertices, bytes, kind } = settings, sun = Date.parse(`${settings.sun}Z`) / 1000;
-	showScale(camera.metresAcross() / canvas.clientHeight, camera.heading());
+	const { vertices, bytes, kind, shadows } = settings, sun = Date.parse(`${settings.sun}Z`) / 1000;
+	const convergence = (about?.origin?.convergence_deg ?? 0) * Math.PI / 180;
+	showScale(camera.metresAcross() / canvas.clientHeight, camera.heading() + convergence);
 	if (!about)
 		return;
 	engine.postMessage({ type: 'draw', number: ++asked, matrix: camera.matrix(size[0] / size[1]), size,
-		moving, eye: camera.view().eye, vertices, bytes, sun: sun || null, tint: kind ? 'kind'
-		: 'none' });
+		moving, eye: camera.view().eye, vertices, bytes, shadows, sun: sun || null,
+		tint: kind ? 'kind' : 'none' });
 }
 
 function moved() {
@@ -123,6 +129,8 @@ const heard = {
 	picked(message) {
 		({ picked } = message);
 		showPicked(picked, about.origin);
+		if (rows && picked.foot)
+			showRow(rowOf(rows, picked, about.origin));
 	},
 	explained({ reasons, ...why }) {
 		if (reasons)
@@ -138,7 +146,8 @@ const heard = {
 
 function open(name) {
 	settings.scene = name;
-	about = null;
+	about = rows = null;
+	$('rows').value = '';
 	if (!name)
 		return;
 	closeCard();
@@ -153,7 +162,8 @@ function showSettings() {
 	$('bytes-text').textContent = settings.bytes < 0 ? 'no limit' : number(settings.bytes);
 	$('kind').checked = settings.kind;
 	$('sun').value = settings.sun;
-	$('sun-row').hidden = about?.origin?.longitude_deg === undefined;
+	$('shadows').value = settings.shadows;
+	$('sun-row').hidden = $('rows-row').hidden = about?.origin?.longitude_deg === undefined;
 	camera.setMode(settings.mode);
 	$('mode').value = settings.mode;
 	moved();
@@ -292,6 +302,15 @@ $('bytes').oninput = () => {
 };
 $('kind').onchange = () => showKinds($('kind').checked);
 $('sun').onchange = () => set('sun', $('sun').value);
+$('shadows').onchange = () => set('shadows', $('shadows').value);
+$('rows').onchange = async () => {
+	try {
+		rows = readRows(await $('rows').files[0].text(), about?.origin);
+		say(`${number(rows.length)} rows: click a plant`);
+	} catch (error) {
+		say(error.message, true);
+	}
+};
 $('save').onclick = savePicture;
 $('link').onclick = copyLink;
 $('record').onclick = record;

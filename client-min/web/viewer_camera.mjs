@@ -47,12 +47,19 @@ export class Camera {
 		return 2 * this.distance * Math.tan(FOV_Y_DEG * Math.PI / 360);
 	}
 
-	/** Looks at a whole scene, in a picture whose width over height is `aspect`. */
+	/** Looks at a whole scene, in a picture whose width over height is `aspect`: from the south and above, as
+	 * near as all corners allow. */
 	frame({ low, high }, near, aspect) {
-		const size = Math.hypot(...high.map((v, i) => v - low[i]));
-		this.target = low.map((v, i) => (v + high[i]) / 2);
-		this.distance = Math.max(size * 0.75 / Math.min(aspect, 1), near * 10);
+		const half = high.map((v, i) => (v - low[i]) / 2), size = 2 * Math.hypot(...half);
 		[this.yaw, this.pitch, this.near, this.far] = [Math.PI / 2, -0.4, near, size * 20 + 1e4];
+		const [, ahead, down] = this.forward(), tan = Math.tan(FOV_Y_DEG * Math.PI / 360);
+		const distances = [-1, 1].flatMap((south) => [-1, 1].map((top) => {
+			const [y, z] = [south * half[1], top * half[2]];
+			const wide = Math.max(half[0] / aspect, Math.abs(z * ahead - y * down));
+			return wide / tan - (y * ahead + z * down);
+		}));
+		this.target = low.map((v, i) => (v + high[i]) / 2);
+		this.distance = Math.max(...distances, near * 10);
 	}
 
 	look(eye, target) {

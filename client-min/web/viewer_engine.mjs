@@ -2,7 +2,8 @@
 // input; in a browser that has no canvas for workers, the page itself. Messages to it:
 //
 //   { type: 'open', url, token }                    another scene; 'opened' brings what is said of it
-//   { type: 'draw', number, matrix, eye, size, moving, vertices, bytes, tint, sun }  the view from now on
+//   { type: 'draw', number, matrix, eye, size, moving, vertices, bytes, tint, sun, shadows }
+//                                                  the view from now on
 //   { type: 'pick', at }                            what is seen there? 'picked', then 'explained': why so
 //   { type: 'explain' }                             why is the picture what it is?
 //   { type: 'save' }                                the picture as a PNG: 'saved'
@@ -65,10 +66,10 @@ class Engine {
 		const [width, height] = size;
 		if (canvas.width !== width || canvas.height !== height)
 			Object.assign(canvas, { width, height });
-		const { vertices, bytes, tint, sun } = wanted;
+		const { vertices, bytes, tint, sun, shadows } = wanted;
 		const scale = Math.min(1, Math.sqrt(PIXELS_MAX / (width * height)));
-		Object.assign(layer, { vertices, bytes, tint, sun, scale: moving ? scale * this.movingScale
-			: scale });
+		Object.assign(layer, { vertices, bytes, tint, sun, shadows,
+			scale: moving ? scale * this.movingScale : scale });
 		gl.bindFramebuffer(gl.FRAMEBUFFER, null);
 		gl.viewport(0, 0, width, height);
 		gl.clearDepth(1);

@@ -55,7 +55,7 @@ function lengthText(length) {
 	return length >= 1 ? `${length} m` : `${Math.round(length * 100)} cm`;
 }
 
-/** A length at the distance of what is looked at, and where north (+Y) is; `pixel` metres a pixel there. */
+/** A length at the distance of what is looked at, and where north is; `pixel` metres a pixel there. */
 export function showScale(pixel, heading) {
 	const most = pixel * 120, unit = 10 ** Math.floor(Math.log10(most));
 	const length = unit * [5, 2, 1].find((n) => n * unit <= most);
@@ -101,6 +101,13 @@ export function showPicked(picked, origin) {
 	$('card-why').replaceChildren();
 	$('card-orbit').hidden = !at;
 	$('card').hidden = false;
+}
+
+/** The row of an inventory that the plant comes from; null: none is known. */
+export function showRow(found) {
+	const { species, file, row: line, height_m: height } = found ?? {};
+	const text = found ? `${line} of ${file}: ${species}, ${metres(height)}` : 'none stands here';
+	$('card-facts').tBodies[0].append(row(['Row', text]));
 }
 
 export function showReasons(reasons) {

@@ -127,3 +127,11 @@ $(WEB_EXAMPLES)/.parts: $(W)/npm/.done
 	@mkdir -p $(@D)
 	cp $(EXAMPLE_PARTS:%=$(W)/npm/node_modules/%) $(@D)
 	touch $@
+
+# Other people's viewers and checkers of 3D Tiles, for tests/ecopack/test_tiles.sh.
+.PHONY: tiles-viewers
+tiles-viewers:
+	@tests/packages.sh nodejs npm chromium
+	@mkdir -p build/tiles-viewers
+	cp tests/ecopack/tiles/package.json tests/ecopack/tiles/package-lock.json build/tiles-viewers
+	npm ci --prefix build/tiles-viewers --ignore-scripts --no-audit --no-fund

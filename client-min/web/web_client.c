@@ -239,9 +239,11 @@ int web_sky(struct web *web, double shadows, double shadow_size, double haze_m)
 	return web->sky.shadows && !before ? (int)select_casters(web) : 0;
 }
 
-int web_present(struct web *web, const double *depth, const double *viewport, double sky)
+int web_present(struct web *web, const double *depth, const double *viewport, double sky,
+	double ground)
 {
-	struct web_place place = { .depth = { (float)depth[0], (float)depth[1] }, .sky = sky != 0 };
+	struct web_place place = { .depth = { (float)depth[0], (float)depth[1] }, .sky = sky != 0,
+		.ground = ground != 0 };
 	for (int i = 0; i < 4; i++)
 		place.viewport[i] = (int)viewport[i];
 	return (int)web_present_draw(&web->present, &web->picture, &place, &web->error);

@@ -13,7 +13,7 @@
  *   web_select(web)                                 what the plan that has come draws from now on; -1: none
  *                                                   has
  *   web_draw(web, view, width, height, tint)        a picture, by the WebGL context that is current
- *   web_present(web, depth, viewport, sky)          puts it into the page's framebuffer (web_present.h)
+ *   web_present(web, depth, viewport, sky, ground)  puts it into the page's framebuffer (web_present.h)
  *   web_facts(web)                                  JSON: what a page shows of it
  *   web_pick(web, x, y)                             JSON: what is seen at a pixel of it (web_pick.h)
  *   web_free(web)
@@ -48,7 +48,8 @@ void web_sun(struct web *web, double longitude_deg, double latitude_deg, double 
  * haze hides all but 1/e of what is haze_m metres away (0: as usual). */
 int web_sky(struct web *web, double shadows, double shadow_size, double haze_m);
 /* depth: 2 numbers, viewport: 4. */
-int web_present(struct web *web, const double *depth, const double *viewport, double sky);
+int web_present(struct web *web, const double *depth, const double *viewport, double sky,
+	double ground);
 /* What was drawn last, rows from the top: 3 bytes of colour a pixel; 255 where a plant is, else 0. */
 const uint8_t *web_colors(const struct web *web);
 const uint8_t *web_cover(const struct web *web);

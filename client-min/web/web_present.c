@@ -2,6 +2,7 @@
 
 #include <GLES3/gl3.h>
 #include <stddef.h>
+#include <stdlib.h>
 
 /* One triangle that covers the viewport; pictures have their first row at the top. */
 static const char vertex_text[] = "#version 300 es\n"
@@ -71,7 +72,17 @@ static void free_textures(struct web_present *p)
 	glDeleteTextures(2, textures);
 }
 
-static void upload(struct web_present *p, const struct view_picture *picture)
+/* Depths of plants alone, for the caller to free; NULL: no memory. */
+static float *without_ground(const struct view_picture *picture)
+{
+	size_t count = (size_t)picture->width * picture->height;
+	float *depths = malloc(count * sizeof *depths);
+	for (size_t i = 0; depths && i < count; i++)
+		depths[i] = picture->cover[i] ? picture->depth[i] : 0;
+	return depths;
+}
+
+static void upload(struct web_present *p, const struct view_picture *picture, const float *depths)
 {
 	if (p->width != picture->width || p->height != picture->height) {
 		free_textures(p);
@@ -88,7 +99,7 @@ static void upload(struct web_present *p, const struct view_picture *picture)
 	glActiveTexture(GL_TEXTURE1);
 	glBindTexture(GL_TEXTURE_2D, p->depths);
 	glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, (GLsizei)p->width, (GLsizei)p->height, GL_RED, GL_FLOAT,
-		picture->depth);
+		depths);
 	glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
 }
 
@@ -98,7 +109,11 @@ enum eco_code web_present_draw(struct web_present *p, const struct view_picture 
 	if (!p->program && !link(p))
 		return eco_fail(error, ECO_UNSUPPORTED, "the graphics driver does not compile the "
 			"shader that shows pictures");
-	upload(p, picture);
+	float *plants = place->ground ? NULL : without_ground(picture);
+	if (!place->ground && !plants)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture without its ground");
+	upload(p, picture, plants ? plants : picture->depth);
+	free(plants);
 	glUseProgram(p->program);
 	glUniform3f(glGetUniformLocation(p->program, "u_depth"), place->depth[0], place->depth[1],
 		place->sky ? 1 : 0);

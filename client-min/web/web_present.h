@@ -10,9 +10,9 @@
 struct web_present { unsigned program, colors, depths, vertex_array; uint32_t width, height; };  /* zero is empty */
 
 /* The page's depth of a pixel is depth[0] + depth[1] / distance, in [0, 1]; where nothing is, the sky, it is
- * 1, and without `sky` nothing is drawn there. Into the framebuffer that is bound, all of `viewport`: x, y,
- * width, height. */
-struct web_place { float depth[2]; int viewport[4]; bool sky; };
+ * 1, and without `sky` nothing is drawn there, nor without `ground` where no plant is. Into the framebuffer
+ * that is bound, all of `viewport`: x, y, width, height. */
+struct web_place { float depth[2]; int viewport[4]; bool sky, ground; };
 enum eco_code web_present_draw(struct web_present *present, const struct view_picture *picture,
 	const struct web_place *place, struct eco_error *error);
 void web_present_free(struct web_present *present);

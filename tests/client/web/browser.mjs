@@ -1,12 +1,12 @@
-// A headless Chromium, driven over a pipe by its DevTools protocol: no package of npm is needed. Pages reach
-// nothing but this machine.
+// A headless Chromium, driven over a pipe by its DevTools protocol: no package of npm is needed. Pages
+// reach nothing but this machine.
 import { spawn } from 'node:child_process';
 import { mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
-// Pages are drawn by Mesa, as ecoview's pictures are where there is no GPU: it snaps vertices to 1/256 of a pixel
-// as GPUs do, while Chromium's own SwiftShader has 1/16.
+// Pages are drawn by Mesa, as ecoview's pictures are where there is no GPU: it snaps vertices to 1/256 of a
+// pixel as GPUs do, while Chromium's own SwiftShader has 1/16.
 const FLAGS = ['--headless', '--no-sandbox', '--remote-debugging-pipe', '--no-first-run', '--use-gl=angle',
 	'--use-angle=gl-egl', '--ignore-gpu-blocklist', '--disable-quic', '--disable-sync',
 	'--disable-background-networking', '--disable-component-update',

@@ -1,7 +1,7 @@
 // compare.mjs URL SCRIPT.json WxH VERTICES SITE OUT [CHROMIUM]: the browser's client against ecoview, frame
-// by frame of a camera script. OUT is ecoview's folder of the same frames, with --digest's lines in OUT/said
-// and masks of --reference. In node: the hashes of what is decoded and drawn are the same. In CHROMIUM:
-// those, too, and each picture's mask has P and R of at least .995 against ecoview's.
+// by frame of a camera script. OUT is ecoview's folder of the same frames, with --digest's lines in
+// OUT/said and masks of --reference. In node: the hashes of what is decoded and drawn are the same. In
+// CHROMIUM: those, too, and each picture's mask has P and R of at least .995 against ecoview's.
 import { readFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';

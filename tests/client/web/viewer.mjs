@@ -1,5 +1,5 @@
-// viewer.mjs URL CHROMIUM PLANTS.csv SCRIPT.json RELOAD: the page at / as somebody uses it, by pointer and by
-// keyboard. URL is the scene's, PLANTS.csv its inventory (plant, easting, northing, height_m). What was
+// viewer.mjs URL CHROMIUM PLANTS.csv SCRIPT.json RELOAD: the page at / as somebody uses it, by pointer and
+// by keyboard. URL is the scene's, PLANTS.csv its inventory (plant, easting, northing, height_m). What was
 // recorded goes to SCRIPT.json. RELOAD is a command that gives the scene a pack of other plants.
 import { execSync } from 'node:child_process';
 import { readFileSync, writeFileSync } from 'node:fs';
