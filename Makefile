@@ -89,7 +89,7 @@ BASELINE_ROOM := tests/bench/baseline
 VIEW_ROOMS := client-min client-min/draw client-min/load
 # both ends for programs of others: libecostream
 LIBRARY_ROOM := client-min/library
-ROOMS := $(ECO_ROOMS) $(BUILD_ROOMS) lod lod/plan server $(VIEW_ROOMS) $(LIBRARY_ROOM) $(PACK_ROOM) $(SUPPORT_ROOM)
+ROOMS := $(ECO_ROOMS) $(BUILD_ROOMS) lod lod/plan server server/request $(VIEW_ROOMS) $(LIBRARY_ROOM) $(PACK_ROOM) $(SUPPORT_ROOM)
 
 # Libraries that few scenes need are loaded when one does, by what calls them (ecofiles/base/module.h): NAME_*.c of any room make ecoNAME.so.
 MODULE_NAMES := assimp cairo gdal image proj
@@ -112,9 +112,9 @@ group = -Wl,--start-group $(1) -Wl,--end-group
 LIB_DRACO := $(B)/obj/draco_shim.a
 LIB_ECO := $(call archive,$(ECO_ROOMS))
 LIB_BUILD := $(call archive,$(BUILD_ROOMS) lod)
-LIB_SERVER := $(call archive,server lod/plan $(CORE_ROOMS))
+LIB_SERVER := $(call archive,server server/request lod/plan $(CORE_ROOMS))
 LIB_VIEW := $(call archive,$(VIEW_ROOMS) lod/raster $(CORE_ROOMS))
-LIB_ALL := $(call archive,$(LIBRARY_ROOM) $(VIEW_ROOMS) server lod/plan $(BUILD_ROOMS) lod $(ECO_ROOMS)) $(LIB_DRACO)
+LIB_ALL := $(call archive,$(LIBRARY_ROOM) $(VIEW_ROOMS) server server/request lod/plan $(BUILD_ROOMS) lod $(ECO_ROOMS)) $(LIB_DRACO)
 
 PROGRAMS := $(B)/ecopack $(B)/ecoserve $(B)/ecoview $(B)/ecoload
 TEST_SOURCES := $(wildcard tests/*/test_*.c)
@@ -128,7 +128,7 @@ LIBS_DRACO := -Wl,--wrap=_ZN5draco21ComputeShannonEntropyEPKjiiPi -l:libdraco.a 
 LIBS_IMPORT := -lmeshoptimizer -lseccomp -lexpat -lpng -lwebp
 # what programs that test or measure call themselves
 LIBS_CHECK := -lassimp -lcairo -lgdal -lzstd
-# linked in, so that what it reads passes server/gate.h
+# linked in, so that what it reads passes server/request/gate.h
 LIBS_SERVER := -Wl,--wrap=recv -l:libmicrohttpd.a -lgnutls -lseccomp
 LIBS_VIEW := -lcurl -lEGL -lepoxy -lpng -lwebp
 # In config=fuzz the sanitizer is a library that is linked in, too, and what it puts in place of malloc must be seen by the C library.
@@ -169,7 +169,7 @@ VERSION := $(shell sed -n 's/^#define ECO_VERSION "\(.*\)"/\1/p' ecofiles/base/v
 # raised whenever a program that uses the library has to be compiled anew
 SOVERSION := 0
 LIBRARY := $(B)/libecostream.so.$(SOVERSION)
-LIBRARY_PARTS := $(call archive,$(VIEW_ROOMS) server lod/raster lod/plan $(CORE_ROOMS)) $(LIB_DRACO)
+LIBRARY_PARTS := $(call archive,$(VIEW_ROOMS) server server/request lod/raster lod/plan $(CORE_ROOMS)) $(LIB_DRACO)
 $(LIBRARY): $(LIBRARY_ROOM)/ecostream.map $(call objects,$(call sources,$(LIBRARY_ROOM))) $(LIBRARY_PARTS)
 	$(LINK_C) -shared -o $@ -Wl,-soname,$(@F) -Wl,--version-script,$< $(filter %.o,$^) $(call group,$(LIBRARY_PARTS)) \
 		$(if $(findstring sanitize,$(OPT)),,-Wl$(comma)-z$(comma)defs) $(LINK) -lpng -lwebp $(LIBS_DRACO) $(LIBS_CORE)

@@ -13,7 +13,7 @@
 #include "ecofiles/base/version.h"
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/wire.h"
-#include "server/query.h"
+#include "server/request/query.h"
 #include "server/trace.h"
 
 #define BY_FILE_MAX 64u                  /* responses of a scene */

@@ -7,9 +7,9 @@
 #ifndef SRV_ANSWER_H
 #define SRV_ANSWER_H
 
-#include "server/condition.h"
+#include "server/request/condition.h"
 #include "server/plan_cache.h"
-#include "server/problem.h"
+#include "server/request/problem.h"
 #include "server/site.h"
 #include "server/stream.h"
 

@@ -19,7 +19,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "server/address.h"
+#include "server/request/address.h"
 #include "server/endpoint.h"
 #include "server/store.h"
 

@@ -5,7 +5,7 @@
 
 #include "ecofiles/format/wire.h"
 #include "lod/eye.h"
-#include "server/query.h"
+#include "server/request/query.h"
 
 #define URL_BYTES 256
 

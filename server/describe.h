@@ -2,7 +2,7 @@
 #ifndef SRV_DESCRIBE_H
 #define SRV_DESCRIBE_H
 
-#include "server/json.h"
+#include "server/request/json.h"
 #include "server/stream.h"
 
 void srv_describe_health(struct srv_json *json, const struct srv_store *store);

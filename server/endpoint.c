@@ -9,7 +9,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "server/query.h"
+#include "server/request/query.h"
 
 #define BACKLOG 1024
 #define HANDED_OVER 3            /* the first descriptor that systemd passes on */

@@ -17,10 +17,10 @@
 #include "server/catalog.h"
 #include "server/daemon.h"
 #include "server/metrics.h"
-#include "server/query.h"
+#include "server/request/query.h"
 #include "server/reaper.h"
 #include "server/reload.h"
-#include "server/route.h"
+#include "server/request/route.h"
 #include "server/work.h"
 
 struct MHD_Connection;

@@ -6,7 +6,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "server/json.h"
+#include "server/request/json.h"
 
 #define TARGET_BYTES 400u
 

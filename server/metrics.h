@@ -6,7 +6,7 @@
 #include <stdatomic.h>
 
 #include "ecofiles/base/bytes.h"
-#include "server/route.h"
+#include "server/request/route.h"
 
 #define SRV_COUNTERS(X) \
 	X(PLANS, "plans_total", "Plans that were made.") \

@@ -19,8 +19,8 @@
 #include <stdint.h>
 
 #include "ecofiles/base/status.h"
-#include "server/address.h"
-#include "server/gate.h"
+#include "server/request/address.h"
+#include "server/request/gate.h"
 
 struct srv_reaper;
 struct srv_exchange;

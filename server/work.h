@@ -13,7 +13,7 @@
 #include <stdint.h>
 
 #include "ecofiles/base/status.h"
-#include "server/address.h"
+#include "server/request/address.h"
 
 struct srv_work;
 struct srv_job {

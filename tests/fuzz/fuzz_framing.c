@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "server/framing.h"
+#include "server/request/framing.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 

@@ -6,10 +6,10 @@
 #include <string.h>
 
 #include "ecofiles/format/wire.h"
-#include "server/condition.h"
-#include "server/problem.h"
-#include "server/query.h"
-#include "server/route.h"
+#include "server/request/condition.h"
+#include "server/request/problem.h"
+#include "server/request/query.h"
+#include "server/request/route.h"
 #include "server/stream.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);

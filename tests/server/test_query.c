@@ -4,12 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "server/address.h"
-#include "server/condition.h"
-#include "server/json.h"
-#include "server/problem.h"
-#include "server/query.h"
-#include "server/route.h"
+#include "server/request/address.h"
+#include "server/request/condition.h"
+#include "server/request/json.h"
+#include "server/request/problem.h"
+#include "server/request/query.h"
+#include "server/request/route.h"
 #include "server/store.h"
 #include "tests/support/unit_test.h"
 

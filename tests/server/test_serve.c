@@ -1,7 +1,7 @@
 /* The daemon over a loopback socket: every route, and what it answers. */
 #include "tests/support/serve_daemon.h"
 
-#include "server/route.h"
+#include "server/request/route.h"
 #include "tests/support/openapi.h"
 #include "tests/support/stream_reader.h"
 

@@ -3,8 +3,8 @@
 #include "tests/support/serve_daemon.h"
 
 #include "ecofiles/format/wire.h"
-#include "server/problem.h"
-#include "server/route.h"
+#include "server/request/problem.h"
+#include "server/request/route.h"
 #include "tests/support/openapi.h"
 
 /* Whatever a described operation answers must be among its described statuses. */

@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "server/daemon.h"
-#include "server/query.h"
+#include "server/request/query.h"
 #include "server/site.h"
 #include "tests/support/http_client.h"
 #include "tests/support/scene_packs.h"

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "server/query.h"
+#include "server/request/query.h"
 #include "tests/bench/extreme/extreme_cases.h"
 #include "tests/bench/extreme/extreme_scene.h"
 #include "tests/support/scene_builder.h"

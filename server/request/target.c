@@ -1,6 +1,6 @@
 /* One pass over the bytes: the path is checked and split, then the query is split, decoded and checked in
  * place of a copy. The copy never grows, since decoding only shortens. */
-#include "server/target.h"
+#include "server/request/target.h"
 
 #include <string.h>
 

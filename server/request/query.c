@@ -1,6 +1,6 @@
 /* One table of parameters; what is parsed by hand is checked against a grammar before strtod sees it, so that
  * "nan", "inf", "0x10", leading blanks and whatever else strtod accepts stay out. */
-#include "server/query.h"
+#include "server/request/query.h"
 
 #include <math.h>
 #include <stddef.h>

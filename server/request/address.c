@@ -1,11 +1,11 @@
-#include "server/address.h"
+#include "server/request/address.h"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "server/query.h"
+#include "server/request/query.h"
 
 static const uint8_t mapped[12] = { [10] = 0xff, [11] = 0xff };
 

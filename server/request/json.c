@@ -1,4 +1,4 @@
-#include "server/json.h"
+#include "server/request/json.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-#include "server/gate.h"
+#include "server/request/gate.h"
 
 #include <errno.h>
 #include <microhttpd.h>

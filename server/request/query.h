@@ -18,7 +18,7 @@
 #include "ecofiles/format/list.h"
 #include "ecofiles/format/view.h"
 #include "lod/plan/planner.h"
-#include "server/target.h"
+#include "server/request/target.h"
 
 struct srv_query {
 	struct eco_request request;

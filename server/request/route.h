@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "server/target.h"
+#include "server/request/target.h"
 
 enum srv_method { SRV_METHOD_GET = 1, SRV_METHOD_HEAD = 2, SRV_METHOD_POST = 4, SRV_METHOD_OPTIONS = 8,
 	SRV_METHOD_OTHER = 0 };

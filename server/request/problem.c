@@ -1,4 +1,4 @@
-#include "server/problem.h"
+#include "server/request/problem.h"
 
 #define URN "urn:ecostream:problem:"
 

@@ -1,9 +1,9 @@
-#include "server/framing.h"
+#include "server/request/framing.h"
 
 #include <string.h>
 
-#include "server/query.h"
-#include "server/target.h"
+#include "server/request/query.h"
+#include "server/request/target.h"
 
 enum field { FIELD_HOST, FIELD_LENGTH, FIELD_COOKIE, FIELD_TRANSFER, FIELD_EXPECT,
 	FIELD_ONCE = FIELD_EXPECT };

@@ -1,4 +1,4 @@
-#include "server/condition.h"
+#include "server/request/condition.h"
 
 #include <string.h>
 #include <time.h>

@@ -19,7 +19,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "server/problem.h"
+#include "server/request/problem.h"
 
 #define SRV_HEAD_BYTES_MAX 8192u
 #define SRV_HEADERS_MAX 100u

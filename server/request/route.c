@@ -1,4 +1,4 @@
-#include "server/route.h"
+#include "server/request/route.h"
 
 #include <string.h>
 

@@ -4,7 +4,7 @@
 #define SRV_PROBLEM_H
 
 #include "ecofiles/base/status.h"
-#include "server/json.h"
+#include "server/request/json.h"
 
 enum srv_problem {
 	SRV_PROBLEM_NONE,

@@ -10,7 +10,7 @@
 #ifndef SRV_GATE_H
 #define SRV_GATE_H
 
-#include "server/framing.h"
+#include "server/request/framing.h"
 
 struct srv_gate {
 	int fd;
