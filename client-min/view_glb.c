@@ -239,7 +239,7 @@ static enum eco_code put_ground(struct glb *g)
 	for (uint32_t i = 0; i < ground->count && !code; i++) {
 		struct lod_bake bake = { .position = NULL };
 		struct primitive primitive;
-		code = view_bake_ground(&bake, ground, &ground->tiles[i], g->error);
+		code = view_bake_ground(&bake, ground, &g->job->selection->image, &ground->tiles[i], g->error);
 		if (!code)
 			code = add_bake(g, &bake, NULL, MATERIAL_GROUND, &primitive);
 		lod_bake_free(&bake);
@@ -275,14 +275,17 @@ static void put_camera(struct glb *g)
 		r[0], r[1], r[2], u[0], u[1], u[2], -f[0], -f[1], -f[2], eye.at[0], eye.at[1], eye.at[2]);
 }
 
-static void put_materials(struct eco_writer *w, uint32_t images, bool ground)
+static void put_materials(struct eco_writer *w, uint32_t images, const struct view_selection *s)
 {
+	static const float white[3] = { 1, 1, 1 };
+	const float *color = s->image.count ? white : view_bake_plain;
 	static const char rough[] = "\"metallicFactor\":0,\"roughnessFactor\":1";
 	eco_write_format(w, "[{\"name\":\"plants\",\"doubleSided\":true,\"pbrMetallicRoughness\":{%s}}",
 		rough);
-	if (ground)
+	if (s->ground.count)
 		eco_write_format(w, ",{\"name\":\"ground\",\"pbrMetallicRoughness\":{%s,"
-			"\"baseColorFactor\":[0.11,0.12,0.04,1]}}", rough);
+			"\"baseColorFactor\":[%.3g,%.3g,%.3g,1]}}", rough, (double)color[0], (double)color[1],
+			(double)color[2]);
 	for (uint32_t i = 0; i < images; i++)
 		eco_write_format(w, ",{\"doubleSided\":true,\"alphaMode\":\"MASK\",\"alphaCutoff\":0.5,"
 			"\"pbrMetallicRoughness\":{%s,\"baseColorTexture\":{\"index\":%u}}}", rough, i);
@@ -323,7 +326,7 @@ static void put_document(const struct glb *g, struct eco_writer *w)
 	put_array(w, "meshes", &g->meshes);
 	if (g->accessor_count) {
 		eco_write_format(w, ",\"materials\":");
-		put_materials(w, g->image_count, s->ground.count > 0);
+		put_materials(w, g->image_count, s);
 		eco_write_format(w, ",\"buffers\":[{\"byteLength\":%zu}]", g->bin.size);
 	}
 	put_array(w, "bufferViews", &g->views);

@@ -74,7 +74,7 @@ void view_list_free(struct view_list *list)
 
 static bool is_texture(const struct view_list *list)
 {
-	return list->list.kind == ECO_LIST_IMAGE || list->list.kind == ECO_LIST_OUTLINE;
+	return eco_list_has_texels(&list->list);
 }
 
 /* ---- Decoding ---- */
@@ -128,8 +128,10 @@ static enum eco_code decode_image(struct view_piece *piece, const struct view_pi
 	piece->bytes = sizeof piece->part;
 	if (!in->images)
 		return ECO_OK;
-	enum eco_code code = (in->list->list.kind == ECO_LIST_IMAGE ? eco_texture_read_colors
-		: eco_texture_read_outline)(&piece->part, in->payload, in->chunk->size_bytes, &cause);
+	uint8_t kind = in->list->list.kind;
+	enum eco_code code = (kind == ECO_LIST_IMAGE ? eco_texture_read_colors : kind == ECO_LIST_OUTLINE
+		? eco_texture_read_outline : eco_texture_read_ground)(&piece->part, in->payload,
+		in->chunk->size_bytes, &cause);
 	if (code)
 		return eco_fail(error, code, "list %u, chunk %u: %s", in->list->id, in->ordinal, cause.text);
 	piece->bytes += (uint64_t)piece->part.width * piece->part.height

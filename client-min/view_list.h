@@ -34,7 +34,7 @@ struct view_list {                       /* stays where it is until its last chu
 	struct eco_elements elements;    /* of all chunks held, in draw order */
 	uint32_t element_room, corner_room;      /* what the arrays have space for */
 	uint64_t bytes;                  /* held in all: this struct and what it owns */
-	struct eco_texture_part *parts;  /* lists of kind IMAGE and OUTLINE: one for each chunk held */
+	struct eco_texture_part *parts;  /* eco_list_has_texels: one for each chunk held */
 	/* IMAGE: as the plan shows it, and the number of levels, and of the outline's, that this is of */
 	struct eco_image image;
 	uint32_t shown[2];

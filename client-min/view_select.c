@@ -369,6 +369,8 @@ static enum eco_code make(struct view_selection *selection, const struct view_st
 	if (!code && !casters)
 		code = view_ground_make(&selection->ground, store, eye, error);
 	if (!code)
+		code = view_image_make(&selection->image, store, error);
+	if (!code)
 		code = finish(&w);
 	free(w.sorted);
 	free(w.seen);
@@ -404,6 +406,7 @@ void view_select_free(struct view_selection *selection)
 	free(selection->roles);
 	free(selection->plan_cuts);
 	view_ground_free(&selection->ground);
+	view_image_free(&selection->image);
 	*selection = (struct view_selection){ 0 };
 }
 

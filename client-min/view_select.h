@@ -14,6 +14,7 @@
 #define VIEW_SELECT_H
 
 #include "client-min/view_ground.h"
+#include "client-min/view_image.h"
 #include "client-min/view_sky.h"
 #include "client-min/view_store.h"
 #include "lod/eye.h"
@@ -49,6 +50,7 @@ struct view_selection {                  /* owns its arrays */
 	uint32_t *member_first, *members;        /* per cut (cut_count + 1), and instance indices */
 	uint8_t *roles;                  /* per cut, enum view_role */
 	struct view_ground ground;       /* its cuts have no members */
+	struct view_image image;         /* on it */
 	uint64_t visible_plants;
 	uint64_t vertices;               /* what drawing it draws */
 	struct view_sky sky;             /* set by who draws */

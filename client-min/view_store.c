@@ -367,8 +367,7 @@ static enum eco_code check_plan(const struct view_store *store, const struct eco
 		const struct eco_cut *cut = &plan->cuts[i];
 		const struct view_list *list = view_store_list(store, cut->list);
 		bool ground = list && list->list.kind == ECO_LIST_GROUND,
-			texture = list && (list->list.kind == ECO_LIST_IMAGE
-			|| list->list.kind == ECO_LIST_OUTLINE);
+			texture = list && eco_list_has_texels(&list->list);
 		if (!list || (!eco_list_vertices(&list->list) && !ground && !texture))
 			return BAD("cut %u of the plan draws list %u, which %s", i,
 				cut->list, list ? "is not drawable" : "was not sent");

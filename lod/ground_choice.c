@@ -12,26 +12,28 @@ struct search {
 	const struct eco_scene *scene;
 	const struct lod_eye *eye;
 	double origin[2], step[2];       /* of the grid of samples */
-	double border_cosine;        /* of the angle between the view's axis and its corners */
 	struct entry *heap;          /* the entry with the largest error on the screen on top */
 	uint32_t count, most;
 	uint32_t *done, done_count;      /* tiles that cannot be refined */
 	double error_px;
 };
 
-static double place(const struct search *s, const struct eco_ground_span *span, uint32_t sample)
+static double place(const struct eco_scene *scene, const struct eco_ground_span *span, uint32_t sample)
 {
-	return eco_ground_place(sample, span->last + 1, s->scene->ground_margin);
+	return eco_ground_place(sample, span->last + 1, scene->ground_margin);
 }
 
-static void bounds(const struct search *s, const struct eco_ground_tile *tile, double low[3], double high[3])
+static void bounds(const struct eco_scene *scene, const struct eco_ground_tile *tile, double low[3],
+	double high[3])
 {
+	const struct eco_list *list = &scene->lists[scene->ground[0].list];
+	const double *o = list->grid_origin, *step = list->grid_step;
 	struct eco_ground_span x, y;
-	eco_ground_spans(&x, &y, tile, s->scene->ground_columns, s->scene->ground_rows);
-	low[0] = s->origin[0] + place(s, &x, x.low) * s->step[0];
-	high[0] = s->origin[0] + place(s, &x, x.high) * s->step[0];
-	low[1] = s->origin[1] + place(s, &y, y.low) * s->step[1];
-	high[1] = s->origin[1] + place(s, &y, y.high) * s->step[1];
+	eco_ground_spans(&x, &y, tile, scene->ground_columns, scene->ground_rows);
+	low[0] = o[0] + place(scene, &x, x.low) * step[0];
+	high[0] = o[0] + place(scene, &x, x.high) * step[0];
+	low[1] = o[1] + place(scene, &y, y.low) * step[1];
+	high[1] = o[1] + place(scene, &y, y.high) * step[1];
 	/* the drawn ground may be off by the error */
 	low[2] = (double)tile->low_m - (double)tile->error_m;
 	high[2] = (double)tile->high_m + (double)tile->error_m;
@@ -56,7 +58,7 @@ static double nearest(const struct lod_eye *eye, const double axis[3], const dou
 	return sum;
 }
 
-static bool sees(const struct lod_eye *eye, const double low[3], const double high[3])
+bool lod_box_seen(const struct lod_eye *eye, const double low[3], const double high[3])
 {
 	for (int i = 0; i < 4; i++)
 		if (farthest(eye, eye->side[i], low, high) < 0)
@@ -64,23 +66,29 @@ static bool sees(const struct lod_eye *eye, const double low[3], const double hi
 	return farthest(eye, eye->forward, low, high) > 0;
 }
 
-/* The height of the error in pixels, at the least depth that a visible point of the box can have. */
-static double shown_px(const struct search *s, const struct eco_ground_tile *tile, const double low[3],
-	const double high[3])
+double lod_box_depth(const struct lod_eye *eye, const double low[3], const double high[3])
 {
-	const struct lod_eye *eye = s->eye;
+	/* of the angle between the view's axis and its corners */
+	double border_cosine = 1 / sqrt(1 + eye->tan_x * eye->tan_x + eye->tan_y * eye->tan_y);
 	double square = 0, depth, along;
 	for (int i = 0; i < 3; i++) {
 		double off = eye->at[i] < low[i] ? low[i] - eye->at[i] : eye->at[i] > high[i]
 			? eye->at[i] - high[i] : 0;
 		square += off * off;
 	}
-	depth = sqrt(square) * s->border_cosine;
+	depth = sqrt(square) * border_cosine;
 	along = nearest(eye, eye->forward, low, high);
-	depth = along > depth ? along : depth;
+	return along > depth ? along : depth;
+}
+
+/* The height of the error in pixels, at the least depth that a visible point of the box can have. */
+static double shown_px(const struct search *s, const struct eco_ground_tile *tile, const double low[3],
+	const double high[3])
+{
+	double depth = lod_box_depth(s->eye, low, high);
 	if (tile->error_m <= 0)
 		return 0;
-	return depth > 0 ? (double)tile->error_m / (depth * eye->pixel_rad) : INFINITY;
+	return depth > 0 ? (double)tile->error_m / (depth * s->eye->pixel_rad) : INFINITY;
 }
 
 /* The greater first; among equals the lower tile. */
@@ -112,12 +120,30 @@ static struct entry pop(struct search *s)
 	return top;
 }
 
+void lod_ground_heights(const struct eco_scene *scene, double low[3], double high[3])
+{
+	const struct eco_ground_tile *tile = &scene->ground[0];
+	for (bool inside = true; inside && tile->child_count > 0;) {
+		inside = false;
+		for (uint32_t i = 0; i < tile->child_count && !inside; i++) {
+			double from[3], to[3];
+			bounds(scene, &scene->ground[tile->child_first + i], from, to);
+			inside = low[0] >= from[0] && low[1] >= from[1] && high[0] <= to[0] &&
+				high[1] <= to[1];
+			if (inside)
+				tile = &scene->ground[tile->child_first + i];
+		}
+	}
+	low[2] = (double)tile->low_m;
+	high[2] = (double)tile->high_m;
+}
+
 static void look_at(struct search *s, uint32_t tile)
 {
 	const struct eco_ground_tile *t = &s->scene->ground[tile];
 	double low[3], high[3];
-	bounds(s, t, low, high);
-	if (!sees(s->eye, low, high))
+	bounds(s->scene, t, low, high);
+	if (!lod_box_seen(s->eye, low, high))
 		return;
 	if (t->child_count > 0)
 		push(s, (struct entry){ shown_px(s, t, low, high), tile });
@@ -149,7 +175,6 @@ enum eco_code lod_ground_select(struct lod_ground_choice *choice, const struct e
 {
 	struct search s = { .scene = scene, .eye = eye, .most = limits->tiles_max > 0 ? limits->tiles_max
 		: LOD_GROUND_TILES_MAX };
-	const struct eco_list *list;
 	*choice = (struct lod_ground_choice){ .tiles = NULL };
 	if (scene->ground_count == 0)
 		return ECO_OK;
@@ -161,12 +186,6 @@ enum eco_code lod_ground_select(struct lod_ground_choice *choice, const struct e
 		free(s.done);
 		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for %u tiles of ground", s.most);
 	}
-	list = &scene->lists[scene->ground[0].list];
-	for (int i = 0; i < 2; i++) {
-		s.origin[i] = list->grid_origin[i];
-		s.step[i] = list->grid_step[i];
-	}
-	s.border_cosine = 1 / sqrt(1 + eye->tan_x * eye->tan_x + eye->tan_y * eye->tan_y);
 	look_at(&s, 0);
 	refine(&s, limits->tolerance_px);
 	free(s.heap);

@@ -40,6 +40,13 @@ struct lod_ground_choice {               /* free tiles */
 enum eco_code lod_ground_select(struct lod_ground_choice *choice, const struct eco_scene *scene,
 	const struct lod_eye *eye, const struct lod_ground_limits *limits, struct eco_error *error);
 
+/* Does a box reach into the view pyramid? May say yes just outside its edges. The least depth that a visible
+ * point of it can have; 0 or less where the eye may be within. */
+bool lod_box_seen(const struct lod_eye *eye, const double low[3], const double high[3]);
+double lod_box_depth(const struct lod_eye *eye, const double low[3], const double high[3]);
+/* Sets low[2] and high[2] to bounds of the ground between low and high; the scene has ground. */
+void lod_ground_heights(const struct eco_scene *scene, double low[3], double high[3]);
+
 /* ---- Drawing ---- */
 
 enum { LOD_GROUND_WEST, LOD_GROUND_EAST, LOD_GROUND_SOUTH, LOD_GROUND_NORTH };

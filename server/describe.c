@@ -3,6 +3,7 @@
 #include <jansson.h>
 #include <stdio.h>
 
+#include "ecofiles/format/ground_image.h"
 #include "ecofiles/format/wire.h"
 #include "lod/eye.h"
 #include "server/request/query.h"
@@ -12,7 +13,7 @@
 static const char *const kind_names[] = {
 	[ECO_LIST_TRIANGLES] = "triangles", [ECO_LIST_LINES] = "lines", [ECO_LIST_POINTS] = "points",
 	[ECO_LIST_INSTANCES] = "instances", [ECO_LIST_GROUND] = "ground",
-	[ECO_LIST_IMAGE] = "image", [ECO_LIST_OUTLINE] = "outline",
+	[ECO_LIST_IMAGE] = "image", [ECO_LIST_OUTLINE] = "outline", [ECO_LIST_GROUND_IMAGE] = "ground_image",
 	[ECO_LIST_IMPOSTOR] = "impostor",
 };
 
@@ -21,7 +22,7 @@ static const struct { uint32_t bit; const char *name; } need_names[] = {
 	{ ECO_NEED_TEXTURES, "textures" }, { ECO_NEED_CUTOUTS, "cutouts" }, { ECO_NEED_GROUND, "ground" },
 	{ ECO_NEED_CELLS, "cells" }, { ECO_NEED_SUMMARIES, "summaries" },
 	{ ECO_NEED_PLACEMENTS, "placements" }, { ECO_NEED_SPLATS, "splats" },
-	{ ECO_NEED_IMPOSTORS, "impostors" },
+	{ ECO_NEED_IMPOSTORS, "impostors" }, { ECO_NEED_GROUND_IMAGE, "ground_image" },
 };
 
 static void key_id(struct srv_json *json, const char *key, const struct eco_chunk_id *id)
@@ -233,6 +234,9 @@ static void describe_who(struct srv_json *json, const struct eco_scene *scene, c
 		if (scene->lists[cut->list].kind == ECO_LIST_IMAGE
 				|| scene->lists[cut->list].kind == ECO_LIST_OUTLINE)
 			describe_plant(json, scene, cut);
+		else if (scene->lists[cut->list].kind == ECO_LIST_GROUND_IMAGE)
+			srv_json_key_number(json, "texel_m",
+				eco_ground_image_texel_m(&scene->lists[cut->list], cut->end));
 		else if (scene->lists[cut->list].kind != ECO_LIST_GROUND)
 			srv_json_key_count(json, "tile", scene->lists[cut->list].owner);
 		else

@@ -217,8 +217,7 @@ static int turn_of(const struct eco_list *list)
 {
 	if (list->kind == ECO_LIST_GROUND)
 		return 0;
-	return list->kind == ECO_LIST_INSTANCES || list->kind == ECO_LIST_IMAGE
-		|| list->kind == ECO_LIST_OUTLINE ? 1 : 2;
+	return list->kind == ECO_LIST_INSTANCES || eco_list_has_texels(list) ? 1 : 2;
 }
 
 static enum eco_code check(const struct srv_emit *emit, struct eco_error *error)

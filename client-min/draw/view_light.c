@@ -11,6 +11,8 @@
 
 #define HAZE_M 5200.0
 #define SHADED 0.14f                     /* of sunlight, that gets through a crown and off its leaves */
+#define GRAIN_M 0.25f                    /* texels so wide hide all grain of the ground */
+#define LEAST_STRAIGHT 0.02              /* a ray that meets the ground flatter is taken to meet it so */
 #define PI 3.1415927f
 #define ALL_DIRECTIONS 0.2122066f        /* 2 / (3 pi): see round_sun */
 
@@ -311,6 +313,28 @@ static struct vec ground_albedo(double x, double y, float up, float distance)
 		+ 0.28f * smoothstep(0.62f, 0.9f, wide * 0.6f + mid * 0.4f)));
 }
 
+/* Half a pixel on the ground, along the ray and across it. */
+static struct view_image_spot spot_of(const struct lod_eye *eye, struct vec n, struct vec to,
+	const double world[3])
+{
+	double distance = (double)length(to), half = 0.5 * eye->pixel_rad * distance;
+	struct vec ray = unit(to);
+	float straight = dot(n, ray);
+	struct vec level = add(ray, scale(n, -straight));
+	double part =
+		half / (fmax(fabs((double)straight), LEAST_STRAIGHT) * fmax((double)length(level), 1e-6));
+	return (struct view_image_spot){ { world[0], world[1] },
+		{ part * (double)level.x, part * (double)level.y }, half };
+}
+
+/* Grain of the ground, finer than texels that are wide. */
+static float grain(double x, double y, double texel_m, float distance)
+{
+	float fine = octave(x * 9, y * 9, 1 - distance / 45) * 0.6f +
+		octave(x * 38, y * 31, 1 - distance / 14) * 0.4f;
+	return 1 + 0.6f * clamp((float)texel_m / GRAIN_M) * (fine - 0.5f);
+}
+
 static struct vec ground_light(const struct sunlight *s, struct vec n, const float below[2])
 {
 	float sun = 1.1f * fmaxf(dot(n, s->to), 0) * (1 - 0.9f * below[0]);
@@ -407,7 +431,9 @@ static struct vec grey(struct vec c, struct vec weight)
 	return blend(c, (struct vec){ g, g, g }, 0.7f);
 }
 
-static struct vec ground_color(const struct lamp *lamp, size_t pixel, struct vec to, const double world[3])
+/* near: as view_image_at */
+static struct vec ground_color(const struct lamp *lamp, size_t pixel, struct vec to, const double world[3],
+	uint32_t *near)
 {
 	const struct sunlight *s = &lamp->sun;
 	const struct view_ground *ground = &lamp->job->selection->ground;
@@ -419,8 +445,15 @@ static struct vec ground_color(const struct lamp *lamp, size_t pixel, struct vec
 			(const float[3]){ n.x, n.y, n.z }, &texel_m);
 		below[0] = lit < 0 ? below[0] : 1 - lit;
 	}
-	struct vec albedo = ground_albedo(world[0] - ground->origin[0], world[1] - ground->origin[1], n.z,
-		distance);
+	double x = world[0] - ground->origin[0], y = world[1] - ground->origin[1], texel_m = 0;
+	const struct view_image_spot spot = spot_of(lamp->job->eye, n, to, world);
+	struct view_image_color image = view_image_at(&lamp->job->selection->image, &spot, near, &texel_m);
+	struct vec albedo = { 0, 0, 0 };
+	if (image.alpha < 1)
+		albedo = ground_albedo(x, y, n.z, distance);
+	if (image.alpha > 0)
+		albedo = blend(albedo, scale((struct vec){ image.light[0], image.light[1], image.light[2] },
+			grain(x, y, texel_m, distance)), image.alpha);
 	struct vec color = haze(s, times(albedo, ground_light(s, n, below)), to, distance, lamp->haze_m);
 	return lamp->job->tint == VIEW_TINT_KIND ? grey(color, (struct vec){ 0.3f, 0.5f, 0.2f }) : color;
 }
@@ -437,7 +470,7 @@ static uint8_t encode(const struct lamp *lamp, float c)
 	return lamp->bytes[(uint32_t)(65535 * clamp(c * (1 + c * 0.08f) / (1 + c * 0.40f)) + 0.5f)];
 }
 
-static void light_pixel(const struct lamp *lamp, struct plant *plant, uint32_t x, uint32_t y)
+static void light_pixel(const struct lamp *lamp, struct plant *plant, uint32_t *near, uint32_t x, uint32_t y)
 {
 	struct view_picture *picture = lamp->picture;
 	size_t i = (size_t)y * picture->width + x;
@@ -451,7 +484,8 @@ static void light_pixel(const struct lamp *lamp, struct plant *plant, uint32_t x
 		uint64_t owner = picture->owner[i];
 		if (owner && owner != plant->owner)
 			find_plant(lamp, owner, plant);
-		color = owner ? plant_color(lamp, plant, i, to, world) : ground_color(lamp, i, to, world);
+		color = owner ? plant_color(lamp, plant, i, to, world) : ground_color(lamp, i, to, world,
+			near);
 	} else {
 		color = sky_color(lamp, ray);
 	}
@@ -464,9 +498,10 @@ static void light_rows(void *ctx, uint32_t first)
 {
 	const struct lamp *lamp = ctx;
 	struct plant plant = { .owner = 0 };
+	uint32_t near = 0;
 	for (uint32_t y = first; y < lamp->picture->height; y += lamp->threads)
 		for (uint32_t x = 0; x < lamp->picture->width; x++)
-			light_pixel(lamp, &plant, x, y);
+			light_pixel(lamp, &plant, &near, x, y);
 }
 
 static struct vec axis_of(const double axis[3], double t)

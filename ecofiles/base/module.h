@@ -98,6 +98,7 @@ struct eco_cairo_module {                /* eco_cairo_module: the functions of c
 /* ---- ecogdal.so: rasters and tables with geometry ---- */
 
 struct eco_ground_job;
+struct eco_ground_image_job;
 struct eco_rows;
 struct eco_rows_source;
 struct eco_raster;
@@ -108,6 +109,10 @@ struct eco_gdal_module {                 /* eco_gdal_module */
 	uint32_t version;
 	/* Reads all rasters of the job onto one grid (import_ground.h). Only in a guarded child. */
 	enum eco_code (*ground_read)(struct eco_ground_job *job, FILE *out, struct eco_error *error);
+	/* Reads the rasters of an image of the ground, square by square (import_ground_image.h). Only in a
+	 * guarded child. */
+	enum eco_code (*ground_image_read)(struct eco_ground_image_job *job, FILE *out,
+		struct eco_error *error);
 	/* Whether a driver of OGR other than CSV's claims the file. Only in a guarded child, as rows_open. */
 	bool (*rows_knows)(const char *path);
 	enum eco_code (*rows_open)(struct eco_rows **rows, const struct eco_rows_source *source,

@@ -6,15 +6,16 @@
 #include <string.h>
 
 #include "ecofiles/ecopack/inspect.h"
+#include "ecofiles/format/ground_image.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/format/texture.h"
 #include "lod/build/grid.h"
 
-enum { KIND_SUMMARIES = ECO_LIST_OUTLINE + 1, KIND_SPLATS, KIND_COUNT };
+enum { KIND_SUMMARIES = ECO_LIST_GROUND_IMAGE + 1, KIND_SPLATS, KIND_COUNT };
 static const char *const kind_names[KIND_COUNT] = { "", "triangles", "lines", "points", "instances", "ground",
-	"images", "impostors", "outlines", "summaries", "splats" };
+	"images", "impostors", "outlines", "ground_images", "summaries", "splats" };
 static const char *const need_names[] = { "points", "lines", "triangles", "textures", "cutouts", "ground",
-	"cells", "summaries", "placements", "splats", "impostors" };
+	"cells", "summaries", "placements", "splats", "impostors", "ground_image" };
 
 /* units: what bits are told of: primitives, texels of textures */
 struct kind_total { uint64_t lists, chunks, primitives, units, bytes; };
@@ -68,7 +69,7 @@ static enum eco_code count_up(const struct eco_pack *pack, struct totals *t, str
 		kind->chunks += list->chunk_count;
 		kind->primitives += list->primitive_count;
 		kind->units += list->primitive_count;
-		if (list->kind == ECO_LIST_IMAGE || list->kind == ECO_LIST_OUTLINE)
+		if (eco_list_has_texels(list))
 			kind->units += count_texels(pack, list) - list->primitive_count;
 		for (uint32_t c = 0; c < list->chunk_count; c++) {
 			kind->bytes += s->chunks[list->chunk_first + c].size_bytes;
@@ -175,6 +176,15 @@ static json_t *plant_json(const struct eco_scene *s, const struct totals *t, con
 	return plant;
 }
 
+/* The finest texels of the ground's image, metres. */
+static double finest_texel_m(const struct eco_scene *s)
+{
+	double least = INFINITY;
+	for (uint32_t i = 0; i < s->ground_image_count; i++)
+		least = fmin(least, s->lists[s->ground_images[i].list].grid_step[0]);
+	return least;
+}
+
 static json_t *info_json(const struct eco_pack *pack, const struct totals *t, const json_t *meta)
 {
 	const struct eco_scene *s = &pack->scene;
@@ -218,6 +228,14 @@ static json_t *info_json(const struct eco_pack *pack, const struct totals *t, co
 				"heights_m", (double)top->low_m, (double)top->high_m, "height_step_m",
 				list->grid_step[2], "tiles", (json_int_t)s->ground_count, "levels",
 				(json_int_t)top->level + 1));
+	}
+	if (info && s->ground_image_count) {
+		const struct eco_list *top = &s->lists[s->ground_images[0].list];
+		json_object_set_new(info, "ground_image",
+			json_pack("{s:[f,f], s:f, s:f, s:I, s:I}", "south_west_m", top->grid_origin[0],
+				top->grid_origin[1], "side_m", eco_ground_image_side_m(top), "finest_texel_m",
+				finest_texel_m(s), "tiles", (json_int_t)s->ground_image_count, "bytes",
+				(json_int_t)t->kind[ECO_LIST_GROUND_IMAGE].bytes));
 	}
 	static const char *const copied[] = { "generator", "order", "draft", "crs", "origin", "place",
 		"eco_files", "off_ground", "rows" };
@@ -307,6 +325,18 @@ static void print_ground(const struct eco_scene *s, FILE *out)
 		root->level + 1u);
 }
 
+static void print_ground_image(const struct eco_scene *s, const struct totals *t, FILE *out)
+{
+	char text[32];
+	if (!s->ground_image_count)
+		return;
+	const struct eco_list *root = &s->lists[s->ground_images[0].list];
+	fprintf(out,
+		"image of the ground %.4g m a side from [%.2f, %.2f], texels down to %.3g m, %u tiles, %s\n",
+		eco_ground_image_side_m(root), root->grid_origin[0], root->grid_origin[1], finest_texel_m(s),
+		s->ground_image_count, bytes_text(t->kind[ECO_LIST_GROUND_IMAGE].bytes, text));
+}
+
 static const char *ending(uint64_t count) { return count == 1 ? "" : "s"; }
 
 static void print_info(const struct eco_pack *pack, const struct totals *t, const json_t *meta, FILE *out)
@@ -333,6 +363,7 @@ static void print_info(const struct eco_pack *pack, const struct totals *t, cons
 			fprintf(out, " %s", need_names[i]);
 	fputc('\n', out);
 	print_ground(s, out);
+	print_ground_image(s, t, out);
 	print_plants(s, t, meta, out);
 	print_stood_for(s, meta, out);
 	fprintf(out, "\n%-12s %8s %8s %12s %12s %10s\n", "lists", "count", "chunks", "primitives", "bytes",

@@ -131,6 +131,42 @@ static bool has_rasters(const struct link_part *part)
 	return part->pack->scene.ground_count && !(from && strcmp(from, MAKE_GROUND_THROUGH) == 0);
 }
 
+/* The image of the first part that has one and lies where the whole does. */
+static enum eco_code copy_image(struct link *l)
+{
+	struct make *m = &l->m;
+	enum eco_code code = ECO_OK;
+	const struct link_part *from = NULL;
+	for (uint32_t i = 0; i < l->count && m->has_ground && !code; i++) {
+		struct link_part *part = &l->parts[i];
+		const struct eco_scene *s = &part->pack->scene;
+		if (!s->ground_image_count)
+			continue;
+		if (from || part->at[0] != 0 || part->at[1] != 0 || part->at[2] != 0) {
+			main_note("%s: the image on its ground is left out; %s", part->path,
+				from ? "the whole has that of a part before it"
+				     : "it has another origin than the whole");
+			continue;
+		}
+		from = part;
+		m->ground_images = calloc(s->ground_image_count, sizeof *m->ground_images);
+		if (!m->ground_images)
+			return eco_fail(m->error, ECO_NO_MEMORY, "no memory for the image of the ground");
+		for (uint32_t k = 0; k < s->ground_image_count && !code; k++) {
+			struct eco_list record = link_list(part, s->ground_images[k].list);
+			code = link_copy(l, part, s->ground_images[k].list, &record);
+			m->ground_images[k] =
+				(struct eco_ground_image){ part->list_of[s->ground_images[k].list],
+					s->ground_images[k].child_first };
+		}
+		m->scene.ground_images = m->ground_images;
+		m->scene.ground_image_count = s->ground_image_count;
+	}
+	if (!from)
+		m->scene.needs &= ~(uint32_t)ECO_NEED_GROUND_IMAGE;
+	return code;
+}
+
 static enum eco_code copy_ground(struct link *l)
 {
 	struct make *m = &l->m;
@@ -473,6 +509,8 @@ static enum eco_code run(struct link *l, const struct link_options *options)
 		code = add_summaries(l);
 	if (!code)
 		code = lay_ground(l);
+	if (!code)
+		code = copy_image(l);
 	if (code)
 		return code;
 	name_whole(l, options->pack);

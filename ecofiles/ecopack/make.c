@@ -70,6 +70,8 @@ static enum eco_code build(struct make *m)
 	if (!code && m->has_ground)
 		make_doubt_ground(m);
 	if (!code)
+		code = make_image_look(m);
+	if (!code)
 		code = make_plants(m);
 	main_times_stage(MAIN_STAGE_GROUND);
 	if (!code)
@@ -82,6 +84,8 @@ static enum eco_code build(struct make *m)
 	main_times_stage(MAIN_STAGE_GROUND);
 	if (!code && !m->sources.items[0].ground.none)
 		code = make_ground_through(m);
+	if (!code)
+		code = make_image(m);
 	if (code)
 		return code;
 	snprintf(m->scene.name, sizeof m->scene.name, "%s", m->sources.items[0].name);

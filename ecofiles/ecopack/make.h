@@ -7,6 +7,7 @@
  *               or taken from the cache of finished plants                                   make_cache.c
  *   places      instances and inventories, put on the ground, scaled to their heights        make_places.c
  *   tiles       lod_tiles_build; instance lists, tables, point summaries       make_tiles.c, make_summaries.c
+ *   image       rasters of colours or classes, cut into tiles                                 make_image.c
  *   commit      tables, META, rename                                                         make_meta.c
  *
  * Everything up to the commit is deterministic and independent of the number of threads. */
@@ -96,6 +97,7 @@ struct make {
 	double ground_low_m, ground_step_m;      /* its heights are whole steps above this */
 	struct eco_ground_tile *ground_tiles;
 	uint8_t *ground_shifts;                  /* see lod/ground_choice.h */
+	struct eco_ground_image *ground_images;
 	/* plants and nested eco files beyond the ground's border, how far the farthest is, and how many on
 	 * each side */
 	uint64_t off_ground;
@@ -173,6 +175,9 @@ enum eco_code make_ground_finish(struct make *m);
  * some. */
 enum eco_code make_ground_through(struct make *m);
 void make_ground_free(struct make *m);
+enum eco_code make_image_look(struct make *m);       /* reports errors before plants are built */
+/* Packs the image of the ground, if the scene names one, once tiles and ground are there. */
+enum eco_code make_image(struct make *m);
 enum eco_code make_plants(struct make *m);           /* finds, builds and packs them */
 /* Files of a plant to a model, as its scene asks for. `warns`: what is odd about them is said. */
 enum eco_code make_import(struct make_plant *plant, struct eco_model *model, bool warns,

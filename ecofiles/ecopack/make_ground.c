@@ -153,4 +153,5 @@ void make_ground_free(struct make *m)
 	eco_ground_free(&m->ground);
 	free(m->ground_tiles);
 	free(m->ground_shifts);
+	free(m->ground_images);
 }

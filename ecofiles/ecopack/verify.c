@@ -9,6 +9,7 @@
 #include "ecofiles/format/impostor.h"
 #include "ecofiles/ecopack/inspect.h"
 #include "ecofiles/ecopack/progress.h"
+#include "ecofiles/format/ground_image.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/format/splat.h"
 #include "ecofiles/format/texture.h"
@@ -100,13 +101,17 @@ static const char *bad_impostor(const uint8_t *bytes, size_t size, uint32_t ordi
 	return good ? NULL : "holds another level of an impostor than its number says";
 }
 
-static const char *bad_texture(const uint8_t *bytes, size_t size, bool outline, struct eco_error *error)
+static const char *bad_texture(const uint8_t *bytes, size_t size, uint8_t kind, uint32_t ordinal,
+	struct eco_error *error)
 {
 	struct eco_texture_part part;
-	if ((outline ? eco_texture_read_outline : eco_texture_read_colors)(&part, bytes, size, error))
+	uint32_t side = ECO_GROUND_IMAGE_SIDE >> (ECO_GROUND_IMAGE_LEVELS - 1) << ordinal;
+	if ((kind == ECO_LIST_OUTLINE ? eco_texture_read_outline : kind == ECO_LIST_IMAGE
+			? eco_texture_read_colors : eco_texture_read_ground)(&part, bytes, size, error))
 		return error->text;
+	bool good = kind != ECO_LIST_GROUND_IMAGE || (part.width == side && part.height == side);
 	eco_texture_part_free(&part);
-	return NULL;
+	return good ? NULL : "holds another number of texels than its level says";
 }
 
 static void verify_chunk(struct verify *v, uint32_t list_id, uint32_t ordinal, uint32_t first)
@@ -125,7 +130,7 @@ static void verify_chunk(struct verify *v, uint32_t list_id, uint32_t ordinal, u
 	else if (list->kind == ECO_LIST_IMPOSTOR)
 		bad = bad_impostor(bytes, size, ordinal, &error);
 	else if (list->coder == ECO_CODER_BYTES)
-		bad = bad_texture(bytes, size, list->kind == ECO_LIST_OUTLINE, &error);
+		bad = bad_texture(bytes, size, list->kind, ordinal, &error);
 	else if (eco_chunk_decode(list, chunk, ordinal, bytes, size, &elements, &error))
 		bad = error.text;
 	else if (elements.element_count != chunk->element_count

@@ -13,6 +13,7 @@
 #ifndef ECO_LIST_H
 #define ECO_LIST_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "ecofiles/base/status.h"
@@ -32,7 +33,9 @@ enum eco_list_kind {
 	/* a plant's impostors (impostor.h): primitive, element and chunk k is level k. Levels are
 	 * alternatives: a cut draws one of them, though what is fetched is a prefix */
 	ECO_LIST_IMPOSTOR,
-	ECO_LIST_OUTLINE         /* what is opaque of a texture, in levels as that */
+	ECO_LIST_OUTLINE,        /* what is opaque of a texture, in levels as that */
+	/* a tile of the picture on the ground, in levels as a texture (ground_image.h) */
+	ECO_LIST_GROUND_IMAGE
 };
 
 /* Coders: the ways from a payload to elements. All integers inside come from Draco's lossless integer
@@ -76,10 +79,13 @@ struct eco_list {
 	                              * their leaves lie (eco_level_share); outlines: ECO_LOSS_ONE times
 	                              * what the level before the last shows wrong, of what is opaque, 0:
 	                              * not known; else 0 */
-	uint32_t owner;              /* plant id; tile id for instances, summaries; ECO_NONE for ground */
+	uint32_t owner;              /* plant id; tile id for instances, summaries; ECO_NONE for ground and
+	                              * its image */
 	uint32_t group_count;        /* instances: groups of one species each (struct eco_group); else 0 */
-	double grid_origin[3];       /* metres; plant space, tile's eco space, or scene space for ground */
-	double grid_step[3];         /* metres; position = origin + integer * step */
+	double grid_origin[3];       /* metres; plant space, tile's eco space, or scene space for ground; of
+	                              * its image: the south-west corner of the tile */
+	double grid_step[3];         /* metres; position = origin + integer * step; of the ground's image: a
+	                              * texel of the last level */
 	float unit_area;             /* points and summaries: projected area (m^2, random
 	                              * orientation: area / 2) of one point when all are drawn: it is a ball
 	                              * whose disc has the area unit_area * scale. Splats: the square of
@@ -122,6 +128,14 @@ void eco_elements_free(struct eco_elements *elements);
 uint32_t eco_list_extra_count(const struct eco_list *list);
 /* Index of an attribute's first value among an element's extra values; the list must have the attribute. */
 uint32_t eco_list_extra_at(const struct eco_list *list, enum eco_attr attribute);
+
+/* A list whose chunks are levels of texels (texture.h): a texture, its outline, a tile of the ground's
+ * image. */
+static inline bool eco_list_has_texels(const struct eco_list *list)
+{
+	return list->kind == ECO_LIST_IMAGE || list->kind == ECO_LIST_OUTLINE
+		|| list->kind == ECO_LIST_GROUND_IMAGE;
+}
 
 /* Vertices of one primitive of the list: 1, 2 or 3; 0 for instances, ground and images. */
 uint32_t eco_list_vertices(const struct eco_list *list);

@@ -13,7 +13,7 @@
  * File (little-endian, sections 64-byte aligned, padding zero):
  *
  *   0    8  "ECOPACK1"
- *   8    u32 version = 14     12  u32 section count n
+ *   8    u32 version = 15     12  u32 section count n
  *   16   u64 file size        24  u64 XXH3-64 of bytes [0,24) and of the section table
  *   32   n * 40-byte section records:
  *          u32 kind, u32 record count, u64 offset, u64 size, u64 XXH3-64 of the section's bytes (0 for
@@ -24,7 +24,7 @@
  *        2 SCENE       one record: name, needs, root tile, ground columns, rows, margin, near (bounds:
  *                      the root tile's)
  *        3 PLANTS  4 ANCHORS  5 LADDERS  6 CURVES  7 TILES  8 GROUPS  9 CHILDREN  10 LISTS  11 CHUNKS
- *        12 PALETTE  13 PLACES  14 GROUND  15 CHUNK_DATA   payloads, one after the other
+ *        12 PALETTE  13 PLACES  14 GROUND  15 GROUND_IMAGES  16 CHUNK_DATA   payloads, one after the other
  *
  * Each section starts at the first multiple of 64 after the one before; the file ends with the last
  * section. META and CHUNK_DATA have no records (count and size of a record 0); PALETTE has 3 bytes a
@@ -46,7 +46,7 @@ enum eco_need {                  /* what a scene uses; a reader skips what is no
 	ECO_NEED_POINTS = 1, ECO_NEED_LINES = 2, ECO_NEED_TRIANGLES = 4, ECO_NEED_TEXTURES = 8,
 		ECO_NEED_CUTOUTS = 16,
 	ECO_NEED_GROUND = 32, ECO_NEED_CELLS = 64, ECO_NEED_SUMMARIES = 128, ECO_NEED_PLACEMENTS = 256,
-	ECO_NEED_SPLATS = 512, ECO_NEED_IMPOSTORS = 1024, ECO_NEEDS_ALL = 2047
+	ECO_NEED_SPLATS = 512, ECO_NEED_IMPOSTORS = 1024, ECO_NEED_GROUND_IMAGE = 2048, ECO_NEEDS_ALL = 4095
 };
 
 enum eco_organ { ECO_ORGAN_WOOD, ECO_ORGAN_FOLIAGE, ECO_ORGAN_FLOWER, ECO_ORGAN_COUNT };
@@ -187,6 +187,14 @@ struct eco_ground_tile {
 	float low_m, high_m;         /* z in the scene of the finest ground in it */
 };
 
+/* A tile of the picture on the ground (ground_image.h). The tiles are a quadtree: the first is the root;
+ * children follow their parents, four each, level by level: south-west, south-east, north-west,
+ * north-east. */
+struct eco_ground_image {
+	uint32_t list;               /* of kind GROUND_IMAGE, whose grid says where it lies */
+	uint32_t child_first;        /* 0: it has no children */
+};
+
 struct eco_scene {
 	char name[64];
 	uint32_t needs;
@@ -207,6 +215,7 @@ struct eco_scene {
 	/* ECO_PLACE_BYTES each, read with eco_place_read */
 	const uint8_t *places;               uint64_t place_count;
 	const struct eco_ground_tile *ground; uint32_t ground_count;
+	const struct eco_ground_image *ground_images; uint32_t ground_image_count;
 };
 
 /* Are a ladder's points splats in levels? */

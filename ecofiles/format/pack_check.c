@@ -8,6 +8,7 @@
 
 #include "ecofiles/format/chunk/chunk.h"
 #include "ecofiles/format/chunk/chunk_payload.h"
+#include "ecofiles/format/ground_image.h"
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/impostor.h"
 #include "ecofiles/format/pack.h"
@@ -76,8 +77,9 @@ enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *erro
 			|| list->group_count > list->primitive_count)
 		return BAD("list: %u groups of %u primitives in kind %u", list->group_count,
 			list->primitive_count, list->kind);
-	if ((list->kind == ECO_LIST_GROUND) != (list->owner == ECO_NONE) && list->kind != ECO_LIST_IMAGE
-			&& list->kind != ECO_LIST_OUTLINE)
+	if ((list->kind == ECO_LIST_GROUND || list->kind == ECO_LIST_GROUND_IMAGE) !=
+			(list->owner == ECO_NONE) &&
+		list->kind != ECO_LIST_IMAGE && list->kind != ECO_LIST_OUTLINE)
 		return BAD("list: owner %#x in kind %u", list->owner, list->kind);
 	if (list->element_count > list->primitive_count || list->chunk_count > list->element_count
 	    || (list->chunk_count == 0) != (list->primitive_count == 0))
@@ -87,8 +89,7 @@ enum eco_code eco_list_check(const struct eco_list *list, struct eco_error *erro
 			|| list->primitive_count != list->chunk_count))
 		return BAD("list: %u levels of an impostor in %u chunks; at most %u, a chunk each",
 			list->primitive_count, list->chunk_count, ECO_IMPOSTOR_LEVELS);
-	if ((list->kind == ECO_LIST_IMAGE || list->kind == ECO_LIST_OUTLINE)
-			&& (list->primitive_count != list->chunk_count
+	if (eco_list_has_texels(list) && (list->primitive_count != list->chunk_count
 			|| list->chunk_count > ECO_TEXTURE_LEVELS_MAX))
 		return BAD("list: %u levels of a texture in %u chunks; at most %u, a chunk each",
 			list->primitive_count, list->chunk_count, ECO_TEXTURE_LEVELS_MAX);
@@ -603,6 +604,69 @@ static enum eco_code check_ground(const struct eco_scene *s, struct eco_error *e
 		: BAD("scene: %u of %u ground tiles have a parent", next, s->ground_count);
 }
 
+/* ---- The ground's image ---- */
+
+static enum eco_code check_ground_image(const struct eco_scene *s, uint32_t id, struct eco_error *error)
+{
+	const struct eco_ground_image *t = &s->ground_images[id];
+	if (t->list >= s->list_count || s->lists[t->list].kind != ECO_LIST_GROUND_IMAGE
+			|| s->lists[t->list].chunk_count != ECO_GROUND_IMAGE_LEVELS)
+		return BAD("ground image %u: list %u is not an image of the ground in %u levels", id, t->list,
+			ECO_GROUND_IMAGE_LEVELS);
+	if (s->lists[t->list].image != ECO_NONE)
+		return BAD("ground image %u: list %u has an image of its own", id, t->list);
+	if (s->lists[t->list].grid_step[0] != s->lists[t->list].grid_step[1])
+		return BAD("ground image %u: the texels of list %u are not square", id, t->list);
+	return ECO_OK;
+}
+
+/* Lists of tiles that have been checked. */
+static enum eco_code check_ground_image_children(const struct eco_scene *s, uint32_t id,
+	struct eco_error *error)
+{
+	const struct eco_list *parent = &s->lists[s->ground_images[id].list];
+	for (uint32_t quarter = 0; quarter < 4; quarter++) {
+		const struct eco_list *list =
+			&s->lists[s->ground_images[s->ground_images[id].child_first + quarter].list];
+		struct eco_list there = *parent;
+		eco_ground_image_quarter(&there, quarter);
+		if (memcmp(list->grid_origin, there.grid_origin, sizeof there.grid_origin) != 0
+				|| memcmp(list->grid_step, there.grid_step, sizeof there.grid_step) != 0)
+			return BAD("ground image %u: its child %u does not lie where it should", id,
+				s->ground_images[id].child_first + quarter);
+	}
+	return ECO_OK;
+}
+
+static enum eco_code check_ground_images(const struct eco_scene *s, struct eco_error *error)
+{
+	uint32_t next = 1, lists = 0;
+	if (s->ground_image_count && !s->ground_count)
+		return BAD("scene: an image on ground that is not there");
+	for (uint32_t i = 0; i < s->list_count; i++)
+		lists += s->lists[i].kind == ECO_LIST_GROUND_IMAGE;
+	if (lists != s->ground_image_count)
+		return BAD("scene: %u tiles of the ground's image in %u lists", s->ground_image_count, lists);
+	for (uint32_t i = 0; i < s->ground_image_count; i++)
+		if (check_ground_image(s, i, error) != ECO_OK)
+			return ECO_DAMAGED;
+	for (uint32_t i = 0; i < s->ground_image_count; i++) {
+		uint32_t first = s->ground_images[i].child_first;
+		if (!first)
+			continue;
+		if (first != next || s->ground_image_count - next < 4)
+			return BAD("ground image %u: children [%u, +4) of %u tiles", i, first,
+				s->ground_image_count);
+		next += 4;
+		if (check_ground_image_children(s, i, error) != ECO_OK)
+			return ECO_DAMAGED;
+	}
+	return next == s->ground_image_count || !s->ground_image_count
+		? ECO_OK
+		: BAD("scene: %u of %u tiles of the ground's image have a parent", next,
+			  s->ground_image_count);
+}
+
 /* Everything present must be among the needs: a reader skips what is not listed. */
 static enum eco_code check_needs(const struct eco_scene *s, struct eco_error *error)
 {
@@ -611,7 +675,7 @@ static enum eco_code check_needs(const struct eco_scene *s, struct eco_error *er
 			{ ECO_NEED_TRIANGLES, "triangles" },
 		{ ECO_NEED_TEXTURES, "textures" }, { ECO_NEED_GROUND, "ground" }, { ECO_NEED_CELLS, "cells" },
 		{ ECO_NEED_SUMMARIES, "summaries" }, { ECO_NEED_PLACEMENTS, "placements" },
-		{ ECO_NEED_SPLATS, "splats" },
+		{ ECO_NEED_SPLATS, "splats" }, { ECO_NEED_GROUND_IMAGE, "an image on the ground" },
 	};
 	uint32_t used = 0;
 
@@ -642,7 +706,7 @@ enum eco_code eco_scene_check(const struct eco_scene *s, struct eco_error *error
 	if (check_lists(s, error) != ECO_OK || check_plants(s, error) != ECO_OK
 			|| check_tiles(s, error) != ECO_OK)
 		return ECO_DAMAGED;
-	if (check_ground(s, error) != ECO_OK)
+	if (check_ground(s, error) != ECO_OK || check_ground_images(s, error) != ECO_OK)
 		return ECO_DAMAGED;
 	return check_needs(s, error);
 }

@@ -58,7 +58,6 @@ static uint32_t make_bodies(const struct eco_scene *s, const char *meta_json, ui
 		eco_##name##_write(&body.owned, &s->table[i]); \
 	add_body(bodies, &count, ECO_SECTION_##kind, s->name##_count, body);
 	ECO_PACK_TABLES(TABLE)
-#undef TABLE
 	body = (struct body){ 0 };
 	for (uint32_t i = 0; i < s->chunk_count; i++) {
 		struct eco_chunk chunk = s->chunks[i];
@@ -75,6 +74,8 @@ static uint32_t make_bodies(const struct eco_scene *s, const char *meta_json, ui
 	for (uint32_t i = 0; i < s->ground_count; i++)
 		eco_ground_tile_write(&body.owned, &s->ground[i]);
 	add_body(bodies, &count, ECO_SECTION_GROUND, s->ground_count, body);
+	TABLE(GROUND_IMAGES, ground_images, ground_image)
+#undef TABLE
 	return count;
 }
 

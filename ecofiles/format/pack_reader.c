@@ -143,6 +143,7 @@ static enum eco_code read_table(struct opened *o, enum eco_section_kind kind, si
 ECO_PACK_TABLES(READER)
 READER(CHUNKS, chunks, chunk)
 READER(GROUND, ground, ground_tile)
+READER(GROUND_IMAGES, ground_images, ground_image)
 #undef READER
 
 static enum eco_code read_tables(struct opened *o, struct eco_error *error)
@@ -168,6 +169,7 @@ static enum eco_code read_tables(struct opened *o, struct eco_error *error)
 		code = read_table(o, ECO_SECTION_GROUND, sizeof *scene->ground, (const void **)&scene->ground,
 		&scene->ground_count,
 			read_ground_tile, error);
+	TABLE(GROUND_IMAGES, ground_images, ground_image)
 #undef TABLE
 	scene->palette = (const uint8_t (*)[3])(o->pack.map + s[ECO_SECTION_PALETTE].offset);
 	scene->palette_count = s[ECO_SECTION_PALETTE].count;

@@ -22,6 +22,7 @@ const struct eco_section_info eco_section_info[ECO_SECTION_KIND_END] = {
 	[ECO_SECTION_PALETTE] = { "PALETTE", 3 },
 	[ECO_SECTION_PLACES] = { "PLACES", ECO_PLACE_BYTES },
 	[ECO_SECTION_GROUND] = { "GROUND", 32 },
+	[ECO_SECTION_GROUND_IMAGES] = { "GROUND_IMAGES", 8 },
 	[ECO_SECTION_CHUNK_DATA] = { "CHUNK_DATA", 0 },
 };
 
@@ -170,6 +171,8 @@ static const struct field ground_tile_fields[] = {
 	ONE(ground_tile, error_m), ONE(ground_tile, low_m), ONE(ground_tile, high_m),
 };
 
+static const struct field ground_image_fields[] = { ONE(ground_image, list), ONE(ground_image, child_first) };
+
 static const struct field group_fields[] = {
 	ONE(group, tile), ONE(group, plant), ONE(group, list), ONE(group, place_first), ONE(group, first),
 	ONE(group, count),
@@ -211,7 +214,8 @@ static const struct field place_fields[] = {
 	}
 WRITE_AND_READ(section) WRITE_AND_READ(scene) WRITE_AND_READ(plant) WRITE_AND_READ(anchor)
 WRITE_AND_READ(ladder) WRITE_AND_READ(curve) WRITE_AND_READ(tile) WRITE_AND_READ(ground_tile)
-WRITE_AND_READ(group) WRITE_AND_READ(child) WRITE_AND_READ(list) WRITE_AND_READ(chunk)
+WRITE_AND_READ(ground_image) WRITE_AND_READ(group) WRITE_AND_READ(child) WRITE_AND_READ(list)
+WRITE_AND_READ(chunk)
 WRITE(place)
 
 struct eco_place eco_place_read(const struct eco_scene *scene, uint64_t index)

@@ -7,7 +7,7 @@
 #include "ecofiles/format/pack.h"
 
 #define ECO_PACK_MAGIC "ECOPACK1"
-#define ECO_PACK_VERSION 14u
+#define ECO_PACK_VERSION 15u
 #define ECO_PACK_HEADER_BYTES 32u
 #define ECO_PACK_SECTION_BYTES 40u
 #define ECO_PACK_ALIGN 64u
@@ -16,7 +16,8 @@ enum eco_section_kind {
 	ECO_SECTION_META = 1, ECO_SECTION_SCENE, ECO_SECTION_PLANTS, ECO_SECTION_ANCHORS, ECO_SECTION_LADDERS,
 		ECO_SECTION_CURVES,
 	ECO_SECTION_TILES, ECO_SECTION_GROUPS, ECO_SECTION_CHILDREN, ECO_SECTION_LISTS, ECO_SECTION_CHUNKS,
-	ECO_SECTION_PALETTE, ECO_SECTION_PLACES, ECO_SECTION_GROUND, ECO_SECTION_CHUNK_DATA,
+	ECO_SECTION_PALETTE, ECO_SECTION_PLACES, ECO_SECTION_GROUND, ECO_SECTION_GROUND_IMAGES,
+	ECO_SECTION_CHUNK_DATA,
 	ECO_SECTION_KIND_END
 };
 
@@ -33,8 +34,8 @@ void eco_section_write(struct eco_writer *w, const struct eco_section *section);
 void eco_section_read(struct eco_reader *r, struct eco_section *section);
 
 /* Tables of a scene whose sections hold their records unchanged, in the order of the sections: X(SECTION,
- * table, record). Not among them: chunks, whose offsets are known last, and the ground, whose table and
- * records have different names. */
+ * table, record). Not among them: chunks, whose offsets are known last, and the ground and its image,
+ * whose tables and records have different names. */
 #define ECO_PACK_TABLES(X) \
 	X(PLANTS, plants, plant) X(ANCHORS, anchors, anchor) X(LADDERS, ladders, ladder) X(CURVES, curves, \
 	curve) \
@@ -52,6 +53,8 @@ void eco_curve_write(struct eco_writer *w, const struct eco_curve *curve);
 void eco_curve_read(struct eco_reader *r, struct eco_curve *curve);
 void eco_ground_tile_write(struct eco_writer *w, const struct eco_ground_tile *tile);
 void eco_ground_tile_read(struct eco_reader *r, struct eco_ground_tile *tile);
+void eco_ground_image_write(struct eco_writer *w, const struct eco_ground_image *tile);
+void eco_ground_image_read(struct eco_reader *r, struct eco_ground_image *tile);
 void eco_tile_write(struct eco_writer *w, const struct eco_tile *tile);
 void eco_tile_read(struct eco_reader *r, struct eco_tile *tile);
 void eco_group_write(struct eco_writer *w, const struct eco_group *group);

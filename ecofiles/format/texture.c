@@ -121,7 +121,7 @@ enum eco_code eco_texture_write_colors(struct eco_writer *w, const struct eco_te
 	WebPConfig config;
 	WebPPicture picture;
 	WebPMemoryWriter memory;
-	assert(part->channels == 3);
+	assert(part->channels == 3 || part->channels == 4);
 	if (!WebPConfigPreset(&config, WEBP_PRESET_PICTURE, (float)quality) || !WebPPictureInit(&picture))
 		return eco_fail(error, ECO_UNSUPPORTED, "libwebp has another version than its headers");
 	WebPMemoryWriterInit(&memory);
@@ -130,8 +130,9 @@ enum eco_code eco_texture_write_colors(struct eco_writer *w, const struct eco_te
 	picture.height = (int)part->height;
 	picture.writer = WebPMemoryWrite;
 	picture.custom_ptr = &memory;
-	bool good = WebPPictureImportRGB(&picture, part->texels, 3 * (int)part->width)
-		&& WebPEncode(&config, &picture);
+	bool good = (part->channels == 3 ? WebPPictureImportRGB : WebPPictureImportRGBA)(&picture,
+			    part->texels, (int)(part->channels * part->width)) &&
+		WebPEncode(&config, &picture);
 	if (good)
 		eco_write_bytes(w, memory.mem, memory.size);
 	WebPPictureFree(&picture);
@@ -141,19 +142,21 @@ enum eco_code eco_texture_write_colors(struct eco_writer *w, const struct eco_te
 }
 
 static enum eco_code try_colors(struct eco_texture_part *part, const uint8_t *bytes, size_t size,
-	struct eco_error *error)
+	bool may_fade, struct eco_error *error)
 {
 	WebPBitstreamFeatures features;
 	if (WebPGetFeatures(bytes, size, &features) != VP8_STATUS_OK || features.has_animation
-			|| features.has_alpha || features.width < 1 || features.height < 1
+			|| (features.has_alpha && !may_fade) || features.width < 1 || features.height < 1
 			|| !sides_fit((uint64_t)features.width, (uint64_t)features.height))
 		return BAD("texture: %zu bytes are no WebP file of colours", size);
 	uint32_t width = (uint32_t)features.width, height = (uint32_t)features.height;
-	size_t room = 3 * (size_t)width * height;
-	*part = (struct eco_texture_part){ width, height, 3, malloc(room) };
+	uint32_t channels = features.has_alpha ? 4 : 3;
+	size_t room = channels * (size_t)width * height;
+	*part = (struct eco_texture_part){ width, height, channels, malloc(room) };
 	if (!part->texels)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u x %u texels", width, height);
-	if (!WebPDecodeRGBInto(bytes, size, part->texels, room, 3 * features.width))
+	if (!(channels == 3 ? WebPDecodeRGBInto : WebPDecodeRGBAInto)(bytes, size, part->texels, room,
+			(int)channels * features.width))
 		return BAD("texture: the WebP file of %u x %u texels is damaged", width, height);
 	return ECO_OK;
 }
@@ -186,7 +189,14 @@ enum eco_code eco_texture_read_colors(struct eco_texture_part *part, const uint8
 	struct eco_error *error)
 {
 	*part = (struct eco_texture_part){ 0 };
-	return or_nothing(try_colors(part, bytes, size, error), part);
+	return or_nothing(try_colors(part, bytes, size, false, error), part);
+}
+
+enum eco_code eco_texture_read_ground(struct eco_texture_part *part, const uint8_t *bytes, size_t size,
+	struct eco_error *error)
+{
+	*part = (struct eco_texture_part){ 0 };
+	return or_nothing(try_colors(part, bytes, size, true, error), part);
 }
 
 /* ---- Together ---- */

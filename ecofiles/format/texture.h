@@ -24,7 +24,8 @@
 #define ECO_TEXTURE_LEVELS_MAX 16u
 #define ECO_TEXTURE_SIDE_MAX 16383u              /* texels, of a level: WebP has no more */
 
-/* An outline (channels 1: 255 opaque, 0 clear) or colours (channels 3: sRGB), rows from the top. */
+/* An outline (channels 1: 255 opaque, 0 clear) or colours (channels 3: sRGB; of the ground's image also 4,
+ * with alpha), rows from the top. */
 struct eco_texture_part { uint32_t width, height, channels; uint8_t *texels; };
 void eco_texture_part_free(struct eco_texture_part *part);
 
@@ -39,6 +40,9 @@ enum eco_code eco_texture_write_colors(struct eco_writer *w, const struct eco_te
 enum eco_code eco_texture_read_outline(struct eco_texture_part *part, const uint8_t *bytes, size_t size,
 	struct eco_error *error);
 enum eco_code eco_texture_read_colors(struct eco_texture_part *part, const uint8_t *bytes, size_t size,
+	struct eco_error *error);
+/* The same of the ground's image: with alpha where it has some. */
+enum eco_code eco_texture_read_ground(struct eco_texture_part *part, const uint8_t *bytes, size_t size,
 	struct eco_error *error);
 
 /* Texels that a payload says it has; 0 where it cannot be read. */

@@ -28,6 +28,10 @@ struct eco_view {
 #define ECO_TEXEL_PX_MIN 1e-6        /* every texture whole */
 #define ECO_TEXEL_PX_MAX 65536.0
 
+/* The same of the image on the ground: the default, and the least, as a picture shows no more. */
+#define ECO_GROUND_TEXEL_PX 1.0
+#define ECO_GROUND_TEXEL_PX_MIN 0.25
+
 /* From here on fetching a chunk by a request of its own costs little beside its bytes. */
 #define ECO_NAME_FROM 1024u
 
@@ -37,7 +41,8 @@ struct eco_request {
 	/* budget of the whole response and of what it names, or ECO_BYTES_UNBOUNDED */
 	uint64_t bytes;
 	double ground_px;            /* greatest error of the ground, _PX_MIN.._PX_MAX; 0: ECO_GROUND_PX */
-	/* greatest width of a texture's texels where it has finer, _PX_MIN.._PX_MAX; 0: ECO_TEXEL_PX */
+	/* greatest width of a texture's texels where it has finer, _PX_MIN.._PX_MAX; 0: ECO_TEXEL_PX,
+	 * and ECO_GROUND_TEXEL_PX for the ground's image */
 	double texel_px;
 	/* chunks of at least so many bytes are named by the answer, not carried; 0: none */
 	uint64_t name_from;

@@ -179,7 +179,7 @@ static enum eco_code check_form(uint32_t id, const struct eco_list *list, struct
 static enum eco_code check_list(const struct eco_wire_parser *p, uint32_t id, const struct eco_list *list,
 	struct eco_error *e)
 {
-	if (list->kind < ECO_LIST_TRIANGLES || list->kind > ECO_LIST_OUTLINE)
+	if (list->kind < ECO_LIST_TRIANGLES || list->kind > ECO_LIST_GROUND_IMAGE)
 		return eco_fail(e, ECO_UNSUPPORTED, "list %u is of kind %u, which this program does not know",
 			id, list->kind);
 	if (list->coder < ECO_CODER_ELEMENTS || list->coder > ECO_CODER_BYTES)
@@ -208,8 +208,10 @@ static enum eco_code check_list(const struct eco_wire_parser *p, uint32_t id, co
 			|| list->primitive_count != list->element_count))
 		return BAD("list %u: %u levels of an impostor in %u chunks", id, list->primitive_count,
 			list->chunk_count);
-	if ((list->kind == ECO_LIST_IMAGE || list->kind == ECO_LIST_OUTLINE)
-			&& (list->chunk_count > ECO_TEXTURE_LEVELS_MAX
+	if (list->kind == ECO_LIST_GROUND_IMAGE && (!p->ground || list->grid_step[0] != list->grid_step[1]))
+		return BAD("list %u is an image of the ground, but the scene has no ground, or its texels "
+			"are not square", id);
+	if (eco_list_has_texels(list) && (list->chunk_count > ECO_TEXTURE_LEVELS_MAX
 			|| list->primitive_count != list->chunk_count
 			|| list->primitive_count != list->element_count))
 		return BAD("list %u: %u levels of a texture in %u chunks", id, list->primitive_count,

@@ -220,5 +220,6 @@ void eco_source_free(struct eco_source *source)
 	free(source->crs);
 	free(source->vertical);
 	eco_ground_source_free(&source->ground);
+	eco_ground_image_source_free(&source->ground_image);
 	*source = (struct eco_source){ .path = NULL };
 }

@@ -18,6 +18,7 @@
 #include <stdint.h>
 
 #include "ecofiles/import/ground/ground.h"
+#include "ecofiles/import/ground/ground_image_import.h"
 #include "ecofiles/import/model/model_import.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/import/places/positions.h"
@@ -64,6 +65,7 @@ struct eco_source {
 	double origin[3];
 	double importance;                   /* factor of its own plants' importances */
 	char *vertical;                      /* datum of all heights; NULL: not stated */
+	struct eco_ground_image_source ground_image;         /* file_count 0: none; as ground */
 	struct eco_ground_source ground;     /* height_count 0: none. Only the outermost file has ground */
 	uint32_t tile_instances;             /* a tile is split above this many */
 	uint32_t models;                     /* so many stand for all; 0: all. Counts in the outermost file */

@@ -3,9 +3,10 @@
 #include "ecofiles/scene/scene_parse.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static const char *const ground_fields[] = { "heights", "crs", "vertical", "band", "scale", "offset", "unit",
-	"nodata", "north_west", "pixel", NULL };
+	"nodata", "north_west", "pixel", "image", NULL };
 
 static bool parse_meaning(struct eco_ground_source *ground, const struct eco_json *at)
 {
@@ -26,8 +27,8 @@ static bool parse_meaning(struct eco_ground_source *ground, const struct eco_jso
 	return true;
 }
 
-/* The place of a picture that has no coordinates of its own. */
-static bool parse_place(struct eco_ground_source *ground, const struct eco_json *at)
+bool eco_scene_parse_place(const struct eco_json *at, uint32_t files, bool *has_place, double corner_m[2],
+	double pixel_m[2])
 {
 	struct eco_json corner = eco_json_member(at, "north_west"), pixel = eco_json_member(at, "pixel");
 	if ((!corner.value) != (!pixel.value))
@@ -35,19 +36,33 @@ static bool parse_place(struct eco_ground_source *ground, const struct eco_json 
 			"and \"pixel\" (its pixels' size) go together");
 	if (!corner.value)
 		return true;
-	if (ground->height_count > 1)
+	if (files > 1)
 		return eco_json_fail(&corner, ECO_BAD_INPUT, "several rasters cannot have one corner; give "
 			"each a world file");
-	ground->has_place = true;
+	*has_place = true;
 	if (json_is_array(pixel.value)) {
-		if (!eco_json_numbers(at, "pixel", 2, 2, 1e-9, 1e6, ground->pixel))
+		if (!eco_json_numbers(at, "pixel", 2, 2, 1e-9, 1e6, pixel_m))
 			return false;
 	} else {
-		if (!eco_json_number(at, "pixel", 1e-9, 1e6, &ground->pixel[0]))
+		if (!eco_json_number(at, "pixel", 1e-9, 1e6, &pixel_m[0]))
 			return false;
-		ground->pixel[1] = ground->pixel[0];
+		pixel_m[1] = pixel_m[0];
 	}
-	return eco_json_numbers(at, "north_west", 2, 2, -1e9, 1e9, ground->corner);
+	return eco_json_numbers(at, "north_west", 2, 2, -1e9, 1e9, corner_m);
+}
+
+/* Other fields say what heights mean. */
+static bool check_no_heights(const struct eco_json *node)
+{
+	for (const char *const *field = ground_fields; *field; field++) {
+		struct eco_json other = eco_json_member(node, *field);
+		if (other.value && strcmp(*field, "image") != 0)
+			return eco_json_fail(&other, ECO_BAD_INPUT,
+				"\"%s\" is about \"heights\", which the ground does "
+				"not have; what the image needs goes into it: \"image\": {\"file\": ...}",
+				*field);
+	}
+	return true;
 }
 
 bool eco_scene_parse_ground(struct eco_source *source, const struct eco_json *top)
@@ -57,11 +72,19 @@ bool eco_scene_parse_ground(struct eco_source *source, const struct eco_json *to
 	ground->none = json_is_null(node.value);
 	if (!node.value || ground->none)
 		return true;
-	return eco_scene_object(&node, ground_fields) && eco_json_required(&node, "heights")
-		&& eco_scene_parse_paths(source, &heights, "raster", ECO_GROUND_FILES_MAX, &ground->heights,
-		&ground->height_count) && eco_scene_copy_text(&node, "vertical", ECO_PATH_BYTES,
-		&ground->vertical) && parse_meaning(ground, &node) && parse_place(ground, &node)
-		&& eco_scene_parse_crs(source, &node, "crs", &ground->crs);
+	if (!eco_scene_object(&node, ground_fields))
+		return false;
+	struct eco_json image = eco_json_member(&node, "image");
+	if (!heights.value && image.value)
+		return check_no_heights(&node) && eco_scene_parse_image(source, &image);
+	return eco_json_required(&node, "heights") && eco_scene_parse_image(source, &image) &&
+		eco_scene_parse_paths(source, &heights, "raster", ECO_GROUND_FILES_MAX, &ground->heights,
+			&ground->height_count) &&
+		eco_scene_copy_text(&node, "vertical", ECO_PATH_BYTES, &ground->vertical) &&
+		parse_meaning(ground, &node) &&
+		eco_scene_parse_place(&node, ground->height_count, &ground->has_place, ground->corner,
+			ground->pixel) &&
+		eco_scene_parse_crs(source, &node, "crs", &ground->crs);
 }
 
 void eco_ground_source_free(struct eco_ground_source *ground)

@@ -40,6 +40,11 @@ void eco_source_plant_free(struct eco_source_plant *plant);
 
 /* "ground" (scene_ground.c). */
 bool eco_scene_parse_ground(struct eco_source *source, const struct eco_json *top);
+/* "image" of it (scene_image.c), if present. */
+bool eco_scene_parse_image(struct eco_source *source, const struct eco_json *at);
+/* "north_west" and "pixel": the place of a picture that has no coordinates of its own. */
+bool eco_scene_parse_place(const struct eco_json *at, uint32_t files, bool *has_place, double corner[2],
+	double pixel[2]);
 void eco_ground_source_free(struct eco_ground_source *ground);
 
 /* The first plant of that name. The error, at `at`, lists the plants there are. */

@@ -119,7 +119,8 @@ static enum eco_code walk_child(struct walk *walk, uint32_t parent, uint32_t num
 	if (code)
 		return code;
 	child->source = index;
-	if (sources->items[index].ground.height_count > 0) {
+	if (sources->items[index].ground.height_count > 0 ||
+		sources->items[index].ground_image.file_count > 0) {
 		snprintf(text, sizeof text, "%.200s has ground, but only the outermost file can: a nested "
 			"file stands where it is placed", child->eco);
 		return fail_at_child(walk, parent, number, ECO_UNSUPPORTED, text);

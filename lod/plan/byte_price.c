@@ -11,6 +11,7 @@
 #include "lod/plan/texture_levels.h"
 
 #define LISTS_OF_LADDER 5        /* points, lines, simple, triangles, impostor */
+#define GROUND_LEAST 0.1         /* share of the ground that shows, at least */
 #define DRAWN_LEAST 1e-9         /* plants, below which nobody draws */
 
 /* The longest prefix of each list of a ladder, in chunks. */
@@ -461,6 +462,10 @@ enum eco_code lod_prices_make(struct lod_allocation *m, const struct eco_holding
 		&& (prices->spent = malloc((plants + 1u) * sizeof *prices->spent))
 		&& make_ladders(m) && make_tiles(m) && make_room(m);
 	work_limits(m);
+	const struct eco_view *view = &m->p->input->request->view;
+	if (nodes)
+		m->p->image.share = fmax(GROUND_LEAST, 1 - m->tile_choices[0].pixels
+			/ ((double)view->width * view->height));
 	return good ? ECO_OK : eco_fail(error, ECO_NO_MEMORY, "planning: no memory for the bytes of %u tiles",
 		nodes);
 }

@@ -2,10 +2,13 @@
 #include "lod/plan/planner.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdlib.h>
 
 #include "lod/plan/explain_state.h"
 #include "lod/plan/lambda_search.h"
+
+#define IMAGE_PART 4u                    /* of an answer's bytes: 1 / so many */
 
 enum eco_code lod_planner_begin(struct lod_planner *p, const struct lod_planner_input *input,
 	struct eco_error *error)
@@ -21,15 +24,19 @@ enum eco_code lod_planner_begin(struct lod_planner *p, const struct lod_planner_
 	if (code)
 		return code;
 	p->tables = p->tables ? p->tables : p->own;
-	return lod_visible_tree_init(&p->visible, scene, &input->request->view,
+	code = lod_visible_tree_init(&p->visible, scene, &input->request->view,
 		input->tiles_max ? input->tiles_max : 1000000, input->placements_max ? input->placements_max
 		: 100000, error);
+	const struct eco_request *r = input->request;
+	return code ? code : lod_image_see(&p->image, scene, &p->visible.eye, &r->view,
+		r->texel_px > 0 ? fmax(r->texel_px, ECO_GROUND_TEXEL_PX_MIN) : ECO_GROUND_TEXEL_PX, error);
 }
 
 void lod_planner_end(struct lod_planner *p)
 {
 	free(p->gates);
 	free(p->texture_levels);
+	lod_image_free(&p->image);
 	free(p->entries);
 	lod_search_free(p->search);
 	lod_plan_tables_free(p->own);
@@ -44,6 +51,11 @@ enum eco_code lod_plan(struct eco_plan *plan, const struct lod_planner_input *in
 	assert(input->request->vertices <= ECO_VERTICES_MAX);
 	*plan = (struct eco_plan){ 0 };
 	enum eco_code code = lod_planner_begin(&p, input, error);
+	/* a rule that knows no bytes leaves the image a part of them */
+	if (!code && input->rule && input->rule != lod_rule_optimal
+			&& input->request->bytes != ECO_BYTES_UNBOUNDED)
+		p.image_price = lod_image_price(&p.image, input->scene, input->holdings,
+			input->request->bytes / IMAGE_PART);
 	if (!code)
 		code = (input->rule ? input->rule : lod_rule_optimal)(&p, error);
 	if (!code)

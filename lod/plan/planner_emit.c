@@ -177,6 +177,19 @@ static void add_placements(const struct lod_planner *p, uint32_t *placement_in_p
 	}
 }
 
+static enum eco_code add_image(const struct lod_planner *p, struct eco_plan *plan, struct eco_error *error)
+{
+	if (!p->image.count)
+		return ECO_OK;
+	struct eco_cut *cuts = realloc(plan->cuts, ((size_t)plan->cut_count + p->image.count) * sizeof *cuts);
+	if (!cuts)
+		return eco_fail(error, ECO_NO_MEMORY, "planning: no memory for the image of the ground");
+	plan->cuts = cuts;
+	plan->cut_count += lod_image_cuts(&p->image, p->scene, p->input->holdings, p->image_price,
+		cuts + plan->cut_count);
+	return ECO_OK;
+}
+
 enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *plan, struct eco_error *error)
 {
 	uint32_t groups = 0;
@@ -215,6 +228,8 @@ enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *pla
 		if (p->gates[i])
 			plan->gates[plan->gate_count++] = (struct eco_gate){ i, p->gates[i] };
 	enum eco_code code = lod_plan_textures(plan, p, error);
+	if (!code)
+		code = add_image(p, plan, error);
 	if (code)
 		return code;
 	merge_bands(plan);

@@ -6,6 +6,7 @@
 #include <assert.h>
 
 #include "lod/plan/explain.h"
+#include "lod/plan/image_choice.h"
 #include "lod/plan/planner.h"
 #include "lod/plan/plan_tables.h"
 #include "lod/plan/visible_tree.h"
@@ -54,6 +55,8 @@ struct lod_planner {
 	double price;
 	uint8_t *texture_levels;     /* per list, of textures: the most that bytes allow; 0: any. NULL: bytes
 	                              * do not bind */
+	struct lod_image image;      /* of the ground; what is shown of it at ... */
+	double image_price;          /* ... wrong pixels that a byte must save; 0: bytes do not bind */
 	struct eco_prediction prediction;
 	double sample_distance;      /* lod_rule_deussen; only reported */
 	struct lod_screen screen;    /* lod_rule_optimal */

@@ -38,7 +38,10 @@ double lod_price_relax(struct lod_allocation *m, double lambda, const struct lod
 		lod_allocation_relax(m, lambda);
 		lod_prices_levels(m);
 	}
-	return lod_prices_bytes(m);
+	if (m->spares)
+		return lod_prices_bytes(m);
+	m->p->image_price = lists;
+	return lod_prices_bytes(m) + lod_image_bytes(&m->p->image, m->p->scene, m->p->input->holdings, lists);
 }
 
 double lod_price_wrong(const struct lod_allocation *m)
@@ -219,7 +222,8 @@ double lod_price_fill(struct lod_allocation *m, double lambda, double target, st
 	double over)
 {
 	double bytes = lod_price_relax(m, lambda, at);
-	for (int i = 0; i < PRICE_GAPS && bytes < target * (1 - LOD_PRICE_SLACK) && over > LOD_PRICE_LOWEST; i++)
+	for (int i = 0; i < PRICE_GAPS && bytes < target * (1 - LOD_PRICE_SLACK) && over > LOD_PRICE_LOWEST;
+		i++)
 		if (!fill_gap(m, lambda, target, at, &over, &bytes))
 			break;
 	return lod_price_relax(m, lambda, at);

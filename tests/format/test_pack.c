@@ -152,8 +152,10 @@ UNIT_TEST(all_payloads_decode)
 			assert_ok(eco_pack_payload(pack, list->chunk_first + k, &payload, &payload_size,
 				&error), error);
 			if (list->coder == ECO_CODER_BYTES) {
-				assert_memory_equal(payload, k ? "and no other" : "no WebP file",
-					payload_size);
+				const char *texts[] = { "no WebP file", "and no other", "level 0", "level 1",
+					"level 2", "level 3" };
+				assert_memory_equal(payload,
+					texts[list->kind == ECO_LIST_GROUND_IMAGE ? 2 + k : k], payload_size);
 				continue;
 			}
 			if (eco_chunk_decode(list, &pack->scene.chunks[list->chunk_first + k], k, payload,

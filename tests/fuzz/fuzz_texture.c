@@ -1,4 +1,5 @@
-/* Parts of textures: the first byte's lowest bit says whether colours or an outline. An outline that is read
+/* Parts of textures: the first byte's lowest two bits say whether an outline, colours, or those of the
+ * ground, which may have alpha. An outline that is read
  * can be written, and is then read as the same. */
 #include <assert.h>
 #include <string.h>
@@ -13,8 +14,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 	struct eco_texture_part part, again;
 	if (!size)
 		return 0;
-	enum eco_code code = (bytes[0] & 1 ? eco_texture_read_colors : eco_texture_read_outline)(&part,
-		bytes + 1, size - 1, &error);
+	enum eco_code code = (bytes[0] & 2 ? eco_texture_read_ground : bytes[0] & 1 ? eco_texture_read_colors
+		: eco_texture_read_outline)(&part, bytes + 1, size - 1, &error);
 	assert(code == error.code && (!code || !part.texels));
 	if (code)
 		return 0;

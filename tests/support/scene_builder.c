@@ -92,6 +92,11 @@ uint32_t scene_add_ground(struct scene_builder *b, struct eco_ground_tile row)
 	return ADD(ground, ground_count, row);
 }
 
+uint32_t scene_add_ground_image(struct scene_builder *b, struct eco_ground_image row)
+{
+	return ADD(ground_images, ground_image_count, row);
+}
+
 void scene_add_colors(struct scene_builder *b, const uint8_t (*colors)[3], uint32_t count)
 {
 	for (uint32_t i = 0; i < count; i++) {
@@ -299,7 +304,7 @@ enum eco_code scene_write(struct scene_builder *b, const char *path, const char 
 		if (list->kind == ECO_LIST_IMAGE || list->kind == ECO_LIST_OUTLINE)
 			code = eco_pack_add_bytes(w, list, levels_of(b, id), b->texture_levels, &stored,
 				error);
-		else if (list->kind == ECO_LIST_IMPOSTOR)
+		else if (list->kind == ECO_LIST_IMPOSTOR || list->kind == ECO_LIST_GROUND_IMAGE)
 			code = eco_pack_add_bytes(w, list, ends.files, ends.count, &stored, error);
 		else
 			code = eco_pack_add_list(w, list, &b->elements[id], ends.ends, ends.count,
@@ -330,13 +335,15 @@ void scene_copy(struct scene_builder *b, const struct eco_scene *scene)
 	COPY(lists, list_count);
 	COPY(chunks, chunk_count);
 	COPY(ground, ground_count);
+	COPY(ground_images, ground_image_count);
 #undef COPY
 }
 
 void scene_free(struct scene_builder *b)
 {
 	void *tables[] = { b->plants, b->anchors, b->ladders, b->curves, b->tiles, b->groups, b->children,
-		b->lists, b->chunks, b->ground, b->palette, b->elements, b->ends, b->payloads };
+		b->lists, b->chunks, b->ground, b->ground_images, b->palette, b->elements, b->ends,
+		b->payloads };
 	for (uint32_t i = 0; i < b->scene.list_count && b->elements; i++)
 		eco_elements_free(&b->elements[i]);
 	for (uint32_t i = 0; i < b->scene.chunk_count && b->payloads; i++)

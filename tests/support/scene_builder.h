@@ -29,10 +29,12 @@ struct scene_builder {
 	struct eco_list *lists;
 	struct eco_chunk *chunks;
 	struct eco_ground_tile *ground;
+	struct eco_ground_image *ground_images;
 	uint8_t (*palette)[3];
 	struct eco_writer places;
 	struct eco_elements *elements;       /* of each list; empty where only tables are asked for */
-	/* of each list: where its chunks end; NULL: see split. Of impostors, their files: one a chunk */
+	/* of each list: where its chunks end; NULL: see split. Of impostors and images of the ground, their
+	 * files: one a chunk */
 	struct scene_ends { const uint32_t *ends; uint32_t count; const struct eco_bytes *files; } *ends;
 	uint8_t **payloads;                  /* of each chunk; NULL unless scene_encode made it */
 	/* levels of all lists of kind IMAGE, and of kind OUTLINE; NULL: they have no chunk */
@@ -57,6 +59,7 @@ uint32_t scene_add_child(struct scene_builder *b, uint32_t parent, struct eco_ch
 uint32_t scene_add_list(struct scene_builder *b, struct eco_list row);
 uint32_t scene_add_chunk(struct scene_builder *b, struct eco_chunk row);
 uint32_t scene_add_ground(struct scene_builder *b, struct eco_ground_tile row);
+uint32_t scene_add_ground_image(struct scene_builder *b, struct eco_ground_image row);
 void scene_add_colors(struct scene_builder *b, const uint8_t (*colors)[3], uint32_t count);
 void scene_add_place(struct scene_builder *b, struct eco_place place);
 

@@ -197,7 +197,19 @@ enum eco_code texture_pack_write(const char *path, const uint32_t *sizes, uint32
 
 /* ---- The small one ---- */
 
-enum { IMAGE, QUADS, POINTS, WOOD, LINES, CELL, GROUND, SUMMARY = GROUND + 3, INSTANCES, SIMPLE };
+enum {
+	IMAGE,
+	QUADS,
+	POINTS,
+	WOOD,
+	LINES,
+	CELL,
+	GROUND,
+	SUMMARY = GROUND + 3,
+	INSTANCES,
+	SIMPLE,
+	GROUND_IMAGE
+};
 
 static uint32_t split_quarter(uint32_t count, uint32_t *ends)
 {
@@ -283,6 +295,19 @@ static void small_ground(struct scene_builder *b)
 	}
 }
 
+/* One tile, in levels that are as little WebP as the texture's. */
+static void small_ground_image(struct scene_builder *b)
+{
+	static const struct eco_bytes levels[4] = { { (uint8_t *)"level 0", 7 }, { (uint8_t *)"level 1", 7 },
+		{ (uint8_t *)"level 2", 7 }, { (uint8_t *)"level 3", 7 } };
+	struct eco_list list = scene_list(b,
+		&(struct scene_row){ ECO_LIST_GROUND_IMAGE, ECO_CODER_BYTES, 0, ECO_NONE, ECO_NONE, 0, 0 });
+	list.grid_step[0] = list.grid_step[1] = 0.25;
+	uint32_t id = scene_add_list(b, list);
+	b->ends[id] = (struct scene_ends){ NULL, 4, levels };
+	scene_add_ground_image(b, (struct eco_ground_image){ .list = id });
+}
+
 static void small_ladder(struct scene_builder *b, uint32_t anchor, struct eco_ladder l)
 {
 	l.anchor = anchor;
@@ -320,12 +345,13 @@ enum eco_code small_pack_write(struct scene_builder *b, const char *path, struct
 	static const uint8_t colors[4][3] = { { 10, 90, 20 }, { 20, 120, 30 }, { 90, 60, 30 },
 		{ 255, 255, 0 } };
 	*b = (struct scene_builder){ .split = split_quarter,
-		.scene = { .name = "small", .needs = 511, .near_m = 0.1 },
+		.scene = { .name = "small", .needs = 511 | ECO_NEED_GROUND_IMAGE, .near_m = 0.1 },
 		.like = { .grid_origin = { -5, -5, 0 }, .grid_step = { 0.01, 0.01, 0.01 }, .unit_area = 0.01f,
 		.palette_count = 4 } };
 	scene_add_colors(b, colors, 4);
 	small_lists(b);
 	small_ground(b);
+	small_ground_image(b);
 	small_plant(b);
 	scene_add_tile(b, (struct eco_tile){ .low = { -10, -10, 0 }, .high = { 10, 10, 12 }, .area = 70,
 		.instance_count = 2 * SMALL_PACK_PLANTS,

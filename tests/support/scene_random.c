@@ -6,6 +6,7 @@
 
 #include "ecofiles/base/mix.h"
 #include "ecofiles/format/chunk/chunk.h"
+#include "ecofiles/format/ground_image.h"
 #include "ecofiles/format/ground_tile.h"
 #include "ecofiles/format/impostor.h"
 
@@ -28,7 +29,8 @@ static uint32_t add_list(struct scene_builder *b, uint8_t kind, uint32_t primiti
 	struct eco_list list =
 		scene_list(b, &(struct scene_row){ .kind = kind, .owner = owner, .other = ECO_NONE });
 	list.chunk_first = b->scene.chunk_count;
-	bool files = kind == ECO_LIST_IMPOSTOR || kind == ECO_LIST_IMAGE || kind == ECO_LIST_OUTLINE;
+	bool files = kind == ECO_LIST_IMPOSTOR || kind == ECO_LIST_IMAGE || kind == ECO_LIST_OUTLINE
+		|| kind == ECO_LIST_GROUND_IMAGE;
 	list.chunk_count = files ? primitives : primitives > 1 ? 2 : 1;
 	list.primitive_count = list.element_count = primitives;
 	for (uint32_t i = 0, left = primitives; i < list.chunk_count; i++) {
@@ -324,13 +326,37 @@ static void add_ground(struct scene_builder *b)
 	}
 }
 
+/* A tile over all of that ground, its quarters, and the quarters of one of these; finer levels of more
+ * bytes. */
+static void add_ground_images(struct scene_builder *b)
+{
+	struct eco_list places[9];
+	for (uint32_t i = 0; i < 9; i++) {
+		uint32_t id = add_list(b, ECO_LIST_GROUND_IMAGE, ECO_GROUND_IMAGE_LEVELS, ECO_NONE);
+		places[i] = i ? places[i < 5 ? 0 : 3] : b->lists[id];
+		if (!i) {
+			places[0].grid_origin[0] = places[0].grid_origin[1] = -50;
+			places[0].grid_step[0] = places[0].grid_step[1] = 200.0 / ECO_GROUND_IMAGE_SIDE;
+		} else {
+			eco_ground_image_quarter(&places[i], (i - 1) % 4);
+		}
+		for (int k = 0; k < 2; k++) {
+			b->lists[id].grid_origin[k] = places[i].grid_origin[k];
+			b->lists[id].grid_step[k] = places[i].grid_step[k];
+		}
+		for (uint32_t k = 0; k < ECO_GROUND_IMAGE_LEVELS; k++)
+			b->chunks[b->lists[id].chunk_first + k].size_bytes <<= k;
+		scene_add_ground_image(b, (struct eco_ground_image){ id, i == 0 ? 1 : i == 3 ? 5 : 0 });
+	}
+}
+
 static void finish_lists(struct scene_builder *b)
 {
 	static const uint8_t coders[] = { [ECO_LIST_TRIANGLES] = ECO_CODER_ELEMENTS,
 		[ECO_LIST_LINES] = ECO_CODER_ELEMENTS, [ECO_LIST_POINTS] = ECO_CODER_KD,
 		[ECO_LIST_INSTANCES] = ECO_CODER_ROWS, [ECO_LIST_GROUND] = ECO_CODER_ROWS,
 		[ECO_LIST_IMAGE] = ECO_CODER_BYTES, [ECO_LIST_IMPOSTOR] = ECO_CODER_BYTES,
-		[ECO_LIST_OUTLINE] = ECO_CODER_BYTES };
+		[ECO_LIST_OUTLINE] = ECO_CODER_BYTES, [ECO_LIST_GROUND_IMAGE] = ECO_CODER_BYTES };
 	uint32_t image = add_list(b, ECO_LIST_IMAGE, 4, 0),
 		outline = add_list(b, ECO_LIST_OUTLINE, 4, 0);
 	b->lists[image].unit_area = 1e-6f;
@@ -355,6 +381,7 @@ struct random_pack *random_pack_make(uint64_t seed, uint32_t nested, uint32_t fa
 	size_t size = 0;
 	random_scene_make(b, seed, nested);
 	add_ground(b);
+	add_ground_images(b);
 	finish_lists(b);
 	for (uint32_t i = 0; i < b->scene.chunk_count; i++) {
 		b->chunks[i].size_bytes = b->chunks[i].size_bytes * factor + 1 + random_below(b, 20);
@@ -369,7 +396,7 @@ struct random_pack *random_pack_make(uint64_t seed, uint32_t nested, uint32_t fa
 	for (uint32_t i = 0; i < b->scene.chunk_count; i++)
 		b->chunks[i].id = eco_chunk_hash(p->map + b->chunks[i].offset, b->chunks[i].size_bytes);
 	strcpy(b->scene.name, "random");
-	b->scene.needs = 511;
+	b->scene.needs = 511 | ECO_NEED_GROUND_IMAGE;
 	p->pack = (struct eco_pack){ .scene = b->scene, .id = eco_chunk_hash(p->map, size), .map = p->map,
 		.map_size = size };
 	return p;

@@ -22,90 +22,8 @@ struct job {
 	struct eco_ground_job *asked;
 	const struct eco_ground_options *options;    /* as the caller gave them */
 	struct ground_raster *rasters; uint32_t count;
-	OGRSpatialReferenceH scene_crs;
-	char scene_vertical[64];     /* of a compound scene CRS; else empty */
+	struct ground_scene scene;
 };
-
-static enum eco_code gdal_fail(const char *path, const char *doing, struct eco_error *error)
-{
-	const char *why = CPLGetLastErrorMsg();
-	return eco_fail(error, ECO_BAD_INPUT, "%.200s: %s: %.250s", path, doing,
-		why[0] != 0 ? why : "GDAL gives no reason");
-}
-
-/* ---- CRS ---- */
-
-static enum eco_code make_crs(OGRSpatialReferenceH *crs, const char *text, const char *where,
-	struct eco_error *error)
-{
-	*crs = OSRNewSpatialReference(NULL);
-	if (OSRSetFromUserInput(*crs, text) != OGRERR_NONE)
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: the CRS \"%.100s\" is not known; write a "
-			"code such as \"EPSG:26917\"", where, text);
-	OSRSetAxisMappingStrategy(*crs, OAMS_TRADITIONAL_GIS_ORDER);
-	return ECO_OK;
-}
-
-/* Removes the vertical part of a CRS, which says what heights are, not where the raster lies. */
-static void split_vertical(OGRSpatialReferenceH crs, char vertical[64], double *unit_m)
-{
-	const char *name = OSRIsCompound(crs) ? OSRGetAttrValue(crs, "COMPD_CS|VERT_CS", 0) : NULL;
-	if (!name)
-		return;
-	snprintf(vertical, 64, "%s", name);
-	*unit_m = OSRGetTargetLinearUnits(crs, "COMPD_CS|VERT_CS", NULL);
-	OSRStripVertical(crs);
-}
-
-static enum eco_code check_scene_crs(struct job *job, struct eco_error *error)
-{
-	const char *text = job->options->scene_crs;
-	double unit;
-	if (!text)
-		return ECO_OK;
-	enum eco_code code = make_crs(&job->scene_crs, text, "the scene", error);
-	if (code)
-		return code;
-	split_vertical(job->scene_crs, job->scene_vertical, &unit);
-	if (!OSRIsProjected(job->scene_crs) || fabs(OSRGetLinearUnits(job->scene_crs, NULL) - 1) > 1e-9)
-		return eco_fail(error, ECO_BAD_INPUT, "the scene's CRS \"%.100s\" is not one in metres; take "
-			"a projected one such as the UTM zone, \"EPSG:32617\"", text);
-	return ECO_OK;
-}
-
-/* The raster's CRS as the scene states it, else from the file; the error names the line to add. */
-static enum eco_code raster_crs(struct ground_raster *r, struct job *job, struct eco_error *error)
-{
-	const struct eco_ground_options *o = job->options;
-	OGRSpatialReferenceH file = GDALGetSpatialRef(r->file), own = file ? OSRClone(file) : NULL;
-	const char *stated = o->source->crs;
-	enum eco_code code = ECO_OK;
-	if (own)
-		split_vertical(own, r->vertical, &r->crs_unit_m);
-	if (!o->scene_crs) {
-		if (own && (OSRIsProjected(own) || OSRIsGeographic(own)))
-			code = eco_fail(error, ECO_BAD_INPUT, "%.200s: the raster is in %.100s, but the "
-				"scene has no CRS; add \"crs\" and \"origin\" to "
-				"the scene", r->path, OSRGetName(own));
-	} else if (stated) {
-		code = make_crs(&r->crs, stated, r->path, error);
-		if (code == ECO_OK && r->vertical[0] == 0)
-			split_vertical(r->crs, r->vertical, &r->crs_unit_m);
-		if (code == ECO_OK && own && !OSRIsSame(own, r->crs))
-			ground_note(&job->asked->notes, "%.200s says it is in %.80s; the scene says %.80s, "
-				"which is used", r->path, OSRGetName(own), stated);
-	} else if (!own) {
-		code = eco_fail(error, ECO_BAD_INPUT, "%.200s: the file has no CRS; say it in the scene: "
-			"\"ground\": {\"heights\": ..., \"crs\": "
-			"\"%.80s\"} (if it is the scene's)", r->path, o->scene_crs);
-	} else {
-		r->crs = OSRClone(own);
-		OSRSetAxisMappingStrategy(r->crs, OAMS_TRADITIONAL_GIS_ORDER);
-	}
-	if (own)
-		OSRDestroySpatialReference(own);
-	return code;
-}
 
 /* ---- Vertical datum ---- */
 
@@ -127,8 +45,8 @@ static enum eco_code check_vertical(const struct ground_raster *r, struct job *j
 	const struct eco_ground_source *source = job->options->source;
 	const char *own = source->vertical ? source->vertical : r->vertical;
 	const char *scene = job->options->scene_vertical;
-	if (!scene && job->scene_vertical[0] != 0)
-		scene = job->scene_vertical;
+	if (!scene && job->scene.vertical[0] != 0)
+		scene = job->scene.vertical;
 
 	if (source->vertical && !scene)
 		return eco_fail(error, ECO_BAD_INPUT, "the ground states its vertical datum, the scene does "
@@ -152,103 +70,15 @@ static enum eco_code check_vertical(const struct ground_raster *r, struct job *j
 	return ECO_OK;
 }
 
-/* ---- The place of a raster ---- */
-
-static enum eco_code find_transform(struct ground_raster *r, const struct eco_ground_source *source,
-	struct eco_error *error)
-{
-	double *t = r->transform;
-	if (source->has_place) {
-		double stated[6] = { source->corner[0], source->pixel[0], 0, source->corner[1], 0,
-			-source->pixel[1] };
-		memcpy(t, stated, sizeof stated);
-	} else if (GDALGetGeoTransform(r->file, t) != CE_None) {
-		return eco_fail(error, ECO_BAD_INPUT, "%.200s: it does not say where it lies; add to the "
-			"ground \"north_west\": [x, y], the outer corner "
-			"of its first pixel, and \"pixel\": their size; or put a world file beside it",
-			r->path);
-	}
-	for (int i = 0; i < 6; i++)
-		if (!isfinite(t[i]))
-			return eco_fail(error, ECO_DAMAGED, "%.300s: its place on Earth is not finite",
-				r->path);
-	if (t[1] * t[5] - t[2] * t[4] == 0)
-		return eco_fail(error, ECO_DAMAGED, "%.300s: its pixels have no size", r->path);
-	return ECO_OK;
-}
-
-/* Extent and resolution in the scene's CRS to which GDAL would resample. */
-static enum eco_code suggest(struct ground_raster *r, const struct job *job, struct eco_error *error)
-{
-	GDALDriverH memory = GDALGetDriverByName("MEM");
-	/* GDAL only needs a raster of this place and size, without samples */
-	GDALDatasetH frame = memory ? GDALCreate(memory, "", r->columns, r->rows, 0, GDT_Byte, NULL) : NULL;
-	char *from = NULL, *to = NULL;
-	double t[6];
-	int columns = 0, rows = 0;
-	bool good = false;
-	void *transformer = NULL;
-
-	if (!frame)
-		return gdal_fail(r->path, "no room for its place", error);
-	GDALSetGeoTransform(frame, r->transform);
-	if (r->crs) {
-		OSRExportToWkt(r->crs, &from);
-		OSRExportToWkt(job->scene_crs, &to);
-	}
-	transformer = GDALCreateGenImgProjTransformer(frame, from, NULL, to, FALSE, 0, 1);
-	if (transformer) {
-		good = GDALSuggestedWarpOutput(frame, GDALGenImgProjTransform, transformer, t, &columns,
-			&rows) == CE_None && columns > 0 && rows > 0;
-		GDALDestroyGenImgProjTransformer(transformer);
-	}
-	CPLFree(from);
-	CPLFree(to);
-	GDALClose(frame);
-	if (!good)
-		return gdal_fail(r->path, "it cannot be brought into the scene's CRS", error);
-	r->low[0] = t[0];
-	r->high[0] = t[0] + t[1] * columns;
-	r->low[1] = t[3] + t[5] * rows;
-	r->high[1] = t[3];
-	r->step[0] = t[1];
-	r->step[1] = -t[5];
-	return ECO_OK;
-}
-
-static enum eco_code find_place(struct ground_raster *r, const struct job *job, struct eco_error *error)
-{
-	const double *t = r->transform;
-	r->direct = t[2] == 0 && t[4] == 0 && t[1] > 0 && (!r->crs || OSRIsSame(r->crs, job->scene_crs));
-	if (!r->direct)
-		return suggest(r, job, error);
-	r->low[0] = t[0];
-	r->high[0] = t[0] + t[1] * r->columns;
-	r->low[1] = fmin(t[3], t[3] + t[5] * r->rows);
-	r->high[1] = fmax(t[3], t[3] + t[5] * r->rows);
-	r->step[0] = t[1];
-	r->step[1] = fabs(t[5]);
-	return ECO_OK;
-}
-
 static enum eco_code open_raster(struct ground_raster *r, struct job *job, struct eco_error *error)
 {
-	r->file = GDALOpenEx(r->path, GDAL_OF_RASTER | GDAL_OF_READONLY, NULL, NULL, NULL);
-	if (!r->file)
-		return gdal_fail(r->path, "not a raster that GDAL can read", error);
-	if (GDALGetRasterCount(r->file) < 1)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: it has no band", r->path);
-	r->columns = GDALGetRasterXSize(r->file);
-	r->rows = GDALGetRasterYSize(r->file);
-	if (r->columns < 2 || r->rows < 2)
-		return eco_fail(error, ECO_BAD_INPUT, "%.300s: %d x %d samples are no ground, at least 2 x "
+	enum eco_code code = ground_raster_open(r, &job->scene, error);
+	if (!code && (r->columns < 2 || r->rows < 2))
+		code = eco_fail(error, ECO_BAD_INPUT, "%.300s: %d x %d samples are no ground, at least 2 x "
 			"2 are needed", r->path, r->columns, r->rows);
-	enum eco_code code = raster_crs(r, job, error);
 	if (code == ECO_OK && !job->options->keep_missing)
 		code = check_vertical(r, job, error);
-	if (!code)
-		code = find_transform(r, job->options->source, error);
-	return code == ECO_OK ? find_place(r, job, error) : code;
+	return code ? code : ground_raster_place(r, &job->scene, error);
 }
 
 /* ---- The grid of the ground ---- */
@@ -370,7 +200,7 @@ static GDALDatasetH warp(GDALDatasetH from, const struct ground_raster *r, const
 			f->low[k] + (double)end[k] * f->step[k]);
 		snprintf(size[k], sizeof size[k], "%lld", (long long)(end[k] - first[k]));
 	}
-	if (r->crs && OSRExportToWkt(job->scene_crs, &wkt) == OGRERR_NONE) {
+	if (r->crs && OSRExportToWkt(job->scene.crs, &wkt) == OGRERR_NONE) {
 		arguments[19] = "-t_srs";
 		arguments[20] = wkt;
 		arguments[21] = NULL;
@@ -408,7 +238,7 @@ static enum eco_code put_resampled(struct eco_ground *g, const struct ground_sam
 	if (from)
 		GDALClose(from);
 	free(line);
-	return good ? ECO_OK : gdal_fail(r->path, "it cannot be brought into the scene's CRS", error);
+	return good ? ECO_OK : ground_gdal_fail(r->path, "it cannot be brought into the scene's CRS", error);
 }
 
 static enum eco_code add_raster(struct eco_ground *g, struct job *job, const struct ground_raster *r,
@@ -459,14 +289,10 @@ static enum eco_code merge(struct eco_ground *g, struct job *job, struct eco_err
 
 static void close_rasters(struct job *job)
 {
-	for (uint32_t i = 0; i < job->count; i++) {
-		if (job->rasters[i].file)
-			GDALClose(job->rasters[i].file);
-		if (job->rasters[i].crs)
-			OSRDestroySpatialReference(job->rasters[i].crs);
-	}
-	if (job->scene_crs)
-		OSRDestroySpatialReference(job->scene_crs);
+	for (uint32_t i = 0; i < job->count; i++)
+		ground_raster_close(&job->rasters[i]);
+	if (job->scene.crs)
+		OSRDestroySpatialReference(job->scene.crs);
 	free(job->rasters);
 }
 
@@ -474,7 +300,7 @@ static enum eco_code import(struct eco_ground *ground, struct job *job, struct e
 {
 	const struct eco_ground_source *source = job->options->source;
 	struct eco_error cause = { .code = ECO_OK };
-	enum eco_code code = check_scene_crs(job, error);
+	enum eco_code code = ground_scene_check(&job->scene, error);
 	job->rasters = calloc(source->height_count, sizeof *job->rasters);
 	if (!job->rasters)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u rasters", source->height_count);
@@ -491,7 +317,8 @@ static enum eco_code import(struct eco_ground *ground, struct job *job, struct e
 
 enum eco_code gdal_ground_read(struct eco_ground_job *asked, FILE *out, struct eco_error *error)
 {
-	struct job job = { .asked = asked, .options = asked->options };
+	struct job job = { .asked = asked, .options = asked->options, .scene = { .options = asked->options,
+		.notes = &asked->notes, .where = { "\"heights\": ...", "" }, .what = "ground" } };
 	struct eco_ground ground = { .height_m = NULL };
 	CPLPushErrorHandler(CPLQuietErrorHandler);
 	CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");

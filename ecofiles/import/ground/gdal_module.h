@@ -6,6 +6,7 @@
 
 /* As in struct eco_gdal_module. */
 enum eco_code gdal_ground_read(struct eco_ground_job *job, FILE *out, struct eco_error *error);
+enum eco_code gdal_image_read(struct eco_ground_image_job *job, FILE *out, struct eco_error *error);
 bool gdal_rows_knows(const char *path);
 enum eco_code gdal_rows_open(struct eco_rows **rows, const struct eco_rows_source *source,
 	struct eco_error *error);

@@ -1,0 +1,279 @@
+/* What a raster shows: which bands are its colours, or which colours its classes have; and the texels of a
+ * square, which GDAL warps. Colours are mixed where texels are wider than pixels. Classes are taken as they
+ * are, four a texel, and then their colours are mixed. */
+#include "ecofiles/import/ground/gdal_image.h"
+
+#include <cpl_conv.h>
+#include <cpl_string.h>
+#include <gdal_utils.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SIDE ECO_GROUND_IMAGE_SIDE
+#define CLASS_SAMPLES 2                  /* along each side of a texel */
+
+/* ---- What it shows ---- */
+
+static int by_number(const void *a, const void *b)
+{
+	int32_t x = ((const struct eco_ground_class *)a)->number,
+		y = ((const struct eco_ground_class *)b)->number;
+	return (x > y) - (x < y);
+}
+
+static const struct eco_ground_class *class_of(const struct ground_colors *c, double value)
+{
+	struct eco_ground_class key = { .number = (int32_t)value };
+	return key.number != value ? NULL
+		: bsearch(&key, c->classes, c->class_count, sizeof key, by_number);
+}
+
+/* The scene's classes, then those of the file's own table that the scene does not name. */
+static enum eco_code gather_classes(struct ground_colors *c, const struct eco_ground_image_source *source,
+	struct eco_error *error)
+{
+	GDALColorTableH table = GDALGetRasterColorTable(GDALGetRasterBand(c->raster.file, 1));
+	int own = table ? GDALGetColorEntryCount(table) : 0;
+	c->classes = calloc((size_t)source->class_count + (size_t)own + 1, sizeof *c->classes);
+	if (!c->classes)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %d classes", own);
+	c->class_count = source->class_count;
+	if (source->class_count)
+		memcpy(c->classes, source->classes, source->class_count * sizeof *c->classes);
+	for (int i = 0; i < own; i++) {
+		GDALColorEntry entry;
+		struct eco_ground_class key = { .number = i };
+		GDALGetColorEntryAsRGB(table, i, &entry);
+		if (source->class_count && bsearch(&key, source->classes, source->class_count, sizeof key,
+				by_number))
+			continue;
+		c->classes[c->class_count++] = (struct eco_ground_class){ i, { (uint8_t)entry.c1,
+			(uint8_t)entry.c2, (uint8_t)entry.c3 }, entry.c4 == 0 };
+	}
+	qsort(c->classes, c->class_count, sizeof *c->classes, by_number);
+	return ECO_OK;
+}
+
+static bool is_whole(GDALDataType type)
+{
+	return type == GDT_Byte || type == GDT_UInt16 || type == GDT_Int16 || type == GDT_UInt32
+		|| type == GDT_Int32;
+}
+
+static void find_bands(struct ground_colors *c, int count)
+{
+	static const GDALColorInterp wanted[3] = { GCI_RedBand, GCI_GreenBand, GCI_BlueBand };
+	bool named[3] = { false };
+	for (int b = 1; b <= count; b++) {
+		GDALColorInterp is = GDALGetRasterColorInterpretation(GDALGetRasterBand(c->raster.file, b));
+		for (int k = 0; k < 3; k++)
+			if (is == wanted[k]) {
+				c->bands[k] = b;
+				named[k] = true;
+			}
+		if (is == GCI_AlphaBand)
+			c->alpha = b;
+	}
+	bool grey = count - (c->alpha > 0) < 3;
+	for (int k = 0; k < 3 && !(named[0] && named[1] && named[2]); k++)
+		c->bands[k] = grey ? 1 : k + 1;
+}
+
+enum eco_code ground_colors_open(struct ground_colors *c, const struct eco_ground_image_source *source,
+	struct eco_error *error)
+{
+	const struct ground_raster *r = &c->raster;
+	GDALRasterBandH first = GDALGetRasterBand(r->file, 1);
+	GDALDataType type = GDALGetRasterDataType(first);
+	int count = GDALGetRasterCount(r->file);
+	c->by_class = source->class_count > 0 || GDALGetRasterColorTable(first);
+	c->has_nodata = source->has_nodata;
+	c->nodata = source->nodata;
+	if (c->by_class && count != 1)
+		return eco_fail(error, ECO_BAD_INPUT,
+			"%.200s: it has %d bands; a raster of classes has one, with "
+			"their numbers. Leave out \"classes\" if its bands are colours",
+			r->path, count);
+	if (c->by_class && !is_whole(type))
+		return eco_fail(error, ECO_BAD_INPUT,
+			"%.200s: its values are %s; numbers of classes are whole", r->path,
+			GDALGetDataTypeName(type));
+	if (c->by_class)
+		return gather_classes(c, source, error);
+	find_bands(c, count);
+	for (int b = 1; b <= count; b++)
+		if (GDALGetRasterDataType(GDALGetRasterBand(r->file, b)) != GDT_Byte)
+			return eco_fail(error, ECO_BAD_INPUT,
+				"%.200s: band %d holds %s, and colours are bytes. Make "
+				"them bytes (gdal_translate -ot Byte -scale FROM TO), or, if its values are "
+				"classes, give their colours: \"image\": {\"file\": ..., \"classes\": "
+				"{\"1\": \"#4c7300\"}}",
+				r->path, b,
+				GDALGetDataTypeName(GDALGetRasterDataType(GDALGetRasterBand(r->file, b))));
+	return ECO_OK;
+}
+
+void ground_colors_close(struct ground_colors *c)
+{
+	ground_raster_close(&c->raster);
+	if (c->own)
+		GDALClose(c->own);
+	free(c->classes);
+}
+
+/* ---- A square ---- */
+
+/* What the scene says of its place goes into a copy that has no pixels of its own. */
+enum eco_code ground_colors_locate(struct ground_colors *c, const struct eco_ground_image_source *source,
+	struct eco_error *error)
+{
+	struct ground_raster *r = &c->raster;
+	char **arguments = CSLAddString(CSLAddString(NULL, "-of"), "VRT"), *wkt = NULL, text[40];
+	int usage = 0;
+	if (!source->crs && !source->has_place) {
+		CSLDestroy(arguments);
+		return ECO_OK;
+	}
+	if (r->crs && OSRExportToWkt(r->crs, &wkt) == OGRERR_NONE)
+		arguments = CSLAddString(CSLAddString(arguments, "-a_srs"), wkt);
+	const double *t = r->transform,
+		     corners[4] = { t[0], t[3], t[0] + t[1] * r->columns, t[3] + t[5] * r->rows };
+	if (source->has_place)
+		arguments = CSLAddString(arguments, "-a_ullr");
+	for (int i = 0; i < 4 && source->has_place; i++) {
+		snprintf(text, sizeof text, "%.17g", corners[i]);
+		arguments = CSLAddString(arguments, text);
+	}
+	GDALTranslateOptions *options = GDALTranslateOptionsNew(arguments, NULL);
+	GDALDatasetH placed = options ? GDALTranslate("", r->file, options, &usage) : NULL;
+	GDALTranslateOptionsFree(options);
+	CSLDestroy(arguments);
+	CPLFree(wkt);
+	if (!placed)
+		return ground_gdal_fail(r->path, "it cannot be put where the scene says", error);
+	c->own = r->file;
+	r->file = placed;
+	return ECO_OK;
+}
+
+static GDALDatasetH warp(const struct ground_colors *c, const struct ground_scene *scene,
+	const double bounds[4], int side, struct eco_error *error)
+{
+	char **arguments = NULL, *wkt = NULL, text[40];
+	GDALDatasetH from = c->raster.file, to = NULL;
+	int usage = 0;
+	static const char *const fixed[] = { "-of", "MEM", "-dstalpha", "-et", "0.125", "-te", NULL };
+	for (int i = 0; fixed[i]; i++)
+		arguments = CSLAddString(arguments, fixed[i]);
+	for (int i = 0; i < 4; i++) {
+		snprintf(text, sizeof text, "%.17g", bounds[i]);
+		arguments = CSLAddString(arguments, text);
+	}
+	snprintf(text, sizeof text, "%d", side);
+	arguments = CSLAddString(CSLAddString(CSLAddString(arguments, "-ts"), text), text);
+	arguments = CSLAddString(CSLAddString(arguments, "-r"), c->by_class ? "near" : "bilinear");
+	if (c->has_nodata) {
+		snprintf(text, sizeof text, "%.17g", c->nodata);
+		arguments = CSLAddString(CSLAddString(arguments, "-srcnodata"), text);
+	}
+	if (c->raster.crs && OSRExportToWkt(scene->crs, &wkt) == OGRERR_NONE)
+		arguments = CSLAddString(CSLAddString(arguments, "-t_srs"), wkt);
+	GDALWarpAppOptions *options = GDALWarpAppOptionsNew(arguments, NULL);
+	if (options)
+		to = GDALWarp("", NULL, 1, &from, options, &usage);
+	GDALWarpAppOptionsFree(options);
+	CSLDestroy(arguments);
+	CPLFree(wkt);
+	if (!to)
+		ground_gdal_fail(c->raster.path, "it cannot be brought into the scene's CRS", error);
+	return to;
+}
+
+static bool read_band(GDALDatasetH from, int band, int side, void *to, GDALDataType type, int pixel)
+{
+	return GDALRasterIO(GDALGetRasterBand(from, band), GF_Read, 0, 0, side, side, to, side, side, type,
+		       pixel, 0) == CE_None;
+}
+
+static enum eco_code no_class(const struct ground_colors *c, const double bounds[4], int at, double value,
+	struct eco_error *error)
+{
+	const int side = SIDE * CLASS_SAMPLES;
+	double step = (bounds[2] - bounds[0]) / side;
+	return eco_fail(error, ECO_BAD_INPUT,
+		"%.200s: class %.0f, at %.1f, %.1f, has no colour; add it to the "
+		"scene's \"ground\": {\"image\": {..., \"classes\": {\"%.0f\": \"#4c7300\"}}}, or null in place "
+		"of a colour to leave it out",
+		c->raster.path, value, bounds[0] + (at % side + 0.5) * step,
+		bounds[3] - (at / side + 0.5) * step, value);
+}
+
+/* The mean of the colours of a texel's classes; clear ones have none. */
+static enum eco_code mix_classes(const struct ground_colors *c, const double bounds[4], const double *values,
+	const uint8_t *alpha, uint8_t *rgba, struct eco_error *error)
+{
+	const int side = SIDE * CLASS_SAMPLES;
+	for (int t = 0; t < (int)(SIDE * SIDE); t++) {
+		uint32_t sum[3] = { 0 }, shown = 0;
+		for (int k = 0; k < CLASS_SAMPLES * CLASS_SAMPLES; k++) {
+			int at = (t / (int)SIDE * CLASS_SAMPLES + k / CLASS_SAMPLES) * side
+				+ t % (int)SIDE * CLASS_SAMPLES + k % CLASS_SAMPLES;
+			if (!alpha[at])
+				continue;
+			const struct eco_ground_class *class = class_of(c, values[at]);
+			if (!class)
+				return no_class(c, bounds, at, values[at], error);
+			for (int i = 0; i < 3 && !class->clear; i++)
+				sum[i] += class->rgb[i];
+			shown += !class->clear;
+		}
+		for (uint32_t i = 0; i < 3 && shown; i++)
+			rgba[4 * t + (int)i] = (uint8_t)((sum[i] + shown / 2) / shown);
+		rgba[4 * t + 3] = (uint8_t)(255 * shown / (CLASS_SAMPLES * CLASS_SAMPLES));
+	}
+	return ECO_OK;
+}
+
+static enum eco_code read_classes(const struct ground_colors *c, const struct ground_scene *scene,
+	const double bounds[4], uint8_t *rgba, struct eco_error *error)
+{
+	const int side = SIDE * CLASS_SAMPLES;
+	GDALDatasetH from = warp(c, scene, bounds, side, error);
+	if (!from)
+		return ECO_BAD_INPUT;
+	double *values = malloc((size_t)side * side * sizeof *values);
+	uint8_t *alpha = malloc((size_t)side * side);
+	enum eco_code code = !values || !alpha ? eco_fail(error, ECO_NO_MEMORY, "no memory for classes")
+		: read_band(from, 1, side, values, GDT_Float64, 0) &&
+			read_band(from, 2, side, alpha, GDT_Byte, 0)
+		? ECO_OK
+		: ground_gdal_fail(c->raster.path, "its classes cannot be read", error);
+	if (!code)
+		code = mix_classes(c, bounds, values, alpha, rgba, error);
+	free(values);
+	free(alpha);
+	GDALClose(from);
+	return code;
+}
+
+enum eco_code ground_colors_read(const struct ground_colors *c, const struct ground_scene *scene,
+	const double bounds[4], uint8_t *rgba, struct eco_error *error)
+{
+	memset(rgba, 0, ECO_GROUND_IMAGE_BYTES);
+	if (c->by_class)
+		return read_classes(c, scene, bounds, rgba, error);
+	GDALDatasetH from = warp(c, scene, bounds, SIDE, error);
+	bool good = from;
+	/* the warp's own alpha comes last, or takes the place of the file's */
+	for (int k = 0; k < 4 && good; k++)
+		good = read_band(from,
+			k < 3              ? c->bands[k]
+				: c->alpha ? c->alpha
+					   : GDALGetRasterCount(from),
+			SIDE, rgba + k, GDT_Byte, 4);
+	if (from)
+		GDALClose(from);
+	return good ? ECO_OK : !from ? ECO_BAD_INPUT
+		: ground_gdal_fail(c->raster.path, "its colours cannot be read", error);
+}

@@ -1,0 +1,324 @@
+/* Rasters become the ground's image: the tree of squares, and what each square shows. gdal_colors.c reads
+ * one raster's colours. */
+#include "ecofiles/import/ground/gdal_image.h"
+
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ecofiles/import/ground/gdal_module.h"
+
+#define SIDE ECO_GROUND_IMAGE_SIDE
+#define PIXEL_M 0.00076706               /* 2 tan(22.5 degrees) / 1080, 1 m away */
+#define TILES_MAX 4096u
+#define EXTENT_M_MAX 1e7
+#define FADE (SIDE / 32)                 /* texels of the root */
+
+struct job {
+	struct eco_ground_image_job *asked;
+	const struct eco_ground_image_options *options;
+	/* the same as a source of heights, for which rasters are placed */
+	struct eco_ground_source as_ground;
+	struct eco_ground_options as_options;
+	struct ground_scene scene;
+	struct ground_colors *rasters; uint32_t count;
+	double low[2], high[2], finest_m;        /* of all rasters, in the scene */
+	double pixel_m;                          /* PIXEL_M, or more for fewer squares */
+	float *fade; /* SIDE x SIDE, of the root, rows from the north: 0 clear .. 1 */
+	uint8_t *layer;                          /* room for what one raster shows of a square */
+	FILE *out;
+};
+
+struct square { double low[2], texel_m; uint32_t depth; };
+
+static struct square root_of(const struct job *job)
+{
+	const struct ground_image_head *head = &job->asked->head;
+	return (struct square){ { head->low[0], head->low[1] }, head->texel_m, 0 };
+}
+
+static struct square quarter_of(const struct square *s, uint32_t quarter)
+{
+	struct eco_list list = { .grid_origin = { s->low[0], s->low[1] },
+		.grid_step = { s->texel_m, s->texel_m } };
+	eco_ground_image_quarter(&list, quarter);
+	return (struct square){ { list.grid_origin[0], list.grid_origin[1] }, list.grid_step[0],
+		s->depth + 1 };
+}
+
+/* ---- The tree ---- */
+
+static double gap(double low, double high, double from, double to)
+{
+	return fmax(0, fmax(from - high, low - to));
+}
+
+/* Metres between a square and a box; 0 where they touch. */
+static double apart(const struct square *s, const double low[2], const double high[2])
+{
+	double side = SIDE * s->texel_m, x = gap(s->low[0], s->low[0] + side, low[0], high[0]),
+		y = gap(s->low[1], s->low[1] + side, low[1], high[1]);
+	return sqrt(x * x + y * y);
+}
+
+static bool splits(const struct job *job, const struct square *s)
+{
+	const struct eco_ground_image_options *o = job->options;
+	double away = o->low[0] <= o->high[0] ? apart(s, o->low, o->high) : 0;
+	return s->depth + 2 < GROUND_IMAGE_DEPTH && apart(s, job->low, job->high) <= 0
+		&& s->texel_m > 1.0001 * fmax(job->finest_m, job->pixel_m * fmax(1, away));
+}
+
+/* Squares that are not split; stops beyond `most`. */
+static uint64_t count_squares(const struct job *job, const struct square *s, uint64_t most)
+{
+	uint64_t count = 0;
+	if (!splits(job, s))
+		return 1;
+	for (uint32_t q = 0; q < 4 && count <= most; q++) {
+		struct square quarter = quarter_of(s, q);
+		count += count_squares(job, &quarter, most - count);
+	}
+	return count;
+}
+
+/* The least width of texels among the plants with so few squares. */
+static void bound_squares(struct job *job)
+{
+	uint64_t most = job->options->tiles_max ? job->options->tiles_max : TILES_MAX;
+	double finest = job->finest_m;
+	const struct square root = root_of(job);
+	while (count_squares(job, &root, most) > most) {
+		job->finest_m *= 2;
+		job->pixel_m *= 2;
+	}
+	if (job->finest_m > finest)
+		ground_note(job->scene.notes,
+			"%.200s: texels of %.3g m, averaged up to %.3g m, as an image has "
+			"%llu squares of %u x %u texels at most; cut out the part that is needed, or say "
+			"\"texel_m\"",
+			job->rasters[0].raster.path, finest, job->finest_m, (unsigned long long)most, SIDE,
+			SIDE);
+}
+
+/* The root is a square of whole squares of the finest texels, from the rasters' south-west corner. */
+static enum eco_code find_root(struct job *job, struct eco_error *error)
+{
+	struct ground_image_head *head = &job->asked->head;
+	double extent = 0, asked = fmax(job->options->source->texel_m, PIXEL_M);
+	for (int k = 0; k < 2; k++) {
+		job->low[k] = INFINITY;
+		job->high[k] = -INFINITY;
+	}
+	job->finest_m = INFINITY;
+	for (uint32_t i = 0; i < job->count; i++)
+		for (int k = 0; k < 2; k++) {
+			const struct ground_raster *r = &job->rasters[i].raster;
+			job->low[k] = fmin(job->low[k], r->low[k] - job->options->origin[k]);
+			job->high[k] = fmax(job->high[k], r->high[k] - job->options->origin[k]);
+			job->finest_m = fmin(job->finest_m, r->step[k]);
+		}
+	for (int k = 0; k < 2; k++)
+		extent = fmax(extent, job->high[k] - job->low[k]);
+	if (!(extent > 0) || extent > EXTENT_M_MAX || !(job->finest_m > 0))
+		return eco_fail(error, ECO_DAMAGED,
+			"%.200s: an image of %g m with pixels of %g m makes no sense",
+			job->rasters[0].raster.path, extent, job->finest_m);
+	job->finest_m = fmax(job->finest_m, asked);
+	head->texel_m = job->finest_m;
+	while (SIDE * head->texel_m < extent)
+		head->texel_m *= 2;
+	memcpy(head->low, job->low, sizeof head->low);
+	return ECO_OK;
+}
+
+static enum eco_code check_overlap(const struct job *job, struct eco_error *error)
+{
+	const struct eco_ground_image_options *o = job->options;
+	double x = gap(job->low[0], job->high[0], o->low[0], o->high[0]),
+		y = gap(job->low[1], job->high[1], o->low[1], o->high[1]), away = sqrt(x * x + y * y);
+	return !(o->low[0] <= o->high[0]) || away <= 0
+		? ECO_OK
+		: eco_fail(error, ECO_BAD_INPUT,
+			  "%.200s: the image shows no place where plants stand: it lies from "
+			  "%.0f, %.0f to %.0f, %.0f in the scene, %.0f m away from them; look at its CRS and at the "
+			  "scene's \"crs\" and \"origin\"",
+			  job->rasters[0].raster.path, job->low[0], job->low[1], job->high[0], job->high[1],
+			  away);
+}
+
+/* ---- Squares ---- */
+
+/* Colours of a square: of the first raster that has one. */
+static enum eco_code look_at(struct job *job, const struct square *s, uint8_t *rgba, struct eco_error *error)
+{
+	const double *o = job->options->origin;
+	const double bounds[4] = { s->low[0] + o[0], s->low[1] + o[1], s->low[0] + o[0] + SIDE * s->texel_m,
+		s->low[1] + o[1] + SIDE * s->texel_m };
+	enum eco_code code = ECO_OK;
+	memset(rgba, 0, ECO_GROUND_IMAGE_BYTES);
+	for (uint32_t i = 0; i < job->count && !code; i++) {
+		const struct ground_raster *r = &job->rasters[i].raster;
+		if (r->low[0] >= bounds[2] || r->high[0] <= bounds[0] || r->low[1] >= bounds[3]
+				|| r->high[1] <= bounds[1])
+			continue;
+		code = ground_colors_read(&job->rasters[i], &job->scene, bounds, job->layer, error);
+		for (size_t t = 0; t < ECO_GROUND_IMAGE_BYTES && !code; t += 4)
+			if (job->layer[t + 3] > rgba[t + 3])
+				memcpy(rgba + t, job->layer + t, 4);
+	}
+	return code;
+}
+
+/* Texels of the root by how far they are from one that is clear, or from its border, at most FADE: three
+ * steps of a distance are 3 across and 4 diagonally (Borgefors 1986, chamfer 3-4). */
+static void measure_fade(const uint8_t *rgba, float *fade)
+{
+	const int side = (int)SIDE, most = 3 * (int)FADE;
+	for (int pass = 0; pass < 2; pass++)
+		for (int k = 0; k < side * side; k++) {
+			int i = pass ? side * side - 1 - k : k, x = i % side, y = i / side, at = most,
+			    back = pass ? 1 : -1;
+			bool clear = rgba[4 * (size_t)i + 3] < 128;
+			if (pass)
+				at = (int)fade[i];
+			for (int n = 0; n < 4 && !clear; n++) {
+				int u = x + (n == 0 ? back : n - 2), v = y + (n == 0 ? 0 : back);
+				bool inside = u >= 0 && v >= 0 && u < side && v < side;
+				int there =
+					(inside ? (int)fade[v * side + u] : 0) + (n == 0 || n == 2 ? 3 : 4);
+				at = there < at ? there : at;
+			}
+			fade[i] = (float)(clear ? 0 : at);
+		}
+	for (int i = 0; i < side * side; i++) {
+		float t = fade[i] > 3 ? (fade[i] - 3) / (float)(most - 3) : 0;
+		fade[i] = t * t * (3 - 2 * t);
+	}
+}
+
+static float fade_at(const struct job *job, double x, double y)
+{
+	x = fmin(fmax(x - 0.5, 0), SIDE - 1.001);
+	y = fmin(fmax(y - 0.5, 0), SIDE - 1.001);
+	uint32_t i = (uint32_t)x, j = (uint32_t)y;
+	float u = (float)(x - i), v = (float)(y - j);
+	const float *at = job->fade + (size_t)j * SIDE + i, *below = at + SIDE;
+	return (at[0] + u * (at[1] - at[0])) * (1 - v) + (below[0] + u * (below[1] - below[0])) * v;
+}
+
+/* Rows from the north: of the root's texels, where the square's are. */
+static void fade_out(const struct job *job, const struct square *s, uint8_t *rgba)
+{
+	const struct square root = root_of(job);
+	double scale = s->texel_m / root.texel_m, west = (s->low[0] - root.low[0]) / root.texel_m,
+		north = SIDE - (s->low[1] - root.low[1]) / root.texel_m - SIDE * scale;
+	for (uint32_t y = 0; y < SIDE; y++)
+		for (uint32_t x = 0; x < SIDE; x++) {
+			uint8_t *alpha = &rgba[4 * ((size_t)y * SIDE + x) + 3];
+			if (*alpha)
+				*alpha = (uint8_t)(0.5f + *alpha * fade_at(job, west + (x + 0.5) * scale,
+					north + (y + 0.5) * scale));
+		}
+}
+
+static enum eco_code no_pipe(const struct job *job, struct eco_error *error)
+{
+	return eco_fail(error, ECO_IO, "%.300s: the image could not be handed over: %s",
+		job->rasters[0].raster.path, strerror(errno));
+}
+
+static enum eco_code send(struct job *job, const struct square *s, uint8_t *rgba, struct eco_error *error)
+{
+	bool split = splits(job, s);
+	if (fputc(split, job->out) == EOF)
+		return no_pipe(job, error);
+	enum eco_code code = ECO_OK;
+	for (uint32_t q = 0; q < 4 && split && !code; q++) {
+		struct square quarter = quarter_of(s, q);
+		code = send(job, &quarter, rgba, error);
+	}
+	if (split || code)
+		return code;
+	code = look_at(job, s, rgba, error);
+	if (code)
+		return code;
+	fade_out(job, s, rgba);
+	return fwrite(rgba, ECO_GROUND_IMAGE_BYTES, 1, job->out) == 1 ? ECO_OK : no_pipe(job, error);
+}
+
+static enum eco_code send_all(struct job *job, struct eco_error *error)
+{
+	uint8_t *rgba = malloc(ECO_GROUND_IMAGE_BYTES);
+	const struct square root = root_of(job);
+	job->layer = malloc(ECO_GROUND_IMAGE_BYTES);
+	job->fade = malloc(sizeof *job->fade * SIDE * SIDE);
+	enum eco_code code = rgba && job->layer && job->fade ? look_at(job, &root, rgba, error)
+		: eco_fail(error, ECO_NO_MEMORY, "no memory for the ground's image");
+	if (!code) {
+		measure_fade(rgba, job->fade);
+		code = send(job, &root, rgba, error);
+	}
+	free(rgba);
+	free(job->layer);
+	free(job->fade);
+	return code;
+}
+
+/* ---- The whole ---- */
+
+static enum eco_code import(struct job *job, struct eco_error *error)
+{
+	const struct eco_ground_image_source *source = job->options->source;
+	enum eco_code code = ground_scene_check(&job->scene, error);
+	job->rasters = calloc(source->file_count + 1u, sizeof *job->rasters);
+	if (!job->rasters)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u rasters", source->file_count);
+	for (uint32_t i = 0; i < source->file_count && !code; i++) {
+		struct ground_colors *colors = &job->rasters[job->count++];
+		colors->raster.path = source->files[i];
+		code = ground_raster_open(&colors->raster, &job->scene, error);
+		if (!code)
+			code = ground_colors_open(colors, source, error);
+		if (!code)
+			code = ground_raster_place(&colors->raster, &job->scene, error);
+		if (!code)
+			code = ground_colors_locate(colors, source, error);
+	}
+	if (!code)
+		code = find_root(job, error);
+	if (!code)
+		code = check_overlap(job, error);
+	if (!code)
+		bound_squares(job);
+	if (!code && fwrite(&job->asked->head, sizeof job->asked->head, 1, job->out) != 1)
+		code = no_pipe(job, error);
+	return code || job->asked->only_look ? code : send_all(job, error);
+}
+
+enum eco_code gdal_image_read(struct eco_ground_image_job *asked, FILE *out, struct eco_error *error)
+{
+	const struct eco_ground_image_options *o = asked->options;
+	struct job job = { .asked = asked, .options = o, .out = out, .pixel_m = PIXEL_M };
+	job.as_ground =
+		(struct eco_ground_source){ .crs = o->source->crs, .has_place = o->source->has_place };
+	memcpy(job.as_ground.corner, o->source->corner, sizeof o->source->corner);
+	memcpy(job.as_ground.pixel, o->source->pixel, sizeof o->source->pixel);
+	job.as_options = (struct eco_ground_options){ .source = &job.as_ground, .scene_crs = o->scene_crs };
+	job.scene = (struct ground_scene){ .options = &job.as_options, .notes = &asked->head.notes,
+		.where = { "\"image\": {\"file\": ...", "}" }, .what = "image" };
+	CPLPushErrorHandler(CPLQuietErrorHandler);
+	CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
+	GDALAllRegister();
+	enum eco_code code = import(&job, error);
+	for (uint32_t i = 0; i < job.count; i++)
+		ground_colors_close(&job.rasters[i]);
+	if (job.scene.crs)
+		OSRDestroySpatialReference(job.scene.crs);
+	free(job.rasters);
+	CPLPopErrorHandler();
+	return code;
+}

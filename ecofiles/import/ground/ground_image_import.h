@@ -1,0 +1,67 @@
+/* The picture on the ground: rasters of colours, or of classes, cut into a quadtree of squares of texels.
+ *
+ *   eco_ground_image_look(&options, &error);                 only whether they can be read, and where they
+ * lie
+ *   eco_ground_image_open(&reader, &options, &error);
+ *   eco_ground_image_next(reader, &tile, &error);            the root, then depth first: split, or texels
+ *   eco_ground_image_close(reader, &error);                  the verdict: what the child says that read them
+ *
+ * A raster in another CRS is warped into the scene's. Each square is read for itself, at its own resolution:
+ * of a large raster with overviews nothing is read that is not stored. Squares are split while their texels
+ * are wider than the rasters', and than a pixel of a picture 1080 pixels high, of 45 degrees, that is taken
+ * 1 m from the ground among the plants; so squares far away from all plants have wider ones.
+ *
+ * Colours are bytes: red, green, blue, or grey, with alpha or not. A raster with a table of colours
+ * (palette), or for which the scene gives classes, holds numbers of classes instead: those are never mixed,
+ * their colours are. Texels outside the rasters, NODATA, masks and classes without colour are clear; towards
+ * them the image fades within a thirty-second of the root's side. */
+#ifndef ECO_GROUND_IMAGE_IMPORT_H
+#define ECO_GROUND_IMAGE_IMPORT_H
+
+#include "ecofiles/format/ground_image.h"
+#include "ecofiles/import/ground/ground.h"
+
+#define ECO_GROUND_CLASSES_MAX 4096u
+
+struct eco_ground_class { int32_t number; uint8_t rgb[3]; bool clear; };
+
+/* "image" of the ground of a scene file. */
+struct eco_ground_image_source {
+	char **files;
+	uint32_t file_count; /* none: no image; where several have a colour, the first counts */
+	char *crs;                               /* NULL: from the files */
+	struct eco_ground_class *classes; uint32_t class_count;  /* beside those of the files; ascending */
+	bool has_nodata, has_place;
+	double nodata;                           /* a value that is no colour and no class */
+	double corner[2], pixel[2];              /* as in struct eco_ground_source */
+	double texel_m;                          /* the least width of a texel; 0: the rasters' */
+};
+void eco_ground_image_source_free(struct eco_ground_image_source *source);
+
+struct eco_ground_image_options {
+	const struct eco_ground_image_source *source;
+	const char *scene_crs;                   /* as in struct eco_ground_options */
+	double origin[3];
+	double low[2], high[2];                  /* around all plants, scene; low above high: not known */
+	uint32_t tiles_max;                      /* that are not split; 0: 4096 */
+	void (*warn)(void *ctx, const char *text);       /* may be NULL; one sentence per call */
+	void *ctx;
+};
+
+enum eco_code eco_ground_image_look(const struct eco_ground_image_options *options, struct eco_error *error);
+
+#define ECO_GROUND_IMAGE_BYTES (4 * ECO_GROUND_IMAGE_SIDE * ECO_GROUND_IMAGE_SIDE)
+struct eco_ground_image_tile {
+	double low[2], texel_m;          /* of the root, in the scene; set by the first call */
+	bool split;                      /* its four quarters come next (eco_ground_image_quarter) */
+	uint8_t *rgba;                   /* else ECO_GROUND_IMAGE_BYTES of the caller, rows from the north */
+};
+struct eco_ground_image_reader;
+enum eco_code eco_ground_image_open(struct eco_ground_image_reader **reader,
+	const struct eco_ground_image_options *options, struct eco_error *error);
+/* ECO_DAMAGED: nothing came; the verdict says why. */
+enum eco_code eco_ground_image_next(struct eco_ground_image_reader *reader,
+	struct eco_ground_image_tile *tile, struct eco_error *error);
+enum eco_code eco_ground_image_close(struct eco_ground_image_reader *reader, struct eco_error *error);
+
+#endif

@@ -1,0 +1,131 @@
+/* The child process (gdal_image.c) hands squares back through a pipe; what comes is checked here. */
+#include "ecofiles/import/ground/import_ground_image.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "ecofiles/base/guard.h"
+#include "ecofiles/base/module.h"
+
+struct eco_ground_image_reader {
+	struct eco_ground_image_job job;
+	struct eco_guard *guard;
+	FILE *stream;
+	bool begun;
+	uint32_t open[GROUND_IMAGE_DEPTH], depth;        /* quarters to come, by depth */
+};
+
+static enum eco_code work(void *ctx, FILE *out, struct eco_error *error)
+{
+	const struct eco_gdal_module *gdal = eco_module(ECO_MODULE_GDAL, error);
+	return !gdal ? ECO_NOT_FOUND : gdal->ground_image_read(ctx, out, error);
+}
+
+static enum eco_code start(struct eco_ground_image_reader *r, const struct eco_ground_image_options *options,
+	bool only_look, struct eco_error *error)
+{
+	const struct eco_ground_image_source *source = options->source;
+	*r = (struct eco_ground_image_reader){ .job = { .options = options, .only_look = only_look } };
+	for (uint32_t i = 0; i < source->file_count; i++)
+		if (access(source->files[i], R_OK) != 0)
+			return eco_fail(error, errno == ENOENT ? ECO_NOT_FOUND : ECO_IO, "%s: %s",
+				source->files[i], strerror(errno));
+	return eco_guard_start(&r->guard, work, &r->job, source->files[0], NULL, &r->stream, error);
+}
+
+/* The child's own verdict comes before what was missed here. */
+static enum eco_code finish(struct eco_ground_image_reader *r, enum eco_code read, struct eco_error *error)
+{
+	struct eco_error verdict = { .code = ECO_OK };
+	enum eco_code code = eco_guard_finish(r->guard, &verdict);
+	if (code)
+		return eco_fail(error, code, "%s", verdict.text);
+	return !read ? ECO_OK
+		     : eco_fail(error, ECO_DAMAGED,
+			       "%.300s: the data from its reader contradict each "
+			       "other",
+			       r->job.options->source->files[0]);
+}
+
+static bool read_head(struct eco_ground_image_reader *r)
+{
+	struct ground_image_head *head = &r->job.head;
+	if (fread(head, sizeof *head, 1, r->stream) != 1 || head->notes.count > GROUND_NOTES_MAX
+			|| !isfinite(head->low[0]) || !isfinite(head->low[1]) || !(head->texel_m > 0)
+			|| !isfinite(head->texel_m))
+		return false;
+	for (uint32_t i = 0; i < head->notes.count; i++)
+		head->notes.text[i][GROUND_NOTE_BYTES - 1] = 0;
+	return true;
+}
+
+enum eco_code eco_ground_image_look(const struct eco_ground_image_options *options, struct eco_error *error)
+{
+	struct eco_ground_image_reader r;
+	enum eco_code code = start(&r, options, true, error);
+	if (code)
+		return code;
+	code = finish(&r, read_head(&r) ? ECO_OK : ECO_DAMAGED, error);
+	for (uint32_t i = 0; !code && options->warn && i < r.job.head.notes.count; i++)
+		options->warn(options->ctx, r.job.head.notes.text[i]);
+	return code;
+}
+
+enum eco_code eco_ground_image_open(struct eco_ground_image_reader **reader,
+	const struct eco_ground_image_options *options, struct eco_error *error)
+{
+	*reader = malloc(sizeof **reader);
+	if (!*reader)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory to read the ground's image");
+	enum eco_code code = start(*reader, options, false, error);
+	if (code) {
+		free(*reader);
+		*reader = NULL;
+	}
+	return code;
+}
+
+enum eco_code eco_ground_image_next(struct eco_ground_image_reader *r, struct eco_ground_image_tile *tile,
+	struct eco_error *error)
+{
+	bool good = r->begun || read_head(r);
+	r->begun = true;
+	int split = good ? fgetc(r->stream) : EOF;
+	good = good && (split == 0 || (split == 1 && r->depth + 1 < GROUND_IMAGE_DEPTH))
+		&& (split || fread(tile->rgba, ECO_GROUND_IMAGE_BYTES, 1, r->stream) == 1);
+	if (!good)
+		return eco_fail(error, ECO_DAMAGED, "%.300s: its reader ended early",
+			r->job.options->source->files[0]);
+	for (int k = 0; k < 2; k++)
+		tile->low[k] = r->job.head.low[k];
+	tile->texel_m = r->job.head.texel_m;
+	tile->split = split;
+	if (split)
+		r->open[++r->depth] = 4;
+	else
+		while (r->depth && !--r->open[r->depth])
+			r->depth--;
+	return ECO_OK;
+}
+
+enum eco_code eco_ground_image_close(struct eco_ground_image_reader *r, struct eco_error *error)
+{
+	if (!r)
+		return ECO_OK;
+	enum eco_code code = finish(r, ECO_OK, error);
+	free(r);
+	return code;
+}
+
+void eco_ground_image_source_free(struct eco_ground_image_source *source)
+{
+	for (uint32_t i = 0; i < source->file_count; i++)
+		free(source->files[i]);
+	free(source->files);
+	free(source->crs);
+	free(source->classes);
+	*source = (struct eco_ground_image_source){ .files = NULL };
+}

@@ -1,0 +1,365 @@
+/* Images of the ground: the tree of squares, colours and classes as they come, and what rasters lack. */
+#include <gdal.h>
+#include <math.h>
+#include <ogr_srs_api.h>
+#include <stdlib.h>
+
+#include "ecofiles/import/ground/ground_image_import.h"
+#include "tests/support/input_files.h"
+#include "tests/support/unit_test.h"
+
+#define SIDE ECO_GROUND_IMAGE_SIDE
+#define ZONE 32632
+#define WEST 691000.0
+#define SOUTH 5334000.0
+
+static char warnings[4000];
+
+static void note(void *ctx, const char *text)
+{
+	(void)ctx;
+	snprintf(warnings + strlen(warnings), sizeof warnings - strlen(warnings), "%s\n", text);
+}
+
+/* ---- Rasters ---- */
+
+struct raster {
+	const char *name;
+	int side, bands, epsg;       /* epsg 0: none */
+	double pixel_m;
+	GDALDataType type;
+	bool palette, no_place;
+	int nodata;                  /* -1: none */
+};
+
+/* Bands k of the pixel that far east and north, 0 to 1. */
+static int value_at(double east, double north, int band)
+{
+	if (band == 0)
+		return (int)(250 * east);
+	return band == 1 ? (int)(250 * north) : 128;
+}
+
+/* Four classes, one a quarter: 1 2 in the south, 3 4 in the north. */
+static int class_at(double east, double north)
+{
+	return 1 + (east >= 0.5) + 2 * (north >= 0.5);
+}
+
+static const char *make_raster(const struct raster *r)
+{
+	const char *path = input_text("image", r->name, "");
+	GDALAllRegister();
+	GDALDatasetH file =
+		GDALCreate(GDALGetDriverByName("GTiff"), path, r->side, r->side, r->bands, r->type, NULL);
+	double place[6] = { WEST, r->pixel_m, 0, SOUTH + r->side * r->pixel_m, 0, -r->pixel_m };
+	if (!r->no_place)
+		GDALSetGeoTransform(file, place);
+	if (r->epsg) {
+		OGRSpatialReferenceH crs = OSRNewSpatialReference(NULL);
+		OSRImportFromEPSG(crs, r->epsg);
+		GDALSetSpatialRef(file, crs);
+		OSRDestroySpatialReference(crs);
+	}
+	for (int b = 0; b < r->bands; b++) {
+		GDALRasterBandH band = GDALGetRasterBand(file, b + 1);
+		if (r->palette) {
+			GDALColorTableH table = GDALCreateColorTable(GPI_RGB);
+			for (int i = 0; i < 5; i++)
+				GDALSetColorEntry(table, i,
+					&(GDALColorEntry){ (short)(50 * i), 10, 20, 255 });
+			GDALSetRasterColorTable(band, table);
+			GDALDestroyColorTable(table);
+		}
+		if (r->nodata >= 0)
+			GDALSetRasterNoDataValue(band, r->nodata);
+		int *row = malloc((size_t)r->side * sizeof *row);
+		for (int y = 0; y < r->side; y++) {
+			double north = 1 - (y + 0.5) / r->side;
+			for (int x = 0; x < r->side; x++) {
+				double east = (x + 0.5) / r->side;
+				row[x] = r->bands == 1 ? class_at(east, north) : value_at(east, north, b);
+			}
+			assert_int_equal(GDALRasterIO(band, GF_Write, 0, y, r->side, 1, row, r->side, 1,
+						 GDT_Int32, 0, 0),
+				CE_None);
+		}
+		free(row);
+	}
+	GDALClose(file);
+	return path;
+}
+
+/* ---- Trees ---- */
+
+/* All squares of a tree that are not split. */
+struct leaf { double low[2], texel_m; uint8_t *rgba; };
+struct tree { struct leaf leaves[700]; uint32_t count, depth; struct eco_ground_image_tile root; };
+
+static enum eco_code read_square(struct eco_ground_image_reader *reader, struct tree *tree,
+	struct eco_list list, uint32_t depth, struct eco_error *error)
+{
+	struct eco_ground_image_tile tile = { .rgba = malloc(ECO_GROUND_IMAGE_BYTES) };
+	enum eco_code code = eco_ground_image_next(reader, &tile, error);
+	if (!depth && !code) {
+		tree->root = tile;
+		memcpy(list.grid_origin, tile.low, sizeof tile.low);
+		list.grid_step[0] = list.grid_step[1] = tile.texel_m;
+	}
+	tree->depth = depth > tree->depth ? depth : tree->depth;
+	if (code || tile.split)
+		free(tile.rgba);
+	for (uint32_t q = 0; q < 4 && tile.split && !code; q++) {
+		struct eco_list quarter = list;
+		eco_ground_image_quarter(&quarter, q);
+		code = read_square(reader, tree, quarter, depth + 1, error);
+	}
+	if (!code && !tile.split) {
+		assert_true(tree->count < 700);
+		tree->leaves[tree->count++] = (struct leaf){ { list.grid_origin[0], list.grid_origin[1] },
+			list.grid_step[0], tile.rgba };
+	}
+	return code;
+}
+
+struct given {
+	struct eco_ground_image_source source;
+	const char *path, *scene_crs;
+	double low[2], high[2];
+	uint32_t tiles_max;
+};
+
+static struct eco_ground_image_options options_of(struct given *g, char **paths)
+{
+	paths[0] = (char *)g->path;
+	g->source.files = paths;
+	g->source.file_count = 1;
+	return (struct eco_ground_image_options){ .source = &g->source,
+		.scene_crs = g->scene_crs,
+		.origin = { WEST, SOUTH, 0 },
+		.low = { g->low[0], g->low[1] },
+		.high = { g->high[0], g->high[1] },
+		.tiles_max = g->tiles_max,
+		.warn = note };
+}
+
+static void read_tree(struct tree *tree, struct given g)
+{
+	struct eco_error error = { .code = ECO_OK }, verdict = { .code = ECO_OK };
+	char *paths[1];
+	struct eco_ground_image_options options = options_of(&g, paths);
+	struct eco_ground_image_reader *reader;
+	*tree = (struct tree){ .count = 0 };
+	assert_ok(eco_ground_image_open(&reader, &options, &error), error);
+	enum eco_code code =
+		read_square(reader, tree, (struct eco_list){ .kind = ECO_LIST_GROUND_IMAGE }, 0, &error);
+	assert_ok(eco_ground_image_close(reader, &verdict), verdict);
+	assert_ok(code, error);
+}
+
+static void free_tree(struct tree *tree)
+{
+	for (uint32_t i = 0; i < tree->count; i++)
+		free(tree->leaves[i].rgba);
+}
+
+/* The texel at a place; NULL: no square holds it. */
+static const uint8_t *texel_at(const struct tree *tree, double x, double y)
+{
+	for (uint32_t i = 0; i < tree->count; i++) {
+		const struct leaf *leaf = &tree->leaves[i];
+		double column = (x - leaf->low[0]) / leaf->texel_m,
+		       row = SIDE - (y - leaf->low[1]) / leaf->texel_m;
+		if (column >= 0 && column < SIDE && row >= 0 && row < SIDE)
+			return leaf->rgba + 4 * ((size_t)row * SIDE + (size_t)column);
+	}
+	return NULL;
+}
+
+static void fails(struct given g, const char *says)
+{
+	struct eco_error error = { .code = ECO_OK }, missed = { .code = ECO_OK };
+	char *paths[1];
+	struct eco_ground_image_options options = options_of(&g, paths);
+	struct eco_ground_image_reader *reader;
+	struct tree tree = { .count = 0 };
+	assert_ok(eco_ground_image_open(&reader, &options, &error), error);
+	read_square(reader, &tree, (struct eco_list){ .kind = 0 }, 0, &missed);
+	free_tree(&tree);
+	assert_int_not_equal(eco_ground_image_close(reader, &error), ECO_OK);
+	if (!strstr(error.text, says))
+		fail_msg("%s\n  wanted ... %s", error.text, says);
+}
+
+/* ---- Tests ---- */
+
+#define COLORS(path_) { .path = path_, .scene_crs = "EPSG:32632", .low = { 1, 1 }, .high = { 0, 0 } }
+
+UNIT_TEST(colours_lie_where_they_lie_in_the_raster_and_fade_at_its_border)
+{
+	struct tree tree;
+	read_tree(&tree,
+		(struct given)COLORS(make_raster(
+			&(struct raster){ "rgb.tif", 600, 3, ZONE, 0.5, GDT_Byte, .nodata = -1 })));
+	assert_true(tree.root.low[0] == 0 && tree.root.low[1] == 0 && tree.root.texel_m == 2);
+	assert_int_equal(tree.depth, 2);
+	for (int i = 0; i < 100; i++) {
+		double east = (i % 10 + 0.5) / 10, north = (i / 10 + 0.5) / 10;
+		const uint8_t *texel = texel_at(&tree, 300 * east, 300 * north);
+		assert_non_null(texel);
+		assert_true(abs(texel[0] - value_at(east, north, 0)) <= 2 &&
+			abs(texel[1] - value_at(east, north, 1)) <= 2 && texel[2] == 128);
+		bool inside = fabs(east - 0.5) < 0.4 && fabs(north - 0.5) < 0.4;
+		assert_true(!inside || texel[3] == 255);
+	}
+	uint8_t before = 0;
+	for (double y = 299.9; y > 270; y -= 0.5) {        /* from the northern border inwards */
+		uint8_t alpha = texel_at(&tree, 150, y)[3];
+		assert_true(alpha >= before && alpha - before < 40);
+		before = alpha;
+	}
+	assert_int_equal(before, 255);
+	assert_int_equal(texel_at(&tree, 150, 320)[3], 0);
+	free_tree(&tree);
+}
+
+UNIT_TEST(rasters_of_another_crs_are_warped)
+{
+	struct tree tree;
+	struct raster r = { "zone33.tif", 100, 3, ZONE, 2, GDT_Byte, .nodata = -1 };
+	read_tree(&tree,
+		(struct given){ .path = make_raster(&r), .scene_crs = "EPSG:25832", .low = { 1, 1 } });
+	const uint8_t *texel = texel_at(&tree, 50, 150);
+	assert_true(abs(texel[0] - 62) <= 3 && abs(texel[1] - 187) <= 3 && texel[3] == 255);
+	free_tree(&tree);
+}
+
+/* Far from the plants no view resolves them; and so many squares are the most. */
+UNIT_TEST(texels_are_wider_where_no_plant_is_near)
+{
+	struct tree tree;
+	struct given g =
+		COLORS(make_raster(&(struct raster){ "wide.tif", 4096, 3, ZONE, 1, GDT_Byte, .nodata = -1 }));
+	g.low[0] = g.low[1] = 10;
+	g.high[0] = g.high[1] = 20;
+	read_tree(&tree, g);
+	uint32_t fine = 0, coarse = 0;
+	for (uint32_t i = 0; i < tree.count; i++) {
+		const struct leaf *leaf = &tree.leaves[i];
+		double away = fmax(fmax(leaf->low[0], leaf->low[1]) - 20, 1);
+		assert_true(leaf->texel_m <= fmax(1, 2 * 0.00077 * away));
+		fine += leaf->texel_m == 1;
+		coarse += leaf->texel_m > 1;
+	}
+	assert_true(fine > 16 && coarse > 0);
+	free_tree(&tree);
+	g.tiles_max = 16;
+	warnings[0] = 0;
+	read_tree(&tree, g);
+	assert_true(tree.count <= 16);
+	free_tree(&tree);
+	g.tiles_max = 0;
+	g.source.texel_m = 8;
+	read_tree(&tree, g);
+	assert_int_equal(tree.count, 4);
+	free_tree(&tree);
+}
+
+UNIT_TEST(classes_have_the_colours_of_the_file_or_of_the_scene)
+{
+	struct eco_ground_class classes[] = { { 1, { 9, 8, 7 }, false }, { 4, { 0 }, true } };
+	struct tree tree;
+	struct given g = COLORS(make_raster(&(struct raster){ "palette.tif", 300, 1, ZONE, 1, GDT_Byte, true,
+		.nodata = -1 }));
+	read_tree(&tree, g);
+	assert_int_equal(texel_at(&tree, 75, 75)[0], 50);
+	assert_int_equal(texel_at(&tree, 225, 75)[0], 100);
+	assert_int_equal(texel_at(&tree, 75, 225)[0], 150);
+	assert_int_equal(texel_at(&tree, 225, 225)[0], 200);
+	free_tree(&tree);
+	g.source.classes = classes;
+	g.source.class_count = 2;
+	read_tree(&tree, g);
+	assert_int_equal(texel_at(&tree, 75, 75)[0], 9);
+	assert_int_equal(texel_at(&tree, 225, 75)[0], 100);
+	assert_int_equal(texel_at(&tree, 225, 225)[3], 0);
+	free_tree(&tree);
+}
+
+UNIT_TEST(nodata_is_clear)
+{
+	struct tree tree;
+	struct eco_ground_class classes[] = { { 1, { 9, 8, 7 }, false }, { 2, { 9, 8, 7 }, false },
+		{ 3, { 9, 8, 7 }, false } };
+	struct given g = COLORS(make_raster(&(struct raster){ "hole.tif", 300, 1, ZONE, 1, GDT_Int16, false,
+		.nodata = 4 }));
+	g.source.classes = classes;
+	g.source.class_count = 3;
+	read_tree(&tree, g);
+	assert_int_equal(texel_at(&tree, 225, 225)[3], 0);
+	assert_int_equal(texel_at(&tree, 75, 75)[3], 255);
+	free_tree(&tree);
+	g.path =
+		make_raster(&(struct raster){ "hole2.tif", 300, 1, ZONE, 1, GDT_Int16, false, .nodata = -1 });
+	g.source.has_nodata = true;
+	g.source.nodata = 4;
+	read_tree(&tree, g);
+	assert_int_equal(texel_at(&tree, 225, 225)[3], 0);
+	free_tree(&tree);
+}
+
+UNIT_TEST(what_lacks_is_said)
+{
+	struct eco_ground_class classes[] = { { 1, { 9, 8, 7 }, false } };
+	struct given g =
+		COLORS(make_raster(&(struct raster){ "no_crs.tif", 64, 3, 0, 1, GDT_Byte, .nodata = -1 }));
+	fails(g, "the file has no CRS; say it in the scene: \"ground\": {\"image\": {\"file\": ..., \"crs\": "
+		"\"EPSG:32632\"}}");
+	g.source.crs = (char *)"EPSG:32632";
+	struct tree tree;
+	read_tree(&tree, g);
+	free_tree(&tree);
+	g = (struct given)COLORS(
+		make_raster(&(struct raster){ "good.tif", 64, 3, ZONE, 1, GDT_Byte, .nodata = -1 }));
+	g.scene_crs = NULL;
+	fails(g, "but the scene has no CRS");
+	g.scene_crs = "EPSG:32632";
+	g.low[0] = g.low[1] = 5000;
+	g.high[0] = g.high[1] = 5100;
+	fails(g, "the image shows no place where plants stand");
+	g = (struct given)COLORS(
+		make_raster(&(struct raster){ "deep.tif", 64, 3, ZONE, 1, GDT_UInt16, .nodata = -1 }));
+	fails(g, "band 1 holds UInt16, and colours are bytes");
+	g = (struct given)COLORS(make_raster(&(struct raster){ "unknown.tif", 300, 1, ZONE, 1, GDT_Byte,
+		.nodata = -1 }));
+	g.source.classes = classes;
+	g.source.class_count = 1;
+	fails(g, "has no colour; add it to the scene's");
+	g = (struct given)COLORS(
+		make_raster(&(struct raster){ "bands.tif", 64, 3, ZONE, 1, GDT_Byte, .nodata = -1 }));
+	g.source.classes = classes;
+	g.source.class_count = 1;
+	fails(g, "it has 3 bands; a raster of classes has one");
+	g = (struct given)COLORS(make_raster(
+		&(struct raster){ "lost.tif", 64, 3, 0, 1, GDT_Byte, .no_place = true, .nodata = -1 }));
+	g.scene_crs = NULL;
+	fails(g, "it does not say where it lies; add to the image");
+}
+
+/* A picture without coordinates, put where the scene says. */
+UNIT_TEST(a_picture_without_coordinates_lies_where_the_scene_says)
+{
+	struct tree tree;
+	struct given g = COLORS(make_raster(
+		&(struct raster){ "photo.tif", 256, 3, 0, 1, GDT_Byte, .no_place = true, .nodata = -1 }));
+	g.source.crs = (char *)"EPSG:32632";
+	g.source.has_place = true;
+	g.source.corner[0] = WEST + 100;
+	g.source.corner[1] = SOUTH + 612;
+	g.source.pixel[0] = g.source.pixel[1] = 2;
+	read_tree(&tree, g);
+	assert_true(tree.root.low[0] == 100 && tree.root.low[1] == 100 && tree.root.texel_m == 2);
+	assert_true(abs(texel_at(&tree, 100 + 128, 100 + 384)[0] - 62) <= 2);
+	assert_true(abs(texel_at(&tree, 100 + 128, 100 + 384)[1] - 187) <= 2);
+	free_tree(&tree);
+}
