@@ -124,7 +124,7 @@ static enum eco_code read_anchors(struct eco_wire_parser *p, struct eco_range *r
 			|| item->plant.anchor_first > ECO_NONE - count)
 		return BAD("plant %u has %u anchors from %u, in %zu bytes", item->id, count,
 			item->plant.anchor_first, r->size);
-	struct eco_anchor *anchors = malloc(count * sizeof *anchors);
+	struct eco_anchor *anchors = calloc(count, sizeof *anchors);
 	if (!anchors)
 		return eco_fail(e, ECO_NO_MEMORY, "no memory for %u anchors", count);
 	for (uint32_t i = 0; i < count && !code; i++) {

@@ -1,73 +1,16 @@
-/* See lod/plan/byte_price.h. Longer than 600 lines: limits of lists, of organs and of textures are made from
- * one another's. */
+/* See lod/plan/byte_price.h. Longer than 600 lines: limits of lists and of organs are made from one
+ * another's. */
 #include "lod/plan/byte_price.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "ecofiles/format/texture.h"
+#include "lod/plan/byte_price_state.h"
 #include "lod/plan/impostor_worth.h"
-#include "lod/plan/texture_levels.h"
 
-#define LISTS_OF_LADDER 5        /* points, lines, simple, triangles, impostor */
 #define GROUND_LEAST 0.1         /* share of the ground that shows, at least */
 #define DRAWN_LEAST 1e-9         /* plants, below which nobody draws */
-
-/* The longest prefix of each list of a ladder, in chunks. */
-struct chunks { uint32_t of[LISTS_OF_LADDER]; };
-
-struct price { double bytes, waste; };       /* waste: what they cost beside */
-
-/* A ladder in view, and what each number of vertices that a plant may draw needs of its lists. Points give
- * way to triangles, so a step may need less than those before it: what is paid is what some plant draws. */
-struct ladder_price {
-	uint32_t ladder;
-	uint32_t first, count;       /* its choices, in lod_prices.choices */
-	uint32_t steps;
-	uint32_t lists[LISTS_OF_LADDER], list_count;
-	const struct price *prefixes[LISTS_OF_LADDER];       /* of each list: of so many chunks */
-	uint64_t *vertices;          /* per step, ascending */
-	struct chunks *needs;        /* per step */
-	double *gain;                /* per step, while a limit is sought; */
-	bool *rests;                 /* and whether some choice stays there */
-	struct price used;           /* of what the last relaxation draws */
-	uint32_t limit, kept;        /* the last step that may be drawn; that of lod_prices_keep */
-	uint32_t image, textured;    /* its texture, in lod_prices.images; the first step that shows it */
-	double image_part;           /* bytes of the texture that this ladder is asked for */
-	double textured_px, image_lost;      /* seen of it by plants that draw the ladder; wrong of these */
-};
-
-/* A texture: levels of colours, and of its outline. */
-struct image_price {
-	uint32_t list, outline, users[2];    /* outline: or ECO_NONE; users: ladders of whole plants, of cells */
-	uint32_t most, levels;       /* of colours, that the view resolves; that are worth their bytes */
-	uint32_t outline_levels;     /* likewise; 0: there is no outline */
-	double bytes, waste;         /* of all these */
-	bool used;
-};
-
-struct lod_prices {
-	const struct eco_holdings *kept;     /* chunks that come anyway; NULL: all count alike */
-	double kept_lambda, kept_price;      /* of limits; lambda not a number: none are kept */
-	double factor;               /* times their bytes, that others cost beside these */
-	struct ladder_price *ladders;        uint32_t ladder_count;
-	struct image_price *images;          uint32_t image_count;
-	uint32_t *choices;           /* of the allocation, by ladder */
-	/* of all ladders */
-	struct price *prefixes;
-	uint64_t *vertices;          struct chunks *needs;
-	double *gain;                bool *rests;
-	double *instances, *instances_waste, *points;        /* per node */
-	double *drawn, *seen;        /* per slot: plants in open tiles; the same, times the tiles' factors */
-	double *part;                /* per node: of its tile's bytes, that an occurrence pays */
-	double *weight;              /* per node: the share of it that is drawn */
-	struct lod_hull_point *room; /* for hulls of summaries */
-	uint32_t *room_first;        /* per node */
-	bool *organs_off;            /* per plant */
-	uint8_t *left_out;           /* per plant: its organs are off whatever they save */
-	double *saved, *spent;       /* per plant: by its organs */
-};
 
 /* ---- Bytes ---- */
 
@@ -79,7 +22,7 @@ static double chunk_bytes(const struct lod_planner *p, uint32_t list, uint32_t o
 }
 
 /* Chunks [from, to) of a list that the client lacks. */
-static double missing_between(const struct lod_allocation *m, uint32_t list, uint32_t from, uint32_t to)
+double lod_prices_missing(const struct lod_allocation *m, uint32_t list, uint32_t from, uint32_t to)
 {
 	uint32_t held = eco_holdings_chunks(m->p->input->holdings, list);
 	double sum = 0;
@@ -89,20 +32,20 @@ static double missing_between(const struct lod_allocation *m, uint32_t list, uin
 }
 
 /* What these cost beside their bytes. */
-static double waste_between(const struct lod_allocation *m, uint32_t list, uint32_t from, uint32_t to)
+double lod_prices_waste(const struct lod_allocation *m, uint32_t list, uint32_t from, uint32_t to)
 {
 	uint32_t kept = m->prices->kept ? eco_holdings_chunks(m->prices->kept, list) : to;
-	return kept < to ? m->prices->factor * missing_between(m, list, from > kept ? from : kept, to) : 0;
+	return kept < to ? m->prices->factor * lod_prices_missing(m, list, from > kept ? from : kept, to) : 0;
 }
 
 static double missing_all(const struct lod_allocation *m, uint32_t list)
 {
-	return missing_between(m, list, 0, m->p->scene->lists[list].chunk_count);
+	return lod_prices_missing(m, list, 0, m->p->scene->lists[list].chunk_count);
 }
 
 static double waste_all(const struct lod_allocation *m, uint32_t list)
 {
-	return waste_between(m, list, 0, m->p->scene->lists[list].chunk_count);
+	return lod_prices_waste(m, list, 0, m->p->scene->lists[list].chunk_count);
 }
 
 /* ---- Ladders ---- */
@@ -187,102 +130,6 @@ static void find_steps(const struct lod_allocation *m, struct ladder_price *l)
 		}
 }
 
-/* Pixels that a texel of a ladder's texture is wide where a choice stands. */
-static double texel_px(const struct lod_allocation *m, const struct ladder_price *l, uint32_t id)
-{
-	const struct lod_slot *slot = &m->p->visible.slots[m->ladder_choices[id].slot];
-	return lod_texel_px(m->p, m->prices->images[l->image].list, slot->anchor, slot->band);
-}
-
-static struct image_price image_price_of(const struct lod_allocation *m, uint32_t list)
-{
-	return (struct image_price){ .list = list, .outline = m->p->scene->lists[list].image };
-}
-
-/* The most levels that some choice of a ladder resolves. */
-static void count_levels(struct lod_allocation *m, const struct ladder_price *l)
-{
-	struct image_price *image = &m->prices->images[l->image];
-	for (uint32_t i = 0; i < l->count; i++) {
-		uint32_t levels = lod_texture_levels(m->p, image->list,
-			texel_px(m, l, m->prices->choices[l->first + i]));
-		image->most = levels > image->most ? levels : image->most;
-	}
-}
-
-static void set_levels(struct lod_allocation *m, struct image_price *image, uint32_t levels,
-	uint32_t outline_levels)
-{
-	image->levels = levels;
-	image->outline_levels = outline_levels;
-	image->bytes = missing_between(m, image->list, 0, levels);
-	image->waste = waste_between(m, image->list, 0, levels);
-	m->p->texture_levels[image->list] = (uint8_t)levels;
-	if (image->outline == ECO_NONE)
-		return;
-	image->bytes += missing_between(m, image->outline, 0, outline_levels);
-	image->waste += waste_between(m, image->outline, 0, outline_levels);
-	m->p->texture_levels[image->outline] = (uint8_t)outline_levels;
-}
-
-static uint32_t levels_of(const struct lod_allocation *m, uint32_t list)
-{
-	return list == ECO_NONE ? 0 : m->p->scene->lists[list].chunk_count;
-}
-
-/* A texture is asked of the ladders of whole plants that show it in equal parts, and of cells likewise. */
-static void share_images(struct lod_allocation *m)
-{
-	const struct eco_scene *scene = m->p->scene;
-	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
-		struct ladder_price *l = &m->prices->ladders[i];
-		const struct eco_ladder *ladder = &scene->ladders[l->ladder];
-		bool cell = ladder->anchor != scene->plants[ladder->plant].anchor_first;
-		if (l->textured == ECO_NONE)
-			continue;
-		const struct image_price *image = &m->prices->images[l->image];
-		l->image_part = (image->bytes + image->waste) / image->users[cell];
-	}
-}
-
-static bool make_images(struct lod_allocation *m)
-{
-	struct lod_prices *prices = m->prices;
-	const struct eco_scene *scene = m->p->scene;
-	prices->images = calloc(prices->ladder_count + 1u, sizeof *prices->images);
-	if (!m->p->texture_levels)
-		m->p->texture_levels = calloc(scene->list_count + 1u, 1);
-	if (!m->p->texture_levels)
-		return false;
-	uint32_t *of = calloc(scene->list_count + 1u, sizeof *of);
-	for (int pass = 0; pass < 2 && of && prices->images; pass++)
-		for (uint32_t i = 0; i < prices->ladder_count; i++) {
-			struct ladder_price *l = &prices->ladders[i];
-			const struct eco_ladder *ladder = &scene->ladders[l->ladder];
-			bool cell = ladder->anchor != scene->plants[ladder->plant].anchor_first;
-			if (l->textured == ECO_NONE)
-				continue;
-			if (pass) {
-				count_levels(m, l);
-				continue;
-			}
-			if (!of[l->image]) {
-				of[l->image] = ++prices->image_count;
-				prices->images[prices->image_count - 1] = image_price_of(m, l->image);
-			}
-			l->image = of[l->image] - 1;
-			prices->images[l->image].users[cell]++;
-		}
-	free(of);
-	if (!of || !prices->images)
-		return false;
-	for (uint32_t i = 0; i < prices->image_count; i++)
-		set_levels(m, &prices->images[i], prices->images[i].most,
-			levels_of(m, prices->images[i].outline));
-	share_images(m);
-	return true;
-}
-
 /* Prices of all prefixes of the lists of all ladders. */
 static bool make_prefixes(struct lod_allocation *m)
 {
@@ -299,8 +146,8 @@ static bool make_prefixes(struct lod_allocation *m)
 			prices->ladders[i].prefixes[k] = to;
 			*to++ = (struct price){ 0 };
 			for (uint32_t c = 0; c < chunks; c++, to++) {
-				to->bytes = to[-1].bytes + missing_between(m, list, c, c + 1);
-				to->waste = to[-1].waste + waste_between(m, list, c, c + 1);
+				to->bytes = to[-1].bytes + lod_prices_missing(m, list, c, c + 1);
+				to->waste = to[-1].waste + lod_prices_waste(m, list, c, c + 1);
 			}
 		}
 	return prices->prefixes;
@@ -351,7 +198,7 @@ static bool make_ladders(struct lod_allocation *m)
 		find_steps(m, l);
 		steps += l->steps;
 	}
-	return make_prefixes(m) && make_images(m);
+	return make_prefixes(m) && lod_images_make(m);
 }
 
 /* ---- Tiles ---- */
@@ -426,8 +273,8 @@ struct lod_summary_price lod_prices_summary(const struct lod_allocation *m, uint
 		price.before = price.points;
 		price.points += scene->chunks[l->chunk_first + chunks++].primitive_count;
 	}
-	price.bytes = missing_between(m, list, 0, chunks) * m->prices->part[node];
-	price.waste = waste_between(m, list, 0, chunks) * m->prices->part[node];
+	price.bytes = lod_prices_missing(m, list, 0, chunks) * m->prices->part[node];
+	price.waste = lod_prices_waste(m, list, 0, chunks) * m->prices->part[node];
 	return price;
 }
 
@@ -529,7 +376,7 @@ static void count_drawn(struct lod_allocation *m)
 
 /* The share of a slot's plants that draw a choice. `all`: of a ladder that shows the whole plant, as if no
  * organs were drawn. */
-static double share_of(const struct lod_allocation *m, uint32_t ladder_choice, bool all)
+double lod_prices_share(const struct lod_allocation *m, uint32_t ladder_choice, bool all)
 {
 	const struct lod_ladder_choice *choice = &m->ladder_choices[ladder_choice];
 	const struct lod_slot *slot = &m->p->visible.slots[choice->slot];
@@ -581,7 +428,7 @@ static double free_position(const struct lod_allocation *m, struct lod_ladder_ch
 static void add_gain(struct lod_allocation *m, struct ladder_price *l, uint32_t id, bool all)
 {
 	struct lod_ladder_choice *choice = &m->ladder_choices[id];
-	double share = share_of(m, id, all), drawn = m->prices->drawn[choice->slot] * share,
+	double share = lod_prices_share(m, id, all), drawn = m->prices->drawn[choice->slot] * share,
 		seen = m->prices->seen[choice->slot] * share * choice->weight_px;
 	if (!(seen > 0))
 		return;
@@ -607,89 +454,17 @@ static double cost_of(const struct ladder_price *l, const struct price *price, u
 	return price->bytes + price->waste + (step >= l->textured ? l->image_part : 0);
 }
 
-static bool shows(const struct ladder_price *l, uint32_t image)
-{
-	return l->textured != ECO_NONE && l->image == image;
-}
-
-/* Adds, for each number of levels, what plants that draw a ladder lose by seeing no more of its texture. */
-static void add_texel_costs(const struct lod_allocation *m, struct ladder_price *l, double *costs,
-	uint32_t levels)
-{
-	l->textured_px = 0;
-	for (uint32_t i = 0; i < l->count; i++) {
-		uint32_t id = m->prices->choices[l->first + i];
-		const struct lod_ladder_choice *choice = &m->ladder_choices[id];
-		double seen = m->prices->seen[choice->slot] * share_of(m, id, false) * choice->weight_px,
-			px = texel_px(m, l, id);
-		for (uint32_t n = levels; n > 0 && seen > 0; n--, px *= 2)
-			costs[n] += seen * lod_texel_cost(px);
-		l->textured_px += seen;
-	}
-}
-
-/* Levels of an outline that are worth their bytes where so many pixels are seen through it; *lost: wrong. */
-static uint32_t outline_levels(const struct lod_allocation *m, uint32_t outline, double pixels, double *lost)
-{
-	uint32_t all = levels_of(m, outline), best = all;
-	double least = INFINITY;
-	*lost = 0;
-	for (uint32_t n = all; n > 0 && pixels > 0; n--) {
-		double wrong = pixels * lod_outline_loss(m->p, outline, n),
-			cost = wrong + m->price * missing_between(m, outline, 0, n);
-		if (cost < least) {
-			least = cost;
-			best = n;
-			*lost = wrong;
-		}
-	}
-	return best;
-}
-
-/* Levels of a texture that are worth their bytes; all where nobody draws it, as nothing says for whom. Returns
- * what is lost of each pixel that shows it. */
-static double limit_texture(struct lod_allocation *m, uint32_t i)
-{
-	struct lod_prices *prices = m->prices;
-	struct image_price *image = &prices->images[i];
-	uint32_t best = image->most;
-	double costs[ECO_TEXTURE_LEVELS_MAX + 1] = { 0 }, least = INFINITY, pixels = 0, lost;
-	for (uint32_t k = 0; k < prices->ladder_count; k++)
-		if (shows(&prices->ladders[k], i)) {
-			add_texel_costs(m, &prices->ladders[k], costs, levels_of(m, image->list));
-			pixels += prices->ladders[k].textured_px;
-		}
-	for (uint32_t n = 1; n <= image->most && pixels > 0; n++) {
-		double cost = costs[n] + m->price * missing_between(m, image->list, 0, n);
-		best = cost < least ? n : best;
-		least = fmin(least, cost);
-	}
-	set_levels(m, image, best, outline_levels(m, image->outline, pixels, &lost));
-	return pixels > 0 ? (lost + costs[best] - costs[image->most]) / pixels : 0;
-}
-
-static void limit_textures(struct lod_allocation *m)
-{
-	for (uint32_t i = 0; i < m->prices->image_count; i++) {
-		double lost = limit_texture(m, i);
-		for (uint32_t k = 0; k < m->prices->ladder_count; k++)
-			if (shows(&m->prices->ladders[k], i))
-				m->prices->ladders[k].image_lost = lost * m->prices->ladders[k].textured_px;
-	}
-	share_images(m);
-}
-
 void lod_prices_levels(struct lod_allocation *m)
 {
 	work_limits(m);
 	count_drawn(m);
-	limit_textures(m);
+	lod_images_limit(m);
 }
 
 /* Levels of textures and of impostors. */
 static void limit_levels(struct lod_allocation *m)
 {
-	limit_textures(m);
+	lod_images_limit(m);
 	for (uint32_t s = 0; s < m->p->visible.slot_count; s++)
 		m->scratch[s] = m->prices->seen[s] * m->slot_choices[s].seen;
 	lod_allocation_set_impostors(m, m->scratch);
@@ -766,10 +541,10 @@ static double levels_bytes(const struct lod_allocation *m, const struct ladder_p
 		uint32_t id = m->prices->choices[l->first + i];
 		const struct lod_ladder_choice *choice = &m->ladder_choices[id];
 		if (draws_impostor(choice) && choice->hull.impostor > level
-				&& m->prices->drawn[choice->slot] * share_of(m, id, false) > DRAWN_LEAST)
+				&& m->prices->drawn[choice->slot] * lod_prices_share(m, id, false) > DRAWN_LEAST)
 			level = choice->hull.impostor;
 	}
-	return level ? missing_between(m, list, 1, level + 1) : 0;
+	return level ? lod_prices_missing(m, list, 1, level + 1) : 0;
 }
 
 /* The last step that some plant draws; 0: none does. Sets l->used. */
@@ -781,7 +556,7 @@ static uint32_t find_used(const struct lod_allocation *m, struct ladder_price *l
 		uint32_t id = m->prices->choices[l->first + i];
 		const struct lod_ladder_choice *choice = &m->ladder_choices[id];
 		const struct lod_hull_point *points = choice->hull.points;
-		if (m->prices->drawn[choice->slot] * share_of(m, id, false) < DRAWN_LEAST)
+		if (m->prices->drawn[choice->slot] * lod_prices_share(m, id, false) < DRAWN_LEAST)
 			continue;
 		uint32_t from = step_of(l, points[(uint32_t)choice->position].vertices),
 			to = step_of(l, points[(uint32_t)ceil(choice->position)].vertices);
@@ -936,7 +711,7 @@ void lod_prices_lost_of(const struct lod_allocation *m, double *lost)
 			const struct lod_ladder_choice *choice = &m->ladder_choices[id];
 			if (choice->hull.points[(uint32_t)ceil(choice->position)].vertices
 					>= l->vertices[l->textured])
-				lost[choice->slot] += share_of(m, id, false) * choice->weight_px
+				lost[choice->slot] += lod_prices_share(m, id, false) * choice->weight_px
 					* l->image_lost / l->textured_px;
 		}
 	}

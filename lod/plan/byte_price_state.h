@@ -1,0 +1,77 @@
+/* What prices of bytes keep between relaxations (lod/plan/byte_price.h), and the part of it that is about
+ * textures: how many levels of each are worth their bytes. Only byte_price.c and image_price.c know of it. */
+#ifndef LOD_BYTE_PRICE_STATE_H
+#define LOD_BYTE_PRICE_STATE_H
+
+#include "lod/plan/allocation.h"
+
+#define LISTS_OF_LADDER 5        /* points, lines, simple, triangles, impostor */
+
+/* The longest prefix of each list of a ladder, in chunks. */
+struct chunks { uint32_t of[LISTS_OF_LADDER]; };
+
+struct price { double bytes, waste; };       /* waste: what they cost beside */
+
+/* A ladder in view, and what each number of vertices that a plant may draw needs of its lists. Points give
+ * way to triangles, so a step may need less than those before it: what is paid is what some plant draws. */
+struct ladder_price {
+	uint32_t ladder;
+	uint32_t first, count;       /* its choices, in lod_prices.choices */
+	uint32_t steps;
+	uint32_t lists[LISTS_OF_LADDER], list_count;
+	const struct price *prefixes[LISTS_OF_LADDER];       /* of each list: of so many chunks */
+	uint64_t *vertices;          /* per step, ascending */
+	struct chunks *needs;        /* per step */
+	double *gain;                /* per step, while a limit is sought; */
+	bool *rests;                 /* and whether some choice stays there */
+	struct price used;           /* of what the last relaxation draws */
+	uint32_t limit, kept;        /* the last step that may be drawn; that of lod_prices_keep */
+	uint32_t image, textured;    /* its texture, in lod_prices.images; the first step that shows it */
+	double image_part;           /* bytes of the texture that this ladder is asked for */
+	double textured_px, image_lost;      /* seen of it by plants that draw the ladder; wrong of these */
+};
+
+/* A texture: levels of colours, and of its outline. */
+struct image_price {
+	uint32_t list, outline, users[2];    /* outline: or ECO_NONE; users: ladders of whole plants, of cells */
+	uint32_t most, levels;       /* of colours, that the view resolves; that are worth their bytes */
+	uint32_t outline_levels;     /* likewise; 0: there is no outline */
+	double bytes, waste;         /* of all these */
+	bool used;
+};
+
+struct lod_prices {
+	const struct eco_holdings *kept;     /* chunks that come anyway; NULL: all count alike */
+	double kept_lambda, kept_price;      /* of limits; lambda not a number: none are kept */
+	double factor;               /* times their bytes, that others cost beside these */
+	struct ladder_price *ladders;        uint32_t ladder_count;
+	struct image_price *images;          uint32_t image_count;
+	uint32_t *choices;           /* of the allocation, by ladder */
+	/* of all ladders */
+	struct price *prefixes;
+	uint64_t *vertices;          struct chunks *needs;
+	double *gain;                bool *rests;
+	double *instances, *instances_waste, *points;        /* per node */
+	double *drawn, *seen;        /* per slot: plants in open tiles; the same, times the tiles' factors */
+	double *part;                /* per node: of its tile's bytes, that an occurrence pays */
+	double *weight;              /* per node: the share of it that is drawn */
+	struct lod_hull_point *room; /* for hulls of summaries */
+	uint32_t *room_first;        /* per node */
+	bool *organs_off;            /* per plant */
+	uint8_t *left_out;           /* per plant: its organs are off whatever they save */
+	double *saved, *spent;       /* per plant: by its organs */
+};
+
+/* Bytes of the chunks [from, to) of a list that the client lacks; what these cost beside their bytes. */
+double lod_prices_missing(const struct lod_allocation *allocation, uint32_t list, uint32_t from, uint32_t to);
+double lod_prices_waste(const struct lod_allocation *allocation, uint32_t list, uint32_t from, uint32_t to);
+/* The share of a slot's plants that draw a choice. `all`: of a ladder that shows the whole plant, as if no
+ * organs were drawn. */
+double lod_prices_share(const struct lod_allocation *allocation, uint32_t ladder_choice, bool all);
+
+/* Finds the textures of the ladders in view, all levels taken that the view resolves; false: no memory. */
+bool lod_images_make(struct lod_allocation *allocation);
+/* Sets levels to those that are worth their bytes at the allocation's price, of what is drawn now. */
+void lod_images_limit(struct lod_allocation *allocation);
+
+#endif

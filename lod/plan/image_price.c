@@ -1,0 +1,178 @@
+/* Prices of textures: see lod/plan/byte_price_state.h. Colours and outlines are prefixes of their own, so
+ * levels of each are chosen apart: those of colours that save, over coarser texels, what their bytes cost,
+ * and those of an outline that show as much less wrong. */
+#include "lod/plan/byte_price_state.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "ecofiles/format/texture.h"
+#include "lod/plan/texture_levels.h"
+
+/* Pixels that a texel of a ladder's texture is wide where a choice stands. */
+static double texel_px(const struct lod_allocation *m, const struct ladder_price *l, uint32_t id)
+{
+	const struct lod_slot *slot = &m->p->visible.slots[m->ladder_choices[id].slot];
+	return lod_texel_px(m->p, m->prices->images[l->image].list, slot->anchor, slot->band);
+}
+
+static struct image_price image_price_of(const struct lod_allocation *m, uint32_t list)
+{
+	return (struct image_price){ .list = list, .outline = m->p->scene->lists[list].image };
+}
+
+/* The most levels that some choice of a ladder resolves. */
+static void count_levels(struct lod_allocation *m, const struct ladder_price *l)
+{
+	struct image_price *image = &m->prices->images[l->image];
+	for (uint32_t i = 0; i < l->count; i++) {
+		uint32_t levels = lod_texture_levels(m->p, image->list,
+			texel_px(m, l, m->prices->choices[l->first + i]));
+		image->most = levels > image->most ? levels : image->most;
+	}
+}
+
+static void set_levels(struct lod_allocation *m, struct image_price *image, uint32_t levels,
+	uint32_t outline_levels)
+{
+	image->levels = levels;
+	image->outline_levels = outline_levels;
+	image->bytes = lod_prices_missing(m, image->list, 0, levels);
+	image->waste = lod_prices_waste(m, image->list, 0, levels);
+	m->p->texture_levels[image->list] = (uint8_t)levels;
+	if (image->outline == ECO_NONE)
+		return;
+	image->bytes += lod_prices_missing(m, image->outline, 0, outline_levels);
+	image->waste += lod_prices_waste(m, image->outline, 0, outline_levels);
+	m->p->texture_levels[image->outline] = (uint8_t)outline_levels;
+}
+
+static uint32_t levels_of(const struct lod_allocation *m, uint32_t list)
+{
+	return list == ECO_NONE ? 0 : m->p->scene->lists[list].chunk_count;
+}
+
+/* A texture is asked of the ladders of whole plants that show it in equal parts, and of cells likewise. */
+static void share_images(struct lod_allocation *m)
+{
+	const struct eco_scene *scene = m->p->scene;
+	for (uint32_t i = 0; i < m->prices->ladder_count; i++) {
+		struct ladder_price *l = &m->prices->ladders[i];
+		const struct eco_ladder *ladder = &scene->ladders[l->ladder];
+		bool cell = ladder->anchor != scene->plants[ladder->plant].anchor_first;
+		if (l->textured == ECO_NONE)
+			continue;
+		const struct image_price *image = &m->prices->images[l->image];
+		l->image_part = (image->bytes + image->waste) / image->users[cell];
+	}
+}
+
+bool lod_images_make(struct lod_allocation *m)
+{
+	struct lod_prices *prices = m->prices;
+	const struct eco_scene *scene = m->p->scene;
+	prices->images = calloc(prices->ladder_count + 1u, sizeof *prices->images);
+	if (!m->p->texture_levels)
+		m->p->texture_levels = calloc(scene->list_count + 1u, 1);
+	if (!m->p->texture_levels)
+		return false;
+	uint32_t *of = calloc(scene->list_count + 1u, sizeof *of);
+	for (int pass = 0; pass < 2 && of && prices->images; pass++)
+		for (uint32_t i = 0; i < prices->ladder_count; i++) {
+			struct ladder_price *l = &prices->ladders[i];
+			const struct eco_ladder *ladder = &scene->ladders[l->ladder];
+			bool cell = ladder->anchor != scene->plants[ladder->plant].anchor_first;
+			if (l->textured == ECO_NONE)
+				continue;
+			if (pass) {
+				count_levels(m, l);
+				continue;
+			}
+			if (!of[l->image]) {
+				of[l->image] = ++prices->image_count;
+				prices->images[prices->image_count - 1] = image_price_of(m, l->image);
+			}
+			l->image = of[l->image] - 1;
+			prices->images[l->image].users[cell]++;
+		}
+	free(of);
+	if (!of || !prices->images)
+		return false;
+	for (uint32_t i = 0; i < prices->image_count; i++)
+		set_levels(m, &prices->images[i], prices->images[i].most,
+			levels_of(m, prices->images[i].outline));
+	share_images(m);
+	return true;
+}
+
+static bool shows(const struct ladder_price *l, uint32_t image)
+{
+	return l->textured != ECO_NONE && l->image == image;
+}
+
+/* Adds, for each number of levels, what plants that draw a ladder lose by seeing no more of its texture. */
+static void add_texel_costs(const struct lod_allocation *m, struct ladder_price *l, double *costs,
+	uint32_t levels)
+{
+	l->textured_px = 0;
+	for (uint32_t i = 0; i < l->count; i++) {
+		uint32_t id = m->prices->choices[l->first + i];
+		const struct lod_ladder_choice *choice = &m->ladder_choices[id];
+		double seen = m->prices->seen[choice->slot] * lod_prices_share(m, id, false) * choice->weight_px,
+			px = texel_px(m, l, id);
+		for (uint32_t n = levels; n > 0 && seen > 0; n--, px *= 2)
+			costs[n] += seen * lod_texel_cost(px);
+		l->textured_px += seen;
+	}
+}
+
+/* Levels of an outline that are worth their bytes where so many pixels are seen through it; *lost: wrong. */
+static uint32_t outline_levels(const struct lod_allocation *m, uint32_t outline, double pixels, double *lost)
+{
+	uint32_t all = levels_of(m, outline), best = all;
+	double least = INFINITY;
+	*lost = 0;
+	for (uint32_t n = all; n > 0 && pixels > 0; n--) {
+		double wrong = pixels * lod_outline_loss(m->p, outline, n),
+			cost = wrong + m->price * lod_prices_missing(m, outline, 0, n);
+		if (cost < least) {
+			least = cost;
+			best = n;
+			*lost = wrong;
+		}
+	}
+	return best;
+}
+
+/* Levels of a texture that are worth their bytes; all where nobody draws it, as nothing says for whom.
+ * Returns what is lost of each pixel that shows it. */
+static double limit_texture(struct lod_allocation *m, uint32_t i)
+{
+	struct lod_prices *prices = m->prices;
+	struct image_price *image = &prices->images[i];
+	uint32_t best = image->most;
+	double costs[ECO_TEXTURE_LEVELS_MAX + 1] = { 0 }, least = INFINITY, pixels = 0, lost;
+	for (uint32_t k = 0; k < prices->ladder_count; k++)
+		if (shows(&prices->ladders[k], i)) {
+			add_texel_costs(m, &prices->ladders[k], costs, levels_of(m, image->list));
+			pixels += prices->ladders[k].textured_px;
+		}
+	for (uint32_t n = 1; n <= image->most && pixels > 0; n++) {
+		double cost = costs[n] + m->price * lod_prices_missing(m, image->list, 0, n);
+		best = cost < least ? n : best;
+		least = fmin(least, cost);
+	}
+	set_levels(m, image, best, outline_levels(m, image->outline, pixels, &lost));
+	return pixels > 0 ? (lost + costs[best] - costs[image->most]) / pixels : 0;
+}
+
+void lod_images_limit(struct lod_allocation *m)
+{
+	for (uint32_t i = 0; i < m->prices->image_count; i++) {
+		double lost = limit_texture(m, i);
+		for (uint32_t k = 0; k < m->prices->ladder_count; k++)
+			if (shows(&m->prices->ladders[k], i))
+				m->prices->ladders[k].image_lost = lost * m->prices->ladders[k].textured_px;
+	}
+	share_images(m);
+}
