@@ -8,7 +8,6 @@
 
 #include "client-min/view_explain.h"
 #include "client-min/view_fetch.h"
-#include "client-min/view_load.h"
 #include "client-min/draw/view_picture.h"
 #include "client-min/view_query.h"
 #include "client-min/view_report.h"
@@ -52,7 +51,7 @@ UNIT_TEST(report_has_every_figure)
 		"refetched_bytes", "precision", "recall",
 		"q", "skill", "owner_q", "soft_q", "ceiling", "picture_error", "predicted_q", "plan_ms",
 		"first_byte_ms", "stream_ms", "decode_ms",
-		"draw_ms", "reference_ms",
+		"draw_ms", "shadow_ms", "shadow_texels_per_pixel", "reference_ms",
 		"reference_summaries" };
 	struct view_report report = { .scene = "park", .renderer = "software", .width = 800, .height = 600,
 		.complete = true };
@@ -166,17 +165,6 @@ UNIT_TEST(plan_time_is_found_in_its_header)
 		assert_true(isnan(rows[i].ms) ? isnan(ms) : ms == rows[i].ms);
 	}
 	assert_true(isnan(view_fetch_plan_ms("plan;dur=7", 9)));
-}
-
-UNIT_TEST(quantiles_are_values_that_occurred)
-{
-	float ms[100];
-	for (int i = 0; i < 100; i++)
-		ms[i] = (float)(i + 1);
-	struct view_times times = { ms, 100, 100 }, one = { ms, 1, 1 }, none = { 0 };
-	assert_true(view_times_quantile(&times, 0.5) == 50 && view_times_quantile(&times, 0.99) == 99);
-	assert_true(view_times_quantile(&times, 1) == 100 && view_times_quantile(&times, 0) == 1);
-	assert_true(view_times_quantile(&one, 0.5) == 1 && isnan(view_times_quantile(&none, 0.5)));
 }
 
 UNIT_TEST(comparison_has_a_colour_for_each_case)
