@@ -210,7 +210,8 @@ static void try_way(struct choice *choice, const struct columns *columns, uint32
 	struct eco_range range;
 	eco_range_write(&range, &w);
 	code_component(&range, columns, index, &h);
-	size_t zeros = eco_range_end(&range), size = w.failed ? SIZE_MAX : w.size + zeros;
+	size_t zeros = eco_range_end(&range), size = w.size + zeros;
+	columns->range.writer->failed |= w.failed;       /* else want of memory would choose another way */
 	eco_writer_free(&w);
 	if (size < choice->least)
 		*choice = (struct choice){ h, size };
