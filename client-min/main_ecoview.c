@@ -23,6 +23,7 @@
 #include "ecofiles/format/chunk/draco_shim.h"
 #include "ecofiles/format/image.h"
 
+#define RESUMES 8                        /* of an answer that breaks off: for some 15 s */
 #define PATIENCE_MS 60000                /* with a server that has too much to do */
 
 enum engine { ENGINE_NONE, ENGINE_AUTO, ENGINE_CPU, ENGINE_EGL };
@@ -378,6 +379,7 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	f->first_byte_ms = result.first_byte_ms;
 	f->stream_ms = result.stream_ms;
 	f->requests = result.requests;
+	f->broken = result.broken;
 	f->named = result.named;
 	f->named_bytes = result.named_bytes;
 	count_memory(v, &before, f);
@@ -554,7 +556,7 @@ static enum eco_code start(struct viewer *v, struct eco_error *error)
 	const struct options *o = &v->options;
 	struct view_fetch_options fetch = { .url = o->url, .chunks = o->chunks,
 		.rule = o->rule ? rules[o->rule] : NULL,
-		.patience_ms = PATIENCE_MS, .stop = &interrupted };
+		.patience_ms = PATIENCE_MS, .resumes = RESUMES, .stop = &interrupted };
 	struct view_store_options store = { .images = true, .memory_max = o->memory },
 		full = { .images = true };
 	enum eco_code code = eco_camera_load(&v->camera, o->camera, error);

@@ -10,6 +10,7 @@
 #include <time.h>
 
 #include "client-min/view_query.h"
+#include "ecofiles/base/mix.h"
 #include "ecofiles/base/version.h"
 
 #define PACK_BYTES 40            /* "&pack=", 32 digits, 0 */
@@ -18,6 +19,8 @@
 #define PROBLEM_MAX 16384u
 #define RETRY_MIN_MS 100.0
 #define RETRY_MAX_S 30.0
+#define PAUSE_MS 100.0           /* before an answer that broke off is asked for again; twice that then, ... */
+#define PAUSE_MAX_MS 5000.0
 #define MARK_MOST (UINT64_C(1) << 50)
 
 /* How far an answer has come in its marks. */
@@ -31,7 +34,8 @@ struct view_fetch {
 	char curl_text[CURL_ERROR_SIZE];
 	/* of the request under way */
 	struct eco_wire_parser *parser;
-	struct view_fetch_result *result;
+	struct view_fetch_result *result;        /* of the answer that comes */
+	struct view_fetch_result before;         /* of those before it, to the same request */
 	struct eco_writer *text;                 /* where the body goes if it is no stream; else NULL */
 	struct eco_error stream_error;
 	/* where chunks are named: the host of them; finds names; the stream so far */
@@ -47,6 +51,8 @@ struct view_fetch {
 	double start_ms, heard_ms;               /* heard: when enough had come, the last time */
 	uint64_t heard_bytes;                    /* since then */
 	bool stalled, stopped;
+	bool answered;                           /* the server has, once */
+	bool lost;                               /* the answer: on its way, and may come the next time */
 };
 
 enum eco_code view_fetch_setup(struct eco_error *error)
@@ -157,24 +163,41 @@ static size_t on_header(char *bytes, size_t one, size_t size, void *ctx)
 	return size;
 }
 
+/* What came before, added to the answer that came last. */
+static void add_result(struct view_fetch_result *last, const struct view_fetch_result *before)
+{
+	last->requests += before->requests;
+	last->broken += before->broken;
+	last->bytes += before->bytes;
+	last->named += before->named;
+	last->named_bytes += before->named_bytes;
+	last->plan_ms = isnan(last->plan_ms) ? before->plan_ms
+		: isnan(before->plan_ms) ? last->plan_ms : last->plan_ms + before->plan_ms;
+	last->first_byte_ms = before->bytes ? before->first_byte_ms : before->stream_ms + last->first_byte_ms;
+	last->stream_ms += before->stream_ms;
+	if (before->most_bytes > last->most_bytes)
+		last->most_bytes = before->most_bytes;
+}
+
 /* Feeds what came, mark by mark. */
 static enum eco_code feed(struct view_fetch *fetch, const uint8_t *bytes, size_t size)
 {
-	struct view_fetch_result *result = fetch->result;
+	struct view_fetch_result *result = fetch->result, all;
 	struct eco_error *error = &fetch->stream_error;
 	enum eco_code code = ECO_OK;
 	while (size && !code) {
-		uint64_t room = fetch->marks ? marks_room(fetch->marks, &fetch->at, result->bytes)
-			: size;
+		uint64_t room = fetch->marks ? marks_room(fetch->marks, &fetch->at,
+			fetch->before.bytes + result->bytes) : size;
 		size_t take = room < size ? (size_t)room : size;
 		code = eco_wire_feed(fetch->parser, bytes, take, error);
 		bytes += take;
 		size -= take;
 		result->bytes += take;
 		result->stream_ms = view_clock_ms() - fetch->start_ms;
-		if (!code && fetch->marks && marks_pass(fetch->marks, &fetch->at, result->bytes,
-				result->stream_ms))
-			code = fetch->reached(fetch->reached_ctx, result, error);
+		all = *result;
+		add_result(&all, &fetch->before);
+		if (!code && fetch->marks && marks_pass(fetch->marks, &fetch->at, all.bytes, all.stream_ms))
+			code = fetch->reached(fetch->reached_ctx, &all, error);
 	}
 	return code;
 }
@@ -189,15 +212,13 @@ static enum eco_code scan(struct view_fetch *fetch, const uint8_t *bytes, size_t
 		"no memory for a stream of %llu bytes", (unsigned long long)fetch->result->bytes);
 }
 
-/* A stream with all its names, once it is whole. */
+/* Once a stream with names has come, or what came of it. */
 static enum eco_code feed_named(struct view_fetch *fetch, struct eco_error *error)
 {
 	struct view_fetch_result *result = fetch->result;
-	enum eco_code code = eco_wire_finish(fetch->names, error);
 	result->bytes = 0;
-	if (!code)
-		code = feed(fetch, fetch->stream.bytes, fetch->stream.size) ? eco_fail(error,
-			fetch->stream_error.code, "%s", fetch->stream_error.text) : ECO_OK;
+	enum eco_code code = feed(fetch, fetch->stream.bytes, fetch->stream.size) ? eco_fail(error,
+		fetch->stream_error.code, "%s", fetch->stream_error.text) : ECO_OK;
 	result->bytes += result->named_bytes;
 	return code;
 }
@@ -370,10 +391,35 @@ static enum eco_code problem(struct view_fetch *fetch, struct eco_error *error)
 	return code;
 }
 
+/* A server that is known is there again soon, or another in its place; of one that never answered the address
+ * may be wrong. */
+static bool is_lost(const struct view_fetch *fetch, CURLcode rc)
+{
+	long status = fetch->result->status;
+	return fetch->answered && !fetch->stopped && !fetch->stream_error.code
+		&& (fetch->stalled || status == 502 || status == 503 || status == 504
+		|| (rc && rc != CURLE_WRITE_ERROR));
+}
+
+/* A whole answer; one that was cut short by somebody in between is lost. */
+static enum eco_code finish_stream(struct view_fetch *fetch, struct eco_error *error)
+{
+	enum eco_code code = fetch->chunks ? feed_named(fetch, error) : ECO_OK;
+	fetch->lost = code == ECO_IO;            /* a chunk that is named and did not come */
+	if (code)
+		return code;
+	code = eco_wire_finish(fetch->parser, error);
+	fetch->lost = code != ECO_OK;
+	return code;
+}
+
 static enum eco_code outcome(struct view_fetch *fetch, CURLcode rc, struct eco_error *error)
 {
+	fetch->lost = is_lost(fetch, rc);
 	if (fetch->stopped)
 		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
+	if (fetch->lost && fetch->chunks && !fetch->text && fetch->result->status == 200)
+		feed_named(fetch, NULL);
 	if (fetch->stalled)
 		return eco_fail(error, ECO_IO, "%s: less than %u bytes a second came for %ld s",
 			fetch->options.url, RATE_MIN_BYTES_S, fetch->options.stall_ms / 1000);
@@ -396,8 +442,7 @@ static enum eco_code outcome(struct view_fetch *fetch, CURLcode rc, struct eco_e
 	}
 	if (fetch->result->status != 200)
 		return problem(fetch, error);
-	enum eco_code code = fetch->chunks && !fetch->text ? feed_named(fetch, error) : ECO_OK;
-	return code || fetch->text ? code : eco_wire_finish(fetch->parser, error);
+	return fetch->text ? ECO_OK : finish_stream(fetch, error);
 }
 
 /* "&pack=" and its 32 hex digits, or nothing. */
@@ -436,19 +481,21 @@ static enum eco_code perform(struct view_fetch *fetch, const struct eco_request 
 	free(url);
 	struct view_fetch_result *result = fetch->result;
 	curl_easy_getinfo(fetch->curl, CURLINFO_RESPONSE_CODE, &result->status);
+	fetch->answered |= result->status != 0;
 	result->stream_ms = view_clock_ms() - fetch->start_ms;
 	if (result->bytes == 0)
 		result->first_byte_ms = result->stream_ms;
-	return outcome(fetch, rc, error);
+	enum eco_code code = outcome(fetch, rc, error);
+	result->most_bytes = result->bytes;
+	return code;
 }
 
 static void begin(struct view_fetch *fetch)
 {
 	*fetch->result = (struct view_fetch_result){ .plan_ms = NAN, .requests = 1 };
 	fetch->problem_size = 0;
-	fetch->stopped = fetch->stalled = false;
+	fetch->stopped = fetch->stalled = fetch->lost = false;
 	fetch->stream_error = (struct eco_error){ 0 };
-	fetch->at = (struct marks_at){ 0 };
 	fetch->curl_text[0] = '\0';
 }
 
@@ -518,45 +565,76 @@ static enum eco_code attempt(struct view_fetch *fetch, struct view_store *store,
 		eco_wire_parser_free(fetch->parser);
 		fetch->parser = NULL;
 	}
+	/* of an answer that broke off a picture may be there already, within which nothing more fits */
+	fetch->result->nothing = fetch->result->nothing && !view_store_settle(store);
 	eco_writer_free(&body);
 	return code;
 }
 
+static void wait_until(const struct view_fetch *fetch, double end_ms)
+{
+	while (view_clock_ms() < end_ms && !(fetch->options.stop && *fetch->options.stop))
+		nanosleep(&(struct timespec){ 0, 20000000 }, NULL);
+}
+
 static bool wait_for_retry(const struct view_fetch *fetch, double until_ms)
 {
-	double end = view_clock_ms() + fetch->result->retry_ms;
-	if (fetch->result->status != 503 || !(fetch->result->retry_ms > 0) || end > until_ms)
+	double end_ms = view_clock_ms() + fetch->result->retry_ms;
+	if (fetch->result->status != 503 || !(fetch->result->retry_ms > 0) || end_ms > until_ms)
 		return false;
-	while (view_clock_ms() < end && !(fetch->options.stop && *fetch->options.stop))
-		nanosleep(&(struct timespec){ 0, 20000000 }, NULL);
+	wait_until(fetch, end_ms);
 	return true;
 }
 
-/* One answer, from a server that may be busy at first. */
+/* After an answer, and what came of it is counted: true if it is to be asked for again, now. All clients of a
+ * server that was lost ask at once, so each waits for a while of its own. */
+static bool wait_for_another(struct view_fetch *fetch, uint32_t broken)
+{
+	double begun_ms = view_clock_ms(), pause_ms = fmin(ldexp(PAUSE_MS, (int)broken), PAUSE_MAX_MS);
+	uint64_t self = eco_mix((uint64_t)(begun_ms * 1e3), (uint64_t)(uintptr_t)fetch);
+	if (!fetch->lost || broken == fetch->options.resumes)
+		return false;
+	pause_ms *= 0.5 + 0.5 * eco_mix_unit(self);
+	wait_until(fetch, begun_ms + fmax(pause_ms, fetch->result->retry_ms));
+	fetch->before.broken++;
+	fetch->before.stream_ms += view_clock_ms() - begun_ms;
+	return true;
+}
+
+/* What is left of a budget of bytes; all of it where there is no picture yet. */
+static uint64_t bytes_left(const struct view_store *store, uint64_t most, uint64_t came)
+{
+	return most == ECO_BYTES_UNBOUNDED || !view_store_plan(store) ? most : most > came ? most - came : 0;
+}
+
+static enum eco_code fail_asked(const struct eco_error *one, enum eco_code code, uint32_t broken,
+	struct eco_error *error)
+{
+	if (!code)
+		return ECO_OK;
+	return broken ? eco_fail(error, code, "%s (asked %u times)", one->text, broken + 1)
+		: eco_fail(error, code, "%s", one->text);
+}
+
+/* One answer, from a server that may be busy at first, and in parts if it breaks off. */
 static enum eco_code ask(struct view_fetch *fetch, struct view_store *store,
 	const struct eco_request *request, double until_ms, struct eco_error *error)
 {
-	for (;;) {
+	struct eco_request now = *request;
+	uint64_t came = fetch->before.bytes;
+	for (uint32_t broken = 0;;) {
 		struct eco_error one = { 0 };
-		enum eco_code code = attempt(fetch, store, request, &one);
+		enum eco_code code = attempt(fetch, store, &now, &one);
 		if (code && wait_for_retry(fetch, until_ms))
 			continue;
-		return code ? eco_fail(error, code, "%s", one.text) : ECO_OK;
+		add_result(fetch->result, &fetch->before);
+		fetch->before = *fetch->result;
+		if (!code || !wait_for_another(fetch, broken))
+			return fail_asked(&one, code, broken, error);
+		broken++;
+		view_store_resume(store);
+		now.bytes = bytes_left(store, request->bytes, fetch->before.bytes - came);
 	}
-}
-
-/* What came before, added to the answer that came last. */
-static void add_result(struct view_fetch_result *last, const struct view_fetch_result *before)
-{
-	last->requests += before->requests;
-	last->bytes += before->bytes;
-	last->named += before->named;
-	last->named_bytes += before->named_bytes;
-	last->plan_ms += before->plan_ms;
-	last->first_byte_ms = before->first_byte_ms;
-	last->stream_ms += before->stream_ms;
-	if (before->most_bytes > last->most_bytes)
-		last->most_bytes = before->most_bytes;
 }
 
 enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *store,
@@ -565,15 +643,13 @@ enum eco_code view_fetch_stream(struct view_fetch *fetch, struct view_store *sto
 	double until_ms = view_clock_ms() + (double)fetch->options.patience_ms;
 	struct eco_request now = *request;
 	fetch->result = result;
+	fetch->before = (struct view_fetch_result){ .plan_ms = NAN };
+	fetch->at = (struct marks_at){ 0 };
 	view_store_begin(store);
 	enum eco_code code = ask(fetch, store, &now, until_ms, error);
-	result->most_bytes = result->bytes;
 	for (uint64_t vertices; !code && view_store_again(store, &vertices);) {
-		struct view_fetch_result before = *result;
 		now.vertices = request->bytes == ECO_BYTES_UNBOUNDED ? request->vertices : vertices;
 		code = ask(fetch, store, &now, until_ms, error);
-		result->most_bytes = result->bytes;
-		add_result(result, &before);
 	}
 	return code;
 }
@@ -587,6 +663,7 @@ static enum eco_code fetch_text(struct view_fetch *fetch, const struct eco_reque
 	struct eco_writer body = { 0 };
 	struct eco_error one;
 	enum eco_code code;
+	uint32_t broken = 0;
 	fetch->result = &result;
 	fetch->text = &body;
 	do {
@@ -594,7 +671,7 @@ static enum eco_code fetch_text(struct view_fetch *fetch, const struct eco_reque
 		eco_writer_free(&body);
 		one = (struct eco_error){ 0 };
 		code = perform(fetch, request, NULL, NULL, &one);
-	} while (code && wait_for_retry(fetch, until_ms));
+	} while (code && (wait_for_retry(fetch, until_ms) || wait_for_another(fetch, broken++)));
 	fetch->text = NULL;
 	eco_write_u8(&body, 0);
 	if (!code && body.failed)
@@ -603,7 +680,7 @@ static enum eco_code fetch_text(struct view_fetch *fetch, const struct eco_reque
 	*text = code ? NULL : (char *)body.bytes;
 	if (code)
 		eco_writer_free(&body);
-	return code ? eco_fail(error, code, "%s", one.text) : ECO_OK;
+	return fail_asked(&one, code, 0, error);
 }
 
 enum eco_code view_fetch_explanation(struct view_fetch *fetch, const struct eco_request *request, char **text,

@@ -49,6 +49,9 @@ struct view_fetch_options {
 	long connect_ms, stall_ms;
 	/* a server that is busy (503 with Retry-After) is asked again for so long; 0: it is an error */
 	long patience_ms;
+	/* so often an answer is asked for again that broke off, stalled or was not had from a server that has
+	 * answered before: after a pause that doubles from .1 s, or as long as Retry-After says */
+	uint32_t resumes;
 	const volatile sig_atomic_t *stop;       /* not 0: end with ECO_INTERRUPTED; may be NULL */
 };
 
@@ -56,7 +59,9 @@ struct view_fetch_result {
 	long status;                             /* HTTP; 0 if there was none */
 	/* 204: no valid stream fits the budget; the store holds no plan */
 	bool nothing;
-	uint32_t requests;                       /* more than 1: see view_store_again */
+	/* more than 1: see view_store_again, and: so many of them were answers that broke off or did not come
+	 */
+	uint32_t requests, broken;
 	uint64_t bytes;                          /* of the response bodies, and of chunks that they name: */
 	uint64_t named, named_bytes;             /* how many these are, and their bytes */
 	uint64_t most_bytes;                     /* of the largest of them */

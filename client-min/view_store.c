@@ -498,6 +498,17 @@ bool view_store_again(struct view_store *store, uint64_t *vertices)
 	return true;
 }
 
+void view_store_resume(struct view_store *store)
+{
+	view_cache_begin(&store->cache);
+}
+
+bool view_store_settle(struct view_store *store)
+{
+	store->complete |= store->has_plan;
+	return store->has_plan;
+}
+
 static enum eco_code on_fetch(void *ctx, const struct eco_chunk *chunk, const uint8_t **payload,
 	struct eco_error *error)
 {

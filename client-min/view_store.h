@@ -61,12 +61,17 @@ void view_store_begin(struct view_store *store);
  * again, with the holdings of now, and what that plan needs stays; *vertices is its count, which a request
  * with a budget of bytes asks for in place of its own, as such plans depend on what is held. */
 bool view_store_again(struct view_store *store, uint64_t *vertices);
+/* After an answer that broke off: what came of it is held, and its last plan still is one to draw. The rest is
+ * to be asked for with the holdings of now. */
+void view_store_resume(struct view_store *store);
+/* The last plan is all there is to come; false if there is none. */
+bool view_store_settle(struct view_store *store);
 /* The last plan of the stream, or NULL (none came, or it cannot be drawn: nothing is drawn). */
 const struct eco_plan *view_store_plan(const struct view_store *store);
 /* Tiles that it shows as points; 0: plants are drawn one by one. More plants may be in view than a plan looks
  * at, whatever the budget. */
 uint32_t view_store_summaries(const struct view_store *store);
-/* True once END has come; its count of vertices equals the plan's. */
+/* True once END has come, whose count of vertices equals the plan's, or the store has been settled. */
 bool view_store_complete(const struct view_store *store);
 /* Of what it holds, which the next request names; NULL before the first SCENE. */
 const struct eco_chunk_id *view_store_pack(const struct view_store *store);

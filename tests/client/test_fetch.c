@@ -25,6 +25,10 @@ static struct server {
 	uint32_t busy;                   /* so many requests are answered with 503 before */
 	uint32_t again;                  /* so many are answered after, alike or: */
 	const struct eco_writer *then;   /* with this; may be NULL */
+	const struct eco_plan *plan;     /* answers are made of it, for what is held; NULL: they are `body` */
+	const size_t *cuts;              /* after so many bytes of them they break off */
+	uint32_t resumes;                /* of the client */
+	size_t sent;                     /* of all these answers */
 	bool drips;                      /* a byte every 5 ms */
 	const uint8_t *body; size_t size, declared;
 	char heard[8192]; size_t heard_size;
@@ -43,9 +47,28 @@ static size_t content_length(const char *text)
 static const char busy_answer[] = "HTTP/1.1 503 Busy\r\nRetry-After: 0\r\nContent-Length: 0\r\nConnection: "
 	"close\r\n\r\n";
 
-/* Reads one request whole, sends the answer, closes. */
-static void serve_one(struct server *s)
+/* The rest of the scene, for who holds what the request says. */
+static void make_answer(struct server *s, uint32_t number, struct eco_writer *w)
 {
+	const char *body = strstr(s->heard, "\r\n\r\n") + 4;
+	struct eco_holdings holdings;
+	uint32_t held[L_COUNT] = { 0 };
+	assert_ok(eco_wire_read_holdings((const uint8_t *)body, s->heard_size - (size_t)(body - s->heard),
+		&holdings, &error), error);
+	for (uint32_t i = 0; i < holdings.count; i++)
+		held[holdings.items[i].list] = holdings.items[i].chunks;
+	scene_stream(&scene, s->plan, holdings.count ? held : NULL, w);
+	free(holdings.items);
+	s->body = w->bytes;
+	s->declared = w->size;
+	s->size = s->cuts[number] < w->size ? s->cuts[number] : w->size;
+	s->sent += s->size;
+}
+
+/* Reads one request whole, sends the answer, closes. */
+static void serve_one(struct server *s, uint32_t number)
+{
+	struct eco_writer made = { 0 };
 	char head[512], *end = NULL;
 	s->heard_size = 0;
 	int c = accept(s->listener, NULL, NULL);
@@ -57,6 +80,8 @@ static void serve_one(struct server *s)
 		s->heard[s->heard_size] = '\0';
 		end = strstr(s->heard, "\r\n\r\n");
 	}
+	if (s->plan)
+		make_answer(s, number, &made);
 	int size = snprintf(head, sizeof head, "%sContent-Length: %zu\r\nConnection: close\r\n\r\n", s->head,
 		s->declared);
 	send(c, head, (size_t)size, MSG_NOSIGNAL);
@@ -69,6 +94,7 @@ static void serve_one(struct server *s)
 		at += (size_t)n;
 	}
 	close(c);
+	eco_writer_free(&made);
 }
 
 static void *serve(void *ctx)
@@ -85,7 +111,7 @@ static void *serve(void *ctx)
 		close(refused);
 	}
 	for (uint32_t i = 0; i <= s->again; i++) {
-		serve_one(s);
+		serve_one(s, i);
 		if (s->then) {
 			s->body = s->then->bytes;
 			s->size = s->declared = s->then->size;
@@ -148,7 +174,8 @@ static enum eco_code ask(uint64_t body_max)
 	struct eco_request request = { .view = scene_view(), .vertices = 1000, .bytes = 5000000 };
 	snprintf(url, sizeof url, "http://127.0.0.1:%u/v1/scenes/test/", server.port);
 	struct view_fetch_options options = { .url = url, .body_max = body_max, .rule = "deussen",
-		.patience_ms = server.busy ? 20000 : 0, .stall_ms = server.drips ? 300 : 0 };
+		.patience_ms = server.busy ? 20000 : 0, .stall_ms = server.drips ? 300 : 0,
+		.resumes = server.resumes };
 	assert_int_equal(view_fetch_new(&fetch, &options, &error), ECO_OK);
 	view_fetch_mark(fetch, marks.bytes_count ? &marks : NULL, at_mark, &marks);
 	reached_count = 0;
@@ -314,6 +341,87 @@ UNIT_TEST(cut_or_damaged_streams_are_refused)
 	}
 	eco_writer_free(&w);
 	eco_plan_free(&plan);
+}
+
+static const char *heard_head(void)
+{
+	*strstr(server.heard, "\r\n\r\n") = 0;
+	return server.heard;
+}
+
+/* Wherever an answer breaks off: no chunk comes twice, and what is there then is what had come at once. */
+UNIT_TEST(an_answer_that_breaks_off_goes_on_with_what_came)
+{
+	struct eco_plan plan;
+	struct eco_writer w;
+	good_stream(&plan, &w);
+	uint64_t chunk_bytes = 0;
+	for (size_t at = w.size + 150; at > 150; at = at > w.size ? w.size - 1 : at - at / 6) {
+		const size_t cuts[] = { at, SIZE_MAX };
+		bool breaks = at < w.size;
+		start_server((struct server){ .head = ok, .again = breaks, .plan = &plan, .cuts = cuts,
+			.resumes = 1 }, 0);
+		assert_ok(ask(0), error);
+		assert_true(result.broken == breaks && result.requests == 1u + breaks && !result.nothing);
+		assert_true(result.bytes == server.sent && result.most_bytes <= w.size);
+		assert_true(view_store_complete(store) && view_store_plan(store)->vertices == plan.vertices);
+		struct view_store_stats stats = view_store_stats(store);
+		assert_int_equal(stats.chunks_twice, 0);
+		if (!breaks)
+			chunk_bytes = stats.chunk_bytes;
+		assert_int_equal(stats.chunk_bytes, chunk_bytes);
+		/* what is sent twice: the scene, and the frame in whose middle it broke */
+		assert_true(result.bytes < w.size + w.size / 3);
+		/* a picture has come before the last frame: what is left of the budget is asked for */
+		assert_int_equal(strstr(heard_head(), "&bytes=5000000&") != NULL, at != w.size - 1);
+	}
+	eco_writer_free(&w);
+	eco_plan_free(&plan);
+}
+
+UNIT_TEST(breaks_are_counted_and_bounded)
+{
+	struct eco_plan plan;
+	struct eco_writer w;
+	good_stream(&plan, &w);
+	const size_t cuts[] = { w.size / 2, 0, 500, SIZE_MAX };
+	for (uint32_t resumes = 2; resumes <= 3; resumes++) {
+		start_server((struct server){ .head = ok, .again = resumes, .plan = &plan, .cuts = cuts,
+			.resumes = resumes }, 0);
+		double begun_ms = view_clock_ms();
+		assert_int_equal(ask(0), resumes < 3 ? ECO_IO : ECO_OK);
+		assert_true(result.broken == resumes && result.requests == resumes + 1);
+		assert_int_equal(view_store_complete(store), resumes == 3);
+		double least_ms = resumes < 3 ? 50 + 100 : 50 + 100 + 200;       /* and at most twice that */
+		assert_true(view_clock_ms() - begun_ms >= least_ms && result.stream_ms >= least_ms);
+	}
+	eco_writer_free(&w);
+	eco_plan_free(&plan);
+}
+
+/* It says that it is back in a second, in another's name; and a server that never was there is not waited for.
+ */
+UNIT_TEST(a_lost_server_is_asked_again_when_it_says)
+{
+	struct eco_plan plan;
+	struct eco_writer w;
+	good_stream(&plan, &w);
+	start_server((struct server){ .head = "HTTP/1.1 502 Bad Gateway\r\nRetry-After: 1\r\n", .again = 2,
+		.resumes = 2 }, 0);
+	double begun_ms = view_clock_ms();
+	assert_int_equal(ask(0), ECO_IO);
+	assert_true(result.broken == 2 && view_clock_ms() - begun_ms > 1000);
+	assert_non_null(strstr(error.text, "asked 3 times"));
+	eco_writer_free(&w);
+	eco_plan_free(&plan);
+	begin(0);
+	struct view_fetch *fetch;
+	struct view_fetch_options options = { .url = "http://127.0.0.1:9/v1/scenes/x", .resumes = 20 };
+	struct eco_request request = { .view = scene_view(), .vertices = 1000, .bytes = ECO_BYTES_UNBOUNDED };
+	assert_int_equal(view_fetch_new(&fetch, &options, NULL), ECO_OK);
+	assert_int_equal(view_fetch_stream(fetch, store, &request, &result, &error), ECO_IO);
+	assert_true(result.broken == 0 && strstr(error.text, "start ecoserve there"));
+	view_fetch_free(fetch);
 }
 
 UNIT_TEST(stop_flag_and_bad_urls_end_at_once)
