@@ -80,7 +80,7 @@ comma := ,
 # Rooms: a folder of sources each, an archive each; main_NAME.c is the program NAME's. tests/layers.txt says what each may include.
 ECO_ROOMS := ecofiles/generate ecofiles/scene ecofiles/import/track ecofiles/import/places ecofiles/import/places/rows \
 	ecofiles/import/ground ecofiles/import/model ecofiles/format ecofiles/format/chunk ecofiles/base
-BUILD_ROOMS := lod/build lod/build/order lod/build/splat lod/build/impostor lod/build/measure lod/raster
+BUILD_ROOMS := lod/build lod/build/organ lod/build/order lod/build/splat lod/build/impostor lod/build/measure lod/raster
 CORE_ROOMS := lod ecofiles/format ecofiles/format/chunk ecofiles/base
 PACK_ROOM := ecofiles/ecopack ecofiles/ecopack/export
 SUPPORT_ROOM := tests/support

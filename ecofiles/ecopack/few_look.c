@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "lod/arena.h"
-#include "lod/build/organ.h"
+#include "lod/build/organ/organ.h"
 #include "lod/build/weld.h"
 #include "lod/vector.h"
 

@@ -14,7 +14,7 @@
 #include "ecofiles/import/model/model_parts.h"
 #include "ecofiles/format/pack.h"
 #include "ecofiles/scene/scene.h"
-#include "lod/build/organ.h"
+#include "lod/build/organ/organ.h"
 
 #define FILES_MAX 64u
 #define SHOWN 20u                /* components and parts listed for people */

@@ -37,7 +37,7 @@ struct eco_material {
 	/* sRGB base colour; multiplies the image where there is one: white after an import */
 	uint8_t rgb[3];
 	bool cutout;             /* alpha of the image matters: a sample is opaque where alpha >= 0.5 */
-	/* the file says no colour: wood is drawn brown, all else green (lod/build/organ.h) */
+	/* the file says no colour: wood is drawn brown, all else green (lod/build/organ/organ.h) */
 	bool colourless;
 	uint32_t image;          /* index into images or ECO_NONE */
 };
@@ -46,7 +46,7 @@ struct eco_part {            /* a mesh, object or group of the file, as it names
 	char name[64];
 };
 
-#define ECO_ORGAN_FOUND 255u     /* no rule says: lod/build/organ.h finds it */
+#define ECO_ORGAN_FOUND 255u     /* no rule says: lod/build/organ/organ.h finds it */
 #define ECO_IMPORTANCES_MAX 255u /* distinct numbers that rules give */
 
 /* The meaning taken for the file's numbers. Up: the file's axis that points up; FOUND: from the format, else

@@ -13,7 +13,7 @@
 #ifndef LOD_BONE_H
 #define LOD_BONE_H
 
-#include "lod/build/organ.h"
+#include "lod/build/organ/organ.h"
 #include "lod/vector.h"
 
 struct lod_bone {

@@ -6,7 +6,7 @@
 #ifndef LOD_ELEMENT_H
 #define LOD_ELEMENT_H
 
-#include "lod/build/organ.h"
+#include "lod/build/organ/organ.h"
 
 struct lod_element {
 	uint8_t corners; /* 3 to ECO_CORNERS_MAX; triangle i of the fan is corners 0, i + 1, i + 2 */

@@ -4,7 +4,7 @@
 #ifndef LOD_TUBE_H
 #define LOD_TUBE_H
 
-#include "lod/build/organ.h"
+#include "lod/build/organ/organ.h"
 #include "lod/vector.h"
 
 /* Work on one component. Vertices and triangles are numbered locally. */

@@ -2,7 +2,7 @@
  */
 #include "ecofiles/format/list.h"
 #include "lod/raster/mask.h"
-#include "lod/build/organ.h"
+#include "lod/build/organ/organ.h"
 #include "lod/build/sample.h"
 #include "tests/support/plant_models.h"
 #include "tests/support/unit_test.h"

@@ -6,7 +6,7 @@
 
 #include "lod/build/grid.h"
 #include "lod/build/impostor/plant_impostor.h"
-#include "lod/build/organ.h"
+#include "lod/build/organ/organ.h"
 #include "lod/build/palette.h"
 #include "lod/build/splat/splat_fit.h"
 

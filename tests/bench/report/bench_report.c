@@ -12,8 +12,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "tests/bench/bench_html.h"
-#include "tests/bench/bench_papers.h"
+#include "tests/bench/report/bench_html.h"
+#include "tests/bench/report/bench_papers.h"
 
 #define PATH 1024
 
@@ -292,7 +292,7 @@ static json_t *summary_of(const struct bench *bench, const struct bench_section 
 	return summary;
 }
 
-#define PAPERS "tests/bench/papers.json"
+#define PAPERS "tests/bench/report/papers.json"
 
 /* Not where ecobench runs elsewhere than in the source tree. */
 static enum eco_code write_papers(const struct bench *bench, const json_t *records, struct eco_error *error)

@@ -1,10 +1,10 @@
-#include "tests/bench/bench_papers.h"
+#include "tests/bench/report/bench_papers.h"
 
 #include <fnmatch.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/bench/bench_html.h"
+#include "tests/bench/report/bench_html.h"
 #include "tests/bench/bench_state.h"
 
 #define PICTURES_MOST 6u         /* of one pattern */

@@ -7,8 +7,8 @@
 #ifndef LOD_ORGAN_FLOWER_H
 #define LOD_ORGAN_FLOWER_H
 
-#include "lod/build/organ_name.h"
-#include "lod/build/organ_shape.h"
+#include "lod/build/organ/organ_name.h"
+#include "lod/build/organ/organ_shape.h"
 
 /* Turns foliage into flowers in `organ`; arrays are per component, `fixed` ones stay. `extent`: the plant's
  * largest. */

@@ -1,4 +1,4 @@
-#include "tests/bench/bench_html.h"
+#include "tests/bench/report/bench_html.h"
 
 #include <stdbool.h>
 #include <string.h>

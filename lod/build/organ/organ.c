@@ -1,13 +1,13 @@
-#include "lod/build/organ.h"
+#include "lod/build/organ/organ.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "lod/light.h"
-#include "lod/build/organ_flower.h"
-#include "lod/build/organ_name.h"
-#include "lod/build/organ_shape.h"
-#include "lod/build/organ_split.h"
+#include "lod/build/organ/organ_flower.h"
+#include "lod/build/organ/organ_name.h"
+#include "lod/build/organ/organ_shape.h"
+#include "lod/build/organ/organ_split.h"
 #include "lod/sort.h"
 #include "lod/raster/texel.h"
 #include "lod/vector.h"
