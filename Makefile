@@ -82,7 +82,7 @@ ECO_ROOMS := ecofiles/generate ecofiles/scene ecofiles/import/track ecofiles/imp
 	ecofiles/import/ground ecofiles/import/model ecofiles/format ecofiles/format/chunk ecofiles/base
 BUILD_ROOMS := lod/build lod/build/organ lod/build/order lod/build/splat lod/build/impostor lod/build/measure lod/raster
 CORE_ROOMS := lod ecofiles/format ecofiles/format/chunk ecofiles/base
-PACK_ROOM := ecofiles/ecopack ecofiles/ecopack/export
+PACK_ROOM := ecofiles/ecopack ecofiles/ecopack/start ecofiles/ecopack/export
 SUPPORT_ROOM := tests/support
 # methods of the papers that no program has: what measurements compare with
 BASELINE_ROOM := tests/bench/baseline

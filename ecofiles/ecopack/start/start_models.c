@@ -1,5 +1,5 @@
 /* The models of a folder, and what is seen of those that are used. */
-#include "ecofiles/ecopack/start.h"
+#include "ecofiles/ecopack/start/start.h"
 
 #include <dirent.h>
 #include <errno.h>

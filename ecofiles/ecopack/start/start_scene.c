@@ -1,5 +1,5 @@
 /* scene.json: what was guessed, with the reasons in "notes". */
-#include "ecofiles/ecopack/start.h"
+#include "ecofiles/ecopack/start/start.h"
 
 #include <jansson.h>
 #include <math.h>

@@ -1,5 +1,5 @@
 /* ecopack start: from an inventory and a folder of models to a scene, a map and a camera. */
-#include "ecofiles/ecopack/start.h"
+#include "ecofiles/ecopack/start/start.h"
 
 #include <errno.h>
 #include <stdarg.h>

@@ -1,5 +1,5 @@
 /* The table: what its columns mean, in which units and in which CRS. */
-#include "ecofiles/ecopack/start.h"
+#include "ecofiles/ecopack/start/start.h"
 
 #include <stdio.h>
 #include <stdlib.h>

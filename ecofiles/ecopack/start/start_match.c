@@ -1,5 +1,5 @@
 /* A model for each species: of its name, else of its genus, else of its form. */
-#include "ecofiles/ecopack/start.h"
+#include "ecofiles/ecopack/start/start.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* The first look: from the south and a little above, at the middle of the plants, near enough that a plant is
  * more than a dot. */
-#include "ecofiles/ecopack/start.h"
+#include "ecofiles/ecopack/start/start.h"
 
 #include <math.h>
 #include <stdio.h>

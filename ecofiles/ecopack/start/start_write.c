@@ -1,5 +1,5 @@
 /* The files: each is written beside its name, and all get their names when all are there. */
-#include "ecofiles/ecopack/start.h"
+#include "ecofiles/ecopack/start/start.h"
 
 #include <errno.h>
 #include <limits.h>
