@@ -34,7 +34,7 @@ struct options {
 	uint64_t vertices, bytes, memory;
 	double ground_px, texel_px, ahead_s, sun_s, snap_m;
 	struct view_sky sky;                     /* but for the sun */
-	bool has_frames, compare, digest, glb;
+	bool has_frames, compare, digest, owners, glb;
 	uint64_t frame_first, frame_last;
 	enum engine reference;
 	int tint;                                /* enum view_tint */
@@ -146,6 +146,9 @@ static const struct eco_option option_table[] = {
 		"hardware, else in software" },
 	{ "digest", 0, ECO_OPTION_FLAG, NULL, &given.digest,
 		.help = "says of each frame by two hashes what was decoded and is drawn, as a browser does" },
+	{ "owners", 0, ECO_OPTION_FLAG, NULL, &given.owners,
+		.help = "also whose each pixel is, as frame-0000.owners.png: a colour for each plant, the "
+		"same in all frames, and black for what is none's" },
 	{ "compare", 0, ECO_OPTION_FLAG, NULL, &given.compare,
 		.help =
 		"with the reference: also ours, full detail and the error that people see (FLIP) side by "
@@ -180,8 +183,8 @@ static const struct eco_command command = { .name = "ecoview", .options = option
 	.synopsis = "URL --camera CAMERA.json --size WxH --vertices N -o DIR [--bytes M] [--memory SIZE] "
 	"[--ground-px X] [--ahead S] [--snap M] [--rule NAME] [--reference[=cpu|egl]] [--compare] "
 	"[--tint kind] "
-	"[--sun TIME] [--shadows KIND[,SIZE]] [--haze M] [--digest] [--glb] [--frames A..B] "
-	"[--progressive LIST] [--chunks URL] [--explain FILE.csv]",
+	"[--sun TIME] [--shadows KIND[,SIZE]] [--haze M] [--digest] [--owners] [--glb] "
+	"[--frames A..B] [--progressive LIST] [--chunks URL] [--explain FILE.csv]",
 	.says = "Streams a scene along a camera script and draws every frame as a PNG.",
 	.notes = "Writes frame-0000.png, ...; with --reference also reference-0000.png, frame-0000.mask.png, "
 	"reference-0000.mask.png and pr-0000.png (light: right, orange: too much, blue: missing).\n\n"
@@ -230,6 +233,17 @@ static enum eco_code save_masks(struct viewer *v, uint32_t frame, struct eco_err
 		code = save(v, "reference-%04u.mask.png", frame, v->reference.cover, 1, error);
 	if (!code)
 		code = save(v, "pr-%04u.png", frame, rgb, 3, error);
+	free(rgb);
+	return code;
+}
+
+static enum eco_code save_owners(struct viewer *v, uint32_t frame, struct eco_error *error)
+{
+	uint8_t *rgb = malloc((size_t)v->options.width * v->options.height * 3);
+	if (!rgb)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a picture");
+	view_picture_owners(&v->picture, rgb);
+	enum eco_code code = save(v, "frame-%04u.owners.png", frame, rgb, 3, error);
 	free(rgb);
 	return code;
 }
@@ -481,6 +495,8 @@ static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_err
 		code = view_explain_frame(&v->explain, v->fetch, number, &request, error);
 	if (!code)
 		code = save(v, "frame-%04u.png", number, v->picture.rgb, 3, error);
+	if (!code && v->options.owners)
+		code = save_owners(v, number, error);
 	if (!code && v->options.reference && !parts)
 		code = draw_reference(v, &request, &eye, &f, error);
 	if (!code && v->options.reference)

@@ -38,3 +38,14 @@ void view_picture_compare(const uint8_t *cover, const uint8_t *reference, uint32
 	for (uint32_t i = 0; i < pixels; i++)
 		memcpy(rgb + 3 * (size_t)i, colors[(cover[i] != 0) + 2 * (reference[i] != 0)], 3);
 }
+
+void view_picture_owners(const struct view_picture *picture, uint8_t *rgb)
+{
+	size_t count = (size_t)picture->width * picture->height;
+	for (size_t i = 0; i < count; i++) {
+		uint64_t color = picture->owner[i] * 0x9E3779B97F4A7C15u >> 40;
+		color |= picture->owner[i] && !color;
+		for (int k = 0; k < 3; k++)
+			rgb[3 * i + (size_t)k] = (uint8_t)(color >> 8 * k);
+	}
+}

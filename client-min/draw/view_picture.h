@@ -29,4 +29,8 @@ void view_picture_free(struct view_picture *picture);
  */
 void view_picture_compare(const uint8_t *cover, const uint8_t *reference, uint32_t pixels, uint8_t *rgb);
 
+/* Whose each pixel is, 3 bytes a pixel into `rgb`: a plant has a colour of its own, which it keeps in other
+ * pictures (two share one by chance, of 2^24), and what is no plant's is black. */
+void view_picture_owners(const struct view_picture *picture, uint8_t *rgb);
+
 #endif

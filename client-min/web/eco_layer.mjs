@@ -55,7 +55,12 @@ function stateOf(gl) {
 	const viewport = gl.getParameter(gl.VIEWPORT);
 	const color = gl.getParameter(gl.COLOR_WRITEMASK);
 	const alignment = gl.getParameter(gl.UNPACK_ALIGNMENT);
+	const clip = gl.getExtension('EXT_clip_control');
+	const clips = clip && [clip.CLIP_ORIGIN_EXT, clip.CLIP_DEPTH_MODE_EXT].map((name) => gl.getParameter(name));
+	// depths as ecoview's: exact also far away
+	clip?.clipControlEXT(clip.LOWER_LEFT_EXT, clip.ZERO_TO_ONE_EXT);
 	const restore = () => {
+		clip?.clipControlEXT(...clips);
 		for (const [cap, on] of caps)
 			(on ? gl.enable : gl.disable).call(gl, cap);
 		gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
@@ -252,5 +257,12 @@ export class EcoLayer {
 	cover() {
 		const [width, height] = this.drawn[1], at = this.module._web_cover(this.stream.web);
 		return this.module.HEAPU8.slice(at, at + width * height);
+	}
+
+	/** Whose each of its pixels is: 3 bytes of colour, a plant's own; black where there is none. */
+	owners() {
+		const [width, height] = this.drawn[1], at = this.module._web_owners(this.stream.web);
+		this.stream.check(!at);
+		return this.module.HEAPU8.slice(at, at + 3 * width * height);
 	}
 }

@@ -11,7 +11,7 @@ function groundOf([x, y], { convergence_deg: convergence }) {
 	return [x * Math.cos(turn) + y * Math.sin(turn), y * Math.cos(turn) - x * Math.sin(turn)];
 }
 
-/** Rows of a file's text, near to each other in the scene whose origin is given. Throws what is wrong with it. */
+/** Rows of a file's text, near to each other in the scene whose origin is given. Throws what is wrong. */
 export function readRows(text, origin) {
 	if (origin?.longitude_deg === undefined)
 		throw new Error('This scene does not say where on Earth it is, so that rows cannot be found in it.');
@@ -26,7 +26,7 @@ export function readRows(text, origin) {
 	}));
 }
 
-/** The row of a plant that was picked (web_pick.h): of those as high, the nearest; null: none stands there. */
+/** The row of a plant that was picked (web_pick.h): of those as high, the nearest; null: none is here. */
 export function rowOf(rows, { foot, height_m: height }, origin) {
 	const [east, north] = groundOf(foot, origin);
 	const reach = EXACT_M + STRETCH * Math.hypot(east, north);

@@ -103,14 +103,15 @@ $(W)/site/%.gz: $(W)/site/%
 $(W)/site/%.br: $(W)/site/%
 	brotli -q 11 -c $< >$@
 
-# Pages of other origins that have a scene as a layer: build/web/examples, for any web server, beside what they draw with, which npm fetches.
+# Pages of other origins that have a scene as a layer: build/web/examples, for any web server, beside what they draw with, which npm fetches
+# (other packages of nodejs than Debian's bring it, and Debian's own then cannot be installed).
 WEB_EXAMPLES := $(W)/examples
 EXAMPLE_PARTS := maplibre-gl/dist/maplibre-gl.mjs maplibre-gl/dist/maplibre-gl-worker.mjs maplibre-gl/dist/maplibre-gl.css \
 	three/build/three.module.js three/build/three.core.js three/examples/jsm/controls/OrbitControls.js
 EXAMPLE_PAGES := $(patsubst client-min/web/examples/%,$(WEB_EXAMPLES)/%,$(wildcard client-min/web/examples/*.html client-min/web/examples/example.*))
 .PHONY: web-examples examples-site
 web-examples: web
-	@tests/packages.sh npm
+	@command -v npm >/dev/null || tests/packages.sh npm
 	@$(MAKE) --no-print-directory examples-site
 	@echo "$(WEB_EXAMPLES): serve it, say by python3 -m http.server 8000 -d $(WEB_EXAMPLES), and the scene by $(B)/ecoserve --cors http://127.0.0.1:8000 MY.eco;" \
 		"http://127.0.0.1:8000/map.html?scene=http://127.0.0.1:8080/v1/scenes/MY"
@@ -131,7 +132,7 @@ $(WEB_EXAMPLES)/.parts: $(W)/npm/.done
 # Other people's viewers and checkers of 3D Tiles, for tests/ecopack/test_tiles.sh.
 .PHONY: tiles-viewers
 tiles-viewers:
-	@tests/packages.sh nodejs npm chromium
+	@tests/packages.sh nodejs chromium && { command -v npm >/dev/null || tests/packages.sh npm; }
 	@mkdir -p build/tiles-viewers
 	cp tests/ecopack/tiles/package.json tests/ecopack/tiles/package-lock.json build/tiles-viewers
 	npm ci --prefix build/tiles-viewers --ignore-scripts --no-audit --no-fund

@@ -23,6 +23,7 @@ struct web {
 	double predicted_q;
 	struct view_gl *gl;
 	struct view_picture picture;
+	uint8_t *owners;                         /* of it, once somebody has asked */
 	struct lod_eye eye;                      /* of the picture */
 	struct view_sky sky;
 	struct web_present present;
@@ -52,6 +53,7 @@ void web_free(struct web *web)
 		web_present_free(&web->present);
 	view_gl_close(web->gl);
 	view_picture_free(&web->picture);
+	free(web->owners);
 	eco_wire_parser_free(web->parser);
 	view_select_free(&web->selection);
 	view_select_free(&web->casters);
@@ -257,6 +259,20 @@ const uint8_t *web_colors(const struct web *web)
 const uint8_t *web_cover(const struct web *web)
 {
 	return web->picture.cover;
+}
+
+const uint8_t *web_owners(struct web *web)
+{
+	size_t size = (size_t)web->picture.width * web->picture.height * 3;
+	forget_error(web);
+	uint8_t *rgb = realloc(web->owners, size);
+	if (!rgb) {
+		eco_fail(&web->error, ECO_NO_MEMORY, "no memory for the owners of a picture");
+		return NULL;
+	}
+	web->owners = rgb;
+	view_picture_owners(&web->picture, rgb);
+	return rgb;
 }
 
 const char *web_renderer(const struct web *web)

@@ -53,6 +53,8 @@ int web_present(struct web *web, const double *depth, const double *viewport, do
 /* What was drawn last, rows from the top: 3 bytes of colour a pixel; 255 where a plant is, else 0. */
 const uint8_t *web_colors(const struct web *web);
 const uint8_t *web_cover(const struct web *web);
+/* The same of owners: view_picture_owners; NULL: see web_error. */
+const uint8_t *web_owners(struct web *web);
 const char *web_renderer(const struct web *web);
 const char *web_facts(struct web *web);
 /* Height of the ground that is drawn at a place, metres; NaN where there is none. */

@@ -1,5 +1,5 @@
 /* view_context.h in a browser: the context that the page made current (GL.makeContextCurrent of emscripten)
- * is taken, and left to it. */
+ * is taken, and left to it. Depths are from 0 to 1, as ecoview's, where it can say so (eco_layer.mjs does). */
 #include <GLES3/gl3.h>
 #include <emscripten/html5_webgl.h>
 #include <stdio.h>
@@ -15,6 +15,7 @@ enum eco_code view_context_open(struct view_context *context, struct eco_error *
 		return eco_fail(error, ECO_UNSUPPORTED, "the page has no WebGL 2");
 	memcpy(&context->context, &current, sizeof current);
 	context->display = context;
+	context->dialect.depth_zero_to_one = emscripten_webgl_enable_extension(current, "EXT_clip_control");
 	const char *name = (const char *)glGetString(GL_RENDERER);
 	snprintf(context->renderer, sizeof context->renderer, "%s", name ? name : "unknown");
 	context->hardware = !strstr(context->renderer, "SwiftShader");

@@ -7,8 +7,10 @@ import { createServer } from 'node:http';
 import { basename, extname, join } from 'node:path';
 import { Browser } from './browser.mjs';
 
-const [url, folder, chromium, inventory, out] = process.argv.slice(2), SIZE = [640, 480], TRIED = 5;
-const types = { '.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript', '.css': 'text/css' };
+const [url, folder, chromium, inventory, out] = process.argv.slice(2);
+const SIZE = [640, 480], TRIED = 5;
+const types = { '.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript',
+	'.css': 'text/css' };
 const complete = "document.body.dataset.complete === 'true'";
 let faults = 0;
 
@@ -29,7 +31,8 @@ await new Promise((done) => server.listen(0, '127.0.0.1', done));
 const browser = new Browser(chromium), ask = (expression) => browser.evaluate(expression);
 
 async function open(name) {
-	await browser.open(`http://127.0.0.1:${server.address().port}/${name}.html?scene=${encodeURIComponent(url)}`, ...SIZE);
+	const page = `http://127.0.0.1:${server.address().port}/${name}.html`;
+	await browser.open(`${page}?scene=${encodeURIComponent(url)}`, ...SIZE);
 	await browser.until(complete);
 	writeFileSync(join(out, `${name}.png`), await browser.picture());
 	const covered = await ask('example.layer.cover().reduce((sum, c) => sum + (c > 0), 0)');
