@@ -6,13 +6,15 @@
 
 #include "ecofiles/format/texture.h"
 
+#define TEXELS_MAX (1u << 14)            /* more only make it slower */
+
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
 	struct eco_error error = { 0 };
 	struct eco_texture_part part, again;
-	if (!size)
+	if (!size || eco_texture_texels(bytes + 1, size - 1, !(bytes[0] & 3)) > TEXELS_MAX)
 		return 0;
 	enum eco_code code = (bytes[0] & 2 ? eco_texture_read_ground : bytes[0] & 1 ? eco_texture_read_colors
 		: eco_texture_read_outline)(&part, bytes + 1, size - 1, &error);

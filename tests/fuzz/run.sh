@@ -14,8 +14,9 @@ for target in "$@"; do
 	longest=$(find "tests/fuzz/corpus/$name" -type f -printf '%s\n' 2>/dev/null | sort -n | tail -1)
 	length=$((${longest:-0} * 4 > 4096 ? ${longest:-0} * 4 : 4096))
 	echo "fuzz $name: $seconds s, inputs up to $length bytes"
+	# inputs that are quick are tried more often than those that are slow
 	"$target" -max_total_time="$seconds" -max_len="$length" -rss_limit_mb=2048 -timeout=20 -print_final_stats=1 \
-		-artifact_prefix="$found/" "$work" $([ -d "tests/fuzz/corpus/$name" ] && echo "tests/fuzz/corpus/$name") >"$log" 2>&1
+		-entropic_scale_per_exec_time=1 -artifact_prefix="$found/" "$work" $([ -d "tests/fuzz/corpus/$name" ] && echo "tests/fuzz/corpus/$name") >"$log" 2>&1
 	status=$?
 	if [ $status -ne 0 ]; then
 		failed=$((failed + 1))
