@@ -11,7 +11,7 @@
  *   8   u64 XXH3-64 of bytes [0,8), of the frame's number in the stream (u32, from 0) and of the payload
  *   16  n bytes
  *
- * SCENE  u32 version = 16, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, rows,
+ * SCENE  u32 version = 17, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, rows,
  *        margin (3), u32 plant count, u32 list count, str name
  * BUNDLE v size of the directory, u8 zeros that were left off at its end, the directory, then payloads
  *        in the order of its chunks. The directory names plants, lists and chunks (wire_items.h): a plant
@@ -28,40 +28,42 @@
  * client that holds a chunk of a list knows its record; one that holds a chunk of any list of a plant
  * (not of its instances) knows the plant.
  *
- * PLAN. A plan has one encoding: arrays are in the order of eco_plan_sort; a field with several forms uses
- * the first in this table that can hold the value. Everything else is refused. A usual rule takes 5 or 6
- * bytes, a usual run 2, a plant none.
+ * PLAN. u8 zeros that were left off at the end, then one range-coded stream with adaptive models
+ * (ecofiles/base/range.h); zeros behind it where there are more than 64 items and 32 a byte. A plan has one
+ * encoding: arrays are in the order of eco_plan_sort; a field with several forms uses the first in this
+ * table that can hold the value. Everything else is refused. What only a server reports (visible plants, the
+ * sample distance) does not travel. A usual rule takes 2 to 5 bytes, a usual run 1, a plant none.
  *
- *   v vertices   v visible plants   f64 sample distance   f64 tp, fp, fn
- *   v count, placements:
- *     u8 head    bits 0..2: axis is whole millimetres  3: turn  4: path  5-6: scale 0 = 1, 1 f32, 2 f64  7: 0
- *     3 axes     z millimetres since the axis's last whole ones (first: since 0), value = millimetres /
- *                1000.0; or f64
- *     u16 turn if not 0   u32 path if not 0   scale
- *   v count, runs, ascending:
- *     v head     bit 0: new placement (always for the first). Else the rest is list_first - list_end of the
- *                run before
- *     new:       rest of head is zigzag(list_first - list_first of the first run of the placement before, or
- *                0); then v placement - placement before - 1 (first: placement)
- *     v          (list_end - list_first - 1) << 1 | 1 if some plants are left out: then u16 left
- *   v count, gates, ascending:
- *     v          (plant - plant before - 1; first: plant) << 1 | 1 if it ends within a band
- *     u8         whole bands of end; then, if it ends within one, u16 of the next
- *   v count, cuts drawn once (without an anchor: summaries, ground, textures), then v count, rules; both as
+ *   n vertices   pixels: tp, fp, fn   n counts: placements, runs, gates, cuts drawn once (without an anchor:
+ *                                     summaries, ground, textures), rules; then these
+ *   placement    3 axes: 1 bit: 0: whole millimetres, s less the axis's last whole ones; 1: f64. 1 bit: u16
+ *                turn   1 bit: u32 path   scale, 2 bits: 0: 1, 1: f32, 2: f64
+ *   run          1 bit, but for the first: 1: another placement: n placement - before's - 1 (first:
+ *                placement), s list_first less that of the first run of the placement before, or 0;
+ *                0: n list_first - list_end of the run before. n list_end - list_first - 1. left, 1 bit:
+ *                0: as before; 1: 1 bit: 0: none, 1: u16
+ *   gate         n plant - plant before - 1 (first: plant), 8 bits: whole bands of end, 1 bit: u16 of the next
+ *   cut          told by the cut before of its array (first: 0, anchor -1), and by what was said in its
+ *                first band:
+ *     owner      1 bit: another anchor: n anchor - before - 1; drawn once: another placement: s
+ *     list       1 bit: another: s
+ *     bands      2 bits: 0: as before   1: from before's end: n count - 1   2: s less before's end (of
+ *                another list: less the first band of the first cut of the list before), n count - 1
+ *     share      2 bits: first is 0, before's end, before's first, sent; 3 bits: end is all, before's, the
+ *                last of this band that is not all, the one before that, sent. Sent: n bits behind the
+ *                point, and these
+ *     first      2 bits: 0, before's, before's end, n
+ *     end        3 bits: before's; the lowest power of 4 above first; 4 times before's first (a level of
+ *                splats, and of the next one what is drawn); end of the cut before that one; n end - first
+ *                - 1
+ *     scale      3 bits: 1, the last but 1, the last but 1 of this band, s less the last's in the steps of
+ *                eco_wire_scale_round, f32
+ *   Cuts drawn once have bands [0, ECO_BANDS) and all of the share, which are not sent.
  *
- *     head  7     6     5     4     3     2     1     0         a cut drawn once has no bands (bits 2-3: 0)
- *         +-----+-----+-----------+-----------+-----+-----+     and no share; "anchor" is its placement, and
- *         | end | more|   scale   |   bands   | list|anchr|     its bands and share are [0, ECO_BANDS) and
- *         +-----+-----+-----------+-----------+-----+-----+     [0, ECO_SHARE_ONE)
- *     then, in this order and only if the head says so ("before": in the cut before; first: 0, anchor -1):
- *     anchor  1: rule: v anchor - before - 1; drawn once: z placement - before           0: as before
- *     list    1: z list - before                                                         0: as before
- *     bands   0 as before   1 one band, from before's end   2 u8 end, from before's end   3 u8 first, u8 end
- *     more    1: u8: bits 0-1 first: 0 zero, 1 as before, 2 v first; bits 2-3 share: 0 all, 1 as before,
- *             2 from before's end to all, 3 u16 first, u16 end - 1; others 0; the values of both follow
- *             0: first = 0, all
- *     end     1: as before                                                               0: v end - first - 1
- *     scale   0 1.0   1 the last that was sent   2 u16 (eco_wire_scale_round)   3 f32 */
+ *   n            6 bits, modelled: how many; then those below the highest, up to three of them modelled
+ *   s            n of the zigzag code of a difference modulo 2^32
+ *   pixels       1 bit: 0: sixteenths, n; 1: f64
+ * Bits are modelled but for those of f32, f64, u16, u32 and of shares; contexts are in wire_plan.c. */
 #ifndef ECO_WIRE_H
 #define ECO_WIRE_H
 
@@ -70,7 +72,7 @@
 #include "ecofiles/format/wire_items.h"
 
 enum eco_frame_type { ECO_FRAME_SCENE = 1, ECO_FRAME_BUNDLE, ECO_FRAME_PLAN, ECO_FRAME_END };
-#define ECO_WIRE_VERSION 16u
+#define ECO_WIRE_VERSION 17u
 #define ECO_FRAME_HEADER_BYTES 16u
 #define ECO_FRAME_PAYLOAD_MAX (1u << 27)
 #define ECO_END_FRAME_BYTES (ECO_FRAME_HEADER_BYTES + 16u)
@@ -109,11 +111,11 @@ void eco_wire_bundle_free(struct eco_wire_bundle *bundle);
 void eco_wire_write_plan(struct eco_writer *w, const struct eco_plan *plan);
 void eco_wire_write_end(struct eco_writer *w, uint64_t vertices, uint64_t body_bytes);
 
-/* The nearest scale that takes 2 bytes instead of 4: a float with 11 bits behind the leading one (relative
- * error at most 2^-12). The short form holds [2^-8, 2^24): u16 = octave + 8 in bits 11..15, fraction in
- * bits 0..10. A planner rounds before it plans, so that client and planner use the same scale; other
- * scales travel exactly, as f32. */
+/* The nearest scale with 6 bits behind the leading one: a relative error of at most 1/128, which is 1/256 of
+ * a length. And pixels in sixteenths. Both travel in few bits; a planner rounds before it plans, so that
+ * client and planner use the same; other values travel exactly. */
 float eco_wire_scale_round(float scale);
+double eco_wire_pixels_round(double pixels);
 
 /* Reading: an incremental parser. Feed bytes as they arrive; it calls back once per whole frame, in order,
  * with every field bounded and checked as far as one stream can tell. The receiver checks what depends on
@@ -154,8 +156,8 @@ enum eco_code eco_wire_feed(struct eco_wire_parser *parser, const uint8_t *bytes
 enum eco_code eco_wire_finish(struct eco_wire_parser *parser, struct eco_error *error);
 void eco_wire_parser_free(struct eco_wire_parser *parser);   /* NULL is fine */
 
-/* Reads one plan at the reader's place; bytes after it are left. It passes eco_plan_check; *plan is empty
- * on failure. */
+/* Reads one plan, which is all that the reader still has. It passes eco_plan_check; *plan is empty on
+ * failure. */
 enum eco_code eco_wire_read_plan(struct eco_reader *r, struct eco_plan *plan, struct eco_error *error);
 
 /* Holdings must be sorted as plan.h says. Reading accepts the one encoding and nothing after it, at most

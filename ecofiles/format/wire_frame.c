@@ -17,7 +17,7 @@
 static const struct { const char *name; uint32_t least, most; } frames[] = {
 	[ECO_FRAME_SCENE] = { "scene", SCENE_PAYLOAD_LEAST, SCENE_PAYLOAD_LEAST + STRING_MAX },
 	[ECO_FRAME_BUNDLE] = { "bundle", BUNDLE_PAYLOAD_LEAST, ECO_FRAME_PAYLOAD_MAX },
-	[ECO_FRAME_PLAN] = { "plan", 8 + 24 + 2 + 5, PLAN_PAYLOAD_MAX },
+	[ECO_FRAME_PLAN] = { "plan", 1, PLAN_PAYLOAD_MAX },
 	[ECO_FRAME_END] = { "end", 16, 16 },
 };
 

@@ -1,24 +1,82 @@
-/* Plans on the wire: byte layout in wire.h. Writer and reader stand below in pairs, field by field, in the
- * order of the layout.
+/* Plans on the wire: what is coded, and against what, stands in wire.h. One function a field writes and
+ * reads it (ecofiles/base/range.h), so that both ways agree.
  *
- * Most fields are differences to the item before, because a sorted plan repeats itself: from one band to
- * the next a rule changes its end and its scale, and the point half of a blend only its begin.
+ * Most fields are those of an item before, because a sorted plan repeats itself: from one band to the next
+ * a rule changes its end and its scale, and the bands, shares and scales of one organ are those of the next.
  *
  * The reader checks what it needs to go on, leaves the rest to eco_plan_check, and finally writes the plan
- * again: bytes that differ from the input were another encoding of the same plan. This comparison replaces
- * a test in each field's reader, and finds any disagreement between writer and reader. */
+ * again: bytes that differ from the input were another encoding of the same plan. */
 #include "ecofiles/format/wire.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "ecofiles/base/range.h"
+
+#define ITEMS_A_BYTE 32u         /* of a plan at most, so that memory is in proportion to bytes */
+#define ITEMS_FREE 64u           /* and so many whatever its size is */
+
+/* ---- Numbers ---- */
+
+#define SIZES 64u
+#define MODELLED 3u              /* bits below the highest that have models, in numbers of few bits */
+
+struct number { struct eco_bit size[SIZES], low[6][1u << MODELLED]; };
+
+struct coder {
+	struct eco_range range;
+	bool bad;                                /* what was read is out of range */
+};
+
+/* 6 bits for how many there are, then those below the highest; value < 2^63. */
+static uint64_t code_number(struct coder *c, struct number *n, uint64_t value)
+{
+	unsigned bits = value ? 64u - (unsigned)__builtin_clzll(value) : 0;
+	bits = eco_range_tree(&c->range, n->size, 6, bits) & (SIZES - 1);
+	if (bits < 2)
+		return bits;
+	unsigned below = bits - 1, modelled = below < MODELLED ? below : MODELLED, raw = below - modelled;
+	unsigned slot = bits < 7 ? bits - 2 : 5;
+	uint64_t high = eco_range_tree(&c->range, n->low[slot], modelled,
+		(uint32_t)(value >> raw) & ((1u << modelled) - 1)) & ((1u << modelled) - 1);
+	return (1ull << modelled | high) << raw | eco_range_raw(&c->range, raw, value & ((1ull << raw) - 1));
+}
+
+static uint32_t code_u32(struct coder *c, struct number *n, uint32_t value)
+{
+	uint64_t v = code_number(c, n, value);
+	c->bad |= v > UINT32_MAX;
+	return (uint32_t)v;
+}
+
+/* A value by its difference to another, both modulo 2^32. */
+static uint32_t code_step(struct coder *c, struct number *n, uint32_t before, uint32_t value)
+{
+	uint32_t step = value - before, zigzag = step << 1 ^ (0u - (step >> 31));
+	zigzag = code_u32(c, n, zigzag);
+	return before + (zigzag >> 1 ^ (0u - (zigzag & 1)));
+}
+
+static double code_f64(struct coder *c, double value)
+{
+	uint64_t bits;
+	memcpy(&bits, &value, sizeof bits);
+	bits = eco_range_raw(&c->range, 64, bits);
+	memcpy(&value, &bits, sizeof value);
+	return value;
+}
+
+static unsigned code_form(struct coder *c, struct eco_bit *models, unsigned bits, unsigned form)
+{
+	return eco_range_tree(&c->range, models, bits, form) & ((1u << bits) - 1);
+}
+
 /* ---- Scales ---- */
 
-enum scale_form { SCALE_ONE, SCALE_AGAIN, SCALE_SHORT, SCALE_FLOAT };
-
-#define SHORT_DROPPED_BITS 12u                           /* of a float's 23 behind the leading one */
-#define SHORT_BASE ((127u - 8u) << (23 - SHORT_DROPPED_BITS))
+#define DROPPED_BITS 17u                 /* of a float's 23 behind the leading one */
+#define SHORT_BASE ((127u - 8u) << (23 - DROPPED_BITS))
+#define SHORT_END ((127u + 24u) << (23 - DROPPED_BITS))
 
 static uint32_t float_bits(float v)
 {
@@ -36,61 +94,26 @@ static float bits_float(uint32_t bits)
 
 float eco_wire_scale_round(float scale)
 {
-	uint32_t bits = float_bits(scale), half = 1u << (SHORT_DROPPED_BITS - 1);
+	uint32_t bits = float_bits(scale), half = 1u << (DROPPED_BITS - 1);
 	if (!isfinite(scale))
 		return scale;
 	/* to nearest, ties to even; a carry into the exponent is the right result */
-	bits += half - 1 + (bits >> SHORT_DROPPED_BITS & 1);
-	return bits_float(bits & ~((1u << SHORT_DROPPED_BITS) - 1));
+	bits += half - 1 + (bits >> DROPPED_BITS & 1);
+	return bits_float(bits & ~((1u << DROPPED_BITS) - 1));
 }
 
-static bool short_code(float scale, uint16_t *code)
+static bool is_short(float scale)
 {
-	uint32_t bits = float_bits(scale), shifted = bits >> SHORT_DROPPED_BITS;
-	if (shifted << SHORT_DROPPED_BITS != bits || shifted < SHORT_BASE
-			|| shifted - SHORT_BASE > UINT16_MAX)
-		return false;
-	*code = (uint16_t)(shifted - SHORT_BASE);
-	return true;
-}
-
-static enum scale_form scale_form(float scale, float stated)
-{
-	uint16_t code;
-	if (scale == 1)
-		return SCALE_ONE;
-	if (float_bits(scale) == float_bits(stated))
-		return SCALE_AGAIN;
-	return short_code(scale, &code) ? SCALE_SHORT : SCALE_FLOAT;
-}
-
-static void write_scale(struct eco_writer *w, enum scale_form form, float scale, float *stated)
-{
-	uint16_t code = 0;
-	if (form < SCALE_SHORT)
-		return;
-	*stated = scale;
-	if (form == SCALE_FLOAT)
-		eco_write_f32(w, scale);
-	else if (short_code(scale, &code))
-		eco_write_u16(w, code);
-}
-
-static float read_scale(struct eco_reader *r, enum scale_form form, float *stated)
-{
-	if (form == SCALE_ONE)
-		return 1;
-	if (form == SCALE_SHORT)
-		*stated = bits_float((eco_read_u16(r) + SHORT_BASE) << SHORT_DROPPED_BITS);
-	else if (form == SCALE_FLOAT)
-		*stated = eco_read_f32(r);
-	return *stated;
+	uint32_t bits = float_bits(scale), code = bits >> DROPPED_BITS;
+	return code << DROPPED_BITS == bits && code >= SHORT_BASE && code < SHORT_END;
 }
 
 /* ---- Placements ---- */
 
 #define MILLIMETRES_MAX INT64_C(1000000000000000)        /* 1e12 m, see eco_view_check */
-enum { PLACE_TURN = 8, PLACE_PATH = 16, PLACE_SCALE_SHIFT = 5, PLACE_SCALE_F32 = 1, PLACE_SCALE_F64 = 2 };
+enum place_scale { PLACE_ONE, PLACE_F32, PLACE_F64 };
+
+struct place_models { struct number step, path; struct eco_bit whole, turn, path_there, scale[4]; };
 
 /* Division rounds correctly, so a position written with up to three decimals is such a quotient to the
  * last bit. */
@@ -102,355 +125,368 @@ static bool whole_millimetres(double v, int64_t *millimetres)
 	return (double)*millimetres / 1000.0 == v && !(v == 0 && signbit(v));
 }
 
-static uint8_t placement_head(const struct eco_placement *p)
+static double code_axis(struct coder *c, struct place_models *m, int64_t *last, double value)
 {
-	int64_t unused;
-	unsigned head = 0;
-	for (int axis = 0; axis < 3; axis++)
-		head |= whole_millimetres(p->at[axis], &unused) ? 1u << axis : 0;
-	head |= p->turn ? PLACE_TURN : 0;
-	head |= p->path ? PLACE_PATH : 0;
-	if (p->scale != 1)
-		head |= ((float)p->scale == p->scale ? PLACE_SCALE_F32 : PLACE_SCALE_F64)
-			<< PLACE_SCALE_SHIFT;
-	return (uint8_t)head;
-}
-
-static void write_placements(struct eco_writer *w, const struct eco_plan *plan)
-{
-	int64_t last[3] = { 0 }, millimetres;
-	eco_write_varint(w, plan->placement_count);
-	for (uint32_t i = 0; i < plan->placement_count; i++) {
-		const struct eco_placement *p = &plan->placements[i];
-		uint8_t head = placement_head(p);
-		eco_write_u8(w, head);
-		for (int axis = 0; axis < 3; axis++) {
-			if (whole_millimetres(p->at[axis], &millimetres)) {
-				eco_write_zigzag(w, millimetres - last[axis]);
-				last[axis] = millimetres;
-			} else {
-				eco_write_f64(w, p->at[axis]);
-			}
-		}
-		if (head & PLACE_TURN)
-			eco_write_u16(w, p->turn);
-		if (head & PLACE_PATH)
-			eco_write_u32(w, p->path);
-		if (head >> PLACE_SCALE_SHIFT == PLACE_SCALE_F32)
-			eco_write_f32(w, (float)p->scale);
-		if (head >> PLACE_SCALE_SHIFT == PLACE_SCALE_F64)
-			eco_write_f64(w, p->scale);
-	}
-}
-
-static double read_axis(struct eco_reader *r, bool whole, int64_t *last)
-{
-	if (!whole)
-		return eco_read_f64(r);
-	int64_t step = eco_read_zigzag(r);
-	if (step < -2 * MILLIMETRES_MAX || step > 2 * MILLIMETRES_MAX
-			|| llabs(*last + step) > MILLIMETRES_MAX)
-		r->failed = true;
-	else
-		*last += step;
+	int64_t millimetres = 0;
+	if (eco_range_bit(&c->range, &m->whole, !whole_millimetres(value, &millimetres)))
+		return code_f64(c, value);
+	int64_t step = millimetres - *last;
+	uint64_t zigzag = code_number(c, &m->step, (uint64_t)step << 1 ^ (step < 0 ? UINT64_MAX : 0));
+	*last += (int64_t)(zigzag >> 1) ^ -(int64_t)(zigzag & 1);
+	c->bad |= *last < -MILLIMETRES_MAX || *last > MILLIMETRES_MAX;
+	if (c->bad)
+		*last = 0;
 	return (double)*last / 1000.0;
 }
 
-static void read_placements(struct eco_reader *r, struct eco_plan *plan)
+static void code_placement(struct coder *c, struct place_models *m, int64_t last[3], struct eco_placement *p)
 {
-	int64_t last[3] = { 0 };
-	for (uint32_t i = 0; i < plan->placement_count && !r->failed; i++) {
-		struct eco_placement *p = &plan->placements[i];
-		unsigned head = eco_read_u8(r), scale = head >> PLACE_SCALE_SHIFT;
-		for (int axis = 0; axis < 3; axis++)
-			p->at[axis] = read_axis(r, head & 1u << axis, &last[axis]);
-		p->turn = head & PLACE_TURN ? eco_read_u16(r) : 0;
-		p->path = head & PLACE_PATH ? eco_read_u32(r) : 0;
-		p->scale = scale == PLACE_SCALE_F32 ? eco_read_f32(r) : scale == PLACE_SCALE_F64
-			? eco_read_f64(r) : 1;
-	}
+	enum place_scale form = p->scale == 1 ? PLACE_ONE : (double)(float)p->scale == p->scale ? PLACE_F32
+		: PLACE_F64;
+	for (int axis = 0; axis < 3; axis++)
+		p->at[axis] = code_axis(c, m, &last[axis], p->at[axis]);
+	if (eco_range_bit(&c->range, &m->turn, p->turn != 0))
+		p->turn = (uint16_t)eco_range_raw(&c->range, 16, p->turn);
+	if (eco_range_bit(&c->range, &m->path_there, p->path != 0))
+		p->path = (uint32_t)eco_range_raw(&c->range, 32, p->path);
+	form = code_form(c, m->scale, 2, form);
+	if (form == PLACE_F32)
+		p->scale = (double)bits_float((uint32_t)eco_range_raw(&c->range, 32,
+			float_bits((float)p->scale)));
+	else
+		p->scale = form == PLACE_F64 ? code_f64(c, p->scale) : 1;
 }
 
 /* ---- Runs and gates ---- */
 
-static uint64_t zigzag(int64_t v)
-{
-	return ((uint64_t)v << 1) ^ (v < 0 ? UINT64_MAX : 0);
-}
+struct run_models { struct number place, jump, step, size; struct eco_bit moved, left_there, left_again; };
 
-static int64_t unzigzag(uint64_t v)
+/* `first`: of the first run of the placement before. */
+static void code_run(struct coder *c, struct run_models *m, const struct eco_run *before, uint32_t *first,
+	struct eco_run *run)
 {
-	return (int64_t)(v >> 1) ^ -(int64_t)(v & 1);
-}
-
-static void write_runs(struct eco_writer *w, const struct eco_plan *plan)
-{
-	uint32_t first_of_placement = 0;
-	eco_write_varint(w, plan->run_count);
-	for (uint32_t i = 0; i < plan->run_count; i++) {
-		const struct eco_run *run = &plan->runs[i];
-		if (i && run->placement == run[-1].placement) {
-			eco_write_varint(w, (uint64_t)(run->list_first - run[-1].list_end) << 1);
-		} else {
-			/* placements of one nested eco file begin with the same list */
-			eco_write_varint(w, zigzag((int64_t)run->list_first - first_of_placement) << 1 | 1);
-			eco_write_varint(w, i ? run->placement - run[-1].placement - 1 : run->placement);
-			first_of_placement = run->list_first;
-		}
-		eco_write_varint(w, (uint64_t)(run->list_end - run->list_first - 1) << 1 | (run->left > 0));
-		if (run->left)
-			eco_write_u16(w, (uint16_t)run->left);
+	bool moved = !before || run->placement != before->placement;
+	if (before)
+		moved = eco_range_bit(&c->range, &m->moved, moved);
+	if (moved) {             /* placements of one nested eco file begin with the same list */
+		uint32_t from = before ? before->placement + 1 : 0;
+		run->placement = from + code_u32(c, &m->place, run->placement - from);
+		*first = run->list_first = code_step(c, &m->jump, *first, run->list_first);
+	} else {
+		run->placement = before->placement;
+		run->list_first = before->list_end
+			+ code_u32(c, &m->step, run->list_first - before->list_end);
 	}
+	run->list_end = run->list_first + 1 + code_u32(c, &m->size, run->list_end - run->list_first - 1);
+	uint32_t last = before ? before->left : 0;
+	if (!eco_range_bit(&c->range, &m->left_again, run->left != last))
+		run->left = last;
+	else if (eco_range_bit(&c->range, &m->left_there, run->left != 0))
+		run->left = (uint32_t)eco_range_raw(&c->range, 16, run->left);
+	else
+		run->left = 0;
 }
 
-static uint32_t narrow(struct eco_reader *r, uint64_t v)
-{
-	if (v > UINT32_MAX)
-		r->failed = true;
-	return (uint32_t)v;
-}
+struct gate_models { struct number plant; struct eco_bit within, band[256]; };
 
-/* base + step; fails the reader where the sum is out of range. */
-static uint32_t step_from(struct eco_reader *r, uint32_t base, int64_t step)
+static void code_gate(struct coder *c, struct gate_models *m, const struct eco_gate *before,
+	struct eco_gate *gate)
 {
-	if (step < -(int64_t)UINT32_MAX || step > (int64_t)UINT32_MAX) {
-		r->failed = true;
-		return base;
-	}
-	return narrow(r, (uint64_t)((int64_t)base + step));
-}
-
-static uint32_t read_narrow(struct eco_reader *r)
-{
-	return narrow(r, eco_read_varint(r));
-}
-
-static void read_runs(struct eco_reader *r, struct eco_plan *plan)
-{
-	uint32_t first_of_placement = 0;
-	for (uint32_t i = 0; i < plan->run_count && !r->failed; i++) {
-		struct eco_run *run = &plan->runs[i];
-		uint64_t head = eco_read_varint(r);
-		if (head & 1) {
-			run->list_first = step_from(r, first_of_placement, unzigzag(head >> 1));
-			uint64_t placement = eco_read_varint(r);
-			run->placement = i ? step_from(r, run[-1].placement, (int64_t)(placement & INT64_MAX))
-				+ 1 : narrow(r, placement);
-			first_of_placement = run->list_first;
-		} else if (i) {
-			run->placement = run[-1].placement;
-			run->list_first = step_from(r, run[-1].list_end, (int64_t)(head >> 1));
-		} else {
-			r->failed = true;
-		}
-		uint64_t rest = eco_read_varint(r);
-		run->list_end = narrow(r, (uint64_t)run->list_first + 1 + narrow(r, rest >> 1));
-		run->left = rest & 1 ? eco_read_u16(r) : 0;
-	}
-}
-
-static void write_gates(struct eco_writer *w, const struct eco_plan *plan)
-{
-	eco_write_varint(w, plan->gate_count);
-	for (uint32_t i = 0; i < plan->gate_count; i++) {
-		const struct eco_gate *gate = &plan->gates[i];
-		uint16_t share = (uint16_t)(gate->end % ECO_SHARE_ONE);
-		eco_write_varint(w, (uint64_t)(i ? gate->plant - gate[-1].plant - 1 : gate->plant) << 1
-			| (share > 0));
-		eco_write_u8(w, (uint8_t)(gate->end / ECO_SHARE_ONE));
-		if (share)
-			eco_write_u16(w, share);
-	}
-}
-
-static void read_gates(struct eco_reader *r, struct eco_plan *plan)
-{
-	for (uint32_t i = 0; i < plan->gate_count && !r->failed; i++) {
-		struct eco_gate *gate = &plan->gates[i];
-		uint64_t head = eco_read_varint(r);
-		uint32_t step = narrow(r, head >> 1);
-		gate->plant = i ? narrow(r, (uint64_t)gate[-1].plant + 1 + step) : step;
-		gate->end = eco_read_u8(r) * ECO_SHARE_ONE;
-		gate->end += head & 1 ? eco_read_u16(r) : 0;
-	}
+	uint32_t from = before ? before->plant + 1 : 0, band = gate->end / ECO_SHARE_ONE,
+		share = gate->end % ECO_SHARE_ONE;
+	gate->plant = from + code_u32(c, &m->plant, gate->plant - from);
+	band = eco_range_tree(&c->range, m->band, 8, band) & 255;
+	if (eco_range_bit(&c->range, &m->within, share != 0))
+		share = (uint32_t)eco_range_raw(&c->range, 16, share);
+	else
+		share = 0;
+	gate->end = band * ECO_SHARE_ONE + share;
 }
 
 /* ---- Cuts ---- */
 
-enum { CUT_ANCHOR = 1, CUT_LIST = 2, CUT_BANDS_SHIFT = 2, CUT_SCALE_SHIFT = 4, CUT_MORE = 64,
-	CUT_END_AGAIN = 128 };
-enum bands_form { BANDS_AGAIN, BANDS_NEXT, BANDS_FROM_END, BANDS_BOTH };
-enum first_form { FIRST_ZERO, FIRST_AGAIN, FIRST_SENT };
-enum share_form { SHARE_ALL, SHARE_AGAIN, SHARE_REST, SHARE_BOTH };
+enum bands_form { BANDS_AGAIN, BANDS_NEXT, BANDS_SENT };
+enum share_form { SHARE_ZERO, SHARE_FROM_END, SHARE_AGAIN, SHARE_SENT };
+enum share_end_form { SHARE_TO_ONE, SHARE_TO_SAME, SHARE_TO_LAST, SHARE_TO_OLDER, SHARE_TO_OTHER };
+enum first_form { FIRST_ZERO, FIRST_AGAIN, FIRST_FROM_END, FIRST_OTHER };
+enum end_form { END_AGAIN, END_LEVEL, END_FOUR, END_BEFORE_LAST, END_OTHER };
+enum scale_form { SCALE_ONE, SCALE_AGAIN, SCALE_OF_BAND, SCALE_NEAR, SCALE_FLOAT };
 
-struct cut_state {
-	struct eco_cut before;
-	float stated;                    /* the last scale sent */
-	bool summaries;
+#define CONTEXTS 16u
+struct cut_models {
+	struct eco_bit moved[4], other[4], bands[CONTEXTS][4], share[CONTEXTS][4], share_end[CONTEXTS][8],
+		first[CONTEXTS][4], end[CONTEXTS][8], scale[CONTEXTS][8], float_bits;
+	struct number anchor, list[2], band_first[2], band_count[4], first_at, end_at[2], share_bits,
+		scale_step;
 };
 
-/* Before the first rule the anchor is -1 (ECO_NONE), so that the step to anchor 0 is 1, as to any next
- * anchor. */
-static struct cut_state cut_state(bool summaries)
+/* What the next cut is told by. */
+struct cut_state {
+	struct eco_cut before, older;
+	uint32_t group_band;                     /* first band of the list before's first cut */
+	float stated;                            /* the last scale but 1 */
+	uint32_t end_form;
+	struct { uint16_t last, older; float scale; } bands[ECO_BANDS + 1];  /* share ends, a scale */
+};
+
+/* The number of a level of splats: 4, 16, 64, ...; the first that is larger. */
+static uint32_t level_above(uint32_t first)
 {
-	return (struct cut_state){ .before = { .anchor = ECO_NONE, .share_end = 0 }, .stated = 1,
-		.summaries = summaries };
+	uint64_t level = 1;
+	while (level <= first)
+		level *= 4;
+	return level > UINT32_MAX ? 0 : (uint32_t)level;
 }
 
-static enum bands_form bands_form(const struct eco_cut *cut, const struct eco_cut *before)
+static bool code_owner(struct coder *c, struct cut_models *m, struct cut_state *s, bool once,
+	struct eco_cut *cut)
 {
-	if (cut->band_first == before->band_first && cut->band_end == before->band_end)
-		return BANDS_AGAIN;
-	if (cut->band_first == before->band_end)
-		return cut->band_end == cut->band_first + 1 ? BANDS_NEXT : BANDS_FROM_END;
-	return BANDS_BOTH;
-}
-
-static enum first_form first_form(const struct eco_cut *cut, const struct eco_cut *before)
-{
-	return cut->first == 0 ? FIRST_ZERO : cut->first == before->first ? FIRST_AGAIN : FIRST_SENT;
-}
-
-static enum share_form share_form(const struct eco_cut *cut, const struct eco_cut *before)
-{
-	if (cut->share_first == 0 && cut->share_end == ECO_SHARE_ONE)
-		return SHARE_ALL;
-	if (cut->share_first == before->share_first && cut->share_end == before->share_end)
-		return SHARE_AGAIN;
-	return cut->share_first == before->share_end && cut->share_end == ECO_SHARE_ONE ? SHARE_REST
-		: SHARE_BOTH;
-}
-
-static void write_bands(struct eco_writer *w, enum bands_form form, const struct eco_cut *cut)
-{
-	if (form == BANDS_BOTH)
-		eco_write_u8(w, cut->band_first);
-	if (form == BANDS_BOTH || form == BANDS_FROM_END)
-		eco_write_u8(w, cut->band_end);
-}
-
-static void read_bands(struct eco_reader *r, enum bands_form form, struct eco_cut *cut,
-	const struct eco_cut *before)
-{
-	cut->band_first = form == BANDS_AGAIN ? before->band_first : form == BANDS_BOTH ? eco_read_u8(r)
-		: before->band_end;
-	cut->band_end = form == BANDS_AGAIN ? before->band_end : form == BANDS_NEXT
-		? (uint8_t)(before->band_end + 1) : eco_read_u8(r);
-}
-
-static void write_more(struct eco_writer *w, const struct eco_cut *cut, enum first_form first,
-	enum share_form share)
-{
-	eco_write_u8(w, (uint8_t)(first | share << 2));
-	if (first == FIRST_SENT)
-		eco_write_varint(w, cut->first);
-	if (share == SHARE_BOTH) {
-		eco_write_u16(w, (uint16_t)cut->share_first);
-		eco_write_u16(w, (uint16_t)(cut->share_end - 1));
-	}
-}
-
-static void read_more(struct eco_reader *r, bool more, struct eco_cut *cut, const struct eco_cut *before)
-{
-	unsigned forms = more ? eco_read_u8(r) : 0;
-	enum first_form first = forms & 3;
-	enum share_form share = forms >> 2 & 3;
-	cut->first = first == FIRST_SENT ? read_narrow(r) : first == FIRST_AGAIN ? before->first : 0;
-	cut->share_first = share == SHARE_BOTH ? eco_read_u16(r) : share == SHARE_AGAIN
-		? before->share_first :
-		share == SHARE_REST ? before->share_end : 0;
-	cut->share_end = share == SHARE_BOTH ? eco_read_u16(r) + 1u : share == SHARE_AGAIN ? before->share_end
-		: ECO_SHARE_ONE;
-}
-
-static void write_cut(struct eco_writer *w, const struct eco_cut *cut, struct cut_state *state)
-{
-	const struct eco_cut *before = &state->before;
-	bool moved = state->summaries ? cut->placement != before->placement : cut->anchor != before->anchor;
-	enum bands_form bands = state->summaries ? BANDS_AGAIN : bands_form(cut, before);
-	enum share_form share = state->summaries ? SHARE_ALL : share_form(cut, before);
-	enum first_form first = first_form(cut, before);
-	enum scale_form scale = scale_form(cut->scale, state->stated);
-	bool more = first != FIRST_ZERO || share != SHARE_ALL;
-	eco_write_u8(w,
-		(uint8_t)((moved ? CUT_ANCHOR : 0) | (cut->list != before->list ? CUT_LIST : 0) | bands
-		<< CUT_BANDS_SHIFT | scale << CUT_SCALE_SHIFT | (more ? CUT_MORE : 0)
-		| (cut->end == before->end ? CUT_END_AGAIN : 0)));
-	if (moved && state->summaries)
-		eco_write_zigzag(w, (int64_t)cut->placement - before->placement);
-	else if (moved)
-		eco_write_varint(w, (uint32_t)(cut->anchor - before->anchor - 1));
-	if (cut->list != before->list)
-		eco_write_zigzag(w, (int64_t)cut->list - before->list);
-	write_bands(w, bands, cut);
-	if (more)
-		write_more(w, cut, first, share);
-	if (cut->end != before->end)
-		eco_write_varint(w, cut->end - cut->first - 1);
-	write_scale(w, scale, cut->scale, &state->stated);
-	state->before = *cut;
-}
-
-static void read_cut(struct eco_reader *r, struct eco_cut *cut, struct cut_state *state)
-{
-	const struct eco_cut *before = &state->before;
-	unsigned head = eco_read_u8(r);
-	bool moved = head & CUT_ANCHOR;
-	*cut = (struct eco_cut){ .placement = before->placement, .anchor = before->anchor };
-	if (moved && state->summaries)
-		cut->placement = step_from(r, before->placement, eco_read_zigzag(r));
-	else if (moved)
+	const struct eco_cut *b = &s->before;
+	bool moved = once ? cut->placement != b->placement : cut->anchor != b->anchor;
+	moved = eco_range_bit(&c->range, &m->moved[b->share_end == ECO_SHARE_ONE], moved);
+	if (once) {
+		cut->anchor = ECO_NONE;
+		cut->placement = moved ? code_step(c, &m->anchor, b->placement, cut->placement)
+			: b->placement;
+	} else {
 		/* the first rule's -1 wraps to 0 here: unsigned on purpose */
-		cut->anchor = narrow(r, (uint64_t)(uint32_t)(before->anchor + 1) + read_narrow(r));
-	cut->list = head & CUT_LIST ? step_from(r, before->list, eco_read_zigzag(r)) : before->list;
-	read_bands(r, head >> CUT_BANDS_SHIFT & 3, cut, before);
-	read_more(r, head & CUT_MORE, cut, before);
-	cut->end = head & CUT_END_AGAIN ? before->end : narrow(r, (uint64_t)cut->first + 1 + read_narrow(r));
-	cut->scale = read_scale(r, head >> CUT_SCALE_SHIFT & 3, &state->stated);
-	if (!state->summaries && cut->anchor == ECO_NONE)
-		r->failed = true;
-	state->before = *cut;
-}
-
-static void write_cuts(struct eco_writer *w, const struct eco_cut *cuts, uint32_t count, bool summaries)
-{
-	struct cut_state state = cut_state(summaries);
-	eco_write_varint(w, count);
-	for (uint32_t i = 0; i < count; i++)
-		write_cut(w, &cuts[i], &state);
-}
-
-static void read_cuts(struct eco_reader *r, struct eco_cut *cuts, uint32_t count, bool summaries)
-{
-	struct cut_state state = cut_state(summaries);
-	for (uint32_t i = 0; i < count && !r->failed; i++)
-		read_cut(r, &cuts[i], &state);
-	for (uint32_t i = 0; i < count && summaries; i++) {
-		cuts[i].band_first = 0;
-		cuts[i].band_end = ECO_BANDS;
-		cuts[i].share_first = 0;
-		cuts[i].share_end = ECO_SHARE_ONE;
+		cut->anchor = moved ? b->anchor + 1 + code_u32(c, &m->anchor, cut->anchor - b->anchor - 1)
+			: b->anchor;
+		cut->placement = 0;
+		c->bad |= cut->anchor == ECO_NONE;
 	}
+	bool other = eco_range_bit(&c->range, &m->other[2 * moved + (b->share_end == ECO_SHARE_ONE)],
+		cut->list != b->list);
+	cut->list = other ? code_step(c, &m->list[moved], b->list, cut->list) : b->list;
+	return moved || other;
+}
+
+static void code_bands(struct coder *c, struct cut_models *m, struct cut_state *s, bool fresh,
+	struct eco_cut *cut)
+{
+	const struct eco_cut *b = &s->before;
+	unsigned context = (fresh ? 8 : 0) | (b->share_end == ECO_SHARE_ONE ? 4 : 0) | (b->first > 0 ? 2 : 0)
+		| (b->first == s->older.end ? 1 : 0);
+	enum bands_form form = cut->band_first == b->band_first && cut->band_end == b->band_end ? BANDS_AGAIN
+		: cut->band_first == b->band_end ? BANDS_NEXT : BANDS_SENT;
+	form = code_form(c, m->bands[context], 2, form);
+	if (form == BANDS_AGAIN) {
+		cut->band_first = b->band_first;
+		cut->band_end = b->band_end;
+		return;
+	}
+	uint32_t first = form == BANDS_NEXT ? b->band_end : code_step(c, &m->band_first[fresh], fresh
+		? s->group_band : b->band_end, cut->band_first);
+	uint32_t count = code_u32(c, &m->band_count[2 * fresh + (form == BANDS_NEXT)],
+		(uint32_t)(cut->band_end - cut->band_first - 1));
+	c->bad |= first >= ECO_BANDS || count >= ECO_BANDS - first;
+	if (c->bad)
+		first = count = 0;
+	cut->band_first = (uint8_t)first;
+	cut->band_end = (uint8_t)(first + 1 + count);
+}
+
+/* A share's end in (0, ECO_SHARE_ONE): how many bits it has behind the point, then those but the last,
+ * which is 1. */
+static uint32_t code_share(struct coder *c, struct cut_models *m, uint32_t share)
+{
+	unsigned bits = share ? 16 - (unsigned)__builtin_ctz(share) : 0;
+	bits = (unsigned)code_u32(c, &m->share_bits, bits);
+	c->bad |= bits == 0 || bits > 16;
+	if (c->bad)
+		return 1;
+	return ((uint32_t)eco_range_raw(&c->range, bits - 1, share >> (17 - bits)) << 1 | 1) << (16 - bits);
+}
+
+static void code_shares(struct coder *c, struct cut_models *m, struct cut_state *s, bool fresh,
+	struct eco_cut *cut)
+{
+	const struct eco_cut *b = &s->before;
+	bool same_bands = cut->band_first == b->band_first && cut->band_end == b->band_end;
+	unsigned context = (fresh ? 4 : 0) | (b->share_end == ECO_SHARE_ONE ? 2 : 0) | same_bands
+		| (b->first > 0 && b->first != s->older.end ? 8 : 0);
+	enum share_form form = cut->share_first == 0 ? SHARE_ZERO : cut->share_first == b->share_end
+		? SHARE_FROM_END : cut->share_first == b->share_first ? SHARE_AGAIN : SHARE_SENT;
+	form = code_form(c, m->share[context], 2, form);
+	cut->share_first = form == SHARE_ZERO ? 0 : form == SHARE_FROM_END ? b->share_end
+		: form == SHARE_AGAIN ? b->share_first : code_share(c, m, cut->share_first);
+	uint16_t *last = &s->bands[cut->band_first].last, *older = &s->bands[cut->band_first].older;
+	enum share_end_form to = cut->share_end == ECO_SHARE_ONE ? SHARE_TO_ONE
+		: cut->share_end == b->share_end ? SHARE_TO_SAME : cut->share_end == *last ? SHARE_TO_LAST
+		: cut->share_end == *older ? SHARE_TO_OLDER : SHARE_TO_OTHER;
+	context = form << 2 | same_bands << 1 | (b->share_end == ECO_SHARE_ONE);
+	to = code_form(c, m->share_end[context], 3, to);
+	c->bad |= to > SHARE_TO_OTHER;
+	cut->share_end = to == SHARE_TO_ONE ? ECO_SHARE_ONE : to == SHARE_TO_SAME ? b->share_end
+		: to == SHARE_TO_LAST ? *last : to == SHARE_TO_OLDER ? *older
+		: code_share(c, m, cut->share_end);
+	if (cut->share_end != ECO_SHARE_ONE && cut->share_end != *last) {
+		*older = *last;
+		*last = (uint16_t)cut->share_end;
+	}
+}
+
+static void code_range(struct coder *c, struct cut_models *m, struct cut_state *s, bool fresh,
+	struct eco_cut *cut)
+{
+	const struct eco_cut *b = &s->before;
+	bool pair = cut->band_first == b->band_first && cut->share_first == b->share_first && !fresh;
+	unsigned context = (fresh ? 4 : 0) | (b->first > 0 ? 2 : 0) | pair
+		| (b->first == s->older.end && !fresh ? 8 : 0);
+	enum first_form form = cut->first == 0 ? FIRST_ZERO : cut->first == b->first ? FIRST_AGAIN
+		: cut->first == b->end ? FIRST_FROM_END : FIRST_OTHER;
+	form = code_form(c, m->first[context], 2, form);
+	cut->first = form == FIRST_ZERO ? 0 : form == FIRST_AGAIN ? b->first : form == FIRST_FROM_END ? b->end
+		: code_u32(c, &m->first_at, cut->first);
+	uint32_t four = 4 * b->first, level = level_above(cut->first);
+	enum end_form to = cut->end == b->end ? END_AGAIN : cut->end == level ? END_LEVEL : cut->end == four
+		? END_FOUR : cut->end == s->older.end ? END_BEFORE_LAST : END_OTHER;
+	to = code_form(c, m->end[form << 2 | pair << 1 | (s->end_form == END_OTHER)], 3, to);
+	c->bad |= to > END_OTHER;
+	s->end_form = to;
+	cut->end = to == END_AGAIN ? b->end : to == END_LEVEL ? level : to == END_FOUR ? four
+		: to == END_BEFORE_LAST ? s->older.end
+		: cut->first + 1 + code_u32(c, &m->end_at[fresh], cut->end - cut->first - 1);
+}
+
+static void code_scale(struct coder *c, struct cut_models *m, struct cut_state *s, bool fresh,
+	struct eco_cut *cut)
+{
+	float stated = s->stated, of_band = s->bands[cut->band_first].scale;
+	enum scale_form form = cut->scale == 1 ? SCALE_ONE : float_bits(cut->scale) == float_bits(stated)
+		? SCALE_AGAIN : float_bits(cut->scale) == float_bits(of_band) ? SCALE_OF_BAND
+		: is_short(cut->scale) ? SCALE_NEAR : SCALE_FLOAT;
+	unsigned context = (fresh ? 4 : 0) | (s->before.scale == 1 ? 2 : 0) | (cut->first > 0);
+	form = code_form(c, m->scale[context], 3, form);
+	c->bad |= form > SCALE_FLOAT;
+	if (form == SCALE_NEAR) {
+		uint32_t from = float_bits(is_short(stated) ? stated : 1) >> DROPPED_BITS;
+		uint32_t code = code_step(c, &m->scale_step, from, float_bits(cut->scale) >> DROPPED_BITS);
+		c->bad |= code < SHORT_BASE || code >= SHORT_END;
+		cut->scale = c->bad ? 1 : bits_float(code << DROPPED_BITS);
+	} else if (form == SCALE_FLOAT) {
+		cut->scale = bits_float((uint32_t)eco_range_raw(&c->range, 32, float_bits(cut->scale)));
+	} else {
+		cut->scale = form == SCALE_ONE ? 1 : form == SCALE_AGAIN ? stated : of_band;
+	}
+	if (cut->scale != 1)
+		s->stated = s->bands[cut->band_first].scale = cut->scale;
+}
+
+static void code_cut(struct coder *c, struct cut_models *m, struct cut_state *s, bool once,
+	struct eco_cut *cut)
+{
+	bool fresh = code_owner(c, m, s, once, cut);
+	if (once) {
+		cut->band_first = 0;
+		cut->band_end = ECO_BANDS;
+		cut->share_first = 0;
+		cut->share_end = ECO_SHARE_ONE;
+	} else {
+		code_bands(c, m, s, fresh, cut);
+		code_shares(c, m, s, fresh, cut);
+	}
+	code_range(c, m, s, fresh, cut);
+	code_scale(c, m, s, fresh, cut);
+	if (fresh)
+		s->group_band = cut->band_first;
+	s->older = s->before;
+	s->before = *cut;
 }
 
 /* ---- The plan ---- */
 
-static void write_sorted(struct eco_writer *w, const struct eco_plan *plan)
+struct models {
+	struct place_models place;
+	struct run_models run;
+	struct gate_models gate;
+	struct cut_models once, rule;
+	struct number count, pixels;
+	struct eco_bit whole;
+};
+
+#define PIXELS_MAX 1e14
+
+/* Pixels that are sixteenths are usual, see eco_wire_pixels_round. */
+static double code_pixels(struct coder *c, struct models *m, double value)
 {
-	uint32_t summaries = 0;
-	while (summaries < plan->cut_count && plan->cuts[summaries].anchor == ECO_NONE)
-		summaries++;
-	eco_write_varint(w, plan->vertices);
-	eco_write_varint(w, plan->visible_plants);
-	eco_write_f64(w, plan->sample_distance);
-	eco_write_f64(w, plan->prediction.tp);
-	eco_write_f64(w, plan->prediction.fp);
-	eco_write_f64(w, plan->prediction.fn);
-	write_placements(w, plan);
-	write_runs(w, plan);
-	write_gates(w, plan);
-	write_cuts(w, plan->cuts, summaries, true);
-	write_cuts(w, plan->cuts ? plan->cuts + summaries : NULL, plan->cut_count - summaries, false);
+	bool sent = !(value >= 0 && value <= PIXELS_MAX && value == eco_wire_pixels_round(value)
+		&& !(value == 0 && signbit(value)));
+	if (eco_range_bit(&c->range, &m->whole, sent))
+		return code_f64(c, value);
+	return (double)code_number(c, &m->pixels, sent ? 0 : (uint64_t)(value * 16)) / 16;
+}
+
+double eco_wire_pixels_round(double pixels)
+{
+	return pixels >= 0 && pixels <= PIXELS_MAX ? floor(pixels * 16 + 0.5) / 16 : pixels;
+}
+
+static void code_head(struct coder *c, struct models *m, struct eco_plan *plan, uint32_t counts[5])
+{
+	plan->vertices = code_number(c, &m->count, plan->vertices);
+	plan->prediction.tp = code_pixels(c, m, plan->prediction.tp);
+	plan->prediction.fp = code_pixels(c, m, plan->prediction.fp);
+	plan->prediction.fn = code_pixels(c, m, plan->prediction.fn);
+	for (int i = 0; i < 5; i++)
+		counts[i] = code_u32(c, &m->count, counts[i]);
+}
+
+/* Items that `counts` has: placements, runs, gates, cuts drawn once, rules. */
+static void code_items(struct coder *c, struct models *m, struct eco_plan *plan, const uint32_t counts[5])
+{
+	int64_t last[3] = { 0 };
+	uint32_t first_of_placement = 0;
+	for (uint32_t i = 0; i < counts[0] && !c->bad; i++)
+		code_placement(c, &m->place, last, &plan->placements[i]);
+	for (uint32_t i = 0; i < counts[1] && !c->bad; i++)
+		code_run(c, &m->run, i ? &plan->runs[i - 1] : NULL, &first_of_placement, &plan->runs[i]);
+	for (uint32_t i = 0; i < counts[2] && !c->bad; i++)
+		code_gate(c, &m->gate, i ? &plan->gates[i - 1] : NULL, &plan->gates[i]);
+	/* before the first rule the anchor is -1, so that the step to anchor 0 is 1, as to any next one */
+	struct cut_state once = { .before = { .share_end = ECO_SHARE_ONE }, .stated = 1 }, rules = once;
+	rules.before.anchor = ECO_NONE;
+	for (uint32_t i = 0; i < counts[3] && !c->bad; i++)
+		code_cut(c, &m->once, &once, true, &plan->cuts[i]);
+	for (uint32_t i = 0; i < counts[4] && !c->bad; i++)
+		code_cut(c, &m->rule, &rules, false, &plan->cuts[counts[3] + i]);
+}
+
+static uint64_t sum_of(const uint32_t counts[5])
+{
+	uint64_t sum = 0;
+	for (int i = 0; i < 5; i++)
+		sum += counts[i];
+	return sum;
+}
+
+static uint64_t items_max(size_t bytes) { return ITEMS_FREE + ITEMS_A_BYTE * (uint64_t)bytes; }
+
+static void start_models(struct models *m)
+{
+	eco_bits_start((struct eco_bit *)m, sizeof *m / sizeof(struct eco_bit));
+}
+
+static void write_sorted(struct eco_writer *w, struct eco_plan *plan)
+{
+	struct models models;
+	struct coder coder = { .bad = false };
+	uint32_t once = 0;
+	while (once < plan->cut_count && plan->cuts[once].anchor == ECO_NONE)
+		once++;
+	uint32_t counts[5] = { plan->placement_count, plan->run_count, plan->gate_count, once,
+		plan->cut_count - once };
+	size_t start = w->size;
+	start_models(&models);
+	eco_write_u8(w, 0);
+	eco_range_write(&coder.range, w);
+	code_head(&coder, &models, plan, counts);
+	code_items(&coder, &models, plan, counts);
+	uint32_t zeros = eco_range_end(&coder.range);
+	while (sum_of(counts) > items_max(w->size - start) && !w->failed)
+		eco_write_u8(w, 0);
+	if (!w->failed)
+		w->bytes[start] = (uint8_t)zeros;
 }
 
 static void *copy_of(const void *items, uint32_t count, size_t size)
@@ -480,68 +516,41 @@ void eco_wire_write_plan(struct eco_writer *w, const struct eco_plan *plan)
 	eco_plan_free(&sorted);
 }
 
-/* Reads a count and allocates its items, if the reader still has `least` bytes for each. */
-static void *read_items(struct eco_reader *r, uint32_t *count, size_t least, size_t size, bool *no_memory)
+static bool room_for(struct eco_plan *plan, const uint32_t counts[5])
 {
-	uint64_t wanted = eco_read_varint(r);
-	*count = 0;
-	if (r->failed || wanted > ECO_PLAN_ITEMS_MAX || wanted > (r->size - r->at) / least) {
-		r->failed = true;
-		return NULL;
-	}
-	void *items = calloc(wanted ? wanted : 1, size);
-	if (items)
-		*count = (uint32_t)wanted;
-	else
-		*no_memory = r->failed = true;
-	return items;
+	plan->placements = calloc(counts[0] + (size_t)1, sizeof *plan->placements);
+	plan->runs = calloc(counts[1] + (size_t)1, sizeof *plan->runs);
+	plan->gates = calloc(counts[2] + (size_t)1, sizeof *plan->gates);
+	plan->cuts = calloc(counts[3] + (size_t)counts[4] + 1, sizeof *plan->cuts);
+	plan->placement_count = counts[0];
+	plan->run_count = counts[1];
+	plan->gate_count = counts[2];
+	plan->cut_count = counts[3] + counts[4];
+	return plan->placements && plan->runs && plan->gates && plan->cuts;
 }
 
-/* Cuts drawn once and rules are two counted arrays on the wire and one in the plan. */
-static void read_all_cuts(struct eco_reader *r, struct eco_plan *plan, bool *no_memory)
+static enum eco_code read_fields(const uint8_t *bytes, size_t size, struct eco_plan *plan,
+	struct eco_error *error)
 {
-	uint32_t summaries, rules;
-	struct eco_cut *cuts = read_items(r, &summaries, 2, sizeof *cuts, no_memory);
-	plan->cuts = cuts;
-	plan->cut_count = summaries;
-	if (r->failed)
-		return;
-	read_cuts(r, cuts, summaries, true);
-	uint64_t wanted = eco_read_varint(r);
-	if (r->failed || wanted > ECO_PLAN_ITEMS_MAX - summaries || wanted > r->size - r->at) {
-		r->failed = true;
-		return;
-	}
-	rules = (uint32_t)wanted;
-	cuts = realloc(cuts, ((size_t)summaries + rules + 1) * sizeof *cuts);
-	if (!cuts) {
-		*no_memory = r->failed = true;
-		return;
-	}
-	memset(cuts + summaries, 0, rules * sizeof *cuts);
-	plan->cuts = cuts;
-	plan->cut_count = summaries + rules;
-	read_cuts(r, cuts + summaries, rules, false);
+	struct models models;
+	struct coder coder = { .bad = false };
+	uint32_t counts[5] = { 0 };
+	start_models(&models);
+	eco_range_read(&coder.range, bytes + 1, size - 1);
+	code_head(&coder, &models, plan, counts);
+	if (coder.bad || sum_of(counts) > items_max(size) || sum_of(counts) > ECO_PLAN_ITEMS_MAX)
+		return eco_fail(error, ECO_DAMAGED, "the plan ends early, or a number in it is out of range: "
+			"%llu items in %zu bytes", (unsigned long long)sum_of(counts), size);
+	if (!room_for(plan, counts))
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for a plan of %zu bytes", size);
+	code_items(&coder, &models, plan, counts);
+	if (coder.bad)
+		return eco_fail(error, ECO_DAMAGED, "a number in the plan is out of range, near its byte %zu",
+			coder.range.at);
+	return ECO_OK;
 }
 
-static void read_fields(struct eco_reader *r, struct eco_plan *plan, bool *no_memory)
-{
-	plan->vertices = eco_read_varint(r);
-	plan->visible_plants = eco_read_varint(r);
-	plan->sample_distance = eco_read_f64(r);
-	plan->prediction.tp = eco_read_f64(r);
-	plan->prediction.fp = eco_read_f64(r);
-	plan->prediction.fn = eco_read_f64(r);
-	plan->placements = read_items(r, &plan->placement_count, 4, sizeof *plan->placements, no_memory);
-	read_placements(r, plan);
-	plan->runs = read_items(r, &plan->run_count, 2, sizeof *plan->runs, no_memory);
-	read_runs(r, plan);
-	plan->gates = read_items(r, &plan->gate_count, 2, sizeof *plan->gates, no_memory);
-	read_gates(r, plan);
-	read_all_cuts(r, plan, no_memory);
-}
-
-static enum eco_code check_spelling(const uint8_t *bytes, size_t size, const struct eco_plan *plan,
+static enum eco_code check_spelling(const uint8_t *bytes, size_t size, struct eco_plan *plan,
 	struct eco_error *error)
 {
 	struct eco_writer again = { 0 };
@@ -550,27 +559,21 @@ static enum eco_code check_spelling(const uint8_t *bytes, size_t size, const str
 	eco_writer_free(&again);
 	if (failed)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for a plan of %zu bytes", size);
-	if (!same)
-		return eco_fail(error, ECO_DAMAGED, "the plan is not in its one encoding");
-	return ECO_OK;
+	return same ? ECO_OK : eco_fail(error, ECO_DAMAGED, "the plan is not in its one encoding");
 }
 
 enum eco_code eco_wire_read_plan(struct eco_reader *r, struct eco_plan *plan, struct eco_error *error)
 {
-	size_t start = r->at;
-	bool no_memory = false;
-	enum eco_code code;
+	size_t size = r->size - r->at;
+	const uint8_t *bytes = eco_read_bytes(r, size);
 	*plan = (struct eco_plan){ 0 };
-	read_fields(r, plan, &no_memory);
-	if (no_memory)
-		code = eco_fail(error, ECO_NO_MEMORY, "no memory for a plan of %zu bytes", r->size - start);
-	else if (r->failed)
-		code = eco_fail(error, ECO_DAMAGED, "the plan ends early, or a number in it is out of "
-			"range, near its byte %zu", r->at - start);
-	else
+	if (!bytes || size == 0)
+		return eco_fail(error, ECO_DAMAGED, "the plan ends early: it has %zu bytes", size);
+	enum eco_code code = read_fields(bytes, size, plan, error);
+	if (!code)
 		code = eco_plan_check(plan, error);
 	if (!code)
-		code = check_spelling(r->bytes + start, r->at - start, plan, error);
+		code = check_spelling(bytes, size, plan, error);
 	if (code)
 		eco_plan_free(plan);
 	return code;

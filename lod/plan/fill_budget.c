@@ -287,6 +287,17 @@ uint64_t lod_fill_share_next(struct lod_fill *fill, const struct lod_candidate *
 	return plants;
 }
 
+/* Where a share ends that holds so many plants, fewer than all: of all such ends the one with the fewest
+ * bits, as they travel. */
+static uint32_t share_end(struct lod_fill *fill, const struct lod_candidate *candidate, uint64_t plants)
+{
+	const uint16_t *hashes = hashes_of(fill, candidate);
+	uint32_t end = hashes[plants];
+	while (plants && (end & (end - 1)) > hashes[plants - 1])
+		end &= end - 1;
+	return end;
+}
+
 /* ---- The rest of the budget ---- */
 
 static const struct lod_way *way_of(const struct lod_fill *fill, const struct lod_candidate *candidate)
@@ -615,12 +626,12 @@ static enum eco_code add_entries(struct lod_fill *fill, struct eco_error *error)
 			entry.wanted = organ > 0 ? ladder->total * drawn[o->slot][ladder->organ] / organ : 0;
 			if (candidate->ahead) { /* fewer than all */
 				entry.more = candidate->high;
-				entry.share = hashes_of(fill, candidate)[candidate->ahead];
+				entry.share = share_end(fill, candidate, candidate->ahead);
 			}
 			if (candidate->between) {
 				uint64_t end = candidate->ahead + candidate->between;
 				entry.middle = candidate->middle;
-				entry.between = end < candidate->count ? hashes_of(fill, candidate)[end]
+				entry.between = end < candidate->count ? share_end(fill, candidate, end)
 					: entry.end;
 			}
 		}

@@ -13,6 +13,7 @@
 #define GROWTH 0.6               /* at most so much is added to leaves' areas among other plants */
 #define MISSED 0.15              /* share of a plant's pixels missed from which all of GROWTH is added */
 #define ABOVE_STEPS 8            /* rounds scales, so that bands of nearly one scale are one cut */
+#define NEARLY 0.03125f          /* areas that differ by no larger share are one */
 
 static double entry_density(const struct lod_planner *p, const struct lod_entry *entry, uint64_t vertices)
 {
@@ -91,30 +92,49 @@ static void add_summary_cut(const struct lod_planner *p, const struct lod_entry 
 	lod_explain_cut(p, entry, cut, 1);
 }
 
+/* Cuts that differ only in their bands are neighbours. */
 static int by_anchor(const void *a, const void *b)
 {
 	const struct eco_cut *x = a, *y = b;
-	uint32_t kx[8] = { x->anchor + 1, x->placement, x->list, x->band_first, x->share_first, x->first,
-		x->end, x->share_end };
-	uint32_t ky[8] = { y->anchor + 1, y->placement, y->list, y->band_first, y->share_first, y->first,
-		y->end, y->share_end };
+	uint32_t kx[8] = { x->anchor + 1, x->placement, x->list, x->first, x->end, x->share_first,
+		x->share_end, x->band_first };
+	uint32_t ky[8] = { y->anchor + 1, y->placement, y->list, y->first, y->end, y->share_first,
+		y->share_end, y->band_first };
 	for (int i = 0; i < 8; i++)
 		if (kx[i] != ky[i])
 			return kx[i] < ky[i] ? -1 : 1;
 	return 0;
 }
 
-/* Consecutive cuts that differ only in their band become one. */
-static void merge_bands(struct eco_plan *plan)
+/* From the end of one cut to the next, which differs only in its bands, no plant is drawn. */
+static bool nothing_between(const struct lod_planner *p, const struct eco_cut *cut,
+	const struct eco_cut *next)
+{
+	for (uint32_t band = cut->band_end; band < next->band_first; band++) {
+		uint32_t slot = lod_visible_tree_slot(&p->visible, cut->anchor, (uint8_t)band);
+		if (slot != ECO_NONE && p->visible.slots[slot].count)
+			return false;
+	}
+	return true;
+}
+
+static bool like(const struct eco_cut *cut, const struct eco_cut *next)
+{
+	return cut->anchor == next->anchor && cut->list == next->list && cut->first == next->first
+		&& cut->end == next->end && cut->share_first == next->share_first
+		&& cut->share_end == next->share_end
+		&& fabsf(cut->scale - next->scale) <= NEARLY * fminf(cut->scale, next->scale);
+}
+
+/* Cuts that differ in their bands, and next to nothing in their scale, become one where no plant stands
+ * between these: a plan says less, and draws the same. */
+static void merge_bands(const struct lod_planner *p, struct eco_plan *plan)
 {
 	uint32_t kept = 0;
 	qsort(plan->cuts, plan->cut_count, sizeof *plan->cuts, by_anchor);
 	for (uint32_t i = 0; i < plan->cut_count; i++) {
 		struct eco_cut *last = kept ? &plan->cuts[kept - 1] : NULL, *cut = &plan->cuts[i];
-		if (last && cut->anchor != ECO_NONE && last->anchor == cut->anchor && last->list == cut->list
-				&& last->first == cut->first && last->end == cut->end
-				&& last->scale == cut->scale && last->share_first == cut->share_first
-				&& last->share_end == cut->share_end && last->band_end == cut->band_first)
+		if (last && cut->anchor != ECO_NONE && like(last, cut) && nothing_between(p, last, cut))
 			last->band_end = cut->band_end;
 		else
 			plan->cuts[kept++] = *cut;
@@ -232,8 +252,9 @@ enum eco_code lod_planner_emit(const struct lod_planner *p, struct eco_plan *pla
 		code = add_image(p, plan, error);
 	if (code)
 		return code;
-	merge_bands(plan);
-	plan->prediction = p->prediction;
+	merge_bands(p, plan);
+	plan->prediction = (struct eco_prediction){ eco_wire_pixels_round(p->prediction.tp),
+		eco_wire_pixels_round(p->prediction.fp), eco_wire_pixels_round(p->prediction.fn) };
 	plan->vertices = p->vertices;
 	plan->visible_plants = p->visible.plants;
 	plan->sample_distance = p->sample_distance;

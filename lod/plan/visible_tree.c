@@ -148,7 +148,7 @@ static enum eco_code expand(struct lod_visible_tree *visible, uint32_t index, st
 
 /* ---- Slots and tallies ---- */
 
-static uint32_t *slot_entry(struct lod_visible_tree *visible, uint32_t anchor, uint8_t band)
+static uint32_t *slot_entry(const struct lod_visible_tree *visible, uint32_t anchor, uint8_t band)
 {
 	uint32_t mask = visible->slot_table_size - 1;
 	uint32_t at = (anchor * ECO_BANDS + band) * 2654435761u;
@@ -162,7 +162,7 @@ static uint32_t *slot_entry(struct lod_visible_tree *visible, uint32_t anchor, u
 	}
 }
 
-uint32_t lod_visible_tree_slot(struct lod_visible_tree *visible, uint32_t anchor, uint8_t band)
+uint32_t lod_visible_tree_slot(const struct lod_visible_tree *visible, uint32_t anchor, uint8_t band)
 {
 	return *slot_entry(visible, anchor, band) - 1;
 }

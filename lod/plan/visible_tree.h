@@ -99,7 +99,7 @@ static inline uint32_t lod_near_end(uint32_t gate, uint8_t band)
 void lod_visible_tree_recount(struct lod_visible_tree *visible, const uint32_t *gates);
 
 /* The slot of an anchor in a band, or ECO_NONE. */
-uint32_t lod_visible_tree_slot(struct lod_visible_tree *visible, uint32_t anchor, uint8_t band);
+uint32_t lod_visible_tree_slot(const struct lod_visible_tree *visible, uint32_t anchor, uint8_t band);
 
 /* A tile's box in the world: its middle, half of it across (mean of both sides) and half of it upwards. */
 void lod_visible_tree_box(const struct lod_visible_tree *visible, const struct lod_node *node,

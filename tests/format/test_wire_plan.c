@@ -16,13 +16,12 @@ UNIT_TEST(plan_survives_the_wire_and_has_one_encoding)
 		assert_int_equal(eco_plan_check(&plan, &error), ECO_OK);
 		eco_wire_write_plan(&w, &plan);
 		assert_false(w.failed);
-		eco_write_u8(&w, 0xEE);          /* what follows a plan is not the plan's business */
 		struct eco_reader reader = { .bytes = w.bytes, .size = w.size };
 		assert_int_equal(eco_wire_read_plan(&reader, &back, &error), ECO_OK);
-		assert_true(reader.at == w.size - 1);
+		assert_true(reader.at == w.size);
 		assert_same_plan(&plan, &back);
 		eco_wire_write_plan(&again, &back);
-		assert_true(again.size == w.size - 1);
+		assert_true(again.size == w.size);
 		assert_memory_equal(again.bytes, w.bytes, again.size);
 		eco_plan_free(&plan);
 		eco_plan_free(&back);
@@ -118,10 +117,10 @@ UNIT_TEST(plans_are_small)
 	print_message("plan: %zu bytes empty, %.2f a run, %.2f a rule, %.2f a rule of a blend\n", fixed,
 		(double)(all - rules) / runs, (double)(rules - fixed) / cuts,
 		(double)(more - all) / (blends.cut_count - cuts));
-	assert_true(fixed <= 40);
-	assert_true(all - rules <= 2 * runs + 8);
-	assert_true(rules - fixed <= 6 * cuts);
-	assert_true(more - all <= 7 * (blends.cut_count - cuts));
+	assert_true(fixed <= 16);
+	assert_true(all - rules <= runs);
+	assert_true(rules - fixed <= 2 * cuts);
+	assert_true(2 * (more - all) <= 5 * (blends.cut_count - cuts));
 	eco_plan_free(&plan);
 	eco_plan_free(&blends);
 }
@@ -133,27 +132,68 @@ UNIT_TEST(rounded_scales_are_near_and_short)
 		float s = (float)ldexp(1 + (double)wire_random_below(&r, 1u << 24) / (1u << 24),
 			(int)wire_random_below(&r, 40) - 12);
 		float t = eco_wire_scale_round(s);
-		assert_true(fabs((double)t - s) <= s / 4096.0);
+		assert_true(fabs((double)t - s) <= s / 128.0);
 		assert_true(eco_wire_scale_round(t) == t);
 	}
 	assert_true(eco_wire_scale_round(1) == 1 && eco_wire_scale_round(0) == 0);
-	struct { float scale; size_t bytes; } sizes[] = { { 1, 0 }, { 0.00390625f, 2 }, { 16773120, 2 },
-		{ 1.5f, 2 }, { 0.0039f, 4 },
-		{ 16777216, 4 }, { 1.1f, 4 }, { 0, 4 } };
+	struct { float scale; size_t least, most; } sizes[] = { { 1, 0, 0 }, { 0.00390625f, 1, 3 },
+		{ 16515072, 1, 3 }, { 1.5f, 1, 3 }, { 0.0039f, 4, 5 }, { 1.1f, 4, 5 } };
 	struct eco_plan plan = forest_plan(0);
 	plan.cut_count = 1;
 	plan.cuts[0].scale = 1;
 	size_t least = plan_bytes(&plan);
 	for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
 		plan.cuts[0].scale = sizes[i].scale;
-		assert_int_equal(plan_bytes(&plan) - least, sizes[i].bytes);
+		size_t more = plan_bytes(&plan) - least;
+		assert_true(more >= sizes[i].least && more <= sizes[i].most);
 	}
 	eco_plan_free(&plan);
 }
 
-UNIT_TEST(every_truncation_of_a_plan_is_refused)
+UNIT_TEST(rounded_pixels_are_near_and_short)
+{
+	assert_true(eco_wire_pixels_round(1234.567) == 1234.5625 && eco_wire_pixels_round(-3.3) == -3.3);
+	assert_true(isinf(eco_wire_pixels_round(INFINITY)));
+	struct eco_plan plan = { .prediction = { 123456.0625, 0, 3 } };
+	size_t few = plan_bytes(&plan);
+	plan.prediction.tp = 123456.06;
+	assert_true(plan_bytes(&plan) >= few + 5);
+}
+
+/* More items than a plan may have for its bytes, all told by the one before: it is filled up with zeros, so
+ * that no reader has to believe a count. */
+UNIT_TEST(items_are_bounded_by_the_bytes_of_a_plan)
+{
+	struct eco_plan plan = { .run_count = 100000, .placement_count = 1 }, back;
+	plan.placements = calloc(1, sizeof *plan.placements);
+	plan.placements[0].scale = 1;
+	plan.runs = calloc(plan.run_count, sizeof *plan.runs);
+	for (uint32_t i = 0; i < plan.run_count; i++)
+		plan.runs[i] = (struct eco_run){ .list_first = 2 * i, .list_end = 2 * i + 1, .left = 7 };
+	struct eco_writer w = { 0 };
+	eco_wire_write_plan(&w, &plan);
+	assert_true(!w.failed && w.size >= (100001 - 64) / 32 && w.bytes[w.size - 1] == 0);
+	struct eco_reader r = { .bytes = w.bytes, .size = w.size };
+	assert_int_equal(eco_wire_read_plan(&r, &back, NULL), ECO_OK);
+	assert_same_plan(&plan, &back);
+	eco_plan_free(&back);
+	for (int more = -1; more <= 1; more += 2) {      /* one zero fewer, and one more */
+		struct eco_error error = { 0 };
+		eco_write_u8(&w, 0);
+		r = (struct eco_reader){ .bytes = w.bytes, .size = w.size - 1 + (size_t)more };
+		assert_int_equal(eco_wire_read_plan(&r, &back, &error), ECO_DAMAGED);
+		w.size--;
+	}
+	eco_plan_free(&plan);
+	eco_writer_free(&w);
+}
+
+/* A frame has a hash; what it holds says nothing twice. So a plan that was cut off may be another one, if
+ * seldom, but never a bad one. */
+UNIT_TEST(truncations_of_a_plan_are_refused_or_other_plans)
 {
 	struct wire_random r = { 4 };
+	uint32_t refused = 0, other = 0;
 	for (int i = 0; i < 40; i++) {
 		struct eco_plan plan = wire_random_plan(&r, 12, 50, 50), back;
 		struct eco_writer w = { 0 };
@@ -164,13 +204,24 @@ UNIT_TEST(every_truncation_of_a_plan_is_refused)
 			uint8_t *exact = malloc(size + 1);
 			memcpy(exact, w.bytes, size);
 			struct eco_reader reader = { .bytes = exact, .size = size };
-			assert_int_equal(eco_wire_read_plan(&reader, &back, &error), ECO_DAMAGED);
-			assert_true(error.text[0] && !back.cuts && !back.placements);
+			if (eco_wire_read_plan(&reader, &back, &error) == ECO_OK) {
+				struct eco_writer again = { 0 };
+				eco_wire_write_plan(&again, &back);
+				assert_true(again.size == size && !memcmp(again.bytes, exact, size));
+				eco_writer_free(&again);
+				eco_plan_free(&back);
+				other++;
+			} else {
+				assert_int_equal(error.code, ECO_DAMAGED);
+				assert_true(error.text[0] && !back.cuts && !back.placements);
+				refused++;
+			}
 			free(exact);
 		}
 		eco_plan_free(&plan);
 		eco_writer_free(&w);
 	}
+	assert_true(refused > 1000 && other < refused / 200);
 }
 
 /* Without the frame's hash around it: a changed byte gives another plan or an error, never one plan twice and
@@ -203,7 +254,7 @@ UNIT_TEST(changed_plans_are_refused_or_other_plans)
 		eco_writer_free(&w);
 		eco_writer_free(&again);
 	}
-	assert_true(refused > 1000 && other > 1000);
+	assert_true(refused > 1000 && other > 100);
 }
 
 UNIT_TEST(plans_that_break_a_rule_are_not_written)

@@ -106,8 +106,7 @@ static bool same_cut(const struct eco_cut *a, const struct eco_cut *b)
 
 void assert_same_plan(const struct eco_plan *a, const struct eco_plan *b)
 {
-	assert_true(a->vertices == b->vertices && a->visible_plants == b->visible_plants && a->sample_distance
-		== b->sample_distance);
+	assert_true(a->vertices == b->vertices);
 	assert_memory_equal(&a->prediction, &b->prediction, sizeof a->prediction);
 	assert_true(a->placement_count == b->placement_count && a->run_count == b->run_count);
 	assert_true(a->gate_count == b->gate_count && a->cut_count == b->cut_count);
@@ -149,8 +148,6 @@ struct eco_plan wire_random_plan(struct wire_random *r, uint32_t most, uint32_t 
 {
 	struct eco_plan plan = { .vertices = wire_random_bits(r) >> 1, .prediction = { 1e5 / 3, 12, 0 } };
 	plan.vertices >>= wire_random_below(r, 63);
-	plan.visible_plants = wire_random_size(r, UINT32_MAX);
-	plan.sample_distance = wire_random_below(r, 2) ? 0.00123 : 0;
 	plan.placement_count = 1 + wire_random_below(r, most);
 	plan.run_count = wire_random_below(r, most + 1);
 	plan.gate_count = wire_random_below(r, most + 1);
