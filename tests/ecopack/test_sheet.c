@@ -73,8 +73,8 @@ static int make_packs(void **state)
 		"{\"model\": \"card.obj\", \"unit\": \"m\", \"up\": "
 		"\"y\"}}, \"instances\": [{\"plant\": \"tree\", \"at\": [0, 0]}, {\"plant\": \"card\", "
 		"\"at\": [9, 0]}]}");
-	if (make_pack(&(struct make_options){ .scene = ROOT "/two.json", .pack = ROOT "/two.eco", .jobs = 1 },
-			&error))
+	if (make_pack(&(struct make_options){ .scene = ROOT "/two.json", .pack = ROOT "/two.eco", .jobs = 1,
+			.draft = true }, &error))
 		fail_msg("%s", error.text);
 	return 0;
 }
@@ -413,7 +413,7 @@ UNIT_TEST(test_many_plants_are_several_pages)
 	sprintf(text + strlen(text), "}, \"instances\": [%s]}", at);
 	file_write_text(ROOT "/many.json", text);
 	assert_int_equal(make_pack(&(struct make_options){ .scene = ROOT "/many.json", .pack = ROOT
-		"/many.eco", .jobs = 1 }, &error), ECO_OK);
+		"/many.eco", .jobs = 1, .draft = true }, &error), ECO_OK);
 	assert_int_equal(run(ROOT "/many.eco -o " ROOT "/many.png --size 400 --columns 1/2", &error), ECO_OK);
 	assert_int_not_equal(access(ROOT "/many.png", F_OK), 0);
 	size_of(ROOT "/many-1.png", &wide, &high);
