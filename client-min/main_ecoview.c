@@ -56,6 +56,7 @@ struct viewer {                          /* everything that lives as long as the
 	struct view_explain explain;
 	struct view_progress progress;
 	double parts, part;
+	double turns_ms, begun_ms;               /* of the frame under way: turns_after, and when it began */
 	const struct lod_eye *eye;               /* of the frame under way, for its parts */
 	const struct eco_view *view;
 	struct view_frame *frame;
@@ -133,7 +134,7 @@ static const struct eco_option option_table[] = {
 		"0.03125 if not given" },
 	{ "ahead", 0, ECO_OPTION_NUMBER, "S", &given.ahead_s, 0.001, 3600,
 		.help = "also ask for what the script's view so many seconds later will need; it comes last, "
-		"within --bytes" },
+		"within --bytes, and is not waited for once the script looks elsewhere" },
 	{ "snap", 0, ECO_OPTION_NUMBER, "M", &given.snap_m, 0.001, 1000,
 		.help = "eye and target stand on a grid of so many metres, so that views that are nearly "
 		"alike are answered by one plan; each moves by at most .87 of that" },
@@ -373,6 +374,23 @@ static enum eco_code draw_part(void *ctx, const struct view_fetch_result *so_far
 	return code ? code : view_report_add_part(&v->report, &part, error);
 }
 
+/* Milliseconds until the script is at the next frame, if that looks elsewhere than was told. */
+static double turns_after(const struct viewer *v, uint32_t number, const struct eco_request *request)
+{
+	struct eco_view now = request->view;
+	if (!request->next.given || number + 1 >= eco_camera_frame_count(v->camera))
+		return INFINITY;
+	double time_s = eco_camera_frame(v->camera, number, &now),
+		wait_s = eco_camera_frame(v->camera, number + 1, &now) - time_s;
+	return eco_view_turned(request, &now) ? wait_s * 1e3 : INFINITY;
+}
+
+static bool has_turned(void *ctx)
+{
+	const struct viewer *v = ctx;
+	return view_clock_ms() - v->begun_ms > v->turns_ms;
+}
+
 static enum eco_code stream_frame(struct viewer *v, const struct eco_request *request,
 	const struct lod_eye *eye, struct view_frame *f, struct eco_error *error)
 {
@@ -384,8 +402,11 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	v->frame = f;
 	v->frame_parts = 0;
 	view_fetch_mark(v->fetch, &v->options.marks, draw_part, v);
+	view_fetch_turn(v->fetch, has_turned, v);
+	v->begun_ms = view_clock_ms();
 	enum eco_code code = view_fetch_stream(v->fetch, v->store, request, &result, error);
 	view_fetch_mark(v->fetch, NULL, NULL, NULL);
+	view_fetch_turn(v->fetch, NULL, NULL);
 	if (code)
 		return code;
 	f->bytes += result.bytes;
@@ -394,6 +415,7 @@ static enum eco_code stream_frame(struct viewer *v, const struct eco_request *re
 	f->stream_ms = result.stream_ms;
 	f->requests = result.requests;
 	f->broken = result.broken;
+	f->cancelled = result.cancelled;
 	f->named = result.named;
 	f->named_bytes = result.named_bytes;
 	count_memory(v, &before, f);
@@ -475,6 +497,7 @@ static enum eco_code one_frame(struct viewer *v, uint32_t number, struct eco_err
 		return code;
 	if (v->options.ahead_s > 0)
 		eco_camera_ahead(v->camera, number, v->options.ahead_s, &request);
+	v->turns_ms = turns_after(v, number, &request);
 	struct view_fetch_result asked = { .requests = 0 };
 	if (eco_camera_above_ground(v->camera))
 		code = view_stand(v->fetch, v->store, &request, &asked, error);

@@ -46,11 +46,14 @@ struct view_fetch {
 	struct marks_at at;                 /* in them */
 	view_fetch_reached *reached;
 	void *reached_ctx;
+	view_fetch_turned *turned_by;            /* NULL: it never is */
+	void *turned_ctx;
+	const struct view_store *store;          /* of the stream that comes */
 	char problem[PROBLEM_MAX];
 	size_t problem_size;
 	double start_ms, heard_ms;               /* heard: when enough had come, the last time */
 	uint64_t heard_bytes;                    /* since then */
-	bool stalled, stopped;
+	bool stalled, stopped, turned;
 	bool answered;                           /* the server has, once */
 	bool lost;                               /* the answer: on its way, and may come the next time */
 };
@@ -169,6 +172,7 @@ static void add_result(struct view_fetch_result *last, const struct view_fetch_r
 	last->requests += before->requests;
 	last->broken += before->broken;
 	last->bytes += before->bytes;
+	last->cancelled += before->cancelled;
 	last->named += before->named;
 	last->named_bytes += before->named_bytes;
 	last->plan_ms = isnan(last->plan_ms) ? before->plan_ms
@@ -233,6 +237,15 @@ static void hear(struct view_fetch *fetch, size_t size)
 	fetch->heard_bytes = 0;
 }
 
+/* What comes still is of no use any more. */
+static bool has_turned(struct view_fetch *fetch)
+{
+	fetch->turned = fetch->turned || (fetch->turned_by && fetch->store && !fetch->chunks
+		&& view_store_ahead(fetch->store) && !view_store_complete(fetch->store)
+		&& fetch->turned_by(fetch->turned_ctx));
+	return fetch->turned;
+}
+
 static size_t on_body(char *bytes, size_t one, size_t size, void *ctx)
 {
 	struct view_fetch *fetch = ctx;
@@ -260,7 +273,8 @@ static size_t on_body(char *bytes, size_t one, size_t size, void *ctx)
 		eco_write_bytes(fetch->text, bytes, size);
 		return fetch->text->failed ? 0 : size;
 	}
-	return (fetch->chunks ? scan : feed)(fetch, (const uint8_t *)bytes, size) ? 0 : size;
+	return (fetch->chunks ? scan : feed)(fetch, (const uint8_t *)bytes, size) || has_turned(fetch)
+		? 0 : size;
 }
 
 static int on_progress(void *ctx, curl_off_t a, curl_off_t b, curl_off_t c, curl_off_t d)
@@ -269,7 +283,7 @@ static int on_progress(void *ctx, curl_off_t a, curl_off_t b, curl_off_t c, curl
 	struct view_fetch *fetch = ctx;
 	fetch->stopped = fetch->options.stop && *fetch->options.stop;
 	fetch->stalled = view_clock_ms() - fetch->heard_ms > (double)fetch->options.stall_ms;
-	return fetch->stopped || fetch->stalled;
+	return fetch->stopped || fetch->stalled || has_turned(fetch);
 }
 
 /* ---- Life ---- */
@@ -351,6 +365,12 @@ void view_fetch_mark(struct view_fetch *fetch, const struct view_marks *marks, v
 	fetch->reached_ctx = ctx;
 }
 
+void view_fetch_turn(struct view_fetch *fetch, view_fetch_turned *turned, void *ctx)
+{
+	fetch->turned_by = turned;
+	fetch->turned_ctx = ctx;
+}
+
 void view_fetch_free(struct view_fetch *fetch)
 {
 	if (!fetch)
@@ -413,8 +433,21 @@ static enum eco_code finish_stream(struct view_fetch *fetch, struct eco_error *e
 	return code;
 }
 
+/* The answer was left: how much of it will not come. */
+static void count_cancelled(struct view_fetch *fetch)
+{
+	curl_off_t whole = 0;
+	curl_easy_getinfo(fetch->curl, CURLINFO_CONTENT_LENGTH_DOWNLOAD_T, &whole);
+	if (whole > 0 && (uint64_t)whole > fetch->result->bytes)
+		fetch->result->cancelled = (uint64_t)whole - fetch->result->bytes;
+}
+
 static enum eco_code outcome(struct view_fetch *fetch, CURLcode rc, struct eco_error *error)
 {
+	if (fetch->turned) {
+		count_cancelled(fetch);
+		return ECO_OK;
+	}
 	fetch->lost = is_lost(fetch, rc);
 	if (fetch->stopped)
 		return eco_fail(error, ECO_INTERRUPTED, "interrupted");
@@ -494,7 +527,7 @@ static void begin(struct view_fetch *fetch)
 {
 	*fetch->result = (struct view_fetch_result){ .plan_ms = NAN, .requests = 1 };
 	fetch->problem_size = 0;
-	fetch->stopped = fetch->stalled = fetch->lost = false;
+	fetch->stopped = fetch->stalled = fetch->turned = fetch->lost = false;
 	fetch->stream_error = (struct eco_error){ 0 };
 	fetch->curl_text[0] = '\0';
 }
@@ -561,12 +594,15 @@ static enum eco_code attempt(struct view_fetch *fetch, struct view_store *store,
 	code = body.failed ? eco_fail(error, ECO_NO_MEMORY, "no memory for a request")
 		: eco_wire_parser_new(&fetch->parser, &view_store_events, store, error);
 	if (!code) {
+		fetch->store = store;
 		code = perform_named(fetch, store, request, &body, error);
+		fetch->store = NULL;
 		eco_wire_parser_free(fetch->parser);
 		fetch->parser = NULL;
 	}
 	/* of an answer that broke off a picture may be there already, within which nothing more fits */
-	fetch->result->nothing = fetch->result->nothing && !view_store_settle(store);
+	if (fetch->turned || fetch->result->nothing)
+		fetch->result->nothing = !view_store_settle(store);
 	eco_writer_free(&body);
 	return code;
 }

@@ -67,6 +67,7 @@ struct view_fetch_result {
 	uint64_t most_bytes;                     /* of the largest of them */
 	/* when a server that is busy wants to be asked again; 0 if it did not say */
 	double retry_ms;
+	uint64_t cancelled;                      /* bytes that were not waited for: view_fetch_turn */
 	double plan_ms;                          /* from Server-Timing; NaN if the server did not say */
 	/* from asking to the first byte and to the last, decoding included */
 	double first_byte_ms, stream_ms;
@@ -92,6 +93,11 @@ typedef enum eco_code view_fetch_reached(void *ctx, const struct view_fetch_resu
 	struct eco_error *error);
 void view_fetch_mark(struct view_fetch *fetch, const struct view_marks *marks, view_fetch_reached *reached,
 	void *ctx);
+
+/* From now on asked while there comes what only the next view needs: true ends the answer there, and what has
+ * come is a whole one. Not where chunks have a host, as streams are then short. NULL: no more. */
+typedef bool view_fetch_turned(void *ctx);
+void view_fetch_turn(struct view_fetch *fetch, view_fetch_turned *turned, void *ctx);
 
 /* GET url/plan?..&explain=1: the plan as JSON, with why each cut is what it is, for a client that holds
  * nothing. *text ends with 0; the caller frees it. */

@@ -130,7 +130,7 @@ void view_report_part_line(const struct view_frame *f, FILE *out)
 	print_scores(f, out);
 }
 
-struct totals { uint64_t vertices, bytes, broken, repeats, evictions, again_bytes; };
+struct totals { uint64_t vertices, bytes, broken, cancelled, repeats, evictions, again_bytes; };
 
 static struct totals add_up(const struct view_report *report)
 {
@@ -140,6 +140,7 @@ static struct totals add_up(const struct view_report *report)
 		t.vertices += f->vertices;
 		t.bytes += f->bytes;
 		t.broken += f->broken;
+		t.cancelled += f->cancelled;
 		t.repeats += f->requests > 1 + f->broken ? f->requests - 1 - f->broken : 0;
 		t.evictions += f->evictions;
 		t.again_bytes += f->again_bytes;
@@ -179,6 +180,7 @@ static json_t *frame_json(const struct view_frame *f)
 		? json_null() : json_integer((json_int_t)f->budget_bytes), "bytes", (json_int_t)f->bytes);
 	json_object_set_new(o, "requests", json_integer((json_int_t)f->requests));
 	json_object_set_new(o, "broken_answers", json_integer((json_int_t)f->broken));
+	json_object_set_new(o, "cancelled_bytes", json_integer((json_int_t)f->cancelled));
 	json_object_set_new(o, "named_chunks", json_integer((json_int_t)f->named));
 	json_object_set_new(o, "named_bytes", json_integer((json_int_t)f->named_bytes));
 	json_object_set_new(o, "memory_bytes", json_integer((json_int_t)f->memory_bytes));
@@ -200,6 +202,7 @@ static json_t *summary_json(const struct view_report *report)
 		"evicted_chunks", (json_int_t)t.evictions, "refetched_bytes", (json_int_t)t.again_bytes,
 		"repeated_requests", (json_int_t)t.repeats);
 	json_object_set_new(o, "broken_answers", json_integer((json_int_t)t.broken));
+	json_object_set_new(o, "cancelled_bytes", json_integer((json_int_t)t.cancelled));
 	for (size_t m = 0; m < MEASURES; m++) {
 		double sum = 0;
 		uint32_t n = 0;

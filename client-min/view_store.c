@@ -34,7 +34,7 @@ struct view_store {
 	struct eco_chunk_id pack;
 	view_store_find *find;           /* of chunks that are named; NULL: none can be */
 	void *find_ctx;
-	bool has_scene, has_plan, complete;
+	bool has_scene, has_plan, ahead, complete;
 	uint64_t plan_tick;              /* of the cache, when the last plan came */
 	uint64_t came_bytes;             /* decoded, of the request under way */
 	uint64_t evictions_before;       /* it */
@@ -90,7 +90,7 @@ static void forget_plan(struct view_store *store)
 {
 	eco_plan_free(&store->plan);
 	store->plan = (struct eco_plan){ 0 };
-	store->has_plan = store->complete = store->lacks = false;
+	store->has_plan = store->ahead = store->complete = store->lacks = false;
 }
 
 void view_store_begin(struct view_store *store)
@@ -500,6 +500,7 @@ bool view_store_again(struct view_store *store, uint64_t *vertices)
 
 void view_store_resume(struct view_store *store)
 {
+	store->ahead = false;
 	view_cache_begin(&store->cache);
 }
 
@@ -507,6 +508,18 @@ bool view_store_settle(struct view_store *store)
 {
 	store->complete |= store->has_plan;
 	return store->has_plan;
+}
+
+bool view_store_ahead(const struct view_store *store)
+{
+	return store->ahead && store->has_plan;
+}
+
+static enum eco_code on_ahead(void *ctx, struct eco_error *error)
+{
+	(void)error;
+	((struct view_store *)ctx)->ahead = true;
+	return ECO_OK;
 }
 
 static enum eco_code on_fetch(void *ctx, const struct eco_chunk *chunk, const uint8_t **payload,
@@ -524,7 +537,7 @@ void view_store_find_by(struct view_store *store, view_store_find *find, void *c
 }
 
 const struct eco_wire_events view_store_events = { on_scene, on_plant, on_list, on_chunk, on_plan, on_end,
-	on_fetch };
+	on_fetch, on_ahead };
 
 /* ---- Looking ---- */
 

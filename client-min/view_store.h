@@ -66,6 +66,8 @@ bool view_store_again(struct view_store *store, uint64_t *vertices);
 void view_store_resume(struct view_store *store);
 /* The last plan is all there is to come; false if there is none. */
 bool view_store_settle(struct view_store *store);
+/* The last plan has come, and what comes still is for the next view. */
+bool view_store_ahead(const struct view_store *store);
 /* The last plan of the stream, or NULL (none came, or it cannot be drawn: nothing is drawn). */
 const struct eco_plan *view_store_plan(const struct view_store *store);
 /* Tiles that it shows as points; 0: plants are drawn one by one. More plants may be in view than a plan looks

@@ -84,6 +84,11 @@ void srv_emit_scene(struct srv_emit *emit)
 	end(emit, mark);
 }
 
+void srv_emit_ahead(struct srv_emit *emit)
+{
+	end(emit, begin(emit, ECO_FRAME_AHEAD));
+}
+
 void srv_emit_end(struct srv_emit *emit, uint64_t vertices)
 {
 	struct eco_frame_mark mark = begin(emit, ECO_FRAME_END);

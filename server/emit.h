@@ -4,6 +4,7 @@
  *   srv_emit_scene(&emit);
  *   srv_emit_step(&emit, &plan, &needs, &error);    BUNDLEs of what is missing by now, then PLAN;
  *                                                   once per step
+ *   srv_emit_ahead(&emit);                          what follows is for the next view
  *   srv_emit_needs(&emit, &needs, &error);          without a PLAN
  *   srv_emit_end(&emit, vertices);
  *   ... emit.bytes is exact; srv_emit_take(&emit, &body) where it was not dry ...
@@ -49,6 +50,7 @@ enum eco_code srv_emit_step(struct srv_emit *emit, const struct eco_plan *plan,
 	const struct eco_holdings *needs, struct eco_error *error);
 enum eco_code srv_emit_needs(struct srv_emit *emit, const struct eco_holdings *needs,
 	struct eco_error *error);
+void srv_emit_ahead(struct srv_emit *emit);
 void srv_emit_end(struct srv_emit *emit, uint64_t vertices);
 /* Moves what was written into *body. ECO_NO_MEMORY if that, or any frame before, failed. */
 enum eco_code srv_emit_take(struct srv_emit *emit, struct srv_body *body, struct eco_error *error);

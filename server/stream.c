@@ -209,6 +209,8 @@ static enum eco_code emit_all(struct srv_emit *emit, const struct srv_stream *st
 		if (ends)
 			ends[i] = emit->bytes;
 	}
+	if (stream->next_count && !code)
+		srv_emit_ahead(emit);
 	for (uint32_t i = 0; i < stream->next_count && !code; i++)
 		code = srv_emit_needs(emit, &stream->next[i], error);
 	if (!code)
@@ -521,12 +523,14 @@ static enum eco_code plan_next(struct srv_stream *stream, struct srv_emit *dry, 
 	struct srv_stream_input input = stream->input;
 	struct srv_stream next;
 	struct eco_holdings then;
-	uint64_t without = stream->body_bytes;
+	uint64_t without = stream->body_bytes, ahead = without + ECO_FRAME_HEADER_BYTES;
+	if (stream->input.request->bytes < ahead)
+		return ECO_OK;
 	enum eco_code code = held_then(stream, &then, error);
 	request.view = eco_view_next(stream->input.request);
 	request.next.given = false;
 	if (request.bytes != ECO_BYTES_UNBOUNDED)
-		request.bytes -= without;
+		request.bytes -= ahead;
 	input.request = &request;
 	input.holdings = &then;
 	input.work_max = input.work_max ? work_left(stream) : 0;
@@ -543,7 +547,7 @@ static enum eco_code plan_next(struct srv_stream *stream, struct srv_emit *dry, 
 	}
 	srv_stream_free(&next);
 	code = size_all(stream, dry, error);
-	if (!code && stream->body_bytes > stream->input.request->bytes) {
+	if (!code && (stream->body_bytes > stream->input.request->bytes || stream->body_bytes == ahead)) {
 		drop_next(stream);
 		code = size_all(stream, dry, error);
 	}

@@ -165,7 +165,7 @@ static enum eco_code on_fetch(void *ctx, const struct eco_chunk *chunk, const ui
 }
 
 const struct eco_wire_events view_holder_events = { on_scene, on_plant, on_list, on_chunk, on_plan, on_end,
-	on_fetch };
+	on_fetch, NULL };
 
 /* ---- What there is ---- */
 

@@ -23,6 +23,28 @@ struct eco_view eco_view_next(const struct eco_request *request)
 	return view;
 }
 
+static double distance(const double a[3], const double b[3])
+{
+	double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+	return sqrt(x * x + y * y + z * z);
+}
+
+/* Degrees between two directions. */
+static double angle_deg(const struct eco_view *a, const struct eco_view *b)
+{
+	double dot = 0, lengths = distance(a->eye, a->target) * distance(b->eye, b->target);
+	for (int i = 0; i < 3; i++)
+		dot += (a->target[i] - a->eye[i]) * (b->target[i] - b->eye[i]);
+	return acos(fmax(-1, fmin(1, dot / lengths))) * 57.295779513082321;
+}
+
+bool eco_view_turned(const struct eco_request *request, const struct eco_view *now)
+{
+	const struct eco_view *then = &request->view, next = eco_view_next(request);
+	return angle_deg(now, &next) > angle_deg(then, &next) + then->fov_y_deg / 4
+		|| distance(now->eye, next.eye) > 1.25 * distance(then->eye, next.eye);
+}
+
 /* + 0.0: no zero is negative, which would be written otherwise. */
 static double snap(double value, double step)
 {

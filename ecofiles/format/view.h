@@ -53,6 +53,11 @@ struct eco_request {
 /* The view at request->next, which is given. */
 struct eco_view eco_view_next(const struct eco_request *request);
 
+/* Whether `now`, a view after that of the request, which told a next one, is on its way elsewhere: it looks
+ * away from that more than the request's view did, by a quarter of the field of view, or is farther from it
+ * by a quarter of the way. */
+bool eco_view_turned(const struct eco_request *request, const struct eco_view *now);
+
 /* Moves eye and target to the nearest points of a grid of `step_m` in the scene's frame: each by at most
  * step_m * sqrt(3) / 2. Views that are nearly alike are then the same, and so is their request: one plan
  * answers all of them, from a server's kept answers or any cache before it. Where eye and target would meet,

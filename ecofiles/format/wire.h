@@ -3,7 +3,7 @@
  *
  *   SCENE                                     once
  *   step: BUNDLE* PLAN                        one or more, coarse first; only what the client lacks
- *   BUNDLE*                                   for the next view, where one was given
+ *   AHEAD BUNDLE*                             for the next view, where one was given and lacks something
  *   END                                       missing END = truncated
  *
  * Frame (little-endian):
@@ -11,15 +11,16 @@
  *   8   u64 XXH3-64 of bytes [0,8), of the frame's number in the stream (u32, from 0) and of the payload
  *   16  n bytes
  *
- * SCENE  u32 version = 17, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, rows,
+ * SCENE  u32 version = 18, u8[16] pack id, f64 near_m, u32 needs, u32 ground columns, rows,
  *        margin (3), u32 plant count, u32 list count, str name
  * BUNDLE v size of the directory, u8 zeros that were left off at its end, the directory, then payloads
  *        in the order of its chunks. The directory names plants, lists and chunks (wire_items.h): a plant
  *        before the first list of it, a list before its first chunk; ordinals of chunks ascend per list.
  *        A chunk's id is the hash of its payload; one that is named has its id and no payload here, and the
  *        client fetches it, if its request said so (name_from)
- * PLAN   below; replaces the plan before it. Each `list` in it is held up to its `end`. END    u64
- * vertices of the last plan, u64 bytes of the body, END included
+ * PLAN   below; replaces the plan before it. Each `list` in it is held up to its `end`
+ * AHEAD  nothing: the last PLAN has come, and who has turned elsewhere may hang up
+ * END    u64 vertices of the last plan, u64 bytes of the body, END included
  *
  * v: varint, z: zigzag varint.
  *
@@ -71,8 +72,8 @@
 #include "ecofiles/format/plan.h"
 #include "ecofiles/format/wire_items.h"
 
-enum eco_frame_type { ECO_FRAME_SCENE = 1, ECO_FRAME_BUNDLE, ECO_FRAME_PLAN, ECO_FRAME_END };
-#define ECO_WIRE_VERSION 17u
+enum eco_frame_type { ECO_FRAME_SCENE = 1, ECO_FRAME_BUNDLE, ECO_FRAME_PLAN, ECO_FRAME_END, ECO_FRAME_AHEAD };
+#define ECO_WIRE_VERSION 18u
 #define ECO_FRAME_HEADER_BYTES 16u
 #define ECO_FRAME_PAYLOAD_MAX (1u << 27)
 #define ECO_END_FRAME_BYTES (ECO_FRAME_HEADER_BYTES + 16u)
@@ -144,6 +145,7 @@ struct eco_wire_events {
 	 * NULL: a chunk that is named is an error */
 	enum eco_code (*fetch)(void *ctx, const struct eco_chunk *chunk, const uint8_t **payload,
 		struct eco_error *e);
+	enum eco_code (*ahead)(void *ctx, struct eco_error *e);
 };
 struct eco_wire_parser;
 enum eco_code eco_wire_parser_new(struct eco_wire_parser **parser, const struct eco_wire_events *events,

@@ -19,6 +19,7 @@ static const struct { const char *name; uint32_t least, most; } frames[] = {
 	[ECO_FRAME_BUNDLE] = { "bundle", BUNDLE_PAYLOAD_LEAST, ECO_FRAME_PAYLOAD_MAX },
 	[ECO_FRAME_PLAN] = { "plan", 1, PLAN_PAYLOAD_MAX },
 	[ECO_FRAME_END] = { "end", 16, 16 },
+	[ECO_FRAME_AHEAD] = { "ahead", 0, 0 },
 };
 
 const char *eco_frame_name(uint32_t type)

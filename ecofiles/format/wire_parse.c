@@ -41,7 +41,7 @@ struct eco_wire_parser {
 	struct eco_wire_items items;         /* what the next item is told by */
 	uint8_t (*palette)[3];               /* the last one that came */
 	struct eco_group *groups;            /* of the last list */
-	bool planned;                        /* a PLAN has come */
+	bool planned, ahead;                 /* a PLAN has come; AHEAD has */
 	uint64_t vertices;                   /* of the last one */
 	uint32_t plant_count, list_count;
 	bool ground;
@@ -421,11 +421,18 @@ static enum eco_code read_end(struct eco_wire_parser *p, struct eco_reader *r, s
 	return p->events.end ? p->events.end(p->ctx, vertices, e) : ECO_OK;
 }
 
+static enum eco_code read_ahead(struct eco_wire_parser *p, struct eco_reader *r, struct eco_error *e)
+{
+	(void)r;
+	p->ahead = true;
+	return p->events.ahead ? p->events.ahead(p->ctx, e) : ECO_OK;
+}
+
 /* ---- Frames ---- */
 
 static enum eco_code (*const readers[])(struct eco_wire_parser *, struct eco_reader *, struct eco_error *) = {
 	[ECO_FRAME_SCENE] = read_scene, [ECO_FRAME_BUNDLE] = read_bundle, [ECO_FRAME_PLAN] = read_plan,
-	[ECO_FRAME_END] = read_end,
+	[ECO_FRAME_END] = read_end, [ECO_FRAME_AHEAD] = read_ahead,
 };
 
 /* The order of frames at the top of wire.h. */
@@ -435,6 +442,10 @@ static bool may_follow(const struct eco_wire_parser *p, uint32_t type)
 		return p->last_type == 0;
 	if (type == ECO_FRAME_END)
 		return p->planned;
+	if (type == ECO_FRAME_AHEAD)
+		return p->last_type == ECO_FRAME_PLAN;
+	if (type == ECO_FRAME_PLAN && p->ahead)
+		return false;
 	return p->last_type != 0 && p->last_type != ECO_FRAME_END;
 }
 
@@ -503,7 +514,10 @@ static enum eco_code feed_some(struct eco_wire_parser *p, const uint8_t *bytes, 
 		*used = size < missing ? size : missing;
 		memcpy(p->header + p->header_have, bytes, *used);
 		p->header_have += (uint32_t)*used;
-		return p->header_have < ECO_FRAME_HEADER_BYTES ? ECO_OK : check_header(p, e);
+		if (p->header_have < ECO_FRAME_HEADER_BYTES)
+			return ECO_OK;
+		enum eco_code code = check_header(p, e);
+		return code || p->payload_size ? code : read_frame(p, bytes, e);
 	}
 	size_t missing = p->payload_size - p->payload_have;
 	*used = size < missing ? size : missing;

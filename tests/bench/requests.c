@@ -153,7 +153,7 @@ static enum eco_code on_end(void *ctx, uint64_t vertices, struct eco_error *erro
 static bool receive(struct run *run, const struct srv_body *body)
 {
 	static const struct eco_wire_events events = { on_scene, on_plant, on_list, on_chunk, on_plan,
-		on_end, NULL };
+		on_end, NULL, NULL };
 	struct eco_wire_parser *parser;
 	struct eco_error error = { 0 };
 	view_store_begin(run->store);

@@ -30,6 +30,7 @@ static struct server {
 	uint32_t resumes;                /* of the client */
 	size_t sent;                     /* of all these answers */
 	bool drips;                      /* a byte every 5 ms */
+	bool holds;                      /* the connection, until the client lets it go */
 	const uint8_t *body; size_t size, declared;
 	char heard[8192]; size_t heard_size;
 	pthread_t thread;
@@ -93,6 +94,8 @@ static void serve_one(struct server *s, uint32_t number)
 			break;
 		at += (size_t)n;
 	}
+	while (s->holds && recv(c, head, sizeof head, 0) > 0)
+		continue;
 	close(c);
 	eco_writer_free(&made);
 }
@@ -167,6 +170,14 @@ static enum eco_code at_mark(void *ctx, const struct view_fetch_result *so_far, 
 	return reached_count == refuse_at ? eco_fail(e, ECO_INTERRUPTED, "enough") : ECO_OK;
 }
 
+static uint32_t turn_asked, turns_at;    /* 0: never */
+
+static bool has_turned(void *ctx)
+{
+	assert_ptr_equal(ctx, &turns_at);
+	return ++turn_asked == turns_at;
+}
+
 static enum eco_code ask(uint64_t body_max)
 {
 	char url[64];
@@ -178,6 +189,7 @@ static enum eco_code ask(uint64_t body_max)
 		.resumes = server.resumes };
 	assert_int_equal(view_fetch_new(&fetch, &options, &error), ECO_OK);
 	view_fetch_mark(fetch, marks.bytes_count ? &marks : NULL, at_mark, &marks);
+	view_fetch_turn(fetch, turns_at ? has_turned : NULL, &turns_at);
 	reached_count = 0;
 	enum eco_code code = view_fetch_stream(fetch, store, &request, &result, &error);
 	view_fetch_free(fetch);
@@ -339,6 +351,44 @@ UNIT_TEST(cut_or_damaged_streams_are_refused)
 		assert_int_equal(code, i == 0 ? ECO_IO : i == 2 ? ECO_TOO_LARGE : ECO_DAMAGED);
 		assert_false(view_store_complete(store));
 	}
+	eco_writer_free(&w);
+	eco_plan_free(&plan);
+}
+
+/* Behind the last plan, so many bytes are to come for the next view. */
+static void say_ahead(struct eco_writer *w)
+{
+	uint32_t number = 0;
+	w->size -= ECO_END_FRAME_BYTES;
+	for (size_t at = 0; at < w->size; number++) {
+		struct eco_reader r = { .bytes = w->bytes, .size = w->size, .at = at + 4 };
+		at += ECO_FRAME_HEADER_BYTES + eco_read_u32(&r);
+	}
+	eco_frame_end(w, eco_frame_begin(w, ECO_FRAME_AHEAD, number));
+}
+
+/* The server has all of it to send yet, and sends nothing: whoever turns need not wait. */
+UNIT_TEST(who_turns_does_not_wait_for_the_next_view)
+{
+	struct eco_plan plan;
+	struct eco_writer w;
+	good_stream(&plan, &w);
+	say_ahead(&w);
+	for (turns_at = 1; turns_at <= 2; turns_at++) {
+		turn_asked = 0;
+		start_server((struct server){ .head = ok, .holds = true, .body = w.bytes, .size = w.size,
+			.declared = w.size + 5000, .resumes = 3 }, 0);
+		assert_ok(ask(0), error);
+		assert_true(turn_asked == turns_at && result.cancelled == 5000 && result.bytes == w.size);
+		assert_true(!result.broken && !result.nothing && view_store_complete(store));
+		assert_int_equal(view_store_plan(store)->vertices, plan.vertices);
+	}
+	turns_at = 1000000;
+	start_server((struct server){ .head = ok, .body = w.bytes, .size = w.size,
+		.declared = w.size + 5000 }, 0);
+	assert_int_equal(ask(0), ECO_IO);
+	assert_true(result.cancelled == 0 && !view_store_complete(store));
+	turns_at = 0;
 	eco_writer_free(&w);
 	eco_plan_free(&plan);
 }

@@ -47,7 +47,7 @@ static json_t *written(const struct view_report *report)
 UNIT_TEST(report_has_every_figure)
 {
 	static const char *const names[] = { "frame", "time_s", "budget_vertices", "vertices", "budget_bytes",
-		"bytes", "requests", "broken_answers", "named_chunks", "named_bytes", "memory_bytes", "evicted_chunks",
+		"bytes", "requests", "broken_answers", "cancelled_bytes", "named_chunks", "named_bytes", "memory_bytes", "evicted_chunks",
 		"refetched_bytes", "precision", "recall",
 		"q", "skill", "owner_q", "soft_q", "ceiling", "picture_error", "predicted_q", "plan_ms",
 		"first_byte_ms", "stream_ms", "decode_ms",
@@ -63,6 +63,7 @@ UNIT_TEST(report_has_every_figure)
 		f.bytes = 10;
 		f.requests = 1 + 2 * i;
 		f.broken = i;
+		f.cancelled = 10 * i;
 		f.evictions = 100 * i;
 		f.again_bytes = 4 * i;
 		if (i < 2)
@@ -91,6 +92,7 @@ UNIT_TEST(report_has_every_figure)
 	assert_int_equal(json_integer_value(json_object_get(summary, "refetched_bytes")), 12);
 	assert_int_equal(json_integer_value(json_object_get(summary, "repeated_requests")), 3);
 	assert_int_equal(json_integer_value(json_object_get(summary, "broken_answers")), 3);
+	assert_int_equal(json_integer_value(json_object_get(summary, "cancelled_bytes")), 30);
 	assert_int_equal(json_integer_value(json_object_get(last, "broken_answers")), 2);
 	assert_int_equal(json_integer_value(json_object_get(last, "evicted_chunks")), 200);
 	assert_true(json_is_null(json_object_get(summary, "memory_max_bytes")));

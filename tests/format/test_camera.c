@@ -324,3 +324,23 @@ UNIT_TEST(views_that_cannot_be_drawn_are_refused)
 	steep.up[1] = 1, steep.up[2] = 0;        /* along the view: another is chosen */
 	assert_int_equal(eco_view_check(&steep, NULL), ECO_OK);
 }
+
+/* Somebody walks north, and told that they would look east ten metres on. */
+UNIT_TEST(who_looks_or_walks_elsewhere_has_turned)
+{
+	struct eco_request request = { .view = { { 0, 0, 2 }, { 0, 50, 2 }, { 0, 0, 1 }, 60, 640, 480 },
+		.next = { true, { 0, 10, 2 }, { 50, 10, 2 } } };
+	static const struct { double eye[2], toward[2]; bool turned; } rows[] = {
+		{ { 0, 0 }, { 0, 1 }, false }, { { 0, 5 }, { 0, 1 }, false }, { { 0, 5 }, { 1, 1 }, false },
+		{ { 0, 10 }, { 1, 0 }, false }, { { 0, 12 }, { 1, -0.2 }, false },
+		{ { 0, 1 }, { -0.2, 1 }, false }, { { 0, 1 }, { -0.3, 1 }, true }, { { 0, 5 }, { -1, 0 }, true },
+		{ { 0, -2 }, { 0, 1 }, false }, { { 0, -3 }, { 0, 1 }, true }, { { 9, 0 }, { 1, 1 }, true } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct eco_view now = request.view;
+		for (int k = 0; k < 2; k++) {
+			now.eye[k] = rows[i].eye[k];
+			now.target[k] = rows[i].eye[k] + 7 * rows[i].toward[k];
+		}
+		assert_int_equal(eco_view_turned(&request, &now), rows[i].turned);
+	}
+}

@@ -91,8 +91,13 @@ static enum eco_code on_fetch(void *ctx, const struct eco_chunk *chunk, const ui
 	return ECO_OK;
 }
 
+static enum eco_code on_ahead(void *ctx, struct eco_error *e)
+{
+	return tell(ctx, 8, e);
+}
+
 static const struct eco_wire_events telling = { on_scene, on_plant, on_list, on_chunk, on_plan, on_end,
-	on_fetch };
+	on_fetch, on_ahead };
 
 /* Feeds in portions of `portion` bytes; 0: of random sizes. */
 static enum eco_code parse(const uint8_t *bytes, size_t size, size_t portion, struct told *told,
@@ -339,6 +344,44 @@ UNIT_TEST(impossible_contents_are_refused)
 	}
 }
 
+/* Frames in this order: scene, plan, ahead, end; or ahead with a payload. */
+static struct eco_writer stream_in_order(const char *order)
+{
+	struct eco_writer w = { 0 };
+	uint32_t number = 0;
+	for (; *order; order++) {
+		if (*order == 's')
+			wire_put_scene(&w, &number, ECO_WIRE_VERSION);
+		else if (*order == 'p')
+			put_faulty_plan(&w, &number, FAULT_NONE);
+		else if (*order == 'e')
+			wire_put_end(&w, &number, 77, 0);
+		else if (*order == 'a')
+			eco_frame_end(&w, eco_frame_begin(&w, ECO_FRAME_AHEAD, number++));
+	}
+	return w;
+}
+
+UNIT_TEST(ahead_comes_once_behind_the_last_plan)
+{
+	static const struct { const char *order; bool good; } rows[] = { { "spe", true }, { "spae", true },
+		{ "sppae", true }, { "sape", false }, { "apse", false }, { "spape", false }, { "spaae", false },
+		{ "spa", false } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct eco_writer w = stream_in_order(rows[i].order);
+		for (size_t portion = 1; portion <= w.size; portion += 15) {
+			struct told told = { 0 };
+			struct eco_error error = { 0 };
+			enum eco_code code = parse(w.bytes, w.size, portion, &told, &error);
+			assert_int_equal(code == ECO_OK, rows[i].good);
+			if (rows[i].good)
+				assert_int_equal(told.events, strlen(rows[i].order));
+			eco_writer_free(&told.w);
+		}
+		eco_writer_free(&w);
+	}
+}
+
 /* ---- Named chunks ---- */
 
 static struct eco_writer stream_of(const char *payload, bool named)
@@ -508,7 +551,7 @@ UNIT_TEST(events_without_a_callback_are_checked_and_ignored)
 UNIT_TEST(golden_stream)
 {
 	static const char expected[] =
-		"010000003e0000000cf10b95954afa801100000001020300000000000000"
+		"010000003e00000014a4dc3f396bc2b91200000001020300000000000000"
 		"0000000000009a9999999999b93f21000000500000003c00000007000000"
 		"02000000060000000957c3a46c646368656e020000001c0000009f9b1285"
 		"69b0b20f1a044204e1aac55fb67bf43a6d116e236e6703469ff5ee760023"

@@ -90,10 +90,16 @@ static enum eco_code on_fetch(void *ctx, const struct eco_chunk *chunk, const ui
 	return saw(ctx, chunk->size_bytes);
 }
 
+static enum eco_code on_ahead(void *ctx, struct eco_error *e)
+{
+	(void)e;
+	return saw(ctx, 2);
+}
+
 static enum eco_code parse(const uint8_t *bytes, size_t size, size_t portion, struct seen *seen)
 {
 	static const struct eco_wire_events events = { on_scene, on_plant, on_list, on_chunk, on_plan,
-		on_end, on_fetch };
+		on_end, on_fetch, on_ahead };
 	struct eco_wire_parser *parser;
 	struct eco_error error = { 0 };
 	enum eco_code code = eco_wire_parser_new(&parser, &events, seen, &error);

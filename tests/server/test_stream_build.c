@@ -296,6 +296,8 @@ UNIT_TEST(the_next_view_comes_last_and_within_the_same_bytes)
 		read_all(&reader, &then, there.vertices);
 		assert_int_equal(reader.chunks, 0);
 		saved += whole.size > alone.size;
+		assert_int_equal(whole.bytes[alone.size - ECO_END_FRAME_BYTES], whole.size > alone.size
+			? ECO_FRAME_AHEAD : ECO_FRAME_END);
 		/* a budget of bytes is the answer's first */
 		request.bytes = alone.size
 			+ random_below(&b.pack->r, (uint32_t)(whole.size - alone.size) + 1);
