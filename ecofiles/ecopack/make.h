@@ -192,6 +192,8 @@ void make_cache_begin(void);
 bool make_cache_key(struct main_cache_key *key, const struct eco_model *model,
 	const struct lod_plant_options *options);
 /* The key of the note that this program made a pack. */
+/* Of bytes that follow from so many others by this program alone; `what` tells kinds of entries apart. */
+bool make_cache_bytes_key(struct main_cache_key *key, const char *what, const void *bytes, size_t size);
 bool make_cache_pack_key(struct main_cache_key *key, const struct eco_chunk_id *pack);
 /* Fetches the plant, as lod_plant_measure left it, and gives it that name; false: not in the cache. */
 bool make_cache_get(struct main_cache *cache, const struct main_cache_key *key, const struct eco_model *model,

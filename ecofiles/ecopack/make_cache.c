@@ -127,7 +127,7 @@ static void add_options(XXH3_state_t *hash, const struct lod_plant_options *opti
 	ADD(hash, options->importance);
 }
 
-bool make_cache_pack_key(struct main_cache_key *key, const struct eco_chunk_id *pack)
+bool make_cache_bytes_key(struct main_cache_key *key, const char *what, const void *bytes, size_t size)
 {
 	XXH3_state_t *hash = XXH3_createState();
 	make_cache_begin();
@@ -137,13 +137,18 @@ bool make_cache_pack_key(struct main_cache_key *key, const struct eco_chunk_id *
 		XXH3_128bits_reset(hash);
 		ADD(hash, program.hash.low64);
 		ADD(hash, program.hash.high64);
-		add(hash, "pack", 4);
-		ADD(hash, pack->bytes);
+		add(hash, what, strlen(what));
+		add(hash, bytes, size);
 		XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(hash));
 		memcpy(key->bytes, canonical.digest, sizeof key->bytes);
 	}
 	XXH3_freeState(hash);
 	return ok;
+}
+
+bool make_cache_pack_key(struct main_cache_key *key, const struct eco_chunk_id *pack)
+{
+	return make_cache_bytes_key(key, "pack", pack->bytes, sizeof pack->bytes);
 }
 
 /* ---- Plants ---- */

@@ -32,10 +32,10 @@ static struct eco_ground_image_options options_of(const struct make *m)
 {
 	const struct eco_source *source = &m->sources.items[0];
 	return (struct eco_ground_image_options){ .source = &source->ground_image, .scene_crs = source->crs,
-		.origin = { source->origin[0], source->origin[1], source->origin[2] }, .low = { 1, 1 },
-		.warn = main_note_text };
+		.origin = { source->origin[0], source->origin[1], source->origin[2] }, .low = { 1, 1 } };
 }
 
+/* Warns later, when it is known where plants stand. */
 enum eco_code make_image_look(struct make *m)
 {
 	const struct eco_ground_image_options options = options_of(m);
@@ -44,10 +44,64 @@ enum eco_code make_image_look(struct make *m)
 
 /* ---- Encoding ---- */
 
+static void drop(void *result)
+{
+	struct eco_writer *levels = result;
+	for (uint32_t i = 0; i < ECO_GROUND_IMAGE_LEVELS; i++)
+		eco_writer_free(&levels[i]);
+}
+
+/* An entry of the cache: levels one after the other, a u32 of its size before each. False: damaged. */
+static bool read_levels(struct eco_writer *levels, const uint8_t *bytes, size_t size)
+{
+	struct eco_reader r = { bytes, size, 0, false };
+	bool good = true;
+	for (uint32_t i = 0; i < ECO_GROUND_IMAGE_LEVELS && good; i++) {
+		uint32_t length = eco_read_u32(&r);
+		const uint8_t *level = eco_read_bytes(&r, length);
+		good = level && length;
+		if (good)
+			eco_write_bytes(&levels[i], level, length);
+		good = good && !levels[i].failed;
+	}
+	return good && r.at == r.size;
+}
+
+static void keep_levels(struct main_cache *cache, const struct main_cache_key *key, const struct eco_writer *levels)
+{
+	struct eco_writer w = { 0 };
+	for (uint32_t i = 0; i < ECO_GROUND_IMAGE_LEVELS; i++) {
+		eco_write_u32(&w, (uint32_t)levels[i].size);
+		eco_write_bytes(&w, levels[i].bytes, levels[i].size);
+	}
+	if (!w.failed)
+		main_cache_put(cache, key, w.bytes, w.size);
+	eco_writer_free(&w);
+}
+
+/* Texels that were encoded before are taken as they were: a later make repeats only what changed. */
 static enum eco_code encode(void *ctx, uint64_t i, void *result, struct eco_error *error)
 {
 	const struct image *image = ctx;
-	return lod_image_levels(result, image->waiting[i].rgba, error);
+	const uint8_t *rgba = image->waiting[i].rgba;
+	struct main_cache *cache = &image->m->cache;
+	struct main_cache_key key;
+	uint8_t *bytes = NULL;
+	size_t size;
+	bool keyed = cache->folder[0] && make_cache_bytes_key(&key, "image", rgba, ECO_GROUND_IMAGE_BYTES);
+	if (keyed && main_cache_get(cache, &key, &bytes, &size)) {
+		bool good = read_levels(result, bytes, size);
+		free(bytes);
+		if (good)
+			return ECO_OK;
+		drop(result);
+		memset(result, 0, ECO_GROUND_IMAGE_LEVELS * sizeof(struct eco_writer));
+		main_cache_reject(cache, &key, "levels of a square of the ground's image that it has not");
+	}
+	enum eco_code code = lod_image_levels(result, rgba, error);
+	if (!code && keyed)
+		keep_levels(cache, &key, result);
+	return code;
 }
 
 static enum eco_code keep(void *ctx, uint64_t i, void *result, struct eco_error *error)
@@ -59,13 +113,6 @@ static enum eco_code keep(void *ctx, uint64_t i, void *result, struct eco_error 
 	memcpy(tile->levels, result, sizeof tile->levels);
 	memset(result, 0, sizeof tile->levels);
 	return ECO_OK;
-}
-
-static void drop(void *result)
-{
-	struct eco_writer *levels = result;
-	for (uint32_t i = 0; i < ECO_GROUND_IMAGE_LEVELS; i++)
-		eco_writer_free(&levels[i]);
 }
 
 static enum eco_code encode_waiting(struct image *image)
@@ -197,6 +244,7 @@ static enum eco_code read_all(struct image *image)
 enum eco_code make_image(struct make *m)
 {
 	struct image image = { .m = m };
+	uint64_t hits = m->cache.hits, misses = m->cache.misses;     /* reports count plants only */
 	struct eco_ground_image_options options = options_of(m);
 	const struct eco_tile *root = &m->scene.tiles[m->scene.root];
 	if (!options.source->file_count || !m->has_ground)
@@ -205,6 +253,7 @@ enum eco_code make_image(struct make *m)
 		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
 	memcpy(options.low, root->low, sizeof options.low);
 	memcpy(options.high, root->high, sizeof options.high);
+	options.warn = main_note_text;
 	struct eco_error missed = { .code = ECO_OK }, *error = m->error;
 	enum eco_code code = eco_ground_image_open(&image.reader, &options, m->error);
 	if (code)
@@ -225,5 +274,6 @@ enum eco_code make_image(struct make *m)
 	for (uint32_t i = 0; i < image.count; i++)
 		drop(image.tiles[i].levels);
 	free(image.tiles);
+	m->cache.hits = hits, m->cache.misses = misses;
 	return code;
 }

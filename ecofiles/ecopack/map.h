@@ -71,6 +71,8 @@ void map_free(struct map *m);
 
 /* Sets view, scale, width and height; the map's longer side gets `pixels`. */
 enum eco_code map_frame(struct map *m, uint32_t pixels);
+/* Pixels of the map, straight alpha, malloc'ed; NULL without an image. */
+enum eco_code map_read_image(struct map *m, uint8_t **rgba);
 enum eco_code map_draw_ground(struct map *m);
 enum eco_code map_draw_contours(struct map *m);
 enum eco_code map_draw_places(struct map *m);

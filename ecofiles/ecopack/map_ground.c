@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "ecofiles/ecopack/progress.h"
 #include "ecofiles/base/room.h"
@@ -14,6 +15,7 @@
 #define LINES_WANTED 14u
 #define RELIEF 1.4               /* exaggeration of slopes */
 #define FLAT 0.93                /* brightness of level ground */
+#define PALE 0.6                 /* of the image's contrast is kept */
 
 struct grid { double *z; uint32_t columns, rows; };      /* NaN beyond the ground's border */
 
@@ -45,28 +47,40 @@ static uint8_t brightness(double east, double north)
 	return (uint8_t)(255 * fmin(fmax(bright, 0.45), 1) + 0.5);
 }
 
-static enum eco_code draw_shade(struct map *m)
+/* A pixel of the image, pale, in the ground's light, over what is there. */
+static void lay_image(const uint8_t image[4], double light, uint8_t to[4])
 {
-	struct grid grid;
+	double alpha = image[3] / 255.0;
+	for (int k = 0; k < 3; k++) {
+		double pale = fmin(255, light * (255 - PALE * (255 - image[k])));
+		to[k] = (uint8_t)(alpha * pale + (1 - alpha) * (to[3] ? to[k] : pale) + 0.5);
+	}
+	to[3] = image[3] > to[3] ? image[3] : to[3];
+}
+
+static enum eco_code draw_shade(struct map *m, const uint8_t *image)
+{
+	struct grid grid = { .z = NULL };
 	uint32_t width = (uint32_t)m->width, height = (uint32_t)m->height;
 	uint8_t *rgba = calloc((size_t)width * height, 4);
-	if (!sample(m, &grid, 1) || !rgba) {
+	if ((m->has_ground && !sample(m, &grid, 1)) || !rgba) {
 		free(grid.z);
 		free(rgba);
 		return eco_fail(m->error, ECO_NO_MEMORY, "no memory for the ground's picture");
 	}
 	for (uint32_t y = 0; y < height; y++)
 		for (uint32_t x = 0; x < width; x++) {
-			const double *z = grid.z + (size_t)y * grid.columns + x;
-			double east = (z[1] - z[0]) * m->scale, north = (z[0] - z[grid.columns]) * m->scale;
-			uint8_t *to = rgba + 4 * ((size_t)y * width + x);
-			if (isnan(east + north))
-				continue;
-			uint8_t v = brightness(east, north);
-			to[0] = v;
-			to[1] = v;
-			to[2] = (uint8_t)(v * 0.965);
-			to[3] = 255;
+			const double *z = grid.z ? grid.z + (size_t)y * grid.columns + x : NULL;
+			double east = z ? (z[1] - z[0]) * m->scale : NAN,
+				north = z ? (z[0] - z[grid.columns]) * m->scale : NAN, light = 1;
+			size_t at = 4 * ((size_t)y * width + x);
+			if (!isnan(east + north)) {
+				uint8_t v = brightness(east, north);
+				memcpy(rgba + at, (uint8_t[4]){ v, v, (uint8_t)(v * 0.965), 255 }, 4);
+				light = v / (255 * FLAT);
+			}
+			if (image && image[at + 3])
+				lay_image(image + at, light, rgba + at);
 		}
 	eco_chart_pixels(m->chart, m->x, m->y, width, height, rgba, true);
 	free(grid.z);
@@ -181,11 +195,14 @@ static enum eco_code draw_contours(struct map *m)
 
 enum eco_code map_draw_ground(struct map *m)
 {
-	if (!m->has_ground)
-		return ECO_OK;
-	if (!main_progress("drawing", "ground", 0.2))
-		return eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
-	return draw_shade(m);
+	uint8_t *image;
+	enum eco_code code = map_read_image(m, &image);
+	if (code || (!m->has_ground && !image))
+		return code;
+	code = main_progress("drawing", "ground", 0.2) ? draw_shade(m, image)
+		: eco_fail(m->error, ECO_INTERRUPTED, "interrupted");
+	free(image);
+	return code;
 }
 
 enum eco_code map_draw_contours(struct map *m)

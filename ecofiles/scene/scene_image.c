@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const image_fields[] = { "file", "crs", "classes", "nodata", "texel_m", "north_west",
-	"pixel", NULL };
+static const char *const image_fields[] = { "file", "crs", "classes", "nodata", "range", "texel_m",
+	"north_west", "pixel", NULL };
 
 /* "#rrggbb" */
 static bool parse_color(const struct eco_json *at, uint8_t rgb[3])
@@ -82,7 +82,13 @@ bool eco_scene_parse_image(struct eco_source *source, const struct eco_json *at)
 	if (!said_more)
 		return true;
 	struct eco_json classes = eco_json_member(at, "classes");
+	struct eco_json range = eco_json_member(at, "range");
 	image->has_nodata = eco_json_member(at, "nodata").value;
+	image->has_range = range.value;
+	if (range.value && !eco_json_numbers(at, "range", 2, 2, -1e39, 1e39, image->range))
+		return false;
+	if (range.value && !(image->range[0] < image->range[1]))
+		return eco_json_fail(&range, ECO_BAD_INPUT, "\"range\" is [black, white], black being less");
 	return eco_json_number(at, "nodata", -1e39, 1e39, &image->nodata) &&
 		eco_json_number(at, "texel_m", 1e-3, 1e6, &image->texel_m) &&
 		parse_classes(image, &classes) &&

@@ -30,6 +30,7 @@ struct raster {
 	GDALDataType type;
 	bool palette, no_place;
 	int nodata;                  /* -1: none */
+	int scale;                   /* of colours; 0: 1 */
 };
 
 /* Bands k of the pixel that far east and north, 0 to 1. */
@@ -37,7 +38,7 @@ static int value_at(double east, double north, int band)
 {
 	if (band == 0)
 		return (int)(250 * east);
-	return band == 1 ? (int)(250 * north) : 128;
+	return band == 1 ? (int)(250 * north) : band == 2 ? 128 : east < 0.5 ? 255 : 0;
 }
 
 /* Four classes, one a quarter: 1 2 in the south, 3 4 in the north. */
@@ -71,6 +72,8 @@ static const char *make_raster(const struct raster *r)
 			GDALSetRasterColorTable(band, table);
 			GDALDestroyColorTable(table);
 		}
+		if (b == 3)
+			GDALSetRasterColorInterpretation(band, GCI_AlphaBand);
 		if (r->nodata >= 0)
 			GDALSetRasterNoDataValue(band, r->nodata);
 		int *row = malloc((size_t)r->side * sizeof *row);
@@ -78,7 +81,8 @@ static const char *make_raster(const struct raster *r)
 			double north = 1 - (y + 0.5) / r->side;
 			for (int x = 0; x < r->side; x++) {
 				double east = (x + 0.5) / r->side;
-				row[x] = r->bands == 1 ? class_at(east, north) : value_at(east, north, b);
+				row[x] = r->bands == 1 ? class_at(east, north)
+					: value_at(east, north, b) * (r->scale ? r->scale : 1);
 			}
 			assert_int_equal(GDALRasterIO(band, GF_Write, 0, y, r->side, 1, row, r->side, 1,
 						 GDT_Int32, 0, 0),
@@ -234,6 +238,73 @@ UNIT_TEST(rasters_of_another_crs_are_warped)
 	free_tree(&tree);
 }
 
+/* Alpha is the file's, whatever the bands hold: clear in the east. */
+UNIT_TEST(a_fourth_band_is_alpha)
+{
+	for (int deep = 0; deep < 2; deep++) {
+		struct tree tree;
+		struct raster r = { deep ? "rgba16.tif" : "rgba.tif", 300, 4, ZONE, 1, deep ? GDT_UInt16 : GDT_Byte,
+			.nodata = -1, .scale = deep ? 257 : 0 };
+		struct given g = COLORS(make_raster(&r));
+		g.source.has_range = deep;
+		g.source.range[1] = 65535;
+		read_tree(&tree, g);
+		const uint8_t *west = texel_at(&tree, 75, 150), *east = texel_at(&tree, 225, 150);
+		assert_true(abs(west[0] - 62) <= 2 && abs(west[1] - 125) <= 2 && west[2] == 128 && west[3] == 255);
+		assert_int_equal(east[3], 0);
+		free_tree(&tree);
+	}
+}
+
+/* 16 bits: black and white are said, or guessed of all bands together and noted. */
+UNIT_TEST(numbers_that_are_no_bytes_have_a_black_and_a_white)
+{
+	struct tree tree;
+	struct given g = COLORS(make_raster(&(struct raster){ "deep.tif", 300, 3, ZONE, 1, GDT_UInt16, .nodata = -1,
+		.scale = 40 }));
+	warnings[0] = 0;
+	read_tree(&tree, g);
+	assert_non_null(strstr(warnings, "its bands hold UInt16"));
+	assert_non_null(strstr(warnings, "for black and 99"));       /* 250 x 40, less a two-hundredth */
+	const uint8_t *texel = texel_at(&tree, 150, 75);
+	assert_true(abs(texel[0] - 127) <= 4 && abs(texel[1] - 63) <= 4 && abs(texel[2] - 131) <= 4);
+	free_tree(&tree);
+	g.source.has_range = true;
+	g.source.range[1] = 255 * 40;
+	warnings[0] = 0;
+	read_tree(&tree, g);
+	assert_string_equal(warnings, "");
+	texel = texel_at(&tree, 150, 75);
+	assert_true(abs(texel[0] - 125) <= 1 && abs(texel[1] - 62) <= 1 && texel[2] == 128);
+	free_tree(&tree);
+}
+
+/* What plants an image leaves out, and on which side. */
+UNIT_TEST(an_image_that_does_not_reach_the_plants_is_said_to)
+{
+	struct tree tree;
+	struct given g =
+		COLORS(make_raster(&(struct raster){ "small.tif", 64, 3, ZONE, 1, GDT_Byte, .nodata = -1 }));
+	g.low[0] = g.low[1] = 10;
+	g.high[0] = 104, g.high[1] = 64;
+	warnings[0] = 0;
+	read_tree(&tree, g);
+	free_tree(&tree);
+	assert_non_null(strstr(warnings, "does not reach all plants, which stand up to 40 m east of it"));
+	g.low[0] = g.low[1] = 5000;
+	g.high[0] = g.high[1] = 5100;
+	warnings[0] = 0;
+	read_tree(&tree, g);
+	free_tree(&tree);
+	assert_non_null(strstr(warnings, "the image shows no place where plants stand"));
+	g.low[0] = g.low[1] = 5;
+	g.high[0] = g.high[1] = 60;
+	warnings[0] = 0;
+	read_tree(&tree, g);
+	free_tree(&tree);
+	assert_string_equal(warnings, "");
+}
+
 /* Far from the plants no view resolves them; and so many squares are the most. */
 UNIT_TEST(texels_are_wider_where_no_plant_is_near)
 {
@@ -276,6 +347,11 @@ UNIT_TEST(classes_have_the_colours_of_the_file_or_of_the_scene)
 	assert_int_equal(texel_at(&tree, 225, 75)[0], 100);
 	assert_int_equal(texel_at(&tree, 75, 225)[0], 150);
 	assert_int_equal(texel_at(&tree, 225, 225)[0], 200);
+	for (uint32_t i = 0; i < tree.count; i++)        /* a mean of colours of classes, never of their numbers */
+		for (size_t t = 0; t < ECO_GROUND_IMAGE_BYTES; t += 4) {
+			const uint8_t *texel = tree.leaves[i].rgba + t;
+			assert_true(!texel[3] || (texel[1] == 10 && texel[2] == 20));
+		}
 	free_tree(&tree);
 	g.source.classes = classes;
 	g.source.class_count = 2;
@@ -324,12 +400,9 @@ UNIT_TEST(what_lacks_is_said)
 	g.scene_crs = NULL;
 	fails(g, "but the scene has no CRS");
 	g.scene_crs = "EPSG:32632";
-	g.low[0] = g.low[1] = 5000;
-	g.high[0] = g.high[1] = 5100;
-	fails(g, "the image shows no place where plants stand");
 	g = (struct given)COLORS(
-		make_raster(&(struct raster){ "deep.tif", 64, 3, ZONE, 1, GDT_UInt16, .nodata = -1 }));
-	fails(g, "band 1 holds UInt16, and colours are bytes");
+		make_raster(&(struct raster){ "height.tif", 64, 1, ZONE, 1, GDT_Float32, .nodata = -1 }));
+	fails(g, "it has one band of Float32: heights, classes or grey?");
 	g = (struct given)COLORS(make_raster(&(struct raster){ "unknown.tif", 300, 1, ZONE, 1, GDT_Byte,
 		.nodata = -1 }));
 	g.source.classes = classes;

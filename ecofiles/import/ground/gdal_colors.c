@@ -12,6 +12,8 @@
 
 #define SIDE ECO_GROUND_IMAGE_SIDE
 #define CLASS_SAMPLES 2                  /* along each side of a texel */
+#define RANGE_SAMPLES 256                /* along each side of a raster whose range is guessed */
+#define RANGE_CUT 0.005                  /* of its values are darker than black, and so many brighter than white */
 
 /* ---- What it shows ---- */
 
@@ -80,8 +82,88 @@ static void find_bands(struct ground_colors *c, int count)
 		c->bands[k] = grey ? 1 : k + 1;
 }
 
-enum eco_code ground_colors_open(struct ground_colors *c, const struct eco_ground_image_source *source,
+/* ---- Numbers that are no bytes ---- */
+
+static int by_value(const void *a, const void *b)
+{
+	float x = *(const float *)a, y = *(const float *)b;
+	return (x > y) - (x < y);
+}
+
+/* Values of a band all over the raster, without those that are none; returns how many. */
+static size_t sample_band(const struct ground_colors *c, int number, float *values)
+{
+	GDALRasterBandH band = GDALGetRasterBand(c->raster.file, number);
+	int columns = GDALGetRasterXSize(c->raster.file), rows = GDALGetRasterYSize(c->raster.file),
+		across = columns < RANGE_SAMPLES ? columns : RANGE_SAMPLES,
+		down = rows < RANGE_SAMPLES ? rows : RANGE_SAMPLES, has_nodata = 0;
+	double nodata = GDALGetRasterNoDataValue(band, &has_nodata);
+	size_t count = 0;
+	if (GDALRasterIO(band, GF_Read, 0, 0, columns, rows, values, across, down, GDT_Float32, 0, 0) != CE_None)
+		return 0;
+	for (size_t i = 0; i < (size_t)across * (size_t)down; i++)
+		if (isfinite(values[i]) && !(has_nodata && (double)values[i] == nodata)
+				&& !(c->has_nodata && (double)values[i] == c->nodata))
+			values[count++] = values[i];
+	return count;
+}
+
+/* Black and white of the three bands together, so that hues stay. */
+static enum eco_code guess_range(const struct ground_colors *c, double range[2], struct ground_notes *notes,
 	struct eco_error *error)
+{
+	float *values = malloc(3 * sizeof *values * RANGE_SAMPLES * RANGE_SAMPLES);
+	size_t count = 0;
+	if (!values)
+		return eco_fail(error, ECO_NO_MEMORY, "no memory for the ground's image");
+	for (int k = 0; k < 3; k++)
+		count += sample_band(c, c->bands[k], values + count);
+	if (count) {
+		qsort(values, count, sizeof *values, by_value);
+		range[0] = (double)values[(size_t)(RANGE_CUT * (double)(count - 1))];
+		range[1] = (double)values[(size_t)((1 - RANGE_CUT) * (double)(count - 1))];
+	}
+	free(values);
+	if (!(range[0] < range[1]))
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: %s; say which of its values are black and white: "
+			"\"image\": {\"file\": ..., \"range\": [0, 65535]}", c->raster.path,
+			count ? "all its pixels are alike" : "it has no pixel with a value");
+	ground_note(notes, "%.200s: its bands hold %s; %.6g is taken for black and %.6g for white, which leaves "
+		"out the darkest and the brightest 1/200 (\"range\": [black, white] beside \"file\" says others)",
+		c->raster.path, GDALGetDataTypeName(GDALGetRasterDataType(GDALGetRasterBand(c->raster.file,
+			c->bands[0]))), range[0], range[1]);
+	return ECO_OK;
+}
+
+/* Colours are bytes, or three bands of other numbers; one band of them may be heights or classes as well. */
+static enum eco_code find_range(struct ground_colors *c, bool said, double range[2], struct ground_notes *notes,
+	struct eco_error *error)
+{
+	enum eco_code code = ECO_OK;
+	GDALDataType other = GDT_Byte;
+	for (int k = 0; k < 3; k++) {
+		GDALDataType type = GDALGetRasterDataType(GDALGetRasterBand(c->raster.file, c->bands[k]));
+		if (GDALDataTypeIsComplex(type))
+			return eco_fail(error, ECO_BAD_INPUT, "%.200s: band %d holds %s, which is no colour",
+				c->raster.path, c->bands[k], GDALGetDataTypeName(type));
+		other = type == GDT_Byte ? other : type;
+	}
+	c->by_range = said || other != GDT_Byte;
+	if (!c->by_range)
+		return ECO_OK;
+	if (!(range[0] < range[1]) && c->bands[0] == c->bands[1])
+		return eco_fail(error, ECO_BAD_INPUT, "%.200s: it has one band of %s: heights, classes or grey? If "
+			"they are classes, give their colours: \"image\": {\"file\": ..., \"classes\": "
+			"{\"1\": \"#4c7300\"}}; if grey, black and white: \"range\": [0, 65535]",
+			c->raster.path, GDALGetDataTypeName(other));
+	if (!(range[0] < range[1]))
+		code = guess_range(c, range, notes, error);
+	memcpy(c->range, range, sizeof c->range);
+	return code;
+}
+
+enum eco_code ground_colors_open(struct ground_colors *c, const struct eco_ground_image_source *source,
+	double range[2], struct ground_notes *notes, struct eco_error *error)
 {
 	const struct ground_raster *r = &c->raster;
 	GDALRasterBandH first = GDALGetRasterBand(r->file, 1);
@@ -102,16 +184,7 @@ enum eco_code ground_colors_open(struct ground_colors *c, const struct eco_groun
 	if (c->by_class)
 		return gather_classes(c, source, error);
 	find_bands(c, count);
-	for (int b = 1; b <= count; b++)
-		if (GDALGetRasterDataType(GDALGetRasterBand(r->file, b)) != GDT_Byte)
-			return eco_fail(error, ECO_BAD_INPUT,
-				"%.200s: band %d holds %s, and colours are bytes. Make "
-				"them bytes (gdal_translate -ot Byte -scale FROM TO), or, if its values are "
-				"classes, give their colours: \"image\": {\"file\": ..., \"classes\": "
-				"{\"1\": \"#4c7300\"}}",
-				r->path, b,
-				GDALGetDataTypeName(GDALGetRasterDataType(GDALGetRasterBand(r->file, b))));
-	return ECO_OK;
+	return find_range(c, source->has_range, range, notes, error);
 }
 
 void ground_colors_close(struct ground_colors *c)
@@ -173,6 +246,8 @@ static GDALDatasetH warp(const struct ground_colors *c, const struct ground_scen
 	snprintf(text, sizeof text, "%d", side);
 	arguments = CSLAddString(CSLAddString(CSLAddString(arguments, "-ts"), text), text);
 	arguments = CSLAddString(CSLAddString(arguments, "-r"), c->by_class ? "near" : "bilinear");
+	if (c->by_range)
+		arguments = CSLAddString(CSLAddString(arguments, "-ot"), "Float32");
 	if (c->has_nodata) {
 		snprintf(text, sizeof text, "%.17g", c->nodata);
 		arguments = CSLAddString(CSLAddString(arguments, "-srcnodata"), text);
@@ -257,6 +332,19 @@ static enum eco_code read_classes(const struct ground_colors *c, const struct gr
 	return code;
 }
 
+/* Channel k of `rgba`, of numbers that are no bytes. */
+static bool read_range(const struct ground_colors *c, GDALDatasetH from, int k, uint8_t *rgba)
+{
+	float *values = malloc(sizeof *values * SIDE * SIDE);
+	bool good = values && read_band(from, c->bands[k], SIDE, values, GDT_Float32, 0);
+	for (size_t i = 0; i < (size_t)SIDE * SIDE && good; i++) {
+		double t = ((double)values[i] - c->range[0]) / (c->range[1] - c->range[0]);
+		rgba[4 * i + (size_t)k] = (uint8_t)(t > 0 ? 255 * fmin(t, 1) + 0.5 : 0);
+	}
+	free(values);
+	return good;
+}
+
 enum eco_code ground_colors_read(const struct ground_colors *c, const struct ground_scene *scene,
 	const double bounds[4], uint8_t *rgba, struct eco_error *error)
 {
@@ -267,11 +355,9 @@ enum eco_code ground_colors_read(const struct ground_colors *c, const struct gro
 	bool good = from;
 	/* the warp's own alpha comes last, or takes the place of the file's */
 	for (int k = 0; k < 4 && good; k++)
-		good = read_band(from,
-			k < 3              ? c->bands[k]
-				: c->alpha ? c->alpha
-					   : GDALGetRasterCount(from),
-			SIDE, rgba + k, GDT_Byte, 4);
+		good = k < 3 && c->by_range ? read_range(c, from, k, rgba)
+			: read_band(from, k < 3 ? c->bands[k] : c->alpha ? c->alpha : GDALGetRasterCount(from),
+				SIDE, rgba + k, GDT_Byte, 4);
 	if (from)
 		GDALClose(from);
 	return good ? ECO_OK : !from ? ECO_BAD_INPUT

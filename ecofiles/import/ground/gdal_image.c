@@ -15,6 +15,7 @@
 #define PIXEL_M 0.00076706               /* 2 tan(22.5 degrees) / 1080, 1 m away */
 #define TILES_MAX 4096u
 #define EXTENT_M_MAX 1e7
+#define BEYOND_M 5.0                     /* a crown over the image's border is not worth a word */
 #define FADE (SIDE / 32)                 /* texels of the root */
 
 struct job {
@@ -26,6 +27,7 @@ struct job {
 	struct ground_scene scene;
 	struct ground_colors *rasters; uint32_t count;
 	double low[2], high[2], finest_m;        /* of all rasters, in the scene */
+	double range[2];                         /* black and white, once one is not of bytes */
 	double pixel_m;                          /* PIXEL_M, or more for fewer squares */
 	float *fade; /* SIDE x SIDE, of the root, rows from the north: 0 clear .. 1 */
 	uint8_t *layer;                          /* room for what one raster shows of a square */
@@ -135,19 +137,32 @@ static enum eco_code find_root(struct job *job, struct eco_error *error)
 	return ECO_OK;
 }
 
-static enum eco_code check_overlap(const struct job *job, struct eco_error *error)
+/* By boxes: whether the image reaches the plants, and on which sides they stand beyond it. */
+static void doubt_overlap(struct job *job)
 {
+	static const char *const sides[4] = { "west", "east", "south", "north" };
 	const struct eco_ground_image_options *o = job->options;
+	const char *path = job->rasters[0].raster.path;
 	double x = gap(job->low[0], job->high[0], o->low[0], o->high[0]),
 		y = gap(job->low[1], job->high[1], o->low[1], o->high[1]), away = sqrt(x * x + y * y);
-	return !(o->low[0] <= o->high[0]) || away <= 0
-		? ECO_OK
-		: eco_fail(error, ECO_BAD_INPUT,
-			  "%.200s: the image shows no place where plants stand: it lies from "
-			  "%.0f, %.0f to %.0f, %.0f in the scene, %.0f m away from them; look at its CRS and at the "
-			  "scene's \"crs\" and \"origin\"",
-			  job->rasters[0].raster.path, job->low[0], job->low[1], job->high[0], job->high[1],
-			  away);
+	char where[100] = "";
+	if (!(o->low[0] <= o->high[0]))
+		return;
+	for (int side = 0; side < 4; side++) {
+		int k = side / 2;
+		double beyond = side % 2 ? o->high[k] - job->high[k] : job->low[k] - o->low[k];
+		size_t used = strlen(where);
+		if (beyond > fmax(BEYOND_M, job->finest_m))
+			snprintf(where + used, sizeof where - used, "%s%.0f m %s", used ? ", " : "", beyond, sides[side]);
+	}
+	if (away > 0)
+		ground_note(job->scene.notes, "%.200s: the image shows no place where plants stand: it lies from "
+			"%.0f, %.0f to %.0f, %.0f in the scene, %.0f m away from them; look at its CRS and at the "
+			"scene's \"crs\" and \"origin\"", path, job->low[0], job->low[1], job->high[0],
+			job->high[1], away);
+	else if (where[0])
+		ground_note(job->scene.notes, "%.200s: the image does not reach all plants, which stand up to %s of "
+			"it; the ground is plain there", path, where);
 }
 
 /* ---- Squares ---- */
@@ -282,7 +297,7 @@ static enum eco_code import(struct job *job, struct eco_error *error)
 		colors->raster.path = source->files[i];
 		code = ground_raster_open(&colors->raster, &job->scene, error);
 		if (!code)
-			code = ground_colors_open(colors, source, error);
+			code = ground_colors_open(colors, source, job->range, job->scene.notes, error);
 		if (!code)
 			code = ground_raster_place(&colors->raster, &job->scene, error);
 		if (!code)
@@ -290,10 +305,10 @@ static enum eco_code import(struct job *job, struct eco_error *error)
 	}
 	if (!code)
 		code = find_root(job, error);
-	if (!code)
-		code = check_overlap(job, error);
-	if (!code)
+	if (!code) {
+		doubt_overlap(job);
 		bound_squares(job);
+	}
 	if (!code && fwrite(&job->asked->head, sizeof job->asked->head, 1, job->out) != 1)
 		code = no_pipe(job, error);
 	return code || job->asked->only_look ? code : send_all(job, error);
@@ -302,7 +317,8 @@ static enum eco_code import(struct job *job, struct eco_error *error)
 enum eco_code gdal_image_read(struct eco_ground_image_job *asked, FILE *out, struct eco_error *error)
 {
 	const struct eco_ground_image_options *o = asked->options;
-	struct job job = { .asked = asked, .options = o, .out = out, .pixel_m = PIXEL_M };
+	struct job job = { .asked = asked, .options = o, .out = out, .pixel_m = PIXEL_M,
+		.range = { o->source->range[0], o->source->range[1] } };
 	job.as_ground =
 		(struct eco_ground_source){ .crs = o->source->crs, .has_place = o->source->has_place };
 	memcpy(job.as_ground.corner, o->source->corner, sizeof o->source->corner);

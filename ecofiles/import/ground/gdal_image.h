@@ -9,6 +9,8 @@ struct ground_colors {
 	struct ground_raster raster;
 	GDALDatasetH own;            /* what raster.file shows elsewhere; or NULL */
 	bool by_class;               /* numbers of classes; else colours */
+	bool by_range;               /* colours of numbers from range[0], black, to range[1], white */
+	double range[2];
 	int bands[3], alpha;         /* red, green, blue; alpha, 0: none */
 	struct eco_ground_class *classes;
 	uint32_t class_count; /* ascending; the scene's and the file's */
@@ -16,9 +18,10 @@ struct ground_colors {
 	double nodata;
 };
 
-/* Finds out what an opened raster shows; its CRS and place need not be known. */
+/* Finds out what an opened raster shows; its CRS and place need not be known. `range`, black and white of
+ * bands that are no bytes, is guessed and noted where it is empty, and then holds for all rasters. */
 enum eco_code ground_colors_open(struct ground_colors *colors, const struct eco_ground_image_source *source,
-	struct eco_error *error);
+	double range[2], struct ground_notes *notes, struct eco_error *error);
 /* Puts a raster whose place was found where the scene says. */
 enum eco_code ground_colors_locate(struct ground_colors *colors, const struct eco_ground_image_source *source,
 	struct eco_error *error);

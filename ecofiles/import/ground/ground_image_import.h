@@ -11,7 +11,8 @@
  * are wider than the rasters', and than a pixel of a picture 1080 pixels high, of 45 degrees, that is taken
  * 1 m from the ground among the plants; so squares far away from all plants have wider ones.
  *
- * Colours are bytes: red, green, blue, or grey, with alpha or not. A raster with a table of colours
+ * Colours are red, green, blue, or grey, with alpha or not. Bytes are taken as they are; of other numbers
+ * the scene says which are black and white, or they are guessed from three bands and noted. A raster with a table of colours
  * (palette), or for which the scene gives classes, holds numbers of classes instead: those are never mixed,
  * their colours are. Texels outside the rasters, NODATA, masks and classes without colour are clear; towards
  * them the image fades within a thirty-second of the root's side. */
@@ -31,7 +32,8 @@ struct eco_ground_image_source {
 	uint32_t file_count; /* none: no image; where several have a colour, the first counts */
 	char *crs;                               /* NULL: from the files */
 	struct eco_ground_class *classes; uint32_t class_count;  /* beside those of the files; ascending */
-	bool has_nodata, has_place;
+	bool has_nodata, has_place, has_range;
+	double range[2];                         /* black and white of bands that are no bytes */
 	double nodata;                           /* a value that is no colour and no class */
 	double corner[2], pixel[2];              /* as in struct eco_ground_source */
 	double texel_m;                          /* the least width of a texel; 0: the rasters' */
@@ -48,6 +50,7 @@ struct eco_ground_image_options {
 	void *ctx;
 };
 
+/* Whether the rasters can be read, and what is doubtful about them. */
 enum eco_code eco_ground_image_look(const struct eco_ground_image_options *options, struct eco_error *error);
 
 #define ECO_GROUND_IMAGE_BYTES (4 * ECO_GROUND_IMAGE_SIDE * ECO_GROUND_IMAGE_SIDE)
@@ -59,7 +62,7 @@ struct eco_ground_image_tile {
 struct eco_ground_image_reader;
 enum eco_code eco_ground_image_open(struct eco_ground_image_reader **reader,
 	const struct eco_ground_image_options *options, struct eco_error *error);
-/* ECO_DAMAGED: nothing came; the verdict says why. */
+/* The first call warns. ECO_DAMAGED: nothing came; the verdict says why. */
 enum eco_code eco_ground_image_next(struct eco_ground_image_reader *reader,
 	struct eco_ground_image_tile *tile, struct eco_error *error);
 enum eco_code eco_ground_image_close(struct eco_ground_image_reader *reader, struct eco_error *error);

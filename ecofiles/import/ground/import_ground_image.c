@@ -62,6 +62,13 @@ static bool read_head(struct eco_ground_image_reader *r)
 	return true;
 }
 
+static void warn_all(const struct eco_ground_image_reader *r)
+{
+	const struct eco_ground_image_options *o = r->job.options;
+	for (uint32_t i = 0; o->warn && i < r->job.head.notes.count; i++)
+		o->warn(o->ctx, r->job.head.notes.text[i]);
+}
+
 enum eco_code eco_ground_image_look(const struct eco_ground_image_options *options, struct eco_error *error)
 {
 	struct eco_ground_image_reader r;
@@ -69,8 +76,8 @@ enum eco_code eco_ground_image_look(const struct eco_ground_image_options *optio
 	if (code)
 		return code;
 	code = finish(&r, read_head(&r) ? ECO_OK : ECO_DAMAGED, error);
-	for (uint32_t i = 0; !code && options->warn && i < r.job.head.notes.count; i++)
-		options->warn(options->ctx, r.job.head.notes.text[i]);
+	if (!code)
+		warn_all(&r);
 	return code;
 }
 
@@ -92,6 +99,8 @@ enum eco_code eco_ground_image_next(struct eco_ground_image_reader *r, struct ec
 	struct eco_error *error)
 {
 	bool good = r->begun || read_head(r);
+	if (good && !r->begun)
+		warn_all(r);
 	r->begun = true;
 	int split = good ? fgetc(r->stream) : EOF;
 	good = good && (split == 0 || (split == 1 && r->depth + 1 < GROUND_IMAGE_DEPTH))
