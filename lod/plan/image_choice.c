@@ -97,6 +97,18 @@ static void look_at(struct lod_image *image, const struct looking *look, uint32_
 		.pixels = pixels_of(look->eye, low, high, look->pixels) };
 }
 
+/* A tile covers what its children cover: samples of its own are too few for a large one, and with fewer
+ * pixels it would seem to be wrong in fewer. */
+static void sum_pixels(struct lod_image *image)
+{
+	for (uint32_t i = image->count; i-- > 0;) {
+		struct lod_image_node *node = &image->nodes[i];
+		node->pixels = node->child_count ? 0 : node->pixels;
+		for (uint32_t k = 0; k < node->child_count; k++)
+			node->pixels += image->nodes[node->child_first + k].pixels;
+	}
+}
+
 enum eco_code lod_image_see(struct lod_image *image, const struct eco_scene *scene, const struct lod_eye *eye,
 	const struct eco_view *view, double texel_px, struct eco_error *error)
 {
@@ -119,6 +131,7 @@ enum eco_code lod_image_see(struct lod_image *image, const struct eco_scene *sce
 		image->nodes[i].child_first = first;
 		image->nodes[i].child_count = (uint8_t)(image->count - first);
 	}
+	sum_pixels(image);
 	return ECO_OK;
 }
 

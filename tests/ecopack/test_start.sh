@@ -182,6 +182,41 @@ sed 's/"heights": "..\/metres.asc"/"heights": "..\/centimetres.asc", "unit": "cm
 "$PACK" make "$DIR/hill/stated.json" -o "$DIR/hill/stated.eco" >"$DIR/out" 2>&1 || complain "stated: $(cat "$DIR/out")"
 grep -q 'one slope in ten' "$DIR/out" && complain "make doubts a unit that the scene states"
 
+# ---- A picture of the ground: told from heights by its bands; asked about where these do not say ----
+grid() { # NAME EXPRESSION of x and y: 21 x 21 cells of 10 m
+	awk "BEGIN { print \"ncols 21\\nnrows 21\\nxllcorner 691505\\nyllcorner 5334605\\ncellsize 10\"
+		for (y = 0; y < 21; y++) { for (x = 0; x < 21; x++) printf \"%d \", $2; print \"\" } }" >"$DIR/$1.asc"
+}
+band() { # NUMBER COLOUR FILE
+	printf '<VRTRasterBand dataType="Byte" band="%d"><ColorInterp>%s</ColorInterp><SimpleSource><SourceFilename relativeToVRT="1">%s.asc</SourceFilename><SourceBand>1</SourceBand></SimpleSource></VRTRasterBand>' "$@"
+}
+vrt() { # NAME BANDS
+	printf '<VRTDataset rasterXSize="21" rasterYSize="21"><GeoTransform>691505,10,0,5334815,0,-10</GeoTransform>%s</VRTDataset>\n' "$2" >"$DIR/$1.vrt"
+}
+grid red '12 * x'; grid green '12 * y'; grid blue 40
+vrt photo "$(band 1 Red red)$(band 2 Green green)$(band 3 Blue blue)"
+vrt grey "$(band 1 Gray red)"
+ground() { # STATUS PATTERN RASTER OPTION...
+	wanted=$1 pattern=$2 table="rasters $3 ${4:-}"; shift 2
+	rm -rf "$DIR/my"
+	"$PACK" start "$DIR/off.csv" "$DIR/models/stieleiche.obj" "$@" -o "$DIR/my" --crs EPSG:25832 >"$DIR/out" 2>&1 </dev/null
+	status=$?
+	[ $status -eq "$wanted" ] || complain "$table: status $status instead of $wanted: $(tail -c 600 "$DIR/out")"
+	tr -s '\n ' ' ' <"$DIR/out" | grep -Eq -- "$pattern" || complain "$table: says nothing like /$pattern/: $(cat "$DIR/out")"
+}
+ground 0 'picture .*photo.vrt .it has 3 bands of Byte.*terrain .*metres.asc .it has 1 band of' "$DIR/photo.vrt" "$DIR/metres.asc"
+is '[.ground.heights, .ground.image]' '["../metres.asc",{"file":"../photo.vrt","crs":"EPSG:25832"}]'
+grep -q 'photo.vrt: the image does not reach all plants, which stand up to 20. m west, 8. m north of it' "$DIR/out" || complain "photo: $(cat "$DIR/out")"
+ground 0 'its file says none, and in the scene.s the plants. middle lies on it' "$DIR/photo.vrt"
+is '.ground | has("heights")' false
+ground 1 'heights, or a picture of the ground. it has 1 band of Byte; say --dem .*grey.vrt or --image' "$DIR/grey.vrt"
+ground 0 'are written' --dem "$DIR/grey.vrt" --image "$DIR/photo.vrt"
+is '[.ground.heights, .ground.image.file]' '["../grey.vrt","../photo.vrt"]'
+ground 1 'both are rasters of heights' "$DIR/metres.asc" "$DIR/centimetres.asc"
+ground 0 'crs of the picture EPSG:25832 .as you say' --image "$DIR/photo.vrt" --image-crs EPSG:25832
+sed 's/691505/191505/' "$DIR/photo.vrt" >"$DIR/afar.vrt"
+ground 1 'in which CRS is it.*say --image-crs' "$DIR/afar.vrt"
+
 # ---- Nothing is replaced by mistake, and nothing half written ----
 start 0 '' zone.csv --crs EPSG:25832
 cp "$DIR/my/scene.json" "$DIR/kept.json"

@@ -112,6 +112,25 @@ UNIT_TEST(narrower_texels_are_more_bytes)
 	}
 }
 
+/* Where bytes do not count, what is in view comes in all detail: no tile stands for its quarters. */
+UNIT_TEST(without_a_price_all_detail_is_shown)
+{
+	uint32_t whole = 0, coarse = 0;
+	for (uint64_t seed = 1; seed <= 5 * SEEDS; seed++) {
+		struct looked l;
+		const struct eco_scene *s = look(&l, 500 + seed, 1e-6);
+		struct eco_cut cuts[9];
+		uint32_t count = lod_image_cuts(&l.image, s, NULL, 0, cuts);
+		for (uint32_t i = 0; i < count; i++)
+			for (uint32_t t = 0; t < s->ground_image_count; t++)
+				if (s->ground_images[t].list == cuts[i].list)
+					*(s->ground_images[t].child_first ? &coarse : &whole) += 1;
+		look_away(&l);
+	}
+	print_message("%u tiles in all detail, %u in less\n", whole, coarse);
+	assert_true(whole > 5 * SEEDS && 20 * coarse < whole);
+}
+
 UNIT_TEST(what_is_held_costs_nothing)
 {
 	for (uint64_t seed = 1; seed <= SEEDS; seed++) {

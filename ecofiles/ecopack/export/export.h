@@ -6,6 +6,7 @@
  *   export_plant(&x, number)   a plant in up to three levels: plants/N-L.bin           export_plant.c
  *   export_instances(...)      where a tile's plants stand: tiles/T.bin                export_content.c
  *   export_level, export_summary, export_ground     contents of tiles: .gltf           export_content.c
+ *   export_ground_image(...)   what lies on a tile of ground: tiles/ground-T.png       export_image.c
  *   export_tilesets(&x)        tileset.json, and one for each nested file              export_tree.c
  *
  *   tileset.json                    root, in the Earth's frame where the scene's place is known
@@ -80,6 +81,13 @@ enum eco_code export_level(struct export *x, uint32_t tile, uint32_t level, char
 /* Of the ground only what the rasters hold; an empty name: nothing of it. */
 enum eco_code export_ground(struct export *x, uint32_t ground, char name[EXPORT_NAME], double low[3],
 	double high[3]);
+
+/* sRGB of ground without an image. */
+extern const uint8_t export_grass[3];
+/* Writes the image of that part of the ground, as DIR/NAME, a PNG whose rows come from the north; *is_there:
+ * there is one. A leaf's is as fine as the image, but at most 2048 texels a side. */
+enum eco_code export_ground_image(struct export *x, const double low[3], const double high[3], bool is_leaf,
+	const char *name, bool *is_there);
 
 enum eco_code export_tilesets(struct export *x);
 

@@ -64,25 +64,27 @@ static json_int_t add_accessor(struct document *d, json_int_t buffer, size_t fro
 	return (json_int_t)add(d->accessors, accessor);
 }
 
-static json_int_t add_material(struct document *d, uint32_t image, bool unlit)
+/* uri: of its texture; NULL: none */
+static json_int_t add_material(struct document *d, const char *uri, bool cutout, bool unlit)
 {
 	json_t *rough = json_pack("{s:i, s:i}", "metallicFactor", 0, "roughnessFactor", 1);
 	json_t *material = json_pack("{s:b, s:o}", "doubleSided", 1, "pbrMetallicRoughness", rough);
 	if (unlit)
 		json_object_set_new(material, "extensions", json_pack("{s:{}}", "KHR_materials_unlit"));
-	if (image != ECO_NONE) {
-		char uri[EXPORT_NAME];
-		snprintf(uri, sizeof uri, "../plants/image-%u.png", image);
+	if (uri) {
 		size_t source = add(d->images, json_pack("{s:s}", "uri", uri)),
 			texture = add(d->textures, json_pack("{s:I}", "source", (json_int_t)source));
 		json_object_set_new(rough, "baseColorTexture", json_pack("{s:I}", "index",
 			(json_int_t)texture));
-		json_object_set_new(material, "alphaMode", json_string("MASK"));
 	}
+	if (uri && cutout)
+		json_object_set_new(material, "alphaMode", json_string("MASK"));
 	return (json_int_t)add(d->materials, material);
 }
 
-static json_int_t add_mesh(struct document *d, const struct export_mesh *mesh, json_int_t buffer, bool unlit)
+/* texture: the URI of all parts' textures; NULL: those of plants */
+static json_int_t add_mesh(struct document *d, const struct export_mesh *mesh, json_int_t buffer,
+	const char *texture, bool unlit)
 {
 	json_t *primitives = json_array();
 	for (uint32_t i = 0; i < mesh->part_count; i++) {
@@ -100,8 +102,12 @@ static json_int_t add_mesh(struct document *d, const struct export_mesh *mesh, j
 			json_object_set_new(attributes, "TEXCOORD_0", json_integer(add_accessor(d, buffer,
 				p->uv,
 				p->vertices, 5126, "VEC2", 34962)));
+		char uri[EXPORT_NAME];
+		snprintf(uri, sizeof uri, "../plants/image-%u.png", p->image);
+		json_int_t material = add_material(d, p->image == ECO_NONE ? NULL : texture ? texture : uri, !texture,
+			unlit);
 		json_array_append_new(primitives, json_pack("{s:o, s:I, s:I}", "attributes", attributes,
-			"indices", index, "material", add_material(d, p->image, unlit)));
+			"indices", index, "material", material));
 	}
 	return (json_int_t)add(d->meshes, json_pack("{s:o}", "primitives", primitives));
 }
@@ -328,8 +334,7 @@ enum eco_code export_level(struct export *x, uint32_t tile, uint32_t level, char
 			continue;
 		snprintf(uri, sizeof uri, "../plants/%u-%u.bin", group->plant, own);
 		json_int_t mesh = add_mesh(&d, &plant->level[own], add_buffer(&d, uri,
-			plant->level[own].bytes),
-			false);
+			plant->level[own].bytes), NULL, false);
 		add_node(&d, json_pack("{s:s, s:I, s:o}", "name", s->plants[group->plant].name, "mesh", mesh,
 			"extensions", instances_of(&d, instances, l.group[g], group->count)));
 		*error_m = fmax(*error_m, plant->error_m[own] * largest_scale(s, group));
@@ -343,22 +348,23 @@ enum eco_code export_level(struct export *x, uint32_t tile, uint32_t level, char
 
 /* ---- Summaries and ground ---- */
 
+/* texture: a file in tiles/ for vertices with uv; NULL: none */
 static enum eco_code write_baked(struct export *x, const struct lod_bake *bake, const double middle[3],
-	bool unlit, const char *stem)
+	const char *texture, bool unlit, const char *stem)
 {
 	struct export_mesh mesh = { .parts = NULL };
 	struct eco_writer file = { 0 };
 	char name[EXPORT_NAME], uri[EXPORT_NAME];
-	const uint32_t no_image = ECO_NONE;
+	const uint32_t image = texture ? 0 : ECO_NONE;
 	struct document d;
-	enum eco_code code = export_mesh_add(&mesh, &file, bake, &no_image, 1, x->error);
+	enum eco_code code = export_mesh_add(&mesh, &file, bake, &image, 1, x->error);
 	snprintf(uri, sizeof uri, "%s.bin", stem);
 	snprintf(name, sizeof name, "tiles/%.50s.bin", stem);
 	if (!code)
 		code = export_file(x, name, file.bytes, file.size);
 	if (!code) {
 		document_begin(&d);
-		json_int_t number = add_mesh(&d, &mesh, add_buffer(&d, uri, mesh.bytes), unlit);
+		json_int_t number = add_mesh(&d, &mesh, add_buffer(&d, uri, mesh.bytes), texture, unlit);
 		add_node(&d, json_pack("{s:I}", "mesh", number));
 		snprintf(name, sizeof name, "tiles/%.50s.gltf", stem);
 		code = document_end(x, &d, middle, NULL, unlit ? json_pack("[s]", "KHR_materials_unlit")
@@ -397,7 +403,7 @@ enum eco_code export_summary(struct export *x, uint32_t tile, char name[EXPORT_N
 	*error_m = SUMMARY_WIDTHS * 2 * sqrt((double)list->unit_area * (double)scale / M_PI);
 	snprintf(stem, sizeof stem, "%u-s", tile);
 	if (!code)
-		code = write_baked(x, &bake, middle, true, stem);
+		code = write_baked(x, &bake, middle, NULL, true, stem);
 	snprintf(name, EXPORT_NAME, "tiles/%.50s.gltf", stem);
 	lod_bake_free(&bake);
 	lod_geometry_free(&geometry);
@@ -415,11 +421,13 @@ static enum eco_code decode_ground(struct export *x, const struct eco_list *list
 		samples, x->error);
 }
 
-static void fill_ground(struct lod_bake *bake, uint32_t columns, uint32_t rows)
+const uint8_t export_grass[3] = { 94, 97, 58 };
+
+static void fill_ground(struct lod_bake *bake, uint32_t columns, uint32_t rows, bool has_image)
 {
-	static const uint8_t grass[3] = { 94, 97, 58 };
+	static const uint8_t white[3] = { 255, 255, 255 };
 	uint32_t *index = bake->index;
-	lod_bake_color(grass, bake->vertex_count, bake->color);
+	lod_bake_color(has_image ? white : export_grass, bake->vertex_count, bake->color);
 	for (uint32_t y = 0; y + 1 < rows; y++)
 		for (uint32_t c = 0; c + 1 < columns; c++, index += 6) {
 			uint32_t at = y * columns + c;
@@ -433,6 +441,20 @@ static void fill_ground(struct lod_bake *bake, uint32_t columns, uint32_t rows)
 static double inside(int32_t place, uint32_t samples, uint32_t margin)
 {
 	return fmin(fmax(place, 0), samples - 2.0 * margin - 1);
+}
+
+/* The image and where it lies on the tile, whose positions count from its middle. */
+static enum eco_code lay_image(struct export *x, struct lod_bake *bake, const double low[3], const double high[3],
+	bool is_leaf, const char *texture, bool *is_there)
+{
+	char name[2 * EXPORT_NAME];
+	snprintf(name, sizeof name, "tiles/%s", texture);
+	enum eco_code code = export_ground_image(x, low, high, is_leaf, name, is_there);
+	for (uint32_t i = 0; i < bake->vertex_count && *is_there && !code; i++) {
+		bake->uv[2 * i] = 0.5f + bake->position[3 * i] / (float)(high[0] - low[0]);
+		bake->uv[2 * i + 1] = 0.5f - bake->position[3 * i + 1] / (float)(high[1] - low[1]);
+	}
+	return code;
 }
 
 enum eco_code export_ground(struct export *x, uint32_t ground, char name[EXPORT_NAME], double low[3],
@@ -452,8 +474,7 @@ enum eco_code export_ground(struct export *x, uint32_t ground, char name[EXPORT_
 			ground);
 	if (!code)
 		code = lod_bake_room(&bake, (size_t)columns * rows, (size_t)(columns - 1) * (rows - 1) * 6,
-			false,
-			x->error);
+			s->ground_image_count > 0, x->error);
 	for (int k = 0; k < 3; k++)
 		low[k] = INFINITY, high[k] = -INFINITY;
 	/* the first pass finds the middle */
@@ -475,8 +496,13 @@ enum eco_code export_ground(struct export *x, uint32_t ground, char name[EXPORT_
 	if (!code && !is_outside) {
 		const double middle[3] = { (low[0] + high[0]) / 2, (low[1] + high[1]) / 2,
 			(low[2] + high[2]) / 2 };
-		fill_ground(&bake, columns, rows);
-		code = write_baked(x, &bake, middle, false, stem);
+		char texture[EXPORT_NAME];
+		bool has_image = false;
+		snprintf(texture, sizeof texture, "%.50s.png", stem);
+		code = lay_image(x, &bake, low, high, !s->ground[ground].child_count, texture, &has_image);
+		fill_ground(&bake, columns, rows, has_image);
+		if (!code)
+			code = write_baked(x, &bake, middle, has_image ? texture : NULL, false, stem);
 	}
 	snprintf(name, EXPORT_NAME, is_outside ? "" : "tiles/%.50s.gltf", stem);
 	lod_bake_free(&bake);

@@ -68,7 +68,8 @@ void start_free(struct start *s)
 	free(s->models);
 	free(s->matches);
 	free(s->guesses);
-	free(s->dem);
+	free(s->dem.extent);
+	free(s->image.extent);
 	free(s->scene);
 }
 
@@ -101,7 +102,8 @@ static enum eco_code read_options(struct start_options *o, struct eco_error *err
 		return eco_fail(error, ECO_BAD_USAGE, "a table of trees and a folder of models are needed");
 	o->table = given.inputs.names[0];
 	o->models = given.inputs.names[1];
-	o->dem = given.inputs.count > 2 ? given.inputs.names[2] : NULL;
+	o->rasters = given.inputs.names + 2;
+	o->raster_count = given.inputs.count - 2;
 	size_t bytes = strlen(o->folder);
 	while (bytes > 1 && o->folder[bytes - 1] == '/')
 		bytes--;
@@ -133,7 +135,11 @@ static void print_next(const char *folder)
 
 static enum eco_code run_steps(struct start *s)
 {
-	enum eco_code code = start_look(s);
+	enum eco_code code = start_rasters(s);
+	if (!code)
+		code = start_look(s);
+	if (!code)
+		code = start_image_crs(s);
 	if (!code)
 		code = start_models_find(s);
 	if (!code)
@@ -169,8 +175,8 @@ static enum eco_code run_start(int argc, char **argv, struct eco_error *error)
 }
 
 static const struct eco_option options[] = {
-	{ "the table and the folder of models", 0, ECO_OPTION_INPUTS, "TREES MODELS [DEM]", &given.inputs,
-		.high = 3, .is_required = true },
+	{ "the table and the folder of models", 0, ECO_OPTION_INPUTS, "TREES MODELS [RASTER...]", &given.inputs,
+		.high = 4, .is_required = true },
 	{ "output", 'o', ECO_OPTION_TEXT, "DIR", &given.options.folder, .is_required = true,
 		.help = "the folder for scene.json, map.png and camera.json, which appear together or not "
 			"at all" },
@@ -190,15 +196,21 @@ static const struct eco_option options[] = {
 	{ "dbh-column", 0, ECO_OPTION_TEXT, "COLUMN", &given.options.dbh, .help = "diameters of trunks at "
 		"breast height" },
 	{ "dbh-unit", 0, ECO_OPTION_TEXT, "U", &given.options.dbh_unit, .help = "of diameters or girths" },
+	{ "dem", 0, ECO_OPTION_TEXT, "FILE", &given.options.dem, .help = "a raster of heights, whatever its bands "
+		"look like" },
+	{ "image", 0, ECO_OPTION_TEXT, "FILE", &given.options.image, .help = "a picture of the ground, or its "
+		"classes in colours" },
+	{ "image-crs", 0, ECO_OPTION_TEXT, "CRS", &given.options.image_crs, .help = "of the picture, where its file "
+		"says none" },
 	{ "layer", 0, ECO_OPTION_TEXT, "NAME", &given.options.layer, .help = "of a file with several" },
 	{ "separator", 0, ECO_OPTION_TEXT, "S", &given.options.separator, .help = ", ; | or tab" },
 	{ "decimal", 0, ECO_OPTION_TEXT, "S", &given.options.decimal, .help = ". or ," }, { 0 } };
 
-const struct main_command main_command_start = { { "ecopack start", "TREES MODELS [DEM] -o DIR [--force] "
+const struct main_command main_command_start = { { "ecopack start", "TREES MODELS [RASTER...] -o DIR [--force] "
 	"[--crs CRS] [--x COLUMN --y COLUMN] [--height-unit U] ...",
-	"Makes a scene of an inventory of plants, a folder of models and perhaps a terrain: finds columns, "
-	"units, CRS, origin, models for the species and a camera, and says each guess with its reason and "
-	"what changes it.",
+	"Makes a scene of an inventory of plants, a folder of models and perhaps a terrain and a picture of the "
+	"ground (rasters, in any order): finds columns, units, CRS, origin, models for the species and a camera, "
+	"and says each guess with its reason and what changes it.",
 	options, main_common,
 	"Where two answers are equally good it asks: an error names them and the option that decides. It "
 	"reads nothing from the terminal.\n", NULL }, run_start };

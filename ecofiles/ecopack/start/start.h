@@ -1,5 +1,6 @@
 /* Inside `ecopack start`: from a table of trees and a folder of models to a scene that can be packed.
  *
+ *   start_rasters(&start)         terrain and picture                                 start_rasters.c
  *   start_look(&start)            the table: columns, units, CRS                      start_look.c
  *   start_models_find(&start)     the folder: which files are models                  start_models.c
  *   start_match(&start)           a model for each species                            start_match.c
@@ -25,7 +26,8 @@
 #include "ecofiles/import/places/words.h"
 
 struct start_options {           /* NULL: not given */
-	const char *table, *models, *dem, *folder;
+	const char *table, *models, *dem, *image, *image_crs, *folder;
+	char **rasters; uint32_t raster_count;       /* of which it is not said what they are */
 	const char *crs, *scene_crs, *x, *y, *species, *height, *dbh, *layer, *plant;
 	const char *height_unit, *dbh_unit, *separator, *decimal;
 	bool force;
@@ -51,6 +53,8 @@ struct start_match {
 	struct eco_flora flora;
 }; /* model ECO_NONE: left out */
 
+/* path NULL: none; crs NULL: the file's own */
+struct start_raster { const char *path; struct eco_raster_extent *extent; const char *crs; };
 struct start_size { uint32_t column; struct eco_unit_guess unit; double median; };
 
 struct start {
@@ -59,7 +63,7 @@ struct start {
 	struct eco_rows_source source;
 	struct eco_table table;
 	struct eco_columns columns;
-	struct eco_raster_extent *dem;       /* NULL: none */
+	struct start_raster dem, image;
 	struct eco_place_guess place;
 	/* column ECO_NONE: none; `trunk` is a diameter, or a girth */
 	struct start_size height, trunk;
@@ -73,6 +77,8 @@ struct start {
 	char *scene;                         /* the text */
 };
 
+enum eco_code start_rasters(struct start *s);
+enum eco_code start_image_crs(struct start *s);      /* once the place is known */
 enum eco_code start_look(struct start *s);
 enum eco_code start_models_find(struct start *s);
 enum eco_code start_match_species(struct start *s);

@@ -162,7 +162,7 @@ static enum eco_code find_place(struct start *s)
 {
 	const struct start_options *o = s->options;
 	struct eco_place_asked asked = { .table = &s->table, .columns = &s->columns, .crs = o->crs,
-		.scene_crs = o->scene_crs, .dem = s->dem };
+		.scene_crs = o->scene_crs, .dem = s->dem.extent ? s->dem.extent : s->image.extent };
 	return eco_place_guess(&s->place, &asked, s->error);
 }
 
@@ -178,15 +178,6 @@ static enum eco_code say_place(struct start *s)
 			"--scene-crs", "%s", p->scene_why);
 	snprintf(took, sizeof took, "%.10g, %.10g", p->origin[0], p->origin[1]);
 	return code ? code : start_guess(s, "origin", took, "\"origin\" in the scene", "%s", p->origin_why);
-}
-
-static enum eco_code read_dem(struct start *s)
-{
-	if (!s->options->dem)
-		return ECO_OK;
-	s->dem = malloc(sizeof *s->dem);
-	return s->dem ? eco_raster_extent(s->options->dem, s->dem, s->error)
-		: eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
 }
 
 static enum eco_code check_units(struct start *s)
@@ -218,9 +209,7 @@ enum eco_code start_look(struct start *s)
 		s->table.rows == 1 ? "" : "s", s->table.column_count);
 	for (uint32_t i = 0; i < s->table.note_count; i++)
 		start_say("  %s\n", s->table.notes[i]);
-	code = read_dem(s);
-	if (!code)
-		code = find_columns(s);
+	code = find_columns(s);
 	if (!code)
 		code = find_place(s);
 	if (!code)

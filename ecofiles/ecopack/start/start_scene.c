@@ -194,8 +194,15 @@ static json_t *entry_json(const struct start *s)
 static json_t *ground_json(const struct start *s)
 {
 	json_t *ground = json_object();
-	json_object_set_new(ground, "heights", path_json(s, s->options->dem));
-	set_text(ground, "crs", s->place.dem_crs);
+	if (s->dem.path) {
+		json_object_set_new(ground, "heights", path_json(s, s->dem.path));
+		set_text(ground, "crs", s->place.dem_crs);
+	}
+	if (s->image.path && s->image.crs)
+		json_object_set_new(ground, "image", json_pack("{s:o, s:s}", "file", path_json(s, s->image.path), "crs",
+			s->image.crs));
+	else if (s->image.path)
+		json_object_set_new(ground, "image", path_json(s, s->image.path));
 	return ground;
 }
 
@@ -225,7 +232,7 @@ enum eco_code start_scene(struct start *s)
 	json_object_set_new(scene, "notes", notes_json(s));
 	set_text(scene, "crs", s->place.scene_crs);
 	json_object_set_new(scene, "origin", json_pack("[f,f]", s->place.origin[0], s->place.origin[1]));
-	if (s->options->dem)
+	if (s->dem.path || s->image.path)
 		json_object_set_new(scene, "ground", ground_json(s));
 	json_object_set_new(scene, "plants", plants_json(s));
 	json_object_set_new(scene, "instances", json_pack("[o]", entry_json(s)));

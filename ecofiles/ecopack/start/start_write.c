@@ -105,7 +105,7 @@ enum eco_code start_write(struct start *s)
 	if (!code)
 		code = give_names(&w);
 	if (!code && w.map.off_ground > 0)
-		main_note("%s: %llu of %llu plants stand beyond its border", s->options->dem,
+		main_note("%s: %llu of %llu plants stand beyond its border", s->dem.path,
 			(unsigned long long)w.map.off_ground, (unsigned long long)w.map.total);
 	for (int i = 0; i < FILES; i++) {
 		if (w.beside[i])

@@ -90,8 +90,9 @@ static int by_value(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* Values of a band all over the raster, without those that are none; returns how many. */
-static size_t sample_band(const struct ground_colors *c, int number, float *values)
+/* Values of a band all over the raster, without those that are none or clear; returns how many. `alpha` has
+ * room for as many. */
+static size_t sample_band(const struct ground_colors *c, int number, float *values, float *alpha)
 {
 	GDALRasterBandH band = GDALGetRasterBand(c->raster.file, number);
 	int columns = GDALGetRasterXSize(c->raster.file), rows = GDALGetRasterYSize(c->raster.file),
@@ -99,10 +100,12 @@ static size_t sample_band(const struct ground_colors *c, int number, float *valu
 		down = rows < RANGE_SAMPLES ? rows : RANGE_SAMPLES, has_nodata = 0;
 	double nodata = GDALGetRasterNoDataValue(band, &has_nodata);
 	size_t count = 0;
-	if (GDALRasterIO(band, GF_Read, 0, 0, columns, rows, values, across, down, GDT_Float32, 0, 0) != CE_None)
+	if (GDALRasterIO(band, GF_Read, 0, 0, columns, rows, values, across, down, GDT_Float32, 0, 0) != CE_None
+			|| (c->alpha && GDALRasterIO(GDALGetRasterBand(c->raster.file, c->alpha), GF_Read, 0, 0, columns,
+				rows, alpha, across, down, GDT_Float32, 0, 0) != CE_None))
 		return 0;
 	for (size_t i = 0; i < (size_t)across * (size_t)down; i++)
-		if (isfinite(values[i]) && !(has_nodata && (double)values[i] == nodata)
+		if (isfinite(values[i]) && !(c->alpha && !(alpha[i] > 0)) && !(has_nodata && (double)values[i] == nodata)
 				&& !(c->has_nodata && (double)values[i] == c->nodata))
 			values[count++] = values[i];
 	return count;
@@ -112,12 +115,12 @@ static size_t sample_band(const struct ground_colors *c, int number, float *valu
 static enum eco_code guess_range(const struct ground_colors *c, double range[2], struct ground_notes *notes,
 	struct eco_error *error)
 {
-	float *values = malloc(3 * sizeof *values * RANGE_SAMPLES * RANGE_SAMPLES);
+	float *values = malloc(4 * sizeof *values * RANGE_SAMPLES * RANGE_SAMPLES);
 	size_t count = 0;
 	if (!values)
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for the ground's image");
 	for (int k = 0; k < 3; k++)
-		count += sample_band(c, c->bands[k], values + count);
+		count += sample_band(c, c->bands[k], values + count, values + 3 * RANGE_SAMPLES * RANGE_SAMPLES);
 	if (count) {
 		qsort(values, count, sizeof *values, by_value);
 		range[0] = (double)values[(size_t)(RANGE_CUT * (double)(count - 1))];

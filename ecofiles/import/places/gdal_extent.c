@@ -37,6 +37,29 @@ static void copy_crs(GDALDatasetH file, char *text, size_t size)
 	CPLFree(wkt);
 }
 
+/* One band of finer or larger numbers than bytes are heights; three and more, or a table of colours, are a
+ * picture. One band of bytes may be either: grey, whole metres, or classes without colours. */
+static void find_kind(GDALDatasetH file, struct eco_raster_extent *extent)
+{
+	int count = GDALGetRasterCount(file), alpha = 0;
+	GDALRasterBandH first = GDALGetRasterBand(file, 1);
+	GDALDataType type = first ? GDALGetRasterDataType(first) : GDT_Unknown;
+	bool named = false;
+	for (int b = 1; b <= count; b++) {
+		GDALColorInterp is = GDALGetRasterColorInterpretation(GDALGetRasterBand(file, b));
+		alpha += is == GCI_AlphaBand;
+		named = named || is == GCI_RedBand;
+	}
+	count -= alpha;
+	bool table = first && GDALGetRasterColorTable(first);
+	extent->kind = (table && count == 1) || (count >= 3 && (named || type == GDT_Byte || type == GDT_UInt16))
+		? ECO_RASTER_PICTURE
+		: count == 1 && type != GDT_Byte && !GDALDataTypeIsComplex(type) ? ECO_RASTER_HEIGHTS
+		: ECO_RASTER_DOUBTFUL;
+	snprintf(extent->bands, sizeof extent->bands, "it has %d band%s of %s%s%s", count, count == 1 ? "" : "s",
+		GDALGetDataTypeName(type), table ? " with a table of colours" : "", alpha ? " and alpha" : "");
+}
+
 enum eco_code gdal_raster_extent(const char *path, struct eco_raster_extent *extent, struct eco_error *error)
 {
 	double transform[6];
@@ -55,6 +78,8 @@ enum eco_code gdal_raster_extent(const char *path, struct eco_raster_extent *ext
 		measure(file, transform, extent);
 	if (!code)
 		copy_crs(file, extent->crs, sizeof extent->crs);
+	if (!code)
+		find_kind(file, extent);
 	if (file)
 		GDALClose(file);
 	CPLPopErrorHandler();

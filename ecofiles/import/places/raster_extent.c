@@ -26,6 +26,8 @@ enum eco_code eco_raster_extent(const char *path, struct eco_raster_extent *exte
 	bool good = fread(extent, sizeof *extent, 1, result) == 1;
 	fclose(result);
 	extent->crs[sizeof extent->crs - 1] = 0;
+	extent->bands[sizeof extent->bands - 1] = 0;
+	good = good && extent->kind <= ECO_RASTER_DOUBTFUL;
 	for (int k = 0; k < 2; k++)
 		good = good && isfinite(extent->low[k]) && isfinite(extent->high[k])
 			&& extent->low[k] < extent->high[k];

@@ -1,0 +1,81 @@
+/* The rasters: which holds the heights of the ground, and which its picture. */
+#include "ecofiles/ecopack/start/start.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static enum eco_code read_extent(struct start *s, const char *path, struct eco_raster_extent **extent)
+{
+	*extent = malloc(sizeof **extent);
+	return *extent ? eco_raster_extent(path, *extent, s->error)
+		: eco_fail(s->error, ECO_NO_MEMORY, "out of memory");
+}
+
+static enum eco_code keep(struct start *s, struct start_raster *raster, const char *path,
+	struct eco_raster_extent *extent, const char *what, const char *option)
+{
+	if (raster->path)
+		return eco_fail(s->error, ECO_BAD_INPUT, "%.200s and %.200s: both are rasters of %s; name one, or several "
+			"as an array in the scene (%s FILE says what a file is)", raster->path, path, what, option);
+	*raster = (struct start_raster){ path, extent, NULL };
+	return ECO_OK;
+}
+
+/* What comes without an option is what its bands say. */
+static enum eco_code sort_raster(struct start *s, const char *path)
+{
+	struct eco_raster_extent *extent = NULL;
+	enum eco_code code = read_extent(s, path, &extent);
+	if (!code && extent->kind == ECO_RASTER_DOUBTFUL)
+		code = eco_fail(s->error, ECO_BAD_INPUT, "%.200s: heights, or a picture of the ground? %s; say --dem "
+			"%.200s or --image %.200s", path, extent->bands, path, path);
+	if (!code)
+		code = extent->kind == ECO_RASTER_HEIGHTS ? keep(s, &s->dem, path, extent, "heights", "--dem")
+			: keep(s, &s->image, path, extent, "colours", "--image");
+	if (code) {
+		free(extent);
+		return code;
+	}
+	return start_guess(s, extent->kind == ECO_RASTER_HEIGHTS ? "terrain" : "picture", path, "--dem, --image", "%s",
+		extent->bands);
+}
+
+enum eco_code start_rasters(struct start *s)
+{
+	const struct start_options *o = s->options;
+	enum eco_code code = ECO_OK;
+	s->dem.path = o->dem;
+	s->image.path = o->image;
+	if (o->dem)
+		code = read_extent(s, o->dem, &s->dem.extent);
+	if (!code && o->image)
+		code = read_extent(s, o->image, &s->image.extent);
+	for (uint32_t i = 0; i < o->raster_count && !code; i++)
+		code = sort_raster(s, o->rasters[i]);
+	return code;
+}
+
+/* The picture's CRS, where its file says none: the scene's, if the plants' middle lies on it then. */
+enum eco_code start_image_crs(struct start *s)
+{
+	const struct eco_raster_extent *e = s->image.extent;
+	const struct eco_place_guess *p = &s->place;
+	if (!e || (e->crs[0] != 0 && !s->options->image_crs))
+		return ECO_OK;
+	if (s->options->image_crs) {
+		s->image.crs = s->options->image_crs;
+		return start_guess(s, "crs of the picture", s->image.crs, "--image-crs", "as you say");
+	}
+	if (p->scene_crs[0] == 0)
+		return ECO_OK;           /* plain metres, as the scene */
+	for (int k = 0; k < 2; k++)
+		if (p->origin[k] < e->low[k] || p->origin[k] > e->high[k])
+			return eco_fail(s->error, ECO_BAD_INPUT, "%.200s: in which CRS is it? Its file says none, and in the "
+				"scene's, %s, it lies from %.0f, %.0f to %.0f, %.0f, where the plants are not; say "
+				"--image-crs EPSG:...", s->image.path, p->scene_crs, e->low[0], e->low[1], e->high[0],
+				e->high[1]);
+	s->image.crs = p->scene_crs;
+	return start_guess(s, "crs of the picture", s->image.crs, "--image-crs", "its file says none, and in the "
+		"scene's the plants' middle lies on it");
+}
