@@ -290,7 +290,7 @@ void srv_etag_of(char etag[SRV_ETAG_BYTES], const struct eco_chunk_id *id)
 	snprintf(etag, SRV_ETAG_BYTES, "\"%s\"", text);
 }
 
-void srv_etag_request(char etag[SRV_ETAG_BYTES], const struct srv_scene *scene, uint64_t plan_times,
+void srv_etag_request(char etag[SRV_ETAG_BYTES], const struct srv_scene *scene, const uint64_t limits[3],
 	const char *target)
 {
 	struct eco_chunk_id id;
@@ -300,7 +300,7 @@ void srv_etag_request(char etag[SRV_ETAG_BYTES], const struct srv_scene *scene, 
 	XXH3_128bits_reset(&state);
 	XXH3_128bits_update(&state, scene->pack->id.bytes, sizeof scene->pack->id.bytes);
 	XXH3_128bits_update(&state, ECO_VERSION, sizeof ECO_VERSION);
-	XXH3_128bits_update(&state, &plan_times, sizeof plan_times);
+	XXH3_128bits_update(&state, limits, 3 * sizeof *limits);
 	XXH3_128bits_update(&state, target, strlen(target));
 	XXH128_canonicalFromHash(&hash, XXH3_128bits_digest(&state));
 	memcpy(id.bytes, hash.digest, sizeof id.bytes);

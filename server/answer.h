@@ -85,9 +85,9 @@ void srv_answer_add(struct srv_answer *answer, const char *name, const char *val
 void srv_answer_free(struct srv_answer *answer);
 
 void srv_etag_of(char etag[SRV_ETAG_BYTES], const struct eco_chunk_id *id);
-/* A validator for what a server of this version, which bounds plans so, answers to `target` from this pack:
+/* A validator for what a server of this version, with these limits of work, vertices and bytes, answers to `target` from this pack:
  * the same request gives the same bytes. */
-void srv_etag_request(char etag[SRV_ETAG_BYTES], const struct srv_scene *scene, uint64_t plan_times,
+void srv_etag_request(char etag[SRV_ETAG_BYTES], const struct srv_scene *scene, const uint64_t limits[3],
 	const char *target);
 
 #endif

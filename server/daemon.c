@@ -280,6 +280,7 @@ struct srv_gauges srv_host_gauges(struct srv_host *host)
 		.scenes = edition->store.count,
 		.retired = edition->retired_count,
 		.bodies_bytes = atomic_load(&host->bodies_bytes),
+		.kept_bytes = srv_plan_cache_bytes(host->plans),
 		.accept_failures = srv_listener_failures(host->listener),
 		.refused_heads = srv_gate_refused() };
 	gauges.ready = !atomic_load(&host->draining) && gauges.waiting_plans < host->config.queue_max;

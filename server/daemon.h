@@ -24,6 +24,7 @@
 #include "server/store.h"
 
 struct srv_access;
+struct srv_caps;
 struct srv_reload;
 struct srv_site;
 struct srv_sources;
@@ -50,6 +51,7 @@ struct srv_config {              /* 0 is the default */
 	uint64_t tiles_max, placements_max;  /* of a plan's walk; lod/plan/planner.h's defaults */
 	uint64_t plan_times;         /* work of a plan, over an ordinary one of its scene (typical.h): 5 */
 	const struct srv_access *access;     /* tokens and origins; NULL: none. Outlives the daemon */
+	const struct srv_caps *caps; /* of scenes (caps.h); NULL: none. Outlives the daemon */
 	const struct srv_sources *sources; /* what a reload opens; NULL: there is none. Outlives the daemon */
 	uint64_t keep_s;             /* that chunks of a replaced pack are still served: 600 */
 	bool log;                    /* one line a request on stderr, ... */

@@ -132,7 +132,17 @@ static void describe_origin(struct srv_json *json, const struct eco_pack *pack)
 	json_decref(meta);
 }
 
-void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene)
+/* null: none. */
+static void key_cap(struct srv_json *json, const char *key, uint64_t most)
+{
+	srv_json_key(json, key);
+	if (most == UINT64_MAX)
+		srv_json_null(json);
+	else
+		srv_json_count(json, most);
+}
+
+void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene, const struct srv_most *most)
 {
 	const struct eco_scene *tables = &scene->pack->scene;
 	const struct eco_tile *root = tables->tile_count ? &tables->tiles[tables->root] : NULL;
@@ -163,6 +173,8 @@ void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene)
 	srv_json_key_number(json, "near_m", tables->near_m);
 	describe_origin(json, scene->pack);
 	describe_needs(json, tables->needs);
+	key_cap(json, "cap_vertices", most->vertices);
+	key_cap(json, "cap_bytes", most->bytes);
 	describe_links(json, scene);
 	srv_json_close(json, '}');
 }

@@ -2,6 +2,7 @@
 #ifndef SRV_DESCRIBE_H
 #define SRV_DESCRIBE_H
 
+#include "server/caps.h"
 #include "server/request/json.h"
 #include "server/stream.h"
 
@@ -9,7 +10,7 @@ void srv_describe_health(struct srv_json *json, const struct srv_store *store);
 /* Those that `may_see` (NULL: all). */
 void srv_describe_scenes(struct srv_json *json, const struct srv_store *store,
 	bool (*may_see)(const struct srv_scene *scene, const void *ctx), const void *ctx);
-void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene);
+void srv_describe_scene(struct srv_json *json, const struct srv_scene *scene, const struct srv_most *most);
 /* may be NULL */
 void srv_describe_plan(struct srv_json *json, const struct srv_stream *stream,
 	const struct lod_explanation *explanation);

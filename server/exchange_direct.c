@@ -6,6 +6,7 @@
 
 #include "ecofiles/format/chunk/chunk.h"
 #include "server/access.h"
+#include "server/caps.h"
 #include "server/describe.h"
 
 static void answer_described(struct srv_exchange *exchange, bool validated, struct srv_json *json)
@@ -132,6 +133,7 @@ void srv_exchange_reload(void *argument)
 
 void srv_exchange_answer_direct(struct srv_exchange *exchange)
 {
+	struct srv_most most;
 	struct srv_json json = { 0 };
 	struct eco_error error = { 0 };
 	if (srv_query_none(&exchange->target, &error)) {
@@ -154,7 +156,8 @@ void srv_exchange_answer_direct(struct srv_exchange *exchange)
 		answer_described(exchange, true, &json);
 		break;
 	case SRV_SCENE:
-		srv_describe_scene(&json, exchange->scene);
+		most = srv_caps_of(exchange->host->config.caps, exchange->scene->name);
+		srv_describe_scene(&json, exchange->scene, &most);
 		answer_described(exchange, true, &json);
 		break;
 	case SRV_INDEX:

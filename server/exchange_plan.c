@@ -7,6 +7,7 @@
 
 #include "ecofiles/format/wire.h"
 #include "server/access.h"
+#include "server/caps.h"
 #include "server/describe.h"
 #include "server/trace.h"
 #include "server/typical.h"
@@ -178,8 +179,9 @@ static bool answer_by_tag(struct srv_exchange *exchange)
 
 static bool answer_unplanned(struct srv_exchange *exchange)
 {
-	srv_etag_request(exchange->validators.etag, exchange->scene, exchange->host->config.plan_times,
-		exchange->raw);
+	const struct srv_most most = srv_caps_of(exchange->host->config.caps, exchange->scene->name);
+	srv_etag_request(exchange->validators.etag, exchange->scene,
+		(const uint64_t[3]){ exchange->host->config.plan_times, most.vertices, most.bytes }, exchange->raw);
 	exchange->validators.modified_s = exchange->scene->modified_s;
 	exchange->validators.is_private = srv_access_is_private(exchange->host->config.access,
 		exchange->scene->name);
@@ -195,6 +197,8 @@ bool srv_exchange_prepare_plan(struct srv_exchange *exchange)
 		srv_exchange_problem(exchange, SRV_PROBLEM_PARAMETER, error.text, false);
 		return false;
 	}
+	const struct srv_most most = srv_caps_of(exchange->host->config.caps, exchange->scene->name);
+	srv_caps_apply(&most, &exchange->query.request);
 	if (exchange->query.explain && exchange->route != &srv_routes[SRV_PLAN]) {
 		srv_exchange_problem(exchange, SRV_PROBLEM_PARAMETER,
 			"parameter 'explain': a stream explains "

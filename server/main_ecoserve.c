@@ -14,6 +14,7 @@
 #include "ecofiles/base/beside.h"
 #include "ecofiles/base/options_file.h"
 #include "server/access.h"
+#include "server/caps.h"
 #include "server/daemon.h"
 #include "server/log.h"
 #include "server/sandbox.h"
@@ -32,6 +33,7 @@
 static struct {
 	struct srv_config config;
 	struct srv_access access;
+	struct srv_caps caps;
 	struct eco_inputs scenes;
 	const char *copies, *viewer, *settings, *user;
 	bool in_place, only_check, without_sandbox, require_sandbox;
@@ -45,6 +47,16 @@ static enum eco_code read_networks(const char *text, void *networks, struct eco_
 static enum eco_code read_token(const char *text, void *access, struct eco_error *error)
 {
 	return srv_access_add_token(access, text, error);
+}
+
+static enum eco_code read_cap_vertices(const char *text, void *caps, struct eco_error *error)
+{
+	return srv_cap_add(caps, text, "cap-vertices", error);
+}
+
+static enum eco_code read_cap_bytes(const char *text, void *caps, struct eco_error *error)
+{
+	return srv_cap_add(caps, text, "cap-bytes", error);
 }
 
 static enum eco_code read_operator(const char *text, void *access, struct eco_error *error)
@@ -110,6 +122,11 @@ static const struct eco_option options[] = {
 		.help = "of all bodies, as far as they have arrived; 256 MiB if not given" },
 	{ "answer-bytes", 0, ECO_OPTION_COUNT, "BYTES", &given.config.response_max, 1, 1ull << 40,
 		.help = "of an answer at most; 2 GiB if not given" },
+	{ "cap-vertices", 0, ECO_OPTION_READ, "[SCENE=]N", &given.caps.vertices, .read = read_cap_vertices,
+		.help = "that an answer of the scene, or of any, draws at most: who asks for more gets so "
+			"much; may be given more than once" },
+	{ "cap-bytes", 0, ECO_OPTION_READ, "[SCENE=]BYTES", &given.caps.bytes, .read = read_cap_bytes,
+		.help = "that an answer of the scene, or of any, takes at most, in the same way" },
 	{ "kept-bytes", 0, ECO_OPTION_COUNT, "BYTES", &given.config.plan_cache_bytes, 1, 1ull << 40,
 		.help = "of answers that are kept for who asks again; 64 MiB if not given" },
 	{ "trust-proxy", 0, ECO_OPTION_READ, "ADDRESS[/BITS],...", &given.config.trusted,
@@ -292,6 +309,7 @@ static enum eco_code run(struct eco_error *error)
 	raise_descriptors(given.config.connections_max);
 	given.config.site = &site;
 	given.config.access = &given.access;
+	given.config.caps = &given.caps;
 	given.config.sources = &sources;
 	srv_store_init(&store);
 	enum eco_code code = read_site(&site, error);
@@ -300,6 +318,7 @@ static enum eco_code run(struct eco_error *error)
 	code = code ? code : check_sandbox(error);
 	code = code ? code : srv_sources_load(&sources, NULL, &store, &report, error);
 	code = code ? code : srv_access_check(&given.access, &store, error);
+	code = code ? code : srv_caps_check(&given.caps, &store, error);
 	if (!code)
 		code = given.only_check ? announce("the configuration is good", &store, error)
 			: serve_scenes(&store, &signals, error);

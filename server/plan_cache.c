@@ -142,6 +142,14 @@ bool srv_plan_cache_get(struct srv_plan_cache *cache, const char *etag, struct s
 	return entry;
 }
 
+uint64_t srv_plan_cache_bytes(struct srv_plan_cache *cache)
+{
+	pthread_mutex_lock(&cache->mutex);
+	uint64_t bytes = cache->bytes;
+	pthread_mutex_unlock(&cache->mutex);
+	return bytes;
+}
+
 void srv_plan_cache_free(struct srv_plan_cache *cache)
 {
 	if (!cache)

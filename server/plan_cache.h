@@ -33,5 +33,7 @@ void srv_plan_cache_free(struct srv_plan_cache *cache);          /* NULL is fine
 void srv_plan_cache_put(struct srv_plan_cache *cache, const char *etag, const struct srv_kept_answer *kept);
 /* The caller holds the body then, if there is one. */
 bool srv_plan_cache_get(struct srv_plan_cache *cache, const char *etag, struct srv_kept_answer *kept);
+/* Memory of all that is kept. */
+uint64_t srv_plan_cache_bytes(struct srv_plan_cache *cache);
 
 #endif

@@ -5,6 +5,7 @@
 #include <stdatomic.h>
 
 #include "server/access.h"
+#include "server/caps.h"
 #include "server/metrics.h"
 #include "server/reload.h"
 #include "tests/support/files.h"
@@ -227,6 +228,69 @@ UNIT_TEST(a_folder_is_all_packs_in_it)
 		true);
 	srv_store_free(&second);
 	assert_int_equal(system(command), 0);
+}
+
+/* ---- Caps ---- */
+
+static char *etag_of(const char *target)
+{
+	struct http_answer answer = http_ask(port, "GET", target, "", NULL, 0);
+	char value[100];
+	assert_true(answer.status == 200 && http_header(&answer, "ETag", value, sizeof value));
+	http_free(&answer);
+	return strdup(value);
+}
+
+/* Budgets, vertices drawn and bytes of the plan for this much; what is asked for is told by its tag, too. */
+static void assert_plan(const char *asked, uint64_t budget, uint64_t bytes_most)
+{
+	char target[200];
+	snprintf(target, sizeof target, BASE "/plan?" VIEW "&vertices=%s", asked);
+	json_t *plan = answered("GET", target, 200);
+	uint64_t vertices = (uint64_t)json_integer_value(json_object_get(plan, "vertices"));
+	assert_int_equal(json_integer_value(json_object_get(plan, "budget_vertices")), budget);
+	assert_true(vertices <= budget
+		&& (uint64_t)json_integer_value(json_object_get(plan, "bytes")) <= bytes_most);
+	json_decref(plan);
+	snprintf(target, sizeof target, BASE "/stream?" VIEW "&vertices=%s", asked);
+	struct http_answer answer = http_ask(port, "GET", target, "", NULL, 0);
+	assert_true(answer.status == 200 && answer.size <= bytes_most);
+	http_free(&answer);
+}
+
+UNIT_TEST(answers_of_a_scene_may_be_capped)
+{
+	static struct srv_caps caps;
+	struct srv_store scenes;
+	struct eco_error error = { 0 };
+	caps = (struct srv_caps){ .vertices.count = 0 };
+	struct srv_daemon *daemon = start((struct srv_config){ .caps = &caps }, &scenes);
+	json_t *described = answered("GET", BASE, 200);
+	assert_true(json_is_null(json_object_get(described, "cap_vertices"))
+		&& json_is_null(json_object_get(described, "cap_bytes")));
+	json_decref(described);
+	assert_plan("5000", 5000, UINT64_MAX);
+	char *free_tag = etag_of(BASE "/stream?" VIEW_BY("5000"));
+	srv_daemon_stop(daemon);
+	srv_store_free(&scenes);
+	assert_ok(srv_cap_add(&caps.vertices, "sample=700", "cap-vertices", &error), error);
+	assert_ok(srv_cap_add(&caps.vertices, "300", "cap-vertices", &error), error);
+	assert_ok(srv_cap_add(&caps.bytes, "4000", "cap-bytes", &error), error);
+	daemon = start((struct srv_config){ .caps = &caps }, &scenes);
+	assert_ok(srv_caps_check(&caps, &scenes, &error), error);
+	described = answered("GET", BASE, 200);
+	assert_int_equal(json_integer_value(json_object_get(described, "cap_vertices")), 700);
+	assert_int_equal(json_integer_value(json_object_get(described, "cap_bytes")), 4000);
+	json_decref(described);
+	assert_plan("5000", 700, 4000);
+	assert_plan("600", 600, 4000);
+	assert_plan("9223372036854775807", 700, 4000);
+	char *tag = etag_of(BASE "/stream?" VIEW_BY("5000"));
+	assert_string_not_equal(tag, free_tag);
+	free(tag);
+	free(free_tag);
+	srv_daemon_stop(daemon);
+	srv_store_free(&scenes);
 }
 
 /* ---- Who may ---- */

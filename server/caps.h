@@ -1,0 +1,28 @@
+/* The most that an answer of a scene may draw and take, whatever is asked for: a request above it is answered
+ * as if it had asked for that much. The scene's description states both. A cap of one scene goes before the
+ * one for all. */
+#ifndef SRV_CAPS_H
+#define SRV_CAPS_H
+
+#include "ecofiles/format/view.h"
+#include "server/store.h"
+
+#define SRV_CAPS_MAX 256u
+
+struct srv_cap { char scene[SRV_NAME_BYTES]; uint64_t most; };   /* scene "": all */
+struct srv_cap_list { struct srv_cap items[SRV_CAPS_MAX]; uint32_t count; };
+struct srv_caps { struct srv_cap_list vertices, bytes; };        /* 0: none */
+
+/* "N", or "SCENE=N", N above 0; the last of a scene holds. `option`: what errors call it. */
+enum eco_code srv_cap_add(struct srv_cap_list *list, const char *argument, const char *option,
+	struct eco_error *error);
+/* ECO_BAD_USAGE names a scene that has a cap, but is not there. */
+enum eco_code srv_caps_check(const struct srv_caps *caps, const struct srv_store *store,
+	struct eco_error *error);
+
+/* What a scene's answers may have, UINT64_MAX without a cap. `caps` NULL: none has one. */
+struct srv_most { uint64_t vertices, bytes; };
+struct srv_most srv_caps_of(const struct srv_caps *caps, const char *scene);
+void srv_caps_apply(const struct srv_most *most, struct eco_request *request);
+
+#endif
