@@ -21,6 +21,22 @@ export const SHADOWS = { none: 0, standard: 1, perspective: 2 };
 const PATIENCE_MS = 400;         // a view that is out of date is given up after so long
 const FIRST_MS = 250;            // coarser pictures are shown while a view takes longer than this
 
+
+let compiled = null;             // the client, which all layers share
+
+/** Compiles the client while it comes; from hosts that do not say that it is WebAssembly, once it has. */
+function compileClient() {
+	const url = new URL('eco_client.wasm', import.meta.url);
+	compiled ??= WebAssembly.compileStreaming(fetch(url))
+		.catch(async () => WebAssembly.compile(await (await fetch(url)).arrayBuffer()));
+	return compiled;
+}
+
+const instantiateWasm = (imports, done) => {
+	compileClient().then((client) => WebAssembly.instantiate(client, imports)).then(done);
+	return {};
+};
+
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const row = (m, i) => [m[i], m[4 + i], m[8 + i]];
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
@@ -77,34 +93,46 @@ function stateOf(gl) {
 }
 
 export class EcoLayer {
-	/** vertices, bytes: budgets of a view (bytes -1: none); tint: 'none' or 'kind'; sky: draw one where
+	/** vertices, bytes: budgets of a view (bytes -1: none); firstBytes: of a first picture, after which the
+	 * rest comes (Infinity: all comes at once); tint: 'none' or 'kind'; sky: draw one where
 	 * nothing is; ground: draw it, else plants alone, which it still hides; scale: pixels drawn for each
 	 * of the page's, either way; memoryBytes: of decoded data;
 	 * sun: a time, in seconds since 1970, where it is then and there; null: where it usually is;
 	 * shadows: 'none', 'standard' or 'perspective', by a map of shadowSize texels a side (0: 1024);
 	 * haze: metres after which it hides all but 1/e (0: as usual);
+	 * first: { about, view, wanted, bytes }, what a page has asked for before it had this module: a Scene, and
+	 * the answer to a first request (or null);
 	 * keep: the browser keeps what comes until the next visit; token: of a scene that is not for all;
 	 * onChange(): there is more to draw; onError(error): an EcoError. */
-	constructor({ url, gl, vertices = 300000, bytes = -1, tint = 'none', sky = true, ground = true, scale = 1,
-		memoryBytes, sun = null, shadows = 'none', shadowSize = 0, haze = 0, keep = false, token,
+	constructor({ url, gl, vertices = 300000, bytes = -1, firstBytes = 65536, tint = 'none', sky = true,
+		ground = true, scale = 1, memoryBytes, sun = null, shadows = 'none', shadowSize = 0, haze = 0,
+		keep = false, token, first,
 		onChange, onError }) {
-		Object.assign(this, { gl, vertices, bytes, tint, sky, ground, scale, sun, shadows, shadowSize, haze,
-			onChange, onError });
+		Object.assign(this, { gl, vertices, bytes, firstBytes, tint, sky, ground, scale, sun, shadows, shadowSize,
+			haze, onChange, onError });
 		this.asked = null;              // the view that is held or under way
 		this.loading = false;
 		this.version = 0;               // of what is drawn
 		this.source = { url, memoryBytes, keep, token };
-		this.ready = this.open();
+		this.ready = this.open(first);
 	}
 
-	async open() {
-		const locateFile = (name) => new URL(name, import.meta.url).href;
+	/** Begins to load what all layers need. */
+	static prepare() {
+		compileClient().catch(() => {});         // who opens a layer is told
+	}
+
+	async open(first) {
 		const { url, token } = this.source;
-		[this.module, this.about] = await Promise.all([createClient({ locateFile }),
-			aboutScene(url, token)]);
+		[, this.module, this.about] = await Promise.all([compileClient(), createClient({ instantiateWasm }),
+			first?.about ?? aboutScene(url, token)]);
 		this.context = this.module.GL.registerContext(this.gl,
 			{ majorVersion: 2, minorVersion: 0, enableExtensionsByDefault: true });
-		this.stream = await this.openStream();
+		const stream = await this.openStream();
+		// where it is of no use all is asked for as usual
+		if (first?.bytes && !stream.held)
+			await stream.take(first).then(() => stream.select(), () => {});
+		this.stream = stream;
 	}
 
 	/** Begins anew: the server has another pack of the scene. */
@@ -222,6 +250,12 @@ export class EcoLayer {
 		};
 		try {
 			const { signal } = this.abort;
+			const most = wanted.bytes < 0 ? Infinity : wanted.bytes, bytes = Math.min(most, this.firstBytes);
+			if (!this.stream.selected && bytes < most) {
+				await this.stream.fetch(wanted.view, { ...wanted, signal, onPart, bytes });
+				show();
+				this.onChange?.();
+			}
 			await this.stream.fetch(wanted.view, { ...wanted, signal, onPart });
 			show();
 		} catch (error) {

@@ -45,6 +45,7 @@ export class EcoStream {
 		this.slice = module._malloc(SLICE_BYTES);
 		this.selected = false;
 		this.received = 0;              // bytes of answers of this visit
+		this.held = false;              // whether something came of another
 	}
 
 	free() {
@@ -85,6 +86,16 @@ export class EcoStream {
 		return true;
 	}
 
+	/** Takes an answer to a request that somebody else has made, of one who holds nothing. */
+	async take({ view, wanted: { width, height, vertices, bytes: most }, bytes }) {
+		const { module, web } = this;
+		this.check(module._web_request(web, this.putView(view), width, height, vertices, most));
+		this.check(!module._web_ask(web));
+		const read = [{ value: bytes }, { done: true }];
+		await this.feed({ read: () => read.shift() });
+		this.check(module._web_finish(web) < 0);
+	}
+
 	/** Feeds what was kept of an earlier visit. False: it is not what this client understands; then the
 	 * stream is of no more use. */
 	async replay(answers, view) {
@@ -103,6 +114,7 @@ export class EcoStream {
 		}
 		this.keep = keep;
 		this.received = 0;
+		this.held = answers.length > 0;
 		return true;
 	}
 

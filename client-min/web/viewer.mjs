@@ -46,16 +46,27 @@ function writeAddress() {
 
 // ---- Pictures ----
 
+/** Says to the head of the next visit's page that something of a scene is kept. */
+function remember(name) {
+	try {
+		localStorage.setItem(`kept ${name}`, 1);
+	} catch {
+		// then it asks for more than it needs
+	}
+}
+
 /** The engine: a worker's where canvases can be given away, else this page's. */
 async function startEngine() {
-	if (!canvas.transferControlToOffscreen) {
+	const worker = globalThis.engine;
+	if (!worker) {
 		const { port1, port2 } = new MessageChannel();
 		(await import('./viewer_engine.mjs')).startEngine(canvas, port2);
 		return port1;
 	}
-	const worker = new Worker(new URL('viewer_engine.mjs', import.meta.url), { type: 'module' });
 	const offscreen = canvas.transferControlToOffscreen();
 	worker.onerror = () => say('The viewer could not be loaded; reload the page to try again.', true);
+	if (worker.failed)
+		worker.onerror();
 	worker.postMessage({ canvas: offscreen }, [offscreen]);
 	return worker;
 }
@@ -111,6 +122,8 @@ function showProgress({ complete, received }) {
 const heard = {
 	opened(message) {
 		({ about } = message);
+		if (!token)
+			remember(settings.scene);
 		showSettings();
 		document.title = `${about.title ?? settings.scene} – ecostream`;
 		showAll();
@@ -144,6 +157,25 @@ const heard = {
 
 // ---- Scenes and settings ----
 
+/** What the page's head asked for (viewer_first.js), for the engine; null where that is no longer wanted, or
+ * went wrong: then the engine asks by itself. */
+async function takeFirst(name) {
+	const { scene, about, answer, view, wanted } = globalThis.first ?? {};
+	globalThis.first = null;
+	if (scene !== name || token)
+		return null;
+	try {
+		const [said, came] = await Promise.all([about, answer]);
+		const [since, of] = [said, came].map((one) => one?.headers.get('last-modified'));
+		// an answer is of the pack that is described, or of no use
+		const good = came?.status === 200 && since === of;
+		return said.ok ? { about: await said.json(), view, wanted,
+			bytes: good ? new Uint8Array(await came.arrayBuffer()) : null } : null;
+	} catch {
+		return null;
+	}
+}
+
 function open(name) {
 	settings.scene = name;
 	about = rows = null;
@@ -152,7 +184,11 @@ function open(name) {
 		return;
 	closeCard();
 	say('Loading');
-	engine.postMessage({ type: 'open', url: new URL(`/v1/scenes/${name}`, location.href).href, token });
+	const url = new URL(`/v1/scenes/${name}`, location.href).href, opened = token;
+	takeFirst(name).then((first) => {
+		if (settings.scene === name)
+			engine.postMessage({ type: 'open', url, token: opened, first });
+	});
 }
 
 function showSettings() {

@@ -1,7 +1,8 @@
 // What draws the viewer's picture: a worker, so that neither decoding nor drawing keeps the page from its
 // input; in a browser that has no canvas for workers, the page itself. Messages to it:
 //
-//   { type: 'open', url, token }                    another scene; 'opened' brings what is said of it
+//   { type: 'open', url, token, first }             another scene; 'opened' brings what is said of it;
+//                                                  first: EcoLayer's
 //   { type: 'draw', number, matrix, eye, size, moving, vertices, bytes, tint, sun, shadows }
 //                                                  the view from now on
 //   { type: 'pick', at }                            what is seen there? 'picked', then 'explained': why so
@@ -47,11 +48,12 @@ class Engine {
 		});
 	}
 
-	async open({ url, token }) {
+	async open({ url, token, first }) {
 		this.layer?.free();
 		this.layer = null;
 		const onError = (error) => this.fail(error.message), onChange = () => this.redraw();
-		const layer = new EcoLayer({ url, token, gl: this.gl, keep: !token, onChange, onError });
+		const layer = new EcoLayer({ url, token, first, gl: this.gl, keep: !token, onChange,
+			onError });
 		this.opening = layer;
 		await layer.ready;
 		if (this.opening !== layer)
@@ -143,5 +145,6 @@ export function startEngine(canvas, port) {
 	return engine;
 }
 
+EcoLayer.prepare();
 if (globalThis.WorkerGlobalScope)
 	globalThis.onmessage = ({ data }) => { globalThis.engine = startEngine(data.canvas, globalThis); };

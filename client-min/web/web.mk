@@ -10,6 +10,8 @@ W := build/web
 WEB_FLAGS := -Os -ffp-contract=off -fno-strict-aliasing -ffunction-sections -D_GNU_SOURCE -DXXH_INLINE_ALL -I. -I$(W)/include
 WEB_CFLAGS := -std=c11 $(WARN) $(WEB_FLAGS) -I$(W)/src/libwebp/src
 WEB_CXXFLAGS := -std=c++17 -fno-rtti $(WEB_FLAGS) -isystem $(W)/src/draco/src
+# light is the longest part of a picture: .6 of the time with vectors, which all browsers of the last years have
+$(W)/obj/client-min/draw/view_light.o $(W)/obj/client-min/draw/view_shade.o: WEB_FLAGS += -O3 -msimd128
 export NODE_PATH := /usr/share/nodejs
 
 WEB_ROOMS := $(wildcard lod/*.c) lod/raster/texel.c $(wildcard client-min/web/*.c)

@@ -65,17 +65,20 @@ export class Browser {
 		});
 	}
 
-	/** Opens a page of that size; the only one. */
+	/** Makes the page, the only one, before it is opened. */
+	async attach() {
+		const { targetId } = await this.send('Target.createTarget', { url: 'about:blank' });
+		const { sessionId } = await this.send('Target.attachToTarget', { targetId, flatten: true });
+		this.session = sessionId;
+		await this.send('Page.enable');
+		await this.send('Runtime.enable');
+		await this.send('Log.enable');
+	}
+
+	/** Opens an address in a page of that size. */
 	async open(url, width, height, { mobile = false, dark = false } = {}) {
-		if (!this.session) {
-			const { targetId } = await this.send('Target.createTarget', { url: 'about:blank' });
-			const { sessionId } = await this.send('Target.attachToTarget',
-				{ targetId, flatten: true });
-			this.session = sessionId;
-			await this.send('Page.enable');
-			await this.send('Runtime.enable');
-			await this.send('Log.enable');
-		}
+		if (!this.session)
+			await this.attach();
 		await this.send('Emulation.setDeviceMetricsOverride',
 			{ width, height, deviceScaleFactor: 1, mobile });
 		await this.send('Emulation.setEmulatedMedia',

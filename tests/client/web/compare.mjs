@@ -65,7 +65,7 @@ async function openLayer(url) {
 	const gl = new OffscreenCanvas(16, 16).getContext('webgl2');
 	const onError = (error) => { globalThis.failed = error.message; };
 	globalThis.tested?.free();
-	globalThis.tested = new EcoLayer({ url, gl, onError });
+	globalThis.tested = new EcoLayer({ url, gl, firstBytes: Infinity, onError });
 	await tested.ready;
 }
 

@@ -1,0 +1,153 @@
+// frame.mjs CHROMIUM RUNS URL...: what a frame costs in a browser, beside a page that only draws as many
+// plain primitives of the same kinds. Of each scene's URL: the whole scene as the viewer frames it, 640 x 480, from
+// 300,000 vertices on. A plain frame is buffers made beforehand, one draw call a kind, a colour a primitive
+// and a depth test: triangles; lines of a pixel; points for points, ellipsoids, summaries and impostors.
+// Triangles and points are as large as cover together twice what the scene's plants cover. Frames of both
+// alternate, each with a camera of its own, and each ends when a pixel was read. Prints medians and their
+// ratio, and what our frame is made of.
+import { Browser } from '../../client/web/browser.mjs';
+
+const [chromium, runs, ...urls] = process.argv.slice(2);
+const SIZE = [640, 480], VERTICES = 300000, MOST = 2;
+
+// ---- In the page ----
+
+async function openScene(url, [width, height], vertices) {
+	const { EcoLayer } = await import('/viewer/eco_layer.mjs');
+	const { Camera } = await import('/viewer/viewer_camera.mjs');
+	const gl = new OffscreenCanvas(width, height).getContext('webgl2', { antialias: false });
+	const layer = new EcoLayer({ url, gl, vertices, firstBytes: Infinity });
+	await layer.ready;
+	const camera = new Camera(), { bounds, near_m: near } = layer.about;
+	camera.frame(bounds, near, width / height);
+	globalThis.ours = { gl, layer, camera, size: [width, height] };
+	ours.frame = (turn) => {
+		camera.yaw += turn;
+		const view = camera.view();
+		layer.present({ ...view }, [0, 0], width, height);
+		gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+	};
+	await layer.load({ view: camera.view(), width, height, vertices, bytes: -1 });
+	ours.frame(0);
+	const { roles, vertices: drawn } = layer.facts();
+	return { drawn, roles: roles.filter((role) => role.vertices),
+		covered: layer.cover().reduce((sum, c) => sum + (c > 0), 0) };
+}
+
+function openPlain([width, height], roles, covered) {
+	const gl = new OffscreenCanvas(width, height).getContext('webgl2', { antialias: false });
+	const shader = (type, text) => {
+		const it = gl.createShader(type);
+		gl.shaderSource(it, `#version 300 es\nprecision highp float;\n${text}`);
+		gl.compileShader(it);
+		return it;
+	};
+	const program = gl.createProgram();
+	gl.attachShader(program, shader(gl.VERTEX_SHADER, `layout(location = 0) in vec3 a_at;
+		layout(location = 1) in vec4 a_color; uniform mat4 u_matrix; uniform float u_size; out vec4 v_color;
+		void main() { gl_Position = u_matrix * vec4(a_at, 1); gl_PointSize = u_size; v_color = a_color; }`));
+	gl.attachShader(program, shader(gl.FRAGMENT_SHADER, `in vec4 v_color; out vec4 o_color;
+		void main() { o_color = v_color; }`));
+	gl.linkProgram(program);
+	gl.useProgram(program);
+	gl.enable(gl.DEPTH_TEST);
+	let seed = 1;
+	const random = () => (seed = seed * 48271 % 2147483647) / 2147483647;
+	const sum = (test) => roles.filter(({ name }) => test(name))
+		.reduce((all, { vertices }) => all + vertices, 0);
+	const counts = { triangles: Math.round(sum((name) => name.includes('triangles')) / 3),
+		lines: Math.round(sum((name) => name.includes('lines')) / 2),
+		points: sum((name) => !name.includes('triangles') && !name.includes('lines')) };
+	const area = 2 * covered / (counts.triangles + counts.points), side = Math.sqrt(area);
+	const kinds = [[gl.TRIANGLES, counts.triangles, 3, 1.7 * side], [gl.LINES, counts.lines, 2, 3 * side],
+		[gl.POINTS, counts.points, 1, 0]].filter(([, count]) => count).map(([mode, count, corners, size]) => {
+		const at = new Float32Array(count * corners * 3), color = new Uint8Array(count * corners * 4);
+		for (let i = 0; i < count; i++) {
+			const middle = [random() * 1.8 - 0.9, random() * 1.8 - 0.9, random() * 1.8 - 0.9];
+			const shade = random() * 255;
+			for (let k = 0; k < corners; k++) {
+				const turn = 2 * Math.PI * (k / corners + shade), v = i * corners + k;
+				at.set([middle[0] + Math.cos(turn) * size / width, middle[1] + Math.sin(turn) * size / height,
+					middle[2]], 3 * v);
+				color.set([shade, 255 - shade, 80, 255], 4 * v);
+			}
+		}
+		const array = gl.createVertexArray();
+		gl.bindVertexArray(array);
+		[[at, 3, gl.FLOAT, false], [color, 4, gl.UNSIGNED_BYTE, true]].forEach(([data, n, type, unit], i) => {
+			gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+			gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
+			gl.enableVertexAttribArray(i);
+			gl.vertexAttribPointer(i, n, type, unit, 0, 0);
+		});
+		return { mode, array, count: count * corners };
+	});
+	gl.uniform1f(gl.getUniformLocation(program, 'u_size'), Math.max(1, side));
+	const matrix = gl.getUniformLocation(program, 'u_matrix');
+	let angle = 0;
+	globalThis.plain = { frame(turn) {
+		angle += turn;
+		const [c, s] = [Math.cos(angle), Math.sin(angle)];
+		gl.uniformMatrix4fv(matrix, false, [c, s, 0, 0, -s, c, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+		gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+		for (const { mode, array, count } of kinds) {
+			gl.bindVertexArray(array);
+			gl.drawArrays(mode, 0, count);
+		}
+		gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+	} };
+	return counts;
+}
+
+/** Of ours also the parts: until the first pixels are read all is drawn; from when all are read there is
+ * light, and then the picture goes to the page's framebuffer. */
+function timeFrames(runs) {
+	const times = { ours: [], plain: [], parts: { drawing: [], reading: [], light: [], presenting: [] } };
+	const { gl } = ours, read = gl.readPixels.bind(gl), marks = [];
+	gl.readPixels = (...values) => {
+		marks.push(performance.now());
+		read(...values);
+		marks.push(performance.now());
+	};
+	for (let i = 0; i < runs + 2; i++)
+		for (const who of ['ours', 'plain']) {
+			const since = performance.now();
+			marks.length = 0;
+			globalThis[who].frame(1e-4);
+			if (i < 2)
+				continue;
+			times[who].push(performance.now() - since);
+			const [, drawn, , pixels, lit, end] = marks;
+			if (who === 'ours')
+				[drawn - since, pixels - drawn, lit - pixels, end - lit]
+					.forEach((ms, part) => Object.values(times.parts)[part].push(ms));
+		}
+	return times;
+}
+
+// ---- Here ----
+
+const median = (list) => list.sort((a, b) => a - b)[list.length >> 1];
+const browser = new Browser(chromium);
+const call = (f, ...values) => browser.evaluate(`(${f})(...${JSON.stringify(values)})`);
+let worst = 0;
+try {
+	await browser.open(new URL('/viewer/viewer.css', urls[0]).href, ...SIZE);
+	for (const url of urls) {
+		const { drawn, roles, covered } = await call(openScene, url, SIZE, VERTICES);
+		const counts = await call(openPlain, SIZE, roles, covered);
+		const times = await call(timeFrames, Number(runs));
+		const [ours, plain] = [median(times.ours), median(times.plain)], ratio = ours / plain;
+		console.log(`${url.split('/').pop()}: ${drawn} vertices (${roles.map(({ name, vertices }) =>
+			`${name} ${vertices}`).join(', ')}), ${covered} pixels of plants; plain: ${JSON.stringify(counts)}`);
+		const parts = Object.entries(times.parts).map(([part, list]) => `${part} ${median(list).toFixed(1)}`);
+		console.log(`  a frame takes ${ours.toFixed(1)} ms (${parts.join(', ')}), a plain one `
+			+ `${plain.toFixed(1)} ms: ${ratio.toFixed(2)} x`);
+		worst = Math.max(worst, ratio);
+	}
+	if (browser.complaints.length)
+		console.log(browser.complaints.join('\n'));
+} finally {
+	await browser.close();
+}
+console.log(`the worst is ${worst.toFixed(2)} x; at most ${1.5} x is wanted`);
