@@ -18,7 +18,9 @@ export { EcoError };
 export const TINTS = { none: 0, kind: 1 };
 export const SHADOWS = { none: 0, standard: 1, perspective: 2 };
 
-const PATIENCE_MS = 400;         // a view that is out of date is given up after so long
+// a view that is out of date is given up when something of it came so long ago: else who moves on a slow line
+// would never get anything
+const PATIENCE_MS = 400;
 const FIRST_MS = 250;            // coarser pictures are shown while a view takes longer than this
 
 
@@ -36,6 +38,8 @@ const instantiateWasm = (imports, done) => {
 	compileClient().then((client) => WebAssembly.instantiate(client, imports)).then(done);
 	return {};
 };
+
+const TURN = 0.5;                // cosine between ways; who turns by more wants other things next
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const row = (m, i) => [m[i], m[4 + i], m[8 + i]];
@@ -55,6 +59,10 @@ export function cameraOf(m, eye) {
 		depth: [0.5 + 0.5 * dot(z, forward) / dot(forward, forward), 0.5 * (dot(z, eye) + m[14])],
 	};
 }
+
+/** Whether one goes the way of the other: lists of numbers, or null of who stands. */
+const alike = (a, b) => a && b
+	&& a.reduce((sum, v, i) => sum + v * b[i], 0) > TURN * Math.hypot(...a) * Math.hypot(...b);
 
 const cross = ([a, b, c], [x, y, z]) => [b * z - c * y, c * x - a * z, a * y - b * x];
 
@@ -113,6 +121,7 @@ export class EcoLayer {
 		this.asked = null;              // the view that is held or under way
 		this.loading = false;
 		this.version = 0;               // of what is drawn
+		this.ahead = { asked: 0, aborted: 0 };   // requests that said where the eye will be
 		this.source = { url, memoryBytes, keep, token };
 		this.ready = this.open(first);
 	}
@@ -180,12 +189,13 @@ export class EcoLayer {
 		return [0, 1, 2].map((k) => -dot(last, sides.map((side) => side[k])) / det);
 	}
 
-	/** Draws what is here of the view into the framebuffer that is bound; false: nothing is here yet. */
-	draw(viewProjection, eye, [width, height]) {
+	/** Draws what is here of the view into the framebuffer that is bound; false: nothing is here yet. `next`:
+	 * { eye, target } of where it will soon be, of a camera that moves. */
+	draw(viewProjection, eye, [width, height], next = null) {
 		if (!this.stream)
 			return false;
 		const { view, depth } = cameraOf(viewProjection, eye);
-		this.ask(view, width, height);
+		this.ask(view, width, height, next);
 		return this.stream.selected && this.present(view, depth, width, height);
 	}
 
@@ -221,28 +231,37 @@ export class EcoLayer {
 		return true;
 	}
 
-	/** Asks for a view unless it is here or on its way. */
-	ask(view, width, height) {
+	/** Asks for a view unless it is here or on its way. What comes for the way that a camera no longer goes
+	 * is given up. */
+	ask(view, width, height, next = null) {
 		const wanted = { view, width, height, vertices: this.vertices, bytes: this.bytes };
+		const way = next && ['eye', 'target'].flatMap((key) => next[key].map((v, i) => v - view[key][i]));
 		this.wanted = wanted;
+		if (this.loading && this.way && !alike(way, this.way)) {
+			this.ahead.aborted++;
+			[this.way, this.asked] = [null, null];
+			return this.abort.abort();
+		}
 		if (same(wanted, this.asked))
 			return;
 		if (!this.loading)
-			this.load(wanted);
-		else if (performance.now() - this.since > PATIENCE_MS)
+			this.load(wanted, next, way);
+		else if (performance.now() - this.came > PATIENCE_MS)
 			this.abort.abort();
 	}
 
-	async load(wanted) {
+	async load(wanted, next = null, way = null) {
 		this.loading = true;
-		this.asked = wanted;
-		this.since = performance.now();
+		[this.asked, this.way] = [wanted, way];
+		this.ahead.asked += !!next;
+		[this.since, this.came] = [performance.now(), Infinity];
 		this.abort = new AbortController();
 		const show = () => {
 			if (this.stream?.select())
 				this.version++;
 		};
 		const onPart = () => {
+			this.came = Math.min(this.came, performance.now());
 			if (this.stream.selected && performance.now() - this.since < FIRST_MS)
 				return;
 			show();
@@ -256,7 +275,7 @@ export class EcoLayer {
 				show();
 				this.onChange?.();
 			}
-			await this.stream.fetch(wanted.view, { ...wanted, signal, onPart });
+			await this.stream.fetch(wanted.view, { ...wanted, next, signal, onPart });
 			show();
 		} catch (error) {
 			if (error.status === 409)

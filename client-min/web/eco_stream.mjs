@@ -71,10 +71,14 @@ export class EcoStream {
 
 	/** Streams one view. `onPart` is called after each slice that was decoded: a coarser picture may be
 	 * there. Resolves to true, or false where no picture fits in `bytes`. `signal` ends it early: what
-	 * came is kept. */
-	async fetch(view, { width, height, vertices, bytes = -1, signal, onPart }) {
+	 * came is kept. `next`: eye and target of a view that is wanted soon; what it lacks comes last. */
+	async fetch(view, { width, height, vertices, bytes = -1, next, signal, onPart }) {
 		const { module, web } = this;
 		this.check(module._web_request(web, this.putView(view), width, height, vertices, bytes));
+		if (next) {
+			module.HEAPF64.set([...next.eye, ...next.target], this.view / 8);
+			module._web_next(web, this.view);
+		}
 		for (let again = 1, first = true; again > 0; first = false) {
 			const answer = await this.ask(signal);
 			if (answer.status === 204)

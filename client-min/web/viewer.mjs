@@ -9,6 +9,7 @@ const canvas = $('picture');
 const camera = new Camera();
 const settings = { scene: '', mode: 'orbit', vertices: 300000, bytes: -1, kind: 0, sun: '', shadows: 'none' };
 const STILL_MS = 250, LOADING_MS = 300;
+const AHEAD_S = 1;                       // what a moving camera will need so soon is asked for, too
 let engine = null, about = null, frame = 0, movedAt = -Infinity, recording = null;
 let token = null;                        // of a scene that is not for all: #scene=NAME&token=TOKEN
 let rows = null;                         // of inventories: viewer_rows.mjs
@@ -71,6 +72,21 @@ async function startEngine() {
 	return worker;
 }
 
+/** Where a camera that moves will soon be: as it went on since the last frame; null: it stands. */
+function nextView(now, moving) {
+	const { eye, target } = camera.view(), { last } = nextView, s = (now - last?.now) / 1000;
+	nextView.last = moving ? { now, eye, target } : null;
+	if (!moving || !(s > 0 && s < STILL_MS / 1000))
+		return nextView.given = null;
+	const on = (to, from) => to.map((v, i) => v + (v - from[i]) / s * AHEAD_S);
+	const next = { eye: on(eye, last.eye), target: on(target, last.target) };
+	const far = Math.hypot(...next.eye.map((v, i) => v - next.target[i]));
+	// between two moves of a pointer it goes on as before
+	if (!next.eye.every((v, i) => v === eye[i]) || !next.target.every((v, i) => v === target[i]))
+		nextView.given = far > camera.near ? next : null;
+	return nextView.given;
+}
+
 const redraw = () => { frame ||= requestAnimationFrame(draw); };
 
 function draw(now) {
@@ -88,7 +104,7 @@ function draw(now) {
 	if (!about)
 		return;
 	engine.postMessage({ type: 'draw', number: ++asked, matrix: camera.matrix(size[0] / size[1]), size,
-		moving, eye: camera.view().eye, vertices, bytes, shadows, sun: sun || null,
+		moving, eye: camera.view().eye, next: nextView(now, moving), vertices, bytes, shadows, sun: sun || null,
 		tint: kind ? 'kind' : 'none' });
 }
 

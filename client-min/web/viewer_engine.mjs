@@ -3,7 +3,7 @@
 //
 //   { type: 'open', url, token, first }             another scene; 'opened' brings what is said of it;
 //                                                  first: EcoLayer's
-//   { type: 'draw', number, matrix, eye, size, moving, vertices, bytes, tint, sun, shadows }
+//   { type: 'draw', number, matrix, eye, next, size, moving, vertices, bytes, tint, sun, shadows }
 //                                                  the view from now on
 //   { type: 'pick', at }                            what is seen there? 'picked', then 'explained': why so
 //   { type: 'explain' }                             why is the picture what it is?
@@ -64,7 +64,7 @@ class Engine {
 	}
 
 	draw() {
-		const { layer, gl, canvas, wanted } = this, { number, matrix, eye, size, moving } = wanted;
+		const { layer, gl, canvas, wanted } = this, { number, matrix, eye, next, size, moving } = wanted;
 		const [width, height] = size;
 		if (canvas.width !== width || canvas.height !== height)
 			Object.assign(canvas, { width, height });
@@ -77,13 +77,14 @@ class Engine {
 		gl.clearDepth(1);
 		gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
 		const since = performance.now();
-		const there = layer.draw(matrix, eye, size), ms = performance.now() - since;
+		const there = layer.draw(matrix, eye, size, next), ms = performance.now() - since;
 		if (moving && there)
 			this.movingScale *= Math.sqrt(between(0.5, MOVING_MS / Math.max(ms, 1), 1.5));
 		this.movingScale = between(MOVING_LEAST, this.movingScale, 1);
-		const { complete, stream } = layer, { received } = stream;
+		const { complete, stream, ahead } = layer, { received } = stream;
 		const ground = stream.selected ? stream.ground(eye[0], eye[1]) : null;
-		this.post({ type: 'drawn', number, facts: layer.facts(), complete, received, ground });
+		this.post({ type: 'drawn', number, facts: layer.facts(), complete, received, ground,
+			ahead });
 	}
 
 	async pick({ at }) {

@@ -106,6 +106,13 @@ int web_request(struct web *web, const double view[10], double width, double hei
 	return (int)code;
 }
 
+void web_next(struct web *web, const double next[6])
+{
+	web->request.next.given = true;
+	memcpy(web->request.next.eye, next, sizeof web->request.next.eye);
+	memcpy(web->request.next.target, next + 3, sizeof web->request.next.target);
+}
+
 const char *web_query(const struct web *web)
 {
 	return web->query;

@@ -33,6 +33,8 @@ const char *web_error(const struct web *web);
 
 int web_request(struct web *web, const double view[10], double width, double height, double vertices,
 	double bytes);
+/* Also of that request: what a view from there, of eye and target, lacks comes last. */
+void web_next(struct web *web, const double next[6]);
 const char *web_query(const struct web *web);
 const uint8_t *web_ask(struct web *web);
 size_t web_body_size(const struct web *web);

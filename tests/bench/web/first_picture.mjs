@@ -6,7 +6,7 @@
 // and when what a picture waits for was there. Also tasks of the page's thread of 50 ms or more, and how long
 // keys that are pressed meanwhile wait.
 import { Browser } from '../../client/web/browser.mjs';
-import { shape } from './shape.mjs';
+import { shape } from '../../client/web/shape.mjs';
 
 const [chromium, runs, link, bytes] = process.argv.slice(2);
 const SIZE = [800, 600], BITS_PER_S = 1e7, ROUND_TRIP_MS = 50;

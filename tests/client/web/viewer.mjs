@@ -1,9 +1,11 @@
 // viewer.mjs URL CHROMIUM PLANTS.csv SCRIPT.json RELOAD: the page at / as somebody uses it, by pointer and
 // by keyboard. URL is the scene's, PLANTS.csv its inventory (plant, easting, northing, height_m). What was
-// recorded goes to SCRIPT.json. RELOAD is a command that gives the scene a pack of other plants.
+// recorded goes to SCRIPT.json. RELOAD is a command that gives the scene a pack of other plants. The server
+// also has a scene named park.
 import { execSync } from 'node:child_process';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { Browser } from './browser.mjs';
+import { shape } from './shape.mjs';
 
 const [url, chromium, inventory, script, reload] = process.argv.slice(2);
 const name = url.split('/').pop(), page = new URL(`/#scene=${name}`, url).href;
@@ -171,6 +173,23 @@ async function comesBack() {
 	expect(received < 0.2 * facts.bytes, `${received} bytes came again, of ${facts.bytes} that are held`);
 }
 
+/** Who moves on is sent what comes next, until he turns. The line is slow, so that there is something to give
+ * up, and the park is large; the browser keeps nothing of this address. */
+async function looksAhead() {
+	const { port, close } = await shape(new URL(url).port, 3e5, 50);
+	const hold = (type, key) => browser.send('Input.dispatchKeyEvent', { type, key });
+	await browser.open(`http://127.0.0.1:${port}/#scene=park`, 640, 480);
+	await browser.until('viewer.drawn?.facts');
+	await hold('keyDown', 'w');
+	await browser.until('viewer.drawn.ahead.asked > 0');
+	const { ahead } = await ask('viewer.drawn');
+	await hold('keyUp', 'w');
+	await hold('keyDown', 's');
+	await browser.until(`viewer.drawn.ahead.aborted > ${ahead.aborted}`);
+	await hold('keyUp', 's');
+	close();
+}
+
 /** A page that is open while the scene gets another pack shows that one. */
 async function takesAnotherPack() {
 	const names = 'viewer.drawn.facts.species.map(({ name }) => name).sort().join()';
@@ -202,6 +221,7 @@ try {
 	const state = await text('state');
 	expect(state === '', `the page reports: ${state}`);
 	expect(!browser.complaints.length, browser.complaints.join('\n'));
+	await looksAhead();
 } finally {
 	await browser.close();
 }

@@ -41,6 +41,8 @@ export function shape(port, bits_per_s, round_trip_ms) {
 		far.on('data', (bytes) => {
 			for (let at = 0; at < bytes.length; at += PACKET_BYTES) {
 				const packet = bytes.subarray(at, at + PACKET_BYTES);
+				if (near.destroyed)
+					break;
 				free = Math.max(free, performance.now())
 					+ (packet.length + HEAD_BYTES) * 8000 / bits_per_s;
 				down.at(free + round_trip_ms / 2, () => near.write(packet));
