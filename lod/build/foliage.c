@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "lod/build/element.h"
+#include "lod/build/model_draw.h"
 
 /* Per image of the model: whether it has transparent texels. */
 static bool *find_holes(const struct eco_model *model, struct lod_arena *arena)
@@ -27,6 +28,7 @@ static void take_arrays(struct lod_foliage *foliage, const struct lod_elements *
 	foliage->corner = lod_arena_take(arena, corners, sizeof *foliage->corner);
 	foliage->uv = lod_arena_take(arena, corners, sizeof *foliage->uv);
 	foliage->cutout = lod_arena_take(arena, n, sizeof *foliage->cutout);
+	foliage->mask = lod_arena_take(arena, n, sizeof *foliage->mask);
 	foliage->group = lod_arena_take(arena, n, sizeof *foliage->group);
 	foliage->center = lod_arena_take(arena, n, sizeof *foliage->center);
 	foliage->normal = lod_arena_take(arena, n, sizeof *foliage->normal);
@@ -94,6 +96,7 @@ void lod_foliage_from(struct lod_foliage *foliage, const struct lod_foliage_part
 	*foliage = (struct lod_foliage){ .low = lod_v3_of(mesh->low), .high = lod_v3_of(mesh->high) };
 	take_arrays(foliage, parts->elements, arena);
 	bool *holes = find_holes(model, arena);
+	const struct lod_mask *masks = lod_model_masks(model, arena);
 	uint32_t *number = lod_arena_take(arena, ECO_ORGAN_COUNT * ((size_t)model->image_count + 1),
 		sizeof *number);
 	for (uint32_t i = 0; i < foliage->count; i++) {
@@ -103,8 +106,10 @@ void lod_foliage_from(struct lod_foliage *foliage, const struct lod_foliage_part
 		uint32_t image_index = image ? (uint32_t)(image - model->images) : ECO_NONE;
 		fill_element(foliage, i, parts);
 		foliage->group[i] = group_of(foliage, number, c->organ, image_index, model->image_count);
-		if (image && lod_mesh_material(model, c->material)->cutout && holes[image_index])
+		if (image && lod_mesh_material(model, c->material)->cutout && holes[image_index]) {
 			foliage->cutout[i] = image;
+			foliage->mask[i] = lod_model_mask(model, masks, image);
+		}
 	}
 	fill_wood(foliage, parts, arena);
 }

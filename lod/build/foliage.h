@@ -23,6 +23,7 @@ struct lod_foliage {                 /* arrays of an arena */
 	/* Element i has triangles [triangle_first[i], triangle_first[i + 1]), counted in order. */
 	uint32_t *triangle_first;
 	const struct eco_image **cutout;     /* per element: its image if that is a cut-out, or NULL */
+	const struct lod_mask **mask;        /* the same, its mask; NULL: none is known */
 	/* Per element, from 0: elements of the same organ and texture, which share a list of a pack. */
 	uint32_t *group;
 	uint32_t group_count;

@@ -166,6 +166,7 @@ enum eco_code lod_sights_make(struct lod_sights *sights, const struct lod_foliag
 struct soup {
 	struct lod_raster *raster;
 	const struct eco_image *cutout;      /* of its triangles */
+	const struct lod_mask *mask;
 	uint32_t count;
 	float position[9 * SOUP], uv[6 * SOUP];
 };
@@ -175,13 +176,13 @@ static void flush(struct soup *soup)
 	if (soup->count)
 		lod_raster_triangles(soup->raster,
 			&(struct lod_raster_batch){ .count = soup->count, .position = soup->position,
-			.uv = soup->cutout ? soup->uv : NULL, .cutout = soup->cutout, .owner = 1 });
+			.uv = soup->cutout ? soup->uv : NULL, .cutout = soup->cutout, .mask = soup->mask, .owner = 1 });
 	soup->count = 0;
 }
 
 /* A fan, scaled about the mean of its corners by the factor of edges. */
 static void add_fan(struct soup *soup, const float (*corner)[3], const float (*uv)[2], uint32_t corners,
-	const struct eco_image *cutout, double edge)
+	const struct eco_image *cutout, const struct lod_mask *mask, double edge)
 {
 	float at[ECO_CORNERS_MAX][3];
 	double center[3] = { 0, 0, 0 };
@@ -195,6 +196,7 @@ static void add_fan(struct soup *soup, const float (*corner)[3], const float (*u
 	if (soup->cutout != cutout || soup->count + corners - 2 > SOUP)
 		flush(soup);
 	soup->cutout = cutout;
+	soup->mask = mask;
 	for (uint32_t t = 0; t + 2 < corners; t++, soup->count++) {
 		const uint32_t which[3] = { 0, t + 1, t + 2 };
 		for (int k = 0; k < 3; k++) {
@@ -217,11 +219,11 @@ void lod_sights_draw(const struct lod_sights *sights, uint32_t view, const struc
 			: sqrt(factor);
 		if (drawing->shape && drawing->shape[i].corners)
 			add_fan(&soup, (const float (*)[3])drawing->shape[i].corner, NULL,
-				drawing->shape[i].corners, NULL, edge);
+				drawing->shape[i].corners, NULL, NULL, edge);
 		else
 			add_fan(&soup, (const float (*)[3])(foliage->corner + at),
 				(const float (*)[2])(foliage->uv + at), foliage->first[i + 1] - at,
-				foliage->cutout[i], edge);
+				foliage->cutout[i], foliage->mask ? foliage->mask[i] : NULL, edge);
 	}
 	flush(&soup);
 	gather_bits(sights, raster, mask);

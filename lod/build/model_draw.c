@@ -45,23 +45,35 @@ const uint8_t (*lod_model_colors(const struct eco_model *model, struct lod_arena
 
 /* ---- Drawing ---- */
 
+const struct lod_mask *lod_model_masks(const struct eco_model *model, struct lod_arena *arena)
+{
+	struct lod_mask *masks = lod_arena_take(arena, model->image_count, sizeof *masks);
+	for (uint32_t i = 0; i < model->material_count; i++) {
+		uint32_t image = model->materials[i].image;
+		if (model->materials[i].cutout && image < model->image_count && !masks[image].words)
+			lod_mask_open(&masks[image], &model->images[image], arena);
+	}
+	return masks;
+}
+
 /* Triangles [first, first + count) of the model. */
 struct soup { uint32_t first, count; float position[SOUP * 9], uv[SOUP * 6]; };
 
-static void flush(const struct eco_model *model, struct lod_raster *raster, struct soup *soup,
-	uint32_t material_index)
+static void flush(const struct eco_model *model, const struct lod_mask *masks, struct lod_raster *raster,
+	struct soup *soup, uint32_t material_index)
 {
 	const struct eco_material *material = lod_mesh_material(model, material_index);
 	const struct eco_image *image = material->cutout && model->uv
 		&& material->image < model->image_count ? &model->images[material->image] : NULL;
 	struct lod_raster_batch batch = { .count = soup->count, .position = soup->position,
-		.uv = image ? soup->uv : NULL, .cutout = image, .item = soup->first, .owner = 1 };
+		.uv = image ? soup->uv : NULL, .cutout = image,
+		.mask = lod_model_mask(model, masks, image), .item = soup->first, .owner = 1 };
 	if (soup->count)
 		lod_raster_triangles(raster, &batch);
 	soup->count = 0;
 }
 
-void lod_model_draw(const struct eco_model *model, struct lod_raster *raster)
+void lod_model_draw(const struct eco_model *model, const struct lod_mask *masks, struct lod_raster *raster)
 {
 	struct soup soup;
 	soup.count = 0;
@@ -80,6 +92,6 @@ void lod_model_draw(const struct eco_model *model, struct lod_raster *raster)
 		soup.count += good;
 		if (!good || soup.count == SOUP || t + 1 == model->triangle_count
 				|| model->material[t + 1] != model->material[t])
-			flush(model, raster, &soup, model->material[t]);
+			flush(model, masks, raster, &soup, model->material[t]);
 	}
 }

@@ -19,6 +19,11 @@ struct lod_mask {
 /* Memory comes from `arena`; the image is not needed afterwards. */
 void lod_mask_open(struct lod_mask *mask, const struct eco_image *image, struct lod_arena *arena);
 
+static inline bool lod_mask_opaque(const struct lod_mask *mask, uint32_t column, uint32_t row)
+{
+	return mask->opaque[(size_t)row * mask->words + column / 64] >> column % 64 & 1;
+}
+
 /* True only if no sample of the triangle reads an opaque texel (nearest, wrapping, as all renderers read
  * alpha). Texels that it touches only by rounding count as read. uv as in struct lod_mesh. `*work`, zero at
  * first, sums the work for all triangles of a model; beyond LOD_MASK_WORK every triangle counts as visible,

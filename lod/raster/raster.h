@@ -65,6 +65,7 @@ void lod_raster_window(struct lod_raster *raster, uint32_t width, uint32_t heigh
 void lod_raster_object(struct lod_raster *raster, const struct lod_place *place);
 
 /* One batch: a range of one list. Positions are in object space. */
+struct lod_mask;
 struct lod_raster_batch {
 	uint32_t count;              /* triangles, lines or points */
 	/* 3 per vertex; triangles: 3 vertices each, lines: 2, points, splats: 1 */
@@ -72,6 +73,7 @@ struct lod_raster_batch {
 	const float *uv;             /* triangles only, 2 per vertex, or NULL */
 	const struct eco_image *cutout;   /* samples with alpha < 0.5 (nearest texel, wrapping) are left out;
 	                                   * NULL: opaque */
+	const struct lod_mask *mask; /* the same by bits, which caches hold where they hold no image; or NULL */
 	const float *width;          /* lines: full width in object units, one each */
 	float area;                  /* points: area of the square in object units^2; balls: of the disc */
 	const float *size;           /* points: factors of `area`, one each, or NULL: all 1 */

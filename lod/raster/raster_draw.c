@@ -273,6 +273,7 @@ void lod_raster_triangles(struct lod_raster *raster, const struct lod_raster_bat
 		.count = batch->count, .item = batch->item, .per_item = 1 };
 	if (batch->cutout && batch->uv && batch->cutout->width && batch->cutout->height) {
 		paint.cutout = batch->cutout;
+		paint.mask = batch->mask;
 		soup.uv = batch->uv;
 	}
 	draw_soup(&paint, &soup);

@@ -10,6 +10,7 @@
  * Depth is 1/w, linear on the screen, and clamped to the range of the corners: gradients of slivers are
  * mostly rounding, and the coarse depth behind lod_raster_hides relies on no sample being nearer than its
  * triangle's nearest corner. */
+#include "lod/raster/mask.h"
 #include "lod/raster/raster_state.h"
 
 #define NARROW 12                    /* pixels; up to here stepping beats dividing */
@@ -24,6 +25,7 @@ struct slope { /* depth over the box: at the first centre, per pixel; clamped to
 
 struct texture { /* perspective-correct uv: corner values times 1/w, weighted by the edge functions */
 	const struct eco_image *image;
+	const struct lod_mask *mask;     /* of it, or NULL */
 	double u[3], v[3], z[3];
 	int64_t bias[3];                 /* subtracted from each edge function by the top-left rule */
 };
@@ -105,6 +107,8 @@ static bool texture_opaque(const struct texture *texture, const int64_t edge[3])
 	}
 	uint32_t column = wrap_texel(u / z, texture->image->width),
 		row = wrap_texel(v / z, texture->image->height);
+	if (texture->mask)
+		return lod_mask_opaque(texture->mask, column, row);
 	return texture->image->rgba[4 * ((size_t)row * texture->image->width + column) + 3] >= 128;
 }
 
@@ -253,6 +257,7 @@ void lod_fill_triangle(const struct lod_paint *paint, const struct lod_corner co
 		return;
 	struct slope slope = slope_make(a, b, c, area, x, y);
 	struct texture texture = { 0 };
+	texture.mask = paint->mask;
 	if (paint->cutout)
 		texture_make(&texture, paint->cutout, (const struct lod_corner *const[3]){ a, b, c });
 	for (int32_t row = box.top; row <= box.bottom; row++) {

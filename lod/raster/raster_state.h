@@ -37,6 +37,7 @@ struct lod_raster_state {
 struct lod_paint {
 	const struct lod_raster *raster;
 	const struct eco_image *cutout;
+	const struct lod_mask *mask;     /* of cutout, or NULL */
 	uint32_t item;                   /* of the primitive being drawn */
 	uint64_t owner;
 	uint8_t cover;

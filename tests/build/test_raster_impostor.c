@@ -59,7 +59,7 @@ static double mean_q(const struct eco_model *model, const struct lod_impostor *i
 		double turn = 137.5 * i + 11, up = -25 + 10 * i;
 		struct lod_score score;
 		look(&whole, at, turn, up, far, 1.3 * impostor->radius);
-		lod_model_draw(model, &whole);
+		lod_model_draw(model, NULL, &whole);
 		look(&raster, at, turn, up, far, 1.3 * impostor->radius);
 		draw(&raster, impostor, 1);
 		lod_score(&score, &(struct lod_score_input){ .width = SIDE, .height = SIDE,
@@ -127,7 +127,7 @@ UNIT_TEST(depths_are_those_of_the_near_side)
 	open_level(&impostor, &soup.model, BEST);
 	for (int i = 0; i < 8; i++) {
 		look(&whole, at, 50 * i, 12 * i - 10, 12, 1.3);
-		lod_model_draw(&soup.model, &whole);
+		lod_model_draw(&soup.model, NULL, &whole);
 		look(&raster, at, 50 * i, 12 * i - 10, 12, 1.3);
 		draw(&raster, &impostor, 1);
 		for (uint32_t k = 0; k < SIDE * SIDE; k++)

@@ -19,6 +19,7 @@ struct drawing {
 	uint32_t tiles, parts;
 	const struct eco_impostor_body *body;
 	const struct eco_model *model;
+	const struct lod_mask *masks;
 	const uint8_t (*rgb)[3];
 	double radius;
 	struct lod_raster near[PARTS], far[PARTS];
@@ -75,7 +76,7 @@ static void start(const struct drawing *d, uint32_t tile, bool opposite, struct 
 	lod_raster_clear(raster);
 	lod_raster_camera(raster, &eye, (AWAY - 2) * d->radius);
 	lod_raster_object(raster, &(struct lod_place){ .cosine = 1, .scale = 1 });
-	lod_model_draw(d->model, raster);
+	lod_model_draw(d->model, d->masks, raster);
 }
 
 static void add_sample(const struct drawing *d, uint32_t tile, uint32_t part, uint32_t x, uint32_t y)
@@ -117,7 +118,7 @@ enum eco_code impostor_views_make(struct impostor_view **views, enum eco_imposto
 	struct drawing *d = lod_arena_take(arena, 1, sizeof *d);
 	enum eco_code code = ECO_OK;
 	*d = (struct drawing){ .tiles = eco_impostor_tiles(set), .parts = options->each ? PARTS : 1,
-		.body = body, .model = model, .rgb = rgb, .radius = eco_impostor_radius(body) };
+		.body = body, .model = model, .masks = lod_model_masks(model, arena), .rgb = rgb, .radius = eco_impostor_radius(body) };
 	*views = d->views = lod_arena_take(arena, d->tiles, sizeof **views);
 	eco_impostor_axes(set, d->axes);
 	for (uint32_t i = 0; i < d->parts && !code; i++) {

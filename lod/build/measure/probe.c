@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "ecofiles/base/room.h"
+#include "lod/build/model_draw.h"
 #include "lod/build/weld.h"
 #include "lod/geometry.h"
 
@@ -20,6 +21,7 @@ struct lod_drawing {                 /* one cut; `floats`: where its geometry be
 	size_t floats;
 	bool uv;
 	const struct eco_image *cutout;
+	const struct lod_mask *mask;
 	float area;
 };
 
@@ -139,6 +141,14 @@ static void count_chunks(struct lod_probe *probe, struct eco_list *list, const s
 	}
 }
 
+static bool open_masks(struct lod_probe *probe)
+{
+	if (setjmp(probe->arena.failed))
+		return false;
+	probe->masks = lod_model_masks(probe->model, &probe->arena);
+	return true;
+}
+
 enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *plant,
 	const struct eco_model *model, const struct lod_probe_options *options, struct eco_error *error)
 {
@@ -152,7 +162,7 @@ enum eco_code lod_probe_init(struct lod_probe *probe, const struct lod_plant *pl
 		lod_probe_free(probe);
 		return code;
 	}
-	if (!allocate(probe)) {
+	if (!allocate(probe) || !open_masks(probe)) {
 		lod_probe_free(probe);
 		return eco_fail(error, ECO_NO_MEMORY, "no memory for %u views of %u x %u pixels",
 			options->views, options->pixels, options->pixels);
@@ -186,6 +196,7 @@ void lod_probe_free(struct lod_probe *probe)
 	free(probe->chunks);
 	free(probe->drawings);
 	free(probe->floats);
+	lod_arena_free(&probe->arena);
 	memset(probe, 0, sizeof *probe);
 }
 
@@ -237,6 +248,7 @@ enum eco_code lod_probe_add(struct lod_probe *probe, const struct eco_cut *cut, 
 	*drawing = (struct lod_drawing){ .list = list, .floats = probe->float_count, .uv = holes,
 		.area = list->unit_area * cut->scale,
 		.cutout = holes ? &probe->model->images[probe->plant->images[list->image]] : NULL };
+	drawing->mask = lod_model_mask(probe->model, probe->masks, drawing->cutout);
 	lod_geometry_lay(&geometry, list, count, holes, probe->floats + drawing->floats);
 	drawing->count = lod_list_geometry(list, &draft->elements, cut->first, cut->end, cut->scale,
 		&geometry);
@@ -256,7 +268,7 @@ static void draw_all(const struct lod_probe *probe, struct lod_raster *raster)
 			probe->floats + drawing->floats);
 		lod_raster_list(raster, drawing->list, &geometry,
 			&(struct lod_raster_batch){ .count = drawing->count, .cutout = drawing->cutout,
-			.area = drawing->area, .owner = 1 });
+			.mask = drawing->mask, .area = drawing->area, .owner = 1 });
 	}
 	if (probe->impostor)
 		lod_raster_impostor(raster, probe->impostor, &(struct lod_raster_batch){ .owner = 1 });
@@ -270,7 +282,7 @@ static void flush(const struct lod_probe *probe, struct lod_raster *raster,
 	const struct eco_image *image = material->cutout && material->image < probe->model->image_count
 		? &probe->model->images[material->image] : NULL;
 	struct lod_raster_batch batch = { .count = count, .position = position, .uv = uv, .cutout = uv ? image
-		: NULL, .owner = 1 };
+		: NULL, .mask = uv ? lod_model_mask(probe->model, probe->masks, image) : NULL, .owner = 1 };
 	lod_raster_triangles(raster, &batch);
 }
 

@@ -19,6 +19,7 @@
 struct drawing {
 	struct splat_views *views;
 	const struct eco_model *model;
+	const struct lod_mask *masks;
 	const uint8_t (*rgb)[3];     /* per triangle */
 	struct lod_raster *rasters;
 	uint32_t raster_count;
@@ -137,7 +138,7 @@ static void draw_part(void *pieces, uint32_t part)
 	for (uint32_t i = part; i < d->views->count; i += d->raster_count) {
 		struct splat_view *view = &d->views->items[i];
 		start(d->views, view, raster);
-		lod_model_draw(d->model, raster);
+		lod_model_draw(d->model, d->masks, raster);
 		for (uint32_t y = 0; y < d->views->pixels; y++)
 			for (uint32_t x = 0; x < d->views->pixels; x++)
 				reduce_pixel(d, view, raster, x, y);
@@ -168,7 +169,7 @@ enum eco_code splat_views_make(struct splat_views *views, const struct eco_model
 	if (!bounds(views, model))
 		return ECO_OK;
 	allocate(views, arena);
-	struct drawing d = { views, model, options->rgb ? options->rgb : lod_model_colors(model, arena),
+	struct drawing d = { views, model, lod_model_masks(model, arena), options->rgb ? options->rgb : lod_model_colors(model, arena),
 		lod_arena_take(arena, parts, sizeof *d.rasters), 0 };
 	enum eco_code code = ECO_OK;
 	while (!code && d.raster_count < parts) {
