@@ -215,6 +215,7 @@ static enum eco_code make_scene(struct sheet_plant *p, struct eco_error *error)
 	p->scene = *s;
 	p->scene.root = 0;
 	p->scene.ground = NULL, p->scene.ground_count = p->scene.ground_columns = p->scene.ground_rows = 0;
+	p->scene.ground_images = NULL, p->scene.ground_image_count = 0;
 	p->scene.tiles = &p->tile, p->scene.tile_count = 1;
 	p->scene.groups = &p->group, p->scene.group_count = 1;
 	p->scene.children = NULL, p->scene.child_count = 0;

@@ -11,69 +11,12 @@
 #include "ecofiles/base/turn.h"
 #include "ecofiles/ecopack/make.h"
 #include "ecofiles/ecopack/progress.h"
-#include "server/stream.h"
 #include "tests/support/files.h"
 #include "tests/support/scratch.h"
+#include "tests/support/served.h"
 #include "tests/support/unit_test.h"
 
 #define PLANTS_MOST 1000u
-
-struct seen {                    /* a served scene and what a client holds of it */
-	struct srv_store packs;
-	const struct srv_scene *scene;
-	struct view_store *held;
-	struct view_selection selection;
-	struct lod_eye eye;
-};
-
-static void serve(struct seen *seen, const char *json, const char *pack)
-{
-	struct eco_error error = { 0 };
-	char from[512], to[512];
-	snprintf(from, sizeof from, "%s", in_root(json));
-	snprintf(to, sizeof to, "%s", in_root(pack));
-	assert_ok(make_pack(&(struct make_options){ .scene = from, .pack = to, .jobs = 2,
-		.order = LOD_ORDER_COMBINED, .draft = true }, &error), error);
-	*seen = (struct seen){ .scene = NULL };
-	srv_store_init(&seen->packs);
-	assert_ok(srv_store_add(&seen->packs, "it", to, &error), error);
-	seen->scene = srv_store_find(&seen->packs, "it");
-	assert_int_equal(view_store_new(&seen->held, &(struct view_store_options){ 0 }, NULL), ECO_OK);
-}
-
-static void look(struct seen *seen, const struct eco_view *view, double ground_px)
-{
-	struct eco_request request = { .view = *view, .vertices = 0, .bytes = ECO_BYTES_UNBOUNDED,
-		.ground_px = ground_px };
-	struct eco_holdings holdings = { 0 };
-	struct srv_stream_input input = { .scene = seen->scene, .request = &request, .holdings = &holdings };
-	struct srv_stream stream;
-	struct srv_body body;
-	struct eco_wire_parser *parser;
-	struct eco_error error = { 0 };
-	assert_int_equal(view_store_holdings(seen->held, &holdings, NULL), ECO_OK);
-	assert_ok(srv_stream_plan(&stream, &input, &error), error);
-	view_store_begin(seen->held);
-	assert_int_equal(eco_wire_parser_new(&parser, &view_store_events, seen->held, NULL), ECO_OK);
-	assert_int_equal(srv_stream_write(&stream, &body, NULL), ECO_OK);
-	for (uint32_t i = 0; i < body.piece_count && !error.code; i++)
-		eco_wire_feed(parser, body.pieces[i].bytes, body.pieces[i].size, &error);
-	assert_ok(eco_wire_finish(parser, &error), error);
-	eco_wire_parser_free(parser);
-	srv_body_free(&body);
-	srv_stream_free(&stream);
-	free(holdings.items);
-	lod_eye_make(&seen->eye, view);
-	view_select_free(&seen->selection);
-	assert_int_equal(view_select_make(&seen->selection, seen->held, &seen->eye, NULL), ECO_OK);
-}
-
-static void leave(struct seen *seen)
-{
-	view_select_free(&seen->selection);
-	view_store_free(seen->held);
-	srv_store_free(&seen->packs);
-}
 
 /* ---- Where plants stand ---- */
 
@@ -112,18 +55,18 @@ static void find_feet(struct feet *feet, const struct eco_scene *s, uint32_t til
 }
 
 /* From far above, in so large a picture that all tiles have to be of full detail. */
-static void look_down(struct seen *seen)
+static void look_down(struct served *seen)
 {
 	const struct eco_scene *s = &seen->scene->pack->scene;
 	const struct eco_tile *root = &s->tiles[s->root];
 	double x = (root->low[0] + root->high[0]) / 2, y = (root->low[1] + root->high[1]) / 2,
 		half = fmax(root->high[0] - root->low[0], root->high[1] - root->low[1]) / 2;
-	look(seen, &(struct eco_view){ { x, y, 1e5 }, { x, y, 0 }, { 0, 1, 0 },
+	served_look(seen, &(struct eco_view){ { x, y, 1e5 }, { x, y, 0 }, { 0, 1, 0 },
 		2.2 * atan(half / 9e4) * 57.29577951, ECO_IMAGE_MAX, ECO_IMAGE_MAX }, ECO_GROUND_PX_MIN);
 }
 
 /* The ground that is drawn under every plant is where the plant stands, to so many metres. */
-static void all_stand(struct seen *seen, uint32_t count, double within_m)
+static void all_stand(struct served *seen, uint32_t count, double within_m)
 {
 	static struct feet feet;
 	const struct eco_scene *s = &seen->scene->pack->scene;
@@ -144,14 +87,14 @@ static void all_stand(struct seen *seen, uint32_t count, double within_m)
 /* ---- What covers the picture ---- */
 
 /* Looking from `eye`, every pixel that looks down at more than what is beyond 100 km shows ground. */
-static void covers(struct seen *seen, const double eye[3], const double target[3], double above_m)
+static void covers(struct served *seen, const double eye[3], const double target[3], double above_m)
 {
 	struct eco_view view = { .up = { 0, 0, 1 }, .fov_y_deg = 60, .width = 160, .height = 120 };
 	struct view_picture picture;
 	uint32_t below = 0;
 	memcpy(view.eye, eye, sizeof view.eye);
 	memcpy(view.target, target, sizeof view.target);
-	look(seen, &view, 0);
+	served_look(seen, &view, 0);
 	assert_int_equal(view_picture_init(&picture, view.width, view.height, NULL), ECO_OK);
 	assert_int_equal(view_reference_draw(&(struct view_reference_job){ seen->held, &seen->selection,
 						     &seen->eye, 0.05, 1, NULL, VIEW_TINT_NONE },
@@ -173,7 +116,7 @@ static void covers(struct seen *seen, const double eye[3], const double target[3
 	view_picture_free(&picture);
 }
 
-static void is_covered(struct seen *seen, double x, double y)
+static void is_covered(struct served *seen, double x, double y)
 {
 	static const double from[][3] = { { 0, -40, 2 }, { 200, 100, 150 }, { -3000, 500, 1000 },
 		{ 1, 0, 4000 }, { 30000, -20000, 1.7 }, { 0, 70, 20000 } };
@@ -181,7 +124,7 @@ static void is_covered(struct seen *seen, double x, double y)
 		double eye[3] = { x + from[i][0], y + from[i][1], 0 }, target[3] = { x, y, 0 }, z = 0;
 		struct eco_view down = { { eye[0], eye[1], 1e5 }, { eye[0], eye[1], 0 }, { 0, 1, 0 }, 0.0001,
 			8, 8 };
-		look(seen, &down, 1);
+		served_look(seen, &down, 1);
 		assert_true(view_ground_height(&seen->selection.ground, eye[0], eye[1], &z));
 		eye[2] = z + from[i][2];
 		target[2] = z;
@@ -213,37 +156,37 @@ static void write_rows(const char *name, uint32_t count, double side, bool with_
 
 UNIT_TEST(without_heights_plants_stand_on_a_plain)
 {
-	struct seen seen;
+	struct served seen;
 	write_rows("flat.csv", 150, 300, false);
 	write_text("flat.json",
 		"{" PLANT ", \"instances\": [{\"from\": \"flat.csv\", \"x\": \"x\", \"y\": \"y\", "
 		"\"plant\": \"a\"}]}");
-	serve(&seen, "flat.json", "flat.eco");
+	served_open(&seen, "flat.json", "flat.eco");
 	const struct eco_scene *s = &seen.scene->pack->scene;
 	assert_true(s->ground_count == 1 && s->ground[0].low_m == 0 && s->ground[0].high_m == 0);
 	assert_true(s->chunks[s->lists[s->ground[0].list].chunk_first].size_bytes < 250);
 	all_stand(&seen, 150, 0);
 	is_covered(&seen, 150, 150);
-	leave(&seen);
+	served_close(&seen);
 }
 
 UNIT_TEST(plants_with_heights_stand_on_hills)
 {
-	struct seen seen;
+	struct served seen;
 	write_rows("hills.csv", 400, 300, true);
 	write_text("hills.json",
 		"{" PLANT ", \"instances\": [{\"from\": \"hills.csv\", \"x\": \"x\", \"y\": \"y\", "
 		"\"z\": \"z\", \"plant\": \"a\"}]}");
-	serve(&seen, "hills.json", "hills.eco");
+	served_open(&seen, "hills.json", "hills.eco");
 	all_stand(&seen, 400, 0.03);
 	is_covered(&seen, 150, 150);
-	leave(&seen);
+	served_close(&seen);
 }
 
 /* A file that is nested keeps its shape, wherever it is: the ground goes through the plants of all. */
 UNIT_TEST(nested_plants_stand_on_the_ground_of_the_whole)
 {
-	struct seen seen;
+	struct served seen;
 	write_rows("part.csv", 60, 80, true);
 	write_text("part.json",
 		"{" PLANT ", \"instances\": [{\"from\": \"part.csv\", \"x\": \"x\", \"y\": \"y\", "
@@ -252,15 +195,15 @@ UNIT_TEST(nested_plants_stand_on_the_ground_of_the_whole)
 		"{" PLANT ", \"instances\": [{\"plant\": \"a\", \"at\": [200, 30, 9]}], "
 		"\"children\": [{\"eco\": \"part.json\", \"at\": [0, 0, 5]}, {\"eco\": \"part.json\", \"at\": "
 		"[300, 0, 20], \"yaw_deg\": 90, \"scale\": 0.7}]}");
-	serve(&seen, "nest.json", "nest.eco");
+	served_open(&seen, "nest.json", "nest.eco");
 	all_stand(&seen, 121, 0.05);
 	is_covered(&seen, 100, 50);
-	leave(&seen);
+	served_close(&seen);
 }
 
 UNIT_TEST(plants_beyond_a_raster_stand_on_the_ground_that_goes_on)
 {
-	struct seen seen;
+	struct served seen;
 	FILE *file = open_text("dem.asc");
 	fputs("ncols 60\nnrows 50\nxllcorner 0\nyllcorner 0\ncellsize 5\n", file);
 	for (int r = 0; r < 50; r++)
@@ -271,23 +214,23 @@ UNIT_TEST(plants_beyond_a_raster_stand_on_the_ground_that_goes_on)
 	write_text("off.json",
 		"{\"ground\": {\"heights\": \"dem.asc\"}, " PLANT ", \"instances\": [{\"from\": "
 		"\"off.csv\", \"x\": \"x\", \"y\": \"y\", \"plant\": \"a\"}]}");
-	serve(&seen, "off.json", "off.eco");
+	served_open(&seen, "off.json", "off.eco");
 	all_stand(&seen, 250, 0.03);
 	is_covered(&seen, 150, 120);
 	is_covered(&seen, -200, 400);
-	leave(&seen);
+	served_close(&seen);
 }
 
 UNIT_TEST(ground_that_is_null_stays_off)
 {
-	struct seen seen;
+	struct served seen;
 	write_text("none.json",
 		"{\"ground\": null, " PLANT ", \"instances\": [{\"plant\": \"a\", \"at\": [0, 0, 1]}, "
 		"{\"plant\": \"a\", \"at\": [9, 9, 4]}]}");
-	serve(&seen, "none.json", "none.eco");
+	served_open(&seen, "none.json", "none.eco");
 	const struct eco_scene *s = &seen.scene->pack->scene;
 	assert_true(s->ground_count == 0 && s->ground_columns == 0 && !(s->needs & ECO_NEED_GROUND));
-	leave(&seen);
+	served_close(&seen);
 }
 
 static int prepare(void **state)

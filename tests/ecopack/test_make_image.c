@@ -1,0 +1,224 @@
+/* The ground's image from the scene to pictures: where it is seen, by OpenGL and in software; what a later make
+ * repeats of it; on the map; in 3D Tiles. */
+#include <dirent.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "client-min/draw/view_gl.h"
+#include "client-min/view_reference.h"
+#include "ecofiles/ecopack/export/export.h"
+#include "ecofiles/ecopack/make.h"
+#include "ecofiles/ecopack/map.h"
+#include "ecofiles/ecopack/progress.h"
+#include "ecofiles/format/image.h"
+#include "tests/support/files.h"
+#include "tests/support/scratch.h"
+#include "tests/support/served.h"
+#include "tests/support/unit_test.h"
+
+#define SIDE 512                         /* texels of the photo, of a quarter of a metre */
+#define PIXELS 120
+#define TOLERANCE 2                      /* bytes, between OpenGL and software */
+
+static char cache[300];
+
+static void color_at(double east, double north, uint8_t rgb[3])
+{
+	static const uint8_t red[3] = { 200, 40, 30 }, blue[3] = { 30, 50, 200 }, white[3] = { 230, 230, 230 };
+	memcpy(rgb, east < 0 ? red : north > 0 ? white : blue, 3);
+}
+
+/* The west red, the south-east blue, the north-east white; `dot`: a black one in the south-east. */
+static void write_photo(bool dot)
+{
+	uint8_t *rgb = malloc(3 * SIDE * SIDE);
+	for (int y = 0; y < SIDE; y++)
+		for (int x = 0; x < SIDE; x++)
+			color_at(x - SIDE / 2 + 0.5, SIDE / 2 - 0.5 - y, rgb + 3 * (y * SIDE + x));
+	for (int y = 400; y < 410 && dot; y++)
+		memset(rgb + 3 * (y * SIDE + 400), 0, 30);
+	assert_int_equal(eco_png_write(&(struct eco_pixels){ SIDE, SIDE, 3, rgb }, in_root("photo.png"), NULL), ECO_OK);
+	free(rgb);
+}
+
+/* Reds are the west's, and so on: what is lit and seen through air is not the texel's colour any more. */
+static void is_seen(const uint8_t *rgb, double east, double north)
+{
+	int r = rgb[0], g = rgb[1], b = rgb[2];
+	bool good = east < 0 ? r > 2 * b && r > 2 * g : north > 0 ? abs(r - b) < 40 && g > 90 : b > 2 * r;
+	if (!good)
+		fail_msg("%.1f, %.1f shows %d %d %d", east, north, r, g, b);
+}
+
+UNIT_TEST(colours_are_seen_where_they_lie_by_opengl_and_in_software)
+{
+	const struct eco_view view = { .eye = { 0, 0, 150 }, .target = { 0, 0, 0 }, .up = { 0, 1, 0 }, .fov_y_deg = 40,
+		.width = PIXELS, .height = PIXELS };
+	struct served seen;
+	struct view_picture soft, hard;
+	struct view_gl *gl = NULL;
+	struct eco_error error = { 0 };
+	uint32_t ground = 0;
+	served_open(&seen, "photo.json", "photo.eco");
+	seen.vertices = 100000;
+	served_look(&seen, &view, 1);
+	assert_true(seen.selection.image.count > 0);
+	assert_int_equal(view_picture_init(&soft, PIXELS, PIXELS, NULL), ECO_OK);
+	assert_int_equal(view_picture_init(&hard, PIXELS, PIXELS, NULL), ECO_OK);
+	assert_int_equal(view_reference_draw(&(struct view_reference_job){ seen.held, &seen.selection, &seen.eye, 0.1, 2,
+		NULL, VIEW_TINT_NONE }, &soft, NULL), ECO_OK);
+	if (view_gl_open(&gl, &(struct view_gl_options){ PIXELS, PIXELS }, &error))
+		print_message("only in software: %s\n", error.text);
+	else
+		assert_ok(view_gl_draw(gl, &(struct view_gl_job){ seen.held, &seen.selection, &seen.eye, 0.1,
+			VIEW_TINT_NONE }, &hard, &error), error);
+	for (uint32_t i = 0; i < PIXELS * PIXELS; i++) {
+		double half = 150 * tan(20 * M_PI / 180), east = ((i % PIXELS + 0.5) / PIXELS * 2 - 1) * half,
+			north = (1 - (i / PIXELS + 0.5) / PIXELS * 2) * half;
+		if (soft.cover[i] || (gl && hard.cover[i]))
+			continue;
+		if (fabs(east) > 2 && (east < 0 || fabs(north) > 2))
+			is_seen(soft.rgb + 3 * i, east, north);
+		for (int k = 0; k < 3 && gl; k++)
+			assert_true(abs(soft.rgb[3 * i + (uint32_t)k] - hard.rgb[3 * i + (uint32_t)k]) <= TOLERANCE);
+		ground++;
+	}
+	assert_true(ground > PIXELS * PIXELS / 2);
+	view_gl_close(gl);
+	view_picture_free(&soft);
+	view_picture_free(&hard);
+	served_close(&seen);
+}
+
+/* ---- Bytes ---- */
+
+static void make(const char *pack, uint32_t jobs, bool draft, bool cached)
+{
+	struct eco_error error = { 0 };
+	assert_ok(make_pack(&(struct make_options){ .scene = in_root("photo.json"), .pack = in_root(pack), .jobs = jobs,
+		.cache = cached ? cache : NULL, .draft = draft, .order = LOD_ORDER_COMBINED }, &error), error);
+}
+
+static uint32_t count_entries(void)
+{
+	DIR *dir = opendir(cache);
+	uint32_t count = 0;
+	for (struct dirent *entry; dir && (entry = readdir(dir)) != NULL;)
+		count += strstr(entry->d_name, ".plant") != NULL;
+	closedir(dir);
+	return count;
+}
+
+static bool alike(const char *a, const char *b)
+{
+	char path[512];
+	snprintf(path, sizeof path, "%s", in_root(a));
+	return files_alike(path, in_root(b));
+}
+
+/* Four squares and the one above them: the dot changes one of the four, and the one above. */
+UNIT_TEST(the_pack_is_the_same_and_squares_are_encoded_once)
+{
+	make("one.eco", 1, false, false);
+	make("four.eco", 4, false, false);
+	assert_true(alike("one.eco", "four.eco"));
+	make("refined.eco", 2, true, true);
+	make("refined.eco", 2, false, true);
+	assert_true(alike("one.eco", "refined.eco"));
+	uint32_t before = count_entries();
+	make("again.eco", 2, false, true);
+	assert_true(alike("one.eco", "again.eco"));
+	assert_int_equal(count_entries(), before);
+	write_photo(true);
+	make("dot.eco", 2, false, true);
+	assert_false(alike("one.eco", "dot.eco"));
+	assert_int_equal(count_entries(), before + 2 + 1);       /* and the note that this pack was made */
+	write_photo(false);
+}
+
+/* ---- The map and 3D Tiles ---- */
+
+UNIT_TEST(the_map_shows_it)
+{
+	struct eco_error error = { 0 };
+	struct map m = { .error = &error };
+	uint8_t *rgba = NULL;
+	assert_ok(map_gather(&m, in_root("photo.json")), error);
+	assert_ok(map_frame(&m, 200), error);
+	assert_ok(map_read_image(&m, &rgba), error);
+	assert_non_null(rgba);
+	for (uint32_t y = 20; y < 180; y += 20)
+		for (uint32_t x = 20; x < 180; x += 20) {
+			double east = m.view.low[0] + (x + 0.5) / m.scale, north = m.view.high[1] - (y + 0.5) / m.scale;
+			uint8_t wanted[3];
+			const uint8_t *pixel = rgba + 4 * ((size_t)y * (uint32_t)m.width + x);
+			color_at(east, north, wanted);
+			if (fabs(east) > 2 && fabs(north) > 2)
+				assert_true(pixel[3] == 255 && memcmp(pixel, wanted, 3) == 0);
+		}
+	free(rgba);
+	map_free(&m);
+}
+
+UNIT_TEST(tiles_of_ground_carry_it)
+{
+	struct eco_error error = { 0 };
+	struct eco_pack *pack;
+	struct eco_image image;
+	size_t size;
+	make("tiles.eco", 2, true, false);
+	assert_ok(eco_pack_open(&pack, in_root("tiles.eco"), &error), error);
+	assert_ok(export_tiles(pack, in_root("tiles"), &error), error);
+	eco_pack_close(pack);
+	char *gltf = read_all("tiles/tiles/ground-0.gltf", &size);
+	assert_non_null(strstr(gltf, "TEXCOORD_0"));
+	assert_non_null(strstr(gltf, "\"ground-0.png\""));
+	assert_null(strstr(gltf, "MASK"));
+	free(gltf);
+	uint8_t *png = (uint8_t *)read_all("tiles/tiles/ground-0.png", &size);
+	assert_ok(eco_image_read_memory(&image, png, size, "ground-0.png", &error), error);
+	assert_true(image.width >= 400 && image.height >= 400);
+	for (uint32_t i = 0; i < 16; i++) {
+		uint32_t x = image.width * (2 * (i % 4) + 1) / 8, y = image.height * (2 * (i / 4) + 1) / 8;
+		uint8_t wanted[3];
+		const uint8_t *texel = image.rgba + 4 * ((size_t)y * image.width + x);
+		color_at((double)x - image.width / 2.0, image.height / 2.0 - y, wanted);
+		for (int k = 0; k < 3; k++)
+			assert_true(abs(texel[k] - wanted[k]) < 12);
+	}
+	eco_image_free(&image);
+	free(png);
+}
+
+static int prepare(void **state)
+{
+	scratch_open("make_image");
+	main_progress_quiet(true);
+	snprintf(cache, sizeof cache, "%s", in_root("cache"));
+	FILE *file = open_text("a.obj");
+	write_leaves(file, 4, 20);
+	fputs("v 0 0 0\nv 0.05 0 0\nv 0 4 0\nf -3 -2 -1\n", file);
+	assert_int_equal(fclose(file), 0);
+	write_photo(false);
+	/* no heights, no CRS: the picture is laid where the scene says */
+	write_text("photo.json", "{\"name\": \"photo\", \"ground\": {\"image\": {\"file\": \"photo.png\", \"north_west\": "
+		"[-64, 64], \"pixel\": 0.25}}, \"plants\": {\"a\": {\"model\": \"a.obj\"}}, \"instances\": [{\"plant\": "
+		"\"a\", \"at\": [-56, -56]}, {\"plant\": \"a\", \"at\": [56, -56]}, {\"plant\": \"a\", \"at\": [56, 56]}, "
+		"{\"plant\": \"a\", \"at\": [-56, 56]}]}");
+	return 0;
+}
+
+static int clean_up(void **state)
+{
+	static const char *const folders[] = { "cache", "tiles/tiles", "tiles/plants", "tiles" };
+	for (size_t i = 0; i < sizeof folders / sizeof *folders; i++)
+		scratch_remove(in_root(folders[i]));
+	scratch_remove(scratch_root);
+	return 0;
+}
+
+int main(void)
+{
+	return unit_tests_run(prepare, clean_up);
+}

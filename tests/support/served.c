@@ -1,0 +1,56 @@
+#include "tests/support/served.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "ecofiles/ecopack/make.h"
+#include "tests/support/scratch.h"
+
+void served_open(struct served *seen, const char *json, const char *pack)
+{
+	struct eco_error error = { 0 };
+	char from[512], to[512];
+	snprintf(from, sizeof from, "%s", in_root(json));
+	snprintf(to, sizeof to, "%s", in_root(pack));
+	assert_ok(make_pack(&(struct make_options){ .scene = from, .pack = to, .jobs = 2,
+		.order = LOD_ORDER_COMBINED, .draft = true }, &error), error);
+	*seen = (struct served){ .scene = NULL };
+	srv_store_init(&seen->packs);
+	assert_ok(srv_store_add(&seen->packs, "it", to, &error), error);
+	seen->scene = srv_store_find(&seen->packs, "it");
+	assert_int_equal(view_store_new(&seen->held, &(struct view_store_options){ .images = true }, NULL), ECO_OK);
+}
+
+void served_look(struct served *seen, const struct eco_view *view, double ground_px)
+{
+	struct eco_request request = { .view = *view, .vertices = seen->vertices, .bytes = ECO_BYTES_UNBOUNDED,
+		.ground_px = ground_px };
+	struct eco_holdings holdings = { 0 };
+	struct srv_stream_input input = { .scene = seen->scene, .request = &request, .holdings = &holdings };
+	struct srv_stream stream;
+	struct srv_body body;
+	struct eco_wire_parser *parser;
+	struct eco_error error = { 0 };
+	assert_int_equal(view_store_holdings(seen->held, &holdings, NULL), ECO_OK);
+	assert_ok(srv_stream_plan(&stream, &input, &error), error);
+	view_store_begin(seen->held);
+	assert_int_equal(eco_wire_parser_new(&parser, &view_store_events, seen->held, NULL), ECO_OK);
+	assert_int_equal(srv_stream_write(&stream, &body, NULL), ECO_OK);
+	for (uint32_t i = 0; i < body.piece_count && !error.code; i++)
+		eco_wire_feed(parser, body.pieces[i].bytes, body.pieces[i].size, &error);
+	assert_ok(eco_wire_finish(parser, &error), error);
+	eco_wire_parser_free(parser);
+	srv_body_free(&body);
+	srv_stream_free(&stream);
+	free(holdings.items);
+	lod_eye_make(&seen->eye, view);
+	view_select_free(&seen->selection);
+	assert_int_equal(view_select_make(&seen->selection, seen->held, &seen->eye, NULL), ECO_OK);
+}
+
+void served_close(struct served *seen)
+{
+	view_select_free(&seen->selection);
+	view_store_free(seen->held);
+	srv_store_free(&seen->packs);
+}

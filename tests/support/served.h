@@ -1,0 +1,25 @@
+/* A scene of scratch.h's folder, made into a pack, served, and held by a client: what is seen of it.
+ *
+ *   served_open(&seen, "a.json", "a.eco");      a draft; fails the test where that fails
+ *   served_look(&seen, &view, ground_px);       asks for a view; seen.selection is what is drawn of it
+ *   served_close(&seen); */
+#ifndef TESTS_SERVED_H
+#define TESTS_SERVED_H
+
+#include "client-min/view_select.h"
+#include "server/stream.h"
+
+struct served {
+	struct srv_store packs;
+	const struct srv_scene *scene;
+	struct view_store *held;
+	struct view_selection selection;
+	struct lod_eye eye;
+	uint64_t vertices;               /* of each view; 0: ground alone, without its image */
+};
+
+void served_open(struct served *seen, const char *json, const char *pack);
+void served_look(struct served *seen, const struct eco_view *view, double ground_px);
+void served_close(struct served *seen);
+
+#endif
